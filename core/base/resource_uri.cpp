@@ -1,0 +1,124 @@
+#include "core/base/resource_uri.h"
+
+#include <algorithm>
+#include <regex>
+
+#include "core/base/error.h"
+
+namespace handgraft {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+bool startsWith(const std::string& text, const std::string& prefix) {
+  return text.compare(0, prefix.size(), prefix) == 0;
+}
+
+int hexDigit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return -1;
+}
+
+std::string decodePercent(const std::string& text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '%' && i + 2 < text.size()) {
+      const int high = hexDigit(text[i + 1]);
+      const int low = hexDigit(text[i + 2]);
+      if (high >= 0 && low >= 0) {
+        out.push_back(static_cast<char>(high * 16 + low));
+        i += 2;
+        continue;
+      }
+    }
+    out.push_back(text[i]);
+  }
+  return out;
+}
+
+bool isFile(const fs::path& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error);
+}
+
+bool isFolder(const fs::path& path) {
+  std::error_code error;
+  return fs::is_directory(path, error);
+}
+
+fs::path packageDirectory(const std::string& package, const std::string& uri,
+                          const fs::path& base_directory, const PackageMap& packages) {
+  if (const auto found = packages.find(package); found != packages.end()) return found->second;
+  std::error_code error;
+  fs::path folder = fs::absolute(base_directory, error);
+  while (true) {
+    if (folder.filename() == package) return folder;
+    if (isFolder(folder / package)) return folder / package;
+    if (!folder.has_relative_path()) break;
+    folder = folder.parent_path();
+  }
+  rejectInput("{}: package {} is not known, and no folder of that name lies above {}; name it "
+              "with --package {}=DIR",
+              quoted(uri), quoted(package), base_directory.string(), package);
+}
+
+}  // namespace
+
+fs::path resolveResource(const std::string& uri, const fs::path& base_directory,
+                         const PackageMap& packages) {
+  const std::string package_scheme = "package://";
+  const std::string file_scheme = "file://";
+  fs::path path;
+  if (startsWith(uri, package_scheme)) {
+    const std::string rest = decodePercent(uri.substr(package_scheme.size()));
+    const std::size_t slash = rest.find('/');
+    if (slash == std::string::npos || slash == 0) {
+      rejectInput("{}: a package URI reads package://NAME/PATH", quoted(uri));
+    }
+    path = packageDirectory(rest.substr(0, slash), uri, base_directory, packages) /
+           rest.substr(slash + 1);
+  } else if (startsWith(uri, file_scheme)) {
+    path = decodePercent(uri.substr(file_scheme.size()));
+  } else if (uri.find("://") != std::string::npos) {
+    rejectInput("{}: only package://, file:// and plain paths can be read", quoted(uri));
+  } else {
+    path = uri;
+  }
+  if (path.is_relative()) path = base_directory / path;
+  if (!isFile(path)) {
+    rejectInput("{}: no such file (looked at {})", quoted(uri), quoted(path.string()));
+  }
+  return path;
+}
+
+std::vector<std::string> meshUrisIn(const std::string& urdf_text) {
+  // A commented-out mesh need not exist.
+  const std::string open = "<!--";
+  const std::string close = "-->";
+  std::string text;
+  for (std::size_t at = 0; at < urdf_text.size();) {
+    const std::size_t begin = urdf_text.find(open, at);
+    text += urdf_text.substr(at, begin - at);
+    if (begin == std::string::npos) break;
+    const std::size_t end = urdf_text.find(close, begin + open.size());
+    if (end == std::string::npos) break;
+    at = end + close.size();
+  }
+
+  std::vector<std::string> uris;
+  const std::string tag = "<mesh";
+  for (std::size_t at = text.find(tag); at != std::string::npos; at = text.find(tag, at + 1)) {
+    const std::string element = text.substr(at, text.find('>', at) - at);
+    static const std::regex kFileName(R"rx(filename\s*=\s*("([^"]*)"|'([^']*)'))rx");
+    std::smatch match;
+    if (!std::regex_search(element, match, kFileName)) continue;
+    const std::string uri = match[2].matched ? match[2].str() : match[3].str();
+    if (std::find(uris.begin(), uris.end(), uri) == uris.end()) uris.push_back(uri);
+  }
+  return uris;
+}
+
+}  // namespace handgraft

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/geometry/triangle_mesh.h"
+
+namespace handgraft::contact {
+
+/// Where a hand touched an object: a value per vertex, optionally the touching segment.
+struct ContactMap {
+  geometry::TriangleMesh mesh_O;
+  /// Intensity or probability per vertex, V entries, finite; 0 is no contact.
+  Eigen::VectorXd value;
+  /// Index into `segment_names` per vertex, -1 none; empty if the map has no labels.
+  std::vector<int> label;
+  /// Names of the hand's segments as the file gives them ("link_ff_dd_z"); may be empty although
+  /// labels are not: then segments are anonymous.
+  std::vector<std::string> segment_names;
+};
+
+/// The finger a segment's name stands for: `thumb index middle ring little palm`, or "" when the
+/// name says nothing. Knows full names (thumb, index, middle, ring, little, pinky, palm) and the
+/// tokens th ff mf rf lf; case does not matter.
+std::string fingerOfSegment(const std::string& segment_name);
+
+}  // namespace handgraft::contact

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/geometry/surface_point.h"
+#include "core/geometry/triangle_mesh.h"
+
+namespace handgraft::contact {
+
+/// One contact area on an object's surface (paper, III-A: PR, PB and IB).
+struct Patch {
+  /// The hand site it belongs to: `thumb`, `palm`, ...
+  std::string name;
+  geometry::SurfacePoint root;
+  /// Tangent at the root towards the wrist of the hand that touched, in O. Missing where the
+  /// source does not tell; then the first solve finds it.
+  std::optional<Eigen::Vector3d> direction_O;
+  /// Closed loop around the patch, counter-clockwise seen from outside, mesh vertices.
+  std::vector<int> boundary;
+  /// 20-30 places at equal arc length along the boundary.
+  std::vector<geometry::SurfacePoint> interpolation_boundary;
+  /// Multiplies the patch's part of the objective; 0 switches it off.
+  double weight = 1.0;
+};
+
+inline constexpr int kDefaultInterpolationCount = 25;
+
+/// `count` places at equal arc length along a closed loop of mesh vertices, starting at its first.
+/// Every two neighbours of the loop must share a face (InvalidInput names the pair).
+std::vector<geometry::SurfacePoint> sampleLoop(const geometry::TriangleMesh& mesh,
+                                               const std::vector<int>& loop,
+                                               int count = kDefaultInterpolationCount);
+
+/// Everything a patch promises about its mesh; InvalidInput names the patch and the fault.
+void validate(const geometry::TriangleMesh& mesh, const Patch& patch);
+
+}  // namespace handgraft::contact

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <memory>
+
+#include <Eigen/Core>
+
+namespace handgraft::geometry {
+
+/// Nearest point of a fixed set (nanoflann). Const queries may run on several threads; ties go
+/// to the lowest index, so answers do not depend on the build.
+class KdTree {
+ public:
+  /// Shapes: points 3 x N, N >= 1, finite (InvalidInput otherwise). Keeps a copy.
+  explicit KdTree(Eigen::Matrix3Xd points);
+  ~KdTree();
+  KdTree(KdTree&&) noexcept;
+  KdTree& operator=(KdTree&&) noexcept;
+
+  struct Hit {
+    int index = -1;
+    double distance = 0.0;
+  };
+
+  [[nodiscard]] Hit nearest(const Eigen::Vector3d& p) const;
+
+ private:
+  struct Tree;
+  std::unique_ptr<Tree> tree_;
+};
+
+}  // namespace handgraft::geometry

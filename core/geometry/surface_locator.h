@@ -1,0 +1,37 @@
+#pragma once
+
+#include <memory>
+
+#include "core/geometry/surface_point.h"
+
+namespace handgraft::geometry {
+
+/// Finds the nearest place of one mesh to a point in space: an AABB tree over its triangles
+/// (CGAL), so the answer is the exact nearest triangle, not the nearest vertex.
+///
+/// Keeps its own copy of the mesh. Queries are const and may run on several threads.
+class SurfaceLocator {
+ public:
+  /// Errors: InvalidInput if the mesh has no face. Cost: O(F log F).
+  explicit SurfaceLocator(const TriangleMesh& mesh);
+  ~SurfaceLocator();
+  SurfaceLocator(SurfaceLocator&&) noexcept;
+  SurfaceLocator& operator=(SurfaceLocator&&) noexcept;
+
+  struct Hit {
+    SurfacePoint point;
+    Eigen::Vector3d position;
+    double distance = 0.0;
+  };
+
+  /// Frames: `p` in the mesh's own frame. Cost: O(log F).
+  [[nodiscard]] Hit nearest(const Eigen::Vector3d& p) const;
+
+  [[nodiscard]] const TriangleMesh& mesh() const;
+
+ private:
+  struct Tree;
+  std::unique_ptr<Tree> tree_;
+};
+
+}  // namespace handgraft::geometry

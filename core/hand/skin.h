@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/base/progress.h"
+#include "core/geometry/surface_locator.h"
+#include "core/geometry/surface_point.h"
+#include "core/geometry/triangle_mesh.h"
+#include "core/hand/hand_model.h"
+
+namespace handgraft::hand {
+
+struct SkinOptions {
+  /// Alpha ball radius and offset, in metres; the wrap bridges gaps narrower than
+  /// alpha and stands off by offset. Tried in a ladder until the skin is closed and connected.
+  double alpha_m = 0.005;
+  double offset_m = 0.0008;
+  /// A skin point farther than this from every link is on no link (paper: epsilon).
+  double epsilon_m = 0.004;
+};
+
+/// A place on a link's own surface.
+struct LinkPoint {
+  int link = -1;
+  Eigen::Vector3d p_L = Eigen::Vector3d::Zero();
+  /// Outward unit normal in the link's frame.
+  Eigen::Vector3d n_L = Eigen::Vector3d::Zero();
+  double distance_m = 0.0;  ///< between the skin point and the link's surface
+};
+
+/// One closed surface around the whole hand at a reference pose, and the way back to the links.
+///
+/// Frames: S is the hand's root frame with the joints at `q_reference`.
+/// Cost of `project`: O(log F). Const, safe from several threads.
+class Skin {
+ public:
+  /// Takes a mesh already in S; builds the locators of the links' surfaces.
+  Skin(const HandModel& model, geometry::TriangleMesh mesh_S, Eigen::VectorXd q_reference,
+       double epsilon_m);
+
+  [[nodiscard]] const geometry::TriangleMesh& mesh() const { return mesh_S_; }
+  [[nodiscard]] const geometry::SurfaceLocator& locator() const { return *locator_; }
+  [[nodiscard]] const Eigen::VectorXd& qReference() const { return q_reference_; }
+  [[nodiscard]] double epsilon() const { return epsilon_m_; }
+
+  /// The nearest place on a link's surface, or nothing beyond epsilon.
+  /// Frames: `p_S` in S; `n_S` the skin's outward normal there, which decides between the sides
+  /// of thin or badly oriented link surfaces.
+  [[nodiscard]] std::optional<LinkPoint> project(const Eigen::Vector3d& p_S,
+                                                 const Eigen::Vector3d& n_S) const;
+
+  /// Where a link's own point (in L) lies on the skin.
+  [[nodiscard]] geometry::SurfacePoint skinPointOf(int link, const Eigen::Vector3d& p_L) const;
+  /// A direction of link L turned into S, at the reference pose.
+  [[nodiscard]] Eigen::Vector3d directionInSkin(int link, const Eigen::Vector3d& d_L) const;
+
+ private:
+  geometry::TriangleMesh mesh_S_;
+  Eigen::VectorXd q_reference_;
+  double epsilon_m_;
+  std::vector<Pose> X_SL_;
+  std::vector<int> face_links_;  ///< link of every face of links_locator_'s mesh
+  std::unique_ptr<geometry::SurfaceLocator> locator_;
+  std::unique_ptr<geometry::SurfaceLocator> links_locator_;
+};
+
+/// The joints at which links stand apart enough to be wrapped: fingers straight and spread as far
+/// as limits allow. Deterministic.
+Eigen::VectorXd skinReferencePose(const HandModel& model);
+
+/// Wraps the union of the links' surfaces at the reference pose (CGAL Alpha_wrap_3): closed,
+/// 2-manifold, one component.
+///
+/// Errors: InvalidInput if no link has a surface; BrokenContract never. Cancelled on wish.
+/// Cost: 1-6 s for a hand of 100k triangles. Source: Portaneri et al. 2022, "Alpha wrapping with
+/// an offset".
+Skin buildSkin(const HandModel& model, const SkinOptions& options, const Progress& progress);
+
+}  // namespace handgraft::hand

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/geometry/triangle_mesh.h"
+
+namespace handgraft::io {
+
+/// A mesh as read, welded, with the way back to the file's own order.
+struct MeshFile {
+  geometry::TriangleMesh mesh;
+  /// First vertex of the file at each mesh vertex's place.
+  std::vector<int> file_vertex;
+  /// Mesh vertex of every vertex of the file; -1 if no face uses it.
+  std::vector<int> mesh_vertex;
+  /// Face of the file for every mesh face (faces that collapse in welding are dropped).
+  std::vector<int> file_face;
+  /// "welded 49152 vertices to 8190", "dropped 3 faces without area".
+  std::vector<std::string> notes;
+};
+
+/// Reads STL, OBJ, PLY, glTF/GLB or DAE; welds vertices at the same place; triangulates.
+///
+/// Units and frames: as the file has them (node transforms applied).
+/// Indices: the file's own order. An STL's vertices are its facets' corners in order; an OBJ's its
+/// `v` lines; a PLY's its vertex list; other formats their meshes one after another.
+/// Errors: InvalidInput, naming the file, if it is missing, truncated, not a mesh, empty, holds
+/// an index out of range or a non-finite vertex (named by its file index), or claims more than
+/// kMostVertices. Cost: O(V log V).
+MeshFile readMesh(const std::filesystem::path& path);
+
+/// Largest mesh accepted; bounds memory before a header's claim is believed.
+inline constexpr int kMostVertices = 20'000'000;
+
+/// Writes a binary PLY. Errors: InvalidInput if the file cannot be written.
+void writePly(const std::filesystem::path& path, const geometry::TriangleMesh& mesh);
+
+}  // namespace handgraft::io

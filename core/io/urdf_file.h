@@ -1,0 +1,32 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/base/resource_uri.h"
+#include "core/hand/hand_model.h"
+
+namespace handgraft::io {
+
+struct UrdfFile {
+  hand::HandModel model;
+  /// The text as it was read.
+  std::string text;
+  /// What was amended or left out, for the user: "joint 'x': no limit, taken as +-pi".
+  std::vector<std::string> notes;
+};
+
+/// Reads a hand from a URDF and its meshes (urdfdom, assimp).
+///
+/// Frames and units: as URDF has them, metres and radians; mesh scales applied; primitives become
+///   meshes. Errors: InvalidInput, naming the file and the joint, link or mesh, for XML that does
+///   not parse (urdfdom's own words are quoted), a missing mesh, a joint loop, a planar or floating
+///   joint. Limits that a movable joint lacks are noted, not refused.
+UrdfFile readUrdf(const std::filesystem::path& path, const PackageMap& packages = {});
+
+/// Joints and links alone, geometry left out: for problem files, whose kinematics is all they need.
+/// No mesh has to exist.
+hand::HandModel readUrdfKinematics(const std::filesystem::path& path);
+
+}  // namespace handgraft::io

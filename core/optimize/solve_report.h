@@ -1,0 +1,51 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/hand/kinematics.h"
+#include "core/optimize/objective.h"
+
+namespace handgraft::optimize {
+
+enum class Outcome { kConverged, kStalled, kEvaluationLimit, kInfeasible };
+
+/// `converged`, `stalled`, `evaluation_limit`, `infeasible`.
+std::string_view nameOf(Outcome outcome);
+
+/// How well one patch is reached.
+struct PatchFit {
+  int patch = -1;
+  int point_count = 0;
+  double mean_mm = 0.0;
+  double rms_mm = 0.0;
+  double max_mm = 0.0;
+  double normal_mean_deg = 0.0;  ///< between n_hand and -n_object
+  double within_2mm = 0.0;       ///< share in [0, 1]
+  double within_5mm = 0.0;
+};
+
+/// A joint that stands at its limit.
+struct ActiveLimit {
+  int dof = 0;        ///< of the hand
+  bool upper = false;
+};
+
+/// The answer to a problem: always a pose, also when it is a poor one.
+struct SolveReport {
+  Outcome outcome = Outcome::kStalled;
+  std::string solver;
+  hand::HandPose pose;
+  Terms terms;
+  int evaluations = 0;      ///< of all starts
+  int starts = 0;
+  int best_start = 0;
+  std::vector<PatchFit> patches;
+  std::vector<ActiveLimit> active_limits;
+};
+
+/// Fit of every patch of the problem at `pose`, in the order of their numbers.
+std::vector<PatchFit> fitPatches(const PoseProblem& problem, const hand::HandPose& pose);
+
+}  // namespace handgraft::optimize
