@@ -1,0 +1,197 @@
+// Who may include whom. Changing the architecture is one visible line in the table below; the
+// folders' order is the order of dependence, and DESIGN's reasons are in the folders' READMEs.
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Layer {
+  std::string folder;             ///< longest prefix of the file's path wins
+  std::vector<std::string> ours;  ///< folders whose headers it may include, besides its own
+  std::vector<std::string> libraries;  ///< names from kLibraries
+};
+
+const std::vector<std::string> kCore = {"core/base",    "core/geometry", "core/hand",
+                                        "core/contact", "core/transfer", "core/optimize",
+                                        "core/session", "core/io"};
+
+const std::vector<Layer> kLayers = {
+    {"core/base", {}, {"eigen", "fmt"}},
+    {"core/geometry", {"core/base"}, {"eigen", "fmt"}},
+    {"core/hand", {"core/base", "core/geometry"}, {"eigen", "fmt"}},
+    {"core/contact", {"core/base", "core/geometry"}, {"eigen", "fmt"}},
+    {"core/transfer",
+     {"core/base", "core/geometry", "core/hand", "core/contact"},
+     {"eigen", "fmt"}},
+    {"core/optimize",
+     {"core/base", "core/geometry", "core/hand", "core/transfer"},
+     {"eigen", "fmt"}},
+    {"core/session",
+     {"core/base", "core/geometry", "core/hand", "core/contact", "core/transfer",
+      "core/optimize"},
+     {"eigen", "fmt"}},
+    {"core/io", kCore, {"eigen", "fmt"}},
+    {"idl", {}, {}},
+    {"idl/cyclone", {"core/base", "idl"}, {"fmt"}},
+    {"server", {}, {"eigen", "fmt", "spdlog"}},  // and all of core and idl, see permits()
+    {"server/transport", {"core/base", "idl"}, {"fmt", "spdlog", "fastdds"}},
+    {"client", {"core/base", "idl", "idl/cyclone"}, {"eigen", "fmt"}},
+    {"hardware/safety", {"core/base"}, {"fmt"}},
+    {"hardware/bridge",
+     {"core/base", "idl", "idl/cyclone", "hardware/safety"},
+     {"eigen", "fmt"}},
+};
+
+/// Heavy or fragile libraries are each seen by the files named here alone.
+const std::map<std::string, std::set<std::string>> kAlone = {
+    {"cgal", {"core/geometry/surface_locator.cpp", "core/hand/skin_builder.cpp"}},
+    {"nanoflann", {"core/geometry/kd_tree.cpp"}},
+    {"nlopt", {"core/optimize/nlopt_solver.cpp"}},
+    {"assimp", {"core/io/mesh_file.cpp"}},
+    {"urdfdom", {"core/io/urdf_file.cpp"}},
+    {"tinyxml2", {"core/io/urdf_file.cpp"}},
+    {"json",
+     {"core/io/contact_file.cpp", "core/io/problem_file.cpp", "client/json_output.cpp"}},
+    {"yaml", {"core/io/sites_file.cpp"}},
+    {"cyclone", {"idl/cyclone/participant.cpp"}},
+    {"fastcdr", {"idl/cyclone/participant.cpp"}},
+    {"png", {"client/render/png_file.cpp"}},
+    {"cli11", {"server/main.cpp", "client/main.cpp", "hardware/bridge/main.cpp"}},
+};
+
+const std::vector<std::pair<std::string, std::regex>> kLibraries = {
+    {"eigen", std::regex("^(Eigen|unsupported/Eigen)/.*")},
+    {"fmt", std::regex("^fmt/.*")},
+    {"spdlog", std::regex("^spdlog/.*")},
+    {"cgal", std::regex("^CGAL/.*")},
+    {"nanoflann", std::regex("^nanoflann.hpp")},
+    {"nlopt", std::regex("^nlopt.*")},
+    {"assimp", std::regex("^assimp/.*")},
+    {"urdfdom", std::regex("^(urdf_parser|urdf_model|urdf_exception|console_bridge)/.*")},
+    {"tinyxml2", std::regex("^tinyxml2.h")},
+    {"json", std::regex("^nlohmann/.*")},
+    {"yaml", std::regex("^yaml-cpp/.*")},
+    {"cyclone", std::regex("^dds/(dds|ddsi|ddsrt).*")},
+    {"fastcdr", std::regex("^fastcdr/.*")},
+    {"fastdds", std::regex("^(fastdds|fastrtps)/.*")},
+    {"png", std::regex("^png.h")},
+    {"cli11", std::regex("^CLI/.*")},
+};
+
+/// The standard library and the operating system.
+bool isSystem(const std::string& header) {
+  static const std::regex kSystem(
+      R"(^[a-z_0-9]+$|^(std|sys|net|arpa|netinet|linux)[a-z_0-9]*(/[a-z_0-9]+)?\.h$|)"
+      R"(^(cxxabi|fcntl|unistd|poll|signal|pthread|sched|ifaddrs|termios|dlfcn|netdb|errno)\.h$)");
+  return std::regex_match(header, kSystem);
+}
+
+const Layer* layerOf(const std::string& path) {
+  const Layer* best = nullptr;
+  for (const Layer& layer : kLayers) {
+    if (path.rfind(layer.folder + "/", 0) != 0) continue;
+    if (best == nullptr || layer.folder.size() > best->folder.size()) best = &layer;
+  }
+  return best;
+}
+
+bool permits(const Layer& layer, const std::string& header) {
+  const Layer* target = layerOf(header);
+  const std::string folder =
+      target != nullptr ? target->folder : fs::path(header).parent_path().string();
+  if (folder == layer.folder) return true;
+  const bool is_server = layer.folder == "server";
+  if (is_server &&
+      (folder.rfind("core/", 0) == 0 || folder == "idl" || folder == "server/transport"))
+    return true;
+  return std::find(layer.ours.begin(), layer.ours.end(), folder) != layer.ours.end();
+}
+
+/// Empty if `path` may include `header`, else the reason why not.
+std::string objection(const std::string& path, const std::string& header, bool quoted) {
+  const Layer* layer = layerOf(path);
+  if (layer == nullptr) return "lies in no folder of the table";
+  if (quoted)
+    return permits(*layer, header) ? "" : "is not in the table's row " + layer->folder;
+  if (isSystem(header)) return "";
+  for (const auto& [library, pattern] : kLibraries) {
+    if (!std::regex_match(header, pattern)) continue;
+    if (const auto alone = kAlone.find(library); alone != kAlone.end()) {
+      return alone->second.count(path) != 0 ? "" : library + " is for other files alone";
+    }
+    const auto& permitted = layer->libraries;
+    return std::find(permitted.begin(), permitted.end(), library) != permitted.end()
+               ? ""
+               : library + " is not for " + layer->folder;
+  }
+  return "is of no library in the table";
+}
+
+struct Include {
+  std::string path;
+  int line;
+  std::string header;
+  bool quoted;
+};
+
+std::vector<Include> includesBelow(const fs::path& root) {
+  static const std::regex kInclude(R"rx(^\s*#\s*include\s*(["<])([^">]+)[">].*)rx");
+  std::vector<Include> includes;
+  for (const char* top : {"core", "idl", "server", "client", "hardware"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(root / top)) {
+      const std::string extension = entry.path().extension().string();
+      if (extension != ".h" && extension != ".cpp") continue;
+      std::ifstream file(entry.path());
+      std::string text;
+      for (int line = 1; std::getline(file, text); ++line) {
+        std::smatch match;
+        if (!std::regex_match(text, match, kInclude)) continue;
+        includes.push_back({fs::relative(entry.path(), root).string(), line, match[2].str(),
+                            match[1].str() == "\""});
+      }
+    }
+  }
+  return includes;
+}
+
+TEST(Layering, FoldersIncludeOnlyWhatTheTablePermits) {
+  const std::vector<Include> includes = includesBelow(HANDGRAFT_SOURCE_DIR);
+  ASSERT_GT(includes.size(), 100u) << "the sources were not found";
+  for (const Include& include : includes) {
+    const std::string reason = objection(include.path, include.header, include.quoted);
+    EXPECT_EQ(reason, "") << include.path << ":" << include.line << " includes "
+                          << include.header;
+  }
+}
+
+TEST(Layering, EveryFileNamedAloneExists) {
+  for (const auto& [library, files] : kAlone) {
+    for (const std::string& file : files) {
+      EXPECT_TRUE(fs::exists(fs::path(HANDGRAFT_SOURCE_DIR) / file)) << library << ": " << file;
+    }
+  }
+}
+
+TEST(Layering, TheRulesCanObject) {
+  EXPECT_NE(objection("core/geometry/a.cpp", "core/hand/skin.h", true), "");
+  EXPECT_NE(objection("core/optimize/solver.cpp", "nlopt.hpp", false), "");
+  EXPECT_NE(objection("client/main.cpp", "fastdds/dds/topic/Topic.hpp", false), "");
+  EXPECT_NE(objection("core/base/a.h", "boost/any.hpp", false), "");
+  EXPECT_NE(objection("elsewhere/a.h", "core/base/pose.h", true), "");
+  EXPECT_EQ(objection("core/hand/a.cpp", "core/geometry/log_map.h", true), "");
+  EXPECT_EQ(objection("core/optimize/nlopt_solver.cpp", "nlopt.hpp", false), "");
+  EXPECT_EQ(objection("server/handlers/a.cpp", "core/io/urdf_file.h", true), "");
+}
+
+}  // namespace

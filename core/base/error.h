@@ -44,18 +44,18 @@ template <class... Args>
   throw InvalidInput(fmt::format(format, std::forward<Args>(args)...));
 }
 
-/// `text` on one line, control characters shown as `?`, cut at 200 characters: what comes from a
-/// file or the wire may be anything, and error messages quote it.
+/// `text` on one line, control characters shown as `?`, cut at 200 characters: what comes from
+/// a file or the wire may be anything, and error messages quote it.
 std::string quoted(const std::string& text);
 
 namespace detail {
 [[noreturn]] void breakContract(const char* condition, const char* file, int line);
-}
+}  // namespace detail
 
 }  // namespace handgraft
 
 /// Always on: a broken contract must not become a wrong pose on a motor.
-#define HANDGRAFT_REQUIRE(condition)                                               \
-  (static_cast<bool>(condition)                                                    \
-       ? static_cast<void>(0)                                                      \
+#define HANDGRAFT_REQUIRE(condition) \
+  (static_cast<bool>(condition)      \
+       ? static_cast<void>(0)        \
        : ::handgraft::detail::breakContract(#condition, __FILE__, __LINE__))

@@ -55,8 +55,8 @@ Eigen::Matrix3d crossMatrix(const Eigen::Vector3d& a) {
 Eigen::Matrix3d leftJacobian(const Eigen::Vector3d& w) {
   const double angle = w.norm();
   const Eigen::Matrix3d W = crossMatrix(w);
-  double b = 0.5 - angle * angle / 24.0;            // (1-cos(x))/x^2
-  double c = 1.0 / 6.0 - angle * angle / 120.0;     // (x-sin(x))/x^3
+  double b = 0.5 - angle * angle / 24.0;         // (1-cos(x))/x^2
+  double c = 1.0 / 6.0 - angle * angle / 120.0;  // (x-sin(x))/x^3
   if (angle > kSmallAngle) {
     const double half_sine = std::sin(0.5 * angle);
     b = 2.0 * half_sine * half_sine / (angle * angle);
@@ -79,7 +79,8 @@ Eigen::Matrix3d leftJacobianInverse(const Eigen::Vector3d& w) {
   return Eigen::Matrix3d::Identity() - 0.5 * W + d * W * W;
 }
 
-Pose poseFromQuaternion(const Eigen::Vector3d& p_m, const Eigen::Vector4d& q_wxyz,
+Pose poseFromQuaternion(const Eigen::Vector3d& p_m,
+                        const Eigen::Vector4d& q_wxyz,
                         const char* name) {
   if (!p_m.allFinite()) {
     rejectInput("{}: position ({}, {}, {}) must be finite, in metres", name, p_m.x(), p_m.y(),
@@ -88,9 +89,10 @@ Pose poseFromQuaternion(const Eigen::Vector3d& p_m, const Eigen::Vector4d& q_wxy
   constexpr double kNormTolerance = 1e-3;  // room for quaternions written with four decimals
   const double norm = q_wxyz.norm();
   if (!q_wxyz.allFinite() || std::abs(norm - 1.0) > kNormTolerance) {
-    rejectInput("{}: quaternion w x y z = ({}, {}, {}, {}) has norm {:.4g}; it must be 1 "
-                "within {}",
-                name, q_wxyz[0], q_wxyz[1], q_wxyz[2], q_wxyz[3], norm, kNormTolerance);
+    rejectInput(
+        "{}: quaternion w x y z = ({}, {}, {}, {}) has norm {:.4g}; it must be 1 "
+        "within {}",
+        name, q_wxyz[0], q_wxyz[1], q_wxyz[2], q_wxyz[3], norm, kNormTolerance);
   }
   Pose X = Pose::Identity();
   X.linear() = Eigen::Quaterniond(q_wxyz[0], q_wxyz[1], q_wxyz[2], q_wxyz[3])

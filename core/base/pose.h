@@ -26,13 +26,16 @@ Eigen::Matrix3d leftJacobianInverse(const Eigen::Vector3d& w);
 
 /// Pose from a quaternion and a position. Throws InvalidInput unless all are finite and the
 /// quaternion's norm lies within 1e-3 of 1; normalises it. `name` appears in the message.
-Pose poseFromQuaternion(const Eigen::Vector3d& p_m, const Eigen::Vector4d& q_wxyz,
+Pose poseFromQuaternion(const Eigen::Vector3d& p_m,
+                        const Eigen::Vector4d& q_wxyz,
                         const char* name);
 
 /// Quaternion w, x, y, z of a pose, with w >= 0.
 Eigen::Vector4d quaternionOf(const Pose& X);
 
 /// X^-1 with the rotation transposed; `Pose::inverse()` spelled for rigid motions.
-inline Pose inverse(const Pose& X) { return X.inverse(Eigen::Isometry); }
+inline Pose inverse(const Pose& X) {
+  return X.inverse(Eigen::Isometry);
+}
 
 }  // namespace handgraft

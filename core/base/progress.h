@@ -8,14 +8,15 @@
 
 namespace handgraft {
 
-/// Carries progress out of long work and a wish to stop into it. One per piece of work; `cancel`
-/// may be called from any thread, everything else from the thread that works.
+/// Carries progress out of long work and a wish to stop into it. One per piece of work;
+/// `cancel` may be called from any thread, everything else from the thread that works.
 class Progress {
  public:
   /// `stage` is a short verb phrase ("wrapping the skin"); `fraction` lies in [0, 1].
   using Listener = std::function<void(std::string_view stage, double fraction)>;
 
   Progress() = default;
+
   explicit Progress(Listener listener) : listener_(std::move(listener)) {}
 
   void report(std::string_view stage, double fraction) const {

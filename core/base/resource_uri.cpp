@@ -49,8 +49,10 @@ bool isFolder(const fs::path& path) {
   return fs::is_directory(path, error);
 }
 
-fs::path packageDirectory(const std::string& package, const std::string& uri,
-                          const fs::path& base_directory, const PackageMap& packages) {
+fs::path packageDirectory(const std::string& package,
+                          const std::string& uri,
+                          const fs::path& base_directory,
+                          const PackageMap& packages) {
   if (const auto found = packages.find(package); found != packages.end()) return found->second;
   std::error_code error;
   fs::path folder = fs::absolute(base_directory, error);
@@ -60,14 +62,16 @@ fs::path packageDirectory(const std::string& package, const std::string& uri,
     if (!folder.has_relative_path()) break;
     folder = folder.parent_path();
   }
-  rejectInput("{}: package {} is not known, and no folder of that name lies above {}; name it "
-              "with --package {}=DIR",
-              quoted(uri), quoted(package), base_directory.string(), package);
+  rejectInput(
+      "{}: package {} is not known, and no folder of that name lies above {}; name it "
+      "with --package {}=DIR",
+      quoted(uri), quoted(package), base_directory.string(), package);
 }
 
 }  // namespace
 
-fs::path resolveResource(const std::string& uri, const fs::path& base_directory,
+fs::path resolveResource(const std::string& uri,
+                         const fs::path& base_directory,
                          const PackageMap& packages) {
   const std::string package_scheme = "package://";
   const std::string file_scheme = "file://";

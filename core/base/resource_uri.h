@@ -15,15 +15,16 @@ using PackageMap = std::map<std::string, std::filesystem::path>;
 ///
 /// Accepted: `package://NAME/rest`, `file:///absolute`, absolute paths, and paths relative to
 /// `base_directory` (the folder of the file that wrote the URI). A package that is not in
-/// `packages` is searched for upwards from `base_directory`: a folder called NAME, as ROS checkouts
-/// have it. Percent escapes are decoded.
+/// `packages` is searched for upwards from `base_directory`: a folder called NAME, as ROS
+/// checkouts have it. Percent escapes are decoded.
 ///
 /// Errors: InvalidInput, naming the URI and the places looked at, if there is no such file.
 std::filesystem::path resolveResource(const std::string& uri,
                                       const std::filesystem::path& base_directory,
                                       const PackageMap& packages);
 
-/// The URIs of all mesh files that a URDF text names, each once, in order of appearance. A scan of
+/// The URIs of all mesh files that a URDF text names, each once, in order of appearance. A scan
+/// of
 /// `<mesh filename="...">`, no full parse: what is malformed is found when the model is read.
 std::vector<std::string> meshUrisIn(const std::string& urdf_text);
 

@@ -9,7 +9,9 @@ namespace handgraft::test {
 
 namespace fs = std::filesystem;
 
-fs::path sourceDirectory() { return HANDGRAFT_SOURCE_DIR; }
+fs::path sourceDirectory() {
+  return HANDGRAFT_SOURCE_DIR;
+}
 
 fs::path sharedData(const std::string& relative) {
   // NOLINTNEXTLINE(concurrency-mt-unsafe): tests read the environment, nobody writes it.

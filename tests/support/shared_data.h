@@ -18,9 +18,9 @@ std::filesystem::path scratchDirectory();
 }  // namespace handgraft::test
 
 /// Skips the test, with the reason, on machines that have only the clone.
-#define HANDGRAFT_NEEDS_SHARED_DATA(relative)                                             \
-  do {                                                                                    \
-    if (!std::filesystem::exists(::handgraft::test::sharedData(relative)))                \
-      GTEST_SKIP() << "needs ../shared/data/" << (relative) << ", which is not part of "  \
-                   << "the project";                                                      \
+#define HANDGRAFT_NEEDS_SHARED_DATA(relative)                                            \
+  do {                                                                                   \
+    if (!std::filesystem::exists(::handgraft::test::sharedData(relative)))               \
+      GTEST_SKIP() << "needs ../shared/data/" << (relative) << ", which is not part of " \
+                   << "the project";                                                     \
   } while (false)

@@ -1,0 +1,79 @@
+#include "core/base/resource_uri.h"
+
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+
+#include "tests/support/shared_data.h"
+
+namespace handgraft {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+
+class ResourceUri : public testing::Test {
+ protected:
+  void SetUp() override {
+    root_ = test::scratchDirectory() / "ros" / "my_hand";
+    fs::create_directories(root_ / "urdf");
+    fs::create_directories(root_ / "meshes" / "a b");
+    std::ofstream(root_ / "meshes" / "palm.stl") << "solid";
+    std::ofstream(root_ / "meshes" / "a b" / "tip.stl") << "solid";
+  }
+
+  fs::path root_;
+};
+
+TEST_F(ResourceUri, FindsRelativePathsFromTheFileThatNamesThem) {
+  EXPECT_TRUE(fs::equivalent(resolveResource("../meshes/palm.stl", root_ / "urdf", {}),
+                             root_ / "meshes/palm.stl"));
+}
+
+TEST_F(ResourceUri, FindsAPackageAboveTheFile) {
+  EXPECT_TRUE(
+      fs::equivalent(resolveResource("package://my_hand/meshes/palm.stl", root_ / "urdf", {}),
+                     root_ / "meshes/palm.stl"));
+}
+
+TEST_F(ResourceUri, PrefersThePackageTheUserNamed) {
+  EXPECT_EQ(resolveResource("package://other/palm.stl", "/", {{"other", root_ / "meshes"}}),
+            root_ / "meshes/palm.stl");
+}
+
+TEST_F(ResourceUri, ReadsFileUrisAndPercentEscapes) {
+  EXPECT_EQ(resolveResource("file://" + (root_ / "meshes/a%20b/tip.stl").string(), "/", {}),
+            root_ / "meshes/a b/tip.stl");
+}
+
+TEST_F(ResourceUri, SaysWhatIsMissing) {
+  try {
+    resolveResource("package://nowhere/palm.stl", root_, {});
+    FAIL() << "must throw";
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("--package nowhere=DIR"), std::string::npos);
+  }
+  EXPECT_THROW(resolveResource("meshes/none.stl", root_, {}), InvalidInput);
+  EXPECT_THROW(resolveResource("https://example.org/palm.stl", root_, {}), InvalidInput);
+  EXPECT_THROW(resolveResource("package://", root_, {}), InvalidInput);
+  EXPECT_THROW(resolveResource("", root_, {}), InvalidInput);
+}
+
+TEST(MeshUris, AreFoundOnceAndInOrder) {
+  EXPECT_THAT(meshUrisIn(R"(<robot><!-- <mesh filename="old.stl"/> -->
+      <mesh scale="1 1 1" filename="b.stl"/><mesh filename='a.stl'/>
+      <mesh filename = "b.stl"/></robot>)"),
+              ElementsAre("b.stl", "a.stl"));
+}
+
+TEST(MeshUris, SurviveDamagedText) {
+  EXPECT_TRUE(meshUrisIn("<mesh filename=\"never closed").empty());
+  EXPECT_TRUE(meshUrisIn("<!-- never closed <mesh filename='a'/>").empty());
+  EXPECT_TRUE(meshUrisIn("").empty());
+}
+
+}  // namespace
+}  // namespace handgraft
