@@ -5,24 +5,27 @@
 #include <memory>
 #include <string>
 
+#include "core/base/error.h"
+#include "core/base/network.h"
 #include "idl/topics.h"
 
 namespace handgraft::idl::cyclone {
 
-/// Where to meet: the same two options on every program.
-struct Network {
-  int domain = 0;                ///< 0-100: higher ones run into ephemeral ports
-  std::string interface = "lo";  ///< name of a network interface
-};
-
-/// Throws InvalidInput unless the domain lies in 0-100 and the interface exists.
-void validate(const Network& network);
+// Where to meet is the same for every program, whatever vendor carries it.
+using handgraft::describe;
+using handgraft::Network;
+using handgraft::validate;
 
 /// This process on the bus, by Cyclone DDS. Readers and writers keep it alive.
 ///
 /// Errors: InvalidInput for a bad domain or interface; TransportError if DDS refuses.
-/// Threads: all methods are safe from any thread; listeners run on Cyclone's own receive thread and
-/// must return at once.
+/// Threads: all methods are safe from any thread; listeners run on Cyclone's own receive thread
+/// and must return at once.
+///
+/// Discovery: on loopback by unicast to every participant of the machine (at most 100),
+/// elsewhere by multicast. CYCLONEDDS_URI is not read: the two options are the whole
+/// configuration. All participants of one process and domain share one interface (InvalidInput
+/// otherwise).
 class Participant {
  public:
   explicit Participant(const Network& network);
@@ -31,10 +34,18 @@ class Participant {
   [[nodiscard]] const Network& network() const;
 
   struct Impl;
+
   [[nodiscard]] const std::shared_ptr<Impl>& impl() const { return impl_; }
 
  private:
   std::shared_ptr<Impl> impl_;
+};
+
+/// A reliable reader did not take what was written before within the time allowed; writing
+/// again later may succeed.
+class WriteTimeout : public TransportError {
+ public:
+  using TransportError::TransportError;
 };
 
 /// Publishes messages of one topic. Defined for the message types listed at the end of
@@ -45,7 +56,8 @@ class Writer {
   Writer(const Participant& participant, const Topic<Message>& topic);
   ~Writer();
 
-  /// Errors: TransportError, also for a message that does not fit its IDL bounds.
+  /// Errors: WriteTimeout after 1 s; TransportError for everything else, also for a message
+  /// that does not fit its IDL bounds (a sequence too long, an enumerator that does not exist).
   void write(const Message& message);
 
   /// Number of matched readers.
@@ -61,6 +73,7 @@ template <class Message>
 class Reader {
  public:
   /// `on_data` is called, when given, each time something has arrived; take() it from anywhere.
+  /// It runs on Cyclone's receive thread and must not throw.
   Reader(const Participant& participant,
          const Topic<Message>& topic,
          std::function<void()> on_data = {});
