@@ -16,14 +16,18 @@ struct ContactMap {
   Eigen::VectorXd value;
   /// Index into `segment_names` per vertex, -1 none; empty if the map has no labels.
   std::vector<int> label;
-  /// Names of the hand's segments as the file gives them ("link_ff_dd_z"); may be empty although
-  /// labels are not: then segments are anonymous.
+  /// Names of the hand's segments as the file gives them ("link_ff_dd_z"); may be empty
+  /// although labels are not: then segments are anonymous.
   std::vector<std::string> segment_names;
 };
 
-/// The finger a segment's name stands for: `thumb index middle ring little palm`, or "" when the
-/// name says nothing. Knows full names (thumb, index, middle, ring, little, pinky, palm) and the
-/// tokens th ff mf rf lf; case does not matter.
+/// The finger a segment's name stands for: `thumb index middle ring little palm`, or "" when
+/// the name says nothing. Knows full names (thumb, index, middle, ring, little, pinky, palm)
+/// and the tokens th ff mf mid rf lf, set off by case, digits or signs; case does not matter
+/// otherwise.
 std::string fingerOfSegment(const std::string& segment_name);
+
+/// Sizes, finite values, labels in range. InvalidInput names the vertex and its value.
+void validate(const ContactMap& map);
 
 }  // namespace handgraft::contact

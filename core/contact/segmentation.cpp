@@ -1,0 +1,267 @@
+#include "core/contact/segmentation.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/contact/region.h"
+
+namespace handgraft::contact {
+namespace {
+
+using geometry::TriangleMesh;
+
+constexpr std::array<const char*, 6> kFingers = {"thumb", "index",  "middle",
+                                                 "ring",  "little", "palm"};
+
+/// Vertices in contact that belong together: a finger's, an anonymous segment's, or all.
+struct Group {
+  std::string name;           ///< of the finger; empty if anonymous
+  std::vector<char> touches;  ///< per vertex
+};
+
+struct Component {
+  Region faces;
+  double area = 0.0;
+  double contact = 0.0;  ///< m^2: contact integrated over the area
+};
+
+void validate(const SegmentationOptions& options) {
+  if (!std::isfinite(options.threshold)) {
+    rejectInput("contact threshold is {}; it must be finite", options.threshold);
+  }
+  if (!(options.minimum_area_m2 >= 0.0)) {
+    rejectInput("minimum patch area is {} m2; it must be 0 or more", options.minimum_area_m2);
+  }
+}
+
+double mm2(double m2) {
+  return m2 * 1e6;
+}
+
+double areaOf(const TriangleMesh& mesh, int f) {
+  const Eigen::Vector3d a = mesh.vertex(mesh.face(f)[0]);
+  return 0.5 *
+         (mesh.vertex(mesh.face(f)[1]) - a).cross(mesh.vertex(mesh.face(f)[2]) - a).norm();
+}
+
+/// Components of the faces that touch with at least `corners` of their vertices. Area and
+/// contact count the share of the touching corners alone.
+std::vector<Component> componentsOf(const ContactMap& map, const Group& group, int corners) {
+  const TriangleMesh& mesh = map.mesh_O;
+  const auto touching = [&](int f) {
+    const Eigen::Vector3i face = mesh.face(f);
+    return group.touches[face[0]] + group.touches[face[1]] + group.touches[face[2]];
+  };
+  std::vector<char> marked(static_cast<std::size_t>(mesh.faceCount()));
+  for (int f = 0; f < mesh.faceCount(); ++f)
+    marked[f] = touching(f) >= corners ? 1 : 0;
+
+  std::vector<Component> components;
+  for (Region& region : connectedRegions(mesh, marked)) {
+    Component component;
+    for (const int f : region) {
+      const double corner_area = areaOf(mesh, f) / 3.0;
+      for (const int v : mesh.face(f)) {
+        if (group.touches[v] == 0) continue;
+        component.area += corner_area;
+        component.contact += corner_area * map.value[v];
+      }
+    }
+    component.faces = std::move(region);
+    components.push_back(std::move(component));
+  }
+  return components;
+}
+
+class Segmenter {
+ public:
+  Segmenter(const ContactMap& map, const SegmentationOptions& options)
+      : map_(map), options_(options) {}
+
+  ContactSet run() {
+    for (const Group& group : groups()) {
+      if (group.name.empty()) {
+        collectAnonymous(group);
+      } else {
+        addFinger(group);
+      }
+    }
+    addAnonymous();
+    if (set_.patches.empty()) rejectInput("{}", nothingLeft());
+    return std::move(set_);
+  }
+
+ private:
+  template <class... Args>
+  void note(fmt::format_string<Args...> format, Args&&... args) {
+    set_.notes.push_back(fmt::format(format, std::forward<Args>(args)...));
+  }
+
+  [[nodiscard]] bool touches(int v) const { return map_.value[v] > options_.threshold; }
+
+  template <class Belongs>
+  [[nodiscard]] Group groupOf(const std::string& name, const Belongs& belongs) const {
+    Group group{name, std::vector<char>(static_cast<std::size_t>(map_.mesh_O.vertexCount()))};
+    for (int v = 0; v < map_.mesh_O.vertexCount(); ++v) {
+      group.touches[v] = touches(v) && belongs(v) ? 1 : 0;
+    }
+    return group;
+  }
+
+  std::vector<Group> groups() {
+    if (map_.label.empty()) {
+      return {groupOf("", [](int) {
+        return true;
+      })};
+    }
+    std::set<int> segments;
+    int unlabelled = 0;
+    for (int v = 0; v < map_.mesh_O.vertexCount(); ++v) {
+      if (!touches(v)) continue;
+      if (map_.label[v] >= 0) segments.insert(map_.label[v]);
+      if (map_.label[v] < 0) ++unlabelled;
+    }
+    if (unlabelled > 0) note("{} vertices in contact carry no label: left out", unlabelled);
+
+    const auto fingerOf = [&](int label) {
+      return label >= 0 && label < std::ssize(map_.segment_names)
+                 ? fingerOfSegment(map_.segment_names[label])
+                 : std::string();
+    };
+    std::set<std::string> fingers;
+    for (const int label : segments)
+      fingers.insert(fingerOf(label));
+    fingers.erase("");
+
+    std::vector<Group> groups;
+    for (const char* finger : kFingers) {
+      if (fingers.count(finger) == 0) continue;
+      groups.push_back(groupOf(finger, [&](int v) {
+        return fingerOf(map_.label[v]) == finger;
+      }));
+    }
+    for (const int label : segments) {
+      if (!fingerOf(label).empty()) continue;
+      if (fingers.empty()) {
+        groups.push_back(groupOf("", [&](int v) {
+          return map_.label[v] == label;
+        }));
+      } else {
+        note("segment {} names no finger: left out", segmentName(label));
+      }
+    }
+    return groups;
+  }
+
+  [[nodiscard]] std::string segmentName(int label) const {
+    return label < std::ssize(map_.segment_names) ? quoted(map_.segment_names[label])
+                                                  : std::to_string(label);
+  }
+
+  void addFinger(const Group& group) {
+    std::vector<Component> components = componentsOf(map_, group, 3);
+    auto best = mostContact(components);
+    if (best == components.end() || best->area < options_.minimum_area_m2) {
+      components = componentsOf(map_, group, 1);
+      best = mostContact(components);
+      if (best == components.end() || best->area < options_.minimum_area_m2) {
+        note("'{}' dropped: its contact covers {:.0f} mm2 at most, below {:.0f} mm2",
+             group.name, best == components.end() ? 0.0 : mm2(best->area),
+             mm2(options_.minimum_area_m2));
+        return;
+      }
+      note("'{}' grown to all faces that it touches: the mesh is coarse there", group.name);
+    }
+    if (components.size() > 1) {
+      double rest = -best->area;
+      for (const Component& component : components)
+        rest += component.area;
+      note("'{}' touches in {} places: the one with most contact was taken, {:.0f} mm2 dropped",
+           group.name, components.size(), mm2(rest));
+    }
+    addPatch(group.name, *best);
+  }
+
+  static std::vector<Component>::iterator mostContact(std::vector<Component>& components) {
+    return std::max_element(components.begin(), components.end(),
+                            [](const Component& a, const Component& b) {
+                              return a.contact < b.contact;
+                            });
+  }
+
+  void collectAnonymous(const Group& group) {
+    for (Component& component : componentsOf(map_, group, 3)) {
+      anonymous_.push_back(std::move(component));
+    }
+  }
+
+  void addAnonymous() {
+    std::stable_sort(anonymous_.begin(), anonymous_.end(),
+                     [](const Component& a, const Component& b) {
+                       return a.area > b.area;
+                     });
+    int specks = 0;
+    int count = 0;
+    for (const Component& component : anonymous_) {
+      if (component.area < options_.minimum_area_m2) {
+        ++specks;
+      } else if (addPatch(fmt::format("c{}", count + 1), component)) {
+        ++count;
+      }
+    }
+    if (specks > 0) {
+      note("{} specks below {:.0f} mm2 dropped", specks, mm2(options_.minimum_area_m2));
+    }
+  }
+
+  bool addPatch(const std::string& name, const Component& component) {
+    const TriangleMesh& mesh = map_.mesh_O;
+    OuterBoundary boundary = outerBoundary(mesh, component.faces);
+    if (boundary.loop.empty()) {
+      note("'{}' dropped: it covers a closed surface whole and has no boundary", name);
+      return false;
+    }
+    if (boundary.other_loops > 0) {
+      note("'{}' has {} holes or pinches: only its outer boundary counts", name,
+           boundary.other_loops);
+    }
+    Patch patch;
+    patch.name = name;
+    patch.root = geometry::surfacePointAtVertex(
+        mesh, geodesicCentre(mesh, component.faces, boundary.loop));
+    patch.interpolation_boundary =
+        sampleLoop(mesh, boundary.loop, options_.interpolation_count);
+    patch.boundary = std::move(boundary.loop);
+    set_.patches.push_back(std::move(patch));
+    return true;
+  }
+
+  [[nodiscard]] std::string nothingLeft() const {
+    const double most = map_.value.size() > 0 ? map_.value.maxCoeff() : 0.0;
+    std::string message = fmt::format(
+        "contact map leaves no patch: its largest contact is {:.3g}, the threshold {:.3g}",
+        most, options_.threshold);
+    for (const std::string& remark : set_.notes)
+      message += "; " + remark;
+    return message;
+  }
+
+  const ContactMap& map_;
+  const SegmentationOptions& options_;
+  std::vector<Component> anonymous_;
+  ContactSet set_;
+};
+
+}  // namespace
+
+ContactSet segment(const ContactMap& map, const SegmentationOptions& options) {
+  validate(map);
+  validate(options);
+  return Segmenter(map, options).run();
+}
+
+}  // namespace handgraft::contact
