@@ -1,0 +1,116 @@
+#include "core/geometry/kd_tree.h"
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <nanoflann.hpp>
+
+#include "core/base/error.h"
+
+namespace handgraft::geometry {
+
+namespace {
+
+Eigen::Matrix3Xd checked(Eigen::Matrix3Xd points) {
+  if (points.cols() == 0) rejectInput("point set has 0 points, at least 1 is needed");
+  if (points.cols() > std::numeric_limits<int>::max()) {
+    rejectInput("point set has {} points, at most {} are permitted", points.cols(),
+                std::numeric_limits<int>::max());
+  }
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    if (!points.col(i).allFinite()) {
+      rejectInput("point {} is ({}, {}, {}), coordinates must be finite", i, points(0, i),
+                  points(1, i), points(2, i));
+    }
+  }
+  return points;
+}
+
+struct Points {
+  Eigen::Matrix3Xd columns;
+
+  [[nodiscard]] std::size_t kdtree_get_point_count() const {
+    return static_cast<std::size_t>(columns.cols());
+  }
+
+  [[nodiscard]] double kdtree_get_pt(std::size_t index, std::size_t axis) const {
+    return columns(static_cast<Eigen::Index>(axis), static_cast<Eigen::Index>(index));
+  }
+
+  template <class Box>
+  bool kdtree_get_bbox(Box& box) const {
+    for (int axis = 0; axis < 3; ++axis) {
+      box[axis].low = columns.row(axis).minCoeff();
+      box[axis].high = columns.row(axis).maxCoeff();
+    }
+    return true;
+  }
+};
+
+/// The nearest point, the lowest index among equals. nanoflann offers only points strictly
+/// nearer than `worstDist`, so that is one step above the best: equals are offered, too.
+class LowestIndexNearest {
+ public:
+  using DistanceType = double;
+
+  bool addPoint(double distance_squared, std::size_t index) {
+    if (distance_squared < best_ || (distance_squared == best_ && index < index_)) {
+      best_ = distance_squared;
+      index_ = index;
+    }
+    return true;
+  }
+
+  [[nodiscard]] double worstDist() const {
+    return std::nextafter(best_, std::numeric_limits<double>::infinity());
+  }
+
+  [[nodiscard]] bool full() const { return true; }
+
+  [[nodiscard]] std::size_t size() const { return 1; }
+
+  [[nodiscard]] KdTree::Hit hit() const { return {static_cast<int>(index_), std::sqrt(best_)}; }
+
+  [[nodiscard]] bool empty() const { return index_ == kNone; }
+
+ private:
+  static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+  double best_ = std::numeric_limits<double>::max();
+  std::size_t index_ = kNone;
+};
+
+using Index = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Points>,
+                                                  Points,
+                                                  3,
+                                                  std::size_t>;
+
+}  // namespace
+
+struct KdTree::Tree {
+  explicit Tree(Eigen::Matrix3Xd columns)
+      : points{checked(std::move(columns))}, index(3, points) {}
+
+  Points points;
+  Index index;
+};
+
+KdTree::KdTree(Eigen::Matrix3Xd points) : tree_(std::make_unique<Tree>(std::move(points))) {}
+
+KdTree::~KdTree() = default;
+KdTree::KdTree(KdTree&&) noexcept = default;
+KdTree& KdTree::operator=(KdTree&&) noexcept = default;
+
+KdTree::Hit KdTree::nearest(const Eigen::Vector3d& p) const {
+  if (!p.allFinite()) {
+    rejectInput("query point is ({}, {}, {}), coordinates must be finite", p[0], p[1], p[2]);
+  }
+  LowestIndexNearest result;
+  tree_->index.findNeighbors(result, p.data(), nanoflann::SearchParams());
+  if (result.empty()) {
+    rejectInput("query point is ({}, {}, {}), too far from the points", p[0], p[1], p[2]);
+  }
+  return result.hit();
+}
+
+}  // namespace handgraft::geometry

@@ -21,6 +21,7 @@ class KdTree {
     double distance = 0.0;
   };
 
+  /// Errors: InvalidInput if `p` is not finite. Cost: O(log N).
   [[nodiscard]] Hit nearest(const Eigen::Vector3d& p) const;
 
  private:

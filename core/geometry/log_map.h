@@ -16,15 +16,16 @@ enum class LogMapMethod { kFast };
 LogMapMethod logMapMethodFrom(std::string_view name);
 std::string_view nameOf(LogMapMethod method);
 
-/// Log-map coordinates of a geodesic disk: for each vertex reached, the length and the direction
-/// of the shortest path from the source.
+/// Log-map coordinates of a geodesic disk: for each vertex reached, the length and the
+/// direction of the shortest path from the source.
 ///
 /// φ is counter-clockwise seen from outside, zero along the direction given. At a vertex source
 /// the angles around it are rescaled to sum to 2 pi (pi on the surface's edge stays as it is).
 struct LogMap {
   /// Vertices reached, by increasing r.
   std::vector<int> vertices;
-  /// Of the whole mesh, indexed by vertex; NaN where not reached. r in metres, phi in (-pi, pi].
+  /// Of the whole mesh, indexed by vertex; NaN where not reached. r in metres, phi in (-pi,
+  /// pi].
   Eigen::VectorXd r;
   Eigen::VectorXd phi;
   /// Faces whose three corners were all reached, and the face(s) of the source.
@@ -43,13 +44,16 @@ struct LogMap {
 ///   direction is (nearly) parallel to the source's normal.
 /// Cost: O(n log n) in the vertices of the disk, plus one O(V) fill; no factorisation.
 /// Source: Melvaer & Reimers 2012, "Geodesic Polar Coordinates on Polygonal Meshes" (`kFast`).
-LogMap computeLogMap(const TriangleMesh& mesh, const SurfacePoint& source,
-                     const Eigen::Vector3d& direction, double radius,
+LogMap computeLogMap(const TriangleMesh& mesh,
+                     const SurfacePoint& source,
+                     const Eigen::Vector3d& direction,
+                     double radius,
                      LogMapMethod method = LogMapMethod::kFast);
 
 /// Log coordinates (u = r cos phi, v = r sin phi) at a surface point, linear inside its face.
 /// NaN if a corner of the face was not reached. The face of the source itself is exact.
-Eigen::Vector2d logCoordinates(const TriangleMesh& mesh, const LogMap& map,
+Eigen::Vector2d logCoordinates(const TriangleMesh& mesh,
+                               const LogMap& map,
                                const SurfacePoint& point);
 
 /// Why log coordinates have no place on the surface.
@@ -80,6 +84,7 @@ class LogMapInverse {
     Eigen::Matrix<double, 2, 3> corners_T;
     double r_mean;
   };
+
   [[nodiscard]] std::pair<int, int> cellOf(const Eigen::Vector2d& uv_T) const;
 
   std::vector<Sheet> sheets_;

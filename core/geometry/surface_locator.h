@@ -6,10 +6,11 @@
 
 namespace handgraft::geometry {
 
-/// Finds the nearest place of one mesh to a point in space: an AABB tree over its triangles
-/// (CGAL), so the answer is the exact nearest triangle, not the nearest vertex.
+/// Finds the nearest place of one mesh to a point in space: a tree of boxes over its triangles,
+/// so the answer is the exact nearest triangle, not the nearest vertex.
 ///
-/// Keeps its own copy of the mesh. Queries are const and may run on several threads.
+/// Zero-area faces count as the segments they are. Ties go to the lowest face. Keeps its own
+/// copy of the mesh. Queries are const and may run on several threads.
 class SurfaceLocator {
  public:
   /// Errors: InvalidInput if the mesh has no face. Cost: O(F log F).
@@ -24,7 +25,8 @@ class SurfaceLocator {
     double distance = 0.0;
   };
 
-  /// Frames: `p` in the mesh's own frame. Cost: O(log F).
+  /// Frames: `p` in the mesh's own frame. Errors: InvalidInput if `p` is not finite.
+  /// Cost: O(log F) for points near the surface.
   [[nodiscard]] Hit nearest(const Eigen::Vector3d& p) const;
 
   [[nodiscard]] const TriangleMesh& mesh() const;
