@@ -1,0 +1,90 @@
+#include "hardware/bridge/solution_follower.h"
+
+#include <algorithm>
+#include <tuple>
+
+namespace handgraft::bridge {
+
+namespace {
+
+constexpr std::size_t kMostSessions = 256;  // remembered; more than one server ever holds open
+
+}  // namespace
+
+SolutionFollower::SolutionFollower(std::optional<std::uint64_t> only, bool with_intermediate)
+    : only_(only), with_intermediate_(with_intermediate) {}
+
+SolutionFollower::Session& SolutionFollower::sessionOf(std::uint64_t id) {
+  const bool is_new = sessions_.find(id) == sessions_.end();
+  if (is_new && sessions_.size() >= kMostSessions) {
+    // Full: the one heard of longest ago makes room, but never the one followed.
+    const auto older = [this](const auto& a, const auto& b) {
+      return std::make_tuple(a.first == followed_, a.second.last_seen) <
+             std::make_tuple(b.first == followed_, b.second.last_seen);
+    };
+    sessions_.erase(std::min_element(sessions_.begin(), sessions_.end(), older));
+  }
+  Session& session = sessions_[id];
+  session.last_seen = ++seen_count_;
+  return session;
+}
+
+bool SolutionFollower::beganAfter(std::uint64_t a, std::uint64_t b) const {
+  return std::make_pair(sessions_.at(a).first_stamp, a) >
+         std::make_pair(sessions_.at(b).first_stamp, b);
+}
+
+void SolutionFollower::see(const v1::SessionState& state) {
+  if (state.session_id() == 0 || (only_ && state.session_id() != *only_)) return;
+  Session& session = sessionOf(state.session_id());
+  const bool closes = state.phase() == v1::PHASE_CLOSED;
+  session.is_history = closes && (!session.state || session.is_history);
+  session.is_closed = closes;
+  session.state = state;
+}
+
+void SolutionFollower::see(const v1::PoseSolution& solution) {
+  const std::uint64_t id = solution.session_id();
+  if (id == 0 || (only_ && id != *only_)) return;
+  if (!solution.is_final() && !with_intermediate_) return;
+  Session& session = sessionOf(id);
+  const bool is_repeat = session.has_streamed &&
+                         solution.sequence_number() <= session.last_number &&
+                         solution.stamp_ns() <= session.last_stamp;
+  if (is_repeat) return;
+  if (!session.has_streamed) session.first_stamp = solution.stamp_ns();
+  session.has_streamed = true;
+  session.last_number = solution.sequence_number();
+  session.last_stamp = solution.stamp_ns();
+  session.newest = solution;
+}
+
+void SolutionFollower::forget() {
+  sessions_.clear();
+  followed_ = 0;
+}
+
+std::optional<FollowedPose> SolutionFollower::take() {
+  // Only sessions with something new can take over; the one followed stays until then.
+  for (const auto& [id, session] : sessions_) {
+    if (!session.newest || !session.state || session.is_history) continue;
+    const auto current = sessions_.find(followed_);
+    const bool is_free = current == sessions_.end() || current->second.is_closed;
+    if (is_free || beganAfter(id, followed_)) followed_ = id;
+  }
+  const auto found = sessions_.find(followed_);
+  if (found == sessions_.end()) return std::nullopt;
+  Session& session = found->second;
+  if (!session.newest || !session.state || session.is_history) return std::nullopt;
+
+  FollowedPose pose;
+  pose.session_id = followed_;
+  pose.sequence_number = session.newest->sequence_number();
+  pose.hand = session.state->hand();
+  pose.names = session.state->joint_names();
+  pose.joint_rad = session.newest->joint_rad();
+  session.newest.reset();
+  return pose;
+}
+
+}  // namespace handgraft::bridge

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "idl/sessions.h"
+
+namespace handgraft::bridge {
+
+/// A pose that a session asks the hand to take, with all that is needed to read it.
+struct FollowedPose {
+  std::uint64_t session_id = 0;
+  std::uint64_t sequence_number = 0;
+  std::string hand;                ///< the model's name
+  std::vector<std::string> names;  ///< the order of `joint_rad`
+  std::vector<double> joint_rad;   ///< as it came: unchecked
+};
+
+/// Picks one session out of all that stream, and its newest pose. Solutions and session states
+/// come on two topics, in any order; a pose waits for its session's state, newer poses replace
+/// it.
+///
+/// Without a session given it follows the one that began to stream last, and another one when
+/// that is closed and the other streams again. Poses that are not final are passed over unless
+/// asked for. A pose counts as new if its sequence number or its stamp has grown, so a server
+/// that starts anew may count from one again. Sessions that were already closed when first seen
+/// are never followed: their last pose is history.
+class SolutionFollower {
+ public:
+  SolutionFollower(std::optional<std::uint64_t> only, bool with_intermediate);
+
+  void see(const v1::SessionState& state);
+  void see(const v1::PoseSolution& solution);
+
+  /// Forgets every session: the server is gone, and what it says when it is back is news.
+  void forget();
+
+  /// The newest pose of the followed session, once.
+  std::optional<FollowedPose> take();
+
+  /// The session followed; 0: none yet.
+  [[nodiscard]] std::uint64_t session() const { return followed_; }
+
+ private:
+  struct Session {
+    std::optional<v1::SessionState> state;
+    std::optional<v1::PoseSolution> newest;  // not yet taken
+    bool has_streamed = false;
+    std::int64_t first_stamp = 0;
+    std::int64_t last_stamp = 0;
+    std::uint64_t last_number = 0;
+    bool is_closed = false;
+    bool is_history = false;  // closed before we ever saw it open
+    std::uint64_t last_seen = 0;
+  };
+
+  Session& sessionOf(std::uint64_t id);
+  bool beganAfter(std::uint64_t a, std::uint64_t b) const;
+
+  std::optional<std::uint64_t> only_;
+  bool with_intermediate_;
+  std::map<std::uint64_t, Session> sessions_;
+  std::uint64_t followed_ = 0;
+  std::uint64_t seen_count_ = 0;
+};
+
+}  // namespace handgraft::bridge
