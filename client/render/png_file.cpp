@@ -1,0 +1,69 @@
+#include "client/render/png_file.h"
+
+#include <cerrno>
+#include <csetjmp>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <vector>
+
+#include <png.h>
+#include <unistd.h>
+
+#include "core/base/error.h"
+
+namespace handgraft::client::render {
+
+namespace {
+
+// libpng reports errors by a long jump, which skips C++ destructors: nothing that owns memory
+// may be created between setjmp and the end of this function.
+bool encode(std::FILE* file, const Image& image, std::vector<png_const_bytep>& rows) {
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr,
+                                            [](png_structp, png_const_charp) {});
+  if (png == nullptr) return false;
+  png_infop info = png_create_info_struct(png);
+  if (info == nullptr || setjmp(png_jmpbuf(png)) != 0) {
+    png_destroy_write_struct(&png, &info);
+    return false;
+  }
+  png_init_io(png, file);
+  png_set_IHDR(png, info, static_cast<png_uint_32>(image.width()),
+               static_cast<png_uint_32>(image.height()), 8, PNG_COLOR_TYPE_RGB,
+               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
+  png_set_compression_level(png, 5);  // 9 takes three times as long for 3 % less
+  png_write_info(png, info);
+  png_write_image(png, const_cast<png_bytepp>(rows.data()));
+  png_write_end(png, nullptr);
+  png_destroy_write_struct(&png, &info);
+  return true;
+}
+
+}  // namespace
+
+void writePng(const std::filesystem::path& path, const Image& image) {
+  static_assert(sizeof(Color) == 3, "rows are handed to libpng as they lie in memory");
+  std::vector<png_const_bytep> rows;
+  for (int y = 0; y < image.height(); ++y)
+    rows.push_back(&image.at(0, y).r);
+
+  std::filesystem::path partial = path;
+  partial += "." + std::to_string(getpid()) + ".part";
+  std::FILE* file = std::fopen(partial.c_str(), "wb");
+  if (file == nullptr) {
+    rejectInput("{}: cannot be written ({})", quoted(path.string()), std::strerror(errno));
+  }
+  const bool encoded = encode(file, image, rows);
+  const bool closed = std::fclose(file) == 0;
+  std::error_code error;
+  if (encoded && closed) std::filesystem::rename(partial, path, error);
+  if (!encoded || !closed || error) {
+    std::error_code ignored;
+    std::filesystem::remove(partial, ignored);
+    rejectInput("{}: cannot be written ({})", quoted(path.string()),
+                error ? error.message() : "the disk refused the data");
+  }
+}
+
+}  // namespace handgraft::client::render
