@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::size_t kRememberedCommands = 1024;
 constexpr std::size_t kMostRemarks = 64;
+constexpr double kArrived = 1e-3;  // rad: finer than the encoders of small hands, 4096 a turn
 
 bool samePlan(const HandPlan& a, const HandPlan& b) {
   const auto same_limits = [](const safety::JointLimits& x, const safety::JointLimits& y) {
@@ -129,6 +130,11 @@ void BridgeLogic::fail(const std::string& why) {
   say(why);
 }
 
+void BridgeLogic::release() {
+  armed_ = false;
+  slowDown();
+}
+
 // === Which hand
 
 void BridgeLogic::considerPose() {
@@ -185,6 +191,7 @@ void BridgeLogic::accept(const FollowedPose& pose) {
   }
   for (std::size_t i = 0; i < ordered.size(); ++i)
     ordered[i] = limiter_->allowed(i, ordered[i]);
+  if (ordered != target_) arrived_ = false;
   target_ = std::move(ordered);
   session_ = pose.session_id;
   fresh_ = true;
@@ -231,6 +238,7 @@ MotorOrder BridgeLogic::tick(const JointReading& measured) {
     fail(fmt::format("joint {}: measured position is not finite", quoted(plan_->names[i])));
     return {};
   }
+  noteArrival(measured);
   const bool wants_power = armed_ && !estop_ && !fault_;
   if (wants_power && !powered_) {
     // Motors go on where the hand is; the limiter makes the way from there.
@@ -242,6 +250,15 @@ MotorOrder BridgeLogic::tick(const JointReading& measured) {
   }
   if (!powered_) return {};
   return {true, limiter_->step()};
+}
+
+void BridgeLogic::noteArrival(const JointReading& measured) {
+  if (arrived_ || target_.empty() || state() != v1::BRIDGE_ARMED) return;
+  for (std::size_t i = 0; i < target_.size(); ++i) {
+    if (std::abs(measured.position[i] - target_[i]) > kArrived) return;
+  }
+  arrived_ = true;
+  say(fmt::format("session {}: pose reached", session_));
 }
 
 v1::BridgeState BridgeLogic::state() const {

@@ -67,6 +67,10 @@ class BridgeLogic {
   void serverIsThere(bool is_there);
   /// The device or its wire failed: latched until RESET.
   void fail(const std::string& why);
+  /// The bridge goes away: as DISARM, without a remark.
+  void release();
+  /// Leaves a remark, unless it is the last one again.
+  void say(std::string text);
 
   // === Which hand
 
@@ -107,8 +111,8 @@ class BridgeLogic {
   void arm();
   void resume();
   void slowDown();
+  void noteArrival(const JointReading& measured);
   bool isRepeat(const v1::HandCommand& command);
-  void say(std::string text);
 
   BridgeOptions options_;
   SolutionFollower follower_;
@@ -128,6 +132,7 @@ class BridgeLogic {
   bool powered_ = false;
   std::uint64_t session_ = 0;
   std::vector<double> target_;
+  bool arrived_ = false;  // and said so
   std::deque<std::pair<std::uint64_t, v1::HandCommandKind>> obeyed_;
   std::string message_;
   std::deque<std::string> remarks_;

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+
+#include "hardware/bridge/bridge.h"
+
+namespace handgraft::bridge {
+
+/// "disconnected", "idle", "armed", "holding", "fault", "estop".
+const char* nameOf(v1::BridgeState state);
+
+/// One line for people: "handgraft-bridge: armed: following session 3".
+std::string textLine(const BridgeReport& report);
+
+/// One line of JSON:
+/// {"message","state","session_id","hand","names","position_rad","target_rad"}. Bytes that are
+/// not UTF-8 become '?', numbers that are not finite null.
+std::string jsonLine(const BridgeReport& report);
+
+}  // namespace handgraft::bridge
