@@ -19,17 +19,28 @@ std::string_view nameOf(LogMapMethod method);
 /// Log-map coordinates of a geodesic disk: for each vertex reached, the length and the
 /// direction of the shortest path from the source.
 ///
-/// φ is counter-clockwise seen from outside, zero along the direction given. At a vertex source
-/// the angles around it are rescaled to sum to 2 pi (pi on the surface's edge stays as it is).
+/// phi is counter-clockwise seen from outside, zero along the direction given. At a vertex
+/// source the angles around it are rescaled to sum to 2 pi; on the surface's edge they stay as
+/// they are.
 struct LogMap {
+  /// A vertex beyond the radius, corner of a face that the disk reaches into.
+  struct RimVertex {
+    int vertex = -1;
+    Eigen::Vector2d p_T = Eigen::Vector2d::Zero();
+  };
+
   /// Vertices reached, by increasing r.
   std::vector<int> vertices;
   /// Of the whole mesh, indexed by vertex; NaN where not reached. r in metres, phi in (-pi,
   /// pi].
   Eigen::VectorXd r;
   Eigen::VectorXd phi;
-  /// Faces whose three corners were all reached, and the face(s) of the source.
+  /// Faces whose three corners were all reached, and the face(s) of the source; ascending.
   std::vector<int> faces;
+  /// Faces that the disk reaches into with a corner beyond the radius, and those corners, both
+  /// ascending: they make coordinates complete up to the radius on coarse meshes.
+  std::vector<int> rim_faces;
+  std::vector<RimVertex> rim;
 
   SurfacePoint source;
   double radius = 0.0;
@@ -40,8 +51,9 @@ struct LogMap {
 /// Frames: direction in the mesh's frame; its projection onto the source's tangent plane is the
 ///   x axis (phi = 0). Units: metres, radians.
 /// Shapes: r, phi of mesh.vertexCount() entries.
-/// Errors: InvalidInput if the source is not on the mesh, the radius is not positive, or the
-///   direction is (nearly) parallel to the source's normal.
+/// Errors: InvalidInput if the source is not on the mesh, the radius is not positive (infinity
+/// is
+///   permitted), or the direction is (nearly) parallel to the source's normal.
 /// Cost: O(n log n) in the vertices of the disk, plus one O(V) fill; no factorisation.
 /// Source: Melvaer & Reimers 2012, "Geodesic Polar Coordinates on Polygonal Meshes" (`kFast`).
 LogMap computeLogMap(const TriangleMesh& mesh,
@@ -50,8 +62,13 @@ LogMap computeLogMap(const TriangleMesh& mesh,
                      double radius,
                      LogMapMethod method = LogMapMethod::kFast);
 
-/// Log coordinates (u = r cos phi, v = r sin phi) at a surface point, linear inside its face.
-/// NaN if a corner of the face was not reached. The face of the source itself is exact.
+/// Log coordinates (u = r cos phi, v = r sin phi) of a vertex reached or on the rim; NaN
+/// elsewhere.
+Eigen::Vector2d logCoordinatesAtVertex(const LogMap& map, int vertex);
+
+/// Log coordinates at a surface point, linear inside its face, which makes them exact in the
+/// face of the source. NaN if a corner that counts was neither reached nor on the rim. Errors:
+/// InvalidInput if the point is not on the mesh.
 Eigen::Vector2d logCoordinates(const TriangleMesh& mesh,
                                const LogMap& map,
                                const SurfacePoint& point);
@@ -62,10 +79,13 @@ enum class Unreachable { kSurfaceEdge, kCutLocus, kBeyondRadius };
 /// "edge of the surface", "cut locus", "beyond the disk".
 std::string_view reasonOf(Unreachable reason);
 
-/// The inverse of a log map, prepared once per map (a grid over the disk's faces in the tangent
-/// plane).
+/// The inverse of a log map, prepared once per map: a grid over the disk's faces in the tangent
+/// plane.
+///
+/// Faces that straddle the cut locus or are turned over in the plane are no part of it.
 class LogMapInverse {
  public:
+  /// Cost: O(F) expected in the disk's faces. Keeps no reference to mesh or map.
   LogMapInverse(const TriangleMesh& mesh, const LogMap& map);
 
   struct Place {
@@ -75,26 +95,44 @@ class LogMapInverse {
   };
 
   /// Barycentric inside the face that covers `uv_T`; never the nearest vertex, never clamped
-  /// (1e-9 of slack at edges). Cost: O(1) expected.
+  /// (1e-9 of slack at edges). Where several faces do, the one whose own distances to the
+  /// source are shortest. Without any, the reason is the border at which the straight way from
+  /// the source to `uv_T` last leaves the disk. Coordinates that are not finite are beyond the
+  /// radius. Cost: O(1) expected; O(border) without a place.
   [[nodiscard]] Place at(const Eigen::Vector2d& uv_T) const;
 
  private:
   struct Sheet {
     int face;
     Eigen::Matrix<double, 2, 3> corners_T;
-    double r_mean;
+    Eigen::Vector3d r;
   };
 
-  [[nodiscard]] std::pair<int, int> cellOf(const Eigen::Vector2d& uv_T) const;
+  struct Border {
+    Eigen::Vector2d from_T;
+    Eigen::Vector2d to_T;
+    Unreachable reason;
+  };
+
+  void addBorders(const TriangleMesh& mesh, const LogMap& map);
+  void buildGrid();
+  template <class Visit>
+  void forCellsOf(const Sheet& sheet, const Visit& visit) const;
+  [[nodiscard]] int columnOf(double x) const;
+  [[nodiscard]] int rowOf(double y) const;
+  [[nodiscard]] Unreachable reasonAt(const Eigen::Vector2d& uv_T) const;
 
   std::vector<Sheet> sheets_;
-  std::vector<std::vector<int>> cells_;
-  Eigen::Vector2d origin_T_ = Eigen::Vector2d::Zero();
-  double cell_size_ = 0.0;
+  std::vector<Border> borders_;
+  /// Sheets of cell c are cell_sheets_[cell_offsets_[c]] to [cell_offsets_[c + 1]].
+  std::vector<int> cell_offsets_;
+  std::vector<int> cell_sheets_;
+  Eigen::Vector2d low_T_ = Eigen::Vector2d::Zero();
+  Eigen::Vector2d high_T_ = Eigen::Vector2d::Zero();
+  Eigen::Vector2d cell_size_ = Eigen::Vector2d::Ones();
   int columns_ = 0;
   int rows_ = 0;
   double radius_ = 0.0;
-  bool touches_surface_edge_ = false;
 };
 
 }  // namespace handgraft::geometry

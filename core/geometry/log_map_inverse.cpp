@@ -1,0 +1,260 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/base/error.h"
+#include "core/geometry/log_map.h"
+
+namespace handgraft::geometry {
+
+namespace {
+
+constexpr double kSlack = 1e-9;  // barycentric; as documented
+// An edge this much longer in T than on the surface joins two sides of the cut locus.
+constexpr double kMostStretch = 4.0;
+// Sine between two edges in T below which a face covers nothing.
+constexpr double kThinnest = 1e-12;
+// Barycentric weights that cover one point of T from two faces without a shared place.
+constexpr double kSamePlace = 1e-6;
+
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+/// Weights of the corners at `p`; the corners are counter-clockwise with area.
+Eigen::Vector3d weightsAt(const Eigen::Matrix<double, 2, 3>& corners,
+                          const Eigen::Vector2d& p) {
+  const Eigen::Vector2d a = corners.col(0) - p;
+  const Eigen::Vector2d b = corners.col(1) - p;
+  const Eigen::Vector2d c = corners.col(2) - p;
+  const Eigen::Vector3d areas(cross(b, c), cross(c, a), cross(a, b));
+  return areas / areas.sum();
+}
+
+enum class Lie { kFlat, kStraddles, kTurnedOver, kNoArea, kUnknown };
+
+/// How a face lies in the tangent plane.
+Lie lieOf(const TriangleMesh& mesh, int f, const Eigen::Matrix<double, 2, 3>& corners_T) {
+  if (!corners_T.allFinite()) return Lie::kUnknown;
+  for (int c = 0; c < 3; ++c) {
+    const int n = (c + 1) % 3;
+    const double length =
+        (mesh.vertex(mesh.faces()(n, f)) - mesh.vertex(mesh.faces()(c, f))).norm();
+    if ((corners_T.col(n) - corners_T.col(c)).norm() > kMostStretch * length) {
+      return Lie::kStraddles;
+    }
+  }
+  const Eigen::Vector2d ab = corners_T.col(1) - corners_T.col(0);
+  const Eigen::Vector2d ac = corners_T.col(2) - corners_T.col(0);
+  const double area = cross(ab, ac);
+  const double thinnest = kThinnest * ab.norm() * ac.norm();
+  if (area > thinnest) return Lie::kFlat;
+  return area < -thinnest ? Lie::kTurnedOver : Lie::kNoArea;
+}
+
+Eigen::Matrix<double, 2, 3> cornersOf(const TriangleMesh& mesh, const LogMap& map, int f) {
+  Eigen::Matrix<double, 2, 3> corners_T;
+  for (int c = 0; c < 3; ++c) {
+    corners_T.col(c) = logCoordinatesAtVertex(map, mesh.faces()(c, f));
+  }
+  return corners_T;
+}
+
+}  // namespace
+
+std::string_view reasonOf(Unreachable reason) {
+  switch (reason) {
+    case Unreachable::kSurfaceEdge:
+      return "edge of the surface";
+    case Unreachable::kCutLocus:
+      return "cut locus";
+    case Unreachable::kBeyondRadius:
+      return "beyond the disk";
+  }
+  HANDGRAFT_REQUIRE(!"a known reason");
+  return {};
+}
+
+LogMapInverse::LogMapInverse(const TriangleMesh& mesh, const LogMap& map)
+    : radius_(map.radius) {
+  HANDGRAFT_REQUIRE(map.r.size() == mesh.vertexCount());
+  for (const std::vector<int>* faces : {&map.faces, &map.rim_faces}) {
+    for (const int f : *faces) {
+      const Eigen::Matrix<double, 2, 3> corners_T = cornersOf(mesh, map, f);
+      if (lieOf(mesh, f, corners_T) != Lie::kFlat) continue;
+      sheets_.push_back({f, corners_T, corners_T.colwise().norm().transpose()});
+    }
+  }
+  addBorders(mesh, map);
+  buildGrid();
+}
+
+void LogMapInverse::addBorders(const TriangleMesh& mesh, const LogMap& map) {
+  std::vector<int> covered;
+  covered.reserve(sheets_.size());
+  for (const Sheet& sheet : sheets_)
+    covered.push_back(sheet.face);
+  std::sort(covered.begin(), covered.end());
+  const auto isCovered = [&](int f) {
+    return std::binary_search(covered.begin(), covered.end(), f);
+  };
+  for (const Sheet& sheet : sheets_) {
+    for (int c = 0; c < 3; ++c) {
+      const int twin = mesh.twin(3 * sheet.face + c);
+      Unreachable reason = Unreachable::kSurfaceEdge;
+      if (twin >= 0) {
+        const int beyond = TriangleMesh::faceOf(twin);
+        if (isCovered(beyond)) continue;
+        const Lie lie = lieOf(mesh, beyond, cornersOf(mesh, map, beyond));
+        // A face without area in T leaves no gap: what lies behind it decides for itself.
+        if (lie == Lie::kNoArea) continue;
+        reason = lie == Lie::kUnknown || lie == Lie::kFlat ? Unreachable::kBeyondRadius
+                                                           : Unreachable::kCutLocus;
+      }
+      borders_.push_back({sheet.corners_T.col(c), sheet.corners_T.col((c + 1) % 3), reason});
+    }
+  }
+}
+
+int LogMapInverse::columnOf(double x) const {
+  return std::clamp(static_cast<int>((x - low_T_.x()) / cell_size_.x()), 0, columns_ - 1);
+}
+
+int LogMapInverse::rowOf(double y) const {
+  return std::clamp(static_cast<int>((y - low_T_.y()) / cell_size_.y()), 0, rows_ - 1);
+}
+
+/// Row by row, the cells between the sheet's leftmost and rightmost place in that row: a long
+/// thin face visits the cells along it, not those of its bounding box.
+template <class Visit>
+void LogMapInverse::forCellsOf(const Sheet& sheet, const Visit& visit) const {
+  const Eigen::Matrix<double, 2, 3>& p = sheet.corners_T;
+  // The slack at edges reaches a little out of the triangle.
+  const double margin = 1e-6 * (p.rowwise().maxCoeff() - p.rowwise().minCoeff()).norm();
+  const int first_row = rowOf(p.row(1).minCoeff() - margin);
+  const int last_row = rowOf(p.row(1).maxCoeff() + margin);
+  for (int row = first_row; row <= last_row; ++row) {
+    // The first and last row also take what lies beyond them.
+    const double low = row == 0 ? -std::numeric_limits<double>::infinity()
+                                : low_T_.y() + row * cell_size_.y() - margin;
+    const double high = row == rows_ - 1 ? std::numeric_limits<double>::infinity()
+                                         : low_T_.y() + (row + 1) * cell_size_.y() + margin;
+    double left = std::numeric_limits<double>::infinity();
+    double right = -left;
+    for (int c = 0; c < 3; ++c) {
+      const Eigen::Vector2d a = p.col(c);
+      const Eigen::Vector2d b = p.col((c + 1) % 3);
+      if (std::min(a.y(), b.y()) > high || std::max(a.y(), b.y()) < low) continue;
+      const double rise = b.y() - a.y();
+      double t_low = 0.0;
+      double t_high = 1.0;
+      if (rise != 0.0) {
+        t_low = std::clamp((low - a.y()) / rise, 0.0, 1.0);
+        t_high = std::clamp((high - a.y()) / rise, 0.0, 1.0);
+      }
+      for (const double t : {t_low, t_high}) {
+        const double x = a.x() + t * (b.x() - a.x());
+        left = std::min(left, x);
+        right = std::max(right, x);
+      }
+    }
+    if (left > right) continue;
+    const int last_column = columnOf(right + margin);
+    for (int column = columnOf(left - margin); column <= last_column; ++column) {
+      visit(row * columns_ + column);
+    }
+  }
+}
+
+void LogMapInverse::buildGrid() {
+  if (sheets_.empty()) return;
+  low_T_.setConstant(std::numeric_limits<double>::infinity());
+  high_T_ = -low_T_;
+  for (const Sheet& sheet : sheets_) {
+    low_T_ = low_T_.cwiseMin(sheet.corners_T.rowwise().minCoeff());
+    high_T_ = high_T_.cwiseMax(sheet.corners_T.rowwise().maxCoeff());
+  }
+  // About one cell per face, however stretched the disk.
+  constexpr double kMostCells = 2048.0;
+  const Eigen::Vector2d extent = high_T_ - low_T_;
+  const double side = std::sqrt(extent.x() * extent.y() / static_cast<double>(sheets_.size()));
+  const auto cellsAlong = [&](double length) {
+    return static_cast<int>(std::clamp(std::ceil(length / side), 1.0, kMostCells));
+  };
+  columns_ = cellsAlong(extent.x());
+  rows_ = cellsAlong(extent.y());
+  cell_size_ = {extent.x() / columns_, extent.y() / rows_};
+
+  cell_offsets_.assign(static_cast<std::size_t>(columns_) * rows_ + 1, 0);
+  for (const Sheet& sheet : sheets_) {
+    forCellsOf(sheet, [&](int cell) {
+      ++cell_offsets_[cell + 1];
+    });
+  }
+  for (std::size_t c = 1; c < cell_offsets_.size(); ++c)
+    cell_offsets_[c] += cell_offsets_[c - 1];
+  cell_sheets_.resize(static_cast<std::size_t>(cell_offsets_.back()));
+  std::vector<int> cursor(cell_offsets_.begin(), cell_offsets_.end() - 1);
+  for (std::size_t s = 0; s < sheets_.size(); ++s) {
+    forCellsOf(sheets_[s], [&](int cell) {
+      cell_sheets_[cursor[cell]++] = static_cast<int>(s);
+    });
+  }
+}
+
+LogMapInverse::Place LogMapInverse::at(const Eigen::Vector2d& uv_T) const {
+  Place place;
+  if (!uv_T.allFinite() || sheets_.empty()) return place;
+  const double slack = kSlack * (high_T_ - low_T_).norm();
+  const bool in_grid = (uv_T.array() >= low_T_.array() - slack).all() &&
+                       (uv_T.array() <= high_T_.array() + slack).all();
+  if (!in_grid || uv_T.norm() > radius_ * (1.0 + kSlack)) {
+    place.reason = reasonAt(uv_T);
+    return place;
+  }
+
+  const int cell = rowOf(uv_T.y()) * columns_ + columnOf(uv_T.x());
+  double best_r = std::numeric_limits<double>::infinity();
+  double best_margin = 0.0;
+  int strictly_inside = 0;
+  for (int i = cell_offsets_[cell]; i < cell_offsets_[cell + 1]; ++i) {
+    const Sheet& sheet = sheets_[cell_sheets_[i]];
+    const Eigen::Vector3d weights = weightsAt(sheet.corners_T, uv_T);
+    const double margin = weights.minCoeff();
+    if (!(margin >= -kSlack)) continue;
+    if (margin > kSamePlace) ++strictly_inside;
+    const double r = weights.dot(sheet.r);
+    // Faces that share the edge or vertex tie but for rounding: the one further inside wins.
+    const bool tie = std::abs(r - best_r) <= kSlack * r;
+    if (tie ? margin > best_margin : r < best_r) {
+      best_r = r;
+      best_margin = margin;
+      const Eigen::Vector3d kept = weights.cwiseMax(0.0);
+      place.point = {sheet.face, kept / kept.sum()};
+    }
+  }
+  place.folded = strictly_inside > 1;
+  if (!place.point.valid()) place.reason = reasonAt(uv_T);
+  return place;
+}
+
+Unreachable LogMapInverse::reasonAt(const Eigen::Vector2d& uv_T) const {
+  Unreachable reason = Unreachable::kBeyondRadius;
+  double last = -1.0;
+  for (const Border& border : borders_) {
+    // The way t * uv_T, 0 < t <= 1, leaves a counter-clockwise face where the border turns
+    // left.
+    const Eigen::Vector2d along = border.to_T - border.from_T;
+    const double turn = cross(uv_T, along);
+    if (!(turn > 0.0)) continue;
+    const double t = cross(border.from_T, along) / turn;
+    const double s = cross(border.from_T, uv_T) / turn;
+    if (t > last && t <= 1.0 + kSlack && s >= -kSlack && s <= 1.0 + kSlack) {
+      last = t;
+      reason = border.reason;
+    }
+  }
+  return reason;
+}
+
+}  // namespace handgraft::geometry

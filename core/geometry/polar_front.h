@@ -1,0 +1,86 @@
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/geometry/log_map_source.h"
+#include "core/geometry/triangle_mesh.h"
+
+namespace handgraft::geometry {
+
+/// Carries geodesic polar coordinates from a source over a mesh, nearest vertices first.
+///
+/// A vertex is reached through an edge of one of its faces (a window) whose two ends are known:
+/// the source is laid flat behind that edge and looked at across it. Where the ends lie on one
+/// isometric sheet (plane, cylinder, a strip around the source) their polar coordinates place
+/// the source, and the result is exact; elsewhere their distances do, as in DGPC.
+///
+/// Source: Melvaer & Reimers 2012, sections 3 and 4. Differs: README of this folder.
+class PolarFront {
+ public:
+  struct Node {
+    int vertex = -1;
+    int visits = 0;
+    double r = 0.0;
+    Eigen::Vector2d direction_T = Eigen::Vector2d::UnitX();
+    /// Seen along a straight line through an unfolded strip of faces, with nothing fitted.
+    bool exact = false;
+
+    [[nodiscard]] Eigen::Vector2d position() const { return r * direction_T; }
+  };
+
+  PolarFront(const TriangleMesh& mesh, const SourceLayout& source, double radius);
+
+  /// Runs until every vertex within the radius, and those of faces that reach out of it, is
+  /// final.
+  void run();
+
+  /// All vertices touched, those beyond the radius included, in no particular order.
+  [[nodiscard]] const std::vector<Node>& nodes() const { return nodes_; }
+
+  /// The node of a vertex, or null.
+  [[nodiscard]] const Node* nodeOf(int vertex) const {
+    const int node = node_of_[vertex];
+    return node >= 0 ? &nodes_[node] : nullptr;
+  }
+
+ private:
+  /// The part of the plane seen from the origin between two rays, entering a face through its
+  /// halfedge; `left` and `right` hold the halfedge's ends, the rays may be narrower.
+  struct Beam {
+    int halfedge;
+    Eigen::Vector2d left;
+    Eigen::Vector2d right;
+    Eigen::Vector2d left_ray;
+    Eigen::Vector2d right_ray;
+    bool left_known;  ///< its node has this very position
+    bool right_known;
+  };
+
+  /// How a candidate is compared with what a vertex has.
+  enum class Kind { kExact, kFitted };
+
+  void spread(int vertex);
+  void alongEdge(const Node& from, int to);
+  void throughWindow(int halfedge, bool apex_is_front);
+  void follow(const Beam& first);
+  void fitSource(int halfedge, const Node& left, const Node& right, double length);
+  [[nodiscard]] bool isBetter(int vertex, double r, Kind kind) const;
+  void offer(int vertex, double r, const Eigen::Vector2d& direction_T, Kind kind);
+  [[nodiscard]] bool standsAt(int vertex, const Eigen::Vector2d& p_T) const;
+  /// Straight lines may pass the vertex on either side: no curvature sits in it.
+  [[nodiscard]] bool isFlat(int vertex) const;
+
+  const TriangleMesh& mesh_;
+  double radius_;
+  int source_vertex_;
+  double reach_ = 0.0;  ///< longest edge met: how far beyond the radius faces stretch
+  std::vector<Node> nodes_;
+  std::vector<int> node_of_;
+  std::vector<std::pair<double, int>> heap_;
+  std::vector<Beam> beams_;
+};
+
+}  // namespace handgraft::geometry
