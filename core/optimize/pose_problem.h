@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -32,8 +33,10 @@ struct PointPair {
 
 /// Everything Eq. 2-5 of the paper need.
 ///
-/// Degrees of freedom are ordered root rotation (3), root translation (3), then the hand's dofs.
-/// The root's bounds are infinite unless someone asks; bounds on its rotation are not supported.
+/// Degrees of freedom are ordered root rotation (3), root translation (3), then the hand's
+/// dofs. The root's bounds are infinite unless someone asks; bounds on its rotation are not
+/// supported. A locked rotation about one or two axes holds those coordinates of the rotation
+/// vector.
 struct PoseProblem {
   std::shared_ptr<const hand::HandModel> model;
   std::vector<PointPair> pairs;
@@ -42,10 +45,12 @@ struct PoseProblem {
   hand::HandPose prior;
   Eigen::VectorXd lower;  ///< of the hand's dofs
   Eigen::VectorXd upper;
-  Eigen::Vector3d root_lower = Eigen::Vector3d::Constant(-std::numeric_limits<double>::infinity());
-  Eigen::Vector3d root_upper = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
-  /// Multiplies the prior per degree of freedom, 6 + dofs entries; empty means all 1. The three of
-  /// the rotation weigh the geodesic angle by their mean.
+  Eigen::Vector3d root_lower =
+      Eigen::Vector3d::Constant(-std::numeric_limits<double>::infinity());
+  Eigen::Vector3d root_upper =
+      Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+  /// Multiplies the prior per degree of freedom, 6 + dofs entries; empty means all 1. The three
+  /// of the rotation weigh the geodesic angle by their mean.
   Eigen::VectorXd prior_weights;
   /// Degrees of freedom held at the start, 6 + dofs flags; empty means none.
   std::vector<bool> locked;
@@ -56,8 +61,16 @@ struct PoseProblem {
 /// A problem of a hand without contacts yet: bounds from the model, start and prior at rest.
 PoseProblem makeProblem(std::shared_ptr<const hand::HandModel> model);
 
-/// Sizes, finiteness, bounds in order, start inside its bounds within 1e-9, links in range,
-/// normals of unit length within 1e-3, weights >= 0. InvalidInput names what is wrong.
+/// Sizes, finiteness, start inside its bounds within 1e-9, links in range, normals of unit
+/// length within 1e-3, weights >= 0. InvalidInput names what is wrong. Bounds that contradict
+/// each other are no fault of form: `boundsContradict` tells, and a solve answers that it is
+/// infeasible.
 void validate(const PoseProblem& problem);
+
+/// Some lower bound lies above its upper one: there is no pose to find.
+bool boundsContradict(const PoseProblem& problem);
+
+/// Name of a degree of freedom as problem files spell it: root_rx ... root_tz, then the joints.
+std::string dofName(const PoseProblem& problem, int dof);
 
 }  // namespace handgraft::optimize

@@ -1,0 +1,85 @@
+#include "core/optimize/solve_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "core/base/error.h"
+
+namespace handgraft::optimize {
+
+namespace {
+
+/// Angle between two directions, accurate near 0 and pi, where the cosine is flat.
+double angleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+}  // namespace
+
+std::string_view nameOf(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::kConverged:
+      return "converged";
+    case Outcome::kStalled:
+      return "stalled";
+    case Outcome::kEvaluationLimit:
+      return "evaluation_limit";
+    case Outcome::kInfeasible:
+      return "infeasible";
+  }
+  HANDGRAFT_REQUIRE(false && "an outcome of the list");
+  return {};
+}
+
+std::vector<PatchFit> fitPatches(const PoseProblem& problem, const hand::HandPose& pose) {
+  validate(problem);
+  const hand::LinkPoses X_WL = forwardKinematics(*problem.model, pose);
+  std::map<int, PatchFit> fits;
+  for (const PointPair& pair : problem.pairs) {
+    if (pair.patch < 0) continue;
+    const Pose& X = X_WL[static_cast<std::size_t>(pair.link)];
+    const double distance_mm = 1e3 * (X * pair.p_L - pair.p_W).norm();
+    const double angle_deg =
+        angleBetween(X.linear() * pair.n_L, -pair.n_W) * 180.0 / std::numbers::pi;
+    PatchFit& fit = fits[pair.patch];
+    fit.patch = pair.patch;
+    ++fit.point_count;
+    fit.mean_mm += distance_mm;
+    fit.rms_mm += distance_mm * distance_mm;
+    fit.max_mm = std::max(fit.max_mm, distance_mm);
+    fit.normal_mean_deg += angle_deg;
+    if (distance_mm <= 2.0) fit.within_2mm += 1.0;
+    if (distance_mm <= 5.0) fit.within_5mm += 1.0;
+  }
+  std::vector<PatchFit> result;
+  result.reserve(fits.size());
+  for (auto& [patch, fit] : fits) {
+    const double count = fit.point_count;
+    fit.mean_mm /= count;
+    fit.rms_mm = std::sqrt(fit.rms_mm / count);
+    fit.normal_mean_deg /= count;
+    fit.within_2mm /= count;
+    fit.within_5mm /= count;
+    result.push_back(fit);
+  }
+  return result;
+}
+
+std::vector<ActiveLimit> activeLimits(const PoseProblem& problem, const hand::HandPose& pose) {
+  HANDGRAFT_REQUIRE(pose.q.size() == problem.lower.size());
+  constexpr double kAtLimit = 1e-6;  // rad or m; below what a motor or a reader can tell
+  std::vector<ActiveLimit> limits;
+  for (int j = 0; j < static_cast<int>(pose.q.size()); ++j) {
+    if (!problem.locked.empty() && problem.locked[static_cast<std::size_t>(6 + j)]) continue;
+    if (pose.q[j] <= problem.lower[j] + kAtLimit) {
+      limits.push_back({j, false});
+    } else if (pose.q[j] >= problem.upper[j] - kAtLimit) {
+      limits.push_back({j, true});
+    }
+  }
+  return limits;
+}
+
+}  // namespace handgraft::optimize

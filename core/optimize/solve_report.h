@@ -9,7 +9,12 @@
 
 namespace handgraft::optimize {
 
-enum class Outcome { kConverged, kStalled, kEvaluationLimit, kInfeasible };
+enum class Outcome {
+  kConverged,        ///< the gradient promises no further gain worth having
+  kStalled,          ///< the solver gave up (rounding, no progress) before that
+  kEvaluationLimit,  ///< evaluations ran out first
+  kInfeasible,       ///< the bounds contradict each other; the pose is the start
+};
 
 /// `converged`, `stalled`, `evaluation_limit`, `infeasible`.
 std::string_view nameOf(Outcome outcome);
@@ -26,9 +31,10 @@ struct PatchFit {
   double within_5mm = 0.0;
 };
 
-/// A joint that stands at its limit.
+/// A joint that stands at its limit, within 1e-6 rad or m; a joint without a range stands at
+/// its lower one.
 struct ActiveLimit {
-  int dof = 0;        ///< of the hand
+  int dof = 0;  ///< of the hand
   bool upper = false;
 };
 
@@ -38,14 +44,19 @@ struct SolveReport {
   std::string solver;
   hand::HandPose pose;
   Terms terms;
-  int evaluations = 0;      ///< of all starts
+  int evaluations = 0;  ///< of all starts
   int starts = 0;
   int best_start = 0;
   std::vector<PatchFit> patches;
   std::vector<ActiveLimit> active_limits;
 };
 
-/// Fit of every patch of the problem at `pose`, in the order of their numbers.
+/// Fit of every patch of the problem at `pose`, in the order of their numbers; pairs that
+/// belong to no patch (-1) appear in none. Weights play no part. Errors: InvalidInput if the
+/// problem is not valid; BrokenContract on a pose of another hand.
 std::vector<PatchFit> fitPatches(const PoseProblem& problem, const hand::HandPose& pose);
+
+/// The joints of `pose` at their limits, locked ones left out, in the order of the dofs.
+std::vector<ActiveLimit> activeLimits(const PoseProblem& problem, const hand::HandPose& pose);
 
 }  // namespace handgraft::optimize

@@ -21,8 +21,8 @@ inline constexpr int kDefaultStarts = 8;
 
 struct SolveOptions {
   Solver solver = kDefaultSolver;
-  /// Start 0 is the problem's own; start 1 its joints under the closed-form alignment; the others
-  /// put seeded joints (low-discrepancy, within the limits) under that alignment.
+  /// Start 0 is the problem's own; start 1 its joints under the closed-form alignment; the
+  /// others put seeded joints (low-discrepancy, within the limits) under that alignment.
   int starts = kDefaultStarts;
   int threads = 1;
   unsigned seed = 0;
@@ -43,9 +43,11 @@ SolveReport solve(const PoseProblem& problem,
 /// Root pose that brings the pairs together best with the joints held at q: closed form over
 /// points and normals (Kabsch/Umeyama without scale, SVD), no start needed.
 ///
-/// `normal_length_m` turns a normal's mismatch into metres. With fewer than three pairs, or pairs
-/// that do not fix the rotation, the answer is still a proper rotation, and deterministic.
-Pose alignRoot(const PoseProblem& problem, const Eigen::VectorXd& q,
+/// `normal_length_m` turns a normal's mismatch into metres. With fewer than three pairs, or
+/// pairs that do not fix the rotation, the answer is still a proper rotation, and
+/// deterministic.
+Pose alignRoot(const PoseProblem& problem,
+               const Eigen::VectorXd& q,
                double normal_length_m = 0.01);
 
 }  // namespace handgraft::optimize
