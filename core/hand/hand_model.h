@@ -64,16 +64,16 @@ struct Link {
 class HandModel {
  public:
   /// Errors: InvalidInput, naming the joint or link, for: no link, more than one root, a loop,
-  /// a joint with two parents or an unknown link, duplicate names, an axis without length, lower
-  /// above upper, a mimic of an unknown joint or a mimic loop.
+  /// a joint with two parents or an unknown link, duplicate names, an axis without length,
+  /// lower above upper, a mimic of an unknown joint or a mimic loop.
   HandModel(std::string name, std::vector<Link> links, std::vector<Joint> joints);
 
   /// A joint as kinematics sees it. Column i of the tree: link i+1's joint.
   struct Node {
-    int link = 0;           ///< child link
+    int link = 0;  ///< child link
     int parent_link = 0;
     JointType type = JointType::kFixed;
-    int dof = -1;           ///< -1 when fixed
+    int dof = -1;             ///< -1 when fixed
     double multiplier = 1.0;  ///< q_joint = multiplier * q[dof] + offset
     double offset = 0.0;
     Pose X_PJ = Pose::Identity();
@@ -82,20 +82,27 @@ class HandModel {
   };
 
   [[nodiscard]] const std::string& name() const { return name_; }
+
   [[nodiscard]] const std::vector<Link>& links() const { return links_; }
+
   [[nodiscard]] const std::vector<Joint>& joints() const { return joints_; }
+
   /// One per link but the root, parents first; nodes()[i].link == i + 1.
   [[nodiscard]] const std::vector<Node>& nodes() const { return nodes_; }
 
   [[nodiscard]] int linkCount() const { return static_cast<int>(links_.size()); }
+
   [[nodiscard]] int dofCount() const { return static_cast<int>(dof_joints_.size()); }
+
   [[nodiscard]] int mimicCount() const;
   /// The joint of dof i, and its name.
   [[nodiscard]] const Joint& dofJoint(int dof) const;
   [[nodiscard]] std::vector<std::string> dofNames() const;
+
   /// Limits of the dofs (infinite where there are none). A follower's own limits narrow its
   /// source's, where that leaves a range at all.
   [[nodiscard]] const Eigen::VectorXd& lower() const { return lower_; }
+
   [[nodiscard]] const Eigen::VectorXd& upper() const { return upper_; }
 
   /// Index, or InvalidInput naming it and what there is.

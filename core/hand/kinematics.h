@@ -36,7 +36,8 @@ inline LinkPoses forwardKinematics(const HandModel& model, const HandPose& pose)
 
 /// Geometric Jacobian of a point fixed to a link, by the dofs (mimic joints by the chain rule).
 ///
-/// Shapes: 6 x dofCount(): rows 0-2 angular velocity of the link, rows 3-5 velocity of the point,
+/// Shapes: 6 x dofCount(): rows 0-2 angular velocity of the link, rows 3-5 velocity of the
+/// point,
 ///   both expressed in the frame A of the link poses.
 /// Frames: `X_AL` from forwardKinematics; `p_A` the point in A.
 /// Cost: O(depth of the link).

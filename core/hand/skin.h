@@ -17,10 +17,13 @@
 namespace handgraft::hand {
 
 struct SkinOptions {
-  /// Alpha ball radius and offset, in metres; the wrap bridges gaps narrower than
-  /// alpha and stands off by offset. Tried in a ladder until the skin is closed and connected.
-  double alpha_m = 0.005;
+  /// Alpha ball radius and offset, in metres: the wrap bridges gaps narrower than about twice
+  /// alpha and stands off by offset. The first rung of a ladder that is climbed until the skin
+  /// is one piece without handles. 5e-4 to 0.05 m and 5e-5 to 0.01 m.
+  double alpha_m = 0.003;
   double offset_m = 0.0008;
+  /// Edge length that the skin is remeshed to, 5e-4 to 0.05 m.
+  double edge_m = 0.0025;
   /// A skin point farther than this from every link is on no link (paper: epsilon).
   double epsilon_m = 0.004;
 };
@@ -41,12 +44,17 @@ struct LinkPoint {
 class Skin {
  public:
   /// Takes a mesh already in S; builds the locators of the links' surfaces.
-  Skin(const HandModel& model, geometry::TriangleMesh mesh_S, Eigen::VectorXd q_reference,
+  Skin(const HandModel& model,
+       geometry::TriangleMesh mesh_S,
+       Eigen::VectorXd q_reference,
        double epsilon_m);
 
   [[nodiscard]] const geometry::TriangleMesh& mesh() const { return mesh_S_; }
+
   [[nodiscard]] const geometry::SurfaceLocator& locator() const { return *locator_; }
+
   [[nodiscard]] const Eigen::VectorXd& qReference() const { return q_reference_; }
+
   [[nodiscard]] double epsilon() const { return epsilon_m_; }
 
   /// The nearest place on a link's surface, or nothing beyond epsilon.
@@ -70,16 +78,16 @@ class Skin {
   std::unique_ptr<geometry::SurfaceLocator> links_locator_;
 };
 
-/// The joints at which links stand apart enough to be wrapped: fingers straight and spread as far
-/// as limits allow. Deterministic.
+/// The joints at which links stand apart enough to be wrapped: fingers straight and spread as
+/// far as limits allow. Deterministic.
 Eigen::VectorXd skinReferencePose(const HandModel& model);
 
 /// Wraps the union of the links' surfaces at the reference pose (CGAL Alpha_wrap_3): closed,
 /// 2-manifold, one component.
 ///
 /// Errors: InvalidInput if no link has a surface; BrokenContract never. Cancelled on wish.
-/// Cost: 1-6 s for a hand of 100k triangles. Source: Portaneri et al. 2022, "Alpha wrapping with
-/// an offset".
+/// Cost: 1-6 s for a hand of 100k triangles. Source: Portaneri et al. 2022, "Alpha wrapping
+/// with an offset".
 Skin buildSkin(const HandModel& model, const SkinOptions& options, const Progress& progress);
 
 }  // namespace handgraft::hand

@@ -1,0 +1,118 @@
+#include "core/io/sites_file.h"
+
+#include <cmath>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <string>
+
+#include <yaml-cpp/yaml.h>
+
+#include "core/base/error.h"
+
+namespace handgraft::io {
+
+namespace {
+
+constexpr std::uintmax_t kLargestFile = 1 << 20;
+constexpr const char* kFormat = "handgraft-sites/1";
+
+std::string textOf(const YAML::Node& site, const char* field, const std::string& owner) {
+  const YAML::Node node = site[field];
+  if (!node || !node.IsScalar() || node.Scalar().empty())
+    rejectInput("{}: '{}' is missing or no text", owner, field);
+  return node.Scalar();
+}
+
+Eigen::Vector3d vectorOf(const YAML::Node& site, const char* field, const std::string& owner) {
+  const YAML::Node node = site[field];
+  if (!node || !node.IsSequence() || node.size() != 3)
+    rejectInput("{}: '{}' must be three numbers", owner, field);
+  Eigen::Vector3d v;
+  for (int i = 0; i < 3; ++i) {
+    if (!YAML::convert<double>::decode(node[i], v[i]) || !std::isfinite(v[i]))
+      rejectInput("{}: '{}' must be three finite numbers", owner, field);
+  }
+  return v;
+}
+
+Eigen::Vector3d directionOf(const YAML::Node& site,
+                            const char* field,
+                            const std::string& owner) {
+  const Eigen::Vector3d v = vectorOf(site, field, owner);
+  const double length = v.stableNorm();
+  if (!(length > 1e-9) || !std::isfinite(length))
+    rejectInput("{}: '{}' ({} {} {}) has no direction", owner, field, v.x(), v.y(), v.z());
+  return v / length;
+}
+
+hand::ContactSite siteOf(const YAML::Node& node, std::size_t number) {
+  std::string owner = fmt::format("site {}", number);
+  if (!node.IsMap()) rejectInput("{}: a site is a map of name, link, point_m, ...", owner);
+  static const std::set<std::string> kFields{"name", "link", "point_m", "normal", "direction"};
+  for (const auto& entry : node) {
+    if (!entry.first.IsScalar() || !kFields.contains(entry.first.Scalar()))
+      rejectInput("{}: unknown field {} (name, link, point_m, normal, direction)", owner,
+                  quoted(entry.first.IsScalar() ? entry.first.Scalar() : "?"));
+  }
+
+  hand::ContactSite site;
+  site.name = textOf(node, "name", owner);
+  owner = "site " + handgraft::quoted(site.name);
+  site.link = textOf(node, "link", owner);
+  site.p_L = vectorOf(node, "point_m", owner);
+  site.n_L = directionOf(node, "normal", owner);
+  // Files give a few digits: what remains along the normal is taken away.
+  const Eigen::Vector3d d = directionOf(node, "direction", owner);
+  const Eigen::Vector3d tangent = d - d.dot(site.n_L) * site.n_L;
+  if (tangent.norm() < 0.1)
+    rejectInput("{}: 'direction' must not be parallel to 'normal'", owner);
+  site.direction_L = tangent.normalized();
+  return site;
+}
+
+std::vector<hand::ContactSite> parseSites(const std::string& text,
+                                          const hand::HandModel& model) {
+  YAML::Node root;
+  try {
+    root = YAML::Load(text);
+  } catch (const YAML::Exception& error) {
+    rejectInput("line {}: {}", error.mark.line + 1, quoted(error.msg));
+  }
+  if (!root.IsMap() || !root["format"] || !root["format"].IsScalar() ||
+      root["format"].Scalar() != kFormat)
+    rejectInput("'format' must be {}", kFormat);
+  const YAML::Node list = root["sites"];
+  if (!list || !list.IsSequence()) rejectInput("'sites' must be a list");
+
+  std::vector<hand::ContactSite> sites;
+  for (std::size_t i = 0; i < list.size(); ++i)
+    sites.push_back(siteOf(list[i], i));
+  hand::validate(model, sites);
+  return sites;
+}
+
+}  // namespace
+
+std::vector<hand::ContactSite> readSites(const std::filesystem::path& path,
+                                         const hand::HandModel& model) {
+  const std::string name = quoted(path.string());
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (error) rejectInput("{}: {}", name, error.message());
+  if (size > kLargestFile)
+    rejectInput("{}: {} bytes, more than the {} of a sites file", name, size, kLargestFile);
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  if (!file) rejectInput("{}: cannot be read", name);
+  try {
+    return parseSites(text.str(), model);
+  } catch (const InvalidInput& fault) {
+    rejectInput("{}: {}", name, fault.what());
+  } catch (const YAML::Exception& fault) {
+    rejectInput("{}: {}", name, quoted(fault.what()));
+  }
+}
+
+}  // namespace handgraft::io

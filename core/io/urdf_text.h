@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/hand/hand_model.h"
+
+namespace handgraft::io {
+
+/// A URDF reduced to what a hand needs, ready for urdfdom.
+struct UrdfText {
+  std::string xml;
+  std::string robot_name;
+  /// In the order of the file, which urdfdom forgets.
+  std::vector<std::string> links;
+  /// Names, types, parents and children alone; the rest is urdfdom's to read.
+  std::vector<hand::Joint> joints;
+  std::vector<std::string> unlimited_joints;  ///< movable, but the file gives no range
+  std::vector<std::string> notes;
+};
+
+/// Parses `text` and amends what urdfdom refuses although it is harmless: limits without effort
+/// or velocity become 0, a movable joint without a range gets one. Inertias, materials, sensors
+/// and extensions are left out, and with them everything urdfdom could stumble over for no
+/// reason; so are shapes unless `with_shapes`.
+///
+/// Entities that the file defines itself are not expanded; nesting is bounded by tinyxml2.
+/// Errors: InvalidInput for XML that is not well-formed, unnamed links and joints, joint types
+/// that a hand cannot have, more than kMostUrdfLinks links.
+UrdfText prepareUrdf(const std::string& text, bool with_shapes);
+
+inline constexpr int kMostUrdfLinks = 10'000;
+
+}  // namespace handgraft::io
