@@ -1,0 +1,64 @@
+"""The four demonstrated grasps, as rough poses in the object's frame (mm, rad).
+
+All but the scissors are held from the object's +x side with the hand's thumb side up (+z).
+"""
+
+from .demonstration import Grasp, Touch
+
+
+UP = (0.0, 0.0, 1.0)
+
+
+def posture(mcp, pip, dip, thumb, **more):
+    """All fingers bent alike, the thumb's four joints, and single joints that differ."""
+    q = {}
+    for finger in ("index", "middle", "ring", "little"):
+        q.update({f"{finger}_mcp_flex": mcp, f"{finger}_pip_flex": pip, f"{finger}_dip_flex": dip})
+    names = ("thumb_cmc_abd", "thumb_cmc_flex", "thumb_mcp_flex", "thumb_ip_flex")
+    q.update(zip(names, thumb))
+    q.update(more)
+    return q
+
+
+def scissors():
+    """Index and middle finger in the long ring, the thumb in the other, blades on the thumb's
+    side; the other fingers curl away behind the ring."""
+    away = {f"{finger}_{joint}_flex": bend for finger in ("ring", "little")
+            for joint, bend in (("mcp", 1.2), ("pip", 1.6), ("dip", 0.9))}
+    return Grasp(
+        origin=(-71.0, 51.0, 160.0), palm=(0.0, 0.71, -0.71), fingers=(0.0, -0.71, -0.71),
+        posture=posture(0.55, 0.35, 0.15, (1.2, -0.1, 0.1, 0.1), **away),
+        touches=[Touch("thumb", (-58.0, 10.0, 0.0), UP), Touch("index", (-52.0, -10.0, 0.0), UP),
+                 Touch("middle", (-70.0, -10.0, 0.0), UP)])
+
+
+def wine_glass():
+    """Around the bowl, the palm free: thumb on one side, three fingers on the other."""
+    return Grasp(
+        origin=(70.0, -85.0, 140.0), palm=(-1.0, 0.0, 0.0), fingers=(0.0, 1.0, 0.0),
+        posture=posture(0.7, 0.6, 0.3, (1.4, -0.45, 0.0, 0.0)),
+        touches=[Touch("thumb", (-8.0, -35.0, 148.0)), Touch("index", (-12.0, 33.0, 164.0)),
+                 Touch("middle", (-16.0, 32.0, 143.0)), Touch("ring", (-10.0, 32.0, 122.0))])
+
+
+def box():
+    """Across the narrow side: four fingers in a row on one broad face, the thumb on the other."""
+    return Grasp(
+        origin=(85.0, -80.0, 0.0), palm=(-1.0, 0.0, 0.0), fingers=(0.0, 1.0, 0.0),
+        posture=posture(0.8, 0.6, 0.3, (1.1, 0.0, 0.1, 0.1)),
+        touches=[Touch("thumb", (8.0, -20.0, 14.0)), Touch("index", (8.0, 20.0, 34.0)),
+                 Touch("middle", (4.0, 20.0, 12.0)), Touch("ring", (8.0, 20.0, -10.0)),
+                 Touch("little", (14.0, 20.0, -31.0))])
+
+
+def lemon():
+    """In the palm, all five digits around it."""
+    return Grasp(
+        origin=(42.0, -68.0, 4.0), palm=(-1.0, 0.0, 0.0), fingers=(0.0, 1.0, 0.0),
+        posture=posture(0.9, 0.9, 0.4, (1.4, -0.2, 0.7, 0.8)),
+        touches=[Touch("palm", (29.8, -1.0, -2.0)), Touch("thumb", (-22.0, -19.0, 5.0)),
+                 Touch("index", (-19.0, 13.0, 20.0)), Touch("middle", (-23.0, 17.0, 7.0)),
+                 Touch("ring", (-23.0, 16.0, -7.0)), Touch("little", (-18.0, 12.0, -20.0))])
+
+
+GRASPS = {"scissors": scissors, "wine_glass": wine_glass, "box": box, "lemon": lemon}
