@@ -19,13 +19,21 @@ class Progress {
 
   explicit Progress(Listener listener) : listener_(std::move(listener)) {}
 
+  /// A part of larger work: reports to its own listener, and stops when `whole`, which must outlive
+  /// it, is to stop.
+  Progress(const Progress& whole, Listener listener)
+      : listener_(std::move(listener)), whole_(&whole) {}
+
   void report(std::string_view stage, double fraction) const {
     if (listener_) listener_(stage, fraction);
   }
 
   void cancel() { cancelled_.store(true, std::memory_order_relaxed); }
 
-  [[nodiscard]] bool cancelled() const { return cancelled_.load(std::memory_order_relaxed); }
+  [[nodiscard]] bool cancelled() const {
+    return cancelled_.load(std::memory_order_relaxed) ||
+           (whole_ != nullptr && whole_->cancelled());
+  }
 
   /// Throws Cancelled if someone asked to stop. Call it in loops that may take long.
   void checkpoint() const {
@@ -34,6 +42,7 @@ class Progress {
 
  private:
   Listener listener_;
+  const Progress* whole_ = nullptr;
   std::atomic<bool> cancelled_{false};
 };
 

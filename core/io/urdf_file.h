@@ -25,6 +25,9 @@ struct UrdfFile {
 ///   joint. Limits that a movable joint lacks are noted, not refused.
 UrdfFile readUrdf(const std::filesystem::path& path, const PackageMap& packages = {});
 
+/// As above, with the meshes' files found by `find`; nothing else is opened.
+UrdfFile readUrdf(const std::filesystem::path& path, const ResourceFinder& find);
+
 /// Joints and links alone, geometry left out: for problem files, whose kinematics is all they need.
 /// No mesh has to exist.
 hand::HandModel readUrdfKinematics(const std::filesystem::path& path);
