@@ -19,8 +19,8 @@ struct Correspondence {
   Eigen::Vector3d n_L = Eigen::Vector3d::Zero();
   Eigen::Vector3d p_O = Eigen::Vector3d::Zero();
   Eigen::Vector3d n_O = Eigen::Vector3d::Zero();
-  double weight = 1.0;
-  int patch = 0;  ///< index into the transferred patches
+  double weight = 1.0;  ///< of its patch
+  int patch = 0;        ///< index into the transferred patches, set by who transfers several
 };
 
 /// Where a patch goes on the hand: two of the paper's four choices.
@@ -41,13 +41,14 @@ struct PatchTransfer {
   /// Outline on the skin, in S, one per correspondence, for pictures.
   std::vector<Eigen::Vector3d> points_S;
   std::vector<LostPoint> lost;
-  /// Share of the patch's IB distances from the root that the skin changes: mean |r_hand/r_obj - 1|
-  /// after projection; 0 where nothing was reached.
+  /// How much the distances from the root changed: mean |r_hand / r_obj - 1|, with r_hand the
+  /// geodesic distance on the skin to the place nearest to the point's projection onto its
+  /// link; 0 where nothing was reached.
   double distance_distortion = 0.0;
 };
 
-/// Lays one patch onto the skin by log-map coordinates about both roots, mirrored (phi_h = -phi_o),
-/// and projects it onto the links.
+/// Lays one patch onto the skin by log-map coordinates about both roots, mirrored (phi_h =
+/// -phi_o), and projects it onto the links.
 ///
 /// Frames: patch and `object_O` in O; placement in S. `patch.direction_O` must be set
 ///   (BrokenContract).
