@@ -14,8 +14,8 @@ constexpr double kFittedGain = 1e-6;
 constexpr double kExactGain = 1e-12;  // a few roundings
 // An exact value that ties with a fitted one takes its place: its angle is better.
 constexpr double kExactTie = 1e-9;
-// Positions of one sheet differ by rounding, some 1e-14 of r after a hundred faces.
-constexpr double kSameSheet = 1e-9;
+// Places on one sheet differ by rounding, angles most where a window is seen edge-on.
+constexpr double kSameSheet = 1e-6;
 constexpr double kSameLength = 1e-7;       // of the edge
 constexpr double kLengthRounding = 1e-12;  // of r
 constexpr double kRayRounding = 1e-12;     // sine
@@ -24,9 +24,9 @@ constexpr double kFlatAngle = 1e-7;        // rad; sum of some ten arc tangents
 // cut locus. On a sphere the ratio gets there at 0.79 pi only.
 constexpr double kMostStretch = 4.0;
 // A vertex improves a few times. Rounding on absurd input must not keep it going.
-constexpr int kMostVisits = 64;
+constexpr int kMostVisits = 1000;
 // Faces that one beam crosses beyond its window; slivers need most.
-constexpr int kLongestBeam = 64;
+constexpr int kLongestBeam = 256;
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
@@ -117,132 +117,147 @@ void PolarFront::throughWindow(int halfedge, bool apex_is_front) {
   if (mesh_.twin(halfedge) < 0) return;  // nothing comes from beyond the surface's edge
   const int from = mesh_.from(halfedge);
   const int to = mesh_.to(halfedge);
-  const int apex = mesh_.to(TriangleMesh::next(halfedge));
   const Node* left = nodeOf(from);
   const Node* right = nodeOf(to);
-  if (!left || !right || left->r <= 0.0 || right->r <= 0.0 || apex == source_vertex_) return;
+  if (!left || !right || left->r <= 0.0 || right->r <= 0.0) return;
+  if (mesh_.to(TriangleMesh::next(halfedge)) == source_vertex_) return;
 
   const double length = (mesh_.vertices().col(to) - mesh_.vertices().col(from)).norm();
   if (length <= 0.0) return;
-  const Eigen::Vector2d left_T = left->position();
-  const Eigen::Vector2d right_T = right->position();
-  const double length_T = (right_T - left_T).norm();
+  const double length_T = (right->position() - left->position()).norm();
+  bool one_sheet = false;
   if (left->exact && right->exact) {
     const double slack = kSameLength * length + kLengthRounding * std::max(left->r, right->r);
-    if (std::abs(length_T - length) <= slack) {
-      follow({halfedge, left_T, right_T, left_T, right_T, true, true});
-      return;
-    }
+    one_sheet = std::abs(length_T - length) <= slack;
     // Two sheets of a surface that is flat here: whatever passes between them goes by beam.
-    if (isFlat(from) && isFlat(to)) return;
+    if (!one_sheet && isFlat(from) && isFlat(to)) return;
   }
-  if (apex_is_front || length_T > kMostStretch * length) return;
-  fitSource(halfedge, *left, *right, length);
-}
+  if (!one_sheet && (apex_is_front || length_T > kMostStretch * length)) return;
 
-// === Exact: the beam through a window, followed past vertices that it does not serve
-
-void PolarFront::follow(const Beam& first) {
-  beams_.assign(1, first);
-  for (int step = 0; !beams_.empty() && step < kLongestBeam; ++step) {
-    const Beam beam = beams_.back();
-    beams_.pop_back();
-    const int h = beam.halfedge;
-    const int apex = mesh_.to(TriangleMesh::next(h));
-
-    // === Unfold the face into T
-    const Eigen::Vector2d edge = beam.right - beam.left;
-    const double length = edge.norm();
-    if (!(length > 0.0)) continue;
-    const Eigen::Vector2d along = edge / length;
-    const Eigen::Vector2d left_of_edge = leftOf(along);
-    // The origin lies behind the edge; from the side of the face or along it nothing is seen.
-    const double depth = left_of_edge.dot(beam.left);
-    if (!(depth > kRayRounding * beam.left.norm())) continue;
-    const Apex local =
-        apexOf(mesh_.vertices().col(mesh_.from(h)), mesh_.vertices().col(mesh_.to(h)),
-               mesh_.vertices().col(apex), length);
-    const Eigen::Vector2d apex_T = beam.left + local.x * along + local.y * left_of_edge;
-    const double r = apex_T.norm();
-
-    // === Serve the apex if it is seen
-    const bool beyond_left =
-        cross(beam.left_ray, apex_T) > kRayRounding * r * beam.left_ray.norm();
-    const bool beyond_right =
-        cross(apex_T, beam.right_ray) > kRayRounding * r * beam.right_ray.norm();
-    const bool seen = !beyond_left && !beyond_right;
-    if (apex == source_vertex_) continue;
-    if (seen && r > 0.0 && isBetter(apex, r, Kind::kExact)) {
-      offer(apex, r, apex_T / r, Kind::kExact);
-    }
-    const bool apex_known = standsAt(apex, apex_T);
-
-    // === Go on through the two other edges, unless both ends of one know their way themselves
-    if (!apex_known && !isFlat(apex)) continue;  // no sheet to follow on a curved surface
-    const Node* left = nodeOf(mesh_.from(h));
-    const Node* right = nodeOf(mesh_.to(h));
-    const Node* ahead = nodeOf(apex);
-    // Past the cut locus for good: all three have shorter ways.
-    const auto outrun = [](const Node* node, const Eigen::Vector2d& p_T) {
-      return node && node->r < p_T.norm() * (1.0 - kExactTie);
-    };
-    if (outrun(left, beam.left) && outrun(right, beam.right) && outrun(ahead, apex_T)) continue;
-
-    const int right_edge = mesh_.twin(TriangleMesh::next(h));
-    if (!beyond_right && right_edge >= 0 && !(apex_known && beam.right_known) &&
-        distanceToSegment(apex_T, beam.right) <= radius_ + reach_) {
-      beams_.push_back({right_edge, apex_T, beam.right, seen ? apex_T : beam.left_ray,
-                        beam.right_ray, apex_known, beam.right_known});
-    }
-    const int left_edge = mesh_.twin(TriangleMesh::previous(h));
-    if (!beyond_left && left_edge >= 0 && !(apex_known && beam.left_known) &&
-        distanceToSegment(apex_T, beam.left) <= radius_ + reach_) {
-      beams_.push_back({left_edge, beam.left, apex_T, beam.left_ray,
-                        seen ? apex_T : beam.right_ray, beam.left_known, apex_known});
-    }
+  // === The source behind the window, from the two distances (Melvaer & Reimers 2012, 3.2)
+  // In coordinates along the edge; behind it, so that the window's ends have y = depth > 0.
+  const double source_x = ((left->r - right->r) * (left->r + right->r) / length + length) / 2.0;
+  const double depth_squared = (left->r - source_x) * (left->r + source_x);
+  if (!(depth_squared > kRayRounding * kRayRounding * left->r * left->r)) return;
+  const double depth = std::sqrt(depth_squared);
+  // Where both directions are exact they also tell when the source is in front of the window.
+  if (one_sheet && cross(right->direction_T, left->direction_T) <= 0.0) return;
+  const Window window{
+      left->direction_T, right->direction_T, {-source_x, depth}, {length - source_x, depth}};
+  if (one_sheet) {
+    follow(window, halfedge);
+  } else {
+    lookThrough(window, halfedge, length);
   }
 }
 
-// === Fitted: the source placed by the two distances (Melvaer & Reimers 2012, section 3.2)
-
-void PolarFront::fitSource(int halfedge, const Node& left, const Node& right, double length) {
-  const int apex = mesh_.to(TriangleMesh::next(halfedge));
-  // The source in coordinates along the edge and to its left, where it is behind: y < 0.
-  const double source_x = ((left.r - right.r) * (left.r + right.r) / length + length) / 2.0;
-  const double source_y_squared = (left.r - source_x) * (left.r + source_x);
-  if (!(source_y_squared > 0.0)) return;
-  const double depth = std::sqrt(source_y_squared);
-
-  const Apex local =
-      apexOf(mesh_.vertices().col(mesh_.from(halfedge)),
-             mesh_.vertices().col(mesh_.to(halfedge)), mesh_.vertices().col(apex), length);
-  const double crossing = source_x + (local.x - source_x) * depth / (local.y + depth);
-  if (!(crossing >= 0.0 && crossing <= length)) return;
-  const double r = std::hypot(local.x - source_x, local.y + depth);
-  if (!isBetter(apex, r, Kind::kFitted)) return;
-
-  // The angle divides between the two ends as it does at the source that was placed.
-  const Eigen::Vector2d to_left(-source_x, depth);
-  const Eigen::Vector2d to_right(length - source_x, depth);
-  const Eigen::Vector2d to_apex(local.x - source_x, local.y + depth);
-  const double whole = std::atan2(cross(to_right, to_left), to_right.dot(to_left));
-  const double part = std::atan2(cross(to_apex, to_left), to_apex.dot(to_left));
-  double turn = std::atan2(cross(left.direction_T, right.direction_T),
-                           left.direction_T.dot(right.direction_T));
+Eigen::Vector2d PolarFront::directionThrough(const Window& window, const Eigen::Vector2d& p) {
+  // The angle divides between the two ends as it does at the source that was placed: an
+  // interpolation, so that errors do not grow from face to face as they would by unfolding.
+  const double whole =
+      std::atan2(cross(window.right, window.left), window.right.dot(window.left));
+  const double part = std::atan2(cross(p, window.left), p.dot(window.left));
+  const Eigen::Vector2d& d = window.left_direction_T;
+  double turn = std::atan2(cross(d, window.right_direction_T), d.dot(window.right_direction_T));
   // The right end lies clockwise of the left one, more than half a turn at a very sharp source.
   if (turn > std::numbers::pi / 2.0) turn -= 2.0 * std::numbers::pi;
   const double angle = whole > 0.0 ? turn * part / whole : 0.0;
   const double c = std::cos(angle);
   const double s = std::sin(angle);
-  const Eigen::Vector2d& d = left.direction_T;
-  offer(apex, r, {c * d.x() - s * d.y(), s * d.x() + c * d.y()}, Kind::kFitted);
+  return {c * d.x() - s * d.y(), s * d.x() + c * d.y()};
+}
+
+// === Fitted: what the window shows of its own face
+
+void PolarFront::lookThrough(const Window& window, int halfedge, double length) {
+  const int apex = mesh_.to(TriangleMesh::next(halfedge));
+  const Apex local =
+      apexOf(mesh_.vertices().col(mesh_.from(halfedge)),
+             mesh_.vertices().col(mesh_.to(halfedge)), mesh_.vertices().col(apex), length);
+  const Eigen::Vector2d p(window.left.x() + local.x, window.left.y() + local.y);
+  const double r = p.norm();
+  if (!isBetter(apex, r, Kind::kFitted)) return;
+  if (cross(window.left, p) > 0.0 || cross(p, window.right) > 0.0) return;
+  offer(apex, r, directionThrough(window, p), Kind::kFitted);
+}
+
+// === Exact: the beam through a window, followed past vertices that it does not serve
+
+void PolarFront::follow(const Window& window, int halfedge) {
+  beams_.clear();
+  beams_.push_back({halfedge, window.left, window.right, Eigen::Vector2d::UnitX(), window.left,
+                    window.right, true, true});
+  for (int step = 0; !beams_.empty() && step < kLongestBeam; ++step) {
+    const Beam beam = beams_.back();
+    beams_.pop_back();
+    const int h = beam.halfedge;
+    const int apex = mesh_.to(TriangleMesh::next(h));
+    if (apex == source_vertex_) continue;
+
+    // === Unfold the face, by turning from edge to edge: taking directions from places instead
+    // would blow up their rounding in every sliver on the way.
+    const auto a = mesh_.vertices().col(mesh_.from(h));
+    const auto b = mesh_.vertices().col(mesh_.to(h));
+    const auto c = mesh_.vertices().col(apex);
+    const double length = (b - a).norm();
+    if (!(length > 0.0)) continue;
+    const Apex local = apexOf(a, b, c, length);
+    const Eigen::Vector2d to_apex = local.x * beam.along + local.y * leftOf(beam.along);
+    const Eigen::Vector2d p = beam.left + to_apex;
+    const double r = p.norm();
+
+    // === Serve the apex if it is seen
+    const bool beyond_left = cross(beam.left_ray, p) > kRayRounding * r * beam.left_ray.norm();
+    const bool beyond_right =
+        cross(p, beam.right_ray) > kRayRounding * r * beam.right_ray.norm();
+    const bool seen = !beyond_left && !beyond_right;
+    if (seen && r > 0.0 && isBetter(apex, r, Kind::kExact)) {
+      offer(apex, r, directionThrough(window, p), Kind::kExact);
+    }
+    const bool apex_known = standsAt(apex, window, p, r);
+
+    // === Go on through the two other edges, unless both ends of one know their way themselves
+    if (apex_known && beam.left_known && beam.right_known) continue;
+    if (!apex_known) {
+      if (!isFlat(apex)) continue;
+      // A vertex that has not spread yet may still find its way; it asks this window again
+      // then.
+      const Node* node = nodeOf(apex);
+      if (step == 0 && (!node || node->visits == 0)) continue;
+    }
+    const auto outrun = [&](int vertex, const Eigen::Vector2d& place) {
+      const Node* node = nodeOf(vertex);
+      return node && node->r < place.norm() * (1.0 - kExactTie);
+    };
+    // Past the cut locus for good: all three have shorter ways.
+    if (outrun(apex, p) && outrun(mesh_.from(h), beam.left) &&
+        outrun(mesh_.to(h), beam.right)) {
+      continue;
+    }
+    const int right_edge = mesh_.twin(TriangleMesh::next(h));
+    if (!beyond_right && right_edge >= 0 && !(apex_known && beam.right_known) &&
+        distanceToSegment(p, beam.right) <= radius_ + reach_) {
+      const Eigen::Vector2d rest =
+          (length - local.x) * beam.along - local.y * leftOf(beam.along);
+      beams_.push_back({right_edge, p, beam.right, rest.normalized(), seen ? p : beam.left_ray,
+                        beam.right_ray, apex_known, beam.right_known});
+    }
+    const int left_edge = mesh_.twin(TriangleMesh::previous(h));
+    if (!beyond_left && left_edge >= 0 && !(apex_known && beam.left_known) &&
+        distanceToSegment(beam.left, p) <= radius_ + reach_) {
+      beams_.push_back({left_edge, beam.left, p, to_apex.normalized(), beam.left_ray,
+                        seen ? p : beam.right_ray, beam.left_known, apex_known});
+    }
+  }
 }
 
 bool PolarFront::isBetter(int vertex, double r, Kind kind) const {
   if (vertex == source_vertex_) return false;
   const Node* node = nodeOf(vertex);
   if (!node) return true;
-  if (kind == Kind::kFitted) return r < node->r * (1.0 - kFittedGain);
+  // Vertices that fit one another in a circle gain ever less: each visit asks for twice as
+  // much.
+  if (kind == Kind::kFitted) return r < node->r * (1.0 - std::ldexp(kFittedGain, node->visits));
   return r < node->r * (node->exact ? 1.0 - kExactGain : 1.0 + kExactTie);
 }
 
@@ -263,10 +278,19 @@ void PolarFront::offer(int vertex, double r, const Eigen::Vector2d& direction_T,
   std::push_heap(heap_.begin(), heap_.end(), std::greater<>());
 }
 
-bool PolarFront::standsAt(int vertex, const Eigen::Vector2d& p_T) const {
+bool PolarFront::standsAt(int vertex,
+                          const Window& window,
+                          const Eigen::Vector2d& p,
+                          double r) const {
   const Node* node = nodeOf(vertex);
-  return node && node->exact &&
-         (node->position() - p_T).norm() <= kSameSheet * (node->r + p_T.norm());
+  if (!node || !node->exact || std::abs(node->r - r) > kSameSheet * r) return false;
+  // The turn from the window's left end to p, carried over to T: complex numbers, no angles.
+  const Eigen::Vector2d& d = window.left_direction_T;
+  const double c = window.left.dot(p);
+  const double s = cross(window.left, p);
+  const Eigen::Vector2d direction_T(c * d.x() - s * d.y(), s * d.x() + c * d.y());
+  return (direction_T / direction_T.norm() - node->direction_T).squaredNorm() <=
+         kSameSheet * kSameSheet;
 }
 
 bool PolarFront::isFlat(int vertex) const {

@@ -47,15 +47,24 @@ class PolarFront {
   }
 
  private:
-  /// The part of the plane seen from the origin between two rays, entering a face through its
-  /// halfedge; `left` and `right` hold the halfedge's ends, the rays may be narrower.
+  /// An edge with the source laid flat behind it, at the origin of coordinates along the edge.
+  struct Window {
+    Eigen::Vector2d left_direction_T;
+    Eigen::Vector2d right_direction_T;
+    Eigen::Vector2d left;
+    Eigen::Vector2d right;
+  };
+
+  /// What is seen between two rays from a window's origin, entering a face through its
+  /// halfedge; `left` and `right` are the halfedge's ends, the rays may be narrower.
   struct Beam {
     int halfedge;
     Eigen::Vector2d left;
     Eigen::Vector2d right;
+    Eigen::Vector2d along;  ///< unit, from left to right
     Eigen::Vector2d left_ray;
     Eigen::Vector2d right_ray;
-    bool left_known;  ///< its node has this very position
+    bool left_known;  ///< its node has this very place
     bool right_known;
   };
 
@@ -65,11 +74,15 @@ class PolarFront {
   void spread(int vertex);
   void alongEdge(const Node& from, int to);
   void throughWindow(int halfedge, bool apex_is_front);
-  void follow(const Beam& first);
-  void fitSource(int halfedge, const Node& left, const Node& right, double length);
+  void follow(const Window& window, int halfedge);
+  void lookThrough(const Window& window, int halfedge, double length);
+  static Eigen::Vector2d directionThrough(const Window& window, const Eigen::Vector2d& p);
   [[nodiscard]] bool isBetter(int vertex, double r, Kind kind) const;
   void offer(int vertex, double r, const Eigen::Vector2d& direction_T, Kind kind);
-  [[nodiscard]] bool standsAt(int vertex, const Eigen::Vector2d& p_T) const;
+  [[nodiscard]] bool standsAt(int vertex,
+                              const Window& window,
+                              const Eigen::Vector2d& p,
+                              double r) const;
   /// Straight lines may pass the vertex on either side: no curvature sits in it.
   [[nodiscard]] bool isFlat(int vertex) const;
 
