@@ -67,7 +67,7 @@ const std::map<std::string, std::set<std::string>> kAlone = {
     {"cyclone", {"idl/cyclone/participant.cpp"}},
     {"fastcdr", {"idl/cyclone/participant.cpp"}},
     {"png", {"client/render/png_file.cpp"}},
-    {"cli11", {"server/main.cpp", "client/main.cpp", "hardware/bridge/main.cpp"}},
+    {"cli11", {"server/main.cpp", "client/command_line.cpp", "hardware/bridge/main.cpp"}},
 };
 
 const std::vector<std::pair<std::string, std::regex>> kLibraries = {

@@ -1,0 +1,45 @@
+#include <fmt/format.h>
+
+#include "client/commands/commands.h"
+#include "client/json_output.h"
+#include "client/progress_line.h"
+#include "client/server_link.h"
+#include "core/base/error.h"
+
+namespace handgraft::client {
+
+namespace {
+
+ModelFiles filesOf(const LoadOptions& options) {
+  switch (options.kind) {
+    case v1::MODEL_HAND:
+      return handFiles(options.path, options.packages);
+    case v1::MODEL_OBJECT:
+      return objectFiles(options.path);
+    case v1::MODEL_CONTACTS:
+      return contactFiles(options.path, options.object);
+  }
+  rejectInput("kind {}: hand, object or contacts", static_cast<int>(options.kind));
+}
+
+}  // namespace
+
+int run(const LoadOptions& options, const CommonOptions& common, Interruption& interruption) {
+  ModelFiles model = filesOf(options);
+  if (!options.name.empty()) model.name = options.name;
+  ServerLink server(common.network, Absence::kFail, interruption);
+  ProgressLine progress;
+  server.onProgress([&](const std::string& stage, double fraction) {
+    progress.show(stage, fraction);
+  });
+  const v1::ModelSummary summary = server.load(model);
+  progress.clear();
+  if (common.json) {
+    fmt::print("{}\n", json::loaded(summary));
+  } else {
+    fmt::print("loaded {} {}: {}\n", nameOf(summary.kind()), summary.name(), summary.text());
+  }
+  return 0;
+}
+
+}  // namespace handgraft::client

@@ -1,0 +1,140 @@
+#include "client/grasp_picture.h"
+
+#include <array>
+#include <map>
+
+#include <Eigen/Geometry>
+
+#include "core/base/error.h"
+#include "core/base/pose.h"
+
+namespace handgraft::client {
+
+namespace {
+
+using render::Color;
+
+constexpr Color kHandColor{196, 203, 214};
+constexpr Color kObjectColor{240, 214, 150};
+constexpr Color kDroppedColor{120, 120, 120};
+constexpr Color kDistanceColor{30, 32, 36};
+constexpr double kHandOpacity = 0.86;
+constexpr double kObjectOpacity = 0.66;  // patches behind it shine through
+
+Pose poseOf(const v1::Pose& X) {
+  const auto& p = X.p_m();
+  const auto& q = X.q_wxyz();
+  return poseFromQuaternion({p[0], p[1], p[2]}, {q[0], q[1], q[2], q[3]},
+                            "pose from the server");
+}
+
+render::SurfaceMesh surface(const v1::Mesh& mesh, const Pose& X_WM, Color color) {
+  render::SurfaceMesh out;
+  out.color = color;
+  const std::vector<float>& xyz = mesh.vertices_m();
+  for (std::size_t i = 0; i + 2 < xyz.size(); i += 3) {
+    const Eigen::Vector3d p_M(xyz[i], xyz[i + 1], xyz[i + 2]);
+    out.vertices_W.push_back((X_WM * p_M).cast<float>());
+  }
+  const std::vector<std::uint32_t>& corners = mesh.triangles();
+  for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
+    out.triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
+  }
+  return out;
+}
+
+std::vector<Eigen::Vector3f> pointsOf(const std::vector<double>& xyz) {
+  std::vector<Eigen::Vector3f> points;
+  for (std::size_t i = 0; i + 2 < xyz.size(); i += 3) {
+    points.push_back(Eigen::Vector3d(xyz[i], xyz[i + 1], xyz[i + 2]).cast<float>());
+  }
+  return points;
+}
+
+void addOutline(render::Scene& scene, const std::vector<Eigen::Vector3f>& loop, Color color) {
+  for (std::size_t i = 0; i < loop.size(); ++i) {
+    scene.segments.push_back({loop[i], loop[(i + 1) % loop.size()], 2.4F, color});
+  }
+}
+
+void addFit(GraspPicture& picture,
+            render::Layer& hand,
+            render::Layer& object,
+            const v1::PatchFit& fit,
+            Color color) {
+  render::Scene& scene = picture.scene;
+  const std::vector<Eigen::Vector3f> on_hand = pointsOf(fit.hand_W_m());
+  const std::vector<Eigen::Vector3f> on_object = pointsOf(fit.object_W_m());
+  hand.decals.push_back({on_hand, 0.006F, color});
+  object.decals.push_back({on_object, 0.006F, color});
+  addOutline(scene, on_hand, render::blend(color, {255, 255, 255}, 0.35));
+  addOutline(scene, on_object, render::blend(color, {0, 0, 0}, 0.25));
+  for (std::size_t i = 0; i < std::min(on_hand.size(), on_object.size()); ++i) {
+    scene.segments.push_back({on_hand[i], on_object[i], 1.2F, kDistanceColor});
+    scene.markers.push_back({on_object[i], 2.2F, render::blend(color, {0, 0, 0}, 0.35)});
+  }
+  picture.caption.legend.push_back({color, fmt::format("{} {:.1f} mm (max {:.1f})", fit.name(),
+                                                       fit.mean_mm(), fit.max_mm())});
+}
+
+}  // namespace
+
+render::Color colorOf(const std::string& patch, std::size_t index) {
+  static const std::map<std::string, Color> kFingers = {
+      {"thumb", {213, 74, 0}},  {"index", {0, 114, 178}},  {"middle", {0, 150, 110}},
+      {"ring", {190, 90, 160}}, {"little", {214, 170, 0}}, {"palm", {70, 175, 230}}};
+  if (const auto found = kFingers.find(patch); found != kFingers.end()) return found->second;
+  static const std::array<Color, 6> kOthers = {{{140, 86, 75},
+                                                {148, 103, 189},
+                                                {188, 189, 34},
+                                                {23, 150, 160},
+                                                {214, 39, 120},
+                                                {90, 90, 200}}};
+  return kOthers[index % kOthers.size()];
+}
+
+GraspPicture pictureOf(const GraspResult& result,
+                       const v1::ObjectDescription& object,
+                       const v1::ContactsDescription& contacts) {
+  requireConsistent(result);
+  const v1::PoseSolution& solution = result.solution;
+  GraspPicture picture;
+
+  // === Surfaces
+  render::Layer hand_layer{kHandOpacity, {}, {}};
+  for (std::size_t i = 0; i < result.hand.links().size(); ++i) {
+    hand_layer.meshes.push_back(
+        surface(result.hand.links()[i].surface_L(), poseOf(solution.X_WL()[i]), kHandColor));
+  }
+  const Pose X_WO = poseOf(solution.X_WO());
+  render::Layer object_layer{
+      kObjectOpacity, {surface(object.mesh_O(), X_WO, kObjectColor)}, {}};
+
+  // === Patches that were solved, then those that were dropped
+  for (std::size_t i = 0; i < solution.patches().size(); ++i) {
+    const v1::PatchFit& fit = solution.patches()[i];
+    addFit(picture, hand_layer, object_layer, fit, colorOf(fit.name(), i));
+  }
+  for (const v1::PatchReport& report : result.transfer.patches()) {
+    if (report.placed()) continue;
+    for (const v1::PatchInfo& patch : contacts.patches()) {
+      if (patch.name() != report.name()) continue;
+      std::vector<Eigen::Vector3f> outline = pointsOf(patch.outline_O_m());
+      for (Eigen::Vector3f& p : outline)
+        p = (X_WO * p.cast<double>()).cast<float>();
+      object_layer.decals.push_back({outline, 0.006F, kDroppedColor});
+    }
+    picture.caption.legend.push_back({kDroppedColor, report.name() + " dropped"});
+  }
+  picture.scene.layers.push_back(std::move(object_layer));
+  picture.scene.layers.push_back(std::move(hand_layer));
+
+  picture.caption.title =
+      fmt::format("{} grasps {}", result.session.hand(), result.session.object());
+  picture.caption.subtitle =
+      fmt::format("contacts {}, objective {:.4g}, {} by {}", result.session.contacts(),
+                  solution.terms().objective(), nameOf(solution.outcome()), solution.solver());
+  return picture;
+}
+
+}  // namespace handgraft::client

@@ -1,0 +1,27 @@
+#pragma once
+
+#include "client/grasp_result.h"
+#include "client/render/two_views.h"
+#include "idl/models.h"
+
+namespace handgraft::client {
+
+struct GraspPicture {
+  render::Scene scene;
+  render::Caption caption;
+};
+
+/// The posed hand and the object, each finger's patch on both in its own colour, what was
+/// dropped in grey, and a line from each point on the hand to its partner on the object.
+///
+/// `result.hand` and `object` must have been described with their meshes.
+/// Errors: TransportError as `requireConsistent`; InvalidInput for triangles without vertices.
+GraspPicture pictureOf(const GraspResult& result,
+                       const v1::ObjectDescription& object,
+                       const v1::ContactsDescription& contacts);
+
+/// One colour a finger, told apart also by the colour-blind (Okabe & Ito 2008); fingers beyond
+/// the usual names take turns.
+render::Color colorOf(const std::string& patch, std::size_t index);
+
+}  // namespace handgraft::client

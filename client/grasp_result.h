@@ -1,0 +1,48 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "idl/models.h"
+#include "idl/service.h"
+#include "idl/sessions.h"
+
+namespace handgraft::client {
+
+/// All that `handgraft grasp` knows at its end.
+struct GraspResult {
+  v1::SessionState session;
+  v1::HandDescription hand;
+  v1::TransferReply transfer;
+  v1::PoseSolution solution;
+  double total_ms = 0.0;  ///< from the first request to the last reply
+  bool kept = false;      ///< the session lives on
+};
+
+/// What `handgraft doctor` found.
+struct DoctorReport {
+  std::string version;
+  std::string interface;
+  std::string address;
+  int domain = 0;
+  std::optional<v1::ServerStatus> server;  ///< nothing: none answered
+  double found_ms = 0.0;                   ///< until the server's first status came
+  double round_trip_ms = 0.0;              ///< median
+  v1::ModelList models;
+  std::string advice;  ///< what to do; empty when all is well
+};
+
+/// Throws TransportError unless joints, link poses and point lists fit the hand and are finite:
+/// what comes from the wire may be anything.
+void requireConsistent(const GraspResult& result);
+
+/// "converged", "stalled", "evaluation_limit" or "infeasible".
+const char* nameOf(v1::Outcome outcome);
+
+/// "open", "transferring", "optimizing", "ready", "failed" or "closed".
+const char* nameOf(v1::SessionPhase phase);
+
+/// The report of a patch's transfer; nullptr if there is none.
+const v1::PatchReport* reportOf(const GraspResult& result, const std::string& patch);
+
+}  // namespace handgraft::client

@@ -1,0 +1,292 @@
+#include "client/json_output.h"
+
+#include <nlohmann/json.hpp>
+
+#include "client/server_link.h"
+
+namespace handgraft::client::json {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string written(const Json& document, int indent) {
+  return document.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+// Sequences and arrays of numbers or strings.
+template <class Values>
+Json listOf(const Values& values) {
+  Json list = Json::array();
+  for (const auto& value : values)
+    list.push_back(value);
+  return list;
+}
+
+Json pose(const v1::Pose& X) {
+  return {{"p_m", listOf(X.p_m())}, {"q_wxyz", listOf(X.q_wxyz())}};
+}
+
+Json points(const std::vector<double>& xyz) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i + 2 < xyz.size(); i += 3) {
+    list.push_back({xyz[i], xyz[i + 1], xyz[i + 2]});
+  }
+  return list;
+}
+
+Json surfacePoint(const v1::SurfacePoint& point) {
+  return {{"face", point.face()}, {"barycentric", listOf(point.barycentric())}};
+}
+
+Json summary(const v1::ModelSummary& model) {
+  return {{"kind", nameOf(model.kind())},
+          {"name", model.name()},
+          {"built_in", model.built_in()},
+          {"text", model.text()}};
+}
+
+Json modelList(const v1::ModelList& list) {
+  Json models = Json::array();
+  for (const v1::ModelSummary& model : list.models())
+    models.push_back(summary(model));
+  return models;
+}
+
+Json terms(const v1::Terms& t) {
+  return {{"distance_m2", t.distance_m2()},
+          {"normal", t.normal()},
+          {"prior", t.prior()},
+          {"objective", t.objective()}};
+}
+
+Json times(const std::vector<v1::StageTime>& stages) {
+  Json list = Json::array();
+  for (const v1::StageTime& stage : stages) {
+    list.push_back({{"stage", stage.stage()}, {"duration_ms", stage.duration_ms()}});
+  }
+  return list;
+}
+
+Json joints(const std::vector<double>& values, const std::vector<std::string>& names) {
+  Json object = Json::object();
+  for (std::size_t i = 0; i < std::min(values.size(), names.size()); ++i) {
+    object[names[i]] = values[i];
+  }
+  return object;
+}
+
+Json fit(const v1::PatchFit& patch) {
+  return {{"name", patch.name()},
+          {"point_count", patch.point_count()},
+          {"mean_mm", patch.mean_mm()},
+          {"rms_mm", patch.rms_mm()},
+          {"max_mm", patch.max_mm()},
+          {"normal_deg", patch.normal_deg()},
+          {"within_2mm", patch.within_2mm()},
+          {"within_5mm", patch.within_5mm()}};
+}
+
+Json handDocument(const v1::HandDescription& hand) {
+  Json all_joints = Json::array();
+  for (const v1::JointInfo& joint : hand.joints()) {
+    all_joints.push_back({{"name", joint.name()},
+                          {"prismatic", joint.prismatic()},
+                          {"lower_rad", joint.lower_rad()},
+                          {"upper_rad", joint.upper_rad()},
+                          {"velocity_limit_rad_s", joint.velocity_limit_rad_s()}});
+  }
+  Json links = Json::array();
+  for (const v1::LinkInfo& link : hand.links())
+    links.push_back(link.name());
+  Json sites = Json::array();
+  for (const v1::SiteInfo& site : hand.sites()) {
+    sites.push_back({{"name", site.name()},
+                     {"link", site.link()},
+                     {"p_L_m", listOf(site.p_L_m())},
+                     {"n_L", listOf(site.n_L())},
+                     {"direction_L", listOf(site.direction_L())}});
+  }
+  return {{"kind", "hand"},
+          {"name", hand.name()},
+          {"joints", all_joints},
+          {"mimic_joints", listOf(hand.mimic_joints())},
+          {"links", links},
+          {"sites", sites},
+          {"rest_rad", listOf(hand.rest_rad())},
+          {"notes", listOf(hand.notes())}};
+}
+
+Json contactsDocument(const v1::ContactsDescription& contacts) {
+  Json patches = Json::array();
+  for (const v1::PatchInfo& patch : contacts.patches()) {
+    patches.push_back(
+        {{"name", patch.name()},
+         {"root", surfacePoint(patch.root())},
+         {"direction_O",
+          patch.direction_O().empty() ? Json(nullptr) : listOf(patch.direction_O())},
+         {"point_count", patch.point_count()},
+         {"outline_O_m", points(patch.outline_O_m())},
+         {"weight", patch.weight()}});
+  }
+  return {{"kind", "contacts"},
+          {"name", contacts.name()},
+          {"object", contacts.object()},
+          {"patches", patches},
+          {"notes", listOf(contacts.notes())}};
+}
+
+Json state(const v1::SessionState& session) {
+  return {{"session_id", session.session_id()}, {"revision", session.revision()},
+          {"phase", nameOf(session.phase())},   {"hand", session.hand()},
+          {"object", session.object()},         {"contacts", session.contacts()},
+          {"message", session.message()},       {"progress", session.progress()}};
+}
+
+// One entry a patch of the contact set: how it fits, or why it was dropped.
+Json graspPatches(const GraspResult& result) {
+  Json patches = Json::array();
+  for (const v1::PatchFit& patch : result.solution.patches()) {
+    Json entry = fit(patch);
+    entry["placed"] = true;
+    if (const v1::PatchReport* report = reportOf(result, patch.name())) {
+      Json lost = Json::array();
+      for (const v1::LostPoint& point : report->lost()) {
+        lost.push_back({{"index", point.index()}, {"reason", point.reason()}});
+      }
+      entry["lost"] = lost;
+      entry["distance_distortion"] = report->distance_distortion();
+      entry["root_S"] = surfacePoint(report->root_S());
+    }
+    entry["hand_W_m"] = points(patch.hand_W_m());
+    entry["object_W_m"] = points(patch.object_W_m());
+    patches.push_back(entry);
+  }
+  for (const v1::PatchReport& report : result.transfer.patches()) {
+    if (report.placed()) continue;
+    patches.push_back(
+        {{"name", report.name()}, {"placed", false}, {"reason", report.reason()}});
+  }
+  return patches;
+}
+
+}  // namespace
+
+std::string doctor(const DoctorReport& report, int indent) {
+  Json document = {{"version", report.version},     {"protocol_version", v1::PROTOCOL_VERSION},
+                   {"interface", report.interface}, {"address", report.address},
+                   {"domain", report.domain},       {"server", nullptr}};
+  if (report.server) {
+    const v1::ServerStatus& status = *report.server;
+    document["server"] = {{"server_id", status.server_id()},
+                          {"version", status.version()},
+                          {"protocol_version", status.protocol_version()},
+                          {"host", status.host()},
+                          {"process_id", status.process_id()},
+                          {"uptime_s", status.uptime_s()},
+                          {"model_count", status.model_count()},
+                          {"session_count", status.session_count()},
+                          {"requests_answered", status.requests_answered()},
+                          {"requests_running", status.requests_running()},
+                          {"stopping", status.stopping()}};
+    document["found_ms"] = report.found_ms;
+    document["round_trip_ms"] = report.round_trip_ms;
+    document["models"] = modelList(report.models);
+  }
+  document["advice"] = report.advice;
+  return written(document, indent);
+}
+
+std::string models(const v1::ModelList& list, int indent) {
+  return written({{"models", modelList(list)}}, indent);
+}
+
+std::string description(const v1::ModelDescription& description, int indent) {
+  switch (description._d()) {
+    case v1::MODEL_HAND:
+      return written(handDocument(description.hand()), indent);
+    case v1::MODEL_CONTACTS:
+      return written(contactsDocument(description.contacts()), indent);
+    case v1::MODEL_OBJECT:
+      break;
+  }
+  const v1::ObjectDescription& object = description.object();
+  return written({{"kind", "object"},
+                  {"name", object.name()},
+                  {"vertices", object.mesh_O().vertices_m().size() / 3},
+                  {"triangles", object.mesh_O().triangles().size() / 3},
+                  {"notes", listOf(object.notes())}},
+                 indent);
+}
+
+std::string loaded(const v1::ModelSummary& model, int indent) {
+  return written(summary(model), indent);
+}
+
+std::string sessions(const v1::SessionList& list, int indent) {
+  Json all = Json::array();
+  for (const v1::SessionState& session : list.sessions())
+    all.push_back(state(session));
+  return written({{"sessions", all}}, indent);
+}
+
+std::string grasp(const GraspResult& result, int indent) {
+  const v1::PoseSolution& solution = result.solution;
+  std::vector<std::string> joint_names;
+  for (const v1::JointInfo& joint : result.hand.joints())
+    joint_names.push_back(joint.name());
+  Json links = Json::object();
+  for (std::size_t i = 0; i < std::min(result.hand.links().size(), solution.X_WL().size());
+       ++i) {
+    links[result.hand.links()[i].name()] = pose(solution.X_WL()[i]);
+  }
+  Json document = {{"format", "handgraft-grasp/1"},
+                   {"hand", result.session.hand()},
+                   {"object", result.session.object()},
+                   {"contacts", result.session.contacts()},
+                   {"session_id", result.kept ? Json(solution.session_id()) : Json(nullptr)},
+                   {"outcome", nameOf(solution.outcome())},
+                   {"solver", solution.solver()},
+                   {"evaluations", solution.evaluations()},
+                   {"X_WH", pose(solution.X_WH())},
+                   {"X_WO", pose(solution.X_WO())},
+                   {"joints", joints(solution.joint_rad(), joint_names)},
+                   {"links_X_WL", links},
+                   {"terms", terms(solution.terms())},
+                   {"joints_at_limit", listOf(solution.joints_at_limit())},
+                   {"patches", graspPatches(result)},
+                   {"times", times(solution.times())},
+                   {"transfer_ms", result.transfer.transfer_ms()},
+                   {"total_ms", result.total_ms}};
+  return written(document, indent);
+}
+
+std::string stateEvent(const v1::SessionState& session) {
+  Json event = {{"event", "state"}};
+  event.update(state(session));
+  return written(event, -1);
+}
+
+std::string solutionEvent(const v1::PoseSolution& solution,
+                          const std::vector<std::string>& joint_names) {
+  Json patches = Json::array();
+  for (const v1::PatchFit& patch : solution.patches())
+    patches.push_back(fit(patch));
+  return written({{"event", "solution"},
+                  {"session_id", solution.session_id()},
+                  {"revision", solution.revision()},
+                  {"sequence_number", solution.sequence_number()},
+                  {"is_final", solution.is_final()},
+                  {"outcome", nameOf(solution.outcome())},
+                  {"solver", solution.solver()},
+                  {"X_WH", pose(solution.X_WH())},
+                  {"X_WO", pose(solution.X_WO())},
+                  {"joint_rad", listOf(solution.joint_rad())},
+                  {"joints", joints(solution.joint_rad(), joint_names)},
+                  {"terms", terms(solution.terms())},
+                  {"patches", patches},
+                  {"stamp_ns", solution.stamp_ns()}},
+                 -1);
+}
+
+}  // namespace handgraft::client::json

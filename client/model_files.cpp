@@ -1,0 +1,197 @@
+#include "client/model_files.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <regex>
+
+#include <unistd.h>
+
+#include "core/base/error.h"
+
+namespace handgraft::client {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t kLongestName = 64;
+constexpr std::uintmax_t kLargestFile = 512ULL << 20U;  // a mesh of 10 million triangles
+const std::string kPackageScheme = "package://";
+
+bool isNameCharacter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+         c == '_' || c == '-' || c == '.';
+}
+
+void requireReadable(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status)) rejectInput("{}: no such file", quoted(path.string()));
+  if (!fs::is_regular_file(status)) rejectInput("{}: not a file", quoted(path.string()));
+  if (access(path.c_str(), R_OK) != 0) {
+    rejectInput("{}: cannot be read ({})", quoted(path.string()), std::strerror(errno));
+  }
+  const std::uintmax_t size = fs::file_size(path, error);
+  if (error || size == 0) rejectInput("{}: the file is empty", quoted(path.string()));
+  if (size > kLargestFile) {
+    rejectInput("{}: {} bytes; a file may have up to {}", quoted(path.string()), size,
+                kLargestFile);
+  }
+}
+
+ModelFiles withMainFile(v1::ModelKind kind, const fs::path& path) {
+  requireReadable(path);
+  ModelFiles model;
+  model.kind = kind;
+  model.name = nameFromPath(path);
+  model.main_uri = path.filename().string();
+  model.files.push_back({model.main_uri, path});
+  return model;
+}
+
+void add(ModelFiles& model, const std::string& uri, const fs::path& path) {
+  const auto same = [&](const UploadFile& file) {
+    return file.uri == uri;
+  };
+  if (std::any_of(model.files.begin(), model.files.end(), same)) return;
+  requireReadable(path);
+  model.files.push_back({uri, path});
+}
+
+// The folder that a package URI was looked up in: the file's path without what follows the
+// name.
+void notePackage(PackageMap& packages, const std::string& uri, const fs::path& file) {
+  if (uri.compare(0, kPackageScheme.size(), kPackageScheme) != 0) return;
+  const std::string rest = uri.substr(kPackageScheme.size());
+  const std::size_t slash = rest.find('/');
+  if (slash == std::string::npos) return;
+  fs::path folder = fs::absolute(file);
+  for ([[maybe_unused]] const fs::path& part : fs::path(rest.substr(slash + 1))) {
+    folder = folder.parent_path();
+  }
+  packages.emplace(rest.substr(0, slash), folder);
+}
+
+}  // namespace
+
+bool isPath(const std::string& text) {
+  std::error_code error;
+  if (fs::is_regular_file(text, error) || text.find('/') != std::string::npos) return true;
+  static const std::regex kFileName(R"(.+\.[A-Za-z][A-Za-z0-9]{1,4})");
+  return std::regex_match(text, kFileName);
+}
+
+void checkModelName(const std::string& name, const std::string& option) {
+  const bool allowed = !name.empty() && name.size() <= kLongestName && name[0] != '.' &&
+                       name[0] != '-' && std::all_of(name.begin(), name.end(), isNameCharacter);
+  if (!allowed) {
+    rejectInput(
+        "{} {}: a name has 1-{} letters, digits, '_', '-' or '.', and begins with none of "
+        "the last two",
+        option, quoted(name), kLongestName);
+  }
+}
+
+std::string nameFromPath(const fs::path& path) {
+  std::string name = path.stem().string().substr(0, kLongestName);
+  for (char& c : name) {
+    if (!isNameCharacter(c)) c = '_';
+  }
+  if (name.empty()) name = "model";
+  if (name[0] == '.' || name[0] == '-') name[0] = '_';
+  return name;
+}
+
+ModelFiles handFiles(const fs::path& urdf, const PackageMap& packages) {
+  ModelFiles model = withMainFile(v1::MODEL_HAND, urdf);
+  const fs::path folder = fs::absolute(urdf).parent_path();
+  for (const auto& [name, directory] : packages)
+    model.packages[name] = fs::absolute(directory);
+  for (const std::string& uri : meshUrisIn(readFile(urdf))) {
+    fs::path mesh;
+    try {
+      mesh = resolveResource(uri, folder, packages);
+      add(model, uri, mesh);
+    } catch (const InvalidInput& error) {
+      rejectInput("{}: {}", urdf.string(), error.what());
+    }
+    notePackage(model.packages, uri, mesh);
+  }
+  std::error_code error;
+  if (fs::is_regular_file(folder / "sites.yaml", error)) {
+    add(model, "sites.yaml", folder / "sites.yaml");
+  }
+  return model;
+}
+
+ModelFiles objectFiles(const fs::path& mesh) {
+  ModelFiles model = withMainFile(v1::MODEL_OBJECT, mesh);
+  if (mesh.extension() != ".gltf") return model;
+  const std::string text = readFile(mesh);
+  static const std::regex kUri(R"rx("uri"\s*:\s*"([^"]+)")rx");
+  for (auto at = std::sregex_iterator(text.begin(), text.end(), kUri);
+       at != std::sregex_iterator(); ++at) {
+    const std::string uri = (*at)[1].str();
+    if (uri.compare(0, 5, "data:") == 0) continue;
+    // Textures are named in the same way, and nobody needs them here.
+    static const std::regex kPicture(R"(.*\.(png|jpe?g|webp|ktx2?|dds)$)", std::regex::icase);
+    if (std::regex_match(uri, kPicture)) continue;
+    try {
+      add(model, uri, resolveResource(uri, fs::absolute(mesh).parent_path(), {}));
+    } catch (const InvalidInput& error) {
+      rejectInput("{}: {}", mesh.string(), error.what());
+    }
+  }
+  return model;
+}
+
+ModelFiles contactFiles(const fs::path& path, const std::string& object) {
+  ModelFiles model = withMainFile(v1::MODEL_CONTACTS, path);
+  model.object = object;
+  return model;
+}
+
+std::uint64_t contentHash(const ModelFiles& model) {
+  std::uint64_t hash = 14695981039346656037ULL;  // FNV-1a, 64 bit
+  const auto feed = [&](const std::string& bytes) {
+    for (const char byte : bytes) {
+      hash = (hash ^ static_cast<unsigned char>(byte)) * 1099511628211ULL;
+    }
+    hash = (hash ^ bytes.size()) * 1099511628211ULL;
+  };
+  feed(model.object);
+  for (const UploadFile& file : model.files) {
+    feed(file.uri);
+    feed(readFile(file.path));
+  }
+  return hash;
+}
+
+std::string readFile(const fs::path& path) {
+  requireReadable(path);
+  std::ifstream file(path, std::ios::binary);
+  std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  if (!file) rejectInput("{}: cannot be read", quoted(path.string()));
+  return text;
+}
+
+void writeFile(const fs::path& path, const std::string& text) {
+  fs::path partial = path;
+  partial += "." + std::to_string(getpid()) + ".part";
+  std::ofstream file(partial, std::ios::binary | std::ios::trunc);
+  file << text;
+  file.close();
+  std::error_code error;
+  if (file) fs::rename(partial, path, error);
+  if (!file || error) {
+    const int reason = errno;
+    std::error_code ignored;
+    fs::remove(partial, ignored);
+    rejectInput("{}: cannot be written ({})", quoted(path.string()),
+                error ? error.message() : std::strerror(reason));
+  }
+}
+
+}  // namespace handgraft::client

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "client/interruption.h"
+#include "client/model_files.h"
+#include "idl/cyclone/participant.h"
+#include "idl/cyclone/requester.h"
+#include "idl/service.h"
+
+namespace handgraft::client {
+
+class PrivateServer;
+
+/// What to do when no server answers.
+enum class Absence {
+  kFail,          ///< throw NoServer within 2 s
+  kStartPrivate,  ///< start one for this command, and say so on standard error
+};
+
+/// The server, as functions. Every call waits for the answer.
+///
+/// Errors of every call: Refused with the server's own words; NoServer; Cancelled once the user
+/// asked to stop (a request under way is cancelled on the server first).
+class ServerLink {
+ public:
+  using OnProgress = std::function<void(const std::string& stage, double fraction)>;
+
+  /// Errors: InvalidInput for a bad network; NoServer; TransportError if a private server does
+  /// not come up within 20 s (the message quotes its last words).
+  ServerLink(const Network& network, Absence absence, Interruption& interruption);
+  ~ServerLink();
+  ServerLink(const ServerLink&) = delete;
+  ServerLink& operator=(const ServerLink&) = delete;
+
+  /// Called with the stages of whatever takes long, from now on.
+  void onProgress(OnProgress on_progress) { on_progress_ = std::move(on_progress); }
+
+  [[nodiscard]] bool isPrivate() const { return private_server_ != nullptr; }
+
+  [[nodiscard]] v1::ServerStatus status() const { return requester_.status(); }
+
+  [[nodiscard]] bool alive() { return requester_.waitForServer(std::chrono::milliseconds(0)); }
+
+  [[nodiscard]] const idl::cyclone::Participant& participant() const { return participant_; }
+
+  void ping();
+  v1::ModelList listModels();
+  v1::ModelDescription describe(v1::ModelKind kind, const std::string& name, bool with_meshes);
+
+  /// Sends all files, then has the server read them. Returns the server's summary of the model.
+  v1::ModelSummary load(const ModelFiles& model);
+
+  v1::SessionState openSession(const v1::OpenSessionRequest& request);
+  v1::SessionState describeSession(std::uint64_t session_id);
+  v1::SessionList listSessions();
+  v1::TransferReply transfer(std::uint64_t session_id);
+  v1::PoseSolution optimize(const v1::OptimizeRequest& request);
+  std::string exportProblem(const v1::ExportProblemRequest& request);
+
+  /// Works after an interruption, too. Errors: as above but for Cancelled.
+  void closeSession(std::uint64_t session_id);
+
+ private:
+  void startPrivateServer(const Network& network);
+  v1::ReplyBody ask(const v1::RequestBody& body);
+  void putFile(std::uint64_t upload_id, const UploadFile& file);
+
+  Interruption& interruption_;
+  std::unique_ptr<PrivateServer> private_server_;
+  idl::cyclone::Participant participant_;
+  idl::cyclone::Requester requester_;
+  OnProgress on_progress_;
+};
+
+/// "hand", "object" or "contacts".
+const char* nameOf(v1::ModelKind kind);
+
+}  // namespace handgraft::client

@@ -1,0 +1,237 @@
+#include "client/text_output.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "client/server_link.h"
+#include "core/base/error.h"
+
+namespace handgraft::client::text {
+
+namespace {
+
+using Rows = std::vector<std::vector<std::string>>;
+
+// `quoted` without its quotes.
+std::string plain(const std::string& text) {
+  const std::string line = quoted(text);
+  return line.substr(1, line.size() - 2);
+}
+
+std::string milliseconds(double value) {
+  return value < 10.0 ? fmt::format("{:.1f} ms", value) : fmt::format("{:.0f} ms", value);
+}
+
+std::string limit(double value) {
+  return fmt::format("{:.3f}", value);
+}
+
+std::string listed(const std::vector<std::string>& items) {
+  std::string line;
+  for (const std::string& item : items)
+    line += (line.empty() ? "" : ", ") + plain(item);
+  return line;
+}
+
+void addNotes(std::string& out, const std::vector<std::string>& notes) {
+  for (const std::string& note : notes)
+    out += fmt::format("note: {}\n", plain(note));
+}
+
+std::string hand(const v1::HandDescription& hand) {
+  std::string out = fmt::format("hand {}: {} joints, {} links, {} sites\n", plain(hand.name()),
+                                hand.joints().size(), hand.links().size(), hand.sites().size());
+  Rows joints = {{"joint", "lower", "upper", "rest"}};
+  for (std::size_t i = 0; i < hand.joints().size(); ++i) {
+    const v1::JointInfo& joint = hand.joints()[i];
+    joints.push_back({plain(joint.name()), limit(joint.lower_rad()), limit(joint.upper_rad()),
+                      i < hand.rest_rad().size() ? limit(hand.rest_rad()[i]) : "",
+                      joint.prismatic() ? "m" : "rad"});
+  }
+  out += "\n" + table(joints, true);
+  Rows sites = {{"site", "link"}};
+  for (const v1::SiteInfo& site : hand.sites()) {
+    sites.push_back({plain(site.name()), plain(site.link())});
+  }
+  out += "\n" + table(sites, false);
+  if (!hand.mimic_joints().empty()) {
+    out += fmt::format("\nmimic joints: {}\n", listed(hand.mimic_joints()));
+  }
+  addNotes(out, hand.notes());
+  return out;
+}
+
+std::string contacts(const v1::ContactsDescription& set) {
+  std::string out = fmt::format("contacts {} on {}: {} patches\n\n", plain(set.name()),
+                                plain(set.object()), set.patches().size());
+  Rows rows = {{"patch", "points", "weight", "direction"}};
+  for (const v1::PatchInfo& patch : set.patches()) {
+    rows.push_back({plain(patch.name()), std::to_string(patch.point_count()),
+                    fmt::format("{:g}", patch.weight()),
+                    patch.direction_O().empty() ? "open" : "given"});
+  }
+  out += table(rows, true);
+  addNotes(out, set.notes());
+  return out;
+}
+
+}  // namespace
+
+std::string table(const Rows& rows, bool numbers) {
+  std::vector<std::size_t> widths;
+  for (const auto& row : rows) {
+    widths.resize(std::max(widths.size(), row.size()), 0);
+    for (std::size_t k = 0; k < row.size(); ++k)
+      widths[k] = std::max(widths[k], row[k].size());
+  }
+  std::string out;
+  for (const auto& row : rows) {
+    std::string line;
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      if (k > 0) line += "  ";
+      line += numbers && k > 0 ? fmt::format("{:>{}}", row[k], widths[k])
+                               : fmt::format("{:<{}}", row[k], widths[k]);
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    out += line + "\n";
+  }
+  return out;
+}
+
+std::string doctor(const DoctorReport& report) {
+  Rows rows = {{"handgraft", report.version},
+               {"protocol", std::to_string(v1::PROTOCOL_VERSION)},
+               {"interface", fmt::format("{} ({})", report.interface, report.address)},
+               {"domain", std::to_string(report.domain)}};
+  if (report.server) {
+    const v1::ServerStatus& status = *report.server;
+    rows.push_back({"server", fmt::format("{} on {}, process {}, up {:.0f} s, found in {}",
+                                          plain(status.version()), plain(status.host()),
+                                          status.process_id(), status.uptime_s(),
+                                          milliseconds(report.found_ms))});
+    rows.push_back({"load", fmt::format("{} sessions, {} requests running, {} answered",
+                                        status.session_count(), status.requests_running(),
+                                        status.requests_answered())});
+    rows.push_back({"round trip", fmt::format("{:.2f} ms", report.round_trip_ms)});
+    for (const v1::ModelKind kind : {v1::MODEL_HAND, v1::MODEL_OBJECT, v1::MODEL_CONTACTS}) {
+      std::vector<std::string> names;
+      for (const v1::ModelSummary& model : report.models.models()) {
+        if (model.kind() == kind && model.built_in()) names.push_back(model.name());
+      }
+      rows.push_back(
+          {kind == v1::MODEL_CONTACTS ? "contacts" : fmt::format("{}s", nameOf(kind)),
+           names.empty() ? "none built in" : listed(names)});
+    }
+  } else {
+    rows.push_back({"server", "none answers"});
+  }
+  std::string out = table(rows, false);
+  if (!report.advice.empty()) out += "\n" + report.advice + "\n";
+  return out;
+}
+
+std::string models(const v1::ModelList& list) {
+  Rows rows = {{"kind", "name", "", ""}};
+  for (const v1::ModelSummary& model : list.models()) {
+    rows.push_back({nameOf(model.kind()), plain(model.name()),
+                    model.built_in() ? "built-in" : "uploaded", plain(model.text())});
+  }
+  return table(rows, false);
+}
+
+std::string description(const v1::ModelDescription& description) {
+  switch (description._d()) {
+    case v1::MODEL_HAND:
+      return hand(description.hand());
+    case v1::MODEL_CONTACTS:
+      return contacts(description.contacts());
+    case v1::MODEL_OBJECT:
+      break;
+  }
+  const v1::ObjectDescription& object = description.object();
+  std::string out = fmt::format("object {}: {} vertices, {} triangles\n", plain(object.name()),
+                                object.mesh_O().vertices_m().size() / 3,
+                                object.mesh_O().triangles().size() / 3);
+  addNotes(out, object.notes());
+  return out;
+}
+
+std::string sessions(const v1::SessionList& list) {
+  if (list.sessions().empty()) return "no sessions\n";
+  Rows rows = {{"session", "phase", "revision", "hand", "object", "contacts"}};
+  for (const v1::SessionState& state : list.sessions()) {
+    rows.push_back({std::to_string(state.session_id()), nameOf(state.phase()),
+                    std::to_string(state.revision()), plain(state.hand()),
+                    plain(state.object()), plain(state.contacts())});
+  }
+  return table(rows, false);
+}
+
+std::string grasp(const GraspResult& result) {
+  const v1::PoseSolution& solution = result.solution;
+  std::string out =
+      fmt::format("{} grasps {} by {}\n\n", plain(result.session.hand()),
+                  plain(result.session.object()), plain(result.session.contacts()));
+  Rows rows = {
+      {"patch", "mean mm", "max mm", "normal deg", "in 2 mm", "in 5 mm", "points", "lost"}};
+  for (const v1::PatchFit& patch : solution.patches()) {
+    const v1::PatchReport* report = reportOf(result, patch.name());
+    rows.push_back({plain(patch.name()), fmt::format("{:.2f}", patch.mean_mm()),
+                    fmt::format("{:.2f}", patch.max_mm()),
+                    fmt::format("{:.1f}", patch.normal_deg()),
+                    fmt::format("{:.0f} %", 100.0 * patch.within_2mm()),
+                    fmt::format("{:.0f} %", 100.0 * patch.within_5mm()),
+                    std::to_string(patch.point_count()),
+                    report == nullptr ? "" : std::to_string(report->lost().size())});
+  }
+  out += table(rows, true) + "\n";
+  for (const v1::PatchReport& report : result.transfer.patches()) {
+    if (report.placed()) continue;
+    out += fmt::format("dropped {}: {}\n", plain(report.name()), plain(report.reason()));
+  }
+
+  const v1::Terms& terms = solution.terms();
+  out += fmt::format(
+      "objective {:.6g} (distance {:.4g} m2, normal {:.4g}, prior {:.4g}), {} by "
+      "{} after {} evaluations\n",
+      terms.objective(), terms.distance_m2(), terms.normal(), terms.prior(),
+      nameOf(solution.outcome()), plain(solution.solver()), solution.evaluations());
+  out += fmt::format("joints at limits: {}\n", solution.joints_at_limit().empty()
+                                                   ? "none"
+                                                   : listed(solution.joints_at_limit()));
+  std::string stages;
+  for (const v1::StageTime& stage : solution.times()) {
+    stages += fmt::format("{}{} {}", stages.empty() ? "" : ", ", plain(stage.stage()),
+                          milliseconds(stage.duration_ms()));
+  }
+  out += fmt::format("time: {}{}all in all {}\n", stages, stages.empty() ? "" : "; ",
+                     milliseconds(result.total_ms));
+  return out;
+}
+
+std::string stateLine(const v1::SessionState& state) {
+  std::string line = fmt::format("session {} revision {}: {}", state.session_id(),
+                                 state.revision(), nameOf(state.phase()));
+  if (state.phase() == v1::PHASE_TRANSFERRING || state.phase() == v1::PHASE_OPTIMIZING) {
+    line += fmt::format(" {:.0f} %", 100.0 * state.progress());
+  }
+  if (!state.message().empty()) line += " (" + plain(state.message()) + ")";
+  return line;
+}
+
+std::string solutionLine(const v1::PoseSolution& solution) {
+  std::string line =
+      fmt::format("session {} revision {}: {} {} objective {:.6g}", solution.session_id(),
+                  solution.revision(), solution.is_final() ? "solution" : "on the way",
+                  solution.sequence_number(), solution.terms().objective());
+  if (!solution.is_final()) return line;
+  line += fmt::format(", {}", nameOf(solution.outcome()));
+  for (const v1::PatchFit& patch : solution.patches()) {
+    line += fmt::format(", {} {:.1f} mm", plain(patch.name()), patch.mean_mm());
+  }
+  return line;
+}
+
+}  // namespace handgraft::client::text
