@@ -1,0 +1,359 @@
+#include "core/session/session.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <regex>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/session/hand_placement.h"
+#include "core/session/open_directions.h"
+#include "core/session/site_assignment.h"
+
+namespace handgraft::session {
+namespace {
+
+using optimize::PointPair;
+using optimize::PoseProblem;
+using optimize::SolveReport;
+
+constexpr int kPlacingStarts = 12;
+constexpr int kRefinements = 2;
+constexpr double kSameDirection = std::numbers::pi / 180.0;
+
+/// Names that say nothing about the finger.
+bool isAnonymousPatch(const std::string& name) {
+  static const std::regex kPattern("c[0-9]+");
+  return std::regex_match(name, kPattern);
+}
+
+bool isAnonymousSite(const std::string& name) {
+  static const std::regex kPattern("f[0-9]+");
+  return std::regex_match(name, kPattern);
+}
+
+bool isFinger(const std::string& name) {
+  static const std::vector<std::string> kNames = {"thumb", "index",  "middle",
+                                                  "ring",  "little", "palm"};
+  return std::find(kNames.begin(), kNames.end(), name) != kNames.end();
+}
+
+std::string namesOf(const std::vector<hand::ContactSite>& sites) {
+  std::vector<std::string> names;
+  for (const hand::ContactSite& site : sites)
+    names.push_back(site.name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+/// Mesh, names and weights of a contact set; the hand's sites decide which names are known.
+void validateSet(const contact::ContactSet& set,
+                 const geometry::TriangleMesh& object_O,
+                 const std::vector<hand::ContactSite>& sites) {
+  if (set.patches.empty()) rejectInput("contact set {} has no patch", quoted(set.name));
+  std::vector<std::string> names;
+  for (const contact::Patch& patch : set.patches) {
+    validate(object_O, patch);
+    if (std::find(names.begin(), names.end(), patch.name) != names.end()) {
+      rejectInput("contact set {} names patch {} twice", quoted(set.name), quoted(patch.name));
+    }
+    names.push_back(patch.name);
+    const bool is_site = std::any_of(sites.begin(), sites.end(), [&](const auto& site) {
+      return site.name == patch.name;
+    });
+    if (!is_site && !isFinger(patch.name) && !isAnonymousPatch(patch.name) &&
+        !isAnonymousSite(patch.name)) {
+      rejectInput(
+          "contact set {}: patch {} names no site; permitted are thumb, index, middle, ring, "
+          "little, palm, c1, c2, ... and this hand's sites ({})",
+          quoted(set.name), quoted(patch.name), namesOf(sites));
+    }
+  }
+}
+
+/// The placement at a site, with a direction that is a tangent of the skin.
+transfer::Placement soundPlacementAt(const Hand& hand, const hand::ContactSite& site) {
+  transfer::Placement placement = transfer::placementAt(*hand.model, *hand.skin, site);
+  placement.direction_S = tangentAt(hand.skin->mesh(), placement.root_S, placement.direction_S)
+                              .value_or(anyTangentAt(hand.skin->mesh(), placement.root_S));
+  return placement;
+}
+
+Anchor withObjectSide(Anchor anchor,
+                      const contact::Patch& patch,
+                      const geometry::TriangleMesh& object_O,
+                      bool direction_is_known) {
+  anchor.p_O = positionOf(object_O, patch.root);
+  anchor.n_O = normalOf(object_O, patch.root);
+  if (direction_is_known && patch.direction_O) {
+    anchor.direction_O = tangentAt(object_O, patch.root, *patch.direction_O);
+  }
+  return anchor;
+}
+
+}  // namespace
+
+Session::Session(Hand hand,
+                 std::shared_ptr<const geometry::TriangleMesh> object_O,
+                 const contact::ContactSet& contacts,
+                 const Pose& X_WO,
+                 const optimize::Weights& weights)
+    : hand_(std::move(hand)),
+      object_O_(std::move(object_O)),
+      X_WO_(Pose::Identity()),
+      notes_(contacts.notes) {
+  HANDGRAFT_REQUIRE(hand_.model != nullptr && hand_.skin != nullptr && object_O_ != nullptr);
+  validate(*hand_.model, hand_.sites);
+  validateSet(contacts, *object_O_, hand_.sites);
+  applyOne(ObjectPoseEdit{X_WO});
+  applyOne(WeightsEdit{weights});
+
+  const PoseProblem blank = optimize::makeProblem(hand_.model);
+  lower_ = blank.lower;
+  upper_ = blank.upper;
+  start_ = blank.start;
+  prior_ = blank.prior;
+  locked_.assign(static_cast<std::size_t>(blank.dofCount()), false);
+
+  for (const contact::Patch& patch : contacts.patches) {
+    SessionPatch item;
+    item.patch = patch;
+    item.direction_is_open = !patch.direction_O.has_value();
+    patches_.push_back(std::move(item));
+  }
+  matchByName();
+  matchByGeometry();
+  const auto isPlaced = [](const SessionPatch& item) {
+    return item.placement.has_value();
+  };
+  if (std::none_of(patches_.begin(), patches_.end(), isPlaced)) {
+    std::vector<std::string> names;
+    for (const SessionPatch& item : patches_)
+      names.push_back(item.patch.name);
+    rejectInput(
+        "contact set {}: none of its patches ({}) has a site on the hand; its sites are {}",
+        quoted(contacts.name), fmt::join(names, ", "), namesOf(hand_.sites));
+  }
+}
+
+Session::~Session() = default;
+Session::Session(Session&&) noexcept = default;
+Session& Session::operator=(Session&&) noexcept = default;
+
+void Session::matchByName() {
+  for (SessionPatch& item : patches_) {
+    for (const hand::ContactSite& site : hand_.sites) {
+      if (site.name != item.patch.name) continue;
+      item.site = site.name;
+      item.placement = soundPlacementAt(hand_, site);
+    }
+  }
+}
+
+void Session::matchByGeometry() {
+  // === Who is left: patches and sites where at least one of the two has no finger's name
+  std::vector<SessionPatch*> patches;
+  std::vector<Anchor> patch_anchors;
+  std::vector<Anchor> fixed;
+  for (SessionPatch& item : patches_) {
+    if (!item.placement) {
+      patches.push_back(&item);
+      patch_anchors.push_back(
+          withObjectSide({}, item.patch, *object_O_, !item.direction_is_open));
+    } else if (auto anchor = anchorAt(*hand_.skin, *item.placement)) {
+      fixed.push_back(withObjectSide(*anchor, item.patch, *object_O_, !item.direction_is_open));
+    }
+  }
+  std::vector<const hand::ContactSite*> sites;
+  std::vector<Anchor> site_anchors;
+  for (const hand::ContactSite& site : hand_.sites) {
+    const bool is_taken = std::any_of(patches_.begin(), patches_.end(), [&](const auto& item) {
+      return item.site == site.name;
+    });
+    const auto anchor = anchorAt(*hand_.skin, soundPlacementAt(hand_, site));
+    if (is_taken || !anchor) continue;
+    sites.push_back(&site);
+    site_anchors.push_back(*anchor);
+  }
+  bool any = false;
+  std::vector<std::vector<bool>> permitted;
+  for (const SessionPatch* item : patches) {
+    permitted.emplace_back();
+    for (const hand::ContactSite* site : sites) {
+      const bool may = isAnonymousPatch(item->patch.name) || isAnonymousSite(site->name);
+      permitted.back().push_back(may);
+      any = any || may;
+    }
+  }
+
+  // === Their places, and who goes without
+  std::vector<int> answer(patches.size(), -1);
+  if (any) {
+    answer = assignSites(placer(), hand_.model, fixed, patch_anchors, site_anchors, permitted,
+                         X_WO_, Progress());
+  }
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    SessionPatch& item = *patches[i];
+    if (answer[i] >= 0) {
+      item.site = sites[answer[i]]->name;
+      item.placement = soundPlacementAt(hand_, *sites[answer[i]]);
+      notes_.push_back(fmt::format("{} laid on site '{}', the best of all assignments",
+                                   quoted(item.patch.name), item.site));
+    } else if (isAnonymousPatch(item.patch.name)) {
+      item.dropped = fmt::format("no site is left for {}; the hand's sites are {}",
+                                 quoted(item.patch.name), namesOf(hand_.sites));
+    } else {
+      item.dropped = fmt::format("hand has no {}; its sites are {}", quoted(item.patch.name),
+                                 namesOf(hand_.sites));
+    }
+  }
+}
+
+const HandPlacer& Session::placer() {
+  if (!placer_) placer_ = std::make_unique<HandPlacer>(hand_.model, *hand_.skin, *object_O_);
+  return *placer_;
+}
+
+void Session::findOpenDirections(const Progress& progress) {
+  bool any_missing = false;
+  std::vector<Anchor> anchors;
+  for (const SessionPatch& item : patches_) {
+    if (!item.placement) continue;
+    any_missing = any_missing || !item.patch.direction_O;
+    if (item.patch.weight == 0.0) continue;
+    if (const auto anchor = anchorAt(*hand_.skin, *item.placement)) {
+      anchors.push_back(
+          withObjectSide(*anchor, item.patch, *object_O_, !item.direction_is_open));
+    }
+  }
+  if (!any_missing) return;
+  if (!start_is_known_ && !anchors.empty()) {
+    start_ = placer().place(anchors, X_WO_, kPlacingStarts, progress).front().pose;
+    start_is_known_ = true;
+  }
+  takeDirectionsFrom(start_);
+}
+
+bool Session::takeDirectionsFrom(const hand::HandPose& pose) {
+  bool turned = false;
+  for (SessionPatch& item : patches_) {
+    if (!item.placement || !item.direction_is_open) continue;
+    const auto anchor = anchorAt(*hand_.skin, *item.placement);
+    const Eigen::Vector3d direction_O =
+        anchor
+            ? directionShownBy(*hand_.model, pose, *anchor, *object_O_, item.patch.root, X_WO_)
+            : anyTangentAt(*object_O_, item.patch.root);
+    const bool is_same = item.patch.direction_O &&
+                         direction_O.dot(*item.patch.direction_O) > std::cos(kSameDirection);
+    if (is_same) continue;
+    item.patch.direction_O = direction_O;
+    item.up_to_date = false;
+    turned = true;
+  }
+  return turned;
+}
+
+void Session::transferPatches(const Progress& progress) {
+  findOpenDirections(progress);
+  for (std::size_t i = 0; i < patches_.size(); ++i) {
+    SessionPatch& item = patches_[i];
+    if (!item.placement || item.up_to_date) continue;
+    progress.checkpoint();
+    progress.report("laying patches onto the skin",
+                    static_cast<double>(i) / static_cast<double>(patches_.size()));
+    item.transferred =
+        transfer::transferPatch(*object_O_, item.patch, *hand_.skin, *item.placement);
+    for (transfer::Correspondence& pair : item.transferred.correspondences) {
+      pair.patch = static_cast<int>(i);
+    }
+    item.up_to_date = true;
+  }
+  progress.report("laying patches onto the skin", 1.0);
+}
+
+PoseProblem Session::problem() const {
+  PoseProblem problem = optimize::makeProblem(hand_.model);
+  problem.weights = weights_;
+  problem.lower = lower_;
+  problem.upper = upper_;
+  problem.start = start_;
+  problem.start.q = start_.q.cwiseMax(lower_).cwiseMin(upper_);
+  problem.prior = prior_;
+  problem.locked = locked_;
+  for (const SessionPatch& item : patches_) {
+    if (!item.placement) continue;
+    HANDGRAFT_REQUIRE(item.up_to_date);
+    for (const transfer::Correspondence& correspondence : item.transferred.correspondences) {
+      PointPair pair;
+      pair.link = correspondence.link;
+      pair.p_L = correspondence.p_L;
+      pair.n_L = correspondence.n_L;
+      pair.p_W = X_WO_ * correspondence.p_O;
+      pair.n_W = X_WO_.linear() * correspondence.n_O;
+      pair.weight = correspondence.weight;
+      pair.patch = correspondence.patch;
+      problem.pairs.push_back(pair);
+    }
+  }
+  return problem;
+}
+
+void Session::requirePoints() const {
+  std::string lost;
+  for (const SessionPatch& item : patches_) {
+    if (!item.placement) continue;
+    if (item.transferred.correspondences.empty()) {
+      lost += fmt::format(
+          "; {}: {}", quoted(item.patch.name),
+          item.transferred.lost.empty() ? "no point" : item.transferred.lost.front().reason);
+    } else if (item.patch.weight > 0.0) {
+      return;
+    }
+  }
+  rejectInput("no patch with a weight above 0 has a point on the hand{}", lost);
+}
+
+SolveReport Session::optimize(const optimize::SolveOptions& options, const Progress& progress) {
+  transferPatches(progress);
+  requirePoints();
+  SolveReport report = solve(problem(), options, progress);
+
+  optimize::SolveOptions quiet = options;
+  quiet.on_improvement = nullptr;
+  for (int i = 0; i < kRefinements && refineDirections(report, quiet, progress); ++i) {
+  }
+  solved_ = problem();
+  start_ = report.pose;
+  prior_ = report.pose;
+  start_is_known_ = true;
+  return report;
+}
+
+bool Session::refineDirections(SolveReport& report,
+                               const optimize::SolveOptions& options,
+                               const Progress& progress) {
+  const std::vector<SessionPatch> patches = patches_;
+  const hand::HandPose start = start_;
+  const auto restore = [&] {
+    patches_ = patches;
+    start_ = start;
+  };
+  try {
+    if (!takeDirectionsFrom(report.pose)) return false;
+    transferPatches(progress);
+    start_ = report.pose;
+    SolveReport refined = solve(problem(), options, progress);
+    const bool is_better = refined.terms.objective < report.terms.objective;
+    if (is_better) {
+      report = std::move(refined);
+    } else {
+      restore();
+    }
+    return is_better;
+  } catch (...) {
+    restore();
+    throw;
+  }
+}
+
+}  // namespace handgraft::session
