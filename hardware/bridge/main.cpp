@@ -54,11 +54,10 @@ void declare(CLI::App& app, Options& options) {
                  "number of this bridge in commands and joint states")
       ->capture_default_str();
   app.add_option("--rate", options.rate_hz, "periods a second, 10 to 1000")
-      ->check(CLI::Range(10.0, 1000.0))
       ->capture_default_str();
-  app.add_option("--max-velocity", options.bridge.bounds.revolute_velocity,
-                 "highest speed of a revolute joint, rad/s; a slower joint's model decides")
-      ->check(CLI::Range(1e-3, 100.0))
+  app.add_option(
+         "--max-velocity", options.bridge.bounds.revolute_velocity,
+         "highest speed of a revolute joint, rad/s, 0.001 to 100; its model may say less")
       ->capture_default_str();
   app.add_flag("--intermediate", options.bridge.with_intermediate,
                "also follow poses of solves that still run");
@@ -79,6 +78,12 @@ std::optional<std::uint64_t> parseSession(const std::string& text) {
   return id;
 }
 
+// NaN is outside every range.
+void requireRange(const char* option, double value, double lowest, double highest) {
+  if (value >= lowest && value <= highest) return;
+  rejectInput("{} {} is outside {} to {}", option, value, lowest, highest);
+}
+
 std::unique_ptr<bridge::HandDriver> makeSimulatedHand(const bridge::HandPlan& plan) {
   std::vector<bridge::SimulatedJoint> joints;
   for (std::size_t i = 0; i < plan.jointCount(); ++i) {
@@ -97,6 +102,8 @@ void print(const bridge::BridgeReport& report, bool json) {
 
 int run(Options& options) {
   options.bridge.session = parseSession(options.session);
+  requireRange("--rate", options.rate_hz, 10, 1000);
+  requireRange("--max-velocity", options.bridge.bounds.revolute_velocity, 0.001, 100);
   options.bridge.period_s = 1 / options.rate_hz;
   options.bridge.arms_itself = !options.disarmed;
   std::signal(SIGINT, requestStop);

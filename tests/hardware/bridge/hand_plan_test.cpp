@@ -1,0 +1,74 @@
+#include "hardware/bridge/hand_plan.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+
+#include "tests/hardware/bridge/messages.h"
+
+namespace handgraft::bridge {
+namespace {
+
+using namespace test;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+TEST(HandPlan, KeepsTheOrderAndTheLimitsOfTheDescription) {
+  const HandPlan plan =
+      planHand(handOf("two", {joint("b", -0.5, 1.5), joint("a", -kInfinity, kInfinity)}), {});
+  EXPECT_EQ(plan.hand, "two");
+  EXPECT_THAT(plan.names, testing::ElementsAre("b", "a"));
+  EXPECT_EQ(plan.limits[0].lower, -0.5);
+  EXPECT_EQ(plan.limits[0].upper, 1.5);
+  EXPECT_EQ(plan.limits[1].upper, kInfinity);
+}
+
+TEST(HandPlan, TakesTheSlowerOfModelAndBound) {
+  MotionBounds bounds;
+  bounds.revolute_velocity = 2;
+  const HandPlan plan = planHand(
+      handOf("h", {joint("slow", 0, 1, 0.7), joint("fast", 0, 1, 9), joint("mute", 0, 1, 0)}),
+      bounds);
+  EXPECT_EQ(plan.limits[0].velocity, 0.7);
+  EXPECT_EQ(plan.limits[1].velocity, 2);
+  EXPECT_EQ(plan.limits[2].velocity, 2);
+}
+
+TEST(HandPlan, BoundsPrismaticJointsInMetres) {
+  v1::JointInfo slide = joint("slide", 0, 0.05);
+  slide.prismatic(true);
+  const MotionBounds bounds;
+  const HandPlan plan = planHand(handOf("gripper", {slide}), bounds);
+  EXPECT_EQ(plan.limits[0].velocity, bounds.prismatic_velocity);
+  EXPECT_EQ(plan.limits[0].acceleration, bounds.prismatic_acceleration);
+  EXPECT_EQ(plan.limits[0].jerk, bounds.prismatic_jerk);
+}
+
+TEST(HandPlan, RestsInsideTheLimits) {
+  v1::HandDescription hand =
+      handOf("h", {joint("told", 0, 1), joint("wild", 0.2, 1), joint("untold", 0.3, 1)});
+  hand.rest_rad({0.5, kNaN});
+  EXPECT_THAT(planHand(hand, {}).rest, testing::ElementsAre(0.5, 0.2, 0.3));
+}
+
+TEST(HandPlan, RefusesDescriptionsThatNoHandCanHave) {
+  const auto refuses = [](const v1::HandDescription& hand, const std::string& words) {
+    EXPECT_THAT(
+        [&] {
+          planHand(hand, {});
+        },
+        ThrowsMessage<InvalidInput>(HasSubstr(words)));
+  };
+  refuses(handOf("h", {}), "0 joints");
+  refuses(handOf("h", std::vector<v1::JointInfo>(513, joint("a", 0, 1))), "513 joints");
+  refuses(handOf("h", {joint("a", 0, 1), joint("a", 0, 1)}), "joint name 'a'");
+  refuses(handOf("h", {joint("", 0, 1)}), "joint name ''");
+  refuses(handOf("h", {joint("a", 1, 0)}), "[1, 0]");
+  refuses(handOf("h", {joint("a", kNaN, 1)}), "joint 'a'");
+  refuses(handOf("h", {joint("a", 0, 1, -1)}), "velocity limit -1");
+  refuses(handOf("h", {joint("a", 0, 1, kNaN)}), "velocity limit nan");
+}
+
+}  // namespace
+}  // namespace handgraft::bridge

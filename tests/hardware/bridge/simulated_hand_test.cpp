@@ -1,0 +1,140 @@
+#include "hardware/bridge/simulated_hand.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+
+#include "tests/hardware/bridge/messages.h"
+
+namespace handgraft::bridge {
+namespace {
+
+using namespace test;
+
+/// A clock that moves when it is told to.
+class VirtualClock {
+ public:
+  SimulatedHand::Clock reader() {
+    return [this] {
+      return now;
+    };
+  }
+
+  void advance(double seconds) {
+    now += std::chrono::duration_cast<std::chrono::nanoseconds>(
+        std::chrono::duration<double>(seconds));
+  }
+
+  std::chrono::steady_clock::time_point now{std::chrono::hours(1)};
+};
+
+class SimulatedHandTest : public testing::Test {
+ protected:
+  SimulatedHand handOf(std::vector<SimulatedJoint> joints) {
+    return SimulatedHand(std::move(joints), clock_.reader(), kTau);
+  }
+
+  JointReading read(SimulatedHand& hand) {
+    JointReading reading;
+    hand.read(reading);
+    return reading;
+  }
+
+  static constexpr double kTau = 0.05;
+  VirtualClock clock_;
+};
+
+TEST_F(SimulatedHandTest, ApproachesItsTargetExponentially) {
+  SimulatedHand hand = handOf({{-1, 1, kInfinity, 0.2}});
+  hand.open();
+  hand.write(std::vector{0.8});
+  for (int k = 1; k <= 20; ++k) {
+    clock_.advance(0.01);
+    const double left = 0.6 * std::exp(-k * 0.01 / kTau);
+    EXPECT_NEAR(read(hand).position[0], 0.8 - left, 1e-9);
+    EXPECT_NEAR(read(hand).velocity[0], left / kTau, 1e-8);
+  }
+}
+
+TEST_F(SimulatedHandTest, NeverExceedsItsTopSpeed) {
+  SimulatedHand hand = handOf({{-3, 3, 2, 0}});
+  hand.open();
+  hand.write(std::vector{2.0});
+  clock_.advance(0.5);
+  EXPECT_NEAR(read(hand).position[0], 1.0, 1e-9);
+  EXPECT_EQ(read(hand).velocity[0], 2);
+  // The straight part ends V tau = 0.1 rad before the target, at 0.95 s.
+  clock_.advance(0.45 + kTau);
+  EXPECT_NEAR(read(hand).position[0], 2 - 0.1 * std::exp(-1), 1e-9);
+}
+
+TEST_F(SimulatedHandTest, MovesAlikeHoweverOftenItIsAsked) {
+  SimulatedHand often = handOf({{-3, 3, 2, 0}});
+  SimulatedHand once = handOf({{-3, 3, 2, 0}});
+  often.open();
+  once.open();
+  often.write(std::vector{-1.0});
+  once.write(std::vector{-1.0});
+  for (int k = 0; k < 1000; ++k) {
+    clock_.advance(0.0005);
+    read(often);
+  }
+  EXPECT_NEAR(read(often).position[0], read(once).position[0], 1e-9);
+}
+
+TEST_F(SimulatedHandTest, StopsAtItsMechanicalStops) {
+  SimulatedHand hand = handOf({{-0.2, 1.1, 2, 9}});
+  hand.open();
+  EXPECT_EQ(read(hand).position[0], 1.1) << "a start outside is moved onto the stop";
+  hand.write(std::vector{-7.0});
+  clock_.advance(100);
+  EXPECT_DOUBLE_EQ(read(hand).position[0], -0.2);
+}
+
+TEST_F(SimulatedHandTest, StaysWhereItIsWithoutPower) {
+  SimulatedHand hand = handOf({{-3, 3, 2, 0}});
+  hand.open();
+  hand.write(std::vector{2.0});
+  clock_.advance(0.3);
+  hand.stop();
+  clock_.advance(5);
+  EXPECT_NEAR(read(hand).position[0], 0.6, 1e-9);
+  EXPECT_EQ(read(hand).velocity[0], 0);
+}
+
+TEST_F(SimulatedHandTest, StandsStillWhenTheClockStepsBack) {
+  SimulatedHand hand = handOf({{-3, 3, 2, 0}});
+  hand.open();
+  hand.write(std::vector{2.0});
+  clock_.advance(0.3);
+  const double before = read(hand).position[0];
+  clock_.advance(-10);
+  EXPECT_EQ(read(hand).position[0], before);
+}
+
+TEST_F(SimulatedHandTest, FailsAsADeviceDoes) {
+  SimulatedHand hand = handOf({{-3, 3, 2, 0}});
+  JointReading reading;
+  EXPECT_THROW(hand.read(reading), DeviceError) << "not open";
+  EXPECT_THROW(hand.write(std::vector{0.0}), DeviceError) << "not open";
+  hand.open();
+  EXPECT_THROW(hand.write(std::vector{0.0, 0.0}), DeviceError);
+  EXPECT_THROW(hand.write(std::vector{kNaN}), DeviceError);
+  clock_.advance(1);
+  EXPECT_EQ(read(hand).position[0], 0) << "a refused write moves nothing";
+}
+
+TEST_F(SimulatedHandTest, RefusesServosThatCannotBe) {
+  EXPECT_THROW(handOf({{1, -1, 2, 0}}), InvalidInput);
+  EXPECT_THROW(handOf({{-1, 1, 0, 0}}), InvalidInput);
+  EXPECT_THROW(handOf({{-1, 1, kNaN, 0}}), InvalidInput);
+  EXPECT_THROW(handOf({{-1, 1, 2, kNaN}}), InvalidInput);
+  EXPECT_THROW(handOf({{-kInfinity, kInfinity, 2, kInfinity}}), InvalidInput);
+  EXPECT_THROW(SimulatedHand({}, clock_.reader(), 0), InvalidInput);
+}
+
+}  // namespace
+}  // namespace handgraft::bridge

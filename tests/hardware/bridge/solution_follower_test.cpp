@@ -1,0 +1,154 @@
+#include "hardware/bridge/solution_follower.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/hardware/bridge/messages.h"
+
+namespace handgraft::bridge {
+namespace {
+
+using namespace test;
+
+const std::vector<std::string> kNames = {"a", "b"};
+
+TEST(SolutionFollower, GivesAPoseOnceItsSessionIsKnown) {
+  SolutionFollower follower({}, false);
+  follower.see(solution(4, 1, {0.1, 0.2}));
+  EXPECT_FALSE(follower.take()) << "nobody has said what the numbers mean";
+  follower.see(sessionState(4, "hand", kNames));
+  const auto pose = follower.take();
+  ASSERT_TRUE(pose);
+  EXPECT_EQ(pose->session_id, 4u);
+  EXPECT_EQ(pose->hand, "hand");
+  EXPECT_EQ(pose->names, kNames);
+  EXPECT_EQ(pose->joint_rad, (std::vector{0.1, 0.2}));
+  EXPECT_FALSE(follower.take()) << "a pose is given once";
+}
+
+TEST(SolutionFollower, GivesOnlyTheNewestPose) {
+  SolutionFollower follower({}, false);
+  follower.see(sessionState(4, "hand", kNames));
+  follower.see(solution(4, 1, {0.1, 0.2}));
+  follower.see(solution(4, 2, {0.3, 0.4}));
+  EXPECT_EQ(follower.take()->sequence_number, 2u);
+  EXPECT_FALSE(follower.take());
+}
+
+TEST(SolutionFollower, PassesOverRepeatsAndWhatIsOlder) {
+  SolutionFollower follower({}, false);
+  follower.see(sessionState(4, "hand", kNames));
+  follower.see(solution(4, 5, {0.1, 0.2}));
+  follower.take();
+  follower.see(solution(4, 5, {0.9, 0.9}));
+  follower.see(solution(4, 3, {0.9, 0.9}));
+  EXPECT_FALSE(follower.take());
+}
+
+TEST(SolutionFollower, AcceptsAServerThatCountsFromOneAgain) {
+  SolutionFollower follower({}, false);
+  follower.see(sessionState(4, "hand", kNames));
+  follower.see(solution(4, 50, {0.1, 0.2}));
+  follower.take();
+  v1::PoseSolution anew = solution(4, 1, {0.3, 0.4});
+  anew.stamp_ns(1'000'000);
+  follower.see(anew);
+  ASSERT_TRUE(follower.take());
+}
+
+TEST(SolutionFollower, PassesOverPosesThatAreNotFinalUnlessAsked) {
+  SolutionFollower finals({}, false), all({}, true);
+  for (SolutionFollower* follower : {&finals, &all}) {
+    follower->see(sessionState(4, "hand", kNames));
+    follower->see(solution(4, 1, {0.1, 0.2}, false));
+  }
+  EXPECT_FALSE(finals.take());
+  EXPECT_TRUE(all.take());
+}
+
+TEST(SolutionFollower, FollowsTheSessionThatBeganToStreamLast) {
+  SolutionFollower follower({}, false);
+  for (const std::uint64_t id : {3u, 9u, 5u})
+    follower.see(sessionState(id, "hand", kNames));
+  follower.see(solution(3, 1, {0, 0}));
+  EXPECT_EQ(follower.take()->session_id, 3u);
+  follower.see(solution(9, 1, {0, 0}));
+  EXPECT_EQ(follower.take()->session_id, 9u);
+  follower.see(solution(5, 1, {0, 0}));  // its stream began before
+  follower.see(solution(3, 2, {0, 0}));
+  EXPECT_FALSE(follower.take());
+  EXPECT_EQ(follower.session(), 9u);
+}
+
+TEST(SolutionFollower, FollowsOnlyTheSessionGiven) {
+  SolutionFollower follower(3, false);
+  follower.see(sessionState(3, "hand", kNames));
+  follower.see(sessionState(9, "hand", kNames));
+  follower.see(solution(9, 1, {0, 0}));
+  EXPECT_FALSE(follower.take());
+  follower.see(solution(3, 1, {0, 0}));
+  EXPECT_EQ(follower.take()->session_id, 3u);
+}
+
+TEST(SolutionFollower, TurnsToAnotherSessionWhenItsOwnIsClosed) {
+  SolutionFollower follower({}, false);
+  follower.see(sessionState(3, "hand", kNames));
+  follower.see(sessionState(9, "hand", kNames));
+  follower.see(solution(3, 1, {0, 0}));
+  follower.see(solution(9, 1, {0, 0}));
+  EXPECT_EQ(follower.take()->session_id, 9u);
+  follower.see(sessionState(9, "hand", kNames, v1::PHASE_CLOSED));
+  EXPECT_FALSE(follower.take());
+  follower.see(solution(3, 2, {0, 0}));
+  EXPECT_EQ(follower.take()->session_id, 3u);
+}
+
+TEST(SolutionFollower, TakesTheLastPoseOfASessionThatClosesRightAfterIt) {
+  SolutionFollower follower({}, false);
+  follower.see(sessionState(3, "hand", kNames, v1::PHASE_OPTIMIZING));
+  follower.see(solution(3, 1, {0, 0}));
+  follower.see(sessionState(3, "hand", kNames, v1::PHASE_CLOSED));
+  EXPECT_TRUE(follower.take());
+}
+
+TEST(SolutionFollower, LeavesSessionsAloneThatWereClosedBeforeItCame) {
+  SolutionFollower follower({}, false);
+  follower.see(solution(3, 8, {0, 0}));
+  follower.see(sessionState(3, "hand", kNames, v1::PHASE_CLOSED));
+  EXPECT_FALSE(follower.take());
+  EXPECT_EQ(follower.session(), 0u);
+}
+
+TEST(SolutionFollower, TakesOldPosesForNewsAfterForgetting) {
+  SolutionFollower follower({}, false);
+  follower.see(sessionState(3, "hand", kNames));
+  follower.see(solution(3, 1, {0, 0}));
+  follower.take();
+  follower.forget();
+  EXPECT_EQ(follower.session(), 0u);
+  follower.see(sessionState(3, "hand", kNames));
+  follower.see(solution(3, 1, {0, 0}));
+  EXPECT_TRUE(follower.take());
+}
+
+TEST(SolutionFollower, IgnoresTheNumberThatMeansNoSession) {
+  SolutionFollower follower({}, false);
+  follower.see(sessionState(0, "hand", kNames));
+  follower.see(solution(0, 1, {0, 0}));
+  EXPECT_FALSE(follower.take());
+}
+
+TEST(SolutionFollower, KeepsItsSessionThroughAFloodOfOthers) {
+  SolutionFollower follower({}, false);
+  follower.see(sessionState(1'000'000, "hand", kNames));
+  follower.see(solution(1'000'000, 1, {0, 0}));
+  ASSERT_TRUE(follower.take());
+  for (std::uint64_t id = 1; id < 2000; ++id)
+    follower.see(sessionState(id, "hand", kNames));
+  follower.see(solution(1'000'000, 2, {0.5, 0.5}));
+  const auto pose = follower.take();
+  ASSERT_TRUE(pose) << "its state was thrown out";
+  EXPECT_EQ(pose->session_id, 1'000'000u);
+}
+
+}  // namespace
+}  // namespace handgraft::bridge
