@@ -76,4 +76,20 @@ LinkTerms evaluate(const LinkMoments& moments, const Pose& X_WL, const Weights& 
   return terms;
 }
 
+Matrix6d gaussNewtonOf(const LinkMoments& moments, const Pose& X_WL, const Weights& weights) {
+  const Eigen::Matrix3d R = X_WL.linear();
+  // Column i: the change of vec(R) by a turn about axis i.
+  Eigen::Matrix<double, 9, 3> turns;
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Matrix3d change = crossMatrix(Eigen::Vector3d::Unit(i)) * R;
+    turns.col(i) = Eigen::Map<const Vector9d>(change.data());
+  }
+  Matrix6d H = Matrix6d::Zero();
+  H.topLeftCorner<3, 3>() =
+      2.0 * weights.distance * R * moments.inertia * R.transpose() +
+      2.0 * weights.normal * turns.transpose() * moments.normal_normal * turns;
+  H.bottomRightCorner<3, 3>().diagonal().setConstant(2.0 * weights.distance * moments.weight);
+  return H;
+}
+
 }  // namespace handgraft::optimize

@@ -47,4 +47,9 @@ struct LinkTerms {
 /// Cost: about 200 multiplications, whatever the number of pairs.
 LinkTerms evaluate(const LinkMoments& moments, const Pose& X_WL, const Weights& weights);
 
+/// Gauss-Newton matrix of one link's weighted part of Eq. 3 and 4: rows and columns 0-2 a turn
+/// about its centroid, 3-5 its position, both in W. Positive semidefinite.
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+Matrix6d gaussNewtonOf(const LinkMoments& moments, const Pose& X_WL, const Weights& weights);
+
 }  // namespace handgraft::optimize

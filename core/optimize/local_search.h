@@ -46,8 +46,6 @@ class LocalSearch {
   void advance(Solver solver, int evaluations, LocalResult& result);
 
  private:
-  struct Chart;
-
   Stop runOnce(Solver solver, int evaluations, LocalResult& result);
   bool isStationary(const LocalResult& result);
 
@@ -56,7 +54,7 @@ class LocalSearch {
   const std::function<void()>& keep_going_;
   Objective objective_;
   std::vector<int> free_dofs_;
-  Eigen::VectorXd lower_;  ///< 6 + dofs
+  Eigen::VectorXd lower_;  ///< of the free ones
   Eigen::VectorXd upper_;
   bool rotation_partly_locked_ = false;
   Eigen::VectorXd gradient_;

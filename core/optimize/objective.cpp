@@ -119,35 +119,23 @@ Terms Objective::evaluate(const hand::HandPose& pose, Eigen::VectorXd& gradient)
   return terms;
 }
 
-Eigen::VectorXd Objective::stiffness(const hand::HandPose& pose) {
+Eigen::MatrixXd Objective::gaussNewton(const hand::HandPose& pose) {
   const HandModel& model = *problem_.model;
   forwardKinematics(model, pose.X_WH, pose.q, X_WL_);
-  Eigen::VectorXd diagonal(problem_.dofCount());
-  for (int i = 0; i < problem_.dofCount(); ++i) {
-    diagonal[i] = 2.0 * problem_.weights.prior * priorWeight(i);
-  }
+  const int dofs = problem_.dofCount();
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(dofs, dofs);
+  Eigen::Matrix<double, 6, Eigen::Dynamic> J(6, dofs);
   for (const LinkMoments& moments : moments_) {
     const Pose& X_WL = X_WL_[static_cast<std::size_t>(moments.link)];
     const Eigen::Vector3d centroid_W = X_WL * moments.p_L;
-    const Eigen::Matrix3d inertia_W =
-        X_WL.linear() * moments.inertia * X_WL.linear().transpose();
-    const auto stiffnessOf = [&](const Eigen::Vector3d& angular,
-                                 const Eigen::Vector3d& linear) {
-      return 2.0 * problem_.weights.distance *
-             (moments.weight * linear.squaredNorm() + angular.dot(inertia_W * angular));
-    };
-    const Eigen::Vector3d arm_W = centroid_W - pose.X_WH.translation();
-    for (int i = 0; i < 3; ++i) {
-      const Eigen::Vector3d e = Eigen::Vector3d::Unit(i);
-      diagonal[i] += stiffnessOf(e, e.cross(arm_W));
-      diagonal[3 + i] += stiffnessOf(Eigen::Vector3d::Zero(), e);
-    }
-    const auto motion = hand::pointJacobian(model, X_WL_, moments.link, centroid_W);
-    for (int j = 0; j < model.dofCount(); ++j) {
-      diagonal[6 + j] += stiffnessOf(motion.col(j).head<3>(), motion.col(j).tail<3>());
-    }
+    J.leftCols<6>().setIdentity();
+    J.block<3, 3>(3, 0) = -crossMatrix(centroid_W - pose.X_WH.translation());
+    J.rightCols(model.dofCount()) = pointJacobian(model, X_WL_, moments.link, centroid_W);
+    H.noalias() += J.transpose() * (gaussNewtonOf(moments, X_WL, problem_.weights) * J);
   }
-  return diagonal;
+  for (int i = 0; i < dofs; ++i)
+    H(i, i) += 2.0 * problem_.weights.prior * priorWeight(i);
+  return H;
 }
 
 }  // namespace handgraft::optimize

@@ -37,10 +37,10 @@ class Objective {
   /// the root's origin), by the root's position in W, by the dofs.
   Terms evaluate(const hand::HandPose& pose, Eigen::VectorXd& gradient);
 
-  /// Diagonal of the Gauss-Newton matrix of the distance and prior terms at `pose`, 6 + dofs
-  /// entries ordered like the gradient: how stiff the objective is along each. The normal term
-  /// is left out; it is flat (quartic) where the fit is good.
-  [[nodiscard]] Eigen::VectorXd stiffness(const hand::HandPose& pose);
+  /// Gauss-Newton matrix of Eq. 2 at `pose`, ordered like the gradient: symmetric, positive
+  /// semidefinite, and the Hessian where every residual is zero. Allocates.
+  /// Cost: O(links with pairs x dofs^2).
+  [[nodiscard]] Eigen::MatrixXd gaussNewton(const hand::HandPose& pose);
 
  private:
   Terms gatherLinks(const hand::HandPose& pose);

@@ -4,9 +4,9 @@
 #include <array>
 #include <atomic>
 #include <exception>
+#include <limits>
 #include <mutex>
 #include <numeric>
-#include <optional>
 #include <thread>
 #include <utility>
 
@@ -27,6 +27,14 @@ constexpr std::array<std::pair<Solver, std::string_view>, 6> kSolverNames = {{
     {Solver::kVar2, "var2"},
 }};
 
+// A start is left after this many evaluations unless it is among the best so far: enough to
+// tell the basins apart (README: measured).
+constexpr int kExploringEvaluations = 200;
+constexpr std::size_t kFinishers = 3;
+
+// What the listener of the progress hears about the first stage.
+constexpr double kExploringShare = 0.7;
+
 /// The searches of one solve. Each start depends on nothing but its number, so that threads may
 /// take them in any order.
 class MultiStart {
@@ -37,17 +45,21 @@ class MultiStart {
         progress_(progress),
         results_(static_cast<std::size_t>(options.starts)) {}
 
-  /// Runs `work(search, result, index)` for each index, on `options.threads` threads.
+  /// Runs `work(search, result, index)` for each index, on `options.threads` threads. Progress
+  /// is reported from `fraction` on.
   template <class Work>
-  void forEach(const std::vector<int>& indices, const Work& work) {
+  void forEach(const std::vector<int>& indices, double fraction, const Work& work) {
+    const double end = fraction < kExploringShare ? kExploringShare : 1.0;
+    const double step = (end - fraction) / static_cast<double>(indices.size());
     std::atomic<std::size_t> next{0};
+    fraction_ = fraction;
     const auto loop = [&] {
-      const LocalSearch::Observer observer =
-          options_.on_improvement
-              ? LocalSearch::Observer([this](const auto& pose, const auto& terms) {
-                  offer(pose, terms);
-                })
-              : LocalSearch::Observer();
+      LocalSearch::Observer observer;
+      if (options_.on_improvement) {
+        observer = [this](const hand::HandPose& pose, const Terms& terms) {
+          offer(pose, terms);
+        };
+      }
       const std::function<void()> keep_going = [this] {
         progress_.checkpoint();
         if (failed_.load(std::memory_order_relaxed)) throw Cancelled();
@@ -57,7 +69,7 @@ class MultiStart {
         for (std::size_t i = next++; i < indices.size(); i = next++) {
           const int index = indices[i];
           work(search, results_[static_cast<std::size_t>(index)], index);
-          reportDone();
+          reportDone(step);
         }
       } catch (...) {
         const std::lock_guard lock(mutex_);
@@ -78,8 +90,6 @@ class MultiStart {
 
   [[nodiscard]] const std::vector<LocalResult>& results() const { return results_; }
 
-  void expectRuns(int count) { expected_ += count; }
-
  private:
   void offer(const hand::HandPose& pose, const Terms& terms) {
     const std::lock_guard lock(mutex_);
@@ -88,10 +98,10 @@ class MultiStart {
     options_.on_improvement(pose, terms);
   }
 
-  void reportDone() {
+  void reportDone(double step) {
     const std::lock_guard lock(mutex_);
-    ++done_;
-    progress_.report("solving for the pose", static_cast<double>(done_) / expected_);
+    fraction_ = std::min(1.0, fraction_ + step);
+    progress_.report("solving for the pose", fraction_);
   }
 
   const PoseProblem& problem_;
@@ -100,8 +110,7 @@ class MultiStart {
   std::vector<LocalResult> results_;
   std::mutex mutex_;
   double best_ = std::numeric_limits<double>::infinity();
-  int done_ = 0;
-  int expected_ = 0;
+  double fraction_ = 0.0;
   std::atomic<bool> failed_{false};
   std::exception_ptr error_;
 };
@@ -164,13 +173,26 @@ SolveReport solve(const PoseProblem& problem,
     return reportOf(problem, options.solver, std::move(start));
   }
 
+  // === All starts as far as the first part of their evaluations carries them
   MultiStart starts(problem, options, progress);
-  std::vector<int> all(static_cast<std::size_t>(options.starts));
-  std::iota(all.begin(), all.end(), 0);
-  starts.expectRuns(options.starts);
-  starts.forEach(all, [&](LocalSearch& search, LocalResult& result, int index) {
+  const int exploring = std::min(kExploringEvaluations, options.max_evaluations);
+  std::vector<int> order(static_cast<std::size_t>(options.starts));
+  std::iota(order.begin(), order.end(), 0);
+  starts.forEach(order, 0.0, [&](LocalSearch& search, LocalResult& result, int index) {
     result = search.begin(startPose(problem, index, options.seed));
-    search.advance(options.solver, options.max_evaluations - 1, result);
+    search.advance(options.solver, exploring - result.evaluations, result);
+  });
+
+  // === The most promising ones to their end
+  const auto& explored = starts.results();
+  std::stable_sort(order.begin(), order.end(), [&explored](int a, int b) {
+    return explored[static_cast<std::size_t>(a)].terms.objective <
+           explored[static_cast<std::size_t>(b)].terms.objective;
+  });
+  if (order.size() > kFinishers) order.resize(kFinishers);
+  starts.forEach(order, kExploringShare, [&](LocalSearch& search, LocalResult& result, int) {
+    if (result.outcome != Outcome::kEvaluationLimit) return;
+    search.advance(options.solver, options.max_evaluations - result.evaluations, result);
   });
 
   const std::vector<LocalResult>& results = starts.results();

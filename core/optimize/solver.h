@@ -17,7 +17,7 @@ Solver solverFrom(std::string_view name);
 std::string_view nameOf(Solver solver);
 
 inline constexpr Solver kDefaultSolver = Solver::kMma;
-inline constexpr int kDefaultStarts = 8;
+inline constexpr int kDefaultStarts = 12;
 
 struct SolveOptions {
   Solver solver = kDefaultSolver;
@@ -27,15 +27,22 @@ struct SolveOptions {
   int threads = 1;
   unsigned seed = 0;
   int max_evaluations = 1000;  ///< a start; the paper's cap
-  /// Called from the solving threads, one at a time, with each better pose.
+  /// Called from the solving threads, one at a time, with each better pose. What it throws ends
+  /// the solve and is thrown from there.
   std::function<void(const hand::HandPose&, const Terms&)> on_improvement;
 };
 
 /// Minimises Eq. 2 over the root and the joints within their bounds; the best of all starts.
 ///
+/// Every start gets the first 200 of its evaluations, the three best of them the rest. Bounds
+/// that contradict each other give Outcome::kInfeasible and the start. With several threads the
+/// listener of `progress` hears from each of them, one at a time.
+///
 /// Determinism: the same problem, options and seed give the same bytes, whatever `threads` is.
 /// Errors: InvalidInput if the problem is not valid; Cancelled on wish.
-/// Cost: about 10 us an evaluation for 150 pairs and 26 degrees of freedom.
+/// Cost: O(pairs) once, then 2-4 us an evaluation for 26 degrees of freedom with any number of
+/// pairs
+///   (SLSQP about 20 us of its own).
 SolveReport solve(const PoseProblem& problem,
                   const SolveOptions& options,
                   const Progress& progress);

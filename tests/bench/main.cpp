@@ -1,0 +1,42 @@
+#include <cstdio>
+#include <exception>
+#include <string>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+
+#include "core/base/error.h"
+
+#include "tests/bench/solve.h"
+
+namespace {
+
+constexpr int kFailed = 1;
+constexpr int kWrongInput = 2;
+
+int complain(const std::string& message, int code) {
+  std::fprintf(stderr, "handgraft-bench: %s\n", message.c_str());
+  return code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Measures Handgraft's numerical core", "handgraft-bench");
+  app.require_subcommand(1);
+  handgraft::bench::addSolveCommand(app);
+  handgraft::bench::addSolversCommand(app);
+  try {
+    app.parse(argc, argv);
+    return 0;
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    return complain(error.what(), kWrongInput);
+  } catch (const handgraft::InvalidInput& error) {
+    return complain(error.what(), kWrongInput);
+  } catch (const std::exception& error) {
+    return complain(error.what(), kFailed);
+  }
+}
