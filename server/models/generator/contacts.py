@@ -10,10 +10,10 @@ from .patches import (Outline, boundary_loop, inside_outline, log_coordinates, n
 INTERPOLATION_COUNT = 25
 
 # Half lengths and half widths (mm) of what each pad covers, per object; outlines differ by phase.
-FINGERTIP = {"thumb": Outline(12.0, 9.5, phase=0.6), "index": Outline(10.5, 8.0, phase=2.1),
-             "middle": Outline(11.0, 8.2, phase=3.9), "ring": Outline(10.5, 8.0, phase=5.2),
-             "little": Outline(9.5, 7.2, phase=1.2),
-             "palm": Outline(17.0, 13.0, lean=0.10, wave=0.07, phase=0.9)}
+FINGERTIP = {"thumb": Outline(11.5, 8.5, phase=0.6), "index": Outline(10.0, 7.0, phase=2.1),
+             "middle": Outline(10.5, 7.2, phase=3.9), "ring": Outline(10.0, 7.0, phase=5.2),
+             "little": Outline(9.0, 6.4, phase=1.2),
+             "palm": Outline(16.0, 12.0, lean=0.10, wave=0.07, phase=0.9)}
 ON_A_RING = {"thumb": Outline(6.5, 9.0, phase=0.6), "index": Outline(6.0, 7.5, phase=2.1),
              "middle": Outline(6.0, 7.5, phase=3.9)}
 

@@ -13,13 +13,12 @@ from .revolution import gradient
 
 DISTANCE = 1.0  # per mm between pad and surface
 NORMAL = 6.0  # per unit of n_pad + n_object
+PLACE = 0.15  # per mm from the place asked for
+INSIDE = 0.7  # per mm of a link inside the object
 ALONG = 3.0  # per unit between the pad's direction and the one asked for
 DIGITS = 0.4  # per mm of a digit inside another
 POSTURE = 1.2  # per rad from the rough posture
 SLACK = 0.3  # mm that flesh gives way
-# Two stages: first to the places asked for, straight through whatever is in the way, then out of
-# the object. Weights: per mm from the place, per mm of a link inside the object.
-STAGES = ((0.5, 0.0), (0.25, 0.7))
 NEIGHBOURS = (("thumb", "index"), ("thumb", "middle"), ("index", "middle"), ("middle", "ring"),
               ("ring", "little"))
 
@@ -87,26 +86,25 @@ class Demonstration:
     def pose(self, x):
         return (v.product(v.turn_by(tuple(x[:3])), self.grasp.rotation), tuple(x[3:6]))
 
-    def residuals(self, x, place_weight, inside_weight):
+    def residuals(self, x):
         poses = self.hand.link_poses(self.pose(x), x[6:])
         terms = []
         for touch in self.grasp.touches:
-            terms.extend(self.touch_terms(poses, touch, place_weight))
-        if inside_weight > 0.0:
-            for name, centre, radius in self.spheres:
-                depth = radius - SLACK - self.solid.value(v.apply(poses[name], centre))
-                terms.append(inside_weight * max(depth, 0.0))
+            terms.extend(self.touch_terms(poses, touch))
+        for name, centre, radius in self.spheres:
+            depth = radius - SLACK - self.solid.value(v.apply(poses[name], centre))
+            terms.append(INSIDE * max(depth, 0.0))
         terms.extend(self.digit_terms(poses))
         terms.extend(POSTURE * (q - r) for q, r in zip(x[6:], self.rough))
         return terms
 
-    def touch_terms(self, poses, touch, place_weight):
+    def touch_terms(self, poses, touch):
         site = self.hand.site(touch.site)
         X = poses[site.link]
         p = v.apply(X, site.point)
         n = v.add(v.rotate(X[0], site.normal), gradient(self.solid, p))
         terms = [DISTANCE * self.solid.value(p), *v.scaled(n, NORMAL),
-                 *v.scaled(v.sub(p, touch.place), place_weight)]
+                 *v.scaled(v.sub(p, touch.place), PLACE)]
         if touch.direction is not None:
             off = v.sub(v.rotate(X[0], site.direction), touch.direction)
             terms.extend(v.scaled(off, ALONG))
@@ -116,17 +114,17 @@ class Demonstration:
         placed = {digit: [(v.apply(poses[name], c), r) for name, c, r in spheres]
                   for digit, spheres in self.digits.items()}
         for one, other in NEIGHBOURS:
-            for p, r in placed[one]:
-                for q, s in placed[other]:
-                    yield DIGITS * max(r + s - 1.0 - v.distance(p, q), 0.0)
+            for (px, py, pz), r in placed[one]:
+                for (qx, qy, qz), s in placed[other]:
+                    reach = r + s - 1.0
+                    gap2 = (px - qx) ** 2 + (py - qy) ** 2 + (pz - qz) ** 2
+                    yield DIGITS * (reach - math.sqrt(gap2)) if gap2 < reach * reach else 0.0
 
-    def solve(self, iterations=40):
+    def solve(self, iterations=60):
         """Link poses by name in the object's frame, and joint angles."""
         lower = [-math.inf] * 6 + [joint.lower for joint in self.hand.joints]
         upper = [math.inf] * 6 + [joint.upper for joint in self.hand.joints]
         x = [0.0, 0.0, 0.0, *self.grasp.origin, *self.rough]
         x = [min(h, max(l, s)) for l, s, h in zip(lower, x, upper)]
-        for weights in STAGES:
-            x, self.cost = minimise(lambda y: self.residuals(y, *weights), x, lower, upper,
-                                    iterations)
+        x, self.cost = minimise(self.residuals, x, lower, upper, iterations)
         return self.hand.link_poses(self.pose(x), x[6:]), x[6:]

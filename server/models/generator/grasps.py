@@ -26,8 +26,8 @@ def scissors():
     away = {f"{finger}_{joint}_flex": bend for finger in ("ring", "little")
             for joint, bend in (("mcp", 1.2), ("pip", 1.6), ("dip", 0.9))}
     return Grasp(
-        origin=(-71.0, 51.0, 160.0), palm=(0.0, 0.71, -0.71), fingers=(0.0, -0.71, -0.71),
-        posture=posture(0.55, 0.35, 0.15, (1.2, -0.1, 0.1, 0.1), **away),
+        origin=(-86.0, 83.0, 101.0), palm=(0.0, 0.13, -0.99), fingers=(0.1, -0.98, -0.13),
+        posture=posture(0.95, 0.65, 0.15, (1.4, -0.1, 0.0, -0.2), **away),
         touches=[Touch("thumb", (-58.0, 10.0, 0.0), UP), Touch("index", (-52.0, -10.0, 0.0), UP),
                  Touch("middle", (-70.0, -10.0, 0.0), UP)])
 
@@ -35,8 +35,8 @@ def scissors():
 def wine_glass():
     """Around the bowl, the palm free: thumb on one side, three fingers on the other."""
     return Grasp(
-        origin=(70.0, -85.0, 140.0), palm=(-1.0, 0.0, 0.0), fingers=(0.0, 1.0, 0.0),
-        posture=posture(0.7, 0.6, 0.3, (1.4, -0.45, 0.0, 0.0)),
+        origin=(104.0, -59.0, 145.0), palm=(-0.89, -0.45, 0.0), fingers=(-0.45, 0.89, 0.0),
+        posture=posture(0.65, 0.65, 0.45, (1.5, -0.4, -0.1, 0.6)),
         touches=[Touch("thumb", (-8.0, -35.0, 148.0)), Touch("index", (-12.0, 33.0, 164.0)),
                  Touch("middle", (-16.0, 32.0, 143.0)), Touch("ring", (-10.0, 32.0, 122.0))])
 
@@ -44,8 +44,8 @@ def wine_glass():
 def box():
     """Across the narrow side: four fingers in a row on one broad face, the thumb on the other."""
     return Grasp(
-        origin=(85.0, -80.0, 0.0), palm=(-1.0, 0.0, 0.0), fingers=(0.0, 1.0, 0.0),
-        posture=posture(0.8, 0.6, 0.3, (1.1, 0.0, 0.1, 0.1)),
+        origin=(111.0, -73.0, -20.0), palm=(-0.95, -0.25, 0.15), fingers=(-0.25, 0.97, 0.05),
+        posture=posture(0.8, 0.65, 0.25, (1.5, -0.2, 0.0, 0.05)),
         touches=[Touch("thumb", (8.0, -20.0, 14.0)), Touch("index", (8.0, 20.0, 34.0)),
                  Touch("middle", (4.0, 20.0, 12.0)), Touch("ring", (8.0, 20.0, -10.0)),
                  Touch("little", (14.0, 20.0, -31.0))])
@@ -54,11 +54,11 @@ def box():
 def lemon():
     """In the palm, all five digits around it."""
     return Grasp(
-        origin=(42.0, -68.0, 4.0), palm=(-1.0, 0.0, 0.0), fingers=(0.0, 1.0, 0.0),
-        posture=posture(0.9, 0.9, 0.4, (1.4, -0.2, 0.7, 0.8)),
-        touches=[Touch("palm", (29.8, -1.0, -2.0)), Touch("thumb", (-22.0, -19.0, 5.0)),
-                 Touch("index", (-19.0, 13.0, 20.0)), Touch("middle", (-23.0, 17.0, 7.0)),
-                 Touch("ring", (-23.0, 16.0, -7.0)), Touch("little", (-18.0, 12.0, -20.0))])
+        origin=(57.0, -57.0, -5.0), palm=(-0.95, -0.3, 0.1), fingers=(-0.3, 0.95, 0.0),
+        posture=posture(0.75, 1.4, 0.3, (1.5, -0.4, 0.2, 1.3)),
+        touches=[Touch("palm", (29.8, -1.0, -2.0)), Touch("thumb", (-24.0, -16.0, 6.0)),
+                 Touch("index", (-18.0, 13.0, 20.0)), Touch("middle", (-23.0, 17.0, 7.0)),
+                 Touch("ring", (-23.0, 16.0, -8.0)), Touch("little", (-17.0, 12.0, -21.0))])
 
 
 GRASPS = {"scissors": scissors, "wine_glass": wine_glass, "box": box, "lemon": lemon}

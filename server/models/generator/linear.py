@@ -20,14 +20,17 @@ def solve_symmetric(A, b):
     return x
 
 
-def jacobian_rows(residuals, x, base, step=1e-5):
-    """Columns of the Jacobian by forward differences."""
+def jacobian_columns(residuals, x, base, step=1e-5):
+    """The Jacobian by forward differences. Rows of hinge terms that rest at zero are left out of
+    all columns, and of `base`: they add nothing, and most are such."""
     columns = []
     for k in range(len(x)):
         moved = list(x)
         moved[k] += step
         columns.append([(r - s) / step for r, s in zip(residuals(moved), base)])
-    return columns
+    active = [n for n, row in enumerate(zip(base, *columns)) if any(row)]
+    base[:] = [base[n] for n in active]
+    return [[column[n] for n in active] for column in columns]
 
 
 def minimise(residuals, x, lower, upper, iterations):
@@ -36,7 +39,7 @@ def minimise(residuals, x, lower, upper, iterations):
     r = residuals(x)
     cost = sum(e * e for e in r)
     for _ in range(iterations):
-        columns = jacobian_rows(residuals, x, r)
+        columns = jacobian_columns(residuals, x, r)
         slope = [sum(a * b for a, b in zip(c, r)) for c in columns]
         free = [k for k in range(len(x))
                 if not (x[k] <= lower[k] and slope[k] > 0.0)

@@ -8,6 +8,8 @@ from .surface_nets import polygonise
 
 
 class Object:
+    """`solid` is what a hand cannot enter: a glass counts as full."""
+
     def __init__(self, name, summary, solid, mesh, genus):
         self.name = name
         self.summary = summary
@@ -64,7 +66,9 @@ WINE_GLASS = [
 
 def make_wine_glass():
     curve = smooth_profile(WINE_GLASS)
-    return Object("wine_glass", "wine glass, 200 mm tall, bowl 72 mm wide", RevolvedSolid(curve),
+    lip = max(range(len(WINE_GLASS)), key=lambda k: WINE_GLASS[k][1])
+    filled = smooth_profile(WINE_GLASS[:lip + 1]) + [(0.0, WINE_GLASS[lip][1])]
+    return Object("wine_glass", "wine glass, 200 mm tall, bowl 72 mm wide", RevolvedSolid(filled),
                   revolve(curve, 2.9, 1.1), 0)
 
 
