@@ -1,0 +1,34 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace handgraft::io {
+
+/// A mesh as its file lists it: nothing welded, nothing left out, polygons cut into triangles.
+struct FileMesh {
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<std::array<int, 3>> triangles;
+  std::vector<int> file_face;  ///< the file's face that each triangle comes from
+};
+
+// Each reads one format. Errors: InvalidInput naming the file and the fault; indices are
+// checked.
+FileMesh readObj(const std::filesystem::path& path);
+FileMesh readStl(const std::filesystem::path& path);
+/// glTF, GLB and COLLADA (assimp), node transforms applied.
+FileMesh readScene(const std::filesystem::path& path);
+
+/// Cuts a polygon into triangles of its corners, 0 to n - 1, by ear clipping in the plane of
+/// its mean normal. Corners in order, 3 x n, n >= 3. Cost: O(n^2) on most polygons.
+std::vector<std::array<int, 3>> cutPolygon(const Eigen::Matrix3Xd& corners);
+
+/// A number of a text file, or NaN if `word` is none. Understands `nan`, `inf` and a leading
+/// plus.
+double numberFrom(std::string_view word, bool& is_number);
+
+}  // namespace handgraft::io
