@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cmath>
+
+#include "core/contact/segmentation.h"
+#include "core/session/session.h"
+
+#include "tests/support/small_hand.h"
+
+namespace handgraft::test {
+
+/// A ball of 30 mm radius, touched by three fingertips from both sides, as the small hand can.
+struct BallGrasp {
+  SmallHand small = makeSmallHand();
+  std::shared_ptr<const geometry::TriangleMesh> ball =
+      std::make_shared<const geometry::TriangleMesh>(geometry::makeSphere(0.03, 5));
+  contact::ContactSet contacts;
+
+  /// `names`: of the patches at thumb, index, middle; directions (to the hand's root, -z) are
+  /// set unless `open`.
+  explicit BallGrasp(const std::vector<std::string>& names = {"thumb", "index", "middle"},
+                     bool open = false) {
+    const std::vector<Eigen::Vector3d> roots = {
+        {-1, 0, 0}, {std::cos(0.55), std::sin(0.55), 0}, {std::cos(0.55), -std::sin(0.55), 0}};
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      contact::ContactMap map;
+      map.mesh_O = *ball;
+      map.value = Eigen::VectorXd::Zero(ball->vertexCount());
+      for (int v = 0; v < ball->vertexCount(); ++v) {
+        const double arc = 0.03 * std::acos(ball->vertex(v).normalized().dot(roots[i]));
+        map.value[v] = arc < 0.007 ? 1.0 : 0.0;
+      }
+      contact::Patch patch = contact::segment(map, {}).patches.at(0);
+      patch.name = names[i];
+      if (!open) patch.direction_O = -Eigen::Vector3d::UnitZ();
+      contacts.patches.push_back(patch);
+    }
+    contacts.name = "ball";
+  }
+
+  [[nodiscard]] session::Hand hand() const { return {small.model, small.skin, small.sites}; }
+
+  [[nodiscard]] session::Session open(const Pose& X_WO = Pose::Identity()) const {
+    return {hand(), ball, contacts, X_WO, {}};
+  }
+};
+
+}  // namespace handgraft::test

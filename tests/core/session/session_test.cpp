@@ -1,0 +1,199 @@
+#include "core/session/session.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+
+#include "tests/core/session/ball_grasp.h"
+
+namespace handgraft::session {
+namespace {
+
+using test::BallGrasp;
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+Pose somePose() {
+  Pose X = Pose::Identity();
+  X.linear() = rotationFromVector({0.6, -1.2, 2.0});
+  X.translation() << 0.3, -0.4, 0.9;
+  return X;
+}
+
+TEST(Session, GraspsABall) {
+  Session session = BallGrasp().open(somePose());
+  const optimize::SolveReport report = session.optimize({}, Progress());
+  ASSERT_EQ(report.patches.size(), 3u);
+  for (const optimize::PatchFit& fit : report.patches) {
+    EXPECT_EQ(fit.point_count, 25);
+    EXPECT_LT(fit.mean_mm, 3.0);  // ball on ball: outlines 7 mm about the touching point
+    EXPECT_LT(fit.normal_mean_deg, 60.0);
+  }
+}
+
+TEST(Session, LaysEveryPatchOnTheSiteOfItsName) {
+  Session session = BallGrasp().open();
+  session.transferPatches(Progress());
+  const hand::HandModel& model = *session.hand().model;
+  for (int i = 0; i < 3; ++i) {
+    const SessionPatch& item = session.patches()[i];
+    EXPECT_EQ(item.site, item.patch.name);
+    EXPECT_TRUE(item.up_to_date);
+    EXPECT_TRUE(item.transferred.lost.empty());
+    for (const transfer::Correspondence& pair : item.transferred.correspondences) {
+      EXPECT_EQ(model.links()[pair.link].name, item.patch.name + "_tip");
+      EXPECT_EQ(pair.patch, i);
+    }
+  }
+}
+
+TEST(Session, DropsAFingerThatTheHandLacks) {
+  Session session = BallGrasp({"thumb", "index", "little"}).open();
+  EXPECT_FALSE(session.patches()[2].placement.has_value());
+  EXPECT_THAT(session.patches()[2].dropped,
+              AllOf(HasSubstr("hand has no 'little'"), HasSubstr("thumb, index, middle")));
+  const optimize::SolveReport report = session.optimize({}, Progress());
+  EXPECT_EQ(report.patches.size(), 2u);
+}
+
+TEST(Session, RefusesNamesThatAreNoSite) {
+  const BallGrasp grasp({"thumb", "elbow"});
+  EXPECT_THAT(
+      [&] {
+        (void)grasp.open();
+      },
+      ThrowsMessage<InvalidInput>(
+          AllOf(HasSubstr("'elbow'"), HasSubstr("thumb, index, middle"))));
+}
+
+TEST(Session, RefusesANameThatComesTwice) {
+  const BallGrasp grasp({"thumb", "thumb"});
+  EXPECT_THAT(
+      [&] {
+        (void)grasp.open();
+      },
+      ThrowsMessage<InvalidInput>(HasSubstr("'thumb' twice")));
+}
+
+TEST(Session, RefusesASetWithoutAnySiteOnTheHand) {
+  const BallGrasp grasp({"ring", "little"});
+  EXPECT_THAT(
+      [&] {
+        (void)grasp.open();
+      },
+      ThrowsMessage<InvalidInput>(
+          AllOf(HasSubstr("ring, little"), HasSubstr("thumb, index, middle"))));
+}
+
+TEST(Session, RefusesPatchesOfAnotherMesh) {
+  BallGrasp grasp;
+  grasp.contacts.patches[1].boundary[0] = grasp.ball->vertexCount();
+  EXPECT_THAT(
+      [&] {
+        (void)grasp.open();
+      },
+      ThrowsMessage<InvalidInput>(HasSubstr("'index'")));
+}
+
+TEST(Session, SolvesTheSameGraspWhereverTheObjectIs) {
+  const BallGrasp grasp;
+  optimize::Weights weights;
+  weights.prior = 0.0;
+  Session here(grasp.hand(), grasp.ball, grasp.contacts, Pose::Identity(), weights);
+  Session there(grasp.hand(), grasp.ball, grasp.contacts, somePose(), weights);
+  const auto a = here.optimize({}, Progress());
+  const auto b = there.optimize({}, Progress());
+  EXPECT_NEAR(a.terms.objective, b.terms.objective, 1e-3 * a.terms.objective);
+}
+
+TEST(Session, ProblemIsInTheWorld) {
+  Session session = BallGrasp().open(somePose());
+  session.transferPatches(Progress());
+  const optimize::PoseProblem problem = session.problem();
+  ASSERT_EQ(problem.pairs.size(), 75u);
+  std::size_t k = 0;
+  for (const SessionPatch& item : session.patches()) {
+    for (const transfer::Correspondence& pair : item.transferred.correspondences) {
+      EXPECT_EQ(problem.pairs[k].p_W, somePose() * pair.p_O);
+      EXPECT_EQ(problem.pairs[k].n_W, somePose().linear() * pair.n_O);
+      EXPECT_EQ(problem.pairs[k].p_L, pair.p_L);
+      ++k;
+    }
+  }
+  EXPECT_TRUE(problem.start.X_WH.isApprox(Pose::Identity()));
+  EXPECT_EQ(problem.prior.q, session.hand().model->restPose());
+}
+
+TEST(Session, ProblemNeedsATransferFirst) {
+  const Session session = BallGrasp().open();
+  EXPECT_THROW((void)session.problem(), BrokenContract);
+}
+
+TEST(Session, KeepsTheOptimumAsNextPriorAndStart) {
+  Session session = BallGrasp().open();
+  const optimize::SolveReport report = session.optimize({}, Progress());
+  const optimize::PoseProblem next = session.problem();
+  EXPECT_EQ(next.prior.q, report.pose.q);
+  EXPECT_EQ(next.start.q, report.pose.q);
+  EXPECT_TRUE(next.prior.X_WH.isApprox(report.pose.X_WH));
+  const optimize::SolveReport again = session.optimize({}, Progress());
+  EXPECT_LE(again.terms.objective, report.terms.objective * (1 + 1e-9));
+}
+
+TEST(Session, SolvesTheSameBytesAgain) {
+  const BallGrasp grasp({"c1", "c2", "c3"}, true);
+  Session first = grasp.open();
+  Session second = grasp.open();
+  const auto a = first.optimize({}, Progress());
+  const auto b = second.optimize({}, Progress());
+  EXPECT_EQ(a.pose.q, b.pose.q);
+  EXPECT_EQ(a.pose.X_WH.matrix(), b.pose.X_WH.matrix());
+}
+
+TEST(Session, FindsOpenDirectionsThatServeAsWellAsGivenOnes) {
+  Session given = BallGrasp().open();
+  Session open = BallGrasp({"thumb", "index", "middle"}, true).open();
+  EXPECT_FALSE(open.patches()[0].patch.direction_O.has_value());
+  const auto a = given.optimize({}, Progress());
+  const auto b = open.optimize({}, Progress());
+  EXPECT_LT(b.terms.objective, 1.2 * a.terms.objective);
+  for (const SessionPatch& item : open.patches()) {
+    EXPECT_TRUE(item.direction_is_open);
+    ASSERT_TRUE(item.patch.direction_O.has_value());
+    EXPECT_NEAR(item.patch.direction_O->norm(), 1.0, 1e-9);
+  }
+}
+
+TEST(Session, FindsTheFingersOfAnonymousPatches) {
+  Session session = BallGrasp({"c1", "c2", "c3"}, true).open();
+  // One patch is opposed to the two others: that one is the thumb's.
+  EXPECT_EQ(session.patches()[0].site, "thumb");
+  EXPECT_NE(session.patches()[1].site, session.patches()[2].site);
+  EXPECT_THAT(session.notes(), Contains(HasSubstr("'c1' laid on site 'thumb'")));
+}
+
+TEST(Session, SaysWhenNoPatchHasAPoint) {
+  Session session = BallGrasp().open();
+  for (const char* patch : {"thumb", "index", "middle"}) {
+    session.apply(PatchWeightEdit{patch, 0.0});
+  }
+  EXPECT_THAT(
+      [&] {
+        session.optimize({}, Progress());
+      },
+      ThrowsMessage<InvalidInput>(HasSubstr("no patch with a weight above 0")));
+}
+
+TEST(Session, StaysAsItWasWhenCancelled) {
+  Session session = BallGrasp({"thumb", "index", "middle"}, true).open();
+  Progress progress;
+  progress.cancel();
+  EXPECT_THROW(session.optimize({}, progress), Cancelled);
+  EXPECT_NO_THROW(session.optimize({}, Progress()));
+}
+
+}  // namespace
+}  // namespace handgraft::session
