@@ -159,6 +159,14 @@ std::string oneLine(const std::string& text) {
   return line;
 }
 
+std::string commandsOf(const CLI::App& app) {
+  std::string names;
+  for (const CLI::App* command : app.get_subcommands({})) {
+    names += (names.empty() ? "" : ", ") + command->get_name();
+  }
+  return names;
+}
+
 }  // namespace
 
 std::variant<Invocation, Printout> parseCommandLine(int argc, const char* const* argv) {
@@ -190,6 +198,10 @@ std::variant<Invocation, Printout> parseCommandLine(int argc, const char* const*
     app.exit(success, text, text);
     return Printout{text.str()};
   } catch (const CLI::ParseError& error) {
+    const std::vector<std::string> rest = app.remaining();
+    if (app.get_subcommands().empty() && !rest.empty()) {
+      rejectInput("{} is no command; there are {}", quoted(rest.front()), commandsOf(app));
+    }
     rejectInput("{} (handgraft --help tells more)", oneLine(error.what()));
   }
   validate(parsed.common.network);

@@ -205,8 +205,9 @@ Color lit(const Color& color,
   const float sky = 0.5F + 0.5F * n.dot(lights.up);
   const float diffuse = (0.30F + 0.14F * sky + 0.52F * key + 0.12F * facing) *
                         (0.72F + 0.28F * std::min(1.0F, 2.2F * facing));  // darker outlines
-  const float highlight =
-      0.10F * std::pow(std::max(0.0F, n.dot((lights.key + to_eye).normalized())), 24.0F);
+  const float half = std::max(0.0F, n.dot((lights.key + to_eye).normalized()));
+  const float half_8 = half * half * half * half * half * half * half * half;
+  const float highlight = 0.10F * half_8 * half_8 * half_8;
   const auto channel = [&](std::uint8_t value) {
     const float out = static_cast<float>(value) * diffuse + 255.0F * highlight;
     return static_cast<std::uint8_t>(std::clamp(out, 0.0F, 255.0F));

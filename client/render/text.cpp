@@ -83,7 +83,7 @@ constexpr std::array<const char*, 94> kGlyphs = {
     "....# ....# .##.# #..## #...# #...# .####",  // d
     "..... ..... .###. #...# ##### #.... .###.",  // e
     "..##. .#..# .#... ###.. .#... .#... .#...",  // f
-    "..... .#### #...# #...# .#### ....# .###.",  // g
+    ".##.# #..## #...# #...# .#### ....# .###.",  // g
     "#.... #.... #.##. ##..# #...# #...# #...#",  // h
     "..#.. ..... .##.. ..#.. ..#.. ..#.. .###.",  // i
     "...#. ..... ..##. ...#. ...#. #..#. .##..",  // j
@@ -92,8 +92,8 @@ constexpr std::array<const char*, 94> kGlyphs = {
     "..... ..... ##.#. #.#.# #.#.# #...# #...#",  // m
     "..... ..... #.##. ##..# #...# #...# #...#",  // n
     "..... ..... .###. #...# #...# #...# .###.",  // o
-    "..... ..... ####. #...# ####. #.... #....",  // p
-    "..... ..... .##.# #..## .#### ....# ....#",  // q
+    "#.##. ##..# #...# #...# ####. #.... #....",  // p
+    ".##.# #..## #...# #...# .#### ....# ....#",  // q
     "..... ..... #.##. ##..# #.... #.... #....",  // r
     "..... ..... .###. #.... .###. ....# ####.",  // s
     ".#... .#... ###.. .#... .#... .#..# ..##.",  // t
@@ -101,7 +101,7 @@ constexpr std::array<const char*, 94> kGlyphs = {
     "..... ..... #...# #...# #...# .#.#. ..#..",  // v
     "..... ..... #...# #...# #.#.# #.#.# .#.#.",  // w
     "..... ..... #...# .#.#. ..#.. .#.#. #...#",  // x
-    "..... ..... #...# #...# .#### ....# .###.",  // y
+    "#...# #...# #...# #..## .##.# ....# .###.",  // y
     "..... ..... ##### ...#. ..#.. .#... #####",  // z
     "...#. ..#.. ..#.. .#... ..#.. ..#.. ...#.",  // {
     "..#.. ..#.. ..#.. ..#.. ..#.. ..#.. ..#..",  // |
@@ -110,6 +110,14 @@ constexpr std::array<const char*, 94> kGlyphs = {
 };
 
 // clang-format on
+
+// Characters whose drawing stands lower, since they reach below the line.
+constexpr int kDescent = 2;
+
+bool descends(char character) {
+  return character == 'g' || character == 'j' || character == 'p' || character == 'q' ||
+         character == 'y';
+}
 
 const char* glyphOf(char character) {
   const auto index = static_cast<unsigned char>(character) - static_cast<unsigned char>('!');
@@ -123,10 +131,11 @@ void drawText(Image& image, int x, int y, int scale, Color color, const std::str
   for (const char character : text) {
     if (character != ' ') {
       const char* glyph = glyphOf(character);
+      const int top = y + (descends(character) ? kDescent * scale : 0);
       for (int row = 0; row < kRows; ++row) {
         for (int column = 0; column < kColumns; ++column) {
           if (glyph[row * kAdvance + column] != '#') continue;
-          image.fill(x + column * scale, y + row * scale, scale, scale, color);
+          image.fill(x + column * scale, top + row * scale, scale, scale, color);
         }
       }
     }
@@ -139,7 +148,7 @@ int textWidth(const std::string& text, int scale) {
 }
 
 int textHeight(int scale) {
-  return kRows * scale;
+  return (kRows + kDescent) * scale;
 }
 
 }  // namespace handgraft::client::render

@@ -14,7 +14,7 @@ void drawText(Image& image, int x, int y, int scale, Color color, const std::str
 /// Width of the line in pixels, without the gap after its last character.
 int textWidth(const std::string& text, int scale);
 
-/// Height of a line in pixels, without line spacing.
+/// Height of a line in pixels, from the top of capitals to the bottom of a `g`.
 int textHeight(int scale);
 
 }  // namespace handgraft::client::render

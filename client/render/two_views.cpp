@@ -126,10 +126,10 @@ Image renderTwoViews(const Scene& scene, const Caption& caption, PictureSize siz
   // === What the caption leaves for the views
   const int header = 2 * kPad + textHeight(kTitleScale) +
                      (caption.subtitle.empty() ? 0 : kPad / 2 + textHeight(kTextScale));
-  const int line = textHeight(kTextScale) + 8;
+  const int line = textHeight(kTextScale) + 6;
   const std::vector<LegendPlace> places = layOut(caption.legend, size.width);
   const int rows = places.empty() ? 0 : places.back().row + 1;
-  const int footer = rows == 0 ? kPad : 2 * kPad + rows * line - 8;
+  const int footer = rows == 0 ? kPad : 2 * kPad + rows * line - 6;
   const int view_height = std::max(kLeastSide / 4, size.height - header - footer);
   const int view_width = (size.width - 3 * kPad) / 2;
 
@@ -154,7 +154,7 @@ Image renderTwoViews(const Scene& scene, const Caption& caption, PictureSize siz
            caption.subtitle);
   for (std::size_t i = 0; i < caption.legend.size(); ++i) {
     const int y = header + view_height + kPad + places[i].row * line;
-    picture.fill(places[i].x, y, 20, textHeight(kTextScale), caption.legend[i].color);
+    picture.fill(places[i].x, y, 20, 7 * kTextScale, caption.legend[i].color);
     drawText(picture, places[i].x + 28, y, kTextScale, kInk, caption.legend[i].text);
   }
   return picture;

@@ -129,7 +129,7 @@ TEST(CornerNormals, RoundASphereAndKeepTheEdgesOfACube) {
 
 TEST(Text, IsAsWideAsItSays) {
   Image image(200, 20);
-  drawText(image, 0, 0, 2, {0, 0, 0}, "HM");
+  drawText(image, 0, 0, 2, {0, 0, 0}, "Hg");
   int rightmost = 0;
   int lowest = 0;
   for (int y = 0; y < 20; ++y) {
@@ -139,7 +139,7 @@ TEST(Text, IsAsWideAsItSays) {
       lowest = std::max(lowest, y);
     }
   }
-  EXPECT_EQ(rightmost + 1, textWidth("HM", 2));
+  EXPECT_EQ(rightmost + 1, textWidth("Hg", 2));
   EXPECT_EQ(lowest + 1, textHeight(2));
   EXPECT_EQ(textWidth("", 2), 0);
 }

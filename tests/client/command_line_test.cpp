@@ -1,0 +1,123 @@
+#include "client/command_line.h"
+
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+
+#include "tests/support/shared_data.h"
+
+namespace handgraft::client {
+namespace {
+
+using testing::HasSubstr;
+
+std::variant<Invocation, Printout> parse(std::vector<std::string> words) {
+  std::vector<const char*> argv = {"handgraft"};
+  for (const std::string& word : words)
+    argv.push_back(word.c_str());
+  return parseCommandLine(static_cast<int>(argv.size()), argv.data());
+}
+
+Invocation invocation(const std::vector<std::string>& words) {
+  return std::get<Invocation>(parse(words));
+}
+
+std::vector<std::string> grasp(const std::vector<std::string>& more) {
+  std::vector<std::string> words = {"grasp", "--hand",     "human20", "--object",
+                                    "lemon", "--contacts", "lemon_6"};
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+std::string objectionTo(const std::vector<std::string>& words) {
+  try {
+    parse(words);
+  } catch (const InvalidInput& error) {
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+    return error.what();
+  }
+  return "";
+}
+
+TEST(CommandLine, MeetsOnLoopbackUnlessTold) {
+  const Invocation plain = invocation({"doctor"});
+  EXPECT_EQ(plain.common.network.domain, 0);
+  EXPECT_EQ(plain.common.network.interface, "lo");
+  EXPECT_FALSE(plain.common.json);
+  EXPECT_TRUE(std::holds_alternative<DoctorOptions>(plain.command));
+}
+
+TEST(CommandLine, TakesCommonOptionsBeforeAndBehindTheCommand) {
+  for (const auto& words : {std::vector<std::string>{"--domain", "7", "--json", "models"},
+                            {"models", "--domain", "7", "--json"},
+                            {"models", "show", "hand", "human20", "--json", "--domain=7"}}) {
+    const Invocation told = invocation(words);
+    EXPECT_EQ(told.common.network.domain, 7);
+    EXPECT_TRUE(told.common.json);
+    EXPECT_TRUE(std::holds_alternative<ModelsOptions>(told.command));
+  }
+}
+
+TEST(CommandLine, ReadsAGrasp) {
+  const Invocation told = invocation(
+      grasp({"--place",   "-0.1",     "0",     "1e-2",     "0",     "-1",     "0",
+             "0",         "--solver", "slsqp", "--starts", "8",     "--seed", "3",
+             "--weights", "1e4",      "1",     "0",        "--out", "a.json", "--keep"}));
+  const auto& options = std::get<GraspOptions>(told.command);
+  EXPECT_EQ(options.hand, "human20");
+  ASSERT_TRUE(options.place.has_value());
+  EXPECT_EQ((*options.place)[0], -0.1);
+  EXPECT_EQ((*options.place)[4], -1.0);
+  ASSERT_TRUE(options.weights.has_value());
+  EXPECT_EQ((*options.weights)[0], 1e4);
+  EXPECT_EQ(options.solver, "slsqp");
+  EXPECT_EQ(options.starts, 8U);
+  EXPECT_EQ(options.seed, 3U);
+  EXPECT_EQ(options.out, "a.json");
+  EXPECT_TRUE(options.png.empty());
+  EXPECT_TRUE(options.keep);
+}
+
+TEST(CommandLine, LeavesTheWeightsAndThePlaceToTheServer) {
+  const Invocation told = invocation(grasp({}));
+  EXPECT_FALSE(std::get<GraspOptions>(told.command).place.has_value());
+  EXPECT_FALSE(std::get<GraspOptions>(told.command).weights.has_value());
+}
+
+TEST(CommandLine, NamesTheOptionThatIsWrong) {
+  EXPECT_THAT(objectionTo({}), HasSubstr("subcommand"));
+  EXPECT_THAT(objectionTo({"dance"}), HasSubstr("dance"));
+  EXPECT_THAT(objectionTo({"doctor", "--frob"}), HasSubstr("--frob"));
+  EXPECT_THAT(objectionTo({"doctor", "--domain", "101"}), HasSubstr("0-100"));
+  EXPECT_THAT(objectionTo({"doctor", "--domain", "many"}), HasSubstr("--domain"));
+  EXPECT_THAT(objectionTo({"doctor", "--interface", "no such"}), HasSubstr("no such"));
+  EXPECT_THAT(objectionTo({"grasp", "--hand", "human20", "--object", "box"}),
+              HasSubstr("--contacts"));
+  EXPECT_THAT(objectionTo(grasp({"--place", "0", "0", "0", "nan", "0", "0", "0"})),
+              HasSubstr("--place"));
+  EXPECT_THAT(objectionTo(grasp({"--place", "0", "0", "0"})), HasSubstr("--place"));
+  EXPECT_THAT(objectionTo(grasp({"--weights", "1", "-1", "1"})), HasSubstr("--weights"));
+  EXPECT_THAT(objectionTo(grasp({"--weights", "1", "inf", "1"})), HasSubstr("--weights"));
+  EXPECT_THAT(objectionTo(grasp({"--seed", "-1"})), HasSubstr("--seed"));
+  EXPECT_THAT(objectionTo(grasp({"--starts", "1.5"})), HasSubstr("--starts"));
+  EXPECT_THAT(objectionTo(grasp({"--package", "lonely"})), HasSubstr("NAME=DIR"));
+  EXPECT_THAT(objectionTo(grasp({"--package", "a=/no/such/folder"})), HasSubstr("no folder"));
+  EXPECT_THAT(objectionTo({"grasp", "--hand", "bad name", "--object", "o", "--contacts", "c"}),
+              HasSubstr("bad name"));
+  EXPECT_THAT(objectionTo({"watch", "first"}), HasSubstr("first"));
+  EXPECT_THAT(objectionTo({"models", "show", "glove", "x"}), HasSubstr("glove"));
+  EXPECT_THAT(objectionTo({"load", "hand", "x.urdf", "--object", "box"}),
+              HasSubstr("--object"));
+  EXPECT_THAT(objectionTo({"load", "hand", "x.urdf", "--name", "-x/"}), HasSubstr("--name"));
+}
+
+TEST(CommandLine, PrintsHelpAndVersionInsteadOfRunning) {
+  EXPECT_THAT(std::get<Printout>(parse({"--version"})).text, HasSubstr("handgraft "));
+  EXPECT_THAT(std::get<Printout>(parse({"grasp", "--help"})).text, HasSubstr("--contacts"));
+}
+
+}  // namespace
+}  // namespace handgraft::client

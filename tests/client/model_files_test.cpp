@@ -1,0 +1,145 @@
+#include "client/model_files.h"
+
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+
+#include "tests/support/shared_data.h"
+
+namespace handgraft::client {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class ModelFilesTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    static int count = 0;
+    root_ = test::scratchDirectory() / ("case" + std::to_string(++count)) / "my_hand";
+    fs::create_directories(root_ / "urdf");
+    fs::create_directories(root_ / "meshes" / "visual");
+    write("meshes/visual/palm.stl", "solid palm");
+    write("urdf/tip.obj", "v 0 0 0");
+  }
+
+  void write(const std::string& path, const std::string& text) const {
+    std::ofstream(root_ / path) << text;
+  }
+
+  fs::path urdf(const std::string& body) const {
+    write("urdf/hand.urdf", "<robot>" + body + "</robot>");
+    return root_ / "urdf" / "hand.urdf";
+  }
+
+  static std::vector<std::string> urisOf(const ModelFiles& model) {
+    std::vector<std::string> uris;
+    for (const UploadFile& file : model.files)
+      uris.push_back(file.uri);
+    return uris;
+  }
+
+  fs::path root_;
+};
+
+TEST_F(ModelFilesTest, TakesEveryMeshAsTheUrdfSpellsIt) {
+  const ModelFiles model =
+      handFiles(urdf(R"(<mesh filename="package://my_hand/meshes/visual/palm.stl"/>
+              <mesh filename="../meshes/visual/palm.stl"/><mesh filename="tip.obj"/>)"),
+                {});
+  EXPECT_EQ(model.name, "hand");
+  EXPECT_EQ(model.main_uri, "hand.urdf");
+  EXPECT_THAT(urisOf(model),
+              ElementsAre("hand.urdf", "package://my_hand/meshes/visual/palm.stl",
+                          "../meshes/visual/palm.stl", "tip.obj"));
+  EXPECT_TRUE(fs::equivalent(model.files[1].path, root_ / "meshes/visual/palm.stl"));
+  EXPECT_TRUE(fs::equivalent(model.files[2].path, root_ / "meshes/visual/palm.stl"));
+}
+
+TEST_F(ModelFilesTest, NotesTheFolderOfAPackageThatItFound) {
+  const ModelFiles model =
+      handFiles(urdf(R"(<mesh filename="package://my_hand/meshes/visual/palm.stl"/>)"), {});
+  ASSERT_EQ(model.packages.count("my_hand"), 1U);
+  EXPECT_TRUE(model.packages.at("my_hand").is_absolute());
+  EXPECT_TRUE(fs::equivalent(model.packages.at("my_hand"), root_));
+}
+
+TEST_F(ModelFilesTest, FollowsThePackagesThatTheUserNamed) {
+  const ModelFiles model = handFiles(urdf(R"(<mesh filename="package://other/palm.stl"/>)"),
+                                     {{"other", root_ / "meshes" / "visual"}});
+  EXPECT_TRUE(fs::equivalent(model.files.at(1).path, root_ / "meshes/visual/palm.stl"));
+  EXPECT_TRUE(fs::equivalent(model.packages.at("other"), root_ / "meshes" / "visual"));
+}
+
+TEST_F(ModelFilesTest, TakesTheSitesBesideTheUrdf) {
+  write("urdf/sites.yaml", "format: handgraft-sites/1");
+  EXPECT_THAT(urisOf(handFiles(urdf(""), {})), ElementsAre("hand.urdf", "sites.yaml"));
+}
+
+TEST_F(ModelFilesTest, SaysWhichMeshOfWhichUrdfIsMissing) {
+  try {
+    handFiles(urdf(R"(<mesh filename="gone.stl"/>)"), {});
+    FAIL() << "must throw";
+  } catch (const InvalidInput& error) {
+    EXPECT_THAT(error.what(), HasSubstr("gone.stl"));
+    EXPECT_THAT(error.what(), HasSubstr("hand.urdf"));
+  }
+}
+
+TEST_F(ModelFilesTest, RefusesFilesThatAreNone) {
+  EXPECT_THROW(handFiles(root_ / "no.urdf", {}), InvalidInput);
+  EXPECT_THROW(objectFiles(root_), InvalidInput);
+  write("empty.obj", "");
+  EXPECT_THROW(objectFiles(root_ / "empty.obj"), InvalidInput);
+}
+
+TEST_F(ModelFilesTest, TakesTheBuffersOfAGltfButNotItsPictures) {
+  write("scene.bin", "bytes");
+  write("scene.gltf", R"({"buffers":[{"uri":"scene.bin"},{"uri":"data:base64,AA"}],
+                          "images":[{"uri":"wood.png"}]})");
+  EXPECT_THAT(urisOf(objectFiles(root_ / "scene.gltf")),
+              ElementsAre("scene.gltf", "scene.bin"));
+}
+
+TEST_F(ModelFilesTest, TellsContentsApart) {
+  write("a.obj", "v 1 0 0");
+  const std::uint64_t before = contentHash(objectFiles(root_ / "a.obj"));
+  EXPECT_EQ(contentHash(objectFiles(root_ / "a.obj")), before);
+  write("a.obj", "v 2 0 0");
+  EXPECT_NE(contentHash(objectFiles(root_ / "a.obj")), before);
+}
+
+TEST_F(ModelFilesTest, WritesAndReadsTextAndNamesPathsThatCannotBe) {
+  writeFile(root_ / "a.json", "{}\n");
+  writeFile(root_ / "a.json", "[]\n");
+  EXPECT_EQ(readFile(root_ / "a.json"), "[]\n");
+  EXPECT_THROW(writeFile(root_ / "no" / "a.json", "{}"), InvalidInput);
+  EXPECT_THROW(writeFile(root_ / "urdf", "{}"), InvalidInput);
+}
+
+TEST_F(ModelFilesTest, KnowsPathsFromNames) {
+  EXPECT_TRUE(isPath("lemon.obj"));
+  EXPECT_TRUE(isPath("./lemon"));
+  EXPECT_TRUE(isPath((root_ / "urdf" / "tip.obj").string()));
+  EXPECT_FALSE(isPath("lemon"));
+  EXPECT_FALSE(isPath("lemon_6"));
+  EXPECT_FALSE(isPath("hand-1.0"));  // a version, no extension
+  EXPECT_FALSE(isPath(""));
+}
+
+TEST(ModelNames, ComeFromTheFileAndStayHarmless) {
+  EXPECT_EQ(nameFromPath("/a/006_mustard bottle.obj"), "006_mustard_bottle");
+  EXPECT_EQ(nameFromPath("-x.obj"), "_x");
+  for (const char* bad : {"", ".x", "-x", "a/b", "a b", "\xc3\xa4"}) {
+    EXPECT_THROW(checkModelName(bad, "--name"), InvalidInput) << bad;
+  }
+  EXPECT_THROW(checkModelName(std::string(65, 'a'), "--name"), InvalidInput);
+  EXPECT_NO_THROW(checkModelName(nameFromPath("/a/..strange\n\xff.obj"), "--name"));
+}
+
+}  // namespace
+}  // namespace handgraft::client

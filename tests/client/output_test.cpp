@@ -1,0 +1,220 @@
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "client/grasp_picture.h"
+#include "client/grasp_result.h"
+#include "client/json_output.h"
+#include "client/text_output.h"
+#include "core/base/error.h"
+
+namespace handgraft::client {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+v1::Pose poseAt(double x) {
+  v1::Pose X;
+  X.p_m() = {x, 0.0, 0.0};
+  X.q_wxyz() = {1.0, 0.0, 0.0, 0.0};
+  return X;
+}
+
+v1::Mesh triangle() {
+  v1::Mesh mesh;
+  mesh.vertices_m() = {0, 0, 0, 0.1F, 0, 0, 0, 0.1F, 0};
+  mesh.triangles() = {0, 1, 2};
+  return mesh;
+}
+
+// One joint, two links, a patch that was placed and one that was dropped.
+GraspResult example() {
+  GraspResult result;
+  result.session.hand("claw");
+  result.session.object("plate");
+  result.session.contacts("plate_2");
+  v1::JointInfo joint;
+  joint.name("bend");
+  result.hand.joints().push_back(joint);
+  for (const char* name : {"base", "tip"}) {
+    v1::LinkInfo link;
+    link.name(name);
+    link.surface_L() = triangle();
+    result.hand.links().push_back(link);
+  }
+  v1::PatchReport placed;
+  placed.name("thumb");
+  placed.placed(true);
+  v1::LostPoint lost;
+  lost.index(3);
+  lost.reason("off the surface");
+  placed.lost().push_back(lost);
+  v1::PatchReport dropped;
+  dropped.name("ring");
+  dropped.placed(false);
+  dropped.reason("the hand has no finger 'ring'");
+  result.transfer.patches() = {placed, dropped};
+  v1::PatchFit fit;
+  fit.name("thumb");
+  fit.point_count(3);
+  fit.mean_mm(1.25);
+  fit.max_mm(2.5);
+  fit.normal_deg(4.0);
+  fit.within_2mm(0.5);
+  fit.within_5mm(1.0);
+  fit.object_W_m() = {0, 0, 0, 0.01, 0, 0, 0, 0.01, 0};
+  fit.hand_W_m() = {0, 0, 0.001, 0.01, 0, 0.001, 0, 0.01, 0.001};
+  v1::PoseSolution& solution = result.solution;
+  solution.session_id(9);
+  solution.is_final(true);
+  solution.solver("mma");
+  solution.X_WH() = poseAt(0.1);
+  solution.X_WO() = poseAt(0.2);
+  solution.joint_rad() = {0.5};
+  solution.X_WL() = {poseAt(0.1), poseAt(0.3)};
+  solution.patches() = {fit};
+  solution.joints_at_limit() = {"bend upper"};
+  solution.terms().objective(0.25);
+  v1::StageTime stage;
+  stage.stage("solve");
+  stage.duration_ms(12.0);
+  solution.times() = {stage};
+  return result;
+}
+
+TEST(GraspJson, SaysWhatTheReadmePromises) {
+  const json document = json::parse(client::json::grasp(example()));
+  EXPECT_EQ(document["format"], "handgraft-grasp/1");
+  EXPECT_EQ(document["hand"], "claw");
+  EXPECT_EQ(document["object"], "plate");
+  EXPECT_EQ(document["contacts"], "plate_2");
+  EXPECT_TRUE(document["session_id"].is_null());
+  EXPECT_EQ(document["X_WH"]["p_m"][0], 0.1);
+  EXPECT_EQ(document["X_WO"]["q_wxyz"].size(), 4U);
+  EXPECT_EQ(document["joints"]["bend"], 0.5);
+  EXPECT_EQ(document["links_X_WL"]["tip"]["p_m"][0], 0.3);
+  EXPECT_EQ(document["terms"]["objective"], 0.25);
+  EXPECT_EQ(document["joints_at_limit"][0], "bend upper");
+  EXPECT_EQ(document["times"][0]["duration_ms"], 12.0);
+  ASSERT_EQ(document["patches"].size(), 2U);
+  const json& thumb = document["patches"][0];
+  EXPECT_EQ(thumb["placed"], true);
+  EXPECT_EQ(thumb["mean_mm"], 1.25);
+  EXPECT_EQ(thumb["lost"][0]["index"], 3);
+  EXPECT_EQ(thumb["hand_W_m"].size(), 3U);
+  EXPECT_EQ(thumb["hand_W_m"][1][0], 0.01);
+  EXPECT_EQ(document["patches"][1]["placed"], false);
+  EXPECT_EQ(document["patches"][1]["reason"], "the hand has no finger 'ring'");
+}
+
+TEST(GraspJson, NamesTheSessionThatIsKept) {
+  GraspResult result = example();
+  result.kept = true;
+  EXPECT_EQ(json::parse(client::json::grasp(result))["session_id"], 9);
+}
+
+TEST(GraspJson, StaysJsonWhateverTheServerSends) {
+  GraspResult result = example();
+  result.session.hand("\xff\"\n");
+  result.solution.terms().objective(std::numeric_limits<double>::quiet_NaN());
+  const json document = json::parse(client::json::grasp(result));
+  EXPECT_TRUE(document["terms"]["objective"].is_null());
+}
+
+TEST(WatchJson, PutsEachEventOnOneLine) {
+  const std::string solution = client::json::solutionEvent(example().solution, {"bend"});
+  EXPECT_EQ(solution.find('\n'), std::string::npos);
+  EXPECT_EQ(json::parse(solution)["event"], "solution");
+  EXPECT_EQ(json::parse(solution)["joints"]["bend"], 0.5);
+  v1::SessionState state;
+  state.phase(v1::PHASE_CLOSED);
+  EXPECT_EQ(json::parse(client::json::stateEvent(state))["phase"], "closed");
+}
+
+TEST(ModelsJson, GivesJointsWithoutLimitsNull) {
+  v1::HandDescription hand;
+  v1::JointInfo joint;
+  joint.name("free");
+  joint.lower_rad(-std::numeric_limits<double>::infinity());
+  joint.upper_rad(1.5);
+  hand.joints().push_back(joint);
+  v1::ModelDescription description;
+  description.hand(hand);
+  const json document = json::parse(client::json::description(description));
+  EXPECT_TRUE(document["joints"][0]["lower_rad"].is_null());
+  EXPECT_EQ(document["joints"][0]["upper_rad"], 1.5);
+}
+
+TEST(DoctorJson, HasANullServerAndAdviceWhenNoneAnswers) {
+  DoctorReport report;
+  report.advice = "start one";
+  const json document = json::parse(client::json::doctor(report));
+  EXPECT_TRUE(document["server"].is_null());
+  EXPECT_EQ(document["advice"], "start one");
+}
+
+TEST(GraspText, ShowsEachPatchWhatWasDroppedAndTheLimits) {
+  const std::string text = text::grasp(example());
+  EXPECT_THAT(text,
+              HasSubstr("thumb     1.25    2.50         4.0     50 %    100 %       3     1"));
+  EXPECT_THAT(text, HasSubstr("dropped ring: the hand has no finger 'ring'"));
+  EXPECT_THAT(text, HasSubstr("joints at limits: bend upper"));
+  EXPECT_THAT(text, HasSubstr("solve 12 ms"));
+}
+
+TEST(Table, AlignsItsColumns) {
+  EXPECT_EQ(text::table({{"a", "long head"}, {"name", "1"}}, true),
+            "a     long head\nname          1\n");
+  EXPECT_EQ(text::table({{"a", "b"}, {"name", "1"}}, false), "a     b\nname  1\n");
+  EXPECT_EQ(text::table({}, true), "");
+}
+
+TEST(GraspResult, IsRefusedWhenItDoesNotFitTheHand) {
+  EXPECT_NO_THROW(requireConsistent(example()));
+  GraspResult result = example();
+  result.solution.joint_rad().push_back(0.0);
+  EXPECT_THROW(requireConsistent(result), TransportError);
+  result = example();
+  result.solution.X_WL().pop_back();
+  EXPECT_THROW(requireConsistent(result), TransportError);
+  result = example();
+  result.solution.joint_rad()[0] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(requireConsistent(result), TransportError);
+  result = example();
+  result.solution.patches()[0].hand_W_m().pop_back();
+  EXPECT_THROW(requireConsistent(result), TransportError);
+}
+
+TEST(GraspPicture, PosesTheLinksAndDrawsEveryPair) {
+  v1::ObjectDescription object;
+  object.mesh_O() = triangle();
+  const GraspPicture picture = pictureOf(example(), object, {});
+  ASSERT_EQ(picture.scene.layers.size(), 2U);
+  const auto& object_layer = picture.scene.layers[0];
+  const auto& hand_layer = picture.scene.layers[1];
+  EXPECT_LT(object_layer.opacity, 1.0);  // patches behind it are seen
+  ASSERT_EQ(hand_layer.meshes.size(), 2U);
+  EXPECT_NEAR(hand_layer.meshes[1].vertices_W[1].x(), 0.3F + 0.1F, 1e-6F);
+  EXPECT_NEAR(object_layer.meshes[0].vertices_W[0].x(), 0.2F, 1e-6F);
+  EXPECT_EQ(picture.scene.markers.size(), 3U);       // one a pair
+  EXPECT_EQ(picture.scene.segments.size(), 3U * 3);  // two outlines of three sides, three pairs
+  ASSERT_EQ(picture.caption.legend.size(), 2U);
+  EXPECT_EQ(picture.caption.legend[0].text, "thumb 1.2 mm (max 2.5)");
+  EXPECT_EQ(picture.caption.legend[1].text, "ring dropped");
+  EXPECT_NO_THROW(render::renderTwoViews(picture.scene, picture.caption, {300, 250}));
+}
+
+TEST(GraspPicture, RefusesAHostileMesh) {
+  v1::ObjectDescription object;
+  object.mesh_O() = triangle();
+  object.mesh_O().triangles()[1] = 4000000000U;
+  const GraspPicture picture = pictureOf(example(), object, {});
+  EXPECT_THROW(render::renderTwoViews(picture.scene, picture.caption, {300, 250}),
+               InvalidInput);
+}
+
+}  // namespace
+}  // namespace handgraft::client
