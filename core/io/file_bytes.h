@@ -6,8 +6,11 @@
 
 namespace handgraft::io {
 
-/// The whole file. Errors: InvalidInput naming the file if it is missing, a folder, empty,
-/// larger than 4 GiB or cannot be read.
+/// Its size. Errors: InvalidInput naming the file if it is missing, a folder, empty or larger
+/// than 4 GiB.
+std::uintmax_t requireFile(const std::filesystem::path& path);
+
+/// The whole file. Errors: as requireFile, and if it cannot be read.
 std::string readFileBytes(const std::filesystem::path& path);
 
 }  // namespace handgraft::io

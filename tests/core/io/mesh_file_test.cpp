@@ -1,0 +1,221 @@
+#include "core/io/mesh_file.h"
+
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+#include "core/io/file_mesh.h"
+
+#include "tests/support/shared_data.h"
+
+namespace handgraft::io {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::filesystem::path write(const std::string& name, const std::string& bytes) {
+  const std::filesystem::path path = test::scratchDirectory() / name;
+  std::ofstream(path, std::ios::binary) << bytes;
+  return path;
+}
+
+std::string faultOf(const std::filesystem::path& path) {
+  try {
+    readMesh(path);
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+std::string binaryStl(const std::vector<std::array<float, 9>>& facets, std::uint32_t claimed) {
+  std::string bytes(80, ' ');
+  bytes.append(reinterpret_cast<const char*>(&claimed), 4);
+  for (const auto& facet : facets) {
+    bytes.append(12, '\0');
+    bytes.append(reinterpret_cast<const char*>(facet.data()), sizeof(facet));
+    bytes.append(2, '\0');
+  }
+  return bytes;
+}
+
+const std::vector<std::array<float, 9>> kTwoFacets = {{0, 0, 0, 1, 0, 0, 0, 1, 0},
+                                                      {1, 0, 0, 1, 1, 0, 0, 1, 0}};
+
+TEST(MeshFile, WeldsStlCornersAndKeepsTheirOrder) {
+  const MeshFile file = readMesh(write("two.stl", binaryStl(kTwoFacets, 2)));
+  EXPECT_EQ(file.mesh.vertexCount(), 4);
+  EXPECT_THAT(file.file_vertex, ElementsAre(0, 1, 2, 4));
+  EXPECT_THAT(file.mesh_vertex, ElementsAre(0, 1, 2, 1, 3, 2));
+  EXPECT_THAT(file.file_face, ElementsAre(0, 1));
+  EXPECT_THAT(file.notes, Contains("welded 6 vertices to 4"));
+}
+
+TEST(MeshFile, ReadsTextStl) {
+  const MeshFile file = readMesh(write("text.stl",
+                                       "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n"
+                                       "vertex 1e0 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
+                                       "endsolid s\n"));
+  EXPECT_EQ(file.mesh.faceCount(), 1);
+  EXPECT_EQ(file.mesh.vertex(1), Eigen::Vector3d(1, 0, 0));
+}
+
+TEST(MeshFile, ReadsBinaryStlThatBeginsLikeText) {
+  std::string bytes = binaryStl(kTwoFacets, 2);
+  bytes.replace(0, 5, "solid");
+  EXPECT_EQ(readMesh(write("solid.stl", bytes)).mesh.faceCount(), 2);
+}
+
+TEST(MeshFile, CountsObjVerticesByTheirLines) {
+  const MeshFile file = readMesh(write("order.obj",
+                                       "mtllib missing.mtl\no part\nv 9 9 9\nv 0 0 0\nvt 0 0\n"
+                                       "v 1 0 0 # x\nusemtl m\nv 0 1 0\nv 1 0 0\n"
+                                       "f 2/1/1 3//1 \\\n 4/1\nf -1 -2 -4\n"));
+  EXPECT_THAT(file.file_vertex, ElementsAre(1, 2, 3));
+  EXPECT_THAT(file.mesh_vertex, ElementsAre(-1, 0, 1, 2, 1));
+  EXPECT_EQ(file.mesh.faceCount(), 2);
+  EXPECT_THAT(file.notes, Contains("left out 1 vertices without a face"));
+}
+
+TEST(MeshFile, CutsConcavePolygonsInside) {
+  // An arrow head: a fan from its first corner would leave the shape.
+  const MeshFile file =
+      readMesh(write("arrow.obj", "v 1 0 0\nv 0 2 0\nv -1 0 0\nv 0 0.5 0\nf 1 2 3 4\n"));
+  EXPECT_NEAR(file.mesh.area(), 1.5, 1e-12);
+  EXPECT_THAT(file.file_face, ElementsAre(0, 0));
+}
+
+TEST(MeshFile, DropsFacesThatCollapse) {
+  const MeshFile file =
+      readMesh(write("thin.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 0\nf 1 2 3\nf 1 2 4\n"));
+  EXPECT_EQ(file.mesh.faceCount(), 1);
+  EXPECT_THAT(file.notes, Contains("dropped 1 faces without area"));
+}
+
+TEST(MeshFile, AppliesNodeTransformsOfAGltfWithABufferBeside) {
+  const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  write("beside.bin", std::string(reinterpret_cast<const char*>(corners), sizeof(corners)));
+  const MeshFile file = readMesh(
+      write("tri.gltf",
+            R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],)"
+            R"("nodes":[{"mesh":0,"translation":[0,0,5],"scale":[2,2,2]}],)"
+            R"("meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],)"
+            R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3",)"
+            R"("min":[0,0,0],"max":[1,1,0]}],"bufferViews":[{"buffer":0,"byteLength":36}],)"
+            R"("buffers":[{"uri":"beside.bin","byteLength":36}]})"));
+  ASSERT_EQ(file.mesh.faceCount(), 1);
+  EXPECT_EQ(file.mesh.vertex(1), Eigen::Vector3d(2, 0, 5));
+}
+
+TEST(MeshFile, KeepsTheFrameAndAppliesTheUnitOfCollada) {
+  const MeshFile file = readMesh(write(
+      "tri.dae",
+      R"(<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" )"
+      R"(version="1.4.1"><asset><unit meter="0.01"/><up_axis>Z_UP</up_axis></asset>)"
+      R"(<library_geometries><geometry id="g"><mesh><source id="p"><float_array id="a" )"
+      R"(count="9">0 0 0 100 0 0 0 0 100</float_array><technique_common><accessor source="#a" )"
+      R"(count="3" stride="3"><param name="X" type="float"/><param name="Y" type="float"/>)"
+      R"(<param name="Z" type="float"/></accessor></technique_common></source>)"
+      R"(<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>)"
+      R"(<triangles count="1"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2</p>)"
+      R"(</triangles></mesh></geometry></library_geometries><library_visual_scenes>)"
+      R"(<visual_scene id="s"><node><instance_geometry url="#g"/></node></visual_scene>)"
+      R"(</library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>)"));
+  ASSERT_EQ(file.mesh.faceCount(), 1);
+  EXPECT_NEAR((file.mesh.vertex(1) - Eigen::Vector3d(1, 0, 0)).norm(), 0.0, 1e-6);
+  EXPECT_NEAR((file.mesh.vertex(2) - Eigen::Vector3d(0, 0, 1)).norm(), 0.0, 1e-6);
+}
+
+TEST(MeshFile, WritesPlyThatReadsTheSame) {
+  const geometry::TriangleMesh sphere = geometry::makeSphere(0.03, 2);
+  const std::filesystem::path path = test::scratchDirectory() / "sphere.ply";
+  writePly(path, sphere);
+  const MeshFile file = readMesh(path);
+  EXPECT_EQ(file.mesh.vertices(), sphere.vertices());
+  EXPECT_EQ(file.mesh.faces(), sphere.faces());
+}
+
+TEST(MeshFile, RefusesDamagedFilesInOneLineThatNamesThem) {
+  const std::string stl = binaryStl(kTwoFacets, 2);
+  const std::filesystem::path damaged[] = {
+      write("half.stl", stl.substr(0, stl.size() / 2)),
+      write("claims.stl", binaryStl(kTwoFacets, 4000000000U)),
+      write("tiny.stl", "x"),
+      write("half_text.stl", "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1"),
+      write("empty.obj", ""),
+      write("nothing.obj", "# nothing\n"),
+      write("index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n"),
+      write("huge_index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 99999999999999999999\n"),
+      write("half.obj", "v 0 0 0\nv 1 0 0\nv 0 1"),
+      write("half.glb", std::string("glTF\2\0\0\0\xff\xff\0\0", 12)),
+      write("bad.gltf", "{\"asset\":{\"version\":\"2.0\"},"),
+      write("bad.dae", "<COLLADA><library_geom"),
+      write("mesh.xyz", "1 2 3\n"),
+      test::scratchDirectory() / "missing.stl",
+      test::scratchDirectory(),
+  };
+  for (const std::filesystem::path& path : damaged) {
+    EXPECT_THAT(faultOf(path),
+                AllOf(HasSubstr(path.filename().string()), Not(HasSubstr("\n"))));
+  }
+}
+
+TEST(MeshFile, NamesAVertexThatIsNotFiniteByItsFileIndex) {
+  EXPECT_THAT(faultOf(write("nan.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nf 1 2 3\n")),
+              HasSubstr("vertex 3 is (nan, 0, 0)"));
+  std::vector<std::array<float, 9>> facets = kTwoFacets;
+  facets[1][6] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THAT(faultOf(write("nan.stl", binaryStl(facets, 2))),
+              HasSubstr("vertex 5 is (nan, 1, 0)"));
+}
+
+TEST(CutPolygon, CoversASpiralWithoutOverlap) {
+  Eigen::Matrix3Xd spiral(3, 8);
+  spiral << 0, 4, 4, 1, 1, 2, 2, 0,  //
+      0, 0, 3, 3, 2, 2, 1, 1,        //
+      7, 7, 7, 7, 7, 7, 7, 7;
+  double area = 0.0;
+  for (const auto& t : cutPolygon(spiral)) {
+    const Eigen::Vector3d a = spiral.col(t[0]);
+    const double part = (spiral.col(t[1]) - a).eval().x() * (spiral.col(t[2]) - a).eval().y() -
+                        (spiral.col(t[1]) - a).eval().y() * (spiral.col(t[2]) - a).eval().x();
+    EXPECT_GE(part, 0.0);
+    area += part / 2.0;
+  }
+  EXPECT_NEAR(area, 9.0, 1e-12);  // rows of 4, 2 and 3 squares
+}
+
+TEST(MeshFile, ReadsEveryRealMesh) {
+  HANDGRAFT_NEEDS_SHARED_DATA("hands");
+  int count = 0;
+  for (const char* folder : {"hands", "objects", "contacts"}) {
+    for (const auto& entry :
+         std::filesystem::recursive_directory_iterator(test::sharedData(folder))) {
+      const std::string extension = entry.path().extension().string();
+      if (extension != ".obj" && extension != ".stl" && extension != ".ply" &&
+          extension != ".glb") {
+        continue;
+      }
+      const MeshFile file = readMesh(entry.path());
+      ++count;
+      EXPECT_EQ(file.file_vertex.size(), static_cast<std::size_t>(file.mesh.vertexCount()));
+      EXPECT_EQ(file.file_face.size(), static_cast<std::size_t>(file.mesh.faceCount()));
+      for (int v = 0; v < file.mesh.vertexCount(); ++v) {
+        ASSERT_EQ(file.mesh_vertex[file.file_vertex[v]], v) << entry.path();
+      }
+    }
+  }
+  EXPECT_GT(count, 80);
+}
+
+}  // namespace
+}  // namespace handgraft::io
