@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -24,6 +25,10 @@ using WrapMesh = CGAL::Surface_mesh<Kernel::Point_3>;
 /// Every rung bridges gaps half as wide again as the one before.
 constexpr double kLadderStep = 1.5;
 constexpr int kLadderRungs = 6;
+/// Rungs spent on closing handles once the skin is of one piece.
+constexpr int kExtraRungs = 2;
+/// A wrap that has less of its vertices within epsilon of a link hides the hand.
+constexpr double kCoveringShare = 0.97;
 /// A wrap is of one piece when the largest one holds this share of the area: what is left are
 /// loose screws and stray triangles.
 constexpr double kWholeShare = 0.97;
@@ -85,10 +90,39 @@ geometry::TriangleMesh meshOf(const WrapMesh& wrap) {
   return {std::move(vertices), std::move(faces)};
 }
 
-/// The component with the largest area, and its share of the whole.
-std::pair<geometry::TriangleMesh, double> largestComponent(const geometry::TriangleMesh& mesh) {
+/// What one rung gave.
+struct Candidate {
+  geometry::TriangleMesh mesh;
+  double share = 1.0;     ///< of the wrap's area that the mesh, its largest piece, holds
+  double coverage = 0.0;  ///< share of its vertices within epsilon of a link
+
+  [[nodiscard]] bool isWhole() const { return share >= kWholeShare; }
+
+  [[nodiscard]] bool isCovering() const { return coverage >= kCoveringShare; }
+
+  /// One piece before several, close to the links before far off, then fewer handles.
+  [[nodiscard]] bool isBetterThan(const Candidate& other) const {
+    if (isWhole() != other.isWhole()) return isWhole();
+    if (!isWhole()) return share > other.share;
+    if (isCovering() != other.isCovering()) return isCovering();
+    if (!isCovering()) return coverage > other.coverage;
+    return mesh.eulerCharacteristic() > other.mesh.eulerCharacteristic();
+  }
+};
+
+double coverageOf(const geometry::TriangleMesh& mesh,
+                  const geometry::SurfaceLocator& links,
+                  double epsilon_m) {
+  int near = 0;
+  for (int v = 0; v < mesh.vertexCount(); ++v)
+    if (links.nearest(mesh.vertex(v)).distance <= epsilon_m) ++near;
+  return mesh.vertexCount() > 0 ? static_cast<double>(near) / mesh.vertexCount() : 0.0;
+}
+
+/// The component with the largest area.
+Candidate largestComponent(const geometry::TriangleMesh& mesh) {
   const auto [component, count] = mesh.components();
-  if (count == 1) return {mesh, 1.0};
+  if (count == 1) return {mesh, 1.0, 0.0};
   std::vector<double> area(static_cast<std::size_t>(count), 0.0);
   double total = 0.0;
   for (int f = 0; f < mesh.faceCount(); ++f) {
@@ -120,7 +154,7 @@ std::pair<geometry::TriangleMesh, double> largestComponent(const geometry::Trian
     ++face_count;
   }
   return {geometry::TriangleMesh(vertices.leftCols(vertex_count), faces.leftCols(face_count)),
-          total > 0.0 ? *best / total : 0.0};
+          total > 0.0 ? *best / total : 0.0, 0.0};
 }
 
 /// One rung: wrap, then even out the triangles, which log maps are the better for.
@@ -164,36 +198,33 @@ Skin buildSkin(const HandModel& model, const SkinOptions& options, const Progres
   const Soup soup = soupOf(links.mesh_A);
   if (soup.faces.empty())
     rejectInput("hand {}: none of its links has a surface", quoted(model.name()));
+  const geometry::SurfaceLocator links_locator(links.mesh_A);
   const double size = links.mesh_A.diagonal();
   if (!(size >= kSmallestHand_m && size <= kLargestHand_m))
     rejectInput("hand {}: {} m across, outside {} to {} m; are its meshes in another unit?",
                 quoted(model.name()), size, kSmallestHand_m, kLargestHand_m);
 
-  // The smallest alpha that gives one closed piece without handles keeps the most detail. Of
-  // wraps that all have handles, the one with the fewest stands.
-  geometry::TriangleMesh best;
-  double best_share = -1.0;
+  // The smallest alpha that gives one closed piece keeps the most detail. A few looser rungs
+  // may still close handles, but not at the price of burying the links.
+  std::optional<Candidate> best;
   double alpha = options.alpha_m;
-  for (int rung = 0; rung < kLadderRungs; ++rung, alpha *= kLadderStep) {
+  int rungs_left = kLadderRungs;
+  for (int rung = 0; rungs_left > 0; ++rung, --rungs_left, alpha *= kLadderStep) {
     progress.checkpoint();
     progress.report(rung == 0 ? "wrapping the skin" : "wrapping the skin more loosely",
                     0.1 + 0.8 * rung / kLadderRungs);
-    auto [mesh, share] = largestComponent(wrapLinks(soup, alpha, options, progress));
-    if (!mesh.isClosed()) continue;
-    const bool whole = share >= kWholeShare;
-    const bool best_whole = best_share >= kWholeShare;
-    if (best_share < 0.0 || (whole && !best_whole) ||
-        (whole == best_whole && (whole ? mesh.eulerCharacteristic() > best.eulerCharacteristic()
-                                       : share > best_share))) {
-      best = std::move(mesh);
-      best_share = share;
-    }
-    if (best_share >= kWholeShare && best.eulerCharacteristic() == 2) break;
+    Candidate candidate = largestComponent(wrapLinks(soup, alpha, options, progress));
+    if (!candidate.mesh.isClosed()) continue;
+    candidate.coverage = coverageOf(candidate.mesh, links_locator, options.epsilon_m);
+    const bool first_whole = candidate.isWhole() && (!best || !best->isWhole());
+    if (!best || candidate.isBetterThan(*best)) best = std::move(candidate);
+    if (best->isWhole() && best->isCovering() && best->mesh.eulerCharacteristic() == 2) break;
+    if (first_whole) rungs_left = std::min(rungs_left, kExtraRungs + 1);
   }
-  if (best_share < 0.0) rejectInput("hand {}: no closed skin fits it", quoted(model.name()));
+  if (!best) rejectInput("hand {}: no closed skin fits it", quoted(model.name()));
 
   progress.report("relating skin and links", 0.95);
-  return {model, std::move(best), std::move(q), options.epsilon_m};
+  return {model, std::move(best->mesh), std::move(q), options.epsilon_m};
 }
 
 }  // namespace handgraft::hand

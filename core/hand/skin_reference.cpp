@@ -11,9 +11,11 @@ namespace handgraft::hand {
 namespace {
 
 /// Gaps wider than this stay open in the wrap; more distance gains nothing.
-constexpr double kWantedGap_m = 0.016;
+constexpr double kWantedGap_m = 0.010;
 constexpr int kSamplesPerLink = 40;
 constexpr int kSweeps = 2;
+/// Fingers stay nearly straight: strong bends crease the skin.
+constexpr double kWidestMove_rad = 0.35;
 /// What leaving the rest position by the joint's whole range costs, against a squared share of
 /// the wanted gap per sample: only real crowding is worth moving a joint.
 constexpr double kRestWeight = 0.5;
@@ -148,8 +150,8 @@ Eigen::VectorXd skinReferencePose(const HandModel& model) {
     for (int i = 0; i < model.dofCount(); ++i) {
       // A joint that slides changes the hand's size; it stays.
       if (model.dofJoint(i).type != JointType::kRevolute) continue;
-      const double lower = std::max(model.lower()[i], rest[i] - 1.0);
-      const double upper = std::min(model.upper()[i], rest[i] + 1.0);
+      const double lower = std::max(model.lower()[i], rest[i] - kWidestMove_rad);
+      const double upper = std::min(model.upper()[i], rest[i] + kWidestMove_rad);
       if (!(lower < upper)) continue;
       const double before = q[i];
       double best_value = before;
