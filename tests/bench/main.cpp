@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 
+#include "tests/bench/logmap.h"
 #include "tests/bench/solve.h"
 
 namespace {
@@ -25,6 +26,7 @@ int complain(const std::string& message, int code) {
 int main(int argc, char** argv) {
   CLI::App app("Measures Handgraft's numerical core", "handgraft-bench");
   app.require_subcommand(1);
+  handgraft::bench::addLogMapCommand(app);
   handgraft::bench::addSolveCommand(app);
   handgraft::bench::addSolversCommand(app);
   try {
