@@ -19,7 +19,8 @@ class DepthBuffer {
   /// Covers the samples inside the triangle, of either orientation. Triangles that share an
   /// edge cover each sample along it exactly once (top-left rule on coordinates rounded to
   /// 1/256 sample). Without effect if a coordinate is not finite or beyond 2^20 samples.
-  void drawTriangle(const std::array<ScreenPoint, 3>& corners, std::uint32_t id);
+  /// True if it is now the nearest at some sample.
+  bool drawTriangle(const std::array<ScreenPoint, 3>& corners, std::uint32_t id);
 
   /// Covers the samples within half the width of the segment (round ends).
   void drawSegment(const ScreenPoint& from,

@@ -86,10 +86,6 @@ void drawLayer(const Layer& layer,
                const Camera& camera,
                float factor,
                LayerView& view) {
-  std::size_t triangle_count = 0;
-  for (const SurfaceMesh& mesh : layer.meshes)
-    triangle_count += mesh.triangles.size();
-  view.faces.reserve(triangle_count);
   for (std::size_t m = 0; m < layer.meshes.size(); ++m) {
     const SurfaceMesh& mesh = layer.meshes[m];
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -106,8 +102,8 @@ void drawLayer(const Layer& layer,
         for (std::size_t c = 0; c < 3; ++c) {
           face.screen[c] = project(camera, face.corners[c].p_W, factor);
         }
-        view.buffer.drawTriangle(face.screen, static_cast<std::uint32_t>(view.faces.size()));
-        view.faces.push_back(face);
+        const auto id = static_cast<std::uint32_t>(view.faces.size());
+        if (view.buffer.drawTriangle(face.screen, id)) view.faces.push_back(face);
       }
     }
   }
