@@ -72,7 +72,8 @@ std::optional<FollowedPose> SolutionFollower::take() {
     const bool is_free = current == sessions_.end() || current->second.is_closed;
     if (is_free || beganAfter(id, followed_)) followed_ = id;
   }
-  // What was passed over is not kept for later: a session taken up again starts with a new pose.
+  // What was passed over is not kept for later: a session taken up again starts with a new
+  // pose.
   for (auto& [id, session] : sessions_) {
     if (followed_ != 0 && id != followed_ && session.state) session.newest.reset();
   }
