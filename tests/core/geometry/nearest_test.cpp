@@ -1,0 +1,86 @@
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+#include "core/geometry/kd_tree.h"
+#include "core/geometry/surface_locator.h"
+
+namespace handgraft::geometry {
+namespace {
+
+Eigen::Vector3d randomPoint(std::mt19937& random) {
+  std::uniform_real_distribution<double> coordinate(-2.0, 2.0);
+  const double x = coordinate(random);
+  const double y = coordinate(random);
+  return {x, y, coordinate(random)};
+}
+
+TEST(KdTree, AgreesWithASearchThroughAll) {
+  std::mt19937 random(1);
+  Eigen::Matrix3Xd points(3, 500);
+  for (int i = 0; i < 500; ++i)
+    points.col(i) = randomPoint(random);
+  const KdTree tree(points);
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::Vector3d p = randomPoint(random);
+    int nearest = 0;
+    const double distance =
+        std::sqrt((points.colwise() - p).colwise().squaredNorm().minCoeff(&nearest));
+    const KdTree::Hit hit = tree.nearest(p);
+    EXPECT_EQ(hit.index, nearest);
+    EXPECT_NEAR(hit.distance, distance, 1e-12);
+  }
+}
+
+TEST(KdTree, GivesTiesToTheLowestIndex) {
+  Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Zero(3, 60);
+  points.row(0).head(30).setConstant(-1.0);
+  points.row(0).tail(30).setConstant(1.0);
+  EXPECT_EQ(KdTree(points).nearest(Eigen::Vector3d::Zero()).index, 0);
+  EXPECT_EQ(KdTree(points).nearest({0.5, 0.0, 0.0}).index, 30);
+}
+
+TEST(KdTree, RefusesWhatIsNotFinite) {
+  EXPECT_THROW(KdTree(Eigen::Matrix3Xd(3, 0)), InvalidInput);
+  EXPECT_THROW(KdTree(Eigen::Matrix3Xd::Constant(3, 1, std::nan(""))), InvalidInput);
+  const KdTree one(Eigen::Matrix3Xd::Zero(3, 1));
+  EXPECT_THROW(static_cast<void>(one.nearest({std::nan(""), 0, 0})), InvalidInput);
+}
+
+TEST(SurfaceLocator, FindsTheNearestPlaceOfABox) {
+  const SurfaceLocator locator(makeBox({2.0, 2.0, 2.0}));
+  std::mt19937 random(2);
+  for (int i = 0; i < 500; ++i) {
+    const Eigen::Vector3d p = randomPoint(random);
+    const SurfaceLocator::Hit hit = locator.nearest(p);
+    Eigen::Vector3d truth = p.cwiseMax(-1.0).cwiseMin(1.0);
+    if (truth == p) {
+      int axis = 0;
+      p.cwiseAbs().maxCoeff(&axis);
+      truth[axis] = p[axis] < 0.0 ? -1.0 : 1.0;
+    }
+    EXPECT_LT((hit.position - truth).norm(), 1e-12);
+    EXPECT_LT((positionOf(locator.mesh(), hit.point) - truth).norm(), 1e-12);
+    EXPECT_NEAR(hit.distance, (p - truth).norm(), 1e-12);
+    validate(locator.mesh(), hit.point, "hit");
+  }
+}
+
+TEST(SurfaceLocator, TakesFacesWithoutAreaAsSegments) {
+  Eigen::Matrix3Xd vertices(3, 3);
+  vertices << 0, 1, 2, 0, 0, 0, 0, 0, 0;
+  const SurfaceLocator locator(TriangleMesh(vertices, Eigen::Vector3i(0, 1, 2)));
+  const SurfaceLocator::Hit hit = locator.nearest({1.5, 1.0, 0.0});
+  EXPECT_EQ(hit.position, Eigen::Vector3d(1.5, 0.0, 0.0));
+  EXPECT_DOUBLE_EQ(hit.distance, 1.0);
+}
+
+TEST(SurfaceLocator, RefusesAnEmptyMeshAndPointsThatAreNotFinite) {
+  EXPECT_THROW(SurfaceLocator{TriangleMesh()}, InvalidInput);
+  const SurfaceLocator box(makeBox({1, 1, 1}));
+  EXPECT_THROW(static_cast<void>(box.nearest({0, std::nan(""), 0})), InvalidInput);
+}
+
+}  // namespace
+}  // namespace handgraft::geometry
