@@ -23,6 +23,10 @@ void writeContactSet(const std::filesystem::path& path,
                      const contact::ContactSet& set,
                      const MeshFile& object);
 
+/// The object that a contact set names; empty for a contact map, or where the file does not say.
+/// Errors: InvalidInput naming the file if it is no JSON.
+std::string objectNameIn(const std::filesystem::path& path);
+
 /// Either of the two, by what the file is: a map is carried onto the object's mesh if it lies on
 /// another one, and segmented.
 contact::ContactSet readContacts(const std::filesystem::path& path,

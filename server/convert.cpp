@@ -1,0 +1,400 @@
+#include "server/convert.h"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/hand/kinematics.h"
+
+namespace handgraft::server {
+
+namespace {
+
+template <class T>
+void requireAtMost(const std::vector<T>& sequence, std::size_t most, const char* name) {
+  if (sequence.size() > most) {
+    rejectInput("{}: {} entries; at most {} are allowed", name, sequence.size(), most);
+  }
+}
+
+session::Side sideFrom(v1::PatchSide side) {
+  switch (side) {
+    case v1::SIDE_OBJECT:
+      return session::Side::kObject;
+    case v1::SIDE_HAND:
+      return session::Side::kHand;
+  }
+  rejectInput("side: {} is neither object (0) nor hand (1)", static_cast<unsigned>(side));
+}
+
+session::PriorEdit priorFrom(const v1::PriorEdit& message) {
+  requireAtMost(message.X_WH(), 1, "X_WH");
+  if (message.joints().size() != message.joint_rad().size()) {
+    rejectInput("prior: {} joints but {} angles", message.joints().size(),
+                message.joint_rad().size());
+  }
+  session::PriorEdit edit;
+  if (!message.X_WH().empty()) edit.X_WH = poseFrom(message.X_WH().front(), "X_WH");
+  edit.joints = message.joints();
+  edit.q = message.joint_rad();
+  return edit;
+}
+
+std::vector<double> flat(const std::vector<Eigen::Vector3d>& points) {
+  std::vector<double> values;
+  values.reserve(3 * points.size());
+  for (const Eigen::Vector3d& p : points)
+    values.insert(values.end(), p.data(), p.data() + 3);
+  return values;
+}
+
+std::vector<double> entries(const Eigen::VectorXd& values) {
+  return {values.data(), values.data() + values.size()};
+}
+
+/// All surfaces of a link as one mesh.
+v1::Mesh surfaceOf(const hand::Link& link) {
+  v1::Mesh all;
+  for (const hand::Shape& shape : link.surface()) {
+    const v1::Mesh part = toMessage(shape.mesh_L);
+    const auto first = static_cast<std::uint32_t>(all.vertices_m().size() / 3);
+    all.vertices_m().insert(all.vertices_m().end(), part.vertices_m().begin(),
+                            part.vertices_m().end());
+    for (const std::uint32_t corner : part.triangles())
+      all.triangles().push_back(first + corner);
+  }
+  return all;
+}
+
+v1::JointInfo jointInfo(const hand::HandModel& model, int dof) {
+  const hand::Joint& joint = model.dofJoint(dof);
+  v1::JointInfo info;
+  info.name(joint.name);
+  info.prismatic(joint.type == hand::JointType::kPrismatic);
+  info.lower_rad(model.lower()[dof]);
+  info.upper_rad(model.upper()[dof]);
+  info.velocity_limit_rad_s(joint.velocity_limit);
+  return info;
+}
+
+v1::SiteInfo siteInfo(const hand::ContactSite& site) {
+  v1::SiteInfo info;
+  info.name(site.name);
+  info.link(site.link);
+  info.p_L_m(toMessage(site.p_L));
+  info.n_L(toMessage(site.n_L));
+  info.direction_L(toMessage(site.direction_L));
+  return info;
+}
+
+}  // namespace
+
+// === From the wire
+
+Pose poseFrom(const v1::Pose& pose, const char* name) {
+  const auto& p = pose.p_m();
+  const auto& q = pose.q_wxyz();
+  return poseFromQuaternion({p[0], p[1], p[2]}, {q[0], q[1], q[2], q[3]}, name);
+}
+
+Pose poseFrom(const std::vector<v1::Pose>& pose, const char* name) {
+  requireAtMost(pose, 1, name);
+  return pose.empty() ? Pose::Identity() : poseFrom(pose.front(), name);
+}
+
+geometry::SurfacePoint surfacePointFrom(const v1::SurfacePoint& point) {
+  geometry::SurfacePoint result;
+  result.face = point.face();
+  result.barycentric = Eigen::Map<const Eigen::Vector3d>(point.barycentric().data());
+  return result;
+}
+
+optimize::Weights weightsFrom(const v1::Weights& weights) {
+  const auto checked = [](double value, const char* name) {
+    constexpr double kMost = 1e12;
+    if (!(value >= 0.0 && value <= kMost)) {
+      rejectInput("weight of the {} term: {} is outside 0-{:g}", name, value, kMost);
+    }
+    return value;
+  };
+  optimize::Weights result;
+  result.distance = checked(weights.distance(), "distance");
+  result.normal = checked(weights.normal(), "normal");
+  result.prior = checked(weights.prior(), "prior");
+  return result;
+}
+
+optimize::Weights weightsFrom(const std::vector<v1::Weights>& weights) {
+  requireAtMost(weights, 1, "weights");
+  return weights.empty() ? optimize::Weights() : weightsFrom(weights.front());
+}
+
+session::Edit editFrom(const v1::EditBody& body) {
+  switch (body._d()) {
+    case v1::EDIT_OBJECT_POSE:
+      return session::ObjectPoseEdit{poseFrom(body.X_WO(), "X_WO")};
+    case v1::EDIT_PATCH_WEIGHT:
+      return session::PatchWeightEdit{body.patch_weight().patch(),
+                                      body.patch_weight().weight()};
+    case v1::EDIT_PATCH_ROOT:
+      return session::PatchRootEdit{body.patch_root().patch(),
+                                    sideFrom(body.patch_root().side()),
+                                    surfacePointFrom(body.patch_root().root())};
+    case v1::EDIT_PATCH_DIRECTION:
+      return session::PatchDirectionEdit{body.patch_direction().patch(),
+                                         sideFrom(body.patch_direction().side()),
+                                         body.patch_direction().angle_rad()};
+    case v1::EDIT_JOINT_LIMIT:
+      return session::JointLimitEdit{body.joint_limit().joint(), body.joint_limit().lower_rad(),
+                                     body.joint_limit().upper_rad()};
+    case v1::EDIT_JOINT_LOCK:
+      return session::JointLockEdit{body.joint_lock().joint(), body.joint_lock().locked()};
+    case v1::EDIT_PRIOR:
+      return priorFrom(body.prior());
+    case v1::EDIT_WEIGHTS:
+      return session::WeightsEdit{weightsFrom(body.weights())};
+  }
+  rejectInput("edit kind {} does not exist", static_cast<unsigned>(body._d()));
+}
+
+optimize::SolveOptions solveOptionsFrom(const v1::OptimizeRequest& request) {
+  constexpr unsigned kMostStarts = 1000;
+  constexpr unsigned kMostEvaluations = 100'000;
+  optimize::SolveOptions options;
+  if (!request.solver().empty()) options.solver = optimize::solverFrom(request.solver());
+  if (request.starts() > kMostStarts) {
+    rejectInput("starts: {} is outside 0-{}", request.starts(), kMostStarts);
+  }
+  if (request.max_evaluations() > kMostEvaluations) {
+    rejectInput("max_evaluations: {} is outside 0-{}", request.max_evaluations(),
+                kMostEvaluations);
+  }
+  if (request.starts() > 0) options.starts = static_cast<int>(request.starts());
+  if (request.max_evaluations() > 0) {
+    options.max_evaluations = static_cast<int>(request.max_evaluations());
+  }
+  options.seed = request.seed();
+  return options;
+}
+
+// === To the wire
+
+v1::Pose toMessage(const Pose& X) {
+  const Eigen::Vector4d q = quaternionOf(X);
+  v1::Pose pose;
+  pose.p_m(toMessage(Eigen::Vector3d(X.translation())));
+  pose.q_wxyz({q[0], q[1], q[2], q[3]});
+  return pose;
+}
+
+v1::SurfacePoint toMessage(const geometry::SurfacePoint& point) {
+  v1::SurfacePoint message;
+  message.face(point.face);
+  message.barycentric(toMessage(point.barycentric));
+  return message;
+}
+
+std::array<double, 3> toMessage(const Eigen::Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+v1::Mesh toMessage(const geometry::TriangleMesh& mesh) {
+  v1::Mesh message;
+  const Eigen::Matrix3Xf vertices = mesh.vertices().cast<float>();
+  message.vertices_m().assign(vertices.data(), vertices.data() + vertices.size());
+  const int* corners = mesh.faces().data();
+  message.triangles().assign(corners, corners + mesh.faces().size());
+  return message;
+}
+
+v1::Outcome toMessage(optimize::Outcome outcome) {
+  switch (outcome) {
+    case optimize::Outcome::kConverged:
+      return v1::OUTCOME_CONVERGED;
+    case optimize::Outcome::kStalled:
+      return v1::OUTCOME_STALLED;
+    case optimize::Outcome::kEvaluationLimit:
+      return v1::OUTCOME_EVALUATION_LIMIT;
+    case optimize::Outcome::kInfeasible:
+      return v1::OUTCOME_INFEASIBLE;
+  }
+  throw BrokenContract("an outcome that does not exist");
+}
+
+v1::Terms toMessage(const optimize::Terms& terms) {
+  v1::Terms message;
+  message.distance_m2(terms.distance);
+  message.normal(terms.normal);
+  message.prior(terms.prior);
+  message.objective(terms.objective);
+  return message;
+}
+
+v1::HandDescription describe(const StoredHand& hand,
+                             const std::optional<session::Hand>& ready,
+                             bool with_meshes) {
+  const hand::HandModel& model = hand.hand->model();
+  v1::HandDescription message;
+  message.name(hand.name);
+  for (int dof = 0; dof < model.dofCount(); ++dof) {
+    message.joints().push_back(jointInfo(model, dof));
+  }
+  for (const hand::Joint& joint : model.joints()) {
+    if (joint.mimic) message.mimic_joints().push_back(joint.name);
+  }
+  for (const hand::Link& link : model.links()) {
+    v1::LinkInfo info;
+    info.name(link.name);
+    if (with_meshes) info.surface_L(surfaceOf(link));
+    message.links().push_back(std::move(info));
+  }
+  const auto& sites = ready ? std::optional(ready->sites) : hand.hand->ownSites();
+  if (sites) {
+    for (const hand::ContactSite& site : *sites)
+      message.sites().push_back(siteInfo(site));
+  }
+  if (with_meshes && ready) message.skin_S(toMessage(ready->skin->mesh()));
+  message.rest_rad(entries(model.restPose()));
+  message.urdf(hand.urdf);
+  message.notes(hand.notes);
+  return message;
+}
+
+v1::ObjectDescription describe(const StoredObject& object, bool with_meshes) {
+  v1::ObjectDescription message;
+  message.name(object.name);
+  if (with_meshes) message.mesh_O(toMessage(object.file->mesh));
+  message.notes(object.file->notes);
+  return message;
+}
+
+v1::ContactsDescription describe(const StoredContacts& contacts) {
+  const geometry::TriangleMesh& mesh = contacts.object->mesh;
+  v1::ContactsDescription message;
+  message.name(contacts.name);
+  message.object(contacts.set.object);
+  message.notes(contacts.set.notes);
+  for (const contact::Patch& patch : contacts.set.patches) {
+    v1::PatchInfo info;
+    info.name(patch.name);
+    info.root(toMessage(patch.root));
+    if (patch.direction_O) info.direction_O(entries(*patch.direction_O));
+    info.point_count(static_cast<std::uint32_t>(patch.interpolation_boundary.size()));
+    std::vector<Eigen::Vector3d> outline;
+    for (const geometry::SurfacePoint& point : patch.interpolation_boundary) {
+      outline.push_back(geometry::positionOf(mesh, point));
+    }
+    info.outline_O_m(flat(outline));
+    info.weight(patch.weight);
+    message.patches().push_back(std::move(info));
+  }
+  return message;
+}
+
+std::vector<v1::PatchReport> patchReports(const session::Session& session) {
+  std::vector<v1::PatchReport> reports;
+  for (const session::SessionPatch& patch : session.patches()) {
+    v1::PatchReport report;
+    report.name(patch.patch.name);
+    report.placed(patch.placement.has_value());
+    report.reason(patch.dropped);
+    if (patch.placement) {
+      report.root_S(toMessage(patch.placement->root_S));
+      report.direction_S(toMessage(patch.placement->direction_S));
+      report.point_count(static_cast<std::uint32_t>(patch.transferred.correspondences.size()));
+      for (const transfer::LostPoint& lost : patch.transferred.lost) {
+        v1::LostPoint message;
+        message.index(static_cast<std::uint32_t>(lost.index));
+        message.reason(lost.reason);
+        report.lost().push_back(std::move(message));
+      }
+      report.distance_distortion(patch.transferred.distance_distortion);
+    }
+    reports.push_back(std::move(report));
+  }
+  return reports;
+}
+
+v1::PoseSolution solutionMessage(const session::Session& session,
+                                 const hand::HandPose& pose,
+                                 const optimize::Terms& terms) {
+  v1::PoseSolution message;
+  message.X_WH(toMessage(pose.X_WH));
+  message.X_WO(toMessage(session.objectPose()));
+  message.joint_rad(entries(pose.q));
+  message.terms(toMessage(terms));
+  return message;
+}
+
+v1::PoseSolution solutionMessage(const session::Session& session,
+                                 const optimize::SolveReport& report) {
+  HANDGRAFT_REQUIRE(session.solvedProblem().has_value());
+  const optimize::PoseProblem& problem = *session.solvedProblem();
+  const hand::HandModel& model = *problem.model;
+  v1::PoseSolution message = solutionMessage(session, report.pose, report.terms);
+  message.is_final(true);
+  message.outcome(toMessage(report.outcome));
+  message.solver(report.solver);
+  message.evaluations(static_cast<std::uint32_t>(report.evaluations));
+  const hand::LinkPoses X_WL = hand::forwardKinematics(model, report.pose);
+  for (const Pose& X : X_WL)
+    message.X_WL().push_back(toMessage(X));
+
+  for (const optimize::PatchFit& fit : report.patches) {
+    const auto index = static_cast<std::size_t>(fit.patch);
+    HANDGRAFT_REQUIRE(index < session.patches().size());
+    std::vector<Eigen::Vector3d> on_hand_W;
+    std::vector<Eigen::Vector3d> on_object_W;
+    for (const optimize::PointPair& pair : problem.pairs) {
+      if (pair.patch != fit.patch) continue;
+      on_hand_W.emplace_back(X_WL[static_cast<std::size_t>(pair.link)] * pair.p_L);
+      on_object_W.push_back(pair.p_W);
+    }
+    v1::PatchFit one;
+    one.name(session.patches()[index].patch.name);
+    one.point_count(static_cast<std::uint32_t>(fit.point_count));
+    one.mean_mm(fit.mean_mm);
+    one.rms_mm(fit.rms_mm);
+    one.max_mm(fit.max_mm);
+    one.normal_deg(fit.normal_mean_deg);
+    one.within_2mm(fit.within_2mm);
+    one.within_5mm(fit.within_5mm);
+    one.hand_W_m(flat(on_hand_W));
+    one.object_W_m(flat(on_object_W));
+    message.patches().push_back(std::move(one));
+  }
+  for (const optimize::ActiveLimit& limit : report.active_limits) {
+    message.joints_at_limit().push_back(model.dofJoint(limit.dof).name +
+                                        (limit.upper ? " upper" : " lower"));
+  }
+  return message;
+}
+
+sensor_msgs::msg::dds_::JointState_ jointCommand(const hand::HandModel& model,
+                                                 const Eigen::VectorXd& q,
+                                                 long long stamp_ns) {
+  constexpr long long kSecond = 1'000'000'000;
+  sensor_msgs::msg::dds_::JointState_ command;
+  command.header().stamp().sec(static_cast<std::int32_t>(stamp_ns / kSecond));
+  command.header().stamp().nanosec(static_cast<std::uint32_t>(stamp_ns % kSecond));
+  command.header().frame_id(model.name());
+  for (int dof = 0; dof < model.dofCount(); ++dof) {
+    command.name().push_back(model.dofJoint(dof).name);
+    command.position().push_back(q[dof]);
+  }
+  for (const hand::Joint& joint : model.joints()) {
+    if (!joint.mimic) continue;
+    const auto& nodes = model.nodes();
+    const auto node = std::find_if(nodes.begin(), nodes.end(), [&](const auto& one) {
+      return one.joint_name == joint.name;
+    });
+    if (node == nodes.end() || node->dof < 0) continue;
+    command.name().push_back(joint.name);
+    command.position().push_back(node->multiplier * q[node->dof] + node->offset);
+  }
+  return command;
+}
+
+}  // namespace handgraft::server

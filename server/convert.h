@@ -1,0 +1,61 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "core/optimize/solve_report.h"
+#include "core/session/session.h"
+#include "idl/edits.h"
+#include "idl/models.h"
+#include "idl/sensor_msgs.h"
+#include "idl/service.h"
+#include "idl/sessions.h"
+#include "server/model_store.h"
+
+/// The one place where messages become core types and back. What comes from the wire is checked
+/// here: enumerators, bounds of sequences, finiteness of poses (InvalidInput).
+namespace handgraft::server {
+
+// === From the wire
+
+Pose poseFrom(const v1::Pose& pose, const char* name);
+geometry::SurfacePoint surfacePointFrom(const v1::SurfacePoint& point);
+/// The defaults when empty.
+optimize::Weights weightsFrom(const std::vector<v1::Weights>& weights);
+optimize::Weights weightsFrom(const v1::Weights& weights);
+/// Identity when empty.
+Pose poseFrom(const std::vector<v1::Pose>& pose, const char* name);
+session::Edit editFrom(const v1::EditBody& body);
+optimize::SolveOptions solveOptionsFrom(const v1::OptimizeRequest& request);
+
+// === To the wire
+
+v1::Pose toMessage(const Pose& X);
+v1::SurfacePoint toMessage(const geometry::SurfacePoint& point);
+std::array<double, 3> toMessage(const Eigen::Vector3d& v);
+v1::Mesh toMessage(const geometry::TriangleMesh& mesh);
+v1::Outcome toMessage(optimize::Outcome outcome);
+v1::Terms toMessage(const optimize::Terms& terms);
+
+v1::HandDescription describe(const StoredHand& hand,
+                             const std::optional<session::Hand>& ready,
+                             bool with_meshes);
+v1::ObjectDescription describe(const StoredObject& object, bool with_meshes);
+v1::ContactsDescription describe(const StoredContacts& contacts);
+
+std::vector<v1::PatchReport> patchReports(const session::Session& session);
+
+/// A pose on the way: joints, root and terms.
+v1::PoseSolution solutionMessage(const session::Session& session,
+                                 const hand::HandPose& pose,
+                                 const optimize::Terms& terms);
+
+/// A final pose: also links, patches, limits.
+v1::PoseSolution solutionMessage(const session::Session& session,
+                                 const optimize::SolveReport& report);
+
+/// Independent joints in their order, then those that mimic them.
+sensor_msgs::msg::dds_::JointState_ jointCommand(const hand::HandModel& model,
+                                                 const Eigen::VectorXd& q,
+                                                 long long stamp_ns);
+
+}  // namespace handgraft::server

@@ -1,0 +1,32 @@
+#pragma once
+
+#include "core/base/progress.h"
+#include "idl/models.h"
+#include "server/workshop.h"
+
+/// One file per subject: a request in, a reply out, the workshop or session by reference, no
+/// transport in sight. Errors are exceptions (InvalidInput, Rejection, Cancelled); the service
+/// turns them into replies.
+namespace handgraft::server {
+
+void putFile(const v1::PutFileRequest& request,
+             const UploadStore::ClientId& client,
+             Workshop& workshop);
+
+/// The summary of the model that was read. The upload is gone afterwards, also after an error.
+v1::ModelList loadModel(const v1::LoadModelRequest& request,
+                        const UploadStore::ClientId& client,
+                        Workshop& workshop,
+                        const Progress& progress);
+
+v1::ModelList listModels(const Workshop& workshop);
+
+/// With meshes a hand's skin is made if need be, which takes seconds. Without, the sites of a
+/// hand that brings none are missing until somebody has used it.
+v1::ModelDescription describeModel(const v1::DescribeModelRequest& request,
+                                   const Workshop& workshop,
+                                   const Progress& progress);
+
+void unloadModel(const v1::ModelKey& key, Workshop& workshop);
+
+}  // namespace handgraft::server

@@ -1,0 +1,78 @@
+#include "server/handlers/optimize.h"
+
+#include <chrono>
+#include <utility>
+
+#include "server/convert.h"
+
+namespace handgraft::server {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::microseconds kSolutionPeriod(1'000'000 / 60);  // of poses on the way
+constexpr int kStartsAfterEdit = 2;  // where the hand is, and its joints under the closed form
+
+v1::StageTime stageTime(const char* stage, Clock::duration spent) {
+  v1::StageTime time;
+  time.stage(stage);
+  time.duration_ms(std::chrono::duration<double, std::milli>(spent).count());
+  return time;
+}
+
+v1::PoseSolution solve(LiveSession& live,
+                       optimize::SolveOptions options,
+                       Workshop& workshop,
+                       const Progress& progress) {
+  return runPhase(
+      live, v1::PHASE_OPTIMIZING, v1::PHASE_READY, progress, [&](const Progress& told) {
+        session::Session& session = live.session();
+        const Clock::time_point begin = Clock::now();
+        session.transferPatches(told);
+        const Clock::time_point transferred = Clock::now();
+
+        const Workshop::Share share(workshop);
+        options.threads = share.threads();
+        Clock::time_point published{};
+        options.on_improvement = [&](const hand::HandPose& pose, const optimize::Terms& terms) {
+          const Clock::time_point now = Clock::now();
+          if (now - published < kSolutionPeriod) return;
+          published = now;
+          v1::PoseSolution on_the_way = solutionMessage(session, pose, terms);
+          on_the_way.solver(std::string(optimize::nameOf(options.solver)));
+          live.publish(std::move(on_the_way));
+        };
+        const optimize::SolveReport report = session.optimize(options, told);
+        const Clock::time_point solved = Clock::now();
+
+        live.was_solved = true;
+        live.solved_revision = session.revision();
+        v1::PoseSolution solution = solutionMessage(session, report);
+        v1::StageTime skin;
+        skin.stage("skin");
+        skin.duration_ms(live.skin_ms);
+        solution.times({skin, stageTime("transfer", transferred - begin),
+                        stageTime("optimize", solved - transferred)});
+        return live.publish(std::move(solution));
+      });
+}
+
+}  // namespace
+
+v1::PoseSolution optimizePose(LiveSession& live,
+                              const v1::OptimizeRequest& request,
+                              Workshop& workshop,
+                              const Progress& progress) {
+  return solve(live, solveOptionsFrom(request), workshop, progress);
+}
+
+v1::PoseSolution optimizeAfterEdit(LiveSession& live,
+                                   Workshop& workshop,
+                                   const Progress& progress) {
+  optimize::SolveOptions options;
+  if (live.was_solved) options.starts = kStartsAfterEdit;
+  return solve(live, std::move(options), workshop, progress);
+}
+
+}  // namespace handgraft::server

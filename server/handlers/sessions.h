@@ -1,0 +1,21 @@
+#pragma once
+
+#include "core/base/progress.h"
+#include "idl/sessions.h"
+#include "server/workshop.h"
+
+namespace handgraft::server {
+
+/// Opens a session on models of the store. The first session on a hand makes its skin.
+v1::SessionState openSession(const v1::OpenSessionRequest& request,
+                             Workshop& workshop,
+                             const Progress& progress);
+
+v1::SessionState describeSession(const v1::SessionKey& key, const Workshop& workshop);
+
+v1::SessionList listSessions(const Workshop& workshop);
+
+/// Of the session's strand: what was asked before is done.
+void closeSession(LiveSession& live, Workshop& workshop);
+
+}  // namespace handgraft::server

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "core/base/progress.h"
+#include "idl/sessions.h"
+#include "server/live_session.h"
+
+namespace handgraft::server {
+
+/// Lays what is not up to date onto the hand. Of the session's strand.
+v1::TransferReply transferPatches(LiveSession& live, const Progress& progress);
+
+}  // namespace handgraft::server

@@ -1,0 +1,110 @@
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include <CLI/CLI.hpp>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include "core/base/error.h"
+#include "core/base/network.h"
+#include "server/model_library.h"
+#include "server/service.h"
+#include "server/transport/bus.h"
+
+namespace {
+
+using namespace handgraft;
+
+constexpr int kDone = 0;
+constexpr int kFailed = 1;
+constexpr int kWrongInput = 2;
+
+struct Options {
+  Network network;
+  std::string models;
+  unsigned workers = std::max(2u, std::thread::hardware_concurrency());
+  std::string log_level = "info";
+};
+
+/// Blocks SIGTERM and SIGINT in this thread and all that it starts; returns the set to wait
+/// for.
+sigset_t blockStopSignals() {
+  sigset_t set;
+  sigemptyset(&set);
+  sigaddset(&set, SIGTERM);
+  sigaddset(&set, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &set, nullptr);
+  return set;
+}
+
+void serve(const Options& options, const sigset_t& stop_signals) {
+  validate(options.network);
+  server::ModelStore models;
+  int left_out = server::readLibrary(server::builtInLibrary(), models);
+  if (!options.models.empty()) left_out += server::readLibrary(options.models, models);
+
+  const std::unique_ptr<server::Bus> bus = server::openFastBus(options.network);
+  server::ServiceOptions service_options;
+  service_options.workers = options.workers;
+  server::Service service(*bus, models, service_options);
+  service.start();
+  spdlog::info("event=ready version={} domain={} interface={} models={} left_out={} workers={}",
+               HANDGRAFT_VERSION, options.network.domain, options.network.interface,
+               models.size(), left_out, options.workers);
+
+  int signal = 0;
+  sigwait(&stop_signals, &signal);
+  spdlog::info("event=stopping signal={}", signal);
+  service.stop();
+  spdlog::info("event=stopped");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app("handgraft-server: keeps models and sessions, answers on DDS",
+               "handgraft-server");
+  app.set_version_flag("--version", std::string("handgraft-server ") + HANDGRAFT_VERSION);
+  app.add_option("--domain", options.network.domain, "DDS domain, 0-100")
+      ->check(CLI::Range(0, kHighestDomain))
+      ->capture_default_str();
+  app.add_option("--interface", options.network.interface, "network interface to serve on")
+      ->capture_default_str();
+  app.add_option(
+      "--models", options.models,
+      "folder with more hands, objects and contacts; replaces those of the same name");
+  app.add_option("--workers", options.workers, "threads for sessions' work, 1-256")
+      ->check(CLI::Range(1u, 256u))
+      ->capture_default_str();
+  app.add_option("--log-level", options.log_level, "trace, debug, info, warning, error or off")
+      ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error", "off"}))
+      ->capture_default_str();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
+      return app.exit(error);
+    }
+    std::fprintf(stderr, "handgraft-server: %s\n", error.what());
+    return kWrongInput;
+  }
+
+  const sigset_t stop_signals = blockStopSignals();
+  spdlog::set_default_logger(spdlog::stderr_logger_mt("handgraft"));
+  spdlog::set_pattern("time=%Y-%m-%dT%H:%M:%S.%eZ level=%l %v", spdlog::pattern_time_type::utc);
+  spdlog::set_level(spdlog::level::from_str(options.log_level));
+  try {
+    serve(options, stop_signals);
+    return kDone;
+  } catch (const InvalidInput& error) {
+    std::fprintf(stderr, "handgraft-server: %s\n", error.what());
+    return kWrongInput;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "handgraft-server: %s\n", error.what());
+    return kFailed;
+  }
+}

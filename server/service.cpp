@@ -1,0 +1,527 @@
+#include "server/service.h"
+
+#include <new>
+#include <random>
+#include <utility>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include "core/base/error.h"
+#include "server/handlers/edits.h"
+#include "server/handlers/models.h"
+#include "server/handlers/optimize.h"
+#include "server/handlers/problem.h"
+#include "server/handlers/sessions.h"
+#include "server/handlers/transfer.h"
+#include "server/rejection.h"
+
+namespace handgraft::server {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kMostQuickWaiting = 256;  // chunks of files among them
+
+std::uint64_t randomId() {
+  std::random_device device;
+  return (static_cast<std::uint64_t>(device()) << 32) | device();
+}
+
+std::string hostName() {
+  std::string name(256, '\0');
+  if (gethostname(name.data(), name.size() - 1) != 0) return "";
+  name.resize(name.find('\0'));
+  return name;
+}
+
+const char* nameOf(v1::Operation operation) {
+  switch (operation) {
+    case v1::OP_NOTHING:
+      return "nothing";
+    case v1::OP_PUT_FILE:
+      return "put_file";
+    case v1::OP_LOAD_MODEL:
+      return "load_model";
+    case v1::OP_LIST_MODELS:
+      return "list_models";
+    case v1::OP_DESCRIBE_MODEL:
+      return "describe_model";
+    case v1::OP_UNLOAD_MODEL:
+      return "unload_model";
+    case v1::OP_OPEN_SESSION:
+      return "open_session";
+    case v1::OP_DESCRIBE_SESSION:
+      return "describe_session";
+    case v1::OP_LIST_SESSIONS:
+      return "list_sessions";
+    case v1::OP_CLOSE_SESSION:
+      return "close_session";
+    case v1::OP_TRANSFER:
+      return "transfer";
+    case v1::OP_OPTIMIZE:
+      return "optimize";
+    case v1::OP_EXPORT_PROBLEM:
+      return "export_problem";
+    case v1::OP_CANCEL:
+      return "cancel";
+  }
+  return "unknown";
+}
+
+/// The first bytes of a client's id, enough to follow it through a log.
+std::string shortName(const v1::ClientId& client) {
+  return fmt::format("{:02x}{:02x}{:02x}{:02x}", client[0], client[1], client[2], client[3]);
+}
+
+/// What an exception tells a client. Our own mistakes are logged in their own words.
+struct ErrorReply {
+  v1::ErrorCode code = v1::ERROR_INTERNAL;
+  std::string message;
+};
+
+ErrorReply errorReplyOf(const std::exception_ptr& error) {
+  try {
+    std::rethrow_exception(error);
+  } catch (const Rejection& rejection) {
+    return {rejection.code(), rejection.what()};
+  } catch (const InvalidInput& input) {
+    return {v1::ERROR_INVALID_INPUT, input.what()};
+  } catch (const Cancelled& cancelled) {
+    return {v1::ERROR_CANCELLED, cancelled.what()};
+  } catch (const std::bad_alloc&) {
+    return {v1::ERROR_OVERLOADED, "the server has not enough memory for this"};
+  } catch (const std::exception& mistake) {
+    spdlog::error("event=internal_error what={}", handgraft::quoted(mistake.what()));
+    return {v1::ERROR_INTERNAL, fmt::format("internal error: {}", mistake.what())};
+  } catch (...) {
+    spdlog::error("event=internal_error what=unknown");
+    return {v1::ERROR_INTERNAL, "internal error"};
+  }
+}
+
+template <class Member>
+v1::ReplyBody bodyOf(v1::Operation operation, Member&& set) {
+  v1::ReplyBody body;
+  set(body);
+  body._d(operation);
+  return body;
+}
+
+v1::ReplyBody nothing(v1::Operation operation) {
+  return bodyOf(operation, [](v1::ReplyBody& body) {
+    body.nothing(v1::Nothing());
+  });
+}
+
+}  // namespace
+
+Service::Job::Job(v1::Request what, Service& service)
+    : request(std::move(what)), progress([this, &service](std::string_view stage, double part) {
+        service.tell(*this, stage, part);
+      }) {}
+
+Service::Service(Bus& bus, ModelStore& models, const ServiceOptions& options)
+    : bus_(bus),
+      options_(options),
+      server_id_(randomId()),
+      started_(Clock::now()),
+      sessions_(options.most_sessions),
+      quick_(1, kMostQuickWaiting),
+      pool_(options.workers, options.most_waiting),
+      workshop_{models, uploads_, sessions_, *this, pool_} {}
+
+Service::~Service() {
+  stop();
+}
+
+void Service::start() {
+  bus_.start(*this);
+  status_thread_ = std::thread([this] {
+    publishStatusOnceASecond();
+  });
+}
+
+void Service::stop() {
+  if (stopping_.exchange(true)) return;
+  bus_.stop();
+  {
+    const std::lock_guard lock(running_mutex_);
+    for (const auto& [key, job] : running_)
+      job->progress.cancel();
+  }
+  for (const auto& live : sessions_.all())
+    live->cancelSolves();
+  quick_.shut();
+  pool_.shut();
+  for (const auto& live : sessions_.all())
+    closeSession(*live, workshop_);
+  {
+    const std::lock_guard lock(status_mutex_);
+    status_wake_.notify_all();
+  }
+  if (status_thread_.joinable()) status_thread_.join();
+  bus_.publish(status());
+  bus_.flush();
+}
+
+v1::ServerStatus Service::status() const {
+  v1::ServerStatus message;
+  message.server_id(server_id_);
+  message.protocol_version(v1::PROTOCOL_VERSION);
+  message.version(HANDGRAFT_VERSION);
+  message.host(hostName());
+  message.process_id(static_cast<std::uint32_t>(getpid()));
+  message.uptime_s(std::chrono::duration<double>(Clock::now() - started_).count());
+  message.model_count(static_cast<std::uint32_t>(workshop_.models.size()));
+  message.session_count(static_cast<std::uint32_t>(sessions_.size()));
+  message.requests_answered(answered_);
+  {
+    const std::lock_guard lock(running_mutex_);
+    message.requests_running(static_cast<std::uint32_t>(running_.size()));
+  }
+  message.stopping(stopping_);
+  return message;
+}
+
+void Service::publishStatusOnceASecond() {
+  std::unique_lock lock(status_mutex_);
+  while (!stopping_) {
+    bus_.publish(status());
+    status_wake_.wait_for(lock, std::chrono::seconds(1), [this] {
+      return stopping_.load();
+    });
+  }
+}
+
+// === What the world hears of sessions
+
+void Service::onState(const v1::SessionState& state) {
+  bus_.publish(state);
+}
+
+void Service::onSolution(const v1::PoseSolution& solution) {
+  bus_.publish(solution);
+}
+
+void Service::onJointCommand(std::uint64_t session_id,
+                             const sensor_msgs::msg::dds_::JointState_& command) {
+  bus_.publishJointCommand(session_id, command);
+}
+
+// === Requests: admitted once, dispatched to a thread, answered
+
+void Service::onRequest(v1::Request request) {
+  const auto begun = requests_.begin(request.client(), request.request_id());
+  switch (begun.verdict) {
+    case Ledger<v1::Reply>::Verdict::kRunning:
+    case Ledger<v1::Reply>::Verdict::kForgotten:
+      return;
+    case Ledger<v1::Reply>::Verdict::kAnswered:
+      bus_.publish(*begun.answer);
+      return;
+    case Ledger<v1::Reply>::Verdict::kNew:
+      break;
+  }
+  const auto job = std::make_shared<Job>(std::move(request), *this);
+  try {
+    admit(job);
+    dispatch(job);
+  } catch (...) {
+    const std::exception_ptr error = std::current_exception();
+    run(job, [&]() -> v1::ReplyBody {
+      std::rethrow_exception(error);
+    });
+  }
+}
+
+void Service::admit(const JobPtr& job) {
+  const v1::Request& request = job->request;
+  if (request.protocol_version() != v1::PROTOCOL_VERSION) {
+    reject(v1::ERROR_VERSION, "this server ({}) speaks protocol {}, the request protocol {}",
+           HANDGRAFT_VERSION, v1::PROTOCOL_VERSION, request.protocol_version());
+  }
+  const std::lock_guard lock(running_mutex_);
+  const auto first = running_.lower_bound({request.client(), 0});
+  std::size_t mine = 0;
+  for (auto at = first; at != running_.end() && at->first.first == request.client(); ++at)
+    ++mine;
+  if (mine >= options_.most_per_client) {
+    reject(v1::ERROR_OVERLOADED, "{} requests of this client are unanswered", mine);
+  }
+  running_[{request.client(), request.request_id()}] = job;
+}
+
+void Service::dispatch(const JobPtr& job) {
+  const v1::RequestBody& body = job->request.body();
+  const auto refuse = [] {
+    reject(v1::ERROR_OVERLOADED, "too many requests wait; try later");
+  };
+  switch (body._d()) {
+    case v1::OP_NOTHING:
+    case v1::OP_PUT_FILE:
+    case v1::OP_LIST_MODELS:
+    case v1::OP_UNLOAD_MODEL:
+    case v1::OP_DESCRIBE_SESSION:
+    case v1::OP_LIST_SESSIONS:
+      if (!quick_.post([this, job] {
+            run(job, [&] {
+              return handleQuick(*job);
+            });
+          }))
+        refuse();
+      return;
+    case v1::OP_LOAD_MODEL:
+    case v1::OP_DESCRIBE_MODEL:
+    case v1::OP_OPEN_SESSION:
+      if (!pool_.post([this, job] {
+            run(job, [&] {
+              return handleSlow(*job);
+            });
+          }))
+        refuse();
+      return;
+    case v1::OP_CLOSE_SESSION:
+    case v1::OP_TRANSFER:
+    case v1::OP_OPTIMIZE:
+    case v1::OP_EXPORT_PROBLEM: {
+      const std::uint64_t id = body._d() == v1::OP_OPTIMIZE ? body.optimize().session_id()
+                               : body._d() == v1::OP_EXPORT_PROBLEM
+                                   ? body.export_problem().session_id()
+                                   : body.session().session_id();
+      const auto live = sessions_.find(id);
+      if (body._d() == v1::OP_CLOSE_SESSION) live->cancelSolves();
+      if (!live->strand().post([this, job, live] {
+            run(job, [&] {
+              return handleOfSession(*job, *live);
+            });
+          })) {
+        refuse();
+      }
+      return;
+    }
+    case v1::OP_CANCEL:
+      cancel(job->request.client(), body.cancel().request_id());
+      run(job, [] {
+        return nothing(v1::OP_CANCEL);
+      });
+      return;
+  }
+  rejectInput("operation {} does not exist", static_cast<unsigned>(body._d()));
+}
+
+void Service::run(const JobPtr& job, const std::function<v1::ReplyBody()>& work) {
+  const Clock::time_point begin = Clock::now();
+  v1::Reply reply;
+  try {
+    job->progress.checkpoint();
+    reply.body(work());
+  } catch (...) {
+    ErrorReply error = errorReplyOf(std::current_exception());
+    reply.error(error.code);
+    reply.message(std::move(error.message));
+  }
+  const v1::Request& request = job->request;
+  spdlog::log(reply.error() == v1::ERROR_NONE ? spdlog::level::debug : spdlog::level::info,
+              "event=request client={} id={} operation={} ms={:.3f} error={} message={}",
+              shortName(request.client()), request.request_id(), nameOf(request.body()._d()),
+              std::chrono::duration<double, std::milli>(Clock::now() - begin).count(),
+              static_cast<unsigned>(reply.error()), handgraft::quoted(reply.message()));
+  answer(*job, std::move(reply));
+}
+
+void Service::answer(const Job& job, v1::Reply reply) {
+  const v1::ClientId client = job.request.client();
+  const std::uint64_t id = job.request.request_id();
+  reply.client(client);
+  reply.request_id(id);
+  const std::size_t bytes = v1::Reply::getCdrSerializedSize(reply);
+  const auto kept = requests_.answer(client, id, std::move(reply), bytes);
+  {
+    const std::lock_guard lock(running_mutex_);
+    running_.erase({client, id});
+  }
+  ++answered_;
+  bus_.publish(*kept);
+}
+
+void Service::cancel(const ClientId& client, std::uint64_t request_id) {
+  {
+    const std::lock_guard lock(running_mutex_);
+    const auto found = running_.find({client, request_id});
+    if (found != running_.end()) {
+      found->second->progress.cancel();
+      return;
+    }
+  }
+  // It may have been overtaken: then it finds this answer when it arrives. If it has one
+  // already, that one stands.
+  v1::Reply reply;
+  reply.client(client);
+  reply.request_id(request_id);
+  reply.error(v1::ERROR_CANCELLED);
+  reply.message(Cancelled().what());
+  const std::size_t bytes = v1::Reply::getCdrSerializedSize(reply);
+  requests_.answer(client, request_id, std::move(reply), bytes);
+}
+
+void Service::tell(Job& job, std::string_view stage, double fraction) {
+  constexpr std::chrono::milliseconds kPeriod(50);
+  const Clock::time_point now = Clock::now();
+  if (now - job.told < kPeriod && stage == job.told_stage) return;
+  job.told = now;
+  job.told_stage = stage;
+  v1::Progress message;
+  message.client(job.request.client());
+  message.request_id(job.request.request_id());
+  message.stage(job.told_stage);
+  message.fraction(fraction);
+  bus_.publish(message);
+}
+
+v1::ReplyBody Service::handleQuick(const Job& job) {
+  const v1::RequestBody& body = job.request.body();
+  const v1::Operation operation = body._d();
+  switch (operation) {
+    case v1::OP_PUT_FILE:
+      putFile(body.put_file(), job.request.client(), workshop_);
+      return nothing(operation);
+    case v1::OP_LIST_MODELS:
+      return bodyOf(operation, [&](auto& reply) {
+        reply.models(listModels(workshop_));
+      });
+    case v1::OP_UNLOAD_MODEL:
+      unloadModel(body.unload_model(), workshop_);
+      return nothing(operation);
+    case v1::OP_DESCRIBE_SESSION:
+      return bodyOf(operation, [&](auto& reply) {
+        reply.session(describeSession(body.session(), workshop_));
+      });
+    case v1::OP_LIST_SESSIONS:
+      return bodyOf(operation, [&](auto& reply) {
+        reply.sessions(listSessions(workshop_));
+      });
+    default:
+      return nothing(operation);
+  }
+}
+
+v1::ReplyBody Service::handleSlow(const Job& job) {
+  const v1::RequestBody& body = job.request.body();
+  const v1::Operation operation = body._d();
+  switch (operation) {
+    case v1::OP_LOAD_MODEL:
+      return bodyOf(operation, [&](auto& reply) {
+        reply.models(
+            loadModel(body.load_model(), job.request.client(), workshop_, job.progress));
+      });
+    case v1::OP_DESCRIBE_MODEL:
+      return bodyOf(operation, [&](auto& reply) {
+        reply.model(describeModel(body.describe_model(), workshop_, job.progress));
+      });
+    case v1::OP_OPEN_SESSION:
+      return bodyOf(operation, [&](auto& reply) {
+        reply.session(openSession(body.open_session(), workshop_, job.progress));
+      });
+    default:
+      throw BrokenContract(fmt::format("{} is no slow operation", nameOf(operation)));
+  }
+}
+
+v1::ReplyBody Service::handleOfSession(const Job& job, LiveSession& live) {
+  const v1::RequestBody& body = job.request.body();
+  const v1::Operation operation = body._d();
+  if (live.state().phase() == v1::PHASE_CLOSED) {
+    reject(v1::ERROR_NOT_FOUND, "session {} is not open", live.id());
+  }
+  switch (operation) {
+    case v1::OP_CLOSE_SESSION:
+      closeSession(live, workshop_);
+      return nothing(operation);
+    case v1::OP_TRANSFER:
+      return bodyOf(operation, [&](auto& reply) {
+        reply.transfer(transferPatches(live, job.progress));
+      });
+    case v1::OP_OPTIMIZE:
+      return bodyOf(operation, [&](auto& reply) {
+        reply.solution(optimizePose(live, body.optimize(), workshop_, job.progress));
+      });
+    case v1::OP_EXPORT_PROBLEM:
+      return bodyOf(operation, [&](auto& reply) {
+        reply.problem(exportProblem(live, body.export_problem(), job.progress));
+      });
+    default:
+      throw BrokenContract(fmt::format("{} is no operation of a session", nameOf(operation)));
+  }
+}
+
+// === Edits: applied in order, answered, then one fresh solve for all that were applied
+// meanwhile
+
+void Service::onEdit(v1::Edit edit) {
+  const auto begun = edits_.begin(edit.client(), edit.edit_id());
+  if (begun.verdict == Ledger<v1::EditReply>::Verdict::kAnswered) bus_.publish(*begun.answer);
+  if (begun.verdict != Ledger<v1::EditReply>::Verdict::kNew) return;
+  const auto shared = std::make_shared<const v1::Edit>(std::move(edit));
+  const auto fail = [this, shared](std::uint64_t revision) {
+    ErrorReply error = errorReplyOf(std::current_exception());
+    v1::EditReply reply;
+    reply.revision(revision);
+    reply.error(error.code);
+    reply.message(std::move(error.message));
+    answerEdit(*shared, std::move(reply));
+  };
+  try {
+    const auto live = sessions_.find(shared->session_id());
+    const auto task = [this, shared, live, fail] {
+      try {
+        if (live->state().phase() == v1::PHASE_CLOSED) {
+          reject(v1::ERROR_NOT_FOUND, "session {} is not open", live->id());
+        }
+        v1::EditReply reply;
+        reply.revision(applyEdit(*live, *shared));
+        answerEdit(*shared, std::move(reply));
+        queueSolve(live);
+      } catch (...) {
+        fail(live->session().revision());
+      }
+    };
+    if (!live->strand().post(task)) {
+      reject(v1::ERROR_OVERLOADED, "too many edits wait; try later");
+    }
+  } catch (...) {
+    fail(0);
+  }
+}
+
+void Service::answerEdit(const v1::Edit& edit, v1::EditReply reply) {
+  reply.client(edit.client());
+  reply.edit_id(edit.edit_id());
+  reply.session_id(edit.session_id());
+  spdlog::debug("event=edit client={} id={} session={} revision={} error={} message={}",
+                shortName(edit.client()), edit.edit_id(), edit.session_id(), reply.revision(),
+                static_cast<unsigned>(reply.error()), handgraft::quoted(reply.message()));
+  const std::size_t bytes = v1::EditReply::getCdrSerializedSize(reply);
+  const auto kept = edits_.answer(edit.client(), edit.edit_id(), std::move(reply), bytes);
+  bus_.publish(*kept);
+}
+
+void Service::queueSolve(const std::shared_ptr<LiveSession>& live) {
+  if (live->solve_is_queued) return;
+  live->solve_is_queued = live->strand().post([this, live] {
+    live->solve_is_queued = false;
+    if (live->state().phase() == v1::PHASE_CLOSED) return;
+    try {
+      live->solves().checkpoint();
+      optimizeAfterEdit(*live, workshop_, live->solves());
+    } catch (...) {  // the session's state says so already; nobody waits for a reply
+      const ErrorReply error = errorReplyOf(std::current_exception());
+      spdlog::info("event=solve session={} error={} message={}", live->id(),
+                   static_cast<unsigned>(error.code), handgraft::quoted(error.message));
+    }
+  });
+}
+
+}  // namespace handgraft::server

@@ -1,0 +1,114 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "core/base/progress.h"
+#include "server/ledger.h"
+#include "server/live_session.h"
+#include "server/transport/bus.h"
+#include "server/workshop.h"
+
+namespace handgraft::server {
+
+struct ServiceOptions {
+  std::size_t workers = 2;         ///< for slow work; quick requests have a thread of their own
+  std::size_t most_waiting = 256;  ///< tasks that may queue; more are refused
+  std::size_t most_per_client = 32;  ///< requests of one client that may be unanswered
+  std::size_t most_sessions = 256;
+};
+
+/// The server between the bus and the handlers: does every request once, each session's work in
+/// order and sessions in parallel, and is the only place where exceptions become error replies.
+///
+/// Threads: `start` and `stop` from one thread; the rest runs on threads of its own (README).
+class Service final : private BusListener, private SessionAudience {
+ public:
+  /// `bus` and `models` must outlive the service.
+  Service(Bus& bus, ModelStore& models, const ServiceOptions& options);
+  /// Stops if that was not done.
+  ~Service() override;
+  Service(const Service&) = delete;
+  Service& operator=(const Service&) = delete;
+
+  void start();
+  /// Hears nothing more, cancels what runs, answers it, closes sessions, says goodbye.
+  void stop();
+
+  [[nodiscard]] v1::ServerStatus status() const;
+
+ private:
+  using ClientId = Ledger<v1::Reply>::ClientId;
+  using Key = std::pair<ClientId, std::uint64_t>;
+
+  /// A request on its way through the server.
+  struct Job {
+    v1::Request request;
+    Progress progress;
+    std::chrono::steady_clock::time_point told{};
+    std::string told_stage;
+
+    Job(v1::Request what, Service& service);
+  };
+
+  using JobPtr = std::shared_ptr<Job>;
+
+  // === BusListener, SessionAudience
+  void onRequest(v1::Request request) override;
+  void onEdit(v1::Edit edit) override;
+  void onState(const v1::SessionState& state) override;
+  void onSolution(const v1::PoseSolution& solution) override;
+  void onJointCommand(std::uint64_t session_id,
+                      const sensor_msgs::msg::dds_::JointState_& command) override;
+
+  // === Requests
+  void admit(const JobPtr& job);
+  void dispatch(const JobPtr& job);
+  void postTo(Strand& strand, const JobPtr& job, std::function<v1::ReplyBody()> work);
+  void run(const JobPtr& job, const std::function<v1::ReplyBody()>& work);
+  void answer(const Job& job, v1::Reply reply);
+  void cancel(const ClientId& client, std::uint64_t request_id);
+  void tell(Job& job, std::string_view stage, double fraction);
+  v1::ReplyBody handleQuick(const Job& job);
+  v1::ReplyBody handleSlow(const Job& job);
+  v1::ReplyBody handleOfSession(const Job& job, LiveSession& live);
+
+  // === Edits
+  void answerEdit(const v1::Edit& edit, v1::EditReply reply);
+  void queueSolve(const std::shared_ptr<LiveSession>& live);
+
+  void publishStatusOnceASecond();
+
+  Bus& bus_;
+  const ServiceOptions options_;
+  const std::uint64_t server_id_;
+  const std::chrono::steady_clock::time_point started_;
+  std::atomic<std::uint64_t> answered_{0};
+  std::atomic<bool> stopping_{false};
+
+  Ledger<v1::Reply> requests_;
+  Ledger<v1::EditReply> edits_;
+  mutable std::mutex running_mutex_;
+  std::map<Key, JobPtr> running_;
+
+  UploadStore uploads_;
+  SessionStore sessions_;
+  WorkerPool quick_;
+  WorkerPool pool_;
+  Workshop workshop_;
+
+  std::mutex status_mutex_;
+  std::condition_variable status_wake_;
+  std::thread status_thread_;
+};
+
+}  // namespace handgraft::server

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "core/base/network.h"
+#include "idl/edits.h"
+#include "idl/sensor_msgs.h"
+#include "idl/service.h"
+
+namespace handgraft::server {
+
+/// Hears what clients send. Called on DDS threads: must return soon and not throw.
+class BusListener {
+ public:
+  virtual ~BusListener() = default;
+  virtual void onRequest(v1::Request request) = 0;
+  virtual void onEdit(v1::Edit edit) = 0;
+};
+
+/// What the service needs of DDS, and all that it sees of it.
+///
+/// Messages that arrive have the shape of their IDL type but are otherwise untrusted:
+/// enumerators may not exist, bounded sequences may be longer, strings may hold anything. What
+/// does not decode never arrives. Threads: every method from any thread.
+class Bus {
+ public:
+  virtual ~Bus() = default;
+
+  /// Begins to listen. `listener` must live until `stop` returned.
+  virtual void start(BusListener& listener) = 0;
+  /// Ends listening; no call of the listener is running or will come afterwards.
+  virtual void stop() = 0;
+
+  virtual void publish(const v1::Reply& reply) = 0;
+  virtual void publish(const v1::Progress& progress) = 0;
+  virtual void publish(const v1::EditReply& reply) = 0;
+  virtual void publish(const v1::ServerStatus& status) = 0;
+  /// Keeps the last solution and state of each session for late joiners, until its state is
+  /// PHASE_CLOSED; of closed ones a bounded number.
+  virtual void publish(const v1::PoseSolution& solution) = 0;
+  virtual void publish(const v1::SessionState& state) = 0;
+  /// On rt/handgraft/<session>/joint_command, until the session is closed.
+  virtual void publishJointCommand(std::uint64_t session_id,
+                                   const sensor_msgs::msg::dds_::JointState_& command) = 0;
+
+  /// Waits, at most a second, until clients have received what was published.
+  virtual void flush() = 0;
+};
+
+/// Joins by Fast DDS. Errors: InvalidInput for the network, TransportError if DDS refuses.
+std::unique_ptr<Bus> openFastBus(const Network& network);
+
+}  // namespace handgraft::server

@@ -1,0 +1,235 @@
+// Fast DDS 2.9.1. UDP on one interface, nothing else: shared memory would leave files behind
+// and Cyclone DDS cannot use it. idl/README explains the profiles.
+#include <atomic>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <string>
+#include <utility>
+
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastrtps/utils/IPLocator.h>
+
+#include "idl/topics.h"
+#include "server/transport/bus.h"
+#include "server/transport/fast_endpoints.h"
+
+namespace handgraft::server {
+
+namespace {
+
+namespace dds = eprosima::fastdds::dds;
+namespace rtps = eprosima::fastrtps::rtps;
+
+constexpr std::uint32_t kSocketBuffer = 4 * 1024 * 1024;
+// Never below Cyclone's 65500: smaller datagrams made a storm of retransmissions.
+constexpr std::uint32_t kDatagram = 65500;
+constexpr std::uint32_t kPeersOfThisMachine = 101;  // Cyclone's participant indices, 0-100
+
+dds::DomainParticipantQos participantQos(const NetworkInterface& interface) {
+  dds::DomainParticipantQos qos;
+  qos.name("handgraft-server");
+  qos.transport().use_builtin_transports = false;
+  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+  udp->interfaceWhiteList.push_back(interface.address);
+  udp->receiveBufferSize = kSocketBuffer;
+  udp->sendBufferSize = kSocketBuffer;
+  udp->maxMessageSize = kDatagram;
+  udp->non_blocking_send = false;
+  auto& protocol = qos.wire_protocol();
+  auto& discovery = protocol.builtin.discovery_config;
+  discovery.leaseDuration = {3, 0};
+  discovery.leaseDuration_announcementperiod = {1, 0};
+  if (interface.loopback) {
+    // Unicast both ways, so that loopback needs no multicast route.
+    udp->maxInitialPeersRange = kPeersOfThisMachine;
+    rtps::Locator_t address;
+    address.kind = LOCATOR_KIND_UDPv4;
+    address.port = 0;  // each participant's own, by the rules of RTPS
+    rtps::IPLocator::setIPv4(address, interface.address);
+    protocol.builtin.initialPeersList.push_back(address);
+    protocol.builtin.metatrafficUnicastLocatorList.push_back(address);
+  }
+  qos.transport().user_transports.push_back(udp);
+  return qos;
+}
+
+/// The participant and all that lives in it, taken down in order.
+class Node {
+ public:
+  explicit Node(const Network& network) {
+    const NetworkInterface interface = validate(network);
+    auto* factory = dds::DomainParticipantFactory::get_instance();
+    participant_ = factory->create_participant(static_cast<dds::DomainId_t>(network.domain),
+                                               participantQos(interface));
+    if (participant_ != nullptr) {
+      publisher_ = participant_->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
+      subscriber_ = participant_->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);
+    }
+    if (publisher_ == nullptr || subscriber_ == nullptr) {
+      close();
+      throw TransportError(describe(network) + ": Fast DDS cannot join");
+    }
+  }
+
+  ~Node() { close(); }
+
+  Node(const Node&) = delete;
+  Node& operator=(const Node&) = delete;
+
+  [[nodiscard]] Endpoints endpoints() const { return {participant_, publisher_, subscriber_}; }
+
+ private:
+  void close() {
+    if (participant_ == nullptr) return;
+    participant_->delete_contained_entities();
+    dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
+    participant_ = nullptr;
+  }
+
+  dds::DomainParticipant* participant_ = nullptr;
+  dds::Publisher* publisher_ = nullptr;
+  dds::Subscriber* subscriber_ = nullptr;
+};
+
+/// A keyed topic whose writer keeps the last value of every session for late joiners.
+///
+/// Instances cannot be disposed across the vendors (idl/README), so closed sessions are
+/// forgotten now and then by emptying the writer's history and writing what still counts once
+/// more.
+template <class Message>
+class SessionTopic {
+ public:
+  SessionTopic(const Endpoints& endpoints, const idl::Topic<Message>& topic)
+      : writer_(endpoints, topic) {}
+
+  void write(const Message& message) {
+    const std::lock_guard lock(mutex_);
+    last_[message.session_id()] = message;
+    writer_.write(message);
+  }
+
+  /// The session will not speak again.
+  void close(std::uint64_t session_id) {
+    const std::lock_guard lock(mutex_);
+    closed_.push_back(session_id);
+    if (closed_.size() < kClosedKept + kClosedAtOnce) return;
+    while (closed_.size() > kClosedKept) {
+      last_.erase(closed_.front());
+      closed_.pop_front();
+    }
+    writer_.forgetAll();
+    for (const auto& [id, message] : last_)
+      writer_.write(message);
+  }
+
+  void flush() { writer_.flush(); }
+
+ private:
+  static constexpr std::size_t kClosedKept = 32;  // their news may still be on the way
+  static constexpr std::size_t kClosedAtOnce = 96;
+
+  std::mutex mutex_;
+  std::map<std::uint64_t, Message> last_;
+  std::deque<std::uint64_t> closed_;
+  FastWriter<Message> writer_;
+};
+
+class FastBus final : public Bus {
+ public:
+  explicit FastBus(const Network& network)
+      : node_(network),
+        replies_(node_.endpoints(), idl::kReplyTopic),
+        progresses_(node_.endpoints(), idl::kProgressTopic),
+        edit_replies_(node_.endpoints(), idl::kEditReplyTopic),
+        statuses_(node_.endpoints(), idl::kStatusTopic),
+        solutions_(node_.endpoints(), idl::kSolutionTopic),
+        states_(node_.endpoints(), idl::kSessionTopic) {}
+
+  ~FastBus() override { stop(); }
+
+  FastBus(const FastBus&) = delete;
+  FastBus& operator=(const FastBus&) = delete;
+
+  void start(BusListener& listener) override {
+    requests_ = std::make_unique<FastReader<v1::Request>>(
+        node_.endpoints(), idl::kRequestTopic, [&listener](v1::Request&& request) {
+          listener.onRequest(std::move(request));
+        });
+    edits_ = std::make_unique<FastReader<v1::Edit>>(node_.endpoints(), idl::kEditTopic,
+                                                    [&listener](v1::Edit&& edit) {
+                                                      listener.onEdit(std::move(edit));
+                                                    });
+  }
+
+  void stop() override {
+    requests_.reset();
+    edits_.reset();
+  }
+
+  void publish(const v1::Reply& reply) override { replies_.write(reply); }
+
+  void publish(const v1::Progress& progress) override { progresses_.write(progress); }
+
+  void publish(const v1::EditReply& reply) override { edit_replies_.write(reply); }
+
+  void publish(const v1::ServerStatus& status) override { statuses_.write(status); }
+
+  void publish(const v1::PoseSolution& solution) override { solutions_.write(solution); }
+
+  void publish(const v1::SessionState& state) override {
+    states_.write(state);
+    if (state.phase() != v1::PHASE_CLOSED) return;
+    states_.close(state.session_id());
+    solutions_.close(state.session_id());
+    const std::lock_guard lock(commands_mutex_);
+    commands_.erase(state.session_id());
+  }
+
+  void publishJointCommand(std::uint64_t session_id,
+                           const sensor_msgs::msg::dds_::JointState_& command) override {
+    const std::lock_guard lock(commands_mutex_);
+    auto& writer = commands_[session_id];
+    if (writer == nullptr) {
+      const std::string name = "rt/handgraft/" + std::to_string(session_id) + "/joint_command";
+      writer = std::make_unique<FastWriter<sensor_msgs::msg::dds_::JointState_>>(
+          node_.endpoints(),
+          idl::Topic<sensor_msgs::msg::dds_::JointState_>{name.c_str(), idl::Qos::kTelemetry});
+    }
+    writer->write(command);
+  }
+
+  void flush() override {
+    replies_.flush();
+    edit_replies_.flush();
+    states_.flush();
+    statuses_.flush();
+  }
+
+ private:
+  Node node_;
+  FastWriter<v1::Reply> replies_;
+  FastWriter<v1::Progress> progresses_;
+  FastWriter<v1::EditReply> edit_replies_;
+  FastWriter<v1::ServerStatus> statuses_;
+  SessionTopic<v1::PoseSolution> solutions_;
+  SessionTopic<v1::SessionState> states_;
+  std::mutex commands_mutex_;
+  std::map<std::uint64_t, std::unique_ptr<FastWriter<sensor_msgs::msg::dds_::JointState_>>>
+      commands_;
+  std::unique_ptr<FastReader<v1::Request>> requests_;
+  std::unique_ptr<FastReader<v1::Edit>> edits_;
+};
+
+}  // namespace
+
+std::unique_ptr<Bus> openFastBus(const Network& network) {
+  routeVendorLog();
+  return std::make_unique<FastBus>(network);
+}
+
+}  // namespace handgraft::server

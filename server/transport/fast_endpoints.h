@@ -1,0 +1,232 @@
+#pragma once
+
+#include <functional>
+#include <utility>
+
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/log/Log.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/publisher/qos/DataWriterQos.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/DataReaderListener.hpp>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <fastdds/dds/subscriber/qos/DataReaderQos.hpp>
+#include <fastdds/dds/topic/Topic.hpp>
+#include <fastdds/dds/topic/TypeSupport.hpp>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "core/base/error.h"
+#include "idl/editsPubSubTypes.h"
+#include "idl/sensor_msgsPubSubTypes.h"
+#include "idl/servicePubSubTypes.h"
+#include "idl/sessionsPubSubTypes.h"
+#include "idl/topics.h"
+
+/// Writers and readers of one topic over Fast DDS; private to this folder.
+namespace handgraft::server {
+
+/// What endpoints are made in; borrowed.
+struct Endpoints {
+  eprosima::fastdds::dds::DomainParticipant* participant = nullptr;
+  eprosima::fastdds::dds::Publisher* publisher = nullptr;
+  eprosima::fastdds::dds::Subscriber* subscriber = nullptr;
+};
+
+/// fastddsgen's type support of a message.
+template <class Message>
+struct SupportOf;
+
+// clang-format off
+template <> struct SupportOf<v1::Request> { using type = v1::RequestPubSubType; };
+template <> struct SupportOf<v1::Reply> { using type = v1::ReplyPubSubType; };
+template <> struct SupportOf<v1::Progress> { using type = v1::ProgressPubSubType; };
+template <> struct SupportOf<v1::Edit> { using type = v1::EditPubSubType; };
+template <> struct SupportOf<v1::EditReply> { using type = v1::EditReplyPubSubType; };
+template <> struct SupportOf<v1::PoseSolution> { using type = v1::PoseSolutionPubSubType; };
+template <> struct SupportOf<v1::SessionState> { using type = v1::SessionStatePubSubType; };
+template <> struct SupportOf<v1::ServerStatus> { using type = v1::ServerStatusPubSubType; };
+template <> struct SupportOf<sensor_msgs::msg::dds_::JointState_> { using type = sensor_msgs::msg::dds_::JointState_PubSubType; };
+
+// clang-format on
+
+/// A message as taken from the wire, and whether it decoded.
+template <class Message>
+struct Taken {
+  Message message;
+  bool sound = false;
+};
+
+/// Largest payload that a client may send; a chunk of a file is 512 KiB.
+inline constexpr std::uint32_t kLargestPayload = 1024 * 1024;
+
+/// Decodes into Taken<Message>, and survives every payload: the generated code lets exceptions
+/// (bad_alloc, bad discriminators) escape into DDS threads, and a sample that failed would be
+/// offered again.
+template <class Message>
+class HardenedType final : public SupportOf<Message>::type {
+  using Base = typename SupportOf<Message>::type;
+
+ public:
+  bool deserialize(eprosima::fastrtps::rtps::SerializedPayload_t* payload,
+                   void* data) override {
+    auto* taken = static_cast<Taken<Message>*>(data);
+    taken->sound = false;
+    if (payload->length > kLargestPayload) return true;
+    try {
+      taken->sound = Base::deserialize(payload, &taken->message);
+    } catch (...) {
+      taken->sound = false;
+    }
+    return true;
+  }
+
+  void* createData() override { return new Taken<Message>(); }
+
+  void deleteData(void* data) override { delete static_cast<Taken<Message>*>(data); }
+};
+
+template <class EntityQos>
+void apply(idl::Qos profile, EntityQos& qos) {
+  namespace dds = eprosima::fastdds::dds;
+  qos.reliability().kind = dds::RELIABLE_RELIABILITY_QOS;
+  qos.reliability().max_blocking_time = {1, 0};
+  qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;
+  qos.durability().kind = dds::VOLATILE_DURABILITY_QOS;
+  switch (profile) {
+    case idl::Qos::kService:
+      qos.history().depth = 256;
+      break;
+    case idl::Qos::kState:
+      qos.history().depth = 1;
+      qos.durability().kind = dds::TRANSIENT_LOCAL_DURABILITY_QOS;
+      break;
+    case idl::Qos::kTelemetry:
+      qos.history().depth = 10;
+      break;
+  }
+  // By default Fast DDS knows 10 instances, and sets memory aside for 100 samples of the
+  // largest size; 0 means no limit, the depth above bounds what is kept.
+  qos.resource_limits().max_samples = 0;
+  qos.resource_limits().max_instances = 0;
+  qos.resource_limits().max_samples_per_instance = 0;
+  qos.resource_limits().allocated_samples = 1;
+  qos.endpoint().history_memory_policy =
+      eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+}
+
+/// Registers the type, once, and makes or finds the topic.
+template <class Message, class Support>
+eprosima::fastdds::dds::Topic* topicFor(const Endpoints& endpoints,
+                                        const idl::Topic<Message>& topic) {
+  namespace dds = eprosima::fastdds::dds;
+  const dds::TypeSupport type(new Support());
+  if (endpoints.participant->find_type(type.get_type_name()).empty()) {
+    type.register_type(endpoints.participant);
+  }
+  auto* made = endpoints.participant->create_topic(topic.name, type.get_type_name(),
+                                                   dds::TOPIC_QOS_DEFAULT);
+  if (made == nullptr) throw TransportError(fmt::format("{}: no topic", topic.name));
+  return made;
+}
+
+template <class Message>
+class FastWriter {
+ public:
+  FastWriter(const Endpoints& endpoints, const idl::Topic<Message>& topic)
+      : endpoints_(endpoints),
+        topic_(topicFor<Message, typename SupportOf<Message>::type>(endpoints, topic)) {
+    namespace dds = eprosima::fastdds::dds;
+    dds::DataWriterQos qos = dds::DATAWRITER_QOS_DEFAULT;
+    apply(topic.qos, qos);
+    // Large replies are cut into datagrams and sent by Fast DDS's own thread.
+    qos.publish_mode().kind = dds::ASYNCHRONOUS_PUBLISH_MODE;
+    qos.writer_data_lifecycle().autodispose_unregistered_instances = false;
+    // Late datagrams of large samples are asked for again at once.
+    qos.reliable_writer_qos().times.heartbeatPeriod = {0, 100'000'000};
+    writer_ = endpoints.publisher->create_datawriter(topic_, qos);
+    if (writer_ == nullptr) throw TransportError(fmt::format("{}: no writer", topic.name));
+  }
+
+  ~FastWriter() {
+    endpoints_.publisher->delete_datawriter(writer_);
+    endpoints_.participant->delete_topic(topic_);
+  }
+
+  FastWriter(const FastWriter&) = delete;
+  FastWriter& operator=(const FastWriter&) = delete;
+
+  void write(const Message& message) {
+    // Fast DDS takes void* and reads it only.
+    if (!writer_->write(const_cast<Message*>(&message))) {
+      spdlog::warn("topic={} event=not_written", topic_->get_name());
+    }
+  }
+
+  void forgetAll() {
+    std::size_t removed = 0;
+    writer_->clear_history(&removed);
+  }
+
+  void flush() { writer_->wait_for_acknowledgments({1, 0}); }
+
+ private:
+  Endpoints endpoints_;
+  eprosima::fastdds::dds::Topic* topic_;
+  eprosima::fastdds::dds::DataWriter* writer_ = nullptr;
+};
+
+template <class Message>
+class FastReader : private eprosima::fastdds::dds::DataReaderListener {
+ public:
+  /// `use` runs on Fast DDS's receive thread and must not throw.
+  FastReader(const Endpoints& endpoints,
+             const idl::Topic<Message>& topic,
+             std::function<void(Message&&)> use)
+      : endpoints_(endpoints),
+        use_(std::move(use)),
+        topic_(topicFor<Message, HardenedType<Message>>(endpoints, topic)) {
+    namespace dds = eprosima::fastdds::dds;
+    dds::DataReaderQos qos = dds::DATAREADER_QOS_DEFAULT;
+    apply(topic.qos, qos);
+    reader_ = endpoints.subscriber->create_datareader(topic_, qos, this,
+                                                      dds::StatusMask::data_available());
+    if (reader_ == nullptr) throw TransportError(fmt::format("{}: no reader", topic.name));
+  }
+
+  ~FastReader() override {
+    reader_->set_listener(nullptr);
+    endpoints_.subscriber->delete_datareader(reader_);
+    endpoints_.participant->delete_topic(topic_);
+  }
+
+  FastReader(const FastReader&) = delete;
+  FastReader& operator=(const FastReader&) = delete;
+
+ private:
+  void on_data_available(eprosima::fastdds::dds::DataReader* reader) override {
+    while (true) {
+      Taken<Message> taken;
+      eprosima::fastdds::dds::SampleInfo info;
+      if (reader->take_next_sample(&taken, &info) != ReturnCode_t::RETCODE_OK) return;
+      if (!info.valid_data) continue;
+      if (!taken.sound) {
+        spdlog::warn("topic={} event=dropped reason=\"does not decode\"", topic_->get_name());
+        continue;
+      }
+      use_(std::move(taken.message));
+    }
+  }
+
+  Endpoints endpoints_;
+  std::function<void(Message&&)> use_;
+  eprosima::fastdds::dds::Topic* topic_;
+  eprosima::fastdds::dds::DataReader* reader_ = nullptr;
+};
+
+/// Sends Fast DDS's own errors to our log instead of standard output.
+void routeVendorLog();
+
+}  // namespace handgraft::server

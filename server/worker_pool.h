@@ -1,0 +1,68 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace handgraft::server {
+
+/// A fixed number of threads that run tasks in the order given. Tasks must not throw.
+class WorkerPool {
+ public:
+  /// `most_waiting` tasks may queue.
+  WorkerPool(std::size_t threads, std::size_t most_waiting);
+  /// Finishes what runs and what waits.
+  ~WorkerPool();
+  WorkerPool(const WorkerPool&) = delete;
+  WorkerPool& operator=(const WorkerPool&) = delete;
+
+  /// False, and the task is not taken, when too many wait or the pool is being shut.
+  [[nodiscard]] bool post(std::function<void()> task);
+
+  /// Takes no more tasks, finishes those it has, and joins the threads. Not from a task.
+  void shut();
+
+ private:
+  friend class Strand;
+  void postAlways(std::function<void()> task);
+  void run();
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<std::function<void()>> tasks_;
+  std::size_t most_waiting_;
+  bool shut_ = false;
+  std::vector<std::thread> threads_;
+};
+
+/// Tasks that run one after another, in order, on whichever worker is free: one session's work.
+///
+/// A strand takes one place in the pool however many tasks it holds, and gives way to other
+/// strands after each of them. It may be dropped while tasks wait; they still run.
+class Strand {
+ public:
+  Strand(WorkerPool& pool, std::size_t most_waiting);
+
+  /// False, and the task is not taken, when too many wait or the pool refuses.
+  [[nodiscard]] bool post(std::function<void()> task);
+
+ private:
+  struct State {
+    std::mutex mutex;
+    std::deque<std::function<void()>> tasks;
+    bool scheduled = false;
+  };
+
+  static void runOne(WorkerPool& pool, const std::shared_ptr<State>& state);
+
+  WorkerPool& pool_;
+  std::size_t most_waiting_;
+  std::shared_ptr<State> state_;
+};
+
+}  // namespace handgraft::server

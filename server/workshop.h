@@ -1,0 +1,47 @@
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <thread>
+
+#include "server/model_store.h"
+#include "server/session_store.h"
+#include "server/upload_store.h"
+#include "server/worker_pool.h"
+
+namespace handgraft::server {
+
+/// What handlers work with. Outlives every request.
+struct Workshop {
+  ModelStore& models;
+  UploadStore& uploads;
+  SessionStore& sessions;
+  SessionAudience& audience;
+  WorkerPool& pool;  ///< where sessions' strands run
+
+  /// Solves going on: they share the processors.
+  std::atomic<int> solving{0};
+
+  /// Counts one solve for as long as it lives.
+  class Share {
+   public:
+    explicit Share(Workshop& workshop) : workshop_(workshop), others_(workshop.solving++) {}
+
+    ~Share() { --workshop_.solving; }
+
+    Share(const Share&) = delete;
+    Share& operator=(const Share&) = delete;
+
+    /// Threads that this solve may use; the answer does not depend on it.
+    [[nodiscard]] int threads() const {
+      const auto processors = static_cast<int>(std::thread::hardware_concurrency());
+      return std::max(1, processors / (1 + others_));
+    }
+
+   private:
+    Workshop& workshop_;
+    int others_;
+  };
+};
+
+}  // namespace handgraft::server
