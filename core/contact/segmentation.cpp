@@ -125,7 +125,7 @@ class Segmenter {
       if (map_.label[v] >= 0) segments.insert(map_.label[v]);
       if (map_.label[v] < 0) ++unlabelled;
     }
-    if (unlabelled > 0) note("{} vertices in contact carry no label: left out", unlabelled);
+    if (unlabelled > 0) note("vertices in contact without label, left out: {}", unlabelled);
 
     const auto fingerOf = [&](int label) {
       return label >= 0 && label < std::ssize(map_.segment_names)
@@ -214,7 +214,7 @@ class Segmenter {
       }
     }
     if (specks > 0) {
-      note("{} specks below {:.0f} mm2 dropped", specks, mm2(options_.minimum_area_m2));
+      note("specks below {:.0f} mm2 dropped: {}", mm2(options_.minimum_area_m2), specks);
     }
   }
 
@@ -226,7 +226,7 @@ class Segmenter {
       return false;
     }
     if (boundary.other_loops > 0) {
-      note("'{}' has {} holes or pinches: only its outer boundary counts", name,
+      note("'{}': only the outer boundary counts, holes or pinches left out: {}", name,
            boundary.other_loops);
     }
     Patch patch;

@@ -124,6 +124,12 @@ double HandPlacer::meanSquareDepth(const hand::HandPose& pose, const Pose& X_WO)
   return sum / static_cast<double>(samples_.size());
 }
 
+double HandPlacer::depthCharge(const hand::HandPose& pose,
+                               const Pose& X_WO,
+                               std::size_t pair_count) const {
+  return kDepthWeight * static_cast<double>(pair_count) * meanSquareDepth(pose, X_WO);
+}
+
 std::vector<HandPlacement> HandPlacer::place(const std::vector<Anchor>& anchors,
                                              const Pose& X_WO,
                                              int starts,
@@ -144,8 +150,7 @@ std::vector<HandPlacement> HandPlacer::place(const std::vector<Anchor>& anchors,
     problem.start.X_WH =
         turnedAbout(centre, axis, angle) * optimize::alignRoot(problem, problem.start.q);
     const optimize::SolveReport report = optimize::solve(problem, options, progress);
-    const double depth = meanSquareDepth(report.pose, X_WO);
-    const double charge = kDepthWeight * static_cast<double>(problem.pairs.size()) * depth;
+    const double charge = depthCharge(report.pose, X_WO, problem.pairs.size());
     placements.push_back({report.pose, report.terms.objective + charge});
   }
   std::stable_sort(placements.begin(), placements.end(),

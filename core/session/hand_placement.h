@@ -72,6 +72,11 @@ class HandPlacer {
   /// Mean square depth of the hand's skin inside the object, m^2, by the nearest face's side.
   [[nodiscard]] double meanSquareDepth(const hand::HandPose& pose, const Pose& X_WO) const;
 
+  /// What that depth adds to an objective over `pair_count` pairs, to rank poses.
+  [[nodiscard]] double depthCharge(const hand::HandPose& pose,
+                                   const Pose& X_WO,
+                                   std::size_t pair_count) const;
+
  private:
   struct Sample {
     int link;

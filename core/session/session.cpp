@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <regex>
 #include <utility>
@@ -19,6 +20,8 @@ using optimize::PoseProblem;
 using optimize::SolveReport;
 
 constexpr int kPlacingStarts = 12;
+constexpr int kTriedPlacements = 4;  // of those, laid out and solved in full
+constexpr int kTrialEvaluations = 300;
 constexpr int kRefinements = 2;
 constexpr double kSameDirection = std::numbers::pi / 180.0;
 
@@ -228,10 +231,50 @@ void Session::findOpenDirections(const Progress& progress) {
   }
   if (!any_missing) return;
   if (!start_is_known_ && !anchors.empty()) {
-    start_ = placer().place(anchors, X_WO_, kPlacingStarts, progress).front().pose;
-    start_is_known_ = true;
+    choosePlacement(placer().place(anchors, X_WO_, kPlacingStarts, progress), progress);
+  } else {
+    takeDirectionsFrom(start_);
+  }
+}
+
+void Session::choosePlacement(const std::vector<HandPlacement>& placements,
+                              const Progress& progress) {
+  optimize::SolveOptions options;
+  options.starts = 1;
+  options.max_evaluations = kTrialEvaluations;
+  const std::vector<SessionPatch> before = patches_;
+  const hand::HandPose rest = start_;
+  std::vector<SessionPatch> best_patches = before;
+  hand::HandPose best_start = rest;
+  double best = std::numeric_limits<double>::infinity();
+  try {
+    for (std::size_t i = 0; i < std::min<std::size_t>(placements.size(), kTriedPlacements);
+         ++i) {
+      patches_ = before;
+      start_ = placements[i].pose;
+      takeDirectionsFrom(start_);
+      layPatches(progress);
+      const PoseProblem trial = problem();
+      if (trial.pairs.empty()) break;
+      const SolveReport report = solve(trial, options, progress);
+      const double score =
+          report.terms.objective + placer().depthCharge(report.pose, X_WO_, trial.pairs.size());
+      if (score >= best) continue;
+      best = score;
+      best_patches = patches_;
+      best_start = report.pose;
+    }
+  } catch (...) {
+    patches_ = before;
+    start_ = rest;
+    throw;
+  }
+  if (std::isfinite(best)) {
+    patches_ = std::move(best_patches);
+    start_ = std::move(best_start);
   }
   takeDirectionsFrom(start_);
+  start_is_known_ = true;
 }
 
 bool Session::takeDirectionsFrom(const hand::HandPose& pose) {
@@ -255,6 +298,11 @@ bool Session::takeDirectionsFrom(const hand::HandPose& pose) {
 
 void Session::transferPatches(const Progress& progress) {
   findOpenDirections(progress);
+  layPatches(progress);
+  progress.report("laying patches onto the skin", 1.0);
+}
+
+void Session::layPatches(const Progress& progress) {
   for (std::size_t i = 0; i < patches_.size(); ++i) {
     SessionPatch& item = patches_[i];
     if (!item.placement || item.up_to_date) continue;
@@ -268,7 +316,6 @@ void Session::transferPatches(const Progress& progress) {
     }
     item.up_to_date = true;
   }
-  progress.report("laying patches onto the skin", 1.0);
 }
 
 PoseProblem Session::problem() const {

@@ -17,6 +17,7 @@
 namespace handgraft::session {
 
 class HandPlacer;
+struct HandPlacement;
 
 /// A hand ready for use; shared by all sessions.
 struct Hand {
@@ -140,8 +141,8 @@ class Session {
   optimize::SolveReport optimize(const optimize::SolveOptions& options,
                                  const Progress& progress);
 
-  /// The problem that the last `optimize` answered, with the start and the prior it had; missing
-  /// before the first. Edits since then are not in it.
+  /// The problem that the last `optimize` answered, with the start and the prior it had;
+  /// missing before the first. Edits since then are not in it.
   [[nodiscard]] const std::optional<optimize::PoseProblem>& solvedProblem() const {
     return solved_;
   }
@@ -175,10 +176,14 @@ class Session {
   [[nodiscard]] SessionPatch& patchNamed(const std::string& name);
   [[nodiscard]] const HandPlacer& placer();
   void findOpenDirections(const Progress& progress);
+  /// Takes start and directions from the placement that a full transfer and a short solve like
+  /// best.
+  void choosePlacement(const std::vector<HandPlacement>& placements, const Progress& progress);
+  void layPatches(const Progress& progress);
   /// Sets the open directions as `pose` shows them; true if one turned by more than a degree.
   bool takeDirectionsFrom(const hand::HandPose& pose);
-  /// One more solve with the open directions as the report's pose shows them; kept, and true, if
-  /// the objective falls.
+  /// One more solve with the open directions as the report's pose shows them; kept, and true,
+  /// if the objective falls.
   bool refineDirections(optimize::SolveReport& report,
                         const optimize::SolveOptions& options,
                         const Progress& progress);

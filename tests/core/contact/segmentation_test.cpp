@@ -83,7 +83,7 @@ TEST(Segment, DropsSpecksWithANote) {
   touchDisk(map, 0.03, 0.03, 0.0015);
   const ContactSet set = segment(map, {});
   EXPECT_THAT(namesOf(set), ElementsAre("c1"));
-  EXPECT_THAT(set.notes, ElementsAre(HasSubstr("1 specks below 20 mm2")));
+  EXPECT_THAT(set.notes, ElementsAre(HasSubstr("specks below 20 mm2 dropped: 1")));
 }
 
 TEST(Segment, GroupsSegmentsOfOneFinger) {
