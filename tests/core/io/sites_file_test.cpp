@@ -1,0 +1,74 @@
+#include "core/io/sites_file.h"
+
+#include <fstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+
+#include "tests/support/shared_data.h"
+
+namespace handgraft::io {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+const hand::HandModel& palm() {
+  static const hand::HandModel kModel("hand", {{"palm", {}, {}}}, {});
+  return kModel;
+}
+
+std::vector<hand::ContactSite> sitesIn(const std::string& text) {
+  const std::filesystem::path path = test::scratchDirectory() / "sites.yaml";
+  std::ofstream(path) << text;
+  return readSites(path, palm());
+}
+
+std::string faultOf(const std::string& text) {
+  try {
+    (void)sitesIn(text);
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "no fault";
+}
+
+const std::string kHead = "format: handgraft-sites/1\nsites:\n";
+const std::string kSite =
+    "  - {name: thumb, link: palm, point_m: [1, 2, 3], normal: [0, 0, 2], direction: [1, 0, "
+    "1]}\n";
+
+TEST(SitesFile, ReadsSitesAndMakesDirectionsTangent) {
+  const auto sites = sitesIn(kHead + kSite);
+  ASSERT_EQ(sites.size(), 1U);
+  EXPECT_EQ(sites[0].name, "thumb");
+  EXPECT_EQ(sites[0].p_L, Eigen::Vector3d(1, 2, 3));
+  EXPECT_TRUE(sites[0].n_L.isApprox(Eigen::Vector3d::UnitZ()));
+  EXPECT_TRUE(sites[0].direction_L.isApprox(Eigen::Vector3d::UnitX()));
+}
+
+TEST(SitesFile, NamesWhatIsWrong) {
+  EXPECT_THAT(faultOf("{"), HasSubstr("sites.yaml"));
+  EXPECT_THAT(faultOf("format: other\n"), HasSubstr("handgraft-sites/1"));
+  EXPECT_THAT(faultOf("format: handgraft-sites/1\n"), HasSubstr("'sites'"));
+  EXPECT_THAT(faultOf(kHead + kSite + kSite), HasSubstr("twice"));
+  EXPECT_THAT(
+      faultOf(kHead + "  - {name: thumb, link: palm, point_m: [1, .nan, 3], normal: [0, "
+                      "0, 1], direction: [1, 0, 0]}\n"),
+      AllOf(HasSubstr("'thumb'"), HasSubstr("'point_m'")));
+  EXPECT_THAT(
+      faultOf(kHead + "  - {name: thumb, link: ghost, point_m: [1, 2, 3], normal: [0, 0, "
+                      "1], direction: [1, 0, 0]}\n"),
+      HasSubstr("'ghost'"));
+  EXPECT_THAT(
+      faultOf(kHead + "  - {name: thumb, link: palm, point_m: [1, 2, 3], normal: [0, 0, "
+                      "1], direction: [0, 0, 1]}\n"),
+      HasSubstr("parallel"));
+  EXPECT_THAT(faultOf(kHead + "  - {name: thumb, colour: red}\n"), HasSubstr("'colour'"));
+}
+
+}  // namespace
+}  // namespace handgraft::io

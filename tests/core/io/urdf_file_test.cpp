@@ -1,0 +1,156 @@
+#include "core/io/urdf_file.h"
+
+#include <fstream>
+#include <numbers>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+
+#include "tests/support/shared_data.h"
+
+namespace handgraft::io {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::filesystem::path written(const std::string& body) {
+  const std::filesystem::path path = test::scratchDirectory() / "hand.urdf";
+  std::ofstream(path) << "<robot name='hand'>" << body << "</robot>";
+  return path;
+}
+
+std::string faultOf(const std::string& body) {
+  try {
+    (void)readUrdf(written(body));
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "no fault";
+}
+
+constexpr const char* kLinks = "<link name='a'/><link name='b'/>";
+
+std::string joint(const std::string& type, const std::string& inside) {
+  return "<joint name='j' type='" + type + "'><parent link='a'/><child link='b'/>" + inside +
+         "</joint>";
+}
+
+TEST(UrdfFile, ReadsOriginAxisAndLimits) {
+  const UrdfFile file = readUrdf(
+      written(kLinks + joint("revolute",
+                             "<origin xyz='1 2 3' rpy='0 0 1.5707963267948966'/>"
+                             "<axis xyz='0 0 2'/><limit lower='-1' upper='2' velocity='3' "
+                             "effort='1'/>")));
+  const hand::Joint& j = file.model.dofJoint(0);
+  EXPECT_TRUE(j.X_PJ.translation().isApprox(Eigen::Vector3d(1, 2, 3)));
+  EXPECT_TRUE((j.X_PJ.linear() * Eigen::Vector3d::UnitX()).isApprox(Eigen::Vector3d::UnitY()));
+  EXPECT_TRUE(j.axis_J.isApprox(Eigen::Vector3d::UnitZ()));
+  EXPECT_EQ(j.lower, -1.0);
+  EXPECT_EQ(j.upper, 2.0);
+  EXPECT_EQ(j.velocity_limit, 3.0);
+  EXPECT_TRUE(file.notes.empty());
+}
+
+TEST(UrdfFile, NotesMissingLimits) {
+  const UrdfFile file = readUrdf(written(kLinks + joint("revolute", "")));
+  EXPECT_DOUBLE_EQ(file.model.upper()[0], std::numbers::pi);
+  ASSERT_FALSE(file.notes.empty());
+  EXPECT_THAT(file.notes[0], AllOf(HasSubstr("'j'"), HasSubstr("no limit")));
+}
+
+TEST(UrdfFile, LeavesContinuousJointsUnlimited) {
+  const UrdfFile file = readUrdf(written(kLinks + joint("continuous", "")));
+  EXPECT_TRUE(std::isinf(file.model.upper()[0]));
+}
+
+TEST(UrdfFile, ReadsPrimitivesInTheirPlace) {
+  const UrdfFile file = readUrdf(
+      written("<link name='a'><collision><origin xyz='1 0 0'/><geometry><box size='2 2 2'/>"
+              "</geometry></collision><collision><geometry><sphere radius='0'/></geometry>"
+              "</collision></link>"));
+  const auto& shapes = file.model.links()[0].surface();
+  ASSERT_EQ(shapes.size(), 1U);
+  EXPECT_NEAR(shapes[0].mesh_L.vertices().row(0).minCoeff(), 0.0, 1e-12);
+  EXPECT_NEAR(shapes[0].mesh_L.vertices().row(0).maxCoeff(), 2.0, 1e-12);
+  EXPECT_EQ(file.notes.size(), 1U);  // the sphere without volume
+}
+
+TEST(UrdfFile, KeepsMirroredMeshesOutward) {
+  std::ofstream(test::scratchDirectory() / "tetra.obj")
+      << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+  const UrdfFile file = readUrdf(written(
+      "<link name='a'><visual><geometry><mesh filename='tetra.obj' scale='-1 1 1'/></geometry>"
+      "</visual></link>"));
+  const geometry::TriangleMesh& mesh = file.model.links()[0].surface()[0].mesh_L;
+  double volume = 0.0;
+  for (int f = 0; f < mesh.faceCount(); ++f)
+    volume += mesh.vertex(mesh.face(f)[0])
+                  .dot(mesh.vertex(mesh.face(f)[1]).cross(mesh.vertex(mesh.face(f)[2]))) /
+              6.0;
+  EXPECT_NEAR(volume, 1.0 / 6.0, 1e-9);
+  EXPECT_NEAR(mesh.vertices().row(0).minCoeff(), -1.0, 1e-9);
+}
+
+TEST(UrdfFile, NamesWhatIsWrongOnOneLine) {
+  const auto fault = [](const std::string& body) {
+    const std::string text = faultOf(body);
+    EXPECT_THAT(text, AllOf(HasSubstr("hand.urdf"), Not(HasSubstr("\n"))));
+    return text;
+  };
+  EXPECT_THAT(fault("<link name='a'>"), HasSubstr("not well-formed"));
+  EXPECT_THAT(fault(""), HasSubstr("no links"));
+  EXPECT_THAT(fault("<link/>"), HasSubstr("no name"));
+  EXPECT_THAT(fault(kLinks + joint("floating", "")),
+              AllOf(HasSubstr("'j'"), HasSubstr("floating")));
+  EXPECT_THAT(fault(kLinks + joint("planar", "")),
+              AllOf(HasSubstr("'j'"), HasSubstr("planar")));
+  EXPECT_THAT(fault("<link name='a'/>" + joint("fixed", "")), HasSubstr("'b'"));
+  EXPECT_THAT(fault(kLinks + joint("fixed", "") +
+                    "<joint name='k' type='fixed'><parent link='b'/><child link='a'/></joint>"),
+              AllOf(HasSubstr("'j'"), HasSubstr("'k'"), HasSubstr("loop")));
+  EXPECT_THAT(fault("<link name='a'><visual><geometry><mesh filename='gone.stl'/></geometry>"
+                    "</visual></link>"),
+              AllOf(HasSubstr("'a'"), HasSubstr("gone.stl")));
+  EXPECT_THAT(fault(kLinks + joint("revolute", "<axis xyz='0 0 x'/>")), HasSubstr("urdfdom"));
+  EXPECT_THAT(fault(kLinks + joint("revolute", "<axis xyz='0 0 0'/>")), HasSubstr("'j'"));
+  EXPECT_THAT(fault("<link name='a'><visual><geometry><box size='1 1 -1'/></geometry></visual>"
+                    "</link>"),
+              HasSubstr("box"));
+  EXPECT_THROW((void)readUrdf("/nowhere/hand.urdf"), InvalidInput);
+}
+
+TEST(UrdfFile, PrintsNothingItself) {
+  ::testing::internal::CaptureStderr();
+  (void)faultOf(kLinks + joint("revolute", "<axis xyz='0 0 x'/>"));
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+}
+
+TEST(UrdfFile, SurvivesEntityBombsAndDeepNesting) {
+  const std::filesystem::path path = test::scratchDirectory() / "bomb.urdf";
+  std::ofstream(path) << "<!DOCTYPE r [<!ENTITY a 'aaaaaaaaaa'><!ENTITY b '&a;&a;&a;&a;'>]>"
+                         "<robot name='&b;'><link name='a'/></robot>";
+  try {
+    EXPECT_LT(readUrdf(path).model.name().size(), 100U);
+  } catch (const InvalidInput&) {
+    SUCCEED();
+  }
+  std::string deep;
+  for (int i = 0; i < 100'000; ++i)
+    deep += "<x>";
+  EXPECT_THAT(faultOf(deep), HasSubstr("not well-formed"));
+}
+
+TEST(UrdfFile, ReadsKinematicsWithoutMeshes) {
+  const hand::HandModel model = readUrdfKinematics(
+      written("<link name='a'><visual><geometry><mesh filename='gone.stl'/></geometry></visual>"
+              "</link>"));
+  EXPECT_EQ(model.linkCount(), 1);
+}
+
+}  // namespace
+}  // namespace handgraft::io
