@@ -143,7 +143,7 @@ def make_scissors():
         plate(ring(*FINGER_RING), 5.6, 2.8),
     ], 3.0)
     mesh = polygonise(solid, (-98.0, -45.0, -9.0), (98.0, 45.0, 9.0), 2.1)
-    return Object("scissors", "scissors, 187 mm long, two finger rings", solid, mesh, 2)
+    return Object("scissors", "scissors, 182 mm long, two finger rings", solid, mesh, 2)
 
 
 def make_objects():
