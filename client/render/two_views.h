@@ -30,8 +30,8 @@ struct PictureSize {
 /// right one shows most among those that are turned by 90 to 150 degrees from it.
 ///
 /// Errors: InvalidInput for a scene that is not valid, or a side below 200 pixels.
-/// Cost: 131,000 triangles on 1600 x 1000 pixels take about 0.5 s, of which the choice of the
-/// views is a third.
+/// Cost:   92,000 triangles on 1600 x 1000 pixels take about 0.45 s of one core, a third of it
+/// to choose the views.
 Image renderTwoViews(const Scene& scene, const Caption& caption, PictureSize size = {});
 
 }  // namespace handgraft::client::render
