@@ -14,7 +14,7 @@ std::string textLine(const BridgeReport& report);
 
 /// One line of JSON:
 /// {"message","state","session_id","hand","names","position_rad","target_rad"}. Bytes that are
-/// not UTF-8 become '?', numbers that are not finite null.
+/// not UTF-8 become U+FFFD, numbers that are not finite null.
 std::string jsonLine(const BridgeReport& report);
 
 }  // namespace handgraft::bridge
