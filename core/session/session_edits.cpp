@@ -95,17 +95,20 @@ void Session::applyOne(const PatchRootEdit& edit) {
 }
 
 void Session::applyOne(const PatchDirectionEdit& edit) {
-  SessionPatch& item = patchNamed(edit.patch);
   requireWithin(edit.angle_rad, -kLargestTurn, kLargestTurn,
                 "angle of patch " + quoted(edit.patch));
-  if (!item.placement) rejectInput("patch {} is dropped: {}", quoted(edit.patch), item.dropped);
+  if (const SessionPatch& item = patchNamed(edit.patch); !item.placement) {
+    rejectInput("patch {} is dropped: {}", quoted(edit.patch), item.dropped);
+  } else if (edit.side == Side::kObject && !item.patch.direction_O) {
+    findOpenDirections(Progress());
+  }
+  SessionPatch& item = patchNamed(edit.patch);  // the search above may move the patches
   const auto turned = [&](const geometry::TriangleMesh& mesh,
                           const geometry::SurfacePoint& root,
                           const Eigen::Vector3d& direction) -> Eigen::Vector3d {
     return rotationFromVector(edit.angle_rad * normalOf(mesh, root)) * direction;
   };
   if (edit.side == Side::kObject) {
-    if (!item.patch.direction_O) findOpenDirections(Progress());
     item.patch.direction_O = turned(*object_O_, item.patch.root, *item.patch.direction_O);
     item.direction_is_open = false;
   } else {
