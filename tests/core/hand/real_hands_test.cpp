@@ -1,0 +1,136 @@
+// Skins and contact sites of hands that others made, and of those that the project ships.
+#include <algorithm>
+#include <regex>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/hand/contact_site.h"
+#include "core/hand/digits.h"
+#include "core/hand/kinematics.h"
+#include "core/io/urdf_file.h"
+
+#include "tests/support/shared_data.h"
+
+namespace handgraft::hand {
+namespace {
+
+struct RealHand {
+  const char* path;
+  bool shared;  ///< among the shared data, else in the project
+  int dofs;
+  int mimics;
+  std::vector<std::string> sites;
+};
+
+std::filesystem::path pathOf(const RealHand& hand) {
+  return hand.shared ? test::sharedData(hand.path) : test::sourceDirectory() / hand.path;
+}
+
+const std::vector<std::string> kFiveFingers{"thumb", "index",  "middle",
+                                            "ring",  "little", "palm"};
+const std::vector<std::string> kFourFingers{"thumb", "index", "middle", "ring", "palm"};
+const std::vector<std::string> kThreeFingers{"thumb", "index", "middle", "palm"};
+
+class RealHands : public ::testing::TestWithParam<RealHand> {};
+
+TEST_P(RealHands, GetAClosedSkinAndTheirSites) {
+  const RealHand& hand = GetParam();
+  if (hand.shared) HANDGRAFT_NEEDS_SHARED_DATA(hand.path);
+  const HandModel model = io::readUrdf(pathOf(hand)).model;
+  EXPECT_EQ(model.dofCount(), hand.dofs);
+  EXPECT_EQ(model.mimicCount(), hand.mimics);
+
+  // === The skin: closed, of one piece, and close to the links
+  const Skin skin = buildSkin(model, {}, Progress());
+  const geometry::TriangleMesh& mesh = skin.mesh();
+  EXPECT_TRUE(mesh.isClosed());
+  EXPECT_EQ(mesh.components().second, 1);
+  EXPECT_GT(mesh.meanEdgeLength(), 0.0015);
+  EXPECT_LT(mesh.meanEdgeLength(), 0.003);
+  // Through-holes of a robot's frame may remain as handles.
+  if (mesh.eulerCharacteristic() != 2) {
+    RecordProperty("genus", (2 - mesh.eulerCharacteristic()) / 2);
+    EXPECT_THAT(hand.path, ::testing::HasSubstr("allegro_hand_right"));
+  }
+  int projected = 0;
+  for (int v = 0; v < mesh.vertexCount(); ++v)
+    if (skin.project(mesh.vertex(v), mesh.vertexNormals().col(v))) ++projected;
+  EXPECT_GE(projected, 0.97 * mesh.vertexCount());
+
+  // === The sites: the names expected, each on the side that closes
+  const std::vector<ContactSite> sites = findContactSites(model, skin);
+  std::vector<std::string> names;
+  for (const ContactSite& site : sites)
+    names.push_back(site.name);
+  EXPECT_EQ(names, hand.sites);
+  LinkPoses X_SL;
+  forwardKinematics(model, Pose::Identity(), skin.qReference(), X_SL);
+  const Digits digits = findDigits(model, X_SL);
+  Eigen::Vector3d closing_sum = Eigen::Vector3d::Zero();
+  for (const Digit& digit : digits.digits)
+    closing_sum += digit.closing;
+  for (const ContactSite& site : sites) {
+    const int link = model.linkIndex(site.link);
+    const Eigen::Vector3d n_S = skin.directionInSkin(link, site.n_L);
+    Eigen::Vector3d closing = closing_sum.normalized();
+    for (const Digit& digit : digits.digits)
+      if (std::find(digit.tip_links.begin(), digit.tip_links.end(), link) !=
+          digit.tip_links.end())
+        closing = digit.closing;
+    EXPECT_GT(n_S.dot(closing), 0.5) << site.name;
+    // On the surface: the skin point of the site comes back to it.
+    const geometry::SurfacePoint point = skin.skinPointOf(link, site.p_L);
+    const Eigen::Vector3d p_S = X_SL[static_cast<std::size_t>(link)] * site.p_L;
+    EXPECT_LT((geometry::positionOf(mesh, point) - p_S).norm(), 0.004) << site.name;
+  }
+}
+
+/// Which way a finger closes is checked against the motion itself: flexing brings the tips
+/// towards the side that the pads face.
+TEST_P(RealHands, CloseTowardsTheirPads) {
+  const RealHand& hand = GetParam();
+  if (hand.shared) HANDGRAFT_NEEDS_SHARED_DATA(hand.path);
+  const HandModel model = io::readUrdf(pathOf(hand)).model;
+  LinkPoses X_HL;
+  forwardKinematics(model, Pose::Identity(), model.restPose(), X_HL);
+  const Digits open = findDigits(model, X_HL);
+  for (const Digit& digit : open.digits) {
+    const HandModel::Node& last = model.nodes()[static_cast<std::size_t>(digit.nodes.back())];
+    const double lower = model.lower()[last.dof];
+    const double upper = model.upper()[last.dof];
+    const double rest = model.restPose()[last.dof];
+    if (std::abs(upper + lower) < 0.1 * (upper - lower)) continue;  // symmetric: no side
+    Eigen::VectorXd q = model.restPose();
+    q[last.dof] = rest + 0.05 * (upper + lower > 0.0 ? 1.0 : -1.0);
+    LinkPoses closed;
+    forwardKinematics(model, Pose::Identity(), q, closed);
+    const auto link = static_cast<std::size_t>(last.link);
+    const Eigen::Vector3d moved = closed[link] * (inverse(X_HL[link]) * digit.tip) - digit.tip;
+    EXPECT_GT(moved.normalized().dot(digit.closing), 0.9) << last.joint_name;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Hands,
+    RealHands,
+    ::testing::Values(
+        RealHand{"hands/allegro_right/allegro_hand_right.urdf", true, 16, 0, kFourFingers},
+        RealHand{"hands/barrett_bhand/bhand_model.urdf", true, 8, 0, kThreeFingers},
+        RealHand{"hands/human_hand_graspit20/human_hand_graspit20.urdf", true, 20, 0,
+                 kFiveFingers},
+        RealHand{"hands/mia_hand_right/mia_hand_description/urdf/mia_hand.urdf", true, 4, 2,
+                 kFiveFingers},
+        RealHand{"hands/mano_mean/mano_mean_fixed.urdf", true, 51, 0, kFiveFingers},
+        RealHand{"server/models/hands/human20/human20.urdf", false, 20, 0, kFiveFingers},
+        RealHand{"server/models/hands/allegro16/allegro16.urdf", false, 16, 0, kFourFingers},
+        RealHand{"server/models/hands/barrett8/barrett8.urdf", false, 8, 0, kThreeFingers},
+        RealHand{"server/models/hands/tendon16/tendon16.urdf", false, 16, 0, kFiveFingers}),
+    [](const auto& hand) {
+      const std::string stem = std::filesystem::path(hand.param.path).stem();
+      return std::regex_replace(stem, std::regex("[^A-Za-z0-9]"), "");
+    });
+
+}  // namespace
+}  // namespace handgraft::hand
