@@ -1,0 +1,66 @@
+// Sessions on the built-in library, with real skins.
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "core/io/contact_file.h"
+#include "core/io/sites_file.h"
+#include "core/io/urdf_file.h"
+#include "core/session/hand_placement.h"
+#include "core/session/session.h"
+
+#include "tests/support/shared_data.h"
+
+namespace handgraft::session {
+namespace {
+
+std::filesystem::path modelPath(const std::string& relative) {
+  return test::sourceDirectory() / "server/models" / relative;
+}
+
+const Hand& tendonHand() {
+  static const Hand kHand = [] {
+    Hand hand;
+    hand.model = std::make_shared<const hand::HandModel>(
+        io::readUrdf(modelPath("hands/tendon16/tendon16.urdf")).model);
+    hand.skin =
+        std::make_shared<const hand::Skin>(hand::buildSkin(*hand.model, {}, Progress()));
+    hand.sites = io::readSites(modelPath("hands/tendon16/sites.yaml"), *hand.model);
+    return hand;
+  }();
+  return kHand;
+}
+
+struct Box {
+  io::MeshFile file = io::readMesh(modelPath("objects/box.obj"));
+  std::shared_ptr<const geometry::TriangleMesh> mesh =
+      std::make_shared<const geometry::TriangleMesh>(file.mesh);
+  contact::ContactSet contacts = io::readContactSet(modelPath("contacts/box_5.json"), file);
+};
+
+TEST(BuiltInGrasp, ReachesEveryPatchOfTheBoxFromOutside) {
+  const Box box;
+  Session session(tendonHand(), box.mesh, box.contacts, Pose::Identity(), {});
+  const optimize::SolveReport report = session.optimize({}, Progress());
+  ASSERT_EQ(report.patches.size(), 5u);
+  for (const optimize::PatchFit& fit : report.patches) {
+    EXPECT_LT(fit.mean_mm, 5.0) << session.patches()[fit.patch].patch.name;
+  }
+  const HandPlacer placer(tendonHand().model, *tendonHand().skin, *box.mesh);
+  EXPECT_LT(std::sqrt(placer.meanSquareDepth(report.pose, Pose::Identity())), 0.002);
+}
+
+TEST(BuiltInGrasp, WithoutDirectionsIsNearlyAsGood) {
+  const Box box;
+  contact::ContactSet open = box.contacts;
+  for (contact::Patch& patch : open.patches)
+    patch.direction_O.reset();
+  Session given_session(tendonHand(), box.mesh, box.contacts, Pose::Identity(), {});
+  Session open_session(tendonHand(), box.mesh, open, Pose::Identity(), {});
+  const double given = given_session.optimize({}, Progress()).terms.objective;
+  const double found = open_session.optimize({}, Progress()).terms.objective;
+  EXPECT_LT(found, 1.5 * given);
+}
+
+}  // namespace
+}  // namespace handgraft::session
