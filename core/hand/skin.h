@@ -78,18 +78,17 @@ class Skin {
   std::unique_ptr<geometry::SurfaceLocator> links_locator_;
 };
 
-/// The joints at which the hand is wrapped: at rest, moved by at most 0.35 rad a joint where links
-/// would stand closer than 10 mm. Within the limits; deterministic. Cost: some 20 ms.
+/// The joints at which the hand is wrapped: at rest, moved by at most 0.35 rad a joint where
+/// links would stand closer than 10 mm. Within the limits; deterministic. Cost: some 20 ms.
 Eigen::VectorXd skinReferencePose(const HandModel& model);
 
 /// Wraps the union of the links' surfaces at the reference pose (CGAL Alpha_wrap_3), remeshed:
 /// closed, 2-manifold, one component. Handles remain where only a wrap that buries the links
 /// would close them; `mesh().eulerCharacteristic()` tells.
 ///
-/// Errors: InvalidInput if no link has a surface, the hand is not 0.01 to 2 m across, or an option
-/// is out of range. Cancelled on wish. Deterministic.
-/// Cost: 1-6 s for a hand of 100k triangles. Source: Portaneri et al. 2022, "Alpha wrapping with
-/// an offset".
+/// Errors: InvalidInput if no link has a surface, the hand is not 0.01 to 2 m across, or an
+/// option is out of range. Cancelled on wish. Deterministic. Cost: 1-6 s for a hand of 100k
+/// triangles. Source: Portaneri et al. 2022, "Alpha wrapping with an offset".
 Skin buildSkin(const HandModel& model, const SkinOptions& options, const Progress& progress);
 
 }  // namespace handgraft::hand
