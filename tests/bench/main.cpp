@@ -25,13 +25,14 @@ int complain(const std::string& message, int code) {
 
 int main(int argc, char** argv) {
   CLI::App app("Measures Handgraft's numerical core", "handgraft-bench");
-  app.require_subcommand(1);
+  app.require_subcommand(0, 1);
   handgraft::bench::addLogMapCommand(app);
   handgraft::bench::addSolveCommand(app);
   handgraft::bench::addSolversCommand(app);
   try {
     app.parse(argc, argv);
-    return 0;
+    if (!app.get_subcommands().empty()) return 0;
+    return complain("a command is missing; there are: logmap solve solvers", kWrongInput);
   } catch (const CLI::Success& help) {
     return app.exit(help);
   } catch (const CLI::ParseError& error) {
