@@ -44,7 +44,7 @@ class Bus {
   virtual void publishJointCommand(std::uint64_t session_id,
                                    const sensor_msgs::msg::dds_::JointState_& command) = 0;
 
-  /// Waits, at most a second, until clients have received what was published.
+  /// Waits, at most half a second, until clients have received what was published.
   virtual void flush() = 0;
 };
 

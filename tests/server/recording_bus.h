@@ -1,0 +1,114 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "server/transport/bus.h"
+
+namespace handgraft::test {
+
+/// A bus without wires: keeps what the service publishes, and lets a test speak as a client.
+class RecordingBus final : public server::Bus {
+ public:
+  void start(server::BusListener& listener) override { listener_ = &listener; }
+
+  void stop() override {}
+
+  void flush() override {}
+
+  void publish(const v1::Reply& one) override { keep(replies, one); }
+
+  void publish(const v1::Progress& one) override { keep(progress, one); }
+
+  void publish(const v1::EditReply& one) override { keep(edit_replies, one); }
+
+  void publish(const v1::ServerStatus& one) override { keep(statuses, one); }
+
+  void publish(const v1::PoseSolution& one) override { keep(solutions, one); }
+
+  void publish(const v1::SessionState& one) override { keep(states, one); }
+
+  void publishJointCommand(std::uint64_t,
+                           const sensor_msgs::msg::dds_::JointState_& one) override {
+    keep(commands, one);
+  }
+
+  void send(std::uint64_t id, const v1::RequestBody& body, std::uint8_t client = 1) {
+    v1::Request request;
+    request.client({client});
+    request.request_id(id);
+    request.protocol_version(v1::PROTOCOL_VERSION);
+    request.body(body);
+    listener_->onRequest(request);
+  }
+
+  void send(const v1::Request& request) { listener_->onRequest(request); }
+
+  void send(const v1::Edit& edit) { listener_->onEdit(edit); }
+
+  /// The first message of `list` that `fits`, waited for.
+  template <class Message>
+  std::optional<Message> await(const std::vector<Message>& list,
+                               const std::function<bool(const Message&)>& fits) {
+    std::optional<Message> found;
+    std::unique_lock lock(mutex_);
+    news_.wait_for(lock, std::chrono::seconds(120), [&] {
+      for (const Message& one : list) {
+        if (!fits(one)) continue;
+        found = one;
+        return true;
+      }
+      return false;
+    });
+    return found;
+  }
+
+  /// Sends and waits for the reply; an empty one with ERROR_INTERNAL if none came.
+  v1::Reply ask(const v1::RequestBody& body, std::uint8_t client = 1) {
+    const std::uint64_t id = ++last_id_;
+    send(id, body, client);
+    const auto reply = await<v1::Reply>(replies, [&](const v1::Reply& one) {
+      return one.request_id() == id && one.client()[0] == client;
+    });
+    if (reply) return *reply;
+    v1::Reply none;
+    none.error(v1::ERROR_INTERNAL);
+    none.message("no reply came");
+    return none;
+  }
+
+  template <class Message>
+  std::size_t count(const std::vector<Message>& list) {
+    const std::lock_guard lock(mutex_);
+    return list.size();
+  }
+
+  std::vector<v1::Reply> replies;
+  std::vector<v1::Progress> progress;
+  std::vector<v1::EditReply> edit_replies;
+  std::vector<v1::ServerStatus> statuses;
+  std::vector<v1::PoseSolution> solutions;
+  std::vector<v1::SessionState> states;
+  std::vector<sensor_msgs::msg::dds_::JointState_> commands;
+
+ private:
+  template <class Message>
+  void keep(std::vector<Message>& list, const Message& one) {
+    {
+      const std::lock_guard lock(mutex_);
+      list.push_back(one);
+    }
+    news_.notify_all();
+  }
+
+  server::BusListener* listener_ = nullptr;
+  std::uint64_t last_id_ = 1000;
+  std::mutex mutex_;
+  std::condition_variable news_;
+};
+
+}  // namespace handgraft::test

@@ -1,0 +1,269 @@
+#include "server/service.h"
+
+#include <cmath>
+#include <filesystem>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/server/recording_bus.h"
+#include "tests/server/small_grasp.h"
+
+namespace handgraft::server {
+namespace {
+
+using testing::HasSubstr;
+
+class ServiceTest : public testing::Test {
+ protected:
+  ServiceTest() { service.start(); }
+
+  void loadSmallGrasp() {
+    for (const v1::RequestBody& body : test::smallGrasp()) {
+      const v1::Reply reply = bus.ask(body);
+      ASSERT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
+    }
+  }
+
+  std::uint64_t openSmallSession() {
+    loadSmallGrasp();
+    const v1::Reply reply = bus.ask(test::openSession("clamp", "fruit", "marks"));
+    EXPECT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
+    return reply.error() == v1::ERROR_NONE ? reply.body().session().session_id() : 0;
+  }
+
+  v1::EditReply edit(v1::Edit message) {
+    message.client({1});
+    bus.send(message);
+    const auto reply =
+        bus.await<v1::EditReply>(bus.edit_replies, [&](const v1::EditReply& one) {
+          return one.edit_id() == message.edit_id();
+        });
+    return reply.value_or(v1::EditReply());
+  }
+
+  test::RecordingBus bus;
+  ModelStore models;
+  Service service{bus, models, ServiceOptions()};
+};
+
+v1::Edit weightEdit(std::uint64_t id, std::uint64_t session, double weight) {
+  v1::PatchWeightEdit body;
+  body.patch("palm");
+  body.weight(weight);
+  v1::Edit edit;
+  edit.edit_id(id);
+  edit.session_id(session);
+  edit.body().patch_weight(body);
+  return edit;
+}
+
+TEST_F(ServiceTest, AnswersARepeatFromMemory) {
+  const auto upload = test::putFile(1, "a", "abc");
+  bus.send(1, upload);
+  const auto first = [](const v1::Reply& one) {
+    return one.request_id() == 1;
+  };
+  ASSERT_EQ(bus.await<v1::Reply>(bus.replies, first)->error(), v1::ERROR_NONE);
+  const std::size_t answered = bus.count(bus.replies);
+  // Done twice, a chunk at offset 0 would begin the file again, and a bad one would be refused.
+  bus.send(1, test::putFile(1, "a", ""));
+  EXPECT_EQ(bus.count(bus.replies), answered + 1);
+  EXPECT_EQ(bus.replies.back().error(), v1::ERROR_NONE);
+  EXPECT_EQ(service.status().requests_answered(), 1u);
+}
+
+TEST_F(ServiceTest, RefusesAnotherProtocol) {
+  v1::Request request;
+  request.request_id(5);
+  request.protocol_version(99);
+  bus.send(request);
+  ASSERT_EQ(bus.count(bus.replies), 1u);
+  EXPECT_EQ(bus.replies[0].error(), v1::ERROR_VERSION);
+  EXPECT_THAT(bus.replies[0].message(), HasSubstr("99"));
+}
+
+TEST_F(ServiceTest, SurvivesOperationsAndEnumeratorsThatDoNotExist) {
+  v1::RequestBody kind = test::describeModel(static_cast<v1::ModelKind>(77), "x", false);
+  EXPECT_EQ(bus.ask(kind).error(), v1::ERROR_INVALID_INPUT);
+  kind = test::unloadModel(static_cast<v1::ModelKind>(77), "x");
+  EXPECT_EQ(bus.ask(kind).error(), v1::ERROR_INVALID_INPUT);
+  v1::Request request;
+  request.request_id(6);
+  request.protocol_version(v1::PROTOCOL_VERSION);
+  request.body()._d() = static_cast<v1::Operation>(1234);
+  bus.send(request);
+  EXPECT_EQ(bus.replies.back().error(), v1::ERROR_INVALID_INPUT);
+  EXPECT_THAT(bus.replies.back().message(), HasSubstr("1234"));
+}
+
+TEST_F(ServiceTest, NamesWhatItDoesNotKnow) {
+  const v1::Reply hand = bus.ask(test::openSession("nobody", "x", "y"));
+  EXPECT_EQ(hand.error(), v1::ERROR_NOT_FOUND);
+  EXPECT_THAT(hand.message(), HasSubstr("hand 'nobody'"));
+  const v1::Reply session = bus.ask(test::ofSession(v1::OP_TRANSFER, 42));
+  EXPECT_EQ(session.error(), v1::ERROR_NOT_FOUND);
+  EXPECT_THAT(session.message(), HasSubstr("session 42"));
+}
+
+TEST_F(ServiceTest, TakesTheSameModelAgainButNotAnotherOfThatName) {
+  loadSmallGrasp();
+  for (int round = 0; round < 2; ++round) {
+    EXPECT_EQ(bus.ask(test::putFile(9, "clamp.urdf", test::kClampUrdf)).error(),
+              v1::ERROR_NONE);
+    const bool same = round == 0;
+    if (same) bus.ask(test::putFile(9, "sites.yaml", test::kClampSites));
+    const v1::Reply reply = bus.ask(test::loadModel(9, v1::MODEL_HAND, "clamp", "clamp.urdf"));
+    EXPECT_EQ(reply.error(), same ? v1::ERROR_NONE : v1::ERROR_CONFLICT) << reply.message();
+  }
+  EXPECT_EQ(bus.ask(test::unloadModel(v1::MODEL_HAND, "clamp")).error(), v1::ERROR_NONE);
+  EXPECT_EQ(bus.ask(test::unloadModel(v1::MODEL_HAND, "clamp")).error(), v1::ERROR_NOT_FOUND);
+}
+
+TEST_F(ServiceTest, OpensNoFileOfItsOwnMachine) {
+  std::string urdf = test::kClampUrdf;
+  const std::string box = "<box size=\"0.02 0.06 0.06\"/>";
+  const std::string file =
+      (test::sourceDirectory() / "server/models/objects/lemon.obj").string();
+  ASSERT_TRUE(std::filesystem::exists(file));
+  urdf.replace(urdf.find(box), box.size(), "<mesh filename=\"" + file + "\"/>");
+  bus.ask(test::putFile(1, "spy.urdf", urdf));
+  const v1::Reply reply = bus.ask(test::loadModel(1, v1::MODEL_HAND, "spy", "spy.urdf"));
+  EXPECT_EQ(reply.error(), v1::ERROR_INVALID_INPUT);
+  EXPECT_THAT(reply.message(), HasSubstr("was not uploaded"));
+}
+
+TEST_F(ServiceTest, SaysTheClientsNameOfABadFile) {
+  bus.ask(test::putFile(1, "meshes/broken.stl", "not a mesh"));
+  const v1::Reply reply =
+      bus.ask(test::loadModel(1, v1::MODEL_OBJECT, "broken", "meshes/broken.stl"));
+  EXPECT_EQ(reply.error(), v1::ERROR_INVALID_INPUT);
+  EXPECT_THAT(reply.message(), HasSubstr("meshes/broken.stl"));
+  EXPECT_THAT(reply.message(), testing::Not(HasSubstr("handgraft-server-")));
+  EXPECT_THAT(reply.message(), testing::Not(HasSubstr("\n")));
+}
+
+TEST_F(ServiceTest, SolvesAndPublishesOneFinalPose) {
+  const std::uint64_t session = openSmallSession();
+  const v1::Reply transfer = bus.ask(test::ofSession(v1::OP_TRANSFER, session));
+  ASSERT_EQ(transfer.error(), v1::ERROR_NONE) << transfer.message();
+  int placed = 0;
+  for (const auto& patch : transfer.body().transfer().patches())
+    placed += patch.placed();
+  EXPECT_EQ(transfer.body().transfer().patches().size(), 6u);
+  EXPECT_EQ(placed, 2);  // the clamp has a palm and an index; the rest is dropped and says why
+
+  const v1::Reply reply = bus.ask(test::optimize(session));
+  ASSERT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
+  const v1::PoseSolution& solution = reply.body().solution();
+  EXPECT_TRUE(solution.is_final());
+  EXPECT_EQ(solution.joint_rad().size(), 1u);
+  EXPECT_EQ(solution.X_WL().size(), 2u);
+  EXPECT_EQ(solution.patches().size(), 2u);
+  for (const v1::PatchFit& fit : solution.patches()) {
+    EXPECT_EQ(fit.hand_W_m().size(), 3 * fit.point_count());
+    double sum = 0.0;
+    for (std::size_t i = 0; i < fit.hand_W_m().size(); i += 3) {
+      sum += std::hypot(fit.hand_W_m()[i] - fit.object_W_m()[i],
+                        fit.hand_W_m()[i + 1] - fit.object_W_m()[i + 1],
+                        fit.hand_W_m()[i + 2] - fit.object_W_m()[i + 2]);
+    }
+    EXPECT_NEAR(1e3 * sum / fit.point_count(), fit.mean_mm(), 1e-6) << fit.name();
+  }
+  ASSERT_EQ(bus.count(bus.commands), 1u);
+  EXPECT_THAT(bus.commands[0].name(), testing::ElementsAre("hinge"));
+  EXPECT_EQ(bus.commands[0].position()[0], solution.joint_rad()[0]);
+  EXPECT_EQ(bus.states.back().phase(), v1::PHASE_READY);
+}
+
+TEST_F(ServiceTest, ExportsWhatItSolvedAsAProblem) {
+  const std::uint64_t session = openSmallSession();
+  bus.ask(test::optimize(session));
+  const v1::Reply reply = bus.ask(test::exportProblem(session));
+  ASSERT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
+  EXPECT_THAT(reply.body().problem().text(), HasSubstr("handgraft-problem/1"));
+  EXPECT_THAT(reply.body().problem().text(), HasSubstr("clamp.urdf"));
+}
+
+TEST_F(ServiceTest, AnswersAnEditWithANewRevisionAndPose) {
+  const std::uint64_t session = openSmallSession();
+  bus.ask(test::optimize(session));
+  const v1::EditReply reply = edit(weightEdit(1, session, 2.0));
+  ASSERT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
+  EXPECT_EQ(reply.revision(), 1u);
+  const auto solved =
+      bus.await<v1::PoseSolution>(bus.solutions, [](const v1::PoseSolution& one) {
+        return one.revision() == 1 && one.is_final();
+      });
+  EXPECT_TRUE(solved.has_value());
+}
+
+TEST_F(ServiceTest, AppliesARepeatedEditOnce) {
+  const std::uint64_t session = openSmallSession();
+  const v1::Edit twice = weightEdit(1, session, 2.0);
+  EXPECT_EQ(edit(twice).revision(), 1u);
+  EXPECT_EQ(edit(twice).revision(), 1u);
+  EXPECT_EQ(edit(weightEdit(2, session, 3.0)).revision(), 2u);
+}
+
+TEST_F(ServiceTest, RefusesAnEditOfAnOldRevisionAndABadOne) {
+  const std::uint64_t session = openSmallSession();
+  ASSERT_EQ(edit(weightEdit(1, session, 2.0)).error(), v1::ERROR_NONE);
+  v1::Edit old = weightEdit(2, session, 3.0);
+  old.base_revision(7);
+  EXPECT_EQ(edit(old).error(), v1::ERROR_CONFLICT);
+  const v1::EditReply bad = edit(weightEdit(3, session, std::nan("")));
+  EXPECT_EQ(bad.error(), v1::ERROR_INVALID_INPUT);
+  EXPECT_EQ(bad.revision(), 1u);
+  EXPECT_EQ(edit(weightEdit(4, 999, 1.0)).error(), v1::ERROR_NOT_FOUND);
+}
+
+TEST_F(ServiceTest, RefusesASolverThatDoesNotExist) {
+  const std::uint64_t session = openSmallSession();
+  const v1::Reply reply = bus.ask(test::optimize(session, "magic"));
+  EXPECT_EQ(reply.error(), v1::ERROR_INVALID_INPUT);
+  EXPECT_THAT(reply.message(), HasSubstr("magic"));
+}
+
+TEST_F(ServiceTest, CancelsARunningOptimisation) {
+  const std::uint64_t session = openSmallSession();
+  bus.send(1, test::optimize(session, "", 1000));
+  const auto optimizing = [](const v1::SessionState& one) {
+    return one.phase() == v1::PHASE_OPTIMIZING;
+  };
+  ASSERT_TRUE(bus.await<v1::SessionState>(bus.states, optimizing));
+  EXPECT_EQ(bus.ask(test::cancel(1)).error(), v1::ERROR_NONE);
+  const auto cancelled = bus.await<v1::Reply>(bus.replies, [](const v1::Reply& one) {
+    return one.request_id() == 1;
+  });
+  ASSERT_TRUE(cancelled);
+  EXPECT_EQ(cancelled->error(), v1::ERROR_CANCELLED);
+  EXPECT_EQ(bus.ask(test::optimize(session)).error(), v1::ERROR_NONE);
+}
+
+TEST_F(ServiceTest, CancelsARequestThatItsCancellationOvertook) {
+  ASSERT_EQ(bus.ask(test::cancel(7)).error(), v1::ERROR_NONE);
+  bus.send(7, test::plain(v1::OP_LIST_MODELS));
+  EXPECT_EQ(bus.replies.back().request_id(), 7u);
+  EXPECT_EQ(bus.replies.back().error(), v1::ERROR_CANCELLED);
+}
+
+TEST_F(ServiceTest, TellsThatASessionIsClosed) {
+  const std::uint64_t session = openSmallSession();
+  EXPECT_EQ(bus.ask(test::plain(v1::OP_LIST_SESSIONS)).body().sessions().sessions().size(), 1u);
+  EXPECT_EQ(bus.ask(test::ofSession(v1::OP_CLOSE_SESSION, session)).error(), v1::ERROR_NONE);
+  EXPECT_EQ(bus.states.back().phase(), v1::PHASE_CLOSED);
+  EXPECT_EQ(bus.ask(test::ofSession(v1::OP_DESCRIBE_SESSION, session)).error(),
+            v1::ERROR_NOT_FOUND);
+}
+
+TEST_F(ServiceTest, SaysGoodbyeWhenItStops) {
+  openSmallSession();
+  service.stop();
+  EXPECT_TRUE(bus.statuses.back().stopping());
+  EXPECT_EQ(bus.states.back().phase(), v1::PHASE_CLOSED);
+}
+
+}  // namespace
+}  // namespace handgraft::server

@@ -1,0 +1,140 @@
+#include "server/upload_store.h"
+
+#include <fstream>
+#include <iterator>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+#include "server/rejection.h"
+
+namespace handgraft::server {
+namespace {
+
+namespace fs = std::filesystem;
+
+const UploadStore::ClientId kClient = {7};
+
+v1::PutFileRequest chunk(const std::string& uri,
+                         const std::string& bytes,
+                         std::uint64_t offset,
+                         std::uint64_t total,
+                         std::uint64_t upload = 1) {
+  v1::PutFileRequest request;
+  request.upload_id(upload);
+  request.uri(uri);
+  request.total_bytes(total);
+  request.offset(offset);
+  request.bytes({bytes.begin(), bytes.end()});
+  return request;
+}
+
+std::string contentOf(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+v1::ErrorCode codeOf(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const Rejection& rejection) {
+    return rejection.code();
+  }
+  return v1::ERROR_NONE;
+}
+
+TEST(UploadStore, JoinsChunksAndRemovesTheFilesAfterUse) {
+  UploadStore store;
+  store.put(kClient, chunk("a.urdf", "abc", 0, 5));
+  store.put(kClient, chunk("a.urdf", "de", 3, 5));
+  auto files = store.finish(kClient, 1);
+  const fs::path path = files->file("a.urdf");
+  EXPECT_EQ(contentOf(path), "abcde");
+  files.reset();
+  EXPECT_FALSE(fs::exists(path));
+}
+
+TEST(UploadStore, NeverMakesAPathOfAUri) {
+  UploadStore store;
+  for (const char* uri : {"../../../tmp/escape.stl", "/etc/passwd", "package://a/../b.dae",
+                          "file:///root/x.obj", "a/b/c.../..%2f"}) {
+    store.put(kClient, chunk(uri, "x", 0, 1));
+  }
+  const auto files = store.finish(kClient, 1);
+  const fs::path folder = files->file("/etc/passwd").parent_path();
+  for (const char* uri : {"../../../tmp/escape.stl", "package://a/../b.dae"}) {
+    EXPECT_EQ(files->file(uri).parent_path(), folder);
+    EXPECT_EQ(files->file(uri).string().find(".."), std::string::npos);
+  }
+  EXPECT_EQ(files->file("../../../tmp/escape.stl").extension(), ".stl");
+  EXPECT_THROW((void)files->file("not sent"), InvalidInput);
+}
+
+TEST(UploadStore, RefusesChunksThatDoNotContinue) {
+  UploadStore store;
+  EXPECT_THROW(store.put(kClient, chunk("a", "x", 5, 10)), InvalidInput);
+  store.put(kClient, chunk("a", "abc", 0, 10));
+  EXPECT_THROW(store.put(kClient, chunk("a", "x", 4, 10)), InvalidInput);
+  EXPECT_THROW(store.put(kClient, chunk("a", "x", 3, 11)), InvalidInput);
+  EXPECT_THROW(store.put(kClient, chunk("a", "01234567", 3, 10)), InvalidInput);
+  EXPECT_THROW(store.finish(kClient, 1), InvalidInput);
+  EXPECT_THROW(store.put(kClient, chunk("", "x", 0, 1)), InvalidInput);
+}
+
+TEST(UploadStore, BoundsWhatAClientAndAllClientsUpload) {
+  UploadStore store({.bytes = 150, .bytes_per_client = 100});
+  EXPECT_EQ(codeOf([&] {
+              store.put(kClient, chunk("a", "x", 0, 101));
+            }),
+            v1::ERROR_OVERLOADED);
+  store.put(kClient, chunk("a", "x", 0, 100));
+  EXPECT_EQ(codeOf([&] {
+              store.put(kClient, chunk("b", "x", 0, 1));
+            }),
+            v1::ERROR_OVERLOADED);
+  EXPECT_EQ(codeOf([&] {
+              store.put({8}, chunk("a", "x", 0, 51));
+            }),
+            v1::ERROR_OVERLOADED);
+  EXPECT_EQ(codeOf([&] {
+              store.put({8}, chunk("a", "x", 0, 50));
+            }),
+            v1::ERROR_NONE);
+  EXPECT_EQ(codeOf([&] {
+              store.put({9}, chunk("a", "x", 0, ~std::uint64_t{0}));
+            }),
+            v1::ERROR_OVERLOADED);
+}
+
+TEST(UploadStore, DropsAnUploadThatNobodyContinues) {
+  UploadStore store({.idle = std::chrono::seconds(-1)});
+  store.put(kClient, chunk("a", "x", 0, 100));
+  store.put({8}, chunk("a", "x", 0, 10));
+  EXPECT_EQ(store.bytes(), 10u);
+}
+
+TEST(UploadedFiles, PrintsDependOnNamesAndContentsNotOnOrder) {
+  UploadStore store;
+  const auto printOf = [&](std::vector<std::pair<std::string, std::string>> files) {
+    for (const auto& [uri, bytes] : files) {
+      store.put(kClient, chunk(uri, bytes, 0, bytes.size()));
+    }
+    return store.finish(kClient, 1)->fingerprint();
+  };
+  const auto print = printOf({{"a", "1"}, {"b", "2"}});
+  EXPECT_EQ(print, printOf({{"b", "2"}, {"a", "1"}}));
+  EXPECT_NE(print, printOf({{"a", "2"}, {"b", "1"}}));
+  EXPECT_NE(print, printOf({{"a", "1"}, {"c", "2"}}));
+}
+
+TEST(UploadedFiles, SpeakTheClientsWords) {
+  UploadStore store;
+  store.put(kClient, chunk("meshes/palm.stl", "x", 0, 1));
+  const auto files = store.finish(kClient, 1);
+  const std::string ours = "'" + files->file("meshes/palm.stl").string() + "': truncated";
+  EXPECT_EQ(files->inClientsWords(ours), "'meshes/palm.stl': truncated");
+}
+
+}  // namespace
+}  // namespace handgraft::server
