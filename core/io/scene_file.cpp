@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <exception>
 
+#include <assimp/DefaultIOSystem.h>
 #include <assimp/Importer.hpp>
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
@@ -72,10 +73,39 @@ class SceneReader {
   int face_count_ = 0;
 };
 
+/// Lets a scene read what lies in its own folder or below, nothing else: a glTF from the
+/// network may name any file of this machine as its buffer.
+class OwnFolder : public Assimp::DefaultIOSystem {
+ public:
+  explicit OwnFolder(const std::filesystem::path& file)
+      : folder_(std::filesystem::weakly_canonical(file).parent_path()) {}
+
+  bool Exists(const char* file) const override {
+    return isWithin(file) && DefaultIOSystem::Exists(file);
+  }
+
+  Assimp::IOStream* Open(const char* file, const char* mode) override {
+    return isWithin(file) ? DefaultIOSystem::Open(file, mode) : nullptr;
+  }
+
+ private:
+  [[nodiscard]] bool isWithin(const char* file) const {
+    std::error_code error;
+    const auto path = std::filesystem::weakly_canonical(file, error);
+    if (error) return false;
+    const auto [end, rest] =
+        std::mismatch(folder_.begin(), folder_.end(), path.begin(), path.end());
+    return end == folder_.end();
+  }
+
+  std::filesystem::path folder_;
+};
+
 }  // namespace
 
 FileMesh readScene(const std::filesystem::path& path) {
   Assimp::Importer importer;
+  importer.SetIOHandler(new OwnFolder(path));  // the importer owns and deletes it
   // Frames stay as the file has them; its unit is applied.
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   const aiScene* scene = nullptr;

@@ -101,19 +101,38 @@ TEST(MeshFile, DropsFacesThatCollapse) {
   EXPECT_THAT(file.notes, Contains("dropped 1 faces without area"));
 }
 
-TEST(MeshFile, AppliesNodeTransformsOfAGltfWithABufferBeside) {
+/// One triangle whose corners lie in the buffer at `uri`.
+std::string gltfWithBuffer(const std::string& uri) {
+  return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],)"
+         R"("nodes":[{"mesh":0,"translation":[0,0,5],"scale":[2,2,2]}],)"
+         R"("meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],)"
+         R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3",)"
+         R"("min":[0,0,0],"max":[1,1,0]}],"bufferViews":[{"buffer":0,"byteLength":36}],)"
+         R"("buffers":[{"uri":")" +
+         uri + R"(","byteLength":36}]})";
+}
+
+std::string gltfCorners() {
   const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
-  write("beside.bin", std::string(reinterpret_cast<const char*>(corners), sizeof(corners)));
-  const MeshFile file = readMesh(
-      write("tri.gltf",
-            R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],)"
-            R"("nodes":[{"mesh":0,"translation":[0,0,5],"scale":[2,2,2]}],)"
-            R"("meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],)"
-            R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3",)"
-            R"("min":[0,0,0],"max":[1,1,0]}],"bufferViews":[{"buffer":0,"byteLength":36}],)"
-            R"("buffers":[{"uri":"beside.bin","byteLength":36}]})"));
+  return {reinterpret_cast<const char*>(corners), sizeof(corners)};
+}
+
+TEST(MeshFile, AppliesNodeTransformsOfAGltfWithABufferBeside) {
+  write("beside.bin", gltfCorners());
+  const MeshFile file = readMesh(write("tri.gltf", gltfWithBuffer("beside.bin")));
   ASSERT_EQ(file.mesh.faceCount(), 1);
   EXPECT_EQ(file.mesh.vertex(1), Eigen::Vector3d(2, 0, 5));
+}
+
+TEST(MeshFile, KeepsAGltfFromReadingOutsideItsFolder) {
+  const auto outside = write("outside.bin", gltfCorners());
+  const auto folder = test::scratchDirectory() / "inside";
+  std::filesystem::create_directories(folder);
+  for (const std::string& uri : {std::string("../outside.bin"), outside.string()}) {
+    const auto path = folder / "tri.gltf";
+    std::ofstream(path) << gltfWithBuffer(uri);
+    EXPECT_THROW(readMesh(path), InvalidInput) << uri;
+  }
 }
 
 TEST(MeshFile, KeepsTheFrameAndAppliesTheUnitOfCollada) {
