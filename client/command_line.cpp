@@ -198,9 +198,15 @@ std::variant<Invocation, Printout> parseCommandLine(int argc, const char* const*
     app.exit(success, text, text);
     return Printout{text.str()};
   } catch (const CLI::ParseError& error) {
-    const std::vector<std::string> rest = app.remaining();
+    const std::vector<std::string> rest = app.remaining(true);
     if (app.get_subcommands().empty() && !rest.empty()) {
       rejectInput("{} is no command; there are {}", quoted(rest.front()), commandsOf(app));
+    }
+    // CLI11 misses `--hand` before it minds `--hnad`; the slip is what the user wants to know.
+    for (const std::string& word : rest) {
+      if (word.rfind("--", 0) == 0) {
+        rejectInput("there is no option {} (handgraft --help tells more)", quoted(word));
+      }
     }
     rejectInput("{} (handgraft --help tells more)", oneLine(error.what()));
   }

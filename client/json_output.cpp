@@ -255,6 +255,8 @@ std::string grasp(const GraspResult& result, int indent) {
                    {"terms", terms(solution.terms())},
                    {"joints_at_limit", listOf(solution.joints_at_limit())},
                    {"patches", graspPatches(result)},
+                   {"notes", listOf(result.transfer.notes())},
+                   {"hand_notes", listOf(result.hand.notes())},
                    {"times", times(solution.times())},
                    {"transfer_ms", result.transfer.transfer_ms()},
                    {"total_ms", result.total_ms}};

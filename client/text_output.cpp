@@ -192,6 +192,9 @@ std::string grasp(const GraspResult& result) {
     out += fmt::format("dropped {}: {}\n", plain(report.name()), plain(report.reason()));
   }
 
+  addNotes(out, result.hand.notes());
+  addNotes(out, result.transfer.notes());
+
   const v1::Terms& terms = solution.terms();
   out += fmt::format(
       "objective {:.6g} (distance {:.4g} m2, normal {:.4g}, prior {:.4g}), {} by "

@@ -71,7 +71,9 @@ class LiveSession {
   bool solve_is_queued = false;
   bool was_solved = false;
   unsigned long long solved_revision = 0;
-  double skin_ms = 0.0;  ///< what opening the session took, for the solution's times
+  // What the stages took, for the solution's times.
+  double skin_ms = 0.0;      ///< of opening the session
+  double transfer_ms = 0.0;  ///< of the last transfer that had something to do
 
  private:
   const std::uint64_t id_;

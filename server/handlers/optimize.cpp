@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "server/convert.h"
+#include "server/handlers/transfer.h"
 
 namespace handgraft::server {
 
@@ -14,10 +15,10 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::microseconds kSolutionPeriod(1'000'000 / 60);  // of poses on the way
 constexpr int kStartsAfterEdit = 2;  // where the hand is, and its joints under the closed form
 
-v1::StageTime stageTime(const char* stage, Clock::duration spent) {
+v1::StageTime stageTime(const char* stage, double duration_ms) {
   v1::StageTime time;
   time.stage(stage);
-  time.duration_ms(std::chrono::duration<double, std::milli>(spent).count());
+  time.duration_ms(duration_ms);
   return time;
 }
 
@@ -28,9 +29,8 @@ v1::PoseSolution solve(LiveSession& live,
   return runPhase(
       live, v1::PHASE_OPTIMIZING, v1::PHASE_READY, progress, [&](const Progress& told) {
         session::Session& session = live.session();
+        bringUpToDate(live, told);
         const Clock::time_point begin = Clock::now();
-        session.transferPatches(told);
-        const Clock::time_point transferred = Clock::now();
 
         const Workshop::Share share(workshop);
         options.threads = share.threads();
@@ -44,16 +44,14 @@ v1::PoseSolution solve(LiveSession& live,
           live.publish(std::move(on_the_way));
         };
         const optimize::SolveReport report = session.optimize(options, told);
-        const Clock::time_point solved = Clock::now();
+        const std::chrono::duration<double, std::milli> spent = Clock::now() - begin;
 
         live.was_solved = true;
         live.solved_revision = session.revision();
         v1::PoseSolution solution = solutionMessage(session, report);
-        v1::StageTime skin;
-        skin.stage("skin");
-        skin.duration_ms(live.skin_ms);
-        solution.times({skin, stageTime("transfer", transferred - begin),
-                        stageTime("optimize", solved - transferred)});
+        solution.times({stageTime("skin", live.skin_ms),
+                        stageTime("transfer", live.transfer_ms),
+                        stageTime("optimize", spent.count())});
         return live.publish(std::move(solution));
       });
 }

@@ -1,23 +1,36 @@
 #include "server/handlers/transfer.h"
 
+#include <algorithm>
 #include <chrono>
 
 #include "server/convert.h"
 
 namespace handgraft::server {
 
+void bringUpToDate(LiveSession& live, const Progress& progress) {
+  const auto& patches = live.session().patches();
+  const bool is_stale =
+      std::any_of(patches.begin(), patches.end(), [](const session::SessionPatch& patch) {
+        return patch.placement && !patch.up_to_date;
+      });
+  if (!is_stale) return;
+  const auto begin = std::chrono::steady_clock::now();
+  live.session().transferPatches(progress);
+  const std::chrono::duration<double, std::milli> spent =
+      std::chrono::steady_clock::now() - begin;
+  live.transfer_ms = spent.count();
+}
+
 v1::TransferReply transferPatches(LiveSession& live, const Progress& progress) {
   const v1::SessionPhase after = live.was_solved ? v1::PHASE_READY : v1::PHASE_OPEN;
   return runPhase(live, v1::PHASE_TRANSFERRING, after, progress, [&](const Progress& told) {
-    const auto begin = std::chrono::steady_clock::now();
-    live.session().transferPatches(told);
-    const std::chrono::duration<double, std::milli> spent =
-        std::chrono::steady_clock::now() - begin;
+    bringUpToDate(live, told);
     v1::TransferReply reply;
     reply.session_id(live.id());
     reply.revision(live.session().revision());
     reply.patches(patchReports(live.session()));
-    reply.transfer_ms(spent.count());
+    reply.notes(live.session().notes());
+    reply.transfer_ms(live.transfer_ms);
     return reply;
   });
 }
