@@ -1,0 +1,107 @@
+// The bridge as a process: it follows a session's solutions and publishes what it measures.
+
+#include <cmath>
+#include <csignal>
+
+#include <gtest/gtest.h>
+
+#include "idl/hardware.h"
+#include "idl/sensor_msgs.h"
+
+#include "tests/system/live_session.h"
+
+namespace handgraft::test {
+namespace {
+
+/// Takes from a reader until `wanted` holds, for at most a minute.
+template <class Message, class Predicate>
+std::optional<Message> await(idl::cyclone::Reader<Message>& reader, const Predicate& wanted) {
+  std::optional<Message> found;
+  for (int i = 0; i < 600 && !found; ++i) {
+    reader.wait(std::chrono::milliseconds(100));
+    reader.take([&](const Message& message) {
+      if (!found && wanted(message)) found = message;
+    });
+  }
+  return found;
+}
+
+class Bridge : public testing::Test {
+ protected:
+  Service service_;
+  LiveSession session_{service_, "barrett8", "lemon", "lemon_6"};
+  idl::cyclone::Participant participant_{service_.network()};
+  idl::cyclone::Reader<v1::JointState> states_{participant_, idl::kJointStateTopic};
+};
+
+TEST_F(Bridge, MovesItsHandToTheSolution) {
+  const auto bridge = service_.start("handgraft-bridge", {});
+  const v1::PoseSolution solved = session_.optimize();
+  const auto arrived = await(states_, [&](const v1::JointState& state) {
+    if (state.position_rad().size() != solved.joint_rad().size()) return false;
+    double worst = 0.0;
+    for (std::size_t i = 0; i < solved.joint_rad().size(); ++i) {
+      worst = std::max(worst, std::abs(state.position_rad()[i] - solved.joint_rad()[i]));
+    }
+    return worst < 5e-3;  // rad; targets keep a margin inside the limits
+  });
+  ASSERT_TRUE(arrived.has_value()) << bridge->err();
+  EXPECT_EQ(arrived->session_id(), session_.id());
+  EXPECT_EQ(arrived->names(), session_.opened().joint_names());
+}
+
+TEST_F(Bridge, GivesRosTheMeasuredJoints) {
+  idl::cyclone::Reader<sensor_msgs::msg::dds_::JointState_> ros(participant_,
+                                                                idl::kRosJointStatesTopic);
+  const auto bridge = service_.start("handgraft-bridge", {});
+  session_.optimize();
+  const auto sample = await(ros, [](const auto& message) {
+    return !message.name().empty();
+  });
+  ASSERT_TRUE(sample.has_value()) << bridge->err();
+  EXPECT_EQ(sample->name(), session_.opened().joint_names());
+  EXPECT_EQ(sample->position().size(), sample->name().size());
+  EXPECT_EQ(sample->velocity().size(), sample->name().size());
+  EXPECT_GT(sample->header().stamp().sec(), 0);
+}
+
+TEST_F(Bridge, LearnsALateSolutionOnItsOwnStart) {
+  const v1::PoseSolution solved = session_.optimize();
+  const auto bridge = service_.start("handgraft-bridge", {});  // joins late
+  const auto moving = await(states_, [&](const v1::JointState& state) {
+    return state.session_id() == session_.id() && !state.target_rad().empty();
+  });
+  ASSERT_TRUE(moving.has_value()) << bridge->err();
+  EXPECT_EQ(moving->target_rad().size(), solved.joint_rad().size());
+}
+
+TEST_F(Bridge, StopsForGoodOnAnEstop) {
+  idl::cyclone::Writer<v1::HandCommand> commands(participant_, idl::kHandCommandTopic);
+  const auto bridge = service_.start("handgraft-bridge", {"--bridge-id", "7"});
+  session_.optimize();
+  ASSERT_TRUE(await(states_, [](const auto& s) {
+    return !s.position_rad().empty();
+  }));
+  v1::HandCommand command;
+  command.bridge_id(7);
+  command.command_id(1);
+  command.kind(v1::HandCommandKind::COMMAND_ESTOP);
+  commands.write(command);
+  const auto stopped = await(states_, [](const v1::JointState& state) {
+    return state.state() == v1::BridgeState::BRIDGE_ESTOP;
+  });
+  EXPECT_TRUE(stopped.has_value());
+}
+
+TEST_F(Bridge, EndsCleanlyOnSigterm) {
+  const auto bridge = service_.start("handgraft-bridge", {});
+  session_.optimize();
+  ASSERT_TRUE(await(states_, [](const auto& s) {
+    return !s.position_rad().empty();
+  }));
+  bridge->send(SIGTERM);
+  EXPECT_EQ(bridge->wait(), 0) << bridge->err();
+}
+
+}  // namespace
+}  // namespace handgraft::test

@@ -1,0 +1,41 @@
+#!/usr/bin/env bash
+# demo.sh BIN_DIR OUT_DIR: the main job on the built-in library, through all three programs.
+set -euo pipefail
+bin=$1
+out=$2
+mkdir -p "$out"
+domain=${HANDGRAFT_DEMO_DOMAIN:-$((RANDOM % 100 + 1))}
+
+say() { printf '\n\033[1m== %s\033[0m\n' "$*"; }
+
+say "a server (Fast DDS) and a bridge with a simulated hand (Cyclone DDS), on loopback, domain $domain"
+"$bin/handgraft-server" --domain "$domain" --log-level warning 2>"$out/server.log" &
+server=$!
+"$bin/handgraft-bridge" --domain "$domain" --json >"$out/bridge.jsonl" 2>"$out/bridge.log" &
+bridge=$!
+finish() {
+  kill -TERM "$bridge" "$server" 2>/dev/null || true
+  wait "$bridge" "$server" 2>/dev/null || true
+}
+trap finish EXIT
+
+failed=0
+while read -r hand object contacts; do
+  say "$hand grasps $object ($contacts)"
+  "$bin/handgraft" grasp --domain "$domain" --hand "$hand" --object "$object" --contacts "$contacts" \
+    --png "$out/${hand}_${object}.png" --out "$out/${hand}_${object}.json" || failed=1
+done <<'END'
+human20 lemon lemon_6
+human20 scissors scissors_3
+allegro16 box box_5
+barrett8 lemon lemon_6
+tendon16 wine_glass wine_glass_4
+END
+
+say "the simulated hand follows"
+sleep 2
+tail -n 1 "$out/bridge.jsonl"
+
+say "pictures"
+ls "$out"/*.png
+exit "$failed"

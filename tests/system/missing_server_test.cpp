@@ -1,0 +1,58 @@
+#include <csignal>
+
+#include <gtest/gtest.h>
+
+#include "idl/cyclone/requester.h"
+
+#include "tests/support/test_domain.h"
+#include "tests/system/service.h"
+
+namespace handgraft::test {
+namespace {
+
+TEST(MissingServer, IsReportedWithDomainAndInterface) {
+  const TestDomain domain;
+  const Finished finished =
+      run(program("handgraft"), {"models", "--domain", std::to_string(domain.number())});
+  EXPECT_EQ(finished.exit_code, 1);
+  EXPECT_NE(finished.err.find("domain " + std::to_string(domain.number())), std::string::npos)
+      << finished.err;
+  EXPECT_NE(finished.err.find("lo"), std::string::npos) << finished.err;
+}
+
+TEST(MissingServer, IsReportedByTheDoctor) {
+  const TestDomain domain;
+  const Finished finished =
+      run(program("handgraft"), {"doctor", "--domain", std::to_string(domain.number())});
+  EXPECT_EQ(finished.exit_code, 1);
+  EXPECT_NE((finished.out + finished.err).find("domain " + std::to_string(domain.number())),
+            std::string::npos);
+}
+
+TEST(MissingServer, IsStartedPrivatelyByGraspAndEndsWithIt) {
+  const TestDomain domain;
+  const std::string id = std::to_string(domain.number());
+  const Finished finished =
+      run(program("handgraft"), {"grasp", "--hand", "barrett8", "--object", "lemon",
+                                 "--contacts", "lemon_6", "--domain", id});
+  EXPECT_EQ(finished.exit_code, 0) << finished.err;
+  EXPECT_NE(finished.err.find("started"), std::string::npos) << finished.err;
+  EXPECT_EQ(run(program("handgraft"), {"doctor", "--domain", id}).exit_code, 1)
+      << "the private server outlived its command";
+}
+
+TEST(MissingServer, IsNoticedWhenItDiesInTheMiddleOfARequest) {
+  Service service;
+  const idl::cyclone::Participant participant(service.network());
+  idl::cyclone::Requester requester(participant);
+  ASSERT_TRUE(requester.waitForServer(std::chrono::seconds(60)));
+  service.server().send(SIGKILL);
+  service.server().wait();
+  v1::RequestBody body;
+  body.nothing(v1::Nothing());
+  body._d(v1::Operation::OP_LIST_MODELS);
+  EXPECT_THROW(requester.ask(body), idl::cyclone::NoServer);
+}
+
+}  // namespace
+}  // namespace handgraft::test
