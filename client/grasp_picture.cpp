@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/base/pose.h"
+#include "idl/names.h"
 
 namespace handgraft::client {
 

@@ -45,38 +45,6 @@ void requireConsistent(const GraspResult& result) {
   }
 }
 
-const char* nameOf(v1::Outcome outcome) {
-  switch (outcome) {
-    case v1::OUTCOME_CONVERGED:
-      return "converged";
-    case v1::OUTCOME_STALLED:
-      return "stalled";
-    case v1::OUTCOME_EVALUATION_LIMIT:
-      return "evaluation_limit";
-    case v1::OUTCOME_INFEASIBLE:
-      return "infeasible";
-  }
-  return "unknown";
-}
-
-const char* nameOf(v1::SessionPhase phase) {
-  switch (phase) {
-    case v1::PHASE_OPEN:
-      return "open";
-    case v1::PHASE_TRANSFERRING:
-      return "transferring";
-    case v1::PHASE_OPTIMIZING:
-      return "optimizing";
-    case v1::PHASE_READY:
-      return "ready";
-    case v1::PHASE_FAILED:
-      return "failed";
-    case v1::PHASE_CLOSED:
-      return "closed";
-  }
-  return "unknown";
-}
-
 const v1::PatchReport* reportOf(const GraspResult& result, const std::string& patch) {
   for (const v1::PatchReport& report : result.transfer.patches()) {
     if (report.name() == patch) return &report;

@@ -36,12 +36,6 @@ struct DoctorReport {
 /// what comes from the wire may be anything.
 void requireConsistent(const GraspResult& result);
 
-/// "converged", "stalled", "evaluation_limit" or "infeasible".
-const char* nameOf(v1::Outcome outcome);
-
-/// "open", "transferring", "optimizing", "ready", "failed" or "closed".
-const char* nameOf(v1::SessionPhase phase);
-
 /// The report of a patch's transfer; nullptr if there is none.
 const v1::PatchReport* reportOf(const GraspResult& result, const std::string& patch);
 

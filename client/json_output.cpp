@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/server_link.h"
+#include "idl/names.h"
 
 namespace handgraft::client::json {
 

@@ -10,6 +10,7 @@
 #include "client/private_server.h"
 #include "core/base/error.h"
 #include "core/base/progress.h"
+#include "idl/names.h"
 
 namespace handgraft::client {
 
@@ -42,18 +43,6 @@ std::uint64_t randomId() {
 }
 
 }  // namespace
-
-const char* nameOf(v1::ModelKind kind) {
-  switch (kind) {
-    case v1::MODEL_HAND:
-      return "hand";
-    case v1::MODEL_OBJECT:
-      return "object";
-    case v1::MODEL_CONTACTS:
-      return "contacts";
-  }
-  return "unknown";
-}
 
 ServerLink::ServerLink(const Network& network, Absence absence, Interruption& interruption)
     : interruption_(interruption), participant_(network), requester_(participant_) {

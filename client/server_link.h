@@ -75,7 +75,4 @@ class ServerLink {
   OnProgress on_progress_;
 };
 
-/// "hand", "object" or "contacts".
-const char* nameOf(v1::ModelKind kind);
-
 }  // namespace handgraft::client

@@ -7,6 +7,7 @@
 
 #include "client/server_link.h"
 #include "core/base/error.h"
+#include "idl/names.h"
 
 namespace handgraft::client::text {
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/base/error.h"
+#include "idl/names.h"
 #include "server/rejection.h"
 
 namespace handgraft::server {
@@ -165,18 +166,6 @@ void validateName(const std::string& name) {
         "name {}: must be 1-{} letters, digits, '_', '-' or '.', not beginning with a dot",
         handgraft::quoted(name), kLongest);
   }
-}
-
-const char* nameOf(v1::ModelKind kind) {
-  switch (kind) {
-    case v1::MODEL_HAND:
-      return "hand";
-    case v1::MODEL_OBJECT:
-      return "object";
-    case v1::MODEL_CONTACTS:
-      return "contacts";
-  }
-  return "model";
 }
 
 v1::ModelSummary summaryOf(const StoredHand& hand) {

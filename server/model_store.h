@@ -91,9 +91,6 @@ class ModelStore {
 /// in topics, files and messages. InvalidInput otherwise.
 void validateName(const std::string& name);
 
-/// "hand", "object", "contacts".
-const char* nameOf(v1::ModelKind kind);
-
 v1::ModelSummary summaryOf(const StoredHand& hand);
 v1::ModelSummary summaryOf(const StoredObject& object);
 v1::ModelSummary summaryOf(const StoredContacts& contacts);

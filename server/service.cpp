@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "core/base/error.h"
+#include "idl/names.h"
 #include "server/handlers/edits.h"
 #include "server/handlers/models.h"
 #include "server/handlers/optimize.h"
@@ -35,40 +36,6 @@ std::string hostName() {
   if (gethostname(name.data(), name.size() - 1) != 0) return "";
   name.resize(name.find('\0'));
   return name;
-}
-
-const char* nameOf(v1::Operation operation) {
-  switch (operation) {
-    case v1::OP_NOTHING:
-      return "nothing";
-    case v1::OP_PUT_FILE:
-      return "put_file";
-    case v1::OP_LOAD_MODEL:
-      return "load_model";
-    case v1::OP_LIST_MODELS:
-      return "list_models";
-    case v1::OP_DESCRIBE_MODEL:
-      return "describe_model";
-    case v1::OP_UNLOAD_MODEL:
-      return "unload_model";
-    case v1::OP_OPEN_SESSION:
-      return "open_session";
-    case v1::OP_DESCRIBE_SESSION:
-      return "describe_session";
-    case v1::OP_LIST_SESSIONS:
-      return "list_sessions";
-    case v1::OP_CLOSE_SESSION:
-      return "close_session";
-    case v1::OP_TRANSFER:
-      return "transfer";
-    case v1::OP_OPTIMIZE:
-      return "optimize";
-    case v1::OP_EXPORT_PROBLEM:
-      return "export_problem";
-    case v1::OP_CANCEL:
-      return "cancel";
-  }
-  return "unknown";
 }
 
 /// The first bytes of a client's id, enough to follow it through a log.

@@ -5,6 +5,7 @@
 #include "client/progress_line.h"
 #include "client/server_link.h"
 #include "core/base/error.h"
+#include "idl/names.h"
 
 namespace handgraft::client {
 

@@ -5,25 +5,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-namespace handgraft::bridge {
+#include "idl/names.h"
 
-const char* nameOf(v1::BridgeState state) {
-  switch (state) {
-    case v1::BRIDGE_DISCONNECTED:
-      return "disconnected";
-    case v1::BRIDGE_IDLE:
-      return "idle";
-    case v1::BRIDGE_ARMED:
-      return "armed";
-    case v1::BRIDGE_HOLDING:
-      return "holding";
-    case v1::BRIDGE_FAULT:
-      return "fault";
-    case v1::BRIDGE_ESTOP:
-      return "estop";
-  }
-  return "unknown";
-}
+namespace handgraft::bridge {
 
 std::string textLine(const BridgeReport& report) {
   return fmt::format("handgraft-bridge: {}: {}", nameOf(report.state), report.message);

@@ -6,9 +6,6 @@
 
 namespace handgraft::bridge {
 
-/// "disconnected", "idle", "armed", "holding", "fault", "estop".
-const char* nameOf(v1::BridgeState state);
-
 /// One line for people: "handgraft-bridge: armed: following session 3".
 std::string textLine(const BridgeReport& report);
 
