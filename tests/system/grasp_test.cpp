@@ -2,7 +2,7 @@
 // hand.
 
 #include <fstream>
-#include <map>
+#include <ostream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -111,6 +111,10 @@ struct RealHand {
   const char* urdf;
   std::size_t dofs;
 };
+
+void PrintTo(const RealHand& hand, std::ostream* out) {
+  *out << hand.name;
+}
 
 class RealHands : public testing::TestWithParam<RealHand> {};
 

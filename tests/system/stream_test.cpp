@@ -1,9 +1,9 @@
 #include <csignal>
-#include <thread>
 
 #include <gtest/gtest.h>
 
 #include "idl/sensor_msgs.h"
+#include "idl/service.h"
 
 #include "tests/system/live_session.h"
 
@@ -110,9 +110,11 @@ TEST(Server, StopsCleanlyOnSigterm) {
 
 TEST(Server, StopsCleanlyInTheMiddleOfWork) {
   Service service;
+  const idl::cyclone::Participant participant(service.network());
+  idl::cyclone::Reader<v1::Progress> at_work(participant, idl::kProgressTopic);
   const auto client = service.start(
       "handgraft", {"grasp", "--hand", "human20", "--object", "box", "--contacts", "box_5"});
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  ASSERT_TRUE(at_work.wait(std::chrono::seconds(60))) << client->err();
   service.server().send(SIGTERM);
   EXPECT_EQ(service.server().wait(), 0) << service.server().err();
   EXPECT_EQ(client->wait(), 1) << "the client must notice that its server is gone";

@@ -1,5 +1,6 @@
 // Skins and contact sites of hands that others made, and of those that the project ships.
 #include <algorithm>
+#include <ostream>
 #include <regex>
 #include <string>
 
@@ -23,6 +24,10 @@ struct RealHand {
   int mimics;
   std::vector<std::string> sites;
 };
+
+void PrintTo(const RealHand& hand, std::ostream* out) {
+  *out << hand.path;
+}
 
 std::filesystem::path pathOf(const RealHand& hand) {
   return hand.shared ? test::sharedData(hand.path) : test::sourceDirectory() / hand.path;
