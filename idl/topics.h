@@ -1,6 +1,7 @@
 #pragma once
 
-/// The one list of topics. Types are in the IDL files; the README says who writes and reads what.
+/// The one list of topics. Types are in the IDL files; the README says who writes and reads
+/// what.
 namespace handgraft::idl {
 
 /// Quality of service, spelled out for each vendor in `server/transport` and `idl/cyclone`.
@@ -33,7 +34,7 @@ class JointState;
 
 namespace sensor_msgs::msg::dds_ {
 class JointState_;
-}
+}  // namespace sensor_msgs::msg::dds_
 
 namespace handgraft::idl {
 
@@ -42,15 +43,19 @@ inline constexpr Topic<v1::Reply> kReplyTopic{"handgraft/v1/reply", Qos::kServic
 inline constexpr Topic<v1::Progress> kProgressTopic{"handgraft/v1/progress", Qos::kTelemetry};
 inline constexpr Topic<v1::Edit> kEditTopic{"handgraft/v1/edit", Qos::kService};
 inline constexpr Topic<v1::EditReply> kEditReplyTopic{"handgraft/v1/edit_reply", Qos::kService};
-inline constexpr Topic<v1::PoseSolution> kSolutionTopic{"handgraft/v1/pose_solution", Qos::kState};
-inline constexpr Topic<v1::SessionState> kSessionTopic{"handgraft/v1/session_state", Qos::kState};
-inline constexpr Topic<v1::ServerStatus> kStatusTopic{"handgraft/v1/server_status", Qos::kState};
+inline constexpr Topic<v1::PoseSolution> kSolutionTopic{"handgraft/v1/pose_solution",
+                                                        Qos::kState};
+inline constexpr Topic<v1::SessionState> kSessionTopic{"handgraft/v1/session_state",
+                                                       Qos::kState};
+inline constexpr Topic<v1::ServerStatus> kStatusTopic{"handgraft/v1/server_status",
+                                                      Qos::kState};
 inline constexpr Topic<v1::HandCommand> kHandCommandTopic{"handgraft/v1/hand_command",
                                                           Qos::kService};
 inline constexpr Topic<v1::JointState> kJointStateTopic{"handgraft/v1/joint_state",
                                                         Qos::kTelemetry};
 
-/// Measured states only; solved poses go to rt/handgraft/<session>/joint_command, the same type.
+/// Measured states only; solved poses go to rt/handgraft/<session>/joint_command, the same
+/// type.
 inline constexpr Topic<sensor_msgs::msg::dds_::JointState_> kRosJointStatesTopic{
     "rt/joint_states", Qos::kTelemetry};
 

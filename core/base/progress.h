@@ -19,8 +19,8 @@ class Progress {
 
   explicit Progress(Listener listener) : listener_(std::move(listener)) {}
 
-  /// A part of larger work: reports to its own listener, and stops when `whole`, which must outlive
-  /// it, is to stop.
+  /// A part of larger work: reports to its own listener, and stops when `whole`, which must
+  /// outlive it, is to stop.
   Progress(const Progress& whole, Listener listener)
       : listener_(std::move(listener)), whole_(&whole) {}
 

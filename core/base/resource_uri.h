@@ -24,8 +24,8 @@ std::filesystem::path resolveResource(const std::string& uri,
                                       const std::filesystem::path& base_directory,
                                       const PackageMap& packages);
 
-/// Another way to find the file that a URI means: a server maps URIs to files it was sent, and opens
-/// no other. Errors: InvalidInput naming the URI if there is none.
+/// Another way to find the file that a URI means: a server maps URIs to files it was sent, and
+/// opens no other. Errors: InvalidInput naming the URI if there is none.
 using ResourceFinder = std::function<std::filesystem::path(const std::string& uri)>;
 
 /// The URIs of all mesh files that a URDF text names, each once, in order of appearance. A scan

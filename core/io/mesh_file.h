@@ -24,8 +24,8 @@ struct MeshFile {
 /// Reads STL, OBJ, PLY, glTF/GLB or DAE; welds vertices at the same place; triangulates.
 ///
 /// Units and frames: as the file has them (node transforms applied).
-/// Indices: the file's own order. An STL's vertices are its facets' corners in order; an OBJ's its
-/// `v` lines; a PLY's its vertex list; other formats their meshes one after another.
+/// Indices: the file's own order. An STL's vertices are its facets' corners in order; an OBJ's
+/// its `v` lines; a PLY's its vertex list; other formats their meshes one after another.
 /// Errors: InvalidInput, naming the file, if it is missing, truncated, not a mesh, empty, holds
 /// an index out of range or a non-finite vertex (named by its file index), or claims more than
 /// kMostVertices. Cost: O(V log V).

@@ -13,16 +13,18 @@ namespace handgraft::io {
 struct PlyFile {
   std::vector<std::string> comments;
   int vertex_count = 0;
-  /// Property name to one value per vertex, in the file's order: x, y, z, contact, link, red ...
+  /// Property name to one value per vertex, in the file's order: x, y, z, contact, link, red
+  /// ...
   std::map<std::string, Eigen::VectorXd> vertex;
   Eigen::Matrix3Xi faces;
   /// The file's face that each triangle comes from.
   std::vector<int> file_face;
 };
 
-/// Reads ascii and binary PLY of both endiannesses; elements and list properties it does not know
-/// are skipped. Errors: InvalidInput naming the file and the fault (truncated, bad header, index
-/// out of range); claims in the header are checked against the file's size before memory is taken.
+/// Reads ascii and binary PLY of both endiannesses; elements and list properties it does not
+/// know are skipped. Errors: InvalidInput naming the file and the fault (truncated, bad header,
+/// index out of range); claims in the header are checked against the file's size before memory
+/// is taken.
 PlyFile readPly(const std::filesystem::path& path);
 
 }  // namespace handgraft::io

@@ -19,17 +19,18 @@ struct UrdfFile {
 
 /// Reads a hand from a URDF and its meshes (urdfdom, assimp).
 ///
-/// Frames and units: as URDF has them, metres and radians; mesh scales applied; primitives become
-///   meshes. Errors: InvalidInput, naming the file and the joint, link or mesh, for XML that does
-///   not parse (urdfdom's own words are quoted), a missing mesh, a joint loop, a planar or floating
-///   joint. Limits that a movable joint lacks are noted, not refused.
+/// Frames and units: as URDF has them, metres and radians; mesh scales applied; primitives
+/// become
+///   meshes. Errors: InvalidInput, naming the file and the joint, link or mesh, for XML that
+///   does not parse (urdfdom's own words are quoted), a missing mesh, a joint loop, a planar or
+///   floating joint. Limits that a movable joint lacks are noted, not refused.
 UrdfFile readUrdf(const std::filesystem::path& path, const PackageMap& packages = {});
 
 /// As above, with the meshes' files found by `find`; nothing else is opened.
 UrdfFile readUrdf(const std::filesystem::path& path, const ResourceFinder& find);
 
-/// Joints and links alone, geometry left out: for problem files, whose kinematics is all they need.
-/// No mesh has to exist.
+/// Joints and links alone, geometry left out: for problem files, whose kinematics is all they
+/// need. No mesh has to exist.
 hand::HandModel readUrdfKinematics(const std::filesystem::path& path);
 
 }  // namespace handgraft::io

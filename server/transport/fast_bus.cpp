@@ -43,8 +43,8 @@ dds::DomainParticipantQos participantQos(const NetworkInterface& interface) {
   auto& protocol = qos.wire_protocol();
   auto& discovery = protocol.builtin.discovery_config;
   discovery.leaseDuration = {3, 0};
-  // A client that has just come up learns of us by the next announcement: measured, it misses the
-  // direct answer to its own.
+  // A client that has just come up learns of us by the next announcement: measured, it misses
+  // the direct answer to its own.
   discovery.leaseDuration_announcementperiod = {0, 200'000'000};
   if (interface.loopback) {
     // Unicast both ways, so that loopback needs no multicast route.

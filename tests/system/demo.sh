@@ -13,6 +13,7 @@ say "a server (Fast DDS) and a bridge with a simulated hand (Cyclone DDS), on lo
 server=$!
 "$bin/handgraft-bridge" --domain "$domain" --json >"$out/bridge.jsonl" 2>"$out/bridge.log" &
 bridge=$!
+# shellcheck disable=SC2317  # called by the trap
 finish() {
   kill -TERM "$bridge" "$server" 2>/dev/null || true
   wait "$bridge" "$server" 2>/dev/null || true
