@@ -1,0 +1,352 @@
+#include "core/geometry/heat_log_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <random>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+
+#include "tests/core/geometry/sheet.h"
+
+namespace handgraft::geometry {
+namespace {
+
+constexpr double kEverything = std::numeric_limits<double>::infinity();
+constexpr double kPi = std::numbers::pi;
+
+Eigen::Vector2d turned(const Eigen::Vector2d& v, double angle) {
+  return Eigen::Rotation2Dd(angle) * v;
+}
+
+/// About as a hand's skin is: 10k vertices about 2 mm apart, bumps, ridges and saddles.
+TriangleMesh makeSkin(int subdivisions = 5) {
+  const TriangleMesh sphere = makeSphere(1.0, subdivisions);
+  Eigen::Matrix3Xd vertices = sphere.vertices();
+  for (int v = 0; v < sphere.vertexCount(); ++v) {
+    const Eigen::Vector3d p = sphere.vertex(v);
+    const double radius_m = 0.05 * (1.0 + 0.15 * std::sin(3.0 * p.x()) * std::cos(4.0 * p.y()));
+    vertices.col(v) = radius_m * Eigen::Vector3d(p.x(), 0.8 * p.y(), 1.2 * p.z());
+  }
+  return {vertices, sphere.faces()};
+}
+
+/// A vertex, inside a face, on an edge.
+std::vector<SurfacePoint> sourcesOf(const TriangleMesh& mesh) {
+  return {surfacePointAtVertex(mesh, mesh.vertexCount() / 2 + 3),
+          {mesh.faceCount() / 2 + 7, {0.2, 0.5, 0.3}},
+          {mesh.faceCount() / 3 + 5, {0.0, 0.4, 0.6}}};
+}
+
+struct SphereError {
+  double r = 0.0;
+  double phi = 0.0;
+};
+
+/// Mean relative error of r, and mean error of phi after one constant rotation per source,
+/// inside a fifth of pi.
+template <class Solve>
+SphereError errorOnSphere(const TriangleMesh& sphere, bool at_vertices, const Solve& solve) {
+  const Eigen::Vector3d direction(0.3, 0.8, 0.4);
+  std::mt19937 random(3);
+  SphereError error;
+  int count = 0;
+  for (int repeat = 0; repeat < 6; ++repeat) {
+    const auto any = static_cast<int>(random() % 10242);
+    const SurfacePoint source = at_vertices ? surfacePointAtVertex(sphere, any)
+                                            : SurfacePoint{2 * any % 20480, {0.2, 0.5, 0.3}};
+    const LogMap map = solve(source, direction, 0.2 * kPi);
+    const Eigen::Vector3d z = positionOf(sphere, source).normalized();
+    const Eigen::Vector3d x = (direction - direction.dot(z) * z).normalized();
+    const Eigen::Vector3d y = z.cross(x);
+    std::vector<double> differences;
+    for (const int v : map.vertices) {
+      const Eigen::Vector3d p = sphere.vertex(v);
+      const double r = std::atan2(z.cross(p).norm(), z.dot(p));
+      if (r < 1e-6) continue;
+      error.r += std::abs(map.r[v] - r) / r;
+      differences.push_back(
+          std::remainder(map.phi[v] - std::atan2(y.dot(p), x.dot(p)), 2.0 * kPi));
+    }
+    const double mean = std::accumulate(differences.begin(), differences.end(), 0.0) /
+                        static_cast<double>(differences.size());
+    for (const double d : differences)
+      error.phi += std::abs(d - mean);
+    count += static_cast<int>(differences.size());
+  }
+  EXPECT_GT(count, 5000);
+  return {error.r / count, error.phi / count};
+}
+
+void expectIdentity(const test::Sheet& sheet) {
+  const HeatLogMap solver(sheet.mesh);
+  const Eigen::Vector3d direction(0.3, 0.8, 0.1);
+  const double azimuth = std::atan2(0.8, 0.3);
+  std::vector<SurfacePoint> sources = sourcesOf(sheet.mesh);
+  sources.push_back(surfacePointAtVertex(sheet.mesh, 0));
+  sources.push_back(surfacePointAtVertex(sheet.mesh, 5));
+  sources.push_back({0, {0.4, 0.0, 0.6}});
+  for (const SurfacePoint& source : sources) {
+    const LogMap map = solver.smooth(source, direction, kEverything);
+    ASSERT_EQ(map.vertices.size(), sheet.flat.size());
+    EXPECT_EQ(static_cast<int>(map.faces.size()), sheet.mesh.faceCount());
+    const Eigen::Vector2d origin = positionOf(sheet.mesh, source).head<2>();
+    for (int v = 0; v < sheet.mesh.vertexCount(); ++v) {
+      const Eigen::Vector2d truth = turned(sheet.flat[v] - origin, -azimuth);
+      ASSERT_LT((logCoordinatesAtVertex(map, v) - truth).norm(), 1e-11) << v;
+    }
+  }
+}
+
+TEST(HeatLogMap, SmoothIsIdentityOnAPlane) {
+  expectIdentity(test::makePlane());
+}
+
+TEST(HeatLogMap, SmoothIsIdentityOnAPlaneOfSlivers) {
+  expectIdentity(test::makePlane(0.24, 0.01));
+}
+
+TEST(HeatLogMap, SmoothUnrollsACylinder) {
+  constexpr int kSides = 64;
+  const double width = 2.0 * kSides * std::sin(kPi / kSides);  // of the polyhedron, radius 1
+  const test::Sheet sheet =
+      test::makeSheet(kSides, 30, width, 3.0, 0.2, true, [&](const Eigen::Vector2d& p) {
+        const double angle = 2.0 * kPi * p.x() / width;
+        return Eigen::Vector3d(std::cos(angle), std::sin(angle), p.y());
+      });
+  const HeatLogMap solver(sheet.mesh);
+  for (const int source : {15 * kSides + 20, 3 * kSides, 20}) {
+    const LogMap map = solver.smooth(surfacePointAtVertex(sheet.mesh, source),
+                                     Eigen::Vector3d::UnitZ(), kEverything);
+    for (int v = 0; v < sheet.mesh.vertexCount(); ++v) {
+      Eigen::Vector2d truth = sheet.flat[v] - sheet.flat[source];
+      truth.x() = std::remainder(truth.x(), width);
+      // Heat that went the other way round fades by a factor at every edge.
+      if (std::abs(truth.x()) > 0.125 * width) continue;
+      ASSERT_LT((logCoordinatesAtVertex(map, v) - turned(truth, -kPi / 2)).norm(), 1e-9) << v;
+    }
+  }
+}
+
+TEST(HeatLogMap, SmoothAgreesWithArcLengthOnASphere) {
+  const TriangleMesh sphere = makeSphere(1.0, 5);
+  const HeatLogMap solver(sphere);
+  const auto smooth = [&](const auto&... query) {
+    return solver.smooth(query...);
+  };
+  const SphereError at_vertices = errorOnSphere(sphere, true, smooth);
+  EXPECT_LT(at_vertices.r, 1.5e-3);
+  EXPECT_LT(at_vertices.phi, 1e-4);
+  const SphereError in_faces = errorOnSphere(sphere, false, smooth);
+  EXPECT_LT(in_faces.r, 1.5e-3);
+  EXPECT_LT(in_faces.phi, 3e-4);
+}
+
+TEST(HeatLogMap, HeatIsCoarserOnASphere) {
+  const TriangleMesh sphere = makeSphere(1.0, 5);
+  const HeatLogMap solver(sphere);
+  const auto heat = [&](const auto&... query) {
+    return solver.heat(query...);
+  };
+  for (const bool at_vertices : {true, false}) {
+    const SphereError error = errorOnSphere(sphere, at_vertices, heat);
+    EXPECT_LT(error.r, 1e-2);
+    EXPECT_LT(error.phi, 8e-3);
+  }
+}
+
+TEST(HeatLogMap, HeatIsWithinAnEdgeOnAPlane) {
+  const test::Sheet sheet = test::makePlane();
+  const HeatLogMap solver(sheet.mesh);
+  for (const SurfacePoint& source :
+       {surfacePointAtVertex(sheet.mesh, 480),
+        SurfacePoint{sheet.mesh.faceCount() / 2 + 30, {0.2, 0.5, 0.3}}}) {
+    const Eigen::Vector2d origin = positionOf(sheet.mesh, source).head<2>();
+    const LogMap map = solver.heat(source, Eigen::Vector3d::UnitX(), 0.3);
+    double error = 0.0;
+    for (const int v : map.vertices)
+      error += (logCoordinatesAtVertex(map, v) - (sheet.flat[v] - origin)).norm();
+    EXPECT_GT(map.vertices.size(), 150U);
+    EXPECT_LT(error / static_cast<double>(map.vertices.size()), sheet.mesh.meanEdgeLength());
+  }
+}
+
+TEST(HeatLogMap, HasTheAxisAndTheDistancesOfFastOnASkin) {
+  const TriangleMesh skin = makeSkin();
+  const HeatLogMap solver(skin);
+  std::mt19937 random(5);
+  for (int i = 0; i < 9; ++i) {
+    SurfacePoint source{static_cast<int>(random() % 20480), {0.2, 0.5, 0.3}};
+    if (i % 3 == 1) source.barycentric = {0.0, 0.4, 0.6};
+    if (i % 3 == 2) source.barycentric = {0.0, 0.0, 1.0};
+    const Eigen::Vector3d direction = normalOf(skin, source).unitOrthogonal();
+    constexpr double kRadius = 0.02;
+    const LogMap fast = computeLogMap(skin, source, direction, kRadius);
+    const LogMap smooth = solver.smooth(source, direction, kRadius);
+    const LogMap heat = solver.heat(source, direction, kRadius);
+    double smooth_mm = 0.0;
+    double heat_mm = 0.0;
+    int count = 0;
+    for (const int v : fast.vertices) {
+      const Eigen::Vector2d p_T = logCoordinatesAtVertex(fast, v);
+      const Eigen::Vector2d to_smooth = logCoordinatesAtVertex(smooth, v) - p_T;
+      const Eigen::Vector2d to_heat = logCoordinatesAtVertex(heat, v) - p_T;
+      // At the very rim one method may see a vertex inside that another one does not.
+      if (!to_smooth.allFinite() || !to_heat.allFinite()) continue;
+      smooth_mm += 1e3 * to_smooth.norm();
+      heat_mm += 1e3 * to_heat.norm();
+      ++count;
+    }
+    EXPECT_GT(count, 0.95 * static_cast<double>(fast.vertices.size()));
+    EXPECT_LT(smooth_mm / count, 0.15) << i;
+    EXPECT_LT(heat_mm / count, 0.5) << i;
+  }
+}
+
+TEST(HeatLogMap, FollowsRotationAndScaleOfTheMesh) {
+  const TriangleMesh skin = makeSkin(3);
+  const HeatLogMap solver(skin);
+  for (const double scale : {1e-3, 1.0, 1e3}) {
+    Eigen::Affine3d X(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()));
+    X.scale(scale);
+    const HeatLogMap moved(transformed(skin, X));
+    for (const SurfacePoint& source : sourcesOf(skin)) {
+      const Eigen::Vector3d direction(0.3, 0.8, 0.4);
+      const LogMap one = solver.smooth(source, direction, 0.03);
+      const LogMap two = moved.smooth(source, X.linear() * direction, 0.03 * scale);
+      ASSERT_EQ(one.vertices.size(), two.vertices.size());
+      ASSERT_GT(one.vertices.size(), 20U);
+      for (const int v : one.vertices) {
+        EXPECT_LT(
+            (logCoordinatesAtVertex(one, v) - logCoordinatesAtVertex(two, v) / scale).norm(),
+            1e-11);
+      }
+    }
+  }
+}
+
+TEST(HeatLogMap, DoesNotDependOnTheNumbering) {
+  const TriangleMesh skin = makeSkin(3);
+  const int n = skin.vertexCount();
+  const Eigen::Matrix3Xi faces = (n - 1 - skin.faces().array()).rowwise().reverse();
+  const TriangleMesh renumbered(skin.vertices().rowwise().reverse(), faces);
+  const HeatLogMap solver(skin);
+  const HeatLogMap other(renumbered);
+  const Eigen::Vector3d direction(0.3, 0.8, 0.4);
+  for (const SurfacePoint& source : sourcesOf(skin)) {
+    const SurfacePoint same{skin.faceCount() - 1 - source.face, source.barycentric};
+    for (const bool smooth : {true, false}) {
+      const LogMap one = smooth ? solver.smooth(source, direction, 0.03)
+                                : solver.heat(source, direction, 0.03);
+      const LogMap two =
+          smooth ? other.smooth(same, direction, 0.03) : other.heat(same, direction, 0.03);
+      ASSERT_EQ(one.vertices.size(), two.vertices.size());
+      for (const int v : one.vertices) {
+        EXPECT_LT(
+            (logCoordinatesAtVertex(one, v) - logCoordinatesAtVertex(two, n - 1 - v)).norm(),
+            1e-11);
+      }
+    }
+  }
+}
+
+TEST(HeatLogMap, FillsTheDiskUpToItsRadius) {
+  const TriangleMesh skin = makeSkin(3);
+  const HeatLogMap solver(skin);
+  constexpr double kRadius = 0.025;
+  for (const SurfacePoint& source : sourcesOf(skin)) {
+    for (const bool smooth : {true, false}) {
+      const LogMap map = smooth ? solver.smooth(source, {0.3, 0.8, 0.4}, kRadius)
+                                : solver.heat(source, {0.3, 0.8, 0.4}, kRadius);
+      EXPECT_TRUE(std::is_sorted(map.vertices.begin(), map.vertices.end(), [&](int a, int b) {
+        return map.r[a] < map.r[b];
+      }));
+      EXPECT_EQ(map.vertices.size(),
+                static_cast<std::size_t>((map.r.array() <= kRadius).count()));
+      EXPECT_LT(map.vertices.size(), static_cast<std::size_t>(skin.vertexCount()) / 2);
+      const LogMapInverse inverse(skin, map);
+      for (int i = 0; i < 60; ++i) {
+        const Eigen::Vector2d uv_T =
+            turned(Eigen::Vector2d(kRadius * 0.999 * (i + 1) / 60.0, 0.0), 0.7 * i);
+        const LogMapInverse::Place place = inverse.at(uv_T);
+        ASSERT_TRUE(place.point.valid()) << i;
+        EXPECT_LT((logCoordinates(skin, map, place.point) - uv_T).norm(), 1e-12);
+      }
+    }
+  }
+}
+
+TEST(HeatLogMap, SurvivesCoarseMeshes) {
+  Eigen::Matrix3Xd corners(3, 3);
+  corners << 0, 1, 0, 0, 0, 1, 0, 0, 0;
+  const TriangleMesh triangle(corners, Eigen::Vector3i(0, 1, 2));
+  for (const TriangleMesh& mesh :
+       {triangle, makeBox({1.0, 1.0, 1.0}), makeBox({1.0, 0.1, 0.01}),
+        makeCylinder(1.0, 1.0, 3), makeSphere(1.0, 0)}) {
+    const HeatLogMap solver(mesh);
+    for (const SurfacePoint& source :
+         {SurfacePoint{0, {0.2, 0.5, 0.3}}, SurfacePoint{0, {0.0, 0.4, 0.6}},
+          surfacePointAtVertex(mesh, 0)}) {
+      const Eigen::Vector3d direction = normalOf(mesh, source).unitOrthogonal();
+      for (const LogMap& map : {solver.smooth(source, direction, kEverything),
+                                solver.heat(source, direction, kEverything)}) {
+        EXPECT_GE(map.vertices.size(), 3U);
+        for (const int v : map.vertices) {
+          EXPECT_TRUE(std::isfinite(map.r[v]) && std::isfinite(map.phi[v]));
+          EXPECT_GE(map.r[v], 0.9 * (mesh.vertex(v) - positionOf(mesh, source)).norm());
+        }
+      }
+    }
+  }
+}
+
+TEST(HeatLogMap, ServesOneComponentWhateverTheOthersAre) {
+  Eigen::Matrix3Xd vertices(3, 5);
+  vertices << 5, 6, 5, 4, 5,  //
+      0, 0, 1, 0, -1,         //
+      0, 0, 0, 0, 1;
+  Eigen::Matrix3Xi pinched(3, 2);
+  pinched << 0, 0, 1, 3, 2, 4;
+  const TriangleMesh sphere = makeSphere(1.0, 2);
+  const TriangleMesh mesh = merged({sphere, TriangleMesh(vertices, pinched), sphere});
+  const HeatLogMap solver(mesh);
+  const LogMap map = solver.smooth(surfacePointAtVertex(mesh, 3), {0.1, 0.2, 0.9}, 2.0);
+  EXPECT_GT(map.vertices.size(), 50U);
+  for (int v = 162; v < mesh.vertexCount(); ++v)
+    EXPECT_TRUE(std::isnan(map.r[v]) && std::isnan(map.phi[v]));
+  try {
+    static_cast<void>(solver.smooth(surfacePointAtVertex(mesh, 163), {0.1, 0.9, 0.2}, 2.0));
+    FAIL() << "a pinched component was served";
+  } catch (const InvalidInput& error) {
+    // In the numbers of the mesh that was given.
+    EXPECT_NE(std::string(error.what()).find("vertex 162"), std::string::npos) << error.what();
+  }
+  // The last sphere gives what the first one gives.
+  const LogMap last = solver.smooth(surfacePointAtVertex(mesh, 170), {0.1, 0.2, 0.9}, 2.0);
+  for (const int v : map.vertices)
+    EXPECT_NEAR(last.r[v + 167], map.r[v], 1e-12);
+}
+
+TEST(HeatLogMap, RefusesWrongInput) {
+  const TriangleMesh box = makeBox({1.0, 1.0, 1.0});
+  const HeatLogMap solver(box);
+  const SurfacePoint good{0, {0.2, 0.5, 0.3}};
+  const Eigen::Vector3d x = Eigen::Vector3d::UnitX();
+  EXPECT_THROW(static_cast<void>(solver.smooth({12, {0.2, 0.5, 0.3}}, x, 1.0)), InvalidInput);
+  EXPECT_THROW(static_cast<void>(solver.smooth({0, {0.2, 0.5, std::nan("")}}, x, 1.0)),
+               InvalidInput);
+  EXPECT_THROW(static_cast<void>(solver.smooth(good, x, 0.0)), InvalidInput);
+  EXPECT_THROW(static_cast<void>(solver.heat(good, x, std::nan(""))), InvalidInput);
+  EXPECT_THROW(static_cast<void>(solver.heat(good, Eigen::Vector3d::Zero(), 1.0)),
+               InvalidInput);
+  EXPECT_THROW(static_cast<void>(solver.smooth(good, box.faceNormals().col(0), 1.0)),
+               InvalidInput);
+}
+
+}  // namespace
+}  // namespace handgraft::geometry
