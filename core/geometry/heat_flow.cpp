@@ -5,9 +5,8 @@
 #include <limits>
 #include <mutex>
 
-#include <Eigen/SparseCholesky>
-
 #include "core/base/error.h"
+#include "core/geometry/sparse_factor.h"
 
 namespace handgraft::geometry {
 
@@ -19,6 +18,9 @@ using ComplexMatrix = Eigen::SparseMatrix<Complex>;
 
 // Heat below this is too near to double's smallest number to keep its digits.
 constexpr double kLeastHeat = 1e-280;
+// Mean edges beyond a disk from where heat still counts. It fades by about e per edge and has to
+// go there and back: 1e-11 of the radius (seen: 1e-12) is left out.
+constexpr double kHeatReach = 10.0;
 
 Complex normalised(const Complex& z) {
   const double size = std::abs(z);
@@ -52,17 +54,18 @@ struct HeatFlow::Edge {
 };
 
 struct HeatFlow::Factors {
-  Eigen::SimplicialLDLT<RealMatrix> scalar;
-  Eigen::SimplicialLDLT<ComplexMatrix> connection;
+  SparseFactor<double> scalar;
+  SparseFactor<Complex> connection;
   // The Poisson system serves the vector heat method alone, and is factored on its first call.
   std::once_flag poisson_once;
-  Eigen::SimplicialLDLT<RealMatrix> poisson;
+  SparseFactor<double> poisson;
+  bool has_poisson = false;
 
   void factorPoisson(int vertex_count, const std::vector<Edge>& edges);
 };
 
 HeatFlow::HeatFlow(const TriangleMesh& mesh)
-    : surface_(mesh), factors_(std::make_unique<Factors>()) {
+    : mesh_(mesh), surface_(mesh), factors_(std::make_unique<Factors>()) {
   double length_sum = 0.0;
   for (int h = 0; h < surface_.halfedgeCount(); ++h) {
     if (!surface_.isFirstOfEdge(h)) continue;
@@ -111,10 +114,7 @@ HeatFlow::HeatFlow(const TriangleMesh& mesh)
   scalar.setFromTriplets(real.begin(), real.end());
   ComplexMatrix connection(n, n);
   connection.setFromTriplets(complex.begin(), complex.end());
-  factors_->scalar.compute(scalar);
-  factors_->connection.compute(connection);
-  if (factors_->scalar.info() != Eigen::Success ||
-      factors_->connection.info() != Eigen::Success) {
+  if (!factors_->scalar.factor(scalar) || !factors_->connection.factor(connection)) {
     rejectInput(
         "the heat operators of a mesh of {} vertices cannot be factored; its faces are too "
         "thin, remesh it or use another log map method",
@@ -124,14 +124,41 @@ HeatFlow::HeatFlow(const TriangleMesh& mesh)
 
 HeatFlow::~HeatFlow() = default;
 
-Eigen::VectorXcd HeatFlow::parallelField(const std::vector<HeatSeed>& seeds) const {
+/// Corners of all faces that a ball about `origin` may reach into.
+std::vector<char> HeatFlow::verticesNear(const Eigen::Vector3d& origin, double radius) const {
+  const int n = surface_.vertexCount();
+  if (std::isinf(radius)) return std::vector<char>(static_cast<std::size_t>(n), 1);
+  const Eigen::VectorXd distances =
+      (mesh_.vertices().colwise() - origin).colwise().norm().transpose();
+  std::vector<char> near(static_cast<std::size_t>(n), 0);
+  for (int f = 0; f < mesh_.faceCount(); ++f) {
+    const Eigen::Vector3i face = mesh_.face(f);
+    const double least = std::min({distances[face[0]], distances[face[1]], distances[face[2]]});
+    double longest = 0.0;
+    if (least > radius) {
+      for (int c = 0; c < 3; ++c) {
+        longest =
+            std::max(longest, (mesh_.vertex(face[c]) - mesh_.vertex(face[(c + 1) % 3])).norm());
+      }
+    }
+    if (least - longest > radius) continue;
+    for (const int v : face)
+      near[v] = 1;
+  }
+  return near;
+}
+
+Eigen::VectorXcd HeatFlow::parallelField(const std::vector<HeatSeed>& seeds,
+                                         const std::vector<char>& wanted) const {
   Eigen::VectorXcd field = Eigen::VectorXcd::Zero(surface_.vertexCount());
   for (const HeatSeed& seed : seeds)
     field[seed.vertex] += seed.weight * seed.axis;
-  return factors_->connection.solve(field).unaryExpr(&normalised);
+  return factors_->connection.solve(field, wanted).unaryExpr(&normalised);
 }
 
-Eigen::Matrix2Xd HeatFlow::affineLog(const std::vector<HeatSeed>& seeds) const {
+Eigen::Matrix2Xd HeatFlow::affineLog(const std::vector<HeatSeed>& seeds,
+                                     const Eigen::Vector3d& origin,
+                                     double radius) const {
   const int n = surface_.vertexCount();
   Eigen::VectorXd w = Eigen::VectorXd::Zero(n);
   Eigen::VectorXcd u = Eigen::VectorXcd::Zero(n);
@@ -139,7 +166,10 @@ Eigen::Matrix2Xd HeatFlow::affineLog(const std::vector<HeatSeed>& seeds) const {
     w[seed.vertex] += seed.weight;
     u[seed.vertex] += seed.weight * seed.axis * seed.p_T / unit_length_;
   }
-  w = factors_->scalar.solve(w);
+  // No geodesic is shorter than the straight line: the disk lies in a ball.
+  const std::vector<char> wanted = verticesNear(origin, radius);
+  const std::vector<char> felt = verticesNear(origin, radius + kHeatReach * unit_length_);
+  w = factors_->scalar.solve(w, felt);
 
   // Heat that crosses an edge carries where it came from: the edge itself, backwards.
   for (const Edge& edge : edges_) {
@@ -147,14 +177,14 @@ Eigen::Matrix2Xd HeatFlow::affineLog(const std::vector<HeatSeed>& seeds) const {
     u[edge.a] -= carried * w[edge.b] * edge.from_a;
     u[edge.b] -= carried * w[edge.a] * edge.from_b;
   }
-  u = factors_->connection.solve(u);
-  const Eigen::VectorXcd axes = parallelField(seeds);
+  u = factors_->connection.solve(u, wanted);
+  const Eigen::VectorXcd axes = parallelField(seeds, wanted);
 
   Eigen::VectorXcd p(n);
   for (int v = 0; v < n; ++v) {
     // Dividing by zero, or by heat without digits, is no place.
-    p[v] = w[v] > kLeastHeat ? u[v] / w[v] / axes[v]
-                             : Complex(std::numeric_limits<double>::quiet_NaN());
+    p[v] = wanted[v] && w[v] > kLeastHeat ? u[v] / w[v] / axes[v]
+                                          : Complex(std::numeric_limits<double>::quiet_NaN());
   }
   return columnsOf(p, unit_length_);
 }
@@ -175,7 +205,7 @@ void HeatFlow::Factors::factorPoisson(int vertex_count, const std::vector<Edge>&
   }
   RealMatrix laplacian(n, n);
   laplacian.setFromTriplets(entries.begin(), entries.end());
-  poisson.compute(laplacian);
+  has_poisson = poisson.factor(laplacian);
 }
 
 Eigen::VectorXcd HeatFlow::vectorLogFrom(const HeatSeed& seed) const {
@@ -190,7 +220,7 @@ Eigen::VectorXcd HeatFlow::vectorLogFrom(const HeatSeed& seed) const {
     if (edge.b == source) radial[edge.a] -= crossed * edge.from_a;
   }
   radial = factors_->connection.solve(radial).unaryExpr(&normalised).eval();
-  const Eigen::VectorXcd axes = parallelField({{source, 1.0, seed.axis, 0.0}});
+  const Eigen::VectorXcd axes = parallelField({{source, 1.0, seed.axis, 0.0}}, {});
 
   // === The distance whose gradient is the radial field
   Eigen::VectorXd divergence = Eigen::VectorXd::Zero(n);
@@ -219,7 +249,7 @@ Eigen::Matrix2Xd HeatFlow::vectorLog(const std::vector<HeatSeed>& seeds) const {
   std::call_once(factors_->poisson_once, [&] {
     factors_->factorPoisson(surface_.vertexCount(), edges_);
   });
-  if (factors_->poisson.info() != Eigen::Success) {
+  if (!factors_->has_poisson) {
     rejectInput(
         "the Poisson system of a mesh of {} vertices cannot be factored; its faces are too "
         "thin, remesh it or use another log map method",

@@ -24,7 +24,8 @@ struct HeatSeed {
 /// time of its squared mean edge.
 class HeatFlow {
  public:
-  /// Factors the scalar and the connection operator. Errors: InvalidInput of IntrinsicDelaunay.
+  /// Factors the scalar and the connection operator. Keeps a reference to `mesh`. Errors:
+  /// InvalidInput of IntrinsicDelaunay.
   explicit HeatFlow(const TriangleMesh& mesh);
   ~HeatFlow();
   HeatFlow(const HeatFlow&) = delete;
@@ -32,9 +33,14 @@ class HeatFlow {
 
   [[nodiscard]] const IntrinsicDelaunay& surface() const { return surface_; }
 
-  /// Log coordinates of every vertex in T, metres; NaN where no heat arrives.
-  [[nodiscard]] Eigen::Matrix2Xd affineLog(const std::vector<HeatSeed>& seeds) const;
-  /// The same by the vector heat method.
+  /// Log coordinates in T of every vertex that a face within `radius` of the source has,
+  /// metres; NaN elsewhere and where no heat arrives. `origin` is where the source stands in
+  /// the mesh's frame. Cost: grows with the disk and its ancestors in the elimination tree,
+  /// plus O(F).
+  [[nodiscard]] Eigen::Matrix2Xd affineLog(const std::vector<HeatSeed>& seeds,
+                                           const Eigen::Vector3d& origin,
+                                           double radius) const;
+  /// The same by the vector heat method, of all vertices.
   [[nodiscard]] Eigen::Matrix2Xd vectorLog(const std::vector<HeatSeed>& seeds) const;
 
  private:
@@ -42,8 +48,12 @@ class HeatFlow {
   struct Factors;
 
   [[nodiscard]] Eigen::VectorXcd vectorLogFrom(const HeatSeed& seed) const;
-  [[nodiscard]] Eigen::VectorXcd parallelField(const std::vector<HeatSeed>& seeds) const;
+  [[nodiscard]] Eigen::VectorXcd parallelField(const std::vector<HeatSeed>& seeds,
+                                               const std::vector<char>& wanted) const;
+  [[nodiscard]] std::vector<char> verticesNear(const Eigen::Vector3d& origin,
+                                               double radius) const;
 
+  const TriangleMesh& mesh_;
   IntrinsicDelaunay surface_;
   double unit_length_ = 1.0;  ///< mean edge, metres; everything inside is measured in it
   std::vector<Edge> edges_;

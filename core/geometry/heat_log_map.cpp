@@ -182,8 +182,8 @@ LogMap HeatLogMap::smooth(const SurfacePoint& source,
                           const Eigen::Vector3d& direction,
                           double radius) const {
   return parts_->solve(source, direction, radius,
-                       [](const HeatFlow& flow, const std::vector<HeatSeed>& seeds) {
-                         return flow.affineLog(seeds);
+                       [&](const HeatFlow& flow, const std::vector<HeatSeed>& seeds) {
+                         return flow.affineLog(seeds, positionOf(parts_->mesh, source), radius);
                        });
 }
 

@@ -36,7 +36,9 @@ class HeatLogMap {
   /// methods on smooth dense meshes, planes are exact, whatever the triangles.
   ///
   /// Errors: InvalidInput as `computeLogMap`, and if the source's component is refused (above).
-  /// Cost: one real and two complex back-substitutions.
+  /// Cost: one real and two complex back-substitutions, over the disk and its ancestors in the
+  ///   elimination tree alone, plus O(F); heat from farther than ten mean edges beyond the
+  ///   radius is left out (1e-11 of it).
   /// Source: Soliman & Sharp 2025, "The Affine Heat Method". Differs: the system is block
   ///   triangular, and solved so.
   [[nodiscard]] LogMap smooth(const SurfacePoint& source,

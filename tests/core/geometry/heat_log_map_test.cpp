@@ -281,6 +281,22 @@ TEST(HeatLogMap, FillsTheDiskUpToItsRadius) {
   }
 }
 
+TEST(HeatLogMap, GivesTheSameInsideWhateverTheRadius) {
+  const TriangleMesh skin = makeSkin();
+  const HeatLogMap solver(skin);
+  for (const SurfacePoint& source : sourcesOf(skin)) {
+    const LogMap whole = solver.smooth(source, {0.3, 0.8, 0.4}, kEverything);
+    for (const double radius : {0.003, 0.01, 0.03}) {
+      const LogMap map = solver.smooth(source, {0.3, 0.8, 0.4}, radius);
+      ASSERT_GT(map.vertices.size(), 3U);
+      for (const int v : map.vertices) {
+        EXPECT_LT((logCoordinatesAtVertex(map, v) - logCoordinatesAtVertex(whole, v)).norm(),
+                  1e-10 * radius);
+      }
+    }
+  }
+}
+
 TEST(HeatLogMap, SurvivesCoarseMeshes) {
   Eigen::Matrix3Xd corners(3, 3);
   corners << 0, 1, 0, 0, 0, 1, 0, 0, 0;
