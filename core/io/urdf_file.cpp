@@ -63,7 +63,9 @@ urdf::ModelInterfaceSharedPtr parseWithUrdfdom(const std::string& xml) {
   } catch (const std::exception& error) {
     thrown = error.what();
   }
-  if (!model) rejectInput("urdfdom: {}", quoted(thrown.empty() ? capture.messages() : thrown));
+  // A shape that it cannot parse is an error to urdfdom too, but one it goes on without.
+  const std::string fault = thrown.empty() ? capture.messages() : thrown;
+  if (!model || !fault.empty()) rejectInput("urdfdom: {}", quoted(fault));
   return model;
 }
 

@@ -124,6 +124,45 @@ TEST(UrdfFile, NamesWhatIsWrongOnOneLine) {
   EXPECT_THROW((void)readUrdf("/nowhere/hand.urdf"), InvalidInput);
 }
 
+TEST(UrdfFile, RefusesShapesThatUrdfdomWouldLeaveOut) {
+  const std::string box = "<geometry><box size='1 1 1'/></geometry>";
+  for (const std::string& shape :
+       {std::string("<geometry><sphere radius='nan'/></geometry>"),
+        std::string("<geometry><sphere/></geometry>"),
+        std::string("<geometry><cylinder radius='1' length='1e999'/></geometry>"),
+        std::string("<geometry><box size='1 1'/></geometry>"),
+        std::string("<geometry><box size='1 1 inf'/></geometry>"),
+        std::string("<geometry><mesh filename='m.stl' scale='1 x 1'/></geometry>"),
+        std::string("<geometry><cone radius='1'/></geometry>"), std::string("<geometry/>"),
+        "<origin xyz='nan 0 0'/>" + box, "<origin rpy='0 0'/>" + box}) {
+    for (const std::string kind : {"visual", "collision"}) {
+      const std::string whole = "<link name='palm'><visual>" + box + "</visual><" + kind + ">" +
+                                shape + "</" + kind + "></link>";
+      EXPECT_THAT(faultOf(whole),
+                  AllOf(HasSubstr("hand.urdf"), HasSubstr("palm"), Not(HasSubstr("\n"))))
+          << whole;
+    }
+  }
+}
+
+TEST(UrdfFile, ReadsEveryRealHand) {
+  HANDGRAFT_NEEDS_SHARED_DATA("hands");
+  const PackageMap packages = {
+      {"mia_hand_description",
+       test::sharedData("hands/mia_hand_right/mia_hand_description").string()}};
+  int count = 0;
+  for (const char* folder : {"hands", "problems"}) {
+    for (const auto& entry :
+         std::filesystem::recursive_directory_iterator(test::sharedData(folder))) {
+      if (entry.path().extension() != ".urdf") continue;
+      EXPECT_GT(readUrdfKinematics(entry.path()).linkCount(), 1) << entry.path();
+      EXPECT_NO_THROW((void)readUrdf(entry.path(), packages)) << entry.path();
+      ++count;
+    }
+  }
+  EXPECT_EQ(count, 7);
+}
+
 TEST(UrdfFile, PrintsNothingItself) {
   ::testing::internal::CaptureStderr();
   (void)faultOf(kLinks + joint("revolute", "<axis xyz='0 0 x'/>"));
