@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/geometry/log_map_source.h"
 #include "core/geometry/polar_front.h"
+#include "core/geometry/window_front.h"
 
 namespace handgraft::geometry {
 
@@ -23,26 +24,21 @@ double distanceToOrigin(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return (a + t * ab).norm();
 }
 
-/// Angle in (-pi, pi].
-double angleOf(const Eigen::Vector2d& direction) {
-  const double angle = std::atan2(direction.y(), direction.x());
-  return angle == -std::numbers::pi ? std::numbers::pi : angle;
-}
-
 /// Sorts what the front touched into the disk and its rim.
+template <class Front>
 class DiskBuilder {
  public:
-  DiskBuilder(const TriangleMesh& mesh, const PolarFront& front, double radius, LogMap& map)
+  DiskBuilder(const TriangleMesh& mesh, const Front& front, double radius, LogMap& map)
       : mesh_(mesh), front_(front), radius_(radius), map_(map) {}
 
   void addVertices() {
     map_.r.setConstant(mesh_.vertexCount(), kNaN);
     map_.phi.setConstant(mesh_.vertexCount(), kNaN);
-    for (const PolarFront::Node& node : front_.nodes()) {
+    for (const auto& node : front_.nodes()) {
       if (node.r > radius_) continue;
       map_.vertices.push_back(node.vertex);
       map_.r[node.vertex] = node.r;
-      map_.phi[node.vertex] = node.r > 0.0 ? angleOf(node.direction_T) : 0.0;
+      map_.phi[node.vertex] = node.r > 0.0 ? node.phi() : 0.0;
     }
     std::sort(map_.vertices.begin(), map_.vertices.end(), [&](int a, int b) {
       return std::pair(map_.r[a], a) < std::pair(map_.r[b], b);
@@ -50,7 +46,7 @@ class DiskBuilder {
   }
 
   void addFaces(const std::vector<int>& source_faces) {
-    for (const PolarFront::Node& node : front_.nodes()) {
+    for (const auto& node : front_.nodes()) {
       for (const int* h = mesh_.outgoingBegin(node.vertex); h != mesh_.outgoingEnd(node.vertex);
            ++h) {
         // Each face once: at the lowest of its corners.
@@ -74,7 +70,7 @@ class DiskBuilder {
 
  private:
   void addFace(int f, const std::vector<int>& source_faces) {
-    const PolarFront::Node* corners[3];
+    const typename Front::Node* corners[3];
     bool inside = true;
     for (int c = 0; c < 3; ++c) {
       corners[c] = front_.nodeOf(mesh_.faces()(c, f));
@@ -103,22 +99,81 @@ class DiskBuilder {
   }
 
   const TriangleMesh& mesh_;
-  const PolarFront& front_;
+  const Front& front_;
   double radius_;
   LogMap& map_;
 };
 
+template <class Front>
+LogMap diskOf(const TriangleMesh& mesh,
+              const SourceLayout& layout,
+              const Front& front,
+              LogMap map) {
+  DiskBuilder builder(mesh, front, map.radius, map);
+  builder.addVertices();
+  builder.addFaces(layout.faces);
+  return map;
+}
+
+/// `empty` says what is wanted: source and radius.
+LogMap fastMap(const TriangleMesh& mesh, const SourceLayout& layout, LogMap empty) {
+  PolarFront front(mesh, layout, empty.radius);
+  front.run();
+  empty.method = LogMapMethod::kFast;
+  return diskOf(mesh, layout, front, std::move(empty));
+}
+
+struct ExactMap {
+  LogMap map;
+  bool is_cut_short;
+};
+
+ExactMap exactMap(const TriangleMesh& mesh, const SourceLayout& layout, LogMap empty) {
+  WindowFront front(mesh, layout, empty.radius);
+  front.run();
+  empty.method = LogMapMethod::kExact;
+  return {diskOf(mesh, layout, front, std::move(empty)), front.isCutShort()};
+}
+
+/// Faces that lie turned over in the tangent plane, or keep less than a tenth of their area.
+int unsoundFaceCount(const TriangleMesh& mesh, const LogMap& map) {
+  constexpr double kCollapsed = 0.1;
+  constexpr double kThinnest = 1e-9;  // of the squared edges: no area that could collapse
+  int count = 0;
+  for (const std::vector<int>* faces : {&map.faces, &map.rim_faces}) {
+    for (const int f : *faces) {
+      const Eigen::Vector3i face = mesh.face(f);
+      const Eigen::Vector3d ab = mesh.vertex(face[1]) - mesh.vertex(face[0]);
+      const Eigen::Vector3d ac = mesh.vertex(face[2]) - mesh.vertex(face[0]);
+      const double area = ab.cross(ac).norm();
+      if (area <= kThinnest * (ab.squaredNorm() + ac.squaredNorm())) continue;
+      const Eigen::Vector2d a_T = logCoordinatesAtVertex(map, face[0]);
+      const Eigen::Vector2d ab_T = logCoordinatesAtVertex(map, face[1]) - a_T;
+      const Eigen::Vector2d ac_T = logCoordinatesAtVertex(map, face[2]) - a_T;
+      if (!(ab_T.x() * ac_T.y() - ab_T.y() * ac_T.x() > kCollapsed * area)) ++count;
+    }
+  }
+  return count;
+}
+
 }  // namespace
 
 LogMapMethod logMapMethodFrom(std::string_view name) {
-  if (name == "fast") return LogMapMethod::kFast;
-  rejectInput("log map method is {}, permitted: fast", quoted(std::string(name)));
+  for (const LogMapMethod method :
+       {LogMapMethod::kFast, LogMapMethod::kExact, LogMapMethod::kAuto}) {
+    if (name == nameOf(method)) return method;
+  }
+  rejectInput("log map method is {}, permitted: fast, exact, auto", quoted(std::string(name)));
 }
 
 std::string_view nameOf(LogMapMethod method) {
   switch (method) {
     case LogMapMethod::kFast:
       return "fast";
+    case LogMapMethod::kExact:
+      return "exact";
+    case LogMapMethod::kAuto:
+      return "auto";
   }
   HANDGRAFT_REQUIRE(!"a known log map method");
   return {};
@@ -129,21 +184,21 @@ LogMap computeLogMap(const TriangleMesh& mesh,
                      const Eigen::Vector3d& direction,
                      double radius,
                      LogMapMethod method) {
-  HANDGRAFT_REQUIRE(method == LogMapMethod::kFast);
   validate(mesh, source, "log map source");
   if (!(radius > 0.0)) rejectInput("log map radius is {} m, it must be positive", radius);
 
+  LogMap empty;
+  empty.source = source;
+  empty.radius = radius;
   const SourceLayout layout = layOutSource(mesh, source, direction);
-  PolarFront front(mesh, layout, radius);
-  front.run();
+  if (method == LogMapMethod::kFast) return fastMap(mesh, layout, std::move(empty));
+  if (method == LogMapMethod::kExact) return exactMap(mesh, layout, std::move(empty)).map;
 
-  LogMap map;
-  map.source = source;
-  map.radius = radius;
-  DiskBuilder builder(mesh, front, radius, map);
-  builder.addVertices();
-  builder.addFaces(layout.faces);
-  return map;
+  ExactMap exact = exactMap(mesh, layout, empty);
+  const int unsound = exact.is_cut_short ? mesh.faceCount() : unsoundFaceCount(mesh, exact.map);
+  if (unsound == 0) return std::move(exact.map);
+  LogMap fast = fastMap(mesh, layout, std::move(empty));
+  return unsoundFaceCount(mesh, fast) < unsound ? fast : std::move(exact.map);
 }
 
 Eigen::Vector2d logCoordinatesAtVertex(const LogMap& map, int vertex) {

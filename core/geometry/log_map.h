@@ -10,7 +10,11 @@
 
 namespace handgraft::geometry {
 
-enum class LogMapMethod { kFast };
+enum class LogMapMethod {
+  kFast,   ///< discrete geodesic polar coordinates
+  kExact,  ///< the polyhedron's own shortest paths
+  kAuto    ///< exact, unless it folds or collapses faces of the disk more than fast does
+};
 
 /// Errors: InvalidInput naming the permitted spellings.
 LogMapMethod logMapMethodFrom(std::string_view name);
@@ -44,6 +48,7 @@ struct LogMap {
 
   SurfacePoint source;
   double radius = 0.0;
+  LogMapMethod method = LogMapMethod::kFast;  ///< that made it: kFast or kExact
 };
 
 /// Log map of `mesh` about `source`, within geodesic distance `radius`.
@@ -54,8 +59,10 @@ struct LogMap {
 /// Errors: InvalidInput if the source is not on the mesh, the radius is not positive (infinity
 /// is
 ///   permitted), or the direction is (nearly) parallel to the source's normal.
-/// Cost: O(n log n) in the vertices of the disk, plus one O(V) fill; no factorisation.
-/// Source: Melvaer & Reimers 2012, "Geodesic Polar Coordinates on Polygonal Meshes" (`kFast`).
+/// Cost: O(n log n) in the vertices of the disk, plus one O(V + F) fill; no factorisation.
+///   `kExact` takes two to three times as long as `kFast`.
+/// Source: Melvaer & Reimers 2012, "Geodesic Polar Coordinates on Polygonal Meshes" (`kFast`);
+///   Chen & Han 1990 and Xin & Wang 2009 (`kExact`). README of this folder: when to use which.
 LogMap computeLogMap(const TriangleMesh& mesh,
                      const SurfacePoint& source,
                      const Eigen::Vector3d& direction,

@@ -83,9 +83,17 @@ SourceLayout layOutFace(const TriangleMesh& mesh,
   const TangentFrame frame = tangentFrame(faceNormalAt(mesh, source), direction);
   const Eigen::Vector3d origin = positionOf(mesh, source);
   SourceLayout layout;
+  layout.origin = origin;
   layout.faces = {source.face};
-  for (const int v : mesh.face(source.face)) {
-    layout.neighbours.push_back(neighbourAt(v, frame.project(mesh.vertex(v) - origin)));
+  Eigen::Matrix<double, 2, 3> corners_T;
+  for (int c = 0; c < 3; ++c) {
+    const int v = mesh.faces()(c, source.face);
+    corners_T.col(c) = frame.project(mesh.vertex(v) - origin);
+    layout.neighbours.push_back(neighbourAt(v, corners_T.col(c)));
+  }
+  for (int c = 0; c < 3; ++c) {
+    layout.wedges.push_back(
+        {3 * source.face + c, corners_T.col(c), corners_T.col((c + 1) % 3)});
   }
   return layout;
 }
@@ -110,17 +118,27 @@ SourceLayout layOutEdge(const TriangleMesh& mesh,
   const Eigen::Vector2d left_T(-along_T.y(), along_T.x());
 
   // The face of h lies to the left of it, the twin's to the right.
-  const auto place = [&](int v, double side) {
+  const auto place = [&](int v, double side) -> Eigen::Vector2d {
     const Eigen::Vector3d p = mesh.vertex(v) - origin;
     const double x = p.dot(along);
     const double y = side * along.cross(p).norm();
-    return neighbourAt(v, x * along_T + y * left_T);
+    return x * along_T + y * left_T;
   };
+  const Eigen::Vector2d from_T = place(mesh.from(h), 0.0);
+  const Eigen::Vector2d to_T = place(mesh.to(h), 0.0);
+  const int left = mesh.to(TriangleMesh::next(h));
+  const int right = mesh.to(TriangleMesh::next(twin));
+  const Eigen::Vector2d left_apex_T = place(left, 1.0);
+  const Eigen::Vector2d right_apex_T = place(right, -1.0);
   SourceLayout layout;
+  layout.origin = origin;
   layout.faces = {TriangleMesh::faceOf(h), TriangleMesh::faceOf(twin)};
-  layout.neighbours = {place(mesh.from(h), 0.0), place(mesh.to(h), 0.0),
-                       place(mesh.to(TriangleMesh::next(h)), 1.0),
-                       place(mesh.to(TriangleMesh::next(twin)), -1.0)};
+  layout.neighbours = {neighbourAt(mesh.from(h), from_T), neighbourAt(mesh.to(h), to_T),
+                       neighbourAt(left, left_apex_T), neighbourAt(right, right_apex_T)};
+  layout.wedges = {{TriangleMesh::next(h), to_T, left_apex_T},
+                   {TriangleMesh::previous(h), left_apex_T, from_T},
+                   {TriangleMesh::next(twin), from_T, right_apex_T},
+                   {TriangleMesh::previous(twin), right_apex_T, to_T}};
   return layout;
 }
 
@@ -224,6 +242,7 @@ SourceLayout layOutVertex(const TriangleMesh& mesh, int v, const Eigen::Vector3d
   const TangentFrame frame = tangentFrame(mesh.vertexNormals().col(v), direction);
   SourceLayout layout;
   layout.vertex = v;
+  layout.origin = mesh.vertex(v);
   for (const Fan& fan : fansOf(mesh, v)) {
     const std::vector<FanEdge> edges = edgesOf(mesh, v, fan);
     const double total = edges.back().angle;
@@ -238,6 +257,13 @@ SourceLayout layOutVertex(const TriangleMesh& mesh, int v, const Eigen::Vector3d
     for (std::size_t e = 0; e < edge_count; ++e) {
       layout.neighbours.push_back(
           {edges[e].vertex, edges[e].length, unit(scale * (edges[e].angle - zero))});
+    }
+    for (std::size_t e = 0; e + 1 < edges.size(); ++e) {
+      layout.wedges.push_back({TriangleMesh::next(fan.halfedges[e]),
+                               {edges[e].length, 0.0},
+                               edges[e + 1].length * unit(edges[e + 1].angle - edges[e].angle),
+                               scale * (edges[e].angle - zero),
+                               scale});
     }
   }
   return layout;

@@ -16,11 +16,24 @@ struct SourceNeighbour {
   Eigen::Vector2d direction_T = Eigen::Vector2d::UnitX();
 };
 
+/// A side opposite to the source, as the source sees it across one face.
+struct SourceWedge {
+  int halfedge = -1;  ///< of the source's face, counter-clockwise about the source
+  /// Its ends, in a plane whose origin is the source.
+  Eigen::Vector2d from = Eigen::Vector2d::Zero();
+  Eigen::Vector2d to = Eigen::Vector2d::Zero();
+  /// An angle in that plane is phi = base + scale * angle.
+  double base = 0.0;
+  double scale = 1.0;
+};
+
 /// The surface around the source, laid flat.
 struct SourceLayout {
   int vertex = -1;  ///< the vertex that the source stands on, or -1
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   std::vector<int> faces;
   std::vector<SourceNeighbour> neighbours;
+  std::vector<SourceWedge> wedges;
 };
 
 /// Lays the faces around `source` into its tangent plane T, whose x axis is the projection of

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -29,6 +31,12 @@ class PolarFront {
     bool exact = false;
 
     [[nodiscard]] Eigen::Vector2d position() const { return r * direction_T; }
+
+    /// In (-pi, pi].
+    [[nodiscard]] double phi() const {
+      const double angle = std::atan2(direction_T.y(), direction_T.x());
+      return angle == -std::numbers::pi ? std::numbers::pi : angle;
+    }
   };
 
   PolarFront(const TriangleMesh& mesh, const SourceLayout& source, double radius);

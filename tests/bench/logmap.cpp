@@ -99,7 +99,7 @@ void runLogMap(const LogMapOptions& options) {
   fmt::print(
       "{{\"method\":\"{}\",\"vertices\":{},\"reached\":{},\"ms_setup\":{:.6g},"
       "\"ms_solve\":{:.6g}}}\n",
-      geometry::nameOf(method), mesh.vertexCount(), map.vertices.size(), setup_ms, median_ms);
+      geometry::nameOf(map.method), mesh.vertexCount(), map.vertices.size(), setup_ms, median_ms);
 }
 
 }  // namespace
@@ -111,7 +111,7 @@ void addLogMapCommand(CLI::App& app) {
   command->add_option("mesh", options->mesh, "STL, OBJ, PLY, glTF/GLB or DAE")->required();
   command->add_option("--root-vertex", options->root_vertex, "source, in the file's own order")
       ->required();
-  command->add_option("--method", options->method, "fast");
+  command->add_option("--method", options->method, "fast, exact or auto");
   command->add_option("--radius", options->radius_m,
                       "of the disk, metres (default: whole mesh)");
   command
