@@ -18,8 +18,8 @@ using ComplexMatrix = Eigen::SparseMatrix<Complex>;
 
 // Heat below this is too near to double's smallest number to keep its digits.
 constexpr double kLeastHeat = 1e-280;
-// Mean edges beyond a disk from where heat still counts. It fades by about e per edge and has to
-// go there and back: 1e-11 of the radius (seen: 1e-12) is left out.
+// Mean edges beyond a disk from where heat still counts. It fades by about e per edge and has
+// to go there and back: 1e-11 of the radius (seen: 1e-12) is left out.
 constexpr double kHeatReach = 10.0;
 
 Complex normalised(const Complex& z) {

@@ -83,17 +83,22 @@ IntrinsicDelaunay::IntrinsicDelaunay(const TriangleMesh& mesh) {
     const std::string defect = defectOfFace(mesh, f);
     if (!defect.empty()) throw InvalidInput(defect);
   }
+  if (mesh.faceCount() > 0) unit_length_ = mesh.meanEdgeLength();
+  if (!std::isfinite(unit_length_)) {
+    rejectInput("the mean edge of the mesh is {} m, it must be finite", unit_length_);
+  }
   double lack = 0.0;
   for (int h = 0; h < halfedge_count; ++h) {
     from_[h] = mesh.from(h);
     twins_[h] = mesh.twin(h);
-    lengths_[h] = (mesh.vertex(mesh.to(h)) - mesh.vertex(mesh.from(h))).norm();
+    lengths_[h] =
+        (mesh.vertex(mesh.to(h)) - mesh.vertex(mesh.from(h))).stableNorm() / unit_length_;
   }
   // Rounding may leave slivers whose sides do not meet; all edges grow by what is missing.
   for (int h = 0; h < halfedge_count; ++h) {
     const double excess =
         lengths_[TriangleMesh::next(h)] + lengths_[TriangleMesh::previous(h)] - lengths_[h];
-    lack = std::max(lack, kThinnest * mesh.meanEdgeLength() - excess);
+    lack = std::max(lack, kThinnest - excess);
   }
   for (double& length : lengths_)
     length += lack;
@@ -123,7 +128,9 @@ void IntrinsicDelaunay::measureAngles(const TriangleMesh& mesh) {
 }
 
 double IntrinsicDelaunay::area(int face) const {
-  return fourAreas(lengths_[3 * face], lengths_[3 * face + 1], lengths_[3 * face + 2]) / 4.0;
+  const double four_areas =
+      fourAreas(lengths_[3 * face], lengths_[3 * face + 1], lengths_[3 * face + 2]);
+  return unit_length_ * unit_length_ * four_areas / 4.0;
 }
 
 double IntrinsicDelaunay::cornerAngle(int h) const {
@@ -151,7 +158,7 @@ bool IntrinsicDelaunay::isDelaunay(int h) const {
   if (t < 0 || TriangleMesh::faceOf(h) == TriangleMesh::faceOf(t)) return true;
   const double one = cotanOpposite(h);
   const double other = cotanOpposite(t);
-  return one + other >= -kCocircular * (1.0 + std::abs(one) + std::abs(other));
+  return !(one + other < -kCocircular * (1.0 + std::abs(one) + std::abs(other)));
 }
 
 std::complex<double> IntrinsicDelaunay::unitAt(int vertex, double angle) const {

@@ -31,7 +31,8 @@ std::string defectOfVertex(const TriangleMesh& mesh, int vertex);
 ///   Springborn 2007, "A Discrete Laplace-Beltrami Operator for Simplicial Surfaces".
 class IntrinsicDelaunay {
  public:
-  /// Errors: InvalidInput with the first defect of a face or vertex. Cost: O(F) and the flips,
+  /// Errors: InvalidInput with the first defect of a face or vertex, or if edges are too long
+  /// to be averaged. Cost: O(F) and the flips,
   /// O(F) of them on usual meshes; bounded on any.
   explicit IntrinsicDelaunay(const TriangleMesh& mesh);
 
@@ -53,7 +54,7 @@ class IntrinsicDelaunay {
   /// One halfedge of every edge.
   [[nodiscard]] bool isFirstOfEdge(int h) const { return twin(h) < h; }
 
-  [[nodiscard]] double length(int h) const { return lengths_[h]; }
+  [[nodiscard]] double length(int h) const { return unit_length_ * lengths_[h]; }
 
   [[nodiscard]] double area(int face) const;
   /// Angle at from(h) inside h's face.
@@ -80,7 +81,8 @@ class IntrinsicDelaunay {
 
   std::vector<int> from_;
   std::vector<int> twins_;
-  std::vector<double> lengths_;
+  double unit_length_ = 1.0;          ///< the mesh's mean edge, metres
+  std::vector<double> lengths_;       ///< in units of it, so that squares stay in range
   std::vector<double> angles_;        ///< inside the surface, not rescaled
   std::vector<double> mesh_angles_;   ///< of the mesh's own halfedges
   std::vector<double> angle_scales_;  ///< by vertex

@@ -321,6 +321,21 @@ TEST(HeatLogMap, SurvivesCoarseMeshes) {
   }
 }
 
+TEST(HeatLogMap, EndsOnAbsurdSizes) {
+  for (const double size : {1e-200, 1e-100, 1e100, 1e200}) {
+    const TriangleMesh mesh =
+        transformed(makeSkin(2), Eigen::Affine3d(Eigen::Scaling(size, 0.1 * size, size)));
+    const SurfacePoint source = surfacePointAtVertex(mesh, 3);
+    try {
+      const LogMap map = HeatLogMap(mesh).smooth(source, {0.3, 0.8, 0.4}, 0.1 * size);
+      for (const int v : map.vertices)
+        EXPECT_TRUE(std::isfinite(map.r[v]) && std::isfinite(map.phi[v]));
+    } catch (const InvalidInput&) {
+      continue;  // out of range, and said so
+    }
+  }
+}
+
 TEST(HeatLogMap, ServesOneComponentWhateverTheOthersAre) {
   Eigen::Matrix3Xd vertices(3, 5);
   vertices << 5, 6, 5, 4, 5,  //
