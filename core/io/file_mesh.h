@@ -2,6 +2,7 @@
 
 #include <array>
 #include <filesystem>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -13,7 +14,8 @@ namespace handgraft::io {
 struct FileMesh {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<std::array<int, 3>> triangles;
-  std::vector<int> file_face;  ///< the file's face that each triangle comes from
+  std::vector<int> file_face;      ///< the file's face that each triangle comes from
+  std::vector<std::string> notes;  ///< what looks odd, for the user
 };
 
 // Each reads one format. Errors: InvalidInput naming the file and the fault; indices are

@@ -72,6 +72,7 @@ std::vector<int> firstAtPlace(const std::vector<Eigen::Vector3d>& vertices) {
 MeshFile weld(const FileMesh& listed) {
   const std::vector<int> first = firstAtPlace(listed.vertices);
   MeshFile file;
+  file.notes = listed.notes;
   std::vector<std::array<int, 3>> triangles;
   std::vector<int> place_of(listed.vertices.size(), -1);
   for (std::size_t t = 0; t < listed.triangles.size(); ++t) {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <charconv>
 #include <string_view>
 
@@ -14,6 +15,8 @@ namespace {
 class LineReader {
  public:
   explicit LineReader(std::string_view bytes) : bytes_(bytes) {}
+
+  [[nodiscard]] bool endsWithNewline() const { return bytes_.ends_with('\n'); }
 
   bool nextLine() {
     while (cursor_ < bytes_.size() && !nextWord().empty())
@@ -69,10 +72,30 @@ class ObjReader {
         readFace();
       }
     } while (lines_.nextLine());
+    judgeEnd();
     return std::move(mesh_);
   }
 
  private:
+  /// OBJ has no end mark; a file cut short among its faces shows in vertices left without one.
+  void judgeEnd() {
+    constexpr double kNotableShare = 0.1;
+    std::vector<bool> used(mesh_.vertices.size(), false);
+    for (const std::array<int, 3>& triangle : mesh_.triangles)
+      for (const int v : triangle)
+        used[v] = true;
+    const auto unused = std::count(used.begin(), used.end(), false);
+    if (unused > 0 && !lines_.endsWithNewline()) {
+      rejectInput(
+          "{}: ends in the middle: {} of {} vertices have no face; is the file cut short?",
+          file_, unused, used.size());
+    }
+    if (static_cast<double>(unused) > kNotableShare * static_cast<double>(used.size())) {
+      mesh_.notes.push_back(fmt::format(
+          "{} of {} vertices have no face; is the file cut short?", unused, used.size()));
+    }
+  }
+
   void readVertex() {
     Eigen::Vector3d p;
     for (int axis = 0; axis < 3; ++axis) {

@@ -1,6 +1,14 @@
 #include <algorithm>
+#include <cctype>
+#include <cstdint>
 #include <exception>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <sstream>
+#include <vector>
 
+#include <assimp/BaseImporter.h>
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/Importer.hpp>
 #include <assimp/config.h>
@@ -8,6 +16,7 @@
 #include <assimp/scene.h>
 
 #include "core/base/error.h"
+#include "core/io/file_bytes.h"
 #include "core/io/file_mesh.h"
 #include "core/io/mesh_file.h"
 
@@ -101,10 +110,92 @@ class OwnFolder : public Assimp::DefaultIOSystem {
   std::filesystem::path folder_;
 };
 
+// === What assimp gets to see
+
+std::string lowerExtension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) {
+    return static_cast<char>(std::tolower(c));
+  });
+  return extension;
+}
+
+std::string firstBytes(const std::filesystem::path& path, std::size_t most) {
+  std::string bytes(most, '\0');
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(bytes.data(), static_cast<std::streamsize>(most));
+  bytes.resize(static_cast<std::size_t>(stream.gcount()));
+  return bytes;
+}
+
+/// Magic, version and length, which open a GLB, then length and type of its first chunk, the
+/// JSON: five little-endian words.
+void requireGlb(const std::string& start, std::uintmax_t file_size) {
+  constexpr std::size_t kHeaderBytes = 12;
+  constexpr std::size_t kChunkStart = 20;
+  if (start.size() < kHeaderBytes)
+    rejectInput("has {} bytes, a GLB at least {}", start.size(), kHeaderBytes);
+  if (!start.starts_with("glTF"))
+    rejectInput("is no GLB: it begins with {}, not 'glTF'",
+                handgraft::quoted(start.substr(0, 4)));
+  const auto word = [&start](std::size_t at) {
+    std::uint32_t value = 0;
+    for (std::size_t i = 4; i-- > 0;)
+      value = value << 8U | static_cast<unsigned char>(start[at + i]);
+    return value;
+  };
+  if (word(4) != 2) rejectInput("is GLB version {}, permitted is 2", word(4));
+  if (word(8) != file_size) {
+    rejectInput("its header says {} bytes, the file has {} (truncated?)", word(8), file_size);
+  }
+  if (start.size() < kChunkStart || start.compare(16, 4, "JSON") != 0)
+    rejectInput("is no GLB: its first chunk is not JSON");
+  if (word(12) > file_size - kChunkStart) {
+    rejectInput("its JSON says {} bytes, the file has {} left", word(12),
+                file_size - kChunkStart);
+  }
+}
+
+/// Refuses what cannot be of the format that the extension says: assimp would try all that it
+/// knows, some of them for many seconds.
+void requireFormat(const std::filesystem::path& path, const std::string& extension) {
+  constexpr std::size_t kStart = 4096;
+  const std::uintmax_t size = requireFile(path);
+  const std::string start = firstBytes(path, kStart);
+  if (extension == ".glb") requireGlb(start, size);
+  if (extension == ".gltf") {
+    const std::size_t mark = start.starts_with("\xEF\xBB\xBF") ? 3 : 0;
+    const std::size_t first = start.find_first_not_of(" \t\r\n", mark);
+    if (first == std::string::npos || start[first] != '{')
+      rejectInput("is no glTF: its text does not begin with '{{'");
+  }
+  if (extension == ".dae" && start.find("<COLLADA") == std::string::npos)
+    rejectInput("is no COLLADA: no '<COLLADA' in its first {} bytes", kStart);
+}
+
+/// Takes away the loaders of all other extensions, so that none of them is tried.
+void keepLoadersOf(const std::string& extension, Assimp::Importer& importer) {
+  const std::string wanted = extension.substr(1);
+  for (std::size_t i = importer.GetImporterCount(); i-- > 0;) {
+    std::istringstream known(importer.GetImporterInfo(i)->mFileExtensions);
+    const std::istream_iterator<std::string> begin(known), end;
+    if (std::find(begin, end, wanted) != end) continue;
+    const std::unique_ptr<Assimp::BaseImporter> loader(importer.GetImporter(i));
+    importer.UnregisterLoader(loader.get());  // from here on it is ours
+  }
+}
+
 }  // namespace
 
 FileMesh readScene(const std::filesystem::path& path) {
+  const std::string extension = lowerExtension(path);
+  try {
+    requireFormat(path, extension);
+  } catch (const InvalidInput& error) {
+    rejectInput("{}: {}", handgraft::quoted(path.string()), error.what());
+  }
   Assimp::Importer importer;
+  keepLoadersOf(extension, importer);
   importer.SetIOHandler(new OwnFolder(path));  // the importer owns and deletes it
   // Frames stay as the file has them; its unit is applied.
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);

@@ -154,6 +154,77 @@ TEST(MeshFile, KeepsTheFrameAndAppliesTheUnitOfCollada) {
   EXPECT_NEAR((file.mesh.vertex(2) - Eigen::Vector3d(0, 0, 1)).norm(), 0.0, 1e-6);
 }
 
+/// A GLB's header, which claims `length` bytes.
+std::string glb(std::uint32_t length) {
+  std::string bytes("glTF\2\0\0\0", 8);
+  for (int i = 0; i < 4; ++i)
+    bytes.push_back(static_cast<char>(length >> (8 * i) & 0xffU));
+  return bytes;
+}
+
+std::string glbTriangle() {
+  std::string scene = gltfWithBuffer("");
+  scene.replace(scene.find("\"uri\":\"\","), 9, "");
+  scene.resize((scene.size() + 3) / 4 * 4, ' ');
+  const auto chunk = [](const std::string& type, const std::string& content) {
+    return glb(static_cast<std::uint32_t>(content.size())).substr(8) + type + content;
+  };
+  const std::string chunks =
+      chunk("JSON", scene) + chunk(std::string("BIN\0", 4), gltfCorners());
+  return glb(static_cast<std::uint32_t>(12 + chunks.size())) + chunks;
+}
+
+TEST(MeshFile, ReadsAGlbWhateverItsExtensionsCase) {
+  EXPECT_EQ(readMesh(write("tri.GLB", glbTriangle())).mesh.faceCount(), 1);
+}
+
+TEST(MeshFile, ComparesAGlbsHeaderWithTheFile) {
+  const std::string whole = glbTriangle();
+  EXPECT_THAT(faultOf(write("longer.glb", whole + "    ")), HasSubstr("header says"));
+  EXPECT_THAT(faultOf(write("shorter.glb", whole.substr(0, whole.size() / 2))),
+              HasSubstr("header says"));
+  std::string greedy = whole;
+  greedy.replace(12, 4, "\xff\xff\xff\xff");
+  EXPECT_THAT(faultOf(write("greedy.glb", greedy)), HasSubstr("JSON says 4294967295 bytes"));
+  EXPECT_THAT(faultOf(write("bare.glb", glb(12))), HasSubstr("first chunk is not JSON"));
+  std::string other = whole;
+  other[4] = 1;
+  EXPECT_THAT(faultOf(write("other.glb", other)), HasSubstr("version 1, permitted is 2"));
+}
+
+TEST(MeshFile, TriesNoFormatThatTheExtensionDoesNotSay) {
+  EXPECT_THAT(faultOf(write("stl.glb", binaryStl(kTwoFacets, 2))), HasSubstr("is no GLB"));
+  EXPECT_THAT(faultOf(write("obj.gltf", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")),
+              HasSubstr("is no glTF"));
+  EXPECT_THAT(faultOf(write("obj.dae", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")),
+              HasSubstr("is no COLLADA"));
+  // Past the look at the start, the loaders of other formats must not take over.
+  EXPECT_THAT(
+      faultOf(write("obj_inside.dae", "# <COLLADA\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")),
+      HasSubstr("cannot be read as a mesh"));
+}
+
+TEST(MeshFile, RefusesAnObjCutShortAmongItsFaces) {
+  const std::string corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
+  EXPECT_THAT(faultOf(write("cut.obj", corners + "f 1 2 3\nf 1 2 ")), HasSubstr("truncated"));
+  EXPECT_THAT(faultOf(write("cut.obj", corners + "f 1 2 3\nf 3 2 1")),
+              AllOf(HasSubstr("cut.obj"), HasSubstr("1 of 4 vertices have no face")));
+  EXPECT_THAT(readMesh(write("cut.obj", corners + "f 1 2 3\n")).notes,
+              Contains("1 of 4 vertices have no face; is the file cut short?"));
+  // Whole, but its last line is left open.
+  EXPECT_EQ(readMesh(write("whole.obj", corners + "f 1 2 3\nf 1 2 4")).mesh.faceCount(), 2);
+}
+
+TEST(MeshFile, ToleratesAFewObjVerticesWithoutAFace) {
+  std::string text = "v 0 0 0\nv 1 0 0\n";
+  for (int i = 0; i < 20; ++i)
+    text += fmt::format("v 0 1 {}\n", i);
+  for (int i = 1; i < 20; ++i)
+    text += fmt::format("f 1 2 {}\n", i + 2);
+  const MeshFile file = readMesh(write("few.obj", text));
+  EXPECT_THAT(file.notes, ElementsAre("left out 1 vertices without a face"));
+}
+
 TEST(MeshFile, WritesPlyThatReadsTheSame) {
   const geometry::TriangleMesh sphere = geometry::makeSphere(0.03, 2);
   const std::filesystem::path path = test::scratchDirectory() / "sphere.ply";
@@ -175,7 +246,12 @@ TEST(MeshFile, RefusesDamagedFilesInOneLineThatNamesThem) {
       write("index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n"),
       write("huge_index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 99999999999999999999\n"),
       write("half.obj", "v 0 0 0\nv 1 0 0\nv 0 1"),
-      write("half.glb", std::string("glTF\2\0\0\0\xff\xff\0\0", 12)),
+      write("half.glb", glb(12).substr(0, 11)),
+      write("length.glb", glb(0xffff)),
+      write("garbage.glb", std::string(100, '\xa5')),
+      write("list.gltf", "[1, 2]"),
+      write("blank.gltf", "   \n"),
+      write("plain.dae", "<?xml version='1.0'?><x3d/>"),
       write("bad.gltf", "{\"asset\":{\"version\":\"2.0\"},"),
       write("bad.dae", "<COLLADA><library_geom"),
       write("mesh.xyz", "1 2 3\n"),
