@@ -1,17 +1,17 @@
 #include "core/io/contact_file.h"
 
 #include <algorithm>
-#include <cmath>
+#include <cctype>
 #include <fstream>
 #include <limits>
-#include <sstream>
+#include <map>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
 #include "core/contact/carry.h"
-#include "core/io/ply_file.h"
+#include "core/io/json_keys.h"
 
 namespace handgraft::io {
 namespace {
@@ -24,75 +24,6 @@ using nlohmann::json;
 
 constexpr const char* kFormat = "handgraft-contacts/1";
 constexpr std::uintmax_t kMostBytes = 64u << 20;  // a set of 1,000 patches takes about 1 MB
-constexpr int kMostSegments = 10'000;
-
-// === Contact maps
-
-/// Names from comments that list `0=name 1=name`; what is no such pair is prose.
-std::vector<std::string> segmentNamesIn(const std::vector<std::string>& comments) {
-  std::vector<std::string> names;
-  for (const std::string& comment : comments) {
-    std::istringstream words(comment);
-    for (std::string word; words >> word;) {
-      const std::size_t sign = word.find('=');
-      if (sign == 0 || sign == std::string::npos || sign > 5 || sign + 1 == word.size())
-        continue;
-      const std::string number = word.substr(0, sign);
-      if (number.find_first_not_of("0123456789") != std::string::npos) continue;
-      const std::size_t index = std::stoul(number);
-      if (index >= kMostSegments) continue;
-      if (index >= names.size()) names.resize(index + 1);
-      names[index] = word.substr(sign + 1);
-      while (!names[index].empty() &&
-             (names[index].back() == ',' || names[index].back() == ';')) {
-        names[index].pop_back();
-      }
-    }
-  }
-  return names;
-}
-
-/// Labels as the file has them; names are appended where it uses more than it names.
-std::vector<int> labelsOf(const Eigen::VectorXd& column) {
-  std::vector<int> labels(static_cast<std::size_t>(column.size()));
-  for (Eigen::Index v = 0; v < column.size(); ++v) {
-    const double label = column[v];
-    if (!(label >= -1.0 && label < kMostSegments) || label != std::floor(label)) {
-      rejectInput(
-          "property 'link' of vertex {} is {}; permitted are whole numbers from -1 to {}", v,
-          label, kMostSegments - 1);
-    }
-    labels[v] = static_cast<int>(label);
-  }
-  return labels;
-}
-
-ContactMap contactMapFrom(const PlyFile& ply) {
-  for (const char* property : {"x", "y", "z", "contact"}) {
-    if (ply.vertex.count(property) == 0) {
-      rejectInput("no vertex property '{}', which a contact map needs", property);
-    }
-  }
-  Eigen::Matrix3Xd vertices(3, ply.vertex_count);
-  vertices.row(0) = ply.vertex.at("x").transpose();
-  vertices.row(1) = ply.vertex.at("y").transpose();
-  vertices.row(2) = ply.vertex.at("z").transpose();
-
-  ContactMap map;
-  map.mesh_O = geometry::TriangleMesh(std::move(vertices), ply.faces);
-  map.value = ply.vertex.at("contact");
-  if (const auto link = ply.vertex.find("link"); link != ply.vertex.end()) {
-    map.label = labelsOf(link->second);
-    map.segment_names = segmentNamesIn(ply.comments);
-    const int most =
-        map.label.empty() ? -1 : *std::max_element(map.label.begin(), map.label.end());
-    if (!map.segment_names.empty() && most >= std::ssize(map.segment_names)) {
-      map.segment_names.resize(static_cast<std::size_t>(most) + 1);
-    }
-  }
-  validate(map);
-  return map;
-}
 
 // === Contact sets: JSON to numbers, each with the field's name in its error
 
@@ -133,6 +64,10 @@ Eigen::Vector3d vectorFrom(const json& value, const char* name) {
     rejectInput("field '{}' must be an array of 3 numbers", name);
   }
   return {numberFrom(value[0], name), numberFrom(value[1], name), numberFrom(value[2], name)};
+}
+
+void requireKnownKeys(const json& object, std::initializer_list<const char*> permitted) {
+  if (const auto fault = unknownKeyIn(object, permitted)) rejectInput("{}", *fault);
 }
 
 // === Indices: the file's own to the mesh's and back
@@ -195,6 +130,8 @@ SurfacePoint surfacePointFrom(const json& value,
                               const char* name,
                               const IndexedObject& object) {
   if (!value.is_object()) rejectInput("field '{}' is no object", name);
+  if (const auto fault = unknownKeyIn(value, {"vertex", "face", "triangle", "barycentric"}))
+    rejectInput("field '{}': {}", name, *fault);
   if (const auto vertex = value.find("vertex"); vertex != value.end()) {
     return geometry::surfacePointAtVertex(object.file.mesh,
                                           meshVertexFrom(*vertex, name, object.file));
@@ -222,6 +159,8 @@ json surfacePointJson(const SurfacePoint& point, const IndexedObject& object) {
 // === Contact sets: patches
 
 Patch patchFrom(const json& value, const IndexedObject& object) {
+  requireKnownKeys(value, {"name", "root", "direction", "boundary", "interpolation_count",
+                           "interpolation_boundary", "weight"});
   Patch patch;
   patch.name = stringFrom(fieldOf(value, "name"), "name");
   patch.root = surfacePointFrom(fieldOf(value, "root"), "root", object);
@@ -262,12 +201,14 @@ ContactSet contactSetFrom(const json& root, const MeshFile& object_file) {
   if (!root.is_object()) rejectInput("the file holds no JSON object");
   const std::string format = stringFrom(fieldOf(root, "format"), "format");
   if (format != kFormat) rejectInput("format is {}; expected '{}'", quoted(format), kFormat);
+  requireKnownKeys(root, {"format", "name", "object", "patches", "notes"});
 
   ContactSet set;
   set.name = stringFrom(fieldOf(root, "name"), "name");
   if (root.contains("object")) set.object = stringFrom(root["object"], "object");
   const json& patches = arrayFrom(fieldOf(root, "patches"), "patches");
   if (patches.empty()) rejectInput("field 'patches' is empty; at least one patch is needed");
+  std::map<std::string, std::size_t> index_of;
   for (std::size_t i = 0; i < patches.size(); ++i) {
     try {
       if (!patches[i].is_object()) rejectInput("it is no JSON object");
@@ -276,6 +217,11 @@ ContactSet contactSetFrom(const json& root, const MeshFile& object_file) {
       rejectInput("{}: {}", labelOf(patches[i], i), error.what());
     }
     validate(object.file.mesh, set.patches.back());
+    const auto [known, is_new] = index_of.emplace(set.patches.back().name, i);
+    if (!is_new) {
+      rejectInput("patches {} and {} are both called {}; names must differ", known->second, i,
+                  quoted(known->first));
+    }
   }
   if (root.contains("notes")) {
     for (const json& text : arrayFrom(root["notes"], "notes")) {
@@ -310,10 +256,34 @@ auto namingFile(const std::filesystem::path& path, const Read& read) {
   }
 }
 
-bool startsLikePly(const std::filesystem::path& path) {
+/// By its name or its first bytes.
+bool isPly(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) {
+    return static_cast<char>(std::tolower(c));
+  });
+  if (extension == ".ply") return true;
   std::ifstream file(path, std::ios::binary);
   char start[3] = {};
   return file.read(start, 3) && std::string(start, 3) == "ply";
+}
+
+/// The touching segments that the header's list, if there is one, does not name.
+std::vector<std::string> notesOnUnlistedLinks(const ContactMap& map, double threshold) {
+  std::vector<std::string> notes;
+  if (map.segment_names.empty()) return notes;
+  std::map<int, int> vertices_of;
+  for (std::size_t v = 0; v < map.label.size(); ++v) {
+    const int link = map.label[v];
+    const bool touches = link >= 0 && map.value[static_cast<Eigen::Index>(v)] > threshold;
+    if (touches && map.segment_names[link].empty()) ++vertices_of[link];
+  }
+  for (const auto& [link, count] : vertices_of) {
+    notes.push_back(
+        fmt::format("link {} of {} touching vertices is not in the header's list of segments",
+                    link, count));
+  }
+  return notes;
 }
 
 bool sameMesh(const geometry::TriangleMesh& a, const geometry::TriangleMesh& b) {
@@ -323,13 +293,6 @@ bool sameMesh(const geometry::TriangleMesh& a, const geometry::TriangleMesh& b) 
 
 }  // namespace
 
-ContactMap readContactMap(const std::filesystem::path& path) {
-  const PlyFile ply = readPly(path);
-  return namingFile(path, [&] {
-    return contactMapFrom(ply);
-  });
-}
-
 ContactSet readContactSet(const std::filesystem::path& path, const MeshFile& object) {
   return namingFile(path, [&] {
     return contactSetFrom(json::parse(textOf(path)), object);
@@ -337,7 +300,7 @@ ContactSet readContactSet(const std::filesystem::path& path, const MeshFile& obj
 }
 
 std::string objectNameIn(const std::filesystem::path& path) {
-  if (startsLikePly(path)) return "";
+  if (isPly(path)) return "";
   return namingFile(path, [&]() -> std::string {
     const json root = json::parse(textOf(path));
     if (!root.is_object() || !root.contains("object")) return "";
@@ -379,10 +342,12 @@ void writeContactSet(const std::filesystem::path& path,
 ContactSet readContacts(const std::filesystem::path& path,
                         const MeshFile& object,
                         const contact::SegmentationOptions& options) {
-  if (!startsLikePly(path)) return readContactSet(path, object);
+  if (!isPly(path)) return readContactSet(path, object);
   const ContactMap map = readContactMap(path);
   return namingFile(path, [&] {
     ContactSet set = segment(map, options);
+    const std::vector<std::string> unlisted = notesOnUnlistedLinks(map, options.threshold);
+    set.notes.insert(set.notes.begin(), unlisted.begin(), unlisted.end());
     set.name = path.stem().string();
     return sameMesh(map.mesh_O, object.mesh) ? set : carry(set, map.mesh_O, object.mesh);
   });

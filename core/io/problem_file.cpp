@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
+#include "core/io/json_keys.h"
 #include "core/io/urdf_file.h"
 
 namespace handgraft::io {
@@ -30,6 +31,12 @@ class Field {
   [[noreturn]] void reject(fmt::format_string<Args...> format, Args&&... args) const {
     rejectInput("{}: {}: {}", file_, path_.empty() ? "the whole" : quoted(path_),
                 fmt::format(format, std::forward<Args>(args)...));
+  }
+
+  /// Itself, if it has no other keys.
+  const Field& withOnly(std::initializer_list<const char*> permitted) const {
+    if (const auto fault = unknownKeyIn(value_, permitted)) reject("{}", *fault);
+    return *this;
   }
 
   [[nodiscard]] bool has(const char* key) const { return value_.contains(key); }
@@ -208,6 +215,7 @@ std::vector<bool> readLocked(const Field& field,
 }
 
 optimize::PointPair readPair(const Field& field, const hand::HandModel& model) {
+  field.withOnly({"link", "p_hand", "n_hand", "p_object", "n_object", "weight"});
   optimize::PointPair pair;
   const Field link = field["link"];
   const std::string name = link.text();
@@ -224,7 +232,7 @@ optimize::PointPair readPair(const Field& field, const hand::HandModel& model) {
 
 std::shared_ptr<const hand::HandModel> readHand(const Field& field,
                                                 const std::filesystem::path& folder) {
-  const Field urdf = field["urdf"];
+  const Field urdf = field.withOnly({"urdf", "packages"})["urdf"];
   const std::filesystem::path path = folder / urdf.text();
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
@@ -267,6 +275,9 @@ ProblemFile readProblemFile(const std::filesystem::path& path) {
     format.reject("is {}; it must be '{}'", quoted(format.text()), kFormat);
   }
 
+  file.withOnly({"format", "hand", "dofs", "start", "prior", "lower", "upper", "weights",
+                 "prior_weights", "locked", "correspondences"});
+
   ProblemFile result;
   PoseProblem& problem = result.problem;
   problem = optimize::makeProblem(readHand(file["hand"], path.parent_path()));
@@ -274,7 +285,7 @@ ProblemFile readProblemFile(const std::filesystem::path& path) {
   problem.start = poseOf(readTheta(file["start"], result.order));
   problem.prior = poseOf(readTheta(file["prior"], result.order));
   readBounds(file, result.order, problem);
-  const Field weights = file["weights"];
+  const Field weights = file["weights"].withOnly({"distance", "normal", "prior"});
   problem.weights.distance = weights["distance"].weight();
   problem.weights.normal = weights["normal"].weight();
   problem.weights.prior = weights["prior"].weight();

@@ -20,8 +20,10 @@ using contact::Patch;
 using geometry::positionOf;
 using geometry::TriangleMesh;
 using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::ThrowsMessage;
 
 std::filesystem::path write(const std::string& name, const std::string& text) {
@@ -124,7 +126,14 @@ TEST(ContactSetFile, FaultsNameFilePatchAndField) {
   };
   refuses("handgraft-contacts/1", "handgraft-contacts/9", "expected 'handgraft-contacts/1'");
   refuses("\"format\"", "\"fromat\"", "'format' is missing");
-  refuses("\"patches\"", "\"patch\"", "'patches' is missing");
+  refuses("\"patches\": [", "\"notes\": [", "'patches' is missing");
+  refuses("\"patches\"", "\"patch\"",
+          "field 'patch' is unknown; permitted are format name object patches notes");
+  refuses("\"direction\"", "\"dirrection\"",
+          "patch 'thumb': field 'dirrection' is unknown; permitted are name root direction");
+  refuses("\"face\": 3", "\"face\": 3, \"baricentric\": 1",
+          "field 'root': field 'baricentric' is unknown; permitted are vertex face triangle");
+  refuses("\"index\"", "\"thumb\"", "patches 0 and 1 are both called 'thumb'");
   refuses("{\"vertex\": 12}", "{\"vertex\": 25}", "patch 'thumb': field 'root': vertex 25");
   refuses("{\"vertex\": 12}", "{\"vertex\": -1}", "field 'root' is '-1'");
   refuses("{\"vertex\": 12}", "{\"vertex\": 1e99}", "field 'root'");
@@ -214,6 +223,29 @@ TEST(ContactFile, IsAMapOrASetByItsContent) {
   ASSERT_EQ(set.patches.size(), 1u);
   EXPECT_EQ(set.patches[0].name, "index");
   EXPECT_EQ(set.name, "map");
+}
+
+TEST(ContactFile, NamedPlyIsCalledNoJson) {
+  const MeshFile object = backwardsPlate();
+  for (const char* name : {"damaged.ply", "damaged.PLY"}) {
+    EXPECT_THAT(
+        [&] {
+          readContacts(write(name, "what ever"), object);
+        },
+        ThrowsMessage<InvalidInput>(AllOf(HasSubstr(name), Not(HasSubstr("JSON")))));
+    EXPECT_EQ(objectNameIn(write(name, "what ever")), "");
+  }
+}
+
+TEST(ContactFile, NotesLinksThatTheHeaderDoesNotName) {
+  const MeshFile object = backwardsPlate();
+  const ContactSet named = readContacts(write("named.ply", plyPlate("0=index_tip", 0)), object);
+  EXPECT_THAT(named.notes, Not(Contains(HasSubstr("header's list"))));
+  const ContactSet anonymous = readContacts(write("plain.ply", plyPlate("none", 7)), object);
+  EXPECT_THAT(anonymous.notes, Not(Contains(HasSubstr("header's list"))));
+  const ContactSet unlisted = readContacts(write("odd.ply", plyPlate("0=wrist", 7)), object);
+  EXPECT_THAT(unlisted.notes, Contains(AllOf(HasSubstr("link 7 of "),
+                                             HasSubstr("is not in the header's list"))));
 }
 
 // === Real maps

@@ -1,0 +1,23 @@
+#include "core/io/json_keys.h"
+
+#include <algorithm>
+
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "core/base/error.h"
+
+namespace handgraft::io {
+
+std::optional<std::string> unknownKeyIn(const nlohmann::json& value,
+                                        std::initializer_list<const char*> permitted) {
+  if (!value.is_object()) return std::nullopt;
+  for (const auto& [key, field] : value.items()) {
+    if (std::find(permitted.begin(), permitted.end(), key) != permitted.end()) continue;
+    return fmt::format("field {} is unknown; permitted are {}", handgraft::quoted(key),
+                       fmt::join(permitted, " "));
+  }
+  return std::nullopt;
+}
+
+}  // namespace handgraft::io
