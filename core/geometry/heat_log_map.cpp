@@ -181,19 +181,23 @@ HeatLogMap& HeatLogMap::operator=(HeatLogMap&&) noexcept = default;
 LogMap HeatLogMap::smooth(const SurfacePoint& source,
                           const Eigen::Vector3d& direction,
                           double radius) const {
-  return parts_->solve(source, direction, radius,
-                       [&](const HeatFlow& flow, const std::vector<HeatSeed>& seeds) {
-                         return flow.affineLog(seeds, positionOf(parts_->mesh, source), radius);
-                       });
+  LogMap map = parts_->solve(
+      source, direction, radius, [&](const HeatFlow& flow, const std::vector<HeatSeed>& seeds) {
+        return flow.affineLog(seeds, positionOf(parts_->mesh, source), radius);
+      });
+  map.method = LogMapMethod::kSmooth;
+  return map;
 }
 
 LogMap HeatLogMap::heat(const SurfacePoint& source,
                         const Eigen::Vector3d& direction,
                         double radius) const {
-  return parts_->solve(source, direction, radius,
-                       [](const HeatFlow& flow, const std::vector<HeatSeed>& seeds) {
-                         return flow.vectorLog(seeds);
-                       });
+  LogMap map = parts_->solve(source, direction, radius,
+                             [](const HeatFlow& flow, const std::vector<HeatSeed>& seeds) {
+                               return flow.vectorLog(seeds);
+                             });
+  map.method = LogMapMethod::kHeat;
+  return map;
 }
 
 }  // namespace handgraft::geometry

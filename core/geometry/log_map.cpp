@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/geometry/heat_log_map.h"
 #include "core/geometry/log_map_source.h"
 #include "core/geometry/polar_front.h"
 #include "core/geometry/window_front.h"
@@ -125,7 +126,7 @@ LogMap fastMap(const TriangleMesh& mesh, const SourceLayout& layout, LogMap empt
 
 struct ExactMap {
   LogMap map;
-  bool is_cut_short;
+  bool is_cut_short = false;
 };
 
 ExactMap exactMap(const TriangleMesh& mesh, const SourceLayout& layout, LogMap empty) {
@@ -160,10 +161,12 @@ int unsoundFaceCount(const TriangleMesh& mesh, const LogMap& map) {
 
 LogMapMethod logMapMethodFrom(std::string_view name) {
   for (const LogMapMethod method :
-       {LogMapMethod::kFast, LogMapMethod::kExact, LogMapMethod::kAuto}) {
+       {LogMapMethod::kFast, LogMapMethod::kExact, LogMapMethod::kAuto, LogMapMethod::kSmooth,
+        LogMapMethod::kHeat}) {
     if (name == nameOf(method)) return method;
   }
-  rejectInput("log map method is {}, permitted: fast, exact, auto", quoted(std::string(name)));
+  rejectInput("log map method is {}, permitted: fast, exact, auto, smooth, heat",
+              quoted(std::string(name)));
 }
 
 std::string_view nameOf(LogMapMethod method) {
@@ -174,6 +177,10 @@ std::string_view nameOf(LogMapMethod method) {
       return "exact";
     case LogMapMethod::kAuto:
       return "auto";
+    case LogMapMethod::kSmooth:
+      return "smooth";
+    case LogMapMethod::kHeat:
+      return "heat";
   }
   HANDGRAFT_REQUIRE(!"a known log map method");
   return {};
@@ -186,6 +193,11 @@ LogMap computeLogMap(const TriangleMesh& mesh,
                      LogMapMethod method) {
   validate(mesh, source, "log map source");
   if (!(radius > 0.0)) rejectInput("log map radius is {} m, it must be positive", radius);
+
+  if (method == LogMapMethod::kSmooth) {
+    return HeatLogMap(mesh).smooth(source, direction, radius);
+  }
+  if (method == LogMapMethod::kHeat) return HeatLogMap(mesh).heat(source, direction, radius);
 
   LogMap empty;
   empty.source = source;

@@ -11,9 +11,11 @@
 namespace handgraft::geometry {
 
 enum class LogMapMethod {
-  kFast,   ///< discrete geodesic polar coordinates
-  kExact,  ///< the polyhedron's own shortest paths
-  kAuto    ///< exact, unless it folds or collapses faces of the disk more than fast does
+  kFast,    ///< discrete geodesic polar coordinates
+  kExact,   ///< the polyhedron's own shortest paths
+  kAuto,    ///< exact, unless it folds or collapses faces of the disk more than fast does
+  kSmooth,  ///< affine heat method
+  kHeat     ///< vector heat method, as the paper has it
 };
 
 /// Errors: InvalidInput naming the permitted spellings.
@@ -48,7 +50,7 @@ struct LogMap {
 
   SurfacePoint source;
   double radius = 0.0;
-  LogMapMethod method = LogMapMethod::kFast;  ///< that made it: kFast or kExact
+  LogMapMethod method = LogMapMethod::kFast;  ///< that made it, never kAuto
 };
 
 /// Log map of `mesh` about `source`, within geodesic distance `radius`.
@@ -57,12 +59,14 @@ struct LogMap {
 ///   x axis (phi = 0). Units: metres, radians.
 /// Shapes: r, phi of mesh.vertexCount() entries.
 /// Errors: InvalidInput if the source is not on the mesh, the radius is not positive (infinity
-/// is
-///   permitted), or the direction is (nearly) parallel to the source's normal.
+///   is permitted), the direction is (nearly) parallel to the source's normal, or `kSmooth` or
+///   `kHeat` cannot use the source's component (HeatLogMap).
 /// Cost: O(n log n) in the vertices of the disk, plus one O(V + F) fill; no factorisation.
+///   `kSmooth` and `kHeat` factor the whole mesh at every call: keep a HeatLogMap for several.
 ///   `kExact` takes two to three times as long as `kFast`.
 /// Source: Melvaer & Reimers 2012, "Geodesic Polar Coordinates on Polygonal Meshes" (`kFast`);
-///   Chen & Han 1990 and Xin & Wang 2009 (`kExact`). README of this folder: when to use which.
+///   Chen & Han 1990 and Xin & Wang 2009 (`kExact`); HeatLogMap. README of this folder: when to
+///   use which.
 LogMap computeLogMap(const TriangleMesh& mesh,
                      const SurfacePoint& source,
                      const Eigen::Vector3d& direction,

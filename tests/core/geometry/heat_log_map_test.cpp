@@ -363,6 +363,24 @@ TEST(HeatLogMap, ServesOneComponentWhateverTheOthersAre) {
     EXPECT_NEAR(last.r[v + 167], map.r[v], 1e-12);
 }
 
+TEST(HeatLogMap, IsAMethodOfComputeLogMap) {
+  const TriangleMesh skin = makeSkin(3);
+  const HeatLogMap solver(skin);
+  const SurfacePoint source = surfacePointAtVertex(skin, 40);
+  for (const LogMapMethod method : {LogMapMethod::kSmooth, LogMapMethod::kHeat}) {
+    EXPECT_EQ(logMapMethodFrom(nameOf(method)), method);
+    const LogMap once = computeLogMap(skin, source, {0.3, 0.8, 0.4}, 0.02, method);
+    const LogMap kept = method == LogMapMethod::kSmooth
+                            ? solver.smooth(source, {0.3, 0.8, 0.4}, 0.02)
+                            : solver.heat(source, {0.3, 0.8, 0.4}, 0.02);
+    EXPECT_EQ(once.method, method);
+    EXPECT_EQ(kept.method, method);
+    ASSERT_EQ(once.vertices, kept.vertices);
+    for (const int v : once.vertices)
+      EXPECT_EQ(once.r[v], kept.r[v]);
+  }
+}
+
 TEST(HeatLogMap, RefusesWrongInput) {
   const TriangleMesh box = makeBox({1.0, 1.0, 1.0});
   const HeatLogMap solver(box);
