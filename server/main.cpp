@@ -1,5 +1,7 @@
+#include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <future>
 #include <memory>
 #include <string>
 #include <thread>
@@ -7,6 +9,7 @@
 #include <CLI/CLI.hpp>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include "core/base/error.h"
 #include "core/base/network.h"
@@ -40,6 +43,8 @@ sigset_t blockStopSignals() {
   return set;
 }
 
+/// Serves until a signal, or until an elder server turns out to live on the same domain.
+/// Errors: TransportError in the latter case.
 void serve(const Options& options, const sigset_t& stop_signals) {
   validate(options.network);
   server::ModelStore models;
@@ -49,6 +54,11 @@ void serve(const Options& options, const sigset_t& stop_signals) {
   const std::unique_ptr<server::Bus> bus = server::openFastBus(options.network);
   server::ServiceOptions service_options;
   service_options.workers = options.workers;
+  std::promise<std::string> elder;
+  service_options.on_elder = [&elder](const v1::ServerStatus& status) {
+    elder.set_value(fmt::format("process {} on {}", status.process_id(), status.host()));
+    kill(getpid(), SIGTERM);  // wakes the wait below
+  };
   server::Service service(*bus, models, service_options);
   service.start();
   spdlog::info("event=ready version={} domain={} interface={} models={} left_out={} workers={}",
@@ -60,6 +70,13 @@ void serve(const Options& options, const sigset_t& stop_signals) {
   spdlog::info("event=stopping signal={}", signal);
   service.stop();
   spdlog::info("event=stopped");
+  std::future<std::string> met = elder.get_future();
+  if (met.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+    throw TransportError(
+        fmt::format("another server ({}) answers on {}; stop it first, or take "
+                    "another domain",
+                    handgraft::quoted(met.get()), describe(options.network)));
+  }
 }
 
 }  // namespace

@@ -163,6 +163,14 @@ void Service::publishStatusOnceASecond() {
   }
 }
 
+void Service::onStatus(const v1::ServerStatus& status) {
+  if (status.server_id() == server_id_ || status.stopping() || !options_.on_elder) return;
+  const double uptime_s = std::chrono::duration<double>(Clock::now() - started_).count();
+  const bool is_elder =
+      std::pair(status.uptime_s(), status.server_id()) > std::pair(uptime_s, server_id_);
+  if (is_elder && !met_elder_.exchange(true)) options_.on_elder(status);
+}
+
 // === What the world hears of sessions
 
 void Service::onState(const v1::SessionState& state) {

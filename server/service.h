@@ -25,6 +25,9 @@ struct ServiceOptions {
   std::size_t most_waiting = 256;  ///< tasks that may queue; more are refused
   std::size_t most_per_client = 32;  ///< requests of one client that may be unanswered
   std::size_t most_sessions = 256;
+  /// Called once, on a DDS thread, when a server that has run for longer lives on this domain:
+  /// two would both answer, so the younger one had better go.
+  std::function<void(const v1::ServerStatus&)> on_elder;
 };
 
 /// The server between the bus and the handlers: does every request once, each session's work in
@@ -65,6 +68,7 @@ class Service final : private BusListener, private SessionAudience {
   // === BusListener, SessionAudience
   void onRequest(v1::Request request) override;
   void onEdit(v1::Edit edit) override;
+  void onStatus(const v1::ServerStatus& status) override;
   void onState(const v1::SessionState& state) override;
   void onSolution(const v1::PoseSolution& solution) override;
   void onJointCommand(std::uint64_t session_id,
@@ -94,6 +98,7 @@ class Service final : private BusListener, private SessionAudience {
   const std::chrono::steady_clock::time_point started_;
   std::atomic<std::uint64_t> answered_{0};
   std::atomic<bool> stopping_{false};
+  std::atomic<bool> met_elder_{false};
 
   Ledger<v1::Reply> requests_;
   Ledger<v1::EditReply> edits_;

@@ -200,7 +200,7 @@ void Session::matchByGeometry() {
     if (answer[i] >= 0) {
       item.site = sites[answer[i]]->name;
       item.placement = soundPlacementAt(hand_, *sites[answer[i]]);
-      notes_.push_back(fmt::format("{} laid on site '{}', the best of all assignments",
+      notes_.push_back(fmt::format("{} laid on site '{}', the best assignment found",
                                    quoted(item.patch.name), item.site));
     } else if (isAnonymousPatch(item.patch.name)) {
       item.dropped = fmt::format("no site is left for {}; the hand's sites are {}",

@@ -39,6 +39,7 @@ struct Options {
 };
 
 void declare(CLI::App& app, Options& options) {
+  app.set_version_flag("--version", std::string("handgraft-bridge ") + HANDGRAFT_VERSION);
   app.add_option("--domain", options.network.domain, "DDS domain, 0 to 100")
       ->capture_default_str();
   app.add_option("--interface", options.network.interface, "network interface to meet on")

@@ -31,9 +31,19 @@ StoredHand readHand(const v1::LoadModelRequest& request, const UploadedFiles& fi
           std::make_shared<LazyHand>(std::move(model), std::move(sites))};
 }
 
+/// Sizes of what a hand can hold; outside them a mesh is in other units than metres.
+constexpr double kSmallestObject_m = 0.001;
+constexpr double kLargestObject_m = 10.0;
+
 StoredObject readObject(const v1::LoadModelRequest& request, const UploadedFiles& files) {
-  return {request.name(), Origin(),
-          std::make_shared<const io::MeshFile>(io::readMesh(files.file(request.main_uri())))};
+  auto file =
+      std::make_shared<const io::MeshFile>(io::readMesh(files.file(request.main_uri())));
+  const double size = file->mesh.diagonal();
+  if (!(size >= kSmallestObject_m && size <= kLargestObject_m)) {
+    rejectInput("object {}: {:.4g} m across, outside {} to {} m; is its mesh in metres?",
+                handgraft::quoted(request.name()), size, kSmallestObject_m, kLargestObject_m);
+  }
+  return {request.name(), Origin(), std::move(file)};
 }
 
 StoredContacts readContacts(const v1::LoadModelRequest& request,

@@ -10,12 +10,15 @@
 
 namespace handgraft::server {
 
-/// Hears what clients send. Called on DDS threads: must return soon and not throw.
+/// Hears what clients and other servers send. Called on DDS threads: must return soon and not
+/// throw.
 class BusListener {
  public:
   virtual ~BusListener() = default;
   virtual void onRequest(v1::Request request) = 0;
   virtual void onEdit(v1::Edit edit) = 0;
+  /// Any server's status, one's own among them.
+  virtual void onStatus(const v1::ServerStatus& status) = 0;
 };
 
 /// What the service needs of DDS, and all that it sees of it.

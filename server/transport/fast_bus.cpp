@@ -145,6 +145,7 @@ class FastBus final : public Bus {
  public:
   explicit FastBus(const Network& network)
       : node_(network),
+        lookout_(network),
         replies_(node_.endpoints(), idl::kReplyTopic),
         progresses_(node_.endpoints(), idl::kProgressTopic),
         edit_replies_(node_.endpoints(), idl::kEditReplyTopic),
@@ -166,11 +167,16 @@ class FastBus final : public Bus {
                                                     [&listener](v1::Edit&& edit) {
                                                       listener.onEdit(std::move(edit));
                                                     });
+    heard_ = std::make_unique<FastReader<v1::ServerStatus>>(
+        lookout_.endpoints(), idl::kStatusTopic, [&listener](v1::ServerStatus&& status) {
+          listener.onStatus(status);
+        });
   }
 
   void stop() override {
     requests_.reset();
     edits_.reset();
+    heard_.reset();
   }
 
   void publish(const v1::Reply& reply) override { replies_.write(reply); }
@@ -214,6 +220,9 @@ class FastBus final : public Bus {
 
  private:
   Node node_;
+  /// Reads the topic that `node_` writes: a Fast DDS participant knows a topic by one type
+  /// support only, and the hardened one that reading needs cannot write.
+  Node lookout_;
   FastWriter<v1::Reply> replies_;
   FastWriter<v1::Progress> progresses_;
   FastWriter<v1::EditReply> edit_replies_;
@@ -225,6 +234,7 @@ class FastBus final : public Bus {
       commands_;
   std::unique_ptr<FastReader<v1::Request>> requests_;
   std::unique_ptr<FastReader<v1::Edit>> edits_;
+  std::unique_ptr<FastReader<v1::ServerStatus>> heard_;
 };
 
 }  // namespace

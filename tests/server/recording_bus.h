@@ -46,6 +46,8 @@ class RecordingBus final : public server::Bus {
     listener_->onRequest(request);
   }
 
+  void hear(const v1::ServerStatus& status) { listener_->onStatus(status); }
+
   void send(const v1::Request& request) { listener_->onRequest(request); }
 
   void send(const v1::Edit& edit) { listener_->onEdit(edit); }

@@ -74,6 +74,32 @@ TEST_F(ServiceTest, AnswersARepeatFromMemory) {
   EXPECT_EQ(service.status().requests_answered(), 1u);
 }
 
+TEST(Service, TellsOnceOfAnElderServerAndIgnoresYoungerOnes) {
+  test::RecordingBus bus;
+  ModelStore models;
+  int told = 0;
+  ServiceOptions options;
+  options.on_elder = [&told](const v1::ServerStatus&) {
+    ++told;
+  };
+  Service service(bus, models, options);
+  service.start();
+  v1::ServerStatus other = service.status();
+  bus.hear(other);  // its own
+  other.server_id(other.server_id() + 1);
+  other.uptime_s(-1.0);
+  bus.hear(other);
+  EXPECT_EQ(told, 0) << "a younger one goes itself";
+  other.uptime_s(1e6);
+  other.stopping(true);
+  bus.hear(other);
+  EXPECT_EQ(told, 0) << "one that stops is no rival";
+  other.stopping(false);
+  bus.hear(other);
+  bus.hear(other);
+  EXPECT_EQ(told, 1);
+}
+
 TEST_F(ServiceTest, RefusesAnotherProtocol) {
   v1::Request request;
   request.request_id(5);

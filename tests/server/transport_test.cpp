@@ -174,6 +174,8 @@ class MeshServer final : public BusListener {
 
   void onEdit(v1::Edit) override {}
 
+  void onStatus(const v1::ServerStatus&) override {}
+
   void sayAlive() {
     v1::ServerStatus status;
     status.server_id(1);
