@@ -48,8 +48,11 @@ SearchChart makeSearchChart(const Eigen::VectorXd& center,
     const Eigen::MatrixXd whitened =
         factor.matrixU().solve(Eigen::MatrixXd::Identity(factor.rows(), factor.cols()));
     chart.basis(unbounded, unbounded) = scale * (unit.asDiagonal() * whitened);
-    follow = unit.asDiagonal() * factor.solve(unit.asDiagonal() * K(unbounded, bounded)).eval();
-    K_BB -= K(bounded, unbounded) * follow;
+    if (!bounded.empty()) {  // Eigen's solve of no column at all touches a null pointer
+      follow =
+          unit.asDiagonal() * factor.solve(unit.asDiagonal() * K(unbounded, bounded)).eval();
+      K_BB -= K(bounded, unbounded) * follow;
+    }
   }
   for (std::size_t b = 0; b < bounded.size(); ++b) {
     const auto column = static_cast<Eigen::Index>(b);
