@@ -1,6 +1,7 @@
 #include "client/command_line.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <map>
 #include <sstream>
@@ -26,6 +27,8 @@ struct Parsed {
   LoadOptions load;
   GraspOptions grasp;
   WatchOptions watch;
+  CloseOptions close;
+  UnloadOptions unload;
   std::string kind;
   std::string path;
   std::string out;
@@ -80,6 +83,13 @@ GraspOptions graspOf(const Parsed& parsed) {
   requireModel(grasp.contacts, "--contacts");
   requireFinite(parsed.place, "--place", -std::numeric_limits<double>::infinity());
   requireFinite(parsed.weights, "--weights", 0.0);
+  const auto isZero = [](double weight) {
+    return weight == 0.0;
+  };
+  if (!parsed.weights.empty() &&
+      std::all_of(parsed.weights.begin(), parsed.weights.end(), isZero)) {
+    rejectInput("--weights 0 0 0: at least one of them must be positive");
+  }
   if (!parsed.place.empty()) {
     std::copy_n(parsed.place.begin(), 7, grasp.place.emplace().begin());
   }
@@ -108,6 +118,19 @@ LoadOptions loadOf(const Parsed& parsed) {
   return load;
 }
 
+// CLI11 itself would wrap -1 to the largest number.
+std::string objectionToCount(const std::string& text) {
+  std::uint64_t number = 0;
+  const char* end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, number);
+  if (error == std::errc() && rest == end) return "";
+  return quoted(text) + " is no whole number from 0 to 2^64 - 1";
+}
+
+std::string objectionToFile(const std::string& name) {
+  return name.empty() ? "the file's name is empty" : "";
+}
+
 void addGrasp(CLI::App& app, Parsed& parsed) {
   GraspOptions& grasp = parsed.grasp;
   CLI::App* command =
@@ -122,14 +145,18 @@ void addGrasp(CLI::App& app, Parsed& parsed) {
       ->expected(7);
   command->add_option("--solver", grasp.solver,
                       "mma (default), ccsaq, slsqp, lbfgs, tnewton, var2");
-  command->add_option("--starts", grasp.starts, "Number of starts; 0: the server's default");
-  command->add_option("--seed", grasp.seed, "Seed of the starts after the first");
+  command->add_option("--starts", grasp.starts, "Number of starts; 0: the server's default")
+      ->check(objectionToCount);
+  command->add_option("--seed", grasp.seed, "Seed of the starts after the first")
+      ->check(objectionToCount);
   command->add_option("--weights", parsed.weights, "Of distance (1/m^2), normal and prior")
       ->expected(3);
-  command->add_option("--out", parsed.out, "Write the result as JSON");
-  command->add_option("--png", parsed.png, "Write a picture from two sides");
-  command->add_option("--problem", parsed.problem,
-                      "Write what was solved as handgraft-problem/1");
+  command->add_option("--out", parsed.out, "Write the result as JSON")->check(objectionToFile);
+  command->add_option("--png", parsed.png, "Write a picture from two sides")
+      ->check(objectionToFile);
+  command
+      ->add_option("--problem", parsed.problem, "Write what was solved as handgraft-problem/1")
+      ->check(objectionToFile);
   command->add_option("--package", parsed.packages, "NAME=DIR: where package://NAME leads");
   command->add_flag("--keep", grasp.keep, "Leave the session open and print its id");
 }
@@ -186,8 +213,18 @@ std::variant<Invocation, Printout> parseCommandLine(int argc, const char* const*
   addGrasp(app, parsed);
   app.add_subcommand("sessions", "List the server's sessions");
   CLI::App* watch = app.add_subcommand("watch", "Follow a session's states and solutions");
-  watch->add_option("session", parsed.watch.session_id, "Its id")->required();
-  watch->add_option("--count", parsed.watch.count, "Stop after so many solutions; 0: never");
+  watch->add_option("session", parsed.watch.session_id, "Its id")
+      ->required()
+      ->check(objectionToCount);
+  watch->add_option("--count", parsed.watch.count, "Stop after so many solutions; 0: never")
+      ->check(objectionToCount);
+  CLI::App* close = app.add_subcommand("close", "End a session");
+  close->add_option("session", parsed.close.session_id, "Its id")
+      ->required()
+      ->check(objectionToCount);
+  CLI::App* unload = app.add_subcommand("unload", "Have the server forget a model");
+  unload->add_option("kind", parsed.kind, "hand, object or contacts")->required();
+  unload->add_option("name", parsed.unload.name, "Its name")->required();
   for (CLI::App* command : app.get_subcommands({}))
     command->fallthrough();
 
@@ -229,6 +266,11 @@ std::variant<Invocation, Printout> parseCommandLine(int argc, const char* const*
     invocation.command = SessionsOptions{};
   } else if (command == "watch") {
     invocation.command = parsed.watch;
+  } else if (command == "close") {
+    invocation.command = parsed.close;
+  } else if (command == "unload") {
+    checkModelName(parsed.unload.name, "name");
+    invocation.command = UnloadOptions{kindOf(parsed.kind), parsed.unload.name};
   }
   return invocation;
 }

@@ -231,6 +231,14 @@ std::string sessions(const v1::SessionList& list, int indent) {
   return written({{"sessions", all}}, indent);
 }
 
+std::string closed(std::uint64_t session_id, int indent) {
+  return written({{"session_id", session_id}, {"closed", true}}, indent);
+}
+
+std::string unloaded(v1::ModelKind kind, const std::string& name, int indent) {
+  return written({{"kind", nameOf(kind)}, {"name", name}, {"unloaded", true}}, indent);
+}
+
 std::string grasp(const GraspResult& result, int indent) {
   const v1::PoseSolution& solution = result.solution;
   std::vector<std::string> joint_names;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "client/grasp_result.h"
@@ -16,6 +17,8 @@ std::string models(const v1::ModelList& list, int indent = 2);
 std::string description(const v1::ModelDescription& description, int indent = 2);
 std::string loaded(const v1::ModelSummary& summary, int indent = 2);
 std::string sessions(const v1::SessionList& list, int indent = 2);
+std::string closed(std::uint64_t session_id, int indent = 2);
+std::string unloaded(v1::ModelKind kind, const std::string& name, int indent = 2);
 
 /// "format": "handgraft-grasp/1".
 std::string grasp(const GraspResult& result, int indent = 2);

@@ -74,6 +74,15 @@ void notePackage(PackageMap& packages, const std::string& uri, const fs::path& f
   packages.emplace(rest.substr(0, slash), folder);
 }
 
+constexpr std::uint64_t kEmptyHash = 14695981039346656037ULL;  // FNV-1a, 64 bit
+
+std::uint64_t fed(std::uint64_t hash, const std::string& bytes) {
+  for (const char byte : bytes) {
+    hash = (hash ^ static_cast<unsigned char>(byte)) * 1099511628211ULL;
+  }
+  return (hash ^ bytes.size()) * 1099511628211ULL;
+}
+
 }  // namespace
 
 bool isPath(const std::string& text) {
@@ -154,19 +163,15 @@ ModelFiles contactFiles(const fs::path& path, const std::string& object) {
 }
 
 std::uint64_t contentHash(const ModelFiles& model) {
-  std::uint64_t hash = 14695981039346656037ULL;  // FNV-1a, 64 bit
-  const auto feed = [&](const std::string& bytes) {
-    for (const char byte : bytes) {
-      hash = (hash ^ static_cast<unsigned char>(byte)) * 1099511628211ULL;
-    }
-    hash = (hash ^ bytes.size()) * 1099511628211ULL;
-  };
-  feed(model.object);
+  std::uint64_t hash = fed(kEmptyHash, model.object);
   for (const UploadFile& file : model.files) {
-    feed(file.uri);
-    feed(readFile(file.path));
+    hash = fed(fed(hash, file.uri), readFile(file.path));
   }
   return hash;
+}
+
+std::uint64_t textHash(const std::string& text) {
+  return fed(kEmptyHash, text);
 }
 
 std::string readFile(const fs::path& path) {
@@ -175,23 +180,6 @@ std::string readFile(const fs::path& path) {
   std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   if (!file) rejectInput("{}: cannot be read", quoted(path.string()));
   return text;
-}
-
-void writeFile(const fs::path& path, const std::string& text) {
-  fs::path partial = path;
-  partial += "." + std::to_string(getpid()) + ".part";
-  std::ofstream file(partial, std::ios::binary | std::ios::trunc);
-  file << text;
-  file.close();
-  std::error_code error;
-  if (file) fs::rename(partial, path, error);
-  if (!file || error) {
-    const int reason = errno;
-    std::error_code ignored;
-    fs::remove(partial, ignored);
-    rejectInput("{}: cannot be written ({})", quoted(path.string()),
-                error ? error.message() : std::strerror(reason));
-  }
 }
 
 }  // namespace handgraft::client

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -50,11 +51,10 @@ ModelFiles contactFiles(const std::filesystem::path& path, const std::string& ob
 /// Errors: InvalidInput if a file cannot be read.
 std::uint64_t contentHash(const ModelFiles& model);
 
+/// The same of one text.
+std::uint64_t textHash(const std::string& text);
+
 /// The whole file. Errors: InvalidInput, naming the path and the reason; also above 512 MiB.
 std::string readFile(const std::filesystem::path& path);
-
-/// Writes a text file, replacing one of that name only when all of it is written.
-/// Errors: InvalidInput, naming the path and the reason.
-void writeFile(const std::filesystem::path& path, const std::string& text);
 
 }  // namespace handgraft::client

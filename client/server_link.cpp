@@ -178,6 +178,15 @@ v1::ModelSummary ServerLink::load(const ModelFiles& model) {
   throw TransportError(fmt::format("the server loaded '{}' and did not list it", model.name));
 }
 
+void ServerLink::unload(v1::ModelKind kind, const std::string& name) {
+  v1::ModelKey key;
+  key.kind(kind);
+  key.name(name);
+  v1::RequestBody body;
+  body.unload_model(key);
+  ask(body);
+}
+
 v1::SessionState ServerLink::openSession(const v1::OpenSessionRequest& request) {
   v1::RequestBody body;
   body.open_session(request);

@@ -53,6 +53,8 @@ class ServerLink {
   /// Sends all files, then has the server read them. Returns the server's summary of the model.
   v1::ModelSummary load(const ModelFiles& model);
 
+  void unload(v1::ModelKind kind, const std::string& name);
+
   v1::SessionState openSession(const v1::OpenSessionRequest& request);
   v1::SessionState describeSession(std::uint64_t session_id);
   v1::SessionList listSessions();

@@ -60,6 +60,15 @@ struct GraspOptions {
 
 struct SessionsOptions {};
 
+struct CloseOptions {
+  std::uint64_t session_id = 0;
+};
+
+struct UnloadOptions {
+  v1::ModelKind kind = v1::MODEL_HAND;
+  std::string name;
+};
+
 struct WatchOptions {
   std::uint64_t session_id = 0;
   std::uint64_t count = 0;  ///< solutions; 0: until the session closes
@@ -70,7 +79,9 @@ using CommandOptions = std::variant<DoctorOptions,
                                     LoadOptions,
                                     GraspOptions,
                                     SessionsOptions,
-                                    WatchOptions>;
+                                    WatchOptions,
+                                    CloseOptions,
+                                    UnloadOptions>;
 
 int run(const DoctorOptions& options, const CommonOptions& common, Interruption& interruption);
 int run(const ModelsOptions& options, const CommonOptions& common, Interruption& interruption);
@@ -80,5 +91,7 @@ int run(const SessionsOptions& options,
         const CommonOptions& common,
         Interruption& interruption);
 int run(const WatchOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const CloseOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const UnloadOptions& options, const CommonOptions& common, Interruption& interruption);
 
 }  // namespace handgraft::client

@@ -8,6 +8,7 @@
 #include "client/grasp_result.h"
 #include "client/interruption.h"
 #include "client/json_output.h"
+#include "client/output_file.h"
 #include "client/progress_line.h"
 #include "client/render/png_file.h"
 #include "client/server_link.h"
@@ -38,18 +39,25 @@ Inputs collect(const GraspOptions& options) {
   return inputs;
 }
 
-// Long work must not end in a file that cannot be written.
-void requireFolder(const fs::path& file, const char* option) {
-  if (file.empty()) return;
-  std::error_code error;
-  const fs::path folder = fs::absolute(file).parent_path();
-  if (!fs::is_directory(folder, error)) {
-    rejectInput("{} {}: there is no folder {}", option, quoted(file.string()),
-                quoted(folder.string()));
+// Long work must not end in a file that cannot be written, nor in one that replaces another.
+void checkFiles(const GraspOptions& options, const Inputs& inputs) {
+  std::vector<NamedFile> files;
+  for (const NamedFile& file :
+       {NamedFile{"--out", options.out}, NamedFile{"--png", options.png},
+        NamedFile{"--problem", options.problem}}) {
+    if (file.path.empty()) continue;
+    requireWritable(file);
+    files.push_back(file);
   }
-  if (fs::is_directory(file, error)) {
-    rejectInput("{} {}: that is a folder", option, quoted(file.string()));
+  for (const auto& [option, model] :
+       {std::pair("--hand", &inputs.hand), std::pair("--object", &inputs.object),
+        std::pair("--contacts", &inputs.contacts)}) {
+    if (!model->has_value()) continue;
+    for (const NamedFile& file : files) {
+      requireDistinct({file, {option, (*model)->files.front().path}});
+    }
   }
+  requireDistinct(files);
 }
 
 // The name under which the server has the model afterwards. Another model of that name may be
@@ -120,6 +128,46 @@ class OpenSession {
   bool kept_ = false;
 };
 
+// False also for what is no file.
+bool holds(const fs::path& path, const std::string& text) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error) || fs::file_size(path, error) != text.size()) {
+    return false;
+  }
+  return text.empty() || readFile(path) == text;
+}
+
+// True if an option names the file, so that it would be overwritten later.
+bool isOutput(const fs::path& path, const GraspOptions& options) {
+  const auto is_same = [&](const fs::path& file) {
+    return !file.empty() &&
+           fs::absolute(file).lexically_normal() == fs::absolute(path).lexically_normal();
+  };
+  return is_same(options.out) || is_same(options.png) || is_same(options.problem);
+}
+
+// Writes the hand's URDF into the folder and returns its name there. A file that others may
+// need stays: then a hash of the content tells this one apart.
+fs::path writeHand(const v1::HandDescription& hand,
+                   const fs::path& folder,
+                   const GraspOptions& options) {
+  checkModelName(hand.name(), "hand");  // it becomes a file name
+  const fs::path plain = hand.name() + ".urdf";
+  const fs::path hashed = fmt::format("{}-{:08x}.urdf", hand.name(),
+                                      static_cast<std::uint32_t>(textHash(hand.urdf())));
+  for (const fs::path& name : {plain, hashed}) {
+    const fs::path path = folder / name;
+    if (isOutput(path, options)) continue;
+    if (holds(path, hand.urdf())) return name;
+    std::error_code error;
+    if (fs::exists(fs::symlink_status(path, error))) continue;
+    writeFile(path, hand.urdf());
+    return name;
+  }
+  rejectInput("--problem: a file {} with other content is there already",
+              quoted((folder / hashed).string()));
+}
+
 void writeProblem(ServerLink& server,
                   const GraspOptions& options,
                   const Inputs& inputs,
@@ -134,10 +182,7 @@ void writeProblem(ServerLink& server,
       request.package_paths().push_back(directory.string());
     }
   } else {
-    checkModelName(result.hand.name(), "hand");  // it becomes a file name
-    const fs::path urdf = result.hand.name() + ".urdf";
-    writeFile(folder / urdf, result.hand.urdf());
-    request.urdf_path(urdf.string());
+    request.urdf_path(writeHand(result.hand, folder, options).string());
   }
   writeFile(options.problem, server.exportProblem(request));
 }
@@ -155,10 +200,8 @@ void writePicture(ServerLink& server, const GraspOptions& options, const GraspRe
 
 int run(const GraspOptions& options, const CommonOptions& common, Interruption& interruption) {
   // === Everything that can be wrong before a server is asked
-  requireFolder(options.out, "--out");
-  requireFolder(options.png, "--png");
-  requireFolder(options.problem, "--problem");
   const Inputs inputs = collect(options);
+  checkFiles(options, inputs);
   v1::OpenSessionRequest request = sessionRequest(options);
 
   ServerLink server(common.network, Absence::kStartPrivate, interruption);
@@ -189,6 +232,10 @@ int run(const GraspOptions& options, const CommonOptions& common, Interruption& 
   optimize.starts(options.starts);
   optimize.seed(options.seed);
   result.solution = server.optimize(optimize);
+  // The solve may lay patches anew whose direction was open: what is shown is what holds now.
+  const double transfer_ms = result.transfer.transfer_ms();
+  result.transfer = server.transfer(session.id());
+  result.transfer.transfer_ms(transfer_ms);
   result.hand = server.describe(v1::MODEL_HAND, request.hand(), !options.png.empty()).hand();
   result.total_ms = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
   result.kept = options.keep;

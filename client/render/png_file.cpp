@@ -1,15 +1,14 @@
 #include "client/render/png_file.h"
 
-#include <cerrno>
 #include <csetjmp>
 #include <cstdio>
-#include <cstring>
+#include <cstdlib>
 #include <memory>
 #include <vector>
 
 #include <png.h>
-#include <unistd.h>
 
+#include "client/output_file.h"
 #include "core/base/error.h"
 
 namespace handgraft::client::render {
@@ -48,22 +47,16 @@ void writePng(const std::filesystem::path& path, const Image& image) {
   for (int y = 0; y < image.height(); ++y)
     rows.push_back(&image.at(0, y).r);
 
-  std::filesystem::path partial = path;
-  partial += "." + std::to_string(getpid()) + ".part";
-  std::FILE* file = std::fopen(partial.c_str(), "wb");
-  if (file == nullptr) {
-    rejectInput("{}: cannot be written ({})", quoted(path.string()), std::strerror(errno));
+  char* bytes = nullptr;
+  std::size_t size = 0;
+  std::FILE* memory = open_memstream(&bytes, &size);
+  const bool encoded = memory != nullptr && encode(memory, image, rows);
+  const bool closed = memory != nullptr && std::fclose(memory) == 0;
+  const std::unique_ptr<char, decltype(&std::free)> owner(bytes, &std::free);
+  if (!encoded || !closed) {
+    rejectInput("{}: the picture cannot be encoded", quoted(path.string()));
   }
-  const bool encoded = encode(file, image, rows);
-  const bool closed = std::fclose(file) == 0;
-  std::error_code error;
-  if (encoded && closed) std::filesystem::rename(partial, path, error);
-  if (!encoded || !closed || error) {
-    std::error_code ignored;
-    std::filesystem::remove(partial, ignored);
-    rejectInput("{}: cannot be written ({})", quoted(path.string()),
-                error ? error.message() : "the disk refused the data");
-  }
+  writeFile(path, {bytes, size});
 }
 
 }  // namespace handgraft::client::render

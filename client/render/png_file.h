@@ -6,7 +6,7 @@
 
 namespace handgraft::client::render {
 
-/// Writes an 8-bit RGB PNG, replacing a file of that name only when all of it is written.
+/// Writes an 8-bit RGB PNG, as `writeFile` writes.
 /// Errors: InvalidInput, naming the path and the reason, if it cannot be written.
 void writePng(const std::filesystem::path& path, const Image& image);
 

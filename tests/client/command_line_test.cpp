@@ -114,6 +114,34 @@ TEST(CommandLine, NamesTheOptionThatIsWrong) {
   EXPECT_THAT(objectionTo({"load", "hand", "x.urdf", "--name", "-x/"}), HasSubstr("--name"));
 }
 
+TEST(CommandLine, RefusesCountsThatAreNoneAndEmptyNames) {
+  EXPECT_THAT(objectionTo({"watch", "-1"}), HasSubstr("-1"));
+  EXPECT_THAT(objectionTo({"watch", "7", "--count", "-1"}), HasSubstr("--count: '-1'"));
+  EXPECT_THAT(objectionTo({"watch", "7", "--count=-1"}), HasSubstr("--count: '-1'"));
+  EXPECT_THAT(objectionTo({"watch", "99999999999999999999"}),
+              HasSubstr("99999999999999999999"));
+  EXPECT_THAT(objectionTo({"close", "-1"}), HasSubstr("-1"));
+  EXPECT_THAT(objectionTo(grasp({"--starts", "-2"})), HasSubstr("--starts: '-2'"));
+  EXPECT_THAT(objectionTo(grasp({"--seed", "-3"})), HasSubstr("--seed: '-3'"));
+  EXPECT_THAT(objectionTo(grasp({"--seed", "4294967296"})), HasSubstr("--seed"));
+  EXPECT_THAT(objectionTo(grasp({"--weights", "0", "0", "0"})), HasSubstr("--weights 0 0 0"));
+  EXPECT_EQ(objectionTo(grasp({"--weights", "0", "0", "1"})), "");
+  for (const char* option : {"--out", "--png", "--problem"}) {
+    EXPECT_THAT(objectionTo(grasp({option, ""})), HasSubstr(option));
+  }
+}
+
+TEST(CommandLine, ReadsWhatToCloseAndUnload) {
+  EXPECT_EQ(std::get<CloseOptions>(invocation({"close", "42"}).command).session_id, 42U);
+  const Invocation unload = invocation({"unload", "object", "bowl", "--json"});
+  EXPECT_TRUE(unload.common.json);
+  EXPECT_EQ(std::get<UnloadOptions>(unload.command).kind, v1::MODEL_OBJECT);
+  EXPECT_EQ(std::get<UnloadOptions>(unload.command).name, "bowl");
+  EXPECT_THAT(objectionTo({"unload", "glove", "x"}), HasSubstr("glove"));
+  EXPECT_THAT(objectionTo({"unload", "hand", "a/b"}), HasSubstr("a/b"));
+  EXPECT_THAT(objectionTo({"close"}), HasSubstr("session"));
+}
+
 TEST(CommandLine, PrintsHelpAndVersionInsteadOfRunning) {
   EXPECT_THAT(std::get<Printout>(parse({"--version"})).text, HasSubstr("handgraft "));
   EXPECT_THAT(std::get<Printout>(parse({"grasp", "--help"})).text, HasSubstr("--contacts"));

@@ -45,6 +45,8 @@ class FakeServer {
   }
 
  private:
+  using Key = std::pair<v1::ClientId, std::uint64_t>;  // each client counts for itself
+
   void serve() {
     auto next_status = std::chrono::steady_clock::now();
     while (!stopping_) {
@@ -64,7 +66,8 @@ class FakeServer {
   }
 
   void answer(const v1::Request& request) {
-    const auto known = replies_sent_.find(request.request_id());
+    const Key key(request.client(), request.request_id());
+    const auto known = replies_sent_.find(key);
     if (known == replies_sent_.end()) {
       v1::Reply reply;
       reply.client(request.client());
@@ -74,9 +77,9 @@ class FakeServer {
       if (!answer_(request, reply)) return;
       const std::lock_guard lock(mutex_);
       operations_.push_back(request.body()._d());
-      replies_sent_[request.request_id()] = reply;
+      replies_sent_[key] = reply;
     }
-    replies_.write(replies_sent_.at(request.request_id()));
+    replies_.write(replies_sent_.at(key));
   }
 
   Answer answer_;
@@ -84,7 +87,7 @@ class FakeServer {
   idl::cyclone::Reader<v1::Request> requests_;
   idl::cyclone::Writer<v1::Reply> replies_;
   idl::cyclone::Writer<v1::ServerStatus> statuses_;
-  std::map<std::uint64_t, v1::Reply> replies_sent_;
+  std::map<Key, v1::Reply> replies_sent_;
   mutable std::mutex mutex_;
   std::vector<v1::Operation> operations_;
   std::atomic<bool> stopping_{false};

@@ -113,14 +113,6 @@ TEST_F(ModelFilesTest, TellsContentsApart) {
   EXPECT_NE(contentHash(objectFiles(root_ / "a.obj")), before);
 }
 
-TEST_F(ModelFilesTest, WritesAndReadsTextAndNamesPathsThatCannotBe) {
-  writeFile(root_ / "a.json", "{}\n");
-  writeFile(root_ / "a.json", "[]\n");
-  EXPECT_EQ(readFile(root_ / "a.json"), "[]\n");
-  EXPECT_THROW(writeFile(root_ / "no" / "a.json", "{}"), InvalidInput);
-  EXPECT_THROW(writeFile(root_ / "urdf", "{}"), InvalidInput);
-}
-
 TEST_F(ModelFilesTest, KnowsPathsFromNames) {
   EXPECT_TRUE(isPath("lemon.obj"));
   EXPECT_TRUE(isPath("./lemon"));

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/commands/commands.h"
+#include "client/output_file.h"
 #include "core/base/error.h"
 #include "core/base/progress.h"
 
@@ -72,11 +73,31 @@ class ScriptedServer {
         body.session(state);
         break;
       }
-      case v1::OP_TRANSFER:
-        body.transfer(v1::TransferReply());
+      case v1::OP_TRANSFER: {
+        v1::TransferReply transfer;
+        v1::PatchReport report;
+        report.name("rim");
+        report.placed(true);
+        if (!solved) report.lost().resize(7);
+        transfer.patches().push_back(report);
+        transfer.transfer_ms(solved ? 0.0 : 12.0);
+        body.transfer(transfer);
+        break;
+      }
+      case v1::OP_CLOSE_SESSION:
+        if (request.body().session().session_id() != 42) {
+          return refuse(reply, v1::ERROR_NOT_FOUND, "no such session");
+        }
+        break;
+      case v1::OP_UNLOAD_MODEL:
+        if (request.body().unload_model().name() != "bowl") {
+          return refuse(reply, v1::ERROR_NOT_FOUND, "no such model");
+        }
+        unloaded_kind = request.body().unload_model().kind();
         break;
       case v1::OP_OPTIMIZE: {
         if (hang) return false;
+        solved = true;
         body.solution(solution());
         break;
       }
@@ -102,6 +123,8 @@ class ScriptedServer {
   std::map<std::string, std::string> files;
   std::map<std::string, std::string> last_upload;
   std::uint64_t total_bytes = 0;
+  bool solved = false;  // which lays the patch so that no point is lost
+  v1::ModelKind unloaded_kind = v1::MODEL_HAND;
   std::vector<std::string> loaded_names;
   std::vector<std::string> loaded_objects;
 
@@ -151,6 +174,8 @@ class ScriptedServer {
     solution.X_WO() = X;
     solution.joint_rad() = {0.5};
     solution.X_WL() = {X};
+    solution.patches().resize(1);
+    solution.patches()[0].name("rim");
     return solution;
   }
 };
@@ -173,7 +198,10 @@ class ServerLinkTest : public testing::Test {
     return folder_ / name;
   }
 
-  std::string grasp(const GraspOptions& options) {
+  std::string grasp(const GraspOptions& options) { return printed(options); }
+
+  template <class Options>
+  std::string printed(const Options& options) {
     testing::internal::CaptureStdout();
     int code = -1;
     try {
@@ -230,7 +258,7 @@ TEST_F(ServerLinkTest, GraspClosesItsSession) {
   EXPECT_THAT(grasp(options), HasSubstr("claw grasps plate by plate_2"));
   EXPECT_THAT(server_.operations(),
               ElementsAre(v1::OP_OPEN_SESSION, v1::OP_TRANSFER, v1::OP_OPTIMIZE,
-                          v1::OP_DESCRIBE_MODEL, v1::OP_CLOSE_SESSION));
+                          v1::OP_TRANSFER, v1::OP_DESCRIBE_MODEL, v1::OP_CLOSE_SESSION));
 }
 
 TEST_F(ServerLinkTest, GraspLeavesASessionThatIsKept) {
@@ -307,6 +335,76 @@ TEST_F(ServerLinkTest, ChecksItsOutputsBeforeAnyWork) {
   options.png = folder_ / "no such folder" / "a.png";
   EXPECT_THROW(grasp(options), InvalidInput);
   EXPECT_TRUE(server_.operations().empty());
+}
+
+TEST_F(ServerLinkTest, RefusesOneFileForTwoOptionsBeforeAnyWork) {
+  GraspOptions options;
+  options.hand = "claw";
+  options.object = write("bowl.obj", "v 0 0 0").string();
+  options.contacts = "plate_2";
+  options.out = options.png = folder_ / "a";
+  EXPECT_THROW(grasp(options), InvalidInput);
+  options.png = options.object;
+  EXPECT_THROW(grasp(options), InvalidInput);
+  EXPECT_TRUE(server_.operations().empty());
+  EXPECT_EQ(readFile(options.object), "v 0 0 0");
+}
+
+TEST_F(ServerLinkTest, GraspShowsTheTransferAsTheSolveLeftIt) {
+  common_.json = true;
+  GraspOptions options;
+  options.hand = "claw";
+  options.object = "plate";
+  options.contacts = "plate_2";
+  const auto document = nlohmann::json::parse(grasp(options));
+  EXPECT_TRUE(document["patches"][0]["lost"].empty());
+  EXPECT_EQ(document["transfer_ms"], 12.0);
+}
+
+TEST_F(ServerLinkTest, ProblemLeavesAnotherHandOfThatNameAlone) {
+  write("claw.urdf", "<robot name='mine'/>");
+  GraspOptions options;
+  options.hand = "claw";
+  options.object = "plate";
+  options.contacts = "plate_2";
+  options.problem = folder_ / "problem.json";
+  grasp(options);
+  EXPECT_EQ(readFile(folder_ / "claw.urdf"), "<robot name='mine'/>");
+  const std::string name = readFile(options.problem);
+  EXPECT_THAT(name, testing::MatchesRegex("claw-[0-9a-f]+\\.urdf"));
+  EXPECT_EQ(name.size(), std::string("claw-01234567.urdf").size());
+  EXPECT_EQ(readFile(folder_ / name), "<robot name='claw'/>");
+  grasp(options);  // finds its own file again
+  EXPECT_EQ(readFile(options.problem), name);
+}
+
+TEST_F(ServerLinkTest, ProblemsHandIsNotWrittenWhereTheResultGoes) {
+  GraspOptions options;
+  options.hand = "claw";
+  options.object = "plate";
+  options.contacts = "plate_2";
+  options.problem = folder_ / "problem.json";
+  options.out = folder_ / "claw.urdf";
+  grasp(options);
+  EXPECT_THAT(readFile(options.out), HasSubstr("handgraft-grasp/1"));
+  EXPECT_EQ(readFile(folder_ / readFile(options.problem)), "<robot name='claw'/>");
+}
+
+TEST_F(ServerLinkTest, ClosesASession) {
+  EXPECT_EQ(printed(CloseOptions{42}), "closed session 42\n");
+  common_.json = true;
+  EXPECT_EQ(nlohmann::json::parse(printed(CloseOptions{42}))["closed"], true);
+  EXPECT_THAT(server_.operations(), ElementsAre(v1::OP_CLOSE_SESSION, v1::OP_CLOSE_SESSION));
+  EXPECT_THROW(printed(CloseOptions{43}), Refused);
+}
+
+TEST_F(ServerLinkTest, UnloadsAModel) {
+  EXPECT_EQ(printed(UnloadOptions{v1::MODEL_OBJECT, "bowl"}), "unloaded object bowl\n");
+  EXPECT_EQ(script_.unloaded_kind, v1::MODEL_OBJECT);
+  common_.json = true;
+  EXPECT_EQ(nlohmann::json::parse(printed(UnloadOptions{v1::MODEL_OBJECT, "bowl"}))["name"],
+            "bowl");
+  EXPECT_THROW(printed(UnloadOptions{v1::MODEL_OBJECT, "plate"}), Refused);
 }
 
 TEST_F(ServerLinkTest, CtrlCCancelsOnTheServerAndClosesTheSession) {

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Files that commands write, checked before long work and written so that nothing is lost.
+namespace handgraft::client {
+
+/// A file that an option names.
+struct NamedFile {
+  std::string option;  ///< `--out`
+  std::filesystem::path path;
+};
+
+/// Checks that a file of this name may be written: there is a folder for it, and what has the
+/// name already is no folder and may be changed. Writes nothing.
+/// Errors: InvalidInput, naming the option, the path and the reason.
+void requireWritable(const NamedFile& file);
+
+/// Errors: InvalidInput if two of them are one file, also by way of links, naming both options.
+void requireDistinct(const std::vector<NamedFile>& files);
+
+/// Writes all bytes. An ordinary file is replaced only when all of them are written, and keeps
+/// its permissions; links are followed. A device, a pipe, or a file in a folder where nothing
+/// may be added is written straight into.
+/// Errors: InvalidInput, naming the path and the reason.
+void writeFile(const std::filesystem::path& path, std::string_view bytes);
+
+}  // namespace handgraft::client
