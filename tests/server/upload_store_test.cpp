@@ -58,7 +58,7 @@ TEST(UploadStore, JoinsChunksAndRemovesTheFilesAfterUse) {
 TEST(UploadStore, NeverMakesAPathOfAUri) {
   UploadStore store;
   for (const char* uri : {"../../../tmp/escape.stl", "/etc/passwd", "package://a/../b.dae",
-                          "file:///root/x.obj", "a/b/c.../..%2f"}) {
+                          "file:///etc/x.obj", "a/b/c.../..%2f"}) {
     store.put(kClient, chunk(uri, "x", 0, 1));
   }
   const auto files = store.finish(kClient, 1);
