@@ -11,6 +11,7 @@
 #include "core/base/error.h"
 
 #include "tests/core/geometry/sheet.h"
+#include "tests/core/geometry/sphere_error.h"
 
 namespace handgraft::geometry {
 namespace {
@@ -124,37 +125,13 @@ TEST(LogMap, UnrollsAConeAwayFromItsApex) {
 }
 
 TEST(LogMap, AgreesWithArcLengthOnASphere) {
-  const TriangleMesh sphere = makeSphere(1.0, 5);
-  const Eigen::Vector3d direction(0.3, 0.8, 0.4);
-  std::mt19937 random(3);
-  double r_error = 0.0;
-  double phi_error = 0.0;
-  int count = 0;
-  for (int repeat = 0; repeat < 6; ++repeat) {
-    SurfacePoint source{static_cast<int>(random() % 20480), {0.2, 0.5, 0.3}};
-    if (repeat % 2 == 0)
-      source = surfacePointAtVertex(sphere, static_cast<int>(random() % 10242));
-    const LogMap map = computeLogMap(sphere, source, direction, 0.2 * kPi);
-    const Eigen::Vector3d z = positionOf(sphere, source).normalized();
-    const Eigen::Vector3d x = (direction - direction.dot(z) * z).normalized();
-    const Eigen::Vector3d y = z.cross(x);
-    std::vector<double> differences;
-    for (const int v : map.vertices) {
-      const Eigen::Vector3d p = sphere.vertex(v);
-      const double r = std::atan2(z.cross(p).norm(), z.dot(p));
-      if (r < 1e-6) continue;
-      r_error += std::abs(map.r[v] - r) / r;
-      differences.push_back(
-          std::remainder(map.phi[v] - std::atan2(y.dot(p), x.dot(p)), 2.0 * kPi));
-    }
-    const double mean = std::accumulate(differences.begin(), differences.end(), 0.0) /
-                        static_cast<double>(differences.size());
-    for (const double d : differences)
-      phi_error += std::abs(d - mean);
-    count += static_cast<int>(differences.size());
-  }
-  EXPECT_LT(r_error / count, 4e-4);
-  EXPECT_LT(phi_error / count, 8e-4);
+  const test::SphereError error =
+      test::errorOnASphere([](const TriangleMesh& mesh, const SurfacePoint& source,
+                              const Eigen::Vector3d& direction, double radius) {
+        return computeLogMap(mesh, source, direction, radius);
+      });
+  EXPECT_LT(error.r, 4e-4);
+  EXPECT_LT(error.phi, 8e-4);
 }
 
 TEST(LogMap, FollowsARotationOfTheMesh) {

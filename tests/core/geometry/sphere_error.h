@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <numeric>
+#include <random>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "core/geometry/log_map.h"
+#include "core/geometry/surface_point.h"
+
+namespace handgraft::geometry::test {
+
+/// Mean errors of a log map against arcs on the sphere.
+struct SphereError {
+  double r = 0.0;    ///< relative
+  double phi = 0.0;  ///< rad, after removing one constant rotation a source
+};
+
+/// Of the unit icosphere with 10,242 vertices, inside 0.2 pi, over three sources at vertices
+/// and three inside faces.
+inline SphereError errorOnASphere(
+    const std::function<LogMap(
+        const TriangleMesh&, const SurfacePoint&, const Eigen::Vector3d&, double radius)>&
+        compute) {
+  const TriangleMesh sphere = makeSphere(1.0, 5);
+  const Eigen::Vector3d direction(0.3, 0.8, 0.4);
+  std::mt19937 random(3);
+  SphereError error;
+  int count = 0;
+  for (int repeat = 0; repeat < 6; ++repeat) {
+    SurfacePoint source{static_cast<int>(random() % 20480), {0.2, 0.5, 0.3}};
+    if (repeat % 2 == 0)
+      source = surfacePointAtVertex(sphere, static_cast<int>(random() % 10242));
+    const LogMap map = compute(sphere, source, direction, 0.2 * std::numbers::pi);
+    const Eigen::Vector3d z = positionOf(sphere, source).normalized();
+    const Eigen::Vector3d x = (direction - direction.dot(z) * z).normalized();
+    const Eigen::Vector3d y = z.cross(x);
+    std::vector<double> differences;
+    for (const int v : map.vertices) {
+      const Eigen::Vector3d p = sphere.vertex(v);
+      const double r = std::atan2(z.cross(p).norm(), z.dot(p));
+      if (r < 1e-6) continue;
+      error.r += std::abs(map.r[v] - r) / r;
+      differences.push_back(
+          std::remainder(map.phi[v] - std::atan2(y.dot(p), x.dot(p)), 2.0 * std::numbers::pi));
+    }
+    const double mean = std::accumulate(differences.begin(), differences.end(), 0.0) /
+                        static_cast<double>(differences.size());
+    for (const double d : differences)
+      error.phi += std::abs(d - mean);
+    count += static_cast<int>(differences.size());
+  }
+  error.r /= count;
+  error.phi /= count;
+  return error;
+}
+
+}  // namespace handgraft::geometry::test
