@@ -100,14 +100,17 @@ Session::Session(Hand hand,
                  std::shared_ptr<const geometry::TriangleMesh> object_O,
                  const contact::ContactSet& contacts,
                  const Pose& X_WO,
-                 const optimize::Weights& weights)
+                 const optimize::Weights& weights,
+                 const transfer::TransferOptions& transfer_options)
     : hand_(std::move(hand)),
       object_O_(std::move(object_O)),
       X_WO_(Pose::Identity()),
+      transfer_options_(transfer_options),
       notes_(contacts.notes) {
   HANDGRAFT_REQUIRE(hand_.model != nullptr && hand_.skin != nullptr && object_O_ != nullptr);
   validate(*hand_.model, hand_.sites);
   validateSet(contacts, *object_O_, hand_.sites);
+  validate(transfer_options_);
   applyOne(ObjectPoseEdit{X_WO});
   applyOne(WeightsEdit{weights});
 
@@ -309,13 +312,26 @@ void Session::layPatches(const Progress& progress) {
     progress.checkpoint();
     progress.report("laying patches onto the skin",
                     static_cast<double>(i) / static_cast<double>(patches_.size()));
-    item.transferred =
-        transfer::transferPatch(*object_O_, item.patch, *hand_.skin, *item.placement);
+    item.transferred = transfer::transferPatch(*object_O_, item.patch, *hand_.skin,
+                                               *item.placement, transfer_options_);
     for (transfer::Correspondence& pair : item.transferred.correspondences) {
       pair.patch = static_cast<int>(i);
     }
     item.up_to_date = true;
   }
+}
+
+std::vector<transfer::Suggestion> Session::suggest(const std::string& patch,
+                                                   const transfer::SuggestOptions& options,
+                                                   const Progress& progress) {
+  validate(options);
+  if (const SessionPatch& item = patchNamed(patch); !item.placement) {
+    rejectInput("patch {} is dropped: {}", quoted(patch), item.dropped);
+  }
+  transferPatches(progress);
+  const SessionPatch& item = patchNamed(patch);
+  return transfer::suggestPlacements(*object_O_, item.patch, *hand_.skin, *item.placement,
+                                     options, transfer_options_, progress);
 }
 
 PoseProblem Session::problem() const {

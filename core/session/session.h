@@ -13,6 +13,7 @@
 #include "core/hand/skin.h"
 #include "core/optimize/solver.h"
 #include "core/transfer/patch_transfer.h"
+#include "core/transfer/suggestion.h"
 
 namespace handgraft::session {
 
@@ -108,13 +109,14 @@ class Session {
   /// Errors: InvalidInput if two patches share a name, a name is neither a finger's, nor
   /// `palm`,
   ///   nor one of the hand's sites (naming those), no patch has a site on the hand (naming both
-  ///   lists), or the set does not fit the mesh. A finger that this hand lacks is no error: the
-  ///   patch is dropped and says so.
+  ///   lists), the set does not fit the mesh, or the options are out of range. A finger that
+  ///   this hand lacks is no error: the patch is dropped and says so.
   Session(Hand hand,
           std::shared_ptr<const geometry::TriangleMesh> object_O,
           const contact::ContactSet& contacts,
           const Pose& X_WO,
-          const optimize::Weights& weights);
+          const optimize::Weights& weights,
+          const transfer::TransferOptions& transfer_options = {});
   ~Session();
   Session(Session&&) noexcept;
   Session& operator=(Session&&) noexcept;
@@ -129,6 +131,16 @@ class Session {
   /// Lays every patch that is not up to date onto the skin. Directions that the contact set
   /// leaves open are found first, by a solve over roots and normals alone.
   void transferPatches(const Progress& progress);
+
+  /// Placements near the present one that lose fewer of the patch's points (suggestion.h), from
+  /// the patches as `transferPatches` leaves them. Moves no patch: a root edit to
+  /// `placement.root_S`, then a direction edit by `turned_rad`, both on the hand's side, make a
+  /// suggestion come true.
+  ///
+  /// Errors: InvalidInput for an unknown or dropped patch and for options out of range.
+  std::vector<transfer::Suggestion> suggest(const std::string& patch,
+                                            const transfer::SuggestOptions& options,
+                                            const Progress& progress);
 
   /// The problem as it stands, in W, start and prior included. Transfer first (BrokenContract).
   /// The pairs' `patch` is the index into `patches()`.
@@ -156,6 +168,10 @@ class Session {
   [[nodiscard]] const Pose& objectPose() const { return X_WO_; }
 
   [[nodiscard]] const optimize::Weights& weights() const { return weights_; }
+
+  [[nodiscard]] const transfer::TransferOptions& transferOptions() const {
+    return transfer_options_;
+  }
 
   [[nodiscard]] unsigned long long revision() const { return revision_; }
 
@@ -194,6 +210,7 @@ class Session {
   std::vector<SessionPatch> patches_;
   Pose X_WO_;
   optimize::Weights weights_;
+  transfer::TransferOptions transfer_options_;
   hand::HandPose prior_;
   hand::HandPose start_;
   bool start_is_known_ = false;  ///< found by a solve or set by the user, not the rest pose

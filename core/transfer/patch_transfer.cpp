@@ -68,12 +68,21 @@ class Distortion {
 
 }  // namespace
 
+void validate(const TransferOptions& options) {
+  if (options.interior_rings < 0 || options.interior_rings > kMostInteriorRings) {
+    rejectInput("interior rings: {}; permitted are 0 to {}", options.interior_rings,
+                kMostInteriorRings);
+  }
+}
+
 PatchTransfer transferPatch(const TriangleMesh& object_O,
                             const contact::Patch& patch,
                             const hand::Skin& skin,
                             const Placement& placement,
-                            LogMapMethod method) {
+                            const TransferOptions& options) {
   HANDGRAFT_REQUIRE(patch.direction_O.has_value());
+  validate(options);
+  const LogMapMethod method = options.method;
   validate(object_O, patch);
   validate(skin.mesh(), placement.root_S, "root on the skin");
 
@@ -91,7 +100,7 @@ PatchTransfer transferPatch(const TriangleMesh& object_O,
   transfer.name = patch.name;
   if (!(farthest > 0.0)) {
     for (int i = 0; i < std::ssize(boundary); ++i) {
-      transfer.lost.push_back({i, "not connected to the patch's root on the object"});
+      transfer.lost.push_back({i, 0, "not connected to the patch's root on the object"});
     }
     return transfer;
   }
@@ -105,21 +114,21 @@ PatchTransfer transferPatch(const TriangleMesh& object_O,
   Distortion distortion;
   for (int i = 0; i < std::ssize(boundary); ++i) {
     if (!uv_O[i].allFinite()) {
-      transfer.lost.push_back({i, "not reached from the patch's root on the object"});
+      transfer.lost.push_back({i, 0, "not reached from the patch's root on the object"});
       continue;
     }
     const geometry::LogMapInverse::Place place =
         inverse_S.at(Eigen::Vector2d(uv_O[i].x(), -uv_O[i].y()));
     if (!place.point.valid()) {
       transfer.lost.push_back(
-          {i, fmt::format("on the skin: {}", geometry::reasonOf(place.reason))});
+          {i, 0, fmt::format("on the skin: {}", geometry::reasonOf(place.reason))});
       continue;
     }
     const Eigen::Vector3d p_S = positionOf(skin.mesh(), place.point);
     const auto on_link = skin.project(p_S, normalOf(skin.mesh(), place.point));
     if (!on_link) {
       transfer.lost.push_back(
-          {i, fmt::format("no link within {:.1f} mm of the skin", skin.epsilon() * 1e3)});
+          {i, 0, fmt::format("no link within {:.1f} mm of the skin", skin.epsilon() * 1e3)});
       continue;
     }
     const SurfacePoint projected = skin.skinPointOf(on_link->link, on_link->p_L);
@@ -133,8 +142,12 @@ PatchTransfer transferPatch(const TriangleMesh& object_O,
     pair.n_O = normalOf(object_O, boundary[i]);
     pair.weight = patch.weight;
     transfer.correspondences.push_back(pair);
+    transfer.places_S.push_back(place.point);
     transfer.points_S.push_back(p_S);
   }
+  transfer.boundary_count = static_cast<int>(transfer.correspondences.size());
+  transfer.method_O = map_O.method;
+  transfer.method_S = map_S.method;
   transfer.distance_distortion = distortion.mean();
   return transfer;
 }

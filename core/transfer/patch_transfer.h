@@ -9,6 +9,7 @@
 #include "core/geometry/log_map.h"
 #include "core/hand/contact_site.h"
 #include "core/hand/skin.h"
+#include "core/transfer/fidelity.h"
 
 namespace handgraft::transfer {
 
@@ -29,39 +30,61 @@ struct Placement {
   Eigen::Vector3d direction_S = Eigen::Vector3d::Zero();
 };
 
+/// How patches are laid onto a skin.
+struct TransferOptions {
+  geometry::LogMapMethod method = geometry::LogMapMethod::kFast;  ///< on both sides
+  /// Shrunken copies of the boundary that are transferred, too: 0 to kMostInteriorRings, at
+  /// equal shares of the way from the root (or the axis).
+  int interior_rings = 0;
+};
+
+inline constexpr int kMostInteriorRings = 16;
+
+/// Errors: InvalidInput names the value and its range.
+void validate(const TransferOptions& options);
+
 struct LostPoint {
   int index = 0;  ///< into the patch's interpolation boundary
+  int ring = 0;   ///< 0: the boundary itself; else interior, 1 the innermost
   std::string reason;
 };
 
 /// One patch laid onto the skin.
 struct PatchTransfer {
   std::string name;
+  /// Of the boundary first, in its order, then of the interior rings, the innermost first.
   std::vector<Correspondence> correspondences;
-  /// Outline on the skin, in S, one per correspondence, for pictures.
+  int boundary_count = 0;  ///< the first of them, which lie on the boundary
+  /// Places on the skin, one per correspondence, and where they are, in S: for pictures.
+  std::vector<geometry::SurfacePoint> places_S;
   std::vector<Eigen::Vector3d> points_S;
-  std::vector<LostPoint> lost;
-  /// How much the distances from the root changed: mean |r_hand / r_obj - 1|, with r_hand the
-  /// geodesic distance on the skin to the place nearest to the point's projection onto its
-  /// link; 0 where nothing was reached.
+  std::vector<LostPoint> lost;  ///< of the boundary, then of the rings
+  Fidelity fidelity;
+  /// Transferred points whose coordinates several sheets of a surface cover; the nearest sheet
+  /// was taken.
+  int folded = 0;
+  /// That made the log maps about the roots, never kAuto.
+  geometry::LogMapMethod method_O = geometry::LogMapMethod::kFast;
+  geometry::LogMapMethod method_S = geometry::LogMapMethod::kFast;
+  int station_count = 1;  ///< places it is measured from: 1, or more along an axis
   double distance_distortion = 0.0;
 };
 
 /// Lays one patch onto the skin by log-map coordinates about both roots, mirrored (phi_h =
-/// -phi_o), and projects it onto the links.
+/// -phi_o), and projects it onto the links. One shot; StagedTransfer keeps what it computed.
 ///
 /// Frames: patch and `object_O` in O; placement in S. `patch.direction_O` must be set
 ///   (BrokenContract).
-/// Errors: InvalidInput for a direction parallel to the normal or a point off its mesh. Points
-///   without a place are reported in `lost`, never clamped.
-/// Cost: two log maps of the patch's disk, O(n log n).
+/// Errors: InvalidInput for a direction parallel to the normal, a point off its mesh, or
+///   options out of range. Points without a place are reported in `lost`, never clamped.
+/// Cost: a log map on either side for each place that the patch is measured from, O(n log n).
 /// Source: paper, Eq. 1. Differs: barycentric inverse lookup instead of the nearest vertex; the
-///   mirror (DESIGN 3.1), since contact is face to face.
+///   mirror, since contact is face to face.
 PatchTransfer transferPatch(const geometry::TriangleMesh& object_O,
                             const contact::Patch& patch,
                             const hand::Skin& skin,
                             const Placement& placement,
-                            geometry::LogMapMethod method = geometry::LogMapMethod::kFast);
+                            const TransferOptions& options = {});
 
 /// The placement at a site of the hand.
 Placement placementAt(const hand::HandModel& model,

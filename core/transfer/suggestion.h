@@ -9,25 +9,34 @@ namespace handgraft::transfer {
 
 struct SuggestOptions {
   double reach_m = 0.010;  ///< how far the root on the skin may move; 1e-4 to 0.1 m
-  int count = 5;           ///< of suggestions; 1 to 100
+  int count = 5;           ///< of suggestions at most; 1 to 100
 };
+
+/// Errors: InvalidInput names the value and its range.
+void validate(const SuggestOptions& options);
 
 /// One other placement of a patch and what would come of it.
 struct Suggestion {
   Placement placement;
-  double moved_m = 0.0;     ///< geodesic distance from the present root
-  double turned_rad = 0.0;  ///< against the present direction carried to the new root
+  double moved_m = 0.0;  ///< geodesic distance from the present root
+  /// Of the direction, after `movedTo` carried it to the new root: turning that by this angle
+  /// (`turned`) gives the placement's direction, bit for bit.
+  double turned_rad = 0.0;
   PatchTransfer transfer;
 };
 
 /// Searches the neighbourhood of a patch's root on the skin for placements that lose fewer
-/// points: fewest lost first, then least distortion, then least change. Only placements better
-/// than the present one; empty if none is. Moves nothing. Deterministic.
+/// points: fewest lost first, then least distortion (in steps of 2 %), then least change. Only
+/// placements that lose fewer than the present one; empty if none does. Moves nothing.
+///
+/// Deterministic. Errors: InvalidInput for options out of range, and as `transferPatch`.
+/// Cancelled on wish. Cost: some hundred log maps of the skin; the object's is made once.
 std::vector<Suggestion> suggestPlacements(const geometry::TriangleMesh& object_O,
                                           const contact::Patch& patch,
                                           const hand::Skin& skin,
                                           const Placement& present,
                                           const SuggestOptions& options,
+                                          const TransferOptions& transfer_options,
                                           const Progress& progress);
 
 }  // namespace handgraft::transfer
