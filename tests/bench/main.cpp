@@ -9,6 +9,7 @@
 #include "core/base/error.h"
 
 #include "tests/bench/logmap.h"
+#include "tests/bench/logmap_accuracy.h"
 #include "tests/bench/solve.h"
 
 namespace {
@@ -27,12 +28,14 @@ int main(int argc, char** argv) {
   CLI::App app("Measures Handgraft's numerical core", "handgraft-bench");
   app.require_subcommand(0, 1);
   handgraft::bench::addLogMapCommand(app);
+  handgraft::bench::addLogMapAccuracyCommand(app);
   handgraft::bench::addSolveCommand(app);
   handgraft::bench::addSolversCommand(app);
   try {
     app.parse(argc, argv);
     if (!app.get_subcommands().empty()) return 0;
-    return complain("a command is missing; there are: logmap solve solvers", kWrongInput);
+    return complain("a command is missing; there are: logmap logmap-accuracy solve solvers",
+                    kWrongInput);
   } catch (const CLI::Success& help) {
     return app.exit(help);
   } catch (const CLI::ParseError& error) {

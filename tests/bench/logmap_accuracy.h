@@ -1,0 +1,11 @@
+#pragma once
+
+#include <CLI/App.hpp>
+
+namespace handgraft::bench {
+
+/// `logmap-accuracy`: all log maps on surfaces with a closed form; a table, JSON or the table
+/// of core/geometry/README.md.
+void addLogMapAccuracyCommand(CLI::App& app);
+
+}  // namespace handgraft::bench
