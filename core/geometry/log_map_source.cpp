@@ -84,6 +84,8 @@ SourceLayout layOutFace(const TriangleMesh& mesh,
   const Eigen::Vector3d origin = positionOf(mesh, source);
   SourceLayout layout;
   layout.origin = origin;
+  layout.x = frame.x;
+  layout.y = frame.y;
   layout.faces = {source.face};
   Eigen::Matrix<double, 2, 3> corners_T;
   for (int c = 0; c < 3; ++c) {
@@ -132,6 +134,8 @@ SourceLayout layOutEdge(const TriangleMesh& mesh,
   const Eigen::Vector2d right_apex_T = place(right, -1.0);
   SourceLayout layout;
   layout.origin = origin;
+  layout.x = frame.x;
+  layout.y = frame.y;
   layout.faces = {TriangleMesh::faceOf(h), TriangleMesh::faceOf(twin)};
   layout.neighbours = {neighbourAt(mesh.from(h), from_T), neighbourAt(mesh.to(h), to_T),
                        neighbourAt(left, left_apex_T), neighbourAt(right, right_apex_T)};
@@ -243,6 +247,8 @@ SourceLayout layOutVertex(const TriangleMesh& mesh, int v, const Eigen::Vector3d
   SourceLayout layout;
   layout.vertex = v;
   layout.origin = mesh.vertex(v);
+  layout.x = frame.x;
+  layout.y = frame.y;
   for (const Fan& fan : fansOf(mesh, v)) {
     const std::vector<FanEdge> edges = edgesOf(mesh, v, fan);
     const double total = edges.back().angle;
@@ -271,18 +277,23 @@ SourceLayout layOutVertex(const TriangleMesh& mesh, int v, const Eigen::Vector3d
 
 }  // namespace
 
+int innerHalfedgeAt(const TriangleMesh& mesh, const SurfacePoint& point) {
+  for (int corner = 0; corner < 3; ++corner) {
+    if (point.barycentric[corner] > kEdgeWeight) continue;
+    // The edge opposite to the corner without weight.
+    const int h = TriangleMesh::next(3 * point.face + corner);
+    if (mesh.twin(h) >= 0) return h;
+  }
+  return -1;
+}
+
 SourceLayout layOutSource(const TriangleMesh& mesh,
                           const SurfacePoint& source,
                           const Eigen::Vector3d& direction) {
   const int v = vertexAt(mesh, source);
   if (v >= 0) return layOutVertex(mesh, v, direction);
-  for (int corner = 0; corner < 3; ++corner) {
-    if (source.barycentric[corner] > kEdgeWeight) continue;
-    // The edge opposite to the corner without weight.
-    const int h = TriangleMesh::next(3 * source.face + corner);
-    if (mesh.twin(h) >= 0) return layOutEdge(mesh, source, h, direction);
-  }
-  return layOutFace(mesh, source, direction);
+  const int h = innerHalfedgeAt(mesh, source);
+  return h >= 0 ? layOutEdge(mesh, source, h, direction) : layOutFace(mesh, source, direction);
 }
 
 }  // namespace handgraft::geometry

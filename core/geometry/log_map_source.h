@@ -31,10 +31,17 @@ struct SourceWedge {
 struct SourceLayout {
   int vertex = -1;  ///< the vertex that the source stands on, or -1
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  /// Axes of T in the mesh's frame: x along the projected direction, y to its left.
+  Eigen::Vector3d x = Eigen::Vector3d::UnitX();
+  Eigen::Vector3d y = Eigen::Vector3d::UnitY();
   std::vector<int> faces;
   std::vector<SourceNeighbour> neighbours;
   std::vector<SourceWedge> wedges;
 };
+
+/// The halfedge of its face that a place between two vertices lies on, if there is a face on
+/// the other side; else -1: then the plane T of the place is its face's.
+int innerHalfedgeAt(const TriangleMesh& mesh, const SurfacePoint& point);
 
 /// Lays the faces around `source` into its tangent plane T, whose x axis is the projection of
 /// `direction`. README of this folder: which plane that is at a face, an edge and a vertex.
