@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/geometry/tangent.h"
 #include "core/session/hand_placement.h"
 #include "core/session/open_directions.h"
 #include "core/session/site_assignment.h"

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/geometry/tangent.h"
 #include "core/session/hand_placement.h"
 #include "core/session/open_directions.h"
 #include "core/session/session.h"
@@ -81,14 +82,11 @@ void Session::applyOne(const PatchRootEdit& edit) {
   } else {
     const geometry::TriangleMesh& skin = hand_.skin->mesh();
     validate(skin, edit.root, what.c_str());
-    transfer::Placement placement;
-    placement.root_S = edit.root;
-    placement.direction_S = item.placement
-                                ? tangentCarried(skin, item.placement->root_S, edit.root,
-                                                 item.placement->direction_S)
-                                : tangentAt(skin, edit.root, -positionOf(skin, edit.root))
-                                      .value_or(anyTangentAt(skin, edit.root));
-    item.placement = placement;
+    item.placement =
+        item.placement ? movedTo(skin, *item.placement, edit.root)
+                       : transfer::Placement{
+                             edit.root, tangentAt(skin, edit.root, -positionOf(skin, edit.root))
+                                            .value_or(anyTangentAt(skin, edit.root))};
     item.dropped.clear();
   }
   item.up_to_date = false;
@@ -103,17 +101,12 @@ void Session::applyOne(const PatchDirectionEdit& edit) {
     findOpenDirections(Progress());
   }
   SessionPatch& item = patchNamed(edit.patch);  // the search above may move the patches
-  const auto turned = [&](const geometry::TriangleMesh& mesh,
-                          const geometry::SurfacePoint& root,
-                          const Eigen::Vector3d& direction) -> Eigen::Vector3d {
-    return rotationFromVector(edit.angle_rad * normalOf(mesh, root)) * direction;
-  };
   if (edit.side == Side::kObject) {
-    item.patch.direction_O = turned(*object_O_, item.patch.root, *item.patch.direction_O);
+    item.patch.direction_O =
+        tangentTurned(*object_O_, item.patch.root, *item.patch.direction_O, edit.angle_rad);
     item.direction_is_open = false;
   } else {
-    item.placement->direction_S =
-        turned(hand_.skin->mesh(), item.placement->root_S, item.placement->direction_S);
+    item.placement = turned(hand_.skin->mesh(), *item.placement, edit.angle_rad);
   }
   item.up_to_date = false;
 }

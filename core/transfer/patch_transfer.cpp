@@ -152,14 +152,4 @@ PatchTransfer transferPatch(const TriangleMesh& object_O,
   return transfer;
 }
 
-Placement placementAt(const hand::HandModel& model,
-                      const hand::Skin& skin,
-                      const hand::ContactSite& site) {
-  const int link = model.linkIndex(site.link);
-  Placement placement;
-  placement.root_S = skin.skinPointOf(link, site.p_L);
-  placement.direction_S = skin.directionInSkin(link, site.direction_L);
-  return placement;
-}
-
 }  // namespace handgraft::transfer

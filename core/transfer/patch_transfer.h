@@ -7,9 +7,9 @@
 
 #include "core/contact/contact_set.h"
 #include "core/geometry/log_map.h"
-#include "core/hand/contact_site.h"
 #include "core/hand/skin.h"
 #include "core/transfer/fidelity.h"
+#include "core/transfer/placement.h"
 
 namespace handgraft::transfer {
 
@@ -22,12 +22,6 @@ struct Correspondence {
   Eigen::Vector3d n_O = Eigen::Vector3d::Zero();
   double weight = 1.0;  ///< of its patch
   int patch = 0;        ///< index into the transferred patches, set by who transfers several
-};
-
-/// Where a patch goes on the hand: two of the paper's four choices.
-struct Placement {
-  geometry::SurfacePoint root_S;  ///< on the skin
-  Eigen::Vector3d direction_S = Eigen::Vector3d::Zero();
 };
 
 /// How patches are laid onto a skin.
@@ -85,10 +79,5 @@ PatchTransfer transferPatch(const geometry::TriangleMesh& object_O,
                             const hand::Skin& skin,
                             const Placement& placement,
                             const TransferOptions& options = {});
-
-/// The placement at a site of the hand.
-Placement placementAt(const hand::HandModel& model,
-                      const hand::Skin& skin,
-                      const hand::ContactSite& site);
 
 }  // namespace handgraft::transfer
