@@ -5,9 +5,9 @@
 
 namespace handgraft::contact {
 
-/// The same patches on another mesh of the same object: roots and interpolation boundaries go
-/// to the nearest places of its surface, to a place that faces the same way where there is one
-/// near.
+/// The same patches on another mesh of the same object: roots, axes and interpolation
+/// boundaries go to the nearest places of its surface, to a place that faces the same way where
+/// there is one near.
 ///
 /// Boundaries are left empty, since they are edges of the first mesh; directions stay. A patch
 /// whose root or more than half of whose points have no place within `reach_m` is dropped, with
