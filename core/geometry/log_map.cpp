@@ -36,7 +36,7 @@ class DiskBuilder {
     map_.r.setConstant(mesh_.vertexCount(), kNaN);
     map_.phi.setConstant(mesh_.vertexCount(), kNaN);
     for (const auto& node : front_.nodes()) {
-      if (node.r > radius_) continue;
+      if (!(node.r <= radius_ && std::isfinite(node.r))) continue;  // touched, not reached
       map_.vertices.push_back(node.vertex);
       map_.r[node.vertex] = node.r;
       map_.phi[node.vertex] = node.r > 0.0 ? node.phi() : 0.0;

@@ -60,6 +60,13 @@ Eigen::Matrix<double, 2, 3> cornersOf(const TriangleMesh& mesh, const LogMap& ma
   return corners_T;
 }
 
+/// The cell out of `count` that holds `place`, in cells. Coordinates far outside fit no int,
+/// and a grid without width makes NaN.
+int cellAt(double place, int count) {
+  if (!(place > 0.0)) return 0;
+  return place < count ? static_cast<int>(place) : count - 1;
+}
+
 }  // namespace
 
 std::string_view reasonOf(Unreachable reason) {
@@ -117,11 +124,11 @@ void LogMapInverse::addBorders(const TriangleMesh& mesh, const LogMap& map) {
 }
 
 int LogMapInverse::columnOf(double x) const {
-  return std::clamp(static_cast<int>((x - low_T_.x()) / cell_size_.x()), 0, columns_ - 1);
+  return cellAt((x - low_T_.x()) / cell_size_.x(), columns_);
 }
 
 int LogMapInverse::rowOf(double y) const {
-  return std::clamp(static_cast<int>((y - low_T_.y()) / cell_size_.y()), 0, rows_ - 1);
+  return cellAt((y - low_T_.y()) / cell_size_.y(), rows_);
 }
 
 /// Row by row, the cells between the sheet's leftmost and rightmost place in that row: a long
@@ -179,7 +186,8 @@ void LogMapInverse::buildGrid() {
   const Eigen::Vector2d extent = high_T_ - low_T_;
   const double side = std::sqrt(extent.x() * extent.y() / static_cast<double>(sheets_.size()));
   const auto cellsAlong = [&](double length) {
-    return static_cast<int>(std::clamp(std::ceil(length / side), 1.0, kMostCells));
+    const double cells = std::ceil(length / side);
+    return cells > 1.0 ? static_cast<int>(std::min(cells, kMostCells)) : 1;  // NaN: one
   };
   columns_ = cellsAlong(extent.x());
   rows_ = cellsAlong(extent.y());
