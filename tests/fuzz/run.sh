@@ -1,0 +1,41 @@
+#!/usr/bin/env bash
+# run.sh BIN_DIR [MINUTES] [TARGET]: fuzzes the mesh path, each target for its share of the
+# minutes (10 in all unless said), from seeds made here and now. What it finds is kept in
+# build/fuzz/corpus for the next run; inputs that break a promise are left in
+# build/fuzz/findings. Exit code 1 if there is any.
+set -euo pipefail
+bin=$1
+minutes=${2:-10}
+targets=(mesh_file raw_mesh)
+[ $# -lt 3 ] || targets=("$3")
+corpus=build/fuzz/corpus
+findings=build/fuzz/findings
+
+case $minutes in
+  '' | *[!0-9]* | 0)
+    echo "fuzz: '$minutes' minutes, permitted are whole numbers from 1" >&2
+    exit 2
+    ;;
+esac
+mkdir -p "$corpus" "$findings"
+python3 tests/fuzz/make_corpus.py server/models/objects "$corpus"
+cp -r tests/fuzz/regressions/. "$corpus"
+
+failed=0
+for target in "${targets[@]}"; do
+  options=(-max_total_time=$((60 * minutes / ${#targets[@]})) -timeout=20 -rss_limit_mb=3000
+    -print_final_stats=1 -verbosity=1 "-artifact_prefix=$findings/${target}_")
+  [ "$target" = mesh_file ] && options+=(-max_len=8192 -dict=tests/fuzz/mesh_file.dict)
+  [ "$target" = raw_mesh ] && options+=(-max_len=2048)
+  printf '== %s_fuzz\n' "$target"
+  log=build/fuzz/$target.log
+  if ! "$bin/${target}_fuzz" "${options[@]}" "$corpus/$target" >"$log" 2>&1; then
+    failed=1
+    tail -n 60 "$log"
+  fi
+  # Executions, coverage (edges), features, and what stands in the way.
+  grep -E ' (INITED|DONE|NEW|REDUCE|pulse) ' "$log" | tail -n 1 || true
+  grep -E '^stat::(number_of_executed_units|average_exec_per_sec|slowest_unit|peak_rss)' "$log" || true
+done
+[ $failed = 0 ] || echo "fuzz: findings are in $findings; try one with $bin/TARGET_fuzz FILE" >&2
+exit $failed
