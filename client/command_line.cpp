@@ -27,6 +27,8 @@ struct Parsed {
   LoadOptions load;
   GraspOptions grasp;
   WatchOptions watch;
+  TransferOptions transfer;
+  SuggestOptions suggest;
   CloseOptions close;
   UnloadOptions unload;
   std::string kind;
@@ -149,6 +151,12 @@ void addGrasp(CLI::App& app, Parsed& parsed) {
       ->check(objectionToCount);
   command->add_option("--seed", grasp.seed, "Seed of the starts after the first")
       ->check(objectionToCount);
+  command->add_option("--log-map", grasp.log_map,
+                      "How patches are laid out: fast, exact, auto, smooth, heat");
+  command
+      ->add_option("--interior", grasp.interior_rings,
+                   "Rings of points inside each patch that count, too: 0 (default) to 16")
+      ->check(objectionToCount);
   command->add_option("--weights", parsed.weights, "Of distance (1/m^2), normal and prior")
       ->expected(3);
   command->add_option("--out", parsed.out, "Write the result as JSON")->check(objectionToFile);
@@ -159,6 +167,41 @@ void addGrasp(CLI::App& app, Parsed& parsed) {
       ->check(objectionToFile);
   command->add_option("--package", parsed.packages, "NAME=DIR: where package://NAME leads");
   command->add_flag("--keep", grasp.keep, "Leave the session open and print its id");
+}
+
+void addTransfer(CLI::App& app, Parsed& parsed) {
+  CLI::App* command =
+      app.add_subcommand("transfer", "Say how each patch of a session lies on the hand");
+  command->add_option("session", parsed.transfer.session_id, "Its id")
+      ->required()
+      ->check(objectionToCount);
+}
+
+void addSuggest(CLI::App& app, Parsed& parsed) {
+  SuggestOptions& suggest = parsed.suggest;
+  CLI::App* command = app.add_subcommand(
+      "suggest", "Look nearby for a place on the hand where a patch loses fewer points");
+  command->add_option("session", suggest.session_id, "Its id")
+      ->required()
+      ->check(objectionToCount);
+  command->add_option("patch", suggest.patch, "The patch's name")->required();
+  command->add_option("--reach", suggest.reach_mm, "How far its root may move in mm: 0.1-100");
+  command->add_option("--count", suggest.count, "Suggestions at most: 1-100")
+      ->check(objectionToCount);
+  command->add_option("--apply", suggest.apply, "Apply the suggestion of this number")
+      ->check(objectionToCount);
+}
+
+void requireSound(const CLI::App& command, const SuggestOptions& suggest) {
+  if (command.count("--reach") > 0 && !(suggest.reach_mm >= 0.1 && suggest.reach_mm <= 100.0)) {
+    rejectInput("--reach {}: it must be 0.1 to 100 mm", suggest.reach_mm);
+  }
+  if (command.count("--count") > 0 && (suggest.count < 1 || suggest.count > 100)) {
+    rejectInput("--count {}: it must be 1 to 100", suggest.count);
+  }
+  if (command.count("--apply") > 0 && suggest.apply < 1) {
+    rejectInput("--apply 0: suggestions count from 1");
+  }
 }
 
 void addLoad(CLI::App& app, Parsed& parsed) {
@@ -218,6 +261,8 @@ std::variant<Invocation, Printout> parseCommandLine(int argc, const char* const*
       ->check(objectionToCount);
   watch->add_option("--count", parsed.watch.count, "Stop after so many solutions; 0: never")
       ->check(objectionToCount);
+  addTransfer(app, parsed);
+  addSuggest(app, parsed);
   CLI::App* close = app.add_subcommand("close", "End a session");
   close->add_option("session", parsed.close.session_id, "Its id")
       ->required()
@@ -266,6 +311,11 @@ std::variant<Invocation, Printout> parseCommandLine(int argc, const char* const*
     invocation.command = SessionsOptions{};
   } else if (command == "watch") {
     invocation.command = parsed.watch;
+  } else if (command == "transfer") {
+    invocation.command = parsed.transfer;
+  } else if (command == "suggest") {
+    requireSound(*app.get_subcommand("suggest"), parsed.suggest);
+    invocation.command = parsed.suggest;
   } else if (command == "close") {
     invocation.command = parsed.close;
   } else if (command == "unload") {

@@ -18,6 +18,7 @@ using render::Color;
 constexpr Color kHandColor{196, 203, 214};
 constexpr Color kObjectColor{240, 214, 150};
 constexpr Color kDroppedColor{120, 120, 120};
+constexpr Color kLostColor{215, 20, 30};
 constexpr Color kDistanceColor{30, 32, 36};
 constexpr double kHandOpacity = 0.86;
 constexpr double kObjectOpacity = 0.66;  // patches behind it shine through
@@ -62,20 +63,57 @@ void addFit(GraspPicture& picture,
             render::Layer& hand,
             render::Layer& object,
             const v1::PatchFit& fit,
+            const v1::PatchReport* report,
             Color color) {
   render::Scene& scene = picture.scene;
   const std::vector<Eigen::Vector3f> on_hand = pointsOf(fit.hand_W_m());
   const std::vector<Eigen::Vector3f> on_object = pointsOf(fit.object_W_m());
-  hand.decals.push_back({on_hand, 0.006F, color});
-  object.decals.push_back({on_object, 0.006F, color});
-  addOutline(scene, on_hand, render::blend(color, {255, 255, 255}, 0.35));
-  addOutline(scene, on_object, render::blend(color, {0, 0, 0}, 0.25));
+  // What lies inside the boundary is no part of the outline.
+  const std::size_t outline_count =
+      report == nullptr ? on_hand.size()
+                        : std::min<std::size_t>(report->boundary_count(), on_hand.size());
+  const auto outlineOf = [&](const std::vector<Eigen::Vector3f>& points) {
+    return std::vector<Eigen::Vector3f>(
+        points.begin(), points.begin() + static_cast<std::ptrdiff_t>(outline_count));
+  };
+  hand.decals.push_back({outlineOf(on_hand), 0.006F, color});
+  object.decals.push_back({outlineOf(on_object), 0.006F, color});
+  addOutline(scene, outlineOf(on_hand), render::blend(color, {255, 255, 255}, 0.35));
+  addOutline(scene, outlineOf(on_object), render::blend(color, {0, 0, 0}, 0.25));
   for (std::size_t i = 0; i < std::min(on_hand.size(), on_object.size()); ++i) {
     scene.segments.push_back({on_hand[i], on_object[i], 1.2F, kDistanceColor});
     scene.markers.push_back({on_object[i], 2.2F, render::blend(color, {0, 0, 0}, 0.35)});
   }
   picture.caption.legend.push_back({color, fmt::format("{} {:.1f} mm (max {:.1f})", fit.name(),
                                                        fit.mean_mm(), fit.max_mm())});
+}
+
+/// Where the hand has no place for a point of the patch; the patch's axis, if it has one.
+void addLosses(GraspPicture& picture,
+               const v1::PatchReport& report,
+               const v1::PatchInfo& patch,
+               const Pose& X_WO,
+               Color color) {
+  const auto inWorld = [&](const std::vector<double>& xyz) {
+    std::vector<Eigen::Vector3f> points = pointsOf(xyz);
+    for (Eigen::Vector3f& p : points)
+      p = (X_WO * p.cast<double>()).cast<float>();
+    return points;
+  };
+  const std::vector<Eigen::Vector3f> outline = inWorld(patch.outline_O_m());
+  for (const v1::LostPoint& lost : report.lost()) {
+    if (lost.ring() != 0 || lost.index() >= outline.size()) continue;
+    picture.scene.markers.push_back({outline[lost.index()], 3.0F, kLostColor});
+  }
+  const std::vector<Eigen::Vector3f> axis = inWorld(patch.axis_O_m());
+  for (std::size_t i = 0; i + 1 < axis.size(); ++i) {
+    picture.scene.segments.push_back(
+        {axis[i], axis[i + 1], 2.0F, render::blend(color, {0, 0, 0}, 0.45)});
+  }
+  if (!report.lost().empty()) {
+    picture.caption.legend.push_back(
+        {kLostColor, fmt::format("{} lost {}", report.name(), report.lost().size())});
+  }
 }
 
 }  // namespace
@@ -114,7 +152,13 @@ GraspPicture pictureOf(const GraspResult& result,
   // === Patches that were solved, then those that were dropped
   for (std::size_t i = 0; i < solution.patches().size(); ++i) {
     const v1::PatchFit& fit = solution.patches()[i];
-    addFit(picture, hand_layer, object_layer, fit, colorOf(fit.name(), i));
+    const v1::PatchReport* report = reportOf(result, fit.name());
+    const Color color = colorOf(fit.name(), i);
+    addFit(picture, hand_layer, object_layer, fit, report, color);
+    for (const v1::PatchInfo& patch : contacts.patches()) {
+      if (report != nullptr && patch.name() == fit.name())
+        addLosses(picture, *report, patch, X_WO, color);
+    }
   }
   for (const v1::PatchReport& report : result.transfer.patches()) {
     if (report.placed()) continue;

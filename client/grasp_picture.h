@@ -12,7 +12,8 @@ struct GraspPicture {
 };
 
 /// The posed hand and the object, each finger's patch on both in its own colour, what was
-/// dropped in grey, and a line from each point on the hand to its partner on the object.
+/// dropped in grey, a line from each point on the hand to its partner on the object, a red dot
+/// where the hand has no place for a point, and the axes of patches that have one.
 ///
 /// `result.hand` and `object` must have been described with their meshes.
 /// Errors: TransportError as `requireConsistent`; InvalidInput for triangles without vertices.

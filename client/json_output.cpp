@@ -1,28 +1,12 @@
 #include "client/json_output.h"
 
-#include <nlohmann/json.hpp>
-
+#include "client/json_parts.h"
 #include "client/server_link.h"
 #include "idl/names.h"
 
 namespace handgraft::client::json {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-std::string written(const Json& document, int indent) {
-  return document.dump(indent, ' ', false, Json::error_handler_t::replace);
-}
-
-// Sequences and arrays of numbers or strings.
-template <class Values>
-Json listOf(const Values& values) {
-  Json list = Json::array();
-  for (const auto& value : values)
-    list.push_back(value);
-  return list;
-}
 
 Json pose(const v1::Pose& X) {
   return {{"p_m", listOf(X.p_m())}, {"q_wxyz", listOf(X.q_wxyz())}};
@@ -34,10 +18,6 @@ Json points(const std::vector<double>& xyz) {
     list.push_back({xyz[i], xyz[i + 1], xyz[i + 2]});
   }
   return list;
-}
-
-Json surfacePoint(const v1::SurfacePoint& point) {
-  return {{"face", point.face()}, {"barycentric", listOf(point.barycentric())}};
 }
 
 Json summary(const v1::ModelSummary& model) {
@@ -128,6 +108,7 @@ Json contactsDocument(const v1::ContactsDescription& contacts) {
           patch.direction_O().empty() ? Json(nullptr) : listOf(patch.direction_O())},
          {"point_count", patch.point_count()},
          {"outline_O_m", points(patch.outline_O_m())},
+         {"axis_O_m", points(patch.axis_O_m())},
          {"weight", patch.weight()}});
   }
   return {{"kind", "contacts"},
@@ -151,12 +132,12 @@ Json graspPatches(const GraspResult& result) {
     Json entry = fit(patch);
     entry["placed"] = true;
     if (const v1::PatchReport* report = reportOf(result, patch.name())) {
-      Json lost = Json::array();
-      for (const v1::LostPoint& point : report->lost()) {
-        lost.push_back({{"index", point.index()}, {"reason", point.reason()}});
-      }
-      entry["lost"] = lost;
-      entry["distance_distortion"] = report->distance_distortion();
+      entry["lost"] = lostPoints(report->lost());
+      entry["fidelity"] = fidelity(report->fidelity());
+      entry["folded"] = report->folded();
+      entry["method_O"] = report->method_O();
+      entry["method_S"] = report->method_S();
+      entry["station_count"] = report->station_count();
       entry["root_S"] = surfacePoint(report->root_S());
     }
     entry["hand_W_m"] = points(patch.hand_W_m());

@@ -205,6 +205,19 @@ v1::TransferReply ServerLink::transfer(std::uint64_t session_id) {
   return ask(sessionBody(v1::OP_TRANSFER, session_id)).transfer();
 }
 
+v1::SuggestReply ServerLink::suggest(const v1::SuggestRequest& request) {
+  v1::RequestBody body;
+  body.suggest(request);
+  return ask(body).suggest();
+}
+
+v1::EditReply ServerLink::edit(std::uint64_t session_id,
+                               std::uint64_t base_revision,
+                               const v1::EditBody& body) {
+  interruption_.checkpoint();
+  return requester_.edit(session_id, base_revision, body);
+}
+
 v1::PoseSolution ServerLink::optimize(const v1::OptimizeRequest& request) {
   v1::RequestBody body;
   body.optimize(request);

@@ -59,6 +59,12 @@ class ServerLink {
   v1::SessionState describeSession(std::uint64_t session_id);
   v1::SessionList listSessions();
   v1::TransferReply transfer(std::uint64_t session_id);
+  v1::SuggestReply suggest(const v1::SuggestRequest& request);
+  /// Refused (ERROR_CONFLICT) if the session is no longer at `base_revision`; 0: whatever it
+  /// is.
+  v1::EditReply edit(std::uint64_t session_id,
+                     std::uint64_t base_revision,
+                     const v1::EditBody& body);
   v1::PoseSolution optimize(const v1::OptimizeRequest& request);
   std::string exportProblem(const v1::ExportProblemRequest& request);
 

@@ -1,11 +1,13 @@
 #include "client/text_output.h"
 
 #include <algorithm>
+#include <numbers>
 #include <numeric>
 
 #include <fmt/format.h>
 
 #include "client/server_link.h"
+#include "client/transfer_text.h"
 #include "core/base/error.h"
 #include "idl/names.h"
 
@@ -14,12 +16,6 @@ namespace handgraft::client::text {
 namespace {
 
 using Rows = std::vector<std::vector<std::string>>;
-
-// `quoted` without its quotes.
-std::string plain(const std::string& text) {
-  const std::string line = quoted(text);
-  return line.substr(1, line.size() - 2);
-}
 
 std::string milliseconds(double value) {
   return value < 10.0 ? fmt::format("{:.1f} ms", value) : fmt::format("{:.0f} ms", value);
@@ -79,6 +75,11 @@ std::string contacts(const v1::ContactsDescription& set) {
 }
 
 }  // namespace
+
+std::string plain(const std::string& text) {
+  const std::string line = quoted(text);
+  return line.substr(1, line.size() - 2);
+}
 
 std::string table(const Rows& rows, bool numbers) {
   std::vector<std::size_t> widths;
@@ -175,8 +176,8 @@ std::string grasp(const GraspResult& result) {
   std::string out =
       fmt::format("{} grasps {} by {}\n\n", plain(result.session.hand()),
                   plain(result.session.object()), plain(result.session.contacts()));
-  Rows rows = {
-      {"patch", "mean mm", "max mm", "normal deg", "in 2 mm", "in 5 mm", "points", "lost"}};
+  Rows rows = {{"patch", "mean mm", "max mm", "normal deg", "in 2 mm", "in 5 mm", "points",
+                "lost", "length", "angle deg", "area"}};
   for (const v1::PatchFit& patch : solution.patches()) {
     const v1::PatchReport* report = reportOf(result, patch.name());
     rows.push_back({plain(patch.name()), fmt::format("{:.2f}", patch.mean_mm()),
@@ -184,8 +185,14 @@ std::string grasp(const GraspResult& result) {
                     fmt::format("{:.1f}", patch.normal_deg()),
                     fmt::format("{:.0f} %", 100.0 * patch.within_2mm()),
                     fmt::format("{:.0f} %", 100.0 * patch.within_5mm()),
-                    std::to_string(patch.point_count()),
-                    report == nullptr ? "" : std::to_string(report->lost().size())});
+                    std::to_string(patch.point_count())});
+    if (report == nullptr) continue;
+    const v1::Fidelity& f = report->fidelity();
+    rows.back().insert(rows.back().end(),
+                       {std::to_string(report->lost().size()),
+                        fmt::format("{:.1f} %", 100.0 * f.distance_mean()),
+                        fmt::format("{:.1f}", f.angle_mean_rad() * 180.0 / std::numbers::pi),
+                        fmt::format("{:.3f}", f.area_ratio())});
   }
   out += table(rows, true) + "\n";
   for (const v1::PatchReport& report : result.transfer.patches()) {
@@ -193,6 +200,7 @@ std::string grasp(const GraspResult& result) {
     out += fmt::format("dropped {}: {}\n", plain(report.name()), plain(report.reason()));
   }
 
+  out += losses(result.transfer.patches(), result.kept ? solution.session_id() : 0);
   addNotes(out, result.hand.notes());
   addNotes(out, result.transfer.notes());
 

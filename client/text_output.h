@@ -22,6 +22,9 @@ std::string grasp(const GraspResult& result);
 std::string stateLine(const v1::SessionState& state);
 std::string solutionLine(const v1::PoseSolution& solution);
 
+/// Text from the wire on one line, as `quoted` has it but without its quotes.
+std::string plain(const std::string& text);
+
 /// Rows in columns as wide as they need; all but the first column flush right if `numbers`.
 std::string table(const std::vector<std::vector<std::string>>& rows, bool numbers);
 

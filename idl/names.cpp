@@ -44,6 +44,8 @@ const char* nameOf(Operation operation) {
       return "export_problem";
     case OP_CANCEL:
       return "cancel";
+    case OP_SUGGEST:
+      return "suggest";
   }
   return "unknown";
 }

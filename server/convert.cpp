@@ -50,6 +50,15 @@ std::vector<double> flat(const std::vector<Eigen::Vector3d>& points) {
   return values;
 }
 
+std::vector<Eigen::Vector3d> positionsOf(const geometry::TriangleMesh& mesh,
+                                         const std::vector<geometry::SurfacePoint>& places) {
+  std::vector<Eigen::Vector3d> positions;
+  positions.reserve(places.size());
+  for (const geometry::SurfacePoint& place : places)
+    positions.push_back(geometry::positionOf(mesh, place));
+  return positions;
+}
+
 std::vector<double> entries(const Eigen::VectorXd& values) {
   return {values.data(), values.data() + values.size()};
 }
@@ -282,39 +291,12 @@ v1::ContactsDescription describe(const StoredContacts& contacts) {
     info.root(toMessage(patch.root));
     if (patch.direction_O) info.direction_O(entries(*patch.direction_O));
     info.point_count(static_cast<std::uint32_t>(patch.interpolation_boundary.size()));
-    std::vector<Eigen::Vector3d> outline;
-    for (const geometry::SurfacePoint& point : patch.interpolation_boundary) {
-      outline.push_back(geometry::positionOf(mesh, point));
-    }
-    info.outline_O_m(flat(outline));
+    info.outline_O_m(flat(positionsOf(mesh, patch.interpolation_boundary)));
+    info.axis_O_m(flat(positionsOf(mesh, patch.axis)));
     info.weight(patch.weight);
     message.patches().push_back(std::move(info));
   }
   return message;
-}
-
-std::vector<v1::PatchReport> patchReports(const session::Session& session) {
-  std::vector<v1::PatchReport> reports;
-  for (const session::SessionPatch& patch : session.patches()) {
-    v1::PatchReport report;
-    report.name(patch.patch.name);
-    report.placed(patch.placement.has_value());
-    report.reason(patch.dropped);
-    if (patch.placement) {
-      report.root_S(toMessage(patch.placement->root_S));
-      report.direction_S(toMessage(patch.placement->direction_S));
-      report.point_count(static_cast<std::uint32_t>(patch.transferred.correspondences.size()));
-      for (const transfer::LostPoint& lost : patch.transferred.lost) {
-        v1::LostPoint message;
-        message.index(static_cast<std::uint32_t>(lost.index));
-        message.reason(lost.reason);
-        report.lost().push_back(std::move(message));
-      }
-      report.distance_distortion(patch.transferred.distance_distortion);
-    }
-    reports.push_back(std::move(report));
-  }
-  return reports;
 }
 
 v1::PoseSolution solutionMessage(const session::Session& session,

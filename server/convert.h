@@ -42,8 +42,6 @@ v1::HandDescription describe(const StoredHand& hand,
 v1::ObjectDescription describe(const StoredObject& object, bool with_meshes);
 v1::ContactsDescription describe(const StoredContacts& contacts);
 
-std::vector<v1::PatchReport> patchReports(const session::Session& session);
-
 /// A pose on the way: joints, root and terms.
 v1::PoseSolution solutionMessage(const session::Session& session,
                                  const hand::HandPose& pose,

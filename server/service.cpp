@@ -1,6 +1,5 @@
 #include "server/service.h"
 
-#include <new>
 #include <random>
 #include <utility>
 
@@ -10,12 +9,11 @@
 
 #include "core/base/error.h"
 #include "idl/names.h"
+#include "server/error_reply.h"
 #include "server/handlers/edits.h"
-#include "server/handlers/models.h"
 #include "server/handlers/optimize.h"
-#include "server/handlers/problem.h"
 #include "server/handlers/sessions.h"
-#include "server/handlers/transfer.h"
+#include "server/operations.h"
 #include "server/rejection.h"
 
 namespace handgraft::server {
@@ -41,46 +39,6 @@ std::string hostName() {
 /// The first bytes of a client's id, enough to follow it through a log.
 std::string shortName(const v1::ClientId& client) {
   return fmt::format("{:02x}{:02x}{:02x}{:02x}", client[0], client[1], client[2], client[3]);
-}
-
-/// What an exception tells a client. Our own mistakes are logged in their own words.
-struct ErrorReply {
-  v1::ErrorCode code = v1::ERROR_INTERNAL;
-  std::string message;
-};
-
-ErrorReply errorReplyOf(const std::exception_ptr& error) {
-  try {
-    std::rethrow_exception(error);
-  } catch (const Rejection& rejection) {
-    return {rejection.code(), rejection.what()};
-  } catch (const InvalidInput& input) {
-    return {v1::ERROR_INVALID_INPUT, input.what()};
-  } catch (const Cancelled& cancelled) {
-    return {v1::ERROR_CANCELLED, cancelled.what()};
-  } catch (const std::bad_alloc&) {
-    return {v1::ERROR_OVERLOADED, "the server has not enough memory for this"};
-  } catch (const std::exception& mistake) {
-    spdlog::error("event=internal_error what={}", handgraft::quoted(mistake.what()));
-    return {v1::ERROR_INTERNAL, fmt::format("internal error: {}", mistake.what())};
-  } catch (...) {
-    spdlog::error("event=internal_error what=unknown");
-    return {v1::ERROR_INTERNAL, "internal error"};
-  }
-}
-
-template <class Member>
-v1::ReplyBody bodyOf(v1::Operation operation, Member&& set) {
-  v1::ReplyBody body;
-  set(body);
-  body._d(operation);
-  return body;
-}
-
-v1::ReplyBody nothing(v1::Operation operation) {
-  return bodyOf(operation, [](v1::ReplyBody& body) {
-    body.nothing(v1::Nothing());
-  });
 }
 
 }  // namespace
@@ -231,60 +189,37 @@ void Service::admit(const JobPtr& job) {
 
 void Service::dispatch(const JobPtr& job) {
   const v1::RequestBody& body = job->request.body();
-  const auto refuse = [] {
-    reject(v1::ERROR_OVERLOADED, "too many requests wait; try later");
+  const auto work = [this, job] {
+    run(job, [&] {
+      return perform(job->request, workshop_, job->progress);
+    });
   };
-  switch (body._d()) {
-    case v1::OP_NOTHING:
-    case v1::OP_PUT_FILE:
-    case v1::OP_LIST_MODELS:
-    case v1::OP_UNLOAD_MODEL:
-    case v1::OP_DESCRIBE_SESSION:
-    case v1::OP_LIST_SESSIONS:
-      if (!quick_.post([this, job] {
-            run(job, [&] {
-              return handleQuick(*job);
-            });
-          }))
-        refuse();
-      return;
-    case v1::OP_LOAD_MODEL:
-    case v1::OP_DESCRIBE_MODEL:
-    case v1::OP_OPEN_SESSION:
-      if (!pool_.post([this, job] {
-            run(job, [&] {
-              return handleSlow(*job);
-            });
-          }))
-        refuse();
-      return;
-    case v1::OP_CLOSE_SESSION:
-    case v1::OP_TRANSFER:
-    case v1::OP_OPTIMIZE:
-    case v1::OP_EXPORT_PROBLEM: {
-      const std::uint64_t id = body._d() == v1::OP_OPTIMIZE ? body.optimize().session_id()
-                               : body._d() == v1::OP_EXPORT_PROBLEM
-                                   ? body.export_problem().session_id()
-                                   : body.session().session_id();
-      const auto live = sessions_.find(id);
-      if (body._d() == v1::OP_CLOSE_SESSION) live->cancelSolves();
-      if (!live->strand().post([this, job, live] {
-            run(job, [&] {
-              return handleOfSession(*job, *live);
-            });
-          })) {
-        refuse();
-      }
-      return;
-    }
-    case v1::OP_CANCEL:
+  bool is_taken = true;
+  switch (laneOf(body._d())) {
+    case Lane::kAtOnce:
       cancel(job->request.client(), body.cancel().request_id());
       run(job, [] {
-        return nothing(v1::OP_CANCEL);
+        return nothingSaid(v1::OP_CANCEL);
       });
-      return;
+      break;
+    case Lane::kQuick:
+      is_taken = quick_.post(work);
+      break;
+    case Lane::kPool:
+      is_taken = pool_.post(work);
+      break;
+    case Lane::kSession: {
+      const auto live = sessions_.find(sessionOf(body));
+      if (body._d() == v1::OP_CLOSE_SESSION) live->cancelSolves();
+      is_taken = live->strand().post([this, job, live] {
+        run(job, [&] {
+          return perform(job->request, *live, workshop_, job->progress);
+        });
+      });
+      break;
+    }
   }
-  rejectInput("operation {} does not exist", static_cast<unsigned>(body._d()));
+  if (!is_taken) reject(v1::ERROR_OVERLOADED, "too many requests wait; try later");
 }
 
 void Service::run(const JobPtr& job, const std::function<v1::ReplyBody()>& work) {
@@ -354,82 +289,6 @@ void Service::tell(Job& job, std::string_view stage, double fraction) {
   message.stage(job.told_stage);
   message.fraction(fraction);
   bus_.publish(message);
-}
-
-v1::ReplyBody Service::handleQuick(const Job& job) {
-  const v1::RequestBody& body = job.request.body();
-  const v1::Operation operation = body._d();
-  switch (operation) {
-    case v1::OP_PUT_FILE:
-      putFile(body.put_file(), job.request.client(), workshop_);
-      return nothing(operation);
-    case v1::OP_LIST_MODELS:
-      return bodyOf(operation, [&](auto& reply) {
-        reply.models(listModels(workshop_));
-      });
-    case v1::OP_UNLOAD_MODEL:
-      unloadModel(body.unload_model(), workshop_);
-      return nothing(operation);
-    case v1::OP_DESCRIBE_SESSION:
-      return bodyOf(operation, [&](auto& reply) {
-        reply.session(describeSession(body.session(), workshop_));
-      });
-    case v1::OP_LIST_SESSIONS:
-      return bodyOf(operation, [&](auto& reply) {
-        reply.sessions(listSessions(workshop_));
-      });
-    default:
-      return nothing(operation);
-  }
-}
-
-v1::ReplyBody Service::handleSlow(const Job& job) {
-  const v1::RequestBody& body = job.request.body();
-  const v1::Operation operation = body._d();
-  switch (operation) {
-    case v1::OP_LOAD_MODEL:
-      return bodyOf(operation, [&](auto& reply) {
-        reply.models(
-            loadModel(body.load_model(), job.request.client(), workshop_, job.progress));
-      });
-    case v1::OP_DESCRIBE_MODEL:
-      return bodyOf(operation, [&](auto& reply) {
-        reply.model(describeModel(body.describe_model(), workshop_, job.progress));
-      });
-    case v1::OP_OPEN_SESSION:
-      return bodyOf(operation, [&](auto& reply) {
-        reply.session(openSession(body.open_session(), workshop_, job.progress));
-      });
-    default:
-      throw BrokenContract(fmt::format("{} is no slow operation", nameOf(operation)));
-  }
-}
-
-v1::ReplyBody Service::handleOfSession(const Job& job, LiveSession& live) {
-  const v1::RequestBody& body = job.request.body();
-  const v1::Operation operation = body._d();
-  if (live.state().phase() == v1::PHASE_CLOSED) {
-    reject(v1::ERROR_NOT_FOUND, "session {} is not open", live.id());
-  }
-  switch (operation) {
-    case v1::OP_CLOSE_SESSION:
-      closeSession(live, workshop_);
-      return nothing(operation);
-    case v1::OP_TRANSFER:
-      return bodyOf(operation, [&](auto& reply) {
-        reply.transfer(transferPatches(live, job.progress));
-      });
-    case v1::OP_OPTIMIZE:
-      return bodyOf(operation, [&](auto& reply) {
-        reply.solution(optimizePose(live, body.optimize(), workshop_, job.progress));
-      });
-    case v1::OP_EXPORT_PROBLEM:
-      return bodyOf(operation, [&](auto& reply) {
-        reply.problem(exportProblem(live, body.export_problem(), job.progress));
-      });
-    default:
-      throw BrokenContract(fmt::format("{} is no operation of a session", nameOf(operation)));
-  }
 }
 
 // === Edits: applied in order, answered, then one fresh solve for all that were applied

@@ -31,7 +31,8 @@ struct ServiceOptions {
 };
 
 /// The server between the bus and the handlers: does every request once, each session's work in
-/// order and sessions in parallel, and is the only place where exceptions become error replies.
+/// order and sessions in parallel, and is the only place where exceptions become replies
+/// (error_reply.h).
 ///
 /// Threads: `start` and `stop` from one thread; the rest runs on threads of its own (README).
 class Service final : private BusListener, private SessionAudience {
@@ -77,14 +78,10 @@ class Service final : private BusListener, private SessionAudience {
   // === Requests
   void admit(const JobPtr& job);
   void dispatch(const JobPtr& job);
-  void postTo(Strand& strand, const JobPtr& job, std::function<v1::ReplyBody()> work);
   void run(const JobPtr& job, const std::function<v1::ReplyBody()>& work);
   void answer(const Job& job, v1::Reply reply);
   void cancel(const ClientId& client, std::uint64_t request_id);
   void tell(Job& job, std::string_view stage, double fraction);
-  v1::ReplyBody handleQuick(const Job& job);
-  v1::ReplyBody handleSlow(const Job& job);
-  v1::ReplyBody handleOfSession(const Job& job, LiveSession& live);
 
   // === Edits
   void answerEdit(const v1::Edit& edit, v1::EditReply reply);

@@ -51,7 +51,9 @@ struct GraspOptions {
   std::string solver;
   std::uint32_t starts = 0;
   std::uint32_t seed = 0;
-  std::filesystem::path out;  ///< empty: not written; likewise the next two
+  std::string log_map;               ///< empty: the server's default
+  std::uint32_t interior_rings = 0;  ///< of correspondences besides the boundary's
+  std::filesystem::path out;         ///< empty: not written; likewise the next two
   std::filesystem::path png;
   std::filesystem::path problem;
   PackageMap packages;
@@ -59,6 +61,18 @@ struct GraspOptions {
 };
 
 struct SessionsOptions {};
+
+struct TransferOptions {
+  std::uint64_t session_id = 0;
+};
+
+struct SuggestOptions {
+  std::uint64_t session_id = 0;
+  std::string patch;
+  double reach_mm = 0.0;  ///< 0: the server's default; likewise the next
+  std::uint32_t count = 0;
+  std::uint32_t apply = 0;  ///< the suggestion to apply, from 1; 0: none
+};
 
 struct CloseOptions {
   std::uint64_t session_id = 0;
@@ -80,6 +94,8 @@ using CommandOptions = std::variant<DoctorOptions,
                                     GraspOptions,
                                     SessionsOptions,
                                     WatchOptions,
+                                    TransferOptions,
+                                    SuggestOptions,
                                     CloseOptions,
                                     UnloadOptions>;
 
@@ -91,6 +107,10 @@ int run(const SessionsOptions& options,
         const CommonOptions& common,
         Interruption& interruption);
 int run(const WatchOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const TransferOptions& options,
+        const CommonOptions& common,
+        Interruption& interruption);
+int run(const SuggestOptions& options, const CommonOptions& common, Interruption& interruption);
 int run(const CloseOptions& options, const CommonOptions& common, Interruption& interruption);
 int run(const UnloadOptions& options, const CommonOptions& common, Interruption& interruption);
 

@@ -94,6 +94,12 @@ v1::OpenSessionRequest sessionRequest(const GraspOptions& options) {
     weights.prior((*options.weights)[2]);
     request.weights().push_back(weights);
   }
+  if (!options.log_map.empty() || options.interior_rings > 0) {
+    v1::TransferOptions transfer;
+    transfer.method(options.log_map);
+    transfer.interior_rings(options.interior_rings);
+    request.transfer().push_back(transfer);
+  }
   return request;
 }
 
@@ -238,7 +244,7 @@ int run(const GraspOptions& options, const CommonOptions& common, Interruption& 
   result.transfer.transfer_ms(transfer_ms);
   result.hand = server.describe(v1::MODEL_HAND, request.hand(), !options.png.empty()).hand();
   result.total_ms = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
-  result.kept = options.keep;
+  result.kept = options.keep && !server.isPrivate();
   requireConsistent(result);
 
   // === Results
@@ -249,7 +255,7 @@ int run(const GraspOptions& options, const CommonOptions& common, Interruption& 
   fmt::print("{}", common.json ? json::grasp(result) + "\n" : text::grasp(result));
   if (options.keep) {
     session.keep();
-    if (!common.json) fmt::print("session {} stays open\n", session.id());
+    if (result.kept && !common.json) fmt::print("session {} stays open\n", session.id());
     if (server.isPrivate()) {
       fmt::print(stderr,
                  "--keep has no effect: the session ends with the server that this "

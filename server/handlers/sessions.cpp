@@ -6,6 +6,7 @@
 #include "core/base/error.h"
 #include "server/convert.h"
 #include "server/rejection.h"
+#include "server/transfer_messages.h"
 
 namespace handgraft::server {
 
@@ -34,6 +35,7 @@ v1::SessionState openSession(const v1::OpenSessionRequest& request,
   }
   const Pose X_WO = poseFrom(request.X_WO(), "X_WO");
   const optimize::Weights weights = weightsFrom(request.weights());
+  const transfer::TransferOptions transfer = transferOptionsFrom(request.transfer());
 
   const auto begin = std::chrono::steady_clock::now();
   session::Hand ready = hand->hand->get(progress);
@@ -41,7 +43,7 @@ v1::SessionState openSession(const v1::OpenSessionRequest& request,
       std::chrono::steady_clock::now() - begin;
   // The session sees the mesh alone; the file that holds it stays with it.
   const std::shared_ptr<const geometry::TriangleMesh> mesh_O(object->file, &object->file->mesh);
-  session::Session session(std::move(ready), mesh_O, contacts->set, X_WO, weights);
+  session::Session session(std::move(ready), mesh_O, contacts->set, X_WO, weights, transfer);
   progress.checkpoint();
 
   auto live = std::make_shared<LiveSession>(

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "server/convert.h"
+#include "server/transfer_messages.h"
 
 namespace handgraft::server {
 
@@ -31,6 +31,7 @@ v1::TransferReply transferPatches(LiveSession& live, const Progress& progress) {
     reply.patches(patchReports(live.session()));
     reply.notes(live.session().notes());
     reply.transfer_ms(live.transfer_ms);
+    reply.options(toMessage(live.session().transferOptions()));
     return reply;
   });
 }

@@ -81,6 +81,44 @@ TEST(CommandLine, ReadsAGrasp) {
   EXPECT_TRUE(options.keep);
 }
 
+TEST(CommandLine, ReadsHowPatchesAreLaidOut) {
+  const Invocation told = invocation(grasp({"--log-map", "exact", "--interior", "3"}));
+  EXPECT_EQ(std::get<GraspOptions>(told.command).log_map, "exact");
+  EXPECT_EQ(std::get<GraspOptions>(told.command).interior_rings, 3U);
+  EXPECT_THAT(objectionTo(grasp({"--interior", "-1"})), HasSubstr("--interior: '-1'"));
+}
+
+TEST(CommandLine, ReadsTransferAndSuggest) {
+  EXPECT_EQ(std::get<TransferOptions>(invocation({"transfer", "42"}).command).session_id, 42U);
+  const Invocation told = invocation(
+      {"suggest", "42", "palm", "--reach", "12.5", "--count", "3", "--apply", "2", "--json"});
+  const auto& options = std::get<SuggestOptions>(told.command);
+  EXPECT_TRUE(told.common.json);
+  EXPECT_EQ(options.session_id, 42U);
+  EXPECT_EQ(options.patch, "palm");
+  EXPECT_EQ(options.reach_mm, 12.5);
+  EXPECT_EQ(options.count, 3U);
+  EXPECT_EQ(options.apply, 2U);
+  EXPECT_EQ(std::get<SuggestOptions>(invocation({"suggest", "1", "a"}).command).reach_mm, 0.0);
+}
+
+TEST(CommandLine, RefusesSuggestionsOutOfRange) {
+  for (const char* reach : {"0", "-1", "100.5", "nan", "inf"}) {
+    EXPECT_THAT(objectionTo({"suggest", "1", "palm", "--reach", reach}),
+                HasSubstr("0.1 to 100"))
+        << reach;
+  }
+  EXPECT_THAT(objectionTo({"suggest", "1", "palm", "--count", "0"}), HasSubstr("1 to 100"));
+  EXPECT_THAT(objectionTo({"suggest", "1", "palm", "--count", "101"}),
+              HasSubstr("--count 101"));
+  EXPECT_THAT(objectionTo({"suggest", "1", "palm", "--apply", "0"}), HasSubstr("from 1"));
+  EXPECT_THAT(objectionTo({"suggest", "1", "palm", "--apply", "-1"}),
+              HasSubstr("--apply: '-1'"));
+  EXPECT_THAT(objectionTo({"suggest", "1"}), HasSubstr("patch"));
+  EXPECT_THAT(objectionTo({"transfer"}), HasSubstr("session"));
+  EXPECT_THAT(objectionTo({"transfer", "-1"}), HasSubstr("-1"));
+}
+
 TEST(CommandLine, LeavesTheWeightsAndThePlaceToTheServer) {
   const Invocation told = invocation(grasp({}));
   EXPECT_FALSE(std::get<GraspOptions>(told.command).place.has_value());

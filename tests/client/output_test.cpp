@@ -8,6 +8,8 @@
 #include "client/grasp_result.h"
 #include "client/json_output.h"
 #include "client/text_output.h"
+#include "client/transfer_json.h"
+#include "client/transfer_text.h"
 #include "core/base/error.h"
 
 namespace handgraft::client {
@@ -15,6 +17,7 @@ namespace {
 
 using nlohmann::json;
 using testing::HasSubstr;
+using testing::Not;
 
 v1::Pose poseAt(double x) {
   v1::Pose X;
@@ -52,6 +55,13 @@ GraspResult example() {
   lost.index(3);
   lost.reason("off the surface");
   placed.lost().push_back(lost);
+  placed.point_count(3);
+  placed.boundary_count(3);
+  placed.fidelity().distance_mean(0.031);
+  placed.fidelity().angle_mean_rad(0.1);
+  placed.fidelity().area_ratio(0.95);
+  placed.method_O("exact");
+  placed.method_S("fast");
   v1::PatchReport dropped;
   dropped.name("ring");
   dropped.placed(false);
@@ -104,6 +114,9 @@ TEST(GraspJson, SaysWhatTheReadmePromises) {
   EXPECT_EQ(thumb["placed"], true);
   EXPECT_EQ(thumb["mean_mm"], 1.25);
   EXPECT_EQ(thumb["lost"][0]["index"], 3);
+  EXPECT_EQ(thumb["lost"][0]["ring"], 0);
+  EXPECT_EQ(thumb["fidelity"]["distance_mean"], 0.031);
+  EXPECT_EQ(thumb["method_O"], "exact");
   EXPECT_EQ(thumb["hand_W_m"].size(), 3U);
   EXPECT_EQ(thumb["hand_W_m"][1][0], 0.01);
   EXPECT_EQ(document["patches"][1]["placed"], false);
@@ -159,10 +172,116 @@ TEST(DoctorJson, HasANullServerAndAdviceWhenNoneAnswers) {
 TEST(GraspText, ShowsEachPatchWhatWasDroppedAndTheLimits) {
   const std::string text = text::grasp(example());
   EXPECT_THAT(text,
-              HasSubstr("thumb     1.25    2.50         4.0     50 %    100 %       3     1"));
+              HasSubstr("thumb     1.25    2.50         4.0     50 %    100 %       3     1"
+                        "   3.1 %        5.7  0.950\n"));
   EXPECT_THAT(text, HasSubstr("dropped ring: the hand has no finger 'ring'"));
   EXPECT_THAT(text, HasSubstr("joints at limits: bend upper"));
   EXPECT_THAT(text, HasSubstr("solve 12 ms"));
+}
+
+TEST(GraspText, CountsLostPointsByReasonAndNamesTheCommandThatHelps) {
+  GraspResult result = example();
+  EXPECT_THAT(text::grasp(result), HasSubstr("thumb lost 1 of 4 points: off the surface 1\n"));
+  EXPECT_THAT(text::grasp(result), HasSubstr("with --keep"));
+  result.kept = true;
+  EXPECT_THAT(text::grasp(result), HasSubstr("hint: handgraft suggest 9 thumb looks for"));
+  result.transfer.patches()[0].lost().clear();
+  EXPECT_THAT(text::grasp(result), Not(HasSubstr("lost 1 of")));
+  EXPECT_THAT(text::grasp(result), Not(HasSubstr("hint")));
+}
+
+v1::TransferReply exampleTransfer() {
+  v1::TransferReply reply = example().transfer;
+  reply.session_id(9);
+  reply.revision(2);
+  reply.options().method("auto");
+  reply.options().interior_rings(1);
+  return reply;
+}
+
+TEST(TransferText, ShowsFidelityMethodsLossesAndWhatWasDropped) {
+  const std::string text = text::transfer(exampleTransfer());
+  EXPECT_THAT(text, HasSubstr("session 9 revision 2: log maps auto, 1 interior rings"));
+  EXPECT_THAT(text, testing::ContainsRegex("thumb +3 +1 +3.1 % +0.0 % +5.7 +0.0 +0.950 +0.00 "
+                                           "+0.00 +exact/fast\n"));
+  EXPECT_THAT(text, HasSubstr("dropped ring: the hand has no finger 'ring'"));
+  EXPECT_THAT(text, HasSubstr("handgraft suggest 9 thumb"));
+  EXPECT_THAT(text, Not(HasSubstr("sheets")));
+}
+
+TEST(TransferText, ShowsNoShapeWhereNothingWasReached) {
+  v1::TransferReply reply = exampleTransfer();
+  reply.patches()[0].point_count(0);
+  EXPECT_THAT(text::transfer(reply), testing::ContainsRegex("thumb +0 +1 +- +- +- +-"));
+}
+
+TEST(TransferText, SaysWhatIsFoldedAndWhatHasAnAxis) {
+  v1::TransferReply reply = exampleTransfer();
+  reply.patches()[0].folded(2);
+  reply.patches()[0].station_count(5);
+  EXPECT_THAT(text::transfer(reply), HasSubstr("thumb: 2 places lie under several sheets"));
+  EXPECT_THAT(text::transfer(reply), HasSubstr("thumb: measured from 5 places along its axis"));
+}
+
+TEST(TransferJson, SaysWhatTheReadmePromises) {
+  const json document = json::parse(client::json::transfer(exampleTransfer()));
+  EXPECT_EQ(document["session_id"], 9);
+  EXPECT_EQ(document["revision"], 2);
+  EXPECT_EQ(document["method"], "auto");
+  EXPECT_EQ(document["interior_rings"], 1);
+  ASSERT_EQ(document["patches"].size(), 2U);
+  EXPECT_EQ(document["patches"][0]["boundary_count"], 3);
+  EXPECT_EQ(document["patches"][0]["lost"][0]["reason"], "off the surface");
+  EXPECT_EQ(document["patches"][0]["fidelity"]["area_ratio"], 0.95);
+  EXPECT_EQ(document["patches"][1]["placed"], false);
+}
+
+v1::SuggestReply exampleSuggestion() {
+  v1::SuggestReply reply;
+  reply.session_id(9);
+  reply.revision(2);
+  reply.patch("thumb");
+  reply.present(example().transfer.patches()[0]);
+  v1::PlacementSuggestion one;
+  one.root_S().face(7);
+  one.moved_m(0.0032);
+  one.turned_rad(-0.5);
+  one.point_count(4);
+  one.fidelity().distance_mean(0.02);
+  one.fidelity().area_ratio(1.0);
+  reply.suggestions().push_back(one);
+  return reply;
+}
+
+TEST(SuggestText, PutsThePresentAndTheSuggestionsInOneTable) {
+  const std::string text = text::suggestions(exampleSuggestion());
+  EXPECT_THAT(text, testing::ContainsRegex("present +3 +1 +3.1 %"));
+  EXPECT_THAT(text, testing::ContainsRegex("\n1 +3.20 +-28.6 +4 +0 +2.0 %"));
+  EXPECT_THAT(text, HasSubstr("present loses: off the surface 1"));
+}
+
+TEST(SuggestText, SaysWhyItSuggestsNothing) {
+  v1::SuggestReply reply = exampleSuggestion();
+  reply.suggestions().clear();
+  EXPECT_THAT(text::suggestions(reply), HasSubstr("no place within reach loses fewer"));
+  reply.present().lost().clear();
+  EXPECT_THAT(text::suggestions(reply), HasSubstr("nothing to better"));
+}
+
+TEST(SuggestJson, SaysWhatTheReadmePromises) {
+  const v1::SuggestReply reply = exampleSuggestion();
+  const json plain = json::parse(client::json::suggestions(reply, {}));
+  EXPECT_EQ(plain["patch"], "thumb");
+  EXPECT_EQ(plain["present"]["point_count"], 3);
+  EXPECT_EQ(plain["suggestions"][0]["root_S"]["face"], 7);
+  EXPECT_EQ(plain["suggestions"][0]["turned_rad"], -0.5);
+  EXPECT_EQ(plain["suggestions"][0]["lost_count"], 0);
+  EXPECT_TRUE(plain["applied"].is_null());
+  const json applied = json::parse(
+      client::json::suggestions(reply, client::json::Applied{1, 4, reply.present()}));
+  EXPECT_EQ(applied["applied"]["suggestion"], 1);
+  EXPECT_EQ(applied["applied"]["revision"], 4);
+  EXPECT_EQ(applied["applied"]["report"]["name"], "thumb");
 }
 
 TEST(Table, AlignsItsColumns) {
@@ -205,6 +324,36 @@ TEST(GraspPicture, PosesTheLinksAndDrawsEveryPair) {
   EXPECT_EQ(picture.caption.legend[0].text, "thumb 1.2 mm (max 2.5)");
   EXPECT_EQ(picture.caption.legend[1].text, "ring dropped");
   EXPECT_NO_THROW(render::renderTwoViews(picture.scene, picture.caption, {300, 250}));
+}
+
+TEST(GraspPicture, MarksLostPointsAndDrawsTheAxis) {
+  v1::ObjectDescription object;
+  object.mesh_O() = triangle();
+  v1::PatchInfo patch;
+  patch.name("thumb");
+  patch.outline_O_m() = {0, 0, 0, 0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.05};
+  patch.axis_O_m() = {0, 0, 0, 0.01, 0, 0, 0.02, 0, 0};
+  v1::ContactsDescription contacts;
+  contacts.patches().push_back(patch);
+  const GraspPicture plain = pictureOf(example(), object, {});
+  const GraspPicture picture = pictureOf(example(), object, contacts);
+  ASSERT_EQ(picture.scene.markers.size(), plain.scene.markers.size() + 1);
+  // Point 3 of the outline, placed with the object.
+  EXPECT_TRUE(picture.scene.markers.back().center_W.isApprox(Eigen::Vector3f(0.2F, 0, 0.05F)));
+  EXPECT_EQ(picture.scene.segments.size(), plain.scene.segments.size() + 2);
+  EXPECT_EQ(picture.caption.legend[1].text, "thumb lost 1");
+}
+
+TEST(GraspPicture, KeepsInteriorPointsOutOfTheOutline) {
+  v1::ObjectDescription object;
+  object.mesh_O() = triangle();
+  GraspResult result = example();
+  v1::PatchFit& fit = result.solution.patches()[0];
+  for (std::vector<double>* points : {&fit.hand_W_m(), &fit.object_W_m()})
+    points->insert(points->end(), {0.003, 0.003, 0.0});
+  const GraspPicture picture = pictureOf(result, object, {});
+  EXPECT_EQ(picture.scene.layers[0].decals[0].loop_W.size(), 3U);
+  EXPECT_EQ(picture.scene.segments.size(), 2U * 3 + 4);  // outlines of three sides, four pairs
 }
 
 TEST(GraspPicture, RefusesAHostileMesh) {

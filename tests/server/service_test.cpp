@@ -203,6 +203,95 @@ TEST_F(ServiceTest, SolvesAndPublishesOneFinalPose) {
   EXPECT_EQ(bus.states.back().phase(), v1::PHASE_READY);
 }
 
+v1::RequestBody openSmallSessionWith(const std::string& method, unsigned interior_rings) {
+  v1::TransferOptions options;
+  options.method(method);
+  options.interior_rings(interior_rings);
+  v1::RequestBody body = test::openSession("clamp", "fruit", "marks");
+  body.open_session().transfer().push_back(options);
+  return body;
+}
+
+TEST_F(ServiceTest, TransfersByTheMethodThatTheSessionAskedFor) {
+  loadSmallGrasp();
+  const v1::Reply opened = bus.ask(openSmallSessionWith("exact", 0));
+  ASSERT_EQ(opened.error(), v1::ERROR_NONE) << opened.message();
+  const v1::Reply reply =
+      bus.ask(test::ofSession(v1::OP_TRANSFER, opened.body().session().session_id()));
+  ASSERT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
+  const v1::TransferReply& transfer = reply.body().transfer();
+  EXPECT_EQ(transfer.options().method(), "exact");
+  int placed = 0;
+  for (const v1::PatchReport& patch : transfer.patches()) {
+    if (!patch.placed()) continue;
+    ++placed;
+    EXPECT_EQ(patch.method_O(), "exact");
+    EXPECT_EQ(patch.method_S(), "exact");
+    EXPECT_EQ(patch.boundary_count(), patch.point_count());
+    EXPECT_EQ(patch.station_count(), 1u);
+  }
+  EXPECT_EQ(placed, 2);
+}
+
+TEST_F(ServiceTest, RefusesTransferOptionsOutOfRangeByName) {
+  loadSmallGrasp();
+  const v1::Reply method = bus.ask(openSmallSessionWith("magic", 0));
+  EXPECT_EQ(method.error(), v1::ERROR_INVALID_INPUT);
+  EXPECT_THAT(method.message(), HasSubstr("magic"));
+  EXPECT_THAT(method.message(), HasSubstr("exact"));
+  const v1::Reply rings = bus.ask(openSmallSessionWith("", 17));
+  EXPECT_EQ(rings.error(), v1::ERROR_INVALID_INPUT);
+  EXPECT_THAT(rings.message(), HasSubstr("17 is outside 0-16"));
+  v1::RequestBody twice = openSmallSessionWith("", 0);
+  twice.open_session().transfer().resize(2);
+  EXPECT_EQ(bus.ask(twice).error(), v1::ERROR_INVALID_INPUT);
+}
+
+TEST_F(ServiceTest, SuggestsWithoutMovingAnything) {
+  const std::uint64_t session = openSmallSession();
+  const v1::Reply before = bus.ask(test::ofSession(v1::OP_TRANSFER, session));
+  const v1::Reply reply = bus.ask(test::suggest(session, "palm"));
+  ASSERT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
+  const v1::SuggestReply& suggest = reply.body().suggest();
+  EXPECT_EQ(suggest.session_id(), session);
+  EXPECT_EQ(suggest.revision(), 0u);
+  EXPECT_EQ(suggest.patch(), "palm");
+  const auto palm = [](const v1::Reply& transfer) {
+    for (const v1::PatchReport& patch : transfer.body().transfer().patches()) {
+      if (patch.name() == "palm") return patch;
+    }
+    return v1::PatchReport();
+  };
+  EXPECT_EQ(suggest.present(), palm(before));
+  for (const v1::PlacementSuggestion& one : suggest.suggestions()) {
+    EXPECT_LT(one.lost_count(), suggest.present().lost().size());
+  }
+  const v1::Reply after = bus.ask(test::ofSession(v1::OP_TRANSFER, session));
+  EXPECT_EQ(palm(after), palm(before));
+  EXPECT_EQ(after.body().transfer().revision(), 0u);
+}
+
+TEST_F(ServiceTest, RefusesToSuggestBeyondItsLimitsAndStaysAsItWas) {
+  const std::uint64_t session = openSmallSession();
+  const auto phase = [&] {
+    return bus.ask(test::ofSession(v1::OP_DESCRIBE_SESSION, session)).body().session().phase();
+  };
+  const v1::SessionPhase before = phase();
+  for (const double reach_m : {-0.01, 0.5, 1e-5, std::nan("")}) {
+    const v1::Reply reply = bus.ask(test::suggest(session, "palm", reach_m));
+    EXPECT_EQ(reply.error(), v1::ERROR_INVALID_INPUT) << reach_m;
+    EXPECT_THAT(reply.message(), HasSubstr("0.1")) << reach_m;
+  }
+  EXPECT_THAT(bus.ask(test::suggest(session, "palm", 0.0, 101)).message(),
+              HasSubstr("101 is outside"));
+  EXPECT_THAT(bus.ask(test::suggest(session, "toe")).message(), HasSubstr("'toe'"));
+  const v1::Reply dropped = bus.ask(test::suggest(session, "little"));
+  EXPECT_EQ(dropped.error(), v1::ERROR_INVALID_INPUT);
+  EXPECT_THAT(dropped.message(), HasSubstr("little"));
+  EXPECT_EQ(bus.ask(test::suggest(999, "palm")).error(), v1::ERROR_NOT_FOUND);
+  EXPECT_EQ(phase(), before);
+}
+
 TEST_F(ServiceTest, ExportsWhatItSolvedAsAProblem) {
   const std::uint64_t session = openSmallSession();
   bus.ask(test::optimize(session));

@@ -119,6 +119,20 @@ inline v1::RequestBody optimize(std::uint64_t session,
   return body;
 }
 
+inline v1::RequestBody suggest(std::uint64_t session,
+                               const std::string& patch,
+                               double reach_m = 0.0,
+                               unsigned count = 0) {
+  v1::SuggestRequest request;
+  request.session_id(session);
+  request.patch(patch);
+  request.reach_m(reach_m);
+  request.count(count);
+  v1::RequestBody body;
+  body.suggest(request);
+  return body;
+}
+
 inline v1::RequestBody exportProblem(std::uint64_t session) {
   v1::ExportProblemRequest request;
   request.session_id(session);

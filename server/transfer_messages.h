@@ -1,0 +1,29 @@
+#pragma once
+
+#include <vector>
+
+#include "core/session/session.h"
+#include "idl/sessions.h"
+
+/// Transfer and suggestions, from messages to core types and back; as convert.h, and checked as
+/// there.
+namespace handgraft::server {
+
+// === From the wire
+
+/// The defaults when empty. Errors: InvalidInput for a method that does not exist (naming those
+/// that do) and for too many rings.
+transfer::TransferOptions transferOptionsFrom(const std::vector<v1::TransferOptions>& options);
+/// The defaults where a number is 0. Errors: InvalidInput names the number and its range.
+transfer::SuggestOptions suggestOptionsFrom(const v1::SuggestRequest& request);
+
+// === To the wire
+
+v1::TransferOptions toMessage(const transfer::TransferOptions& options);
+v1::Fidelity toMessage(const transfer::Fidelity& fidelity);
+v1::PatchReport patchReport(const session::SessionPatch& patch);
+std::vector<v1::PatchReport> patchReports(const session::Session& session);
+v1::PlacementSuggestion toMessage(const transfer::Suggestion& suggestion,
+                                  const geometry::TriangleMesh& skin_S);
+
+}  // namespace handgraft::server
