@@ -47,7 +47,8 @@ Nearest nearestOnTriangle(const Eigen::Vector3d corners[3], const Eigen::Vector3
     const double weight_b = normal.dot(ap.cross(ac)) / normal_squared;
     const double weight_c = normal.dot(ab.cross(ap)) / normal_squared;
     if (weight_b >= 0.0 && weight_c >= 0.0 && weight_b + weight_c <= 1.0) {
-      best.barycentric = {1.0 - weight_b - weight_c, weight_b, weight_c};
+      // The sum may round to 1 and the difference below 0.
+      best.barycentric = {std::max(0.0, 1.0 - weight_b - weight_c), weight_b, weight_c};
       best.position = corners[0] + weight_b * ab + weight_c * ac;
       best.distance_squared = (p - best.position).squaredNorm();
       // The foot inside a well-shaped face is nearer than its edges; a sliver's weights are

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <vector>
+
+#include <Eigen/Core>
+
 namespace handgraft::transfer {
 
 /// How well a patch keeps its shape on its way from the object onto the hand.
@@ -7,7 +11,11 @@ namespace handgraft::transfer {
 /// The patch is read as a net: its interpolation boundary, and shrunken copies of it towards
 /// the root (or the axis). Lengths of the net's edges and angles of its triangles are compared
 /// between the object's surface and the skin. Both are zero, and the ratio one, where the two
-/// surfaces are isometric over the patch.
+/// surfaces are isometric over the patch, and where too little is left to compare.
+///
+/// Means are weighted by the length of the edge and the area of the triangle on the object.
+/// Edges and triangles that the object has (nearly) shrunk to nothing say nothing and are left
+/// out: edges below a thousandth of the net's longest, triangles thinner than 1:20.
 struct Fidelity {
   double distance_mean = 0.0;  ///< |length on the skin / length on the object - 1|
   double distance_max = 0.0;
@@ -18,5 +26,17 @@ struct Fidelity {
   double projection_mean_m = 0.0;
   double projection_max_m = 0.0;
 };
+
+/// A knot of the net, where it lies on both surfaces.
+struct NetKnot {
+  bool valid = false;  ///< it has a place on both
+  Eigen::Vector3d p_O = Eigen::Vector3d::Zero();
+  Eigen::Vector3d p_S = Eigen::Vector3d::Zero();
+};
+
+/// Compares a net of closed rows, the innermost first, each with as many knots as the next:
+/// knot (row, i) hangs together with (row, i + 1) and (row + 1, i). Leaves the projection at
+/// zero. Units: metres. Cost: O(knots).
+Fidelity fidelityOf(const std::vector<std::vector<NetKnot>>& rows);
 
 }  // namespace handgraft::transfer

@@ -1,0 +1,228 @@
+#include "core/transfer/staged_transfer.h"
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "core/base/error.h"
+
+namespace handgraft::transfer {
+namespace {
+
+using geometry::LogMapInverse;
+using geometry::SurfacePoint;
+
+using SkinCharts = std::vector<std::shared_ptr<const SkinChart>>;
+
+/// The stations on the skin, by the figure that the chart's spine makes about the direction.
+std::vector<std::optional<Station>> stationsOnSkin(const geometry::TriangleMesh& skin_S,
+                                                   const PatchChart& chart,
+                                                   double direction_angle,
+                                                   const Placement& placement) {
+  std::vector<SpineLeg> legs = chart.spine().legs;
+  for (SpineLeg& leg : legs) {
+    if (leg.from == 0) leg.heading -= direction_angle;
+  }
+  return retraceMirrored(skin_S, {placement.root_S, placement.direction_S}, legs);
+}
+
+/// The charts of the stations, those of `kept` where they still answer.
+SkinCharts chartsOf(const Surfaces& surfaces,
+                    const PatchChart& patch,
+                    const std::vector<std::optional<Station>>& stations,
+                    geometry::LogMapMethod method,
+                    const SkinCharts& kept) {
+  SkinCharts charts(stations.size());
+  for (std::size_t s = 0; s < stations.size(); ++s) {
+    const double reach = patch.reach(s);
+    // The root's chart is made in any case: it refuses a direction along the normal.
+    if (!stations[s] || (s > 0 && !(reach > 0.0))) continue;
+    if (s < kept.size() && kept[s] &&
+        kept[s]->answers(*surfaces.skin_S, *stations[s], reach, method)) {
+      charts[s] = kept[s];
+    } else {
+      charts[s] =
+          std::make_shared<const SkinChart>(surfaces.skin_S, *stations[s], reach, method);
+    }
+  }
+  return charts;
+}
+
+/// Lays points of a chart onto the skin, face to face.
+class Layer {
+ public:
+  Layer(const hand::Skin& skin,
+        const PatchChart& patch,
+        double direction_angle,
+        const std::vector<std::optional<Station>>& stations,
+        const SkinCharts& charts)
+      : skin_(skin), patch_(patch), stations_(stations), charts_(charts) {
+    for (std::size_t s = 0; s < charts.size(); ++s) {
+      Eigen::Matrix2d& turn = turns_.emplace_back(Eigen::Matrix2d::Zero());
+      if (!charts[s]) continue;
+      // The hand looks at the object: counter-clockwise becomes clockwise (phi_h = -phi_o).
+      const Eigen::Matrix2d mirror = Eigen::Vector2d(1.0, -1.0).asDiagonal();
+      const double angle_O = s == 0 ? direction_angle : 0.0;
+      const double angle_S = charts[s]->directionAngle(stations[s]->direction);
+      turn = Eigen::Rotation2Dd(angle_S).toRotationMatrix() * mirror *
+             Eigen::Rotation2Dd(-angle_O).toRotationMatrix();
+    }
+  }
+
+  /// Where the point goes; without a place, `reason` says why.
+  SurfacePoint place(const ChartPoint& point, std::string& reason, bool& folded) const {
+    if (point.station < 0) {
+      reason = "not reached from the patch's root on the object";
+      return {};
+    }
+    const auto s = static_cast<std::size_t>(point.station);
+    if (!charts_[s]) {
+      reason = "on the skin: the axis leaves the surface";
+      return {};
+    }
+    const LogMapInverse::Place place = charts_[s]->at(turns_[s] * point.uv_T);
+    if (!place.point.valid())
+      reason = fmt::format("on the skin: {}", geometry::reasonOf(place.reason));
+    folded = place.folded;
+    return place.point;
+  }
+
+  [[nodiscard]] NetKnot knot(const ChartPoint& point) const {
+    std::string reason;
+    bool folded = false;
+    const SurfacePoint place_S = place(point, reason, folded);
+    if (!place_S.valid()) return {};
+    return {true, point.p_O, positionOf(skin_.mesh(), place_S)};
+  }
+
+  /// The place where the point's ray begins, on both sides.
+  [[nodiscard]] NetKnot stationOf(const ChartPoint& point) const {
+    if (point.station < 0) return {};
+    const auto s = static_cast<std::size_t>(point.station);
+    if (!stations_[s]) return {};
+    return {true, positionOf(patch_.object().mesh(), patch_.spine().stations[s].point),
+            positionOf(skin_.mesh(), stations_[s]->point)};
+  }
+
+ private:
+  const hand::Skin& skin_;
+  const PatchChart& patch_;
+  const std::vector<std::optional<Station>>& stations_;
+  const SkinCharts& charts_;
+  std::vector<Eigen::Matrix2d> turns_;  ///< from a station's coordinates to its skin chart's
+};
+
+/// Turns points into correspondences, or says why not.
+class Collector {
+ public:
+  Collector(const hand::Skin& skin, const Layer& layer, double weight, PatchTransfer& transfer)
+      : skin_(skin), layer_(layer), weight_(weight), transfer_(transfer) {}
+
+  void add(const ChartPoint& point, int index, int ring) {
+    std::string reason;
+    bool folded = false;
+    const SurfacePoint place_S = layer_.place(point, reason, folded);
+    if (!place_S.valid()) {
+      transfer_.lost.push_back({index, ring, std::move(reason)});
+      return;
+    }
+    const Eigen::Vector3d p_S = positionOf(skin_.mesh(), place_S);
+    const auto on_link = skin_.project(p_S, normalOf(skin_.mesh(), place_S));
+    if (!on_link) {
+      transfer_.lost.push_back(
+          {index, ring,
+           fmt::format("no link within {:.1f} mm of the skin", skin_.epsilon() * 1e3)});
+      return;
+    }
+    Correspondence pair;
+    pair.link = on_link->link;
+    pair.p_L = on_link->p_L;
+    pair.n_L = on_link->n_L;
+    pair.p_O = point.p_O;
+    pair.n_O = point.n_O;
+    pair.weight = weight_;
+    transfer_.correspondences.push_back(pair);
+    transfer_.places_S.push_back(place_S);
+    transfer_.points_S.push_back(p_S);
+    if (folded || point.folded) ++transfer_.folded;
+    Fidelity& fidelity = transfer_.fidelity;
+    projection_sum_ += on_link->distance_m;
+    fidelity.projection_mean_m =
+        projection_sum_ / static_cast<double>(transfer_.correspondences.size());
+    fidelity.projection_max_m = std::max(fidelity.projection_max_m, on_link->distance_m);
+  }
+
+ private:
+  const hand::Skin& skin_;
+  const Layer& layer_;
+  double weight_;
+  PatchTransfer& transfer_;
+  double projection_sum_ = 0.0;
+};
+
+Fidelity shapeKept(const PatchChart& chart, const Layer& layer) {
+  std::vector<std::vector<NetKnot>> rows(1);
+  for (const ChartPoint& point : chart.boundary())
+    rows.front().push_back(layer.stationOf(point));
+  const auto append = [&](const std::vector<ChartPoint>& points) {
+    std::vector<NetKnot>& row = rows.emplace_back();
+    for (const ChartPoint& point : points)
+      row.push_back(layer.knot(point));
+  };
+  for (const ChartRing& ring : chart.fidelityRings())
+    append(ring.points);
+  append(chart.boundary());
+  return fidelityOf(rows);
+}
+
+}  // namespace
+
+Surfaces borrowedSurfaces(const geometry::TriangleMesh& object_O, const hand::Skin& skin) {
+  return {geometry::LogMapper::borrowing(object_O), geometry::LogMapper::borrowing(skin.mesh()),
+          std::shared_ptr<const hand::Skin>(std::shared_ptr<void>(), &skin)};
+}
+
+PatchTransfer StagedTransfer::lay(const Surfaces& surfaces,
+                                  const contact::Patch& patch,
+                                  const Placement& placement,
+                                  const TransferOptions& options) {
+  HANDGRAFT_REQUIRE(patch.direction_O.has_value());
+  const hand::Skin& skin = *surfaces.skin;
+  validate(options);
+  validate(surfaces.object_O->mesh(), patch);
+  validate(skin.mesh(), placement.root_S, "root on the skin");
+
+  // === What changed since the last time
+  std::shared_ptr<const PatchChart> chart = patch_chart_;
+  if (!chart || !chart->answers(*surfaces.object_O, patch, options))
+    chart = std::make_shared<const PatchChart>(surfaces.object_O, patch, options);
+  const double direction_angle = chart->directionAngle(*patch.direction_O);
+  const std::vector<std::optional<Station>> stations =
+      stationsOnSkin(skin.mesh(), *chart, direction_angle, placement);
+  SkinCharts charts = chartsOf(surfaces, *chart, stations, options.method, skin_charts_);
+
+  // === Points
+  PatchTransfer transfer;
+  transfer.name = patch.name;
+  transfer.method_O = chart->method();
+  transfer.method_S = charts.front()->method();
+  transfer.station_count = static_cast<int>(stations.size());
+  const Layer layer(skin, *chart, direction_angle, stations, charts);
+  transfer.fidelity = shapeKept(*chart, layer);
+  Collector collector(skin, layer, patch.weight, transfer);
+  for (std::size_t i = 0; i < chart->boundary().size(); ++i)
+    collector.add(chart->boundary()[i], static_cast<int>(i), 0);
+  transfer.boundary_count = static_cast<int>(transfer.correspondences.size());
+  for (std::size_t r = 0; r < chart->interiorRings().size(); ++r) {
+    const std::vector<ChartPoint>& ring = chart->interiorRings()[r].points;
+    for (std::size_t i = 0; i < ring.size(); ++i)
+      collector.add(ring[i], static_cast<int>(i), static_cast<int>(r) + 1);
+  }
+  transfer.distance_distortion = transfer.fidelity.distance_mean;
+  patch_chart_ = std::move(chart);
+  skin_charts_ = std::move(charts);
+  return transfer;
+}
+
+}  // namespace handgraft::transfer

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/contact/patch.h"
+#include "core/geometry/log_mapper.h"
+#include "core/hand/skin.h"
+#include "core/transfer/patch_chart.h"
+#include "core/transfer/patch_transfer.h"
+#include "core/transfer/skin_chart.h"
+
+namespace handgraft::transfer {
+
+/// The two surfaces of a transfer, with what log maps on them keep.
+struct Surfaces {
+  std::shared_ptr<const geometry::LogMapper> object_O;
+  std::shared_ptr<const geometry::LogMapper> skin_S;  ///< of the skin's mesh
+  std::shared_ptr<const hand::Skin> skin;
+};
+
+/// Borrows both, for as long as the result and charts made with it live.
+Surfaces borrowedSurfaces(const geometry::TriangleMesh& object_O, const hand::Skin& skin);
+
+/// The transfer of one patch that is laid again and again while it is edited: charts are made
+/// anew only where what they depend on changed.
+///
+/// A root on the hand that moves makes the skin's charts anew, a root on the object the
+/// object's (and the skin's, when the patch reaches farther than they do). A direction turns
+/// coordinates and makes no log map, but for the skin's side of a patch with an axis. Results
+/// are those of `transferPatch`, bit for bit, whatever was laid before. Copies share charts.
+class StagedTransfer {
+ public:
+  /// Errors, frames: as `transferPatch`; an error leaves the charts as they were.
+  PatchTransfer lay(const Surfaces& surfaces,
+                    const contact::Patch& patch,
+                    const Placement& placement,
+                    const TransferOptions& options);
+
+  /// Of the last transfer; missing before the first.
+  [[nodiscard]] const std::shared_ptr<const PatchChart>& patchChart() const {
+    return patch_chart_;
+  }
+
+  /// One per station; missing where the axis leaves the skin, or nothing is measured from it.
+  [[nodiscard]] const std::vector<std::shared_ptr<const SkinChart>>& skinCharts() const {
+    return skin_charts_;
+  }
+
+ private:
+  std::shared_ptr<const PatchChart> patch_chart_;
+  std::vector<std::shared_ptr<const SkinChart>> skin_charts_;
+};
+
+}  // namespace handgraft::transfer
