@@ -12,6 +12,7 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include "core/base/error.h"
+#include "core/hand/free_root.h"
 #include "core/io/mesh_file.h"
 #include "core/io/urdf_text.h"
 
@@ -236,16 +237,25 @@ UrdfFile readUrdf(const fs::path& path, const ResourceFinder& find) {
     std::string text = readText(path);
     UrdfText prepared = prepareUrdf(text, true);
     ShapeReader shapes(find, prepared.notes);
-    hand::HandModel model = readModel(prepared, &shapes);
-    return {std::move(model), std::move(text), std::move(prepared.notes)};
+    hand::RootedHand rooted =
+        hand::cutFreeRoot(readModel(prepared, &shapes), prepared.solid_links);
+    if (rooted.carrier)
+      prepared.notes.push_back(fmt::format(
+          "joints {} place the whole hand: they are its free root, not joints of the hand",
+          fmt::join(rooted.carrier->dofNames(), ", ")));
+    return {std::move(rooted.hand), std::move(rooted.carrier), std::move(text),
+            std::move(prepared.notes)};
   } catch (const InvalidInput& error) {
     rejectInput("{}: {}", quoted(path.string()), error.what());
   }
 }
 
-hand::HandModel readUrdfKinematics(const fs::path& path) {
+hand::HandModel readUrdfKinematics(const fs::path& path, FreeRoot free_root) {
   try {
-    return readModel(prepareUrdf(readText(path), false), nullptr);
+    const UrdfText prepared = prepareUrdf(readText(path), false);
+    hand::HandModel model = readModel(prepared, nullptr);
+    if (free_root == FreeRoot::kKept) return model;
+    return hand::cutFreeRoot(model, prepared.solid_links).hand;
   } catch (const InvalidInput& error) {
     rejectInput("{}: {}", quoted(path.string()), error.what());
   }

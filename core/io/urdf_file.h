@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,8 @@ namespace handgraft::io {
 
 struct UrdfFile {
   hand::HandModel model;
+  /// Joints of the file that place the whole hand, cut off from the model (hand/free_root.h).
+  std::optional<hand::HandModel> free_root;
   /// The text as it was read.
   std::string text;
   /// What was amended or left out, for the user: "joint 'x': no limit, taken as +-pi".
@@ -21,16 +24,22 @@ struct UrdfFile {
 ///
 /// Frames and units: as URDF has them, metres and radians; mesh scales applied; primitives
 /// become
-///   meshes. Errors: InvalidInput, naming the file and the joint, link or mesh, for XML that
-///   does not parse (urdfdom's own words are quoted), a missing mesh, a joint loop, a planar or
-///   floating joint. Limits that a movable joint lacks are noted, not refused.
+///   meshes. Planar and floating joints become chains of joints of one freedom (urdf_text.h).
+/// Errors: InvalidInput, naming the file and the joint, link or mesh, for XML that does not
+/// parse
+///   (urdfdom's own words are quoted), a missing mesh, a joint loop. Limits that a movable
+///   joint lacks are noted, not refused.
 UrdfFile readUrdf(const std::filesystem::path& path, const PackageMap& packages = {});
 
 /// As above, with the meshes' files found by `find`; nothing else is opened.
 UrdfFile readUrdf(const std::filesystem::path& path, const ResourceFinder& find);
 
+/// What becomes of joints that place the whole hand.
+enum class FreeRoot { kCut, kKept };
+
 /// Joints and links alone, geometry left out: for problem files, whose kinematics is all they
 /// need. No mesh has to exist.
-hand::HandModel readUrdfKinematics(const std::filesystem::path& path);
+hand::HandModel readUrdfKinematics(const std::filesystem::path& path,
+                                   FreeRoot free_root = FreeRoot::kCut);
 
 }  // namespace handgraft::io

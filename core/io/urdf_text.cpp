@@ -1,5 +1,6 @@
 #include "core/io/urdf_text.h"
 
+#include <cstdio>
 #include <cstring>
 
 #include <tinyxml2.h>
@@ -39,12 +40,13 @@ void copyLink(const XMLElement& link, bool with_shapes, XMLElement& robot, UrdfT
 
   XMLElement* copy = robot.InsertNewChildElement("link");
   copy->SetAttribute("name", name.c_str());
-  if (!with_shapes) return;
   for (const XMLElement* shape = link.FirstChildElement(); shape != nullptr;
        shape = shape->NextSiblingElement()) {
     const bool is_shape = std::strcmp(shape->Name(), "visual") == 0 ||
                           std::strcmp(shape->Name(), "collision") == 0;
     if (!is_shape) continue;
+    result.solid_links.insert(name);
+    if (!with_shapes) continue;
     copyChildren(*shape, *copy->InsertNewChildElement(shape->Name()), {"origin", "geometry"});
   }
 }
@@ -53,8 +55,10 @@ hand::JointType typeOf(const std::string& type, const std::string& joint) {
   if (type == "fixed") return hand::JointType::kFixed;
   if (type == "revolute" || type == "continuous") return hand::JointType::kRevolute;
   if (type == "prismatic") return hand::JointType::kPrismatic;
-  rejectInput("joint {}: type {} is not supported (fixed, revolute, continuous, prismatic)",
-              quoted(joint), quoted(type));
+  rejectInput(
+      "joint {}: there is no type {} (fixed, revolute, continuous, prismatic, planar, "
+      "floating)",
+      quoted(joint), quoted(type));
 }
 
 /// Gives urdfdom the limit that it insists on. Returns whether effort or velocity were missing.
@@ -90,18 +94,119 @@ bool amendLimit(const std::string& name,
   return amended;
 }
 
+// === Joints of several freedoms, as chains of joints of one each
+
+struct Freedom {
+  const char* suffix;
+  const char* type;
+  Eigen::Vector3d axis;
+};
+
+Eigen::Vector3d axisOf(const XMLElement& joint, const std::string& name) {
+  const XMLElement* axis = joint.FirstChildElement("axis");
+  if (axis == nullptr) return Eigen::Vector3d::UnitX();  // as URDF has it
+  const std::string text = attributeOf(axis, "xyz");
+  Eigen::Vector3d n;
+  int end = 0;
+  if (std::sscanf(text.c_str(), "%lf %lf %lf %n", &n.x(), &n.y(), &n.z(), &end) != 3 ||
+      static_cast<std::size_t>(end) != text.size() || !n.allFinite() || n.norm() < 1e-12)
+    rejectInput("joint {}: axis {} is not three numbers with a direction", quoted(name),
+                quoted(text));
+  return n.normalized();
+}
+
+std::vector<Freedom> freedomsOf(const XMLElement& joint,
+                                const std::string& name,
+                                const std::string& type) {
+  using Eigen::Vector3d;
+  if (type == "floating")
+    return {{"_x", "prismatic", Vector3d::UnitX()},
+            {"_y", "prismatic", Vector3d::UnitY()},
+            {"_z", "prismatic", Vector3d::UnitZ()},
+            {"_yaw", "continuous", Vector3d::UnitZ()},
+            {"_pitch", "continuous", Vector3d::UnitY()},
+            {"_roll", "continuous", Vector3d::UnitX()}};
+  const Vector3d n = axisOf(joint, name);
+  int flattest = 0;
+  n.cwiseAbs().minCoeff(&flattest);
+  const Vector3d u = Vector3d::Unit(flattest).cross(n).normalized();
+  return {{"_x", "prismatic", u}, {"_y", "prismatic", n.cross(u)}, {"_yaw", "continuous", n}};
+}
+
+void addFreedom(const std::string& name,
+                const Freedom& freedom,
+                const std::string& parent,
+                const std::string& child,
+                const XMLElement* origin,
+                XMLElement& robot,
+                UrdfText& result) {
+  XMLElement* copy = robot.InsertNewChildElement("joint");
+  copy->SetAttribute("name", name.c_str());
+  copy->SetAttribute("type", freedom.type);
+  if (origin != nullptr) copy->InsertEndChild(origin->DeepClone(copy->GetDocument()));
+  copy->InsertNewChildElement("parent")->SetAttribute("link", parent.c_str());
+  copy->InsertNewChildElement("child")->SetAttribute("link", child.c_str());
+  copy->InsertNewChildElement("axis")->SetAttribute(
+      "xyz", fmt::format("{:.17g} {:.17g} {:.17g}", freedom.axis.x(), freedom.axis.y(),
+                         freedom.axis.z())
+                 .c_str());
+  XMLElement* limit = copy->InsertNewChildElement("limit");
+  limit->SetAttribute("effort", "0");
+  limit->SetAttribute("velocity", "0");
+  result.unlimited_joints.push_back(name);
+
+  hand::Joint outline;
+  outline.name = name;
+  outline.type = typeOf(freedom.type, name);
+  outline.parent_link = parent;
+  outline.child_link = child;
+  result.joints.push_back(std::move(outline));
+}
+
+void expandJoint(const XMLElement& joint,
+                 const hand::Joint& whole,
+                 const std::string& type,
+                 XMLElement& robot,
+                 UrdfText& result) {
+  if (joint.FirstChildElement("mimic") != nullptr)
+    rejectInput("joint {}: a {} joint cannot mimic another", quoted(whole.name), type);
+  const std::vector<Freedom> freedoms = freedomsOf(joint, whole.name, type);
+  std::string parent = whole.parent_link;
+  std::string names;
+  for (std::size_t i = 0; i < freedoms.size(); ++i) {
+    const std::string name = whole.name + freedoms[i].suffix;
+    const bool is_last = i + 1 == freedoms.size();
+    const std::string child = is_last ? whole.child_link : name;
+    if (!is_last) {
+      robot.InsertNewChildElement("link")->SetAttribute("name", child.c_str());
+      result.links.push_back(child);
+    }
+    addFreedom(name, freedoms[i], parent, child,
+               i == 0 ? joint.FirstChildElement("origin") : nullptr, robot, result);
+    names += (i == 0 ? "" : ", ") + quoted(name);
+    parent = child;
+  }
+  result.notes.push_back(
+      fmt::format("joint {}: {}, taken as {} without limits", quoted(whole.name), type, names));
+}
+
 /// Returns whether the effort or velocity limit had to be amended.
 bool copyJoint(const XMLElement& joint, XMLElement& robot, UrdfText& result) {
   hand::Joint outline;
   outline.name = attributeOf(&joint, "name");
   if (outline.name.empty()) rejectInput("line {}: a joint has no name", joint.GetLineNum());
   const std::string type = attributeOf(&joint, "type");
-  outline.type = typeOf(type, outline.name);
+  const bool has_several = type == "planar" || type == "floating";
+  if (!has_several) outline.type = typeOf(type, outline.name);
   outline.parent_link = attributeOf(joint.FirstChildElement("parent"), "link");
   outline.child_link = attributeOf(joint.FirstChildElement("child"), "link");
   if (outline.parent_link.empty() || outline.child_link.empty())
     rejectInput("joint {}: it names no {} link", quoted(outline.name),
                 outline.parent_link.empty() ? "parent" : "child");
+  if (has_several) {
+    expandJoint(joint, outline, type, robot, result);
+    return false;
+  }
 
   XMLElement* copy = robot.InsertNewChildElement("joint");
   copy->SetAttribute("name", outline.name.c_str());
@@ -139,7 +244,7 @@ UrdfText prepareUrdf(const std::string& text, bool with_shapes) {
     if (name == "link") copyLink(*child, with_shapes, *copy, result);
     if (name == "joint" && copyJoint(*child, *copy, result)) ++without_effort;
     if (name.starts_with("xacro:"))
-      rejectInput("line {}: <{}> is xacro, not URDF; expand the file first",
+      rejectInput("line {}: <{}> is xacro, not URDF; expand it first: xacro FILE > hand.urdf",
                   child->GetLineNum(), name);
   }
   if (result.links.empty()) rejectInput("it has no links");

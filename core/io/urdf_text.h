@@ -1,5 +1,6 @@
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -16,17 +17,20 @@ struct UrdfText {
   /// Names, types, parents and children alone; the rest is urdfdom's to read.
   std::vector<hand::Joint> joints;
   std::vector<std::string> unlimited_joints;  ///< movable, but the file gives no range
+  std::set<std::string> solid_links;          ///< those with a visual or a collision
   std::vector<std::string> notes;
 };
 
 /// Parses `text` and amends what urdfdom refuses although it is harmless: limits without effort
-/// or velocity become 0, a movable joint without a range gets one. Inertias, materials, sensors
-/// and extensions are left out, and with them everything urdfdom could stumble over for no
-/// reason; so are shapes unless `with_shapes`.
+/// or velocity become 0, a movable joint without a range gets one. A planar joint `j` becomes
+/// the joints `j_x`, `j_y` (sliders in the plane) and `j_yaw`, a floating one `j_x`, `j_y`,
+/// `j_z`, `j_roll`, `j_pitch` and `j_yaw`, with links of the same names between them. Inertias,
+/// materials, sensors and extensions are left out, and with them everything urdfdom could
+/// stumble over for no reason; so are shapes unless `with_shapes`.
 ///
 /// Entities that the file defines itself are not expanded; nesting is bounded by tinyxml2.
-/// Errors: InvalidInput for XML that is not well-formed, unnamed links and joints, joint types
-/// that a hand cannot have, more than kMostUrdfLinks links.
+/// Errors: InvalidInput for XML that is not well-formed, unnamed links and joints, unknown
+/// joint types, a planar or floating joint that mimics, more than kMostUrdfLinks links.
 UrdfText prepareUrdf(const std::string& text, bool with_shapes);
 
 inline constexpr int kMostUrdfLinks = 10'000;

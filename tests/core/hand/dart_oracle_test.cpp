@@ -38,7 +38,8 @@ class DartOracle : public ::testing::TestWithParam<const char*> {};
 TEST_P(DartOracle, AgreesOnLinkPosesAndJacobians) {
   HANDGRAFT_NEEDS_SHARED_DATA(GetParam());
   const std::filesystem::path path = test::sharedData(GetParam());
-  const HandModel model = io::readUrdfKinematics(path);
+  // With the joints of a free root as well, which DART knows as any others.
+  const HandModel model = io::readUrdfKinematics(path, io::FreeRoot::kKept);
   dart::utils::DartLoader loader;
   const dart::dynamics::SkeletonPtr skeleton = loader.parseSkeletonString(
       withoutShapes(path), dart::common::Uri::createFromPath(path.string()));

@@ -127,7 +127,7 @@ INSTANTIATE_TEST_SUITE_P(
                  kFiveFingers},
         RealHand{"hands/mia_hand_right/mia_hand_description/urdf/mia_hand.urdf", true, 4, 2,
                  kFiveFingers},
-        RealHand{"hands/mano_mean/mano_mean_fixed.urdf", true, 51, 0, kFiveFingers},
+        RealHand{"hands/mano_mean/mano_mean_fixed.urdf", true, 45, 0, kFiveFingers},
         RealHand{"server/models/hands/human20/human20.urdf", false, 20, 0, kFiveFingers},
         RealHand{"server/models/hands/allegro16/allegro16.urdf", false, 16, 0, kFourFingers},
         RealHand{"server/models/hands/barrett8/barrett8.urdf", false, 8, 0, kThreeFingers},

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.h"
+#include "core/hand/kinematics.h"
 
 #include "tests/support/shared_data.h"
 
@@ -105,10 +106,13 @@ TEST(UrdfFile, NamesWhatIsWrongOnOneLine) {
   EXPECT_THAT(fault("<link name='a'>"), HasSubstr("not well-formed"));
   EXPECT_THAT(fault(""), HasSubstr("no links"));
   EXPECT_THAT(fault("<link/>"), HasSubstr("no name"));
-  EXPECT_THAT(fault(kLinks + joint("floating", "")),
-              AllOf(HasSubstr("'j'"), HasSubstr("floating")));
-  EXPECT_THAT(fault(kLinks + joint("planar", "")),
-              AllOf(HasSubstr("'j'"), HasSubstr("planar")));
+  EXPECT_THAT(fault(kLinks + joint("spherical", "")),
+              AllOf(HasSubstr("'j'"), HasSubstr("spherical"), HasSubstr("planar")));
+  EXPECT_THAT(fault(kLinks + joint("planar", "<axis xyz='0 0'/>")),
+              AllOf(HasSubstr("'j'"), HasSubstr("'0 0'")));
+  EXPECT_THAT(fault(kLinks + joint("planar", "<axis xyz='0 0 0'/>")), HasSubstr("direction"));
+  EXPECT_THAT(fault(kLinks + joint("floating", "<mimic joint='k'/>")), HasSubstr("mimic"));
+  EXPECT_THAT(fault("<xacro:include filename='palm.xacro'/>"), HasSubstr("xacro FILE"));
   EXPECT_THAT(fault("<link name='a'/>" + joint("fixed", "")), HasSubstr("'b'"));
   EXPECT_THAT(fault(kLinks + joint("fixed", "") +
                     "<joint name='k' type='fixed'><parent link='b'/><child link='a'/></joint>"),
@@ -143,6 +147,45 @@ TEST(UrdfFile, RefusesShapesThatUrdfdomWouldLeaveOut) {
           << whole;
     }
   }
+}
+
+TEST(UrdfFile, TakesAPlanarJointAsTwoSlidersAndATurn) {
+  const UrdfFile file = readUrdf(
+      written("<link name='a'><visual><geometry><sphere radius='1'/></geometry></visual></link>"
+              "<link name='b'/>" +
+              joint("planar", "<origin xyz='1 0 0' rpy='0 0 0'/><axis xyz='0 3 4'/>")));
+  EXPECT_THAT(file.model.dofNames(), ::testing::ElementsAre("j_x", "j_y", "j_yaw"));
+  EXPECT_THAT(file.notes,
+              ::testing::ElementsAre(AllOf(HasSubstr("planar"), HasSubstr("j_yaw"))));
+  const Eigen::Vector3d n(0.0, 0.6, 0.8);
+  const hand::LinkPoses X =
+      hand::forwardKinematics(file.model, {Pose::Identity(), Eigen::Vector3d(0.3, -0.4, 1.1)});
+  const Pose& X_AB = X[static_cast<std::size_t>(file.model.linkIndex("b"))];
+  // It slides by 0.5 in the plane across the axis, and turns about the axis alone.
+  const Eigen::Vector3d moved = X_AB.translation() - Eigen::Vector3d::UnitX();
+  EXPECT_NEAR(moved.dot(n), 0.0, 1e-15);
+  EXPECT_NEAR(moved.norm(), 0.5, 1e-15);
+  EXPECT_TRUE(X_AB.linear().isApprox(Eigen::AngleAxisd(1.1, n).toRotationMatrix(), 1e-14));
+}
+
+TEST(UrdfFile, TakesAFloatingRootAsTheHandsOwn) {
+  const UrdfFile file = readUrdf(
+      written("<link name='a'/>"
+              "<link name='b'><visual><geometry><sphere radius='1'/></geometry></visual></link>"
+              "<link name='c'/>" +
+              joint("floating", "") +
+              "<joint name='k' type='continuous'><parent link='b'/><child link='c'/></joint>"));
+  EXPECT_THAT(file.model.dofNames(), ::testing::ElementsAre("k"));
+  ASSERT_TRUE(file.free_root.has_value());
+  EXPECT_EQ(file.free_root->dofCount(), 6);
+  EXPECT_THAT(file.notes.back(), AllOf(HasSubstr("free root"), HasSubstr("j_roll")));
+  // Between two links with surfaces it is a joint of the hand.
+  const UrdfFile inner = readUrdf(written(
+      "<link name='a'><visual><geometry><sphere radius='1'/></geometry></visual></link>"
+      "<link name='b'><visual><geometry><sphere radius='1'/></geometry></visual></link>" +
+      joint("floating", "")));
+  EXPECT_EQ(inner.model.dofCount(), 6);
+  EXPECT_FALSE(inner.free_root.has_value());
 }
 
 TEST(UrdfFile, ReadsEveryRealHand) {
