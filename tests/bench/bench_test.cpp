@@ -14,6 +14,7 @@
 #include "tests/bench/measured_surface.h"
 #include "tests/bench/mesh_versions.h"
 #include "tests/support/process.h"
+#include "tests/support/shared_data.h"
 
 namespace handgraft::bench {
 namespace {
@@ -98,8 +99,89 @@ TEST(Bench, LogmapAccuracyPrintsTheTableOfTheReadme) {
   EXPECT_EQ(std::count(bench.out.begin(), bench.out.end(), '\n'), 2 + 25 + 3);
 }
 
-TEST(Bench, RefusesSizesOutOfRange) {
+TEST(Bench, LogmapSpeedMeasuresSpheresBesideCgal) {
+  const nlohmann::json bench = jsonOf(
+      {"logmap-speed", "--subdivisions", "4", "--roots", "2", "--repeats", "1", "--json"});
+  ASSERT_EQ(bench["disks"].size(), 3U);  // fast, exact and CGAL
+  for (const nlohmann::json& disk : bench["disks"]) {
+    EXPECT_GT(disk["reached"], 200) << disk;
+    EXPECT_GT(disk["ms_median"], 0.0) << disk;
+    EXPECT_GE(disk["ms_high"], disk["ms_low"]) << disk;
+    if (disk["method"] != "fast") {
+      EXPECT_LT(disk["r_difference_m"], 1e-9) << disk;
+    }
+  }
+  ASSERT_EQ(bench["growth"].size(), 4U);
+  for (const nlohmann::json& growth : bench["growth"])
+    EXPECT_EQ(growth["points"].size(), 4U);
+}
+
+TEST(Bench, LogmapSpeedMeasuresAllMethodsOnASkin) {
+  const std::string cache = test::scratchDirectory() / "skins";
+  const std::vector<std::string> arguments{
+      "logmap-speed",
+      "--hand",
+      test::sourceDirectory() / "server/models/hands/barrett8/barrett8.urdf",
+      "--vertices",
+      "2500",
+      "--roots",
+      "2",
+      "--repeats",
+      "1",
+      "--whole-roots",
+      "1",
+      "--subdivisions",
+      "1",
+      "--cache",
+      cache,
+      "--json"};
+  const nlohmann::json bench = jsonOf(arguments);
+  int on_skin = 0;
+  for (const nlohmann::json& disk : bench["disks"]) {
+    if (disk["surface"] == "unit sphere") continue;
+    ++on_skin;
+    EXPECT_NEAR(disk["vertices"].get<int>(), 2500, 75) << disk;
+    EXPECT_GT(disk["reached"], 5) << disk;
+    if (disk["method"] == "cgal exact" || disk["method"] == "cgal exact cut") {
+      EXPECT_LT(disk["r_difference_m"], 1e-9) << disk;
+    }
+  }
+  EXPECT_EQ(on_skin, 5 + 3);
+  // The second run reads the skin that the first one kept.
+  const nlohmann::json again = jsonOf(arguments);
+  EXPECT_EQ(again["disks"][0]["reached"], bench["disks"][0]["reached"]);
+}
+
+TEST(Bench, TransferComesBackToItself) {
+  const nlohmann::json bench =
+      jsonOf({"transfer", "--smooth-vertices", "1000", "--repeats", "1", "--json"});
+  EXPECT_EQ(bench["transfer"].size(), 0U);      // no hand was given
+  ASSERT_EQ(bench["round_trips"].size(), 12U);  // three surfaces, both ways, fast and exact
+  for (const nlohmann::json& trip : bench["round_trips"]) {
+    EXPECT_GT(trip["points"], 200) << trip;
+    EXPECT_LT(trip["mean_mm"], 0.1) << trip;
+  }
+}
+
+TEST(Bench, TransferTimesEveryStageOnAHand) {
+  const std::string models = test::sourceDirectory() / "server/models";
+  const nlohmann::json bench =
+      jsonOf({"transfer", "--hand", models + "/hands/barrett8/barrett8.urdf", "--object",
+              models + "/objects/lemon.obj", "--contacts", models + "/contacts/lemon_6.json",
+              "--vertices", "2500", "--smooth-vertices", "300", "--repeats", "1", "--cache",
+              test::scratchDirectory() / "skins", "--json"});
+  EXPECT_EQ(bench["patches"], 6);
+  ASSERT_EQ(bench["transfer"].size(), 3U);
+  for (const nlohmann::json& method : bench["transfer"]) {
+    EXPECT_EQ(method["points"].get<int>() + method["lost"].get<int>(), 6 * 25) << method;
+    EXPECT_GE(method["stages"].size(), 7U);
+  }
+}
+
+TEST(Bench, RefusesWrongInput) {
   EXPECT_EQ(test::run(HANDGRAFT_BENCH, {"logmap-accuracy", "--vertices", "7"}).exit_code, 2);
+  EXPECT_EQ(test::run(HANDGRAFT_BENCH, {"logmap-speed", "--roots", "0"}).exit_code, 2);
+  EXPECT_EQ(test::run(HANDGRAFT_BENCH, {"transfer", "--hand", "x.urdf"}).exit_code, 2);
 }
 
 }  // namespace

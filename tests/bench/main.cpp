@@ -10,7 +10,9 @@
 
 #include "tests/bench/logmap.h"
 #include "tests/bench/logmap_accuracy.h"
+#include "tests/bench/logmap_speed.h"
 #include "tests/bench/solve.h"
+#include "tests/bench/transfer_speed.h"
 
 namespace {
 
@@ -29,13 +31,17 @@ int main(int argc, char** argv) {
   app.require_subcommand(0, 1);
   handgraft::bench::addLogMapCommand(app);
   handgraft::bench::addLogMapAccuracyCommand(app);
+  handgraft::bench::addLogMapSpeedCommand(app);
   handgraft::bench::addSolveCommand(app);
   handgraft::bench::addSolversCommand(app);
+  handgraft::bench::addTransferCommand(app);
   try {
     app.parse(argc, argv);
     if (!app.get_subcommands().empty()) return 0;
-    return complain("a command is missing; there are: logmap logmap-accuracy solve solvers",
-                    kWrongInput);
+    return complain(
+        "a command is missing; there are: logmap logmap-accuracy logmap-speed solve solvers "
+        "transfer",
+        kWrongInput);
   } catch (const CLI::Success& help) {
     return app.exit(help);
   } catch (const CLI::ParseError& error) {

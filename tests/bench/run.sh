@@ -9,20 +9,33 @@ json=
 for word in "$@"; do
   case $word in
     --json) json=--json ;;
-    logmap | solve | all) name=$word ;;
+    logmap | solve | table | all) name=$word ;;
     *)
-      echo "bench: there is no benchmark '$word'; there are: logmap, solve" >&2
+      echo "bench: there is no benchmark '$word'; there are: logmap, solve, table" >&2
       exit 2
       ;;
   esac
 done
 data=${HANDGRAFT_SHARED_DATA:-../shared/data}
 models=server/models
+cache=build/bench_cache # skins take a minute to wrap at a given size
 
 title() { [ -n "$json" ] || printf '\n== %s\n' "$*"; }
 
+# The hand, object and contacts that log maps and transfers are timed on.
+choose_grasp() {
+  hand=$data/hands/allegro_right/allegro_hand_right.urdf
+  object=$data/objects/ycb/006_mustard_bottle.obj
+  contacts=$data/contacts/dexycb/006_mustard_bottle_grasp0_contact.ply
+  [ -e "$hand" ] || hand=$models/hands/allegro16/allegro16.urdf
+  [ -e "$contacts" ] && [ -e "$object" ] && return
+  object=$models/objects/lemon.obj
+  contacts=$models/contacts/lemon_6.json
+}
+
+# shellcheck disable=SC2086  # $json is one word or none
 bench_logmap() {
-  local mesh
+  local mesh hand object contacts
   for mesh in "$models"/objects/*.obj "$data"/objects/ycb_16k/*.stl "$data"/objects/grab/*.obj; do
     [ -e "$mesh" ] || continue
     local radius
@@ -31,6 +44,14 @@ bench_logmap() {
       "$bin/handgraft-bench" logmap "$mesh" --root-vertex 100 --radius "$radius"
     done
   done
+  title "log maps against closed forms, on good and on bad triangles"
+  "$bin/handgraft-bench" logmap-accuracy $json
+  choose_grasp
+  title "time of log maps on the skin of $hand and on spheres, beside CGAL's"
+  "$bin/handgraft-bench" logmap-speed --hand "$hand" --cache "$cache" $json
+  title "transfer of six patches of $contacts onto that skin"
+  "$bin/handgraft-bench" transfer --hand "$hand" --object "$object" --contacts "$contacts" \
+    --cache "$cache" $json
 }
 
 bench_solve() {
@@ -43,9 +64,26 @@ bench_solve() {
   fi
 }
 
+# Rewrites the accuracy table of core/geometry/README.md, between its two marker lines.
+write_table() {
+  local readme=core/geometry/README.md table
+  table=$(mktemp)
+  "$bin/handgraft-bench" logmap-accuracy --markdown >"$table"
+  awk -v table="$table" '
+    /^<!-- accuracy table: / { print; while ((getline line < table) > 0) print line; inside = 1 }
+    /^<!-- end of accuracy table -->/ { inside = 0; found = 1 }
+    !inside { print }
+    END { exit !found }
+  ' "$readme" >"$table.new"
+  cat "$table.new" >"$readme"
+  rm "$table" "$table.new"
+  echo "bench: $readme holds the table of this build"
+}
+
 case $name in
   logmap) bench_logmap ;;
   solve) bench_solve ;;
+  table) write_table ;;
   all)
     bench_logmap
     bench_solve
