@@ -1,7 +1,10 @@
 #include "core/base/resource_uri.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <regex>
+#include <sstream>
+#include <string>
 
 #include "core/base/error.h"
 
@@ -69,6 +72,20 @@ fs::path packageDirectory(const std::string& package,
 }
 
 }  // namespace
+
+PackageMap amentPackages() {
+  PackageMap packages;
+  const char* prefixes = std::getenv("AMENT_PREFIX_PATH");
+  std::istringstream list(prefixes == nullptr ? "" : prefixes);
+  for (std::string prefix; std::getline(list, prefix, ':');) {
+    if (prefix.empty()) continue;
+    std::error_code error;
+    for (const fs::directory_entry& entry :
+         fs::directory_iterator(fs::path(prefix) / "share", error))
+      if (isFolder(entry.path())) packages.emplace(entry.path().filename(), entry.path());
+  }
+  return packages;
+}
 
 fs::path resolveResource(const std::string& uri,
                          const fs::path& base_directory,

@@ -8,9 +8,13 @@
 
 namespace handgraft {
 
-/// Where `package://NAME/...` leads: package name to directory. `AMENT_PREFIX_PATH` is not read
-/// here; who wants it adds its packages.
+/// Where `package://NAME/...` leads: package name to directory.
 using PackageMap = std::map<std::string, std::filesystem::path>;
+
+/// The packages of a ROS 2 workspace: every folder of `share` in the prefixes that
+/// `AMENT_PREFIX_PATH` lists, the first of a name. Empty where the variable is not set;
+/// prefixes that do not exist count for nothing.
+PackageMap amentPackages();
 
 /// Finds the file that a URI written in a model file means.
 ///

@@ -75,5 +75,20 @@ TEST(MeshUris, SurviveDamagedText) {
   EXPECT_TRUE(meshUrisIn("").empty());
 }
 
+TEST(AmentPackages, AreTheSharesOfEveryPrefixTheFirstOfAName) {
+  const fs::path root = test::scratchDirectory() / "ament";
+  fs::create_directories(root / "a/share/hand_description");
+  fs::create_directories(root / "b/share/hand_description");
+  fs::create_directories(root / "b/share/other");
+  const std::string list =
+      (root / "a").string() + "::" + (root / "gone").string() + ":" + (root / "b").string();
+  ::setenv("AMENT_PREFIX_PATH", list.c_str(), 1);
+  const PackageMap packages = amentPackages();
+  ::unsetenv("AMENT_PREFIX_PATH");
+  EXPECT_EQ(packages, (PackageMap{{"hand_description", root / "a/share/hand_description"},
+                                  {"other", root / "b/share/other"}}));
+  EXPECT_TRUE(amentPackages().empty());
+}
+
 }  // namespace
 }  // namespace handgraft
