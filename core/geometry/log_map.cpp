@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "core/geometry/heat_log_map.h"
 #include "core/geometry/log_map_source.h"
+#include "core/geometry/numbering.h"
 #include "core/geometry/polar_front.h"
 #include "core/geometry/window_front.h"
 
@@ -136,21 +137,34 @@ ExactMap exactMap(const TriangleMesh& mesh, const SourceLayout& layout, LogMap e
   return {diskOf(mesh, layout, front, std::move(empty)), front.isCutShort()};
 }
 
-/// Faces that lie turned over in the tangent plane, or keep less than a tenth of their area.
-int unsoundFaceCount(const TriangleMesh& mesh, const LogMap& map) {
-  constexpr double kCollapsed = 0.1;
+/// Faces that lie turned over in the tangent plane, or lose half of their area; counting stops
+/// at `enough`.
+int unsoundFaceCount(const TriangleMesh& mesh, const LogMap& map, int enough) {
+  constexpr double kCollapsed = 0.5;
   constexpr double kThinnest = 1e-9;  // of the squared edges: no area that could collapse
+  // Places of the disk's vertices, each taken from its polar coordinates once.
+  Numbering numbers(static_cast<int>(map.vertices.size() + map.rim.size()));
+  std::vector<Eigen::Vector2d> places_T;
+  for (const int v : map.vertices) {
+    numbers.add(v);
+    places_T.push_back(logCoordinatesAtVertex(map, v));
+  }
+  for (const LogMap::RimVertex& rim : map.rim) {
+    numbers.add(rim.vertex);
+    places_T.push_back(rim.p_T);
+  }
   int count = 0;
   for (const std::vector<int>* faces : {&map.faces, &map.rim_faces}) {
     for (const int f : *faces) {
+      if (count >= enough) return count;
       const Eigen::Vector3i face = mesh.face(f);
       const Eigen::Vector3d ab = mesh.vertex(face[1]) - mesh.vertex(face[0]);
       const Eigen::Vector3d ac = mesh.vertex(face[2]) - mesh.vertex(face[0]);
       const double area = ab.cross(ac).norm();
       if (area <= kThinnest * (ab.squaredNorm() + ac.squaredNorm())) continue;
-      const Eigen::Vector2d a_T = logCoordinatesAtVertex(map, face[0]);
-      const Eigen::Vector2d ab_T = logCoordinatesAtVertex(map, face[1]) - a_T;
-      const Eigen::Vector2d ac_T = logCoordinatesAtVertex(map, face[2]) - a_T;
+      const Eigen::Vector2d a_T = places_T[numbers.find(face[0])];
+      const Eigen::Vector2d ab_T = places_T[numbers.find(face[1])] - a_T;
+      const Eigen::Vector2d ac_T = places_T[numbers.find(face[2])] - a_T;
       if (!(ab_T.x() * ac_T.y() - ab_T.y() * ac_T.x() > kCollapsed * area)) ++count;
     }
   }
@@ -207,10 +221,14 @@ LogMap computeLogMap(const TriangleMesh& mesh,
   if (method == LogMapMethod::kExact) return exactMap(mesh, layout, std::move(empty)).map;
 
   ExactMap exact = exactMap(mesh, layout, empty);
-  const int unsound = exact.is_cut_short ? mesh.faceCount() : unsoundFaceCount(mesh, exact.map);
-  if (unsound == 0) return std::move(exact.map);
+  const bool is_upper_bound = exact.is_cut_short;
+  if (!is_upper_bound && unsoundFaceCount(mesh, exact.map, 1) == 0) return std::move(exact.map);
   LogMap fast = fastMap(mesh, layout, std::move(empty));
-  return unsoundFaceCount(mesh, fast) < unsound ? fast : std::move(exact.map);
+  if (is_upper_bound) return fast;
+  const int unsound = unsoundFaceCount(mesh, fast, std::numeric_limits<int>::max());
+  const bool is_better =
+      unsound == 0 || unsound < unsoundFaceCount(mesh, exact.map, unsound + 1);
+  return is_better ? fast : std::move(exact.map);
 }
 
 Eigen::Vector2d logCoordinatesAtVertex(const LogMap& map, int vertex) {

@@ -13,7 +13,7 @@ namespace handgraft::geometry {
 enum class LogMapMethod {
   kFast,    ///< discrete geodesic polar coordinates
   kExact,   ///< the polyhedron's own shortest paths
-  kAuto,    ///< exact, unless it folds or collapses faces of the disk more than fast does
+  kAuto,    ///< exact, unless it folds or halves more faces of the disk than fast does
   kSmooth,  ///< affine heat method
   kHeat     ///< vector heat method, as the paper has it
 };
@@ -63,7 +63,8 @@ struct LogMap {
 ///   `kHeat` cannot use the source's component (HeatLogMap).
 /// Cost: O(n log n) in the vertices of the disk, plus one O(V + F) fill; no factorisation.
 ///   `kSmooth` and `kHeat` factor the whole mesh at every call: keep a HeatLogMap for several.
-///   `kExact` takes two to three times as long as `kFast`.
+///   `kExact` takes up to twice as long as `kFast`, `kAuto` as both where `kExact` is not
+///   sound.
 /// Source: Melvaer & Reimers 2012, "Geodesic Polar Coordinates on Polygonal Meshes" (`kFast`);
 ///   Chen & Han 1990 and Xin & Wang 2009 (`kExact`); HeatLogMap. README of this folder: when to
 ///   use which.
