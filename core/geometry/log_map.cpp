@@ -17,6 +17,7 @@ namespace handgraft::geometry {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kRounding = 1e-12;  // of a radius
 
 double distanceToOrigin(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   const Eigen::Vector2d ab = b - a;
@@ -89,8 +90,8 @@ class DiskBuilder {
                                     corners[2]->position()};
     if (at_source) {
       map_.faces.push_back(f);
-    } else if (std::min({distanceToOrigin(p_T[0], p_T[1]), distanceToOrigin(p_T[1], p_T[2]),
-                         distanceToOrigin(p_T[2], p_T[0])}) <= radius_) {
+    } else if (reachesIn(*corners[0], *corners[1]) || reachesIn(*corners[1], *corners[2]) ||
+               reachesIn(*corners[2], *corners[0])) {
       map_.rim_faces.push_back(f);
     } else {
       return;
@@ -98,6 +99,15 @@ class DiskBuilder {
     for (int c = 0; c < 3; ++c) {
       if (corners[c]->r > radius_) map_.rim.push_back({corners[c]->vertex, p_T[c]});
     }
+  }
+
+  /// In T, and on the surface, too: an edge that joins two sides of the cut locus passes near
+  /// the source in T alone.
+  [[nodiscard]] bool reachesIn(const typename Front::Node& a,
+                               const typename Front::Node& b) const {
+    const double length = (mesh_.vertex(a.vertex) - mesh_.vertex(b.vertex)).norm();
+    return a.r + b.r - length <= 2.0 * radius_ * (1.0 + kRounding) &&
+           distanceToOrigin(a.position(), b.position()) <= radius_;
   }
 
   const TriangleMesh& mesh_;

@@ -24,13 +24,18 @@ namespace handgraft::geometry {
 class PolarFront {
  public:
   struct Node {
+    double r = 0.0;
+    Eigen::Vector2d direction_T = Eigen::Vector2d::UnitX();
+    /// What a fitted value has to gain, as a share of r.
+    double least_gain = 0.0;
+    /// Below this it does, against what the vertex spread last.
+    double fitted_limit = std::numeric_limits<double>::infinity();
     int vertex = -1;
     int visits = 0;
-    double r = 0.0;
-    double spread_r = std::numeric_limits<double>::infinity();  ///< at its last visit
-    Eigen::Vector2d direction_T = Eigen::Vector2d::UnitX();
     /// Seen along a straight line through an unfolded strip of faces, with nothing fitted.
     bool exact = false;
+    bool settled = false;  ///< has spread what it has
+    bool waits = false;    ///< improved, and not in the queue yet
 
     [[nodiscard]] Eigen::Vector2d position() const { return r * direction_T; }
 
@@ -43,8 +48,8 @@ class PolarFront {
 
   PolarFront(const TriangleMesh& mesh, const SourceLayout& source, double radius);
 
-  /// Runs until every vertex within the radius, and those of faces that reach out of it, is
-  /// final.
+  /// Runs until every vertex within the radius, and the corners of faces that reach into it,
+  /// are final.
   void run();
 
   /// All vertices touched, those beyond the radius included, in no particular order.
@@ -65,6 +70,14 @@ class PolarFront {
     Eigen::Vector2d right;
   };
 
+  /// A face behind a window: edge lengths, all there is to fit with.
+  struct Behind {
+    int apex;
+    double length;  ///< of the window's own edge
+    double left_length;
+    double right_length;
+  };
+
   /// What is seen between two rays from a window's origin, entering a face through its
   /// halfedge; `left` and `right` are the halfedge's ends, the rays may be narrower.
   struct Beam {
@@ -81,12 +94,20 @@ class PolarFront {
   /// How a candidate is compared with what a vertex has.
   enum class Kind { kExact, kFitted };
 
-  void spread(int vertex);
-  void alongEdge(const Node& from, int to);
-  void throughWindow(int halfedge, bool apex_is_front);
+  void spread(int index);
+  void spreadInto(const Node& from, int halfedge);
+  void alongEdge(const Node& from, int to, double length);
+  void queueImproved();
+  void throughWindow(int halfedge, const Node& left, const Node& right, const Behind& face);
+  void lookThrough(const Node& left, const Node& right, const Behind& face);
+  /// False if both ends have exact places, and no fitted value should pass between them.
+  [[nodiscard]] bool throughSheet(int halfedge,
+                                  const Node& left,
+                                  const Node& right,
+                                  double length);
   void follow(const Window& window, int halfedge);
-  void lookThrough(const Window& window, int halfedge, double length);
   static Eigen::Vector2d directionThrough(const Window& window, const Eigen::Vector2d& p);
+  [[nodiscard]] bool reachesIn(const Node& a, const Node* b, double length) const;
   [[nodiscard]] bool isBetter(int vertex, double r, Kind kind) const;
   void offer(int vertex, double r, const Eigen::Vector2d& direction_T, Kind kind);
   [[nodiscard]] bool standsAt(int vertex,
@@ -99,9 +120,11 @@ class PolarFront {
   const TriangleMesh& mesh_;
   double radius_;
   int source_vertex_;
-  double reach_ = 0.0;  ///< longest edge met: how far beyond the radius faces stretch
+  double reach_ = 0.0;    ///< longest edge met: how far beyond the radius faces stretch
+  bool may_meet_ = true;  ///< vertices that have no node yet
   std::vector<Node> nodes_;
   std::vector<int> node_of_;
+  std::vector<int> improved_;
   std::vector<std::pair<double, int>> heap_;
   std::vector<Beam> beams_;
 };

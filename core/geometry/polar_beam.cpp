@@ -1,0 +1,170 @@
+// The exact part of PolarFront: beams through windows whose ends lie on one isometric sheet,
+// followed past vertices that they do not serve.
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/geometry/polar_front.h"
+
+namespace handgraft::geometry {
+
+namespace {
+
+// Places on one sheet differ by rounding, angles most where a window is seen edge-on.
+constexpr double kSameSheet = 1e-6;
+constexpr double kSameLength = 1e-7;       // of the edge
+constexpr double kLengthRounding = 1e-12;  // of r
+constexpr double kRayRounding = 1e-12;     // sine
+constexpr double kShorter = 1e-9;          // of r: a way that is not merely another's rounding
+constexpr double kFlatAngle = 1e-7;        // rad; sum of some ten arc tangents
+// Faces that one beam crosses beyond its window; slivers need most.
+constexpr int kLongestBeam = 256;
+
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+Eigen::Vector2d leftOf(const Eigen::Vector2d& v) {
+  return {-v.y(), v.x()};
+}
+
+/// The third corner of the face behind `halfedge`, in coordinates along it and to its left.
+struct Apex {
+  double x;
+  double y;
+};
+
+Apex apexOf(const Eigen::Vector3d& from,
+            const Eigen::Vector3d& to,
+            const Eigen::Vector3d& apex,
+            double length) {
+  const Eigen::Vector3d along = (to - from) / length;
+  const Eigen::Vector3d side = apex - from;
+  const double x = side.dot(along);
+  return {x, (side - x * along).norm()};
+}
+
+double distanceToSegment(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  const Eigen::Vector2d ab = b - a;
+  const double t = std::clamp(-a.dot(ab) / ab.squaredNorm(), 0.0, 1.0);
+  return (a + t * ab).norm();
+}
+
+}  // namespace
+
+bool PolarFront::throughSheet(int halfedge,
+                              const Node& left,
+                              const Node& right,
+                              double length) {
+  const double length_T = (right.position() - left.position()).norm();
+  const double slack = kSameLength * length + kLengthRounding * std::max(left.r, right.r);
+  // Two sheets of a surface that is flat here: whatever passes between them goes by beam.
+  if (!(std::abs(length_T - length) <= slack)) {
+    return !(isFlat(left.vertex) && isFlat(right.vertex));
+  }
+  if (mesh_.twin(halfedge) < 0) return false;  // nothing comes from beyond the surface's edge
+  if (left.r <= 0.0 || right.r <= 0.0 || length <= 0.0) return false;
+  if (mesh_.to(TriangleMesh::next(halfedge)) == source_vertex_) return false;
+
+  // === The source behind the window: in coordinates along it, so that its ends have y > 0
+  const double source_x = ((left.r - right.r) * (left.r + right.r) / length + length) / 2.0;
+  const double depth_squared = (left.r - source_x) * (left.r + source_x);
+  if (!(depth_squared > kRayRounding * kRayRounding * left.r * left.r)) return false;
+  const double depth = std::sqrt(depth_squared);
+  // The directions, exact as well, tell when the source is in front of the window.
+  if (cross(right.direction_T, left.direction_T) <= 0.0) return false;
+  follow({left.direction_T, right.direction_T, {-source_x, depth}, {length - source_x, depth}},
+         halfedge);
+  return false;
+}
+
+void PolarFront::follow(const Window& window, int halfedge) {
+  beams_.clear();
+  beams_.push_back({halfedge, window.left, window.right, Eigen::Vector2d::UnitX(), window.left,
+                    window.right, true, true});
+  for (int step = 0; !beams_.empty() && step < kLongestBeam; ++step) {
+    const Beam beam = beams_.back();
+    beams_.pop_back();
+    const int h = beam.halfedge;
+    const int apex = mesh_.to(TriangleMesh::next(h));
+    if (apex == source_vertex_) continue;
+
+    // === Unfold the face, by turning from edge to edge: taking directions from places instead
+    // would blow up their rounding in every sliver on the way.
+    const auto a = mesh_.vertices().col(mesh_.from(h));
+    const auto b = mesh_.vertices().col(mesh_.to(h));
+    const auto c = mesh_.vertices().col(apex);
+    const double length = (b - a).norm();
+    if (!(length > 0.0)) continue;
+    const Apex local = apexOf(a, b, c, length);
+    const Eigen::Vector2d to_apex = local.x * beam.along + local.y * leftOf(beam.along);
+    const Eigen::Vector2d p = beam.left + to_apex;
+    const double r = p.norm();
+
+    // === Serve the apex if it is seen
+    const bool beyond_left = cross(beam.left_ray, p) > kRayRounding * r * beam.left_ray.norm();
+    const bool beyond_right =
+        cross(p, beam.right_ray) > kRayRounding * r * beam.right_ray.norm();
+    const bool seen = !beyond_left && !beyond_right;
+    if (seen && r > 0.0 && isBetter(apex, r, Kind::kExact)) {
+      offer(apex, r, directionThrough(window, p), Kind::kExact);
+    }
+    const bool apex_known = standsAt(apex, window, p, r);
+
+    // === Go on through the two other edges, unless both ends of one know their way themselves
+    if (apex_known && beam.left_known && beam.right_known) continue;
+    if (!apex_known) {
+      if (!isFlat(apex)) continue;
+      // A vertex that has not spread yet may still find its way; it asks this window again
+      // then.
+      const Node* node = nodeOf(apex);
+      if (step == 0 && (!node || node->visits == 0)) continue;
+    }
+    const auto outrun = [&](int vertex, const Eigen::Vector2d& place) {
+      const Node* node = nodeOf(vertex);
+      return node && node->r < place.norm() * (1.0 - kShorter);
+    };
+    // Past the cut locus for good: all three have shorter ways.
+    if (outrun(apex, p) && outrun(mesh_.from(h), beam.left) &&
+        outrun(mesh_.to(h), beam.right)) {
+      continue;
+    }
+    const int right_edge = mesh_.twin(TriangleMesh::next(h));
+    if (!beyond_right && right_edge >= 0 && !(apex_known && beam.right_known) &&
+        distanceToSegment(p, beam.right) <= radius_ + reach_) {
+      const Eigen::Vector2d rest =
+          (length - local.x) * beam.along - local.y * leftOf(beam.along);
+      beams_.push_back({right_edge, p, beam.right, rest.normalized(), seen ? p : beam.left_ray,
+                        beam.right_ray, apex_known, beam.right_known});
+    }
+    const int left_edge = mesh_.twin(TriangleMesh::previous(h));
+    if (!beyond_left && left_edge >= 0 && !(apex_known && beam.left_known) &&
+        distanceToSegment(beam.left, p) <= radius_ + reach_) {
+      beams_.push_back({left_edge, beam.left, p, to_apex.normalized(), beam.left_ray,
+                        seen ? p : beam.right_ray, beam.left_known, apex_known});
+    }
+  }
+}
+
+bool PolarFront::standsAt(int vertex,
+                          const Window& window,
+                          const Eigen::Vector2d& p,
+                          double r) const {
+  const Node* node = nodeOf(vertex);
+  if (!node || !node->exact || std::abs(node->r - r) > kSameSheet * r) return false;
+  // The turn from the window's left end to p, carried over to T: complex numbers, no angles.
+  const Eigen::Vector2d& d = window.left_direction_T;
+  const double c = window.left.dot(p);
+  const double s = cross(window.left, p);
+  const Eigen::Vector2d direction_T(c * d.x() - s * d.y(), s * d.x() + c * d.y());
+  return (direction_T / direction_T.norm() - node->direction_T).squaredNorm() <=
+         kSameSheet * kSameSheet;
+}
+
+bool PolarFront::isFlat(int vertex) const {
+  return mesh_.isBoundaryVertex(vertex) ||
+         std::abs(mesh_.angleSum(vertex) - 2.0 * std::numbers::pi) <= kFlatAngle;
+}
+
+}  // namespace handgraft::geometry
