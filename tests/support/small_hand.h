@@ -6,6 +6,7 @@
 
 #include "core/hand/contact_site.h"
 #include "core/hand/hand_model.h"
+#include "core/hand/kinematics.h"
 #include "core/hand/skin.h"
 
 namespace handgraft::test {
