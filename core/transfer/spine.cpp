@@ -5,25 +5,19 @@
 #include <limits>
 
 #include "core/base/error.h"
-#include "core/geometry/log_map.h"
+#include "core/geometry/straight_way.h"
 #include "core/geometry/straightest_geodesic.h"
 #include "core/geometry/tangent_direction.h"
 
 namespace handgraft::transfer {
 namespace {
 
-using geometry::LogMap;
 using geometry::StraightWalk;
 using geometry::SurfacePoint;
 using geometry::TriangleMesh;
 using geometry::WalkEnd;
 
-constexpr int kMostGrowths = 12;  // times 1.5 each: a way 130 times as long as the air line
-constexpr int kMostAims = 8;
-constexpr double kHit = 1e-9;     // of the way's length: good enough to stop aiming
-constexpr double kMissed = 0.25;  // of the way's length: no straight way leads there
-constexpr int kMostPieces = 16;   // of one leg
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr int kMostPieces = 16;  // of one leg
 
 double distanceToSegment(const Eigen::Vector3d& p,
                          const Eigen::Vector3d& a,
@@ -33,9 +27,9 @@ double distanceToSegment(const Eigen::Vector3d& p,
   return (a + t * ab - p).norm();
 }
 
-/// About the patch's width: twice the mean distance of its boundary from its axis.
+/// About the patch's width: twice the largest distance of its boundary from its axis.
 double widthOf(const TriangleMesh& mesh, const contact::Patch& patch) {
-  double sum = 0.0;
+  double farthest = 0.0;
   for (const SurfacePoint& point : patch.interpolation_boundary) {
     const Eigen::Vector3d p = positionOf(mesh, point);
     double nearest = std::numeric_limits<double>::infinity();
@@ -44,60 +38,9 @@ double widthOf(const TriangleMesh& mesh, const contact::Patch& patch) {
       const Eigen::Vector3d b = positionOf(mesh, patch.axis[k]);
       nearest = std::min(nearest, distanceToSegment(p, a, b));
     }
-    sum += nearest;
+    farthest = std::max(farthest, nearest);
   }
-  return 2.0 * sum / static_cast<double>(patch.interpolation_boundary.size());
-}
-
-/// Log coordinates of `target` about `station`, in a disk large enough to hold it; NaN if there
-/// is none.
-Eigen::Vector2d coordinatesOf(const TriangleMesh& mesh,
-                              const Station& station,
-                              const SurfacePoint& target,
-                              LogMap& map) {
-  const double chord = (positionOf(mesh, target) - positionOf(mesh, station.point)).norm();
-  double radius = 1.2 * chord + 2.0 * mesh.meanEdgeLength();
-  std::size_t reached = 0;
-  for (int growth = 0; growth < kMostGrowths; ++growth) {
-    map = computeLogMap(mesh, station.point, station.direction, radius);
-    const Eigen::Vector2d uv = logCoordinates(mesh, map, target);
-    if (uv.allFinite()) return uv;
-    if (growth > 0 && map.vertices.size() == reached) break;
-    reached = map.vertices.size();
-    radius *= 1.5;
-  }
-  return {kNaN, kNaN};
-}
-
-/// The straight way from `station` to `target`, if there is one; its turn keeps the station's
-/// direction.
-std::optional<SpineLeg> legTo(const TriangleMesh& mesh,
-                              const Station& station,
-                              const SurfacePoint& target) {
-  LogMap map;
-  const Eigen::Vector2d uv_target = coordinatesOf(mesh, station, target, map);
-  if (!uv_target.allFinite()) return std::nullopt;
-  // Log maps fit: walk there, see by how much it misses, aim anew.
-  const Eigen::Vector3d p_target = positionOf(mesh, target);
-  Eigen::Vector2d uv = uv_target;
-  SpineLeg best;
-  double least = std::numeric_limits<double>::infinity();
-  for (int aim = 0; aim < kMostAims; ++aim) {
-    const double heading = std::atan2(uv.y(), uv.x());
-    const StraightWalk walk =
-        walkStraight(mesh, station.point, station.direction, uv.norm(), heading);
-    const double miss = (positionOf(mesh, walk.point) - p_target).norm();
-    if (walk.end == WalkEnd::kArrived && miss < least) {
-      least = miss;
-      best = {0, heading, uv.norm(), -heading};
-    }
-    if (least <= kHit * uv_target.norm()) break;
-    const Eigen::Vector2d aside = logCoordinates(mesh, map, walk.point) - uv_target;
-    if (!aside.allFinite()) break;
-    uv -= aside;
-  }
-  if (!(least <= kMissed * uv_target.norm())) return std::nullopt;
-  return best;
+  return 2.0 * farthest;
 }
 
 /// The next station; nothing if the surface ends before.
@@ -131,26 +74,30 @@ class SpineBuilder {
  private:
   /// Stations from knot to knot, as many as the way is long; the last one's index.
   int addWay(int from, int from_knot, int to_knot) {
-    const auto leg = legTo(mesh_, spine_.stations[from], patch_.axis[to_knot]);
-    if (!leg) {
-      rejectInput("patch {}: no straight way leads along the surface from axis knot {} to {}",
-                  quoted(patch_.name), from_knot, to_knot);
-    }
-    int pieces = 1;
-    if (leg->length > 1.5 * width_) {
-      pieces = static_cast<int>(std::ceil(std::min(leg->length / width_, 1.0 * kMostPieces)));
-    }
-    SpineLeg piece = *leg;
-    piece.length /= pieces;
+    const Station& start = spine_.stations[from];
+    const auto way =
+        geometry::straightWayTo(mesh_, start.point, start.direction, patch_.axis[to_knot]);
+    if (!way) rejectWay(from_knot, to_knot);
+    const bool is_long = way->length > 1.5 * width_;
+    const int pieces =
+        is_long ? static_cast<int>(std::ceil(std::min(way->length / width_, 1.0 * kMostPieces)))
+                : 1;
+    // Its turn takes the heading back: the direction is carried along.
+    SpineLeg piece{from, way->heading, way->length / pieces, -way->heading};
     for (int i = 0; i < pieces; ++i) {
       piece.from = from;
       const auto station = follow(mesh_, spine_.stations[from], piece);
-      HANDGRAFT_REQUIRE(station.has_value());  // the whole leg was walked before
+      if (!station) rejectWay(from_knot, to_knot);
       spine_.stations.push_back(*station);
       spine_.legs.push_back(piece);
       from = static_cast<int>(spine_.legs.size());
     }
     return from;
+  }
+
+  [[noreturn]] void rejectWay(int from_knot, int to_knot) const {
+    rejectInput("patch {}: no straight way leads along the surface from axis knot {} to {}",
+                quoted(patch_.name), from_knot, to_knot);
   }
 
   const TriangleMesh& mesh_;

@@ -11,6 +11,7 @@
 
 #include "core/base/error.h"
 #include "core/geometry/log_map.h"
+#include "core/geometry/straight_way.h"
 #include "core/geometry/tangent_direction.h"
 
 #include "tests/core/geometry/sheet.h"
@@ -33,6 +34,10 @@ double lengthOf(const TriangleMesh& mesh, const std::vector<SurfacePoint>& trace
   for (std::size_t i = 1; i < trace.size(); ++i)
     length += (positionOf(mesh, trace[i]) - positionOf(mesh, trace[i - 1])).norm();
   return length;
+}
+
+double angleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
 // === Closed forms
@@ -243,6 +248,57 @@ TEST(StraightWalk, ComesBackOnABentPlaneOfSlivers) {
         return Eigen::Vector3d(p.x(), p.y(), 0.05 * std::sin(9 * p.x()));
       });
   expectThereAndBack(sheet.mesh, 0.002);
+}
+
+// === The way to a place
+
+TEST(StraightWay, LeadsToThePlaceMeant) {
+  const TriangleMesh sphere = makeSphere(0.05, 4);
+  const Eigen::Vector3d direction(0.2, -0.5, 0.7);
+  for (const SurfacePoint& start : startsOn(sphere)) {
+    for (int k = 0; k < 40; ++k) {
+      const SurfacePoint target{31 * k, {0.2, 0.5, 0.3}};
+      const Eigen::Vector3d p = positionOf(sphere, target);
+      const double arc =
+          0.05 * angleBetween(positionOf(sphere, start).normalized(), p.normalized());
+      if (arc > 0.1) continue;
+      const auto way = straightWayTo(sphere, start, direction, target);
+      ASSERT_TRUE(way.has_value());
+      EXPECT_NEAR(way->length, arc, 0.005 * arc);
+      const StraightWalk walk =
+          walkStraight(sphere, start, direction, way->length, way->heading);
+      EXPECT_NEAR((positionOf(sphere, walk.point) - p).norm(), way->miss, 1e-12);
+      EXPECT_LT(way->miss, 3e-3 * arc);  // a vertex in between may split the ways
+    }
+  }
+}
+
+TEST(StraightWay, IsNoneWhereEveryWayBendsOrThereIsNone) {
+  // A long slit from the edge of a plane: the way from one side of it to the other turns back.
+  const TriangleMesh whole = test::makePlane(0.0).mesh;
+  std::vector<int> corners;
+  for (int f = 0; f < whole.faceCount(); ++f) {
+    const Eigen::Vector3d centre = positionOf(whole, {f, Eigen::Vector3d::Constant(1.0 / 3.0)});
+    const bool in_slit = centre.y() > 0.4 && centre.y() < 0.5 && centre.x() > 0.3;
+    const Eigen::Vector3i face = whole.face(f);
+    if (!in_slit) corners.insert(corners.end(), {face[0], face[1], face[2]});
+  }
+  const TriangleMesh slit(
+      whole.vertices(),
+      Eigen::Map<Eigen::Matrix3Xi>(corners.data(), 3, static_cast<int>(corners.size()) / 3));
+  const auto nearest = [&](const Eigen::Vector3d& p) {
+    int v = 0;
+    (slit.vertices().colwise() - p).colwise().norm().minCoeff(&v);
+    return surfacePointAtVertex(slit, v);
+  };
+  const SurfacePoint below = nearest({0.9, 0.3, 0});
+  const SurfacePoint above = nearest({0.9, 0.6, 0});
+  EXPECT_FALSE(straightWayTo(slit, below, {1, 0, 0}, above).has_value());
+  EXPECT_TRUE(straightWayTo(slit, below, {1, 0, 0}, nearest({0.4, 0.2, 0})).has_value());
+  const TriangleMesh two = merged({makeSphere(1.0, 2), makeSphere(2.0, 2)});
+  EXPECT_FALSE(straightWayTo(two, {0, {0.2, 0.5, 0.3}}, {0.2, -0.5, 0.7},
+                             {two.faceCount() - 1, {0.2, 0.5, 0.3}})
+                   .has_value());
 }
 
 // === Where walks end
