@@ -15,6 +15,7 @@
 #include "core/io/contact_file.h"
 #include "core/io/urdf_file.h"
 #include "core/transfer/patch_transfer.h"
+#include "core/transfer/staged_transfer.h"
 
 #include "tests/bench/round_trip.h"
 #include "tests/bench/skin_cache.h"
@@ -177,12 +178,19 @@ MethodReport measureMethod(const Task& task, LogMapMethod method, int repeats) {
     }
   }));
 
-  // === What one edit costs: the patch is laid again, the others stay as they are
-  const auto edited = [&](const std::string& name, const transfer::Placement& placement) {
-    report.stages.push_back(stageOf(name, repeats, [&] {
+  // === What one edit costs: the patch is laid again as the product does, which keeps what did
+  // not change; every repeat changes it back or forth
+  const transfer::Surfaces surfaces = transfer::borrowedSurfaces(task.object_O, *task.skin);
+  const auto edited = [&](const std::string& name, const transfer::Placement& other) {
+    transfer::StagedTransfer staged;
+    bool moved = false;
+    const auto lay = [&] {
+      moved = !moved;
       static_cast<void>(
-          transferPatch(task.object_O, task.patches[0], *task.skin, placement, options));
-    }));
+          staged.lay(surfaces, task.patches[0], moved ? other : task.placements[0], options));
+    };
+    lay();
+    report.stages.push_back(stageOf(name, repeats, lay));
   };
   const SurfacePoint beside = task.skin->locator()
                                   .nearest(positionOf(skin_S, task.placements[0].root_S) +
