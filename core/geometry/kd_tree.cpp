@@ -1,5 +1,6 @@
 #include "core/geometry/kd_tree.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -25,6 +26,12 @@ Eigen::Matrix3Xd checked(Eigen::Matrix3Xd points) {
     }
   }
   return points;
+}
+
+void requireFinite(const Eigen::Vector3d& p) {
+  if (!p.allFinite()) {
+    rejectInput("query point is ({}, {}, {}), coordinates must be finite", p[0], p[1], p[2]);
+  }
 }
 
 struct Points {
@@ -80,6 +87,42 @@ class LowestIndexNearest {
   std::size_t index_ = kNone;
 };
 
+/// The nearest few, by (distance, index); equals of the farthest are offered, as above.
+class LowestIndicesNearest {
+ public:
+  using DistanceType = double;
+
+  explicit LowestIndicesNearest(std::size_t count) : count_(count) { best_.reserve(count + 1); }
+
+  bool addPoint(double distance_squared, std::size_t index) {
+    const std::pair found(distance_squared, index);
+    best_.insert(std::upper_bound(best_.begin(), best_.end(), found), found);
+    if (best_.size() > count_) best_.pop_back();
+    return true;
+  }
+
+  [[nodiscard]] double worstDist() const {
+    if (!full()) return std::numeric_limits<double>::max();
+    return std::nextafter(best_.back().first, std::numeric_limits<double>::infinity());
+  }
+
+  [[nodiscard]] bool full() const { return best_.size() == count_; }
+
+  [[nodiscard]] std::size_t size() const { return best_.size(); }
+
+  [[nodiscard]] std::vector<KdTree::Hit> hits() const {
+    std::vector<KdTree::Hit> hits;
+    hits.reserve(best_.size());
+    for (const auto& [distance_squared, index] : best_)
+      hits.push_back({static_cast<int>(index), std::sqrt(distance_squared)});
+    return hits;
+  }
+
+ private:
+  std::size_t count_;
+  std::vector<std::pair<double, std::size_t>> best_;
+};
+
 using Index = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Points>,
                                                   Points,
                                                   3,
@@ -102,15 +145,21 @@ KdTree::KdTree(KdTree&&) noexcept = default;
 KdTree& KdTree::operator=(KdTree&&) noexcept = default;
 
 KdTree::Hit KdTree::nearest(const Eigen::Vector3d& p) const {
-  if (!p.allFinite()) {
-    rejectInput("query point is ({}, {}, {}), coordinates must be finite", p[0], p[1], p[2]);
-  }
+  requireFinite(p);
   LowestIndexNearest result;
   tree_->index.findNeighbors(result, p.data(), nanoflann::SearchParams());
   if (result.empty()) {
     rejectInput("query point is ({}, {}, {}), too far from the points", p[0], p[1], p[2]);
   }
   return result.hit();
+}
+
+std::vector<KdTree::Hit> KdTree::nearestFew(const Eigen::Vector3d& p, int count) const {
+  requireFinite(p);
+  HANDGRAFT_REQUIRE(count >= 1);
+  LowestIndicesNearest result(static_cast<std::size_t>(count));
+  tree_->index.findNeighbors(result, p.data(), nanoflann::SearchParams());
+  return result.hits();
 }
 
 }  // namespace handgraft::geometry

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -23,6 +24,10 @@ class KdTree {
 
   /// Errors: InvalidInput if `p` is not finite. Cost: O(log N).
   [[nodiscard]] Hit nearest(const Eigen::Vector3d& p) const;
+
+  /// The nearest `count` points, or all if there are fewer, by rising distance, then index.
+  /// Errors: InvalidInput if `p` is not finite; `count` >= 1. Cost: O(count log N).
+  [[nodiscard]] std::vector<Hit> nearestFew(const Eigen::Vector3d& p, int count) const;
 
  private:
   struct Tree;

@@ -5,13 +5,16 @@
 #include <fstream>
 #include <limits>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
 #include "core/contact/carry.h"
+#include "core/geometry/surface_locator.h"
 #include "core/io/json_keys.h"
+#include "core/io/object_file.h"
 
 namespace handgraft::io {
 namespace {
@@ -23,6 +26,7 @@ using geometry::SurfacePoint;
 using nlohmann::json;
 
 constexpr const char* kFormat = "handgraft-contacts/1";
+constexpr double kCloudReach_m = 0.005;           // from a point to the surface laid through it
 constexpr std::uintmax_t kMostBytes = 64u << 20;  // a set of 1,000 patches takes about 1 MB
 
 // === Contact sets: JSON to numbers, each with the field's name in its error
@@ -71,6 +75,16 @@ void requireKnownKeys(const json& object, std::initializer_list<const char*> per
 }
 
 // === Indices: the file's own to the mesh's and back
+
+/// A point of an object that is given as points.
+Eigen::Vector3d cloudPointFrom(const json& value, const char* name, const MeshFile& object) {
+  const int v = integerFrom(value, name);
+  if (v >= object.cloud_O.cols()) {
+    rejectInput("field '{}': point {} does not exist; the object has points 0 to {}", name, v,
+                object.cloud_O.cols() - 1);
+  }
+  return object.cloud_O.col(v);
+}
 
 /// The mesh vertex of a file's vertex.
 int meshVertexFrom(const json& value, const char* name, const MeshFile& object) {
@@ -122,9 +136,59 @@ class FaceIndex {
 
 /// An object's mesh with the ways between its indices and its file's.
 struct IndexedObject {
+  explicit IndexedObject(const MeshFile& object) : file(object), faces(object) {
+    if (object.cloud_O.cols() > 0) surface.emplace(object.mesh);
+  }
+
   const MeshFile& file;
-  FaceIndex faces{file};
+  FaceIndex faces;
+  /// For objects given as points: their places on the surface.
+  std::optional<geometry::SurfaceLocator> surface;
+
+  [[nodiscard]] bool isCloud() const { return surface.has_value(); }
+
+  [[nodiscard]] SurfacePoint nearest(const Eigen::Vector3d& p_O, const char* name) const {
+    const auto hit = surface->nearest(p_O);
+    if (hit.distance > kCloudReach_m) {
+      rejectInput(
+          "field '{}': a point lies {:.1f} mm from the object's surface, at most {:.1f} "
+          "mm are permitted; was it left out of the surface?",
+          name, 1e3 * hit.distance, 1e3 * kCloudReach_m);
+    }
+    return hit.point;
+  }
 };
+
+/// `count` places at equal arc length along the closed polygon of points, laid onto the
+/// surface.
+std::vector<SurfacePoint> sampleCloudLoop(const std::vector<Eigen::Vector3d>& loop,
+                                          int count,
+                                          const IndexedObject& object) {
+  constexpr const char* kName = "boundary";
+  if (loop.size() < 3)
+    rejectInput("field 'boundary' has {} points; at least 3 are needed", loop.size());
+  if (count < contact::kFewestInterpolationPoints ||
+      count > contact::kMostInterpolationPoints) {
+    rejectInput("field 'interpolation_count' is {}; permitted are {} to {}", count,
+                contact::kFewestInterpolationPoints, contact::kMostInterpolationPoints);
+  }
+  std::vector<double> along{0.0};
+  for (std::size_t i = 0; i < loop.size(); ++i)
+    along.push_back(along.back() + (loop[(i + 1) % loop.size()] - loop[i]).norm());
+  if (!(along.back() > 0.0)) rejectInput("field 'boundary' has no length");
+  std::vector<SurfacePoint> places;
+  std::size_t at = 0;
+  for (int k = 0; k < count; ++k) {
+    const double s = along.back() * k / count;
+    while (at + 1 < loop.size() && along[at + 1] <= s)
+      ++at;
+    const double length = along[at + 1] - along[at];
+    const double t = length > 0.0 ? (s - along[at]) / length : 0.0;
+    places.push_back(
+        object.nearest((1.0 - t) * loop[at] + t * loop[(at + 1) % loop.size()], kName));
+  }
+  return places;
+}
 
 SurfacePoint surfacePointFrom(const json& value,
                               const char* name,
@@ -132,6 +196,14 @@ SurfacePoint surfacePointFrom(const json& value,
   if (!value.is_object()) rejectInput("field '{}' is no object", name);
   if (const auto fault = unknownKeyIn(value, {"vertex", "face", "triangle", "barycentric"}))
     rejectInput("field '{}': {}", name, *fault);
+  if (object.isCloud()) {
+    const auto vertex = value.find("vertex");
+    if (vertex == value.end())
+      rejectInput(
+          "field '{}': the object is given as points, places on it are named by 'vertex'",
+          name);
+    return object.nearest(cloudPointFrom(*vertex, name, object.file), name);
+  }
   if (const auto vertex = value.find("vertex"); vertex != value.end()) {
     return geometry::surfacePointAtVertex(object.file.mesh,
                                           meshVertexFrom(*vertex, name, object.file));
@@ -170,7 +242,12 @@ Patch patchFrom(const json& value, const IndexedObject& object) {
   if (const auto weight = value.find("weight"); weight != value.end()) {
     patch.weight = numberFrom(*weight, "weight");
   }
+  std::vector<Eigen::Vector3d> cloud_loop;
   for (const json& vertex : arrayFrom(fieldOf(value, "boundary"), "boundary")) {
+    if (object.isCloud()) {
+      cloud_loop.push_back(cloudPointFrom(vertex, "boundary", object.file));
+      continue;
+    }
     patch.boundary.push_back(meshVertexFrom(vertex, "boundary", object.file));
   }
   if (const auto knots = value.find("axis"); knots != value.end()) {
@@ -183,11 +260,12 @@ Patch patchFrom(const json& value, const IndexedObject& object) {
           surfacePointFrom(point, "interpolation_boundary", object));
     }
   } else {
-    const auto count = value.find("interpolation_count");
+    const auto field = value.find("interpolation_count");
+    const int count = field == value.end() ? contact::kDefaultInterpolationCount
+                                           : integerFrom(*field, "interpolation_count");
     patch.interpolation_boundary =
-        contact::sampleLoop(object.file.mesh, patch.boundary,
-                            count == value.end() ? contact::kDefaultInterpolationCount
-                                                 : integerFrom(*count, "interpolation_count"));
+        object.isCloud() ? sampleCloudLoop(cloud_loop, count, object)
+                         : contact::sampleLoop(object.file.mesh, patch.boundary, count);
   }
   return patch;
 }
@@ -315,6 +393,12 @@ std::string objectNameIn(const std::filesystem::path& path) {
 void writeContactSet(const std::filesystem::path& path,
                      const ContactSet& set,
                      const MeshFile& object_file) {
+  if (object_file.cloud_O.cols() > 0) {
+    rejectInput(
+        "{}: contacts on a point cloud's surface have no indices in its file to be "
+        "written by",
+        quoted(path.string()));
+  }
   const IndexedObject object{object_file};
   json patches = json::array();
   for (const Patch& patch : set.patches) {
@@ -351,11 +435,22 @@ ContactSet readContacts(const std::filesystem::path& path,
   if (!isPly(path)) return readContactSet(path, object);
   const ContactMap map = readContactMap(path);
   return namingFile(path, [&] {
-    ContactSet set = segment(map, options);
+    // Points alone have no regions: the object's own surface, or one laid through them, has.
+    const bool is_cloud = map.mesh_O.faceCount() == 0;
+    const bool on_object = is_cloud && object.cloud_O.cols() > 0;
+    ContactMap on_mesh = map;
+    if (on_object) {
+      on_mesh = onSurface(map, object.mesh, kCloudReach_m);
+    } else if (is_cloud) {
+      const auto surface = cloud::surfaceOf({map.mesh_O.vertices(), {}});
+      on_mesh = onSurface(map, surface.mesh_O, kCloudReach_m);
+    }
+    ContactSet set = segment(on_mesh, options);
     const std::vector<std::string> unlisted = notesOnUnlistedLinks(map, options.threshold);
     set.notes.insert(set.notes.begin(), unlisted.begin(), unlisted.end());
     set.name = path.stem().string();
-    return sameMesh(map.mesh_O, object.mesh) ? set : carry(set, map.mesh_O, object.mesh);
+    return sameMesh(on_mesh.mesh_O, object.mesh) ? set
+                                                 : carry(set, on_mesh.mesh_O, object.mesh);
   });
 }
 

@@ -19,6 +19,9 @@ struct MeshFile {
   std::vector<int> file_face;
   /// "welded 49152 vertices to 8190", "dropped 3 faces without area".
   std::vector<std::string> notes;
+  /// Points of a file without faces, in its order, 3 x N; then `mesh` is a surface laid through
+  /// them (`readObject`) and the three lists above are empty. No column for a mesh.
+  Eigen::Matrix3Xd cloud_O;
 };
 
 /// Reads STL, OBJ, PLY, glTF/GLB or DAE; welds vertices at the same place; triangulates.

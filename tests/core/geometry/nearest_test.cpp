@@ -1,4 +1,7 @@
+#include <algorithm>
 #include <random>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -39,6 +42,27 @@ TEST(KdTree, GivesTiesToTheLowestIndex) {
   points.row(0).tail(30).setConstant(1.0);
   EXPECT_EQ(KdTree(points).nearest(Eigen::Vector3d::Zero()).index, 0);
   EXPECT_EQ(KdTree(points).nearest({0.5, 0.0, 0.0}).index, 30);
+}
+
+TEST(KdTree, ListsTheNearestFewInOrder) {
+  std::mt19937 random(2);
+  Eigen::Matrix3Xd points(3, 300);
+  for (int i = 0; i < 300; ++i)
+    points.col(i) = randomPoint(random);
+  points.col(200) = points.col(100);  // equals: the lower index first
+  const KdTree tree(points);
+  for (int i = 0; i < 50; ++i) {
+    const Eigen::Vector3d p = i == 0 ? Eigen::Vector3d(points.col(100)) : randomPoint(random);
+    std::vector<std::pair<double, int>> all;
+    for (int k = 0; k < 300; ++k)
+      all.emplace_back((points.col(k) - p).squaredNorm(), k);
+    std::sort(all.begin(), all.end());
+    const auto few = tree.nearestFew(p, 9);
+    ASSERT_EQ(few.size(), 9u);
+    for (std::size_t k = 0; k < 9; ++k)
+      EXPECT_EQ(few[k].index, all[k].second);
+  }
+  EXPECT_EQ(tree.nearestFew(Eigen::Vector3d::Zero(), 500).size(), 300u);
 }
 
 TEST(KdTree, RefusesWhatIsNotFinite) {

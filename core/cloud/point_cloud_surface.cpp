@@ -1,0 +1,257 @@
+#include "core/cloud/point_cloud_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/cloud/reconstruction.h"
+#include "core/geometry/kd_tree.h"
+#include "core/geometry/surface_locator.h"
+
+namespace handgraft::cloud {
+
+namespace {
+
+using geometry::KdTree;
+using geometry::SurfaceLocator;
+using geometry::TriangleMesh;
+
+constexpr double kMostLost = 0.001;
+constexpr double kMostInvented = 0.02;
+/// A surface that leaves more of the points behind than this is none of theirs.
+constexpr double kMostLeftBehind = 0.5;
+
+double areaOf(const TriangleMesh& mesh, int f) {
+  const Eigen::Vector3i face = mesh.face(f);
+  return 0.5 * (mesh.vertex(face[1]) - mesh.vertex(face[0]))
+                   .cross(mesh.vertex(face[2]) - mesh.vertex(face[0]))
+                   .norm();
+}
+
+Eigen::Vector3d centreOf(const TriangleMesh& mesh, int f) {
+  const Eigen::Vector3i face = mesh.face(f);
+  return (mesh.vertex(face[0]) + mesh.vertex(face[1]) + mesh.vertex(face[2])) / 3.0;
+}
+
+/// The component with the largest area, and a note on the others.
+TriangleMesh largestPiece(const TriangleMesh& mesh, std::vector<std::string>& notes) {
+  const auto [component, count] = mesh.components();
+  std::vector<double> area(static_cast<std::size_t>(count), 0.0);
+  for (int f = 0; f < mesh.faceCount(); ++f)
+    area[component[mesh.face(f)[0]]] += areaOf(mesh, f);
+  const auto kept = static_cast<int>(std::max_element(area.begin(), area.end()) - area.begin());
+
+  std::vector<int> index(static_cast<std::size_t>(mesh.vertexCount()), -1);
+  Eigen::Matrix3Xd vertices(3, mesh.vertexCount());
+  Eigen::Matrix3Xi faces(3, mesh.faceCount());
+  int vertex_count = 0;
+  int face_count = 0;
+  for (int v = 0; v < mesh.vertexCount(); ++v) {
+    if (component[v] != kept) continue;
+    vertices.col(vertex_count) = mesh.vertex(v);
+    index[v] = vertex_count++;
+  }
+  for (int f = 0; f < mesh.faceCount(); ++f) {
+    const Eigen::Vector3i face = mesh.face(f);
+    if (component[face[0]] != kept) continue;
+    faces.col(face_count++) << index[face[0]], index[face[1]], index[face[2]];
+  }
+  const auto others = std::count_if(area.begin(), area.end(),
+                                    [](double a) {
+                                      return a > 0.0;
+                                    }) -
+                      1;
+  if (others > 0) {
+    double total = 0.0;
+    for (const double a : area)
+      total += a;
+    notes.push_back(
+        fmt::format("left out {} separate pieces of the surface, {:.2g} % of its area", others,
+                    100.0 * (1.0 - area[kept] / total)));
+  }
+  return {vertices.leftCols(vertex_count), faces.leftCols(face_count)};
+}
+
+TriangleMesh turnedRound(const TriangleMesh& mesh) {
+  Eigen::Matrix3Xi faces = mesh.faces();
+  faces.row(1).swap(faces.row(2));
+  return {mesh.vertices(), std::move(faces)};
+}
+
+double sixfoldVolume(const TriangleMesh& mesh) {
+  const Eigen::Vector3d origin = mesh.vertices().rowwise().mean();
+  double volume = 0.0;
+  for (int f = 0; f < mesh.faceCount(); ++f) {
+    const Eigen::Vector3i face = mesh.face(f);
+    volume += (mesh.vertex(face[0]) - origin)
+                  .dot((mesh.vertex(face[1]) - origin).cross(mesh.vertex(face[2]) - origin));
+  }
+  return volume;
+}
+
+/// Area-weighted agreement of the faces with the normals of the nearest points.
+double agreementOf(const TriangleMesh& mesh, const PreparedCloud& cloud, const KdTree& points) {
+  double agreement = 0.0;
+  for (int f = 0; f < mesh.faceCount(); ++f) {
+    const int near = points.nearest(centreOf(mesh, f)).index;
+    agreement += areaOf(mesh, f) * mesh.faceNormals().col(f).dot(cloud.normals_O.col(near));
+  }
+  return agreement;
+}
+
+TriangleMesh facingOutward(const TriangleMesh& mesh,
+                           const PreparedCloud& cloud,
+                           const KdTree& points) {
+  const double outward =
+      mesh.isClosed() ? sixfoldVolume(mesh) : agreementOf(mesh, cloud, points);
+  return outward < 0.0 ? turnedRound(mesh) : mesh;
+}
+
+/// Makes one candidate, without a face if the method finds none.
+TriangleMesh reconstructed(const PreparedCloud& cloud,
+                           Method method,
+                           const Progress& progress) {
+  if (method == Method::kAdvancingFront) {
+    progress.report("joining the points", 0.7);
+    return advancingFrontSurface(cloud.points_O, cloud.gap_m, progress);
+  }
+  progress.report("fitting a closed surface", 0.3);
+  return poissonSurface(cloud.points_O, cloud.normals_O, cloud.spacing_m, cloud.spacing_m,
+                        progress);
+}
+
+void measure(CloudSurface& surface,
+             const PreparedCloud& cloud,
+             const KdTree& points,
+             double far_m,
+             const Progress& progress) {
+  const SurfaceLocator locator(surface.mesh_O);
+  const Eigen::Index count = cloud.points_O.cols();
+  Eigen::VectorXd distance(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    if (i % 4096 == 0) progress.checkpoint();
+    distance[i] = locator.nearest(cloud.points_O.col(i)).distance;
+  }
+  surface.mean_m = distance.mean();
+  surface.rms_m = std::sqrt(distance.squaredNorm() / static_cast<double>(count));
+  surface.max_m = distance.maxCoeff();
+  surface.lost_share = (distance.array() > far_m).cast<double>().mean();
+
+  double invented = 0.0;
+  double total = 0.0;
+  for (int f = 0; f < surface.mesh_O.faceCount(); ++f) {
+    if (f % 4096 == 0) progress.checkpoint();
+    const double area = areaOf(surface.mesh_O, f);
+    total += area;
+    if (points.nearest(centreOf(surface.mesh_O, f)).distance > far_m) invented += area;
+  }
+  surface.invented_share = total > 0.0 ? invented / total : 0.0;
+}
+
+bool isTrue(const CloudSurface& surface) {
+  return surface.mesh_O.faceCount() > 0 && surface.mesh_O.isClosed() &&
+         surface.lost_share <= kMostLost && surface.invented_share <= kMostInvented;
+}
+
+/// Why Poisson's surface was not taken.
+std::string faultOf(const CloudSurface& surface) {
+  if (surface.mesh_O.faceCount() == 0 || !surface.mesh_O.isClosed())
+    return "no closed surface fits the points";
+  if (surface.invented_share > kMostInvented) {
+    return fmt::format("an open scan: a closed surface would be {:.1f} % invented",
+                       100.0 * surface.invented_share);
+  }
+  return fmt::format("a closed surface would miss {:.1f} % of the points",
+                     100.0 * surface.lost_share);
+}
+
+void describe(CloudSurface& surface, const PreparedCloud& cloud, double far_m) {
+  const TriangleMesh& mesh = surface.mesh_O;
+  std::string shape = "open";
+  if (mesh.isClosed()) {
+    const int handles = (2 - mesh.eulerCharacteristic()) / 2;
+    shape = handles == 0 ? "closed" : fmt::format("closed with {} handles", handles);
+  }
+  surface.notes.push_back(fmt::format(
+      "surface of {} points, {:.2f} mm apart, by {}: {}, {} faces, edges of {:.2f} mm",
+      surface.point_count, 1e3 * surface.spacing_m, nameOf(surface.method), shape,
+      mesh.faceCount(), 1e3 * mesh.meanEdgeLength()));
+  surface.notes.push_back(
+      fmt::format("the points are {:.3f} mm from it on average (RMS {:.3f}, at most {:.3f} "
+                  "mm); {:.1f} % of "
+                  "it is farther than {:.2f} mm from all points",
+                  1e3 * surface.mean_m, 1e3 * surface.rms_m, 1e3 * surface.max_m,
+                  100.0 * surface.invented_share, 1e3 * far_m));
+  if (!mesh.isClosed() && !cloud.normals_given) {
+    surface.notes.emplace_back(
+        "without normals nothing says which side of an open scan is out: the side that it "
+        "bulges to was taken");
+  }
+}
+
+}  // namespace
+
+const char* nameOf(Method method) {
+  switch (method) {
+    case Method::kAuto:
+      return "auto";
+    case Method::kPoisson:
+      return "Poisson";
+    case Method::kAdvancingFront:
+      return "advancing front";
+  }
+  return "?";
+}
+
+CloudSurface surfaceOf(const PointCloud& given,
+                       const SurfaceOptions& options,
+                       const Progress& progress) {
+  if (options.most_points < kFewestPoints)
+    rejectInput("most points is {}; it must be at least {}", options.most_points,
+                kFewestPoints);
+  if (!(options.far_spacings > 0.0))
+    rejectInput("far is {} spacings; it must be above 0", options.far_spacings);
+  const PreparedCloud cloud = prepare(given, options.most_points, progress);
+  const KdTree points(cloud.points_O);
+  const double far_m = options.far_spacings * cloud.spacing_m;
+
+  const auto candidate = [&](Method method) {
+    CloudSurface surface;
+    surface.method = method;
+    surface.point_count = static_cast<int>(cloud.points_O.cols());
+    surface.spacing_m = cloud.spacing_m;
+    surface.notes = cloud.notes;
+    const TriangleMesh mesh = reconstructed(cloud, method, progress);
+    if (mesh.faceCount() == 0) return surface;
+    surface.mesh_O = facingOutward(largestPiece(mesh, surface.notes), cloud, points);
+    progress.report("measuring the surface", method == Method::kPoisson ? 0.6 : 0.9);
+    measure(surface, cloud, points, far_m, progress);
+    return surface;
+  };
+
+  CloudSurface surface;
+  if (options.method == Method::kAdvancingFront) {
+    surface = candidate(Method::kAdvancingFront);
+  } else {
+    surface = candidate(Method::kPoisson);
+    if (options.method == Method::kAuto && !isTrue(surface)) {
+      const std::string fault = faultOf(surface);
+      surface = candidate(Method::kAdvancingFront);
+      surface.notes.push_back(fault);
+    }
+  }
+  if (surface.mesh_O.faceCount() == 0 || surface.lost_share > kMostLeftBehind) {
+    rejectInput(
+        "point cloud of {} points gives no surface by {} ({:.0f} % of the points would be "
+        "farther "
+        "than {:.2g} mm from it, permitted are {:.0f} %); are the points on one surface?",
+        surface.point_count, nameOf(surface.method),
+        surface.mesh_O.faceCount() == 0 ? 100.0 : 100.0 * surface.lost_share, 1e3 * far_m,
+        100.0 * kMostLeftBehind);
+  }
+  describe(surface, cloud, far_m);
+  return surface;
+}
+
+}  // namespace handgraft::cloud

@@ -1,0 +1,323 @@
+#include "core/cloud/reconstruction.h"
+
+// Tells CGAL's headers that Eigen is there.
+#define CGAL_EIGEN3_ENABLED
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <tuple>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include <CGAL/Advancing_front_surface_reconstruction.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Implicit_surface_3.h>
+#include <CGAL/Poisson_reconstruction_function.h>
+#include <CGAL/Random.h>
+#include <CGAL/Surface_mesh_default_triangulation_3.h>
+#include <CGAL/jet_estimate_normals.h>
+#include <CGAL/make_surface_mesh.h>
+#include <CGAL/mst_orient_normals.h>
+#include <CGAL/property_map.h>
+
+#include "core/base/error.h"
+#include "core/geometry/kd_tree.h"
+
+namespace handgraft::cloud {
+
+namespace {
+
+using geometry::KdTree;
+using geometry::TriangleMesh;
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Point = Kernel::Point_3;
+using Vector = Kernel::Vector_3;
+
+struct OrientedPoint {
+  Point point;
+  Vector normal;
+  Eigen::Index index = 0;
+
+  bool operator==(const OrientedPoint& other) const { return index == other.index; }
+};
+
+struct PointMap {
+  using key_type = OrientedPoint;
+  using value_type = Point;
+  using reference = const Point&;
+  using category = boost::lvalue_property_map_tag;
+
+  friend reference get(PointMap, const OrientedPoint& p) { return p.point; }
+};
+
+struct NormalMap {
+  using key_type = OrientedPoint;
+  using value_type = Vector;
+  using reference = const Vector&;
+  using category = boost::lvalue_property_map_tag;
+
+  friend reference get(NormalMap, const OrientedPoint& p) { return p.normal; }
+
+  friend void put(NormalMap, OrientedPoint& p, const Vector& normal) { p.normal = normal; }
+};
+
+Point pointFrom(const Eigen::Vector3d& p) {
+  return {p.x(), p.y(), p.z()};
+}
+
+Eigen::Vector3d vectorFrom(const Vector& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+/// CGAL's own generator starts with the time of day: without this every run looks elsewhere
+/// first.
+void makeRepeatable() {
+  CGAL::get_default_random() = CGAL::Random(0);
+}
+
+// === Poisson
+
+/// Lets a wish to stop into the refinement.
+struct Checkpoint {
+  const Progress* progress;
+
+  void before_insertion() const { progress->checkpoint(); }
+};
+
+using Poisson = CGAL::Poisson_reconstruction_function<Kernel>;
+
+/// The implicit function, which lets a wish to stop into the meshing.
+struct Field {
+  const Poisson* function;
+  const Progress* progress;
+
+  Kernel::FT operator()(const Point& p) const {
+    progress->checkpoint();
+    return (*function)(p);
+  }
+};
+
+using SurfaceTriangulation = CGAL::Surface_mesh_default_triangulation_3;
+using SurfaceComplex = CGAL::Surface_mesh_complex_2_in_triangulation_3<SurfaceTriangulation>;
+
+using Triangles = std::vector<std::array<int, 3>>;
+
+/// For every triangle's edge (corner to next) the triangle beyond, -1 where there is not
+/// exactly one.
+std::vector<std::array<int, 3>> neighboursOf(const Triangles& triangles) {
+  std::vector<std::tuple<int, int, int, int>> edges;  // low vertex, high vertex, triangle, edge
+  edges.reserve(3 * triangles.size());
+  for (int t = 0; t < static_cast<int>(triangles.size()); ++t) {
+    for (int c = 0; c < 3; ++c) {
+      const auto [low, high] = std::minmax(triangles[t][c], triangles[t][(c + 1) % 3]);
+      edges.emplace_back(low, high, t, c);
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  std::vector<std::array<int, 3>> neighbours(triangles.size(), {-1, -1, -1});
+  for (std::size_t i = 0; i < edges.size();) {
+    std::size_t end = i + 1;
+    while (end < edges.size() && std::get<0>(edges[end]) == std::get<0>(edges[i]) &&
+           std::get<1>(edges[end]) == std::get<1>(edges[i]))
+      ++end;
+    if (end - i == 2) {
+      const auto& [low, high, a, a_edge] = edges[i];
+      const auto& [low_b, high_b, b, b_edge] = edges[i + 1];
+      neighbours[a][a_edge] = b;
+      neighbours[b][b_edge] = a;
+    }
+    i = end;
+  }
+  return neighbours;
+}
+
+/// Turns every component's triangles to agree with its first one.
+void orient(Triangles& triangles) {
+  const std::vector<std::array<int, 3>> neighbours = neighboursOf(triangles);
+  // Indexed by the edges as they were: turning a triangle renames its edges.
+  const Triangles before = triangles;
+  std::vector<char> turned(triangles.size(), -1);
+  std::vector<int> open;
+  for (int first = 0; first < static_cast<int>(triangles.size()); ++first) {
+    if (turned[first] >= 0) continue;
+    turned[first] = 0;
+    open.push_back(first);
+    while (!open.empty()) {
+      const int t = open.back();
+      open.pop_back();
+      for (int c = 0; c < 3; ++c) {
+        const int other = neighbours[t][c];
+        if (other < 0 || turned[other] >= 0) continue;
+        const int from = before[t][c];
+        const int to = before[t][(c + 1) % 3];
+        bool same_way = false;  // both run along the edge from `from` to `to`: they disagree
+        for (int d = 0; d < 3; ++d)
+          same_way |= before[other][d] == from && before[other][(d + 1) % 3] == to;
+        turned[other] = static_cast<char>(same_way ? 1 - turned[t] : turned[t]);
+        open.push_back(other);
+      }
+    }
+  }
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    if (turned[t] == 1) std::swap(triangles[t][1], triangles[t][2]);
+}
+
+TriangleMesh meshOf(const std::vector<Eigen::Vector3d>& vertices, const Triangles& triangles) {
+  Eigen::Matrix3Xd points(3, static_cast<Eigen::Index>(vertices.size()));
+  for (std::size_t v = 0; v < vertices.size(); ++v)
+    points.col(static_cast<Eigen::Index>(v)) = vertices[v];
+  Eigen::Matrix3Xi faces(3, static_cast<Eigen::Index>(triangles.size()));
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (int c = 0; c < 3; ++c)
+      faces(c, static_cast<Eigen::Index>(t)) = triangles[t][c];
+  return {std::move(points), std::move(faces)};
+}
+
+/// The facets of a complex, those of each component agreeing, in an order that does not depend
+/// on addresses (CGAL's own conversion does).
+TriangleMesh meshOf(const SurfaceComplex& complex) {
+  const SurfaceTriangulation& cells = complex.triangulation();
+  std::vector<Eigen::Vector3d> vertices;
+  std::unordered_map<SurfaceTriangulation::Vertex_handle, int> index_of;
+  Triangles triangles;
+  for (auto facet = cells.finite_facets_begin(); facet != cells.finite_facets_end(); ++facet) {
+    if (!facet->first->is_facet_on_surface(facet->second)) continue;
+    std::array<int, 3> triangle{};
+    for (int c = 0; c < 3; ++c) {
+      const auto vertex =
+          facet->first->vertex(SurfaceTriangulation::vertex_triple_index(facet->second, c));
+      const auto [known, is_new] = index_of.emplace(vertex, static_cast<int>(vertices.size()));
+      if (is_new) {
+        const auto& p = vertex->point();
+        vertices.emplace_back(p.x(), p.y(), p.z());
+      }
+      triangle[c] = known->second;
+    }
+    triangles.push_back(triangle);
+  }
+  orient(triangles);
+  return meshOf(vertices, triangles);
+}
+
+// === Advancing front
+
+/// CGAL's priority, the radius of the smallest empty sphere, for triangles that are small
+/// enough.
+struct ShortEdgesFirst {
+  double longest_edge_squared;
+  const Progress* progress;
+
+  template <class Front, class Cell>
+  double operator()(const Front& front, Cell& cell, const int& index) const {
+    progress->checkpoint();
+    for (int c = 0; c < 3; ++c) {
+      const auto& a = cell->vertex((index + 1 + c) % 4)->point();
+      const auto& b = cell->vertex((index + 1 + (c + 1) % 3) % 4)->point();
+      // The front's own word for "never".
+      if (CGAL::squared_distance(a, b) > longest_edge_squared) return front.infinity();
+    }
+    return front.smallest_radius_delaunay_sphere(cell, index);
+  }
+};
+
+}  // namespace
+
+Eigen::Matrix3Xd estimateNormals(const Eigen::Matrix3Xd& points,
+                                 int neighbours,
+                                 const Progress& progress) {
+  HANDGRAFT_REQUIRE(neighbours >= 6 && neighbours < points.cols());
+  std::vector<OrientedPoint> cloud;
+  cloud.reserve(static_cast<std::size_t>(points.cols()));
+  for (Eigen::Index i = 0; i < points.cols(); ++i)
+    cloud.push_back({pointFrom(points.col(i)), CGAL::NULL_VECTOR, i});
+  const auto callback = [&](double) {
+    progress.checkpoint();
+    return true;
+  };
+  const auto maps = CGAL::parameters::point_map(PointMap()).normal_map(NormalMap());
+  CGAL::jet_estimate_normals<CGAL::Sequential_tag>(cloud, static_cast<unsigned>(neighbours),
+                                                   maps.callback(callback));
+  progress.checkpoint();
+  const auto first_unturned =
+      CGAL::mst_orient_normals(cloud, static_cast<unsigned>(neighbours), maps);
+  progress.checkpoint();
+
+  // Points that no chain of neighbours reached follow the nearest one that was.
+  const Eigen::Index turned_count = std::distance(cloud.begin(), first_unturned);
+  HANDGRAFT_REQUIRE(turned_count > 0);
+  if (turned_count < points.cols()) {
+    Eigen::Matrix3Xd turned(3, turned_count);
+    for (Eigen::Index i = 0; i < turned_count; ++i)
+      turned.col(i) = points.col(cloud[static_cast<std::size_t>(i)].index);
+    const KdTree tree(std::move(turned));
+    for (auto p = first_unturned; p != cloud.end(); ++p) {
+      const Vector& near = cloud[tree.nearest(points.col(p->index)).index].normal;
+      if (near * p->normal < 0.0) p->normal = -p->normal;
+    }
+  }
+  Eigen::Matrix3Xd normals(3, points.cols());
+  for (const OrientedPoint& p : cloud)
+    normals.col(p.index) = vectorFrom(p.normal);
+  return normals;
+}
+
+TriangleMesh poissonSurface(const Eigen::Matrix3Xd& points,
+                            const Eigen::Matrix3Xd& normals,
+                            double spacing,
+                            double edge,
+                            const Progress& progress) {
+  HANDGRAFT_REQUIRE(points.cols() == normals.cols() && spacing > 0.0 && edge > 0.0);
+  makeRepeatable();
+  std::vector<OrientedPoint> cloud;
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    const Eigen::Vector3d n = normals.col(i);
+    cloud.push_back({pointFrom(points.col(i)), Vector(n.x(), n.y(), n.z()), i});
+  }
+  using Matrix = CGAL::Eigen_sparse_symmetric_matrix<double>::EigenType;
+  using Solver = CGAL::Eigen_solver_traits<Eigen::ConjugateGradient<Matrix>>;
+  Poisson function(cloud.begin(), cloud.end(), PointMap(), NormalMap());
+  progress.checkpoint();
+  if (!function.compute_implicit_function(Solver(), Checkpoint{&progress})) return {};
+
+  // The mesher looks along segments that end on a sphere around the whole.
+  const Point inside = function.get_inner_point();
+  const double radius = 5.0 * std::sqrt(function.bounding_sphere().squared_radius());
+  constexpr double kSmallestAngle_deg = 20.0;   // CGAL's recommendation: below 30
+  constexpr double kDistanceOfSpacing = 0.1;    // facet to surface, in spacings
+  constexpr double kDichotomyOfSpacing = 1e-3;  // vertex to surface, in spacings
+  const CGAL::Implicit_surface_3<Kernel, Field> surface(
+      Field{&function, &progress}, Kernel::Sphere_3(inside, radius * radius),
+      kDichotomyOfSpacing * spacing / radius);
+  // A Delaunay facet of circumradius r has edges of about r times the square root of 3, of
+  // which meshing to the bound leaves three quarters.
+  const CGAL::Surface_mesh_default_criteria_3<SurfaceTriangulation> criteria(
+      kSmallestAngle_deg, edge / 1.3, kDistanceOfSpacing * spacing);
+  SurfaceTriangulation triangulation;
+  SurfaceComplex complex(triangulation);
+  CGAL::make_surface_mesh(complex, surface, criteria, CGAL::Manifold_tag());
+  progress.checkpoint();
+  return meshOf(complex);
+}
+
+TriangleMesh advancingFrontSurface(const Eigen::Matrix3Xd& points,
+                                   double longest_edge,
+                                   const Progress& progress) {
+  HANDGRAFT_REQUIRE(longest_edge > 0.0);
+  std::vector<Point> cloud;
+  for (Eigen::Index i = 0; i < points.cols(); ++i)
+    cloud.push_back(pointFrom(points.col(i)));
+  std::vector<std::array<std::size_t, 3>> triples;
+  CGAL::advancing_front_surface_reconstruction(
+      cloud.begin(), cloud.end(), std::back_inserter(triples),
+      ShortEdgesFirst{longest_edge * longest_edge, &progress});
+  Eigen::Matrix3Xi faces(3, static_cast<Eigen::Index>(triples.size()));
+  for (std::size_t t = 0; t < triples.size(); ++t)
+    for (int c = 0; c < 3; ++c)
+      faces(c, static_cast<Eigen::Index>(t)) = static_cast<int>(triples[t][c]);
+  return {points, std::move(faces)};
+}
+
+}  // namespace handgraft::cloud

@@ -1,0 +1,108 @@
+#include "core/io/object_file.h"
+
+#include <algorithm>
+#include <cctype>
+#include <iterator>
+#include <string>
+
+#include "core/base/error.h"
+#include "core/geometry/kd_tree.h"
+#include "core/io/file_bytes.h"
+#include "core/io/ply_file.h"
+
+namespace handgraft::io {
+
+namespace {
+
+bool isNamedPly(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) {
+    return static_cast<char>(std::tolower(c));
+  });
+  return extension == ".ply";
+}
+
+Eigen::Matrix3Xd columns(const PlyFile& ply, const char* x, const char* y, const char* z) {
+  Eigen::Matrix3Xd columns(3, ply.vertex_count);
+  columns.row(0) = ply.vertex.at(x).transpose();
+  columns.row(1) = ply.vertex.at(y).transpose();
+  columns.row(2) = ply.vertex.at(z).transpose();
+  return columns;
+}
+
+bool has(const PlyFile& ply, std::initializer_list<const char*> properties) {
+  return std::all_of(properties.begin(), properties.end(), [&](const char* property) {
+    return ply.vertex.count(property) != 0;
+  });
+}
+
+}  // namespace
+
+MeshFile readObject(const std::filesystem::path& path,
+                    const Progress& progress,
+                    const cloud::SurfaceOptions& options) {
+  if (!isNamedPly(path)) return readMesh(path);
+  requireFile(path);
+  const PlyFile ply = readPly(path);
+  if (ply.faces.cols() > 0 || ply.vertex_count == 0 || !has(ply, {"x", "y", "z"}))
+    return readMesh(path);
+  cloud::PointCloud cloud;
+  cloud.points_O = columns(ply, "x", "y", "z");
+  if (has(ply, {"nx", "ny", "nz"})) cloud.normals_O = columns(ply, "nx", "ny", "nz");
+  try {
+    cloud::CloudSurface surface = cloud::surfaceOf(cloud, options, progress);
+    MeshFile file;
+    file.mesh = std::move(surface.mesh_O);
+    file.cloud_O = std::move(cloud.points_O);
+    file.notes = std::move(surface.notes);
+    return file;
+  } catch (const InvalidInput& error) {
+    rejectInput("{}: {}", handgraft::quoted(path.string()), error.what());
+  }
+}
+
+contact::ContactMap onSurface(const contact::ContactMap& points,
+                              const geometry::TriangleMesh& mesh_O,
+                              double most_reach_m) {
+  constexpr int kNeighbours = 4;
+  const Eigen::Matrix3Xd& places = points.mesh_O.vertices();
+  const geometry::KdTree tree(places);
+  // A map may list the touched points alone: its contact must not spread over what is bare.
+  double spacing = 0.0;
+  for (Eigen::Index i = 0; i < places.cols(); ++i)
+    spacing += tree.nearestFew(places.col(i), kNeighbours).back().distance;
+  spacing /= static_cast<double>(places.cols());
+  const double reach_m = spacing > 0.0 ? std::min(most_reach_m, 2.0 * spacing) : most_reach_m;
+  contact::ContactMap map;
+  map.mesh_O = mesh_O;
+  map.segment_names = points.segment_names;
+  map.value = Eigen::VectorXd::Zero(mesh_O.vertexCount());
+  if (!points.label.empty()) map.label.assign(static_cast<std::size_t>(map.value.size()), -1);
+  bool any = false;
+  for (int v = 0; v < mesh_O.vertexCount(); ++v) {
+    double weights = 0.0;
+    int label = -1;
+    for (const auto& hit : tree.nearestFew(mesh_O.vertex(v), kNeighbours)) {
+      if (hit.distance > reach_m) break;
+      // A point at the vertex outweighs all others without dividing by zero.
+      const double distance = hit.distance + 1e-9 * reach_m;
+      const double weight = reach_m * reach_m / (distance * distance);
+      weights += weight;
+      map.value[v] += weight * points.value[hit.index];
+      if (label < 0 && !points.label.empty())
+        label = points.label[static_cast<std::size_t>(hit.index)];
+    }
+    if (weights > 0.0) map.value[v] /= weights;
+    if (!map.label.empty()) map.label[static_cast<std::size_t>(v)] = label;
+    any = any || weights > 0.0;
+  }
+  if (!any) {
+    rejectInput(
+        "contact map: none of its points lies within {:.1f} mm of the object's surface; is it "
+        "another object, or another frame?",
+        1e3 * reach_m);
+  }
+  return map;
+}
+
+}  // namespace handgraft::io

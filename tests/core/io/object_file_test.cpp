@@ -1,0 +1,89 @@
+#include "core/io/object_file.h"
+
+#include <fstream>
+#include <string>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+#include "core/geometry/kd_tree.h"
+#include "core/io/contact_file.h"
+
+#include "tests/support/shared_data.h"
+
+namespace handgraft::io {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+constexpr double kRadius = 0.03;
+
+std::filesystem::path write(const std::string& name, const std::string& text) {
+  const std::filesystem::path path = test::scratchDirectory() / name;
+  std::ofstream(path) << text;
+  return path;
+}
+
+/// A sphere's points; contact 1 where z is above two thirds of the radius.
+std::string plySphere(const std::string& extra_property) {
+  const geometry::TriangleMesh sphere = geometry::makeSphere(kRadius, 4);
+  std::string text = fmt::format(
+      "ply\nformat ascii 1.0\nelement vertex {}\nproperty double x\nproperty double y\n"
+      "property double z\n{}end_header\n",
+      sphere.vertexCount(), extra_property);
+  for (int v = 0; v < sphere.vertexCount(); ++v) {
+    const Eigen::Vector3d p = sphere.vertex(v);
+    text += fmt::format("{} {} {}", p.x(), p.y(), p.z());
+    if (!extra_property.empty()) text += p.z() > kRadius * 2 / 3 ? " 1" : " 0";
+    text += '\n';
+  }
+  return text;
+}
+
+TEST(ObjectFile, LaysASurfaceThroughPoints) {
+  const MeshFile object = readObject(write("cloud.ply", plySphere("")));
+  EXPECT_TRUE(object.mesh.isClosed());
+  EXPECT_EQ(object.cloud_O.cols(), 2562);
+  EXPECT_THAT(object.notes, Contains(HasSubstr("surface of 2562 points")));
+  EXPECT_THAT(object.notes, Contains(HasSubstr("the points are")));
+}
+
+TEST(ObjectFile, CarriesAMapOfPointsOntoTheirSurface) {
+  const MeshFile object = readObject(write("cloud.ply", plySphere("")));
+  const contact::ContactSet set =
+      readContacts(write("map.ply", plySphere("property double contact\n")), object);
+  ASSERT_EQ(set.patches.size(), 1u);
+  const contact::Patch& patch = set.patches.front();
+  // The cap about +z: its rim stands at two thirds of the radius, give or take an edge.
+  EXPECT_GT(positionOf(object.mesh, patch.root).z(), 0.95 * kRadius);
+  for (const auto& point : patch.interpolation_boundary)
+    EXPECT_NEAR(positionOf(object.mesh, point).z(), kRadius * 2 / 3, 0.0025);
+}
+
+const std::string kSet =
+    R"({{"format": "handgraft-contacts/1", "name": "s", "object": "cloud", "patches":
+      [{{"name": "thumb", "root": {{"vertex": {}}}, "boundary": [{}, {}, {}]}}]}})";
+
+TEST(ObjectFile, PlacesContactSetsByPointsOfTheCloud) {
+  const MeshFile object = readObject(write("cloud.ply", plySphere("")));
+  const auto near = geometry::KdTree(object.cloud_O).nearestFew(object.cloud_O.col(12), 4);
+  const auto setWithRoot = [&](int root) {
+    return fmt::format(fmt::runtime(kSet), root, near[1].index, near[2].index, near[3].index);
+  };
+  const contact::ContactSet set = readContactSet(write("set.json", setWithRoot(12)), object);
+  const Eigen::Vector3d root = positionOf(object.mesh, set.patches.front().root);
+  EXPECT_LT((root - object.cloud_O.col(12)).norm(), 2e-4);
+  EXPECT_EQ(set.patches.front().interpolation_boundary.size(), 25u);
+  try {
+    readContactSet(write("bad.json", setWithRoot(2562)), object);
+    FAIL() << "accepted";
+  } catch (const InvalidInput& error) {
+    EXPECT_THAT(error.what(), HasSubstr("points 0 to 2561"));
+  }
+}
+
+}  // namespace
+}  // namespace handgraft::io
