@@ -201,8 +201,12 @@ std::string description(const v1::ModelDescription& description, int indent) {
                  indent);
 }
 
-std::string loaded(const v1::ModelSummary& model, int indent) {
-  return written(summary(model), indent);
+std::string loaded(const v1::ModelSummary& model,
+                   const std::vector<std::string>& notes,
+                   int indent) {
+  Json document = summary(model);
+  if (!notes.empty()) document["notes"] = listOf(notes);
+  return written(document, indent);
 }
 
 std::string sessions(const v1::SessionList& list, int indent) {

@@ -15,7 +15,10 @@ namespace handgraft::client::json {
 std::string doctor(const DoctorReport& report, int indent = 2);
 std::string models(const v1::ModelList& list, int indent = 2);
 std::string description(const v1::ModelDescription& description, int indent = 2);
-std::string loaded(const v1::ModelSummary& summary, int indent = 2);
+/// With the notes of an object.
+std::string loaded(const v1::ModelSummary& summary,
+                   const std::vector<std::string>& notes = {},
+                   int indent = 2);
 std::string sessions(const v1::SessionList& list, int indent = 2);
 std::string closed(std::uint64_t session_id, int indent = 2);
 std::string unloaded(v1::ModelKind kind, const std::string& name, int indent = 2);

@@ -12,6 +12,7 @@
 
 #include "core/base/error.h"
 #include "core/io/contact_file.h"
+#include "core/io/object_file.h"
 #include "core/io/sites_file.h"
 #include "core/io/urdf_file.h"
 #include "server/rejection.h"
@@ -49,7 +50,7 @@ void readHand(const fs::path& folder, ModelStore& store) {
 
 void readObject(const fs::path& path, ModelStore& store) {
   store.replace(StoredObject{path.stem().string(), kBuiltIn,
-                             std::make_shared<const io::MeshFile>(io::readMesh(path))});
+                             std::make_shared<const io::MeshFile>(io::readObject(path))});
 }
 
 /// The object whose name begins `name`, the longest one; empty if there is none.

@@ -34,11 +34,17 @@ int run(const LoadOptions& options, const CommonOptions& common, Interruption& i
     progress.show(stage, fraction);
   });
   const v1::ModelSummary summary = server.load(model);
+  // What reading it brought to light: for a point cloud, how true its surface is.
+  std::vector<std::string> notes;
+  if (options.kind == v1::MODEL_OBJECT)
+    notes = server.describe(v1::MODEL_OBJECT, summary.name(), false).object().notes();
   progress.clear();
   if (common.json) {
-    fmt::print("{}\n", json::loaded(summary));
+    fmt::print("{}\n", json::loaded(summary, notes));
   } else {
     fmt::print("loaded {} {}: {}\n", nameOf(summary.kind()), summary.name(), summary.text());
+    for (const std::string& note : notes)
+      fmt::print("note: {}\n", quoted(note));
   }
   return 0;
 }

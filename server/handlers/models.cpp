@@ -4,6 +4,7 @@
 
 #include "core/base/error.h"
 #include "core/io/contact_file.h"
+#include "core/io/object_file.h"
 #include "core/io/sites_file.h"
 #include "core/io/urdf_file.h"
 #include "server/convert.h"
@@ -35,9 +36,11 @@ StoredHand readHand(const v1::LoadModelRequest& request, const UploadedFiles& fi
 constexpr double kSmallestObject_m = 0.001;
 constexpr double kLargestObject_m = 10.0;
 
-StoredObject readObject(const v1::LoadModelRequest& request, const UploadedFiles& files) {
-  auto file =
-      std::make_shared<const io::MeshFile>(io::readMesh(files.file(request.main_uri())));
+StoredObject readObject(const v1::LoadModelRequest& request,
+                        const UploadedFiles& files,
+                        const Progress& progress) {
+  auto file = std::make_shared<const io::MeshFile>(
+      io::readObject(files.file(request.main_uri()), progress));
   const double size = file->mesh.diagonal();
   if (!(size >= kSmallestObject_m && size <= kLargestObject_m)) {
     rejectInput("object {}: {:.4g} m across, outside {} to {} m; is its mesh in metres?",
@@ -93,7 +96,7 @@ v1::ModelList loadModel(const v1::LoadModelRequest& request,
       case v1::MODEL_HAND:
         return store(readHand(request, *files), fingerprint, workshop.models);
       case v1::MODEL_OBJECT:
-        return store(readObject(request, *files), fingerprint, workshop.models);
+        return store(readObject(request, *files, progress), fingerprint, workshop.models);
       case v1::MODEL_CONTACTS: {
         StoredContacts contacts = readContacts(request, *files, workshop.models);
         // The same marks on another object are other contacts.
