@@ -126,7 +126,6 @@ class LogMapInverse {
     Unreachable reason;
   };
 
-  void addBorders(const TriangleMesh& mesh, const LogMap& map);
   void buildGrid();
   template <class Visit>
   void forCellsOf(const Sheet& sheet, const Visit& visit) const;

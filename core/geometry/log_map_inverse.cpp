@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/geometry/log_map.h"
+#include "core/geometry/numbering.h"
 
 namespace handgraft::geometry {
 
@@ -38,9 +40,10 @@ Lie lieOf(const TriangleMesh& mesh, int f, const Eigen::Matrix<double, 2, 3>& co
   if (!corners_T.allFinite()) return Lie::kUnknown;
   for (int c = 0; c < 3; ++c) {
     const int n = (c + 1) % 3;
-    const double length =
-        (mesh.vertex(mesh.faces()(n, f)) - mesh.vertex(mesh.faces()(c, f))).norm();
-    if ((corners_T.col(n) - corners_T.col(c)).norm() > kMostStretch * length) {
+    const double square =
+        (mesh.vertex(mesh.faces()(n, f)) - mesh.vertex(mesh.faces()(c, f))).squaredNorm();
+    if ((corners_T.col(n) - corners_T.col(c)).squaredNorm() >
+        kMostStretch * kMostStretch * square) {
       return Lie::kStraddles;
     }
   }
@@ -52,13 +55,29 @@ Lie lieOf(const TriangleMesh& mesh, int f, const Eigen::Matrix<double, 2, 3>& co
   return area < -thinnest ? Lie::kTurnedOver : Lie::kNoArea;
 }
 
-Eigen::Matrix<double, 2, 3> cornersOf(const TriangleMesh& mesh, const LogMap& map, int f) {
-  Eigen::Matrix<double, 2, 3> corners_T;
-  for (int c = 0; c < 3; ++c) {
-    corners_T.col(c) = logCoordinatesAtVertex(map, mesh.faces()(c, f));
+/// Log coordinates of faces' corners, computed once a vertex.
+class Corners {
+ public:
+  Corners(const TriangleMesh& mesh, const LogMap& map)
+      : mesh_(mesh), map_(map), number_of_(static_cast<int>(map.vertices.size())) {}
+
+  Eigen::Matrix<double, 2, 3> of(int f) {
+    Eigen::Matrix<double, 2, 3> corners_T;
+    for (int c = 0; c < 3; ++c) {
+      const int v = mesh_.faces()(c, f);
+      const auto [number, is_new] = number_of_.add(v);
+      if (is_new) places_T_.push_back(logCoordinatesAtVertex(map_, v));
+      corners_T.col(c) = places_T_[static_cast<std::size_t>(number)];
+    }
+    return corners_T;
   }
-  return corners_T;
-}
+
+ private:
+  const TriangleMesh& mesh_;
+  const LogMap& map_;
+  Numbering number_of_;
+  std::vector<Eigen::Vector2d> places_T_;
+};
 
 /// The cell out of `count` that holds `place`, in cells. Coordinates far outside fit no int,
 /// and a grid without width makes NaN.
@@ -85,34 +104,28 @@ std::string_view reasonOf(Unreachable reason) {
 LogMapInverse::LogMapInverse(const TriangleMesh& mesh, const LogMap& map)
     : radius_(map.radius) {
   HANDGRAFT_REQUIRE(map.r.size() == mesh.vertexCount());
+  const std::size_t face_count = map.faces.size() + map.rim_faces.size();
+  sheets_.reserve(face_count);
+  Corners corners(mesh, map);
+  Numbering covered(static_cast<int>(face_count));
   for (const std::vector<int>* faces : {&map.faces, &map.rim_faces}) {
     for (const int f : *faces) {
-      const Eigen::Matrix<double, 2, 3> corners_T = cornersOf(mesh, map, f);
+      const Eigen::Matrix<double, 2, 3> corners_T = corners.of(f);
       if (lieOf(mesh, f, corners_T) != Lie::kFlat) continue;
       sheets_.push_back({f, corners_T, corners_T.colwise().norm().transpose()});
+      covered.add(f);
     }
   }
-  addBorders(mesh, map);
-  buildGrid();
-}
 
-void LogMapInverse::addBorders(const TriangleMesh& mesh, const LogMap& map) {
-  std::vector<int> covered;
-  covered.reserve(sheets_.size());
-  for (const Sheet& sheet : sheets_)
-    covered.push_back(sheet.face);
-  std::sort(covered.begin(), covered.end());
-  const auto isCovered = [&](int f) {
-    return std::binary_search(covered.begin(), covered.end(), f);
-  };
+  // === Borders: edges of a sheet without a sheet beyond
   for (const Sheet& sheet : sheets_) {
     for (int c = 0; c < 3; ++c) {
       const int twin = mesh.twin(3 * sheet.face + c);
       Unreachable reason = Unreachable::kSurfaceEdge;
       if (twin >= 0) {
         const int beyond = TriangleMesh::faceOf(twin);
-        if (isCovered(beyond)) continue;
-        const Lie lie = lieOf(mesh, beyond, cornersOf(mesh, map, beyond));
+        if (covered.find(beyond) >= 0) continue;
+        const Lie lie = lieOf(mesh, beyond, corners.of(beyond));
         // A face without area in T leaves no gap: what lies behind it decides for itself.
         if (lie == Lie::kNoArea) continue;
         reason = lie == Lie::kUnknown || lie == Lie::kFlat ? Unreachable::kBeyondRadius
@@ -121,6 +134,7 @@ void LogMapInverse::addBorders(const TriangleMesh& mesh, const LogMap& map) {
       borders_.push_back({sheet.corners_T.col(c), sheet.corners_T.col((c + 1) % 3), reason});
     }
   }
+  buildGrid();
 }
 
 int LogMapInverse::columnOf(double x) const {
@@ -193,21 +207,22 @@ void LogMapInverse::buildGrid() {
   rows_ = cellsAlong(extent.y());
   cell_size_ = {extent.x() / columns_, extent.y() / rows_};
 
+  // Counted first, then filled in the order of the sheets.
   cell_offsets_.assign(static_cast<std::size_t>(columns_) * rows_ + 1, 0);
-  for (const Sheet& sheet : sheets_) {
-    forCellsOf(sheet, [&](int cell) {
+  std::vector<std::pair<int, int>> met;
+  met.reserve(6 * sheets_.size());
+  for (std::size_t s = 0; s < sheets_.size(); ++s) {
+    forCellsOf(sheets_[s], [&](int cell) {
+      met.emplace_back(cell, static_cast<int>(s));
       ++cell_offsets_[cell + 1];
     });
   }
   for (std::size_t c = 1; c < cell_offsets_.size(); ++c)
     cell_offsets_[c] += cell_offsets_[c - 1];
-  cell_sheets_.resize(static_cast<std::size_t>(cell_offsets_.back()));
+  cell_sheets_.resize(met.size());
   std::vector<int> cursor(cell_offsets_.begin(), cell_offsets_.end() - 1);
-  for (std::size_t s = 0; s < sheets_.size(); ++s) {
-    forCellsOf(sheets_[s], [&](int cell) {
-      cell_sheets_[cursor[cell]++] = static_cast<int>(s);
-    });
-  }
+  for (const auto& [cell, sheet] : met)
+    cell_sheets_[cursor[cell]++] = sheet;
 }
 
 LogMapInverse::Place LogMapInverse::at(const Eigen::Vector2d& uv_T) const {
