@@ -26,7 +26,7 @@ struct Correspondence {
 
 /// How patches are laid onto a skin.
 struct TransferOptions {
-  geometry::LogMapMethod method = geometry::LogMapMethod::kFast;  ///< on both sides
+  geometry::LogMapMethod method = geometry::LogMapMethod::kAuto;  ///< on both sides
   /// Shrunken copies of the boundary that are transferred, too: 0 to kMostInteriorRings, at
   /// equal shares of the way from the root (or the axis).
   int interior_rings = 0;
