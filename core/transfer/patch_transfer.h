@@ -61,7 +61,6 @@ struct PatchTransfer {
   geometry::LogMapMethod method_O = geometry::LogMapMethod::kFast;
   geometry::LogMapMethod method_S = geometry::LogMapMethod::kFast;
   int station_count = 1;  ///< places it is measured from: 1, or more along an axis
-  double distance_distortion = 0.0;
 };
 
 /// Lays one patch onto the skin by log-map coordinates about both roots, mirrored (phi_h =

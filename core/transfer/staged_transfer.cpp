@@ -219,7 +219,6 @@ PatchTransfer StagedTransfer::lay(const Surfaces& surfaces,
     for (std::size_t i = 0; i < ring.size(); ++i)
       collector.add(ring[i], static_cast<int>(i), static_cast<int>(r) + 1);
   }
-  transfer.distance_distortion = transfer.fidelity.distance_mean;
   patch_chart_ = std::move(chart);
   skin_charts_ = std::move(charts);
   return transfer;

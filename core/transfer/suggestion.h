@@ -4,6 +4,7 @@
 
 #include "core/base/progress.h"
 #include "core/transfer/patch_transfer.h"
+#include "core/transfer/staged_transfer.h"
 
 namespace handgraft::transfer {
 
@@ -26,14 +27,25 @@ struct Suggestion {
 };
 
 /// Searches the neighbourhood of a patch's root on the skin for placements that lose fewer
-/// points: fewest lost first, then least distortion (in steps of 2 %), then least change. Only
-/// placements that lose fewer than the present one; empty if none does. Moves nothing.
+/// points: fewest lost first, then least distortion of distances (in steps of 2 %), then least
+/// change, by how far it moves the patch's outline. Only placements that lose fewer than the
+/// present one, and differ from those before; empty if none does. Moves nothing.
 ///
 /// Deterministic. Errors: InvalidInput for options out of range, and as `transferPatch`.
-/// Cancelled on wish. Cost: some hundred log maps of the skin; the object's is made once.
+/// Cancelled on wish. Cost: if points are lost, some hundred log maps of the skin; the object's
+/// is made once.
 std::vector<Suggestion> suggestPlacements(const geometry::TriangleMesh& object_O,
                                           const contact::Patch& patch,
                                           const hand::Skin& skin,
+                                          const Placement& present,
+                                          const SuggestOptions& options,
+                                          const TransferOptions& transfer_options,
+                                          const Progress& progress);
+
+/// The same with charts that are there already: those of the patch as it was laid last.
+std::vector<Suggestion> suggestPlacements(const Surfaces& surfaces,
+                                          StagedTransfer staged,
+                                          const contact::Patch& patch,
                                           const Placement& present,
                                           const SuggestOptions& options,
                                           const TransferOptions& transfer_options,

@@ -76,7 +76,7 @@ TEST(PatchTransfer, MirrorsThePatchAboutTheDirectionBetweenPlanes) {
 
   ASSERT_EQ(transfer.correspondences.size(), 3u);
   EXPECT_TRUE(transfer.lost.empty());
-  EXPECT_NEAR(transfer.distance_distortion, 0.0, 1e-9);
+  EXPECT_NEAR(transfer.fidelity.distance_max, 0.0, 1e-9);
   // The direction's coordinate u goes to y on the hand; v, to its left, goes to its right: x.
   const Eigen::Vector3d expected[] = {{0, 0.01, 0}, {0.012, 0.02, 0}, {0.008, -0.004, 0}};
   for (int i = 0; i < 3; ++i) {
