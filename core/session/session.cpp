@@ -83,6 +83,19 @@ transfer::Placement soundPlacementAt(const Hand& hand, const hand::ContactSite& 
   return placement;
 }
 
+transfer::Surfaces surfacesOf(const Hand& hand,
+                              const std::shared_ptr<const geometry::TriangleMesh>& object_O) {
+  transfer::Surfaces surfaces;
+  surfaces.object_O = std::make_shared<const geometry::LogMapper>(object_O);
+  surfaces.skin = hand.skin;
+  surfaces.skin_S = hand.skin_maps;
+  if (!surfaces.skin_S) {
+    surfaces.skin_S = std::make_shared<const geometry::LogMapper>(
+        std::shared_ptr<const geometry::TriangleMesh>(hand.skin, &hand.skin->mesh()));
+  }
+  return surfaces;
+}
+
 Anchor withObjectSide(Anchor anchor,
                       const contact::Patch& patch,
                       const geometry::TriangleMesh& object_O,
@@ -112,6 +125,7 @@ Session::Session(Hand hand,
   validate(*hand_.model, hand_.sites);
   validateSet(contacts, *object_O_, hand_.sites);
   validate(transfer_options_);
+  surfaces_ = surfacesOf(hand_, object_O_);
   applyOne(ObjectPoseEdit{X_WO});
   applyOne(WeightsEdit{weights});
 
@@ -313,8 +327,8 @@ void Session::layPatches(const Progress& progress) {
     progress.checkpoint();
     progress.report("laying patches onto the skin",
                     static_cast<double>(i) / static_cast<double>(patches_.size()));
-    item.transferred = transfer::transferPatch(*object_O_, item.patch, *hand_.skin,
-                                               *item.placement, transfer_options_);
+    item.transferred =
+        item.stages.lay(surfaces_, item.patch, *item.placement, transfer_options_);
     for (transfer::Correspondence& pair : item.transferred.correspondences) {
       pair.patch = static_cast<int>(i);
     }
@@ -331,7 +345,7 @@ std::vector<transfer::Suggestion> Session::suggest(const std::string& patch,
   }
   transferPatches(progress);
   const SessionPatch& item = patchNamed(patch);
-  return transfer::suggestPlacements(*object_O_, item.patch, *hand_.skin, *item.placement,
+  return transfer::suggestPlacements(surfaces_, item.stages, item.patch, *item.placement,
                                      options, transfer_options_, progress);
 }
 

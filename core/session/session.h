@@ -13,6 +13,7 @@
 #include "core/hand/skin.h"
 #include "core/optimize/solver.h"
 #include "core/transfer/patch_transfer.h"
+#include "core/transfer/staged_transfer.h"
 #include "core/transfer/suggestion.h"
 
 namespace handgraft::session {
@@ -25,6 +26,9 @@ struct Hand {
   std::shared_ptr<const hand::HandModel> model;
   std::shared_ptr<const hand::Skin> skin;
   std::vector<hand::ContactSite> sites;
+  /// Log maps of the skin, so that sessions share what those keep; a session makes its own
+  /// where it is missing.
+  std::shared_ptr<const geometry::LogMapper> skin_maps = nullptr;
 };
 
 // === Edits: what a user may change (idl/edits.idl says the same on the wire)
@@ -92,7 +96,8 @@ struct SessionPatch {
   std::optional<transfer::Placement> placement;
   std::string dropped;
   transfer::PatchTransfer transferred;
-  bool up_to_date = false;  ///< `transferred` answers the present roots and directions
+  transfer::StagedTransfer stages;  ///< what `transferred` was made with, kept for the next
+  bool up_to_date = false;          ///< `transferred` answers the present roots and directions
   /// The contact set left the direction open: `patch.direction_O` is ours, found by a solve,
   /// and may change with the next one. An edit makes it the user's.
   bool direction_is_open = false;
@@ -128,7 +133,8 @@ class Session {
   /// root on the hand brings a dropped patch back, its direction pointing to the hand's root.
   void apply(const Edit& edit);
 
-  /// Lays every patch that is not up to date onto the skin. Directions that the contact set
+  /// Lays every patch that is not up to date onto the skin, with the charts that it has where
+  /// they still hold (StagedTransfer). Directions that the contact set
   /// leaves open are found first, by a solve over roots and normals alone.
   void transferPatches(const Progress& progress);
 
@@ -211,6 +217,7 @@ class Session {
   Pose X_WO_;
   optimize::Weights weights_;
   transfer::TransferOptions transfer_options_;
+  transfer::Surfaces surfaces_;
   hand::HandPose prior_;
   hand::HandPose start_;
   bool start_is_known_ = false;  ///< found by a solve or set by the user, not the rest pose
