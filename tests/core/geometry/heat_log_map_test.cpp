@@ -7,6 +7,7 @@
 #include <numeric>
 #include <random>
 #include <string>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -395,6 +396,40 @@ TEST(HeatLogMap, RefusesWrongInput) {
                InvalidInput);
   EXPECT_THROW(static_cast<void>(solver.smooth(good, box.faceNormals().col(0), 1.0)),
                InvalidInput);
+}
+
+TEST(HeatLogMap, AnswersSeveralThreadsAsOne) {
+  const TriangleMesh skin = makeSkin(3);
+  constexpr int kQueries = 12;
+  const auto query = [&](const HeatLogMap& solver, int i) {
+    const SurfacePoint source = sourcesOf(skin)[static_cast<std::size_t>(i % 3)];
+    const Eigen::Vector3d direction = normalOf(skin, source).unitOrthogonal();
+    return i % 2 == 0 ? solver.smooth(source, direction, 0.02)
+                      : solver.heat(source, direction, 0.02);
+  };
+  const HeatLogMap alone(skin);
+  // A solver of its own: `heat` factors its third system when several threads ask first.
+  const HeatLogMap shared(skin);
+  std::vector<LogMap> maps(kQueries);
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 4; ++t) {
+    threads.emplace_back([&, t] {
+      for (int i = t; i < kQueries; i += 4)
+        maps[static_cast<std::size_t>(i)] = query(shared, i);
+    });
+  }
+  for (std::thread& thread : threads)
+    thread.join();
+  for (int i = 0; i < kQueries; ++i) {
+    const LogMap expected = query(alone, i);
+    const LogMap& map = maps[static_cast<std::size_t>(i)];
+    ASSERT_FALSE(expected.vertices.empty());
+    ASSERT_EQ(map.vertices, expected.vertices) << i;
+    for (const int v : expected.vertices) {
+      ASSERT_EQ(map.r[v], expected.r[v]) << i;
+      ASSERT_EQ(map.phi[v], expected.phi[v]) << i;
+    }
+  }
 }
 
 }  // namespace
