@@ -109,6 +109,30 @@ class PatchNearACorner : public testing::Test {
   Service service_;
 };
 
+TEST_F(PatchNearACorner, LosesFewerPointsOnceASuggestionIsAppliedAsItPromised) {
+  const std::string session = keptSession();
+  const json before = service_.ask({"transfer", session}).at("patches").at(0);
+  ASSERT_GT(before.at("lost").size(), 0u) << "the corner costs nothing: " << before;
+
+  const json asked = service_.ask({"suggest", session, "palm", "--reach", "20"});
+  ASSERT_GT(asked.at("suggestions").size(), 0u);
+  EXPECT_EQ(asked.at("present"), before) << "asking moved something";
+  const json promised = asked.at("suggestions").at(0);
+  EXPECT_LT(promised.at("lost_count"), before.at("lost").size());
+  EXPECT_GT(promised.at("moved_m"), 0.0);
+  EXPECT_LE(promised.at("moved_m"), 0.020 + 1e-9);
+
+  const json applied =
+      service_.ask({"suggest", session, "palm", "--reach", "20", "--apply", "1"}).at("applied");
+  const json after = service_.ask({"transfer", session});
+  EXPECT_EQ(applied.at("report"), after.at("patches").at(0));
+  EXPECT_EQ(applied.at("revision"), after.at("revision"));
+  EXPECT_EQ(after.at("patches").at(0).at("root_S"), promised.at("root_S"));
+  EXPECT_EQ(after.at("patches").at(0).at("lost").size(), promised.at("lost_count"));
+  EXPECT_EQ(after.at("patches").at(0).at("point_count"), promised.at("point_count"));
+  EXPECT_EQ(after.at("patches").at(0).at("fidelity"), promised.at("fidelity"));
+}
+
 TEST_F(PatchNearACorner, IsToldWithTheCommandThatHelps) {
   const Finished finished = service_.client(grasp({}));
   EXPECT_EQ(finished.exit_code, 0) << finished.err;
