@@ -104,9 +104,7 @@ TEST(SessionTransfer, LaysInteriorRingsOnWish) {
       ThrowsMessage<InvalidInput>(HasSubstr("interior rings: 99")));
 }
 
-TEST(SessionTransfer, SuggestsAPlaceThatTwoEditsMakeComeTrue) {
-  // The balls of the finger tips meet the fingers without a seam of the skin: a root near the
-  // opening of a lower finger's cylinder hangs over nothing, so take the palm's box instead.
+TEST(SessionTransfer, SuggestsNothingWhereNothingIsLostAndRefusesUnknownPatches) {
   Session session = BallGrasp().open();
   session.transferPatches(Progress());
   EXPECT_TRUE(session.suggest("thumb", {}, Progress()).empty());  // nothing is lost
