@@ -110,10 +110,6 @@ void addLosses(GraspPicture& picture,
     picture.scene.segments.push_back(
         {axis[i], axis[i + 1], 2.0F, render::blend(color, {0, 0, 0}, 0.45)});
   }
-  if (!report.lost().empty()) {
-    picture.caption.legend.push_back(
-        {kLostColor, fmt::format("{} lost {}", report.name(), report.lost().size())});
-  }
 }
 
 }  // namespace
@@ -150,14 +146,16 @@ GraspPicture pictureOf(const GraspResult& result,
       kObjectOpacity, {surface(object.mesh_O(), X_WO, kObjectColor)}, {}};
 
   // === Patches that were solved, then those that were dropped
+  std::size_t lost_count = 0;
   for (std::size_t i = 0; i < solution.patches().size(); ++i) {
     const v1::PatchFit& fit = solution.patches()[i];
     const v1::PatchReport* report = reportOf(result, fit.name());
     const Color color = colorOf(fit.name(), i);
     addFit(picture, hand_layer, object_layer, fit, report, color);
     for (const v1::PatchInfo& patch : contacts.patches()) {
-      if (report != nullptr && patch.name() == fit.name())
-        addLosses(picture, *report, patch, X_WO, color);
+      if (report == nullptr || patch.name() != fit.name()) continue;
+      addLosses(picture, *report, patch, X_WO, color);
+      lost_count += report->lost().size();
     }
   }
   for (const v1::PatchReport& report : result.transfer.patches()) {
@@ -170,6 +168,9 @@ GraspPicture pictureOf(const GraspResult& result,
       object_layer.decals.push_back({outline, 0.006F, kDroppedColor});
     }
     picture.caption.legend.push_back({kDroppedColor, report.name() + " dropped"});
+  }
+  if (lost_count > 0) {  // one entry for all: the line is short
+    picture.caption.legend.push_back({kLostColor, fmt::format("lost: {}", lost_count)});
   }
   picture.scene.layers.push_back(std::move(object_layer));
   picture.scene.layers.push_back(std::move(hand_layer));

@@ -341,7 +341,7 @@ TEST(GraspPicture, MarksLostPointsAndDrawsTheAxis) {
   // Point 3 of the outline, placed with the object.
   EXPECT_TRUE(picture.scene.markers.back().center_W.isApprox(Eigen::Vector3f(0.2F, 0, 0.05F)));
   EXPECT_EQ(picture.scene.segments.size(), plain.scene.segments.size() + 2);
-  EXPECT_EQ(picture.caption.legend[1].text, "thumb lost 1");
+  EXPECT_EQ(picture.caption.legend.back().text, "lost: 1");
 }
 
 TEST(GraspPicture, KeepsInteriorPointsOutOfTheOutline) {
