@@ -94,7 +94,8 @@ std::string_view reasonOf(Unreachable reason);
 /// The inverse of a log map, prepared once per map: a grid over the disk's faces in the tangent
 /// plane.
 ///
-/// Faces that straddle the cut locus or are turned over in the plane are no part of it.
+/// Faces that straddle the cut locus are no part of it; those that are turned over in the plane
+/// are no place, but fold the faces over which they lie.
 class LogMapInverse {
  public:
   /// Cost: O(F) expected in the disk's faces. Keeps no reference to mesh or map.
@@ -103,7 +104,9 @@ class LogMapInverse {
   struct Place {
     SurfacePoint point;  ///< valid() tells whether there is one
     Unreachable reason = Unreachable::kBeyondRadius;
-    bool folded = false;  ///< several sheets cover the coordinates; the nearest one was taken
+    /// Several faces cover the coordinates, turned over ones included; of those that are not,
+    /// the nearest one was taken.
+    bool folded = false;
   };
 
   /// Barycentric inside the face that covers `uv_T`; never the nearest vertex, never clamped
@@ -118,6 +121,7 @@ class LogMapInverse {
     int face;
     Eigen::Matrix<double, 2, 3> corners_T;
     Eigen::Vector3d r;
+    bool is_turned_over;  ///< in the plane: no place, but it folds what it covers
   };
 
   struct Border {

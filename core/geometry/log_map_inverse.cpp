@@ -111,14 +111,17 @@ LogMapInverse::LogMapInverse(const TriangleMesh& mesh, const LogMap& map)
   for (const std::vector<int>* faces : {&map.faces, &map.rim_faces}) {
     for (const int f : *faces) {
       const Eigen::Matrix<double, 2, 3> corners_T = corners.of(f);
-      if (lieOf(mesh, f, corners_T) != Lie::kFlat) continue;
-      sheets_.push_back({f, corners_T, corners_T.colwise().norm().transpose()});
-      covered.add(f);
+      const Lie lie = lieOf(mesh, f, corners_T);
+      if (lie != Lie::kFlat && lie != Lie::kTurnedOver) continue;
+      const bool is_turned_over = lie == Lie::kTurnedOver;
+      sheets_.push_back({f, corners_T, corners_T.colwise().norm().transpose(), is_turned_over});
+      if (!is_turned_over) covered.add(f);
     }
   }
 
   // === Borders: edges of a sheet without a sheet beyond
   for (const Sheet& sheet : sheets_) {
+    if (sheet.is_turned_over) continue;
     for (int c = 0; c < 3; ++c) {
       const int twin = mesh.twin(3 * sheet.face + c);
       Unreachable reason = Unreachable::kSurfaceEdge;
@@ -246,6 +249,7 @@ LogMapInverse::Place LogMapInverse::at(const Eigen::Vector2d& uv_T) const {
     const double margin = weights.minCoeff();
     if (!(margin >= -kSlack)) continue;
     if (margin > kSamePlace) ++strictly_inside;
+    if (sheet.is_turned_over) continue;
     const double r = weights.dot(sheet.r);
     // Faces that share the edge or vertex tie but for rounding: the one further inside wins.
     const bool tie = std::abs(r - best_r) <= kSlack * r;
@@ -256,7 +260,7 @@ LogMapInverse::Place LogMapInverse::at(const Eigen::Vector2d& uv_T) const {
       place.point = {sheet.face, kept / kept.sum()};
     }
   }
-  place.folded = strictly_inside > 1;
+  place.folded = place.point.valid() && strictly_inside > 1;
   if (!place.point.valid()) place.reason = reasonAt(uv_T);
   return place;
 }

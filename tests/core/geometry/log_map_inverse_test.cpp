@@ -1,4 +1,5 @@
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -75,6 +76,31 @@ TEST(LogMapInverse, SaysWhyThereIsNoPlace) {
   const LogMap round = computeLogMap(tube, middle, Eigen::Vector3d::UnitZ(), 6.0);
   const LogMapInverse::Place behind = LogMapInverse(tube, round).at({0.0, 4.5});
   EXPECT_FALSE(behind.point.valid());
+}
+
+// One vertex is drawn past a neighbour: the face behind it turns over, and lies on others.
+TEST(LogMapInverse, TellsOfFoldsButNeverTakesAFaceThatIsTurnedOver) {
+  const test::Sheet sheet = test::makePlane();
+  const TriangleMesh& mesh = sheet.mesh;
+  LogMap map =
+      computeLogMap(mesh, {900, {0.2, 0.5, 0.3}}, Eigen::Vector3d::UnitX(), kEverything);
+  const int turned_over = 1300;
+  const Eigen::Vector3i face = mesh.face(turned_over);
+  const Eigen::Vector2d p_T = logCoordinatesAtVertex(map, face[0]);
+  const Eigen::Vector2d a_T = logCoordinatesAtVertex(map, face[1]);
+  const Eigen::Vector2d b_T = logCoordinatesAtVertex(map, face[2]);
+  const Eigen::Vector2d drawn_T = p_T + 1.2 * (a_T + b_T - 2.0 * p_T);
+  map.r[face[0]] = drawn_T.norm();
+  map.phi[face[0]] = std::atan2(drawn_T.y(), drawn_T.x());
+
+  const LogMapInverse inverse(mesh, map);
+  const LogMapInverse::Place on_fold = inverse.at((drawn_T + a_T + b_T) / 3.0);
+  ASSERT_TRUE(on_fold.point.valid());
+  EXPECT_NE(on_fold.point.face, turned_over);
+  EXPECT_TRUE(on_fold.folded);
+  const LogMapInverse::Place far = inverse.at({p_T.x(), -p_T.y()});
+  ASSERT_TRUE(far.point.valid());
+  EXPECT_FALSE(far.folded);
 }
 
 TEST(LogMapInverse, StopsAtTheCutLocusOfACylinder) {
