@@ -19,8 +19,9 @@ class BucketQueue {
     int number;
   };
 
-  /// `step` > 0, or everything is one step.
-  explicit BucketQueue(double step = 0.0) : inverse_step_(step > 0.0 ? 1.0 / step : 0.0) {}
+  /// `step` > 0, and no less than its inverse can tell (1e-308); or everything is one step.
+  explicit BucketQueue(double step = 0.0)
+      : inverse_step_(step >= std::numeric_limits<double>::min() ? 1.0 / step : 0.0) {}
 
   /// Up to here things belong to the step at hand.
   [[nodiscard]] double nearEnd() const { return near_end_; }
@@ -32,7 +33,8 @@ class BucketQueue {
       later_.push_back({distance, number});
       return;
     }
-    buckets_[std::max(current_, static_cast<int>(step))].push_back({distance, number});
+    // Much nearer than the step at hand fits no int.
+    buckets_[step > current_ ? static_cast<int>(step) : current_].push_back({distance, number});
   }
 
   /// Makes the next step that holds anything the one at hand; false if nothing is left.

@@ -250,7 +250,8 @@ bool PolarFront::isBetter(int vertex, double r, Kind kind) const {
 
 void PolarFront::offer(int vertex, double r, const Eigen::Vector2d& direction_T, Kind kind) {
   if (!isBetter(vertex, r, kind)) return;
-  if (!std::isfinite(r)) return;  // lengths that overflow reach nothing
+  // Lengths that overflow, or whose squares vanish, reach nothing.
+  if (!std::isfinite(r) || !direction_T.allFinite()) return;
   int& index = node_of_[vertex];
   if (index >= 0 && kind == Kind::kFitted && r >= nodes_[index].r * (1.0 - kFittedTie)) {
     // Two ways of one length: the one further clockwise, whichever comes first.

@@ -52,6 +52,29 @@ TEST(BucketQueue, IsOneStackWithoutAStep) {
   EXPECT_EQ(drain(queue, 0, random), (std::vector<double>{0.0, 1e30, 3.0}));
 }
 
+// Whose inverse overflows: 0 times that is no number, and fits no bucket.
+TEST(BucketQueue, TakesEverythingWithAStepNextToNothing) {
+  BucketQueue queue(1e-310);
+  for (const double d : {3.0, 1e30, 0.0})
+    queue.put(d, 0);
+  std::mt19937 random(3);
+  EXPECT_EQ(drain(queue, 0, random).size(), 3U);
+}
+
+// Rounding, or a source far below the size of its mesh, may put things nearer than the step at
+// hand, by more steps than an int counts.
+TEST(BucketQueue, TakesWhatIsFarNearerThanTheStepAtHand) {
+  BucketQueue queue(1e-15);
+  queue.put(1.0, 0);
+  ASSERT_TRUE(queue.advance());
+  queue.put(0.0, 1);
+  BucketQueue::Entry entry{};
+  ASSERT_TRUE(queue.take(entry));
+  EXPECT_EQ(entry.number, 1);
+  ASSERT_TRUE(queue.take(entry));
+  EXPECT_EQ(entry.number, 0);
+}
+
 TEST(Numbering, AgreesWithAMap) {
   std::mt19937 random(5);
   Numbering numbering(1);
