@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/cloud/pinholes.h"
 #include "core/cloud/reconstruction.h"
 #include "core/geometry/kd_tree.h"
 #include "core/geometry/surface_locator.h"
@@ -17,6 +18,14 @@ using geometry::KdTree;
 using geometry::SurfaceLocator;
 using geometry::TriangleMesh;
 
+/// Poisson's cost is per point, and it evens out what lies between: more points add little.
+constexpr int kMostPoissonPoints = 15'000;
+/// Holes narrower than this many spacings are where the front stumbled, not where nobody
+/// looked.
+constexpr double kPinhole = 4.0;
+/// Roughness, in spacings, above which points are noisy: clean scans have 0.01, see README.
+constexpr double kNoisy = 0.05;
+constexpr double kUneven = 4.0;
 constexpr double kMostLost = 0.001;
 constexpr double kMostInvented = 0.02;
 /// A surface that leaves more of the points behind than this is none of theirs.
@@ -36,6 +45,7 @@ Eigen::Vector3d centreOf(const TriangleMesh& mesh, int f) {
 
 /// The component with the largest area, and a note on the others.
 TriangleMesh largestPiece(const TriangleMesh& mesh, std::vector<std::string>& notes) {
+  if (mesh.faceCount() == 0) return mesh;
   const auto [component, count] = mesh.components();
   std::vector<double> area(static_cast<std::size_t>(count), 0.0);
   for (int f = 0; f < mesh.faceCount(); ++f)
@@ -108,17 +118,39 @@ TriangleMesh facingOutward(const TriangleMesh& mesh,
   return outward < 0.0 ? turnedRound(mesh) : mesh;
 }
 
-/// Makes one candidate, without a face if the method finds none.
-TriangleMesh reconstructed(const PreparedCloud& cloud,
-                           Method method,
-                           const Progress& progress) {
-  if (method == Method::kAdvancingFront) {
-    progress.report("joining the points", 0.7);
-    return advancingFrontSurface(cloud.points_O, cloud.gap_m, progress);
+TriangleMesh joined(const PreparedCloud& cloud,
+                    const Progress& progress,
+                    std::vector<std::string>& notes) {
+  progress.report("joining the points", 0.2);
+  const TriangleMesh front = advancingFrontSurface(cloud.points_O, cloud.gap_m, progress);
+  // Crumbs lie in holes: first away with them.
+  Mended mended = closePinholes(largestPiece(front, notes), kPinhole * cloud.spacing_m);
+  if (mended.closed > 0) {
+    notes.push_back(fmt::format("closed {} pinholes, at most {:.2f} mm wide", mended.closed,
+                                1e3 * mended.widest));
   }
-  progress.report("fitting a closed surface", 0.3);
-  return poissonSurface(cloud.points_O, cloud.normals_O, cloud.spacing_m, cloud.spacing_m,
-                        progress);
+  return std::move(mended.mesh);
+}
+
+TriangleMesh fitted(const PreparedCloud& cloud,
+                    const Progress& progress,
+                    std::vector<std::string>& notes) {
+  progress.report("fitting a closed surface", 0.4);
+  const std::vector<Eigen::Index> few =
+      evenSelection(cloud.points_O, kMostPoissonPoints, progress);
+  const Eigen::Index count = cloud.points_O.cols();
+  if (std::ssize(few) == count) {
+    return largestPiece(poissonSurface(cloud.points_O, cloud.normals_O, cloud.spacing_m,
+                                       cloud.spacing_m, progress),
+                        notes);
+  }
+  notes.push_back(fmt::format("fitted to {} of {} points, evenly picked", few.size(), count));
+  const double spacing =
+      cloud.spacing_m * std::sqrt(static_cast<double>(count) / static_cast<double>(few.size()));
+  return largestPiece(
+      poissonSurface(cloud.points_O(Eigen::all, few), cloud.normals_O(Eigen::all, few), spacing,
+                     spacing, progress),
+      notes);
 }
 
 void measure(CloudSurface& surface,
@@ -136,6 +168,7 @@ void measure(CloudSurface& surface,
   surface.mean_m = distance.mean();
   surface.rms_m = std::sqrt(distance.squaredNorm() / static_cast<double>(count));
   surface.max_m = distance.maxCoeff();
+  surface.astray_share = (distance.array() > cloud.spacing_m).cast<double>().mean();
   surface.lost_share = (distance.array() > far_m).cast<double>().mean();
 
   double invented = 0.0;
@@ -144,9 +177,17 @@ void measure(CloudSurface& surface,
     if (f % 4096 == 0) progress.checkpoint();
     const double area = areaOf(surface.mesh_O, f);
     total += area;
-    if (points.nearest(centreOf(surface.mesh_O, f)).distance > far_m) invented += area;
+    const double reach = points.nearest(centreOf(surface.mesh_O, f)).distance;
+    surface.reach_m = std::max(surface.reach_m, reach);
+    if (reach > far_m) invented += area;
   }
   surface.invented_share = total > 0.0 ? invented / total : 0.0;
+
+  const auto holes = borderLoops(surface.mesh_O);
+  surface.hole_count = static_cast<int>(holes.size());
+  for (const std::vector<int>& hole : holes)
+    surface.widest_hole_m = std::max(surface.widest_hole_m, widthOf(surface.mesh_O, hole));
+  surface.handle_count = (2 - surface.hole_count - surface.mesh_O.eulerCharacteristic()) / 2;
 }
 
 bool isTrue(const CloudSurface& surface) {
@@ -168,25 +209,41 @@ std::string faultOf(const CloudSurface& surface) {
 
 void describe(CloudSurface& surface, const PreparedCloud& cloud, double far_m) {
   const TriangleMesh& mesh = surface.mesh_O;
-  std::string shape = "open";
-  if (mesh.isClosed()) {
-    const int handles = (2 - mesh.eulerCharacteristic()) / 2;
-    shape = handles == 0 ? "closed" : fmt::format("closed with {} handles", handles);
+  std::vector<std::string>& notes = surface.notes;
+  notes.push_back(fmt::format(
+      "surface of {} points, {:.2f} mm apart, by {}: {}, {} handles, {} faces, edges of {:.2f} "
+      "mm",
+      surface.point_count, 1e3 * surface.spacing_m, nameOf(surface.method),
+      mesh.isClosed() ? "closed" : "open", surface.handle_count, mesh.faceCount(),
+      1e3 * mesh.meanEdgeLength()));
+  notes.push_back(fmt::format(
+      "the points are {:.3f} mm from it on average (RMS {:.3f}, at most {:.3f} mm), {:.1f} % "
+      "of "
+      "them farther than their spacing; {:.1f} % of it is farther than {:.2f} mm from all "
+      "points, at most {:.2f} mm",
+      1e3 * surface.mean_m, 1e3 * surface.rms_m, 1e3 * surface.max_m,
+      100.0 * surface.astray_share, 100.0 * surface.invented_share, 1e3 * far_m,
+      1e3 * surface.reach_m));
+  if (surface.hole_count > 0) {
+    notes.push_back(fmt::format("check: the surface has {} {}, up to {:.1f} mm wide",
+                                surface.hole_count, surface.hole_count == 1 ? "hole" : "holes",
+                                1e3 * surface.widest_hole_m));
   }
-  surface.notes.push_back(fmt::format(
-      "surface of {} points, {:.2f} mm apart, by {}: {}, {} faces, edges of {:.2f} mm",
-      surface.point_count, 1e3 * surface.spacing_m, nameOf(surface.method), shape,
-      mesh.faceCount(), 1e3 * mesh.meanEdgeLength()));
-  surface.notes.push_back(
-      fmt::format("the points are {:.3f} mm from it on average (RMS {:.3f}, at most {:.3f} "
-                  "mm); {:.1f} % of "
-                  "it is farther than {:.2f} mm from all points",
-                  1e3 * surface.mean_m, 1e3 * surface.rms_m, 1e3 * surface.max_m,
-                  100.0 * surface.invented_share, 1e3 * far_m));
+  if (cloud.unevenness > kUneven) {
+    notes.push_back(fmt::format(
+        "check: the points are uneven: their widest gaps are {:.0f} times the usual "
+        "ones, and what lies between is a guess",
+        cloud.unevenness));
+  }
+  if (surface.astray_share > kMostLost) {
+    notes.push_back(fmt::format(
+        "check: the surface misses {:.1f} % of the points by more than their spacing",
+        100.0 * surface.astray_share));
+  }
   if (!mesh.isClosed() && !cloud.normals_given) {
-    surface.notes.emplace_back(
-        "without normals nothing says which side of an open scan is out: the side that it "
-        "bulges to was taken");
+    notes.emplace_back(
+        "check: without normals nothing says which side of an open scan is out: the side that "
+        "it bulges to was taken");
   }
 }
 
@@ -222,23 +279,36 @@ CloudSurface surfaceOf(const PointCloud& given,
     surface.point_count = static_cast<int>(cloud.points_O.cols());
     surface.spacing_m = cloud.spacing_m;
     surface.notes = cloud.notes;
-    const TriangleMesh mesh = reconstructed(cloud, method, progress);
+    const TriangleMesh mesh = method == Method::kAdvancingFront
+                                  ? joined(cloud, progress, surface.notes)
+                                  : fitted(cloud, progress, surface.notes);
     if (mesh.faceCount() == 0) return surface;
-    surface.mesh_O = facingOutward(largestPiece(mesh, surface.notes), cloud, points);
-    progress.report("measuring the surface", method == Method::kPoisson ? 0.6 : 0.9);
+    surface.mesh_O = facingOutward(mesh, cloud, points);
+    progress.report("measuring the surface", method == Method::kPoisson ? 0.8 : 0.3);
     measure(surface, cloud, points, far_m, progress);
     return surface;
   };
 
   CloudSurface surface;
-  if (options.method == Method::kAdvancingFront) {
-    surface = candidate(Method::kAdvancingFront);
+  if (options.method != Method::kAuto) {
+    surface = candidate(options.method);
   } else {
-    surface = candidate(Method::kPoisson);
-    if (options.method == Method::kAuto && !isTrue(surface)) {
-      const std::string fault = faultOf(surface);
-      surface = candidate(Method::kAdvancingFront);
-      surface.notes.push_back(fault);
+    const bool noisy = cloud.roughness_m > kNoisy * cloud.spacing_m;
+    if (!noisy) surface = candidate(Method::kAdvancingFront);
+    if (!isTrue(surface)) {
+      CloudSurface closed = candidate(Method::kPoisson);
+      if (isTrue(closed)) {
+        surface = std::move(closed);
+      } else {
+        if (noisy) surface = candidate(Method::kAdvancingFront);
+        surface.notes.push_back(faultOf(closed));
+      }
+    }
+    if (noisy) {
+      surface.notes.push_back(
+          fmt::format("the points are noisy: {:.3f} mm from where their "
+                      "neighbours put them",
+                      1e3 * cloud.roughness_m));
     }
   }
   if (surface.mesh_O.faceCount() == 0 || surface.lost_share > kMostLeftBehind) {

@@ -13,6 +13,7 @@
 
 #include "core/base/error.h"
 #include "core/cloud/reconstruction.h"
+#include "core/cloud/roughness.h"
 #include "core/geometry/kd_tree.h"
 
 namespace handgraft::cloud {
@@ -108,16 +109,7 @@ void thin(PointCloud& cloud,
           std::vector<std::string>& notes) {
   const Eigen::Index count = cloud.points_O.cols();
   if (count <= most) return;
-  const double diagonal =
-      (cloud.points_O.rowwise().maxCoeff() - cloud.points_O.rowwise().minCoeff()).norm();
-  std::vector<Eigen::Index> kept;
-  // Cells that a surface meets become fewer with their size squared.
-  for (double size = diagonal / 1000.0;;
-       size *= 1.05 * std::sqrt(static_cast<double>(kept.size()) / most)) {
-    progress.checkpoint();
-    kept = firstOfCells(cloud.points_O, size);
-    if (std::ssize(kept) <= most) break;
-  }
+  const std::vector<Eigen::Index> kept = evenSelection(cloud.points_O, most, progress);
   notes.push_back(fmt::format("thinned {} points to {}, evenly", count, kept.size()));
   keep(cloud, kept);
 }
@@ -141,6 +133,7 @@ void requireSpace(const Eigen::Matrix3Xd& points) {
 struct Spread {
   double spacing = 0.0;  ///< mean over points of the mean distance of six neighbours
   double gap = 0.0;
+  double unevenness = 1.0;
   Eigen::VectorXd reach;  ///< per point, distance of its sixth neighbour
 };
 
@@ -161,6 +154,10 @@ Spread spreadOf(const Eigen::Matrix3Xd& points, const KdTree& tree, const Progre
   const auto widest = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() * 99 / 100);
   std::nth_element(sorted.begin(), widest, sorted.end());
   spread.gap = std::max(4.0 * spread.spacing, 2.0 * *widest);
+  const double wide = *widest;
+  const auto usual = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), usual, sorted.end());
+  spread.unevenness = *usual > 0.0 ? wide / *usual : 1.0;
   return spread;
 }
 
@@ -261,6 +258,22 @@ void turnOutward(const Eigen::Matrix3Xd& points,
 
 }  // namespace
 
+std::vector<Eigen::Index> evenSelection(const Eigen::Matrix3Xd& points,
+                                        int most,
+                                        const Progress& progress) {
+  std::vector<Eigen::Index> kept(static_cast<std::size_t>(points.cols()));
+  std::iota(kept.begin(), kept.end(), Eigen::Index{0});
+  if (points.cols() <= most) return kept;
+  const double diagonal = (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
+  // Cells that a surface meets become fewer with their size squared.
+  for (double size = diagonal / 1000.0;;
+       size *= 1.05 * std::sqrt(static_cast<double>(kept.size()) / most)) {
+    progress.checkpoint();
+    kept = firstOfCells(points, size);
+    if (std::ssize(kept) <= most) return kept;
+  }
+}
+
 PreparedCloud prepare(const PointCloud& given, int most_points, const Progress& progress) {
   HANDGRAFT_REQUIRE(most_points >= kFewestPoints);
   HANDGRAFT_REQUIRE(given.normals_O.cols() == 0 ||
@@ -285,6 +298,7 @@ PreparedCloud prepare(const PointCloud& given, int most_points, const Progress& 
   requireSpace(cloud.points_O);
   prepared.spacing_m = spread.spacing;
   prepared.gap_m = spread.gap;
+  prepared.unevenness = spread.unevenness;
 
   progress.report("estimating normals", 0.1);
   Eigen::Matrix3Xd normals = normalized(cloud.normals_O);
@@ -317,6 +331,7 @@ PreparedCloud prepare(const PointCloud& given, int most_points, const Progress& 
           fmt::format("estimated {} normals that the file lacks", missing));
     }
   }
+  prepared.roughness_m = roughnessOf(cloud.points_O, normals, tree);
   prepared.points_O = std::move(cloud.points_O);
   prepared.normals_O = std::move(normals);
   return prepared;

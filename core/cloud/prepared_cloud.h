@@ -26,6 +26,10 @@ struct PreparedCloud {
   bool normals_given = false;
   double spacing_m = 0.0;  ///< mean distance of the six nearest neighbours, over all points
   double gap_m = 0.0;      ///< farther neighbours than this do not belong together
+  /// How wide the widest hundredth of the neighbourhoods is against the usual (median) one:
+  /// about 2 for a scan, far more for corners of CAD faces.
+  double unevenness = 1.0;
+  double roughness_m = 0.0;  ///< `roughnessOf` the points
   /// What was merged, thinned, left out, estimated, for the user.
   std::vector<std::string> notes;
 };
@@ -39,5 +43,11 @@ struct PreparedCloud {
 /// or they are (nearly) a line or a plane. Cancelled. Cost: O(N log N), about 0.05 ms a point
 /// with normals to estimate.
 PreparedCloud prepare(const PointCloud& cloud, int most_points, const Progress& progress);
+
+/// Indices, rising, of at most `most` points: the first of each cell of a grid. All if there
+/// are no more. Cost: O(N).
+std::vector<Eigen::Index> evenSelection(const Eigen::Matrix3Xd& points,
+                                        int most,
+                                        const Progress& progress);
 
 }  // namespace handgraft::cloud

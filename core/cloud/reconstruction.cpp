@@ -7,23 +7,31 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <tuple>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include <CGAL/Advancing_front_surface_reconstruction.h>
+#include <CGAL/Delaunay_triangulation_3.h>
+#include <CGAL/Delaunay_triangulation_cell_base_with_circumcenter_3.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Implicit_surface_3.h>
 #include <CGAL/Poisson_reconstruction_function.h>
 #include <CGAL/Random.h>
-#include <CGAL/Surface_mesh_default_triangulation_3.h>
+#include <CGAL/Robust_circumcenter_traits_3.h>
+#include <CGAL/Surface_mesh_cell_base_3.h>
+#include <CGAL/Surface_mesh_complex_2_in_triangulation_3.h>
+#include <CGAL/Surface_mesh_vertex_base_3.h>
+#include <CGAL/Triangulation_data_structure_3.h>
 #include <CGAL/jet_estimate_normals.h>
 #include <CGAL/make_surface_mesh.h>
 #include <CGAL/mst_orient_normals.h>
 #include <CGAL/property_map.h>
 
 #include "core/base/error.h"
+#include "core/cloud/triangle_soup.h"
 #include "core/geometry/kd_tree.h"
 
 namespace handgraft::cloud {
@@ -72,11 +80,42 @@ Eigen::Vector3d vectorFrom(const Vector& v) {
   return {v.x(), v.y(), v.z()};
 }
 
+// === The same bytes for the same points
+
 /// CGAL's own generator starts with the time of day: without this every run looks elsewhere
 /// first.
 void makeRepeatable() {
   CGAL::get_default_random() = CGAL::Random(0);
 }
+
+/// A vertex or cell that knows its turn. CGAL keeps sets of handles and orders them by address,
+/// unless there is such a stamp: the order in which elements came to be.
+template <class Base>
+struct Stamped : Base {
+  using Base::Base;
+  using Has_timestamp = CGAL::Tag_true;
+
+  template <class Structure>
+  struct Rebind_TDS {
+    using Other = Stamped<typename Base::template Rebind_TDS<Structure>::Other>;
+  };
+
+  Stamped() = default;
+
+  // A copy is another element.
+  Stamped(const Stamped& other) : Base(other) {}
+
+  Stamped& operator=(const Stamped& other) {
+    Base::operator=(other);
+    return *this;
+  }
+
+  [[nodiscard]] std::size_t time_stamp() const { return stamp; }
+
+  void set_time_stamp(std::size_t value) { stamp = value; }
+
+  std::size_t stamp = std::numeric_limits<std::size_t>::max();  // CGAL's word for none
+};
 
 // === Poisson
 
@@ -100,84 +139,17 @@ struct Field {
   }
 };
 
-using SurfaceTriangulation = CGAL::Surface_mesh_default_triangulation_3;
+using SurfaceTraits = CGAL::Robust_circumcenter_traits_3<Kernel>;
+using SurfaceTriangulation = CGAL::Delaunay_triangulation_3<
+    SurfaceTraits,
+    CGAL::Triangulation_data_structure_3<
+        Stamped<CGAL::Surface_mesh_vertex_base_3<SurfaceTraits>>,
+        Stamped<CGAL::Delaunay_triangulation_cell_base_with_circumcenter_3<
+            SurfaceTraits,
+            CGAL::Surface_mesh_cell_base_3<SurfaceTraits>>>>>;
 using SurfaceComplex = CGAL::Surface_mesh_complex_2_in_triangulation_3<SurfaceTriangulation>;
 
-using Triangles = std::vector<std::array<int, 3>>;
-
-/// For every triangle's edge (corner to next) the triangle beyond, -1 where there is not
-/// exactly one.
-std::vector<std::array<int, 3>> neighboursOf(const Triangles& triangles) {
-  std::vector<std::tuple<int, int, int, int>> edges;  // low vertex, high vertex, triangle, edge
-  edges.reserve(3 * triangles.size());
-  for (int t = 0; t < static_cast<int>(triangles.size()); ++t) {
-    for (int c = 0; c < 3; ++c) {
-      const auto [low, high] = std::minmax(triangles[t][c], triangles[t][(c + 1) % 3]);
-      edges.emplace_back(low, high, t, c);
-    }
-  }
-  std::sort(edges.begin(), edges.end());
-  std::vector<std::array<int, 3>> neighbours(triangles.size(), {-1, -1, -1});
-  for (std::size_t i = 0; i < edges.size();) {
-    std::size_t end = i + 1;
-    while (end < edges.size() && std::get<0>(edges[end]) == std::get<0>(edges[i]) &&
-           std::get<1>(edges[end]) == std::get<1>(edges[i]))
-      ++end;
-    if (end - i == 2) {
-      const auto& [low, high, a, a_edge] = edges[i];
-      const auto& [low_b, high_b, b, b_edge] = edges[i + 1];
-      neighbours[a][a_edge] = b;
-      neighbours[b][b_edge] = a;
-    }
-    i = end;
-  }
-  return neighbours;
-}
-
-/// Turns every component's triangles to agree with its first one.
-void orient(Triangles& triangles) {
-  const std::vector<std::array<int, 3>> neighbours = neighboursOf(triangles);
-  // Indexed by the edges as they were: turning a triangle renames its edges.
-  const Triangles before = triangles;
-  std::vector<char> turned(triangles.size(), -1);
-  std::vector<int> open;
-  for (int first = 0; first < static_cast<int>(triangles.size()); ++first) {
-    if (turned[first] >= 0) continue;
-    turned[first] = 0;
-    open.push_back(first);
-    while (!open.empty()) {
-      const int t = open.back();
-      open.pop_back();
-      for (int c = 0; c < 3; ++c) {
-        const int other = neighbours[t][c];
-        if (other < 0 || turned[other] >= 0) continue;
-        const int from = before[t][c];
-        const int to = before[t][(c + 1) % 3];
-        bool same_way = false;  // both run along the edge from `from` to `to`: they disagree
-        for (int d = 0; d < 3; ++d)
-          same_way |= before[other][d] == from && before[other][(d + 1) % 3] == to;
-        turned[other] = static_cast<char>(same_way ? 1 - turned[t] : turned[t]);
-        open.push_back(other);
-      }
-    }
-  }
-  for (std::size_t t = 0; t < triangles.size(); ++t)
-    if (turned[t] == 1) std::swap(triangles[t][1], triangles[t][2]);
-}
-
-TriangleMesh meshOf(const std::vector<Eigen::Vector3d>& vertices, const Triangles& triangles) {
-  Eigen::Matrix3Xd points(3, static_cast<Eigen::Index>(vertices.size()));
-  for (std::size_t v = 0; v < vertices.size(); ++v)
-    points.col(static_cast<Eigen::Index>(v)) = vertices[v];
-  Eigen::Matrix3Xi faces(3, static_cast<Eigen::Index>(triangles.size()));
-  for (std::size_t t = 0; t < triangles.size(); ++t)
-    for (int c = 0; c < 3; ++c)
-      faces(c, static_cast<Eigen::Index>(t)) = triangles[t][c];
-  return {std::move(points), std::move(faces)};
-}
-
-/// The facets of a complex, those of each component agreeing, in an order that does not depend
-/// on addresses (CGAL's own conversion does).
+/// The facets of a complex, those of each component agreeing.
 TriangleMesh meshOf(const SurfaceComplex& complex) {
   const SurfaceTriangulation& cells = complex.triangulation();
   std::vector<Eigen::Vector3d> vertices;
@@ -198,11 +170,55 @@ TriangleMesh meshOf(const SurfaceComplex& complex) {
     }
     triangles.push_back(triangle);
   }
-  orient(triangles);
-  return meshOf(vertices, triangles);
+  return orientedMesh(vertices, std::move(triangles));
 }
 
 // === Advancing front
+
+/// Numbers addresses in the order in which they are first asked for.
+class TurnOfAddress {
+ public:
+  std::size_t of(const void* address) {
+    return turns_.emplace(address, turns_.size()).first->second;
+  }
+
+ private:
+  std::unordered_map<const void*, std::size_t> turns_;
+};
+
+/// Of the reconstruction that this thread makes; CGAL's front has no room for it.
+thread_local TurnOfAddress* turn_of_edge = nullptr;
+
+/// The front takes the edge whose triangle has the smallest radius. The two edges that share a
+/// candidate tie, which CGAL breaks by address, and this by turn.
+template <class Base>
+struct FrontVertex : Base {
+  using Base::Base;
+
+  template <class Structure>
+  struct Rebind_TDS {
+    using Other = FrontVertex<typename Base::template Rebind_TDS<Structure>::Other>;
+  };
+
+  struct Radius_ptr_type : std::pair<typename Base::criteria, typename Base::IO_edge_type*> {
+    Radius_ptr_type(typename Base::criteria radius, typename Base::IO_edge_type* edge)
+        : std::pair<typename Base::criteria, typename Base::IO_edge_type*>(radius, edge),
+          turn(turn_of_edge->of(edge)) {}
+
+    bool operator<(const Radius_ptr_type& other) const {
+      return std::tie(this->first, turn) < std::tie(other.first, other.turn);
+    }
+
+    std::size_t turn;
+  };
+};
+
+using FrontTriangulation = CGAL::Delaunay_triangulation_3<
+    Kernel,
+    CGAL::Triangulation_data_structure_3<
+        FrontVertex<
+            Stamped<CGAL::Advancing_front_surface_reconstruction_vertex_base_3<Kernel>>>,
+        Stamped<CGAL::Advancing_front_surface_reconstruction_cell_base_3<Kernel>>>>;
 
 /// CGAL's priority, the radius of the smallest empty sphere, for triangles that are small
 /// enough.
@@ -306,13 +322,19 @@ TriangleMesh advancingFrontSurface(const Eigen::Matrix3Xd& points,
                                    double longest_edge,
                                    const Progress& progress) {
   HANDGRAFT_REQUIRE(longest_edge > 0.0);
-  std::vector<Point> cloud;
+  makeRepeatable();
+  std::vector<std::pair<Point, std::size_t>> cloud;
   for (Eigen::Index i = 0; i < points.cols(); ++i)
-    cloud.push_back(pointFrom(points.col(i)));
+    cloud.emplace_back(pointFrom(points.col(i)), static_cast<std::size_t>(i));
+  FrontTriangulation triangulation(cloud.begin(), cloud.end());
+  progress.checkpoint();
+  TurnOfAddress turns;
+  turn_of_edge = &turns;
+  CGAL::Advancing_front_surface_reconstruction<FrontTriangulation, ShortEdgesFirst> front(
+      triangulation, ShortEdgesFirst{longest_edge * longest_edge, &progress});
+  front.run();
   std::vector<std::array<std::size_t, 3>> triples;
-  CGAL::advancing_front_surface_reconstruction(
-      cloud.begin(), cloud.end(), std::back_inserter(triples),
-      ShortEdgesFirst{longest_edge * longest_edge, &progress});
+  CGAL::write_triple_indices(std::back_inserter(triples), front);
   Eigen::Matrix3Xi faces(3, static_cast<Eigen::Index>(triples.size()));
   for (std::size_t t = 0; t < triples.size(); ++t)
     for (int c = 0; c < 3; ++c)

@@ -8,7 +8,8 @@
 /// Surfaces through points, by CGAL. What to make of them is `point_cloud_surface.h`'s concern.
 ///
 /// Points are distinct, finite and no plane; all work in the points' own frame and unit, and
-/// throw Cancelled between their steps.
+/// throw Cancelled between their steps. The same points give the same bytes (of Poisson on
+/// uneven points, see README.md).
 namespace handgraft::cloud {
 
 /// Unit normals of fitted paraboloids, neighbours turned to agree (Hoppe et al. 1992); which
@@ -22,8 +23,7 @@ Eigen::Matrix3Xd estimateNormals(const Eigen::Matrix3Xd& points,
 /// 2006, on a Delaunay refinement), faces outward. It smooths noise, and closes what is open.
 ///
 /// `spacing`: mean distance of neighbours; `edge`: wanted length of edges. Without a face if
-/// the solve or the meshing fails. May have several components. CGAL breaks ties by
-/// addresses: two runs give other triangles of the same surface. Cost: about 0.8 ms a point.
+/// the solve or the meshing fails. May have several components. Cost: about 0.2 ms a point.
 geometry::TriangleMesh poissonSurface(const Eigen::Matrix3Xd& points,
                                       const Eigen::Matrix3Xd& normals,
                                       double spacing,
@@ -34,7 +34,7 @@ geometry::TriangleMesh poissonSurface(const Eigen::Matrix3Xd& points,
 /// Steiner & Da 2004): open where the points are, manifold and oriented, the side left open.
 ///
 /// Vertices are the points, 3 x N, also those left out, which have no face. `longest_edge`: no
-/// triangle has a longer one. Cost: O(N log N), about 0.1 ms a point.
+/// triangle has a longer one. Cost: O(N log N), about 0.02 ms a point.
 geometry::TriangleMesh advancingFrontSurface(const Eigen::Matrix3Xd& points,
                                              double longest_edge,
                                              const Progress& progress);
