@@ -60,8 +60,9 @@ struct CloudSurface {
 ///
 /// A closed surface's outside is where its volume is positive; an open one's is where the
 /// given normals look, or, without any, where it bulges to. The same points give the same
-/// bytes. Errors: as `prepare`; InvalidInput if the points give no surface. Cancelled.
-/// Cost: about 0.06 ms a point, with Poisson 0.3 ms of the first 15,000 besides.
+/// bytes (of Poisson: where they are even, see README). Errors: as `prepare`; InvalidInput if
+/// the points give no surface. Cancelled. Cost: about 0.06 ms a point, with Poisson 0.3 ms of
+/// the first 15,000 besides.
 CloudSurface surfaceOf(const PointCloud& cloud,
                        const SurfaceOptions& options = {},
                        const Progress& progress = {});

@@ -8,8 +8,8 @@
 /// Surfaces through points, by CGAL. What to make of them is `point_cloud_surface.h`'s concern.
 ///
 /// Points are distinct, finite and no plane; all work in the points' own frame and unit, and
-/// throw Cancelled between their steps. The same points give the same bytes (of Poisson on
-/// uneven points, see README.md).
+/// throw Cancelled between their steps. The same points give the same bytes (of Poisson:
+/// where they are even, see README).
 namespace handgraft::cloud {
 
 /// Unit normals of fitted paraboloids, neighbours turned to agree (Hoppe et al. 1992); which
