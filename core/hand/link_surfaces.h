@@ -14,8 +14,16 @@ struct LinkSurfaces {
   std::vector<int> face_links;
 };
 
+/// Which of a link's two sets of shapes stands for its surface; a link that lacks the one asked
+/// for shows the other.
+enum class SurfaceSource { kVisuals, kCollisions };
+
+const std::vector<Shape>& surfaceOf(const Link& link, SurfaceSource source);
+
 /// Gathers the links' surfaces at the link poses `X_AL`, in frame A. No face if no link has a
 /// surface. Cost: linear in the faces.
-LinkSurfaces linkSurfaces(const HandModel& model, const LinkPoses& X_AL);
+LinkSurfaces linkSurfaces(const HandModel& model,
+                          const LinkPoses& X_AL,
+                          SurfaceSource source = SurfaceSource::kVisuals);
 
 }  // namespace handgraft::hand

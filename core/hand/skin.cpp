@@ -1,5 +1,6 @@
 #include "core/hand/skin.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -17,56 +18,65 @@ constexpr double kAgreeingCosine = 0.5;
 
 }  // namespace
 
-LinkSurfaces linkSurfaces(const HandModel& model, const LinkPoses& X_AL) {
-  LinkSurfaces all;
-  std::vector<geometry::TriangleMesh> meshes;
-  for (int link = 0; link < model.linkCount(); ++link) {
-    const Eigen::Affine3d X_AL_affine(X_AL[static_cast<std::size_t>(link)].matrix());
-    for (const Shape& shape : model.links()[static_cast<std::size_t>(link)].surface()) {
-      if (shape.mesh_L.faceCount() == 0) continue;
-      meshes.push_back(geometry::transformed(shape.mesh_L, X_AL_affine));
-      all.face_links.insert(all.face_links.end(),
-                            static_cast<std::size_t>(shape.mesh_L.faceCount()), link);
-    }
-  }
-  if (!meshes.empty()) all.mesh_A = geometry::merged(meshes);
-  return all;
-}
-
 Skin::Skin(const HandModel& model,
            geometry::TriangleMesh mesh_S,
            Eigen::VectorXd q_reference,
-           double epsilon_m)
+           double epsilon_m,
+           SurfaceSource source)
     : mesh_S_(std::move(mesh_S)), q_reference_(std::move(q_reference)), epsilon_m_(epsilon_m) {
   HANDGRAFT_REQUIRE(q_reference_.size() == model.dofCount());
   if (!(epsilon_m_ > 0.0) || !std::isfinite(epsilon_m_))
     rejectInput("skin: epsilon {} m must be positive", epsilon_m_);
   forwardKinematics(model, Pose::Identity(), q_reference_, X_SL_);
-  LinkSurfaces links = linkSurfaces(model, X_SL_);
+  const LinkSurfaces links = linkSurfaces(model, X_SL_, source);
   if (links.mesh_A.faceCount() == 0)
     rejectInput("hand {}: none of its links has a surface", quoted(model.name()));
-  face_links_ = std::move(links.face_links);
   locator_ = std::make_unique<geometry::SurfaceLocator>(mesh_S_);
-  links_locator_ = std::make_unique<geometry::SurfaceLocator>(links.mesh_A);
+  links_ = std::make_unique<LinkLocators>(links, model.linkCount());
+  face_links_ = linksOfFaces(mesh_S_, *links_, epsilon_m_);
+}
+
+std::optional<LinkLocators::Hit> Skin::hitFrom(int face,
+                                               const Eigen::Vector3d& p_S,
+                                               const Eigen::Vector3d& n_S) const {
+  // Along a border between links, the place itself decides among those that meet there.
+  std::vector<int> links;
+  for (int corner = 0; corner < 3; ++corner) {
+    const int v = mesh_S_.face(face)[corner];
+    for (const int* h = mesh_S_.outgoingBegin(v); h != mesh_S_.outgoingEnd(v); ++h) {
+      const int link =
+          face_links_[static_cast<std::size_t>(geometry::TriangleMesh::faceOf(*h))];
+      if (link >= 0 && std::find(links.begin(), links.end(), link) == links.end())
+        links.push_back(link);
+    }
+  }
+  if (links.empty()) return links_->nearest(p_S, epsilon_m_);
+  std::optional<LinkLocators::Hit> best;
+  for (const int link : links) {
+    const auto hit = links_->nearestOf(link, p_S, epsilon_m_);
+    if (hit && (!best || misfit(*hit, p_S, n_S) < misfit(*best, p_S, n_S))) best = hit;
+  }
+  return best;
 }
 
 std::optional<LinkPoint> Skin::project(const Eigen::Vector3d& p_S,
                                        const Eigen::Vector3d& n_S) const {
   if (!p_S.allFinite()) return std::nullopt;
-  const geometry::SurfaceLocator::Hit hit = links_locator_->nearest(p_S);
-  if (!(hit.distance <= epsilon_m_)) return std::nullopt;
+  const int face = locator_->nearest(p_S).point.face;
+  const std::optional<LinkLocators::Hit> hit = hitFrom(face, p_S, n_S);
+  if (!hit) return std::nullopt;
 
   // A thin or turned surface shows its other side; its plane is right nevertheless.
-  Eigen::Vector3d n_link_S = links_locator_->mesh().faceNormals().col(hit.point.face);
+  Eigen::Vector3d n_link_S = hit->n_S;
   if (n_link_S.dot(n_S) < 0.0) n_link_S = -n_link_S;
   if (n_link_S.dot(n_S) < kAgreeingCosine) n_link_S = n_S;
 
   LinkPoint result;
-  result.link = face_links_[static_cast<std::size_t>(hit.point.face)];
+  result.link = hit->link;
   const Pose X_LS = inverse(X_SL_[static_cast<std::size_t>(result.link)]);
-  result.p_L = X_LS * hit.position;
+  result.p_L = X_LS * hit->position_S;
   result.n_L = (X_LS.linear() * n_link_S).normalized();
-  result.distance_m = hit.distance;
+  result.distance_m = hit->distance_m;
   return result;
 }
 

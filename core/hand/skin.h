@@ -13,19 +13,24 @@
 #include "core/geometry/surface_point.h"
 #include "core/geometry/triangle_mesh.h"
 #include "core/hand/hand_model.h"
+#include "core/hand/link_surfaces.h"
+#include "core/hand/skin_links.h"
 
 namespace handgraft::hand {
+
+struct SkinReport;
 
 struct SkinOptions {
   /// Alpha ball radius and offset, in metres: the wrap bridges gaps narrower than about twice
   /// alpha and stands off by offset. The first rung of a ladder that is climbed until the skin
-  /// is one piece without handles. 5e-4 to 0.05 m and 5e-5 to 0.01 m.
+  /// is one piece. 5e-4 to 0.05 m and 5e-5 to 0.01 m.
   double alpha_m = 0.003;
   double offset_m = 0.0008;
   /// Edge length that the skin is remeshed to, 5e-4 to 0.05 m.
   double edge_m = 0.0025;
   /// A skin point farther than this from every link is on no link (paper: epsilon).
   double epsilon_m = 0.004;
+  SurfaceSource source = SurfaceSource::kVisuals;
 };
 
 /// A place on a link's own surface.
@@ -40,6 +45,7 @@ struct LinkPoint {
 /// One closed surface around the whole hand at a reference pose, and the way back to the links.
 ///
 /// Frames: S is the hand's root frame with the joints at `q_reference`.
+/// Each face of the skin belongs to one link, decided at that pose (skin_links.h).
 /// Cost of `project`: O(log F). Const, safe from several threads.
 class Skin {
  public:
@@ -47,7 +53,8 @@ class Skin {
   Skin(const HandModel& model,
        geometry::TriangleMesh mesh_S,
        Eigen::VectorXd q_reference,
-       double epsilon_m);
+       double epsilon_m,
+       SurfaceSource source = SurfaceSource::kVisuals);
 
   [[nodiscard]] const geometry::TriangleMesh& mesh() const { return mesh_S_; }
 
@@ -57,7 +64,15 @@ class Skin {
 
   [[nodiscard]] double epsilon() const { return epsilon_m_; }
 
-  /// The nearest place on a link's surface, or nothing beyond epsilon.
+  /// The link that each face of the mesh belongs to; -1 where none is within epsilon.
+  [[nodiscard]] const std::vector<int>& faceLinks() const { return face_links_; }
+
+  /// The links' surfaces at the reference pose.
+  [[nodiscard]] const LinkLocators& links() const { return *links_; }
+
+  /// The nearest place on the surface of the link that the skin at `p_S` belongs to, or nothing
+  /// beyond epsilon. On a border between links the better of them; where the skin is of no
+  /// link, any.
   /// Frames: `p_S` in S; `n_S` the skin's outward normal there, which decides between the sides
   /// of thin or badly oriented link surfaces.
   [[nodiscard]] std::optional<LinkPoint> project(const Eigen::Vector3d& p_S,
@@ -69,26 +84,37 @@ class Skin {
   [[nodiscard]] Eigen::Vector3d directionInSkin(int link, const Eigen::Vector3d& d_L) const;
 
  private:
+  /// The place of the links that a point next to face `face` belongs to.
+  [[nodiscard]] std::optional<LinkLocators::Hit> hitFrom(int face,
+                                                         const Eigen::Vector3d& p_S,
+                                                         const Eigen::Vector3d& n_S) const;
+
   geometry::TriangleMesh mesh_S_;
   Eigen::VectorXd q_reference_;
   double epsilon_m_;
   std::vector<Pose> X_SL_;
-  std::vector<int> face_links_;  ///< link of every face of links_locator_'s mesh
   std::unique_ptr<geometry::SurfaceLocator> locator_;
-  std::unique_ptr<geometry::SurfaceLocator> links_locator_;
+  std::unique_ptr<LinkLocators> links_;
+  std::vector<int> face_links_;
 };
 
 /// The joints at which the hand is wrapped: at rest, moved by at most 0.35 rad a joint where
 /// links would stand closer than 10 mm. Within the limits; deterministic. Cost: some 20 ms.
 Eigen::VectorXd skinReferencePose(const HandModel& model);
 
-/// Wraps the union of the links' surfaces at the reference pose (CGAL Alpha_wrap_3), remeshed:
-/// closed, 2-manifold, one component. Handles remain where only a wrap that buries the links
-/// would close them; `mesh().eulerCharacteristic()` tells.
+/// Wraps the union of the links' surfaces at the reference pose: closed, 2-manifold, oriented,
+/// of one piece, of genus 0, without self-intersection, its triangles evened out.
+///
+/// Through-holes of a frame are shut by thin sheets, which belong to no link where they are
+/// farther than epsilon from all. A hand whose links cannot be joined gets a skin of several
+/// such pieces. `report`, if given, says which, what was tried and how good the skin is.
 ///
 /// Errors: InvalidInput if no link has a surface, the hand is not 0.01 to 2 m across, or an
 /// option is out of range. Cancelled on wish. Deterministic. Cost: 1-6 s for a hand of 100k
 /// triangles. Source: Portaneri et al. 2022, "Alpha wrapping with an offset".
-Skin buildSkin(const HandModel& model, const SkinOptions& options, const Progress& progress);
+Skin buildSkin(const HandModel& model,
+               const SkinOptions& options,
+               const Progress& progress,
+               SkinReport* report = nullptr);
 
 }  // namespace handgraft::hand

@@ -1,179 +1,126 @@
 #include <algorithm>
-#include <array>
+#include <chrono>
 #include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Polygon_mesh_processing/remesh.h>
-#include <CGAL/Surface_mesh.h>
-#include <CGAL/alpha_wrap_3.h>
-
 #include "core/base/error.h"
 #include "core/hand/kinematics.h"
 #include "core/hand/link_surfaces.h"
 #include "core/hand/skin.h"
+#include "core/hand/skin_report.h"
+#include "core/hand/skin_wrap.h"
+#include "core/hand/tunnel_plugs.h"
 
 namespace handgraft::hand {
 
 namespace {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using WrapMesh = CGAL::Surface_mesh<Kernel::Point_3>;
-
 /// Every rung bridges gaps half as wide again as the one before.
 constexpr double kLadderStep = 1.5;
 constexpr int kLadderRungs = 6;
-/// Rungs spent on closing handles once the skin is of one piece.
-constexpr int kExtraRungs = 2;
-/// A wrap that has less of its vertices within epsilon of a link hides the hand.
-constexpr double kCoveringShare = 0.97;
-/// A wrap is of one piece when the largest one holds this share of the area: what is left are
-/// loose screws and stray triangles.
-constexpr double kWholeShare = 0.97;
+/// A wrap that has less of its area within epsilon of a link hides the hand: better in pieces.
+constexpr double kCoveringShare = 0.8;
+/// Smaller pieces are loose screws and stray triangles, and are dropped.
+constexpr double kPieceShare = 0.03;
+/// Rounds of shutting tunnels, each on a finer grid: alpha / 2, / 4, / 6.
+constexpr int kTunnelRounds = 3;
+/// Remeshing to shorter edges follows a thin place better.
+constexpr double kEdgeShares[] = {1.0, 0.7, 0.5};
+/// Sheets that are this share of the skin's area are worth a word.
+constexpr double kNotableSheets = 0.05;
 /// Sizes of a hand; outside them a mesh is in other units than its file says.
 constexpr double kSmallestHand_m = 0.01;
 constexpr double kLargestHand_m = 2.0;
 
-struct Soup {
-  std::vector<Kernel::Point_3> points;
-  std::vector<std::array<std::size_t, 3>> faces;
+class Stopwatch {
+ public:
+  [[nodiscard]] double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-Soup soupOf(const geometry::TriangleMesh& mesh) {
-  Soup soup;
-  soup.points.reserve(static_cast<std::size_t>(mesh.vertexCount()));
-  for (int v = 0; v < mesh.vertexCount(); ++v) {
-    const Eigen::Vector3d p = mesh.vertex(v);
-    soup.points.emplace_back(p.x(), p.y(), p.z());
-  }
-  for (int f = 0; f < mesh.faceCount(); ++f) {
-    if (mesh.faceNormals().col(f).isZero()) continue;
-    const Eigen::Vector3i face = mesh.face(f);
-    soup.faces.push_back({static_cast<std::size_t>(face[0]), static_cast<std::size_t>(face[1]),
-                          static_cast<std::size_t>(face[2])});
-  }
-  return soup;
+double areaOf(const geometry::TriangleMesh& mesh, int f) {
+  const Eigen::Vector3i face = mesh.face(f);
+  return 0.5 * (mesh.vertex(face[1]) - mesh.vertex(face[0]))
+                   .cross(mesh.vertex(face[2]) - mesh.vertex(face[0]))
+                   .norm();
 }
 
-/// Lets a wish to stop into the wrapping.
-struct Checkpoint : CGAL::Alpha_wraps_3::internal::Wrapping_default_visitor {
-  explicit Checkpoint(const Progress& p) : progress(p) {}
-
-  template <class Wrapper, class Gate>
-  void before_facet_treatment(const Wrapper& /*wrapper*/, const Gate& /*gate*/) {
-    if (++steps % 1024 == 0) progress.checkpoint();
-  }
-
-  const Progress& progress;
-  unsigned steps = 0;
-};
-
-geometry::TriangleMesh meshOf(const WrapMesh& wrap) {
-  Eigen::Matrix3Xd vertices(3, static_cast<Eigen::Index>(wrap.number_of_vertices()));
-  Eigen::Matrix3Xi faces(3, static_cast<Eigen::Index>(wrap.number_of_faces()));
-  std::vector<int> index(wrap.num_vertices(), -1);
-  int count = 0;
-  for (const auto v : wrap.vertices()) {
-    const Kernel::Point_3& p = wrap.point(v);
-    vertices.col(count) << p.x(), p.y(), p.z();
-    index[v.idx()] = count++;
-  }
-  int face = 0;
-  for (const auto f : wrap.faces()) {
-    int corner = 0;
-    for (const auto v : wrap.vertices_around_face(wrap.halfedge(f)))
-      faces(corner++, face) = index[v.idx()];
-    ++face;
-  }
-  return {std::move(vertices), std::move(faces)};
-}
-
-/// What one rung gave.
-struct Candidate {
-  geometry::TriangleMesh mesh;
-  double share = 1.0;     ///< of the wrap's area that the mesh, its largest piece, holds
-  double coverage = 0.0;  ///< share of its vertices within epsilon of a link
-
-  [[nodiscard]] bool isWhole() const { return share >= kWholeShare; }
-
-  [[nodiscard]] bool isCovering() const { return coverage >= kCoveringShare; }
-
-  /// One piece before several, close to the links before far off, then fewer handles.
-  [[nodiscard]] bool isBetterThan(const Candidate& other) const {
-    if (isWhole() != other.isWhole()) return isWhole();
-    if (!isWhole()) return share > other.share;
-    if (isCovering() != other.isCovering()) return isCovering();
-    if (!isCovering()) return coverage > other.coverage;
-    return mesh.eulerCharacteristic() > other.mesh.eulerCharacteristic();
-  }
-};
-
-double coverageOf(const geometry::TriangleMesh& mesh,
-                  const geometry::SurfaceLocator& links,
-                  double epsilon_m) {
-  int near = 0;
-  for (int v = 0; v < mesh.vertexCount(); ++v)
-    if (links.nearest(mesh.vertex(v)).distance <= epsilon_m) ++near;
-  return mesh.vertexCount() > 0 ? static_cast<double>(near) / mesh.vertexCount() : 0.0;
-}
-
-/// The component with the largest area.
-Candidate largestComponent(const geometry::TriangleMesh& mesh) {
+/// The connected pieces of a surface that are worth keeping, in the order of their vertices.
+std::vector<geometry::TriangleMesh> piecesOf(const geometry::TriangleMesh& mesh) {
   const auto [component, count] = mesh.components();
-  if (count == 1) return {mesh, 1.0, 0.0};
+  if (count == 1) return {mesh};
   std::vector<double> area(static_cast<std::size_t>(count), 0.0);
   double total = 0.0;
+  const auto componentOf = [&component = component, &mesh](int f) {
+    return static_cast<std::size_t>(component[static_cast<std::size_t>(mesh.face(f)[0])]);
+  };
   for (int f = 0; f < mesh.faceCount(); ++f) {
-    const Eigen::Vector3i face = mesh.face(f);
-    const double part = 0.5 * (mesh.vertex(face[1]) - mesh.vertex(face[0]))
-                                  .cross(mesh.vertex(face[2]) - mesh.vertex(face[0]))
-                                  .norm();
-    area[static_cast<std::size_t>(component[static_cast<std::size_t>(face[0])])] += part;
-    total += part;
+    area[componentOf(f)] += areaOf(mesh, f);
+    total += areaOf(mesh, f);
   }
-  const auto best = std::max_element(area.begin(), area.end());
-  const int kept = static_cast<int>(best - area.begin());
-
-  std::vector<int> index(static_cast<std::size_t>(mesh.vertexCount()), -1);
-  Eigen::Matrix3Xd vertices(3, mesh.vertexCount());
-  int vertex_count = 0;
-  for (int v = 0; v < mesh.vertexCount(); ++v) {
-    if (component[static_cast<std::size_t>(v)] != kept) continue;
-    vertices.col(vertex_count) = mesh.vertex(v);
-    index[static_cast<std::size_t>(v)] = vertex_count++;
+  std::vector<geometry::TriangleMesh> pieces;
+  for (std::size_t kept = 0; kept < area.size(); ++kept) {
+    if (area[kept] < kPieceShare * total) continue;
+    std::vector<int> index(static_cast<std::size_t>(mesh.vertexCount()), -1);
+    Eigen::Matrix3Xd vertices(3, mesh.vertexCount());
+    int vertex_count = 0;
+    for (int v = 0; v < mesh.vertexCount(); ++v) {
+      if (static_cast<std::size_t>(component[static_cast<std::size_t>(v)]) != kept) continue;
+      vertices.col(vertex_count) = mesh.vertex(v);
+      index[static_cast<std::size_t>(v)] = vertex_count++;
+    }
+    Eigen::Matrix3Xi faces(3, mesh.faceCount());
+    int face_count = 0;
+    for (int f = 0; f < mesh.faceCount(); ++f) {
+      if (componentOf(f) != kept) continue;
+      for (int c = 0; c < 3; ++c)
+        faces(c, face_count) = index[static_cast<std::size_t>(mesh.face(f)[c])];
+      ++face_count;
+    }
+    pieces.emplace_back(vertices.leftCols(vertex_count), faces.leftCols(face_count));
   }
-  Eigen::Matrix3Xi faces(3, mesh.faceCount());
-  int face_count = 0;
-  for (int f = 0; f < mesh.faceCount(); ++f) {
-    const Eigen::Vector3i face = mesh.face(f);
-    if (component[static_cast<std::size_t>(face[0])] != kept) continue;
-    for (int c = 0; c < 3; ++c)
-      faces(c, face_count) = index[static_cast<std::size_t>(face[c])];
-    ++face_count;
-  }
-  return {geometry::TriangleMesh(vertices.leftCols(vertex_count), faces.leftCols(face_count)),
-          total > 0.0 ? *best / total : 0.0, 0.0};
+  return pieces;
 }
 
-/// One rung: wrap, then even out the triangles, which log maps are the better for.
-geometry::TriangleMesh wrapLinks(const Soup& soup,
-                                 double alpha_m,
-                                 const SkinOptions& options,
-                                 const Progress& progress) {
-  WrapMesh wrap;
-  Checkpoint checkpoint(progress);
-  CGAL::alpha_wrap_3(soup.points, soup.faces, alpha_m, options.offset_m, wrap,
-                     CGAL::parameters::visitor(checkpoint));
-  progress.checkpoint();
-  if (options.edge_m > 0.0) {
-    CGAL::Polygon_mesh_processing::isotropic_remeshing(
-        wrap.faces(), options.edge_m, wrap,
-        CGAL::parameters::number_of_iterations(2).number_of_relaxation_steps(1));
-    wrap.collect_garbage();
+int genusOf(const std::vector<geometry::TriangleMesh>& pieces) {
+  int genus = 0;
+  for (const geometry::TriangleMesh& piece : pieces)
+    genus += 1 - piece.eulerCharacteristic() / 2;
+  return genus;
+}
+
+int vertexCountOf(const std::vector<geometry::TriangleMesh>& pieces) {
+  int count = 0;
+  for (const geometry::TriangleMesh& piece : pieces)
+    count += piece.vertexCount();
+  return count;
+}
+
+/// Share of the area whose faces' middles lie within epsilon of a link.
+double coveringShareOf(const std::vector<geometry::TriangleMesh>& pieces,
+                       const geometry::SurfaceLocator& links,
+                       double epsilon_m) {
+  double near = 0.0;
+  double total = 0.0;
+  for (const geometry::TriangleMesh& piece : pieces) {
+    for (int f = 0; f < piece.faceCount(); ++f) {
+      const Eigen::Vector3i face = piece.face(f);
+      const double area = areaOf(piece, f);
+      total += area;
+      if (links
+              .nearest((piece.vertex(face[0]) + piece.vertex(face[1]) + piece.vertex(face[2])) /
+                       3.0)
+              .distance <= epsilon_m)
+        near += area;
+    }
   }
-  return meshOf(wrap);
+  return total > 0.0 ? near / total : 0.0;
 }
 
 void validate(const SkinOptions& options) {
@@ -184,47 +131,195 @@ void validate(const SkinOptions& options) {
   check(options.alpha_m, "alpha", 5e-4, 0.05);
   check(options.offset_m, "offset", 5e-5, 0.01);
   check(options.edge_m, "edge", 5e-4, 0.05);
+  check(options.epsilon_m, "epsilon", 1e-4, 0.1);
 }
+
+/// A wrap of the links, as pieces, and what it was made from.
+struct Wrap {
+  std::vector<geometry::TriangleMesh> pieces;
+  geometry::TriangleMesh triangles;  ///< the links' and those of the sheets
+  double alpha_m = 0.0;
+};
+
+class Builder {
+ public:
+  Builder(geometry::TriangleMesh links_S,
+          const SkinOptions& options,
+          const Progress& progress,
+          SkinReport& report)
+      : links_S_(std::move(links_S)),
+        links_locator_(links_S_),
+        options_(options),
+        progress_(progress),
+        report_(report) {}
+
+  geometry::TriangleMesh build() {
+    Wrap wrap = wrapInOnePiece();
+    shutTunnels(wrap);
+    return evenOut(wrap);
+  }
+
+ private:
+  Wrap wrapOf(const geometry::TriangleMesh& triangles, double alpha_m, SkinStep& step) {
+    progress_.checkpoint();
+    const Stopwatch watch;
+    Wrap wrap;
+    wrap.pieces = piecesOf(wrapped(triangles, alpha_m, options_.offset_m, progress_));
+    wrap.triangles = triangles;
+    wrap.alpha_m = alpha_m;
+    step.alpha_m = alpha_m;
+    step.offset_m = options_.offset_m;
+    step.vertices = vertexCountOf(wrap.pieces);
+    step.pieces = static_cast<int>(wrap.pieces.size());
+    step.genus = genusOf(wrap.pieces);
+    step.covering_share = coveringShareOf(wrap.pieces, links_locator_, options_.epsilon_m);
+    step.time_s += watch.seconds();
+    return wrap;
+  }
+
+  /// Climbs the ladder to the first wrap of one piece: the tightest keeps the most detail. Else
+  /// the tightest of those with the fewest pieces that do not hide the hand.
+  Wrap wrapInOnePiece() {
+    std::optional<Wrap> best;
+    std::size_t best_step = 0;
+    double alpha = options_.alpha_m;
+    for (int rung = 0; rung < kLadderRungs; ++rung, alpha *= kLadderStep) {
+      progress_.report(rung == 0 ? "wrapping the skin" : "wrapping the skin more loosely",
+                       0.1 + 0.4 * rung / kLadderRungs);
+      SkinStep step;
+      step.action = "wrap";
+      Wrap wrap = wrapOf(links_S_, alpha, step);
+      const bool hides = step.covering_share < kCoveringShare;
+      const bool is_better = !best || (!hides && wrap.pieces.size() < best->pieces.size());
+      step.verdict = !is_better ? "not kept" : hides ? "kept for want of a better one" : "kept";
+      if (wrap.pieces.size() > 1) step.verdict += ": in pieces";
+      if (hides) step.verdict += ": hides the links";
+      report_.steps.push_back(step);
+      if (is_better) {
+        best = std::move(wrap);
+        best_step = report_.steps.size() - 1;
+      }
+      if (best->pieces.size() == 1 || hides) break;
+    }
+    HANDGRAFT_REQUIRE(best && !best->pieces.empty());
+    for (std::size_t i = 0; i < report_.steps.size(); ++i)
+      if (i != best_step && report_.steps[i].verdict.starts_with("kept"))
+        report_.steps[i].verdict = "not kept" + report_.steps[i].verdict.substr(4);
+    if (best->pieces.size() > 1)
+      report_.notes.push_back(fmt::format(
+          "the links cannot be joined: the skin has {} separate pieces, and no patch reaches "
+          "from one to another",
+          best->pieces.size()));
+    return std::move(*best);
+  }
+
+  /// Spans sheets over the through-holes until none is left.
+  void shutTunnels(Wrap& wrap) {
+    const geometry::TriangleMesh original = geometry::merged(wrap.pieces);
+    double sheets_area = 0.0;
+    int sheets = 0;
+    for (int round = 0; round < kTunnelRounds && genusOf(wrap.pieces) > 0; ++round) {
+      progress_.report("shutting through-holes", 0.5 + 0.1 * round);
+      const Stopwatch watch;
+      SkinStep step;
+      step.action = "shut tunnels";
+      std::vector<geometry::TriangleMesh> triangles{wrap.triangles};
+      for (const geometry::TriangleMesh& piece : wrap.pieces) {
+        if (piece.eulerCharacteristic() == 2) continue;
+        const TunnelPlugs plugs = findTunnelPlugs(piece, 0.5 * wrap.alpha_m / (1 + round));
+        step.sheets += plugs.count;
+        step.sheets_area_m2 += plugs.area_m2;
+        if (plugs.sheets_S.faceCount() > 0) triangles.push_back(plugs.sheets_S);
+      }
+      step.time_s = watch.seconds();
+      Wrap shut = wrapOf(geometry::merged(triangles), wrap.alpha_m, step);
+      const bool is_better =
+          shut.pieces.size() <= wrap.pieces.size() && step.genus < genusOf(wrap.pieces);
+      step.verdict = is_better ? "kept" : "not kept: no fewer handles";
+      report_.steps.push_back(step);
+      if (!is_better) continue;
+      wrap = std::move(shut);
+      sheets += step.sheets;
+      sheets_area += step.sheets_area_m2;
+    }
+    if (const int genus = genusOf(wrap.pieces); genus > 0)
+      report_.notes.push_back(fmt::format("the skin keeps {} handles", genus));
+    const double share = 2.0 * sheets_area / (original.area() + 2.0 * sheets_area);
+    if (share > kNotableSheets)
+      report_.notes.push_back(
+          fmt::format("{} sheets shut through-holes; they are about {:.0f} % of the skin",
+                      sheets, 100.0 * share));
+  }
+
+  /// Even triangles, which log maps are the better for; the wrap's own where they would cross.
+  geometry::TriangleMesh evenOut(const Wrap& wrap) {
+    progress_.report("evening out triangles", 0.8);
+    const geometry::TriangleMesh raw = geometry::merged(wrap.pieces);
+    for (const double share : kEdgeShares) {
+      progress_.checkpoint();
+      const Stopwatch watch;
+      SkinStep step;
+      step.action = "even out triangles";
+      step.alpha_m = wrap.alpha_m;
+      step.offset_m = options_.offset_m;
+      step.edge_m = share * options_.edge_m;
+      geometry::TriangleMesh mesh = remeshed(raw, step.edge_m);
+      step.vertices = mesh.vertexCount();
+      step.pieces = mesh.components().second;
+      step.genus = step.pieces - mesh.eulerCharacteristic() / 2;
+      const bool is_sound = mesh.isClosed() &&
+                            step.pieces == static_cast<int>(wrap.pieces.size()) &&
+                            step.genus == genusOf(wrap.pieces);
+      if (is_sound) step.crossing_faces = static_cast<int>(selfIntersectingFaces(mesh).size());
+      step.time_s = watch.seconds();
+      step.verdict = !is_sound                 ? "not kept: another topology"
+                     : step.crossing_faces > 0 ? "not kept: it crosses itself"
+                                               : "kept";
+      report_.steps.push_back(step);
+      if (is_sound && step.crossing_faces == 0) return mesh;
+    }
+    report_.notes.emplace_back("the skin's triangles are as the wrap left them");
+    return raw;
+  }
+
+  geometry::TriangleMesh links_S_;
+  geometry::SurfaceLocator links_locator_;
+  const SkinOptions& options_;
+  const Progress& progress_;
+  SkinReport& report_;
+};
 
 }  // namespace
 
-Skin buildSkin(const HandModel& model, const SkinOptions& options, const Progress& progress) {
+Skin buildSkin(const HandModel& model,
+               const SkinOptions& options,
+               const Progress& progress,
+               SkinReport* report) {
   validate(options);
+  const Stopwatch watch;
   progress.report("opening the hand", 0.0);
   Eigen::VectorXd q = skinReferencePose(model);
   LinkPoses X_SL;
   forwardKinematics(model, Pose::Identity(), q, X_SL);
-  const LinkSurfaces links = linkSurfaces(model, X_SL);
-  const Soup soup = soupOf(links.mesh_A);
-  if (soup.faces.empty())
+  LinkSurfaces links = linkSurfaces(model, X_SL, options.source);
+  if (!(links.mesh_A.area() > 0.0))
     rejectInput("hand {}: none of its links has a surface", quoted(model.name()));
-  const geometry::SurfaceLocator links_locator(links.mesh_A);
   const double size = links.mesh_A.diagonal();
   if (!(size >= kSmallestHand_m && size <= kLargestHand_m))
     rejectInput("hand {}: {} m across, outside {} to {} m; are its meshes in another unit?",
                 quoted(model.name()), size, kSmallestHand_m, kLargestHand_m);
 
-  // The smallest alpha that gives one closed piece keeps the most detail. A few looser rungs
-  // may still close handles, but not at the price of burying the links.
-  std::optional<Candidate> best;
-  double alpha = options.alpha_m;
-  int rungs_left = kLadderRungs;
-  for (int rung = 0; rungs_left > 0; ++rung, --rungs_left, alpha *= kLadderStep) {
-    progress.checkpoint();
-    progress.report(rung == 0 ? "wrapping the skin" : "wrapping the skin more loosely",
-                    0.1 + 0.8 * rung / kLadderRungs);
-    Candidate candidate = largestComponent(wrapLinks(soup, alpha, options, progress));
-    if (!candidate.mesh.isClosed()) continue;
-    candidate.coverage = coverageOf(candidate.mesh, links_locator, options.epsilon_m);
-    const bool first_whole = candidate.isWhole() && (!best || !best->isWhole());
-    if (!best || candidate.isBetterThan(*best)) best = std::move(candidate);
-    if (best->isWhole() && best->isCovering() && best->mesh.eulerCharacteristic() == 2) break;
-    if (first_whole) rungs_left = std::min(rungs_left, kExtraRungs + 1);
-  }
-  if (!best) rejectInput("hand {}: no closed skin fits it", quoted(model.name()));
-
+  SkinReport steps;
+  geometry::TriangleMesh mesh =
+      Builder(std::move(links.mesh_A), options, progress, steps).build();
   progress.report("relating skin and links", 0.95);
-  return {model, std::move(best->mesh), std::move(q), options.epsilon_m};
+  Skin skin(model, std::move(mesh), std::move(q), options.epsilon_m, options.source);
+  if (report != nullptr) {
+    steps.time_s = watch.seconds();
+    *report = std::move(steps);
+    measure(skin, *report);
+  }
+  return skin;
 }
 
 }  // namespace handgraft::hand

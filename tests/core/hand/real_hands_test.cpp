@@ -10,6 +10,7 @@
 #include "core/hand/contact_site.h"
 #include "core/hand/digits.h"
 #include "core/hand/kinematics.h"
+#include "core/hand/skin_report.h"
 #include "core/io/urdf_file.h"
 
 #include "tests/support/shared_data.h"
@@ -47,22 +48,32 @@ TEST_P(RealHands, GetAClosedSkinAndTheirSites) {
   EXPECT_EQ(model.dofCount(), hand.dofs);
   EXPECT_EQ(model.mimicCount(), hand.mimics);
 
-  // === The skin: closed, of one piece, and close to the links
-  const Skin skin = buildSkin(model, {}, Progress());
+  // === The skin: valid, even, and close to the links
+  SkinReport report;
+  const Skin skin = buildSkin(model, {}, Progress(), &report);
+  SCOPED_TRACE(describe(report));
   const geometry::TriangleMesh& mesh = skin.mesh();
-  EXPECT_TRUE(mesh.isClosed());
-  EXPECT_EQ(mesh.components().second, 1);
-  EXPECT_GT(mesh.meanEdgeLength(), 0.0015);
-  EXPECT_LT(mesh.meanEdgeLength(), 0.003);
-  // Through-holes of a robot's frame may remain as handles.
-  if (mesh.eulerCharacteristic() != 2) {
-    RecordProperty("genus", (2 - mesh.eulerCharacteristic()) / 2);
-    EXPECT_THAT(hand.path, ::testing::HasSubstr("allegro_hand_right"));
+  EXPECT_TRUE(report.isValid());
+  EXPECT_EQ(mesh.eulerCharacteristic(), 2);
+  EXPECT_GT(report.mean_edge_m, 0.0015);
+  EXPECT_LT(report.mean_edge_m, 0.003);
+  EXPECT_GT(report.smallest_angle_rad, 0.17);
+  EXPECT_LT(report.mean_clearance_m, 0.001);
+  // Sheets over a frame's openings are on no link.
+  EXPECT_GE(report.projected_share, 0.98);
+
+  // === Each link's area is in one piece: no face stands alone
+  int lonely = 0;
+  for (int f = 0; f < mesh.faceCount(); ++f) {
+    bool has_friend = false;
+    for (int c = 0; c < 3; ++c) {
+      const int other = geometry::TriangleMesh::faceOf(mesh.twin(3 * f + c));
+      has_friend |= skin.faceLinks()[static_cast<std::size_t>(f)] ==
+                    skin.faceLinks()[static_cast<std::size_t>(other)];
+    }
+    if (!has_friend) ++lonely;
   }
-  int projected = 0;
-  for (int v = 0; v < mesh.vertexCount(); ++v)
-    if (skin.project(mesh.vertex(v), mesh.vertexNormals().col(v))) ++projected;
-  EXPECT_GE(projected, 0.97 * mesh.vertexCount());
+  EXPECT_LE(lonely, mesh.faceCount() / 5000);
 
   // === The sites: the names expected, each on the side that closes
   const std::vector<ContactSite> sites = findContactSites(model, skin);

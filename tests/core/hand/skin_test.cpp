@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.h"
+#include "core/hand/skin_report.h"
 
 namespace handgraft::hand {
 namespace {
@@ -85,6 +86,133 @@ TEST(Skin, StopsOnWish) {
   Progress progress;
   progress.cancel();
   EXPECT_THROW((void)buildSkin(makeFinger(), {}, progress), Cancelled);
+}
+
+/// Two fingers of 16 mm on a palm, 2 mm apart, which no joint can spread.
+HandModel makePair() {
+  const auto jointTo = [](const std::string& child, double x) {
+    Joint joint;
+    joint.name = child + "_bend";
+    joint.type = JointType::kRevolute;
+    joint.parent_link = "palm";
+    joint.child_link = child;
+    joint.X_PJ.translation() << x, 0.0, 0.011;
+    joint.lower = 0.0;
+    joint.upper = 1.5;
+    return joint;
+  };
+  return {"pair",
+          {boxLink("palm", {0.06, 0.06, 0.02}, Eigen::Vector3d::Zero()),
+           boxLink("left", {0.016, 0.016, 0.05}, {0.0, 0.0, 0.025}),
+           boxLink("right", {0.016, 0.016, 0.05}, {0.0, 0.0, 0.025})},
+          {jointTo("left", -0.009), jointTo("right", 0.009)}};
+}
+
+TEST(Skin, NeverBindsAFingerToItsNeighbour) {
+  const Skin skin = buildSkin(makePair(), {}, Progress());
+  ASSERT_EQ(skin.mesh().components().second, 1);
+  int left = 0;
+  int right = 0;
+  for (int v = 0; v < skin.mesh().vertexCount(); ++v) {
+    const Eigen::Vector3d p_S = skin.mesh().vertex(v);
+    if (p_S.z() < 0.02 || std::abs(p_S.x()) < 0.0015) continue;
+    const auto hit = skin.project(p_S, skin.mesh().vertexNormals().col(v));
+    ASSERT_TRUE(hit) << p_S.transpose();
+    EXPECT_EQ(hit->link, p_S.x() < 0.0 ? 1 : 2) << p_S.transpose();
+    ++(p_S.x() < 0.0 ? left : right);
+  }
+  EXPECT_GT(left, 300);
+  EXPECT_GT(right, 300);
+}
+
+TEST(Skin, GivesEachLinkOneConnectedArea) {
+  const Skin skin = buildSkin(makePair(), {}, Progress());
+  const std::vector<int>& links = skin.faceLinks();
+  // A face that disagrees with all its neighbours would be an island.
+  for (int f = 0; f < skin.mesh().faceCount(); ++f) {
+    int agreeing = 0;
+    for (int c = 0; c < 3; ++c) {
+      const int other = geometry::TriangleMesh::faceOf(skin.mesh().twin(3 * f + c));
+      if (links[static_cast<std::size_t>(other)] == links[static_cast<std::size_t>(f)])
+        ++agreeing;
+    }
+    EXPECT_GT(agreeing, 0) << "face " << f;
+  }
+}
+
+/// A palm with a square opening of 30 mm, of four bars, and nothing else.
+HandModel makeFrame() {
+  Link frame = boxLink("frame", {0.05, 0.01, 0.008}, {0.0, 0.02, 0.0});
+  for (const Link& bar : {boxLink("", {0.05, 0.01, 0.008}, {0.0, -0.02, 0.0}),
+                          boxLink("", {0.01, 0.05, 0.008}, {0.02, 0.0, 0.0}),
+                          boxLink("", {0.01, 0.05, 0.008}, {-0.02, 0.0, 0.0})})
+    frame.visuals.push_back(bar.visuals.front());
+  return {"frame hand", {frame}, {}};
+}
+
+TEST(Skin, ShutsAnOpeningWithoutBuryingTheFrame) {
+  SkinReport report;
+  const Skin skin = buildSkin(makeFrame(), {}, Progress(), &report);
+  EXPECT_TRUE(report.isValid()) << describe(report);
+  EXPECT_EQ(skin.mesh().eulerCharacteristic(), 2);
+  ASSERT_EQ(report.steps.size(), 3u) << describe(report);
+  EXPECT_EQ(report.steps[0].genus, 1);
+  EXPECT_EQ(report.steps[1].sheets, 1);
+  EXPECT_EQ(report.steps[1].genus, 0);
+  // The sheet's middle is of no link, the bars are.
+  EXPECT_FALSE(skin.project({0.0, 0.0, 0.0}, Eigen::Vector3d::UnitZ()));
+  EXPECT_TRUE(skin.project({0.02, 0.0, 0.0048}, Eigen::Vector3d::UnitZ()));
+  ASSERT_EQ(report.notes.size(), 1u);
+  EXPECT_THAT(report.notes[0], ::testing::HasSubstr("1 sheets shut through-holes"));
+}
+
+TEST(Skin, SaysPlainlyThatLinksCannotBeJoined) {
+  const HandModel far_apart("far apart",
+                            {{"halves",
+                              {boxLink("", {0.05, 0.05, 0.05}, {0.3, 0.0, 0.0}).visuals[0],
+                               boxLink("", {0.05, 0.05, 0.05}, {-0.3, 0.0, 0.0}).visuals[0]},
+                              {}}},
+                            {});
+  SkinReport report;
+  const Skin skin = buildSkin(far_apart, {}, Progress(), &report);
+  EXPECT_EQ(report.pieces, 2);
+  EXPECT_EQ(report.genus, 0);
+  EXPECT_TRUE(report.is_closed);
+  EXPECT_FALSE(report.isValid());
+  ASSERT_EQ(report.notes.size(), 1u);
+  EXPECT_THAT(report.notes[0], ::testing::HasSubstr("2 separate pieces"));
+  EXPECT_EQ(report.steps.front().alpha_m, 0.003);
+  EXPECT_THAT(report.steps.front().verdict, ::testing::StartsWith("kept"));
+}
+
+TEST(Skin, WrapsTheCollisionShapesWhereAsked) {
+  Link link = boxLink("palm", {0.06, 0.06, 0.02}, Eigen::Vector3d::Zero());
+  link.collisions = boxLink("", {0.03, 0.03, 0.03}, Eigen::Vector3d::Zero()).visuals;
+  const HandModel model("one link", {link}, {});
+  SkinOptions options;
+  const double visual =
+      buildSkin(model, options, Progress()).mesh().vertices().row(0).maxCoeff();
+  options.source = SurfaceSource::kCollisions;
+  const Skin skin = buildSkin(model, options, Progress());
+  EXPECT_NEAR(visual, 0.0308, 1e-4);
+  EXPECT_NEAR(skin.mesh().vertices().row(0).maxCoeff(), 0.0158, 1e-4);
+  EXPECT_TRUE(skin.project({0.0158, 0.0, 0.0}, Eigen::Vector3d::UnitX()));
+}
+
+TEST(SkinReport, MeasuresABallAroundABall) {
+  const HandModel model("ball", {{"ball", {{geometry::makeSphere(0.02, 5), "sphere"}}, {}}},
+                        {});
+  const Skin skin(model, geometry::makeSphere(0.021, 5), Eigen::VectorXd(0), 0.004);
+  SkinReport report;
+  measure(skin, report);
+  EXPECT_TRUE(report.isValid());
+  EXPECT_EQ(report.vertices, 10242);
+  EXPECT_NEAR(report.mean_clearance_m, 0.001, 1e-5);
+  EXPECT_NEAR(report.max_clearance_m, 0.001, 1e-5);
+  EXPECT_EQ(report.projected_share, 1.0);
+  EXPECT_GT(report.smallest_angle_rad, 0.85);
+  EXPECT_LT(report.shortest_edge_m, report.mean_edge_m);
+  EXPECT_LT(report.mean_edge_m, report.longest_edge_m);
 }
 
 TEST(SkinReferencePose, StaysWithinTheLimitsAndStraight) {

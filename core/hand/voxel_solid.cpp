@@ -1,0 +1,274 @@
+#include "core/hand/voxel_solid.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "core/base/error.h"
+
+namespace handgraft::hand {
+
+namespace {
+
+constexpr int kFreeLayers = 2;
+/// A shift of the grid against the mesh, so that no column meets a vertex of a mesh with round
+/// coordinates.
+const Eigen::Vector3d kShift(0.2718, 0.3141, 0.1414);
+
+/// Twice the signed area of (a, b, p), the same number but for its sign when a and b change
+/// places: two triangles agree exactly on which side of their common edge a column lies.
+double side(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& p) {
+  const bool swapped = b.x() < a.x() || (b.x() == a.x() && b.y() < a.y());
+  const Eigen::Vector2d& u = swapped ? b : a;
+  const Eigen::Vector2d& v = swapped ? a : b;
+  const double area = (v.x() - u.x()) * (p.y() - u.y()) - (v.y() - u.y()) * (p.x() - u.x());
+  return swapped ? -area : area;
+}
+
+// === Distance to the solid
+
+/// Squared distances along one line, in place (Felzenszwalb & Huttenlocher 2012).
+void distanceAlongLine(std::vector<float>& line,
+                       std::vector<float>& out,
+                       std::vector<int>& hull,
+                       std::vector<float>& breaks) {
+  const int n = static_cast<int>(line.size());
+  constexpr float kFar = std::numeric_limits<float>::infinity();
+  int top = -1;
+  for (int q = 0; q < n; ++q) {
+    if (line[static_cast<std::size_t>(q)] == kFar) continue;
+    float from = -kFar;
+    while (top >= 0) {
+      const int v = hull[static_cast<std::size_t>(top)];
+      from = (line[static_cast<std::size_t>(q)] + static_cast<float>(q * q) -
+              line[static_cast<std::size_t>(v)] - static_cast<float>(v * v)) /
+             static_cast<float>(2 * (q - v));
+      if (from > breaks[static_cast<std::size_t>(top)]) break;
+      --top;
+    }
+    if (top < 0) from = -kFar;
+    ++top;
+    hull[static_cast<std::size_t>(top)] = q;
+    breaks[static_cast<std::size_t>(top)] = from;
+  }
+  if (top < 0) return;
+  int k = 0;
+  for (int q = 0; q < n; ++q) {
+    while (k < top && breaks[static_cast<std::size_t>(k + 1)] < static_cast<float>(q))
+      ++k;
+    const int v = hull[static_cast<std::size_t>(k)];
+    out[static_cast<std::size_t>(q)] =
+        static_cast<float>((q - v) * (q - v)) + line[static_cast<std::size_t>(v)];
+  }
+  line.swap(out);
+}
+
+/// Squared distance of every voxel to the nearest one of the solid, in voxels.
+std::vector<float> squaredDistances(const VoxelSet& solid, const VoxelGrid& grid) {
+  std::vector<float> field(grid.count());
+  for (std::size_t i = 0; i < field.size(); ++i)
+    field[i] = solid[i] != 0 ? 0.0F : std::numeric_limits<float>::infinity();
+  const std::array<std::size_t, 3> strides{
+      1, static_cast<std::size_t>(grid.size.x()),
+      static_cast<std::size_t>(grid.size.x()) * static_cast<std::size_t>(grid.size.y())};
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto n = static_cast<std::size_t>(grid.size[axis]);
+    const std::size_t stride = strides[static_cast<std::size_t>(axis)];
+    std::vector<float> line(n);
+    std::vector<float> out(n);
+    std::vector<int> hull(n);
+    std::vector<float> breaks(n);
+    for (std::size_t start = 0; start < field.size(); ++start) {
+      if (start / stride % n != 0) continue;
+      for (std::size_t i = 0; i < n; ++i)
+        line[i] = field[start + i * stride];
+      distanceAlongLine(line, out, hull, breaks);
+      for (std::size_t i = 0; i < n; ++i)
+        field[start + i * stride] = line[i];
+    }
+  }
+  return field;
+}
+
+// === Simple points
+
+/// Cells of a 3 x 3 x 3 neighbourhood are bits x + 3 y + 9 z; the middle one is bit 13.
+constexpr int kMiddle = 13;
+
+struct Neighbourhoods {
+  std::array<std::uint32_t, 27> all{};    ///< 26-neighbours of each cell within the cube
+  std::array<std::uint32_t, 27> faces{};  ///< 6-neighbours
+  std::uint32_t without_corners = 0;      ///< the 18-neighbourhood of the middle
+  std::uint32_t middle_faces = 0;
+
+  Neighbourhoods() {
+    for (int a = 0; a < 27; ++a) {
+      for (int b = 0; b < 27; ++b) {
+        const int dx = std::abs(a % 3 - b % 3);
+        const int dy = std::abs(a / 3 % 3 - b / 3 % 3);
+        const int dz = std::abs(a / 9 - b / 9);
+        if (a == b || b == kMiddle || std::max({dx, dy, dz}) > 1) continue;
+        all[static_cast<std::size_t>(a)] |= 1U << b;
+        if (dx + dy + dz == 1) faces[static_cast<std::size_t>(a)] |= 1U << b;
+        if (a == kMiddle && dx + dy + dz < 3) without_corners |= 1U << b;
+      }
+    }
+    middle_faces = faces[kMiddle];
+  }
+};
+
+/// The part of `set` that is connected to `seed` by `neighbours`.
+std::uint32_t flood(std::uint32_t set,
+                    std::uint32_t seed,
+                    const std::array<std::uint32_t, 27>& neighbours) {
+  std::uint32_t reached = seed;
+  std::uint32_t front = seed;
+  while (front != 0) {
+    const auto cell = static_cast<std::size_t>(std::countr_zero(front));
+    front &= front - 1;
+    const std::uint32_t fresh = neighbours[cell] & set & ~reached;
+    reached |= fresh;
+    front |= fresh;
+  }
+  return reached;
+}
+
+/// Whether the middle may leave a solid whose other cells are `solid`: one 26-component of the
+/// solid around it, and one 6-component of the outside that touches it by a face.
+bool isSimple(std::uint32_t solid) {
+  static const Neighbourhoods kCells;
+  solid &= ~(1U << kMiddle);
+  if (solid == 0) return false;
+  const std::uint32_t outside = ~solid & kCells.without_corners;
+  const std::uint32_t touching = outside & kCells.middle_faces;
+  if (touching == 0) return false;
+  if (flood(solid, solid & (~solid + 1), kCells.all) != solid) return false;
+  return (touching & ~flood(outside, touching & (~touching + 1), kCells.faces)) == 0;
+}
+
+}  // namespace
+
+VoxelGrid gridAround(const geometry::TriangleMesh& mesh_S,
+                     double step_m,
+                     std::size_t max_voxels) {
+  HANDGRAFT_REQUIRE(step_m > 0.0 && mesh_S.vertexCount() > 0);
+  const Eigen::Vector3d low = mesh_S.vertices().rowwise().minCoeff();
+  const Eigen::Vector3d extent = mesh_S.vertices().rowwise().maxCoeff() - low;
+  VoxelGrid grid;
+  for (grid.step_m = step_m;; grid.step_m *= 1.1) {
+    grid.size = (extent / grid.step_m).array().ceil().cast<int>() + 2 * kFreeLayers + 1;
+    if (grid.count() <= max_voxels) break;
+  }
+  grid.origin_S = low - grid.step_m * (Eigen::Vector3d::Constant(kFreeLayers) + kShift);
+  return grid;
+}
+
+VoxelSet voxelsInside(const geometry::TriangleMesh& mesh_S, const VoxelGrid& grid) {
+  // Where each column along z enters and leaves.
+  const auto nx = static_cast<std::size_t>(grid.size.x());
+  std::vector<std::vector<float>> crossings(nx * static_cast<std::size_t>(grid.size.y()));
+  for (int f = 0; f < mesh_S.faceCount(); ++f) {
+    std::array<Eigen::Vector3d, 3> p;
+    for (int c = 0; c < 3; ++c)
+      p[static_cast<std::size_t>(c)] =
+          (mesh_S.vertex(mesh_S.face(f)[c]) - grid.origin_S) / grid.step_m;
+    const Eigen::Vector2d low =
+        p[0].head<2>().cwiseMin(p[1].head<2>()).cwiseMin(p[2].head<2>());
+    const Eigen::Vector2d high =
+        p[0].head<2>().cwiseMax(p[1].head<2>()).cwiseMax(p[2].head<2>());
+    for (int y = static_cast<int>(std::ceil(low.y())); y <= high.y(); ++y) {
+      for (int x = static_cast<int>(std::ceil(low.x())); x <= high.x(); ++x) {
+        const Eigen::Vector2d at(x, y);
+        const double a = side(p[1].head<2>(), p[2].head<2>(), at);
+        const double b = side(p[2].head<2>(), p[0].head<2>(), at);
+        const double c = side(p[0].head<2>(), p[1].head<2>(), at);
+        if (!((a > 0 && b > 0 && c > 0) || (a < 0 && b < 0 && c < 0))) continue;
+        const double z = (a * p[0].z() + b * p[1].z() + c * p[2].z()) / (a + b + c);
+        crossings[static_cast<std::size_t>(y) * nx + static_cast<std::size_t>(x)].push_back(
+            static_cast<float>(z));
+      }
+    }
+  }
+
+  VoxelSet solid(grid.count(), 0);
+  for (int y = 0; y < grid.size.y(); ++y) {
+    for (int x = 0; x < grid.size.x(); ++x) {
+      auto& column = crossings[static_cast<std::size_t>(y) * nx + static_cast<std::size_t>(x)];
+      std::sort(column.begin(), column.end());
+      for (std::size_t i = 0; i + 1 < column.size(); i += 2)
+        for (int z = static_cast<int>(std::ceil(column[i]));
+             static_cast<float>(z) <= column[i + 1]; ++z)
+          solid[grid.index(x, y, z)] = 1;
+    }
+  }
+  return solid;
+}
+
+VoxelSet shrinkWrapped(const VoxelSet& solid, const VoxelGrid& grid) {
+  HANDGRAFT_REQUIRE(solid.size() == grid.count());
+  std::array<std::ptrdiff_t, 27> offsets{};
+  for (int cell = 0; cell < 27; ++cell)
+    offsets[static_cast<std::size_t>(cell)] =
+        (cell % 3 - 1) +
+        static_cast<std::ptrdiff_t>(grid.size.x()) *
+            ((cell / 3 % 3 - 1) + static_cast<std::ptrdiff_t>(grid.size.y()) * (cell / 9 - 1));
+
+  // Buckets of a quarter voxel; first come, first served within one, so that fronts that meet
+  // in a tunnel have come equally far.
+  const std::vector<float> squared = squaredDistances(solid, grid);
+  const auto bucketOf = [&](std::size_t i) {
+    return static_cast<std::size_t>(4.0F * std::sqrt(squared[i]));
+  };
+  std::size_t farthest = 0;
+  for (std::size_t i = 0; i < solid.size(); ++i) {
+    HANDGRAFT_REQUIRE(std::isfinite(squared[i]));
+    farthest = std::max(farthest, bucketOf(i));
+  }
+  std::vector<std::vector<std::size_t>> buckets(farthest + 1);
+  std::vector<std::size_t> heads(farthest + 1, 0);
+
+  // 1 kept, 2 kept and waiting, 0 gone; the outermost layer is gone from the start.
+  VoxelSet kept(solid.size(), 1);
+  std::size_t current = 0;
+  const auto wait = [&](std::size_t i) {
+    if (kept[i] != 1 || solid[i] != 0) return;
+    kept[i] = 2;
+    const std::size_t bucket = bucketOf(i);
+    buckets[bucket].push_back(i);
+    current = std::max(current, bucket);
+  };
+  const auto layerOf = [&](const Eigen::Vector3i& c) {
+    return std::min(c.minCoeff(), (grid.size - c).minCoeff() - 1);
+  };
+  for (std::size_t i = 0; i < kept.size(); ++i)
+    if (layerOf(grid.cell(i)) == 0) kept[i] = 0;
+  for (std::size_t i = 0; i < kept.size(); ++i)
+    if (layerOf(grid.cell(i)) == 1) wait(i);
+
+  while (true) {
+    while (current > 0 && heads[current] == buckets[current].size()) {
+      buckets[current].clear();
+      heads[current] = 0;
+      --current;
+    }
+    if (heads[current] == buckets[current].size()) break;
+    const std::size_t voxel = buckets[current][heads[current]++];
+    kept[voxel] = 1;
+    std::uint32_t around = 0;
+    for (std::size_t cell = 0; cell < 27; ++cell)
+      if (kept[static_cast<std::size_t>(static_cast<std::ptrdiff_t>(voxel) + offsets[cell])] !=
+          0)
+        around |= 1U << cell;
+    if (!isSimple(around)) continue;
+    kept[voxel] = 0;
+    for (std::size_t cell = 0; cell < 27; ++cell)
+      wait(static_cast<std::size_t>(static_cast<std::ptrdiff_t>(voxel) + offsets[cell]));
+  }
+  for (std::uint8_t& voxel : kept)
+    voxel = voxel != 0 ? 1 : 0;
+  return kept;
+}
+
+}  // namespace handgraft::hand
