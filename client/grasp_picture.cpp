@@ -88,27 +88,16 @@ void addFit(GraspPicture& picture,
                                                        fit.mean_mm(), fit.max_mm())});
 }
 
-/// Where the hand has no place for a point of the patch; the patch's axis, if it has one.
+/// Where the hand has no place for a point of the patch.
 void addLosses(GraspPicture& picture,
                const v1::PatchReport& report,
                const v1::PatchInfo& patch,
-               const Pose& X_WO,
-               Color color) {
-  const auto inWorld = [&](const std::vector<double>& xyz) {
-    std::vector<Eigen::Vector3f> points = pointsOf(xyz);
-    for (Eigen::Vector3f& p : points)
-      p = (X_WO * p.cast<double>()).cast<float>();
-    return points;
-  };
-  const std::vector<Eigen::Vector3f> outline = inWorld(patch.outline_O_m());
+               const Pose& X_WO) {
+  const std::vector<Eigen::Vector3f> outline_O = pointsOf(patch.outline_O_m());
   for (const v1::LostPoint& lost : report.lost()) {
-    if (lost.ring() != 0 || lost.index() >= outline.size()) continue;
-    picture.scene.markers.push_back({outline[lost.index()], 3.0F, kLostColor});
-  }
-  const std::vector<Eigen::Vector3f> axis = inWorld(patch.axis_O_m());
-  for (std::size_t i = 0; i + 1 < axis.size(); ++i) {
-    picture.scene.segments.push_back(
-        {axis[i], axis[i + 1], 2.0F, render::blend(color, {0, 0, 0}, 0.45)});
+    if (lost.ring() != 0 || lost.index() >= outline_O.size()) continue;
+    const Eigen::Vector3d p_W = X_WO * outline_O[lost.index()].cast<double>();
+    picture.scene.markers.push_back({p_W.cast<float>(), 3.0F, kLostColor});
   }
 }
 
@@ -154,7 +143,7 @@ GraspPicture pictureOf(const GraspResult& result,
     addFit(picture, hand_layer, object_layer, fit, report, color);
     for (const v1::PatchInfo& patch : contacts.patches()) {
       if (report == nullptr || patch.name() != fit.name()) continue;
-      addLosses(picture, *report, patch, X_WO, color);
+      addLosses(picture, *report, patch, X_WO);
       lost_count += report->lost().size();
     }
   }

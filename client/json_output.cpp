@@ -108,7 +108,6 @@ Json contactsDocument(const v1::ContactsDescription& contacts) {
           patch.direction_O().empty() ? Json(nullptr) : listOf(patch.direction_O())},
          {"point_count", patch.point_count()},
          {"outline_O_m", points(patch.outline_O_m())},
-         {"axis_O_m", points(patch.axis_O_m())},
          {"weight", patch.weight()}});
   }
   return {{"kind", "contacts"},
@@ -137,7 +136,6 @@ Json graspPatches(const GraspResult& result) {
       entry["folded"] = report->folded();
       entry["method_O"] = report->method_O();
       entry["method_S"] = report->method_S();
-      entry["station_count"] = report->station_count();
       entry["root_S"] = surfacePoint(report->root_S());
     }
     entry["hand_W_m"] = points(patch.hand_W_m());

@@ -20,8 +20,7 @@ Json report(const v1::PatchReport& patch) {
           {"fidelity", fidelity(patch.fidelity())},
           {"folded", patch.folded()},
           {"method_O", patch.method_O()},
-          {"method_S", patch.method_S()},
-          {"station_count", patch.station_count()}};
+          {"method_S", patch.method_S()}};
 }
 
 Json suggestion(const v1::PlacementSuggestion& one) {

@@ -136,10 +136,6 @@ std::string transfer(const v1::TransferReply& reply) {
           "{}: {} places lie under several sheets of a surface; the nearest was taken\n",
           plain(report.name()), report.folded());
     }
-    if (report.station_count() > 1) {
-      out += fmt::format("{}: measured from {} places along its axis\n", plain(report.name()),
-                         report.station_count());
-    }
   }
   out += losses(reply.patches(), reply.session_id());
   for (const std::string& note : reply.notes())

@@ -292,7 +292,6 @@ v1::ContactsDescription describe(const StoredContacts& contacts) {
     if (patch.direction_O) info.direction_O(entries(*patch.direction_O));
     info.point_count(static_cast<std::uint32_t>(patch.interpolation_boundary.size()));
     info.outline_O_m(flat(positionsOf(mesh, patch.interpolation_boundary)));
-    info.axis_O_m(flat(positionsOf(mesh, patch.axis)));
     info.weight(patch.weight);
     message.patches().push_back(std::move(info));
   }

@@ -101,7 +101,6 @@ v1::PatchReport patchReport(const session::SessionPatch& patch) {
   report.folded(static_cast<std::uint32_t>(transferred.folded));
   report.method_O(std::string(geometry::nameOf(transferred.method_O)));
   report.method_S(std::string(geometry::nameOf(transferred.method_S)));
-  report.station_count(static_cast<std::uint32_t>(transferred.station_count));
   return report;
 }
 

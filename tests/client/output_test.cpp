@@ -215,12 +215,10 @@ TEST(TransferText, ShowsNoShapeWhereNothingWasReached) {
   EXPECT_THAT(text::transfer(reply), testing::ContainsRegex("thumb +0 +1 +- +- +- +-"));
 }
 
-TEST(TransferText, SaysWhatIsFoldedAndWhatHasAnAxis) {
+TEST(TransferText, SaysWhatIsFolded) {
   v1::TransferReply reply = exampleTransfer();
   reply.patches()[0].folded(2);
-  reply.patches()[0].station_count(5);
   EXPECT_THAT(text::transfer(reply), HasSubstr("thumb: 2 places lie under several sheets"));
-  EXPECT_THAT(text::transfer(reply), HasSubstr("thumb: measured from 5 places along its axis"));
 }
 
 TEST(TransferJson, SaysWhatTheReadmePromises) {
@@ -326,13 +324,12 @@ TEST(GraspPicture, PosesTheLinksAndDrawsEveryPair) {
   EXPECT_NO_THROW(render::renderTwoViews(picture.scene, picture.caption, {300, 250}));
 }
 
-TEST(GraspPicture, MarksLostPointsAndDrawsTheAxis) {
+TEST(GraspPicture, MarksLostPoints) {
   v1::ObjectDescription object;
   object.mesh_O() = triangle();
   v1::PatchInfo patch;
   patch.name("thumb");
   patch.outline_O_m() = {0, 0, 0, 0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.05};
-  patch.axis_O_m() = {0, 0, 0, 0.01, 0, 0, 0.02, 0, 0};
   v1::ContactsDescription contacts;
   contacts.patches().push_back(patch);
   const GraspPicture plain = pictureOf(example(), object, {});
@@ -340,7 +337,6 @@ TEST(GraspPicture, MarksLostPointsAndDrawsTheAxis) {
   ASSERT_EQ(picture.scene.markers.size(), plain.scene.markers.size() + 1);
   // Point 3 of the outline, placed with the object.
   EXPECT_TRUE(picture.scene.markers.back().center_W.isApprox(Eigen::Vector3f(0.2F, 0, 0.05F)));
-  EXPECT_EQ(picture.scene.segments.size(), plain.scene.segments.size() + 2);
   EXPECT_EQ(picture.caption.legend.back().text, "lost: 1");
 }
 
