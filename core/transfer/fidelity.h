@@ -9,7 +9,7 @@ namespace handgraft::transfer {
 /// How well a patch keeps its shape on its way from the object onto the hand.
 ///
 /// The patch is read as a net: its interpolation boundary, and shrunken copies of it towards
-/// the root (or the axis). Lengths of the net's edges and angles of its triangles are compared
+/// the root. Lengths of the net's edges and angles of its triangles are compared
 /// between the object's surface and the skin. Both are zero, and the ratio one, where the two
 /// surfaces are isometric over the patch, and where too little is left to compare.
 ///

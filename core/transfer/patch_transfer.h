@@ -28,7 +28,7 @@ struct Correspondence {
 struct TransferOptions {
   geometry::LogMapMethod method = geometry::LogMapMethod::kAuto;  ///< on both sides
   /// Shrunken copies of the boundary that are transferred, too: 0 to kMostInteriorRings, at
-  /// equal shares of the way from the root (or the axis).
+  /// equal shares of the way from the root.
   int interior_rings = 0;
 };
 
@@ -57,10 +57,9 @@ struct PatchTransfer {
   /// Transferred points whose coordinates several sheets of a surface cover; the nearest sheet
   /// was taken.
   int folded = 0;
-  /// That made the log maps about the roots, never kAuto.
+  /// That made the log maps, never kAuto.
   geometry::LogMapMethod method_O = geometry::LogMapMethod::kFast;
   geometry::LogMapMethod method_S = geometry::LogMapMethod::kFast;
-  int station_count = 1;  ///< places it is measured from: 1, or more along an axis
 };
 
 /// Lays one patch onto the skin by log-map coordinates about both roots, mirrored (phi_h =
@@ -70,7 +69,7 @@ struct PatchTransfer {
 ///   (BrokenContract).
 /// Errors: InvalidInput for a direction parallel to the normal, a point off its mesh, or
 ///   options out of range. Points without a place are reported in `lost`, never clamped.
-/// Cost: a log map on either side for each place that the patch is measured from, O(n log n).
+/// Cost: a log map on either side, O(n log n) in the patch.
 /// Source: paper, Eq. 1. Differs: barycentric inverse lookup instead of the nearest vertex; the
 ///   mirror, since contact is face to face.
 PatchTransfer transferPatch(const geometry::TriangleMesh& object_O,

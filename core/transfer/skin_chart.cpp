@@ -14,7 +14,7 @@ using geometry::LogMapper;
 constexpr double kStepsPerDoubling = 8.0;  // a step is 9 % of reach
 constexpr double kRounding = 1.0 + 1e-6;
 
-/// The smallest step that holds `reach`; some disk where every point lies on the station.
+/// The smallest step that holds `reach`; some disk where every point lies on the root.
 double radiusFor(const LogMapper& skin_S, double reach) {
   if (!(reach > 0.0)) return skin_S.mesh().meanEdgeLength();
   return std::exp2(std::ceil(kStepsPerDoubling * std::log2(kRounding * reach)) /
@@ -24,31 +24,34 @@ double radiusFor(const LogMapper& skin_S, double reach) {
 }  // namespace
 
 SkinChart::SkinChart(std::shared_ptr<const LogMapper> skin_S,
-                     const Station& station_S,
+                     const Placement& placement,
                      double reach,
                      LogMapMethod method)
     : skin_S_(std::move(skin_S)),
-      point_(station_S.point),
-      axis_(geometry::referenceAxis(skin_S_->mesh(), point_, station_S.direction).direction),
+      root_S_(placement.root_S),
+      axis_S_(
+          geometry::referenceAxis(skin_S_->mesh(), root_S_, placement.direction_S).direction),
       radius_(radiusFor(*skin_S_, reach)),
       asked_(method) {
-  const geometry::LogMap map = skin_S_->map(point_, axis_, radius_, asked_);
+  const geometry::LogMap map = skin_S_->map(root_S_, axis_S_, radius_, asked_);
   method_ = map.method;
   inverse_.emplace(skin_S_->mesh(), map);
 }
 
 bool SkinChart::answers(const LogMapper& skin_S,
-                        const Station& station_S,
+                        const Placement& placement,
                         double reach,
                         LogMapMethod method) const {
-  return &skin_S == skin_S_.get() && method == asked_ && station_S.point.face == point_.face &&
-         station_S.point.barycentric == point_.barycentric &&
+  return &skin_S == skin_S_.get() && method == asked_ &&
+         placement.root_S.face == root_S_.face &&
+         placement.root_S.barycentric == root_S_.barycentric &&
          radiusFor(skin_S, reach) == radius_ &&
-         geometry::referenceAxis(skin_S.mesh(), point_, station_S.direction).direction == axis_;
+         geometry::referenceAxis(skin_S.mesh(), root_S_, placement.direction_S).direction ==
+             axis_S_;
 }
 
 double SkinChart::directionAngle(const Eigen::Vector3d& direction_S) const {
-  return geometry::referenceAxis(skin_S_->mesh(), point_, direction_S).angle;
+  return geometry::referenceAxis(skin_S_->mesh(), root_S_, direction_S).angle;
 }
 
 }  // namespace handgraft::transfer

@@ -6,11 +6,11 @@
 #include <Eigen/Core>
 
 #include "core/geometry/log_mapper.h"
-#include "core/transfer/spine.h"
+#include "core/transfer/placement.h"
 
 namespace handgraft::transfer {
 
-/// The skin about one station, ready to look up places by their log coordinates. Immutable, and
+/// The skin about a root, ready to look up places by their log coordinates. Immutable, and
 /// the same for every direction at its place (but where several fans meet, see referenceAxis).
 class SkinChart {
  public:
@@ -19,18 +19,18 @@ class SkinChart {
   /// Errors: InvalidInput for a direction along the normal and for heat methods that cannot use
   /// the surface. Cost: a log map.
   SkinChart(std::shared_ptr<const geometry::LogMapper> skin_S,
-            const Station& station_S,
+            const Placement& placement,
             double reach,
             geometry::LogMapMethod method);
 
-  /// Whether this is the chart for that station, too. Charts come in steps of reach, so that a
+  /// Whether this is the chart for that root, too. Charts come in steps of reach, so that a
   /// patch that grows a little keeps its own.
   [[nodiscard]] bool answers(const geometry::LogMapper& skin_S,
-                             const Station& station_S,
+                             const Placement& placement,
                              double reach,
                              geometry::LogMapMethod method) const;
 
-  /// Angle of `direction_S` at the station against the chart's x axis, counter-clockwise.
+  /// Angle of `direction_S` at the root against the chart's x axis, counter-clockwise.
   [[nodiscard]] double directionAngle(const Eigen::Vector3d& direction_S) const;
 
   /// The place at log coordinates about the chart's x axis.
@@ -38,15 +38,13 @@ class SkinChart {
     return inverse_->at(uv_T);
   }
 
-  [[nodiscard]] const geometry::SurfacePoint& point() const { return point_; }
-
   /// That made the log map; never kAuto.
   [[nodiscard]] geometry::LogMapMethod method() const { return method_; }
 
  private:
   std::shared_ptr<const geometry::LogMapper> skin_S_;
-  geometry::SurfacePoint point_;
-  Eigen::Vector3d axis_;  ///< the x axis
+  geometry::SurfacePoint root_S_;
+  Eigen::Vector3d axis_S_;  ///< the x axis
   double radius_;
   geometry::LogMapMethod asked_;
   geometry::LogMapMethod method_ = geometry::LogMapMethod::kFast;

@@ -1,7 +1,6 @@
 #include "core/transfer/staged_transfer.h"
 
 #include <algorithm>
-#include <optional>
 #include <string>
 #include <utility>
 
@@ -13,75 +12,29 @@ namespace {
 using geometry::LogMapInverse;
 using geometry::SurfacePoint;
 
-using SkinCharts = std::vector<std::shared_ptr<const SkinChart>>;
-
-/// The stations on the skin, by the figure that the chart's spine makes about the direction.
-std::vector<std::optional<Station>> stationsOnSkin(const geometry::TriangleMesh& skin_S,
-                                                   const PatchChart& chart,
-                                                   double direction_angle,
-                                                   const Placement& placement) {
-  std::vector<SpineLeg> legs = chart.spine().legs;
-  for (SpineLeg& leg : legs) {
-    if (leg.from == 0) leg.heading -= direction_angle;
-  }
-  return retraceMirrored(skin_S, {placement.root_S, placement.direction_S}, legs);
-}
-
-/// The charts of the stations, those of `kept` where they still answer.
-SkinCharts chartsOf(const Surfaces& surfaces,
-                    const PatchChart& patch,
-                    const std::vector<std::optional<Station>>& stations,
-                    geometry::LogMapMethod method,
-                    const SkinCharts& kept) {
-  SkinCharts charts(stations.size());
-  for (std::size_t s = 0; s < stations.size(); ++s) {
-    const double reach = patch.reach(s);
-    // The root's chart is made in any case: it refuses a direction along the normal.
-    if (!stations[s] || (s > 0 && !(reach > 0.0))) continue;
-    if (s < kept.size() && kept[s] &&
-        kept[s]->answers(*surfaces.skin_S, *stations[s], reach, method)) {
-      charts[s] = kept[s];
-    } else {
-      charts[s] =
-          std::make_shared<const SkinChart>(surfaces.skin_S, *stations[s], reach, method);
-    }
-  }
-  return charts;
-}
-
 /// Lays points of a chart onto the skin, face to face.
 class Layer {
  public:
   Layer(const hand::Skin& skin,
         const PatchChart& patch,
         double direction_angle,
-        const std::vector<std::optional<Station>>& stations,
-        const SkinCharts& charts)
-      : skin_(skin), patch_(patch), stations_(stations), charts_(charts) {
-    for (std::size_t s = 0; s < charts.size(); ++s) {
-      Eigen::Matrix2d& turn = turns_.emplace_back(Eigen::Matrix2d::Zero());
-      if (!charts[s]) continue;
-      // The hand looks at the object: counter-clockwise becomes clockwise (phi_h = -phi_o).
-      const Eigen::Matrix2d mirror = Eigen::Vector2d(1.0, -1.0).asDiagonal();
-      const double angle_O = s == 0 ? direction_angle : 0.0;
-      const double angle_S = charts[s]->directionAngle(stations[s]->direction);
-      turn = Eigen::Rotation2Dd(angle_S).toRotationMatrix() * mirror *
-             Eigen::Rotation2Dd(-angle_O).toRotationMatrix();
-    }
+        const SkinChart& chart,
+        const Placement& placement)
+      : skin_(skin), patch_(patch), chart_(chart), placement_(placement) {
+    // The hand looks at the object: counter-clockwise becomes clockwise (phi_h = -phi_o).
+    const Eigen::Matrix2d mirror = Eigen::Vector2d(1.0, -1.0).asDiagonal();
+    const double angle_S = chart.directionAngle(placement.direction_S);
+    turn_ = Eigen::Rotation2Dd(angle_S).toRotationMatrix() * mirror *
+            Eigen::Rotation2Dd(-direction_angle).toRotationMatrix();
   }
 
   /// Where the point goes; without a place, `reason` says why.
   SurfacePoint place(const ChartPoint& point, std::string& reason, bool& folded) const {
-    if (point.station < 0) {
+    if (!point.reached) {
       reason = "not reached from the patch's root on the object";
       return {};
     }
-    const auto s = static_cast<std::size_t>(point.station);
-    if (!charts_[s]) {
-      reason = "on the skin: the axis leaves the surface";
-      return {};
-    }
-    const LogMapInverse::Place place = charts_[s]->at(turns_[s] * point.uv_T);
+    const LogMapInverse::Place place = chart_.at(turn_ * point.uv_T);
     if (!place.point.valid())
       reason = fmt::format("on the skin: {}", geometry::reasonOf(place.reason));
     folded = place.folded;
@@ -96,21 +49,18 @@ class Layer {
     return {true, point.p_O, positionOf(skin_.mesh(), place_S)};
   }
 
-  /// The place where the point's ray begins, on both sides.
-  [[nodiscard]] NetKnot stationOf(const ChartPoint& point) const {
-    if (point.station < 0) return {};
-    const auto s = static_cast<std::size_t>(point.station);
-    if (!stations_[s]) return {};
-    return {true, positionOf(patch_.object().mesh(), patch_.spine().stations[s].point),
-            positionOf(skin_.mesh(), stations_[s]->point)};
+  /// The roots, where all rays begin.
+  [[nodiscard]] NetKnot root() const {
+    return {true, positionOf(patch_.object().mesh(), patch_.root()),
+            positionOf(skin_.mesh(), placement_.root_S)};
   }
 
  private:
   const hand::Skin& skin_;
   const PatchChart& patch_;
-  const std::vector<std::optional<Station>>& stations_;
-  const SkinCharts& charts_;
-  std::vector<Eigen::Matrix2d> turns_;  ///< from a station's coordinates to its skin chart's
+  const SkinChart& chart_;
+  const Placement& placement_;
+  Eigen::Matrix2d turn_;  ///< from the patch chart's coordinates to the skin chart's
 };
 
 /// Turns points into correspondences, or says why not.
@@ -162,9 +112,8 @@ class Collector {
 };
 
 Fidelity shapeKept(const PatchChart& chart, const Layer& layer) {
-  std::vector<std::vector<NetKnot>> rows(1);
-  for (const ChartPoint& point : chart.boundary())
-    rows.front().push_back(layer.stationOf(point));
+  std::vector<std::vector<NetKnot>> rows;
+  rows.emplace_back(chart.boundary().size(), layer.root());
   const auto append = [&](const std::vector<ChartPoint>& points) {
     std::vector<NetKnot>& row = rows.emplace_back();
     for (const ChartPoint& point : points)
@@ -198,17 +147,19 @@ PatchTransfer StagedTransfer::lay(const Surfaces& surfaces,
   if (!chart || !chart->answers(*surfaces.object_O, patch, options))
     chart = std::make_shared<const PatchChart>(surfaces.object_O, patch, options);
   const double direction_angle = chart->directionAngle(*patch.direction_O);
-  const std::vector<std::optional<Station>> stations =
-      stationsOnSkin(skin.mesh(), *chart, direction_angle, placement);
-  SkinCharts charts = chartsOf(surfaces, *chart, stations, options.method, skin_charts_);
+  std::shared_ptr<const SkinChart> skin_chart = skin_chart_;
+  if (!skin_chart ||
+      !skin_chart->answers(*surfaces.skin_S, placement, chart->reach(), options.method)) {
+    skin_chart = std::make_shared<const SkinChart>(surfaces.skin_S, placement, chart->reach(),
+                                                   options.method);
+  }
 
   // === Points
   PatchTransfer transfer;
   transfer.name = patch.name;
   transfer.method_O = chart->method();
-  transfer.method_S = charts.front()->method();
-  transfer.station_count = static_cast<int>(stations.size());
-  const Layer layer(skin, *chart, direction_angle, stations, charts);
+  transfer.method_S = skin_chart->method();
+  const Layer layer(skin, *chart, direction_angle, *skin_chart, placement);
   transfer.fidelity = shapeKept(*chart, layer);
   Collector collector(skin, layer, patch.weight, transfer);
   for (std::size_t i = 0; i < chart->boundary().size(); ++i)
@@ -220,7 +171,7 @@ PatchTransfer StagedTransfer::lay(const Surfaces& surfaces,
       collector.add(ring[i], static_cast<int>(i), static_cast<int>(r) + 1);
   }
   patch_chart_ = std::move(chart);
-  skin_charts_ = std::move(charts);
+  skin_chart_ = std::move(skin_chart);
   return transfer;
 }
 

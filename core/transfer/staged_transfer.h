@@ -1,7 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <vector>
 
 #include "core/contact/patch.h"
 #include "core/geometry/log_mapper.h"
@@ -25,10 +24,10 @@ Surfaces borrowedSurfaces(const geometry::TriangleMesh& object_O, const hand::Sk
 /// The transfer of one patch that is laid again and again while it is edited: charts are made
 /// anew only where what they depend on changed.
 ///
-/// A root on the hand that moves makes the skin's charts anew, a root on the object the
-/// object's (and the skin's, when the patch reaches farther than they do). A direction turns
-/// coordinates and makes no log map, but for the skin's side of a patch with an axis. Results
-/// are those of `transferPatch`, bit for bit, whatever was laid before. Copies share charts.
+/// A root on the hand that moves makes the skin's chart anew, a root on the object the
+/// object's (and the skin's, when the patch reaches farther than it does). A direction turns
+/// coordinates and makes no log map. Results are those of `transferPatch`, bit for bit,
+/// whatever was laid before. Copies share charts.
 class StagedTransfer {
  public:
   /// Errors, frames: as `transferPatch`; an error leaves the charts as they were.
@@ -42,14 +41,13 @@ class StagedTransfer {
     return patch_chart_;
   }
 
-  /// One per station; missing where the axis leaves the skin, or nothing is measured from it.
-  [[nodiscard]] const std::vector<std::shared_ptr<const SkinChart>>& skinCharts() const {
-    return skin_charts_;
+  [[nodiscard]] const std::shared_ptr<const SkinChart>& skinChart() const {
+    return skin_chart_;
   }
 
  private:
   std::shared_ptr<const PatchChart> patch_chart_;
-  std::vector<std::shared_ptr<const SkinChart>> skin_charts_;
+  std::shared_ptr<const SkinChart> skin_chart_;
 };
 
 }  // namespace handgraft::transfer

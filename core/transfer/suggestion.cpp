@@ -59,8 +59,7 @@ class Search {
 
   /// Finds candidates that lose fewer points than the present placement.
   void run(const Progress& progress) {
-    around_.emplace(surfaces_.skin_S, Station{present_.root_S, present_.direction_S}, reach_m_,
-                    options_.method);
+    around_.emplace(surfaces_.skin_S, present_, reach_m_, options_.method);
     constexpr const char* kStage = "trying places nearby";
     std::vector<Variant> grid(1);
     for (int ring = 1; ring <= kRings; ++ring) {
@@ -121,7 +120,7 @@ class Search {
     } catch (const InvalidInput&) {
       return std::nullopt;  // the direction that came along is normal to the surface there
     }
-    const double change = moved + std::abs(variant.turn) * staged_.patchChart()->reach(0);
+    const double change = moved + std::abs(variant.turn) * staged_.patchChart()->reach();
     candidate.rank = {suggestion.transfer.lost.size(),
                       std::floor(suggestion.transfer.fidelity.distance_mean / kDistortionStep),
                       change};

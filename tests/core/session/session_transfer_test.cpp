@@ -21,7 +21,7 @@ struct Charts {
   explicit Charts(const Session& session) {
     for (const SessionPatch& item : session.patches()) {
       object.push_back(item.stages.patchChart().get());
-      skin.push_back(item.stages.skinCharts().at(0).get());
+      skin.push_back(item.stages.skinChart().get());
     }
   }
 };
