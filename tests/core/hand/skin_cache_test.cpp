@@ -1,0 +1,164 @@
+#include "core/hand/skin_cache.h"
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+#include "core/hand/content_hash.h"
+
+namespace handgraft::hand {
+namespace {
+
+namespace fs = std::filesystem;
+
+HandModel makeBall(double radius_m) {
+  return {"ball", {{"ball", {{geometry::makeSphere(radius_m, 3), "sphere"}}, {}}}, {}};
+}
+
+/// A folder of its own for each test, empty.
+class SkinCacheTest : public ::testing::Test {
+ protected:
+  SkinCacheTest()
+      : folder_(fs::path(::testing::TempDir()) /
+                (std::string("skin_cache_") +
+                 ::testing::UnitTest::GetInstance()->current_test_info()->name())) {
+    fs::remove_all(folder_);
+  }
+
+  ~SkinCacheTest() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] std::vector<fs::path> files() const {
+    std::vector<fs::path> found;
+    if (!fs::exists(folder_)) return found;
+    for (const auto& entry : fs::directory_iterator(folder_))
+      found.push_back(entry.path());
+    return found;
+  }
+
+  fs::path folder_;
+};
+
+TEST(ContentHash, IsSha256) {
+  // FIPS 180-4's examples, and one of several blocks.
+  const auto hashOf = [](const std::string& text) {
+    ContentHash hash;
+    hash.add(text);
+    return hash.finish();
+  };
+  EXPECT_EQ(hashOf(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  EXPECT_EQ(hashOf("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(hashOf(std::string(1'000'000, 'a')),
+            "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
+}
+
+TEST(ContentHash, DoesNotCareHowBytesAreCut) {
+  ContentHash whole;
+  whole.add(std::string(200, 'x'));
+  ContentHash parts;
+  for (int i = 0; i < 200; ++i)
+    parts.add("x");
+  EXPECT_EQ(whole.finish(), parts.finish());
+}
+
+TEST(SkinKey, ChangesWithWhatMakesTheSkin) {
+  const std::string key = skinKey(makeBall(0.02), {});
+  EXPECT_EQ(skinKey(makeBall(0.02), {}), key);
+  EXPECT_NE(skinKey(makeBall(0.020001), {}), key);
+  SkinOptions options;
+  options.edge_m = 0.003;
+  EXPECT_NE(skinKey(makeBall(0.02), options), key);
+  options = {};
+  options.source = SurfaceSource::kCollisions;
+  EXPECT_NE(skinKey(makeBall(0.02), options), key);
+}
+
+TEST(StoredSkin, ComesBackAsItWas) {
+  const std::string key(64, 'a');
+  const StoredSkin stored{geometry::makeSphere(0.02, 3), {"one", ""}};
+  const auto back = deserialise(serialise(stored, key), key);
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->mesh_S.vertices(), stored.mesh_S.vertices());
+  EXPECT_EQ(back->mesh_S.faces(), stored.mesh_S.faces());
+  EXPECT_EQ(back->notes, stored.notes);
+}
+
+TEST(StoredSkin, IsNothingIfDamaged) {
+  const std::string key(64, 'a');
+  const std::string bytes = serialise({geometry::makeSphere(0.02, 1), {"note"}}, key);
+  for (std::size_t i = 0; i < bytes.size(); i += 7) {
+    std::string damaged = bytes;
+    damaged[i] = static_cast<char>(damaged[i] ^ 1);
+    EXPECT_FALSE(deserialise(damaged, key)) << "byte " << i;
+    EXPECT_FALSE(deserialise(bytes.substr(0, i), key)) << "cut at " << i;
+  }
+  EXPECT_FALSE(deserialise(bytes + "x", key));
+  EXPECT_FALSE(deserialise(bytes, std::string(64, 'b')));
+}
+
+/// A checksum that fits does not make a bad mesh good.
+TEST(StoredSkin, IsNothingIfWronglyMade) {
+  const std::string key(64, 'a');
+  Eigen::Matrix3Xi faces(3, 1);
+  faces << 0, 1, 2;
+  const geometry::TriangleMesh open(Eigen::Matrix3Xd(Eigen::Matrix3d::Identity()), faces);
+  EXPECT_FALSE(deserialise(serialise({open, {}}, key), key));
+
+  std::string body = serialise({geometry::makeSphere(0.02, 1), {}}, key);
+  body.resize(body.size() - 64);
+  const std::size_t counts = body.size() - 80 * 12 - 42 * 24 - 24;
+  for (int byte = 0; byte < 8; ++byte)
+    body[counts + static_cast<std::size_t>(byte)] = '\x7f';
+  ContentHash hash;
+  hash.add(body);
+  EXPECT_FALSE(deserialise(body + hash.finish(), key));
+}
+
+TEST_F(SkinCacheTest, KeepsASkinAndGivesItBack) {
+  const SkinCache cache(folder_);
+  SkinReport first;
+  const Skin made = cache.get(makeBall(0.02), {}, Progress(), &first);
+  EXPECT_FALSE(first.from_cache);
+  ASSERT_EQ(files().size(), 1u);
+  SkinReport second;
+  const Skin found = cache.get(makeBall(0.02), {}, Progress(), &second);
+  EXPECT_TRUE(second.from_cache);
+  EXPECT_EQ(found.mesh().vertices(), made.mesh().vertices());
+  EXPECT_EQ(found.mesh().faces(), made.mesh().faces());
+  EXPECT_EQ(found.faceLinks(), made.faceLinks());
+  EXPECT_TRUE(second.isValid());
+  EXPECT_EQ(second.mean_clearance_m, first.mean_clearance_m);
+}
+
+TEST_F(SkinCacheTest, MakesADamagedFileAnew) {
+  const SkinCache cache(folder_);
+  (void)cache.get(makeBall(0.02), {}, Progress());
+  ASSERT_EQ(files().size(), 1u);
+  fs::resize_file(files().front(), fs::file_size(files().front()) / 2);
+  SkinReport report;
+  (void)cache.get(makeBall(0.02), {}, Progress(), &report);
+  EXPECT_FALSE(report.from_cache);
+  (void)cache.get(makeBall(0.02), {}, Progress(), &report);
+  EXPECT_TRUE(report.from_cache);
+}
+
+TEST_F(SkinCacheTest, WorksWhereNothingCanBeKept) {
+  std::ofstream(folder_) << "a file where the folder should be";
+  SkinReport report;
+  (void)SkinCache(folder_).get(makeBall(0.02), {}, Progress(), &report);
+  EXPECT_TRUE(report.isValid());
+  (void)SkinCache().get(makeBall(0.02), {}, Progress(), &report);
+  EXPECT_TRUE(report.isValid());
+}
+
+TEST_F(SkinCacheTest, StopsOnWishAndKeepsNothing) {
+  Progress progress;
+  progress.cancel();
+  EXPECT_THROW((void)SkinCache(folder_).get(makeBall(0.02), {}, progress), Cancelled);
+  EXPECT_TRUE(files().empty());
+}
+
+}  // namespace
+}  // namespace handgraft::hand
