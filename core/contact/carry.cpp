@@ -65,17 +65,6 @@ ContactSet carry(const ContactSet& set,
       continue;
     }
     moved.root = *root;
-    moved.axis.clear();
-    for (const SurfacePoint& knot : patch.axis) {
-      if (const auto place = carried(knot)) moved.axis.push_back(*place);
-    }
-    if (!patch.axis.empty() && moved.axis.size() < kFewestAxisKnots) {
-      moved.axis.clear();
-      result.notes.push_back(
-          fmt::format("{} lost its axis: it lies farther than {:.1f} mm "
-                      "from the object's surface",
-                      quoted(patch.name), reach_m * 1e3));
-    }
     result.patches.push_back(std::move(moved));
   }
   if (2 * result.patches.size() < set.patches.size() || result.patches.empty()) {

@@ -13,7 +13,6 @@ using geometry::SurfacePoint;
 using geometry::TriangleMesh;
 
 constexpr double kParallelTolerance = 1e-6;  // sine of the angle between direction and normal
-constexpr double kSamePlace = 1e-6;  // of the mean edge; files write weights with 7 digits
 
 /// The halfedge from `a` to `b`, or from `b` to `a` where the surface ends or is not oriented;
 /// -1 if no face has both.
@@ -87,27 +86,6 @@ void validateDirection(const TriangleMesh& mesh, const Patch& patch) {
   }
 }
 
-void validateAxis(const TriangleMesh& mesh, const Patch& patch) {
-  const std::vector<SurfacePoint>& axis = patch.axis;
-  if (axis.size() < kFewestAxisKnots || axis.size() > kMostAxisKnots) {
-    rejectInput("axis of {} knots; permitted are {} to {}, or none", axis.size(),
-                kFewestAxisKnots, kMostAxisKnots);
-  }
-  for (std::size_t k = 0; k < axis.size(); ++k) {
-    geometry::validate(mesh, axis[k], "axis knot");
-    if (k == 0) continue;
-    const double length = (positionOf(mesh, axis[k]) - positionOf(mesh, axis[k - 1])).norm();
-    if (!(length > kSamePlace * mesh.meanEdgeLength())) {
-      rejectInput("axis knots {} and {} are in the same place; neighbours must differ", k - 1,
-                  k);
-    }
-  }
-  if (rootKnotOf(mesh, patch) < 0) {
-    rejectInput("axis does not pass the root; one of its {} knots must be the root",
-                axis.size());
-  }
-}
-
 void validateUnnamed(const TriangleMesh& mesh, const Patch& patch) {
   geometry::validate(mesh, patch.root, "root");
   if (patch.direction_O) validateDirection(mesh, patch);
@@ -119,7 +97,6 @@ void validateUnnamed(const TriangleMesh& mesh, const Patch& patch) {
   for (const SurfacePoint& point : patch.interpolation_boundary) {
     geometry::validate(mesh, point, "interpolation boundary point");
   }
-  if (!patch.axis.empty()) validateAxis(mesh, patch);
   if (!(patch.weight >= 0.0 && patch.weight <= kLargestWeight)) {
     rejectInput("weight is {}; permitted are 0 to {}", patch.weight, kLargestWeight);
   }
@@ -154,19 +131,6 @@ std::vector<SurfacePoint> sampleLoop(const TriangleMesh& mesh,
     points.push_back(pointOnEdge(mesh, halfedges[i], loop[i], t));
   }
   return points;
-}
-
-int rootKnotOf(const TriangleMesh& mesh, const Patch& patch) {
-  const Eigen::Vector3d root = positionOf(mesh, patch.root);
-  int nearest = -1;
-  double least = kSamePlace * mesh.meanEdgeLength();
-  for (std::size_t k = 0; k < patch.axis.size(); ++k) {
-    const double distance = (positionOf(mesh, patch.axis[k]) - root).norm();
-    if (distance > least) continue;
-    least = distance;
-    nearest = static_cast<int>(k);
-  }
-  return nearest;
 }
 
 void validate(const TriangleMesh& mesh, const Patch& patch) {

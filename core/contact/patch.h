@@ -24,10 +24,6 @@ struct Patch {
   std::vector<int> boundary;
   /// 20-30 places at equal arc length along the boundary.
   std::vector<geometry::SurfacePoint> interpolation_boundary;
-  /// Of a long patch: knots of a line of straight ways along its middle, the root one of them;
-  /// boundary points are then measured from the nearest place of the line. Empty: from the
-  /// root.
-  std::vector<geometry::SurfacePoint> axis;
   /// Multiplies the patch's part of the objective; 0 switches it off.
   double weight = 1.0;
 };
@@ -35,8 +31,6 @@ struct Patch {
 inline constexpr int kDefaultInterpolationCount = 25;
 inline constexpr int kFewestInterpolationPoints = 3;
 inline constexpr int kMostInterpolationPoints = 10'000;
-inline constexpr int kFewestAxisKnots = 2;
-inline constexpr int kMostAxisKnots = 256;
 inline constexpr double kLargestWeight = 1e6;
 
 /// `count` places at equal arc length along a closed loop of mesh vertices, starting at its
@@ -50,14 +44,9 @@ std::vector<geometry::SurfacePoint> sampleLoop(const geometry::TriangleMesh& mes
                                                const std::vector<int>& loop,
                                                int count = kDefaultInterpolationCount);
 
-/// The knot of the patch's axis that its root is, or -1 if none lies within a millionth of the
-/// mesh's mean edge of it.
-int rootKnotOf(const geometry::TriangleMesh& mesh, const Patch& patch);
-
 /// Everything a patch promises about its mesh, but for the loop's sense of rotation: a name,
-/// places on the mesh, a direction that is not the normal, a simple loop along edges, an axis
-/// through the root whose knots differ from their neighbours, a weight in range. InvalidInput
-/// names the patch and the fault.
+/// places on the mesh, a direction that is not the normal, a simple loop along edges, a weight
+/// in range. InvalidInput names the patch and the fault.
 void validate(const geometry::TriangleMesh& mesh, const Patch& patch);
 
 }  // namespace handgraft::contact

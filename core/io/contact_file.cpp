@@ -232,7 +232,7 @@ json surfacePointJson(const SurfacePoint& point, const IndexedObject& object) {
 
 Patch patchFrom(const json& value, const IndexedObject& object) {
   requireKnownKeys(value, {"name", "root", "direction", "boundary", "interpolation_count",
-                           "interpolation_boundary", "axis", "weight"});
+                           "interpolation_boundary", "weight"});
   Patch patch;
   patch.name = stringFrom(fieldOf(value, "name"), "name");
   patch.root = surfacePointFrom(fieldOf(value, "root"), "root", object);
@@ -249,10 +249,6 @@ Patch patchFrom(const json& value, const IndexedObject& object) {
       continue;
     }
     patch.boundary.push_back(meshVertexFrom(vertex, "boundary", object.file));
-  }
-  if (const auto knots = value.find("axis"); knots != value.end()) {
-    for (const json& knot : arrayFrom(*knots, "axis"))
-      patch.axis.push_back(surfacePointFrom(knot, "axis", object));
   }
   if (const auto points = value.find("interpolation_boundary"); points != value.end()) {
     for (const json& point : arrayFrom(*points, "interpolation_boundary")) {
@@ -414,8 +410,6 @@ void writeContactSet(const std::filesystem::path& path,
     for (const SurfacePoint& point : patch.interpolation_boundary) {
       item["interpolation_boundary"].push_back(surfacePointJson(point, object));
     }
-    for (const SurfacePoint& knot : patch.axis)
-      item["axis"].push_back(surfacePointJson(knot, object));
     item["weight"] = patch.weight;
     patches.push_back(std::move(item));
   }

@@ -79,7 +79,6 @@ void Session::applyOne(const PatchRootEdit& edit) {
           tangentCarried(*object_O_, item.patch.root, edit.root, *item.patch.direction_O);
     }
     item.patch.root = edit.root;
-    item.patch.axis.clear();  // it ran through the old root
   } else {
     const geometry::TriangleMesh& skin = hand_.skin->mesh();
     validate(skin, edit.root, what.c_str());

@@ -45,19 +45,6 @@ TEST(Carry, PutsEveryPointInItsPlaceOnAnotherMeshOfTheSurface) {
   }
 }
 
-TEST(Carry, TakesTheAxisAlong) {
-  const TriangleMesh fine = test::makePlate(4, 4, 0.01);
-  const TriangleMesh coarse = test::makePlate(1, 1, 0.2);
-  ContactSet before = squareSet(fine);
-  for (const int v : {11, 12, 13})
-    before.patches[0].axis.push_back(geometry::surfacePointAtVertex(fine, v));
-  const Patch patch = carry(before, fine, coarse).patches.at(0);
-  EXPECT_NO_THROW(validate(coarse, patch));
-  ASSERT_EQ(patch.axis.size(), 3u);
-  EXPECT_EQ(rootKnotOf(coarse, patch), 1);
-  EXPECT_LT((positionOf(coarse, patch.axis[2]) - fine.vertex(13)).norm(), 1e-12);
-}
-
 TEST(Carry, ChoosesTheSideOfAThinWallThatFacesTheSameWay) {
   const TriangleMesh plate = test::makePlate(4, 4, 0.01);
   Eigen::Affine3d up(Eigen::Translation3d(0, 0, -0.0008));  // nearer to the wall's lower side

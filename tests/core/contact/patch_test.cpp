@@ -128,48 +128,6 @@ TEST(Patch, FaultsAreNamedWithThePatch) {
   });
 }
 
-TEST(Patch, WithAnAxisThroughItsRootPasses) {
-  const TriangleMesh mesh = test::makePlate(4, 4, kStep);
-  Patch patch = squarePatch(mesh);
-  EXPECT_EQ(rootKnotOf(mesh, patch), -1);
-  // The root given through another face of its vertex is the same place.
-  geometry::SurfacePoint root;
-  root.face = geometry::TriangleMesh::faceOf(*(mesh.outgoingEnd(12) - 1));
-  for (int c = 0; c < 3; ++c)
-    root.barycentric[c] = mesh.face(root.face)[c] == 12 ? 1.0 : 0.0;
-  ASSERT_NE(root.face, patch.root.face);
-  patch.axis = {geometry::surfacePointAtVertex(mesh, 11), root,
-                geometry::surfacePointAtVertex(mesh, 13)};
-  EXPECT_NO_THROW(validate(mesh, patch));
-  EXPECT_EQ(rootKnotOf(mesh, patch), 1);
-}
-
-TEST(Patch, FaultsOfItsAxisAreNamed) {
-  const TriangleMesh mesh = test::makePlate(4, 4, kStep);
-  const auto refuses = [&](const char* text, const std::vector<int>& vertices, auto spoil) {
-    Patch patch = squarePatch(mesh);
-    for (const int v : vertices)
-      patch.axis.push_back(geometry::surfacePointAtVertex(mesh, v));
-    spoil(patch);
-    EXPECT_THAT(
-        [&] {
-          validate(mesh, patch);
-        },
-        ThrowsMessage<InvalidInput>(::testing::AllOf(HasSubstr("'thumb'"), HasSubstr(text))));
-  };
-  const auto nothing = [](Patch&) {};
-  refuses("axis of 1 knots", {12}, nothing);
-  refuses("axis of 257 knots", std::vector<int>(257, 12), nothing);
-  refuses("axis does not pass the root", {11, 13}, nothing);
-  refuses("axis knots 1 and 2 are in the same place", {11, 12, 12}, nothing);
-  refuses("axis knot is on face 99", {11, 12}, [](Patch& p) {
-    p.axis[0].face = 99;
-  });
-  refuses("axis knot has barycentric weights", {11, 12}, [](Patch& p) {
-    p.axis[0].barycentric[1] = std::numeric_limits<double>::quiet_NaN();
-  });
-}
-
 TEST(Patch, WithoutANameIsRefused) {
   const TriangleMesh mesh = test::makePlate(4, 4, kStep);
   Patch patch = squarePatch(mesh);

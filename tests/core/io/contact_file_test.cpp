@@ -110,30 +110,6 @@ TEST(ContactSetFile, WrittenAndReadAgainIsTheSame) {
   }
 }
 
-TEST(ContactSetFile, KeepsTheAxisOfALongPatch) {
-  const MeshFile object = backwardsPlate();
-  std::string text = kSquareSet;
-  const std::string mark = "\"weight\": 0.5";
-  text.replace(text.find(mark), mark.size(),
-               "\"axis\": [{\"vertex\": 11}, {\"vertex\": 12}, "
-               "{\"face\": 3, \"barycentric\": [0.2, 0.3, 0.5]}]");
-  const ContactSet set = readContactSet(write("axis.json", text), object);
-  ASSERT_EQ(set.patches[0].axis.size(), 3u);
-  EXPECT_EQ(geometry::vertexAt(object.mesh, set.patches[0].axis[0]), 13);  // 24 - 11
-  EXPECT_EQ(rootKnotOf(object.mesh, set.patches[0]), 1);
-  EXPECT_TRUE(set.patches[1].axis.empty());
-
-  const auto path = test::scratchDirectory() / "axis_again.json";
-  writeContactSet(path, set, object);
-  const ContactSet again = readContactSet(path, object);
-  ASSERT_EQ(again.patches[0].axis.size(), 3u);
-  EXPECT_TRUE(again.patches[1].axis.empty());
-  for (int k = 0; k < 3; ++k) {
-    EXPECT_EQ(positionOf(object.mesh, again.patches[0].axis[k]),
-              positionOf(object.mesh, set.patches[0].axis[k]));
-  }
-}
-
 TEST(ContactSetFile, FaultsNameFilePatchAndField) {
   const MeshFile object = backwardsPlate();
   const auto refuses = [&](const std::string& from, const std::string& to, const char* text) {
@@ -161,9 +137,6 @@ TEST(ContactSetFile, FaultsNameFilePatchAndField) {
   refuses("{\"vertex\": 12}", "{\"vertex\": 25}", "patch 'thumb': field 'root': vertex 25");
   refuses("{\"vertex\": 12}", "{\"vertex\": -1}", "field 'root' is '-1'");
   refuses("{\"vertex\": 12}", "{\"vertex\": 1e99}", "field 'root'");
-  refuses("\"weight\": 0.5", "\"axis\": [{\"vertex\": 11}, {\"vertex\": 13}]",
-          "patch 'thumb': axis does not pass the root");
-  refuses("\"weight\": 0.5", "\"axis\": {}", "patch 'thumb': field 'axis' is no array");
   refuses("{\"vertex\": 12}", "[12]", "patch 'thumb': field 'root' is no object");
   refuses("18, 17", "18, 99", "field 'boundary': vertex 99");
   refuses("18, 17", "18, 4", "share no edge");
