@@ -1,0 +1,125 @@
+#include "core/contact/pose_contacts.h"
+
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+#include <Eigen/Geometry>
+
+#include "core/base/error.h"
+#include "core/contact/edge_refinement.h"
+#include "core/geometry/surface_locator.h"
+
+namespace handgraft::contact {
+namespace {
+
+using geometry::TriangleMesh;
+
+/// One part with what its queries need; parts without faces are in reach of nothing.
+class Part {
+ public:
+  explicit Part(const TriangleMesh& mesh_O) : mesh_O_(mesh_O) {
+    if (mesh_O.faceCount() == 0) return;
+    locator_.emplace(mesh_O);
+    for (int f = 0; f < mesh_O.faceCount(); ++f) {
+      for (const int v : mesh_O.face(f))
+        box_.extend(mesh_O.vertex(v));
+    }
+  }
+
+  /// Distance to the surface; infinity beyond `reach` (told by the box alone, so it is cheap).
+  [[nodiscard]] double distance(const Eigen::Vector3d& p_O, double reach) const {
+    if (!locator_ || box_.exteriorDistance(p_O) > reach)
+      return std::numeric_limits<double>::infinity();
+    return locator_->nearest(p_O).distance;
+  }
+
+  [[nodiscard]] double distance(const Eigen::Vector3d& p_O) const {
+    return distance(p_O, std::numeric_limits<double>::infinity());
+  }
+
+  /// Generalised winding number above a half (Jacobson, Kavan & Sorkine-Hornung 2013), each
+  /// face's solid angle by Van Oosterom & Strackee 1983.
+  [[nodiscard]] bool contains(const Eigen::Vector3d& p_O) const {
+    if (!locator_ || !box_.contains(p_O)) return false;
+    double half_angles = 0.0;
+    for (int f = 0; f < mesh_O_.faceCount(); ++f) {
+      const Eigen::Vector3i face = mesh_O_.face(f);
+      const Eigen::Vector3d a = mesh_O_.vertex(face[0]) - p_O;
+      const Eigen::Vector3d b = mesh_O_.vertex(face[1]) - p_O;
+      const Eigen::Vector3d c = mesh_O_.vertex(face[2]) - p_O;
+      const double na = a.norm();
+      const double nb = b.norm();
+      const double nc = c.norm();
+      half_angles += std::atan2(a.dot(b.cross(c)),
+                                na * nb * nc + a.dot(b) * nc + b.dot(c) * na + c.dot(a) * nb);
+    }
+    return half_angles > std::numbers::pi;
+  }
+
+ private:
+  const TriangleMesh& mesh_O_;
+  std::optional<geometry::SurfaceLocator> locator_;
+  Eigen::AlignedBox3d box_;
+};
+
+void validate(const PoseContactOptions& options) {
+  if (!(options.reach_m > 0.0) || !std::isfinite(options.reach_m)) {
+    rejectInput("contact reach is {} m; it must be above 0", options.reach_m);
+  }
+}
+
+[[noreturn]] void rejectFarHand(const TriangleMesh& object_O, const std::vector<Part>& parts) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (int v = 0; v < object_O.vertexCount(); ++v) {
+    for (const Part& part : parts)
+      nearest = std::min(nearest, part.distance(object_O.vertex(v)));
+  }
+  rejectInput(
+      "the posed hand touches nothing: its nearest part is {:.0f} mm from the object; is the "
+      "pose in another frame?",
+      1e3 * nearest);
+}
+
+}  // namespace
+
+ContactMap contactsFromPose(const TriangleMesh& object_O,
+                            const std::vector<PosedSurface>& parts_O,
+                            const PoseContactOptions& options) {
+  validate(options);
+  if (object_O.faceCount() == 0) rejectInput("the object has no face to be touched");
+  std::vector<Part> parts;
+  parts.reserve(parts_O.size());
+  ContactMap map;
+  bool any_face = false;
+  for (const PosedSurface& part : parts_O) {
+    parts.emplace_back(part.mesh_O);
+    map.segment_names.push_back(part.name);
+    any_face = any_face || part.mesh_O.faceCount() > 0;
+  }
+  if (!any_face) rejectInput("the posed hand has no surface: none of its parts has a face");
+
+  map.mesh_O = refineEdges(object_O, options.longest_edge_m);
+  map.value = Eigen::VectorXd::Zero(map.mesh_O.vertexCount());
+  map.label.assign(static_cast<std::size_t>(map.mesh_O.vertexCount()), -1);
+  bool any_contact = false;
+  for (int v = 0; v < map.mesh_O.vertexCount(); ++v) {
+    const Eigen::Vector3d p_O = map.mesh_O.vertex(v);
+    for (int i = 0; i < std::ssize(parts); ++i) {
+      const Part& part = parts[static_cast<std::size_t>(i)];
+      const double contact = part.contains(p_O)
+                                 ? 1.0
+                                 : 1.0 - part.distance(p_O, options.reach_m) / options.reach_m;
+      if (!(contact > map.value[v])) continue;
+      map.value[v] = contact;
+      map.label[static_cast<std::size_t>(v)] = i;
+    }
+    any_contact = any_contact || map.value[v] > 0.0;
+  }
+  if (!any_contact) rejectFarHand(object_O, parts);
+  return map;
+}
+
+}  // namespace handgraft::contact
