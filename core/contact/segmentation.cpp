@@ -1,21 +1,18 @@
 #include "core/contact/segmentation.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <set>
 #include <utility>
 
 #include "core/base/error.h"
 #include "core/contact/region.h"
+#include "core/contact/threshold.h"
 
 namespace handgraft::contact {
 namespace {
 
 using geometry::TriangleMesh;
-
-constexpr std::array<const char*, 6> kFingers = {"thumb", "index",  "middle",
-                                                 "ring",  "little", "palm"};
 
 /// Vertices in contact that belong together: a finger's, an anonymous segment's, or all.
 struct Group {
@@ -30,6 +27,11 @@ struct Component {
 };
 
 void validate(const SegmentationOptions& options) {
+  if (!(options.low_share > 0.0 && options.low_share <= 1.0)) {
+    rejectInput("low share of the contact threshold is {}; permitted are 0 (excluded) to 1",
+                options.low_share);
+  }
+  if (options.joints_O) contact::validate(*options.joints_O);
   if (!std::isfinite(options.threshold)) {
     rejectInput("contact threshold is {}; it must be finite", options.threshold);
   }
@@ -79,10 +81,19 @@ std::vector<Component> componentsOf(const ContactMap& map, const Group& group, i
 
 class Segmenter {
  public:
-  Segmenter(const ContactMap& map, const SegmentationOptions& options)
-      : map_(map), options_(options) {}
+  /// `map` as it is after smoothing.
+  Segmenter(ContactMap map, const SegmentationOptions& options)
+      : map_(std::move(map)), options_(options), threshold_(thresholdOf(map_, options)) {}
 
   ContactSet run() {
+    if (options_.rule == ThresholdRule::kOtsu)
+      note("threshold by Otsu's rule: {:.3g}", threshold_);
+    if (options_.joints_O && !namesFingers()) {
+      const Group all = groupOf("", [](int) {
+        return true;
+      });
+      assignFingers(map_, all.touches, *options_.joints_O, options_.minimum_area_m2);
+    }
     for (const Group& group : groups()) {
       if (group.name.empty()) {
         collectAnonymous(group);
@@ -101,15 +112,30 @@ class Segmenter {
     set_.notes.push_back(fmt::format(format, std::forward<Args>(args)...));
   }
 
-  [[nodiscard]] bool touches(int v) const { return map_.value[v] > options_.threshold; }
+  [[nodiscard]] bool touches(int v) const { return map_.value[v] > threshold_; }
+
+  /// Whether labels say which finger touches, somewhere.
+  [[nodiscard]] bool namesFingers() const {
+    for (int v = 0; v < map_.mesh_O.vertexCount() && !map_.label.empty(); ++v) {
+      if (touches(v) && !fingerOf(map_.label[v]).empty()) return true;
+    }
+    return false;
+  }
 
   template <class Belongs>
   [[nodiscard]] Group groupOf(const std::string& name, const Belongs& belongs) const {
-    Group group{name, std::vector<char>(static_cast<std::size_t>(map_.mesh_O.vertexCount()))};
-    for (int v = 0; v < map_.mesh_O.vertexCount(); ++v) {
-      group.touches[v] = touches(v) && belongs(v) ? 1 : 0;
-    }
-    return group;
+    std::vector<char> candidates(static_cast<std::size_t>(map_.mesh_O.vertexCount()));
+    for (int v = 0; v < map_.mesh_O.vertexCount(); ++v)
+      candidates[v] = belongs(v) ? 1 : 0;
+    return {name, aboveWithHysteresis(map_.mesh_O, map_.value, candidates,
+                                      std::min(options_.low_share * threshold_, threshold_),
+                                      threshold_)};
+  }
+
+  [[nodiscard]] std::string fingerOf(int label) const {
+    return label >= 0 && label < std::ssize(map_.segment_names)
+               ? fingerOfSegment(map_.segment_names[label])
+               : std::string();
   }
 
   std::vector<Group> groups() {
@@ -127,18 +153,13 @@ class Segmenter {
     }
     if (unlabelled > 0) note("vertices in contact without label, left out: {}", unlabelled);
 
-    const auto fingerOf = [&](int label) {
-      return label >= 0 && label < std::ssize(map_.segment_names)
-                 ? fingerOfSegment(map_.segment_names[label])
-                 : std::string();
-    };
     std::set<std::string> fingers;
     for (const int label : segments)
       fingers.insert(fingerOf(label));
     fingers.erase("");
 
     std::vector<Group> groups;
-    for (const char* finger : kFingers) {
+    for (const char* finger : kHandParts) {
       if (fingers.count(finger) == 0) continue;
       groups.push_back(groupOf(finger, [&](int v) {
         return fingerOf(map_.label[v]) == finger;
@@ -236,6 +257,11 @@ class Segmenter {
     patch.interpolation_boundary =
         sampleLoop(mesh, boundary.loop, options_.interpolation_count);
     patch.boundary = std::move(boundary.loop);
+    if (options_.joints_O) {
+      patch.direction_O = directionTowardsWrist(*options_.joints_O, name,
+                                                geometry::positionOf(mesh, patch.root),
+                                                geometry::normalOf(mesh, patch.root));
+    }
     set_.patches.push_back(std::move(patch));
     return true;
   }
@@ -244,24 +270,33 @@ class Segmenter {
     const double most = map_.value.size() > 0 ? map_.value.maxCoeff() : 0.0;
     std::string message = fmt::format(
         "contact map leaves no patch: its largest contact is {:.3g}, the threshold {:.3g}",
-        most, options_.threshold);
+        most, threshold_);
     for (const std::string& remark : set_.notes)
       message += "; " + remark;
     return message;
   }
 
-  const ContactMap& map_;
+  ContactMap map_;
   const SegmentationOptions& options_;
+  double threshold_;
   std::vector<Component> anonymous_;
   ContactSet set_;
 };
 
 }  // namespace
 
+double thresholdOf(const ContactMap& map, const SegmentationOptions& options) {
+  if (options.rule == ThresholdRule::kGiven) return options.threshold;
+  const Eigen::VectorXd areas = vertexAreas(map.mesh_O);
+  return otsuThreshold(map.value, (map.value.array() > 0.0).select(areas, 0.0));
+}
+
 ContactSet segment(const ContactMap& map, const SegmentationOptions& options) {
   validate(map);
   validate(options);
-  return Segmenter(map, options).run();
+  ContactMap even = map;
+  even.value = smoothed(map.mesh_O, map.value, options.smoothing_steps);
+  return Segmenter(std::move(even), options).run();
 }
 
 }  // namespace handgraft::contact

@@ -1,20 +1,41 @@
 #pragma once
 
+#include <optional>
+
 #include "core/contact/contact_map.h"
 #include "core/contact/contact_set.h"
+#include "core/contact/finger_assignment.h"
 
 namespace handgraft::contact {
 
-struct SegmentationOptions {
-  double threshold = 0.4;         ///< contact above this counts
-  double minimum_area_m2 = 2e-5;  ///< smaller components are dropped, with a note
-  int interpolation_count = kDefaultInterpolationCount;
+/// How the threshold is found.
+enum class ThresholdRule {
+  kGiven,  ///< SegmentationOptions::threshold
+  /// Otsu's, over the vertices whose value is above 0, weighted by their areas: for maps whose
+  /// values mean nothing absolute, as temperatures.
+  kOtsu,
 };
 
-/// Splits a contact map into patches: threshold, group the labels by finger, connected
+struct SegmentationOptions {
+  double threshold = 0.4;  ///< contact above this counts
+  ThresholdRule rule = ThresholdRule::kGiven;
+  /// With it, contact above this share of the threshold counts too where it hangs together with
+  /// contact above the threshold (of the same finger); in (0, 1].
+  double low_share = 1.0;
+  int smoothing_steps = 0;        ///< of threshold.h, before anything else
+  double minimum_area_m2 = 2e-5;  ///< smaller components are dropped, with a note
+  int interpolation_count = kDefaultInterpolationCount;
+  /// Of the hand that touched. Finds the finger of each patch where the map's labels do not
+  /// tell, splits regions that several fingers touch, and gives patches their directions.
+  std::optional<HandJoints> joints_O;
+};
+
+/// Splits a contact map into patches: smoothing, threshold, fingers by joints where labels do
+/// not name any, group the labels by finger, connected
 /// components of the faces that are in contact at all three corners, one patch per finger (the
 /// component with the most contact, integrated over its area; the rest is dropped and noted),
-/// root at the component's geodesic centre, ordered outer boundary, IB. Directions stay open.
+/// root at the component's geodesic centre, ordered outer boundary, IB. Directions lead towards
+/// the wrist where joints are given, and stay open otherwise.
 ///
 /// Without labels, or where no segment's name says a finger, every component becomes a patch,
 /// named c1, c2, ... by falling area. A finger whose contact covers the minimum area, but no
@@ -24,5 +45,9 @@ struct SegmentationOptions {
 /// the
 ///   message says what was dropped. Cost: O(V log V).
 ContactSet segment(const ContactMap& map, const SegmentationOptions& options);
+
+/// The threshold that the options mean for this map: theirs, or Otsu's of its values as they
+/// stand. Errors: InvalidInput if Otsu's rule finds fewer than two values above 0.
+double thresholdOf(const ContactMap& map, const SegmentationOptions& options);
 
 }  // namespace handgraft::contact

@@ -1,0 +1,142 @@
+#include "core/contact/finger_assignment.h"
+
+#include <cmath>
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+#include "core/contact/segmentation.h"
+
+#include "tests/support/plates.h"
+
+namespace handgraft::contact {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+constexpr double kAbove = 0.008;  ///< bones over the plate
+
+/// A flat hand over a plate: fingers along +y, 20 mm apart, the thumb at -40 mm.
+HandJoints flatHand() {
+  HandJoints joints;
+  joints.p_O.col(0) << 0.0, -0.08, kAbove;
+  for (int finger = 0; finger < 5; ++finger) {
+    for (int i = 0; i < 4; ++i) {
+      joints.p_O.col(1 + 4 * finger + i) << 0.02 * (finger - 2), -0.02 + 0.02 * i, kAbove;
+    }
+  }
+  return joints;
+}
+
+ContactMap emptyMap() {
+  ContactMap map;
+  map.mesh_O = test::makePlate(120, 160, 0.001);
+  map.value = Eigen::VectorXd::Zero(map.mesh_O.vertexCount());
+  return map;
+}
+
+void touchBox(ContactMap& map, double x0, double x1, double y0, double y1) {
+  for (int v = 0; v < map.mesh_O.vertexCount(); ++v) {
+    const Eigen::Vector3d p = map.mesh_O.vertex(v);
+    if (p.x() > x0 && p.x() < x1 && p.y() > y0 && p.y() < y1) map.value[v] = 1.0;
+  }
+}
+
+std::vector<std::string> namesOf(const ContactSet& set) {
+  std::vector<std::string> names;
+  for (const Patch& patch : set.patches)
+    names.push_back(patch.name);
+  return names;
+}
+
+SegmentationOptions withJoints() {
+  SegmentationOptions options;
+  options.joints_O = flatHand();
+  return options;
+}
+
+TEST(NearestBone, FindsThePartAndTheWayToTheWrist) {
+  const NearestBone finger = nearestBone(flatHand(), {0.003, 0.01, 0.0});
+  EXPECT_EQ(finger.part, 2);
+  EXPECT_NEAR(finger.distance_m, std::hypot(0.003, kAbove), 1e-12);
+  EXPECT_TRUE(finger.towards_wrist_O.isApprox(-Eigen::Vector3d::UnitY()));
+  EXPECT_EQ(nearestBone(flatHand(), {0.0, -0.06, 0.0}).part, kPalm);
+  EXPECT_NEAR(nearestBone(flatHand(), {0.003, 0.01, 0.0}, 4).distance_m,
+              std::hypot(0.037, kAbove), 1e-12);
+}
+
+TEST(AssignFingers, NamesPatchesByTheNearestFinger) {
+  ContactMap map = emptyMap();
+  touchBox(map, -0.045, -0.035, 0.02, 0.04);
+  touchBox(map, 0.016, 0.025, 0.02, 0.04);
+  touchBox(map, -0.006, 0.006, -0.07, -0.05);
+  const ContactSet set = segment(map, withJoints());
+  EXPECT_THAT(namesOf(set), ElementsAre("thumb", "ring", "palm"));
+}
+
+TEST(AssignFingers, SplitsARegionThatTwoFingersTouch) {
+  ContactMap map = emptyMap();
+  touchBox(map, -0.006, 0.026, 0.02, 0.035);  // under middle (x = 0) and ring (x = 20 mm)
+  const ContactSet set = segment(map, withJoints());
+  ASSERT_THAT(namesOf(set), ElementsAre("middle", "ring"));
+  for (const int v : set.patches[0].boundary)
+    EXPECT_LE(map.mesh_O.vertex(v).x(), 0.0105);
+  for (const int v : set.patches[1].boundary)
+    EXPECT_GE(map.mesh_O.vertex(v).x(), 0.0095);
+}
+
+TEST(AssignFingers, CutsNoSliverFromAPatch) {
+  // 3 of 24 mm lie nearer to the ring finger.
+  ContactMap map = emptyMap();
+  touchBox(map, -0.011, 0.013, 0.02, 0.04);
+  EXPECT_THAT(namesOf(segment(map, withJoints())), ElementsAre("middle"));
+}
+
+TEST(AssignFingers, LeavesLabelsThatNameFingersAlone) {
+  ContactMap map = emptyMap();
+  touchBox(map, -0.005, 0.005, 0.02, 0.04);
+  map.label.assign(static_cast<std::size_t>(map.mesh_O.vertexCount()), 0);
+  map.segment_names = {"little_tip"};
+  EXPECT_THAT(namesOf(segment(map, withJoints())), ElementsAre("little"));
+  map.segment_names = {"segment"};
+  EXPECT_THAT(namesOf(segment(map, withJoints())), ElementsAre("middle"));
+}
+
+TEST(AssignFingers, RefusesJointsThatAreNone) {
+  ContactMap map = emptyMap();
+  touchBox(map, -0.005, 0.005, 0.02, 0.04);
+  SegmentationOptions options = withJoints();
+  options.joints_O->p_O(1, 6) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(
+      [&] {
+        segment(map, options);
+      },
+      ThrowsMessage<InvalidInput>(HasSubstr("joint 6 is not finite")));
+  options.joints_O->p_O.setZero();
+  EXPECT_THROW(segment(map, options), InvalidInput);
+}
+
+TEST(DirectionTowardsWrist, RunsAlongTheFingerInTheTangentPlane) {
+  ContactMap map = emptyMap();
+  touchBox(map, -0.005, 0.005, 0.02, 0.04);
+  const ContactSet set = segment(map, withJoints());
+  ASSERT_TRUE(set.patches.at(0).direction_O.has_value());
+  EXPECT_TRUE(set.patches[0].direction_O->isApprox(-Eigen::Vector3d::UnitY(), 1e-9));
+}
+
+TEST(DirectionTowardsWrist, TakesTheWristWhereTheBoneStandsOnTheSurface) {
+  const Eigen::Vector3d p(0.0, 0.05, 0.0);
+  HandJoints joints = flatHand();
+  EXPECT_FALSE(directionTowardsWrist(joints, "middle", p, Eigen::Vector3d::UnitY()));
+  joints.p_O.col(0) << 0.1, 0.05, 0.0;
+  const auto direction = directionTowardsWrist(joints, "middle", p, Eigen::Vector3d::UnitY());
+  ASSERT_TRUE(direction.has_value());
+  EXPECT_TRUE(direction->isApprox(Eigen::Vector3d::UnitX(), 1e-9));
+}
+
+}  // namespace
+}  // namespace handgraft::contact
