@@ -6,19 +6,10 @@
 
 #include <Eigen/Core>
 
+#include "core/geometry/heat_source.h"
 #include "core/geometry/intrinsic_delaunay.h"
 
 namespace handgraft::geometry {
-
-/// A vertex's share in a source, in that vertex's own tangent basis.
-struct HeatSeed {
-  int vertex = -1;
-  double weight = 0.0;
-  /// The source's x axis, seen from the vertex: a unit complex number.
-  std::complex<double> axis = 1.0;
-  /// Where the vertex stands in the source's tangent plane T, metres.
-  std::complex<double> p_T = 0.0;
-};
 
 /// Scalars, tangent vectors and positions diffused over one connected manifold surface for a
 /// time of its squared mean edge.
@@ -32,6 +23,9 @@ class HeatFlow {
   HeatFlow& operator=(const HeatFlow&) = delete;
 
   [[nodiscard]] const IntrinsicDelaunay& surface() const { return surface_; }
+
+  /// The mean edge after the flips, metres: how far heat spreads.
+  [[nodiscard]] double unitLength() const { return unit_length_; }
 
   /// Log coordinates in T of every vertex that a face within `radius` of the source has,
   /// metres; NaN elsewhere and where no heat arrives. `origin` is where the source stands in

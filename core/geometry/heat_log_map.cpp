@@ -1,17 +1,14 @@
 #include "core/geometry/heat_log_map.h"
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include <Eigen/Geometry>
-
 #include "core/base/error.h"
 #include "core/geometry/coordinate_disk.h"
 #include "core/geometry/heat_flow.h"
+#include "core/geometry/heat_source.h"
 #include "core/geometry/log_map_source.h"
 
 namespace handgraft::geometry {
@@ -25,54 +22,6 @@ struct Piece {
   std::unique_ptr<HeatFlow> flow;
   std::string refusal;  ///< why there is no flow
 };
-
-double angleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
-
-const SourceNeighbour* neighbourOf(const SourceLayout& layout, int vertex) {
-  const auto place = std::find_if(layout.neighbours.begin(), layout.neighbours.end(),
-                                  [&](const SourceNeighbour& neighbour) {
-                                    return neighbour.vertex == vertex;
-                                  });
-  return place == layout.neighbours.end() ? nullptr : &*place;
-}
-
-std::complex<double> complexOf(const Eigen::Vector2d& v) {
-  return {v.x(), v.y()};
-}
-
-/// The source as shares of vertices, each with T's x axis in its own basis. The layout says
-/// where a neighbour is seen in T, the surface where the same line leaves the vertex.
-std::vector<HeatSeed> seedsOf(const TriangleMesh& mesh,
-                              const IntrinsicDelaunay& surface,
-                              const SurfacePoint& source,
-                              const SourceLayout& layout) {
-  if (layout.vertex >= 0) {
-    const int v = layout.vertex;
-    const int h = *mesh.outgoingBegin(v);
-    const SourceNeighbour* neighbour = neighbourOf(layout, mesh.to(h));
-    HANDGRAFT_REQUIRE(neighbour);
-    const std::complex<double> axis =
-        surface.meshDirection(v, h, 0.0) / complexOf(neighbour->direction_T);
-    return {{v, 1.0, axis, 0.0}};
-  }
-  std::vector<HeatSeed> seeds;
-  const Eigen::Vector3d origin = positionOf(mesh, source);
-  for (int h = 3 * source.face; h < 3 * source.face + 3; ++h) {
-    const int v = mesh.from(h);
-    const SourceNeighbour* neighbour = neighbourOf(layout, v);
-    const double weight = source.barycentric[h % 3];
-    if (!neighbour || weight <= 0.0) continue;
-    // The line from the vertex back to the source.
-    const double turn =
-        angleBetween(mesh.vertex(mesh.to(h)) - mesh.vertex(v), origin - mesh.vertex(v));
-    const std::complex<double> axis =
-        -surface.meshDirection(v, h, turn) / complexOf(neighbour->direction_T);
-    seeds.push_back({v, weight, axis, neighbour->r * complexOf(neighbour->direction_T)});
-  }
-  return seeds;
-}
 
 }  // namespace
 
@@ -157,9 +106,7 @@ LogMap HeatLogMap::Parts::solve(const SurfacePoint& source,
   if (!piece.flow) throw InvalidInput(piece.refusal);
   const SurfacePoint source_in_piece{face_in_piece[source.face], source.barycentric};
   const SourceLayout layout_in_piece = layOutSource(piece.mesh, source_in_piece, direction);
-  const Eigen::Matrix2Xd p_T = coordinatesFrom(
-      *piece.flow,
-      seedsOf(piece.mesh, piece.flow->surface(), source_in_piece, layout_in_piece));
+  const Eigen::Matrix2Xd p_T = coordinatesFrom(piece, source_in_piece, layout_in_piece);
 
   Eigen::Matrix2Xd whole_T = Eigen::Matrix2Xd::Constant(
       2, mesh.vertexCount(), std::numeric_limits<double>::quiet_NaN());
@@ -181,10 +128,14 @@ HeatLogMap& HeatLogMap::operator=(HeatLogMap&&) noexcept = default;
 LogMap HeatLogMap::smooth(const SurfacePoint& source,
                           const Eigen::Vector3d& direction,
                           double radius) const {
-  LogMap map = parts_->solve(
-      source, direction, radius, [&](const HeatFlow& flow, const std::vector<HeatSeed>& seeds) {
-        return flow.affineLog(seeds, positionOf(parts_->mesh, source), radius);
-      });
+  const auto coordinatesFrom = [&](const Piece& piece, const SurfacePoint& source_in_piece,
+                                   const SourceLayout& layout) {
+    const HeatFlow& flow = *piece.flow;
+    return flow.affineLog(
+        roundSeeds(piece.mesh, flow.surface(), source_in_piece, layout, flow.unitLength()),
+        layout.origin, radius);
+  };
+  LogMap map = parts_->solve(source, direction, radius, coordinatesFrom);
   map.method = LogMapMethod::kSmooth;
   return map;
 }
@@ -192,10 +143,13 @@ LogMap HeatLogMap::smooth(const SurfacePoint& source,
 LogMap HeatLogMap::heat(const SurfacePoint& source,
                         const Eigen::Vector3d& direction,
                         double radius) const {
-  LogMap map = parts_->solve(source, direction, radius,
-                             [](const HeatFlow& flow, const std::vector<HeatSeed>& seeds) {
-                               return flow.vectorLog(seeds);
-                             });
+  const auto coordinatesFrom = [](const Piece& piece, const SurfacePoint& source_in_piece,
+                                  const SourceLayout& layout) {
+    // Each seed costs two solutions of its own here, and half an edge is off anyway.
+    return piece.flow->vectorLog(
+        cornerSeeds(piece.mesh, piece.flow->surface(), source_in_piece, layout));
+  };
+  LogMap map = parts_->solve(source, direction, radius, coordinatesFrom);
   map.method = LogMapMethod::kHeat;
   return map;
 }

@@ -15,9 +15,10 @@ namespace handgraft::geometry {
 /// is a system of its own, on an intrinsic Delaunay triangulation. A component that is not
 /// manifold, not welded or holds a face without area is refused when a source lies on it.
 ///
-/// A source inside a face or on an edge is the combination of that face's corners with its
-/// barycentric weights, each corner's share told where it stands in the source's tangent plane:
-/// exact on a plane, second order in the edge length elsewhere.
+/// A source inside a face or on an edge is a combination of vertices nearby, each one's share
+/// told where it stands in the source's tangent plane: exact on a plane. `heat` takes the
+/// corners with their barycentric weights; `smooth` spreads them to a round source
+/// (`heat_source`), so that phi is as good as from a vertex.
 ///
 /// Heat crosses everything: r is no geodesic distance behind a reflex edge of the surface or at
 /// the cut locus. Vertices that come out nearer than nine tenths of the straight line from the
