@@ -115,4 +115,43 @@ std::vector<hand::ContactSite> readSites(const std::filesystem::path& path,
   }
 }
 
+std::string sitesText(const std::vector<hand::ContactSite>& sites) {
+  YAML::Emitter out;
+  out.SetDoublePrecision(9);
+  const auto vector = [&](const char* field, const Eigen::Vector3d& v) {
+    out << YAML::Key << field << YAML::Value << YAML::Flow << YAML::BeginSeq;
+    for (const double number : v)
+      out << number;
+    out << YAML::EndSeq;
+  };
+  out << YAML::Comment(
+      "Where contacts belong on this hand when nobody says otherwise. Edit freely: a name is\n"
+      "what a contact set calls its patch; point_m (m), normal (outwards) and direction "
+      "(along\n"
+      "the surface, towards the wrist) are in the link's frame.");
+  out << YAML::BeginMap << YAML::Key << "format" << YAML::Value << kFormat;
+  out << YAML::Key << "sites" << YAML::Value << YAML::BeginSeq;
+  for (const hand::ContactSite& site : sites) {
+    out << YAML::BeginMap;
+    // Quoted, so that a link named `12` or `no` stays a text.
+    out << YAML::Key << "name" << YAML::Value << YAML::DoubleQuoted << site.name;
+    out << YAML::Key << "link" << YAML::Value << YAML::DoubleQuoted << site.link;
+    vector("point_m", site.p_L);
+    vector("normal", site.n_L);
+    vector("direction", site.direction_L);
+    out << YAML::EndMap;
+  }
+  out << YAML::EndSeq << YAML::EndMap;
+  HANDGRAFT_REQUIRE(out.good());
+  return std::string(out.c_str()) + "\n";
+}
+
+void writeSites(const std::filesystem::path& path,
+                const std::vector<hand::ContactSite>& sites) {
+  std::ofstream file(path, std::ios::binary);
+  file << sitesText(sites);
+  file.close();
+  if (!file) rejectInput("{}: cannot be written", quoted(path.string()));
+}
+
 }  // namespace handgraft::io

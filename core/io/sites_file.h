@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "core/hand/contact_site.h"
@@ -11,5 +12,13 @@ namespace handgraft::io {
 /// file, the site and the field.
 std::vector<hand::ContactSite> readSites(const std::filesystem::path& path,
                                          const hand::HandModel& model);
+
+/// The text of such a file: comments that say what may be edited, then a line a field. Numbers
+/// have 9 digits. What `readSites` makes of it has the same names, links and, to 1e-8, numbers.
+/// Requires sites that `hand::validate` accepts.
+std::string sitesText(const std::vector<hand::ContactSite>& sites);
+
+/// Writes it to a file. Errors: InvalidInput, naming the file, if it cannot be written.
+void writeSites(const std::filesystem::path& path, const std::vector<hand::ContactSite>& sites);
 
 }  // namespace handgraft::io

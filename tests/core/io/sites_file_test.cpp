@@ -70,5 +70,35 @@ TEST(SitesFile, NamesWhatIsWrong) {
   EXPECT_THAT(faultOf(kHead + "  - {name: thumb, colour: red}\n"), HasSubstr("'colour'"));
 }
 
+TEST(SitesFile, IsReadAsItWasWritten) {
+  const hand::HandModel model("odd names", {{"no", {}, {}}}, {});
+  hand::ContactSite odd;
+  odd.name = "a \"quoted\": #name\n";
+  odd.link = "no";
+  odd.p_L << 0.123456789012, -1e-7, 3.0;
+  odd.n_L = Eigen::Vector3d(1, 2, -3).normalized();
+  odd.direction_L = odd.n_L.unitOrthogonal();
+  hand::ContactSite thumb = odd;
+  thumb.name = "thumb";
+  const std::filesystem::path path = test::scratchDirectory() / "written.yaml";
+  writeSites(path, {odd, thumb});
+  const auto back = readSites(path, model);
+  ASSERT_EQ(back.size(), 2U);
+  EXPECT_EQ(back[0].name, odd.name);
+  EXPECT_EQ(back[0].link, "no");
+  EXPECT_EQ(back[1].name, "thumb");
+  EXPECT_TRUE(back[0].p_L.isApprox(odd.p_L, 1e-8));
+  EXPECT_TRUE(back[0].n_L.isApprox(odd.n_L, 1e-8));
+  EXPECT_TRUE(back[0].direction_L.isApprox(odd.direction_L, 1e-8));
+}
+
+TEST(SitesFile, HoldsNoSiteOrSaysWhyItCannotBeWritten) {
+  const std::filesystem::path path = test::scratchDirectory() / "none.yaml";
+  writeSites(path, {});
+  EXPECT_TRUE(readSites(path, palm()).empty());
+  EXPECT_THROW(writeSites(test::scratchDirectory() / "missing" / "sites.yaml", {}),
+               InvalidInput);
+}
+
 }  // namespace
 }  // namespace handgraft::io
