@@ -178,7 +178,25 @@ TEST(Bench, TransferTimesEveryStageOnAHand) {
   }
 }
 
+TEST(Bench, SurveyCountsEveryPointOfEveryMesh) {
+  const std::string objects = test::sourceDirectory() / "server/models/objects";
+  const nlohmann::json bench = jsonOf({"survey", objects, "--patches", "4", "--methods", "fast",
+                                       "auto", "--damaged", "--json"});
+  EXPECT_EQ(bench["unread"].size(), 0U);
+  ASSERT_GT(bench["meshes"].size(), 0U);
+  EXPECT_EQ(bench["meshes"].size() % (2 * 5 * 4), 0U);  // methods, damages, radii
+  for (const nlohmann::json& mesh : bench["meshes"]) {
+    EXPECT_EQ(mesh["disks"].get<int>() + mesh["refused"].get<int>(), 1) << mesh;
+    EXPECT_EQ(mesh["points"], 25 * mesh["disks"].get<int>()) << mesh;
+    EXPECT_EQ(mesh["placed"].get<int>() + mesh["lost_at_edge"].get<int>() +
+                  mesh["lost_at_cut_locus"].get<int>() + mesh["lost_beyond"].get<int>(),
+              mesh["points"])
+        << mesh;
+  }
+}
+
 TEST(Bench, RefusesWrongInput) {
+  EXPECT_EQ(test::run(HANDGRAFT_BENCH, {"survey", "/no/such/folder"}).exit_code, 2);
   EXPECT_EQ(test::run(HANDGRAFT_BENCH, {"logmap-accuracy", "--vertices", "7"}).exit_code, 2);
   EXPECT_EQ(test::run(HANDGRAFT_BENCH, {"logmap-speed", "--roots", "0"}).exit_code, 2);
   EXPECT_EQ(test::run(HANDGRAFT_BENCH, {"transfer", "--hand", "x.urdf"}).exit_code, 2);

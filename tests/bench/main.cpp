@@ -12,6 +12,7 @@
 #include "tests/bench/logmap_accuracy.h"
 #include "tests/bench/logmap_speed.h"
 #include "tests/bench/solve.h"
+#include "tests/bench/survey.h"
 #include "tests/bench/transfer_speed.h"
 
 namespace {
@@ -34,13 +35,14 @@ int main(int argc, char** argv) {
   handgraft::bench::addLogMapSpeedCommand(app);
   handgraft::bench::addSolveCommand(app);
   handgraft::bench::addSolversCommand(app);
+  handgraft::bench::addSurveyCommand(app);
   handgraft::bench::addTransferCommand(app);
   try {
     app.parse(argc, argv);
     if (!app.get_subcommands().empty()) return 0;
     return complain(
         "a command is missing; there are: logmap logmap-accuracy logmap-speed solve solvers "
-        "transfer",
+        "survey transfer",
         kWrongInput);
   } catch (const CLI::Success& help) {
     return app.exit(help);
