@@ -107,7 +107,8 @@ Eigen::VectorXd skinReferencePose(const HandModel& model);
 ///
 /// Through-holes of a frame are shut by thin sheets, which belong to no link where they are
 /// farther than epsilon from all. A hand whose links cannot be joined gets a skin of several
-/// such pieces. `report`, if given, says which, what was tried and how good the skin is.
+/// such pieces. `report`, if given, says so and what was tried; `measure` (skin_report.h) adds
+/// how good the skin is.
 ///
 /// Errors: InvalidInput if no link has a surface, the hand is not 0.01 to 2 m across, or an
 /// option is out of range. Cancelled on wish. Deterministic. Cost: 1-6 s for a hand of 100k

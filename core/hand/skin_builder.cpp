@@ -317,7 +317,6 @@ Skin buildSkin(const HandModel& model,
   if (report != nullptr) {
     steps.time_s = watch.seconds();
     *report = std::move(steps);
-    measure(skin, *report);
   }
   return skin;
 }

@@ -165,7 +165,11 @@ Skin SkinCache::get(const HandModel& model,
                     const SkinOptions& options,
                     const Progress& progress,
                     SkinReport* report) const {
-  if (!folder_) return buildSkin(model, options, progress, report);
+  if (!folder_) {
+    Skin skin = buildSkin(model, options, progress, report);
+    if (report != nullptr) measure(skin, *report);
+    return skin;
+  }
   const auto start = std::chrono::steady_clock::now();
   const std::string key = skinKey(model, options);
   const fs::path path = *folder_ / (key + ".skin");
@@ -188,7 +192,10 @@ Skin SkinCache::get(const HandModel& model,
   SkinReport made;
   Skin skin = buildSkin(model, options, progress, &made);
   keep(path, serialise({skin.mesh(), made.notes}, key));
-  if (report != nullptr) *report = std::move(made);
+  if (report != nullptr) {
+    *report = std::move(made);
+    measure(skin, *report);
+  }
   return skin;
 }
 

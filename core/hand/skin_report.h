@@ -30,6 +30,7 @@ struct SkinReport {
   double time_s = 0.0;
   bool from_cache = false;
 
+  // From here on by `measure`.
   // === What the mesh is; a valid one has one piece, genus 0 and no crossing face
   int vertices = 0;
   int faces = 0;

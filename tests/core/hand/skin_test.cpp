@@ -153,6 +153,7 @@ HandModel makeFrame() {
 TEST(Skin, ShutsAnOpeningWithoutBuryingTheFrame) {
   SkinReport report;
   const Skin skin = buildSkin(makeFrame(), {}, Progress(), &report);
+  measure(skin, report);
   EXPECT_TRUE(report.isValid()) << describe(report);
   EXPECT_EQ(skin.mesh().eulerCharacteristic(), 2);
   ASSERT_EQ(report.steps.size(), 3u) << describe(report);
@@ -175,6 +176,7 @@ TEST(Skin, SaysPlainlyThatLinksCannotBeJoined) {
                             {});
   SkinReport report;
   const Skin skin = buildSkin(far_apart, {}, Progress(), &report);
+  measure(skin, report);
   EXPECT_EQ(report.pieces, 2);
   EXPECT_EQ(report.genus, 0);
   EXPECT_TRUE(report.is_closed);
