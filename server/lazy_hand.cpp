@@ -3,6 +3,8 @@
 #include <chrono>
 #include <utility>
 
+#include "core/hand/skin_cache.h"
+
 namespace handgraft::server {
 
 LazyHand::LazyHand(std::shared_ptr<const hand::HandModel> model,
@@ -65,8 +67,8 @@ session::Hand LazyHand::make(const Progress& progress) {
   });
   session::Hand made;
   made.model = model_;
-  made.skin =
-      std::make_shared<const hand::Skin>(hand::buildSkin(*model_, hand::SkinOptions(), shared));
+  made.skin = std::make_shared<const hand::Skin>(
+      hand::SkinCache::fromEnvironment().get(*model_, hand::SkinOptions(), shared));
   made.sites = own_sites_ ? *own_sites_ : hand::findContactSites(*model_, *made.skin);
   return made;
 }
