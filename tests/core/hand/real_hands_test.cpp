@@ -10,6 +10,7 @@
 #include "core/hand/contact_site.h"
 #include "core/hand/digits.h"
 #include "core/hand/kinematics.h"
+#include "core/hand/mirror.h"
 #include "core/hand/skin_report.h"
 #include "core/io/urdf_file.h"
 
@@ -24,6 +25,7 @@ struct RealHand {
   int dofs;
   int mimics;
   std::vector<std::string> sites;
+  std::vector<std::string> links;  ///< that carry these sites, as the file names them
 };
 
 void PrintTo(const RealHand& hand, std::ostream* out) {
@@ -51,6 +53,7 @@ TEST_P(RealHands, GetAClosedSkinAndTheirSites) {
   // === The skin: valid, even, and close to the links
   SkinReport report;
   const Skin skin = buildSkin(model, {}, Progress(), &report);
+  measure(skin, report);
   SCOPED_TRACE(describe(report));
   const geometry::TriangleMesh& mesh = skin.mesh();
   EXPECT_TRUE(report.isValid());
@@ -81,6 +84,10 @@ TEST_P(RealHands, GetAClosedSkinAndTheirSites) {
   for (const ContactSite& site : sites)
     names.push_back(site.name);
   EXPECT_EQ(names, hand.sites);
+  std::vector<std::string> links;
+  for (const ContactSite& site : sites)
+    links.push_back(site.link);
+  EXPECT_EQ(links, hand.links);
   LinkPoses X_SL;
   forwardKinematics(model, Pose::Identity(), skin.qReference(), X_SL);
   const Digits digits = findDigits(model, X_SL);
@@ -128,21 +135,94 @@ TEST_P(RealHands, CloseTowardsTheirPads) {
   }
 }
 
+/// A left hand has the sites of the right one, reflected: the finder favours no side. The skins
+/// are wrapped anew and differ a little.
+TEST_P(RealHands, HaveMirroredSitesWhenMirrored) {
+  const RealHand& hand = GetParam();
+  if (hand.shared) HANDGRAFT_NEEDS_SHARED_DATA(hand.path);
+  const HandModel model = io::readUrdf(pathOf(hand)).model;
+  const HandModel other = mirrored(model, "other side");
+  const std::vector<ContactSite> sites =
+      findContactSites(model, buildSkin(model, {}, Progress()));
+  const std::vector<ContactSite> reflected =
+      findContactSites(other, buildSkin(other, {}, Progress()));
+  ASSERT_EQ(sites.size(), reflected.size());
+  const Eigen::Vector3d flip(-1.0, 1.0, 1.0);
+  for (std::size_t i = 0; i < sites.size(); ++i) {
+    EXPECT_EQ(sites[i].name, reflected[i].name);
+    EXPECT_EQ(sites[i].link, reflected[i].link) << sites[i].name;
+    EXPECT_LT((flip.asDiagonal() * sites[i].p_L - reflected[i].p_L).norm(), 0.003)
+        << sites[i].name;
+    EXPECT_GT((flip.asDiagonal() * sites[i].n_L).dot(reflected[i].n_L), 0.9) << sites[i].name;
+    EXPECT_GT((flip.asDiagonal() * sites[i].direction_L).dot(reflected[i].direction_L), 0.9)
+        << sites[i].name;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Hands,
     RealHands,
     ::testing::Values(
-        RealHand{"hands/allegro_right/allegro_hand_right.urdf", true, 16, 0, kFourFingers},
-        RealHand{"hands/barrett_bhand/bhand_model.urdf", true, 8, 0, kThreeFingers},
-        RealHand{"hands/human_hand_graspit20/human_hand_graspit20.urdf", true, 20, 0,
-                 kFiveFingers},
-        RealHand{"hands/mia_hand_right/mia_hand_description/urdf/mia_hand.urdf", true, 4, 2,
-                 kFiveFingers},
-        RealHand{"hands/mano_mean/mano_mean_fixed.urdf", true, 45, 0, kFiveFingers},
-        RealHand{"server/models/hands/human20/human20.urdf", false, 20, 0, kFiveFingers},
-        RealHand{"server/models/hands/allegro16/allegro16.urdf", false, 16, 0, kFourFingers},
-        RealHand{"server/models/hands/barrett8/barrett8.urdf", false, 8, 0, kThreeFingers},
-        RealHand{"server/models/hands/tendon16/tendon16.urdf", false, 16, 0, kFiveFingers}),
+        RealHand{
+            "hands/allegro_right/allegro_hand_right.urdf",
+            true,
+            16,
+            0,
+            kFourFingers,
+            {"link_15.0_tip", "link_3.0_tip", "link_7.0_tip", "link_11.0_tip", "base_link"}},
+        RealHand{
+            "hands/barrett_bhand/bhand_model.urdf",
+            true,
+            8,
+            0,
+            kThreeFingers,
+            {"finger_3_dist_link", "finger_1_dist_link", "finger_2_dist_link", "base_link"}},
+        RealHand{"hands/human_hand_graspit20/human_hand_graspit20.urdf",
+                 true,
+                 20,
+                 0,
+                 kFiveFingers,
+                 {"thumb3", "index3", "mid3", "ring3", "pinky3", "palm"}},
+        RealHand{
+            "hands/mia_hand_right/mia_hand_description/urdf/mia_hand.urdf",
+            true,
+            4,
+            2,
+            kFiveFingers,
+            {"thumb_fle", "index_sensor", "middle_sensor", "ring_fle", "little_fle", "palm"}},
+        RealHand{"hands/mano_mean/mano_mean_fixed.urdf",
+                 true,
+                 45,
+                 0,
+                 kFiveFingers,
+                 {"link_th_dd_z", "link_ff_dd_z", "link_mf_dd_z", "link_rf_dd_z",
+                  "link_lf_dd_z", "link_palm_rz"}},
+        RealHand{"server/models/hands/human20/human20.urdf",
+                 false,
+                 20,
+                 0,
+                 kFiveFingers,
+                 {"thumb_distal", "index_distal", "middle_distal", "ring_distal",
+                  "little_distal", "palm"}},
+        RealHand{"server/models/hands/allegro16/allegro16.urdf",
+                 false,
+                 16,
+                 0,
+                 kFourFingers,
+                 {"thumb_distal", "index_distal", "middle_distal", "ring_distal", "palm"}},
+        RealHand{"server/models/hands/barrett8/barrett8.urdf",
+                 false,
+                 8,
+                 0,
+                 kThreeFingers,
+                 {"thumb_distal", "index_distal", "middle_distal", "palm"}},
+        RealHand{"server/models/hands/tendon16/tendon16.urdf",
+                 false,
+                 16,
+                 0,
+                 kFiveFingers,
+                 {"thumb_distal", "index_distal", "middle_distal", "ring_distal",
+                  "little_distal", "palm"}}),
     [](const auto& hand) {
       const std::string stem = std::filesystem::path(hand.param.path).stem();
       return std::regex_replace(stem, std::regex("[^A-Za-z0-9]"), "");
