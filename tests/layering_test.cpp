@@ -63,13 +63,13 @@ const std::map<std::string, std::set<std::string>> kAlone = {
     {"urdfdom", {"core/io/urdf_file.cpp"}},
     {"tinyxml2", {"core/io/srdf_file.cpp", "core/io/urdf_text.cpp"}},
     {"json",
-     {"core/io/contact_file.cpp", "core/io/json_keys.cpp", "core/io/json_keys.h",
-      "core/io/problem_file.cpp", "client/json_output.cpp", "client/json_parts.h",
-      "client/transfer_json.cpp", "hardware/bridge/report_line.cpp"}},
+     {"core/io/contact_file.cpp", "core/io/hand_joints_file.cpp", "core/io/json_keys.cpp",
+      "core/io/json_keys.h", "core/io/problem_file.cpp", "client/json_output.cpp",
+      "client/json_parts.h", "client/transfer_json.cpp", "hardware/bridge/report_line.cpp"}},
     {"yaml", {"core/io/sites_file.cpp"}},
     {"cyclone", {"idl/cyclone/participant.cpp"}},
     {"fastcdr", {"idl/cyclone/participant.cpp"}},
-    {"png", {"client/render/png_file.cpp"}},
+    {"png", {"client/render/png_file.cpp", "core/io/png_file.cpp"}},
     {"cli11", {"server/main.cpp", "client/command_line.cpp", "hardware/bridge/main.cpp"}},
 };
 

@@ -423,28 +423,36 @@ void writeContactSet(const std::filesystem::path& path,
   if (!file.flush()) rejectInput("{}: cannot be written", path.string());
 }
 
+ContactSet contactsFromMap(const ContactMap& map,
+                           const MeshFile& object,
+                           const contact::SegmentationOptions& options) {
+  // Points alone have no regions: the object's own surface, or one laid through them, has.
+  const bool is_cloud = map.mesh_O.faceCount() == 0;
+  const bool on_object = is_cloud && object.cloud_O.cols() > 0;
+  ContactMap on_mesh = map;
+  if (on_object) {
+    on_mesh = onSurface(map, object.mesh, kCloudReach_m);
+  } else if (is_cloud) {
+    const auto surface = cloud::surfaceOf({map.mesh_O.vertices(), {}});
+    on_mesh = onSurface(map, surface.mesh_O, kCloudReach_m);
+  }
+  ContactSet set = segment(on_mesh, options);
+  const std::vector<std::string> unlisted =
+      notesOnUnlistedLinks(map, thresholdOf(on_mesh, options));
+  set.notes.insert(set.notes.begin(), unlisted.begin(), unlisted.end());
+  return sameMesh(on_mesh.mesh_O, object.mesh) ? set : carry(set, on_mesh.mesh_O, object.mesh);
+}
+
 ContactSet readContacts(const std::filesystem::path& path,
                         const MeshFile& object,
-                        const contact::SegmentationOptions& options) {
-  if (!isPly(path)) return readContactSet(path, object);
-  const ContactMap map = readContactMap(path);
+                        const contact::SegmentationOptions& options,
+                        const ContactMapSource& source) {
+  if (!isPly(path) && source.picture.empty()) return readContactSet(path, object);
+  const ContactMap map = readContactMap(path, source);
   return namingFile(path, [&] {
-    // Points alone have no regions: the object's own surface, or one laid through them, has.
-    const bool is_cloud = map.mesh_O.faceCount() == 0;
-    const bool on_object = is_cloud && object.cloud_O.cols() > 0;
-    ContactMap on_mesh = map;
-    if (on_object) {
-      on_mesh = onSurface(map, object.mesh, kCloudReach_m);
-    } else if (is_cloud) {
-      const auto surface = cloud::surfaceOf({map.mesh_O.vertices(), {}});
-      on_mesh = onSurface(map, surface.mesh_O, kCloudReach_m);
-    }
-    ContactSet set = segment(on_mesh, options);
-    const std::vector<std::string> unlisted = notesOnUnlistedLinks(map, options.threshold);
-    set.notes.insert(set.notes.begin(), unlisted.begin(), unlisted.end());
+    ContactSet set = contactsFromMap(map, object, options);
     set.name = path.stem().string();
-    return sameMesh(on_mesh.mesh_O, object.mesh) ? set
-                                                 : carry(set, on_mesh.mesh_O, object.mesh);
+    return set;
   });
 }
 

@@ -3,17 +3,12 @@
 #include <filesystem>
 #include <string>
 
-#include "core/contact/contact_map.h"
 #include "core/contact/contact_set.h"
 #include "core/contact/segmentation.h"
+#include "core/io/contact_map_file.h"
 #include "core/io/mesh_file.h"
 
 namespace handgraft::io {
-
-/// Reads a contact map: a PLY with vertex properties `contact` and, optionally, `link`. Names
-/// of the links come from a header comment that lists `0=name 1=name ...`. Errors: InvalidInput
-/// naming the file and what it lacks.
-contact::ContactMap readContactMap(const std::filesystem::path& path);
 
 /// Reads a contact set, format `handgraft-contacts/1` (README of this folder). Indices in it
 /// are the object file's own; `object` maps them to the mesh.
@@ -27,10 +22,17 @@ void writeContactSet(const std::filesystem::path& path,
 /// say. Errors: InvalidInput naming the file if it is no JSON.
 std::string objectNameIn(const std::filesystem::path& path);
 
-/// Either of the two, by what the file is: a map is carried onto the object's mesh if it lies
-/// on another one, and segmented.
+/// Either of the two, by what the file is: a map (a PLY, or a mesh with a picture) is
+/// segmented, and its patches are carried onto the object's mesh if it lies on another one.
 contact::ContactSet readContacts(const std::filesystem::path& path,
                                  const MeshFile& object,
-                                 const contact::SegmentationOptions& options = {});
+                                 const contact::SegmentationOptions& options = {},
+                                 const ContactMapSource& source = {});
+
+/// Patches of a map on the object's mesh, as `readContacts` makes them; the set has no name
+/// yet.
+contact::ContactSet contactsFromMap(const contact::ContactMap& map,
+                                    const MeshFile& object,
+                                    const contact::SegmentationOptions& options = {});
 
 }  // namespace handgraft::io

@@ -1,11 +1,14 @@
+#include "core/io/contact_map_file.h"
+
 #include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/io/contact_file.h"
+#include "core/io/color_map.h"
 #include "core/io/ply_file.h"
+#include "core/io/texture_map.h"
 
 namespace handgraft::io {
 namespace {
@@ -39,36 +42,51 @@ std::vector<std::string> segmentNamesIn(const std::vector<std::string>& comments
 }
 
 /// Labels as the file has them; names are appended where it uses more than it names.
-std::vector<int> labelsOf(const Eigen::VectorXd& column) {
+std::vector<int> labelsOf(const Eigen::VectorXd& column, const std::string& property) {
   std::vector<int> labels(static_cast<std::size_t>(column.size()));
   for (Eigen::Index v = 0; v < column.size(); ++v) {
     const double label = column[v];
     if (!(label >= -1.0 && label < kMostSegments) || label != std::floor(label)) {
-      rejectInput(
-          "property 'link' of vertex {} is {}; permitted are whole numbers from -1 to {}", v,
-          label, kMostSegments - 1);
+      rejectInput("property '{}' of vertex {} is {}; permitted are whole numbers from -1 to {}",
+                  property, v, label, kMostSegments - 1);
     }
     labels[v] = static_cast<int>(label);
   }
   return labels;
 }
 
-ContactMap contactMapFrom(const PlyFile& ply) {
-  for (const char* property : {"x", "y", "z", "contact"}) {
-    if (ply.vertex.count(property) == 0) {
-      rejectInput("no vertex property '{}', which a contact map needs", property);
-    }
-  }
+const Eigen::VectorXd& columnOf(const PlyFile& ply, const std::string& property) {
+  const auto column = ply.vertex.find(property);
+  if (column == ply.vertex.end())
+    rejectInput("no vertex property {}, which this contact map needs", quoted(property));
+  return column->second;
+}
+
+Eigen::VectorXd valuesByColor(const PlyFile& ply, const ColorMap& scale) {
+  Eigen::Matrix3Xd rgb(3, ply.vertex_count);
+  rgb.row(0) = columnOf(ply, "red").transpose();
+  rgb.row(1) = columnOf(ply, "green").transpose();
+  rgb.row(2) = columnOf(ply, "blue").transpose();
+  const double most = rgb.size() > 0 ? rgb.maxCoeff() : 0.0;
+  if (!rgb.allFinite() || !(most <= 255.0) || (rgb.size() > 0 && rgb.minCoeff() < 0.0))
+    rejectInput("a vertex has a colour outside 0 to 255");
+  if (most > 1.0) rgb /= 255.0;  // else fractions; bytes of a map that is black all over, too
+  return valuesOfColors(scale, rgb).value;
+}
+
+ContactMap contactMapFrom(const PlyFile& ply, const ContactMapSource& source) {
   Eigen::Matrix3Xd vertices(3, ply.vertex_count);
-  vertices.row(0) = ply.vertex.at("x").transpose();
-  vertices.row(1) = ply.vertex.at("y").transpose();
-  vertices.row(2) = ply.vertex.at("z").transpose();
+  vertices.row(0) = columnOf(ply, "x").transpose();
+  vertices.row(1) = columnOf(ply, "y").transpose();
+  vertices.row(2) = columnOf(ply, "z").transpose();
 
   ContactMap map;
+  map.value = source.color_scale.empty() ? columnOf(ply, source.value_property)
+                                         : valuesByColor(ply, colorMap(source.color_scale));
   map.mesh_O = geometry::TriangleMesh(std::move(vertices), ply.faces);
-  map.value = ply.vertex.at("contact");
-  if (const auto link = ply.vertex.find("link"); link != ply.vertex.end()) {
-    map.label = labelsOf(link->second);
+  const bool must_have_labels = source.label_property != ContactMapSource().label_property;
+  if (must_have_labels || ply.vertex.count(source.label_property) != 0) {
+    map.label = labelsOf(columnOf(ply, source.label_property), source.label_property);
     map.segment_names = segmentNamesIn(ply.comments);
     const int most =
         map.label.empty() ? -1 : *std::max_element(map.label.begin(), map.label.end());
@@ -82,10 +100,17 @@ ContactMap contactMapFrom(const PlyFile& ply) {
 
 }  // namespace
 
-ContactMap readContactMap(const std::filesystem::path& path) {
+ContactMap readContactMap(const std::filesystem::path& path, const ContactMapSource& source) {
+  if (!source.picture.empty()) {
+    if (source.color_scale.empty()) {
+      rejectInput("{}: a picture needs a colour scale, one of {}",
+                  quoted(source.picture.string()), fmt::join(colorMapNames(), ", "));
+    }
+    return readTextureMap(path, source.picture, colorMap(source.color_scale));
+  }
   const PlyFile ply = readPly(path);
   try {
-    return contactMapFrom(ply);
+    return contactMapFrom(ply, source);
   } catch (const InvalidInput& error) {
     rejectInput("{}: {}", path.string(), error.what());
   }

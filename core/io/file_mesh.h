@@ -14,6 +14,9 @@ namespace handgraft::io {
 struct FileMesh {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<std::array<int, 3>> triangles;
+  /// Texture coordinates per vertex, u to the right and v upwards from the picture's lower left
+  /// corner; NaN where a part of the scene has none, empty if none has (formats but scenes').
+  std::vector<Eigen::Vector2d> uv;
   std::vector<int> file_face;      ///< the file's face that each triangle comes from
   std::vector<std::string> notes;  ///< what looks odd, for the user
 };

@@ -4,6 +4,7 @@
 #include <exception>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <memory>
 #include <sstream>
 #include <vector>
@@ -58,6 +59,7 @@ class SceneReader {
       const aiVector3D p = transform * part.mVertices[v];
       mesh_.vertices.emplace_back(p.x, p.y, p.z);
     }
+    addTextureCoordinates(part, first);
     const bool mirrored = transform.Determinant() < 0.0F;
     for (unsigned f = 0; f < part.mNumFaces; ++f, ++face_count_) {
       const aiFace& face = part.mFaces[f];
@@ -73,6 +75,17 @@ class SceneReader {
       if (mirrored) std::swap(corners[1], corners[2]);
       mesh_.triangles.push_back(corners);
       mesh_.file_face.push_back(face_count_);
+    }
+  }
+
+  /// assimp turns glTF's v, which runs downwards, upwards.
+  void addTextureCoordinates(const aiMesh& part, std::size_t first) {
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    if (!part.HasTextureCoords(0) && mesh_.uv.empty()) return;
+    mesh_.uv.resize(first + part.mNumVertices, {kNone, kNone});
+    for (unsigned v = 0; v < part.mNumVertices && part.HasTextureCoords(0); ++v) {
+      const aiVector3D& uv = part.mTextureCoords[0][v];
+      mesh_.uv[first + v] = {uv.x, uv.y};
     }
   }
 

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+
+#include "core/contact/contact_map.h"
+#include "core/io/color_map.h"
+
+namespace handgraft::io {
+
+/// A contact map painted onto a textured mesh: the mesh is a glTF, GLB or COLLADA with texture
+/// coordinates, the picture a PNG, the colours those of `scale`.
+///
+/// A vertex takes the mean of the picture over its faces, weighted by area and nearness, about
+/// one sample a pixel: what lies between the vertices counts, and speckle evens out. Colours
+/// become numbers before they are averaged, since a mean colour may lie off the scale. Vertices
+/// that the file repeats along seams of the texture are one. Coordinates outside [0, 1] repeat
+/// the picture.
+///
+/// Units and frames: as readMesh. Errors: InvalidInput naming the file if either cannot be
+/// read, if a face has no texture coordinates, or if the colours are not the scale's.
+/// Cost: O(F + pixels).
+contact::ContactMap readTextureMap(const std::filesystem::path& mesh,
+                                   const std::filesystem::path& picture,
+                                   const ColorMap& scale);
+
+}  // namespace handgraft::io

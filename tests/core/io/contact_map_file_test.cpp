@@ -1,0 +1,103 @@
+#include "core/io/contact_map_file.h"
+
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <string>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+#include "core/io/color_map.h"
+
+#include "tests/support/shared_data.h"
+
+namespace handgraft::io {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+/// A square of two faces; `rows` hold what each of its corners has behind its place.
+std::filesystem::path writeSquare(const std::string& properties,
+                                  const std::array<std::string, 4>& rows) {
+  const auto path = test::scratchDirectory() / "square.ply";
+  std::ofstream(path) << "ply\nformat ascii 1.0\ncomment 0=thumb 1=index\nelement vertex 4\n"
+                         "property float x\nproperty float y\nproperty float z\n"
+                      << properties
+                      << "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+                      << "0 0 0 " << rows[0] << "\n1 0 0 " << rows[1] << "\n1 1 0 " << rows[2]
+                      << "\n0 1 0 " << rows[3] << "\n3 0 1 2\n3 0 2 3\n";
+  return path;
+}
+
+void expectFault(const std::filesystem::path& path,
+                 const ContactMapSource& source,
+                 const char* fault) {
+  EXPECT_THAT(
+      [&] {
+        readContactMap(path, source);
+      },
+      ThrowsMessage<InvalidInput>(HasSubstr(fault)));
+}
+
+TEST(ContactMapFile, ReadsPropertiesOfAnyName) {
+  const auto path = writeSquare("property float heat\nproperty char part\n",
+                                {"0.5 -1", "0.25 0", "1 1", "0 -1"});
+  ContactMapSource source;
+  source.value_property = "heat";
+  source.label_property = "part";
+  const contact::ContactMap map = readContactMap(path, source);
+  EXPECT_THAT(map.value, ElementsAre(0.5, 0.25, 1.0, 0.0));
+  EXPECT_THAT(map.label, ElementsAre(-1, 0, 1, -1));
+  EXPECT_THAT(map.segment_names, ElementsAre("thumb", "index"));
+  source.label_property = "link";
+  EXPECT_TRUE(readContactMap(path, source).label.empty());
+}
+
+TEST(ContactMapFile, NamesThePropertyThatIsMissing) {
+  const auto path = writeSquare("property float heat\n", {"0.5", "0.25", "1", "0"});
+  expectFault(path, {}, "no vertex property 'contact'");
+  expectFault(path, {.value_property = "heat", .label_property = "part"}, "property 'part'");
+  expectFault(path, {.color_scale = "inferno"}, "property 'red'");
+}
+
+TEST(ContactMapFile, InvertsColoursOfVertices) {
+  const std::array<double, 4> values = {0.0, 0.3, 0.62, 1.0};
+  for (const std::string& name : colorMapNames()) {
+    std::array<std::string, 4> bytes;
+    std::array<std::string, 4> fractions;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Eigen::Vector3d rgb = colorOf(colorMap(name), values[i]);
+      bytes[i] =
+          fmt::format("{:.0f} {:.0f} {:.0f}", 255 * rgb.x(), 255 * rgb.y(), 255 * rgb.z());
+      fractions[i] = fmt::format("{} {} {}", rgb.x(), rgb.y(), rgb.z());
+    }
+    const auto properties = [](const char* type) {
+      return fmt::format("property {0} red\nproperty {0} green\nproperty {0} blue\n", type);
+    };
+    const auto whole =
+        readContactMap(writeSquare(properties("uchar"), bytes), {.color_scale = name});
+    const auto part =
+        readContactMap(writeSquare(properties("float"), fractions), {.color_scale = name});
+    for (int i = 0; i < 4; ++i) {
+      EXPECT_NEAR(whole.value[i], values[static_cast<std::size_t>(i)], 0.005) << name;
+      EXPECT_NEAR(part.value[i], values[static_cast<std::size_t>(i)], 1e-5) << name;
+    }
+  }
+}
+
+TEST(ContactMapFile, RefusesColoursOfAnotherScale) {
+  const auto path =
+      writeSquare("property uchar red\nproperty uchar green\nproperty uchar blue\n",
+                  {"0 255 255", "0 255 0", "0 0 255", "0 0 200"});
+  expectFault(path, {.color_scale = "inferno"}, "nearest scale is 'jet'");
+  expectFault(path, {.color_scale = "rainbow"}, "colour map 'rainbow'");
+  expectFault(path, {.picture = "a.png"}, "needs a colour scale");
+}
+
+}  // namespace
+}  // namespace handgraft::io
