@@ -3,6 +3,9 @@
 #include <chrono>
 #include <utility>
 
+#include <spdlog/spdlog.h>
+
+#include "core/base/error.h"
 #include "core/hand/skin_cache.h"
 
 namespace handgraft::server {
@@ -67,8 +70,11 @@ session::Hand LazyHand::make(const Progress& progress) {
   });
   session::Hand made;
   made.model = model_;
+  hand::SkinReport report;
   made.skin = std::make_shared<const hand::Skin>(
-      hand::SkinCache::fromEnvironment().get(*model_, hand::SkinOptions(), shared));
+      hand::SkinCache::fromEnvironment().get(*model_, hand::SkinOptions(), shared, &report));
+  for (const std::string& note : report.notes)
+    spdlog::warn("event=skin hand={} note={}", quoted(model_->name()), quoted(note));
   made.sites = own_sites_ ? *own_sites_ : hand::findContactSites(*model_, *made.skin);
   return made;
 }

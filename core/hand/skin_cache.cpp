@@ -165,11 +165,7 @@ Skin SkinCache::get(const HandModel& model,
                     const SkinOptions& options,
                     const Progress& progress,
                     SkinReport* report) const {
-  if (!folder_) {
-    Skin skin = buildSkin(model, options, progress, report);
-    if (report != nullptr) measure(skin, *report);
-    return skin;
-  }
+  if (!folder_) return buildSkin(model, options, progress, report);
   const auto start = std::chrono::steady_clock::now();
   const std::string key = skinKey(model, options);
   const fs::path path = *folder_ / (key + ".skin");
@@ -184,7 +180,6 @@ Skin SkinCache::get(const HandModel& model,
         report->notes = std::move(stored->notes);
         report->time_s =
             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        measure(skin, *report);
       }
       return skin;
     }
@@ -192,10 +187,7 @@ Skin SkinCache::get(const HandModel& model,
   SkinReport made;
   Skin skin = buildSkin(model, options, progress, &made);
   keep(path, serialise({skin.mesh(), made.notes}, key));
-  if (report != nullptr) {
-    *report = std::move(made);
-    measure(skin, *report);
-  }
+  if (report != nullptr) *report = std::move(made);
   return skin;
 }
 

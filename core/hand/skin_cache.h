@@ -41,8 +41,9 @@ class SkinCache {
   static SkinCache fromEnvironment();
 
   /// The skin from the folder, else from `buildSkin`, which is then kept. A folder that cannot
-  /// be written costs the next caller time, nothing else. A report is filled whole, which takes
-  /// some 0.5 s. Errors: as buildSkin.
+  /// be written costs the next caller time, nothing else. The
+  /// report is as buildSkin fills it, without steps if the skin comes from the folder. Errors:
+  /// as buildSkin.
   [[nodiscard]] Skin get(const HandModel& model,
                          const SkinOptions& options,
                          const Progress& progress,
