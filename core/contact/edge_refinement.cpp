@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <unordered_map>
 #include <utility>
@@ -13,6 +14,11 @@ namespace handgraft::contact {
 namespace {
 
 using geometry::TriangleMesh;
+
+[[noreturn]] void rejectSize(double longest_edge_m) {
+  rejectInput("edges of at most {:.3g} mm need more than {} vertices on this object",
+              1e3 * longest_edge_m, kMostRefinedVertices);
+}
 
 /// Vertices and faces while they grow; one pass halves every edge that is too long.
 class Refiner {
@@ -62,10 +68,8 @@ class Refiner {
     const auto key = (static_cast<std::uint64_t>(a) << 32U) | static_cast<std::uint64_t>(b);
     const auto [at, is_new] = middles_.emplace(key, static_cast<int>(vertices_.size()));
     if (is_new) {
-      if (vertices_.size() >= static_cast<std::size_t>(kMostRefinedVertices)) {
-        rejectInput("edges of at most {:.3g} mm need more than {} vertices on this object",
-                    1e3 * longest_edge_m_, kMostRefinedVertices);
-      }
+      if (vertices_.size() >= static_cast<std::size_t>(kMostRefinedVertices))
+        rejectSize(longest_edge_m_);
       vertices_.emplace_back(0.5 * (vertices_[static_cast<std::size_t>(a)] +
                                     vertices_[static_cast<std::size_t>(b)]));
     }
@@ -127,6 +131,10 @@ TriangleMesh refineEdges(const TriangleMesh& mesh, double longest_edge_m) {
   if (!(longest_edge_m > 0.0)) {
     rejectInput("longest edge is {} m; it must be above 0", longest_edge_m);
   }
+  // The largest face with such edges is equilateral; a surface has half as many vertices as
+  // faces. Cutting ends with more, which the refiner counts, but slowly.
+  const double largest_face_m2 = 0.25 * std::sqrt(3.0) * longest_edge_m * longest_edge_m;
+  if (0.5 * mesh.area() > kMostRefinedVertices * largest_face_m2) rejectSize(longest_edge_m);
   Refiner refiner(mesh, longest_edge_m);
   while (refiner.pass()) {
   }

@@ -14,8 +14,9 @@ struct Picture {
   Eigen::Matrix3Xf rgb;
 };
 
-/// Largest picture accepted, in pixels; checked before memory is taken.
-inline constexpr long kMostPixels = 64L << 20;
+/// Largest picture accepted, in pixels (600 MB while it is read); checked before memory is
+/// taken.
+inline constexpr long kMostPixels = 32L << 20;
 
 /// Reads a PNG of any kind: 1 to 16 bits, grey, palette or colour, interlaced or not; 16 bits
 /// stay 16 bits. Transparency is left out, gamma and profiles are not applied: contact maps

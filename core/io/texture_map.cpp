@@ -17,6 +17,9 @@ namespace {
 
 /// Rows of samples across a face, however many pixels it covers.
 constexpr int kMostRows = 32;
+/// In all; bounds memory (about 70 bytes each) on meshes of many faces or pictures of many
+/// pixels. Each face has one at least.
+constexpr double kMostSamples = 4e6;
 
 /// The pixel at a texture coordinate: u to the right, v upwards from the lower edge, repeated
 /// outside [0, 1].
@@ -41,6 +44,9 @@ struct Sample {
 std::vector<Sample> samplesOf(const FileMesh& mesh, const Picture& picture) {
   std::vector<Sample> samples;
   const Eigen::Vector2d size(picture.width, picture.height);
+  const double face_count = static_cast<double>(mesh.triangles.size());
+  const int most_rows =
+      std::min(kMostRows, std::max(1, static_cast<int>(std::sqrt(kMostSamples / face_count))));
   for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
     std::array<Eigen::Vector3d, 3> p;
     std::array<Eigen::Vector2d, 3> uv;
@@ -58,7 +64,7 @@ std::vector<Sample> samplesOf(const FileMesh& mesh, const Picture& picture) {
           std::max(pixels, (uv[(i + 1) % 3] - uv[i]).cwiseProduct(size).cwiseAbs().maxCoeff());
     }
     const int n =
-        std::clamp(static_cast<int>(std::lround(std::min(pixels, 1e6))), 1, kMostRows);
+        std::clamp(static_cast<int>(std::lround(std::min(pixels, 1e6))), 1, most_rows);
     const double weight = area / (n * n);
     const auto add = [&](double a, double b) {
       const Eigen::Vector3d barycentric(1.0 - (a + b) / n, a / n, b / n);

@@ -18,7 +18,7 @@ namespace handgraft::io {
 ///
 /// Units and frames: as readMesh. Errors: InvalidInput naming the file if either cannot be
 /// read, if a face has no texture coordinates, or if the colours are not the scale's.
-/// Cost: O(F + pixels).
+/// Cost: O(F + samples), at most 4e6 samples or one a face.
 contact::ContactMap readTextureMap(const std::filesystem::path& mesh,
                                    const std::filesystem::path& picture,
                                    const ColorMap& scale);
