@@ -71,14 +71,8 @@ TEST(ExactLogMap, IsIdentityOnAPlaneOfSlivers) {
 }
 
 TEST(ExactLogMap, UnrollsACylinder) {
-  constexpr int kSides = 64;
-  const double width = 2.0 * kSides * std::sin(kPi / kSides);  // of the polyhedron, radius 1
-  const test::Sheet sheet =
-      test::makeSheet(kSides, 30, width, 3.0, 0.2, true, [&](const Eigen::Vector2d& p) {
-        const double angle = 2.0 * kPi * p.x() / width;
-        return Eigen::Vector3d(std::cos(angle), std::sin(angle), p.y());
-      });
-  for (const int source : {15 * kSides + 20, 3 * kSides, 20}) {
+  const auto [sides, width, sheet] = test::makeTube(64, 30, 3.0, 0.2);
+  for (const int source : {15 * sides + 20, 3 * sides, 20}) {
     const LogMap map =
         exactMap(sheet.mesh, surfacePointAtVertex(sheet.mesh, source), {0.0, 0.0, 1.0});
     for (int v = 0; v < sheet.mesh.vertexCount(); ++v) {
@@ -138,9 +132,9 @@ TEST(ExactLogMap, MeetsTheLawOfCosinesAllAroundACone) {
 }
 
 TEST(ExactLogMap, AgreesWithArcLengthOnASphere) {
-  const test::SphereError error =
-      test::errorOnASphere([](const TriangleMesh& mesh, const SurfacePoint& source,
-                              const Eigen::Vector3d& direction, double radius) {
+  const test::SphereError error = test::errorOnASphere(
+      test::mixedSourcesOnASphere(), [](const TriangleMesh& mesh, const SurfacePoint& source,
+                                        const Eigen::Vector3d& direction, double radius) {
         return exactMap(mesh, source, direction, radius);
       });
   EXPECT_LT(error.r, 2e-4);

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
 #include <random>
 #include <string>
 #include <thread>
@@ -14,6 +13,7 @@
 #include "core/base/error.h"
 
 #include "tests/core/geometry/sheet.h"
+#include "tests/core/geometry/sphere_error.h"
 
 namespace handgraft::geometry {
 namespace {
@@ -49,46 +49,6 @@ const Eigen::Vector3d kKindsOfSource[] = {{0.0, 0.0, 1.0}, {0.1, 0.8, 0.1},
                                           {0.2, 0.5, 0.3}, Eigen::Vector3d::Constant(1.0 / 3.0),
                                           {0.0, 0.4, 0.6}, {0.5, 0.5, 0.0}};
 
-struct SphereError {
-  double r = 0.0;
-  double phi = 0.0;
-};
-
-/// Mean relative error of r, and mean error of phi after one constant rotation per source,
-/// inside a fifth of pi.
-template <class Solve>
-SphereError errorOnSphere(const TriangleMesh& sphere,
-                          const Eigen::Vector3d& barycentric,
-                          const Solve& solve) {
-  const Eigen::Vector3d direction(0.3, 0.8, 0.4);
-  std::mt19937 random(3);
-  SphereError error;
-  int count = 0;
-  for (int repeat = 0; repeat < 6; ++repeat) {
-    const SurfacePoint source{static_cast<int>(random() % 20480), barycentric};
-    const LogMap map = solve(source, direction, 0.2 * kPi);
-    const Eigen::Vector3d z = positionOf(sphere, source).normalized();
-    const Eigen::Vector3d x = (direction - direction.dot(z) * z).normalized();
-    const Eigen::Vector3d y = z.cross(x);
-    std::vector<double> differences;
-    for (const int v : map.vertices) {
-      const Eigen::Vector3d p = sphere.vertex(v);
-      const double r = std::atan2(z.cross(p).norm(), z.dot(p));
-      if (r < 1e-6) continue;
-      error.r += std::abs(map.r[v] - r) / r;
-      differences.push_back(
-          std::remainder(map.phi[v] - std::atan2(y.dot(p), x.dot(p)), 2.0 * kPi));
-    }
-    const double mean = std::accumulate(differences.begin(), differences.end(), 0.0) /
-                        static_cast<double>(differences.size());
-    for (const double d : differences)
-      error.phi += std::abs(d - mean);
-    count += static_cast<int>(differences.size());
-  }
-  EXPECT_GT(count, 5000);
-  return {error.r / count, error.phi / count};
-}
-
 void expectIdentity(const test::Sheet& sheet) {
   const HeatLogMap solver(sheet.mesh);
   const Eigen::Vector3d direction(0.3, 0.8, 0.1);
@@ -118,15 +78,9 @@ TEST(HeatLogMap, SmoothIsIdentityOnAPlaneOfSlivers) {
 }
 
 TEST(HeatLogMap, SmoothUnrollsACylinder) {
-  constexpr int kSides = 64;
-  const double width = 2.0 * kSides * std::sin(kPi / kSides);  // of the polyhedron, radius 1
-  const test::Sheet sheet =
-      test::makeSheet(kSides, 30, width, 3.0, 0.2, true, [&](const Eigen::Vector2d& p) {
-        const double angle = 2.0 * kPi * p.x() / width;
-        return Eigen::Vector3d(std::cos(angle), std::sin(angle), p.y());
-      });
+  const auto [sides, width, sheet] = test::makeTube(64, 30, 3.0, 0.2);
   const HeatLogMap solver(sheet.mesh);
-  for (const int source : {15 * kSides + 20, 3 * kSides, 20}) {
+  for (const int source : {15 * sides + 20, 3 * sides, 20}) {
     const LogMap map = solver.smooth(surfacePointAtVertex(sheet.mesh, source),
                                      Eigen::Vector3d::UnitZ(), kEverything);
     for (int v = 0; v < sheet.mesh.vertexCount(); ++v) {
@@ -142,11 +96,12 @@ TEST(HeatLogMap, SmoothUnrollsACylinder) {
 TEST(HeatLogMap, SmoothAgreesWithArcLengthOnASphere) {
   const TriangleMesh sphere = makeSphere(1.0, 5);
   const HeatLogMap solver(sphere);
-  const auto smooth = [&](const auto&... query) {
+  const auto smooth = [&](const TriangleMesh&, const auto&... query) {
     return solver.smooth(query...);
   };
   for (const Eigen::Vector3d& barycentric : kKindsOfSource) {
-    const SphereError error = errorOnSphere(sphere, barycentric, smooth);
+    const test::SphereError error =
+        test::errorOnASphere(test::sourcesOnASphere(barycentric, 6), smooth);
     EXPECT_LT(error.r, 1.5e-3) << barycentric.transpose();
     EXPECT_LT(error.phi, 1e-4) << barycentric.transpose();
   }
@@ -155,11 +110,12 @@ TEST(HeatLogMap, SmoothAgreesWithArcLengthOnASphere) {
 TEST(HeatLogMap, HeatIsCoarserOnASphere) {
   const TriangleMesh sphere = makeSphere(1.0, 5);
   const HeatLogMap solver(sphere);
-  const auto heat = [&](const auto&... query) {
+  const auto heat = [&](const TriangleMesh&, const auto&... query) {
     return solver.heat(query...);
   };
   for (const Eigen::Vector3d& barycentric : kKindsOfSource) {
-    const SphereError error = errorOnSphere(sphere, barycentric, heat);
+    const test::SphereError error =
+        test::errorOnASphere(test::sourcesOnASphere(barycentric, 6), heat);
     EXPECT_LT(error.r, 1e-2);
     EXPECT_LT(error.phi, 8e-3);
   }

@@ -66,4 +66,21 @@ inline Sheet makePlane(double jitter = 0.2, double height = 1.0) {
   });
 }
 
+/// A prism of unit radius whose every side is a column of the sheet, rolled up.
+struct Tube {
+  int sides;
+  double width;  ///< of the polyhedron, unrolled
+  Sheet sheet;
+};
+
+inline Tube makeTube(int sides, int rows, double height, double jitter) {
+  constexpr double kPi = std::numbers::pi;
+  const double width = 2.0 * sides * std::sin(kPi / sides);
+  return {sides, width,
+          makeSheet(sides, rows, width, height, jitter, true, [&](const Eigen::Vector2d& p) {
+            const double angle = 2.0 * kPi * p.x() / width;
+            return Eigen::Vector3d(std::cos(angle), std::sin(angle), p.y());
+          })};
+}
+
 }  // namespace handgraft::geometry::test

@@ -20,21 +20,36 @@ struct SphereError {
   double phi = 0.0;  ///< rad, after removing one constant rotation a source
 };
 
-/// Of the unit icosphere with 10,242 vertices, inside 0.2 pi, over three sources at vertices
-/// and three inside faces.
+/// `count` places of the unit icosphere with 10,242 vertices, at random, each at these weights
+/// of its face. Deterministic.
+inline std::vector<SurfacePoint> sourcesOnASphere(const Eigen::Vector3d& barycentric,
+                                                  int count) {
+  std::mt19937 random(3);
+  std::vector<SurfacePoint> sources;
+  for (int i = 0; i < count; ++i)
+    sources.push_back({static_cast<int>(random() % 20480), barycentric});
+  return sources;
+}
+
+/// Three sources at vertices and three inside faces.
+inline std::vector<SurfacePoint> mixedSourcesOnASphere() {
+  std::vector<SurfacePoint> sources = sourcesOnASphere({0.0, 0.0, 1.0}, 3);
+  for (const SurfacePoint& inside : sourcesOnASphere({0.2, 0.5, 0.3}, 3))
+    sources.push_back(inside);
+  return sources;
+}
+
+/// Of the unit icosphere with 10,242 vertices, inside 0.2 pi of each source.
 inline SphereError errorOnASphere(
+    const std::vector<SurfacePoint>& sources,
     const std::function<LogMap(
         const TriangleMesh&, const SurfacePoint&, const Eigen::Vector3d&, double radius)>&
         compute) {
   const TriangleMesh sphere = makeSphere(1.0, 5);
   const Eigen::Vector3d direction(0.3, 0.8, 0.4);
-  std::mt19937 random(3);
   SphereError error;
   int count = 0;
-  for (int repeat = 0; repeat < 6; ++repeat) {
-    SurfacePoint source{static_cast<int>(random() % 20480), {0.2, 0.5, 0.3}};
-    if (repeat % 2 == 0)
-      source = surfacePointAtVertex(sphere, static_cast<int>(random() % 10242));
+  for (const SurfacePoint& source : sources) {
     const LogMap map = compute(sphere, source, direction, 0.2 * std::numbers::pi);
     const Eigen::Vector3d z = positionOf(sphere, source).normalized();
     const Eigen::Vector3d x = (direction - direction.dot(z) * z).normalized();
