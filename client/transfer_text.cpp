@@ -105,12 +105,17 @@ std::string losses(const std::vector<v1::PatchReport>& patches, std::uint64_t se
     if (!report.placed() || lost == 0) continue;
     out += fmt::format("{} lost {} of {} points: {}\n", plain(report.name()), lost,
                        report.point_count() + lost, reasonsOf(report.lost()));
-    if (lost > most) {
-      most = lost;
+    // Another root on the hand brings back only what was lost on the hand.
+    const std::size_t on_skin = static_cast<std::size_t>(std::count_if(
+        report.lost().begin(), report.lost().end(), [](const v1::LostPoint& point) {
+          return point.reason().rfind("not ", 0) != 0;
+        }));
+    if (on_skin > most) {
+      most = on_skin;
       worst = plain(report.name());
     }
   }
-  if (out.empty()) return out;
+  if (worst.empty()) return out;
   if (session_id != 0) {
     return out +
            fmt::format("hint: handgraft suggest {} {} looks for a root that loses fewer\n",

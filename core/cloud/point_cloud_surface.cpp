@@ -26,6 +26,7 @@ constexpr double kPinhole = 4.0;
 /// Roughness, in spacings, above which points are noisy: clean scans have 0.01, see README.
 constexpr double kNoisy = 0.05;
 constexpr double kUneven = 4.0;
+constexpr int kUsualHandles = 5;  // a pair of scissors has 2 or 3
 constexpr double kMostLost = 0.001;
 constexpr double kMostInvented = 0.02;
 /// A surface that leaves more of the points behind than this is none of theirs.
@@ -210,12 +211,13 @@ std::string faultOf(const CloudSurface& surface) {
 void describe(CloudSurface& surface, const PreparedCloud& cloud, double far_m) {
   const TriangleMesh& mesh = surface.mesh_O;
   std::vector<std::string>& notes = surface.notes;
-  notes.push_back(fmt::format(
-      "surface of {} points, {:.2f} mm apart, by {}: {}, {} handles, {} faces, edges of {:.2f} "
-      "mm",
-      surface.point_count, 1e3 * surface.spacing_m, nameOf(surface.method),
-      mesh.isClosed() ? "closed" : "open", surface.handle_count, mesh.faceCount(),
-      1e3 * mesh.meanEdgeLength()));
+  notes.push_back(
+      fmt::format("surface of {} points, {:.2f} mm apart, by {}: {}, handles: {}, {} faces, "
+                  "edges of {:.2f} "
+                  "mm",
+                  surface.point_count, 1e3 * surface.spacing_m, nameOf(surface.method),
+                  mesh.isClosed() ? "closed" : "open", surface.handle_count, mesh.faceCount(),
+                  1e3 * mesh.meanEdgeLength()));
   notes.push_back(fmt::format(
       "the points are {:.3f} mm from it on average (RMS {:.3f}, at most {:.3f} mm), {:.1f} % "
       "of "
@@ -228,6 +230,10 @@ void describe(CloudSurface& surface, const PreparedCloud& cloud, double far_m) {
     notes.push_back(fmt::format("check: the surface has {} {}, up to {:.1f} mm wide",
                                 surface.hole_count, surface.hole_count == 1 ? "hole" : "holes",
                                 1e3 * surface.widest_hole_m));
+  }
+  if (surface.handle_count > kUsualHandles) {
+    notes.push_back(fmt::format("check: the surface has {} handles; few objects have as many",
+                                surface.handle_count));
   }
   if (cloud.unevenness > kUneven) {
     notes.push_back(fmt::format(

@@ -119,22 +119,38 @@ struct Stamped : Base {
 
 // === Poisson
 
-/// Lets a wish to stop into the refinement.
-struct Checkpoint {
-  const Progress* progress;
+/// Points through which no smooth surface goes are refined without end, and with them memory
+/// grows: a surface that is there takes about a hundredth of this.
+constexpr long kFewestSteps = 500'000;
+constexpr long kStepsPerPoint = 500;
 
-  void before_insertion() const { progress->checkpoint(); }
+/// Lets a wish to stop, and the end of what a cloud may cost, into the refinement.
+struct Budget {
+  struct Spent {};
+
+  const Progress* progress;
+  long steps_left;
+
+  void step() {
+    progress->checkpoint();
+    if (--steps_left < 0) throw Spent();
+  }
+};
+
+struct Checkpoint {
+  Budget* budget;
+
+  void before_insertion() const { budget->step(); }
 };
 
 using Poisson = CGAL::Poisson_reconstruction_function<Kernel>;
 
-/// The implicit function, which lets a wish to stop into the meshing.
 struct Field {
   const Poisson* function;
-  const Progress* progress;
+  Budget* budget;
 
   Kernel::FT operator()(const Point& p) const {
-    progress->checkpoint();
+    budget->step();
     return (*function)(p);
   }
 };
@@ -287,6 +303,7 @@ TriangleMesh poissonSurface(const Eigen::Matrix3Xd& points,
                             const Progress& progress) {
   HANDGRAFT_REQUIRE(points.cols() == normals.cols() && spacing > 0.0 && edge > 0.0);
   makeRepeatable();
+  Budget budget{&progress, kFewestSteps + kStepsPerPoint * static_cast<long>(points.cols())};
   std::vector<OrientedPoint> cloud;
   for (Eigen::Index i = 0; i < points.cols(); ++i) {
     const Eigen::Vector3d n = normals.col(i);
@@ -296,7 +313,11 @@ TriangleMesh poissonSurface(const Eigen::Matrix3Xd& points,
   using Solver = CGAL::Eigen_solver_traits<Eigen::ConjugateGradient<Matrix>>;
   Poisson function(cloud.begin(), cloud.end(), PointMap(), NormalMap());
   progress.checkpoint();
-  if (!function.compute_implicit_function(Solver(), Checkpoint{&progress})) return {};
+  try {
+    if (!function.compute_implicit_function(Solver(), Checkpoint{&budget})) return {};
+  } catch (const Budget::Spent&) {
+    return {};
+  }
 
   // The mesher looks along segments that end on a sphere around the whole.
   const Point inside = function.get_inner_point();
@@ -305,7 +326,7 @@ TriangleMesh poissonSurface(const Eigen::Matrix3Xd& points,
   constexpr double kDistanceOfSpacing = 0.1;    // facet to surface, in spacings
   constexpr double kDichotomyOfSpacing = 1e-3;  // vertex to surface, in spacings
   const CGAL::Implicit_surface_3<Kernel, Field> surface(
-      Field{&function, &progress}, Kernel::Sphere_3(inside, radius * radius),
+      Field{&function, &budget}, Kernel::Sphere_3(inside, radius * radius),
       kDichotomyOfSpacing * spacing / radius);
   // A Delaunay facet of circumradius r has edges of about r times the square root of 3, of
   // which meshing to the bound leaves three quarters.
@@ -313,7 +334,11 @@ TriangleMesh poissonSurface(const Eigen::Matrix3Xd& points,
       kSmallestAngle_deg, edge / 1.3, kDistanceOfSpacing * spacing);
   SurfaceTriangulation triangulation;
   SurfaceComplex complex(triangulation);
-  CGAL::make_surface_mesh(complex, surface, criteria, CGAL::Manifold_tag());
+  try {
+    CGAL::make_surface_mesh(complex, surface, criteria, CGAL::Manifold_tag());
+  } catch (const Budget::Spent&) {
+    return {};
+  }
   progress.checkpoint();
   return meshOf(complex);
 }

@@ -59,18 +59,25 @@ ContactSet carry(const ContactSet& set,
     const std::size_t kept = moved.interpolation_boundary.size();
     if (!root || kept < kFewestInterpolationPoints ||
         2 * kept < patch.interpolation_boundary.size()) {
-      result.notes.push_back(
-          fmt::format("{} dropped: it lies farther than {:.1f} mm from the object's surface",
-                      quoted(patch.name), reach_m * 1e3));
+      result.notes.push_back(fmt::format(
+          "{} dropped: no place within {:.1f} mm of the object's surface faces the same way",
+          quoted(patch.name), reach_m * 1e3));
       continue;
+    }
+    if (kept < patch.interpolation_boundary.size()) {
+      result.notes.push_back(fmt::format(
+          "{}: {} of {} points left out: no place within {:.1f} mm that faces the same way",
+          quoted(patch.name), patch.interpolation_boundary.size() - kept,
+          patch.interpolation_boundary.size(), reach_m * 1e3));
     }
     moved.root = *root;
     result.patches.push_back(std::move(moved));
   }
   if (2 * result.patches.size() < set.patches.size() || result.patches.empty()) {
     rejectInput(
-        "contacts do not fit the object: {} of {} patches lie farther than {:.1f} mm from its "
-        "surface; is it another object, or another frame?",
+        "contacts do not fit the object: {} of {} patches have no place within {:.1f} mm of "
+        "its "
+        "surface that faces the same way; is it another object, another frame, or inside out?",
         set.patches.size() - result.patches.size(), set.patches.size(), reach_m * 1e3);
   }
   return result;

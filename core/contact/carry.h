@@ -11,7 +11,7 @@ namespace handgraft::contact {
 ///
 /// Boundaries are left empty, since they are edges of the first mesh; directions stay. A patch
 /// whose root or more than half of whose points have no place within `reach_m` is dropped, with
-/// a note; single points are dropped without one. Frames: both meshes in O, metres. Errors:
+/// a note; so are single points. Frames: both meshes in O, metres. Errors:
 /// InvalidInput if more than half of the patches are dropped: another object or frame. Cost:
 /// O((F + points) log F).
 ContactSet carry(const ContactSet& set,

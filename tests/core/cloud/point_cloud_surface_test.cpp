@@ -249,6 +249,15 @@ TEST(CloudSurface, StopsWhenAsked) {
   EXPECT_THROW(surfaceOf(sphereCloud(3), {}, progress), Cancelled);
 }
 
+TEST(CloudSurface, ComesToAnEndWherePointsFillSpace) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> uniform(0.0, 0.1);
+  PointCloud cloud{Eigen::Matrix3Xd(3, 200), {}};
+  for (Eigen::Index i = 0; i < 200; ++i)
+    cloud.points_O.col(i) << uniform(random), uniform(random), uniform(random);
+  EXPECT_THAT(surfaceOf(cloud).notes, Contains(HasSubstr("check: ")));
+}
+
 TEST(CloudSurface, FindsARealScanAgain) {
   HANDGRAFT_NEEDS_SHARED_DATA("objects/ycb_16k/014_lemon.stl");
   const TriangleMesh truth =
