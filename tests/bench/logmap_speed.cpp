@@ -99,7 +99,7 @@ double verticesOf(const DiskSpeed& point) {
 
 void measureHand(const SpeedOptions& options, SpeedReport& report) {
   const hand::HandModel model = io::readUrdf(options.hand).model;
-  const hand::Skin skin = skinOfSize(options.hand, model, options.vertices, options.cache);
+  const hand::Skin skin = skinOfSize(model, options.vertices, options.cache);
   DiskTask task{"skin of " + model.name(), &skin.mesh(), rootsOn(model, skin, options.roots),
                 kPatch_m, options.repeats};
   for (const LogMapMethod method : kAll)

@@ -12,11 +12,10 @@ namespace handgraft::bench {
 std::filesystem::path defaultCache();
 
 /// The hand's skin at about `vertex_count` vertices (within 3 %): the edge length is searched
-/// for. Kept as a PLY in `cache`, under the hand's path and the count, so that only the first
-/// call takes its minute; delete it after changing the wrap.
-/// Errors: as readUrdf and buildSkin; InvalidInput if no permitted edge length gives the count.
-hand::Skin skinOfSize(const std::filesystem::path& urdf,
-                      const hand::HandModel& model,
+/// for. All that is tried is kept in `cache` (hand/skin_cache.h), so that only the first call
+/// takes its minute.
+/// Errors: as buildSkin; InvalidInput if no permitted edge length gives the count.
+hand::Skin skinOfSize(const hand::HandModel& model,
                       int vertex_count,
                       const std::filesystem::path& cache);
 

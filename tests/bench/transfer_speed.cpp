@@ -80,7 +80,7 @@ Task readTask(const TransferArguments& arguments) {
   Task task;
   task.model = std::make_shared<const hand::HandModel>(io::readUrdf(arguments.hand).model);
   task.skin = std::make_shared<const hand::Skin>(
-      skinOfSize(arguments.hand, *task.model, arguments.vertices, arguments.cache));
+      skinOfSize(*task.model, arguments.vertices, arguments.cache));
   const io::MeshFile object = io::readMesh(arguments.object);
   task.object_O = object.mesh;
   const std::vector<contact::Patch> read = io::readContacts(arguments.contacts, object).patches;

@@ -1,0 +1,102 @@
+#include "tests/bench/chain_pair.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.h"
+#include "core/base/progress.h"
+#include "core/hand/skin_cache.h"
+#include "core/io/contact_file.h"
+#include "core/io/mesh_file.h"
+#include "core/io/urdf_file.h"
+#include "core/session/hand_placement.h"
+
+#include "tests/bench/timing.h"
+
+namespace handgraft::bench {
+
+ScannedGrasp readGrasp(const std::string& name,
+                       const std::filesystem::path& object,
+                       const std::filesystem::path& contacts) {
+  const io::MeshFile file = io::readMesh(object);
+  return {name, std::make_shared<const geometry::TriangleMesh>(file.mesh),
+          io::readContacts(contacts, file)};
+}
+
+session::Hand readHand(const std::filesystem::path& urdf, const std::filesystem::path& cache) {
+  session::Hand hand;
+  hand.model = std::make_shared<const hand::HandModel>(io::readUrdf(urdf).model);
+  hand.skin = std::make_shared<const hand::Skin>(
+      hand::SkinCache(cache).get(*hand.model, hand::SkinOptions(), Progress()));
+  hand.sites = findContactSites(*hand.model, *hand.skin);
+  if (hand.sites.empty()) rejectInput("{}: no contact site was found", quoted(urdf.string()));
+  return hand;
+}
+
+int ChainOutcome::points() const {
+  int sum = 0;
+  for (const PatchOutcome& patch : patches)
+    sum += patch.points;
+  return sum;
+}
+
+int ChainOutcome::lost() const {
+  int sum = 0;
+  for (const PatchOutcome& patch : patches)
+    sum += patch.lost;
+  return sum;
+}
+
+const PatchOutcome* ChainOutcome::worst() const {
+  const PatchOutcome* worst = nullptr;
+  for (const PatchOutcome& patch : patches)
+    if (patch.points > 0 && (worst == nullptr || patch.mean_mm > worst->mean_mm))
+      worst = &patch;
+  return worst;
+}
+
+ChainOutcome graspWith(const session::Hand& hand, const ScannedGrasp& grasp) {
+  ChainOutcome outcome;
+  outcome.hand = hand.model->name();
+  outcome.grasp = grasp.name;
+  try {
+    const double begin = threadMilliseconds();
+    session::Session session(hand, grasp.object_O, grasp.contacts, Pose::Identity(), {});
+    session.transferPatches(Progress());
+    const double laid = threadMilliseconds();
+    const optimize::SolveReport report = session.optimize({}, Progress());
+    outcome.ms_transfer = laid - begin;
+    outcome.ms_solve = threadMilliseconds() - laid;
+
+    for (const session::SessionPatch& item : session.patches()) {
+      PatchOutcome patch;
+      patch.name = item.patch.name;
+      patch.site = item.site;
+      patch.dropped = item.dropped;
+      patch.points = static_cast<int>(item.transferred.correspondences.size());
+      patch.lost = static_cast<int>(item.transferred.lost.size());
+      outcome.patches.push_back(patch);
+    }
+    for (const optimize::PatchFit& fit : report.patches) {
+      PatchOutcome& patch = outcome.patches.at(static_cast<std::size_t>(fit.patch));
+      patch.mean_mm = fit.mean_mm;
+      patch.normal_deg = fit.normal_mean_deg;
+      outcome.mean_mm += fit.mean_mm * fit.point_count;
+      outcome.normal_deg += fit.normal_mean_deg * fit.point_count;
+    }
+    outcome.mean_mm /= std::max(1, outcome.points());
+    outcome.normal_deg /= std::max(1, outcome.points());
+    const session::HandPlacer placer(hand.model, *hand.skin, *grasp.object_O);
+    outcome.depth_mm =
+        1e3 * std::sqrt(placer.meanSquareDepth(report.pose, session.objectPose()));
+    outcome.objective = report.terms.objective;
+    outcome.outcome = optimize::nameOf(report.outcome);
+    outcome.joints_at_limits = static_cast<int>(report.active_limits.size());
+    outcome.notes = session.notes();
+  } catch (const InvalidInput& error) {
+    outcome.refused = error.what();
+  }
+  return outcome;
+}
+
+}  // namespace handgraft::bench
