@@ -88,10 +88,17 @@ Json handDocument(const v1::HandDescription& hand) {
                      {"n_L", listOf(site.n_L())},
                      {"direction_L", listOf(site.direction_L())}});
   }
+  Json mimics = Json::array();
+  for (const v1::MimicInfo& mimic : hand.mimics()) {
+    mimics.push_back({{"joint", mimic.joint()},
+                      {"source", mimic.source()},
+                      {"multiplier", mimic.multiplier()},
+                      {"offset_rad", mimic.offset_rad()}});
+  }
   return {{"kind", "hand"},
           {"name", hand.name()},
           {"joints", all_joints},
-          {"mimic_joints", listOf(hand.mimic_joints())},
+          {"mimics", mimics},
           {"links", links},
           {"sites", sites},
           {"rest_rad", listOf(hand.rest_rad())},

@@ -53,8 +53,14 @@ std::string hand(const v1::HandDescription& hand) {
     sites.push_back({plain(site.name()), plain(site.link())});
   }
   out += "\n" + table(sites, false);
-  if (!hand.mimic_joints().empty()) {
-    out += fmt::format("\nmimic joints: {}\n", listed(hand.mimic_joints()));
+  if (!hand.mimics().empty()) {
+    Rows mimics = {{"mimic joint", "follows", "times", "plus"}};
+    for (const v1::MimicInfo& mimic : hand.mimics()) {
+      mimics.push_back({plain(mimic.joint()), plain(mimic.source()),
+                        fmt::format("{:.4g}", mimic.multiplier()),
+                        fmt::format("{:.4g}", mimic.offset_rad())});
+    }
+    out += "\n" + table(mimics, true);
   }
   addNotes(out, hand.notes());
   return out;

@@ -46,6 +46,8 @@ const char* nameOf(Operation operation) {
       return "cancel";
     case OP_SUGGEST:
       return "suggest";
+    case OP_POSE_CONTACTS:
+      return "pose_contacts";
   }
   return "unknown";
 }

@@ -81,6 +81,8 @@ v1::JointInfo jointInfo(const hand::HandModel& model, int dof) {
   const hand::Joint& joint = model.dofJoint(dof);
   v1::JointInfo info;
   info.name(joint.name);
+  info.parent_link(joint.parent_link);
+  info.child_link(joint.child_link);
   info.prismatic(joint.type == hand::JointType::kPrismatic);
   info.lower_rad(model.lower()[dof]);
   info.upper_rad(model.upper()[dof]);
@@ -251,7 +253,13 @@ v1::HandDescription describe(const StoredHand& hand,
     message.joints().push_back(jointInfo(model, dof));
   }
   for (const hand::Joint& joint : model.joints()) {
-    if (joint.mimic) message.mimic_joints().push_back(joint.name);
+    if (!joint.mimic) continue;
+    v1::MimicInfo mimic;
+    mimic.joint(joint.name);
+    mimic.source(joint.mimic->source_joint);
+    mimic.multiplier(joint.mimic->multiplier);
+    mimic.offset_rad(joint.mimic->offset);
+    message.mimics().push_back(std::move(mimic));
   }
   for (const hand::Link& link : model.links()) {
     v1::LinkInfo info;

@@ -41,6 +41,7 @@ Lane laneOf(v1::Operation operation) {
     case v1::OP_LOAD_MODEL:
     case v1::OP_DESCRIBE_MODEL:
     case v1::OP_OPEN_SESSION:
+    case v1::OP_POSE_CONTACTS:
       return Lane::kPool;
     case v1::OP_CLOSE_SESSION:
     case v1::OP_TRANSFER:
