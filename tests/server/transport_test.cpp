@@ -56,7 +56,8 @@ class CrossingTest : public testing::Test {
 };
 
 TEST_F(CrossingTest, FindsTheServer) {
-  client.requireServer();
+  EXPECT_TRUE(client.waitForServer(std::chrono::seconds(20)));
+  EXPECT_NO_THROW(client.requireServer());
   EXPECT_EQ(client.status().protocol_version(), v1::PROTOCOL_VERSION);
   EXPECT_FALSE(client.status().stopping());
 }
@@ -129,7 +130,7 @@ TEST_F(CrossingTest, RefusesWhatDoesNotFitTheBoundsBeforeItIsSent) {
 }
 
 TEST_F(CrossingTest, SaysThatTheServerWentAway) {
-  client.requireServer();
+  ASSERT_TRUE(client.waitForServer(std::chrono::seconds(20)));
   service.stop();
   EXPECT_THROW(client.ask(test::plain(v1::OP_LIST_MODELS)), NoServer);
 }
