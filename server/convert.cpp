@@ -272,7 +272,10 @@ v1::HandDescription describe(const StoredHand& hand,
     for (const hand::ContactSite& site : *sites)
       message.sites().push_back(siteInfo(site));
   }
-  if (with_meshes && ready) message.skin_S(toMessage(ready->skin->mesh()));
+  if (with_meshes && ready) {
+    message.skin_S(toMessage(ready->skin->mesh()));
+    message.skin_face_links(ready->skin->faceLinks());
+  }
   message.rest_rad(entries(model.restPose()));
   message.urdf(hand.urdf);
   message.notes(hand.notes);
