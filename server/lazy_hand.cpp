@@ -11,12 +11,31 @@
 namespace handgraft::server {
 
 LazyHand::LazyHand(std::shared_ptr<const hand::HandModel> model,
-                   std::optional<std::vector<hand::ContactSite>> sites)
-    : model_(std::move(model)), own_sites_(std::move(sites)) {}
+                   std::optional<std::vector<hand::ContactSite>> sites,
+                   const hand::SkinOptions& options)
+    : model_(std::move(model)), own_sites_(std::move(sites)), options_(options) {}
 
 std::optional<session::Hand> LazyHand::ready() const {
   const std::lock_guard lock(mutex_);
   return hand_;
+}
+
+std::vector<std::string> LazyHand::skinNotes() const {
+  const std::lock_guard lock(mutex_);
+  return report_.notes;
+}
+
+hand::SkinReport LazyHand::skinReport(const Progress& progress) {
+  const session::Hand made = get(progress);
+  std::unique_lock lock(mutex_);
+  if (is_measured_) return report_;
+  hand::SkinReport report = report_;
+  lock.unlock();  // two who ask at once measure the same
+  hand::measure(*made.skin, report);
+  lock.lock();
+  report_ = report;
+  is_measured_ = true;
+  return report;
 }
 
 session::Hand LazyHand::get(const Progress& progress) {
@@ -39,10 +58,11 @@ session::Hand LazyHand::get(const Progress& progress) {
     being_made_ = true;
     lock.unlock();
     std::optional<session::Hand> made;
+    hand::SkinReport report;
     std::exception_ptr failure;
     bool cancelled = false;
     try {
-      made = make(progress);
+      made = make(progress, report);
     } catch (const Cancelled&) {
       cancelled = true;
     } catch (...) {
@@ -52,6 +72,7 @@ session::Hand LazyHand::get(const Progress& progress) {
     being_made_ = false;
     stage_.clear();
     hand_ = std::move(made);
+    report_ = std::move(report);
     failure_ = failure;
     changed_.notify_all();
     if (cancelled) throw Cancelled();
@@ -59,7 +80,7 @@ session::Hand LazyHand::get(const Progress& progress) {
   return *hand_;
 }
 
-session::Hand LazyHand::make(const Progress& progress) {
+session::Hand LazyHand::make(const Progress& progress, hand::SkinReport& report) {
   const Progress shared(progress, [&](std::string_view stage, double fraction) {
     {
       const std::lock_guard lock(mutex_);
@@ -70,9 +91,8 @@ session::Hand LazyHand::make(const Progress& progress) {
   });
   session::Hand made;
   made.model = model_;
-  hand::SkinReport report;
   made.skin = std::make_shared<const hand::Skin>(
-      hand::SkinCache::fromEnvironment().get(*model_, hand::SkinOptions(), shared, &report));
+      hand::SkinCache::fromEnvironment().get(*model_, options_, shared, &report));
   for (const std::string& note : report.notes)
     spdlog::warn("event=skin hand={} note={}", quoted(model_->name()), quoted(note));
   made.sites = own_sites_ ? *own_sites_ : hand::findContactSites(*model_, *made.skin);
