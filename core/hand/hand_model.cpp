@@ -254,6 +254,7 @@ HandModel::HandModel(std::string name, std::vector<Link> links, std::vector<Join
   links_.reserve(links.size());
   for (const int link : order)
     links_.push_back(std::move(links[static_cast<std::size_t>(link)]));
+  rest_ = zeroPose();
 }
 
 int HandModel::mimicCount() const {
@@ -304,8 +305,22 @@ int HandModel::dofIndex(const std::string& joint_name) const {
               quoted(joint_name), listed(dofNames()));
 }
 
-Eigen::VectorXd HandModel::restPose() const {
+Eigen::VectorXd HandModel::zeroPose() const {
   return Eigen::VectorXd::Zero(dofCount()).cwiseMax(lower_).cwiseMin(upper_);
+}
+
+HandModel HandModel::withRestPose(const Eigen::VectorXd& q) const {
+  if (q.size() != dofCount())
+    rejectInput("hand {}: a rest pose of {} values; it has {} joints", quoted(name_), q.size(),
+                dofCount());
+  for (int dof = 0; dof < dofCount(); ++dof) {
+    if (!std::isfinite(q[dof]) || q[dof] < lower_[dof] || q[dof] > upper_[dof])
+      rejectInput("rest pose of hand {}: joint {} is {}; permitted are {} to {}", quoted(name_),
+                  quoted(dofJoint(dof).name), q[dof], lower_[dof], upper_[dof]);
+  }
+  HandModel other = *this;
+  other.rest_ = q;
+  return other;
 }
 
 }  // namespace handgraft::hand

@@ -110,8 +110,16 @@ class HandModel {
   [[nodiscard]] int dofIndex(const std::string& joint_name) const;
   [[nodiscard]] std::optional<int> maybeLinkIndex(const std::string& link_name) const;
 
-  /// Zero, moved into the limits.
-  [[nodiscard]] Eigen::VectorXd restPose() const;
+  /// Zero, moved into the limits: what the geometry of the model alone says.
+  [[nodiscard]] Eigen::VectorXd zeroPose() const;
+
+  /// Where the fingers are when nobody says otherwise, where searches start, and what they stay
+  /// close to: the zero pose, or the one given to `withRestPose`.
+  [[nodiscard]] const Eigen::VectorXd& restPose() const { return rest_; }
+
+  /// The same hand with another rest pose; its skin stays the same. Errors: InvalidInput,
+  /// naming the joint, unless `q` has an entry per dof, finite and within the limits.
+  [[nodiscard]] HandModel withRestPose(const Eigen::VectorXd& q) const;
 
  private:
   std::string name_;
@@ -121,6 +129,7 @@ class HandModel {
   std::vector<int> dof_joints_;
   Eigen::VectorXd lower_;
   Eigen::VectorXd upper_;
+  Eigen::VectorXd rest_;
 };
 
 }  // namespace handgraft::hand

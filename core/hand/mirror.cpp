@@ -30,7 +30,8 @@ HandModel mirrored(const HandModel& model, std::string name) {
     // A turn about an axis, seen in the mirror, is the opposite turn about the reflected axis.
     joint.axis_J = S * joint.axis_J * (joint.type == JointType::kRevolute ? -1.0 : 1.0);
   }
-  return {std::move(name), std::move(links), std::move(joints)};
+  return HandModel(std::move(name), std::move(links), std::move(joints))
+      .withRestPose(model.restPose());
 }
 
 }  // namespace handgraft::hand

@@ -98,7 +98,7 @@ class Skin {
   std::vector<int> face_links_;
 };
 
-/// The joints at which the hand is wrapped: at rest, moved by at most 0.35 rad a joint where
+/// The joints at which the hand is wrapped: the zero pose, moved by at most 0.35 rad where
 /// links would stand closer than 10 mm. Within the limits; deterministic. Cost: some 20 ms.
 Eigen::VectorXd skinReferencePose(const HandModel& model);
 

@@ -131,7 +131,8 @@ class Crowding {
 }  // namespace
 
 Eigen::VectorXd skinReferencePose(const HandModel& model) {
-  const Eigen::VectorXd rest = model.restPose();
+  // A rest pose that somebody chose must not make another skin.
+  const Eigen::VectorXd rest = model.zeroPose();
   Eigen::VectorXd q = rest;
   Crowding crowding(model);
 

@@ -1,5 +1,6 @@
 #include "core/hand/hand_model.h"
 
+#include <cmath>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -127,6 +128,21 @@ TEST(HandModel, RestsAtZeroWithinTheLimits) {
   a.lower = 0.2;
   const HandModel model("hand", linksNamed({"l0", "l1"}), {a});
   EXPECT_DOUBLE_EQ(model.restPose()[0], 0.2);
+}
+
+TEST(HandModel, RestsWhereItIsTold) {
+  Joint a = hinge("a", "l0", "l1");
+  a.lower = 0.2;
+  a.upper = 1.0;
+  const HandModel model("hand", linksNamed({"l0", "l1"}), {a});
+  const HandModel bent = model.withRestPose(Eigen::VectorXd::Constant(1, 0.7));
+  EXPECT_DOUBLE_EQ(bent.restPose()[0], 0.7);
+  EXPECT_DOUBLE_EQ(bent.zeroPose()[0], 0.2);
+  EXPECT_DOUBLE_EQ(model.restPose()[0], 0.2);
+  const double nan = std::nan("");
+  for (const double bad : {0.1, 1.1, nan})
+    EXPECT_THROW((void)model.withRestPose(Eigen::VectorXd::Constant(1, bad)), InvalidInput);
+  EXPECT_THROW((void)model.withRestPose(Eigen::VectorXd::Zero(2)), InvalidInput);
 }
 
 TEST(HandModel, NamesWhatItDoesNotHave) {

@@ -53,6 +53,14 @@ TEST(Mirror, MovesAsTheReflectionOfTheHand) {
   }
 }
 
+TEST(Mirror, KeepsTheRestPose) {
+  const HandModel right = crookedHand();
+  const Eigen::VectorXd q =
+      right.zeroPose().cwiseMax(0.01).cwiseMin(right.upper()).cwiseMax(right.lower());
+  ASSERT_NE(q, right.zeroPose());
+  EXPECT_EQ(mirrored(right.withRestPose(q), "left").restPose(), q);
+}
+
 TEST(Mirror, TwiceIsTheSameHand) {
   const HandModel right = crookedHand();
   const HandModel again = mirrored(mirrored(right, "left"), right.name());
