@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <map>
 #include <set>
 #include <string>
 #include <system_error>
@@ -11,10 +12,10 @@
 #include <spdlog/spdlog.h>
 
 #include "core/base/error.h"
+#include "core/base/resource_uri.h"
 #include "core/io/contact_file.h"
-#include "core/io/object_file.h"
-#include "core/io/sites_file.h"
-#include "core/io/urdf_file.h"
+#include "core/io/file_bytes.h"
+#include "server/reading/read_model.h"
 #include "server/rejection.h"
 
 namespace handgraft::server {
@@ -36,21 +37,40 @@ std::vector<fs::path> entriesOf(const fs::path& folder) {
   return entries;
 }
 
-void readHand(const fs::path& folder, ModelStore& store) {
-  const std::string name = folder.filename().string();
-  io::UrdfFile file = io::readUrdf(folder / (name + ".urdf"));
-  auto model = std::make_shared<const hand::HandModel>(std::move(file.model));
-  std::optional<std::vector<hand::ContactSite>> sites;
-  if (fs::exists(folder / "sites.yaml")) {
-    sites = io::readSites(folder / "sites.yaml", *model);
+/// The meshes that a URDF names, where it would find them; those it would not are left out.
+std::map<std::string, fs::path> meshesOf(const fs::path& urdf) {
+  std::map<std::string, fs::path> files;
+  for (const std::string& uri : meshUrisIn(io::readFileBytes(urdf))) {
+    try {
+      files.emplace(uri, resolveResource(uri, urdf.parent_path(), {}));
+    } catch (const InvalidInput&) {
+      // A comment may name what nobody has; what is needed is missed when the hand is read.
+    }
   }
-  store.replace(StoredHand{name, kBuiltIn, std::move(file.text), std::move(file.notes),
-                           std::make_shared<LazyHand>(std::move(model), std::move(sites))});
+  return files;
+}
+
+void readHand(const fs::path& folder, ModelStore& store) {
+  ReadRequest reading;
+  reading.kind = ReadKind::kHand;
+  reading.name = folder.filename().string();
+  const fs::path urdf = folder / (reading.name + ".urdf");
+  reading.main_uri = urdf.string();
+  reading.files = meshesOf(urdf);
+  reading.files[reading.main_uri] = urdf;
+  if (fs::exists(folder / kSitesUri)) reading.files[kSitesUri] = folder / kSitesUri;
+  store.replace(storedHand(reading.name, kBuiltIn,
+                           std::get<ReadHand>(readModel(reading, Progress())), reading.hand));
 }
 
 void readObject(const fs::path& path, ModelStore& store) {
-  store.replace(StoredObject{path.stem().string(), kBuiltIn,
-                             std::make_shared<const io::MeshFile>(io::readObject(path))});
+  ReadRequest reading;
+  reading.kind = ReadKind::kObject;
+  reading.name = path.stem().string();
+  reading.main_uri = path.string();
+  reading.files[reading.main_uri] = path;
+  store.replace(storedObject(reading.name, kBuiltIn,
+                             std::get<io::MeshFile>(readModel(reading, Progress())), ""));
 }
 
 /// The object whose name begins `name`, the longest one; empty if there is none.
@@ -64,14 +84,19 @@ std::string objectOf(const std::string& name, const ModelStore& store) {
 }
 
 void readContacts(const fs::path& path, ModelStore& store) {
-  const std::string name = path.stem().string();
+  ReadRequest reading;
+  reading.kind = ReadKind::kContacts;
+  reading.name = path.stem().string();
+  reading.main_uri = path.string();
+  reading.files[reading.main_uri] = path;
   std::string object = io::objectNameIn(path);
-  if (object.empty()) object = objectOf(name, store);
+  if (object.empty()) object = objectOf(reading.name, store);
   if (object.empty()) rejectInput("{}: does not say which object it lies on", path.string());
-  const auto mesh = store.object(object)->file;
-  contact::ContactSet set = io::readContacts(path, *mesh);
-  set.object = object;
-  store.replace(StoredContacts{name, kBuiltIn, mesh, std::move(set)});
+  const auto file = store.object(object)->file;
+  reading.contacts.object = file;
+  store.replace(storedContacts(reading.name, kBuiltIn,
+                               std::get<ReadContacts>(readModel(reading, Progress())), file,
+                               std::move(object)));
 }
 
 /// 1 if the model had to be left out.

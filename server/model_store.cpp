@@ -154,6 +154,46 @@ std::size_t ModelStore::size() const {
   return hands_.size() + objects_.size() + contacts_.size();
 }
 
+StoredHand storedHand(std::string name, Origin origin, ReadHand read, const HandReading& how) {
+  StoredHand hand;
+  hand.name = std::move(name);
+  hand.origin = origin;
+  hand.urdf = std::move(read.urdf);
+  hand.notes = std::move(read.notes);
+  hand.hand = std::make_shared<LazyHand>(
+      std::make_shared<const hand::HandModel>(std::move(read.model)), std::move(read.sites));
+  hand.mirrored = how.mirrored;
+  hand.poses = std::move(read.poses);
+  if (read.free_root)
+    hand.free_root = std::make_shared<const hand::HandModel>(std::move(*read.free_root));
+  return hand;
+}
+
+StoredObject storedObject(std::string name,
+                          Origin origin,
+                          io::MeshFile read,
+                          std::string units) {
+  return {std::move(name), origin, std::make_shared<const io::MeshFile>(std::move(read)),
+          std::move(units)};
+}
+
+StoredContacts storedContacts(std::string name,
+                              Origin origin,
+                              ReadContacts read,
+                              std::shared_ptr<const io::MeshFile> object,
+                              std::string object_name) {
+  StoredContacts contacts;
+  contacts.name = std::move(name);
+  contacts.origin = origin;
+  contacts.object = std::move(object);
+  contacts.set = std::move(read.set);
+  contacts.set.object = std::move(object_name);
+  if (read.map)
+    contacts.map = std::make_shared<const contact::ContactMap>(std::move(*read.map));
+  contacts.threshold = read.threshold;
+  return contacts;
+}
+
 void validateName(const std::string& name) {
   constexpr std::size_t kLongest = 64;
   const bool fits = !name.empty() && name.size() <= kLongest && name.front() != '.' &&

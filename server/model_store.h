@@ -12,6 +12,7 @@
 #include "core/io/mesh_file.h"
 #include "idl/models.h"
 #include "server/lazy_hand.h"
+#include "server/reading/read_model.h"
 
 namespace handgraft::server {
 
@@ -28,12 +29,17 @@ struct StoredHand {
   std::string urdf;
   std::vector<std::string> notes;
   std::shared_ptr<LazyHand> hand;
+  bool mirrored = false;  ///< then `urdf` describes the other hand
+  std::vector<hand::NamedPose> poses{};
+  /// Joints of the file that place the whole hand, cut off (hand/free_root.h); or null.
+  std::shared_ptr<const hand::HandModel> free_root{};
 };
 
 struct StoredObject {
   std::string name;
   Origin origin;
   std::shared_ptr<const io::MeshFile> file;
+  std::string units{};  ///< it was read in, as the request named them
 };
 
 struct StoredContacts {
@@ -42,7 +48,22 @@ struct StoredContacts {
   /// The object as it was when the set was read; `set.object` is its name.
   std::shared_ptr<const io::MeshFile> object;
   contact::ContactSet set;
+  /// What the patches were found in, and at which threshold; null for sets.
+  std::shared_ptr<const contact::ContactMap> map{};
+  double threshold = 0.0;
 };
+
+// === Of what was read (reading/read_model.h)
+StoredHand storedHand(std::string name, Origin origin, ReadHand read, const HandReading& how);
+StoredObject storedObject(std::string name,
+                          Origin origin,
+                          io::MeshFile read,
+                          std::string units);
+StoredContacts storedContacts(std::string name,
+                              Origin origin,
+                              ReadContacts read,
+                              std::shared_ptr<const io::MeshFile> object,
+                              std::string object_name);
 
 /// The hands, objects and contact sets that sessions can use, by name.
 ///

@@ -38,6 +38,11 @@ class UploadedFiles {
 
   [[nodiscard]] bool has(const std::string& uri) const { return files_.count(uri) != 0; }
 
+  /// All of them, by URI.
+  [[nodiscard]] const std::map<std::string, std::filesystem::path>& all() const {
+    return files_;
+  }
+
   /// A message with our file names replaced by the client's URIs.
   [[nodiscard]] std::string inClientsWords(std::string message) const;
 

@@ -46,6 +46,7 @@ const std::vector<Layer> kLayers = {
     {"idl", {}, {}},
     {"idl/cyclone", {"core/base", "idl"}, {"fmt"}},
     {"server", {}, {"eigen", "fmt", "spdlog"}},  // and all of core and idl, see permits()
+    {"server/reading", kCore, {"eigen", "fmt"}},
     {"server/transport", {"core/base", "idl"}, {"fmt", "spdlog", "fastdds"}},
     {"client", {"core/base", "idl", "idl/cyclone"}, {"eigen", "fmt"}},
     {"hardware/safety", {"core/base"}, {"fmt"}},
@@ -115,8 +116,8 @@ bool permits(const Layer& layer, const std::string& header) {
       target != nullptr ? target->folder : fs::path(header).parent_path().string();
   if (folder == layer.folder) return true;
   const bool is_server = layer.folder == "server";
-  if (is_server &&
-      (folder.rfind("core/", 0) == 0 || folder == "idl" || folder == "server/transport"))
+  if (is_server && (folder.rfind("core/", 0) == 0 || folder == "idl" ||
+                    folder == "server/transport" || folder == "server/reading"))
     return true;
   return std::find(layer.ours.begin(), layer.ours.end(), folder) != layer.ours.end();
 }

@@ -3,66 +3,55 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/io/contact_file.h"
-#include "core/io/object_file.h"
-#include "core/io/sites_file.h"
-#include "core/io/urdf_file.h"
 #include "server/convert.h"
+#include "server/reading/read_model.h"
 
 namespace handgraft::server {
 
 namespace {
 
-constexpr const char* kSitesUri = "sites.yaml";
-constexpr int kMostJoints = 512;  // the bound of joint_rad in sessions.idl
-
-StoredHand readHand(const v1::LoadModelRequest& request, const UploadedFiles& files) {
-  io::UrdfFile file =
-      io::readUrdf(files.file(request.main_uri()), ResourceFinder([&](const std::string& uri) {
-                     return files.file(uri);
-                   }));
-  auto model = std::make_shared<const hand::HandModel>(std::move(file.model));
-  if (model->dofCount() > kMostJoints) {
-    rejectInput("hand {}: {} joints; at most {} are supported",
-                handgraft::quoted(request.name()), model->dofCount(), kMostJoints);
-  }
-  std::optional<std::vector<hand::ContactSite>> sites;
-  if (files.has(kSitesUri)) sites = io::readSites(files.file(kSitesUri), *model);
-  return {request.name(), Origin(), std::move(file.text), std::move(file.notes),
-          std::make_shared<LazyHand>(std::move(model), std::move(sites))};
+/// What is read of an upload, the same for all kinds.
+ReadRequest readingOf(const v1::LoadModelRequest& request,
+                      const UploadedFiles& files,
+                      ReadKind kind) {
+  ReadRequest reading;
+  reading.kind = kind;
+  reading.name = request.name();
+  reading.main_uri = request.main_uri();
+  reading.files = files.all();
+  reading.units = request.units();
+  return reading;
 }
 
-/// Sizes of what a hand can hold; outside them a mesh is in other units than metres.
-constexpr double kSmallestObject_m = 0.001;
-constexpr double kLargestObject_m = 10.0;
-
-StoredObject readObject(const v1::LoadModelRequest& request,
-                        const UploadedFiles& files,
-                        const Progress& progress) {
-  auto file = std::make_shared<const io::MeshFile>(
-      io::readObject(files.file(request.main_uri()), progress));
-  const double size = file->mesh.diagonal();
-  if (!(size >= kSmallestObject_m && size <= kLargestObject_m)) {
-    rejectInput("object {}: {:.4g} m across, outside {} to {} m; is its mesh in metres?",
-                handgraft::quoted(request.name()), size, kSmallestObject_m, kLargestObject_m);
-  }
-  return {request.name(), Origin(), std::move(file)};
+StoredHand readHand(const ReadRequest& reading, const Progress& progress) {
+  return storedHand(reading.name, Origin(), std::get<ReadHand>(readModel(reading, progress)),
+                    reading.hand);
 }
 
-StoredContacts readContacts(const v1::LoadModelRequest& request,
-                            const UploadedFiles& files,
-                            const ModelStore& models) {
-  const std::filesystem::path& path = files.file(request.main_uri());
-  std::string object = request.object();
-  if (object.empty()) object = io::objectNameIn(path);
+StoredObject readObject(const ReadRequest& reading, const Progress& progress) {
+  return storedObject(reading.name, Origin(),
+                      std::get<io::MeshFile>(readModel(reading, progress)), reading.units);
+}
+
+StoredContacts readContacts(ReadRequest reading,
+                            std::string object,
+                            const ModelStore& models,
+                            const Progress& progress) {
+  if (object.empty()) {
+    reading.kind = ReadKind::kObjectName;
+    object = std::get<ObjectName>(readModel(reading, progress)).name;
+    reading.kind = ReadKind::kContacts;
+  }
   if (object.empty()) {
     rejectInput("contacts {}: neither the request nor the file says which object they lie on",
-                handgraft::quoted(request.name()));
+                handgraft::quoted(reading.name));
   }
-  const auto mesh = models.object(object)->file;
-  contact::ContactSet set = io::readContacts(path, *mesh);
-  set.object = object;
-  return {request.name(), Origin(), mesh, std::move(set)};
+  const auto stored = models.object(object);
+  reading.contacts.object = stored->file;
+  reading.contacts.object_units = stored->units;
+  return storedContacts(reading.name, Origin(),
+                        std::get<ReadContacts>(readModel(reading, progress)), stored->file,
+                        std::move(object));
 }
 
 template <class Model>
@@ -89,16 +78,17 @@ v1::ModelList loadModel(const v1::LoadModelRequest& request,
   const auto files = workshop.uploads.finish(client, request.upload_id());
   validateName(request.name());
   try {
-    progress.report("reading the model", 0.0);
-    progress.checkpoint();
     std::uint64_t fingerprint = files->fingerprint();
     switch (request.kind()) {
       case v1::MODEL_HAND:
-        return store(readHand(request, *files), fingerprint, workshop.models);
+        return store(readHand(readingOf(request, *files, ReadKind::kHand), progress),
+                     fingerprint, workshop.models);
       case v1::MODEL_OBJECT:
-        return store(readObject(request, *files, progress), fingerprint, workshop.models);
+        return store(readObject(readingOf(request, *files, ReadKind::kObject), progress),
+                     fingerprint, workshop.models);
       case v1::MODEL_CONTACTS: {
-        StoredContacts contacts = readContacts(request, *files, workshop.models);
+        StoredContacts contacts = readContacts(readingOf(request, *files, ReadKind::kContacts),
+                                               request.object(), workshop.models, progress);
         // The same marks on another object are other contacts.
         for (const char c : contacts.set.object) {
           fingerprint = fingerprint * 1099511628211ull ^ static_cast<unsigned char>(c);
