@@ -42,4 +42,9 @@ std::vector<int> rigidGroupOf(const HandModel& model, int link);
 /// symmetric, it closes as most of the others do. Deterministic. Cost: linear in the vertices.
 Digits findDigits(const HandModel& model, const LinkPoses& X_SL);
 
+/// What each digit is called: as the file's names say if every digit has its own; else `thumb`
+/// for the one without which the others close most alike, and `index`, `middle`, `ring`,
+/// `little` from its side across the palm; `f1`, `f2`, ... where that does not fit.
+std::vector<std::string> nameDigits(const std::vector<Digit>& digits);
+
 }  // namespace handgraft::hand

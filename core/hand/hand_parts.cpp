@@ -1,0 +1,152 @@
+#include "core/hand/hand_parts.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include <Eigen/Geometry>
+
+#include "core/base/error.h"
+#include "core/hand/digits.h"
+#include "core/hand/kinematics.h"
+
+namespace handgraft::hand {
+
+namespace {
+
+/// Who owns a link, if no digit does.
+constexpr int kCarrier = -1;  // of the palm, or beside it
+constexpr int kPalm = -2;
+constexpr int kFirstLoose = -3;  // chains that are no digits: -3, -4, ...
+
+constexpr double kShortestBone_m = 1e-3;
+/// Cosine between a pad's normal and another beyond which that looks from the link's back.
+constexpr double kBackCosine = -0.7;
+/// Sine between a bone and a normal below which its tangent is mostly noise: 20 degrees.
+constexpr double kSteepest = 0.34;
+
+/// The link whose joint moves each link: itself, or what it is fixed to.
+std::vector<int> bodiesOf(const HandModel& model) {
+  std::vector<int> body(static_cast<std::size_t>(model.linkCount()));
+  for (const HandModel::Node& node : model.nodes()) {
+    body[static_cast<std::size_t>(node.link)] =
+        node.type == JointType::kFixed ? body[static_cast<std::size_t>(node.parent_link)]
+                                       : node.link;
+  }
+  return body;
+}
+
+/// The digit of each link, or one of the above.
+std::vector<int> ownersOf(const HandModel& model, const Digits& found) {
+  const auto count = static_cast<std::size_t>(model.linkCount());
+  std::map<int, std::vector<int>> digits_of;  // of a movable node
+  for (std::size_t i = 0; i < found.digits.size(); ++i) {
+    for (const int node : found.digits[i].nodes)
+      digits_of[node].push_back(static_cast<int>(i));
+  }
+  std::vector<int> owner(count, kCarrier);
+  for (const int link : rigidGroupOf(model, found.palm_link))
+    owner[static_cast<std::size_t>(link)] = kPalm;
+  int next_loose = kFirstLoose;
+  for (std::size_t i = 0; i < model.nodes().size(); ++i) {
+    const HandModel::Node& node = model.nodes()[i];
+    int& mine = owner[static_cast<std::size_t>(node.link)];
+    if (mine == kPalm) continue;
+    const int parents = owner[static_cast<std::size_t>(node.parent_link)];
+    const auto digits = digits_of.find(static_cast<int>(i));
+    if (node.type != JointType::kFixed && digits != digits_of.end()) {
+      mine = digits->second.size() == 1 ? digits->second.front() : kPalm;
+    } else if (node.type != JointType::kFixed && parents == kPalm) {
+      mine = next_loose--;
+    } else {
+      mine = parents;
+    }
+  }
+  return owner;
+}
+
+/// Where the bone of `body`, one of the digit's, leads: unit, in S; zero if it has no length.
+Eigen::Vector3d boneOf(const Digit& digit, const LinkPoses& X_SL, int body) {
+  const Eigen::Vector3d from = X_SL[static_cast<std::size_t>(body)].translation();
+  bool is_beyond = false;
+  for (const int node : digit.nodes) {
+    const int link = node + 1;
+    const Eigen::Vector3d along = X_SL[static_cast<std::size_t>(link)].translation() - from;
+    if (is_beyond && along.norm() > kShortestBone_m) return along.normalized();
+    is_beyond = is_beyond || link == body;
+  }
+  const Eigen::Vector3d along = digit.tip - from;
+  return along.norm() > kShortestBone_m ? along.normalized() : Eigen::Vector3d::Zero();
+}
+
+}  // namespace
+
+HandParts::HandParts(const HandModel& model, const std::vector<ContactSite>& sites)
+    : names_(static_cast<std::size_t>(model.linkCount())),
+      pads_(static_cast<std::size_t>(model.linkCount())) {
+  LinkPoses X_SL;
+  forwardKinematics(model, Pose::Identity(), skinReferencePose(model), X_SL);
+  const Digits found = findDigits(model, X_SL);
+  const std::vector<int> owner = ownersOf(model, found);
+  const std::vector<int> body = bodiesOf(model);
+
+  // === Names: the sites' first, then what the digits would be called, then numbers
+  std::map<int, std::string> name_of;
+  std::set<std::string> taken;
+  for (const ContactSite& site : sites) {
+    const int whose = owner[static_cast<std::size_t>(model.linkIndex(site.link))];
+    if (whose != kCarrier && whose != kPalm) name_of.emplace(whose, site.name);
+    taken.insert(site.name);
+  }
+  const std::vector<std::string> usual = nameDigits(found.digits);
+  for (std::size_t i = 0; i < usual.size(); ++i) {
+    if (taken.insert(usual[i]).second) name_of.emplace(static_cast<int>(i), usual[i]);
+  }
+  int number = 0;
+  for (std::size_t link = 0; link < names_.size(); ++link) {
+    if (owner[link] == kPalm) names_[link] = "palm";
+    if (owner[link] == kCarrier || owner[link] == kPalm) continue;
+    std::string& name = name_of[owner[link]];
+    while (name.empty()) {
+      const std::string next = fmt::format("f{}", ++number);
+      if (taken.insert(next).second) name = next;
+    }
+    names_[link] = name;
+  }
+
+  // === Pads: the sites', else the bones'
+  for (std::size_t link = 0; link < pads_.size(); ++link) {
+    const Eigen::Matrix3d R_LS = X_SL[link].linear().transpose();
+    const auto site = std::find_if(sites.begin(), sites.end(), [&](const ContactSite& one) {
+      return body[static_cast<std::size_t>(model.linkIndex(one.link))] == body[link];
+    });
+    if (site != sites.end()) {
+      const Eigen::Matrix3d R_LC =
+          R_LS * X_SL[static_cast<std::size_t>(model.linkIndex(site->link))].linear();
+      pads_[link] = Pad{R_LC * site->n_L, R_LC * site->direction_L};
+      continue;
+    }
+    if (owner[link] < 0) continue;
+    const Digit& digit = found.digits[static_cast<std::size_t>(owner[link])];
+    const Eigen::Vector3d bone_S = boneOf(digit, X_SL, body[link]);
+    const Eigen::Vector3d n_S = digit.flexion_axis.cross(bone_S);
+    if (n_S.norm() < kSteepest) continue;
+    pads_[link] = Pad{R_LS * n_S.normalized(), -(R_LS * bone_S)};
+  }
+}
+
+std::optional<Eigen::Vector3d> HandParts::towardsWrist(int link,
+                                                       const Eigen::Vector3d& n_L) const {
+  HANDGRAFT_REQUIRE(link >= 0 && link < static_cast<int>(pads_.size()));
+  const std::optional<Pad>& pad = pads_[static_cast<std::size_t>(link)];
+  if (!pad) return std::nullopt;
+  const Eigen::Vector3d d_L =
+      pad->n_L.dot(n_L) > kBackCosine
+          ? Eigen::Quaterniond::FromTwoVectors(pad->n_L, n_L) * pad->towards_wrist_L
+          : pad->towards_wrist_L;
+  const Eigen::Vector3d tangent = d_L - d_L.dot(n_L) * n_L;
+  if (tangent.norm() < kSteepest) return std::nullopt;
+  return tangent.normalized();
+}
+
+}  // namespace handgraft::hand
