@@ -160,8 +160,9 @@ StoredHand storedHand(std::string name, Origin origin, ReadHand read, const Hand
   hand.origin = origin;
   hand.urdf = std::move(read.urdf);
   hand.notes = std::move(read.notes);
-  hand.hand = std::make_shared<LazyHand>(
-      std::make_shared<const hand::HandModel>(std::move(read.model)), std::move(read.sites));
+  hand.hand =
+      std::make_shared<LazyHand>(std::make_shared<const hand::HandModel>(std::move(read.model)),
+                                 std::move(read.sites), how.skin);
   hand.mirrored = how.mirrored;
   hand.poses = std::move(read.poses);
   if (read.free_root)
