@@ -67,6 +67,14 @@ std::string fingerOfSegment(const std::string& segment_name) {
   return "";
 }
 
+std::string partOfLabel(const ContactMap& map, int label) {
+  if (label < 0) return "";
+  const auto index = static_cast<std::size_t>(label);
+  if (!map.segment_parts.empty())
+    return index < map.segment_parts.size() ? map.segment_parts[index] : "";
+  return index < map.segment_names.size() ? fingerOfSegment(map.segment_names[index]) : "";
+}
+
 void validate(const ContactMap& map) {
   const int vertex_count = map.mesh_O.vertexCount();
   if (map.value.size() != vertex_count) {
@@ -78,6 +86,10 @@ void validate(const ContactMap& map) {
       rejectInput("contact map: the value of vertex {} is {}; it must be finite", v,
                   map.value[v]);
     }
+  }
+  if (!map.segment_parts.empty() && map.segment_parts.size() != map.segment_names.size()) {
+    rejectInput("contact map: {} parts for {} segments; one per segment is needed",
+                map.segment_parts.size(), map.segment_names.size());
   }
   if (map.label.empty()) return;
   if (std::ssize(map.label) != vertex_count) {

@@ -19,6 +19,10 @@ struct ContactMap {
   /// Names of the hand's segments as the file gives them ("link_ff_dd_z"); may be empty
   /// although labels are not: then segments are anonymous.
   std::vector<std::string> segment_names;
+  /// What the patch of each segment is called, where somebody knows better than its name:
+  /// `thumb`, ..., `palm`, `f1`; "" for a segment that is to be left out. Empty: what
+  /// fingerOfSegment says.
+  std::vector<std::string> segment_parts{};
 };
 
 /// The finger a segment's name stands for: `thumb index middle ring little palm`, or "" when
@@ -26,6 +30,9 @@ struct ContactMap {
 /// and the tokens th ff mf mid rf lf, set off by case, digits or signs; case does not matter
 /// otherwise.
 std::string fingerOfSegment(const std::string& segment_name);
+
+/// The part of the hand that a label stands for, "" if nobody knows.
+std::string partOfLabel(const ContactMap& map, int label);
 
 /// Sizes, finite values, labels in range. InvalidInput names the vertex and its value.
 void validate(const ContactMap& map);

@@ -92,6 +92,7 @@ void assignFingers(ContactMap& map,
   const geometry::TriangleMesh& mesh = map.mesh_O;
   HANDGRAFT_REQUIRE(std::ssize(touches) == mesh.vertexCount());
   map.segment_names.assign(std::begin(kHandParts), std::end(kHandParts));
+  map.segment_parts.clear();
   map.label.assign(touches.size(), -1);
   Accepted all{};
   all.fill(true);

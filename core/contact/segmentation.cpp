@@ -132,11 +132,7 @@ class Segmenter {
                                       threshold_)};
   }
 
-  [[nodiscard]] std::string fingerOf(int label) const {
-    return label >= 0 && label < std::ssize(map_.segment_names)
-               ? fingerOfSegment(map_.segment_names[label])
-               : std::string();
-  }
+  [[nodiscard]] std::string fingerOf(int label) const { return partOfLabel(map_, label); }
 
   std::vector<Group> groups() {
     if (map_.label.empty()) {
@@ -158,16 +154,22 @@ class Segmenter {
       fingers.insert(fingerOf(label));
     fingers.erase("");
 
+    // The usual parts in their order, then others by their names.
+    std::vector<std::string> order;
+    for (const char* part : kHandParts) {
+      if (fingers.erase(part) > 0) order.emplace_back(part);
+    }
+    order.insert(order.end(), fingers.begin(), fingers.end());
+
     std::vector<Group> groups;
-    for (const char* finger : kHandParts) {
-      if (fingers.count(finger) == 0) continue;
+    for (const std::string& finger : order) {
       groups.push_back(groupOf(finger, [&](int v) {
         return fingerOf(map_.label[v]) == finger;
       }));
     }
     for (const int label : segments) {
       if (!fingerOf(label).empty()) continue;
-      if (fingers.empty()) {
+      if (order.empty()) {
         groups.push_back(groupOf("", [&](int v) {
           return map_.label[v] == label;
         }));

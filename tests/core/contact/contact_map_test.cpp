@@ -79,5 +79,23 @@ TEST(ContactMap, RefusesMissingValuesAndLabels) {
   EXPECT_THROW(validate(map), InvalidInput);
 }
 
+TEST(ContactMap, TakesPartsAtTheirWordBeforeNames) {
+  ContactMap map = plateMap();
+  map.segment_names = {"thumb", "link_3.0", "forearm"};
+  EXPECT_EQ(partOfLabel(map, 0), "thumb");
+  EXPECT_EQ(partOfLabel(map, 1), "");
+  map.segment_parts = {"f1", "index", ""};
+  EXPECT_EQ(partOfLabel(map, 0), "f1");
+  EXPECT_EQ(partOfLabel(map, 1), "index");
+  for (const int nobody : {-1, 2, 3})
+    EXPECT_EQ(partOfLabel(map, nobody), "") << nobody;
+  map.segment_parts.pop_back();
+  EXPECT_THAT(
+      [&] {
+        validate(map);
+      },
+      ThrowsMessage<InvalidInput>(HasSubstr("2 parts for 3 segments")));
+}
+
 }  // namespace
 }  // namespace handgraft::contact
