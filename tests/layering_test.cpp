@@ -49,6 +49,7 @@ const std::vector<Layer> kLayers = {
     {"server/reading", kCore, {"eigen", "fmt"}},
     {"server/transport", {"core/base", "idl"}, {"fmt", "spdlog", "fastdds"}},
     {"client", {"core/base", "idl", "idl/cyclone"}, {"eigen", "fmt"}},
+    {"hardware/protocols", {"core/base"}, {}},
     {"hardware/safety", {"core/base"}, {"fmt"}},
     {"hardware/bridge",
      {"core/base", "idl", "idl/cyclone", "hardware/safety"},

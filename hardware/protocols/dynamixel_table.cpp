@@ -1,0 +1,101 @@
+#include "hardware/protocols/dynamixel_table.h"
+
+#include <algorithm>
+#include <array>
+
+#include "core/base/error.h"
+
+namespace handgraft::protocols::dynamixel {
+
+namespace {
+
+constexpr bool kSigned = true, kUnsigned = false;
+constexpr bool kEeprom = true, kRam = false;
+constexpr bool kWritable = true, kReadOnly = false;
+
+// clang-format off: a table
+constexpr std::array kTable = {
+    Register{0, 2, kUnsigned, kEeprom, kReadOnly, 1240, "model_number"},
+    Register{2, 4, kUnsigned, kEeprom, kReadOnly, 0, "model_information"},
+    Register{6, 1, kUnsigned, kEeprom, kReadOnly, 0, "firmware_version"},
+    Register{7, 1, kUnsigned, kEeprom, kWritable, 1, "id"},
+    Register{8, 1, kUnsigned, kEeprom, kWritable, 1, "baud_rate"},
+    Register{9, 1, kUnsigned, kEeprom, kWritable, 250, "return_delay"},  // 2 us
+    Register{10, 1, kUnsigned, kEeprom, kWritable, 0, "drive_mode"},
+    Register{11, 1, kUnsigned, kEeprom, kWritable, 3, "operating_mode"},
+    Register{12, 1, kUnsigned, kEeprom, kWritable, 255, "secondary_id"},
+    Register{13, 1, kUnsigned, kEeprom, kWritable, 2, "protocol_type"},
+    Register{20, 4, kSigned, kEeprom, kWritable, 0, "homing_offset"},
+    Register{24, 4, kUnsigned, kEeprom, kWritable, 10, "moving_threshold"},
+    Register{31, 1, kUnsigned, kEeprom, kWritable, 70, "temperature_limit"},  // degrees Celsius
+    Register{32, 2, kUnsigned, kEeprom, kWritable, 70, "max_voltage_limit"},  // 0.1 V
+    Register{34, 2, kUnsigned, kEeprom, kWritable, 35, "min_voltage_limit"},
+    Register{36, 2, kUnsigned, kEeprom, kWritable, 885, "pwm_limit"},
+    Register{38, 2, kUnsigned, kEeprom, kWritable, 2352, "current_limit"},  // mA
+    Register{44, 4, kUnsigned, kEeprom, kWritable, 350, "velocity_limit"},
+    Register{48, 4, kUnsigned, kEeprom, kWritable, 4095, "max_position_limit"},  // mode 3 alone
+    Register{52, 4, kUnsigned, kEeprom, kWritable, 0, "min_position_limit"},
+    Register{60, 1, kUnsigned, kEeprom, kWritable, 0, "startup_configuration"},
+    Register{62, 1, kUnsigned, kEeprom, kWritable, 140, "pwm_slope"},  // 1.977 mV/ms
+    Register{63, 1, kUnsigned, kEeprom, kWritable, 0x34, "shutdown"},
+    Register{64, 1, kUnsigned, kRam, kWritable, 0, "torque_enable"},
+    Register{65, 1, kUnsigned, kRam, kWritable, 0, "led"},
+    Register{68, 1, kUnsigned, kRam, kWritable, 2, "status_return_level"},
+    Register{69, 1, kUnsigned, kRam, kReadOnly, 0, "registered_instruction"},
+    Register{70, 1, kUnsigned, kRam, kReadOnly, 0, "hardware_error"},
+    Register{76, 2, kUnsigned, kRam, kWritable, 1600, "velocity_i_gain"},
+    Register{78, 2, kUnsigned, kRam, kWritable, 50, "velocity_p_gain"},
+    Register{80, 2, kUnsigned, kRam, kWritable, 500, "position_d_gain"},
+    Register{82, 2, kUnsigned, kRam, kWritable, 0, "position_i_gain"},
+    Register{84, 2, kUnsigned, kRam, kWritable, 1100, "position_p_gain"},
+    Register{88, 2, kUnsigned, kRam, kWritable, 0, "feedforward_2nd_gain"},
+    Register{90, 2, kUnsigned, kRam, kWritable, 0, "feedforward_1st_gain"},
+    Register{98, 1, kUnsigned, kRam, kWritable, 0, "bus_watchdog"},  // 20 ms
+    Register{100, 2, kSigned, kRam, kWritable, 885, "goal_pwm"},
+    Register{102, 2, kSigned, kRam, kWritable, 2352, "goal_current"},  // mA
+    Register{104, 4, kSigned, kRam, kWritable, 0, "goal_velocity"},
+    Register{108, 4, kUnsigned, kRam, kWritable, 0, "profile_acceleration"},
+    Register{112, 4, kUnsigned, kRam, kWritable, 0, "profile_velocity"},
+    Register{116, 4, kSigned, kRam, kWritable, 0, "goal_position"},
+    Register{120, 2, kUnsigned, kRam, kReadOnly, 0, "realtime_tick"},  // ms
+    Register{122, 1, kUnsigned, kRam, kReadOnly, 0, "moving"},
+    Register{123, 1, kUnsigned, kRam, kReadOnly, 0, "moving_status"},
+    Register{124, 2, kSigned, kRam, kReadOnly, 0, "present_pwm"},
+    Register{126, 2, kSigned, kRam, kReadOnly, 0, "present_current"},  // mA
+    Register{128, 4, kSigned, kRam, kReadOnly, 0, "present_velocity"},
+    Register{132, 4, kSigned, kRam, kReadOnly, 0, "present_position"},
+    Register{136, 4, kSigned, kRam, kReadOnly, 0, "velocity_trajectory"},
+    Register{140, 4, kSigned, kRam, kReadOnly, 0, "position_trajectory"},
+    Register{144, 2, kUnsigned, kRam, kReadOnly, 50, "input_voltage"},  // 0.1 V
+    Register{146, 1, kUnsigned, kRam, kReadOnly, 30, "temperature"},    // degrees Celsius
+    Register{147, 1, kUnsigned, kRam, kReadOnly, 0, "backup_ready"},
+};
+// clang-format on
+
+constexpr std::array kModels = {
+    ModelFacts{"XC330-M288-T", 1240, 2352, 350, 0x34},
+    ModelFacts{"XL330-M288-T", 1200, 1750, 445, 0x35},
+};
+
+}  // namespace
+
+std::span<const Register> controlTable() {
+  return kTable;
+}
+
+const Register& registerNamed(std::string_view name) {
+  const auto found = std::find_if(kTable.begin(), kTable.end(), [&](const Register& entry) {
+    return entry.name == name;
+  });
+  HANDGRAFT_REQUIRE(found != kTable.end());
+  return *found;
+}
+
+std::optional<ModelFacts> modelNumbered(std::uint16_t number) {
+  for (const ModelFacts& model : kModels) {
+    if (model.number == number) return model;
+  }
+  return std::nullopt;
+}
+
+}  // namespace handgraft::protocols::dynamixel
