@@ -1,10 +1,11 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include "core/optimize/link_moments.h"
+#include "core/optimize/moment_tree.h"
 #include "core/optimize/pose_problem.h"
 
 namespace handgraft::optimize {
@@ -19,7 +20,24 @@ struct Terms {
   double objective = 0.0;
 };
 
-/// Eq. 2-5 of the paper with their analytic gradient. Keeps scratch memory: one per thread.
+/// Eq. 2 to second order about a pose, by a rotation increment w (R <- exp(w) R, in W, about
+/// the root's origin), by the root's position in W, by the dofs: 6 + dofs entries.
+struct QuadraticModel {
+  Eigen::VectorXd gradient;
+  /// Gauss-Newton matrix: symmetric, positive semidefinite, and the Hessian where every
+  /// residual is zero.
+  Eigen::MatrixXd gauss_newton;
+  /// The Hessian less the Gauss-Newton matrix: residuals times their curvature.
+  Eigen::MatrixXd residual_curvature;
+
+  /// Of a problem with `dofs` degrees of freedom, the root's included.
+  explicit QuadraticModel(int dofs = 0)
+      : gradient(Eigen::VectorXd::Zero(dofs)),
+        gauss_newton(Eigen::MatrixXd::Zero(dofs, dofs)),
+        residual_curvature(Eigen::MatrixXd::Zero(dofs, dofs)) {}
+};
+
+/// Eq. 2-5 of the paper with their exact derivatives. Keeps scratch memory: one per thread.
 ///
 /// The prior of the root's rotation is the geodesic angle |log(R_P^T R)|^2. Differs from the
 /// paper's coordinate difference, which wraps (DESIGN 3.3).
@@ -31,27 +49,66 @@ class Objective {
   /// pair lies on no link; `validate` says more, and to the user.
   explicit Objective(const PoseProblem& problem);
 
+  /// The same with moments collected before, to share them among threads.
+  Objective(const PoseProblem& problem, std::shared_ptr<const MomentTree> tree);
+
   [[nodiscard]] Terms evaluate(const hand::HandPose& pose);
 
-  /// Also the gradient, 6 + dofs entries: by a rotation increment w (R <- exp(w) R, in W, about
-  /// the root's origin), by the root's position in W, by the dofs.
+  /// Also the gradient, ordered as in QuadraticModel.
   Terms evaluate(const hand::HandPose& pose, Eigen::VectorXd& gradient);
 
-  /// Gauss-Newton matrix of Eq. 2 at `pose`, ordered like the gradient: symmetric, positive
-  /// semidefinite, and the Hessian where every residual is zero. Allocates.
-  /// Cost: O(links with pairs x dofs^2).
+  /// The model about the pose evaluated last. `model` has the problem's size.
+  /// Cost: O(joints x depth of the tree).
+  void expand(QuadraticModel& model);
+
+  /// Gauss-Newton matrix of Eq. 2 at `pose`. Allocates.
   [[nodiscard]] Eigen::MatrixXd gaussNewton(const hand::HandPose& pose);
 
+  /// Another form of the normal term than the problem's from now on; the next `evaluate`
+  /// follows it.
+  void setNormalForm(NormalForm form) { form_ = form; }
+
+  [[nodiscard]] const MomentTree& tree() const { return *tree_; }
+
  private:
-  Terms gatherLinks(const hand::HandPose& pose);
-  double priorAndGradient(const hand::HandPose& pose, Eigen::VectorXd* gradient) const;
-  [[nodiscard]] double priorWeight(int dof) const;
+  struct BodyState {
+    Eigen::Matrix3d R_WB = Eigen::Matrix3d::Identity();
+    Eigen::Vector3d p_HB_W = Eigen::Vector3d::Zero();
+    Eigen::Vector3d axis_W = Eigen::Vector3d::Zero();  ///< of the joint that carries it
+  };
+
+  /// All that lies beyond a joint, about the root's origin, in W.
+  struct Composite {
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d virial = Eigen::Matrix3d::Zero();
+    double mass = 0.0;  ///< Gauss-Newton matrix as a rigid body's inertia
+    Eigen::Vector3d mass_arm = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+
+    void reset();
+    void add(const Composite& other);
+  };
+
+  void place(const hand::HandPose& pose);
+  void gatherComposites(bool with_inertia);
+  void addJoint(std::size_t joint, QuadraticModel& model) const;
+  void addRoot(QuadraticModel& model) const;
+  [[nodiscard]] double slopeOf(std::size_t joint) const;
+  [[nodiscard]] double prior() const;
+  void addPriorGradient(Eigen::VectorXd& gradient) const;
+  void addPriorCurvature(QuadraticModel& model) const;
 
   const PoseProblem& problem_;
-  std::vector<LinkMoments> moments_;
-  hand::LinkPoses X_WL_;
-  /// Column per link: force, then moment about the root's origin, both in W.
-  Eigen::Matrix<double, 6, Eigen::Dynamic> link_wrenches_;
+  std::shared_ptr<const MomentTree> tree_;
+  NormalForm form_;
+  Eigen::VectorXd prior_weights_;  ///< of all dofs; the rotation's are equal
+
+  // === Of the pose evaluated last
+  hand::HandPose pose_;
+  Eigen::Vector3d turn_W_ = Eigen::Vector3d::Zero();  ///< from the prior's rotation
+  std::vector<BodyState> bodies_;
+  std::vector<BodyTerms> terms_;  ///< per entry of the tree's moments
+  std::vector<Composite> composites_;
 };
 
 }  // namespace handgraft::optimize

@@ -20,6 +20,12 @@ struct Weights {
   double prior = 1e-3;
 };
 
+/// What the normals' term of Eq. 2 sums.
+enum class NormalForm {
+  kCosine,  ///< (1 + n_h.n_o)^2, Eq. 4 of the paper; without slope where a hand is flipped
+  kSum,     ///< |n_h + n_o|^2 = 2 (1 + n_h.n_o): a slope everywhere but exactly there
+};
+
 /// A pair of points to bring together, hand side in its link, object side in W.
 struct PointPair {
   int link = 0;
@@ -41,6 +47,7 @@ struct PoseProblem {
   std::shared_ptr<const hand::HandModel> model;
   std::vector<PointPair> pairs;
   Weights weights;
+  NormalForm normal_form = NormalForm::kCosine;
   hand::HandPose start;
   hand::HandPose prior;
   Eigen::VectorXd lower;  ///< of the hand's dofs
