@@ -116,8 +116,22 @@ void JointLimiter::brake() {
     joint.braking = true;
 }
 
+void JointLimiter::setSpeedShare(double share) {
+  HANDGRAFT_REQUIRE(share > 0 && share <= 1);
+  speed_share_ = share;
+}
+
+double JointLimiter::brakingTime(std::size_t joint) const {
+  HANDGRAFT_REQUIRE(joint < joints_.size());
+  const JointLimits& limits = joints_[joint].limits;
+  // Stage 1 loses n a period; then the average runs out.
+  const double slowing = std::ceil(limits.velocity / joints_[joint].step_velocity);
+  return (slowing + static_cast<double>(joints_[joint].taps.size())) * period_;
+}
+
 std::span<const double> JointLimiter::step() {
   HANDGRAFT_REQUIRE(ready_);
+  activity_ = {};
   for (std::size_t i = 0; i < joints_.size(); ++i) {
     advance(joints_[i], targets_[i]);
     positions_[i] = average(joints_[i]);
@@ -134,25 +148,29 @@ bool JointLimiter::atRest() const {
 // The highest velocity from which the joint can still stop after `distance`: the inverse of
 // stoppingDistance, whose values at whole k are k (k + 1) / 2.
 double JointLimiter::brakingVelocity(const Joint& joint, double distance) const {
+  const double top = speed_share_ * joint.limits.velocity;
   const double d = distance / (joint.step_velocity * period_);
-  if (d >= joint.full_speed_distance) return joint.limits.velocity;
+  if (d >= joint.full_speed_distance) return top;
   const double m = std::floor(std::sqrt(0.25 + 2 * d) - 0.5);
   const double f = (d - m * (m + 1) / 2) / (m + 1);
-  return std::min(joint.limits.velocity, (m + f) * joint.step_velocity);
+  return std::min(top, (m + f) * joint.step_velocity);
 }
 
 // Stage 1: exact in velocity and acceleration.
 void JointLimiter::advance(Joint& joint, double target) {
   const double distance = joint.braking ? 0.0 : target - joint.position;
+  const double top = speed_share_ * joint.limits.velocity;
   const double wanted = std::copysign(brakingVelocity(joint, std::abs(distance)), distance);
   const double slowest = joint.velocity - joint.step_velocity;
   const double fastest = joint.velocity + joint.step_velocity;
   const double before = joint.position;
   joint.velocity = std::clamp(wanted, slowest, fastest);
+  if (joint.velocity != wanted) ++activity_.at_acceleration;
+  if (std::abs(wanted) >= top) ++activity_.at_velocity;
   // The last step lands on the target itself, not a rounding error beside it.
   const bool lands = !joint.braking && joint.velocity == wanted &&
                      std::abs(distance) <= joint.step_velocity * period_ &&
-                     std::abs(distance) <= joint.limits.velocity * period_;
+                     std::abs(distance) <= top * period_;
   joint.position = lands ? target : joint.position + joint.velocity * period_;
   if (joint.velocity == 0 && joint.position == before) {
     joint.still_steps = std::min(joint.still_steps + 1, joint.taps.size());

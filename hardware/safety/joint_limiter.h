@@ -17,6 +17,12 @@ struct JointLimits {
   double margin = 1e-4;  ///< targets stay this far inside `lower` and `upper`
 };
 
+/// What held joints back in one period; all counts of joints.
+struct LimiterActivity {
+  std::size_t at_velocity = 0;      ///< as fast as they may be, on their way
+  std::size_t at_acceleration = 0;  ///< wanted another velocity than could be had in a period
+};
+
 /// Turns any stream of target poses into positions that a motor may be sent: one position per
 /// joint and period, smooth, and within position, velocity, acceleration and jerk limits
 /// whatever the targets do. Joints move independently of each other.
@@ -58,6 +64,10 @@ class JointLimiter {
   /// Stops every joint as fast as its limits allow, and holds it there until the next `aim`.
   void brake();
 
+  /// From now on no joint moves faster than this share, in (0, 1], of its velocity limit;
+  /// joints that do are slowed within their limits. A reset does not change it.
+  void setSpeedShare(double share);
+
   /// Advances by one period; the positions to send (rad), valid until the next call.
   std::span<const double> step();
 
@@ -69,6 +79,12 @@ class JointLimiter {
 
   /// What the last `step` or `reset` gave.
   [[nodiscard]] std::span<const double> positions() const { return positions_; }
+
+  /// Of the last `step`.
+  [[nodiscard]] const LimiterActivity& activity() const { return activity_; }
+
+  /// The longest that `brake` can take joint `joint` to stand still, s.
+  [[nodiscard]] double brakingTime(std::size_t joint) const;
 
   /// True once the positions have stopped changing and will not change without a new target.
   [[nodiscard]] bool atRest() const;
@@ -93,7 +109,9 @@ class JointLimiter {
   static double average(Joint& joint);
 
   double period_;
+  double speed_share_ = 1;
   bool ready_ = false;
+  LimiterActivity activity_;
   std::vector<Joint> joints_;
   std::vector<double> targets_;
   std::vector<double> positions_;

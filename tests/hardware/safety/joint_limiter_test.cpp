@@ -256,6 +256,80 @@ TEST(JointLimiter, MovesJointsAsIfEachWereAlone) {
     EXPECT_EQ(both.step()[1], alone.step()[0]);
 }
 
+TEST(JointLimiter, MovesAtAShareOfItsSpeedAndSlowsDownToIt) {
+  const Case c{{.lower = -5, .upper = 5, .velocity = 2, .acceleration = 10, .jerk = 200}, 0.01};
+  JointLimiter limiter({c.limits}, c.period);
+  limiter.reset(std::vector{0.0});
+  limiter.setSpeedShare(0.25);
+  limiter.aim(std::vector{4.0});
+  Trace slow(0, c.period);
+  for (int k = 0; k < 100; ++k)
+    slow.add(limiter.step()[0]);
+  EXPECT_NEAR(slow.velocity, 0.5, 1e-9);
+
+  Trace whole(0, c.period);
+  limiter.reset(std::vector{0.0});
+  limiter.aim(std::vector{4.0});
+  limiter.setSpeedShare(1);
+  for (int k = 0; k < 60; ++k)
+    whole.add(limiter.step()[0]);
+  EXPECT_NEAR(whole.velocity, 2, 1e-9);
+  limiter.setSpeedShare(0.25);
+  for (int k = 0; k < 40; ++k)
+    whole.add(limiter.step()[0]);
+  expectWithin(whole, c.limits);
+  const double before = limiter.positions()[0];
+  EXPECT_NEAR(limiter.step()[0] - before, 0.5 * c.period, 1e-9);
+}
+
+TEST(JointLimiter, LandsNoFasterThanItsShareOfSpeed) {
+  // One period's acceleration is more than the share of speed: the last step is no shortcut.
+  const Case c{{.velocity = 1, .acceleration = 80, .jerk = 1e6}, 0.01};
+  JointLimiter limiter({c.limits}, c.period);
+  limiter.reset(std::vector{0.0});
+  limiter.setSpeedShare(0.1);
+  limiter.aim(std::vector{0.0995});
+  Trace trace(0, c.period);
+  for (int k = 0; k < 200; ++k)
+    trace.add(limiter.step()[0]);
+  EXPECT_LE(trace.velocity, 0.1 * (1 + kRounding));
+  EXPECT_EQ(trace.last(), 0.0995);
+}
+
+TEST(JointLimiter, TellsWhatHoldsJointsBack) {
+  const JointLimits limits{.velocity = 2, .acceleration = 10, .jerk = 5000};
+  JointLimiter limiter({limits, limits}, 0.01);
+  limiter.reset(std::vector{0.0, 0.0});
+  limiter.aim(std::vector{4.0, 0.0});
+  limiter.step();
+  EXPECT_EQ(limiter.activity().at_acceleration, 1u) << "the first joint speeds up";
+  for (int k = 0; k < 50; ++k)
+    limiter.step();
+  EXPECT_EQ(limiter.activity().at_acceleration, 0u);
+  EXPECT_EQ(limiter.activity().at_velocity, 1u);
+  for (int k = 0; k < 500; ++k)
+    limiter.step();
+  EXPECT_EQ(limiter.activity().at_velocity, 0u) << "it has arrived";
+}
+
+TEST(JointLimiter, StandsStillWithinItsBrakingTime) {
+  std::mt19937 random(11);
+  for (const Case& c : manyCases(random, 30)) {
+    JointLimiter limiter({c.limits}, c.period);
+    limiter.reset(std::vector{c.limits.lower});
+    limiter.aim(std::vector{c.limits.upper});
+    for (int k = 0; k < 0.2 / c.period; ++k)
+      limiter.step();
+    limiter.brake();
+    int steps = 0;
+    while (!limiter.atRest() && steps < 100000) {
+      limiter.step();
+      ++steps;
+    }
+    EXPECT_LE(steps * c.period, limiter.brakingTime(0) + 2 * c.period);
+  }
+}
+
 TEST(JointLimiter, RefusesLimitsThatMeanNothing) {
   const auto refuses = [](JointLimits limits, double period = 0.01) {
     EXPECT_THROW(JointLimiter({limits}, period), InvalidInput);
