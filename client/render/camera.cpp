@@ -96,6 +96,13 @@ Camera Camera::fitting(const std::vector<Eigen::Vector3f>& points_W,
   return camera;
 }
 
+ScreenPoint Camera::toSample(const Eigen::Vector3f& p_W, float factor) const {
+  Eigen::Vector3f p_C = toCamera(p_W);
+  if (projection_ == Projection::kPerspective) p_C.z() = std::max(p_C.z(), near_);
+  const ScreenPoint pixel = toScreen(p_C);
+  return {pixel.x * factor, pixel.y * factor, pixel.nearness};
+}
+
 Eigen::Vector3f Camera::towardsEye(const Eigen::Vector3f& p_W) const {
   if (projection_ == Projection::kOrthographic) return -forward();
   const Eigen::Vector3f eye_W = -R_CW_.transpose() * p_CW_;

@@ -45,6 +45,10 @@ class Camera {
             inverse};
   }
 
+  /// Where a point falls, in samples of which a pixel has `factor` a side. What is nearer than
+  /// the near plane counts as on it, so that rounding does no harm.
+  [[nodiscard]] ScreenPoint toSample(const Eigen::Vector3f& p_W, float factor) const;
+
   /// Distance in front of the eye where the visible world begins, m.
   [[nodiscard]] float nearPlane() const { return near_; }
 

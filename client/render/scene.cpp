@@ -23,6 +23,10 @@ std::vector<Eigen::Vector3f> Scene::points() const {
 void validate(const Scene& scene) {
   for (const Layer& layer : scene.layers) {
     for (const SurfaceMesh& mesh : layer.meshes) {
+      if (!mesh.vertex_colors.empty() && mesh.vertex_colors.size() != mesh.vertices_W.size()) {
+        rejectInput("a mesh has {} colours for {} vertices", mesh.vertex_colors.size(),
+                    mesh.vertices_W.size());
+      }
       for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         for (const std::uint32_t vertex : mesh.triangles[t]) {
           if (vertex < mesh.vertices_W.size()) continue;

@@ -9,6 +9,8 @@
 
 #include "client/render/corner_normals.h"
 #include "client/render/depth_buffer.h"
+#include "client/render/overlay.h"
+#include "client/render/shading.h"
 #include "core/base/error.h"
 
 namespace handgraft::client::render {
@@ -20,15 +22,26 @@ constexpr double kCrease = 40.0 * std::numbers::pi / 180.0;  // rounder than the
 constexpr double kDecalOpacity = 0.78;  // of its colour over the surface's own
 
 struct Corner {
-  Eigen::Vector3f p_W;
-  Eigen::Vector3f n_W;
+  Eigen::Vector3f p_W = Eigen::Vector3f::Zero();
+  Eigen::Vector3f n_W = Eigen::Vector3f::Zero();
+  Eigen::Vector3f rgb = Eigen::Vector3f::Zero();  // 0-255
 };
+
+Eigen::Vector3f channels(const Color& color) {
+  return {static_cast<float>(color.r), static_cast<float>(color.g),
+          static_cast<float>(color.b)};
+}
+
+Color colorFrom(const Eigen::Vector3f& rgb) {
+  const Eigen::Vector3f rounded = (rgb.array() + 0.5F).max(0.0F).min(255.0F);
+  return {static_cast<std::uint8_t>(rounded.x()), static_cast<std::uint8_t>(rounded.y()),
+          static_cast<std::uint8_t>(rounded.z())};
+}
 
 // A triangle as it is on the screen, after clipping.
 struct Face {
   std::array<ScreenPoint, 3> screen;
   std::array<Corner, 3> corners;
-  std::uint32_t mesh = 0;
 };
 
 // What one view makes of one layer.
@@ -39,12 +52,8 @@ struct LayerView {
 
 struct View {
   std::vector<LayerView> layers;
-  DepthBuffer overlay;  // ids: segments first, markers after them
+  DepthBuffer overlay;  // ids: segments, markers, then the rims of both
 };
-
-ScreenPoint scaled(ScreenPoint p, float factor) {
-  return {p.x * factor, p.y * factor, p.nearness};
-}
 
 // Cuts off what lies nearer than the near plane; up to four corners remain.
 std::size_t clipToNear(const Camera& camera,
@@ -67,18 +76,10 @@ std::size_t clipToNear(const Camera& camera,
     const float share = (camera.nearPlane() - depth[k]) / (depth[next] - depth[k]);
     const Corner& a = triangle[k];
     const Corner& b = triangle[next];
-    kept[count++] = {a.p_W + share * (b.p_W - a.p_W), a.n_W + share * (b.n_W - a.n_W)};
+    kept[count++] = {a.p_W + share * (b.p_W - a.p_W), a.n_W + share * (b.n_W - a.n_W),
+                     a.rgb + share * (b.rgb - a.rgb)};
   }
   return count;
-}
-
-// Safe against rounding: a corner on the near plane may come back just before it.
-ScreenPoint project(const Camera& camera, const Eigen::Vector3f& p_W, float factor) {
-  Eigen::Vector3f p_C = camera.toCamera(p_W);
-  if (camera.projection() == Projection::kPerspective) {
-    p_C.z() = std::max(p_C.z(), camera.nearPlane());
-  }
-  return scaled(camera.toScreen(p_C), factor);
 }
 
 void drawLayer(const Layer& layer,
@@ -92,41 +93,23 @@ void drawLayer(const Layer& layer,
       std::array<Corner, 3> triangle;
       bool finite = true;
       for (std::size_t k = 0; k < 3; ++k) {
-        triangle[k] = {mesh.vertices_W[mesh.triangles[t][k]], normals[m][3 * t + k]};
+        const std::uint32_t vertex = mesh.triangles[t][k];
+        triangle[k] = {
+            mesh.vertices_W[vertex], normals[m][3 * t + k],
+            channels(mesh.vertex_colors.empty() ? mesh.color : mesh.vertex_colors[vertex])};
         finite = finite && triangle[k].p_W.allFinite();
       }
       std::array<Corner, 4> kept;
       const std::size_t count = finite ? clipToNear(camera, triangle, kept) : 0;
       for (std::size_t k = 2; k < count; ++k) {
-        Face face{{}, {kept[0], kept[k - 1], kept[k]}, static_cast<std::uint32_t>(m)};
+        Face face{{}, {kept[0], kept[k - 1], kept[k]}};
         for (std::size_t c = 0; c < 3; ++c) {
-          face.screen[c] = project(camera, face.corners[c].p_W, factor);
+          face.screen[c] = camera.toSample(face.corners[c].p_W, factor);
         }
         const auto id = static_cast<std::uint32_t>(view.faces.size());
         if (view.buffer.drawTriangle(face.screen, id)) view.faces.push_back(face);
       }
     }
-  }
-}
-
-void drawOverlay(const Scene& scene, const Camera& camera, float factor, DepthBuffer& buffer) {
-  const auto lifted = [&](const Eigen::Vector3f& p_W) {
-    return project(camera, p_W + scene.lift_m * camera.towardsEye(p_W), factor);
-  };
-  std::uint32_t id = 0;
-  for (const Segment& segment : scene.segments) {
-    if (segment.from_W.allFinite() && segment.to_W.allFinite()) {
-      buffer.drawSegment(lifted(segment.from_W), lifted(segment.to_W),
-                         factor * segment.width_px, id);
-    }
-    ++id;
-  }
-  for (const Marker& marker : scene.markers) {
-    if (marker.center_W.allFinite()) {
-      const ScreenPoint center = lifted(marker.center_W);
-      buffer.drawSegment(center, center, 2.0F * factor * marker.radius_px, id);
-    }
-    ++id;
   }
 }
 
@@ -163,10 +146,11 @@ Corner surfaceAt(const Face& face, float x, float y, Projection projection) {
   weight = weight.cwiseMax(0.0F);  // a rounded corner lies a little outside
   const float sum = weight.sum();
   if (sum > 0.0F) weight /= sum;
-  Corner at{Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero()};
+  Corner at;
   for (std::size_t k = 0; k < 3; ++k) {
     at.p_W += weight[static_cast<Eigen::Index>(k)] * face.corners[k].p_W;
     at.n_W += weight[static_cast<Eigen::Index>(k)] * face.corners[k].n_W;
+    at.rgb += weight[static_cast<Eigen::Index>(k)] * face.corners[k].rgb;
   }
   const float length = at.n_W.norm();
   if (length > 0.0F) at.n_W /= length;
@@ -178,37 +162,6 @@ const DecalArea* decalAt(const std::vector<DecalArea>& decals, const Corner& sur
     if (decal.covers(surface.p_W, surface.n_W)) return &decal;
   }
   return nullptr;
-}
-
-struct Lights {
-  explicit Lights(const Camera& camera)
-      : key((-camera.forward() + 0.9F * camera.up() - 0.7F * camera.right()).normalized()),
-        up(camera.up()) {}
-
-  Eigen::Vector3f key;
-  Eigen::Vector3f up;
-};
-
-Color lit(const Color& color,
-          const Corner& surface,
-          const Camera& camera,
-          const Lights& lights) {
-  const Eigen::Vector3f to_eye = camera.towardsEye(surface.p_W);
-  Eigen::Vector3f n = surface.n_W;
-  if (n.dot(to_eye) < 0.0F) n = -n;
-  const float facing = n.dot(to_eye);
-  const float key = std::max(0.0F, n.dot(lights.key));
-  const float sky = 0.5F + 0.5F * n.dot(lights.up);
-  const float diffuse = (0.30F + 0.14F * sky + 0.52F * key + 0.12F * facing) *
-                        (0.72F + 0.28F * std::min(1.0F, 2.2F * facing));  // darker outlines
-  const float half = std::max(0.0F, n.dot((lights.key + to_eye).normalized()));
-  const float half_8 = half * half * half * half * half * half * half * half;
-  const float highlight = 0.10F * half_8 * half_8 * half_8;
-  const auto channel = [&](std::uint8_t value) {
-    const float out = static_cast<float>(value) * diffuse + 255.0F * highlight;
-    return static_cast<std::uint8_t>(std::clamp(out, 0.0F, 255.0F));
-  };
-  return {channel(color.r), channel(color.g), channel(color.b)};
 }
 
 // Surfaces along the ray of a sample, farthest first.
@@ -252,22 +205,20 @@ Image SceneRenderer::draw(const Camera& camera, const Image& background) const {
     hitsAt(view, x, y, hits);
     for (const Hit& hit : hits) {
       if (hit.layer == scene_.layers.size()) {
-        color = hit.id < scene_.segments.size()
-                    ? scene_.segments[hit.id].color
-                    : scene_.markers[hit.id - scene_.segments.size()].color;
+        color = overlayColor(scene_, hit.id);
         continue;
       }
       const Layer& layer = scene_.layers[hit.layer];
       const Face& face = view.layers[hit.layer].faces[hit.id];
       const Corner surface = surfaceAt(face, static_cast<float>(x) + 0.5F,
                                        static_cast<float>(y) + 0.5F, camera.projection());
-      Color own = layer.meshes[face.mesh].color;
+      Color own = colorFrom(surface.rgb);
       double opacity = layer.opacity;
       if (const DecalArea* decal = decalAt(decals_[hit.layer], surface)) {
         own = blend(own, decal->color(), kDecalOpacity);
         opacity = 1.0 - 0.3 * (1.0 - opacity);  // contact shows best
       }
-      color = blend(color, lit(own, surface, camera, lights), opacity);
+      color = blend(color, lights.lit(own, surface.p_W, surface.n_W), opacity);
     }
     return color;
   };

@@ -1,9 +1,7 @@
 #include "client/render/two_views.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <optional>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -20,60 +18,12 @@ constexpr int kLeastSide = 200;
 constexpr int kPad = 14;
 constexpr int kTitleScale = 3;
 constexpr int kTextScale = 2;
+constexpr int kLabelGap = 14;
 constexpr Color kInk{38, 42, 48};
 constexpr Color kFaintInk{105, 112, 122};
 constexpr Color kSky{250, 251, 253};
 constexpr Color kGround{226, 231, 238};
 constexpr Color kPaper{255, 255, 255};
-
-constexpr int kAzimuths = 8;
-constexpr int kScoutSize = 112;  // pixels: a fingertip's patch is about 6 across
-
-struct Direction {
-  int azimuth;  // in steps of 360 / kAzimuths degrees
-  Eigen::Vector3d from_W;
-  double contact;
-};
-
-std::vector<Direction> scout(const SceneRenderer& renderer,
-                             const std::vector<Eigen::Vector3f>& points) {
-  std::vector<Direction> directions;
-  for (const double elevation : {0.18, 0.65}) {  // rad: about level, and from above
-    for (int a = 0; a < kAzimuths; ++a) {
-      const double azimuth = 2.0 * std::numbers::pi * (a + 0.25) / kAzimuths;  // seldom edge-on
-      const Eigen::Vector3d from_W(std::cos(elevation) * std::cos(azimuth),
-                                   std::cos(elevation) * std::sin(azimuth),
-                                   std::sin(elevation));
-      const Camera camera = Camera::fitting(points, from_W, Eigen::Vector3d::UnitZ(),
-                                            kScoutSize, kScoutSize, Projection::kPerspective);
-      directions.push_back(
-          {a, from_W, renderer.visibleContact(camera, kScoutSize, kScoutSize)});
-    }
-  }
-  return directions;
-}
-
-Eigen::Vector3d best(const std::vector<Direction>& directions, std::optional<int> away_from) {
-  const Direction* found = nullptr;
-  for (const Direction& direction : directions) {
-    if (away_from) {
-      const int turn = std::abs(direction.azimuth - *away_from);
-      const int steps = std::min(turn, kAzimuths - turn);
-      if (steps < kAzimuths / 4 || steps > 3 * kAzimuths / 8) continue;
-    }
-    if (found == nullptr || direction.contact > found->contact) found = &direction;
-  }
-  HANDGRAFT_REQUIRE(found != nullptr);
-  return found->from_W;
-}
-
-int azimuthOf(const std::vector<Direction>& directions, const Eigen::Vector3d& from_W) {
-  const auto found =
-      std::find_if(directions.begin(), directions.end(), [&](const Direction& d) {
-        return d.from_W == from_W;
-      });
-  return found->azimuth;
-}
 
 Image gradient(int width, int height) {
   Image image(width, height);
@@ -114,9 +64,46 @@ std::vector<LegendPlace> layOut(const std::vector<LegendEntry>& legend, int widt
   return places;
 }
 
+// Words beside their places, on paper-coloured rims so that they can be read anywhere; later
+// ones make way for earlier ones.
+void drawLabels(Image& view, const std::vector<Label>& labels, const Camera& camera) {
+  struct Box {
+    int left, top, right, bottom;
+  };
+
+  std::vector<Box> taken;
+  for (const Label& label : labels) {
+    const Eigen::Vector3f p_C = camera.toCamera(label.at_W);
+    if (!(p_C.z() >= camera.nearPlane())) continue;
+    const ScreenPoint place = camera.toScreen(p_C);
+    const int width = textWidth(label.text, kTextScale);
+    const int height = textHeight(kTextScale);
+    int x = static_cast<int>(place.x) + kLabelGap;
+    if (x + width > view.width()) x = static_cast<int>(place.x) - kLabelGap - width;
+    int y = std::clamp(static_cast<int>(place.y) - height / 2, 1,
+                       std::max(1, view.height() - height));
+    for (std::size_t i = 0; i < taken.size(); ++i) {
+      const Box& box = taken[i];
+      if (x >= box.right || x + width <= box.left) continue;
+      if (y >= box.bottom || y + height <= box.top) continue;
+      y = box.bottom;
+      i = static_cast<std::size_t>(-1);  // it may meet an earlier one now; each step goes down
+    }
+    taken.push_back({x - 4, y - 2, x + width + 4, y + height + 2});
+    for (const auto& [dx, dy] :
+         {std::pair(-2, 0), {2, 0}, {0, -2}, {0, 2}, {-1, -1}, {1, 1}, {-1, 1}, {1, -1}}) {
+      drawText(view, x + dx, y + dy, kTextScale, kPaper, label.text);
+    }
+    drawText(view, x, y, kTextScale, blend(label.color, {0, 0, 0}, 0.35), label.text);
+  }
+}
+
 }  // namespace
 
-Image renderTwoViews(const Scene& scene, const Caption& caption, PictureSize size) {
+Image renderTwoViews(const Scene& scene,
+                     const Caption& caption,
+                     const std::array<View, 2>& views,
+                     PictureSize size) {
   if (size.width < kLeastSide || size.height < kLeastSide) {
     rejectInput("picture size {} x {}: each side is at least {} pixels", size.width,
                 size.height, kLeastSide);
@@ -136,15 +123,15 @@ Image renderTwoViews(const Scene& scene, const Caption& caption, PictureSize siz
   // === The views
   const SceneRenderer renderer(scene);
   const std::vector<Eigen::Vector3f> points = scene.points();
-  const std::vector<Direction> directions = scout(renderer, points);
-  const Eigen::Vector3d left_W = best(directions, std::nullopt);
-  const Eigen::Vector3d right_W = best(directions, azimuthOf(directions, left_W));
   const Image background = gradient(view_width, view_height);
   int x = kPad;
-  for (const Eigen::Vector3d& from_W : {left_W, right_W}) {
-    const Camera camera = Camera::fitting(points, from_W, Eigen::Vector3d::UnitZ(), view_width,
+  for (const View& view : views) {
+    const Camera camera = Camera::fitting(points, view.from_W, view.up_W, view_width,
                                           view_height, Projection::kPerspective);
-    paste(picture, x, header, renderer.draw(camera, background));
+    Image side = renderer.draw(camera, background);
+    drawLabels(side, scene.labels, camera);
+    drawText(side, kPad, kPad, kTextScale, kFaintInk, view.title);
+    paste(picture, x, header, side);
     x += view_width + kPad;
   }
 
@@ -158,6 +145,10 @@ Image renderTwoViews(const Scene& scene, const Caption& caption, PictureSize siz
     drawText(picture, places[i].x + 28, y, kTextScale, kInk, caption.legend[i].text);
   }
   return picture;
+}
+
+Image renderTwoViews(const Scene& scene, const Caption& caption, PictureSize size) {
+  return renderTwoViews(scene, caption, viewsAroundUp(scene), size);
 }
 
 }  // namespace handgraft::client::render
