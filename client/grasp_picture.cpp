@@ -1,12 +1,11 @@
 #include "client/grasp_picture.h"
 
-#include <array>
-#include <map>
-
 #include <Eigen/Geometry>
 
-#include "core/base/error.h"
-#include "core/base/pose.h"
+#include <fmt/format.h>
+
+#include "client/picture_parts.h"
+#include "client/wire_pose.h"
 #include "idl/names.h"
 
 namespace handgraft::client {
@@ -15,43 +14,11 @@ namespace {
 
 using render::Color;
 
-constexpr Color kHandColor{196, 203, 214};
-constexpr Color kObjectColor{240, 214, 150};
 constexpr Color kDroppedColor{120, 120, 120};
 constexpr Color kLostColor{215, 20, 30};
 constexpr Color kDistanceColor{30, 32, 36};
 constexpr double kHandOpacity = 0.86;
 constexpr double kObjectOpacity = 0.66;  // patches behind it shine through
-
-Pose poseOf(const v1::Pose& X) {
-  const auto& p = X.p_m();
-  const auto& q = X.q_wxyz();
-  return poseFromQuaternion({p[0], p[1], p[2]}, {q[0], q[1], q[2], q[3]},
-                            "pose from the server");
-}
-
-render::SurfaceMesh surface(const v1::Mesh& mesh, const Pose& X_WM, Color color) {
-  render::SurfaceMesh out;
-  out.color = color;
-  const std::vector<float>& xyz = mesh.vertices_m();
-  for (std::size_t i = 0; i + 2 < xyz.size(); i += 3) {
-    const Eigen::Vector3d p_M(xyz[i], xyz[i + 1], xyz[i + 2]);
-    out.vertices_W.push_back((X_WM * p_M).cast<float>());
-  }
-  const std::vector<std::uint32_t>& corners = mesh.triangles();
-  for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
-    out.triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
-  }
-  return out;
-}
-
-std::vector<Eigen::Vector3f> pointsOf(const std::vector<double>& xyz) {
-  std::vector<Eigen::Vector3f> points;
-  for (std::size_t i = 0; i + 2 < xyz.size(); i += 3) {
-    points.push_back(Eigen::Vector3d(xyz[i], xyz[i + 1], xyz[i + 2]).cast<float>());
-  }
-  return points;
-}
 
 void addOutline(render::Scene& scene, const std::vector<Eigen::Vector3f>& loop, Color color) {
   for (std::size_t i = 0; i < loop.size(); ++i) {
@@ -102,20 +69,6 @@ void addLosses(GraspPicture& picture,
 }
 
 }  // namespace
-
-render::Color colorOf(const std::string& patch, std::size_t index) {
-  static const std::map<std::string, Color> kFingers = {
-      {"thumb", {213, 74, 0}},  {"index", {0, 114, 178}},  {"middle", {0, 150, 110}},
-      {"ring", {190, 90, 160}}, {"little", {214, 170, 0}}, {"palm", {70, 175, 230}}};
-  if (const auto found = kFingers.find(patch); found != kFingers.end()) return found->second;
-  static const std::array<Color, 6> kOthers = {{{140, 86, 75},
-                                                {148, 103, 189},
-                                                {188, 189, 34},
-                                                {23, 150, 160},
-                                                {214, 39, 120},
-                                                {90, 90, 200}}};
-  return kOthers[index % kOthers.size()];
-}
 
 GraspPicture pictureOf(const GraspResult& result,
                        const v1::ObjectDescription& object,

@@ -21,8 +21,4 @@ GraspPicture pictureOf(const GraspResult& result,
                        const v1::ObjectDescription& object,
                        const v1::ContactsDescription& contacts);
 
-/// One colour a finger, told apart also by the colour-blind (Okabe & Ito 2008); fingers beyond
-/// the usual names take turns.
-render::Color colorOf(const std::string& patch, std::size_t index);
-
 }  // namespace handgraft::client

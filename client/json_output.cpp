@@ -8,18 +8,6 @@ namespace handgraft::client::json {
 
 namespace {
 
-Json pose(const v1::Pose& X) {
-  return {{"p_m", listOf(X.p_m())}, {"q_wxyz", listOf(X.q_wxyz())}};
-}
-
-Json points(const std::vector<double>& xyz) {
-  Json list = Json::array();
-  for (std::size_t i = 0; i + 2 < xyz.size(); i += 3) {
-    list.push_back({xyz[i], xyz[i + 1], xyz[i + 2]});
-  }
-  return list;
-}
-
 Json summary(const v1::ModelSummary& model) {
   return {{"kind", nameOf(model.kind())},
           {"name", model.name()},
@@ -66,62 +54,6 @@ Json fit(const v1::PatchFit& patch) {
           {"normal_deg", patch.normal_deg()},
           {"within_2mm", patch.within_2mm()},
           {"within_5mm", patch.within_5mm()}};
-}
-
-Json handDocument(const v1::HandDescription& hand) {
-  Json all_joints = Json::array();
-  for (const v1::JointInfo& joint : hand.joints()) {
-    all_joints.push_back({{"name", joint.name()},
-                          {"prismatic", joint.prismatic()},
-                          {"lower_rad", joint.lower_rad()},
-                          {"upper_rad", joint.upper_rad()},
-                          {"velocity_limit_rad_s", joint.velocity_limit_rad_s()}});
-  }
-  Json links = Json::array();
-  for (const v1::LinkInfo& link : hand.links())
-    links.push_back(link.name());
-  Json sites = Json::array();
-  for (const v1::SiteInfo& site : hand.sites()) {
-    sites.push_back({{"name", site.name()},
-                     {"link", site.link()},
-                     {"p_L_m", listOf(site.p_L_m())},
-                     {"n_L", listOf(site.n_L())},
-                     {"direction_L", listOf(site.direction_L())}});
-  }
-  Json mimics = Json::array();
-  for (const v1::MimicInfo& mimic : hand.mimics()) {
-    mimics.push_back({{"joint", mimic.joint()},
-                      {"source", mimic.source()},
-                      {"multiplier", mimic.multiplier()},
-                      {"offset_rad", mimic.offset_rad()}});
-  }
-  return {{"kind", "hand"},
-          {"name", hand.name()},
-          {"joints", all_joints},
-          {"mimics", mimics},
-          {"links", links},
-          {"sites", sites},
-          {"rest_rad", listOf(hand.rest_rad())},
-          {"notes", listOf(hand.notes())}};
-}
-
-Json contactsDocument(const v1::ContactsDescription& contacts) {
-  Json patches = Json::array();
-  for (const v1::PatchInfo& patch : contacts.patches()) {
-    patches.push_back(
-        {{"name", patch.name()},
-         {"root", surfacePoint(patch.root())},
-         {"direction_O",
-          patch.direction_O().empty() ? Json(nullptr) : listOf(patch.direction_O())},
-         {"point_count", patch.point_count()},
-         {"outline_O_m", points(patch.outline_O_m())},
-         {"weight", patch.weight()}});
-  }
-  return {{"kind", "contacts"},
-          {"name", contacts.name()},
-          {"object", contacts.object()},
-          {"patches", patches},
-          {"notes", listOf(contacts.notes())}};
 }
 
 Json state(const v1::SessionState& session) {
@@ -186,24 +118,6 @@ std::string doctor(const DoctorReport& report, int indent) {
 
 std::string models(const v1::ModelList& list, int indent) {
   return written({{"models", modelList(list)}}, indent);
-}
-
-std::string description(const v1::ModelDescription& description, int indent) {
-  switch (description._d()) {
-    case v1::MODEL_HAND:
-      return written(handDocument(description.hand()), indent);
-    case v1::MODEL_CONTACTS:
-      return written(contactsDocument(description.contacts()), indent);
-    case v1::MODEL_OBJECT:
-      break;
-  }
-  const v1::ObjectDescription& object = description.object();
-  return written({{"kind", "object"},
-                  {"name", object.name()},
-                  {"vertices", object.mesh_O().vertices_m().size() / 3},
-                  {"triangles", object.mesh_O().triangles().size() / 3},
-                  {"notes", listOf(object.notes())}},
-                 indent);
 }
 
 std::string loaded(const v1::ModelSummary& model,

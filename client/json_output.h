@@ -14,7 +14,6 @@ namespace handgraft::client::json {
 
 std::string doctor(const DoctorReport& report, int indent = 2);
 std::string models(const v1::ModelList& list, int indent = 2);
-std::string description(const v1::ModelDescription& description, int indent = 2);
 /// With the notes of an object.
 std::string loaded(const v1::ModelSummary& summary,
                    const std::vector<std::string>& notes = {},

@@ -6,6 +6,18 @@ std::string written(const Json& document, int indent) {
   return document.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
 
+Json pose(const v1::Pose& X) {
+  return {{"p_m", listOf(X.p_m())}, {"q_wxyz", listOf(X.q_wxyz())}};
+}
+
+Json points(const std::vector<double>& xyz) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i + 2 < xyz.size(); i += 3) {
+    list.push_back({xyz[i], xyz[i + 1], xyz[i + 2]});
+  }
+  return list;
+}
+
 Json surfacePoint(const v1::SurfacePoint& point) {
   return {{"face", point.face()}, {"barycentric", listOf(point.barycentric())}};
 }

@@ -24,6 +24,11 @@ Json listOf(const Values& values) {
   return list;
 }
 
+Json pose(const v1::Pose& X);
+
+/// [x, y, z] each.
+Json points(const std::vector<double>& xyz);
+
 Json surfacePoint(const v1::SurfacePoint& point);
 Json fidelity(const v1::Fidelity& fidelity);
 Json lostPoints(const std::vector<v1::LostPoint>& lost);

@@ -26,7 +26,7 @@ int fail(int code, const std::string& message) {
 // The server's refusals that the user can do something about.
 bool isWrongInput(v1::ErrorCode code) {
   return code == v1::ERROR_INVALID_INPUT || code == v1::ERROR_NOT_FOUND ||
-         code == v1::ERROR_CONFLICT;
+         code == v1::ERROR_CONFLICT || code == v1::ERROR_UNITS;
 }
 
 int runCommandLine(int argc, const char* const* argv) {

@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::size_t kLongestName = 64;
 constexpr std::uintmax_t kLargestFile = 512ULL << 20U;  // a mesh of 10 million triangles
+constexpr const char* kSitesUri = "sites.yaml";
 const std::string kPackageScheme = "package://";
 
 bool isNameCharacter(char c) {
@@ -74,6 +75,38 @@ void notePackage(PackageMap& packages, const std::string& uri, const fs::path& f
   packages.emplace(rest.substr(0, slash), folder);
 }
 
+// Packages of an installed workspace come last: what the user names or keeps beside the URDF is
+// meant rather than what happens to be installed.
+fs::path findMesh(const std::string& uri, const fs::path& folder, const PackageMap& given) {
+  try {
+    return resolveResource(uri, folder, given);
+  } catch (const InvalidInput&) {
+    PackageMap all = given;
+    all.merge(amentPackages());
+    if (all.size() == given.size()) throw;
+    return resolveResource(uri, folder, all);
+  }
+}
+
+void addBuffersOfGltf(ModelFiles& model, const fs::path& mesh) {
+  if (mesh.extension() != ".gltf") return;
+  const std::string text = readFile(mesh);
+  static const std::regex kUri(R"rx("uri"\s*:\s*"([^"]+)")rx");
+  for (auto at = std::sregex_iterator(text.begin(), text.end(), kUri);
+       at != std::sregex_iterator(); ++at) {
+    const std::string uri = (*at)[1].str();
+    if (uri.compare(0, 5, "data:") == 0) continue;
+    // Textures are named in the same way, and nobody needs them here.
+    static const std::regex kPicture(R"(.*\.(png|jpe?g|webp|ktx2?|dds)$)", std::regex::icase);
+    if (std::regex_match(uri, kPicture)) continue;
+    try {
+      add(model, uri, resolveResource(uri, fs::absolute(mesh).parent_path(), {}));
+    } catch (const InvalidInput& error) {
+      rejectInput("{}: {}", mesh.string(), error.what());
+    }
+  }
+}
+
 constexpr std::uint64_t kEmptyHash = 14695981039346656037ULL;  // FNV-1a, 64 bit
 
 std::uint64_t fed(std::uint64_t hash, const std::string& bytes) {
@@ -113,15 +146,22 @@ std::string nameFromPath(const fs::path& path) {
   return name;
 }
 
-ModelFiles handFiles(const fs::path& urdf, const PackageMap& packages) {
+ModelFiles handFiles(const fs::path& urdf,
+                     const HandReading& reading,
+                     const std::string& units) {
   ModelFiles model = withMainFile(v1::MODEL_HAND, urdf);
+  model.units = units;
   const fs::path folder = fs::absolute(urdf).parent_path();
-  for (const auto& [name, directory] : packages)
+  for (const auto& [name, directory] : reading.packages)
     model.packages[name] = fs::absolute(directory);
   for (const std::string& uri : meshUrisIn(readFile(urdf))) {
+    if (uri.find("${") != std::string::npos || uri.find("$(") != std::string::npos) {
+      rejectInput("{}: mesh {} is xacro, not URDF; expand it first: xacro {} > hand.urdf",
+                  urdf.string(), quoted(uri), urdf.filename().string());
+    }
     fs::path mesh;
     try {
-      mesh = resolveResource(uri, folder, packages);
+      mesh = findMesh(uri, folder, reading.packages);
       add(model, uri, mesh);
     } catch (const InvalidInput& error) {
       rejectInput("{}: {}", urdf.string(), error.what());
@@ -129,41 +169,82 @@ ModelFiles handFiles(const fs::path& urdf, const PackageMap& packages) {
     notePackage(model.packages, uri, mesh);
   }
   std::error_code error;
-  if (fs::is_regular_file(folder / "sites.yaml", error)) {
-    add(model, "sites.yaml", folder / "sites.yaml");
+  if (fs::is_regular_file(folder / kSitesUri, error)) {
+    add(model, kSitesUri, folder / kSitesUri);
   }
+
+  v1::HandOptions options = reading.options;
+  fs::path srdf = reading.srdf;
+  const fs::path beside = fs::path(urdf).replace_extension(".srdf");
+  if (srdf.empty() && fs::is_regular_file(beside, error)) srdf = beside;
+  if (!srdf.empty()) {
+    options.srdf_uri("srdf/" + srdf.filename().string());
+    add(model, options.srdf_uri(), srdf);
+  }
+  if (options != v1::HandOptions()) model.hand_options = options;
   return model;
 }
 
-ModelFiles objectFiles(const fs::path& mesh) {
+ModelFiles objectFiles(const fs::path& mesh, const std::string& units) {
   ModelFiles model = withMainFile(v1::MODEL_OBJECT, mesh);
-  if (mesh.extension() != ".gltf") return model;
-  const std::string text = readFile(mesh);
-  static const std::regex kUri(R"rx("uri"\s*:\s*"([^"]+)")rx");
-  for (auto at = std::sregex_iterator(text.begin(), text.end(), kUri);
-       at != std::sregex_iterator(); ++at) {
-    const std::string uri = (*at)[1].str();
-    if (uri.compare(0, 5, "data:") == 0) continue;
-    // Textures are named in the same way, and nobody needs them here.
-    static const std::regex kPicture(R"(.*\.(png|jpe?g|webp|ktx2?|dds)$)", std::regex::icase);
-    if (std::regex_match(uri, kPicture)) continue;
-    try {
-      add(model, uri, resolveResource(uri, fs::absolute(mesh).parent_path(), {}));
-    } catch (const InvalidInput& error) {
-      rejectInput("{}: {}", mesh.string(), error.what());
-    }
-  }
+  model.units = units;
+  addBuffersOfGltf(model, mesh);
   return model;
 }
 
-ModelFiles contactFiles(const fs::path& path, const std::string& object) {
+ModelFiles contactFiles(const fs::path& path,
+                        const std::string& object,
+                        const ContactReading& reading,
+                        const std::string& units) {
   ModelFiles model = withMainFile(v1::MODEL_CONTACTS, path);
   model.object = object;
+  model.units = units;
+  addBuffersOfGltf(model, path);
+  v1::ContactOptions options = reading.options;
+  if (!reading.picture.empty()) {
+    options.picture_uri("picture/" + reading.picture.filename().string());
+    add(model, options.picture_uri(), reading.picture);
+  }
+  if (!reading.joints.empty()) {
+    options.joints_uri("joints/" + reading.joints.filename().string());
+    add(model, options.joints_uri(), reading.joints);
+  }
+  if (options != v1::ContactOptions()) model.contact_options = options;
   return model;
+}
+
+std::vector<NamedFile> inputsOf(const std::optional<ModelFiles>& model,
+                                const std::string& option) {
+  std::vector<NamedFile> inputs;
+  if (!model) return inputs;
+  for (const UploadFile& file : model->files) {
+    if (file.uri != kSitesUri) inputs.push_back({option, file.path});
+  }
+  return inputs;
+}
+
+std::string textOf(const v1::HandOptions& o) {
+  return fmt::format("hand {} {} {} {} {} {} {}", o.mirrored(), quoted(o.srdf_uri()),
+                     quoted(o.rest_pose()), quoted(o.skin().surfaces()), o.skin().alpha_m(),
+                     o.skin().offset_m(), o.skin().edge_m());
+}
+
+std::string textOf(const v1::ContactOptions& o) {
+  const auto first = [](const auto& values) {
+    return values.empty() ? std::string("-") : fmt::format("{}", values.front());
+  };
+  return fmt::format("contacts {} {} {} {} {} {} {} {} {} {} {} {}", quoted(o.value_property()),
+                     quoted(o.label_property()), quoted(o.color_scale()),
+                     quoted(o.picture_uri()), quoted(o.joints_uri()), first(o.joints_hand()),
+                     first(o.threshold()), o.otsu(), first(o.low_share()), o.smoothing_steps(),
+                     first(o.minimum_area_m2()), o.interpolation_count());
 }
 
 std::uint64_t contentHash(const ModelFiles& model) {
   std::uint64_t hash = fed(kEmptyHash, model.object);
+  hash = fed(hash, model.units);
+  if (model.hand_options) hash = fed(hash, textOf(*model.hand_options));
+  if (model.contact_options) hash = fed(hash, textOf(*model.contact_options));
   for (const UploadFile& file : model.files) {
     hash = fed(fed(hash, file.uri), readFile(file.path));
   }

@@ -2,9 +2,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "client/output_file.h"
 #include "core/base/resource_uri.h"
 #include "idl/models.h"
 
@@ -15,14 +17,32 @@ struct UploadFile {
   std::filesystem::path path;
 };
 
-/// Every file that the server needs to read one model.
+/// How the files of a hand are to be read.
+struct HandReading {
+  PackageMap packages;
+  /// Named poses; empty: the SRDF beside the URDF that has its name, if there is one.
+  std::filesystem::path srdf;
+  v1::HandOptions options;  ///< but for `srdf_uri`, which `handFiles` sets
+};
+
+/// How a contact map is to be read.
+struct ContactReading {
+  std::filesystem::path picture;  ///< empty: none; likewise the next
+  std::filesystem::path joints;   ///< of the hand that touched
+  v1::ContactOptions options;     ///< but for the URIs, which `contactFiles` sets
+};
+
+/// Every file that the server needs to read one model, and how it is to read them.
 struct ModelFiles {
   v1::ModelKind kind = v1::MODEL_HAND;
   std::string name;
   std::string object;  ///< contacts: what they lie on; may be empty
   std::string main_uri;
+  std::string units;              ///< empty: metres unless the size says otherwise
   std::vector<UploadFile> files;  ///< the main one first
   PackageMap packages;            ///< hands: each package that the URDF names, absolute
+  std::optional<v1::HandOptions> hand_options;  ///< nothing: defaults; likewise the next
+  std::optional<v1::ContactOptions> contact_options;
 };
 
 /// True if the user means a file: it exists as one, contains a `/`, or ends like a file name
@@ -36,22 +56,40 @@ void checkModelName(const std::string& name, const std::string& option);
 /// The file's name without its extension; characters that a model name may not have become `_`.
 std::string nameFromPath(const std::filesystem::path& path);
 
-/// The URDF, all meshes that it names, and a `sites.yaml` beside it.
+/// The URDF, all meshes that it names, a `sites.yaml` and an SRDF of its name beside it.
 ///
+/// Packages are looked up among those given, then in the folders above the URDF, then in
+/// `AMENT_PREFIX_PATH`.
 /// Errors: InvalidInput if a file is missing, unreadable or empty, naming the URI and the URDF.
-ModelFiles handFiles(const std::filesystem::path& urdf, const PackageMap& packages);
+ModelFiles handFiles(const std::filesystem::path& urdf,
+                     const HandReading& reading,
+                     const std::string& units = {});
 
 /// A mesh; for glTF, the buffers beside it too. Errors as `handFiles`.
-ModelFiles objectFiles(const std::filesystem::path& mesh);
+ModelFiles objectFiles(const std::filesystem::path& mesh, const std::string& units = {});
 
-/// A contact set (JSON) or a contact map (PLY). Errors as `handFiles`.
-ModelFiles contactFiles(const std::filesystem::path& path, const std::string& object);
+/// A contact set (JSON) or a contact map (PLY, or glTF and the like with a picture). Errors as
+/// `handFiles`.
+ModelFiles contactFiles(const std::filesystem::path& path,
+                        const std::string& object,
+                        const ContactReading& reading = {},
+                        const std::string& units = {});
 
-/// A hash of all bytes and URIs, for telling models of one name apart. Not cryptographic.
+/// The model's files, as an option or argument named them. Not `sites.yaml`: writing it anew is
+/// what it is for.
+std::vector<NamedFile> inputsOf(const std::optional<ModelFiles>& model,
+                                const std::string& option);
+
+/// A hash of all bytes, URIs, units and options, for telling models of one name apart. Not
+/// cryptographic.
 /// Errors: InvalidInput if a file cannot be read.
 std::uint64_t contentHash(const ModelFiles& model);
 
-/// The same of one text.
+/// The options as text, the same for equal ones.
+std::string textOf(const v1::HandOptions& options);
+std::string textOf(const v1::ContactOptions& options);
+
+/// A hash of one text. Not cryptographic.
 std::uint64_t textHash(const std::string& text);
 
 /// The whole file. Errors: InvalidInput, naming the path and the reason; also above 512 MiB.

@@ -129,6 +129,18 @@ void requireDistinct(const std::vector<NamedFile>& files) {
   }
 }
 
+void requireSafe(const std::vector<NamedFile>& outputs, const std::vector<NamedFile>& inputs) {
+  std::vector<NamedFile> files;
+  for (const NamedFile& file : outputs) {
+    if (file.path.empty()) continue;
+    requireWritable(file);
+    for (const NamedFile& input : inputs)
+      requireDistinct({file, input});
+    files.push_back(file);
+  }
+  requireDistinct(files);
+}
+
 void writeFile(const fs::path& path, std::string_view bytes) {
   const std::string label = quoted(path.string());
   const Target target = targetOf(path, label);

@@ -22,6 +22,11 @@ void requireWritable(const NamedFile& file);
 /// Errors: InvalidInput if two of them are one file, also by way of links, naming both options.
 void requireDistinct(const std::vector<NamedFile>& files);
 
+/// Checks everything that a command will write: each file may be written, they are distinct,
+/// and none of them is one of `inputs`. Outputs without a path do not count. Errors:
+/// InvalidInput as above.
+void requireSafe(const std::vector<NamedFile>& outputs, const std::vector<NamedFile>& inputs);
+
 /// Writes all bytes. An ordinary file is replaced only when all of them are written, and keeps
 /// its permissions; links are followed. A device, a pipe, or a file in a folder where nothing
 /// may be added is written straight into.

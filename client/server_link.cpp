@@ -169,6 +169,9 @@ v1::ModelSummary ServerLink::load(const ModelFiles& model) {
   request.upload_id(upload_id);
   request.main_uri(model.main_uri);
   request.object(model.object);
+  request.units(model.units);
+  if (model.hand_options) request.hand().push_back(*model.hand_options);
+  if (model.contact_options) request.contacts().push_back(*model.contact_options);
   v1::RequestBody body;
   body.load_model(request);
   const v1::ModelList list = ask(body).models();
@@ -185,6 +188,18 @@ void ServerLink::unload(v1::ModelKind kind, const std::string& name) {
   v1::RequestBody body;
   body.unload_model(key);
   ask(body);
+}
+
+v1::ModelSummary ServerLink::poseContacts(const v1::PoseContactsRequest& request) {
+  v1::RequestBody body;
+  body.pose_contacts(request);
+  const v1::ModelList list = ask(body).models();
+  for (const v1::ModelSummary& summary : list.models()) {
+    if (summary.kind() == v1::MODEL_CONTACTS && summary.name() == request.name())
+      return summary;
+  }
+  throw TransportError(
+      fmt::format("the server made contacts '{}' and did not list them", request.name()));
 }
 
 v1::SessionState ServerLink::openSession(const v1::OpenSessionRequest& request) {

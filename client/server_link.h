@@ -53,6 +53,9 @@ class ServerLink {
   /// Sends all files, then has the server read them. Returns the server's summary of the model.
   v1::ModelSummary load(const ModelFiles& model);
 
+  /// Contacts of a posed hand, as a model of the request's name.
+  v1::ModelSummary poseContacts(const v1::PoseContactsRequest& request);
+
   void unload(v1::ModelKind kind, const std::string& name);
 
   v1::SessionState openSession(const v1::OpenSessionRequest& request);

@@ -21,8 +21,11 @@ std::string milliseconds(double value) {
   return value < 10.0 ? fmt::format("{:.1f} ms", value) : fmt::format("{:.0f} ms", value);
 }
 
-std::string limit(double value) {
-  return fmt::format("{:.3f}", value);
+}  // namespace
+
+std::string plain(const std::string& text) {
+  const std::string line = quoted(text);
+  return line.substr(1, line.size() - 2);
 }
 
 std::string listed(const std::vector<std::string>& items) {
@@ -32,62 +35,14 @@ std::string listed(const std::vector<std::string>& items) {
   return line;
 }
 
-void addNotes(std::string& out, const std::vector<std::string>& notes) {
+std::string notes(const std::vector<std::string>& notes) {
+  std::string lines;
   for (const std::string& note : notes)
-    out += fmt::format("note: {}\n", plain(note));
+    lines += fmt::format("note: {}\n", plain(note));
+  return lines;
 }
 
-std::string hand(const v1::HandDescription& hand) {
-  std::string out = fmt::format("hand {}: {} joints, {} links, {} sites\n", plain(hand.name()),
-                                hand.joints().size(), hand.links().size(), hand.sites().size());
-  Rows joints = {{"joint", "lower", "upper", "rest"}};
-  for (std::size_t i = 0; i < hand.joints().size(); ++i) {
-    const v1::JointInfo& joint = hand.joints()[i];
-    joints.push_back({plain(joint.name()), limit(joint.lower_rad()), limit(joint.upper_rad()),
-                      i < hand.rest_rad().size() ? limit(hand.rest_rad()[i]) : "",
-                      joint.prismatic() ? "m" : "rad"});
-  }
-  out += "\n" + table(joints, true);
-  Rows sites = {{"site", "link"}};
-  for (const v1::SiteInfo& site : hand.sites()) {
-    sites.push_back({plain(site.name()), plain(site.link())});
-  }
-  out += "\n" + table(sites, false);
-  if (!hand.mimics().empty()) {
-    Rows mimics = {{"mimic joint", "follows", "times", "plus"}};
-    for (const v1::MimicInfo& mimic : hand.mimics()) {
-      mimics.push_back({plain(mimic.joint()), plain(mimic.source()),
-                        fmt::format("{:.4g}", mimic.multiplier()),
-                        fmt::format("{:.4g}", mimic.offset_rad())});
-    }
-    out += "\n" + table(mimics, true);
-  }
-  addNotes(out, hand.notes());
-  return out;
-}
-
-std::string contacts(const v1::ContactsDescription& set) {
-  std::string out = fmt::format("contacts {} on {}: {} patches\n\n", plain(set.name()),
-                                plain(set.object()), set.patches().size());
-  Rows rows = {{"patch", "points", "weight", "direction"}};
-  for (const v1::PatchInfo& patch : set.patches()) {
-    rows.push_back({plain(patch.name()), std::to_string(patch.point_count()),
-                    fmt::format("{:g}", patch.weight()),
-                    patch.direction_O().empty() ? "open" : "given"});
-  }
-  out += table(rows, true);
-  addNotes(out, set.notes());
-  return out;
-}
-
-}  // namespace
-
-std::string plain(const std::string& text) {
-  const std::string line = quoted(text);
-  return line.substr(1, line.size() - 2);
-}
-
-std::string table(const Rows& rows, bool numbers) {
+std::string table(const Rows& rows, const std::string& alignment) {
   std::vector<std::size_t> widths;
   for (const auto& row : rows) {
     widths.resize(std::max(widths.size(), row.size()), 0);
@@ -99,8 +54,10 @@ std::string table(const Rows& rows, bool numbers) {
     std::string line;
     for (std::size_t k = 0; k < row.size(); ++k) {
       if (k > 0) line += "  ";
-      line += numbers && k > 0 ? fmt::format("{:>{}}", row[k], widths[k])
-                               : fmt::format("{:<{}}", row[k], widths[k]);
+      const bool right =
+          !alignment.empty() && alignment[std::min(k, alignment.size() - 1)] == 'r';
+      line += right ? fmt::format("{:>{}}", row[k], widths[k])
+                    : fmt::format("{:<{}}", row[k], widths[k]);
     }
     line.erase(line.find_last_not_of(' ') + 1);
     out += line + "\n";
@@ -135,7 +92,7 @@ std::string doctor(const DoctorReport& report) {
   } else {
     rows.push_back({"server", "none answers"});
   }
-  std::string out = table(rows, false);
+  std::string out = table(rows, "l");
   if (!report.advice.empty()) out += "\n" + report.advice + "\n";
   return out;
 }
@@ -146,24 +103,7 @@ std::string models(const v1::ModelList& list) {
     rows.push_back({nameOf(model.kind()), plain(model.name()),
                     model.built_in() ? "built-in" : "uploaded", plain(model.text())});
   }
-  return table(rows, false);
-}
-
-std::string description(const v1::ModelDescription& description) {
-  switch (description._d()) {
-    case v1::MODEL_HAND:
-      return hand(description.hand());
-    case v1::MODEL_CONTACTS:
-      return contacts(description.contacts());
-    case v1::MODEL_OBJECT:
-      break;
-  }
-  const v1::ObjectDescription& object = description.object();
-  std::string out = fmt::format("object {}: {} vertices, {} triangles\n", plain(object.name()),
-                                object.mesh_O().vertices_m().size() / 3,
-                                object.mesh_O().triangles().size() / 3);
-  addNotes(out, object.notes());
-  return out;
+  return table(rows, "l");
 }
 
 std::string sessions(const v1::SessionList& list) {
@@ -174,7 +114,7 @@ std::string sessions(const v1::SessionList& list) {
                     std::to_string(state.revision()), plain(state.hand()),
                     plain(state.object()), plain(state.contacts())});
   }
-  return table(rows, false);
+  return table(rows, "l");
 }
 
 std::string grasp(const GraspResult& result) {
@@ -200,15 +140,15 @@ std::string grasp(const GraspResult& result) {
                         fmt::format("{:.1f}", f.angle_mean_rad() * 180.0 / std::numbers::pi),
                         fmt::format("{:.3f}", f.area_ratio())});
   }
-  out += table(rows, true) + "\n";
+  out += table(rows, "lr") + "\n";
   for (const v1::PatchReport& report : result.transfer.patches()) {
     if (report.placed()) continue;
     out += fmt::format("dropped {}: {}\n", plain(report.name()), plain(report.reason()));
   }
 
   out += losses(result.transfer.patches(), result.kept ? solution.session_id() : 0);
-  addNotes(out, result.hand.notes());
-  addNotes(out, result.transfer.notes());
+  out += notes(result.hand.notes());
+  out += notes(result.transfer.notes());
 
   const v1::Terms& terms = solution.terms();
   out += fmt::format(

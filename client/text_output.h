@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "client/grasp_result.h"
 #include "idl/models.h"
@@ -12,7 +13,6 @@ namespace handgraft::client::text {
 
 std::string doctor(const DoctorReport& report);
 std::string models(const v1::ModelList& list);
-std::string description(const v1::ModelDescription& description);
 std::string sessions(const v1::SessionList& list);
 
 /// The table of patches, what was dropped, the objective, joints at their limits, times.
@@ -25,7 +25,15 @@ std::string solutionLine(const v1::PoseSolution& solution);
 /// Text from the wire on one line, as `quoted` has it but without its quotes.
 std::string plain(const std::string& text);
 
-/// Rows in columns as wide as they need; all but the first column flush right if `numbers`.
-std::string table(const std::vector<std::vector<std::string>>& rows, bool numbers);
+/// The same of several, with commas between them.
+std::string listed(const std::vector<std::string>& items);
+
+/// A line each: `note: ...`.
+std::string notes(const std::vector<std::string>& notes);
+
+/// Rows in columns as wide as they need. `alignment` has a letter a column, `l` or `r`, the
+/// last one for all that follow.
+std::string table(const std::vector<std::vector<std::string>>& rows,
+                  const std::string& alignment);
 
 }  // namespace handgraft::client::text

@@ -91,7 +91,7 @@ std::string transferTable(const std::vector<v1::PatchReport>& patches) {
     row.push_back(methods(report));
     rows.push_back(std::move(row));
   }
-  return table(rows, true);
+  return table(rows, "lr");
 }
 
 }  // namespace
@@ -164,7 +164,7 @@ std::string suggestions(const v1::SuggestReply& reply) {
                     std::to_string(one.lost_count())});
     addFidelity(rows.back(), one.fidelity(), one.point_count() > 0);
   }
-  out += table(rows, true) + "\n";
+  out += table(rows, "lr") + "\n";
   if (!present.lost().empty()) {
     out += fmt::format("present loses: {}\n", reasonsOf(present.lost()));
   }

@@ -67,12 +67,17 @@ const std::map<std::string, std::set<std::string>> kAlone = {
     {"json",
      {"core/io/contact_file.cpp", "core/io/hand_joints_file.cpp", "core/io/json_keys.cpp",
       "core/io/json_keys.h", "core/io/problem_file.cpp", "client/json_output.cpp",
-      "client/json_parts.h", "client/transfer_json.cpp", "hardware/bridge/report_line.cpp"}},
+      "client/json_parts.h", "client/pose_file.cpp", "client/transfer_json.cpp",
+      "hardware/bridge/report_line.cpp"}},
     {"yaml", {"core/io/sites_file.cpp"}},
     {"cyclone", {"idl/cyclone/participant.cpp"}},
     {"fastcdr", {"idl/cyclone/participant.cpp"}},
     {"png", {"client/render/png_file.cpp", "core/io/png_file.cpp"}},
-    {"cli11", {"server/main.cpp", "client/command_line.cpp", "hardware/bridge/main.cpp"}},
+    {"cli11",
+     {"server/main.cpp", "client/command_line.cpp", "client/options/grasp_command.cpp",
+      "client/options/import_commands.cpp", "client/options/model_commands.cpp",
+      "client/options/model_flags.cpp", "client/options/session_commands.cpp",
+      "hardware/bridge/main.cpp"}},
 };
 
 const std::vector<std::pair<std::string, std::regex>> kLibraries = {

@@ -7,8 +7,8 @@
 #include <string>
 #include <variant>
 
+#include "client/model_files.h"
 #include "core/base/network.h"
-#include "core/base/resource_uri.h"
 #include "idl/models.h"
 
 /// The commands of `handgraft`, one file each. A command prints to standard output, notices to
@@ -39,14 +39,22 @@ struct LoadOptions {
   std::filesystem::path path;
   std::string name;    ///< empty: from the path
   std::string object;  ///< contacts alone
-  PackageMap packages;
+  std::string units;   ///< of meshes and maps; empty: metres unless the size says otherwise
+  HandReading hand_reading;        ///< hands alone
+  ContactReading contact_reading;  ///< contact maps alone
 };
+
+/// X_WO: x y z in m, qw qx qy qz.
+using Place = std::array<double, 7>;
 
 struct GraspOptions {
   std::string hand;  ///< a model's name, or a path; likewise the next two
   std::string object;
   std::string contacts;
-  std::optional<std::array<double, 7>> place;    ///< X_WO: x y z in m, qw qx qy qz
+  std::string units;  ///< of the object and of the contacts, where those are paths
+  HandReading hand_reading;
+  ContactReading contact_reading;
+  std::optional<Place> place;
   std::optional<std::array<double, 3>> weights;  ///< distance (1/m^2), normal, prior
   std::string solver;
   std::uint32_t starts = 0;
@@ -56,8 +64,47 @@ struct GraspOptions {
   std::filesystem::path out;         ///< empty: not written; likewise the next two
   std::filesystem::path png;
   std::filesystem::path problem;
-  PackageMap packages;
   bool keep = false;
+};
+
+struct InspectOptions {
+  std::string hand;  ///< a model's name, or a path
+  HandReading reading;
+  std::string units;
+  std::filesystem::path png;  ///< empty: not written; likewise the next
+  std::filesystem::path sites;
+};
+
+struct SkinOptions {
+  std::string hand;  ///< a model's name, or a path
+  HandReading reading;
+  std::string units;
+  std::filesystem::path out;
+  std::filesystem::path png;  ///< empty: not written
+};
+
+struct ImportOptions {
+  std::filesystem::path map;  ///< or a contact set
+  std::string object;         ///< a model's name, or a path
+  ContactReading reading;
+  std::string units;
+  std::string name;           ///< empty: from the map's path
+  std::filesystem::path out;  ///< empty: not written; likewise the next
+  std::filesystem::path png;
+};
+
+struct PoseContactsOptions {
+  std::string hand;  ///< a model's name, or a path
+  HandReading reading;
+  std::string pose;    ///< a file, or one of the hand's named poses
+  std::string object;  ///< a model's name, or a path
+  std::string units;   ///< of the object
+  std::optional<Place> place;
+  double reach_mm = 0.0;  ///< 0: the server's default
+  v1::ContactOptions contacts;
+  std::string name;           ///< empty: after the object and the hand
+  std::filesystem::path out;  ///< empty: not written; likewise the next
+  std::filesystem::path png;
 };
 
 struct SessionsOptions {};
@@ -92,6 +139,10 @@ using CommandOptions = std::variant<DoctorOptions,
                                     ModelsOptions,
                                     LoadOptions,
                                     GraspOptions,
+                                    InspectOptions,
+                                    SkinOptions,
+                                    ImportOptions,
+                                    PoseContactsOptions,
                                     SessionsOptions,
                                     WatchOptions,
                                     TransferOptions,
@@ -103,6 +154,12 @@ int run(const DoctorOptions& options, const CommonOptions& common, Interruption&
 int run(const ModelsOptions& options, const CommonOptions& common, Interruption& interruption);
 int run(const LoadOptions& options, const CommonOptions& common, Interruption& interruption);
 int run(const GraspOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const InspectOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const SkinOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const ImportOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const PoseContactsOptions& options,
+        const CommonOptions& common,
+        Interruption& interruption);
 int run(const SessionsOptions& options,
         const CommonOptions& common,
         Interruption& interruption);

@@ -11,10 +11,11 @@
 #include "client/output_file.h"
 #include "client/progress_line.h"
 #include "client/render/png_file.h"
+#include "client/send_model.h"
 #include "client/server_link.h"
 #include "client/text_output.h"
+#include "client/wire_pose.h"
 #include "core/base/error.h"
-#include "core/base/pose.h"
 
 namespace handgraft::client {
 
@@ -33,60 +34,29 @@ struct Inputs {
 
 Inputs collect(const GraspOptions& options) {
   Inputs inputs;
-  if (isPath(options.hand)) inputs.hand = handFiles(options.hand, options.packages);
-  if (isPath(options.object)) inputs.object = objectFiles(options.object);
-  if (isPath(options.contacts)) inputs.contacts = contactFiles(options.contacts, "");
+  if (isPath(options.hand)) inputs.hand = handFiles(options.hand, options.hand_reading);
+  if (isPath(options.object)) inputs.object = objectFiles(options.object, options.units);
+  if (isPath(options.contacts)) {
+    inputs.contacts =
+        contactFiles(options.contacts, "", options.contact_reading, options.units);
+  }
   return inputs;
 }
 
 // Long work must not end in a file that cannot be written, nor in one that replaces another.
 void checkFiles(const GraspOptions& options, const Inputs& inputs) {
-  std::vector<NamedFile> files;
-  for (const NamedFile& file :
-       {NamedFile{"--out", options.out}, NamedFile{"--png", options.png},
-        NamedFile{"--problem", options.problem}}) {
-    if (file.path.empty()) continue;
-    requireWritable(file);
-    files.push_back(file);
+  std::vector<NamedFile> read = inputsOf(inputs.hand, "--hand");
+  for (const auto& more :
+       {inputsOf(inputs.object, "--object"), inputsOf(inputs.contacts, "--contacts")}) {
+    read.insert(read.end(), more.begin(), more.end());
   }
-  for (const auto& [option, model] :
-       {std::pair("--hand", &inputs.hand), std::pair("--object", &inputs.object),
-        std::pair("--contacts", &inputs.contacts)}) {
-    if (!model->has_value()) continue;
-    for (const NamedFile& file : files) {
-      requireDistinct({file, {option, (*model)->files.front().path}});
-    }
-  }
-  requireDistinct(files);
-}
-
-// The name under which the server has the model afterwards. Another model of that name may be
-// there; then this one is told apart by a hash of its content.
-std::string send(ServerLink& server, ModelFiles model) {
-  try {
-    return server.load(model).name();
-  } catch (const idl::cyclone::Refused& refused) {
-    if (refused.code() != v1::ERROR_CONFLICT) throw;
-  }
-  model.name = fmt::format("{}-{:08x}", model.name.substr(0, 55),
-                           static_cast<std::uint32_t>(contentHash(model)));
-  return server.load(model).name();
-}
-
-v1::Pose placeOf(const std::array<double, 7>& numbers) {
-  const handgraft::Pose X_WO =
-      poseFromQuaternion({numbers[0], numbers[1], numbers[2]},
-                         {numbers[3], numbers[4], numbers[5], numbers[6]}, "--place");
-  const Eigen::Vector4d q = quaternionOf(X_WO);
-  v1::Pose pose;
-  pose.p_m() = {numbers[0], numbers[1], numbers[2]};
-  pose.q_wxyz() = {q[0], q[1], q[2], q[3]};
-  return pose;
+  requireSafe({{"--out", options.out}, {"--png", options.png}, {"--problem", options.problem}},
+              read);
 }
 
 v1::OpenSessionRequest sessionRequest(const GraspOptions& options) {
   v1::OpenSessionRequest request;
-  if (options.place) request.X_WO().push_back(placeOf(*options.place));
+  if (options.place) request.X_WO().push_back(placeOf(*options.place, "--place"));
   if (options.weights) {
     v1::Weights weights;
     weights.distance((*options.weights)[0]);
@@ -206,7 +176,7 @@ void writePicture(ServerLink& server, const GraspOptions& options, const GraspRe
 
 int run(const GraspOptions& options, const CommonOptions& common, Interruption& interruption) {
   // === Everything that can be wrong before a server is asked
-  const Inputs inputs = collect(options);
+  Inputs inputs = collect(options);
   checkFiles(options, inputs);
   v1::OpenSessionRequest request = sessionRequest(options);
 
@@ -218,15 +188,15 @@ int run(const GraspOptions& options, const CommonOptions& common, Interruption& 
   const Clock::time_point begin = Clock::now();
 
   // === Models, session, transfer, solve
-  request.hand(inputs.hand ? send(server, *inputs.hand) : options.hand);
-  request.object(inputs.object ? send(server, *inputs.object) : options.object);
+  ModelSender sender(server, interruption, !common.json);
+  request.hand(nameOnServer(sender, options.hand, inputs.hand));
+  request.object(nameOnServer(sender, options.object, inputs.object));
   if (inputs.contacts) {
-    ModelFiles contacts = *inputs.contacts;
-    contacts.object = request.object();
-    request.contacts(send(server, contacts));
-  } else {
-    request.contacts(options.contacts);
+    inputs.contacts->object = request.object();
+    // A scan and its contact map come in the same units.
+    if (inputs.object) inputs.contacts->units = inputs.object->units;
   }
+  request.contacts(nameOnServer(sender, options.contacts, inputs.contacts));
   OpenSession session(server, server.openSession(request));
 
   GraspResult result;

@@ -3,6 +3,7 @@
 #include "client/commands/commands.h"
 #include "client/json_output.h"
 #include "client/progress_line.h"
+#include "client/send_model.h"
 #include "client/server_link.h"
 #include "core/base/error.h"
 #include "idl/names.h"
@@ -14,11 +15,11 @@ namespace {
 ModelFiles filesOf(const LoadOptions& options) {
   switch (options.kind) {
     case v1::MODEL_HAND:
-      return handFiles(options.path, options.packages);
+      return handFiles(options.path, options.hand_reading, options.units);
     case v1::MODEL_OBJECT:
-      return objectFiles(options.path);
+      return objectFiles(options.path, options.units);
     case v1::MODEL_CONTACTS:
-      return contactFiles(options.path, options.object);
+      return contactFiles(options.path, options.object, options.contact_reading, options.units);
   }
   rejectInput("kind {}: hand, object or contacts", static_cast<int>(options.kind));
 }
@@ -33,7 +34,7 @@ int run(const LoadOptions& options, const CommonOptions& common, Interruption& i
   server.onProgress([&](const std::string& stage, double fraction) {
     progress.show(stage, fraction);
   });
-  const v1::ModelSummary summary = server.load(model);
+  const v1::ModelSummary summary = ModelSender(server, interruption, !common.json).load(model);
   // What reading it brought to light: for a point cloud, how true its surface is.
   std::vector<std::string> notes;
   if (options.kind == v1::MODEL_OBJECT)

@@ -2,6 +2,8 @@
 
 #include "client/commands/commands.h"
 #include "client/json_output.h"
+#include "client/model_json.h"
+#include "client/model_text.h"
 #include "client/server_link.h"
 #include "client/text_output.h"
 

@@ -1,5 +1,6 @@
 #include "client/model_files.h"
 
+#include <cstdlib>
 #include <fstream>
 
 #include <gmock/gmock.h>
@@ -70,7 +71,7 @@ TEST_F(ModelFilesTest, NotesTheFolderOfAPackageThatItFound) {
 
 TEST_F(ModelFilesTest, FollowsThePackagesThatTheUserNamed) {
   const ModelFiles model = handFiles(urdf(R"(<mesh filename="package://other/palm.stl"/>)"),
-                                     {{"other", root_ / "meshes" / "visual"}});
+                                     {{{"other", root_ / "meshes" / "visual"}}, {}, {}});
   EXPECT_TRUE(fs::equivalent(model.files.at(1).path, root_ / "meshes/visual/palm.stl"));
   EXPECT_TRUE(fs::equivalent(model.packages.at("other"), root_ / "meshes" / "visual"));
 }
@@ -78,6 +79,67 @@ TEST_F(ModelFilesTest, FollowsThePackagesThatTheUserNamed) {
 TEST_F(ModelFilesTest, TakesTheSitesBesideTheUrdf) {
   write("urdf/sites.yaml", "format: handgraft-sites/1");
   EXPECT_THAT(urisOf(handFiles(urdf(""), {})), ElementsAre("hand.urdf", "sites.yaml"));
+}
+
+TEST_F(ModelFilesTest, TakesTheSrdfBesideTheUrdfUnlessToldAnother) {
+  const fs::path file = urdf("");
+  EXPECT_FALSE(handFiles(file, {}).hand_options.has_value());
+  write("urdf/hand.srdf", "<robot/>");
+  write("other.srdf", "<robot name='other'/>");
+  const ModelFiles beside = handFiles(file, {});
+  ASSERT_TRUE(beside.hand_options.has_value());
+  EXPECT_TRUE(fs::equivalent(beside.files.back().path, root_ / "urdf/hand.srdf"));
+  EXPECT_EQ(beside.files.back().uri, beside.hand_options->srdf_uri());
+  HandReading reading;
+  reading.srdf = root_ / "other.srdf";
+  const ModelFiles told = handFiles(file, reading);
+  EXPECT_TRUE(fs::equivalent(told.files.back().path, root_ / "other.srdf"));
+  EXPECT_EQ(told.files.size(), 2U);
+  reading.srdf = root_ / "gone.srdf";
+  EXPECT_THROW(handFiles(file, reading), InvalidInput);
+}
+
+TEST_F(ModelFilesTest, SendsWhatOptionsOfAContactMapName) {
+  write("map.ply", "ply");
+  write("bulb.png", "png");
+  write("hand.json", "[]");
+  ContactReading reading;
+  EXPECT_FALSE(contactFiles(root_ / "map.ply", "bulb", reading).contact_options.has_value());
+  reading.picture = root_ / "bulb.png";
+  reading.joints = root_ / "hand.json";
+  reading.options.color_scale("jet");
+  const ModelFiles model = contactFiles(root_ / "map.ply", "bulb", reading, "mm");
+  ASSERT_TRUE(model.contact_options.has_value());
+  EXPECT_THAT(urisOf(model), ElementsAre("map.ply", model.contact_options->picture_uri(),
+                                         model.contact_options->joints_uri()));
+  EXPECT_EQ(model.contact_options->color_scale(), "jet");
+  EXPECT_EQ(model.units, "mm");
+}
+
+TEST_F(ModelFilesTest, LooksForPackagesInTheWorkspaceLast) {
+  const fs::path share = root_.parent_path() / "prefix" / "share" / "installed";
+  fs::create_directories(share);
+  std::ofstream(share / "palm.stl") << "solid installed";
+  const fs::path file = urdf(R"(<mesh filename="package://installed/palm.stl"/>)");
+  EXPECT_THROW(handFiles(file, {}), InvalidInput);
+  setenv("AMENT_PREFIX_PATH", (root_.parent_path() / "prefix").c_str(), 1);
+  const ModelFiles found = handFiles(file, {});
+  HandReading reading;
+  reading.packages["installed"] = root_ / "meshes" / "visual";
+  const ModelFiles told = handFiles(file, reading);
+  unsetenv("AMENT_PREFIX_PATH");
+  EXPECT_TRUE(fs::equivalent(found.files.back().path, share / "palm.stl"));
+  EXPECT_TRUE(fs::equivalent(found.packages.at("installed"), share));
+  EXPECT_TRUE(fs::equivalent(told.files.back().path, root_ / "meshes/visual/palm.stl"));
+}
+
+TEST_F(ModelFilesTest, SaysHowToExpandXacro) {
+  try {
+    handFiles(urdf(R"(<mesh filename="package://my_hand/meshes/${side}.stl"/>)"), {});
+    FAIL() << "must throw";
+  } catch (const InvalidInput& error) {
+    EXPECT_THAT(error.what(), HasSubstr("xacro hand.urdf > "));
+  }
 }
 
 TEST_F(ModelFilesTest, SaysWhichMeshOfWhichUrdfIsMissing) {
@@ -111,6 +173,24 @@ TEST_F(ModelFilesTest, TellsContentsApart) {
   EXPECT_EQ(contentHash(objectFiles(root_ / "a.obj")), before);
   write("a.obj", "v 2 0 0");
   EXPECT_NE(contentHash(objectFiles(root_ / "a.obj")), before);
+}
+
+TEST_F(ModelFilesTest, TellsOneFileReadInDifferentWaysApart) {
+  const fs::path file = urdf("");
+  const std::uint64_t plain = contentHash(handFiles(file, {}));
+  EXPECT_NE(contentHash(handFiles(file, {}, "mm")), plain);
+  HandReading mirrored;
+  mirrored.options.mirrored(true);
+  HandReading loose;
+  loose.options.skin().alpha_m(0.004);
+  EXPECT_NE(contentHash(handFiles(file, mirrored)), plain);
+  EXPECT_NE(contentHash(handFiles(file, loose)), plain);
+  EXPECT_NE(contentHash(handFiles(file, loose)), contentHash(handFiles(file, mirrored)));
+  write("map.ply", "ply");
+  ContactReading strict;
+  strict.options.threshold().push_back(0.5);
+  EXPECT_NE(contentHash(contactFiles(root_ / "map.ply", "o", strict)),
+            contentHash(contactFiles(root_ / "map.ply", "o")));
 }
 
 TEST_F(ModelFilesTest, KnowsPathsFromNames) {

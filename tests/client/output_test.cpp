@@ -7,6 +7,7 @@
 #include "client/grasp_picture.h"
 #include "client/grasp_result.h"
 #include "client/json_output.h"
+#include "client/model_json.h"
 #include "client/text_output.h"
 #include "client/transfer_json.h"
 #include "client/transfer_text.h"
@@ -283,10 +284,10 @@ TEST(SuggestJson, SaysWhatTheReadmePromises) {
 }
 
 TEST(Table, AlignsItsColumns) {
-  EXPECT_EQ(text::table({{"a", "long head"}, {"name", "1"}}, true),
+  EXPECT_EQ(text::table({{"a", "long head"}, {"name", "1"}}, "lr"),
             "a     long head\nname          1\n");
-  EXPECT_EQ(text::table({{"a", "b"}, {"name", "1"}}, false), "a     b\nname  1\n");
-  EXPECT_EQ(text::table({}, true), "");
+  EXPECT_EQ(text::table({{"a", "b"}, {"name", "1"}}, "l"), "a     b\nname  1\n");
+  EXPECT_EQ(text::table({}, "lr"), "");
 }
 
 TEST(GraspResult, IsRefusedWhenItDoesNotFitTheHand) {
