@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/contact/outline.h"
 #include "core/contact/region.h"
 #include "core/contact/threshold.h"
 
@@ -23,7 +24,8 @@ struct Group {
 struct Component {
   Region faces;
   double area = 0.0;
-  double contact = 0.0;  ///< m^2: contact integrated over the area
+  double contact = 0.0;   ///< m^2: contact integrated over the area
+  bool is_grown = false;  ///< also of faces that touch with less than all corners
 };
 
 void validate(const SegmentationOptions& options) {
@@ -32,6 +34,11 @@ void validate(const SegmentationOptions& options) {
                 options.low_share);
   }
   if (options.joints_O) contact::validate(*options.joints_O);
+  if (!(options.outline_share >= 0.0 && options.outline_share < 1.0)) {
+    rejectInput(
+        "share of a patch's contact at its outline is {}; permitted are 0 to 1 (excluded)",
+        options.outline_share);
+  }
   if (!std::isfinite(options.threshold)) {
     rejectInput("contact threshold is {}; it must be finite", options.threshold);
   }
@@ -83,7 +90,11 @@ class Segmenter {
  public:
   /// `map` as it is after smoothing.
   Segmenter(ContactMap map, const SegmentationOptions& options)
-      : map_(std::move(map)), options_(options), threshold_(thresholdOf(map_, options)) {}
+      : map_(std::move(map)),
+        options_(options),
+        threshold_(thresholdOf(map_, options)),
+        even_(smoothed(map_.mesh_O, map_.value, kOutlineSmoothingSteps)),
+        areas_(vertexAreas(map_.mesh_O)) {}
 
   ContactSet run() {
     if (options_.rule == ThresholdRule::kOtsu)
@@ -197,6 +208,7 @@ class Segmenter {
              mm2(options_.minimum_area_m2));
         return;
       }
+      best->is_grown = true;
       note("'{}' grown to all faces that it touches: the mesh is coarse there", group.name);
     }
     if (components.size() > 1) {
@@ -241,9 +253,16 @@ class Segmenter {
     }
   }
 
+  [[nodiscard]] Region touchingPart(const Component& component) const {
+    if (component.is_grown || options_.outline_share == 0.0) return component.faces;
+    return outlined(map_.mesh_O, component.faces, map_.value, even_, areas_,
+                    {options_.outline_share, options_.minimum_area_m2});
+  }
+
   bool addPatch(const std::string& name, const Component& component) {
     const TriangleMesh& mesh = map_.mesh_O;
-    OuterBoundary boundary = outerBoundary(mesh, component.faces);
+    const Region faces = touchingPart(component);
+    OuterBoundary boundary = outerBoundary(mesh, faces);
     if (boundary.loop.empty()) {
       note("'{}' dropped: it covers a closed surface whole and has no boundary", name);
       return false;
@@ -254,8 +273,8 @@ class Segmenter {
     }
     Patch patch;
     patch.name = name;
-    patch.root = geometry::surfacePointAtVertex(
-        mesh, geodesicCentre(mesh, component.faces, boundary.loop));
+    patch.root =
+        geometry::surfacePointAtVertex(mesh, geodesicCentre(mesh, faces, boundary.loop));
     patch.interpolation_boundary =
         sampleLoop(mesh, boundary.loop, options_.interpolation_count);
     patch.boundary = std::move(boundary.loop);
@@ -281,6 +300,8 @@ class Segmenter {
   ContactMap map_;
   const SegmentationOptions& options_;
   double threshold_;
+  Eigen::VectorXd even_;   ///< values without noise
+  Eigen::VectorXd areas_;  ///< of the vertices
   std::vector<Component> anonymous_;
   ContactSet set_;
 };

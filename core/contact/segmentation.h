@@ -22,7 +22,10 @@ struct SegmentationOptions {
   /// With it, contact above this share of the threshold counts too where it hangs together with
   /// contact above the threshold (of the same finger); in (0, 1].
   double low_share = 1.0;
-  int smoothing_steps = 0;        ///< of threshold.h, before anything else
+  int smoothing_steps = 0;  ///< of threshold.h, before anything else
+  /// A patch ends where contact falls below this share of what its region reaches (outline.h);
+  /// in [0, 1). 0: where it falls below the threshold.
+  double outline_share = 0.75;
   double minimum_area_m2 = 2e-5;  ///< smaller components are dropped, with a note
   int interpolation_count = kDefaultInterpolationCount;
   /// Of the hand that touched. Finds the finger of each patch where the map's labels do not
@@ -34,8 +37,9 @@ struct SegmentationOptions {
 /// not name any, group the labels by finger, connected
 /// components of the faces that are in contact at all three corners, one patch per finger (the
 /// component with the most contact, integrated over its area; the rest is dropped and noted),
-/// root at the component's geodesic centre, ordered outer boundary, IB. Directions lead towards
-/// the wrist where joints are given, and stay open otherwise.
+/// cut to the outline of what touches, root at the component's geodesic centre, ordered outer
+/// boundary, IB. Directions lead towards the wrist where joints are given, and stay open
+/// otherwise.
 ///
 /// Without labels, or where no segment's name says a finger, every component becomes a patch,
 /// named c1, c2, ... by falling area. A finger whose contact covers the minimum area, but no

@@ -89,8 +89,8 @@ TEST(ContactsFromPose, GivesPatchesAShapeOnAMeshOfTwelveFaces) {
   const ContactMap map = contactsFromPose(box, {{"thumb", ballAt({0.01, 0.034, 0.02}, 0.008)}});
   const ContactSet set = segment(map, {});
   ASSERT_EQ(set.patches.size(), 1u);
-  // Contact is above the threshold of 0.4 within 6 mm of a ball 1 mm off the face.
-  const double radius = std::sqrt(0.014 * 0.014 - 0.009 * 0.009);
+  // Contact with a ball 1 mm off the face reaches 0.9, and 3/4 of that 3.25 mm from it.
+  const double radius = std::sqrt(0.01125 * 0.01125 - 0.009 * 0.009);
   for (const auto& point : set.patches[0].interpolation_boundary) {
     const Eigen::Vector3d p = positionOf(map.mesh_O, point);
     EXPECT_NEAR((p - Eigen::Vector3d(0.01, 0.025, 0.02)).norm(), radius, 0.004);

@@ -77,6 +77,33 @@ TEST(Segment, NumbersAnonymousPatchesByFallingArea) {
   EXPECT_GT(positionOf(map.mesh_O, set.patches[1].root).y(), 0.02);
 }
 
+TEST(Segment, EndsAPatchWhereContactFallsBelowAShareOfItsTop) {
+  // Contact falls evenly from 1 in the middle to 0 at 30 mm.
+  ContactMap map = emptyMap();
+  for (int v = 0; v < map.mesh_O.vertexCount(); ++v)
+    map.value[v] = std::max(0.0, 1.0 - map.mesh_O.vertex(v).norm() / 0.030);
+  SegmentationOptions options;
+  const auto reachOf = [&] {
+    double reach = 0.0;
+    const Patch patch = segment(map, options).patches.at(0);
+    for (const auto& point : patch.interpolation_boundary)
+      reach = std::max(reach, positionOf(map.mesh_O, point).norm());
+    return reach;
+  };
+  options.outline_share = 0.0;
+  EXPECT_NEAR(reachOf(), 0.018, 1.5 * kStep);
+  options.outline_share = 0.75;  // of the 0.866 that 5 % of the 18 mm disk exceed
+  EXPECT_NEAR(reachOf(), 0.0105, 1.5 * kStep);
+  map.value *= 0.7;  // fainter contact is no smaller, once it counts
+  EXPECT_GT(reachOf(), 0.007);
+  options.outline_share = 1.0;
+  EXPECT_THAT(
+      [&] {
+        segment(map, options);
+      },
+      ThrowsMessage<InvalidInput>(HasSubstr("outline is 1")));
+}
+
 TEST(Segment, DropsSpecksWithANote) {
   ContactMap map = emptyMap();
   touchDisk(map, 0.0, 0.0, 0.012);

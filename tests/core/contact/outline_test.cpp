@@ -1,0 +1,119 @@
+#include "core/contact/outline.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numeric>
+
+#include <gtest/gtest.h>
+
+#include "core/contact/threshold.h"
+
+#include "tests/support/plates.h"
+
+namespace handgraft::contact {
+namespace {
+
+constexpr double kStep = 0.001;
+constexpr double kThreshold = 0.4;
+
+/// Contact given by place on a plate of 100 x 100 mm, and the region above the threshold.
+struct Touched {
+  geometry::TriangleMesh mesh = test::makePlate(100, 100, kStep);
+  Eigen::VectorXd value;
+  Region region;
+
+  explicit Touched(const std::function<double(double x, double y)>& contact) {
+    value.resize(mesh.vertexCount());
+    for (int v = 0; v < mesh.vertexCount(); ++v)
+      value[v] = contact(mesh.vertex(v).x(), mesh.vertex(v).y());
+    for (int f = 0; f < mesh.faceCount(); ++f) {
+      const Eigen::Vector3i face = mesh.face(f);
+      if (std::min({value[face[0]], value[face[1]], value[face[2]]}) > kThreshold)
+        region.push_back(f);
+    }
+  }
+
+  [[nodiscard]] Region outlinedWith(const OutlineOptions& options) const {
+    Region inside = outlined(mesh, region, value, smoothed(mesh, value, kOutlineSmoothingSteps),
+                             vertexAreas(mesh), options);
+    std::sort(inside.begin(), inside.end());
+    return inside;
+  }
+};
+
+double areaOf(const Region& region) {
+  return static_cast<double>(region.size()) * 0.5 * kStep * kStep;
+}
+
+/// A tent: contact falls evenly from 1 to 0 at 30 mm from (x0, y0).
+double tent(double x, double y, double x0 = 0.0, double y0 = 0.0) {
+  return std::max(0.0, 1.0 - std::hypot(x - x0, y - y0) / 0.030);
+}
+
+TEST(Outline, LiesWhereATentFallsBelowTheShareOfWhatItReaches) {
+  const Touched touched([](double x, double y) {
+    return tent(x, y);
+  });
+  for (const double share : {0.6, 0.75, 0.9}) {
+    // The region ends at 18 mm; 5 % of its area lie within 18 mm * sqrt(0.05).
+    const double top = 1.0 - 0.018 * std::sqrt(0.05) / 0.030;
+    const double radius = 0.030 * (1.0 - share * top);
+    const double area = areaOf(touched.outlinedWith({share}));
+    EXPECT_NEAR(std::sqrt(area / 3.14159265), radius, 0.5 * kStep) << share;
+  }
+}
+
+TEST(Outline, DoesNotDependOnTheScaleOfTheValues) {
+  const Touched whole([](double x, double y) {
+    return tent(x, y);
+  });
+  Touched half = whole;
+  half.value *= 0.5;
+  EXPECT_EQ(half.outlinedWith({}), whole.outlinedWith({}));
+}
+
+TEST(Outline, OfAMapOfYesAndNoIsTheMapsOwn) {
+  const Touched touched([](double x, double y) {
+    return std::abs(x) < 0.0105 && std::abs(y) < 0.0055 ? 1.0 : 0.0;
+  });
+  EXPECT_EQ(touched.outlinedWith({}), touched.region);
+}
+
+TEST(Outline, IsNotCutByDentsThatDeepContactLeaves) {
+  // Along x, a narrow valley as deep as the outline's level.
+  const Touched touched([](double x, double y) {
+    const double contact = tent(x, y);
+    return std::abs(x) < 0.5 * kStep ? std::min(contact, 0.6) : contact;
+  });
+  const Region outline = touched.outlinedWith({});
+  const auto isOnTheLeft = [&](int f) {
+    return touched.mesh.vertex(touched.mesh.face(f)[0]).x() < -0.002;
+  };
+  const auto left = std::count_if(outline.begin(), outline.end(), isOnTheLeft);
+  EXPECT_GT(left, 0.3 * static_cast<double>(outline.size()));
+  EXPECT_LT(left, 0.7 * static_cast<double>(outline.size()));
+}
+
+TEST(Outline, IsThatOfThePartWithTheMostContact) {
+  // Two tents that run into each other above the threshold, the left one higher.
+  const Touched touched([](double x, double y) {
+    return std::max(tent(x, y, -0.015), 0.95 * tent(x, y, 0.015));
+  });
+  const Region outline = touched.outlinedWith({});
+  ASSERT_FALSE(outline.empty());
+  for (const int f : outline)
+    EXPECT_LT(touched.mesh.vertex(touched.mesh.face(f)[0]).x(), 0.0);
+}
+
+TEST(Outline, IsTheRegionsWhereLessThanTheMinimumAreaWouldBeLeft) {
+  const Touched touched([](double x, double y) {
+    return tent(x, y);
+  });
+  const double left = areaOf(touched.outlinedWith({0.9}));
+  EXPECT_EQ(areaOf(touched.outlinedWith({0.9, 0.99 * left})), left);
+  EXPECT_EQ(touched.outlinedWith({0.9, 1.01 * left}), touched.region);
+}
+
+}  // namespace
+}  // namespace handgraft::contact
