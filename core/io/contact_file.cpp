@@ -386,14 +386,10 @@ std::string objectNameIn(const std::filesystem::path& path) {
   });
 }
 
-void writeContactSet(const std::filesystem::path& path,
-                     const ContactSet& set,
-                     const MeshFile& object_file) {
+std::string contactSetText(const ContactSet& set, const MeshFile& object_file) {
   if (object_file.cloud_O.cols() > 0) {
     rejectInput(
-        "{}: contacts on a point cloud's surface have no indices in its file to be "
-        "written by",
-        quoted(path.string()));
+        "contacts on a point cloud's surface have no indices in its file to be written by");
   }
   const IndexedObject object{object_file};
   json patches = json::array();
@@ -416,10 +412,18 @@ void writeContactSet(const std::filesystem::path& path,
   json root = {{"format", kFormat}, {"name", set.name}, {"patches", std::move(patches)}};
   if (!set.object.empty()) root["object"] = set.object;
   if (!set.notes.empty()) root["notes"] = set.notes;
-
-  std::ofstream file(path, std::ios::binary);
   // Names may hold any bytes; what is no UTF-8 is replaced rather than refused.
-  file << root.dump(1, ' ', false, json::error_handler_t::replace) << '\n';
+  return root.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
+}
+
+void writeContactSet(const std::filesystem::path& path,
+                     const ContactSet& set,
+                     const MeshFile& object) {
+  const std::string text = namingFile(path, [&] {
+    return contactSetText(set, object);
+  });
+  std::ofstream file(path, std::ios::binary);
+  file << text;
   if (!file.flush()) rejectInput("{}: cannot be written", path.string());
 }
 

@@ -14,6 +14,12 @@ namespace handgraft::io {
 /// are the object file's own; `object` maps them to the mesh.
 contact::ContactSet readContactSet(const std::filesystem::path& path, const MeshFile& object);
 
+/// The text of such a file. What `readContactSet` makes of it is the same set. Errors:
+/// InvalidInput for a set on a point cloud's surface, whose places have no index, and for one
+/// that does not fit the mesh.
+std::string contactSetText(const contact::ContactSet& set, const MeshFile& object);
+
+/// Writes it to a file. Errors: as above, naming the file; InvalidInput if it cannot be written.
 void writeContactSet(const std::filesystem::path& path,
                      const contact::ContactSet& set,
                      const MeshFile& object);

@@ -1,0 +1,101 @@
+#include "core/io/urdf_writer.h"
+
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+#include "core/base/error.h"
+
+namespace handgraft::io {
+
+namespace {
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out;
+}
+
+/// Angles about the fixed axes x, y, z in turn, as URDF has them. The last one is read off what
+/// the others leave, so that the three together are right also where x and z turn alike.
+Eigen::Vector3d rollPitchYaw(const Eigen::Matrix3d& R) {
+  const double roll = std::atan2(R(2, 1), R(2, 2));
+  const double pitch = std::atan2(-R(2, 0), std::hypot(R(2, 1), R(2, 2)));
+  const double s = std::sin(roll);
+  const double c = std::cos(roll);
+  const double yaw = std::atan2(s * R(0, 2) - c * R(0, 1), c * R(1, 1) - s * R(1, 2));
+  return {roll, pitch, yaw};
+}
+
+const char* typeOf(const hand::Joint& joint) {
+  switch (joint.type) {
+    case hand::JointType::kFixed:
+      return "fixed";
+    case hand::JointType::kPrismatic:
+      return "prismatic";
+    case hand::JointType::kRevolute:
+      return std::isfinite(joint.lower) && std::isfinite(joint.upper) ? "revolute"
+                                                                      : "continuous";
+  }
+  throw BrokenContract("a joint type that does not exist");
+}
+
+std::string jointText(const hand::Joint& joint) {
+  const Eigen::Vector3d p = joint.X_PJ.translation();
+  const Eigen::Vector3d rpy = rollPitchYaw(joint.X_PJ.linear());
+  std::string out = fmt::format(
+      "  <joint name=\"{}\" type=\"{}\">\n    <parent link=\"{}\"/>\n    <child link=\"{}\"/>\n"
+      "    <origin xyz=\"{} {} {}\" rpy=\"{} {} {}\"/>\n",
+      escaped(joint.name), typeOf(joint), escaped(joint.parent_link), escaped(joint.child_link),
+      p.x(), p.y(), p.z(), rpy.x(), rpy.y(), rpy.z());
+  if (joint.type != hand::JointType::kFixed) {
+    out += fmt::format("    <axis xyz=\"{} {} {}\"/>\n", joint.axis_J.x(), joint.axis_J.y(),
+                       joint.axis_J.z());
+    const bool is_limited = std::isfinite(joint.lower) && std::isfinite(joint.upper);
+    const std::string range =
+        is_limited ? fmt::format("lower=\"{}\" upper=\"{}\" ", joint.lower, joint.upper) : "";
+    // A slider without a range is one without a limit.
+    if (is_limited || joint.type == hand::JointType::kRevolute) {
+      out += fmt::format("    <limit {}velocity=\"{}\" effort=\"0\"/>\n", range,
+                         joint.velocity_limit);
+    }
+  }
+  if (joint.mimic) {
+    out += fmt::format("    <mimic joint=\"{}\" multiplier=\"{}\" offset=\"{}\"/>\n",
+                       escaped(joint.mimic->source_joint), joint.mimic->multiplier,
+                       joint.mimic->offset);
+  }
+  return out + "  </joint>\n";
+}
+
+}  // namespace
+
+std::string kinematicUrdfText(const hand::HandModel& model, const std::string& comment) {
+  HANDGRAFT_REQUIRE(comment.find("--") == std::string::npos);
+  std::string out = fmt::format("<?xml version=\"1.0\"?>\n<!-- {} -->\n<robot name=\"{}\">\n",
+                                comment, escaped(model.name()));
+  for (const hand::Link& link : model.links())
+    out += fmt::format("  <link name=\"{}\"/>\n", escaped(link.name));
+  for (const hand::Joint& joint : model.joints())
+    out += jointText(joint);
+  return out + "</robot>\n";
+}
+
+}  // namespace handgraft::io
