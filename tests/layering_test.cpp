@@ -51,6 +51,7 @@ const std::vector<Layer> kLayers = {
     {"client", {"core/base", "idl", "idl/cyclone"}, {"eigen", "fmt"}},
     {"hardware/protocols", {"core/base"}, {}},
     {"hardware/safety", {"core/base"}, {"fmt"}},
+    {"hardware/tendon", {"core/base"}, {"eigen", "fmt"}},
     {"hardware/bridge",
      {"core/base", "idl", "idl/cyclone", "hardware/safety"},
      {"eigen", "fmt"}},

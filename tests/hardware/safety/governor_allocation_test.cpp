@@ -1,60 +1,20 @@
-// A period of the loop asks the heap for nothing. A program of its own: it replaces operator
-// new.
+// A period of the loop asks the heap for nothing.
 
-#include <atomic>
-#include <cmath>
-#include <cstdlib>
+#include <array>
 #include <limits>
-#include <new>
 
 #include <gtest/gtest.h>
 
 #include "hardware/safety/governor.h"
 
+#include "tests/hardware/allocation_count.h"
 #include "tests/hardware/safety/governor_rig.h"
-
-namespace {
-
-std::atomic<long> allocation_count{0};
-
-void* counted(std::size_t size) {
-  ++allocation_count;
-  // NOLINTNEXTLINE(cppcoreguidelines-no-malloc): operator new itself
-  void* memory = std::malloc(size == 0 ? 1 : size);
-  if (memory == nullptr) throw std::bad_alloc();
-  return memory;
-}
-
-}  // namespace
-
-void* operator new(std::size_t size) {
-  return counted(size);
-}
-
-void* operator new[](std::size_t size) {
-  return counted(size);
-}
-
-void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-
-void operator delete[](void* memory) noexcept {
-  std::free(memory);
-}
-
-void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
-
-void operator delete[](void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
 
 namespace handgraft::safety {
 namespace {
 
 using namespace test;
+using handgraft::test::allocationCount;
 
 TEST(GovernorAllocation, NoPeriodAllocatesInAnyState) {
   GovernorOptions options = quickOptions();
@@ -68,7 +28,7 @@ TEST(GovernorAllocation, NoPeriodAllocatesInAnyState) {
   bool powered = false;
   std::array<int, 6> visits{};
 
-  const long before = allocation_count;
+  const long before = allocationCount();
   for (int k = 0; k < 20000; ++k) {
     now += k % 997 == 0 ? 200ms : 10ms;
     const int phase = k % 1000;
@@ -91,7 +51,7 @@ TEST(GovernorAllocation, NoPeriodAllocatesInAnyState) {
       position[i] = order.positions[i];
     ++visits[static_cast<std::size_t>(governor.state())];
   }
-  const long allocated = allocation_count - before;
+  const long allocated = allocationCount() - before;
 
   EXPECT_EQ(allocated, 0);
   for (std::size_t i = 0; i < visits.size(); ++i)
@@ -99,9 +59,9 @@ TEST(GovernorAllocation, NoPeriodAllocatesInAnyState) {
 }
 
 TEST(GovernorAllocation, TheCountCounts) {
-  const long before = allocation_count;
+  const long before = allocationCount();
   const std::vector<double> some(100);
-  EXPECT_EQ(allocation_count - before, 1) << some.size();
+  EXPECT_EQ(allocationCount() - before, 1) << some.size();
 }
 
 }  // namespace
