@@ -50,6 +50,7 @@ const std::vector<Layer> kLayers = {
     {"server/transport", {"core/base", "idl"}, {"fmt", "spdlog", "fastdds"}},
     {"client", {"core/base", "idl", "idl/cyclone"}, {"eigen", "fmt"}},
     {"hardware/protocols", {"core/base"}, {}},
+    {"hardware/devices", {"core/base", "hardware/protocols"}, {}},
     {"hardware/safety", {"core/base"}, {"fmt"}},
     {"hardware/tendon", {"core/base"}, {"eigen", "fmt"}},
     {"hardware/bridge",
@@ -103,8 +104,8 @@ const std::vector<std::pair<std::string, std::regex>> kLibraries = {
 /// The standard library and the operating system.
 bool isSystem(const std::string& header) {
   static const std::regex kSystem(
-      R"(^[a-z_0-9]+$|^(std|sys|net|arpa|netinet|linux)[a-z_0-9]*(/[a-z_0-9]+)?\.h$|)"
-      R"(^(cxxabi|fcntl|unistd|poll|signal|pthread|sched|ifaddrs|termios|dlfcn|netdb|errno)\.h$)");
+      R"(^[a-z_0-9]+$|^(std|sys|net|arpa|netinet|linux|asm)[a-z_0-9]*(/[a-z_0-9]+)*\.h$|)"
+      R"(^(cxxabi|fcntl|unistd|poll|signal|spawn|pthread|sched|ifaddrs|termios|dlfcn|netdb|errno)\.h$)");
   return std::regex_match(header, kSystem);
 }
 

@@ -1,0 +1,296 @@
+#include "hardware/devices/odrive_hand.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/base/error.h"
+
+namespace handgraft::devices {
+
+namespace odrive = protocols::odrive;
+using odrive::AxisState;
+using odrive::Command;
+using protocols::CanFrame;
+
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr int kAttempts = 3;
+constexpr std::chrono::milliseconds kRepeat(20);  // of orders that wait to be obeyed
+constexpr double kFarthest_rev = 1e5;             // a float there still tells 0.01 rev
+constexpr int kLongestBacklog = 1024;             // frames; 2 s of three axes
+constexpr std::uint32_t kWatchdogExpired05 = 0x800;
+
+}  // namespace
+
+ODriveHand::ODriveHand(ODriveConfig config, CanChannel& can, Clock clock)
+    : config_(std::move(config)), can_(can), clock_(std::move(clock)) {
+  if (config_.axes.empty()) rejectInput("an ODrive hand without axes");
+  std::array<bool, odrive::kHighestNode + 1> is_taken{};
+  for (const ODriveAxis& axis : config_.axes) {
+    const std::string name = fmt::format("of node {}", axis.node);
+    if (axis.node < 0 || axis.node > odrive::kHighestNode)
+      rejectInput("motor {} is outside 0 to {}", name, odrive::kHighestNode);
+    if (std::exchange(is_taken[static_cast<std::size_t>(axis.node)], true))
+      rejectInput("motor {} is there twice", name);
+    validate(axis.scale, name, -kFarthest_rev, kFarthest_rev);
+    for (const double limit : {axis.velocity_limit_rev_s, axis.current_limit_A}) {
+      if (!(limit > 0.0) || !(limit < 1e4))
+        rejectInput("motor {}: limit {} is outside 0 to 10000", name, limit);
+    }
+  }
+  if (config_.reply_timeout <= Duration::zero() || config_.tolerated_misses < 0 ||
+      config_.heartbeat_timeout <= Duration::zero() ||
+      config_.state_timeout <= Duration::zero()) {
+    rejectInput("ODrive timings have to be positive");
+  }
+  known_.resize(config_.axes.size());
+}
+
+DeviceCounters ODriveHand::counters() const {
+  DeviceCounters counters = counters_;
+  counters.damaged = can_.damaged();
+  return counters;
+}
+
+void ODriveHand::doOpen() {
+  can_.open();
+  expects_power_ = false;
+  Known nothing{};
+  nothing.current_A = kNaN;
+  std::fill(known_.begin(), known_.end(), nothing);
+  const TimePoint start = clock_();
+  setStates(AxisState::kIdle);
+  listen(config_.heartbeat_timeout, [&] {
+    return haveHeartbeatsSince(start);
+  });
+  for (std::size_t i = 0; i < known_.size(); ++i) {
+    if (known_[i].has_heartbeat) continue;
+    throw DeviceError(fmt::format("ODrive node {}: no heartbeat", config_.axes[i].node));
+  }
+  if (!reach(AxisState::kIdle, [&] {
+        setStates(AxisState::kIdle);
+      }))
+    throw DeviceError("an ODrive axis does not become idle");
+  for (int attempt = 0; attempt < kAttempts && !ask(); ++attempt) {
+  }
+  for (std::size_t i = 0; i < known_.size(); ++i) {
+    if (known_[i].has_estimates) continue;
+    throw DeviceError(fmt::format("ODrive node {}: no estimates", config_.axes[i].node));
+  }
+  findFaults(clock_());
+}
+
+void ODriveHand::doArm() {
+  bool has_answered = false;
+  for (int attempt = 0; attempt < kAttempts && !has_answered; ++attempt)
+    has_answered = ask();
+  if (!has_answered) throw DeviceError("an ODrive axis does not tell its position");
+  findFaults(clock_());
+  if (fault()) throw DeviceError("cannot arm: " + describe(fault()));
+
+  std::vector<float> here;
+  for (const Known& known : known_)
+    here.push_back(known.estimates.first);
+  const auto hold = [&] {
+    for (std::size_t i = 0; i < here.size(); ++i)
+      can_.send(odrive::setInputPosition(config_.axes[i].node, here[i]));
+  };
+  for (const ODriveAxis& axis : config_.axes) {
+    can_.send(odrive::setControllerMode(axis.node, odrive::ControlMode::kPosition,
+                                        odrive::InputMode::kPassthrough));
+    can_.send(odrive::setLimits(axis.node, static_cast<float>(axis.velocity_limit_rev_s),
+                                static_cast<float>(axis.current_limit_A)));
+  }
+  hold();  // before the power comes: an old target would be run to at once
+  setStates(AxisState::kClosedLoop);
+  if (!reach(AxisState::kClosedLoop, hold)) {
+    findFaults(clock_());
+    throw DeviceError(fault() ? "cannot arm: " + describe(fault())
+                              : "an ODrive axis does not close its loop");
+  }
+  expects_power_ = true;
+}
+
+void ODriveHand::doRead(DeviceState& state) {
+  can_.send(odrive::askFor(config_.axes[turn_].node, Command::kGetIq));
+  turn_ = (turn_ + 1) % config_.axes.size();
+  ask();
+  state.time = TimePoint::max();
+  for (std::size_t i = 0; i < known_.size(); ++i) {
+    const Known& known = known_[i];
+    const MotorScale& scale = config_.axes[i].scale;
+    if (!known.has_estimates) continue;
+    state.time = std::min(state.time, known.estimates_time);
+    state.position[i] = scale.angle(known.estimates.first);
+    state.velocity[i] = scale.direction * scale.rad_per_unit * known.estimates.second;
+    state.current[i] = scale.direction * known.current_A;
+  }
+  findFaults(clock_());
+}
+
+void ODriveHand::doWrite(std::span<const double> targets) {
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    const ODriveAxis& axis = config_.axes[i];
+    can_.send(odrive::setInputPosition(axis.node, axis.scale.floatUnits(targets[i])));
+  }
+}
+
+bool ODriveHand::doDisarm() {
+  expects_power_ = false;
+  setStates(AxisState::kIdle);
+  return reach(AxisState::kIdle, [&] {
+    setStates(AxisState::kIdle);
+  });
+}
+
+void ODriveHand::doStop() {
+  expects_power_ = false;
+  for (const ODriveAxis& axis : config_.axes)
+    can_.send(odrive::estop(axis.node));
+}
+
+void ODriveHand::doHeal() {
+  expects_power_ = false;
+  setStates(AxisState::kIdle);
+  for (const ODriveAxis& axis : config_.axes)
+    can_.send(odrive::clearErrors(axis.node));
+}
+
+bool ODriveHand::proveWatchdog(Duration silence) {
+  if (!isArmed()) throw DeviceError("the watchdog is proven on an armed hand");
+  const TimePoint end = clock_() + silence;
+  listen(silence, [] {
+    return false;
+  });
+  listen(config_.heartbeat_timeout, [&] {
+    return haveHeartbeatsSince(end);
+  });
+  const bool has_fired = std::all_of(known_.begin(), known_.end(), [](const Known& known) {
+    return known.heartbeat.isFaulty() && known.heartbeat.state != AxisState::kClosedLoop;
+  });
+  findFaults(clock_());
+  stop();
+  return has_fired;
+}
+
+// === The bus
+
+void ODriveHand::take(const CanFrame& frame) {
+  ++counters_.frames;
+  const auto address = odrive::addressOf(frame);
+  const auto axis =
+      std::find_if(config_.axes.begin(), config_.axes.end(), [&](const ODriveAxis& candidate) {
+        return address && candidate.node == address->node;
+      });
+  if (axis == config_.axes.end()) {
+    ++counters_.stray;
+    return;
+  }
+  Known& known = known_[static_cast<std::size_t>(axis - config_.axes.begin())];
+  if (const auto heartbeat = odrive::heartbeatOf(frame, config_.firmware)) {
+    known.heartbeat = *heartbeat;
+    known.heartbeat_time = clock_();
+    known.has_heartbeat = true;
+  } else if (const auto estimates = odrive::encoderEstimatesOf(frame)) {
+    if (!std::isfinite(estimates->first) || !std::isfinite(estimates->second)) return;
+    known.estimates = *estimates;
+    known.estimates_time = clock_();
+    known.is_answered = known.has_estimates = true;
+    known.misses = 0;
+  } else if (const auto iq = odrive::iqOf(frame)) {
+    known.current_A = iq->second;
+  } else {
+    ++counters_.stray;
+  }
+}
+
+template <class Done>
+bool ODriveHand::listen(Duration time, Done&& is_done) {
+  const TimePoint deadline = clock_() + time;
+  CanFrame frame;
+  while (!is_done()) {
+    if (!can_.receive(frame, deadline)) return is_done();
+    take(frame);
+    // On a bus that is never silent, `receive` alone would never say that time is up.
+    if (clock_() > deadline) return is_done();
+  }
+  return true;
+}
+
+void ODriveHand::drain() {
+  CanFrame frame;
+  const TimePoint now = clock_();
+  for (int i = 0; i < kLongestBacklog && can_.receive(frame, now); ++i)
+    take(frame);
+}
+
+bool ODriveHand::ask() {
+  // What came before is taken for what it is, but answers nothing.
+  listen(Duration::zero(), [] {
+    return false;
+  });
+  for (std::size_t i = 0; i < known_.size(); ++i) {
+    known_[i].is_answered = false;
+    ++known_[i].misses;
+    can_.send(odrive::askFor(config_.axes[i].node, Command::kGetEncoderEstimates));
+  }
+  const bool has_all = listen(config_.reply_timeout, [&] {
+    return std::all_of(known_.begin(), known_.end(), [](const Known& known) {
+      return known.is_answered;
+    });
+  });
+  for (const Known& known : known_)
+    counters_.missed += known.is_answered ? 0 : 1;
+  return has_all;
+}
+
+template <class Again>
+bool ODriveHand::reach(AxisState state, Again&& again) {
+  const TimePoint start = clock_();
+  const auto is_reached = [&] {
+    return haveHeartbeatsSince(start) &&
+           std::all_of(known_.begin(), known_.end(), [&](const Known& known) {
+             return known.heartbeat.state == state;
+           });
+  };
+  while (clock_() - start < config_.state_timeout) {
+    if (listen(kRepeat, is_reached)) return true;
+    again();
+  }
+  return false;
+}
+
+void ODriveHand::setStates(AxisState state) {
+  for (const ODriveAxis& axis : config_.axes)
+    can_.send(odrive::setAxisState(axis.node, state));
+}
+
+bool ODriveHand::haveHeartbeatsSince(TimePoint time) const {
+  return std::all_of(known_.begin(), known_.end(), [&](const Known& known) {
+    return known.has_heartbeat && known.heartbeat_time > time;
+  });
+}
+
+void ODriveHand::findFaults(TimePoint now) {
+  const std::uint32_t watchdog =
+      config_.firmware == odrive::Firmware::k06 ? odrive::kWatchdogExpired : kWatchdogExpired05;
+  for (std::size_t i = 0; i < known_.size(); ++i) {
+    const Known& known = known_[i];
+    const odrive::Heartbeat& heartbeat = known.heartbeat;
+    const int motor = static_cast<int>(i);
+    if ((heartbeat.error & watchdog) != 0)
+      latch({Fault::Kind::kWatchdog, motor, heartbeat.error});
+    if (heartbeat.isFaulty()) latch({Fault::Kind::kHardware, motor, heartbeat.error});
+    if (known.misses > config_.tolerated_misses ||
+        now - known.heartbeat_time > config_.heartbeat_timeout) {
+      latch({Fault::Kind::kSilent, motor, 0});
+    }
+    if (expects_power_ && heartbeat.state != AxisState::kClosedLoop)
+      latch({Fault::Kind::kPowerLost, motor, heartbeat.error});
+  }
+}
+
+}  // namespace handgraft::devices

@@ -1,0 +1,341 @@
+// What all devices promise, in virtual time.
+
+#include <cmath>
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+
+#include "tests/hardware/emulators/rig.h"
+
+namespace handgraft::devices {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using test::Rig;
+using test::RigKind;
+
+constexpr milliseconds kPeriod(10);
+
+class EveryDevice : public ::testing::TestWithParam<RigKind> {
+ protected:
+  EveryDevice() : rig_(test::makeRig(GetParam())), state_(rig_->count()) {}
+
+  Device& device() { return rig_->device(); }
+
+  /// One period of a bridge that moves to `targets`.
+  bool cycle(const std::vector<double>& targets) {
+    const bool is_healthy = device().read(state_) && device().write(targets);
+    rig_->wire().pass(kPeriod);
+    return is_healthy;
+  }
+
+  bool cycle(const std::vector<double>& targets, int count) {
+    for (int i = 0; i < count; ++i) {
+      if (!cycle(targets)) return false;
+    }
+    return true;
+  }
+
+  void armed() {
+    device().open();
+    device().arm();
+  }
+
+  void expectStillFor(Duration time) {
+    const std::vector<double> before = rig_->angles();
+    rig_->wire().pass(time);
+    EXPECT_EQ(rig_->angles(), before);
+  }
+
+  std::string fault() { return describe(device().fault()); }
+
+  std::unique_ptr<Rig> rig_;
+  DeviceState state_;
+};
+
+TEST_P(EveryDevice, OpensWithItsMotorsOff) {
+  rig_->leaveStaleGoal();
+  device().open();
+  EXPECT_FALSE(rig_->isPowered());
+  EXPECT_FALSE(device().isArmed());
+  EXPECT_FALSE(device().fault()) << fault();
+  expectStillFor(seconds(1));
+  EXPECT_TRUE(device().read(state_));
+  for (std::size_t i = 0; i < rig_->count(); ++i)
+    EXPECT_NEAR(state_.position[i], rig_->angle(i), rig_->unit());
+}
+
+TEST_P(EveryDevice, ArmsWithoutMoving) {
+  rig_->leaveStaleGoal();
+  device().open();
+  const std::vector<double> before = rig_->angles();
+  device().arm();
+  EXPECT_TRUE(rig_->isPowered());
+  EXPECT_TRUE(device().isArmed());
+  rig_->wire().pass(milliseconds(50));
+  EXPECT_THAT(rig_->angles(),
+              ::testing::Pointwise(::testing::DoubleNear(rig_->unit()), before));
+}
+
+TEST_P(EveryDevice, MovesWhereItIsToldAndReadsBackWithinOneUnit) {
+  armed();
+  for (const double share : {0.7, 0.31, 0.9}) {
+    const std::vector<double> targets = rig_->between(share);
+    ASSERT_TRUE(cycle(targets, 400)) << fault();
+    ASSERT_TRUE(device().read(state_));
+    for (std::size_t i = 0; i < rig_->count(); ++i) {
+      EXPECT_NEAR(rig_->angle(i), targets[i], rig_->unit());
+      EXPECT_NEAR(state_.position[i], targets[i], rig_->unit());
+      EXPECT_EQ(state_.velocity[i], 0.0);
+    }
+  }
+}
+
+TEST_P(EveryDevice, RoundsInwardsAtItsLimits) {
+  armed();
+  for (const double share : {0.0, 1.0}) {
+    ASSERT_TRUE(cycle(rig_->between(share), 700)) << fault();
+    for (std::size_t i = 0; i < rig_->count(); ++i) {
+      EXPECT_GE(rig_->angle(i), rig_->lower(i)) << i;
+      EXPECT_LE(rig_->angle(i), rig_->upper(i)) << i;
+      EXPECT_NEAR(rig_->angle(i), rig_->between(share)[i], rig_->unit()) << i;
+    }
+  }
+}
+
+TEST_P(EveryDevice, MeasuresVelocityInItsDirection) {
+  armed();
+  ASSERT_TRUE(cycle(rig_->between(0.0), 700)) << fault();
+  ASSERT_TRUE(cycle(rig_->between(1.0), 10)) << fault();
+  const std::vector<double> before = rig_->angles();
+  rig_->wire().pass(kPeriod);
+  const std::vector<double> after = rig_->angles();
+  ASSERT_TRUE(device().read(state_));
+  for (std::size_t i = 0; i < rig_->count(); ++i) {
+    const double velocity = (after[i] - before[i]) / test::secondsOf(kPeriod);
+    EXPECT_GT(velocity, 0.5) << i;
+    EXPECT_NEAR(state_.velocity[i], velocity, 0.03 * velocity) << i;
+  }
+}
+
+TEST_P(EveryDevice, StopsByItselfWhenTheDriverDies) {
+  armed();
+  ASSERT_TRUE(cycle(rig_->between(0.0), 700)) << fault();
+  ASSERT_TRUE(cycle(rig_->between(1.0), 5)) << fault();
+  rig_->wire().pass(rig_->watchdog() + milliseconds(30));
+  EXPECT_FALSE(rig_->isPowered());
+  expectStillFor(seconds(10));
+  for (std::size_t i = 0; i < rig_->count(); ++i)
+    EXPECT_LT(rig_->angle(i), rig_->upper(i) - 0.1) << "it had arrived before it stopped";
+
+  // A driver that comes back does not move it on.
+  for (int i = 0; i < 20; ++i)
+    cycle(rig_->between(1.0));
+  EXPECT_EQ(device().fault().kind, rig_->watchdogFault()) << fault();
+  EXPECT_FALSE(device().isArmed());
+  expectStillFor(seconds(1));
+  device().reset();
+  EXPECT_FALSE(rig_->isPowered());
+  device().arm();
+  EXPECT_TRUE(cycle(rig_->between(0.5), 700)) << fault();
+  EXPECT_NEAR(rig_->angle(0), rig_->between(0.5)[0], rig_->unit());
+}
+
+TEST_P(EveryDevice, BearsBadBytes) {
+  armed();
+  test::Ailments& ailments = rig_->emulated().ailments;
+  // A line of text has no checksum: wrong digits cannot be told from right ones.
+  const bool has_checksum =
+      GetParam() == RigKind::kDynamixel || GetParam() == RigKind::kAbilityHand;
+  ailments.flip_rate = has_checksum ? 0.02 : 0.0;
+  ailments.drop_rate = 0.01;
+  ailments.garbage_rate = 0.05;
+  ASSERT_TRUE(cycle(rig_->between(0.8), 700)) << fault();
+  ailments = {};
+  ASSERT_TRUE(cycle(rig_->between(0.8), 5)) << fault();
+  for (std::size_t i = 0; i < rig_->count(); ++i)
+    EXPECT_NEAR(state_.position[i], rig_->between(0.8)[i], rig_->unit());
+  const DeviceCounters counters = device().counters();
+  EXPECT_GT(counters.frames, 600u);
+  EXPECT_GT(counters.damaged + counters.garbage_bytes, 0u);
+  EXPECT_GT(counters.missed, 0u);
+}
+
+TEST_P(EveryDevice, BearsRepeatedAnswers) {
+  armed();
+  rig_->emulated().ailments.repeats = true;
+  EXPECT_TRUE(cycle(rig_->between(0.8), 400)) << fault();
+  EXPECT_NEAR(rig_->angle(0), rig_->between(0.8)[0], rig_->unit());
+}
+
+TEST_P(EveryDevice, HardwareErrorIsLatchedUntilItsCauseIsGone) {
+  armed();
+  ASSERT_TRUE(cycle(rig_->between(0.0), 700)) << fault();
+  ASSERT_TRUE(cycle(rig_->between(1.0), 5)) << fault();
+  rig_->breakDown();
+  cycle(rig_->between(1.0), 20);
+  const Fault::Kind expected =
+      GetParam() == RigKind::kAbilityHand ? Fault::Kind::kHot : Fault::Kind::kHardware;
+  EXPECT_EQ(device().fault().kind, expected) << fault();
+  EXPECT_EQ(device().fault().motor, 1);
+  EXPECT_FALSE(rig_->isPowered());
+  EXPECT_FALSE(device().write(rig_->between(1.0)));
+  EXPECT_THROW(device().arm(), DeviceError);
+  expectStillFor(seconds(1));
+  // The Ability Hand only says so while it obeys: armed again, it says so again.
+  if (GetParam() != RigKind::kAbilityHand) {
+    EXPECT_THROW(device().reset(), DeviceError);
+    EXPECT_TRUE(device().fault());
+  }
+  rig_->heal();
+  device().reset();
+  EXPECT_FALSE(device().fault()) << fault();
+  EXPECT_FALSE(rig_->isPowered());
+  EXPECT_FALSE(device().write(rig_->between(1.0))) << "not armed";
+  device().arm();
+  EXPECT_TRUE(cycle(rig_->between(0.5), 400)) << fault();
+}
+
+TEST_P(EveryDevice, SilenceIsAFaultAndTheMotorsAreCutOff) {
+  armed();
+  ASSERT_TRUE(cycle(rig_->between(0.6), 5)) << fault();
+  rig_->emulated().ailments.is_mute = true;
+  for (int i = 0; i < 50 && !device().fault(); ++i)
+    cycle(rig_->between(0.6));
+  EXPECT_EQ(device().fault().kind, Fault::Kind::kSilent) << fault();
+  EXPECT_FALSE(rig_->isPowered());
+}
+
+TEST_P(EveryDevice, LosingTheWireIsAFaultInTheSameCycle) {
+  armed();
+  ASSERT_TRUE(cycle(rig_->between(0.6), 5)) << fault();
+  rig_->wire().unplug();
+  EXPECT_FALSE(device().read(state_));
+  EXPECT_EQ(device().fault().kind, Fault::Kind::kWire);
+  EXPECT_THROW(device().reset(), TransportError);
+  rig_->wire().pass(seconds(1));
+  EXPECT_FALSE(rig_->isPowered()) << "by its own watchdog";
+
+  rig_->wire().plug();
+  cycle(rig_->between(0.6), 10);
+  EXPECT_FALSE(rig_->isPowered()) << "moves by itself when it comes back";
+  device().reset();
+  EXPECT_FALSE(device().isArmed());
+  EXPECT_FALSE(device().write(rig_->between(0.6)));
+  EXPECT_FALSE(rig_->isPowered());
+  device().arm();
+  EXPECT_TRUE(cycle(rig_->between(0.6), 5)) << fault();
+}
+
+TEST_P(EveryDevice, LosingTheWireWhileWritingIsAFault) {
+  armed();
+  ASSERT_TRUE(device().read(state_));
+  rig_->wire().unplug();
+  EXPECT_FALSE(device().write(rig_->between(0.6)));
+  EXPECT_EQ(device().fault().kind, Fault::Kind::kWire);
+}
+
+TEST_P(EveryDevice, DisarmsAndSaysSo) {
+  armed();
+  ASSERT_TRUE(cycle(rig_->between(0.6), 5)) << fault();
+  EXPECT_TRUE(device().disarm());
+  EXPECT_FALSE(device().isArmed());
+  EXPECT_FALSE(rig_->isPowered());
+  EXPECT_FALSE(device().write(rig_->between(0.6)));
+  expectStillFor(seconds(1));
+  EXPECT_TRUE(device().read(state_)) << fault();
+}
+
+TEST_P(EveryDevice, DisarmingAMuteDeviceIsAFault) {
+  armed();
+  rig_->emulated().ailments.is_mute = true;
+  EXPECT_FALSE(device().disarm());
+  EXPECT_TRUE(device().fault());
+  EXPECT_FALSE(rig_->isPowered()) << "it hears, all the same";
+}
+
+TEST_P(EveryDevice, StopIsTheNextThingOnTheWire) {
+  armed();
+  ASSERT_TRUE(cycle(rig_->between(0.6), 5)) << fault();
+  test::takeSent(rig_->wire());
+  device().stop();
+  EXPECT_FALSE(rig_->isPowered());
+  const bool is_one_frame_per_motor =
+      GetParam() == RigKind::kODrive05 || GetParam() == RigKind::kODrive06;
+  EXPECT_EQ(test::takeSent(rig_->wire()).size(), is_one_frame_per_motor ? rig_->count() : 1u);
+  EXPECT_FALSE(device().isArmed());
+  expectStillFor(seconds(1));
+}
+
+TEST_P(EveryDevice, ATargetThatIsNoNumberIsNeverSent) {
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    rig_ = test::makeRig(GetParam());
+    armed();
+    ASSERT_TRUE(device().read(state_));
+    std::vector<double> targets = rig_->between(0.6);
+    targets.back() = bad;
+    EXPECT_FALSE(device().write(targets));
+    EXPECT_EQ(device().fault().kind, Fault::Kind::kBadTarget);
+    EXPECT_FALSE(rig_->isPowered());
+    expectStillFor(seconds(1));
+  }
+}
+
+TEST_P(EveryDevice, TargetsOfAnySizeDoNoHarm) {
+  armed();
+  for (const double huge : {1e300, -1e300, 1e9, -1e9}) {
+    static_cast<void>(device().read(state_));
+    static_cast<void>(device().write(std::vector<double>(rig_->count(), huge)));
+  }
+  EXPECT_FALSE(device().fault()) << fault();
+}
+
+TEST_P(EveryDevice, RefusesToArmBeforeItIsOpen) {
+  EXPECT_THROW(device().arm(), DeviceError);
+  EXPECT_FALSE(device().read(state_));
+  EXPECT_FALSE(device().write(rig_->between(0.5)));
+  device().stop();  // nothing happens
+}
+
+TEST_P(EveryDevice, OpeningAMuteOrMissingDeviceFails) {
+  rig_->wire().unplug();
+  EXPECT_THROW(device().open(), TransportError);
+  rig_->wire().plug();
+  rig_->emulated().ailments.is_mute = true;
+  EXPECT_THROW(device().open(), DeviceError);
+}
+
+TEST_P(EveryDevice, WrongCountsAreOurOwnMistake) {
+  armed();
+  EXPECT_THROW(static_cast<void>(device().write(std::vector<double>(1))), BrokenContract);
+  DeviceState small(1);
+  EXPECT_THROW(static_cast<void>(device().read(small)), BrokenContract);
+}
+
+TEST_P(EveryDevice, StateCarriesTheTimeOfItsReading) {
+  device().open();
+  ASSERT_TRUE(device().read(state_));
+  const TimePoint first = state_.time;
+  EXPECT_LE(first, rig_->wire().clock()());
+  rig_->wire().pass(kPeriod);
+  ASSERT_TRUE(device().read(state_));
+  EXPECT_EQ(state_.time - first, kPeriod);
+}
+
+INSTANTIATE_TEST_SUITE_P(All,
+                         EveryDevice,
+                         ::testing::Values(RigKind::kDynamixel,
+                                           RigKind::kAbilityHand,
+                                           RigKind::kODrive06,
+                                           RigKind::kODrive05),
+                         [](const auto& told) {
+                           return test::nameOf(told.param);
+                         });
+
+}  // namespace
+}  // namespace handgraft::devices

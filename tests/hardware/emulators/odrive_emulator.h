@@ -1,0 +1,71 @@
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "hardware/protocols/odrive_can.h"
+#include "hardware/protocols/slcan.h"
+
+#include "tests/hardware/emulators/emulated_device.h"
+
+namespace handgraft::test {
+
+/// ODrive axes on a CAN bus: states, heartbeats, estimates that come by themselves or on
+/// request, watchdog, emergency stop, errors that stay until they are cleared.
+class ODriveEmulator {
+ public:
+  struct Axis {
+    EmulatedServo servo;  ///< turns
+    protocols::odrive::AxisState state = protocols::odrive::AxisState::kIdle;
+    std::uint32_t error = 0;
+    bool is_broken = false;  ///< its error cannot be cleared
+    bool is_unplugged = false;
+    Duration watchdog = std::chrono::milliseconds(200);  ///< 0: not enabled
+    TimePoint heard;
+  };
+
+  ODriveEmulator(const std::vector<int>& nodes, protocols::odrive::Firmware firmware);
+
+  void hear(const protocols::CanFrame& frame, TimePoint now);
+  void advance(TimePoint now);
+  std::vector<protocols::CanFrame> takeFrames();
+
+  Axis& axis(int node) { return axes_.at(node); }
+
+  static void fail(Axis& axis, std::uint32_t error);
+
+  Duration heartbeat_period = std::chrono::milliseconds(100);
+  Duration estimate_period = std::chrono::milliseconds(10);  ///< 0: on request alone
+
+ private:
+  void answer(int node, std::uint8_t command);
+  void sayEstimates(int node);
+
+  std::map<int, Axis> axes_;
+  protocols::odrive::Firmware firmware_;
+  std::vector<protocols::CanFrame> said_;
+  TimePoint time_, heartbeat_due_, estimate_due_;
+};
+
+/// A CAN adapter that speaks lines, with ODrive axes on its bus.
+class SlcanEmulator final : public EmulatedDevice {
+ public:
+  explicit SlcanEmulator(ODriveEmulator& bus) : bus_(bus) {}
+
+  void hear(protocols::Bytes bytes, TimePoint now) override;
+  void advance(TimePoint now) override;
+
+  bool is_open = false;
+  bool answers = true;  ///< some adapters do not
+  char rate = '\0';
+
+ private:
+  void obey(const std::string& line, TimePoint now);
+  void sayText(const std::string& text, TimePoint now);
+  void passOn(TimePoint now);
+
+  ODriveEmulator& bus_;
+  protocols::StreamReader<protocols::slcan::Framing> reader_;
+};
+
+}  // namespace handgraft::test

@@ -1,0 +1,306 @@
+#include "tests/hardware/emulators/rig.h"
+
+#include "hardware/devices/ability_hand_device.h"
+#include "hardware/devices/dynamixel_hand.h"
+#include "hardware/devices/odrive_hand.h"
+#include "hardware/devices/slcan_channel.h"
+
+namespace handgraft::test {
+
+namespace {
+
+using devices::Fault;
+using devices::MotorScale;
+using std::chrono::milliseconds;
+
+namespace ah = protocols::ability_hand;
+namespace dxl = protocols::dynamixel;
+namespace odrive = protocols::odrive;
+
+std::unique_ptr<Wire> makeWire(WireKind kind, EmulatedDevice& device, int bits_per_second) {
+  return kind == WireKind::kVirtual ? makeVirtualWire(device)
+                                    : makePty(device, bits_per_second);
+}
+
+// In real time, on a machine with other things to do, answers may take long.
+Duration replyTimeout(WireKind kind) {
+  return kind == WireKind::kVirtual ? milliseconds(5) : milliseconds(200);
+}
+
+class DynamixelRig final : public Rig {
+ public:
+  explicit DynamixelRig(WireKind kind)
+      : emulator_({3, 1, 7}),
+        watchdog_(kind == WireKind::kVirtual ? 100 : 1000),
+        wire_(makeWire(kind, emulator_, 4000000)),
+        config_(makeConfig(kind, watchdog_)),
+        hand_(config_, wire_->channel(), wire_->clock()) {}
+
+  devices::Device& device() override { return hand_; }
+
+  EmulatedDevice& emulated() override { return emulator_; }
+
+  Wire& wire() override { return *wire_; }
+
+  std::size_t count() const override { return config_.motors.size(); }
+
+  double unit() const override { return dxl::kRadPerCount; }
+
+  double lower(std::size_t i) const override { return config_.motors[i].scale.lower; }
+
+  double upper(std::size_t i) const override { return config_.motors[i].scale.upper; }
+
+  Duration watchdog() const override { return watchdog_; }
+
+  Fault::Kind watchdogFault() const override { return Fault::Kind::kWatchdog; }
+
+  double angle(std::size_t i) override {
+    const auto lock = wire_->hold();
+    return config_.motors[i].scale.angle(motor(i).servo.position);
+  }
+
+  bool isPowered() override {
+    const auto lock = wire_->hold();
+    bool is_powered = false;
+    for (const auto& each : config_.motors) {
+      is_powered = is_powered || (emulator_.get(each.id, "torque_enable") != 0 &&
+                                  emulator_.get(each.id, "bus_watchdog") != 0xFF);
+    }
+    return is_powered;
+  }
+
+  void leaveStaleGoal() override {
+    for (const auto& each : config_.motors)
+      emulator_.set(each.id, "goal_position", 3500);
+  }
+
+  void breakDown() override {
+    const auto lock = wire_->hold();
+    motor(1).is_broken = true;
+    emulator_.fail(config_.motors[1].id, dxl::kOverload);
+  }
+
+  void heal() override {
+    const auto lock = wire_->hold();
+    motor(1).is_broken = false;
+  }
+
+ private:
+  static devices::DynamixelConfig makeConfig(WireKind kind, milliseconds watchdog) {
+    devices::DynamixelConfig config;
+    const MotorScale forth{dxl::kRadPerCount, 2048.0, 1, -1.0, 1.2};
+    const MotorScale back{dxl::kRadPerCount, 2000.0, -1, -0.5, 1.3};
+    config.motors = {{3, forth}, {1, back}, {7, forth}};
+    config.watchdog = watchdog;
+    config.reply_timeout = replyTimeout(kind);
+    return config;
+  }
+
+  DynamixelEmulator::Motor& motor(std::size_t i) {
+    return emulator_.motor(config_.motors[i].id);
+  }
+
+  DynamixelEmulator emulator_;
+  milliseconds watchdog_;
+  std::unique_ptr<Wire> wire_;
+  devices::DynamixelConfig config_;
+  devices::DynamixelHand hand_;
+};
+
+class AbilityHandRig final : public Rig {
+ public:
+  explicit AbilityHandRig(WireKind kind)
+      : wire_(makeWire(kind, emulator_, 460800)),
+        config_(makeConfig(kind)),
+        hand_(config_, wire_->channel(), wire_->clock()) {}
+
+  devices::Device& device() override { return hand_; }
+
+  EmulatedDevice& emulated() override { return emulator_; }
+
+  Wire& wire() override { return *wire_; }
+
+  std::size_t count() const override { return ah::kMotorCount; }
+
+  double unit() const override { return ah::kRadPerCount; }
+
+  double lower(std::size_t i) const override { return config_.lower[i]; }
+
+  double upper(std::size_t i) const override { return config_.upper[i]; }
+
+  Duration watchdog() const override { return milliseconds(300); }
+
+  // The hand tells nothing; we know how long we were silent.
+  Fault::Kind watchdogFault() const override { return Fault::Kind::kStarved; }
+
+  double angle(std::size_t i) override {
+    const auto lock = wire_->hold();
+    return emulator_.servos[i].position * ah::kRadPerCount;
+  }
+
+  bool isPowered() override {
+    const auto lock = wire_->hold();
+    return emulator_.is_in_api_mode;
+  }
+
+  void leaveStaleGoal() override {
+    for (EmulatedServo& servo : emulator_.servos)
+      servo.goal = 9000.0;
+  }
+
+  void breakDown() override {
+    const auto lock = wire_->hold();
+    emulator_.limited = 0x02;
+  }
+
+  void heal() override {
+    const auto lock = wire_->hold();
+    emulator_.limited = 0;
+  }
+
+ private:
+  static devices::AbilityHandConfig makeConfig(WireKind kind) {
+    devices::AbilityHandConfig config;
+    config.reply_timeout = replyTimeout(kind);
+    config.hot_patience = milliseconds(50);
+    if (kind == WireKind::kPty) config.longest_gap = milliseconds(290);
+    return config;
+  }
+
+  AbilityHandEmulator emulator_;
+  std::unique_ptr<Wire> wire_;
+  devices::AbilityHandConfig config_;
+  devices::AbilityHandDevice hand_;
+};
+
+class ODriveRig final : public Rig {
+ public:
+  ODriveRig(WireKind kind, odrive::Firmware firmware)
+      : bus_({0, 5, 9}, firmware),
+        emulator_(bus_),
+        wire_(makeWire(kind, emulator_, 2000000)),
+        config_(makeConfig(kind, firmware)),
+        can_(wire_->channel(), 500000, wire_->clock()),
+        hand_(config_, can_, wire_->clock()) {
+    if (kind == WireKind::kVirtual) return;
+    for (const auto& axis : config_.axes)
+      bus_.axis(axis.node).watchdog = std::chrono::seconds(1);
+  }
+
+  devices::Device& device() override { return hand_; }
+
+  EmulatedDevice& emulated() override { return emulator_; }
+
+  Wire& wire() override { return *wire_; }
+
+  std::size_t count() const override { return config_.axes.size(); }
+
+  double unit() const override { return 4e-6; }  // a float of a few turns, in rad
+
+  double lower(std::size_t i) const override { return config_.axes[i].scale.lower; }
+
+  double upper(std::size_t i) const override { return config_.axes[i].scale.upper; }
+
+  Duration watchdog() const override { return bus_watchdog_; }
+
+  Fault::Kind watchdogFault() const override { return Fault::Kind::kWatchdog; }
+
+  double angle(std::size_t i) override {
+    const auto lock = wire_->hold();
+    return config_.axes[i].scale.angle(axis(i).servo.position);
+  }
+
+  bool isPowered() override {
+    const auto lock = wire_->hold();
+    bool is_powered = false;
+    for (std::size_t i = 0; i < count(); ++i)
+      is_powered = is_powered || axis(i).state == odrive::AxisState::kClosedLoop;
+    return is_powered;
+  }
+
+  void leaveStaleGoal() override {
+    for (std::size_t i = 0; i < count(); ++i)
+      axis(i).servo.goal = 7.0;
+  }
+
+  void breakDown() override {
+    const auto lock = wire_->hold();
+    axis(1).is_broken = true;
+    ODriveEmulator::fail(axis(1), 0x2000);
+  }
+
+  void heal() override {
+    const auto lock = wire_->hold();
+    axis(1).is_broken = false;
+  }
+
+ private:
+  static devices::ODriveConfig makeConfig(WireKind kind, odrive::Firmware firmware) {
+    devices::ODriveConfig config;
+    const double turn = 2.0 * std::numbers::pi;
+    config.axes = {{0, {turn, 0.0, 1, -2.0, 10.1}},
+                   {5, {turn, 0.3, -1, -1.0, 9.3}},
+                   {9, {turn / 2.0, 0.1, 1, -1.7, 5.2}}};
+    config.firmware = firmware;
+    config.reply_timeout = replyTimeout(kind);
+    if (kind == WireKind::kPty) config.heartbeat_timeout = std::chrono::seconds(2);
+    if (kind == WireKind::kPty) config.state_timeout = std::chrono::seconds(5);
+    return config;
+  }
+
+  ODriveEmulator::Axis& axis(std::size_t i) { return bus_.axis(config_.axes[i].node); }
+
+  ODriveEmulator bus_;
+  SlcanEmulator emulator_;
+  std::unique_ptr<Wire> wire_;
+  devices::ODriveConfig config_;
+  devices::SlcanChannel can_;
+  devices::ODriveHand hand_;
+  Duration bus_watchdog_ = milliseconds(200);
+};
+
+}  // namespace
+
+std::vector<double> Rig::angles() {
+  std::vector<double> all;
+  for (std::size_t i = 0; i < count(); ++i)
+    all.push_back(angle(i));
+  return all;
+}
+
+std::vector<double> Rig::between(double share) const {
+  std::vector<double> all;
+  for (std::size_t i = 0; i < count(); ++i)
+    all.push_back(lower(i) + share * (upper(i) - lower(i)));
+  return all;
+}
+
+std::unique_ptr<Rig> makeRig(RigKind kind, WireKind wire) {
+  switch (kind) {
+    case RigKind::kDynamixel:
+      return std::make_unique<DynamixelRig>(wire);
+    case RigKind::kAbilityHand:
+      return std::make_unique<AbilityHandRig>(wire);
+    case RigKind::kODrive06:
+      return std::make_unique<ODriveRig>(wire, odrive::Firmware::k06);
+    case RigKind::kODrive05:
+      return std::make_unique<ODriveRig>(wire, odrive::Firmware::k05);
+  }
+  return nullptr;
+}
+
+std::string nameOf(RigKind kind) {
+  switch (kind) {
+    case RigKind::kDynamixel:
+      return "Dynamixel";
+    case RigKind::kAbilityHand:
+      return "AbilityHand";
+    case RigKind::kODrive06:
+      return "ODrive06";
+    case RigKind::kODrive05:
+      return "ODrive05";
+  }
+  return "";
+}
+
+}  // namespace handgraft::test
