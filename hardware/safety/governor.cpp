@@ -213,8 +213,9 @@ void Governor::noteTime(Time now) {
     const bool is_late = std::chrono::duration<double>(gap).count() > kLate * options_.period_s;
     if (is_late) ++counters_.overruns;
     overruns_in_a_row_ = is_late ? overruns_in_a_row_ + 1 : 0;
-    if (wants_power_ && gap > options_.longest_gap) enterFault(FaultCause::kGap);
-    if (wants_power_ && overruns_in_a_row_ >= options_.overruns_in_a_row)
+    // Only under power: a device may take its time to switch on.
+    if (has_power_ && gap > options_.longest_gap) enterFault(FaultCause::kGap);
+    if (has_power_ && overruns_in_a_row_ >= options_.overruns_in_a_row)
       enterFault(FaultCause::kOverruns);
   }
   last_tick_ = now;
@@ -265,8 +266,14 @@ void Governor::watchPower(const DeviceReport& device, Time now) {
   const bool waited_long =
       power_changed_at_ && now - *power_changed_at_ > options_.power_within;
   if (wants_power_) {
-    if (device.powered) {
+    if (device.powered && !has_power_) {
+      // It may have sagged or been pushed while it switched on: begin where it is now.
       has_power_ = true;
+      limiter_.reset(measured_);
+      guard_.reset(measured_);
+      aim_anew_ = true;
+    } else if (device.powered) {
+      return;
     } else if (has_power_) {
       enterFault(FaultCause::kPowerLost);
     } else if (waited_long) {

@@ -13,7 +13,7 @@ struct Range {
 };
 
 /// Between the joints of a hand and the motors that drive them. Motor angles are those of the
-/// map's own model; `MotorScale` makes them the device's.
+/// map's own model, 0 where the hand's model says; the device knows direction and zero.
 ///
 /// Units: rad (m for a prismatic joint); rad/s.
 /// Cost: no method but `motorRanges` and `motorSpeeds` allocates.

@@ -131,6 +131,20 @@ TEST(Governor, DoesNotRampToATargetThatIsNear) {
   EXPECT_FALSE(rig.governor.isRamping());
 }
 
+TEST(Governor, BeginsWhereTheHandIsOnceADeviceThatTookLongHasPower) {
+  Rig rig;
+  rig.tick();
+  rig.offer({0.06, 0.07});
+  ASSERT_EQ(rig.arm(), Refusal::kNone);
+  rig.tick();
+  rig.position = {0.011, -0.013};  // it moved while its driver waited for the motors
+  rig.now += 600ms;
+  rig.follow(1);
+  EXPECT_EQ(rig.state(), State::kArmed) << "a late period without power is no gap";
+  EXPECT_NEAR(rig.sent[0], 0.011, 3e-3) << "one step from there";
+  EXPECT_NEAR(rig.sent[1], -0.013, 3e-3);
+}
+
 // === Samples
 
 TEST(Governor, RejectsSamplesByReasonAndFollowsNoneOfThem) {

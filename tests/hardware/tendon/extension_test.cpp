@@ -8,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.h"
-#include "hardware/tendon/motor_scale.h"
 #include "hardware/tendon/spool.h"
 
 namespace handgraft::tendon {
@@ -91,15 +90,6 @@ TEST(Spool, TurnsAtTheRadiusThatItHas) {
 
 TEST(Spool, WithLittleGrowthIsNearlyOneWithout) {
   EXPECT_NEAR((Spool{0.006, 1e-12}.angleAt(0.05)), (Spool{0.006, 0}.angleAt(0.05)), 1e-7);
-}
-
-TEST(MotorScale, GoesBothWays) {
-  const MotorScale scale{-1, 3.5, 0.7};
-  EXPECT_DOUBLE_EQ(scale.toDevice(0.2), -0.2 * 3.5 + 0.7);
-  EXPECT_NEAR(scale.fromDevice(scale.toDevice(0.2)), 0.2, 1e-15);
-  const Range range = scale.toDevice(Range{-0.1, 0.4});
-  EXPECT_DOUBLE_EQ(range.lower, scale.toDevice(0.4));
-  EXPECT_DOUBLE_EQ(range.upper, scale.toDevice(-0.1));
 }
 
 }  // namespace
