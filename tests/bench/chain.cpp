@@ -26,6 +26,7 @@ struct ChainArguments {
   std::vector<std::string> objects;
   std::vector<std::string> contacts;
   std::string cache = defaultCache().string();
+  bool joints = false;
   bool json = false;
   bool markdown = false;
 };
@@ -52,19 +53,19 @@ std::vector<ScannedGrasp> graspsOf(const ChainArguments& arguments) {
   std::vector<ScannedGrasp> grasps;
   for (std::size_t i = 0; i < arguments.objects.size(); ++i) {
     grasps.push_back(readGrasp(fs::path(arguments.objects[i]).stem().string(),
-                               arguments.objects[i], arguments.contacts[i]));
+                               arguments.objects[i], arguments.contacts[i], arguments.joints));
   }
   if (!grasps.empty()) return grasps;
   const fs::path shared = sharedData();
   const fs::path bulb = shared / "contacts/contactpose";
   grasps.push_back(readGrasp("light bulb", bulb / "light_bulb.glb",
-                             bulb / "full28_use_light_bulb_contact.ply"));
+                             bulb / "full28_use_light_bulb_contact.ply", arguments.joints));
   for (const auto& [name, file] :
        {std::pair{"mustard", "006_mustard_bottle"}, std::pair{"mug", "025_mug"},
         std::pair{"cracker box", "003_cracker_box"}}) {
-    grasps.push_back(
-        readGrasp(name, shared / fmt::format("objects/ycb/{}.obj", file),
-                  shared / fmt::format("contacts/dexycb/{}_grasp0_contact.ply", file)));
+    grasps.push_back(readGrasp(
+        name, shared / fmt::format("objects/ycb/{}.obj", file),
+        shared / fmt::format("contacts/dexycb/{}_grasp0_contact.ply", file), arguments.joints));
   }
   return grasps;
 }
@@ -185,6 +186,8 @@ void addChainCommand(CLI::App& app) {
   command->add_option("--contacts", arguments->contacts, "One contact map or set an object");
   command->add_option("--cache", arguments->cache, "Folder that keeps the skins")
       ->capture_default_str();
+  command->add_flag("--joints", arguments->joints,
+                    "Fingers and directions from the recorded joints of the hand that touched");
   command->add_flag("--json", arguments->json, "One JSON document, with every patch");
   command->add_flag("--markdown", arguments->markdown, "The table alone");
   command->callback([arguments] {

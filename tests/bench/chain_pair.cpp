@@ -11,16 +11,20 @@
 #include "core/io/urdf_file.h"
 #include "core/session/hand_placement.h"
 
+#include "tests/bench/recorded_joints.h"
 #include "tests/bench/timing.h"
 
 namespace handgraft::bench {
 
 ScannedGrasp readGrasp(const std::string& name,
                        const std::filesystem::path& object,
-                       const std::filesystem::path& contacts) {
+                       const std::filesystem::path& contacts,
+                       bool with_joints) {
   const io::MeshFile file = io::readMesh(object);
+  contact::SegmentationOptions options;
+  if (with_joints) options.joints_O = recordedJoints(contacts);
   return {name, std::make_shared<const geometry::TriangleMesh>(file.mesh),
-          io::readContacts(contacts, file)};
+          io::readContacts(contacts, file, options)};
 }
 
 session::Hand readHand(const std::filesystem::path& urdf, const std::filesystem::path& cache) {

@@ -18,10 +18,12 @@ struct ScannedGrasp {
   contact::ContactSet contacts;
 };
 
-/// Errors: as io::readMesh and io::readContacts.
+/// `with_joints` gives the splitting of a map the recorded joints of the hand, where there are
+/// any (recorded_joints.h). Errors: as io::readMesh and io::readContacts.
 ScannedGrasp readGrasp(const std::string& name,
                        const std::filesystem::path& object,
-                       const std::filesystem::path& contacts);
+                       const std::filesystem::path& contacts,
+                       bool with_joints);
 
 /// A hand as the server makes it of a URDF alone: default skin, sites found. Sites and skins
 /// come from nothing that a user wrote. `cache` holds skins made before. Errors: as

@@ -9,6 +9,7 @@
 #include "core/base/error.h"
 
 #include "tests/bench/chain.h"
+#include "tests/bench/import.h"
 #include "tests/bench/logmap.h"
 #include "tests/bench/logmap_accuracy.h"
 #include "tests/bench/logmap_speed.h"
@@ -32,6 +33,7 @@ int main(int argc, char** argv) {
   CLI::App app("Measures Handgraft's numerical core", "handgraft-bench");
   app.require_subcommand(0, 1);
   handgraft::bench::addChainCommand(app);
+  handgraft::bench::addImportCommand(app);
   handgraft::bench::addLogMapCommand(app);
   handgraft::bench::addLogMapAccuracyCommand(app);
   handgraft::bench::addLogMapSpeedCommand(app);
@@ -43,9 +45,8 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
     if (!app.get_subcommands().empty()) return 0;
     return complain(
-        "a command is missing; there are: chain logmap logmap-accuracy logmap-speed solve "
-        "solvers "
-        "survey transfer",
+        "a command is missing; there are: chain import logmap logmap-accuracy logmap-speed "
+        "solve solvers survey transfer",
         kWrongInput);
   } catch (const CLI::Success& help) {
     return app.exit(help);

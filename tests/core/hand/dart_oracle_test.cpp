@@ -1,37 +1,17 @@
 // Link poses and Jacobians against DART, which shares no code with ours but urdfdom.
-#include <fstream>
 #include <random>
 #include <regex>
-#include <sstream>
 
-#include <dart/dart.hpp>
-#include <dart/utils/urdf/urdf.hpp>
 #include <gtest/gtest.h>
 
 #include "core/hand/kinematics.h"
 #include "core/io/urdf_file.h"
 
+#include "tests/support/dart_hand.h"
 #include "tests/support/shared_data.h"
 
 namespace handgraft::hand {
 namespace {
-
-/// DART cannot leave meshes out; its URDF gets none.
-std::string withoutShapes(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  std::stringstream text;
-  text << file.rdbuf();
-  std::string xml = text.str();
-  for (const std::string tag : {"visual", "collision"}) {
-    for (std::size_t at = xml.find("<" + tag); at != std::string::npos;
-         at = xml.find("<" + tag, at)) {
-      const std::size_t end = xml.find("</" + tag + ">", at);
-      if (end == std::string::npos) break;
-      xml.erase(at, end + tag.size() + 3 - at);
-    }
-  }
-  return xml;
-}
 
 class DartOracle : public ::testing::TestWithParam<const char*> {};
 
@@ -40,9 +20,7 @@ TEST_P(DartOracle, AgreesOnLinkPosesAndJacobians) {
   const std::filesystem::path path = test::sharedData(GetParam());
   // With the joints of a free root as well, which DART knows as any others.
   const HandModel model = io::readUrdfKinematics(path, io::FreeRoot::kKept);
-  dart::utils::DartLoader loader;
-  const dart::dynamics::SkeletonPtr skeleton = loader.parseSkeletonString(
-      withoutShapes(path), dart::common::Uri::createFromPath(path.string()));
+  const dart::dynamics::SkeletonPtr skeleton = test::dartHand(path);
   ASSERT_NE(skeleton, nullptr);
   // DART nails a root called "world" (MANO's) to the world, instead of letting it float.
   const bool is_nailed = model.links()[0].name == "world";
