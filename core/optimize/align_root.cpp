@@ -1,9 +1,10 @@
+#include "core/optimize/align_root.h"
+
 #include <algorithm>
 
 #include <Eigen/SVD>
 
 #include "core/base/error.h"
-#include "core/optimize/solver.h"
 
 namespace handgraft::optimize {
 
@@ -22,24 +23,41 @@ bool isLocked(const PoseProblem& problem, int dof) {
   return !problem.locked.empty() && problem.locked[static_cast<std::size_t>(dof)];
 }
 
+/// `wanted` as far as bounds and locks allow.
+Eigen::Vector3d centeredRoot(const PoseProblem& problem, const Eigen::Vector3d& wanted) {
+  Eigen::Vector3d root_W = problem.start.X_WH.translation();
+  for (int i = 0; i < 3; ++i) {
+    if (isLocked(problem, 3 + i) || problem.root_lower[i] > problem.root_upper[i]) continue;
+    root_W[i] = std::clamp(wanted[i], problem.root_lower[i], problem.root_upper[i]);
+  }
+  return root_W;
+}
+
 }  // namespace
 
-Pose alignRoot(const PoseProblem& problem, const Eigen::VectorXd& q, double normal_length_m) {
+Pose alignRoot(const PoseProblem& problem,
+               const MomentTree& tree,
+               const Eigen::VectorXd& q,
+               double normal_length_m) {
   if (!(normal_length_m >= 0.0)) {
     rejectInput("alignment: the normals' length {} m must be at least 0", normal_length_m);
   }
-  hand::LinkPoses X_HL;
-  forwardKinematics(*problem.model, Pose::Identity(), q, X_HL);
+  HANDGRAFT_REQUIRE(q.size() == problem.model->dofCount());
+  std::vector<BodyPlace> places(static_cast<std::size_t>(tree.bodyCount()));
+  placeBodies(tree, Eigen::Matrix3d::Identity(), q, places);
+  const auto centroidOf = [&places](const BodyMoments& moments) -> Eigen::Vector3d {
+    const BodyPlace& place = places[static_cast<std::size_t>(moments.body)];
+    return place.p_HB_W + place.R_WB * moments.p_B;
+  };
 
   // === Weighted centroids of both sides
   double weight = 0.0;
   Eigen::Vector3d center_H = Eigen::Vector3d::Zero();
   Eigen::Vector3d center_W = Eigen::Vector3d::Zero();
-  for (const PointPair& pair : problem.pairs) {
-    HANDGRAFT_REQUIRE(pair.link >= 0 && pair.link < problem.model->linkCount());
-    weight += pair.weight;
-    center_H += pair.weight * (X_HL[static_cast<std::size_t>(pair.link)] * pair.p_L);
-    center_W += pair.weight * pair.p_W;
+  for (const BodyMoments& moments : tree.moments) {
+    weight += moments.weight;
+    center_H += moments.weight * centroidOf(moments);
+    center_W += moments.weight * moments.x_W;
   }
   Pose X_WH = problem.start.X_WH;
   if (weight <= 0.0) return X_WH;
@@ -50,11 +68,11 @@ Pose alignRoot(const PoseProblem& problem, const Eigen::VectorXd& q, double norm
   if (!isLocked(problem, 0) && !isLocked(problem, 1) && !isLocked(problem, 2)) {
     const double normal_weight = normal_length_m * normal_length_m;
     Eigen::Matrix3d B = Eigen::Matrix3d::Zero();
-    for (const PointPair& pair : problem.pairs) {
-      const Pose& X = X_HL[static_cast<std::size_t>(pair.link)];
-      const Eigen::Vector3d arm_H = X * pair.p_L - center_H;
-      B += pair.weight * (pair.p_W - center_W) * arm_H.transpose();
-      B -= pair.weight * normal_weight * pair.n_W * (X.linear() * pair.n_L).transpose();
+    for (const BodyMoments& moments : tree.moments) {
+      const Eigen::Matrix3d& R_HB = places[static_cast<std::size_t>(moments.body)].R_WB;
+      const Eigen::Vector3d arm_H = centroidOf(moments) - center_H;
+      B += moments.weight * (moments.x_W - center_W) * arm_H.transpose();
+      B += (moments.cross - normal_weight * moments.normal) * R_HB.transpose();
     }
     // What the pairs leave open stays as it is at the start: a pull too weak to be felt
     // otherwise.
@@ -62,14 +80,31 @@ Pose alignRoot(const PoseProblem& problem, const Eigen::VectorXd& q, double norm
     const double scale = std::max(B.norm(), weight * 1e-12);
     X_WH.linear() = nearestRotation(B + kPull * scale * problem.start.X_WH.linear());
   }
-
-  // === Translation brings the centroids together, as far as bounds and locks allow
-  const Eigen::Vector3d wanted = center_W - X_WH.linear() * center_H;
-  for (int i = 0; i < 3; ++i) {
-    if (isLocked(problem, 3 + i) || problem.root_lower[i] > problem.root_upper[i]) continue;
-    X_WH.translation()[i] = std::clamp(wanted[i], problem.root_lower[i], problem.root_upper[i]);
-  }
+  X_WH.translation() = centeredRoot(problem, center_W - X_WH.linear() * center_H);
   return X_WH;
+}
+
+Pose alignRoot(const PoseProblem& problem, const Eigen::VectorXd& q, double normal_length_m) {
+  return alignRoot(problem, makeMomentTree(problem), q, normal_length_m);
+}
+
+Pose turnRoot(const PoseProblem& problem,
+              const MomentTree& tree,
+              const Pose& X_WH,
+              const Eigen::Matrix3d& R) {
+  if (isLocked(problem, 0) || isLocked(problem, 1) || isLocked(problem, 2)) return X_WH;
+  double weight = 0.0;
+  Eigen::Vector3d center_W = Eigen::Vector3d::Zero();
+  for (const BodyMoments& moments : tree.moments) {
+    weight += moments.weight;
+    center_W += moments.weight * moments.x_W;
+  }
+  if (weight <= 0.0) return X_WH;
+  center_W /= weight;
+  Pose turned = X_WH;
+  turned.linear() = R * X_WH.linear();
+  turned.translation() = centeredRoot(problem, center_W + R * (X_WH.translation() - center_W));
+  return turned;
 }
 
 }  // namespace handgraft::optimize

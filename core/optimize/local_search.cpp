@@ -33,32 +33,25 @@ constexpr double kSmallestObjective = 1e-12;
 
 }  // namespace
 
-LocalSearch::LocalSearch(const PoseProblem& problem,
-                         const Observer& observer,
-                         const std::function<void()>& keep_going)
-    : problem_(problem), observer_(observer), keep_going_(keep_going), objective_(problem) {
-  const int dofs = problem.dofCount();
-  Eigen::VectorXd lower = Eigen::VectorXd::Constant(dofs, -kInfinity);
-  Eigen::VectorXd upper = Eigen::VectorXd::Constant(dofs, kInfinity);
-  lower.segment<3>(3) = problem.root_lower;
-  upper.segment<3>(3) = problem.root_upper;
-  lower.tail(dofs - 6) = problem.lower;
-  upper.tail(dofs - 6) = problem.upper;
-  for (int i = 0; i < dofs; ++i) {
-    const bool locked = !problem.locked.empty() && problem.locked[static_cast<std::size_t>(i)];
-    if (!locked && lower[i] < upper[i]) free_dofs_.push_back(i);
-  }
-  lower_ = lower(free_dofs_);
-  upper_ = upper(free_dofs_);
-  const auto free_rotations = std::count_if(free_dofs_.begin(), free_dofs_.end(), [](int dof) {
-    return dof < 3;
-  });
-  rotation_partly_locked_ = free_rotations == 1 || free_rotations == 2;
-  gradient_.resize(dofs);
+PreparedProblem::PreparedProblem(const PoseProblem& source)
+    : problem(source),
+      tree(std::make_shared<const MomentTree>(makeMomentTree(source))),
+      space(makeSearchSpace(source, *tree)) {}
+
+LocalSearch::LocalSearch(const PreparedProblem& prepared)
+    : problem_(prepared.problem),
+      space_(prepared.space),
+      objective_(problem_, prepared.tree),
+      newton_(problem_, space_, objective_),
+      gradient_(problem_.dofCount()) {}
+
+void LocalSearch::attend(const Observer& observer, const std::function<void()>& keep_going) {
+  observer_ = observer ? &observer : nullptr;
+  keep_going_ = &keep_going;
 }
 
-LocalResult LocalSearch::begin(hand::HandPose start) {
-  keep_going_();
+LocalResult LocalSearch::begin(hand::HandPose start, int warm_up) {
+  (*keep_going_)();
   start.X_WH.translation() =
       start.X_WH.translation().cwiseMax(problem_.root_lower).cwiseMin(problem_.root_upper);
   start.q = start.q.cwiseMax(problem_.lower).cwiseMin(problem_.upper);
@@ -72,13 +65,18 @@ LocalResult LocalSearch::begin(hand::HandPose start) {
         "large for floating point",
         result.terms.objective);
   }
-  if (observer_) observer_(result.pose, result.terms);
+  if (warm_up > 0 && problem_.normal_form != NormalForm::kSum) warmUp(warm_up, result);
+  if (observer_ != nullptr) (*observer_)(result.pose, result.terms);
   return result;
 }
 
 void LocalSearch::advance(Solver solver, int evaluations, LocalResult& result) {
-  if (free_dofs_.empty()) {
+  if (space_.dofs.empty()) {
     result.outcome = Outcome::kConverged;
+    return;
+  }
+  if (solver == Solver::kLm) {
+    advanceByNewton(evaluations, result);
     return;
   }
   // The others build a model of the curvature over many steps, which a new chart would throw
@@ -101,18 +99,54 @@ void LocalSearch::advance(Solver solver, int evaluations, LocalResult& result) {
   }
 }
 
+void LocalSearch::warmUp(int evaluations, LocalResult& result) {
+  objective_.setNormalForm(NormalForm::kSum);
+  newton_.begin(result.pose);
+  int left = evaluations - 1;  // one is for the terms at its end
+  while (newton_.improve(left) == NewtonSearch::Step::kBetter)
+    (*keep_going_)();
+  objective_.setNormalForm(problem_.normal_form);
+  result.pose = newton_.pose();
+  result.evaluations += evaluations - left;
+  result.terms = objective_.evaluate(result.pose);
+}
+
+void LocalSearch::advanceByNewton(int evaluations, LocalResult& result) {
+  int left = evaluations;
+  newton_.begin(result.pose, result.damping);
+  auto step = NewtonSearch::Step::kNoEvaluations;
+  do {
+    (*keep_going_)();
+    step = newton_.improve(left);
+    if (step == NewtonSearch::Step::kBetter && observer_ != nullptr) {
+      (*observer_)(newton_.pose(), newton_.terms());
+    }
+  } while (step == NewtonSearch::Step::kBetter);
+  result.pose = newton_.pose();
+  result.terms = newton_.terms();
+  result.damping = newton_.damping();
+  result.evaluations += evaluations - left;
+  if (step == NewtonSearch::Step::kConverged) {
+    result.outcome = Outcome::kConverged;
+  } else if (step == NewtonSearch::Step::kNoEvaluations) {
+    result.outcome = Outcome::kEvaluationLimit;
+  } else {
+    result.outcome = isStationary(result) ? Outcome::kConverged : Outcome::kStalled;
+  }
+}
+
 Stop LocalSearch::runOnce(Solver solver, int evaluations, LocalResult& result) {
   // === The chart about the best pose
   // Locks hold coordinates of the rotation vector itself: then it has to be the variable.
   Eigen::Matrix3d R_base = result.pose.X_WH.linear();
-  if (rotation_partly_locked_) R_base.setIdentity();
+  if (space_.rotation_partly_locked) R_base.setIdentity();
   Eigen::VectorXd theta(problem_.dofCount());
   theta << vectorFromRotation(result.pose.X_WH.linear() * R_base.transpose()),
       result.pose.X_WH.translation(), result.pose.q;
-  const Eigen::VectorXd center = theta(free_dofs_);
-  const SearchChart chart =
-      makeSearchChart(center, objective_.gaussNewton(result.pose)(free_dofs_, free_dofs_),
-                      lower_, upper_, std::max(result.terms.objective, kSmallestObjective));
+  const Eigen::VectorXd center = theta(space_.dofs);
+  const SearchChart chart = makeSearchChart(
+      center, objective_.gaussNewton(result.pose)(space_.dofs, space_.dofs), space_.lower,
+      space_.upper, std::max(result.terms.objective, kSmallestObjective));
   const double value_scale = std::max(result.terms.objective, kSmallestObjective);
 
   BoxProblem box;
@@ -126,11 +160,11 @@ Stop LocalSearch::runOnce(Solver solver, int evaluations, LocalResult& result) {
   Eigen::VectorXd free_theta = center;
   Eigen::VectorXd free_gradient = center;
   box.function = [&](const Eigen::VectorXd& x, Eigen::VectorXd& gradient) {
-    keep_going_();
+    (*keep_going_)();
     free_theta = center;
     free_theta.noalias() += chart.basis * x;
-    free_theta = free_theta.cwiseMax(lower_).cwiseMin(upper_);
-    theta(free_dofs_) = free_theta;
+    free_theta = free_theta.cwiseMax(space_.lower).cwiseMin(space_.upper);
+    theta(space_.dofs) = free_theta;
     const Eigen::Vector3d w = theta.head<3>();
     pose.X_WH.linear() = rotationFromVector(w) * R_base;
     pose.X_WH.translation() = theta.segment<3>(3);
@@ -139,15 +173,15 @@ Stop LocalSearch::runOnce(Solver solver, int evaluations, LocalResult& result) {
     ++result.evaluations;
 
     gradient_.head<3>() = leftJacobian(w).transpose() * gradient_.head<3>().eval();
-    free_gradient = gradient_(free_dofs_) / value_scale;
+    free_gradient = gradient_(space_.dofs) / value_scale;
     gradient.noalias() = chart.basis.transpose() * free_gradient;
     Sample sample;
     sample.value = terms.objective / value_scale;
     if (terms.objective < result.terms.objective) {
       result.pose = pose;
       result.terms = terms;
-      if (observer_) observer_(result.pose, result.terms);
-      sample.stop = !rotation_partly_locked_ && w.norm() > kLargestIncrement;
+      if (observer_ != nullptr) (*observer_)(result.pose, result.terms);
+      sample.stop = !space_.rotation_partly_locked && w.norm() > kLargestIncrement;
     }
     return sample;
   };
@@ -157,7 +191,7 @@ Stop LocalSearch::runOnce(Solver solver, int evaluations, LocalResult& result) {
 bool LocalSearch::isStationary(const LocalResult& result) {
   objective_.evaluate(result.pose, gradient_);
   const Eigen::Vector3d w = vectorFromRotation(result.pose.X_WH.linear());
-  if (rotation_partly_locked_) {
+  if (space_.rotation_partly_locked) {
     gradient_.head<3>() = leftJacobian(w).transpose() * gradient_.head<3>().eval();
   }
   Eigen::VectorXd theta(problem_.dofCount());
@@ -166,11 +200,11 @@ bool LocalSearch::isStationary(const LocalResult& result) {
   // Coordinates that a bound does not keep from going downhill.
   constexpr double kAtBound = 1e-9;  // rad or m
   std::vector<int> moving;
-  for (std::size_t k = 0; k < free_dofs_.size(); ++k) {
-    const int dof = free_dofs_[k];
+  for (std::size_t k = 0; k < space_.dofs.size(); ++k) {
+    const int dof = space_.dofs[k];
     const auto entry = static_cast<Eigen::Index>(k);
-    const bool held = (gradient_[dof] > 0.0 && theta[dof] <= lower_[entry] + kAtBound) ||
-                      (gradient_[dof] < 0.0 && theta[dof] >= upper_[entry] - kAtBound);
+    const bool held = (gradient_[dof] > 0.0 && theta[dof] <= space_.lower[entry] + kAtBound) ||
+                      (gradient_[dof] < 0.0 && theta[dof] >= space_.upper[entry] - kAtBound);
     if (!held) moving.push_back(dof);
   }
   if (moving.empty()) return true;

@@ -1,5 +1,7 @@
 #include "core/optimize/moment_tree.h"
 
+#include <cmath>
+
 #include "core/base/error.h"
 
 namespace handgraft::optimize {
@@ -63,6 +65,30 @@ std::vector<TreeJoint> layLinks(const HandModel& model,
 }
 
 }  // namespace
+
+void placeBodies(const MomentTree& tree,
+                 const Eigen::Matrix3d& R_WH,
+                 const Eigen::VectorXd& q,
+                 std::vector<BodyPlace>& places) {
+  places[0].R_WB = R_WH;
+  for (std::size_t k = 0; k < tree.joints.size(); ++k) {
+    const TreeJoint& joint = tree.joints[k];
+    const BodyPlace& parent = places[static_cast<std::size_t>(joint.parent_body)];
+    BodyPlace& body = places[k + 1];
+    const double value = joint.multiplier * q[joint.dof] + joint.offset;
+    body.axis_W.noalias() = parent.R_WB.lazyProduct(joint.axis_P);
+    body.p_HB_W = parent.p_HB_W;
+    body.p_HB_W.noalias() += parent.R_WB.lazyProduct(joint.p_PB);
+    if (joint.type == JointType::kRevolute) {
+      const Eigen::Matrix3d R_PB =
+          joint.still + std::sin(value) * joint.sine + std::cos(value) * joint.cosine;
+      body.R_WB.noalias() = parent.R_WB.lazyProduct(R_PB);
+    } else {
+      body.R_WB.noalias() = parent.R_WB.lazyProduct(joint.still);
+      body.p_HB_W += value * body.axis_W;
+    }
+  }
+}
 
 MomentTree makeMomentTree(const PoseProblem& problem) {
   const HandModel& model = *problem.model;

@@ -34,6 +34,19 @@ struct MomentTree {
   [[nodiscard]] int bodyCount() const { return static_cast<int>(joints.size()) + 1; }
 };
 
+/// Where a body stands.
+struct BodyPlace {
+  Eigen::Matrix3d R_WB = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d p_HB_W = Eigen::Vector3d::Zero();  ///< from the root's origin
+  Eigen::Vector3d axis_W = Eigen::Vector3d::Zero();  ///< of the joint that carries it
+};
+
+/// Places all bodies; `places` has as many entries. Cost: O(bodies), allocates nothing.
+void placeBodies(const MomentTree& tree,
+                 const Eigen::Matrix3d& R_WH,
+                 const Eigen::VectorXd& q,
+                 std::vector<BodyPlace>& places);
+
 /// Errors: BrokenContract if a pair lies on no link. Cost: O(pairs + links).
 MomentTree makeMomentTree(const PoseProblem& problem);
 

@@ -27,8 +27,11 @@ nlopt_algorithm algorithmOf(Solver solver) {
       return NLOPT_LD_TNEWTON_PRECOND_RESTART;
     case Solver::kVar2:
       return NLOPT_LD_VAR2;
+    case Solver::kLm:
+    case Solver::kAll:
+      break;
   }
-  HANDGRAFT_REQUIRE(false && "a solver of the list");
+  HANDGRAFT_REQUIRE(false && "one of NLopt's");
   return NLOPT_LD_MMA;
 }
 

@@ -1,6 +1,6 @@
 #include "core/optimize/objective.h"
 
-#include <cmath>
+#include <utility>
 
 #include "core/base/error.h"
 
@@ -10,7 +10,6 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using hand::JointType;
 
 }  // namespace
 
@@ -35,29 +34,6 @@ Objective::Objective(const PoseProblem& problem, std::shared_ptr<const MomentTre
   terms_.resize(tree_->moments.size());
 }
 
-void Objective::place(const hand::HandPose& pose) {
-  HANDGRAFT_REQUIRE(pose.q.size() == problem_.model->dofCount());
-  pose_ = pose;
-  bodies_[0].R_WB = pose.X_WH.linear();
-  for (std::size_t k = 0; k < tree_->joints.size(); ++k) {
-    const TreeJoint& joint = tree_->joints[k];
-    const BodyState& parent = bodies_[static_cast<std::size_t>(joint.parent_body)];
-    BodyState& body = bodies_[k + 1];
-    const double value = joint.multiplier * pose.q[joint.dof] + joint.offset;
-    body.axis_W.noalias() = parent.R_WB.lazyProduct(joint.axis_P);
-    body.p_HB_W = parent.p_HB_W;
-    body.p_HB_W.noalias() += parent.R_WB.lazyProduct(joint.p_PB);
-    if (joint.type == JointType::kRevolute) {
-      const Matrix3d R_PB =
-          joint.still + std::sin(value) * joint.sine + std::cos(value) * joint.cosine;
-      body.R_WB.noalias() = parent.R_WB.lazyProduct(R_PB);
-    } else {
-      body.R_WB.noalias() = parent.R_WB.lazyProduct(joint.still);
-      body.p_HB_W += value * body.axis_W;
-    }
-  }
-}
-
 double Objective::prior() const {
   const Vector3d shift_W = pose_.X_WH.translation() - problem_.prior.X_WH.translation();
   double sum = prior_weights_[0] * turn_W_.squaredNorm();
@@ -71,12 +47,14 @@ double Objective::prior() const {
 }
 
 Terms Objective::evaluate(const hand::HandPose& pose) {
-  place(pose);
+  HANDGRAFT_REQUIRE(pose.q.size() == problem_.model->dofCount());
+  pose_ = pose;
+  placeBodies(*tree_, pose.X_WH.linear(), pose.q, bodies_);
   const Vector3d root_W = pose.X_WH.translation();
   Terms terms;
   for (std::size_t k = 0; k < terms_.size(); ++k) {
     const BodyMoments& moments = tree_->moments[k];
-    const BodyState& body = bodies_[static_cast<std::size_t>(moments.body)];
+    const BodyPlace& body = bodies_[static_cast<std::size_t>(moments.body)];
     const Vector3d centroid_W = root_W + body.p_HB_W + body.R_WB.lazyProduct(moments.p_B);
     terms_[k] = optimize::evaluate(moments, body.R_WB, centroid_W, form_);
     terms.distance += terms_[k].distance;

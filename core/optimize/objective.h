@@ -71,12 +71,6 @@ class Objective {
   [[nodiscard]] const MomentTree& tree() const { return *tree_; }
 
  private:
-  struct BodyState {
-    Eigen::Matrix3d R_WB = Eigen::Matrix3d::Identity();
-    Eigen::Vector3d p_HB_W = Eigen::Vector3d::Zero();
-    Eigen::Vector3d axis_W = Eigen::Vector3d::Zero();  ///< of the joint that carries it
-  };
-
   /// All that lies beyond a joint, about the root's origin, in W.
   struct Composite {
     Eigen::Vector3d force = Eigen::Vector3d::Zero();
@@ -89,7 +83,6 @@ class Objective {
     void add(const Composite& other);
   };
 
-  void place(const hand::HandPose& pose);
   void gatherComposites(bool with_inertia);
   void addJoint(std::size_t joint, QuadraticModel& model) const;
   void addRoot(QuadraticModel& model) const;
@@ -106,7 +99,7 @@ class Objective {
   // === Of the pose evaluated last
   hand::HandPose pose_;
   Eigen::Vector3d turn_W_ = Eigen::Vector3d::Zero();  ///< from the prior's rotation
-  std::vector<BodyState> bodies_;
+  std::vector<BodyPlace> bodies_;
   std::vector<BodyTerms> terms_;  ///< per entry of the tree's moments
   std::vector<Composite> composites_;
 };

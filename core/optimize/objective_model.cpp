@@ -39,7 +39,7 @@ void Objective::gatherComposites(bool with_inertia) {
   for (std::size_t k = 0; k < terms_.size(); ++k) {
     const BodyMoments& moments = tree_->moments[k];
     const auto index = static_cast<std::size_t>(moments.body);
-    const BodyState& body = bodies_[index];
+    const BodyPlace& body = bodies_[index];
     const BodyPull pull =
         pullOf(moments, body.R_WB, terms_[k], problem_.weights, form_, with_inertia);
     const Vector3d arm_W = body.p_HB_W + body.R_WB.lazyProduct(moments.p_B);
@@ -59,7 +59,7 @@ void Objective::gatherComposites(bool with_inertia) {
 }
 
 double Objective::slopeOf(std::size_t joint) const {
-  const BodyState& body = bodies_[joint + 1];
+  const BodyPlace& body = bodies_[joint + 1];
   const Composite& beyond = composites_[joint + 1];
   if (tree_->joints[joint].type != JointType::kRevolute) return body.axis_W.dot(beyond.force);
   return body.axis_W.dot(torqueOf(beyond.virial) - body.p_HB_W.cross(beyond.force));
@@ -95,7 +95,7 @@ void Objective::addRoot(QuadraticModel& model) const {
 
 void Objective::addJoint(std::size_t joint, QuadraticModel& model) const {
   const TreeJoint& own = tree_->joints[joint];
-  const BodyState& body = bodies_[joint + 1];
+  const BodyPlace& body = bodies_[joint + 1];
   const Composite& beyond = composites_[joint + 1];
   const double m = own.multiplier;
   const Eigen::Index dof = 6 + own.dof;
@@ -130,7 +130,7 @@ void Objective::addJoint(std::size_t joint, QuadraticModel& model) const {
   for (int at = static_cast<int>(joint) + 1; at > 0;) {
     const auto index = static_cast<std::size_t>(at);
     const TreeJoint& before = tree_->joints[index - 1];
-    const BodyState& state = bodies_[index];
+    const BodyPlace& state = bodies_[index];
     const Eigen::Index before_dof = 6 + before.dof;
     const double factor = m * before.multiplier;
     double h = 0.0;

@@ -67,6 +67,27 @@ std::vector<PatchFit> fitPatches(const PoseProblem& problem, const hand::HandPos
   return result;
 }
 
+Terms sumOverPoints(const PoseProblem& problem, const hand::HandPose& pose) {
+  const hand::LinkPoses X_WL = forwardKinematics(*problem.model, pose);
+  PoseProblem bare = problem;
+  bare.pairs.clear();
+  Terms terms = Objective(bare).evaluate(pose);
+  for (const PointPair& pair : problem.pairs) {
+    const Pose& X = X_WL[static_cast<std::size_t>(pair.link)];
+    const Eigen::Vector3d n_W = X.linear() * pair.n_L;
+    terms.distance += pair.weight * (X * pair.p_L - pair.p_W).squaredNorm();
+    if (problem.normal_form == NormalForm::kSum) {
+      terms.normal += pair.weight * (n_W + pair.n_W).squaredNorm();
+    } else {
+      const double miss = 1.0 + n_W.dot(pair.n_W);
+      terms.normal += pair.weight * miss * miss;
+    }
+  }
+  terms.objective = problem.weights.distance * terms.distance +
+                    problem.weights.normal * terms.normal + problem.weights.prior * terms.prior;
+  return terms;
+}
+
 std::vector<ActiveLimit> activeLimits(const PoseProblem& problem, const hand::HandPose& pose) {
   HANDGRAFT_REQUIRE(pose.q.size() == problem.lower.size());
   constexpr double kAtLimit = 1e-6;  // rad or m; below what a motor or a reader can tell

@@ -38,15 +38,27 @@ struct ActiveLimit {
   bool upper = false;
 };
 
+/// A place where searches ended, one of several that differ.
+struct Minimum {
+  hand::HandPose pose;
+  Terms terms;
+  Outcome outcome = Outcome::kStalled;
+  std::string solver;
+  int start = 0;  ///< that ended there first
+  int hits = 1;   ///< how many did
+};
+
 /// The answer to a problem: always a pose, also when it is a poor one.
 struct SolveReport {
   Outcome outcome = Outcome::kStalled;
   std::string solver;
   hand::HandPose pose;
-  Terms terms;
+  Terms terms;          ///< summed over the points, not over their moments
   int evaluations = 0;  ///< of all starts
   int starts = 0;
   int best_start = 0;
+  /// Distinct minima by rising objective, the answer first; at most eight.
+  std::vector<Minimum> minima;
   std::vector<PatchFit> patches;
   std::vector<ActiveLimit> active_limits;
 };
@@ -55,6 +67,10 @@ struct SolveReport {
 /// belong to no patch (-1) appear in none. Weights play no part. Errors: InvalidInput if the
 /// problem is not valid; BrokenContract on a pose of another hand.
 std::vector<PatchFit> fitPatches(const PoseProblem& problem, const hand::HandPose& pose);
+
+/// Eq. 2-5 at `pose`, pair by pair: no digits are lost near a perfect fit.
+/// Cost: O(pairs).
+Terms sumOverPoints(const PoseProblem& problem, const hand::HandPose& pose);
 
 /// The joints of `pose` at their limits, locked ones left out, in the order of the dofs.
 std::vector<ActiveLimit> activeLimits(const PoseProblem& problem, const hand::HandPose& pose);

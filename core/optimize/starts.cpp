@@ -1,10 +1,12 @@
 #include "core/optimize/starts.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
 
-#include "core/optimize/solver.h"
+#include "core/optimize/align_root.h"
 
 namespace handgraft::optimize {
 
@@ -40,25 +42,106 @@ double jointAt(const PoseProblem& problem, int joint, double fraction) {
   return lower + fraction * (upper - lower);
 }
 
+bool isLocked(const PoseProblem& problem, int joint) {
+  return !problem.locked.empty() && problem.locked[static_cast<std::size_t>(6 + joint)];
+}
+
+/// Fractions in [0, 1) of the joints' ranges: entry `count` of a low-discrepancy sequence.
+class JointSequence {
+ public:
+  JointSequence(int joints, unsigned seed)
+      : ratio_(generalizedGoldenRatio(joints)), seed_(seed) {}
+
+  /// Of each joint in turn.
+  double next(int joint, int count) {
+    stride_ /= ratio_;
+    const std::uint64_t key =
+        (static_cast<std::uint64_t>(seed_) << 32) + static_cast<unsigned>(joint);
+    const double unit = hashToUnit(key) + count * stride_;
+    return unit - std::floor(unit);
+  }
+
+ private:
+  double ratio_;
+  unsigned seed_;
+  double stride_ = 1.0;
+};
+
+// Of a joint's range: how far from the start "near" reaches, and how uneven a curl is.
+constexpr double kNear = 0.3;
+constexpr double kUneven = 0.2;
+
+/// The joints of start `index` >= 4, by its kind.
+void spreadJoints(const PoseProblem& problem, int index, unsigned seed, Eigen::VectorXd& q) {
+  const int joints = problem.model->dofCount();
+  JointSequence sequence(joints, seed);
+  // The same curl for all joints, from the start towards their upper limits.
+  const double curl = hashToUnit((static_cast<std::uint64_t>(seed) << 32) + 0x80000000U +
+                                 static_cast<unsigned>(index));
+  for (int j = 0; j < joints; ++j) {
+    const double fraction = sequence.next(j, index - 3);
+    if (isLocked(problem, j)) continue;
+    const double spread = jointAt(problem, j, fraction);
+    switch (startKind(index)) {
+      case StartKind::kNear:
+        q[j] += kNear * (spread - q[j]);
+        break;
+      case StartKind::kCurled: {
+        const double range = jointAt(problem, j, 1.0) - jointAt(problem, j, 0.0);
+        q[j] += curl * (jointAt(problem, j, 1.0) - q[j]) + kUneven * (fraction - 0.5) * range;
+        break;
+      }
+      default:
+        q[j] = spread;
+    }
+    q[j] = std::clamp(q[j], std::min(problem.lower[j], problem.upper[j]), problem.upper[j]);
+  }
+}
+
+/// Half turns about x, y, z, then quarter turns to either side.
+Eigen::Matrix3d turnOf(int count) {
+  const Eigen::Vector3d axis = Eigen::Vector3d::Unit(count % 3);
+  const int round = count / 3 % 3;
+  const double angle = round == 0 ? std::numbers::pi : 0.5 * std::numbers::pi;
+  return rotationFromVector((round == 2 ? -angle : angle) * axis);
+}
+
 }  // namespace
 
-hand::HandPose startPose(const PoseProblem& problem, int index, unsigned seed) {
+StartKind startKind(int index) {
+  switch (index) {
+    case 0:
+      return StartKind::kOwn;
+    case 1:
+    case 2:
+    case 3:
+      return StartKind::kAligned;
+    default:
+      break;
+  }
+  constexpr std::array kCycle = {StartKind::kNear, StartKind::kCurled, StartKind::kTurned,
+                                 StartKind::kSpread};
+  return kCycle[static_cast<std::size_t>(index) % kCycle.size()];
+}
+
+hand::HandPose startPose(const PoseProblem& problem,
+                         const MomentTree& tree,
+                         int index,
+                         unsigned seed) {
   hand::HandPose pose = problem.start;
   if (index == 0) return pose;
-  const int joints = problem.model->dofCount();
-  if (index >= 2) {
-    const double ratio = generalizedGoldenRatio(joints);
-    double stride = 1.0;
-    for (int j = 0; j < joints; ++j) {
-      stride /= ratio;
-      if (!problem.locked.empty() && problem.locked[static_cast<std::size_t>(6 + j)]) continue;
-      const std::uint64_t key =
-          (static_cast<std::uint64_t>(seed) << 32) + static_cast<unsigned>(j);
-      const double unit = hashToUnit(key) + (index - 1) * stride;
-      pose.q[j] = jointAt(problem, j, unit - std::floor(unit));
+  if (index == 2 || index == 3) {
+    const Eigen::VectorXd wanted = index == 2 ? problem.prior.q : problem.model->restPose();
+    for (Eigen::Index j = 0; j < pose.q.size(); ++j) {
+      if (!isLocked(problem, static_cast<int>(j))) pose.q[j] = wanted[j];
     }
+  } else if (index >= 4) {
+    spreadJoints(problem, index, seed, pose.q);
   }
-  pose.X_WH = alignRoot(problem, pose.q);
+  pose.X_WH = alignRoot(problem, tree, pose.q);
+  if (startKind(index) == StartKind::kTurned) {
+    pose.X_WH = turnRoot(problem, tree, pose.X_WH, turnOf(index / 4 - 1));
+  }
   return pose;
 }
 

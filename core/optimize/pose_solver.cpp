@@ -1,0 +1,211 @@
+#include "core/optimize/pose_solver.h"
+
+#include <algorithm>
+#include <limits>
+#include <mutex>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/optimize/local_search.h"
+#include "core/optimize/minima.h"
+#include "core/optimize/starts.h"
+#include "core/optimize/worker_pool.h"
+
+namespace handgraft::optimize {
+
+namespace {
+
+/// How a multi-start of a solver shares out its evaluations (README: measured).
+struct Plan {
+  int exploring = 0;          ///< a start is left after as many ...
+  std::size_t finishers = 0;  ///< ... unless it is among the best so far
+  int warm_up = 0;            ///< of those starts that get one
+};
+
+Plan planOf(const SolveOptions& options) {
+  if (options.solver != Solver::kLm) return {std::min(200, options.max_evaluations), 3, 0};
+  const auto third = static_cast<std::size_t>(options.starts + 2) / 3;
+  return {std::min(10, options.max_evaluations), std::max<std::size_t>(8, third), 5};
+}
+
+// What the listener of the progress hears about the first stage.
+constexpr double kExploringShare = 0.7;
+
+void validate(const SolveOptions& options) {
+  constexpr int kMostStarts = 100000;
+  constexpr int kMostThreads = 256;
+  if (options.starts < 1 || options.starts > kMostStarts) {
+    rejectInput("starts: {} must lie in 1 to {}", options.starts, kMostStarts);
+  }
+  if (options.threads < 1 || options.threads > kMostThreads) {
+    rejectInput("threads: {} must lie in 1 to {}", options.threads, kMostThreads);
+  }
+  if (options.max_evaluations < 1) {
+    rejectInput("evaluations: {} must be at least 1", options.max_evaluations);
+  }
+}
+
+/// Hears all workers, and lets the user's listeners hear one at a time.
+class Audience {
+ public:
+  Audience(const SolveOptions& options, const Progress& progress)
+      : options_(options), progress_(progress) {}
+
+  void offer(const hand::HandPose& pose, const Terms& terms) {
+    const std::lock_guard lock(mutex_);
+    if (terms.objective >= best_) return;
+    best_ = terms.objective;
+    options_.on_improvement(pose, terms);
+  }
+
+  void reportDone(double step) {
+    const std::lock_guard lock(mutex_);
+    fraction_ = std::min(1.0, fraction_ + step);
+    progress_.report("solving for the pose", fraction_);
+  }
+
+ private:
+  const SolveOptions& options_;
+  const Progress& progress_;
+  std::mutex mutex_;
+  double best_ = std::numeric_limits<double>::infinity();
+  double fraction_ = 0.0;
+};
+
+}  // namespace
+
+struct PoseSolver::Parts {
+  explicit Parts(PoseProblem source) : problem(std::move(source)), prepared(problem) {}
+
+  PoseProblem problem;
+  PreparedProblem prepared;
+  std::unique_ptr<WorkerPool> pool;
+  std::vector<std::unique_ptr<LocalSearch>> searches;  ///< one a worker
+  std::vector<LocalResult> results;                    ///< one a start
+
+  void hire(int workers) {
+    if (pool != nullptr && pool->workers() == workers) return;
+    pool = std::make_unique<WorkerPool>(workers);
+    while (searches.size() < static_cast<std::size_t>(workers))
+      searches.push_back(std::make_unique<LocalSearch>(prepared));
+  }
+
+  void explore(const SolveOptions& options, const Plan& plan, int index, LocalSearch& search) {
+    LocalResult& result = results[static_cast<std::size_t>(index)];
+    hand::HandPose start = startPose(problem, *prepared.tree, index, options.seed);
+    if (index == 0 && options.from_prior) start = problem.prior;
+    const bool warms_up = startKind(index) == StartKind::kSpread;
+    result = search.begin(std::move(start),
+                          warms_up ? std::min(plan.warm_up, plan.exploring - 1) : 0);
+    // A lone start is not compared with any other.
+    const int most = options.starts == 1 ? options.max_evaluations : plan.exploring;
+    search.advance(options.solver, most - result.evaluations, result);
+  }
+
+  /// One solver's searches from all starts; their ends are in `results`.
+  void searchAll(const SolveOptions& options,
+                 const Progress& progress,
+                 Audience& audience,
+                 double share);
+};
+
+void PoseSolver::Parts::searchAll(const SolveOptions& options,
+                                  const Progress& progress,
+                                  Audience& audience,
+                                  double share) {
+  const Plan plan = planOf(options);
+  hire(options.threads);
+  results.assign(static_cast<std::size_t>(options.starts), LocalResult());
+
+  LocalSearch::Observer observer;
+  if (options.on_improvement) {
+    observer = [&audience](const hand::HandPose& pose, const Terms& terms) {
+      audience.offer(pose, terms);
+    };
+  }
+  const std::function<void()> keep_going = [&] {
+    progress.checkpoint();
+    if (pool->failed()) throw Cancelled();
+  };
+  for (const auto& search : searches)
+    search->attend(observer, keep_going);
+
+  // === All starts as far as the first part of their evaluations carries them
+  pool->run(options.starts, [&](int worker, int index) {
+    explore(options, plan, index, *searches[static_cast<std::size_t>(worker)]);
+    audience.reportDone(share * kExploringShare / options.starts);
+  });
+
+  // === The most promising ones to their end
+  std::vector<int> order(results.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [this](int a, int b) {
+    return results[static_cast<std::size_t>(a)].terms.objective <
+           results[static_cast<std::size_t>(b)].terms.objective;
+  });
+  if (order.size() > plan.finishers) order.resize(plan.finishers);
+  const int finishers = static_cast<int>(order.size());
+  pool->run(finishers, [&](int worker, int index) {
+    LocalResult& result =
+        results[static_cast<std::size_t>(order[static_cast<std::size_t>(index)])];
+    if (result.outcome == Outcome::kEvaluationLimit) {
+      searches[static_cast<std::size_t>(worker)]->advance(
+          options.solver, options.max_evaluations - result.evaluations, result);
+    }
+    audience.reportDone(share * (1.0 - kExploringShare) / finishers);
+  });
+}
+
+PoseSolver::PoseSolver(PoseProblem problem) {
+  optimize::validate(problem);
+  parts_ = std::make_unique<Parts>(std::move(problem));
+}
+
+PoseSolver::~PoseSolver() = default;
+
+const PoseProblem& PoseSolver::problem() const {
+  return parts_->problem;
+}
+
+SolveReport PoseSolver::search(const SolveOptions& options, const Progress& progress) {
+  validate(options);
+  SolveReport report;
+  report.starts = options.starts;
+  if (boundsContradict(problem())) {
+    report.solver = nameOf(options.solver);
+    report.outcome = Outcome::kInfeasible;
+    report.pose = problem().start;
+    report.evaluations = 1;
+    report.terms = Objective(problem(), parts_->prepared.tree).evaluate(report.pose);
+    return report;
+  }
+  std::vector<Solver> solvers = {options.solver};
+  if (options.solver == Solver::kAll) solvers = singleSolvers();
+  const double share = 1.0 / static_cast<double>(solvers.size());
+  SolveOptions single = options;
+  Audience audience(options, progress);
+  for (const Solver solver : solvers) {
+    single.solver = solver;
+    parts_->searchAll(single, progress, audience, share);
+    rankMinima(*problem().model, parts_->results, std::string(nameOf(solver)), report.minima);
+    for (const LocalResult& result : parts_->results)
+      report.evaluations += result.evaluations;
+  }
+  const Minimum& best = report.minima.front();
+  report.outcome = best.outcome;
+  report.solver = best.solver;
+  report.pose = best.pose;
+  report.terms = best.terms;
+  report.best_start = best.start;
+  return report;
+}
+
+void PoseSolver::judge(SolveReport& report) const {
+  report.terms = sumOverPoints(problem(), report.pose);
+  report.patches = fitPatches(problem(), report.pose);
+  report.active_limits = activeLimits(problem(), report.pose);
+}
+
+}  // namespace handgraft::optimize

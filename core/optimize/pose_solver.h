@@ -1,0 +1,36 @@
+#pragma once
+
+#include <memory>
+
+#include "core/base/progress.h"
+#include "core/optimize/solver.h"
+
+namespace handgraft::optimize {
+
+/// Solves one problem often: moments, scratch memory and threads are made once.
+///
+/// Not to be used by two threads at a time.
+class PoseSolver {
+ public:
+  /// Errors: InvalidInput if the problem is not valid. Cost: O(pairs).
+  explicit PoseSolver(PoseProblem problem);
+  ~PoseSolver();
+
+  PoseSolver(const PoseSolver&) = delete;
+  PoseSolver& operator=(const PoseSolver&) = delete;
+
+  /// `optimize::solve` but for what has to visit each pair: the report's terms are those of the
+  /// moments, patches and limits are empty. Cost: independent of the number of pairs.
+  SolveReport search(const SolveOptions& options, const Progress& progress);
+
+  /// Fills what `search` left out. Cost: O(pairs).
+  void judge(SolveReport& report) const;
+
+  [[nodiscard]] const PoseProblem& problem() const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace handgraft::optimize
