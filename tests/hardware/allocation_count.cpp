@@ -1,12 +1,11 @@
 #include "tests/hardware/allocation_count.h"
 
-#include <atomic>
 #include <cstdlib>
 #include <new>
 
 namespace {
 
-std::atomic<long> allocation_count{0};
+thread_local long allocation_count = 0;
 
 void* counted(std::size_t size) {
   ++allocation_count;

@@ -2,7 +2,7 @@
 
 namespace handgraft::test {
 
-/// Calls of operator new in this program so far. Linking allocation_count.cpp replaces it.
+/// Calls of operator new by this thread so far. Linking allocation_count.cpp replaces it.
 long allocationCount();
 
 }  // namespace handgraft::test
