@@ -4,6 +4,7 @@
 #include <chrono>
 #include <deque>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "hardware/devices/byte_channel.h"
@@ -44,6 +45,14 @@ class EmulatedDevice {
       said_.pop_front();
     }
     return bytes;
+  }
+
+  /// Bytes that come from elsewhere on the wire, at `due`.
+  void inject(ByteVector bytes, TimePoint due) {
+    const auto later = std::find_if(said_.begin(), said_.end(), [&](const Message& message) {
+      return message.due > due;
+    });
+    said_.insert(later, {due, std::move(bytes)});
   }
 
   Ailments ailments;

@@ -1,0 +1,179 @@
+#include "hardware/devices/ability_hand_device.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+
+#include "tests/hardware/emulators/ability_hand_emulator.h"
+#include "tests/hardware/emulators/wire.h"
+
+namespace handgraft::devices {
+namespace {
+
+namespace ah = protocols::ability_hand;
+using std::chrono::milliseconds;
+
+class AbilityHandDeviceTest : public ::testing::Test {
+ protected:
+  AbilityHandDeviceTest() : wire_(test::makeVirtualWire(emulator_)), state_(ah::kMotorCount) {}
+
+  AbilityHandDevice& make(const AbilityHandConfig& config = {}) {
+    hand_ = std::make_unique<AbilityHandDevice>(config, wire_->channel(), wire_->clock());
+    return *hand_;
+  }
+
+  void cycle() {
+    static_cast<void>(hand_->read(state_));
+    static_cast<void>(hand_->write(std::vector<double>{0.3, 0.3, 0.3, 0.3, 0.3, -0.3}));
+    wire_->pass(milliseconds(10));
+  }
+
+  test::AbilityHandEmulator emulator_;
+  std::unique_ptr<test::Wire> wire_;
+  std::unique_ptr<AbilityHandDevice> hand_;
+  DeviceState state_;
+};
+
+TEST_F(AbilityHandDeviceTest, OpeningAndReadingDoNotTakeTheHandOver) {
+  make().open();
+  for (int i = 0; i < 20; ++i)
+    EXPECT_TRUE(hand_->read(state_));
+  EXPECT_FALSE(emulator_.is_in_api_mode);
+}
+
+TEST_F(AbilityHandDeviceTest, ACycleTakesOneExchange) {
+  make().open();
+  hand_->arm();
+  cycle();
+  test::takeSent(*wire_);
+  for (int i = 0; i < 10; ++i)
+    cycle();
+  EXPECT_EQ(test::takeSent(*wire_).size(), 10u);
+}
+
+TEST_F(AbilityHandDeviceTest, ReadingAloneKeepsItHolding) {
+  make().open();
+  hand_->arm();
+  for (int i = 0; i < 100; ++i) {
+    ASSERT_TRUE(hand_->read(state_));
+    wire_->pass(milliseconds(10));
+  }
+  EXPECT_TRUE(emulator_.is_in_api_mode);
+}
+
+TEST_F(AbilityHandDeviceTest, OurOwnSilenceIsAFaultBeforeTheHandGoesItsWay) {
+  for (const bool reads : {true, false}) {
+    make().open();
+    hand_->arm();
+    cycle();
+    wire_->pass(milliseconds(150));
+    ASSERT_TRUE(emulator_.is_in_api_mode);
+    if (reads) {
+      EXPECT_FALSE(hand_->read(state_));
+    } else {
+      EXPECT_FALSE(hand_->write(std::vector<double>(6, 0.0)));
+    }
+    EXPECT_EQ(hand_->fault().kind, Fault::Kind::kStarved);
+    EXPECT_FALSE(emulator_.is_in_api_mode);
+  }
+}
+
+TEST_F(AbilityHandDeviceTest, DisarmingExitsInsteadOfFallingSilent) {
+  make().open();
+  hand_->arm();
+  const int before = emulator_.exits;
+  EXPECT_TRUE(hand_->disarm());
+  EXPECT_GT(emulator_.exits, before);
+  EXPECT_FALSE(emulator_.is_in_api_mode);
+}
+
+TEST_F(AbilityHandDeviceTest, AMotorHeldBackIsToldAtOnceAndAFaultInTheEnd) {
+  make().open();
+  hand_->arm();
+  emulator_.limited = 0x21;
+  cycle();
+  cycle();
+  EXPECT_FALSE(hand_->fault());
+  EXPECT_EQ(state_.limited, (std::vector<std::uint8_t>{1, 0, 0, 0, 0, 1}));
+  for (int i = 0; i < 40; ++i)
+    cycle();
+  EXPECT_FALSE(hand_->fault()) << "before its patience of 500 ms";
+  for (int i = 0; i < 12; ++i)
+    cycle();
+  EXPECT_EQ(hand_->fault().kind, Fault::Kind::kHot);
+  EXPECT_EQ(hand_->fault().motor, 0);
+  EXPECT_EQ(hand_->fault().code, 0x21u);
+}
+
+TEST_F(AbilityHandDeviceTest, BeingHeldBackNowAndThenIsNoFault) {
+  make().open();
+  hand_->arm();
+  for (int i = 0; i < 300; ++i) {
+    emulator_.limited = i % 30 == 0 ? 0 : 0x01;
+    cycle();
+  }
+  EXPECT_FALSE(hand_->fault());
+}
+
+TEST_F(AbilityHandDeviceTest, OtherRepliesTellOtherThings) {
+  emulator_.touch.fill(1000);
+  AbilityHandConfig config;
+  config.reply = ah::Reply::kTouchCurrent;
+  make(config).open();
+  ASSERT_TRUE(hand_->read(state_));
+  EXPECT_TRUE(std::isnan(state_.velocity[0]));
+  EXPECT_EQ(state_.current[0], 0.0);
+  EXPECT_EQ(hand_->touchForces()[29], ah::touchForce(1000));
+  EXPECT_NEAR(state_.position[0], 2000 * ah::kRadPerCount, 1e-12);
+
+  config.reply = ah::Reply::kTouchVelocity;
+  make(config).open();
+  ASSERT_TRUE(hand_->read(state_));
+  EXPECT_TRUE(std::isnan(state_.current[0]));
+  EXPECT_EQ(state_.velocity[0], 0.0);
+
+  make().open();
+  ASSERT_TRUE(hand_->read(state_));
+  EXPECT_EQ(hand_->touchForces()[29], 0.0);
+}
+
+TEST_F(AbilityHandDeviceTest, AReplyOfAnotherVariantIsNoAnswer) {
+  make().open();
+  emulator_.ailments.delay = milliseconds(2);
+  ah::State other;
+  other.reply = ah::Reply::kTouchCurrent;
+  other.header = 0x10;
+  other.position.fill(12345);
+  protocols::ByteBuffer wire;
+  ah::encodeState(other, wire);
+  emulator_.inject(test::vectorOf(wire.bytes()), wire_->clock()() + milliseconds(1));
+  ASSERT_TRUE(hand_->read(state_));
+  EXPECT_NEAR(state_.position[0], 2000 * ah::kRadPerCount, 1e-12);
+  EXPECT_EQ(hand_->counters().stray, 1u);
+}
+
+TEST_F(AbilityHandDeviceTest, AnotherAddressDoesNotAnswer) {
+  AbilityHandConfig config;
+  config.address = 0x51;
+  EXPECT_THROW(make(config).open(), DeviceError);
+}
+
+TEST_F(AbilityHandDeviceTest, ConfigurationsAreChecked) {
+  AbilityHandConfig config;
+  config.upper[2] = 3.0;  // beyond 150 degrees
+  EXPECT_THROW(make(config), InvalidInput);
+  config = {};
+  config.address = 0;
+  EXPECT_THROW(make(config), InvalidInput);
+  config = {};
+  config.longest_gap = milliseconds(300);
+  EXPECT_THROW(make(config), InvalidInput);
+  config = {};
+  config.reply_timeout = milliseconds(0);
+  EXPECT_THROW(make(config), InvalidInput);
+}
+
+}  // namespace
+}  // namespace handgraft::devices

@@ -1,0 +1,214 @@
+#include "hardware/devices/odrive_hand.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+#include "hardware/devices/slcan_channel.h"
+
+#include "tests/hardware/emulators/odrive_emulator.h"
+#include "tests/hardware/emulators/wire.h"
+
+namespace handgraft::devices {
+namespace {
+
+namespace odrive = protocols::odrive;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+ODriveConfig twoAxes() {
+  const MotorScale scale{2.0 * std::numbers::pi, 0.0, 1, -3.0, 6.0};
+  ODriveConfig config;
+  config.axes = {{0, scale}, {5, scale}};
+  return config;
+}
+
+class ODriveHandTest : public ::testing::Test {
+ protected:
+  ODriveHandTest()
+      : bus_({0, 5, 20}, odrive::Firmware::k06),
+        adapter_(bus_),
+        wire_(test::makeVirtualWire(adapter_)),
+        can_(wire_->channel(), 500000, wire_->clock()),
+        state_(2) {}
+
+  ODriveHand& make(const ODriveConfig& config = twoAxes()) {
+    hand_ = std::make_unique<ODriveHand>(config, can_, wire_->clock());
+    return *hand_;
+  }
+
+  void cycle(int count = 1) {
+    for (int i = 0; i < count; ++i) {
+      static_cast<void>(hand_->read(state_));
+      static_cast<void>(hand_->write(std::vector<double>{1.0, 1.0}));
+      wire_->pass(milliseconds(10));
+    }
+  }
+
+  test::ODriveEmulator bus_;
+  test::SlcanEmulator adapter_;
+  std::unique_ptr<test::Wire> wire_;
+  SlcanChannel can_;
+  std::unique_ptr<ODriveHand> hand_;
+  DeviceState state_;
+};
+
+TEST_F(ODriveHandTest, ArmingSetsLimitsOnItsAxesAlone) {
+  ODriveConfig config = twoAxes();
+  config.axes[1].velocity_limit_rev_s = 3.5;
+  make(config).open();
+  hand_->arm();
+  EXPECT_EQ(bus_.axis(5).servo.speed, 3.5);
+  EXPECT_EQ(bus_.axis(5).state, odrive::AxisState::kClosedLoop);
+  EXPECT_EQ(bus_.axis(20).state, odrive::AxisState::kIdle);
+}
+
+TEST_F(ODriveHandTest, ArmingNeverClearsErrors) {
+  test::ODriveEmulator::fail(bus_.axis(5), 0x100);
+  make().open();
+  EXPECT_EQ(hand_->fault().kind, Fault::Kind::kHardware);
+  EXPECT_EQ(hand_->fault().motor, 1);
+  EXPECT_EQ(hand_->fault().code, 0x100u);
+  EXPECT_THROW(hand_->arm(), DeviceError);
+  EXPECT_EQ(bus_.axis(5).error & 0x100u, 0x100u);
+  hand_->reset();
+  EXPECT_EQ(bus_.axis(5).error, 0u);
+  hand_->arm();
+}
+
+TEST_F(ODriveHandTest, MissingHeartbeatsAreSilenceAlthoughEstimatesCome) {
+  make().open();
+  hand_->arm();
+  bus_.heartbeat_period = seconds(100);
+  cycle(60);
+  EXPECT_EQ(hand_->fault().kind, Fault::Kind::kSilent);
+}
+
+TEST_F(ODriveHandTest, MissingEstimatesAreSilenceAlthoughHeartbeatsCome) {
+  make().open();
+  hand_->arm();
+  bus_.axis(5).servo.position = std::nan("");  // which is not taken for a position
+  cycle(6);
+  EXPECT_EQ(hand_->fault().kind, Fault::Kind::kSilent);
+  EXPECT_EQ(hand_->fault().motor, 1);
+}
+
+TEST_F(ODriveHandTest, AnAxisThatIsNoLongerInItsLoopHasLostItsPower) {
+  make().open();
+  hand_->arm();
+  bus_.axis(0).state = odrive::AxisState::kIdle;
+  cycle(12);
+  EXPECT_EQ(hand_->fault().kind, Fault::Kind::kPowerLost);
+  EXPECT_EQ(hand_->fault().motor, 0);
+  EXPECT_EQ(bus_.axis(5).error, odrive::kEstopRequested) << "the others are stopped, too";
+}
+
+TEST_F(ODriveHandTest, AnotherOnesEmergencyStopIsAFault) {
+  make().open();
+  hand_->arm();
+  test::ODriveEmulator::fail(bus_.axis(0), odrive::kEstopRequested);
+  cycle(12);
+  EXPECT_EQ(hand_->fault().kind, Fault::Kind::kHardware);
+  EXPECT_EQ(hand_->fault().code, odrive::kEstopRequested);
+}
+
+TEST_F(ODriveHandTest, AfterItsOwnStopAnArmingNeedsAReset) {
+  make().open();
+  hand_->arm();
+  hand_->stop();
+  EXPECT_EQ(bus_.axis(0).error, odrive::kEstopRequested);
+  cycle(12);
+  EXPECT_THROW(hand_->arm(), DeviceError);
+  hand_->reset();
+  hand_->arm();
+  cycle(5);
+  EXPECT_FALSE(hand_->fault());
+}
+
+TEST_F(ODriveHandTest, ArmingGivesUpOnAnAxisThatDoesNotObey) {
+  make().open();
+  bus_.heartbeat_period = seconds(100);  // it cannot tell that it obeyed
+  wire_->pass(milliseconds(150));        // the last one was on its way
+  EXPECT_THROW(hand_->arm(), DeviceError);
+  EXPECT_FALSE(hand_->isArmed());
+  EXPECT_NE(bus_.axis(0).state, odrive::AxisState::kClosedLoop);
+}
+
+TEST_F(ODriveHandTest, ProvesThatTheWatchdogsAreEnabled) {
+  make().open();
+  hand_->arm();
+  EXPECT_TRUE(hand_->proveWatchdog(milliseconds(400)));
+  EXPECT_EQ(hand_->fault().kind, Fault::Kind::kWatchdog);
+  EXPECT_FALSE(hand_->isArmed());
+  hand_->reset();
+  hand_->arm();
+}
+
+TEST_F(ODriveHandTest, SeesThatAWatchdogIsNotEnabled) {
+  bus_.axis(5).watchdog = Duration::zero();
+  make().open();
+  hand_->arm();
+  EXPECT_FALSE(hand_->proveWatchdog(milliseconds(400)));
+  EXPECT_FALSE(hand_->isArmed());
+  EXPECT_NE(bus_.axis(5).state, odrive::AxisState::kClosedLoop);
+  EXPECT_THROW(hand_->proveWatchdog(milliseconds(400)), DeviceError);
+}
+
+TEST_F(ODriveHandTest, OtherNodesAreStrayAndChangeNothing) {
+  bus_.axis(20).error = 0x40;
+  bus_.axis(20).servo.position = 77.0;
+  make().open();
+  hand_->arm();
+  cycle(50);
+  EXPECT_FALSE(hand_->fault());
+  EXPECT_GT(hand_->counters().stray, 20u);
+}
+
+TEST_F(ODriveHandTest, WorksWithAxesThatTellEstimatesOnRequestAlone) {
+  bus_.estimate_period = Duration::zero();
+  make().open();
+  hand_->arm();
+  cycle(50);
+  EXPECT_FALSE(hand_->fault());
+  EXPECT_NEAR(state_.position[1], bus_.axis(5).servo.position * 2.0 * std::numbers::pi, 1e-5);
+}
+
+TEST_F(ODriveHandTest, TellsTheCurrentOfEachAxisInTurn) {
+  make().open();
+  EXPECT_TRUE(hand_->read(state_));
+  cycle(5);
+  EXPECT_EQ(state_.current, (std::vector<double>{0.25, 0.25}));
+}
+
+TEST_F(ODriveHandTest, SaysWhichAxisIsMissing) {
+  bus_.axis(5).is_unplugged = true;
+  try {
+    make().open();
+    ADD_FAILURE();
+  } catch (const DeviceError& error) {
+    EXPECT_STREQ(error.what(), "ODrive node 5: no heartbeat");
+  }
+}
+
+TEST_F(ODriveHandTest, ConfigurationsAreChecked) {
+  EXPECT_THROW(make(ODriveConfig{}), InvalidInput);
+  ODriveConfig config = twoAxes();
+  config.axes[1].node = 0;
+  EXPECT_THROW(make(config), InvalidInput);
+  config.axes[1].node = 64;
+  EXPECT_THROW(make(config), InvalidInput);
+  config = twoAxes();
+  config.axes[0].current_limit_A = 0.0;
+  EXPECT_THROW(make(config), InvalidInput);
+  config = twoAxes();
+  config.axes[0].velocity_limit_rev_s = std::nan("");
+  EXPECT_THROW(make(config), InvalidInput);
+  config = twoAxes();
+  config.heartbeat_timeout = Duration::zero();
+  EXPECT_THROW(make(config), InvalidInput);
+}
+
+}  // namespace
+}  // namespace handgraft::devices

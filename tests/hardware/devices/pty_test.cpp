@@ -1,0 +1,108 @@
+// Devices on pseudo terminals, in real time: what virtual time cannot show.
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+
+#include "tests/hardware/allocation_count.h"
+#include "tests/hardware/emulators/rig.h"
+
+namespace handgraft::devices {
+namespace {
+
+using std::chrono::milliseconds;
+using test::Rig;
+using test::RigKind;
+
+class EveryDeviceOnAPty : public ::testing::TestWithParam<RigKind> {
+ protected:
+  EveryDeviceOnAPty()
+      : rig_(test::makeRig(GetParam(), test::WireKind::kPty)), state_(rig_->count()) {}
+
+  Device& device() { return rig_->device(); }
+
+  /// Runs until the hand is where it is told to be; false if it does not come there.
+  bool moveTo(const std::vector<double>& targets) {
+    for (int i = 0; i < 20000; ++i) {
+      if (!device().read(state_) || !device().write(targets)) return false;
+      double farthest = 0.0;
+      for (std::size_t j = 0; j < targets.size(); ++j)
+        farthest = std::max(farthest, std::abs(state_.position[j] - targets[j]));
+      if (farthest <= rig_->unit()) return true;
+      rig_->wire().pass(milliseconds(1));
+    }
+    return false;
+  }
+
+  std::string fault() { return describe(device().fault()); }
+
+  std::unique_ptr<Rig> rig_;
+  DeviceState state_;
+};
+
+TEST_P(EveryDeviceOnAPty, MovesAndReadsBackWithinOneUnit) {
+  device().open();
+  device().arm();
+  for (const double share : {0.6, 0.4}) {
+    ASSERT_TRUE(moveTo(rig_->between(share))) << fault();
+    for (std::size_t i = 0; i < rig_->count(); ++i)
+      EXPECT_NEAR(rig_->angle(i), rig_->between(share)[i], rig_->unit());
+  }
+  EXPECT_TRUE(device().disarm());
+  EXPECT_FALSE(rig_->isPowered());
+}
+
+TEST_P(EveryDeviceOnAPty, UnpluggedIsAFaultAndPluggedInAgainStaysDisarmed) {
+  device().open();
+  device().arm();
+  ASSERT_TRUE(moveTo(rig_->between(0.55))) << fault();
+  rig_->wire().unplug();
+  EXPECT_FALSE(device().read(state_));
+  EXPECT_EQ(device().fault().kind, Fault::Kind::kWire) << fault();
+  rig_->wire().plug();
+  EXPECT_FALSE(device().read(state_)) << "a fault stays";
+  EXPECT_FALSE(device().write(rig_->between(0.6)));
+  device().reset();
+  EXPECT_FALSE(device().isArmed());
+  EXPECT_FALSE(rig_->isPowered());
+  device().arm();
+  EXPECT_TRUE(moveTo(rig_->between(0.6))) << fault();
+}
+
+TEST_P(EveryDeviceOnAPty, StopsByItselfWhenTheDriverDies) {
+  device().open();
+  device().arm();
+  ASSERT_TRUE(moveTo(rig_->between(0.5))) << fault();
+  rig_->wire().pass(milliseconds(2500));
+  EXPECT_FALSE(rig_->isPowered());
+}
+
+TEST_P(EveryDeviceOnAPty, ReadsAndWritesWithoutAllocating) {
+  device().open();
+  device().arm();
+  const std::vector<double> targets = rig_->between(0.5);
+  ASSERT_TRUE(device().read(state_) && device().write(targets)) << fault();
+  const long before = test::allocationCount();
+  for (int i = 0; i < 100; ++i) {
+    static_cast<void>(device().read(state_));
+    static_cast<void>(device().write(targets));
+  }
+  device().stop();
+  EXPECT_EQ(test::allocationCount(), before);
+  const std::vector<double> another(1);
+  EXPECT_EQ(test::allocationCount(), before + 1) << "nothing is counted";
+}
+
+INSTANTIATE_TEST_SUITE_P(All,
+                         EveryDeviceOnAPty,
+                         ::testing::Values(RigKind::kDynamixel,
+                                           RigKind::kAbilityHand,
+                                           RigKind::kODrive06),
+                         [](const auto& told) {
+                           return test::nameOf(told.param);
+                         });
+
+}  // namespace
+}  // namespace handgraft::devices
