@@ -17,6 +17,8 @@ namespace {
 
 using geometry::TriangleMesh;
 
+constexpr int kBatch = 256;  // vertices between two reports
+
 /// One part with what its queries need; parts without faces are in reach of nothing.
 class Part {
  public:
@@ -34,10 +36,6 @@ class Part {
     if (!locator_ || box_.exteriorDistance(p_O) > reach)
       return std::numeric_limits<double>::infinity();
     return locator_->nearest(p_O).distance;
-  }
-
-  [[nodiscard]] double distance(const Eigen::Vector3d& p_O) const {
-    return distance(p_O, std::numeric_limits<double>::infinity());
   }
 
   /// Generalised winding number above a half (Jacobson, Kavan & Sorkine-Hornung 2013), each
@@ -71,11 +69,14 @@ void validate(const PoseContactOptions& options) {
   }
 }
 
-[[noreturn]] void rejectFarHand(const TriangleMesh& object_O, const std::vector<Part>& parts) {
+[[noreturn]] void rejectFarHand(const TriangleMesh& object_O,
+                                const std::vector<Part>& parts,
+                                const Progress& progress) {
   double nearest = std::numeric_limits<double>::infinity();
   for (int v = 0; v < object_O.vertexCount(); ++v) {
+    if (v % kBatch == 0) progress.checkpoint();
     for (const Part& part : parts)
-      nearest = std::min(nearest, part.distance(object_O.vertex(v)));
+      nearest = std::min(nearest, part.distance(object_O.vertex(v), nearest));
   }
   rejectInput(
       "the posed hand touches nothing: its nearest part is {:.0f} mm from the object; is the "
@@ -87,7 +88,8 @@ void validate(const PoseContactOptions& options) {
 
 ContactMap contactsFromPose(const TriangleMesh& object_O,
                             const std::vector<PosedSurface>& parts_O,
-                            const PoseContactOptions& options) {
+                            const PoseContactOptions& options,
+                            const Progress& progress) {
   validate(options);
   if (object_O.faceCount() == 0) rejectInput("the object has no face to be touched");
   std::vector<Part> parts;
@@ -106,6 +108,11 @@ ContactMap contactsFromPose(const TriangleMesh& object_O,
   map.label.assign(static_cast<std::size_t>(map.mesh_O.vertexCount()), -1);
   bool any_contact = false;
   for (int v = 0; v < map.mesh_O.vertexCount(); ++v) {
+    if (v % kBatch == 0) {
+      progress.report("measuring the contact",
+                      static_cast<double>(v) / map.mesh_O.vertexCount());
+      progress.checkpoint();
+    }
     const Eigen::Vector3d p_O = map.mesh_O.vertex(v);
     for (int i = 0; i < std::ssize(parts); ++i) {
       const Part& part = parts[static_cast<std::size_t>(i)];
@@ -118,7 +125,7 @@ ContactMap contactsFromPose(const TriangleMesh& object_O,
     }
     any_contact = any_contact || map.value[v] > 0.0;
   }
-  if (!any_contact) rejectFarHand(object_O, parts);
+  if (!any_contact) rejectFarHand(map.mesh_O, parts, progress);
   return map;
 }
 

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/progress.h"
 #include "core/contact/contact_map.h"
 #include "core/geometry/triangle_mesh.h"
 
@@ -31,10 +32,12 @@ struct PoseContactOptions {
 ///
 /// Frames: all in O, metres. Errors: InvalidInput if an option is not above 0, the object or
 /// all parts have no face, or no part is within reach: another frame, or a pose that touches
-/// nothing (the message says how far the nearest part is). Cost: a nearest-place query per
-/// vertex and part within reach; O(part's faces) for each vertex in a part's bounding box.
+/// nothing (the message says how far the nearest part is). Cancelled on wish. Cost: a
+/// nearest-place query per vertex and part within reach; O(part's faces) for each vertex in a
+/// part's bounding box.
 ContactMap contactsFromPose(const geometry::TriangleMesh& object_O,
                             const std::vector<PosedSurface>& parts_O,
-                            const PoseContactOptions& options = {});
+                            const PoseContactOptions& options = {},
+                            const Progress& progress = Progress());
 
 }  // namespace handgraft::contact

@@ -140,13 +140,12 @@ std::optional<Eigen::Vector3d> HandParts::towardsWrist(int link,
   HANDGRAFT_REQUIRE(link >= 0 && link < static_cast<int>(pads_.size()));
   const std::optional<Pad>& pad = pads_[static_cast<std::size_t>(link)];
   if (!pad) return std::nullopt;
-  const Eigen::Vector3d d_L =
-      pad->n_L.dot(n_L) > kBackCosine
-          ? Eigen::Quaterniond::FromTwoVectors(pad->n_L, n_L) * pad->towards_wrist_L
-          : pad->towards_wrist_L;
+  const Eigen::Vector3d& d_L = pad->towards_wrist_L;
   const Eigen::Vector3d tangent = d_L - d_L.dot(n_L) * n_L;
-  if (tangent.norm() < kSteepest) return std::nullopt;
-  return tangent.normalized();
+  if (tangent.norm() > kSteepest) return tangent.normalized();
+  // The finger stands on the surface.
+  if (pad->n_L.dot(n_L) < kBackCosine) return std::nullopt;
+  return Eigen::Quaterniond::FromTwoVectors(pad->n_L, n_L) * d_L;
 }
 
 }  // namespace handgraft::hand

@@ -28,10 +28,9 @@ class HandParts {
   /// Unit tangent towards the wrist where the link touches something.
   ///
   /// The direction of the site that moves with the link, or else that of its finger's bone,
-  /// taken from the pad to `n_L` by the shortest turn: so it is one at the tip of a finger that
-  /// stands on the surface, too. On the back of the link, where that turn has no sense, it is
-  /// laid into the plane. Missing where neither is known. Frames: `n_L` is the hand's outward
-  /// unit normal there, in the link's frame, and so is the result.
+  /// laid into the plane; where the finger stands on the surface, that direction turned from
+  /// the pad to `n_L` by the shortest way. Missing where neither is known. Frames: `n_L` is the
+  /// hand's outward unit normal there, in the link's frame, and so is the result.
   [[nodiscard]] std::optional<Eigen::Vector3d> towardsWrist(int link,
                                                             const Eigen::Vector3d& n_L) const;
 

@@ -1,6 +1,12 @@
 #pragma once
 
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/contact/contact_set.h"
 #include "core/contact/pose_contacts.h"
+#include "core/contact/segmentation.h"
+#include "core/hand/contact_site.h"
 #include "core/hand/hand_model.h"
 #include "core/hand/kinematics.h"
 
@@ -12,5 +18,27 @@ namespace handgraft::session {
 std::vector<contact::PosedSurface> posedSurfaces(const hand::HandModel& model,
                                                  const hand::HandPose& pose,
                                                  const Pose& X_WO);
+
+struct PosedContacts {
+  /// On a mesh of its own: the object's, cut finer where that is coarse. Its segments are the
+  /// links.
+  contact::ContactMap map;
+  contact::ContactSet set;  ///< on the object's mesh; has no name yet
+};
+
+/// Where a posed hand touches an object, as patches: one for each finger, called as its site or
+/// as HandParts names it, with its direction towards the wrist where the hand tells it.
+///
+/// Frames: pose in W, object and result in O. `sites` may be empty. Errors: InvalidInput as
+/// contactsFromPose (the hand touches nothing: how far it is) and segment. Cancelled on wish.
+/// Cost: that of contactsFromPose.
+PosedContacts contactsOfPosedHand(const hand::HandModel& model,
+                                  const std::vector<hand::ContactSite>& sites,
+                                  const hand::HandPose& pose,
+                                  const geometry::TriangleMesh& object_O,
+                                  const Pose& X_WO,
+                                  const contact::PoseContactOptions& reach,
+                                  const contact::SegmentationOptions& segmentation,
+                                  const Progress& progress);
 
 }  // namespace handgraft::session

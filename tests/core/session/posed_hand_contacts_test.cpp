@@ -1,9 +1,19 @@
 #include "core/session/posed_hand_contacts.h"
 
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+#include <string>
+
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "core/base/error.h"
 
 #include "tests/support/plate_hand.h"
 #include "tests/support/plates.h"
+#include "tests/support/small_hand.h"
 
 namespace handgraft::session {
 namespace {
@@ -30,6 +40,108 @@ TEST(PosedSurfaces, LeaveOutLinksWithoutOne) {
   const hand::HandModel hand("bare", {bare}, {});
   EXPECT_TRUE(
       posedSurfaces(hand, {Pose::Identity(), Eigen::VectorXd(0)}, Pose::Identity()).empty());
+}
+
+/// The small hand at rest about a box that its fingertips press 1 mm into: thumb on the box's
+/// side at -x, index and middle on that at x, the palm below at -z; the box stands askew.
+class SmallHandAboutABox : public testing::Test {
+ protected:
+  SmallHandAboutABox() {
+    X_WO_.translate(Eigen::Vector3d(0.3, -0.2, 0.1));
+    X_WO_.rotate(Eigen::AngleAxisd(1.0, Eigen::Vector3d(1.0, -2.0, 0.5).normalized()));
+    pose_.q = Eigen::VectorXd::Zero(6);
+    pose_.X_WH = X_WO_ * Eigen::Translation3d(0.0, 0.0, -0.06);  // tips at the box's middle
+  }
+
+  [[nodiscard]] PosedContacts contacts(double reach_m = 0.010) const {
+    contact::PoseContactOptions options;
+    options.reach_m = reach_m;
+    contact::SegmentationOptions segmentation;
+    segmentation.outline_share = 0.0;  // patches end at the threshold
+    return contactsOfPosedHand(*small_.model, small_.sites, pose_, box_O_, X_WO_, options,
+                               segmentation, Progress());
+  }
+
+  [[nodiscard]] const contact::Patch& patchOf(const PosedContacts& contacts,
+                                              const std::string& name) const {
+    for (const contact::Patch& patch : contacts.set.patches)
+      if (patch.name == name) return patch;
+    throw std::runtime_error("no patch " + name);
+  }
+
+  test::SmallHand small_ = test::makeSmallHand();
+  geometry::TriangleMesh box_O_ = geometry::makeBox({0.062, 0.08, 0.06});
+  Pose X_WO_ = Pose::Identity();
+  hand::HandPose pose_;
+};
+
+TEST_F(SmallHandAboutABox, LeavesAPatchOfEachFingerWhereItTouches) {
+  const PosedContacts found = contacts();
+  ASSERT_EQ(found.set.patches.size(), 3u);
+  const std::map<std::string, Eigen::Vector3d> expected{{"thumb", {-0.031, 0.0, 0.0}},
+                                                        {"index", {0.031, 0.015, 0.0}},
+                                                        {"middle", {0.031, -0.015, 0.0}}};
+  for (const auto& [name, p_O] : expected) {
+    const contact::Patch& patch = patchOf(found, name);
+    EXPECT_NO_THROW(contact::validate(box_O_, patch));
+    EXPECT_LT((positionOf(box_O_, patch.root) - p_O).norm(), 0.004) << name;
+    ASSERT_TRUE(patch.direction_O.has_value()) << name;
+    EXPECT_LT((*patch.direction_O + Eigen::Vector3d::UnitZ()).norm(), 1e-6) << name;
+    // A ball of 10 mm that reaches 1 mm in: 6 mm off it, the threshold, is 12.1 mm away.
+    for (const geometry::SurfacePoint& point : patch.interpolation_boundary)
+      EXPECT_NEAR((positionOf(box_O_, point) - p_O).norm(), 0.0112, 0.003) << name;
+  }
+}
+
+TEST_F(SmallHandAboutABox, NamesPatchesLikeTheSitesOfTheirFingers) {
+  small_.sites[1].name = "f7";
+  const PosedContacts found = contacts();
+  std::vector<std::string> names;
+  for (const contact::Patch& patch : found.set.patches)
+    names.push_back(patch.name);
+  EXPECT_THAT(names, testing::ElementsAre("thumb", "middle", "f7"));
+}
+
+TEST_F(SmallHandAboutABox, KeepsTheMapItWasFoundIn) {
+  const contact::ContactMap map = contacts().map;
+  EXPECT_NO_THROW(contact::validate(map));
+  EXPECT_GT(map.mesh_O.vertexCount(), box_O_.vertexCount());  // 12 faces show no patch
+  for (int v = 0; v < map.mesh_O.vertexCount(); ++v) {
+    const Eigen::Vector3d p_O = map.mesh_O.vertex(v);
+    // On the sides where fingers are, the distance to the nearest tip's ball.
+    if (std::abs(p_O.x()) < 0.0309) continue;
+    const Eigen::Vector3d thumb(-0.04, 0.0, 0.0);
+    const Eigen::Vector3d index(0.04, 0.015, 0.0);
+    const Eigen::Vector3d middle(0.04, -0.015, 0.0);
+    const double distance =
+        std::min({(p_O - thumb).norm(), (p_O - index).norm(), (p_O - middle).norm()}) - 0.010;
+    const double expected = std::clamp(1.0 - distance / 0.010, 0.0, 1.0);
+    if (p_O.z() > -0.005) {
+      EXPECT_NEAR(map.value[v], expected, 0.05) << p_O.transpose();
+    }
+  }
+}
+
+TEST_F(SmallHandAboutABox, SaysHowFarAHandIsThatTouchesNothing) {
+  X_WO_.translate(Eigen::Vector3d(0.0, 0.0, 0.14));  // 10 + 30 mm above the tips' tops
+  EXPECT_THAT(
+      [&] {
+        (void)contacts();
+      },
+      testing::ThrowsMessage<InvalidInput>(testing::HasSubstr("touches nothing")));
+  EXPECT_THAT(
+      [&] {
+        (void)contacts();
+      },
+      testing::ThrowsMessage<InvalidInput>(testing::HasSubstr("100 mm")));
+}
+
+TEST_F(SmallHandAboutABox, StopsOnWish) {
+  Progress progress;
+  progress.cancel();
+  EXPECT_THROW(
+      contactsOfPosedHand(*small_.model, small_.sites, pose_, box_O_, X_WO_, {}, {}, progress),
+      Cancelled);
 }
 
 }  // namespace
