@@ -50,54 +50,8 @@ std::vector<double> flat(const std::vector<Eigen::Vector3d>& points) {
   return values;
 }
 
-std::vector<Eigen::Vector3d> positionsOf(const geometry::TriangleMesh& mesh,
-                                         const std::vector<geometry::SurfacePoint>& places) {
-  std::vector<Eigen::Vector3d> positions;
-  positions.reserve(places.size());
-  for (const geometry::SurfacePoint& place : places)
-    positions.push_back(geometry::positionOf(mesh, place));
-  return positions;
-}
-
 std::vector<double> entries(const Eigen::VectorXd& values) {
   return {values.data(), values.data() + values.size()};
-}
-
-/// All surfaces of a link as one mesh.
-v1::Mesh surfaceOf(const hand::Link& link) {
-  v1::Mesh all;
-  for (const hand::Shape& shape : link.surface()) {
-    const v1::Mesh part = toMessage(shape.mesh_L);
-    const auto first = static_cast<std::uint32_t>(all.vertices_m().size() / 3);
-    all.vertices_m().insert(all.vertices_m().end(), part.vertices_m().begin(),
-                            part.vertices_m().end());
-    for (const std::uint32_t corner : part.triangles())
-      all.triangles().push_back(first + corner);
-  }
-  return all;
-}
-
-v1::JointInfo jointInfo(const hand::HandModel& model, int dof) {
-  const hand::Joint& joint = model.dofJoint(dof);
-  v1::JointInfo info;
-  info.name(joint.name);
-  info.parent_link(joint.parent_link);
-  info.child_link(joint.child_link);
-  info.prismatic(joint.type == hand::JointType::kPrismatic);
-  info.lower_rad(model.lower()[dof]);
-  info.upper_rad(model.upper()[dof]);
-  info.velocity_limit_rad_s(joint.velocity_limit);
-  return info;
-}
-
-v1::SiteInfo siteInfo(const hand::ContactSite& site) {
-  v1::SiteInfo info;
-  info.name(site.name);
-  info.link(site.link);
-  info.p_L_m(toMessage(site.p_L));
-  info.n_L(toMessage(site.n_L));
-  info.direction_L(toMessage(site.direction_L));
-  return info;
 }
 
 }  // namespace
@@ -240,72 +194,6 @@ v1::Terms toMessage(const optimize::Terms& terms) {
   message.normal(terms.normal);
   message.prior(terms.prior);
   message.objective(terms.objective);
-  return message;
-}
-
-v1::HandDescription describe(const StoredHand& hand,
-                             const std::optional<session::Hand>& ready,
-                             bool with_meshes) {
-  const hand::HandModel& model = hand.hand->model();
-  v1::HandDescription message;
-  message.name(hand.name);
-  for (int dof = 0; dof < model.dofCount(); ++dof) {
-    message.joints().push_back(jointInfo(model, dof));
-  }
-  for (const hand::Joint& joint : model.joints()) {
-    if (!joint.mimic) continue;
-    v1::MimicInfo mimic;
-    mimic.joint(joint.name);
-    mimic.source(joint.mimic->source_joint);
-    mimic.multiplier(joint.mimic->multiplier);
-    mimic.offset_rad(joint.mimic->offset);
-    message.mimics().push_back(std::move(mimic));
-  }
-  for (const hand::Link& link : model.links()) {
-    v1::LinkInfo info;
-    info.name(link.name);
-    if (with_meshes) info.surface_L(surfaceOf(link));
-    message.links().push_back(std::move(info));
-  }
-  const auto& sites = ready ? std::optional(ready->sites) : hand.hand->ownSites();
-  if (sites) {
-    for (const hand::ContactSite& site : *sites)
-      message.sites().push_back(siteInfo(site));
-  }
-  if (with_meshes && ready) {
-    message.skin_S(toMessage(ready->skin->mesh()));
-    message.skin_face_links(ready->skin->faceLinks());
-  }
-  message.rest_rad(entries(model.restPose()));
-  message.urdf(hand.urdf);
-  message.notes(hand.notes);
-  return message;
-}
-
-v1::ObjectDescription describe(const StoredObject& object, bool with_meshes) {
-  v1::ObjectDescription message;
-  message.name(object.name);
-  if (with_meshes) message.mesh_O(toMessage(object.file->mesh));
-  message.notes(object.file->notes);
-  return message;
-}
-
-v1::ContactsDescription describe(const StoredContacts& contacts) {
-  const geometry::TriangleMesh& mesh = contacts.object->mesh;
-  v1::ContactsDescription message;
-  message.name(contacts.name);
-  message.object(contacts.set.object);
-  message.notes(contacts.set.notes);
-  for (const contact::Patch& patch : contacts.set.patches) {
-    v1::PatchInfo info;
-    info.name(patch.name);
-    info.root(toMessage(patch.root));
-    if (patch.direction_O) info.direction_O(entries(*patch.direction_O));
-    info.point_count(static_cast<std::uint32_t>(patch.interpolation_boundary.size()));
-    info.outline_O_m(flat(positionsOf(mesh, patch.interpolation_boundary)));
-    info.weight(patch.weight);
-    message.patches().push_back(std::move(info));
-  }
   return message;
 }
 

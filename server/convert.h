@@ -9,7 +9,6 @@
 #include "idl/sensor_msgs.h"
 #include "idl/service.h"
 #include "idl/sessions.h"
-#include "server/model_store.h"
 
 /// The one place where messages become core types and back. What comes from the wire is checked
 /// here: enumerators, bounds of sequences, finiteness of poses (InvalidInput).
@@ -35,12 +34,6 @@ std::array<double, 3> toMessage(const Eigen::Vector3d& v);
 v1::Mesh toMessage(const geometry::TriangleMesh& mesh);
 v1::Outcome toMessage(optimize::Outcome outcome);
 v1::Terms toMessage(const optimize::Terms& terms);
-
-v1::HandDescription describe(const StoredHand& hand,
-                             const std::optional<session::Hand>& ready,
-                             bool with_meshes);
-v1::ObjectDescription describe(const StoredObject& object, bool with_meshes);
-v1::ContactsDescription describe(const StoredContacts& contacts);
 
 /// A pose on the way: joints, root and terms.
 v1::PoseSolution solutionMessage(const session::Session& session,

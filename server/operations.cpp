@@ -6,6 +6,7 @@
 #include "idl/names.h"
 #include "server/handlers/models.h"
 #include "server/handlers/optimize.h"
+#include "server/handlers/pose_contacts.h"
 #include "server/handlers/problem.h"
 #include "server/handlers/sessions.h"
 #include "server/handlers/suggest.h"
@@ -109,6 +110,10 @@ v1::ReplyBody perform(const v1::Request& request,
     case v1::OP_OPEN_SESSION:
       return bodyOf(operation, [&](auto& reply) {
         reply.session(openSession(body.open_session(), workshop, progress));
+      });
+    case v1::OP_POSE_CONTACTS:
+      return bodyOf(operation, [&](auto& reply) {
+        reply.models(contactsOfPose(body.pose_contacts(), workshop, progress));
       });
     default:
       throw BrokenContract(fmt::format("{} is an operation of a session", nameOf(operation)));

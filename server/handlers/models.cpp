@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "server/convert.h"
+#include "server/descriptions.h"
 #include "server/reading/read_model.h"
 
 namespace handgraft::server {
@@ -116,16 +116,17 @@ v1::ModelDescription describeModel(const v1::DescribeModelRequest& request,
   switch (request.model().kind()) {
     case v1::MODEL_HAND: {
       const auto hand = workshop.models.hand(name);
-      const auto ready = request.with_meshes() ? std::optional(hand->hand->get(progress))
-                                               : hand->hand->ready();
-      reply.hand(describe(*hand, ready, request.with_meshes()));
+      std::optional<SkinnedHand> skinned;
+      if (request.with_meshes())
+        skinned = {hand->hand->get(progress), hand->hand->skinReport(progress)};
+      reply.hand(describe(*hand, skinned));
       return reply;
     }
     case v1::MODEL_OBJECT:
       reply.object(describe(*workshop.models.object(name), request.with_meshes()));
       return reply;
     case v1::MODEL_CONTACTS:
-      reply.contacts(describe(*workshop.models.contacts(name)));
+      reply.contacts(describe(*workshop.models.contacts(name), request.with_meshes()));
       return reply;
   }
   rejectInput("model kind {} does not exist", static_cast<unsigned>(request.model().kind()));

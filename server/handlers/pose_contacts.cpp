@@ -1,0 +1,198 @@
+#include "server/handlers/pose_contacts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/hand/free_root.h"
+#include "core/session/posed_hand_contacts.h"
+#include "server/convert.h"
+#include "server/load_messages.h"
+
+namespace handgraft::server {
+
+namespace {
+
+constexpr double kShortestReach_m = 1e-4;
+constexpr double kLongestReach_m = 0.1;
+constexpr double kLimitTolerance = 1e-6;  // rad or m; what files round away
+
+/// The pose as far as the request and the hand say it.
+struct AskedPose {
+  hand::HandPose pose;
+  std::vector<std::string> notes;
+};
+
+Eigen::VectorXd startOf(const v1::PoseContactsRequest& request, const StoredHand& hand) {
+  if (request.start_pose().empty()) return hand.hand->model().restPose();
+  std::string names;
+  for (const hand::NamedPose& pose : hand.poses) {
+    if (pose.name == request.start_pose()) return pose.q;
+    names += (names.empty() ? "" : ", ") + handgraft::quoted(pose.name);
+  }
+  rejectInput("hand {} has no pose {}; its poses are: {}", handgraft::quoted(hand.name),
+              handgraft::quoted(request.start_pose()), names.empty() ? "none" : names);
+}
+
+/// The dof of the hand's free root that is called so; -1 if there is none.
+int freeRootDof(const StoredHand& hand, const std::string& joint) {
+  if (!hand.free_root) return -1;
+  const std::vector<std::string> names = hand.free_root->dofNames();
+  const auto at = std::find(names.begin(), names.end(), joint);
+  return at == names.end() ? -1 : static_cast<int>(at - names.begin());
+}
+
+void noteLimits(const hand::HandModel& model,
+                const Eigen::VectorXd& q,
+                std::vector<std::string>& notes) {
+  for (int dof = 0; dof < model.dofCount(); ++dof) {
+    const double lower = model.lower()[dof];
+    const double upper = model.upper()[dof];
+    if (q[dof] >= lower - kLimitTolerance && q[dof] <= upper + kLimitTolerance) continue;
+    notes.push_back(
+        fmt::format("joint {}: {:.4g} is beyond its limits {:.4g} to {:.4g}; taken "
+                    "as it is",
+                    handgraft::quoted(model.dofJoint(dof).name), q[dof], lower, upper));
+  }
+}
+
+AskedPose poseFrom(const v1::PoseContactsRequest& request, const StoredHand& hand) {
+  if (request.joints().size() != request.joint_rad().size()) {
+    rejectInput("pose: {} joints but {} values", request.joints().size(),
+                request.joint_rad().size());
+  }
+  const hand::HandModel& model = hand.hand->model();
+  AskedPose asked;
+  Eigen::VectorXd& q = asked.pose.q;
+  q = startOf(request, hand);
+  Eigen::VectorXd q_root;
+  if (hand.free_root) q_root = hand.free_root->restPose();
+
+  std::set<std::string> named;
+  std::string of_root;
+  for (std::size_t i = 0; i < request.joints().size(); ++i) {
+    const std::string& joint = request.joints()[i];
+    const double value = request.joint_rad()[i];
+    if (!std::isfinite(value)) {
+      rejectInput("joint {}: {} is not finite", handgraft::quoted(joint), value);
+    }
+    if (!named.insert(joint).second) {
+      rejectInput("joint {} is named twice", handgraft::quoted(joint));
+    }
+    if (const int dof = freeRootDof(hand, joint); dof >= 0) {
+      q_root[dof] = value;
+      of_root = joint;
+    } else {
+      q[model.dofIndex(joint)] = value;
+    }
+  }
+  if (!of_root.empty() && !request.X_WH().empty()) {
+    rejectInput("the pose of the hand's root is given twice: by X_WH and by joint {}",
+                handgraft::quoted(of_root));
+  }
+  asked.pose.X_WH = of_root.empty() ? server::poseFrom(request.X_WH(), "X_WH")
+                                    : hand::carriedPose(*hand.free_root, q_root);
+  noteLimits(model, q, asked.notes);
+  return asked;
+}
+
+contact::PoseContactOptions reachFrom(const v1::PoseContactsRequest& request) {
+  contact::PoseContactOptions options;
+  if (request.reach_m() == 0.0) return options;
+  if (!(request.reach_m() >= kShortestReach_m && request.reach_m() <= kLongestReach_m)) {
+    rejectInput("reach is {} m; permitted are {} to {}", request.reach_m(), kShortestReach_m,
+                kLongestReach_m);
+  }
+  options.reach_m = request.reach_m();
+  return options;
+}
+
+contact::SegmentationOptions segmentationOf(const v1::PoseContactsRequest& request) {
+  if (request.contacts().size() > 1) {
+    rejectInput("contacts: {} entries; at most 1 is allowed", request.contacts().size());
+  }
+  return request.contacts().empty() ? contact::SegmentationOptions()
+                                    : segmentationFrom(request.contacts().front());
+}
+
+/// Two requests of the same content have the same; FNV-1a.
+std::uint64_t fingerprintOf(const v1::PoseContactsRequest& request,
+                            const hand::HandPose& pose,
+                            const Pose& X_WO,
+                            const contact::PoseContactOptions& reach,
+                            const contact::SegmentationOptions& segmentation,
+                            const StoredHand& hand,
+                            const StoredObject& object) {
+  std::uint64_t print = 14695981039346656037ull;
+  const auto take = [&](const void* data, std::size_t size) {
+    const auto* bytes = static_cast<const unsigned char*>(data);
+    for (std::size_t i = 0; i < size; ++i)
+      print = (print ^ bytes[i]) * 1099511628211ull;
+  };
+  const auto number = [&](double value) {
+    take(&value, sizeof(value));
+  };
+  for (const std::string* name : {&request.hand(), &request.object()})
+    take(name->c_str(), name->size() + 1);
+  for (const std::uint64_t origin : {hand.origin.fingerprint, object.origin.fingerprint})
+    take(&origin, sizeof(origin));
+  take(pose.q.data(), sizeof(double) * static_cast<std::size_t>(pose.q.size()));
+  for (const Eigen::Matrix4d& X : {pose.X_WH.matrix(), X_WO.matrix()})
+    take(X.data(), sizeof(double) * 16);
+  number(reach.reach_m);
+  number(segmentation.threshold);
+  number(segmentation.rule == contact::ThresholdRule::kOtsu ? 1.0 : 0.0);
+  number(segmentation.low_share);
+  number(segmentation.smoothing_steps);
+  number(segmentation.minimum_area_m2);
+  number(segmentation.interpolation_count);
+  return print;
+}
+
+}  // namespace
+
+v1::ModelList contactsOfPose(const v1::PoseContactsRequest& request,
+                             Workshop& workshop,
+                             const Progress& progress) {
+  validateName(request.name());
+  const auto hand = workshop.models.hand(request.hand());
+  const auto object = workshop.models.object(request.object());
+  const Pose X_WO = poseFrom(request.X_WO(), "X_WO");
+  const contact::PoseContactOptions reach = reachFrom(request);
+  const contact::SegmentationOptions segmentation = segmentationOf(request);
+  AskedPose asked = poseFrom(request, *hand);
+
+  const session::Hand ready = hand->hand->get(progress);
+  session::PosedContacts posed =
+      session::contactsOfPosedHand(*ready.model, ready.sites, asked.pose, object->file->mesh,
+                                   X_WO, reach, segmentation, progress);
+
+  StoredContacts contacts;
+  contacts.name = request.name();
+  contacts.origin.fingerprint =
+      fingerprintOf(request, asked.pose, X_WO, reach, segmentation, *hand, *object);
+  contacts.object = object->file;
+  contacts.set = std::move(posed.set);
+  contacts.set.name = request.name();
+  contacts.set.object = request.object();
+  std::vector<std::string>& notes = contacts.set.notes;
+  notes.insert(notes.begin(), std::make_move_iterator(asked.notes.begin()),
+               std::make_move_iterator(asked.notes.end()));
+  notes.insert(notes.begin(),
+               fmt::format("what hand {} touches in a pose, by distance up to "
+                           "{:.3g} mm",
+                           handgraft::quoted(request.hand()), 1e3 * reach.reach_m));
+  contacts.threshold = contact::thresholdOf(posed.map, segmentation);
+  contacts.map = std::make_shared<const contact::ContactMap>(std::move(posed.map));
+
+  v1::ModelList reply;
+  reply.models().push_back(summaryOf(contacts));
+  workshop.models.add(std::move(contacts));
+  return reply;
+}
+
+}  // namespace handgraft::server
