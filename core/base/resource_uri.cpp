@@ -1,8 +1,8 @@
 #include "core/base/resource_uri.h"
 
-#include <algorithm>
 #include <cstdlib>
-#include <regex>
+#include <optional>
+#include <set>
 #include <sstream>
 #include <string>
 
@@ -71,6 +71,23 @@ fs::path packageDirectory(const std::string& package,
       quoted(uri), quoted(package), base_directory.string(), package);
 }
 
+/// What stands in quotes behind `name=` in the text of one element. By hand: a std::regex takes
+/// stack for every character, and names may have a million.
+std::optional<std::string> attributeIn(const std::string& element, const std::string& name) {
+  constexpr const char* kBlank = " \t\r\n\v\f";
+  for (std::size_t at = element.find(name); at != std::string::npos;
+       at = element.find(name, at + 1)) {
+    const std::size_t sign = element.find_first_not_of(kBlank, at + name.size());
+    if (sign == std::string::npos || element[sign] != '=') continue;
+    const std::size_t quote = element.find_first_not_of(kBlank, sign + 1);
+    if (quote == std::string::npos) continue;
+    if (element[quote] != '"' && element[quote] != '\'') continue;
+    const std::size_t end = element.find(element[quote], quote + 1);
+    if (end != std::string::npos) return element.substr(quote + 1, end - quote - 1);
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 PackageMap amentPackages() {
@@ -130,14 +147,13 @@ std::vector<std::string> meshUrisIn(const std::string& urdf_text) {
   }
 
   std::vector<std::string> uris;
+  std::set<std::string> known;
   const std::string tag = "<mesh";
   for (std::size_t at = text.find(tag); at != std::string::npos; at = text.find(tag, at + 1)) {
-    const std::string element = text.substr(at, text.find('>', at) - at);
-    static const std::regex kFileName(R"rx(filename\s*=\s*("([^"]*)"|'([^']*)'))rx");
-    std::smatch match;
-    if (!std::regex_search(element, match, kFileName)) continue;
-    const std::string uri = match[2].matched ? match[2].str() : match[3].str();
-    if (std::find(uris.begin(), uris.end(), uri) == uris.end()) uris.push_back(uri);
+    const std::size_t end = text.find('>', at);
+    if (end == std::string::npos) break;
+    const auto uri = attributeIn(text.substr(at, end - at), "filename");
+    if (uri && known.insert(*uri).second) uris.push_back(*uri);
   }
   return uris;
 }

@@ -73,6 +73,13 @@ TEST(MeshUris, SurviveDamagedText) {
   EXPECT_TRUE(meshUrisIn("<mesh filename=\"never closed").empty());
   EXPECT_TRUE(meshUrisIn("<!-- never closed <mesh filename='a'/>").empty());
   EXPECT_TRUE(meshUrisIn("").empty());
+  EXPECT_TRUE(meshUrisIn("<mesh filename=a.stl/><mesh file_name='a'/><mesh =''/>").empty());
+}
+
+TEST(MeshUris, MayBeAMillionBytesLong) {
+  const std::string uri(1'000'000, 'a');
+  EXPECT_THAT(meshUrisIn("<mesh scale='1 1 1' filename = \"" + uri + "\"/>"),
+              ::testing::ElementsAre(uri));
 }
 
 TEST(AmentPackages, AreTheSharesOfEveryPrefixTheFirstOfAName) {
