@@ -1,11 +1,16 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
 #include "core/contact/patch.h"
 
 namespace handgraft::contact {
+
+// Bounds of memory: what a file or a map asks for must not grow without end.
+inline constexpr std::size_t kMostPatches = 1000;
+inline constexpr std::size_t kMostPoints = 100'000;  ///< interpolation points of all patches
 
 /// The patches of one grasp on one object.
 struct ContactSet {

@@ -271,6 +271,13 @@ class Segmenter {
       note("'{}': only the outer boundary counts, holes or pinches left out: {}", name,
            boundary.other_loops);
     }
+    point_count_ += static_cast<std::size_t>(std::max(0, options_.interpolation_count));
+    if (set_.patches.size() >= kMostPatches || point_count_ > kMostPoints) {
+      rejectInput(
+          "contact map gives more than {} patches of {} points; permitted are {} patches "
+          "and {} points in all; a larger minimum area or threshold leaves fewer",
+          set_.patches.size(), options_.interpolation_count, kMostPatches, kMostPoints);
+    }
     Patch patch;
     patch.name = name;
     patch.root =
@@ -303,6 +310,7 @@ class Segmenter {
   Eigen::VectorXd even_;   ///< values without noise
   Eigen::VectorXd areas_;  ///< of the vertices
   std::vector<Component> anonymous_;
+  std::size_t point_count_ = 0;
   ContactSet set_;
 };
 

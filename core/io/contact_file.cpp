@@ -27,7 +27,8 @@ using nlohmann::json;
 
 constexpr const char* kFormat = "handgraft-contacts/1";
 constexpr double kCloudReach_m = 0.005;           // from a point to the surface laid through it
-constexpr std::uintmax_t kMostBytes = 64u << 20;  // a set of 1,000 patches takes about 1 MB
+constexpr std::uintmax_t kMostBytes = 32u << 20;  // a set of 1,000 patches takes about 4 MB
+constexpr std::size_t kLongestName = 256;
 
 // === Contact sets: JSON to numbers, each with the field's name in its error
 
@@ -39,7 +40,7 @@ const json& fieldOf(const json& object, const char* name) {
 
 double numberFrom(const json& value, const char* name) {
   if (!value.is_number())
-    rejectInput("field '{}' is {}; it must be a number", name, quoted(value.dump()));
+    rejectInput("field '{}' is {}; it must be a number", name, shown(value));
   return value.get<double>();
 }
 
@@ -47,15 +48,22 @@ int integerFrom(const json& value, const char* name) {
   constexpr int kMost = std::numeric_limits<int>::max();
   const bool fits = (value.is_number_unsigned() && value.get<std::uint64_t>() <= kMost);
   if (!fits)
-    rejectInput("field '{}' is {}; it must be a whole number from 0", name,
-                quoted(value.dump()));
+    rejectInput("field '{}' is {}; it must be a whole number from 0", name, shown(value));
   return value.get<int>();
 }
 
 std::string stringFrom(const json& value, const char* name) {
   if (!value.is_string())
-    rejectInput("field '{}' is {}; it must be a string", name, quoted(value.dump()));
+    rejectInput("field '{}' is {}; it must be a string", name, shown(value));
   return value.get<std::string>();
+}
+
+std::string nameFrom(const json& value, const char* field) {
+  std::string name = stringFrom(value, field);
+  if (name.size() > kLongestName) {
+    rejectInput("field '{}' has {} bytes; permitted are {}", field, name.size(), kLongestName);
+  }
+  return name;
 }
 
 const json& arrayFrom(const json& value, const char* name) {
@@ -234,7 +242,7 @@ Patch patchFrom(const json& value, const IndexedObject& object) {
   requireKnownKeys(value, {"name", "root", "direction", "boundary", "interpolation_count",
                            "interpolation_boundary", "weight"});
   Patch patch;
-  patch.name = stringFrom(fieldOf(value, "name"), "name");
+  patch.name = nameFrom(fieldOf(value, "name"), "name");
   patch.root = surfacePointFrom(fieldOf(value, "root"), "root", object);
   if (const auto direction = value.find("direction"); direction != value.end()) {
     patch.direction_O = vectorFrom(*direction, "direction");
@@ -282,11 +290,16 @@ ContactSet contactSetFrom(const json& root, const MeshFile& object_file) {
   requireKnownKeys(root, {"format", "name", "object", "patches", "notes"});
 
   ContactSet set;
-  set.name = stringFrom(fieldOf(root, "name"), "name");
-  if (root.contains("object")) set.object = stringFrom(root["object"], "object");
+  set.name = nameFrom(fieldOf(root, "name"), "name");
+  if (root.contains("object")) set.object = nameFrom(root["object"], "object");
   const json& patches = arrayFrom(fieldOf(root, "patches"), "patches");
   if (patches.empty()) rejectInput("field 'patches' is empty; at least one patch is needed");
+  if (patches.size() > contact::kMostPatches) {
+    rejectInput("field 'patches' has {} entries; permitted are {}", patches.size(),
+                contact::kMostPatches);
+  }
   std::map<std::string, std::size_t> index_of;
+  std::size_t point_count = 0;
   for (std::size_t i = 0; i < patches.size(); ++i) {
     try {
       if (!patches[i].is_object()) rejectInput("it is no JSON object");
@@ -295,6 +308,11 @@ ContactSet contactSetFrom(const json& root, const MeshFile& object_file) {
       rejectInput("{}: {}", labelOf(patches[i], i), error.what());
     }
     validate(object.file.mesh, set.patches.back());
+    point_count += set.patches.back().interpolation_boundary.size();
+    if (point_count > contact::kMostPoints) {
+      rejectInput("patches 0 to {} have {} interpolation points; permitted are {} in a set", i,
+                  point_count, contact::kMostPoints);
+    }
     const auto [known, is_new] = index_of.emplace(set.patches.back().name, i);
     if (!is_new) {
       rejectInput("patches {} and {} are both called {}; names must differ", known->second, i,
@@ -382,7 +400,7 @@ std::string objectNameIn(const std::filesystem::path& path) {
   return namingFile(path, [&]() -> std::string {
     const json root = json::parse(textOf(path));
     if (!root.is_object() || !root.contains("object")) return "";
-    return stringFrom(root["object"], "object");
+    return nameFrom(root["object"], "object");
   });
 }
 

@@ -36,8 +36,9 @@ contact::HandJoints jointsFrom(const json& list) {
 }
 
 bool isValid(const json& hand) {
-  return hand.is_object() && hand.value("valid", json(true)) == json(true) &&
-         hand.contains("joints");
+  if (!hand.is_object() || !hand.contains("joints")) return false;
+  const auto valid = hand.find("valid");
+  return valid == hand.end() || (valid->is_boolean() && valid->get<bool>());
 }
 
 const json& handOf(const json& hands, std::optional<int> wanted) {

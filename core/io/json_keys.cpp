@@ -20,4 +20,9 @@ std::optional<std::string> unknownKeyIn(const nlohmann::json& value,
   return std::nullopt;
 }
 
+std::string shown(const nlohmann::json& value) {
+  if (value.is_structured()) return fmt::format("an {}", value.type_name());
+  return handgraft::quoted(value.dump());
+}
+
 }  // namespace handgraft::io

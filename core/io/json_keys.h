@@ -13,4 +13,8 @@ namespace handgraft::io {
 std::optional<std::string> unknownKeyIn(const nlohmann::json& value,
                                         std::initializer_list<const char*> permitted);
 
+/// What stands there, for messages: numbers and texts as they are written, "an array" or "an
+/// object" else, which may be nested deeper than the stack.
+std::string shown(const nlohmann::json& value);
+
 }  // namespace handgraft::io

@@ -20,6 +20,8 @@ using optimize::PoseProblem;
 
 constexpr const char* kFormat = "handgraft-problem/1";
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::uintmax_t kMostBytes = 64U << 20U;
+constexpr std::size_t kMostEntries = 200'000;  // of a list; a point pair takes 200 bytes
 
 /// A value inside the file and the way to it, for messages.
 class Field {
@@ -50,6 +52,8 @@ class Field {
 
   [[nodiscard]] std::vector<Field> list() const {
     if (!value_.is_array()) reject("is {}; it must be a list", value_.type_name());
+    if (value_.size() > kMostEntries)
+      reject("has {} entries; permitted are {}", value_.size(), kMostEntries);
     std::vector<Field> fields;
     fields.reserve(value_.size());
     for (const json& entry : value_) {
@@ -114,6 +118,9 @@ json parseFile(const std::filesystem::path& path) {
   if (std::filesystem::is_directory(path, error)) {
     rejectInput("{}: is a directory; it must be a problem file", path.string());
   }
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (!error && size > kMostBytes)
+    rejectInput("{}: {} bytes; permitted are {}", path.string(), size, kMostBytes);
   std::ifstream stream(path, std::ios::binary);
   if (!stream) rejectInput("{}: cannot be opened for reading", path.string());
   try {
@@ -136,7 +143,7 @@ std::vector<int> readOrder(const Field& field, const PoseProblem& problem) {
       entry.reject(
           "{} is neither a root coordinate nor an independent joint of the hand; it has "
           "{}",
-          quoted(name), fmt::join(problem.model->dofNames(), " "));
+          quoted(name), quoted(fmt::format("{}", fmt::join(problem.model->dofNames(), " "))));
     }
     if (seen[static_cast<std::size_t>(dof)]) entry.reject("names {} twice", quoted(name));
     seen[static_cast<std::size_t>(dof)] = true;
@@ -203,6 +210,8 @@ std::vector<bool> readLocked(const Field& field,
     }
     return locked;
   }
+  if (entries.size() > order.size())
+    field.reject("has {} entries; the hand has {} dofs", entries.size(), order.size());
   for (const Field& entry : entries) {
     const std::string name = entry.text();
     int dof = 0;
