@@ -34,19 +34,30 @@ Eigen::Matrix2Xd flattened(const Eigen::Matrix3Xd& corners) {
   return flat;
 }
 
+std::vector<std::array<int, 3>> fan(int n) {
+  std::vector<std::array<int, 3>> triangles;
+  for (int c = 2; c < n; ++c)
+    triangles.push_back({0, c - 1, c});
+  return triangles;
+}
+
 }  // namespace
 
 std::vector<std::array<int, 3>> cutPolygon(const Eigen::Matrix3Xd& corners) {
   const int n = static_cast<int>(corners.cols());
-  if (n == 3) return {{0, 1, 2}};
+  // Beyond this, clipping costs seconds; such polygons are caps of round parts: a fan serves.
+  constexpr int kMostClipped = 1024;
+  if (n == 3 || n > kMostClipped) return fan(n);
   const Eigen::Matrix2Xd flat = flattened(corners);
   std::vector<int> rest(static_cast<std::size_t>(n));
   std::iota(rest.begin(), rest.end(), 0);
   std::vector<std::array<int, 3>> triangles;
 
-  // Beyond this, clipping costs seconds; such polygons are caps of round parts: a fan serves.
-  constexpr int kMostClipped = 2048;
+  // Polygons that cross themselves may have no ear for long; 16 looks at every pair of corners
+  // are plenty for others.
+  long looks_left = 16L * n * n;
   const auto isEar = [&](const std::array<int, 3>& t) {
+    looks_left -= std::ssize(rest);
     if (!(turn(flat.col(t[0]), flat.col(t[1]), flat.col(t[2])) > 0.0)) return false;
     for (const int other : rest) {
       if (other == t[0] || other == t[1] || other == t[2]) continue;
@@ -58,19 +69,20 @@ std::vector<std::array<int, 3>> cutPolygon(const Eigen::Matrix3Xd& corners) {
     }
     return true;
   };
+  std::size_t at = 1;  // where the last ear was: around it, the next one is likely
   while (rest.size() > 3) {
     const std::size_t count = rest.size();
-    // A polygon that crosses itself may have no ear left: then any corner goes.
-    std::size_t chosen = 1;
-    for (std::size_t i = 1; n <= kMostClipped && i <= count; ++i) {
-      if (isEar({rest[i - 1], rest[i % count], rest[(i + 1) % count]})) {
-        chosen = i % count;
+    // Where there is no ear left, any corner goes.
+    at %= count;
+    for (std::size_t k = 0; looks_left > 0 && k < count; ++k) {
+      const std::size_t i = (at + k) % count;
+      if (isEar({rest[(i + count - 1) % count], rest[i], rest[(i + 1) % count]})) {
+        at = i;
         break;
       }
     }
-    const std::size_t before = (chosen + count - 1) % count;
-    triangles.push_back({rest[before], rest[chosen], rest[(chosen + 1) % count]});
-    rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(chosen));
+    triangles.push_back({rest[(at + count - 1) % count], rest[at], rest[(at + 1) % count]});
+    rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(at));
   }
   triangles.push_back({rest[0], rest[1], rest[2]});
   return triangles;

@@ -29,7 +29,8 @@ FileMesh readStl(const std::filesystem::path& path);
 FileMesh readScene(const std::filesystem::path& path);
 
 /// Cuts a polygon into triangles of its corners, 0 to n - 1, by ear clipping in the plane of
-/// its mean normal. Corners in order, 3 x n, n >= 3. Cost: O(n^2) on most polygons.
+/// its mean normal. Corners in order, 3 x n, n >= 3. Cost: O(n^2) on most polygons; large
+/// ones, and those that cross themselves over and over, become fans.
 std::vector<std::array<int, 3>> cutPolygon(const Eigen::Matrix3Xd& corners);
 
 /// A number of a text file, or NaN if `word` is none. Understands `nan`, `inf` and a leading
