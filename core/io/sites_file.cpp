@@ -14,13 +14,46 @@ namespace handgraft::io {
 
 namespace {
 
-constexpr std::uintmax_t kLargestFile = 1 << 20;
+// A site takes 150 bytes; a node of yaml-cpp's several hundred, for as little as two of the
+// file.
+constexpr std::uintmax_t kLargestFile = 128 << 10;
+constexpr std::size_t kLongestText = 256;
 constexpr const char* kFormat = "handgraft-sites/1";
+
+/// Other bytes would not be written as they were read.
+bool isUtf8(const std::string& text) {
+  std::size_t at = 0;
+  while (at < text.size()) {
+    const auto first = static_cast<unsigned char>(text[at]);
+    const std::size_t length = first < 0x80   ? 1
+                               : first < 0xc2 ? 0
+                               : first < 0xe0 ? 2
+                               : first < 0xf0 ? 3
+                               : first < 0xf5 ? 4
+                                              : 0;
+    if (length == 0 || at + length > text.size()) return false;
+    unsigned code = length == 1 ? first : first & (0x7fU >> length);
+    for (std::size_t i = 1; i < length; ++i) {
+      const auto next = static_cast<unsigned char>(text[at + i]);
+      if ((next & 0xc0U) != 0x80U) return false;
+      code = code << 6U | (next & 0x3fU);
+    }
+    const bool is_longer_than_needed =
+        (length == 3 && code < 0x800) || (length == 4 && code < 0x10000);
+    const bool is_surrogate = code >= 0xd800 && code <= 0xdfff;
+    if (is_longer_than_needed || is_surrogate || code > 0x10ffff) return false;
+    at += length;
+  }
+  return true;
+}
 
 std::string textOf(const YAML::Node& site, const char* field, const std::string& owner) {
   const YAML::Node node = site[field];
   if (!node || !node.IsScalar() || node.Scalar().empty())
     rejectInput("{}: '{}' is missing or no text", owner, field);
+  if (node.Scalar().size() > kLongestText || !isUtf8(node.Scalar()))
+    rejectInput("{}: '{}' is {}; it must be UTF-8 of at most {} bytes", owner, field,
+                quoted(node.Scalar()), kLongestText);
   return node.Scalar();
 }
 

@@ -112,6 +112,10 @@ SrdfFile parse(const std::string& text, const hand::HandModel& model) {
 }  // namespace
 
 SrdfFile readSrdf(const std::filesystem::path& path, const hand::HandModel& model) {
+  constexpr std::uintmax_t kMostBytes = 4U << 20U;  // an element of 4 bytes takes 120, parsed
+  if (const std::uintmax_t size = requireFile(path); size > kMostBytes)
+    rejectInput("{}: {} bytes; permitted are {}", handgraft::quoted(path.string()), size,
+                kMostBytes);
   const std::string text = readFileBytes(path);
   try {
     return parse(text, model);

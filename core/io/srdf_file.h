@@ -25,6 +25,6 @@ struct SrdfFile {
 /// number, more than kMostNamedPoses states.
 SrdfFile readSrdf(const std::filesystem::path& path, const hand::HandModel& model);
 
-inline constexpr int kMostNamedPoses = 10'000;
+inline constexpr int kMostNamedPoses = 1000;
 
 }  // namespace handgraft::io

@@ -22,9 +22,12 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::uintmax_t kLargestUrdf = 64U << 20U;
+/// Ours have up to 100 kB. An element of 4 bytes takes 120 when it is parsed.
+constexpr std::uintmax_t kLargestUrdf = 4U << 20U;
 /// Triangles of all shapes together: a small mesh may be named by many links.
 constexpr long kMostFaces = 20'000'000;
+/// Of any number (m, rad): poses along a chain of joints stay finite, whatever is multiplied.
+constexpr double kLargestNumber = 1e30;
 
 // === urdfdom, and the words it would otherwise print
 
@@ -146,6 +149,10 @@ class ShapeReader {
       rejectInput("link {}: the shapes have more than {} triangles together", quoted(link),
                   kMostFaces);
     shape.mesh_L = geometry::transformed(mesh, X_LG);
+    const double reach = shape.mesh_L.vertices().cwiseAbs().maxCoeff();
+    if (!(reach <= kLargestNumber))
+      rejectInput("link {}: shape {} reaches out to {} m; permitted is {}", quoted(link),
+                  handgraft::quoted(shape.source), reach, kLargestNumber);
     shapes.push_back(std::move(shape));
   }
 
@@ -179,6 +186,24 @@ class ShapeReader {
 };
 
 // === The whole
+
+void requireModestNumbers(const hand::HandModel& model) {
+  const auto require = [](double value, const std::string& joint, const char* what) {
+    if (std::abs(value) <= kLargestNumber || std::isinf(value)) return;
+    rejectInput("joint {}: its {} is {}; permitted is {} either way", quoted(joint), what,
+                value, kLargestNumber);
+  };
+  for (const hand::HandModel::Node& node : model.nodes()) {
+    for (const double coordinate : node.X_PJ.translation())
+      require(coordinate, node.joint_name, "origin");
+    require(node.multiplier, node.joint_name, "multiplier along the mimics");
+    require(node.offset, node.joint_name, "offset along the mimics");
+  }
+  for (int i = 0; i < model.dofCount(); ++i) {
+    require(model.lower()[i], model.dofJoint(i).name, "lower limit");
+    require(model.upper()[i], model.dofJoint(i).name, "upper limit");
+  }
+}
 
 std::string readText(const fs::path& path) {
   std::error_code error;
@@ -221,7 +246,9 @@ hand::HandModel readModel(const UrdfText& prepared, ShapeReader* shapes) {
         shapes->read(collision->geometry.get(), collision->origin, link.name, link.collisions);
     }
   }
-  return {prepared.robot_name, std::move(links), std::move(joints)};
+  hand::HandModel model(prepared.robot_name, std::move(links), std::move(joints));
+  requireModestNumbers(model);
+  return model;
 }
 
 }  // namespace

@@ -19,6 +19,23 @@ std::string attributeOf(const XMLElement* element, const char* attribute) {
   return value == nullptr ? "" : value;
 }
 
+/// The attribute `name` of a link or a joint.
+std::string nameOf(const XMLElement& element) {
+  const char* kind = element.Name();
+  std::string name = attributeOf(&element, "name");
+  if (name.empty()) rejectInput("line {}: a {} has no name", element.GetLineNum(), kind);
+  if (name.size() > kLongestUrdfName) {
+    rejectInput("line {}: the name of a {}, {}, has {} bytes; permitted are {}",
+                element.GetLineNum(), kind, quoted(name), name.size(), kLongestUrdfName);
+  }
+  return name;
+}
+
+template <class Things>
+void requireFew(const Things& things, const char* kind) {
+  if (std::ssize(things) > kMostUrdfLinks) rejectInput("more than {} {}", kMostUrdfLinks, kind);
+}
+
 /// Copies the children called one of `names`, whole, under `to`.
 void copyChildren(const XMLElement& from,
                   XMLElement& to,
@@ -32,11 +49,9 @@ void copyChildren(const XMLElement& from,
 }
 
 void copyLink(const XMLElement& link, bool with_shapes, XMLElement& robot, UrdfText& result) {
-  const std::string name = attributeOf(&link, "name");
-  if (name.empty()) rejectInput("line {}: a link has no name", link.GetLineNum());
-  if (result.links.size() >= static_cast<std::size_t>(kMostUrdfLinks))
-    rejectInput("more than {} links", kMostUrdfLinks);
+  const std::string name = nameOf(link);
   result.links.push_back(name);
+  requireFew(result.links, "links");
 
   XMLElement* copy = robot.InsertNewChildElement("link");
   copy->SetAttribute("name", name.c_str());
@@ -193,8 +208,7 @@ void expandJoint(const XMLElement& joint,
 /// Returns whether the effort or velocity limit had to be amended.
 bool copyJoint(const XMLElement& joint, XMLElement& robot, UrdfText& result) {
   hand::Joint outline;
-  outline.name = attributeOf(&joint, "name");
-  if (outline.name.empty()) rejectInput("line {}: a joint has no name", joint.GetLineNum());
+  outline.name = nameOf(joint);
   const std::string type = attributeOf(&joint, "type");
   const bool has_several = type == "planar" || type == "floating";
   if (!has_several) outline.type = typeOf(type, outline.name);
@@ -242,10 +256,14 @@ UrdfText prepareUrdf(const std::string& text, bool with_shapes) {
        child = child->NextSiblingElement()) {
     const std::string name = child->Name();
     if (name == "link") copyLink(*child, with_shapes, *copy, result);
-    if (name == "joint" && copyJoint(*child, *copy, result)) ++without_effort;
+    if (name == "joint") {
+      if (copyJoint(*child, *copy, result)) ++without_effort;
+      requireFew(result.links, "links");
+      requireFew(result.joints, "joints");
+    }
     if (name.starts_with("xacro:"))
-      rejectInput("line {}: <{}> is xacro, not URDF; expand it first: xacro FILE > hand.urdf",
-                  child->GetLineNum(), name);
+      rejectInput("line {}: {} is xacro, not URDF; expand it first: xacro FILE > hand.urdf",
+                  child->GetLineNum(), quoted(name));
   }
   if (result.links.empty()) rejectInput("it has no links");
   if (without_effort > 0)

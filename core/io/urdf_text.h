@@ -30,9 +30,12 @@ struct UrdfText {
 ///
 /// Entities that the file defines itself are not expanded; nesting is bounded by tinyxml2.
 /// Errors: InvalidInput for XML that is not well-formed, unnamed links and joints, unknown
-/// joint types, a planar or floating joint that mimics, more than kMostUrdfLinks links.
+/// joint types, a planar or floating joint that mimics, more than kMostUrdfLinks links or
+/// joints, names longer than kLongestUrdfName.
 UrdfText prepareUrdf(const std::string& text, bool with_shapes);
 
-inline constexpr int kMostUrdfLinks = 10'000;
+/// A humanoid has a few hundred; some of what is asked of a hand costs their square.
+inline constexpr int kMostUrdfLinks = 2000;
+inline constexpr std::size_t kLongestUrdfName = 256;
 
 }  // namespace handgraft::io
