@@ -1,7 +1,9 @@
 #include "core/io/contact_map_file.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <fstream>
 #include <sstream>
 #include <utility>
 
@@ -99,6 +101,18 @@ ContactMap contactMapFrom(const PlyFile& ply, const ContactMapSource& source) {
 }
 
 }  // namespace
+
+bool isContactMap(const std::filesystem::path& path, const ContactMapSource& source) {
+  if (!source.picture.empty()) return true;
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) {
+    return static_cast<char>(std::tolower(c));
+  });
+  if (extension == ".ply") return true;
+  std::ifstream file(path, std::ios::binary);
+  char start[3] = {};
+  return file.read(start, 3) && std::string(start, 3) == "ply";
+}
 
 ContactMap readContactMap(const std::filesystem::path& path, const ContactMapSource& source) {
   if (!source.picture.empty()) {

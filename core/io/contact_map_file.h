@@ -22,6 +22,10 @@ struct ContactMapSource {
   std::filesystem::path picture{};
 };
 
+/// Whether a file of contacts is a map, not a set: by a picture that goes with it, by its name
+/// or by its first bytes.
+bool isContactMap(const std::filesystem::path& path, const ContactMapSource& source = {});
+
 /// Reads a contact map: a PLY with its values or colours per vertex, or a mesh with texture
 /// coordinates and a picture. Names of the segments come from a header comment that lists
 /// `0=name 1=name ...`. Colours are bytes, or fractions of 1.

@@ -14,6 +14,8 @@ namespace handgraft::io {
 
 namespace {
 
+constexpr double kReach_m = 0.005;  // from a point to the surface laid through it
+
 bool isNamedPly(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) {
@@ -36,18 +38,31 @@ bool has(const PlyFile& ply, std::initializer_list<const char*> properties) {
   });
 }
 
+MeshFile scaled(MeshFile file, const LengthScale& scale) {
+  const double factor = scale ? scale(file.mesh.diagonal()) : 1.0;
+  if (factor != 1.0)
+    file.mesh = geometry::transformed(file.mesh, Eigen::Affine3d(Eigen::Scaling(factor)));
+  return file;
+}
+
 }  // namespace
 
 MeshFile readObject(const std::filesystem::path& path,
                     const Progress& progress,
-                    const cloud::SurfaceOptions& options) {
-  if (!isNamedPly(path)) return readMesh(path);
+                    const cloud::SurfaceOptions& options,
+                    const LengthScale& scale) {
+  if (!isNamedPly(path)) return scaled(readMesh(path), scale);
   requireFile(path);
   const PlyFile ply = readPly(path);
   if (ply.faces.cols() > 0 || ply.vertex_count == 0 || !has(ply, {"x", "y", "z"}))
-    return readMesh(path);
+    return scaled(readMesh(path), scale);
   cloud::PointCloud cloud;
   cloud.points_O = columns(ply, "x", "y", "z");
+  if (scale && cloud.points_O.allFinite()) {
+    const Eigen::Vector3d extent =
+        cloud.points_O.rowwise().maxCoeff() - cloud.points_O.rowwise().minCoeff();
+    cloud.points_O *= scale(extent.norm());
+  }
   if (has(ply, {"nx", "ny", "nz"})) cloud.normals_O = columns(ply, "nx", "ny", "nz");
   try {
     cloud::CloudSurface surface = cloud::surfaceOf(cloud, options, progress);
@@ -103,6 +118,13 @@ contact::ContactMap onSurface(const contact::ContactMap& points,
         1e3 * reach_m);
   }
   return map;
+}
+
+contact::ContactMap onFaces(contact::ContactMap map, const MeshFile& object) {
+  if (map.mesh_O.faceCount() > 0) return map;
+  if (object.cloud_O.cols() > 0) return onSurface(map, object.mesh, kReach_m);
+  const cloud::CloudSurface surface = cloud::surfaceOf({map.mesh_O.vertices(), {}});
+  return onSurface(map, surface.mesh_O, kReach_m);
 }
 
 }  // namespace handgraft::io

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 
 #include "core/base/progress.h"
 #include "core/cloud/point_cloud_surface.h"
@@ -9,14 +10,20 @@
 
 namespace handgraft::io {
 
+/// What a file's lengths are multiplied with, by the diagonal of what it holds, which tells
+/// millimetres from metres. Empty: 1.
+using LengthScale = std::function<double(double diagonal)>;
+
 /// An object: a mesh as `readMesh` reads it, or a PLY that lists points and no face, with or
 /// without normals `nx ny nz`, through which a surface is laid. Then `cloud_O` holds the file's
 /// points, the ways between indices are empty, and the notes say how true the surface is.
 ///
-/// Errors: as `readMesh` and `cloud::surfaceOf`, naming the file; Cancelled.
+/// Units: the file's, times what `scale` says. Errors: as `readMesh` and `cloud::surfaceOf`,
+/// naming the file, and those of `scale` as they are; Cancelled.
 MeshFile readObject(const std::filesystem::path& path,
                     const Progress& progress = {},
-                    const cloud::SurfaceOptions& options = {});
+                    const cloud::SurfaceOptions& options = {},
+                    const LengthScale& scale = {});
 
 /// A contact map of points without faces, on a surface through or near them: each vertex takes
 /// the values of the nearest 4 points within reach, weighted by inverse squared distance,
@@ -28,5 +35,10 @@ MeshFile readObject(const std::filesystem::path& path,
 contact::ContactMap onSurface(const contact::ContactMap& points,
                               const geometry::TriangleMesh& mesh_O,
                               double most_reach_m);
+
+/// The map with faces: itself if it has some; else on the object's surface if the object is
+/// points, too, or on one laid through the map's points. Errors: as `onSurface` and
+/// `cloud::surfaceOf`.
+contact::ContactMap onFaces(contact::ContactMap map, const MeshFile& object);
 
 }  // namespace handgraft::io

@@ -104,8 +104,24 @@ hand::ContactSite siteOf(const YAML::Node& node, std::size_t number) {
   return site;
 }
 
+/// Whether the file speaks of a mirrored hand.
+bool isMirrored(const YAML::Node& root) {
+  const YAML::Node node = root["mirrored"];
+  bool mirrored = false;
+  if (node && !YAML::convert<bool>::decode(node, mirrored))
+    rejectInput("'mirrored' must be true or false");
+  return mirrored;
+}
+
+void mirror(hand::ContactSite& site) {
+  site.p_L.x() = -site.p_L.x();
+  site.n_L.x() = -site.n_L.x();
+  site.direction_L.x() = -site.direction_L.x();
+}
+
 std::vector<hand::ContactSite> parseSites(const std::string& text,
-                                          const hand::HandModel& model) {
+                                          const hand::HandModel& model,
+                                          bool mirrored) {
   YAML::Node root;
   try {
     root = YAML::Load(text);
@@ -121,6 +137,10 @@ std::vector<hand::ContactSite> parseSites(const std::string& text,
   std::vector<hand::ContactSite> sites;
   for (std::size_t i = 0; i < list.size(); ++i)
     sites.push_back(siteOf(list[i], i));
+  if (isMirrored(root) != mirrored) {
+    for (hand::ContactSite& site : sites)
+      mirror(site);
+  }
   hand::validate(model, sites);
   return sites;
 }
@@ -128,7 +148,8 @@ std::vector<hand::ContactSite> parseSites(const std::string& text,
 }  // namespace
 
 std::vector<hand::ContactSite> readSites(const std::filesystem::path& path,
-                                         const hand::HandModel& model) {
+                                         const hand::HandModel& model,
+                                         bool mirrored) {
   const std::string name = quoted(path.string());
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(path, error);
@@ -140,7 +161,7 @@ std::vector<hand::ContactSite> readSites(const std::filesystem::path& path,
   text << file.rdbuf();
   if (!file) rejectInput("{}: cannot be read", name);
   try {
-    return parseSites(text.str(), model);
+    return parseSites(text.str(), model, mirrored);
   } catch (const InvalidInput& fault) {
     rejectInput("{}: {}", name, fault.what());
   } catch (const YAML::Exception& fault) {
@@ -148,7 +169,7 @@ std::vector<hand::ContactSite> readSites(const std::filesystem::path& path,
   }
 }
 
-std::string sitesText(const std::vector<hand::ContactSite>& sites) {
+std::string sitesText(const std::vector<hand::ContactSite>& sites, bool mirrored) {
   YAML::Emitter out;
   out.SetDoublePrecision(9);
   const auto vector = [&](const char* field, const Eigen::Vector3d& v) {
@@ -163,6 +184,7 @@ std::string sitesText(const std::vector<hand::ContactSite>& sites) {
       "(along\n"
       "the surface, towards the wrist) are in the link's frame.");
   out << YAML::BeginMap << YAML::Key << "format" << YAML::Value << kFormat;
+  if (mirrored) out << YAML::Key << "mirrored" << YAML::Value << true;
   out << YAML::Key << "sites" << YAML::Value << YAML::BeginSeq;
   for (const hand::ContactSite& site : sites) {
     out << YAML::BeginMap;

@@ -107,8 +107,8 @@ hand::Joint jointOf(const urdf::Joint& source, const hand::Joint& outline, bool 
 /// Reads shapes; each mesh file once, whoever names it.
 class ShapeReader {
  public:
-  ShapeReader(const ResourceFinder& find, std::vector<std::string>& notes)
-      : find_(find), notes_(notes) {}
+  ShapeReader(const ResourceFinder& find, double mesh_unit_m, std::vector<std::string>& notes)
+      : find_(find), mesh_unit_m_(mesh_unit_m), notes_(notes) {}
 
   void read(const urdf::Geometry* geometry,
             const urdf::Pose& origin,
@@ -123,7 +123,10 @@ class ShapeReader {
       if (!scale.allFinite() || (scale.array() == 0.0).any())
         rejectInput("link {}: mesh {} has scale ({} {} {}); no part of it may be 0",
                     quoted(link), quoted(file->filename), scale.x(), scale.y(), scale.z());
-      X_LG = X_LG * Eigen::Scaling(scale);
+      // A scale that is written says already what the file's units are.
+      X_LG = X_LG * Eigen::Scaling(scale.isOnes(0.0)
+                                       ? Eigen::Vector3d::Constant(mesh_unit_m_).eval()
+                                       : scale);
       shape.source = file->filename;
       mesh = meshOf(file->filename, link);
     } else if (const auto* box = dynamic_cast<const urdf::Box*>(geometry)) {
@@ -180,6 +183,7 @@ class ShapeReader {
   }
 
   const ResourceFinder& find_;
+  double mesh_unit_m_;
   std::vector<std::string>& notes_;
   std::map<std::string, geometry::TriangleMesh> meshes_;
   long face_count_ = 0;
@@ -259,11 +263,11 @@ UrdfFile readUrdf(const fs::path& path, const PackageMap& packages) {
   });
 }
 
-UrdfFile readUrdf(const fs::path& path, const ResourceFinder& find) {
+UrdfFile readUrdf(const fs::path& path, const ResourceFinder& find, double mesh_unit_m) {
   try {
     std::string text = readText(path);
     UrdfText prepared = prepareUrdf(text, true);
-    ShapeReader shapes(find, prepared.notes);
+    ShapeReader shapes(find, mesh_unit_m, prepared.notes);
     hand::RootedHand rooted =
         hand::cutFreeRoot(readModel(prepared, &shapes), prepared.solid_links);
     if (rooted.carrier)

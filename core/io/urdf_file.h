@@ -31,8 +31,11 @@ struct UrdfFile {
 ///   joint lacks are noted, not refused.
 UrdfFile readUrdf(const std::filesystem::path& path, const PackageMap& packages = {});
 
-/// As above, with the meshes' files found by `find`; nothing else is opened.
-UrdfFile readUrdf(const std::filesystem::path& path, const ResourceFinder& find);
+/// As above, with the meshes' files found by `find`; nothing else is opened. Files that the
+/// URDF gives no `scale` other than 1 are taken to be in units of `mesh_unit_m` metres.
+UrdfFile readUrdf(const std::filesystem::path& path,
+                  const ResourceFinder& find,
+                  double mesh_unit_m = 1.0);
 
 /// What becomes of joints that place the whole hand.
 enum class FreeRoot { kCut, kKept };
