@@ -61,7 +61,7 @@ RUN apt-get update \
     && useradd --system --uid 10001 --no-create-home --home-dir /nonexistent \
         --shell /usr/sbin/nologin handgraft
 # The client comes along for the health check.
-COPY --from=build /src/build/release/bin/handgraft-server /src/build/release/bin/handgraft /usr/local/bin/
+COPY --from=build /src/build/release/bin/handgraft-server /src/build/release/bin/handgraft-reader /src/build/release/bin/handgraft /usr/local/bin/
 COPY --from=build /src/server/models/hands /usr/local/share/handgraft/models/hands
 COPY --from=build /src/server/models/objects /usr/local/share/handgraft/models/objects
 COPY --from=build /src/server/models/contacts /usr/local/share/handgraft/models/contacts

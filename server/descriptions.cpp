@@ -204,7 +204,7 @@ v1::HandDescription describe(const StoredHand& hand,
   if (sites) {
     for (const hand::ContactSite& site : *sites)
       message.sites().push_back(siteInfo(site));
-    message.sites_file(io::sitesText(*sites));
+    message.sites_file(io::sitesText(*sites, hand.mirrored));
   }
   if (skinned) addSkin(message, *skinned);
   message.rest_rad(entries(model.restPose()));

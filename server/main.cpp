@@ -30,6 +30,7 @@ struct Options {
   std::string models;
   unsigned workers = std::max(2u, std::thread::hardware_concurrency());
   std::string log_level = "info";
+  server::ReaderLimits reader;
 };
 
 /// Blocks SIGTERM and SIGINT in this thread and all that it starts; returns the set to wait
@@ -54,6 +55,7 @@ void serve(const Options& options, const sigset_t& stop_signals) {
   const std::unique_ptr<server::Bus> bus = server::openFastBus(options.network);
   server::ServiceOptions service_options;
   service_options.workers = options.workers;
+  service_options.reader_limits = options.reader;
   std::promise<std::string> elder;
   service_options.on_elder = [&elder](const v1::ServerStatus& status) {
     elder.set_value(fmt::format("process {} on {}", status.process_id(), status.host()));
@@ -97,6 +99,15 @@ int main(int argc, char** argv) {
   app.add_option("--workers", options.workers, "threads for sessions' work, 1-256")
       ->check(CLI::Range(1u, 256u))
       ->capture_default_str();
+  app.add_option("--reader-memory", options.reader.memory_mb,
+                 "MB that reading one upload may take, 64-1048576")
+      ->check(CLI::Range(64u, 1u << 20))
+      ->capture_default_str();
+  unsigned reader_seconds = static_cast<unsigned>(options.reader.time.count());
+  app.add_option("--reader-seconds", reader_seconds,
+                 "seconds that reading one upload may take, 1-86400")
+      ->check(CLI::Range(1u, 86'400u))
+      ->capture_default_str();
   app.add_option("--log-level", options.log_level, "trace, debug, info, warning, error or off")
       ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error", "off"}))
       ->capture_default_str();
@@ -110,6 +121,7 @@ int main(int argc, char** argv) {
     return kWrongInput;
   }
 
+  options.reader.time = std::chrono::seconds(reader_seconds);
   const sigset_t stop_signals = blockStopSignals();
   spdlog::set_default_logger(spdlog::stderr_logger_mt("handgraft"));
   spdlog::set_pattern("time=%Y-%m-%dT%H:%M:%S.%eZ level=%l %v", spdlog::pattern_time_type::utc);

@@ -4,6 +4,7 @@
 
 #include "core/base/error.h"
 #include "idl/names.h"
+#include "server/handlers/load_model.h"
 #include "server/handlers/models.h"
 #include "server/handlers/optimize.h"
 #include "server/handlers/pose_contacts.h"

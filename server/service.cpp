@@ -53,10 +53,11 @@ Service::Service(Bus& bus, ModelStore& models, const ServiceOptions& options)
       options_(options),
       server_id_(randomId()),
       started_(Clock::now()),
+      reader_(options.reader, options.reader_limits),
       sessions_(options.most_sessions),
       quick_(1, kMostQuickWaiting),
       pool_(options.workers, options.most_waiting),
-      workshop_{models, uploads_, sessions_, *this, pool_} {}
+      workshop_{models, uploads_, reader_, sessions_, *this, pool_} {}
 
 Service::~Service() {
   stop();

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
@@ -16,6 +17,7 @@
 #include "server/ledger.h"
 #include "server/live_session.h"
 #include "server/transport/bus.h"
+#include "server/upload_reader.h"
 #include "server/workshop.h"
 
 namespace handgraft::server {
@@ -25,6 +27,8 @@ struct ServiceOptions {
   std::size_t most_waiting = 256;  ///< tasks that may queue; more are refused
   std::size_t most_per_client = 32;  ///< requests of one client that may be unanswered
   std::size_t most_sessions = 256;
+  std::filesystem::path reader = readerProgram();  ///< reads uploads (upload_reader.h)
+  ReaderLimits reader_limits;
   /// Called once, on a DDS thread, when a server that has run for longer lives on this domain:
   /// two would both answer, so the younger one had better go.
   std::function<void(const v1::ServerStatus&)> on_elder;
@@ -37,7 +41,7 @@ struct ServiceOptions {
 /// Threads: `start` and `stop` from one thread; the rest runs on threads of its own (README).
 class Service final : private BusListener, private SessionAudience {
  public:
-  /// `bus` and `models` must outlive the service.
+  /// `bus` and `models` must outlive the service. Errors: InvalidInput if there is no reader.
   Service(Bus& bus, ModelStore& models, const ServiceOptions& options);
   /// Stops if that was not done.
   ~Service() override;
@@ -103,6 +107,7 @@ class Service final : private BusListener, private SessionAudience {
   std::map<Key, JobPtr> running_;
 
   UploadStore uploads_;
+  UploadReader reader_;
   SessionStore sessions_;
   WorkerPool quick_;
   WorkerPool pool_;

@@ -6,6 +6,7 @@
 
 #include "server/model_store.h"
 #include "server/session_store.h"
+#include "server/upload_reader.h"
 #include "server/upload_store.h"
 #include "server/worker_pool.h"
 
@@ -15,6 +16,7 @@ namespace handgraft::server {
 struct Workshop {
   ModelStore& models;
   UploadStore& uploads;
+  const UploadReader& reader;
   SessionStore& sessions;
   SessionAudience& audience;
   WorkerPool& pool;  ///< where sessions' strands run

@@ -13,12 +13,6 @@ void putFile(const v1::PutFileRequest& request,
              const UploadStore::ClientId& client,
              Workshop& workshop);
 
-/// The summary of the model that was read. The upload is gone afterwards, also after an error.
-v1::ModelList loadModel(const v1::LoadModelRequest& request,
-                        const UploadStore::ClientId& client,
-                        Workshop& workshop,
-                        const Progress& progress);
-
 v1::ModelList listModels(const Workshop& workshop);
 
 /// With meshes a hand's skin is made if need be, which takes seconds. Without, the sites of a

@@ -1,15 +1,19 @@
 #include "server/reading/read_model.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/contact/threshold.h"
 #include "core/hand/mirror.h"
 #include "core/io/contact_file.h"
+#include "core/io/hand_joints_file.h"
 #include "core/io/object_file.h"
 #include "core/io/sites_file.h"
 #include "core/io/srdf_file.h"
 #include "core/io/urdf_file.h"
+#include "server/reading/units.h"
 
 namespace handgraft::server {
 
@@ -50,15 +54,37 @@ const Eigen::VectorXd& poseCalled(const std::string& name,
               namesOf(poses));
 }
 
+/// A URDF is in metres; a mesh wider than what can be grasped with is not.
+void requireMetres(const hand::HandModel& model) {
+  static const std::set<std::string> kPrimitives = {"box", "cylinder", "sphere"};
+  const auto require = [](const hand::Link& link, const hand::Shape& shape) {
+    const double size = shape.mesh_L.diagonal();
+    if (!(size > kLargestUnasked_m) || kPrimitives.count(shape.source) != 0) return;
+    rejectInput(
+        "link {}: mesh {} is {:.4g} m across, and a URDF is in metres; write "
+        "scale=\"0.001 0.001 0.001\" at the mesh if its file is in millimetres, or say --units "
+        "mm if all of the hand's are",
+        handgraft::quoted(link.name), handgraft::quoted(shape.source), size);
+  };
+  for (const hand::Link& link : model.links()) {
+    for (const hand::Shape& shape : link.visuals)
+      require(link, shape);
+    for (const hand::Shape& shape : link.collisions)
+      require(link, shape);
+  }
+}
+
 ReadHand readHand(const ReadRequest& request) {
   io::UrdfFile file = io::readUrdf(fileOf(request, request.main_uri),
                                    ResourceFinder([&](const std::string& uri) {
                                      return fileOf(request, uri);
-                                   }));
+                                   }),
+                                   metresPer(request.units));
   if (file.model.dofCount() > kMostJoints) {
     rejectInput("hand {}: {} joints; at most {} are supported", handgraft::quoted(request.name),
                 file.model.dofCount(), kMostJoints);
   }
+  requireMetres(file.model);
   ReadHand read{std::move(file.model), std::move(file.free_root),
                 std::move(file.text),  std::move(file.notes),
                 std::nullopt,          {}};
@@ -76,33 +102,76 @@ ReadHand readHand(const ReadRequest& request) {
       read.free_root = hand::mirrored(*read.free_root, read.free_root->name());
   }
   if (request.files.count(kSitesUri) != 0)
-    read.sites = io::readSites(fileOf(request, kSitesUri), read.model);
+    read.sites = io::readSites(fileOf(request, kSitesUri), read.model, request.hand.mirrored);
   return read;
 }
 
 // === Objects
 
-/// Sizes of what a hand can hold; outside them a mesh is in other units than metres.
-constexpr double kSmallestObject_m = 0.001;
-constexpr double kLargestObject_m = 10.0;
-
 io::MeshFile readObject(const ReadRequest& request, const Progress& progress) {
-  io::MeshFile file = io::readObject(fileOf(request, request.main_uri), progress);
-  const double size = file.mesh.diagonal();
-  if (!(size >= kSmallestObject_m && size <= kLargestObject_m)) {
-    rejectInput("object {}: {:.4g} m across, outside {} to {} m; is its mesh in metres?",
-                handgraft::quoted(request.name), size, kSmallestObject_m, kLargestObject_m);
-  }
-  return file;
+  return io::readObject(fileOf(request, request.main_uri), progress, {}, [&](double size) {
+    return objectScale(size, request.units, "object " + handgraft::quoted(request.name));
+  });
 }
 
 // === Contacts
 
-ReadContacts readContacts(const ReadRequest& request) {
-  HANDGRAFT_REQUIRE(request.contacts.object != nullptr);
+contact::ContactMap scaledMap(contact::ContactMap map,
+                              const ReadRequest& request,
+                              std::vector<std::string>& notes) {
+  const MapScale scale =
+      mapScale(map.mesh_O.diagonal(), request.units, request.contacts.object_units,
+               request.contacts.object->mesh.diagonal(),
+               "contact map " + handgraft::quoted(request.name));
+  if (!scale.note.empty()) notes.push_back(scale.note);
+  if (scale.scale != 1.0) {
+    map.mesh_O =
+        geometry::transformed(map.mesh_O, Eigen::Affine3d(Eigen::Scaling(scale.scale)));
+  }
+  return map;
+}
+
+ReadContacts readMap(const ReadRequest& request,
+                     const fs::path& path,
+                     const io::ContactMapSource& source) {
+  const ContactReading& how = request.contacts;
+  contact::SegmentationOptions options = how.segmentation;
+  if (!how.joints_uri.empty())
+    options.joints_O = io::readHandJoints(fileOf(request, how.joints_uri), how.joints_hand);
+  std::vector<std::string> notes;
+  contact::ContactMap map =
+      io::onFaces(scaledMap(io::readContactMap(path, source), request, notes), *how.object);
   ReadContacts read;
-  read.set = io::readContacts(fileOf(request, request.main_uri), *request.contacts.object,
-                              request.contacts.segmentation, request.contacts.source);
+  read.set = io::contactsFromMap(map, *how.object, options);
+  read.set.name = request.name;
+  append(read.set.notes, std::move(notes));
+  contact::ContactMap even = map;
+  even.value = contact::smoothed(map.mesh_O, map.value, options.smoothing_steps);
+  read.threshold = contact::thresholdOf(even, options);
+  read.map = std::move(map);
+  return read;
+}
+
+ReadContacts readContacts(const ReadRequest& request) {
+  const ContactReading& how = request.contacts;
+  HANDGRAFT_REQUIRE(how.object != nullptr);
+  const fs::path& path = fileOf(request, request.main_uri);
+  io::ContactMapSource source = how.source;
+  if (!how.picture_uri.empty()) source.picture = fileOf(request, how.picture_uri);
+  if (io::isContactMap(path, source)) {
+    try {
+      return readMap(request, path, source);
+    } catch (const UnitsInDoubt&) {
+      throw;
+    } catch (const InvalidInput& error) {
+      // Errors of files name them already.
+      const std::string name = path.string();
+      if (std::string(error.what()).find(name) != std::string::npos) throw;
+      rejectInput("{}: {}", name, error.what());
+    }
+  }
+  ReadContacts read;
+  read.set = io::readContactSet(path, *how.object);
   return read;
 }
 
@@ -121,7 +190,7 @@ ReadModel readModel(const ReadRequest& request, const Progress& progress) {
     case ReadKind::kObjectName:
       return ObjectName{io::objectNameIn(fileOf(request, request.main_uri))};
   }
-  HANDGRAFT_REQUIRE(false);
+  throw BrokenContract("a kind of model that does not exist");
 }
 
 }  // namespace handgraft::server

@@ -1,0 +1,124 @@
+#include "server/handlers/load_model.h"
+
+#include <string_view>
+#include <utility>
+
+#include "core/base/error.h"
+#include "server/load_messages.h"
+#include "server/reading/packed.h"
+#include "server/reading/units.h"
+#include "server/rejection.h"
+
+namespace handgraft::server {
+
+namespace {
+
+/// Of the files, of how they are read, and of the object's name: the same marks on another
+/// object are other contacts.
+std::uint64_t fingerprintOf(ReadRequest reading,
+                            const std::string& object,
+                            std::uint64_t of_files) {
+  reading.files.clear();
+  reading.contacts.object.reset();
+  std::uint64_t fingerprint = of_files;
+  const auto add = [&](std::string_view bytes) {
+    for (const char c : bytes)
+      fingerprint = fingerprint * 1099511628211ull ^ static_cast<unsigned char>(c);
+  };
+  add(pack(reading));
+  add(object);
+  return fingerprint;
+}
+
+template <class Model>
+v1::ModelList store(Model model, ModelStore& models) {
+  v1::ModelList reply;
+  reply.models().push_back(summaryOf(model));
+  models.add(std::move(model));
+  return reply;
+}
+
+class Loading {
+ public:
+  Loading(ReadRequest reading,
+          std::uint64_t of_files,
+          Workshop& workshop,
+          const Progress& progress)
+      : reading_(std::move(reading)),
+        of_files_(of_files),
+        workshop_(workshop),
+        progress_(progress) {}
+
+  v1::ModelList load(const std::string& object) {
+    switch (reading_.kind) {
+      case ReadKind::kHand:
+        return store(
+            storedHand(reading_.name, origin(), read<ReadHand>(reading_), reading_.hand),
+            workshop_.models);
+      case ReadKind::kObject:
+        return store(
+            storedObject(reading_.name, origin(), read<io::MeshFile>(reading_), reading_.units),
+            workshop_.models);
+      default:
+        return loadContacts(object.empty() ? objectInFile() : object);
+    }
+  }
+
+ private:
+  template <class Model>
+  Model read(const ReadRequest& reading) {
+    return std::get<Model>(workshop_.reader.read(reading, progress_));
+  }
+
+  std::string objectInFile() {
+    ReadRequest name = reading_;
+    name.kind = ReadKind::kObjectName;
+    std::string object = read<ObjectName>(name).name;
+    if (object.empty()) {
+      rejectInput("contacts {}: neither the request nor the file says which object they lie on",
+                  handgraft::quoted(reading_.name));
+    }
+    return object;
+  }
+
+  v1::ModelList loadContacts(std::string object) {
+    const auto stored = workshop_.models.object(object);
+    reading_.contacts.object = stored->file;
+    reading_.contacts.object_units = stored->units;
+    auto read_contacts = read<ReadContacts>(reading_);
+    const Origin from = origin(object);
+    return store(storedContacts(reading_.name, from, std::move(read_contacts), stored->file,
+                                std::move(object)),
+                 workshop_.models);
+  }
+
+  [[nodiscard]] Origin origin(const std::string& object = "") const {
+    return {false, fingerprintOf(reading_, object, of_files_)};
+  }
+
+  ReadRequest reading_;
+  std::uint64_t of_files_;
+  Workshop& workshop_;
+  const Progress& progress_;
+};
+
+}  // namespace
+
+v1::ModelList loadModel(const v1::LoadModelRequest& request,
+                        const UploadStore::ClientId& client,
+                        Workshop& workshop,
+                        const Progress& progress) {
+  const auto files = workshop.uploads.finish(client, request.upload_id());
+  validateName(request.name());
+  try {
+    progress.report("reading the model", 0.0);
+    return Loading(readRequestFrom(request, *files), files->fingerprint(), workshop, progress)
+        .load(request.object());
+  } catch (const UnitsInDoubt& doubt) {
+    throw Rejection(v1::ERROR_UNITS, files->inClientsWords(doubt.what()));
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(files->inClientsWords(error.what()));
+  }
+}
+
+}  // namespace handgraft::server

@@ -1,0 +1,357 @@
+#include "server/reading/packed_parts.h"
+
+#include <algorithm>
+#include <limits>
+#include <set>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/io/srdf_file.h"
+#include "server/reading/read_model.h"
+
+namespace handgraft::server {
+
+namespace {
+
+constexpr std::size_t kMostVertices = io::kMostVertices;
+constexpr std::size_t kMostFaces = 2 * kMostVertices;
+constexpr std::size_t kSize = sizeof(std::uint64_t);  ///< of a count
+
+Eigen::Vector3d takePoint(ByteReader& in) {
+  Eigen::Vector3d p;
+  for (double& coordinate : p)
+    coordinate = in.finite();
+  return p;
+}
+
+void requireAll(bool fine, const char* what) {
+  if (!fine) rejectInput("what the reader sent is damaged: {}", what);
+}
+
+// === Hands
+
+void put(ByteWriter& out, const std::vector<hand::Shape>& shapes) {
+  out.count(shapes.size());
+  for (const hand::Shape& shape : shapes) {
+    put(out, shape.mesh_L);
+    out.text(shape.source);
+  }
+}
+
+std::vector<hand::Shape> takeShapes(ByteReader& in) {
+  std::vector<hand::Shape> shapes(in.count(kMostThings, 3 * kSize));
+  for (hand::Shape& shape : shapes) {
+    shape.mesh_L = takeMesh(in);
+    shape.source = in.text();
+  }
+  return shapes;
+}
+
+void put(ByteWriter& out, const hand::Joint& joint) {
+  out.text(joint.name);
+  out.number(static_cast<std::uint8_t>(joint.type));
+  out.text(joint.parent_link);
+  out.text(joint.child_link);
+  const Eigen::Matrix<double, 3, 4> X_PJ = joint.X_PJ.matrix().topRows<3>();
+  out.numbers(X_PJ.data(), 12);
+  out.numbers(joint.axis_J.data(), 3);
+  out.number(joint.lower);
+  out.number(joint.upper);
+  out.number(joint.velocity_limit);
+  out.number(static_cast<std::uint8_t>(joint.mimic.has_value()));
+  if (!joint.mimic) return;
+  out.text(joint.mimic->source_joint);
+  out.number(joint.mimic->multiplier);
+  out.number(joint.mimic->offset);
+}
+
+/// Its numbers are checked by HandModel.
+hand::Joint takeJoint(ByteReader& in) {
+  hand::Joint joint;
+  joint.name = in.text();
+  joint.type = in.one(hand::JointType::kPrismatic);
+  joint.parent_link = in.text();
+  joint.child_link = in.text();
+  Eigen::Matrix<double, 3, 4> X_PJ;
+  in.numbers(X_PJ.data(), 12);
+  joint.X_PJ.matrix().topRows<3>() = X_PJ;
+  in.numbers(joint.axis_J.data(), 3);
+  joint.lower = in.number<double>();
+  joint.upper = in.number<double>();
+  joint.velocity_limit = in.finite();
+  if (!in.flag()) return joint;
+  hand::Mimic mimic;
+  mimic.source_joint = in.text();
+  mimic.multiplier = in.finite();
+  mimic.offset = in.finite();
+  joint.mimic = std::move(mimic);
+  return joint;
+}
+
+// === Contacts
+
+void put(ByteWriter& out, const geometry::SurfacePoint& point) {
+  out.number(point.face);
+  out.numbers(point.barycentric.data(), 3);
+}
+
+geometry::SurfacePoint takeSurfacePoint(ByteReader& in) {
+  geometry::SurfacePoint point;
+  point.face = in.number<int>();
+  in.numbers(point.barycentric.data(), 3);
+  return point;
+}
+
+void put(ByteWriter& out, const contact::Patch& patch) {
+  out.text(patch.name);
+  put(out, patch.root);
+  out.number(static_cast<std::uint8_t>(patch.direction_O.has_value()));
+  if (patch.direction_O) out.numbers(patch.direction_O->data(), 3);
+  put(out, patch.boundary);
+  out.count(patch.interpolation_boundary.size());
+  for (const geometry::SurfacePoint& point : patch.interpolation_boundary)
+    put(out, point);
+  out.number(patch.weight);
+}
+
+/// All else is checked by contact::validate.
+contact::Patch takePatch(ByteReader& in) {
+  contact::Patch patch;
+  patch.name = in.text();
+  patch.root = takeSurfacePoint(in);
+  if (in.flag()) patch.direction_O = takePoint(in);
+  patch.boundary = takeInts(in);
+  patch.interpolation_boundary.resize(
+      in.count(contact::kMostPoints, sizeof(int) + 3 * sizeof(double)));
+  for (geometry::SurfacePoint& point : patch.interpolation_boundary)
+    point = takeSurfacePoint(in);
+  patch.weight = in.finite();
+  return patch;
+}
+
+}  // namespace
+
+// === Lists
+
+void put(ByteWriter& out, const std::vector<std::string>& texts) {
+  out.count(texts.size());
+  for (const std::string& text : texts)
+    out.text(text);
+}
+
+std::vector<std::string> takeTexts(ByteReader& in) {
+  std::vector<std::string> texts(in.count(kMostThings, kSize));
+  for (std::string& text : texts)
+    text = in.text();
+  return texts;
+}
+
+void put(ByteWriter& out, const Eigen::VectorXd& values) {
+  out.count(static_cast<std::size_t>(values.size()));
+  out.numbers(values.data(), static_cast<std::size_t>(values.size()));
+}
+
+Eigen::VectorXd takeVector(ByteReader& in, std::size_t most) {
+  const std::size_t size = in.count(most, sizeof(double));
+  Eigen::VectorXd values(static_cast<Eigen::Index>(size));
+  in.numbers(values.data(), size);
+  requireAll(values.allFinite(), "a number not finite");
+  return values;
+}
+
+void put(ByteWriter& out, const std::vector<int>& values) {
+  out.count(values.size());
+  out.numbers(values.data(), values.size());
+}
+
+std::vector<int> takeInts(ByteReader& in) {
+  std::vector<int> values(in.count(3 * kMostFaces, sizeof(int)));
+  in.numbers(values.data(), values.size());
+  return values;
+}
+
+// === Meshes
+
+void put(ByteWriter& out, const geometry::TriangleMesh& mesh) {
+  out.columns(mesh.vertices());
+  out.columns(mesh.faces());
+}
+
+geometry::TriangleMesh takeMesh(ByteReader& in) {
+  auto vertices = in.columns<Eigen::Matrix3Xd>(kMostVertices);
+  auto faces = in.columns<Eigen::Matrix3Xi>(kMostFaces);
+  return {std::move(vertices), std::move(faces)};
+}
+
+void put(ByteWriter& out, const io::MeshFile& file) {
+  put(out, file.mesh);
+  put(out, file.file_vertex);
+  put(out, file.mesh_vertex);
+  put(out, file.file_face);
+  put(out, file.notes);
+  out.columns(file.cloud_O);
+}
+
+io::MeshFile takeMeshFile(ByteReader& in) {
+  io::MeshFile file;
+  file.mesh = takeMesh(in);
+  file.file_vertex = takeInts(in);
+  file.mesh_vertex = takeInts(in);
+  file.file_face = takeInts(in);
+  file.notes = takeTexts(in);
+  file.cloud_O = in.columns<Eigen::Matrix3Xd>(kMostVertices);
+  requireAll(file.mesh.faceCount() > 0, "a mesh without faces");
+  requireAll(file.cloud_O.allFinite(), "a point not finite");
+  const auto all_in = [](const std::vector<int>& indices, int least, std::ptrdiff_t end) {
+    return std::all_of(indices.begin(), indices.end(), [&](int index) {
+      return index >= least && index < end;
+    });
+  };
+  if (file.cloud_O.cols() > 0) {
+    requireAll(file.file_vertex.empty() && file.mesh_vertex.empty() && file.file_face.empty(),
+               "indices of a point cloud");
+    return file;
+  }
+  requireAll(std::ssize(file.file_vertex) == file.mesh.vertexCount() &&
+                 std::ssize(file.file_face) == file.mesh.faceCount(),
+             "a list of indices of another length than its mesh");
+  requireAll(all_in(file.file_vertex, 0, std::ssize(file.mesh_vertex)) &&
+                 all_in(file.mesh_vertex, -1, file.mesh.vertexCount()) &&
+                 all_in(file.file_face, 0, std::numeric_limits<int>::max()),
+             "an index out of range");
+  return file;
+}
+
+// === Hands
+
+void put(ByteWriter& out, const hand::HandModel& model) {
+  out.text(model.name());
+  out.count(model.links().size());
+  for (const hand::Link& link : model.links()) {
+    out.text(link.name);
+    put(out, link.visuals);
+    put(out, link.collisions);
+  }
+  out.count(model.joints().size());
+  for (const hand::Joint& joint : model.joints())
+    put(out, joint);
+  put(out, model.restPose());
+}
+
+hand::HandModel takeHandModel(ByteReader& in) {
+  const std::string name = in.text();
+  std::vector<hand::Link> links(in.count(kMostThings, 3 * kSize));
+  std::size_t shapes = 0;
+  for (hand::Link& link : links) {
+    link.name = in.text();
+    link.visuals = takeShapes(in);
+    link.collisions = takeShapes(in);
+    shapes += link.visuals.size() + link.collisions.size();
+    requireAll(shapes <= kMostThings, "too many shapes");
+  }
+  std::vector<hand::Joint> joints(in.count(kMostThings, 18 * sizeof(double)));
+  for (hand::Joint& joint : joints)
+    joint = takeJoint(in);
+  hand::HandModel model(name, std::move(links), std::move(joints));
+  requireAll(model.dofCount() <= kMostJoints, "too many joints");
+  const Eigen::VectorXd rest = takeVector(in, kMostJoints);
+  const bool is_zero = rest.size() == model.dofCount() && rest == model.restPose();
+  return is_zero ? model : model.withRestPose(rest);
+}
+
+void put(ByteWriter& out, const std::vector<hand::ContactSite>& sites) {
+  out.count(sites.size());
+  for (const hand::ContactSite& site : sites) {
+    out.text(site.name);
+    out.text(site.link);
+    out.numbers(site.p_L.data(), 3);
+    out.numbers(site.n_L.data(), 3);
+    out.numbers(site.direction_L.data(), 3);
+  }
+}
+
+std::vector<hand::ContactSite> takeSites(ByteReader& in, const hand::HandModel& model) {
+  std::vector<hand::ContactSite> sites(in.count(kMostThings, 2 * kSize + 9 * sizeof(double)));
+  for (hand::ContactSite& site : sites) {
+    site.name = in.text();
+    site.link = in.text();
+    site.p_L = takePoint(in);
+    site.n_L = takePoint(in);
+    site.direction_L = takePoint(in);
+  }
+  hand::validate(model, sites);
+  return sites;
+}
+
+void put(ByteWriter& out, const std::vector<hand::NamedPose>& poses) {
+  out.count(poses.size());
+  for (const hand::NamedPose& pose : poses) {
+    out.text(pose.name);
+    put(out, pose.q);
+  }
+}
+
+std::vector<hand::NamedPose> takePoses(ByteReader& in, const hand::HandModel& model) {
+  std::vector<hand::NamedPose> poses(in.count(io::kMostNamedPoses, 2 * kSize));
+  for (hand::NamedPose& pose : poses) {
+    pose.name = in.text();
+    pose.q = takeVector(in, kMostJoints);
+    requireAll(pose.q.size() == model.dofCount() &&
+                   (pose.q.array() >= model.lower().array()).all() &&
+                   (pose.q.array() <= model.upper().array()).all(),
+               "a named pose beyond the joints or their limits");
+  }
+  return poses;
+}
+
+// === Contacts
+
+void put(ByteWriter& out, const contact::ContactSet& set) {
+  out.text(set.name);
+  out.text(set.object);
+  out.count(set.patches.size());
+  for (const contact::Patch& patch : set.patches)
+    put(out, patch);
+  put(out, set.notes);
+}
+
+contact::ContactSet takeContactSet(ByteReader& in, const geometry::TriangleMesh& mesh_O) {
+  contact::ContactSet set;
+  set.name = in.text();
+  set.object = in.text();
+  set.patches.resize(in.count(contact::kMostPatches, 4 * kSize));
+  requireAll(!set.patches.empty(), "a contact set without patches");
+  std::set<std::string> names;
+  std::size_t points = 0;
+  for (contact::Patch& patch : set.patches) {
+    patch = takePatch(in);
+    contact::validate(mesh_O, patch);
+    points += patch.interpolation_boundary.size();
+    requireAll(points <= contact::kMostPoints, "too many points");
+    requireAll(names.insert(patch.name).second, "two patches of one name");
+  }
+  set.notes = takeTexts(in);
+  return set;
+}
+
+void put(ByteWriter& out, const contact::ContactMap& map) {
+  put(out, map.mesh_O);
+  put(out, map.value);
+  put(out, map.label);
+  put(out, map.segment_names);
+  put(out, map.segment_parts);
+}
+
+contact::ContactMap takeContactMap(ByteReader& in) {
+  contact::ContactMap map;
+  map.mesh_O = takeMesh(in);
+  map.value = takeVector(in, kMostVertices);
+  map.label = takeInts(in);
+  map.segment_names = takeTexts(in);
+  map.segment_parts = takeTexts(in);
+  contact::validate(map);
+  requireAll(map.mesh_O.faceCount() > 0, "a map without faces");
+  return map;
+}
+
+}  // namespace handgraft::server
