@@ -1,0 +1,204 @@
+#include "hardware/config/hand_config.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "core/base/error.h"
+#include "hardware/safety/governor.h"
+#include "hardware/tendon/tendon_map.h"
+
+namespace handgraft::config {
+
+namespace {
+
+using std::chrono::milliseconds;
+using Problems = std::vector<std::string>;
+
+constexpr double kSlack = 1e-9;  // rad, rad/s: rounding of ranges mapped both ways
+constexpr milliseconds kAbilityHandDeadman{300};  // its interface document, section 3
+constexpr std::size_t kAbilityHandMotors = 6;
+
+std::vector<tendon::Range> jointRanges(const HandConfig& config) {
+  std::vector<tendon::Range> ranges;
+  for (const safety::JointLimits& limits : config.governor.limits)
+    ranges.push_back({limits.lower, limits.upper});
+  return ranges;
+}
+
+/// What `make` throws as InvalidInput, under `key`.
+template <class Make>
+void collect(const char* key, Problems& problems, Make&& make) {
+  try {
+    make();
+  } catch (const InvalidInput& error) {
+    problems.push_back(fmt::format("{}: {}", key, error.what()));
+  }
+}
+
+void checkMotorsSuffice(const HandConfig& config, Problems& problems) {
+  const std::unique_ptr<tendon::MotorMap> map = makeMotorMap(config);
+  if (map->motorCount() != config.motors.size()) {
+    problems.push_back(fmt::format("motors: {} of them, where the transmission needs {}",
+                                   config.motors.size(), map->motorCount()));
+    return;
+  }
+  const std::vector<tendon::Range> joints = jointRanges(config);
+  std::vector<double> joint_speeds;
+  for (const safety::JointLimits& limits : config.governor.limits)
+    joint_speeds.push_back(limits.velocity);
+  const std::vector<tendon::Range> needed = map->motorRanges(joints);
+  const std::vector<double> speeds = map->motorSpeeds(joints, joint_speeds);
+  for (std::size_t i = 0; i < needed.size(); ++i) {
+    const MotorConfig& motor = config.motors[i];
+    if (needed[i].lower < motor.range_rad.lower - kSlack ||
+        needed[i].upper > motor.range_rad.upper + kSlack) {
+      problems.push_back(fmt::format(
+          "motors[{}].lower_rad, upper_rad: [{}, {}] does not hold the [{:.6g}, {:.6g}] that "
+          "the joints' limits ask of {}",
+          i, motor.range_rad.lower, motor.range_rad.upper, needed[i].lower, needed[i].upper,
+          handgraft::quoted(motor.name)));
+    }
+    if (speeds[i] > motor.velocity_rad_s + kSlack) {
+      problems.push_back(fmt::format(
+          "motors[{}].velocity_rad_s: {} is less than the {:.6g} that the joints' limits ask "
+          "of {}",
+          i, motor.velocity_rad_s, speeds[i], handgraft::quoted(motor.name)));
+    }
+  }
+}
+
+void checkDeadmen(const HandConfig& config, Problems& problems) {
+  const double period_ms = 1000 * config.governor.period_s;
+  const auto watchdog_ms = static_cast<double>(config.device.watchdog.count());
+  if (!(watchdog_ms >= 3 * period_ms)) {
+    problems.push_back(
+        fmt::format("device.watchdog_ms: {} is less than three periods of {:.4g} ms",
+                    watchdog_ms, period_ms));
+  }
+  if (config.governor.longest_gap > config.device.watchdog) {
+    problems.push_back(
+        fmt::format("loop.longest_gap_ms: {} is more than the device's watchdog of {} ms",
+                    config.governor.longest_gap.count(), watchdog_ms));
+  }
+  const auto reply_ms = static_cast<double>(config.device.reply_timeout.count());
+  if (config.device.kind != DeviceKind::kSimulated && !(reply_ms <= period_ms)) {
+    problems.push_back(
+        fmt::format("device.reply_timeout_ms: {} is more than a period of "
+                    "{:.4g} ms",
+                    reply_ms, period_ms));
+  }
+}
+
+void checkDevice(const HandConfig& config, Problems& problems) {
+  const DeviceConfig& device = config.device;
+  if (device.kind == DeviceKind::kAbilityHand) {
+    if (config.motors.size() != kAbilityHandMotors) {
+      problems.push_back(fmt::format("motors: {} of them; an ability_hand has {}",
+                                     config.motors.size(), kAbilityHandMotors));
+    }
+    if (device.watchdog != kAbilityHandDeadman) {
+      problems.push_back(fmt::format("device.watchdog_ms: {}; that of an ability_hand is {}",
+                                     device.watchdog.count(), kAbilityHandDeadman.count()));
+    }
+    return;
+  }
+  if (device.kind == DeviceKind::kSimulated) return;
+  const int most = device.kind == DeviceKind::kDynamixel ? 252 : 63;
+  std::set<int> seen;
+  for (std::size_t i = 0; i < config.motors.size(); ++i) {
+    const int id = config.motors[i].id;
+    if (id < 0 || id > most)
+      problems.push_back(fmt::format("motors[{}].id: {} is not in [0, {}]", i, id, most));
+    if (!seen.insert(id).second)
+      problems.push_back(fmt::format("motors[{}].id: {} is there twice", i, id));
+  }
+}
+
+void checkHoming(const HandConfig& config, Problems& problems) {
+  for (std::size_t i = 0; i < config.homing.size(); ++i) {
+    const HomingStep& step = config.homing[i];
+    const MotorConfig& motor = config.motors[step.motor];
+    if (!(step.speed_rad_s <= motor.velocity_rad_s))
+      problems.push_back(fmt::format("homing[{}].speed_rad_s: {} is more than the {} of {}", i,
+                                     step.speed_rad_s, motor.velocity_rad_s,
+                                     handgraft::quoted(motor.name)));
+    if (!(step.current_A < motor.current_A))
+      problems.push_back(
+          fmt::format("homing[{}].current_A: {} must be less than the {} that {} may use", i,
+                      step.current_A, motor.current_A, handgraft::quoted(motor.name)));
+    const double off = step.stop_rad - step.toward * step.back_off_rad;
+    if (!(off >= motor.range_rad.lower - kSlack && off <= motor.range_rad.upper + kSlack))
+      problems.push_back(fmt::format(
+          "homing[{}]: backed off, {} stands at {:.6g} rad, outside of [{}, {}]", i,
+          handgraft::quoted(motor.name), off, motor.range_rad.lower, motor.range_rad.upper));
+  }
+}
+
+void checkMotorNames(const HandConfig& config, Problems& problems) {
+  std::set<std::string> seen;
+  for (std::size_t i = 0; i < config.motors.size(); ++i) {
+    if (!seen.insert(config.motors[i].name).second)
+      problems.push_back(fmt::format("motors[{}].name: {} is there twice", i,
+                                     handgraft::quoted(config.motors[i].name)));
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<tendon::MotorMap> makeMotorMap(const HandConfig& config) {
+  const TransmissionConfig& transmission = config.transmission;
+  switch (transmission.kind) {
+    case TransmissionKind::kTendons:
+      return std::make_unique<tendon::TendonMap>(transmission.tendons);
+    case TransmissionKind::kDirect:
+      return std::unique_ptr<tendon::MotorMap>(new tendon::SynergyMap(
+          tendon::mimicMap(jointRanges(config), transmission.followers)));
+    case TransmissionKind::kSynergies:
+      break;
+  }
+  const auto n = static_cast<Eigen::Index>(config.jointCount());
+  const auto m = static_cast<Eigen::Index>(transmission.synergies.size());
+  Eigen::MatrixXd S(n, m);
+  Eigen::VectorXd rest(n);
+  if (transmission.rest_rad.size() != config.jointCount())
+    rejectInput("transmission.rest_rad: {} numbers for {} joints", transmission.rest_rad.size(),
+                n);
+  std::vector<tendon::Range> motors;
+  for (Eigen::Index i = 0; i < m; ++i) {
+    const std::vector<double>& column =
+        transmission.synergies[static_cast<std::size_t>(i)].column;
+    if (column.size() != config.jointCount())
+      rejectInput("transmission.synergies[{}]: {} numbers for {} joints", i, column.size(), n);
+    S.col(i) = Eigen::Map<const Eigen::VectorXd>(column.data(), n);
+  }
+  rest = Eigen::Map<const Eigen::VectorXd>(transmission.rest_rad.data(), n);
+  for (const MotorConfig& motor : config.motors)
+    motors.push_back(motor.range_rad);
+  return std::make_unique<tendon::SynergyMap>(S, rest, Eigen::VectorXd::Ones(n), motors);
+}
+
+std::vector<std::string> problemsOf(const HandConfig& config) {
+  Problems problems;
+  checkMotorNames(config, problems);
+  checkDevice(config, problems);
+  checkDeadmen(config, problems);
+  checkHoming(config, problems);
+  collect("joints", problems, [&] {
+    const safety::Governor governor(config.governor);
+  });
+  if (config.transmission.kind == TransmissionKind::kTendons) {
+    for (const std::string& problem : tendon::problemsOf(config.transmission.tendons))
+      problems.push_back("transmission: " + problem);
+  } else {
+    collect("transmission", problems, [&] {
+      makeMotorMap(config);
+    });
+  }
+  if (problems.empty()) checkMotorsSuffice(config, problems);
+  return problems;
+}
+
+}  // namespace handgraft::config

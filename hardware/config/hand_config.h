@@ -1,0 +1,96 @@
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hardware/safety/governor_types.h"
+#include "hardware/tendon/motor_map.h"
+#include "hardware/tendon/synergy_map.h"
+#include "hardware/tendon/tendon_hand.h"
+
+namespace handgraft::config {
+
+enum class DeviceKind { kSimulated, kDynamixel, kAbilityHand, kODrive };
+enum class CanCarrier { kSlcan, kSocketCan };
+enum class ODriveFirmware { k05, k06 };
+
+/// The device and its wire. What its kind has no use for keeps its default.
+struct DeviceConfig {
+  DeviceKind kind = DeviceKind::kSimulated;
+  std::string port;  ///< a tty; the interface's name for SocketCAN
+  int baud = 0;      ///< of the tty
+  CanCarrier carrier = CanCarrier::kSlcan;
+  int can_bitrate = 500'000;
+  ODriveFirmware firmware = ODriveFirmware::k06;
+  int address = 0x50;                       ///< of an Ability Hand
+  std::chrono::milliseconds watchdog{100};  ///< the device's own deadman
+  std::chrono::milliseconds reply_timeout{5};
+  int tolerated_misses = 3;  ///< answers in a row
+};
+
+/// One motor, in the order of the transmission's motors.
+struct MotorConfig {
+  std::string name;
+  int id = 0;                 ///< Dynamixel id or ODrive node
+  double gear = 1;            ///< turns of the device's encoder per turn of the motor
+  int direction = 1;          ///< -1: the device counts the other way
+  double zero_rad = 0;        ///< the device's angle, at its encoder, where the motor's is 0
+  tendon::Range range_rad;    ///< that it may be sent to
+  double velocity_rad_s = 0;  ///< the most that it may be asked for
+  double current_A = 0;       ///< that it may use
+};
+
+/// How one motor finds its zero: it turns until it is held back, there it is at `stop_rad`.
+struct HomingStep {
+  std::size_t motor = 0;
+  int toward = 1;  ///< 1 or -1: the sign of its velocity
+  double speed_rad_s = 0;
+  double current_A = 0;                 ///< held back: the current stays at least so high ...
+  std::chrono::milliseconds hold{200};  ///< ... for so long
+  double travel_rad = 0;                ///< never farther than this from where it began
+  double stop_rad = 0;                  ///< the motor's angle at the stop
+  double back_off_rad = 0;              ///< turned back afterwards
+};
+
+/// A postural synergy: q = rest + column * s.
+struct SynergyConfig {
+  std::vector<double> column;  ///< one entry per joint
+};
+
+enum class TransmissionKind { kDirect, kSynergies, kTendons };
+
+/// What lies between joints and motors. Mimic joints are direct drive with followers.
+struct TransmissionConfig {
+  TransmissionKind kind = TransmissionKind::kDirect;
+  std::vector<tendon::MimicJoint> followers;  ///< direct
+  std::vector<SynergyConfig> synergies;       ///< one per motor
+  std::vector<double> rest_rad;               ///< synergies: one per joint
+  tendon::TendonHand tendons;                 ///< one tendon per motor
+};
+
+/// Everything about one hand that the bridge must know before anything moves.
+struct HandConfig {
+  std::string hand;
+  DeviceConfig device;
+  safety::GovernorOptions governor;  ///< names and limits of the joints included
+  int realtime_priority = 0;         ///< 1 to 99: SCHED_FIFO, where permitted
+  TransmissionConfig transmission;
+  std::vector<MotorConfig> motors;
+  std::vector<HomingStep> homing;     ///< in this order
+  std::filesystem::path calibration;  ///< empty: none; relative to the config's folder
+
+  [[nodiscard]] std::size_t jointCount() const { return governor.names.size(); }
+};
+
+/// The hand's way from joints to motors. Errors: InvalidInput.
+std::unique_ptr<tendon::MotorMap> makeMotorMap(const HandConfig& config);
+
+/// What there is to object to in `config` as a whole: that motors can go where and as fast as
+/// joints may ask, that the governor and the transmission accept it, that watchdogs and gaps
+/// fit each other and the device, that ids are the device's. Empty if nothing.
+std::vector<std::string> problemsOf(const HandConfig& config);
+
+}  // namespace handgraft::config

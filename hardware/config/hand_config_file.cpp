@@ -1,0 +1,252 @@
+#include "hardware/config/hand_config_file.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.h"
+#include "hardware/config/calibration_file.h"
+#include "hardware/config/text_file.h"
+#include "hardware/config/transmission_section.h"
+#include "hardware/config/yaml_section.h"
+
+namespace handgraft::config {
+
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr double kTurns = 1000;  // rad: more than a hundred turns of a drum
+constexpr std::size_t kMostJoints = 512;
+constexpr std::size_t kMostProblems = 20;
+
+milliseconds duration(
+    Section& section, const std::string& key, int least, int most, milliseconds standard) {
+  return milliseconds(section.integer(key, least, most, static_cast<int>(standard.count())));
+}
+
+DeviceConfig deviceOf(Section section) {
+  DeviceConfig device;
+  device.kind = section.choice<DeviceKind>("kind", {{"simulated", DeviceKind::kSimulated},
+                                                    {"dynamixel", DeviceKind::kDynamixel},
+                                                    {"ability_hand", DeviceKind::kAbilityHand},
+                                                    {"odrive", DeviceKind::kODrive}});
+  const bool is_can = device.kind == DeviceKind::kODrive;
+  const bool is_ability_hand = device.kind == DeviceKind::kAbilityHand;
+  if (device.kind != DeviceKind::kSimulated) {
+    device.port = section.text("port");
+    device.reply_timeout = duration(section, "reply_timeout_ms", 1, 100, device.reply_timeout);
+    device.tolerated_misses = section.integer("tolerated_misses", 0, 50, 3);
+  }
+  if (is_can) {
+    device.carrier = section.choice<CanCarrier>(
+        "carrier", {{"slcan", CanCarrier::kSlcan}, {"socketcan", CanCarrier::kSocketCan}});
+    device.firmware = section.choice<ODriveFirmware>(
+        "firmware", {{"0.5", ODriveFirmware::k05}, {"0.6", ODriveFirmware::k06}},
+        ODriveFirmware::k06);
+    device.can_bitrate = section.integer("can_bitrate", 10'000, 1'000'000, 500'000);
+  }
+  const bool has_tty = device.kind == DeviceKind::kDynamixel || is_ability_hand ||
+                       (is_can && device.carrier == CanCarrier::kSlcan);
+  if (has_tty) {
+    const int standard = is_ability_hand ? 460'800 : is_can ? 115'200 : 4'000'000;
+    device.baud = section.integer("baud", 1200, 4'500'000, standard);
+  }
+  if (is_ability_hand) device.address = section.integer("address", 1, 255, 0x50);
+  device.watchdog = duration(section, "watchdog_ms", 20, 2540,
+                             is_ability_hand ? milliseconds(300) : device.watchdog);
+  section.finish();
+  return device;
+}
+
+void readLoop(Section section, HandConfig& config) {
+  safety::GovernorOptions& governor = config.governor;
+  governor.period_s = 1 / section.number("rate_hz", 10, 1000, 100);
+  governor.overruns_in_a_row =
+      static_cast<unsigned>(section.integer("overruns_in_a_row", 1, 1000, 10));
+  governor.longest_gap = duration(section, "longest_gap_ms", 5, 1000, governor.longest_gap);
+  config.realtime_priority = section.integer("realtime_priority", 0, 99, 0);
+  section.finish();
+}
+
+void readStream(Section section, safety::GovernorOptions& governor) {
+  governor.stale_after = duration(section, "stale_ms", 10, 10'000, governor.stale_after);
+  governor.hold_for = duration(section, "hold_ms", 1, 600'000, governor.hold_for);
+  section.finish();
+}
+
+void readArming(Section section, safety::GovernorOptions& governor) {
+  governor.near = section.number("near_rad", 0, 1, governor.near);
+  governor.ramp_share = section.number("ramp_share", 0.001, 1, governor.ramp_share);
+  governor.outside = section.number("outside_rad", 0.001, 10, governor.outside);
+  governor.power_within =
+      duration(section, "power_within_ms", 10, 60'000, governor.power_within);
+  governor.reset_within =
+      duration(section, "reset_within_ms", 10, 60'000, governor.reset_within);
+  section.finish();
+}
+
+void readStopping(Section section, safety::GovernorOptions& governor) {
+  governor.stop_mode = section.choice<safety::StopMode>(
+      "mode", {{"brake", safety::StopMode::kBrake}, {"cut", safety::StopMode::kCut}},
+      safety::StopMode::kBrake);
+  governor.brake_within = duration(section, "brake_ms", 10, 10'000, governor.brake_within);
+  section.finish();
+}
+
+void readWatching(Section section, safety::GovernorOptions& governor) {
+  governor.device_silent_after =
+      duration(section, "silent_ms", 5, 1000, governor.device_silent_after);
+  governor.limited_for = duration(section, "limited_ms", 1, 60'000, governor.limited_for);
+  section.finish();
+}
+
+/// Keys of `section` over `standard`; everything is required without one.
+safety::JointLimits motionOf(Section& section,
+                             const std::optional<safety::JointLimits>& standard) {
+  const auto given = [&](double safety::JointLimits::*field) -> std::optional<double> {
+    if (!standard) return std::nullopt;
+    return (*standard).*field;
+  };
+  safety::JointLimits limits;
+  limits.velocity =
+      section.number("velocity_rad_s", 1e-3, 100, given(&safety::JointLimits::velocity));
+  limits.acceleration = section.number("acceleration_rad_s2", 1e-2, 10'000,
+                                       given(&safety::JointLimits::acceleration));
+  limits.jerk = section.number("jerk_rad_s3", 0.1, 1e7, given(&safety::JointLimits::jerk));
+  limits.margin = section.number("margin_rad", 0, 1, standard ? standard->margin : 1e-4);
+  return limits;
+}
+
+void readJoints(Section& file, HandConfig& config) {
+  std::optional<safety::JointLimits> standard;
+  if (file.has("motion")) {
+    Section motion = file.section("motion", true);
+    standard = motionOf(motion, std::nullopt);
+    motion.finish();
+  }
+  for (Section& joint : file.list("joints", 1, kMostJoints)) {
+    config.governor.names.push_back(joint.text("name"));
+    const double lower = joint.number("lower_rad", -kTurns, kTurns);
+    const double upper = joint.number("upper_rad", -kTurns, kTurns);
+    safety::JointLimits limits = motionOf(joint, standard);
+    limits.lower = lower;
+    limits.upper = upper;
+    if (!(lower < upper))
+      joint.object("upper_rad", fmt::format("{} is not above lower_rad {}", upper, lower));
+    joint.finish();
+    config.governor.limits.push_back(limits);
+  }
+}
+
+void readMotors(Section& file, HandConfig& config) {
+  const bool has_ids =
+      config.device.kind == DeviceKind::kDynamixel || config.device.kind == DeviceKind::kODrive;
+  const bool is_ability_hand = config.device.kind == DeviceKind::kAbilityHand;
+  for (Section& section : file.list("motors", 1, kMostJoints)) {
+    MotorConfig motor;
+    motor.name = section.text("name");
+    motor.range_rad.lower = section.number("lower_rad", -kTurns, kTurns);
+    motor.range_rad.upper = section.number("upper_rad", -kTurns, kTurns);
+    if (!(motor.range_rad.lower < motor.range_rad.upper)) {
+      section.object("upper_rad", fmt::format("{} is not above lower_rad {}",
+                                              motor.range_rad.upper, motor.range_rad.lower));
+    }
+    motor.velocity_rad_s = section.number("velocity_rad_s", 1e-3, 1000);
+    if (has_ids) {
+      motor.id = section.integer("id", 0, 252);
+      motor.current_A = section.number("current_A", 1e-3, 100);
+    }
+    if (!is_ability_hand) {
+      motor.gear = section.number("gear", 1e-3, 1000, 1);
+      motor.zero_rad = section.number("zero_rad", -kTurns, kTurns, 0);
+      motor.direction = section.choice<int>("direction", {{"1", 1}, {"-1", -1}}, 1);
+    }
+    section.finish();
+    config.motors.push_back(motor);
+  }
+}
+
+void readHoming(Section& file, HandConfig& config) {
+  for (Section& section : file.list("homing", 0, kMostJoints)) {
+    HomingStep step;
+    const std::string name = section.text("motor");
+    const auto found =
+        std::find_if(config.motors.begin(), config.motors.end(), [&](const MotorConfig& m) {
+          return m.name == name;
+        });
+    if (found == config.motors.end())
+      section.object("motor", "no motor is named " + handgraft::quoted(name));
+    step.toward = section.choice<int>("toward", {{"1", 1}, {"-1", -1}});
+    step.speed_rad_s = section.number("speed_rad_s", 1e-3, 100);
+    step.current_A = section.number("current_A", 1e-3, 100);
+    step.hold = duration(section, "hold_ms", 10, 10'000, step.hold);
+    step.travel_rad = section.number("travel_rad", 1e-3, kTurns);
+    step.stop_rad = section.number("stop_rad", -kTurns, kTurns);
+    step.back_off_rad = section.number("back_off_rad", 0, kTurns, 0);
+    section.finish();
+    if (found == config.motors.end()) continue;
+    step.motor = static_cast<std::size_t>(found - config.motors.begin());
+    config.homing.push_back(step);
+  }
+}
+
+[[noreturn]] void rejectAll(Problems problems) {
+  // What is wrong at the top explains what is missing below; a misspelt key is known last.
+  std::stable_partition(problems.begin(), problems.end(), [](const std::string& problem) {
+    return problem.find('.') > problem.find(": ");
+  });
+  std::string all;
+  for (std::size_t i = 0; i < problems.size() && i < kMostProblems; ++i)
+    all += (i == 0 ? "" : "; ") + problems[i];
+  if (problems.size() > kMostProblems)
+    all += fmt::format("; and {} more", problems.size() - kMostProblems);
+  throw InvalidInput(all);
+}
+
+}  // namespace
+
+HandConfig parseHandConfig(const std::string& text) {
+  Problems problems;
+  HandConfig config;
+  try {
+    Section file = Section::parse(text, problems);
+    if (!problems.empty()) rejectAll(problems);
+    file.choice<int>("format", {{"handgraft-hardware/1", 1}});
+    config.hand = file.text("hand");
+    config.device = deviceOf(file.section("device", true));
+    readLoop(file.section("loop", false), config);
+    readStream(file.section("stream", false), config.governor);
+    readArming(file.section("arming", false), config.governor);
+    readStopping(file.section("emergency_stop", false), config.governor);
+    readWatching(file.section("watch", false), config.governor);
+    readJoints(file, config);
+    readMotors(file, config);
+    config.transmission = readTransmission(file.section("transmission", false), config);
+    readHoming(file, config);
+    config.calibration = file.text("calibration", "");
+    file.finish();
+  } catch (const YAML::Exception& error) {
+    problems.push_back(
+        fmt::format("line {}: {}", error.mark.line + 1, handgraft::quoted(error.msg)));
+  }
+  if (problems.empty()) problems = problemsOf(config);
+  if (!problems.empty()) rejectAll(problems);
+  return config;
+}
+
+HandConfig readHandConfig(const std::filesystem::path& path) {
+  const std::string text = readText(path);
+  HandConfig config;
+  try {
+    config = parseHandConfig(text);
+  } catch (const InvalidInput& error) {
+    rejectInput("{}: {}", handgraft::quoted(path.string()), error.what());
+  }
+  if (!config.calibration.empty()) {
+    config.calibration = path.parent_path() / config.calibration;
+    readCalibration(config.calibration, config);
+  }
+  return config;
+}
+
+}  // namespace handgraft::config

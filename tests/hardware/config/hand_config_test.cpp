@@ -1,0 +1,420 @@
+#include <cmath>
+#include <fstream>
+#include <random>
+#include <sstream>
+
+#include <gtest/gtest.h>
+#include <yaml-cpp/yaml.h>
+
+#include "core/base/error.h"
+#include "hardware/config/calibration_file.h"
+#include "hardware/config/hand_config_file.h"
+#include "hardware/config/text_file.h"
+#include "hardware/safety/governor.h"
+
+#include "tests/support/shared_data.h"
+
+namespace handgraft::config {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::vector<std::string> kExamples{"leap", "ability_hand", "printed_tendon_hand"};
+
+fs::path examplePath(const std::string& name) {
+  return test::sourceDirectory() / "hardware" / "config" / "examples" / (name + ".yaml");
+}
+
+std::string exampleText(const std::string& name) {
+  return readText(examplePath(name));
+}
+
+/// What is said of a config that is wrong; empty if nothing is.
+std::string objectionTo(const std::string& text) {
+  try {
+    parseHandConfig(text);
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "";
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// A hand of one finger, as small as a config may be.
+const char* const kSmall = R"(
+format: handgraft-hardware/1
+hand: small
+device: {kind: simulated}
+motion: {velocity_rad_s: 2, acceleration_rad_s2: 20, jerk_rad_s3: 400}
+joints:
+  - {name: a, lower_rad: 0, upper_rad: 1.5}
+  - {name: b, lower_rad: -0.5, upper_rad: 1}
+motors:
+  - {name: m, lower_rad: 0, upper_rad: 1.5, velocity_rad_s: 2}
+  - {name: n, lower_rad: -0.5, upper_rad: 1, velocity_rad_s: 2}
+)";
+
+std::string smallWith(const std::string& old_text, const std::string& new_text) {
+  std::string text = kSmall;
+  const auto at = text.find(old_text);
+  EXPECT_NE(at, std::string::npos) << old_text;
+  return text.replace(at, old_text.size(), new_text);
+}
+
+// === Examples
+
+TEST(HandConfig, EveryExampleIsSound) {
+  for (const std::string& name : kExamples) {
+    const HandConfig config = readHandConfig(examplePath(name));
+    EXPECT_EQ(config.motors.size(), makeMotorMap(config)->motorCount());
+    const safety::Governor governor(config.governor);
+    EXPECT_EQ(governor.state(), safety::GovernorState::kDisconnected);
+  }
+}
+
+TEST(HandConfig, EveryExampleMeasuresThePoseThatItPromised) {
+  std::mt19937 random(1);
+  for (const std::string& name : kExamples) {
+    const HandConfig config = readHandConfig(examplePath(name));
+    const std::unique_ptr<tendon::MotorMap> map = makeMotorMap(config);
+    std::vector<double> q(config.jointCount()), residual(q.size()), measured(q.size());
+    std::vector<double> motors(map->motorCount());
+    for (int trial = 0; trial < 100; ++trial) {
+      for (std::size_t j = 0; j < q.size(); ++j) {
+        const safety::JointLimits& limits = config.governor.limits[j];
+        q[j] = std::uniform_real_distribution<double>(limits.lower, limits.upper)(random);
+      }
+      map->command(q, motors, residual);
+      map->measure(motors, measured);
+      for (std::size_t j = 0; j < q.size(); ++j)
+        EXPECT_NEAR(measured[j], q[j] - residual[j], 1e-9) << name << " joint " << j;
+      for (std::size_t i = 0; i < motors.size(); ++i) {
+        EXPECT_GE(motors[i], config.motors[i].range_rad.lower - 1e-9);
+        EXPECT_LE(motors[i], config.motors[i].range_rad.upper + 1e-9);
+      }
+    }
+  }
+}
+
+TEST(HandConfig, ReadsWhatIsThere) {
+  const HandConfig config = readHandConfig(examplePath("printed_tendon_hand"));
+  EXPECT_EQ(config.hand, "printed_tendon_hand");
+  EXPECT_EQ(config.device.kind, DeviceKind::kODrive);
+  EXPECT_EQ(config.device.carrier, CanCarrier::kSlcan);
+  EXPECT_EQ(config.device.firmware, ODriveFirmware::k06);
+  EXPECT_EQ(config.governor.period_s, 0.01);
+  EXPECT_EQ(config.governor.brake_within.count(), 500);
+  ASSERT_EQ(config.jointCount(), 11u);
+  EXPECT_EQ(config.governor.names[2], "index_mcp");
+  EXPECT_EQ(config.governor.limits[2].upper, 1.4);
+  EXPECT_EQ(config.governor.limits[2].jerk, 500);
+  const tendon::TendonHand& hand = config.transmission.tendons;
+  ASSERT_EQ(hand.tendons.size(), 3u);
+  EXPECT_EQ(hand.tendons[1].crossings[1].extension.at(0).slope, 0.007);
+  EXPECT_EQ(hand.tendons[2].spool.growth_m, 0.0004);
+  EXPECT_EQ(hand.joints[3].rest, 0.05);
+  EXPECT_EQ(config.motors[2].direction, -1);
+  ASSERT_EQ(config.homing.size(), 3u);
+  EXPECT_EQ(config.homing[2].motor, 2u);
+  EXPECT_EQ(config.homing[0].hold.count(), 300);
+}
+
+TEST(HandConfig, ReadsEmergencyStopsOfBothKinds) {
+  EXPECT_EQ(parseHandConfig(kSmall).governor.stop_mode, safety::StopMode::kBrake);
+  const HandConfig cut = parseHandConfig(std::string(kSmall) + "emergency_stop: {mode: cut}\n");
+  EXPECT_EQ(cut.governor.stop_mode, safety::StopMode::kCut);
+}
+
+// === Every key of every example
+
+/// Applies `change` to one place of the tree after another, and tells each resulting text and
+/// the path of the place.
+template <class Change, class Judge>
+void forEachPlace(const YAML::Node& node,
+                  const std::string& path,
+                  const YAML::Node& root,
+                  const Change& change,
+                  const Judge& judge) {
+  if (node.IsMap()) {
+    std::vector<std::string> keys;
+    for (const auto& entry : node)
+      keys.push_back(entry.first.Scalar());
+    for (const std::string& key : keys) {
+      YAML::Node map = node;  // nodes are handles: this changes the tree
+      const std::string here = path.empty() ? key : path + "." + key;
+      const YAML::Node kept = YAML::Clone(map[key]);
+      if (change(map, key)) {
+        std::ostringstream text;
+        text << root;
+        judge(here, text.str());
+      }
+      map.remove("misspelt");
+      map[key] = kept;
+      forEachPlace(map[key], here, root, change, judge);
+    }
+  } else if (node.IsSequence()) {
+    for (std::size_t i = 0; i < node.size(); ++i)
+      forEachPlace(node[i], path + "[" + std::to_string(i) + "]", root, change, judge);
+  }
+}
+
+TEST(HandConfig, NamesEveryMisspeltKey) {
+  int tried = 0;
+  for (const std::string& name : kExamples) {
+    const YAML::Node root = YAML::Load(exampleText(name));
+    forEachPlace(
+        root, "", root,
+        [](YAML::Node& map, const std::string& key) {
+          map["misspelt"] = YAML::Clone(map[key]);
+          map.remove(key);
+          return true;
+        },
+        [&](const std::string& place, const std::string& text) {
+          const std::string objection = objectionTo(text);
+          const auto dot = place.rfind('.');
+          const std::string where =
+              (dot == std::string::npos ? "" : place.substr(0, dot + 1)) + "misspelt";
+          EXPECT_TRUE(contains(objection, where + ": unknown key"))
+              << name << " " << place << ": " << objection;
+          ++tried;
+        });
+  }
+  EXPECT_GT(tried, 200);
+}
+
+TEST(HandConfig, NamesEveryValueThatIsNone) {
+  int tried = 0;
+  for (const std::string& name : kExamples) {
+    for (const char* const bad : {"1e99", ".nan", "[1, {a: b}]", "-.inf"}) {
+      const YAML::Node root = YAML::Load(exampleText(name));
+      forEachPlace(
+          root, "", root,
+          [&](YAML::Node& map, const std::string& key) {
+            const bool may_be_any_text =
+                (key == "name" || key == "hand" || key == "port") && bad[0] != '[';
+            map[key] = YAML::Load(bad);
+            return !may_be_any_text;
+          },
+          [&](const std::string& place, const std::string& text) {
+            const std::string objection = objectionTo(text);
+            EXPECT_TRUE(contains(objection, place))
+                << name << " " << place << " = " << bad << ": " << objection;
+            ++tried;
+          });
+    }
+  }
+  EXPECT_GT(tried, 800);
+}
+
+TEST(HandConfig, SurvivesEveryTruncation) {
+  for (const std::string& name : kExamples) {
+    const std::string text = exampleText(name);
+    for (std::size_t length = 0; length < text.size(); length += 7) {
+      try {
+        parseHandConfig(text.substr(0, length));
+      } catch (const InvalidInput&) {
+        continue;
+      }
+    }
+  }
+}
+
+// === Single rules
+
+TEST(HandConfig, TellsAllProblemsAtOnceEachWithItsRange) {
+  const std::string text = smallWith("lower_rad: -0.5", "lower_rad: hello");
+  std::string worse = text;
+  worse.replace(worse.find("kind: simulated"), 15, "kind: magic");
+  const std::string objection = objectionTo(worse + "loop: {rate_hz: 5000}\n");
+  EXPECT_TRUE(contains(objection, "joints[1].lower_rad: 'hello' is no number")) << objection;
+  EXPECT_TRUE(contains(objection, "loop.rate_hz: 5000 is not in [10, 1000]")) << objection;
+  EXPECT_TRUE(contains(objection, "device.kind: 'magic' is not one of simulated, dynamixel"))
+      << objection;
+}
+
+TEST(HandConfig, NamesWhatIsMissing) {
+  EXPECT_TRUE(contains(objectionTo(smallWith("hand: small", "")), "hand: is missing"));
+  EXPECT_TRUE(contains(objectionTo(""), "must be a map"));
+  EXPECT_TRUE(contains(objectionTo("format: handgraft-hardware/1"), "device: is missing"));
+}
+
+TEST(HandConfig, NamesKeysThatAreThereTwice) {
+  EXPECT_TRUE(
+      contains(objectionTo(std::string(kSmall) + "hand: other\n"), "hand: is there twice"));
+}
+
+TEST(HandConfig, WantsMotorsThatCanGoWhereJointsMay) {
+  const std::string objection = objectionTo(smallWith(
+      "{name: m, lower_rad: 0, upper_rad: 1.5", "{name: m, lower_rad: 0, upper_rad: 1.4"));
+  EXPECT_TRUE(contains(objection,
+                       "motors[0].lower_rad, upper_rad: [0, 1.4] does not hold the "
+                       "[0, 1.5]"))
+      << objection;
+}
+
+TEST(HandConfig, WantsMotorsThatAreAsFastAsJointsMayBe) {
+  const std::string objection = objectionTo(
+      smallWith("upper_rad: 1.5, velocity_rad_s: 2", "upper_rad: 1.5, velocity_rad_s: 1"));
+  EXPECT_TRUE(contains(objection, "motors[0].velocity_rad_s: 1 is less than the 2"))
+      << objection;
+}
+
+TEST(HandConfig, WantsAMotorForEachDirectJoint) {
+  const std::string objection = objectionTo(
+      smallWith("  - {name: n, lower_rad: -0.5, upper_rad: 1, velocity_rad_s: 2}\n", ""));
+  EXPECT_TRUE(contains(objection, "motors: 1 of them, where the transmission needs 2"))
+      << objection;
+}
+
+TEST(HandConfig, WantsJointsThatCanBrakeInTime) {
+  const std::string objection =
+      objectionTo(std::string(kSmall) + "emergency_stop: {brake_ms: 50}\n");
+  EXPECT_TRUE(contains(objection, "joint 'a': needs")) << objection;
+}
+
+TEST(HandConfig, WantsGapsShorterThanTheDevicesDeadman) {
+  const std::string objection =
+      objectionTo(std::string(kSmall) + "loop: {longest_gap_ms: 150}\n");
+  EXPECT_TRUE(
+      contains(objection, "loop.longest_gap_ms: 150 is more than the device's watchdog"))
+      << objection;
+  const std::string slow =
+      objectionTo(smallWith("kind: simulated", "kind: simulated, watchdog_ms: 20"));
+  EXPECT_TRUE(contains(slow, "device.watchdog_ms: 20 is less than three periods")) << slow;
+}
+
+TEST(HandConfig, WantsIdsOfTheDeviceOnce) {
+  std::string text = exampleText("leap");
+  text.replace(text.find("id: 3,"), 6, "id: 2,");
+  EXPECT_TRUE(contains(objectionTo(text), "motors[3].id: 2 is there twice"))
+      << objectionTo(text);
+}
+
+TEST(HandConfig, KnowsTheAbilityHandsOwnDeadman) {
+  std::string text = exampleText("ability_hand");
+  text.replace(text.find("watchdog_ms: 300"), 16, "watchdog_ms: 200");
+  EXPECT_TRUE(
+      contains(objectionTo(text), "device.watchdog_ms: 200; that of an ability_hand is"));
+}
+
+TEST(HandConfig, ReadsFollowers) {
+  const HandConfig config = parseHandConfig(
+      smallWith("  - {name: n, lower_rad: -0.5, upper_rad: 1, velocity_rad_s: 2}\n", "") +
+      "transmission: {kind: direct, followers: [{joint: b, leader: a, ratio: 0.5}]}\n");
+  const std::unique_ptr<tendon::MotorMap> map = makeMotorMap(config);
+  std::vector<double> motors(1), residual(2);
+  map->command(std::vector{0.8, 0.0}, motors, residual);
+  EXPECT_NEAR(motors[0], 0.8, 1e-15);
+  EXPECT_NEAR(residual[1], -0.4, 1e-15);
+}
+
+TEST(HandConfig, ReadsSynergies) {
+  std::string text =
+      smallWith("  - {name: n, lower_rad: -0.5, upper_rad: 1, velocity_rad_s: 2}\n", "");
+  text += "transmission: {kind: synergies, rest_rad: [0, 0], synergies: [{column: [1, 1]}]}\n";
+  const HandConfig config = parseHandConfig(text);
+  const std::unique_ptr<tendon::MotorMap> map = makeMotorMap(config);
+  std::vector<double> motors(1), residual(2);
+  map->command(std::vector{0.8, 0.4}, motors, residual);
+  EXPECT_NEAR(motors[0], 0.6, 1e-15);
+}
+
+TEST(HandConfig, NamesJointsThatDoNotExist) {
+  const std::string objection = objectionTo(
+      std::string(kSmall) +
+      "transmission: {kind: direct, followers: [{joint: c, leader: a, ratio: 0.5}]}\n");
+  EXPECT_TRUE(contains(objection, "transmission.followers[0].joint: no joint is named 'c'"))
+      << objection;
+}
+
+TEST(HandConfig, TellsWhatIsWrongWithTendons) {
+  std::string text = exampleText("printed_tendon_hand");
+  text.replace(text.find("largest_tension_N: 70"), 21, "largest_tension_N: 7 ");
+  EXPECT_TRUE(
+      contains(objectionTo(text), "transmission: tendon 'index_flexor': 7 N pull it in"))
+      << objectionTo(text);
+}
+
+TEST(HandConfig, HomesOnlyWithinWhatAMotorMay) {
+  std::string text = exampleText("printed_tendon_hand");
+  text.replace(text.find("current_A: 0.3, hold"), 14, "current_A: 9.3");
+  EXPECT_TRUE(contains(objectionTo(text), "homing[0].current_A: 9.3 must be less than the 8"))
+      << objectionTo(text);
+  text = exampleText("printed_tendon_hand");
+  text.replace(text.find("{motor: thumb"), 13, "{motor: tump ");
+  EXPECT_TRUE(contains(objectionTo(text), "homing[0].motor: no motor is named 'tump'"));
+}
+
+TEST(HandConfig, NamesTheFileThatIsWrong) {
+  const fs::path path = test::scratchDirectory() / "wrong.yaml";
+  std::ofstream(path) << "format: [";
+  try {
+    readHandConfig(path);
+    FAIL() << "accepted";
+  } catch (const InvalidInput& error) {
+    EXPECT_TRUE(contains(error.what(), "wrong.yaml")) << error.what();
+    EXPECT_TRUE(contains(error.what(), "line 1")) << error.what();
+  }
+  EXPECT_THROW(readHandConfig("/nonexistent/hand.yaml"), InvalidInput);
+}
+
+// === Calibration
+
+TEST(Calibration, ComesBackBitForBit) {
+  HandConfig config = readHandConfig(examplePath("printed_tendon_hand"));
+  config.motors[0].zero_rad = 0.1 + 0.2;
+  config.motors[1].zero_rad = -std::nextafter(1.0, 2.0);
+  config.motors[1].direction = -1;
+  const fs::path path = test::scratchDirectory() / "calibration.yaml";
+  writeCalibration(path, config);
+  HandConfig again = readHandConfig(examplePath("printed_tendon_hand"));
+  readCalibration(path, again);
+  for (std::size_t i = 0; i < config.motors.size(); ++i) {
+    EXPECT_EQ(again.motors[i].zero_rad, config.motors[i].zero_rad);
+    EXPECT_EQ(again.motors[i].direction, config.motors[i].direction);
+  }
+}
+
+TEST(Calibration, IsReadWithTheConfigThatNamesIt) {
+  const fs::path folder = test::scratchDirectory();
+  HandConfig config = parseHandConfig(kSmall);
+  config.motors[1].zero_rad = 0.25;
+  writeCalibration(folder / "zeros.yaml", config);
+  writeText(folder / "small.yaml", std::string(kSmall) + "calibration: zeros.yaml\n");
+  EXPECT_EQ(readHandConfig(folder / "small.yaml").motors[1].zero_rad, 0.25);
+}
+
+TEST(Calibration, RefusesOtherHandsAndMissingMotors) {
+  const auto objection = [](const std::string& text) -> std::string {
+    HandConfig config = parseHandConfig(kSmall);
+    try {
+      parseCalibration(text, config);
+    } catch (const InvalidInput& error) {
+      EXPECT_EQ(config.motors[0].zero_rad, 0) << "nothing changed";
+      return error.what();
+    }
+    return "";
+  };
+  const std::string head = "format: handgraft-calibration/1\nhand: small\nmotors:\n";
+  const std::string m = "  - {name: m, zero_rad: 0.5, direction: 1}\n";
+  const std::string n = "  - {name: n, zero_rad: 0.5, direction: -1}\n";
+  EXPECT_EQ(objection(head + n), objection(head + n));
+  EXPECT_TRUE(contains(objection(head + m), "'n' is missing"));
+  EXPECT_TRUE(contains(objection(head + m + n + m), "there twice"));
+  EXPECT_TRUE(contains(objection(head + m + "  - {name: n, zero_rad: .nan, direction: 1}\n"),
+                       "motors[1].zero_rad"));
+  EXPECT_TRUE(contains(objection(head + m + "  - {name: n, zero_rad: 0, direction: 2}\n"),
+                       "motors[1].direction"));
+  EXPECT_TRUE(
+      contains(objection("format: handgraft-calibration/1\nhand: big\nmotors:\n" + m + n),
+               "'big' is not 'small'"));
+  HandConfig config = parseHandConfig(kSmall);
+  parseCalibration(head + m + n, config);
+  EXPECT_EQ(config.motors[1].direction, -1);
+}
+
+}  // namespace
+}  // namespace handgraft::config
