@@ -22,8 +22,8 @@ constexpr int kFirstLoose = -3;  // chains that are no digits: -3, -4, ...
 constexpr double kShortestBone_m = 1e-3;
 /// Cosine between a pad's normal and another beyond which that looks from the link's back.
 constexpr double kBackCosine = -0.7;
-/// Sine between a bone and a normal below which its tangent is mostly noise: 20 degrees.
-constexpr double kSteepest = 0.34;
+/// Sine between a bone and a normal below which its tangent is mostly noise: 30 degrees.
+constexpr double kSteepest = 0.5;
 
 /// The link whose joint moves each link: itself, or what it is fixed to.
 std::vector<int> bodiesOf(const HandModel& model) {

@@ -2,7 +2,9 @@
 // is the distance to points scattered over the hand's skin, on either side of it; ours is that
 // to the surface itself, and contact is 1 inside. So ours, without its inside, lies above
 // theirs everywhere, by as much as their points are apart.
+#include <algorithm>
 #include <fstream>
+#include <iterator>
 #include <numeric>
 #include <set>
 #include <string>
@@ -72,8 +74,13 @@ class DexYcbContactsTest : public ::testing::TestWithParam<Recorded> {
     return joints;
   }
 
-  /// The hand of the recorded grasp.
-  static std::vector<contact::PosedSurface> hand_O() {
+  struct RecordedHand {
+    hand::HandModel model;
+    hand::HandPose pose;
+    Pose X_WO;
+  };
+
+  static RecordedHand recordedHand() {
     const io::UrdfFile file =
         io::readUrdf(test::sharedData("hands/mano_mean/mano_mean_fixed.urdf"));
     const nlohmann::json data = grasps();
@@ -89,7 +96,13 @@ class DexYcbContactsTest : public ::testing::TestWithParam<Recorded> {
       return q;
     };
     const Pose X_WH = hand::carriedPose(*file.free_root, valuesFor(*file.free_root));
-    return posedSurfaces(file.model, {X_WH, valuesFor(file.model)}, objectPose(grasp));
+    return {file.model, {X_WH, valuesFor(file.model)}, objectPose(grasp)};
+  }
+
+  /// The surfaces of that hand.
+  static std::vector<contact::PosedSurface> hand_O() {
+    const RecordedHand recorded = recordedHand();
+    return posedSurfaces(recorded.model, recorded.pose, recorded.X_WO);
   }
 
   ContactMap given_;
@@ -100,6 +113,23 @@ std::set<std::string> fingersOf(const contact::ContactSet& set) {
   for (const contact::Patch& patch : set.patches)
     fingers.insert(patch.name);
   return fingers;
+}
+
+/// The cosine between a tangent and the finger's bone that is nearest in direction, as seen in
+/// the surface: a patch at a joint may follow the bone before or behind it.
+double likenessToABone(const contact::HandJoints& joints,
+                       const std::string& finger,
+                       const Eigen::Vector3d& direction_O,
+                       const Eigen::Vector3d& n_O) {
+  const auto* part =
+      std::find(std::begin(contact::kHandParts), std::end(contact::kHandParts), finger);
+  const auto base = 1 + 4 * (part - std::begin(contact::kHandParts));
+  double best = -1.0;
+  for (int bone = 0; bone < 3; ++bone) {
+    const Eigen::Vector3d d = joints.p_O.col(base + bone) - joints.p_O.col(base + bone + 1);
+    best = std::max(best, (d - d.dot(n_O) * n_O).normalized().dot(direction_O));
+  }
+  return best;
 }
 
 TEST_P(DexYcbContactsTest, AgreeWithTheGivenMap) {
@@ -145,6 +175,25 @@ TEST_P(DexYcbContactsTest, TouchWithTheSameFingersOnTheCoarseObject) {
       io::readMesh(test::sharedData(std::string("objects/ycb/") + GetParam().object + ".obj"));
   const ContactMap map = contact::contactsFromPose(object.mesh, hand_O());
   EXPECT_EQ(fingersOf(contact::segment(map, {})), fingersOf(contact::segment(given_, {})));
+}
+
+TEST_P(DexYcbContactsTest, GiveAContactSetWithTheSameFingersAndTheJointsDirections) {
+  const RecordedHand recorded = recordedHand();
+  const io::MeshFile object =
+      io::readMesh(test::sharedData(std::string("objects/ycb/") + GetParam().object + ".obj"));
+  const PosedContacts found = contactsOfPosedHand(
+      recorded.model, {}, recorded.pose, object.mesh, recorded.X_WO, {}, {}, Progress());
+  EXPECT_EQ(fingersOf(found.set), fingersOf(contact::segment(given_, {})));
+  const contact::HandJoints joints = joints_O();
+  for (const contact::Patch& patch : found.set.patches) {
+    EXPECT_NO_THROW(contact::validate(object.mesh, patch));
+    if (patch.name == "palm") continue;  // needs a site
+    ASSERT_TRUE(patch.direction_O.has_value()) << patch.name;
+    EXPECT_GT(likenessToABone(joints, patch.name, *patch.direction_O,
+                              normalOf(object.mesh, patch.root)),
+              0.9)
+        << patch.name;
+  }
 }
 
 TEST_P(DexYcbContactsTest, GetTheirFingersFromTheJointsWhereLabelsAreMissing) {

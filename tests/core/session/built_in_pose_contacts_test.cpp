@@ -1,0 +1,86 @@
+// A hand that was posed for a contact set touches with that set's fingers, where it says.
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "core/hand/skin_cache.h"
+#include "core/io/contact_file.h"
+#include "core/io/sites_file.h"
+#include "core/io/urdf_file.h"
+#include "core/session/posed_hand_contacts.h"
+#include "core/session/session.h"
+
+#include "tests/support/shared_data.h"
+
+namespace handgraft::session {
+namespace {
+
+std::filesystem::path library() {
+  return test::sourceDirectory() / "server" / "models";
+}
+
+const Hand& humanHand() {
+  static const Hand kHand = [] {
+    const auto folder = library() / "hands" / "human20";
+    Hand hand;
+    hand.model =
+        std::make_shared<const hand::HandModel>(io::readUrdf(folder / "human20.urdf").model);
+    hand.skin = std::make_shared<const hand::Skin>(
+        hand::SkinCache::fromEnvironment().get(*hand.model, {}, Progress()));
+    hand.sites = io::readSites(folder / "sites.yaml", *hand.model);
+    return hand;
+  }();
+  return kHand;
+}
+
+struct Grasp {
+  const char* object;
+  const char* set;
+};
+
+class BuiltInPoseContacts : public testing::TestWithParam<Grasp> {};
+
+TEST_P(BuiltInPoseContacts, GiveBackTheFingersThatThePoseWasSolvedFor) {
+  const io::MeshFile object =
+      io::readMesh(library() / "objects" / (std::string(GetParam().object) + ".obj"));
+  const contact::ContactSet asked = io::readContactSet(
+      library() / "contacts" / (std::string(GetParam().set) + ".json"), object);
+  Session session(humanHand(), std::make_shared<const geometry::TriangleMesh>(object.mesh),
+                  asked, Pose::Identity(), optimize::Weights());
+  const hand::HandPose pose = session.optimize(optimize::SolveOptions(), Progress()).pose;
+
+  const PosedContacts found =
+      contactsOfPosedHand(*humanHand().model, humanHand().sites, pose, object.mesh,
+                          Pose::Identity(), {}, {}, Progress());
+  std::set<std::string> fingers;
+  for (const contact::Patch& patch : found.set.patches) {
+    fingers.insert(patch.name);
+    for (const contact::Patch& original : asked.patches) {
+      if (original.name != patch.name) continue;
+      const double apart =
+          (positionOf(object.mesh, patch.root) - positionOf(object.mesh, original.root)).norm();
+      // Fingers touch a ring that they pass through all around.
+      EXPECT_LT(apart, 0.025) << patch.name;
+      ASSERT_TRUE(patch.direction_O.has_value()) << patch.name;
+      EXPECT_GT(patch.direction_O->dot(*original.direction_O), 0.6) << patch.name;
+    }
+  }
+  std::set<std::string> expected;
+  for (const contact::Patch& patch : asked.patches)
+    expected.insert(patch.name);
+  EXPECT_EQ(fingers, expected);
+}
+
+INSTANTIATE_TEST_SUITE_P(Library,
+                         BuiltInPoseContacts,
+                         testing::Values(Grasp{"scissors", "scissors_3"},
+                                         Grasp{"wine_glass", "wine_glass_4"},
+                                         Grasp{"box", "box_5"},
+                                         Grasp{"lemon", "lemon_6"}),
+                         [](const auto& grasp) {
+                           return std::string(grasp.param.set);
+                         });
+
+}  // namespace
+}  // namespace handgraft::session
