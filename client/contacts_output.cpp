@@ -13,7 +13,7 @@ std::string outputOf(ServerLink& server,
                      const PosedLinks& hand,
                      const ContactsOutput& output) {
   const v1::ModelDescription description =
-      server.describe(v1::MODEL_CONTACTS, contacts, !output.png.empty());
+      server.describe(v1::MODEL_CONTACTS, contacts, true);  // the map says its threshold
   const v1::ContactsDescription& set = description.contacts();
   if (!output.set.empty()) {
     if (set.file().empty()) {

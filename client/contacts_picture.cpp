@@ -17,6 +17,7 @@ using render::Color;
 
 constexpr double kHandOpacity = 0.35;
 constexpr double kArrowLength = 0.14;  // of the object's size
+constexpr float kArrowLift = 0.02F;    // likewise: round objects would swallow it
 constexpr float kDecalReach = 0.006F;
 
 // From no contact to full contact; neutral, so that the fingers' colours stand out.
@@ -77,14 +78,6 @@ double sizeOf(const render::SurfaceMesh& mesh) {
   return box.isEmpty() ? 0.1 : static_cast<double>(box.diagonal().norm());
 }
 
-// Newell's: also of a loop that is not flat.
-Eigen::Vector3f normalOf(const std::vector<Eigen::Vector3f>& loop) {
-  Eigen::Vector3f area = Eigen::Vector3f::Zero();
-  for (std::size_t i = 0; i < loop.size(); ++i)
-    area += (loop[i] - loop[0]).cross(loop[(i + 1) % loop.size()] - loop[0]);
-  return area.norm() > 0.0F ? Eigen::Vector3f(area.normalized()) : Eigen::Vector3f::UnitZ();
-}
-
 }  // namespace
 
 ContactsPicture pictureOf(const v1::ContactsDescription& contacts,
@@ -100,6 +93,7 @@ ContactsPicture pictureOf(const v1::ContactsDescription& contacts,
   const double size = sizeOf(object_layer.meshes.front());
 
   // === Patches
+  bool knows_directions = false;
   render::Scene scouted;  // where the decals are: what the views are chosen by
   scouted.layers.push_back(object_layer);
   for (std::size_t i = 0; i < contacts.patches().size(); ++i) {
@@ -109,19 +103,20 @@ ContactsPicture pictureOf(const v1::ContactsDescription& contacts,
     scouted.layers[0].decals.push_back({loop, kDecalReach, color});
     for (std::size_t k = 0; k < loop.size(); ++k)
       addCasedLine(scene, loop[k], loop[(k + 1) % loop.size()], 3.6F, color);
-    const Eigen::Vector3d root_O = placeOn(object.mesh_O(), patch.root());
-    const Eigen::Vector3f root = root_O.cast<float>();
+    const MeshPlace root = placeOn(object.mesh_O(), patch.root());
     if (patch.direction_O().size() == 3) {
+      knows_directions = true;
       const Eigen::Vector3d direction(patch.direction_O()[0], patch.direction_O()[1],
                                       patch.direction_O()[2]);
-      addArrow(scene, root, (root_O + kArrowLength * size * direction).cast<float>(),
-               normalOf(loop), 3.0F, render::blend(color, {0, 0, 0}, 0.25));
+      const Eigen::Vector3f way = (kArrowLength * size * direction).cast<float>();
+      const Eigen::Vector3f lift = kArrowLift * static_cast<float>(size) * root.n;
+      addArrow(scene, root.p, root.p + way + lift, root.n, 3.0F,
+               render::blend(color, {0, 0, 0}, 0.25));
     }
-    addDot(scene, root, 6.0F, color);
-    scene.labels.push_back({root, patch.name(), color});
+    addDot(scene, root.p, 6.0F, color);
+    scene.labels.push_back({root.p, patch.name(), color, root.n});
     picture.caption.legend.push_back(
-        {color, fmt::format("{} ({} points{})", patch.name(), patch.point_count(),
-                            patch.direction_O().empty() ? ", direction open" : "")});
+        {color, fmt::format("{} ({} points)", patch.name(), patch.point_count())});
   }
   auto& legend = picture.caption.legend;
   legend.insert(legend.end(), shades.legend.begin(), shades.legend.end());
@@ -141,7 +136,8 @@ ContactsPicture pictureOf(const v1::ContactsDescription& contacts,
     picture.caption.subtitle +=
         fmt::format(" of contact above {:.3g}", contacts.contact_map().front().threshold());
   }
-  picture.caption.subtitle += ": outline, root, an arrow towards the wrist where it is known";
+  picture.caption.subtitle += ": outline and root";
+  if (knows_directions) picture.caption.subtitle += ", an arrow towards the wrist";
   return picture;
 }
 

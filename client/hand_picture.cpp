@@ -21,6 +21,7 @@ using render::Color;
 constexpr double kHandOpacity = 0.82;   // what lies behind it shines through
 constexpr double kNormalLength = 0.10;  // of the hand's size; likewise the next
 constexpr double kDirectionLength = 0.12;
+constexpr double kArrowLift = 0.02;  // hollow palms would swallow it
 constexpr Color kNoLinkColor{60, 60, 64};
 
 struct PlacedSite {
@@ -145,7 +146,8 @@ HandPicture pictureOfSites(const v1::HandDescription& hand) {
     const Eigen::Vector3f p = site.p_S.cast<float>();
     const Eigen::Vector3f n = site.n_S.cast<float>();
     const Eigen::Vector3f tip =
-        (site.p_S + kDirectionLength * size * site.direction_S).cast<float>();
+        (site.p_S + size * (kDirectionLength * site.direction_S + kArrowLift * site.n_S))
+            .cast<float>();
     addArrow(scene, p, tip, n, 3.0F, render::blend(color, {0, 0, 0}, 0.25));
     addCasedLine(scene, p, (site.p_S + kNormalLength * size * site.n_S).cast<float>(), 4.0F,
                  color);

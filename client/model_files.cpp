@@ -88,14 +88,35 @@ fs::path findMesh(const std::string& uri, const fs::path& folder, const PackageM
   }
 }
 
+constexpr std::size_t kLongestUri = 4096;
+
+/// The values of all fields "uri" in a glTF's text. By hand: a std::regex takes stack for every
+/// character, and buffers that are written into the file have millions.
+std::vector<std::string> urisInGltf(const std::string& text) {
+  constexpr const char* kBlank = " \t\r\n";
+  const std::string key = "\"uri\"";
+  std::vector<std::string> uris;
+  for (std::size_t at = text.find(key); at != std::string::npos; at = text.find(key, at + 1)) {
+    const std::size_t colon = text.find_first_not_of(kBlank, at + key.size());
+    if (colon == std::string::npos || text[colon] != ':') continue;
+    const std::size_t quote = text.find_first_not_of(kBlank, colon + 1);
+    if (quote == std::string::npos || text[quote] != '"') continue;
+    const std::size_t end = text.find('"', quote + 1);
+    if (end == std::string::npos) break;
+    uris.push_back(text.substr(quote + 1, end - quote - 1));
+  }
+  return uris;
+}
+
 void addBuffersOfGltf(ModelFiles& model, const fs::path& mesh) {
   if (mesh.extension() != ".gltf") return;
   const std::string text = readFile(mesh);
-  static const std::regex kUri(R"rx("uri"\s*:\s*"([^"]+)")rx");
-  for (auto at = std::sregex_iterator(text.begin(), text.end(), kUri);
-       at != std::sregex_iterator(); ++at) {
-    const std::string uri = (*at)[1].str();
-    if (uri.compare(0, 5, "data:") == 0) continue;
+  for (const std::string& uri : urisInGltf(text)) {
+    if (uri.empty() || uri.compare(0, 5, "data:") == 0) continue;
+    if (uri.size() > kLongestUri) {
+      rejectInput("{}: uri {} has {} bytes; permitted are {}", mesh.string(), quoted(uri),
+                  uri.size(), kLongestUri);
+    }
     // Textures are named in the same way, and nobody needs them here.
     static const std::regex kPicture(R"(.*\.(png|jpe?g|webp|ktx2?|dds)$)", std::regex::icase);
     if (std::regex_match(uri, kPicture)) continue;

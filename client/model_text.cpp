@@ -56,12 +56,23 @@ std::string formula(const v1::MimicInfo& mimic) {
   return text;
 }
 
+// Three numbers as wide as `width`; none of them is -0.
+std::string three(const std::array<double, 3>& v, double scale, int width, int digits) {
+  const double step = std::pow(10.0, -digits);
+  std::string text;
+  for (const double x : v) {
+    const double rounded = std::round(scale * x / step) * step;
+    text += fmt::format("{}{:{}.{}f}", text.empty() ? "" : " ", rounded + 0.0, width, digits);
+  }
+  return text;
+}
+
 std::string millimetres(const std::array<double, 3>& p_m) {
-  return fmt::format("{:7.1f} {:7.1f} {:7.1f}", 1e3 * p_m[0], 1e3 * p_m[1], 1e3 * p_m[2]);
+  return three(p_m, 1e3, 7, 1);
 }
 
 std::string unit(const std::array<double, 3>& n) {
-  return fmt::format("{:5.2f} {:5.2f} {:5.2f}", n[0], n[1], n[2]);
+  return three(n, 1.0, 5, 2);
 }
 
 std::string sites(const v1::HandDescription& hand) {
@@ -71,6 +82,15 @@ std::string sites(const v1::HandDescription& hand) {
                     unit(site.n_L()), unit(site.direction_L())});
   }
   return table(rows, "llrrr");
+}
+
+// As `plain`, which cuts long texts.
+std::string wholeLine(const std::string& text) {
+  constexpr std::size_t kPiece = 100;
+  std::string line;
+  for (std::size_t at = 0; at < text.size(); at += kPiece)
+    line += plain(text.substr(at, kPiece));
+  return line;
 }
 
 // How long an outline is, and how much it covers seen along its mean normal.
@@ -98,14 +118,11 @@ Outline measured(const std::vector<double>& xyz) {
 
 std::string skin(const v1::SkinReport& report) {
   std::string out;
-  if (!report.text().empty()) {
-    // Several lines, each of which may hold anything.
-    std::size_t begin = 0;
-    while (begin < report.text().size()) {
-      const std::size_t end = std::min(report.text().find('\n', begin), report.text().size());
-      out += "  " + plain(report.text().substr(begin, end - begin)) + "\n";
-      begin = end + 1;
-    }
+  std::size_t begin = 0;
+  while (begin < report.text().size()) {
+    const std::size_t end = std::min(report.text().find('\n', begin), report.text().size());
+    out += "  " + wholeLine(report.text().substr(begin, end - begin)) + "\n";
+    begin = end + 1;
   }
   if (report.valid()) {
     return out + "skin is sound: closed, of one piece, of genus 0, no face crosses another\n";

@@ -72,8 +72,8 @@ void addArrow(render::Scene& scene,
   const Eigen::Vector3f along = to_W - from_W;
   const Eigen::Vector3f aside = normal_W.cross(along);
   addCasedLine(scene, from_W, to_W, width_px, color);
-  for (const float side : {-0.22F, 0.22F}) {
-    addCasedLine(scene, to_W, to_W - 0.35F * along + side * aside, width_px, color);
+  for (const float side : {-0.13F, 0.13F}) {
+    addCasedLine(scene, to_W, to_W - 0.26F * along + side * aside, width_px, color);
   }
 }
 
@@ -81,8 +81,8 @@ void addDot(render::Scene& scene, const Eigen::Vector3f& at_W, float radius_px, 
   scene.markers.push_back({at_W, radius_px, color, kRim_px});
 }
 
-Eigen::Vector3d placeOn(const v1::Mesh& mesh, const v1::SurfacePoint& point) {
-  Eigen::Vector3d p = Eigen::Vector3d::Zero();
+MeshPlace placeOn(const v1::Mesh& mesh, const v1::SurfacePoint& point) {
+  std::array<Eigen::Vector3d, 3> corners;
   for (std::size_t k = 0; k < 3; ++k) {
     const std::size_t corner = 3 * static_cast<std::size_t>(std::max(point.face(), 0)) + k;
     if (point.face() < 0 || corner >= mesh.triangles().size() ||
@@ -91,9 +91,15 @@ Eigen::Vector3d placeOn(const v1::Mesh& mesh, const v1::SurfacePoint& point) {
                                        point.face(), mesh.triangles().size() / 3));
     }
     const float* xyz = mesh.vertices_m().data() + 3 * std::size_t{mesh.triangles()[corner]};
-    p += point.barycentric()[k] * Eigen::Vector3d(xyz[0], xyz[1], xyz[2]);
+    corners[k] = {xyz[0], xyz[1], xyz[2]};
   }
-  return p;
+  const Eigen::Vector3d p = point.barycentric()[0] * corners[0] +
+                            point.barycentric()[1] * corners[1] +
+                            point.barycentric()[2] * corners[2];
+  const Eigen::Vector3d area = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+  const double length = area.norm();
+  const Eigen::Vector3d n = length > 0.0 ? Eigen::Vector3d(area / length) : area;
+  return {p.cast<float>(), n.cast<float>()};
 }
 
 }  // namespace handgraft::client

@@ -47,7 +47,12 @@ void addDot(render::Scene& scene,
             float radius_px,
             render::Color color);
 
+struct MeshPlace {
+  Eigen::Vector3f p;
+  Eigen::Vector3f n;  ///< outward, unit; zero on a face without area
+};
+
 /// A point on a mesh. Errors: TransportError if it is none.
-Eigen::Vector3d placeOn(const v1::Mesh& mesh, const v1::SurfacePoint& point);
+MeshPlace placeOn(const v1::Mesh& mesh, const v1::SurfacePoint& point);
 
 }  // namespace handgraft::client

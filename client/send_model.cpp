@@ -52,7 +52,7 @@ ModelSender::ModelSender(ServerLink& server, Interruption& interruption, bool ma
       may_ask_(may_ask && isatty(STDIN_FILENO) != 0 && isatty(STDERR_FILENO) != 0) {}
 
 bool ModelSender::agreed(const std::string& refusal, const std::string& units) {
-  const std::string text = quoted(refusal);
+  const std::string text = quoted(refusal.substr(0, refusal.find(": say --units")));
   fmt::print(stderr, "\r\x1b[K{}\nIs it in {}? [Y/n] ", text.substr(1, text.size() - 2),
              unitName(units));
   std::fflush(stderr);

@@ -54,11 +54,14 @@ struct Marker {
   float rim_px = 0.0F;  ///< as a segment's
 };
 
-/// A word beside a place; never hidden by a surface.
+/// A word beside a place; no surface before it hides it.
 struct Label {
   Eigen::Vector3f at_W;
   std::string text;
   Color color;
+  /// Outward normal of the surface that the place lies on: seen from behind, the word is left
+  /// out. Zero: never.
+  Eigen::Vector3f facing_W = Eigen::Vector3f::Zero();
 };
 
 /// What a picture shows. Frame W, metres.

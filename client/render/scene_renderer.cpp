@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include <Eigen/Geometry>
 
@@ -244,10 +245,18 @@ Image SceneRenderer::draw(const Camera& camera, const Image& background) const {
   return image;
 }
 
-double SceneRenderer::visibleContact(const Camera& camera, int width, int height) const {
+std::vector<double> SceneRenderer::visibleDecals(const Camera& camera,
+                                                 int width,
+                                                 int height) const {
   const View view = drawAll(scene_, corner_normals_, camera, width, height, 1);
+  std::vector<std::size_t> first_of;  // decal of each layer, in the list of all
+  std::size_t count = 0;
+  for (const auto& decals : decals_) {
+    first_of.push_back(count);
+    count += decals.size();
+  }
+  std::vector<double> seen(count, 0.0);
   std::vector<Hit> hits;
-  double seen = 0.0;
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       hitsAt(view, x, y, hits);
@@ -257,12 +266,21 @@ double SceneRenderer::visibleContact(const Camera& camera, int width, int height
         const Face& face = view.layers[hit->layer].faces[hit->id];
         const Corner surface = surfaceAt(face, static_cast<float>(x) + 0.5F,
                                          static_cast<float>(y) + 0.5F, camera.projection());
-        if (decalAt(decals_[hit->layer], surface) != nullptr) seen += passing;
+        const std::vector<DecalArea>& decals = decals_[hit->layer];
+        if (const DecalArea* decal = decalAt(decals, surface)) {
+          seen[first_of[hit->layer] + static_cast<std::size_t>(decal - decals.data())] +=
+              passing / (static_cast<double>(width) * height);
+        }
         passing *= 1.0 - scene_.layers[hit->layer].opacity;
       }
     }
   }
-  return seen / (static_cast<double>(width) * height);
+  return seen;
+}
+
+double SceneRenderer::visibleContact(const Camera& camera, int width, int height) const {
+  const std::vector<double> seen = visibleDecals(camera, width, height);
+  return std::accumulate(seen.begin(), seen.end(), 0.0);
 }
 
 }  // namespace handgraft::client::render

@@ -24,8 +24,14 @@ class SceneRenderer {
   /// Draws over `background`, which gives the size. The camera must be made for that size.
   [[nodiscard]] Image draw(const Camera& camera, const Image& background) const;
 
-  /// How much of the decals a viewer sees, as a share of the picture: what is nearer hides what
-  /// is behind it by its opacity. One sample a pixel, no shading.
+  /// How much of each decal a viewer sees, as a share of the picture, in the order of layers
+  /// and of their decals: what is nearer hides what is behind it by its opacity. One sample a
+  /// pixel, no shading.
+  [[nodiscard]] std::vector<double> visibleDecals(const Camera& camera,
+                                                  int width,
+                                                  int height) const;
+
+  /// Of all decals together.
   [[nodiscard]] double visibleContact(const Camera& camera, int width, int height) const;
 
  private:

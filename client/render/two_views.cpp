@@ -75,6 +75,7 @@ void drawLabels(Image& view, const std::vector<Label>& labels, const Camera& cam
   for (const Label& label : labels) {
     const Eigen::Vector3f p_C = camera.toCamera(label.at_W);
     if (!(p_C.z() >= camera.nearPlane())) continue;
+    if (label.facing_W.dot(camera.towardsEye(label.at_W)) < 0.0F) continue;
     const ScreenPoint place = camera.toScreen(p_C);
     const int width = textWidth(label.text, kTextScale);
     const int height = textHeight(kTextScale);

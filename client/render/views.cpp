@@ -4,6 +4,8 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <numeric>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -23,7 +25,8 @@ constexpr double kLeastTurn = 80.0 * std::numbers::pi / 180.0;
 struct Direction {
   int azimuth;  // in steps of 360 / kAzimuths degrees
   Eigen::Vector3d from_W;
-  double contact;
+  std::vector<double> seen;  // of each decal
+  double contact;            // of all together
 };
 
 std::vector<Direction> scout(const Scene& scene, const std::vector<double>& elevations_rad) {
@@ -38,8 +41,9 @@ std::vector<Direction> scout(const Scene& scene, const std::vector<double>& elev
                                    std::sin(elevation));
       const Camera camera = Camera::fitting(points, from_W, Eigen::Vector3d::UnitZ(),
                                             kScoutSize, kScoutSize, Projection::kPerspective);
-      directions.push_back(
-          {a, from_W, renderer.visibleContact(camera, kScoutSize, kScoutSize)});
+      std::vector<double> seen = renderer.visibleDecals(camera, kScoutSize, kScoutSize);
+      const double contact = std::accumulate(seen.begin(), seen.end(), 0.0);
+      directions.push_back({a, from_W, std::move(seen), contact});
     }
   }
   return directions;
@@ -73,13 +77,34 @@ std::array<View, 2> viewsAroundUp(const Scene& scene) {
 
 std::array<View, 2> viewsAllAround(const Scene& scene) {
   const std::vector<Direction> directions = scout(scene, {-1.0, -0.45, 0.18, 0.65, 1.2});
-  const Direction& first = best(directions, [](const Direction& /*any*/) {
-    return true;
-  });
-  const Direction& second = best(directions, [&](const Direction& direction) {
-    return std::acos(std::clamp(direction.from_W.dot(first.from_W), -1.0, 1.0)) >= kLeastTurn;
-  });
-  return {{{first.from_W}, {second.from_W}}};
+  // Large decals must not crowd out small ones: each counts as a share of what can be seen of
+  // it.
+  std::vector<double> best_seen(directions.front().seen.size(), 0.0);
+  for (const Direction& direction : directions) {
+    for (std::size_t d = 0; d < best_seen.size(); ++d)
+      best_seen[d] = std::max(best_seen[d], direction.seen[d]);
+  }
+  const auto share = [&](const Direction& direction, std::size_t d) {
+    return best_seen[d] > 0.0 ? direction.seen[d] / best_seen[d] : 0.0;
+  };
+  std::pair<const Direction*, const Direction*> chosen(nullptr, nullptr);
+  double best_score = -1.0;
+  for (const Direction& first : directions) {
+    for (const Direction& second : directions) {
+      if (first.contact < second.contact) continue;
+      const double turn = std::acos(std::clamp(first.from_W.dot(second.from_W), -1.0, 1.0));
+      if (turn < kLeastTurn) continue;
+      double score = 0.0;
+      for (std::size_t d = 0; d < best_seen.size(); ++d)
+        score += std::max(share(first, d), share(second, d));
+      score += 1e-3 * (first.contact + second.contact);  // between equal ones
+      if (score <= best_score) continue;
+      best_score = score;
+      chosen = {&first, &second};
+    }
+  }
+  HANDGRAFT_REQUIRE(chosen.first != nullptr);
+  return {{{chosen.first->from_W}, {chosen.second->from_W}}};
 }
 
 }  // namespace handgraft::client::render

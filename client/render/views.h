@@ -21,8 +21,9 @@ struct View {
 /// it. Errors: InvalidInput for a scene that is not valid.
 std::array<View, 2> viewsAroundUp(const Scene& scene);
 
-/// For things that may lie anyhow: the first is the one of 40 all around that shows most of the
-/// decals; the second shows most among those at least 80 degrees from it. Errors as above.
+/// For things that may lie anyhow: of 40 sides all around the two, at least 80 degrees from
+/// each other, that together show each decal best; first the one that shows more. Errors as
+/// above.
 std::array<View, 2> viewsAllAround(const Scene& scene);
 
 }  // namespace handgraft::client::render

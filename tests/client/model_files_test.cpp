@@ -167,6 +167,16 @@ TEST_F(ModelFilesTest, TakesTheBuffersOfAGltfButNotItsPictures) {
               ElementsAre("scene.gltf", "scene.bin"));
 }
 
+TEST_F(ModelFilesTest, TakesAGltfWithMillionsOfBytesWrittenIntoIt) {
+  write("scene.bin", "bytes");
+  write("scene.gltf", R"({"buffers":[{"uri" : "data:base64,)" + std::string(5'000'000, 'A') +
+                          R"("},{"uri":"scene.bin"}]})");
+  EXPECT_THAT(urisOf(objectFiles(root_ / "scene.gltf")),
+              ElementsAre("scene.gltf", "scene.bin"));
+  write("long.gltf", R"({"buffers":[{"uri":")" + std::string(1'000'000, 'a') + R"("}]})");
+  EXPECT_THROW(objectFiles(root_ / "long.gltf"), InvalidInput);
+}
+
 TEST_F(ModelFilesTest, TellsContentsApart) {
   write("a.obj", "v 1 0 0");
   const std::uint64_t before = contentHash(objectFiles(root_ / "a.obj"));

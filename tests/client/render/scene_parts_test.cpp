@@ -1,5 +1,6 @@
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -82,6 +83,42 @@ TEST(Views, TurnTowardsContactWhereverItIs) {
     EXPECT_GT(views[0].from_W.dot(axis.cast<double>()), 0.7) << axis.transpose();
     EXPECT_LT(views[0].from_W.dot(views[1].from_W), std::cos(79.0 * std::numbers::pi / 180.0));
   }
+}
+
+TEST(Views, ShowSmallContactBesideLarge) {
+  // Two plates back to back, a large patch on one and a small one on the other.
+  Scene scene;
+  SurfaceMesh back = square(1.0F, -0.1F);
+  for (auto& triangle : back.triangles)
+    std::swap(triangle[0], triangle[1]);
+  scene.layers.push_back({1.0, {square(1.0F, 0.1F), back}, {}});
+  const auto decal = [](float h, float z) {
+    return Decal{{{-h, -h, z}, {h, -h, z}, {h, h, z}, {-h, h, z}}, 0.05F, kRed};
+  };
+  scene.layers[0].decals = {decal(0.8F, 0.1F), decal(0.1F, -0.1F)};
+  const auto views = viewsAllAround(scene);
+  EXPECT_GT(views[0].from_W.z(), 0.5);
+  EXPECT_LT(views[1].from_W.z(), -0.5);
+}
+
+TEST(Labels, AreLeftOutWhereTheirPlaceTurnsAway) {
+  Scene bare;
+  bare.layers.push_back({1.0, {square(0.1F, 0.0F)}, {}});
+  const std::array<View, 2> views = {
+      {{Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitY(), ""},
+       {-Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitY(), ""}}};
+  Scene scene = bare;
+  scene.labels.push_back({{0, 0, 0}, "palm", kRed, Eigen::Vector3f::UnitZ()});
+  const Image without = renderTwoViews(bare, {}, views, {600, 300});
+  const Image with = renderTwoViews(scene, {}, views, {600, 300});
+  int left = 0;
+  int right = 0;
+  for (int y = 0; y < 300; ++y) {
+    for (int x = 0; x < 600; ++x)
+      (x < 300 ? left : right) += with.at(x, y) == without.at(x, y) ? 0 : 1;
+  }
+  EXPECT_GT(left, 100);
+  EXPECT_EQ(right, 0);
 }
 
 TEST(Labels, StandBesideTheirPlacesWithoutOverlapping) {
