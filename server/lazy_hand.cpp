@@ -96,6 +96,7 @@ session::Hand LazyHand::make(const Progress& progress, hand::SkinReport& report)
   for (const std::string& note : report.notes)
     spdlog::warn("event=skin hand={} note={}", quoted(model_->name()), quoted(note));
   made.sites = own_sites_ ? *own_sites_ : hand::findContactSites(*model_, *made.skin);
+  made.sites_are_found = !own_sites_;
   return made;
 }
 

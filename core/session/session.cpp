@@ -9,8 +9,10 @@
 
 #include "core/base/error.h"
 #include "core/geometry/tangent.h"
+#include "core/hand/hand_parts.h"
 #include "core/session/hand_placement.h"
 #include "core/session/open_directions.h"
+#include "core/session/open_roots.h"
 #include "core/session/site_assignment.h"
 
 namespace handgraft::session {
@@ -24,6 +26,9 @@ constexpr int kPlacingStarts = 12;
 constexpr int kTriedPlacements = 4;  // of those, laid out and solved in full
 constexpr int kTrialEvaluations = 300;
 constexpr int kRefinements = 2;
+constexpr int kSlides = 12;
+constexpr int kWorseSlides = 3;  // in a row
+constexpr double kSameRoot_m = 0.002;
 constexpr double kSameDirection = std::numbers::pi / 180.0;
 
 /// Names that say nothing about the finger.
@@ -167,6 +172,7 @@ void Session::matchByName() {
       if (site.name != item.patch.name) continue;
       item.site = site.name;
       item.placement = soundPlacementAt(hand_, site);
+      item.root_is_open = hand_.sites_are_found;
     }
   }
 }
@@ -218,6 +224,7 @@ void Session::matchByGeometry() {
     if (answer[i] >= 0) {
       item.site = sites[answer[i]]->name;
       item.placement = soundPlacementAt(hand_, *sites[answer[i]]);
+      item.root_is_open = hand_.sites_are_found;
       notes_.push_back(fmt::format("{} laid on site '{}', the best assignment found",
                                    quoted(item.patch.name), item.site));
     } else if (isAnonymousPatch(item.patch.name)) {
@@ -314,6 +321,39 @@ bool Session::takeDirectionsFrom(const hand::HandPose& pose) {
   return turned;
 }
 
+std::vector<char> Session::linksOfSite(const std::string& site) {
+  if (parts_of_links_.empty())
+    parts_of_links_ = hand::HandParts(*hand_.model, hand_.sites).names();
+  std::vector<char> links(parts_of_links_.size(), 0);
+  for (const hand::ContactSite& candidate : hand_.sites) {
+    if (candidate.name != site) continue;
+    const std::string& part = parts_of_links_[hand_.model->linkIndex(candidate.link)];
+    for (std::size_t link = 0; link < links.size(); ++link)
+      links[link] = parts_of_links_[link] == part ? 1 : 0;
+  }
+  return links;
+}
+
+bool Session::takeRootsFrom(const hand::HandPose& pose) {
+  bool moved = false;
+  for (SessionPatch& item : patches_) {
+    if (!item.placement || !item.root_is_open) continue;
+    const auto root_S = rootShownBy(*hand_.model, *hand_.skin, pose, linksOfSite(item.site),
+                                    X_WO_ * positionOf(*object_O_, item.patch.root),
+                                    X_WO_.linear() * normalOf(*object_O_, item.patch.root));
+    if (!root_S) continue;
+    const geometry::TriangleMesh& skin_S = hand_.skin->mesh();
+    const double way =
+        (positionOf(skin_S, *root_S) - positionOf(skin_S, item.placement->root_S)).norm();
+    if (way < kSameRoot_m) continue;
+    item.placement = movedTo(skin_S, *item.placement, *root_S);
+    item.up_to_date = false;
+    moved = true;
+  }
+  if (moved) takeDirectionsFrom(pose);
+  return moved;
+}
+
 void Session::transferPatches(const Progress& progress) {
   findOpenDirections(progress);
   layPatches(progress);
@@ -400,6 +440,7 @@ SolveReport Session::optimize(const optimize::SolveOptions& options, const Progr
   quiet.on_improvement = nullptr;
   for (int i = 0; i < kRefinements && refineDirections(report, quiet, progress); ++i) {
   }
+  slideRoots(report, quiet, progress);
   solved_ = problem();
   start_ = report.pose;
   prior_ = report.pose;
@@ -432,6 +473,43 @@ bool Session::refineDirections(SolveReport& report,
     restore();
     throw;
   }
+}
+
+void Session::slideRoots(SolveReport& report,
+                         const optimize::SolveOptions& options,
+                         const Progress& progress) {
+  std::vector<SessionPatch> best_patches = patches_;
+  hand::HandPose best_start = start_;
+  std::size_t best_pairs = problem().pairs.size();
+  SolveReport present = report;
+  try {
+    // A step that moves all roots at once may first make things worse, so a few in a row may.
+    for (int i = 0, worse = 0; i < kSlides && worse < kWorseSlides; ++i) {
+      if (!takeRootsFrom(present.pose)) break;
+      transferPatches(progress);
+      start_ = present.pose;
+      const PoseProblem slid = problem();
+      if (slid.pairs.empty()) break;
+      present = solve(slid, options, progress);
+      // A point that is lost no longer counts: that alone makes nothing better.
+      const bool is_better = slid.pairs.size() >= best_pairs &&
+                             present.terms.objective / static_cast<double>(slid.pairs.size()) <
+                                 report.terms.objective / static_cast<double>(best_pairs);
+      ++worse;
+      if (!is_better) continue;
+      worse = 0;
+      best_patches = patches_;
+      best_start = start_;
+      best_pairs = slid.pairs.size();
+      report = present;
+    }
+  } catch (...) {
+    patches_ = std::move(best_patches);
+    start_ = std::move(best_start);
+    throw;
+  }
+  patches_ = std::move(best_patches);
+  start_ = std::move(best_start);
 }
 
 }  // namespace handgraft::session

@@ -29,6 +29,9 @@ struct Hand {
   /// Log maps of the skin, so that sessions share what those keep; a session makes its own
   /// where it is missing.
   std::shared_ptr<const geometry::LogMapper> skin_maps = nullptr;
+  /// Nobody chose the sites: they say which finger, and where on it only roughly. Patches on
+  /// them may slide.
+  bool sites_are_found = false;
 };
 
 // === Edits: what a user may change (idl/edits.idl says the same on the wire)
@@ -101,6 +104,9 @@ struct SessionPatch {
   /// The contact set left the direction open: `patch.direction_O` is ours, found by a solve,
   /// and may change with the next one. An edit makes it the user's.
   bool direction_is_open = false;
+  /// The site was found, not chosen: `placement.root_S` is ours and may slide along the site's
+  /// finger or over the palm with every solve. An edit of the hand's side makes it the user's.
+  bool root_is_open = false;
 };
 
 /// The editable state of one grasp problem. Not thread-safe: its owner serialises the calls.
@@ -154,8 +160,9 @@ class Session {
 
   /// Transfers what is not up to date, solves, keeps the pose as the next prior and start
   /// (paper, III-E), and returns the report. Open directions are found anew from the solved
-  /// pose, up to twice, and kept when the objective falls. Errors: InvalidInput if no patch has
-  /// a point on the hand, or all are switched off.
+  /// pose, up to twice, and kept when the objective falls; then open roots slide, up to twelve
+  /// times, and the best of it is kept. Errors: InvalidInput if no patch has a point on the
+  /// hand, or all are switched off.
   optimize::SolveReport optimize(const optimize::SolveOptions& options,
                                  const Progress& progress);
 
@@ -204,11 +211,21 @@ class Session {
   void layPatches(const Progress& progress);
   /// Sets the open directions as `pose` shows them; true if one turned by more than a degree.
   bool takeDirectionsFrom(const hand::HandPose& pose);
+  /// Slides the open roots to where `pose` shows the patches' roots, and sets the open
+  /// directions; true if a root moved by more than a face or so.
+  bool takeRootsFrom(const hand::HandPose& pose);
+  /// The links of the finger or palm that a site lies on, a flag a link.
+  [[nodiscard]] std::vector<char> linksOfSite(const std::string& site);
   /// One more solve with the open directions as the report's pose shows them; kept, and true,
   /// if the objective falls.
   bool refineDirections(optimize::SolveReport& report,
                         const optimize::SolveOptions& options,
                         const Progress& progress);
+  /// Solves after each of a few slides of the open roots; keeps the best of them that loses no
+  /// more points, by the objective a point, or what there was.
+  void slideRoots(optimize::SolveReport& report,
+                  const optimize::SolveOptions& options,
+                  const Progress& progress);
   void requirePoints() const;
 
   Hand hand_;
@@ -227,7 +244,8 @@ class Session {
   unsigned long long revision_ = 0;
   std::optional<optimize::PoseProblem> solved_;
   std::vector<std::string> notes_;
-  std::unique_ptr<HandPlacer> placer_;  ///< made when first needed
+  std::unique_ptr<HandPlacer> placer_;       ///< made when first needed
+  std::vector<std::string> parts_of_links_;  ///< likewise (hand/hand_parts.h)
 };
 
 }  // namespace handgraft::session

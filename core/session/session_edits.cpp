@@ -88,6 +88,7 @@ void Session::applyOne(const PatchRootEdit& edit) {
                              edit.root, tangentAt(skin, edit.root, -positionOf(skin, edit.root))
                                             .value_or(anyTangentAt(skin, edit.root))};
     item.dropped.clear();
+    item.root_is_open = false;
   }
   item.up_to_date = false;
 }
@@ -107,6 +108,7 @@ void Session::applyOne(const PatchDirectionEdit& edit) {
     item.direction_is_open = false;
   } else {
     item.placement = turned(hand_.skin->mesh(), *item.placement, edit.angle_rad);
+    item.root_is_open = false;
   }
   item.up_to_date = false;
 }

@@ -33,6 +33,7 @@ session::Hand readHand(const std::filesystem::path& urdf, const std::filesystem:
   hand.skin = std::make_shared<const hand::Skin>(
       hand::SkinCache(cache).get(*hand.model, hand::SkinOptions(), Progress()));
   hand.sites = findContactSites(*hand.model, *hand.skin);
+  hand.sites_are_found = true;
   if (hand.sites.empty()) rejectInput("{}: no contact site was found", quoted(urdf.string()));
   return hand;
 }

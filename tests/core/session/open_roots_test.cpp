@@ -1,0 +1,107 @@
+#include "core/session/open_roots.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/core/session/ball_grasp.h"
+#include "tests/support/plate_hand.h"
+#include "tests/support/plates.h"
+
+namespace handgraft::session {
+namespace {
+
+TEST(RootShownBy, IsThePlaceOfThePlateThatThePointStandsOver) {
+  const geometry::TriangleMesh plate = test::makePlate(100, 100, 0.001);
+  const auto model = test::makeRigidHand(plate);
+  const hand::Skin skin = test::makeRigidSkin(*model, plate);
+  hand::HandPose pose{Pose::Identity(), Eigen::VectorXd(0)};
+  pose.X_WH.linear() = rotationFromVector({0.4, -0.7, 0.2});
+  pose.X_WH.translation() << 0.3, 0.2, -0.1;
+  const Eigen::Vector3d p_W = pose.X_WH * Eigen::Vector3d(0.0123, 0.004, 0.02);
+  const Eigen::Vector3d up_W = pose.X_WH.linear() * Eigen::Vector3d::UnitZ();
+
+  const auto root = rootShownBy(*model, skin, pose, {1}, p_W, -up_W);
+  ASSERT_TRUE(root.has_value());
+  EXPECT_LT((positionOf(plate, *root) - Eigen::Vector3d(0.0123, 0.004, 0.0)).norm(), 0.001);
+  // Nothing looks at what turns its back, and links that are not permitted show nothing.
+  EXPECT_FALSE(rootShownBy(*model, skin, pose, {1}, p_W, up_W).has_value());
+  EXPECT_FALSE(rootShownBy(*model, skin, pose, {0}, p_W, -up_W).has_value());
+}
+
+TEST(RootShownBy, FollowsTheJoints) {
+  const test::SmallHand small = test::makeSmallHand();
+  hand::HandPose pose{Pose::Identity(), Eigen::VectorXd::Constant(6, 0.4)};
+  const hand::ContactSite& site = small.sites[1];
+  const int link = small.model->linkIndex(site.link);
+  std::vector<char> permitted(static_cast<std::size_t>(small.model->linkCount()), 0);
+  permitted[static_cast<std::size_t>(link)] = 1;
+  const Pose X_WL = forwardKinematics(*small.model, pose)[static_cast<std::size_t>(link)];
+  const auto root =
+      rootShownBy(*small.model, *small.skin, pose, permitted,
+                  X_WL * (site.p_L + 0.005 * site.n_L), -(X_WL.linear() * site.n_L));
+  ASSERT_TRUE(root.has_value());
+  const geometry::SurfacePoint expected = small.skin->skinPointOf(link, site.p_L);
+  EXPECT_LT(
+      (positionOf(small.skin->mesh(), *root) - positionOf(small.skin->mesh(), expected)).norm(),
+      0.002);
+}
+
+/// Two disks 50 mm apart on a plate, and a rigid plate as a hand, whose sites are 40 mm apart:
+/// 5 mm off, unless the roots slide.
+struct TwoPlates {
+  std::shared_ptr<const geometry::TriangleMesh> plate =
+      std::make_shared<const geometry::TriangleMesh>(test::makePlate(100, 100, 0.001));
+  contact::ContactSet contacts;
+  Hand hand;
+
+  TwoPlates() {
+    hand.model = test::makeRigidHand(*plate);
+    hand.skin = std::make_shared<const hand::Skin>(test::makeRigidSkin(*hand.model, *plate));
+    hand.sites_are_found = true;
+    // Face to face: what is on the left here is on the right there.
+    for (const auto& [name, side] : {std::pair{"thumb", -1.0}, std::pair{"index", 1.0}}) {
+      contact::ContactMap map;
+      map.mesh_O = *plate;
+      map.value.resize(plate->vertexCount());
+      const Eigen::Vector3d centre(side * 0.025, 0.0, 0.0);
+      for (int v = 0; v < plate->vertexCount(); ++v)
+        map.value[v] = (plate->vertex(v) - centre).norm() < 0.006 ? 1.0 : 0.0;
+      contacts.patches.push_back(contact::segment(map, {}).patches.at(0));
+      contacts.patches.back().name = name;
+      contacts.patches.back().direction_O = Eigen::Vector3d::UnitY();
+      hand.sites.push_back({name, "plate", Eigen::Vector3d(-side * 0.020, 0.0, 0.0),
+                            Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitY()});
+    }
+  }
+
+  [[nodiscard]] Session open() const { return {hand, plate, contacts, Pose::Identity(), {}}; }
+};
+
+TEST(Session, SlidesRootsOfFoundSitesToWhereTheyFit) {
+  Session session = TwoPlates().open();
+  for (const optimize::PatchFit& fit : session.optimize({}, Progress()).patches) {
+    EXPECT_EQ(fit.point_count, 25);
+    EXPECT_LT(fit.mean_mm, 1.0);
+  }
+}
+
+TEST(Session, LeavesRootsOnSitesThatSomebodyChose) {
+  TwoPlates plates;
+  plates.hand.sites_are_found = false;
+  Session session = plates.open();
+  for (const optimize::PatchFit& fit : session.optimize({}, Progress()).patches)
+    EXPECT_NEAR(fit.mean_mm, 5.0, 0.5);
+}
+
+TEST(Session, LeavesRootsWhereTheUserPutsThem) {
+  Session session = TwoPlates().open();
+  const geometry::SurfacePoint thumb = session.patches()[0].placement->root_S;
+  const geometry::SurfacePoint index = session.patches()[1].placement->root_S;
+  session.apply(PatchRootEdit{"thumb", Side::kHand, thumb});
+  session.apply(PatchDirectionEdit{"index", Side::kHand, 0.1});
+  session.optimize({}, Progress());
+  EXPECT_EQ(session.patches()[0].placement->root_S.face, thumb.face);
+  EXPECT_EQ(session.patches()[1].placement->root_S.face, index.face);
+}
+
+}  // namespace
+}  // namespace handgraft::session
