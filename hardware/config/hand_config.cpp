@@ -119,7 +119,7 @@ void checkDevice(const HandConfig& config, Problems& problems) {
 
 void checkHoming(const HandConfig& config, Problems& problems) {
   for (std::size_t i = 0; i < config.homing.size(); ++i) {
-    const HomingStep& step = config.homing[i];
+    const safety::HomingStep& step = config.homing[i];
     const MotorConfig& motor = config.motors[step.motor];
     if (!(step.speed_rad_s <= motor.velocity_rad_s))
       problems.push_back(fmt::format("homing[{}].speed_rad_s: {} is more than the {} of {}", i,

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hardware/safety/governor_types.h"
+#include "hardware/safety/homing_run.h"
 #include "hardware/tendon/motor_map.h"
 #include "hardware/tendon/synergy_map.h"
 #include "hardware/tendon/tendon_hand.h"
@@ -43,18 +44,6 @@ struct MotorConfig {
   double current_A = 0;       ///< that it may use
 };
 
-/// How one motor finds its zero: it turns until it is held back, there it is at `stop_rad`.
-struct HomingStep {
-  std::size_t motor = 0;
-  int toward = 1;  ///< 1 or -1: the sign of its velocity
-  double speed_rad_s = 0;
-  double current_A = 0;                 ///< held back: the current stays at least so high ...
-  std::chrono::milliseconds hold{200};  ///< ... for so long
-  double travel_rad = 0;                ///< never farther than this from where it began
-  double stop_rad = 0;                  ///< the motor's angle at the stop
-  double back_off_rad = 0;              ///< turned back afterwards
-};
-
 /// A postural synergy: q = rest + column * s.
 struct SynergyConfig {
   std::vector<double> column;  ///< one entry per joint
@@ -79,8 +68,8 @@ struct HandConfig {
   int realtime_priority = 0;         ///< 1 to 99: SCHED_FIFO, where permitted
   TransmissionConfig transmission;
   std::vector<MotorConfig> motors;
-  std::vector<HomingStep> homing;     ///< in this order
-  std::filesystem::path calibration;  ///< empty: none; relative to the config's folder
+  std::vector<safety::HomingStep> homing;  ///< in this order
+  std::filesystem::path calibration;       ///< empty: none; relative to the config's folder
 
   [[nodiscard]] std::size_t jointCount() const { return governor.names.size(); }
 };

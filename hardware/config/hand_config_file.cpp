@@ -168,7 +168,7 @@ void readMotors(Section& file, HandConfig& config) {
 
 void readHoming(Section& file, HandConfig& config) {
   for (Section& section : file.list("homing", 0, kMostJoints)) {
-    HomingStep step;
+    safety::HomingStep step;
     const std::string name = section.text("motor");
     const auto found =
         std::find_if(config.motors.begin(), config.motors.end(), [&](const MotorConfig& m) {
