@@ -1,7 +1,6 @@
 #include "core/io/contact_file.h"
 
 #include <algorithm>
-#include <cctype>
 #include <fstream>
 #include <limits>
 #include <map>
@@ -352,18 +351,6 @@ auto namingFile(const std::filesystem::path& path, const Read& read) {
   }
 }
 
-/// By its name or its first bytes.
-bool isPly(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) {
-    return static_cast<char>(std::tolower(c));
-  });
-  if (extension == ".ply") return true;
-  std::ifstream file(path, std::ios::binary);
-  char start[3] = {};
-  return file.read(start, 3) && std::string(start, 3) == "ply";
-}
-
 /// The touching segments that the header's list, if there is one, does not name.
 std::vector<std::string> notesOnUnlistedLinks(const ContactMap& map, double threshold) {
   std::vector<std::string> notes;
@@ -396,7 +383,7 @@ ContactSet readContactSet(const std::filesystem::path& path, const MeshFile& obj
 }
 
 std::string objectNameIn(const std::filesystem::path& path) {
-  if (isPly(path)) return "";
+  if (isContactMap(path)) return "";
   return namingFile(path, [&]() -> std::string {
     const json root = json::parse(textOf(path));
     if (!root.is_object() || !root.contains("object")) return "";
@@ -449,15 +436,7 @@ ContactSet contactsFromMap(const ContactMap& map,
                            const MeshFile& object,
                            const contact::SegmentationOptions& options) {
   // Points alone have no regions: the object's own surface, or one laid through them, has.
-  const bool is_cloud = map.mesh_O.faceCount() == 0;
-  const bool on_object = is_cloud && object.cloud_O.cols() > 0;
-  ContactMap on_mesh = map;
-  if (on_object) {
-    on_mesh = onSurface(map, object.mesh, kCloudReach_m);
-  } else if (is_cloud) {
-    const auto surface = cloud::surfaceOf({map.mesh_O.vertices(), {}});
-    on_mesh = onSurface(map, surface.mesh_O, kCloudReach_m);
-  }
+  const ContactMap on_mesh = onFaces(map, object);
   ContactSet set = segment(on_mesh, options);
   const std::vector<std::string> unlisted =
       notesOnUnlistedLinks(map, thresholdOf(on_mesh, options));
@@ -469,7 +448,7 @@ ContactSet readContacts(const std::filesystem::path& path,
                         const MeshFile& object,
                         const contact::SegmentationOptions& options,
                         const ContactMapSource& source) {
-  if (!isPly(path) && source.picture.empty()) return readContactSet(path, object);
+  if (!isContactMap(path, source)) return readContactSet(path, object);
   const ContactMap map = readContactMap(path, source);
   return namingFile(path, [&] {
     ContactSet set = contactsFromMap(map, object, options);
