@@ -5,6 +5,7 @@
 #include "core/base/error.h"
 #include "core/contact/threshold.h"
 #include "core/io/color_map.h"
+#include "server/reading/units.h"
 
 namespace handgraft::server {
 
@@ -132,6 +133,7 @@ ReadRequest readRequestFrom(const v1::LoadModelRequest& request, const UploadedF
   reading.main_uri = request.main_uri();
   reading.files = files.all();
   reading.units = request.units();
+  (void)metresPer(reading.units);
   if (reading.kind != ReadKind::kHand) refuse(request.hand(), "hand", "hands");
   if (reading.kind != ReadKind::kContacts)
     refuse(request.contacts(), "contact map", "contact maps");

@@ -14,7 +14,10 @@ namespace handgraft::server {
 namespace {
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kIsSanitized = true;
+constexpr bool kIsSanitized = true;  // g++
+#elif defined(__has_feature)
+constexpr bool kIsSanitized =
+    __has_feature(address_sanitizer) || __has_feature(thread_sanitizer);  // clang
 #else
 constexpr bool kIsSanitized = false;
 #endif

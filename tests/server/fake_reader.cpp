@@ -61,6 +61,10 @@ void act(const std::string& name) {
   }
   if (name == "quits") _exit(7);
   if (name == "eats") eat();
+  while (name == "tells_its_id") {
+    say(progressFrame(std::to_string(getpid()), 0.5));
+    usleep(10'000);
+  }
   while (name == "sleeps") {
     say(progressFrame("sleeping", 0.5));
     usleep(10'000);

@@ -7,9 +7,12 @@
 #include <fstream>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "core/base/error.h"
 #include "server/reading/units.h"
@@ -154,6 +157,41 @@ TEST(UploadReader, ReportsProgressAndIsCancelled) {
   // The limit is far away: it ends because it is cancelled.
   EXPECT_THROW((void)UploadReader(kFake).read(objectRequest("sleeps"), progress), Cancelled);
   EXPECT_GE(told, 3);
+}
+
+/// Whether a process is there and not just waiting to be reaped by whoever inherited it.
+bool isAlive(pid_t process) {
+  std::ifstream status("/proc/" + std::to_string(process) + "/stat");
+  std::string word;
+  std::string state;
+  return (status >> word >> word >> state) && state != "Z" && state != "X";
+}
+
+TEST(UploadReader, LeavesNoReaderBehindWhenItIsKilled) {
+  int ends[2];
+  ASSERT_EQ(pipe(ends), 0);
+  const pid_t server = fork();
+  if (server == 0) {
+    try {
+      const Progress progress([&](std::string_view stage, double) {
+        const pid_t reader = std::stoi(std::string(stage));
+        if (write(ends[1], &reader, sizeof(reader)) < 0) _exit(1);
+      });
+      (void)UploadReader(kFake).read(objectRequest("tells_its_id"), progress);
+    } catch (...) {
+    }
+    _exit(1);
+  }
+  pid_t reader = 0;
+  ASSERT_EQ(read(ends[0], &reader, sizeof(reader)), static_cast<ssize_t>(sizeof(reader)));
+  EXPECT_TRUE(isAlive(reader));
+  kill(server, SIGKILL);
+  waitpid(server, nullptr, 0);
+  for (int i = 0; i < 1000 && isAlive(reader); ++i)
+    usleep(10'000);
+  EXPECT_FALSE(isAlive(reader));
+  close(ends[0]);
+  close(ends[1]);
 }
 
 TEST(UploadReader, ReadsInManyThreadsAtOnce) {
