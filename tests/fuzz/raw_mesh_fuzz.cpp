@@ -1,46 +1,25 @@
 // Small meshes straight from bytes, so that nearly every input reaches the geometry: choice of
 // questions, number of vertices, kind of coordinates, coordinates, then corners of faces.
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <vector>
 
 #include "core/base/error.h"
 #include "core/geometry/triangle_mesh.h"
 
+#include "tests/fuzz/byte_reader.h"
 #include "tests/fuzz/sane_geometry.h"
 
 namespace {
 
+using handgraft::fuzz::ByteReader;
+
 constexpr std::size_t kMostFaces = 200;
 
-class Bytes {
- public:
-  Bytes(const std::uint8_t* bytes, std::size_t size) : bytes_(bytes), size_(size) {}
-
-  [[nodiscard]] std::size_t left() const { return size_ - cursor_; }
-
-  /// Zeros after the end.
-  template <class T>
-  T take() {
-    T value{};
-    const std::size_t count = std::min(sizeof(T), left());
-    std::memcpy(&value, bytes_ + cursor_, count);
-    cursor_ += count;
-    return value;
-  }
-
- private:
-  const std::uint8_t* bytes_;
-  std::size_t size_;
-  std::size_t cursor_ = 0;
-};
-
 /// Coarse lattices make duplicates, slivers and coplanar faces; raw numbers overflow.
-double coordinate(Bytes& bytes, int kind) {
+double coordinate(ByteReader& bytes, int kind) {
   switch (kind) {
     case 0:
       return bytes.take<std::int8_t>() / 8;
@@ -60,7 +39,7 @@ double coordinate(Bytes& bytes, int kind) {
 
 // NOLINTNEXTLINE(readability-identifier-naming): libFuzzer's name.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  Bytes bytes(data, size);
+  ByteReader bytes(data, size);
   const auto choice = bytes.take<std::uint16_t>();
   const int vertex_count = 3 + bytes.take<std::uint8_t>() % 62;
   const int kind = bytes.take<std::uint8_t>() % 4;

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# run.sh BIN_DIR [MINUTES] [TARGET]: fuzzes the mesh path, each target for its share of the
-# minutes (10 in all unless said), from seeds made here and now. What it finds is kept in
-# build/fuzz/corpus for the next run; inputs that break a promise are left in
-# build/fuzz/findings. Exit code 1 if there is any.
+# run.sh BIN_DIR [MINUTES] [TARGET]: fuzzes the readers of uploaded files and what follows them,
+# each target for its share of the minutes (10 in all unless said), from seeds made here and
+# now. What it finds is kept in build/fuzz/corpus for the next run; inputs that break a promise
+# are left in build/fuzz/findings. Exit code 1 if there is any.
 set -euo pipefail
 bin=$1
 minutes=${2:-10}
-targets=(mesh_file raw_mesh)
+targets=(mesh_file raw_mesh urdf contact_set contact_map)
 [ $# -lt 3 ] || targets=("$3")
 corpus=build/fuzz/corpus
 findings=build/fuzz/findings
@@ -19,14 +19,19 @@ case $minutes in
 esac
 mkdir -p "$corpus" "$findings"
 python3 tests/fuzz/make_corpus.py server/models/objects "$corpus"
+python3 tests/fuzz/make_text_corpus.py server/models/hands "$corpus"
 cp -r tests/fuzz/regressions/. "$corpus"
 
+declare -A longest=([mesh_file]=8192 [raw_mesh]=2048 [urdf]=16384 [contact_set]=4096 [contact_map]=12288)
 failed=0
 for target in "${targets[@]}"; do
+  if [ -z "${longest[$target]:-}" ]; then
+    echo "fuzz: no target '$target', there are: ${!longest[*]}" >&2
+    exit 2
+  fi
   options=(-max_total_time=$((60 * minutes / ${#targets[@]})) -timeout=20 -rss_limit_mb=3000
-    -print_final_stats=1 -verbosity=1 "-artifact_prefix=$findings/${target}_")
-  [ "$target" = mesh_file ] && options+=(-max_len=8192 -dict=tests/fuzz/mesh_file.dict)
-  [ "$target" = raw_mesh ] && options+=(-max_len=2048)
+    -print_final_stats=1 -verbosity=1 "-max_len=${longest[$target]}" "-artifact_prefix=$findings/${target}_")
+  [ -f "tests/fuzz/$target.dict" ] && options+=("-dict=tests/fuzz/$target.dict")
   printf '== %s_fuzz\n' "$target"
   log=build/fuzz/$target.log
   if ! "$bin/${target}_fuzz" "${options[@]}" "$corpus/$target" >"$log" 2>&1; then
