@@ -327,6 +327,42 @@ TEST(HostileNesting, OfYamlIsAnError) {
   });
 }
 
+// === Names
+
+TEST(HostileNames, OfAMillionBytesAreRefusedShortly) {
+  const std::string name(1'000'000, 'n');
+  const MeshFile object = plate();
+  const std::string rest =
+      R"("root": {"vertex": 12}, "boundary": [6, 7, 8, 13, 18, 17, 16, 11]}]})";
+  const std::string start = R"({"format": "handgraft-contacts/1", "name": ")";
+  const std::string sets[] = {
+      start + name + R"(", "patches": [{"name": "p", )" + rest,
+      start + R"(n", "object": ")" + name + R"(", "patches": [{"name": "p", )" + rest,
+      start + R"(n", "patches": [{"name": ")" + name + R"(", )" + rest,
+      start + R"(n", "patches": [{")" + name + R"(": 1, "name": "p", )" + rest};
+  for (const std::string& text : sets) {
+    const fs::path path = write("long_name.json", text);
+    test::expectRefused(path, "", [&] {
+      (void)readContactSet(path, object);
+    });
+  }
+}
+
+TEST(HostileNames, OfSitesAreShortTexts) {
+  const test::SmallHand hand = test::makeSmallHand();
+  for (const std::string& name : {std::string(1000, 'n'), std::string("\x8c\x97"),
+                                  std::string("a\xc0\x80"), std::string("\xed\xa0\x80"),
+                                  std::string("\xf5\x80\x80\x80"), std::string("\xe2\x82")}) {
+    const fs::path path =
+        write("site.yaml", "format: handgraft-sites/1\nsites:\n  - {name: \"" + name +
+                               "\", link: thumb_tip, point_m: [0, 0, 0], normal: [0, 0, 1], "
+                               "direction: [1, 0, 0]}\n");
+    test::expectRefused(path, "name", [&] {
+      (void)readSites(path, *hand.model);
+    });
+  }
+}
+
 // === XML
 
 /// A URDF and an SRDF of the same damage.

@@ -139,6 +139,11 @@ MeshFile triangle() {
   return readMesh(path);
 }
 
+const hand::HandModel& smallHand() {
+  static const test::SmallHand kHand = test::makeSmallHand();
+  return *kHand.model;
+}
+
 void mesh(const fs::path& path) {
   (void)readMesh(path);
 }
@@ -169,52 +174,52 @@ TEST_P(TruncatedFile, IsRefusedByItsName) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Every,
-    TruncatedFile,
-    ::testing::Values(Whole{"cut.obj", kObj, mesh, std::string(kObj).size()},
-                      Whole{"cut_text.stl", kStl, mesh, 3},
-                      Whole{"cut_binary.stl", binaryStl(), mesh},
-                      Whole{"cut.dae", kDae, mesh, 1},
-                      Whole{"cut.gltf", kGltf, mesh},
-                      Whole{"cut.glb", glb(), mesh},
-                      Whole{"cut.ply", kPlyMap,
-                            [](const fs::path& path) {
-                              (void)readContactMap(path);
-                            },
-                            1},
-                      Whole{"cut.urdf", kUrdf,
-                            [](const fs::path& path) {
-                              (void)readUrdf(path);
-                            },
-                            1},
-                      Whole{"cut.srdf", kSrdf,
-                            [](const fs::path& path) {
-                              (void)readSrdf(path, *test::makeSmallHand().model);
-                            },
-                            1},
-                      Whole{"cut_set.json", kSet,
-                            [](const fs::path& path) {
-                              (void)readContactSet(path, triangle());
-                            }},
-                      Whole{"cut_joints.json", joints(),
-                            [](const fs::path& path) {
-                              (void)readHandJoints(path);
-                            }},
-                      Whole{"cut_problem.json", kProblem,
-                            [](const fs::path& path) {
-                              (void)readProblem(path);
-                            }},
-                      Whole{"cut.yaml", kSites,
-                            [](const fs::path& path) {
-                              (void)readSites(path, *test::makeSmallHand().model);
-                            },
-                            1}),
-    [](const auto& each) {
-      std::string name = each.param.name;
-      std::replace(name.begin(), name.end(), '.', '_');
-      return name;
-    });
+INSTANTIATE_TEST_SUITE_P(Every,
+                         TruncatedFile,
+                         ::testing::Values(Whole{"cut.obj", kObj, mesh,
+                                                 std::string(kObj).size()},
+                                           Whole{"cut_text.stl", kStl, mesh, 3},
+                                           Whole{"cut_binary.stl", binaryStl(), mesh},
+                                           Whole{"cut.dae", kDae, mesh, 1},
+                                           Whole{"cut.gltf", kGltf, mesh},
+                                           Whole{"cut.glb", glb(), mesh},
+                                           Whole{"cut.ply", kPlyMap,
+                                                 [](const fs::path& path) {
+                                                   (void)readContactMap(path);
+                                                 },
+                                                 1},
+                                           Whole{"cut.urdf", kUrdf,
+                                                 [](const fs::path& path) {
+                                                   (void)readUrdf(path);
+                                                 },
+                                                 1},
+                                           Whole{"cut.srdf", kSrdf,
+                                                 [](const fs::path& path) {
+                                                   (void)readSrdf(path, smallHand());
+                                                 },
+                                                 1},
+                                           Whole{"cut_set.json", kSet,
+                                                 [](const fs::path& path) {
+                                                   (void)readContactSet(path, triangle());
+                                                 }},
+                                           Whole{"cut_joints.json", joints(),
+                                                 [](const fs::path& path) {
+                                                   (void)readHandJoints(path);
+                                                 }},
+                                           Whole{"cut_problem.json", kProblem,
+                                                 [](const fs::path& path) {
+                                                   (void)readProblem(path);
+                                                 }},
+                                           Whole{"cut.yaml", kSites,
+                                                 [](const fs::path& path) {
+                                                   (void)readSites(path, smallHand());
+                                                 },
+                                                 1}),
+                         [](const auto& each) {
+                           std::string name = each.param.name;
+                           std::replace(name.begin(), name.end(), '.', '_');
+                           return name;
+                         });
 
 }  // namespace
 }  // namespace handgraft::io
