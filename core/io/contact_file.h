@@ -12,6 +12,8 @@ namespace handgraft::io {
 
 /// Reads a contact set, format `handgraft-contacts/1` (README of this folder). Indices in it
 /// are the object file's own; `object` maps them to the mesh.
+/// Errors: InvalidInput naming the file, the patch and the field; more than kMostPatches or
+/// kMostPoints (contact_set.h) in all.
 contact::ContactSet readContactSet(const std::filesystem::path& path, const MeshFile& object);
 
 /// The text of such a file. What `readContactSet` makes of it is the same set. Errors:
@@ -19,7 +21,8 @@ contact::ContactSet readContactSet(const std::filesystem::path& path, const Mesh
 /// that does not fit the mesh.
 std::string contactSetText(const contact::ContactSet& set, const MeshFile& object);
 
-/// Writes it to a file. Errors: as above, naming the file; InvalidInput if it cannot be written.
+/// Writes it to a file. Errors: as above, naming the file; InvalidInput if it cannot be
+/// written.
 void writeContactSet(const std::filesystem::path& path,
                      const contact::ContactSet& set,
                      const MeshFile& object);

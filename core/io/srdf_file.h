@@ -22,7 +22,7 @@ struct SrdfFile {
 ///
 /// Units: rad, m. Errors: InvalidInput naming the file, and the state and joint, for XML that
 /// is not well-formed, another root element, a state without a name, a value that is no finite
-/// number, more than kMostNamedPoses states.
+/// number, more than kMostNamedPoses states or 4 MB.
 SrdfFile readSrdf(const std::filesystem::path& path, const hand::HandModel& model);
 
 inline constexpr int kMostNamedPoses = 1000;

@@ -27,7 +27,8 @@ struct UrdfFile {
 ///   meshes. Planar and floating joints become chains of joints of one freedom (urdf_text.h).
 /// Errors: InvalidInput, naming the file and the joint, link or mesh, for XML that does not
 /// parse
-///   (urdfdom's own words are quoted), a missing mesh, a joint loop. Limits that a movable
+///   (urdfdom's own words are quoted), a missing mesh, a joint loop, what is
+///   beyond the limits of this folder's README. Limits that a movable
 ///   joint lacks are noted, not refused.
 UrdfFile readUrdf(const std::filesystem::path& path, const PackageMap& packages = {});
 
