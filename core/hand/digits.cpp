@@ -13,6 +13,8 @@ namespace {
 
 /// Joints whose axis leans less than this from the last one's bend the finger the same way.
 constexpr double kParallelCosine = 0.8;
+/// Share of the distance within which points are equally far.
+constexpr double kEquallyFar = 1e-3;
 /// Share of the range by which one side must outweigh the other to call it the closing side.
 constexpr double kClearAsymmetry = 0.1;
 
@@ -123,17 +125,27 @@ Digit makeDigit(const HandModel& model, const LinkPoses& X_SL, int last_link, in
   digit.base = X_SL[static_cast<std::size_t>(digit.nodes.front() + 1)].translation();
   digit.last_joint = X_SL[static_cast<std::size_t>(last_link)].translation();
 
-  double farthest = -1.0;
+  std::vector<Eigen::Vector3d> surface;
+  double farthest = 0.0;
   for (const int link : digit.tip_links) {
     for (const Shape& shape : model.links()[static_cast<std::size_t>(link)].surface()) {
       for (int v = 0; v < shape.mesh_L.vertexCount(); ++v) {
-        const Eigen::Vector3d p = X_SL[static_cast<std::size_t>(link)] * shape.mesh_L.vertex(v);
-        const double distance = (p - digit.last_joint).squaredNorm();
-        if (distance <= farthest) continue;
-        farthest = distance;
-        digit.tip = p;
+        surface.push_back(X_SL[static_cast<std::size_t>(link)] * shape.mesh_L.vertex(v));
+        farthest = std::max(farthest, (surface.back() - digit.last_joint).norm());
       }
     }
+  }
+  // A tip that ends in a face has corners equally far: its middle, not one of them.
+  double count = 0.0;
+  for (const Eigen::Vector3d& p : surface) {
+    if ((p - digit.last_joint).norm() < (1.0 - kEquallyFar) * farthest) continue;
+    digit.tip += p;
+    count += 1.0;
+  }
+  if (count > 0.0) digit.tip /= count;
+  for (const Eigen::Vector3d& p : surface) {
+    if ((p - digit.last_joint).norm() < (1.0 - kEquallyFar) * farthest) continue;
+    digit.tip_radius = std::max(digit.tip_radius, (p - digit.tip).norm());
   }
   digit.outward = (digit.tip - digit.last_joint).normalized();
   return digit;

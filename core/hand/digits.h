@@ -18,7 +18,9 @@ struct Digit {
   std::vector<int> tip_links;  ///< what the last joint moves, fixed links included
   Eigen::Vector3d base = Eigen::Vector3d::Zero();        ///< origin of the first joint
   Eigen::Vector3d last_joint = Eigen::Vector3d::Zero();  ///< origin of the last joint
-  Eigen::Vector3d tip = Eigen::Vector3d::Zero();         ///< farthest point from the last joint
+  /// What lies farthest from the last joint, the middle of it where that is several points.
+  Eigen::Vector3d tip = Eigen::Vector3d::Zero();
+  double tip_radius = 0.0;  ///< m, of these points about their middle: near 0 on a round tip
   Eigen::Vector3d outward = Eigen::Vector3d::Zero();  ///< unit, from the last joint to the tip
   /// Unit axis about which the last joint closes (right-hand rule), and where the pad looks:
   /// the direction in which the tip moves then.

@@ -104,11 +104,13 @@ std::optional<ContactSite> findPad(const HandModel& model,
   const double radius = std::clamp(0.5 * (highest - lowest), 0.003, 0.5 * length + 0.003);
   const double middle = 0.5 * (highest + lowest);
 
-  // Farther back if the skin there looks elsewhere, as it does on a pointed tip.
+  // Farther back on a tip that ends in a face, so that a patch does not reach over its edge,
+  // and if the skin there looks elsewhere, as it does on a pointed tip.
+  const double inset = digit.tip_radius > 0.5 * radius ? 1.5 * radius : radius;
   std::optional<Place> best;
   double best_facing = kFacingCosine;
   for (const double back : {1.0, 1.25, 1.5, 0.75, 2.0, 2.5}) {
-    const double distance = std::min(back * radius, 0.9 * length);
+    const double distance = std::min(back * inset, 0.9 * length);
     const auto place = shoot(skin, digit.tip - distance * digit.outward + middle * side,
                              digit.closing, digit.tip_links);
     if (!place) continue;
@@ -130,6 +132,19 @@ std::optional<ContactSite> findPad(const HandModel& model,
 
 // === The palm
 
+/// Where a digit first bends as its last joint does.
+Eigen::Vector3d knuckleOf(const HandModel& model, const LinkPoses& X_SL, const Digit& digit) {
+  constexpr double kParallelCosine = 0.8;
+  for (const int index : digit.nodes) {
+    const HandModel::Node& node = model.nodes()[static_cast<std::size_t>(index)];
+    const Pose& X = X_SL[static_cast<std::size_t>(node.link)];
+    if (node.type != JointType::kRevolute) continue;
+    if (std::abs((X.linear() * node.axis_J).dot(digit.flexion_axis)) > kParallelCosine)
+      return X.translation();
+  }
+  return digit.base;
+}
+
 std::optional<ContactSite> findPalm(const HandModel& model,
                                     const Skin& skin,
                                     const LinkPoses& X_SL,
@@ -140,14 +155,19 @@ std::optional<ContactSite> findPalm(const HandModel& model,
   Eigen::Vector3d bases = Eigen::Vector3d::Zero();
   Eigen::Vector3d thumb_base = Eigen::Vector3d::Zero();
   double count = 0.0;
+  // Of few digits the thumb bounds the palm, too, as much as all the others together.
+  const bool is_surrounded = found.digits.size() <= 3;
   for (std::size_t i = 0; i < found.digits.size(); ++i) {
     const Digit& digit = found.digits[i];
-    if (names[i] == "thumb") thumb_base = digit.base;
-    if (names[i] == "thumb" && found.digits.size() > 3) continue;
-    facing += digit.closing;
-    outward += digit.outward;
-    bases += digit.base;
-    count += 1.0;
+    const bool is_thumb = names[i] == "thumb";
+    if (is_thumb) thumb_base = digit.base;
+    if (is_thumb && !is_surrounded) continue;
+    const double weight =
+        is_thumb ? std::max(1.0, static_cast<double>(found.digits.size()) - 1.0) : 1.0;
+    facing += weight * digit.closing;
+    outward += weight * digit.outward;
+    bases += weight * (is_surrounded ? knuckleOf(model, X_SL, digit) : digit.base);
+    count += weight;
   }
   if (count == 0.0 || facing.norm() < 0.1 * count) return std::nullopt;
   facing.normalize();

@@ -17,16 +17,14 @@ from generator.contacts import contact_sets
 from generator.human20 import make_human20
 from generator.objects import make_objects
 from generator.tendon16 import make_tendon16
-from generator.urdf import sites_text, urdf_text
+from generator.urdf import urdf_text
 
 
 def library_files():
-    """Relative path -> text of every file of the library."""
+    """Relative path -> text of every file of the library but the sites, which are found."""
     files = {}
     for hand in (make_human20(), make_allegro16(), make_barrett8(), make_tendon16()):
-        folder = f"hands/{hand.name}"
-        files[f"{folder}/{hand.name}.urdf"] = urdf_text(hand)
-        files[f"{folder}/sites.yaml"] = sites_text(hand)
+        files[f"hands/{hand.name}/{hand.name}.urdf"] = urdf_text(hand)
     objects = make_objects()
     for item in objects:
         files[f"objects/{item.name}.obj"] = item.mesh.obj_text(item.name, item.summary)

@@ -136,6 +136,17 @@ TEST_P(BuiltInHand, HasAClosedSkinThatCarriesItsSites) {
   EXPECT_EQ(skin.mesh().eulerCharacteristic(), 2);
   EXPECT_EQ(skin.mesh().components().second, 1);
 
+  // The library's sites are those that are found on any hand.
+  const std::vector<hand::ContactSite> found = findContactSites(hand.file.model, skin);
+  ASSERT_EQ(found.size(), hand.sites.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    EXPECT_EQ(found[i].name, hand.sites[i].name);
+    EXPECT_EQ(found[i].link, hand.sites[i].link) << found[i].name;
+    EXPECT_LT((found[i].p_L - hand.sites[i].p_L).norm(), 1e-6) << found[i].name;
+    EXPECT_LT((found[i].n_L - hand.sites[i].n_L).norm(), 1e-6) << found[i].name;
+    EXPECT_LT((found[i].direction_L - hand.sites[i].direction_L).norm(), 1e-6) << found[i].name;
+  }
+
   hand::LinkPoses X_SL;
   hand::forwardKinematics(hand.file.model, Pose::Identity(), skin.qReference(), X_SL);
   for (const hand::ContactSite& site : hand.sites) {
@@ -400,11 +411,12 @@ TEST(LibraryGenerator, ReproducesTheCommittedFiles) {
     for (const auto& entry :
          std::filesystem::recursive_directory_iterator(library() / folder)) {
       if (!entry.is_regular_file()) continue;
+      if (entry.path().filename() == "sites.yaml") continue;  // found, see above
       const auto relative = std::filesystem::relative(entry.path(), library());
       EXPECT_TRUE(bytesOf(entry.path()) == bytesOf(output / relative)) << relative;
       ++compared;
     }
-  EXPECT_EQ(compared, 16);
+  EXPECT_EQ(compared, 12);
 }
 
 }  // namespace

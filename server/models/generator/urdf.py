@@ -1,4 +1,4 @@
-"""Writes a hand as URDF and its contact sites as YAML: metres, radians, six decimals."""
+"""Writes a hand as URDF: metres, radians, six decimals."""
 
 from . import vectors as v
 
@@ -60,17 +60,4 @@ def urdf_text(hand):
             lines.extend(joint_lines(link.joint))
         lines.extend(link_lines(link))
     lines.append("</robot>")
-    return "\n".join(lines) + "\n"
-
-
-def sites_text(hand):
-    lines = [f"# Contact sites of {hand.name}: points on the links' surfaces, outward normals,",
-             "# directions towards the wrist. Written by make_library.py.",
-             "format: handgraft-sites/1", "sites:"]
-    for site in hand.sites:
-        lines.append(f"  - name: {site.name}")
-        lines.append(f"    link: {site.link}")
-        lines.append(f"    point_m: [{metres(site.point).replace(' ', ', ')}]")
-        lines.append(f"    normal: [{numbers(site.normal).replace(' ', ', ')}]")
-        lines.append(f"    direction: [{numbers(site.direction).replace(' ', ', ')}]")
     return "\n".join(lines) + "\n"
