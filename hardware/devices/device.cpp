@@ -140,7 +140,7 @@ void Device::cutOff() {
   try {
     doStop();
   } catch (const TransportError&) {
-    latch({Fault::Kind::kWire, -1, 0});
+    fault_ = {Fault::Kind::kWire, -1, 0};
   }
 }
 

@@ -31,7 +31,7 @@ class DynamixelRig final : public Rig {
  public:
   explicit DynamixelRig(WireKind kind)
       : emulator_({3, 1, 7}),
-        watchdog_(kind == WireKind::kVirtual ? 100 : 1000),
+        watchdog_(kind == WireKind::kVirtual ? 100 : 2500),
         wire_(makeWire(kind, emulator_, 4000000)),
         config_(makeConfig(kind, watchdog_)),
         hand_(config_, wire_->channel(), wire_->clock()) {}
@@ -184,7 +184,7 @@ class ODriveRig final : public Rig {
         hand_(config_, can_, wire_->clock()) {
     if (kind == WireKind::kVirtual) return;
     for (const auto& axis : config_.axes)
-      bus_.axis(axis.node).watchdog = std::chrono::seconds(1);
+      bus_.axis(axis.node).watchdog = std::chrono::milliseconds(2500);
   }
 
   devices::Device& device() override { return hand_; }
@@ -243,8 +243,8 @@ class ODriveRig final : public Rig {
                    {9, {turn / 2.0, 0.1, 1, -1.7, 5.2}}};
     config.firmware = firmware;
     config.reply_timeout = replyTimeout(kind);
-    if (kind == WireKind::kPty) config.heartbeat_timeout = std::chrono::seconds(2);
-    if (kind == WireKind::kPty) config.state_timeout = std::chrono::seconds(5);
+    if (kind == WireKind::kPty) config.heartbeat_timeout = std::chrono::seconds(10);
+    if (kind == WireKind::kPty) config.state_timeout = std::chrono::seconds(20);
     return config;
   }
 
