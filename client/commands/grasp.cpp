@@ -151,7 +151,8 @@ void writeProblem(ServerLink& server,
   const fs::path folder = fs::absolute(options.problem).parent_path();
   v1::ExportProblemRequest request;
   request.session_id(result.solution.session_id());
-  if (inputs.hand) {
+  // The file of a mirrored hand describes the other one.
+  if (inputs.hand && !result.hand.mirrored()) {
     request.urdf_path(fs::relative(fs::absolute(options.hand), folder).string());
     for (const auto& [name, directory] : inputs.hand->packages) {
       request.package_names().push_back(name);
