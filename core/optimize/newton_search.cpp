@@ -22,6 +22,10 @@ constexpr double kUndamped = 1e-6;
 // Below it an objective counts as zero: points within 1e-8 m at the default weights.
 constexpr double kSmallestObjective = 1e-12;
 
+double cube(double x) {
+  return x * x * x;
+}
+
 }  // namespace
 
 NewtonSearch::NewtonSearch(const PoseProblem& problem,
@@ -40,6 +44,7 @@ NewtonSearch::NewtonSearch(const PoseProblem& problem,
        {&gradient_, &scale_, &lower_gap_, &upper_gap_, &step_, &solution_}) {
     *vector = Eigen::VectorXd::Zero(size_);
   }
+  gauss_newton_ = exact_ = Eigen::MatrixXd::Zero(size_, size_);
   held_.assign(count, 0);
   moving_.reserve(count);
   first_.reserve(count);
@@ -77,7 +82,7 @@ NewtonSearch::Step NewtonSearch::improve(int& evaluations) {
     if (ratio > kLeastRatio) {
       std::swap(pose_, trial_);
       terms_ = terms;
-      const double shrink = 1.0 - std::pow(2.0 * ratio - 1.0, 3);
+      const double shrink = 1.0 - cube(2.0 * ratio - 1.0);
       damping_ = std::max(kLeastDamping, damping_ * std::max(1.0 / 3.0, shrink));
       growth_ = 2.0;
       expanded_ = false;
@@ -107,6 +112,11 @@ void NewtonSearch::expand() {
   for (int i = 0; i < size_; ++i) {
     const int dof = space_.dofs[static_cast<std::size_t>(i)];
     gradient_[i] = model_.gradient[dof];
+    for (int j = space_.first[static_cast<std::size_t>(i)]; j <= i; ++j) {
+      const int other = space_.dofs[static_cast<std::size_t>(j)];
+      gauss_newton_(j, i) = model_.gauss_newton(other, dof);
+      exact_(j, i) = gauss_newton_(j, i) + model_.residual_curvature(other, dof);
+    }
     scale_[i] = std::max(model_.gauss_newton(dof, dof), floor);
     if (dof < 3) {
       lower_gap_[i] = space_.lower[i];
@@ -133,8 +143,10 @@ double NewtonSearch::propose() {
     if (dof >= 3 && dof < 6) continue;
     longest = std::max(longest, std::abs(step_[i]));
   }
-  if (longest > settings.longest_turn) step_ *= settings.longest_turn / longest;
-  return promiseOf(exact);
+  const double share = std::min(1.0, settings.longest_turn / std::max(longest, 1e-300));
+  const double promise = promiseOf(exact, share);
+  if (share < 1.0) step_ *= share;
+  return promise;
 }
 
 bool NewtonSearch::proposeBy(bool exact) {
@@ -194,16 +206,22 @@ bool NewtonSearch::holdLeavers() {
   return any;
 }
 
-double NewtonSearch::promiseOf(bool exact) const {
-  double promise = 0.0;
+double NewtonSearch::promiseOf(bool exact, double share) const {
+  // The rows that move say what H s is: (H + damping) s = -gradient.
+  double slope = 0.0;
+  double curvature = 0.0;
   for (int i = 0; i < size_; ++i) {
     if (step_[i] == 0.0) continue;
-    double slope = 0.0;
-    for (int j = 0; j < size_; ++j)
-      slope += hessian(i, j, exact) * step_[j];
-    promise -= step_[i] * (gradient_[i] + 0.5 * slope);
+    slope += gradient_[i] * step_[i];
+    double row = -gradient_[i] - damping_ * scale_[i] * step_[i];
+    if (held_[static_cast<std::size_t>(i)] != 0) {
+      row = 0.0;
+      for (int j = 0; j < size_; ++j)
+        row += hessian(i, j, exact) * step_[j];
+    }
+    curvature += row * step_[i];
   }
-  return promise;
+  return -share * (slope + 0.5 * share * curvature);
 }
 
 void NewtonSearch::moveTo(hand::HandPose& pose) const {

@@ -64,14 +64,13 @@ class NewtonSearch {
   [[nodiscard]] bool proposeBy(bool exact);
   [[nodiscard]] bool solveMoving(bool exact);
   [[nodiscard]] bool holdLeavers();
-  [[nodiscard]] double promiseOf(bool exact) const;
+  [[nodiscard]] double promiseOf(bool exact, double share) const;
   void moveTo(hand::HandPose& pose) const;
 
+  /// Entry of the Hessian by two entries of the space.
   [[nodiscard]] double hessian(int i, int j, bool exact) const {
-    const int a = space_.dofs[static_cast<std::size_t>(i)];
-    const int b = space_.dofs[static_cast<std::size_t>(j)];
-    const double h = model_.gauss_newton(a, b);
-    return exact ? h + model_.residual_curvature(a, b) : h;
+    const auto& H = exact ? exact_ : gauss_newton_;
+    return i >= j ? H(j, i) : H(i, j);
   }
 
   const PoseProblem& problem_;
@@ -89,6 +88,8 @@ class NewtonSearch {
   // === Of the step at hand, per entry of the space
   int size_ = 0;
   Eigen::VectorXd gradient_;
+  Eigen::MatrixXd gauss_newton_;  ///< upper triangle: a column is a row of the lower one
+  Eigen::MatrixXd exact_;
   Eigen::VectorXd scale_;  ///< what the damping is a share of
   Eigen::VectorXd lower_gap_;
   Eigen::VectorXd upper_gap_;

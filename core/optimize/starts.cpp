@@ -15,8 +15,11 @@ namespace {
 /// The positive root of x^(d+1) = x + 1, whose powers spread d coordinates most evenly.
 double generalizedGoldenRatio(int dimension) {
   double x = 2.0;
-  for (int i = 0; i < 64; ++i)
-    x = std::pow(1.0 + x, 1.0 / (dimension + 1.0));
+  for (int i = 0; i < 64; ++i) {
+    const double next = std::pow(1.0 + x, 1.0 / (dimension + 1.0));
+    if (next == x) break;
+    x = next;
+  }
   return x;
 }
 
