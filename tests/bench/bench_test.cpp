@@ -2,6 +2,8 @@
 // maps are measured on are what they claim to be. No figure is judged here.
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -13,6 +15,7 @@
 
 #include "tests/bench/measured_surface.h"
 #include "tests/bench/mesh_versions.h"
+#include "tests/support/plates.h"
 #include "tests/support/process.h"
 #include "tests/support/shared_data.h"
 
@@ -195,11 +198,91 @@ TEST(Bench, SurveyCountsEveryPointOfEveryMesh) {
   }
 }
 
+TEST(Bench, ImportMeasuresAHandOfTheLibrary) {
+  const std::string folder = test::sourceDirectory() / "server/models/hands/barrett8";
+  const nlohmann::json bench = jsonOf({"import", folder, "--poses", "5", "--json"});
+  ASSERT_EQ(bench["hands"].size(), 1U);
+  const nlohmann::json& hand = bench["hands"][0];
+  EXPECT_EQ(hand["refused"], "");
+  EXPECT_EQ(hand["dofs"], 8);
+  EXPECT_EQ(hand["mimics"], 0);
+  EXPECT_LT(hand["pose_difference"], 1e-9);
+  EXPECT_EQ(hand["skin"]["valid"], true);
+  EXPECT_EQ(hand["digits"], 3);
+  EXPECT_EQ(hand["pads"], 3);
+  EXPECT_EQ(hand["sites_on_the_back"], 0);
+  ASSERT_EQ(hand["sites"].size(), 4U);
+  for (const nlohmann::json& site : hand["sites"]) {
+    EXPECT_LT(site["off_closing_deg"], 60.0) << site;
+    EXPECT_LT(site["to_given_mm"], 20.0) << site;  // the library's own are on all of them
+  }
+}
+
+TEST(Bench, ImportSplitsAContactMap) {
+  // A disk of 10 mm on a plate, called a thumb's.
+  const geometry::TriangleMesh plate = test::makePlate(40, 40, 0.001);
+  const std::filesystem::path folder = test::scratchDirectory() / "maps";
+  std::filesystem::create_directories(folder);
+  std::ofstream file(folder / "plate_contact.ply");
+  file << "ply\nformat ascii 1.0\ncomment 0=thumb\nelement vertex " << plate.vertexCount()
+       << "\nproperty float x\nproperty float y\nproperty float z\nproperty float contact\n"
+       << "property int link\nelement face " << plate.faceCount()
+       << "\nproperty list uchar int vertex_indices\nend_header\n";
+  for (int v = 0; v < plate.vertexCount(); ++v) {
+    const bool touches = plate.vertex(v).norm() < 0.010;
+    file << plate.vertex(v).transpose() << (touches ? " 1 0\n" : " 0 -1\n");
+  }
+  for (int f = 0; f < plate.faceCount(); ++f)
+    file << "3 " << plate.face(f).transpose() << "\n";
+  file.close();
+
+  const nlohmann::json bench = jsonOf({"import", folder, "--json"});
+  ASSERT_EQ(bench["contact_maps"].size(), 1U);
+  const nlohmann::json& map = bench["contact_maps"][0];
+  EXPECT_EQ(map["touching"], nlohmann::json({"thumb"}));
+  EXPECT_EQ(map["patches"], nlohmann::json({"thumb"}));
+  EXPECT_EQ(map["points"], 25);
+  EXPECT_LT(map["off_boundary_mm"], 1e-6);
+  // Faces whole inside the disk: those of one of 9 mm are, too.
+  EXPECT_GT(map["mean_area_mm2"], 254.0);
+  EXPECT_LT(map["mean_area_mm2"], 314.2);
+  EXPECT_EQ(map["compared"], 0);  // nobody recorded joints
+}
+
+TEST(Bench, ChainGoesFromFilesToAPose) {
+  const std::string models = test::sourceDirectory() / "server/models";
+  const nlohmann::json bench =
+      jsonOf({"chain", "--hand", models + "/hands/barrett8/barrett8.urdf", "--object",
+              models + "/objects/lemon.obj", "--contacts", models + "/contacts/lemon_6.json",
+              "--cache", test::scratchDirectory() / "skins", "--json"});
+  ASSERT_EQ(bench["chain"].size(), 1U);
+  const nlohmann::json& grasp = bench["chain"][0];
+  EXPECT_EQ(grasp["refused"], "");
+  double sum_mm = 0.0;
+  int points = 0;
+  std::vector<std::string> dropped;
+  for (const nlohmann::json& patch : grasp["patches"]) {
+    if (patch["dropped"] != "") {
+      dropped.push_back(patch["name"]);
+      continue;
+    }
+    EXPECT_EQ(patch["points"].get<int>() + patch["lost"].get<int>(), 25) << patch;
+    sum_mm += patch["points"].get<int>() * patch["mean_mm"].get<double>();
+    points += patch["points"].get<int>();
+  }
+  EXPECT_EQ(dropped, (std::vector<std::string>{"ring", "little"}));
+  EXPECT_EQ(grasp["points"], points);
+  EXPECT_NEAR(grasp["mean_mm"].get<double>(), sum_mm / points, 1e-9);
+  EXPECT_LT(grasp["mean_mm"], 30.0);  // a lemon is 60 mm across
+}
+
 TEST(Bench, RefusesWrongInput) {
   EXPECT_EQ(test::run(HANDGRAFT_BENCH, {"survey", "/no/such/folder"}).exit_code, 2);
   EXPECT_EQ(test::run(HANDGRAFT_BENCH, {"logmap-accuracy", "--vertices", "7"}).exit_code, 2);
   EXPECT_EQ(test::run(HANDGRAFT_BENCH, {"logmap-speed", "--roots", "0"}).exit_code, 2);
   EXPECT_EQ(test::run(HANDGRAFT_BENCH, {"transfer", "--hand", "x.urdf"}).exit_code, 2);
+  EXPECT_EQ(test::run(HANDGRAFT_BENCH, {"import", "/no/such/folder"}).exit_code, 2);
+  EXPECT_EQ(test::run(HANDGRAFT_BENCH, {"chain", "--object", "x.obj"}).exit_code, 2);
 }
 
 }  // namespace

@@ -9,9 +9,9 @@ json=
 for word in "$@"; do
   case $word in
     --json) json=--json ;;
-    logmap | solve | table | all) name=$word ;;
+    logmap | solve | import | chain | table | all) name=$word ;;
     *)
-      echo "bench: there is no benchmark '$word'; there are: logmap, solve, table" >&2
+      echo "bench: there is no benchmark '$word'; there are: logmap, solve, import, chain, table" >&2
       exit 2
       ;;
   esac
@@ -64,6 +64,29 @@ bench_solve() {
   fi
 }
 
+# shellcheck disable=SC2086
+bench_import() {
+  title "what the hands of server/models become on import"
+  "$bin/handgraft-bench" import "$models/hands" $json
+  if [ -d "$data/hands" ]; then
+    title "what the hands and contact maps of ../shared/data become on import"
+    "$bin/handgraft-bench" import "$data/hands" "$data/contacts" $json
+  fi
+}
+
+# shellcheck disable=SC2086
+bench_chain() {
+  local hand hands=() shipped
+  for hand in "$models"/hands/*/*.urdf; do hands+=(--hand "$hand"); done
+  shipped=(--object "$models/objects/lemon.obj" --contacts "$models/contacts/lemon_6.json")
+  title "hands of server/models grasp its lemon, sites found"
+  "$bin/handgraft-bench" chain "${hands[@]}" "${shipped[@]}" --cache "$cache" $json
+  if [ -d "$data/hands" ]; then
+    title "hands of ../shared/data grasp scanned objects, nothing given but the files"
+    HANDGRAFT_SHARED_DATA=$data "$bin/handgraft-bench" chain --cache "$cache" $json
+  fi
+}
+
 # Rewrites the accuracy table of core/geometry/README.md, between its two marker lines.
 write_table() {
   local readme=core/geometry/README.md table
@@ -83,9 +106,13 @@ write_table() {
 case $name in
   logmap) bench_logmap ;;
   solve) bench_solve ;;
+  import) bench_import ;;
+  chain) bench_chain ;;
   table) write_table ;;
   all)
     bench_logmap
     bench_solve
+    bench_import
+    bench_chain
     ;;
 esac
