@@ -16,7 +16,8 @@ constexpr double kRoundedUlps = 64;
 
 }  // namespace
 
-OutputGuard::OutputGuard(std::vector<JointLimits> limits, double period_s) : period_(period_s) {
+OutputGuard::OutputGuard(const std::vector<JointLimits>& limits, double period_s)
+    : period_(period_s) {
   HANDGRAFT_REQUIRE(period_s > 0);
   joints_.reserve(limits.size());
   for (const JointLimits& limit : limits)

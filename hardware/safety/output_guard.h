@@ -18,7 +18,7 @@ namespace handgraft::safety {
 /// Cost: O(joints); no allocation after construction.
 class OutputGuard {
  public:
-  OutputGuard(std::vector<JointLimits> limits, double period_s);
+  OutputGuard(const std::vector<JointLimits>& limits, double period_s);
 
   /// Whatever is sent next starts at rest at `start` (rad, one per joint, finite).
   void reset(std::span<const double> start);
