@@ -17,10 +17,15 @@ using geometry::TriangleMesh;
 class Carrier {
  public:
   Carrier(const TriangleMesh& from, const TriangleMesh& to, double reach_m)
-      : from_(from), to_(to), reach_m_(reach_m) {}
+      : from_(from), to_(to), reach_m_(reach_m) {
+    for (const Eigen::Vector3d p : to.vertices().colwise())
+      box_.extend(p);
+  }
 
   [[nodiscard]] std::optional<SurfacePoint> operator()(const SurfacePoint& point) const {
     const Eigen::Vector3d p = geometry::positionOf(from_, point);
+    // Seen from afar, all faces are equally near, and the search would visit every one.
+    if (!(box_.squaredExteriorDistance(p) <= reach_m_ * reach_m_)) return std::nullopt;
     const Eigen::Vector3d n = geometry::normalOf(from_, point);
     // Where walls are thin, the nearest place may be on their other side: then look from a
     // little outside.
@@ -36,6 +41,7 @@ class Carrier {
   const TriangleMesh& from_;
   SurfaceLocator to_;
   double reach_m_;
+  Eigen::AlignedBox3d box_;  ///< of the mesh that is carried to
 };
 
 }  // namespace

@@ -67,6 +67,21 @@ TEST(Carry, RefusesAnotherObject) {
       ThrowsMessage<InvalidInput>(HasSubstr("1 of 1 patches")));
 }
 
+// Seen from 1e20 m, all faces are equally near.
+TEST(Carry, TakesWhatLiesFarAwayForAnotherObject) {
+  const TriangleMesh plate = test::makePlate(4, 4, 0.01);
+  for (const double far_m : {1e3, 1e20}) {
+    // So large that its corners do not fall into one place there.
+    const TriangleMesh elsewhere = geometry::transformed(
+        plate, Eigen::Translation3d(0, 0, far_m) * Eigen::Scaling(1e-3 * far_m));
+    EXPECT_THAT(
+        [&] {
+          carry(squareSet(elsewhere), elsewhere, plate);
+        },
+        ThrowsMessage<InvalidInput>(HasSubstr("1 of 1 patches")));
+  }
+}
+
 TEST(Carry, DropsThePatchThatHasNoPlaceWithANote) {
   const TriangleMesh plate = test::makePlate(4, 4, 0.01);
   ContactSet set = squareSet(plate);
