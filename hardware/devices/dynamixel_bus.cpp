@@ -34,7 +34,8 @@ DynamixelBus::DynamixelBus(ByteChannel& bytes, Clock clock, Duration patience)
 std::optional<std::uint16_t> DynamixelBus::ping(std::uint8_t id) {
   dxl::encodePing(id, out_);
   const auto status = askOne(id, 3);
-  if (!status) return std::nullopt;
+  if (!status || status->data.size() != 3)
+    return std::nullopt;  // an error may come without data
   return protocols::numberAt<std::uint16_t>(status->data, 0);
 }
 

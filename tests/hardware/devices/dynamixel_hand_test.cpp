@@ -233,6 +233,15 @@ TEST_F(DynamixelHandTest, SaysWhichMotorIsMissing) {
   EXPECT_EQ(openError(), "Dynamixel motor 1: no answer");
 }
 
+// Found by tests/fuzz/wire_fuzz: the model's number was read from an answer without data.
+TEST_F(DynamixelHandTest, AnErrorInsteadOfAModelIsNoAnswer) {
+  emulator_.ailments.delay = milliseconds(2);
+  protocols::ByteBuffer error;
+  dxl::encodeStatus({3, false, dxl::Error::kResultFail, {}}, error);
+  emulator_.inject(test::vectorOf(error.bytes()), wire_->clock()() + milliseconds(1));
+  EXPECT_EQ(openError(), "Dynamixel motor 3: no answer");
+}
+
 TEST_F(DynamixelHandTest, ConfigurationsAreChecked) {
   const auto refuses = [&](const DynamixelConfig& config, const char* what) {
     try {
