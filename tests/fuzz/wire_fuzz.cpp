@@ -119,6 +119,36 @@ class Answers final : public devices::ByteChannel {
   devices::TimePoint now_{std::chrono::seconds(1)};
 };
 
+/// Frames whose checksums are right and whose contents are pieces of `bytes`: chance alone
+/// would hardly make one.
+template <class Frame>
+std::vector<std::uint8_t> framed(Bytes bytes, Frame frame) {
+  std::vector<std::uint8_t> wires;
+  while (!bytes.empty()) {
+    const std::size_t count = std::min<std::size_t>(bytes[0] % 80, bytes.size() - 1);
+    ByteBuffer wire;
+    frame(bytes.subspan(1, count), wire);
+    wires.insert(wires.end(), wire.bytes().begin(), wire.bytes().end());
+    bytes = bytes.subspan(1 + count);
+  }
+  return wires;
+}
+
+std::vector<std::uint8_t> framedFor(int device, Bytes bytes) {
+  if (device == 0) {
+    return framed(bytes, [](Bytes content, ByteBuffer& wire) {
+      const std::uint8_t id = content.empty() ? 1 : content[0] % 4;
+      dynamixel::encode({id, 0x55, content}, wire);
+    });
+  }
+  if (device == 1) return framed(bytes, ability_hand::encodeFrame);
+  return framed(bytes, [](Bytes content, ByteBuffer& wire) {
+    const std::uint32_t id = content.empty() ? 1 : content[0] % 0x40U;
+    slcan::encode(makeCanFrame(id, content.first(std::min<std::size_t>(content.size(), 8))),
+                  wire);
+  });
+}
+
 void drive(devices::Device& device) {
   devices::DeviceState state(device.motorCount());
   const std::vector<double> targets(device.motorCount(), 0.1);
@@ -135,48 +165,41 @@ void drive(devices::Device& device) {
   promise(!device.isArmed(), "a stop disarms");
 }
 
+/// A driver, and what its device answers.
+void driveDevice(int device, Bytes bytes, std::size_t step) {
+  const devices::MotorScale scale{0.01, 0.0, 1, -1.0, 1.0};
+  Answers answers(bytes, step);
+  if (device == 0) {
+    devices::DynamixelConfig config;
+    config.motors.resize(2);
+    config.motors[0].scale = config.motors[1].scale = scale;
+    config.motors[1].id = 2;
+    devices::DynamixelHand hand(config, answers, answers.clock());
+    drive(hand);
+  } else if (device == 1) {
+    devices::AbilityHandDevice hand({}, answers, answers.clock());
+    drive(hand);
+  } else {
+    devices::SlcanChannel can(answers, 500000, answers.clock());
+    devices::ODriveConfig config;
+    config.axes.resize(1);
+    config.axes[0].scale = scale;
+    devices::ODriveHand hand(config, can, answers.clock());
+    drive(hand);
+  }
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size < 2) return 0;
   const Bytes bytes(data + 2, size - 2);
   const std::size_t step = 1 + data[1];
-  const devices::MotorScale scale{0.01, 0.0, 1, -1.0, 1.0};
-  switch (data[0] % 6) {
-    case 0:
-      feed<dynamixel::Framing>(bytes, step, useDynamixel);
-      break;
-    case 1:
-      feed<ability_hand::Framing>(bytes, step, useAbilityHand);
-      break;
-    case 2:
-      feed<slcan::Framing>(bytes, step, useSlcan);
-      break;
-    case 3: {
-      Answers answers(bytes, step);
-      devices::DynamixelConfig config;
-      config.motors.resize(2);
-      config.motors[0].scale = config.motors[1].scale = scale;
-      config.motors[1].id = 2;
-      devices::DynamixelHand hand(config, answers, answers.clock());
-      drive(hand);
-      break;
-    }
-    case 4: {
-      Answers answers(bytes, step);
-      devices::AbilityHandDevice hand({}, answers, answers.clock());
-      drive(hand);
-      break;
-    }
-    default: {
-      Answers answers(bytes, step);
-      devices::SlcanChannel can(answers, 500000, answers.clock());
-      devices::ODriveConfig config;
-      config.axes.resize(1);
-      config.axes[0].scale = scale;
-      devices::ODriveHand hand(config, can, answers.clock());
-      drive(hand);
-    }
-  }
+  const int what = data[0] % 9;
+  if (what == 0) feed<dynamixel::Framing>(bytes, step, useDynamixel);
+  if (what == 1) feed<ability_hand::Framing>(bytes, step, useAbilityHand);
+  if (what == 2) feed<slcan::Framing>(bytes, step, useSlcan);
+  if (what >= 3 && what < 6) driveDevice(what - 3, bytes, step);
+  if (what >= 6) driveDevice(what - 6, framedFor(what - 6, bytes), step);
   return 0;
 }
