@@ -254,10 +254,11 @@ std::string textOf(const v1::ContactOptions& o) {
   const auto first = [](const auto& values) {
     return values.empty() ? std::string("-") : fmt::format("{}", values.front());
   };
-  return fmt::format("contacts {} {} {} {} {} {} {} {} {} {} {} {}", quoted(o.value_property()),
-                     quoted(o.label_property()), quoted(o.color_scale()),
-                     quoted(o.picture_uri()), quoted(o.joints_uri()), first(o.joints_hand()),
-                     first(o.threshold()), o.otsu(), first(o.low_share()), o.smoothing_steps(),
+  return fmt::format("contacts {} {} {} {} {} {} {} {} {} {} {} {} {}",
+                     quoted(o.value_property()), quoted(o.label_property()),
+                     quoted(o.color_scale()), quoted(o.picture_uri()), quoted(o.joints_uri()),
+                     first(o.joints_hand()), first(o.threshold()), o.otsu(),
+                     first(o.low_share()), first(o.outline_share()), o.smoothing_steps(),
                      first(o.minimum_area_m2()), o.interpolation_count());
 }
 

@@ -95,6 +95,9 @@ contact::SegmentationOptions segmentationFrom(const v1::ContactOptions& options)
   take(options.low_share(), segmentation.low_share, "low_share");
   if (!(segmentation.low_share > 0.0 && segmentation.low_share <= 1.0))
     rejectInput("low_share is {}; permitted are (0, 1]", segmentation.low_share);
+  take(options.outline_share(), segmentation.outline_share, "outline_share");
+  if (!(segmentation.outline_share >= 0.0 && segmentation.outline_share < 1.0))
+    rejectInput("outline_share is {}; permitted are [0, 1)", segmentation.outline_share);
   requireRange(options.smoothing_steps(), "smoothing_steps", 0, contact::kMostSmoothingSteps);
   segmentation.smoothing_steps = static_cast<int>(options.smoothing_steps());
   take(options.minimum_area_m2(), segmentation.minimum_area_m2, "minimum_area_m2");

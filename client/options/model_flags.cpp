@@ -101,6 +101,9 @@ void ContactFlags::addSegmentationTo(CLI::App& command) {
        {threshold, otsu,
         command.add_option("--low-share", low_share_,
                            "Down to this share of the threshold counts beside contact: 0-1"),
+        command.add_option("--outline", outline_share_,
+                           "A patch ends below this share of what its contact reaches: 0 (at "
+                           "the threshold) to 1; default 0.75"),
         command.add_option("--smooth", smoothing_steps_, "Steps of smoothing: 0-1000")
             ->check(objectionToCount),
         command.add_option("--min-area", minimum_area_mm2_,
@@ -140,6 +143,12 @@ ContactReading ContactFlags::reading() const {
       rejectInput("--low-share {}: it must be above 0 and at most 1", *low_share_);
     }
     options.low_share().push_back(*low_share_);
+  }
+  if (outline_share_) {
+    if (!(*outline_share_ >= 0.0 && *outline_share_ < 1.0)) {
+      rejectInput("--outline {}: it must be at least 0 and below 1", *outline_share_);
+    }
+    options.outline_share().push_back(*outline_share_);
   }
   if (smoothing_steps_ > 1000) {
     rejectInput("--smooth {}: it must be 0 to 1000", smoothing_steps_);

@@ -67,6 +67,7 @@ class ContactFlags {
   std::optional<double> threshold_;
   bool otsu_ = false;
   std::optional<double> low_share_;
+  std::optional<double> outline_share_;
   std::uint32_t smoothing_steps_ = 0;
   std::optional<double> minimum_area_mm2_;
   std::uint32_t interpolation_count_ = 0;

@@ -147,6 +147,7 @@ std::uint64_t fingerprintOf(const v1::PoseContactsRequest& request,
   number(segmentation.threshold);
   number(segmentation.rule == contact::ThresholdRule::kOtsu ? 1.0 : 0.0);
   number(segmentation.low_share);
+  number(segmentation.outline_share);
   number(segmentation.smoothing_steps);
   number(segmentation.minimum_area_m2);
   number(segmentation.interpolation_count);

@@ -48,6 +48,7 @@ void putReading(ByteWriter& out, const ContactReading& contacts) {
   out.number(options.threshold);
   out.number(static_cast<std::uint8_t>(options.rule));
   out.number(options.low_share);
+  out.number(options.outline_share);
   out.number(options.smoothing_steps);
   out.number(options.minimum_area_m2);
   out.number(options.interpolation_count);
@@ -69,6 +70,7 @@ ContactReading takeContactReading(ByteReader& in) {
   options.threshold = in.finite();
   options.rule = in.one(contact::ThresholdRule::kOtsu);
   options.low_share = in.finite();
+  options.outline_share = in.finite();
   options.smoothing_steps = in.number<int>();
   options.minimum_area_m2 = in.finite();
   options.interpolation_count = in.number<int>();

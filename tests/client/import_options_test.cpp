@@ -70,7 +70,8 @@ TEST(ImportOptions, ReadHowAContactMapIsToBeRead) {
        "m.png",    "--joints",    "j.json",   "--hand",   "right",    "--threshold",
        "0.3",      "--low-share", "0.5",      "--smooth", "2",        "--min-area",
        "50",       "--points",    "30",       "--units",  "cm",       "--name",
-       "bulb_1",   "--out",       "set.json", "--png",    "a.png"});
+       "bulb_1",   "--out",       "set.json", "--png",    "a.png",    "--outline",
+       "0.6"});
   EXPECT_EQ(import.map, "m.glb");
   EXPECT_EQ(import.object, "bulb.ply");
   EXPECT_EQ(import.reading.picture, "m.png");
@@ -85,6 +86,7 @@ TEST(ImportOptions, ReadHowAContactMapIsToBeRead) {
   EXPECT_EQ(map.joints_hand().front(), 1);
   EXPECT_EQ(map.threshold().front(), 0.3);
   EXPECT_EQ(map.low_share().front(), 0.5);
+  EXPECT_EQ(map.outline_share().front(), 0.6);
   EXPECT_EQ(map.smoothing_steps(), 2U);
   EXPECT_DOUBLE_EQ(map.minimum_area_m2().front(), 5e-5);
   EXPECT_EQ(map.interpolation_count(), 30U);

@@ -98,12 +98,14 @@ TEST(Segmentation, IsCheckedAsItComes) {
   EXPECT_EQ(segmentationFrom(options).threshold, contact::SegmentationOptions().threshold);
   options.threshold({0.7});
   options.low_share({0.5});
+  options.outline_share({0.0});
   options.minimum_area_m2({1e-5});
   options.interpolation_count(40);
   options.smoothing_steps(3);
   const contact::SegmentationOptions taken = segmentationFrom(options);
   EXPECT_EQ(taken.threshold, 0.7);
   EXPECT_EQ(taken.low_share, 0.5);
+  EXPECT_EQ(taken.outline_share, 0.0);
   EXPECT_EQ(taken.minimum_area_m2, 1e-5);
   EXPECT_EQ(taken.interpolation_count, 40);
   EXPECT_EQ(taken.smoothing_steps, 3);
@@ -118,6 +120,9 @@ TEST(Segmentation, IsCheckedAsItComes) {
   });
   refused([](auto& bad) {
     bad.low_share({0.0});
+  });
+  refused([](auto& bad) {
+    bad.outline_share({1.0});
   });
   refused([](auto& bad) {
     bad.threshold({std::nan("")});

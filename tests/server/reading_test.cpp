@@ -394,6 +394,7 @@ TEST(Packed, RequestsComeBackAsTheyWere) {
   request.hand.skin.source = hand::SurfaceSource::kCollisions;
   request.contacts.joints_hand = 1;
   request.contacts.segmentation.low_share = 0.5;
+  request.contacts.segmentation.outline_share = 0.25;
   request.contacts.source.color_scale = "jet";
   const ReadRequest back = unpackRequest(pack(request));
   EXPECT_EQ(back.files, request.files);
