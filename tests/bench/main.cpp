@@ -8,11 +8,13 @@
 
 #include "core/base/error.h"
 
+#include "tests/bench/baseline.h"
 #include "tests/bench/chain.h"
 #include "tests/bench/import.h"
 #include "tests/bench/logmap.h"
 #include "tests/bench/logmap_accuracy.h"
 #include "tests/bench/logmap_speed.h"
+#include "tests/bench/scaling.h"
 #include "tests/bench/solve.h"
 #include "tests/bench/survey.h"
 #include "tests/bench/transfer_speed.h"
@@ -34,9 +36,12 @@ int main(int argc, char** argv) {
   app.require_subcommand(0, 1);
   handgraft::bench::addChainCommand(app);
   handgraft::bench::addImportCommand(app);
+  handgraft::bench::addBaselineCommand(app);
   handgraft::bench::addLogMapCommand(app);
   handgraft::bench::addLogMapAccuracyCommand(app);
   handgraft::bench::addLogMapSpeedCommand(app);
+  handgraft::bench::addPlacementsCommand(app);
+  handgraft::bench::addScalingCommand(app);
   handgraft::bench::addSolveCommand(app);
   handgraft::bench::addSolversCommand(app);
   handgraft::bench::addSurveyCommand(app);
@@ -45,8 +50,8 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
     if (!app.get_subcommands().empty()) return 0;
     return complain(
-        "a command is missing; there are: chain import logmap logmap-accuracy logmap-speed "
-        "solve solvers survey transfer",
+        "a command is missing; there are: baseline chain import logmap logmap-accuracy "
+        "logmap-speed placements scaling solve solvers survey transfer",
         kWrongInput);
   } catch (const CLI::Success& help) {
     return app.exit(help);

@@ -28,9 +28,18 @@ void runSolve(const SolveArguments& arguments) {
   line["theta"] = run.theta;
   line["ms_setup"] = run.ms_setup;
   line["ms_median"] = run.ms_median;
+  line["ms_report"] = run.ms_report;
   line["evaluations"] = run.report.evaluations;
   line["outcome"] = optimize::nameOf(run.report.outcome);
   line["solver"] = run.report.solver;
+  line["best_start"] = run.report.best_start;
+  line["minima"] = nlohmann::json::array();
+  for (const optimize::Minimum& minimum : run.report.minima) {
+    line["minima"].push_back({{"objective", minimum.terms.objective},
+                              {"solver", minimum.solver},
+                              {"start", minimum.start},
+                              {"hits", minimum.hits}});
+  }
   std::printf("%s\n", line.dump().c_str());
 }
 
@@ -51,9 +60,11 @@ void addSolveCommand(CLI::App& app) {
   const auto arguments = std::make_shared<SolveArguments>();
   command->add_option("problem", arguments->path, "A handgraft-problem/1 file")->required();
   command
-      ->add_option("--solver", arguments->settings.solver, "mma ccsaq slsqp lbfgs tnewton var2")
+      ->add_option("--solver", arguments->settings.solver,
+                   "lm mma ccsaq slsqp lbfgs tnewton var2, or all")
       ->capture_default_str();
   addSettings(*command, arguments->settings);
+  command->add_flag("--paper", arguments->settings.paper, "One start from the prior, MMA");
   command->callback([arguments] {
     runSolve(*arguments);
   });

@@ -1,16 +1,15 @@
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
 #include <map>
 #include <memory>
 #include <sstream>
 
 #include <nlohmann/json.hpp>
 
-#include "core/base/error.h"
-
+#include "tests/bench/problem_folder.h"
 #include "tests/bench/solve.h"
 #include "tests/bench/timed_solve.h"
+#include "tests/bench/timing.h"
 
 namespace handgraft::bench {
 
@@ -34,36 +33,10 @@ struct Row {
   long long evaluations = 0;
 };
 
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
-}
-
 int countWithin(const Row& row, double gap) {
   return static_cast<int>(std::count_if(row.gaps.begin(), row.gaps.end(), [gap](double g) {
     return g <= gap;
   }));
-}
-
-/// Best known objective of each problem that the folder holds.
-std::map<std::string, double> readReference(const fs::path& directory) {
-  const fs::path path = directory / "reference.json";
-  std::ifstream stream(path);
-  if (!stream) rejectInput("{}: cannot be opened for reading", path.string());
-  std::map<std::string, double> best_known;
-  try {
-    const auto reference = nlohmann::json::parse(stream);
-    for (const auto& [name, entry] : reference.items()) {
-      if (fs::exists(directory / (name + ".json"))) {
-        best_known[name] = entry.at("best_known").get<double>();
-      }
-    }
-  } catch (const nlohmann::json::exception& error) {
-    rejectInput("{}: {}", path.string(), quoted(error.what()));
-  }
-  if (best_known.empty()) rejectInput("{}: names no problem beside it", path.string());
-  return best_known;
 }
 
 Row measure(const std::string& solver,
@@ -119,7 +92,7 @@ void printJson(const std::vector<Row>& rows, const SolveSettings& settings) {
 }
 
 void runSolvers(const SolversArguments& arguments) {
-  const std::map<std::string, double> best_known = readReference(arguments.directory);
+  const std::map<std::string, double> best_known = readBestKnown(arguments.directory);
   std::vector<std::string> solvers;
   std::istringstream names(arguments.only);
   for (std::string name; names >> name;)
@@ -141,7 +114,7 @@ void addSolversCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "solvers", "All solvers over a folder of problems with a reference.json");
   const auto arguments = std::make_shared<SolversArguments>();
-  arguments->only = "mma ccsaq slsqp lbfgs tnewton var2";
+  arguments->only = "lm mma ccsaq slsqp lbfgs tnewton var2";
   command->add_option("directory", arguments->directory, "Problems and their reference.json")
       ->required();
   command->add_option("--solvers", arguments->only, "Names, separated by blanks")

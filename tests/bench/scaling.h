@@ -1,0 +1,13 @@
+#pragma once
+
+#include <CLI/App.hpp>
+
+namespace handgraft::bench {
+
+/// `scaling DIR`: the same problems with 10 to 10,000 points.
+void addScalingCommand(CLI::App& app);
+
+/// `placements DIR`: problems from favourable starts and from many poor ones.
+void addPlacementsCommand(CLI::App& app);
+
+}  // namespace handgraft::bench
