@@ -6,7 +6,7 @@
 set -euo pipefail
 bin=$1
 minutes=${2:-10}
-targets=(mesh_file raw_mesh urdf contact_set contact_map wire)
+targets=(mesh_file raw_mesh urdf contact_set contact_map packed wire)
 [ $# -lt 3 ] || targets=("$3")
 corpus=build/fuzz/corpus
 findings=build/fuzz/findings
@@ -23,7 +23,7 @@ python3 tests/fuzz/make_text_corpus.py server/models/hands "$corpus"
 cp -r tests/fuzz/regressions/. "$corpus"
 mkdir -p "$corpus/wire"  # has no seeds: its checksums are made for it
 
-declare -A longest=([mesh_file]=8192 [raw_mesh]=2048 [urdf]=16384 [contact_set]=4096 [contact_map]=12288 [wire]=1024)
+declare -A longest=([mesh_file]=8192 [raw_mesh]=2048 [urdf]=16384 [contact_set]=4096 [contact_map]=12288 [packed]=256 [wire]=1024)
 failed=0
 for target in "${targets[@]}"; do
   if [ -z "${longest[$target]:-}" ]; then
@@ -34,6 +34,7 @@ for target in "${targets[@]}"; do
     -print_final_stats=1 -verbosity=1 "-max_len=${longest[$target]}" "-artifact_prefix=$findings/${target}_")
   [ -f "tests/fuzz/$target.dict" ] && options+=("-dict=tests/fuzz/$target.dict")
   printf '== %s_fuzz\n' "$target"
+  mkdir -p "$corpus/$target"
   log=build/fuzz/$target.log
   if ! "$bin/${target}_fuzz" "${options[@]}" "$corpus/$target" >"$log" 2>&1; then
     failed=1
