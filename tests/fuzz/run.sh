@@ -21,7 +21,6 @@ mkdir -p "$corpus" "$findings"
 python3 tests/fuzz/make_corpus.py server/models/objects "$corpus"
 python3 tests/fuzz/make_text_corpus.py server/models/hands "$corpus"
 cp -r tests/fuzz/regressions/. "$corpus"
-mkdir -p "$corpus/wire"  # has no seeds: its checksums are made for it
 
 declare -A longest=([mesh_file]=8192 [raw_mesh]=2048 [urdf]=16384 [contact_set]=4096 [contact_map]=12288 [packed]=256 [wire]=1024)
 failed=0
@@ -34,7 +33,7 @@ for target in "${targets[@]}"; do
     -print_final_stats=1 -verbosity=1 "-max_len=${longest[$target]}" "-artifact_prefix=$findings/${target}_")
   [ -f "tests/fuzz/$target.dict" ] && options+=("-dict=tests/fuzz/$target.dict")
   printf '== %s_fuzz\n' "$target"
-  mkdir -p "$corpus/$target"
+  mkdir -p "$corpus/$target" # some have no seeds
   log=build/fuzz/$target.log
   if ! "$bin/${target}_fuzz" "${options[@]}" "$corpus/$target" >"$log" 2>&1; then
     failed=1
