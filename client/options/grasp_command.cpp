@@ -68,7 +68,7 @@ void addGraspCommand(CLI::App& app, CommandOptions& chosen) {
                    "The object's pose in the world: x y z (m) qw qx qy qz")
       ->expected(7);
   command->add_option("--solver", grasp.solver,
-                      "mma (default), ccsaq, slsqp, lbfgs, tnewton, var2");
+                      "lm (default), mma, ccsaq, slsqp, lbfgs, tnewton, var2; all races them");
   command->add_option("--starts", grasp.starts, "Number of starts; 0: the server's default")
       ->check(objectionToCount);
   command->add_option("--seed", grasp.seed, "Seed of the starts after the first")
