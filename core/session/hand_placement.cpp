@@ -8,6 +8,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "core/base/error.h"
+#include "core/geometry/tangent.h"
 #include "core/optimize/objective.h"
 #include "core/optimize/solver.h"
 
@@ -68,6 +69,18 @@ std::optional<Anchor> anchorAt(const hand::Skin& skin, const transfer::Placement
     const Eigen::Vector3d axis_S =
         skin.directionInSkin(anchor.link, Eigen::Vector3d::Unit(axis));
     anchor.direction_L[axis] = axis_S.dot(placement.direction_S);
+  }
+  return anchor;
+}
+
+Anchor withObjectSide(Anchor anchor,
+                      const contact::Patch& patch,
+                      const geometry::TriangleMesh& object_O,
+                      bool direction_is_known) {
+  anchor.p_O = positionOf(object_O, patch.root);
+  anchor.n_O = normalOf(object_O, patch.root);
+  if (direction_is_known && patch.direction_O) {
+    anchor.direction_O = tangentAt(object_O, patch.root, *patch.direction_O);
   }
   return anchor;
 }

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "core/base/progress.h"
+#include "core/contact/patch.h"
 #include "core/geometry/surface_locator.h"
 #include "core/geometry/triangle_mesh.h"
 #include "core/hand/kinematics.h"
@@ -31,6 +32,13 @@ struct Anchor {
 
 /// The hand's side of an anchor, from a place on the skin; nothing if no link is near it.
 std::optional<Anchor> anchorAt(const hand::Skin& skin, const transfer::Placement& placement);
+
+/// The anchor with the object's side from a patch: its root, and its direction if that counts
+/// as known.
+Anchor withObjectSide(Anchor anchor,
+                      const contact::Patch& patch,
+                      const geometry::TriangleMesh& object_O,
+                      bool direction_is_known);
 
 /// The pose problem of anchors alone: a pair per root, and a second one, a short way along the
 /// direction, where that is known. The prior holds the joints near rest and leaves the root

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <regex>
 #include <utility>
 
 #include "core/base/error.h"
@@ -13,7 +12,7 @@
 #include "core/session/hand_placement.h"
 #include "core/session/open_directions.h"
 #include "core/session/open_roots.h"
-#include "core/session/site_assignment.h"
+#include "core/session/patch_names.h"
 
 namespace handgraft::session {
 namespace {
@@ -31,63 +30,6 @@ constexpr int kWorseSlides = 3;  // in a row
 constexpr double kSameRoot_m = 0.002;
 constexpr double kSameDirection = std::numbers::pi / 180.0;
 
-/// Names that say nothing about the finger.
-bool isAnonymousPatch(const std::string& name) {
-  static const std::regex kPattern("c[0-9]+");
-  return std::regex_match(name, kPattern);
-}
-
-bool isAnonymousSite(const std::string& name) {
-  static const std::regex kPattern("f[0-9]+");
-  return std::regex_match(name, kPattern);
-}
-
-bool isFinger(const std::string& name) {
-  static const std::vector<std::string> kNames = {"thumb", "index",  "middle",
-                                                  "ring",  "little", "palm"};
-  return std::find(kNames.begin(), kNames.end(), name) != kNames.end();
-}
-
-std::string namesOf(const std::vector<hand::ContactSite>& sites) {
-  std::vector<std::string> names;
-  for (const hand::ContactSite& site : sites)
-    names.push_back(site.name);
-  return fmt::format("{}", fmt::join(names, ", "));
-}
-
-/// Mesh, names and weights of a contact set; the hand's sites decide which names are known.
-void validateSet(const contact::ContactSet& set,
-                 const geometry::TriangleMesh& object_O,
-                 const std::vector<hand::ContactSite>& sites) {
-  if (set.patches.empty()) rejectInput("contact set {} has no patch", quoted(set.name));
-  std::vector<std::string> names;
-  for (const contact::Patch& patch : set.patches) {
-    validate(object_O, patch);
-    if (std::find(names.begin(), names.end(), patch.name) != names.end()) {
-      rejectInput("contact set {} names patch {} twice", quoted(set.name), quoted(patch.name));
-    }
-    names.push_back(patch.name);
-    const bool is_site = std::any_of(sites.begin(), sites.end(), [&](const auto& site) {
-      return site.name == patch.name;
-    });
-    if (!is_site && !isFinger(patch.name) && !isAnonymousPatch(patch.name) &&
-        !isAnonymousSite(patch.name)) {
-      rejectInput(
-          "contact set {}: patch {} names no site; permitted are thumb, index, middle, ring, "
-          "little, palm, c1, c2, ... and this hand's sites ({})",
-          quoted(set.name), quoted(patch.name), namesOf(sites));
-    }
-  }
-}
-
-/// The placement at a site, with a direction that is a tangent of the skin.
-transfer::Placement soundPlacementAt(const Hand& hand, const hand::ContactSite& site) {
-  transfer::Placement placement = transfer::placementAt(*hand.model, *hand.skin, site);
-  placement.direction_S = tangentAt(hand.skin->mesh(), placement.root_S, placement.direction_S)
-                              .value_or(anyTangentAt(hand.skin->mesh(), placement.root_S));
-  return placement;
-}
-
 transfer::Surfaces surfacesOf(const Hand& hand,
                               const std::shared_ptr<const geometry::TriangleMesh>& object_O) {
   transfer::Surfaces surfaces;
@@ -99,18 +41,6 @@ transfer::Surfaces surfacesOf(const Hand& hand,
         std::shared_ptr<const geometry::TriangleMesh>(hand.skin, &hand.skin->mesh()));
   }
   return surfaces;
-}
-
-Anchor withObjectSide(Anchor anchor,
-                      const contact::Patch& patch,
-                      const geometry::TriangleMesh& object_O,
-                      bool direction_is_known) {
-  anchor.p_O = positionOf(object_O, patch.root);
-  anchor.n_O = normalOf(object_O, patch.root);
-  if (direction_is_known && patch.direction_O) {
-    anchor.direction_O = tangentAt(object_O, patch.root, *patch.direction_O);
-  }
-  return anchor;
 }
 
 }  // namespace
@@ -165,77 +95,6 @@ Session::Session(Hand hand,
 Session::~Session() = default;
 Session::Session(Session&&) noexcept = default;
 Session& Session::operator=(Session&&) noexcept = default;
-
-void Session::matchByName() {
-  for (SessionPatch& item : patches_) {
-    for (const hand::ContactSite& site : hand_.sites) {
-      if (site.name != item.patch.name) continue;
-      item.site = site.name;
-      item.placement = soundPlacementAt(hand_, site);
-      item.root_is_open = hand_.sites_are_found;
-    }
-  }
-}
-
-void Session::matchByGeometry() {
-  // === Who is left: patches and sites where at least one of the two has no finger's name
-  std::vector<SessionPatch*> patches;
-  std::vector<Anchor> patch_anchors;
-  std::vector<Anchor> fixed;
-  for (SessionPatch& item : patches_) {
-    if (!item.placement) {
-      patches.push_back(&item);
-      patch_anchors.push_back(
-          withObjectSide({}, item.patch, *object_O_, !item.direction_is_open));
-    } else if (auto anchor = anchorAt(*hand_.skin, *item.placement)) {
-      fixed.push_back(withObjectSide(*anchor, item.patch, *object_O_, !item.direction_is_open));
-    }
-  }
-  std::vector<const hand::ContactSite*> sites;
-  std::vector<Anchor> site_anchors;
-  for (const hand::ContactSite& site : hand_.sites) {
-    const bool is_taken = std::any_of(patches_.begin(), patches_.end(), [&](const auto& item) {
-      return item.site == site.name;
-    });
-    const auto anchor = anchorAt(*hand_.skin, soundPlacementAt(hand_, site));
-    if (is_taken || !anchor) continue;
-    sites.push_back(&site);
-    site_anchors.push_back(*anchor);
-  }
-  bool any = false;
-  std::vector<std::vector<bool>> permitted;
-  for (const SessionPatch* item : patches) {
-    permitted.emplace_back();
-    for (const hand::ContactSite* site : sites) {
-      const bool may = isAnonymousPatch(item->patch.name) || isAnonymousSite(site->name);
-      permitted.back().push_back(may);
-      any = any || may;
-    }
-  }
-
-  // === Their places, and who goes without
-  std::vector<int> answer(patches.size(), -1);
-  if (any) {
-    answer = assignSites(placer(), hand_.model, fixed, patch_anchors, site_anchors, permitted,
-                         X_WO_, Progress());
-  }
-  for (std::size_t i = 0; i < patches.size(); ++i) {
-    SessionPatch& item = *patches[i];
-    if (answer[i] >= 0) {
-      item.site = sites[answer[i]]->name;
-      item.placement = soundPlacementAt(hand_, *sites[answer[i]]);
-      item.root_is_open = hand_.sites_are_found;
-      notes_.push_back(fmt::format("{} laid on site '{}', the best assignment found",
-                                   quoted(item.patch.name), item.site));
-    } else if (isAnonymousPatch(item.patch.name)) {
-      item.dropped = fmt::format("no site is left for {}; the hand's sites are {}",
-                                 quoted(item.patch.name), namesOf(hand_.sites));
-    } else {
-      item.dropped = fmt::format("hand has no {}; its sites are {}", quoted(item.patch.name),
-                                 namesOf(hand_.sites));
-    }
-  }
-}
 
 const HandPlacer& Session::placer() {
   if (!placer_) placer_ = std::make_unique<HandPlacer>(hand_.model, *hand_.skin, *object_O_);
