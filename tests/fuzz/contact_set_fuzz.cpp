@@ -19,6 +19,7 @@
 
 #include "tests/fuzz/promise.h"
 #include "tests/fuzz/scratch_file.h"
+#include "tests/fuzz/small_hand.h"
 
 namespace {
 
@@ -57,21 +58,9 @@ const io::MeshFile& cloud() {
   return kCloud;
 }
 
-constexpr const char* kHand = R"(<robot name="hand">
-<link name="palm"><visual><geometry><box size="0.1 0.1 0.02"/></geometry></visual></link>
-<link name="low"/><link name="tip"><visual><geometry><sphere radius="0.01"/></geometry></visual>
-</link><link name="other"/>
-<joint name="j" type="revolute"><parent link="palm"/><child link="low"/><axis xyz="0 1 0"/>
-<origin xyz="0.05 0 0"/><limit lower="-0.5" upper="1.5" effort="1" velocity="1"/></joint>
-<joint name="k" type="continuous"><parent link="low"/><child link="tip"/><axis xyz="0 1 0"/>
-<origin xyz="0.03 0 0"/></joint>
-<joint name="m" type="prismatic"><parent link="palm"/><child link="other"/><axis xyz="0 0 1"/>
-<limit lower="0" upper="0.1" effort="1" velocity="1"/><mimic joint="j" multiplier="0.1"/></joint>
-</robot>)";
-
 const handgraft::hand::HandModel& hand() {
   static const handgraft::hand::HandModel kModel =
-      io::readUrdf(scratchFile("hand.urdf", kHand)).model;
+      io::readUrdf(scratchFile("hand.urdf", handgraft::fuzz::kSmallHand)).model;
   return kModel;
 }
 

@@ -14,24 +14,13 @@
 #include "tests/fuzz/byte_reader.h"
 #include "tests/fuzz/promise.h"
 #include "tests/fuzz/scratch_file.h"
+#include "tests/fuzz/small_hand.h"
 
 namespace {
 
 namespace server = handgraft::server;
 using handgraft::fuzz::ByteReader;
 using handgraft::fuzz::scratchFile;
-
-constexpr const char* kHand = R"(<robot name="hand">
-<link name="palm"><visual><geometry><box size="0.1 0.1 0.02"/></geometry></visual></link>
-<link name="low"/><link name="tip"><visual><geometry><sphere radius="0.01"/></geometry></visual>
-</link><link name="other"/>
-<joint name="j" type="revolute"><parent link="palm"/><child link="low"/><axis xyz="0 1 0"/>
-<origin xyz="0.05 0 0"/><limit lower="-0.5" upper="1.5" effort="1" velocity="1"/></joint>
-<joint name="k" type="continuous"><parent link="low"/><child link="tip"/><axis xyz="0 1 0"/>
-<origin xyz="0.03 0 0"/></joint>
-<joint name="m" type="prismatic"><parent link="palm"/><child link="other"/><axis xyz="0 0 1"/>
-<limit lower="0" upper="0.1" effort="1" velocity="1"/><mimic joint="j" multiplier="0.1"/></joint>
-</robot>)";
 
 constexpr const char* kPoses = R"(<robot name="hand"><group_state name="shut" group="all">
 <joint name="j" value="1.0"/></group_state></robot>)";
@@ -75,7 +64,7 @@ const std::vector<Answer>& answers() {
     hand.kind = server::ReadKind::kHand;
     hand.name = "hand";
     hand.main_uri = "hand.urdf";
-    hand.files = {{"hand.urdf", scratchFile("hand.urdf", kHand)},
+    hand.files = {{"hand.urdf", scratchFile("hand.urdf", handgraft::fuzz::kSmallHand)},
                   {"hand.srdf", scratchFile("hand.srdf", kPoses)},
                   {"sites.yaml", scratchFile("sites.yaml", kSites)}};
     hand.hand.srdf_uri = "hand.srdf";
