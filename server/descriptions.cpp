@@ -198,9 +198,14 @@ v1::HandDescription describe(const StoredHand& hand,
     info.name(link.name);
     message.links().push_back(std::move(info));
   }
+  message.notes(hand.notes);
   message.sites_found(!hand.hand->ownSites());
   auto sites = hand.hand->ownSites();
   if (const auto ready = hand.hand->ready()) sites = ready->sites;
+  if (sites && sites->empty())
+    message.notes().emplace_back(
+        "no contact site was found, so no patch can be laid on this hand: fingers that move by "
+        "sliders alone, and hands without fingers, need a sites.yaml beside the URDF");
   if (sites) {
     for (const hand::ContactSite& site : *sites)
       message.sites().push_back(siteInfo(site));
@@ -209,7 +214,6 @@ v1::HandDescription describe(const StoredHand& hand,
   if (skinned) addSkin(message, *skinned);
   message.rest_rad(entries(model.restPose()));
   message.urdf(urdfOf(hand));
-  message.notes(hand.notes);
   if (hand.mirrored) message.notes().emplace_back("mirrored: the other hand of its file");
   for (const std::string& note : hand.hand->skinNotes())
     message.notes().push_back(note);

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <set>
 
+#include <Eigen/Geometry>
+
 #include "core/base/error.h"
 
 namespace handgraft::hand {
@@ -19,6 +21,19 @@ void checkUnit(const ContactSite& site, const Eigen::Vector3d& v, const char* wh
                 v.x(), v.y(), v.z());
 }
 
+/// Farthest that a site may lie from the box around its link: sites are slid onto the skin, and
+/// coordinates in millimetres are a common slip.
+constexpr double kFarthestOff_m = 0.02;
+
+/// From a place to the box around the surface of its link; 0 where the link has none.
+double distanceToBox(const Link& link, const Eigen::Vector3d& p_L) {
+  Eigen::AlignedBox3d box;
+  for (const Shape& shape : link.surface())
+    for (const auto& p : shape.mesh_L.vertices().colwise())
+      box.extend(Eigen::Vector3d(p));
+  return box.isEmpty() ? 0.0 : box.exteriorDistance(p_L);
+}
+
 }  // namespace
 
 void validate(const HandModel& model, const std::vector<ContactSite>& sites) {
@@ -32,6 +47,11 @@ void validate(const HandModel& model, const std::vector<ContactSite>& sites) {
                   quoted(site.link));
     if (!site.p_L.allFinite())
       rejectInput("site {}: its point is not finite", quoted(site.name));
+    const double off = distanceToBox(model.links()[model.linkIndex(site.link)], site.p_L);
+    if (!(off <= kFarthestOff_m))
+      rejectInput("site {}: its point ({} {} {}) lies {} m off link {}; permitted are {} m",
+                  quoted(site.name), site.p_L.x(), site.p_L.y(), site.p_L.z(), off,
+                  quoted(site.link), kFarthestOff_m);
     checkUnit(site, site.n_L, "normal");
     checkUnit(site, site.direction_L, "direction");
     if (!(std::abs(site.n_L.dot(site.direction_L)) <= kUnitTolerance))

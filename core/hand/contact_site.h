@@ -25,7 +25,8 @@ struct ContactSite {
   Eigen::Vector3d direction_L = Eigen::Vector3d::Zero();
 };
 
-/// Checks names, links, unit vectors. InvalidInput names the site.
+/// Checks names, links, unit vectors, and that a site is within 20 mm of the box around its
+/// link's surface. InvalidInput names the site.
 void validate(const HandModel& model, const std::vector<ContactSite>& sites);
 
 /// Sites of a hand that brings none: fingertip pads on the flexion side of the leaf links, the

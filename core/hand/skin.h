@@ -22,7 +22,7 @@ struct SkinReport;
 
 struct SkinOptions {
   /// Alpha ball radius and offset, in metres: the wrap bridges gaps narrower than about twice
-  /// alpha and stands off by offset. The first rung of a ladder that is climbed until the skin
+  /// alpha and stands off by offset; at most 600 alphas across a hand. The first rung of a ladder that is climbed until the skin
   /// is one piece. 5e-4 to 0.05 m and 5e-5 to 0.01 m.
   double alpha_m = 0.003;
   double offset_m = 0.0008;

@@ -33,6 +33,8 @@ constexpr double kNotableSheets = 0.05;
 /// Sizes of a hand; outside them a mesh is in other units than its file says.
 constexpr double kSmallestHand_m = 0.01;
 constexpr double kLargestHand_m = 2.0;
+constexpr double kLargestAlpha_m = 0.05;
+constexpr double kMostAlphas = 600.0;  // across a hand: a wrap then takes a gigabyte
 
 class Stopwatch {
  public:
@@ -128,7 +130,7 @@ void validate(const SkinOptions& options) {
     if (!(value >= low && value <= high))
       rejectInput("skin: {} {} m lies outside {} to {} m", name, value, low, high);
   };
-  check(options.alpha_m, "alpha", 5e-4, 0.05);
+  check(options.alpha_m, "alpha", 5e-4, kLargestAlpha_m);
   check(options.offset_m, "offset", 5e-5, 0.01);
   check(options.edge_m, "edge", 5e-4, 0.05);
   check(options.epsilon_m, "epsilon", 1e-4, 0.1);
@@ -160,11 +162,21 @@ class Builder {
   }
 
  private:
-  Wrap wrapOf(const geometry::TriangleMesh& triangles, double alpha_m, SkinStep& step) {
+  /// Reports `stage`, from `begin` on by at most `width`.
+  Wrap wrapOf(const geometry::TriangleMesh& triangles,
+              double alpha_m,
+              SkinStep& step,
+              const char* stage,
+              double begin,
+              double width) {
     progress_.checkpoint();
+    progress_.report(stage, begin);
+    const Progress wrapping(progress_, [&](std::string_view, double share) {
+      progress_.report(stage, begin + share * width);
+    });
     const Stopwatch watch;
     Wrap wrap;
-    wrap.pieces = piecesOf(wrapped(triangles, alpha_m, options_.offset_m, progress_));
+    wrap.pieces = piecesOf(wrapped(triangles, alpha_m, options_.offset_m, wrapping));
     wrap.triangles = triangles;
     wrap.alpha_m = alpha_m;
     step.alpha_m = alpha_m;
@@ -184,11 +196,11 @@ class Builder {
     std::size_t best_step = 0;
     double alpha = options_.alpha_m;
     for (int rung = 0; rung < kLadderRungs; ++rung, alpha *= kLadderStep) {
-      progress_.report(rung == 0 ? "wrapping the skin" : "wrapping the skin more loosely",
-                       0.1 + 0.4 * rung / kLadderRungs);
       SkinStep step;
       step.action = "wrap";
-      Wrap wrap = wrapOf(links_S_, alpha, step);
+      Wrap wrap = wrapOf(links_S_, alpha, step,
+                         rung == 0 ? "wrapping the skin" : "wrapping the skin more loosely",
+                         0.1 + 0.4 * rung / kLadderRungs, 0.4 / kLadderRungs);
       const bool hides = step.covering_share < kCoveringShare;
       const bool is_better = !best || (!hides && wrap.pieces.size() < best->pieces.size());
       step.verdict = !is_better ? "not kept" : hides ? "kept for want of a better one" : "kept";
@@ -219,7 +231,6 @@ class Builder {
     double sheets_area = 0.0;
     int sheets = 0;
     for (int round = 0; round < kTunnelRounds && genusOf(wrap.pieces) > 0; ++round) {
-      progress_.report("shutting through-holes", 0.5 + 0.1 * round);
       const Stopwatch watch;
       SkinStep step;
       step.action = "shut tunnels";
@@ -232,7 +243,8 @@ class Builder {
         if (plugs.sheets_S.faceCount() > 0) triangles.push_back(plugs.sheets_S);
       }
       step.time_s = watch.seconds();
-      Wrap shut = wrapOf(geometry::merged(triangles), wrap.alpha_m, step);
+      Wrap shut = wrapOf(geometry::merged(triangles), wrap.alpha_m, step,
+                         "shutting through-holes", 0.5 + 0.1 * round, 0.1);
       const bool is_better =
           shut.pieces.size() <= wrap.pieces.size() && step.genus < genusOf(wrap.pieces);
       step.verdict = is_better ? "kept" : "not kept: no fewer handles";
@@ -308,6 +320,10 @@ Skin buildSkin(const HandModel& model,
   if (!(size >= kSmallestHand_m && size <= kLargestHand_m))
     rejectInput("hand {}: {} m across, outside {} to {} m; are its meshes in another unit?",
                 quoted(model.name()), size, kSmallestHand_m, kLargestHand_m);
+  if (options.alpha_m < size / kMostAlphas)
+    rejectInput("skin: alpha {} m is too fine for hand {}, {} m across; permitted are {} to {}",
+                options.alpha_m, quoted(model.name()), size, size / kMostAlphas,
+                kLargestAlpha_m);
 
   SkinReport steps;
   geometry::TriangleMesh mesh =

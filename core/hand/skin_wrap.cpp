@@ -21,13 +21,16 @@ namespace PMP = CGAL::Polygon_mesh_processing;
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using WrapMesh = CGAL::Surface_mesh<Kernel::Point_3>;
 
-/// Lets a wish to stop into the wrapping.
+/// Lets a wish to stop into the wrapping, and says that it goes on.
 struct Checkpoint : CGAL::Alpha_wraps_3::internal::Wrapping_default_visitor {
   explicit Checkpoint(const Progress& p) : progress(p) {}
 
   template <class Wrapper, class Gate>
   void before_facet_treatment(const Wrapper& /*wrapper*/, const Gate& /*gate*/) {
-    if (++steps % 1024 == 0) progress.checkpoint();
+    if (++steps % 1024 != 0) return;
+    progress.checkpoint();
+    // How many gates there will be nobody knows.
+    progress.report("wrapping", steps / (steps + 1e5));
   }
 
   const Progress& progress;
@@ -96,7 +99,8 @@ geometry::TriangleMesh wrapped(const geometry::TriangleMesh& triangles,
   if (faces.empty()) rejectInput("skin: there is no triangle with an area to wrap");
   WrapMesh wrap;
   Checkpoint checkpoint(progress);
-  CGAL::alpha_wrap_3(points, faces, alpha_m, offset_m, wrap,
+  // Of the two lists of options it is the second that the wrapping sees.
+  CGAL::alpha_wrap_3(points, faces, alpha_m, offset_m, wrap, CGAL::parameters::default_values(),
                      CGAL::parameters::visitor(checkpoint));
   progress.checkpoint();
   return fromCgal(wrap);

@@ -12,8 +12,9 @@ namespace handgraft::hand {
 ///
 /// The result is closed, 2-manifold, oriented and without self-intersection; perhaps of several
 /// pieces and with handles. Faces without area do not count. Errors: InvalidInput if no face
-/// has one. Cancelled on wish. Deterministic. Cost: about 0.1 ms a vertex of the wrap.
-/// Source: Portaneri et al. 2022, "Alpha wrapping with an offset".
+/// has one. Cancelled on wish, soon; reports "wrapping" with a share that grows. Deterministic.
+/// Cost: about 0.1 ms a vertex of the wrap. Source: Portaneri et al. 2022, "Alpha wrapping with
+/// an offset".
 geometry::TriangleMesh wrapped(const geometry::TriangleMesh& triangles,
                                double alpha_m,
                                double offset_m,

@@ -36,6 +36,7 @@ bool isAnonymousSite(const std::string& name) {
 }
 
 std::string namesOf(const std::vector<hand::ContactSite>& sites) {
+  if (sites.empty()) return "none: a sites.yaml beside the URDF gives it some";
   std::vector<std::string> names;
   for (const hand::ContactSite& site : sites)
     names.push_back(site.name);

@@ -85,6 +85,12 @@ ReadHand readHand(const ReadRequest& request) {
                 file.model.dofCount(), kMostJoints);
   }
   requireMetres(file.model);
+  const auto& links = file.model.links();
+  if (std::none_of(links.begin(), links.end(), [](const hand::Link& link) {
+        return !link.surface().empty();
+      })) {
+    rejectInput("hand {}: none of its links has a surface", handgraft::quoted(request.name));
+  }
   ReadHand read{std::move(file.model), std::move(file.free_root),
                 std::move(file.text),  std::move(file.notes),
                 std::nullopt,          {}};

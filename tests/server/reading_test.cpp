@@ -102,6 +102,12 @@ std::string faultOf(const ReadRequest& request) {
   return "no error";
 }
 
+TEST(Hands, WithoutASurfaceAreRefused) {
+  const std::string bare = "<robot name=\"bare\"><link name=\"palm\"/></robot>";
+  EXPECT_EQ(faultOf(requestFor(ReadKind::kHand, written("bare.urdf", bare))),
+            "hand 'bare': none of its links has a surface");
+}
+
 // === Units
 
 TEST(Units, AsksWhereMetresMakeNoSense) {

@@ -51,5 +51,18 @@ TEST(ContactSite, RefusesWhatNoHandHas) {
   EXPECT_THROW(validate(palm(), {makeSite(), makeSite()}), InvalidInput);
 }
 
+// A box of 100 x 20 x 20 mm about the origin: 20 mm off it is the farthest.
+TEST(ContactSite, LiesNearItsLink) {
+  const Shape box{geometry::makeBox({0.1, 0.02, 0.02}), "box"};
+  const HandModel hand("hand", {{"palm", {box}, {}}}, {});
+  ContactSite site = makeSite();
+  site.p_L = {0.05, 0.0, 0.0299};
+  EXPECT_NO_THROW(validate(hand, {site}));
+  site.p_L = {0.05, 0.0, 0.0301};
+  EXPECT_THROW(validate(hand, {site}), InvalidInput);
+  site.p_L = {50.0, 0.0, 0.0};  // millimetres
+  EXPECT_THROW(validate(hand, {site}), InvalidInput);
+}
+
 }  // namespace
 }  // namespace handgraft::hand

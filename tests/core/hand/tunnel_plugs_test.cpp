@@ -79,6 +79,20 @@ TEST(ShrinkWrapped, MakesABallOfAFrame) {
     ASSERT_LE(inside[i], shut[i]);
 }
 
+TEST(Wrapping, GoesOnAudiblyAndStopsInTheMidst) {
+  int reports = 0;
+  Progress* running = nullptr;
+  Progress progress([&](std::string_view, double share) {
+    EXPECT_GT(share, 0.0);
+    EXPECT_LT(share, 1.0);
+    if (++reports == 3) running->cancel();
+  });
+  running = &progress;
+  EXPECT_THROW((void)wrapped(geometry::makeSphere(0.05, 3), 0.001, 0.0005, progress),
+               Cancelled);
+  EXPECT_EQ(reports, 3);
+}
+
 TEST(TunnelPlugs, SpanEachHoleOnce) {
   const geometry::TriangleMesh frame = wrapped(makeFrame(), 0.003, 0.0008, Progress());
   ASSERT_EQ(frame.eulerCharacteristic(), -2);
