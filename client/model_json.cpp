@@ -54,7 +54,9 @@ Json handDocument(const v1::HandDescription& hand) {
                           {"prismatic", joint.prismatic()},
                           {"lower_rad", joint.lower_rad()},
                           {"upper_rad", joint.upper_rad()},
-                          {"velocity_limit_rad_s", joint.velocity_limit_rad_s()}});
+                          {"velocity_limit_rad_s", joint.velocity_limit_rad_s() > 0.0
+                                                       ? Json(joint.velocity_limit_rad_s())
+                                                       : Json(nullptr)}});
   }
   Json links = Json::array();
   for (const v1::LinkInfo& link : hand.links())

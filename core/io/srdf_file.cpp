@@ -102,6 +102,7 @@ SrdfFile parse(const std::string& text, const hand::HandModel& model) {
     const std::string group = attributeOf(*state, "group");
     file.poses.push_back(reader.read(*state, uses[name] > 1 ? group + "/" + name : name));
   }
+  if (states.empty()) file.notes.emplace_back("the SRDF has no group_state, so no named pose");
   if (!reader.unknown().empty())
     file.notes.push_back(fmt::format(
         "{} joint{} of the states are no joints of the hand: {}", reader.unknown().size(),

@@ -72,6 +72,13 @@ TEST(SrdfFile, NotesWhatTheHandDoesNotHaveAndWhatItCannotReach) {
                                       HasSubstr("elbow")));
 }
 
+TEST(SrdfFile, SaysThatItHasNoPose) {
+  const SrdfFile file = read("<group name=\"g\"/>");
+  EXPECT_TRUE(file.poses.empty());
+  ASSERT_EQ(file.notes.size(), 1U);
+  EXPECT_EQ(file.notes.front(), "the SRDF has no group_state, so no named pose");
+}
+
 TEST(SrdfFile, NamesWhatIsWrong) {
   EXPECT_THAT(faultOf("<group_state group='g'/>"), HasSubstr("no name"));
   for (const char* value : {"", "nan", "1 2", "inf", "x"}) {
