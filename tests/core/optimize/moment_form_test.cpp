@@ -13,6 +13,7 @@
 namespace handgraft::optimize {
 namespace {
 
+using test::moved;
 using test::randomPose;
 using test::randomProblem;
 
@@ -97,19 +98,6 @@ void expectMomentsEqualPoints(PoseProblem problem, std::mt19937& random) {
                       .all());
     }
   }
-}
-
-/// `pose` moved along every degree of freedom, the rotation on the manifold.
-hand::HandPose moved(hand::HandPose pose, int dof, double step) {
-  if (dof < 3) {
-    pose.X_WH.linear() =
-        rotationFromVector(step * Eigen::Vector3d::Unit(dof)) * pose.X_WH.linear();
-  } else if (dof < 6) {
-    pose.X_WH.translation()[dof - 3] += step;
-  } else {
-    pose.q[dof - 6] += step;
-  }
-  return pose;
 }
 
 void expectHessianMatchesDifferences(const PoseProblem& problem, std::mt19937& random) {

@@ -14,21 +14,9 @@
 namespace handgraft::optimize {
 namespace {
 
+using test::moved;
 using test::randomPose;
 using test::randomProblem;
-
-/// `pose` moved along degree of freedom `dof` by `step`, the rotation on the manifold.
-hand::HandPose moved(hand::HandPose pose, int dof, double step) {
-  if (dof < 3) {
-    pose.X_WH.linear() =
-        rotationFromVector(step * Eigen::Vector3d::Unit(dof)) * pose.X_WH.linear();
-  } else if (dof < 6) {
-    pose.X_WH.translation()[dof - 3] += step;
-  } else {
-    pose.q[dof - 6] += step;
-  }
-  return pose;
-}
 
 /// Richardson's central difference: error O(step^4).
 double slopeAt(Objective& objective, const hand::HandPose& pose, int dof, double step) {

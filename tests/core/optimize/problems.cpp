@@ -84,6 +84,18 @@ std::shared_ptr<const hand::HandModel> rigidHand() {
                                                  std::vector<Joint>());
 }
 
+hand::HandPose moved(hand::HandPose pose, int dof, double step) {
+  if (dof < 3) {
+    pose.X_WH.linear() =
+        rotationFromVector(step * Eigen::Vector3d::Unit(dof)) * pose.X_WH.linear();
+  } else if (dof < 6) {
+    pose.X_WH.translation()[dof - 3] += step;
+  } else {
+    pose.q[dof - 6] += step;
+  }
+  return pose;
+}
+
 Eigen::Vector3d randomUnit(std::mt19937& random) {
   for (;;) {
     const Eigen::Vector3d v = randomVector(random, 1.0);

@@ -20,6 +20,10 @@ std::shared_ptr<const hand::HandModel> rigidHand();
 /// A pose within the limits (+-pi where there are none), any rotation, up to 0.5 m away.
 hand::HandPose randomPose(const hand::HandModel& model, std::mt19937& random);
 
+/// `pose` moved along degree of freedom `dof` by `step` (root's rotation, translation, joints),
+/// the rotation on the manifold.
+hand::HandPose moved(hand::HandPose pose, int dof, double step);
+
 Eigen::Vector3d randomUnit(std::mt19937& random);
 
 /// A problem with `count` random pairs over all links, weights of every kind, and a random
