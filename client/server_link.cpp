@@ -239,10 +239,12 @@ v1::PoseSolution ServerLink::optimize(const v1::OptimizeRequest& request) {
   return ask(body).solution();
 }
 
-std::string ServerLink::exportProblem(const v1::ExportProblemRequest& request) {
+std::string ServerLink::exportSession(const v1::ExportRequest& request) {
   v1::RequestBody body;
-  body.export_problem(request);
-  return ask(body).problem().text();
+  body.export_file(request);
+  const v1::ReplyBody reply = ask(body);
+  const std::vector<std::uint8_t>& content = reply.exported_file().content();
+  return {content.begin(), content.end()};
 }
 
 void ServerLink::closeSession(std::uint64_t session_id) {

@@ -69,7 +69,8 @@ class ServerLink {
                      std::uint64_t base_revision,
                      const v1::EditBody& body);
   v1::PoseSolution optimize(const v1::OptimizeRequest& request);
-  std::string exportProblem(const v1::ExportProblemRequest& request);
+  /// The bytes of the file.
+  std::string exportSession(const v1::ExportRequest& request);
 
   /// Works after an interruption, too. Errors: as above but for Cancelled.
   void closeSession(std::uint64_t session_id);

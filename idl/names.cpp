@@ -40,14 +40,28 @@ const char* nameOf(Operation operation) {
       return "transfer";
     case OP_OPTIMIZE:
       return "optimize";
-    case OP_EXPORT_PROBLEM:
-      return "export_problem";
+    case OP_EXPORT:
+      return "export";
     case OP_CANCEL:
       return "cancel";
     case OP_SUGGEST:
       return "suggest";
     case OP_POSE_CONTACTS:
       return "pose_contacts";
+    case OP_MAKE_VARIANT:
+      return "make_variant";
+    case OP_SWEEP:
+      return "sweep";
+    case OP_SESSION_SETTINGS:
+      return "session_settings";
+    case OP_COMPARE:
+      return "compare";
+    case OP_SAVE_SESSION:
+      return "save_session";
+    case OP_LOAD_SESSION:
+      return "load_session";
+    case OP_REPLAY:
+      return "replay";
   }
   return "unknown";
 }
@@ -62,6 +76,22 @@ const char* nameOf(Outcome outcome) {
       return "evaluation_limit";
     case OUTCOME_INFEASIBLE:
       return "infeasible";
+  }
+  return "unknown";
+}
+
+const char* nameOf(Verdict verdict) {
+  switch (verdict) {
+    case VERDICT_NONE:
+      return "none";
+    case VERDICT_REACHED:
+      return "reached";
+    case VERDICT_AT_LIMIT:
+      return "at_limit";
+    case VERDICT_OUT_OF_REACH:
+      return "out_of_reach";
+    case VERDICT_NORMALS_IN_CONFLICT:
+      return "normals_in_conflict";
   }
   return "unknown";
 }

@@ -18,6 +18,9 @@ const char* nameOf(Operation operation);
 /// "converged", "stalled", "evaluation_limit" or "infeasible".
 const char* nameOf(Outcome outcome);
 
+/// "none", "reached", "at_limit", "out_of_reach" or "normals_in_conflict".
+const char* nameOf(Verdict verdict);
+
 /// "open", "transferring", "optimizing", "ready", "failed" or "closed".
 const char* nameOf(SessionPhase phase);
 

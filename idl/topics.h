@@ -30,6 +30,7 @@ class SessionState;
 class ServerStatus;
 class HandCommand;
 class JointState;
+class BridgeStatus;
 }  // namespace handgraft::v1
 
 namespace sensor_msgs::msg::dds_ {
@@ -53,6 +54,8 @@ inline constexpr Topic<v1::HandCommand> kHandCommandTopic{"handgraft/v1/hand_com
                                                           Qos::kService};
 inline constexpr Topic<v1::JointState> kJointStateTopic{"handgraft/v1/joint_state",
                                                         Qos::kTelemetry};
+inline constexpr Topic<v1::BridgeStatus> kBridgeStatusTopic{"handgraft/v1/bridge_status",
+                                                            Qos::kState};
 
 /// Measured states only; solved poses go to rt/handgraft/<session>/joint_command, the same
 /// type.

@@ -120,11 +120,24 @@ session::Edit editFrom(const v1::EditBody& body) {
       return priorFrom(body.prior());
     case v1::EDIT_WEIGHTS:
       return session::WeightsEdit{weightsFrom(body.weights())};
+    case v1::EDIT_PATCH_ENABLED:
+    case v1::EDIT_JOINT_SOFT:
+    case v1::EDIT_PRIOR_SHARES:
+    case v1::EDIT_SOLVING:
+    case v1::EDIT_DRAG:
+    case v1::EDIT_CHOICE:
+    case v1::EDIT_HAND:
+    case v1::EDIT_OBJECT:
+    case v1::EDIT_UNDO:
+    case v1::EDIT_REDO:
+    case v1::EDIT_SNAPSHOT:
+    case v1::EDIT_RESTORE:
+      rejectInput("edit kind {} is not served yet", static_cast<unsigned>(body._d()));
   }
   rejectInput("edit kind {} does not exist", static_cast<unsigned>(body._d()));
 }
 
-optimize::SolveOptions solveOptionsFrom(const v1::OptimizeRequest& request) {
+optimize::SolveOptions solveOptionsFrom(const v1::SolveOptions& request) {
   constexpr unsigned kMostStarts = 1000;
   constexpr unsigned kMostEvaluations = 100'000;
   optimize::SolveOptions options;

@@ -24,7 +24,7 @@ optimize::Weights weightsFrom(const v1::Weights& weights);
 /// Identity when empty.
 Pose poseFrom(const std::vector<v1::Pose>& pose, const char* name);
 session::Edit editFrom(const v1::EditBody& body);
-optimize::SolveOptions solveOptionsFrom(const v1::OptimizeRequest& request);
+optimize::SolveOptions solveOptionsFrom(const v1::SolveOptions& options);
 
 // === To the wire
 

@@ -4,11 +4,11 @@
 
 #include "core/base/error.h"
 #include "idl/names.h"
+#include "server/handlers/export.h"
 #include "server/handlers/load_model.h"
 #include "server/handlers/models.h"
 #include "server/handlers/optimize.h"
 #include "server/handlers/pose_contacts.h"
-#include "server/handlers/problem.h"
 #include "server/handlers/sessions.h"
 #include "server/handlers/suggest.h"
 #include "server/handlers/transfer.h"
@@ -49,8 +49,16 @@ Lane laneOf(v1::Operation operation) {
     case v1::OP_TRANSFER:
     case v1::OP_SUGGEST:
     case v1::OP_OPTIMIZE:
-    case v1::OP_EXPORT_PROBLEM:
+    case v1::OP_EXPORT:
       return Lane::kSession;
+    case v1::OP_MAKE_VARIANT:
+    case v1::OP_SWEEP:
+    case v1::OP_SESSION_SETTINGS:
+    case v1::OP_COMPARE:
+    case v1::OP_SAVE_SESSION:
+    case v1::OP_LOAD_SESSION:
+    case v1::OP_REPLAY:
+      rejectInput("operation {} is not served yet", v1::nameOf(operation));
   }
   rejectInput("operation {} does not exist", static_cast<unsigned>(operation));
 }
@@ -59,8 +67,8 @@ std::uint64_t sessionOf(const v1::RequestBody& body) {
   switch (body._d()) {
     case v1::OP_OPTIMIZE:
       return body.optimize().session_id();
-    case v1::OP_EXPORT_PROBLEM:
-      return body.export_problem().session_id();
+    case v1::OP_EXPORT:
+      return body.export_file().session_id();
     case v1::OP_SUGGEST:
       return body.suggest().session_id();
     default:
@@ -146,9 +154,9 @@ v1::ReplyBody perform(const v1::Request& request,
       return bodyOf(operation, [&](auto& reply) {
         reply.solution(optimizePose(live, body.optimize(), workshop, progress));
       });
-    case v1::OP_EXPORT_PROBLEM:
+    case v1::OP_EXPORT:
       return bodyOf(operation, [&](auto& reply) {
-        reply.problem(exportProblem(live, body.export_problem(), progress));
+        reply.exported_file(exportSession(live, body.export_file(), progress));
       });
     default:
       throw BrokenContract(fmt::format("{} is no operation of a session", nameOf(operation)));

@@ -149,7 +149,8 @@ void writeProblem(ServerLink& server,
                   const Inputs& inputs,
                   const GraspResult& result) {
   const fs::path folder = fs::absolute(options.problem).parent_path();
-  v1::ExportProblemRequest request;
+  v1::ExportRequest request;
+  request.format("problem");
   request.session_id(result.solution.session_id());
   // The file of a mirrored hand describes the other one.
   if (inputs.hand && !result.hand.mirrored()) {
@@ -161,7 +162,7 @@ void writeProblem(ServerLink& server,
   } else {
     request.urdf_path(writeHand(result.hand, folder, options).string());
   }
-  writeFile(options.problem, server.exportProblem(request));
+  writeFile(options.problem, server.exportSession(request));
 }
 
 void writePicture(ServerLink& server, const GraspOptions& options, const GraspResult& result) {
@@ -205,9 +206,11 @@ int run(const GraspOptions& options, const CommonOptions& common, Interruption& 
   result.transfer = server.transfer(session.id());
   v1::OptimizeRequest optimize;
   optimize.session_id(session.id());
-  optimize.solver(options.solver);
-  optimize.starts(options.starts);
-  optimize.seed(options.seed);
+  v1::SolveOptions solving;
+  solving.solver(options.solver);
+  solving.starts(options.starts);
+  solving.seed(options.seed);
+  optimize.options().push_back(solving);
   result.solution = server.optimize(optimize);
   // The solve may lay patches anew whose direction was open: what is shown is what holds now.
   const double transfer_ms = result.transfer.transfer_ms();

@@ -99,6 +99,9 @@ void BridgeLogic::obey(const v1::HandCommand& command) {
       armed_ = false;
       say("reset; ARM to move again");
       return;
+    case v1::COMMAND_HOME:
+      say("this hand needs no homing");
+      return;
   }
   say(fmt::format("command {} is not one of ARM, DISARM, ESTOP, RESET",
                   static_cast<int>(command.kind())));

@@ -62,7 +62,10 @@ v1::PoseSolution optimizePose(LiveSession& live,
                               const v1::OptimizeRequest& request,
                               Workshop& workshop,
                               const Progress& progress) {
-  return solve(live, solveOptionsFrom(request), workshop, progress);
+  return solve(live,
+               request.options().empty() ? optimize::SolveOptions()
+                                         : solveOptionsFrom(request.options().front()),
+               workshop, progress);
 }
 
 v1::PoseSolution optimizeAfterEdit(LiveSession& live,

@@ -101,14 +101,15 @@ class ScriptedServer {
         body.solution(solution());
         break;
       }
-      case v1::OP_EXPORT_PROBLEM: {
-        const v1::ExportProblemRequest& ask = request.body().export_problem();
-        v1::ExportProblemReply problem;
-        problem.text(ask.urdf_path());
+      case v1::OP_EXPORT: {
+        const v1::ExportRequest& ask = request.body().export_file();
+        std::string text = ask.urdf_path();
         for (std::size_t i = 0; i < ask.package_names().size(); ++i) {
-          problem.text() += "|" + ask.package_names()[i] + "=" + ask.package_paths()[i];
+          text += "|" + ask.package_names()[i] + "=" + ask.package_paths()[i];
         }
-        body.problem(problem);
+        v1::ExportReply exported;
+        exported.content().assign(text.begin(), text.end());
+        body.exported_file(exported);
         break;
       }
       default:

@@ -296,8 +296,10 @@ TEST_F(ServiceTest, ExportsWhatItSolvedAsAProblem) {
   bus.ask(test::optimize(session));
   const v1::Reply reply = bus.ask(test::exportProblem(session));
   ASSERT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
-  EXPECT_THAT(reply.body().problem().text(), HasSubstr("handgraft-problem/1"));
-  EXPECT_THAT(reply.body().problem().text(), HasSubstr("clamp.urdf"));
+  const std::vector<std::uint8_t>& content = reply.body().exported_file().content();
+  const std::string text(content.begin(), content.end());
+  EXPECT_THAT(text, HasSubstr("handgraft-problem/1"));
+  EXPECT_THAT(text, HasSubstr("clamp.urdf"));
 }
 
 TEST_F(ServiceTest, AnswersAnEditWithANewRevisionAndPose) {

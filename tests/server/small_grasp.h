@@ -112,8 +112,10 @@ inline v1::RequestBody optimize(std::uint64_t session,
                                 unsigned starts = 0) {
   v1::OptimizeRequest request;
   request.session_id(session);
-  request.solver(solver);
-  request.starts(starts);
+  v1::SolveOptions options;
+  options.solver(solver);
+  options.starts(starts);
+  request.options().push_back(options);
   v1::RequestBody body;
   body.optimize(request);
   return body;
@@ -134,11 +136,12 @@ inline v1::RequestBody suggest(std::uint64_t session,
 }
 
 inline v1::RequestBody exportProblem(std::uint64_t session) {
-  v1::ExportProblemRequest request;
+  v1::ExportRequest request;
   request.session_id(session);
+  request.format("problem");
   request.urdf_path("clamp.urdf");
   v1::RequestBody body;
-  body.export_problem(request);
+  body.export_file(request);
   return body;
 }
 

@@ -85,7 +85,7 @@ TEST_F(CrossingTest, CarriesEveryOperation) {
             session);
   const auto solved = client.ask(test::optimize(session));
   EXPECT_TRUE(solved.solution().is_final());
-  EXPECT_FALSE(client.ask(test::exportProblem(session)).problem().text().empty());
+  EXPECT_FALSE(client.ask(test::exportProblem(session)).exported_file().content().empty());
 
   // A late joiner sees the last pose and the state at once.
   Reader<v1::PoseSolution> solutions(participant, idl::kSolutionTopic);

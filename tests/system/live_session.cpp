@@ -42,7 +42,9 @@ v1::TransferReply LiveSession::transfer() {
 v1::PoseSolution LiveSession::optimize(const std::string& solver) {
   v1::OptimizeRequest request;
   request.session_id(id());
-  request.solver(solver);
+  v1::SolveOptions options;
+  options.solver(solver);
+  request.options().push_back(options);
   v1::RequestBody body;
   body.optimize(request);
   return requester_.ask(body).solution();

@@ -1,4 +1,4 @@
-#include "server/handlers/problem.h"
+#include "server/handlers/export.h"
 
 #include <string>
 #include <utility>
@@ -9,9 +9,11 @@
 
 namespace handgraft::server {
 
-v1::ExportProblemReply exportProblem(LiveSession& live,
-                                     const v1::ExportProblemRequest& request,
-                                     const Progress& progress) {
+namespace {
+
+std::string problemOf(LiveSession& live,
+                      const v1::ExportRequest& request,
+                      const Progress& progress) {
   if (request.package_names().size() != request.package_paths().size()) {
     rejectInput("export: {} package names but {} paths", request.package_names().size(),
                 request.package_paths().size());
@@ -23,9 +25,21 @@ v1::ExportProblemReply exportProblem(LiveSession& live,
   session::Session& session = live.session();
   const bool solved = session.solvedProblem() && live.solved_revision == session.revision();
   if (!solved) session.transferPatches(progress);
-  v1::ExportProblemReply reply;
-  reply.text(io::problemText(solved ? *session.solvedProblem() : session.problem(),
-                             request.urdf_path(), packages));
+  return io::problemText(solved ? *session.solvedProblem() : session.problem(),
+                         request.urdf_path(), packages);
+}
+
+}  // namespace
+
+v1::ExportReply exportSession(LiveSession& live,
+                              const v1::ExportRequest& request,
+                              const Progress& progress) {
+  if (request.format() != "problem") {
+    rejectInput("export: there is no format {}; there is problem", quoted(request.format()));
+  }
+  const std::string text = problemOf(live, request, progress);
+  v1::ExportReply reply;
+  reply.content().assign(text.begin(), text.end());
   return reply;
 }
 
