@@ -42,6 +42,27 @@ session::PriorEdit priorFrom(const v1::PriorEdit& message) {
   return edit;
 }
 
+optimize::NormalForm normalFormFrom(v1::NormalForm form) {
+  switch (form) {
+    case v1::NORMAL_COSINE:
+      return optimize::NormalForm::kCosine;
+    case v1::NORMAL_SUM:
+      return optimize::NormalForm::kSum;
+  }
+  rejectInput("normal_form: {} is neither cosine (0) nor sum (1)", static_cast<unsigned>(form));
+}
+
+bool avoidsPenetration(v1::PenetrationCare care) {
+  switch (care) {
+    case v1::PENETRATION_REPORTED:
+      return false;
+    case v1::PENETRATION_AVOIDED:
+      return true;
+  }
+  rejectInput("penetration: {} is neither reported (0) nor avoided (1)",
+              static_cast<unsigned>(care));
+}
+
 std::vector<double> flat(const std::vector<Eigen::Vector3d>& points) {
   std::vector<double> values;
   values.reserve(3 * points.size());
@@ -137,24 +158,31 @@ session::Edit editFrom(const v1::EditBody& body) {
   rejectInput("edit kind {} does not exist", static_cast<unsigned>(body._d()));
 }
 
-optimize::SolveOptions solveOptionsFrom(const v1::SolveOptions& request) {
-  constexpr unsigned kMostStarts = 1000;
-  constexpr unsigned kMostEvaluations = 100'000;
-  optimize::SolveOptions options;
-  if (!request.solver().empty()) options.solver = optimize::solverFrom(request.solver());
-  if (request.starts() > kMostStarts) {
-    rejectInput("starts: {} is outside 0-{}", request.starts(), kMostStarts);
+session::Solving solvingFrom(const v1::SolveOptions& message) {
+  const auto asked = [](std::uint32_t value, int usual, int most, const char* name) {
+    if (value > static_cast<std::uint32_t>(most)) {
+      rejectInput("{}: {} is outside 0-{}", name, value, most);
+    }
+    return value == 0 ? usual : static_cast<int>(value);
+  };
+  session::Solving solving;
+  // Also a default that is asked for by name does not go with the paper's way.
+  if (message.paper() && !message.solver().empty()) {
+    rejectInput("solver {}: the paper's way has its own, mma", quoted(message.solver()));
   }
-  if (request.max_evaluations() > kMostEvaluations) {
-    rejectInput("max_evaluations: {} is outside 0-{}", request.max_evaluations(),
-                kMostEvaluations);
+  if (message.paper() && message.starts() > 0) {
+    rejectInput("starts: {} do not go with the paper's way, which has one", message.starts());
   }
-  if (request.starts() > 0) options.starts = static_cast<int>(request.starts());
-  if (request.max_evaluations() > 0) {
-    options.max_evaluations = static_cast<int>(request.max_evaluations());
-  }
-  options.seed = request.seed();
-  return options;
+  if (!message.solver().empty()) solving.solver = optimize::solverFrom(message.solver());
+  solving.starts = asked(message.starts(), solving.starts, session::kMostStarts, "starts");
+  solving.seed = message.seed();
+  solving.max_evaluations = asked(message.max_evaluations(), solving.max_evaluations,
+                                  session::kMostEvaluations, "max_evaluations");
+  solving.paper = message.paper();
+  solving.normal_form = normalFormFrom(message.normal_form());
+  solving.avoid_penetration = avoidsPenetration(message.penetration());
+  validate(solving);
+  return solving;
 }
 
 // === To the wire
@@ -199,6 +227,22 @@ v1::Outcome toMessage(optimize::Outcome outcome) {
       return v1::OUTCOME_INFEASIBLE;
   }
   throw BrokenContract("an outcome that does not exist");
+}
+
+v1::SolveOptions toMessage(const session::Solving& solving) {
+  v1::SolveOptions message;
+  message.paper(solving.paper);
+  if (!solving.paper) {
+    message.solver(std::string(optimize::nameOf(solving.solver)));
+    message.starts(static_cast<std::uint32_t>(solving.starts));
+  }
+  message.seed(solving.seed);
+  message.max_evaluations(static_cast<std::uint32_t>(solving.max_evaluations));
+  message.normal_form(solving.normal_form == optimize::NormalForm::kSum ? v1::NORMAL_SUM
+                                                                        : v1::NORMAL_COSINE);
+  message.penetration(solving.avoid_penetration ? v1::PENETRATION_AVOIDED
+                                                : v1::PENETRATION_REPORTED);
+  return message;
 }
 
 v1::Terms toMessage(const optimize::Terms& terms) {

@@ -4,6 +4,7 @@
 
 #include "core/optimize/solve_report.h"
 #include "core/session/session.h"
+#include "core/session/solving.h"
 #include "idl/edits.h"
 #include "idl/models.h"
 #include "idl/sensor_msgs.h"
@@ -24,7 +25,9 @@ optimize::Weights weightsFrom(const v1::Weights& weights);
 /// Identity when empty.
 Pose poseFrom(const std::vector<v1::Pose>& pose, const char* name);
 session::Edit editFrom(const v1::EditBody& body);
-optimize::SolveOptions solveOptionsFrom(const v1::SolveOptions& options);
+/// Zeros and empty names become the defaults. Errors: InvalidInput for what is out of range,
+/// and for a solver or starts beside the paper's way.
+session::Solving solvingFrom(const v1::SolveOptions& message);
 
 // === To the wire
 
@@ -33,6 +36,8 @@ v1::SurfacePoint toMessage(const geometry::SurfacePoint& point);
 std::array<double, 3> toMessage(const Eigen::Vector3d& v);
 v1::Mesh toMessage(const geometry::TriangleMesh& mesh);
 v1::Outcome toMessage(optimize::Outcome outcome);
+/// Names what is a default, too.
+v1::SolveOptions toMessage(const session::Solving& solving);
 v1::Terms toMessage(const optimize::Terms& terms);
 
 /// A pose on the way: joints, root and terms.

@@ -31,6 +31,7 @@ std::vector<Solver> singleSolvers();
 
 inline constexpr Solver kDefaultSolver = Solver::kLm;
 inline constexpr int kDefaultStarts = 64;
+inline constexpr int kDefaultEvaluations = 1000;  ///< a start; the paper's cap
 
 struct SolveOptions {
   Solver solver = kDefaultSolver;
@@ -39,7 +40,7 @@ struct SolveOptions {
   int starts = kDefaultStarts;
   int threads = 1;
   unsigned seed = 0;
-  int max_evaluations = 1000;  ///< a start; the paper's cap
+  int max_evaluations = kDefaultEvaluations;  ///< a start
   /// Start 0 is the prior instead of the problem's start.
   bool from_prior = false;
   /// Called from the solving threads, one at a time, with each better pose. What it throws ends

@@ -23,7 +23,7 @@ v1::StageTime stageTime(const char* stage, double duration_ms) {
 }
 
 v1::PoseSolution solve(LiveSession& live,
-                       optimize::SolveOptions options,
+                       const session::Solving& solving,
                        Workshop& workshop,
                        const Progress& progress) {
   return runPhase(
@@ -33,6 +33,7 @@ v1::PoseSolution solve(LiveSession& live,
         const Clock::time_point begin = Clock::now();
 
         const Workshop::Share share(workshop);
+        optimize::SolveOptions options = solveOptions(solving);
         options.threads = share.threads();
         Clock::time_point published{};
         options.on_improvement = [&](const hand::HandPose& pose, const optimize::Terms& terms) {
@@ -62,18 +63,18 @@ v1::PoseSolution optimizePose(LiveSession& live,
                               const v1::OptimizeRequest& request,
                               Workshop& workshop,
                               const Progress& progress) {
-  return solve(live,
-               request.options().empty() ? optimize::SolveOptions()
-                                         : solveOptionsFrom(request.options().front()),
-               workshop, progress);
+  return solve(
+      live,
+      request.options().empty() ? session::Solving() : solvingFrom(request.options().front()),
+      workshop, progress);
 }
 
 v1::PoseSolution optimizeAfterEdit(LiveSession& live,
                                    Workshop& workshop,
                                    const Progress& progress) {
-  optimize::SolveOptions options;
-  if (live.was_solved) options.starts = kStartsAfterEdit;
-  return solve(live, std::move(options), workshop, progress);
+  session::Solving solving;
+  if (live.was_solved) solving.starts = kStartsAfterEdit;
+  return solve(live, solving, workshop, progress);
 }
 
 }  // namespace handgraft::server
