@@ -4,17 +4,15 @@
 #include <fmt/format.h>
 
 #include "client/commands/commands.h"
-#include "client/grasp_picture.h"
 #include "client/grasp_result.h"
+#include "client/grasp_session.h"
 #include "client/interruption.h"
 #include "client/json_output.h"
 #include "client/output_file.h"
 #include "client/progress_line.h"
-#include "client/render/png_file.h"
 #include "client/send_model.h"
 #include "client/server_link.h"
 #include "client/text_output.h"
-#include "client/wire_pose.h"
 #include "core/base/error.h"
 
 namespace handgraft::client {
@@ -25,52 +23,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// The three models of a grasp: files to send first, or nothing where the server has the model.
-struct Inputs {
-  std::optional<ModelFiles> hand;
-  std::optional<ModelFiles> object;
-  std::optional<ModelFiles> contacts;
-};
-
-Inputs collect(const GraspOptions& options) {
-  Inputs inputs;
-  if (isPath(options.hand)) inputs.hand = handFiles(options.hand, options.hand_reading);
-  if (isPath(options.object)) inputs.object = objectFiles(options.object, options.units);
-  if (isPath(options.contacts)) {
-    inputs.contacts =
-        contactFiles(options.contacts, "", options.contact_reading, options.units);
-  }
-  return inputs;
-}
-
 // Long work must not end in a file that cannot be written, nor in one that replaces another.
-void checkFiles(const GraspOptions& options, const Inputs& inputs) {
-  std::vector<NamedFile> read = inputsOf(inputs.hand, "--hand");
-  for (const auto& more :
-       {inputsOf(inputs.object, "--object"), inputsOf(inputs.contacts, "--contacts")}) {
-    read.insert(read.end(), more.begin(), more.end());
-  }
+void checkFiles(const GraspOptions& options, const GraspInputs& inputs) {
   requireSafe({{"--out", options.out}, {"--png", options.png}, {"--problem", options.problem}},
-              read);
-}
-
-v1::OpenSessionRequest sessionRequest(const GraspOptions& options) {
-  v1::OpenSessionRequest request;
-  if (options.place) request.X_WO().push_back(placeOf(*options.place, "--place"));
-  if (options.weights) {
-    v1::Weights weights;
-    weights.distance((*options.weights)[0]);
-    weights.normal((*options.weights)[1]);
-    weights.prior((*options.weights)[2]);
-    request.weights().push_back(weights);
-  }
-  if (!options.log_map.empty() || options.interior_rings > 0) {
-    v1::TransferOptions transfer;
-    transfer.method(options.log_map);
-    transfer.interior_rings(options.interior_rings);
-    request.transfer().push_back(transfer);
-  }
-  return request;
+              filesOf(inputs));
 }
 
 // Closes the session however the command ends, unless it is to be kept.
@@ -104,49 +60,9 @@ class OpenSession {
   bool kept_ = false;
 };
 
-// False also for what is no file.
-bool holds(const fs::path& path, const std::string& text) {
-  std::error_code error;
-  if (!fs::is_regular_file(path, error) || fs::file_size(path, error) != text.size()) {
-    return false;
-  }
-  return text.empty() || readFile(path) == text;
-}
-
-// True if an option names the file, so that it would be overwritten later.
-bool isOutput(const fs::path& path, const GraspOptions& options) {
-  const auto is_same = [&](const fs::path& file) {
-    return !file.empty() &&
-           fs::absolute(file).lexically_normal() == fs::absolute(path).lexically_normal();
-  };
-  return is_same(options.out) || is_same(options.png) || is_same(options.problem);
-}
-
-// Writes the hand's URDF into the folder and returns its name there. A file that others may
-// need stays: then a hash of the content tells this one apart.
-fs::path writeHand(const v1::HandDescription& hand,
-                   const fs::path& folder,
-                   const GraspOptions& options) {
-  checkModelName(hand.name(), "hand");  // it becomes a file name
-  const fs::path plain = hand.name() + ".urdf";
-  const fs::path hashed = fmt::format("{}-{:08x}.urdf", hand.name(),
-                                      static_cast<std::uint32_t>(textHash(hand.urdf())));
-  for (const fs::path& name : {plain, hashed}) {
-    const fs::path path = folder / name;
-    if (isOutput(path, options)) continue;
-    if (holds(path, hand.urdf())) return name;
-    std::error_code error;
-    if (fs::exists(fs::symlink_status(path, error))) continue;
-    writeFile(path, hand.urdf());
-    return name;
-  }
-  rejectInput("--problem: a file {} with other content is there already",
-              quoted((folder / hashed).string()));
-}
-
 void writeProblem(ServerLink& server,
                   const GraspOptions& options,
-                  const Inputs& inputs,
+                  const GraspInputs& inputs,
                   const GraspResult& result) {
   const fs::path folder = fs::absolute(options.problem).parent_path();
   v1::ExportRequest request;
@@ -160,25 +76,17 @@ void writeProblem(ServerLink& server,
       request.package_paths().push_back(directory.string());
     }
   } else {
-    request.urdf_path(writeHand(result.hand, folder, options).string());
+    request.urdf_path(
+        writeHand(result.hand, folder, {options.out, options.png, options.problem}).string());
   }
   writeFile(options.problem, server.exportSession(request));
-}
-
-void writePicture(ServerLink& server, const GraspOptions& options, const GraspResult& result) {
-  const v1::SessionState& session = result.session;
-  const v1::ModelDescription object = server.describe(v1::MODEL_OBJECT, session.object(), true);
-  const v1::ModelDescription contacts =
-      server.describe(v1::MODEL_CONTACTS, session.contacts(), false);
-  const GraspPicture picture = pictureOf(result, object.object(), contacts.contacts());
-  render::writePng(options.png, render::renderTwoViews(picture.scene, picture.caption));
 }
 
 }  // namespace
 
 int run(const GraspOptions& options, const CommonOptions& common, Interruption& interruption) {
   // === Everything that can be wrong before a server is asked
-  Inputs inputs = collect(options);
+  GraspInputs inputs = collectInputs(options);
   checkFiles(options, inputs);
   v1::OpenSessionRequest request = sessionRequest(options);
 
@@ -191,26 +99,14 @@ int run(const GraspOptions& options, const CommonOptions& common, Interruption& 
 
   // === Models, session, transfer, solve
   ModelSender sender(server, interruption, !common.json);
-  request.hand(nameOnServer(sender, options.hand, inputs.hand));
-  request.object(nameOnServer(sender, options.object, inputs.object));
-  if (inputs.contacts) {
-    inputs.contacts->object = request.object();
-    // A scan and its contact map come in the same units.
-    if (inputs.object) inputs.contacts->units = inputs.object->units;
-  }
-  request.contacts(nameOnServer(sender, options.contacts, inputs.contacts));
-  OpenSession session(server, server.openSession(request));
+  OpenSession session(server, openSession(server, sender, options, inputs, request));
 
   GraspResult result;
   result.session = session.state();
   result.transfer = server.transfer(session.id());
   v1::OptimizeRequest optimize;
   optimize.session_id(session.id());
-  v1::SolveOptions solving;
-  solving.solver(options.solver);
-  solving.starts(options.starts);
-  solving.seed(options.seed);
-  optimize.options().push_back(solving);
+  optimize.options().push_back(solvingOf(options));
   result.solution = server.optimize(optimize);
   // The solve may lay patches anew whose direction was open: what is shown is what holds now.
   const double transfer_ms = result.transfer.transfer_ms();
@@ -223,7 +119,7 @@ int run(const GraspOptions& options, const CommonOptions& common, Interruption& 
 
   // === Results
   if (!options.problem.empty()) writeProblem(server, options, inputs, result);
-  if (!options.png.empty()) writePicture(server, options, result);
+  if (!options.png.empty()) writePicture(server, options.png, result);
   if (!options.out.empty()) writeFile(options.out, json::grasp(result) + "\n");
   progress.clear();
   fmt::print("{}", common.json ? json::grasp(result) + "\n" : text::grasp(result));
