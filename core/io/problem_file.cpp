@@ -19,6 +19,8 @@ using nlohmann::json;
 using optimize::PoseProblem;
 
 constexpr const char* kFormat = "handgraft-problem/1";
+constexpr const char* kCosine = "cosine";
+constexpr const char* kSum = "sum";
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::uintmax_t kMostBytes = 64U << 20U;
 constexpr std::size_t kMostEntries = 200'000;  // of a list; a point pair takes 200 bytes
@@ -223,6 +225,13 @@ std::vector<bool> readLocked(const Field& field,
   return locked;
 }
 
+optimize::NormalForm readNormalForm(const Field& field) {
+  const std::string name = field.text();
+  if (name == kCosine) return optimize::NormalForm::kCosine;
+  if (name == kSum) return optimize::NormalForm::kSum;
+  field.reject("is {}; it must be '{}' or '{}'", quoted(name), kCosine, kSum);
+}
+
 optimize::PointPair readPair(const Field& field, const hand::HandModel& model) {
   field.withOnly({"link", "p_hand", "n_hand", "p_object", "n_object", "weight"});
   optimize::PointPair pair;
@@ -285,7 +294,11 @@ ProblemFile readProblemFile(const std::filesystem::path& path) {
   }
 
   file.withOnly({"format", "hand", "dofs", "start", "prior", "lower", "upper", "weights",
-                 "prior_weights", "locked", "correspondences"});
+                 "normal_form", "prior_weights", "locked", "correspondences", "notes"});
+  if (file.has("notes")) {
+    for (const Field& note : file["notes"].list())
+      static_cast<void>(note.text());
+  }
 
   ProblemFile result;
   PoseProblem& problem = result.problem;
@@ -298,6 +311,7 @@ ProblemFile readProblemFile(const std::filesystem::path& path) {
   problem.weights.distance = weights["distance"].weight();
   problem.weights.normal = weights["normal"].weight();
   problem.weights.prior = weights["prior"].weight();
+  if (file.has("normal_form")) problem.normal_form = readNormalForm(file["normal_form"]);
   if (file.has("prior_weights")) {
     problem.prior_weights = readTheta(file["prior_weights"], result.order);
   }
@@ -321,10 +335,12 @@ PoseProblem readProblem(const std::filesystem::path& path) {
 
 std::string problemText(const PoseProblem& problem,
                         const std::string& urdf_path,
-                        const std::vector<std::pair<std::string, std::string>>& packages) {
+                        const std::vector<std::pair<std::string, std::string>>& packages,
+                        const std::vector<std::string>& notes) {
   validate(problem);
   nlohmann::ordered_json file;
   file["format"] = kFormat;
+  if (!notes.empty()) file["notes"] = notes;
   file["hand"]["urdf"] = urdf_path;
   file["hand"]["packages"] = json::object();
   for (const auto& [name, directory] : packages)
@@ -339,6 +355,7 @@ std::string problemText(const PoseProblem& problem,
   file["weights"]["distance"] = problem.weights.distance;
   file["weights"]["normal"] = problem.weights.normal;
   file["weights"]["prior"] = problem.weights.prior;
+  if (problem.normal_form == optimize::NormalForm::kSum) file["normal_form"] = kSum;
   if (problem.prior_weights.size() != 0) {
     file["prior_weights"] = thetaJson(problem.prior_weights);
   }

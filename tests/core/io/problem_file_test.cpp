@@ -16,6 +16,8 @@ namespace handgraft::io {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr const char* kUrdf = R"(<robot name="two">
   <link name="palm"/><link name="finger"/><link name="tip"/>
@@ -108,6 +110,26 @@ TEST(ProblemFile, ReadsWhatItWroteToTheSameBits) {
   }
 }
 
+TEST(ProblemFile, CarriesTheFormOfTheNormalsWhereItIsNotThePapers) {
+  optimize::PoseProblem problem = readProblem(writeProblem(kProblem));
+  EXPECT_EQ(problem.normal_form, optimize::NormalForm::kCosine);
+  EXPECT_THAT(problemText(problem, "two.urdf", {}), Not(HasSubstr("normal_form")));
+  problem.normal_form = optimize::NormalForm::kSum;
+  const optimize::PoseProblem after =
+      readProblem(writeProblem(problemText(problem, "two.urdf", {})));
+  EXPECT_EQ(after.normal_form, optimize::NormalForm::kSum);
+  const std::string spelt =
+      replaced("\"prior_weights\"", "\"normal_form\":\"cosine\",\"prior_weights\"");
+  EXPECT_EQ(readProblem(writeProblem(spelt)).normal_form, optimize::NormalForm::kCosine);
+}
+
+TEST(ProblemFile, ReadsItsOwnNotes) {
+  const optimize::PoseProblem problem = readProblem(writeProblem(kProblem));
+  const std::string text = problemText(problem, "two.urdf", {}, {"depth was charged, too"});
+  EXPECT_THAT(text, HasSubstr("\"notes\":[\"depth was charged, too\"]"));
+  EXPECT_EQ(readProblem(writeProblem(text)).pairs.size(), problem.pairs.size());
+}
+
 struct Fault {
   const char* name;
   const char* from;
@@ -150,6 +172,10 @@ INSTANTIATE_TEST_SUITE_P(
               "'weights'"},
         Fault{"MisspeltWeights", "\"weights\"", "\"wights\"",
               "field 'wights' is unknown; permitted are format hand"},
+        Fault{"UnknownNormalForm", "\"prior_weights\"",
+              "\"normal_form\":\"sine\",\"prior_weights\"", "'normal_form': is 'sine'"},
+        Fault{"NotesOfNoText", "\"prior_weights\"", "\"notes\":[3],\"prior_weights\"",
+              "'notes[0]'"},
         Fault{"MisspeltOption", "\"prior_weights\"", "\"prior_weight\"", "'prior_weight'"},
         Fault{"MisspeltInWeights", "\"normal\":2", "\"normal\":2,\"normals\":3",
               "'weights': field 'normals'"},
