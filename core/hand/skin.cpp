@@ -23,7 +23,21 @@ Skin::Skin(const HandModel& model,
            Eigen::VectorXd q_reference,
            double epsilon_m,
            SurfaceSource source)
-    : mesh_S_(std::move(mesh_S)), q_reference_(std::move(q_reference)), epsilon_m_(epsilon_m) {
+    : Skin(model, std::move(mesh_S), std::move(q_reference), epsilon_m, source, {}) {
+  face_links_ = linksOfFaces(mesh_S_, *links_, epsilon_m_);
+}
+
+Skin::Skin(const HandModel& model,
+           geometry::TriangleMesh mesh_S,
+           Eigen::VectorXd q_reference,
+           double epsilon_m,
+           SurfaceSource source,
+           std::vector<int> face_links)
+    : mesh_S_(std::move(mesh_S)),
+      q_reference_(std::move(q_reference)),
+      epsilon_m_(epsilon_m),
+      source_(source),
+      face_links_(std::move(face_links)) {
   HANDGRAFT_REQUIRE(q_reference_.size() == model.dofCount());
   if (!(epsilon_m_ > 0.0) || !std::isfinite(epsilon_m_))
     rejectInput("skin: epsilon {} m must be positive", epsilon_m_);
@@ -33,7 +47,6 @@ Skin::Skin(const HandModel& model,
     rejectInput("hand {}: none of its links has a surface", quoted(model.name()));
   locator_ = std::make_unique<geometry::SurfaceLocator>(mesh_S_);
   links_ = std::make_unique<LinkLocators>(links, model.linkCount());
-  face_links_ = linksOfFaces(mesh_S_, *links_, epsilon_m_);
 }
 
 std::optional<LinkLocators::Hit> Skin::hitFrom(int face,

@@ -22,8 +22,8 @@ struct SkinReport;
 
 struct SkinOptions {
   /// Alpha ball radius and offset, in metres: the wrap bridges gaps narrower than about twice
-  /// alpha and stands off by offset; at most 600 alphas across a hand. The first rung of a ladder that is climbed until the skin
-  /// is one piece. 5e-4 to 0.05 m and 5e-5 to 0.01 m.
+  /// alpha and stands off by offset; at most 600 alphas across a hand. The first rung of a
+  /// ladder that is climbed until the skin is one piece. 5e-4 to 0.05 m and 5e-5 to 0.01 m.
   double alpha_m = 0.003;
   double offset_m = 0.0008;
   /// Edge length that the skin is remeshed to, 5e-4 to 0.05 m.
@@ -56,6 +56,14 @@ class Skin {
        double epsilon_m,
        SurfaceSource source = SurfaceSource::kVisuals);
 
+  /// As above, but the link of each face of the mesh is known: that decision is what costs.
+  Skin(const HandModel& model,
+       geometry::TriangleMesh mesh_S,
+       Eigen::VectorXd q_reference,
+       double epsilon_m,
+       SurfaceSource source,
+       std::vector<int> face_links);
+
   [[nodiscard]] const geometry::TriangleMesh& mesh() const { return mesh_S_; }
 
   [[nodiscard]] const geometry::SurfaceLocator& locator() const { return *locator_; }
@@ -63,6 +71,9 @@ class Skin {
   [[nodiscard]] const Eigen::VectorXd& qReference() const { return q_reference_; }
 
   [[nodiscard]] double epsilon() const { return epsilon_m_; }
+
+  /// Which of the links' shapes it was laid around.
+  [[nodiscard]] SurfaceSource source() const { return source_; }
 
   /// The link that each face of the mesh belongs to; -1 where none is within epsilon.
   [[nodiscard]] const std::vector<int>& faceLinks() const { return face_links_; }
@@ -92,6 +103,7 @@ class Skin {
   geometry::TriangleMesh mesh_S_;
   Eigen::VectorXd q_reference_;
   double epsilon_m_;
+  SurfaceSource source_;
   std::vector<Pose> X_SL_;
   std::unique_ptr<geometry::SurfaceLocator> locator_;
   std::unique_ptr<LinkLocators> links_;
