@@ -464,6 +464,7 @@ HANDGRAFT_MESSAGE(v1::SessionState, handgraft_v1_SessionState)
 HANDGRAFT_MESSAGE(v1::ServerStatus, handgraft_v1_ServerStatus)
 HANDGRAFT_MESSAGE(v1::HandCommand, handgraft_v1_HandCommand)
 HANDGRAFT_MESSAGE(v1::JointState, handgraft_v1_JointState)
+HANDGRAFT_MESSAGE(v1::BridgeStatus, handgraft_v1_BridgeStatus)
 HANDGRAFT_MESSAGE(sensor_msgs::msg::dds_::JointState_, sensor_msgs_msg_dds__JointState_)
 
 #undef HANDGRAFT_MESSAGE
