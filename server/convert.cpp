@@ -268,7 +268,12 @@ v1::PoseSolution solutionMessage(const session::Session& session,
 v1::PoseSolution solutionMessage(const session::Session& session,
                                  const optimize::SolveReport& report) {
   HANDGRAFT_REQUIRE(session.solvedProblem().has_value());
-  const optimize::PoseProblem& problem = *session.solvedProblem();
+  return solutionMessage(session, *session.solvedProblem(), report);
+}
+
+v1::PoseSolution solutionMessage(const session::Session& session,
+                                 const optimize::PoseProblem& problem,
+                                 const optimize::SolveReport& report) {
   const hand::HandModel& model = *problem.model;
   v1::PoseSolution message = solutionMessage(session, report.pose, report.terms);
   message.is_final(true);

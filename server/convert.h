@@ -45,8 +45,12 @@ v1::PoseSolution solutionMessage(const session::Session& session,
                                  const hand::HandPose& pose,
                                  const optimize::Terms& terms);
 
-/// A final pose: also links, patches, limits.
+/// A final pose: also links, patches, limits. It answers the session's solved problem.
 v1::PoseSolution solutionMessage(const session::Session& session,
+                                 const optimize::SolveReport& report);
+/// As above, of a problem that was not solved but judged.
+v1::PoseSolution solutionMessage(const session::Session& session,
+                                 const optimize::PoseProblem& problem,
                                  const optimize::SolveReport& report);
 
 /// Independent joints in their order, then those that mimic them.
