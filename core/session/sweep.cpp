@@ -1,0 +1,390 @@
+#include "core/session/sweep.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/geometry/tangent.h"
+#include "core/hand/skin_bending.h"
+#include "core/optimize/solver.h"
+#include "core/optimize/worker_pool.h"
+#include "core/transfer/staged_transfer.h"
+
+namespace handgraft::session {
+namespace {
+
+using optimize::PointPair;
+using optimize::PoseProblem;
+
+/// Digits of a number whose places have the sizes of the axes, the first axis slowest.
+using Combination = std::vector<std::size_t>;
+
+std::vector<Combination> combinationsOf(const std::vector<SweepAxis>& axes) {
+  std::vector<Combination> all{Combination()};
+  for (const SweepAxis& axis : axes) {
+    std::vector<Combination> longer;
+    for (const Combination& one : all) {
+      for (std::size_t i = 0; i < axis.values.size(); ++i) {
+        longer.push_back(one);
+        longer.back().push_back(i);
+      }
+    }
+    all = std::move(longer);
+  }
+  return all;
+}
+
+enum class Which { kAll, kShape };
+
+std::vector<hand::HandChange> changesOf(const std::vector<SweepAxis>& axes,
+                                        const Combination& combination,
+                                        Which which) {
+  std::vector<hand::HandChange> changes;
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    if (which == Which::kShape && !hand::changesShape(axes[i].property)) continue;
+    changes.push_back({axes[i].property, axes[i].target, axes[i].values[combination[i]]});
+  }
+  return changes;
+}
+
+std::string nameOf(const SweepAxis& axis) {
+  return (axis.target.empty() ? "hand" : axis.target) + "." + hand::nameOf(axis.property);
+}
+
+void requireSound(const Hand& hand,
+                  const std::vector<SweepGrasp>& grasps,
+                  const std::vector<SweepAxis>& axes,
+                  const SweepOptions& options) {
+  if (grasps.empty()) rejectInput("sweep: there is no grasp; at least one is needed");
+  validate(options.solving);
+  validate(options.transfer);
+  std::set<std::string> names;
+  double rows = static_cast<double>(grasps.size());
+  for (const SweepAxis& axis : axes) {
+    const std::string name = nameOf(axis);
+    if (axis.values.empty()) rejectInput("sweep: {} has no values", quoted(name));
+    if (!names.insert(name).second) rejectInput("sweep: {} is varied twice", quoted(name));
+    for (const double value : axis.values)
+      hand::validate(*hand.model, {axis.property, axis.target, value});
+    rows *= static_cast<double>(axis.values.size());
+  }
+  if (rows > static_cast<double>(kMostSweepRows))
+    rejectInput("sweep: {} grasps with these values are {:.0f} rows; at most {} are permitted",
+                grasps.size(), rows, kMostSweepRows);
+}
+
+/// `direction_S` of a place on one mesh, as the same face of another mesh has it.
+Eigen::Vector3d directionOn(const geometry::TriangleMesh& to,
+                            const geometry::TriangleMesh& from,
+                            const geometry::SurfacePoint& place,
+                            const Eigen::Vector3d& direction) {
+  const auto edgesOf = [&](const geometry::TriangleMesh& mesh) {
+    const Eigen::Vector3i face = mesh.face(place.face);
+    Eigen::Matrix<double, 3, 2> edges;
+    edges.col(0) = mesh.vertex(face[1]) - mesh.vertex(face[0]);
+    edges.col(1) = mesh.vertex(face[2]) - mesh.vertex(face[0]);
+    return edges;
+  };
+  const Eigen::Vector2d along = edgesOf(from).colPivHouseholderQr().solve(direction);
+  return tangentAt(to, place, edgesOf(to) * along).value_or(anyTangentAt(to, place));
+}
+
+/// A grasp on the hand as it is: what all its rows begin with.
+struct Base {
+  std::string error;
+  std::vector<SessionPatch> patches;
+  std::shared_ptr<const geometry::LogMapper> object_O;
+  hand::HandPose solved;
+  Pose X_WH_prior = Pose::Identity();
+};
+
+Base solveBase(const Hand& hand,
+               const SweepGrasp& grasp,
+               const SweepOptions& options,
+               int threads,
+               const Progress& progress) {
+  Base base;
+  try {
+    Session session(hand, grasp.object_O, grasp.contacts, Pose::Identity(), options.weights,
+                    options.transfer);
+    optimize::SolveOptions solving = solveOptions(options.solving);
+    solving.threads = threads;
+    base.solved = session.optimize(solving, progress).pose;
+    base.patches = session.patches();
+    base.X_WH_prior = session.solvedProblem()->prior.X_WH;
+    for (const SessionPatch& item : base.patches) {
+      if (!item.placement) continue;
+      const auto& chart = item.stages.patchChart();
+      base.object_O = {chart, &chart->object()};
+    }
+  } catch (const InvalidInput& error) {
+    base.error = error.what();
+  }
+  return base;
+}
+
+/// Where the points of a grasp's patches lie on one shape of the hand.
+struct Laid {
+  std::string error;
+  std::vector<PointPair> pairs;
+};
+
+void append(const std::vector<transfer::Correspondence>& correspondences,
+            int patch,
+            std::vector<PointPair>& pairs) {
+  for (const transfer::Correspondence& one : correspondences) {
+    PointPair pair;
+    pair.link = one.link;
+    pair.p_L = one.p_L;
+    pair.n_L = one.n_L;
+    pair.p_W = one.p_O;  // the object's frame is the world
+    pair.n_W = one.n_O;
+    pair.weight = one.weight;
+    pair.patch = patch;
+    pairs.push_back(pair);
+  }
+}
+
+/// The places of the base on a skin that was bent; without one, as the base has them.
+Laid lay(const Base& base,
+         const hand::Skin& original,
+         const transfer::Surfaces* bent,
+         const transfer::TransferOptions& options,
+         const Progress& progress) {
+  Laid laid;
+  laid.error = base.error;
+  if (!base.error.empty()) return laid;
+  try {
+    for (std::size_t i = 0; i < base.patches.size(); ++i) {
+      const SessionPatch& item = base.patches[i];
+      if (!item.placement) continue;
+      progress.checkpoint();
+      if (bent == nullptr) {
+        append(item.transferred.correspondences, static_cast<int>(i), laid.pairs);
+        continue;
+      }
+      transfer::StagedTransfer stages = item.stages;  // with the object's chart
+      transfer::Surfaces surfaces = *bent;
+      surfaces.object_O = base.object_O;
+      const transfer::Placement placement{
+          item.placement->root_S,
+          directionOn(bent->skin->mesh(), original.mesh(), item.placement->root_S,
+                      item.placement->direction_S)};
+      append(stages.lay(surfaces, item.patch, placement, options).correspondences,
+             static_cast<int>(i), laid.pairs);
+    }
+  } catch (const InvalidInput& error) {
+    laid.error = error.what();
+  }
+  return laid;
+}
+
+void fill(const PoseProblem& problem,
+          const std::vector<SessionPatch>& patches,
+          const optimize::SolveReport& report,
+          SweepRow& row) {
+  row.outcome = report.outcome;
+  row.terms = report.terms;
+  row.q = report.pose.q;
+  double sum_mm = 0.0;
+  double sum_deg = 0.0;
+  for (const optimize::PatchFit& fit : report.patches) {
+    if (patches[static_cast<std::size_t>(fit.patch)].patch.weight == 0.0) continue;
+    row.point_count += fit.point_count;
+    sum_mm += fit.point_count * fit.mean_mm;
+    sum_deg += fit.point_count * fit.normal_mean_deg;
+    row.max_mm = std::max(row.max_mm, fit.max_mm);
+    if (fit.point_count > 0 && fit.mean_mm <= kReached_mm) ++row.reached_count;
+  }
+  for (const SessionPatch& item : patches)
+    if (item.placement && item.patch.weight > 0.0) ++row.patch_count;
+  if (row.point_count > 0) {
+    row.mean_mm = sum_mm / row.point_count;
+    row.normal_deg = sum_deg / row.point_count;
+  }
+  for (const optimize::ActiveLimit& limit : report.active_limits)
+    row.joints_at_limit.push_back(problem.model->dofJoint(limit.dof).name +
+                                  (limit.upper ? " upper" : " lower"));
+}
+
+/// Calls `task` for all indices, on the pool if there is one. From one thread at a time.
+template <class Task>
+void forEach(optimize::WorkerPool* pool, std::size_t count, const Task& task) {
+  if (pool == nullptr) {
+    for (std::size_t i = 0; i < count; ++i)
+      task(i);
+    return;
+  }
+  pool->run(static_cast<int>(count), [&](int /*worker*/, int index) {
+    task(static_cast<std::size_t>(index));
+  });
+}
+
+class Sweep {
+ public:
+  Sweep(const Hand& hand,
+        const std::vector<SweepGrasp>& grasps,
+        const std::vector<SweepAxis>& axes,
+        const SweepOptions& options,
+        const Progress& progress)
+      : hand_(hand),
+        grasps_(grasps),
+        axes_(axes),
+        options_(options),
+        progress_(progress),
+        quiet_(progress, {}),
+        pool_(std::max(1, options.threads)),
+        combinations_(combinationsOf(axes)),
+        rows_(combinations_.size() * grasps.size()) {
+    if (!hand_.skin_maps) {
+      // Shared by all grasps: what heat methods factor is made once.
+      hand_.skin_maps = std::make_shared<const geometry::LogMapper>(
+          std::shared_ptr<const geometry::TriangleMesh>(hand_.skin, &hand_.skin->mesh()));
+    }
+  }
+
+  std::vector<SweepRow> run() {
+    solveBases();
+    // === Combinations by the shape that they give the hand
+    std::map<Combination, std::vector<std::size_t>> by_shape;
+    for (std::size_t c = 0; c < combinations_.size(); ++c) {
+      Combination shape;
+      for (std::size_t a = 0; a < axes_.size(); ++a)
+        if (hand::changesShape(axes_[a].property)) shape.push_back(combinations_[c][a]);
+      by_shape[shape].push_back(c);
+    }
+    std::vector<std::vector<std::size_t>> shapes;
+    for (auto& [shape, combinations] : by_shape)
+      shapes.push_back(std::move(combinations));
+    if (shapes.size() == 1) {
+      sweepShape(shapes.front(), &pool_);
+    } else {
+      // A shape a task: as many bent skins live at a time as there are threads.
+      bending_.emplace(hand_.model, hand_.skin);
+      forEach(&pool_, shapes.size(), [&](std::size_t i) {
+        sweepShape(shapes[i], nullptr);
+      });
+    }
+    return std::move(rows_);
+  }
+
+ private:
+  void solveBases() {
+    bases_.resize(grasps_.size());
+    const auto solveOne = [&](std::size_t i) {
+      const int threads = grasps_.size() == 1 ? options_.threads : 1;
+      bases_[i] = solveBase(hand_, grasps_[i], options_, threads, quiet_);
+      tell("solving the grasps on the hand as it is", grasps_.size());
+    };
+    forEach(grasps_.size() == 1 ? nullptr : &pool_, grasps_.size(), solveOne);
+    told_ = 0;
+  }
+
+  /// All rows of the combinations, which have one shape.
+  void sweepShape(const std::vector<std::size_t>& combinations, optimize::WorkerPool* pool) {
+    const std::vector<hand::HandChange> changes =
+        changesOf(axes_, combinations_[combinations.front()], Which::kShape);
+    std::optional<transfer::Surfaces> bent;
+    if (!changes.empty()) {
+      const hand::HandVariant variant =
+          hand::makeVariant(*hand_.model, hand_.model->name(), changes);
+      if (variant.shape_changed) bent = bentSurfaces(variant);
+    }
+    std::vector<Laid> laid(grasps_.size());
+    forEach(pool, grasps_.size(), [&](std::size_t i) {
+      laid[i] = lay(bases_[i], *hand_.skin, bent ? &*bent : nullptr, options_.transfer, quiet_);
+    });
+    forEach(pool, combinations.size() * grasps_.size(), [&](std::size_t i) {
+      const std::size_t combination = combinations[i / grasps_.size()];
+      const std::size_t grasp = i % grasps_.size();
+      rows_[combination * grasps_.size() + grasp] = solveRow(combination, grasp, laid[grasp]);
+      tell("sweeping", rows_.size());
+    });
+  }
+
+  transfer::Surfaces bentSurfaces(const hand::HandVariant& variant) {
+    if (!bending_) bending_.emplace(hand_.model, hand_.skin);
+    transfer::Surfaces surfaces;
+    surfaces.skin = bending_->bent(variant);
+    surfaces.skin_S = std::make_shared<const geometry::LogMapper>(
+        std::shared_ptr<const geometry::TriangleMesh>(surfaces.skin, &surfaces.skin->mesh()));
+    return surfaces;
+  }
+
+  SweepRow solveRow(std::size_t combination, std::size_t grasp, const Laid& laid) {
+    progress_.checkpoint();
+    SweepRow row;
+    row.grasp = static_cast<int>(grasp);
+    for (std::size_t a = 0; a < axes_.size(); ++a)
+      row.values.push_back(axes_[a].values[combinations_[combination][a]]);
+    row.error = laid.error;
+    if (!row.error.empty()) return row;
+    const Base& base = bases_[grasp];
+    try {
+      if (laid.pairs.empty()) rejectInput("no patch has a point on the hand");
+      hand::HandVariant variant =
+          hand::makeVariant(*hand_.model, hand_.model->name(),
+                            changesOf(axes_, combinations_[combination], Which::kAll),
+                            hand::VariantSurfaces::kLeftOut);
+      const Eigen::VectorXd q_start = hand::poseOfVariant(variant, base.solved.q);
+      PoseProblem problem = optimize::makeProblem(
+          std::make_shared<const hand::HandModel>(std::move(variant.model)));
+      problem.pairs = laid.pairs;
+      problem.weights = options_.weights;
+      problem.normal_form = options_.solving.normal_form;
+      problem.start = {base.solved.X_WH, q_start};
+      problem.prior.X_WH = base.X_WH_prior;
+
+      const auto begin = std::chrono::steady_clock::now();
+      const optimize::SolveReport report =
+          optimize::solve(problem, solveOptions(options_.solving), quiet_);
+      const std::chrono::duration<double, std::milli> spent =
+          std::chrono::steady_clock::now() - begin;
+      row.solve_ms = spent.count();
+      fill(problem, base.patches, report, row);
+    } catch (const InvalidInput& error) {
+      row.error = error.what();
+    }
+    return row;
+  }
+
+  /// One more of `count` is done.
+  void tell(const char* stage, std::size_t count) {
+    const std::lock_guard lock(mutex_);
+    progress_.report(stage, static_cast<double>(++told_) / static_cast<double>(count));
+  }
+
+  Hand hand_;
+  const std::vector<SweepGrasp>& grasps_;
+  const std::vector<SweepAxis>& axes_;
+  const SweepOptions& options_;
+  const Progress& progress_;
+  const Progress quiet_;  ///< several threads work: the stages of each would be noise
+  optimize::WorkerPool pool_;
+  std::vector<Combination> combinations_;
+  std::vector<SweepRow> rows_;
+  std::vector<Base> bases_;
+  std::optional<hand::SkinBending> bending_;
+  std::mutex mutex_;
+  std::size_t told_ = 0;
+};
+
+}  // namespace
+
+std::vector<SweepRow> sweep(const Hand& hand,
+                            const std::vector<SweepGrasp>& grasps,
+                            const std::vector<SweepAxis>& axes,
+                            const SweepOptions& options,
+                            const Progress& progress) {
+  HANDGRAFT_REQUIRE(hand.model != nullptr && hand.skin != nullptr);
+  requireSound(hand, grasps, axes, options);
+  return Sweep(hand, grasps, axes, options, progress).run();
+}
+
+}  // namespace handgraft::session
