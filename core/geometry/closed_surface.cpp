@@ -1,0 +1,168 @@
+#include "core/geometry/closed_surface.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+namespace handgraft::geometry {
+
+namespace {
+
+using Edge = std::pair<int, int>;  // lower vertex first
+
+struct Soup {
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<Eigen::Vector3i> faces;
+};
+
+Soup welded(const TriangleMesh& mesh) {
+  Soup soup;
+  std::map<std::array<double, 3>, int> places;
+  std::vector<int> where(static_cast<std::size_t>(mesh.vertexCount()));
+  for (int v = 0; v < mesh.vertexCount(); ++v) {
+    const Eigen::Vector3d p = mesh.vertex(v);
+    // Adding zero makes one of both zeros.
+    const std::array<double, 3> key{p[0] + 0.0, p[1] + 0.0, p[2] + 0.0};
+    const auto [place, is_new] =
+        places.try_emplace(key, static_cast<int>(soup.vertices.size()));
+    if (is_new) soup.vertices.push_back(p);
+    where[static_cast<std::size_t>(v)] = place->second;
+  }
+  for (int f = 0; f < mesh.faceCount(); ++f) {
+    const Eigen::Vector3i face = mesh.face(f).unaryExpr([&where](int v) {
+      return where[static_cast<std::size_t>(v)];
+    });
+    if (face[0] == face[1] || face[1] == face[2] || face[2] == face[0]) continue;
+    soup.faces.push_back(face);
+  }
+  return soup;
+}
+
+double areaOf(const Soup& soup, const Eigen::Vector3i& face) {
+  const auto at = [&](int i) {
+    return soup.vertices[static_cast<std::size_t>(face[i])];
+  };
+  return 0.5 * (at(1) - at(0)).cross(at(2) - at(0)).norm();
+}
+
+/// Calls `visit(edge, forward)` for the three edges of a face.
+template <class Visit>
+void forEdges(const Eigen::Vector3i& face, const Visit& visit) {
+  for (int i = 0; i < 3; ++i) {
+    const int a = face[i];
+    const int b = face[(i + 1) % 3];
+    visit(Edge(std::min(a, b), std::max(a, b)), a < b);
+  }
+}
+
+/// Turns faces so that neighbours over an edge of two faces pass it in opposite directions.
+void orient(Soup& soup) {
+  std::map<Edge, std::vector<int>> faces_at;
+  for (int f = 0; f < std::ssize(soup.faces); ++f)
+    forEdges(soup.faces[f], [&](const Edge& edge, bool) {
+      faces_at[edge].push_back(f);
+    });
+  const auto isForward = [&soup](int f, const Edge& wanted) {
+    bool result = false;
+    forEdges(soup.faces[f], [&](const Edge& edge, bool forward) {
+      if (edge == wanted) result = forward;
+    });
+    return result;
+  };
+
+  constexpr char kUnseen = 2;
+  std::vector<char> turned(soup.faces.size(), kUnseen);
+  for (int seed = 0; seed < std::ssize(soup.faces); ++seed) {
+    if (turned[seed] != kUnseen) continue;
+    turned[seed] = 0;
+    std::vector<int> component{seed};
+    double kept_area = 0.0;
+    double turned_area = 0.0;
+    for (std::size_t next = 0; next < component.size(); ++next) {
+      const int f = component[next];
+      (turned[f] != 0 ? turned_area : kept_area) += areaOf(soup, soup.faces[f]);
+      forEdges(soup.faces[f], [&](const Edge& edge, bool forward) {
+        const std::vector<int>& both = faces_at[edge];
+        if (both.size() != 2) return;
+        const int other = both[0] == f ? both[1] : both[0];
+        if (turned[other] != kUnseen) return;
+        const bool agree = isForward(other, edge) != forward;
+        turned[other] = static_cast<char>(agree ? turned[f] : 1 - turned[f]);
+        component.push_back(other);
+      });
+    }
+    const char wrong = turned_area > kept_area ? 0 : 1;
+    for (const int f : component)
+      if (turned[f] == wrong) std::swap(soup.faces[f][1], soup.faces[f][2]);
+  }
+}
+
+int rootOf(std::vector<int>& parents, int v) {
+  while (parents[v] != v)
+    v = parents[v] = parents[parents[v]];
+  return v;
+}
+
+/// A cone over the chain's border, one tip a connected rim: what it adds borders nothing
+/// itself.
+void shutHoles(Soup& soup) {
+  std::map<Edge, int> balance;
+  for (const Eigen::Vector3i& face : soup.faces)
+    forEdges(face, [&](const Edge& edge, bool forward) {
+      balance[edge] += forward ? 1 : -1;
+    });
+  std::vector<int> parents(soup.vertices.size());
+  std::iota(parents.begin(), parents.end(), 0);
+  for (const auto& [edge, surplus] : balance)
+    if (surplus != 0) parents[rootOf(parents, edge.first)] = rootOf(parents, edge.second);
+
+  struct Rim {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    double length = 0.0;
+    int tip = -1;
+  };
+
+  std::map<int, Rim> rims;
+  for (const auto& [edge, surplus] : balance) {
+    if (surplus == 0) continue;
+    const Eigen::Vector3d a = soup.vertices[edge.first];
+    const Eigen::Vector3d b = soup.vertices[edge.second];
+    Rim& rim = rims[rootOf(parents, edge.first)];
+    rim.sum += 0.5 * (b - a).norm() * (a + b);
+    rim.length += (b - a).norm();
+  }
+  for (auto& [root, rim] : rims) {
+    rim.tip = static_cast<int>(soup.vertices.size());
+    // Welded vertices differ, but their distance may round to nothing.
+    soup.vertices.push_back(rim.length > 0.0 ? Eigen::Vector3d(rim.sum / rim.length)
+                                             : soup.vertices[root]);
+  }
+  for (const auto& [edge, surplus] : balance) {
+    if (surplus == 0) continue;
+    const int tip = rims[rootOf(parents, edge.first)].tip;
+    // Against the direction of the surplus.
+    const Eigen::Vector3i face = surplus > 0 ? Eigen::Vector3i(edge.second, edge.first, tip)
+                                             : Eigen::Vector3i(edge.first, edge.second, tip);
+    soup.faces.insert(soup.faces.end(), static_cast<std::size_t>(std::abs(surplus)), face);
+  }
+}
+
+}  // namespace
+
+TriangleMesh closedSurface(const TriangleMesh& mesh) {
+  Soup soup = welded(mesh);
+  orient(soup);
+  shutHoles(soup);
+  Eigen::Matrix3Xd vertices(3, std::ssize(soup.vertices));
+  for (int v = 0; v < vertices.cols(); ++v)
+    vertices.col(v) = soup.vertices[v];
+  Eigen::Matrix3Xi faces(3, std::ssize(soup.faces));
+  for (int f = 0; f < faces.cols(); ++f)
+    faces.col(f) = soup.faces[f];
+  return {std::move(vertices), std::move(faces)};
+}
+
+}  // namespace handgraft::geometry

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "core/geometry/triangle_mesh.h"
+
+namespace handgraft::geometry {
+
+/// The mesh as the border of a solid, so that every place has a whole winding number.
+///
+/// Vertices at one place become one; neighbours that disagree about the outside are turned to
+/// the majority (by area) of their component; every hole is shut by a fan about the middle of
+/// its rim. As a chain of triangles the result has no border at all, whatever the mesh was:
+/// unoriented, non-manifold, open. The faces of `mesh` come first, but for those without three
+/// different corners.
+///
+/// Limits: a cup without thickness is filled up to its rim, a flat sheet holds nothing, and a
+/// mesh turned inside out as a whole stays so. Cost: O(F log F).
+TriangleMesh closedSurface(const TriangleMesh& mesh);
+
+}  // namespace handgraft::geometry

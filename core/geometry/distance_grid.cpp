@@ -1,0 +1,203 @@
+#include "core/geometry/distance_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/base/error.h"
+
+namespace handgraft::geometry {
+
+namespace {
+
+// Nodes: every kCoarse-th is exact, and all within kBand spacings of the surface.
+constexpr int kCoarse = 3;
+constexpr double kBand = 2.0;
+
+// Spacings between the mesh's box and the grid's border.
+constexpr double kMargin = 3.0;
+
+/// Weights of a quadratic B-spline at t in [-1/2, 1/2] from its middle node.
+Eigen::Vector3d weightsAt(double t) {
+  return {0.5 * (0.5 - t) * (0.5 - t), 0.75 - t * t, 0.5 * (0.5 + t) * (0.5 + t)};
+}
+
+}  // namespace
+
+DistanceGrid::DistanceGrid(std::shared_ptr<const SignedDistance> exact,
+                           const DistanceGridOptions& options,
+                           const Progress& progress)
+    : exact_(std::move(exact)) {
+  HANDGRAFT_REQUIRE(exact_ != nullptr);
+  if (!(options.least_spacing_m > 0.0)) {
+    rejectInput("spacing of a distance grid: {} m must be above 0", options.least_spacing_m);
+  }
+  if (options.most_nodes < 1000 || options.most_nodes > 16000000) {
+    rejectInput("nodes of a distance grid: {} must lie in 1000 to 16000000",
+                options.most_nodes);
+  }
+  const Eigen::Matrix3Xd& vertices = exact_->surface().vertices();
+  const Eigen::Vector3d low = vertices.rowwise().minCoeff();
+  const Eigen::Vector3d size = vertices.rowwise().maxCoeff() - low;
+  const auto countsAt = [&](double spacing) {
+    Eigen::Vector3i counts;
+    for (int a = 0; a < 3; ++a) {
+      const int cells = static_cast<int>(std::ceil(size[a] / spacing + 2.0 * kMargin));
+      counts[a] = kCoarse * ((cells + kCoarse - 1) / kCoarse) + 1;
+    }
+    return counts;
+  };
+  // No grid is larger than its longest side lets it be; coarser by steps of 2 %.
+  spacing_ = std::max(options.least_spacing_m, size.maxCoeff() / options.most_nodes);
+  while (countsAt(spacing_).cast<double>().prod() > options.most_nodes)
+    spacing_ *= 1.02;
+  counts_ = countsAt(spacing_);
+  per_spacing_ = 1.0 / spacing_;
+  origin_ = low + 0.5 * (size - spacing_ * (counts_.array() - 1).matrix().cast<double>());
+  // Half a spacing inside the outermost nodes; a little more, for rounding.
+  const Eigen::Vector3d edge = Eigen::Vector3d::Constant(0.501 * spacing_);
+  box_ = Eigen::AlignedBox3d(Eigen::Vector3d(origin_ + edge),
+                             Eigen::Vector3d(place((counts_.array() - 1).matrix()) - edge));
+  fill(progress);
+}
+
+Eigen::Vector3d DistanceGrid::place(const Eigen::Vector3i& node) const {
+  return origin_ + spacing_ * node.cast<double>();
+}
+
+double DistanceGrid::signOf(const Eigen::Vector3i& node,
+                            double distance,
+                            int step,
+                            const std::vector<float>& known) const {
+  // No way shorter than a distance meets the surface, where alone the sign changes.
+  for (int axis = 0; axis < 3; ++axis) {
+    if (node[axis] < step) continue;
+    Eigen::Vector3i before = node;
+    before[axis] -= step;
+    const double other = known[indexOf(before)];
+    if (std::max(distance, std::abs(other)) > 1.001 * step * spacing_)
+      return std::signbit(other) ? -1.0 : 1.0;
+  }
+  return exact_->contains(place(node)) ? -1.0 : 1.0;
+}
+
+void DistanceGrid::fillCoarse(const Progress& progress) {
+  for (int z = 0; z < counts_[2]; z += kCoarse) {
+    progress.checkpoint();
+    for (int y = 0; y < counts_[1]; y += kCoarse) {
+      for (int x = 0; x < counts_[0]; x += kCoarse) {
+        const Eigen::Vector3i node(x, y, z);
+        const double distance = exact_->distance(place(node));
+        values_[indexOf(node)] =
+            static_cast<float>(signOf(node, distance, kCoarse, values_) * distance);
+      }
+    }
+  }
+}
+
+void DistanceGrid::fill(const Progress& progress) {
+  values_.assign(static_cast<std::size_t>(counts_.prod()), 0.0F);
+  fillCoarse(progress);
+  const Eigen::Vector3i last_cell = ((counts_.array() - 1) / kCoarse - 1).matrix();
+  for (int z = 0; z < counts_[2]; ++z) {
+    progress.checkpoint();
+    for (int y = 0; y < counts_[1]; ++y) {
+      for (int x = 0; x < counts_[0]; ++x) {
+        const Eigen::Vector3i node(x, y, z);
+        if (x % kCoarse == 0 && y % kCoarse == 0 && z % kCoarse == 0) continue;
+        const Eigen::Vector3i cell = (node / kCoarse).cwiseMin(last_cell);
+        const Eigen::Vector3i corner = kCoarse * cell;
+        const Eigen::Vector3d t = (node - corner).cast<double>() / kCoarse;
+        double bound = 0.0;  // of the distance, from below
+        double blended = 0.0;
+        for (int i = 0; i < 8; ++i) {
+          const Eigen::Vector3i side(i & 1, (i >> 1) & 1, i >> 2);
+          const double value = values_[indexOf(corner + kCoarse * side)];
+          const double way = spacing_ * (node - corner - kCoarse * side).cast<double>().norm();
+          bound = std::max(bound, std::abs(value) - way);
+          double weight = 1.0;
+          for (int a = 0; a < 3; ++a)
+            weight *= side[a] == 1 ? t[a] : 1.0 - t[a];
+          blended += weight * value;
+        }
+        if (bound > kBand * spacing_) {
+          values_[indexOf(node)] = static_cast<float>(blended);
+          continue;
+        }
+        const double distance = exact_->distance(place(node));
+        values_[indexOf(node)] =
+            static_cast<float>(signOf(node, distance, 1, values_) * distance);
+      }
+    }
+  }
+}
+
+double DistanceGrid::at(const Eigen::Vector3d& p) const {
+  const double outside = box_.squaredExteriorDistance(p);
+  if (outside > 0.0) return std::sqrt(outside) + (kMargin - 0.6) * spacing_;
+  const Eigen::Vector3d u = (p - origin_) * per_spacing_;
+  Eigen::Vector3i middle;
+  Eigen::Matrix3d w;
+  for (int a = 0; a < 3; ++a) {
+    middle[a] = static_cast<int>(u[a] + 0.5);
+    w.col(a) = weightsAt(u[a] - middle[a]);
+  }
+  const float* values = values_.data() + indexOf((middle.array() - 1).matrix());
+  double sum = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    const float* plane = values + static_cast<std::ptrdiff_t>(k) * counts_[0] * counts_[1];
+    for (int j = 0; j < 3; ++j) {
+      const float* row = plane + static_cast<std::ptrdiff_t>(j) * counts_[0];
+      sum += w(k, 2) * w(j, 1) * (w(0, 0) * row[0] + w(1, 0) * row[1] + w(2, 0) * row[2]);
+    }
+  }
+  return sum;
+}
+
+double DistanceGrid::at(const Eigen::Vector3d& p, Eigen::Vector3d& gradient) const {
+  gradient.setZero();
+  const double outside = box_.squaredExteriorDistance(p);
+  if (outside > 0.0) return std::sqrt(outside) + (kMargin - 0.6) * spacing_;
+  const Eigen::Vector3d u = (p - origin_) * per_spacing_;
+  Eigen::Vector3i middle;
+  Eigen::Matrix3d w;
+  Eigen::Matrix3d s;
+  for (int a = 0; a < 3; ++a) {
+    middle[a] = static_cast<int>(u[a] + 0.5);
+    const double t = u[a] - middle[a];
+    w.col(a) = weightsAt(t);
+    s.col(a) << t - 0.5, -2.0 * t, t + 0.5;
+  }
+  const float* values = values_.data() + indexOf((middle.array() - 1).matrix());
+  double sum = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    const float* plane = values + static_cast<std::ptrdiff_t>(k) * counts_[0] * counts_[1];
+    for (int j = 0; j < 3; ++j) {
+      const float* row = plane + static_cast<std::ptrdiff_t>(j) * counts_[0];
+      const double value = w(0, 0) * row[0] + w(1, 0) * row[1] + w(2, 0) * row[2];
+      const double slope = s(0, 0) * row[0] + s(1, 0) * row[1] + s(2, 0) * row[2];
+      sum += w(k, 2) * w(j, 1) * value;
+      gradient[0] += w(k, 2) * w(j, 1) * slope;
+      gradient[1] += w(k, 2) * s(j, 1) * value;
+      gradient[2] += s(k, 2) * w(j, 1) * value;
+    }
+  }
+  gradient *= per_spacing_;
+  return sum;
+}
+
+std::vector<DistanceGrid::Cell> DistanceGrid::solidCells() const {
+  std::vector<Cell> cells;
+  for (int z = 0; z < counts_[2]; ++z) {
+    for (int y = 0; y < counts_[1]; ++y) {
+      for (int x = 0; x < counts_[0]; ++x) {
+        const Eigen::Vector3i node(x, y, z);
+        const double share = std::clamp(0.5 - values_[indexOf(node)] * per_spacing_, 0.0, 1.0);
+        if (share > 0.0) cells.push_back({place(node), share});
+      }
+    }
+  }
+  return cells;
+}
+
+}  // namespace handgraft::geometry

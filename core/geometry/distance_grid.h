@@ -1,0 +1,88 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "core/base/progress.h"
+#include "core/geometry/signed_distance.h"
+
+namespace handgraft::geometry {
+
+struct DistanceGridOptions {
+  double least_spacing_m = 5e-4;
+  /// The spacing grows until so many nodes hold the mesh and its margin; 1000 to 16 million.
+  int most_nodes = 300000;
+};
+
+/// A signed distance on a grid, for loops: some 30 ns a query, with a slope that a solver can
+/// follow.
+///
+/// Value and gradient are those of one quadratic B-spline, once continuously differentiable
+/// everywhere inside the grid. Nodes within two spacings of the surface are exact; between
+/// others, every third one is. The spline rounds edges and ridges by about half a spacing; on
+/// smooth surfaces it is off by h^2 / 8 times their summed curvature (h = 1.5 mm on a ball of
+/// 30 mm: 0.02 mm).
+/// Const and safe from several threads.
+class DistanceGrid {
+ public:
+  /// Errors: InvalidInput on options out of range; Cancelled on wish. Cost: O(N) of nodes, 0.1
+  /// to 0.3 s by default; 4 bytes a node.
+  DistanceGrid(std::shared_ptr<const SignedDistance> exact,
+               const DistanceGridOptions& options,
+               const Progress& progress);
+
+  /// The smoothed distance. Outside the box a lower bound of it, positive.
+  [[nodiscard]] double at(const Eigen::Vector3d& p) const;
+
+  /// Also the gradient; zero outside the box, where nobody is inside anything.
+  [[nodiscard]] double at(const Eigen::Vector3d& p, Eigen::Vector3d& gradient) const;
+
+  /// Nothing within `radius` of p lies inside.
+  [[nodiscard]] bool isClear(const Eigen::Vector3d& p, double radius) const {
+    return at(p) > radius + kDoubt * spacing_;
+  }
+
+  [[nodiscard]] double spacing() const { return spacing_; }
+
+  [[nodiscard]] const SignedDistance& exact() const { return *exact_; }
+
+  /// The middle of one cell of the grid, and how much of the cell is solid, in (0, 1].
+  struct Cell {
+    Eigen::Vector3d p;
+    double share;
+  };
+
+  /// The cells about nodes that are partly or wholly inside, in a fixed order.
+  [[nodiscard]] std::vector<Cell> solidCells() const;
+
+ private:
+  /// Spacings by which a value may be off, far from the surface.
+  static constexpr double kDoubt = 2.0;
+
+  void fill(const Progress& progress);
+  void fillCoarse(const Progress& progress);
+  [[nodiscard]] double signOf(const Eigen::Vector3i& node,
+                              double distance,
+                              int step,
+                              const std::vector<float>& known) const;
+  [[nodiscard]] Eigen::Vector3d place(const Eigen::Vector3i& node) const;
+
+  [[nodiscard]] std::size_t indexOf(const Eigen::Vector3i& node) const {
+    return (static_cast<std::size_t>(node[2]) * static_cast<std::size_t>(counts_[1]) +
+            static_cast<std::size_t>(node[1])) *
+               static_cast<std::size_t>(counts_[0]) +
+           static_cast<std::size_t>(node[0]);
+  }
+
+  std::shared_ptr<const SignedDistance> exact_;
+  double spacing_ = 0.0;
+  double per_spacing_ = 0.0;
+  Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();  ///< of node 0, 0, 0
+  Eigen::Vector3i counts_ = Eigen::Vector3i::Zero();
+  Eigen::AlignedBox3d box_;  ///< where stencils are whole
+  std::vector<float> values_;
+};
+
+}  // namespace handgraft::geometry

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "core/geometry/surface_locator.h"
+#include "core/geometry/winding_number.h"
+
+namespace handgraft::geometry {
+
+/// Distance to a surface, negative inside the solid that it borders. Exact: nearest triangle.
+///
+/// Inside is where the surface, its holes shut (closed_surface.h), winds round once or more,
+/// either way. So the sign changes on faces alone and the distance is continuous, on any mesh;
+/// overlapping solids count as one, cavities whose walls look into them as empty.
+/// Limits: those of `closedSurface`; walls between overlapping solids still count as surface.
+/// Keeps its own copies. Const and safe from several threads.
+class SignedDistance {
+ public:
+  /// Errors: InvalidInput if the mesh has no face with three different corners. Cost: O(F log
+  /// F).
+  explicit SignedDistance(const TriangleMesh& mesh);
+
+  struct Sample {
+    double distance = 0.0;
+    Eigen::Vector3d nearest = Eigen::Vector3d::Zero();
+    /// The distance's, a unit vector; the face's outward normal on the surface itself.
+    Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+  };
+
+  /// Frames: that of the mesh. Errors: InvalidInput if `p` is not finite. Cost: O(log F), some
+  /// microseconds.
+  [[nodiscard]] Sample at(const Eigen::Vector3d& p) const;
+
+  [[nodiscard]] bool contains(const Eigen::Vector3d& p) const;
+
+  /// Without its sign.
+  [[nodiscard]] double distance(const Eigen::Vector3d& p) const {
+    return locator_.nearest(p).distance;
+  }
+
+  /// The surface with its holes shut.
+  [[nodiscard]] const TriangleMesh& surface() const { return locator_.mesh(); }
+
+ private:
+  SurfaceLocator locator_;
+  WindingNumber winding_;
+};
+
+}  // namespace handgraft::geometry
