@@ -68,6 +68,10 @@ v1::SolveOptions solvingOf(const GraspOptions& options) {
   solving.solver(options.solver);
   solving.starts(options.starts);
   solving.seed(options.seed);
+  solving.max_evaluations(options.max_evaluations);
+  solving.paper(options.paper);
+  solving.normal_form(options.normal_form);
+  if (options.avoid_penetration) solving.penetration(v1::PENETRATION_AVOIDED);
   return solving;
 }
 

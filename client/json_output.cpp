@@ -170,6 +170,7 @@ std::string grasp(const GraspResult& result, int indent) {
                    {"patches", graspPatches(result)},
                    {"notes", listOf(result.transfer.notes())},
                    {"hand_notes", listOf(result.hand.notes())},
+                   {"minima", minima(solution, result.hand)},
                    {"times", times(solution.times())},
                    {"transfer_ms", result.transfer.transfer_ms()},
                    {"total_ms", result.total_ms}};

@@ -1,5 +1,9 @@
 #include "client/json_parts.h"
 
+#include <algorithm>
+
+#include "client/minima_text.h"
+
 namespace handgraft::client::json {
 
 std::string written(const Json& document, int indent) {
@@ -37,6 +41,30 @@ Json lostPoints(const std::vector<v1::LostPoint>& lost) {
   for (const v1::LostPoint& point : lost) {
     list.push_back(
         {{"index", point.index()}, {"ring", point.ring()}, {"reason", point.reason()}});
+  }
+  return list;
+}
+
+Json minima(const v1::PoseSolution& solution, const v1::HandDescription& hand) {
+  Json list = Json::array();
+  for (const v1::MinimumInfo& minimum : solution.minima()) {
+    const PoseGap gap = gapBetween(solution.minima().front(), minimum, hand);
+    Json joints = Json::object();
+    for (std::size_t j = 0; j < std::min(minimum.joint_rad().size(), hand.joints().size()); ++j)
+      joints[hand.joints()[j].name()] = minimum.joint_rad()[j];
+    list.push_back({{"rank", list.size() + 1},
+                    {"taken", list.size() == solution.chosen_minimum()},
+                    {"solver", minimum.solver()},
+                    {"objective", minimum.terms().objective()},
+                    {"distance_m2", minimum.terms().distance_m2()},
+                    {"normal", minimum.terms().normal()},
+                    {"prior", minimum.terms().prior()},
+                    {"hits", minimum.hits()},
+                    {"start", minimum.start()},
+                    {"moved_mm", gap.moved_mm},
+                    {"turned_deg", gap.turned_deg},
+                    {"X_WH", pose(minimum.X_WH())},
+                    {"joints", joints}});
   }
   return list;
 }

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "idl/models.h"
 #include "idl/sessions.h"
 
 /// Pieces that several documents share; json_output.h and transfer_json.h use them.
@@ -32,5 +33,8 @@ Json points(const std::vector<double>& xyz);
 Json surfacePoint(const v1::SurfacePoint& point);
 Json fidelity(const v1::Fidelity& fidelity);
 Json lostPoints(const std::vector<v1::LostPoint>& lost);
+
+/// The places where the searches ended, best first.
+Json minima(const v1::PoseSolution& solution, const v1::HandDescription& hand);
 
 }  // namespace handgraft::client::json

@@ -10,6 +10,7 @@
 #include "client/model_files.h"
 #include "core/base/network.h"
 #include "idl/models.h"
+#include "idl/sessions.h"
 
 /// The commands of `handgraft`, one file each. A command prints to standard output, notices to
 /// standard error, and returns the exit code; errors leave as exceptions for main.cpp.
@@ -59,6 +60,11 @@ struct GraspOptions {
   std::string solver;
   std::uint32_t starts = 0;
   std::uint32_t seed = 0;
+  std::uint32_t max_evaluations = 0;
+  bool paper = false;
+  v1::NormalForm normal_form = v1::NORMAL_COSINE;
+  bool avoid_penetration = false;
+  std::uint32_t choose = 0;          ///< rank of the result to take, from 1; 0: the best
   std::string log_map;               ///< empty: the server's default
   std::uint32_t interior_rings = 0;  ///< of correspondences besides the boundary's
   std::filesystem::path out;         ///< empty: not written; likewise the next two

@@ -8,6 +8,7 @@
 #include "client/grasp_session.h"
 #include "client/interruption.h"
 #include "client/json_output.h"
+#include "client/minima_text.h"
 #include "client/output_file.h"
 #include "client/progress_line.h"
 #include "client/send_model.h"
@@ -82,6 +83,33 @@ void writeProblem(ServerLink& server,
   writeFile(options.problem, server.exportSession(request));
 }
 
+// Makes one of the minima that `best` ranks the session's start and prior, and has it solved
+// from there, and from nowhere else: the answer is that minimum.
+v1::PoseSolution chosenOf(ServerLink& server,
+                          const GraspOptions& options,
+                          const v1::PoseSolution& best) {
+  if (options.choose > best.minima().size()) {
+    rejectInput("--choose {}: the searches ended in {} place(s)", options.choose,
+                best.minima().size());
+  }
+  const std::uint32_t index = options.choose - 1;
+  v1::EditBody body;
+  v1::ChoiceEdit choice;
+  choice.rank(index);
+  body.choice(choice);
+  server.edit(best.session_id(), best.revision(), body);
+  v1::SolveOptions solving = solvingOf(options);
+  solving.solver(best.minima()[index].solver());
+  solving.starts(1);
+  v1::OptimizeRequest request;
+  request.session_id(best.session_id());
+  request.options().push_back(solving);
+  v1::PoseSolution chosen = server.optimize(request);
+  chosen.minima(best.minima());
+  chosen.chosen_minimum(index);
+  return chosen;
+}
+
 }  // namespace
 
 int run(const GraspOptions& options, const CommonOptions& common, Interruption& interruption) {
@@ -108,6 +136,7 @@ int run(const GraspOptions& options, const CommonOptions& common, Interruption& 
   optimize.session_id(session.id());
   optimize.options().push_back(solvingOf(options));
   result.solution = server.optimize(optimize);
+  if (options.choose > 1) result.solution = chosenOf(server, options, result.solution);
   // The solve may lay patches anew whose direction was open: what is shown is what holds now.
   const double transfer_ms = result.transfer.transfer_ms();
   result.transfer = server.transfer(session.id());
@@ -123,6 +152,9 @@ int run(const GraspOptions& options, const CommonOptions& common, Interruption& 
   if (!options.out.empty()) writeFile(options.out, json::grasp(result) + "\n");
   progress.clear();
   fmt::print("{}", common.json ? json::grasp(result) + "\n" : text::grasp(result));
+  if (!common.json && (options.solver == "all" || options.choose > 0)) {
+    fmt::print("\n{}", text::minima(result.solution, result.hand));
+  }
   if (options.keep) {
     session.keep();
     if (result.kept && !common.json) fmt::print("session {} stays open\n", session.id());

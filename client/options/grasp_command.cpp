@@ -1,10 +1,12 @@
 #include <memory>
+#include <optional>
 
 #include <CLI/CLI.hpp>
 
 #include "client/options/command_options.h"
 #include "client/options/grasp_flags.h"
 #include "client/options/option_checks.h"
+#include "core/base/error.h"
 
 namespace handgraft::client {
 
@@ -15,6 +17,7 @@ struct Parsed {
   std::string out;
   std::string png;
   std::string problem;
+  std::optional<std::uint32_t> choose;
   bool keep = false;
 };
 
@@ -24,6 +27,14 @@ GraspOptions graspOf(const Parsed& parsed) {
   grasp.png = parsed.png;
   grasp.problem = parsed.problem;
   grasp.keep = parsed.keep;
+  if (parsed.choose) {
+    constexpr std::uint32_t kMostRanks = 8;  // idl/sessions.idl, minima
+    if (*parsed.choose < 1 || *parsed.choose > kMostRanks) {
+      rejectInput("--choose {}: it must lie in 1 to {}", *parsed.choose, kMostRanks);
+    }
+    if (grasp.paper) rejectInput("--choose {}: --paper has one result", *parsed.choose);
+    grasp.choose = *parsed.choose;
+  }
   return grasp;
 }
 
@@ -40,6 +51,10 @@ void addGraspCommand(CLI::App& app, CommandOptions& chosen) {
   command
       ->add_option("--problem", parsed->problem, "Write what was solved as handgraft-problem/1")
       ->check(objectionToFile);
+  command
+      ->add_option("--choose", parsed->choose,
+                   "Take the result of this rank, from 1, among those that the searches found")
+      ->check(objectionToCount);
   command->add_flag("--keep", parsed->keep, "Leave the session open and print its id");
   command->callback([parsed, &chosen] {
     chosen = graspOf(*parsed);

@@ -1,6 +1,7 @@
 #include "client/options/grasp_flags.h"
 
 #include <algorithm>
+#include <array>
 
 #include <CLI/CLI.hpp>
 
@@ -8,6 +9,42 @@
 #include "core/base/error.h"
 
 namespace handgraft::client {
+
+namespace {
+
+v1::NormalForm normalFormOf(const std::string& name) {
+  if (name == "cosine") return v1::NORMAL_COSINE;
+  if (name == "sum") return v1::NORMAL_SUM;
+  rejectInput("--normal-form {}: it must be cosine or sum", quoted(name));
+}
+
+// What the server would refuse, too (idl/sessions.idl), but only once it has all models.
+void requireSolving(const GraspOptions& grasp) {
+  constexpr std::array kSolvers = {"lm",    "mma",     "ccsaq", "slsqp",
+                                   "lbfgs", "tnewton", "var2",  "all"};
+  constexpr std::uint32_t kMostStarts = 10'000;
+  constexpr std::uint32_t kMostEvaluations = 100'000;
+  if (!grasp.solver.empty() &&
+      std::find(kSolvers.begin(), kSolvers.end(), grasp.solver) == kSolvers.end()) {
+    rejectInput("--solver {}: it must be one of {}", quoted(grasp.solver),
+                fmt::join(kSolvers, " "));
+  }
+  if (grasp.starts > kMostStarts) {
+    rejectInput("--starts {}: it must lie in 0 to {}", grasp.starts, kMostStarts);
+  }
+  if (grasp.max_evaluations > kMostEvaluations) {
+    rejectInput("--max-evaluations {}: it must lie in 0 to {}", grasp.max_evaluations,
+                kMostEvaluations);
+  }
+  if (grasp.paper && !grasp.solver.empty()) {
+    rejectInput("--solver {}: --paper has its own, mma", quoted(grasp.solver));
+  }
+  if (grasp.paper && grasp.starts > 0) {
+    rejectInput("--starts {}: --paper has one start", grasp.starts);
+  }
+}
+
+}  // namespace
 
 void GraspFlags::addTo(CLI::App& command) {
   models_ = {command.add_option("--hand", grasp_.hand, "Model name, or path of a URDF"),
@@ -27,6 +64,16 @@ void GraspFlags::addTo(CLI::App& command) {
           ->check(objectionToCount),
       command.add_option("--seed", grasp_.seed, "Seed of the starts after the first")
           ->check(objectionToCount),
+      command
+          .add_option("--max-evaluations", grasp_.max_evaluations,
+                      "Of the objective, a start; 0: the server's default")
+          ->check(objectionToCount),
+      command.add_flag("--paper", grasp_.paper,
+                       "The paper's own way: one start, the prior, by mma; nothing refined"),
+      command.add_option("--normal-form", normal_form_,
+                         "What the normals' term sums: cosine (the paper's) or sum"),
+      command.add_flag("--avoid-penetration", grasp_.avoid_penetration,
+                       "Charge the hand's depth in the object while solving"),
       command.add_option("--log-map", grasp_.log_map,
                          "How patches are laid out: fast, exact, auto, smooth, heat"),
       command
@@ -63,6 +110,8 @@ GraspOptions GraspFlags::grasp() const {
   hand_.requirePath(grasp.hand, "--hand");
   contacts_.requirePath(grasp.contacts, "--contacts");
   grasp.place = placeOf(place_);
+  if (!normal_form_.empty()) grasp.normal_form = normalFormOf(normal_form_);
+  requireSolving(grasp);
   requireFinite(weights_, "--weights", 0.0);
   const auto isZero = [](double weight) {
     return weight == 0.0;

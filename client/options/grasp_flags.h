@@ -30,6 +30,7 @@ class GraspFlags {
   std::vector<CLI::Option*> models_;
   std::vector<CLI::Option*> options_;  ///< but for those of the readers below
   GraspOptions grasp_;
+  std::string normal_form_;
   std::vector<double> place_;
   std::vector<double> weights_;
   HandFlags hand_;

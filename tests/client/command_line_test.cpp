@@ -12,6 +12,7 @@
 namespace handgraft::client {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 std::variant<Invocation, Printout> parse(std::vector<std::string> words) {
@@ -79,6 +80,36 @@ TEST(CommandLine, ReadsAGrasp) {
   EXPECT_EQ(options.out, "a.json");
   EXPECT_TRUE(options.png.empty());
   EXPECT_TRUE(options.keep);
+}
+
+TEST(CommandLine, ReadsHowThePoseIsSearched) {
+  const auto options = std::get<GraspOptions>(
+      invocation(grasp({"--solver", "all", "--max-evaluations", "250", "--normal-form", "sum",
+                        "--avoid-penetration", "--choose", "3"}))
+          .command);
+  EXPECT_EQ(options.solver, "all");
+  EXPECT_EQ(options.max_evaluations, 250U);
+  EXPECT_EQ(options.normal_form, v1::NORMAL_SUM);
+  EXPECT_TRUE(options.avoid_penetration);
+  EXPECT_EQ(options.choose, 3U);
+  EXPECT_FALSE(options.paper);
+  const auto paper = std::get<GraspOptions>(invocation(grasp({"--paper"})).command);
+  EXPECT_TRUE(paper.paper);
+  EXPECT_EQ(paper.normal_form, v1::NORMAL_COSINE);
+  EXPECT_EQ(paper.choose, 0U);
+}
+
+TEST(CommandLine, NamesWhatNoSolveTakesBeforeAServerIsAsked) {
+  EXPECT_THAT(objectionTo(grasp({"--solver", "magic"})),
+              AllOf(HasSubstr("'magic'"), HasSubstr("lm mma")));
+  EXPECT_THAT(objectionTo(grasp({"--starts", "10001"})), HasSubstr("0 to 10000"));
+  EXPECT_THAT(objectionTo(grasp({"--max-evaluations", "100001"})), HasSubstr("0 to 100000"));
+  EXPECT_THAT(objectionTo(grasp({"--normal-form", "sine"})), HasSubstr("cosine or sum"));
+  EXPECT_THAT(objectionTo(grasp({"--paper", "--solver", "slsqp"})), HasSubstr("'slsqp'"));
+  EXPECT_THAT(objectionTo(grasp({"--paper", "--starts", "4"})), HasSubstr("--starts 4"));
+  EXPECT_THAT(objectionTo(grasp({"--paper", "--choose", "2"})), HasSubstr("--choose 2"));
+  EXPECT_THAT(objectionTo(grasp({"--choose", "0"})), HasSubstr("1 to 8"));
+  EXPECT_THAT(objectionTo(grasp({"--choose", "9"})), HasSubstr("1 to 8"));
 }
 
 TEST(CommandLine, ReadsHowPatchesAreLaidOut) {

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <limits>
 
 #include <gmock/gmock.h>
@@ -7,6 +8,7 @@
 #include "client/grasp_picture.h"
 #include "client/grasp_result.h"
 #include "client/json_output.h"
+#include "client/minima_text.h"
 #include "client/model_json.h"
 #include "client/text_output.h"
 #include "client/transfer_json.h"
@@ -17,6 +19,7 @@ namespace handgraft::client {
 namespace {
 
 using nlohmann::json;
+using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -122,6 +125,50 @@ TEST(GraspJson, SaysWhatTheReadmePromises) {
   EXPECT_EQ(thumb["hand_W_m"][1][0], 0.01);
   EXPECT_EQ(document["patches"][1]["placed"], false);
   EXPECT_EQ(document["patches"][1]["reason"], "the hand has no finger 'ring'");
+}
+
+// Two places, the second 3 mm off, a quarter turn about x and 0.1 rad of its joint.
+v1::PoseSolution ranked() {
+  v1::MinimumInfo best;
+  best.solver("lm");
+  best.hits(40);
+  best.terms().objective(1.5);
+  best.X_WH() = poseAt(0.1);
+  best.joint_rad() = {0.5};
+  v1::MinimumInfo second = best;
+  second.solver("mma");
+  second.hits(2);
+  second.start(7);
+  second.terms().objective(2.0);
+  second.X_WH() = poseAt(0.103);
+  second.X_WH().q_wxyz({std::sqrt(0.5), std::sqrt(0.5), 0.0, 0.0});
+  second.joint_rad() = {0.4};
+  v1::PoseSolution solution;
+  solution.minima() = {best, second};
+  solution.chosen_minimum(1);
+  return solution;
+}
+
+TEST(RankedMinima, SayHowFarEachIsFromTheBestAndWhichOneIsTaken) {
+  const std::string shown = text::minima(ranked(), example().hand);
+  EXPECT_THAT(shown, ContainsRegex("1 +lm +1.5 +40 +0 +0.0 +0.0 +0.0\n"));
+  EXPECT_THAT(shown, ContainsRegex("2 +mma +2 +2 +7 +3.0 +90.0 +5.7 +taken\n"));
+  EXPECT_EQ(text::minima(v1::PoseSolution(), example().hand), "");
+}
+
+TEST(RankedMinima, AreInTheDocumentWithTheirPoses) {
+  GraspResult result = example();
+  result.solution.minima() = ranked().minima();
+  result.solution.chosen_minimum(1);
+  const json minima = json::parse(client::json::grasp(result))["minima"];
+  ASSERT_EQ(minima.size(), 2U);
+  EXPECT_EQ(minima[0]["taken"], false);
+  EXPECT_EQ(minima[1]["rank"], 2);
+  EXPECT_EQ(minima[1]["taken"], true);
+  EXPECT_EQ(minima[1]["hits"], 2);
+  EXPECT_EQ(minima[1]["joints"]["bend"], 0.4);
+  EXPECT_NEAR(minima[1]["moved_mm"], 3.0, 1e-9);
+  EXPECT_NEAR(minima[1]["turned_deg"], 90.0, 1e-9);
 }
 
 TEST(GraspJson, NamesTheSessionThatIsKept) {
