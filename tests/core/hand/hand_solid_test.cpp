@@ -1,0 +1,169 @@
+#include "core/hand/hand_solid.h"
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "core/hand/kinematics.h"
+#include "core/hand/sample_thinning.h"
+
+#include "tests/support/ball_hand.h"
+
+namespace handgraft::hand {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kRadius = 0.01;
+constexpr double kBallArea = 4.0 * std::numbers::pi * kRadius * kRadius;
+
+/// Four links in a row along x, hinged about z, 30 mm apart.
+test::BallHand chainOfBalls() {
+  std::vector<Link> links(4);
+  std::vector<Joint> joints;
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    links[i].name = "link" + std::to_string(i);
+    if (i == 0) continue;
+    Joint joint;
+    joint.name = "joint" + std::to_string(i);
+    joint.type = JointType::kRevolute;
+    joint.parent_link = links[i - 1].name;
+    joint.child_link = links[i].name;
+    joint.X_PJ.translation() = Vector3d(0.03, 0, 0);
+    joint.axis_J = Vector3d::UnitZ();
+    joint.lower = -3.0;
+    joint.upper = 3.0;
+    joints.push_back(joint);
+  }
+  return test::withBalls(HandModel("chain", links, joints), kRadius);
+}
+
+TEST(HandSolid, SharesOutTheSurfaceAmongEvenSamples) {
+  const test::BallHand hand = chainOfBalls();
+  const HandSolid solid(*hand.model, *hand.skin, Progress());
+  ASSERT_EQ(solid.links().size(), 4u);
+  for (const LinkSolid& link : solid.links()) {
+    for (const SampleSet* set : {&link.coarse, &link.fine}) {
+      double area = 0.0;
+      Vector3d middle = Vector3d::Zero();
+      for (const SurfaceSample& sample : set->samples) {
+        EXPECT_NEAR(sample.p_L.norm(), kRadius, 1e-4);
+        area += sample.area_m2;
+        middle += sample.area_m2 * sample.p_L;
+      }
+      EXPECT_NEAR(area, kBallArea, 0.01 * kBallArea);
+      EXPECT_LT((middle / area).norm(), 0.03 * kRadius) << "samples crowd on one side";
+    }
+    EXPECT_NEAR(static_cast<double>(link.coarse.samples.size()), 150.0, 45.0);
+    EXPECT_NEAR(static_cast<double>(link.fine.samples.size()), 1000.0, 350.0);
+  }
+}
+
+TEST(HandSolid, HoldsEverySampleInOneCluster) {
+  const test::BallHand hand = chainOfBalls();
+  const HandSolid solid(*hand.model, *hand.skin, Progress());
+  for (const LinkSolid& link : solid.links()) {
+    int next = 0;
+    for (const SampleCluster& cluster : link.fine.clusters) {
+      EXPECT_EQ(cluster.begin, next);
+      next = cluster.end;
+      for (int i = cluster.begin; i < cluster.end; ++i)
+        EXPECT_LE((link.fine.samples[i].p_L - cluster.centre_L).norm(), cluster.radius + 1e-15);
+    }
+    EXPECT_EQ(next, std::ssize(link.fine.samples));
+  }
+}
+
+TEST(HandSolid, KnowsWhatALinkTakesUp) {
+  const test::BallHand hand = chainOfBalls();
+  const HandSolid solid(*hand.model, *hand.skin, Progress());
+  for (const LinkSolid& link : solid.links()) {
+    double volume = 0.0;
+    for (const geometry::DistanceGrid::Cell& cell : link.cells_L)
+      volume += cell.share * std::pow(link.grid_L->spacing(), 3);
+    EXPECT_NEAR(volume, kBallArea * kRadius / 3.0, 0.03 * kBallArea * kRadius / 3.0);
+    EXPECT_NEAR(link.distance({0.004, 0, 0}), -0.006, 3e-4);
+    EXPECT_NEAR(link.distance({0, 0.0105, 0}), 0.0005, 1e-4);
+  }
+}
+
+TEST(HandSolid, LeavesOutNeighboursAndWhatTouchesAtRest) {
+  const test::BallHand hand = chainOfBalls();
+  const HandSolid solid(*hand.model, *hand.skin, Progress());
+  const std::vector<std::array<int, 2>> expected = {{0, 2}, {0, 3}, {1, 3}};
+  EXPECT_EQ(solid.strangers(), expected);
+
+  // Folded so that balls 0 and 3 meet at rest.
+  const HandModel folded =
+      hand.model->withRestPose(Vector3d::Constant(1.9));
+  const std::vector<std::array<int, 2>> fewer = {{0, 2}, {1, 3}};
+  EXPECT_EQ(HandSolid(folded, *hand.skin, Progress()).strangers(), fewer);
+}
+
+TEST(HandSolid, MeasuresHowDeepLinksLieInEachOther) {
+  const test::BallHand hand = chainOfBalls();
+  const HandSolid solid(*hand.model, *hand.skin, Progress());
+  for (const double distance : {0.012, 0.018, 0.0199, 0.021, 0.5}) {
+    Pose X_BA = Pose::Identity();
+    X_BA.translation() = distance * Vector3d(2, -1, 0.5).normalized();
+    const double depth = depthOf(solid.links()[0], solid.links()[3], X_BA);
+    EXPECT_NEAR(depth, std::max(0.0, 2 * kRadius - distance), distance < 0.015 ? 1e-3 : 3e-4) << distance;
+  }
+}
+
+TEST(HandSolid, IsTheSameBytesTwice) {
+  const test::BallHand hand = chainOfBalls();
+  const HandSolid one(*hand.model, *hand.skin, Progress());
+  const HandSolid two(*hand.model, *hand.skin, Progress());
+  for (std::size_t k = 0; k < one.links().size(); ++k) {
+    const auto& a = one.links()[k].coarse.samples;
+    const auto& b = two.links()[k].coarse.samples;
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      EXPECT_EQ(a[i].p_L, b[i].p_L);
+      EXPECT_EQ(a[i].area_m2, b[i].area_m2);
+    }
+  }
+}
+
+TEST(HandSolid, StopsOnWish) {
+  const test::BallHand hand = chainOfBalls();
+  Progress progress;
+  progress.cancel();
+  EXPECT_THROW(HandSolid(*hand.model, *hand.skin, progress), Cancelled);
+}
+
+TEST(SampleThinning, KeepsAllAtADistanceAndEveryoneNearOne) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> side(0.0, 0.1);
+  Eigen::Matrix3Xd points(3, 3000);
+  std::vector<int> groups;
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    for (int a = 0; a < 3; ++a)
+      points(a, i) = side(random);
+    groups.push_back(static_cast<int>(i % 2));
+  }
+  const double spacing = 0.02;
+  const Thinned thinned = thinOut(points, groups, spacing);
+  for (const int a : thinned.kept) {
+    for (const int b : thinned.kept) {
+      if (a < b && groups[a] == groups[b]) {
+        EXPECT_GE((points.col(a) - points.col(b)).norm(), spacing);
+      }
+    }
+  }
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    const int nearest = thinned.kept.at(thinned.nearest[i]);
+    EXPECT_EQ(groups[nearest], groups[i]);
+    double best = 1.0;
+    for (const int k : thinned.kept)
+      if (groups[k] == groups[i]) best = std::min(best, (points.col(k) - points.col(i)).norm());
+    EXPECT_EQ((points.col(nearest) - points.col(i)).norm(), best);
+    EXPECT_LT(best, spacing);
+  }
+}
+
+}  // namespace
+}  // namespace handgraft::hand
