@@ -1,0 +1,126 @@
+#include "core/session/edit.h"
+
+#include "core/base/error.h"
+
+namespace handgraft::session {
+namespace {
+
+constexpr double kDegree = 0.017453292519943295;  // rad
+
+const char* nameOf(Side side) {
+  return side == Side::kHand ? "hand" : "object";
+}
+
+/// A name of somebody's, cut so that a history stays small.
+std::string shortened(const std::string& name) {
+  constexpr std::size_t kMost = 48;
+  const std::string shown = quoted(name);
+  const std::string bare = shown.substr(1, shown.size() - 2);
+  return bare.size() <= kMost ? bare : bare.substr(0, kMost) + "...";
+}
+
+std::string text(const ObjectPoseEdit& /*edit*/) {
+  return "place object";
+}
+
+std::string text(const PatchWeightEdit& edit) {
+  return fmt::format("weight {} {:.6g}", shortened(edit.patch), edit.weight);
+}
+
+std::string text(const PatchEnabledEdit& edit) {
+  return fmt::format("{} {}", edit.enabled ? "enable" : "disable", shortened(edit.patch));
+}
+
+std::string text(const PatchRootEdit& edit) {
+  return fmt::format("root {} {}", shortened(edit.patch), nameOf(edit.side));
+}
+
+std::string text(const PatchDirectionEdit& edit) {
+  return fmt::format("dir {} {} {:+.4g}deg", shortened(edit.patch), nameOf(edit.side),
+                     edit.angle_rad / kDegree);
+}
+
+std::string text(const JointLimitEdit& edit) {
+  return fmt::format("limit {} {:.6g} to {:.6g}", shortened(edit.joint), edit.lower,
+                     edit.upper);
+}
+
+std::string text(const JointLockEdit& edit) {
+  return fmt::format("{} {}", edit.locked ? "lock" : "unlock", shortened(edit.joint));
+}
+
+std::string text(const JointSoftEdit& edit) {
+  return edit.weight > 0.0 ? fmt::format("soft {} {:.6g} weight {:.6g}", shortened(edit.joint),
+                                         edit.value, edit.weight)
+                           : fmt::format("soft {} off", shortened(edit.joint));
+}
+
+std::string text(const PriorEdit& edit) {
+  if (edit.joints.size() == 1 && edit.q.size() == 1 && !edit.X_WH) {
+    return fmt::format("joint {} {:.6g}", shortened(edit.joints.front()), edit.q.front());
+  }
+  return edit.X_WH ? fmt::format("pose of the hand and {} joints", edit.joints.size())
+                   : fmt::format("pose of {} joints", edit.joints.size());
+}
+
+std::string text(const PriorSharesEdit& edit) {
+  return fmt::format("prior shares {:.6g} {:.6g} {:.6g}", edit.shares.root_rotation,
+                     edit.shares.root_translation, edit.shares.joints);
+}
+
+std::string text(const WeightsEdit& edit) {
+  return fmt::format("weights {:.6g} {:.6g} {:.6g}", edit.weights.distance, edit.weights.normal,
+                     edit.weights.prior);
+}
+
+std::string text(const SolvingEdit& edit) {
+  return edit.solving.paper
+             ? std::string("solving as in the paper")
+             : fmt::format("solving by {} from {} starts",
+                           optimize::nameOf(edit.solving.solver), edit.solving.starts);
+}
+
+std::string text(const DragEdit& edit) {
+  return fmt::format("drag {} to {:.4g} {:.4g} {:.4g}", shortened(edit.link), edit.target_W.x(),
+                     edit.target_W.y(), edit.target_W.z());
+}
+
+std::string text(const ChoiceEdit& edit) {
+  return fmt::format("choose minimum {}", edit.rank);
+}
+
+std::string text(const HandEdit& edit) {
+  return fmt::format("hand {}", shortened(edit.name));
+}
+
+std::string text(const ObjectEdit& edit) {
+  return fmt::format("object {}", shortened(edit.name));
+}
+
+std::string text(const UndoEdit& edit) {
+  return edit.count == 1 ? std::string("undo") : fmt::format("undo {}", edit.count);
+}
+
+std::string text(const RedoEdit& edit) {
+  return edit.count == 1 ? std::string("redo") : fmt::format("redo {}", edit.count);
+}
+
+std::string text(const SnapshotEdit& edit) {
+  return fmt::format("snapshot {}", shortened(edit.name));
+}
+
+std::string text(const RestoreEdit& edit) {
+  return fmt::format("restore {}", shortened(edit.name));
+}
+
+}  // namespace
+
+std::string describe(const Edit& edit) {
+  return std::visit(
+      [](const auto& one) {
+        return text(one);
+      },
+      edit);
+}
+
+}  // namespace handgraft::session

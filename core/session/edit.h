@@ -1,0 +1,155 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/base/pose.h"
+#include "core/geometry/surface_point.h"
+#include "core/hand/kinematics.h"
+#include "core/optimize/pose_problem.h"
+#include "core/optimize/problem_options.h"
+#include "core/session/solving.h"
+
+namespace handgraft::session {
+
+// === What a user may change (idl/edits.idl says the same on the wire)
+enum class Side { kObject, kHand };
+
+struct ObjectPoseEdit {
+  Pose X_WO;
+};
+
+struct PatchWeightEdit {
+  std::string patch;
+  double weight;
+};
+
+struct PatchEnabledEdit {
+  std::string patch;
+  bool enabled;
+};
+
+struct PatchRootEdit {
+  std::string patch;
+  Side side;
+  geometry::SurfacePoint root;
+};
+
+struct PatchDirectionEdit {
+  std::string patch;
+  Side side;
+  double angle_rad;  ///< about the outward normal, counter-clockwise
+};
+
+struct JointLimitEdit {
+  std::string joint;
+  double lower;
+  double upper;
+};
+
+// A locked joint stays where the start has it.
+struct JointLockEdit {
+  std::string joint;
+  bool locked;
+};
+
+// Holds a joint near a value: the prior moves there and weighs `weight` times as much. Weight 0
+// lets it go.
+struct JointSoftEdit {
+  std::string joint;
+  double value;
+  double weight;
+};
+
+// Sets the prior and the start; what is not named stays as it was.
+struct PriorEdit {
+  std::optional<Pose> X_WH;
+  std::vector<std::string> joints;
+  std::vector<double> q;
+};
+
+struct PriorSharesEdit {
+  optimize::PriorShares shares;
+};
+
+struct WeightsEdit {
+  optimize::Weights weights;
+};
+
+struct SolvingEdit {
+  Solving solving;
+};
+
+// Moves a point of a link to a place, the other contacts held softly; the pose becomes prior
+// and start. With a rotation, the link's frame is turned to it as well.
+struct DragEdit {
+  std::string link;
+  Eigen::Vector3d p_L = Eigen::Vector3d::Zero();
+  Eigen::Vector3d target_W = Eigen::Vector3d::Zero();
+  std::optional<Eigen::Matrix3d> target_R_WL;
+};
+
+// One of the minima that the last committed solution ranked becomes prior and start. The pose
+// is filled in by the session that applies the edit, so that its log needs no solution.
+struct ChoiceEdit {
+  int rank = 0;  ///< 0: the best
+  std::optional<hand::HandPose> pose;
+};
+
+// Another hand; places, limits and values that still fit are kept.
+struct HandEdit {
+  std::string name;
+};
+
+// Another object; patches that lie on it, too, are carried along.
+struct ObjectEdit {
+  std::string name;
+};
+
+// === What moves through the history
+struct UndoEdit {
+  int count = 1;
+};
+
+struct RedoEdit {
+  int count = 1;
+};
+
+struct SnapshotEdit {
+  std::string name;  ///< one of that name is replaced
+};
+
+struct RestoreEdit {
+  std::string name;
+};
+
+using Edit = std::variant<ObjectPoseEdit,
+                          PatchWeightEdit,
+                          PatchRootEdit,
+                          PatchDirectionEdit,
+                          JointLimitEdit,
+                          JointLockEdit,
+                          PriorEdit,
+                          WeightsEdit,
+                          PatchEnabledEdit,
+                          JointSoftEdit,
+                          PriorSharesEdit,
+                          SolvingEdit,
+                          DragEdit,
+                          ChoiceEdit,
+                          HandEdit,
+                          ObjectEdit,
+                          UndoEdit,
+                          RedoEdit,
+                          SnapshotEdit,
+                          RestoreEdit>;
+
+/// One line for people, without numbers that say little: "limit thumb_mcp 0 to 0.6 rad", "drag
+/// middle_tip". What it quotes is on one line and cut short.
+std::string describe(const Edit& edit);
+
+}  // namespace handgraft::session

@@ -1,0 +1,230 @@
+#pragma once
+
+#include <array>
+#include <concepts>
+#include <string_view>
+#include <type_traits>
+
+#include "core/session/document.h"
+#include "core/session/edit.h"
+
+// The fields of everything that is compared, hashed and saved, listed once: whatever goes
+// through them (bytes, files) cannot forget one.
+namespace handgraft::session {
+
+template <class T, class Of>
+concept Maybe = std::same_as<std::remove_const_t<T>, Of>;
+
+// === Values
+
+void visitFields(Maybe<geometry::SurfacePoint> auto& point, auto&& visit) {
+  visit("face", point.face);
+  visit("barycentric", point.barycentric);
+}
+
+void visitFields(Maybe<transfer::Placement> auto& placement, auto&& visit) {
+  visit("root_S", placement.root_S);
+  visit("direction_S", placement.direction_S);
+}
+
+void visitFields(Maybe<hand::HandPose> auto& pose, auto&& visit) {
+  visit("X_WH", pose.X_WH);
+  visit("q", pose.q);
+}
+
+void visitFields(Maybe<optimize::Weights> auto& weights, auto&& visit) {
+  visit("distance", weights.distance);
+  visit("normal", weights.normal);
+  visit("prior", weights.prior);
+}
+
+void visitFields(Maybe<optimize::PriorShares> auto& shares, auto&& visit) {
+  visit("root_rotation", shares.root_rotation);
+  visit("root_translation", shares.root_translation);
+  visit("joints", shares.joints);
+}
+
+void visitFields(Maybe<Solving> auto& solving, auto&& visit) {
+  visit("solver", solving.solver);
+  visit("starts", solving.starts);
+  visit("seed", solving.seed);
+  visit("max_evaluations", solving.max_evaluations);
+  visit("paper", solving.paper);
+  visit("normal_form", solving.normal_form);
+  visit("avoid_penetration", solving.avoid_penetration);
+}
+
+void visitFields(Maybe<transfer::TransferOptions> auto& options, auto&& visit) {
+  visit("method", options.method);
+  visit("interior_rings", options.interior_rings);
+}
+
+// === The document
+
+void visitFields(Maybe<DocumentPatch> auto& patch, auto&& visit) {
+  visit("name", patch.name);
+  visit("enabled", patch.enabled);
+  visit("weight", patch.weight);
+  visit("root_O", patch.root_O);
+  visit("direction_O", patch.direction_O);
+  visit("direction_is_open", patch.direction_is_open);
+  visit("site", patch.site);
+  visit("placement", patch.placement);
+  visit("dropped", patch.dropped);
+  visit("root_is_open", patch.root_is_open);
+}
+
+void visitFields(Maybe<DocumentJoint> auto& joint, auto&& visit) {
+  visit("lower", joint.lower);
+  visit("upper", joint.upper);
+  visit("locked", joint.locked);
+  visit("soft_weight", joint.soft_weight);
+  visit("soft_value", joint.soft_value);
+}
+
+void visitFields(Maybe<Document> auto& document, auto&& visit) {
+  visit("hand", document.hand);
+  visit("object", document.object);
+  visit("contacts", document.contacts);
+  visit("X_WO", document.X_WO);
+  visit("patches", document.patches);
+  visit("joints", document.joints);
+  visit("start", document.start);
+  visit("prior", document.prior);
+  visit("start_is_known", document.start_is_known);
+  visit("is_solved", document.is_solved);
+  visit("weights", document.weights);
+  visit("prior_shares", document.prior_shares);
+  visit("solving", document.solving);
+  visit("transfer", document.transfer);
+  visit("notes", document.notes);
+}
+
+void visitFields(Maybe<DocumentChange> auto& change, auto&& visit) {
+  visit("hand", change.hand);
+  visit("object", change.object);
+  visit("contacts", change.contacts);
+  visit("X_WO", change.X_WO);
+  visit("patch_count", change.patch_count);
+  visit("patches", change.patches);
+  visit("joint_count", change.joint_count);
+  visit("joints", change.joints);
+  visit("start", change.start);
+  visit("prior", change.prior);
+  visit("prior_is_start", change.prior_is_start);
+  visit("start_is_known", change.start_is_known);
+  visit("is_solved", change.is_solved);
+  visit("weights", change.weights);
+  visit("prior_shares", change.prior_shares);
+  visit("solving", change.solving);
+  visit("transfer", change.transfer);
+  visit("notes", change.notes);
+}
+
+// === Edits
+
+/// The kinds of edits by their place in `Edit`, as files spell them.
+inline constexpr std::array<std::string_view, std::variant_size_v<Edit>> kEditKinds = {
+    "object_pose",  "patch_weight", "patch_root", "patch_direction", "joint_limit",
+    "joint_lock",   "prior",        "weights",    "patch_enabled",   "joint_soft",
+    "prior_shares", "solving",      "drag",       "choice",          "hand",
+    "object",       "undo",         "redo",       "snapshot",        "restore"};
+
+void visitFields(Maybe<ObjectPoseEdit> auto& edit, auto&& visit) {
+  visit("X_WO", edit.X_WO);
+}
+
+void visitFields(Maybe<PatchWeightEdit> auto& edit, auto&& visit) {
+  visit("patch", edit.patch);
+  visit("weight", edit.weight);
+}
+
+void visitFields(Maybe<PatchEnabledEdit> auto& edit, auto&& visit) {
+  visit("patch", edit.patch);
+  visit("enabled", edit.enabled);
+}
+
+void visitFields(Maybe<PatchRootEdit> auto& edit, auto&& visit) {
+  visit("patch", edit.patch);
+  visit("side", edit.side);
+  visit("root", edit.root);
+}
+
+void visitFields(Maybe<PatchDirectionEdit> auto& edit, auto&& visit) {
+  visit("patch", edit.patch);
+  visit("side", edit.side);
+  visit("angle_rad", edit.angle_rad);
+}
+
+void visitFields(Maybe<JointLimitEdit> auto& edit, auto&& visit) {
+  visit("joint", edit.joint);
+  visit("lower", edit.lower);
+  visit("upper", edit.upper);
+}
+
+void visitFields(Maybe<JointLockEdit> auto& edit, auto&& visit) {
+  visit("joint", edit.joint);
+  visit("locked", edit.locked);
+}
+
+void visitFields(Maybe<JointSoftEdit> auto& edit, auto&& visit) {
+  visit("joint", edit.joint);
+  visit("value", edit.value);
+  visit("weight", edit.weight);
+}
+
+void visitFields(Maybe<PriorEdit> auto& edit, auto&& visit) {
+  visit("X_WH", edit.X_WH);
+  visit("joints", edit.joints);
+  visit("q", edit.q);
+}
+
+void visitFields(Maybe<PriorSharesEdit> auto& edit, auto&& visit) {
+  visit("shares", edit.shares);
+}
+
+void visitFields(Maybe<WeightsEdit> auto& edit, auto&& visit) {
+  visit("weights", edit.weights);
+}
+
+void visitFields(Maybe<SolvingEdit> auto& edit, auto&& visit) {
+  visit("solving", edit.solving);
+}
+
+void visitFields(Maybe<DragEdit> auto& edit, auto&& visit) {
+  visit("link", edit.link);
+  visit("p_L", edit.p_L);
+  visit("target_W", edit.target_W);
+  visit("target_R_WL", edit.target_R_WL);
+}
+
+void visitFields(Maybe<ChoiceEdit> auto& edit, auto&& visit) {
+  visit("rank", edit.rank);
+  visit("pose", edit.pose);
+}
+
+void visitFields(Maybe<HandEdit> auto& edit, auto&& visit) {
+  visit("name", edit.name);
+}
+
+void visitFields(Maybe<ObjectEdit> auto& edit, auto&& visit) {
+  visit("name", edit.name);
+}
+
+void visitFields(Maybe<UndoEdit> auto& edit, auto&& visit) {
+  visit("count", edit.count);
+}
+
+void visitFields(Maybe<RedoEdit> auto& edit, auto&& visit) {
+  visit("count", edit.count);
+}
+
+void visitFields(Maybe<SnapshotEdit> auto& edit, auto&& visit) {
+  visit("name", edit.name);
+}
+
+void visitFields(Maybe<RestoreEdit> auto& edit, auto&& visit) {
+  visit("name", edit.name);
+}
+
+}  // namespace handgraft::session

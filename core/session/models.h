@@ -1,0 +1,98 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/contact/contact_set.h"
+#include "core/geometry/log_mapper.h"
+#include "core/geometry/triangle_mesh.h"
+#include "core/hand/contact_site.h"
+#include "core/hand/hand_model.h"
+#include "core/hand/skin.h"
+
+namespace handgraft::session {
+
+/// A hand ready for use; shared by all sessions.
+struct Hand {
+  std::shared_ptr<const hand::HandModel> model;
+  std::shared_ptr<const hand::Skin> skin;
+  std::vector<hand::ContactSite> sites;
+  /// Log maps of the skin, so that sessions share what those keep; a session makes its own
+  /// where it is missing.
+  std::shared_ptr<const geometry::LogMapper> skin_maps = nullptr;
+  /// Nobody chose the sites: they say which finger, and where on it only roughly. Patches on
+  /// them may slide.
+  bool sites_are_found = false;
+};
+
+/// Where sessions find models by name when an edit, an undo or a file asks for them.
+class ModelSource {
+ public:
+  virtual ~ModelSource() = default;
+
+  /// Errors: InvalidInput or the owner's own if there is none of that name. May take long.
+  virtual Hand hand(const std::string& name, const Progress& progress) = 0;
+  virtual std::shared_ptr<const geometry::TriangleMesh> object(const std::string& name,
+                                                               const Progress& progress) = 0;
+};
+
+/// What a session is opened with.
+struct SessionModels {
+  std::string hand_name;
+  Hand hand;
+  std::string object_name;
+  std::shared_ptr<const geometry::TriangleMesh> object_O;
+  std::string contacts_name;
+  std::shared_ptr<const contact::ContactSet> contacts;  ///< on that object's mesh
+  std::shared_ptr<ModelSource> source = nullptr;        ///< null: there are no others
+};
+
+/// What a document's names stand for.
+struct Models {
+  const Hand* hand = nullptr;
+  std::shared_ptr<const geometry::TriangleMesh> object_O;
+  /// On that mesh: carried there where the set was made for another one.
+  std::shared_ptr<const contact::ContactSet> contacts;
+};
+
+/// The models of one session by name: those it was opened with, and those that edits brought
+/// in, which stay what they were for as long as the session lives, so that undo finds them.
+class ModelShelf {
+ public:
+  /// Errors: BrokenContract if a model is missing.
+  explicit ModelShelf(SessionModels models);
+
+  /// Errors: InvalidInput if nobody knows the name, or more than kMostModels were asked for.
+  const Hand& hand(const std::string& name, const Progress& progress);
+  std::shared_ptr<const geometry::TriangleMesh> object(const std::string& name,
+                                                       const Progress& progress);
+
+  /// The session's contact set on another object: itself on a mesh like its own, else carried
+  /// (contact/carry.h). Errors: InvalidInput as there.
+  std::shared_ptr<const contact::ContactSet> contactsOn(const std::string& object,
+                                                        const Progress& progress);
+
+  Models find(const std::string& hand, const std::string& object, const Progress& progress);
+
+  [[nodiscard]] const SessionModels& first() const { return first_; }
+
+  // === Fingerprints, so that a saved session is not played on other models (SHA-256, hex).
+  std::string handHash(const std::string& name);
+  std::string objectHash(const std::string& name);
+  std::string contactsHash();
+
+ private:
+  SessionModels first_;
+  std::map<std::string, Hand> hands_;
+  std::map<std::string, std::shared_ptr<const geometry::TriangleMesh>> objects_;
+  std::map<std::string, std::shared_ptr<const contact::ContactSet>> carried_;  ///< by object
+  std::map<std::string, std::string> hashes_;
+};
+
+/// Hands and objects that one session may have known.
+inline constexpr std::size_t kMostModels = 32;
+
+}  // namespace handgraft::session

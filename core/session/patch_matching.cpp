@@ -1,0 +1,182 @@
+#include "core/session/patch_matching.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "core/base/error.h"
+#include "core/geometry/tangent.h"
+#include "core/session/hand_placement.h"
+#include "core/session/patch_names.h"
+#include "core/session/site_assignment.h"
+
+namespace handgraft::session {
+namespace {
+
+/// The placement at a site, with a direction that is a tangent of the skin.
+transfer::Placement soundPlacementAt(const Hand& hand, const hand::ContactSite& site) {
+  transfer::Placement placement = transfer::placementAt(*hand.model, *hand.skin, site);
+  placement.direction_S = tangentAt(hand.skin->mesh(), placement.root_S, placement.direction_S)
+                              .value_or(anyTangentAt(hand.skin->mesh(), placement.root_S));
+  return placement;
+}
+
+void lay(const Hand& hand, const hand::ContactSite& site, DocumentPatch& patch) {
+  patch.site = site.name;
+  patch.placement = soundPlacementAt(hand, site);
+  patch.root_is_open = hand.sites_are_found;
+  patch.dropped.clear();
+}
+
+void matchByName(const Hand& hand, Document& document) {
+  for (DocumentPatch& patch : document.patches) {
+    if (patch.placement) continue;
+    for (const hand::ContactSite& site : hand.sites) {
+      if (site.name == patch.name) lay(hand, site, patch);
+    }
+  }
+}
+
+Anchor objectSideOf(Anchor anchor, const DocumentPatch& patch, const Models& models) {
+  contact::Patch place;
+  place.root = patch.root_O;
+  place.direction_O = patch.direction_O;
+  return withObjectSide(anchor, place, *models.object_O, !patch.direction_is_open);
+}
+
+void matchByGeometry(const Models& models, Document& document, const Progress& progress) {
+  const Hand& hand = *models.hand;
+  // === Who is left: patches and sites where at least one of the two has no finger's name
+  std::vector<DocumentPatch*> patches;
+  std::vector<Anchor> patch_anchors;
+  std::vector<Anchor> fixed;
+  for (DocumentPatch& patch : document.patches) {
+    if (!patch.placement) {
+      patches.push_back(&patch);
+      patch_anchors.push_back(objectSideOf({}, patch, models));
+    } else if (auto anchor = anchorAt(*hand.skin, *patch.placement)) {
+      fixed.push_back(objectSideOf(*anchor, patch, models));
+    }
+  }
+  std::vector<const hand::ContactSite*> sites;
+  std::vector<Anchor> site_anchors;
+  for (const hand::ContactSite& site : hand.sites) {
+    const bool is_taken =
+        std::any_of(document.patches.begin(), document.patches.end(), [&](const auto& patch) {
+          return patch.placement && patch.site == site.name;
+        });
+    const auto anchor = anchorAt(*hand.skin, soundPlacementAt(hand, site));
+    if (is_taken || !anchor) continue;
+    sites.push_back(&site);
+    site_anchors.push_back(*anchor);
+  }
+  bool any = false;
+  std::vector<std::vector<bool>> permitted;
+  for (const DocumentPatch* patch : patches) {
+    permitted.emplace_back();
+    for (const hand::ContactSite* site : sites) {
+      const bool may = isAnonymousPatch(patch->name) || isAnonymousSite(site->name);
+      permitted.back().push_back(may);
+      any = any || may;
+    }
+  }
+
+  // === Their places, and who goes without
+  std::vector<int> answer(patches.size(), -1);
+  if (any) {
+    const HandPlacer placer(hand.model, *hand.skin, *models.object_O);
+    answer = assignSites(placer, hand.model, fixed, patch_anchors, site_anchors, permitted,
+                         document.X_WO, progress);
+  }
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    DocumentPatch& patch = *patches[i];
+    if (answer[i] >= 0) {
+      lay(hand, *sites[static_cast<std::size_t>(answer[i])], patch);
+      document.notes.push_back(fmt::format("{} laid on site '{}', the best assignment found",
+                                           quoted(patch.name), patch.site));
+    } else if (isAnonymousPatch(patch.name)) {
+      patch.dropped = fmt::format("no site is left for {}; the hand's sites are {}",
+                                  quoted(patch.name), namesOf(hand.sites));
+    } else {
+      patch.dropped = fmt::format("hand has no {}; its sites are {}", quoted(patch.name),
+                                  namesOf(hand.sites));
+    }
+  }
+}
+
+}  // namespace
+
+void matchPatches(const Models& models, Document& document, const Progress& progress) {
+  matchByName(*models.hand, document);
+  matchByGeometry(models, document, progress);
+  const auto isPlaced = [](const DocumentPatch& patch) {
+    return patch.placement.has_value();
+  };
+  if (std::none_of(document.patches.begin(), document.patches.end(), isPlaced)) {
+    std::vector<std::string> names;
+    for (const DocumentPatch& patch : document.patches)
+      names.push_back(patch.name);
+    rejectInput(
+        "contact set {}: none of its patches ({}) has a site on the hand; its sites are {}",
+        quoted(document.contacts), fmt::join(names, ", "), namesOf(models.hand->sites));
+  }
+}
+
+std::vector<DocumentJoint> jointsOf(const hand::HandModel& model) {
+  std::vector<DocumentJoint> joints(static_cast<std::size_t>(model.dofCount()));
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    joints[i].lower = model.lower()[static_cast<Eigen::Index>(i)];
+    joints[i].upper = model.upper()[static_cast<Eigen::Index>(i)];
+  }
+  return joints;
+}
+
+contact::Patch patchOf(const Models& models, const DocumentPatch& patch) {
+  for (const contact::Patch& outline : models.contacts->patches) {
+    if (outline.name != patch.name) continue;
+    contact::Patch result = outline;
+    result.root = patch.root_O;
+    result.direction_O = patch.direction_O;
+    result.weight = patch.effectiveWeight();
+    return result;
+  }
+  rejectInput("contact set {} has no patch {}", quoted(models.contacts->name),
+              quoted(patch.name));
+}
+
+Document firstDocument(ModelShelf& shelf,
+                       const Pose& X_WO,
+                       const optimize::Weights& weights,
+                       const transfer::TransferOptions& transfer,
+                       const Progress& progress) {
+  const SessionModels& first = shelf.first();
+  const Models models = shelf.find(first.hand_name, first.object_name, progress);
+  validate(*models.hand->model, models.hand->sites);
+  validateSet(*models.contacts, *models.object_O, models.hand->sites);
+  validate(transfer);
+
+  Document document;
+  document.hand = first.hand_name;
+  document.object = first.object_name;
+  document.contacts = first.contacts_name;
+  document.X_WO = X_WO;
+  document.weights = weights;
+  document.transfer = transfer;
+  document.notes = models.contacts->notes;
+  document.joints = jointsOf(*models.hand->model);
+  document.start.q = models.hand->model->restPose();
+  document.prior = document.start;
+  for (const contact::Patch& outline : models.contacts->patches) {
+    DocumentPatch patch;
+    patch.name = outline.name;
+    patch.weight = outline.weight;
+    patch.root_O = outline.root;
+    patch.direction_O = outline.direction_O;
+    patch.direction_is_open = !outline.direction_O.has_value();
+    document.patches.push_back(std::move(patch));
+  }
+  matchPatches(models, document, progress);
+  return document;
+}
+
+}  // namespace handgraft::session

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "core/base/progress.h"
+#include "core/optimize/pose_problem.h"
+#include "core/session/document.h"
+#include "core/session/models.h"
+
+namespace handgraft::session {
+
+/// The document that a session begins with: every patch on its site, the hand at rest.
+///
+/// Errors: InvalidInput as Session's constructor. Cost: some milliseconds; of patches without
+/// fingers' names as assignSites.
+Document firstDocument(ModelShelf& shelf,
+                       const Pose& X_WO,
+                       const optimize::Weights& weights,
+                       const transfer::TransferOptions& transfer,
+                       const Progress& progress);
+
+/// Lays the patches that have no place onto the hand's sites: by name, then by geometry where a
+/// patch or a site has no finger's name. Adds notes, and says why a patch is dropped.
+/// Errors: InvalidInput if no patch of the document has a place then.
+void matchPatches(const Models& models, Document& document, const Progress& progress);
+
+/// The joints of a hand as its model has them.
+std::vector<DocumentJoint> jointsOf(const hand::HandModel& model);
+
+/// A patch of the contact set as the document has it: root, direction and effective weight.
+contact::Patch patchOf(const Models& models, const DocumentPatch& patch);
+
+}  // namespace handgraft::session

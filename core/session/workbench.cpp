@@ -1,0 +1,317 @@
+#include "core/session/workbench.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/geometry/tangent.h"
+#include "core/hand/hand_parts.h"
+#include "core/session/hand_placement.h"
+#include "core/session/open_directions.h"
+#include "core/session/open_roots.h"
+#include "core/session/patch_matching.h"
+
+namespace handgraft::session {
+namespace {
+
+using optimize::PointPair;
+using optimize::PoseProblem;
+
+constexpr int kPlacingStarts = 12;
+constexpr double kSameRoot_m = 0.002;
+constexpr double kSameDirection = std::numbers::pi / 180.0;
+
+transfer::Surfaces surfacesOf(const Models& models) {
+  transfer::Surfaces surfaces;
+  surfaces.object_O = std::make_shared<const geometry::LogMapper>(models.object_O);
+  surfaces.skin = models.hand->skin;
+  surfaces.skin_S = models.hand->skin_maps;
+  if (!surfaces.skin_S) {
+    surfaces.skin_S = std::make_shared<const geometry::LogMapper>(
+        std::shared_ptr<const geometry::TriangleMesh>(surfaces.skin, &surfaces.skin->mesh()));
+  }
+  return surfaces;
+}
+
+bool same(const geometry::SurfacePoint& a, const geometry::SurfacePoint& b) {
+  return a.face == b.face && a.barycentric == b.barycentric;
+}
+
+bool same(const std::optional<transfer::Placement>& a,
+          const std::optional<transfer::Placement>& b) {
+  if (a.has_value() != b.has_value()) return false;
+  return !a || (same(a->root_S, b->root_S) && a->direction_S == b->direction_S);
+}
+
+bool sameRoots(const SessionPatch& item, const DocumentPatch& patch) {
+  return same(item.patch.root, patch.root_O) &&
+         item.placement.has_value() == patch.placement.has_value() &&
+         (!patch.placement || same(item.placement->root_S, patch.placement->root_S));
+}
+
+/// What the directions and the start that are found depend on.
+std::string foundBy(Document document) {
+  document.solving = {};
+  document.is_solved = false;
+  document.notes.clear();
+  return bytesOf(document);
+}
+
+}  // namespace
+
+Workbench::Workbench(std::shared_ptr<ModelShelf> shelf) : shelf_(std::move(shelf)) {}
+
+Workbench::~Workbench() = default;
+Workbench::Workbench(Workbench&&) noexcept = default;
+Workbench& Workbench::operator=(Workbench&&) noexcept = default;
+
+void Workbench::follow(const Document& document, const Progress& progress) {
+  const Models models = shelf_->find(document.hand, document.object, progress);
+  const bool same_models = models.hand == models_.hand && models.object_O == models_.object_O &&
+                           models.contacts == models_.contacts &&
+                           patches_.size() == document.patches.size();
+  if (!same_models) {
+    std::vector<SessionPatch> patches(document.patches.size());
+    for (std::size_t i = 0; i < patches.size(); ++i)
+      patches[i].patch = patchOf(models, document.patches[i]);
+    const transfer::Surfaces surfaces = surfacesOf(models);
+    if (models.hand != models_.hand) parts_of_links_.clear();
+    placer_.reset();
+    spares_.clear();
+    found_for_.clear();
+    patches_ = std::move(patches);
+    surfaces_ = surfaces;
+    models_ = models;
+  }
+  spares_.resize(patches_.size());
+  const bool keeps_found = !found_for_.empty() && found_for_ == foundBy(document);
+  if (!keeps_found) {
+    found_for_.clear();
+    start_ = document.start;
+    start_is_known_ = document.start_is_known;
+  }
+  const bool same_options =
+      document.transfer.method == document_.transfer.method &&
+      document.transfer.interior_rings == document_.transfer.interior_rings;
+  for (std::size_t i = 0; i < patches_.size(); ++i) {
+    if (!same_options) patches_[i].up_to_date = false;
+    followPatch(i, document.patches[i], keeps_found);
+  }
+  document_ = document;
+}
+
+void Workbench::followPatch(std::size_t index, const DocumentPatch& patch, bool keeps_found) {
+  SessionPatch& item = patches_[index];
+  if (item.patch.name != patch.name) item = {patchOf(models_, patch), {}, {}, {}, {}, {}};
+  if (!sameRoots(item, patch)) {
+    // An undo brings the roots back, and finds what was laid there.
+    SessionPatch& spare = spares_[index];
+    if (spare.patch.name == patch.name && sameRoots(spare, patch)) {
+      std::swap(item, spare);
+    } else if (item.up_to_date) {
+      spare = item;
+    }
+  }
+  const std::optional<Eigen::Vector3d> direction_O =
+      keeps_found && patch.direction_is_open ? item.patch.direction_O : patch.direction_O;
+  item.up_to_date = item.up_to_date && same(item.patch.root, patch.root_O) &&
+                    same(item.placement, patch.placement) &&
+                    item.patch.direction_O == direction_O;
+  item.patch.root = patch.root_O;
+  item.patch.direction_O = direction_O;
+  item.patch.weight = patch.effectiveWeight();
+  item.site = patch.site;
+  item.placement = patch.placement;
+  item.dropped = patch.dropped;
+  item.direction_is_open = patch.direction_is_open;
+  item.root_is_open = patch.root_is_open;
+  for (transfer::Correspondence& pair : item.transferred.correspondences)
+    pair.weight = item.patch.weight;
+}
+
+void Workbench::adopt(std::vector<SessionPatch> patches) {
+  HANDGRAFT_REQUIRE(patches.size() == patches_.size());
+  patches_ = std::move(patches);
+  found_for_.clear();
+}
+
+// === Laying patches
+
+void Workbench::transfer(const Progress& progress) {
+  findOpenDirections(progress);
+  layPatches(progress);
+  progress.report("laying patches onto the skin", 1.0);
+}
+
+void Workbench::layPatches(const Progress& progress) {
+  for (std::size_t i = 0; i < patches_.size(); ++i) {
+    SessionPatch& item = patches_[i];
+    if (!item.placement || item.up_to_date) continue;
+    progress.checkpoint();
+    progress.report("laying patches onto the skin",
+                    static_cast<double>(i) / static_cast<double>(patches_.size()));
+    item.transferred =
+        item.stages.lay(surfaces_, item.patch, *item.placement, document_.transfer);
+    for (transfer::Correspondence& pair : item.transferred.correspondences)
+      pair.patch = static_cast<int>(i);
+    item.up_to_date = true;
+  }
+}
+
+std::vector<transfer::Suggestion> Workbench::suggest(std::size_t patch,
+                                                     const transfer::SuggestOptions& options,
+                                                     const Progress& progress) {
+  transfer(progress);
+  const SessionPatch& item = patches_.at(patch);
+  HANDGRAFT_REQUIRE(item.placement.has_value());
+  return transfer::suggestPlacements(surfaces_, item.stages, item.patch, *item.placement,
+                                     options, document_.transfer, progress);
+}
+
+// === What nobody gave
+
+const HandPlacer& Workbench::placer() {
+  if (!placer_) {
+    placer_ = std::make_unique<HandPlacer>(models_.hand->model, *models_.hand->skin,
+                                           *models_.object_O);
+  }
+  return *placer_;
+}
+
+void Workbench::findOpenDirections(const Progress& progress) {
+  bool any_missing = false;
+  std::vector<Anchor> anchors;
+  for (const SessionPatch& item : patches_) {
+    if (!item.placement) continue;
+    any_missing = any_missing || !item.patch.direction_O;
+    if (item.patch.weight == 0.0) continue;
+    if (const auto anchor = anchorAt(*models_.hand->skin, *item.placement)) {
+      anchors.push_back(
+          withObjectSide(*anchor, item.patch, *models_.object_O, !item.direction_is_open));
+    }
+  }
+  if (!any_missing) return;
+  if (!start_is_known_ && !anchors.empty()) {
+    choosePlacement(placer().place(anchors, document_.X_WO, kPlacingStarts, progress),
+                    progress);
+  } else {
+    takeDirectionsFrom(start_);
+  }
+  found_for_ = foundBy(document_);
+}
+
+bool Workbench::takeDirectionsFrom(const hand::HandPose& pose) {
+  bool turned = false;
+  for (SessionPatch& item : patches_) {
+    if (!item.placement || !item.direction_is_open) continue;
+    const auto anchor = anchorAt(*models_.hand->skin, *item.placement);
+    const Eigen::Vector3d direction_O =
+        anchor ? directionShownBy(*models_.hand->model, pose, *anchor, *models_.object_O,
+                                  item.patch.root, document_.X_WO)
+               : anyTangentAt(*models_.object_O, item.patch.root);
+    const bool is_same = item.patch.direction_O &&
+                         direction_O.dot(*item.patch.direction_O) > std::cos(kSameDirection);
+    if (is_same) continue;
+    item.patch.direction_O = direction_O;
+    item.up_to_date = false;
+    turned = true;
+  }
+  return turned;
+}
+
+std::vector<char> Workbench::linksOfSite(const std::string& site) {
+  const Hand& hand = *models_.hand;
+  if (parts_of_links_.empty())
+    parts_of_links_ = hand::HandParts(*hand.model, hand.sites).names();
+  std::vector<char> links(parts_of_links_.size(), 0);
+  for (const hand::ContactSite& candidate : hand.sites) {
+    if (candidate.name != site) continue;
+    const std::string& part = parts_of_links_[hand.model->linkIndex(candidate.link)];
+    for (std::size_t link = 0; link < links.size(); ++link)
+      links[link] = parts_of_links_[link] == part ? 1 : 0;
+  }
+  return links;
+}
+
+bool Workbench::takeRootsFrom(const hand::HandPose& pose) {
+  const geometry::TriangleMesh& skin_S = models_.hand->skin->mesh();
+  const Pose& X_WO = document_.X_WO;
+  bool moved = false;
+  for (SessionPatch& item : patches_) {
+    if (!item.placement || !item.root_is_open) continue;
+    const auto root_S =
+        rootShownBy(*models_.hand->model, *models_.hand->skin, pose, linksOfSite(item.site),
+                    X_WO * positionOf(*models_.object_O, item.patch.root),
+                    X_WO.linear() * normalOf(*models_.object_O, item.patch.root));
+    if (!root_S) continue;
+    const double way =
+        (positionOf(skin_S, *root_S) - positionOf(skin_S, item.placement->root_S)).norm();
+    if (way < kSameRoot_m) continue;
+    item.placement = movedTo(skin_S, *item.placement, *root_S);
+    item.up_to_date = false;
+    moved = true;
+  }
+  if (moved) takeDirectionsFrom(pose);
+  return moved;
+}
+
+// === The problem
+
+PoseProblem Workbench::problem(const Solving& solving) const {
+  PoseProblem problem = optimize::makeProblem(models_.hand->model);
+  problem.weights = document_.weights;
+  problem.normal_form = solving.normal_form;
+  problem.start = start_;
+  problem.prior = document_.prior;
+  problem.locked.assign(static_cast<std::size_t>(problem.dofCount()), false);
+  for (std::size_t i = 0; i < document_.joints.size(); ++i) {
+    const DocumentJoint& joint = document_.joints[i];
+    const auto dof = static_cast<Eigen::Index>(i);
+    problem.lower[dof] = joint.lower;
+    problem.upper[dof] = joint.upper;
+    problem.start.q[dof] = std::min(std::max(start_.q[dof], joint.lower), joint.upper);
+    problem.locked[6 + i] = joint.locked;
+    if (joint.soft_weight <= 0.0) continue;
+    holdSoftly(static_cast<int>(i),
+               std::min(std::max(joint.soft_value, joint.lower), joint.upper),
+               joint.soft_weight, problem);
+  }
+  const optimize::PriorShares& shares = document_.prior_shares;
+  if (shares.root_rotation != 1.0 || shares.root_translation != 1.0 || shares.joints != 1.0)
+    scalePrior(shares, problem);
+  for (const SessionPatch& item : patches_) {
+    if (!item.placement) continue;
+    HANDGRAFT_REQUIRE(item.up_to_date);
+    for (const transfer::Correspondence& correspondence : item.transferred.correspondences) {
+      PointPair pair;
+      pair.link = correspondence.link;
+      pair.p_L = correspondence.p_L;
+      pair.n_L = correspondence.n_L;
+      pair.p_W = document_.X_WO * correspondence.p_O;
+      pair.n_W = document_.X_WO.linear() * correspondence.n_O;
+      pair.weight = correspondence.weight;
+      pair.patch = correspondence.patch;
+      problem.pairs.push_back(pair);
+    }
+  }
+  return problem;
+}
+
+void Workbench::requirePoints() const {
+  std::string lost;
+  for (const SessionPatch& item : patches_) {
+    if (!item.placement) continue;
+    if (item.transferred.correspondences.empty()) {
+      lost += fmt::format(
+          "; {}: {}", quoted(item.patch.name),
+          item.transferred.lost.empty() ? "no point" : item.transferred.lost.front().reason);
+    } else if (item.patch.weight > 0.0) {
+      return;
+    }
+  }
+  rejectInput("no patch with a weight above 0 has a point on the hand{}", lost);
+}
+
+}  // namespace handgraft::session

@@ -1,0 +1,143 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/optimize/solver.h"
+#include "core/session/document.h"
+#include "core/session/models.h"
+#include "core/transfer/patch_transfer.h"
+#include "core/transfer/staged_transfer.h"
+#include "core/transfer/suggestion.h"
+
+namespace handgraft::session {
+
+class HandPlacer;
+struct HandPlacement;
+
+/// One patch of a session: where it is on the object, where on the hand, what came of it.
+struct SessionPatch {
+  contact::Patch patch;  ///< with the document's root, direction and effective weight
+  std::string site;
+  std::optional<transfer::Placement> placement;
+  std::string dropped;
+  transfer::PatchTransfer transferred;
+  transfer::StagedTransfer stages;  ///< what `transferred` was made with, kept for the next
+  bool up_to_date = false;          ///< `transferred` answers the present roots and directions
+  bool direction_is_open = false;
+  bool root_is_open = false;
+};
+
+/// How a solve runs, beyond what the session's way of solving says.
+struct SolveRun {
+  int threads = 1;
+  /// Roots and directions that nobody chose stay where the last solve left them, as in the
+  /// paper's way: for what follows an edit, which is to stay where it was put.
+  bool places_stay = false;
+  /// As optimize::SolveOptions.
+  std::function<void(const hand::HandPose&, const optimize::Terms&)> on_improvement;
+};
+
+/// A pose that answers a document, not yet taken.
+struct Solution {
+  optimize::SolveReport report;
+  optimize::PoseProblem problem;  ///< that it answers, with the start and prior it had
+  Solving solving;
+  /// The document with the pose as start and prior, and the roots and directions found on the
+  /// way.
+  Document document;
+  std::vector<SessionPatch> patches;  ///< laid as in `problem`
+  unsigned long long revision = 0;    ///< of the session that was solved
+};
+
+/// All that follows from a document and is dear to make: charts, laid patches, directions and
+/// starts that were found. What it answers depends on the document alone, never on what was
+/// asked before.
+class Workbench {
+ public:
+  explicit Workbench(std::shared_ptr<ModelShelf> shelf);
+  ~Workbench();
+  Workbench(Workbench&&) noexcept;
+  Workbench& operator=(Workbench&&) noexcept;
+
+  /// Works on `document` from now on; what still holds is kept.
+  /// Errors: InvalidInput if a model cannot be found; then it works on what it did.
+  void follow(const Document& document, const Progress& progress);
+
+  /// Takes patches that were laid for the document that is followed.
+  void adopt(std::vector<SessionPatch> patches);
+
+  [[nodiscard]] const Document& document() const { return document_; }
+
+  [[nodiscard]] const Models& models() const { return models_; }
+
+  [[nodiscard]] const std::vector<SessionPatch>& patches() const { return patches_; }
+
+  /// Lays what is not up to date; directions that nobody gave are found first.
+  void transfer(const Progress& progress);
+
+  /// Directions alone, where one is missing.
+  void findOpenDirections(const Progress& progress);
+
+  /// The problem as it stands, in W. Transfer first (BrokenContract).
+  [[nodiscard]] optimize::PoseProblem problem(const Solving& solving) const;
+
+  /// Searches; the document and the patches stay as they are.
+  /// Errors: InvalidInput if no patch has a point on the hand, or all are switched off.
+  Solution solve(const Solving& solving, const SolveRun& run, const Progress& progress);
+
+  /// The document's start as it stands, judged without a search.
+  Solution judge(const Progress& progress);
+
+  std::vector<transfer::Suggestion> suggest(std::size_t patch,
+                                            const transfer::SuggestOptions& options,
+                                            const Progress& progress);
+
+ private:
+  struct Search;
+
+  void followPatch(std::size_t index, const DocumentPatch& patch, bool keeps_found);
+  [[nodiscard]] const HandPlacer& placer();
+  /// Takes start and directions from the placement that a full transfer and a short solve like
+  /// best.
+  void choosePlacement(const std::vector<HandPlacement>& placements, const Progress& progress);
+  void layPatches(const Progress& progress);
+  /// Sets the open directions as `pose` shows them; true if one turned by more than a degree.
+  bool takeDirectionsFrom(const hand::HandPose& pose);
+  /// Slides the open roots to where `pose` shows the patches' roots, and sets the open
+  /// directions; true if a root moved by more than a face or so.
+  bool takeRootsFrom(const hand::HandPose& pose);
+  /// The links of the finger or palm that a site lies on, a flag a link.
+  [[nodiscard]] std::vector<char> linksOfSite(const std::string& site);
+  /// One more solve with the open directions as the report's pose shows them; kept, and true,
+  /// if the objective falls.
+  bool refineDirections(optimize::SolveReport& report,
+                        const Solving& solving,
+                        const optimize::SolveOptions& options,
+                        const Progress& progress);
+  /// Solves after each of a few slides of the open roots; keeps the best of them that loses no
+  /// more points, by the objective a point, or what there was.
+  void slideRoots(optimize::SolveReport& report,
+                  const Solving& solving,
+                  const optimize::SolveOptions& options,
+                  const Progress& progress);
+  [[nodiscard]] Solution answered(optimize::SolveReport report, const Solving& solving) const;
+  void requirePoints() const;
+
+  std::shared_ptr<ModelShelf> shelf_;
+  Models models_;
+  Document document_;
+  transfer::Surfaces surfaces_;
+  std::vector<SessionPatch> patches_;
+  std::vector<SessionPatch> spares_;  ///< as last laid about other roots
+  hand::HandPose start_;              ///< the document's, or one that was found
+  bool start_is_known_ = false;
+  std::string found_for_;  ///< what the found directions and start depend on, as bytes
+  std::unique_ptr<HandPlacer> placer_;       ///< made when first needed
+  std::vector<std::string> parts_of_links_;  ///< likewise (hand/hand_parts.h)
+};
+
+}  // namespace handgraft::session

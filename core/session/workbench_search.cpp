@@ -1,0 +1,194 @@
+// How the workbench solves: the paper's solve, and what is found anew about it.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/optimize/pose_solver.h"
+#include "core/session/hand_placement.h"
+#include "core/session/workbench.h"
+
+namespace handgraft::session {
+namespace {
+
+using optimize::PoseProblem;
+using optimize::SolveOptions;
+using optimize::SolveReport;
+
+constexpr std::size_t kTriedPlacements = 4;  // laid out and solved in full
+constexpr int kTrialEvaluations = 300;
+constexpr int kRefinements = 2;
+constexpr int kSlides = 12;
+constexpr int kWorseSlides = 3;  // in a row
+
+}  // namespace
+
+/// Brings the patches and the start back to what the document says, unless told to keep them.
+struct Workbench::Search {
+  explicit Search(Workbench& owner)
+      : bench(owner),
+        patches(owner.patches_),
+        start(owner.start_),
+        start_is_known(owner.start_is_known_) {}
+
+  ~Search() {
+    bench.patches_ = std::move(patches);
+    bench.start_ = std::move(start);
+    bench.start_is_known_ = start_is_known;
+  }
+
+  Search(const Search&) = delete;
+  Search& operator=(const Search&) = delete;
+
+  /// As it stands from now on.
+  void keep() {
+    patches = bench.patches_;
+    start = bench.start_;
+    start_is_known = bench.start_is_known_;
+  }
+
+  Workbench& bench;
+  std::vector<SessionPatch> patches;
+  hand::HandPose start;
+  bool start_is_known;
+};
+
+void Workbench::choosePlacement(const std::vector<HandPlacement>& placements,
+                                const Progress& progress) {
+  SolveOptions options;
+  options.starts = 1;
+  options.max_evaluations = kTrialEvaluations;
+  const std::vector<SessionPatch> before = patches_;
+  Search outcome(*this);
+  double best = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < std::min(placements.size(), kTriedPlacements); ++i) {
+    patches_ = before;
+    start_ = placements[i].pose;
+    takeDirectionsFrom(start_);
+    layPatches(progress);
+    const PoseProblem trial = problem(Solving());
+    if (trial.pairs.empty()) break;
+    const SolveReport report = optimize::solve(trial, options, progress);
+    const double score = report.terms.objective +
+                         placer().depthCharge(report.pose, document_.X_WO, trial.pairs.size());
+    if (score >= best) continue;
+    best = score;
+    start_ = report.pose;
+    outcome.keep();
+  }
+  patches_ = outcome.patches;
+  start_ = outcome.start;
+  takeDirectionsFrom(start_);
+  start_is_known_ = true;
+  outcome.keep();
+}
+
+Solution Workbench::solve(const Solving& solving,
+                          const SolveRun& run,
+                          const Progress& progress) {
+  validate(solving);
+  transfer(progress);
+  requirePoints();
+  const Search as_it_was(*this);
+  SolveOptions options = solveOptions(solving);
+  options.threads = run.threads;
+  options.on_improvement = run.on_improvement;
+  SolveReport report = optimize::solve(problem(solving), options, progress);
+  if (!solving.paper && !run.places_stay) {
+    options.on_improvement = nullptr;
+    for (int i = 0; i < kRefinements && refineDirections(report, solving, options, progress);
+         ++i) {
+    }
+    slideRoots(report, solving, options, progress);
+  }
+  return answered(std::move(report), solving);
+}
+
+Solution Workbench::answered(SolveReport report, const Solving& solving) const {
+  Solution solution;
+  solution.problem = problem(solving);
+  solution.solving = solving;
+  solution.document = document_;
+  solution.document.start = report.pose;
+  solution.document.prior = report.pose;
+  solution.document.start_is_known = true;
+  solution.document.is_solved = true;
+  for (std::size_t i = 0; i < patches_.size(); ++i) {
+    if (!patches_[i].placement) continue;
+    solution.document.patches[i].placement = patches_[i].placement;
+    solution.document.patches[i].direction_O = patches_[i].patch.direction_O;
+  }
+  solution.patches = patches_;
+  solution.report = std::move(report);
+  return solution;
+}
+
+Solution Workbench::judge(const Progress& progress) {
+  transfer(progress);
+  requirePoints();
+  Solution solution;
+  solution.solving = document_.solving;
+  solution.problem = problem(document_.solving);
+  solution.document = document_;
+  solution.patches = patches_;
+  SolveReport& report = solution.report;
+  report.outcome =
+      document_.is_solved ? optimize::Outcome::kConverged : optimize::Outcome::kStalled;
+  report.solver = "standing";
+  report.pose = solution.problem.start;
+  const optimize::PoseSolver solver(solution.problem);
+  solver.judge(report);
+  optimize::Minimum only;
+  only.pose = report.pose;
+  only.terms = report.terms;
+  only.outcome = report.outcome;
+  only.solver = report.solver;
+  report.minima = {only};
+  return solution;
+}
+
+bool Workbench::refineDirections(SolveReport& report,
+                                 const Solving& solving,
+                                 const SolveOptions& options,
+                                 const Progress& progress) {
+  Search outcome(*this);
+  if (!takeDirectionsFrom(report.pose)) return false;
+  transfer(progress);
+  start_ = report.pose;
+  SolveReport refined = optimize::solve(problem(solving), options, progress);
+  if (!(refined.terms.objective < report.terms.objective)) return false;
+  report = std::move(refined);
+  outcome.keep();
+  return true;
+}
+
+void Workbench::slideRoots(SolveReport& report,
+                           const Solving& solving,
+                           const SolveOptions& options,
+                           const Progress& progress) {
+  Search best(*this);
+  std::size_t best_pairs = problem(solving).pairs.size();
+  SolveReport present = report;
+  // A step that moves all roots at once may first make things worse, so a few in a row may.
+  for (int i = 0, worse = 0; i < kSlides && worse < kWorseSlides; ++i) {
+    if (!takeRootsFrom(present.pose)) break;
+    transfer(progress);
+    start_ = present.pose;
+    const PoseProblem slid = problem(solving);
+    if (slid.pairs.empty()) break;
+    present = optimize::solve(slid, options, progress);
+    // A point that is lost no longer counts: that alone makes nothing better.
+    const bool is_better = slid.pairs.size() >= best_pairs &&
+                           present.terms.objective / static_cast<double>(slid.pairs.size()) <
+                               report.terms.objective / static_cast<double>(best_pairs);
+    ++worse;
+    if (!is_better) continue;
+    worse = 0;
+    best.keep();
+    best_pairs = slid.pairs.size();
+    report = present;
+  }
+}
+
+}  // namespace handgraft::session
