@@ -188,6 +188,8 @@ void encode(const Message& message, Wire& wire) {
   if (room > std::numeric_limits<std::uint32_t>::max() || !wire.buffer.reserve(room)) {
     throw TransportError(fmt::format("a message of {} bytes is too large", room));
   }
+  // Fast CDR skips what aligns numbers: whatever memory held there would go over the wire.
+  std::memset(wire.buffer.getBuffer(), 0, room);
   Cdr cdr(wire.buffer, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR);
   cdr.serialize_encapsulation();
   message.serialize(cdr);
