@@ -11,12 +11,6 @@ namespace {
 using hand::HandModel;
 using hand::JointType;
 
-/// Where each link went: its body, -1 where no pair needs it, and its place in there.
-struct LinkPlaces {
-  std::vector<int> body;
-  std::vector<Pose> X_BL;
-};
-
 TreeJoint jointOf(const HandModel::Node& node, int parent_body, const Pose& X_PJ) {
   TreeJoint joint;
   joint.parent_body = parent_body;
@@ -42,7 +36,7 @@ TreeJoint jointOf(const HandModel::Node& node, int parent_body, const Pose& X_PJ
 std::vector<TreeJoint> layLinks(const HandModel& model,
                                 const std::vector<std::vector<int>>& children,
                                 const std::vector<bool>& needed,
-                                LinkPlaces& places) {
+                                std::vector<LinkPlace>& places) {
   std::vector<TreeJoint> joints;
   std::vector<int> waiting(children[0].rbegin(), children[0].rend());
   while (!waiting.empty()) {
@@ -51,13 +45,12 @@ std::vector<TreeJoint> layLinks(const HandModel& model,
     if (!needed[link]) continue;
     const HandModel::Node& node = model.nodes()[link - 1];
     const auto parent = static_cast<std::size_t>(node.parent_link);
-    const Pose X_BJ = places.X_BL[parent] * node.X_PJ;
+    const Pose X_BJ = places[parent].X_BL * node.X_PJ;
     if (node.type == JointType::kFixed) {
-      places.body[link] = places.body[parent];
-      places.X_BL[link] = X_BJ;
+      places[link] = {places[parent].body, X_BJ};
     } else {
-      joints.push_back(jointOf(node, places.body[parent], X_BJ));
-      places.body[link] = static_cast<int>(joints.size());
+      joints.push_back(jointOf(node, places[parent].body, X_BJ));
+      places[link].body = static_cast<int>(joints.size());
     }
     waiting.insert(waiting.end(), children[link].rbegin(), children[link].rend());
   }
@@ -94,11 +87,15 @@ MomentTree makeMomentTree(const PoseProblem& problem) {
   const HandModel& model = *problem.model;
   const auto link_count = static_cast<std::size_t>(model.linkCount());
 
-  // === Links that carry pairs, and those on the way there
+  // === Links that carry pairs or samples, and those on the way there
   std::vector<bool> needed(link_count, false);
   for (const PointPair& pair : problem.pairs) {
     HANDGRAFT_REQUIRE(pair.link >= 0 && pair.link < model.linkCount());
     if (pair.weight > 0.0) needed[static_cast<std::size_t>(pair.link)] = true;
+  }
+  if (problem.avoidance != nullptr) {
+    for (const hand::LinkSolid& solid : problem.avoidance->hand->links())
+      needed[static_cast<std::size_t>(solid.link)] = true;
   }
   std::vector<std::vector<int>> children(link_count);
   for (const HandModel::Node& node : model.nodes())
@@ -110,23 +107,22 @@ MomentTree makeMomentTree(const PoseProblem& problem) {
   }
 
   MomentTree tree;
-  LinkPlaces places;
-  places.body.assign(link_count, -1);
-  places.X_BL.assign(link_count, Pose::Identity());
-  places.body[0] = 0;
+  std::vector<LinkPlace>& places = tree.links;
+  places.resize(link_count);
+  places[0].body = 0;
   tree.joints = layLinks(model, children, needed, places);
 
   // === Moments: centroids first, then the rest about them
   std::vector<BodyMoments> by_body(static_cast<std::size_t>(tree.bodyCount()));
   const auto momentsOf = [&](const PointPair& pair) -> BodyMoments& {
-    const int body = places.body[static_cast<std::size_t>(pair.link)];
+    const int body = places[static_cast<std::size_t>(pair.link)].body;
     return by_body[static_cast<std::size_t>(body)];
   };
   for (const PointPair& pair : problem.pairs) {
     if (!(pair.weight > 0.0)) continue;
     BodyMoments& m = momentsOf(pair);
     m.weight += pair.weight;
-    m.p_B += pair.weight * (places.X_BL[static_cast<std::size_t>(pair.link)] * pair.p_L);
+    m.p_B += pair.weight * (places[static_cast<std::size_t>(pair.link)].X_BL * pair.p_L);
     m.x_W += pair.weight * pair.p_W;
   }
   for (std::size_t body = 0; body < by_body.size(); ++body) {
@@ -138,7 +134,7 @@ MomentTree makeMomentTree(const PoseProblem& problem) {
   }
   for (const PointPair& pair : problem.pairs) {
     if (!(pair.weight > 0.0)) continue;
-    addAboutCentroids(pair, places.X_BL[static_cast<std::size_t>(pair.link)], momentsOf(pair));
+    addAboutCentroids(pair, places[static_cast<std::size_t>(pair.link)].X_BL, momentsOf(pair));
   }
   for (BodyMoments& m : by_body) {
     if (m.weight > 0.0) tree.moments.push_back(m);

@@ -24,12 +24,19 @@ struct TreeJoint {
   Eigen::Matrix3d cosine = Eigen::Matrix3d::Zero();
 };
 
+/// Where a link went: its body, -1 where none needs it, and its place in there.
+struct LinkPlace {
+  int body = -1;
+  Pose X_BL = Pose::Identity();
+};
+
 /// A problem as its objective sees it: bodies (links with all that is fixed to them) that carry
-/// point pairs, or lead to some that do, and their moments. Body 0 is the root, H; bodies are
-/// numbered depth first, parents before children.
+/// point pairs or samples that avoid penetration, or lead to some that do, and their moments.
+/// Body 0 is the root, H; bodies are numbered depth first, parents before children.
 struct MomentTree {
   std::vector<TreeJoint> joints;     ///< of bodies 1, 2, ...
   std::vector<BodyMoments> moments;  ///< of the bodies that have pairs, by rising number
+  std::vector<LinkPlace> links;      ///< of every link of the hand
 
   [[nodiscard]] int bodyCount() const { return static_cast<int>(joints.size()) + 1; }
 };

@@ -32,6 +32,10 @@ Objective::Objective(const PoseProblem& problem, std::shared_ptr<const MomentTre
   bodies_.resize(bodies);
   composites_.resize(bodies);
   terms_.resize(tree_->moments.size());
+  if (problem.avoidance != nullptr) {
+    avoidance_ = std::make_unique<AvoidanceTerm>(*problem.avoidance, *tree_);
+    stiffness_.resize(bodies);
+  }
 }
 
 double Objective::prior() const {
@@ -67,6 +71,10 @@ Terms Objective::evaluate(const hand::HandPose& pose) {
   terms.objective = problem_.weights.distance * terms.distance +
                     problem_.weights.normal * terms.normal +
                     problem_.weights.prior * terms.prior;
+  if (avoidance_ != nullptr) {
+    terms.penetration = avoidance_->evaluate(root_W, bodies_);
+    terms.objective += avoidance_->weight() * terms.penetration;
+  }
   return terms;
 }
 

@@ -5,19 +5,21 @@
 
 #include <Eigen/Core>
 
+#include "core/optimize/avoidance_term.h"
 #include "core/optimize/moment_tree.h"
 #include "core/optimize/pose_problem.h"
 
 namespace handgraft::optimize {
 
 /// The sums of Eq. 3, 4, 5 without their lambdas, and the weighted one of Eq. 2:
-/// objective = lambda_d distance + lambda_n normal + lambda_p prior. The weights of single
-/// pairs and of single degrees of freedom are part of the sums.
+/// objective = lambda_d distance + lambda_n normal + lambda_p prior, and what Avoidance
+/// charges. The weights of single pairs and of single degrees of freedom are part of the sums.
 struct Terms {
   double distance = 0.0;  ///< m^2
   double normal = 0.0;
   double prior = 0.0;  ///< rad^2 and m^2
   double objective = 0.0;
+  double penetration = 0.0;  ///< m^2, the sum that Avoidance charges for; 0 without it
 };
 
 /// Eq. 2 to second order about a pose, by a rotation increment w (R <- exp(w) R, in W, about
@@ -90,6 +92,10 @@ class Objective {
   [[nodiscard]] double prior() const;
   void addPriorGradient(Eigen::VectorXd& gradient) const;
   void addPriorCurvature(QuadraticModel& model) const;
+  // === Of Avoidance (objective_avoidance.cpp)
+  void pushOut();
+  void addAvoidanceCurvature(QuadraticModel& model);
+  void addSelfCurvature(const Touch& touch, QuadraticModel& model) const;
 
   const PoseProblem& problem_;
   std::shared_ptr<const MomentTree> tree_;
@@ -102,6 +108,8 @@ class Objective {
   std::vector<BodyPlace> bodies_;
   std::vector<BodyTerms> terms_;  ///< per entry of the tree's moments
   std::vector<Composite> composites_;
+  std::unique_ptr<AvoidanceTerm> avoidance_;            ///< null unless the problem asks for it
+  std::vector<Eigen::Matrix<double, 6, 6>> stiffness_;  ///< of what touches beyond each joint
 };
 
 }  // namespace handgraft::optimize

@@ -52,6 +52,7 @@ void Objective::gatherComposites(bool with_inertia) {
     own.inertia = pull.inertia - own.mass_arm * arm_W.transpose();
     own.inertia.diagonal().array() += own.mass_arm.dot(arm_W);
   }
+  if (avoidance_ != nullptr) pushOut();
   // Children stand behind their parents.
   for (std::size_t k = tree_->joints.size(); k-- > 0;) {
     composites_[static_cast<std::size_t>(tree_->joints[k].parent_body)].add(composites_[k + 1]);
@@ -76,6 +77,7 @@ void Objective::expand(QuadraticModel& model) {
     addJoint(k, model);
   addPriorGradient(model.gradient);
   addPriorCurvature(model);
+  if (avoidance_ != nullptr) addAvoidanceCurvature(model);
 }
 
 void Objective::addRoot(QuadraticModel& model) const {

@@ -76,6 +76,17 @@ void validateBound(const std::string& name, double lower, double upper, double s
   }
 }
 
+void validateAvoidance(const PoseProblem& problem) {
+  const Avoidance& avoidance = *problem.avoidance;
+  HANDGRAFT_REQUIRE(avoidance.hand != nullptr && avoidance.object_O != nullptr);
+  requireWeight(avoidance.weight, "weight of penetration");
+  if (!avoidance.X_WO.matrix().allFinite()) {
+    rejectInput("pose of the object to stay out of: every value must be finite");
+  }
+  for (const hand::LinkSolid& solid : avoidance.hand->links())
+    HANDGRAFT_REQUIRE(solid.link < problem.model->linkCount());
+}
+
 }  // namespace
 
 std::string dofName(const PoseProblem& problem, int dof) {
@@ -133,6 +144,7 @@ void validate(const PoseProblem& problem) {
   }
   for (std::size_t i = 0; i < problem.pairs.size(); ++i)
     validatePair(problem, i);
+  if (problem.avoidance != nullptr) validateAvoidance(problem);
 }
 
 }  // namespace handgraft::optimize

@@ -9,6 +9,7 @@
 
 #include "core/hand/hand_model.h"
 #include "core/hand/kinematics.h"
+#include "core/optimize/avoidance.h"
 
 namespace handgraft::optimize {
 
@@ -61,6 +62,8 @@ struct PoseProblem {
   Eigen::VectorXd prior_weights;
   /// Degrees of freedom held at the start, 6 + dofs flags; empty means none.
   std::vector<bool> locked;
+  /// Missing: penetration costs nothing, as in the paper.
+  std::shared_ptr<const Avoidance> avoidance;
 
   [[nodiscard]] int dofCount() const { return 6 + model->dofCount(); }
 };

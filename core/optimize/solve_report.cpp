@@ -85,6 +85,8 @@ Terms sumOverPoints(const PoseProblem& problem, const hand::HandPose& pose) {
   }
   terms.objective = problem.weights.distance * terms.distance +
                     problem.weights.normal * terms.normal + problem.weights.prior * terms.prior;
+  if (problem.avoidance != nullptr)
+    terms.objective += problem.avoidance->weight * terms.penetration;
   return terms;
 }
 

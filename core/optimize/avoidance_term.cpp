@@ -1,0 +1,110 @@
+#include "core/optimize/avoidance_term.h"
+
+#include "core/base/error.h"
+
+namespace handgraft::optimize {
+
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using hand::LinkSolid;
+using hand::SampleCluster;
+using hand::SurfaceSample;
+
+}  // namespace
+
+AvoidanceTerm::AvoidanceTerm(const Avoidance& avoidance, const MomentTree& tree)
+    : avoidance_(avoidance), X_OW_(inverse(avoidance.X_WO)) {
+  std::size_t samples = 0;
+  for (const LinkSolid& solid : avoidance_.hand->links()) {
+    const LinkPlace& place = tree.links.at(static_cast<std::size_t>(solid.link));
+    HANDGRAFT_REQUIRE(place.body >= 0);
+    bodies_.push_back(place.body);
+    X_BL_.push_back(place.X_BL);
+    samples += solid.coarse.samples.size();
+  }
+  places_.resize(bodies_.size());
+  touches_.reserve(2 * samples);
+}
+
+double AvoidanceTerm::evaluate(const Vector3d& p_WH, const std::vector<BodyPlace>& bodies) {
+  touches_.clear();
+  const auto& solids = avoidance_.hand->links();
+  for (std::size_t k = 0; k < places_.size(); ++k) {
+    const BodyPlace& body = bodies[static_cast<std::size_t>(bodies_[k])];
+    Place& place = places_[k];
+    place.R_WL.noalias() = body.R_WB.lazyProduct(X_BL_[k].linear());
+    place.arm_W = body.p_HB_W + body.R_WB.lazyProduct(X_BL_[k].translation());
+    place.centre_W = place.arm_W + place.R_WL.lazyProduct(solids[k].centre_L);
+  }
+  meetObject(p_WH, bodies);
+  meetItself();
+  double sum = 0.0;
+  for (const Touch& touch : touches_)
+    sum += touch.weight * touch.depth * touch.depth;
+  return sum;
+}
+
+void AvoidanceTerm::meetObject(const Vector3d& p_WH, const std::vector<BodyPlace>& /*bodies*/) {
+  const geometry::DistanceGrid& object_O = *avoidance_.object_O;
+  const auto& solids = avoidance_.hand->links();
+  const Matrix3d R_OW = X_OW_.linear();
+  const Vector3d p_OH = X_OW_ * p_WH;
+  for (std::size_t k = 0; k < places_.size(); ++k) {
+    const Place& place = places_[k];
+    const LinkSolid& solid = solids[k];
+    if (object_O.isClear(p_OH + R_OW * place.centre_W, solid.radius)) continue;
+    const Matrix3d R_OL = R_OW * place.R_WL;
+    const Vector3d p_OL = p_OH + R_OW * place.arm_W;
+    for (const SampleCluster& cluster : solid.coarse.clusters) {
+      if (object_O.isClear(p_OL + R_OL * cluster.centre_L, cluster.radius)) continue;
+      for (int i = cluster.begin; i < cluster.end; ++i) {
+        const SurfaceSample& sample = solid.coarse.samples[static_cast<std::size_t>(i)];
+        Vector3d slope_O;
+        const double distance = object_O.at(p_OL + R_OL * sample.p_L, slope_O);
+        if (distance >= 0.0) continue;
+        touches_.push_back({bodies_[k], -1, place.arm_W + place.R_WL * sample.p_L,
+                            R_OW.transpose() * slope_O, -distance,
+                            sample.area_m2 / Avoidance::kPointArea});
+      }
+    }
+  }
+}
+
+void AvoidanceTerm::meetItself() {
+  const auto& solids = avoidance_.hand->links();
+  for (const auto& [i, j] : avoidance_.hand->strangers()) {
+    const Vector3d way_W = places_[static_cast<std::size_t>(i)].centre_W -
+                           places_[static_cast<std::size_t>(j)].centre_W;
+    const double reach =
+        solids[static_cast<std::size_t>(i)].radius + solids[static_cast<std::size_t>(j)].radius;
+    if (way_W.squaredNorm() > reach * reach) continue;
+    meet(i, j);
+    meet(j, i);
+  }
+}
+
+void AvoidanceTerm::meet(int a, int b) {
+  const LinkSolid& solid = avoidance_.hand->links()[static_cast<std::size_t>(a)];
+  const LinkSolid& other = avoidance_.hand->links()[static_cast<std::size_t>(b)];
+  const Place& place = places_[static_cast<std::size_t>(a)];
+  const Place& other_place = places_[static_cast<std::size_t>(b)];
+  const Matrix3d R_BA = other_place.R_WL.transpose() * place.R_WL;
+  const Vector3d p_BA = other_place.R_WL.transpose() * (place.arm_W - other_place.arm_W);
+  for (const SampleCluster& cluster : solid.coarse.clusters) {
+    if (other.grid_L->isClear(p_BA + R_BA * cluster.centre_L, cluster.radius)) continue;
+    for (int i = cluster.begin; i < cluster.end; ++i) {
+      const SurfaceSample& sample = solid.coarse.samples[static_cast<std::size_t>(i)];
+      Vector3d slope_B;
+      const double distance = other.distance(p_BA + R_BA * sample.p_L, slope_B);
+      if (distance >= 0.0) continue;
+      touches_.push_back({bodies_[static_cast<std::size_t>(a)],
+                          bodies_[static_cast<std::size_t>(b)],
+                          place.arm_W + place.R_WL * sample.p_L, other_place.R_WL * slope_B,
+                          -distance, sample.area_m2 / Avoidance::kPointArea});
+    }
+  }
+}
+
+}  // namespace handgraft::optimize
