@@ -6,14 +6,39 @@
 #include <spdlog/spdlog.h>
 
 #include "core/base/error.h"
+#include "core/hand/skin_bending.h"
 #include "core/hand/skin_cache.h"
 
 namespace handgraft::server {
 
+namespace {
+
+LazyHand::Maker wrapping(std::shared_ptr<const hand::HandModel> model,
+                         std::optional<std::vector<hand::ContactSite>> sites,
+                         const hand::SkinOptions& options) {
+  return [model = std::move(model), sites = std::move(sites), options](
+             const Progress& progress, hand::SkinReport& report) {
+    session::Hand made;
+    made.model = model;
+    made.skin = std::make_shared<const hand::Skin>(
+        hand::SkinCache::fromEnvironment().get(*model, options, progress, &report));
+    made.sites = sites ? *sites : hand::findContactSites(*model, *made.skin);
+    made.sites_are_found = !sites;
+    return made;
+  };
+}
+
+}  // namespace
+
 LazyHand::LazyHand(std::shared_ptr<const hand::HandModel> model,
                    std::optional<std::vector<hand::ContactSite>> sites,
                    const hand::SkinOptions& options)
-    : model_(std::move(model)), own_sites_(std::move(sites)), options_(options) {}
+    : LazyHand(model, sites, wrapping(model, sites, options)) {}
+
+LazyHand::LazyHand(std::shared_ptr<const hand::HandModel> model,
+                   std::optional<std::vector<hand::ContactSite>> sites,
+                   Maker maker)
+    : model_(std::move(model)), own_sites_(std::move(sites)), maker_(std::move(maker)) {}
 
 std::optional<session::Hand> LazyHand::ready() const {
   const std::lock_guard lock(mutex_);
@@ -62,7 +87,17 @@ session::Hand LazyHand::get(const Progress& progress) {
     std::exception_ptr failure;
     bool cancelled = false;
     try {
-      made = make(progress, report);
+      const Progress shared(progress, [&](std::string_view stage, double fraction) {
+        {
+          const std::lock_guard told(mutex_);
+          stage_ = stage;
+          fraction_ = fraction;
+        }
+        progress.report(stage, fraction);
+      });
+      made = maker_(shared, report);
+      for (const std::string& note : report.notes)
+        spdlog::warn("event=skin hand={} note={}", quoted(model_->name()), quoted(note));
     } catch (const Cancelled&) {
       cancelled = true;
     } catch (...) {
@@ -80,24 +115,28 @@ session::Hand LazyHand::get(const Progress& progress) {
   return *hand_;
 }
 
-session::Hand LazyHand::make(const Progress& progress, hand::SkinReport& report) {
-  const Progress shared(progress, [&](std::string_view stage, double fraction) {
-    {
-      const std::lock_guard lock(mutex_);
-      stage_ = stage;
-      fraction_ = fraction;
-    }
-    progress.report(stage, fraction);
-  });
-  session::Hand made;
-  made.model = model_;
-  made.skin = std::make_shared<const hand::Skin>(
-      hand::SkinCache::fromEnvironment().get(*model_, options_, shared, &report));
-  for (const std::string& note : report.notes)
-    spdlog::warn("event=skin hand={} note={}", quoted(model_->name()), quoted(note));
-  made.sites = own_sites_ ? *own_sites_ : hand::findContactSites(*model_, *made.skin);
-  made.sites_are_found = !own_sites_;
-  return made;
+std::shared_ptr<LazyHand> variantOf(std::shared_ptr<LazyHand> parent,
+                                    std::shared_ptr<const hand::HandVariant> variant) {
+  std::shared_ptr<const hand::HandModel> model(variant, &variant->model);
+  std::optional<std::vector<hand::ContactSite>> sites = parent->ownSites();
+  if (sites) sites = hand::sitesOfVariant(*variant, *sites);
+  return std::make_shared<LazyHand>(
+      model, sites,
+      [parent = std::move(parent), variant = std::move(variant), model](
+          const Progress& progress, hand::SkinReport& report) {
+        const session::Hand original = parent->get(progress);
+        progress.report("bending the skin along", 0.9);
+        const auto begin = std::chrono::steady_clock::now();
+        session::Hand made;
+        made.model = model;
+        made.skin = hand::SkinBending(original.model, original.skin).bent(*variant);
+        made.sites = hand::sitesOfVariant(*variant, original.sites);
+        made.sites_are_found = original.sites_are_found;
+        const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
+        report.time_s = spent.count();
+        report.notes = parent->skinNotes();
+        return made;
+      });
 }
 
 }  // namespace handgraft::server

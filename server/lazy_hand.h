@@ -2,6 +2,7 @@
 
 #include <condition_variable>
 #include <exception>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -10,6 +11,7 @@
 
 #include "core/base/progress.h"
 #include "core/hand/skin_report.h"
+#include "core/hand/variant.h"
 #include "core/session/session.h"
 
 namespace handgraft::server {
@@ -19,10 +21,17 @@ namespace handgraft::server {
 /// Threads: all methods from any thread.
 class LazyHand {
  public:
+  /// Makes the hand, and says how its skin was made.
+  using Maker = std::function<session::Hand(const Progress&, hand::SkinReport&)>;
+
   /// `sites` missing: found on the skin.
   LazyHand(std::shared_ptr<const hand::HandModel> model,
            std::optional<std::vector<hand::ContactSite>> sites,
            const hand::SkinOptions& options = {});
+  /// `sites` are what is known of them before the hand is made, if anything is.
+  LazyHand(std::shared_ptr<const hand::HandModel> model,
+           std::optional<std::vector<hand::ContactSite>> sites,
+           Maker maker);
 
   /// The hand, made by the first caller while the others wait and see its progress. Whoever
   /// made it and is cancelled leaves the work to the next. Errors: InvalidInput if no skin can
@@ -47,11 +56,9 @@ class LazyHand {
   }
 
  private:
-  session::Hand make(const Progress& progress, hand::SkinReport& report);
-
   std::shared_ptr<const hand::HandModel> model_;
   std::optional<std::vector<hand::ContactSite>> own_sites_;
-  hand::SkinOptions options_;
+  Maker maker_;
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
@@ -63,5 +70,10 @@ class LazyHand {
   std::string stage_;
   double fraction_ = 0.0;
 };
+
+/// A variant of `parent`'s hand: its skin is the parent's, which is made first if need be, bent
+/// along; its sites are the parent's, moved along.
+std::shared_ptr<LazyHand> variantOf(std::shared_ptr<LazyHand> parent,
+                                    std::shared_ptr<const hand::HandVariant> variant);
 
 }  // namespace handgraft::server

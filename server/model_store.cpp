@@ -209,6 +209,18 @@ void validateName(const std::string& name) {
   }
 }
 
+void requireSameMesh(const StoredContacts& contacts, const StoredObject& object) {
+  const geometry::TriangleMesh& a = contacts.object->mesh;
+  const geometry::TriangleMesh& b = object.file->mesh;
+  const bool is_same =
+      &a == &b || (a.vertexCount() == b.vertexCount() && a.faceCount() == b.faceCount() &&
+                   a.faces() == b.faces() && a.vertices() == b.vertices());
+  if (is_same) return;
+  rejectInput("contacts {} were read for object {}, which is another mesh than object {}",
+              handgraft::quoted(contacts.name), handgraft::quoted(contacts.set.object),
+              handgraft::quoted(object.name));
+}
+
 v1::ModelSummary summaryOf(const StoredHand& hand) {
   const hand::HandModel& model = hand.hand->model();
   std::string text = fmt::format("{} joints, {} links", model.dofCount(), model.linkCount());

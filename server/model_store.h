@@ -112,6 +112,10 @@ class ModelStore {
 /// in topics, files and messages. InvalidInput otherwise.
 void validateName(const std::string& name);
 
+/// InvalidInput unless the contacts were read for a mesh like the object's. An object that was
+/// taken out and loaded again is the same one.
+void requireSameMesh(const StoredContacts& contacts, const StoredObject& object);
+
 v1::ModelSummary summaryOf(const StoredHand& hand);
 v1::ModelSummary summaryOf(const StoredObject& object);
 v1::ModelSummary summaryOf(const StoredContacts& contacts);

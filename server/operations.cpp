@@ -11,7 +11,9 @@
 #include "server/handlers/pose_contacts.h"
 #include "server/handlers/sessions.h"
 #include "server/handlers/suggest.h"
+#include "server/handlers/sweep.h"
 #include "server/handlers/transfer.h"
+#include "server/handlers/variant.h"
 #include "server/rejection.h"
 
 namespace handgraft::server {
@@ -44,6 +46,8 @@ Lane laneOf(v1::Operation operation) {
     case v1::OP_DESCRIBE_MODEL:
     case v1::OP_OPEN_SESSION:
     case v1::OP_POSE_CONTACTS:
+    case v1::OP_MAKE_VARIANT:
+    case v1::OP_SWEEP:
       return Lane::kPool;
     case v1::OP_CLOSE_SESSION:
     case v1::OP_TRANSFER:
@@ -51,8 +55,6 @@ Lane laneOf(v1::Operation operation) {
     case v1::OP_OPTIMIZE:
     case v1::OP_EXPORT:
       return Lane::kSession;
-    case v1::OP_MAKE_VARIANT:
-    case v1::OP_SWEEP:
     case v1::OP_SESSION_SETTINGS:
     case v1::OP_COMPARE:
     case v1::OP_SAVE_SESSION:
@@ -123,6 +125,14 @@ v1::ReplyBody perform(const v1::Request& request,
     case v1::OP_POSE_CONTACTS:
       return bodyOf(operation, [&](auto& reply) {
         reply.models(contactsOfPose(body.pose_contacts(), workshop, progress));
+      });
+    case v1::OP_MAKE_VARIANT:
+      return bodyOf(operation, [&](auto& reply) {
+        reply.models(makeVariant(body.variant(), workshop));
+      });
+    case v1::OP_SWEEP:
+      return bodyOf(operation, [&](auto& reply) {
+        reply.sweep(sweepHand(body.sweep(), workshop, progress));
       });
     default:
       throw BrokenContract(fmt::format("{} is an operation of a session", nameOf(operation)));

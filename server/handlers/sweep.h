@@ -1,0 +1,18 @@
+#pragma once
+
+#include "core/base/progress.h"
+#include "idl/studies.h"
+#include "server/workshop.h"
+
+namespace handgraft::server {
+
+/// Solves every grasp with every combination of values (core/session/sweep.h). No session is
+/// opened. The hand's skin is made if need be.
+///
+/// Errors: InvalidInput as session::sweep, and for contacts of another mesh than the object's;
+/// Rejection for unknown models; Cancelled.
+v1::SweepReply sweepHand(const v1::SweepRequest& request,
+                         Workshop& workshop,
+                         const Progress& progress);
+
+}  // namespace handgraft::server

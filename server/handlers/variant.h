@@ -1,0 +1,15 @@
+#pragma once
+
+#include "core/base/progress.h"
+#include "idl/studies.h"
+#include "server/workshop.h"
+
+namespace handgraft::server {
+
+/// Makes a hand like another one but for some changes, under a name of its own; the summary of
+/// it. Its skin is made, from the other's, when first needed.
+///
+/// Errors: InvalidInput as hand::makeVariant; Rejection as for loaded models.
+v1::ModelList makeVariant(const v1::VariantRequest& request, Workshop& workshop);
+
+}  // namespace handgraft::server

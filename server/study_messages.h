@@ -1,0 +1,21 @@
+#pragma once
+
+#include "core/hand/variant.h"
+#include "core/session/sweep.h"
+#include "idl/studies.h"
+
+/// Variants and sweeps, from messages to core types and back; as convert.h, and checked as
+/// there.
+namespace handgraft::server {
+
+// === From the wire
+
+hand::HandProperty propertyFrom(v1::HandProperty property);
+hand::HandChange changeFrom(const v1::HandChange& change);
+session::SweepAxis axisFrom(const v1::SweepAxis& axis);
+
+// === To the wire
+
+v1::SweepRow toMessage(const session::SweepRow& row);
+
+}  // namespace handgraft::server
