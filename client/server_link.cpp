@@ -202,6 +202,25 @@ v1::ModelSummary ServerLink::poseContacts(const v1::PoseContactsRequest& request
       fmt::format("the server made contacts '{}' and did not list them", request.name()));
 }
 
+v1::ModelSummary ServerLink::makeVariant(const v1::VariantRequest& request) {
+  v1::RequestBody body;
+  body.variant(request);
+  body._d(v1::OP_MAKE_VARIANT);
+  const v1::ModelList list = ask(body).models();
+  for (const v1::ModelSummary& summary : list.models()) {
+    if (summary.kind() == v1::MODEL_HAND && summary.name() == request.name()) return summary;
+  }
+  throw TransportError(
+      fmt::format("the server made hand '{}' and did not list it", request.name()));
+}
+
+v1::SweepReply ServerLink::sweep(const v1::SweepRequest& request) {
+  v1::RequestBody body;
+  body.sweep(request);
+  body._d(v1::OP_SWEEP);
+  return ask(body).sweep();
+}
+
 v1::SessionState ServerLink::openSession(const v1::OpenSessionRequest& request) {
   v1::RequestBody body;
   body.open_session(request);

@@ -56,6 +56,10 @@ class ServerLink {
   /// Contacts of a posed hand, as a model of the request's name.
   v1::ModelSummary poseContacts(const v1::PoseContactsRequest& request);
 
+  /// A hand like another one, as a model of the request's name.
+  v1::ModelSummary makeVariant(const v1::VariantRequest& request);
+  v1::SweepReply sweep(const v1::SweepRequest& request);
+
   void unload(v1::ModelKind kind, const std::string& name);
 
   v1::SessionState openSession(const v1::OpenSessionRequest& request);

@@ -80,7 +80,8 @@ const std::map<std::string, std::set<std::string>> kAlone = {
      {"server/main.cpp", "client/command_line.cpp", "client/options/grasp_command.cpp",
       "client/options/grasp_flags.cpp", "client/options/import_commands.cpp",
       "client/options/model_commands.cpp", "client/options/model_flags.cpp",
-      "client/options/session_commands.cpp", "hardware/bridge/main.cpp"}},
+      "client/options/session_commands.cpp", "client/options/study_commands.cpp",
+      "hardware/bridge/main.cpp"}},
 };
 
 const std::vector<std::pair<std::string, std::regex>> kLibraries = {

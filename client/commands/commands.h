@@ -8,6 +8,8 @@
 #include <variant>
 
 #include "client/model_files.h"
+#include "client/study_axis.h"
+#include "client/study_files.h"
 #include "core/base/network.h"
 #include "idl/models.h"
 #include "idl/sessions.h"
@@ -81,6 +83,32 @@ struct InspectOptions {
   std::filesystem::path sites;
 };
 
+struct VaryOptions {
+  std::string hand;  ///< a model's name, or a path
+  HandReading reading;
+  std::string units;
+  std::vector<v1::HandChange> changes;
+  std::string name;            ///< of the variant
+  std::filesystem::path urdf;  ///< empty: not written
+};
+
+/// A study of a set of grasps over properties of a hand.
+struct SweepOptions {
+  std::string hand;  ///< a model's name, or a path
+  HandReading hand_reading;
+  StudyFolders folders;
+  ContactReading contact_reading;  ///< of contact maps
+  std::string units;               ///< of objects and contact maps
+  std::vector<StudyAxis> axes;
+  std::optional<std::array<double, 3>> weights;  ///< distance (1/m^2), normal, prior
+  std::string solver;
+  std::uint32_t starts = 0;
+  std::uint32_t seed = 0;
+  std::string log_map;
+  std::filesystem::path out;  ///< CSV; empty: not written; likewise the next
+  std::filesystem::path png;
+};
+
 struct SkinOptions {
   std::string hand;  ///< a model's name, or a path
   HandReading reading;
@@ -146,6 +174,8 @@ using CommandOptions = std::variant<DoctorOptions,
                                     LoadOptions,
                                     GraspOptions,
                                     InspectOptions,
+                                    VaryOptions,
+                                    SweepOptions,
                                     SkinOptions,
                                     ImportOptions,
                                     PoseContactsOptions,
@@ -161,6 +191,8 @@ int run(const ModelsOptions& options, const CommonOptions& common, Interruption&
 int run(const LoadOptions& options, const CommonOptions& common, Interruption& interruption);
 int run(const GraspOptions& options, const CommonOptions& common, Interruption& interruption);
 int run(const InspectOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const VaryOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const SweepOptions& options, const CommonOptions& common, Interruption& interruption);
 int run(const SkinOptions& options, const CommonOptions& common, Interruption& interruption);
 int run(const ImportOptions& options, const CommonOptions& common, Interruption& interruption);
 int run(const PoseContactsOptions& options,

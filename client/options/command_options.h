@@ -13,6 +13,8 @@ namespace handgraft::client {
 void addModelCommands(CLI::App& app, CommandOptions& chosen);    ///< models load unload
 void addGraspCommand(CLI::App& app, CommandOptions& chosen);     ///< grasp
 void addSessionCommands(CLI::App& app, CommandOptions& chosen);  ///< sessions transfer ...
+void addStudyCommands(CLI::App& app, CommandOptions& chosen);    ///< sweep
+void addVary(CLI::App& hand, CommandOptions& chosen);            ///< hand vary
 void addImportCommands(CLI::App& app, CommandOptions& chosen);   ///< hand skin contacts
 
 }  // namespace handgraft::client

@@ -35,7 +35,7 @@ struct ParsedHand {
   }
 };
 
-void addInspect(CLI::App& app, CommandOptions& chosen) {
+CLI::App& addInspect(CLI::App& app, CommandOptions& chosen) {
   const auto parsed = std::make_shared<ParsedHand>();
   CLI::App* command = app.add_subcommand("hand", "Look at a hand");
   command->require_subcommand(1);
@@ -51,6 +51,7 @@ void addInspect(CLI::App& app, CommandOptions& chosen) {
     chosen = InspectOptions{parsed->hand, parsed->flags.reading(), parsed->units, parsed->png,
                             parsed->out};
   });
+  return *command;
 }
 
 void addSkin(CLI::App& app, CommandOptions& chosen) {
@@ -166,7 +167,7 @@ void addFromPose(CLI::App& app, CommandOptions& chosen) {
 }  // namespace
 
 void addImportCommands(CLI::App& app, CommandOptions& chosen) {
-  addInspect(app, chosen);
+  addVary(addInspect(app, chosen), chosen);
   addSkin(app, chosen);
   CLI::App* contacts = app.add_subcommand("contacts", "Make contact sets");
   contacts->require_subcommand(1);

@@ -1,0 +1,126 @@
+// Design studies through all programs: variants of a hand, and sweeps with table and picture.
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/shared_data.h"
+#include "tests/system/service.h"
+
+namespace handgraft::test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+const std::string kHand = "tendon16";
+
+std::string builtInSets() {
+  return (sourceDirectory() / "server/models/contacts").string();
+}
+
+std::vector<std::string> cellsOf(const std::string& line) {
+  std::vector<std::string> cells;
+  std::istringstream in(line);
+  for (std::string cell; std::getline(in, cell, ',');)
+    cells.push_back(cell);
+  return cells;
+}
+
+/// Rows of a CSV without quoted fields, by column.
+std::vector<std::map<std::string, std::string>> tableIn(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::string line;
+  std::getline(file, line);
+  const std::vector<std::string> names = cellsOf(line);
+  std::vector<std::map<std::string, std::string>> rows;
+  while (std::getline(file, line)) {
+    const std::vector<std::string> cells = cellsOf(line);
+    std::map<std::string, std::string>& row = rows.emplace_back();
+    for (std::size_t i = 0; i < cells.size() && i < names.size(); ++i)
+      row[names[i]] = cells[i];
+  }
+  return rows;
+}
+
+TEST(Sweep, OfTheBuiltInGraspsGivesATableAndAPicture) {
+  const Service service;
+  const auto table = scratchDirectory() / "table.csv";
+  const auto picture = scratchDirectory() / "plot.png";
+  const json sweep = service.ask({"sweep", "--hand", kHand, "--contacts-dir", builtInSets(),
+                                  "--vary", "index_middle_crease.upper=0.2:1.4:4", "--out",
+                                  table.string(), "--png", picture.string()});
+  EXPECT_EQ(sweep.at("format"), "handgraft-sweep/1");
+  EXPECT_EQ(sweep.at("grasps").size(), 4u);
+  ASSERT_EQ(sweep.at("rows").size(), 16u);
+
+  const auto rows = tableIn(table);
+  ASSERT_EQ(rows.size(), 16u);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto& row = rows[i];
+    EXPECT_EQ(row.at("grasp"), sweep.at("grasps").at(i % 4).at("name"));
+    EXPECT_EQ(row.at("error"), "");
+    const double upper = std::stod(row.at("index_middle_crease.upper (rad)"));
+    EXPECT_NEAR(upper, 0.2 + 0.4 * static_cast<double>(i / 4), 1e-9);
+    EXPECT_LE(std::stod(row.at("index_middle_crease")), upper + 1e-9);
+    EXPECT_NEAR(std::stod(row.at("mean_mm")), sweep.at("rows").at(i).at("mean_mm"), 1e-4);
+    EXPECT_GT(std::stoi(row.at("patches")), 0);
+  }
+  std::ifstream png(picture, std::ios::binary);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(png), {}).substr(1, 3), "PNG");
+}
+
+TEST(Sweep, ARowAloneIsThatOfTheWholeSweep) {
+  const Service service;
+  const auto rowsOf = [&](const std::string& values) {
+    json rows = service
+                    .ask({"sweep", "--hand", kHand, "--contacts-dir", builtInSets(), "--vary",
+                          "thumb_proximal.length=" + values})
+                    .at("rows");
+    for (json& row : rows)
+      row.erase("solve_ms");
+    return rows;
+  };
+  const json all = rowsOf("0.8,1.2");
+  const json alone = rowsOf("1.2");
+  for (std::size_t grasp = 0; grasp < 4; ++grasp)
+    EXPECT_EQ(all.at(4 + grasp), alone.at(grasp));
+}
+
+TEST(Sweep, SaysWhatIsWrong) {
+  const Service service;
+  const Finished joint = service.client({"sweep", "--hand", kHand, "--contacts-dir",
+                                         builtInSets(), "--vary", "elbow.upper=0:1:3"});
+  EXPECT_EQ(joint.exit_code, 2);
+  EXPECT_THAT(joint.err, HasSubstr("'elbow'"));
+  const Finished form = service.client(
+      {"sweep", "--hand", kHand, "--contacts-dir", builtInSets(), "--vary", "thumb"});
+  EXPECT_EQ(form.exit_code, 2);
+  EXPECT_THAT(form.err, HasSubstr("FROM:TO:COUNT"));
+  const Finished folder =
+      service.client({"sweep", "--hand", kHand, "--contacts-dir", "/nowhere", "--vary",
+                      "index_middle_crease.upper=0:1:3"});
+  EXPECT_EQ(folder.exit_code, 2);
+  EXPECT_THAT(folder.err, HasSubstr("/nowhere"));
+}
+
+TEST(Vary, MakesAHandThatGrasps) {
+  const Service service;
+  const auto urdf = scratchDirectory() / "longer.urdf";
+  const json made = service.ask({"hand", "vary", kHand, "--set", "index_middle.length=1.2",
+                                 "--set", "index_middle_crease.upper=60deg", "--name", "longer",
+                                 "--urdf", urdf.string()});
+  EXPECT_TRUE(made.at("skin").at("valid").get<bool>()) << made.at("skin");
+  std::ifstream file(urdf);
+  EXPECT_THAT(std::string(std::istreambuf_iterator<char>(file), {}),
+              HasSubstr("upper=\"1.047197551"));
+  const json grasp =
+      service.ask({"grasp", "--hand", "longer", "--object", "lemon", "--contacts", "lemon_6"});
+  EXPECT_LE(grasp.at("joints").at("index_middle_crease").get<double>(), 1.0472);
+  EXPECT_EQ(service.client({"unload", "hand", "longer"}).exit_code, 0);
+}
+
+}  // namespace
+}  // namespace handgraft::test
