@@ -45,6 +45,7 @@ RUN apt-get update \
         libddsc0debian \
         libfastcdr1 \
         libfmt9 \
+        libyaml-cpp0.7 \
     && rm -rf /var/lib/apt/lists/* \
     && useradd --system --uid 10001 --no-create-home --home-dir /nonexistent \
         --shell /usr/sbin/nologin handgraft
@@ -58,7 +59,7 @@ ENV HANDGRAFT_DOMAIN=0 \
 USER 10001
 STOPSIGNAL SIGTERM
 # No health check: a bridge without a server is well, it waits. Its state is on the topic
-# handgraft/v1/joint_state.
+# handgraft/v1/bridge_status.
 HEALTHCHECK NONE
 ENTRYPOINT ["/bin/sh", "-c", "exec handgraft-bridge --domain \"$HANDGRAFT_DOMAIN\" --interface \"$HANDGRAFT_INTERFACE\" \"$@\"", "handgraft-bridge"]
 CMD []

@@ -55,7 +55,8 @@ const std::vector<Layer> kLayers = {
     {"hardware/tendon", {"core/base"}, {"eigen", "fmt"}},
     {"hardware/config", {"core/base", "hardware/safety", "hardware/tendon"}, {"eigen", "fmt"}},
     {"hardware/bridge",
-     {"core/base", "idl", "idl/cyclone", "hardware/safety"},
+     {"core/base", "idl", "idl/cyclone", "hardware/config", "hardware/devices",
+      "hardware/safety", "hardware/tendon"},
      {"eigen", "fmt"}},
 };
 

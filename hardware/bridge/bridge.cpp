@@ -1,12 +1,20 @@
 #include "hardware/bridge/bridge.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <mutex>
 #include <thread>
 #include <utility>
 
+#include "core/base/error.h"
+#include "hardware/bridge/command_filter.h"
 #include "hardware/bridge/hand_describer.h"
+#include "hardware/bridge/motion_thread.h"
 #include "hardware/bridge/server_watch.h"
-#include "idl/sensor_msgs.h"
+#include "hardware/bridge/stream_feed.h"
+#include "hardware/bridge/telemetry.h"
+#include "hardware/config/calibration_file.h"
 #include "idl/topics.h"
 
 namespace handgraft::bridge {
@@ -16,10 +24,13 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using idl::cyclone::Reader;
 using idl::cyclone::Writer;
+using safety::GovernorState;
+using safety::HoldCause;
 using RosJointState = sensor_msgs::msg::dds_::JointState_;
 
 constexpr std::chrono::milliseconds kServerPatience(1500);  // the absence is said within 2 s
-constexpr std::chrono::seconds kBrakingPatience(2);         // at the end of the process
+constexpr std::chrono::milliseconds kStatusPeriod(100);
+constexpr double kArrived = 1e-3;  // rad: finer than the encoders of small hands, 4096 a turn
 
 // The system's time at a moment of the steady clock.
 std::chrono::nanoseconds systemTimeOf(Clock::time_point moment) {
@@ -32,225 +43,339 @@ std::chrono::nanoseconds systemTimeOf(Clock::time_point moment) {
 struct Bridge::Impl {
   Impl(const idl::cyclone::Participant& on,
        const BridgeOptions& told,
-       MakeDriver make,
-       Report say)
+       std::atomic<bool>& estop_flag,
+       Report say_to)
       : participant(on),
         options(told),
-        make_driver(std::move(make)),
-        report(std::move(say)),
-        period(std::chrono::duration_cast<Clock::duration>(
-            std::chrono::duration<double>(told.period_s))),
-        logic(told),
+        estop(estop_flag),
+        report(std::move(say_to)),
+        filter(told.bridge_id),
+        feed(told.session,
+             told.with_intermediate,
+             !told.config && told.arms_itself,
+             told.config ? told.config->hand : ""),
         describer(participant),
         statuses(participant, idl::kStatusTopic),
         sessions(participant, idl::kSessionTopic),
         solutions(participant, idl::kSolutionTopic),
         commands(participant, idl::kHandCommandTopic),
         joint_states(participant, idl::kJointStateTopic),
-        ros_joint_states(participant, idl::kRosJointStatesTopic) {}
+        bridge_statuses(participant, idl::kBridgeStatusTopic),
+        ros_joint_states(participant, idl::kRosJointStatesTopic) {
+    is_willing = !options.config && options.arms_itself;
+    identity.bridge_id = options.bridge_id;
+    identity.config = options.config_name;
+    identity.period_s = options.config ? options.config->governor.period_s : options.period_s;
+    identity.device = "simulated";
+    no_hand.trouble.set("no hand yet: waiting for a session");
+    if (options.config) beginMotion(*options.config, {});
+  }
 
-  // === Once a period
+  // === The hand
+
+  void beginMotion(const config::HandConfig& config, const std::vector<double>& start_rad) {
+    motion.reset();  // brakes, and frees the wire
+    const MakeDevice make = [start_rad](const config::HandConfig& asked) {
+      return makeDevice(asked, Clock::now, start_rad);
+    };
+    const auto keep = [this](const config::HandConfig& homed) {
+      keepCalibration(homed);
+    };
+    motion = std::make_unique<MotionThread>(
+        std::make_unique<Motion>(config, make, Clock::now, keep), estop);
+    identity.hand = config.hand;
+    identity.device = nameOf(config.device);
+    arrived = false;
+  }
+
+  // On the motion's thread, with the motors off.
+  void keepCalibration(const config::HandConfig& homed) {
+    std::string text = "homed";
+    try {
+      if (homed.calibration.empty()) {
+        text += "; the config names no calibration file to keep the zeros in";
+      } else {
+        config::writeCalibration(homed.calibration, homed);
+        text += fmt::format("; zeros are kept in {}",
+                            handgraft::quoted(homed.calibration.string()));
+      }
+    } catch (const InvalidInput& error) {
+      text += fmt::format("; zeros are lost when this ends: {}", error.what());
+    }
+    const std::lock_guard lock(homed_mutex);
+    homed_text = std::move(text);
+  }
+
+  [[nodiscard]] const MotionState& state() const { return motion ? motion->last() : no_hand; }
+
+  // === Once a turn
 
   void turn(Clock::time_point now) {
-    takeMessages(now);
-    askForHand();
-    moveHand();
-    publish();
-    for (std::string& remark : logic.takeRemarks())
-      say(std::move(remark));
+    takeCommands();
+    takeStream(now);
+    passPose(now);
+    const MotionState* news = motion ? motion->take() : nullptr;
+    armIfWilling();
+    remark();
+    publish(news, now);
   }
 
   // Commands first: a stop does not wait for anything.
-  void takeMessages(Clock::time_point now) {
+  void takeCommands() {
     commands.take([this](const v1::HandCommand& command) {
-      logic.obey(command);
+      if (filter.passes(command)) obey(command.kind());
     });
+  }
+
+  void obey(v1::HandCommandKind kind) {
+    if (kind == v1::COMMAND_ARM) is_willing = !options.config && options.arms_itself;
+    if (kind == v1::COMMAND_DISARM || kind == v1::COMMAND_ESTOP) is_willing = false;
+    if (!motion) {
+      say("no hand yet: the command changes nothing");
+      return;
+    }
+    switch (kind) {
+      case v1::COMMAND_ARM:
+        return motion->request(Request::kArm);
+      case v1::COMMAND_DISARM:
+        return motion->request(Request::kDisarm);
+      case v1::COMMAND_ESTOP:
+        return motion->estop();
+      case v1::COMMAND_RESET:
+        return motion->request(Request::kReset);
+      case v1::COMMAND_HOME:
+        return motion->request(Request::kHome);
+    }
+    say(fmt::format("command {} is none", static_cast<int>(kind)));
+  }
+
+  void takeStream(Clock::time_point now) {
     statuses.take([&](const v1::ServerStatus& status) {
       watch.see(status, now);
     });
     const bool is_there = watch.isThere(now);
-    logic.serverIsThere(is_there);
-    if (is_there) has_met_server = true;
+    if (is_there != server_is_there) say(is_there ? "server found" : "the server is gone");
+    if (server_is_there && !is_there) answered.reset();
+    server_is_there = is_there;
+    has_met_server = has_met_server || is_there;
     if (!has_met_server && !has_missed_server && now - start >= kServerPatience) {
       has_missed_server = true;
-      logic.say(fmt::format("no handgraft-server answers on {}; waiting",
-                            describe(participant.network())));
+      say(fmt::format("no handgraft-server answers on {}; waiting",
+                      describe(participant.network())));
     }
-    sessions.take([this](const v1::SessionState& state) {
-      logic.see(state);
+    feed.serverIsThere(is_there);
+    sessions.take([this](const v1::SessionState& session) {
+      if (feed.see(session) || session.phase() == v1::PHASE_CLOSED) return;
+      say(fmt::format("session {} is of hand {}, this one is {}: passed over",
+                      session.session_id(), handgraft::quoted(session.hand()),
+                      handgraft::quoted(options.config->hand)));
     });
     solutions.take([this](const v1::PoseSolution& solution) {
-      logic.see(solution);
+      feed.see(solution);
     });
   }
 
-  void askForHand() {
-    describer.want(logic.question());
-    if (std::optional<HandDescriber::Answer> answer = describer.take()) {
-      if (answer->description) {
-        logic.answer(answer->question, *answer->description);
-      } else {
-        logic.refuse(answer->question, answer->refusal);
-      }
-      describer.want(std::nullopt);
+  void passPose(Clock::time_point now) {
+    if (std::optional<StreamFeed::Pose> pose = feed.take()) {
+      waiting = std::move(pose);
+      waiting_since = now;
     }
+    if (!options.config) chooseHand();
+    if (waiting && (options.config || answered == questionOf(*waiting))) {
+      offer(*std::exchange(waiting, std::nullopt));
+    }
+    const std::optional<std::uint64_t> alive = feed.alive();
+    if (motion && alive) motion->renew(*alive, now);
   }
 
-  void moveHand() {
+  void offer(StreamFeed::Pose pose) {
+    if (identity.session_id != pose.pose.session_id)
+      say(fmt::format("following session {}", pose.pose.session_id));
+    identity.session_id = pose.pose.session_id;
+    arrived = false;
+    StreamPose told;
+    told.stream = pose.stream;
+    told.sequence = pose.pose.sequence_number;
+    // On a busy machine a pose may be long on its way, which a simulated hand may bear.
+    told.source_ns = options.config ? pose.pose.stamp_ns : 0;
+    told.arrived = waiting_since;
+    told.names = std::move(pose.pose.names);
+    told.joint_rad = std::move(pose.pose.joint_rad);
+    motion->offer(std::move(told));
+  }
+
+  // === Which hand, where none is configured
+
+  static HandQuestion questionOf(const StreamFeed::Pose& pose) {
+    return {pose.pose.session_id, pose.pose.hand};
+  }
+
+  void chooseHand() {
+    const bool is_open = waiting && answered != questionOf(*waiting);
+    describer.want(is_open ? std::optional(questionOf(*waiting)) : std::nullopt);
+    const std::optional<HandDescriber::Answer> answer = describer.take();
+    if (!answer || !is_open || answer->question != questionOf(*waiting)) return;
     try {
-      openDriver();
-      if (!driver) return;
-      driver->read(reading);
-      const MotorOrder order = logic.tick(reading);
-      if (order.powered) {
-        driver->write(order.positions);
-      } else if (is_powered) {
-        driver->stop();
+      if (!answer->description) rejectInput("{}", answer->refusal);
+      HandPlan wanted = planHand(*answer->description, options.bounds);
+      wanted.hand = answer->question.hand;
+      if (!plan || !movesAlike(*plan, wanted)) {
+        beginMotion(simulatedConfig(wanted, options.period_s), wanted.rest);
+        plan = std::move(wanted);
+        say(fmt::format("hand {}: {} joints", handgraft::quoted(plan->hand),
+                        plan->jointCount()));
       }
-      is_powered = order.powered;
-    } catch (const DeviceError& error) {
-      logic.fail(error.what());
-      closeDriver();
+      answered = answer->question;
     } catch (const InvalidInput& error) {
-      logic.fail(error.what());
-      closeDriver();
+      // The next pose asks again; until then there is nothing new to say.
+      say(fmt::format("session {}: {}", answer->question.session_id, error.what()));
+      waiting.reset();
     }
   }
 
-  void openDriver() {
-    if (logic.plan() == nullptr || logic.state() == v1::BRIDGE_FAULT) return;
-    if (driver && driver_version == logic.planVersion()) return;
-    closeDriver();
-    driver = make_driver(*logic.plan());
-    driver->open();
-    driver_version = logic.planVersion();
+  void armIfWilling() {
+    if (!is_willing || !motion || !feed.alive() || state().stream != *feed.alive()) return;
+    const bool rests =
+        state().state == GovernorState::kIdle ||
+        (state().state == GovernorState::kHolding && state().hold != HoldCause::kDisarmed);
+    if (rests) motion->request(Request::kArm);
   }
 
-  void closeDriver() {
-    if (!driver) return;
+  // === What there is to say
+
+  void remark() {
+    {
+      const std::lock_guard lock(homed_mutex);
+      if (!homed_text.empty()) say(std::exchange(homed_text, {}));
+    }
+    const MotionState& now = state();
+    if (now.refusals != told_refusals) say(std::string(now.last_refusal.view()));
+    told_refusals = now.refusals;
+    std::string reason = bridge::describe(now);
+    if (reason != told_reason) {
+      say(reason);
+      told_reason = std::move(reason);
+    }
+    if (arrived || now.state != GovernorState::kArmed || now.stream == 0) return;
+    if (!feed.alive() || now.stream != *feed.alive()) return;
+    for (std::size_t i = 0; i < now.target.size(); ++i) {
+      if (std::abs(now.position[i] - now.target[i]) > kArrived) return;
+    }
+    arrived = true;
+    say(fmt::format("session {}: pose reached", identity.session_id));
+  }
+
+  void say(std::string text) {
+    if (text == last_said) return;
+    last_said = text;
+    BridgeReport told;
+    told.message = std::move(text);
+    told.state = wireState(state().state);
+    told.session_id = identity.session_id;
+    told.hand = identity.hand;
+    if (motion) {
+      told.names = motion->config().governor.names;
+      if (state().is_connected) told.position = state().position;
+      if (state().stream != 0) told.target = state().target;
+    }
+    report(told);
+  }
+
+  // === Telemetry
+
+  void publish(const MotionState* news, Clock::time_point now) {
+    const v1::BridgeStatus status = bridgeStatus(identity, state(), systemTimeOf(now));
+    const bool is_new =
+        status.state() != last_status.state() || status.fault() != last_status.fault() ||
+        status.powered() != last_status.powered() || status.homed() != last_status.homed() ||
+        status.reason() != last_status.reason() ||
+        status.session_id() != last_status.session_id() ||
+        status.last_refusal() != last_status.last_refusal();
+    const bool is_due = is_new || now >= status_due;
+    static const std::vector<std::string> kNoNames;
+    const auto& names = motion ? motion->config().governor.names : kNoNames;
     try {
-      driver->stop();
-    } catch (const DeviceError& error) {
-      logic.say(error.what());
-    }
-    driver.reset();
-    is_powered = false;
-  }
-
-  void publish() {
-    v1::JointState state;
-    state.bridge_id(options.bridge_id);
-    state.sequence_number(++sequence_number);
-    state.state(logic.state());
-    state.message(logic.message());
-    state.session_id(logic.session());
-    auto stamp = systemTimeOf(Clock::now());
-    if (driver) {
-      stamp = systemTimeOf(reading.time);
-      state.names(logic.plan()->names);
-      state.position_rad(reading.position);
-      state.velocity_rad_s(reading.velocity);
-      state.target_rad(logic.target());
-    }
-    state.stamp_ns(stamp.count());
-    try {
-      joint_states.write(state);
-      if (driver) ros_joint_states.write(rosMessage(stamp));
+      if (news != nullptr || (!motion && is_due)) {
+        const bool is_measured = news != nullptr && news->is_connected;
+        const auto stamp = systemTimeOf(is_measured ? news->measured_at : now);
+        joint_states.write(jointState(identity, names, state(), ++sequence_number, stamp));
+        if (is_measured) ros_joint_states.write(rosJointState(names, *news, stamp));
+      }
+      if (is_due) bridge_statuses.write(status);
     } catch (const TransportError& error) {
-      logic.say(fmt::format("telemetry: {}", error.what()));
+      say(fmt::format("telemetry: {}", error.what()));
     }
+    if (!is_due) return;
+    status_due = now + kStatusPeriod;
+    last_status = status;
   }
-
-  RosJointState rosMessage(std::chrono::nanoseconds stamp) const {
-    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(stamp);
-    RosJointState message;
-    message.header().stamp().sec(static_cast<std::int32_t>(seconds.count()));
-    message.header().stamp().nanosec(static_cast<std::uint32_t>((stamp - seconds).count()));
-    message.name(logic.plan()->names);
-    message.position(reading.position);
-    message.velocity(reading.velocity);
-    return message;
-  }
-
-  void say(std::string remark) {
-    BridgeReport now;
-    now.message = std::move(remark);
-    now.state = logic.state();
-    now.session_id = logic.session();
-    if (const HandPlan* plan = logic.plan()) {
-      now.hand = plan->hand;
-      now.names = plan->names;
-      if (driver) now.position = reading.position;
-      now.target = logic.target();
-    }
-    report(now);
-  }
-
-  // === By absolute deadlines
 
   void run(const std::atomic<bool>& stop) {
     start = Clock::now();
-    Clock::time_point next = start;
+    const auto period = std::chrono::duration_cast<Clock::duration>(
+        std::chrono::duration<double>(identity.period_s / 2));
+    const auto nap = std::clamp<Clock::duration>(period, std::chrono::milliseconds(1),
+                                                 std::chrono::milliseconds(5));
     while (!stop) {
       turn(Clock::now());
-      wait(next);
+      std::this_thread::sleep_for(nap);
     }
-    logic.release();
-    const auto give_up = Clock::now() + kBrakingPatience;
-    while (is_powered && Clock::now() < give_up) {
-      moveHand();
-      publish();
-      wait(next);
-    }
-    closeDriver();
-  }
-
-  void wait(Clock::time_point& next) {
-    next += period;
-    const auto now = Clock::now();
-    if (now > next) {
-      missed_periods += static_cast<unsigned long>((now - next) / period) + 1;
-      next = now;
-    }
-    std::this_thread::sleep_until(next);
+    overruns = state().overruns;
+    motion.reset();
   }
 
   idl::cyclone::Participant participant;
   BridgeOptions options;
-  MakeDriver make_driver;
+  std::atomic<bool>& estop;
   Report report;
-  Clock::duration period;
-  BridgeLogic logic;
-  HandDescriber describer;
+  CommandFilter filter;
+  StreamFeed feed;
   ServerWatch watch;
+  HandDescriber describer;
+  BridgeIdentity identity;
+  MotionState no_hand;
   Clock::time_point start{};
+
+  bool server_is_there = false;
   bool has_met_server = false;
   bool has_missed_server = false;
+  bool is_willing = false;                  // to arm by itself
+  bool arrived = false;                     // at the newest pose, and said so
+  std::optional<StreamFeed::Pose> waiting;  // for its hand's description
+  Clock::time_point waiting_since{};
+  std::optional<HandQuestion> answered;  // the plan's
+  std::optional<HandPlan> plan;
 
-  std::unique_ptr<HandDriver> driver;
-  unsigned driver_version = 0;
-  bool is_powered = false;
-  JointReading reading;
+  std::string last_said;
+  std::string told_reason;
+  std::uint64_t told_refusals = 0;
+  std::mutex homed_mutex;
+  std::string homed_text;  // guarded by homed_mutex
+  v1::BridgeStatus last_status;
+  Clock::time_point status_due{};
   std::uint64_t sequence_number = 0;
-  unsigned long missed_periods = 0;
+  std::uint64_t overruns = 0;
 
   Reader<v1::ServerStatus> statuses;
   Reader<v1::SessionState> sessions;
   Reader<v1::PoseSolution> solutions;
   Reader<v1::HandCommand> commands;
   Writer<v1::JointState> joint_states;
+  Writer<v1::BridgeStatus> bridge_statuses;
   Writer<RosJointState> ros_joint_states;
+
+  // Last, so that it ends first: it uses what stands above.
+  std::unique_ptr<MotionThread> motion;
 };
 
 Bridge::Bridge(const idl::cyclone::Participant& participant,
                const BridgeOptions& options,
-               MakeDriver make_driver,
+               std::atomic<bool>& estop,
                Report report) {
   if (!(options.period_s > 0) || !(options.period_s <= 1)) {
     rejectInput("period {} s is not in (0, 1]", options.period_s);
   }
-  impl_ =
-      std::make_unique<Impl>(participant, options, std::move(make_driver), std::move(report));
+  impl_ = std::make_unique<Impl>(participant, options, estop, std::move(report));
 }
 
 Bridge::~Bridge() = default;
@@ -259,8 +384,8 @@ void Bridge::run(const std::atomic<bool>& stop) {
   impl_->run(stop);
 }
 
-unsigned long Bridge::missedPeriods() const {
-  return impl_->missed_periods;
+std::uint64_t Bridge::overruns() const {
+  return impl_->overruns;
 }
 
 }  // namespace handgraft::bridge

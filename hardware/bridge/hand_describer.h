@@ -6,10 +6,18 @@
 #include <string>
 #include <thread>
 
-#include "hardware/bridge/bridge_logic.h"
 #include "idl/cyclone/requester.h"
+#include "idl/models.h"
 
 namespace handgraft::bridge {
+
+/// A hand that a session asked for and that the server must describe first.
+struct HandQuestion {
+  std::uint64_t session_id = 0;
+  std::string hand;
+
+  bool operator==(const HandQuestion&) const = default;
+};
 
 /// Asks the server to describe hands on a thread of its own, since the bridge's loop never
 /// waits. A server that does not answer is asked again for as long as the question stands.

@@ -11,6 +11,7 @@ namespace handgraft::bridge {
 namespace {
 
 constexpr std::size_t kMostJoints = 512;  // the bound of every joint sequence in the contract
+constexpr double kFarthest = 1000;        // rad: of a joint without limits
 
 safety::JointLimits limitsOf(const v1::JointInfo& joint, const MotionBounds& bounds) {
   if (!(joint.lower_rad() <= joint.upper_rad()) || joint.lower_rad() == HUGE_VAL ||
@@ -61,6 +62,42 @@ HandPlan planHand(const v1::HandDescription& description, const MotionBounds& bo
         std::clamp(std::isfinite(told) ? told : 0.0, limits.lower, limits.upper));
   }
   return plan;
+}
+
+config::HandConfig simulatedConfig(const HandPlan& plan, double period_s) {
+  using std::chrono::milliseconds;
+  config::HandConfig config;
+  config.hand = plan.hand;
+  config.device.kind = config::DeviceKind::kSimulated;
+  config.governor.names = plan.names;
+  config.governor.limits = plan.limits;
+  config.governor.period_s = period_s;
+  config.governor.stale_after = milliseconds(1000);
+  config.governor.brake_within = milliseconds(10'000);
+  config.governor.ramp_share = 1;  // no need to move slowly to a far pose
+  config.governor.longest_gap = milliseconds(3'600'000);
+  config.governor.overruns_in_a_row = 1'000'000;
+  for (std::size_t i = 0; i < plan.jointCount(); ++i) {
+    config::MotorConfig motor;
+    motor.name = plan.names[i];
+    motor.range_rad = {std::max(plan.limits[i].lower, -kFarthest),
+                       std::min(plan.limits[i].upper, kFarthest)};
+    motor.velocity_rad_s = plan.limits[i].velocity;
+    config.motors.push_back(motor);
+    config.governor.limits[i].lower = motor.range_rad.lower;
+    config.governor.limits[i].upper = motor.range_rad.upper;
+  }
+  return config;
+}
+
+bool movesAlike(const HandPlan& a, const HandPlan& b) {
+  const auto same_limits = [](const safety::JointLimits& x, const safety::JointLimits& y) {
+    return x.lower == y.lower && x.upper == y.upper && x.velocity == y.velocity &&
+           x.acceleration == y.acceleration && x.jerk == y.jerk && x.margin == y.margin;
+  };
+  return a.hand == b.hand && a.names == b.names &&
+         std::equal(a.limits.begin(), a.limits.end(), b.limits.begin(), b.limits.end(),
+                    same_limits);
 }
 
 }  // namespace handgraft::bridge

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "hardware/config/hand_config.h"
 #include "hardware/safety/joint_limiter.h"
 #include "idl/models.h"
 
@@ -33,5 +34,12 @@ struct HandPlan {
 /// Errors: InvalidInput for no joints, more than 512, a name that is empty or twice, a range
 /// that is empty or NaN, a negative velocity limit.
 HandPlan planHand(const v1::HandDescription& description, const MotionBounds& bounds);
+
+/// The config of a simulated hand that moves as planned: a motor a joint, and a governor that
+/// is as patient as can be with a busy machine, since nobody can be hurt.
+config::HandConfig simulatedConfig(const HandPlan& plan, double period_s);
+
+/// Whether both are moved alike, so that a device made for one does for the other.
+bool movesAlike(const HandPlan& a, const HandPlan& b);
 
 }  // namespace handgraft::bridge

@@ -13,7 +13,7 @@
 #include "core/base/network.h"
 #include "hardware/bridge/bridge.h"
 #include "hardware/bridge/report_line.h"
-#include "hardware/bridge/simulated_hand.h"
+#include "hardware/config/hand_config_file.h"
 
 namespace {
 
@@ -22,17 +22,23 @@ using namespace handgraft;
 enum ExitCode { kDone = 0, kFailed = 1, kWrongInput = 2 };
 
 std::atomic<bool> stop_requested{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "set by a signal handler");
+std::atomic<bool> estop_requested{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "set by signal handlers");
 
 extern "C" void requestStop(int /*signal*/) {
   stop_requested = true;
+}
+
+extern "C" void requestEstop(int /*signal*/) {
+  estop_requested = true;
 }
 
 struct Options {
   Network network;
   bridge::BridgeOptions bridge;
   std::string session = "any";
-  std::string hand = "simulated";
+  std::string config;
+  std::string port;
   double rate_hz = 100;
   bool disarmed = false;
   bool json = false;
@@ -48,23 +54,31 @@ void declare(CLI::App& app, Options& options) {
          "--session", options.session,
          "session to follow: its number, or 'any' for the one that began to stream last")
       ->capture_default_str();
-  app.add_option("--hand", options.hand, "the hand to drive")
-      ->check(CLI::IsMember({"simulated"}))
-      ->capture_default_str();
+  CLI::Option* config = app.add_option("--config", options.config,
+                                       "the hand to drive, its device and its limits (YAML); "
+                                       "without it a simulated hand follows "
+                                       "whatever session streams");
+  app.add_option("--port", options.port, "the device's port, in place of the config's")
+      ->needs(config);
   app.add_option("--bridge-id", options.bridge.bridge_id,
                  "number of this bridge in commands and joint states")
       ->capture_default_str();
-  app.add_option("--rate", options.rate_hz, "periods a second, 10 to 1000")
-      ->capture_default_str();
-  app.add_option(
-         "--max-velocity", options.bridge.bounds.revolute_velocity,
-         "highest speed of a revolute joint, rad/s, 0.001 to 100; its model may say less")
-      ->capture_default_str();
+  app.add_option("--rate", options.rate_hz,
+                 "periods a second of the simulated hand, 10 to 1000; a config says its own")
+      ->capture_default_str()
+      ->excludes(config);
+  app.add_option("--max-velocity", options.bridge.bounds.revolute_velocity,
+                 "highest speed of the simulated hand's revolute joints, rad/s, 0.001 to 100; "
+                 "its model "
+                 "may say less")
+      ->capture_default_str()
+      ->excludes(config);
   app.add_flag("--intermediate", options.bridge.with_intermediate,
                "also follow poses of solves that still run");
   app.add_flag(
-      "--disarmed", options.disarmed,
-      "start with the motors off: moving takes an ARM, also after the server was lost");
+         "--disarmed", options.disarmed,
+         "the simulated hand moves after an ARM alone, as a hand with a config always does")
+      ->excludes(config);
   app.add_flag("--json", options.json, "one line of JSON for each event, on standard output");
 }
 
@@ -85,13 +99,14 @@ void requireRange(const char* option, double value, double lowest, double highes
   rejectInput("{} {} is outside {} to {}", option, value, lowest, highest);
 }
 
-std::unique_ptr<bridge::HandDriver> makeSimulatedHand(const bridge::HandPlan& plan) {
-  std::vector<bridge::SimulatedJoint> joints;
-  for (std::size_t i = 0; i < plan.jointCount(); ++i) {
-    const safety::JointLimits& limits = plan.limits[i];
-    joints.push_back({limits.lower, limits.upper, limits.velocity, plan.rest[i]});
-  }
-  return std::make_unique<bridge::SimulatedHand>(std::move(joints));
+void readConfig(const Options& options, bridge::BridgeOptions& told) {
+  if (options.config.empty()) return;
+  told.config = config::readHandConfig(options.config);
+  told.config_name = options.config;
+  if (options.port.empty()) return;
+  if (told.config->device.kind == config::DeviceKind::kSimulated)
+    rejectInput("--port {}: a simulated hand has none", quoted(options.port));
+  told.config->device.port = options.port;
 }
 
 void print(const bridge::BridgeReport& report, bool json) {
@@ -107,20 +122,26 @@ int run(Options& options) {
   requireRange("--max-velocity", options.bridge.bounds.revolute_velocity, 0.001, 100);
   options.bridge.period_s = 1 / options.rate_hz;
   options.bridge.arms_itself = !options.disarmed;
+  readConfig(options, options.bridge);
   std::signal(SIGINT, requestStop);
   std::signal(SIGTERM, requestStop);
+  std::signal(SIGUSR1, requestEstop);
   std::signal(SIGPIPE, SIG_IGN);  // who watches may go away; the hand stays
 
   const idl::cyclone::Participant participant(options.network);
-  bridge::Bridge hand_bridge(participant, options.bridge, makeSimulatedHand,
+  bridge::Bridge hand_bridge(participant, options.bridge, estop_requested,
                              [&](const bridge::BridgeReport& report) {
                                print(report, options.json);
                              });
-  fmt::print(stderr, "handgraft-bridge: {} hand, bridge {}, {}, {} Hz\n", options.hand,
-             options.bridge.bridge_id, describe(options.network), options.rate_hz);
+  const auto& config = options.bridge.config;
+  fmt::print(stderr, "handgraft-bridge: {}, bridge {}, {}, {:.4g} Hz\n",
+             config ? fmt::format("hand {} from {}", quoted(config->hand), options.config)
+                    : "simulated hand",
+             options.bridge.bridge_id, describe(options.network),
+             config ? 1 / config->governor.period_s : options.rate_hz);
   hand_bridge.run(stop_requested);
-  fmt::print(stderr, "handgraft-bridge: stopped, {} periods missed\n",
-             hand_bridge.missedPeriods());
+  fmt::print(stderr, "handgraft-bridge: stopped, {} periods began late\n",
+             hand_bridge.overruns());
   return kDone;
 }
 

@@ -64,6 +64,11 @@ void SolutionFollower::forget() {
   followed_ = 0;
 }
 
+bool SolutionFollower::isClosed() const {
+  const auto found = sessions_.find(followed_);
+  return found != sessions_.end() && found->second.is_closed;
+}
+
 std::optional<FollowedPose> SolutionFollower::take() {
   // Only sessions with something new can take over; the one followed stays until then.
   for (const auto& [id, session] : sessions_) {
@@ -85,6 +90,7 @@ std::optional<FollowedPose> SolutionFollower::take() {
   FollowedPose pose;
   pose.session_id = followed_;
   pose.sequence_number = session.newest->sequence_number();
+  pose.stamp_ns = session.newest->stamp_ns();
   pose.hand = session.state->hand();
   pose.names = session.state->joint_names();
   pose.joint_rad = session.newest->joint_rad();

@@ -14,6 +14,7 @@ namespace handgraft::bridge {
 struct FollowedPose {
   std::uint64_t session_id = 0;
   std::uint64_t sequence_number = 0;
+  std::int64_t stamp_ns = 0;       ///< the server's clock
   std::string hand;                ///< the model's name
   std::vector<std::string> names;  ///< the order of `joint_rad`
   std::vector<double> joint_rad;   ///< as it came: unchecked
@@ -43,6 +44,9 @@ class SolutionFollower {
 
   /// The session followed; 0: none yet.
   [[nodiscard]] std::uint64_t session() const { return followed_; }
+
+  /// Whether the session followed has been closed; false without one.
+  [[nodiscard]] bool isClosed() const;
 
  private:
   struct Session {

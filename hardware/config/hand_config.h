@@ -70,6 +70,7 @@ struct HandConfig {
   std::vector<MotorConfig> motors;
   std::vector<safety::HomingStep> homing;  ///< in this order
   std::filesystem::path calibration;       ///< empty: none; relative to the config's folder
+  bool is_calibrated = false;              ///< the calibration was there and read
 
   [[nodiscard]] std::size_t jointCount() const { return governor.names.size(); }
 };

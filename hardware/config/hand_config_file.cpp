@@ -244,7 +244,11 @@ HandConfig readHandConfig(const std::filesystem::path& path) {
   }
   if (!config.calibration.empty()) {
     config.calibration = path.parent_path() / config.calibration;
-    readCalibration(config.calibration, config);
+    // Before the first homing there is none yet.
+    if (config.homing.empty() || std::filesystem::exists(config.calibration)) {
+      readCalibration(config.calibration, config);
+      config.is_calibrated = true;
+    }
   }
   return config;
 }

@@ -1,5 +1,6 @@
 #include "tests/hardware/emulators/odrive_emulator.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace handgraft::test {
@@ -33,6 +34,7 @@ void ODriveEmulator::advance(TimePoint now) {
     if (is_on && axis.watchdog > Duration::zero() && now - axis.heard > axis.watchdog)
       fail(axis, firmware_ == odrive::Firmware::k06 ? odrive::kWatchdogExpired : 0x800U);
     axis.servo.move(seconds, axis.state == AxisState::kClosedLoop);
+    if (axis.stop) axis.servo.position = std::min(axis.servo.position, *axis.stop);
     if (axis.is_unplugged) continue;
     if (is_beat) {
       odrive::Heartbeat heartbeat;
@@ -51,10 +53,17 @@ void ODriveEmulator::sayEstimates(int node) {
       {static_cast<float>(servo.position), static_cast<float>(servo.velocity)}));
 }
 
+float ODriveEmulator::currentOf(int node) const {
+  const Axis& axis = axes_.at(node);
+  const bool is_blocked = axis.stop && axis.state == AxisState::kClosedLoop &&
+                          axis.servo.position >= *axis.stop && axis.servo.goal > *axis.stop;
+  return is_blocked ? kBlockedCurrent : axis.current_A;
+}
+
 void ODriveEmulator::answer(int node, std::uint8_t command) {
   if (command == static_cast<std::uint8_t>(Command::kGetEncoderEstimates)) sayEstimates(node);
   if (command == static_cast<std::uint8_t>(Command::kGetIq))
-    said_.push_back(odrive::makeFloatPair(node, Command::kGetIq, {0.5f, 0.25f}));
+    said_.push_back(odrive::makeFloatPair(node, Command::kGetIq, {0.5f, currentOf(node)}));
 }
 
 void ODriveEmulator::hear(const CanFrame& frame, TimePoint now) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 
 #include "hardware/protocols/odrive_can.h"
@@ -20,6 +21,8 @@ class ODriveEmulator {
     std::uint32_t error = 0;
     bool is_broken = false;  ///< its error cannot be cleared
     bool is_unplugged = false;
+    std::optional<double> stop;  ///< turns: the servo gets no farther upwards
+    float current_A = 0.25f;     ///< told while it moves freely
     Duration watchdog = std::chrono::milliseconds(200);  ///< 0: not enabled
     TimePoint heard;
   };
@@ -29,6 +32,9 @@ class ODriveEmulator {
   void hear(const protocols::CanFrame& frame, TimePoint now);
   void advance(TimePoint now);
   std::vector<protocols::CanFrame> takeFrames();
+
+  /// A, told by an axis that presses against its stop.
+  static constexpr float kBlockedCurrent = 3.0f;
 
   Axis& axis(int node) { return axes_.at(node); }
 
@@ -40,6 +46,7 @@ class ODriveEmulator {
  private:
   void answer(int node, std::uint8_t command);
   void sayEstimates(int node);
+  [[nodiscard]] float currentOf(int node) const;
 
   std::map<int, Axis> axes_;
   protocols::odrive::Firmware firmware_;

@@ -145,7 +145,9 @@ class Pty final : public Wire {
     ::close(slave);
     std::filesystem::remove(link_);
     std::filesystem::create_symlink(name.data(), link_);
-    if (fcntl(master_, F_SETFL, O_NONBLOCK) != 0) throw std::runtime_error("fcntl failed");
+    // Not for programs that are started meanwhile: they would keep the wire open.
+    if (fcntl(master_, F_SETFL, O_NONBLOCK) != 0 || fcntl(master_, F_SETFD, FD_CLOEXEC) != 0)
+      throw std::runtime_error("fcntl failed");
     is_stopping_ = false;
     server_ = std::thread([this] {
       serve();
@@ -153,6 +155,8 @@ class Pty final : public Wire {
   }
 
   std::unique_lock<std::mutex> hold() override { return std::unique_lock(mutex_); }
+
+  [[nodiscard]] std::string path() const { return link_.string(); }
 
  private:
   static std::filesystem::path uniqueName() {
@@ -200,6 +204,10 @@ std::unique_ptr<Wire> makeVirtualWire(EmulatedDevice& device) {
 
 std::unique_ptr<Wire> makePty(EmulatedDevice& device, int bits_per_second) {
   return std::make_unique<Pty>(device, bits_per_second);
+}
+
+std::string portOf(Wire& pty) {
+  return dynamic_cast<Pty&>(pty).path();
 }
 
 std::vector<ByteVector> takeSent(Wire& virtual_wire) {

@@ -33,6 +33,9 @@ std::unique_ptr<Wire> makeVirtualWire(EmulatedDevice& device);
 /// A pseudo terminal, with the device on a thread, in real time.
 std::unique_ptr<Wire> makePty(EmulatedDevice& device, int bits_per_second);
 
+/// The path of the tty that a pty stands for.
+std::string portOf(Wire& pty);
+
 /// Every message that a driver sent over a virtual wire, since this was last asked.
 std::vector<ByteVector> takeSent(Wire& virtual_wire);
 

@@ -1,4 +1,4 @@
-#include "hardware/bridge/simulated_hand.h"
+#include "hardware/bridge/simulated_device.h"
 
 #include <cmath>
 
@@ -17,7 +17,7 @@ using namespace test;
 /// A clock that moves when it is told to.
 class VirtualClock {
  public:
-  SimulatedHand::Clock reader() {
+  devices::Clock reader() {
     return [this] {
       return now;
     };
@@ -31,25 +31,26 @@ class VirtualClock {
   std::chrono::steady_clock::time_point now{std::chrono::hours(1)};
 };
 
-class SimulatedHandTest : public testing::Test {
+class SimulatedDeviceTest : public testing::Test {
  protected:
-  SimulatedHand handOf(std::vector<SimulatedJoint> joints) {
-    return SimulatedHand(std::move(joints), clock_.reader(), kTau);
+  SimulatedDevice handOf(const std::vector<SimulatedMotor>& motors) {
+    return SimulatedDevice(motors, clock_.reader(), kTau);
   }
 
-  JointReading read(SimulatedHand& hand) {
-    JointReading reading;
-    hand.read(reading);
-    return reading;
+  devices::DeviceState read(SimulatedDevice& hand) {
+    devices::DeviceState state(hand.motorCount());
+    EXPECT_TRUE(hand.read(state));
+    return state;
   }
 
   static constexpr double kTau = 0.05;
   VirtualClock clock_;
 };
 
-TEST_F(SimulatedHandTest, ApproachesItsTargetExponentially) {
-  SimulatedHand hand = handOf({{-1, 1, kInfinity, 0.2}});
+TEST_F(SimulatedDeviceTest, ApproachesItsTargetExponentially) {
+  SimulatedDevice hand = handOf({{-1, 1, kInfinity, 0.2}});
   hand.open();
+  hand.arm();
   hand.write(std::vector{0.8});
   for (int k = 1; k <= 20; ++k) {
     clock_.advance(0.01);
@@ -59,9 +60,10 @@ TEST_F(SimulatedHandTest, ApproachesItsTargetExponentially) {
   }
 }
 
-TEST_F(SimulatedHandTest, NeverExceedsItsTopSpeed) {
-  SimulatedHand hand = handOf({{-3, 3, 2, 0}});
+TEST_F(SimulatedDeviceTest, NeverExceedsItsTopSpeed) {
+  SimulatedDevice hand = handOf({{-3, 3, 2, 0}});
   hand.open();
+  hand.arm();
   hand.write(std::vector{2.0});
   clock_.advance(0.5);
   EXPECT_NEAR(read(hand).position[0], 1.0, 1e-9);
@@ -71,11 +73,13 @@ TEST_F(SimulatedHandTest, NeverExceedsItsTopSpeed) {
   EXPECT_NEAR(read(hand).position[0], 2 - 0.1 * std::exp(-1), 1e-9);
 }
 
-TEST_F(SimulatedHandTest, MovesAlikeHoweverOftenItIsAsked) {
-  SimulatedHand often = handOf({{-3, 3, 2, 0}});
-  SimulatedHand once = handOf({{-3, 3, 2, 0}});
-  often.open();
-  once.open();
+TEST_F(SimulatedDeviceTest, MovesAlikeHoweverOftenItIsAsked) {
+  SimulatedDevice often = handOf({{-3, 3, 2, 0}});
+  SimulatedDevice once = handOf({{-3, 3, 2, 0}});
+  for (SimulatedDevice* each : {&often, &once}) {
+    each->open();
+    each->arm();
+  }
   often.write(std::vector{-1.0});
   once.write(std::vector{-1.0});
   for (int k = 0; k < 1000; ++k) {
@@ -85,18 +89,20 @@ TEST_F(SimulatedHandTest, MovesAlikeHoweverOftenItIsAsked) {
   EXPECT_NEAR(read(often).position[0], read(once).position[0], 1e-9);
 }
 
-TEST_F(SimulatedHandTest, StopsAtItsMechanicalStops) {
-  SimulatedHand hand = handOf({{-0.2, 1.1, 2, 9}});
+TEST_F(SimulatedDeviceTest, StopsAtItsMechanicalStops) {
+  SimulatedDevice hand = handOf({{-0.2, 1.1, 2, 9}});
   hand.open();
+  hand.arm();
   EXPECT_EQ(read(hand).position[0], 1.1) << "a start outside is moved onto the stop";
   hand.write(std::vector{-7.0});
   clock_.advance(100);
   EXPECT_DOUBLE_EQ(read(hand).position[0], -0.2);
 }
 
-TEST_F(SimulatedHandTest, StaysWhereItIsWithoutPower) {
-  SimulatedHand hand = handOf({{-3, 3, 2, 0}});
+TEST_F(SimulatedDeviceTest, StaysWhereItIsWithoutPower) {
+  SimulatedDevice hand = handOf({{-3, 3, 2, 0}});
   hand.open();
+  hand.arm();
   hand.write(std::vector{2.0});
   clock_.advance(0.3);
   hand.stop();
@@ -105,9 +111,10 @@ TEST_F(SimulatedHandTest, StaysWhereItIsWithoutPower) {
   EXPECT_EQ(read(hand).velocity[0], 0);
 }
 
-TEST_F(SimulatedHandTest, StandsStillWhenTheClockStepsBack) {
-  SimulatedHand hand = handOf({{-3, 3, 2, 0}});
+TEST_F(SimulatedDeviceTest, StandsStillWhenTheClockStepsBack) {
+  SimulatedDevice hand = handOf({{-3, 3, 2, 0}});
   hand.open();
+  hand.arm();
   hand.write(std::vector{2.0});
   clock_.advance(0.3);
   const double before = read(hand).position[0];
@@ -115,25 +122,26 @@ TEST_F(SimulatedHandTest, StandsStillWhenTheClockStepsBack) {
   EXPECT_EQ(read(hand).position[0], before);
 }
 
-TEST_F(SimulatedHandTest, FailsAsADeviceDoes) {
-  SimulatedHand hand = handOf({{-3, 3, 2, 0}});
-  JointReading reading;
-  EXPECT_THROW(hand.read(reading), DeviceError) << "not open";
-  EXPECT_THROW(hand.write(std::vector{0.0}), DeviceError) << "not open";
+TEST_F(SimulatedDeviceTest, SwitchedOnItHoldsWhereItStands) {
+  SimulatedDevice hand = handOf({{-3, 3, 2, 0}});
   hand.open();
-  EXPECT_THROW(hand.write(std::vector{0.0, 0.0}), DeviceError);
-  EXPECT_THROW(hand.write(std::vector{kNaN}), DeviceError);
+  hand.arm();
+  hand.write(std::vector{2.0});
+  clock_.advance(0.3);
+  hand.stop();
+  EXPECT_FALSE(hand.write(std::vector{2.0})) << "without power";
+  hand.arm();
   clock_.advance(1);
-  EXPECT_EQ(read(hand).position[0], 0) << "a refused write moves nothing";
+  EXPECT_NEAR(read(hand).position[0], 0.6, 1e-9) << "not on to a goal of before";
 }
 
-TEST_F(SimulatedHandTest, RefusesServosThatCannotBe) {
+TEST_F(SimulatedDeviceTest, RefusesServosThatCannotBe) {
   EXPECT_THROW(handOf({{1, -1, 2, 0}}), InvalidInput);
   EXPECT_THROW(handOf({{-1, 1, 0, 0}}), InvalidInput);
   EXPECT_THROW(handOf({{-1, 1, kNaN, 0}}), InvalidInput);
   EXPECT_THROW(handOf({{-1, 1, 2, kNaN}}), InvalidInput);
   EXPECT_THROW(handOf({{-kInfinity, kInfinity, 2, kInfinity}}), InvalidInput);
-  EXPECT_THROW(SimulatedHand({}, clock_.reader(), 0), InvalidInput);
+  EXPECT_THROW(SimulatedDevice({}, clock_.reader(), 0), InvalidInput);
 }
 
 }  // namespace

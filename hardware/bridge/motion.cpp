@@ -1,0 +1,337 @@
+#include "hardware/bridge/motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/base/error.h"
+
+namespace handgraft::bridge {
+
+namespace {
+
+using safety::FaultCause;
+using safety::GovernorState;
+using safety::MotorOrder;
+using safety::Power;
+using safety::Refusal;
+using safety::SampleVerdict;
+using safety::Time;
+
+constexpr std::chrono::seconds kReopen(1);
+// What the governor is told of a fault; the kind itself is kept beside.
+constexpr std::uint32_t kGuardCode = 0x100;
+
+bool allFinite(std::span<const double> numbers) {
+  return std::all_of(numbers.begin(), numbers.end(), [](double x) {
+    return std::isfinite(x);
+  });
+}
+
+}  // namespace
+
+Motion::Motion(config::HandConfig config,
+               MakeDevice make_device,
+               devices::Clock clock,
+               OnHomed on_homed)
+    : config_(std::move(config)),
+      make_device_(std::move(make_device)),
+      clock_(std::move(clock)),
+      on_homed_(std::move(on_homed)),
+      governor_(config_.governor),
+      path_(config_),
+      stack_(make_device_(config_)),
+      measured_(config_.motors.size()),
+      state_(config_.jointCount()) {
+  HANDGRAFT_REQUIRE(stack_.device->motorCount() == config_.motors.size());
+  state_.stop_mode = config_.governor.stop_mode;
+  state_.is_homed = config_.homing.empty() || config_.is_calibrated;
+}
+
+Motion::~Motion() {
+  switchOff();
+}
+
+// === Between turns
+
+void Motion::offer(const StreamPose& pose) {
+  const std::uint64_t clamped = governor_.counters().clamped_samples;
+  const SampleVerdict verdict = governor_.offer(
+      {pose.stream, pose.sequence, pose.source_ns, pose.names, pose.joint_rad}, pose.arrived);
+  if (verdict == SampleVerdict::kAccepted) {
+    ++state_.poses_accepted;
+    is_clamped_ = governor_.counters().clamped_samples != clamped;
+    state_.stream = pose.stream;
+    renewed_at_ = pose.arrived;
+  } else {
+    ++state_.poses_refused;
+    refuse("pose", toString(verdict));
+  }
+}
+
+void Motion::renew(std::uint64_t stream, Time time) {
+  governor_.renew(stream, time);
+  if (stream == state_.stream && renewed_at_ && time > *renewed_at_) renewed_at_ = time;
+}
+
+void Motion::request(Request request) {
+  switch (request) {
+    case Request::kArm:
+      if (homing_) {
+        refuse("ARM", "it is being homed");
+      } else if (!state_.is_homed) {
+        refuse("ARM", "HOME first: zeros are not known");
+      } else if (const Refusal refusal = governor_.arm(clock_()); refusal != Refusal::kNone) {
+        refuse("ARM", toString(refusal));
+      } else {
+        state_.trouble.set("");
+      }
+      return;
+    case Request::kDisarm:
+      if (homing_) homing_->abort(false);
+      governor_.disarm();
+      return;
+    case Request::kReset:
+      if (const Refusal refusal = governor_.reset(); refusal != Refusal::kNone)
+        refuse("RESET", toString(refusal));
+      return;
+    case Request::kHome:
+      beginHoming();
+      return;
+  }
+}
+
+void Motion::estop() {
+  governor_.estop();
+  if (homing_) homing_->abort(config_.governor.stop_mode == safety::StopMode::kCut);
+}
+
+void Motion::refuse(std::string_view what, std::string_view why) {
+  ++state_.refusals;
+  std::array<char, 160> text{};
+  const auto end = fmt::format_to_n(text.data(), text.size(), "{} refused: {}", what, why);
+  state_.last_refusal.set({text.data(), std::min(end.size, text.size())});
+}
+
+// === One period
+
+void Motion::turn() {
+  was_slow_ = false;
+  if (homing_) {
+    turnHoming(clock_());
+  } else {
+    openIfDue(clock_());
+    govern(clock_());
+  }
+  tell(clock_());
+}
+
+void Motion::openIfDue(Time now) {
+  const bool is_wanted = !is_open_ && governor_.state() == GovernorState::kDisconnected;
+  if (is_wanted && (!next_open_ || now >= *next_open_)) open();
+}
+
+void Motion::open() {
+  was_slow_ = true;
+  is_open_ = has_measured_ = was_armed_ = false;
+  try {
+    stack_.device->open();
+    is_open_ = true;
+    next_open_.reset();
+    state_.trouble.set("");
+  } catch (const TransportError& error) {
+    state_.trouble.set(error.what());
+  } catch (const DeviceError& error) {
+    state_.trouble.set(error.what());
+  }
+  if (!is_open_) next_open_ = clock_() + kReopen;
+}
+
+// The pose, if the device is there and ever told one.
+bool Motion::measure() {
+  if (!is_open_) return false;
+  devices::Device& device = *stack_.device;
+  static_cast<void>(device.read(measured_));
+  if (device.fault().kind == devices::Fault::Kind::kWire) is_open_ = false;
+  has_measured_ = has_measured_ || allFinite(measured_.position);
+  if (has_measured_)
+    path_.measure(measured_.position, measured_.velocity, state_.position, state_.velocity);
+  return is_open_ && has_measured_;
+}
+
+void Motion::govern(Time now) {
+  safety::DeviceReport report;
+  report.connected = measure();
+  const devices::Device& device = *stack_.device;
+  report.powered = device.isArmed();
+  report.fault_code =
+      guard_failed_ ? kGuardCode : static_cast<std::uint32_t>(device.fault().kind);
+  report.limited =
+      std::any_of(measured_.limited.begin(), measured_.limited.end(), [](std::uint8_t held) {
+        return held != 0;
+      });
+  report.measured_at = measured_.time;
+  report.position = state_.position;
+  const FaultCause before = governor_.fault();
+  now = std::max(now, clock_());  // reading took its time
+  const MotorOrder order = governor_.tick(report, now);
+  if (before == FaultCause::kNone && governor_.fault() != FaultCause::kNone) noteFault();
+  obey(order);
+}
+
+void Motion::noteFault() {
+  state_.device_fault = stack_.device->fault();
+  state_.guard_failed = guard_failed_;
+}
+
+void Motion::obey(const MotorOrder& order) {
+  if (order.clear_faults) heal();
+  devices::Device& device = *stack_.device;
+  if (order.power == Power::kOn) {
+    if (device.isArmed()) {
+      drive(order.positions);
+      return;
+    }
+    arm();
+  } else if (order.power == Power::kCut) {
+    if (is_open_) device.stop();
+  } else if (device.isArmed()) {
+    was_slow_ = true;
+    static_cast<void>(device.disarm());
+  }
+  was_armed_ = false;
+  std::copy(state_.position.begin(), state_.position.end(), state_.command.begin());
+  std::fill(state_.residual.begin(), state_.residual.end(), 0.0);
+}
+
+void Motion::drive(std::span<const double> joint_rad) {
+  devices::Device& device = *stack_.device;
+  if (!was_armed_) path_.reset(measured_.position);
+  was_armed_ = true;
+  const std::span<const double> motors = path_.command(joint_rad);
+  if (motors.empty()) {
+    guard_failed_ = true;
+    device.stop();
+    return;
+  }
+  // What is wrong stays with the device, and the governor hears of it in the next turn.
+  static_cast<void>(device.write(motors));
+  std::copy(joint_rad.begin(), joint_rad.end(), state_.command.begin());
+  std::copy(path_.residual().begin(), path_.residual().end(), state_.residual.begin());
+}
+
+void Motion::arm() {
+  was_slow_ = true;
+  try {
+    stack_.device->arm();
+  } catch (const DeviceError& error) {
+    state_.trouble.set(error.what());
+  }
+}
+
+void Motion::heal() {
+  was_slow_ = true;
+  guard_failed_ = false;
+  is_open_ = has_measured_ = false;
+  next_open_ = clock_() + kReopen;
+  try {
+    stack_.device->reset();
+    is_open_ = true;
+    state_.trouble.set("");
+  } catch (const TransportError& error) {
+    state_.trouble.set(error.what());
+  } catch (const DeviceError& error) {
+    // It answers, but its fault is still there: the governor has to see that.
+    is_open_ = static_cast<bool>(stack_.device->fault()) &&
+               stack_.device->fault().kind != devices::Fault::Kind::kWire;
+    state_.trouble.set(error.what());
+  }
+}
+
+// === Homing
+
+void Motion::beginHoming() {
+  if (homing_) return;
+  if (config_.homing.empty()) {
+    refuse("HOME", "this hand needs no homing");
+  } else if (governor_.state() != GovernorState::kIdle || stack_.device->isArmed()) {
+    refuse("HOME", "only with the motors off, in state idle");
+  } else {
+    stack_ = {};  // the wire is needed
+    is_open_ = false;
+    homing_ = std::make_unique<HandHoming>(config_, make_device_, clock_);
+  }
+}
+
+// The governor stays idle and watches: it does not know of the power, but what it latches ends
+// the homing.
+void Motion::turnHoming(Time now) {
+  was_slow_ = homing_->measured() == nullptr;
+  const HandHoming::State outcome = homing_->turn();
+  safety::DeviceReport report;
+  report.connected = true;
+  report.measured_at = now = std::max(now, clock_());
+  report.position = state_.position;
+  const MotorOrder order = governor_.tick(report, now);
+  if (governor_.state() != GovernorState::kIdle) homing_->abort(order.power == Power::kCut);
+  if (homing_->state() == HandHoming::State::kRunning) return;
+  state_.trouble.set("");
+  if (outcome == HandHoming::State::kDone) {
+    config_ = homing_->config();
+    state_.is_homed = true;
+    if (on_homed_) on_homed_(config_);
+  } else {
+    state_.trouble.set(homing_->reason());
+  }
+  const FixedText trouble = state_.trouble;
+  homing_.reset();
+  stack_ = make_device_(config_);
+  open();
+  if (is_open_) state_.trouble = trouble;
+}
+
+void Motion::switchOff() {
+  if (homing_) homing_->abort(false);
+  if (stack_.device && stack_.device->isArmed()) static_cast<void>(stack_.device->disarm());
+}
+
+// === What may be told
+
+void Motion::tell(Time now) {
+  state_.state = governor_.state();
+  state_.fault = governor_.fault();
+  if (state_.fault == FaultCause::kNone) {
+    state_.device_fault = {};
+    state_.guard_failed = false;
+  }
+  state_.hold = governor_.hold();
+  state_.is_slow = governor_.isRamping();
+  state_.is_connected = is_open_ && has_measured_;
+  state_.is_homing = homing_ != nullptr;
+  state_.is_powered = homing_ ? homing_->measured() != nullptr : stack_.device->isArmed();
+  if (stack_.device) state_.counters = stack_.device->counters();
+  noteTemperature();
+  state_.measured_at = measured_.time;
+  std::copy(governor_.target().begin(), governor_.target().end(), state_.target.begin());
+  state_.tracking = 0;
+  for (std::size_t i = 0; state_.is_powered && i < state_.position.size(); ++i) {
+    const double off = std::abs(state_.command[i] - state_.position[i]);
+    state_.tracking = std::max(state_.tracking, off);
+  }
+  state_.command_age = governor_.commandAge(now);
+  if (renewed_at_) state_.stream_age = now - *renewed_at_;
+  const safety::GovernorCounters& counters = governor_.counters();
+  const std::uint64_t limited = counters.at_velocity + counters.at_acceleration;
+  if (limited != limited_before_) ++state_.limited;
+  limited_before_ = limited;
+  if (is_clamped_ && state_.state == GovernorState::kArmed) ++state_.clamped;
+}
+
+void Motion::noteTemperature() {
+  state_.temperature_c = -1;
+  for (const double told : measured_.temperature) {
+    if (std::isfinite(told)) state_.temperature_c = std::max(state_.temperature_c, told);
+  }
+}
+
+}  // namespace handgraft::bridge

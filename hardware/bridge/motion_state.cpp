@@ -1,0 +1,68 @@
+#include "hardware/bridge/motion_state.h"
+
+#include <fmt/format.h>
+
+namespace handgraft::bridge {
+
+namespace {
+
+using safety::FaultCause;
+using safety::GovernorState;
+using safety::HoldCause;
+
+const char* textOf(HoldCause cause) {
+  switch (cause) {
+    case HoldCause::kNone:
+      return "";
+    case HoldCause::kDisarmed:
+      return "braking; then the motors go off";
+    case HoldCause::kStale:
+      return "the stream is stale; ARM moves on";
+    case HoldCause::kStreamChanged:
+      return "another session took over; ARM moves on";
+    case HoldCause::kMotorLimited:
+      return "a motor is held back, hot or blocked; ARM moves on";
+  }
+  return "";
+}
+
+std::string faultText(const MotionState& state) {
+  if (state.guard_failed) return "what was to leave for the motors broke a limit";
+  if (state.fault == FaultCause::kDevice) return devices::describe(state.device_fault);
+  return toString(state.fault);
+}
+
+std::string latchedText(const MotionState& state) {
+  std::string text;
+  if (state.state == GovernorState::kEStop) {
+    text = state.stop_mode == safety::StopMode::kCut ? "emergency stop, cut" : "emergency stop";
+    if (state.fault != FaultCause::kNone) text += ", then " + faultText(state);
+  } else {
+    text = faultText(state);
+  }
+  if (!state.trouble.view().empty()) text += fmt::format(" ({})", state.trouble.view());
+  return text + "; RESET, then ARM, to move again";
+}
+
+}  // namespace
+
+std::string describe(const MotionState& state) {
+  switch (state.state) {
+    case GovernorState::kDisconnected:
+      return state.trouble.view().empty() ? "no device yet" : std::string(state.trouble.view());
+    case GovernorState::kIdle:
+      if (state.is_homing) return "homing";
+      if (!state.trouble.view().empty()) return std::string(state.trouble.view());
+      return state.is_homed ? "motors off" : "motors off; HOME first: zeros are not known";
+    case GovernorState::kArmed:
+      return state.is_slow ? "armed, slowly to a far pose" : "armed";
+    case GovernorState::kHolding:
+      return textOf(state.hold);
+    case GovernorState::kFault:
+    case GovernorState::kEStop:
+      return latchedText(state);
+  }
+  return "unknown";
+}
+
+}  // namespace handgraft::bridge

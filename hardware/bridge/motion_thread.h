@@ -1,0 +1,69 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <thread>
+
+#include "hardware/bridge/motion.h"
+#include "hardware/bridge/newest.h"
+#include "hardware/bridge/periodic.h"
+#include "hardware/bridge/request_ring.h"
+
+namespace handgraft::bridge {
+
+/// Runs a Motion on a thread of its own, once a period by absolute deadlines, real-time where
+/// its config asks for that and the system permits it. All that goes in and out is handed over
+/// without locks: the newest pose wins, requests keep their order, an emergency stop is a flag.
+///
+/// Threads: `offer`, `renew`, `request`, `take`, `last` and the end from one thread; `estop`
+/// from any, also from a signal handler by way of the flag given to the constructor.
+class MotionThread {
+ public:
+  /// `estop_flag` has to live as long as this: whenever it is found set, it is cleared and the
+  /// hand stopped. Errors: as of Motion.
+  MotionThread(std::unique_ptr<Motion> motion, std::atomic<bool>& estop_flag);
+  /// Brakes, switches the motors off and ends; takes up to the braking time and 1 s.
+  ~MotionThread();
+  MotionThread(const MotionThread&) = delete;
+  MotionThread& operator=(const MotionThread&) = delete;
+
+  void offer(StreamPose pose);
+
+  /// `stream` lived at `time`.
+  void renew(std::uint64_t stream, safety::Time time);
+
+  void request(Request request) { static_cast<void>(requests_.put(request)); }
+
+  void estop() { estop_ = true; }
+
+  /// The newest state, if there was a period since it was last taken.
+  const MotionState* take() { return states_.take(); }
+
+  [[nodiscard]] const MotionState& last() const { return states_.last(); }
+
+  /// Of the config that it was made with; homing changes zeros alone.
+  [[nodiscard]] const config::HandConfig& config() const { return config_; }
+
+ private:
+  struct Renewal {
+    std::uint64_t stream = 0;
+    safety::Time time{};
+  };
+
+  void run();
+  void turn(Periodic& periodic);
+
+  std::unique_ptr<Motion> motion_;
+  config::HandConfig config_;
+  std::atomic<bool>& estop_flag_;
+  std::atomic<bool> estop_{false};
+  std::atomic<bool> is_ending_{false};
+  bool is_realtime_ = false;
+  RequestRing requests_;
+  Newest<StreamPose> poses_;
+  Newest<Renewal> renewals_;
+  Newest<MotionState> states_;
+  std::thread thread_;
+};
+
+}  // namespace handgraft::bridge

@@ -1,0 +1,47 @@
+#include "hardware/bridge/stream_feed.h"
+
+#include <utility>
+
+namespace handgraft::bridge {
+
+StreamFeed::StreamFeed(std::optional<std::uint64_t> only,
+                       bool with_intermediate,
+                       bool outlives_closing,
+                       std::string hand)
+    : follower_(only, with_intermediate),
+      outlives_closing_(outlives_closing),
+      hand_(std::move(hand)) {}
+
+bool StreamFeed::see(const v1::SessionState& state) {
+  if (!hand_.empty() && state.hand() != hand_) return false;
+  follower_.see(state);
+  return true;
+}
+
+void StreamFeed::serverIsThere(bool is_there) {
+  if (server_is_there_ && !is_there) {
+    follower_.forget();
+    has_begun_ = false;
+  }
+  server_is_there_ = is_there;
+}
+
+std::optional<StreamFeed::Pose> StreamFeed::take() {
+  std::optional<FollowedPose> pose = follower_.take();
+  if (!pose) return std::nullopt;
+  const bool goes_on =
+      has_begun_ && pose->session_id == session_ && pose->sequence_number > last_sequence_;
+  if (!goes_on) ++stream_;
+  has_begun_ = true;
+  session_ = pose->session_id;
+  last_sequence_ = pose->sequence_number;
+  return Pose{stream_, std::move(*pose)};
+}
+
+std::optional<std::uint64_t> StreamFeed::alive() const {
+  if (!server_is_there_ || !has_begun_) return std::nullopt;
+  if (follower_.isClosed() && !outlives_closing_) return std::nullopt;
+  return stream_;
+}
+
+}  // namespace handgraft::bridge

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "hardware/bridge/solution_follower.h"
+
+namespace handgraft::bridge {
+
+/// What becomes of sessions and servers on the way to a hand: one stream of poses, and whether
+/// it lives.
+///
+/// A stream is one session in one server's life. Its number grows with each that is followed,
+/// so that a pose of another session, or of a server that started anew, is never taken for one
+/// of the stream before. A stream lives while a server is there and its session is open; with
+/// `outlives_closing`, until the server goes.
+class StreamFeed {
+ public:
+  struct Pose {
+    std::uint64_t stream = 0;
+    FollowedPose pose;
+  };
+
+  /// `only`: the one session to follow. `hand`: the one hand whose sessions are followed;
+  /// empty: any.
+  StreamFeed(std::optional<std::uint64_t> only,
+             bool with_intermediate,
+             bool outlives_closing,
+             std::string hand = {});
+
+  /// False if the session is of another hand, and passed over.
+  bool see(const v1::SessionState& state);
+
+  void see(const v1::PoseSolution& solution) { follower_.see(solution); }
+
+  /// What a server said before it went is forgotten: what comes later is news.
+  void serverIsThere(bool is_there);
+
+  /// The newest pose, once.
+  std::optional<Pose> take();
+
+  /// The stream whose newest pose still stands; nothing when none does.
+  [[nodiscard]] std::optional<std::uint64_t> alive() const;
+
+  /// The session followed; 0: none yet.
+  [[nodiscard]] std::uint64_t session() const { return session_; }
+
+ private:
+  SolutionFollower follower_;
+  bool outlives_closing_;
+  std::string hand_;
+  bool server_is_there_ = false;
+  bool has_begun_ = false;  // the stream, in this server's life
+  std::uint64_t stream_ = 0;
+  std::uint64_t session_ = 0;
+  std::uint64_t last_sequence_ = 0;
+};
+
+}  // namespace handgraft::bridge

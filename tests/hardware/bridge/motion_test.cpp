@@ -1,0 +1,380 @@
+// The example configs in motion, on emulated devices and in virtual time: what the governor
+// decides is what the devices are told, and what goes wrong with a device ends as it should.
+
+#include "hardware/bridge/motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+#include "hardware/bridge/telemetry.h"
+
+#include "tests/hardware/bridge/hand_in_motion.h"
+
+namespace handgraft::bridge {
+namespace {
+
+using safety::FaultCause;
+using safety::GovernorState;
+using safety::HoldCause;
+using std::chrono::milliseconds;
+using test::HandInMotion;
+
+double largestDifference(const std::vector<double>& a, const std::vector<double>& b) {
+  double largest = 0;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    largest = std::max(largest, std::abs(a[i] - b[i]));
+  return largest;
+}
+
+config::HandConfig exampleReady(const std::string& name) {
+  config::HandConfig config = test::exampleConfig(name);
+  config.homing.clear();  // as if it had been homed
+  return config;
+}
+
+class EveryHandInMotion : public ::testing::TestWithParam<std::string> {
+ protected:
+  EveryHandInMotion() : hand_(exampleReady(GetParam())) {}
+
+  [[nodiscard]] GovernorState state() const { return hand_.state().state; }
+
+  [[nodiscard]] std::string told() const { return describe(hand_.state()); }
+
+  void expectOffForGood() {
+    hand_.rig().wire().pass(milliseconds(500));
+    EXPECT_FALSE(hand_.rig().isPowered());
+    const std::vector<double> before = hand_.angles();
+    hand_.offer(0.9);
+    hand_.motion().request(Request::kArm);
+    hand_.turnFor(0.5);
+    EXPECT_LT(largestDifference(before, hand_.angles()), 1e-9) << "it moved: " << told();
+  }
+
+  HandInMotion hand_;
+};
+
+TEST_P(EveryHandInMotion, StandsStillWithoutPowerUntilItIsArmed) {
+  const std::vector<double> before = hand_.angles();
+  ASSERT_TRUE(hand_.turnUntil(GovernorState::kIdle)) << told();
+  hand_.offer(0.9);
+  hand_.turnFor(2);
+  EXPECT_EQ(state(), GovernorState::kIdle);
+  EXPECT_FALSE(hand_.rig().isPowered());
+  EXPECT_EQ(hand_.angles(), before);
+}
+
+TEST_P(EveryHandInMotion, WhatIsSentIsTheGovernorsOutputWithinOneUnit) {
+  const config::HandConfig config = hand_.motion().config();
+  const std::unique_ptr<tendon::MotorMap> map = config::makeMotorMap(config);
+  ASSERT_TRUE(hand_.start(0.6)) << told();
+  hand_.turnFor(20);  // what the hand was off at first has faded
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> share(-0.2, 1.2);
+  std::vector<double> motors(config.motors.size());
+  std::vector<double> residual(config.jointCount());
+  bool has_moved = false;
+  for (int k = 0; k < 400; ++k) {
+    if (k % 40 == 0) hand_.offer(share(random));
+    const std::vector<double> before = hand_.state().command;
+    hand_.turn();
+    ASSERT_EQ(state(), GovernorState::kArmed) << told();
+    has_moved = has_moved || hand_.state().command != before;
+    map->command(hand_.state().command, motors, residual);
+    for (std::size_t i = 0; i < motors.size(); ++i) {
+      ASSERT_NEAR(hand_.rig().goal(i), motors[i], hand_.rig().unit(i)) << "motor " << i;
+      EXPECT_GE(hand_.rig().goal(i), config.motors[i].range_rad.lower - 1e-6);
+      EXPECT_LE(hand_.rig().goal(i), config.motors[i].range_rad.upper + 1e-6);
+    }
+    EXPECT_LT(largestDifference(hand_.state().residual, residual), 1e-9);
+  }
+  EXPECT_TRUE(has_moved);
+}
+
+TEST_P(EveryHandInMotion, ArrivesAndMeasuresWhereItIs) {
+  ASSERT_TRUE(hand_.start(0.5)) << told();
+  hand_.turnFor(25);
+  ASSERT_EQ(state(), GovernorState::kArmed) << told();
+  for (std::size_t i = 0; i < hand_.state().position.size(); ++i) {
+    const double followable = hand_.state().target[i] - hand_.state().residual[i];
+    EXPECT_NEAR(hand_.state().position[i], followable, 5e-3) << "joint " << i;
+  }
+}
+
+TEST_P(EveryHandInMotion, MotorsStartWhereTheyStand) {
+  ASSERT_TRUE(hand_.turnUntil(GovernorState::kIdle)) << told();
+  const std::vector<double> before = hand_.angles();
+  ASSERT_TRUE(hand_.start(0.5)) << told();
+  const config::HandConfig& config = hand_.motion().config();
+  for (int k = 0; k < 3; ++k)
+    hand_.turn();
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const double way = 4 * config.governor.period_s * config.motors[i].velocity_rad_s;
+    EXPECT_NEAR(hand_.rig().goal(i), before[i], way) << "motor " << i;
+  }
+}
+
+// === What must end motion
+
+TEST_P(EveryHandInMotion, HoldsOnAStaleStreamThenGoesOffAndStays) {
+  ASSERT_TRUE(hand_.start()) << told();
+  hand_.turnFor(0.3);
+  hand_.is_streaming = false;
+  ASSERT_TRUE(hand_.turnUntil(GovernorState::kHolding, 0.3)) << told();
+  EXPECT_EQ(hand_.state().hold, HoldCause::kStale);
+  ASSERT_TRUE(hand_.turnUntil(GovernorState::kIdle, 5)) << told();
+  EXPECT_FALSE(hand_.rig().isPowered());
+  hand_.is_streaming = true;
+  hand_.offer(0.9);
+  hand_.turnFor(1);
+  EXPECT_EQ(state(), GovernorState::kIdle) << "a returning stream resumes nothing";
+}
+
+TEST_P(EveryHandInMotion, AnotherStreamMakesItHold) {
+  ASSERT_TRUE(hand_.start()) << told();
+  hand_.turnFor(0.1);
+  hand_.stream = 2;
+  hand_.offer(0.8);
+  hand_.turn();
+  EXPECT_EQ(state(), GovernorState::kHolding);
+  EXPECT_EQ(hand_.state().hold, HoldCause::kStreamChanged);
+}
+
+TEST_P(EveryHandInMotion, ASilentDeviceIsAFault) {
+  ASSERT_TRUE(hand_.start()) << told();
+  hand_.rig().emulated().ailments.is_mute = true;
+  ASSERT_TRUE(hand_.turnUntil(GovernorState::kFault, 2)) << told();
+  EXPECT_EQ(wireFault(hand_.state()), v1::FAULT_SILENT) << told();
+  expectOffForGood();
+}
+
+TEST_P(EveryHandInMotion, AnswersThatAlwaysComeLateAreAFault) {
+  ASSERT_TRUE(hand_.start()) << told();
+  hand_.rig().emulated().ailments.delay = milliseconds(30);
+  const bool is_fault = hand_.turnUntil(GovernorState::kFault, 2);
+  // Answers without numbers may be taken for the next question's: those of a bus that is
+  // always late by the same time are old, but true. Then nothing may be wrong with the motion.
+  if (is_fault) expectOffForGood();
+  EXPECT_TRUE(is_fault || largestDifference(hand_.state().position, hand_.state().target) < 1);
+}
+
+TEST_P(EveryHandInMotion, BearsRepeatedAnswersAndGarbage) {
+  ASSERT_TRUE(hand_.start(0.5)) << told();
+  hand_.rig().emulated().ailments.repeats = true;
+  hand_.rig().emulated().ailments.garbage_rate = 0.03;  // a line of text is lost by it
+  hand_.turnFor(2);
+  EXPECT_EQ(state(), GovernorState::kArmed) << told();
+}
+
+TEST_P(EveryHandInMotion, AnErrorThatTheDeviceTellsEndsMotion) {
+  ASSERT_TRUE(hand_.start()) << told();
+  hand_.rig().breakDown();
+  if (GetParam() == "ability_hand") {
+    // It says only that a motor is held back: it holds, then goes off.
+    ASSERT_TRUE(hand_.turnUntil(GovernorState::kHolding, 2)) << told();
+    EXPECT_EQ(hand_.state().hold, HoldCause::kMotorLimited);
+    return;
+  }
+  ASSERT_TRUE(hand_.turnUntil(GovernorState::kFault, 2)) << told();
+  EXPECT_EQ(wireFault(hand_.state()), v1::FAULT_HARDWARE) << told();
+  expectOffForGood();
+  hand_.motion().request(Request::kReset);
+  hand_.turnFor(5);
+  EXPECT_EQ(state(), GovernorState::kFault) << "the cause is still there";
+  hand_.rig().heal();
+  hand_.motion().request(Request::kReset);
+  EXPECT_TRUE(hand_.turnUntil(GovernorState::kIdle, 5)) << told();
+  EXPECT_FALSE(hand_.rig().isPowered());
+}
+
+TEST_P(EveryHandInMotion, SuspendedTheDevicesOwnWatchdogStopsItAndItStaysOff) {
+  ASSERT_TRUE(hand_.start(0.9)) << told();
+  hand_.turnFor(0.2);
+  hand_.rig().wire().pass(std::chrono::seconds(2));  // as by SIGSTOP
+  EXPECT_FALSE(hand_.rig().isPowered());
+  hand_.turn();
+  hand_.turn();
+  EXPECT_EQ(state(), GovernorState::kFault) << told();
+  EXPECT_EQ(wireFault(hand_.state()), v1::FAULT_LATE) << told();
+  expectOffForGood();
+}
+
+TEST_P(EveryHandInMotion, UnpluggedAndPluggedInAgainItStaysDisarmed) {
+  ASSERT_TRUE(hand_.start()) << told();
+  hand_.rig().wire().unplug();
+  hand_.turn();
+  hand_.turn();
+  EXPECT_EQ(state(), GovernorState::kFault) << told();
+  EXPECT_EQ(wireFault(hand_.state()), v1::FAULT_WIRE) << told();
+  hand_.turnFor(1);
+  hand_.rig().wire().plug();
+  hand_.turnFor(3);
+  EXPECT_EQ(state(), GovernorState::kFault);
+  hand_.motion().request(Request::kReset);
+  ASSERT_TRUE(hand_.turnUntil(GovernorState::kIdle)) << told();
+  hand_.turnFor(1);
+  EXPECT_FALSE(hand_.rig().isPowered());
+  EXPECT_TRUE(hand_.start(0.5)) << told();
+}
+
+TEST_P(EveryHandInMotion, PluggedInLateItIsFoundAndStaysOff) {
+  hand_.rig().wire().unplug();
+  hand_.turnFor(3);
+  EXPECT_EQ(state(), GovernorState::kDisconnected);
+  EXPECT_FALSE(hand_.state().trouble.view().empty());
+  hand_.rig().wire().plug();
+  EXPECT_TRUE(hand_.turnUntil(GovernorState::kIdle, 5)) << told();
+  EXPECT_FALSE(hand_.rig().isPowered());
+}
+
+TEST_P(EveryHandInMotion, AnEmergencyStopAtAnyTickBrakesAndSwitchesOff) {
+  std::mt19937 random(11);
+  for (int run = 0; run < 5; ++run) {
+    HandInMotion hand(exampleReady(GetParam()));
+    ASSERT_TRUE(hand.start(0.9)) << describe(hand.state());
+    const auto wait = static_cast<int>(random() % 120);
+    for (int k = 0; k < wait; ++k)
+      hand.turn();
+    hand.motion().estop();
+    const devices::TimePoint asked = hand.now();
+    std::vector<double> last = hand.state().command;
+    while (hand.state().is_powered && hand.now() - asked < std::chrono::seconds(3)) {
+      hand.turn();
+      EXPECT_EQ(hand.state().state, GovernorState::kEStop);
+      const config::HandConfig& config = hand.motion().config();
+      for (std::size_t i = 0; hand.state().is_powered && i < last.size(); ++i) {
+        const double step = config.governor.limits[i].velocity * config.governor.period_s;
+        EXPECT_LE(std::abs(hand.state().command[i] - last[i]), step * (1 + 1e-6));
+      }
+      last = hand.state().command;
+    }
+    EXPECT_LE(hand.now() - asked,
+              hand.motion().config().governor.brake_within + milliseconds(200));
+    EXPECT_FALSE(hand.rig().isPowered());
+    hand.offer(0.1);
+    hand.motion().request(Request::kArm);
+    hand.turnFor(0.3);
+    EXPECT_EQ(hand.state().state, GovernorState::kEStop) << "latched";
+    hand.motion().request(Request::kReset);
+    EXPECT_TRUE(hand.turnUntil(GovernorState::kIdle)) << describe(hand.state());
+    EXPECT_FALSE(hand.rig().isPowered());
+  }
+}
+
+TEST_P(EveryHandInMotion, AnEmergencyStopByCutIsTheNextThingTheDeviceHears) {
+  config::HandConfig config = exampleReady(GetParam());
+  config.governor.stop_mode = safety::StopMode::kCut;
+  HandInMotion hand(config);
+  ASSERT_TRUE(hand.start(0.9)) << describe(hand.state());
+  hand.turnFor(0.3);
+  const std::vector<double> before = hand.angles();
+  hand.motion().estop();
+  hand.turn();
+  EXPECT_FALSE(hand.rig().isPowered());
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const double way = 3 * config.governor.period_s * config.motors[i].velocity_rad_s;
+    EXPECT_NEAR(hand.angles()[i], before[i], way);
+  }
+  hand.turn();  // the device says that it is off
+  hand.motion().request(Request::kReset);
+  EXPECT_TRUE(hand.turnUntil(GovernorState::kIdle)) << describe(hand.state());
+}
+
+TEST_P(EveryHandInMotion, EndsWithItsMotorsOff) {
+  auto hand = std::make_unique<HandInMotion>(exampleReady(GetParam()));
+  ASSERT_TRUE(hand->start()) << describe(hand->state());
+  hand->motion().switchOff();
+  EXPECT_FALSE(hand->rig().isPowered());
+}
+
+INSTANTIATE_TEST_SUITE_P(Examples,
+                         EveryHandInMotion,
+                         ::testing::Values("leap", "ability_hand", "printed_tendon_hand"),
+                         [](const auto& told) {
+                           return told.param;
+                         });
+
+// === Homing
+
+class Homing : public ::testing::Test {
+ protected:
+  /// Each drum has turned by an unknown angle when it is switched on; its line is taut at 0.
+  void slackenTo(HandInMotion& hand, const std::vector<double>& taut_at_rev) {
+    handgraft::test::ODriveEmulator& bus = busOf(hand.rig());
+    for (int node = 0; node < 3; ++node) {
+      const double direction = node == 2 ? -1 : 1;
+      auto& axis = bus.axis(node);
+      axis.servo.position = axis.servo.goal = 0;
+      if (direction > 0) axis.stop = taut_at_rev[static_cast<std::size_t>(node)];
+    }
+  }
+};
+
+TEST_F(Homing, ArmingAnUnhomedHandIsRefused) {
+  HandInMotion hand(test::exampleConfig("printed_tendon_hand"));
+  ASSERT_TRUE(hand.turnUntil(GovernorState::kIdle));
+  hand.offer(0.5);
+  hand.motion().request(Request::kArm);
+  hand.turnFor(0.5);
+  EXPECT_EQ(hand.state().state, GovernorState::kIdle);
+  EXPECT_FALSE(hand.rig().isPowered());
+  EXPECT_NE(hand.state().last_refusal.view().find("HOME"), std::string_view::npos);
+}
+
+TEST_F(Homing, FindsTheZerosOfEveryMotor) {
+  config::HandConfig config = test::exampleConfig("printed_tendon_hand");
+  config.homing.pop_back();  // the third drum counts the other way: a stop below, not above
+  std::vector<double> zeros;
+  HandInMotion hand(config, [&](const config::HandConfig& homed) {
+    for (const config::MotorConfig& motor : homed.motors)
+      zeros.push_back(motor.zero_rad);
+  });
+  slackenTo(hand, {0.31, 0.77});
+  ASSERT_TRUE(hand.turnUntil(GovernorState::kIdle)) << describe(hand.state());
+  hand.motion().request(Request::kHome);
+  hand.turn();
+  EXPECT_TRUE(hand.state().is_homing);
+  for (int k = 0; k < 6000 && hand.state().is_homing; ++k)
+    hand.turn();
+  ASSERT_EQ(zeros.size(), 3) << describe(hand.state());
+  EXPECT_NEAR(zeros[0], 0.31 * 6.283185307, 1e-2);
+  EXPECT_NEAR(zeros[1], 0.77 * 6.283185307, 1e-2);
+  EXPECT_TRUE(hand.state().is_homed);
+  EXPECT_FALSE(hand.rig().isPowered());
+  ASSERT_TRUE(hand.turnUntil(GovernorState::kIdle)) << describe(hand.state());
+}
+
+TEST_F(Homing, FailsWithTheMotorsOffWhereThereIsNoStop) {
+  config::HandConfig config = test::exampleConfig("printed_tendon_hand");
+  HandInMotion hand(config);
+  ASSERT_TRUE(hand.turnUntil(GovernorState::kIdle)) << describe(hand.state());
+  hand.motion().request(Request::kHome);
+  hand.turn();
+  for (int k = 0; k < 8000 && hand.state().is_homing; ++k)
+    hand.turn();
+  EXPECT_FALSE(hand.state().is_homing);
+  EXPECT_FALSE(hand.state().is_homed);
+  EXPECT_FALSE(hand.rig().isPowered());
+  EXPECT_NE(hand.state().trouble.view().find("found no stop"), std::string_view::npos)
+      << describe(hand.state());
+}
+
+TEST_F(Homing, AnEmergencyStopEndsIt) {
+  HandInMotion hand(test::exampleConfig("printed_tendon_hand"));
+  ASSERT_TRUE(hand.turnUntil(GovernorState::kIdle)) << describe(hand.state());
+  hand.motion().request(Request::kHome);
+  hand.turnFor(2);
+  ASSERT_TRUE(hand.state().is_homing);
+  ASSERT_TRUE(hand.rig().isPowered());
+  hand.motion().estop();
+  hand.turn();
+  EXPECT_EQ(hand.state().state, GovernorState::kEStop);
+  EXPECT_FALSE(hand.state().is_homing);
+  EXPECT_FALSE(hand.rig().isPowered());
+}
+
+}  // namespace
+}  // namespace handgraft::bridge

@@ -1,0 +1,89 @@
+#include "hardware/bridge/stream_feed.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/hardware/bridge/messages.h"
+
+namespace handgraft::bridge {
+namespace {
+
+using namespace test;
+
+class StreamFeedTest : public ::testing::Test {
+ protected:
+  /// The stream of the pose that comes of it; 0: none.
+  std::uint64_t see(StreamFeed& feed, const v1::PoseSolution& pose) {
+    feed.see(pose);
+    const auto taken = feed.take();
+    return taken ? taken->stream : 0;
+  }
+
+  StreamFeed feed_{std::nullopt, false, false};
+};
+
+TEST_F(StreamFeedTest, ASessionIsOneStreamThatLivesWhileItIsOpen) {
+  feed_.serverIsThere(true);
+  EXPECT_FALSE(feed_.alive());
+  feed_.see(sessionState(3, "hand", {"a"}));
+  const std::uint64_t stream = see(feed_, solution(3, 1, {0.1}));
+  EXPECT_EQ(feed_.alive(), stream);
+  EXPECT_EQ(see(feed_, solution(3, 2, {0.2})), stream);
+  feed_.see(sessionState(3, "hand", {"a"}, v1::PHASE_CLOSED));
+  EXPECT_FALSE(feed_.alive());
+}
+
+TEST_F(StreamFeedTest, ASimulatedHandCompletesTheLastPoseOfAClosedSession) {
+  StreamFeed feed(std::nullopt, false, true);
+  feed.serverIsThere(true);
+  feed.see(sessionState(3, "hand", {"a"}));
+  const std::uint64_t stream = see(feed, solution(3, 1, {0.1}));
+  feed.see(sessionState(3, "hand", {"a"}, v1::PHASE_CLOSED));
+  EXPECT_EQ(feed.alive(), stream);
+}
+
+TEST_F(StreamFeedTest, AnotherSessionIsAnotherStream) {
+  feed_.serverIsThere(true);
+  feed_.see(sessionState(3, "hand", {"a"}));
+  feed_.see(sessionState(4, "hand", {"a"}));
+  const std::uint64_t first = see(feed_, solution(3, 7, {0.1}));
+  const std::uint64_t second = see(feed_, solution(4, 1, {0.1}));
+  EXPECT_NE(first, 0);
+  EXPECT_NE(second, 0);
+  EXPECT_NE(first, second);
+}
+
+TEST_F(StreamFeedTest, AServerThatStartsAnewIsAnotherStream) {
+  feed_.serverIsThere(true);
+  feed_.see(sessionState(3, "hand", {"a"}));
+  const std::uint64_t first = see(feed_, solution(3, 7, {0.1}));
+  feed_.serverIsThere(false);
+  EXPECT_FALSE(feed_.alive());
+  feed_.serverIsThere(true);
+  EXPECT_FALSE(feed_.alive()) << "nothing was said since it is back";
+  feed_.see(sessionState(3, "hand", {"a"}));
+  EXPECT_NE(see(feed_, solution(3, 8, {0.2})), first);
+}
+
+TEST_F(StreamFeedTest, NumbersThatRunBackwardsAreAnotherStream) {
+  feed_.serverIsThere(true);
+  feed_.see(sessionState(3, "hand", {"a"}));
+  const std::uint64_t first = see(feed_, solution(3, 7, {0.1}));
+  v1::PoseSolution anew = solution(3, 1, {0.2});
+  anew.stamp_ns(solution(3, 7, {}).stamp_ns() + 1);
+  const std::uint64_t second = see(feed_, anew);
+  EXPECT_NE(second, 0);
+  EXPECT_NE(second, first);
+}
+
+TEST_F(StreamFeedTest, SessionsOfAnotherHandArePassedOver) {
+  StreamFeed feed(std::nullopt, false, false, "leap");
+  feed.serverIsThere(true);
+  EXPECT_TRUE(feed.see(sessionState(3, "leap", {"a"})));
+  const std::uint64_t stream = see(feed, solution(3, 1, {0.1}));
+  EXPECT_FALSE(feed.see(sessionState(4, "leap_left", {"a"})));
+  EXPECT_EQ(see(feed, solution(4, 1, {0.5})), 0);
+  EXPECT_EQ(feed.alive(), stream) << "and do not take the hand away";
+}
+
+}  // namespace
+}  // namespace handgraft::bridge

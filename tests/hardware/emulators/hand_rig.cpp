@@ -1,0 +1,221 @@
+#include "tests/hardware/emulators/hand_rig.h"
+
+#include <numbers>
+#include <stdexcept>
+
+namespace handgraft::test {
+
+namespace {
+
+using config::DeviceKind;
+using config::HandConfig;
+using config::MotorConfig;
+
+namespace ah = protocols::ability_hand;
+namespace dxl = protocols::dynamixel;
+namespace odrive = protocols::odrive;
+
+constexpr double kTurn = 2 * std::numbers::pi;
+
+std::unique_ptr<Wire> makeWire(EmulatedDevice& device, const HandConfig& config, bool on_pty) {
+  return on_pty ? makePty(device, config.device.baud) : makeVirtualWire(device);
+}
+
+/// The motor's angle, of its device's at the encoder.
+double angleOf(const MotorConfig& motor, double encoder_rad) {
+  return motor.direction * (encoder_rad - motor.zero_rad) / motor.gear;
+}
+
+class DynamixelHandRig final : public HandRig {
+ public:
+  DynamixelHandRig(const HandConfig& config, bool on_pty)
+      : config_(config), emulator_(idsOf(config)), wire_(makeWire(emulator_, config, on_pty)) {}
+
+  EmulatedDevice& emulated() override { return emulator_; }
+
+  Wire& wire() override { return *wire_; }
+
+  double angle(std::size_t i) override {
+    const auto lock = wire_->hold();
+    return angleOf(config_.motors[i], servo(i).position * dxl::kRadPerCount);
+  }
+
+  double goal(std::size_t i) override {
+    const auto lock = wire_->hold();
+    return angleOf(config_.motors[i], servo(i).goal * dxl::kRadPerCount);
+  }
+
+  double unit(std::size_t i) const override {
+    return dxl::kRadPerCount / config_.motors[i].gear;
+  }
+
+  bool isPowered() override {
+    const auto lock = wire_->hold();
+    for (const std::uint8_t id : idsOf(config_)) {
+      if (emulator_.get(id, "torque_enable") != 0 && emulator_.get(id, "bus_watchdog") != 0xFF)
+        return true;
+    }
+    return false;
+  }
+
+  void breakDown() override {
+    const auto lock = wire_->hold();
+    emulator_.motor(idsOf(config_)[1]).is_broken = true;
+    emulator_.fail(idsOf(config_)[1], dxl::kOverload);
+  }
+
+  void heal() override {
+    const auto lock = wire_->hold();
+    emulator_.motor(idsOf(config_)[1]).is_broken = false;
+  }
+
+ private:
+  static std::vector<std::uint8_t> idsOf(const HandConfig& config) {
+    std::vector<std::uint8_t> ids;
+    for (const MotorConfig& motor : config.motors)
+      ids.push_back(static_cast<std::uint8_t>(motor.id));
+    return ids;
+  }
+
+  const EmulatedServo& servo(std::size_t i) {
+    return emulator_.motor(static_cast<std::uint8_t>(config_.motors[i].id)).servo;
+  }
+
+  HandConfig config_;
+  DynamixelEmulator emulator_;
+  std::unique_ptr<Wire> wire_;
+};
+
+class AbilityHandHandRig final : public HandRig {
+ public:
+  AbilityHandHandRig(const HandConfig& config, bool on_pty)
+      : wire_(makeWire(emulator_, config, on_pty)) {}
+
+  EmulatedDevice& emulated() override { return emulator_; }
+
+  Wire& wire() override { return *wire_; }
+
+  double angle(std::size_t i) override {
+    const auto lock = wire_->hold();
+    return emulator_.servos[i].position * ah::kRadPerCount;
+  }
+
+  double goal(std::size_t i) override {
+    const auto lock = wire_->hold();
+    return emulator_.servos[i].goal * ah::kRadPerCount;
+  }
+
+  double unit(std::size_t /*i*/) const override { return ah::kRadPerCount; }
+
+  bool isPowered() override {
+    const auto lock = wire_->hold();
+    return emulator_.is_in_api_mode;
+  }
+
+  void breakDown() override {
+    const auto lock = wire_->hold();
+    emulator_.limited = 0x02;
+  }
+
+  void heal() override {
+    const auto lock = wire_->hold();
+    emulator_.limited = 0;
+  }
+
+ private:
+  AbilityHandEmulator emulator_;
+  std::unique_ptr<Wire> wire_;
+};
+
+class ODriveHandRig final : public HandRig {
+ public:
+  ODriveHandRig(const HandConfig& config, bool on_pty, Duration watchdog)
+      : config_(config),
+        bus_(nodesOf(config),
+             config.device.firmware == config::ODriveFirmware::k05 ? odrive::Firmware::k05
+                                                                   : odrive::Firmware::k06),
+        emulator_(bus_),
+        wire_(makeWire(emulator_, config, on_pty)) {
+    const auto lock = wire_->hold();
+    for (const int node : nodesOf(config)) {
+      bus_.axis(node).watchdog =
+          watchdog > Duration::zero() ? watchdog : config.device.watchdog;
+    }
+  }
+
+  EmulatedDevice& emulated() override { return emulator_; }
+
+  Wire& wire() override { return *wire_; }
+
+  double angle(std::size_t i) override {
+    const auto lock = wire_->hold();
+    return angleOf(config_.motors[i], axis(i).servo.position * kTurn);
+  }
+
+  double goal(std::size_t i) override {
+    const auto lock = wire_->hold();
+    return angleOf(config_.motors[i], axis(i).servo.goal * kTurn);
+  }
+
+  double unit(std::size_t /*i*/) const override { return 4e-6; }
+
+  bool isPowered() override {
+    const auto lock = wire_->hold();
+    for (std::size_t i = 0; i < config_.motors.size(); ++i) {
+      if (axis(i).state == odrive::AxisState::kClosedLoop) return true;
+    }
+    return false;
+  }
+
+  void breakDown() override {
+    const auto lock = wire_->hold();
+    axis(1).is_broken = true;
+    ODriveEmulator::fail(axis(1), 0x2000);
+  }
+
+  void heal() override {
+    const auto lock = wire_->hold();
+    axis(1).is_broken = false;
+  }
+
+  ODriveEmulator& bus() { return bus_; }
+
+ private:
+  static std::vector<int> nodesOf(const HandConfig& config) {
+    std::vector<int> nodes;
+    for (const MotorConfig& motor : config.motors)
+      nodes.push_back(motor.id);
+    return nodes;
+  }
+
+  ODriveEmulator::Axis& axis(std::size_t i) { return bus_.axis(config_.motors[i].id); }
+
+  HandConfig config_;
+  ODriveEmulator bus_;
+  SlcanEmulator emulator_;
+  std::unique_ptr<Wire> wire_;
+};
+
+}  // namespace
+
+std::unique_ptr<HandRig> makeHandRig(const HandConfig& config,
+                                     bool on_a_pty,
+                                     Duration watchdog) {
+  switch (config.device.kind) {
+    case DeviceKind::kDynamixel:
+      return std::make_unique<DynamixelHandRig>(config, on_a_pty);
+    case DeviceKind::kAbilityHand:
+      return std::make_unique<AbilityHandHandRig>(config, on_a_pty);
+    case DeviceKind::kODrive:
+      return std::make_unique<ODriveHandRig>(config, on_a_pty, watchdog);
+    case DeviceKind::kSimulated:
+      break;
+  }
+  throw std::runtime_error("a simulated hand needs no emulator");
+}
+
+ODriveEmulator& busOf(HandRig& odrive_rig) {
+  return dynamic_cast<ODriveHandRig&>(odrive_rig).bus();
+}
+
+}  // namespace handgraft::test

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "hardware/config/hand_config.h"
+
+#include "tests/hardware/emulators/ability_hand_emulator.h"
+#include "tests/hardware/emulators/dynamixel_emulator.h"
+#include "tests/hardware/emulators/odrive_emulator.h"
+#include "tests/hardware/emulators/wire.h"
+
+namespace handgraft::test {
+
+/// The device that a config tells, emulated, at the end of a wire. Angles are those of the
+/// config's motors, read off the device itself.
+class HandRig {
+ public:
+  virtual ~HandRig() = default;
+
+  virtual EmulatedDevice& emulated() = 0;
+  virtual Wire& wire() = 0;
+
+  /// rad: where motor `i` stands, and where it was told to go.
+  virtual double angle(std::size_t i) = 0;
+  virtual double goal(std::size_t i) = 0;
+  /// rad: one unit of the device; of a float, what it can tell of a few turns.
+  [[nodiscard]] virtual double unit(std::size_t i) const = 0;
+  /// Whether any motor would move by itself or hold.
+  virtual bool isPowered() = 0;
+  /// An error that the device tells, until `heal`.
+  virtual void breakDown() = 0;
+  virtual void heal() = 0;
+};
+
+/// `watchdog` of the device itself; 0: as the config says.
+std::unique_ptr<HandRig> makeHandRig(const config::HandConfig& config,
+                                     bool on_a_pty = false,
+                                     Duration watchdog = {});
+
+/// The axes behind the adapter of an ODrive hand.
+ODriveEmulator& busOf(HandRig& odrive_rig);
+
+}  // namespace handgraft::test

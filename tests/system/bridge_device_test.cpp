@@ -1,0 +1,196 @@
+// The bridge as a process with real time, DDS and a tty between it and an emulated device.
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <fstream>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/shared_data.h"
+#include "tests/support/test_domain.h"
+#include "tests/system/bridge_bench.h"
+#include "tests/system/live_session.h"
+
+namespace handgraft::test {
+namespace {
+
+const std::vector<std::string> kJoints{"a", "b", "c"};
+
+// === A session's solutions move each device
+
+class SessionOnADevice : public testing::TestWithParam<std::string> {};
+
+TEST_P(SessionOnADevice, SolutionsMoveTheMotors) {
+  const Service service;
+  LiveSession session(service, "barrett8", "lemon", "lemon_6");
+  const std::vector<std::string>& joints = session.opened().joint_names();
+  const double limit = 2.6;  // as far as an Ability Hand counts
+  BridgeBench bench(service.network(), directConfig(GetParam(), "barrett8", joints, limit));
+  bench.startBridge();
+  const v1::PoseSolution solved = session.optimize();
+  std::vector<double> wanted;
+  for (std::size_t i = 0; i < bench.config().motors.size(); ++i)
+    wanted.push_back(std::clamp(solved.joint_rad()[i], -limit, limit));
+  ASSERT_TRUE(bench.arm()) << bench.told();
+  EXPECT_TRUE(bench.arrive(
+      [&] {
+        return wanted;
+      },
+      2e-3))
+      << bench.told();
+  const auto status = bench.status(v1::BRIDGE_ARMED);
+  ASSERT_TRUE(status.has_value()) << bench.told();
+  EXPECT_EQ(status->session_id(), session.id());
+  EXPECT_EQ(status->hand(), "barrett8");
+  // A seventh and eighth joint follow others where there are six motors: what is left is told.
+  double left = 0;
+  for (std::size_t i = wanted.size(); i < joints.size(); ++i)
+    left = std::max(left, std::abs(solved.joint_rad()[i] - wanted[i - wanted.size()]));
+  EXPECT_NEAR(status->residual_rad(), left, 1e-2);
+}
+
+INSTANTIATE_TEST_SUITE_P(Devices,
+                         SessionOnADevice,
+                         testing::Values("dynamixel", "ability_hand", "odrive"),
+                         [](const auto& told) {
+                           return told.param;
+                         });
+
+// === What must end motion, on a Dynamixel hand of three motors
+
+class BridgeOnADevice : public testing::Test {
+ protected:
+  /// Armed, and on its way to a pose that is seconds away.
+  void moveOn() {
+    bench_.startBridge();
+    server_->stream({0.0, 0.0, 0.0});
+    ASSERT_TRUE(bench_.arm()) << bench_.told();
+    server_->stream({2.4, -2.4, 2.4});
+    ASSERT_TRUE(bench_.status([](const v1::BridgeStatus& status) {
+      return status.state() == v1::BRIDGE_ARMED && status.poses_accepted() > 1;
+    })) << bench_.told();
+  }
+
+  std::vector<double> angles() {
+    return {bench_.rig().angle(0), bench_.rig().angle(1), bench_.rig().angle(2)};
+  }
+
+  /// False if motors are under power after 20 s still.
+  bool goesOff() {
+    for (int i = 0; i < 200 && bench_.rig().isPowered(); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    return !bench_.rig().isPowered();
+  }
+
+  void expectStandsStill() {
+    const std::vector<double> before = angles();
+    std::this_thread::sleep_for(std::chrono::milliseconds(700));
+    EXPECT_EQ(angles(), before) << bench_.told();
+  }
+
+  TestDomain domain_;
+  Network network_{domain_.number(), "lo"};
+  BridgeBench bench_{network_, directConfig("dynamixel", "three", kJoints, 2.5)};
+  std::unique_ptr<StandInServer> server_ =
+      std::make_unique<StandInServer>(network_, "three", kJoints);
+};
+
+TEST_F(BridgeOnADevice, KilledTheDevicesOwnWatchdogStopsTheMotors) {
+  moveOn();
+  bench_.bridge().send(SIGKILL);
+  EXPECT_EQ(bench_.bridge().wait(), 128 + SIGKILL);
+  EXPECT_TRUE(goesOff());
+  expectStandsStill();
+}
+
+TEST_F(BridgeOnADevice, SuspendedItIsAFaultWhenItGoesOn) {
+  moveOn();
+  bench_.bridge().send(SIGSTOP);
+  std::this_thread::sleep_for(std::chrono::seconds(3));
+  EXPECT_FALSE(bench_.rig().isPowered()) << "the device waits for 2.5 s";
+  bench_.bridge().send(SIGCONT);
+  const auto status = bench_.status(v1::BRIDGE_FAULT);
+  ASSERT_TRUE(status.has_value()) << bench_.told();
+  EXPECT_TRUE(goesOff());
+  server_->stream({0.1, 0.1, 0.1});
+  expectStandsStill();
+}
+
+TEST_F(BridgeOnADevice, ASignalStopsItForGood) {
+  moveOn();
+  bench_.bridge().send(SIGUSR1);
+  const auto status = bench_.status(v1::BRIDGE_ESTOP);
+  ASSERT_TRUE(status.has_value()) << bench_.told();
+  EXPECT_TRUE(goesOff());
+  server_->stream({0.1, 0.1, 0.1});
+  bench_.command(v1::COMMAND_ARM);
+  expectStandsStill();
+  bench_.command(v1::COMMAND_RESET);
+  EXPECT_TRUE(bench_.status(v1::BRIDGE_IDLE)) << bench_.told();
+  EXPECT_FALSE(bench_.rig().isPowered()) << "a reset gives no power";
+}
+
+TEST_F(BridgeOnADevice, TerminatedItBrakesAndSwitchesOff) {
+  moveOn();
+  bench_.bridge().send(SIGTERM);
+  EXPECT_EQ(bench_.bridge().wait(), 0) << bench_.told();
+  EXPECT_FALSE(bench_.rig().isPowered());
+}
+
+TEST_F(BridgeOnADevice, AServerThatStopsMakesItHoldThenGoOff) {
+  moveOn();
+  server_.reset();
+  EXPECT_TRUE(goesOff()) << bench_.told();
+  EXPECT_TRUE(bench_.status(v1::BRIDGE_IDLE)) << bench_.told();
+  server_ = std::make_unique<StandInServer>(network_, "three", kJoints);
+  server_->stream({0.1, 0.1, 0.1});
+  expectStandsStill();
+  EXPECT_FALSE(bench_.rig().isPowered()) << "a returning stream resumes nothing";
+}
+
+TEST_F(BridgeOnADevice, AnArmingBeforeItsTimeIsNotReplayed) {
+  server_->stream({0.3, 0.3, 0.3});
+  bench_.shout(v1::COMMAND_ARM);
+  bench_.startBridge();
+  ASSERT_TRUE(bench_.status([](const v1::BridgeStatus& status) {
+    return status.state() == v1::BRIDGE_IDLE && status.poses_accepted() > 0;
+  })) << bench_.told();
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  EXPECT_FALSE(bench_.rig().isPowered());
+  EXPECT_FALSE(bench_
+                   .status([](const v1::BridgeStatus&) {
+                     return true;
+                   })
+                   ->powered());
+}
+
+TEST_F(BridgeOnADevice, UnpluggedAndPluggedInAgainItStaysDisarmed) {
+  moveOn();
+  bench_.rig().wire().unplug();
+  const auto status = bench_.status(v1::BRIDGE_FAULT);
+  ASSERT_TRUE(status.has_value()) << bench_.told();
+  EXPECT_EQ(status->fault(), v1::FAULT_WIRE) << status->reason();
+  bench_.rig().wire().plug();
+  EXPECT_TRUE(goesOff());
+  bench_.command(v1::COMMAND_RESET);
+  ASSERT_TRUE(bench_.status(v1::BRIDGE_IDLE)) << bench_.told();
+  expectStandsStill();
+  EXPECT_FALSE(bench_.rig().isPowered());
+}
+
+TEST(BridgeConfig, EverythingThatIsWrongIsToldBeforeAnythingMoves) {
+  const auto path = scratchDirectory() / "wrong.yaml";
+  std::string text = directConfig("dynamixel", "three", kJoints, 2.5);
+  text.replace(text.find("rate_hz: 20"), 11, "rate_hz: 5000");
+  text.replace(text.find("brake_ms: 1000"), 14, "brake_mm: 1000");
+  std::ofstream(path) << text;
+  const Finished finished = run(program("handgraft-bridge"), {"--config", path.string()});
+  EXPECT_EQ(finished.exit_code, 2);
+  EXPECT_NE(finished.err.find("rate_hz"), std::string::npos) << finished.err;
+  EXPECT_NE(finished.err.find("brake_mm"), std::string::npos) << finished.err;
+}
+
+}  // namespace
+}  // namespace handgraft::test
