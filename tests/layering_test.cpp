@@ -24,7 +24,8 @@ struct Layer {
 
 const std::vector<std::string> kCore = {"core/base",     "core/geometry", "core/cloud",
                                         "core/hand",     "core/contact",  "core/transfer",
-                                        "core/optimize", "core/session",  "core/io"};
+                                        "core/optimize", "core/quality",  "core/session",
+                                        "core/io"};
 
 const std::vector<Layer> kLayers = {
     {"core/base", {}, {"eigen", "fmt"}},
@@ -38,9 +39,12 @@ const std::vector<Layer> kLayers = {
     {"core/optimize",
      {"core/base", "core/geometry", "core/hand", "core/transfer"},
      {"eigen", "fmt"}},
+    {"core/quality",
+     {"core/base", "core/geometry", "core/hand", "core/transfer"},
+     {"eigen", "fmt"}},
     {"core/session",
      {"core/base", "core/geometry", "core/hand", "core/contact", "core/transfer",
-      "core/optimize"},
+      "core/optimize", "core/quality"},
      {"eigen", "fmt"}},
     {"core/io", kCore, {"eigen", "fmt"}},
     {"idl", {}, {}},

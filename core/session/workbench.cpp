@@ -12,6 +12,7 @@
 #include "core/session/open_directions.h"
 #include "core/session/open_roots.h"
 #include "core/session/patch_matching.h"
+#include "core/session/solids.h"
 
 namespace handgraft::session {
 namespace {
@@ -263,6 +264,10 @@ PoseProblem Workbench::problem(const Solving& solving) const {
   PoseProblem problem = optimize::makeProblem(models_.hand->model);
   problem.weights = document_.weights;
   problem.normal_form = solving.normal_form;
+  if (solving.avoid_penetration) {
+    problem.avoidance = avoidanceOf(models_.hand->model, models_.hand->skin, models_.object_O,
+                                    document_.X_WO, Progress());
+  }
   problem.start = start_;
   problem.prior = document_.prior;
   problem.locked.assign(static_cast<std::size_t>(problem.dofCount()), false);

@@ -1,0 +1,120 @@
+#include "core/quality/penetration.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace handgraft::quality {
+
+namespace {
+
+using Eigen::Vector3d;
+using geometry::DistanceGrid;
+using hand::LinkSolid;
+
+// A depth below it is rounding of a touch.
+constexpr double kTouch = 1e-6;  // m
+
+/// Sums over what lies inside.
+struct Inside {
+  double area = 0.0;
+  double depth_area = 0.0;
+};
+
+double deepestOf(const LinkSolid& solid,
+                 const DistanceGrid& object_O,
+                 const Pose& X_OL,
+                 Inside& inside) {
+  double deepest = 0.0;
+  for (const hand::SampleCluster& cluster : solid.fine.clusters) {
+    if (object_O.isClear(X_OL * cluster.centre_L, cluster.radius)) continue;
+    for (int i = cluster.begin; i < cluster.end; ++i) {
+      const hand::SurfaceSample& sample = solid.fine.samples[static_cast<std::size_t>(i)];
+      const Vector3d p_O = X_OL * sample.p_L;
+      // The grid rounds edges by half a spacing; inside the object it only has to find them.
+      if (object_O.at(p_O) > object_O.spacing()) continue;
+      const double depth = -object_O.exact().at(p_O).distance;
+      if (depth <= kTouch) continue;
+      deepest = std::max(deepest, depth);
+      inside.area += sample.area_m2;
+      inside.depth_area += sample.area_m2 * depth;
+    }
+  }
+  return deepest;
+}
+
+/// How much of a cell lies in two solids, of which it lies in each by `a` and `b`, and whose
+/// borders' normals have the cosine `c`: planes that face each other share what is more than
+/// the whole cell, planes alike the less of both, planes at right angles the product.
+double sharedBy(double a, double b, double c) {
+  const double facing = c < 0.0 ? std::max(0.0, a + b - 1.0) : std::min(a, b);
+  return a * b + std::min(1.0, std::abs(c)) * (facing - a * b);
+}
+
+/// What the link and the object both fill.
+double sharedVolume(const LinkSolid& solid, const DistanceGrid& object_O, const Pose& X_OL) {
+  // A plane is shared out over one cell's width, whichever way it lies.
+  const double h = solid.grid_L->spacing();
+  double volume = 0.0;
+  for (const DistanceGrid::Cell& cell : solid.cells_L) {
+    const Vector3d p_O = X_OL * cell.p;
+    const double inside = std::min(1.0, 0.5 - object_O.at(p_O) / h);
+    if (inside <= 0.0) continue;
+    if (cell.share == 1.0 || inside == 1.0) {
+      volume += cell.share * inside;
+      continue;
+    }
+    Vector3d slope_O;
+    Vector3d slope_L;
+    static_cast<void>(object_O.at(p_O, slope_O));
+    static_cast<void>(solid.grid_L->at(cell.p, slope_L));
+    volume += sharedBy(cell.share, inside, slope_O.dot(X_OL.linear() * slope_L));
+  }
+  return volume * h * h * h;
+}
+
+void measureItself(const hand::HandSolid& hand,
+                   const hand::LinkPoses& X_OL,
+                   Penetration& result) {
+  for (const auto& [i, j] : hand.strangers()) {
+    const LinkSolid& a = hand.links()[static_cast<std::size_t>(i)];
+    const LinkSolid& b = hand.links()[static_cast<std::size_t>(j)];
+    const Pose& X_OA = X_OL[static_cast<std::size_t>(a.link)];
+    const Pose& X_OB = X_OL[static_cast<std::size_t>(b.link)];
+    if ((X_OA * a.centre_L - X_OB * b.centre_L).norm() > a.radius + b.radius) continue;
+    const Pose X_BA = inverse(X_OB) * X_OA;
+    const double depth = std::max(depthOf(a, b, X_BA), depthOf(b, a, inverse(X_BA)));
+    if (depth <= std::max(kTouch, result.self_depth_m)) continue;
+    result.self_depth_m = depth;
+    result.self_links = {a.link, b.link};
+  }
+}
+
+}  // namespace
+
+Penetration measurePenetration(const hand::HandModel& model,
+                               const hand::HandSolid& hand,
+                               const DistanceGrid& object_O,
+                               const Pose& X_WO,
+                               const hand::HandPose& pose) {
+  hand::LinkPoses X_OL;
+  hand::forwardKinematics(model, inverse(X_WO) * pose.X_WH, pose.q, X_OL);
+  Penetration result;
+  Inside inside;
+  for (const LinkSolid& solid : hand.links()) {
+    const Pose& X = X_OL[static_cast<std::size_t>(solid.link)];
+    if (object_O.isClear(X * solid.centre_L, solid.radius)) continue;
+    const double depth = deepestOf(solid, object_O, X, inside);
+    if (depth > 0.0) result.links.push_back({solid.link, depth});
+    result.volume_m3 += sharedVolume(solid, object_O, X);
+  }
+  std::stable_sort(result.links.begin(), result.links.end(),
+                   [](const LinkDepth& a, const LinkDepth& b) {
+                     return a.depth_m > b.depth_m;
+                   });
+  if (!result.links.empty()) result.max_depth_m = result.links.front().depth_m;
+  if (inside.area > 0.0) result.mean_depth_m = inside.depth_area / inside.area;
+  measureItself(hand, X_OL, result);
+  return result;
+}
+
+}  // namespace handgraft::quality

@@ -1,0 +1,155 @@
+#include "core/quality/penetration.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/ball_hand.h"
+
+namespace handgraft::quality {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kBall = 0.02;  // m
+
+std::shared_ptr<const geometry::DistanceGrid> gridOf(const geometry::TriangleMesh& mesh) {
+  return std::make_shared<const geometry::DistanceGrid>(
+      std::make_shared<const geometry::SignedDistance>(mesh), geometry::DistanceGridOptions(),
+      Progress());
+}
+
+/// Four balls in a row along x, 50 mm apart, hinged about z.
+struct Chain {
+  test::BallHand hand;
+  std::unique_ptr<hand::HandSolid> solid;
+
+  Chain() {
+    std::vector<hand::Link> links(4);
+    std::vector<hand::Joint> joints;
+    for (std::size_t i = 0; i < links.size(); ++i) {
+      links[i].name = "link" + std::to_string(i);
+      if (i == 0) continue;
+      hand::Joint joint;
+      joint.name = "joint" + std::to_string(i);
+      joint.type = hand::JointType::kRevolute;
+      joint.parent_link = links[i - 1].name;
+      joint.child_link = links[i].name;
+      joint.X_PJ.translation() = Vector3d(0.05, 0, 0);
+      joint.axis_J = Vector3d::UnitZ();
+      joints.push_back(joint);
+    }
+    hand = test::withBalls(hand::HandModel("chain", links, joints), kBall);
+    solid = std::make_unique<hand::HandSolid>(*hand.model, *hand.skin, Progress());
+  }
+
+  [[nodiscard]] hand::HandPose straight() const {
+    return {Pose::Identity(), Eigen::VectorXd::Zero(3)};
+  }
+};
+
+const Chain& chain() {
+  static const Chain the_chain;
+  return the_chain;
+}
+
+Pose at(const Vector3d& p) {
+  Pose X = Pose::Identity();
+  X.linear() = rotationFromVector({0.2, 0.4, -0.3});
+  X.translation() = p;
+  return X;
+}
+
+Penetration measure(const geometry::DistanceGrid& object_O,
+                    const Pose& X_WO,
+                    const hand::HandPose& pose) {
+  return measurePenetration(*chain().hand.model, *chain().solid, object_O, X_WO, pose);
+}
+
+TEST(Penetration, IsNothingForAHandThatTouchesNothing) {
+  const auto ball_O = gridOf(geometry::makeSphere(0.03, 4));
+  const Penetration apart = measure(*ball_O, at({0, 0.0501, 0}), chain().straight());
+  EXPECT_EQ(apart.max_depth_m, 0.0);
+  EXPECT_EQ(apart.mean_depth_m, 0.0);
+  EXPECT_LT(apart.volume_m3, 1e-9);
+  EXPECT_TRUE(apart.links.empty());
+  EXPECT_EQ(apart.self_depth_m, 0.0);
+}
+
+TEST(Penetration, HasTheDepthAndTheVolumeOfALensOfTwoBalls) {
+  const double r = kBall;
+  const double big = 0.03;
+  const auto ball_O = gridOf(geometry::makeSphere(big, 5));
+  for (const double d : {0.048, 0.043, 0.035, 0.025}) {
+    const Penetration found = measure(*ball_O, at({0, -d, 0}), chain().straight());
+    EXPECT_NEAR(found.max_depth_m, r + big - d, 2e-4) << d;
+    // Weisstein, "Sphere-Sphere Intersection", equation 16.
+    const double lens = std::numbers::pi * std::pow(r + big - d, 2) *
+                        (d * d + 2 * d * (r + big) - 3 * (r - big) * (r - big)) / (12 * d);
+    EXPECT_NEAR(found.volume_m3, lens, 0.03 * lens + 1e-8) << d;
+    ASSERT_EQ(found.links.size(), 1u);
+    EXPECT_EQ(found.links[0].link, 0);
+    EXPECT_GT(found.mean_depth_m, 0.3 * found.max_depth_m);
+    EXPECT_LT(found.mean_depth_m, 0.7 * found.max_depth_m);
+  }
+}
+
+TEST(Penetration, HasTheVolumeThatTwoBoxesShare) {
+  const Vector3d size(0.05, 0.04, 0.03);
+  std::vector<hand::Link> links(1);
+  links[0].name = "box";
+  links[0].visuals = {{geometry::makeBox(size), "box"}};
+  const hand::HandModel model("box", links, {});
+  const hand::Skin skin(model, links[0].visuals[0].mesh_L, Eigen::VectorXd(), 0.004);
+  const hand::HandSolid solid(model, skin, Progress());
+  const auto box_O = gridOf(geometry::makeBox({0.06, 0.06, 0.06}));
+  const hand::HandPose pose{Pose::Identity(), Eigen::VectorXd()};
+  for (const Vector3d& way : {Vector3d(0.045, 0, 0), Vector3d(0.04, 0.03, 0.02)}) {
+    Pose X_WO = Pose::Identity();
+    X_WO.translation() = way;
+    const Vector3d shared = (0.5 * (size + Vector3d::Constant(0.06)) - way).cwiseMin(size);
+    const double volume = shared.prod();
+    EXPECT_NEAR(measurePenetration(model, solid, *box_O, X_WO, pose).volume_m3, volume,
+                0.03 * volume);
+  }
+}
+
+TEST(Penetration, RanksLinksByDepth) {
+  const auto ball_O = gridOf(geometry::makeSphere(0.03, 4));
+  const Penetration found = measure(*ball_O, at({0.072, 0.03, 0}), chain().straight());
+  ASSERT_EQ(found.links.size(), 2u);
+  EXPECT_EQ(found.links[0].link, 1);
+  EXPECT_EQ(found.links[1].link, 2);
+  EXPECT_GT(found.links[0].depth_m, found.links[1].depth_m);
+  EXPECT_EQ(found.links[0].depth_m, found.max_depth_m);
+}
+
+TEST(Penetration, DoesNotMindWhereTheWorldIs) {
+  const auto ball_O = gridOf(geometry::makeSphere(0.03, 4));
+  const Penetration here = measure(*ball_O, at({0, 0.04, 0}), chain().straight());
+  const Pose X = at({3, -2, 1});
+  hand::HandPose pose = chain().straight();
+  pose.X_WH = X * pose.X_WH;
+  const Penetration there = measure(*ball_O, X * at({0, 0.04, 0}), pose);
+  EXPECT_NEAR(there.max_depth_m, here.max_depth_m, 1e-12);
+  EXPECT_NEAR(there.volume_m3, here.volume_m3, 1e-9 * here.volume_m3);
+}
+
+TEST(Penetration, TellsWhichLinksLieInEachOther) {
+  const auto ball_O = gridOf(geometry::makeSphere(0.01, 3));
+  hand::HandPose pose = chain().straight();
+  // Nearly an equilateral way round, which would bring the last ball back to the first.
+  pose.q << 2.0, 2.0, 0.0;
+  const Penetration found = measure(*ball_O, at({1, 1, 1}), pose);
+  const hand::LinkPoses X_WL = forwardKinematics(*chain().hand.model, pose);
+  const double apart = (X_WL[3].translation() - X_WL[0].translation()).norm();
+  const double depth = kBall - std::abs(kBall - apart);  // of the one's deepest place
+  ASSERT_GT(depth, 0.005);
+  EXPECT_NEAR(found.self_depth_m, depth, 1.5e-3);
+  EXPECT_EQ(found.self_links, (std::array<int, 2>{0, 3}));
+  EXPECT_EQ(found.max_depth_m, 0.0);
+}
+
+}  // namespace
+}  // namespace handgraft::quality
