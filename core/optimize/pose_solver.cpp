@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <limits>
 #include <mutex>
-#include <numeric>
 #include <utility>
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/optimize/finalists.h"
 #include "core/optimize/local_search.h"
 #include "core/optimize/minima.h"
 #include "core/optimize/starts.h"
@@ -19,15 +19,24 @@ namespace {
 
 /// How a multi-start of a solver shares out its evaluations (README: measured).
 struct Plan {
-  int exploring = 0;          ///< a start is left after as many ...
-  std::size_t finishers = 0;  ///< ... unless it is among the best so far
-  int warm_up = 0;            ///< of those starts that get one
+  int exploring = 0;    ///< a start is left after as many unless it is a finalist
+  int warm_up = 0;      ///< of those starts that get one
+  int first_round = 0;  ///< starts; the others only if these do not agree
 };
 
 Plan planOf(const SolveOptions& options) {
-  if (options.solver != Solver::kLm) return {std::min(200, options.max_evaluations), 3, 0};
-  const auto third = static_cast<std::size_t>(options.starts + 2) / 3;
-  return {std::min(10, options.max_evaluations), std::max<std::size_t>(8, third), 5};
+  constexpr int kFewStarts = 32;  // too few to leave any out
+  if (options.solver != Solver::kLm) {
+    return {std::min(200, options.max_evaluations), 0, options.starts};
+  }
+  const int five_eighths = (5 * options.starts + 7) / 8;
+  return {std::min(10, options.max_evaluations), 5,
+          options.starts < kFewStarts ? options.starts : five_eighths};
+}
+
+/// Starts that go on to their end, of so many explored ones.
+int finalistsAmong(int explored, Solver solver) {
+  return solver == Solver::kLm ? std::max(8, (explored + 3) / 4) : 3;
 }
 
 // What the listener of the progress hears about the first stage.
@@ -132,30 +141,37 @@ void PoseSolver::Parts::searchAll(const SolveOptions& options,
   for (const auto& search : searches)
     search->attend(observer, keep_going);
 
-  // === All starts as far as the first part of their evaluations carries them
-  pool->run(options.starts, [&](int worker, int index) {
-    explore(options, plan, index, *searches[static_cast<std::size_t>(worker)]);
-    audience.reportDone(share * kExploringShare / options.starts);
-  });
+  Finalists finalists(*problem.model);
+  int explored = 0;
+  while (explored < options.starts) {
+    const int begin = explored;
+    explored = begin == 0 ? plan.first_round : options.starts;
+    const int count = explored - begin;
+    const double round_share = share * count / options.starts;
 
-  // === The most promising ones to their end
-  std::vector<int> order(results.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [this](int a, int b) {
-    return results[static_cast<std::size_t>(a)].terms.objective <
-           results[static_cast<std::size_t>(b)].terms.objective;
-  });
-  if (order.size() > plan.finishers) order.resize(plan.finishers);
-  const int finishers = static_cast<int>(order.size());
-  pool->run(finishers, [&](int worker, int index) {
-    LocalResult& result =
-        results[static_cast<std::size_t>(order[static_cast<std::size_t>(index)])];
-    if (result.outcome == Outcome::kEvaluationLimit) {
-      searches[static_cast<std::size_t>(worker)]->advance(
-          options.solver, options.max_evaluations - result.evaluations, result);
-    }
-    audience.reportDone(share * (1.0 - kExploringShare) / finishers);
-  });
+    // === Starts as far as the first part of their evaluations carries them
+    pool->run(count, [&](int worker, int index) {
+      explore(options, plan, begin + index, *searches[static_cast<std::size_t>(worker)]);
+      audience.reportDone(round_share * kExploringShare / count);
+    });
+
+    // === The most promising ones to their end
+    const std::vector<int> chosen =
+        finalists.choose(results, explored, finalistsAmong(explored, options.solver));
+    const int finishing = static_cast<int>(chosen.size());
+    pool->run(finishing, [&](int worker, int index) {
+      LocalResult& result =
+          results[static_cast<std::size_t>(chosen[static_cast<std::size_t>(index)])];
+      if (result.outcome == Outcome::kEvaluationLimit) {
+        searches[static_cast<std::size_t>(worker)]->advance(
+            options.solver, options.max_evaluations - result.evaluations, result);
+      }
+      audience.reportDone(round_share * (1.0 - kExploringShare) / finishing);
+    });
+    if (finalists.agree(results)) break;
+  }
+  results.resize(static_cast<std::size_t>(explored));
+  audience.reportDone(share * (options.starts - explored) / options.starts);
 }
 
 PoseSolver::PoseSolver(PoseProblem problem) {
@@ -172,12 +188,12 @@ const PoseProblem& PoseSolver::problem() const {
 SolveReport PoseSolver::search(const SolveOptions& options, const Progress& progress) {
   validate(options);
   SolveReport report;
-  report.starts = options.starts;
   if (boundsContradict(problem())) {
     report.solver = nameOf(options.solver);
     report.outcome = Outcome::kInfeasible;
     report.pose = problem().start;
     report.evaluations = 1;
+    report.starts = 1;
     report.terms = Objective(problem(), parts_->prepared.tree).evaluate(report.pose);
     return report;
   }
@@ -190,6 +206,7 @@ SolveReport PoseSolver::search(const SolveOptions& options, const Progress& prog
     single.solver = solver;
     parts_->searchAll(single, progress, audience, share);
     rankMinima(*problem().model, parts_->results, std::string(nameOf(solver)), report.minima);
+    report.starts = std::max(report.starts, static_cast<int>(parts_->results.size()));
     for (const LocalResult& result : parts_->results)
       report.evaluations += result.evaluations;
   }

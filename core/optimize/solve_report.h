@@ -55,7 +55,7 @@ struct SolveReport {
   hand::HandPose pose;
   Terms terms;          ///< summed over the points, not over their moments
   int evaluations = 0;  ///< of all starts
-  int starts = 0;
+  int starts = 0;  ///< searched from
   int best_start = 0;
   /// Distinct minima by rising objective, the answer first; at most eight.
   std::vector<Minimum> minima;

@@ -37,7 +37,7 @@ struct SolveOptions {
   Solver solver = kDefaultSolver;
   /// Start 0 is the problem's own; the next ones its joints, the prior's and the rest pose's
   /// under the closed-form alignment; the others are spread over joints and turns (starts.h).
-  int starts = kDefaultStarts;
+  int starts = kDefaultStarts;  ///< at most
   int threads = 1;
   unsigned seed = 0;
   int max_evaluations = kDefaultEvaluations;  ///< a start
@@ -53,8 +53,9 @@ SolveOptions paperOptions();
 
 /// Minimises Eq. 2 over the root and the joints within their bounds; the best of all starts.
 ///
-/// Every start gets the first part of its evaluations, the most promising third of them the
-/// rest. Bounds that contradict each other give Outcome::kInfeasible and the start. With
+/// Every start gets the first part of its evaluations, the most promising quarter of them the
+/// rest; the last three eighths of the starts are left out where the others agree on the best.
+/// Bounds that contradict each other give Outcome::kInfeasible and the start. With
 /// several threads the listener of `progress` hears from each of them, one at a time.
 ///
 /// Determinism: the same problem, options and seed give the same bytes, whatever `threads` is.

@@ -16,7 +16,7 @@ enum class StartKind {
   kSpread,   ///< joints of a low-discrepancy sequence between their bounds
 };
 
-/// From start 4 on the last four kinds take turns.
+/// From start 4 on the last four kinds take turns, turned ones twice as often.
 StartKind startKind(int index);
 
 /// The start of number `index`. Locked joints stay.

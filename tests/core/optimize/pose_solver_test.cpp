@@ -61,6 +61,26 @@ TEST(PoseSolver, RanksMinimaThatDiffer) {
   EXPECT_LE(hits, report.starts);
 }
 
+TEST(PoseSolver, LeavesTheLastStartsOutOnlyWhereTheOthersAgree) {
+  SolveOptions options;
+  PoseProblem smooth = someProblem(71);
+  smooth.weights.distance = smooth.weights.normal = 0.0;  // the prior alone: one minimum
+  PoseSolver solver(smooth);
+  const SolveReport one = solver.search(options, Progress());
+  EXPECT_LT(one.starts, options.starts);
+  EXPECT_NEAR(one.terms.objective, 0.0, 1e-9);
+  options.starts = 20;  // too few to leave any out
+  EXPECT_EQ(solver.search(options, Progress()).starts, 20);
+
+  options.starts = 64;
+  int full = 0;
+  for (unsigned seed = 72; seed < 82; ++seed) {
+    const SolveReport report = PoseSolver(someProblem(seed)).search(options, Progress());
+    full += report.starts == options.starts ? 1 : 0;
+  }
+  EXPECT_GE(full, 1) << "random points leave many minima";
+}
+
 TEST(PoseSolver, RacesAllSolversAndNamesTheWinner) {
   PoseSolver solver(someProblem(53));
   SolveOptions options;

@@ -1,0 +1,76 @@
+#include "core/optimize/finalists.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "core/base/pose.h"
+
+namespace handgraft::optimize {
+
+std::vector<int> Finalists::choose(const std::vector<LocalResult>& results,
+                                   int explored,
+                                   int most) {
+  std::vector<int> order(static_cast<std::size_t>(explored));
+  std::iota(order.begin(), order.end(), 0);
+  const auto resultOf = [&results](int start) -> const LocalResult& {
+    return results[static_cast<std::size_t>(start)];
+  };
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+    return resultOf(a).terms.objective < resultOf(b).terms.objective;
+  });
+  std::vector<int> now;
+  for (const int start : order) {
+    if (static_cast<int>(chosen_.size()) >= most) break;
+    const auto isItself = [start](const Finalist& other) {
+      return other.start == start;
+    };
+    if (std::any_of(chosen_.begin(), chosen_.end(), isItself)) continue;
+    const hand::HandPose& pose = resultOf(start).pose;
+    const auto known = std::find_if(chosen_.begin(), chosen_.end(), [&](const Finalist& other) {
+      return liesClose(model_, pose, other.explored);
+    });
+    if (known != chosen_.end()) {
+      if (start >= explored_) ++known->alike;  // the others were counted in their round
+      continue;
+    }
+    chosen_.push_back({start, pose});
+    now.push_back(start);
+  }
+  explored_ = explored;
+  return now;
+}
+
+bool Finalists::agree(const std::vector<LocalResult>& results) const {
+  constexpr double kSame = 1e-3;  // share of the objective, as minima.h has it
+  constexpr int kEnough = 3;
+  const auto objectiveOf = [&results](const Finalist& finalist) {
+    return results[static_cast<std::size_t>(finalist.start)].terms.objective;
+  };
+  double best = std::numeric_limits<double>::infinity();
+  for (const Finalist& finalist : chosen_)
+    best = std::min(best, objectiveOf(finalist));
+  int agreeing = 0;
+  int alike = 0;
+  for (const Finalist& finalist : chosen_) {
+    if (objectiveOf(finalist) > (1.0 + kSame) * best) continue;
+    ++agreeing;
+    alike += finalist.alike;
+  }
+  return agreeing >= kEnough || 2 * alike >= explored_;
+}
+
+bool liesClose(const hand::HandModel& model, const hand::HandPose& a, const hand::HandPose& b) {
+  constexpr double kAngle = 0.2;    // rad
+  constexpr double kLength = 0.02;  // m
+  if ((a.X_WH.translation() - b.X_WH.translation()).norm() > kLength) return false;
+  for (int j = 0; j < model.dofCount(); ++j) {
+    const bool slides = model.dofJoint(j).type == hand::JointType::kPrismatic;
+    if (std::abs(a.q[j] - b.q[j]) > (slides ? kLength : kAngle)) return false;
+  }
+  const Eigen::Matrix3d turn = a.X_WH.linear().transpose() * b.X_WH.linear();
+  return vectorFromRotation(turn).norm() <= kAngle;
+}
+
+}  // namespace handgraft::optimize
