@@ -1,0 +1,326 @@
+#include "core/optimize/diagnosis.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/optimize/align_root.h"
+#include "core/optimize/local_search.h"
+#include "core/optimize/newton_search.h"
+
+namespace handgraft::optimize {
+
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr int kShortSearch = 24;       // evaluations; five or six do, most of the time
+constexpr int kGlance = 10;            // of a patch alone that is reached with the others
+constexpr int kLongSearch = 40;        // of a pose that has a way to go
+constexpr double kHeadStart = 0.1;     // damping; a tenth of what a search begins with far off
+constexpr double kPromise = 1e-6;      // share of the objective that a step must promise
+constexpr double kOpened = 5.0;        // reliefs, of all limits at once
+constexpr double kHalf = 0.5;          // of a miss that limits must explain
+constexpr double kWorthNaming = 0.02;  // mm
+constexpr std::size_t kMostReliefs = 8;
+constexpr std::size_t kMostOfPatch = 3;
+
+/// Mean distances at a pose, mm: of each patch of a report, and over all points.
+struct Means {
+  std::vector<double> patches;
+  double all = 0.0;
+};
+
+/// The place of each patch number among the report's patches.
+std::map<int, std::size_t> placesOf(const SolveReport& report) {
+  std::map<int, std::size_t> places;
+  for (std::size_t i = 0; i < report.patches.size(); ++i)
+    places[report.patches[i].patch] = i;
+  return places;
+}
+
+class DistanceMeter {
+ public:
+  DistanceMeter(const PoseProblem& problem, const SolveReport& report)
+      : problem_(problem), counts_(report.patches.size(), 0) {
+    const std::map<int, std::size_t> places = placesOf(report);
+    for (const PointPair& pair : problem.pairs) {
+      const auto place = places.find(pair.patch);
+      place_.push_back(place == places.end() ? -1 : static_cast<int>(place->second));
+      if (place != places.end()) ++counts_[place->second];
+    }
+  }
+
+  [[nodiscard]] Means at(const hand::HandPose& pose) const {
+    const hand::LinkPoses X_WL = forwardKinematics(*problem_.model, pose);
+    Means means;
+    means.patches.assign(counts_.size(), 0.0);
+    for (std::size_t i = 0; i < problem_.pairs.size(); ++i) {
+      const PointPair& pair = problem_.pairs[i];
+      const double distance_mm =
+          1e3 * (X_WL[static_cast<std::size_t>(pair.link)] * pair.p_L - pair.p_W).norm();
+      means.all += distance_mm;
+      if (place_[i] >= 0) means.patches[static_cast<std::size_t>(place_[i])] += distance_mm;
+    }
+    means.all /= std::max<double>(1.0, static_cast<double>(problem_.pairs.size()));
+    for (std::size_t k = 0; k < counts_.size(); ++k)
+      means.patches[k] /= std::max(1, counts_[k]);
+    return means;
+  }
+
+ private:
+  const PoseProblem& problem_;
+  std::vector<int> place_;  ///< per pair; -1: of no patch
+  std::vector<int> counts_;
+};
+
+/// Searches from one pose with limits moved, one problem's memory for all of them.
+class Relaxer {
+ public:
+  explicit Relaxer(const PoseProblem& problem)
+      : problem_(problem),
+        prepared_(problem),
+        space_(prepared_.space),
+        objective_(problem, prepared_.tree),
+        search_(problem, space_, objective_) {
+    search_.settings.promise = kPromise;
+  }
+
+  /// Where a search of so many evaluations from `pose` ends.
+  std::pair<hand::HandPose, double> searchFrom(const hand::HandPose& pose,
+                                               int evaluations,
+                                               double damping) {
+    search_.begin(pose, damping);
+    while (search_.improve(evaluations) == NewtonSearch::Step::kBetter) {
+    }
+    return {search_.pose(), search_.terms().objective};
+  }
+
+  /// Moves a limit out by `relief`; false if nothing can move there.
+  bool open(const ActiveLimit& limit, double relief) {
+    const auto at = std::find(space_.dofs.begin(), space_.dofs.end(), 6 + limit.dof);
+    if (at == space_.dofs.end()) return false;
+    const auto entry = at - space_.dofs.begin();
+    if (limit.upper) {
+      space_.upper[entry] += relief;
+    } else {
+      space_.lower[entry] -= relief;
+    }
+    return true;
+  }
+
+  void close() {
+    space_.lower = prepared_.space.lower;
+    space_.upper = prepared_.space.upper;
+  }
+
+  [[nodiscard]] Eigen::VectorXd gradientAt(const hand::HandPose& pose) {
+    Eigen::VectorXd gradient;
+    objective_.evaluate(pose, gradient);
+    return gradient;
+  }
+
+  [[nodiscard]] const MomentTree& tree() const { return *prepared_.tree; }
+
+ private:
+  const PoseProblem& problem_;
+  PreparedProblem prepared_;
+  SearchSpace space_;  ///< the prepared one with limits moved
+  Objective objective_;
+  NewtonSearch search_;
+};
+
+double reliefOf(const PoseProblem& problem,
+                const ActiveLimit& limit,
+                const DiagnosisOptions& options) {
+  const bool slides = problem.model->dofJoint(limit.dof).type == hand::JointType::kPrismatic;
+  return slides ? options.relief_m : options.relief_rad;
+}
+
+/// The mean distance that a patch reaches when nothing else is asked for, mm.
+double reachedAlone(const PoseProblem& problem,
+                    const SolveReport& report,
+                    std::size_t index,
+                    double reached_mm) {
+  PoseProblem alone = problem;
+  alone.avoidance.reset();
+  const int patch = report.patches[index].patch;
+  std::erase_if(alone.pairs, [patch](const PointPair& pair) {
+    return pair.patch != patch;
+  });
+  Relaxer search(alone);
+  const DistanceMeter meter(alone, report);
+  const auto meanFrom = [&](const hand::HandPose& pose, int evaluations) {
+    return meter.at(search.searchFrom(pose, evaluations, 0.0).first).patches[index];
+  };
+  const bool is_reached = report.patches[index].mean_mm <= reached_mm;
+  const double near = meanFrom(report.pose, is_reached ? kGlance : kLongSearch);
+  if (near <= reached_mm) return near;
+  // The root is free: another start, where the closed form wants it, may do better.
+  hand::HandPose aligned = report.pose;
+  aligned.X_WH = alignRoot(alone, search.tree(), aligned.q);
+  return std::min(near, meanFrom(aligned, kLongSearch));
+}
+
+/// What one open limit brings: its relief over all points, and the change of each patch.
+struct Opening {
+  LimitRelief relief;
+  std::vector<double> patches_mm;
+};
+
+std::vector<Opening> openEach(const PoseProblem& problem,
+                              const SolveReport& report,
+                              const DiagnosisOptions& options,
+                              const DistanceMeter& meter,
+                              Relaxer& relaxer) {
+  std::vector<Opening> openings;
+  // The pose may not be a minimum: what is still to be had there is no merit of a limit.
+  const auto [pose, objective] = relaxer.searchFrom(report.pose, kShortSearch, kHeadStart);
+  const Means means = meter.at(pose);
+  const Eigen::VectorXd gradient = relaxer.gradientAt(pose);
+  for (const ActiveLimit& limit : activeLimits(problem, pose)) {
+    const double slope = (limit.upper ? -1.0 : 1.0) * gradient[6 + limit.dof];
+    const double relief = reliefOf(problem, limit, options);
+    // A convex fall is no steeper than at its begin: too little even then.
+    if (!(slope * relief > options.least_gain * objective)) continue;
+    if (!relaxer.open(limit, relief)) continue;
+    const auto [opened, lower] = relaxer.searchFrom(pose, kShortSearch, kHeadStart);
+    relaxer.close();
+    Opening opening;
+    opening.relief.dof = limit.dof;
+    opening.relief.upper = limit.upper;
+    opening.relief.limit = limit.upper ? problem.upper[limit.dof] : problem.lower[limit.dof];
+    opening.relief.slope = slope;
+    opening.relief.relief = std::clamp(
+        (limit.upper ? 1.0 : -1.0) * (opened.q[limit.dof] - opening.relief.limit), 0.0, relief);
+    opening.relief.gain = objective - lower;
+    if (opening.relief.gain < options.least_gain * objective) continue;
+    const Means after = meter.at(opened);
+    opening.relief.gain_mm = means.all - after.all;
+    for (std::size_t k = 0; k < means.patches.size(); ++k)
+      opening.patches_mm.push_back(means.patches[k] - after.patches[k]);
+    openings.push_back(std::move(opening));
+  }
+  return openings;
+}
+
+std::vector<LimitRelief> reliefsOfPatch(const std::vector<Opening>& openings,
+                                        std::size_t index) {
+  std::vector<LimitRelief> reliefs;
+  for (const Opening& opening : openings) {
+    if (opening.patches_mm[index] < kWorthNaming) continue;
+    reliefs.push_back(opening.relief);
+    reliefs.back().gain_mm = opening.patches_mm[index];
+  }
+  std::stable_sort(reliefs.begin(), reliefs.end(), [](const auto& a, const auto& b) {
+    return a.gain_mm > b.gain_mm;
+  });
+  if (reliefs.size() > kMostOfPatch) reliefs.resize(kMostOfPatch);
+  return reliefs;
+}
+
+/// Mean distances with all limits that hold the pose moved far out.
+Means openAll(const PoseProblem& problem,
+              const SolveReport& report,
+              const DiagnosisOptions& options,
+              const DistanceMeter& meter,
+              Relaxer& relaxer) {
+  for (const ActiveLimit& limit : report.active_limits)
+    relaxer.open(limit, kOpened * reliefOf(problem, limit, options));
+  const hand::HandPose opened = relaxer.searchFrom(report.pose, kLongSearch, 0.0).first;
+  relaxer.close();
+  return meter.at(opened);
+}
+
+}  // namespace
+
+std::string_view nameOf(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kNone:
+      return "none";
+    case Verdict::kReached:
+      return "reached";
+    case Verdict::kAtLimit:
+      return "at_limit";
+    case Verdict::kOutOfReach:
+      return "out_of_reach";
+    case Verdict::kFacingWrong:
+      return "normals_in_conflict";
+  }
+  HANDGRAFT_REQUIRE(false && "a verdict of the list");
+  return {};
+}
+
+std::vector<double> facingAngles(const PoseProblem& problem, const SolveReport& report) {
+  const std::map<int, std::size_t> places = placesOf(report);
+  const hand::LinkPoses X_WL = forwardKinematics(*problem.model, report.pose);
+  std::vector<Vector3d> hand_W(report.patches.size(), Vector3d::Zero());
+  std::vector<Vector3d> object_W = hand_W;
+  for (const PointPair& pair : problem.pairs) {
+    const auto place = places.find(pair.patch);
+    if (place == places.end()) continue;
+    hand_W[place->second] += X_WL[static_cast<std::size_t>(pair.link)].linear() * pair.n_L;
+    object_W[place->second] -= pair.n_W;
+  }
+  std::vector<double> angles;
+  for (std::size_t k = 0; k < hand_W.size(); ++k) {
+    const double sine = hand_W[k].cross(object_W[k]).norm();
+    angles.push_back(std::atan2(sine, hand_W[k].dot(object_W[k])) * 180.0 / std::numbers::pi);
+  }
+  return angles;
+}
+
+Diagnosis diagnose(const PoseProblem& problem,
+                   const SolveReport& report,
+                   const DiagnosisOptions& options) {
+  HANDGRAFT_REQUIRE(report.pose.q.size() == problem.lower.size());
+  Diagnosis diagnosis;
+  if (report.outcome == Outcome::kInfeasible) return diagnosis;
+  std::vector<double> weights(report.patches.size(), 0.0);
+  const std::map<int, std::size_t> places = placesOf(report);
+  for (const PointPair& pair : problem.pairs) {
+    if (const auto place = places.find(pair.patch); place != places.end())
+      weights[place->second] += pair.weight;
+  }
+
+  const DistanceMeter meter(problem, report);
+  Relaxer relaxer(problem);
+  const std::vector<Opening> openings = openEach(problem, report, options, meter, relaxer);
+  for (const Opening& opening : openings)
+    diagnosis.reliefs.push_back(opening.relief);
+  std::stable_sort(diagnosis.reliefs.begin(), diagnosis.reliefs.end(),
+                   [](const auto& a, const auto& b) {
+                     return a.gain > b.gain;
+                   });
+  if (diagnosis.reliefs.size() > kMostReliefs) diagnosis.reliefs.resize(kMostReliefs);
+
+  const std::vector<double> facing = facingAngles(problem, report);
+  Means open;  // made when first needed
+  for (std::size_t k = 0; k < report.patches.size(); ++k) {
+    const PatchFit& fit = report.patches[k];
+    PatchDiagnosis one;
+    one.patch = fit.patch;
+    one.facing_deg = facing[k];
+    if (weights[k] > 0.0) {
+      one.miss_mm = std::max(0.0, fit.mean_mm - options.reached_mm);
+      one.alone_mm =
+          std::min(fit.mean_mm, reachedAlone(problem, report, k, options.reached_mm));
+      one.reliefs = reliefsOfPatch(openings, k);
+      if (one.miss_mm > 0.0) {
+        if (open.patches.empty()) open = openAll(problem, report, options, meter, relaxer);
+        const double left = std::max(0.0, open.patches[k] - options.reached_mm);
+        one.verdict = left <= kHalf * one.miss_mm ? Verdict::kAtLimit : Verdict::kOutOfReach;
+      } else {
+        one.verdict =
+            facing[k] <= options.facing_deg ? Verdict::kReached : Verdict::kFacingWrong;
+      }
+    }
+    diagnosis.patches.push_back(std::move(one));
+  }
+  return diagnosis;
+}
+
+}  // namespace handgraft::optimize
