@@ -10,16 +10,14 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/geometry/tangent.h"
 #include "core/hand/skin_bending.h"
 #include "core/optimize/solver.h"
 #include "core/optimize/worker_pool.h"
-#include "core/transfer/staged_transfer.h"
+#include "core/session/sweep_grasp.h"
 
 namespace handgraft::session {
 namespace {
 
-using optimize::PointPair;
 using optimize::PoseProblem;
 
 /// Digits of a number whose places have the sizes of the axes, the first axis slowest.
@@ -64,6 +62,8 @@ void requireSound(const Hand& hand,
   if (grasps.empty()) rejectInput("sweep: there is no grasp; at least one is needed");
   validate(options.solving);
   validate(options.transfer);
+  if (options.solving.avoid_penetration)
+    rejectInput("sweep: penetration is not avoided in a sweep; it solves as the paper does");
   std::set<std::string> names;
   double rows = static_cast<double>(grasps.size());
   for (const SweepAxis& axis : axes) {
@@ -77,112 +77,6 @@ void requireSound(const Hand& hand,
   if (rows > static_cast<double>(kMostSweepRows))
     rejectInput("sweep: {} grasps with these values are {:.0f} rows; at most {} are permitted",
                 grasps.size(), rows, kMostSweepRows);
-}
-
-/// `direction_S` of a place on one mesh, as the same face of another mesh has it.
-Eigen::Vector3d directionOn(const geometry::TriangleMesh& to,
-                            const geometry::TriangleMesh& from,
-                            const geometry::SurfacePoint& place,
-                            const Eigen::Vector3d& direction) {
-  const auto edgesOf = [&](const geometry::TriangleMesh& mesh) {
-    const Eigen::Vector3i face = mesh.face(place.face);
-    Eigen::Matrix<double, 3, 2> edges;
-    edges.col(0) = mesh.vertex(face[1]) - mesh.vertex(face[0]);
-    edges.col(1) = mesh.vertex(face[2]) - mesh.vertex(face[0]);
-    return edges;
-  };
-  const Eigen::Vector2d along = edgesOf(from).colPivHouseholderQr().solve(direction);
-  return tangentAt(to, place, edgesOf(to) * along).value_or(anyTangentAt(to, place));
-}
-
-/// A grasp on the hand as it is: what all its rows begin with.
-struct Base {
-  std::string error;
-  std::vector<SessionPatch> patches;
-  std::shared_ptr<const geometry::LogMapper> object_O;
-  hand::HandPose solved;
-  Pose X_WH_prior = Pose::Identity();
-};
-
-Base solveBase(const Hand& hand,
-               const SweepGrasp& grasp,
-               const SweepOptions& options,
-               int threads,
-               const Progress& progress) {
-  Base base;
-  try {
-    Session session(hand, grasp.object_O, grasp.contacts, Pose::Identity(), options.weights,
-                    options.transfer);
-    optimize::SolveOptions solving = solveOptions(options.solving);
-    solving.threads = threads;
-    base.solved = session.optimize(solving, progress).pose;
-    base.patches = session.patches();
-    base.X_WH_prior = session.solvedProblem()->prior.X_WH;
-    for (const SessionPatch& item : base.patches) {
-      if (!item.placement) continue;
-      const auto& chart = item.stages.patchChart();
-      base.object_O = {chart, &chart->object()};
-    }
-  } catch (const InvalidInput& error) {
-    base.error = error.what();
-  }
-  return base;
-}
-
-/// Where the points of a grasp's patches lie on one shape of the hand.
-struct Laid {
-  std::string error;
-  std::vector<PointPair> pairs;
-};
-
-void append(const std::vector<transfer::Correspondence>& correspondences,
-            int patch,
-            std::vector<PointPair>& pairs) {
-  for (const transfer::Correspondence& one : correspondences) {
-    PointPair pair;
-    pair.link = one.link;
-    pair.p_L = one.p_L;
-    pair.n_L = one.n_L;
-    pair.p_W = one.p_O;  // the object's frame is the world
-    pair.n_W = one.n_O;
-    pair.weight = one.weight;
-    pair.patch = patch;
-    pairs.push_back(pair);
-  }
-}
-
-/// The places of the base on a skin that was bent; without one, as the base has them.
-Laid lay(const Base& base,
-         const hand::Skin& original,
-         const transfer::Surfaces* bent,
-         const transfer::TransferOptions& options,
-         const Progress& progress) {
-  Laid laid;
-  laid.error = base.error;
-  if (!base.error.empty()) return laid;
-  try {
-    for (std::size_t i = 0; i < base.patches.size(); ++i) {
-      const SessionPatch& item = base.patches[i];
-      if (!item.placement) continue;
-      progress.checkpoint();
-      if (bent == nullptr) {
-        append(item.transferred.correspondences, static_cast<int>(i), laid.pairs);
-        continue;
-      }
-      transfer::StagedTransfer stages = item.stages;  // with the object's chart
-      transfer::Surfaces surfaces = *bent;
-      surfaces.object_O = base.object_O;
-      const transfer::Placement placement{
-          item.placement->root_S,
-          directionOn(bent->skin->mesh(), original.mesh(), item.placement->root_S,
-                      item.placement->direction_S)};
-      append(stages.lay(surfaces, item.patch, placement, options).correspondences,
-             static_cast<int>(i), laid.pairs);
-    }
-  } catch (const InvalidInput& error) {
-    laid.error = error.what();
-  }
-  return laid;
 }
 
 void fill(const PoseProblem& problem,
@@ -296,9 +190,10 @@ class Sweep {
           hand::makeVariant(*hand_.model, hand_.model->name(), changes);
       if (variant.shape_changed) bent = bentSurfaces(variant);
     }
-    std::vector<Laid> laid(grasps_.size());
+    std::vector<LaidGrasp> laid(grasps_.size());
     forEach(pool, grasps_.size(), [&](std::size_t i) {
-      laid[i] = lay(bases_[i], *hand_.skin, bent ? &*bent : nullptr, options_.transfer, quiet_);
+      laid[i] =
+          layGrasp(bases_[i], *hand_.skin, bent ? &*bent : nullptr, options_.transfer, quiet_);
     });
     forEach(pool, combinations.size() * grasps_.size(), [&](std::size_t i) {
       const std::size_t combination = combinations[i / grasps_.size()];
@@ -317,7 +212,7 @@ class Sweep {
     return surfaces;
   }
 
-  SweepRow solveRow(std::size_t combination, std::size_t grasp, const Laid& laid) {
+  SweepRow solveRow(std::size_t combination, std::size_t grasp, const LaidGrasp& laid) {
     progress_.checkpoint();
     SweepRow row;
     row.grasp = static_cast<int>(grasp);
@@ -325,7 +220,7 @@ class Sweep {
       row.values.push_back(axes_[a].values[combinations_[combination][a]]);
     row.error = laid.error;
     if (!row.error.empty()) return row;
-    const Base& base = bases_[grasp];
+    const SweepBase& base = bases_[grasp];
     try {
       if (laid.pairs.empty()) rejectInput("no patch has a point on the hand");
       hand::HandVariant variant =
@@ -369,7 +264,7 @@ class Sweep {
   optimize::WorkerPool pool_;
   std::vector<Combination> combinations_;
   std::vector<SweepRow> rows_;
-  std::vector<Base> bases_;
+  std::vector<SweepBase> bases_;
   std::optional<hand::SkinBending> bending_;
   std::mutex mutex_;
   std::size_t told_ = 0;

@@ -227,6 +227,13 @@ TEST(Sweep, NamesWhatIsWrongBeforeItBegins) {
                        {HandProperty::kUpper, "thumb_2", std::vector<double>(300, 1.0)}}),
               AllOf(HasSubstr("180000 rows"), HasSubstr("100000")));
   EXPECT_THROW((void)sweep(BallGrasp().hand(), {}, {}, {}, Progress()), InvalidInput);
+  SweepOptions avoiding;
+  avoiding.solving.avoid_penetration = true;
+  EXPECT_THAT(
+      [&] {
+        (void)sweep(BallGrasp().hand(), twoGrasps(), {}, avoiding, Progress());
+      },
+      ThrowsMessage<InvalidInput>(HasSubstr("penetration")));
 }
 
 TEST(Sweep, StopsOnWish) {
