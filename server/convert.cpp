@@ -19,29 +19,6 @@ void requireAtMost(const std::vector<T>& sequence, std::size_t most, const char*
   }
 }
 
-session::Side sideFrom(v1::PatchSide side) {
-  switch (side) {
-    case v1::SIDE_OBJECT:
-      return session::Side::kObject;
-    case v1::SIDE_HAND:
-      return session::Side::kHand;
-  }
-  rejectInput("side: {} is neither object (0) nor hand (1)", static_cast<unsigned>(side));
-}
-
-session::PriorEdit priorFrom(const v1::PriorEdit& message) {
-  requireAtMost(message.X_WH(), 1, "X_WH");
-  if (message.joints().size() != message.joint_rad().size()) {
-    rejectInput("prior: {} joints but {} angles", message.joints().size(),
-                message.joint_rad().size());
-  }
-  session::PriorEdit edit;
-  if (!message.X_WH().empty()) edit.X_WH = poseFrom(message.X_WH().front(), "X_WH");
-  edit.joints = message.joints();
-  edit.q = message.joint_rad();
-  return edit;
-}
-
 optimize::NormalForm normalFormFrom(v1::NormalForm form) {
   switch (form) {
     case v1::NORMAL_COSINE:
@@ -115,47 +92,6 @@ optimize::Weights weightsFrom(const v1::Weights& weights) {
 optimize::Weights weightsFrom(const std::vector<v1::Weights>& weights) {
   requireAtMost(weights, 1, "weights");
   return weights.empty() ? optimize::Weights() : weightsFrom(weights.front());
-}
-
-session::Edit editFrom(const v1::EditBody& body) {
-  switch (body._d()) {
-    case v1::EDIT_OBJECT_POSE:
-      return session::ObjectPoseEdit{poseFrom(body.X_WO(), "X_WO")};
-    case v1::EDIT_PATCH_WEIGHT:
-      return session::PatchWeightEdit{body.patch_weight().patch(),
-                                      body.patch_weight().weight()};
-    case v1::EDIT_PATCH_ROOT:
-      return session::PatchRootEdit{body.patch_root().patch(),
-                                    sideFrom(body.patch_root().side()),
-                                    surfacePointFrom(body.patch_root().root())};
-    case v1::EDIT_PATCH_DIRECTION:
-      return session::PatchDirectionEdit{body.patch_direction().patch(),
-                                         sideFrom(body.patch_direction().side()),
-                                         body.patch_direction().angle_rad()};
-    case v1::EDIT_JOINT_LIMIT:
-      return session::JointLimitEdit{body.joint_limit().joint(), body.joint_limit().lower_rad(),
-                                     body.joint_limit().upper_rad()};
-    case v1::EDIT_JOINT_LOCK:
-      return session::JointLockEdit{body.joint_lock().joint(), body.joint_lock().locked()};
-    case v1::EDIT_PRIOR:
-      return priorFrom(body.prior());
-    case v1::EDIT_WEIGHTS:
-      return session::WeightsEdit{weightsFrom(body.weights())};
-    case v1::EDIT_PATCH_ENABLED:
-    case v1::EDIT_JOINT_SOFT:
-    case v1::EDIT_PRIOR_SHARES:
-    case v1::EDIT_SOLVING:
-    case v1::EDIT_DRAG:
-    case v1::EDIT_CHOICE:
-    case v1::EDIT_HAND:
-    case v1::EDIT_OBJECT:
-    case v1::EDIT_UNDO:
-    case v1::EDIT_REDO:
-    case v1::EDIT_SNAPSHOT:
-    case v1::EDIT_RESTORE:
-      rejectInput("edit kind {} is not served yet", static_cast<unsigned>(body._d()));
-  }
-  rejectInput("edit kind {} does not exist", static_cast<unsigned>(body._d()));
 }
 
 session::Solving solvingFrom(const v1::SolveOptions& message) {

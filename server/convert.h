@@ -5,7 +5,6 @@
 #include "core/optimize/solve_report.h"
 #include "core/session/session.h"
 #include "core/session/solving.h"
-#include "idl/edits.h"
 #include "idl/models.h"
 #include "idl/sensor_msgs.h"
 #include "idl/service.h"
@@ -24,7 +23,6 @@ optimize::Weights weightsFrom(const std::vector<v1::Weights>& weights);
 optimize::Weights weightsFrom(const v1::Weights& weights);
 /// Identity when empty.
 Pose poseFrom(const std::vector<v1::Pose>& pose, const char* name);
-session::Edit editFrom(const v1::EditBody& body);
 /// Zeros and empty names become the defaults. Errors: InvalidInput for what is out of range,
 /// and for a solver or starts beside the paper's way.
 session::Solving solvingFrom(const v1::SolveOptions& message);

@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
+#include <fmt/format.h>
+
+#include "core/base/error.h"
 #include "server/convert.h"
 
 namespace handgraft::server {
@@ -13,6 +17,10 @@ constexpr std::size_t kMostWaiting = 256;
 
 }  // namespace
 
+std::string shortName(const v1::ClientId& client) {
+  return fmt::format("{:02x}{:02x}{:02x}{:02x}", client[0], client[1], client[2], client[3]);
+}
+
 long long nowNs() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
              std::chrono::system_clock::now().time_since_epoch())
@@ -20,16 +28,26 @@ long long nowNs() {
 }
 
 LiveSession::LiveSession(std::uint64_t id,
-                         SessionNames names,
                          session::Session session,
                          WorkerPool& pool,
                          SessionAudience& audience)
     : id_(id), session_(std::move(session)), audience_(audience), strand_(pool, kMostWaiting) {
   state_.session_id(id_);
-  state_.hand(std::move(names.hand));
-  state_.object(std::move(names.object));
-  state_.contacts(std::move(names.contacts));
-  state_.joint_names(session_.hand().model->dofNames());
+  touch();
+  describeSession();
+}
+
+void LiveSession::describeSession() {
+  const session::Document& document = session_.document();
+  if (state_.hand() != document.hand || state_.joint_names().empty()) {
+    state_.joint_names(session_.hand().model->dofNames());
+  }
+  state_.revision(session_.revision());
+  state_.hand(document.hand);
+  state_.object(document.object);
+  state_.contacts(document.contacts);
+  state_.undo_count(static_cast<std::uint32_t>(session_.history().undoCount()));
+  state_.redo_count(static_cast<std::uint32_t>(session_.history().redoCount()));
 }
 
 v1::SessionState LiveSession::state() const {
@@ -38,13 +56,31 @@ v1::SessionState LiveSession::state() const {
 }
 
 void LiveSession::enter(v1::SessionPhase phase, const std::string& message, double progress) {
-  // Held while telling, so that states go out in the order in which they came to be.
   const std::lock_guard lock(mutex_);
   if (state_.phase() == v1::PHASE_CLOSED) return;
-  state_.revision(session_.revision());
+  describeSession();
   state_.phase(phase);
-  state_.message(message);
+  state_.message(message.empty() ? warning_ : message);
   state_.progress(progress);
+  tell();
+}
+
+void LiveSession::enterSoon(v1::SessionPhase phase) {
+  constexpr std::chrono::milliseconds kPeriod(2);
+  const std::lock_guard lock(mutex_);
+  if (state_.phase() == v1::PHASE_CLOSED) return;
+  describeSession();
+  state_.phase(phase);
+  state_.message(warning_);
+  state_.progress(0.0);
+  // What is kept back is told by the next edit, or by the solve that follows the last one.
+  if (expectsEdits() && std::chrono::steady_clock::now() - told_ < kPeriod) return;
+  tell();
+}
+
+void LiveSession::tell() {
+  if (told_state_ == state_) return;
+  told_state_ = state_;
   told_ = std::chrono::steady_clock::now();
   audience_.onState(state_);
 }
@@ -55,10 +91,82 @@ void LiveSession::advance(std::string_view stage, double fraction) {
   if (state_.phase() == v1::PHASE_CLOSED) return;
   state_.message(std::string(stage));
   state_.progress(std::clamp(fraction, 0.0, 1.0));
-  const auto now = std::chrono::steady_clock::now();
-  if (now - told_ < kPeriod) return;
-  told_ = now;
-  audience_.onState(state_);
+  if (std::chrono::steady_clock::now() - told_ < kPeriod) return;
+  tell();
+}
+
+// === Edits on their way
+
+void LiveSession::expectEdit() {
+  ++expected_edits_;
+  touch();
+  const std::lock_guard lock(flight_mutex_);
+  if (in_flight_ != nullptr) in_flight_->giveWay();
+}
+
+void LiveSession::meetEdit() {
+  --expected_edits_;
+}
+
+LiveSession::SolveInFlight::SolveInFlight(LiveSession& live, Progress& progress)
+    : live_(live), progress_(progress), begin_(std::chrono::steady_clock::now()) {
+  const std::lock_guard lock(live_.flight_mutex_);
+  live_.in_flight_ = this;
+}
+
+LiveSession::SolveInFlight::~SolveInFlight() {
+  const std::lock_guard lock(live_.flight_mutex_);
+  live_.in_flight_ = nullptr;
+}
+
+void LiveSession::SolveInFlight::giveWay() {
+  if (!live_.expectsEdits() || cut_short_) return;
+  if (std::chrono::steady_clock::now() - begin_ < kLeastSolve) return;
+  cut_short_ = true;
+  progress_.cancel();
+}
+
+void LiveSession::noteEdit(AppliedEdit edit) {
+  constexpr std::size_t kMostNoted = 64;
+  {
+    const std::lock_guard lock(mutex_);
+    state_.last_edit(edit.label);
+    state_.last_client(edit.client);
+  }
+  edits_.push_back(std::move(edit));
+  if (edits_.size() > kMostNoted) edits_.pop_front();
+}
+
+std::string LiveSession::editsSince(std::uint64_t revision, const v1::ClientId& mine) const {
+  constexpr std::size_t kMostTold = 3;
+  std::vector<const AppliedEdit*> since;
+  for (const AppliedEdit& edit : edits_) {
+    if (edit.revision > revision) since.push_back(&edit);
+  }
+  std::string text;
+  const std::size_t first = since.size() > kMostTold ? since.size() - kMostTold : 0;
+  for (std::size_t i = first; i < since.size(); ++i) {
+    const std::string whose =
+        since[i]->client == mine ? "you" : "client " + shortName(since[i]->client);
+    text += fmt::format("{}revision {}: {} by {}", text.empty() ? "" : "; ", since[i]->revision,
+                        handgraft::quoted(since[i]->label), whose);
+  }
+  return text;
+}
+
+// === Idleness
+
+std::chrono::steady_clock::duration LiveSession::idle() const {
+  using Clock = std::chrono::steady_clock;
+  return Clock::now() - Clock::time_point(Clock::duration(last_used_));
+}
+
+void LiveSession::warn(const std::string& warning) {
+  const std::lock_guard lock(mutex_);
+  if (state_.phase() == v1::PHASE_CLOSED || warning == warning_) return;
+  if (state_.message() == warning_) state_.message(warning);
+  warning_ = warning;
+  tell();
 }
 
 v1::PoseSolution LiveSession::publish(v1::PoseSolution solution) {

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "core/base/progress.h"
@@ -24,11 +27,11 @@ class SessionAudience {
                               const sensor_msgs::msg::dds_::JointState_& command) = 0;
 };
 
-/// What a session is made of, by name.
-struct SessionNames {
-  std::string hand;
-  std::string object;
-  std::string contacts;
+/// An edit that was applied, for those whose own edits came too late.
+struct AppliedEdit {
+  std::uint64_t revision = 0;  ///< after it
+  std::string label;
+  v1::ClientId client{};
 };
 
 /// A session as the server runs it: the editable problem, its strand, and what is told of it.
@@ -38,7 +41,6 @@ struct SessionNames {
 class LiveSession {
  public:
   LiveSession(std::uint64_t id,
-              SessionNames names,
               session::Session session,
               WorkerPool& pool,
               SessionAudience& audience);
@@ -51,6 +53,9 @@ class LiveSession {
 
   /// Sets phase, message and progress, and tells the audience. Nothing follows PHASE_CLOSED.
   void enter(v1::SessionPhase phase, const std::string& message = "", double progress = 0.0);
+  /// As above, but silently where edits come faster than states are of use and another one
+  /// waits.
+  void enterSoon(v1::SessionPhase phase);
   /// As above within the present phase, at most ten times a second.
   void advance(std::string_view stage, double fraction);
 
@@ -60,6 +65,48 @@ class LiveSession {
 
   [[nodiscard]] const Progress& solves() const { return solves_; }
 
+  // === Edits on their way
+
+  /// An edit was put on the strand; a solve in flight is cut short for it, but gets
+  /// `kLeastSolve` first: else a stream of edits would never see an answer.
+  void expectEdit();
+  /// It is being applied, or was not taken.
+  void meetEdit();
+
+  [[nodiscard]] bool expectsEdits() const { return expected_edits_ > 0; }
+
+  /// A solve that edits may cut short, for as long as this lives. Of the strand.
+  class SolveInFlight {
+   public:
+    SolveInFlight(LiveSession& live, Progress& progress);
+    ~SolveInFlight();
+    SolveInFlight(const SolveInFlight&) = delete;
+    SolveInFlight& operator=(const SolveInFlight&) = delete;
+
+    /// Stops the solve if an edit waits and the solve had its time. From solving threads.
+    void giveWay();
+
+    [[nodiscard]] bool wasCutShort() const { return cut_short_; }
+
+   private:
+    friend class LiveSession;
+    LiveSession& live_;
+    Progress& progress_;
+    const std::chrono::steady_clock::time_point begin_;
+    std::atomic<bool> cut_short_{false};
+  };
+
+  static constexpr std::chrono::milliseconds kLeastSolve{8};
+
+  // === Idleness: from any thread
+
+  /// Somebody asked something of it.
+  void touch() { last_used_ = std::chrono::steady_clock::now().time_since_epoch().count(); }
+
+  [[nodiscard]] std::chrono::steady_clock::duration idle() const;
+  /// Puts a warning, or none, into the state and tells it if it changed.
+  void warn(const std::string& warning);
+
   // === Of the strand
 
   [[nodiscard]] session::Session& session() { return session_; }
@@ -68,25 +115,47 @@ class LiveSession {
   /// goes out as a joint command.
   v1::PoseSolution publish(v1::PoseSolution solution);
 
+  /// Keeps what an edit was, for the state and for conflicts.
+  void noteEdit(AppliedEdit edit);
+  /// What happened after `revision`, for people: "revision 4: 'limit ...' by ab12cd34"; at most
+  /// three, the newest last. `mine` are told as "your".
+  [[nodiscard]] std::string editsSince(std::uint64_t revision, const v1::ClientId& mine) const;
+
   bool solve_is_queued = false;
-  bool was_solved = false;
+  bool was_solved = false;  ///< and nothing of it was lost since, so that few starts do
   unsigned long long solved_revision = 0;
   // What the stages took, for the solution's times.
   double skin_ms = 0.0;      ///< of opening the session
   double transfer_ms = 0.0;  ///< of the last transfer that had something to do
 
  private:
+  /// The state as the session stands; `mutex_` held, of the strand.
+  void describeSession();
+  /// Tells the audience unless it knows; `mutex_` held, so that states go out in order.
+  void tell();
+
   const std::uint64_t id_;
   session::Session session_;
   SessionAudience& audience_;
   Strand strand_;
   Progress solves_;
   std::uint64_t sequence_number_ = 0;
+  std::deque<AppliedEdit> edits_;  ///< the last ones
+  std::atomic<int> expected_edits_{0};
+  std::atomic<std::chrono::steady_clock::rep> last_used_;
+
+  mutable std::mutex flight_mutex_;
+  SolveInFlight* in_flight_ = nullptr;
 
   mutable std::mutex mutex_;
   v1::SessionState state_;
+  std::string warning_;
+  std::optional<v1::SessionState> told_state_;  ///< last
   std::chrono::steady_clock::time_point told_{};
 };
+
+/// The first bytes of a client's id, enough to tell it from others.
+std::string shortName(const v1::ClientId& client);
 
 /// Nanoseconds of the system's clock.
 long long nowNs();
@@ -111,7 +180,7 @@ auto runPhase(LiveSession& live,
     live.enter(after);
     return result;
   } catch (const Cancelled&) {
-    live.enter(before, "cancelled");
+    live.enter(before, live.expectsEdits() ? "" : "cancelled");
     throw;
   } catch (const std::exception& error) {
     live.enter(v1::PHASE_FAILED, error.what());

@@ -31,6 +31,8 @@ struct Options {
   unsigned workers = std::max(2u, std::thread::hardware_concurrency());
   std::string log_level = "info";
   server::ReaderLimits reader;
+  unsigned session_idle_minutes = 720;
+  unsigned sessions = 256;
 };
 
 /// Blocks SIGTERM and SIGINT in this thread and all that it starts; returns the set to wait
@@ -56,6 +58,8 @@ void serve(const Options& options, const sigset_t& stop_signals) {
   server::ServiceOptions service_options;
   service_options.workers = options.workers;
   service_options.reader_limits = options.reader;
+  service_options.session_idle = std::chrono::minutes(options.session_idle_minutes);
+  service_options.most_sessions = options.sessions;
   std::promise<std::string> elder;
   service_options.on_elder = [&elder](const v1::ServerStatus& status) {
     elder.set_value(fmt::format("process {} on {}", status.process_id(), status.host()));
@@ -107,6 +111,13 @@ int main(int argc, char** argv) {
   app.add_option("--reader-seconds", reader_seconds,
                  "seconds that reading one upload may take, 1-86400")
       ->check(CLI::Range(1u, 86'400u))
+      ->capture_default_str();
+  app.add_option("--session-idle-minutes", options.session_idle_minutes,
+                 "minutes after which a session that nobody uses is closed, 1-525600")
+      ->check(CLI::Range(1u, 525'600u))
+      ->capture_default_str();
+  app.add_option("--sessions", options.sessions, "sessions that may be open, 1-4096")
+      ->check(CLI::Range(1u, 4096u))
       ->capture_default_str();
   app.add_option("--log-level", options.log_level, "trace, debug, info, warning, error or off")
       ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error", "off"}))

@@ -10,6 +10,7 @@
 #include "server/handlers/optimize.h"
 #include "server/handlers/pose_contacts.h"
 #include "server/handlers/sessions.h"
+#include "server/handlers/settings.h"
 #include "server/handlers/suggest.h"
 #include "server/handlers/sweep.h"
 #include "server/handlers/transfer.h"
@@ -54,9 +55,9 @@ Lane laneOf(v1::Operation operation) {
     case v1::OP_SUGGEST:
     case v1::OP_OPTIMIZE:
     case v1::OP_EXPORT:
-      return Lane::kSession;
     case v1::OP_SESSION_SETTINGS:
     case v1::OP_COMPARE:
+      return Lane::kSession;
     case v1::OP_SAVE_SESSION:
     case v1::OP_LOAD_SESSION:
     case v1::OP_REPLAY:
@@ -73,6 +74,8 @@ std::uint64_t sessionOf(const v1::RequestBody& body) {
       return body.export_file().session_id();
     case v1::OP_SUGGEST:
       return body.suggest().session_id();
+    case v1::OP_COMPARE:
+      return body.compare().session_id();
     default:
       return body.session().session_id();
   }
@@ -166,7 +169,15 @@ v1::ReplyBody perform(const v1::Request& request,
       });
     case v1::OP_EXPORT:
       return bodyOf(operation, [&](auto& reply) {
-        reply.exported_file(exportSession(live, body.export_file(), progress));
+        reply.exported_file(exportSession(live, body.export_file(), workshop, progress));
+      });
+    case v1::OP_SESSION_SETTINGS:
+      return bodyOf(operation, [&](auto& reply) {
+        reply.settings(sessionSettings(live));
+      });
+    case v1::OP_COMPARE:
+      return bodyOf(operation, [&](auto& reply) {
+        reply.compare(compareSnapshots(live, body.compare(), progress));
       });
     default:
       throw BrokenContract(fmt::format("{} is no operation of a session", nameOf(operation)));

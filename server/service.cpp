@@ -36,9 +36,13 @@ std::string hostName() {
   return name;
 }
 
-/// The first bytes of a client's id, enough to follow it through a log.
-std::string shortName(const v1::ClientId& client) {
-  return fmt::format("{:02x}{:02x}{:02x}{:02x}", client[0], client[1], client[2], client[3]);
+std::string inWords(std::chrono::steady_clock::duration time) {
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(time).count();
+  constexpr long kMinute = 60;
+  constexpr long kHour = 3600;
+  if (seconds < 2 * kMinute) return fmt::format("{} s", seconds);
+  if (seconds < 2 * kHour) return fmt::format("{} min", seconds / kMinute);
+  return fmt::format("{} h {} min", seconds / kHour, seconds % kHour / kMinute);
 }
 
 }  // namespace
@@ -116,9 +120,31 @@ void Service::publishStatusOnceASecond() {
   std::unique_lock lock(status_mutex_);
   while (!stopping_) {
     bus_.publish(status());
+    expireIdleSessions();
     status_wake_.wait_for(lock, std::chrono::seconds(1), [this] {
       return stopping_.load();
     });
+  }
+}
+
+void Service::expireIdleSessions() {
+  constexpr std::chrono::minutes kLongestWarning(10);
+  const Clock::duration limit = options_.session_idle;
+  const Clock::duration warning = std::min<Clock::duration>(limit / 10, kLongestWarning);
+  for (const auto& live : sessions_.all()) {
+    const Clock::duration idle = live->idle();
+    if (idle < limit - warning) {
+      live->warn("");
+    } else if (idle < limit) {
+      live->warn(fmt::format("idle; closes within {} unless it is used", inWords(warning)));
+    } else {
+      const bool is_taken = live->strand().post([this, live, limit] {
+        if (live->idle() < limit || live->state().phase() == v1::PHASE_CLOSED) return;
+        spdlog::info("event=session_expired session={}", live->id());
+        closeSession(*live, workshop_, "idle for " + inWords(limit));
+      });
+      if (!is_taken) spdlog::debug("event=expiry_waits session={}", live->id());
+    }
   }
 }
 
@@ -211,6 +237,7 @@ void Service::dispatch(const JobPtr& job) {
       break;
     case Lane::kSession: {
       const auto live = sessions_.find(sessionOf(body));
+      live->touch();
       if (body._d() == v1::OP_CLOSE_SESSION) live->cancelSolves();
       is_taken = live->strand().post([this, job, live] {
         run(job, [&] {
@@ -293,42 +320,49 @@ void Service::tell(Job& job, std::string_view stage, double fraction) {
 }
 
 // === Edits: applied in order, answered, then one fresh solve for all that were applied
-// meanwhile
+// meanwhile; one that comes while a solve runs cuts it short
 
 void Service::onEdit(v1::Edit edit) {
   const auto begun = edits_.begin(edit.client(), edit.edit_id());
   if (begun.verdict == Ledger<v1::EditReply>::Verdict::kAnswered) bus_.publish(*begun.answer);
   if (begun.verdict != Ledger<v1::EditReply>::Verdict::kNew) return;
   const auto shared = std::make_shared<const v1::Edit>(std::move(edit));
-  const auto fail = [this, shared](std::uint64_t revision) {
-    ErrorReply error = errorReplyOf(std::current_exception());
-    v1::EditReply reply;
-    reply.revision(revision);
-    reply.error(error.code);
-    reply.message(std::move(error.message));
-    answerEdit(*shared, std::move(reply));
-  };
   try {
     const auto live = sessions_.find(shared->session_id());
-    const auto task = [this, shared, live, fail] {
-      try {
-        if (live->state().phase() == v1::PHASE_CLOSED) {
-          reject(v1::ERROR_NOT_FOUND, "session {} is not open", live->id());
-        }
-        v1::EditReply reply;
-        reply.revision(applyEdit(*live, *shared));
-        answerEdit(*shared, std::move(reply));
-        queueSolve(live);
-      } catch (...) {
-        fail(live->session().revision());
-      }
-    };
-    if (!live->strand().post(task)) {
-      reject(v1::ERROR_OVERLOADED, "too many edits wait; try later");
-    }
+    live->expectEdit();
+    const bool is_taken = live->strand().post([this, shared, live] {
+      live->meetEdit();
+      runEdit(live, *shared);
+    });
+    if (is_taken) return;
+    live->meetEdit();
+    reject(v1::ERROR_OVERLOADED, "too many edits of session {} wait; try later", live->id());
   } catch (...) {
-    fail(0);
+    refuseEdit(*shared, 0);
   }
+}
+
+void Service::runEdit(const std::shared_ptr<LiveSession>& live, const v1::Edit& edit) {
+  try {
+    if (live->state().phase() == v1::PHASE_CLOSED) {
+      reject(v1::ERROR_NOT_FOUND, "session {} is not open", live->id());
+    }
+    answerEdit(edit, applyEdit(*live, edit));
+  } catch (...) {
+    refuseEdit(edit, live->session().revision());
+    return;
+  }
+  live->enterSoon(v1::PHASE_OPTIMIZING);
+  queueSolve(live);
+}
+
+void Service::refuseEdit(const v1::Edit& edit, std::uint64_t revision) {
+  ErrorReply error = errorReplyOf(std::current_exception());
+  v1::EditReply reply;
+  reply.revision(revision);
+  reply.error(error.code);
+  reply.message(std::move(error.message));
+  answerEdit(edit, std::move(reply));
 }
 
 void Service::answerEdit(const v1::Edit& edit, v1::EditReply reply) {
@@ -344,8 +378,8 @@ void Service::answerEdit(const v1::Edit& edit, v1::EditReply reply) {
 }
 
 void Service::queueSolve(const std::shared_ptr<LiveSession>& live) {
-  if (live->solve_is_queued) return;
-  live->solve_is_queued = live->strand().post([this, live] {
+  if (std::exchange(live->solve_is_queued, true)) return;
+  live->strand().postFromTask([this, live] {
     live->solve_is_queued = false;
     if (live->state().phase() == v1::PHASE_CLOSED) return;
     try {
@@ -353,8 +387,12 @@ void Service::queueSolve(const std::shared_ptr<LiveSession>& live) {
       optimizeAfterEdit(*live, workshop_, live->solves());
     } catch (...) {  // the session's state says so already; nobody waits for a reply
       const ErrorReply error = errorReplyOf(std::current_exception());
-      spdlog::info("event=solve session={} error={} message={}", live->id(),
-                   static_cast<unsigned>(error.code), handgraft::quoted(error.message));
+      spdlog::log(
+          error.code == v1::ERROR_CANCELLED ? spdlog::level::debug : spdlog::level::info,
+          "event=solve session={} error={} message={}", live->id(),
+          static_cast<unsigned>(error.code), handgraft::quoted(error.message));
+      // Cut short by an edit that was refused then: the one before it still wants its answer.
+      if (error.code == v1::ERROR_CANCELLED && !live->solves().cancelled()) queueSolve(live);
     }
   });
 }

@@ -27,6 +27,9 @@ struct ServiceOptions {
   std::size_t most_waiting = 256;  ///< tasks that may queue; more are refused
   std::size_t most_per_client = 32;  ///< requests of one client that may be unanswered
   std::size_t most_sessions = 256;
+  /// A session that nobody asks anything of for so long is closed; its state warns of it in the
+  /// last tenth, at most ten minutes before.
+  std::chrono::seconds session_idle{std::chrono::hours(12)};
   std::filesystem::path reader = readerProgram();  ///< reads uploads (upload_reader.h)
   ReaderLimits reader_limits;
   /// Called once, on a DDS thread, when a server that has run for longer lives on this domain:
@@ -88,10 +91,14 @@ class Service final : private BusListener, private SessionAudience {
   void tell(Job& job, std::string_view stage, double fraction);
 
   // === Edits
+  void runEdit(const std::shared_ptr<LiveSession>& live, const v1::Edit& edit);
+  /// Answers with the exception that is being handled.
+  void refuseEdit(const v1::Edit& edit, std::uint64_t revision);
   void answerEdit(const v1::Edit& edit, v1::EditReply reply);
   void queueSolve(const std::shared_ptr<LiveSession>& live);
 
   void publishStatusOnceASecond();
+  void expireIdleSessions();
 
   Bus& bus_;
   const ServiceOptions options_;

@@ -9,7 +9,8 @@ namespace handgraft::server {
 std::uint64_t SessionStore::reserve() {
   const std::lock_guard lock(mutex_);
   if (sessions_.size() >= most_) {
-    reject(v1::ERROR_OVERLOADED, "{} sessions are open; close some", sessions_.size());
+    reject(v1::ERROR_OVERLOADED,
+           "{} sessions are open, as many as this server allows; close some", sessions_.size());
   }
   return ++last_id_;
 }

@@ -93,6 +93,12 @@ bool Strand::post(std::function<void()> task) {
   return true;
 }
 
+void Strand::postFromTask(std::function<void()> task) {
+  const std::lock_guard lock(state_->mutex);
+  HANDGRAFT_REQUIRE(state_->scheduled);
+  state_->tasks.push_back(std::move(task));
+}
+
 void Strand::runOne(WorkerPool& pool, const std::shared_ptr<State>& state) {
   std::function<void()> task;
   {

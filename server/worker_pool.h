@@ -51,6 +51,10 @@ class Strand {
   /// False, and the task is not taken, when too many wait or the pool refuses.
   [[nodiscard]] bool post(std::function<void()> task);
 
+  /// Takes one more task than may wait. Of a task of this strand alone: its place in the pool
+  /// is ours already.
+  void postFromTask(std::function<void()> task);
+
  private:
   struct State {
     std::mutex mutex;

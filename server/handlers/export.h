@@ -3,15 +3,19 @@
 #include "core/base/progress.h"
 #include "idl/sessions.h"
 #include "server/live_session.h"
+#include "server/workshop.h"
 
 namespace handgraft::server {
 
-/// A file of a session. `problem` is what was solved last, exactly, or the problem as it stands
-/// if there were edits since, or nothing was solved. Of the session's strand.
+/// A file of a session (core/io/README, "Grasps for other programs"). `problem` is what was
+/// solved last, exactly, or the problem as it stands if there were edits since, or nothing was
+/// solved; the others are the pose that answers the last edit, solved first if need be. Of the
+/// session's strand.
 ///
-/// Errors: InvalidInput for a format that there is not.
+/// Errors: InvalidInput for a format that there is not, and where there is no pose yet.
 v1::ExportReply exportSession(LiveSession& live,
                               const v1::ExportRequest& request,
+                              Workshop& workshop,
                               const Progress& progress);
 
 }  // namespace handgraft::server

@@ -5,6 +5,7 @@
 
 #include "server/convert.h"
 #include "server/handlers/transfer.h"
+#include "server/rejection.h"
 
 namespace handgraft::server {
 
@@ -12,7 +13,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::microseconds kSolutionPeriod(1'000'000 / 60);  // of poses on the way
+constexpr std::chrono::microseconds kSolutionPeriod(1000);  // of poses on the way
 constexpr int kStartsAfterEdit = 2;  // where the hand is, and its joints under the closed form
 
 v1::StageTime stageTime(const char* stage, double duration_ms) {
@@ -22,38 +23,96 @@ v1::StageTime stageTime(const char* stage, double duration_ms) {
   return time;
 }
 
+double msSince(Clock::time_point begin) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
+
+/// The final message, with what the stages took; `begin` is when the message was begun.
+v1::PoseSolution published(LiveSession& live,
+                           v1::PoseSolution solution,
+                           const session::Solving& solving,
+                           double optimize_ms,
+                           Clock::time_point begin) {
+  solution.options(toMessage(solving));
+  solution.chosen_minimum(static_cast<std::uint32_t>(live.session().chosenMinimum()));
+  solution.times({stageTime("skin", live.skin_ms), stageTime("transfer", live.transfer_ms),
+                  stageTime("optimize", optimize_ms), stageTime("report", msSince(begin))});
+  return live.publish(std::move(solution));
+}
+
+/// Solves, publishes better poses on the way, takes the answer and publishes it.
+v1::PoseSolution solveAndTake(LiveSession& live,
+                              const session::Solving& solving,
+                              bool places_stay,
+                              Workshop& workshop,
+                              LiveSession::SolveInFlight& flight,
+                              const Progress& told) {
+  session::Session& session = live.session();
+  live.transfer_ms = 0.0;
+  bringUpToDate(live, told);
+  const Clock::time_point begin = Clock::now();
+  const Workshop::Share share(workshop);
+  session::SolveRun run;
+  run.threads = share.threads();
+  run.places_stay = places_stay;
+  Clock::time_point last{};
+  run.on_improvement = [&](const hand::HandPose& pose, const optimize::Terms& terms) {
+    flight.giveWay();
+    const Clock::time_point now = Clock::now();
+    if (now - last < kSolutionPeriod) return;
+    last = now;
+    v1::PoseSolution on_the_way = solutionMessage(session, pose, terms);
+    on_the_way.solver(std::string(optimize::nameOf(solving.solver)));
+    live.publish(std::move(on_the_way));
+  };
+  session::Solution solution = session.solve(solving, run, told);
+  const double spent_ms = msSince(begin);
+  const Clock::time_point solved = Clock::now();
+  const optimize::SolveReport report = solution.report;
+  session.commit(std::move(solution));
+  live.was_solved = true;
+  live.solved_revision = session.revision();
+  return published(live, solutionMessage(session, report), solving, spent_ms, solved);
+}
+
 v1::PoseSolution solve(LiveSession& live,
                        const session::Solving& solving,
+                       bool places_stay,
                        Workshop& workshop,
                        const Progress& progress) {
+  LiveSession::SolveInFlight* in_flight = nullptr;
+  Progress stoppable(progress, [&](std::string_view stage, double fraction) {
+    in_flight->giveWay();
+    progress.report(stage, fraction);
+  });
+  LiveSession::SolveInFlight flight(live, stoppable);
+  in_flight = &flight;
+  try {
+    return runPhase(live, v1::PHASE_OPTIMIZING, v1::PHASE_READY, stoppable,
+                    [&](const Progress& told) {
+                      return solveAndTake(live, solving, places_stay, workshop, flight, told);
+                    });
+  } catch (const Cancelled&) {
+    live.session().noteCancelledSolve();
+    if (!flight.wasCutShort()) throw;
+    reject(v1::ERROR_CANCELLED,
+           "session {}: an edit came while this was solved; a fresh solution follows it",
+           live.id());
+  }
+}
+
+/// What stands after an undo, a redo or a restore needs no search.
+v1::PoseSolution publishStanding(LiveSession& live, const Progress& progress) {
   return runPhase(
-      live, v1::PHASE_OPTIMIZING, v1::PHASE_READY, progress, [&](const Progress& told) {
+      live, v1::PHASE_TRANSFERRING, v1::PHASE_READY, progress, [&](const Progress& told) {
         session::Session& session = live.session();
+        live.transfer_ms = 0.0;
         bringUpToDate(live, told);
+        const session::Solution standing = session.standing(told);
         const Clock::time_point begin = Clock::now();
-
-        const Workshop::Share share(workshop);
-        optimize::SolveOptions options = solveOptions(solving);
-        options.threads = share.threads();
-        Clock::time_point published{};
-        options.on_improvement = [&](const hand::HandPose& pose, const optimize::Terms& terms) {
-          const Clock::time_point now = Clock::now();
-          if (now - published < kSolutionPeriod) return;
-          published = now;
-          v1::PoseSolution on_the_way = solutionMessage(session, pose, terms);
-          on_the_way.solver(std::string(optimize::nameOf(options.solver)));
-          live.publish(std::move(on_the_way));
-        };
-        const optimize::SolveReport report = session.optimize(options, told);
-        const std::chrono::duration<double, std::milli> spent = Clock::now() - begin;
-
-        live.was_solved = true;
         live.solved_revision = session.revision();
-        v1::PoseSolution solution = solutionMessage(session, report);
-        solution.times({stageTime("skin", live.skin_ms),
-                        stageTime("transfer", live.transfer_ms),
-                        stageTime("optimize", spent.count())});
-        return live.publish(std::move(solution));
+        return published(live, solutionMessage(session, standing.problem, standing.report),
+                         session.document().solving, 0.0, begin);
       });
 }
 
@@ -63,18 +122,23 @@ v1::PoseSolution optimizePose(LiveSession& live,
                               const v1::OptimizeRequest& request,
                               Workshop& workshop,
                               const Progress& progress) {
-  return solve(
-      live,
-      request.options().empty() ? session::Solving() : solvingFrom(request.options().front()),
-      workshop, progress);
+  const session::Solving solving = request.options().empty()
+                                       ? live.session().document().solving
+                                       : solvingFrom(request.options().front());
+  return solve(live, solving, false, workshop, progress);
 }
 
 v1::PoseSolution optimizeAfterEdit(LiveSession& live,
                                    Workshop& workshop,
                                    const Progress& progress) {
-  session::Solving solving;
-  if (live.was_solved) solving.starts = kStartsAfterEdit;
-  return solve(live, solving, workshop, progress);
+  const session::Session& session = live.session();
+  if (!session.needsSolve()) return publishStanding(live, progress);
+  session::Solving solving = session.document().solving;
+  const bool follows = session.document().start_is_known;
+  if (follows && solving.starts == optimize::kDefaultStarts && !solving.paper) {
+    solving.starts = kStartsAfterEdit;
+  }
+  return solve(live, solving, follows, workshop, progress);
 }
 
 }  // namespace handgraft::server

@@ -3,57 +3,40 @@
 #include <chrono>
 #include <utility>
 
-#include "core/base/error.h"
 #include "server/convert.h"
-#include "server/rejection.h"
+#include "server/model_source.h"
 #include "server/transfer_messages.h"
 
 namespace handgraft::server {
 
-namespace {
-
-/// An object that was taken out and loaded again is the same one.
-bool sameMesh(const io::MeshFile& a, const io::MeshFile& b) {
-  return &a == &b ||
-         (a.mesh.vertexCount() == b.mesh.vertexCount() &&
-          a.mesh.faceCount() == b.mesh.faceCount() && a.mesh.faces() == b.mesh.faces() &&
-          a.mesh.vertices() == b.mesh.vertices());
-}
-
-}  // namespace
-
 v1::SessionState openSession(const v1::OpenSessionRequest& request,
                              Workshop& workshop,
                              const Progress& progress) {
-  const auto hand = workshop.models.hand(request.hand());
-  const auto object = workshop.models.object(request.object());
-  const auto contacts = workshop.models.contacts(request.contacts());
-  if (!sameMesh(*contacts->object, *object->file)) {
-    rejectInput("contacts {} were read for object {}, which is another mesh than object {}",
-                handgraft::quoted(request.contacts()), handgraft::quoted(contacts->set.object),
-                handgraft::quoted(request.object()));
-  }
   const Pose X_WO = poseFrom(request.X_WO(), "X_WO");
   const optimize::Weights weights = weightsFrom(request.weights());
   const transfer::TransferOptions transfer = transferOptionsFrom(request.transfer());
 
   const auto begin = std::chrono::steady_clock::now();
-  session::Hand ready = hand->hand->get(progress);
+  session::SessionModels models = sessionModels(request.hand(), request.object(),
+                                                request.contacts(), workshop.models, progress);
   const std::chrono::duration<double, std::milli> skin =
       std::chrono::steady_clock::now() - begin;
-  // The session sees the mesh alone; the file that holds it stays with it.
-  const std::shared_ptr<const geometry::TriangleMesh> mesh_O(object->file, &object->file->mesh);
-  session::Session session(std::move(ready), mesh_O, contacts->set, X_WO, weights, transfer);
-  progress.checkpoint();
+  return enterSession(session::Session(std::move(models), X_WO, weights, transfer),
+                      skin.count(), workshop, progress)
+      ->state();
+}
 
-  auto live = std::make_shared<LiveSession>(
-      workshop.sessions.reserve(),
-      SessionNames{request.hand(), request.object(), request.contacts()}, std::move(session),
-      workshop.pool, workshop.audience);
-  live->skin_ms = skin.count();
+std::shared_ptr<LiveSession> enterSession(session::Session session,
+                              double skin_ms,
+                              Workshop& workshop,
+                              const Progress& progress) {
+  progress.checkpoint();
+  const auto live = std::make_shared<LiveSession>(
+      workshop.sessions.reserve(), std::move(session), workshop.pool, workshop.audience);
+  live->skin_ms = skin_ms;
   workshop.sessions.add(live);
   live->enter(v1::PHASE_OPEN);
-  return live->state();
+  return live;
 }
 
 v1::SessionState describeSession(const v1::SessionKey& key, const Workshop& workshop) {
@@ -67,9 +50,9 @@ v1::SessionList listSessions(const Workshop& workshop) {
   return reply;
 }
 
-void closeSession(LiveSession& live, Workshop& workshop) {
+void closeSession(LiveSession& live, Workshop& workshop, const std::string& why) {
   workshop.sessions.remove(live.id());
-  live.enter(v1::PHASE_CLOSED);
+  live.enter(v1::PHASE_CLOSED, why);
 }
 
 }  // namespace handgraft::server

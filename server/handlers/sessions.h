@@ -1,5 +1,8 @@
 #pragma once
 
+#include <memory>
+#include <string>
+
 #include "core/base/progress.h"
 #include "idl/sessions.h"
 #include "server/workshop.h"
@@ -11,11 +14,18 @@ v1::SessionState openSession(const v1::OpenSessionRequest& request,
                              Workshop& workshop,
                              const Progress& progress);
 
+/// Takes a session into the store and tells of it. Errors: Rejection (ERROR_OVERLOADED) when
+/// too many are open.
+std::shared_ptr<LiveSession> enterSession(session::Session session,
+                              double skin_ms,
+                              Workshop& workshop,
+                              const Progress& progress);
+
 v1::SessionState describeSession(const v1::SessionKey& key, const Workshop& workshop);
 
 v1::SessionList listSessions(const Workshop& workshop);
 
-/// Of the session's strand: what was asked before is done.
-void closeSession(LiveSession& live, Workshop& workshop);
+/// Of the session's strand: what was asked before is done. `why` is the last state's message.
+void closeSession(LiveSession& live, Workshop& workshop, const std::string& why = "");
 
 }  // namespace handgraft::server
