@@ -1,0 +1,36 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/optimize/diagnosis.h"
+#include "core/session/fit_check.h"
+
+namespace handgraft::session {
+
+/// What a solution says of itself (DESIGN 3.4): the diagnosis of its pose together with what
+/// was known of sizes before, and both in words.
+struct Verdicts {
+  optimize::Diagnosis diagnosis;
+  std::vector<std::string> texts;  ///< a line per patch of the diagnosis
+  std::string line;                ///< "4 of 5 patches reached; too large for ring (by 1.1 mm)"
+  bool too_large = false;
+};
+
+/// A patch without room is out of reach whatever the pose says: the pose enters the object.
+///
+/// Errors: BrokenContract unless the report is the problem's and the problem the session's.
+/// Cost: as optimize::diagnose.
+Verdicts verdictsOf(const Session& session,
+                    const optimize::PoseProblem& problem,
+                    const optimize::SolveReport& report,
+                    const FitFindings& findings);
+
+/// What is known before a search: "too large for ...", "too small for ..."; empty if nothing
+/// is.
+std::string lineOf(const Session& session, const FitFindings& findings);
+
+/// "thumb_mcp upper".
+std::string nameOf(const hand::HandModel& model, const optimize::LimitRelief& relief);
+
+}  // namespace handgraft::session
