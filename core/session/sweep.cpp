@@ -11,6 +11,7 @@
 
 #include "core/base/error.h"
 #include "core/hand/skin_bending.h"
+#include "core/optimize/diagnosis.h"
 #include "core/optimize/solver.h"
 #include "core/optimize/worker_pool.h"
 #include "core/session/sweep_grasp.h"
@@ -86,15 +87,20 @@ void fill(const PoseProblem& problem,
   row.outcome = report.outcome;
   row.terms = report.terms;
   row.q = report.pose.q;
+  const optimize::DiagnosisOptions reached;
+  const std::vector<double> facing_deg = optimize::facingAngles(problem, report);
   double sum_mm = 0.0;
   double sum_deg = 0.0;
-  for (const optimize::PatchFit& fit : report.patches) {
+  for (std::size_t i = 0; i < report.patches.size(); ++i) {
+    const optimize::PatchFit& fit = report.patches[i];
     if (patches[static_cast<std::size_t>(fit.patch)].patch.weight == 0.0) continue;
     row.point_count += fit.point_count;
     sum_mm += fit.point_count * fit.mean_mm;
     sum_deg += fit.point_count * fit.normal_mean_deg;
     row.max_mm = std::max(row.max_mm, fit.max_mm);
-    if (fit.point_count > 0 && fit.mean_mm <= kReached_mm) ++row.reached_count;
+    if (fit.point_count > 0 && fit.mean_mm <= reached.reached_mm &&
+        facing_deg[i] <= reached.facing_deg)
+      ++row.reached_count;
   }
   for (const SessionPatch& item : patches)
     if (item.placement && item.patch.weight > 0.0) ++row.patch_count;

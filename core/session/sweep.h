@@ -48,16 +48,13 @@ struct SweepRow {
   double max_mm = 0.0;
   double normal_deg = 0.0;
   int patch_count = 0;    ///< of those that have a place on the hand and count
-  int reached_count = 0;  ///< of those
+  int reached_count = 0;  ///< of those, as optimize/diagnosis.h has it
   std::vector<std::string> joints_at_limit;  ///< "thumb_mcp upper"
   Eigen::VectorXd q;
   double solve_ms = 0.0;  ///< not part of the promise below
 };
 
 inline constexpr std::size_t kMostSweepRows = 100'000;
-
-/// A patch whose points are this close in the mean counts as reached.
-inline constexpr double kReached_mm = 5.0;
 
 /// Solves every grasp with every combination of values; rows by combination, the first axis
 /// slowest, grasps fastest.
