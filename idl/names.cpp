@@ -132,4 +132,36 @@ const char* nameOf(BridgeState state) {
   return "unknown";
 }
 
+const char* nameOf(BridgeFault fault) {
+  switch (fault) {
+    case FAULT_NONE:
+      return "none";
+    case FAULT_WIRE:
+      return "wire";
+    case FAULT_SILENT:
+      return "silent";
+    case FAULT_HARDWARE:
+      return "hardware";
+    case FAULT_HOT:
+      return "hot";
+    case FAULT_WATCHDOG:
+      return "watchdog";
+    case FAULT_POWER_LOST:
+      return "power_lost";
+    case FAULT_STARVED:
+      return "starved";
+    case FAULT_BAD_TARGET:
+      return "bad_target";
+    case FAULT_GUARD:
+      return "guard";
+    case FAULT_MEASUREMENT:
+      return "measurement";
+    case FAULT_LATE:
+      return "late";
+    case FAULT_CONFIG:
+      return "config";
+  }
+  return "unknown";
+}
+
 }  // namespace handgraft::v1

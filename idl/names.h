@@ -27,4 +27,7 @@ const char* nameOf(SessionPhase phase);
 /// "disconnected", "idle", "armed", "holding", "fault" or "estop".
 const char* nameOf(BridgeState state);
 
+/// "none", "wire", "silent", "hardware", "hot", "watchdog", ...
+const char* nameOf(BridgeFault fault);
+
 }  // namespace handgraft::v1

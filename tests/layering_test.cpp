@@ -82,7 +82,7 @@ const std::map<std::string, std::set<std::string>> kAlone = {
     {"fastcdr", {"idl/cyclone/participant.cpp"}},
     {"png", {"client/render/png_file.cpp", "core/io/png_file.cpp"}},
     {"cli11",
-     {"server/main.cpp", "client/command_line.cpp", "client/options/grasp_command.cpp",
+     {"server/main.cpp", "client/command_line.cpp", "client/options/bridge_commands.cpp", "client/options/grasp_command.cpp",
       "client/options/grasp_flags.cpp", "client/options/import_commands.cpp",
       "client/options/model_commands.cpp", "client/options/model_flags.cpp",
       "client/options/session_commands.cpp", "client/options/study_commands.cpp",

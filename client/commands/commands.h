@@ -164,6 +164,26 @@ struct UnloadOptions {
   std::string name;
 };
 
+/// One bridge, or all of them, and what it is asked to do.
+struct BridgeOptions {
+  enum class Action { kStatus, kArm, kDisarm, kEstop, kReset, kHome };
+
+  Action action = Action::kStatus;
+  std::optional<std::uint32_t> bridge_id;  ///< nothing: the only one; status and estop: all
+};
+
+struct BridgeRecordOptions {
+  std::optional<std::uint32_t> bridge_id;  ///< nothing: the only one
+  double seconds = 10;                     ///< 0: until interrupted
+  std::filesystem::path out;
+  std::filesystem::path png;  ///< empty: not written
+};
+
+struct BridgePlotOptions {
+  std::filesystem::path run;
+  std::filesystem::path out;
+};
+
 struct WatchOptions {
   std::uint64_t session_id = 0;
   std::uint64_t count = 0;  ///< solutions; 0: until the session closes
@@ -180,6 +200,9 @@ using CommandOptions = std::variant<DoctorOptions,
                                     ImportOptions,
                                     PoseContactsOptions,
                                     SessionsOptions,
+                                    BridgeOptions,
+                                    BridgeRecordOptions,
+                                    BridgePlotOptions,
                                     WatchOptions,
                                     TransferOptions,
                                     SuggestOptions,
@@ -199,6 +222,13 @@ int run(const PoseContactsOptions& options,
         const CommonOptions& common,
         Interruption& interruption);
 int run(const SessionsOptions& options,
+        const CommonOptions& common,
+        Interruption& interruption);
+int run(const BridgeOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const BridgeRecordOptions& options,
+        const CommonOptions& common,
+        Interruption& interruption);
+int run(const BridgePlotOptions& options,
         const CommonOptions& common,
         Interruption& interruption);
 int run(const WatchOptions& options, const CommonOptions& common, Interruption& interruption);

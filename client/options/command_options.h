@@ -15,6 +15,7 @@ void addGraspCommand(CLI::App& app, CommandOptions& chosen);     ///< grasp
 void addSessionCommands(CLI::App& app, CommandOptions& chosen);  ///< sessions transfer ...
 void addStudyCommands(CLI::App& app, CommandOptions& chosen);    ///< sweep
 void addVary(CLI::App& hand, CommandOptions& chosen);            ///< hand vary
+void addBridgeCommands(CLI::App& app, CommandOptions& chosen);   ///< bridge
 void addImportCommands(CLI::App& app, CommandOptions& chosen);   ///< hand skin contacts
 
 }  // namespace handgraft::client

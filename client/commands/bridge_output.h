@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "idl/hardware.h"
+
+namespace handgraft::client {
+
+/// For people: a paragraph a bridge.
+std::string statusText(const std::vector<v1::BridgeStatus>& bridges);
+
+/// {"bridges": [...]}: every field of each status, in SI units as on the wire.
+std::string statusJson(const std::vector<v1::BridgeStatus>& bridges);
+
+}  // namespace handgraft::client

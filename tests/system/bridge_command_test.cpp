@@ -1,0 +1,108 @@
+// `handgraft bridge` against a bridge as a process, with an emulated hand at its end.
+
+#include <fstream>
+#include <iterator>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/shared_data.h"
+#include "tests/support/test_domain.h"
+#include "tests/system/bridge_bench.h"
+#include "tests/system/service.h"
+
+namespace handgraft::test {
+namespace {
+
+const std::vector<std::string> kJoints{"a", "b", "c"};
+
+class BridgeCommand : public testing::Test {
+ protected:
+  [[nodiscard]] Finished ask(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), "bridge");
+    arguments.insert(arguments.end(), {"--domain", std::to_string(domain_.number())});
+    return run(program("handgraft"), arguments);
+  }
+
+  [[nodiscard]] nlohmann::json status() const {
+    const Finished finished = ask({"status", "--json"});
+    EXPECT_EQ(finished.exit_code, 0) << finished.err;
+    return nlohmann::json::parse(finished.out).at("bridges").at(0);
+  }
+
+  void start() {
+    bench_.startBridge();
+    server_.stream({0.0, 0.0, 0.0});
+    ASSERT_TRUE(bench_.status([](const v1::BridgeStatus& told) {
+      return told.state() == v1::BRIDGE_IDLE && told.poses_accepted() > 0;
+    })) << bench_.told();
+  }
+
+  TestDomain domain_;
+  Network network_{domain_.number(), "lo"};
+  BridgeBench bench_{network_, directConfig("dynamixel", "three", kJoints, 2.5)};
+  StandInServer server_{network_, "three", kJoints};
+};
+
+TEST_F(BridgeCommand, ArmsDisarmsStopsAndResets) {
+  start();
+  EXPECT_EQ(status().at("state"), "idle");
+  const Finished armed = ask({"arm"});
+  ASSERT_EQ(armed.exit_code, 0) << armed.err << bench_.told();
+  EXPECT_TRUE(bench_.rig().isPowered());
+  EXPECT_EQ(ask({"disarm"}).exit_code, 0);
+  EXPECT_FALSE(bench_.rig().isPowered());
+  ASSERT_EQ(ask({"arm", "--bridge", "1"}).exit_code, 0) << bench_.told();
+  EXPECT_EQ(ask({"estop"}).exit_code, 0);
+  EXPECT_FALSE(bench_.rig().isPowered());
+  EXPECT_EQ(status().at("state"), "estop");
+  const Finished refused = ask({"arm"});
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_NE(refused.err.find("refused"), std::string::npos) << refused.err;
+  EXPECT_EQ(ask({"reset"}).exit_code, 0);
+  EXPECT_EQ(status().at("state"), "idle");
+  EXPECT_EQ(ask({"home"}).exit_code, 1) << "this hand needs no homing";
+}
+
+TEST_F(BridgeCommand, RecordsARunThatCanBeDrawn) {
+  start();
+  ASSERT_EQ(ask({"arm"}).exit_code, 0) << bench_.told();
+  server_.stream({0.5, -0.5, 0.25});
+  const auto folder = scratchDirectory();
+  const std::string csv = (folder / "run.csv").string();
+  const std::string png = (folder / "run.png").string();
+  const Finished recorded = ask({"record", "--out", csv, "--seconds", "2"});
+  ASSERT_EQ(recorded.exit_code, 0) << recorded.err;
+  std::ifstream file(csv);
+  std::string heading, row;
+  std::getline(file, heading);
+  EXPECT_EQ(heading.rfind("time_s,state,a measured_rad,a command_rad,a target_rad", 0), 0)
+      << heading;
+  int rows = 0;
+  while (std::getline(file, row))
+    ++rows;
+  EXPECT_GT(rows, 5) << "of 2 s at 20 Hz";
+  ASSERT_EQ(ask({"plot", csv, "--out", png}).exit_code, 0);
+  std::ifstream picture(png, std::ios::binary);
+  std::string signature(4, '\0');
+  picture.read(signature.data(), 4);
+  EXPECT_EQ(signature, "\x89PNG");
+}
+
+TEST_F(BridgeCommand, SaysWhatIsWrong) {
+  const Finished none = ask({"status"});
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_NE(none.err.find("no handgraft-bridge answers"), std::string::npos) << none.err;
+  start();
+  const Finished other = ask({"arm", "--bridge", "9"});
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_NE(other.err.find("--bridge 9"), std::string::npos) << other.err;
+  const auto path = scratchDirectory() / "no_run.csv";
+  std::ofstream(path) << "time_s,state,a measured_rad\n0,idle\n";
+  const Finished wrong = ask({"plot", path.string(), "--out", path.string() + ".png"});
+  EXPECT_EQ(wrong.exit_code, 2) << wrong.err;
+  EXPECT_FALSE(bench_.rig().isPowered());
+}
+
+}  // namespace
+}  // namespace handgraft::test
