@@ -45,6 +45,7 @@ std::variant<Invocation, Printout> parseCommandLine(int argc, const char* const*
   addModelCommands(app, invocation.command);
   addImportCommands(app, invocation.command);
   addGraspCommand(app, invocation.command);
+  addEditorCommands(app, invocation.command);
   addSessionCommands(app, invocation.command);
   addBridgeCommands(app, invocation.command);
   addStudyCommands(app, invocation.command);

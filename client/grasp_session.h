@@ -45,6 +45,14 @@ void writePicture(ServerLink& server,
                   const std::filesystem::path& png,
                   const GraspResult& result);
 
+/// Has the server write its session in a format, and keeps that in a file. For `problem`, the
+/// hand's URDF is written beside it (`writeHand`).
+/// Errors: InvalidInput for a file that may not be written; Refused for a format that is none.
+void exportSession(ServerLink& server,
+                   std::uint64_t session_id,
+                   const std::string& format,
+                   const std::filesystem::path& path);
+
 /// Writes the hand's URDF into the folder and returns its name there. A file that others may
 /// need stays, and so do those of `taken`, which are to be written later: then a hash of the
 /// content tells this one apart.

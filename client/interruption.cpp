@@ -19,7 +19,8 @@ namespace handgraft::client {
 
 namespace {
 
-constexpr char kSignalled = 's';
+constexpr char kInterrupted = 'i';
+constexpr char kTerminated = 't';
 constexpr char kGoodbye = 'q';
 constexpr int kRepeatMs = 100;
 
@@ -27,12 +28,13 @@ constexpr int kRepeatMs = 100;
 std::atomic<int> pipe_end{-1};
 static_assert(std::atomic<int>::is_always_lock_free);
 
-void onSignal(int /*signal*/) {
+void onSignal(int signal) {
   const int saved = errno;
+  const char byte = signal == SIGTERM ? kTerminated : kInterrupted;
   const int fd = pipe_end.load();
   if (fd >= 0) {
     // A full pipe holds a signal already.
-    [[maybe_unused]] const ssize_t written = write(fd, &kSignalled, 1);
+    [[maybe_unused]] const ssize_t written = write(fd, &byte, 1);
   }
   errno = saved;
 }
@@ -45,14 +47,7 @@ struct Interruption::Impl {
       throw std::runtime_error(fmt::format("no pipe for signals: {}", std::strerror(errno)));
     }
     pipe_end = pipe[1];
-
-    struct sigaction on_signal {};
-
-    on_signal.sa_handler = onSignal;
-    on_signal.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
-    sigemptyset(&on_signal.sa_mask);
-    sigaction(SIGINT, &on_signal, &before_int);
-    sigaction(SIGTERM, &on_signal, &before_term);
+    handle(&before_int, &before_term);
     listener = std::thread([this] {
       listen();
     });
@@ -71,6 +66,16 @@ struct Interruption::Impl {
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
+  static void handle(struct sigaction* before_int, struct sigaction* before_term) {
+    struct sigaction on_signal {};
+
+    on_signal.sa_handler = onSignal;
+    on_signal.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
+    sigemptyset(&on_signal.sa_mask);
+    sigaction(SIGINT, &on_signal, before_int);
+    sigaction(SIGTERM, &on_signal, before_term);
+  }
+
   void listen() {
     while (true) {
       pollfd waiting{pipe[0], POLLIN, 0};
@@ -79,10 +84,11 @@ struct Interruption::Impl {
       if (ready > 0) {
         char byte = kGoodbye;
         if (read(pipe[0], &byte, 1) != 1 || byte == kGoodbye) return;
+        if (byte == kTerminated) terminated = true;
         requested = true;
       }
       const std::lock_guard lock(mutex);
-      if (action) action();
+      if (requested && action) action();
     }
   }
 
@@ -95,6 +101,7 @@ struct Interruption::Impl {
   std::mutex mutex;
   std::function<void()> action;
   std::atomic<bool> requested{false};
+  std::atomic<bool> terminated{false};
   std::thread listener;
 };
 
@@ -113,6 +120,16 @@ bool Interruption::requested() const {
 
 void Interruption::checkpoint() const {
   if (requested()) throw Cancelled();
+}
+
+bool Interruption::terminated() const {
+  return impl_->terminated;
+}
+
+void Interruption::reset() {
+  const std::lock_guard lock(impl_->mutex);
+  impl_->requested = impl_->terminated.load();
+  Impl::handle(nullptr, nullptr);
 }
 
 }  // namespace handgraft::client

@@ -26,6 +26,12 @@ class Interruption {
   /// Throws Cancelled if a signal has come.
   void checkpoint() const;
 
+  /// True if it was SIGTERM, which means the whole program.
+  [[nodiscard]] bool terminated() const;
+
+  /// As if no Ctrl-C had come, for programs where it stops one thing of many; SIGTERM stays.
+  void reset();
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

@@ -5,28 +5,21 @@
 #include <fmt/format.h>
 
 #include "client/command_line.h"
+#include "client/failure.h"
 #include "client/interruption.h"
 #include "core/base/error.h"
-#include "idl/cyclone/requester.h"
 
 namespace {
 
 using namespace handgraft;
 
 constexpr int kFailed = 1;
-constexpr int kWrongInput = 2;
 
 int fail(int code, const std::string& message) {
   const std::string line = quoted(message);
   const bool whole = line.size() == message.size() + 2;  // not cut: paths may be long
   fmt::print(stderr, "handgraft: {}\n", whole ? line.substr(1, message.size()) : message);
   return code;
-}
-
-// The server's refusals that the user can do something about.
-bool isWrongInput(v1::ErrorCode code) {
-  return code == v1::ERROR_INVALID_INPUT || code == v1::ERROR_NOT_FOUND ||
-         code == v1::ERROR_CONFLICT || code == v1::ERROR_UNITS;
 }
 
 int runCommandLine(int argc, const char* const* argv) {
@@ -52,11 +45,8 @@ int main(int argc, char** argv) {
     const int code = runCommandLine(argc, argv);
     if (std::fflush(stdout) != 0) return fail(kFailed, "standard output cannot be written");
     return code;
-  } catch (const InvalidInput& error) {
-    return fail(kWrongInput, error.what());
-  } catch (const idl::cyclone::Refused& refused) {
-    return fail(isWrongInput(refused.code()) ? kWrongInput : kFailed, refused.what());
   } catch (const std::exception& error) {
-    return fail(kFailed, error.what());
+    const client::Failure failure = client::failureOf(error);
+    return fail(failure.exit_code, failure.message);
   }
 }

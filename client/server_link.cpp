@@ -258,6 +258,36 @@ v1::PoseSolution ServerLink::optimize(const v1::OptimizeRequest& request) {
   return ask(body).solution();
 }
 
+v1::SessionSettings ServerLink::settings(std::uint64_t session_id) {
+  return ask(sessionBody(v1::OP_SESSION_SETTINGS, session_id)).settings();
+}
+
+v1::CompareReply ServerLink::compare(const v1::CompareRequest& request) {
+  v1::RequestBody body;
+  body.compare(request);
+  return ask(body).compare();
+}
+
+std::string ServerLink::saveSession(std::uint64_t session_id) {
+  return ask(sessionBody(v1::OP_SAVE_SESSION, session_id)).saved_session().text();
+}
+
+v1::SessionState ServerLink::loadSession(const std::string& text) {
+  v1::LoadSessionRequest request;
+  request.text(text);
+  v1::RequestBody body;
+  body.load_session(request);
+  return ask(body).session();
+}
+
+v1::ReplayReply ServerLink::replay(const std::string& text) {
+  v1::ReplayRequest request;
+  request.text(text);
+  v1::RequestBody body;
+  body.replay(request);
+  return ask(body).replay();
+}
+
 std::string ServerLink::exportSession(const v1::ExportRequest& request) {
   v1::RequestBody body;
   body.export_file(request);

@@ -73,6 +73,13 @@ class ServerLink {
                      std::uint64_t base_revision,
                      const v1::EditBody& body);
   v1::PoseSolution optimize(const v1::OptimizeRequest& request);
+  v1::SessionSettings settings(std::uint64_t session_id);
+  v1::CompareReply compare(const v1::CompareRequest& request);
+  /// handgraft-session/1.
+  std::string saveSession(std::uint64_t session_id);
+  /// Opens a session of what `saveSession` gave.
+  v1::SessionState loadSession(const std::string& text);
+  v1::ReplayReply replay(const std::string& text);
   /// The bytes of the file.
   std::string exportSession(const v1::ExportRequest& request);
 

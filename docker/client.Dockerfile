@@ -13,6 +13,7 @@ RUN apt-get update \
         libassimp-dev \
         libcgal-dev \
         libcli11-dev \
+        libedit-dev \
         libeigen3-dev \
         libfastrtps-dev \
         libfmt-dev \
@@ -43,6 +44,7 @@ FROM debian:bookworm-slim
 RUN apt-get update \
     && DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends \
         libddsc0debian \
+        libedit2 \
         libfastcdr1 \
         libfmt9 \
         libpng16-16 \

@@ -13,6 +13,7 @@ RUN apt-get update \
         libassimp-dev \
         libcgal-dev \
         libcli11-dev \
+        libedit-dev \
         libeigen3-dev \
         libfastrtps-dev \
         libfmt-dev \

@@ -82,7 +82,9 @@ const std::map<std::string, std::set<std::string>> kAlone = {
     {"fastcdr", {"idl/cyclone/participant.cpp"}},
     {"png", {"client/render/png_file.cpp", "core/io/png_file.cpp"}},
     {"cli11",
-     {"server/main.cpp", "client/command_line.cpp", "client/options/bridge_commands.cpp", "client/options/grasp_command.cpp",
+    {"editline", {"client/editor/prompt.cpp"}},
+     {"server/main.cpp", "client/command_line.cpp", "client/options/bridge_commands.cpp", "client/options/editor_commands.cpp",
+      "client/options/grasp_command.cpp",
       "client/options/grasp_flags.cpp", "client/options/import_commands.cpp",
       "client/options/model_commands.cpp", "client/options/model_flags.cpp",
       "client/options/session_commands.cpp", "client/options/study_commands.cpp",
@@ -106,6 +108,7 @@ const std::vector<std::pair<std::string, std::regex>> kLibraries = {
     {"fastdds", std::regex("^(fastdds|fastrtps)/.*")},
     {"png", std::regex("^png.h")},
     {"cli11", std::regex("^CLI/.*")},
+    {"editline", std::regex("^(histedit|editline/readline).h")},
 };
 
 /// The standard library and the operating system.

@@ -141,6 +141,32 @@ struct PoseContactsOptions {
   std::filesystem::path png;
 };
 
+struct EditOptions {
+  std::uint64_t session_id = 0;  ///< 0: a new one, of `grasp`
+  GraspOptions grasp;
+  std::filesystem::path script;  ///< empty: standard input
+};
+
+struct ExportOptions {
+  std::uint64_t session_id = 0;
+  std::string format;
+  std::filesystem::path out;
+};
+
+struct SaveOptions {
+  std::uint64_t session_id = 0;
+  std::filesystem::path path;
+};
+
+struct OpenFileOptions {
+  std::filesystem::path path;
+};
+
+struct ReplayOptions {
+  std::filesystem::path path;
+  std::filesystem::path out;  ///< empty: not written
+};
+
 struct SessionsOptions {};
 
 struct TransferOptions {
@@ -199,6 +225,11 @@ using CommandOptions = std::variant<DoctorOptions,
                                     SkinOptions,
                                     ImportOptions,
                                     PoseContactsOptions,
+                                    EditOptions,
+                                    ExportOptions,
+                                    SaveOptions,
+                                    OpenFileOptions,
+                                    ReplayOptions,
                                     SessionsOptions,
                                     BridgeOptions,
                                     BridgeRecordOptions,
@@ -221,6 +252,13 @@ int run(const ImportOptions& options, const CommonOptions& common, Interruption&
 int run(const PoseContactsOptions& options,
         const CommonOptions& common,
         Interruption& interruption);
+int run(const EditOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const ExportOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const SaveOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const OpenFileOptions& options,
+        const CommonOptions& common,
+        Interruption& interruption);
+int run(const ReplayOptions& options, const CommonOptions& common, Interruption& interruption);
 int run(const SessionsOptions& options,
         const CommonOptions& common,
         Interruption& interruption);

@@ -1,0 +1,60 @@
+#include <fmt/format.h>
+
+#include "client/commands/commands.h"
+#include "client/failure.h"
+#include "client/json_parts.h"
+#include "client/output_file.h"
+#include "client/server_link.h"
+#include "client/text_output.h"
+#include "core/base/error.h"
+
+namespace handgraft::client {
+
+namespace {
+
+// One object with --json, else a line.
+void tell(const CommonOptions& common, const json::Json& document, const std::string& line) {
+  fmt::print("{}\n", common.json ? json::written(document, 2) : line);
+}
+
+}  // namespace
+
+int run(const SaveOptions& options, const CommonOptions& common, Interruption& interruption) {
+  requireWritable({"FILE", options.path});
+  ServerLink server(common.network, Absence::kFail, interruption);
+  writeFile(options.path, server.saveSession(options.session_id));
+  tell(common, {{"session_id", options.session_id}, {"file", options.path.string()}},
+       fmt::format("wrote {}", quoted(options.path.string())));
+  return 0;
+}
+
+int run(const OpenFileOptions& options,
+        const CommonOptions& common,
+        Interruption& interruption) {
+  const std::string text = readFile(options.path);
+  ServerLink server(common.network, Absence::kFail, interruption);
+  const v1::SessionState state = server.loadSession(text);
+  tell(common, {{"session_id", state.session_id()}, {"revision", state.revision()}},
+       fmt::format("session {}, revision {}: handgraft edit {}", state.session_id(),
+                   state.revision(), state.session_id()));
+  return 0;
+}
+
+int run(const ReplayOptions& options, const CommonOptions& common, Interruption& interruption) {
+  const std::string text = readFile(options.path);
+  if (!options.out.empty()) {
+    requireSafe({{"--out", options.out}}, {{"FILE", options.path}});
+  }
+  ServerLink server(common.network, Absence::kFail, interruption);
+  const v1::ReplayReply reply = server.replay(text);
+  if (!options.out.empty()) writeFile(options.out, reply.result().text());
+  const std::string ends = reply.same()
+                               ? "it ends the same"
+                               : "it ends differently: " + text::plain(reply.message());
+  tell(common,
+       {{"entries", reply.entries()}, {"same", reply.same()}, {"message", reply.message()}},
+       fmt::format("{} entries played; {}", reply.entries(), ends));
+  return reply.same() ? 0 : 1;
+}
+
+}  // namespace handgraft::client

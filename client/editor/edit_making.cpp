@@ -1,0 +1,208 @@
+#include "client/editor/edit_making.h"
+
+#include <cmath>
+
+#include "client/editor/match_values.h"
+#include "client/editor/surface_pick.h"
+#include "client/wire_pose.h"
+#include "core/base/error.h"
+
+namespace handgraft::client::editor {
+
+namespace {
+
+v1::PatchSide sideOf(const std::string& side) {
+  return side == "object" ? v1::SIDE_OBJECT : v1::SIDE_HAND;
+}
+
+// === Patches
+
+v1::EditBody rootEdit(const std::string& patch,
+                      v1::PatchSide side,
+                      const v1::SurfacePoint& at) {
+  v1::PatchRootEdit edit;
+  edit.patch(patch);
+  edit.side(side);
+  edit.root(at);
+  return bodyOf(&v1::EditBody::patch_root, edit);
+}
+
+v1::EditBody turnEdit(const std::string& patch, v1::PatchSide side, double angle_rad) {
+  v1::PatchDirectionEdit edit;
+  edit.patch(patch);
+  edit.side(side);
+  edit.angle_rad(angle_rad);
+  return bodyOf(&v1::EditBody::patch_direction, edit);
+}
+
+v1::EditBody enabledEdit(const std::string& patch, bool enabled) {
+  v1::PatchEnabledEdit edit;
+  edit.patch(patch);
+  edit.enabled(enabled);
+  return bodyOf(&v1::EditBody::patch_enabled, edit);
+}
+
+// === Joints
+
+const v1::JointInfo& jointNamed(Scene& scene, const std::string& name) {
+  for (const v1::JointInfo& joint : scene.hand().joints()) {
+    if (joint.name() == name) return joint;
+  }
+  rejectInput("the hand has no joint {}", quoted(name));
+}
+
+// In the joint's own unit.
+double jointNumber(const Match& match, std::size_t index, Scene& scene) {
+  const std::string& joint = word(match, 0);
+  const Value& value = match.values.at(index);
+  const bool slides = jointNamed(scene, joint).prismatic();
+  if (value.unit == (slides ? Unit::kAngle : Unit::kLength)) {
+    rejectInput("joint {} {}: {} is no {}", quoted(joint), slides ? "slides" : "turns",
+                value.text, slides ? "length" : "angle");
+  }
+  return value.number;
+}
+
+v1::JointSetting settingOf(Scene& scene, const std::string& joint) {
+  for (const v1::JointSetting& setting : scene.settings().joints()) {
+    if (setting.name() == joint) return setting;
+  }
+  rejectInput("the session has no joint {}", quoted(joint));
+}
+
+v1::EditBody limitEdit(const std::string& joint, double lower, double upper) {
+  v1::JointLimitEdit edit;
+  edit.joint(joint);
+  edit.lower_rad(lower);
+  edit.upper_rad(upper);
+  return bodyOf(&v1::EditBody::joint_limit, edit);
+}
+
+v1::EditBody lockEdit(const std::string& joint, bool locked) {
+  v1::JointLockEdit edit;
+  edit.joint(joint);
+  edit.locked(locked);
+  return bodyOf(&v1::EditBody::joint_lock, edit);
+}
+
+v1::EditBody softEdit(const std::string& joint, double value, double weight) {
+  v1::JointSoftEdit edit;
+  edit.joint(joint);
+  edit.value_rad(value);
+  edit.weight(weight);
+  return bodyOf(&v1::EditBody::joint_soft, edit);
+}
+}  // namespace
+
+// === Patches
+
+v1::EditBody rootOnSite(const Match& match, Scene& scene) {
+  const v1::HandDescription& hand = scene.handWithMeshes();
+  const v1::SiteInfo* site = siteNamed(hand, word(match, 1));
+  if (site == nullptr) rejectInput("the hand has no site {}", quoted(word(match, 1)));
+  const std::size_t link = linkIndex(hand, site->link());
+  if (link >= hand.X_SL().size())
+    rejectInput("the hand's skin does not say where its links are");
+  const Eigen::Vector3d p_S = poseOf(hand.X_SL()[link]) * vectorOf(site->p_L_m());
+  return rootEdit(word(match, 0), v1::SIDE_HAND, nearestPoint(hand.skin_S(), p_S));
+}
+
+v1::EditBody rootOnFace(const Match& match, Scene& /*scene*/) {
+  constexpr double kTolerance = 1e-3;  // as typed
+  const Value& face = match.values.at(2);
+  if (face.count > 0x7fffffffU) rejectInput("face {}: there is none of that number", face.text);
+  v1::SurfacePoint root;
+  root.face(static_cast<std::int32_t>(face.count));
+  const Eigen::Vector3d b = vectorAt(match, 3);
+  if (b.minCoeff() < 0.0 || std::abs(b.sum() - 1.0) > kTolerance) {
+    rejectInput("weights {} {} {}: they must not be negative and sum to 1", word(match, 3),
+                word(match, 4), word(match, 5));
+  }
+  const Eigen::Vector3d exact = b / b.sum();
+  root.barycentric() = {exact[0], exact[1], exact[2]};
+  return rootEdit(word(match, 0), sideOf(word(match, 1)), root);
+}
+
+v1::EditBody rootNearPoint(const Match& match, Scene& scene) {
+  const v1::PatchSide side = sideOf(word(match, 1));
+  const v1::Mesh& mesh =
+      side == v1::SIDE_OBJECT ? scene.object().mesh_O() : scene.handWithMeshes().skin_S();
+  return rootEdit(word(match, 0), side, nearestPoint(mesh, vectorAt(match, 2)));
+}
+
+v1::EditBody turn(const Match& match, Scene& /*scene*/) {
+  return turnEdit(word(match, 0), v1::SIDE_HAND, number(match, 1));
+}
+
+v1::EditBody turnOnSide(const Match& match, Scene& /*scene*/) {
+  return turnEdit(word(match, 0), sideOf(word(match, 1)), number(match, 2));
+}
+
+v1::EditBody enable(const Match& match, Scene& /*scene*/) {
+  return enabledEdit(word(match, 0), true);
+}
+
+v1::EditBody disable(const Match& match, Scene& /*scene*/) {
+  return enabledEdit(word(match, 0), false);
+}
+
+v1::EditBody patchWeight(const Match& match, Scene& /*scene*/) {
+  v1::PatchWeightEdit edit;
+  edit.patch(word(match, 0));
+  edit.weight(number(match, 1));
+  return bodyOf(&v1::EditBody::patch_weight, edit);
+}
+
+v1::EditBody weights(const Match& match, Scene& /*scene*/) {
+  v1::Weights edit;
+  edit.distance(number(match, 0));
+  edit.normal(number(match, 1));
+  edit.prior(number(match, 2));
+  return bodyOf(&v1::EditBody::weights, edit);
+}
+
+// === Joints
+
+v1::EditBody jointValue(const Match& match, Scene& scene) {
+  v1::PriorEdit edit;
+  edit.joints().push_back(word(match, 0));
+  edit.joint_rad().push_back(jointNumber(match, 1, scene));
+  return bodyOf(&v1::EditBody::prior, edit);
+}
+
+v1::EditBody lock(const Match& match, Scene& /*scene*/) {
+  return lockEdit(word(match, 0), true);
+}
+
+v1::EditBody unlock(const Match& match, Scene& /*scene*/) {
+  return lockEdit(word(match, 0), false);
+}
+
+v1::EditBody soft(const Match& match, Scene& scene) {
+  return softEdit(word(match, 0), jointNumber(match, 1, scene), number(match, 2));
+}
+
+v1::EditBody softOff(const Match& match, Scene& /*scene*/) {
+  return softEdit(word(match, 0), 0.0, 0.0);
+}
+
+v1::EditBody limitLower(const Match& match, Scene& scene) {
+  const double lower = jointNumber(match, 1, scene);
+  return limitEdit(word(match, 0), lower, settingOf(scene, word(match, 0)).upper_rad());
+}
+
+v1::EditBody limitUpper(const Match& match, Scene& scene) {
+  const double upper = jointNumber(match, 1, scene);
+  return limitEdit(word(match, 0), settingOf(scene, word(match, 0)).lower_rad(), upper);
+}
+
+v1::EditBody limitRange(const Match& match, Scene& scene) {
+  return limitEdit(word(match, 0), jointNumber(match, 1, scene), jointNumber(match, 2, scene));
+}
+
+v1::EditBody limitReset(const Match& match, Scene& scene) {
+  const v1::JointSetting setting = settingOf(scene, word(match, 0));
+  return limitEdit(word(match, 0), setting.model_lower_rad(), setting.model_upper_rad());
+}
+
+}  // namespace handgraft::client::editor

@@ -1,0 +1,252 @@
+#include "client/editor/edited_session.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include <fmt/format.h>
+
+#include "client/text_output.h"
+#include "core/base/error.h"
+#include "core/base/progress.h"
+
+namespace handgraft::client::editor {
+
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kPatience(20);
+constexpr milliseconds kNothingFollows(2000);  // after the session has come to rest
+
+// A client is told by the end of its random id; they are long.
+std::string shortName(const v1::ClientId& client) {
+  return fmt::format("{:02x}{:02x}", client[client.size() - 2], client[client.size() - 1]);
+}
+
+}  // namespace
+
+EditedSession::EditedSession(ServerLink& server,
+                             Interruption& interruption,
+                             const v1::SessionState& state)
+    : server_(server),
+      interruption_(interruption),
+      states_(server.participant(), idl::kSessionTopic),
+      solutions_(server.participant(), idl::kSolutionTopic),
+      state_(state),
+      shown_(state.revision()) {}
+
+// === What a command may look up
+
+const v1::SessionSettings& EditedSession::settings() {
+  take({}, {});
+  const std::uint64_t sequence = solution_ ? solution_->sequence_number() : 0;
+  const bool fresh = settings_ &&
+                     settings_->state().revision() >= std::max(state_.revision(), shown_) &&
+                     settings_sequence_ == sequence;
+  if (!fresh) {
+    settings_ = server_.settings(id());
+    settings_sequence_ = sequence;
+  }
+  return *settings_;
+}
+
+const v1::HandDescription& EditedSession::hand() {
+  if (!hand_) {
+    hand_ = server_.describe(v1::MODEL_HAND, state_.hand(), false).hand();
+    hand_has_meshes_ = false;
+  }
+  return *hand_;
+}
+
+const v1::HandDescription& EditedSession::handWithMeshes() {
+  if (!hand_ || !hand_has_meshes_) {
+    hand_ = server_.describe(v1::MODEL_HAND, state_.hand(), true).hand();
+    hand_has_meshes_ = true;
+  }
+  return *hand_;
+}
+
+const v1::ObjectDescription& EditedSession::object() {
+  if (!object_) object_ = server_.describe(v1::MODEL_OBJECT, state_.object(), true).object();
+  return *object_;
+}
+
+const v1::PoseSolution* EditedSession::solution() {
+  take({}, {});
+  return solution_ ? &*solution_ : nullptr;
+}
+
+Names EditedSession::names() {
+  Names names;
+  for (const v1::JointInfo& joint : hand().joints())
+    names.joints.push_back(joint.name());
+  for (const v1::SiteInfo& site : hand().sites()) {
+    names.sites.push_back(site.name());
+    names.points.push_back(site.name());
+    names.points.push_back(site.name() + "_tip");
+  }
+  for (const v1::LinkInfo& link : hand().links()) {
+    const auto& known = names.points;
+    if (std::find(known.begin(), known.end(), link.name()) == known.end())
+      names.points.push_back(link.name());
+  }
+  if (patches_.empty()) {
+    const v1::ModelDescription contacts =
+        server_.describe(v1::MODEL_CONTACTS, state_.contacts(), false);
+    for (const v1::PatchInfo& patch : contacts.contacts().patches())
+      patches_.push_back(patch.name());
+  }
+  names.patches = patches_;
+  return names;
+}
+
+Names EditedSession::allNames() {
+  const auto attempt = [&](const auto& ask) {
+    try {
+      ask();
+    } catch (const std::exception&) {
+      // Completion offers what it knows; errors are for commands.
+    }
+  };
+  Names all;
+  attempt([&] {
+    all = names();
+  });
+  attempt([&] {
+    for (const v1::ModelSummary& model : server_.listModels().models()) {
+      if (model.kind() == v1::MODEL_HAND) all.hands.push_back(model.name());
+      if (model.kind() == v1::MODEL_OBJECT) all.objects.push_back(model.name());
+    }
+  });
+  attempt([&] {
+    for (const v1::SessionState& session : server_.listSessions().sessions())
+      all.sessions.push_back(std::to_string(session.session_id()));
+  });
+  attempt([&] {
+    all.snapshots = settings().snapshots();
+  });
+  return all;
+}
+
+// === Changing
+
+v1::EditReply EditedSession::edit(const v1::EditBody& body) {
+  try {
+    const v1::EditReply reply = server_.edit(id(), shown_, body);
+    shown_ = reply.revision();
+    return reply;
+  } catch (const idl::cyclone::Refused& refused) {
+    if (refused.code() != v1::ERROR_CONFLICT) throw;
+    const v1::SessionState now = server_.describeSession(id());
+    const bool moved_on = now.revision() > shown_;  // else the name of something is taken
+    keepUp(now);
+    if (!moved_on) throw;
+    shown_ = now.revision();
+    throw idl::cyclone::Refused(
+        refused.code(),
+        fmt::format("{}; {}; nothing was changed: repeat the command if it still holds",
+                    refused.what(), toldBy(now)));
+  }
+}
+
+const v1::PoseSolution* EditedSession::awaitFinal(std::uint64_t revision,
+                                                  const OnSample& on_sample) {
+  auto settled = std::chrono::steady_clock::now();
+  while (true) {
+    take(on_sample, {});
+    if (solution_ && solution_->revision() >= revision) return &*solution_;
+    requireOpen();
+    const bool is_answered = state_.revision() >= revision;
+    if (is_answered && state_.phase() == v1::PHASE_FAILED) {
+      throw SolveFailed(text::plain(state_.message()));
+    }
+    const bool rests =
+        is_answered && (state_.phase() == v1::PHASE_READY || state_.phase() == v1::PHASE_OPEN);
+    const auto now = std::chrono::steady_clock::now();
+    if (!rests) settled = now;
+    if (now - settled > kNothingFollows) return nullptr;
+    interruption_.checkpoint();
+    solutions_.wait(kPatience);
+  }
+}
+
+const v1::PoseSolution& EditedSession::solve(const std::optional<v1::SolveOptions>& options) {
+  v1::OptimizeRequest request;
+  request.session_id(id());
+  if (options) request.options().push_back(*options);
+  const v1::PoseSolution solution = server_.optimize(request);
+  // The stream may have brought it, or a later one, already.
+  if (!solution_ || solution_->sequence_number() <= solution.sequence_number()) {
+    adopt(solution);
+  }
+  return *solution_;
+}
+
+// === Following
+
+void EditedSession::take(const OnSample& on_sample, const OnState& on_state) {
+  solutions_.take([&](const v1::PoseSolution& solution) {
+    if (solution.session_id() != id()) return;
+    if (solution.is_final()) adopt(solution);
+    if (on_sample) on_sample(solution);
+  });
+  states_.take([&](const v1::SessionState& state) {
+    if (state.session_id() != id()) return;
+    keepUp(state);
+    if (on_state) on_state(state);
+  });
+}
+
+void EditedSession::adopt(const v1::PoseSolution& solution) {
+  solution_ = solution;
+}
+
+void EditedSession::keepUp(const v1::SessionState& state) {
+  if (state.hand() != state_.hand()) hand_.reset();
+  if (state.object() != state_.object()) object_.reset();
+  if (state.contacts() != state_.contacts()) patches_.clear();
+  state_ = state;
+}
+
+std::string EditedSession::toldBy(const v1::SessionState& state) const {
+  return fmt::format("revision {}, by editor {}: {}", state.revision(),
+                     shortName(state.last_client()),
+                     state.last_edit().empty() ? "an edit" : text::plain(state.last_edit()));
+}
+
+void EditedSession::requireOpen() {
+  if (state_.phase() == v1::PHASE_CLOSED) {
+    throw idl::cyclone::Refused(v1::ERROR_NOT_FOUND,
+                                fmt::format("session {} has been closed", id()));
+  }
+  if (!server_.alive()) {
+    throw idl::cyclone::NoServer(
+        fmt::format("handgraft-server on {} stopped answering",
+                    handgraft::describe(server_.participant().network())));
+  }
+}
+
+std::vector<std::string> EditedSession::news() {
+  take({}, {});
+  std::vector<std::string> lines;
+  if (state_.phase() == v1::PHASE_CLOSED && !end_was_told_) {
+    end_was_told_ = true;
+    lines.push_back(fmt::format("session {} has been closed", id()));
+  } else if (state_.revision() > shown_) {
+    shown_ = state_.revision();
+    lines.push_back(toldBy(state_));
+  }
+  return lines;
+}
+
+void EditedSession::follow(const OnSample& on_sample, const OnState& on_state) {
+  take(on_sample, [&](const v1::SessionState& state) {
+    shown_ = std::max(shown_, state.revision());
+    if (on_state) on_state(state);
+  });
+  if (state_.phase() == v1::PHASE_CLOSED) return;
+  requireOpen();
+  solutions_.wait(kPatience);
+}
+
+}  // namespace handgraft::client::editor

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "client/editor/command_table.h"
+#include "client/editor/edited_session.h"
+#include "client/editor/show.h"
+#include "client/editor/sink.h"
+#include "client/interruption.h"
+#include "client/server_link.h"
+
+namespace handgraft::client::editor {
+
+/// Runs commands on one session after the other.
+class Editor {
+ public:
+  Editor(ServerLink& server,
+         Interruption& interruption,
+         const Sink& sink,
+         const v1::SessionState& state);
+
+  [[nodiscard]] EditedSession& session() { return *session_; }
+
+  /// True once a command said so: leave.
+  [[nodiscard]] bool finished() const { return finished_; }
+
+  /// True once the session has been closed by `close`.
+  [[nodiscard]] bool closed() const { return closed_; }
+
+  /// All commands of a line, one after the other, each told by the sink as it is done.
+  /// Errors: of the first one that fails, and nothing of the line is run after it; InvalidInput
+  /// for words that are no command; those of ServerLink; SolveFailed.
+  void run(const std::string& line);
+
+  /// The next line of a script; nothing at its end.
+  using NextLine = std::function<std::optional<std::string>()>;
+
+  /// Runs all lines until there are no more, or a command says to leave. Each command is told
+  /// before it runs.
+  /// Errors: CommandFailed by the first command that fails, naming `name` and the line;
+  /// Cancelled.
+  void runScript(const NextLine& next_line, const std::string& name);
+
+  /// As the command `solve` does.
+  Told solve(const std::optional<v1::SolveOptions>& options);
+
+ private:
+  void runCommand(const Words& words);
+  Told execute(const Parsed& parsed);
+  Told edit(const Parsed& parsed);
+  Told publish(const v1::EditBody& body);
+  Told suggest(const Match& match);
+  Told show(const Match& match);
+  Told compare(const Match& match);
+  Told save(const std::filesystem::path& path);
+  Told load(const std::filesystem::path& path);
+  Told replay(const std::filesystem::path& path);
+  Told exportTo(const std::string& format, const std::filesystem::path& path);
+  Told drawTo(const std::filesystem::path& path);
+  Told watch(const Match& match);
+  Told sessions();
+  Told join(std::uint64_t session_id);
+  Told close();
+  Told script(const std::string& path);
+  Told help(const Match& match);
+  const v1::PoseSolution& requireSolution();
+  void goOnIn(const v1::SessionState& state);
+
+  ServerLink& server_;
+  Interruption& interruption_;
+  const Sink& sink_;
+  std::unique_ptr<EditedSession> session_;
+  bool finished_ = false;
+  bool closed_ = false;
+  int depth_ = 0;  ///< of scripts that run scripts
+};
+
+}  // namespace handgraft::client::editor

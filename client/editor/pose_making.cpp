@@ -1,0 +1,270 @@
+#include <algorithm>
+
+#include <Eigen/Geometry>
+
+#include "client/editor/edit_making.h"
+#include "client/editor/match_values.h"
+#include "client/editor/surface_pick.h"
+#include "client/pose_file.h"
+#include "core/base/error.h"
+
+// The edits that move the hand or the object as a whole, choose models and searches, or go back
+// and forth.
+namespace handgraft::client::editor {
+
+namespace {
+
+std::uint32_t smallCount(const Value& value, const std::string& what) {
+  if (value.count > 0xffffffffU)
+    rejectInput("{} {}: it may be at most 2^32 - 1", what, value.text);
+  return static_cast<std::uint32_t>(value.count);
+}
+
+// Roll about x, then pitch about y, then yaw about z, all of them the world's: URDF's way.
+Eigen::Quaterniond rotationAt(const Match& match, std::size_t index) {
+  const Eigen::Vector3d rpy = vectorAt(match, index);
+  return Eigen::AngleAxisd(rpy.z(), Eigen::Vector3d::UnitZ()) *
+         Eigen::AngleAxisd(rpy.y(), Eigen::Vector3d::UnitY()) *
+         Eigen::AngleAxisd(rpy.x(), Eigen::Vector3d::UnitX());
+}
+
+// === Points of the hand
+
+struct HandPoint {
+  std::string link;
+  Eigen::Vector3d p_L;
+};
+
+// A site; the furthest vertex of a site's link away from the wrist; a link's origin.
+HandPoint pointNamed(Scene& scene, const std::string& name) {
+  const v1::HandDescription& hand = scene.hand();
+  if (const v1::SiteInfo* site = siteNamed(hand, name)) {
+    return {site->link(), vectorOf(site->p_L_m())};
+  }
+  static const std::string kTip = "_tip";
+  const bool is_link =
+      std::any_of(hand.links().begin(), hand.links().end(), [&](const v1::LinkInfo& link) {
+        return link.name() == name;
+      });
+  if (!is_link && name.size() > kTip.size()) {
+    const v1::SiteInfo* site = siteNamed(hand, name.substr(0, name.size() - kTip.size()));
+    if (site != nullptr) {
+      const v1::HandDescription& shown = scene.handWithMeshes();
+      const v1::Mesh& surface_L = shown.links().at(linkIndex(shown, site->link())).surface_L();
+      return {site->link(), furthestVertex(surface_L, -vectorOf(site->direction_L()))};
+    }
+  }
+  return {hand.links().at(linkIndex(hand, name)).name(), Eigen::Vector3d::Zero()};
+}
+
+v1::DragEdit dragEdit(const HandPoint& point, const Eigen::Vector3d& target_W) {
+  v1::DragEdit edit;
+  edit.link(point.link);
+  edit.p_L_m() = {point.p_L.x(), point.p_L.y(), point.p_L.z()};
+  edit.target_W_m() = {target_W.x(), target_W.y(), target_W.z()};
+  return edit;
+}
+
+// The palm's site; on a hand without one, its root link.
+HandPoint palmOf(Scene& scene) {
+  const v1::HandDescription& hand = scene.hand();
+  if (siteNamed(hand, "palm") != nullptr) return pointNamed(scene, "palm");
+  if (hand.links().empty()) rejectInput("the hand has no links");
+  return {hand.links().front().name(), Eigen::Vector3d::Zero()};
+}
+
+// === Poses
+
+v1::EditBody placeEdit(const Eigen::Vector3d& p, const std::array<double, 4>& q_wxyz) {
+  v1::Pose X_WO;
+  X_WO.p_m() = {p.x(), p.y(), p.z()};
+  X_WO.q_wxyz() = q_wxyz;
+  return bodyOf<v1::Pose>(&v1::EditBody::X_WO, X_WO);
+}
+
+std::array<double, 4> wxyzOf(const Eigen::Quaterniond& q) {
+  return {q.w(), q.x(), q.y(), q.z()};
+}
+
+v1::EditBody stepsEdit(v1::EditKind kind, const Match& match) {
+  v1::StepsEdit steps;
+  steps.count(match.values.empty() ? 1 : smallCount(match.values[0], "the count"));
+  v1::EditBody body;
+  body.steps(steps);
+  body._d(kind);
+  return body;
+}
+
+v1::EditBody snapshotEdit(v1::EditKind kind, const std::string& name) {
+  v1::SnapshotEdit edit;
+  edit.name(name);
+  v1::EditBody body;
+  body.snapshot(edit);
+  body._d(kind);
+  return body;
+}
+
+v1::EditBody modelEdit(v1::EditKind kind, const std::string& name) {
+  v1::ModelEdit edit;
+  edit.name(name);
+  v1::EditBody body;
+  body.swapped_model(edit);
+  body._d(kind);
+  return body;
+}
+}  // namespace
+
+// === Pose
+
+v1::EditBody drag(const Match& match, Scene& scene) {
+  return bodyOf(&v1::EditBody::drag,
+                dragEdit(pointNamed(scene, word(match, 0)), vectorAt(match, 1)));
+}
+
+v1::EditBody palm(const Match& match, Scene& scene) {
+  return bodyOf(&v1::EditBody::drag, dragEdit(palmOf(scene), vectorAt(match, 0)));
+}
+
+v1::EditBody palmTurned(const Match& match, Scene& scene) {
+  v1::DragEdit edit = dragEdit(palmOf(scene), vectorAt(match, 0));
+  const std::array<double, 4> q = wxyzOf(rotationAt(match, 3));
+  edit.target_q_wxyz().assign(q.begin(), q.end());
+  return bodyOf(&v1::EditBody::drag, edit);
+}
+
+v1::EditBody place(const Match& match, Scene& scene) {
+  return placeEdit(vectorAt(match, 0), scene.settings().X_WO().q_wxyz());
+}
+
+v1::EditBody placeTurned(const Match& match, Scene& /*scene*/) {
+  return placeEdit(vectorAt(match, 0), wxyzOf(rotationAt(match, 3)));
+}
+
+v1::EditBody priorRest(const Match& /*match*/, Scene& scene) {
+  const v1::HandDescription& hand = scene.hand();
+  v1::PriorEdit edit;
+  for (std::size_t i = 0; i < std::min(hand.joints().size(), hand.rest_rad().size()); ++i) {
+    edit.joints().push_back(hand.joints()[i].name());
+    edit.joint_rad().push_back(hand.rest_rad()[i]);
+  }
+  return bodyOf(&v1::EditBody::prior, edit);
+}
+
+v1::EditBody priorHere(const Match& /*match*/, Scene& scene) {
+  const v1::PoseSolution* solution = scene.solution();
+  if (solution == nullptr) rejectInput("there is no solution yet; solve makes one");
+  v1::PriorEdit edit;
+  edit.X_WH().push_back(solution->X_WH());
+  for (const v1::JointInfo& joint : scene.hand().joints())
+    edit.joints().push_back(joint.name());
+  edit.joint_rad(solution->joint_rad());
+  if (edit.joints().size() != edit.joint_rad().size()) {
+    throw TransportError("the server's solution is not of this hand");
+  }
+  return bodyOf(&v1::EditBody::prior, edit);
+}
+
+v1::EditBody priorPose(const Match& match, Scene& /*scene*/) {
+  const PoseFile pose = readPose(word(match, 0));
+  v1::PriorEdit edit;
+  edit.joints(pose.joints);
+  edit.joint_rad(pose.joint_rad);
+  if (pose.X_WH) edit.X_WH().push_back(*pose.X_WH);
+  return bodyOf(&v1::EditBody::prior, edit);
+}
+
+v1::EditBody priorShares(const Match& match, Scene& /*scene*/) {
+  v1::PriorShares shares;
+  shares.root_rotation(number(match, 0));
+  shares.root_translation(number(match, 1));
+  shares.joints(number(match, 2));
+  return bodyOf(&v1::EditBody::prior_shares, shares);
+}
+
+// === Models and search
+
+v1::EditBody hand(const Match& match, Scene& /*scene*/) {
+  return modelEdit(v1::EDIT_HAND, word(match, 0));
+}
+
+v1::EditBody object(const Match& match, Scene& /*scene*/) {
+  return modelEdit(v1::EDIT_OBJECT, word(match, 0));
+}
+
+v1::SolveOptions solvingWith(v1::SolveOptions solving, const Match& match) {
+  const auto given = [&](const char* option) -> const Value* {
+    const auto found = match.options.find(option);
+    return found == match.options.end() ? nullptr : &found->second;
+  };
+  if (const Value* name = given("--solver")) {
+    solving.solver(name->text == "default" ? "" : name->text);
+  }
+  const Value* starts = given("--starts");
+  if (starts != nullptr) solving.starts(smallCount(*starts, "--starts"));
+  if (const Value* seed = given("--seed")) solving.seed(smallCount(*seed, "--seed"));
+  if (const Value* most = given("--max-evaluations")) {
+    solving.max_evaluations(smallCount(*most, "--max-evaluations"));
+  }
+  if (given("--paper") != nullptr) {
+    if (given("--solver") != nullptr || starts != nullptr) {
+      rejectInput(
+          "--paper: it names its own solver and start, so --solver and --starts do not "
+          "go with it");
+    }
+    solving.paper(true);
+    solving.solver("");
+    solving.starts(0);
+  } else if (given("--solver") != nullptr || starts != nullptr) {
+    solving.paper(false);
+  }
+  if (const Value* form = given("--normal-form")) {
+    solving.normal_form(form->text == "sum" ? v1::NORMAL_SUM : v1::NORMAL_COSINE);
+  }
+  const bool avoid = given("--avoid-penetration") != nullptr;
+  const bool allow = given("--allow-penetration") != nullptr;
+  if (avoid && allow)
+    rejectInput("--avoid-penetration: it does not go with --allow-penetration");
+  if (avoid) solving.penetration(v1::PENETRATION_AVOIDED);
+  if (allow) solving.penetration(v1::PENETRATION_REPORTED);
+  return solving;
+}
+
+v1::EditBody solver(const Match& match, Scene& scene) {
+  Match named = match;
+  named.options.emplace("--solver", match.values.at(0));
+  return bodyOf(&v1::EditBody::solving, solvingWith(scene.settings().solving(), named));
+}
+
+v1::EditBody solverOfPaper(const Match& match, Scene& scene) {
+  Match named = match;
+  named.options.emplace("--paper", Value());
+  return bodyOf(&v1::EditBody::solving, solvingWith(scene.settings().solving(), named));
+}
+
+v1::EditBody choose(const Match& match, Scene& /*scene*/) {
+  const std::uint32_t number = smallCount(match.values.at(0), "choose");
+  if (number == 0) rejectInput("choose 0: minima count from 1");
+  v1::ChoiceEdit edit;
+  edit.rank(number - 1);
+  return bodyOf(&v1::EditBody::choice, edit);
+}
+
+// === History
+
+v1::EditBody undo(const Match& match, Scene& /*scene*/) {
+  return stepsEdit(v1::EDIT_UNDO, match);
+}
+
+v1::EditBody redo(const Match& match, Scene& /*scene*/) {
+  return stepsEdit(v1::EDIT_REDO, match);
+}
+
+v1::EditBody snapshot(const Match& match, Scene& /*scene*/) {
+  return snapshotEdit(v1::EDIT_SNAPSHOT, word(match, 0));
+}
+
+v1::EditBody restore(const Match& match, Scene& /*scene*/) {
+  return snapshotEdit(v1::EDIT_RESTORE, word(match, 0));
+}
+
+}  // namespace handgraft::client::editor

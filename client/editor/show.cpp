@@ -1,0 +1,364 @@
+#include "client/editor/show.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "client/minima_text.h"
+#include "client/text_output.h"
+#include "idl/names.h"
+
+namespace handgraft::client::editor {
+
+namespace {
+
+using json::Json;
+using text::plain;
+using Rows = std::vector<std::vector<std::string>>;
+
+const v1::PatchFit* worstOf(const v1::PoseSolution& solution) {
+  const v1::PatchFit* worst = nullptr;
+  for (const v1::PatchFit& patch : solution.patches()) {
+    if (patch.point_count() == 0) continue;
+    if (worst == nullptr || patch.mean_mm() > worst->mean_mm()) worst = &patch;
+  }
+  return worst;
+}
+
+// Over all points.
+double meanOf(const v1::PoseSolution& solution) {
+  double sum = 0.0;
+  double count = 0.0;
+  for (const v1::PatchFit& patch : solution.patches()) {
+    sum += patch.point_count() * patch.mean_mm();
+    count += patch.point_count();
+  }
+  return count > 0.0 ? sum / count : 0.0;
+}
+
+std::string number(double value) {
+  return fmt::format("{:.4g}", value);
+}
+
+std::string triple(const std::array<double, 3>& v) {
+  return fmt::format("{:.4g} {:.4g} {:.4g}", v[0], v[1], v[2]);
+}
+
+std::string place(const v1::Pose& X) {
+  const auto& q = X.q_wxyz();
+  return fmt::format("{} (quaternion {:.4g} {:.4g} {:.4g} {:.4g})", triple(X.p_m()), q[0], q[1],
+                     q[2], q[3]);
+}
+
+std::string yes(bool value) {
+  return value ? "yes" : "";
+}
+
+std::string turned(const std::array<double, 3>& direction, bool open) {
+  const bool known = direction[0] != 0.0 || direction[1] != 0.0 || direction[2] != 0.0;
+  return (known ? triple(direction) : std::string("-")) + (open ? " (open)" : "");
+}
+
+std::string shortName(const v1::ClientId& client) {
+  if (std::all_of(client.begin(), client.end(), [](std::uint8_t byte) {
+        return byte == 0;
+      })) {
+    return "nobody";
+  }
+  return fmt::format("{:02x}{:02x}", client[client.size() - 2], client[client.size() - 1]);
+}
+
+std::string solvingText(const v1::SolveOptions& solving) {
+  std::string line = solving.paper()            ? "the paper's own"
+                     : solving.solver().empty() ? "default"
+                                                : plain(solving.solver());
+  line +=
+      solving.starts() == 0 ? ", default starts" : fmt::format(", {} starts", solving.starts());
+  line += fmt::format(", seed {}", solving.seed());
+  if (solving.max_evaluations() > 0)
+    line += fmt::format(", at most {} evaluations a start", solving.max_evaluations());
+  line += solving.normal_form() == v1::NORMAL_SUM ? ", normals by sum" : ", normals by cosine";
+  line += solving.penetration() == v1::PENETRATION_AVOIDED ? ", penetration avoided"
+                                                           : ", penetration reported";
+  return line;
+}
+
+Json solvingJson(const v1::SolveOptions& solving) {
+  return {{"solver", solving.solver()},
+          {"starts", solving.starts()},
+          {"seed", solving.seed()},
+          {"max_evaluations", solving.max_evaluations()},
+          {"paper", solving.paper()},
+          {"normal_form", solving.normal_form() == v1::NORMAL_SUM ? "sum" : "cosine"},
+          {"avoid_penetration", solving.penetration() == v1::PENETRATION_AVOIDED}};
+}
+
+Json stateJson(const v1::SessionState& state) {
+  return {{"session_id", state.session_id()}, {"revision", state.revision()},
+          {"phase", nameOf(state.phase())},   {"hand", state.hand()},
+          {"object", state.object()},         {"contacts", state.contacts()},
+          {"message", state.message()},       {"undo_count", state.undo_count()},
+          {"redo_count", state.redo_count()}, {"last_edit", state.last_edit()}};
+}
+
+}  // namespace
+
+// === Solutions
+
+std::string statusLine(const v1::PoseSolution& solution) {
+  std::string line =
+      fmt::format("revision {}: objective {:.6g}, mean {:.2f} mm", solution.revision(),
+                  solution.terms().objective(), meanOf(solution));
+  if (const v1::PatchFit* worst = worstOf(solution)) {
+    line += fmt::format(", worst {} {:.2f} mm", plain(worst->name()), worst->mean_mm());
+  }
+  if (!solution.penetration().empty() && solution.penetration()[0].max_depth_m() > 0.0) {
+    line += fmt::format(", {:.1f} mm deep", 1e3 * solution.penetration()[0].max_depth_m());
+  }
+  if (solution.outcome() != v1::OUTCOME_CONVERGED) {
+    line += fmt::format(", {}", nameOf(solution.outcome()));
+  }
+  if (!solution.verdict().empty()) line += "; " + plain(solution.verdict());
+  return line;
+}
+
+Json status(const v1::PoseSolution& solution) {
+  Json all = {{"revision", solution.revision()}, {"outcome", nameOf(solution.outcome())},
+              {"solver", solution.solver()},     {"objective", solution.terms().objective()},
+              {"mean_mm", meanOf(solution)},     {"worst", nullptr},
+              {"verdict", solution.verdict()}};
+  if (const v1::PatchFit* worst = worstOf(solution)) {
+    all["worst"] = {{"patch", worst->name()}, {"mean_mm", worst->mean_mm()}};
+  }
+  return all;
+}
+
+Told tellSolution(const v1::PoseSolution& solution) {
+  Told told;
+  Rows rows = {{"patch", "mean mm", "max mm", "normal deg", "in 5 mm", "points", "verdict"}};
+  Json patches = Json::array();
+  for (const v1::PatchFit& patch : solution.patches()) {
+    rows.push_back({plain(patch.name()), fmt::format("{:.2f}", patch.mean_mm()),
+                    fmt::format("{:.2f}", patch.max_mm()),
+                    fmt::format("{:.1f}", patch.normal_deg()),
+                    fmt::format("{:.0f} %", 100.0 * patch.within_5mm()),
+                    std::to_string(patch.point_count()),
+                    patch.diagnosis().text().empty() ? nameOf(patch.diagnosis().verdict())
+                                                     : plain(patch.diagnosis().text())});
+    patches.push_back({{"name", patch.name()},
+                       {"mean_mm", patch.mean_mm()},
+                       {"max_mm", patch.max_mm()},
+                       {"normal_deg", patch.normal_deg()},
+                       {"within_5mm", patch.within_5mm()},
+                       {"point_count", patch.point_count()},
+                       {"verdict", nameOf(patch.diagnosis().verdict())},
+                       {"text", patch.diagnosis().text()}});
+  }
+  const v1::Terms& terms = solution.terms();
+  told.text = text::table(rows, "lrrrrrl") + "\n";
+  told.text += fmt::format(
+      "distance {:.4g} m2, normal {:.4g}, prior {:.4g}, by {} after {} "
+      "evaluations\n",
+      terms.distance_m2(), terms.normal(), terms.prior(), plain(solution.solver()),
+      solution.evaluations());
+  if (!solution.joints_at_limit().empty()) {
+    told.text +=
+        fmt::format("joints at limits: {}\n", text::listed(solution.joints_at_limit()));
+  }
+  told.text += statusLine(solution) + "\n";
+  told.data = {{"solution", status(solution)},
+               {"patches", patches},
+               {"X_WH", json::pose(solution.X_WH())},
+               {"X_WO", json::pose(solution.X_WO())},
+               {"joint_rad", json::listOf(solution.joint_rad())},
+               {"joints_at_limit", json::listOf(solution.joints_at_limit())}};
+  return told;
+}
+
+Told tellMinima(const v1::PoseSolution& solution, const v1::HandDescription& hand) {
+  Told told;
+  told.text = text::minima(solution, hand);
+  if (told.text.empty()) told.text = "the last solution brought no list of minima\n";
+  Json minima = Json::array();
+  for (const v1::MinimumInfo& minimum : solution.minima()) {
+    minima.push_back({{"objective", minimum.terms().objective()},
+                      {"solver", minimum.solver()},
+                      {"start", minimum.start()},
+                      {"hits", minimum.hits()},
+                      {"X_WH", json::pose(minimum.X_WH())},
+                      {"joint_rad", json::listOf(minimum.joint_rad())}});
+  }
+  told.data = {{"minima", minima}, {"chosen", solution.chosen_minimum() + 1}};
+  return told;
+}
+
+// === What the session is made of
+
+Told tellSession(const v1::SessionSettings& settings) {
+  const v1::SessionState& state = settings.state();
+  Told told;
+  told.text = text::table(
+      {{"session", std::to_string(state.session_id())},
+       {"revision", std::to_string(state.revision())},
+       {"phase", nameOf(state.phase())},
+       {"hand", plain(state.hand())},
+       {"object", plain(state.object())},
+       {"contacts", plain(state.contacts())},
+       {"last edit", state.last_edit().empty()
+                         ? "none"
+                         : fmt::format("{} (by {})", plain(state.last_edit()),
+                                       shortName(state.last_client()))},
+       {"history",
+        fmt::format("{} to undo, {} to redo", state.undo_count(), state.redo_count())}},
+      "l");
+  if (!state.message().empty()) told.text += plain(state.message()) + "\n";
+  told.text += text::notes(settings.notes());
+  told.data = {{"session", stateJson(state)}, {"notes", json::listOf(settings.notes())}};
+  return told;
+}
+
+Told tellPatches(const v1::SessionSettings& settings) {
+  Told told;
+  Rows rows = {{"patch", "on", "weight", "site", "root on hand", "direction on hand",
+                "root on object", "direction on object"}};
+  Json patches = Json::array();
+  const auto root = [](const v1::SurfacePoint& point) {
+    return fmt::format("face {} {}", point.face(), triple(point.barycentric()));
+  };
+  for (const v1::PatchState& patch : settings.patches()) {
+    rows.push_back(
+        {plain(patch.name()), yes(patch.enabled()), number(patch.weight()), plain(patch.site()),
+         patch.placed() ? root(patch.root_S()) + (patch.root_is_open() ? " (open)" : "")
+                        : "none: " + plain(patch.reason()),
+         patch.placed() ? turned(patch.direction_S(), patch.direction_is_open()) : "",
+         root(patch.root_O()), turned(patch.direction_O(), false)});
+    patches.push_back({{"name", patch.name()},
+                       {"enabled", patch.enabled()},
+                       {"weight", patch.weight()},
+                       {"site", patch.site()},
+                       {"placed", patch.placed()},
+                       {"reason", patch.reason()},
+                       {"root_is_open", patch.root_is_open()},
+                       {"direction_is_open", patch.direction_is_open()},
+                       {"root_S", json::surfacePoint(patch.root_S())},
+                       {"direction_S", json::listOf(patch.direction_S())},
+                       {"root_O", json::surfacePoint(patch.root_O())},
+                       {"direction_O", json::listOf(patch.direction_O())}});
+  }
+  told.text = text::table(rows, "llrl");
+  told.data = {{"patches", patches}};
+  return told;
+}
+
+Told tellJoints(const v1::SessionSettings& settings) {
+  Told told;
+  Rows rows = {{"joint", "value", "prior", "lower", "upper", "model", "held"}};
+  Json joints = Json::array();
+  for (const v1::JointSetting& joint : settings.joints()) {
+    const bool as_model = joint.lower_rad() == joint.model_lower_rad() &&
+                          joint.upper_rad() == joint.model_upper_rad();
+    std::string held = joint.locked() ? "locked" : "";
+    if (joint.soft()) {
+      held +=
+          fmt::format("{}soft, weight {:.4g}", held.empty() ? "" : ", ", joint.soft_weight());
+    }
+    rows.push_back({plain(joint.name()), number(joint.value_rad()), number(joint.prior_rad()),
+                    number(joint.lower_rad()), number(joint.upper_rad()),
+                    as_model ? ""
+                             : fmt::format("{:.4g} to {:.4g}", joint.model_lower_rad(),
+                                           joint.model_upper_rad()),
+                    held});
+    joints.push_back({{"name", joint.name()},
+                      {"value_rad", joint.value_rad()},
+                      {"prior_rad", joint.prior_rad()},
+                      {"lower_rad", joint.lower_rad()},
+                      {"upper_rad", joint.upper_rad()},
+                      {"model_lower_rad", joint.model_lower_rad()},
+                      {"model_upper_rad", joint.model_upper_rad()},
+                      {"locked", joint.locked()},
+                      {"soft", joint.soft()},
+                      {"soft_weight", joint.soft_weight()}});
+  }
+  told.text = text::table(rows, "lrrrrll");
+  told.data = {{"joints", joints}};
+  return told;
+}
+
+Told tellSettings(const v1::SessionSettings& settings) {
+  const v1::Weights& weights = settings.weights();
+  const v1::PriorShares& shares = settings.prior_shares();
+  const v1::TransferOptions& transfer = settings.transfer();
+  Told told;
+  told.text = text::table(
+      {{"object X_WO", place(settings.X_WO())},
+       {"start X_WH", place(settings.X_WH())},
+       {"prior X_WH", place(settings.prior_X_WH())},
+       {"weights", fmt::format("distance {:.4g}, normal {:.4g}, prior {:.4g}",
+                               weights.distance(), weights.normal(), weights.prior())},
+       {"prior shares",
+        fmt::format("rotation {:.4g}, translation {:.4g}, joints {:.4g}",
+                    shares.root_rotation(), shares.root_translation(), shares.joints())},
+       {"solver", solvingText(settings.solving())},
+       {"log maps",
+        fmt::format("{}, {} interior rings",
+                    transfer.method().empty() ? "default" : plain(transfer.method()),
+                    transfer.interior_rings())}},
+      "l");
+  told.data = {
+      {"X_WO", json::pose(settings.X_WO())},
+      {"X_WH", json::pose(settings.X_WH())},
+      {"prior_X_WH", json::pose(settings.prior_X_WH())},
+      {"weights",
+       {{"distance", weights.distance()},
+        {"normal", weights.normal()},
+        {"prior", weights.prior()}}},
+      {"prior_shares",
+       {{"root_rotation", shares.root_rotation()},
+        {"root_translation", shares.root_translation()},
+        {"joints", shares.joints()}}},
+      {"solving", solvingJson(settings.solving())},
+      {"transfer",
+       {{"method", transfer.method()}, {"interior_rings", transfer.interior_rings()}}}};
+  return told;
+}
+
+Told tellHistory(const v1::SessionSettings& settings) {
+  Told told;
+  // Oldest first, the present in the middle, as a page is read.
+  for (auto edit = settings.undo().rbegin(); edit != settings.undo().rend(); ++edit)
+    told.text += fmt::format("  {}\n", plain(*edit));
+  told.text += fmt::format("* revision {}\n", settings.state().revision());
+  for (const std::string& edit : settings.redo())
+    told.text += fmt::format("  {} (undone)\n", plain(edit));
+  told.data = {{"undo", json::listOf(settings.undo())},
+               {"redo", json::listOf(settings.redo())}};
+  return told;
+}
+
+Told tellSnapshots(const v1::SessionSettings& settings) {
+  Told told;
+  for (const std::string& name : settings.snapshots())
+    told.text += plain(name) + "\n";
+  if (settings.snapshots().empty()) told.text = "no snapshots\n";
+  told.data = {{"snapshots", json::listOf(settings.snapshots())}};
+  return told;
+}
+
+Told tellDifferences(const v1::CompareReply& reply) {
+  Told told;
+  Rows rows;
+  Json differences = Json::array();
+  for (const v1::Difference& difference : reply.differences()) {
+    rows.push_back({plain(difference.what()), plain(difference.a()), plain(difference.b())});
+    differences.push_back({{"what", difference.what()},
+                           {"a", difference.a()},
+                           {"b", difference.b()},
+                           {"change", difference.change()}});
+  }
+  told.text = rows.empty() ? "no difference\n" : text::table(rows, "lrr");
+  told.data = {{"differences", differences}};
+  return told;
+}
+
+}  // namespace handgraft::client::editor

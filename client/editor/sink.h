@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+
+#include "client/editor/show.h"
+#include "client/failure.h"
+
+namespace handgraft::client::editor {
+
+/// Where the editor writes: lines for people, or one JSON object a line.
+///
+/// Objects: {"command", "ok": true, ...} of each command done, {"command", "ok": false,
+/// "error", "exit_code"} of one that failed, {"event", ...} of what happens meanwhile.
+class Sink {
+ public:
+  enum class Form { kText, kJson };
+
+  explicit Sink(Form form) : form_(form) {}
+
+  [[nodiscard]] bool isJson() const { return form_ == Form::kJson; }
+
+  /// Of a script's command, before it runs; nothing in JSON, whose objects name it.
+  void echo(const std::string& command) const;
+  void done(const std::string& command, const Told& told) const;
+  /// In text, on standard error.
+  void failed(const std::string& command, const Failure& failure) const;
+  /// Something that happens while a command runs, or between two. `json` is one object on a
+  /// line.
+  void event(const std::string& text, const std::string& json) const;
+  /// For people alone.
+  void note(const std::string& line) const;
+
+ private:
+  Form form_;
+};
+
+}  // namespace handgraft::client::editor

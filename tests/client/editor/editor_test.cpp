@@ -1,0 +1,242 @@
+#include "client/editor/editor.h"
+
+#include <csignal>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "client/failure.h"
+#include "client/model_files.h"
+#include "core/base/error.h"
+#include "core/base/progress.h"
+
+#include "tests/client/editor/fake_desk.h"
+#include "tests/support/shared_data.h"
+#include "tests/support/test_domain.h"
+
+namespace handgraft::client::editor {
+namespace {
+
+using idl::cyclone::Refused;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+class EditorTest : public testing::Test {
+ protected:
+  EditorTest()
+      : network_{domain_.number(), "lo"},
+        desk_(network_),
+        server_(network_, Absence::kFail, interruption_),
+        editor_(server_, interruption_, sink_, desk_.state()) {}
+
+  std::string told(const std::string& line) {
+    testing::internal::CaptureStdout();
+    try {
+      editor_.run(line);
+    } catch (...) {
+      testing::internal::GetCapturedStdout();
+      throw;
+    }
+    return testing::internal::GetCapturedStdout();
+  }
+
+  Failure failureOfScript(const std::string& text) {
+    std::istringstream lines(text);
+    testing::internal::CaptureStdout();
+    Failure failure{0, ""};
+    try {
+      editor_.runScript(
+          [&]() -> std::optional<std::string> {
+            std::string line;
+            if (!std::getline(lines, line)) return std::nullopt;
+            return line;
+          },
+          "test.hg");
+    } catch (const std::exception& error) {
+      failure = failureOf(error);
+    }
+    echoed_ = testing::internal::GetCapturedStdout();
+    return failure;
+  }
+
+  test::TestDomain domain_;
+  Network network_;
+  test::FakeDesk desk_;
+  Interruption interruption_;
+  ServerLink server_;
+  Sink sink_{Sink::Form::kText};
+  Editor editor_;
+  std::string echoed_;
+};
+
+TEST_F(EditorTest, TellsASolutionForEveryEdit) {
+  EXPECT_EQ(told("lock bend"),
+            "revision 1: objective 11, mean 2.50 mm, worst index 3.00 mm; 2 of 2 patches "
+            "reached\n");
+  EXPECT_THAT(told("weight thumb 0.2; unlock bend"),
+              AllOf(HasSubstr("revision 2: objective 12"), HasSubstr("revision 3: ")));
+  ASSERT_EQ(desk_.edits().size(), 3U);
+  EXPECT_EQ(desk_.edits()[0].body()._d(), v1::EDIT_JOINT_LOCK);
+  EXPECT_EQ(desk_.edits()[1].base_revision(), 1U);
+  EXPECT_EQ(desk_.edits()[2].base_revision(), 2U);
+}
+
+TEST_F(EditorTest, ANewSnapshotWaitsForNoSolution) {
+  EXPECT_EQ(told("snapshot before"), "revision 1\n");
+}
+
+TEST_F(EditorTest, TellsWhyASolveFailed) {
+  desk_.fail = true;
+  try {
+    told("disable thumb");
+    FAIL() << "a failed solve was taken for a solution";
+  } catch (const SolveFailed& failed) {
+    EXPECT_STREQ(failed.what(), "the hand has no point left");
+  }
+}
+
+TEST_F(EditorTest, AStaleEditIsRefusedWithWhatCameBefore) {
+  told("lock bend");
+  desk_.editByOther("limit bend upper 0.6", false);
+  try {
+    told("unlock bend");
+    FAIL() << "a stale edit was applied";
+  } catch (const Refused& refused) {
+    EXPECT_EQ(refused.code(), v1::ERROR_CONFLICT);
+    EXPECT_THAT(refused.what(), AllOf(HasSubstr("revision 2"), HasSubstr("abab"),
+                                      HasSubstr("limit bend upper 0.6")));
+    EXPECT_EQ(failureOf(refused).exit_code, 2);
+  }
+  EXPECT_EQ(desk_.edits().size(), 1U);
+  EXPECT_THAT(told("unlock bend"), HasSubstr("revision 3"));  // now it has been shown
+}
+
+TEST_F(EditorTest, WhatOthersDoIsNewsOnce) {
+  told("lock bend");
+  desk_.editByOther("lock slide", true);
+  std::vector<std::string> news;
+  for (int i = 0; i < 500 && news.empty(); ++i) {
+    news = editor_.session().news();
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  ASSERT_EQ(news.size(), 1U);
+  EXPECT_THAT(news[0], AllOf(HasSubstr("revision 2"), HasSubstr("lock slide")));
+  EXPECT_TRUE(editor_.session().news().empty());
+  EXPECT_THAT(told("unlock bend"), HasSubstr("revision 3"));
+}
+
+TEST_F(EditorTest, CtrlCCancelsASolveAndNothingElse) {
+  desk_.hang = true;
+  std::thread user([this] {
+    while (!desk_.hanging)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    raise(SIGINT);
+  });
+  EXPECT_THROW(told("solve"), Cancelled);
+  user.join();
+  interruption_.reset();
+  desk_.hang = false;
+  EXPECT_THAT(told("lock bend"), HasSubstr("revision 1: objective 11"));
+  EXPECT_THAT(told("solve"), HasSubstr("objective 11"));
+  EXPECT_THAT(desk_.operations(), Not(testing::Contains(v1::OP_CLOSE_SESSION)));
+}
+
+TEST_F(EditorTest, AScriptEchoesAndStopsAtItsFirstFailure) {
+  const Failure failure = failureOfScript("# a comment\n\nlock bend\nlock bent\nunlock bend\n");
+  EXPECT_EQ(failure.exit_code, 2);
+  EXPECT_THAT(failure.message, AllOf(testing::StartsWith("test.hg:4: "), HasSubstr("'bent'")));
+  EXPECT_THAT(echoed_, AllOf(testing::StartsWith("> lock bend\nrevision 1"),
+                             HasSubstr("> lock bent"), Not(HasSubstr("> unlock"))));
+  EXPECT_EQ(desk_.edits().size(), 1U);
+}
+
+TEST_F(EditorTest, ScriptsRunScripts) {
+  const auto inner = test::scratchDirectory() / "inner.hg";
+  std::ofstream(inner) << "lock bend\nlock nothing\n";
+  const Failure failure = failureOfScript("!script " + inner.string() + "\n");
+  EXPECT_THAT(failure.message,
+              testing::StartsWith("test.hg:1: " + inner.string() + ":2: lock: 'nothing'"));
+  EXPECT_EQ(desk_.edits().size(), 1U);
+
+  const auto endless = test::scratchDirectory() / "endless.hg";
+  std::ofstream(endless) << "!script " << endless.string() << "\n";
+  EXPECT_THAT(failureOfScript("!script " + endless.string()).message, HasSubstr("nest"));
+}
+
+TEST_F(EditorTest, QuitEndsAScript) {
+  EXPECT_EQ(failureOfScript("quit\nlock bend\n").exit_code, 0);
+  EXPECT_TRUE(editor_.finished());
+  EXPECT_FALSE(editor_.closed());
+  EXPECT_TRUE(desk_.edits().empty());
+}
+
+TEST_F(EditorTest, CloseEndsTheSession) {
+  EXPECT_EQ(told("close; lock bend"), "closed session 7\n");
+  EXPECT_TRUE(editor_.closed());
+  EXPECT_THAT(desk_.operations(), testing::Contains(v1::OP_CLOSE_SESSION));
+}
+
+TEST_F(EditorTest, WritesFiles) {
+  const std::string folder = test::scratchDirectory().string();
+  told("save " + folder + "/session.json; export csv " + folder + "/pose.csv");
+  EXPECT_EQ(readFile(folder + "/session.json"), "the session");
+  EXPECT_EQ(readFile(folder + "/pose.csv"), "csv of 7");
+  EXPECT_THROW(told("save /no/such/folder/session.json"), InvalidInput);
+}
+
+TEST_F(EditorTest, AReplayThatDiffersFails) {
+  const std::string file = (test::scratchDirectory() / "log.json").string();
+  std::ofstream(file) << "{}";
+  EXPECT_EQ(told("replay " + file), "3 entries played; it ends the same\n");
+  desk_.same = false;
+  try {
+    told("replay " + file);
+    FAIL() << "a difference was taken for success";
+  } catch (const CommandFailed& failed) {
+    EXPECT_EQ(failed.exitCode(), 1);
+    EXPECT_THAT(failed.what(), HasSubstr("entry 2 differs"));
+  }
+}
+
+TEST_F(EditorTest, ShowsWhatASessionIsMadeOf) {
+  EXPECT_THROW(told("show"), InvalidInput);  // nothing is solved yet
+  told("solve");
+  EXPECT_THAT(told("show"), AllOf(HasSubstr("thumb"), HasSubstr("3.00")));
+  EXPECT_THAT(told("show joints"), AllOf(HasSubstr("bend"), HasSubstr("-0.5")));
+  EXPECT_THAT(told("show settings"), HasSubstr("slsqp, 8 starts"));
+  EXPECT_THAT(told("show session"), HasSubstr("plate_2"));
+  EXPECT_EQ(told("show snapshots"), "before\n");
+  EXPECT_THAT(told("show history"), HasSubstr("* revision 0"));
+}
+
+TEST(EditorInJson, PrintsOneObjectALine) {
+  const test::TestDomain domain;
+  const Network network{domain.number(), "lo"};
+  test::FakeDesk desk(network);
+  Interruption interruption;
+  ServerLink server(network, Absence::kFail, interruption);
+  const Sink sink(Sink::Form::kJson);
+  Editor editor(server, interruption, sink, desk.state());
+  testing::internal::CaptureStdout();
+  EXPECT_THROW(editor.run("lock bend; show joints; lock bent; solve"), InvalidInput);
+  std::istringstream lines(testing::internal::GetCapturedStdout());
+  std::vector<nlohmann::json> objects;
+  for (std::string line; std::getline(lines, line);)
+    objects.push_back(nlohmann::json::parse(line));
+  ASSERT_EQ(objects.size(), 3U);
+  EXPECT_EQ(objects[0]["command"], "lock bend");
+  EXPECT_EQ(objects[0]["ok"], true);
+  EXPECT_EQ(objects[0]["revision"], 1);
+  EXPECT_EQ(objects[0]["solution"]["worst"]["patch"], "index");
+  EXPECT_EQ(objects[1]["joints"][0]["name"], "bend");
+  EXPECT_EQ(objects[2]["ok"], false);
+  EXPECT_EQ(objects[2]["exit_code"], 2);
+}
+
+}  // namespace
+}  // namespace handgraft::client::editor
