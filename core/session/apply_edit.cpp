@@ -213,7 +213,7 @@ void Editing::apply(const DragEdit& edit) {
   }
   bench_.transfer(progress_);
   const optimize::DragResult result =
-      optimize::drag(bench_.problem(edited.document.solving), target, {}, progress_);
+      optimize::drag(bench_.problem(Solving()), target, {}, progress_);
   takePose(result.pose);
   constexpr double kTold_m = 1e-4;
   constexpr double kTold_rad = 1e-3;

@@ -30,6 +30,28 @@ bool isOfHistory(const Edit& edit) {
          std::holds_alternative<RestoreEdit>(edit);
 }
 
+void validateDocument(const Document& document, ModelShelf& shelf) {
+  if (document.contacts != shelf.first().contacts_name) {
+    rejectInput("contacts {}; the session was opened with {}", quoted(document.contacts),
+                quoted(shelf.first().contacts_name));
+  }
+  validate(document, shelf.find(document.hand, document.object, Progress()));
+}
+
+/// All documents that it leads to.
+void validateHistory(const History& history, ModelShelf& shelf) {
+  validateDocument(history.present(), shelf);
+  for (const History::Steps* steps : {&history.undoSteps(), &history.redoSteps()}) {
+    Document document = history.present();
+    for (auto step = steps->rbegin(); step != steps->rend(); ++step) {
+      document = applyTo(std::move(document), (*step)->change);
+      validateDocument(document, shelf);
+    }
+  }
+  for (const auto& [name, snapshot] : history.snapshots())
+    validateDocument(snapshot->document, shelf);
+}
+
 }  // namespace
 
 Session::Session(SessionModels models,
@@ -61,6 +83,8 @@ Session::Session(SessionModels models, SavedSession saved)
       history_(std::move(saved.history)),
       log_(std::move(saved.first), std::move(saved.log)),
       revision_(saved.revision) {
+  validateHistory(history_, *shelf_);
+  validateHistory(log_.first().history, *shelf_);
   bench_.follow(document(), Progress());
 }
 
@@ -186,6 +210,16 @@ void Session::commit(Solution solution) {
   log_.add(std::shared_ptr<const CommittedSolve>(std::move(entry)), history_, revision_);
 }
 
+void Session::commit(const CommittedSolve& solve) {
+  Document after = applyTo(document(), solve.change);
+  validateDocument(after, *shelf_);
+  bench_.follow(after, Progress());
+  history_.commit(std::move(after));
+  minima_.clear();
+  chosen_minimum_ = 0;
+  log_.add(std::make_shared<const CommittedSolve>(solve), history_, revision_);
+}
+
 void Session::noteCancelledSolve() {
   log_.add(CancelledSolve(), history_, revision_);
 }
@@ -215,7 +249,8 @@ optimize::SolveReport Session::optimize(const optimize::SolveOptions& options,
   }
   solving.seed = options.seed;
   solving.max_evaluations = options.max_evaluations;
-  Solution solution = solve(solving, {options.threads, false, options.on_improvement}, progress);
+  Solution solution =
+      solve(solving, {options.threads, false, options.on_improvement}, progress);
   optimize::SolveReport report = solution.report;
   commit(std::move(solution));
   return report;

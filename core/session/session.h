@@ -63,7 +63,8 @@ class Session {
           const optimize::Weights& weights,
           const transfer::TransferOptions& transfer_options = {});
 
-  /// A session as it was saved. Errors: InvalidInput if the models lack something it names.
+  /// A session as it was saved. Errors: InvalidInput if the models lack something that it
+  /// names, or one of its documents breaks what documents promise (apply_edit.h).
   Session(SessionModels models, SavedSession saved);
 
   ~Session();
@@ -116,6 +117,9 @@ class Session {
   /// called for solutions whose publication nobody saw.
   /// Errors: BrokenContract if the session was edited since it was solved.
   void commit(Solution solution);
+
+  /// Takes a committed solve of a log, by its value. Errors: InvalidInput if it does not fit.
+  void commit(const CommittedSolve& solve);
 
   /// Writes down that a solve ended without an answer.
   void noteCancelledSolve();

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "core/base/progress.h"
+#include "core/session/session.h"
+
+namespace handgraft::io {
+
+/// A saved session as its text says, before its models are looked up.
+struct SessionFile {
+  std::string hand;  ///< names of the models it was opened with
+  std::string object;
+  std::string contacts;
+  /// SHA-256 of all models that it knew, by "hand NAME", "object NAME" and "contacts NAME".
+  std::map<std::string, std::string> hashes;
+  session::SavedSession session;
+};
+
+/// The text of `handgraft-session/1` (README of this folder), exact: every number is written so
+/// that reading gives the same bits.
+/// Cost: milliseconds; models are hashed when they are first saved.
+std::string sessionText(session::Session& session);
+
+/// Reads such a text. Nothing is believed of it but its form: what it says is checked when it
+/// is opened. Errors: InvalidInput naming the field.
+SessionFile readSessionText(const std::string& text);
+
+/// The session that a file holds, on these models, which carry the file's names.
+/// Errors: InvalidInput naming a model that is another one than the session was saved with, or
+/// what in its documents does not fit the models.
+session::Session openSession(const SessionFile& file,
+                             session::SessionModels models,
+                             const Progress& progress);
+
+/// The same for a replay: names and hashes alone. Errors: InvalidInput naming the model.
+void requireSameModels(const SessionFile& file,
+                       session::SessionModels models,
+                       const Progress& progress);
+
+}  // namespace handgraft::io
