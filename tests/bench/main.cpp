@@ -40,18 +40,20 @@ int main(int argc, char** argv) {
   handgraft::bench::addLogMapCommand(app);
   handgraft::bench::addLogMapAccuracyCommand(app);
   handgraft::bench::addLogMapSpeedCommand(app);
+  handgraft::bench::addPairsCommand(app);
   handgraft::bench::addPlacementsCommand(app);
   handgraft::bench::addScalingCommand(app);
   handgraft::bench::addSolveCommand(app);
   handgraft::bench::addSolversCommand(app);
   handgraft::bench::addSurveyCommand(app);
+  handgraft::bench::addTablesCommand(app);
   handgraft::bench::addTransferCommand(app);
   try {
     app.parse(argc, argv);
     if (!app.get_subcommands().empty()) return 0;
     return complain(
         "a command is missing; there are: baseline chain import logmap logmap-accuracy "
-        "logmap-speed placements scaling solve solvers survey transfer",
+        "logmap-speed pairs placements scaling solve solvers survey tables transfer",
         kWrongInput);
   } catch (const CLI::Success& help) {
     return app.exit(help);

@@ -10,6 +10,7 @@
 #include "core/base/error.h"
 #include "core/io/problem_file.h"
 
+#include "tests/bench/grasp_problems.h"
 #include "tests/bench/problem_folder.h"
 #include "tests/bench/scaling.h"
 #include "tests/bench/timed_solve.h"
@@ -27,19 +28,6 @@ struct PlacementsArguments {
   SolveSettings settings;
 };
 
-double uniform(std::mt19937& random, double lower, double upper) {
-  return lower + (upper - lower) * static_cast<double>(random()) / 4294967296.0;
-}
-
-Eigen::Vector3d randomUnit(std::mt19937& random) {
-  for (;;) {
-    const double x = uniform(random, -1.0, 1.0);
-    const double y = uniform(random, -1.0, 1.0);
-    const Eigen::Vector3d v(x, y, uniform(random, -1.0, 1.0));
-    if (v.norm() > 0.1 && v.norm() < 1.0) return v.normalized();
-  }
-}
-
 /// The object turned by half a turn (the first) or anyhow and put up to half a metre off, seen
 /// from the hand, whose start and prior stay what they are.
 optimize::PoseProblem displaced(const optimize::PoseProblem& problem,
@@ -50,18 +38,7 @@ optimize::PoseProblem displaced(const optimize::PoseProblem& problem,
   Pose X_WV = Pose::Identity();
   X_WV.linear() = rotationFromVector(angle * randomUnit(random));
   X_WV.translation() = uniform(random, 0.3, 0.5) * randomUnit(random);
-  optimize::PoseProblem result = problem;
-  for (optimize::PointPair& pair : result.pairs) {
-    pair.p_W = X_WV * pair.p_W;
-    pair.n_W = X_WV.linear() * pair.n_W;
-  }
-  return result;
-}
-
-/// Distance and normals alone: the prior of the root knows where the object went.
-double fitOf(const optimize::PoseProblem& problem, const optimize::SolveReport& report) {
-  return problem.weights.distance * report.terms.distance +
-         problem.weights.normal * report.terms.normal;
+  return moved(problem, X_WV);
 }
 
 void runPlacements(const PlacementsArguments& arguments) {
@@ -84,7 +61,7 @@ void runPlacements(const PlacementsArguments& arguments) {
       const TimedSolve run = timedSolve(poor, arguments.settings);
       const double gap = run.report.terms.objective / wanted.terms.objective - 1.0;
       const double fit_gap =
-          fitOf(poor.problem(), run.report) / fitOf(favourable, wanted) - 1.0;
+          fitOf(poor.problem(), run.report.terms) / fitOf(favourable, wanted.terms) - 1.0;
       times.push_back(run.ms_median);
       worst = std::max(worst, gap);
       ++count;

@@ -9,9 +9,9 @@ json=
 for word in "$@"; do
   case $word in
     --json) json=--json ;;
-    logmap | solve | import | chain | table | all) name=$word ;;
+    logmap | solve | tables | import | chain | table | all) name=$word ;;
     *)
-      echo "bench: there is no benchmark '$word'; there are: logmap, solve, import, chain, table" >&2
+      echo "bench: there is no benchmark '$word'; there are: logmap, solve, tables, import, chain, table" >&2
       exit 2
       ;;
   esac
@@ -62,6 +62,11 @@ bench_solve() {
   else
     title "the real problems need ../shared/data, which is not part of the project: skipped"
   fi
+  if [ -z "$json" ]; then
+    title "pairs of hands and contacts, written as problems and solved from the files"
+    [ -d "$data/hands" ] && export HANDGRAFT_SHARED_DATA=$data
+    "$bin/handgraft-bench" pairs build/bench_pairs --cache "$cache"
+  fi
 }
 
 # shellcheck disable=SC2086
@@ -87,14 +92,16 @@ bench_chain() {
   fi
 }
 
-# Rewrites the accuracy table of core/geometry/README.md, between its two marker lines.
-write_table() {
-  local readme=core/geometry/README.md table
+# write_between README WORDS COMMAND...: puts what the command prints between the lines
+# "<!-- WORDS: ..." and "<!-- end of WORDS -->" of a README.
+write_between() {
+  local readme=$1 words=$2 table
+  shift 2
   table=$(mktemp)
-  "$bin/handgraft-bench" logmap-accuracy --markdown >"$table"
-  awk -v table="$table" '
-    /^<!-- accuracy table: / { print; while ((getline line < table) > 0) print line; inside = 1 }
-    /^<!-- end of accuracy table -->/ { inside = 0; found = 1 }
+  "$@" >"$table"
+  awk -v table="$table" -v words="$words" '
+    index($0, "<!-- " words ": ") == 1 { print; while ((getline line < table) > 0) print line; inside = 1 }
+    index($0, "<!-- end of " words " -->") == 1 { inside = 0; found = 1 }
     !inside { print }
     END { exit !found }
   ' "$readme" >"$table.new"
@@ -108,7 +115,12 @@ case $name in
   solve) bench_solve ;;
   import) bench_import ;;
   chain) bench_chain ;;
-  table) write_table ;;
+  table)
+    write_between core/geometry/README.md "accuracy table" "$bin/handgraft-bench" logmap-accuracy --markdown
+    ;;
+  tables)
+    write_between tests/bench/README.md "paper tables" "$bin/handgraft-bench" tables --cache "$cache"
+    ;;
   all)
     bench_logmap
     bench_solve

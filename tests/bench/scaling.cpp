@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <random>
 #include <string>
@@ -10,6 +11,7 @@
 
 #include "core/io/problem_file.h"
 
+#include "tests/bench/grasp_problems.h"
 #include "tests/bench/problem_folder.h"
 #include "tests/bench/timed_solve.h"
 #include "tests/bench/timing.h"
@@ -25,31 +27,61 @@ struct ScalingArguments {
   SolveSettings settings;
 };
 
-double uniform(std::mt19937& random) {
-  return static_cast<double>(random()) / 4294967296.0;
-}
-
 /// A step of up to 1 mm along the surface.
 Eigen::Vector3d along(const Eigen::Vector3d& normal, std::mt19937& random) {
-  const Eigen::Vector3d step(uniform(random) - 0.5, uniform(random) - 0.5,
-                             uniform(random) - 0.5);
+  const auto part = [&random] {
+    return uniform(random, -0.5, 0.5);
+  };
+  const double x = part();
+  const double y = part();
+  const Eigen::Vector3d step(x, y, part());
   return 2e-3 * (step - step.dot(normal) / normal.squaredNorm() * normal);
 }
 
-/// `count` points in place of the problem's, strewn about them; together they weigh as much.
+/// How many of `count` points each group gets: one at least, the others by size, so that they
+/// are `count` together unless there are more groups.
+std::vector<int> shared(int count, const std::vector<std::size_t>& sizes) {
+  std::vector<int> shares(sizes.size(), 1);
+  for (int left = count - static_cast<int>(sizes.size()); left > 0; --left) {
+    // Who has fewest for its size is next.
+    std::size_t next = 0;
+    for (std::size_t k = 1; k < sizes.size(); ++k) {
+      if (static_cast<double>(sizes[k]) * shares[next] >
+          static_cast<double>(sizes[next]) * shares[k])
+        next = k;
+    }
+    ++shares[next];
+  }
+  return shares;
+}
+
+/// `count` points in place of the problem's, strewn about them. Each link that has points keeps
+/// some, which together weigh as much: a body without points would make the rest cheaper.
 optimize::PoseProblem withPoints(const optimize::PoseProblem& problem, int count) {
   std::mt19937 random(1);
+  std::map<int, std::vector<optimize::PointPair>> links;
+  for (const optimize::PointPair& pair : problem.pairs)
+    links[pair.link].push_back(pair);
+  std::vector<std::size_t> sizes;
+  for (const auto& [link, pairs] : links)
+    sizes.push_back(pairs.size());
+  const std::vector<int> shares = shared(count, sizes);
+
   optimize::PoseProblem result = problem;
   result.pairs.clear();
-  const double pairs = static_cast<double>(problem.pairs.size());
-  for (int i = 0; i < count; ++i) {
-    // Fewer points than pairs are spread evenly over them.
-    const double at = count < pairs ? i * pairs / count : std::fmod(i, pairs);
-    optimize::PointPair pair = problem.pairs[static_cast<std::size_t>(at)];
-    pair.p_L += along(pair.n_L, random);
-    pair.p_W += along(pair.n_W, random);
-    pair.weight *= pairs / count;
-    result.pairs.push_back(pair);
+  std::size_t group = 0;
+  for (const auto& [link, pairs] : links) {
+    const int share = shares[group++];
+    const double size = static_cast<double>(pairs.size());
+    for (int i = 0; i < share; ++i) {
+      // Fewer points than pairs are spread evenly over them.
+      const double at = share < size ? i * size / share : std::fmod(i, size);
+      optimize::PointPair pair = pairs[static_cast<std::size_t>(at)];
+      pair.p_L += along(pair.n_L, random);
+      pair.p_W += along(pair.n_W, random);
+      pair.weight *= size / share;
+      result.pairs.push_back(pair);
+    }
   }
   return result;
 }

@@ -10,4 +10,10 @@ void addScalingCommand(CLI::App& app);
 /// `placements DIR`: problems from favourable starts and from many poor ones.
 void addPlacementsCommand(CLI::App& app);
 
+/// `pairs OUT`: problems of many hands and contacts, written and solved from the files.
+void addPairsCommand(CLI::App& app);
+
+/// `tables`: the paper's Tables I and II, and how we fare.
+void addTablesCommand(CLI::App& app);
+
 }  // namespace handgraft::bench

@@ -1,5 +1,6 @@
 // The solver's commands run and print what the README says. No figure of time is judged.
 #include <algorithm>
+#include <filesystem>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -67,6 +68,34 @@ TEST(SolverBench, RefusesAFolderWithoutReference) {
     EXPECT_EQ(bench.exit_code, 2) << command;
     EXPECT_NE(bench.err.find("reference.json"), std::string::npos) << bench.err;
   }
+}
+
+// Skins are made for these two: of the hand that takes least.
+TEST(SolverBench, PairsAreWrittenAsProblemsAndSolvedFromThere) {
+  const std::filesystem::path out = test::scratchDirectory() / "pairs";
+  const test::Finished bench =
+      test::run(HANDGRAFT_BENCH, {"pairs", out.string(), "--hand", "barrett8", "--models",
+                                  HANDGRAFT_MODELS, "--placements", "1", "--repeat", "1",
+                                  "--cache", test::scratchDirectory().string()});
+  ASSERT_EQ(bench.exit_code, 0) << bench.err;
+  EXPECT_EQ(bench.out.rfind("4 pairs", 0) == 0U || bench.out.rfind("8 pairs", 0) == 0U, true)
+      << bench.out;
+  EXPECT_NE(bench.out.find("| 14 |"), std::string::npos) << bench.out;
+  const test::Finished again =
+      test::run(HANDGRAFT_BENCH, {"solve", (out / "barrett8_lemon_6_0.json").string()});
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+}
+
+TEST(SolverBench, PaperTablesHaveFavourableAndPoorStarts) {
+  const test::Finished bench = test::run(
+      HANDGRAFT_BENCH, {"tables", "--hand", "barrett8", "--models", HANDGRAFT_MODELS,
+                        "--repeat", "1", "--cache", test::scratchDirectory().string()});
+  ASSERT_EQ(bench.exit_code, 0) << bench.err;
+  EXPECT_NE(bench.out.find("| scissors_3 | 3 | favourable | 0.081 s / 0 |"), std::string::npos)
+      << bench.out;
+  EXPECT_NE(bench.out.find("| lemon_6 | 4 | poor | 0.183 s / 0 |"), std::string::npos)
+      << bench.out;
+  EXPECT_NE(bench.out.find(" of 6; farthest apart"), std::string::npos) << bench.out;
 }
 
 }  // namespace
