@@ -190,6 +190,17 @@ v1::Terms toMessage(const optimize::Terms& terms) {
   return message;
 }
 
+v1::MinimumInfo toMessage(const optimize::Minimum& minimum) {
+  v1::MinimumInfo message;
+  message.solver(minimum.solver);
+  message.start(static_cast<std::uint32_t>(minimum.start));
+  message.hits(static_cast<std::uint32_t>(minimum.hits));
+  message.terms(toMessage(minimum.terms));
+  message.X_WH(toMessage(minimum.pose.X_WH));
+  message.joint_rad(entries(minimum.pose.q));
+  return message;
+}
+
 v1::PoseSolution solutionMessage(const session::Session& session,
                                  const hand::HandPose& pose,
                                  const optimize::Terms& terms) {
@@ -247,6 +258,8 @@ v1::PoseSolution solutionMessage(const session::Session& session,
     message.joints_at_limit().push_back(model.dofJoint(limit.dof).name +
                                         (limit.upper ? " upper" : " lower"));
   }
+  for (const optimize::Minimum& minimum : report.minima)
+    message.minima().push_back(toMessage(minimum));
   return message;
 }
 

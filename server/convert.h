@@ -37,6 +37,7 @@ v1::Outcome toMessage(optimize::Outcome outcome);
 /// Names what is a default, too.
 v1::SolveOptions toMessage(const session::Solving& solving);
 v1::Terms toMessage(const optimize::Terms& terms);
+v1::MinimumInfo toMessage(const optimize::Minimum& minimum);
 
 /// A pose on the way: joints, root and terms.
 v1::PoseSolution solutionMessage(const session::Session& session,

@@ -203,6 +203,61 @@ TEST_F(ServiceTest, SolvesAndPublishesOneFinalPose) {
   EXPECT_EQ(bus.states.back().phase(), v1::PHASE_READY);
 }
 
+TEST_F(ServiceTest, RanksWhereTheSearchesEnded) {
+  const v1::Reply reply = bus.ask(test::optimize(openSmallSession(), "all"));
+  ASSERT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
+  const v1::PoseSolution& solution = reply.body().solution();
+  ASSERT_GE(solution.minima().size(), 1u);
+  ASSERT_LE(solution.minima().size(), 8u);
+  EXPECT_EQ(solution.minima()[0].joint_rad(), solution.joint_rad());
+  EXPECT_EQ(solution.minima()[0].X_WH().p_m(), solution.X_WH().p_m());
+  EXPECT_EQ(solution.minima()[0].solver(), solution.solver());
+  EXPECT_GE(solution.minima()[0].hits(), 1u);
+  for (std::size_t i = 1; i < solution.minima().size(); ++i) {
+    EXPECT_LE(solution.minima()[i - 1].terms().objective(),
+              solution.minima()[i].terms().objective());
+  }
+}
+
+TEST_F(ServiceTest, NamesWhatASolveDoesNotTake) {
+  const std::uint64_t session = openSmallSession();
+  const auto refusalOf = [&](const auto& change) {
+    v1::RequestBody body = test::optimize(session);
+    v1::SolveOptions options;
+    change(options);
+    body.optimize().options() = {options};
+    const v1::Reply reply = bus.ask(body);
+    EXPECT_EQ(reply.error(), v1::ERROR_INVALID_INPUT);
+    return reply.message();
+  };
+  EXPECT_THAT(refusalOf([](auto& options) {
+                options.starts(10'001);
+              }),
+              HasSubstr("starts: 10001 is outside 0-10000"));
+  EXPECT_THAT(refusalOf([](auto& options) {
+                options.max_evaluations(100'001);
+              }),
+              HasSubstr("max_evaluations: 100001 is outside 0-100000"));
+  EXPECT_THAT(refusalOf([](auto& options) {
+                options.paper(true);
+                options.solver("lm");
+              }),
+              HasSubstr("solver 'lm'"));
+  EXPECT_THAT(refusalOf([](auto& options) {
+                options.paper(true);
+                options.starts(64);
+              }),
+              HasSubstr("starts: 64"));
+  EXPECT_THAT(refusalOf([](auto& options) {
+                options.normal_form(static_cast<v1::NormalForm>(7));
+              }),
+              HasSubstr("normal_form: 7"));
+  EXPECT_THAT(refusalOf([](auto& options) {
+                options.penetration(static_cast<v1::PenetrationCare>(7));
+              }),
+              HasSubstr("penetration: 7"));
+}
+
 v1::RequestBody openSmallSessionWith(const std::string& method, unsigned interior_rings) {
   v1::TransferOptions options;
   options.method(method);
