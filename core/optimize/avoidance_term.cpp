@@ -38,7 +38,7 @@ double AvoidanceTerm::evaluate(const Vector3d& p_WH, const std::vector<BodyPlace
     place.arm_W = body.p_HB_W + body.R_WB.lazyProduct(X_BL_[k].translation());
     place.centre_W = place.arm_W + place.R_WL.lazyProduct(solids[k].centre_L);
   }
-  meetObject(p_WH, bodies);
+  meetObject(p_WH);
   meetItself();
   double sum = 0.0;
   for (const Touch& touch : touches_)
@@ -46,7 +46,7 @@ double AvoidanceTerm::evaluate(const Vector3d& p_WH, const std::vector<BodyPlace
   return sum;
 }
 
-void AvoidanceTerm::meetObject(const Vector3d& p_WH, const std::vector<BodyPlace>& /*bodies*/) {
+void AvoidanceTerm::meetObject(const Vector3d& p_WH) {
   const geometry::DistanceGrid& object_O = *avoidance_.object_O;
   const auto& solids = avoidance_.hand->links();
   const Matrix3d R_OW = X_OW_.linear();
@@ -61,8 +61,10 @@ void AvoidanceTerm::meetObject(const Vector3d& p_WH, const std::vector<BodyPlace
       if (object_O.isClear(p_OL + R_OL * cluster.centre_L, cluster.radius)) continue;
       for (int i = cluster.begin; i < cluster.end; ++i) {
         const SurfaceSample& sample = solid.coarse.samples[static_cast<std::size_t>(i)];
+        const Vector3d p_O = p_OL + R_OL * sample.p_L;
+        if (object_O.isClear(p_O, 0.0)) continue;
         Vector3d slope_O;
-        const double distance = object_O.at(p_OL + R_OL * sample.p_L, slope_O);
+        const double distance = object_O.at(p_O, slope_O);
         if (distance >= 0.0) continue;
         touches_.push_back({bodies_[k], -1, place.arm_W + place.R_WL * sample.p_L,
                             R_OW.transpose() * slope_O, -distance,
@@ -96,8 +98,10 @@ void AvoidanceTerm::meet(int a, int b) {
     if (other.grid_L->isClear(p_BA + R_BA * cluster.centre_L, cluster.radius)) continue;
     for (int i = cluster.begin; i < cluster.end; ++i) {
       const SurfaceSample& sample = solid.coarse.samples[static_cast<std::size_t>(i)];
+      const Vector3d p_B = p_BA + R_BA * sample.p_L;
+      if (other.grid_L->isClear(p_B, 0.0)) continue;
       Vector3d slope_B;
-      const double distance = other.distance(p_BA + R_BA * sample.p_L, slope_B);
+      const double distance = other.distance(p_B, slope_B);
       if (distance >= 0.0) continue;
       touches_.push_back({bodies_[static_cast<std::size_t>(a)],
                           bodies_[static_cast<std::size_t>(b)],

@@ -37,7 +37,7 @@ class AvoidanceTerm {
   [[nodiscard]] double weight() const { return avoidance_.weight; }
 
  private:
-  void meetObject(const Eigen::Vector3d& p_WH, const std::vector<BodyPlace>& bodies);
+  void meetObject(const Eigen::Vector3d& p_WH);
   void meetItself();
   void meet(int a, int b);
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/optimize/avoidance_repair.h"
 #include "core/optimize/pose_solver.h"
 
 namespace handgraft::optimize {
@@ -59,6 +60,9 @@ SolveOptions paperOptions() {
 SolveReport solve(const PoseProblem& problem,
                   const SolveOptions& options,
                   const Progress& progress) {
+  if (problem.avoidance != nullptr) {
+    return solveAvoiding(problem, options, progress);
+  }
   PoseSolver solver(problem);
   SolveReport report = solver.search(options, progress);
   solver.judge(report);
