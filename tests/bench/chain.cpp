@@ -27,6 +27,7 @@ struct ChainArguments {
   std::vector<std::string> contacts;
   std::string cache = defaultCache().string();
   bool joints = false;
+  bool avoid_penetration = false;
   bool json = false;
   bool markdown = false;
 };
@@ -81,21 +82,23 @@ void printTable(const std::vector<ChainOutcome>& outcomes) {
   fmt::print(
       "| hand | object | mean mm | worst patch mm | normal deg | points lost | dropped | "
       "inside "
-      "mm | lay ms | solve ms |\n|---|---|---|---|---|---|---|---|---|---|\n");
+      "mm | deepest mm | cm3 | self mm | lay ms | solve ms "
+      "|\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const ChainOutcome& outcome : outcomes) {
     if (!outcome.refused.empty()) {
-      fmt::print("| {} | {} | refused: {} | | | | | | | |\n", outcome.hand, outcome.grasp,
+      fmt::print("| {} | {} | refused: {} | | | | | | | | | | |\n", outcome.hand, outcome.grasp,
                  outcome.refused);
       continue;
     }
     const PatchOutcome* worst = outcome.worst();
     fmt::print(
-        "| {} | {} | {:.1f} | {:.1f} {} | {:.0f} | {} of {} | {} | {:.1f} | {:.0f} | {:.0f} "
-        "|\n",
+        "| {} | {} | {:.1f} | {:.1f} {} | {:.0f} | {} of {} | {} | {:.1f} | {:.1f} | {:.2f} | "
+        "{:.1f} | {:.0f} | {:.0f} |\n",
         outcome.hand, outcome.grasp, outcome.mean_mm, worst == nullptr ? 0.0 : worst->mean_mm,
         worst == nullptr ? "" : worst->name, outcome.normal_deg, outcome.lost(),
         outcome.points() + outcome.lost(), droppedIn(outcome), outcome.depth_mm,
-        outcome.ms_transfer, outcome.ms_solve);
+        1e3 * outcome.penetration.max_depth_m, 1e6 * outcome.penetration.volume_m3,
+        1e3 * outcome.penetration.self_depth_m, outcome.ms_transfer, outcome.ms_solve);
   }
 }
 
@@ -131,6 +134,10 @@ void printJson(const std::vector<ChainOutcome>& outcomes) {
                                {"points", outcome.points()},
                                {"lost", outcome.lost()},
                                {"depth_mm", outcome.depth_mm},
+                               {"deepest_mm", 1e3 * outcome.penetration.max_depth_m},
+                               {"shared_cm3", 1e6 * outcome.penetration.volume_m3},
+                               {"self_mm", 1e3 * outcome.penetration.self_depth_m},
+                               {"ms_penetration", outcome.ms_penetration},
                                {"objective", outcome.objective},
                                {"outcome", outcome.outcome},
                                {"joints_at_limits", outcome.joints_at_limits},
@@ -161,7 +168,7 @@ void run(const ChainArguments& arguments) {
   for (const std::string& urdf : handsOf(arguments)) {
     const session::Hand hand = readHand(urdf, arguments.cache);
     for (const ScannedGrasp& grasp : grasps)
-      outcomes.push_back(graspWith(hand, grasp));
+      outcomes.push_back(graspWith(hand, grasp, arguments.avoid_penetration));
   }
   if (arguments.json) {
     printJson(outcomes);
@@ -188,6 +195,8 @@ void addChainCommand(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--joints", arguments->joints,
                     "Fingers and directions from the recorded joints of the hand that touched");
+  command->add_flag("--avoid-penetration", arguments->avoid_penetration,
+                    "Solve with depth inside the object charged");
   command->add_flag("--json", arguments->json, "One JSON document, with every patch");
   command->add_flag("--markdown", arguments->markdown, "The table alone");
   command->callback([arguments] {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/base/progress.h"
@@ -10,6 +11,7 @@
 #include "core/io/mesh_file.h"
 #include "core/io/urdf_file.h"
 #include "core/session/hand_placement.h"
+#include "core/session/solids.h"
 
 #include "tests/bench/recorded_joints.h"
 #include "tests/bench/timing.h"
@@ -60,7 +62,9 @@ const PatchOutcome* ChainOutcome::worst() const {
   return worst;
 }
 
-ChainOutcome graspWith(const session::Hand& hand, const ScannedGrasp& grasp) {
+ChainOutcome graspWith(const session::Hand& hand,
+                       const ScannedGrasp& grasp,
+                       bool avoid_penetration) {
   ChainOutcome outcome;
   outcome.hand = hand.model->name();
   outcome.grasp = grasp.name;
@@ -69,9 +73,23 @@ ChainOutcome graspWith(const session::Hand& hand, const ScannedGrasp& grasp) {
     session::Session session(hand, grasp.object_O, grasp.contacts, Pose::Identity(), {});
     session.transferPatches(Progress());
     const double laid = threadMilliseconds();
-    const optimize::SolveReport report = session.optimize({}, Progress());
     outcome.ms_transfer = laid - begin;
-    outcome.ms_solve = threadMilliseconds() - laid;
+    // The solids are made once for each hand and object.
+    const auto measure = [&](const hand::HandPose& pose) {
+      return session::penetrationOf(hand.model, hand.skin, grasp.object_O, session.objectPose(),
+                                    pose, Progress());
+    };
+    outcome.penetration = measure({Pose::Identity(), hand.model->restPose()});
+    session::Solving solving;
+    solving.avoid_penetration = avoid_penetration;
+    const double ready = threadMilliseconds();
+    session::Solution solution = session.solve(solving, {}, Progress());
+    outcome.ms_solve = threadMilliseconds() - ready;
+    const optimize::SolveReport report = solution.report;
+    session.commit(std::move(solution));
+    const double solved = threadMilliseconds();
+    outcome.penetration = measure(report.pose);
+    outcome.ms_penetration = threadMilliseconds() - solved;
 
     for (const session::SessionPatch& item : session.patches()) {
       PatchOutcome patch;

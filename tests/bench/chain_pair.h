@@ -7,6 +7,7 @@
 
 #include "core/contact/contact_set.h"
 #include "core/geometry/triangle_mesh.h"
+#include "core/quality/penetration.h"
 #include "core/session/session.h"
 
 namespace handgraft::bench {
@@ -51,6 +52,8 @@ struct ChainOutcome {
   double normal_deg = 0.0;  ///< between n_hand and -n_object
   /// Root of the mean square depth of the hand's skin inside the object.
   double depth_mm = 0.0;
+  quality::Penetration penetration;
+  double ms_penetration = 0.0;  ///< to measure it, the solids made before
   double objective = 0.0;
   std::string outcome;
   int joints_at_limits = 0;
@@ -65,7 +68,10 @@ struct ChainOutcome {
   [[nodiscard]] const PatchOutcome* worst() const;
 };
 
-/// Opens a session, lays the patches and solves, as `handgraft grasp` without options does.
-ChainOutcome graspWith(const session::Hand& hand, const ScannedGrasp& grasp);
+/// Opens a session, lays the patches and solves, as `handgraft grasp` does without options or
+/// with `--avoid-penetration`.
+ChainOutcome graspWith(const session::Hand& hand,
+                       const ScannedGrasp& grasp,
+                       bool avoid_penetration);
 
 }  // namespace handgraft::bench
