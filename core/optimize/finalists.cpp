@@ -42,6 +42,20 @@ std::vector<int> Finalists::choose(const std::vector<LocalResult>& results,
   return now;
 }
 
+std::vector<hand::HandPose> Finalists::best(const std::vector<LocalResult>& results,
+                                            std::size_t most) const {
+  std::vector<const LocalResult*> ranked;
+  for (const Finalist& finalist : chosen_)
+    ranked.push_back(&results[static_cast<std::size_t>(finalist.start)]);
+  std::stable_sort(ranked.begin(), ranked.end(), [](const auto* a, const auto* b) {
+    return a->terms.objective < b->terms.objective;
+  });
+  std::vector<hand::HandPose> poses;
+  for (std::size_t i = 0; i < std::min(most, ranked.size()); ++i)
+    poses.push_back(ranked[i]->pose);
+  return poses;
+}
+
 bool Finalists::agree(const std::vector<LocalResult>& results) const {
   constexpr double kSame = 1e-3;  // share of the objective, as minima.h has it
   constexpr int kEnough = 3;

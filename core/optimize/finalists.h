@@ -22,6 +22,10 @@ class Finalists {
   /// `most` in all rounds together. What was chosen before is not chosen again.
   std::vector<int> choose(const std::vector<LocalResult>& results, int explored, int most);
 
+  /// Poses where those chosen stand, best first, at most `most`.
+  [[nodiscard]] std::vector<hand::HandPose> best(const std::vector<LocalResult>& results,
+                                                 std::size_t most) const;
+
   /// Enough searches ended in the best place to look no further: three of those chosen, or such
   /// as stand for half of all that were explored.
   [[nodiscard]] bool agree(const std::vector<LocalResult>& results) const;

@@ -39,6 +39,9 @@ int finalistsAmong(int explored, Solver solver) {
   return solver == Solver::kLm ? std::max(8, (explored + 3) / 4) : 3;
 }
 
+// Of the best places found, so many have starts of the second round about them.
+constexpr std::size_t kCenters = 4;
+
 // What the listener of the progress hears about the first stage.
 constexpr double kExploringShare = 0.7;
 
@@ -101,13 +104,23 @@ struct PoseSolver::Parts {
       searches.push_back(std::make_unique<LocalSearch>(prepared));
   }
 
-  void explore(const SolveOptions& options, const Plan& plan, int index, LocalSearch& search) {
+  /// `found`: what the first round found, for starts about it; empty in the first round.
+  void explore(const SolveOptions& options,
+               const Plan& plan,
+               const std::vector<hand::HandPose>& found,
+               int index,
+               LocalSearch& search) {
     LocalResult& result = results[static_cast<std::size_t>(index)];
-    hand::HandPose start = startPose(problem, *prepared.tree, index, options.seed);
-    if (index == 0 && options.from_prior) start = problem.prior;
-    const bool warms_up = startKind(index) == StartKind::kSpread;
-    result = search.begin(std::move(start),
-                          warms_up ? std::min(plan.warm_up, plan.exploring - 1) : 0);
+    if (found.empty()) {
+      hand::HandPose start = startPose(problem, *prepared.tree, index, options.seed);
+      if (index == 0 && options.from_prior) start = problem.prior;
+      const bool warms_up = startKind(index) == StartKind::kSpread;
+      result = search.begin(std::move(start),
+                            warms_up ? std::min(plan.warm_up, plan.exploring - 1) : 0);
+    } else {
+      const hand::HandPose& center = found[static_cast<std::size_t>(index) % found.size()];
+      result = search.begin(startAbout(center, problem, *prepared.tree, index, options.seed));
+    }
     // A lone start is not compared with any other.
     const int most = options.starts == 1 ? options.max_evaluations : plan.exploring;
     search.advance(options.solver, most - result.evaluations, result);
@@ -148,10 +161,11 @@ void PoseSolver::Parts::searchAll(const SolveOptions& options,
     explored = begin == 0 ? plan.first_round : options.starts;
     const int count = explored - begin;
     const double round_share = share * count / options.starts;
+    const std::vector<hand::HandPose> found = finalists.best(results, kCenters);
 
     // === Starts as far as the first part of their evaluations carries them
     pool->run(count, [&](int worker, int index) {
-      explore(options, plan, begin + index, *searches[static_cast<std::size_t>(worker)]);
+      explore(options, plan, found, begin + index, *searches[static_cast<std::size_t>(worker)]);
       audience.reportDone(round_share * kExploringShare / count);
     });
 

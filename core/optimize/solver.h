@@ -54,7 +54,8 @@ SolveOptions paperOptions();
 /// Minimises Eq. 2 over the root and the joints within their bounds; the best of all starts.
 ///
 /// Every start gets the first part of its evaluations, the most promising quarter of them the
-/// rest; the last three eighths of the starts are left out where the others agree on the best.
+/// rest. The last three eighths of the starts are about the best places found, and are left out
+/// where the others agree on the best.
 /// Bounds that contradict each other give Outcome::kInfeasible and the start. With
 /// several threads the listener of `progress` hears from each of them, one at a time.
 ///

@@ -159,4 +159,27 @@ hand::HandPose startPose(const PoseProblem& problem,
   return pose;
 }
 
+hand::HandPose startAbout(const hand::HandPose& found,
+                          const PoseProblem& problem,
+                          const MomentTree& tree,
+                          int index,
+                          unsigned seed) {
+  constexpr double kMoved = 1.0 / 3.0;  // of the joints
+  constexpr double kWay = 0.8;          // of the way to a place of the joint's range
+  hand::HandPose pose = found;
+  const auto joints = static_cast<std::uint64_t>(pose.q.size());
+  for (Eigen::Index j = 0; j < pose.q.size(); ++j) {
+    const int joint = static_cast<int>(j);
+    const std::uint64_t draw =
+        2 * (static_cast<std::uint64_t>(index) * joints + static_cast<std::uint64_t>(j));
+    const std::uint64_t key = (static_cast<std::uint64_t>(seed) << 32) + 0x40000000U + draw;
+    if (isLocked(problem, joint) || hashToUnit(key) >= kMoved) continue;
+    pose.q[j] += kWay * (jointAt(problem, joint, hashToUnit(key + 1)) - pose.q[j]);
+    pose.q[j] =
+        std::clamp(pose.q[j], std::min(problem.lower[j], problem.upper[j]), problem.upper[j]);
+  }
+  pose.X_WH = alignRoot(problem, tree, pose.q);
+  return pose;
+}
+
 }  // namespace handgraft::optimize

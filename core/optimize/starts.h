@@ -29,4 +29,13 @@ hand::HandPose startPose(const PoseProblem& problem,
                          int index,
                          unsigned seed);
 
+/// Start `index` about a pose that was found: a third of the joints moved, anywhere in their
+/// ranges at most, and the root where the closed form wants it. Where many minima lie together,
+/// the best of them is found from its neighbours sooner than from afar.
+hand::HandPose startAbout(const hand::HandPose& found,
+                          const PoseProblem& problem,
+                          const MomentTree& tree,
+                          int index,
+                          unsigned seed);
+
 }  // namespace handgraft::optimize

@@ -141,6 +141,29 @@ TEST(StartPose, StaysInItsBoundsAndKeepsLocks) {
   }
 }
 
+TEST(StartPose, AboutAPoseMovesSomeJointsWithinTheirBounds) {
+  PoseProblem problem = someProblem(64);
+  problem.locked.assign(static_cast<std::size_t>(problem.dofCount()), false);
+  problem.locked[6] = true;
+  const MomentTree tree = makeMomentTree(problem);
+  const Eigen::Index joints = problem.start.q.size();
+  Eigen::Index moved = 0;
+  for (int index = 0; index < 60; ++index) {
+    const hand::HandPose pose = startAbout(problem.start, problem, tree, index, 3);
+    EXPECT_TRUE((pose.q.array() >= problem.lower.array()).all()) << index;
+    EXPECT_TRUE((pose.q.array() <= problem.upper.array()).all()) << index;
+    EXPECT_EQ(pose.q[0], problem.start.q[0]) << "locked";
+    const Eigen::Index now = (pose.q.array() != problem.start.q.array()).count();
+    EXPECT_LT(now, joints);
+    moved += now;
+    EXPECT_EQ(pose.q, startAbout(problem.start, problem, tree, index, 3).q);
+  }
+  EXPECT_NEAR(static_cast<double>(moved) / (60.0 * static_cast<double>(joints - 1)), 1.0 / 3.0,
+              0.1);
+  EXPECT_NE(startAbout(problem.start, problem, tree, 5, 3).q,
+            startAbout(problem.start, problem, tree, 6, 3).q);
+}
+
 TEST(StartPose, TurnsTheRootAboutTheObjectsCentre) {
   const PoseProblem problem = someProblem(63);
   const MomentTree tree = makeMomentTree(problem);
