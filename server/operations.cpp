@@ -9,6 +9,7 @@
 #include "server/handlers/models.h"
 #include "server/handlers/optimize.h"
 #include "server/handlers/pose_contacts.h"
+#include "server/handlers/saved_sessions.h"
 #include "server/handlers/sessions.h"
 #include "server/handlers/settings.h"
 #include "server/handlers/suggest.h"
@@ -49,6 +50,8 @@ Lane laneOf(v1::Operation operation) {
     case v1::OP_POSE_CONTACTS:
     case v1::OP_MAKE_VARIANT:
     case v1::OP_SWEEP:
+    case v1::OP_LOAD_SESSION:
+    case v1::OP_REPLAY:
       return Lane::kPool;
     case v1::OP_CLOSE_SESSION:
     case v1::OP_TRANSFER:
@@ -57,11 +60,8 @@ Lane laneOf(v1::Operation operation) {
     case v1::OP_EXPORT:
     case v1::OP_SESSION_SETTINGS:
     case v1::OP_COMPARE:
-      return Lane::kSession;
     case v1::OP_SAVE_SESSION:
-    case v1::OP_LOAD_SESSION:
-    case v1::OP_REPLAY:
-      rejectInput("operation {} is not served yet", v1::nameOf(operation));
+      return Lane::kSession;
   }
   rejectInput("operation {} does not exist", static_cast<unsigned>(operation));
 }
@@ -137,6 +137,14 @@ v1::ReplyBody perform(const v1::Request& request,
       return bodyOf(operation, [&](auto& reply) {
         reply.sweep(sweepHand(body.sweep(), workshop, progress));
       });
+    case v1::OP_LOAD_SESSION:
+      return bodyOf(operation, [&](auto& reply) {
+        reply.session(loadSession(body.load_session(), workshop, progress));
+      });
+    case v1::OP_REPLAY:
+      return bodyOf(operation, [&](auto& reply) {
+        reply.replay(replaySession(body.replay(), workshop, progress));
+      });
     default:
       throw BrokenContract(fmt::format("{} is an operation of a session", nameOf(operation)));
   }
@@ -178,6 +186,10 @@ v1::ReplyBody perform(const v1::Request& request,
     case v1::OP_COMPARE:
       return bodyOf(operation, [&](auto& reply) {
         reply.compare(compareSnapshots(live, body.compare(), progress));
+      });
+    case v1::OP_SAVE_SESSION:
+      return bodyOf(operation, [&](auto& reply) {
+        reply.saved_session(saveSession(live));
       });
     default:
       throw BrokenContract(fmt::format("{} is no operation of a session", nameOf(operation)));

@@ -1,0 +1,65 @@
+#include "server/handlers/saved_sessions.h"
+
+#include <chrono>
+
+#include "core/io/session_file.h"
+#include "core/session/replay.h"
+#include "server/handlers/optimize.h"
+#include "server/handlers/sessions.h"
+#include "server/model_source.h"
+
+namespace handgraft::server {
+
+namespace {
+
+session::SessionModels modelsOf(const io::SessionFile& file,
+                                Workshop& workshop,
+                                const Progress& progress) {
+  return sessionModels(file.hand, file.object, file.contacts, workshop.models, progress);
+}
+
+}  // namespace
+
+v1::SaveSessionReply saveSession(LiveSession& live) {
+  v1::SaveSessionReply reply;
+  reply.text(io::sessionText(live.session()));
+  return reply;
+}
+
+v1::SessionState loadSession(const v1::LoadSessionRequest& request,
+                             Workshop& workshop,
+                             const Progress& progress) {
+  const io::SessionFile file = io::readSessionText(request.text());
+  const auto begin = std::chrono::steady_clock::now();
+  session::SessionModels models = modelsOf(file, workshop, progress);
+  const std::chrono::duration<double, std::milli> skin =
+      std::chrono::steady_clock::now() - begin;
+  const auto live = enterSession(io::openSession(file, std::move(models), progress),
+                                 skin.count(), workshop, progress);
+  // Those who watch see the pose that was saved; if not now, after the next edit.
+  static_cast<void>(live->strand().post([live, &workshop] {
+    if (!live->session().document().start_is_known) return;
+    try {
+      optimizeAfterEdit(*live, workshop, live->solves());
+    } catch (const std::exception&) {  // the session's state says so
+    }
+  }));
+  return live->state();
+}
+
+v1::ReplayReply replaySession(const v1::ReplayRequest& request,
+                              Workshop& workshop,
+                              const Progress& progress) {
+  const io::SessionFile file = io::readSessionText(request.text());
+  const session::SessionModels models = modelsOf(file, workshop, progress);
+  io::requireSameModels(file, models, progress);
+  session::Replay replay = session::replay(models, file.session, false, progress);
+  v1::ReplayReply reply;
+  reply.entries(static_cast<std::uint32_t>(replay.entries));
+  reply.same(replay.same);
+  reply.message(replay.message);
+  reply.result().text(io::sessionText(replay.session));
+  return reply;
+}
+
+}  // namespace handgraft::server
