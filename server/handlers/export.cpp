@@ -30,8 +30,14 @@ std::string problemOf(LiveSession& live,
   session::Session& session = live.session();
   const bool solved = session.solvedProblem() && live.solved_revision == session.revision();
   if (!solved) session.transferPatches(progress);
-  return io::problemText(solved ? *session.solvedProblem() : session.problem(),
-                         request.urdf_path(), packages);
+  const optimize::PoseProblem problem = solved ? *session.solvedProblem() : session.problem();
+  std::vector<std::string> notes;
+  if (problem.avoidance != nullptr) {
+    notes.emplace_back(
+        "depth inside the object and the hand itself was charged, too, which this file cannot "
+        "say");
+  }
+  return io::problemText(problem, request.urdf_path(), packages, notes);
 }
 
 /// The hand as it stands once every edit is answered, and how well it fits.
