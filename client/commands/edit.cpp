@@ -108,7 +108,7 @@ void converse(Editor& editor, const Sink& sink, Interruption& interruption) {
     const auto input =
         prompt.readLine(fmt::format("{} {}> ", text::plain(editor.session().state().hand()),
                                     editor.session().shownRevision()));
-    if (input.end == editor::Prompt::End::kEnd) return;
+    if (input.end == editor::Prompt::End::kEnd) break;
     if (input.end == editor::Prompt::End::kInterrupted) continue;
     runTyped(editor, sink, input.line);
   }
@@ -144,7 +144,7 @@ int run(const EditOptions& options, const CommonOptions& common, Interruption& i
   server.onProgress([&](const std::string& stage, double fraction) {
     progress.show(stage, fraction);
   });
-  const Sink sink(common.json ? Sink::Form::kJson : Sink::Form::kText);
+  const Sink sink(common.json ? Sink::Form::kJson : Sink::Form::kText, progress);
 
   // === The session
   v1::SessionState state;
@@ -155,13 +155,11 @@ int run(const EditOptions& options, const CommonOptions& common, Interruption& i
   } else {
     state = server.describeSession(options.session_id);
   }
-  progress.clear();
   Editor editor(server, interruption, sink, state);
   sink.note(fmt::format("session {}: {} grasps {} by {}, revision {}", state.session_id(),
                         text::plain(state.hand()), text::plain(state.object()),
                         text::plain(state.contacts()), state.revision()));
   if (opens) solveFirst(editor, sink, options.grasp, interruption);
-  progress.clear();
 
   // === Commands
   if (typed) {

@@ -113,13 +113,15 @@ Names EditedSession::allNames() {
     all = names();
   });
   attempt([&] {
-    for (const v1::ModelSummary& model : server_.listModels().models()) {
+    const v1::ModelList list = server_.listModels();
+    for (const v1::ModelSummary& model : list.models()) {
       if (model.kind() == v1::MODEL_HAND) all.hands.push_back(model.name());
       if (model.kind() == v1::MODEL_OBJECT) all.objects.push_back(model.name());
     }
   });
   attempt([&] {
-    for (const v1::SessionState& session : server_.listSessions().sessions())
+    const v1::SessionList list = server_.listSessions();
+    for (const v1::SessionState& session : list.sessions())
       all.sessions.push_back(std::to_string(session.session_id()));
   });
   attempt([&] {

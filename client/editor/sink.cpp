@@ -8,15 +8,12 @@
 
 namespace handgraft::client::editor {
 
-namespace {
-
 // Lines are read by other programs while this one runs.
-void print(const std::string& text) {
+void Sink::print(const std::string& text) const {
+  progress_.clear();
   fmt::print("{}", text);
   std::fflush(stdout);
 }
-
-}  // namespace
 
 void Sink::echo(const std::string& command) const {
   if (!isJson()) print(fmt::format("> {}\n", command));
@@ -40,6 +37,7 @@ void Sink::failed(const std::string& command, const Failure& failure) const {
                              {"exit_code", failure.exit_code}};
     print(json::written(line, -1) + "\n");
   } else {
+    progress_.clear();
     fmt::print(stderr, "{}\n", failure.message);
   }
 }

@@ -4,6 +4,7 @@
 
 #include "client/editor/show.h"
 #include "client/failure.h"
+#include "client/progress_line.h"
 
 namespace handgraft::client::editor {
 
@@ -15,7 +16,8 @@ class Sink {
  public:
   enum class Form { kText, kJson };
 
-  explicit Sink(Form form) : form_(form) {}
+  /// Clears `progress` before it writes.
+  Sink(Form form, ProgressLine& progress) : form_(form), progress_(progress) {}
 
   [[nodiscard]] bool isJson() const { return form_ == Form::kJson; }
 
@@ -31,7 +33,10 @@ class Sink {
   void note(const std::string& line) const;
 
  private:
+  void print(const std::string& text) const;
+
   Form form_;
+  ProgressLine& progress_;
 };
 
 }  // namespace handgraft::client::editor

@@ -69,7 +69,8 @@ class EditorTest : public testing::Test {
   test::FakeDesk desk_;
   Interruption interruption_;
   ServerLink server_;
-  Sink sink_{Sink::Form::kText};
+  ProgressLine progress_;
+  Sink sink_{Sink::Form::kText, progress_};
   Editor editor_;
   std::string echoed_;
 };
@@ -214,13 +215,25 @@ TEST_F(EditorTest, ShowsWhatASessionIsMadeOf) {
   EXPECT_THAT(told("show history"), HasSubstr("* revision 0"));
 }
 
+TEST_F(EditorTest, KnowsAllNamesForCompletion) {
+  using testing::ElementsAre;
+  const Names names = editor_.session().allNames();
+  EXPECT_THAT(names.patches, ElementsAre("thumb", "index"));
+  EXPECT_THAT(names.joints, ElementsAre("bend", "slide"));
+  EXPECT_THAT(names.points, testing::Contains("index_tip"));
+  EXPECT_THAT(names.hands, ElementsAre("a_hand_with_a_long_name", "claw"));
+  EXPECT_THAT(names.sessions, ElementsAre("7"));
+  EXPECT_THAT(names.snapshots, ElementsAre("before"));
+}
+
 TEST(EditorInJson, PrintsOneObjectALine) {
   const test::TestDomain domain;
   const Network network{domain.number(), "lo"};
   test::FakeDesk desk(network);
   Interruption interruption;
   ServerLink server(network, Absence::kFail, interruption);
-  const Sink sink(Sink::Form::kJson);
+  ProgressLine progress;
+  const Sink sink(Sink::Form::kJson, progress);
   Editor editor(server, interruption, sink, desk.state());
   testing::internal::CaptureStdout();
   EXPECT_THROW(editor.run("lock bend; show joints; lock bent; solve"), InvalidInput);

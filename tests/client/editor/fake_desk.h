@@ -143,6 +143,23 @@ class FakeDesk {
         body.model(description);
         break;
       }
+      case v1::OP_LIST_MODELS: {
+        v1::ModelList list;
+        for (const char* name : {"a_hand_with_a_long_name", "claw"}) {
+          v1::ModelSummary model;
+          model.kind(v1::MODEL_HAND);
+          model.name(name);
+          list.models().push_back(model);
+        }
+        body.models(list);
+        break;
+      }
+      case v1::OP_LIST_SESSIONS: {
+        v1::SessionList list;
+        list.sessions().push_back(stateNow());
+        body.sessions(list);
+        break;
+      }
       case v1::OP_OPTIMIZE:
         if (cancelled_) {
           cancelled_ = false;
