@@ -159,6 +159,17 @@ std::string grasp(const GraspResult& result) {
   out += fmt::format("joints at limits: {}\n", solution.joints_at_limit().empty()
                                                    ? "none"
                                                    : listed(solution.joints_at_limit()));
+  for (const v1::Penetration& inside : solution.penetration()) {
+    if (inside.max_depth_m() > 0.0 && !inside.links().empty()) {
+      out += fmt::format("inside the object: {:.1f} mm at {}, {:.1f} cm3\n",
+                         1e3 * inside.max_depth_m(), plain(inside.links().front().link()),
+                         1e6 * inside.volume_m3());
+    }
+    if (inside.self_depth_m() > 0.0 && inside.self_links().size() == 2) {
+      out += fmt::format("inside itself: {:.1f} mm, {} and {}\n", 1e3 * inside.self_depth_m(),
+                         plain(inside.self_links()[0]), plain(inside.self_links()[1]));
+    }
+  }
   std::string stages;
   for (const v1::StageTime& stage : solution.times()) {
     stages += fmt::format("{}{} {}", stages.empty() ? "" : ", ", plain(stage.stage()),

@@ -173,6 +173,10 @@ class Session {
     return *bench_.models().object_O;
   }
 
+  [[nodiscard]] const std::shared_ptr<const geometry::TriangleMesh>& sharedObject() const {
+    return bench_.models().object_O;
+  }
+
   /// Shared, for fingerprints and swaps.
   [[nodiscard]] ModelShelf& shelf() { return *shelf_; }
 
