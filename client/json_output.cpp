@@ -89,6 +89,18 @@ Json graspPatches(const GraspResult& result) {
   return patches;
 }
 
+/// Null where the server did not say.
+Json penetration(const v1::PoseSolution& solution) {
+  if (solution.penetration().empty()) return nullptr;
+  const v1::Penetration& inside = solution.penetration().front();
+  Json links = Json::object();
+  for (const v1::LinkDepth& depth : inside.links())
+    links[depth.link()] = depth.depth_m();
+  return {{"max_depth_m", inside.max_depth_m()},   {"mean_depth_m", inside.mean_depth_m()},
+          {"volume_m3", inside.volume_m3()},       {"links", links},
+          {"self_depth_m", inside.self_depth_m()}, {"self_links", listOf(inside.self_links())}};
+}
+
 }  // namespace
 
 std::string doctor(const DoctorReport& report, int indent) {
@@ -171,6 +183,7 @@ std::string grasp(const GraspResult& result, int indent) {
                    {"notes", listOf(result.transfer.notes())},
                    {"hand_notes", listOf(result.hand.notes())},
                    {"minima", minima(solution, result.hand)},
+                   {"penetration", penetration(solution)},
                    {"times", times(solution.times())},
                    {"transfer_ms", result.transfer.transfer_ms()},
                    {"total_ms", result.total_ms}};
