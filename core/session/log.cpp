@@ -23,6 +23,9 @@ void Log::add(LogEntry entry, const History& after, unsigned long long revision)
                    entries_.begin() + static_cast<std::ptrdiff_t>(middle_count_));
     middle_count_ = 0;
   }
+  // A hundred sessions need not each keep room for twice what they have.
+  constexpr std::size_t kGrowth = 128;
+  if (entries_.size() == entries_.capacity()) entries_.reserve(entries_.size() + kGrowth);
   entries_.push_back(std::move(entry));
   if (middle_count_ == 0 && entries_.size() >= kMostEntries / 2) {
     middle_ = {after, revision};

@@ -96,7 +96,14 @@ void Workbench::follow(const Document& document, const Progress& progress) {
   const bool same_options =
       document.transfer.method == document_.transfer.method &&
       document.transfer.interior_rings == document_.transfer.interior_rings;
+  // Charts are the larger part of a session's memory: of those that are no longer in use, only
+  // the last change's are kept.
+  std::vector<char> moves;
+  for (std::size_t i = 0; i < patches_.size(); ++i)
+    moves.push_back(sameRoots(patches_[i], document.patches[i]) ? 0 : 1);
+  const bool any_moves = std::count(moves.begin(), moves.end(), 1) > 0;
   for (std::size_t i = 0; i < patches_.size(); ++i) {
+    if (any_moves && moves[i] == 0) spares_[i] = {};
     if (!same_options) patches_[i].up_to_date = false;
     followPatch(i, document.patches[i], keeps_found);
   }
