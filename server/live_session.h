@@ -10,6 +10,7 @@
 #include <string>
 
 #include "core/base/progress.h"
+#include "core/session/fit_check.h"
 #include "core/session/session.h"
 #include "idl/sensor_msgs.h"
 #include "idl/sessions.h"
@@ -125,8 +126,9 @@ class LiveSession {
   bool was_solved = false;  ///< and nothing of it was lost since, so that few starts do
   unsigned long long solved_revision = 0;
   // What the stages took, for the solution's times.
-  double skin_ms = 0.0;      ///< of opening the session
-  double transfer_ms = 0.0;  ///< of the last transfer that had something to do
+  double skin_ms = 0.0;         ///< of opening the session
+  double transfer_ms = 0.0;     ///< of the last transfer that had something to do
+  session::FitCheck fit_check;  ///< remembers which sizes fit
 
  private:
   /// The state as the session stands; `mutex_` held, of the strand.

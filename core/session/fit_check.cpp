@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/geometry/tangent.h"
+#include "core/optimize/diagnosis.h"
 
 namespace handgraft::session {
 
@@ -35,6 +36,12 @@ struct Room {
   RoomKey key;
   double lack_m = 0.0;
 };
+
+bool reachesAll(const optimize::SolveReport& answer) {
+  return std::all_of(answer.patches.begin(), answer.patches.end(), [](const auto& fit) {
+    return fit.mean_mm <= optimize::DiagnosisOptions().reached_mm;
+  });
+}
 
 /// All that spans rest on, in numbers.
 std::vector<double> spanKey(const optimize::PoseProblem& problem, const Pose& X_WO) {
@@ -125,6 +132,11 @@ struct FitCheck::Memory {
     }
   }
 
+  void forgetSpans() {
+    findings.spans.clear();
+    span_key.clear();
+  }
+
   void checkSpans(const Session& session, const optimize::PoseProblem& problem) {
     std::vector<double> key = spanKey(problem, session.objectPose());
     std::vector<geometry::SurfacePoint> roots;
@@ -154,10 +166,16 @@ FitCheck::~FitCheck() = default;
 FitCheck::FitCheck(FitCheck&&) noexcept = default;
 FitCheck& FitCheck::operator=(FitCheck&&) noexcept = default;
 
-const FitFindings& FitCheck::of(const Session& session, const optimize::PoseProblem& problem) {
+const FitFindings& FitCheck::of(const Session& session,
+                                const optimize::PoseProblem& problem,
+                                const optimize::SolveReport* answer) {
   memory_->follow(session);
   memory_->checkRooms(session);
-  memory_->checkSpans(session, problem);
+  if (answer != nullptr && reachesAll(*answer)) {
+    memory_->forgetSpans();
+  } else {
+    memory_->checkSpans(session, problem);
+  }
   return memory_->findings;
 }
 

@@ -42,7 +42,10 @@ class FitCheck {
   /// were found, not chosen, slide while solving: spans between those are not told.
   /// Cost: 10-50 ms anew, of which 10 us a patch and 0.1 ms a pair where there is nothing to
   /// tell; some us while nothing changes.
-  const FitFindings& of(const Session& session, const optimize::PoseProblem& problem);
+  /// `answer`, a solved pose, saves the proof for spans where it reaches all patches.
+  const FitFindings& of(const Session& session,
+                        const optimize::PoseProblem& problem,
+                        const optimize::SolveReport* answer = nullptr);
 
  private:
   struct Memory;

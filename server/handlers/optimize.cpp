@@ -6,6 +6,7 @@
 #include "server/convert.h"
 #include "server/handlers/transfer.h"
 #include "server/rejection.h"
+#include "server/solution_messages.h"
 
 namespace handgraft::server {
 
@@ -50,6 +51,11 @@ v1::PoseSolution solveAndTake(LiveSession& live,
   session::Session& session = live.session();
   live.transfer_ms = 0.0;
   bringUpToDate(live, told);
+  if (!live.was_solved) {
+    // Sizes that no pose can help are told before the search.
+    const std::string known = foretell(session, live.fit_check);
+    if (!known.empty()) live.enter(v1::PHASE_OPTIMIZING, known);
+  }
   const Clock::time_point begin = Clock::now();
   const Workshop::Share share(workshop);
   session::SolveRun run;
@@ -72,7 +78,9 @@ v1::PoseSolution solveAndTake(LiveSession& live,
   session.commit(std::move(solution));
   live.was_solved = true;
   live.solved_revision = session.revision();
-  return published(live, solutionMessage(session, report), solving, spent_ms, solved);
+  v1::PoseSolution message = solutionMessage(session, report);
+  explain(session, *session.solvedProblem(), report, live.fit_check, message);
+  return published(live, std::move(message), solving, spent_ms, solved);
 }
 
 v1::PoseSolution solve(LiveSession& live,
@@ -111,8 +119,9 @@ v1::PoseSolution publishStanding(LiveSession& live, const Progress& progress) {
         const session::Solution standing = session.standing(told);
         const Clock::time_point begin = Clock::now();
         live.solved_revision = session.revision();
-        return published(live, solutionMessage(session, standing.problem, standing.report),
-                         session.document().solving, 0.0, begin);
+        v1::PoseSolution message = solutionMessage(session, standing.problem, standing.report);
+        explain(session, standing.problem, standing.report, live.fit_check, message);
+        return published(live, std::move(message), session.document().solving, 0.0, begin);
       });
 }
 

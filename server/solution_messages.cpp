@@ -1,0 +1,72 @@
+#include "server/solution_messages.h"
+
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/session/verdicts.h"
+
+namespace handgraft::server {
+
+namespace {
+
+v1::Verdict toMessage(optimize::Verdict verdict) {
+  switch (verdict) {
+    case optimize::Verdict::kNone:
+      return v1::VERDICT_NONE;
+    case optimize::Verdict::kReached:
+      return v1::VERDICT_REACHED;
+    case optimize::Verdict::kAtLimit:
+      return v1::VERDICT_AT_LIMIT;
+    case optimize::Verdict::kOutOfReach:
+      return v1::VERDICT_OUT_OF_REACH;
+    case optimize::Verdict::kFacingWrong:
+      return v1::VERDICT_NORMALS_IN_CONFLICT;
+  }
+  throw BrokenContract("a verdict that does not exist");
+}
+
+v1::LimitRelief toMessage(const hand::HandModel& model, const optimize::LimitRelief& relief) {
+  v1::LimitRelief message;
+  message.joint(model.dofJoint(relief.dof).name);
+  message.is_upper(relief.upper);
+  message.limit_rad(relief.limit);
+  message.slope(relief.slope);
+  message.relief_rad(relief.relief);
+  message.gain(relief.gain);
+  message.gain_mm(relief.gain_mm);
+  return message;
+}
+
+}  // namespace
+
+void explain(const session::Session& session,
+             const optimize::PoseProblem& problem,
+             const optimize::SolveReport& report,
+             session::FitCheck& check,
+             v1::PoseSolution& message) {
+  const session::Verdicts verdicts =
+      verdictsOf(session, problem, report, check.of(session, problem, &report));
+  const hand::HandModel& model = *problem.model;
+  const auto& patches = verdicts.diagnosis.patches;
+  HANDGRAFT_REQUIRE(patches.size() <= message.patches().size());
+  for (std::size_t k = 0; k < patches.size(); ++k) {
+    v1::PatchDiagnosis one;
+    one.verdict(toMessage(patches[k].verdict));
+    one.miss_m(1e-3 * patches[k].miss_mm);
+    one.alone_mm(patches[k].alone_mm);
+    for (const optimize::LimitRelief& relief : patches[k].reliefs)
+      one.reliefs().push_back(toMessage(model, relief));
+    one.text(verdicts.texts[k]);
+    message.patches()[k].diagnosis(std::move(one));
+  }
+  for (const optimize::LimitRelief& relief : verdicts.diagnosis.reliefs)
+    message.reliefs().push_back(toMessage(model, relief));
+  message.verdict(verdicts.line);
+  message.too_large(verdicts.too_large);
+}
+
+std::string foretell(const session::Session& session, session::FitCheck& check) {
+  return lineOf(session, check.of(session, session.problem()));
+}
+
+}  // namespace handgraft::server
