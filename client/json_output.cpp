@@ -45,6 +45,28 @@ Json joints(const std::vector<double>& values, const std::vector<std::string>& n
   return object;
 }
 
+Json reliefs(const std::vector<v1::LimitRelief>& all) {
+  Json list = Json::array();
+  for (const v1::LimitRelief& relief : all) {
+    list.push_back({{"joint", relief.joint()},
+                    {"side", relief.is_upper() ? "upper" : "lower"},
+                    {"limit_rad", relief.limit_rad()},
+                    {"slope", relief.slope()},
+                    {"relief_rad", relief.relief_rad()},
+                    {"gain", relief.gain()},
+                    {"gain_mm", relief.gain_mm()}});
+  }
+  return list;
+}
+
+Json diagnosis(const v1::PatchDiagnosis& patch) {
+  return {{"verdict", nameOf(patch.verdict())},
+          {"miss_m", patch.miss_m()},
+          {"alone_mm", patch.alone_mm()},
+          {"reliefs", reliefs(patch.reliefs())},
+          {"text", patch.text()}};
+}
+
 Json fit(const v1::PatchFit& patch) {
   return {{"name", patch.name()},
           {"point_count", patch.point_count()},
@@ -53,7 +75,8 @@ Json fit(const v1::PatchFit& patch) {
           {"max_mm", patch.max_mm()},
           {"normal_deg", patch.normal_deg()},
           {"within_2mm", patch.within_2mm()},
-          {"within_5mm", patch.within_5mm()}};
+          {"within_5mm", patch.within_5mm()},
+          {"diagnosis", diagnosis(patch.diagnosis())}};
 }
 
 Json state(const v1::SessionState& session) {
@@ -179,6 +202,9 @@ std::string grasp(const GraspResult& result, int indent) {
                    {"links_X_WL", links},
                    {"terms", terms(solution.terms())},
                    {"joints_at_limit", listOf(solution.joints_at_limit())},
+                   {"verdict", solution.verdict()},
+                   {"too_large", solution.too_large()},
+                   {"reliefs", reliefs(solution.reliefs())},
                    {"patches", graspPatches(result)},
                    {"notes", listOf(result.transfer.notes())},
                    {"hand_notes", listOf(result.hand.notes())},

@@ -117,13 +117,34 @@ std::string sessions(const v1::SessionList& list) {
   return table(rows, "l");
 }
 
+namespace {
+
+// What keeps patches away, and what joint limits would bring.
+std::string verdicts(const v1::PoseSolution& solution) {
+  std::string lines;
+  if (!solution.verdict().empty()) lines = plain(solution.verdict()) + "\n";
+  for (const v1::PatchFit& patch : solution.patches()) {
+    const v1::PatchDiagnosis& diagnosis = patch.diagnosis();
+    if (diagnosis.verdict() == v1::VERDICT_REACHED || diagnosis.text().empty()) continue;
+    lines += fmt::format("{}: {}\n", plain(patch.name()), plain(diagnosis.text()));
+  }
+  for (const v1::LimitRelief& relief : solution.reliefs()) {
+    lines += fmt::format("relief: {} {} by {:.2f}: objective {:.3g} less, {:.2f} mm nearer\n",
+                         plain(relief.joint()), relief.is_upper() ? "upper" : "lower",
+                         relief.relief_rad(), relief.gain(), relief.gain_mm());
+  }
+  return lines;
+}
+
+}  // namespace
+
 std::string grasp(const GraspResult& result) {
   const v1::PoseSolution& solution = result.solution;
   std::string out =
       fmt::format("{} grasps {} by {}\n\n", plain(result.session.hand()),
                   plain(result.session.object()), plain(result.session.contacts()));
   Rows rows = {{"patch", "mean mm", "max mm", "normal deg", "in 2 mm", "in 5 mm", "points",
-                "lost", "length", "angle deg", "area"}};
+                "lost", "length", "angle deg", "area", "verdict"}};
   for (const v1::PatchFit& patch : solution.patches()) {
     const v1::PatchReport* report = reportOf(result, patch.name());
     rows.push_back({plain(patch.name()), fmt::format("{:.2f}", patch.mean_mm()),
@@ -132,20 +153,21 @@ std::string grasp(const GraspResult& result) {
                     fmt::format("{:.0f} %", 100.0 * patch.within_2mm()),
                     fmt::format("{:.0f} %", 100.0 * patch.within_5mm()),
                     std::to_string(patch.point_count())});
-    if (report == nullptr) continue;
-    const v1::Fidelity& f = report->fidelity();
-    rows.back().insert(rows.back().end(),
-                       {std::to_string(report->lost().size()),
-                        fmt::format("{:.1f} %", 100.0 * f.distance_mean()),
-                        fmt::format("{:.1f}", f.angle_mean_rad() * 180.0 / std::numbers::pi),
-                        fmt::format("{:.3f}", f.area_ratio())});
+    const v1::Fidelity f = report == nullptr ? v1::Fidelity() : report->fidelity();
+    rows.back().insert(
+        rows.back().end(),
+        {report == nullptr ? "" : std::to_string(report->lost().size()),
+         fmt::format("{:.1f} %", 100.0 * f.distance_mean()),
+         fmt::format("{:.1f}", f.angle_mean_rad() * 180.0 / std::numbers::pi),
+         fmt::format("{:.3f}", f.area_ratio()), nameOf(patch.diagnosis().verdict())});
   }
-  out += table(rows, "lr") + "\n";
+  out += table(rows, "lrrrrrrrrrrl") + "\n";
   for (const v1::PatchReport& report : result.transfer.patches()) {
     if (report.placed()) continue;
     out += fmt::format("dropped {}: {}\n", plain(report.name()), plain(report.reason()));
   }
 
+  out += verdicts(solution);
   out += losses(result.transfer.patches(), result.kept ? solution.session_id() : 0);
   out += notes(result.hand.notes());
   out += notes(result.transfer.notes());
