@@ -15,6 +15,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::microseconds kSolutionPeriod(1000);  // of poses on the way
+// Solves that end sooner show their answer alone. Replaced before it was sent, a pose on the
+// way leaves a gap that holds the final one up until the next heartbeat.
+constexpr std::chrono::milliseconds kQuietStart(5);
 constexpr int kStartsAfterEdit = 2;  // where the hand is, and its joints under the closed form
 
 v1::StageTime stageTime(const char* stage, double duration_ms) {
@@ -65,7 +68,7 @@ v1::PoseSolution solveAndTake(LiveSession& live,
   run.on_improvement = [&](const hand::HandPose& pose, const optimize::Terms& terms) {
     flight.giveWay();
     const Clock::time_point now = Clock::now();
-    if (now - last < kSolutionPeriod) return;
+    if (now - begin < kQuietStart || now - last < kSolutionPeriod) return;
     last = now;
     v1::PoseSolution on_the_way = solutionMessage(session, pose, terms);
     on_the_way.solver(std::string(optimize::nameOf(solving.solver)));
