@@ -144,8 +144,10 @@ class FastWriter {
     // Large replies are cut into datagrams and sent by Fast DDS's own thread.
     qos.publish_mode().kind = dds::ASYNCHRONOUS_PUBLISH_MODE;
     qos.writer_data_lifecycle().autodispose_unregistered_instances = false;
-    // Late datagrams of large samples are asked for again at once.
-    qos.reliable_writer_qos().times.heartbeatPeriod = {0, 100'000'000};
+    // What is lost, and gaps where newer states replaced older ones, are settled at once: a
+    // reader holds back what came after them. Heartbeats go out only while something is not
+    // acknowledged.
+    qos.reliable_writer_qos().times.heartbeatPeriod = {0, 10'000'000};
     writer_ = endpoints.publisher->create_datawriter(topic_, qos);
     if (writer_ == nullptr) throw TransportError(fmt::format("{}: no writer", topic.name));
   }
