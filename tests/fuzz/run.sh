@@ -6,7 +6,7 @@
 set -euo pipefail
 bin=$1
 minutes=${2:-10}
-targets=(mesh_file raw_mesh urdf contact_set contact_map packed wire)
+targets=(mesh_file raw_mesh urdf contact_set contact_map packed wire hand_config)
 [ $# -lt 3 ] || targets=("$3")
 corpus=build/fuzz/corpus
 findings=build/fuzz/findings
@@ -20,9 +20,11 @@ esac
 mkdir -p "$corpus" "$findings"
 python3 tests/fuzz/make_corpus.py server/models/objects "$corpus"
 python3 tests/fuzz/make_text_corpus.py server/models/hands "$corpus"
+mkdir -p "$corpus/hand_config"
+cp hardware/config/examples/*.yaml "$corpus/hand_config"
 cp -r tests/fuzz/regressions/. "$corpus"
 
-declare -A longest=([mesh_file]=8192 [raw_mesh]=2048 [urdf]=16384 [contact_set]=4096 [contact_map]=12288 [packed]=256 [wire]=1024)
+declare -A longest=([mesh_file]=8192 [raw_mesh]=2048 [urdf]=16384 [contact_set]=4096 [contact_map]=12288 [packed]=256 [wire]=1024 [hand_config]=6144)
 failed=0
 for target in "${targets[@]}"; do
   if [ -z "${longest[$target]:-}" ]; then
