@@ -1,0 +1,466 @@
+// Edits as the service runs them: in order, answered, followed by solutions.
+#include <cmath>
+#include <limits>
+#include <set>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "server/service.h"
+
+#include "tests/server/recording_bus.h"
+#include "tests/server/small_grasp.h"
+
+namespace handgraft::server {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+constexpr v1::ClientId kMe{1};
+constexpr v1::ClientId kOther{2};
+
+class LiveEdits : public testing::Test {
+ protected:
+  explicit LiveEdits(const ServiceOptions& options = {}) : service(bus, models, options) {
+    service.start();
+    for (const v1::RequestBody& body : test::smallGrasp()) {
+      const v1::Reply reply = bus.ask(body);
+      EXPECT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
+    }
+  }
+
+  std::uint64_t open() {
+    const v1::Reply reply = bus.ask(test::openSession("clamp", "fruit", "marks"));
+    EXPECT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
+    return reply.error() == v1::ERROR_NONE ? reply.body().session().session_id() : 0;
+  }
+
+  /// Opened and solved.
+  std::uint64_t openSolved() {
+    const std::uint64_t session = open();
+    EXPECT_EQ(bus.ask(test::optimize(session)).error(), v1::ERROR_NONE);
+    return session;
+  }
+
+  v1::Edit editOf(std::uint64_t session, const v1::EditBody& body, v1::ClientId client = kMe) {
+    v1::Edit edit;
+    edit.client(client);
+    edit.edit_id(++last_edit);
+    edit.session_id(session);
+    edit.body(body);
+    return edit;
+  }
+
+  v1::EditReply replyTo(const v1::Edit& edit) {
+    const auto reply =
+        bus.await<v1::EditReply>(bus.edit_replies, [&](const v1::EditReply& one) {
+          return one.edit_id() == edit.edit_id();
+        });
+    EXPECT_TRUE(reply.has_value()) << "no answer to edit " << edit.edit_id();
+    return reply.value_or(v1::EditReply());
+  }
+
+  v1::EditReply apply(const v1::Edit& edit) {
+    bus.send(edit);
+    return replyTo(edit);
+  }
+
+  v1::EditReply apply(std::uint64_t session, const v1::EditBody& body) {
+    return apply(editOf(session, body));
+  }
+
+  v1::PoseSolution finalOf(std::uint64_t session, std::uint64_t revision) {
+    const auto solution =
+        bus.await<v1::PoseSolution>(bus.solutions, [&](const v1::PoseSolution& one) {
+          return one.session_id() == session && one.revision() == revision && one.is_final();
+        });
+    EXPECT_TRUE(solution.has_value()) << "no final solution of revision " << revision;
+    return solution.value_or(v1::PoseSolution());
+  }
+
+  v1::SessionState stateAt(std::uint64_t session, std::uint64_t revision) {
+    const auto state =
+        bus.await<v1::SessionState>(bus.states, [&](const v1::SessionState& one) {
+          return one.session_id() == session && one.revision() == revision;
+        });
+    EXPECT_TRUE(state.has_value()) << "no state of revision " << revision;
+    return state.value_or(v1::SessionState());
+  }
+
+  v1::SessionSettings settings(std::uint64_t session) {
+    const v1::Reply reply = bus.ask(test::ofSession(v1::OP_SESSION_SETTINGS, session));
+    EXPECT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
+    return reply.error() == v1::ERROR_NONE ? reply.body().settings() : v1::SessionSettings();
+  }
+
+  std::uint64_t last_edit = 0;
+  test::RecordingBus bus;
+  ModelStore models;
+  Service service;
+};
+
+v1::EditBody weight(double value) {
+  v1::PatchWeightEdit edit;
+  edit.patch("palm");
+  edit.weight(value);
+  v1::EditBody body;
+  body.patch_weight(edit);
+  return body;
+}
+
+v1::EditBody limit(double upper_rad) {
+  v1::JointLimitEdit edit;
+  edit.joint("hinge");
+  edit.lower_rad(-0.5);
+  edit.upper_rad(upper_rad);
+  v1::EditBody body;
+  body.joint_limit(edit);
+  return body;
+}
+
+v1::EditBody steps(v1::EditKind kind, unsigned count = 0) {
+  v1::StepsEdit edit;
+  edit.count(count);
+  v1::EditBody body;
+  body.steps(edit);
+  body._d(kind);
+  return body;
+}
+
+v1::EditBody snapshot(v1::EditKind kind, const std::string& name) {
+  v1::SnapshotEdit edit;
+  edit.name(name);
+  v1::EditBody body;
+  body.snapshot(edit);
+  body._d(kind);
+  return body;
+}
+
+v1::EditBody drag(const std::string& link, double x_m) {
+  v1::DragEdit edit;
+  edit.link(link);
+  edit.target_W_m({x_m, 0.0, 0.0});
+  v1::EditBody body;
+  body.drag(edit);
+  return body;
+}
+
+v1::EditBody swap(v1::EditKind kind, const std::string& name) {
+  v1::ModelEdit edit;
+  edit.name(name);
+  v1::EditBody body;
+  body.swapped_model(edit);
+  body._d(kind);
+  return body;
+}
+
+TEST_F(LiveEdits, TellEveryoneWhatWasEditedAndByWhom) {
+  const std::uint64_t session = openSolved();
+  ASSERT_EQ(apply(editOf(session, limit(0.6), kOther)).error(), v1::ERROR_NONE);
+  const v1::SessionState state = stateAt(session, 1);
+  EXPECT_THAT(state.last_edit(), HasSubstr("hinge"));
+  EXPECT_EQ(state.last_client(), kOther);
+  EXPECT_EQ(state.redo_count(), 0u);
+  EXPECT_GE(state.undo_count(), 1u);
+}
+
+TEST_F(LiveEdits, AreReadyOnceTheirSolutionIsOut) {
+  const std::uint64_t session = openSolved();
+  ASSERT_EQ(apply(session, limit(0.6)).error(), v1::ERROR_NONE);
+  const auto ready = bus.await<v1::SessionState>(bus.states, [](const v1::SessionState& one) {
+    return one.revision() == 1 && one.phase() == v1::PHASE_READY;
+  });
+  ASSERT_TRUE(ready.has_value());
+  EXPECT_TRUE(bus.solutions.back().is_final());
+  EXPECT_EQ(bus.solutions.back().revision(), 1u);
+}
+
+TEST_F(LiveEdits, AreUndoneAndRedoneToTheSamePose) {
+  const std::uint64_t session = openSolved();
+  const v1::PoseSolution before = finalOf(session, 0);
+  ASSERT_EQ(apply(session, limit(-0.4)).revision(), 1u);
+  const v1::PoseSolution limited = finalOf(session, 1);
+  EXPECT_LE(limited.joint_rad()[0], -0.4 + 1e-12);
+  ASSERT_EQ(apply(session, steps(v1::EDIT_UNDO)).revision(), 2u);
+  EXPECT_EQ(finalOf(session, 2).joint_rad(), before.joint_rad());
+  EXPECT_EQ(finalOf(session, 2).X_WH(), before.X_WH());
+  ASSERT_EQ(apply(session, steps(v1::EDIT_REDO)).revision(), 3u);
+  EXPECT_EQ(finalOf(session, 3).joint_rad(), limited.joint_rad());
+  const v1::EditReply beyond = apply(session, steps(v1::EDIT_REDO));
+  EXPECT_EQ(beyond.error(), v1::ERROR_INVALID_INPUT);
+  EXPECT_EQ(beyond.revision(), 3u);
+}
+
+TEST_F(LiveEdits, MadeOnAnOldRevisionAreToldWhatHappenedSince) {
+  const std::uint64_t session = openSolved();
+  ASSERT_EQ(apply(editOf(session, limit(0.6), kOther)).error(), v1::ERROR_NONE);
+  ASSERT_EQ(apply(editOf(session, weight(2.0), kMe)).error(), v1::ERROR_NONE);
+  v1::Edit stale = editOf(session, weight(3.0), kMe);
+  stale.base_revision(1);
+  const v1::EditReply reply = apply(stale);
+  EXPECT_EQ(reply.error(), v1::ERROR_CONFLICT);
+  EXPECT_EQ(reply.revision(), 2u);
+  EXPECT_THAT(reply.message(), HasSubstr("revision 2: 'weight palm 2' by you"));
+  EXPECT_THAT(reply.message(), testing::Not(HasSubstr("hinge"))) << "that one was known";
+  v1::Edit fresh = editOf(session, weight(3.0), kMe);
+  fresh.base_revision(2);
+  EXPECT_EQ(apply(fresh).revision(), 3u);
+}
+
+TEST_F(LiveEdits, CutALongSolveShort) {
+  const std::uint64_t session = openSolved();
+  constexpr std::uint64_t kSolve = 77;
+  bus.send(kSolve, test::optimize(session, "all", 10'000));
+  ASSERT_TRUE(bus.await<v1::SessionState>(bus.states, [](const v1::SessionState& one) {
+    return one.phase() == v1::PHASE_OPTIMIZING && one.progress() > 0.0;
+  }));
+  EXPECT_EQ(apply(session, limit(0.6)).revision(), 1u);
+  const auto solve = bus.await<v1::Reply>(bus.replies, [](const v1::Reply& one) {
+    return one.request_id() == kSolve;
+  });
+  ASSERT_TRUE(solve.has_value());
+  EXPECT_EQ(solve->error(), v1::ERROR_CANCELLED);
+  EXPECT_THAT(solve->message(), HasSubstr("an edit came"));
+  EXPECT_EQ(finalOf(session, 1).revision(), 1u);
+}
+
+TEST_F(LiveEdits, AreKeptBackUnderAFloodAndTheLastOneIsSolved) {
+  const std::uint64_t session = openSolved();
+  constexpr int kFlood = 3000;
+  std::vector<v1::Edit> sent;
+  for (int i = 0; i < kFlood; ++i) {
+    sent.push_back(editOf(session, weight(1.0 + 1e-4 * i)));
+    bus.send(sent.back());
+  }
+  std::uint64_t revision = 0;
+  int applied = 0;
+  for (const v1::Edit& edit : sent) {
+    const v1::EditReply reply = replyTo(edit);
+    if (reply.error() == v1::ERROR_NONE) {
+      ++applied;
+      EXPECT_EQ(reply.revision(), revision + 1) << "in order, one by one";
+      revision = reply.revision();
+    } else {
+      EXPECT_EQ(reply.error(), v1::ERROR_OVERLOADED) << reply.message();
+    }
+  }
+  EXPECT_GT(applied, 0);
+  finalOf(session, revision);
+  const v1::SessionSettings settled = settings(session);
+  EXPECT_EQ(settled.state().revision(), revision);
+}
+
+TEST_F(LiveEdits, ShowInTheSettings) {
+  const std::uint64_t session = openSolved();
+  apply(session, weight(2.5));
+  apply(session, limit(0.6));
+  v1::PatchEnabledEdit off;
+  off.patch("index");
+  off.enabled(false);
+  v1::EditBody body;
+  body.patch_enabled(off);
+  ASSERT_EQ(apply(session, body).error(), v1::ERROR_NONE);
+  apply(session, snapshot(v1::EDIT_SNAPSHOT, "mine"));
+  const v1::SessionSettings now = settings(session);
+  EXPECT_EQ(now.state().revision(), 4u);
+  ASSERT_EQ(now.joints().size(), 1u);
+  EXPECT_EQ(now.joints()[0].name(), "hinge");
+  EXPECT_EQ(now.joints()[0].upper_rad(), 0.6);
+  EXPECT_EQ(now.joints()[0].model_upper_rad(), 1.2);
+  EXPECT_THAT(now.snapshots(), testing::ElementsAre("mine"));
+  EXPECT_THAT(now.undo().front(), HasSubstr("index"));
+  EXPECT_EQ(now.patches().size(), 6u);
+  for (const v1::PatchState& patch : now.patches()) {
+    EXPECT_EQ(patch.placed(), patch.name() == "palm" || patch.name() == "index");
+    EXPECT_EQ(patch.enabled(), patch.name() != "index");
+    if (patch.name() == "palm") {
+      EXPECT_EQ(patch.weight(), 2.5);
+    }
+    if (!patch.placed()) {
+      EXPECT_NE(patch.reason(), "");
+    }
+  }
+}
+
+TEST_F(LiveEdits, AreComparedWithASnapshot) {
+  const std::uint64_t session = openSolved();
+  apply(session, snapshot(v1::EDIT_SNAPSHOT, "before"));
+  apply(session, limit(-0.4));
+  finalOf(session, 2);
+  v1::CompareRequest request;
+  request.session_id(session);
+  request.a("before");
+  v1::RequestBody body;
+  body.compare(request);
+  const v1::Reply reply = bus.ask(body);
+  ASSERT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
+  bool tells_the_joint = false;
+  for (const v1::Difference& one : reply.body().compare().differences())
+    tells_the_joint = tells_the_joint || one.what().find("hinge") != std::string::npos;
+  EXPECT_TRUE(tells_the_joint);
+  body.compare().b("nobody's");
+  EXPECT_THAT(bus.ask(body).message(), HasSubstr("nobody's"));
+}
+
+TEST_F(LiveEdits, ThatAreWrongNameWhatIsAndChangeNothing) {
+  const std::uint64_t session = openSolved();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  v1::EditBody joint = limit(0.6);
+  joint.joint_limit().joint("no_such_joint");
+  v1::EditBody turned = drag("jaw", 0.1);
+  turned.drag().target_q_wxyz({1.0, 0.0});
+  v1::EditBody kind;
+  kind._d() = static_cast<v1::EditKind>(99);
+  const std::vector<std::pair<v1::EditBody, std::string>> wrong = {
+      {weight(nan), "nan"},
+      {weight(-1.0), "-1"},
+      {limit(nan), "nan"},
+      {joint, "no_such_joint"},
+      {drag("jaw", nan), "nan"},
+      {drag("no_such_link", 0.1), "no_such_link"},
+      {turned, "2 numbers"},
+      {steps(v1::EDIT_UNDO, 4'000'000'000U), "4000000000"},
+      {snapshot(v1::EDIT_RESTORE, "nobody's"), "nobody's"},
+      {swap(v1::EDIT_HAND, "no_such_hand"), "no_such_hand"},
+      {swap(v1::EDIT_OBJECT, "no_such_object"), "no_such_object"},
+      {kind, "99"}};
+  for (const auto& [body, told] : wrong) {
+    const v1::EditReply reply = apply(session, body);
+    EXPECT_NE(reply.error(), v1::ERROR_NONE) << told;
+    EXPECT_NE(reply.error(), v1::ERROR_INTERNAL) << reply.message();
+    EXPECT_THAT(reply.message(), HasSubstr(told));
+    EXPECT_EQ(reply.revision(), 0u) << told;
+  }
+  EXPECT_EQ(apply(session, weight(2.0)).revision(), 1u);
+}
+
+TEST_F(LiveEdits, DragToWhereNoHandReachesSaysHowMuchIsMissing) {
+  const std::uint64_t session = openSolved();
+  const v1::EditReply reply = apply(session, drag("jaw", 1e3));
+  // Far away the whole hand may follow; what counts is a clear answer and a server that lives.
+  if (reply.error() == v1::ERROR_NONE) {
+    finalOf(session, reply.revision());
+  } else {
+    EXPECT_EQ(reply.error(), v1::ERROR_INVALID_INPUT) << reply.message();
+  }
+  EXPECT_EQ(apply(session, weight(2.0)).error(), v1::ERROR_NONE);
+}
+
+TEST_F(LiveEdits, ExportWhatTheyCameTo) {
+  const std::uint64_t session = open();
+  const auto exported = [&](const std::string& format) {
+    v1::ExportRequest request;
+    request.session_id(session);
+    request.format(format);
+    v1::RequestBody body;
+    body.export_file(request);
+    return bus.ask(body);
+  };
+  const auto text = [&](const std::string& format) {
+    const v1::Reply reply = exported(format);
+    EXPECT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
+    if (reply.error() != v1::ERROR_NONE) return std::string();
+    const auto& content = reply.body().exported_file().content();
+    return std::string(content.begin(), content.end());
+  };
+  EXPECT_THAT(exported("csv").message(), HasSubstr("solve it first"));
+  bus.ask(test::optimize(session));
+  apply(session, limit(-0.45));
+  EXPECT_THAT(text("csv"), StartsWith("name,value,unit\nhinge,"));
+  EXPECT_LE(std::stod(text("csv").substr(std::string("name,value,unit\nhinge,").size())), -0.45)
+      << "not the pose that answers the edit";
+  EXPECT_THAT(text("json"), HasSubstr("\"handgraft-grasp/1\""));
+  EXPECT_THAT(text("json"), HasSubstr("\"palm\""));
+  EXPECT_THAT(text("obj"), HasSubstr("g jaw\n"));
+  EXPECT_THAT(text("glb"), StartsWith("glTF"));
+  EXPECT_THAT(text("isaac_grasp"), StartsWith("format: isaac_grasp\n"));
+  EXPECT_THAT(exported("step").message(), HasSubstr("isaac_grasp"));
+}
+
+v1::RequestBody loadSession(const std::string& text) {
+  v1::LoadSessionRequest request;
+  request.text(text);
+  v1::RequestBody body;
+  body.load_session(request);
+  return body;
+}
+
+TEST_F(LiveEdits, AreSavedLoadedAndReplayed) {
+  const std::uint64_t session = openSolved();
+  apply(session, limit(0.6));
+  finalOf(session, 1);
+  apply(session, weight(2.5));
+  const v1::PoseSolution last = finalOf(session, 2);
+  apply(session, steps(v1::EDIT_UNDO));
+  finalOf(session, 3);
+  apply(session, steps(v1::EDIT_REDO));
+  finalOf(session, 4);
+  const v1::Reply saved = bus.ask(test::ofSession(v1::OP_SAVE_SESSION, session));
+  ASSERT_EQ(saved.error(), v1::ERROR_NONE) << saved.message();
+  const std::string text = saved.body().saved_session().text();
+
+  const v1::Reply loaded = bus.ask(loadSession(text));
+  ASSERT_EQ(loaded.error(), v1::ERROR_NONE) << loaded.message();
+  const std::uint64_t twin = loaded.body().session().session_id();
+  EXPECT_NE(twin, session);
+  EXPECT_EQ(settings(twin).joints(), settings(session).joints());
+  EXPECT_EQ(settings(twin).undo(), settings(session).undo());
+  EXPECT_EQ(finalOf(twin, 4).joint_rad(), last.joint_rad()) << "watchers see the saved pose";
+  EXPECT_EQ(apply(twin, steps(v1::EDIT_UNDO)).revision(), 5u);
+
+  v1::ReplayRequest request;
+  request.text(text);
+  v1::RequestBody body;
+  body.replay(request);
+  const v1::Reply replayed = bus.ask(body);
+  ASSERT_EQ(replayed.error(), v1::ERROR_NONE) << replayed.message();
+  EXPECT_TRUE(replayed.body().replay().same()) << replayed.body().replay().message();
+  EXPECT_GE(replayed.body().replay().entries(), 4u);
+  EXPECT_EQ(replayed.body().replay().result().text(), text);
+}
+
+TEST_F(LiveEdits, OfADamagedFileAreRefusedByName) {
+  const std::uint64_t session = openSolved();
+  std::string text =
+      bus.ask(test::ofSession(v1::OP_SAVE_SESSION, session)).body().saved_session().text();
+  EXPECT_EQ(bus.ask(loadSession("not a session")).error(), v1::ERROR_INVALID_INPUT);
+  EXPECT_EQ(bus.ask(loadSession(text.substr(0, text.size() / 2))).error(),
+            v1::ERROR_INVALID_INPUT);
+  const std::size_t hand = text.find("\"clamp\"");
+  ASSERT_NE(hand, std::string::npos);
+  text.replace(hand, 7, "\"cramp\"");
+  const v1::Reply reply = bus.ask(loadSession(text));
+  EXPECT_NE(reply.error(), v1::ERROR_NONE);
+  EXPECT_NE(reply.error(), v1::ERROR_INTERNAL) << reply.message();
+}
+
+class FewSessions : public LiveEdits {
+ protected:
+  static ServiceOptions few() {
+    ServiceOptions options;
+    options.most_sessions = 1;
+    options.session_idle = std::chrono::seconds(3);
+    return options;
+  }
+
+  FewSessions() : LiveEdits(few()) {}
+};
+
+TEST_F(FewSessions, MoreAreRefusedAndIdleOnesMakeRoom) {
+  const std::uint64_t session = open();
+  const v1::Reply second = bus.ask(test::openSession("clamp", "fruit", "marks"));
+  EXPECT_EQ(second.error(), v1::ERROR_OVERLOADED);
+  EXPECT_THAT(second.message(), HasSubstr("1 sessions"));
+  const auto closed = bus.await<v1::SessionState>(bus.states, [&](const auto& one) {
+    return one.session_id() == session && one.phase() == v1::PHASE_CLOSED;
+  });
+  ASSERT_TRUE(closed.has_value());
+  EXPECT_THAT(closed->message(), HasSubstr("idle"));
+  EXPECT_EQ(apply(session, weight(2.0)).error(), v1::ERROR_NOT_FOUND);
+  EXPECT_NE(open(), 0u);
+}
+
+}  // namespace
+}  // namespace handgraft::server
