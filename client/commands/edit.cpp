@@ -12,6 +12,7 @@
 #include "client/editor/prompt.h"
 #include "client/failure.h"
 #include "client/grasp_session.h"
+#include "client/json_output.h"
 #include "client/progress_line.h"
 #include "client/send_model.h"
 #include "client/server_link.h"
@@ -156,9 +157,10 @@ int run(const EditOptions& options, const CommonOptions& common, Interruption& i
     state = server.describeSession(options.session_id);
   }
   Editor editor(server, interruption, sink, state);
-  sink.note(fmt::format("session {}: {} grasps {} by {}, revision {}", state.session_id(),
-                        text::plain(state.hand()), text::plain(state.object()),
-                        text::plain(state.contacts()), state.revision()));
+  sink.event(fmt::format("session {}: {} grasps {} by {}, revision {}", state.session_id(),
+                         text::plain(state.hand()), text::plain(state.object()),
+                         text::plain(state.contacts()), state.revision()),
+             json::stateEvent(state));
   if (opens) solveFirst(editor, sink, options.grasp, interruption);
 
   // === Commands

@@ -156,6 +156,45 @@ TEST(CommandLine, LeavesTheWeightsAndThePlaceToTheServer) {
   EXPECT_FALSE(std::get<GraspOptions>(told.command).weights.has_value());
 }
 
+TEST(CommandLine, ReadsAnEditor) {
+  const auto of = [](const std::vector<std::string>& words) {
+    return std::get<EditOptions>(invocation(words).command);
+  };
+  EXPECT_EQ(of({"edit", "7", "--script", "a.hg"}).session_id, 7U);
+  EXPECT_EQ(of({"edit", "7", "--script", "a.hg"}).script, "a.hg");
+  const EditOptions opened = of({"edit", "--hand", "human20", "--object", "lemon", "--contacts",
+                                 "lemon_6", "--solver", "slsqp"});
+  EXPECT_EQ(opened.session_id, 0U);
+  EXPECT_EQ(opened.grasp.hand, "human20");
+  EXPECT_EQ(opened.grasp.solver, "slsqp");
+  EXPECT_THAT(objectionTo({"edit"}), HasSubstr("session"));
+  EXPECT_THAT(objectionTo({"edit", "0"}), HasSubstr("edit 0"));
+  EXPECT_THAT(objectionTo({"edit", "--hand", "human20"}), HasSubstr("--object"));
+  EXPECT_THAT(objectionTo({"edit", "7", "--hand", "human20"}), HasSubstr("another session"));
+  EXPECT_THAT(objectionTo({"edit", "7", "--solver", "lm"}), HasSubstr("--solver"));
+  EXPECT_THAT(objectionTo({"edit", "7", "--mirror"}), HasSubstr("--mirror"));
+}
+
+TEST(CommandLine, ReadsExportsAndSessionFiles) {
+  const auto exported = std::get<ExportOptions>(
+      invocation({"export", "7", "--format", "glb", "--out", "a"}).command);
+  EXPECT_EQ(exported.session_id, 7U);
+  EXPECT_EQ(exported.format, "glb");
+  EXPECT_EQ(exported.out, "a");
+  const auto saved =
+      std::get<SaveOptions>(invocation({"session", "save", "7", "s.json"}).command);
+  EXPECT_EQ(saved.session_id, 7U);
+  EXPECT_EQ(saved.path, "s.json");
+  const auto replayed = std::get<ReplayOptions>(
+      invocation({"session", "replay", "s.json", "--out", "t.json", "--domain", "3"}).command);
+  EXPECT_EQ(replayed.path, "s.json");
+  EXPECT_EQ(replayed.out, "t.json");
+  EXPECT_EQ(std::get<OpenFileOptions>(invocation({"session", "load", "s.json"}).command).path,
+            "s.json");
+  EXPECT_THAT(objectionTo({"session"}), HasSubstr("save, load, replay"));
+  EXPECT_THAT(objectionTo({"export", "7"}), HasSubstr("--format"));
+}
+
 TEST(CommandLine, NamesTheOptionThatIsWrong) {
   EXPECT_THAT(objectionTo({}), HasSubstr("subcommand"));
   EXPECT_THAT(objectionTo({"dance"}), HasSubstr("dance"));

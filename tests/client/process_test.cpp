@@ -57,6 +57,36 @@ TEST(Interruption, RunsAnActionThatComesAfterTheSignal) {
   EXPECT_EQ(count, so_far);
 }
 
+TEST(Interruption, CountsAgainAfterAReset) {
+  Interruption interruption;
+  for (int i = 0; i < 3; ++i) {
+    raise(SIGINT);
+    ASSERT_TRUE(eventually([&] {
+      return interruption.requested();
+    }));
+    EXPECT_FALSE(interruption.terminated());
+    interruption.reset();
+    EXPECT_NO_THROW(interruption.checkpoint());
+  }
+  std::atomic<int> count{0};
+  interruption.whenRequested([&] {
+    ++count;
+  });
+  std::this_thread::sleep_for(milliseconds(250));
+  EXPECT_EQ(count, 0) << "what came before the reset ran an action after it";
+}
+
+TEST(Interruption, NoResetTakesBackATermination) {
+  Interruption interruption;
+  raise(SIGTERM);
+  ASSERT_TRUE(eventually([&] {
+    return interruption.requested();
+  }));
+  interruption.reset();
+  EXPECT_TRUE(interruption.terminated());
+  EXPECT_THROW(interruption.checkpoint(), Cancelled);
+}
+
 TEST(Interruption, LeavesTheHandlersAsTheyWere) {
   struct sigaction before {};
 

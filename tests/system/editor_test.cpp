@@ -1,0 +1,217 @@
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "client/editor/command_table.h"
+
+#include "tests/support/shared_data.h"
+#include "tests/support/terminal.h"
+#include "tests/system/service.h"
+
+namespace handgraft::test {
+namespace {
+
+namespace fs = std::filesystem;
+namespace editor = client::editor;
+using testing::HasSubstr;
+
+const std::vector<std::string> kScenarios = {"patches", "joints",  "poses",
+                                             "search",  "history", "files"};
+
+fs::path scenario(const std::string& name) {
+  return sourceDirectory() / "tests" / "system" / "scenarios" / (name + ".hg");
+}
+
+std::vector<std::string> linesOf(const fs::path& path) {
+  std::ifstream file(path);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(file, line);)
+    lines.push_back(line);
+  EXPECT_FALSE(lines.empty()) << path;
+  return lines;
+}
+
+// A scenario's first line says how it is started.
+std::vector<std::string> argumentsOf(const fs::path& path) {
+  static const std::string kStart = "# handgraft ";
+  const std::string first = linesOf(path).at(0);
+  EXPECT_EQ(first.rfind(kStart, 0), 0U) << first;
+  return editor::commandsOf(first.substr(kStart.size())).at(0);
+}
+
+TEST(Scenarios, AreTheFilesThatThereAre) {
+  std::set<std::string> found;
+  for (const auto& entry : fs::directory_iterator(scenario("patches").parent_path()))
+    found.insert(entry.path().stem().string());
+  EXPECT_EQ(found, std::set<std::string>(kScenarios.begin(), kScenarios.end()));
+}
+
+TEST(Scenarios, ShowEveryCommand) {
+  std::set<std::string_view> shown;
+  for (const std::string& name : kScenarios) {
+    // Whatever is written counts as a name: which names there are is the server's to say.
+    std::vector<editor::Words> commands;
+    editor::Names names;
+    for (const std::string& line : linesOf(scenario(name))) {
+      for (const editor::Words& words : editor::commandsOf(line)) {
+        commands.push_back(words);
+        names.patches.insert(names.patches.end(), words.begin(), words.end());
+      }
+    }
+    names.joints = names.sites = names.points = names.patches;
+    for (const editor::Words& words : commands)
+      shown.insert(editor::parse(words, names).command->pattern);
+  }
+  for (const editor::Command& command : editor::commandTable()) {
+    const bool endless = command.pattern == "watch";
+    EXPECT_EQ(shown.count(command.pattern), endless ? 0U : 1U) << command.pattern;
+  }
+}
+
+class Scenario : public testing::TestWithParam<std::string> {
+ protected:
+  Scenario() {
+    fs::create_directories(folder_);
+    std::ofstream(folder_ / "more.hg") << "show session\n";
+    fs::current_path(folder_);  // where the programs write
+  }
+
+  ~Scenario() override { fs::current_path(before_); }
+
+  const fs::path before_ = fs::current_path();
+  const fs::path folder_ = scratchDirectory() / ("scenario_" + GetParam());
+  Service service_;
+};
+
+TEST_P(Scenario, Runs) {
+  std::vector<std::string> arguments = argumentsOf(scenario(GetParam()));
+  arguments.insert(arguments.end(), {"--script", scenario(GetParam()).string()});
+  const Finished finished = service_.client(arguments);
+  EXPECT_EQ(finished.exit_code, 0) << finished.err << finished.out;
+}
+
+TEST_P(Scenario, TellsProgramsAnObjectALine) {
+  std::vector<std::string> arguments = argumentsOf(scenario(GetParam()));
+  arguments.insert(arguments.end(), {"--script", scenario(GetParam()).string(), "--json"});
+  const Finished finished = service_.client(arguments);
+  EXPECT_EQ(finished.exit_code, 0) << finished.err;
+  std::istringstream lines(finished.out);
+  std::size_t count = 0;
+  for (std::string line; std::getline(lines, line); ++count) {
+    const nlohmann::json object = nlohmann::json::parse(line, nullptr, false);
+    ASSERT_TRUE(object.is_object()) << line;
+    EXPECT_TRUE(object.value("ok", true)) << line;
+  }
+  EXPECT_GT(count, 5U);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Scenario, testing::ValuesIn(kScenarios), [](const auto& named) {
+  return named.param;
+});
+
+TEST(Editor, FailsWithTheLineOfAScript) {
+  const Service service;
+  const fs::path script = scratchDirectory() / "wrong.hg";
+  std::ofstream(script) << "weight palm 0.5\nlimit no_such_joint upper 1\nweight palm 1\n";
+  const Finished finished =
+      service.client({"edit", "--hand", "barrett8", "--object", "lemon", "--contacts",
+                      "lemon_6", "--script", script.string()});
+  EXPECT_EQ(finished.exit_code, 2);
+  EXPECT_THAT(finished.err, HasSubstr("wrong.hg:2: limit: 'no_such_joint' is no joint"));
+  EXPECT_EQ(finished.out.find("> weight palm 1"), std::string::npos);
+}
+
+TEST(Editor, TwoOnOneSessionSeeEachOthersEdits) {
+  Service service;
+  const auto first = service.ask(
+      {"grasp", "--hand", "barrett8", "--object", "lemon", "--contacts", "lemon_6", "--keep"});
+  const std::string id = std::to_string(first["session_id"].get<std::uint64_t>());
+  Terminal a(program("handgraft"), {"edit", id, "--domain", std::to_string(service.domain())},
+             {{"XDG_STATE_HOME", (scratchDirectory() / "state_a").string()}});
+  ASSERT_TRUE(a.waitFor("barrett8 0> ")) << a.text();
+  const fs::path script = scratchDirectory() / "other.hg";
+  std::ofstream(script) << "weight palm 0.5\n";
+  EXPECT_EQ(service.client({"edit", id, "--script", script.string()}).exit_code, 0);
+  EXPECT_TRUE(a.waitFor("revision 1, by editor ")) << a.text();
+  a.type("weight palm 1\r");
+  EXPECT_TRUE(a.waitFor("revision 2: objective")) << a.text();
+}
+
+// A person at a terminal: completion, help, history, Ctrl-C during a solve.
+class Typing : public testing::Test {
+ protected:
+  Typing() { EXPECT_TRUE(terminal_.waitFor("human20 0> ")) << terminal_.text(); }
+
+  void expect(const std::string& text) {
+    EXPECT_TRUE(terminal_.waitFor(text)) << "waited for '" << text << "' in:\n"
+                                         << terminal_.text();
+  }
+
+  Service service_;
+  fs::path state_ = scratchDirectory() / "state";
+  Terminal terminal_{program("handgraft"),
+                     {"edit", "--hand", "human20", "--object", "lemon", "--contacts", "lemon_6",
+                      "--domain", std::to_string(service_.domain())},
+                     {{"XDG_STATE_HOME", state_.string()}}};
+};
+
+TEST_F(Typing, TabCompletesAndAQuestionMarkExplains) {
+  terminal_.type("lim\t");
+  expect("limit ");
+  terminal_.type("thumb_m\t");
+  expect("thumb_mcp_flex ");
+  terminal_.type("?");
+  expect("limit JOINT upper VALUE");
+  terminal_.type("up\t0.6\r");
+  expect("revision 1: objective");
+  expect("human20 1> ");
+  terminal_.type("hand \t\t");
+  expect("allegro16");
+  expect("human20");
+}
+
+TEST_F(Typing, ArrowsBringLinesBackAlsoOfEarlierEditors) {
+  terminal_.type("weight palm 0.5\r");
+  expect("human20 1> ");
+  terminal_.type("\x1b[A");
+  expect("weight palm 0.5");
+  terminal_.type("\r");
+  expect("human20 2> ");
+  terminal_.type("\x04");
+  expect("stays open");
+  EXPECT_EQ(terminal_.wait(), 0);
+
+  Terminal later(program("handgraft"),
+                 {"edit", "1", "--domain", std::to_string(service_.domain())},
+                 {{"XDG_STATE_HOME", state_.string()}});
+  ASSERT_TRUE(later.waitFor("human20 2> ")) << later.text();
+  later.type("\x1b[A");
+  EXPECT_TRUE(later.waitFor("weight palm 0.5")) << later.text();
+}
+
+TEST_F(Typing, CtrlCCancelsASolveAndKeepsTheSession) {
+  terminal_.type("solve --solver all --starts 10000 --max-evaluations 100000\r");
+  expect("solve ");
+  expect("%");  // it is under way
+  terminal_.type("\x03");
+  expect("cancelled");
+  expect("human20 0> ");
+  terminal_.type("weight palm 0.5\r");
+  expect("revision 1: objective");
+  terminal_.type("half a li\x03");
+  expect("^C");
+  expect("human20 1> ");
+  terminal_.type("quit\r");
+  expect("session 1 stays open");
+  EXPECT_EQ(terminal_.wait(), 0);
+  EXPECT_EQ(service_.client({"close", "1"}).exit_code, 0);
+}
+
+}  // namespace
+}  // namespace handgraft::test
