@@ -22,10 +22,9 @@ struct Layer {
   std::vector<std::string> libraries;  ///< names from kLibraries
 };
 
-const std::vector<std::string> kCore = {"core/base",     "core/geometry", "core/cloud",
-                                        "core/hand",     "core/contact",  "core/transfer",
-                                        "core/optimize", "core/quality",  "core/session",
-                                        "core/io"};
+const std::vector<std::string> kCore = {
+    "core/base",     "core/geometry", "core/cloud",   "core/hand",    "core/contact",
+    "core/transfer", "core/optimize", "core/quality", "core/session", "core/io"};
 
 const std::vector<Layer> kLayers = {
     {"core/base", {}, {"eigen", "fmt"}},
@@ -82,10 +81,10 @@ const std::map<std::string, std::set<std::string>> kAlone = {
     {"cyclone", {"idl/cyclone/participant.cpp"}},
     {"fastcdr", {"idl/cyclone/participant.cpp"}},
     {"png", {"client/render/png_file.cpp", "core/io/png_file.cpp"}},
-    {"cli11",
     {"editline", {"client/editor/prompt.cpp"}},
-     {"server/main.cpp", "client/command_line.cpp", "client/options/bridge_commands.cpp", "client/options/editor_commands.cpp",
-      "client/options/grasp_command.cpp",
+    {"cli11",
+     {"server/main.cpp", "client/command_line.cpp", "client/options/bridge_commands.cpp",
+      "client/options/editor_commands.cpp", "client/options/grasp_command.cpp",
       "client/options/grasp_flags.cpp", "client/options/import_commands.cpp",
       "client/options/model_commands.cpp", "client/options/model_flags.cpp",
       "client/options/session_commands.cpp", "client/options/study_commands.cpp",
@@ -108,8 +107,8 @@ const std::vector<std::pair<std::string, std::regex>> kLibraries = {
     {"fastcdr", std::regex("^fastcdr/.*")},
     {"fastdds", std::regex("^(fastdds|fastrtps)/.*")},
     {"png", std::regex("^png.h")},
-    {"cli11", std::regex("^CLI/.*")},
     {"editline", std::regex("^(histedit|editline/readline).h")},
+    {"cli11", std::regex("^CLI/.*")},
 };
 
 /// The standard library and the operating system.

@@ -75,6 +75,7 @@ GraspResult example() {
   fit.name("thumb");
   fit.point_count(3);
   fit.mean_mm(1.25);
+  fit.diagnosis().verdict(v1::VERDICT_AT_LIMIT);
   fit.max_mm(2.5);
   fit.normal_deg(4.0);
   fit.within_2mm(0.5);
@@ -221,7 +222,7 @@ TEST(GraspText, ShowsEachPatchWhatWasDroppedAndTheLimits) {
   const std::string text = text::grasp(example());
   EXPECT_THAT(text,
               HasSubstr("thumb     1.25    2.50         4.0     50 %    100 %       3     1"
-                        "   3.1 %        5.7  0.950\n"));
+                        "   3.1 %        5.7  0.950  at_limit\n"));
   EXPECT_THAT(text, HasSubstr("dropped ring: the hand has no finger 'ring'"));
   EXPECT_THAT(text, HasSubstr("joints at limits: bend upper"));
   EXPECT_THAT(text, HasSubstr("solve 12 ms"));
