@@ -11,8 +11,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "idl/names.h"
 #include "idl/service.h"
-
 #include "tests/system/live_session.h"
 
 namespace handgraft::test {
@@ -156,14 +156,16 @@ TEST_F(Editing, OutlivesItsClient) {
   const idl::cyclone::Participant participant(service_.network());
   idl::cyclone::Reader<v1::SessionState> states(participant, idl::kSessionTopic);
   std::uint64_t theirs = 0;
+  std::string told;  // what was heard instead
   for (int i = 0; i < 600 && theirs == 0; ++i) {
     states.wait(std::chrono::milliseconds(100));
     states.take([&](const v1::SessionState& state) {
+      told += state.object() + " " + v1::nameOf(state.phase()) + "\n";
       if (state.object() == "box" && state.phase() == v1::PHASE_OPTIMIZING)
         theirs = state.session_id();
     });
   }
-  ASSERT_NE(theirs, 0u) << client->err();
+  ASSERT_NE(theirs, 0u) << told << client->err();
   client->send(SIGKILL);
 
   Editor heir(service_, theirs);
