@@ -20,6 +20,10 @@ constexpr int kClusterSamples = 8;
 // Deeper than this at rest, two links are made to stand in each other.
 constexpr double kTouch = 5e-4;  // m
 
+// Joints no further apart make one: the axes of a thumb's base, of a knuckle. What they join
+// overlaps where it was cut, whatever small link lies between.
+constexpr double kOnePlace = 0.01;  // m
+
 // Random packings with a least distance r hold about 0.8 points an area of r^2.
 constexpr double kPacking = 0.8;
 
@@ -161,17 +165,19 @@ void fillSolid(const Skin& skin,
   }
 }
 
-/// Movable joints between two links.
-int jointsBetween(const HandModel& model, int a, int b) {
-  int count = 0;
+/// Whether a link hangs on another one: by one movable joint, none, or several in nearly one
+/// place. `X_HL`: at rest.
+bool areJoined(const HandModel& model, const LinkPoses& X_HL, int a, int b) {
+  Eigen::AlignedBox3d joints_H;
   // Parents come before children: the later of the two is never above the other.
   while (a != b) {
     int& later = a > b ? a : b;
     const HandModel::Node& node = model.nodes()[static_cast<std::size_t>(later - 1)];
-    count += node.type == JointType::kFixed ? 0 : 1;
+    if (node.type != JointType::kFixed)
+      joints_H.extend(X_HL[static_cast<std::size_t>(later)].translation());
     later = node.parent_link;
   }
-  return count;
+  return joints_H.isEmpty() || joints_H.diagonal().norm() <= kOnePlace;
 }
 
 }  // namespace
@@ -216,7 +222,7 @@ void HandSolid::findStrangers(const HandModel& model) {
     for (int j = i + 1; j < count; ++j) {
       const LinkSolid& a = links_[static_cast<std::size_t>(i)];
       const LinkSolid& b = links_[static_cast<std::size_t>(j)];
-      if (jointsBetween(model, a.link, b.link) <= 1) continue;
+      if (areJoined(model, X_HL, a.link, b.link)) continue;
       const Pose X_BA = inverse(X_HL[static_cast<std::size_t>(b.link)]) *
                         X_HL[static_cast<std::size_t>(a.link)];
       if (depthOf(a, b, X_BA) > kTouch || depthOf(b, a, inverse(X_BA)) > kTouch) continue;

@@ -79,8 +79,9 @@ class HandSolid {
   /// Links that have skin, by number.
   [[nodiscard]] const std::vector<LinkSolid>& links() const { return links_; }
 
-  /// Pairs of entries of `links` that may not meet: not neighbours (one movable joint apart, or
-  /// none), and apart at the rest pose by all but half a millimetre.
+  /// Pairs of entries of `links` that may not meet: not neighbours (one movable joint apart,
+  /// none, or several within a centimetre, as at the base of a thumb), and apart at the rest
+  /// pose by all but half a millimetre.
   [[nodiscard]] const std::vector<std::array<int, 2>>& strangers() const { return strangers_; }
 
  private:

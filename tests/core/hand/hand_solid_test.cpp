@@ -4,6 +4,7 @@
 #include <numbers>
 #include <random>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/hand/kinematics.h"
@@ -96,10 +97,22 @@ TEST(HandSolid, LeavesOutNeighboursAndWhatTouchesAtRest) {
   EXPECT_EQ(solid.strangers(), expected);
 
   // Folded so that balls 0 and 3 meet at rest.
-  const HandModel folded =
-      hand.model->withRestPose(Vector3d::Constant(1.9));
+  const HandModel folded = hand.model->withRestPose(Vector3d::Constant(1.9));
   const std::vector<std::array<int, 2>> fewer = {{0, 2}, {1, 3}};
   EXPECT_EQ(HandSolid(folded, *hand.skin, Progress()).strangers(), fewer);
+}
+
+TEST(HandSolid, TakesJointsInOnePlaceForOne) {
+  const test::BallHand far = chainOfBalls();
+  std::vector<Joint> joints = far.model->joints();
+  // The second and the third joint as the two axes of a knuckle, 6 mm apart.
+  joints[1].X_PJ.translation() = Vector3d(0.006, 0, 0);
+  const test::BallHand near =
+      test::withBalls(HandModel("near", far.model->links(), joints), kRadius);
+  const std::vector<std::array<int, 2>> strangers =
+      HandSolid(*near.model, *near.skin, Progress()).strangers();
+  EXPECT_THAT(strangers, testing::Not(testing::Contains(std::array<int, 2>{0, 2})));
+  EXPECT_THAT(strangers, testing::Contains(std::array<int, 2>{0, 3}));
 }
 
 TEST(HandSolid, MeasuresHowDeepLinksLieInEachOther) {
@@ -109,7 +122,8 @@ TEST(HandSolid, MeasuresHowDeepLinksLieInEachOther) {
     Pose X_BA = Pose::Identity();
     X_BA.translation() = distance * Vector3d(2, -1, 0.5).normalized();
     const double depth = depthOf(solid.links()[0], solid.links()[3], X_BA);
-    EXPECT_NEAR(depth, std::max(0.0, 2 * kRadius - distance), distance < 0.015 ? 1e-3 : 3e-4) << distance;
+    EXPECT_NEAR(depth, std::max(0.0, 2 * kRadius - distance), distance < 0.015 ? 1e-3 : 3e-4)
+        << distance;
   }
 }
 
