@@ -1,5 +1,8 @@
 #include "core/session/solids.h"
 
+#include <chrono>
+#include <condition_variable>
+#include <exception>
 #include <list>
 #include <mutex>
 #include <utility>
@@ -14,18 +17,42 @@ template <class Owner, class Made>
 class Memory {
  public:
   template <class Make>
-  std::shared_ptr<const Made> get(const std::shared_ptr<const Owner>& owner, const Make& make) {
+  std::shared_ptr<const Made> get(const std::shared_ptr<const Owner>& owner,
+                                  const Progress& progress,
+                                  const Make& make) {
+    constexpr std::chrono::milliseconds kGlance(20);
     const std::shared_ptr<Entry> entry = entryOf(owner);
-    // One at a time: if it is cancelled, the next one who waits makes it.
-    const std::lock_guard lock(entry->making);
-    if (entry->made == nullptr) entry->made = make();
+    std::unique_lock lock(entry->mutex);
+    while (entry->made == nullptr) {
+      progress.checkpoint();
+      if (entry->being_made) {
+        entry->changed.wait_for(lock, kGlance);
+        continue;
+      }
+      entry->being_made = true;
+      lock.unlock();
+      std::shared_ptr<const Made> made;
+      std::exception_ptr failure;
+      try {
+        made = make();
+      } catch (...) {  // the next one who waits makes it
+        failure = std::current_exception();
+      }
+      lock.lock();
+      entry->being_made = false;
+      entry->made = std::move(made);
+      entry->changed.notify_all();
+      if (failure) std::rethrow_exception(failure);
+    }
     return entry->made;
   }
 
  private:
   struct Entry {
     std::weak_ptr<const Owner> owner;
-    std::mutex making;
+    std::mutex mutex;
+    std::condition_variable changed;
+    bool being_made = false;
     std::shared_ptr<const Made> made;
   };
 
@@ -54,7 +81,7 @@ std::shared_ptr<const hand::HandSolid> solidOf(
   HANDGRAFT_REQUIRE(model != nullptr && skin != nullptr);
   // By the model, since its rest pose counts, too; it comes with one skin.
   static Memory<hand::HandModel, hand::HandSolid> memory;
-  return memory.get(model, [&] {
+  return memory.get(model, progress, [&] {
     return std::make_shared<const hand::HandSolid>(*model, *skin, progress);
   });
 }
@@ -63,11 +90,18 @@ std::shared_ptr<const geometry::DistanceGrid> solidOf(
     const std::shared_ptr<const geometry::TriangleMesh>& object_O, const Progress& progress) {
   HANDGRAFT_REQUIRE(object_O != nullptr);
   static Memory<geometry::TriangleMesh, geometry::DistanceGrid> memory;
-  return memory.get(object_O, [&] {
+  return memory.get(object_O, progress, [&] {
     return std::make_shared<const geometry::DistanceGrid>(
         std::make_shared<const geometry::SignedDistance>(*object_O),
         geometry::DistanceGridOptions(), progress);
   });
+}
+
+void makeSolids(const Hand& hand,
+                const std::shared_ptr<const geometry::TriangleMesh>& object_O,
+                const Progress& progress) {
+  static_cast<void>(solidOf(hand.model, hand.skin, progress));
+  static_cast<void>(solidOf(object_O, progress));
 }
 
 std::shared_ptr<const optimize::Avoidance> avoidanceOf(

@@ -7,6 +7,7 @@
 #include "core/base/error.h"
 #include "core/optimize/pose_solver.h"
 #include "core/session/hand_placement.h"
+#include "core/session/solids.h"
 #include "core/session/workbench.h"
 
 namespace handgraft::session {
@@ -90,6 +91,7 @@ Solution Workbench::solve(const Solving& solving,
   validate(solving);
   transfer(progress);
   requirePoints();
+  if (solving.avoid_penetration) makeSolids(*models_.hand, models_.object_O, progress);
   const Search as_it_was(*this);
   SolveOptions options = solveOptions(solving);
   options.threads = run.threads;
@@ -127,6 +129,8 @@ Solution Workbench::answered(SolveReport report, const Solving& solving) const {
 Solution Workbench::judge(const Progress& progress) {
   transfer(progress);
   requirePoints();
+  if (document_.solving.avoid_penetration)
+    makeSolids(*models_.hand, models_.object_O, progress);
   Solution solution;
   solution.solving = document_.solving;
   solution.problem = problem(document_.solving);

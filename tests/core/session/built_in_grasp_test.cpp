@@ -8,6 +8,7 @@
 #include "core/io/urdf_file.h"
 #include "core/session/hand_placement.h"
 #include "core/session/session.h"
+#include "core/session/solids.h"
 
 #include "tests/support/shared_data.h"
 
@@ -60,6 +61,27 @@ TEST(BuiltInGrasp, WithoutDirectionsIsNearlyAsGood) {
   const double given = given_session.optimize({}, Progress()).terms.objective;
   const double found = open_session.optimize({}, Progress()).terms.objective;
   EXPECT_LT(found, 1.5 * given);
+}
+
+TEST(BuiltInGrasp, StaysOutOfTheObjectIfAskedTo) {
+  const Box box;
+  const auto solved = [&](bool avoid) {
+    Session session(tendonHand(), box.mesh, box.contacts, Pose::Identity(), {});
+    Solving solving;
+    solving.avoid_penetration = avoid;
+    Solution solution = session.solve(solving, {}, Progress());
+    EXPECT_EQ(solution.problem.avoidance != nullptr, avoid);
+    session.commit(std::move(solution));
+    return std::pair(session.document().start,
+                     penetrationOf(session.hand().model, session.hand().skin, box.mesh,
+                                   Pose::Identity(), session.document().start, Progress()));
+  };
+  const auto [off_pose, off] = solved(false);
+  const auto [on_pose, on] = solved(true);
+  ASSERT_GT(off.max_depth_m, 0.002);
+  EXPECT_LT(on.max_depth_m, 0.6 * off.max_depth_m);
+  EXPECT_LT(on.volume_m3, off.volume_m3);
+  EXPECT_LT(on.self_depth_m, std::max(0.001, off.self_depth_m));
 }
 
 }  // namespace
