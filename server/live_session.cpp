@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/base/error.h"
+#include "core/session/solids.h"
 #include "server/convert.h"
 
 namespace handgraft::server {
@@ -124,6 +125,23 @@ void LiveSession::SolveInFlight::giveWay() {
   if (std::chrono::steady_clock::now() - begin_ < kLeastSolve) return;
   cut_short_ = true;
   progress_.cancel();
+}
+
+void LiveSession::prepareSolids(const std::shared_ptr<LiveSession>& self, WorkerPool& pool) {
+  const session::Hand& hand = session_.hand();
+  const std::shared_ptr<const geometry::TriangleMesh>& object_O = session_.sharedObject();
+  if (begun_hand_.lock() == hand.model && begun_object_.lock() == object_O) return;
+  begun_hand_ = hand.model;
+  begun_object_ = object_O;
+  const bool is_taken = pool.post([self, hand, object_O] {
+    try {
+      // The object first: a session that comes to wait begins with the hand.
+      static_cast<void>(session::solidOf(object_O, self->solves()));
+      session::makeSolids(hand, object_O, self->solves());
+    } catch (const std::exception&) {  // who needs them tries again, and tells
+    }
+  });
+  if (!is_taken) begun_hand_.reset();
 }
 
 void LiveSession::noteEdit(AppliedEdit edit) {

@@ -116,6 +116,10 @@ class LiveSession {
   /// goes out as a joint command.
   v1::PoseSolution publish(v1::PoseSolution solution);
 
+  /// Begins to make the solids of hand and object on `pool`, unless that was done; the next
+  /// final solution waits for what is left of it. Ends with the session.
+  void prepareSolids(const std::shared_ptr<LiveSession>& self, WorkerPool& pool);
+
   /// Keeps what an edit was, for the state and for conflicts.
   void noteEdit(AppliedEdit edit);
   /// What happened after `revision`, for people: "revision 4: 'limit ...' by ab12cd34"; at most
@@ -126,9 +130,10 @@ class LiveSession {
   bool was_solved = false;  ///< and nothing of it was lost since, so that few starts do
   unsigned long long solved_revision = 0;
   // What the stages took, for the solution's times.
-  double skin_ms = 0.0;         ///< of opening the session
-  double transfer_ms = 0.0;     ///< of the last transfer that had something to do
-  session::FitCheck fit_check;  ///< remembers which sizes fit
+  double skin_ms = 0.0;             ///< of opening the session
+  double transfer_ms = 0.0;         ///< of the last transfer that had something to do
+  double untold_transfer_ms = 0.0;  ///< of all since the last final solution
+  session::FitCheck fit_check;      ///< remembers which sizes fit
 
  private:
   /// The state as the session stands; `mutex_` held, of the strand.
@@ -143,6 +148,9 @@ class LiveSession {
   Progress solves_;
   std::uint64_t sequence_number_ = 0;
   std::deque<AppliedEdit> edits_;  ///< the last ones
+  // Whose solids were begun.
+  std::weak_ptr<const hand::HandModel> begun_hand_;
+  std::weak_ptr<const geometry::TriangleMesh> begun_object_;
   std::atomic<int> expected_edits_{0};
   std::atomic<std::chrono::steady_clock::rep> last_used_;
 

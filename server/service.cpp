@@ -378,6 +378,7 @@ void Service::answerEdit(const v1::Edit& edit, v1::EditReply reply) {
 }
 
 void Service::queueSolve(const std::shared_ptr<LiveSession>& live) {
+  live->prepareSolids(live, pool_);  // edits may have brought in other models
   if (std::exchange(live->solve_is_queued, true)) return;
   live->strand().postFromTask([this, live] {
     live->solve_is_queued = false;

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <utility>
 
+#include "core/session/solids.h"
 #include "server/convert.h"
 #include "server/handlers/transfer.h"
 #include "server/rejection.h"
@@ -31,16 +32,27 @@ double msSince(Clock::time_point begin) {
   return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
 }
 
+/// Hand and object as solids, which the report needs; how long they were waited for, ms.
+double awaitSolids(const session::Session& session, const Progress& progress) {
+  const Clock::time_point begin = Clock::now();
+  session::makeSolids(session.hand(), session.sharedObject(), progress);
+  return msSince(begin);
+}
+
 /// The final message, with what the stages took; `begin` is when the message was begun.
 v1::PoseSolution published(LiveSession& live,
                            v1::PoseSolution solution,
                            const session::Solving& solving,
                            double optimize_ms,
+                           double solids_ms,
                            Clock::time_point begin) {
   solution.options(toMessage(solving));
   solution.chosen_minimum(static_cast<std::uint32_t>(live.session().chosenMinimum()));
-  solution.times({stageTime("skin", live.skin_ms), stageTime("transfer", live.transfer_ms),
-                  stageTime("optimize", optimize_ms), stageTime("report", msSince(begin))});
+  solution.times({stageTime("skin", live.skin_ms),
+                  stageTime("transfer", live.untold_transfer_ms),
+                  stageTime("optimize", optimize_ms), stageTime("solids", solids_ms),
+                  stageTime("report", msSince(begin))});
+  live.untold_transfer_ms = 0.0;
   return live.publish(std::move(solution));
 }
 
@@ -52,7 +64,6 @@ v1::PoseSolution solveAndTake(LiveSession& live,
                               LiveSession::SolveInFlight& flight,
                               const Progress& told) {
   session::Session& session = live.session();
-  live.transfer_ms = 0.0;
   bringUpToDate(live, told);
   if (!live.was_solved) {
     // Sizes that no pose can help are told before the search.
@@ -76,6 +87,8 @@ v1::PoseSolution solveAndTake(LiveSession& live,
   };
   session::Solution solution = session.solve(solving, run, told);
   const double spent_ms = msSince(begin);
+  // Nothing is taken of a solve that is cancelled while it waits here.
+  const double solids_ms = awaitSolids(session, told);
   const Clock::time_point solved = Clock::now();
   const optimize::SolveReport report = solution.report;
   session.commit(std::move(solution));
@@ -83,7 +96,7 @@ v1::PoseSolution solveAndTake(LiveSession& live,
   live.solved_revision = session.revision();
   v1::PoseSolution message = solutionMessage(session, report);
   explain(session, *session.solvedProblem(), report, live.fit_check, message);
-  return published(live, std::move(message), solving, spent_ms, solved);
+  return published(live, std::move(message), solving, spent_ms, solids_ms, solved);
 }
 
 v1::PoseSolution solve(LiveSession& live,
@@ -117,14 +130,15 @@ v1::PoseSolution publishStanding(LiveSession& live, const Progress& progress) {
   return runPhase(
       live, v1::PHASE_TRANSFERRING, v1::PHASE_READY, progress, [&](const Progress& told) {
         session::Session& session = live.session();
-        live.transfer_ms = 0.0;
         bringUpToDate(live, told);
         const session::Solution standing = session.standing(told);
+        const double solids_ms = awaitSolids(session, told);
         const Clock::time_point begin = Clock::now();
         live.solved_revision = session.revision();
         v1::PoseSolution message = solutionMessage(session, standing.problem, standing.report);
         explain(session, standing.problem, standing.report, live.fit_check, message);
-        return published(live, std::move(message), session.document().solving, 0.0, begin);
+        return published(live, std::move(message), session.document().solving, 0.0, solids_ms,
+                         begin);
       });
 }
 

@@ -27,13 +27,14 @@ v1::SessionState openSession(const v1::OpenSessionRequest& request,
 }
 
 std::shared_ptr<LiveSession> enterSession(session::Session session,
-                              double skin_ms,
-                              Workshop& workshop,
-                              const Progress& progress) {
+                                          double skin_ms,
+                                          Workshop& workshop,
+                                          const Progress& progress) {
   progress.checkpoint();
   const auto live = std::make_shared<LiveSession>(
       workshop.sessions.reserve(), std::move(session), workshop.pool, workshop.audience);
   live->skin_ms = skin_ms;
+  live->prepareSolids(live, workshop.pool);
   workshop.sessions.add(live);
   live->enter(v1::PHASE_OPEN);
   return live;

@@ -19,6 +19,7 @@ void bringUpToDate(LiveSession& live, const Progress& progress) {
   const std::chrono::duration<double, std::milli> spent =
       std::chrono::steady_clock::now() - begin;
   live.transfer_ms = spent.count();
+  live.untold_transfer_ms += spent.count();
 }
 
 v1::TransferReply transferPatches(LiveSession& live, const Progress& progress) {
