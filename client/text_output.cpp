@@ -1,6 +1,7 @@
 #include "client/text_output.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <numeric>
 
@@ -129,9 +130,15 @@ std::string verdicts(const v1::PoseSolution& solution) {
     lines += fmt::format("{}: {}\n", plain(patch.name()), plain(diagnosis.text()));
   }
   for (const v1::LimitRelief& relief : solution.reliefs()) {
-    lines += fmt::format("relief: {} {} by {:.2f}: objective {:.3g} less, {:.2f} mm nearer\n",
+    constexpr double kWorthTelling_mm = 0.005;
+    lines += fmt::format("relief: {} {} by {:.2f} (rad or m): objective {:.3g} less",
                          plain(relief.joint()), relief.is_upper() ? "upper" : "lower",
-                         relief.relief_rad(), relief.gain(), relief.gain_mm());
+                         relief.relief_rad(), relief.gain());
+    if (std::abs(relief.gain_mm()) >= kWorthTelling_mm) {
+      lines += fmt::format(", {:.2f} mm {}", std::abs(relief.gain_mm()),
+                           relief.gain_mm() > 0.0 ? "nearer" : "farther");
+    }
+    lines += "\n";
   }
   return lines;
 }

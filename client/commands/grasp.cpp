@@ -83,8 +83,8 @@ void writeProblem(ServerLink& server,
   writeFile(options.problem, server.exportSession(request));
 }
 
-// Makes one of the minima that `best` ranks the session's start and prior, and has it solved
-// from there, and from nowhere else: the answer is that minimum.
+// Makes one of the minima that `best` ranks the session's pose; the answer is that minimum as
+// it was found, judged anew.
 v1::PoseSolution chosenOf(ServerLink& server,
                           const GraspOptions& options,
                           const v1::PoseSolution& best) {
@@ -98,13 +98,12 @@ v1::PoseSolution chosenOf(ServerLink& server,
   choice.rank(index);
   body.choice(choice);
   server.edit(best.session_id(), best.revision(), body);
-  v1::SolveOptions solving = solvingOf(options);
-  solving.solver(best.minima()[index].solver());
-  solving.starts(1);
   v1::OptimizeRequest request;
   request.session_id(best.session_id());
-  request.options().push_back(solving);
   v1::PoseSolution chosen = server.optimize(request);
+  chosen.solver(best.minima()[index].solver());
+  chosen.outcome(best.outcome());
+  chosen.evaluations(best.evaluations());
   chosen.minima(best.minima());
   chosen.chosen_minimum(index);
   return chosen;

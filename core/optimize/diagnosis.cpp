@@ -288,7 +288,14 @@ Diagnosis diagnose(const PoseProblem& problem,
 
   const DistanceMeter meter(problem, report);
   Relaxer relaxer(problem);
-  const std::vector<Opening> openings = openEach(problem, report, options, meter, relaxer);
+  // Of a search that was left before its end, limits would be credited with the rest of the
+  // way.
+  constexpr int kLook = 8;
+  constexpr double kFinished = 1e-3;  // share of the objective
+  const bool is_finished = relaxer.searchFrom(report.pose, kLook, 0.0).second >=
+                           (1.0 - kFinished) * report.terms.objective;
+  std::vector<Opening> openings;
+  if (is_finished) openings = openEach(problem, report, options, meter, relaxer);
   for (const Opening& opening : openings)
     diagnosis.reliefs.push_back(opening.relief);
   std::stable_sort(diagnosis.reliefs.begin(), diagnosis.reliefs.end(),

@@ -61,6 +61,7 @@ SpanMisfit spanOf(const PoseProblem& problem, int a, int b, double allowance_m) 
   for (const PointPair& pair : problem.pairs) {
     if ((pair.patch == a || pair.patch == b) && pair.weight > 0.0) two.pairs.push_back(pair);
   }
+  two.weights.distance = Weights().distance;  // what can be reached is no question of weights
   two.weights.normal = 0.0;
   two.weights.prior = kFreePrior;
   const PreparedProblem prepared(two);

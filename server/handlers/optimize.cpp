@@ -148,6 +148,11 @@ v1::PoseSolution optimizePose(LiveSession& live,
                               const v1::OptimizeRequest& request,
                               Workshop& workshop,
                               const Progress& progress) {
+  // A minimum that was chosen stands until somebody asks for another search.
+  if (request.options().empty() && live.session().chosenMinimum() > 0 &&
+      !live.session().needsSolve()) {
+    return publishStanding(live, progress);
+  }
   const session::Solving solving = request.options().empty()
                                        ? live.session().document().solving
                                        : solvingFrom(request.options().front());
