@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "client/commands/commands.h"
+#include "client/hand_side_edits.h"
 #include "client/progress_line.h"
 #include "client/server_link.h"
 #include "client/transfer_json.h"
@@ -10,26 +11,6 @@
 namespace handgraft::client {
 
 namespace {
-
-v1::EditBody rootEdit(const std::string& patch, const v1::SurfacePoint& root_S) {
-  v1::PatchRootEdit edit;
-  edit.patch(patch);
-  edit.side(v1::SIDE_HAND);
-  edit.root(root_S);
-  v1::EditBody body;
-  body.patch_root(edit);
-  return body;
-}
-
-v1::EditBody directionEdit(const std::string& patch, double angle_rad) {
-  v1::PatchDirectionEdit edit;
-  edit.patch(patch);
-  edit.side(v1::SIDE_HAND);
-  edit.angle_rad(angle_rad);
-  v1::EditBody body;
-  body.patch_direction(edit);
-  return body;
-}
 
 // The two edits that make a suggestion come true (idl/sessions.idl), each refused if somebody
 // else's came first.

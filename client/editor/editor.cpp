@@ -8,6 +8,7 @@
 #include "client/editor/edit_making.h"
 #include "client/failure.h"
 #include "client/grasp_session.h"
+#include "client/hand_side_edits.h"
 #include "client/json_output.h"
 #include "client/output_file.h"
 #include "client/progress_line.h"
@@ -48,26 +49,6 @@ EditedSession::OnSample shownBy(ProgressLine& progress) {
     if (solution.is_final()) return;
     progress.show(fmt::format("objective {:.6g}", solution.terms().objective()), 0.0);
   };
-}
-
-v1::EditBody patchEdit(const std::string& patch, const v1::SurfacePoint& root_S) {
-  v1::PatchRootEdit edit;
-  edit.patch(patch);
-  edit.side(v1::SIDE_HAND);
-  edit.root(root_S);
-  v1::EditBody body;
-  body.patch_root(edit);
-  return body;
-}
-
-v1::EditBody patchEdit(const std::string& patch, double angle_rad) {
-  v1::PatchDirectionEdit edit;
-  edit.patch(patch);
-  edit.side(v1::SIDE_HAND);
-  edit.angle_rad(angle_rad);
-  v1::EditBody body;
-  body.patch_direction(edit);
-  return body;
 }
 
 const Value* optionOf(const Match& match, const char* name) {
@@ -267,8 +248,9 @@ Told Editor::suggest(const Match& match) {
                 reply.suggestions().size());
   }
   const v1::PlacementSuggestion& chosen = reply.suggestions()[apply->count - 1];
-  Told last = publish(patchEdit(reply.patch(), chosen.root_S()));
-  if (chosen.turned_rad() != 0.0) last = publish(patchEdit(reply.patch(), chosen.turned_rad()));
+  Told last = publish(rootEdit(reply.patch(), chosen.root_S()));
+  if (chosen.turned_rad() != 0.0)
+    last = publish(directionEdit(reply.patch(), chosen.turned_rad()));
   told.text += last.text;
   told.data["applied"] = apply->count;
   told.data.update(last.data);
