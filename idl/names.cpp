@@ -62,6 +62,8 @@ const char* nameOf(Operation operation) {
       return "load_session";
     case OP_REPLAY:
       return "replay";
+    case OP_STOP_SOLVING:
+      return "stop_solving";
   }
   return "unknown";
 }

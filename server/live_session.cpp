@@ -96,6 +96,11 @@ void LiveSession::advance(std::string_view stage, double fraction) {
   tell();
 }
 
+void LiveSession::stopSolving() {
+  const std::lock_guard lock(flight_mutex_);
+  if (in_flight_ != nullptr) in_flight_->progress_.cancel();
+}
+
 // === Edits on their way
 
 void LiveSession::expectEdit() {

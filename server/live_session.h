@@ -66,6 +66,9 @@ class LiveSession {
 
   [[nodiscard]] const Progress& solves() const { return solves_; }
 
+  /// Cancels the solve in flight, if there is one, whoever asked for it.
+  void stopSolving();
+
   // === Edits on their way
 
   /// An edit was put on the strand; a solve in flight is cut short for it, but gets

@@ -36,6 +36,7 @@ v1::ReplyBody bodyOf(v1::Operation operation, Set&& set) {
 Lane laneOf(v1::Operation operation) {
   switch (operation) {
     case v1::OP_CANCEL:
+    case v1::OP_STOP_SOLVING:
       return Lane::kAtOnce;
     case v1::OP_NOTHING:
     case v1::OP_PUT_FILE:

@@ -224,9 +224,13 @@ void Service::dispatch(const JobPtr& job) {
   bool is_taken = true;
   switch (laneOf(body._d())) {
     case Lane::kAtOnce:
-      cancel(job->request.client(), body.cancel().request_id());
-      run(job, [] {
-        return nothingSaid(v1::OP_CANCEL);
+      if (body._d() == v1::OP_CANCEL) {
+        cancel(job->request.client(), body.cancel().request_id());
+      } else {
+        sessions_.find(sessionOf(body))->stopSolving();
+      }
+      run(job, [&] {
+        return nothingSaid(body._d());
       });
       break;
     case Lane::kQuick:

@@ -61,6 +61,7 @@ void explain(const session::Session& session,
   }
   for (const optimize::LimitRelief& relief : verdicts.diagnosis.reliefs)
     message.reliefs().push_back(toMessage(model, relief));
+  message.is_explained(true);
   message.verdict(verdicts.line);
   message.too_large(verdicts.too_large);
 }
