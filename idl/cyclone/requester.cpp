@@ -363,6 +363,10 @@ void Requester::cancel() {
   impl_->news.notify_all();
 }
 
+v1::ClientId Requester::client() const {
+  return impl_->client;
+}
+
 v1::ServerStatus Requester::status() const {
   const std::lock_guard lock(impl_->mutex);
   return impl_->status.value_or(v1::ServerStatus());

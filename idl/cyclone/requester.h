@@ -66,6 +66,9 @@ class Requester {
   /// thread (not from a signal handler).
   void cancel();
 
+  /// The name under which this asks and edits; states tell whose the last edit was.
+  [[nodiscard]] v1::ClientId client() const;
+
   /// The last status of the server seen; all zero (server_id 0) before the first.
   [[nodiscard]] v1::ServerStatus status() const;
 
