@@ -76,7 +76,7 @@ class ODriveHand final : public Device {
   // Takes frames until `is_done()` or the deadline; true if done.
   template <class Done>
   bool listen(Duration time, Done&& is_done);
-  // Takes what came by itself, so that it answers nothing.
+  // Takes all that came by itself, so that it neither answers nor piles up.
   void drain();
   // Asks all axes for their estimates; false if one does not answer.
   bool ask();

@@ -166,6 +166,27 @@ TEST_F(ODriveHandTest, OtherNodesAreStrayAndChangeNothing) {
   EXPECT_GT(hand_->counters().stray, 20u);
 }
 
+// A clock that goes on while frames are taken, as real ones do: what came by itself since the
+// last cycle must not wait behind, or what is measured gets older and older.
+TEST_F(ODriveHandTest, WhatCameByItselfDoesNotPileUp) {
+  bus_.estimate_period = milliseconds(2);
+  auto spent = std::make_shared<Duration>(0);
+  hand_ = std::make_unique<ODriveHand>(twoAxes(), can_, [spent, told = wire_->clock()] {
+    *spent += std::chrono::microseconds(2);
+    return told() + *spent;
+  });
+  hand_->open();
+  hand_->arm();
+  for (int i = 0; i < 200; ++i) {
+    ASSERT_TRUE(hand_->read(state_));
+    ASSERT_TRUE(hand_->write(std::vector<double>{5.0, 5.0}));
+    wire_->pass(milliseconds(10));
+    const double way = bus_.axis(5).servo.speed * 2.0 * std::numbers::pi * 0.02;
+    ASSERT_NEAR(state_.position[1], bus_.axis(5).servo.position * 2.0 * std::numbers::pi, way)
+        << "cycle " << i;
+  }
+}
+
 TEST_F(ODriveHandTest, WorksWithAxesThatTellEstimatesOnRequestAlone) {
   bus_.estimate_period = Duration::zero();
   make().open();
