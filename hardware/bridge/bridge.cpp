@@ -75,8 +75,12 @@ struct Bridge::Impl {
 
   void beginMotion(const config::HandConfig& config, const std::vector<double>& start_rad) {
     motion.reset();  // brakes, and frees the wire
-    const MakeDevice make = [start_rad](const config::HandConfig& asked) {
-      return makeDevice(asked, Clock::now, start_rad);
+    const MakeDevice make = [start_rad, this](const config::HandConfig& asked) {
+      DeviceStack stack = makeDevice(asked, Clock::now, start_rad);
+      stack.device->heed([this] {
+        return estop.load();
+      });
+      return stack;
     };
     const auto keep = [this](const config::HandConfig& homed) {
       keepCalibration(homed);
@@ -192,7 +196,10 @@ struct Bridge::Impl {
     if (identity.session_id != pose.pose.session_id)
       say(fmt::format("following session {}", pose.pose.session_id));
     identity.session_id = pose.pose.session_id;
-    arrived = false;
+    if (!pose.is_repeat) {
+      arrived = false;
+      pose_number = pose.pose.sequence_number;
+    }
     StreamPose told;
     told.stream = pose.stream;
     told.sequence = pose.pose.sequence_number;
@@ -262,7 +269,7 @@ struct Bridge::Impl {
       if (std::abs(now.position[i] - now.target[i]) > kArrived) return;
     }
     arrived = true;
-    say(fmt::format("session {}: pose reached", identity.session_id));
+    say(fmt::format("session {}: pose {} reached", identity.session_id, pose_number));
   }
 
   void say(std::string text) {
@@ -341,6 +348,7 @@ struct Bridge::Impl {
   bool has_missed_server = false;
   bool is_willing = false;                  // to arm by itself
   bool arrived = false;                     // at the newest pose, and said so
+  std::uint64_t pose_number = 0;            // of the newest pose, before it was explained
   std::optional<StreamFeed::Pose> waiting;  // for its hand's description
   Clock::time_point waiting_since{};
   std::optional<HandQuestion> answered;  // the plan's

@@ -38,7 +38,7 @@ void MotionThread::renew(std::uint64_t stream, safety::Time time) {
 
 void MotionThread::turn(Periodic& periodic) {
   // A stop does not wait for anything.
-  if (estop_flag_.exchange(false) || estop_.exchange(false)) motion_->estop();
+  if (estop_flag_.exchange(false)) motion_->estop();
   if (const StreamPose* pose = poses_.take()) motion_->offer(*pose);
   if (const Renewal* renewal = renewals_.take()) motion_->renew(renewal->stream, renewal->time);
   while (const std::optional<Request> request = requests_.take())

@@ -20,7 +20,8 @@ namespace handgraft::bridge {
 class MotionThread {
  public:
   /// `estop_flag` has to live as long as this: whenever it is found set, it is cleared and the
-  /// hand stopped. Errors: as of Motion.
+  /// hand stopped. A device that heeds the same flag is stopped also while it is switched on.
+  /// Errors: as of Motion.
   MotionThread(std::unique_ptr<Motion> motion, std::atomic<bool>& estop_flag);
   /// Brakes, switches the motors off and ends; takes up to the braking time and 1 s.
   ~MotionThread();
@@ -34,7 +35,7 @@ class MotionThread {
 
   void request(Request request) { static_cast<void>(requests_.put(request)); }
 
-  void estop() { estop_ = true; }
+  void estop() { estop_flag_ = true; }
 
   /// The newest state, if there was a period since it was last taken.
   const MotionState* take() { return states_.take(); }
@@ -56,7 +57,6 @@ class MotionThread {
   std::unique_ptr<Motion> motion_;
   config::HandConfig config_;
   std::atomic<bool>& estop_flag_;
-  std::atomic<bool> estop_{false};
   std::atomic<bool> is_ending_{false};
   bool is_realtime_ = false;
   RequestRing requests_;

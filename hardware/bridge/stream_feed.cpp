@@ -35,7 +35,9 @@ std::optional<StreamFeed::Pose> StreamFeed::take() {
   has_begun_ = true;
   session_ = pose->session_id;
   last_sequence_ = pose->sequence_number;
-  return Pose{stream_, std::move(*pose)};
+  const bool is_repeat = goes_on && pose->joint_rad == last_joint_rad_;
+  last_joint_rad_ = pose->joint_rad;
+  return Pose{stream_, is_repeat, std::move(*pose)};
 }
 
 std::optional<std::uint64_t> StreamFeed::alive() const {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "hardware/bridge/solution_follower.h"
 
@@ -19,6 +20,9 @@ class StreamFeed {
  public:
   struct Pose {
     std::uint64_t stream = 0;
+    /// The joints are those of the pose before in this stream: a final pose comes again once it
+    /// is explained, which is nothing new for a hand.
+    bool is_repeat = false;
     FollowedPose pose;
   };
 
@@ -55,6 +59,7 @@ class StreamFeed {
   std::uint64_t stream_ = 0;
   std::uint64_t session_ = 0;
   std::uint64_t last_sequence_ = 0;
+  std::vector<double> last_joint_rad_;
 };
 
 }  // namespace handgraft::bridge

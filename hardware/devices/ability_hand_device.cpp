@@ -70,6 +70,7 @@ void AbilityHandDevice::doArm() {
   for (std::int16_t& count : here)
     count = std::max(count, static_cast<std::int16_t>(-ah::kLargestCount));
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    yieldToStop();
     ah::encodeCommand(config_.address, ah::Mode::kPosition, config_.reply, here, out_);
     send();
     if (!takeReply()) continue;

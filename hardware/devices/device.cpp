@@ -56,7 +56,9 @@ void Device::arm() {
   if (fault_) throw DeviceError("cannot arm: " + describe(fault_));
   if (is_armed_) return;
   try {
+    yieldToStop();
     doArm();
+    yieldToStop();
     is_armed_ = true;
   } catch (const TransportError& error) {
     latch({Fault::Kind::kWire, -1, 0});
@@ -119,6 +121,10 @@ void Device::reset() {
 
 void Device::latch(Fault fault) {
   if (!fault_) fault_ = fault;
+}
+
+void Device::yieldToStop() const {
+  if (is_stop_asked_ && is_stop_asked_()) throw DeviceError("arming gave way to a stop");
 }
 
 template <class Act>

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "hardware/devices/byte_channel.h"
@@ -80,8 +82,8 @@ class Device {
   void open();
 
   /// Motors on, each with the place where it stands as its target; the device's watchdog on.
-  /// Errors: DeviceError with a fault latched, or if the device does not do as told; the motors
-  /// are off then.
+  /// Errors: DeviceError with a fault latched, if the device does not do as told, or if a stop
+  /// is asked for meanwhile (`heed`); the motors are off then.
   void arm();
 
   /// Takes the measured state; motors that did not answer keep what they said before. False if
@@ -103,6 +105,11 @@ class Device {
   /// Errors: as `open`; DeviceError if the cause is still there.
   void reset();
 
+  /// Whether somebody waits for a stop: `is_asked` is called between the steps of `arm`, which
+  /// gives up then, by the device's own stop. Without it arming goes through. It may be called
+  /// from whatever thread arms, and must not block.
+  void heed(std::function<bool()> is_asked) { is_stop_asked_ = std::move(is_asked); }
+
   [[nodiscard]] const Fault& fault() const { return fault_; }
 
   [[nodiscard]] bool isArmed() const { return is_armed_; }
@@ -112,6 +119,10 @@ class Device {
  protected:
   /// Latches the first fault; the later ones are its consequences.
   void latch(Fault fault);
+
+  /// To be called between the steps of `doArm`, each no longer than a few answers of the
+  /// device. Errors: DeviceError if a stop is asked for.
+  void yieldToStop() const;
 
  private:
   // What the public ones do, without their guards. TransportError becomes the fault kWire;
@@ -130,6 +141,7 @@ class Device {
   bool guarded(Act&& act);
   void cutOff();
 
+  std::function<bool()> is_stop_asked_;
   Fault fault_;
   bool is_open_ = false;
   bool is_armed_ = false;

@@ -139,11 +139,13 @@ void DynamixelHand::doArm() {
   findFaults();
   if (fault()) throw DeviceError("cannot arm: " + describe(fault()));
   for (std::size_t i = 0; i < ids_.size(); ++i) {
+    yieldToStop();
     // A goal of long ago would be run to at once.
     bus_.write(ids_[i], registers().goal_position, blocks_[i].position);
     bus_.write(ids_[i], registers().goal_current, config_.motors[i].current_limit_mA);
     bus_.write(ids_[i], registers().watchdog, watchdog_units_);
   }
+  yieldToStop();
   bus_.writeAll(ids_, registers().torque, 1);
   if (!readBlocksSurely()) throw DeviceError("a Dynamixel motor does not say if it is on");
   for (std::size_t i = 0; i < ids_.size(); ++i) {

@@ -95,6 +95,7 @@ void ODriveHand::doArm() {
   for (const Known& known : known_)
     here.push_back(known.estimates.first);
   const auto hold = [&] {
+    yieldToStop();
     for (std::size_t i = 0; i < here.size(); ++i)
       can_.send(odrive::setInputPosition(config_.axes[i].node, here[i]));
   };
@@ -228,10 +229,7 @@ void ODriveHand::drain() {
 }
 
 bool ODriveHand::ask() {
-  // What came before is taken for what it is, but answers nothing.
-  listen(Duration::zero(), [] {
-    return false;
-  });
+  drain();
   for (std::size_t i = 0; i < known_.size(); ++i) {
     known_[i].is_answered = false;
     ++known_[i].misses;

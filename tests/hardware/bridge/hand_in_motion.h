@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,7 +35,11 @@ class HandInMotion {
         motion_(
             config,
             [this](const config::HandConfig& asked) {
-              return makeDeviceOn(rig_->wire().channel(), asked, clock_);
+              DeviceStack stack = makeDeviceOn(rig_->wire().channel(), asked, clock_);
+              stack.device->heed([this] {
+                return stop_asked_at && clock_() >= *stop_asked_at;
+              });
+              return stack;
             },
             clock_,
             std::move(on_homed)) {
@@ -73,16 +78,22 @@ class HandInMotion {
 
   /// A pose of the stream, each joint at a share of its range.
   void offer(double share) {
-    const safety::GovernorOptions& governor = motion_.config().governor;
+    std::vector<double> joint_rad;
+    for (const safety::JointLimits& limits : motion_.config().governor.limits)
+      joint_rad.push_back(limits.lower + share * (limits.upper - limits.lower));
+    offer(std::move(joint_rad));
+    motion_.renew(stream, clock_());
+  }
+
+  /// A pose as it is; `is_new`: with a number of its own.
+  void offer(std::vector<double> joint_rad, bool is_new = true) {
     StreamPose pose;
     pose.stream = stream;
-    pose.sequence = ++sequence_;
+    pose.sequence = is_new ? ++sequence_ : sequence_;
     pose.arrived = clock_();
-    pose.names = governor.names;
-    for (const safety::JointLimits& limits : governor.limits)
-      pose.joint_rad.push_back(limits.lower + share * (limits.upper - limits.lower));
+    pose.names = motion_.config().governor.names;
+    pose.joint_rad = std::move(joint_rad);
     motion_.offer(pose);
-    motion_.renew(stream, clock_());
   }
 
   /// Idle, then a pose, then armed and under power; false if it does not come there.
@@ -105,6 +116,7 @@ class HandInMotion {
   devices::TimePoint now() { return clock_(); }
 
   bool is_streaming = true;
+  std::optional<devices::TimePoint> stop_asked_at;  ///< as a signal would, also during a turn
   std::uint64_t stream = 1;
 
  private:

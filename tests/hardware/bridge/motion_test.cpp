@@ -283,6 +283,51 @@ TEST_P(EveryHandInMotion, AnEmergencyStopByCutIsTheNextThingTheDeviceHears) {
   EXPECT_TRUE(hand.turnUntil(GovernorState::kIdle)) << describe(hand.state());
 }
 
+TEST_P(EveryHandInMotion, AnEmergencyStopDoesNotWaitUntilMotorsAreOn) {
+  ASSERT_TRUE(hand_.turnUntil(GovernorState::kIdle)) << told();
+  hand_.rig().emulated().ailments.delay = milliseconds(2);  // so that arming takes its time
+  int gave_way = 0;
+  for (const int delay_ms : {0, 1, 4, 15, 40, 80}) {
+    hand_.turn();
+    hand_.offer(0.5);
+    hand_.motion().request(Request::kArm);
+    hand_.stop_asked_at = hand_.now() + milliseconds(delay_ms);
+    hand_.motion().turn();
+    if (hand_.now() < *hand_.stop_asked_at) break;  // it is not that slow
+    ++gave_way;
+    EXPECT_LE(hand_.now() - *hand_.stop_asked_at, milliseconds(50)) << delay_ms;
+    EXPECT_FALSE(hand_.rig().isPowered()) << delay_ms;
+    hand_.stop_asked_at.reset();
+    hand_.motion().estop();  // as the motion's thread does before the next turn
+    hand_.turn();
+    EXPECT_EQ(state(), GovernorState::kEStop) << told();
+    EXPECT_FALSE(hand_.rig().isPowered());
+    hand_.turn();
+    hand_.motion().request(Request::kReset);
+    ASSERT_TRUE(hand_.turnUntil(GovernorState::kIdle)) << told();
+  }
+  EXPECT_GE(gave_way, GetParam() == "ability_hand" ? 1 : 4);
+}
+
+// A final pose comes again once it is explained: the same joints under a new number.
+TEST_P(EveryHandInMotion, AnExplainedPoseChangesNothingOnTheWay) {
+  std::vector<std::vector<double>> ways[2];
+  for (const bool is_explained : {false, true}) {
+    HandInMotion hand(exampleReady(GetParam()));
+    ASSERT_TRUE(hand.start(0.9)) << describe(hand.state());
+    for (int k = 0; k < 300; ++k) {
+      if (is_explained && k == 70) hand.offer(0.9);
+      hand.turn();
+      ways[is_explained ? 1 : 0].push_back(hand.state().command);
+    }
+    EXPECT_EQ(hand.state().state, GovernorState::kArmed) << describe(hand.state());
+    EXPECT_EQ(hand.state().poses_accepted, is_explained ? 2u : 1u);
+    EXPECT_EQ(hand.state().poses_refused, 0u);
+  }
+  EXPECT_NE(ways[0].front(), ways[0].back()) << "it hardly moved";
+  EXPECT_EQ(ways[0], ways[1]);
+}
+
 TEST_P(EveryHandInMotion, EndsWithItsMotorsOff) {
   auto hand = std::make_unique<HandInMotion>(exampleReady(GetParam()));
   ASSERT_TRUE(hand->start()) << describe(hand->state());

@@ -75,6 +75,32 @@ TEST_F(StreamFeedTest, NumbersThatRunBackwardsAreAnotherStream) {
   EXPECT_NE(second, first);
 }
 
+// A final pose comes at once, and again with the next number once it is explained.
+TEST_F(StreamFeedTest, AnExplainedPoseIsTheSameStreamAndARepeat) {
+  feed_.serverIsThere(true);
+  feed_.see(sessionState(3, "hand", {"a"}));
+  v1::PoseSolution pose = solution(3, 7, {0.25});
+  pose.is_explained(false);
+  feed_.see(pose);
+  const auto first = feed_.take();
+  ASSERT_TRUE(first);
+  EXPECT_FALSE(first->is_repeat);
+  v1::PoseSolution explained = solution(3, 8, {0.25});
+  explained.is_explained(true);
+  feed_.see(explained);
+  const auto second = feed_.take();
+  ASSERT_TRUE(second);
+  EXPECT_TRUE(second->is_repeat);
+  EXPECT_EQ(second->stream, first->stream);
+  EXPECT_EQ(feed_.alive(), first->stream);
+  feed_.see(solution(3, 9, {0.5}));
+  EXPECT_FALSE(feed_.take()->is_repeat) << "an edit's pose is news";
+  feed_.see(solution(4, 1, {0.5}));
+  feed_.see(sessionState(4, "hand", {"a"}));
+  feed_.see(sessionState(3, "hand", {"a"}, v1::PHASE_CLOSED));
+  EXPECT_FALSE(feed_.take()->is_repeat) << "and so is another session's, be it the same";
+}
+
 TEST_F(StreamFeedTest, SessionsOfAnotherHandArePassedOver) {
   StreamFeed feed(std::nullopt, false, false, "leap");
   feed.serverIsThere(true);
