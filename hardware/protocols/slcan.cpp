@@ -11,6 +11,7 @@ namespace {
 constexpr std::uint8_t kReturn = 0x0D;
 constexpr std::uint8_t kBell = 0x07;
 constexpr std::size_t kTimeStampDigits = 4;
+constexpr std::size_t kLongestLine = 31;  // without its CR; the longest frame has 30 digits
 
 std::optional<unsigned> digitOf(std::uint8_t c) {
   if (c >= '0' && c <= '9') return c - unsigned{'0'};
@@ -80,10 +81,11 @@ Cut Framing::cut(Bytes window, ByteBuffer& frame) const {
     return byte == kReturn || byte == kBell;
   });
   const auto before = static_cast<std::size_t>(end - window.begin());
-  if (end == window.end()) return before < kLongest ? Cut{} : Cut{Kind::kGarbage, before};
-  // A line that breaks off with a BEL, or goes on for too long, is none.
-  if (*end == kBell) return {Kind::kGarbage, before};
-  if (before >= 32) return {Kind::kGarbage, before + 1};
+  // A line that goes on for too long is none. Its last digits stay with its CR, however it
+  // comes in pieces: cut off elsewhere, its end could be taken for a frame.
+  if (before > kLongestLine) return {Kind::kGarbage, before - kLongestLine};
+  if (end == window.end()) return {};
+  if (*end == kBell) return {Kind::kGarbage, before};  // it breaks off
   frame.clear();
   frame.append(window.first(before + 1));
   return {Kind::kFrame, before + 1};

@@ -14,7 +14,8 @@
 /// Source: Lawicel AB, "CAN232 command set".
 namespace handgraft::protocols::slcan {
 
-/// Lines of at most 32 bytes. A frame's content is the line with its CR, or a BEL.
+/// Lines of at most 32 bytes, or the last 32 of a longer one, which are none of a CAN frame. A
+/// frame's content is the line with its CR, or a BEL.
 struct Framing {
   static constexpr std::size_t kLongest = 64;
 

@@ -131,6 +131,16 @@ TEST(Slcan, EndlessLinesAreDropped) {
   EXPECT_GE(count, 1);
 }
 
+// Whoever forgets the front of a line that is too long must not take its end for a frame.
+TEST(Slcan, TheEndOfAnEndlessLineIsNoFrame) {
+  for (std::size_t length = 20; length < 200; ++length) {
+    const ByteVector line = bytesOf(std::string(length, 'x') + "t02C0\r");
+    test::checkSplits<Framing>(line);
+    for (const std::string& found : framesIn<Framing>({line}))
+      EXPECT_EQ(slcan::lineOf(test::fromHex(found)).kind, Line::Kind::kOther) << length;
+  }
+}
+
 TEST(Slcan, KnowsTheBitRates) {
   EXPECT_EQ(slcan::bitRateDigit(10000), 0);
   EXPECT_EQ(slcan::bitRateDigit(500000), 6);
