@@ -14,9 +14,13 @@ namespace {
 
 constexpr int kMostValues = 10'000;
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr const char* kForms =
+// What --vary and --set look like, each.
+constexpr const char* kAxisForms =
     "it must be NAME.PROPERTY=FROM:TO:COUNT or NAME.PROPERTY=A,B,C, with PROPERTY lower, upper "
     "or range of a joint, length or size of a link, or hand.size";
+constexpr const char* kChangeForm =
+    "it must be NAME.PROPERTY=VALUE, with PROPERTY lower, upper or range of a joint, length or "
+    "size of a link, or hand.size";
 
 std::optional<v1::HandProperty> propertyNamed(const std::string& name) {
   if (name == "lower") return v1::PROPERTY_LOWER;
@@ -46,11 +50,11 @@ struct Named {
   std::string values;
 };
 
-Named namedIn(const std::string& text) {
+Named namedIn(const std::string& text, const char* forms) {
   const std::size_t equals = text.find('=');
   const std::size_t dot =
       equals == std::string::npos ? equals : text.rfind('.', equals);  // names may have dots
-  if (dot == std::string::npos || dot == 0) rejectInput("{}: {}", quoted(text), kForms);
+  if (dot == std::string::npos || dot == 0) rejectInput("{}: {}", quoted(text), forms);
   Named named;
   named.name = text.substr(0, equals);
   named.target = text.substr(0, dot);
@@ -110,7 +114,7 @@ double StudyAxis::shown(double value) const {
 }
 
 StudyAxis axisFrom(const std::string& text) {
-  const Named named = namedIn(text);
+  const Named named = namedIn(text, kAxisForms);
   StudyAxis axis;
   axis.name = named.name;
   axis.axis.property(named.property);
@@ -118,7 +122,7 @@ StudyAxis axisFrom(const std::string& text) {
   std::vector<Number> numbers;
   if (named.values.find(':') != std::string::npos) {
     const std::vector<std::string> parts = split(named.values, ':');
-    if (parts.size() != 3) rejectInput("{}: {}", quoted(text), kForms);
+    if (parts.size() != 3) rejectInput("{}: {}", quoted(text), kAxisForms);
     const Number from = numberIn(parts[0], named, text);
     const Number to = numberIn(parts[1], named, text);
     if (from.in_degrees != to.in_degrees)
@@ -145,7 +149,7 @@ StudyAxis axisFrom(const std::string& text) {
 }
 
 v1::HandChange changeFrom(const std::string& text) {
-  const Named named = namedIn(text);
+  const Named named = namedIn(text, kChangeForm);
   v1::HandChange change;
   change.property(named.property);
   change.target(named.target);

@@ -1,7 +1,6 @@
 #include "client/options/grasp_flags.h"
 
 #include <algorithm>
-#include <array>
 
 #include <CLI/CLI.hpp>
 
@@ -20,15 +19,8 @@ v1::NormalForm normalFormOf(const std::string& name) {
 
 // What the server would refuse, too (idl/sessions.idl), but only once it has all models.
 void requireSolving(const GraspOptions& grasp) {
-  constexpr std::array kSolvers = {"lm",    "mma",     "ccsaq", "slsqp",
-                                   "lbfgs", "tnewton", "var2",  "all"};
   constexpr std::uint32_t kMostStarts = 10'000;
   constexpr std::uint32_t kMostEvaluations = 100'000;
-  if (!grasp.solver.empty() &&
-      std::find(kSolvers.begin(), kSolvers.end(), grasp.solver) == kSolvers.end()) {
-    rejectInput("--solver {}: it must be one of {}", quoted(grasp.solver),
-                fmt::join(kSolvers, " "));
-  }
   if (grasp.starts > kMostStarts) {
     rejectInput("--starts {}: it must lie in 0 to {}", grasp.starts, kMostStarts);
   }
@@ -56,18 +48,19 @@ void GraspFlags::addTo(CLI::App& command) {
           .add_option("--place", place_,
                       "The object's pose in the world: x y z (m) qw qx qy qz")
           ->expected(7),
-      command.add_option(
-          "--solver", grasp_.solver,
-          "lm (default), mma, ccsaq, slsqp, lbfgs, tnewton, var2; all races them"),
+      command
+          .add_option("--solver", grasp_.solver,
+                      "lm (default), mma, ccsaq, slsqp, lbfgs, tnewton, var2; all races them")
+          ->check(objectionToSolver),
       command
           .add_option("--starts", grasp_.starts, "Number of starts; 0: the server's default")
-          ->check(objectionToCount),
+          ->check(objectionToSmallCount),
       command.add_option("--seed", grasp_.seed, "Seed of the starts after the first")
-          ->check(objectionToCount),
+          ->check(objectionToSmallCount),
       command
           .add_option("--max-evaluations", grasp_.max_evaluations,
                       "Of the objective, a start; 0: the server's default")
-          ->check(objectionToCount),
+          ->check(objectionToSmallCount),
       command.add_flag("--paper", grasp_.paper,
                        "The paper's own way: one start, the prior, by mma; nothing refined"),
       command.add_option("--normal-form", normal_form_,
@@ -79,7 +72,7 @@ void GraspFlags::addTo(CLI::App& command) {
       command
           .add_option("--interior", grasp_.interior_rings,
                       "Rings of points inside each patch that count, too: 0 (default) to 16")
-          ->check(objectionToCount),
+          ->check(objectionToSmallCount),
       command.add_option("--weights", weights_, "Of distance (1/m^2), normal and prior")
           ->expected(3)};
   addUnits(command, grasp_.units, "the object and the contacts");

@@ -1,6 +1,7 @@
 #include "client/options/option_checks.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -15,18 +16,35 @@ namespace {
 const std::map<std::string, v1::ModelKind> kKinds = {
     {"hand", v1::MODEL_HAND}, {"object", v1::MODEL_OBJECT}, {"contacts", v1::MODEL_CONTACTS}};
 
-}  // namespace
-
-std::string objectionToCount(const std::string& text) {
-  std::uint64_t number = 0;
+template <class Number>
+std::string objectionTo(const std::string& text, const char* most) {
+  Number number = 0;
   const char* end = text.data() + text.size();
   const auto [rest, error] = std::from_chars(text.data(), end, number);
   if (error == std::errc() && rest == end) return "";
-  return quoted(text) + " is no whole number from 0 to 2^64 - 1";
+  return fmt::format("{} is no whole number from 0 to {}", quoted(text), most);
+}
+
+}  // namespace
+
+std::string objectionToCount(const std::string& text) {
+  return objectionTo<std::uint64_t>(text, "2^64 - 1");
+}
+
+std::string objectionToSmallCount(const std::string& text) {
+  return objectionTo<std::uint32_t>(text, "2^32 - 1");
 }
 
 std::string objectionToFile(const std::string& name) {
   return name.empty() ? "the file's name is empty" : "";
+}
+
+std::string objectionToSolver(const std::string& name) {
+  constexpr std::array kSolvers = {"lm",    "mma",     "ccsaq", "slsqp",
+                                   "lbfgs", "tnewton", "var2",  "all"};
+  if (std::find(kSolvers.begin(), kSolvers.end(), name) != kSolvers.end()) return "";
+  return fmt::format("{} is no solver; it must be one of {}", quoted(name),
+                     fmt::join(kSolvers, " "));
 }
 
 v1::ModelKind kindOf(const std::string& name) {

@@ -13,7 +13,10 @@ namespace handgraft::client {
 
 /// CLI11's way: empty, or what is wrong. CLI11 itself would wrap -1 to the largest number.
 std::string objectionToCount(const std::string& text);
+/// The same of numbers that are sent as 32 bits.
+std::string objectionToSmallCount(const std::string& text);
 std::string objectionToFile(const std::string& name);
+std::string objectionToSolver(const std::string& name);
 
 v1::ModelKind kindOf(const std::string& name);
 

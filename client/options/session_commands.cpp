@@ -18,7 +18,9 @@ void addWatch(CLI::App& app, CommandOptions& chosen) {
   const auto parsed = std::make_shared<WatchOptions>();
   CLI::App* command = app.add_subcommand("watch", "Follow a session's states and solutions");
   addSessionId(*command, parsed->session_id);
-  command->add_option("--count", parsed->count, "Stop after so many solutions; 0: never")
+  command
+      ->add_option("--count", parsed->count,
+                   "Stop after so many solutions that are explained; 0: never")
       ->check(objectionToCount);
   command->callback([parsed, &chosen] {
     chosen = *parsed;

@@ -122,12 +122,14 @@ void addStudyCommands(CLI::App& app, CommandOptions& chosen) {
                    "JOINT.upper=FROM:TO:COUNT or =A,B,C; also lower, range, LINK.length, "
                    "LINK.size, hand.size; angles may end in deg; once a property")
       ->required();
-  command->add_option("--solver", sweep.solver,
-                      "lm (default), mma, ccsaq, slsqp, lbfgs, tnewton, var2; all races them");
+  command
+      ->add_option("--solver", sweep.solver,
+                   "lm (default), mma, ccsaq, slsqp, lbfgs, tnewton, var2; all races them")
+      ->check(objectionToSolver);
   command->add_option("--starts", sweep.starts, "Number of starts; 0: the server's default")
-      ->check(objectionToCount);
+      ->check(objectionToSmallCount);
   command->add_option("--seed", sweep.seed, "Seed of the starts after the first")
-      ->check(objectionToCount);
+      ->check(objectionToSmallCount);
   command->add_option("--weights", parsed->weights, "Of distance (1/m^2), normal and prior")
       ->expected(3);
   command->add_option("--log-map", sweep.log_map,

@@ -102,6 +102,13 @@ TEST(CommandLine, ReadsHowThePoseIsSearched) {
 TEST(CommandLine, NamesWhatNoSolveTakesBeforeAServerIsAsked) {
   EXPECT_THAT(objectionTo(grasp({"--solver", "magic"})),
               AllOf(HasSubstr("'magic'"), HasSubstr("lm mma")));
+  EXPECT_THAT(objectionTo(grasp({"--solver", ""})), HasSubstr("--solver: '' is no solver"));
+  EXPECT_THAT(objectionTo({"sweep", "--hand", "h", "--contacts-dir", ".", "--vary",
+                           "a.upper=1,2", "--solver", "magic"}),
+              HasSubstr("'magic' is no solver"));
+  EXPECT_THAT(
+      objectionTo(grasp({"--seed", "18446744073709551615"})),
+      HasSubstr("--seed: '18446744073709551615' is no whole number from 0 to 2^32 - 1"));
   EXPECT_THAT(objectionTo(grasp({"--starts", "10001"})), HasSubstr("0 to 10000"));
   EXPECT_THAT(objectionTo(grasp({"--max-evaluations", "100001"})), HasSubstr("0 to 100000"));
   EXPECT_THAT(objectionTo(grasp({"--normal-form", "sine"})), HasSubstr("cosine or sum"));

@@ -84,6 +84,13 @@ TEST(StudyAxis, NamesWhatIsWrong) {
   for (const char* form :
        {"", "thumb.upper", "thumb=1:2:3", ".upper=1", "thumb.upper=1:2", "thumb.upper=1:2:3:4"})
     EXPECT_THAT(objectionTo(form), HasSubstr("FROM:TO:COUNT")) << form;
+  try {
+    changeFrom("foo");
+    ADD_FAILURE() << "'foo' was taken for a change";
+  } catch (const InvalidInput& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("it must be NAME.PROPERTY=VALUE"),
+                                    testing::Not(HasSubstr("FROM"))));
+  }
   EXPECT_THAT(objectionTo("thumb.colour=1"),
               AllOf(HasSubstr("'colour'"), HasSubstr("lower, upper")));
   EXPECT_THAT(objectionTo("thumb.upper=1,x"), HasSubstr("'x' is no number"));
