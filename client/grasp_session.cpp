@@ -127,18 +127,18 @@ fs::path writeHand(const v1::HandDescription& hand,
 void exportSession(ServerLink& server,
                    std::uint64_t session_id,
                    const std::string& format,
-                   const fs::path& path) {
-  requireWritable({"--out", path});
+                   const NamedFile& file) {
+  requireWritable(file);
   v1::ExportRequest request;
   request.session_id(session_id);
   request.format(format);
   if (format == "problem") {
     const std::string hand = server.describeSession(session_id).hand();
     request.urdf_path(writeHand(server.describe(v1::MODEL_HAND, hand, false).hand(),
-                                fs::absolute(path).parent_path(), {path})
+                                fs::absolute(file.path).parent_path(), {file.path})
                           .string());
   }
-  writeFile(path, server.exportSession(request));
+  writeFile(file.path, server.exportSession(request));
 }
 
 }  // namespace handgraft::client

@@ -7,6 +7,7 @@
 #include "client/commands/commands.h"
 #include "client/grasp_result.h"
 #include "client/model_files.h"
+#include "client/output_file.h"
 #include "client/send_model.h"
 #include "client/server_link.h"
 
@@ -46,12 +47,12 @@ void writePicture(ServerLink& server,
                   const GraspResult& result);
 
 /// Has the server write its session in a format, and keeps that in a file. For `problem`, the
-/// hand's URDF is written beside it (`writeHand`).
+/// hand's URDF is written beside it (`writeHand`). Complaints name the file by `file.option`.
 /// Errors: InvalidInput for a file that may not be written; Refused for a format that is none.
 void exportSession(ServerLink& server,
                    std::uint64_t session_id,
                    const std::string& format,
-                   const std::filesystem::path& path);
+                   const NamedFile& file);
 
 /// Writes the hand's URDF into the folder and returns its name there. A file that others may
 /// need stays, and so do those of `taken`, which are to be written later: then a hash of the

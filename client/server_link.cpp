@@ -300,4 +300,8 @@ void ServerLink::closeSession(std::uint64_t session_id) {
   requester_.ask(sessionBody(v1::OP_CLOSE_SESSION, session_id), {});
 }
 
+void ServerLink::stopSolving(std::uint64_t session_id) {
+  requester_.ask(sessionBody(v1::OP_STOP_SOLVING, session_id), {});
+}
+
 }  // namespace handgraft::client

@@ -44,6 +44,9 @@ class ServerLink {
 
   [[nodiscard]] bool alive() { return requester_.waitForServer(std::chrono::milliseconds(0)); }
 
+  /// Under which the server knows this program's edits.
+  [[nodiscard]] v1::ClientId client() const { return requester_.client(); }
+
   [[nodiscard]] const idl::cyclone::Participant& participant() const { return participant_; }
 
   void ping();
@@ -85,6 +88,8 @@ class ServerLink {
 
   /// Works after an interruption, too. Errors: as above but for Cancelled.
   void closeSession(std::uint64_t session_id);
+  /// Stops the solve in flight, whoever asked for it, also one that follows an edit. Likewise.
+  void stopSolving(std::uint64_t session_id);
 
  private:
   void startPrivateServer(const Network& network);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -27,6 +28,46 @@ std::string milliseconds(double value) {
 std::string plain(const std::string& text) {
   const std::string line = quoted(text);
   return line.substr(1, line.size() - 2);
+}
+
+std::string wrapped(const std::string& text) {
+  constexpr std::size_t kWidth = 100;
+  const std::string indent(4, ' ');
+  std::string out;
+  std::string line;
+  std::string word;
+  const auto endWord = [&] {
+    if (word.empty()) return;
+    if (line.find_first_not_of(' ') != std::string::npos) {
+      if (line.size() + 1 + word.size() <= kWidth) {
+        line += ' ';
+      } else {
+        out += line + "\n";
+        line = indent;
+      }
+    }
+    line += std::exchange(word, "");
+  };
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte <= 0x20 || byte == 0x7f) {
+      endWord();
+    } else {
+      word += c;
+    }
+  }
+  endWord();
+  return out + line + "\n";
+}
+
+std::string shortfalls(const v1::PoseSolution& solution) {
+  std::string lines;
+  for (const v1::PatchFit& patch : solution.patches()) {
+    const v1::PatchDiagnosis& diagnosis = patch.diagnosis();
+    if (diagnosis.verdict() == v1::VERDICT_REACHED || diagnosis.text().empty()) continue;
+    lines += wrapped(fmt::format("{}: {}", patch.name(), diagnosis.text()));
+  }
+  return lines;
 }
 
 std::string listed(const std::vector<std::string>& items) {
@@ -123,12 +164,8 @@ namespace {
 // What keeps patches away, and what joint limits would bring.
 std::string verdicts(const v1::PoseSolution& solution) {
   std::string lines;
-  if (!solution.verdict().empty()) lines = plain(solution.verdict()) + "\n";
-  for (const v1::PatchFit& patch : solution.patches()) {
-    const v1::PatchDiagnosis& diagnosis = patch.diagnosis();
-    if (diagnosis.verdict() == v1::VERDICT_REACHED || diagnosis.text().empty()) continue;
-    lines += fmt::format("{}: {}\n", plain(patch.name()), plain(diagnosis.text()));
-  }
+  if (!solution.verdict().empty()) lines = wrapped(solution.verdict());
+  lines += shortfalls(solution);
   for (const v1::LimitRelief& relief : solution.reliefs()) {
     constexpr double kWorthTelling_mm = 0.005;
     lines += fmt::format("relief: {} {} by {:.2f} (rad or m): objective {:.3g} less",
@@ -219,17 +256,35 @@ std::string stateLine(const v1::SessionState& state) {
   return line;
 }
 
+std::string explanation(const v1::PoseSolution& solution) {
+  std::string line = solution.verdict();  // all of it, however long
+  std::replace_if(
+      line.begin(), line.end(),
+      [](unsigned char byte) {
+        return byte < 0x20 || byte == 0x7f;
+      },
+      '?');
+  if (!solution.penetration().empty() && solution.penetration()[0].max_depth_m() > 0.0) {
+    line += fmt::format("{}{:.1f} mm deep", line.empty() ? "" : ", ",
+                        1e3 * solution.penetration()[0].max_depth_m());
+  }
+  return line;
+}
+
 std::string solutionLine(const v1::PoseSolution& solution) {
-  std::string line =
-      fmt::format("session {} revision {}: {} {} objective {:.6g}", solution.session_id(),
-                  solution.revision(), solution.is_final() ? "solution" : "on the way",
-                  solution.sequence_number(), solution.terms().objective());
+  const char* what = !solution.is_final()      ? "on the way"
+                     : solution.is_explained() ? "solution"
+                                               : "pose";
+  std::string line = fmt::format("session {} revision {}: {} {} objective {:.6g}",
+                                 solution.session_id(), solution.revision(), what,
+                                 solution.sequence_number(), solution.terms().objective());
   if (!solution.is_final()) return line;
   line += fmt::format(", {}", nameOf(solution.outcome()));
   for (const v1::PatchFit& patch : solution.patches()) {
     line += fmt::format(", {} {:.1f} mm", plain(patch.name()), patch.mean_mm());
   }
-  return line;
+  const std::string why = explanation(solution);
+  return why.empty() ? line : line + "; " + why;
 }
 
 }  // namespace handgraft::client::text

@@ -20,13 +20,25 @@ std::string grasp(const GraspResult& result);
 
 /// One line each, without a line break.
 std::string stateLine(const v1::SessionState& state);
+/// "on the way" while the solve goes on, "pose" once it ended, "solution" once that is
+/// explained.
 std::string solutionLine(const v1::PoseSolution& solution);
+/// Verdict and depth, without a line break: what is known once a pose is explained; may be
+/// empty.
+std::string explanation(const v1::PoseSolution& solution);
 
 /// Text from the wire on one line, as `quoted` has it but without its quotes.
 std::string plain(const std::string& text);
 
 /// The same of several, with commas between them.
 std::string listed(const std::vector<std::string>& items);
+
+/// A text from the wire in lines of at most 100 bytes, each ended, all but the first indented:
+/// none of it is left out. A longer word has a line of its own.
+std::string wrapped(const std::string& text);
+
+/// What keeps patches away: a paragraph each of those that are not reached.
+std::string shortfalls(const v1::PoseSolution& solution);
 
 /// A line each: `note: ...`.
 std::string notes(const std::vector<std::string>& notes);

@@ -87,17 +87,20 @@ v1::BridgeStatus act(BridgeLink& link, Action action, const v1::BridgeStatus& be
 int run(const BridgeOptions& options, const CommonOptions& common, Interruption& interruption) {
   BridgeLink link(common.network, interruption);
   std::vector<v1::BridgeStatus> bridges;
-  const bool is_for_all = options.action == Action::kStatus || options.action == Action::kEstop;
-  if (is_for_all && !options.bridge_id) {
-    bridges = link.all();
-  } else {
+  if (options.action == Action::kEstop) {
+    bridges = link.stop(options.bridge_id, kPatience, [](const v1::BridgeStatus& bridge) {
+      return isDone(Action::kEstop, bridge);
+    });
+  } else if (options.action != Action::kStatus) {
+    bridges = {act(link, options.action, link.one(options.bridge_id))};
+  } else if (options.bridge_id) {
     bridges = {link.one(options.bridge_id)};
+  } else {
+    bridges = link.all();
   }
   bool is_done = true;
-  for (v1::BridgeStatus& bridge : bridges) {
-    if (options.action != Action::kStatus) bridge = act(link, options.action, bridge);
+  for (const v1::BridgeStatus& bridge : bridges)
     is_done = is_done && isDone(options.action, bridge);
-  }
   fmt::print("{}", common.json ? statusJson(bridges) + "\n" : statusText(bridges));
   if (is_done) return 0;
   for (const v1::BridgeStatus& bridge : bridges) {

@@ -36,6 +36,14 @@ class BridgeLink {
                            std::chrono::seconds patience,
                            const std::function<bool(const v1::BridgeStatus&)>& is_done);
 
+  /// An emergency stop of the bridge asked for, else of all: each is told the moment it is
+  /// heard of, and again until `is_done` says so of its status, or for `patience`. Their newest
+  /// statuses. Errors: as `one`, but all are stopped where no number is given.
+  std::vector<v1::BridgeStatus> stop(
+      const std::optional<std::uint32_t>& bridge_id,
+      std::chrono::seconds patience,
+      const std::function<bool(const v1::BridgeStatus&)>& is_done);
+
   /// The newest status of a bridge after waiting a moment for news.
   v1::BridgeStatus news(std::uint32_t bridge_id);
 
@@ -43,6 +51,9 @@ class BridgeLink {
 
  private:
   void take();
+  [[nodiscard]] v1::HandCommand make(std::uint32_t bridge_id, v1::HandCommandKind kind) const;
+  [[nodiscard]] std::vector<v1::BridgeStatus> known() const;
+  [[nodiscard]] std::chrono::milliseconds repeat() const;
 
   Network network_;
   Interruption& interruption_;

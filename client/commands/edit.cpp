@@ -34,6 +34,10 @@ class LineReader {
   LineReader(const std::filesystem::path& file, Interruption& interruption)
       : interruption_(interruption),
         fd_(file.empty() ? STDIN_FILENO : open(file.c_str(), O_RDONLY | O_CLOEXEC)) {
+    std::error_code error;
+    if (std::filesystem::is_directory(file, error)) {
+      rejectInput("--script {}: that is a folder", quoted(file.string()));
+    }
     if (fd_ < 0) rejectInput("{}: cannot be read ({})", quoted(file.string()), strerror(errno));
   }
 
@@ -103,6 +107,7 @@ void converse(Editor& editor, const Sink& sink, Interruption& interruption) {
   // Programs read standard output.
   editor::Prompt prompt({complete, explain, news}, interruption, editor::historyFile(),
                         sink.isJson() ? stderr : stdout);
+  editor.showPosesAtOnce();
   sink.note("help lists the commands, Tab completes, ? explains, Ctrl-D leaves");
   while (!editor.finished() && !interruption.terminated()) {
     interruption.reset();

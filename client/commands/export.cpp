@@ -12,7 +12,7 @@ namespace handgraft::client {
 int run(const ExportOptions& options, const CommonOptions& common, Interruption& interruption) {
   requireWritable({"--out", options.out});
   ServerLink server(common.network, Absence::kFail, interruption);
-  exportSession(server, options.session_id, options.format, options.out);
+  exportSession(server, options.session_id, options.format, {"--out", options.out});
   if (common.json) {
     fmt::print("{}\n", json::written({{"session_id", options.session_id},
                                       {"format", options.format},

@@ -5,6 +5,7 @@
 #include "client/json_parts.h"
 #include "client/output_file.h"
 #include "client/server_link.h"
+#include "client/session_text.h"
 #include "client/text_output.h"
 #include "core/base/error.h"
 
@@ -31,7 +32,7 @@ int run(const SaveOptions& options, const CommonOptions& common, Interruption& i
 int run(const OpenFileOptions& options,
         const CommonOptions& common,
         Interruption& interruption) {
-  const std::string text = readFile(options.path);
+  const std::string text = readSessionText(options.path);
   ServerLink server(common.network, Absence::kFail, interruption);
   const v1::SessionState state = server.loadSession(text);
   tell(common, {{"session_id", state.session_id()}, {"revision", state.revision()}},
@@ -41,7 +42,7 @@ int run(const OpenFileOptions& options,
 }
 
 int run(const ReplayOptions& options, const CommonOptions& common, Interruption& interruption) {
-  const std::string text = readFile(options.path);
+  const std::string text = readSessionText(options.path);
   if (!options.out.empty()) {
     requireSafe({{"--out", options.out}}, {{"FILE", options.path}});
   }

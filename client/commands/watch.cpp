@@ -24,8 +24,8 @@ void printLine(const std::string& line) {
 
 int run(const WatchOptions& options, const CommonOptions& common, Interruption& interruption) {
   ServerLink server(common.network, Absence::kFail, interruption);
-  const std::vector<std::string> joint_names =
-      server.describeSession(options.session_id).joint_names();  // and it is known to exist
+  const v1::SessionState now =
+      server.describeSession(options.session_id);  // it is known to exist
   idl::cyclone::Reader<v1::SessionState> states(server.participant(), idl::kSessionTopic);
   idl::cyclone::Reader<v1::PoseSolution> solutions(server.participant(), idl::kSolutionTopic);
 
@@ -38,13 +38,14 @@ int run(const WatchOptions& options, const CommonOptions& common, Interruption& 
     // What there is already when the session closes is shown before its last state.
     solutions.take([&](const v1::PoseSolution& solution) {
       if (solution.session_id() != options.session_id || enough()) return;
-      ++seen;
-      printLine(common.json ? json::solutionEvent(solution, joint_names)
+      if (solution.is_explained()) ++seen;
+      printLine(common.json ? json::solutionEvent(solution, now.joint_names())
                             : text::solutionLine(solution));
     });
     if (enough()) break;
     states.take([&](const v1::SessionState& state) {
-      if (state.session_id() != options.session_id) return;
+      // Who comes late is told older states first.
+      if (state.session_id() != options.session_id || state.revision() < now.revision()) return;
       closed = closed || state.phase() == v1::PHASE_CLOSED;
       printLine(common.json ? json::stateEvent(state) : text::stateLine(state));
     });

@@ -158,6 +158,9 @@ v1::EditBody weights(const Match& match, Scene& /*scene*/) {
   edit.distance(number(match, 0));
   edit.normal(number(match, 1));
   edit.prior(number(match, 2));
+  if (edit.distance() == 0.0 && edit.normal() == 0.0 && edit.prior() == 0.0) {
+    rejectInput("weights 0 0 0: at least one of them must be positive");
+  }
   return bodyOf(&v1::EditBody::weights, edit);
 }
 

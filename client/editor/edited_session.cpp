@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "client/editor/show.h"
 #include "client/text_output.h"
 #include "core/base/error.h"
 #include "core/base/progress.h"
@@ -17,11 +18,6 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kPatience(20);
 constexpr milliseconds kNothingFollows(2000);  // after the session has come to rest
-
-// A client is told by the end of its random id; they are long.
-std::string shortName(const v1::ClientId& client) {
-  return fmt::format("{:02x}{:02x}", client[client.size() - 2], client[client.size() - 1]);
-}
 
 }  // namespace
 
@@ -162,14 +158,39 @@ const v1::PoseSolution* EditedSession::awaitFinal(std::uint64_t revision,
     if (is_answered && state_.phase() == v1::PHASE_FAILED) {
       throw SolveFailed(text::plain(state_.message()));
     }
-    const bool rests =
-        is_answered && (state_.phase() == v1::PHASE_READY || state_.phase() == v1::PHASE_OPEN);
     const auto now = std::chrono::steady_clock::now();
-    if (!rests) settled = now;
+    if (!restsAt(revision)) settled = now;
     if (now - settled > kNothingFollows) return nullptr;
     interruption_.checkpoint();
     solutions_.wait(kPatience);
   }
+}
+
+bool EditedSession::restsAt(std::uint64_t revision) const {
+  return state_.revision() >= revision &&
+         (state_.phase() == v1::PHASE_READY || state_.phase() == v1::PHASE_OPEN ||
+          state_.phase() == v1::PHASE_FAILED);
+}
+
+const v1::PoseSolution& EditedSession::awaitExplained(std::uint64_t revision,
+                                                      Patience longest) {
+  const auto begin = std::chrono::steady_clock::now();
+  auto settled = begin;
+  while (true) {
+    take({}, {});
+    HANDGRAFT_REQUIRE(solution_.has_value());
+    if (solution_->is_explained() || solution_->revision() > revision) return *solution_;
+    requireOpen();
+    const auto now = std::chrono::steady_clock::now();
+    if (!restsAt(revision)) settled = now;
+    if (now - settled > kNothingFollows || now - begin >= longest) return *solution_;
+    interruption_.checkpoint();
+    solutions_.wait(std::min(kPatience, longest));
+  }
+}
+
+void EditedSession::explainLater() {
+  if (solution_ && !solution_->is_explained()) owed_explanation_ = solution_->revision();
 }
 
 const v1::PoseSolution& EditedSession::solve(const std::optional<v1::SolveOptions>& options) {
@@ -193,7 +214,8 @@ void EditedSession::take(const OnSample& on_sample, const OnState& on_state) {
     if (on_sample) on_sample(solution);
   });
   states_.take([&](const v1::SessionState& state) {
-    if (state.session_id() != id()) return;
+    // Who comes late is told older states first.
+    if (state.session_id() != id() || state.revision() < state_.revision()) return;
     keepUp(state);
     if (on_state) on_state(state);
   });
@@ -211,8 +233,8 @@ void EditedSession::keepUp(const v1::SessionState& state) {
 }
 
 std::string EditedSession::toldBy(const v1::SessionState& state) const {
-  return fmt::format("revision {}, by editor {}: {}", state.revision(),
-                     shortName(state.last_client()),
+  return fmt::format("revision {}, by {}: {}", state.revision(),
+                     nameOf(state.last_client(), server_.client()),
                      state.last_edit().empty() ? "an edit" : text::plain(state.last_edit()));
 }
 
@@ -231,6 +253,13 @@ void EditedSession::requireOpen() {
 std::vector<std::string> EditedSession::news() {
   take({}, {});
   std::vector<std::string> lines;
+  if (owed_explanation_ && solution_ && solution_->revision() > *owed_explanation_) {
+    owed_explanation_.reset();  // an edit came first
+  } else if (owed_explanation_ && solution_ && solution_->is_explained()) {
+    lines.push_back(
+        fmt::format("revision {}: {}", *owed_explanation_, text::explanation(*solution_)));
+    owed_explanation_.reset();
+  }
   if (state_.phase() == v1::PHASE_CLOSED && !end_was_told_) {
     end_was_told_ = true;
     lines.push_back(fmt::format("session {} has been closed", id()));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <optional>
 #include <string>
@@ -54,15 +55,31 @@ class EditedSession : public Scene {
 
   using OnSample = std::function<void(const v1::PoseSolution&)>;
 
-  /// Waits for the final solution of `revision` or a later one; `on_sample` sees those before
-  /// it. nullptr if none follows: the session rests at that revision. Errors: SolveFailed;
-  /// Cancelled once the user wants to stop (the server goes on); Refused (ERROR_NOT_FOUND) if
-  /// the session is closed meanwhile.
+  /// Waits for the final pose of `revision` or a later one, explained or not; `on_sample` sees
+  /// those before it. nullptr if none follows: the session rests at that revision.
+  /// Errors: SolveFailed; Cancelled once the user wants to stop (the server goes on); Refused
+  /// (ERROR_NOT_FOUND) if the session is closed meanwhile.
   const v1::PoseSolution* awaitFinal(std::uint64_t revision, const OnSample& on_sample);
+
+  using Patience = std::chrono::milliseconds;
+  static constexpr Patience kEndless = std::chrono::hours(1000);
+
+  /// Waits until the last final pose, of `revision`, is explained. Returns what is the last by
+  /// then: it is not explained if an edit came first, the explanation was stopped, or
+  /// `longest` is over. There must be a final pose. Errors: as for `awaitFinal`, but for
+  /// SolveFailed.
+  const v1::PoseSolution& awaitExplained(std::uint64_t revision, Patience longest);
+
+  /// The last pose was shown without its explanation, if it has none: `news` brings that.
+  void explainLater();
 
   const v1::PoseSolution& solve(const std::optional<v1::SolveOptions>& options);
 
-  /// What others did since the last call, for people, a line each. Does not wait.
+  /// Stops the solve in flight, whoever asked for it. Works after an interruption, too.
+  void stopSolving() { server_.stopSolving(id()); }
+
+  /// What others did since the last call, and explanations that were to come later; for
+  /// people, a line each. Does not wait.
   std::vector<std::string> news();
 
   using OnState = std::function<void(const v1::SessionState&)>;
@@ -75,6 +92,8 @@ class EditedSession : public Scene {
   void take(const OnSample& on_sample, const OnState& on_state);
   void requireOpen();
   void adopt(const v1::PoseSolution& solution);
+  /// True if nothing more will come for `revision`, unless it is on its way.
+  [[nodiscard]] bool restsAt(std::uint64_t revision) const;
   /// Forgets descriptions of models that the session no longer has.
   void keepUp(const v1::SessionState& state);
   std::string toldBy(const v1::SessionState& state) const;
@@ -86,6 +105,7 @@ class EditedSession : public Scene {
   v1::SessionState state_;
   std::uint64_t shown_ = 0;
   bool end_was_told_ = false;
+  std::optional<std::uint64_t> owed_explanation_;  ///< of this revision's pose
   std::optional<v1::PoseSolution> solution_;
   std::optional<v1::SessionSettings> settings_;
   std::uint64_t settings_sequence_ = 0;  ///< of the solution they were asked after

@@ -1,16 +1,15 @@
 #include "client/editor/editor.h"
 
-#include <chrono>
-#include <fstream>
+#include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
 #include "client/editor/edit_making.h"
+#include "client/editor/show_solution.h"
 #include "client/failure.h"
-#include "client/grasp_session.h"
 #include "client/hand_side_edits.h"
 #include "client/json_output.h"
-#include "client/output_file.h"
 #include "client/progress_line.h"
 #include "client/send_model.h"
 #include "client/text_output.h"
@@ -26,10 +25,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int kMostNested = 8;  // scripts in scripts: more is a script that runs itself
-
-json::Json parsed(const std::string& document) {
-  return json::Json::parse(document, nullptr, false);
-}
 
 std::string written(const Words& words) {
   std::string line;
@@ -181,7 +176,24 @@ Told Editor::edit(const Parsed& command) {
     ModelSender sender(server_, interruption_, false);
     match.values[0].text = nameOnServer(sender, named, files);
   }
-  return publish(command.command->make(match, *session_));
+  Told told = publish(command.command->make(match, *session_));
+  if (command.command->make == jointValue) told.text += movedAgain(match);
+  return told;
+}
+
+std::string Editor::movedAgain(const Match& bend) {
+  constexpr double kNoticed = 0.005;  // rad or m: what a person means by another place
+  const v1::PoseSolution* pose = session_->solution();
+  if (pose == nullptr) return "";
+  const std::vector<std::string>& joints = session_->state().joint_names();
+  const auto joint = std::find(joints.begin(), joints.end(), bend.values.at(0).text);
+  const auto index = static_cast<std::size_t>(joint - joints.begin());
+  if (index >= pose->joint_rad().size()) return "";
+  const double value = pose->joint_rad()[index];
+  if (std::abs(value - bend.values.at(1).number) < kNoticed) return "";
+  return fmt::format(
+      "the search moved {} on to {:.4g}; lock it first, and it stays where it is put\n",
+      bend.values.at(0).text, value);
 }
 
 Told Editor::publish(const v1::EditBody& body) {
@@ -193,30 +205,69 @@ Told Editor::publish(const v1::EditBody& body) {
     told.text += fmt::format("revision {}\n", reply.revision());
     return told;
   }
-  ProgressLine progress;
-  const v1::PoseSolution* solution = nullptr;
-  try {
-    solution = session_->awaitFinal(reply.revision(), shownBy(progress));
-  } catch (const Cancelled&) {
-    throw CommandFailed({1, fmt::format("revision {} stands and the server goes on solving it; "
-                                        "undo takes it back",
-                                        reply.revision())});
-  }
-  progress.clear();
+  const v1::PoseSolution* solution = awaitPose(reply.revision());
   if (solution == nullptr) {
     told.text += fmt::format("revision {}: no new solution\n", reply.revision());
     return told;
   }
-  told.text += statusLine(*solution) + "\n";
-  told.data["solution"] = status(*solution);
+  const Told pose = tellPose(told.text);
+  told.text = pose.text;
+  told.data.update(pose.data);
+  return told;
+}
+
+const v1::PoseSolution* Editor::awaitPose(std::uint64_t revision) {
+  ProgressLine progress;
+  try {
+    return session_->awaitFinal(revision, shownBy(progress));
+  } catch (const Cancelled&) {
+    if (interruption_.terminated()) throw;
+    progress.clear();
+    session_->stopSolving();
+  }
+  // It may have been there just before.
+  const v1::PoseSolution* solution = session_->solution();
+  if (solution != nullptr && solution->revision() >= revision) return solution;
+  throw CommandFailed({1, fmt::format("stopped: revision {} stands without a pose of its own; "
+                                      "solve searches one, undo takes the edit back",
+                                      revision)});
+}
+
+Told Editor::tellPose(const std::string& before) {
+  constexpr EditedSession::Patience kSoon(250);  // usual explanations take milliseconds
+  const bool at_once = at_once_ && depth_ == 0 && !sink_.isJson();
+  const v1::PoseSolution pose = *session_->solution();
+  const bool shown = at_once && !pose.is_explained();
+  if (shown) sink_.begin(before + poseLine(pose));
+  const v1::PoseSolution* last = nullptr;
+  try {
+    last =
+        &session_->awaitExplained(pose.revision(), at_once ? kSoon : EditedSession::kEndless);
+  } catch (const Cancelled&) {
+    session_->stopSolving();  // the pose stands
+    last = session_->solution();
+  } catch (...) {
+    if (shown) sink_.begin("\n");
+    throw;
+  }
+  Told told;
+  told.data = {{"solution", status(*last)}};
+  if (!shown) {
+    told.text = before + statusLine(*last) + "\n";
+  } else if (last->revision() == pose.revision()) {
+    const std::string explanation = text::explanation(*last);
+    told.text = (explanation.empty() ? "" : "; " + explanation) + "\n";
+    session_->explainLater();
+  } else {
+    told.text = "\n";
+  }
   return told;
 }
 
 Told Editor::solve(const std::optional<v1::SolveOptions>& options) {
-  const v1::PoseSolution& solution = session_->solve(options);
-  Told told;
-  told.text = statusLine(solution) + "\n";
-  told.data = {{"revision", solution.revision()}, {"solution", status(solution)}};
+  const std::uint64_t revision = session_->solve(options).revision();
+  Told told = tellPose("");
+  told.data["revision"] = revision;
   return told;
 }
 
@@ -240,7 +291,7 @@ Told Editor::suggest(const Match& match) {
   const v1::SuggestReply reply = server_.suggest(request);
   Told told;
   told.text = text::suggestions(reply);
-  told.data = parsed(json::suggestions(reply, std::nullopt, -1));
+  told.data = dataOf(json::suggestions(reply, std::nullopt, -1));
   const Value* apply = optionOf(match, "--apply");
   if (apply == nullptr) return told;
   if (apply->count < 1 || apply->count > reply.suggestions().size()) {
@@ -257,137 +308,11 @@ Told Editor::suggest(const Match& match) {
   return told;
 }
 
-// === Looking
-
-const v1::PoseSolution& Editor::requireSolution() {
-  const v1::PoseSolution* solution = session_->solution();
-  if (solution == nullptr) rejectInput("there is no solution yet; solve makes one");
-  return *solution;
-}
-
-Told Editor::show(const Match& match) {
-  if (match.values.empty()) return tellSolution(requireSolution());
-  const std::string& topic = match.values[0].text;
-  if (topic == "minima") return tellMinima(requireSolution(), session_->hand());
-  if (topic == "transfer") {
-    const v1::TransferReply transfer = server_.transfer(session_->id());
-    return {text::transfer(transfer), parsed(json::transfer(transfer, -1))};
-  }
-  const v1::SessionSettings& settings = session_->settings();
-  if (topic == "patches") return tellPatches(settings);
-  if (topic == "joints") return tellJoints(settings);
-  if (topic == "settings") return tellSettings(settings);
-  if (topic == "history") return tellHistory(settings);
-  if (topic == "snapshots") return tellSnapshots(settings);
-  return tellSession(settings);
-}
-
-Told Editor::compare(const Match& match) {
-  v1::CompareRequest request;
-  request.session_id(session_->id());
-  request.a(match.values.at(0).text);
-  if (match.values.size() > 1) request.b(match.values[1].text);
-  return tellDifferences(server_.compare(request));
-}
-
-Told Editor::watch(const Match& match) {
-  using Clock = std::chrono::steady_clock;
-  constexpr double kLongest_s = 1e6;
-  double seconds = kLongest_s;
-  if (!match.values.empty()) {
-    seconds = match.values[0].number;
-    if (!(seconds >= 0.0 && seconds <= kLongest_s))
-      rejectInput("watch {}: it must be 0 to 1e6 seconds", match.values[0].text);
-  }
-  const auto until = Clock::now() + std::chrono::duration<double>(seconds);
-  const std::vector<std::string> joints = session_->state().joint_names();
-  std::uint64_t count = 0;
-  while (Clock::now() < until && !interruption_.requested() &&
-         session_->state().phase() != v1::PHASE_CLOSED) {
-    session_->follow(
-        [&](const v1::PoseSolution& solution) {
-          ++count;
-          sink_.event(text::solutionLine(solution), json::solutionEvent(solution, joints));
-        },
-        [&](const v1::SessionState& state) {
-          sink_.event(text::stateLine(state), json::stateEvent(state));
-        });
-  }
-  Told told;
-  told.data = {{"solutions", count}};
-  return told;
-}
-
-Told Editor::help(const Match& match) {
-  const Words begun = match.values.empty() ? Words() : Words{match.values[0].text};
-  Told told;
-  told.text = helpFor(begun, {});
-  told.data = {{"help", told.text}};
-  return told;
-}
-
-// === Files
-
-Told Editor::save(const fs::path& path) {
-  requireWritable({"save", path});
-  writeFile(path, server_.saveSession(session_->id()));
-  return {fmt::format("wrote {}\n", quoted(path.string())), {{"file", path.string()}}};
-}
-
-Told Editor::load(const fs::path& path) {
-  const std::uint64_t left = session_->id();
-  goOnIn(server_.loadSession(readFile(path)));
-  return {fmt::format("session {}, revision {}; session {} stays open\n", session_->id(),
-                      session_->state().revision(), left),
-          {{"session_id", session_->id()}, {"revision", session_->state().revision()}}};
-}
-
-Told Editor::replay(const fs::path& path) {
-  const v1::ReplayReply reply = server_.replay(readFile(path));
-  if (!reply.same()) {
-    throw CommandFailed(
-        {1, fmt::format("{}: {} entries played, and it ends differently: {}",
-                        quoted(path.string()), reply.entries(), text::plain(reply.message()))});
-  }
-  return {fmt::format("{} entries played; it ends the same\n", reply.entries()),
-          {{"entries", reply.entries()}, {"same", true}}};
-}
-
-Told Editor::exportTo(const std::string& format, const fs::path& path) {
-  exportSession(server_, session_->id(), format, path);
-  return {fmt::format("wrote {}\n", quoted(path.string())),
-          {{"format", format}, {"file", path.string()}}};
-}
-
-Told Editor::drawTo(const fs::path& path) {
-  requireWritable({"png", path});
-  GraspResult result;
-  result.solution = requireSolution();
-  result.session = session_->state();
-  result.transfer = server_.transfer(session_->id());
-  result.hand = session_->handWithMeshes();
-  writePicture(server_, path, result);
-  return {fmt::format("wrote {}\n", quoted(path.string())), {{"file", path.string()}}};
-}
-
-Told Editor::script(const std::string& path) {
-  std::ifstream in(path);
-  if (!in) rejectInput("{}: cannot be read", quoted(path));
-  runScript(
-      [&]() -> std::optional<std::string> {
-        std::string line;
-        if (!std::getline(in, line)) return std::nullopt;
-        return line;
-      },
-      path);
-  return {"", {{"file", path}}};
-}
-
 // === Sessions
 
 Told Editor::sessions() {
   const v1::SessionList list = server_.listSessions();
-  return {text::sessions(list), parsed(json::sessions(list, -1))};
+  return {text::sessions(list), dataOf(json::sessions(list, -1))};
 }
 
 Told Editor::join(std::uint64_t session_id) {

@@ -9,8 +9,8 @@
 
 #include "client/editor/command_table.h"
 #include "client/editor/edited_session.h"
-#include "client/editor/show.h"
 #include "client/editor/sink.h"
+#include "client/editor/told.h"
 #include "client/interruption.h"
 #include "client/server_link.h"
 
@@ -31,6 +31,10 @@ class Editor {
 
   /// True once the session has been closed by `close`.
   [[nodiscard]] bool closed() const { return closed_; }
+
+  /// From now on poses are shown before they are explained, as it pleases who types. Scripts
+  /// and programs wait for both.
+  void showPosesAtOnce() { at_once_ = true; }
 
   /// All commands of a line, one after the other, each told by the sink as it is done.
   /// Errors: of the first one that fails, and nothing of the line is run after it; InvalidInput
@@ -54,6 +58,14 @@ class Editor {
   Told execute(const Parsed& parsed);
   Told edit(const Parsed& parsed);
   Told publish(const v1::EditBody& body);
+  /// The pose that follows an edit; nullptr if none does. Ctrl-C stops its solve.
+  /// Errors: CommandFailed if it was stopped; those of EditedSession::awaitFinal.
+  const v1::PoseSolution* awaitPose(std::uint64_t revision);
+  /// Tells the last pose, behind `before`, once it is explained; where poses are shown at once,
+  /// the explanation may come as news.
+  Told tellPose(const std::string& before);
+  /// That the search moved a joint which was just bent, if it did.
+  std::string movedAgain(const Match& bend);
   Told suggest(const Match& match);
   Told show(const Match& match);
   Told compare(const Match& match);
@@ -68,6 +80,9 @@ class Editor {
   Told close();
   Told script(const std::string& path);
   Told help(const Match& match);
+  /// Errors: InvalidInput if there is none.
+  const v1::PoseSolution& requirePose();
+  /// Waits until it is explained, or will not be. Errors likewise.
   const v1::PoseSolution& requireSolution();
   void goOnIn(const v1::SessionState& state);
 
@@ -77,6 +92,7 @@ class Editor {
   std::unique_ptr<EditedSession> session_;
   bool finished_ = false;
   bool closed_ = false;
+  bool at_once_ = false;
   int depth_ = 0;  ///< of scripts that run scripts
 };
 

@@ -89,6 +89,9 @@ std::array<double, 4> wxyzOf(const Eigen::Quaterniond& q) {
 v1::EditBody stepsEdit(v1::EditKind kind, const Match& match) {
   v1::StepsEdit steps;
   steps.count(match.values.empty() ? 1 : smallCount(match.values[0], "the count"));
+  if (steps.count() == 0) {
+    rejectInput("{} 0: the count must be at least 1", kind == v1::EDIT_UNDO ? "undo" : "redo");
+  }
   v1::EditBody body;
   body.steps(steps);
   body._d(kind);
@@ -241,9 +244,14 @@ v1::EditBody solverOfPaper(const Match& match, Scene& scene) {
   return bodyOf(&v1::EditBody::solving, solvingWith(scene.settings().solving(), named));
 }
 
-v1::EditBody choose(const Match& match, Scene& /*scene*/) {
+v1::EditBody choose(const Match& match, Scene& scene) {
   const std::uint32_t number = smallCount(match.values.at(0), "choose");
-  if (number == 0) rejectInput("choose 0: minima count from 1");
+  const v1::PoseSolution* solution = scene.solution();
+  const std::size_t most = solution == nullptr ? 0 : solution->minima().size();
+  if (number == 0 || (most > 0 && number > most)) {
+    rejectInput("choose {}: minima count from 1{}; show minima lists them", number,
+                most == 0 ? std::string() : fmt::format(" to {}", most));
+  }
   v1::ChoiceEdit edit;
   edit.rank(number - 1);
   return bodyOf(&v1::EditBody::choice, edit);

@@ -110,12 +110,14 @@ struct Prompt::Impl {
     Impl& self = of(editor);
     std::mbstate_t state{};
     while (true) {
-      if (self.interruption.requested()) {
-        self.interrupted = true;
-        return -1;
-      }
       pollfd input{STDIN_FILENO, POLLIN, 0};
       const int ready = poll(&input, 1, kLook_ms);
+      // Before what came after Ctrl-C is read: that belongs to the next line.
+      if (self.interruption.requested()) {
+        self.interrupted = true;
+        self.moveToEnd();
+        return -1;
+      }
       if (ready < 0 && errno != EINTR) return -1;
       if (ready <= 0) {
         self.tellNews();
@@ -132,6 +134,13 @@ struct Prompt::Impl {
       }
       return 1;
     }
+  }
+
+  // What is written next stands behind the line.
+  void moveToEnd() const {
+    const LineInfo* line = el_line(editor);
+    el_cursor(editor, static_cast<int>(line->lastchar - line->cursor));
+    el_set(editor, EL_REFRESH);
   }
 
   void tellNews() {

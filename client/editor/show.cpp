@@ -1,11 +1,9 @@
 #include "client/editor/show.h"
 
 #include <algorithm>
-#include <numbers>
 
 #include <fmt/format.h>
 
-#include "client/minima_text.h"
 #include "client/text_output.h"
 #include "idl/names.h"
 
@@ -16,26 +14,6 @@ namespace {
 using json::Json;
 using text::plain;
 using Rows = std::vector<std::vector<std::string>>;
-
-const v1::PatchFit* worstOf(const v1::PoseSolution& solution) {
-  const v1::PatchFit* worst = nullptr;
-  for (const v1::PatchFit& patch : solution.patches()) {
-    if (patch.point_count() == 0) continue;
-    if (worst == nullptr || patch.mean_mm() > worst->mean_mm()) worst = &patch;
-  }
-  return worst;
-}
-
-// Over all points.
-double meanOf(const v1::PoseSolution& solution) {
-  double sum = 0.0;
-  double count = 0.0;
-  for (const v1::PatchFit& patch : solution.patches()) {
-    sum += patch.point_count() * patch.mean_mm();
-    count += patch.point_count();
-  }
-  return count > 0.0 ? sum / count : 0.0;
-}
 
 std::string number(double value) {
   return fmt::format("{:.4g}", value);
@@ -58,15 +36,6 @@ std::string yes(bool value) {
 std::string turned(const std::array<double, 3>& direction, bool open) {
   const bool known = direction[0] != 0.0 || direction[1] != 0.0 || direction[2] != 0.0;
   return (known ? triple(direction) : std::string("-")) + (open ? " (open)" : "");
-}
-
-std::string shortName(const v1::ClientId& client) {
-  if (std::all_of(client.begin(), client.end(), [](std::uint8_t byte) {
-        return byte == 0;
-      })) {
-    return "nobody";
-  }
-  return fmt::format("{:02x}{:02x}", client[client.size() - 2], client[client.size() - 1]);
 }
 
 std::string solvingText(const v1::SolveOptions& solving) {
@@ -104,98 +73,19 @@ Json stateJson(const v1::SessionState& state) {
 
 }  // namespace
 
-// === Solutions
-
-std::string statusLine(const v1::PoseSolution& solution) {
-  std::string line =
-      fmt::format("revision {}: objective {:.6g}, mean {:.2f} mm", solution.revision(),
-                  solution.terms().objective(), meanOf(solution));
-  if (const v1::PatchFit* worst = worstOf(solution)) {
-    line += fmt::format(", worst {} {:.2f} mm", plain(worst->name()), worst->mean_mm());
-  }
-  if (!solution.penetration().empty() && solution.penetration()[0].max_depth_m() > 0.0) {
-    line += fmt::format(", {:.1f} mm deep", 1e3 * solution.penetration()[0].max_depth_m());
-  }
-  if (solution.outcome() != v1::OUTCOME_CONVERGED) {
-    line += fmt::format(", {}", nameOf(solution.outcome()));
-  }
-  if (!solution.verdict().empty()) line += "; " + plain(solution.verdict());
-  return line;
-}
-
-Json status(const v1::PoseSolution& solution) {
-  Json all = {{"revision", solution.revision()}, {"outcome", nameOf(solution.outcome())},
-              {"solver", solution.solver()},     {"objective", solution.terms().objective()},
-              {"mean_mm", meanOf(solution)},     {"worst", nullptr},
-              {"verdict", solution.verdict()}};
-  if (const v1::PatchFit* worst = worstOf(solution)) {
-    all["worst"] = {{"patch", worst->name()}, {"mean_mm", worst->mean_mm()}};
-  }
-  return all;
-}
-
-Told tellSolution(const v1::PoseSolution& solution) {
-  Told told;
-  Rows rows = {{"patch", "mean mm", "max mm", "normal deg", "in 5 mm", "points", "verdict"}};
-  Json patches = Json::array();
-  for (const v1::PatchFit& patch : solution.patches()) {
-    rows.push_back({plain(patch.name()), fmt::format("{:.2f}", patch.mean_mm()),
-                    fmt::format("{:.2f}", patch.max_mm()),
-                    fmt::format("{:.1f}", patch.normal_deg()),
-                    fmt::format("{:.0f} %", 100.0 * patch.within_5mm()),
-                    std::to_string(patch.point_count()),
-                    patch.diagnosis().text().empty() ? nameOf(patch.diagnosis().verdict())
-                                                     : plain(patch.diagnosis().text())});
-    patches.push_back({{"name", patch.name()},
-                       {"mean_mm", patch.mean_mm()},
-                       {"max_mm", patch.max_mm()},
-                       {"normal_deg", patch.normal_deg()},
-                       {"within_5mm", patch.within_5mm()},
-                       {"point_count", patch.point_count()},
-                       {"verdict", nameOf(patch.diagnosis().verdict())},
-                       {"text", patch.diagnosis().text()}});
-  }
-  const v1::Terms& terms = solution.terms();
-  told.text = text::table(rows, "lrrrrrl") + "\n";
-  told.text += fmt::format(
-      "distance {:.4g} m2, normal {:.4g}, prior {:.4g}, by {} after {} "
-      "evaluations\n",
-      terms.distance_m2(), terms.normal(), terms.prior(), plain(solution.solver()),
-      solution.evaluations());
-  if (!solution.joints_at_limit().empty()) {
-    told.text +=
-        fmt::format("joints at limits: {}\n", text::listed(solution.joints_at_limit()));
-  }
-  told.text += statusLine(solution) + "\n";
-  told.data = {{"solution", status(solution)},
-               {"patches", patches},
-               {"X_WH", json::pose(solution.X_WH())},
-               {"X_WO", json::pose(solution.X_WO())},
-               {"joint_rad", json::listOf(solution.joint_rad())},
-               {"joints_at_limit", json::listOf(solution.joints_at_limit())}};
-  return told;
-}
-
-Told tellMinima(const v1::PoseSolution& solution, const v1::HandDescription& hand) {
-  Told told;
-  told.text = text::minima(solution, hand);
-  if (told.text.empty()) told.text = "the last solution brought no list of minima\n";
-  Json minima = Json::array();
-  for (const v1::MinimumInfo& minimum : solution.minima()) {
-    minima.push_back({{"objective", minimum.terms().objective()},
-                      {"solver", minimum.solver()},
-                      {"start", minimum.start()},
-                      {"hits", minimum.hits()},
-                      {"X_WH", json::pose(minimum.X_WH())},
-                      {"joint_rad", json::listOf(minimum.joint_rad())}});
-  }
-  told.data = {{"minima", minima}, {"chosen", solution.chosen_minimum() + 1}};
-  return told;
-}
-
 // === What the session is made of
 
-Told tellSession(const v1::SessionSettings& settings) {
+std::string nameOf(const v1::ClientId& client, const v1::ClientId& own) {
+  if (client == own) return "you";
+  const bool is_nobody = std::all_of(client.begin(), client.end(), [](std::uint8_t byte) {
+    return byte == 0;
+  });
+  if (is_nobody) return "nobody";
+  return fmt::format("client {:02x}{:02x}{:02x}{:02x}", client[0], client[1], client[2],
+                     client[3]);
+}
+
+Told tellSession(const v1::SessionSettings& settings, const v1::ClientId& own) {
   const v1::SessionState& state = settings.state();
   Told told;
   told.text = text::table(
@@ -208,7 +98,7 @@ Told tellSession(const v1::SessionSettings& settings) {
        {"last edit", state.last_edit().empty()
                          ? "none"
                          : fmt::format("{} (by {})", plain(state.last_edit()),
-                                       shortName(state.last_client()))},
+                                       nameOf(state.last_client(), own))},
        {"history",
         fmt::format("{} to undo, {} to redo", state.undo_count(), state.redo_count())}},
       "l");

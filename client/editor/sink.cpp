@@ -19,6 +19,10 @@ void Sink::echo(const std::string& command) const {
   if (!isJson()) print(fmt::format("> {}\n", command));
 }
 
+void Sink::begin(const std::string& text) const {
+  if (!isJson()) print(text);
+}
+
 void Sink::done(const std::string& command, const Told& told) const {
   if (!isJson()) {
     print(told.text);

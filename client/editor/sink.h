@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "client/editor/show.h"
+#include "client/editor/told.h"
 #include "client/failure.h"
 #include "client/progress_line.h"
 
@@ -23,6 +23,9 @@ class Sink {
 
   /// Of a script's command, before it runs; nothing in JSON, whose objects name it.
   void echo(const std::string& command) const;
+  /// What is known of a command's answer before all of it is: the beginning of its text.
+  /// Nothing in JSON.
+  void begin(const std::string& text) const;
   void done(const std::string& command, const Told& told) const;
   /// In text, on standard error.
   void failed(const std::string& command, const Failure& failure) const;

@@ -1,5 +1,7 @@
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -184,6 +186,44 @@ TEST(GraspJson, StaysJsonWhateverTheServerSends) {
   result.solution.terms().objective(std::numeric_limits<double>::quiet_NaN());
   const json document = json::parse(client::json::grasp(result));
   EXPECT_TRUE(document["terms"]["objective"].is_null());
+}
+
+TEST(TextOutput, WrapsLongTextsAndLosesNothing) {
+  EXPECT_EQ(client::text::wrapped("thumb: near"), "thumb: near\n");
+  std::string text = "thumb:";
+  for (int i = 0; i < 100; ++i)
+    text += " word" + std::to_string(i);
+  text += "\x1b" + std::string(150, 'x');
+  const std::string out = client::text::wrapped(text);
+  std::istringstream lines(out);
+  std::istringstream words(out);
+  std::size_t count = 0;
+  for (std::string line; std::getline(lines, line); ++count) {
+    EXPECT_EQ(line.rfind("    ", 0), count == 0 ? std::string::npos : 0U) << line;
+    EXPECT_LE(line.size(), line.find('x') == std::string::npos ? 100U : 154U);
+  }
+  EXPECT_EQ(std::distance(std::istream_iterator<std::string>(words), {}), 102);
+  EXPECT_EQ(out.find('\x1b'), std::string::npos);
+}
+
+TEST(WatchText, TellsPosesFromWhatExplainsThem) {
+  v1::PoseSolution solution = example().solution;
+  solution.is_final(false);
+  solution.verdict("");
+  solution.penetration().clear();
+  EXPECT_THAT(client::text::solutionLine(solution), HasSubstr(": on the way "));
+  solution.is_final(true);
+  solution.is_explained(false);
+  const std::string pose = client::text::solutionLine(solution);
+  EXPECT_THAT(pose, HasSubstr(": pose "));
+  solution.is_explained(true);
+  solution.verdict("1 of 2 patches reached");
+  solution.penetration().emplace_back();
+  solution.penetration()[0].max_depth_m(0.0042);
+  EXPECT_THAT(
+      client::text::solutionLine(solution),
+      testing::AllOf(HasSubstr(": solution "),
+                     testing::EndsWith("; 1 of 2 patches reached, 4.2 mm deep")));
 }
 
 TEST(WatchJson, PutsEachEventOnOneLine) {

@@ -221,6 +221,21 @@ TEST_F(EditMaking, GoesBackAndForth) {
   EXPECT_EQ(edit("object box").swapped_model().name(), "box");
   EXPECT_EQ(edit("choose 2").choice().rank(), 1U);
   EXPECT_THAT(objectionTo("choose 0"), HasSubstr("from 1"));
+  EXPECT_THAT(objectionTo("undo 0"), HasSubstr("undo 0: the count must be at least 1"));
+  EXPECT_THAT(objectionTo("redo 0"), HasSubstr("redo 0: the count must be at least 1"));
+}
+
+TEST_F(EditMaking, CountsMinimaAsTheyAreShown) {
+  v1::PoseSolution solution;
+  solution.minima().resize(3);
+  scene_.solve(solution);
+  EXPECT_EQ(edit("choose 3").choice().rank(), 2U);
+  EXPECT_THAT(objectionTo("choose 4"), HasSubstr("choose 4: minima count from 1 to 3"));
+}
+
+TEST_F(EditMaking, RefusesWeightsThatLeaveNoObjective) {
+  EXPECT_THAT(objectionTo("weights 0 0 0"), HasSubstr("at least one"));
+  EXPECT_EQ(edit("weights 0 0 1").weights().prior(), 1.0);
 }
 
 // === Places on a mesh

@@ -109,7 +109,7 @@ TEST_F(EditorTest, AStaleEditIsRefusedWithWhatCameBefore) {
     FAIL() << "a stale edit was applied";
   } catch (const Refused& refused) {
     EXPECT_EQ(refused.code(), v1::ERROR_CONFLICT);
-    EXPECT_THAT(refused.what(), AllOf(HasSubstr("revision 2"), HasSubstr("abab"),
+    EXPECT_THAT(refused.what(), AllOf(HasSubstr("revision 2"), HasSubstr("client abababab"),
                                       HasSubstr("limit bend upper 0.6")));
     EXPECT_EQ(failureOf(refused).exit_code, 2);
   }
@@ -147,6 +147,97 @@ TEST_F(EditorTest, CtrlCCancelsASolveAndNothingElse) {
   EXPECT_THAT(desk_.operations(), Not(testing::Contains(v1::OP_CLOSE_SESSION)));
 }
 
+TEST_F(EditorTest, CtrlCStopsTheSolveThatFollowsAnEdit) {
+  desk_.hold_poses = true;
+  std::thread user([this] {
+    while (desk_.edits().empty())
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    raise(SIGINT);
+  });
+  try {
+    told("lock bend");
+    FAIL() << "there was no pose to tell of";
+  } catch (const CommandFailed& failed) {
+    EXPECT_EQ(failed.exitCode(), 1);
+    EXPECT_THAT(failed.what(), HasSubstr("stopped: revision 1 stands"));
+  }
+  user.join();
+  interruption_.reset();
+  EXPECT_THAT(desk_.operations(), AllOf(testing::Contains(v1::OP_STOP_SOLVING),
+                                        Not(testing::Contains(v1::OP_CLOSE_SESSION))));
+  desk_.hold_poses = false;
+  EXPECT_THAT(told("unlock bend"), HasSubstr("revision 2: objective 12"));
+}
+
+// === Poses and their explanations
+
+TEST_F(EditorTest, AScriptWaitsForTheExplanation) {
+  desk_.hold_explanations = true;
+  std::thread server([this] {
+    while (desk_.edits().empty())
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));  // longer than a prompt waits
+    desk_.explain();
+  });
+  editor_.showPosesAtOnce();  // which is for those who type
+  EXPECT_EQ(failureOfScript("lock bend\n").exit_code, 0);
+  server.join();
+  EXPECT_THAT(echoed_, HasSubstr("revision 1: objective 11, mean 2.50 mm, worst index 3.00 mm; "
+                                 "2 of 2 patches reached\n"));
+}
+
+TEST_F(EditorTest, ANewerRevisionAnswersForOneThatIsNotExplained) {
+  desk_.hold_explanations = true;
+  std::thread other([this] {
+    while (desk_.edits().empty())
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    desk_.editByOther("lock slide", true);
+  });
+  EXPECT_EQ(told("lock bend"),
+            "revision 2: objective 12, mean 2.50 mm, worst index 3.00 mm; 2 of 2 patches "
+            "reached\n");
+  other.join();
+}
+
+TEST_F(EditorTest, AtThePromptPosesComeAtOnceAndExplanationsAsNews) {
+  editor_.showPosesAtOnce();
+  EXPECT_THAT(told("lock bend"), HasSubstr("worst index 3.00 mm; 2 of 2 patches reached\n"));
+  desk_.hold_explanations = true;
+  EXPECT_EQ(told("unlock bend"),
+            "revision 2: objective 12, mean 2.50 mm, worst index 3.00 mm\n");
+  EXPECT_TRUE(editor_.session().news().empty());
+  desk_.explain();
+  std::vector<std::string> news;
+  for (int i = 0; i < 500 && news.empty(); ++i) {
+    news = editor_.session().news();
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_THAT(news, testing::ElementsAre("revision 2: 2 of 2 patches reached"));
+  EXPECT_TRUE(editor_.session().news().empty());
+}
+
+TEST_F(EditorTest, ShowWaitsForTheExplanation) {
+  editor_.showPosesAtOnce();
+  desk_.hold_explanations = true;
+  EXPECT_THAT(told("lock bend"), Not(HasSubstr("reached")));
+  std::thread server([this] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    desk_.explain();
+  });
+  EXPECT_THAT(told("show"), HasSubstr("2 of 2 patches reached"));
+  server.join();
+}
+
+TEST_F(EditorTest, StatesThatAreOverChangeNothing) {
+  told("lock bend");
+  desk_.repeatOldState();
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  EXPECT_TRUE(editor_.session().news().empty());
+  EXPECT_EQ(editor_.session().state().revision(), 1U);
+  EXPECT_EQ(editor_.session().state().hand(), "claw");
+}
+
 TEST_F(EditorTest, AScriptEchoesAndStopsAtItsFirstFailure) {
   const Failure failure = failureOfScript("# a comment\n\nlock bend\nlock bent\nunlock bend\n");
   EXPECT_EQ(failure.exit_code, 2);
@@ -169,6 +260,33 @@ TEST_F(EditorTest, ScriptsRunScripts) {
   EXPECT_THAT(failureOfScript("!script " + endless.string()).message, HasSubstr("nest"));
 }
 
+TEST_F(EditorTest, AFolderIsNoScript) {
+  const std::string folder = test::scratchDirectory().string();
+  try {
+    told("!script " + folder);
+    FAIL() << "a folder was taken for an empty script";
+  } catch (const InvalidInput& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr(folder), HasSubstr("folder")));
+  }
+}
+
+TEST_F(EditorTest, SaysThatTheSearchMovesAJointThatIsNotLocked) {
+  EXPECT_THAT(told("joint bend 0.3"), HasSubstr("moved bend on to 0.5"));
+  EXPECT_THAT(told("joint bend 0.5"), Not(HasSubstr("moved")));  // where the search leaves it
+}
+
+TEST_F(EditorTest, SaysWhoseTheLastEditWas) {
+  told("lock bend");
+  EXPECT_THAT(told("show session"), HasSubstr("an edit (by you)"));
+  desk_.editByOther("lock slide", true);
+  std::string shown;
+  for (int i = 0; i < 500 && shown.find("slide") == std::string::npos; ++i) {
+    shown = told("show session");
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_THAT(shown, HasSubstr("lock slide (by client abababab)"));
+}
+
 TEST_F(EditorTest, QuitEndsAScript) {
   EXPECT_EQ(failureOfScript("quit\nlock bend\n").exit_code, 0);
   EXPECT_TRUE(editor_.finished());
@@ -188,6 +306,12 @@ TEST_F(EditorTest, WritesFiles) {
   EXPECT_EQ(readFile(folder + "/session.json"), "the session");
   EXPECT_EQ(readFile(folder + "/pose.csv"), "csv of 7");
   EXPECT_THROW(told("save /no/such/folder/session.json"), InvalidInput);
+  try {
+    told("export glb /no/such/folder/hand.glb");
+    FAIL() << "a file was written where there is no folder";
+  } catch (const InvalidInput& error) {
+    EXPECT_THAT(error.what(), testing::StartsWith("export '/no/such/folder/hand.glb'"));
+  }
 }
 
 TEST_F(EditorTest, AReplayThatDiffersFails) {

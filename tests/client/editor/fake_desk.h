@@ -19,7 +19,7 @@
 namespace handgraft::test {
 
 /// A server of one session, 7, on the small scene: edits count revisions, are refused when they
-/// are stale, and are followed by a state and a final solution.
+/// are stale, and are followed by a state, a final pose, and the same pose explained.
 class FakeDesk {
  public:
   explicit FakeDesk(const Network& network)
@@ -57,7 +57,23 @@ class FakeDesk {
     last_client_.fill(0xab);
     if (!told) return;
     states_.write(stateNow());
-    solutions_.write(solutionNow());
+    solutions_.write(solutionNow(true));
+  }
+
+  /// What `hold_explanations` held back.
+  void explain() {
+    const std::lock_guard lock(mutex_);
+    states_.write(stateNow());
+    solutions_.write(solutionNow(true));
+  }
+
+  /// A state of a revision that is over, as those who come late are told.
+  void repeatOldState() {
+    const std::lock_guard lock(mutex_);
+    v1::SessionState old = stateNow();
+    old.revision(0);
+    old.hand("another");
+    states_.write(old);
   }
 
   /// Edits that were applied, in order.
@@ -68,10 +84,12 @@ class FakeDesk {
 
   [[nodiscard]] std::vector<v1::Operation> operations() const { return server_.operations(); }
 
-  std::atomic<bool> hang{false};     ///< on solves, until they are cancelled
-  std::atomic<bool> hanging{false};  ///< one does
-  std::atomic<bool> fail{false};     ///< the solve that follows an edit
-  std::atomic<bool> same{true};      ///< what a replay says
+  std::atomic<bool> hang{false};               ///< on solves, until they are cancelled
+  std::atomic<bool> hanging{false};            ///< one does
+  std::atomic<bool> fail{false};               ///< the solve that follows an edit
+  std::atomic<bool> hold_poses{false};         ///< that follow edits: none comes
+  std::atomic<bool> hold_explanations{false};  ///< poses come, and nothing more
+  std::atomic<bool> same{true};                ///< what a replay says
 
  private:
   using Key = std::pair<v1::ClientId, std::uint64_t>;
@@ -80,7 +98,9 @@ class FakeDesk {
     v1::SessionState state;
     state.session_id(7);
     state.revision(revision_);
-    state.phase(fail && revision_ > 0 ? v1::PHASE_FAILED : v1::PHASE_READY);
+    state.phase(fail && revision_ > 0             ? v1::PHASE_FAILED
+                : hold_poses || hold_explanations ? v1::PHASE_OPTIMIZING
+                                                  : v1::PHASE_READY);
     if (fail) state.message("the hand has no point left");
     state.hand("claw");
     state.object("plate");
@@ -91,7 +111,7 @@ class FakeDesk {
     return state;
   }
 
-  v1::PoseSolution solutionNow() {
+  v1::PoseSolution solutionNow(bool is_explained) {
     v1::PoseSolution solution;
     solution.session_id(7);
     solution.revision(revision_);
@@ -109,7 +129,8 @@ class FakeDesk {
     index.point_count(30);
     index.mean_mm(3.0);
     solution.patches({thumb, index});
-    solution.verdict("2 of 2 patches reached");
+    solution.is_explained(is_explained);
+    if (is_explained) solution.verdict("2 of 2 patches reached");
     return solution;
   }
 
@@ -171,7 +192,7 @@ class FakeDesk {
           hanging = true;
           return false;
         }
-        body.solution(solutionNow());
+        body.solution(solutionNow(true));
         break;
       case v1::OP_CANCEL:
         cancelled_ = true;
@@ -239,7 +260,9 @@ class FakeDesk {
     replies_.write(reply);
     if (reply.error() != v1::ERROR_NONE) return;
     states_.write(stateNow());
-    if (!fail) solutions_.write(solutionNow());
+    if (fail || hold_poses) return;
+    solutions_.write(solutionNow(false));
+    if (!hold_explanations) solutions_.write(solutionNow(true));
   }
 
   SmallScene scene_;

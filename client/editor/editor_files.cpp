@@ -1,0 +1,75 @@
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include "client/editor/editor.h"
+#include "client/failure.h"
+#include "client/grasp_session.h"
+#include "client/output_file.h"
+#include "client/session_text.h"
+#include "client/text_output.h"
+#include "core/base/error.h"
+
+// The editor's commands that read and write files.
+namespace handgraft::client::editor {
+
+namespace fs = std::filesystem;
+
+Told Editor::save(const fs::path& path) {
+  requireWritable({"save", path});
+  writeFile(path, server_.saveSession(session_->id()));
+  return {fmt::format("wrote {}\n", quoted(path.string())), {{"file", path.string()}}};
+}
+
+Told Editor::load(const fs::path& path) {
+  const std::uint64_t left = session_->id();
+  goOnIn(server_.loadSession(readSessionText(path)));
+  return {fmt::format("session {}, revision {}; session {} stays open\n", session_->id(),
+                      session_->state().revision(), left),
+          {{"session_id", session_->id()}, {"revision", session_->state().revision()}}};
+}
+
+Told Editor::replay(const fs::path& path) {
+  const v1::ReplayReply reply = server_.replay(readSessionText(path));
+  if (!reply.same()) {
+    throw CommandFailed(
+        {1, fmt::format("{}: {} entries played, and it ends differently: {}",
+                        quoted(path.string()), reply.entries(), text::plain(reply.message()))});
+  }
+  return {fmt::format("{} entries played; it ends the same\n", reply.entries()),
+          {{"entries", reply.entries()}, {"same", true}}};
+}
+
+Told Editor::exportTo(const std::string& format, const fs::path& path) {
+  exportSession(server_, session_->id(), format, {"export", path});
+  return {fmt::format("wrote {}\n", quoted(path.string())),
+          {{"format", format}, {"file", path.string()}}};
+}
+
+Told Editor::drawTo(const fs::path& path) {
+  requireWritable({"png", path});
+  GraspResult result;
+  result.solution = requireSolution();
+  result.session = session_->state();
+  result.transfer = server_.transfer(session_->id());
+  result.hand = session_->handWithMeshes();
+  writePicture(server_, path, result);
+  return {fmt::format("wrote {}\n", quoted(path.string())), {{"file", path.string()}}};
+}
+
+Told Editor::script(const std::string& path) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) rejectInput("{}: that is a folder", quoted(path));
+  std::ifstream in(path);
+  if (!in) rejectInput("{}: cannot be read", quoted(path));
+  runScript(
+      [&]() -> std::optional<std::string> {
+        std::string line;
+        if (!std::getline(in, line)) return std::nullopt;
+        return line;
+      },
+      path);
+  return {"", {{"file", path}}};
+}
+
+}  // namespace handgraft::client::editor

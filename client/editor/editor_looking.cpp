@@ -1,0 +1,88 @@
+#include <chrono>
+
+#include <fmt/format.h>
+
+#include "client/editor/editor.h"
+#include "client/editor/show.h"
+#include "client/editor/show_solution.h"
+#include "client/json_output.h"
+#include "client/text_output.h"
+#include "client/transfer_json.h"
+#include "client/transfer_text.h"
+#include "core/base/error.h"
+
+// The editor's commands that only look.
+namespace handgraft::client::editor {
+
+const v1::PoseSolution& Editor::requirePose() {
+  const v1::PoseSolution* solution = session_->solution();
+  if (solution == nullptr) rejectInput("there is no solution yet; solve makes one");
+  return *solution;
+}
+
+const v1::PoseSolution& Editor::requireSolution() {
+  return session_->awaitExplained(requirePose().revision(), EditedSession::kEndless);
+}
+
+Told Editor::show(const Match& match) {
+  if (match.values.empty()) return tellSolution(requireSolution());
+  const std::string& topic = match.values[0].text;
+  if (topic == "minima") return tellMinima(requirePose(), session_->hand());
+  if (topic == "transfer") {
+    const v1::TransferReply transfer = server_.transfer(session_->id());
+    return {text::transfer(transfer), dataOf(json::transfer(transfer, -1))};
+  }
+  const v1::SessionSettings& settings = session_->settings();
+  if (topic == "patches") return tellPatches(settings);
+  if (topic == "joints") return tellJoints(settings);
+  if (topic == "settings") return tellSettings(settings);
+  if (topic == "history") return tellHistory(settings);
+  if (topic == "snapshots") return tellSnapshots(settings);
+  return tellSession(settings, server_.client());
+}
+
+Told Editor::compare(const Match& match) {
+  v1::CompareRequest request;
+  request.session_id(session_->id());
+  request.a(match.values.at(0).text);
+  if (match.values.size() > 1) request.b(match.values[1].text);
+  return tellDifferences(server_.compare(request));
+}
+
+Told Editor::watch(const Match& match) {
+  using Clock = std::chrono::steady_clock;
+  constexpr double kLongest_s = 1e6;
+  double seconds = kLongest_s;
+  if (!match.values.empty()) {
+    seconds = match.values[0].number;
+    if (!(seconds >= 0.0 && seconds <= kLongest_s))
+      rejectInput("watch {}: it must be 0 to 1e6 seconds", match.values[0].text);
+  }
+  const auto until = Clock::now() + std::chrono::duration<double>(seconds);
+  const std::vector<std::string> joints = session_->state().joint_names();
+  std::uint64_t count = 0;
+  while (Clock::now() < until && !interruption_.requested() &&
+         session_->state().phase() != v1::PHASE_CLOSED) {
+    session_->follow(
+        [&](const v1::PoseSolution& solution) {
+          if (solution.is_explained()) ++count;
+          sink_.event(text::solutionLine(solution), json::solutionEvent(solution, joints));
+        },
+        [&](const v1::SessionState& state) {
+          sink_.event(text::stateLine(state), json::stateEvent(state));
+        });
+  }
+  Told told;
+  told.data = {{"solutions", count}};
+  return told;
+}
+
+Told Editor::help(const Match& match) {
+  const Words begun = match.values.empty() ? Words() : Words{match.values[0].text};
+  Told told;
+  told.text = helpFor(begun, {});
+  told.data = {{"help", told.text}};
+  return told;
+}
+
+}  // namespace handgraft::client::editor
