@@ -5,6 +5,7 @@
 
 #include "core/geometry/tangent.h"
 #include "core/optimize/diagnosis.h"
+#include "core/session/solids.h"
 
 namespace handgraft::session {
 
@@ -84,7 +85,7 @@ bool FitFindings::tooSmall() const {
 struct FitCheck::Memory {
   std::shared_ptr<const hand::Skin> skin;
   const geometry::TriangleMesh* object = nullptr;
-  std::unique_ptr<geometry::SurfaceLocator> object_O;
+  std::shared_ptr<const geometry::SurfaceLocator> object_O;
   std::vector<std::optional<Room>> rooms;  ///< per patch of the session
   std::vector<double> span_key;
   std::vector<geometry::SurfacePoint> roots_O;  ///< outlines follow them
@@ -95,7 +96,7 @@ struct FitCheck::Memory {
     *this = Memory();
     skin = session.hand().skin;
     object = &session.object();
-    object_O = std::make_unique<geometry::SurfaceLocator>(*object);
+    object_O = locatorOf(session.sharedObject());
   }
 
   [[nodiscard]] double lackAt(const SessionPatch& item) const {

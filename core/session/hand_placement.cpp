@@ -11,6 +11,7 @@
 #include "core/geometry/tangent.h"
 #include "core/optimize/objective.h"
 #include "core/optimize/solver.h"
+#include "core/session/solids.h"
 
 namespace handgraft::session {
 namespace {
@@ -112,8 +113,8 @@ PoseProblem anchorProblem(std::shared_ptr<const hand::HandModel> model,
 
 HandPlacer::HandPlacer(std::shared_ptr<const hand::HandModel> model,
                        const hand::Skin& skin,
-                       const geometry::TriangleMesh& object_O)
-    : model_(std::move(model)), object_O_(object_O) {
+                       const std::shared_ptr<const geometry::TriangleMesh>& object_O)
+    : model_(std::move(model)), object_O_(locatorOf(object_O)) {
   const int vertices = skin.mesh().vertexCount();
   const int stride = std::max(1, vertices / kMostSamples);
   for (int v = 0; v < vertices; v += stride) {
@@ -130,8 +131,8 @@ double HandPlacer::meanSquareDepth(const hand::HandPose& pose, const Pose& X_WO)
   double sum = 0.0;
   for (const Sample& sample : samples_) {
     const Eigen::Vector3d p_O = X_OL[sample.link] * sample.p_L;
-    const geometry::SurfaceLocator::Hit hit = object_O_.nearest(p_O);
-    const Eigen::Vector3d n_O = normalOf(object_O_.mesh(), hit.point);
+    const geometry::SurfaceLocator::Hit hit = object_O_->nearest(p_O);
+    const Eigen::Vector3d n_O = normalOf(object_O_->mesh(), hit.point);
     if ((p_O - hit.position).dot(n_O) < 0.0) sum += hit.distance * hit.distance;
   }
   return sum / static_cast<double>(samples_.size());

@@ -65,10 +65,10 @@ struct HandPlacement {
 /// directions.
 class HandPlacer {
  public:
-  /// Keeps its own copies of what it needs of the skin, and a reference to nothing.
+  /// Keeps its own copies of what it needs of the skin, and shares the object's locator.
   HandPlacer(std::shared_ptr<const hand::HandModel> model,
              const hand::Skin& skin,
-             const geometry::TriangleMesh& object_O);
+             const std::shared_ptr<const geometry::TriangleMesh>& object_O);
 
   /// Poses found from `starts` deterministic starts, best first.
   /// Errors: Cancelled on wish. Cost: about a millisecond a start.
@@ -93,7 +93,7 @@ class HandPlacer {
 
   std::shared_ptr<const hand::HandModel> model_;
   std::vector<Sample> samples_;
-  geometry::SurfaceLocator object_O_;
+  std::shared_ptr<const geometry::SurfaceLocator> object_O_;
 };
 
 }  // namespace handgraft::session

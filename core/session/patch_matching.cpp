@@ -84,7 +84,7 @@ void matchByGeometry(const Models& models, Document& document, const Progress& p
   // === Their places, and who goes without
   std::vector<int> answer(patches.size(), -1);
   if (any) {
-    const HandPlacer placer(hand.model, *hand.skin, *models.object_O);
+    const HandPlacer placer(hand.model, *hand.skin, models.object_O);
     answer = assignSites(placer, hand.model, fixed, patch_anchors, site_anchors, permitted,
                          document.X_WO, progress);
   }

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "core/base/progress.h"
+#include "core/geometry/surface_locator.h"
 #include "core/optimize/avoidance.h"
 #include "core/quality/penetration.h"
 #include "core/session/models.h"
@@ -10,8 +11,7 @@
 namespace handgraft::session {
 
 // Hands and objects as solids. They are made once for each skin and each mesh, when first asked
-// for, shared by all who hold these, and forgotten with them. Safe from several threads; who
-// asks for what another one is making waits for it, and may be cancelled while it waits.
+// for, shared by all who hold these, and forgotten with them (made_once.h).
 
 /// `skin` of this `model`. Errors: Cancelled on wish. Cost: some 0.3 s the first time.
 std::shared_ptr<const hand::HandSolid> solidOf(
@@ -21,7 +21,12 @@ std::shared_ptr<const hand::HandSolid> solidOf(
 std::shared_ptr<const geometry::DistanceGrid> solidOf(
     const std::shared_ptr<const geometry::TriangleMesh>& object_O, const Progress& progress);
 
-/// Makes both where they are missing, so that what is below waits for nothing.
+/// Nearest places on an object, shared likewise: as large as the object's mesh, or larger.
+/// Errors: InvalidInput if the mesh has no face. Cost: O(F log F) the first time.
+std::shared_ptr<const geometry::SurfaceLocator> locatorOf(
+    const std::shared_ptr<const geometry::TriangleMesh>& object_O);
+
+/// Makes both solids where they are missing, so that what is below waits for nothing.
 /// Errors: Cancelled on wish.
 void makeSolids(const Hand& hand,
                 const std::shared_ptr<const geometry::TriangleMesh>& object_O,

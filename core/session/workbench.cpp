@@ -183,7 +183,7 @@ std::vector<transfer::Suggestion> Workbench::suggest(std::size_t patch,
 const HandPlacer& Workbench::placer() {
   if (!placer_) {
     placer_ = std::make_unique<HandPlacer>(models_.hand->model, *models_.hand->skin,
-                                           *models_.object_O);
+                                           models_.object_O);
   }
   return *placer_;
 }

@@ -109,7 +109,7 @@ ChainOutcome graspWith(const session::Hand& hand,
     }
     outcome.mean_mm /= std::max(1, outcome.points());
     outcome.normal_deg /= std::max(1, outcome.points());
-    const session::HandPlacer placer(hand.model, *hand.skin, *grasp.object_O);
+    const session::HandPlacer placer(hand.model, *hand.skin, grasp.object_O);
     outcome.depth_mm =
         1e3 * std::sqrt(placer.meanSquareDepth(report.pose, session.objectPose()));
     outcome.objective = report.terms.objective;

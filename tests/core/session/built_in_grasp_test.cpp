@@ -47,7 +47,7 @@ TEST(BuiltInGrasp, ReachesEveryPatchOfTheBoxFromOutside) {
   for (const optimize::PatchFit& fit : report.patches) {
     EXPECT_LT(fit.mean_mm, 5.0) << session.patches()[fit.patch].patch.name;
   }
-  const HandPlacer placer(tendonHand().model, *tendonHand().skin, *box.mesh);
+  const HandPlacer placer(tendonHand().model, *tendonHand().skin, box.mesh);
   EXPECT_LT(std::sqrt(placer.meanSquareDepth(report.pose, Pose::Identity())), 0.002);
 }
 

@@ -27,7 +27,7 @@ std::vector<Anchor> anchorsOf(const BallGrasp& grasp, bool with_directions) {
 
 TEST(HandPlacer, BringsTheRootsTogetherFromOutside) {
   const BallGrasp grasp;
-  const HandPlacer placer(grasp.small.model, *grasp.small.skin, *grasp.ball);
+  const HandPlacer placer(grasp.small.model, *grasp.small.skin, grasp.ball);
   const auto anchors = anchorsOf(grasp, false);
   Pose X_WO = Pose::Identity();
   X_WO.linear() = rotationFromVector({1, 2, 0.5});
@@ -46,7 +46,7 @@ TEST(HandPlacer, BringsTheRootsTogetherFromOutside) {
 
 TEST(HandPlacer, OrdersByScore) {
   const BallGrasp grasp;
-  const HandPlacer placer(grasp.small.model, *grasp.small.skin, *grasp.ball);
+  const HandPlacer placer(grasp.small.model, *grasp.small.skin, grasp.ball);
   const auto placements = placer.place(anchorsOf(grasp, true), Pose::Identity(), 6, Progress());
   for (std::size_t i = 1; i < placements.size(); ++i) {
     EXPECT_LE(placements[i - 1].score, placements[i].score);
@@ -55,7 +55,7 @@ TEST(HandPlacer, OrdersByScore) {
 
 TEST(HandPlacer, MeasuresDepthInsideTheObject) {
   const BallGrasp grasp;
-  const HandPlacer placer(grasp.small.model, *grasp.small.skin, *grasp.ball);
+  const HandPlacer placer(grasp.small.model, *grasp.small.skin, grasp.ball);
   hand::HandPose pose{Pose::Identity(), Eigen::VectorXd::Zero(6)};
   Pose far = Pose::Identity();
   far.translation().x() = 1.0;
@@ -67,7 +67,7 @@ TEST(HandPlacer, MeasuresDepthInsideTheObject) {
 
 TEST(HandPlacer, StopsWhenAsked) {
   const BallGrasp grasp;
-  const HandPlacer placer(grasp.small.model, *grasp.small.skin, *grasp.ball);
+  const HandPlacer placer(grasp.small.model, *grasp.small.skin, grasp.ball);
   Progress progress;
   progress.cancel();
   EXPECT_THROW(placer.place(anchorsOf(grasp, true), Pose::Identity(), 6, progress), Cancelled);
