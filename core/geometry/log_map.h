@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -117,27 +118,31 @@ class LogMapInverse {
   [[nodiscard]] Place at(const Eigen::Vector2d& uv_T) const;
 
  private:
+  // Sessions keep an inverse a patch and side: what can be computed again is not kept.
   struct Sheet {
     int face;
-    Eigen::Matrix<double, 2, 3> corners_T;
-    Eigen::Vector3d r;
-    bool is_turned_over;  ///< in the plane: no place, but it folds what it covers
+    std::array<int, 3> corners;  ///< into `places_T_`
   };
 
   struct Border {
-    Eigen::Vector2d from_T;
-    Eigen::Vector2d to_T;
+    int from;  ///< into `places_T_`
+    int to;
     Unreachable reason;
   };
 
   void buildGrid();
   template <class Visit>
   void forCellsOf(const Sheet& sheet, const Visit& visit) const;
+  [[nodiscard]] Eigen::Matrix<double, 2, 3> cornersOf(const Sheet& sheet) const;
   [[nodiscard]] int columnOf(double x) const;
   [[nodiscard]] int rowOf(double y) const;
   [[nodiscard]] Unreachable reasonAt(const Eigen::Vector2d& uv_T) const;
 
+  std::vector<Eigen::Vector2d> places_T_;  ///< of vertices
+  /// From `turned_over_` on those that are turned over in the plane: no place, but they fold
+  /// what they cover.
   std::vector<Sheet> sheets_;
+  std::size_t turned_over_ = 0;
   std::vector<Border> borders_;
   /// Sheets of cell c are cell_sheets_[cell_offsets_[c]] to [cell_offsets_[c + 1]].
   std::vector<int> cell_offsets_;

@@ -1,7 +1,9 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
+#include <vector>
 
 #include "core/base/error.h"
 #include "core/geometry/log_map.h"
@@ -58,26 +60,38 @@ Lie lieOf(const TriangleMesh& mesh, int f, const Eigen::Matrix<double, 2, 3>& co
 /// Log coordinates of faces' corners, computed once a vertex.
 class Corners {
  public:
-  Corners(const TriangleMesh& mesh, const LogMap& map)
-      : mesh_(mesh), map_(map), number_of_(static_cast<int>(map.vertices.size())) {}
+  Corners(const TriangleMesh& mesh, const LogMap& map, std::vector<Eigen::Vector2d>& places_T)
+      : mesh_(mesh),
+        map_(map),
+        number_of_(static_cast<int>(map.vertices.size())),
+        places_T_(places_T) {}
 
-  Eigen::Matrix<double, 2, 3> of(int f) {
-    Eigen::Matrix<double, 2, 3> corners_T;
+  /// Their numbers: places in `places_T`.
+  std::array<int, 3> numbersOf(int f) {
+    std::array<int, 3> numbers{};
     for (int c = 0; c < 3; ++c) {
       const int v = mesh_.faces()(c, f);
       const auto [number, is_new] = number_of_.add(v);
       if (is_new) places_T_.push_back(logCoordinatesAtVertex(map_, v));
-      corners_T.col(c) = places_T_[static_cast<std::size_t>(number)];
+      numbers[static_cast<std::size_t>(c)] = number;
     }
-    return corners_T;
+    return numbers;
   }
 
  private:
   const TriangleMesh& mesh_;
   const LogMap& map_;
   Numbering number_of_;
-  std::vector<Eigen::Vector2d> places_T_;
+  std::vector<Eigen::Vector2d>& places_T_;
 };
+
+Eigen::Matrix<double, 2, 3> cornersAt(const std::vector<Eigen::Vector2d>& places_T,
+                                      const std::array<int, 3>& numbers) {
+  Eigen::Matrix<double, 2, 3> corners_T;
+  for (int c = 0; c < 3; ++c)
+    corners_T.col(c) = places_T[static_cast<std::size_t>(numbers[static_cast<std::size_t>(c)])];
+  return corners_T;
+}
 
 /// The cell out of `count` that holds `place`, in cells. Coordinates far outside fit no int,
 /// and a grid without width makes NaN.
@@ -105,39 +119,50 @@ LogMapInverse::LogMapInverse(const TriangleMesh& mesh, const LogMap& map)
     : radius_(map.radius) {
   HANDGRAFT_REQUIRE(map.r.size() == mesh.vertexCount());
   const std::size_t face_count = map.faces.size() + map.rim_faces.size();
+  std::vector<Sheet> turned_over;
   sheets_.reserve(face_count);
-  Corners corners(mesh, map);
+  places_T_.reserve(map.vertices.size() + map.rim.size());
+  Corners corners(mesh, map, places_T_);
   Numbering covered(static_cast<int>(face_count));
   for (const std::vector<int>* faces : {&map.faces, &map.rim_faces}) {
     for (const int f : *faces) {
-      const Eigen::Matrix<double, 2, 3> corners_T = corners.of(f);
-      const Lie lie = lieOf(mesh, f, corners_T);
-      if (lie != Lie::kFlat && lie != Lie::kTurnedOver) continue;
-      const bool is_turned_over = lie == Lie::kTurnedOver;
-      sheets_.push_back({f, corners_T, corners_T.colwise().norm().transpose(), is_turned_over});
-      if (!is_turned_over) covered.add(f);
+      const std::array<int, 3> numbers = corners.numbersOf(f);
+      const Lie lie = lieOf(mesh, f, cornersAt(places_T_, numbers));
+      if (lie == Lie::kTurnedOver) turned_over.push_back({f, numbers});
+      if (lie != Lie::kFlat) continue;
+      sheets_.push_back({f, numbers});
+      covered.add(f);
     }
   }
+  turned_over_ = sheets_.size();
 
   // === Borders: edges of a sheet without a sheet beyond
   for (const Sheet& sheet : sheets_) {
-    if (sheet.is_turned_over) continue;
     for (int c = 0; c < 3; ++c) {
       const int twin = mesh.twin(3 * sheet.face + c);
       Unreachable reason = Unreachable::kSurfaceEdge;
       if (twin >= 0) {
         const int beyond = TriangleMesh::faceOf(twin);
         if (covered.find(beyond) >= 0) continue;
-        const Lie lie = lieOf(mesh, beyond, corners.of(beyond));
+        const Lie lie = lieOf(mesh, beyond, cornersAt(places_T_, corners.numbersOf(beyond)));
         // A face without area in T leaves no gap: what lies behind it decides for itself.
         if (lie == Lie::kNoArea) continue;
         reason = lie == Lie::kUnknown || lie == Lie::kFlat ? Unreachable::kBeyondRadius
                                                            : Unreachable::kCutLocus;
       }
-      borders_.push_back({sheet.corners_T.col(c), sheet.corners_T.col((c + 1) % 3), reason});
+      borders_.push_back({sheet.corners[static_cast<std::size_t>(c)],
+                          sheet.corners[static_cast<std::size_t>((c + 1) % 3)], reason});
     }
   }
+  sheets_.insert(sheets_.end(), turned_over.begin(), turned_over.end());
   buildGrid();
+  places_T_.shrink_to_fit();
+  sheets_.shrink_to_fit();
+  borders_.shrink_to_fit();
+}
+
+Eigen::Matrix<double, 2, 3> LogMapInverse::cornersOf(const Sheet& sheet) const {
+  return cornersAt(places_T_, sheet.corners);
 }
 
 int LogMapInverse::columnOf(double x) const {
@@ -152,7 +177,7 @@ int LogMapInverse::rowOf(double y) const {
 /// thin face visits the cells along it, not those of its bounding box.
 template <class Visit>
 void LogMapInverse::forCellsOf(const Sheet& sheet, const Visit& visit) const {
-  const Eigen::Matrix<double, 2, 3>& p = sheet.corners_T;
+  const Eigen::Matrix<double, 2, 3> p = cornersOf(sheet);
   // The slack at edges reaches a little out of the triangle.
   const double margin = 1e-6 * (p.rowwise().maxCoeff() - p.rowwise().minCoeff()).norm();
   const int first_row = rowOf(p.row(1).minCoeff() - margin);
@@ -195,13 +220,16 @@ void LogMapInverse::buildGrid() {
   low_T_.setConstant(std::numeric_limits<double>::infinity());
   high_T_ = -low_T_;
   for (const Sheet& sheet : sheets_) {
-    low_T_ = low_T_.cwiseMin(sheet.corners_T.rowwise().minCoeff());
-    high_T_ = high_T_.cwiseMax(sheet.corners_T.rowwise().maxCoeff());
+    const Eigen::Matrix<double, 2, 3> corners_T = cornersOf(sheet);
+    low_T_ = low_T_.cwiseMin(corners_T.rowwise().minCoeff());
+    high_T_ = high_T_.cwiseMax(corners_T.rowwise().maxCoeff());
   }
-  // About one cell per face, however stretched the disk.
+  // About a cell for every two faces, however stretched the disk.
+  constexpr double kFacesPerCell = 2.0;
   constexpr double kMostCells = 2048.0;
   const Eigen::Vector2d extent = high_T_ - low_T_;
-  const double side = std::sqrt(extent.x() * extent.y() / static_cast<double>(sheets_.size()));
+  const double side =
+      std::sqrt(kFacesPerCell * extent.x() * extent.y() / static_cast<double>(sheets_.size()));
   const auto cellsAlong = [&](double length) {
     const double cells = std::ceil(length / side);
     return cells > 1.0 ? static_cast<int>(std::min(cells, kMostCells)) : 1;  // NaN: one
@@ -244,20 +272,22 @@ LogMapInverse::Place LogMapInverse::at(const Eigen::Vector2d& uv_T) const {
   double best_margin = 0.0;
   int strictly_inside = 0;
   for (int i = cell_offsets_[cell]; i < cell_offsets_[cell + 1]; ++i) {
-    const Sheet& sheet = sheets_[cell_sheets_[i]];
-    const Eigen::Vector3d weights = weightsAt(sheet.corners_T, uv_T);
+    const auto s = static_cast<std::size_t>(cell_sheets_[i]);
+    const Eigen::Matrix<double, 2, 3> corners_T = cornersOf(sheets_[s]);
+    const Eigen::Vector3d weights = weightsAt(corners_T, uv_T);
     const double margin = weights.minCoeff();
     if (!(margin >= -kSlack)) continue;
     if (margin > kSamePlace) ++strictly_inside;
-    if (sheet.is_turned_over) continue;
-    const double r = weights.dot(sheet.r);
+    if (s >= turned_over_) continue;
+    const Eigen::Vector3d r_of_corners = corners_T.colwise().norm().transpose();
+    const double r = weights.dot(r_of_corners);
     // Faces that share the edge or vertex tie but for rounding: the one further inside wins.
     const bool tie = std::abs(r - best_r) <= kSlack * r;
     if (tie ? margin > best_margin : r < best_r) {
       best_r = r;
       best_margin = margin;
       const Eigen::Vector3d kept = weights.cwiseMax(0.0);
-      place.point = {sheet.face, kept / kept.sum()};
+      place.point = {sheets_[s].face, kept / kept.sum()};
     }
   }
   place.folded = place.point.valid() && strictly_inside > 1;
@@ -271,11 +301,12 @@ Unreachable LogMapInverse::reasonAt(const Eigen::Vector2d& uv_T) const {
   for (const Border& border : borders_) {
     // The way t * uv_T, 0 < t <= 1, leaves a counter-clockwise face where the border turns
     // left.
-    const Eigen::Vector2d along = border.to_T - border.from_T;
+    const Eigen::Vector2d& from_T = places_T_[static_cast<std::size_t>(border.from)];
+    const Eigen::Vector2d along = places_T_[static_cast<std::size_t>(border.to)] - from_T;
     const double turn = cross(uv_T, along);
     if (!(turn > 0.0)) continue;
-    const double t = cross(border.from_T, along) / turn;
-    const double s = cross(border.from_T, uv_T) / turn;
+    const double t = cross(from_T, along) / turn;
+    const double s = cross(from_T, uv_T) / turn;
     if (t > last && t <= 1.0 + kSlack && s >= -kSlack && s <= 1.0 + kSlack) {
       last = t;
       reason = border.reason;
