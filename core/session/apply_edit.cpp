@@ -113,9 +113,13 @@ class Editing {
   }
 
   static void requireValue(const DocumentJoint& joint, const std::string& name, double value) {
-    requireWithin(value, std::max(joint.lower - kBoundTolerance, -kLargestJointValue),
-                  std::min(joint.upper + kBoundTolerance, kLargestJointValue),
-                  "joint " + quoted(name));
+    // The message names the limits themselves.
+    if (value >= joint.lower - kBoundTolerance && value <= joint.upper + kBoundTolerance &&
+        std::abs(value) <= kLargestJointValue) {
+      return;
+    }
+    requireWithin(value, std::max(joint.lower, -kLargestJointValue),
+                  std::min(joint.upper, kLargestJointValue), "joint " + quoted(name));
   }
 
   /// The user's pose is where the next solve starts, and what it stays close to (paper, III-E).
