@@ -7,7 +7,6 @@
 
 #include "core/base/error.h"
 #include "core/hand/kinematics.h"
-#include "core/session/solids.h"
 
 namespace handgraft::server {
 
@@ -202,34 +201,6 @@ v1::MinimumInfo toMessage(const optimize::Minimum& minimum) {
   return message;
 }
 
-/// Cost: below a millisecond; the first time of a hand or an object, some 0.3 s.
-v1::Penetration penetrationMessage(const session::Session& session,
-                                   const hand::HandPose& pose) {
-  const hand::HandModel& model = *session.hand().model;
-  const auto nameOf = [&model](int link) {
-    return model.links()[static_cast<std::size_t>(link)].name;
-  };
-  const quality::Penetration found =
-      session::penetrationOf(session.hand().model, session.hand().skin, session.sharedObject(),
-                             session.objectPose(), pose, Progress());
-  v1::Penetration message;
-  message.max_depth_m(found.max_depth_m);
-  message.mean_depth_m(found.mean_depth_m);
-  message.volume_m3(found.volume_m3);
-  for (const quality::LinkDepth& depth : found.links) {
-    v1::LinkDepth one;
-    one.link(nameOf(depth.link));
-    one.depth_m(depth.depth_m);
-    message.links().push_back(one);
-  }
-  message.self_depth_m(found.self_depth_m);
-  if (found.self_depth_m > 0.0) {
-    for (const int link : found.self_links)
-      message.self_links().push_back(nameOf(link));
-  }
-  return message;
-}
-
 v1::PoseSolution solutionMessage(const session::Session& session,
                                  const hand::HandPose& pose,
                                  const optimize::Terms& terms) {
@@ -289,7 +260,6 @@ v1::PoseSolution solutionMessage(const session::Session& session,
   }
   for (const optimize::Minimum& minimum : report.minima)
     message.minima().push_back(toMessage(minimum));
-  message.penetration().push_back(penetrationMessage(session, report.pose));
   return message;
 }
 

@@ -44,7 +44,8 @@ v1::PoseSolution solutionMessage(const session::Session& session,
                                  const hand::HandPose& pose,
                                  const optimize::Terms& terms);
 
-/// A final pose: also links, patches, limits. It answers the session's solved problem.
+/// A final pose: also links, patches, limits, minima. It answers the session's solved problem
+/// and is not explained (solution_messages.h).
 v1::PoseSolution solutionMessage(const session::Session& session,
                                  const optimize::SolveReport& report);
 /// As above, of a problem that was not solved but judged.

@@ -15,6 +15,11 @@ namespace handgraft::server {
 namespace {
 
 constexpr std::size_t kMostWaiting = 256;
+constexpr int kFlood = 16;  // edits that wait; two editors who hurry are none
+
+bool isAtWork(v1::SessionPhase phase) {
+  return phase == v1::PHASE_TRANSFERRING || phase == v1::PHASE_OPTIMIZING;
+}
 
 }  // namespace
 
@@ -60,10 +65,34 @@ void LiveSession::enter(v1::SessionPhase phase, const std::string& message, doub
   const std::lock_guard lock(mutex_);
   if (state_.phase() == v1::PHASE_CLOSED) return;
   describeSession();
-  state_.phase(phase);
-  state_.message(message.empty() ? warning_ : message);
-  state_.progress(progress);
+  setPhase(phase, message, progress);
   tell();
+}
+
+void LiveSession::settle(v1::SessionPhase phase) {
+  const std::lock_guard lock(mutex_);
+  if (state_.phase() == v1::PHASE_CLOSED) return;
+  describeSession();
+  setPhase(phase, "");
+  if (!expectsEdits()) tell();
+}
+
+void LiveSession::tellRest() {
+  const std::lock_guard lock(mutex_);
+  if (state_.phase() == v1::PHASE_CLOSED) return;
+  if (isAtWork(state_.phase())) setPhase(resting_phase_, "");
+  tell();
+}
+
+void LiveSession::tellCancelled() {
+  const bool is_stopped = [this] {
+    const std::lock_guard lock(flight_mutex_);
+    return in_flight_ != nullptr && in_flight_->stopped_;
+  }();
+  const std::lock_guard lock(mutex_);
+  if (state_.phase() == v1::PHASE_CLOSED) return;
+  setPhase(resting_phase_, is_stopped ? "stopped" : "cancelled");
+  if (is_stopped || !expectsEdits()) tell();
 }
 
 void LiveSession::enterSoon(v1::SessionPhase phase) {
@@ -71,12 +100,19 @@ void LiveSession::enterSoon(v1::SessionPhase phase) {
   const std::lock_guard lock(mutex_);
   if (state_.phase() == v1::PHASE_CLOSED) return;
   describeSession();
-  state_.phase(phase);
-  state_.message(warning_);
-  state_.progress(0.0);
+  setPhase(phase, "");
   // What is kept back is told by the next edit, or by the solve that follows the last one.
-  if (expectsEdits() && std::chrono::steady_clock::now() - told_ < kPeriod) return;
+  if (expected_edits_ >= kFlood && std::chrono::steady_clock::now() - told_ < kPeriod) return;
   tell();
+}
+
+void LiveSession::setPhase(v1::SessionPhase phase,
+                           const std::string& message,
+                           double progress) {
+  state_.phase(phase);
+  state_.message(message.empty() ? warning_ : message);
+  state_.progress(progress);
+  if (!isAtWork(phase)) resting_phase_ = phase;
 }
 
 void LiveSession::tell() {
@@ -96,9 +132,21 @@ void LiveSession::advance(std::string_view stage, double fraction) {
   tell();
 }
 
-void LiveSession::stopSolving() {
+// === Stopping
+
+void LiveSession::stopSolving(const v1::ClientId& stopper) {
+  touch();
   const std::lock_guard lock(flight_mutex_);
-  if (in_flight_ != nullptr) in_flight_->progress_.cancel();
+  ++stops_;
+  stopper_ = stopper;
+  if (in_flight_ == nullptr) return;
+  in_flight_->stopped_ = true;
+  in_flight_->progress_.cancel();
+}
+
+std::string LiveSession::whoStopped() const {
+  const std::lock_guard lock(flight_mutex_);
+  return "stopped by client " + shortName(stopper_);
 }
 
 // === Edits on their way
@@ -114,10 +162,18 @@ void LiveSession::meetEdit() {
   --expected_edits_;
 }
 
-LiveSession::SolveInFlight::SolveInFlight(LiveSession& live, Progress& progress)
-    : live_(live), progress_(progress), begin_(std::chrono::steady_clock::now()) {
+LiveSession::SolveInFlight::SolveInFlight(LiveSession& live,
+                                          Progress& progress,
+                                          std::chrono::milliseconds least)
+    : live_(live),
+      progress_(progress),
+      begin_(std::chrono::steady_clock::now()),
+      least_(least) {
   const std::lock_guard lock(live_.flight_mutex_);
   live_.in_flight_ = this;
+  if (live_.stops_ == live_.asked_at_stops) return;
+  stopped_ = true;
+  progress_.cancel();
 }
 
 LiveSession::SolveInFlight::~SolveInFlight() {
@@ -127,9 +183,14 @@ LiveSession::SolveInFlight::~SolveInFlight() {
 
 void LiveSession::SolveInFlight::giveWay() {
   if (!live_.expectsEdits() || cut_short_) return;
-  if (std::chrono::steady_clock::now() - begin_ < kLeastSolve) return;
+  if (!explains_ && std::chrono::steady_clock::now() - begin_ < least_) return;
   cut_short_ = true;
   progress_.cancel();
+}
+
+void LiveSession::SolveInFlight::beginToExplain() {
+  explains_ = true;
+  giveWay();
 }
 
 void LiveSession::prepareSolids(const std::shared_ptr<LiveSession>& self, WorkerPool& pool) {
@@ -198,7 +259,7 @@ v1::PoseSolution LiveSession::publish(v1::PoseSolution solution) {
   solution.sequence_number(++sequence_number_);
   solution.stamp_ns(nowNs());
   audience_.onSolution(solution);
-  if (solution.is_final()) {
+  if (solution.is_final() && !solution.is_explained()) {
     const Eigen::VectorXd q = Eigen::Map<const Eigen::VectorXd>(
         solution.joint_rad().data(), static_cast<Eigen::Index>(solution.joint_rad().size()));
     audience_.onJointCommand(id_, jointCommand(*session_.hand().model, q, solution.stamp_ns()));

@@ -54,9 +54,14 @@ class LiveSession {
 
   /// Sets phase, message and progress, and tells the audience. Nothing follows PHASE_CLOSED.
   void enter(v1::SessionPhase phase, const std::string& message = "", double progress = 0.0);
-  /// As above, but silently where edits come faster than states are of use and another one
-  /// waits.
+  /// As above, but silently where edits come faster than states are of use and many wait.
   void enterSoon(v1::SessionPhase phase);
+  /// Enters a phase in which nothing is done, silently where an edit waits: that nothing more
+  /// comes would not be true. Who refuses that edit has to tell it (`tellRest`).
+  void settle(v1::SessionPhase phase);
+  void tellRest();
+  /// Why a step ended that was cancelled, in the phase in which the session last rested.
+  void tellCancelled();
   /// As above within the present phase, at most ten times a second.
   void advance(std::string_view stage, double fraction);
 
@@ -66,41 +71,60 @@ class LiveSession {
 
   [[nodiscard]] const Progress& solves() const { return solves_; }
 
-  /// Cancels the solve in flight, if there is one, whoever asked for it.
-  void stopSolving();
+  // === Stopping
+
+  /// Stops the solve in flight and those that were asked for and have not begun, whoever asked
+  /// for them: also by edits, which stay. `stopper` is told to those who wait.
+  void stopSolving(const v1::ClientId& stopper);
+
+  /// How often that was done: what was asked for at another count than the present one is
+  /// stopped.
+  [[nodiscard]] std::uint64_t stops() const { return stops_; }
+
+  /// "stopped by client ab12cd34": the last time.
+  [[nodiscard]] std::string whoStopped() const;
 
   // === Edits on their way
 
-  /// An edit was put on the strand; a solve in flight is cut short for it, but gets
-  /// `kLeastSolve` first: else a stream of edits would never see an answer.
+  /// An edit was put on the strand; a solve in flight is cut short for it, but has its time
+  /// first: else a stream of edits would never see an answer. What explains a pose that is out
+  /// is cut short at once.
   void expectEdit();
   /// It is being applied, or was not taken.
   void meetEdit();
 
   [[nodiscard]] bool expectsEdits() const { return expected_edits_ > 0; }
 
-  /// A solve that edits may cut short, for as long as this lives. Of the strand.
+  /// A solve that edits may cut short, and that anybody may stop, for as long as this lives. Of
+  /// the strand.
   class SolveInFlight {
    public:
-    SolveInFlight(LiveSession& live, Progress& progress);
+    /// Has `least` before edits cut it short; `progress` is cancelled where it ends before its
+    /// end. Stopped from the start if somebody stopped what was asked for then.
+    SolveInFlight(LiveSession& live, Progress& progress, std::chrono::milliseconds least);
     ~SolveInFlight();
     SolveInFlight(const SolveInFlight&) = delete;
     SolveInFlight& operator=(const SolveInFlight&) = delete;
 
-    /// Stops the solve if an edit waits and the solve had its time. From solving threads.
+    /// Ends the solve if an edit waits and the solve had its time. From solving threads.
     void giveWay();
+    /// The pose is out: what follows gives way at once.
+    void beginToExplain();
 
     [[nodiscard]] bool wasCutShort() const { return cut_short_; }
+
+    [[nodiscard]] bool wasStopped() const { return stopped_; }
 
    private:
     friend class LiveSession;
     LiveSession& live_;
     Progress& progress_;
     const std::chrono::steady_clock::time_point begin_;
+    const std::chrono::milliseconds least_;
+    std::atomic<bool> explains_{false};
     std::atomic<bool> cut_short_{false};
+    std::atomic<bool> stopped_{false};
   };
-
-  static constexpr std::chrono::milliseconds kLeastSolve{8};
 
   // === Idleness: from any thread
 
@@ -115,8 +139,8 @@ class LiveSession {
 
   [[nodiscard]] session::Session& session() { return session_; }
 
-  /// Numbers, stamps and publishes a solution; the same message is returned. A final one also
-  /// goes out as a joint command.
+  /// Numbers, stamps and publishes a solution; the same message is returned. A final pose also
+  /// goes out as a joint command, before it is explained.
   v1::PoseSolution publish(v1::PoseSolution solution);
 
   /// Begins to make the solids of hand and object on `pool`, unless that was done; the next
@@ -130,6 +154,11 @@ class LiveSession {
   [[nodiscard]] std::string editsSince(std::uint64_t revision, const v1::ClientId& mine) const;
 
   bool solve_is_queued = false;
+  std::uint64_t queued_at_stops = 0;  ///< `stops()` when the last edit came that it answers
+  std::uint64_t asked_at_stops = 0;   ///< `stops()` when what runs was asked for
+  bool owes_explanation = false;      ///< an edit came before the last pose was explained
+  int solves_cut_short = 0;           ///< one after another, without an edit that was applied
+  int requests_cut_short = 0;         ///< that wait behind those edits
   bool was_solved = false;  ///< and nothing of it was lost since, so that few starts do
   unsigned long long solved_revision = 0;
   // What the stages took, for the solution's times.
@@ -141,6 +170,8 @@ class LiveSession {
  private:
   /// The state as the session stands; `mutex_` held, of the strand.
   void describeSession();
+  /// Sets a phase with what else there is to say; `mutex_` held.
+  void setPhase(v1::SessionPhase phase, const std::string& message, double progress = 0.0);
   /// Tells the audience unless it knows; `mutex_` held, so that states go out in order.
   void tell();
 
@@ -159,9 +190,12 @@ class LiveSession {
 
   mutable std::mutex flight_mutex_;
   SolveInFlight* in_flight_ = nullptr;
+  v1::ClientId stopper_{};  ///< the last one
+  std::atomic<std::uint64_t> stops_{0};
 
   mutable std::mutex mutex_;
   v1::SessionState state_;
+  v1::SessionPhase resting_phase_ = v1::PHASE_OPEN;  ///< the last in which nothing was done
   std::string warning_;
   std::optional<v1::SessionState> told_state_;  ///< last
   std::chrono::steady_clock::time_point told_{};
@@ -174,15 +208,14 @@ std::string shortName(const v1::ClientId& client);
 long long nowNs();
 
 /// Runs one step of work in a phase: tells its progress, then PHASE_READY or PHASE_OPEN
-/// (`after`), or why it failed. Exceptions pass through; a cancelled step leaves the phase as
-/// it was.
+/// (`after`), or why it failed. Exceptions pass through; a cancelled step leaves the phase in
+/// which the session last rested. Where an edit waits, its own phase follows instead.
 template <class Step>
 auto runPhase(LiveSession& live,
               v1::SessionPhase phase,
               v1::SessionPhase after,
               const Progress& progress,
               const Step& step) {
-  const v1::SessionPhase before = live.state().phase();
   live.enter(phase);
   const Progress told(progress, [&](std::string_view stage, double fraction) {
     live.advance(stage, fraction);
@@ -190,10 +223,10 @@ auto runPhase(LiveSession& live,
   });
   try {
     auto result = step(told);
-    live.enter(after);
+    live.settle(after);
     return result;
   } catch (const Cancelled&) {
-    live.enter(before, live.expectsEdits() ? "" : "cancelled");
+    live.tellCancelled();
     throw;
   } catch (const std::exception& error) {
     live.enter(v1::PHASE_FAILED, error.what());

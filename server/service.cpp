@@ -227,7 +227,7 @@ void Service::dispatch(const JobPtr& job) {
       if (body._d() == v1::OP_CANCEL) {
         cancel(job->request.client(), body.cancel().request_id());
       } else {
-        sessions_.find(sessionOf(body))->stopSolving();
+        sessions_.find(sessionOf(body))->stopSolving(job->request.client());
       }
       run(job, [&] {
         return nothingSaid(body._d());
@@ -243,10 +243,9 @@ void Service::dispatch(const JobPtr& job) {
       const auto live = sessions_.find(sessionOf(body));
       live->touch();
       if (body._d() == v1::OP_CLOSE_SESSION) live->cancelSolves();
+      job->stops = live->stops();
       is_taken = live->strand().post([this, job, live] {
-        run(job, [&] {
-          return perform(job->request, *live, workshop_, job->progress);
-        });
+        runOfSession(job, live);
       });
       break;
     }
@@ -260,6 +259,8 @@ void Service::run(const JobPtr& job, const std::function<v1::ReplyBody()>& work)
   try {
     job->progress.checkpoint();
     reply.body(work());
+  } catch (const CutShort&) {
+    throw;
   } catch (...) {
     ErrorReply error = errorReplyOf(std::current_exception());
     reply.error(error.code);
@@ -272,6 +273,30 @@ void Service::run(const JobPtr& job, const std::function<v1::ReplyBody()>& work)
               std::chrono::duration<double, std::milli>(Clock::now() - begin).count(),
               static_cast<unsigned>(reply.error()), handgraft::quoted(reply.message()));
   answer(*job, std::move(reply));
+}
+
+void Service::runOfSession(const JobPtr& job, const std::shared_ptr<LiveSession>& live) {
+  live->asked_at_stops = job->stops;
+  try {
+    run(job, [&] {
+      try {
+        if (job->cut_short_at && *job->cut_short_at != live->session().revision())
+          throw CutShort(live->id(), *job->cut_short_at);
+        return perform(job->request, *live, workshop_, job->progress);
+      } catch (const CutShort& cut) {
+        // Refused, the edit answers nothing.
+        if (cut.revision() == live->session().revision()) throw;
+        throw Rejection(cut);
+      }
+    });
+  } catch (const CutShort& cut) {
+    job->cut_short_at = cut.revision();
+    ++live->requests_cut_short;
+    live->strand().postFromTask([this, job, live] {
+      --live->requests_cut_short;
+      runOfSession(job, live);
+    });
+  }
 }
 
 void Service::answer(const Job& job, v1::Reply reply) {
@@ -334,9 +359,9 @@ void Service::onEdit(v1::Edit edit) {
   try {
     const auto live = sessions_.find(shared->session_id());
     live->expectEdit();
-    const bool is_taken = live->strand().post([this, shared, live] {
+    const bool is_taken = live->strand().post([this, shared, live, stops = live->stops()] {
       live->meetEdit();
-      runEdit(live, *shared);
+      runEdit(live, *shared, stops);
     });
     if (is_taken) return;
     live->meetEdit();
@@ -346,7 +371,9 @@ void Service::onEdit(v1::Edit edit) {
   }
 }
 
-void Service::runEdit(const std::shared_ptr<LiveSession>& live, const v1::Edit& edit) {
+void Service::runEdit(const std::shared_ptr<LiveSession>& live,
+                      const v1::Edit& edit,
+                      std::uint64_t stops) {
   try {
     if (live->state().phase() == v1::PHASE_CLOSED) {
       reject(v1::ERROR_NOT_FOUND, "session {} is not open", live->id());
@@ -354,8 +381,14 @@ void Service::runEdit(const std::shared_ptr<LiveSession>& live, const v1::Edit& 
     answerEdit(edit, applyEdit(*live, edit));
   } catch (...) {
     refuseEdit(edit, live->session().revision());
+    // What was cut short for its sake.
+    if (live->owes_explanation) queueSolve(live);
+    if (!live->solve_is_queued && live->requests_cut_short == 0) live->tellRest();
     return;
   }
+  live->solves_cut_short = 0;
+  live->owes_explanation = false;
+  live->queued_at_stops = stops;
   live->enterSoon(v1::PHASE_OPTIMIZING);
   queueSolve(live);
 }
@@ -387,17 +420,18 @@ void Service::queueSolve(const std::shared_ptr<LiveSession>& live) {
   live->strand().postFromTask([this, live] {
     live->solve_is_queued = false;
     if (live->state().phase() == v1::PHASE_CLOSED) return;
+    live->asked_at_stops = live->queued_at_stops;
     try {
       live->solves().checkpoint();
       optimizeAfterEdit(*live, workshop_, live->solves());
-    } catch (...) {  // the session's state says so already; nobody waits for a reply
+    } catch (const CutShort&) {
+      queueSolve(live);  // behind the edit; if that is refused, the one before wants its answer
+    } catch (...) {      // the session's state says so already; nobody waits for a reply
       const ErrorReply error = errorReplyOf(std::current_exception());
       spdlog::log(
           error.code == v1::ERROR_CANCELLED ? spdlog::level::debug : spdlog::level::info,
           "event=solve session={} error={} message={}", live->id(),
           static_cast<unsigned>(error.code), handgraft::quoted(error.message));
-      // Cut short by an edit that was refused then: the one before it still wants its answer.
-      if (error.code == v1::ERROR_CANCELLED && !live->solves().cancelled()) queueSolve(live);
     }
   });
 }

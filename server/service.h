@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -67,6 +68,9 @@ class Service final : private BusListener, private SessionAudience {
     Progress progress;
     std::chrono::steady_clock::time_point told{};
     std::string told_stage;
+    std::uint64_t stops = 0;  ///< of its session, when it came
+    /// An edit cut it short at this revision, and it waits for what becomes of that edit.
+    std::optional<std::uint64_t> cut_short_at;
 
     Job(v1::Request what, Service& service);
   };
@@ -85,13 +89,18 @@ class Service final : private BusListener, private SessionAudience {
   // === Requests
   void admit(const JobPtr& job);
   void dispatch(const JobPtr& job);
+  /// Errors: CutShort; the job is not answered then.
   void run(const JobPtr& job, const std::function<v1::ReplyBody()>& work);
+  void runOfSession(const JobPtr& job, const std::shared_ptr<LiveSession>& live);
   void answer(const Job& job, v1::Reply reply);
   void cancel(const ClientId& client, std::uint64_t request_id);
   void tell(Job& job, std::string_view stage, double fraction);
 
   // === Edits
-  void runEdit(const std::shared_ptr<LiveSession>& live, const v1::Edit& edit);
+  /// `stops` of the session when the edit came.
+  void runEdit(const std::shared_ptr<LiveSession>& live,
+               const v1::Edit& edit,
+               std::uint64_t stops);
   /// Answers with the exception that is being handled.
   void refuseEdit(const v1::Edit& edit, std::uint64_t revision);
   void answerEdit(const v1::Edit& edit, v1::EditReply reply);

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/session/solids.h"
 #include "core/session/verdicts.h"
 
 namespace handgraft::server {
@@ -37,15 +38,47 @@ v1::LimitRelief toMessage(const hand::HandModel& model, const optimize::LimitRel
   return message;
 }
 
+v1::Penetration penetrationMessage(const session::Session& session,
+                                   const hand::HandPose& pose,
+                                   const Progress& progress) {
+  const hand::HandModel& model = *session.hand().model;
+  const auto nameOf = [&model](int link) {
+    return model.links()[static_cast<std::size_t>(link)].name;
+  };
+  const quality::Penetration found =
+      session::penetrationOf(session.hand().model, session.hand().skin, session.sharedObject(),
+                             session.objectPose(), pose, progress);
+  v1::Penetration message;
+  message.max_depth_m(found.max_depth_m);
+  message.mean_depth_m(found.mean_depth_m);
+  message.volume_m3(found.volume_m3);
+  for (const quality::LinkDepth& depth : found.links) {
+    v1::LinkDepth one;
+    one.link(nameOf(depth.link));
+    one.depth_m(depth.depth_m);
+    message.links().push_back(one);
+  }
+  message.self_depth_m(found.self_depth_m);
+  if (found.self_depth_m > 0.0) {
+    for (const int link : found.self_links)
+      message.self_links().push_back(nameOf(link));
+  }
+  return message;
+}
+
 }  // namespace
 
 void explain(const session::Session& session,
              const optimize::PoseProblem& problem,
              const optimize::SolveReport& report,
              session::FitCheck& check,
-             v1::PoseSolution& message) {
-  const session::Verdicts verdicts =
-      verdictsOf(session, problem, report, check.of(session, problem, &report));
+             v1::PoseSolution& message,
+             const Progress& progress) {
+  message.penetration({penetrationMessage(session, report.pose, progress)});
+  progress.checkpoint();
+  const session::FitFindings& findings = check.of(session, problem, &report);
+  progress.checkpoint();
+  const session::Verdicts verdicts = verdictsOf(session, problem, report, findings, progress);
   const hand::HandModel& model = *problem.model;
   const auto& patches = verdicts.diagnosis.patches;
   HANDGRAFT_REQUIRE(patches.size() <= message.patches().size());

@@ -175,13 +175,15 @@ std::vector<Opening> openEach(const PoseProblem& problem,
                               const SolveReport& report,
                               const DiagnosisOptions& options,
                               const DistanceMeter& meter,
-                              Relaxer& relaxer) {
+                              Relaxer& relaxer,
+                              const Progress& progress) {
   std::vector<Opening> openings;
   // The pose may not be a minimum: what is still to be had there is no merit of a limit.
   const auto [pose, objective] = relaxer.searchFrom(report.pose, kShortSearch, kHeadStart);
   const Means means = meter.at(pose);
   const Eigen::VectorXd gradient = relaxer.gradientAt(pose);
   for (const ActiveLimit& limit : activeLimits(problem, pose)) {
+    progress.checkpoint();
     const double slope = (limit.upper ? -1.0 : 1.0) * gradient[6 + limit.dof];
     const double relief = reliefOf(problem, limit, options);
     // A convex fall is no steeper than at its begin: too little even then.
@@ -275,7 +277,8 @@ std::vector<double> facingAngles(const PoseProblem& problem, const SolveReport& 
 
 Diagnosis diagnose(const PoseProblem& problem,
                    const SolveReport& report,
-                   const DiagnosisOptions& options) {
+                   const DiagnosisOptions& options,
+                   const Progress& progress) {
   HANDGRAFT_REQUIRE(report.pose.q.size() == problem.lower.size());
   Diagnosis diagnosis;
   if (report.outcome == Outcome::kInfeasible) return diagnosis;
@@ -295,7 +298,7 @@ Diagnosis diagnose(const PoseProblem& problem,
   const bool is_finished = relaxer.searchFrom(report.pose, kLook, 0.0).second >=
                            (1.0 - kFinished) * report.terms.objective;
   std::vector<Opening> openings;
-  if (is_finished) openings = openEach(problem, report, options, meter, relaxer);
+  if (is_finished) openings = openEach(problem, report, options, meter, relaxer, progress);
   for (const Opening& opening : openings)
     diagnosis.reliefs.push_back(opening.relief);
   std::stable_sort(diagnosis.reliefs.begin(), diagnosis.reliefs.end(),
@@ -307,6 +310,7 @@ Diagnosis diagnose(const PoseProblem& problem,
   const std::vector<double> facing = facingAngles(problem, report);
   Means open;  // made when first needed
   for (std::size_t k = 0; k < report.patches.size(); ++k) {
+    progress.checkpoint();
     const PatchFit& fit = report.patches[k];
     PatchDiagnosis one;
     one.patch = fit.patch;

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/progress.h"
 #include "core/optimize/solve_report.h"
 
 namespace handgraft::optimize {
@@ -66,11 +67,13 @@ struct Diagnosis {
 /// not reached is at its limits if a search with all active limits moved out by five reliefs
 /// takes away half of its miss; else it is out of reach. The pose stays what it is.
 ///
-/// Errors: BrokenContract unless the report is the problem's and has been judged.
+/// Errors: BrokenContract unless the report is the problem's and has been judged. Cancelled on
+/// wish, within one of those searches.
 /// Cost: 20 us a limit that pushes, 50 us a patch that is not reached.
 Diagnosis diagnose(const PoseProblem& problem,
                    const SolveReport& report,
-                   const DiagnosisOptions& options = {});
+                   const DiagnosisOptions& options = {},
+                   const Progress& progress = Progress());
 
 /// Per patch of `report.patches`, the angle between the mean normals of hand and object, the
 /// latter turned round, degrees.

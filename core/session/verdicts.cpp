@@ -107,9 +107,10 @@ std::string lineOf(const Session& session, const FitFindings& findings) {
 Verdicts verdictsOf(const Session& session,
                     const optimize::PoseProblem& problem,
                     const optimize::SolveReport& report,
-                    const FitFindings& findings) {
+                    const FitFindings& findings,
+                    const Progress& progress) {
   Verdicts verdicts;
-  verdicts.diagnosis = diagnose(problem, report);
+  verdicts.diagnosis = diagnose(problem, report, {}, progress);
   verdicts.too_large = findings.tooLarge();
   int asked = 0;
   int reached = 0;

@@ -20,11 +20,13 @@ struct Verdicts {
 /// A patch without room is out of reach whatever the pose says: the pose enters the object.
 ///
 /// Errors: BrokenContract unless the report is the problem's and the problem the session's.
+/// Cancelled on wish.
 /// Cost: as optimize::diagnose.
 Verdicts verdictsOf(const Session& session,
                     const optimize::PoseProblem& problem,
                     const optimize::SolveReport& report,
-                    const FitFindings& findings);
+                    const FitFindings& findings,
+                    const Progress& progress = Progress());
 
 /// What is known before a search: "too large for ...", "too small for ..."; empty if nothing
 /// is.

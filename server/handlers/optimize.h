@@ -3,14 +3,30 @@
 #include "core/base/progress.h"
 #include "core/optimize/solver.h"
 #include "idl/sessions.h"
+#include "server/rejection.h"
 #include "server/workshop.h"
 
 namespace handgraft::server {
 
+/// An edit came while a solve ran, and nothing of that was taken. If the edit is applied, its
+/// own solution follows; if it is refused, the solve is to be begun again.
+class CutShort : public Rejection {
+ public:
+  CutShort(std::uint64_t session_id, std::uint64_t solved_revision);
+
+  /// That it was to answer.
+  [[nodiscard]] std::uint64_t revision() const { return revision_; }
+
+ private:
+  std::uint64_t revision_;
+};
+
 /// Transfers what is not up to date and solves, the session's own way unless the request says
 /// another; better poses on the way are published, at most 1000 a second, and the final one is,
-/// and is returned. Of the session's strand.
-/// Errors: Rejection (ERROR_CANCELLED) if an edit came meanwhile; its own solution follows.
+/// then once more when it is explained, and is returned. An edit, a stop or the client's wish
+/// after the pose is out end the explanation alone; the pose is returned as it is. Of the
+/// session's strand.
+/// Errors: CutShort; Rejection (ERROR_CANCELLED) if somebody stopped it; Cancelled on wish.
 v1::PoseSolution optimizePose(LiveSession& live,
                               const v1::OptimizeRequest& request,
                               Workshop& workshop,
@@ -18,7 +34,7 @@ v1::PoseSolution optimizePose(LiveSession& live,
 
 /// The solution that answers edits: what stands, after undo and the like; else the session's
 /// way of solving, where the number of starts was left to us from where the hand is, with two,
-/// and with roots and directions where they are, so that it follows a drag.
+/// and with roots and directions where they are, so that it follows a drag. Errors: as above.
 v1::PoseSolution optimizeAfterEdit(LiveSession& live,
                                    Workshop& workshop,
                                    const Progress& progress);

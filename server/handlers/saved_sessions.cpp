@@ -39,6 +39,7 @@ v1::SessionState loadSession(const v1::LoadSessionRequest& request,
   // Those who watch see the pose that was saved; if not now, after the next edit.
   static_cast<void>(live->strand().post([live, &workshop] {
     if (!live->session().document().start_is_known) return;
+    live->asked_at_stops = live->stops();
     try {
       optimizeAfterEdit(*live, workshop, live->solves());
     } catch (const std::exception&) {  // the session's state says so

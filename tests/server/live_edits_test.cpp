@@ -89,6 +89,15 @@ class LiveEdits : public testing::Test {
     return state.value_or(v1::SessionState());
   }
 
+  void readyAt(std::uint64_t revision) {
+    EXPECT_TRUE(bus.await<v1::SessionState>(bus.states,
+                                            [&](const v1::SessionState& one) {
+                                              return one.revision() == revision &&
+                                                     one.phase() == v1::PHASE_READY;
+                                            }))
+        << "never ready at revision " << revision;
+  }
+
   v1::SessionSettings settings(std::uint64_t session) {
     const v1::Reply reply = bus.ask(test::ofSession(v1::OP_SESSION_SETTINGS, session));
     EXPECT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
@@ -173,8 +182,165 @@ TEST_F(LiveEdits, AreReadyOnceTheirSolutionIsOut) {
     return one.revision() == 1 && one.phase() == v1::PHASE_READY;
   });
   ASSERT_TRUE(ready.has_value());
-  EXPECT_TRUE(bus.solutions.back().is_final());
-  EXPECT_EQ(bus.solutions.back().revision(), 1u);
+  const std::vector<v1::PoseSolution> solutions = bus.copyOf(bus.solutions);
+  EXPECT_TRUE(solutions.back().is_final());
+  EXPECT_TRUE(solutions.back().is_explained()) << "ready: nothing more comes";
+  EXPECT_EQ(solutions.back().revision(), 1u);
+}
+
+/// The finals of a revision so far, in order.
+std::vector<v1::PoseSolution> finalsOf(test::RecordingBus& bus, std::uint64_t revision) {
+  std::vector<v1::PoseSolution> finals;
+  for (const v1::PoseSolution& one : bus.copyOf(bus.solutions)) {
+    if (one.is_final() && one.revision() == revision) finals.push_back(one);
+  }
+  return finals;
+}
+
+TEST_F(LiveEdits, SendThePoseFirstAndItsExplanationAfterIt) {
+  const std::uint64_t session = openSolved();
+  ASSERT_EQ(apply(session, limit(-0.4)).error(), v1::ERROR_NONE);
+  readyAt(1);
+  const std::vector<v1::PoseSolution> finals = finalsOf(bus, 1);
+  ASSERT_EQ(finals.size(), 2u);
+  v1::PoseSolution pose = finals[0];
+  v1::PoseSolution explained = finals[1];
+  EXPECT_FALSE(pose.is_explained());
+  EXPECT_TRUE(pose.penetration().empty());
+  EXPECT_EQ(pose.verdict(), "");
+  EXPECT_FALSE(pose.X_WL().empty());
+  EXPECT_FALSE(pose.minima().empty());
+  EXPECT_TRUE(explained.is_explained());
+  EXPECT_EQ(explained.penetration().size(), 1u);
+  EXPECT_THAT(explained.verdict(), HasSubstr("patches reached"));
+  EXPECT_EQ(explained.sequence_number(), pose.sequence_number() + 1);
+  EXPECT_EQ(explained.joint_rad(), pose.joint_rad());
+  EXPECT_EQ(explained.X_WH(), pose.X_WH());
+  EXPECT_EQ(explained.X_WL(), pose.X_WL());
+  EXPECT_EQ(explained.minima(), pose.minima());
+  ASSERT_EQ(explained.patches().size(), pose.patches().size());
+  for (std::size_t k = 0; k < pose.patches().size(); ++k) {
+    EXPECT_EQ(explained.patches()[k].mean_mm(), pose.patches()[k].mean_mm());
+    EXPECT_EQ(pose.patches()[k].diagnosis().text(), "");
+    EXPECT_NE(explained.patches()[k].diagnosis().text(), "");
+  }
+}
+
+TEST_F(LiveEdits, CommandEachPoseOnce) {
+  const std::uint64_t session = openSolved();
+  const std::size_t before = bus.count(bus.commands);
+  ASSERT_EQ(before, 1u);
+  ASSERT_EQ(apply(session, limit(-0.4)).error(), v1::ERROR_NONE);
+  readyAt(1);
+  EXPECT_EQ(bus.count(bus.commands), before + 1);
+}
+
+TEST_F(LiveEdits, GetAnExplainedReplyFromSolves) {
+  const std::uint64_t session = open();
+  const v1::Reply reply = bus.ask(test::optimize(session));
+  ASSERT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
+  EXPECT_TRUE(reply.body().solution().is_explained());
+  ASSERT_EQ(apply(session, limit(-0.4)).error(), v1::ERROR_NONE);
+  readyAt(1);
+  ASSERT_EQ(apply(session, steps(v1::EDIT_UNDO)).error(), v1::ERROR_NONE);
+  readyAt(2);
+  ASSERT_FALSE(finalsOf(bus, 2).empty());
+  EXPECT_TRUE(finalsOf(bus, 2).back().is_explained()) << "of what stands after an undo";
+}
+
+TEST_F(LiveEdits, ThatAreRefusedLeaveTheLastPoseExplainedAndReady) {
+  const std::uint64_t session = openSolved();
+  // Refused ones among others, so that some of them cut solves and explanations short.
+  std::uint64_t revision = 0;
+  for (int i = 0; i < 30; ++i) {
+    revision = apply(session, limit(i % 2 == 0 ? -0.4 : 0.6)).revision();
+    v1::EditBody wrong = limit(0.1);
+    wrong.joint_limit().joint("no_such_joint");
+    EXPECT_EQ(apply(session, wrong).error(), v1::ERROR_INVALID_INPUT);
+  }
+  readyAt(revision);
+  const auto explained =
+      bus.await<v1::PoseSolution>(bus.solutions, [&](const v1::PoseSolution& one) {
+        return one.revision() == revision && one.is_explained();
+      });
+  EXPECT_TRUE(explained.has_value());
+  EXPECT_EQ(settings(session).state().phase(), v1::PHASE_READY);
+}
+
+TEST_F(LiveEdits, ThatAreRefusedDoNotEndALongSolve) {
+  const std::uint64_t session = openSolved();
+  constexpr std::uint64_t kSolve = 77;
+  bus.send(kSolve, test::optimize(session, "all", 1000));
+  for (int i = 0; i < 3; ++i) {
+    v1::EditBody wrong = limit(0.1);
+    wrong.joint_limit().joint("no_such_joint");
+    EXPECT_EQ(apply(session, wrong).error(), v1::ERROR_INVALID_INPUT);
+  }
+  const auto solve = bus.await<v1::Reply>(bus.replies, [](const v1::Reply& one) {
+    return one.request_id() == kSolve;
+  });
+  ASSERT_TRUE(solve.has_value());
+  EXPECT_EQ(solve->error(), v1::ERROR_NONE) << solve->message();
+  EXPECT_EQ(bus.count(bus.replies), bus.countDistinctReplies()) << "answered once";
+}
+
+// === Stopping
+
+TEST_F(LiveEdits, AreKeptWhenTheirSolveIsStopped) {
+  const std::uint64_t session = openSolved();
+  // A solve so long that it is stopped, not done.
+  v1::SolveOptions slow;
+  slow.solver("all");
+  slow.starts(10'000);
+  v1::EditBody body;
+  body.solving(slow);
+  ASSERT_EQ(apply(session, body).revision(), 1u);
+  ASSERT_TRUE(bus.await<v1::SessionState>(bus.states, [](const v1::SessionState& one) {
+    return one.revision() == 1 && one.phase() == v1::PHASE_OPTIMIZING && one.progress() > 0.0;
+  }));
+  EXPECT_EQ(bus.ask(test::ofSession(v1::OP_STOP_SOLVING, session), 9).error(), v1::ERROR_NONE);
+  const auto stopped = bus.await<v1::SessionState>(bus.states, [](const v1::SessionState& one) {
+    return one.message() == "stopped";
+  });
+  ASSERT_TRUE(stopped.has_value());
+  EXPECT_EQ(stopped->phase(), v1::PHASE_READY) << "as before the solve";
+  EXPECT_EQ(stopped->revision(), 1u);
+  // Nothing begins again by itself: the next thing on the strand finds the session at rest.
+  EXPECT_EQ(settings(session).state().message(), "stopped");
+  EXPECT_TRUE(finalsOf(bus, 1).empty());
+}
+
+TEST_F(LiveEdits, ThatWaitAreNotSolvedOnceSomebodySaidStop) {
+  const std::uint64_t session = openSolved();
+  constexpr std::uint64_t kSolve = 77;
+  constexpr std::uint64_t kSecond = 78;
+  bus.send(kSolve, test::optimize(session, "all", 10'000));
+  bus.send(kSecond, test::optimize(session, "all", 10'000));
+  ASSERT_TRUE(bus.await<v1::SessionState>(bus.states, [](const v1::SessionState& one) {
+    return one.phase() == v1::PHASE_OPTIMIZING && one.progress() > 0.0;
+  }));
+  EXPECT_EQ(bus.ask(test::ofSession(v1::OP_STOP_SOLVING, session), 9).error(), v1::ERROR_NONE);
+  for (const std::uint64_t id : {kSolve, kSecond}) {
+    const auto reply = bus.await<v1::Reply>(bus.replies, [&](const v1::Reply& one) {
+      return one.request_id() == id;
+    });
+    ASSERT_TRUE(reply.has_value());
+    EXPECT_EQ(reply->error(), v1::ERROR_CANCELLED);
+    EXPECT_THAT(reply->message(), HasSubstr("stopped by client 09000000"));
+  }
+  EXPECT_EQ(settings(session).state().phase(), v1::PHASE_READY);
+  // What is asked for afterwards is solved.
+  EXPECT_EQ(bus.ask(test::optimize(session)).error(), v1::ERROR_NONE);
+  EXPECT_EQ(apply(session, limit(0.6)).revision(), 1u);
+  EXPECT_EQ(finalOf(session, 1).revision(), 1u);
+}
+
+TEST_F(LiveEdits, CanBeStoppedWhereNothingRuns) {
+  const std::uint64_t session = openSolved();
+  EXPECT_EQ(bus.ask(test::ofSession(v1::OP_STOP_SOLVING, session)).error(), v1::ERROR_NONE);
+  EXPECT_EQ(settings(session).state().phase(), v1::PHASE_READY);
+  EXPECT_EQ(bus.ask(test::ofSession(v1::OP_STOP_SOLVING, session + 1)).error(),
+            v1::ERROR_NOT_FOUND);
 }
 
 TEST_F(LiveEdits, AreUndoneAndRedoneToTheSamePose) {

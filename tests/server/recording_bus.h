@@ -5,6 +5,8 @@
 #include <functional>
 #include <mutex>
 #include <optional>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "server/transport/bus.h"
@@ -87,6 +89,20 @@ class RecordingBus final : public server::Bus {
   std::size_t count(const std::vector<Message>& list) {
     const std::lock_guard lock(mutex_);
     return list.size();
+  }
+
+  /// A copy that nothing is added to.
+  template <class Message>
+  std::vector<Message> copyOf(const std::vector<Message>& list) {
+    const std::lock_guard lock(mutex_);
+    return list;
+  }
+
+  std::size_t countDistinctReplies() {
+    std::set<std::pair<v1::ClientId, std::uint64_t>> keys;
+    for (const v1::Reply& one : copyOf(replies))
+      keys.insert({one.client(), one.request_id()});
+    return keys.size();
   }
 
   std::vector<v1::Reply> replies;
