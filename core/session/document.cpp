@@ -3,69 +3,15 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/session/fields.h"
+#include "core/session/field_bytes.h"
 
 namespace handgraft::session {
 namespace {
 
-/// Bytes that are equal for equal values alone: numbers as they lie in memory, lists with their
-/// length.
-class ByteWriter {
- public:
-  template <class T>
-  void add(const T& value) {
-    if constexpr (std::is_arithmetic_v<T> || std::is_enum_v<T>) {
-      addRaw(&value, sizeof(value));
-    } else {
-      visitFields(value, [this](const char*, const auto& field) {
-        add(field);
-      });
-    }
-  }
-
-  void add(const std::string& text) {
-    add(text.size());
-    bytes_ += text;
-  }
-
-  void add(const Pose& X) {
-    for (int column = 0; column < 4; ++column)
-      addRaw(X.matrix().col(column).data(), 3 * sizeof(double));
-  }
-
-  template <int Rows, int Columns>
-  void add(const Eigen::Matrix<double, Rows, Columns>& matrix) {
-    add(matrix.size());
-    addRaw(matrix.data(), static_cast<std::size_t>(matrix.size()) * sizeof(double));
-  }
-
-  template <class T>
-  void add(const std::optional<T>& value) {
-    add(value.has_value());
-    if (value) add(*value);
-  }
-
-  template <class T>
-  void add(const std::vector<T>& list) {
-    add(list.size());
-    for (const T& entry : list)
-      add(entry);
-  }
-
-  std::string take() { return std::move(bytes_); }
-
- private:
-  void addRaw(const void* data, std::size_t size) {
-    bytes_.append(static_cast<const char*>(data), size);
-  }
-
-  std::string bytes_;
-};
-
 template <class T>
 bool same(const T& a, const T& b) {
-  ByteWriter of_a;
-  ByteWriter of_b;
+  FieldWriter of_a;
+  FieldWriter of_b;
   of_a.add(a);
   of_b.add(b);
   return of_a.take() == of_b.take();
@@ -114,7 +60,7 @@ void takeList(const std::optional<std::size_t>& count,
 }  // namespace
 
 std::string bytesOf(const Document& document) {
-  ByteWriter bytes;
+  FieldWriter bytes;
   bytes.add(document);
   return bytes.take();
 }

@@ -7,6 +7,7 @@
 
 #include "core/session/document.h"
 #include "core/session/edit.h"
+#include "core/session/log.h"
 
 // The fields of everything that is compared, hashed and saved, listed once: whatever goes
 // through them (bytes, files) cannot forget one.
@@ -121,7 +122,13 @@ void visitFields(Maybe<DocumentChange> auto& change, auto&& visit) {
   visit("notes", change.notes);
 }
 
-// === Edits
+// === What the log holds
+
+void visitFields(Maybe<CommittedSolve> auto& solve, auto&& visit) {
+  visit("solving", solve.solving);
+  visit("objective", solve.objective);
+  visit("change", solve.change);
+}
 
 /// The kinds of edits by their place in `Edit`, as files spell them.
 inline constexpr std::array<std::string_view, std::variant_size_v<Edit>> kEditKinds = {

@@ -1,6 +1,7 @@
 #include "core/session/history.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/base/error.h"
 
@@ -10,19 +11,17 @@ namespace {
 constexpr const char* kSolveLabel = "solve";
 constexpr std::size_t kLongestName = 64;
 
-std::shared_ptr<const HistoryStep> stepTo(const Document& from,
-                                          const Document& to,
-                                          std::string label) {
-  return std::make_shared<const HistoryStep>(
-      HistoryStep{std::move(label), changeBetween(from, to)});
+HistoryStep stepTo(const Document& from, const Document& to, std::string label) {
+  return {std::move(label), changeBetween(from, to)};
 }
 
 /// The document that a stack's next step leads to stays when the one that it starts from
 /// changes.
 void rebase(History::Steps& steps, const Document& before, const Document& after) {
   if (steps.empty()) return;
-  const HistoryStep& next = *steps.back();
-  steps.back() = stepTo(after, applyTo(before, next.change), next.label);
+  const auto next = steps.back();
+  steps.pop_back();
+  steps.push_back(stepTo(after, applyTo(before, next->change), next->label));
 }
 
 std::vector<std::string> labelsOf(const History::Steps& steps, std::size_t most) {
@@ -70,7 +69,7 @@ void History::commit(Document document) {
 }
 
 void History::step(Steps& from, Steps& to) {
-  const std::shared_ptr<const HistoryStep> next = from.back();
+  const auto next = from.back();
   Document document = applyTo(present_, next->change);
   from.pop_back();
   to.push_back(stepTo(document, present_, next->label));

@@ -1,21 +1,15 @@
 #pragma once
 
 #include <cstddef>
-#include <deque>
 #include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "core/session/document.h"
+#include "core/session/step_stack.h"
 
 namespace handgraft::session {
-
-/// One edit that can be undone, or redone.
-struct HistoryStep {
-  std::string label;      ///< of the edit (describe)
-  DocumentChange change;  ///< from the document next to it to the one it leads to
-};
 
 /// A snapshot and the revision it was taken at.
 struct Snapshot {
@@ -61,7 +55,7 @@ class History {
   [[nodiscard]] std::vector<std::string> redoLabels(std::size_t most) const;
   [[nodiscard]] std::vector<std::string> snapshotNames() const;
 
-  using Steps = std::deque<std::shared_ptr<const HistoryStep>>;  ///< the next one last
+  using Steps = StepStack;
   using Snapshots = std::map<std::string, std::shared_ptr<const Snapshot>>;
 
   [[nodiscard]] const Steps& undoSteps() const { return undo_; }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <deque>
 #include <memory>
 #include <string>
 #include <variant>
@@ -31,27 +32,30 @@ struct LogStart {
 };
 
 /// What happened in a session, in order: at least the last kMostEntries / 2 things, since its
-/// beginning where that is not longer ago.
+/// beginning where that is not longer ago. Kept as bytes: a few hundred an edit and its solve.
 class Log {
  public:
   Log() = default;
 
   explicit Log(LogStart first) : first_(std::move(first)) {}
 
-  Log(LogStart first, std::vector<LogEntry> entries);
+  Log(LogStart first, const std::vector<LogEntry>& entries);
 
   /// `after` is where the session stands now: a long log goes on from there.
-  void add(LogEntry entry, const History& after, unsigned long long revision);
+  void add(const LogEntry& entry, const History& after, unsigned long long revision);
 
   [[nodiscard]] const LogStart& first() const { return first_; }
 
-  [[nodiscard]] const std::vector<LogEntry>& entries() const { return entries_; }
+  [[nodiscard]] std::size_t size() const { return entries_.size(); }
+
+  /// All of them, made of their bytes.
+  [[nodiscard]] std::vector<LogEntry> entries() const;
 
  private:
   LogStart first_;
-  std::vector<LogEntry> entries_;
-  LogStart middle_;               ///< the state after the first `middle_count_` entries
-  std::size_t middle_count_ = 0;  ///< 0: none yet
+  std::deque<std::string> entries_;  ///< by `packed`
+  LogStart middle_;                  ///< the state after the first `middle_count_` entries
+  std::size_t middle_count_ = 0;     ///< 0: none yet
 };
 
 inline constexpr std::size_t kMostEntries = 1024;

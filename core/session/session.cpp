@@ -81,7 +81,7 @@ Session::Session(SessionModels models, SavedSession saved)
     : shelf_(std::make_shared<ModelShelf>(std::move(models))),
       bench_(shelf_),
       history_(std::move(saved.history)),
-      log_(std::move(saved.first), std::move(saved.log)),
+      log_(std::move(saved.first), saved.log),
       revision_(saved.revision) {
   validateHistory(history_, *shelf_);
   validateHistory(log_.first().history, *shelf_);

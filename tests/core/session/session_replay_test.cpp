@@ -7,14 +7,11 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.h"
-#include "core/hand/skin_cache.h"
-#include "core/io/contact_file.h"
 #include "core/io/session_file.h"
-#include "core/io/sites_file.h"
-#include "core/io/urdf_file.h"
 #include "core/session/replay.h"
 
 #include "tests/core/session/ball_grasp.h"
+#include "tests/core/session/lemon_models.h"
 #include "tests/core/session/named_models.h"
 #include "tests/core/session/random_edits.h"
 #include "tests/support/shared_data.h"
@@ -22,6 +19,9 @@
 namespace handgraft::session {
 namespace {
 
+using test::handOf;
+using test::lemonModels;
+using test::modelPath;
 using test::RandomEdits;
 
 constexpr int kEdits = 300;
@@ -29,27 +29,6 @@ constexpr int kEdits = 300;
 SessionModels ballModels(bool open) {
   const test::BallGrasp grasp({"thumb", "index", "middle"}, open);
   return test::withOthers(grasp.hand(), grasp.ball, grasp.contacts);
-}
-
-std::filesystem::path modelPath(const std::string& relative) {
-  return test::sourceDirectory() / "server/models" / relative;
-}
-
-SessionModels lemonModels(const Hand& hand) {
-  const io::MeshFile file = io::readMesh(modelPath("objects/lemon.obj"));
-  return test::withOthers(hand, std::make_shared<const geometry::TriangleMesh>(file.mesh),
-                          io::readContactSet(modelPath("contacts/lemon_6.json"), file));
-}
-
-Hand handOf(const std::filesystem::path& urdf, const std::filesystem::path& sites) {
-  Hand hand;
-  hand.model = std::make_shared<const hand::HandModel>(io::readUrdf(urdf).model);
-  hand.skin = std::make_shared<const hand::Skin>(
-      hand::SkinCache::fromEnvironment().get(*hand.model, {}, Progress()));
-  hand.sites_are_found = sites.empty();
-  hand.sites = sites.empty() ? findContactSites(*hand.model, *hand.skin)
-                             : io::readSites(sites, *hand.model);
-  return hand;
 }
 
 /// 300 random edits, with solves between them that are committed, dropped or cancelled.
