@@ -87,8 +87,12 @@ void HandHoming::advance() {
     fail(describe(device.fault()));
     return;
   }
-  const double sent =
-      run_->tick(measured_->position[step.motor], measured_->current[step.motor], clock_());
+  const double current = measured_->current[step.motor];
+  if (!std::isfinite(current)) {
+    fail("the motor does not tell its current");
+    return;
+  }
+  const double sent = run_->tick(measured_->position[step.motor], current, clock_());
   const bool is_sound =
       std::isfinite(sent) && std::abs(sent - start_rad_) <= step.travel_rad + kSlack;
   HANDGRAFT_REQUIRE(is_sound);  // what leaves is asserted here, too

@@ -80,6 +80,8 @@ void ODriveHand::doOpen() {
     if (known_[i].has_estimates) continue;
     throw DeviceError(fmt::format("ODrive node {}: no estimates", config_.axes[i].node));
   }
+  for (int attempt = 0; attempt < kAttempts && !askForCurrents(); ++attempt) {
+  }
   findFaults(clock_());
 }
 
@@ -243,6 +245,16 @@ bool ODriveHand::ask() {
   for (const Known& known : known_)
     counters_.missed += known.is_answered ? 0 : 1;
   return has_all;
+}
+
+bool ODriveHand::askForCurrents() {
+  for (const ODriveAxis& axis : config_.axes)
+    can_.send(odrive::askFor(axis.node, Command::kGetIq));
+  return listen(config_.reply_timeout, [&] {
+    return std::none_of(known_.begin(), known_.end(), [](const Known& known) {
+      return std::isnan(known.current_A);
+    });
+  });
 }
 
 template <class Again>

@@ -29,7 +29,8 @@ struct ODriveConfig {
 
 /// Brushless motors behind ODrive axes on a CAN bus, in position control.
 ///
-/// In each cycle every axis is asked for its estimates, one of them in turn for its current;
+/// In each cycle every axis is asked for its estimates, one of them in turn for its current
+/// (`open` asks all of them);
 /// heartbeats come by themselves. Its watchdog cannot be set over CAN: `enable_watchdog` and
 /// `watchdog_timeout` have to be saved on each axis. `proveWatchdog` shows whether they are.
 ///
@@ -80,6 +81,8 @@ class ODriveHand final : public Device {
   void drain();
   // Asks all axes for their estimates; false if one does not answer.
   bool ask();
+  // Asks all axes for their currents; false if one of them has never told it.
+  bool askForCurrents();
   // Asks for a state until heartbeats sent after that confirm it; false after the timeout.
   template <class Again>
   bool reach(protocols::odrive::AxisState state, Again&& again);

@@ -214,6 +214,20 @@ std::unique_ptr<HandRig> makeHandRig(const HandConfig& config,
   throw std::runtime_error("a simulated hand needs no emulator");
 }
 
+std::vector<double> slackenLines(HandRig& odrive_rig, const HandConfig& config) {
+  const auto lock = odrive_rig.wire().hold();
+  std::vector<double> zeros_rad;
+  double slack_rev = 0.2;
+  for (const MotorConfig& motor : config.motors) {
+    ODriveEmulator::Axis& axis = busOf(odrive_rig).axis(motor.id);
+    axis.winds = motor.direction;
+    axis.taut = axis.servo.position + motor.direction * slack_rev;
+    zeros_rad.push_back(*axis.taut * kTurn);
+    slack_rev += 0.15;
+  }
+  return zeros_rad;
+}
+
 ODriveEmulator& busOf(HandRig& odrive_rig) {
   return dynamic_cast<ODriveHandRig&>(odrive_rig).bus();
 }

@@ -55,6 +55,11 @@ void ODriveEmulator::sayEstimates(int node) {
 
 float ODriveEmulator::currentOf(int node) const {
   const Axis& axis = axes_.at(node);
+  if (axis.taut && axis.state == AxisState::kClosedLoop) {
+    const double wound = axis.winds * (axis.servo.position - *axis.taut);
+    const double pull = std::clamp(kTautCurrent * wound, 0.0, double{kBlockedCurrent});
+    return static_cast<float>(axis.winds * (axis.current_A + pull));
+  }
   const bool is_blocked = axis.stop && axis.state == AxisState::kClosedLoop &&
                           axis.servo.position >= *axis.stop && axis.servo.goal > *axis.stop;
   return is_blocked ? kBlockedCurrent : axis.current_A;

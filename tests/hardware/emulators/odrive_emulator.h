@@ -22,7 +22,10 @@ class ODriveEmulator {
     bool is_broken = false;  ///< its error cannot be cleared
     bool is_unplugged = false;
     std::optional<double> stop;  ///< turns: the servo gets no farther upwards
-    float current_A = 0.25f;     ///< told while it moves freely
+    /// Turns: from here on a line pulls back, the more the farther it is wound in `winds`.
+    std::optional<double> taut;
+    double winds = 1;
+    float current_A = 0.25f;                             ///< told while it moves freely
     Duration watchdog = std::chrono::milliseconds(200);  ///< 0: not enabled
     TimePoint heard;
   };
@@ -35,6 +38,8 @@ class ODriveEmulator {
 
   /// A, told by an axis that presses against its stop.
   static constexpr float kBlockedCurrent = 3.0f;
+  /// A per turn of a taut line.
+  static constexpr double kTautCurrent = 60.0;
 
   Axis& axis(int node) { return axes_.at(node); }
 
