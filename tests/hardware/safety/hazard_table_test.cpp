@@ -1,0 +1,112 @@
+// The hazard tables name tests. Each of those names is looked up in the sources: a table that
+// names a test which is gone would claim what nobody proves.
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <regex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/shared_data.h"
+
+namespace handgraft::safety {
+namespace {
+
+namespace fs = std::filesystem;
+using test::sourceDirectory;
+
+std::string textOf(const fs::path& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// "Suite.Name" of every test there is.
+std::vector<std::string> testsThatExist() {
+  static const std::regex kTest(R"(\nTEST(?:_F|_P)?\(\s*(\w+)\s*,\s*(\w+)\s*\))");
+  std::vector<std::string> tests;
+  constexpr auto kAlsoLinks = fs::directory_options::follow_directory_symlink;
+  for (const auto& entry :
+       fs::recursive_directory_iterator(sourceDirectory() / "tests", kAlsoLinks)) {
+    if (entry.path().extension() != ".cpp") continue;
+    const std::string text = textOf(entry.path());
+    for (std::sregex_iterator found(text.begin(), text.end(), kTest), end; found != end;
+         ++found)
+      tests.push_back((*found)[1].str() + "." + (*found)[2].str());
+  }
+  return tests;
+}
+
+struct Row {
+  std::string hazard, mitigation, tests;
+};
+
+/// The rows of the table under "## Hazards".
+std::vector<Row> hazardsOf(const fs::path& readme) {
+  static const std::regex kRow(R"(\|([^|]*)\|([^|]*)\|([^|]*)\|)");
+  const std::string text = textOf(readme);
+  const std::size_t begin = text.find("\n## Hazards\n");
+  if (begin == std::string::npos) return {};
+  const std::string section = text.substr(begin, text.find("\n## ", begin + 4) - begin);
+  std::vector<Row> rows;
+  for (std::sregex_iterator found(section.begin(), section.end(), kRow), end; found != end;
+       ++found)
+    rows.push_back({(*found)[1], (*found)[2], (*found)[3]});
+  if (rows.size() < 2) return {};
+  return {rows.begin() + 2, rows.end()};  // without heading and rule
+}
+
+/// The patterns in a cell: `Suite.Name`, `.Name` of the suite before; `...` and `*` stand for
+/// anything.
+std::vector<std::regex> patternsIn(const std::string& cell) {
+  static const std::regex kName(R"(`([\w.*]*)`)");
+  static const std::regex kRest(R"(\.\.\.|\*)");
+  std::vector<std::regex> patterns;
+  std::string suite;
+  for (std::sregex_iterator found(cell.begin(), cell.end(), kName), end; found != end;
+       ++found) {
+    std::string name = (*found)[1];
+    if (name.find_first_of(".*") == std::string::npos) continue;  // no test: a fuzz target
+    if (name[0] == '.') name = suite + name;
+    suite = name.substr(0, name.find('.'));
+    std::string pattern;
+    for (const char c : std::regex_replace(name, kRest, "@"))
+      pattern += c == '@' ? ".*" : c == '.' ? "\\." : std::string(1, c);
+    patterns.emplace_back(pattern);
+  }
+  return patterns;
+}
+
+class HazardTable : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(HazardTable, NamesTestsThatExist) {
+  const std::vector<std::string> tests = testsThatExist();
+  const std::vector<Row> rows = hazardsOf(sourceDirectory() / GetParam() / "README.md");
+  ASSERT_GT(rows.size(), 10u);
+  for (const Row& row : rows) {
+    const bool is_open = row.mitigation.find("**none**") != std::string::npos;
+    const std::vector<std::regex> patterns = patternsIn(row.tests);
+    EXPECT_EQ(patterns.empty(), is_open) << row.hazard << "|" << row.tests;
+    for (std::size_t i = 0; i < patterns.size(); ++i) {
+      EXPECT_TRUE(std::any_of(tests.begin(), tests.end(),
+                              [&](const std::string& test) {
+                                return std::regex_match(test, patterns[i]);
+                              }))
+          << "test " << i + 1 << " of" << row.tests;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Readmes,
+                         HazardTable,
+                         ::testing::Values("hardware", "hardware/safety"),
+                         [](const auto& told) {
+                           return std::string(told.param) == "hardware" ? "hardware" : "safety";
+                         });
+
+}  // namespace
+}  // namespace handgraft::safety
