@@ -23,16 +23,22 @@ struct Inside {
 double deepestOf(const LinkSolid& solid,
                  const DistanceGrid& object_O,
                  const Pose& X_OL,
-                 Inside& inside) {
+                 Inside& inside,
+                 const Progress& progress) {
   double deepest = 0.0;
   for (const hand::SampleCluster& cluster : solid.fine.clusters) {
+    progress.checkpoint();
     if (object_O.isClear(X_OL * cluster.centre_L, cluster.radius)) continue;
     for (int i = cluster.begin; i < cluster.end; ++i) {
       const hand::SurfaceSample& sample = solid.fine.samples[static_cast<std::size_t>(i)];
       const Vector3d p_O = X_OL * sample.p_L;
       // The grid rounds edges by half a spacing; inside the object it only has to find them.
-      if (object_O.at(p_O) > object_O.spacing()) continue;
-      const double depth = -object_O.exact().at(p_O).distance;
+      const double guess = object_O.at(p_O);
+      if (guess > object_O.spacing()) continue;
+      // So far inside that the exact sign, which costs as much again, is known.
+      const double depth = guess < -2.0 * object_O.spacing()
+                               ? object_O.exact().distance(p_O)
+                               : -object_O.exact().at(p_O).distance;
       if (depth <= kTouch) continue;
       deepest = std::max(deepest, depth);
       inside.area += sample.area_m2;
@@ -95,7 +101,8 @@ Penetration measurePenetration(const hand::HandModel& model,
                                const hand::HandSolid& hand,
                                const DistanceGrid& object_O,
                                const Pose& X_WO,
-                               const hand::HandPose& pose) {
+                               const hand::HandPose& pose,
+                               const Progress& progress) {
   hand::LinkPoses X_OL;
   hand::forwardKinematics(model, inverse(X_WO) * pose.X_WH, pose.q, X_OL);
   Penetration result;
@@ -103,8 +110,9 @@ Penetration measurePenetration(const hand::HandModel& model,
   for (const LinkSolid& solid : hand.links()) {
     const Pose& X = X_OL[static_cast<std::size_t>(solid.link)];
     if (object_O.isClear(X * solid.centre_L, solid.radius)) continue;
-    const double depth = deepestOf(solid, object_O, X, inside);
+    const double depth = deepestOf(solid, object_O, X, inside, progress);
     if (depth > 0.0) result.links.push_back({solid.link, depth});
+    progress.checkpoint();
     result.volume_m3 += sharedVolume(solid, object_O, X);
   }
   std::stable_sort(result.links.begin(), result.links.end(),

@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include "core/base/progress.h"
 #include "core/geometry/distance_grid.h"
 #include "core/hand/hand_solid.h"
 #include "core/hand/kinematics.h"
@@ -33,11 +34,13 @@ struct Penetration {
 /// (2-3 mm) by how much of them lies inside the object. Depths of a hand in itself come from
 /// the links' grids, good to half a millimetre.
 /// Frames: `object_O` in O; `pose` and X_WO in W.
-/// Errors: BrokenContract on a pose of another hand. Cost: below a millisecond.
+/// Errors: BrokenContract on a pose of another hand. Cancelled on wish, within some 0.1 ms.
+/// Cost: 1-3 ms, the more the deeper.
 Penetration measurePenetration(const hand::HandModel& model,
                                const hand::HandSolid& hand,
                                const geometry::DistanceGrid& object_O,
                                const Pose& X_WO,
-                               const hand::HandPose& pose);
+                               const hand::HandPose& pose,
+                               const Progress& progress = Progress());
 
 }  // namespace handgraft::quality

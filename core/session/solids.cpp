@@ -65,7 +65,7 @@ quality::Penetration penetrationOf(
     const hand::HandPose& pose,
     const Progress& progress) {
   return quality::measurePenetration(*model, *solidOf(model, skin, progress),
-                                     *solidOf(object_O, progress), X_WO, pose);
+                                     *solidOf(object_O, progress), X_WO, pose, progress);
 }
 
 }  // namespace handgraft::session
