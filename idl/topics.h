@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+
 /// The one list of topics. Types are in the IDL files; the README says who writes and reads
 /// what.
 namespace handgraft::idl {
@@ -8,8 +10,32 @@ namespace handgraft::idl {
 enum class Qos {
   kService,    ///< reliable, volatile, keep-last 256: requests, replies, edits, commands
   kState,      ///< reliable, transient-local, keep-last 1 per instance: late joiners see it
+  kEvents,     ///< as kState with keep-last 64: none of the last ones is missed, in order
   kTelemetry,  ///< reliable, volatile, keep-last 10: measured states, progress
 };
+
+/// Samples kept of each instance, by writers and by readers.
+constexpr int depthOf(Qos profile) {
+  switch (profile) {
+    case Qos::kService:
+      return 256;
+    case Qos::kState:
+      return 1;
+    case Qos::kEvents:
+      return 64;
+    case Qos::kTelemetry:
+      return 10;
+  }
+  return 1;
+}
+
+/// Late joiners see what is kept.
+constexpr bool isKept(Qos profile) {
+  return profile == Qos::kState || profile == Qos::kEvents;
+}
+
+/// Largest message that the server takes, bytes; saved sessions are the largest ones sent.
+inline constexpr std::size_t kLargestRequest = 16 * 1024 * 1024;
 
 template <class Message>
 struct Topic {
@@ -47,7 +73,7 @@ inline constexpr Topic<v1::EditReply> kEditReplyTopic{"handgraft/v1/edit_reply",
 inline constexpr Topic<v1::PoseSolution> kSolutionTopic{"handgraft/v1/pose_solution",
                                                         Qos::kState};
 inline constexpr Topic<v1::SessionState> kSessionTopic{"handgraft/v1/session_state",
-                                                       Qos::kState};
+                                                       Qos::kEvents};
 inline constexpr Topic<v1::ServerStatus> kStatusTopic{"handgraft/v1/server_status",
                                                       Qos::kState};
 inline constexpr Topic<v1::HandCommand> kHandCommandTopic{"handgraft/v1/hand_command",

@@ -150,21 +150,14 @@ QosPtr qosOf(Qos profile) {
   dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
   // A dispose crosses the vendors with the wrong instance: never send one by accident.
   dds_qset_writer_data_lifecycle(qos.get(), false);
-  switch (profile) {
-    case Qos::kService:
-      dds_qset_durability(qos.get(), DDS_DURABILITY_VOLATILE);
-      dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 256);
-      break;
-    case Qos::kState:
-      dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
-      dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);
-      dds_qset_durability_service(qos.get(), 0, DDS_HISTORY_KEEP_LAST, 1, DDS_LENGTH_UNLIMITED,
-                                  DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);
-      break;
-    case Qos::kTelemetry:
-      dds_qset_durability(qos.get(), DDS_DURABILITY_VOLATILE);
-      dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 10);
-      break;
+  const int depth = depthOf(profile);
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, depth);
+  dds_qset_durability(
+      qos.get(), isKept(profile) ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
+  if (isKept(profile)) {
+    dds_qset_durability_service(qos.get(), 0, DDS_HISTORY_KEEP_LAST, depth,
+                                DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED,
+                                DDS_LENGTH_UNLIMITED);
   }
   return qos;
 }

@@ -21,6 +21,7 @@ constexpr milliseconds kRepeat(50);         // idl/README: measured to lose noth
 constexpr milliseconds kSlowRepeat(1000);   // once the server is known to work on it
 constexpr int kRepeatsBeforeSlowing = 10;
 constexpr std::size_t kBytesPerMillisecond = 10'000;  // far below what loopback carries
+constexpr std::size_t kMiB = 1024 * 1024;
 
 v1::ClientId randomClient() {
   std::random_device device;
@@ -324,9 +325,17 @@ v1::ReplyBody Requester::ask(const v1::RequestBody& body, const OnProgress& on_p
   request.request_id(impl_->next_request++);
   request.protocol_version(v1::PROTOCOL_VERSION);
   request.body(body);
+  const std::size_t bytes = v1::Request::getCdrSerializedSize(request);
+  if (bytes > kLargestRequest) {
+    // The server would drop it, and it would be repeated in silence.
+    throw TransportError(
+        fmt::format("this would be a request of {:.1f} MiB; the server takes "
+                    "at most {} MiB",
+                    static_cast<double>(bytes) / kMiB, kLargestRequest / kMiB));
+  }
   const Impl::Awaiting awaiting(*impl_, impl_->awaited_request, request.request_id());
   v1::Reply reply = impl_->await(
-      impl_->reply, v1::RequestBody::getCdrSerializedSize(body),
+      impl_->reply, bytes,
       [&] {
         impl_->requests.write(request);
       },

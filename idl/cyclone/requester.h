@@ -52,8 +52,8 @@ class Requester {
 
   /// The reply's body. Errors: Refused with the server's message; NoServer if none has been
   /// seen for 2 s, or, in the middle of a long request, when it has been silent for 3 s;
-  /// TransportError for a body that does not fit its IDL bounds. `on_progress` runs on the
-  /// caller's thread.
+  /// TransportError for a body that does not fit its IDL bounds or is larger than
+  /// kLargestRequest. `on_progress` runs on the caller's thread.
   v1::ReplyBody ask(const v1::RequestBody& body, const OnProgress& on_progress = {});
 
   /// Publishes an edit until it is answered. Errors as for `ask`.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <type_traits>
 #include <utility>
 
 #include <fastdds/dds/domain/DomainParticipant.hpp>
@@ -59,9 +60,6 @@ struct Taken {
   bool sound = false;
 };
 
-/// Largest payload that a client may send; a chunk of a file is 512 KiB.
-inline constexpr std::uint32_t kLargestPayload = 1024 * 1024;
-
 /// Decodes into Taken<Message>, and survives every payload: the generated code lets exceptions
 /// (bad_alloc, bad discriminators) escape into DDS threads, and a sample that failed would be
 /// offered again.
@@ -74,7 +72,7 @@ class HardenedType final : public SupportOf<Message>::type {
                    void* data) override {
     auto* taken = static_cast<Taken<Message>*>(data);
     taken->sound = false;
-    if (payload->length > kLargestPayload) return true;
+    if (payload->length > idl::kLargestRequest) return true;
     try {
       taken->sound = Base::deserialize(payload, &taken->message);
     } catch (...) {
@@ -94,27 +92,17 @@ void apply(idl::Qos profile, EntityQos& qos) {
   qos.reliability().kind = dds::RELIABLE_RELIABILITY_QOS;
   qos.reliability().max_blocking_time = {1, 0};
   qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;
-  qos.durability().kind = dds::VOLATILE_DURABILITY_QOS;
-  switch (profile) {
-    case idl::Qos::kService:
-      qos.history().depth = 256;
-      break;
-    case idl::Qos::kState:
-      qos.history().depth = 1;
-      qos.durability().kind = dds::TRANSIENT_LOCAL_DURABILITY_QOS;
-      break;
-    case idl::Qos::kTelemetry:
-      qos.history().depth = 10;
-      break;
-  }
+  qos.history().depth = idl::depthOf(profile);
+  qos.durability().kind =
+      idl::isKept(profile) ? dds::TRANSIENT_LOCAL_DURABILITY_QOS : dds::VOLATILE_DURABILITY_QOS;
   // By default Fast DDS knows 10 instances, and sets memory aside for 100 samples of the
   // largest size; 0 means no limit, the depth above bounds what is kept.
   qos.resource_limits().max_samples = 0;
   qos.resource_limits().max_instances = 0;
   qos.resource_limits().max_samples_per_instance = 0;
   qos.resource_limits().allocated_samples = 1;
-  qos.endpoint().history_memory_policy =
-      eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+  // Exactly what a sample needs: generated types think of a hundred elements in each sequence.
+  qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::DYNAMIC_RESERVE_MEMORY_MODE;
 }
 
 /// Registers the type, once, and makes or finds the topic.
@@ -141,8 +129,12 @@ class FastWriter {
     namespace dds = eprosima::fastdds::dds;
     dds::DataWriterQos qos = dds::DATAWRITER_QOS_DEFAULT;
     apply(topic.qos, qos);
-    // Large replies are cut into datagrams and sent by Fast DDS's own thread.
-    qos.publish_mode().kind = dds::ASYNCHRONOUS_PUBLISH_MODE;
+    // Large replies are sent by Fast DDS's own thread, all else by the thread that writes: it
+    // is sooner there, and samples that were replaced in that other thread's queue left late
+    // readers without any later one (README, Decisions).
+    qos.publish_mode().kind = std::is_same_v<Message, v1::Reply>
+                                  ? dds::ASYNCHRONOUS_PUBLISH_MODE
+                                  : dds::SYNCHRONOUS_PUBLISH_MODE;
     qos.writer_data_lifecycle().autodispose_unregistered_instances = false;
     // What is lost, and gaps where newer states replaced older ones, are settled at once: a
     // reader holds back what came after them. Heartbeats go out only while something is not

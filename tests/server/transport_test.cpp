@@ -1,10 +1,16 @@
 // Fast DDS on the server's side, Cyclone DDS on the client's, on loopback.
+#include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <cstring>
 #include <functional>
+#include <map>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
@@ -227,18 +233,155 @@ TEST(FastBus, ForgetsClosedSessionsAndKeepsOpenOnesForLateJoiners) {
   }
   const Participant participant(network);
   Reader<v1::SessionState> late(participant, idl::kSessionTopic);
-  int closed = 0;
-  std::vector<std::uint64_t> open;
+  std::map<std::uint64_t, v1::SessionPhase> last;
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  while (open.size() < 2 && std::chrono::steady_clock::now() < deadline) {
+  while ((last.count(5) == 0 || last.count(400) == 0) &&
+         std::chrono::steady_clock::now() < deadline) {
     late.wait(std::chrono::milliseconds(100));
     late.take([&](const v1::SessionState& one) {
-      closed += one.phase() == v1::PHASE_CLOSED;
-      if (one.phase() == v1::PHASE_OPEN) open.push_back(one.session_id());
+      last[one.session_id()] = one.phase();
     });
   }
-  EXPECT_THAT(open, testing::UnorderedElementsAre(5, 400));
-  EXPECT_LE(closed, 128);
+  EXPECT_EQ(last[5], v1::PHASE_OPEN);
+  EXPECT_EQ(last[400], v1::PHASE_OPEN);
+  EXPECT_LE(last.size(), 2u + 128u) << "closed ones are forgotten";
+}
+
+/// Hears the states of session 1 on Cyclone's thread.
+class StateListener {
+ public:
+  explicit StateListener(const Network& network)
+      : participant_(network), states_(participant_, idl::kSessionTopic, [this] {
+          states_.take([this](const v1::SessionState& one) {
+            const std::lock_guard lock(mutex_);
+            revisions_.push_back(one.revision());
+          });
+          news_.notify_all();
+        }) {}
+
+  /// The revisions so far, waited for until the last is at least `last`; a minute at most.
+  std::vector<std::uint64_t> until(std::uint64_t last) {
+    std::unique_lock lock(mutex_);
+    news_.wait_for(lock, std::chrono::seconds(60), [&] {
+      return !revisions_.empty() && revisions_.back() >= last;
+    });
+    return revisions_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable news_;
+  std::vector<std::uint64_t> revisions_;
+  Participant participant_;
+  Reader<v1::SessionState> states_;
+};
+
+// Readers that joined while states were replaced heard the first one, and then nothing.
+TEST(FastBus, LetsLateReadersHearWhatFollows) {
+  const test::TestDomain domain;
+  const Network network{domain.number(), "lo"};
+  const auto bus = openFastBus(network);
+  std::atomic<std::uint64_t> revision{0};
+  std::jthread editing([&](const std::stop_token& stop) {
+    v1::SessionState state;
+    state.session_id(1);
+    while (!stop.stop_requested()) {
+      state.revision(++revision);
+      bus->publish(state);
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  });
+  for (int i = 0; i < 5; ++i) {
+    StateListener late(network);
+    ASSERT_FALSE(late.until(1).empty()) << "reader " << i << " heard nothing";
+    const std::uint64_t later = revision + 100;
+    EXPECT_GE(late.until(later).back(), later) << "reader " << i << " went deaf";
+  }
+}
+
+TEST(FastBus, TellsEveryReaderEveryStateInOrder) {
+  const test::TestDomain domain;
+  const Network network{domain.number(), "lo"};
+  const auto bus = openFastBus(network);
+  v1::SessionState state;
+  state.session_id(1);
+  bus->publish(state);
+  StateListener first(network);
+  StateListener second(network);
+  first.until(0);
+  second.until(0);
+  constexpr std::uint64_t kBurst = 50;  // as many as two readers may be behind
+  std::vector<std::uint64_t> sent{0};
+  for (std::uint64_t revision = 1; revision <= 10 * kBurst; ++revision) {
+    state.revision(revision);
+    bus->publish(state);
+    sent.push_back(revision);
+    if (revision % kBurst != 0) continue;
+    first.until(revision);
+    second.until(revision);
+  }
+  EXPECT_EQ(first.until(sent.back()), sent);
+  EXPECT_EQ(second.until(sent.back()), sent);
+}
+
+TEST(FastBus, CarriesThePoseOfTheLargestHand) {
+  const test::TestDomain domain;
+  const Network network{domain.number(), "lo"};
+  const auto bus = openFastBus(network);
+  constexpr std::size_t kJoints = 512;
+  v1::PoseSolution solution;
+  solution.session_id(1);
+  solution.joint_rad().assign(kJoints, 0.25);
+  for (std::size_t i = 0; i <= kJoints; ++i) {
+    v1::Pose X_WL;
+    X_WL.p_m({0.001 * static_cast<double>(i), 0.0, 0.0});
+    solution.X_WL().push_back(X_WL);
+  }
+  v1::MinimumInfo minimum;
+  minimum.joint_rad().assign(kJoints, 0.5);
+  solution.minima().assign(8, minimum);
+  ASSERT_GT(v1::PoseSolution::getCdrSerializedSize(solution), 65'500u) << "fits a datagram";
+  const Participant participant(network);
+  Reader<v1::PoseSolution> reader(participant, idl::kSolutionTopic);
+  std::optional<v1::PoseSolution> seen;
+  // Also one after another, each in the middle of the other's datagrams.
+  constexpr std::uint64_t kLast = 200;
+  for (std::uint64_t i = 1; i <= kLast; ++i) {
+    solution.sequence_number(i);
+    bus->publish(solution);
+  }
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while ((!seen || seen->sequence_number() < kLast) &&
+         std::chrono::steady_clock::now() < deadline) {
+    reader.wait(std::chrono::milliseconds(100));
+    reader.take([&](const v1::PoseSolution& one) {
+      seen = one;
+    });
+  }
+  ASSERT_TRUE(seen.has_value());
+  EXPECT_EQ(*seen, solution);
+}
+
+v1::RequestBody savedSession(std::size_t bytes) {
+  v1::LoadSessionRequest request;
+  request.text(std::string(bytes, ' '));
+  v1::RequestBody body;
+  body.load_session(request);
+  return body;
+}
+
+TEST_F(CrossingTest, TakesSavedSessionsOfManyMegabytes) {
+  EXPECT_EQ(refusalOf(savedSession(15u << 20)), v1::ERROR_INVALID_INPUT) << "it is no session";
+}
+
+TEST_F(CrossingTest, RefusesWhatTheServerWouldDropAndNamesTheLimit) {
+  try {
+    client.ask(savedSession(17u << 20));
+    FAIL() << "17 MiB were sent";
+  } catch (const TransportError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("17.0 MiB"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("16 MiB"));
+  }
 }
 
 // === Payloads that no IDL compiler made
@@ -254,7 +397,7 @@ class BytesType final : public eprosima::fastdds::dds::TopicDataType {
 
   BytesType() {
     setName("handgraft::v1::Request");
-    m_typeSize = 2 * 1024 * 1024;
+    m_typeSize = 18 * 1024 * 1024;
     m_isGetKeyDefined = false;
   }
 
@@ -322,8 +465,9 @@ TEST_F(CrossingTest, OutlivesHostilePayloads) {
       header + ids + std::string("\xff\xff\xff\x7f", 4),  // an operation of no name
       header + ids + std::string("\1\0\0\0\0\0\0\0", 8) + std::string(8, '\0') +
           std::string("\xff\xff\xff\xff", 4),  // a string of 4 GiB
-      header + std::string(1'500'000, '\0'),   // beyond what is taken
-      std::string("\0\3\0\0", 4) + ids};       // a parameter list
+      header + std::string(1'500'000, '\0'),
+      header + std::string(17u << 20, '\0'),  // beyond what is taken
+      std::string("\0\3\0\0", 4) + ids};      // a parameter list
   for (std::size_t cut = 0; cut < 40; ++cut) {
     payloads.push_back(header + (ids + std::string(12, '\2')).substr(0, cut));
   }
