@@ -1,6 +1,7 @@
 #include <chrono>
 #include <fstream>
 #include <iterator>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -42,8 +43,10 @@ int run(const BridgeRecordOptions& options,
   idl::cyclone::Reader<v1::JointState> states(link.participant(), idl::kJointStateTopic);
   BridgeRun run;
   const Clock::time_point start = Clock::now();
+  std::optional<Clock::time_point> first;  // the run begins when something is told
   const auto is_over = [&] {
-    const bool is_long = Clock::now() - start > std::chrono::duration<double>(options.seconds);
+    const bool is_long =
+        first && Clock::now() - *first > std::chrono::duration<double>(options.seconds);
     return interruption.requested() || (options.seconds > 0 && is_long);
   };
   while (!is_over()) {
@@ -51,7 +54,8 @@ int run(const BridgeRecordOptions& options,
     states.take([&](const v1::JointState& sample) {
       if (sample.bridge_id() == id) run.add(sample);
     });
-    if (run.size() == 0 && Clock::now() - start > kPatience)
+    if (!first && run.size() > 0) first = Clock::now();
+    if (!first && Clock::now() - start > kPatience)
       throw TransportError(fmt::format("bridge {} measures no hand yet", id));
   }
   if (run.size() == 0) throw TransportError(fmt::format("bridge {} told nothing", id));

@@ -253,6 +253,11 @@ void EditedSession::requireOpen() {
 std::vector<std::string> EditedSession::news() {
   take({}, {});
   std::vector<std::string> lines;
+  if (const bool answers = server_.alive(); answers != server_answers_) {
+    server_answers_ = answers;
+    lines.emplace_back(answers ? "a server answers again; sessions end with their server"
+                               : "the server stopped answering");
+  }
   if (owed_explanation_ && solution_ && solution_->revision() > *owed_explanation_) {
     owed_explanation_.reset();  // an edit came first
   } else if (owed_explanation_ && solution_ && solution_->is_explained()) {

@@ -78,8 +78,8 @@ class EditedSession : public Scene {
   /// Stops the solve in flight, whoever asked for it. Works after an interruption, too.
   void stopSolving() { server_.stopSolving(id()); }
 
-  /// What others did since the last call, and explanations that were to come later; for
-  /// people, a line each. Does not wait.
+  /// What others did since the last call, explanations that were to come later, and whether the
+  /// server is still there; for people, a line each. Does not wait.
   std::vector<std::string> news();
 
   using OnState = std::function<void(const v1::SessionState&)>;
@@ -105,6 +105,7 @@ class EditedSession : public Scene {
   v1::SessionState state_;
   std::uint64_t shown_ = 0;
   bool end_was_told_ = false;
+  bool server_answers_ = true;                     ///< as was told
   std::optional<std::uint64_t> owed_explanation_;  ///< of this revision's pose
   std::optional<v1::PoseSolution> solution_;
   std::optional<v1::SessionSettings> settings_;

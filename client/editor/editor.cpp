@@ -39,10 +39,11 @@ bool isAnswered(const v1::EditBody& body) {
 }
 
 // A better pose on the way, where somebody looks.
-EditedSession::OnSample shownBy(ProgressLine& progress) {
-  return [&progress](const v1::PoseSolution& solution) {
+EditedSession::OnSample shownBy(ProgressLine& progress, const EditedSession& session) {
+  return [&](const v1::PoseSolution& solution) {
     if (solution.is_final()) return;
-    progress.show(fmt::format("objective {:.6g}", solution.terms().objective()), 0.0);
+    progress.show(fmt::format("objective {:.6g}", solution.terms().objective()),
+                  session.state().progress());
   };
 }
 
@@ -219,7 +220,7 @@ Told Editor::publish(const v1::EditBody& body) {
 const v1::PoseSolution* Editor::awaitPose(std::uint64_t revision) {
   ProgressLine progress;
   try {
-    return session_->awaitFinal(revision, shownBy(progress));
+    return session_->awaitFinal(revision, shownBy(progress, *session_));
   } catch (const Cancelled&) {
     if (interruption_.terminated()) throw;
     progress.clear();

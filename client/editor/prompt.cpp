@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <histedit.h>
 #include <poll.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 namespace handgraft::client::editor {
@@ -70,7 +71,9 @@ struct Prompt::Impl {
         out(the_out),
         lines(history_init()),
         editor(el_init("handgraft", stdin, out, stderr)) {
-    std::setlocale(LC_CTYPE, "");  // letters beyond ASCII are typed in file names
+    // Letters beyond ASCII are typed in file names, also where no language is set.
+    std::setlocale(LC_CTYPE, "");
+    if (MB_CUR_MAX == 1) std::setlocale(LC_CTYPE, "C.UTF-8");
     el_set(editor, EL_CLIENTDATA, this);
     el_set(editor, EL_EDITOR, "emacs");
     el_set(editor, EL_PROMPT, showPrompt);
@@ -120,6 +123,7 @@ struct Prompt::Impl {
       }
       if (ready < 0 && errno != EINTR) return -1;
       if (ready <= 0) {
+        self.fitToTerminal();
         self.tellNews();
         continue;
       }
@@ -134,6 +138,20 @@ struct Prompt::Impl {
       }
       return 1;
     }
+  }
+
+  // The line is written anew once the terminal has another size.
+  void fitToTerminal() {
+    winsize now{};
+    if (ioctl(STDIN_FILENO, TIOCGWINSZ, &now) != 0) return;
+    if (now.ws_col == size.ws_col && now.ws_row == size.ws_row) return;
+    const bool was_known = size.ws_col != 0;
+    size = now;
+    if (!was_known) return;
+    el_resize(editor);
+    fmt::print(out, "\r\x1b[J");
+    std::fflush(out);
+    el_set(editor, EL_REFRESH);
   }
 
   // What is written next stands behind the line.
@@ -210,6 +228,7 @@ struct Prompt::Impl {
   History* lines;
   EditLine* editor;
   std::string prompt;
+  winsize size{};  ///< of the terminal; 0: not looked at yet
   bool interrupted = false;
 };
 

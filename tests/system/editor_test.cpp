@@ -13,6 +13,7 @@
 #include "tests/support/shared_data.h"
 #include "tests/support/terminal.h"
 #include "tests/system/service.h"
+#include "tests/system/shared_skins.h"
 
 namespace handgraft::test {
 namespace {
@@ -86,6 +87,7 @@ class Scenario : public testing::TestWithParam<std::string> {
 
   const fs::path before_ = fs::current_path();
   const fs::path folder_ = scratchDirectory() / ("scenario_" + GetParam());
+  const SharedSkins skins_;
   Service service_;
 };
 
@@ -116,6 +118,7 @@ INSTANTIATE_TEST_SUITE_P(All, Scenario, testing::ValuesIn(kScenarios), [](const 
 });
 
 TEST(Editor, FailsWithTheLineOfAScript) {
+  const SharedSkins skins;
   const Service service;
   const fs::path script = scratchDirectory() / "wrong.hg";
   std::ofstream(script) << "weight palm 0.5\nlimit no_such_joint upper 1\nweight palm 1\n";
@@ -128,6 +131,7 @@ TEST(Editor, FailsWithTheLineOfAScript) {
 }
 
 TEST(Editor, TwoOnOneSessionSeeEachOthersEdits) {
+  const SharedSkins skins;
   Service service;
   const auto first = service.ask(
       {"grasp", "--hand", "barrett8", "--object", "lemon", "--contacts", "lemon_6", "--keep"});
@@ -138,7 +142,7 @@ TEST(Editor, TwoOnOneSessionSeeEachOthersEdits) {
   const fs::path script = scratchDirectory() / "other.hg";
   std::ofstream(script) << "weight palm 0.5\n";
   EXPECT_EQ(service.client({"edit", id, "--script", script.string()}).exit_code, 0);
-  EXPECT_TRUE(a.waitFor("revision 1, by editor ")) << a.text();
+  EXPECT_TRUE(a.waitFor("revision 1, by client ")) << a.text();
   a.type("weight palm 1\r");
   EXPECT_TRUE(a.waitFor("revision 2: objective")) << a.text();
 }
@@ -153,6 +157,7 @@ class Typing : public testing::Test {
                                          << terminal_.text();
   }
 
+  const SharedSkins skins_;
   Service service_;
   fs::path state_ = scratchDirectory() / "state";
   Terminal terminal_{program("handgraft"),
@@ -211,6 +216,30 @@ TEST_F(Typing, CtrlCCancelsASolveAndKeepsTheSession) {
   expect("session 1 stays open");
   EXPECT_EQ(terminal_.wait(), 0);
   EXPECT_EQ(service_.client({"close", "1"}).exit_code, 0);
+}
+
+TEST_F(Typing, CtrlCStopsTheSolveThatFollowsAnEdit) {
+  terminal_.type("solver all --starts 10000 --max-evaluations 100000\r");
+  expect("objective ");
+  expect("%");  // it is under way
+  terminal_.type("\x03");
+  expect("stopped: revision 1 stands");
+  expect("human20 1> ");
+  terminal_.type("undo\r");
+  expect("revision 2: objective");
+  expect("human20 2> ");
+}
+
+TEST_F(Typing, ALineThatIsLongerThanTheTerminalIsRead) {
+  std::string line = "weight palm 0.5";
+  while (line.size() < 250)
+    line += "; weight palm 0.5";
+  terminal_.type(line +
+                 "; snapshot gr\xc3\xb6\xc3\x9f"
+                 "er\r");
+  expect("letters");  // a snapshot's name is plain; the whole line came across
+  terminal_.type("quit\r");
+  EXPECT_EQ(terminal_.wait(), 0);
 }
 
 }  // namespace

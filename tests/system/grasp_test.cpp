@@ -9,6 +9,7 @@
 
 #include "tests/support/shared_data.h"
 #include "tests/system/service.h"
+#include "tests/system/shared_skins.h"
 
 namespace handgraft::test {
 namespace {
@@ -61,6 +62,7 @@ TEST(Grasp, HumanHandReachesEveryPatchOfTheLemon) {
 }
 
 TEST(Grasp, DropsThePatchesThatTheHandHasNoFingerFor) {
+  const SharedSkins skins;
   const Service service;
   const json grasp = service.ask(
       {"grasp", "--hand", "barrett8", "--object", "lemon", "--contacts", "lemon_6"});
@@ -71,6 +73,7 @@ TEST(Grasp, DropsThePatchesThatTheHandHasNoFingerFor) {
 }
 
 TEST(Grasp, FollowsTheObject) {
+  const SharedSkins skins;
   const Service service;
   const std::vector<std::string> base = {"grasp", "--hand",     "tendon16", "--object",
                                          "box",   "--contacts", "box_5"};
@@ -87,6 +90,7 @@ TEST(Grasp, FollowsTheObject) {
 }
 
 TEST(Grasp, IsTheSameTwice) {
+  const SharedSkins skins;
   const Service service;
   const std::vector<std::string> arguments = {"grasp", "--hand",     "allegro16", "--object",
                                               "lemon", "--contacts", "lemon_6"};
@@ -97,6 +101,7 @@ TEST(Grasp, IsTheSameTwice) {
 }
 
 TEST(Grasp, PrintsATableForPeople) {
+  const SharedSkins skins;
   const Service service;
   const Finished finished = service.client(
       {"grasp", "--hand", "barrett8", "--object", "lemon", "--contacts", "lemon_6"});

@@ -8,6 +8,7 @@
 
 #include "tests/support/shared_data.h"
 #include "tests/system/service.h"
+#include "tests/system/shared_skins.h"
 
 namespace handgraft::test {
 namespace {
@@ -46,6 +47,7 @@ std::vector<std::map<std::string, std::string>> tableIn(const std::filesystem::p
 }
 
 TEST(Sweep, OfTheBuiltInGraspsGivesATableAndAPicture) {
+  const SharedSkins skins;
   const Service service;
   const auto table = scratchDirectory() / "table.csv";
   const auto picture = scratchDirectory() / "plot.png";
@@ -73,6 +75,7 @@ TEST(Sweep, OfTheBuiltInGraspsGivesATableAndAPicture) {
 }
 
 TEST(Sweep, ARowAloneIsThatOfTheWholeSweep) {
+  const SharedSkins skins;
   const Service service;
   const auto rowsOf = [&](const std::string& values) {
     json rows = service
@@ -90,6 +93,7 @@ TEST(Sweep, ARowAloneIsThatOfTheWholeSweep) {
 }
 
 TEST(Sweep, SaysWhatIsWrong) {
+  const SharedSkins skins;
   const Service service;
   const Finished joint = service.client({"sweep", "--hand", kHand, "--contacts-dir",
                                          builtInSets(), "--vary", "elbow.upper=0:1:3"});
@@ -107,6 +111,7 @@ TEST(Sweep, SaysWhatIsWrong) {
 }
 
 TEST(Vary, MakesAHandThatGrasps) {
+  const SharedSkins skins;
   const Service service;
   const auto urdf = scratchDirectory() / "longer.urdf";
   const json made = service.ask({"hand", "vary", kHand, "--set", "index_middle.length=1.2",

@@ -314,6 +314,22 @@ TEST_F(EditorTest, WritesFiles) {
   }
 }
 
+TEST_F(EditorTest, AFileThatNoRequestCarriesIsRefusedWithItsSize) {
+  const std::filesystem::path file = test::scratchDirectory() / "large.json";
+  std::ofstream(file) << "{}";
+  std::filesystem::resize_file(file, 17U << 20U);
+  for (const char* command : {"load ", "replay "}) {
+    try {
+      told(command + file.string());
+      FAIL() << "17 MiB were sent";
+    } catch (const InvalidInput& error) {
+      EXPECT_THAT(error.what(), AllOf(HasSubstr("large.json"), HasSubstr("17.0 MiB"),
+                                      HasSubstr("at most 16 MiB")));
+    }
+  }
+  EXPECT_THAT(desk_.operations(), Not(testing::Contains(v1::OP_LOAD_SESSION)));
+}
+
 TEST_F(EditorTest, AReplayThatDiffersFails) {
   const std::string file = (test::scratchDirectory() / "log.json").string();
   std::ofstream(file) << "{}";
