@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <fstream>
 
 #include <fmt/format.h>
@@ -76,21 +77,32 @@ BridgeBench::BridgeBench(const Network& network, const std::string& config_text)
       config_(config::parseHandConfig(config_text)),
       participant_(network),
       commands_(participant_, idl::kHandCommandTopic),
-      statuses_(participant_, idl::kBridgeStatusTopic) {
+      statuses_(participant_, idl::kBridgeStatusTopic),
+      joint_states_(participant_, idl::kJointStateTopic) {
   const bool is_odrive = config_.device.kind == config::DeviceKind::kODrive;
   rig_ = makeHandRig(config_, true, is_odrive ? milliseconds(2500) : milliseconds(0));
   config_path_ = (scratchDirectory() / "bridge.yaml").string();
-  std::string text = config_text;
-  const std::size_t at = text.find("PORT");
-  text.replace(at, 4, portOf(rig_->wire()));
-  std::ofstream(config_path_) << text;
+  std::ofstream(config_path_) << config_text;
 }
 
 void BridgeBench::startBridge() {
-  bridge_ =
-      std::make_unique<Process>(program("handgraft-bridge"),
-                                std::vector<std::string>{"--config", config_path_, "--domain",
-                                                         std::to_string(network_.domain)});
+  bridge_ = std::make_unique<Process>(
+      program("handgraft-bridge"),
+      std::vector<std::string>{"--config", config_path_, "--port", portOf(rig_->wire()),
+                               "--domain", std::to_string(network_.domain)});
+}
+
+int BridgeBench::stopBridge() {
+  bridge_->send(SIGTERM);
+  return bridge_->wait();
+}
+
+std::vector<v1::JointState> BridgeBench::jointStates() {
+  std::vector<v1::JointState> told;
+  joint_states_.take([&](const v1::JointState& state) {
+    told.push_back(state);
+  });
+  return told;
 }
 
 void BridgeBench::shout(v1::HandCommandKind kind) {

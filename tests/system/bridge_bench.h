@@ -47,10 +47,13 @@ class StandInServer {
 /// `handgraft-bridge` as a process, with an emulated device on a pty at its end.
 class BridgeBench {
  public:
-  /// `config_text` is that of a config file whose port is written PORT.
+  /// `config_text` is that of a config file. Its port does not matter: the bridge is told that
+  /// of the emulated device.
   BridgeBench(const Network& network, const std::string& config_text);
 
   void startBridge();
+  /// Ends it as by SIGTERM, and waits; its exit code.
+  int stopBridge();
 
   Process& bridge() { return *bridge_; }
 
@@ -61,6 +64,9 @@ class BridgeBench {
   void command(v1::HandCommandKind kind);
   /// As above, whether anybody hears it or not.
   void shout(v1::HandCommandKind kind);
+
+  /// The newest of what the bridge told of its joints since this was last asked, oldest first.
+  std::vector<v1::JointState> jointStates();
 
   /// The first status, from now on, for which `wanted` holds; nothing after a minute.
   std::optional<v1::BridgeStatus> status(
@@ -87,6 +93,7 @@ class BridgeBench {
   idl::cyclone::Participant participant_;
   idl::cyclone::Writer<v1::HandCommand> commands_;
   idl::cyclone::Reader<v1::BridgeStatus> statuses_;
+  idl::cyclone::Reader<v1::JointState> joint_states_;
   std::uint64_t command_id_ = 0;
 };
 

@@ -24,8 +24,8 @@ class BridgeCommand : public testing::Test {
     return run(program("handgraft"), arguments);
   }
 
-  [[nodiscard]] nlohmann::json status() const {
-    const Finished finished = ask({"status", "--json"});
+  [[nodiscard]] nlohmann::json status(int bridge = 1) const {
+    const Finished finished = ask({"status", "--json", "--bridge", std::to_string(bridge)});
     EXPECT_EQ(finished.exit_code, 0) << finished.err;
     return nlohmann::json::parse(finished.out).at("bridges").at(0);
   }
@@ -87,6 +87,31 @@ TEST_F(BridgeCommand, RecordsARunThatCanBeDrawn) {
   std::string signature(4, '\0');
   picture.read(signature.data(), 4);
   EXPECT_EQ(signature, "\x89PNG");
+}
+
+TEST_F(BridgeCommand, AnEmergencyStopIsForEveryBridgeThereIs) {
+  start();
+  std::string text = directConfig("ability_hand", "three", kJoints, 2.5);  // names no ids
+  const std::size_t device = text.find("device: ");
+  text.replace(device, text.find('\n', device) - device,
+               "device: {kind: simulated, watchdog_ms: 2500}");
+  const std::string path = (scratchDirectory() / "simulated.yaml").string();
+  std::ofstream(path) << text;
+  const auto simulated = [&](const char* id) {
+    return std::vector<std::string>{"--config", path,       "--bridge-id",
+                                    id,         "--domain", std::to_string(domain_.number())};
+  };
+  Process one(program("handgraft-bridge"), simulated("0"));
+  Process other(program("handgraft-bridge"), simulated("7"));
+  ASSERT_TRUE(one.waitForText("following session")) << one.err();
+  ASSERT_TRUE(other.waitForText("following session")) << other.err();
+  for (const char* id : {"0", "1", "7"})
+    ASSERT_EQ(ask({"arm", "--bridge", id}).exit_code, 0) << id << bench_.told() << other.err();
+  const Finished stopped = ask({"estop"});
+  EXPECT_EQ(stopped.exit_code, 0) << stopped.err;
+  EXPECT_FALSE(bench_.rig().isPowered());
+  for (const int id : {0, 1, 7})
+    EXPECT_EQ(status(id).at("state"), "estop") << id;
 }
 
 TEST_F(BridgeCommand, SaysWhatIsWrong) {

@@ -1,9 +1,11 @@
 // The bridge as a process with real time, DDS and a tty between it and an emulated device.
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <csignal>
 #include <fstream>
+#include <set>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -20,6 +22,72 @@ const std::vector<std::string> kJoints{"a", "b", "c"};
 
 // === A session's solutions move each device
 
+/// Looks, from the side, at what a device decodes and at what the bridge says that it commands:
+/// joints by direct drive, so that the first ones are the motors'.
+class FrameWatch {
+ public:
+  explicit FrameWatch(BridgeBench& bench)
+      : bench_(bench), looker_([this] {
+          look();
+        }) {}
+
+  ~FrameWatch() { end(); }
+
+  void expectDecodedIsCommanded() {
+    end();
+    ASSERT_FALSE(told_.empty());
+    EXPECT_TRUE(isSame(goals(), told_.back()))
+        << "at rest, what was told last is what it holds";
+    // A busy machine may miss telling a period, or looking at it.
+    const auto found = std::count_if(decoded_.begin(), decoded_.end(), [&](const auto& goals) {
+      return std::any_of(told_.begin(), told_.end(), [&](const auto& command) {
+        return isSame(goals, command);
+      });
+    });
+    EXPECT_GE(found, 10) << "of " << decoded_.size() << " decoded and " << told_.size()
+                         << " told";
+    EXPECT_GE(found, static_cast<long>(decoded_.size() / 2));
+  }
+
+ private:
+  void look() {
+    while (!is_ending_) {
+      if (bench_.rig().isPowered()) decoded_.insert(goals());
+      for (const v1::JointState& state : bench_.jointStates()) {
+        if (state.state() == v1::BRIDGE_ARMED) told_.push_back(state.command_rad());
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  }
+
+  void end() {
+    is_ending_ = true;
+    if (looker_.joinable()) looker_.join();
+  }
+
+  std::vector<double> goals() {
+    const std::size_t motors = bench_.config().motors.size();
+    std::vector<double> all;
+    for (std::size_t i = 0; i < motors; ++i)
+      all.push_back(bench_.rig().goal(i));
+    return all;
+  }
+
+  // Within one of the device's units.
+  bool isSame(const std::vector<double>& goals, const std::vector<double>& command) {
+    for (std::size_t i = 0; i < goals.size(); ++i) {
+      if (std::abs(goals[i] - command[i]) > bench_.rig().unit(i)) return false;
+    }
+    return true;
+  }
+
+  BridgeBench& bench_;
+  std::set<std::vector<double>> decoded_;
+  std::vector<std::vector<double>> told_;
+  std::atomic<bool> is_ending_{false};
+  std::thread looker_;
+};
+
 class SessionOnADevice : public testing::TestWithParam<std::string> {};
 
 TEST_P(SessionOnADevice, SolutionsMoveTheMotors) {
@@ -29,6 +97,7 @@ TEST_P(SessionOnADevice, SolutionsMoveTheMotors) {
   const double limit = 2.6;  // as far as an Ability Hand counts
   BridgeBench bench(service.network(), directConfig(GetParam(), "barrett8", joints, limit));
   bench.startBridge();
+  FrameWatch frames(bench);
   const v1::PoseSolution solved = session.optimize();
   std::vector<double> wanted;
   for (std::size_t i = 0; i < bench.config().motors.size(); ++i)
@@ -44,6 +113,7 @@ TEST_P(SessionOnADevice, SolutionsMoveTheMotors) {
   ASSERT_TRUE(status.has_value()) << bench.told();
   EXPECT_EQ(status->session_id(), session.id());
   EXPECT_EQ(status->hand(), "barrett8");
+  frames.expectDecodedIsCommanded();
   // A seventh and eighth joint follow others where there are six motors: what is left is told.
   double left = 0;
   for (std::size_t i = wanted.size(); i < joints.size(); ++i)
