@@ -19,8 +19,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::microseconds kSolutionPeriod(1000);  // of poses on the way
-// Solves that end sooner show their answer alone. Replaced before it was sent, a pose on the
-// way leaves a gap that holds the final one up until the next heartbeat.
+// Solves that end sooner show their answer alone: nobody sees poses of less than a frame, and
+// each costs both sides a message.
 constexpr std::chrono::milliseconds kQuietStart(5);
 constexpr int kStartsAfterEdit = 2;  // where the hand is, and its joints under the closed form
 // Before an edit cuts a solve short: most end by themselves then. Twice as long after each that
