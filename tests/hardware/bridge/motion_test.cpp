@@ -382,6 +382,24 @@ TEST(Homing, FindsTheZerosOfEveryMotor) {
                                << hand.state().last_refusal.view();
 }
 
+// Before zeros are known a motor's own range says nothing: it must not be sent there.
+TEST(Homing, TheOtherMotorsHoldWhereTheyStandBeItOutsideTheirRange) {
+  const config::HandConfig config = test::exampleConfig("printed_tendon_hand");
+  HandInMotion hand(config);
+  handgraft::test::ODriveEmulator& bus = busOf(hand.rig());
+  for (const int node : {1, 2}) {
+    auto& servo = bus.axis(node).servo;
+    servo.position = servo.goal = node == 1 ? -2.3 : 3.1;  // turns
+  }
+  ASSERT_TRUE(hand.turnUntil(GovernorState::kIdle)) << describe(hand.state());
+  hand.motion().request(Request::kHome);
+  hand.turnFor(3);
+  ASSERT_TRUE(hand.state().is_homing) << describe(hand.state());
+  EXPECT_GT(bus.axis(0).servo.position, 0.1) << "turns";
+  EXPECT_NEAR(bus.axis(1).servo.position, -2.3, 1e-5);
+  EXPECT_NEAR(bus.axis(2).servo.position, 3.1, 1e-5);
+}
+
 TEST(Homing, AMotorThatDoesNotTellItsCurrentIsNotHomed) {
   HandInMotion hand(test::exampleConfig("printed_tendon_hand"));
   ASSERT_TRUE(hand.turnUntil(GovernorState::kIdle)) << describe(hand.state());
