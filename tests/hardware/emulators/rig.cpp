@@ -183,6 +183,7 @@ class ODriveRig final : public Rig {
         can_(wire_->channel(), 500000, wire_->clock()),
         hand_(config_, can_, wire_->clock()) {
     if (kind == WireKind::kVirtual) return;
+    const auto lock = wire_->hold();
     for (const auto& axis : config_.axes)
       bus_.axis(axis.node).watchdog = std::chrono::milliseconds(2500);
   }
