@@ -14,6 +14,7 @@
 
 #include "tests/fuzz/byte_reader.h"
 #include "tests/fuzz/wire_promises.h"
+#include "tests/hardware/emulators/odrive_emulator.h"
 
 namespace {
 
@@ -104,14 +105,27 @@ void makeLine(Bytes content, ByteBuffer& wire) {
   slcan::encode(frameOf(content), wire);
 }
 
-void driveHand(Bytes bytes, std::size_t step) {
-  Answers answers(bytes, step);
-  devices::SlcanChannel can(answers, 500000, answers.clock());
+devices::ODriveConfig oneAxis() {
   devices::ODriveConfig config;
   config.axes.resize(1);
   config.axes[0].scale = {0.01, 0.0, 1, -1.0, 1.0};
-  devices::ODriveHand hand(config, can, answers.clock());
+  return config;
+}
+
+void driveHand(Bytes bytes, std::size_t step) {
+  Answers answers(bytes, step);
+  devices::SlcanChannel can(answers, 500000, answers.clock());
+  devices::ODriveHand hand(oneAxis(), can, answers.clock());
   drive(hand);
+}
+
+void failUnderPower(Bytes bytes, std::size_t step) {
+  handgraft::test::ODriveEmulator bus({0}, odrive::Firmware::k06);
+  handgraft::test::SlcanEmulator adapter(bus);
+  FailingWire wire(adapter, bytes, step);
+  devices::SlcanChannel can(wire, 500000, wire.clock());
+  devices::ODriveHand hand(oneAxis(), can, wire.clock());
+  drive(hand, &wire.is_failing);
 }
 
 }  // namespace
@@ -121,12 +135,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size < 2) return 0;
   Bytes bytes(data + 2, size - 2);
   const std::size_t step = 1 + data[1];
-  const int what = data[0] % 6;
+  const int what = data[0] % 8;
   std::vector<std::uint8_t> wires;
-  if (what == 2 || what == 3) bytes = wires = framed(bytes, makeLine);
+  if (what == 2 || what == 3 || what == 6) bytes = wires = framed(bytes, makeLine);
   if (what == 0 || what == 2) checkStream<slcan::Framing>(bytes, step, useLine);
   if (what == 1 || what == 3) driveHand(bytes, step);
   if (what == 4) useKernelFrames(bytes);
   if (what == 5) useFrame(frameOf(bytes));
+  if (what == 6 || what == 7) failUnderPower(bytes, step);
   return 0;
 }

@@ -7,6 +7,7 @@
 #include "hardware/devices/dynamixel_hand.h"
 
 #include "tests/fuzz/wire_promises.h"
+#include "tests/hardware/emulators/dynamixel_emulator.h"
 
 namespace {
 
@@ -34,13 +35,35 @@ void makePacket(Bytes content, ByteBuffer& wire) {
                     wire);
 }
 
-void driveHand(Bytes bytes, std::size_t step) {
-  Answers answers(bytes, step);
+/// An answer of register contents, as a cycle asks for them.
+void makeBlock(Bytes content, ByteBuffer& wire) {
+  std::vector<std::uint8_t> bytes(content.begin(), content.end());
+  if (bytes.empty() || bytes[0] % 8 == 7) return makePacket(content, wire);
+  const auto id = static_cast<std::uint8_t>(1 + bytes[0] % 2);
+  bytes.resize(15);
+  bytes[0] = bytes[0] < 0xC0 ? 0 : bytes[0];  // mostly no error
+  dynamixel::encode({id, 0x55, bytes}, wire);
+}
+
+devices::DynamixelConfig twoMotors() {
   devices::DynamixelConfig config;
   config.motors.resize(2);
   config.motors[0].scale = config.motors[1].scale = {0.01, 0.0, 1, -1.0, 1.0};
+  config.motors[0].id = 1;
   config.motors[1].id = 2;
-  devices::DynamixelHand hand(config, answers, answers.clock());
+  return config;
+}
+
+void failUnderPower(Bytes bytes, std::size_t step) {
+  handgraft::test::DynamixelEmulator emulator({1, 2});
+  FailingWire wire(emulator, bytes, step);
+  devices::DynamixelHand hand(twoMotors(), wire, wire.clock());
+  drive(hand, &wire.is_failing);
+}
+
+void driveHand(Bytes bytes, std::size_t step) {
+  Answers answers(bytes, step);
+  devices::DynamixelHand hand(twoMotors(), answers, answers.clock());
   drive(hand);
 }
 
@@ -52,8 +75,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   Bytes bytes(data + 2, size - 2);
   const std::size_t step = 1 + data[1];
   std::vector<std::uint8_t> wires;
-  if (data[0] % 4 >= 2) bytes = wires = framed(bytes, makePacket);
-  if (data[0] % 2 == 0) checkStream<dynamixel::Framing>(bytes, step, usePacket);
-  if (data[0] % 2 == 1) driveHand(bytes, step);
+  const int what = data[0] % 6;
+  if (what == 2 || what == 3) bytes = wires = framed(bytes, makePacket);
+  if (what == 4) bytes = wires = framed(bytes, makeBlock);
+  if (what == 0 || what == 2) checkStream<dynamixel::Framing>(bytes, step, usePacket);
+  if (what == 1 || what == 3) driveHand(bytes, step);
+  if (what == 4 || what == 5) failUnderPower(bytes, step);
   return 0;
 }

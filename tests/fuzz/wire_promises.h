@@ -10,6 +10,7 @@
 #include "hardware/protocols/stream_reader.h"
 
 #include "tests/fuzz/promise.h"
+#include "tests/hardware/emulators/emulated_device.h"
 
 /// What must hold of every protocol on a wire: of its frames, however they are split, and of a
 /// driver whatever its device answers.
@@ -117,13 +118,73 @@ class Answers final : public devices::ByteChannel {
   devices::TimePoint now_{std::chrono::seconds(1)};
 };
 
-/// Opens, arms, runs for a while, heals and stops: whatever the device says to that.
-inline void drive(devices::Device& device) {
+/// A wire to an emulated device that is healthy until `failing` is set, and from then on is
+/// answered by the next few bytes.
+class FailingWire final : public devices::ByteChannel {
+ public:
+  FailingWire(test::EmulatedDevice& device, Bytes bytes, std::size_t step)
+      : device_(device), answers_(bytes, step) {}
+
+  void open() override {}
+
+  void close() override {}
+
+  void send(Bytes bytes) override {
+    if (!is_failing) device_.hear(bytes, now_);
+  }
+
+  void discard() override {
+    if (!is_failing) device_.takeOutput(now_);
+  }
+
+  std::size_t receive(std::span<std::uint8_t> into, devices::TimePoint deadline) override {
+    if (is_failing) {
+      const std::size_t count = answers_.receive(into, deadline);
+      now_ = count > 0 ? now_ + std::chrono::microseconds(10)
+                       : std::max(now_, deadline) + std::chrono::microseconds(1);
+      return count;
+    }
+    while (waiting_.empty()) {
+      const test::ByteVector more = device_.takeOutput(now_);
+      waiting_.insert(waiting_.end(), more.begin(), more.end());
+      if (!waiting_.empty()) break;
+      if (now_ >= deadline) return 0;
+      now_ += std::chrono::microseconds(500);
+      device_.advance(now_);
+    }
+    const std::size_t count = std::min(into.size(), waiting_.size());
+    std::copy_n(waiting_.begin(), count, into.begin());
+    waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(count));
+    return count;
+  }
+
+  devices::Clock clock() {
+    return [this] {
+      return now_;
+    };
+  }
+
+  bool is_failing = false;
+
+ private:
+  test::EmulatedDevice& device_;
+  Answers answers_;
+  test::ByteVector waiting_;
+  devices::TimePoint now_{std::chrono::seconds(1)};
+};
+
+/// Opens, arms, runs for a while, heals and stops: whatever the device says to that, or once it
+/// is under power if `fail` says when it begins to fail.
+inline void drive(devices::Device& device, bool* fail = nullptr) {
   devices::DeviceState state(device.motorCount());
   const std::vector<double> targets(device.motorCount(), 0.1);
   try {
     device.open();
     device.arm();
+    if (fail != nullptr) {
+      HANDGRAFT_PROMISE(device.read(state) && device.write(targets));
+      *fail = true;
+    }
     for (int i = 0; i < 20; ++i) {
       if (!device.read(state) || !device.write(targets)) device.reset();
     }
