@@ -211,6 +211,16 @@ void Service::admit(const JobPtr& job) {
   if (mine >= options_.most_per_client) {
     reject(v1::ERROR_OVERLOADED, "{} requests of this client are unanswered", mine);
   }
+  const std::size_t bytes = v1::Request::getCdrSerializedSize(request);
+  if (bytes > options_.most_bytes - running_bytes_) {
+    reject(
+        v1::ERROR_OVERLOADED,
+        "a request of {} bytes is too much beside the {} bytes of those that wait, of at most "
+        "{}; try later",
+        bytes, running_bytes_, options_.most_bytes);
+  }
+  job->bytes = bytes;
+  running_bytes_ += bytes;
   running_[{request.client(), request.request_id()}] = job;
 }
 
@@ -309,6 +319,7 @@ void Service::answer(const Job& job, v1::Reply reply) {
   {
     const std::lock_guard lock(running_mutex_);
     running_.erase({client, id});
+    running_bytes_ -= job.bytes;
   }
   ++answered_;
   bus_.publish(*kept);

@@ -26,7 +26,8 @@ namespace handgraft::server {
 struct ServiceOptions {
   std::size_t workers = 2;         ///< for slow work; quick requests have a thread of their own
   std::size_t most_waiting = 256;  ///< tasks that may queue; more are refused
-  std::size_t most_per_client = 32;  ///< requests of one client that may be unanswered
+  std::size_t most_per_client = 32;     ///< requests of one client that may be unanswered
+  std::size_t most_bytes = 256u << 20;  ///< of all unanswered requests
   std::size_t most_sessions = 256;
   /// A session that nobody asks anything of for so long is closed; its state warns of it in the
   /// last tenth, at most ten minutes before.
@@ -68,6 +69,7 @@ class Service final : private BusListener, private SessionAudience {
     Progress progress;
     std::chrono::steady_clock::time_point told{};
     std::string told_stage;
+    std::size_t bytes = 0;    ///< of the request, once it is admitted
     std::uint64_t stops = 0;  ///< of its session, when it came
     /// An edit cut it short at this revision, and it waits for what becomes of that edit.
     std::optional<std::uint64_t> cut_short_at;
@@ -121,6 +123,7 @@ class Service final : private BusListener, private SessionAudience {
   Ledger<v1::EditReply> edits_;
   mutable std::mutex running_mutex_;
   std::map<Key, JobPtr> running_;
+  std::size_t running_bytes_ = 0;
 
   UploadStore uploads_;
   UploadReader reader_;

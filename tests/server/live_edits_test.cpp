@@ -628,5 +628,28 @@ TEST_F(FewSessions, MoreAreRefusedAndIdleOnesMakeRoom) {
   EXPECT_NE(open(), 0u);
 }
 
+class FewBytes : public LiveEdits {
+ protected:
+  static constexpr std::size_t kMost = 1 << 20;
+
+  static ServiceOptions few() {
+    ServiceOptions options;
+    options.most_bytes = kMost;
+    return options;
+  }
+
+  FewBytes() : LiveEdits(few()) {}
+};
+
+TEST_F(FewBytes, AreTakenAgainOnceTheyAreAnswered) {
+  for (int i = 0; i < 5; ++i) {  // together more than may wait at once
+    EXPECT_EQ(bus.ask(loadSession(std::string(kMost / 2, ' '))).error(),
+              v1::ERROR_INVALID_INPUT);
+  }
+  const v1::Reply refused = bus.ask(loadSession(std::string(kMost, ' ')));
+  EXPECT_EQ(refused.error(), v1::ERROR_OVERLOADED);
+  EXPECT_THAT(refused.message(), HasSubstr("1048576"));
+}
+
 }  // namespace
 }  // namespace handgraft::server
