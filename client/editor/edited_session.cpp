@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "client/editor/show.h"
+#include "client/editor/show_solution.h"
 #include "client/text_output.h"
 #include "core/base/error.h"
 #include "core/base/progress.h"
@@ -18,6 +19,19 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kPatience(20);
 constexpr milliseconds kNothingFollows(2000);  // after the session has come to rest
+
+bool maySwitchPatches(const v1::EditBody& body) {
+  switch (body._d()) {
+    case v1::EDIT_PATCH_ENABLED:
+    case v1::EDIT_PATCH_WEIGHT:
+    case v1::EDIT_UNDO:
+    case v1::EDIT_REDO:
+    case v1::EDIT_RESTORE:
+      return true;
+    default:
+      return false;
+  }
+}
 
 }  // namespace
 
@@ -126,12 +140,24 @@ Names EditedSession::allNames() {
   return all;
 }
 
+const std::set<std::string>& EditedSession::patchesOff() {
+  if (!off_is_known_) {
+    off_.clear();
+    for (const v1::PatchState& patch : settings().patches()) {
+      if (!patch.enabled() || patch.weight() == 0.0) off_.insert(patch.name());
+    }
+    off_is_known_ = true;
+  }
+  return off_;
+}
+
 // === Changing
 
 v1::EditReply EditedSession::edit(const v1::EditBody& body) {
   try {
     const v1::EditReply reply = server_.edit(id(), shown_, body);
     shown_ = reply.revision();
+    if (maySwitchPatches(body)) off_is_known_ = false;
     return reply;
   } catch (const idl::cyclone::Refused& refused) {
     if (refused.code() != v1::ERROR_CONFLICT) throw;
@@ -223,6 +249,9 @@ void EditedSession::take(const OnSample& on_sample, const OnState& on_state) {
 
 void EditedSession::adopt(const v1::PoseSolution& solution) {
   solution_ = solution;
+  if (!solution.is_explained() || solution.revision() < shown_) return;
+  off_ = offIn(solution);
+  off_is_known_ = true;
 }
 
 void EditedSession::keepUp(const v1::SessionState& state) {

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <functional>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -48,6 +49,10 @@ class EditedSession : public Scene {
   Names names();
   /// All names; what the server does not tell is left out.
   Names allNames();
+
+  /// Patches that do not count, as far as the last pose goes. Asks the server only where an
+  /// edit may have changed that and no explanation has come since.
+  const std::set<std::string>& patchesOff();
 
   /// Errors: Refused, ERROR_CONFLICT if somebody else's edit came first; what that was is in
   /// the message, and counts as shown from then on.
@@ -114,6 +119,8 @@ class EditedSession : public Scene {
   bool hand_has_meshes_ = false;
   std::optional<v1::ObjectDescription> object_;
   std::vector<std::string> patches_;
+  std::set<std::string> off_;  ///< patches that do not count
+  bool off_is_known_ = false;
 };
 
 }  // namespace handgraft::client::editor

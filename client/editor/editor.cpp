@@ -239,7 +239,7 @@ Told Editor::tellPose(const std::string& before) {
   const bool at_once = at_once_ && depth_ == 0 && !sink_.isJson();
   const v1::PoseSolution pose = *session_->solution();
   const bool shown = at_once && !pose.is_explained();
-  if (shown) sink_.begin(before + poseLine(pose));
+  if (shown) sink_.begin(before + poseLine(pose, session_->patchesOff()));
   const v1::PoseSolution* last = nullptr;
   try {
     last =
@@ -251,10 +251,11 @@ Told Editor::tellPose(const std::string& before) {
     if (shown) sink_.begin("\n");
     throw;
   }
+  const Off& off = session_->patchesOff();
   Told told;
-  told.data = {{"solution", status(*last)}};
+  told.data = {{"solution", status(*last, off)}};
   if (!shown) {
-    told.text = before + statusLine(*last) + "\n";
+    told.text = before + statusLine(*last, off) + "\n";
   } else if (last->revision() == pose.revision()) {
     const std::string explanation = text::explanation(*last);
     told.text = (explanation.empty() ? "" : "; " + explanation) + "\n";

@@ -25,7 +25,10 @@ const v1::PoseSolution& Editor::requireSolution() {
 }
 
 Told Editor::show(const Match& match) {
-  if (match.values.empty()) return tellSolution(requireSolution());
+  if (match.values.empty()) {
+    const v1::PoseSolution& solution = requireSolution();
+    return tellSolution(solution, session_->patchesOff());
+  }
   const std::string& topic = match.values[0].text;
   if (topic == "minima") return tellMinima(requirePose(), session_->hand());
   if (topic == "transfer") {

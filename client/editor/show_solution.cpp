@@ -14,20 +14,25 @@ using json::Json;
 using text::plain;
 using Rows = std::vector<std::vector<std::string>>;
 
-const v1::PatchFit* worstOf(const v1::PoseSolution& solution) {
+bool counts(const v1::PatchFit& patch, const Off& off) {
+  return patch.point_count() > 0 && off.count(patch.name()) == 0;
+}
+
+const v1::PatchFit* worstOf(const v1::PoseSolution& solution, const Off& off) {
   const v1::PatchFit* worst = nullptr;
   for (const v1::PatchFit& patch : solution.patches()) {
-    if (patch.point_count() == 0) continue;
+    if (!counts(patch, off)) continue;
     if (worst == nullptr || patch.mean_mm() > worst->mean_mm()) worst = &patch;
   }
   return worst;
 }
 
 // Over all points.
-double meanOf(const v1::PoseSolution& solution) {
+double meanOf(const v1::PoseSolution& solution, const Off& off) {
   double sum = 0.0;
   double count = 0.0;
   for (const v1::PatchFit& patch : solution.patches()) {
+    if (!counts(patch, off)) continue;
     sum += patch.point_count() * patch.mean_mm();
     count += patch.point_count();
   }
@@ -36,11 +41,19 @@ double meanOf(const v1::PoseSolution& solution) {
 
 }  // namespace
 
-std::string poseLine(const v1::PoseSolution& solution) {
+Off offIn(const v1::PoseSolution& solution) {
+  Off off;
+  for (const v1::PatchFit& patch : solution.patches()) {
+    if (patch.diagnosis().verdict() == v1::VERDICT_NONE) off.insert(patch.name());
+  }
+  return off;
+}
+
+std::string poseLine(const v1::PoseSolution& solution, const Off& off) {
   std::string line =
       fmt::format("revision {}: objective {:.6g}, mean {:.2f} mm", solution.revision(),
-                  solution.terms().objective(), meanOf(solution));
-  if (const v1::PatchFit* worst = worstOf(solution)) {
+                  solution.terms().objective(), meanOf(solution, off));
+  if (const v1::PatchFit* worst = worstOf(solution, off)) {
     line += fmt::format(", worst {} {:.2f} mm", plain(worst->name()), worst->mean_mm());
   }
   if (solution.outcome() != v1::OUTCOME_CONVERGED) {
@@ -49,27 +62,27 @@ std::string poseLine(const v1::PoseSolution& solution) {
   return line;
 }
 
-std::string statusLine(const v1::PoseSolution& solution) {
+std::string statusLine(const v1::PoseSolution& solution, const Off& off) {
   const std::string explanation = text::explanation(solution);
-  return poseLine(solution) + (explanation.empty() ? "" : "; " + explanation);
+  return poseLine(solution, off) + (explanation.empty() ? "" : "; " + explanation);
 }
 
-Json status(const v1::PoseSolution& solution) {
+Json status(const v1::PoseSolution& solution, const Off& off) {
   Json all = {{"revision", solution.revision()},
               {"outcome", nameOf(solution.outcome())},
               {"solver", solution.solver()},
               {"objective", solution.terms().objective()},
-              {"mean_mm", meanOf(solution)},
+              {"mean_mm", meanOf(solution, off)},
               {"worst", nullptr},
               {"is_explained", solution.is_explained()},
               {"verdict", solution.verdict()}};
-  if (const v1::PatchFit* worst = worstOf(solution)) {
+  if (const v1::PatchFit* worst = worstOf(solution, off)) {
     all["worst"] = {{"patch", worst->name()}, {"mean_mm", worst->mean_mm()}};
   }
   return all;
 }
 
-Told tellSolution(const v1::PoseSolution& solution) {
+Told tellSolution(const v1::PoseSolution& solution, const Off& off) {
   Told told;
   Rows rows = {{"patch", "mean mm", "max mm", "normal deg", "in 5 mm", "points", "verdict"}};
   Json patches = Json::array();
@@ -100,8 +113,8 @@ Told tellSolution(const v1::PoseSolution& solution) {
     told.text +=
         fmt::format("joints at limits: {}\n", text::listed(solution.joints_at_limit()));
   }
-  told.text += statusLine(solution) + "\n";
-  told.data = {{"solution", status(solution)},
+  told.text += statusLine(solution, off) + "\n";
+  told.data = {{"solution", status(solution, off)},
                {"patches", patches},
                {"X_WH", json::pose(solution.X_WH())},
                {"X_WO", json::pose(solution.X_WO())},

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <set>
 #include <string>
 
 #include "client/editor/told.h"
@@ -9,15 +10,21 @@
 /// What the editor says about a solution, for people and for programs.
 namespace handgraft::client::editor {
 
+/// Names of patches that do not count.
+using Off = std::set<std::string>;
+
+/// Of a solution that is explained.
+Off offIn(const v1::PoseSolution& solution);
+
 /// Objective, mean distance, worst patch: what is known of a pose at once.
-std::string poseLine(const v1::PoseSolution& solution);
+std::string poseLine(const v1::PoseSolution& solution, const Off& off);
 
 /// The same, and what is known once a pose is explained.
-std::string statusLine(const v1::PoseSolution& solution);
-json::Json status(const v1::PoseSolution& solution);
+std::string statusLine(const v1::PoseSolution& solution, const Off& off);
+json::Json status(const v1::PoseSolution& solution, const Off& off);
 
 /// Patch by patch how a solution fits.
-Told tellSolution(const v1::PoseSolution& solution);
+Told tellSolution(const v1::PoseSolution& solution, const Off& off);
 
 /// Where its searches ended, ranked.
 Told tellMinima(const v1::PoseSolution& solution, const v1::HandDescription& hand);

@@ -4,11 +4,13 @@
 #include <fstream>
 #include <sstream>
 #include <thread>
+#include <tuple>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "client/editor/show_solution.h"
 #include "client/failure.h"
 #include "client/model_files.h"
 #include "core/base/error.h"
@@ -227,6 +229,32 @@ TEST_F(EditorTest, ShowWaitsForTheExplanation) {
   });
   EXPECT_THAT(told("show"), HasSubstr("2 of 2 patches reached"));
   server.join();
+}
+
+TEST(Solutions, LeaveOutPatchesThatDoNotCount) {
+  v1::PoseSolution solution;
+  for (const auto& [name, verdict, mean_mm] :
+       {std::tuple("thumb", v1::VERDICT_REACHED, 1.0),
+        std::tuple("palm", v1::VERDICT_NONE, 9.0),
+        std::tuple("index", v1::VERDICT_AT_LIMIT, 3.0)}) {
+    v1::PatchFit patch;
+    patch.name(name);
+    patch.point_count(10);
+    patch.mean_mm(mean_mm);
+    patch.diagnosis().verdict(verdict);
+    solution.patches().push_back(patch);
+  }
+  EXPECT_EQ(offIn(solution), Off{"palm"});
+  EXPECT_THAT(poseLine(solution, offIn(solution)), HasSubstr("mean 2.00 mm, worst index 3.00"));
+  EXPECT_THAT(poseLine(solution, {}), HasSubstr("worst palm 9.00"));
+  EXPECT_EQ(status(solution, {"palm"})["mean_mm"], 2.0);
+}
+
+TEST_F(EditorTest, APatchThatIsSwitchedOffBeforeItIsExplainedIsLeftOut) {
+  editor_.showPosesAtOnce();
+  desk_.hold_explanations = true;
+  desk_.switchOff("index");  // as the settings tell
+  EXPECT_THAT(told("disable index"), HasSubstr("mean 1.00 mm, worst thumb 1.00 mm\n"));
 }
 
 TEST_F(EditorTest, StatesThatAreOverChangeNothing) {

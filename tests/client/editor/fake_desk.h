@@ -76,6 +76,12 @@ class FakeDesk {
     states_.write(old);
   }
 
+  /// What settings say of a patch from now on.
+  void switchOff(const std::string& patch) {
+    const std::lock_guard lock(mutex_);
+    off_ = patch;
+  }
+
   /// Edits that were applied, in order.
   [[nodiscard]] std::vector<v1::Edit> edits() const {
     const std::lock_guard lock(mutex_);
@@ -130,7 +136,10 @@ class FakeDesk {
     index.mean_mm(3.0);
     solution.patches({thumb, index});
     solution.is_explained(is_explained);
-    if (is_explained) solution.verdict("2 of 2 patches reached");
+    if (!is_explained) return solution;
+    solution.verdict("2 of 2 patches reached");
+    for (v1::PatchFit& patch : solution.patches())
+      patch.diagnosis().verdict(v1::VERDICT_REACHED);
     return solution;
   }
 
@@ -146,6 +155,12 @@ class FakeDesk {
         v1::SessionSettings settings = scene_.settings();
         settings.state(stateNow());
         settings.snapshots({"before"});
+        for (const char* name : {"thumb", "index"}) {
+          settings.patches().emplace_back();
+          settings.patches().back().name(name);
+          settings.patches().back().enabled(name != off_);
+          settings.patches().back().weight(1.0);
+        }
         body.settings(settings);
         break;
       }
@@ -270,6 +285,7 @@ class FakeDesk {
   std::uint64_t revision_ = 0;
   std::uint64_t sequence_ = 0;
   std::string last_edit_;
+  std::string off_;
   v1::ClientId last_client_{};
   bool cancelled_ = false;
   std::map<Key, v1::EditReply> replied_;
