@@ -10,23 +10,29 @@ namespace handgraft::idl {
 enum class Qos {
   kService,    ///< reliable, volatile, keep-last 256: requests, replies, edits, commands
   kState,      ///< reliable, transient-local, keep-last 1 per instance: late joiners see it
-  kEvents,     ///< as kState with keep-last 64: none of the last ones is missed, in order
+  kEvents,     ///< as kState, but readers keep 64: who has joined misses none, in order
   kTelemetry,  ///< reliable, volatile, keep-last 10: measured states, progress
 };
 
-/// Samples kept of each instance, by writers and by readers.
-constexpr int depthOf(Qos profile) {
+/// Samples kept of each instance.
+struct Depth {
+  int writer = 1;
+  int reader = 1;
+};
+
+constexpr Depth depthOf(Qos profile) {
   switch (profile) {
     case Qos::kService:
-      return 256;
+      return {256, 256};
     case Qos::kState:
-      return 1;
+      return {1, 1};
     case Qos::kEvents:
-      return 64;
+      // Late joiners get the newest alone: older ones would tell them what is not so any more.
+      return {1, 64};
     case Qos::kTelemetry:
-      return 10;
+      return {10, 10};
   }
-  return 1;
+  return {};
 }
 
 /// Late joiners see what is kept.

@@ -145,12 +145,11 @@ class Domain {
 
 using QosPtr = std::unique_ptr<dds_qos_t, void (*)(dds_qos_t*)>;
 
-QosPtr qosOf(Qos profile) {
+QosPtr qosOf(Qos profile, int depth) {
   QosPtr qos(dds_create_qos(), dds_delete_qos);
   dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
   // A dispose crosses the vendors with the wrong instance: never send one by accident.
   dds_qset_writer_data_lifecycle(qos.get(), false);
-  const int depth = depthOf(profile);
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, depth);
   dds_qset_durability(
       qos.get(), isKept(profile) ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
@@ -297,8 +296,10 @@ struct Writer<Message>::Impl {
       : participant(std::move(owner)),
         name(what.name),
         topic(createTopic(*participant, what), "no topic", name),
-        writer(dds_create_writer(
-                   participant->entity.get(), topic.get(), qosOf(what.qos).get(), nullptr),
+        writer(dds_create_writer(participant->entity.get(),
+                                 topic.get(),
+                                 qosOf(what.qos, depthOf(what.qos).writer).get(),
+                                 nullptr),
                "no writer",
                name) {}
 
@@ -366,7 +367,8 @@ struct Reader<Message>::Impl {
         static_cast<Impl*>(self)->on_data();
       });
     }
-    return dds_create_reader(participant->entity.get(), topic.get(), qosOf(profile).get(),
+    return dds_create_reader(participant->entity.get(), topic.get(),
+                             qosOf(profile, depthOf(profile).reader).get(),
                              on_data ? listener.get() : nullptr);
   }
 

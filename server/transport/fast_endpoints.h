@@ -87,12 +87,12 @@ class HardenedType final : public SupportOf<Message>::type {
 };
 
 template <class EntityQos>
-void apply(idl::Qos profile, EntityQos& qos) {
+void apply(idl::Qos profile, int depth, EntityQos& qos) {
   namespace dds = eprosima::fastdds::dds;
   qos.reliability().kind = dds::RELIABLE_RELIABILITY_QOS;
   qos.reliability().max_blocking_time = {1, 0};
   qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;
-  qos.history().depth = idl::depthOf(profile);
+  qos.history().depth = depth;
   qos.durability().kind =
       idl::isKept(profile) ? dds::TRANSIENT_LOCAL_DURABILITY_QOS : dds::VOLATILE_DURABILITY_QOS;
   // By default Fast DDS knows 10 instances, and sets memory aside for 100 samples of the
@@ -128,7 +128,7 @@ class FastWriter {
         topic_(topicFor<Message, typename SupportOf<Message>::type>(endpoints, topic)) {
     namespace dds = eprosima::fastdds::dds;
     dds::DataWriterQos qos = dds::DATAWRITER_QOS_DEFAULT;
-    apply(topic.qos, qos);
+    apply(topic.qos, idl::depthOf(topic.qos).writer, qos);
     // Large replies are sent by Fast DDS's own thread, all else by the thread that writes: it
     // is sooner there, and samples that were replaced in that other thread's queue left late
     // readers without any later one (README, Decisions).
@@ -185,7 +185,7 @@ class FastReader : private eprosima::fastdds::dds::DataReaderListener {
         topic_(topicFor<Message, HardenedType<Message>>(endpoints, topic)) {
     namespace dds = eprosima::fastdds::dds;
     dds::DataReaderQos qos = dds::DATAREADER_QOS_DEFAULT;
-    apply(topic.qos, qos);
+    apply(topic.qos, idl::depthOf(topic.qos).reader, qos);
     reader_ = endpoints.subscriber->create_datareader(topic_, qos, this,
                                                       dds::StatusMask::data_available());
     if (reader_ == nullptr) throw TransportError(fmt::format("{}: no reader", topic.name));
