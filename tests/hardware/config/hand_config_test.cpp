@@ -389,6 +389,30 @@ TEST(Calibration, IsReadWithTheConfigThatNamesIt) {
   EXPECT_EQ(readHandConfig(folder / "small.yaml").motors[1].zero_rad, 0.25);
 }
 
+TEST(Calibration, AFileThatIsNotThereIsAnErrorWithoutHomingAndElseMeansHomeFirst) {
+  const fs::path folder = test::scratchDirectory();
+  writeText(folder / "never_homed.yaml", std::string(kSmall) + "calibration: nowhere.yaml\n");
+  try {
+    readHandConfig(folder / "never_homed.yaml");
+    FAIL() << "zeros of nothing";
+  } catch (const InvalidInput& error) {
+    EXPECT_TRUE(contains(error.what(), "nowhere.yaml")) << error.what();
+  }
+  const std::string tendons = exampleText("printed_tendon_hand");
+  writeText(folder / "to_be_homed.yaml", tendons + "calibration: later.yaml\n");
+  HandConfig config = readHandConfig(folder / "to_be_homed.yaml");
+  EXPECT_FALSE(config.is_calibrated);
+  EXPECT_EQ(config.calibration, folder / "later.yaml") << "where homing puts what it finds";
+  config.motors[2].zero_rad = 1.5;
+  writeCalibration(config.calibration, config);
+  const HandConfig homed = readHandConfig(folder / "to_be_homed.yaml");
+  EXPECT_TRUE(homed.is_calibrated);
+  EXPECT_EQ(homed.motors[2].zero_rad, 1.5);
+  writeText(folder / "later.yaml", "format: handgraft-calibration/1\nhand: other\n");
+  EXPECT_THROW(readHandConfig(folder / "to_be_homed.yaml"), InvalidInput)
+      << "one that is wrong is no reason to home, but to look";
+}
+
 TEST(Calibration, RefusesOtherHandsAndMissingMotors) {
   const auto objection = [](const std::string& text) -> std::string {
     HandConfig config = parseHandConfig(kSmall);
