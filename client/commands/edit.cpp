@@ -82,12 +82,11 @@ class LineReader {
   bool ended_ = false;
 };
 
-// A failure at the prompt is told, and the prompt comes again; a server that is gone ends it.
+// A failure at the prompt is told, and the prompt comes again; also where the server is gone,
+// since another one may come and load what was saved.
 void runTyped(Editor& editor, const Sink& sink, const std::string& line) {
   try {
     editor.run(line);
-  } catch (const idl::cyclone::NoServer&) {
-    throw;
   } catch (const std::exception& error) {
     if (!sink.isJson()) sink.failed(line, failureOf(error));
   }
@@ -180,7 +179,9 @@ int run(const EditOptions& options, const CommonOptions& common, Interruption& i
   }
   if (editor.closed()) return 0;
   const std::uint64_t id = editor.session().id();
-  if (server.isPrivate()) {
+  if (!server.alive()) {
+    sink.note(fmt::format("session {} has ended with its server", id));
+  } else if (server.isPrivate()) {
     sink.note(fmt::format("session {} ends with the server that this command started", id));
   } else {
     sink.note(fmt::format("session {} stays open: handgraft edit {}", id, id));

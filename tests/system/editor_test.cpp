@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -228,6 +229,27 @@ TEST_F(Typing, CtrlCStopsTheSolveThatFollowsAnEdit) {
   terminal_.type("undo\r");
   expect("revision 2: objective");
   expect("human20 2> ");
+}
+
+TEST_F(Typing, OutlivesItsServerAndGoesOnWithAnother) {
+  const fs::path file = scratchDirectory() / "kept.json";
+  terminal_.type("weight palm 0.5; save " + file.string() + "\r");
+  expect("wrote ");
+  expect("human20 1> ");
+  service_.server().send(SIGKILL);
+  expect("the server stopped answering");
+  terminal_.type("undo\r");
+  expect("stopped answering");
+  expect("human20 1> ");
+  const std::unique_ptr<Process> another = service_.start("handgraft-server", {});
+  expect("a server answers again");
+  terminal_.type("load " + file.string() + "\r");
+  expect(", revision 1; ");
+  terminal_.type("undo\r");
+  expect("revision 2: objective");
+  terminal_.type("\x04");
+  expect("stays open");
+  EXPECT_EQ(terminal_.wait(), 0);
 }
 
 TEST_F(Typing, ALineThatIsLongerThanTheTerminalIsRead) {
