@@ -129,11 +129,9 @@ StudyAxis axisFrom(const std::string& text) {
       rejectInput("{}: FROM and TO have different units", quoted(text));
     const int count = countIn(parts[2], text);
     for (int i = 0; i < count; ++i) {
-      // Ends exactly where the user said.
+      // Ends exactly where the user said, and is finite where both ends are.
       const double share = static_cast<double>(i) / (count - 1);
-      numbers.push_back(
-          {i + 1 == count ? to.value : from.value + share * (to.value - from.value),
-           from.in_degrees});
+      numbers.push_back({std::lerp(from.value, to.value, share), from.in_degrees});
     }
   } else {
     for (const std::string& word : split(named.values, ','))

@@ -57,6 +57,8 @@ TEST(StudyAxis, RunsFromOneEndToTheOther) {
   EXPECT_EQ(axis.axis.values().front(), 0.5);
   EXPECT_EQ(axis.axis.values().back(), 1.6);
   EXPECT_NEAR(axis.axis.values()[1] - axis.axis.values()[0], 0.1, 1e-12);
+  EXPECT_THAT(axisFrom("thumb_mcp.upper=-1e308:1e308:3").axis.values(),
+              ElementsAre(-1e308, 0.0, 1e308));  // further apart than the largest number
 }
 
 TEST(StudyAxis, TakesListsAndNamesWithDots) {
