@@ -9,9 +9,9 @@ json=
 for word in "$@"; do
   case $word in
     --json) json=--json ;;
-    logmap | solve | tables | import | chain | table | all) name=$word ;;
+    logmap | solve | tables | import | chain | edits | table | all) name=$word ;;
     *)
-      echo "bench: there is no benchmark '$word'; there are: logmap, solve, tables, import, chain, table" >&2
+      echo "bench: there is no benchmark '$word'; there are: logmap, solve, tables, import, chain, edits, table" >&2
       exit 2
       ;;
   esac
@@ -92,6 +92,19 @@ bench_chain() {
   fi
 }
 
+# shellcheck disable=SC2086
+bench_edits() {
+  local hand object contacts grasp
+  choose_grasp
+  grasp=(--hand "$hand" --object "$object" --contacts "$contacts")
+  title "from an edit to its pose, a server and an editor on loopback, $(basename "$hand")"
+  "$bin/handgraft-edit-bench" latency "${grasp[@]}" $json
+  title "a hundred sessions, ten edits a second each"
+  "$bin/handgraft-edit-bench" crowd --seconds 20 "${grasp[@]}" $json
+  title "ten thousand edits a second on one session, another one beside it"
+  "$bin/handgraft-edit-bench" flood "${grasp[@]}" $json
+}
+
 # write_between README WORDS COMMAND...: puts what the command prints between the lines
 # "<!-- WORDS: ..." and "<!-- end of WORDS -->" of a README.
 write_between() {
@@ -115,6 +128,7 @@ case $name in
   solve) bench_solve ;;
   import) bench_import ;;
   chain) bench_chain ;;
+  edits) bench_edits ;;
   table)
     write_between core/geometry/README.md "accuracy table" "$bin/handgraft-bench" logmap-accuracy --markdown
     ;;
@@ -126,5 +140,6 @@ case $name in
     bench_solve
     bench_import
     bench_chain
+    bench_edits
     ;;
 esac
