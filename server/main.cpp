@@ -7,6 +7,7 @@
 #include <thread>
 
 #include <CLI/CLI.hpp>
+#include <malloc.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
@@ -46,6 +47,20 @@ sigset_t blockStopSignals() {
   return set;
 }
 
+/// Waits for a signal. Meanwhile what malloc keeps in holes between longer-lived pieces goes
+/// back to the system: the passing pieces of many sessions' edits would else add up to several
+/// times what the sessions hold.
+int waitFor(const sigset_t& signals) {
+  constexpr timespec kPeriod{5, 0};
+  while (true) {
+    const int signal = sigtimedwait(&signals, nullptr, &kPeriod);
+    if (signal > 0) return signal;
+#ifdef __GLIBC__
+    malloc_trim(0);
+#endif
+  }
+}
+
 /// Serves until a signal, or until an elder server turns out to live on the same domain.
 /// Errors: TransportError in the latter case.
 void serve(const Options& options, const sigset_t& stop_signals) {
@@ -71,8 +86,7 @@ void serve(const Options& options, const sigset_t& stop_signals) {
                HANDGRAFT_VERSION, options.network.domain, options.network.interface,
                models.size(), left_out, options.workers);
 
-  int signal = 0;
-  sigwait(&stop_signals, &signal);
+  const int signal = waitFor(stop_signals);
   spdlog::info("event=stopping signal={}", signal);
   service.stop();
   spdlog::info("event=stopped");
