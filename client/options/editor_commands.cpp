@@ -27,6 +27,7 @@ void addEdit(CLI::App& app, CommandOptions& chosen) {
   parsed->flags.addTo(*command);
   command->add_option("--script", parsed->script, "Run the commands of a file")
       ->check(objectionToFile);
+  command->footer("At the prompt help lists the commands, Tab completes, ? explains.");
   command->callback([parsed, session, &chosen] {
     EditOptions edit;
     if (session->count() > 0) {
