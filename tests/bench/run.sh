@@ -102,7 +102,7 @@ bench_edits() {
   title "a hundred sessions, ten edits a second each"
   "$bin/handgraft-edit-bench" crowd --seconds 20 "${grasp[@]}" $json
   title "ten thousand edits a second on one session, another one beside it"
-  "$bin/handgraft-edit-bench" flood "${grasp[@]}" $json
+  "$bin/handgraft-edit-bench" flood --seconds 5 "${grasp[@]}" $json
 }
 
 # write_between README WORDS COMMAND...: puts what the command prints between the lines
