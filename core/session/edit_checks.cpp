@@ -32,6 +32,9 @@ void validateWeights(const optimize::Weights& weights) {
   requireWithin(weights.distance, 0.0, kLargestLambda, "weight of the distance");
   requireWithin(weights.normal, 0.0, kLargestLambda, "weight of the normals");
   requireWithin(weights.prior, 0.0, kLargestLambda, "weight of the prior");
+  if (weights.distance == 0.0 && weights.normal == 0.0 && weights.prior == 0.0) {
+    rejectInput("weights of distance, normals and prior are all 0; one must be above");
+  }
 }
 
 void validateShares(const optimize::PriorShares& shares) {

@@ -71,6 +71,7 @@ TEST(SessionEdit, ThatIsWrongChangesNothing) {
   refuses(PriorEdit{std::nullopt, {"thumb_1", "thumb_1"}, {0.1, 0.2}}, "twice");
   refuses(PriorEdit{std::nullopt, {"thumb_2", "thumb_1"}, {0.1, kNaN}}, "nan");
   refuses(WeightsEdit{{1.0, -1.0, 1.0}}, "normals");
+  refuses(WeightsEdit{{0.0, 0.0, 0.0}}, "all 0");
 
   EXPECT_EQ(session.revision(), 0u);
   const Session untouched = transferred();
