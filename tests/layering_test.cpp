@@ -116,7 +116,7 @@ const std::vector<std::pair<std::string, std::regex>> kLibraries = {
 bool isSystem(const std::string& header) {
   static const std::regex kSystem(
       R"(^[a-z_0-9]+$|^(std|sys|net|arpa|netinet|linux|asm)[a-z_0-9]*(/[a-z_0-9]+)*\.h$|)"
-      R"(^(cxxabi|fcntl|unistd|poll|signal|spawn|pthread|sched|ifaddrs|termios|dlfcn|netdb|errno)\.h$)");
+      R"(^(cxxabi|fcntl|malloc|unistd|poll|signal|spawn|pthread|sched|ifaddrs|termios|dlfcn|netdb|errno)\.h$)");
   return std::regex_match(header, kSystem);
 }
 
