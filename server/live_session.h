@@ -157,7 +157,7 @@ class LiveSession {
   std::uint64_t queued_at_stops = 0;  ///< `stops()` when the last edit came that it answers
   std::uint64_t asked_at_stops = 0;   ///< `stops()` when what runs was asked for
   bool owes_explanation = false;      ///< an edit came before the last pose was explained
-  int solves_cut_short = 0;           ///< one after another, without an edit that was applied
+  int solves_cut_short = 0;           ///< one after another, since the last that ended by itself
   int requests_cut_short = 0;         ///< that wait behind those edits
   bool was_solved = false;  ///< and nothing of it was lost since, so that few starts do
   unsigned long long solved_revision = 0;

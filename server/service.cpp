@@ -1,5 +1,6 @@
 #include "server/service.h"
 
+#include <algorithm>
 #include <random>
 #include <utility>
 
@@ -397,7 +398,10 @@ void Service::runEdit(const std::shared_ptr<LiveSession>& live,
     if (!live->solve_is_queued && live->requests_cut_short == 0) live->tellRest();
     return;
   }
-  live->solves_cut_short = 0;
+  // Where the machine is so busy that one edit's solve after the other is cut short, the next
+  // gets more time, but no more than people hardly notice.
+  constexpr int kMostForEdits = 4;
+  live->solves_cut_short = std::min(live->solves_cut_short, kMostForEdits);
   live->owes_explanation = false;
   live->queued_at_stops = stops;
   live->enterSoon(v1::PHASE_OPTIMIZING);
