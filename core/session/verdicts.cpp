@@ -73,6 +73,23 @@ std::string roomText(double lack_m) {
   return fmt::format("no room: the finger is too thick by at least {:.1f} mm", 1e3 * lack_m);
 }
 
+// Patches that are asked for and laid, none of whose points came onto the hand: nothing of the
+// problem knows them. Those that this hand has no place for (`dropped`) are not asked of it.
+std::vector<std::string> patchesWithoutPoints(const Session& session,
+                                              const optimize::Diagnosis& diagnosis) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < session.patches().size(); ++i) {
+    const SessionPatch& patch = session.patches()[i];
+    if (!patch.placement || patch.patch.weight == 0.0) continue;
+    const bool is_judged = std::any_of(diagnosis.patches.begin(), diagnosis.patches.end(),
+                                       [&](const PatchDiagnosis& judged) {
+                                         return judged.patch == static_cast<int>(i);
+                                       });
+    if (!is_judged) names.push_back(patch.patch.name);
+  }
+  return names;
+}
+
 std::string spanText(const Session& session, const optimize::SpanMisfit& span) {
   return fmt::format("{} and {}: {:.0f} mm apart, the hand's places {} {:.0f}",
                      nameOfPatch(session, span.patch_a), nameOfPatch(session, span.patch_b),
@@ -130,9 +147,15 @@ Verdicts verdictsOf(const Session& session,
     if (patch.verdict != Verdict::kNone) ++asked;
     if (patch.verdict == Verdict::kReached) ++reached;
   }
+  const std::vector<std::string> pointless = patchesWithoutPoints(session, verdicts.diagnosis);
+  asked += static_cast<int>(pointless.size());
   verdicts.line = report.outcome == optimize::Outcome::kInfeasible
                       ? "joint limits contradict each other"
                       : fmt::format("{} of {} patches reached", reached, asked);
+  if (!pointless.empty()) {
+    verdicts.line += fmt::format("; {} {} no point on the hand", fmt::join(pointless, ", "),
+                                 pointless.size() == 1 ? "has" : "have");
+  }
   const std::string sizes = lineOf(session, findings);
   if (!sizes.empty()) verdicts.line += "; " + sizes;
   return verdicts;

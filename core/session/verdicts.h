@@ -17,7 +17,8 @@ struct Verdicts {
   bool too_large = false;
 };
 
-/// A patch without room is out of reach whatever the pose says: the pose enters the object.
+/// A patch without room is out of reach whatever the pose says: the pose enters the object. One
+/// that is asked for but has no point on the hand counts as not reached, and the line names it.
 ///
 /// Errors: BrokenContract unless the report is the problem's and the problem the session's.
 /// Cancelled on wish.

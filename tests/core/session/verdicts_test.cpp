@@ -54,6 +54,28 @@ TEST(Verdicts, ASwitchedOffPatchIsNotCounted) {
   EXPECT_THAT(verdicts.line, HasSubstr("of 2 patches"));
 }
 
+TEST(Verdicts, APatchWithoutAPointOnTheHandIsNotReachedAndNamed) {
+  const test::BallGrasp grasp;
+  Session session = grasp.open();
+  // Seen from the ball's other side the patch lies farther away than the finger is long.
+  const geometry::TriangleMesh& ball = *grasp.ball;
+  const geometry::SurfacePoint root = grasp.contacts.patches[2].root;
+  const Eigen::Vector3d away = -positionOf(ball, root).normalized();
+  geometry::SurfacePoint opposite{0, Eigen::Vector3d::Constant(1.0 / 3.0)};
+  for (int face = 0; face < ball.faceCount(); ++face) {
+    const geometry::SurfacePoint middle{face, Eigen::Vector3d::Constant(1.0 / 3.0)};
+    if (positionOf(ball, middle).dot(away) > positionOf(ball, opposite).dot(away))
+      opposite = middle;
+  }
+  session.apply(PatchRootEdit{"middle", Side::kObject, opposite});
+  const Verdicts verdicts = solvedAndJudged(session);
+  EXPECT_THAT(verdicts.line,
+              HasSubstr(" of 3 patches reached; middle has no point on the hand"));
+  EXPECT_EQ(verdicts.diagnosis.patches.size(), 2U);
+  session.apply(PatchEnabledEdit{"middle", false});
+  EXPECT_THAT(solvedAndJudged(session).line, Not(HasSubstr("middle")));
+}
+
 TEST(Verdicts, TellWhatIsKnownOfSizesBeforeASearch) {
   const test::BallGrasp grasp;
   Session session = grasp.open();
