@@ -10,6 +10,7 @@
 #include <fcntl.h>
 #include <linux/serial.h>
 #include <poll.h>
+#include <sys/file.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -52,9 +53,13 @@ SerialPort::~SerialPort() {
 void SerialPort::open() {
   close();
   file_ = ::open(path_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-  if (file_ < 0) fail("cannot be opened");
+  if (file_ < 0) {
+    throw TransportError(errno == EBUSY
+                             ? fmt::format("{} is in use by another process", path_)
+                             : fmt::format("{} cannot be opened: {}", path_, textOf(errno)));
+  }
   try {
-    if (ioctl(file_, TIOCEXCL) != 0) fail("is no tty");
+    claim();
     configure();
     askForLowLatency(file_);
     discard();
@@ -62,6 +67,16 @@ void SerialPort::open() {
     close();
     throw;
   }
+}
+
+// Two programs on one wire read each other's answers. TIOCEXCL keeps every other one out but
+// root's; the lock keeps out another of ours, whoever runs it.
+void SerialPort::claim() {
+  if (flock(file_, LOCK_EX | LOCK_NB) != 0) {
+    if (errno != EWOULDBLOCK) fail("cannot be locked");
+    throw TransportError(fmt::format("{} is in use by another process", path_));
+  }
+  if (ioctl(file_, TIOCEXCL) != 0) fail("is no tty");
 }
 
 void SerialPort::configure() const {

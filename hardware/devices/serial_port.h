@@ -25,6 +25,7 @@ class SerialPort final : public ByteChannel {
   void discard() override;
 
  private:
+  void claim();
   void configure() const;
   // Waits for `events`; false at the deadline. Throws when the other end is gone.
   bool waitFor(short events, TimePoint deadline);

@@ -157,6 +157,33 @@ TEST_F(SerialPortTest, OpensAnew) {
   EXPECT_EQ(heard(1), ByteVector{7});
 }
 
+/// What is said when `port` cannot be opened; empty if it can.
+std::string objectionOf(SerialPort& port) {
+  try {
+    port.open();
+  } catch (const TransportError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// Also to root, to whom TIOCEXCL forbids nothing: one that read along would take answers away.
+TEST_F(SerialPortTest, IsOneProgramsAlone) {
+  SerialPort first(path_, 115200);
+  first.open();
+  SerialPort second(path_, 115200);
+  EXPECT_EQ(objectionOf(second), path_ + " is in use by another process");
+  first.send(ByteVector{7});
+  EXPECT_EQ(heard(1), ByteVector{7}) << "and the first one goes on";
+  first.close();
+  EXPECT_EQ(objectionOf(second), "");
+}
+
+TEST(SerialPort, SaysWhyItCannotBeOpened) {
+  SerialPort missing("/no/such/port", 115200);
+  EXPECT_EQ(objectionOf(missing), "/no/such/port cannot be opened: No such file or directory");
+}
+
 TEST(SerialPort, SaysWhatIsWrong) {
   SerialPort missing("/no/such/port", 115200);
   EXPECT_THROW(missing.open(), TransportError);
