@@ -38,7 +38,30 @@ void collect(const char* key, Problems& problems, Make&& make) {
   }
 }
 
-void checkMotorsSuffice(const HandConfig& config, Problems& problems) {
+/// Whether nothing is known to be wrong with what has this key, nor with anything in it.
+class Soundness {
+ public:
+  explicit Soundness(const Problems& known) : known_(known) {}
+
+  [[nodiscard]] bool operator()(const std::string& key) const {
+    return std::none_of(known_.begin(), known_.end(), [&key](const std::string& problem) {
+      const bool begins = problem.compare(0, key.size(), key) == 0;
+      return begins && (problem.size() == key.size() ||
+                        std::string(".[: ").find(problem[key.size()]) != std::string::npos);
+    });
+  }
+
+  [[nodiscard]] bool motor(std::size_t i) const {
+    return (*this)(fmt::format("motors[{}]", i));
+  }
+
+ private:
+  const Problems& known_;
+};
+
+void checkMotorsSuffice(const HandConfig& config,
+                        const Soundness& is_sound,
+                        Problems& problems) {
   const std::unique_ptr<tendon::MotorMap> map = makeMotorMap(config);
   if (map->motorCount() != config.motors.size()) {
     problems.push_back(fmt::format("motors: {} of them, where the transmission needs {}",
@@ -53,6 +76,7 @@ void checkMotorsSuffice(const HandConfig& config, Problems& problems) {
   const std::vector<double> speeds = map->motorSpeeds(joints, joint_speeds);
   for (std::size_t i = 0; i < needed.size(); ++i) {
     const MotorConfig& motor = config.motors[i];
+    if (!is_sound.motor(i)) continue;
     if (needed[i].lower < motor.range_rad.lower - kSlack ||
         needed[i].upper > motor.range_rad.upper + kSlack) {
       problems.push_back(fmt::format(
@@ -92,14 +116,14 @@ void checkDeadmen(const HandConfig& config, Problems& problems) {
   }
 }
 
-void checkDevice(const HandConfig& config, Problems& problems) {
+void checkDevice(const HandConfig& config, const Soundness& is_sound, Problems& problems) {
   const DeviceConfig& device = config.device;
   if (device.kind == DeviceKind::kAbilityHand) {
-    if (config.motors.size() != kAbilityHandMotors) {
+    if (is_sound("motors") && config.motors.size() != kAbilityHandMotors) {
       problems.push_back(fmt::format("motors: {} of them; an ability_hand has {}",
                                      config.motors.size(), kAbilityHandMotors));
     }
-    if (device.watchdog != kAbilityHandDeadman) {
+    if (is_sound("device.watchdog_ms") && device.watchdog != kAbilityHandDeadman) {
       problems.push_back(fmt::format("device.watchdog_ms: {}; that of an ability_hand is {}",
                                      device.watchdog.count(), kAbilityHandDeadman.count()));
     }
@@ -110,6 +134,7 @@ void checkDevice(const HandConfig& config, Problems& problems) {
   std::set<int> seen;
   for (std::size_t i = 0; i < config.motors.size(); ++i) {
     const int id = config.motors[i].id;
+    if (!is_sound.motor(i)) continue;
     if (id < 0 || id > most)
       problems.push_back(fmt::format("motors[{}].id: {} is not in [0, {}]", i, id, most));
     if (!seen.insert(id).second)
@@ -137,10 +162,10 @@ void checkHoming(const HandConfig& config, Problems& problems) {
   }
 }
 
-void checkMotorNames(const HandConfig& config, Problems& problems) {
+void checkMotorNames(const HandConfig& config, const Soundness& is_sound, Problems& problems) {
   std::set<std::string> seen;
   for (std::size_t i = 0; i < config.motors.size(); ++i) {
-    if (!seen.insert(config.motors[i].name).second)
+    if (is_sound.motor(i) && !seen.insert(config.motors[i].name).second)
       problems.push_back(fmt::format("motors[{}].name: {} is there twice", i,
                                      handgraft::quoted(config.motors[i].name)));
   }
@@ -180,16 +205,26 @@ std::unique_ptr<tendon::MotorMap> makeMotorMap(const HandConfig& config) {
   return std::make_unique<tendon::SynergyMap>(S, rest, Eigen::VectorXd::Ones(n), motors);
 }
 
-std::vector<std::string> problemsOf(const HandConfig& config) {
+std::vector<std::string> problemsOf(const HandConfig& config, const Problems& known) {
+  const Soundness is_sound(known);
   Problems problems;
-  checkMotorNames(config, problems);
-  checkDevice(config, problems);
-  checkDeadmen(config, problems);
-  checkHoming(config, problems);
-  collect("joints", problems, [&] {
-    const safety::Governor governor(config.governor);
-  });
-  if (config.transmission.kind == TransmissionKind::kTendons) {
+  checkMotorNames(config, is_sound, problems);
+  if (is_sound("device.kind")) checkDevice(config, is_sound, problems);
+  if (is_sound("device") && is_sound("loop")) checkDeadmen(config, problems);
+  if (is_sound("device.kind") && is_sound("motors") && is_sound("homing"))
+    checkHoming(config, problems);
+  if (!is_sound("joints") || !is_sound("motion")) return problems;
+
+  const std::size_t before = problems.size();
+  if (is_sound("loop") && is_sound("emergency_stop")) {
+    collect("joints", problems, [&] {
+      const safety::Governor governor(config.governor);
+    });
+  }
+  const bool is_tendons = config.transmission.kind == TransmissionKind::kTendons;
+  const bool needs_motors = config.transmission.kind == TransmissionKind::kSynergies;
+  if (!is_sound("transmission") || (needs_motors && !is_sound("motors"))) return problems;
+  if (is_tendons) {
     for (const std::string& problem : tendon::problemsOf(config.transmission.tendons))
       problems.push_back("transmission: " + problem);
   } else {
@@ -197,7 +232,8 @@ std::vector<std::string> problemsOf(const HandConfig& config) {
       makeMotorMap(config);
     });
   }
-  if (problems.empty()) checkMotorsSuffice(config, problems);
+  const bool has_motors = is_sound("motors") || !config.motors.empty();
+  if (problems.size() == before && has_motors) checkMotorsSuffice(config, is_sound, problems);
   return problems;
 }
 

@@ -81,6 +81,10 @@ std::unique_ptr<tendon::MotorMap> makeMotorMap(const HandConfig& config);
 /// What there is to object to in `config` as a whole: that motors can go where and as fast as
 /// joints may ask, that the governor and the transmission accept it, that watchdogs and gaps
 /// fit each other and the device, that ids are the device's. Empty if nothing.
-std::vector<std::string> problemsOf(const HandConfig& config);
+///
+/// `known` is what is wrong already, each with its key first: what depends on those keys is not
+/// looked at, since a value that stands in for a wrong one proves nothing.
+std::vector<std::string> problemsOf(const HandConfig& config,
+                                    const std::vector<std::string>& known = {});
 
 }  // namespace handgraft::config

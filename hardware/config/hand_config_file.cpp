@@ -30,6 +30,12 @@ DeviceConfig deviceOf(Section section) {
                                                     {"dynamixel", DeviceKind::kDynamixel},
                                                     {"ability_hand", DeviceKind::kAbilityHand},
                                                     {"odrive", DeviceKind::kODrive}});
+  if (section.isWrong("kind")) {  // which keys there are depends on it
+    section.allow({"port", "reply_timeout_ms", "tolerated_misses", "carrier", "firmware",
+                   "can_bitrate", "baud", "address", "watchdog_ms"});
+    section.finish();
+    return device;
+  }
   const bool is_can = device.kind == DeviceKind::kODrive;
   const bool is_ability_hand = device.kind == DeviceKind::kAbilityHand;
   if (device.kind != DeviceKind::kSimulated) {
@@ -138,7 +144,8 @@ void readJoints(Section& file, HandConfig& config) {
   }
 }
 
-void readMotors(Section& file, HandConfig& config) {
+/// Of a device whose kind is not known, only what every motor has is read.
+void readMotors(Section& file, HandConfig& config, bool is_known_kind) {
   const bool has_ids =
       config.device.kind == DeviceKind::kDynamixel || config.device.kind == DeviceKind::kODrive;
   const bool is_ability_hand = config.device.kind == DeviceKind::kAbilityHand;
@@ -152,6 +159,12 @@ void readMotors(Section& file, HandConfig& config) {
                                               motor.range_rad.upper, motor.range_rad.lower));
     }
     motor.velocity_rad_s = section.number("velocity_rad_s", 1e-3, 1000);
+    if (!is_known_kind) {
+      section.allow({"id", "current_A", "gear", "zero_rad", "direction"});
+      section.finish();
+      config.motors.push_back(motor);
+      continue;
+    }
     if (has_ids) {
       motor.id = section.integer("id", 0, 252);
       motor.current_A = section.number("current_A", 1e-3, 100);
@@ -213,14 +226,15 @@ HandConfig parseHandConfig(const std::string& text) {
     if (!problems.empty()) rejectAll(problems);
     file.choice<int>("format", {{"handgraft-hardware/1", 1}});
     config.hand = file.text("hand");
-    config.device = deviceOf(file.section("device", true));
+    const Section device = file.section("device", true);
+    config.device = deviceOf(device);
     readLoop(file.section("loop", false), config);
     readStream(file.section("stream", false), config.governor);
     readArming(file.section("arming", false), config.governor);
     readStopping(file.section("emergency_stop", false), config.governor);
     readWatching(file.section("watch", false), config.governor);
     readJoints(file, config);
-    readMotors(file, config);
+    readMotors(file, config, !device.isWrong("kind"));
     config.transmission = readTransmission(file.section("transmission", false), config);
     readHoming(file, config);
     config.calibration = file.text("calibration", "");
@@ -228,8 +242,10 @@ HandConfig parseHandConfig(const std::string& text) {
   } catch (const YAML::Exception& error) {
     problems.push_back(
         fmt::format("line {}: {}", error.mark.line + 1, handgraft::quoted(error.msg)));
+    rejectAll(problems);  // what comes after it was not read
   }
-  if (problems.empty()) problems = problemsOf(config);
+  for (std::string& problem : problemsOf(config, problems))
+    problems.push_back(std::move(problem));
   if (!problems.empty()) rejectAll(problems);
   return config;
 }

@@ -102,6 +102,11 @@ TransmissionConfig readTransmission(Section section, const HandConfig& config) {
                                         {"synergies", TransmissionKind::kSynergies},
                                         {"tendons", TransmissionKind::kTendons}},
                                        TransmissionKind::kDirect);
+  if (section.isWrong("kind")) {  // which keys there are depends on it
+    section.allow({"followers", "rest_rad", "synergies", "springs", "tendons"});
+    section.finish();
+    return transmission;
+  }
   // Joints are told by name; without any there is nothing more to read.
   if (config.jointCount() == 0) return transmission;
   switch (transmission.kind) {

@@ -45,6 +45,14 @@ void Section::object(const std::string& key, const std::string& what) {
   problems_->push_back(pathOf(key) + ": " + what);
 }
 
+bool Section::isWrong(const std::string& key) const {
+  const std::string beginning = pathOf(key) + ": ";
+  return std::any_of(problems_->begin(), problems_->end(),
+                     [&beginning](const std::string& problem) {
+                       return problem.compare(0, beginning.size(), beginning) == 0;
+                     });
+}
+
 std::optional<YAML::Node> Section::find(const std::string& key, bool is_required) {
   asked_.insert(key);
   // A const node: the other operator[] would make the key.

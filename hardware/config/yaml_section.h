@@ -66,8 +66,16 @@ class Section {
   /// A list of `least` to `most` maps.
   std::vector<Section> list(const std::string& key, std::size_t least, std::size_t most);
 
+  /// Whether `key` was noted as wrong or missing.
+  [[nodiscard]] bool isWrong(const std::string& key) const;
+
   /// Notes that `key` is wrong.
   void object(const std::string& key, const std::string& what);
+
+  /// Keys that may be there though nobody asks for them: what they mean is not known.
+  void allow(std::initializer_list<const char*> keys) {
+    asked_.insert(keys.begin(), keys.end());
+  }
 
   /// Notes every key that was not asked for.
   void finish();

@@ -237,6 +237,41 @@ TEST(HandConfig, TellsAllProblemsAtOnceEachWithItsRange) {
       << objection;
 }
 
+TEST(HandConfig, TellsWhatIsWrongAsAWholeBesideSingleValues) {
+  std::string text = exampleText("leap");
+  text.replace(text.find("id: 3,"), 6, "id: 2,");
+  const std::size_t last = text.rfind("lower_rad: ");
+  text.replace(last, text.find(',', last) - last, "lower_rad: 0.9");
+  const std::string objection = objectionTo(text + "watch: {silent_ms: soon}\n");
+  EXPECT_TRUE(contains(objection, "watch.silent_ms: 'soon' is no whole number")) << objection;
+  EXPECT_TRUE(contains(objection, "motors[3].id: 2 is there twice")) << objection;
+  EXPECT_TRUE(contains(objection, "motors[15].lower_rad, upper_rad: [0.9,")) << objection;
+}
+
+// What stands in for a wrong value must not be found wrong in turn.
+TEST(HandConfig, TellsNothingThatFollowsFromAnotherProblem) {
+  std::string text = exampleText("leap");
+  text.replace(text.find("id: 3,"), 6, "id: x,");
+  EXPECT_EQ(objectionTo(text), "motors[3].id: 'x' is no whole number; permitted: 0 to 252");
+  const std::string limit =
+      objectionTo(smallWith("lower_rad: 0, upper_rad: 1.5}", "lower_rad: 0, upper_rad: up}"));
+  EXPECT_TRUE(contains(limit, "joints[0].upper_rad: 'up' is no number")) << limit;
+  EXPECT_FALSE(contains(limit, "motors")) << limit;
+}
+
+TEST(HandConfig, OfAnUnknownKindOnlyTheKindIsWrong) {
+  std::string text = exampleText("leap");
+  text.replace(text.find("kind: dynamixel"), 15, "kind: servo");
+  EXPECT_EQ(objectionTo(text),
+            "device.kind: 'servo' is not one of simulated, dynamixel, ability_hand, odrive");
+  text.replace(text.find("baud:"), 5, "bauds:");
+  EXPECT_TRUE(contains(objectionTo(text), "device.bauds: unknown key")) << "of any kind";
+  text = exampleText("printed_tendon_hand");
+  text.replace(text.find("kind: tendons"), 13, "kind: strings");
+  EXPECT_EQ(objectionTo(text),
+            "transmission.kind: 'strings' is not one of direct, synergies, tendons");
+}
+
 TEST(HandConfig, NamesWhatIsMissing) {
   EXPECT_TRUE(contains(objectionTo(smallWith("hand: small", "")), "hand: is missing"));
   EXPECT_TRUE(contains(objectionTo(""), "must be a map"));
