@@ -37,10 +37,33 @@ bool SolutionFollower::beganAfter(std::uint64_t a, std::uint64_t b) const {
 void SolutionFollower::see(const v1::SessionState& state) {
   if (state.session_id() == 0 || (only_ && state.session_id() != *only_)) return;
   Session& session = sessionOf(state.session_id());
+  const bool is_anew =
+      session.is_left || (session.state && (state.hand() != session.state->hand() ||
+                                            state.revision() < session.state->revision()));
+  if (is_anew) session.hand_since = state.revision();
+  session.is_left = false;
   const bool closes = state.phase() == v1::PHASE_CLOSED;
   session.is_history = closes && (!session.state || session.is_history);
   session.is_closed = closes;
   session.state = state;
+}
+
+bool SolutionFollower::leave(const v1::SessionState& state) {
+  const std::uint64_t id = state.session_id();
+  if (id == 0 || (only_ && id != *only_)) return false;
+  Session& session = sessionOf(id);
+  session.is_left = true;
+  session.state.reset();
+  if (followed_ != id) return false;
+  followed_ = 0;
+  return true;
+}
+
+// A newest pose of the state's own hand.
+bool SolutionFollower::hasPose(const Session& session) {
+  return session.newest && session.state && !session.is_history &&
+         session.newest->revision() >= session.hand_since &&
+         session.newest->revision() <= session.state->revision();
 }
 
 void SolutionFollower::see(const v1::PoseSolution& solution) {
@@ -72,7 +95,7 @@ bool SolutionFollower::isClosed() const {
 std::optional<FollowedPose> SolutionFollower::take() {
   // Only sessions with something new can take over; the one followed stays until then.
   for (const auto& [id, session] : sessions_) {
-    if (!session.newest || !session.state || session.is_history) continue;
+    if (!hasPose(session)) continue;
     const auto current = sessions_.find(followed_);
     const bool is_free = current == sessions_.end() || current->second.is_closed;
     if (is_free || beganAfter(id, followed_)) followed_ = id;
@@ -85,7 +108,7 @@ std::optional<FollowedPose> SolutionFollower::take() {
   const auto found = sessions_.find(followed_);
   if (found == sessions_.end()) return std::nullopt;
   Session& session = found->second;
-  if (!session.newest || !session.state || session.is_history) return std::nullopt;
+  if (!hasPose(session)) return std::nullopt;
 
   FollowedPose pose;
   pose.session_id = followed_;

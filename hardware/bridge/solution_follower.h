@@ -29,12 +29,21 @@ struct FollowedPose {
 /// asked for. A pose counts as new if its sequence number or its stamp has grown, so a server
 /// that starts anew may count from one again. Sessions that were already closed when first seen
 /// are never followed: their last pose is history.
+///
+/// A session may take another hand by an edit. Its poses count only with the state that says
+/// whose they are: not before the state has come to their revision, and not if they answer a
+/// revision before the one that brought this hand.
 class SolutionFollower {
  public:
   SolutionFollower(std::optional<std::uint64_t> only, bool with_intermediate);
 
   void see(const v1::SessionState& state);
   void see(const v1::PoseSolution& solution);
+
+  /// `state` says that its session is of a hand that is not ours. Its poses count no more,
+  /// until a state of ours is seen; nor do those that answered the other hand. True if it was
+  /// the one followed: none is then.
+  bool leave(const v1::SessionState& state);
 
   /// Forgets every session: the server is gone, and what it says when it is back is news.
   void forget();
@@ -56,12 +65,15 @@ class SolutionFollower {
     std::int64_t first_stamp = 0;
     std::int64_t last_stamp = 0;
     std::uint64_t last_number = 0;
+    std::uint64_t hand_since = 0;  // the first revision known to be of this hand
+    bool is_left = false;          // it was of another hand when last heard of
     bool is_closed = false;
     bool is_history = false;  // closed before we ever saw it open
     std::uint64_t last_seen = 0;
   };
 
   Session& sessionOf(std::uint64_t id);
+  static bool hasPose(const Session& session);
   bool beganAfter(std::uint64_t a, std::uint64_t b) const;
 
   std::optional<std::uint64_t> only_;

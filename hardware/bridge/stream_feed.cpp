@@ -13,7 +13,10 @@ StreamFeed::StreamFeed(std::optional<std::uint64_t> only,
       hand_(std::move(hand)) {}
 
 bool StreamFeed::see(const v1::SessionState& state) {
-  if (!hand_.empty() && state.hand() != hand_) return false;
+  if (!hand_.empty() && state.hand() != hand_) {
+    if (follower_.leave(state)) has_begun_ = false;
+    return false;
+  }
   follower_.see(state);
   return true;
 }

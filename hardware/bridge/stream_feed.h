@@ -33,7 +33,8 @@ class StreamFeed {
              bool outlives_closing,
              std::string hand = {});
 
-  /// False if the session is of another hand, and passed over.
+  /// False if the session is of another hand, and passed over. If it was the one followed, its
+  /// stream ends: should its hand come back, that is another stream.
   bool see(const v1::SessionState& state);
 
   void see(const v1::PoseSolution& solution) { follower_.see(solution); }

@@ -111,5 +111,45 @@ TEST_F(StreamFeedTest, SessionsOfAnotherHandArePassedOver) {
   EXPECT_EQ(feed.alive(), stream) << "and do not take the hand away";
 }
 
+TEST_F(StreamFeedTest, TheFollowedSessionsOwnHandSwappedEndsTheStream) {
+  StreamFeed feed(std::nullopt, false, false, "leap");
+  const auto at = [](auto message, std::uint64_t revision) {
+    message.revision(revision);
+    return message;
+  };
+  feed.serverIsThere(true);
+  feed.see(at(sessionState(3, "leap", {"a"}), 4));
+  const std::uint64_t stream = see(feed, at(solution(3, 1, {0.1}), 4));
+  ASSERT_NE(stream, 0);
+  EXPECT_EQ(see(feed, at(solution(3, 2, {0.9}), 5)), 0) << "whose it is was not said yet";
+  EXPECT_FALSE(feed.see(at(sessionState(3, "leap_left", {"a"}), 5)));
+  EXPECT_FALSE(feed.take());
+  EXPECT_FALSE(feed.alive());
+  EXPECT_EQ(see(feed, at(solution(3, 3, {0.8}), 5)), 0);
+
+  EXPECT_TRUE(feed.see(at(sessionState(3, "leap", {"a"}), 6)));
+  EXPECT_FALSE(feed.take()) << "the newest pose is the other hand's";
+  EXPECT_EQ(see(feed, at(solution(3, 4, {0.7}), 5)), 0) << "and so is one that was late";
+  EXPECT_FALSE(feed.alive());
+  const std::uint64_t returned = see(feed, at(solution(3, 5, {0.1}), 6));
+  EXPECT_NE(returned, 0);
+  EXPECT_NE(returned, stream) << "it takes an ARM";
+  EXPECT_EQ(feed.alive(), returned);
+  EXPECT_EQ(see(feed, at(solution(3, 6, {0.2}), 6)), returned);
+}
+
+TEST_F(StreamFeedTest, AnotherSessionIsFollowedOnceTheHandIsSwapped) {
+  StreamFeed feed(std::nullopt, false, false, "leap");
+  feed.serverIsThere(true);
+  feed.see(sessionState(3, "leap", {"a"}));
+  const std::uint64_t stream = see(feed, solution(3, 1, {0.1}));
+  feed.see(sessionState(3, "leap_left", {"a"}));
+  feed.see(sessionState(2, "leap", {"a"}));
+  const std::uint64_t other = see(feed, solution(2, 1, {0.2}));
+  EXPECT_NE(other, 0);
+  EXPECT_NE(other, stream);
+  EXPECT_EQ(feed.session(), 2);
+}
+
 }  // namespace
 }  // namespace handgraft::bridge
