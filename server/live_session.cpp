@@ -73,14 +73,15 @@ void LiveSession::settle(v1::SessionPhase phase) {
   const std::lock_guard lock(mutex_);
   if (state_.phase() == v1::PHASE_CLOSED) return;
   describeSession();
-  setPhase(phase, "");
+  resting_phase_ = phase;
+  setPhase(restingPhase(), "");
   if (!expectsEdits()) tell();
 }
 
 void LiveSession::tellRest() {
   const std::lock_guard lock(mutex_);
   if (state_.phase() == v1::PHASE_CLOSED) return;
-  if (isAtWork(state_.phase())) setPhase(resting_phase_, "");
+  if (isAtWork(state_.phase())) setPhase(restingPhase(), "");
   tell();
 }
 
@@ -89,9 +90,10 @@ void LiveSession::tellCancelled() {
     const std::lock_guard lock(flight_mutex_);
     return in_flight_ != nullptr && in_flight_->stopped_;
   }();
+  if (is_stopped) unexplained = nullptr;
   const std::lock_guard lock(mutex_);
   if (state_.phase() == v1::PHASE_CLOSED) return;
-  setPhase(resting_phase_, is_stopped ? "stopped" : "cancelled");
+  setPhase(restingPhase(), is_stopped ? "stopped" : "cancelled");
   if (is_stopped || !expectsEdits()) tell();
 }
 
@@ -113,6 +115,10 @@ void LiveSession::setPhase(v1::SessionPhase phase,
   state_.message(message.empty() ? warning_ : message);
   state_.progress(progress);
   if (!isAtWork(phase)) resting_phase_ = phase;
+}
+
+v1::SessionPhase LiveSession::restingPhase() const {
+  return unexplained ? v1::PHASE_OPTIMIZING : resting_phase_;
 }
 
 void LiveSession::tell() {
@@ -183,14 +189,9 @@ LiveSession::SolveInFlight::~SolveInFlight() {
 
 void LiveSession::SolveInFlight::giveWay() {
   if (!live_.expectsEdits() || cut_short_) return;
-  if (!explains_ && std::chrono::steady_clock::now() - begin_ < least_) return;
+  if (std::chrono::steady_clock::now() - begin_ < least_) return;
   cut_short_ = true;
   progress_.cancel();
-}
-
-void LiveSession::SolveInFlight::beginToExplain() {
-  explains_ = true;
-  giveWay();
 }
 
 void LiveSession::prepareSolids(const std::shared_ptr<LiveSession>& self, WorkerPool& pool) {

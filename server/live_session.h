@@ -35,11 +35,13 @@ struct AppliedEdit {
   v1::ClientId client{};
 };
 
+struct UnexplainedPose;  // handlers/optimize.h
+
 /// A session as the server runs it: the editable problem, its strand, and what is told of it.
 ///
 /// Threads: `session`, and what is said to belong to the strand, from tasks of `strand` alone;
 /// the rest from any thread.
-class LiveSession {
+class LiveSession : public std::enable_shared_from_this<LiveSession> {
  public:
   LiveSession(std::uint64_t id,
               session::Session session,
@@ -56,11 +58,13 @@ class LiveSession {
   void enter(v1::SessionPhase phase, const std::string& message = "", double progress = 0.0);
   /// As above, but silently where edits come faster than states are of use and many wait.
   void enterSoon(v1::SessionPhase phase);
-  /// Enters a phase in which nothing is done, silently where an edit waits: that nothing more
-  /// comes would not be true. Who refuses that edit has to tell it (`tellRest`).
+  /// Enters a phase in which nothing is done, once the pose that is out is explained; silently
+  /// where an edit waits: that nothing more comes would not be true. Who refuses that edit has
+  /// to tell it (`tellRest`).
   void settle(v1::SessionPhase phase);
   void tellRest();
-  /// Why a step ended that was cancelled, in the phase in which the session last rested.
+  /// Why a step ended that was cancelled, in the phase in which the session last rested. Where
+  /// it was stopped, the pose that is out is not explained either.
   void tellCancelled();
   /// As above within the present phase, at most ten times a second.
   void advance(std::string_view stage, double fraction);
@@ -87,20 +91,20 @@ class LiveSession {
   // === Edits on their way
 
   /// An edit was put on the strand; a solve in flight is cut short for it, but has its time
-  /// first: else a stream of edits would never see an answer. What explains a pose that is out
-  /// is cut short at once.
+  /// first: else a stream of edits would never see an answer.
   void expectEdit();
   /// It is being applied, or was not taken.
   void meetEdit();
 
   [[nodiscard]] bool expectsEdits() const { return expected_edits_ > 0; }
 
-  /// A solve that edits may cut short, and that anybody may stop, for as long as this lives. Of
-  /// the strand.
+  /// A solve or an explanation that edits may cut short, and that anybody may stop, for as long
+  /// as this lives. Of the strand.
   class SolveInFlight {
    public:
-    /// Has `least` before edits cut it short; `progress` is cancelled where it ends before its
-    /// end. Stopped from the start if somebody stopped what was asked for then.
+    /// Has `least` before edits cut it short (0: gives way at once); `progress` is cancelled
+    /// where it ends before its end. Stopped from the start if somebody stopped what was asked
+    /// for then.
     SolveInFlight(LiveSession& live, Progress& progress, std::chrono::milliseconds least);
     ~SolveInFlight();
     SolveInFlight(const SolveInFlight&) = delete;
@@ -108,8 +112,6 @@ class LiveSession {
 
     /// Ends the solve if an edit waits and the solve had its time. From solving threads.
     void giveWay();
-    /// The pose is out: what follows gives way at once.
-    void beginToExplain();
 
     [[nodiscard]] bool wasCutShort() const { return cut_short_; }
 
@@ -121,7 +123,6 @@ class LiveSession {
     Progress& progress_;
     const std::chrono::steady_clock::time_point begin_;
     const std::chrono::milliseconds least_;
-    std::atomic<bool> explains_{false};
     std::atomic<bool> cut_short_{false};
     std::atomic<bool> stopped_{false};
   };
@@ -156,10 +157,11 @@ class LiveSession {
   bool solve_is_queued = false;
   std::uint64_t queued_at_stops = 0;  ///< `stops()` when the last edit came that it answers
   std::uint64_t asked_at_stops = 0;   ///< `stops()` when what runs was asked for
-  bool owes_explanation = false;      ///< an edit came before the last pose was explained
-  int solves_cut_short = 0;           ///< one after another, since the last that ended by itself
-  int requests_cut_short = 0;         ///< that wait behind those edits
-  bool was_solved = false;  ///< and nothing of it was lost since, so that few starts do
+  /// That is out, as the session stands, and is to be explained.
+  std::shared_ptr<UnexplainedPose> unexplained;
+  int solves_cut_short = 0;    ///< one after another, since the last that ended by itself
+  int requests_cut_short = 0;  ///< that wait behind those edits
+  bool was_solved = false;     ///< and nothing of it was lost since, so that few starts do
   unsigned long long solved_revision = 0;
   // What the stages took, for the solution's times.
   double skin_ms = 0.0;             ///< of opening the session
@@ -172,6 +174,9 @@ class LiveSession {
   void describeSession();
   /// Sets a phase with what else there is to say; `mutex_` held.
   void setPhase(v1::SessionPhase phase, const std::string& message, double progress = 0.0);
+  /// The phase in which the session rests, or in which the pose that is out waits for its
+  /// explanation; `mutex_` held, of the strand.
+  [[nodiscard]] v1::SessionPhase restingPhase() const;
   /// Tells the audience unless it knows; `mutex_` held, so that states go out in order.
   void tell();
 
@@ -211,7 +216,7 @@ long long nowNs();
 /// (`after`), or why it failed. Exceptions pass through; a cancelled step leaves the phase in
 /// which the session last rested. Where an edit waits, its own phase follows instead.
 template <class Step>
-auto runPhase(LiveSession& live,
+void runPhase(LiveSession& live,
               v1::SessionPhase phase,
               v1::SessionPhase after,
               const Progress& progress,
@@ -222,9 +227,8 @@ auto runPhase(LiveSession& live,
     progress.report(stage, fraction);
   });
   try {
-    auto result = step(told);
+    step(told);
     live.settle(after);
-    return result;
   } catch (const Cancelled&) {
     live.tellCancelled();
     throw;

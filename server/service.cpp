@@ -61,7 +61,7 @@ Service::Service(Bus& bus, ModelStore& models, const ServiceOptions& options)
       reader_(options.reader, options.reader_limits),
       sessions_(options.most_sessions),
       quick_(1, kMostQuickWaiting),
-      pool_(options.workers, options.most_waiting),
+      pool_(options.workers, options.most_waiting, options.patience),
       workshop_{models, uploads_, reader_, sessions_, *this, pool_} {}
 
 Service::~Service() {
@@ -393,8 +393,6 @@ void Service::runEdit(const std::shared_ptr<LiveSession>& live,
     answerEdit(edit, applyEdit(*live, edit));
   } catch (...) {
     refuseEdit(edit, live->session().revision());
-    // What was cut short for its sake.
-    if (live->owes_explanation) queueSolve(live);
     if (!live->solve_is_queued && live->requests_cut_short == 0) live->tellRest();
     return;
   }
@@ -402,7 +400,7 @@ void Service::runEdit(const std::shared_ptr<LiveSession>& live,
   // gets more time, but no more than people hardly notice.
   constexpr int kMostForEdits = 4;
   live->solves_cut_short = std::min(live->solves_cut_short, kMostForEdits);
-  live->owes_explanation = false;
+  live->unexplained = nullptr;
   live->queued_at_stops = stops;
   live->enterSoon(v1::PHASE_OPTIMIZING);
   queueSolve(live);

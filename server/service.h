@@ -26,6 +26,7 @@ namespace handgraft::server {
 struct ServiceOptions {
   std::size_t workers = 2;         ///< for slow work; quick requests have a thread of their own
   std::size_t most_waiting = 256;  ///< tasks that may queue; more are refused
+  std::chrono::milliseconds patience = WorkerPool::kPatience;  ///< of idle tasks
   std::size_t most_per_client = 32;     ///< requests of one client that may be unanswered
   std::size_t most_bytes = 256u << 20;  ///< of all unanswered requests
   std::size_t most_sessions = 256;

@@ -6,8 +6,10 @@
 
 namespace handgraft::server {
 
-WorkerPool::WorkerPool(std::size_t threads, std::size_t most_waiting)
-    : most_waiting_(most_waiting) {
+WorkerPool::WorkerPool(std::size_t threads,
+                       std::size_t most_waiting,
+                       std::chrono::milliseconds patience)
+    : most_waiting_(most_waiting), patience_(patience) {
   HANDGRAFT_REQUIRE(threads > 0);
   threads_.reserve(threads);
   for (std::size_t i = 0; i < threads; ++i)
@@ -38,6 +40,14 @@ void WorkerPool::postAlways(std::function<void()> task) {
   changed_.notify_one();
 }
 
+void WorkerPool::postIdle(std::function<void()> task) {
+  {
+    const std::lock_guard lock(mutex_);
+    idle_.push_back({Clock::now(), std::move(task)});
+  }
+  changed_.notify_one();
+}
+
 void WorkerPool::shut() {
   {
     const std::lock_guard lock(mutex_);
@@ -53,15 +63,28 @@ void WorkerPool::run() {
   std::unique_lock lock(mutex_);
   while (true) {
     changed_.wait(lock, [this] {
-      return shut_ || !tasks_.empty();
+      return shut_ || !tasks_.empty() || !idle_.empty();
     });
-    if (tasks_.empty()) return;
-    const std::function<void()> task = std::move(tasks_.front());
-    tasks_.pop_front();
+    if (tasks_.empty() && idle_.empty()) return;
+    std::function<void()> task = take();
     lock.unlock();
     task();
+    task = nullptr;  // what it held goes without the lock
     lock.lock();
   }
+}
+
+std::function<void()> WorkerPool::take() {
+  std::function<void()> task;
+  const bool is_patient = idle_.empty() || Clock::now() - idle_.front().posted < patience_;
+  if (!tasks_.empty() && is_patient) {
+    task = std::move(tasks_.front());
+    tasks_.pop_front();
+  } else {
+    task = std::move(idle_.front().run);
+    idle_.pop_front();
+  }
+  return task;
 }
 
 Strand::Strand(WorkerPool& pool, std::size_t most_waiting)
@@ -97,6 +120,18 @@ void Strand::postFromTask(std::function<void()> task) {
   const std::lock_guard lock(state_->mutex);
   HANDGRAFT_REQUIRE(state_->scheduled);
   state_->tasks.push_back(std::move(task));
+}
+
+void Strand::postIdleFromTask(std::function<void()> task) {
+  pool_.postIdle([&pool = pool_, state = state_, task = std::move(task)]() mutable {
+    {
+      const std::lock_guard lock(state->mutex);
+      state->tasks.push_back(std::move(task));
+      if (state->scheduled) return;
+      state->scheduled = true;
+    }
+    runOne(pool, state);
+  });
 }
 
 void Strand::runOne(WorkerPool& pool, const std::shared_ptr<State>& state) {

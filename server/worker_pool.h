@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
@@ -11,11 +12,16 @@
 
 namespace handgraft::server {
 
-/// A fixed number of threads that run tasks in the order given. Tasks must not throw.
+/// A fixed number of threads that run tasks in the order given, and idle ones of strands when
+/// nothing else waits. Tasks must not throw.
 class WorkerPool {
  public:
-  /// `most_waiting` tasks may queue.
-  WorkerPool(std::size_t threads, std::size_t most_waiting);
+  static constexpr std::chrono::milliseconds kPatience{250};
+
+  /// `most_waiting` tasks may queue. An idle task that has waited for `patience` is next.
+  WorkerPool(std::size_t threads,
+             std::size_t most_waiting,
+             std::chrono::milliseconds patience = kPatience);
   /// Finishes what runs and what waits.
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
@@ -29,13 +35,25 @@ class WorkerPool {
 
  private:
   friend class Strand;
+  using Clock = std::chrono::steady_clock;
+
+  struct IdleTask {
+    Clock::time_point posted;
+    std::function<void()> run;
+  };
+
   void postAlways(std::function<void()> task);
+  void postIdle(std::function<void()> task);
   void run();
+  /// The next one, of those that wait; `mutex_` held.
+  std::function<void()> take();
 
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<std::function<void()>> tasks_;
+  std::deque<IdleTask> idle_;  ///< the longest waiting one first
   std::size_t most_waiting_;
+  std::chrono::milliseconds patience_;
   bool shut_ = false;
   std::vector<std::thread> threads_;
 };
@@ -54,6 +72,10 @@ class Strand {
   /// Takes one more task than may wait. Of a task of this strand alone: its place in the pool
   /// is ours already.
   void postFromTask(std::function<void()> task);
+
+  /// Likewise, and the task comes when nothing waits in the pool or it has waited for the
+  /// pool's patience, behind what the strand has to do by then.
+  void postIdleFromTask(std::function<void()> task);
 
  private:
   struct State {

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
+#include "core/base/error.h"
 #include "core/session/solids.h"
 #include "server/convert.h"
 #include "server/handlers/transfer.h"
@@ -47,56 +50,95 @@ double awaitSolids(const session::Session& session, const Progress& progress) {
   return msSince(begin);
 }
 
-/// A final pose on its way out, and what is told beside it.
-struct Answer {
-  v1::PoseSolution message;
-  const optimize::PoseProblem& problem;
-  const optimize::SolveReport& report;
-  const session::Solving& solving;
-  double optimize_ms = 0.0;
-  Clock::time_point begin;  ///< of the message
-};
+std::vector<v1::StageTime> timesOf(const LiveSession& live,
+                                   const UnexplainedPose& pose,
+                                   double solids_ms) {
+  return {stageTime("skin", live.skin_ms), stageTime("transfer", pose.transfer_ms),
+          stageTime("optimize", pose.optimize_ms), stageTime("solids", solids_ms),
+          stageTime("report", pose.report_ms)};
+}
 
-/// Publishes a pose as soon as it is known, and once more when it is explained; what was
-/// published last. The pose stands whatever cuts its explanation short.
-v1::PoseSolution publishAndExplain(LiveSession& live,
-                                   Answer answer,
-                                   LiveSession::SolveInFlight& flight,
-                                   const Progress& told) {
-  v1::PoseSolution& message = answer.message;
-  const auto timesWith = [&](double solids_ms) -> std::vector<v1::StageTime> {
-    return {stageTime("skin", live.skin_ms), stageTime("transfer", live.untold_transfer_ms),
-            stageTime("optimize", answer.optimize_ms), stageTime("solids", solids_ms),
-            stageTime("report", msSince(answer.begin) - solids_ms)};
-  };
+/// Publishes a pose as soon as it is known, and keeps it for its explanation.
+void publishUnexplained(LiveSession& live,
+                        const session::Solving& solving,
+                        UnexplainedPose pose) {
   live.solved_revision = live.session().revision();
-  message.options(toMessage(answer.solving));
-  message.chosen_minimum(static_cast<std::uint32_t>(live.session().chosenMinimum()));
-  message.times(timesWith(0.0));
-  message = live.publish(std::move(message));
-  flight.beginToExplain();
-  live.owes_explanation = false;
+  pose.asked_at_stops = live.asked_at_stops;
+  pose.transfer_ms = std::exchange(live.untold_transfer_ms, 0.0);
+  pose.message.options(toMessage(solving));
+  pose.message.chosen_minimum(static_cast<std::uint32_t>(live.session().chosenMinimum()));
+  pose.message.times(timesOf(live, pose, 0.0));
+  pose.message = live.publish(std::move(pose.message));
+  live.unexplained = std::make_shared<UnexplainedPose>(std::move(pose));
+}
+
+/// Publishes the pose that is out once more, explained.
+void publishExplained(LiveSession& live, UnexplainedPose& pose, const Progress& progress) {
+  progress.checkpoint();
+  const double solids_ms = awaitSolids(live.session(), progress);
+  const Clock::time_point begin = Clock::now();
+  v1::PoseSolution explained = pose.message;
+  explain(live.session(), pose.problem, pose.report, live.fit_check, explained, progress);
+  pose.report_ms += msSince(begin);
+  explained.times(timesOf(live, pose, solids_ms));
+  pose.message = live.publish(std::move(explained));
+}
+
+void explainLater(LiveSession& live);
+
+/// Explains the pose that is out, and rests; later if an edit comes first, which may be
+/// refused. The pose stands whatever ends its explanation, and is returned as it was published
+/// last.
+v1::PoseSolution explainNow(LiveSession& live, const Progress& progress) {
+  const std::shared_ptr<UnexplainedPose> pose = live.unexplained;
+  Progress stoppable(progress, [&](std::string_view stage, double fraction) {
+    live.advance(stage, fraction);
+    progress.report(stage, fraction);
+  });
+  LiveSession::SolveInFlight flight(live, stoppable, std::chrono::milliseconds(0));
+  flight.giveWay();  // to an edit that came before
   try {
-    told.checkpoint();
-    v1::PoseSolution explained = message;
-    const double solids_ms = awaitSolids(live.session(), told);
-    explain(live.session(), answer.problem, answer.report, live.fit_check, explained, told);
-    explained.times(timesWith(solids_ms));
-    message = live.publish(std::move(explained));
+    publishExplained(live, *pose, stoppable);
   } catch (const Cancelled&) {
-    live.owes_explanation = flight.wasCutShort();
+    if (flight.wasCutShort() && !flight.wasStopped()) {
+      explainLater(live);
+      return pose->message;
+    }
+  } catch (const std::exception& error) {
+    live.unexplained = nullptr;
+    live.enter(v1::PHASE_FAILED, error.what());
+    throw;
   }
-  live.untold_transfer_ms = 0.0;
-  return std::move(message);
+  live.unexplained = nullptr;
+  live.settle(v1::PHASE_READY);
+  return pose->message;
+}
+
+/// Unless the pose is outdated by then.
+void explainLater(LiveSession& live) {
+  const auto explainIt = [self = live.shared_from_this(),
+                          pose = std::weak_ptr<UnexplainedPose>(live.unexplained)] {
+    const auto mine = pose.lock();
+    if (!mine || mine != self->unexplained) return;
+    if (self->state().phase() == v1::PHASE_CLOSED) return;
+    self->asked_at_stops = mine->asked_at_stops;
+    try {
+      explainNow(*self, self->solves());
+    } catch (const std::exception& error) {  // nobody waits for a reply
+      spdlog::info("event=explain session={} message={}", self->id(),
+                   handgraft::quoted(error.what()));
+    }
+  };
+  live.strand().postIdleFromTask(explainIt);
 }
 
 /// Solves, publishes better poses on the way, takes the answer and publishes it.
-v1::PoseSolution solveAndTake(LiveSession& live,
-                              const session::Solving& solving,
-                              bool places_stay,
-                              Workshop& workshop,
-                              LiveSession::SolveInFlight& flight,
-                              const Progress& told) {
+void solveAndTake(LiveSession& live,
+                  const session::Solving& solving,
+                  bool places_stay,
+                  Workshop& workshop,
+                  LiveSession::SolveInFlight& flight,
+                  const Progress& told) {
   session::Session& session = live.session();
   bringUpToDate(live, told);
   if (!live.was_solved) {
@@ -122,26 +164,27 @@ v1::PoseSolution solveAndTake(LiveSession& live,
     run.threads = share.threads();
     return session.solve(solving, run, told);
   }();
-  const double spent_ms = msSince(begin);
   const Clock::time_point solved = Clock::now();
-  const optimize::SolveReport report = solution.report;
+  UnexplainedPose pose;
+  pose.optimize_ms = std::chrono::duration<double, std::milli>(solved - begin).count();
+  pose.report = solution.report;
   session.commit(std::move(solution));
   live.was_solved = true;
   live.solves_cut_short = 0;
-  return publishAndExplain(live,
-                           {solutionMessage(session, report), *session.solvedProblem(), report,
-                            solving, spent_ms, solved},
-                           flight, told);
+  pose.message = solutionMessage(session, pose.report);
+  pose.problem = *session.solvedProblem();
+  pose.report_ms = msSince(solved);
+  publishUnexplained(live, solving, std::move(pose));
 }
 
 /// Runs `step(flight, told)` in a phase, as something that edits may cut short after `least`
 /// and that anybody may stop.
 template <class Step>
-v1::PoseSolution fly(LiveSession& live,
-                     v1::SessionPhase phase,
-                     std::chrono::milliseconds least,
-                     const Progress& progress,
-                     const Step& step) {
+void fly(LiveSession& live,
+         v1::SessionPhase phase,
+         std::chrono::milliseconds least,
+         const Progress& progress,
+         const Step& step) {
   LiveSession::SolveInFlight* in_flight = nullptr;
   Progress stoppable(progress, [&](std::string_view stage, double fraction) {
     in_flight->giveWay();
@@ -154,8 +197,8 @@ v1::PoseSolution fly(LiveSession& live,
       live.tellCancelled();
       throw Cancelled();
     }
-    return runPhase(live, phase, v1::PHASE_READY, stoppable, [&](const Progress& told) {
-      return step(flight, told);
+    runPhase(live, phase, v1::PHASE_READY, stoppable, [&](const Progress& told) {
+      step(flight, told);
     });
   } catch (const Cancelled&) {
     if (flight.wasStopped()) {
@@ -167,37 +210,38 @@ v1::PoseSolution fly(LiveSession& live,
   }
 }
 
-v1::PoseSolution solve(LiveSession& live,
-                       const session::Solving& solving,
-                       bool places_stay,
-                       Workshop& workshop,
-                       const Progress& progress) {
+void solve(LiveSession& live,
+           const session::Solving& solving,
+           bool places_stay,
+           Workshop& workshop,
+           const Progress& progress) {
   const auto least = kLeastSolve * (1 << std::min(live.solves_cut_short, kMostDoublings));
-  return fly(live, v1::PHASE_OPTIMIZING, least, progress,
-             [&](LiveSession::SolveInFlight& flight, const Progress& told) {
-               try {
-                 return solveAndTake(live, solving, places_stay, workshop, flight, told);
-               } catch (const Cancelled&) {
-                 live.session().noteCancelledSolve();
-                 throw;
-               }
-             });
+  fly(live, v1::PHASE_OPTIMIZING, least, progress,
+      [&](LiveSession::SolveInFlight& flight, const Progress& told) {
+        try {
+          solveAndTake(live, solving, places_stay, workshop, flight, told);
+        } catch (const Cancelled&) {
+          live.session().noteCancelledSolve();
+          throw;
+        }
+      });
 }
 
 /// What stands after an undo, a redo or a restore needs no search.
-v1::PoseSolution publishStanding(LiveSession& live, const Progress& progress) {
-  return fly(live, v1::PHASE_TRANSFERRING, kUnhurried, progress,
-             [&](LiveSession::SolveInFlight& flight, const Progress& told) {
-               session::Session& session = live.session();
-               bringUpToDate(live, told);
-               const Clock::time_point begin = Clock::now();
-               const session::Solution standing = session.standing(told);
-               return publishAndExplain(
-                   live,
-                   {solutionMessage(session, standing.problem, standing.report),
-                    standing.problem, standing.report, session.document().solving, 0.0, begin},
-                   flight, told);
-             });
+void publishStanding(LiveSession& live, const Progress& progress) {
+  fly(live, v1::PHASE_TRANSFERRING, kUnhurried, progress,
+      [&](LiveSession::SolveInFlight&, const Progress& told) {
+        session::Session& session = live.session();
+        bringUpToDate(live, told);
+        const Clock::time_point begin = Clock::now();
+        session::Solution standing = session.standing(told);
+        UnexplainedPose pose;
+        pose.message = solutionMessage(session, standing.problem, standing.report);
+        pose.problem = std::move(standing.problem);
+        pose.report = std::move(standing.report);
+        pose.report_ms = msSince(begin);
+        publishUnexplained(live, session.document().solving, std::move(pose));
+      });
 }
 
 }  // namespace
@@ -216,25 +260,29 @@ v1::PoseSolution optimizePose(LiveSession& live,
   // A minimum that was chosen stands until somebody asks for another search.
   if (request.options().empty() && live.session().chosenMinimum() > 0 &&
       !live.session().needsSolve()) {
-    return publishStanding(live, progress);
+    publishStanding(live, progress);
+  } else {
+    const session::Solving solving = request.options().empty()
+                                         ? live.session().document().solving
+                                         : solvingFrom(request.options().front());
+    solve(live, solving, false, workshop, progress);
   }
-  const session::Solving solving = request.options().empty()
-                                       ? live.session().document().solving
-                                       : solvingFrom(request.options().front());
-  return solve(live, solving, false, workshop, progress);
+  return explainNow(live, progress);
 }
 
-v1::PoseSolution optimizeAfterEdit(LiveSession& live,
-                                   Workshop& workshop,
-                                   const Progress& progress) {
+void optimizeAfterEdit(LiveSession& live, Workshop& workshop, const Progress& progress) {
   const session::Session& session = live.session();
-  if (!session.needsSolve()) return publishStanding(live, progress);
-  session::Solving solving = session.document().solving;
-  const bool follows = session.document().start_is_known;
-  if (follows && solving.starts == optimize::kDefaultStarts && !solving.paper) {
-    solving.starts = kStartsAfterEdit;
+  if (!session.needsSolve()) {
+    publishStanding(live, progress);
+  } else {
+    session::Solving solving = session.document().solving;
+    const bool follows = session.document().start_is_known;
+    if (follows && solving.starts == optimize::kDefaultStarts && !solving.paper) {
+      solving.starts = kStartsAfterEdit;
+    }
+    solve(live, solving, follows, workshop, progress);
   }
-  return solve(live, solving, follows, workshop, progress);
+  explainLater(live);
 }
 
 }  // namespace handgraft::server

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/base/progress.h"
+#include "core/optimize/pose_problem.h"
 #include "core/optimize/solver.h"
 #include "idl/sessions.h"
 #include "server/rejection.h"
@@ -21,12 +22,24 @@ class CutShort : public Rejection {
   std::uint64_t revision_;
 };
 
+/// A final pose that is out, and what its explanation is made of.
+struct UnexplainedPose {
+  v1::PoseSolution message;  ///< as it was published
+  optimize::PoseProblem problem;
+  optimize::SolveReport report;
+  std::uint64_t asked_at_stops = 0;  ///< as of the session, for what it answers
+  // What the stages took.
+  double transfer_ms = 0.0;
+  double optimize_ms = 0.0;
+  double report_ms = 0.0;
+};
+
 /// Transfers what is not up to date and solves, the session's own way unless the request says
 /// another; better poses on the way are published, at most 1000 a second, and the final one is,
 /// then once more when it is explained, and is returned. An edit, a stop or the client's wish
-/// after the pose is out end the explanation alone; the pose is returned as it is. Of the
-/// session's strand.
-/// Errors: CutShort; Rejection (ERROR_CANCELLED) if somebody stopped it; Cancelled on wish.
+/// after the pose is out end the explanation alone; the pose is returned as it is, and
+/// explained later if that edit is refused. Of the session's strand. Errors: CutShort;
+/// Rejection (ERROR_CANCELLED) if somebody stopped it; Cancelled on wish.
 v1::PoseSolution optimizePose(LiveSession& live,
                               const v1::OptimizeRequest& request,
                               Workshop& workshop,
@@ -34,9 +47,8 @@ v1::PoseSolution optimizePose(LiveSession& live,
 
 /// The solution that answers edits: what stands, after undo and the like; else the session's
 /// way of solving, where the number of starts was left to us from where the hand is, with two,
-/// and with roots and directions where they are, so that it follows a drag. Errors: as above.
-v1::PoseSolution optimizeAfterEdit(LiveSession& live,
-                                   Workshop& workshop,
-                                   const Progress& progress);
+/// and with roots and directions where they are, so that it follows a drag. Explained by an
+/// idle task of the strand: what other sessions have to do comes first. Errors: as above.
+void optimizeAfterEdit(LiveSession& live, Workshop& workshop, const Progress& progress);
 
 }  // namespace handgraft::server

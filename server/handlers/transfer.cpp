@@ -24,17 +24,17 @@ void bringUpToDate(LiveSession& live, const Progress& progress) {
 
 v1::TransferReply transferPatches(LiveSession& live, const Progress& progress) {
   const v1::SessionPhase after = live.was_solved ? v1::PHASE_READY : v1::PHASE_OPEN;
-  return runPhase(live, v1::PHASE_TRANSFERRING, after, progress, [&](const Progress& told) {
+  v1::TransferReply reply;
+  runPhase(live, v1::PHASE_TRANSFERRING, after, progress, [&](const Progress& told) {
     bringUpToDate(live, told);
-    v1::TransferReply reply;
     reply.session_id(live.id());
     reply.revision(live.session().revision());
     reply.patches(patchReports(live.session()));
     reply.notes(live.session().notes());
     reply.transfer_ms(live.transfer_ms);
     reply.options(toMessage(live.session().transferOptions()));
-    return reply;
   });
+  return reply;
 }
 
 }  // namespace handgraft::server
