@@ -84,7 +84,7 @@ std::string configurationOf(const NetworkInterface& interface) {
       "<General><Interfaces><NetworkInterface name=\"{}\"/></Interfaces>"
       "<AllowMulticast>{}</AllowMulticast>"
       "<MaxMessageSize>65500B</MaxMessageSize><FragmentSize>65000B</FragmentSize></General>"
-      "<Discovery><LeaseDuration>3s</LeaseDuration><SPDPInterval>500ms</SPDPInterval>"
+      "<Discovery><LeaseDuration>20s</LeaseDuration><SPDPInterval>500ms</SPDPInterval>"
       "<ParticipantIndex>auto</ParticipantIndex>"
       "<MaxAutoParticipantIndex>100</MaxAutoParticipantIndex>{}</Discovery>"
       "<Internal><SocketReceiveBufferSize max=\"4MB\"/></Internal>"

@@ -42,7 +42,9 @@ dds::DomainParticipantQos participantQos(const NetworkInterface& interface) {
   udp->non_blocking_send = false;
   auto& protocol = qos.wire_protocol();
   auto& discovery = protocol.builtin.discovery_config;
-  discovery.leaseDuration = {3, 0};
+  // Who outlasts its lease is dropped and never found again, though it lives: stopped processes
+  // need time (idl/README).
+  discovery.leaseDuration = {20, 0};
   // A client that has just come up learns of us by the next announcement: measured, it misses
   // the direct answer to its own.
   discovery.leaseDuration_announcementperiod = {0, 200'000'000};
