@@ -11,6 +11,7 @@
 #include "hardware/bridge/command_filter.h"
 #include "hardware/bridge/hand_describer.h"
 #include "hardware/bridge/motion_thread.h"
+#include "hardware/bridge/rival_watch.h"
 #include "hardware/bridge/server_watch.h"
 #include "hardware/bridge/stream_feed.h"
 #include "hardware/bridge/telemetry.h"
@@ -50,6 +51,7 @@ struct Bridge::Impl {
         estop(estop_flag),
         report(std::move(say_to)),
         filter(told.bridge_id),
+        rivals(told.bridge_id),
         feed(told.session,
              told.with_intermediate,
              !told.config && told.arms_itself,
@@ -59,6 +61,7 @@ struct Bridge::Impl {
         sessions(participant, idl::kSessionTopic),
         solutions(participant, idl::kSolutionTopic),
         commands(participant, idl::kHandCommandTopic),
+        heard_statuses(participant, idl::kBridgeStatusTopic),
         joint_states(participant, idl::kJointStateTopic),
         bridge_statuses(participant, idl::kBridgeStatusTopic),
         ros_joint_states(participant, idl::kRosJointStatesTopic) {
@@ -115,6 +118,7 @@ struct Bridge::Impl {
   // === Once a turn
 
   void turn(Clock::time_point now) {
+    lookForRivals(now);
     takeCommands();
     takeStream(now);
     passPose(now);
@@ -124,7 +128,22 @@ struct Bridge::Impl {
     publish(news, now);
   }
 
-  // Commands first: a stop does not wait for anything.
+  // Whoever arms one of two bridges with the same number arms both, knowing of one.
+  void lookForRivals(Clock::time_point now) {
+    heard_statuses.take([&](const v1::BridgeStatus& status) {
+      rivals.see(status, now);
+    });
+    const std::optional<std::string> found = rivals.rival(now);
+    if (found.has_value() == !rival.empty()) return;
+    rival = !found ? ""
+                   : fmt::format(
+                         "another bridge {} is there: {}; end one, or give it another "
+                         "number with --bridge-id",
+                         options.bridge_id, *found);
+    say(found ? rival : "the other bridge of this number is gone");
+  }
+
+  // Commands before poses: a stop does not wait for anything.
   void takeCommands() {
     commands.take([this](const v1::HandCommand& command) {
       if (filter.passes(command)) obey(command.kind());
@@ -132,6 +151,13 @@ struct Bridge::Impl {
   }
 
   void obey(v1::HandCommandKind kind) {
+    own_refusal.clear();
+    const bool moves = kind == v1::COMMAND_ARM || kind == v1::COMMAND_HOME;
+    if (moves && !rival.empty()) {
+      own_refusal =
+          fmt::format("{} refused: {}", kind == v1::COMMAND_ARM ? "ARM" : "HOME", rival);
+      return say(own_refusal);
+    }
     if (kind == v1::COMMAND_ARM) is_willing = !options.config && options.arms_itself;
     if (kind == v1::COMMAND_DISARM || kind == v1::COMMAND_ESTOP) is_willing = false;
     if (!motion) {
@@ -170,9 +196,10 @@ struct Bridge::Impl {
     feed.serverIsThere(is_there);
     sessions.take([this](const v1::SessionState& session) {
       if (feed.see(session) || session.phase() == v1::PHASE_CLOSED) return;
-      say(fmt::format("session {} is of hand {}, this one is {}: passed over",
-                      session.session_id(), handgraft::quoted(session.hand()),
-                      handgraft::quoted(options.config->hand)));
+      passed_over = fmt::format("session {} is of hand {}, this one is {}: passed over",
+                                session.session_id(), handgraft::quoted(session.hand()),
+                                handgraft::quoted(options.config->hand));
+      say(passed_over);
     });
     solutions.take([this](const v1::PoseSolution& solution) {
       feed.see(solution);
@@ -196,6 +223,7 @@ struct Bridge::Impl {
     if (identity.session_id != pose.pose.session_id)
       say(fmt::format("following session {}", pose.pose.session_id));
     identity.session_id = pose.pose.session_id;
+    passed_over.clear();
     if (!pose.is_repeat) {
       arrived = false;
       pose_number = pose.pose.sequence_number;
@@ -241,7 +269,9 @@ struct Bridge::Impl {
   }
 
   void armIfWilling() {
-    if (!is_willing || !motion || !feed.alive() || state().stream != *feed.alive()) return;
+    if (!rival.empty() || !is_willing || !motion || !feed.alive() ||
+        state().stream != *feed.alive())
+      return;
     const bool rests =
         state().state == GovernorState::kIdle ||
         (state().state == GovernorState::kHolding && state().hold != HoldCause::kDisarmed);
@@ -256,7 +286,10 @@ struct Bridge::Impl {
       if (!homed_text.empty()) say(std::exchange(homed_text, {}));
     }
     const MotionState& now = state();
-    if (now.refusals != told_refusals) say(std::string(now.last_refusal.view()));
+    if (now.refusals != told_refusals) {
+      own_refusal.clear();
+      if (!now.last_refusal.view().empty()) say(std::string(now.last_refusal.view()));
+    }
     told_refusals = now.refusals;
     std::string reason = bridge::describe(now);
     if (reason != told_reason) {
@@ -291,7 +324,13 @@ struct Bridge::Impl {
   // === Telemetry
 
   void publish(const MotionState* news, Clock::time_point now) {
-    const v1::BridgeStatus status = bridgeStatus(identity, state(), systemTimeOf(now));
+    v1::BridgeStatus status = bridgeStatus(identity, state(), systemTimeOf(now));
+    if (!rival.empty()) status.reason(status.reason() + "; " + rival);
+    if (!own_refusal.empty()) status.last_refusal(own_refusal);
+    // The motion never hears of sessions that are not for it.
+    const bool lacks_pose = status.last_refusal() == "ARM refused: no fresh pose";
+    if (lacks_pose && !passed_over.empty())
+      status.last_refusal(status.last_refusal() + ": " + passed_over);
     const bool is_new =
         status.state() != last_status.state() || status.fault() != last_status.fault() ||
         status.powered() != last_status.powered() || status.homed() != last_status.homed() ||
@@ -308,7 +347,10 @@ struct Bridge::Impl {
         joint_states.write(jointState(identity, names, state(), ++sequence_number, stamp));
         if (is_measured) ros_joint_states.write(rosJointState(names, *news, stamp));
       }
-      if (is_due) bridge_statuses.write(status);
+      if (is_due) {
+        rivals.noteOwn(status.stamp_ns());
+        bridge_statuses.write(status);
+      }
     } catch (const TransportError& error) {
       say(fmt::format("telemetry: {}", error.what()));
     }
@@ -336,6 +378,7 @@ struct Bridge::Impl {
   std::atomic<bool>& estop;
   Report report;
   CommandFilter filter;
+  RivalWatch rivals;
   StreamFeed feed;
   ServerWatch watch;
   HandDescriber describer;
@@ -354,6 +397,9 @@ struct Bridge::Impl {
   std::optional<HandQuestion> answered;  // the plan's
   std::optional<HandPlan> plan;
 
+  std::string rival;        // of the same number, and what to do about it; empty: none
+  std::string passed_over;  // the session of another hand, since the last pose; empty: none
+  std::string own_refusal;  // of a command that the motion never saw; empty: none, or older
   std::string last_said;
   std::string told_reason;
   std::uint64_t told_refusals = 0;
@@ -368,6 +414,7 @@ struct Bridge::Impl {
   Reader<v1::SessionState> sessions;
   Reader<v1::PoseSolution> solutions;
   Reader<v1::HandCommand> commands;
+  Reader<v1::BridgeStatus> heard_statuses;
   Writer<v1::JointState> joint_states;
   Writer<v1::BridgeStatus> bridge_statuses;
   Writer<RosJointState> ros_joint_states;

@@ -13,6 +13,7 @@
 #include "core/base/network.h"
 #include "hardware/bridge/bridge.h"
 #include "hardware/bridge/report_line.h"
+#include "hardware/bridge/rival_watch.h"
 #include "hardware/config/hand_config_file.h"
 
 namespace {
@@ -38,7 +39,7 @@ struct Options {
   bridge::BridgeOptions bridge;
   std::string session = "any";
   std::string config;
-  std::string port;
+  std::optional<std::string> port;
   double rate_hz = 100;
   bool disarmed = false;
   bool json = false;
@@ -103,10 +104,11 @@ void readConfig(const Options& options, bridge::BridgeOptions& told) {
   if (options.config.empty()) return;
   told.config = config::readHandConfig(options.config);
   told.config_name = options.config;
-  if (options.port.empty()) return;
+  if (!options.port) return;
+  if (options.port->empty()) rejectInput("--port '': it names no port");
   if (told.config->device.kind == config::DeviceKind::kSimulated)
-    rejectInput("--port {}: a simulated hand has none", quoted(options.port));
-  told.config->device.port = options.port;
+    rejectInput("--port {}: a simulated hand has none", quoted(*options.port));
+  told.config->device.port = *options.port;
 }
 
 void print(const bridge::BridgeReport& report, bool json) {
@@ -129,6 +131,7 @@ int run(Options& options) {
   std::signal(SIGPIPE, SIG_IGN);  // who watches may go away; the hand stays
 
   const idl::cyclone::Participant participant(options.network);
+  bridge::requireNoRival(participant, options.bridge.bridge_id, stop_requested);
   bridge::Bridge hand_bridge(participant, options.bridge, estop_requested,
                              [&](const bridge::BridgeReport& report) {
                                print(report, options.json);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "hardware/bridge/pose_refusal.h"
 
 namespace handgraft::bridge {
 
@@ -63,9 +64,14 @@ void Motion::offer(const StreamPose& pose) {
     is_clamped_ = governor_.counters().clamped_samples != clamped;
     state_.stream = pose.stream;
     renewed_at_ = pose.arrived;
+    pose_refusal_.set("");
+    if (is_last_refusal_a_poses_) accept();
   } else {
     ++state_.poses_refused;
-    refuse("pose", toString(verdict));
+    pose_refusal_ =
+        describeRefusal(verdict, config_.governor.names, pose.names, pose.joint_rad.size());
+    refuse("pose", pose_refusal_.view());
+    is_last_refusal_a_poses_ = true;
   }
 }
 
@@ -82,18 +88,24 @@ void Motion::request(Request request) {
       } else if (!state_.is_homed) {
         refuse("ARM", "HOME first: zeros are not known");
       } else if (const Refusal refusal = governor_.arm(clock_()); refusal != Refusal::kNone) {
-        refuse("ARM", toString(refusal));
+        const bool is_pose_wanted = refusal == Refusal::kNoFreshStream;
+        refuse("ARM", toString(refusal),
+               is_pose_wanted ? pose_refusal_.view() : std::string_view());
       } else {
         state_.trouble.set("");
+        accept();
       }
       return;
     case Request::kDisarm:
+      accept();
       if (homing_) homing_->abort(false);
       governor_.disarm();
       return;
     case Request::kReset:
       if (const Refusal refusal = governor_.reset(); refusal != Refusal::kNone)
         refuse("RESET", toString(refusal));
+      else
+        accept();
       return;
     case Request::kHome:
       beginHoming();
@@ -102,15 +114,24 @@ void Motion::request(Request request) {
 }
 
 void Motion::estop() {
+  accept();
   governor_.estop();
   if (homing_) homing_->abort(config_.governor.stop_mode == safety::StopMode::kCut);
 }
 
-void Motion::refuse(std::string_view what, std::string_view why) {
+void Motion::refuse(std::string_view what, std::string_view why, std::string_view detail) {
   ++state_.refusals;
-  std::array<char, 160> text{};
-  const auto end = fmt::format_to_n(text.data(), text.size(), "{} refused: {}", what, why);
+  is_last_refusal_a_poses_ = false;
+  std::array<char, 240> text{};
+  const auto end = fmt::format_to_n(text.data(), text.size(), "{} refused: {}{}{}", what, why,
+                                    detail.empty() ? "" : ": ", detail);
   state_.last_refusal.set({text.data(), std::min(end.size, text.size())});
+}
+
+// What was refused before is no news any more.
+void Motion::accept() {
+  state_.last_refusal.set("");
+  is_last_refusal_a_poses_ = false;
 }
 
 // === One period
@@ -257,6 +278,7 @@ void Motion::beginHoming() {
   } else if (governor_.state() != GovernorState::kIdle || stack_.device->isArmed()) {
     refuse("HOME", "only with the motors off, in state idle");
   } else {
+    accept();
     stack_ = {};  // the wire is needed
     is_open_ = false;
     homing_ = std::make_unique<HandHoming>(config_, make_device_, clock_);

@@ -81,7 +81,8 @@ class Motion {
   void heal();
   void beginHoming();
   void turnHoming(safety::Time now);
-  void refuse(std::string_view what, std::string_view why);
+  void refuse(std::string_view what, std::string_view why, std::string_view detail = {});
+  void accept();
   void noteFault();
   void tell(safety::Time now);
   void noteTemperature();
@@ -101,6 +102,8 @@ class Motion {
   bool guard_failed_ = false;
   bool was_slow_ = false;
   bool is_clamped_ = false;  // the newest accepted pose
+  bool is_last_refusal_a_poses_ = false;
+  FixedText pose_refusal_;  // why the newest pose was refused; empty: it was accepted
   std::optional<safety::Time> next_open_;
   std::optional<safety::Time> renewed_at_;
   std::uint64_t limited_before_ = 0;

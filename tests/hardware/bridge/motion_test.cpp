@@ -95,6 +95,51 @@ TEST_P(EveryHandInMotion, WhatIsSentIsTheGovernorsOutputWithinOneUnit) {
   EXPECT_TRUE(has_moved);
 }
 
+TEST_P(EveryHandInMotion, SaysWhichJointKeepsItFromBeingArmed) {
+  ASSERT_TRUE(hand_.turnUntil(GovernorState::kIdle)) << told();
+  const std::vector<std::string>& names = hand_.motion().config().governor.names;
+  StreamPose pose;
+  pose.stream = pose.sequence = 1;
+  pose.arrived = hand_.now();
+  pose.names = names;
+  pose.names.back() = "tumb";
+  pose.joint_rad.resize(names.size());
+  hand_.motion().offer(pose);
+  const std::string why =
+      "wrong joint names: '" + names.back() + "' is missing, 'tumb' is none of its joints";
+  hand_.turn();
+  EXPECT_EQ(hand_.state().last_refusal.view(), "pose refused: " + why);
+  hand_.motion().request(Request::kArm);
+  hand_.turn();
+  EXPECT_EQ(hand_.state().last_refusal.view(), "ARM refused: no fresh pose: " + why);
+  EXPECT_FALSE(hand_.rig().isPowered());
+  hand_.offer(0.4);
+  hand_.motion().request(Request::kArm);
+  hand_.turn();
+  EXPECT_EQ(state(), GovernorState::kArmed) << told();
+}
+
+TEST_P(EveryHandInMotion, ForgetsARefusalOnceSomethingIsAccepted) {
+  ASSERT_TRUE(hand_.turnUntil(GovernorState::kIdle)) << told();
+  hand_.motion().request(Request::kReset);
+  hand_.turn();
+  EXPECT_EQ(hand_.state().last_refusal.view(), "RESET refused: nothing to reset");
+  hand_.offer(0.4);
+  hand_.turn();
+  EXPECT_EQ(hand_.state().last_refusal.view(), "RESET refused: nothing to reset")
+      << "a pose does not answer a command";
+  hand_.motion().request(Request::kArm);
+  hand_.turn();
+  EXPECT_EQ(hand_.state().last_refusal.view(), "");
+  hand_.offer(std::vector<double>{0.1});
+  hand_.turn();
+  EXPECT_NE(hand_.state().last_refusal.view(), "");
+  hand_.offer(0.4);
+  hand_.turn();
+  EXPECT_EQ(hand_.state().last_refusal.view(), "") << "the newest pose is accepted";
+  EXPECT_EQ(hand_.state().refusals, 2u) << "but counted it stays";
+}
+
 TEST_P(EveryHandInMotion, ArrivesAndMeasuresWhereItIs) {
   ASSERT_TRUE(hand_.start(0.5)) << told();
   hand_.turnFor(25);
