@@ -11,6 +11,9 @@ namespace handgraft::client::editor {
 
 namespace {
 
+// Whoever points at a surface is not farther from it: numbers in another unit or frame are.
+constexpr double kFarthestRoot_m = 0.05;
+
 v1::PatchSide sideOf(const std::string& side) {
   return side == "object" ? v1::SIDE_OBJECT : v1::SIDE_HAND;
 }
@@ -127,7 +130,16 @@ v1::EditBody rootNearPoint(const Match& match, Scene& scene) {
   const v1::PatchSide side = sideOf(word(match, 1));
   const v1::Mesh& mesh =
       side == v1::SIDE_OBJECT ? scene.object().mesh_O() : scene.handWithMeshes().skin_S();
-  return rootEdit(word(match, 0), side, nearestPoint(mesh, vectorAt(match, 2)));
+  const Eigen::Vector3d p = vectorAt(match, 2);
+  const v1::SurfacePoint root = nearestPoint(mesh, p);
+  const double distance = (positionOf(mesh, root) - p).norm();
+  if (!(distance <= kFarthestRoot_m)) {
+    rejectInput(
+        "root of patch {}: {} {} {} is {:.4g} mm from the {}; it may be at most {:.0f} mm",
+        quoted(word(match, 0)), word(match, 2), word(match, 3), word(match, 4), 1e3 * distance,
+        side == v1::SIDE_OBJECT ? "object's surface" : "hand's skin", 1e3 * kFarthestRoot_m);
+  }
+  return rootEdit(word(match, 0), side, root);
 }
 
 v1::EditBody turn(const Match& match, Scene& /*scene*/) {
@@ -150,6 +162,10 @@ v1::EditBody patchWeight(const Match& match, Scene& /*scene*/) {
   v1::PatchWeightEdit edit;
   edit.patch(word(match, 0));
   edit.weight(number(match, 1));
+  if (!(edit.weight() >= 0.0)) {
+    rejectInput("weight of patch {}: {}: it must not be negative", quoted(edit.patch()),
+                word(match, 1));
+  }
   return bodyOf(&v1::EditBody::patch_weight, edit);
 }
 

@@ -53,10 +53,23 @@ TEST_F(EditMaking, PicksTheSkinsPlaceUnderASite) {
 }
 
 TEST_F(EditMaking, TakesTheNearestPlaceOfASurface) {
-  const v1::EditBody body = edit("root index object at 1.5 0.25 -1cm");
+  const v1::EditBody body = edit("root index object at 1.03 0.25 -1cm");
   EXPECT_EQ(body.patch_root().side(), v1::SIDE_OBJECT);
   const Eigen::Vector3d p = positionOf(scene_.object().mesh_O(), body.patch_root().root());
   EXPECT_NEAR((p - Eigen::Vector3d(1.0, 0.25, 0.0)).norm(), 0.0, 1e-12);
+}
+
+TEST_F(EditMaking, RefusesRootsFarFromTheSurface) {
+  EXPECT_THAT(objectionTo("root index object at 9 1 0"),
+              HasSubstr("root of patch 'index': 9 1 0 is 8000 mm from the object's surface; it "
+                        "may be at most 50 mm"));
+  EXPECT_THAT(objectionTo("root index hand at 0 0 51mm"),
+              HasSubstr("is 51 mm from the hand's"));
+  EXPECT_EQ(objectionTo("root index hand at 0 0 49mm"), "");
+}
+
+TEST_F(EditMaking, RefusesNegativeWeightsNamingThePatch) {
+  EXPECT_THAT(objectionTo("weight thumb -1"), HasSubstr("weight of patch 'thumb': -1"));
 }
 
 TEST_F(EditMaking, TakesAFaceByItsWeights) {
