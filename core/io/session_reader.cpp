@@ -88,8 +88,13 @@ SessionFile readSessionText(const std::string& text) {
   ordered_json document;
   try {
     document = ordered_json::parse(text);
-  } catch (const ordered_json::exception& failure) {
-    rejectInput("session: not JSON: {}", quoted(failure.what()));
+  } catch (const ordered_json::parse_error& failure) {
+    const std::size_t end = std::min(failure.byte, text.size());
+    const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<long>(end), '\n');
+    rejectInput("session: not JSON: it breaks off or goes wrong in line {}, at byte {}", line,
+                end);
+  } catch (const ordered_json::exception&) {
+    rejectInput("session: not JSON: a number in it is too large");
   }
   const Field file(document, "");
   const std::string format = file["format"].text();
