@@ -45,9 +45,9 @@ std::uint64_t randomId() {
 }  // namespace
 
 ServerLink::ServerLink(const Network& network, Absence absence, Interruption& interruption)
-    : interruption_(interruption), participant_(network), requester_(participant_) {
-  if (absence == Absence::kFail || requester_.waitForServer()) {
-    requester_.requireServer();
+    : interruption_(interruption), connection_(std::make_unique<Connection>(network)) {
+  if (absence == Absence::kFail || connection_->requester.waitForServer()) {
+    connection_->requester.requireServer();
   } else {
     startPrivateServer(network);
   }
@@ -55,6 +55,25 @@ ServerLink::ServerLink(const Network& network, Absence absence, Interruption& in
 
 ServerLink::~ServerLink() {
   interruption_.whenRequested({});
+}
+
+bool ServerLink::rejoin() {
+  constexpr milliseconds kPatience(2000);  // a server says once a second that it lives
+  constexpr milliseconds kLook(20);
+  auto fresh = std::make_unique<Connection>(participant().network());
+  const auto until = std::chrono::steady_clock::now() + kPatience;
+  while (!alive()) {
+    if (fresh->requester.waitForServer(kLook)) {
+      connection_ = std::move(fresh);
+      connection_->requester.requireServer();
+      return true;
+    }
+    interruption_.checkpoint();
+    if (std::chrono::steady_clock::now() < until) continue;
+    throw idl::cyclone::NoServer(fmt::format("handgraft-server on {} stopped answering",
+                                             handgraft::describe(participant().network())));
+  }
+  return false;
 }
 
 void ServerLink::startPrivateServer(const Network& network) {
@@ -71,7 +90,7 @@ void ServerLink::startPrivateServer(const Network& network) {
              handgraft::describe(network));
   private_server_ = std::make_unique<PrivateServer>(*program, network);
   const auto until = std::chrono::steady_clock::now() + kStartPatience;
-  while (!requester_.waitForServer(milliseconds(200))) {
+  while (!connection_->requester.waitForServer(milliseconds(200))) {
     interruption_.checkpoint();
     const bool ended = !private_server_->running();
     if (!ended && std::chrono::steady_clock::now() < until) continue;
@@ -84,11 +103,11 @@ void ServerLink::startPrivateServer(const Network& network) {
 v1::ReplyBody ServerLink::ask(const v1::RequestBody& body) {
   interruption_.checkpoint();
   interruption_.whenRequested([this] {
-    requester_.cancel();
+    connection_->requester.cancel();
   });
   v1::ReplyBody reply;
   try {
-    reply = requester_.ask(body, on_progress_);
+    reply = connection_->requester.ask(body, on_progress_);
   } catch (const idl::cyclone::Refused& refused) {
     interruption_.whenRequested({});
     if (refused.code() == v1::ERROR_CANCELLED) throw Cancelled();
@@ -249,7 +268,7 @@ v1::EditReply ServerLink::edit(std::uint64_t session_id,
                                std::uint64_t base_revision,
                                const v1::EditBody& body) {
   interruption_.checkpoint();
-  return requester_.edit(session_id, base_revision, body);
+  return connection_->requester.edit(session_id, base_revision, body);
 }
 
 v1::PoseSolution ServerLink::optimize(const v1::OptimizeRequest& request) {
@@ -297,11 +316,11 @@ std::string ServerLink::exportSession(const v1::ExportRequest& request) {
 }
 
 void ServerLink::closeSession(std::uint64_t session_id) {
-  requester_.ask(sessionBody(v1::OP_CLOSE_SESSION, session_id), {});
+  connection_->requester.ask(sessionBody(v1::OP_CLOSE_SESSION, session_id), {});
 }
 
 void ServerLink::stopSolving(std::uint64_t session_id) {
-  requester_.ask(sessionBody(v1::OP_STOP_SOLVING, session_id), {});
+  connection_->requester.ask(sessionBody(v1::OP_STOP_SOLVING, session_id), {});
 }
 
 }  // namespace handgraft::client

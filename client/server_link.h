@@ -40,14 +40,23 @@ class ServerLink {
 
   [[nodiscard]] bool isPrivate() const { return private_server_ != nullptr; }
 
-  [[nodiscard]] v1::ServerStatus status() const { return requester_.status(); }
+  [[nodiscard]] v1::ServerStatus status() const { return connection_->requester.status(); }
 
-  [[nodiscard]] bool alive() { return requester_.waitForServer(std::chrono::milliseconds(0)); }
+  [[nodiscard]] bool alive() {
+    return connection_->requester.waitForServer(std::chrono::milliseconds(0));
+  }
+
+  /// Finds a server that is not heard any more, for up to 2 s, also where one side dropped the
+  /// other while it slept: then by joining the network anew, under another client's id, and
+  /// true is returned; readers made before stay deaf. Errors: NoServer if none is heard.
+  bool rejoin();
 
   /// Under which the server knows this program's edits.
-  [[nodiscard]] v1::ClientId client() const { return requester_.client(); }
+  [[nodiscard]] v1::ClientId client() const { return connection_->requester.client(); }
 
-  [[nodiscard]] const idl::cyclone::Participant& participant() const { return participant_; }
+  [[nodiscard]] const idl::cyclone::Participant& participant() const {
+    return connection_->participant;
+  }
 
   void ping();
   v1::ModelList listModels();
@@ -92,14 +101,21 @@ class ServerLink {
   void stopSolving(std::uint64_t session_id);
 
  private:
+  struct Connection {
+    explicit Connection(const Network& network)
+        : participant(network), requester(participant) {}
+
+    idl::cyclone::Participant participant;
+    idl::cyclone::Requester requester;
+  };
+
   void startPrivateServer(const Network& network);
   v1::ReplyBody ask(const v1::RequestBody& body);
   void putFile(std::uint64_t upload_id, const UploadFile& file);
 
   Interruption& interruption_;
   std::unique_ptr<PrivateServer> private_server_;
-  idl::cyclone::Participant participant_;
-  idl::cyclone::Requester requester_;
+  std::unique_ptr<Connection> connection_;  // never null
   OnProgress on_progress_;
 };
 

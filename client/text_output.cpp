@@ -287,4 +287,12 @@ std::string solutionLine(const v1::PoseSolution& solution) {
   return why.empty() ? line : line + "; " + why;
 }
 
+std::string networkOptions(const Network& network) {
+  const Network usual;
+  std::string options;
+  if (network.domain != usual.domain) options += fmt::format(" --domain {}", network.domain);
+  if (network.interface != usual.interface) options += " --interface " + network.interface;
+  return options;
+}
+
 }  // namespace handgraft::client::text

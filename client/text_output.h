@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "client/grasp_result.h"
+#include "core/base/network.h"
 #include "idl/models.h"
 #include "idl/sessions.h"
 
@@ -47,5 +48,9 @@ std::string notes(const std::vector<std::string>& notes);
 /// last one for all that follow.
 std::string table(const std::vector<std::vector<std::string>>& rows,
                   const std::string& alignment);
+
+/// The options that bring another command to the same network, a blank before each; none where
+/// they are the usual ones.
+std::string networkOptions(const Network& network);
 
 }  // namespace handgraft::client::text

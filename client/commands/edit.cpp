@@ -179,12 +179,16 @@ int run(const EditOptions& options, const CommonOptions& common, Interruption& i
   }
   if (editor.closed()) return 0;
   const std::uint64_t id = editor.session().id();
-  if (!server.alive()) {
+  if (editor.session().hasEnded()) {
     sink.note(fmt::format("session {} has ended with its server", id));
+  } else if (!server.alive()) {
+    sink.note(
+        fmt::format("the server does not answer; session {} lives as long as it does", id));
   } else if (server.isPrivate()) {
     sink.note(fmt::format("session {} ends with the server that this command started", id));
   } else {
-    sink.note(fmt::format("session {} stays open: handgraft edit {}", id, id));
+    sink.note(fmt::format("session {} stays open: handgraft edit {}{}", id, id,
+                          text::networkOptions(common.network)));
   }
   return 0;
 }

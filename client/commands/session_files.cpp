@@ -34,10 +34,12 @@ int run(const OpenFileOptions& options,
         Interruption& interruption) {
   const std::string text = readSessionText(options.path);
   ServerLink server(common.network, Absence::kFail, interruption);
-  const v1::SessionState state = server.loadSession(text);
+  const v1::SessionState state = askAbout(options.path, [&] {
+    return server.loadSession(text);
+  });
   tell(common, {{"session_id", state.session_id()}, {"revision", state.revision()}},
-       fmt::format("session {}, revision {}: handgraft edit {}", state.session_id(),
-                   state.revision(), state.session_id()));
+       fmt::format("session {}, revision {}: handgraft edit {}{}", state.session_id(),
+                   state.revision(), state.session_id(), text::networkOptions(common.network)));
   return 0;
 }
 
@@ -47,7 +49,9 @@ int run(const ReplayOptions& options, const CommonOptions& common, Interruption&
     requireSafe({{"--out", options.out}}, {{"FILE", options.path}});
   }
   ServerLink server(common.network, Absence::kFail, interruption);
-  const v1::ReplayReply reply = server.replay(text);
+  const v1::ReplayReply reply = askAbout(options.path, [&] {
+    return server.replay(text);
+  });
   if (!options.out.empty()) writeFile(options.out, reply.result().text());
   const std::string ends = reply.same()
                                ? "it ends the same"

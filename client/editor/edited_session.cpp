@@ -18,6 +18,7 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kPatience(20);
+constexpr milliseconds kLateJoin(2000);
 constexpr milliseconds kNothingFollows(2000);  // after the session has come to rest
 
 bool maySwitchPatches(const v1::EditBody& body) {
@@ -43,6 +44,7 @@ EditedSession::EditedSession(ServerLink& server,
       states_(server.participant(), idl::kSessionTopic),
       solutions_(server.participant(), idl::kSolutionTopic),
       state_(state),
+      server_id_(server.status().server_id()),
       shown_(state.revision()) {}
 
 // === What a command may look up
@@ -83,6 +85,13 @@ const v1::ObjectDescription& EditedSession::object() {
 
 const v1::PoseSolution* EditedSession::solution() {
   take({}, {});
+  // Late readers are brought the last pose once they are found.
+  while (!solution_ && state_.phase() != v1::PHASE_OPEN && state_.phase() != v1::PHASE_CLOSED &&
+         !hasEnded() && std::chrono::steady_clock::now() - joined_ < kLateJoin &&
+         !interruption_.requested()) {
+    solutions_.wait(kPatience);
+    take({}, {});
+  }
   return solution_ ? &*solution_ : nullptr;
 }
 
@@ -235,13 +244,14 @@ const v1::PoseSolution& EditedSession::solve(const std::optional<v1::SolveOption
 
 void EditedSession::take(const OnSample& on_sample, const OnState& on_state) {
   solutions_.take([&](const v1::PoseSolution& solution) {
-    if (solution.session_id() != id()) return;
+    if (solution.session_id() != id() || hasEnded()) return;
     if (solution.is_final()) adopt(solution);
     if (on_sample) on_sample(solution);
   });
   states_.take([&](const v1::SessionState& state) {
     // Who comes late is told older states first.
-    if (state.session_id() != id() || state.revision() < state_.revision()) return;
+    if (state.session_id() != id() || state.revision() < state_.revision() || hasEnded())
+      return;
     keepUp(state);
     if (on_state) on_state(state);
   });
@@ -267,11 +277,20 @@ std::string EditedSession::toldBy(const v1::SessionState& state) const {
                      state.last_edit().empty() ? "an edit" : text::plain(state.last_edit()));
 }
 
-void EditedSession::requireOpen() {
+void EditedSession::requireStanding() const {
   if (state_.phase() == v1::PHASE_CLOSED) {
     throw idl::cyclone::Refused(v1::ERROR_NOT_FOUND,
                                 fmt::format("session {} has been closed", id()));
   }
+  if (hasEnded()) {
+    throw idl::cyclone::Refused(
+        v1::ERROR_NOT_FOUND,
+        fmt::format("session {} has ended with its server; load opens a saved one", id()));
+  }
+}
+
+void EditedSession::requireOpen() {
+  requireStanding();
   if (!server_.alive()) {
     throw idl::cyclone::NoServer(
         fmt::format("handgraft-server on {} stopped answering",
@@ -284,8 +303,11 @@ std::vector<std::string> EditedSession::news() {
   std::vector<std::string> lines;
   if (const bool answers = server_.alive(); answers != server_answers_) {
     server_answers_ = answers;
-    lines.emplace_back(answers ? "a server answers again; sessions end with their server"
-                               : "the server stopped answering");
+    lines.emplace_back(answers ? "a server answers again" : "the server stopped answering");
+  }
+  if (hasEnded() && !end_was_told_) {
+    end_was_told_ = true;
+    lines.push_back(fmt::format("session {} has ended with its server", id()));
   }
   if (owed_explanation_ && solution_ && solution_->revision() > *owed_explanation_) {
     owed_explanation_.reset();  // an edit came first

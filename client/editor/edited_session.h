@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <functional>
 #include <optional>
@@ -33,6 +34,15 @@ class EditedSession : public Scene {
 
   [[nodiscard]] std::uint64_t id() const { return state_.session_id(); }
 
+  /// Its server is gone and another one answers, which may give its id to another session.
+  [[nodiscard]] bool hasEnded() const { return server_.status().server_id() != server_id_; }
+
+  /// Errors: Refused (ERROR_NOT_FOUND) if it has been closed or has ended with its server.
+  void requireStanding() const;
+
+  /// The user has been shown `revision`, and nothing of what others did since.
+  void lookFrom(std::uint64_t revision) { shown_ = std::min(shown_, revision); }
+
   /// The revision that the user has been shown.
   [[nodiscard]] std::uint64_t shownRevision() const { return shown_; }
 
@@ -43,6 +53,7 @@ class EditedSession : public Scene {
   const v1::HandDescription& hand() override;
   const v1::HandDescription& handWithMeshes() override;
   const v1::ObjectDescription& object() override;
+  /// Waits up to 2 s, once, for the pose that a session joined just now has already.
   const v1::PoseSolution* solution() override;
 
   /// Names for reading commands; those that only completion needs are empty.
@@ -108,6 +119,8 @@ class EditedSession : public Scene {
   idl::cyclone::Reader<v1::SessionState> states_;
   idl::cyclone::Reader<v1::PoseSolution> solutions_;
   v1::SessionState state_;
+  const std::uint64_t server_id_;
+  const std::chrono::steady_clock::time_point joined_ = std::chrono::steady_clock::now();
   std::uint64_t shown_ = 0;
   bool end_was_told_ = false;
   bool server_answers_ = true;                     ///< as was told

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "client/editor/edit_making.h"
+#include "client/editor/match_values.h"
 #include "client/editor/show_solution.h"
 #include "client/failure.h"
 #include "client/hand_side_edits.h"
@@ -15,6 +16,7 @@
 #include "client/text_output.h"
 #include "client/transfer_json.h"
 #include "client/transfer_text.h"
+#include "client/wire_pose.h"
 #include "core/base/error.h"
 #include "core/base/progress.h"
 
@@ -36,6 +38,26 @@ std::string written(const Words& words) {
 // Snapshots change nothing that a pose would follow.
 bool isAnswered(const v1::EditBody& body) {
   return body._d() != v1::EDIT_SNAPSHOT;
+}
+
+// Asks no server.
+bool isLocal(Action action) {
+  return action == Action::kQuit || action == Action::kHelp || action == Action::kScript;
+}
+
+// Needs no session to stand, and none of its names.
+bool standsAlone(Action action) {
+  return action == Action::kLoad || action == Action::kJoin || action == Action::kSessions ||
+         action == Action::kReplay;
+}
+
+// What `undo` and `redo` are about to take, in the order in which they take it.
+std::vector<std::string> stepsOf(const v1::EditBody& body,
+                                 const v1::SessionSettings& settings) {
+  const bool back = body._d() == v1::EDIT_UNDO;
+  const std::vector<std::string>& steps = back ? settings.undo() : settings.redo();
+  const std::size_t count = std::min<std::size_t>(body.steps().count(), steps.size());
+  return {steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(count)};
 }
 
 // A better pose on the way, where somebody looks.
@@ -79,11 +101,33 @@ void Editor::runCommand(const Words& words) {
   const std::string command = written(words);
   if (depth_ > 0) sink_.echo(command);
   try {
-    sink_.done(command, execute(parse(words, session_->names())));
+    sink_.done(command, execute(read(words)));
   } catch (const std::exception& error) {
     if (sink_.isJson()) sink_.failed(command, failureOf(error));
     throw;
   }
+}
+
+Parsed Editor::read(const Words& words) {
+  std::optional<Parsed> alone;
+  try {
+    alone = parse(words, {});
+  } catch (const InvalidInput&) {
+    // It may hold names that the server knows; if not, the complaint comes from below.
+  }
+  if (alone && isLocal(alone->command->action)) return *alone;
+  reachServer();
+  if (alone && standsAlone(alone->command->action)) return *alone;
+  session_->requireStanding();
+  return parse(words, session_->names());
+}
+
+void Editor::reachServer() {
+  if (server_.alive() || !server_.rejoin()) return;
+  if (session_->hasEnded()) return;
+  const std::uint64_t shown = session_->shownRevision();
+  goOnIn(server_.describeSession(session_->id()));
+  session_->lookFrom(shown);
 }
 
 void Editor::runScript(const NextLine& next_line, const std::string& name) {
@@ -177,9 +221,35 @@ Told Editor::edit(const Parsed& command) {
     ModelSender sender(server_, interruption_, false);
     match.values[0].text = nameOnServer(sender, named, files);
   }
-  Told told = publish(command.command->make(match, *session_));
+  const v1::EditBody body = command.command->make(match, *session_);
+  const bool steps = body._d() == v1::EDIT_UNDO || body._d() == v1::EDIT_REDO;
+  std::vector<std::string> taken;
+  if (steps) taken = stepsOf(body, session_->settings());
+  Told told = publish(body);
   if (command.command->make == jointValue) told.text += movedAgain(match);
+  if (body._d() == v1::EDIT_DRAG) told.text += endedAt(body.drag());
+  if (steps) {
+    const char* verb = body._d() == v1::EDIT_UNDO ? "undone" : "redone";
+    told.text +=
+        fmt::format("{}: {}\n", verb, text::plain(fmt::format("{}", fmt::join(taken, "; "))));
+    told.data[verb] = taken;
+  }
   return told;
+}
+
+std::string Editor::endedAt(const v1::DragEdit& drag) {
+  constexpr double kNoticed_m = 0.005;  // what a person means by another place
+  const v1::PoseSolution* pose = session_->solution();
+  if (pose == nullptr) return "";
+  const std::size_t link = linkIndex(session_->hand(), drag.link());
+  if (link >= pose->X_WL().size()) return "";
+  const Eigen::Vector3d p_W = poseOf(pose->X_WL()[link]) * vectorOf(drag.p_L_m());
+  const double off = (p_W - vectorOf(drag.target_W_m())).norm();
+  if (off < kNoticed_m) return "";
+  return fmt::format(
+      "the search took it {:.0f} mm away from the target; lock joints, or give the prior more "
+      "weight, and it stays nearer\n",
+      1e3 * off);
 }
 
 std::string Editor::movedAgain(const Match& bend) {
@@ -319,13 +389,18 @@ Told Editor::sessions() {
 
 Told Editor::join(std::uint64_t session_id) {
   const std::uint64_t left = session_->id();
+  const bool has_ended = session_->hasEnded();
   goOnIn(server_.describeSession(session_id));
   Told told;
-  told.text = left == session_id
-                  ? std::string()
-                  : fmt::format("session {}; session {} stays open\n", session_id, left);
+  const std::string before = farewell(left, has_ended);
+  if (!before.empty()) told.text = fmt::format("session {}{}\n", session_id, before);
   told.data = {{"session_id", session_id}, {"revision", session_->state().revision()}};
   return told;
+}
+
+std::string Editor::farewell(std::uint64_t left, bool has_ended) const {
+  if (has_ended) return fmt::format("; the session {} before has ended with its server", left);
+  return left == session_->id() ? "" : fmt::format("; session {} stays open", left);
 }
 
 Told Editor::close() {

@@ -55,6 +55,9 @@ class Editor {
 
  private:
   void runCommand(const Words& words);
+  Parsed read(const Words& words);
+  /// Goes on in the same session where the server was not heard for a while.
+  void reachServer();
   Told execute(const Parsed& parsed);
   Told edit(const Parsed& parsed);
   Told publish(const v1::EditBody& body);
@@ -85,6 +88,11 @@ class Editor {
   /// Waits until it is explained, or will not be. Errors likewise.
   const v1::PoseSolution& requireSolution();
   void goOnIn(const v1::SessionState& state);
+  /// What becomes of the session with id `left` when another one is taken, with a separator;
+  /// empty if it is the same one.
+  std::string farewell(std::uint64_t left, bool has_ended) const;
+  /// Where a dragged point is after the search, if that is not where it was dragged to.
+  std::string endedAt(const v1::DragEdit& drag);
 
   ServerLink& server_;
   Interruption& interruption_;

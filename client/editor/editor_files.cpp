@@ -23,14 +23,21 @@ Told Editor::save(const fs::path& path) {
 
 Told Editor::load(const fs::path& path) {
   const std::uint64_t left = session_->id();
-  goOnIn(server_.loadSession(readSessionText(path)));
-  return {fmt::format("session {}, revision {}; session {} stays open\n", session_->id(),
-                      session_->state().revision(), left),
+  const bool has_ended = session_->hasEnded();
+  const std::string text = readSessionText(path);
+  goOnIn(askAbout(path, [&] {
+    return server_.loadSession(text);
+  }));
+  return {fmt::format("session {}, revision {}{}\n", session_->id(),
+                      session_->state().revision(), farewell(left, has_ended)),
           {{"session_id", session_->id()}, {"revision", session_->state().revision()}}};
 }
 
 Told Editor::replay(const fs::path& path) {
-  const v1::ReplayReply reply = server_.replay(readSessionText(path));
+  const std::string text = readSessionText(path);
+  const v1::ReplayReply reply = askAbout(path, [&] {
+    return server_.replay(text);
+  });
   if (!reply.same()) {
     throw CommandFailed(
         {1, fmt::format("{}: {} entries played, and it ends differently: {}",

@@ -27,7 +27,15 @@ const v1::PoseSolution& Editor::requireSolution() {
 Told Editor::show(const Match& match) {
   if (match.values.empty()) {
     const v1::PoseSolution& solution = requireSolution();
-    return tellSolution(solution, session_->patchesOff());
+    Told told = tellSolution(solution, session_->patchesOff());
+    const v1::SessionState& state = session_->state();
+    if (state.phase() == v1::PHASE_FAILED && solution.revision() < state.revision()) {
+      told.text +=
+          fmt::format("revision {} was not solved: {}; the figures are of revision {}\n",
+                      state.revision(), text::plain(state.message()), solution.revision());
+      told.data["not_solved"] = {{"revision", state.revision()}, {"message", state.message()}};
+    }
+    return told;
   }
   const std::string& topic = match.values[0].text;
   if (topic == "minima") return tellMinima(requirePose(), session_->hand());

@@ -1,9 +1,11 @@
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <set>
 #include <sstream>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -131,6 +133,41 @@ TEST(Editor, FailsWithTheLineOfAScript) {
   EXPECT_EQ(finished.out.find("> weight palm 1"), std::string::npos);
 }
 
+TEST(Editor, KnowsThePoseOfASessionThatItJoins) {
+  const SharedSkins skins;
+  const Service service;
+  const auto first = service.ask(
+      {"grasp", "--hand", "barrett8", "--object", "lemon", "--contacts", "lemon_6", "--keep"});
+  const std::string id = std::to_string(first["session_id"].get<std::uint64_t>());
+  const fs::path picture = scratchDirectory() / "joined.png";
+  for (const std::string& command : {std::string("show"), std::string("show minima"),
+                                     "png " + picture.string(), std::string("prior here")}) {
+    const fs::path script = scratchDirectory() / "first.hg";
+    std::ofstream(script) << command << "\n";
+    const Finished finished = service.client({"edit", id, "--script", script.string()});
+    EXPECT_EQ(finished.exit_code, 0) << command << ": " << finished.err;
+  }
+}
+
+TEST(Editor, ShowSaysThatTheLastSolveFailed) {
+  const SharedSkins skins;
+  const Service service;
+  const fs::path script = scratchDirectory() / "failing.hg";
+  const auto show = [&](const std::string& commands) {
+    std::ofstream(script) << commands;
+    return service.client({"edit", "1", "--script", script.string()});
+  };
+  const auto first = service.ask(
+      {"grasp", "--hand", "barrett8", "--object", "lemon", "--contacts", "lemon_6", "--keep"});
+  ASSERT_EQ(first["session_id"], 1);
+  ASSERT_EQ(show("disable palm\ndisable thumb\ndisable index\n").exit_code, 0);
+  EXPECT_EQ(show("disable middle\n").exit_code, 1);
+  const Finished shown = show("show\n");
+  EXPECT_EQ(shown.exit_code, 0) << shown.err;
+  EXPECT_THAT(shown.out, HasSubstr("revision 4 was not solved: "));
+  EXPECT_THAT(shown.out, HasSubstr("; the figures are of revision 3"));
+}
+
 TEST(Editor, TwoOnOneSessionSeeEachOthersEdits) {
   const SharedSkins skins;
   Service service;
@@ -243,12 +280,40 @@ TEST_F(Typing, OutlivesItsServerAndGoesOnWithAnother) {
   expect("human20 1> ");
   const std::unique_ptr<Process> another = service_.start("handgraft-server", {});
   expect("a server answers again");
+  expect("session 1 has ended with its server");
+  // Another session may have got its id meanwhile.
+  terminal_.type("undo\r");
+  expect("session 1 has ended with its server; load opens a saved one");
   terminal_.type("load " + file.string() + "\r");
-  expect(", revision 1; ");
+  expect(", revision 1; the session 1 before has ended with its server");
   terminal_.type("undo\r");
   expect("revision 2: objective");
   terminal_.type("\x04");
   expect("stays open");
+  EXPECT_EQ(terminal_.wait(), 0);
+}
+
+TEST_F(Typing, GoesOnAfterAPauseOfItsServer) {
+  terminal_.type("weight palm 0.5\r");
+  expect("human20 1> ");
+  service_.server().send(SIGSTOP);
+  expect("the server stopped answering");  // after 3 s of silence
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  service_.server().send(SIGCONT);
+  expect("a server answers again");
+  terminal_.type("weight palm 1\r");
+  expect("revision 2: objective");
+  terminal_.type("quit\r");
+  expect("session 1 stays open: handgraft edit 1 --domain " +
+         std::to_string(service_.domain()));
+  EXPECT_EQ(terminal_.wait(), 0);
+}
+
+TEST_F(Typing, LeavesThoughTheServerIsSilent) {
+  service_.server().send(SIGSTOP);
+  expect("the server stopped answering");
+  terminal_.type("quit\r");
+  expect("the server does not answer");
   EXPECT_EQ(terminal_.wait(), 0);
 }
 
