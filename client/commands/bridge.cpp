@@ -57,15 +57,33 @@ bool isDone(Action action, const v1::BridgeStatus& bridge) {
   return true;
 }
 
+/// Tells a refusal that is news from one of long ago, which a bridge forgets when it accepts
+/// something.
+class RefusalWatch {
+ public:
+  explicit RefusalWatch(const v1::BridgeStatus& before) : last_(before.last_refusal()) {}
+
+  bool sees(const v1::BridgeStatus& bridge) {
+    if (bridge.last_refusal() == last_) return false;
+    last_ = bridge.last_refusal();
+    return !last_.empty();
+  }
+
+ private:
+  std::string last_;
+};
+
 // Homing begins by saying so, and takes as long as motors run; whether it was done shows then.
-v1::BridgeStatus home(BridgeLink& link, std::uint32_t id, const std::string& refusal) {
+v1::BridgeStatus home(BridgeLink& link, const v1::BridgeStatus& before) {
+  const std::uint32_t id = before.bridge_id();
+  RefusalWatch refusals(before);
   const auto begins = [&](const v1::BridgeStatus& bridge) {
-    return bridge.reason() == "homing" || bridge.last_refusal() != refusal;
+    return bridge.reason() == "homing" || refusals.sees(bridge);
   };
   v1::BridgeStatus bridge = link.command(id, v1::COMMAND_HOME, kPatience, begins);
   if (bridge.reason() != "homing") {
     throw DeviceError(
-        fmt::format("bridge {} is not homed: {}", id,
+        fmt::format("bridge {}{}: {}", id, bridge.homed() ? "" : " is not homed",
                     bridge.last_refusal().empty() ? bridge.reason() : bridge.last_refusal()));
   }
   while (bridge.reason() == "homing")
@@ -74,12 +92,12 @@ v1::BridgeStatus home(BridgeLink& link, std::uint32_t id, const std::string& ref
 }
 
 v1::BridgeStatus act(BridgeLink& link, Action action, const v1::BridgeStatus& before) {
-  const std::uint32_t id = before.bridge_id();
-  const std::string refusal = before.last_refusal();
-  if (action == Action::kHome) return home(link, id, refusal);
-  return link.command(id, kindOf(action), kPatience, [&](const v1::BridgeStatus& bridge) {
-    return isDone(action, bridge) || bridge.last_refusal() != refusal;
-  });
+  if (action == Action::kHome) return home(link, before);
+  RefusalWatch refusals(before);
+  const auto is_answered = [&](const v1::BridgeStatus& bridge) {
+    return isDone(action, bridge) || refusals.sees(bridge);
+  };
+  return link.command(before.bridge_id(), kindOf(action), kPatience, is_answered);
 }
 
 }  // namespace

@@ -79,6 +79,10 @@ int run(const BridgePlotOptions& options,
   } catch (const InvalidInput& error) {
     rejectInput("{}: {}", quoted(options.run.string()), error.what());
   }
+  if (recorded.cut_line != 0) {
+    fmt::print(stderr, "handgraft: {}: line {} is cut off, and left out\n",
+               quoted(options.run.string()), recorded.cut_line);
+  }
   render::writePng(options.out, drawRun(recorded));
   say(recorded, common, "");
   return 0;

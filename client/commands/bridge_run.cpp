@@ -163,10 +163,14 @@ std::string toCsv(const BridgeRun& run) {
 }
 
 BridgeRun bridgeRunOf(const std::string& csv) {
-  const std::vector<std::string> lines = linesOf(csv);
+  std::vector<std::string> lines = linesOf(csv);
   if (lines.empty()) rejectInput("line 1: it is empty");
   BridgeRun run;
   run.joints = jointsOf(lines.front());
+  if (lines.size() > 1 && csv.back() != '\n') {
+    run.cut_line = lines.size();
+    lines.pop_back();
+  }
   for (std::size_t n = 1; n < lines.size(); ++n) {
     const std::vector<std::string> fields = fieldsOf(lines[n], n + 1);
     const std::size_t wanted = 2 + kKindCount * run.joints.size();

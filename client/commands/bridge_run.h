@@ -18,6 +18,7 @@ struct BridgeRun {
   std::vector<std::vector<double>> command;
   std::vector<std::vector<double>> target;
   std::vector<std::vector<double>> residual;
+  std::size_t cut_line = 0;  ///< of a file read, a last line that is not whole; 0: none
 
   [[nodiscard]] std::size_t size() const { return time_s.size(); }
 
@@ -34,7 +35,8 @@ struct BridgeRun {
 /// What was not told is an empty field.
 std::string toCsv(const BridgeRun& run);
 
-/// What `toCsv` wrote. Errors: InvalidInput naming the line and what is wrong with it.
+/// What `toCsv` wrote. A last line without its end was cut off, as by a full disk: it is left
+/// out and noted. Errors: InvalidInput naming the line and what is wrong with it.
 BridgeRun bridgeRunOf(const std::string& csv);
 
 /// Measured against commanded: the joints that moved most, at most `most` of them, and below

@@ -35,12 +35,11 @@ StandInServer::StandInServer(const Network& network,
       statuses_(participant_, idl::kStatusTopic),
       sessions_(participant_, idl::kSessionTopic),
       solutions_(participant_, idl::kSolutionTopic) {
-  v1::SessionState state;
-  state.session_id(kSession);
-  state.hand(hand);
-  state.joint_names(joint_names);
-  state.phase(v1::PHASE_READY);
-  sessions_.write(state);
+  state_.session_id(kSession);
+  state_.hand(hand);
+  state_.joint_names(joint_names);
+  state_.phase(v1::PHASE_READY);
+  sessions_.write(state_);
   life_ = std::thread([this] {
     for (int i = 0; !is_ending_; ++i) {
       if (i % 10 == 0) say(false);
@@ -62,9 +61,16 @@ void StandInServer::say(bool stops) {
   statuses_.write(status);
 }
 
+void StandInServer::take(const std::string& hand) {
+  state_.hand(hand);
+  state_.revision(state_.revision() + 1);
+  sessions_.write(state_);
+}
+
 void StandInServer::stream(const std::vector<double>& joint_rad) {
   v1::PoseSolution pose;
   pose.session_id(kSession);
+  pose.revision(state_.revision());
   pose.sequence_number(++number_);
   pose.stamp_ns(now_ns());
   pose.is_final(true);
@@ -86,10 +92,14 @@ BridgeBench::BridgeBench(const Network& network, const std::string& config_text)
 }
 
 void BridgeBench::startBridge() {
-  bridge_ = std::make_unique<Process>(
-      program("handgraft-bridge"),
-      std::vector<std::string>{"--config", config_path_, "--port", portOf(rig_->wire()),
-                               "--domain", std::to_string(network_.domain)});
+  bridge_ = std::make_unique<Process>(program("handgraft-bridge"), argumentsOf(1));
+}
+
+std::vector<std::string> BridgeBench::argumentsOf(int bridge_id) const {
+  return {"--config",    config_path_,
+          "--port",      portOf(rig_->wire()),
+          "--bridge-id", std::to_string(bridge_id),
+          "--domain",    std::to_string(network_.domain)};
 }
 
 int BridgeBench::stopBridge() {

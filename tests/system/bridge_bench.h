@@ -30,6 +30,9 @@ class StandInServer {
 
   void stream(const std::vector<double>& joint_rad);
 
+  /// The session takes a hand of this name by an edit; poses from now on are of it.
+  void take(const std::string& hand);
+
   static constexpr std::uint64_t kSession = 11;
 
  private:
@@ -39,6 +42,7 @@ class StandInServer {
   idl::cyclone::Writer<v1::ServerStatus> statuses_;
   idl::cyclone::Writer<v1::SessionState> sessions_;
   idl::cyclone::Writer<v1::PoseSolution> solutions_;
+  v1::SessionState state_;
   std::uint64_t number_ = 0;
   std::atomic<bool> is_ending_{false};
   std::thread life_;
@@ -52,6 +56,8 @@ class BridgeBench {
   BridgeBench(const Network& network, const std::string& config_text);
 
   void startBridge();
+  /// Arguments to start `handgraft-bridge` on the same device under another number.
+  [[nodiscard]] std::vector<std::string> argumentsOf(int bridge_id) const;
   /// Ends it as by SIGTERM, and waits; its exit code.
   int stopBridge();
 

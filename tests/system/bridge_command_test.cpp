@@ -1,8 +1,11 @@
 // `handgraft bridge` against a bridge as a process, with an emulated hand at its end.
 
+#include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <memory>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -32,7 +35,7 @@ class BridgeCommand : public testing::Test {
 
   void start() {
     bench_.startBridge();
-    server_.stream({0.0, 0.0, 0.0});
+    server_->stream({0.0, 0.0, 0.0});
     ASSERT_TRUE(bench_.status([](const v1::BridgeStatus& told) {
       return told.state() == v1::BRIDGE_IDLE && told.poses_accepted() > 0;
     })) << bench_.told();
@@ -41,7 +44,8 @@ class BridgeCommand : public testing::Test {
   TestDomain domain_;
   Network network_{domain_.number(), "lo"};
   BridgeBench bench_{network_, directConfig("dynamixel", "three", kJoints, 2.5)};
-  StandInServer server_{network_, "three", kJoints};
+  std::unique_ptr<StandInServer> server_ =
+      std::make_unique<StandInServer>(network_, "three", kJoints);
 };
 
 TEST_F(BridgeCommand, ArmsDisarmsStopsAndResets) {
@@ -61,13 +65,20 @@ TEST_F(BridgeCommand, ArmsDisarmsStopsAndResets) {
   EXPECT_NE(refused.err.find("refused"), std::string::npos) << refused.err;
   EXPECT_EQ(ask({"reset"}).exit_code, 0);
   EXPECT_EQ(status().at("state"), "idle");
-  EXPECT_EQ(ask({"home"}).exit_code, 1) << "this hand needs no homing";
+  const Finished home = ask({"home"});
+  EXPECT_EQ(home.exit_code, 1);
+  EXPECT_NE(home.err.find("bridge 1: HOME refused: this hand needs no homing"),
+            std::string::npos)
+      << home.err;
+  EXPECT_NE(status().at("last_refusal"), "");
+  EXPECT_EQ(ask({"arm"}).exit_code, 0) << bench_.told();
+  EXPECT_EQ(status().at("last_refusal"), "") << "what was refused before is no news";
 }
 
 TEST_F(BridgeCommand, RecordsARunThatCanBeDrawn) {
   start();
   ASSERT_EQ(ask({"arm"}).exit_code, 0) << bench_.told();
-  server_.stream({0.5, -0.5, 0.25});
+  server_->stream({0.5, -0.5, 0.25});
   const auto folder = scratchDirectory();
   const std::string csv = (folder / "run.csv").string();
   const std::string png = (folder / "run.png").string();
@@ -87,6 +98,29 @@ TEST_F(BridgeCommand, RecordsARunThatCanBeDrawn) {
   std::string signature(4, '\0');
   picture.read(signature.data(), 4);
   EXPECT_EQ(signature, "\x89PNG");
+
+  std::filesystem::resize_file(csv, std::filesystem::file_size(csv) - 3);
+  const Finished cut = ask({"plot", csv, "--out", png});
+  EXPECT_EQ(cut.exit_code, 0) << cut.err;
+  EXPECT_NE(cut.err.find(fmt::format("line {} is cut off", rows + 1)), std::string::npos)
+      << cut.err;
+}
+
+TEST_F(BridgeCommand, SaysWhichJointKeepsAHandFromBeingArmed) {
+  server_.reset();
+  server_ = std::make_unique<StandInServer>(network_, "three",
+                                            std::vector<std::string>{"a", "b", "tumb"});
+  bench_.startBridge();
+  server_->stream({0.0, 0.0, 0.0});
+  ASSERT_TRUE(bench_.status([](const v1::BridgeStatus& told) {
+    return told.state() == v1::BRIDGE_IDLE && told.poses_refused() > 0;
+  })) << bench_.told();
+  const std::string why = "wrong joint names: 'c' is missing, 'tumb' is none of its joints";
+  EXPECT_EQ(status().at("last_refusal"), "pose refused: " + why);
+  const Finished refused = ask({"arm"});
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_NE(refused.err.find("ARM refused: no fresh pose: " + why), std::string::npos)
+      << refused.err;
 }
 
 TEST_F(BridgeCommand, AnEmergencyStopIsForEveryBridgeThereIs) {
@@ -112,6 +146,15 @@ TEST_F(BridgeCommand, AnEmergencyStopIsForEveryBridgeThereIs) {
   EXPECT_FALSE(bench_.rig().isPowered());
   for (const int id : {0, 1, 7})
     EXPECT_EQ(status(id).at("state"), "estop") << id;
+}
+
+TEST(DeviceEmulator, SaysHowItIsUsed) {
+  const Finished help = run(program("handgraft-device-emulator"), {"--help"});
+  EXPECT_EQ(help.exit_code, 0);
+  EXPECT_NE(help.out.find("usage: handgraft-device-emulator CONFIG"), std::string::npos);
+  const Finished unknown = run(program("handgraft-device-emulator"), {"--port"});
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_NE(unknown.err.find("usage"), std::string::npos) << unknown.err;
 }
 
 TEST_F(BridgeCommand, SaysWhatIsWrong) {

@@ -250,6 +250,92 @@ TEST_F(BridgeOnADevice, UnpluggedAndPluggedInAgainItStaysDisarmed) {
   EXPECT_FALSE(bench_.rig().isPowered());
 }
 
+TEST_F(BridgeOnADevice, AnotherHandInTheFollowedSessionEndsItsStream) {
+  moveOn();
+  server_->take("three_left");
+  server_->stream({-2.4, 2.4, -2.4});
+  EXPECT_TRUE(goesOff()) << bench_.told();
+  EXPECT_TRUE(bench_.status(v1::BRIDGE_IDLE)) << bench_.told();
+  bench_.command(v1::COMMAND_ARM);
+  const auto refused = bench_.status([](const v1::BridgeStatus& told) {
+    return !told.last_refusal().empty();
+  });
+  ASSERT_TRUE(refused.has_value());
+  EXPECT_EQ(refused->last_refusal(),
+            "ARM refused: no fresh pose: session 11 is of hand 'three_left', this one is "
+            "'three': passed over");
+  server_->take("three");
+  server_->stream({0.1, 0.1, 0.1});
+  expectStandsStill();
+  EXPECT_FALSE(bench_.rig().isPowered()) << "an undo resumes nothing";
+  EXPECT_TRUE(bench_.arm()) << bench_.told();
+}
+
+TEST_F(BridgeOnADevice, ASecondOneOnTheSamePortDoesNotDisturbIt) {
+  moveOn();
+  Process second(program("handgraft-bridge"), bench_.argumentsOf(2));
+  EXPECT_TRUE(second.waitForText("is in use by another process")) << second.err();
+  const auto status = bench_.status([](const v1::BridgeStatus& told) {
+    return told.bridge_id() == 1;
+  });
+  ASSERT_TRUE(status.has_value());
+  EXPECT_EQ(status->state(), v1::BRIDGE_ARMED) << status->reason();
+}
+
+TEST_F(BridgeOnADevice, ASecondOneOfTheSameNumberDoesNotStart) {
+  moveOn();
+  const Finished second =
+      run(program("handgraft-bridge"), {"--domain", std::to_string(domain_.number())});
+  EXPECT_EQ(second.exit_code, 1);
+  for (const char* part : {"bridge 1 is there already", "dynamixel ", "--bridge-id"})
+    EXPECT_NE(second.err.find(part), std::string::npos) << second.err;
+  EXPECT_TRUE(bench_.rig().isPowered());
+}
+
+// Whoever is suspended is not heard by the one that starts meanwhile.
+TEST_F(BridgeOnADevice, TwoOfTheSameNumberAreNotArmed) {
+  bench_.startBridge();
+  server_->stream({0.0, 0.0, 0.0});
+  ASSERT_TRUE(bench_.status(v1::BRIDGE_IDLE)) << bench_.told();
+  bench_.bridge().send(SIGSTOP);
+  Process second(program("handgraft-bridge"),
+                 {"--disarmed", "--domain", std::to_string(domain_.number())});
+  ASSERT_TRUE(second.waitForText("no hand yet")) << second.err();
+  bench_.bridge().send(SIGCONT);
+  const auto warned = [](const char* device) {
+    return [device](const v1::BridgeStatus& told) {
+      return told.device().rfind(device, 0) == 0 &&
+             told.reason().find("another bridge 1 is there") != std::string::npos;
+    };
+  };
+  ASSERT_TRUE(bench_.status(warned("dynamixel"))) << bench_.told();
+  ASSERT_TRUE(bench_.status(warned("simulated"))) << second.err();
+  bench_.command(v1::COMMAND_ARM);
+  const auto refused = bench_.status([](const v1::BridgeStatus& told) {
+    return told.device().rfind("dynamixel", 0) == 0 && !told.last_refusal().empty();
+  });
+  ASSERT_TRUE(refused.has_value()) << bench_.told();
+  EXPECT_EQ(
+      refused->last_refusal().rfind("ARM refused: another bridge 1 is there: simulated", 0), 0)
+      << refused->last_refusal();
+  EXPECT_FALSE(bench_.rig().isPowered());
+  second.send(SIGTERM);
+  EXPECT_EQ(second.wait(), 0) << second.err();
+  ASSERT_TRUE(bench_.status([](const v1::BridgeStatus& told) {
+    return told.reason().find("another bridge") == std::string::npos;
+  })) << bench_.told();
+  EXPECT_TRUE(bench_.arm()) << bench_.told();
+}
+
+TEST(BridgeConfig, RefusesAPortWithoutAName) {
+  const auto path = scratchDirectory() / "three.yaml";
+  std::ofstream(path) << directConfig("dynamixel", "three", kJoints, 2.5);
+  const Finished finished =
+      run(program("handgraft-bridge"), {"--config", path.string(), "--port", ""});
+  EXPECT_EQ(finished.exit_code, 2);
+  EXPECT_NE(finished.err.find("--port ''"), std::string::npos) << finished.err;
+}
+
 TEST(BridgeConfig, EverythingThatIsWrongIsToldBeforeAnythingMoves) {
   const auto path = scratchDirectory() / "wrong.yaml";
   std::string text = directConfig("dynamixel", "three", kJoints, 2.5);

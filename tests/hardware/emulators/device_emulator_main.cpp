@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstdio>
 #include <string>
+#include <string_view>
 #include <thread>
 
 #include <fmt/format.h>
@@ -20,6 +21,15 @@
 namespace {
 
 using namespace handgraft;
+
+constexpr const char* kHelp =
+    "usage: handgraft-device-emulator CONFIG\n\n"
+    "Emulates the device that CONFIG, a hand's YAML file, tells of, on a tty of its own, so "
+    "that "
+    "the\nconfig can be tried without hardware. Prints the tty's name with the "
+    "handgraft-bridge "
+    "command that\ndrives it, then what the motors do, until it is interrupted (Ctrl-C). What "
+    "is on the other end\nof `port` in CONFIG is not touched.\n";
 
 std::atomic<bool> stop_requested{false};
 
@@ -60,8 +70,13 @@ int emulate(const char* path) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 2) {
-    fmt::print(stderr, "usage: handgraft-device-emulator CONFIG\n");
+  const std::string_view told = argc == 2 ? argv[1] : "";
+  if (told == "--help" || told == "-h") {
+    fmt::print("{}", kHelp);
+    return 0;
+  }
+  if (told.empty() || told.front() == '-') {
+    fmt::print(stderr, "usage: handgraft-device-emulator CONFIG; --help says more\n");
     return 2;
   }
   std::signal(SIGINT, requestStop);
