@@ -135,7 +135,7 @@ v1::EditBody rootNearPoint(const Match& match, Scene& scene) {
   const double distance = (positionOf(mesh, root) - p).norm();
   if (!(distance <= kFarthestRoot_m)) {
     rejectInput(
-        "root of patch {}: {} {} {} is {:.4g} mm from the {}; it may be at most {:.0f} mm",
+        "root of patch {}: {} {} {} is {:.0f} mm from the {}; it may be at most {:.0f} mm",
         quoted(word(match, 0)), word(match, 2), word(match, 3), word(match, 4), 1e3 * distance,
         side == v1::SIDE_OBJECT ? "object's surface" : "hand's skin", 1e3 * kFarthestRoot_m);
   }

@@ -230,8 +230,11 @@ Told Editor::edit(const Parsed& command) {
   if (body._d() == v1::EDIT_DRAG) told.text += endedAt(body.drag());
   if (steps) {
     const char* verb = body._d() == v1::EDIT_UNDO ? "undone" : "redone";
-    told.text +=
-        fmt::format("{}: {}\n", verb, text::plain(fmt::format("{}", fmt::join(taken, "; "))));
+    // A single one is in the server's message already.
+    if (taken.size() > 1) {
+      told.text +=
+          fmt::format("{}: {}\n", verb, text::plain(fmt::format("{}", fmt::join(taken, "; "))));
+    }
     told.data[verb] = taken;
   }
   return told;
