@@ -46,9 +46,10 @@ class ServerLink {
     return connection_->requester.waitForServer(std::chrono::milliseconds(0));
   }
 
-  /// Finds a server that is not heard any more, for up to 2 s, also where one side dropped the
-  /// other while it slept: then by joining the network anew, under another client's id, and
-  /// true is returned; readers made before stay deaf. Errors: NoServer if none is heard.
+  /// Finds a server that is not heard any more, for up to 2 s, if need be by joining the
+  /// network anew, under another client's id: true is returned then, and readers made before
+  /// stay deaf. A server that slept for longer than its lease is not found so (idl/README).
+  /// Errors: NoServer if none is heard.
   bool rejoin();
 
   /// Under which the server knows this program's edits.
