@@ -220,10 +220,9 @@ TEST(WatchText, TellsPosesFromWhatExplainsThem) {
   solution.verdict("1 of 2 patches reached");
   solution.penetration().emplace_back();
   solution.penetration()[0].max_depth_m(0.0042);
-  EXPECT_THAT(
-      client::text::solutionLine(solution),
-      testing::AllOf(HasSubstr(": solution "),
-                     testing::EndsWith("; 1 of 2 patches reached, 4.2 mm deep")));
+  EXPECT_THAT(client::text::solutionLine(solution),
+              testing::AllOf(HasSubstr(": solution "),
+                             testing::EndsWith("; 1 of 2 patches reached, 4.2 mm deep")));
 }
 
 TEST(WatchJson, PutsEachEventOnOneLine) {
