@@ -27,7 +27,8 @@ constexpr std::chrono::microseconds kSolutionPeriod(1000);  // of poses on the w
 constexpr std::chrono::milliseconds kQuietStart(5);
 constexpr int kStartsAfterEdit = 2;  // where the hand is, and its joints under the closed form
 // Before an edit cuts a solve short: most end by themselves then. Twice as long after each that
-// was cut short for an edit that was refused then, so that it ends some time.
+// was cut short, so that one ends some time; less so where the edits were applied
+// (service.cpp).
 constexpr std::chrono::milliseconds kLeastSolve(8);
 constexpr int kMostDoublings = 12;
 constexpr std::chrono::hours kUnhurried(1);  // what needs no search is not cut short
