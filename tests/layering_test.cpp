@@ -51,7 +51,14 @@ const std::vector<Layer> kLayers = {
     {"server", {}, {"eigen", "fmt", "spdlog"}},  // and all of core and idl, see permits()
     {"server/reading", kCore, {"eigen", "fmt"}},
     {"server/transport", {"core/base", "idl"}, {"fmt", "spdlog", "fastdds"}},
-    {"client", {"core/base", "idl", "idl/cyclone"}, {"eigen", "fmt"}},
+    {"client/link", {"core/base", "idl", "idl/cyclone"}, {"eigen", "fmt"}},
+    {"client/present", {"core/base", "client/link", "idl", "idl/cyclone"}, {"eigen", "fmt"}},
+    {"client/editor",
+     {"core/base", "client/link", "client/present", "idl", "idl/cyclone"},
+     {"eigen", "fmt"}},
+    {"client/cli",
+     {"core/base", "client/editor", "client/link", "client/present", "idl", "idl/cyclone"},
+     {"eigen", "fmt"}},
     {"hardware/protocols", {"core/base"}, {}},
     {"hardware/devices", {"core/base", "hardware/protocols"}, {}},
     {"hardware/safety", {"core/base"}, {"fmt"}},
@@ -76,20 +83,21 @@ const std::map<std::string, std::set<std::string>> kAlone = {
       "core/io/hand_joints_file.cpp", "core/io/json_keys.cpp", "core/io/json_keys.h",
       "core/io/problem_file.cpp", "core/io/session_field.h", "core/io/session_file.cpp",
       "core/io/session_reader.cpp", "core/io/session_writer.cpp", "core/io/session_writer.h",
-      "client/json_output.cpp", "client/json_parts.h", "client/pose_file.cpp",
-      "client/transfer_json.cpp", "hardware/bridge/report_line.cpp"}},
+      "client/present/json_output.cpp", "client/present/json_parts.h",
+      "client/link/pose_file.cpp", "client/present/transfer_json.cpp",
+      "hardware/bridge/report_line.cpp"}},
     {"yaml", {"core/io/sites_file.cpp", "hardware/config/yaml_section.h"}},
     {"cyclone", {"idl/cyclone/participant.cpp"}},
     {"fastcdr", {"idl/cyclone/participant.cpp"}},
-    {"png", {"client/render/png_file.cpp", "core/io/png_file.cpp"}},
+    {"png", {"client/present/render/png_file.cpp", "core/io/png_file.cpp"}},
     {"editline", {"client/editor/prompt.cpp"}},
     {"cli11",
-     {"server/main.cpp", "client/command_line.cpp", "client/options/bridge_commands.cpp",
-      "client/options/editor_commands.cpp", "client/options/grasp_command.cpp",
-      "client/options/grasp_flags.cpp", "client/options/import_commands.cpp",
-      "client/options/model_commands.cpp", "client/options/model_flags.cpp",
-      "client/options/session_commands.cpp", "client/options/study_commands.cpp",
-      "hardware/bridge/main.cpp"}},
+     {"server/main.cpp", "client/cli/command_line.cpp",
+      "client/cli/options/bridge_commands.cpp", "client/cli/options/editor_commands.cpp",
+      "client/cli/options/grasp_command.cpp", "client/cli/options/grasp_flags.cpp",
+      "client/cli/options/import_commands.cpp", "client/cli/options/model_commands.cpp",
+      "client/cli/options/model_flags.cpp", "client/cli/options/session_commands.cpp",
+      "client/cli/options/study_commands.cpp", "hardware/bridge/main.cpp"}},
 };
 
 const std::vector<std::pair<std::string, std::regex>> kLibraries = {
@@ -209,7 +217,7 @@ TEST(Layering, EveryFileNamedAloneExists) {
 TEST(Layering, TheRulesCanObject) {
   EXPECT_NE(objection("core/geometry/a.cpp", "core/hand/skin.h", true), "");
   EXPECT_NE(objection("core/optimize/solver.cpp", "nlopt.hpp", false), "");
-  EXPECT_NE(objection("client/main.cpp", "fastdds/dds/topic/Topic.hpp", false), "");
+  EXPECT_NE(objection("client/cli/main.cpp", "fastdds/dds/topic/Topic.hpp", false), "");
   EXPECT_NE(objection("core/base/a.h", "boost/any.hpp", false), "");
   EXPECT_NE(objection("elsewhere/a.h", "core/base/pose.h", true), "");
   EXPECT_EQ(objection("core/hand/a.cpp", "core/geometry/log_map.h", true), "");

@@ -4,7 +4,7 @@
 
 #include "client/editor/match_values.h"
 #include "client/editor/surface_pick.h"
-#include "client/wire_pose.h"
+#include "client/link/wire_pose.h"
 #include "core/base/error.h"
 
 namespace handgraft::client::editor {

@@ -7,7 +7,7 @@
 
 #include "client/editor/show.h"
 #include "client/editor/show_solution.h"
-#include "client/text_output.h"
+#include "client/present/text_output.h"
 #include "core/base/error.h"
 #include "core/base/progress.h"
 

@@ -10,8 +10,8 @@
 
 #include "client/editor/grammar.h"
 #include "client/editor/scene.h"
-#include "client/interruption.h"
-#include "client/server_link.h"
+#include "client/link/interruption.h"
+#include "client/link/server_link.h"
 #include "idl/cyclone/participant.h"
 
 namespace handgraft::client::editor {

@@ -11,8 +11,8 @@
 #include "client/editor/edited_session.h"
 #include "client/editor/sink.h"
 #include "client/editor/told.h"
-#include "client/interruption.h"
-#include "client/server_link.h"
+#include "client/link/interruption.h"
+#include "client/link/server_link.h"
 
 namespace handgraft::client::editor {
 

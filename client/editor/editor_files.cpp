@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include "client/editor/editor.h"
-#include "client/failure.h"
-#include "client/grasp_session.h"
-#include "client/output_file.h"
-#include "client/session_text.h"
-#include "client/text_output.h"
+#include "client/link/session_text.h"
+#include "client/present/export_file.h"
+#include "client/present/failure.h"
+#include "client/present/output_file.h"
+#include "client/present/text_output.h"
 #include "core/base/error.h"
 
 // The editor's commands that read and write files.

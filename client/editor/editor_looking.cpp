@@ -5,10 +5,10 @@
 #include "client/editor/editor.h"
 #include "client/editor/show.h"
 #include "client/editor/show_solution.h"
-#include "client/json_output.h"
-#include "client/text_output.h"
-#include "client/transfer_json.h"
-#include "client/transfer_text.h"
+#include "client/present/json_output.h"
+#include "client/present/text_output.h"
+#include "client/present/transfer_json.h"
+#include "client/present/transfer_text.h"
 #include "core/base/error.h"
 
 // The editor's commands that only look.

@@ -5,7 +5,7 @@
 #include "client/editor/edit_making.h"
 #include "client/editor/match_values.h"
 #include "client/editor/surface_pick.h"
-#include "client/pose_file.h"
+#include "client/link/pose_file.h"
 #include "core/base/error.h"
 
 // The edits that move the hand or the object as a whole, choose models and searches, or go back

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "client/editor/words.h"
-#include "client/interruption.h"
+#include "client/link/interruption.h"
 
 namespace handgraft::client::editor {
 

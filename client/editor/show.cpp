@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "client/text_output.h"
+#include "client/present/text_output.h"
 #include "idl/names.h"
 
 namespace handgraft::client::editor {

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "client/minima_text.h"
-#include "client/text_output.h"
+#include "client/present/minima_text.h"
+#include "client/present/text_output.h"
 #include "idl/names.h"
 
 namespace handgraft::client::editor {

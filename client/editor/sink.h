@@ -3,8 +3,8 @@
 #include <string>
 
 #include "client/editor/told.h"
-#include "client/failure.h"
-#include "client/progress_line.h"
+#include "client/present/failure.h"
+#include "client/present/progress_line.h"
 
 namespace handgraft::client::editor {
 

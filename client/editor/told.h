@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "client/json_parts.h"
+#include "client/present/json_parts.h"
 
 namespace handgraft::client::editor {
 

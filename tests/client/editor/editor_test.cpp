@@ -11,8 +11,8 @@
 #include <nlohmann/json.hpp>
 
 #include "client/editor/show_solution.h"
-#include "client/failure.h"
-#include "client/model_files.h"
+#include "client/link/model_files.h"
+#include "client/present/failure.h"
 #include "core/base/error.h"
 #include "core/base/progress.h"
 

@@ -1,0 +1,83 @@
+#include "client/cli/command_line.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include <CLI/CLI.hpp>
+
+#include "client/cli/options/command_options.h"
+#include "client/cli/version.h"
+#include "core/base/error.h"
+
+namespace handgraft::client {
+
+namespace {
+
+// CLI11 says what is wrong over several lines at times; users get one.
+std::string oneLine(const std::string& text) {
+  std::string line = text.substr(0, text.find_last_not_of(" \n") + 1);
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  return line;
+}
+
+std::string commandsOf(const CLI::App& app) {
+  std::string names;
+  for (const CLI::App* command : app.get_subcommands({})) {
+    names += (names.empty() ? "" : ", ") + command->get_name();
+  }
+  return names;
+}
+
+}  // namespace
+
+std::variant<Invocation, Printout> parseCommandLine(int argc, const char* const* argv) {
+  Invocation invocation{{}, DoctorOptions{}};
+  CLI::App app("Grafts a grasp from one hand onto another.", "handgraft");
+  app.set_version_flag("--version", fmt::format("handgraft {}", kVersion));
+  app.require_subcommand(1);
+  CommonOptions& common = invocation.common;
+  app.add_option("--domain", common.network.domain, "DDS domain, 0-100")->capture_default_str();
+  app.add_option("--interface", common.network.interface, "Network interface to meet on")
+      ->capture_default_str();
+  app.add_flag("--json", common.json, "Print one JSON document");
+
+  app.add_subcommand("doctor", "Say whether all is well, and what to do if not");
+  addModelCommands(app, invocation.command);
+  addImportCommands(app, invocation.command);
+  addGraspCommand(app, invocation.command);
+  addEditorCommands(app, invocation.command);
+  addSessionCommands(app, invocation.command);
+  addBridgeCommands(app, invocation.command);
+  addStudyCommands(app, invocation.command);
+  for (CLI::App* command : app.get_subcommands({}))
+    command->fallthrough();
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) {
+    std::ostringstream text;
+    app.exit(success, text, text);
+    return Printout{text.str()};
+  } catch (const CLI::ParseError& error) {
+    const std::vector<std::string> rest = app.remaining(true);
+    if (app.get_subcommands().empty() && !rest.empty()) {
+      rejectInput("{} is no command; there are {}", quoted(rest.front()), commandsOf(app));
+    }
+    // CLI11 misses `--hand` before it minds `--hnad`; the slip is what the user wants to know.
+    for (const std::string& word : rest) {
+      if (word.rfind("--", 0) == 0) {
+        rejectInput("there is no option {} (handgraft --help tells more)", quoted(word));
+      }
+    }
+    for (const CLI::App* command : app.get_subcommands()) {
+      if (command->get_require_subcommand_min() == 0 || !command->get_subcommands().empty())
+        continue;
+      rejectInput("{}: one of {} must follow", command->get_name(), commandsOf(*command));
+    }
+    rejectInput("{} (handgraft --help tells more)", oneLine(error.what()));
+  }
+  validate(common.network);
+  return invocation;
+}
+
+}  // namespace handgraft::client

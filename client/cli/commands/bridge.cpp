@@ -1,0 +1,133 @@
+#include <cstdio>
+
+#include <fmt/format.h>
+
+#include "client/cli/commands/bridge_link.h"
+#include "client/cli/commands/bridge_output.h"
+#include "client/cli/commands/commands.h"
+#include "client/link/interruption.h"
+#include "core/base/error.h"
+#include "idl/names.h"
+
+namespace handgraft::client {
+
+namespace {
+
+using Action = BridgeOptions::Action;
+
+constexpr std::chrono::seconds kPatience(10);
+
+bool isOff(const v1::BridgeStatus& bridge) {
+  return !bridge.powered() && bridge.state() != v1::BRIDGE_ARMED &&
+         bridge.state() != v1::BRIDGE_HOLDING;
+}
+
+v1::HandCommandKind kindOf(Action action) {
+  switch (action) {
+    case Action::kArm:
+      return v1::COMMAND_ARM;
+    case Action::kDisarm:
+      return v1::COMMAND_DISARM;
+    case Action::kReset:
+      return v1::COMMAND_RESET;
+    case Action::kHome:
+      return v1::COMMAND_HOME;
+    case Action::kStatus:
+    case Action::kEstop:
+      break;
+  }
+  return v1::COMMAND_ESTOP;
+}
+
+bool isDone(Action action, const v1::BridgeStatus& bridge) {
+  switch (action) {
+    case Action::kArm:
+      return bridge.state() == v1::BRIDGE_ARMED && bridge.powered();
+    case Action::kDisarm:
+      return isOff(bridge);
+    case Action::kReset:
+      return bridge.state() == v1::BRIDGE_IDLE || bridge.state() == v1::BRIDGE_DISCONNECTED;
+    case Action::kHome:
+      return bridge.homed() && bridge.reason() != "homing";
+    case Action::kEstop:
+      return bridge.state() == v1::BRIDGE_ESTOP && !bridge.powered();
+    case Action::kStatus:
+      return true;
+  }
+  return true;
+}
+
+/// Tells a refusal that is news from one of long ago, which a bridge forgets when it accepts
+/// something.
+class RefusalWatch {
+ public:
+  explicit RefusalWatch(const v1::BridgeStatus& before) : last_(before.last_refusal()) {}
+
+  bool sees(const v1::BridgeStatus& bridge) {
+    if (bridge.last_refusal() == last_) return false;
+    last_ = bridge.last_refusal();
+    return !last_.empty();
+  }
+
+ private:
+  std::string last_;
+};
+
+// Homing begins by saying so, and takes as long as motors run; whether it was done shows then.
+v1::BridgeStatus home(BridgeLink& link, const v1::BridgeStatus& before) {
+  const std::uint32_t id = before.bridge_id();
+  RefusalWatch refusals(before);
+  const auto begins = [&](const v1::BridgeStatus& bridge) {
+    return bridge.reason() == "homing" || refusals.sees(bridge);
+  };
+  v1::BridgeStatus bridge = link.command(id, v1::COMMAND_HOME, kPatience, begins);
+  if (bridge.reason() != "homing") {
+    throw DeviceError(
+        fmt::format("bridge {}{}: {}", id, bridge.homed() ? "" : " is not homed",
+                    bridge.last_refusal().empty() ? bridge.reason() : bridge.last_refusal()));
+  }
+  while (bridge.reason() == "homing")
+    bridge = link.news(id);
+  return bridge;
+}
+
+v1::BridgeStatus act(BridgeLink& link, Action action, const v1::BridgeStatus& before) {
+  if (action == Action::kHome) return home(link, before);
+  RefusalWatch refusals(before);
+  const auto is_answered = [&](const v1::BridgeStatus& bridge) {
+    return isDone(action, bridge) || refusals.sees(bridge);
+  };
+  return link.command(before.bridge_id(), kindOf(action), kPatience, is_answered);
+}
+
+}  // namespace
+
+int run(const BridgeOptions& options, const CommonOptions& common, Interruption& interruption) {
+  BridgeLink link(common.network, interruption);
+  std::vector<v1::BridgeStatus> bridges;
+  if (options.action == Action::kEstop) {
+    bridges = link.stop(options.bridge_id, kPatience, [](const v1::BridgeStatus& bridge) {
+      return isDone(Action::kEstop, bridge);
+    });
+  } else if (options.action != Action::kStatus) {
+    bridges = {act(link, options.action, link.one(options.bridge_id))};
+  } else if (options.bridge_id) {
+    bridges = {link.one(options.bridge_id)};
+  } else {
+    bridges = link.all();
+  }
+  bool is_done = true;
+  for (const v1::BridgeStatus& bridge : bridges)
+    is_done = is_done && isDone(options.action, bridge);
+  fmt::print("{}", common.json ? statusJson(bridges) + "\n" : statusText(bridges));
+  if (is_done) return 0;
+  for (const v1::BridgeStatus& bridge : bridges) {
+    if (isDone(options.action, bridge)) continue;
+    fmt::print(stderr, "handgraft: bridge {} did not do it: {}{}\n", bridge.bridge_id(),
+               bridge.reason(),
+               bridge.last_refusal().empty() ? "" : "; " + bridge.last_refusal());
+  }
+  return 1;
+}
+
+}  // namespace handgraft::client

@@ -1,0 +1,96 @@
+#include "client/cli/commands/bridge_output.h"
+
+#include <fmt/format.h>
+
+#include "client/present/json_parts.h"
+#include "idl/names.h"
+
+namespace handgraft::client {
+
+namespace {
+
+std::string age(double seconds) {
+  return seconds < 0 ? "never" : fmt::format("{:.2f} s ago", seconds);
+}
+
+std::string paragraph(const v1::BridgeStatus& bridge) {
+  std::string text = fmt::format("bridge {}: {}: {}\n", bridge.bridge_id(),
+                                 v1::nameOf(bridge.state()), bridge.reason());
+  const auto line = [&](const char* name, const std::string& what) {
+    text += fmt::format("  {:<8}{}\n", name, what);
+  };
+  line("device", bridge.device() + (bridge.config().empty() ? "" : ", " + bridge.config()));
+  line("hand", bridge.hand().empty() ? "none yet" : bridge.hand());
+  if (bridge.fault() != v1::FAULT_NONE) line("fault", v1::nameOf(bridge.fault()));
+  line("motors", fmt::format("{}, {}{}", bridge.powered() ? "under power" : "off",
+                             bridge.homed() ? "homed" : "not homed",
+                             bridge.temperature_c() < 0
+                                 ? std::string()
+                                 : fmt::format(", {:.0f} degrees C", bridge.temperature_c())));
+  line("stream",
+       fmt::format("{}, alive {}, last pose {}; {} poses accepted, {} refused",
+                   bridge.session_id() == 0 ? std::string("no session")
+                                            : fmt::format("session {}", bridge.session_id()),
+                   age(bridge.stream_age_s()), age(bridge.command_age_s()),
+                   bridge.poses_accepted(), bridge.poses_refused()));
+  if (!bridge.last_refusal().empty()) line("refused", bridge.last_refusal());
+  line("limits", fmt::format("targets clamped in {} periods, motion cut in {}",
+                             bridge.clamped(), bridge.limited()));
+  line("off by", fmt::format("{:.4f} rad from what was sent; {:.4f} rad that it cannot follow",
+                             bridge.tracking_rad(), bridge.residual_rad()));
+  line("loop",
+       fmt::format("{:.4g} Hz, {} periods, {} late, at worst by {:.2f} ms{}",
+                   bridge.period_s() > 0 ? 1 / bridge.period_s() : 0.0, bridge.periods(),
+                   bridge.overruns(), 1000 * bridge.worst_lateness_s(),
+                   bridge.realtime() ? ", real-time" : ""));
+  line("wire", fmt::format("{} answers lost, {} bytes passed over", bridge.answers_lost(),
+                           bridge.bytes_discarded()));
+  return text;
+}
+
+}  // namespace
+
+std::string statusText(const std::vector<v1::BridgeStatus>& bridges) {
+  std::string text;
+  for (const v1::BridgeStatus& bridge : bridges)
+    text += paragraph(bridge);
+  return text;
+}
+
+std::string statusJson(const std::vector<v1::BridgeStatus>& bridges) {
+  json::Json list = json::Json::array();
+  for (const v1::BridgeStatus& bridge : bridges) {
+    list.push_back({{"bridge_id", bridge.bridge_id()},
+                    {"device", bridge.device()},
+                    {"hand", bridge.hand()},
+                    {"config", bridge.config()},
+                    {"state", v1::nameOf(bridge.state())},
+                    {"fault", v1::nameOf(bridge.fault())},
+                    {"reason", bridge.reason()},
+                    {"powered", bridge.powered()},
+                    {"homed", bridge.homed()},
+                    {"slow", bridge.slow()},
+                    {"session_id", bridge.session_id()},
+                    {"command_age_s", bridge.command_age_s()},
+                    {"stream_age_s", bridge.stream_age_s()},
+                    {"period_s", bridge.period_s()},
+                    {"periods", bridge.periods()},
+                    {"overruns", bridge.overruns()},
+                    {"worst_lateness_s", bridge.worst_lateness_s()},
+                    {"realtime", bridge.realtime()},
+                    {"poses_accepted", bridge.poses_accepted()},
+                    {"poses_refused", bridge.poses_refused()},
+                    {"last_refusal", bridge.last_refusal()},
+                    {"clamped", bridge.clamped()},
+                    {"limited", bridge.limited()},
+                    {"answers_lost", bridge.answers_lost()},
+                    {"bytes_discarded", bridge.bytes_discarded()},
+                    {"tracking_rad", bridge.tracking_rad()},
+                    {"residual_rad", bridge.residual_rad()},
+                    {"temperature_c", bridge.temperature_c()},
+                    {"stamp_ns", bridge.stamp_ns()}});
+  }
+  return json::written({{"bridges", list}}, 2);
+}
+
+}  // namespace handgraft::client

@@ -1,0 +1,20 @@
+#include <fmt/format.h>
+
+#include "client/cli/commands/commands.h"
+#include "client/link/server_link.h"
+#include "client/present/json_output.h"
+
+namespace handgraft::client {
+
+int run(const CloseOptions& options, const CommonOptions& common, Interruption& interruption) {
+  ServerLink server(common.network, Absence::kFail, interruption);
+  server.closeSession(options.session_id);
+  if (common.json) {
+    fmt::print("{}\n", json::closed(options.session_id));
+  } else {
+    fmt::print("closed session {}\n", options.session_id);
+  }
+  return 0;
+}
+
+}  // namespace handgraft::client

@@ -1,0 +1,280 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "client/cli/study/study_axis.h"
+#include "client/cli/study/study_files.h"
+#include "client/link/model_files.h"
+#include "core/base/network.h"
+#include "idl/models.h"
+#include "idl/sessions.h"
+
+/// The commands of `handgraft`, one file each. A command prints to standard output, notices to
+/// standard error, and returns the exit code; errors leave as exceptions for main.cpp.
+namespace handgraft::client {
+
+class Interruption;
+
+/// Options of every command.
+struct CommonOptions {
+  Network network;
+  bool json = false;  ///< exactly one JSON document on standard output (`watch`: one a line)
+};
+
+struct DoctorOptions {};
+
+struct ModelsOptions {
+  struct Show {
+    v1::ModelKind kind = v1::MODEL_HAND;
+    std::string name;
+  };
+
+  std::optional<Show> show;  ///< nothing: the list
+};
+
+struct LoadOptions {
+  v1::ModelKind kind = v1::MODEL_HAND;
+  std::filesystem::path path;
+  std::string name;    ///< empty: from the path
+  std::string object;  ///< contacts alone
+  std::string units;   ///< of meshes and maps; empty: metres unless the size says otherwise
+  HandReading hand_reading;        ///< hands alone
+  ContactReading contact_reading;  ///< contact maps alone
+};
+
+/// X_WO: x y z in m, qw qx qy qz.
+using Place = std::array<double, 7>;
+
+struct GraspOptions {
+  std::string hand;  ///< a model's name, or a path; likewise the next two
+  std::string object;
+  std::string contacts;
+  std::string units;  ///< of the object and of the contacts, where those are paths
+  HandReading hand_reading;
+  ContactReading contact_reading;
+  std::optional<Place> place;
+  std::optional<std::array<double, 3>> weights;  ///< distance (1/m^2), normal, prior
+  std::string solver;
+  std::uint32_t starts = 0;
+  std::uint32_t seed = 0;
+  std::uint32_t max_evaluations = 0;
+  bool paper = false;
+  v1::NormalForm normal_form = v1::NORMAL_COSINE;
+  bool avoid_penetration = false;
+  std::uint32_t choose = 0;          ///< rank of the result to take, from 1; 0: the best
+  std::string log_map;               ///< empty: the server's default
+  std::uint32_t interior_rings = 0;  ///< of correspondences besides the boundary's
+  std::filesystem::path out;         ///< empty: not written; likewise the next two
+  std::filesystem::path png;
+  std::filesystem::path problem;
+  bool keep = false;
+};
+
+struct InspectOptions {
+  std::string hand;  ///< a model's name, or a path
+  HandReading reading;
+  std::string units;
+  std::filesystem::path png;  ///< empty: not written; likewise the next
+  std::filesystem::path sites;
+};
+
+struct VaryOptions {
+  std::string hand;  ///< a model's name, or a path
+  HandReading reading;
+  std::string units;
+  std::vector<v1::HandChange> changes;
+  std::string name;            ///< of the variant
+  std::filesystem::path urdf;  ///< empty: not written
+};
+
+/// A study of a set of grasps over properties of a hand.
+struct SweepOptions {
+  std::string hand;  ///< a model's name, or a path
+  HandReading hand_reading;
+  StudyFolders folders;
+  ContactReading contact_reading;  ///< of contact maps
+  std::string units;               ///< of objects and contact maps
+  std::vector<StudyAxis> axes;
+  std::optional<std::array<double, 3>> weights;  ///< distance (1/m^2), normal, prior
+  std::string solver;
+  std::uint32_t starts = 0;
+  std::uint32_t seed = 0;
+  std::string log_map;
+  std::filesystem::path out;  ///< CSV; empty: not written; likewise the next
+  std::filesystem::path png;
+};
+
+struct SkinOptions {
+  std::string hand;  ///< a model's name, or a path
+  HandReading reading;
+  std::string units;
+  std::filesystem::path out;
+  std::filesystem::path png;  ///< empty: not written
+};
+
+struct ImportOptions {
+  std::filesystem::path map;  ///< or a contact set
+  std::string object;         ///< a model's name, or a path
+  ContactReading reading;
+  std::string units;
+  std::string name;           ///< empty: from the map's path
+  std::filesystem::path out;  ///< empty: not written; likewise the next
+  std::filesystem::path png;
+};
+
+struct PoseContactsOptions {
+  std::string hand;  ///< a model's name, or a path
+  HandReading reading;
+  std::string pose;    ///< a file, or one of the hand's named poses
+  std::string object;  ///< a model's name, or a path
+  std::string units;   ///< of the object
+  std::optional<Place> place;
+  double reach_mm = 0.0;  ///< 0: the server's default
+  v1::ContactOptions contacts;
+  std::string name;           ///< empty: after the object and the hand
+  std::filesystem::path out;  ///< empty: not written; likewise the next
+  std::filesystem::path png;
+};
+
+struct EditOptions {
+  std::uint64_t session_id = 0;  ///< 0: a new one, of `grasp`
+  GraspOptions grasp;
+  std::filesystem::path script;  ///< empty: standard input
+};
+
+struct ExportOptions {
+  std::uint64_t session_id = 0;
+  std::string format;
+  std::filesystem::path out;
+};
+
+struct SaveOptions {
+  std::uint64_t session_id = 0;
+  std::filesystem::path path;
+};
+
+struct OpenFileOptions {
+  std::filesystem::path path;
+};
+
+struct ReplayOptions {
+  std::filesystem::path path;
+  std::filesystem::path out;  ///< empty: not written
+};
+
+struct SessionsOptions {};
+
+struct TransferOptions {
+  std::uint64_t session_id = 0;
+};
+
+struct SuggestOptions {
+  std::uint64_t session_id = 0;
+  std::string patch;
+  double reach_mm = 0.0;  ///< 0: the server's default; likewise the next
+  std::uint32_t count = 0;
+  std::uint32_t apply = 0;  ///< the suggestion to apply, from 1; 0: none
+};
+
+struct CloseOptions {
+  std::uint64_t session_id = 0;
+};
+
+struct UnloadOptions {
+  v1::ModelKind kind = v1::MODEL_HAND;
+  std::string name;
+};
+
+/// One bridge, or all of them, and what it is asked to do.
+struct BridgeOptions {
+  enum class Action { kStatus, kArm, kDisarm, kEstop, kReset, kHome };
+
+  Action action = Action::kStatus;
+  std::optional<std::uint32_t> bridge_id;  ///< nothing: the only one; status and estop: all
+};
+
+struct BridgeRecordOptions {
+  std::optional<std::uint32_t> bridge_id;  ///< nothing: the only one
+  double seconds = 10;                     ///< 0: until interrupted
+  std::filesystem::path out;
+  std::filesystem::path png;  ///< empty: not written
+};
+
+struct BridgePlotOptions {
+  std::filesystem::path run;
+  std::filesystem::path out;
+};
+
+struct WatchOptions {
+  std::uint64_t session_id = 0;
+  std::uint64_t count = 0;  ///< solutions; 0: until the session closes
+};
+
+using CommandOptions = std::variant<DoctorOptions,
+                                    ModelsOptions,
+                                    LoadOptions,
+                                    GraspOptions,
+                                    InspectOptions,
+                                    VaryOptions,
+                                    SweepOptions,
+                                    SkinOptions,
+                                    ImportOptions,
+                                    PoseContactsOptions,
+                                    EditOptions,
+                                    ExportOptions,
+                                    SaveOptions,
+                                    OpenFileOptions,
+                                    ReplayOptions,
+                                    SessionsOptions,
+                                    BridgeOptions,
+                                    BridgeRecordOptions,
+                                    BridgePlotOptions,
+                                    WatchOptions,
+                                    TransferOptions,
+                                    SuggestOptions,
+                                    CloseOptions,
+                                    UnloadOptions>;
+
+int run(const DoctorOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const ModelsOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const LoadOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const GraspOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const InspectOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const VaryOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const SweepOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const SkinOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const ImportOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const PoseContactsOptions& options,
+        const CommonOptions& common,
+        Interruption& interruption);
+int run(const EditOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const ExportOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const SaveOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const OpenFileOptions& options,
+        const CommonOptions& common,
+        Interruption& interruption);
+int run(const ReplayOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const SessionsOptions& options,
+        const CommonOptions& common,
+        Interruption& interruption);
+int run(const BridgeOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const BridgeRecordOptions& options,
+        const CommonOptions& common,
+        Interruption& interruption);
+int run(const BridgePlotOptions& options,
+        const CommonOptions& common,
+        Interruption& interruption);
+int run(const WatchOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const TransferOptions& options,
+        const CommonOptions& common,
+        Interruption& interruption);
+int run(const SuggestOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const CloseOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const UnloadOptions& options, const CommonOptions& common, Interruption& interruption);
+
+}  // namespace handgraft::client

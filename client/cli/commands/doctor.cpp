@@ -1,0 +1,63 @@
+#include <algorithm>
+#include <chrono>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "client/cli/commands/commands.h"
+#include "client/cli/version.h"
+#include "client/link/interruption.h"
+#include "client/link/server_link.h"
+#include "client/present/json_output.h"
+#include "client/present/text_output.h"
+
+namespace handgraft::client {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double millisecondsSince(Clock::time_point begin) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
+
+double roundTrip(ServerLink& server) {
+  std::vector<double> times;
+  for (int i = 0; i < 11; ++i) {
+    const Clock::time_point begin = Clock::now();
+    server.ping();
+    times.push_back(millisecondsSince(begin));
+  }
+  std::nth_element(times.begin(), times.begin() + 5, times.end());
+  return times[5];
+}
+
+}  // namespace
+
+int run(const DoctorOptions& /*options*/,
+        const CommonOptions& common,
+        Interruption& interruption) {
+  DoctorReport report;
+  report.version = kVersion;
+  report.domain = common.network.domain;
+  report.interface = common.network.interface;
+  report.address = validate(common.network).address;
+  try {
+    const Clock::time_point begin = Clock::now();
+    ServerLink server(common.network, Absence::kFail, interruption);
+    report.found_ms = millisecondsSince(begin);
+    report.round_trip_ms = roundTrip(server);
+    report.models = server.listModels();
+    report.server = server.status();
+  } catch (const idl::cyclone::NoServer& error) {
+    report.advice = fmt::format(
+        "{}. Start one with: handgraft-server --domain {} --interface {}; if one runs "
+        "elsewhere, "
+        "give this program the same two options.",
+        error.what(), report.domain, report.interface);
+  }
+  fmt::print("{}", common.json ? json::doctor(report) + "\n" : text::doctor(report));
+  return report.server ? 0 : 1;
+}
+
+}  // namespace handgraft::client

@@ -1,0 +1,27 @@
+#include <fmt/format.h>
+
+#include "client/cli/commands/commands.h"
+#include "client/link/server_link.h"
+#include "client/present/export_file.h"
+#include "client/present/json_parts.h"
+#include "client/present/output_file.h"
+#include "core/base/error.h"
+
+namespace handgraft::client {
+
+int run(const ExportOptions& options, const CommonOptions& common, Interruption& interruption) {
+  requireWritable({"--out", options.out});
+  ServerLink server(common.network, Absence::kFail, interruption);
+  exportSession(server, options.session_id, options.format, {"--out", options.out});
+  if (common.json) {
+    fmt::print("{}\n", json::written({{"session_id", options.session_id},
+                                      {"format", options.format},
+                                      {"file", options.out.string()}},
+                                     2));
+  } else {
+    fmt::print("wrote {}\n", quoted(options.out.string()));
+  }
+  return 0;
+}
+
+}  // namespace handgraft::client

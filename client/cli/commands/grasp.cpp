@@ -1,0 +1,170 @@
+#include <chrono>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "client/cli/commands/commands.h"
+#include "client/cli/grasp_session.h"
+#include "client/link/grasp_result.h"
+#include "client/link/interruption.h"
+#include "client/link/send_model.h"
+#include "client/link/server_link.h"
+#include "client/present/export_file.h"
+#include "client/present/json_output.h"
+#include "client/present/minima_text.h"
+#include "client/present/output_file.h"
+#include "client/present/progress_line.h"
+#include "client/present/text_output.h"
+#include "core/base/error.h"
+
+namespace handgraft::client {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Long work must not end in a file that cannot be written, nor in one that replaces another.
+void checkFiles(const GraspOptions& options, const GraspInputs& inputs) {
+  requireSafe({{"--out", options.out}, {"--png", options.png}, {"--problem", options.problem}},
+              filesOf(inputs));
+}
+
+// Closes the session however the command ends, unless it is to be kept.
+class OpenSession {
+ public:
+  OpenSession(ServerLink& server, v1::SessionState state)
+      : server_(server), state_(std::move(state)) {}
+
+  ~OpenSession() {
+    if (kept_) return;
+    try {
+      server_.closeSession(state_.session_id());
+    } catch (const std::exception&) {
+      // The reason why the command ends is the one to report; a server that is gone has closed
+      // it.
+    }
+  }
+
+  OpenSession(const OpenSession&) = delete;
+  OpenSession& operator=(const OpenSession&) = delete;
+
+  [[nodiscard]] const v1::SessionState& state() const { return state_; }
+
+  [[nodiscard]] std::uint64_t id() const { return state_.session_id(); }
+
+  void keep() { kept_ = true; }
+
+ private:
+  ServerLink& server_;
+  v1::SessionState state_;
+  bool kept_ = false;
+};
+
+void writeProblem(ServerLink& server,
+                  const GraspOptions& options,
+                  const GraspInputs& inputs,
+                  const GraspResult& result) {
+  const fs::path folder = fs::absolute(options.problem).parent_path();
+  v1::ExportRequest request;
+  request.format("problem");
+  request.session_id(result.solution.session_id());
+  // The file of a mirrored hand describes the other one.
+  if (inputs.hand && !result.hand.mirrored()) {
+    request.urdf_path(fs::relative(fs::absolute(options.hand), folder).string());
+    for (const auto& [name, directory] : inputs.hand->packages) {
+      request.package_names().push_back(name);
+      request.package_paths().push_back(directory.string());
+    }
+  } else {
+    request.urdf_path(
+        writeHand(result.hand, folder, {options.out, options.png, options.problem}).string());
+  }
+  writeFile(options.problem, server.exportSession(request));
+}
+
+// Makes one of the minima that `best` ranks the session's pose; the answer is that minimum as
+// it was found, judged anew.
+v1::PoseSolution chosenOf(ServerLink& server,
+                          const GraspOptions& options,
+                          const v1::PoseSolution& best) {
+  if (options.choose > best.minima().size()) {
+    rejectInput("--choose {}: the searches ended in {} place(s)", options.choose,
+                best.minima().size());
+  }
+  const std::uint32_t index = options.choose - 1;
+  v1::EditBody body;
+  v1::ChoiceEdit choice;
+  choice.rank(index);
+  body.choice(choice);
+  server.edit(best.session_id(), best.revision(), body);
+  v1::OptimizeRequest request;
+  request.session_id(best.session_id());
+  v1::PoseSolution chosen = server.optimize(request);
+  chosen.solver(best.minima()[index].solver());
+  chosen.outcome(best.outcome());
+  chosen.evaluations(best.evaluations());
+  chosen.minima(best.minima());
+  chosen.chosen_minimum(index);
+  return chosen;
+}
+
+}  // namespace
+
+int run(const GraspOptions& options, const CommonOptions& common, Interruption& interruption) {
+  // === Everything that can be wrong before a server is asked
+  GraspInputs inputs = collectInputs(options);
+  checkFiles(options, inputs);
+  v1::OpenSessionRequest request = sessionRequest(options);
+
+  ServerLink server(common.network, Absence::kStartPrivate, interruption);
+  ProgressLine progress;
+  server.onProgress([&](const std::string& stage, double fraction) {
+    progress.show(stage, fraction);
+  });
+  const Clock::time_point begin = Clock::now();
+
+  // === Models, session, transfer, solve
+  ModelSender sender(server, interruption, !common.json);
+  OpenSession session(server, openSession(server, sender, options, inputs, request));
+
+  GraspResult result;
+  result.session = session.state();
+  result.transfer = server.transfer(session.id());
+  v1::OptimizeRequest optimize;
+  optimize.session_id(session.id());
+  optimize.options().push_back(solvingOf(options));
+  result.solution = server.optimize(optimize);
+  if (options.choose > 1) result.solution = chosenOf(server, options, result.solution);
+  // The solve may lay patches anew whose direction was open: what is shown is what holds now.
+  const double transfer_ms = result.transfer.transfer_ms();
+  result.transfer = server.transfer(session.id());
+  result.transfer.transfer_ms(transfer_ms);
+  result.hand = server.describe(v1::MODEL_HAND, request.hand(), !options.png.empty()).hand();
+  result.total_ms = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+  result.kept = options.keep && !server.isPrivate();
+  requireConsistent(result);
+
+  // === Results
+  if (!options.problem.empty()) writeProblem(server, options, inputs, result);
+  if (!options.png.empty()) writePicture(server, options.png, result);
+  if (!options.out.empty()) writeFile(options.out, json::grasp(result) + "\n");
+  progress.clear();
+  fmt::print("{}", common.json ? json::grasp(result) + "\n" : text::grasp(result));
+  if (!common.json && (options.solver == "all" || options.choose > 0)) {
+    fmt::print("\n{}", text::minima(result.solution, result.hand));
+  }
+  if (options.keep) {
+    session.keep();
+    if (result.kept && !common.json) fmt::print("session {} stays open\n", session.id());
+    if (server.isPrivate()) {
+      fmt::print(stderr,
+                 "--keep has no effect: the session ends with the server that this "
+                 "command started\n");
+    }
+  }
+  return 0;
+}
+
+}  // namespace handgraft::client

@@ -1,0 +1,53 @@
+#include <fmt/format.h>
+
+#include "client/cli/commands/commands.h"
+#include "client/link/send_model.h"
+#include "client/link/server_link.h"
+#include "client/present/json_output.h"
+#include "client/present/progress_line.h"
+#include "core/base/error.h"
+#include "idl/names.h"
+
+namespace handgraft::client {
+
+namespace {
+
+ModelFiles filesOf(const LoadOptions& options) {
+  switch (options.kind) {
+    case v1::MODEL_HAND:
+      return handFiles(options.path, options.hand_reading, options.units);
+    case v1::MODEL_OBJECT:
+      return objectFiles(options.path, options.units);
+    case v1::MODEL_CONTACTS:
+      return contactFiles(options.path, options.object, options.contact_reading, options.units);
+  }
+  rejectInput("kind {}: hand, object or contacts", static_cast<int>(options.kind));
+}
+
+}  // namespace
+
+int run(const LoadOptions& options, const CommonOptions& common, Interruption& interruption) {
+  ModelFiles model = filesOf(options);
+  if (!options.name.empty()) model.name = options.name;
+  ServerLink server(common.network, Absence::kFail, interruption);
+  ProgressLine progress;
+  server.onProgress([&](const std::string& stage, double fraction) {
+    progress.show(stage, fraction);
+  });
+  const v1::ModelSummary summary = ModelSender(server, interruption, !common.json).load(model);
+  // What reading it brought to light: for a point cloud, how true its surface is.
+  std::vector<std::string> notes;
+  if (options.kind == v1::MODEL_OBJECT)
+    notes = server.describe(v1::MODEL_OBJECT, summary.name(), false).object().notes();
+  progress.clear();
+  if (common.json) {
+    fmt::print("{}\n", json::loaded(summary, notes));
+  } else {
+    fmt::print("loaded {} {}: {}\n", nameOf(summary.kind()), summary.name(), summary.text());
+    for (const std::string& note : notes)
+      fmt::print("note: {}\n", quoted(note));
+  }
+  return 0;
+}
+
+}  // namespace handgraft::client

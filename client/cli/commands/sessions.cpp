@@ -1,0 +1,19 @@
+#include <fmt/format.h>
+
+#include "client/cli/commands/commands.h"
+#include "client/link/server_link.h"
+#include "client/present/json_output.h"
+#include "client/present/text_output.h"
+
+namespace handgraft::client {
+
+int run(const SessionsOptions& /*options*/,
+        const CommonOptions& common,
+        Interruption& interruption) {
+  ServerLink server(common.network, Absence::kFail, interruption);
+  const v1::SessionList list = server.listSessions();
+  fmt::print("{}", common.json ? json::sessions(list) + "\n" : text::sessions(list));
+  return 0;
+}
+
+}  // namespace handgraft::client

@@ -1,0 +1,144 @@
+#include <algorithm>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "client/cli/commands/commands.h"
+#include "client/cli/input_files.h"
+#include "client/cli/study/sweep_result.h"
+#include "client/link/send_model.h"
+#include "client/link/server_link.h"
+#include "client/present/output_file.h"
+#include "client/present/progress_line.h"
+#include "client/present/render/png_file.h"
+#include "core/base/error.h"
+
+namespace handgraft::client {
+
+namespace {
+
+/// The files of each grasp, found before a server is asked.
+struct GraspFiles {
+  std::optional<ModelFiles> object;  ///< nothing: the server has it
+  std::optional<ModelFiles> contacts;
+};
+
+GraspFiles filesOf(const StudyGrasp& grasp, const SweepOptions& options) {
+  GraspFiles files;
+  if (isPath(grasp.object)) files.object = objectFiles(grasp.object, options.units);
+  const bool is_map = grasp.contacts.extension() != ".json";
+  files.contacts =
+      contactFiles(grasp.contacts, "", is_map ? options.contact_reading : ContactReading(),
+                   is_map ? options.units : "");
+  return files;
+}
+
+v1::SweepRequest requestOf(const SweepOptions& options) {
+  v1::SweepRequest request;
+  for (const StudyAxis& axis : options.axes)
+    request.axes().push_back(axis.axis);
+  v1::SolveOptions solving;
+  solving.solver(options.solver);
+  solving.starts(options.starts);
+  solving.seed(options.seed);
+  request.options(solving);
+  if (options.weights) {
+    v1::Weights weights;
+    weights.distance((*options.weights)[0]);
+    weights.normal((*options.weights)[1]);
+    weights.prior((*options.weights)[2]);
+    request.weights().push_back(weights);
+  }
+  if (!options.log_map.empty()) {
+    v1::TransferOptions transfer;
+    transfer.method(options.log_map);
+    request.transfer().push_back(transfer);
+  }
+  return request;
+}
+
+/// Sends each file once.
+std::vector<v1::SweepGrasp> send(ModelSender& sender,
+                                 const std::vector<StudyGrasp>& grasps,
+                                 std::vector<GraspFiles>& files) {
+  std::map<std::string, std::string> sent;  // objects by path
+  std::vector<v1::SweepGrasp> request;
+  for (std::size_t i = 0; i < grasps.size(); ++i) {
+    v1::SweepGrasp grasp;
+    const auto known = sent.find(grasps[i].object);
+    grasp.object(known != sent.end() ? known->second
+                                     : nameOnServer(sender, grasps[i].object, files[i].object));
+    sent[grasps[i].object] = grasp.object();
+    files[i].contacts->object = grasp.object();
+    grasp.contacts(nameOnServer(sender, grasps[i].contacts.string(), files[i].contacts));
+    request.push_back(std::move(grasp));
+  }
+  return request;
+}
+
+/// Units of the axes: angles, travels of sliders, or none. Errors: InvalidInput for degrees of
+/// a slider.
+std::vector<std::string> unitsOf(const std::vector<StudyAxis>& axes,
+                                 const v1::HandDescription& hand) {
+  std::vector<std::string> units;
+  for (const StudyAxis& axis : axes) {
+    const bool is_limit = axis.axis.property() == v1::PROPERTY_LOWER ||
+                          axis.axis.property() == v1::PROPERTY_UPPER;
+    const bool slides = std::any_of(
+        hand.joints().begin(), hand.joints().end(), [&](const v1::JointInfo& joint) {
+          return joint.name() == axis.axis.target() && joint.prismatic();
+        });
+    if (is_limit && slides && axis.in_degrees)
+      rejectInput("{}: the joint slides; its limits are in m", quoted(axis.name));
+    units.emplace_back(!is_limit ? "" : slides ? "m" : axis.in_degrees ? "deg" : "rad");
+  }
+  return units;
+}
+
+}  // namespace
+
+int run(const SweepOptions& options, const CommonOptions& common, Interruption& interruption) {
+  // === Everything that can be wrong before a server is asked
+  const FoundGrasps found = findGrasps(options.folders);
+  for (const std::filesystem::path& path : found.skipped)
+    fmt::print(stderr, "skipped {}: no contact set\n", quoted(path.string()));
+  std::optional<ModelFiles> hand;
+  if (isPath(options.hand)) hand = handFiles(options.hand, options.hand_reading);
+  std::vector<NamedFile> read = inputsOf(hand, "--hand");
+  std::vector<GraspFiles> files;
+  for (const StudyGrasp& grasp : found.grasps) {
+    files.push_back(filesOf(grasp, options));
+    for (const auto& more : {inputsOf(files.back().object, "--object"),
+                             inputsOf(files.back().contacts, "--contacts-dir")})
+      read.insert(read.end(), more.begin(), more.end());
+  }
+  requireSafe({{"--out", options.out}, {"--png", options.png}}, read);
+  v1::SweepRequest request = requestOf(options);
+
+  ServerLink server(common.network, Absence::kStartPrivate, interruption);
+  ProgressLine progress;
+  server.onProgress([&](const std::string& stage, double fraction) {
+    progress.show(stage, fraction);
+  });
+  ModelSender sender(server, interruption, !common.json);
+  request.hand(nameOnServer(sender, options.hand, hand));
+
+  SweepResult result;
+  result.hand = request.hand();
+  result.grasps = found.grasps;
+  result.axes = options.axes;
+  result.units =
+      unitsOf(options.axes, server.describe(v1::MODEL_HAND, request.hand(), false).hand());
+  request.grasps(send(sender, found.grasps, files));
+  result.reply = server.sweep(request);
+  requireConsistent(result);
+
+  // === Results
+  if (!options.out.empty()) writeFile(options.out, csvOf(result));
+  if (!options.png.empty()) render::writePng(options.png, pictureOf(result));
+  progress.clear();
+  fmt::print("{}", common.json ? json::sweep(result) + "\n" : text::sweep(result));
+  return 0;
+}
+
+}  // namespace handgraft::client

@@ -1,0 +1,21 @@
+#include <fmt/format.h>
+
+#include "client/cli/commands/commands.h"
+#include "client/link/server_link.h"
+#include "client/present/json_output.h"
+#include "idl/names.h"
+
+namespace handgraft::client {
+
+int run(const UnloadOptions& options, const CommonOptions& common, Interruption& interruption) {
+  ServerLink server(common.network, Absence::kFail, interruption);
+  server.unload(options.kind, options.name);
+  if (common.json) {
+    fmt::print("{}\n", json::unloaded(options.kind, options.name));
+  } else {
+    fmt::print("unloaded {} {}\n", nameOf(options.kind), options.name);
+  }
+  return 0;
+}
+
+}  // namespace handgraft::client

@@ -1,0 +1,127 @@
+#include <memory>
+
+#include <CLI/CLI.hpp>
+
+#include "client/cli/options/command_options.h"
+#include "client/cli/options/grasp_flags.h"
+#include "client/cli/options/option_checks.h"
+#include "core/base/error.h"
+
+namespace handgraft::client {
+
+namespace {
+
+struct ParsedEdit {
+  GraspFlags flags;
+  std::uint64_t session_id = 0;
+  std::string script;
+};
+
+void addEdit(CLI::App& app, CommandOptions& chosen) {
+  const auto parsed = std::make_shared<ParsedEdit>();
+  CLI::App* command =
+      app.add_subcommand("edit", "Edit a session live: at a prompt, from a script or a pipe");
+  CLI::Option* session =
+      command->add_option("session", parsed->session_id, "Its id; or open one by --hand ...")
+          ->check(objectionToCount);
+  parsed->flags.addTo(*command);
+  command->add_option("--script", parsed->script, "Run the commands of a file")
+      ->check(objectionToFile);
+  command->footer("At the prompt help lists the commands, Tab completes, ? explains.");
+  command->callback([parsed, session, &chosen] {
+    EditOptions edit;
+    if (session->count() > 0) {
+      if (parsed->flags.named()) {
+        rejectInput("edit {}: --hand, --object and --contacts open another session",
+                    parsed->session_id);
+      }
+      parsed->flags.requireUnused("opening a session");
+      if (parsed->session_id == 0) rejectInput("edit 0: sessions count from 1");
+      edit.session_id = parsed->session_id;
+    } else {
+      if (!parsed->flags.named()) {
+        rejectInput(
+            "edit: a session's id must follow (handgraft sessions lists them), or "
+            "--hand, --object and --contacts, which open one");
+      }
+      edit.grasp = parsed->flags.grasp();
+    }
+    edit.script = parsed->script;
+    chosen = edit;
+  });
+}
+
+void addSessionId(CLI::App& command, std::uint64_t& session_id) {
+  command.add_option("session", session_id, "Its id")->required()->check(objectionToCount);
+}
+
+void addExport(CLI::App& app, CommandOptions& chosen) {
+  struct Parsed {
+    ExportOptions options;
+    std::string out;
+  };
+
+  const auto parsed = std::make_shared<Parsed>();
+  CLI::App* command =
+      app.add_subcommand("export", "Write a session's last solution for other programs");
+  addSessionId(*command, parsed->options.session_id);
+  command
+      ->add_option("--format", parsed->options.format,
+                   "json, csv, obj, glb, isaac_grasp or problem")
+      ->required();
+  command->add_option("--out", parsed->out, "The file")->required()->check(objectionToFile);
+  command->callback([parsed, &chosen] {
+    parsed->options.out = parsed->out;
+    chosen = parsed->options;
+  });
+}
+
+CLI::Option* addFile(CLI::App& command, std::string& file) {
+  return command.add_option("file", file, "handgraft-session/1")
+      ->required()
+      ->check(objectionToFile);
+}
+
+void addSessionFiles(CLI::App& app, CommandOptions& chosen) {
+  CLI::App* session = app.add_subcommand("session", "Sessions in files");
+  session->require_subcommand(1);
+
+  struct Parsed {
+    std::uint64_t session_id = 0;
+    std::string file;
+    std::string out;
+  };
+
+  const auto parsed = std::make_shared<Parsed>();
+  CLI::App* save =
+      session->add_subcommand("save", "Write all of a session: state, history, snapshots, log");
+  addSessionId(*save, parsed->session_id);
+  addFile(*save, parsed->file);
+  save->callback([parsed, &chosen] {
+    chosen = SaveOptions{parsed->session_id, parsed->file};
+  });
+  CLI::App* load = session->add_subcommand("load", "Open a session of such a file");
+  addFile(*load, parsed->file);
+  load->callback([parsed, &chosen] {
+    chosen = OpenFileOptions{parsed->file};
+  });
+  CLI::App* replay =
+      session->add_subcommand("replay", "Play its log again and say whether it ends the same");
+  addFile(*replay, parsed->file);
+  replay->add_option("--out", parsed->out, "Write what it came to")->check(objectionToFile);
+  replay->callback([parsed, &chosen] {
+    chosen = ReplayOptions{parsed->file, parsed->out};
+  });
+  for (CLI::App* command : {save, load, replay})
+    command->fallthrough();
+}
+
+}  // namespace
+
+void addEditorCommands(CLI::App& app, CommandOptions& chosen) {
+  addEdit(app, chosen);
+  addExport(app, chosen);
+  addSessionFiles(app, chosen);
+}
+
+}  // namespace handgraft::client

@@ -1,0 +1,158 @@
+#include "client/cli/study/study_axis.h"
+
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+#include "core/base/error.h"
+
+namespace handgraft::client {
+
+namespace {
+
+constexpr int kMostValues = 10'000;
+constexpr double kDegree = std::numbers::pi / 180.0;
+// What --vary and --set look like, each.
+constexpr const char* kAxisForms =
+    "it must be NAME.PROPERTY=FROM:TO:COUNT or NAME.PROPERTY=A,B,C, with PROPERTY lower, upper "
+    "or range of a joint, length or size of a link, or hand.size";
+constexpr const char* kChangeForm =
+    "it must be NAME.PROPERTY=VALUE, with PROPERTY lower, upper or range of a joint, length or "
+    "size of a link, or hand.size";
+
+std::optional<v1::HandProperty> propertyNamed(const std::string& name) {
+  if (name == "lower") return v1::PROPERTY_LOWER;
+  if (name == "upper") return v1::PROPERTY_UPPER;
+  if (name == "range") return v1::PROPERTY_RANGE;
+  if (name == "length") return v1::PROPERTY_LENGTH;
+  if (name == "size") return v1::PROPERTY_SIZE;
+  return std::nullopt;
+}
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::size_t begin = 0;
+  while (true) {
+    const std::size_t end = text.find(separator, begin);
+    parts.push_back(text.substr(begin, end - begin));
+    if (end == std::string::npos) return parts;
+    begin = end + 1;
+  }
+}
+
+/// NAME.PROPERTY, and what follows `=`.
+struct Named {
+  std::string name;
+  v1::HandProperty property;
+  std::string target;
+  std::string values;
+};
+
+Named namedIn(const std::string& text, const char* forms) {
+  const std::size_t equals = text.find('=');
+  const std::size_t dot =
+      equals == std::string::npos ? equals : text.rfind('.', equals);  // names may have dots
+  if (dot == std::string::npos || dot == 0) rejectInput("{}: {}", quoted(text), forms);
+  Named named;
+  named.name = text.substr(0, equals);
+  named.target = text.substr(0, dot);
+  named.values = text.substr(equals + 1);
+  const std::string property = text.substr(dot + 1, equals - dot - 1);
+  const auto found = propertyNamed(property);
+  if (!found) {
+    rejectInput("{}: there is no property {}; there are lower, upper, range, length, size",
+                quoted(text), quoted(property));
+  }
+  named.property = *found;
+  if (named.property == v1::PROPERTY_SIZE && named.target == "hand") named.target.clear();
+  return named;
+}
+
+/// A number as it stands, and whether `deg` follows.
+struct Number {
+  double value = 0.0;
+  bool in_degrees = false;
+};
+
+Number numberIn(const std::string& word, const Named& named, const std::string& text) {
+  Number number;
+  std::string digits = word;
+  if (digits.size() > 3 && digits.substr(digits.size() - 3) == "deg") {
+    number.in_degrees = true;
+    digits.resize(digits.size() - 3);
+  }
+  const char* end = digits.data() + digits.size();
+  const auto [stop, fault] = std::from_chars(digits.data(), end, number.value);
+  if (fault != std::errc() || stop != end || !std::isfinite(number.value))
+    rejectInput("{}: {} is no number", quoted(text), quoted(word));
+  const bool is_limit =
+      named.property == v1::PROPERTY_LOWER || named.property == v1::PROPERTY_UPPER;
+  if (number.in_degrees && !is_limit)
+    rejectInput("{}: {} is a factor and has no unit", quoted(text), quoted(word));
+  return number;
+}
+
+double inRadians(const Number& number) {
+  return number.in_degrees ? number.value * kDegree : number.value;
+}
+
+int countIn(const std::string& word, const std::string& text) {
+  int count = 0;
+  const char* end = word.data() + word.size();
+  const auto [stop, fault] = std::from_chars(word.data(), end, count);
+  if (fault != std::errc() || stop != end || count < 2 || count > kMostValues)
+    rejectInput("{}: COUNT {} must be 2 to {}", quoted(text), quoted(word), kMostValues);
+  return count;
+}
+
+}  // namespace
+
+double StudyAxis::shown(double value) const {
+  return in_degrees ? value / kDegree : value;
+}
+
+StudyAxis axisFrom(const std::string& text) {
+  const Named named = namedIn(text, kAxisForms);
+  StudyAxis axis;
+  axis.name = named.name;
+  axis.axis.property(named.property);
+  axis.axis.target(named.target);
+  std::vector<Number> numbers;
+  if (named.values.find(':') != std::string::npos) {
+    const std::vector<std::string> parts = split(named.values, ':');
+    if (parts.size() != 3) rejectInput("{}: {}", quoted(text), kAxisForms);
+    const Number from = numberIn(parts[0], named, text);
+    const Number to = numberIn(parts[1], named, text);
+    if (from.in_degrees != to.in_degrees)
+      rejectInput("{}: FROM and TO have different units", quoted(text));
+    const int count = countIn(parts[2], text);
+    for (int i = 0; i < count; ++i) {
+      // Ends exactly where the user said, and is finite where both ends are.
+      const double share = static_cast<double>(i) / (count - 1);
+      numbers.push_back({std::lerp(from.value, to.value, share), from.in_degrees});
+    }
+  } else {
+    for (const std::string& word : split(named.values, ','))
+      numbers.push_back(numberIn(word, named, text));
+  }
+  axis.in_degrees = numbers.front().in_degrees;
+  for (const Number& number : numbers) {
+    if (number.in_degrees != axis.in_degrees)
+      rejectInput("{}: some values are in degrees, others are not", quoted(text));
+    axis.axis.values().push_back(inRadians(number));
+  }
+  return axis;
+}
+
+v1::HandChange changeFrom(const std::string& text) {
+  const Named named = namedIn(text, kChangeForm);
+  v1::HandChange change;
+  change.property(named.property);
+  change.target(named.target);
+  change.value(inRadians(numberIn(named.values, named, text)));
+  return change;
+}
+
+}  // namespace handgraft::client

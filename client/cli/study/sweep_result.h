@@ -1,0 +1,71 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/cli/study/study_axis.h"
+#include "client/cli/study/study_files.h"
+#include "client/present/render/image.h"
+#include "idl/studies.h"
+
+/// What a sweep brought: as a table, as lines for people, as JSON and as a picture.
+namespace handgraft::client {
+
+struct SweepResult {
+  std::string hand;
+  std::vector<StudyGrasp> grasps;
+  std::vector<StudyAxis> axes;
+  /// Unit of each axis for people: rad, deg, m, or none for factors.
+  std::vector<std::string> units;
+  v1::SweepReply reply;
+};
+
+/// One combination of values, all grasps together.
+struct SweepPoint {
+  std::vector<double> values;  ///< one per axis, as in the reply
+  int solved = 0;              ///< grasps with an answer; the rest counts these alone
+  double mean_mm = 0.0;        ///< mean over grasps
+  double worst_mm = 0.0;       ///< largest mean of a grasp
+  int patches = 0;
+  int reached = 0;
+};
+
+/// Checks that the reply answers what was asked. Errors: TransportError.
+void requireConsistent(const SweepResult& result);
+
+/// In the order of the combinations. NaN distances where no grasp has an answer.
+std::vector<SweepPoint> pointsOf(const SweepResult& result);
+
+/// Of the points with the most answers, the one of least mean distance; the first of equals.
+std::size_t bestOf(const std::vector<SweepPoint>& points);
+
+/// Where fewer patches are reached than at the best point, next to it on either side. One axis
+/// alone; its values need not be in order.
+struct FirstLoss {
+  std::optional<std::size_t> below;  ///< index of a point
+  std::optional<std::size_t> above;
+};
+
+FirstLoss firstLossOf(const std::vector<SweepPoint>& points, std::size_t best);
+
+/// `thumb_mcp.upper (rad)`.
+std::string axisLabel(const SweepResult& result, std::size_t axis);
+
+namespace text {
+std::string sweep(const SweepResult& result);
+}  // namespace text
+
+namespace json {
+/// "format": "handgraft-sweep/1".
+std::string sweep(const SweepResult& result, int indent = 2);
+}  // namespace json
+
+/// Comma-separated, a header and a row a grasp and combination; the README names the columns.
+std::string csvOf(const SweepResult& result);
+
+/// One axis: a curve a grasp, thin, and their mean; two: a map of the mean.
+/// Errors: InvalidInput for another number of axes.
+render::Image pictureOf(const SweepResult& result);
+
+}  // namespace handgraft::client

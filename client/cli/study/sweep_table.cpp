@@ -1,0 +1,117 @@
+#include <fmt/format.h>
+
+#include "client/cli/study/sweep_result.h"
+#include "client/present/json_parts.h"
+#include "idl/names.h"
+
+namespace handgraft::client {
+
+namespace {
+
+/// RFC 4180: quoted where it must be.
+std::string field(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"') out += '"';
+    out += c;
+  }
+  return out + "\"";
+}
+
+std::string joined(const std::vector<std::string>& items) {
+  std::string out;
+  for (const std::string& item : items)
+    out += (out.empty() ? "" : ";") + item;
+  return out;
+}
+
+json::Json rowOf(const SweepResult& result, const v1::SweepRow& row) {
+  json::Json one;
+  one["grasp"] = result.grasps[row.grasp()].label;
+  one["values"] = json::listOf(row.values());
+  if (!row.error().empty()) {
+    one["error"] = row.error();
+    return one;
+  }
+  one["outcome"] = nameOf(row.outcome());
+  one["mean_mm"] = row.mean_mm();
+  one["max_mm"] = row.max_mm();
+  one["normal_deg"] = row.normal_deg();
+  one["patch_count"] = row.patch_count();
+  one["reached_count"] = row.reached_count();
+  one["point_count"] = row.point_count();
+  one["objective"] = row.terms().objective();
+  one["joints_at_limit"] = json::listOf(row.joints_at_limit());
+  one["joint_rad"] = json::listOf(row.joint_rad());
+  one["solve_ms"] = row.solve_ms();
+  return one;
+}
+
+}  // namespace
+
+std::string csvOf(const SweepResult& result) {
+  std::string out = "grasp";
+  for (std::size_t a = 0; a < result.axes.size(); ++a)
+    out += "," + field(axisLabel(result, a));
+  out +=
+      ",error,outcome,mean_mm,max_mm,normal_deg,patches,reached,points,objective,distance_m2,"
+      "normal,prior,joints_at_limit,solve_ms";
+  for (const std::string& joint : result.reply.joint_names())
+    out += "," + field(joint);
+  out += "\n";
+  for (const v1::SweepRow& row : result.reply.rows()) {
+    out += field(result.grasps[row.grasp()].label);
+    for (std::size_t a = 0; a < result.axes.size(); ++a)
+      out += fmt::format(",{:.10g}", result.axes[a].shown(row.values()[a]));
+    out += "," + field(row.error());
+    if (!row.error().empty()) {
+      out += std::string(13 + result.reply.joint_names().size(), ',') + "\n";
+      continue;
+    }
+    const v1::Terms& terms = row.terms();
+    out += fmt::format(
+        ",{},{:.6g},{:.6g},{:.6g},{},{},{},{:.10g},{:.10g},{:.10g},{:.10g},{},{:.4g}",
+        nameOf(row.outcome()), row.mean_mm(), row.max_mm(), row.normal_deg(), row.patch_count(),
+        row.reached_count(), row.point_count(), terms.objective(), terms.distance_m2(),
+        terms.normal(), terms.prior(), field(joined(row.joints_at_limit())), row.solve_ms());
+    for (const double q : row.joint_rad())
+      out += fmt::format(",{:.10g}", q);
+    out += "\n";
+  }
+  return out;
+}
+
+namespace json {
+
+std::string sweep(const SweepResult& result, int indent) {
+  const std::vector<SweepPoint> points = pointsOf(result);
+  Json document;
+  document["format"] = "handgraft-sweep/1";
+  document["hand"] = result.hand;
+  document["grasps"] = Json::array();
+  for (const StudyGrasp& grasp : result.grasps)
+    document["grasps"].push_back({{"name", grasp.label},
+                                  {"contacts", grasp.contacts.string()},
+                                  {"object", grasp.object}});
+  document["axes"] = Json::array();
+  for (const StudyAxis& axis : result.axes)
+    document["axes"].push_back({{"name", axis.name}, {"values", listOf(axis.axis.values())}});
+  document["joint_names"] = listOf(result.reply.joint_names());
+  if (!points.empty()) {
+    const SweepPoint& best = points[bestOf(points)];
+    document["best"] = {{"values", listOf(best.values)},
+                        {"mean_mm", best.mean_mm},
+                        {"patch_count", best.patches},
+                        {"reached_count", best.reached}};
+  }
+  document["rows"] = Json::array();
+  for (const v1::SweepRow& row : result.reply.rows())
+    document["rows"].push_back(rowOf(result, row));
+  document["total_ms"] = result.reply.total_ms();
+  return written(document, indent);
+}
+
+}  // namespace json
+
+}  // namespace handgraft::client

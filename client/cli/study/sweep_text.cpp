@@ -1,0 +1,124 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "client/cli/study/sweep_result.h"
+#include "client/present/text_output.h"
+
+namespace handgraft::client {
+
+namespace {
+
+/// Points shown of a sweep over several axes, best first.
+constexpr std::size_t kShownPoints = 12;
+
+std::string millimetres(double value) {
+  return std::isfinite(value) ? fmt::format("{:.2f}", value) : "-";
+}
+
+std::string valueText(const SweepResult& result, std::size_t axis, double value) {
+  return fmt::format("{:.5g}", result.axes[axis].shown(value));
+}
+
+/// `thumb_mcp.upper = 0.6 rad, hand.size = 1.1`
+std::string placeText(const SweepResult& result, const SweepPoint& point) {
+  std::string text;
+  for (std::size_t a = 0; a < result.axes.size(); ++a) {
+    text += fmt::format("{}{} = {}{}", a == 0 ? "" : ", ", text::plain(result.axes[a].name),
+                        valueText(result, a, point.values[a]),
+                        result.units[a].empty() ? "" : " " + result.units[a]);
+  }
+  return text;
+}
+
+/// Which grasps reach fewer patches at one point than at another.
+std::string losersAt(const SweepResult& result, std::size_t point, std::size_t best) {
+  const std::size_t count = result.grasps.size();
+  std::string names;
+  for (std::size_t g = 0; g < count; ++g) {
+    const v1::SweepRow& there = result.reply.rows()[point * count + g];
+    const v1::SweepRow& before = result.reply.rows()[best * count + g];
+    if (there.reached_count() >= before.reached_count()) continue;
+    names += fmt::format("{}{} {} of {}", names.empty() ? "" : ", ",
+                         text::plain(result.grasps[g].label), there.reached_count(),
+                         there.patch_count());
+  }
+  return names;
+}
+
+std::string lossText(const SweepResult& result,
+                     const std::vector<SweepPoint>& points,
+                     std::size_t best) {
+  const FirstLoss loss = firstLossOf(points, best);
+  std::string out;
+  const auto add = [&](const char* way, const std::optional<std::size_t>& point) {
+    if (!point) return;
+    out += fmt::format("{} it the first patch is lost at {} ({})\n", way,
+                       placeText(result, points[*point]), losersAt(result, *point, best));
+  };
+  add("below", loss.below);
+  add("above", loss.above);
+  return out.empty() ? "no patch is lost on either side\n" : out;
+}
+
+}  // namespace
+
+namespace text {
+
+std::string sweep(const SweepResult& result) {
+  const std::vector<SweepPoint> points = pointsOf(result);
+  const std::size_t best = bestOf(points);
+  std::string out = fmt::format("{}: {} grasps, {} rows in {:.2f} s\n\n", plain(result.hand),
+                                result.grasps.size(), result.reply.rows().size(),
+                                1e-3 * result.reply.total_ms());
+
+  // === A line a combination; of many the best
+  std::vector<std::size_t> order(points.size());
+  for (std::size_t i = 0; i < order.size(); ++i)
+    order[i] = i;
+  if (result.axes.size() > 1) {
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return points[a].solved != points[b].solved ? points[a].solved > points[b].solved
+                                                  : points[a].mean_mm < points[b].mean_mm;
+    });
+    order.resize(std::min(order.size(), kShownPoints));
+  }
+  std::vector<std::vector<std::string>> rows(1);
+  for (std::size_t a = 0; a < result.axes.size(); ++a)
+    rows[0].push_back(plain(axisLabel(result, a)));
+  rows[0].insert(rows[0].end(), {"mean mm", "worst mm", "patches reached", "grasps"});
+  for (const std::size_t i : order) {
+    const SweepPoint& point = points[i];
+    std::vector<std::string>& row = rows.emplace_back();
+    for (std::size_t a = 0; a < result.axes.size(); ++a)
+      row.push_back(valueText(result, a, point.values[a]));
+    row.insert(row.end(), {millimetres(point.mean_mm), millimetres(point.worst_mm),
+                           fmt::format("{} of {}", point.reached, point.patches),
+                           fmt::format("{} of {}", point.solved, result.grasps.size())});
+  }
+  out += table(rows, "r");
+  if (order.size() < points.size())
+    out += fmt::format("... the best {} of {}\n", order.size(), points.size());
+
+  // === What it says
+  if (points[best].solved == 0) {
+    out += "\nno grasp has an answer\n";
+  } else {
+    out += fmt::format("\nbest: {}, mean {} mm\n", placeText(result, points[best]),
+                       millimetres(points[best].mean_mm));
+    if (result.axes.size() == 1 && points.size() > 1) out += lossText(result, points, best);
+  }
+  std::string last;
+  for (const v1::SweepRow& row : result.reply.rows()) {
+    if (row.error().empty() || row.error() == last) continue;
+    last = row.error();
+    out += fmt::format("no answer for {}: {}\n", plain(result.grasps[row.grasp()].label),
+                       plain(row.error()));
+  }
+  return out;
+}
+
+}  // namespace text
+
+}  // namespace handgraft::client

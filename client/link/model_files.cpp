@@ -1,0 +1,277 @@
+#include "client/link/model_files.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <regex>
+
+#include <unistd.h>
+
+#include "core/base/error.h"
+
+namespace handgraft::client {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t kLongestName = 64;
+constexpr std::uintmax_t kLargestFile = 512ULL << 20U;  // a mesh of 10 million triangles
+const std::string kPackageScheme = "package://";
+
+bool isNameCharacter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+         c == '_' || c == '-' || c == '.';
+}
+
+void requireReadable(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status)) rejectInput("{}: no such file", quoted(path.string()));
+  if (!fs::is_regular_file(status)) rejectInput("{}: not a file", quoted(path.string()));
+  if (access(path.c_str(), R_OK) != 0) {
+    rejectInput("{}: cannot be read ({})", quoted(path.string()), std::strerror(errno));
+  }
+  const std::uintmax_t size = fs::file_size(path, error);
+  if (error || size == 0) rejectInput("{}: the file is empty", quoted(path.string()));
+  if (size > kLargestFile) {
+    rejectInput("{}: {} bytes; a file may have up to {}", quoted(path.string()), size,
+                kLargestFile);
+  }
+}
+
+ModelFiles withMainFile(v1::ModelKind kind, const fs::path& path) {
+  requireReadable(path);
+  ModelFiles model;
+  model.kind = kind;
+  model.name = nameFromPath(path);
+  model.main_uri = path.filename().string();
+  model.files.push_back({model.main_uri, path});
+  return model;
+}
+
+void add(ModelFiles& model, const std::string& uri, const fs::path& path) {
+  const auto same = [&](const UploadFile& file) {
+    return file.uri == uri;
+  };
+  if (std::any_of(model.files.begin(), model.files.end(), same)) return;
+  requireReadable(path);
+  model.files.push_back({uri, path});
+}
+
+// The folder that a package URI was looked up in: the file's path without what follows the
+// name.
+void notePackage(PackageMap& packages, const std::string& uri, const fs::path& file) {
+  if (uri.compare(0, kPackageScheme.size(), kPackageScheme) != 0) return;
+  const std::string rest = uri.substr(kPackageScheme.size());
+  const std::size_t slash = rest.find('/');
+  if (slash == std::string::npos) return;
+  fs::path folder = fs::absolute(file);
+  for ([[maybe_unused]] const fs::path& part : fs::path(rest.substr(slash + 1))) {
+    folder = folder.parent_path();
+  }
+  packages.emplace(rest.substr(0, slash), folder);
+}
+
+// Packages of an installed workspace come last: what the user names or keeps beside the URDF is
+// meant rather than what happens to be installed.
+fs::path findMesh(const std::string& uri, const fs::path& folder, const PackageMap& given) {
+  try {
+    return resolveResource(uri, folder, given);
+  } catch (const InvalidInput&) {
+    PackageMap all = given;
+    all.merge(amentPackages());
+    if (all.size() == given.size()) throw;
+    return resolveResource(uri, folder, all);
+  }
+}
+
+constexpr std::size_t kLongestUri = 4096;
+
+/// The values of all fields "uri" in a glTF's text. By hand: a std::regex takes stack for every
+/// character, and buffers that are written into the file have millions.
+std::vector<std::string> urisInGltf(const std::string& text) {
+  constexpr const char* kBlank = " \t\r\n";
+  const std::string key = "\"uri\"";
+  std::vector<std::string> uris;
+  for (std::size_t at = text.find(key); at != std::string::npos; at = text.find(key, at + 1)) {
+    const std::size_t colon = text.find_first_not_of(kBlank, at + key.size());
+    if (colon == std::string::npos || text[colon] != ':') continue;
+    const std::size_t quote = text.find_first_not_of(kBlank, colon + 1);
+    if (quote == std::string::npos || text[quote] != '"') continue;
+    const std::size_t end = text.find('"', quote + 1);
+    if (end == std::string::npos) break;
+    uris.push_back(text.substr(quote + 1, end - quote - 1));
+  }
+  return uris;
+}
+
+void addBuffersOfGltf(ModelFiles& model, const fs::path& mesh) {
+  if (mesh.extension() != ".gltf") return;
+  const std::string text = readFile(mesh);
+  for (const std::string& uri : urisInGltf(text)) {
+    if (uri.empty() || uri.compare(0, 5, "data:") == 0) continue;
+    if (uri.size() > kLongestUri) {
+      rejectInput("{}: uri {} has {} bytes; permitted are {}", mesh.string(), quoted(uri),
+                  uri.size(), kLongestUri);
+    }
+    // Textures are named in the same way, and nobody needs them here.
+    static const std::regex kPicture(R"(.*\.(png|jpe?g|webp|ktx2?|dds)$)", std::regex::icase);
+    if (std::regex_match(uri, kPicture)) continue;
+    try {
+      add(model, uri, resolveResource(uri, fs::absolute(mesh).parent_path(), {}));
+    } catch (const InvalidInput& error) {
+      rejectInput("{}: {}", mesh.string(), error.what());
+    }
+  }
+}
+
+constexpr std::uint64_t kEmptyHash = 14695981039346656037ULL;  // FNV-1a, 64 bit
+
+std::uint64_t fed(std::uint64_t hash, const std::string& bytes) {
+  for (const char byte : bytes) {
+    hash = (hash ^ static_cast<unsigned char>(byte)) * 1099511628211ULL;
+  }
+  return (hash ^ bytes.size()) * 1099511628211ULL;
+}
+
+}  // namespace
+
+bool isPath(const std::string& text) {
+  std::error_code error;
+  if (fs::is_regular_file(text, error) || text.find('/') != std::string::npos) return true;
+  static const std::regex kFileName(R"(.+\.[A-Za-z][A-Za-z0-9]{1,4})");
+  return std::regex_match(text, kFileName);
+}
+
+void checkModelName(const std::string& name, const std::string& option) {
+  const bool allowed = !name.empty() && name.size() <= kLongestName && name[0] != '.' &&
+                       name[0] != '-' && std::all_of(name.begin(), name.end(), isNameCharacter);
+  if (!allowed) {
+    rejectInput(
+        "{} {}: a name has 1-{} letters, digits, '_', '-' or '.', and begins with none of "
+        "the last two",
+        option, quoted(name), kLongestName);
+  }
+}
+
+std::string nameFromPath(const fs::path& path) {
+  std::string name = path.stem().string().substr(0, kLongestName);
+  for (char& c : name) {
+    if (!isNameCharacter(c)) c = '_';
+  }
+  if (name.empty()) name = "model";
+  if (name[0] == '.' || name[0] == '-') name[0] = '_';
+  return name;
+}
+
+ModelFiles handFiles(const fs::path& urdf,
+                     const HandReading& reading,
+                     const std::string& units) {
+  ModelFiles model = withMainFile(v1::MODEL_HAND, urdf);
+  model.units = units;
+  const fs::path folder = fs::absolute(urdf).parent_path();
+  for (const auto& [name, directory] : reading.packages)
+    model.packages[name] = fs::absolute(directory);
+  for (const std::string& uri : meshUrisIn(readFile(urdf))) {
+    if (uri.find("${") != std::string::npos || uri.find("$(") != std::string::npos) {
+      rejectInput("{}: mesh {} is xacro, not URDF; expand it first: xacro {} > hand.urdf",
+                  urdf.string(), quoted(uri), urdf.filename().string());
+    }
+    fs::path mesh;
+    try {
+      mesh = findMesh(uri, folder, reading.packages);
+      add(model, uri, mesh);
+    } catch (const InvalidInput& error) {
+      rejectInput("{}: {}", urdf.string(), error.what());
+    }
+    notePackage(model.packages, uri, mesh);
+  }
+  std::error_code error;
+  if (fs::is_regular_file(folder / kSitesUri, error)) {
+    add(model, kSitesUri, folder / kSitesUri);
+  }
+
+  v1::HandOptions options = reading.options;
+  fs::path srdf = reading.srdf;
+  const fs::path beside = fs::path(urdf).replace_extension(".srdf");
+  if (srdf.empty() && fs::is_regular_file(beside, error)) srdf = beside;
+  if (!srdf.empty()) {
+    options.srdf_uri("srdf/" + srdf.filename().string());
+    add(model, options.srdf_uri(), srdf);
+  }
+  if (options != v1::HandOptions()) model.hand_options = options;
+  return model;
+}
+
+ModelFiles objectFiles(const fs::path& mesh, const std::string& units) {
+  ModelFiles model = withMainFile(v1::MODEL_OBJECT, mesh);
+  model.units = units;
+  addBuffersOfGltf(model, mesh);
+  return model;
+}
+
+ModelFiles contactFiles(const fs::path& path,
+                        const std::string& object,
+                        const ContactReading& reading,
+                        const std::string& units) {
+  ModelFiles model = withMainFile(v1::MODEL_CONTACTS, path);
+  model.object = object;
+  model.units = units;
+  addBuffersOfGltf(model, path);
+  v1::ContactOptions options = reading.options;
+  if (!reading.picture.empty()) {
+    options.picture_uri("picture/" + reading.picture.filename().string());
+    add(model, options.picture_uri(), reading.picture);
+  }
+  if (!reading.joints.empty()) {
+    options.joints_uri("joints/" + reading.joints.filename().string());
+    add(model, options.joints_uri(), reading.joints);
+  }
+  if (options != v1::ContactOptions()) model.contact_options = options;
+  return model;
+}
+
+std::string textOf(const v1::HandOptions& o) {
+  return fmt::format("hand {} {} {} {} {} {} {}", o.mirrored(), quoted(o.srdf_uri()),
+                     quoted(o.rest_pose()), quoted(o.skin().surfaces()), o.skin().alpha_m(),
+                     o.skin().offset_m(), o.skin().edge_m());
+}
+
+std::string textOf(const v1::ContactOptions& o) {
+  const auto first = [](const auto& values) {
+    return values.empty() ? std::string("-") : fmt::format("{}", values.front());
+  };
+  return fmt::format("contacts {} {} {} {} {} {} {} {} {} {} {} {} {}",
+                     quoted(o.value_property()), quoted(o.label_property()),
+                     quoted(o.color_scale()), quoted(o.picture_uri()), quoted(o.joints_uri()),
+                     first(o.joints_hand()), first(o.threshold()), o.otsu(),
+                     first(o.low_share()), first(o.outline_share()), o.smoothing_steps(),
+                     first(o.minimum_area_m2()), o.interpolation_count());
+}
+
+std::uint64_t contentHash(const ModelFiles& model) {
+  std::uint64_t hash = fed(kEmptyHash, model.object);
+  hash = fed(hash, model.units);
+  if (model.hand_options) hash = fed(hash, textOf(*model.hand_options));
+  if (model.contact_options) hash = fed(hash, textOf(*model.contact_options));
+  for (const UploadFile& file : model.files) {
+    hash = fed(fed(hash, file.uri), readFile(file.path));
+  }
+  return hash;
+}
+
+std::uint64_t textHash(const std::string& text) {
+  return fed(kEmptyHash, text);
+}
+
+std::string readFile(const fs::path& path) {
+  requireReadable(path);
+  std::ifstream file(path, std::ios::binary);
+  std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  if (!file) rejectInput("{}: cannot be read", quoted(path.string()));
+  return text;
+}
+
+}  // namespace handgraft::client

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/resource_uri.h"
+#include "idl/models.h"
+
+namespace handgraft::client {
+
+/// What a hand's `sites.yaml` is called among its files.
+inline constexpr const char* kSitesUri = "sites.yaml";
+
+struct UploadFile {
+  std::string uri;  ///< as the main file spells it
+  std::filesystem::path path;
+};
+
+/// How the files of a hand are to be read.
+struct HandReading {
+  PackageMap packages;
+  /// Named poses; empty: the SRDF beside the URDF that has its name, if there is one.
+  std::filesystem::path srdf;
+  v1::HandOptions options;  ///< but for `srdf_uri`, which `handFiles` sets
+};
+
+/// How a contact map is to be read.
+struct ContactReading {
+  std::filesystem::path picture;  ///< empty: none; likewise the next
+  std::filesystem::path joints;   ///< of the hand that touched
+  v1::ContactOptions options;     ///< but for the URIs, which `contactFiles` sets
+};
+
+/// Every file that the server needs to read one model, and how it is to read them.
+struct ModelFiles {
+  v1::ModelKind kind = v1::MODEL_HAND;
+  std::string name;
+  std::string object;  ///< contacts: what they lie on; may be empty
+  std::string main_uri;
+  std::string units;              ///< empty: metres unless the size says otherwise
+  std::vector<UploadFile> files;  ///< the main one first
+  PackageMap packages;            ///< hands: each package that the URDF names, absolute
+  std::optional<v1::HandOptions> hand_options;  ///< nothing: defaults; likewise the next
+  std::optional<v1::ContactOptions> contact_options;
+};
+
+/// True if the user means a file: it exists as one, contains a `/`, or ends like a file name
+/// (`lemon.obj`). Everything else is the name of a model on the server.
+bool isPath(const std::string& text);
+
+/// What the server may call a model: 1-64 letters, digits, `_`, `-` and `.`, not starting with
+/// `.` or `-`. Throws InvalidInput; `option` names where the text came from.
+void checkModelName(const std::string& name, const std::string& option);
+
+/// The file's name without its extension; characters that a model name may not have become `_`.
+std::string nameFromPath(const std::filesystem::path& path);
+
+/// The URDF, all meshes that it names, a `sites.yaml` and an SRDF of its name beside it.
+///
+/// Packages are looked up among those given, then in the folders above the URDF, then in
+/// `AMENT_PREFIX_PATH`.
+/// Errors: InvalidInput if a file is missing, unreadable or empty, naming the URI and the URDF.
+ModelFiles handFiles(const std::filesystem::path& urdf,
+                     const HandReading& reading,
+                     const std::string& units = {});
+
+/// A mesh; for glTF, the buffers beside it too. Errors as `handFiles`.
+ModelFiles objectFiles(const std::filesystem::path& mesh, const std::string& units = {});
+
+/// A contact set (JSON) or a contact map (PLY, or glTF and the like with a picture). Errors as
+/// `handFiles`.
+ModelFiles contactFiles(const std::filesystem::path& path,
+                        const std::string& object,
+                        const ContactReading& reading = {},
+                        const std::string& units = {});
+
+/// A hash of all bytes, URIs, units and options, for telling models of one name apart. Not
+/// cryptographic.
+/// Errors: InvalidInput if a file cannot be read.
+std::uint64_t contentHash(const ModelFiles& model);
+
+/// The options as text, the same for equal ones.
+std::string textOf(const v1::HandOptions& options);
+std::string textOf(const v1::ContactOptions& options);
+
+/// A hash of one text. Not cryptographic.
+std::uint64_t textHash(const std::string& text);
+
+/// The whole file. Errors: InvalidInput, naming the path and the reason; also above 512 MiB.
+std::string readFile(const std::filesystem::path& path);
+
+}  // namespace handgraft::client

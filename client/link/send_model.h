@@ -1,0 +1,46 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "client/link/interruption.h"
+#include "client/link/model_files.h"
+#include "client/link/server_link.h"
+
+namespace handgraft::client {
+
+/// The units that a refusal (ERROR_UNITS) recommends: what follows `--units` in it; empty if
+/// nothing does.
+std::string unitsIn(const std::string& refusal);
+
+/// Sends models to the server.
+class ModelSender {
+ public:
+  /// With `may_ask`, and where standard input and standard error are a terminal, the user is
+  /// asked about units that the size makes doubtful.
+  ModelSender(ServerLink& server, Interruption& interruption, bool may_ask);
+
+  /// The server's summary. Where the user said which units are meant, `model` holds them
+  /// afterwards. Errors as those of `ServerLink::load`.
+  v1::ModelSummary load(ModelFiles& model);
+
+  /// The name under which the server has the model afterwards. Another model of that name may
+  /// be there, or the same one read otherwise; then this one is told apart by a hash of its
+  /// content.
+  std::string send(ModelFiles& model);
+
+ private:
+  /// True if the user agrees.
+  bool agreed(const std::string& refusal, const std::string& units);
+
+  ServerLink& server_;
+  Interruption& interruption_;
+  bool may_ask_;
+};
+
+/// `text` if it is a model's name; else what was sent of `files`.
+std::string nameOnServer(ModelSender& sender,
+                         const std::string& text,
+                         std::optional<ModelFiles>& files);
+
+}  // namespace handgraft::client

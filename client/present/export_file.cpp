@@ -1,0 +1,77 @@
+#include "client/present/export_file.h"
+
+#include <algorithm>
+
+#include "client/link/model_files.h"
+#include "client/present/grasp_picture.h"
+#include "client/present/render/png_file.h"
+#include "core/base/error.h"
+
+namespace handgraft::client {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// False also for what is no file.
+bool holds(const fs::path& path, const std::string& text) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error) || fs::file_size(path, error) != text.size()) {
+    return false;
+  }
+  return text.empty() || readFile(path) == text;
+}
+
+}  // namespace
+
+void writePicture(ServerLink& server, const fs::path& png, const GraspResult& result) {
+  const v1::SessionState& session = result.session;
+  const v1::ModelDescription object = server.describe(v1::MODEL_OBJECT, session.object(), true);
+  const v1::ModelDescription contacts =
+      server.describe(v1::MODEL_CONTACTS, session.contacts(), false);
+  const GraspPicture picture = pictureOf(result, object.object(), contacts.contacts());
+  render::writePng(png, render::renderTwoViews(picture.scene, picture.caption));
+}
+
+fs::path writeHand(const v1::HandDescription& hand,
+                   const fs::path& folder,
+                   const std::vector<fs::path>& taken) {
+  checkModelName(hand.name(), "hand");  // it becomes a file name
+  const fs::path plain = hand.name() + ".urdf";
+  const fs::path hashed = fmt::format("{}-{:08x}.urdf", hand.name(),
+                                      static_cast<std::uint32_t>(textHash(hand.urdf())));
+  for (const fs::path& name : {plain, hashed}) {
+    const fs::path path = folder / name;
+    const bool is_taken = std::any_of(taken.begin(), taken.end(), [&](const fs::path& file) {
+      return !file.empty() &&
+             fs::absolute(file).lexically_normal() == fs::absolute(path).lexically_normal();
+    });
+    if (is_taken) continue;
+    if (holds(path, hand.urdf())) return name;
+    std::error_code error;
+    if (fs::exists(fs::symlink_status(path, error))) continue;
+    writeFile(path, hand.urdf());
+    return name;
+  }
+  rejectInput("a file {} with other content is there already",
+              quoted((folder / hashed).string()));
+}
+
+void exportSession(ServerLink& server,
+                   std::uint64_t session_id,
+                   const std::string& format,
+                   const NamedFile& file) {
+  requireWritable(file);
+  v1::ExportRequest request;
+  request.session_id(session_id);
+  request.format(format);
+  if (format == "problem") {
+    const std::string hand = server.describeSession(session_id).hand();
+    request.urdf_path(writeHand(server.describe(v1::MODEL_HAND, hand, false).hand(),
+                                fs::absolute(file.path).parent_path(), {file.path})
+                          .string());
+  }
+  writeFile(file.path, server.exportSession(request));
+}
+
+}  // namespace handgraft::client

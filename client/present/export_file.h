@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "client/link/grasp_result.h"
+#include "client/link/server_link.h"
+#include "client/present/output_file.h"
+
+namespace handgraft::client {
+
+/// Asks for what else the picture shows, and writes it. `result.hand` must have been described
+/// with its meshes.
+void writePicture(ServerLink& server,
+                  const std::filesystem::path& png,
+                  const GraspResult& result);
+
+/// Has the server write its session in a format, and keeps that in a file. For `problem`, the
+/// hand's URDF is written beside it (`writeHand`). Complaints name the file by `file.option`.
+/// Errors: InvalidInput for a file that may not be written; Refused for a format that is none.
+void exportSession(ServerLink& server,
+                   std::uint64_t session_id,
+                   const std::string& format,
+                   const NamedFile& file);
+
+/// Writes the hand's URDF into the folder and returns its name there. A file that others may
+/// need stays, and so do those of `taken`, which are to be written later: then a hash of the
+/// content tells this one apart.
+/// Errors: InvalidInput if that name is taken, too, naming the file.
+std::filesystem::path writeHand(const v1::HandDescription& hand,
+                                const std::filesystem::path& folder,
+                                const std::vector<std::filesystem::path>& taken);
+
+}  // namespace handgraft::client

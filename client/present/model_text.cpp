@@ -1,0 +1,217 @@
+#include "client/present/model_text.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+#include <fmt/format.h>
+
+#include "client/present/text_output.h"
+
+namespace handgraft::client::text {
+
+namespace {
+
+using Rows = std::vector<std::vector<std::string>>;
+
+std::string number(double value) {
+  return std::isinf(value) ? (value < 0.0 ? "-inf" : "inf") : fmt::format("{:.3f}", value);
+}
+
+std::string counted(std::size_t count, const char* what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+std::string typeOf(const v1::JointInfo& joint) {
+  if (joint.prismatic()) return "prismatic";
+  return std::isinf(joint.lower_rad()) && std::isinf(joint.upper_rad()) ? "continuous"
+                                                                        : "revolute";
+}
+
+std::string joints(const v1::HandDescription& hand) {
+  Rows rows = {{"joint", "type", "parent > child", "lower", "upper", "velocity", "rest", ""}};
+  for (std::size_t i = 0; i < hand.joints().size(); ++i) {
+    const v1::JointInfo& joint = hand.joints()[i];
+    const double velocity = joint.velocity_limit_rad_s();
+    rows.push_back({plain(joint.name()), typeOf(joint),
+                    plain(joint.parent_link()) + " > " + plain(joint.child_link()),
+                    number(joint.lower_rad()), number(joint.upper_rad()),
+                    velocity > 0.0 ? fmt::format("{:.3g}", velocity) : "-",
+                    i < hand.rest_rad().size() ? number(hand.rest_rad()[i]) : "",
+                    joint.prismatic() ? "m" : "rad"});
+  }
+  return table(rows, "lllrrrrl");
+}
+
+// "ip = 0.5 * mcp + 0.1"
+std::string formula(const v1::MimicInfo& mimic) {
+  std::string text = fmt::format("{} = {:.4g} * {}", plain(mimic.joint()), mimic.multiplier(),
+                                 plain(mimic.source()));
+  if (mimic.offset_rad() != 0.0) {
+    text += fmt::format(" {} {:.4g}", mimic.offset_rad() < 0.0 ? "-" : "+",
+                        std::abs(mimic.offset_rad()));
+  }
+  return text;
+}
+
+// Three numbers as wide as `width`; none of them is -0.
+std::string three(const std::array<double, 3>& v, double scale, int width, int digits) {
+  const double step = std::pow(10.0, -digits);
+  std::string text;
+  for (const double x : v) {
+    const double rounded = std::round(scale * x / step) * step;
+    text += fmt::format("{}{:{}.{}f}", text.empty() ? "" : " ", rounded + 0.0, width, digits);
+  }
+  return text;
+}
+
+std::string millimetres(const std::array<double, 3>& p_m) {
+  return three(p_m, 1e3, 7, 1);
+}
+
+std::string unit(const std::array<double, 3>& n) {
+  return three(n, 1.0, 5, 2);
+}
+
+std::string sites(const v1::HandDescription& hand) {
+  Rows rows = {{"site", "link", "point mm", "normal", "direction"}};
+  for (const v1::SiteInfo& site : hand.sites()) {
+    rows.push_back({plain(site.name()), plain(site.link()), millimetres(site.p_L_m()),
+                    unit(site.n_L()), unit(site.direction_L())});
+  }
+  return table(rows, "llrrr");
+}
+
+// As `plain`, which cuts long texts.
+std::string wholeLine(const std::string& text) {
+  constexpr std::size_t kPiece = 100;
+  std::string line;
+  for (std::size_t at = 0; at < text.size(); at += kPiece)
+    line += plain(text.substr(at, kPiece));
+  return line;
+}
+
+// How long an outline is, and how much it covers seen along its mean normal.
+struct Outline {
+  double length_m = 0.0;
+  double flat_area_m2 = 0.0;
+};
+
+Outline measured(const std::vector<double>& xyz) {
+  Outline outline;
+  const std::size_t count = xyz.size() / 3;
+  Eigen::Vector3d area = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t next = (i + 1) % count;
+    const Eigen::Vector3d a(xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]);
+    const Eigen::Vector3d b(xyz[3 * next], xyz[3 * next + 1], xyz[3 * next + 2]);
+    outline.length_m += (b - a).norm();
+    area += 0.5 * a.cross(b);
+  }
+  outline.flat_area_m2 = area.norm();
+  return outline;
+}
+
+}  // namespace
+
+std::string skin(const v1::SkinReport& report) {
+  std::string out;
+  std::size_t begin = 0;
+  while (begin < report.text().size()) {
+    const std::size_t end = std::min(report.text().find('\n', begin), report.text().size());
+    out += "  " + wholeLine(report.text().substr(begin, end - begin)) + "\n";
+    begin = end + 1;
+  }
+  if (report.valid()) {
+    return out + "skin is sound: closed, of one piece, of genus 0, no face crosses another\n";
+  }
+  std::vector<std::string> flaws;
+  if (!report.closed()) flaws.emplace_back("not closed");
+  if (report.pieces() != 1) {
+    flaws.push_back(
+        fmt::format("{} pieces, and no patch goes from one to another", report.pieces()));
+  }
+  if (report.genus() != 0) flaws.push_back(fmt::format("genus {}", report.genus()));
+  if (report.crossing_faces() != 0) {
+    flaws.push_back(counted(report.crossing_faces(), "face") + " cross others");
+  }
+  return out + fmt::format("skin is NOT sound: {}\n", listed(flaws));
+}
+
+std::string hand(const v1::HandDescription& hand) {
+  std::string out =
+      fmt::format("hand {}: {}", plain(hand.name()), counted(hand.joints().size(), "joint"));
+  if (!hand.mimics().empty()) {
+    out += ", " + counted(hand.mimics().size(), "mimic joint");
+  }
+  out += fmt::format(", {}, {}\n", counted(hand.links().size(), "link"),
+                     counted(hand.sites().size(), "site"));
+  if (hand.mirrored()) out += "mirrored: reflected in the root's y-z plane\n";
+  out += "\n" + joints(hand);
+  if (!hand.mimics().empty()) {
+    out += "\n";
+    for (const v1::MimicInfo& mimic : hand.mimics())
+      out += fmt::format("mimic {}\n", formula(mimic));
+  }
+  if (!hand.free_root_joints().empty()) {
+    out +=
+        fmt::format("\nfree root of the file, cut off: {}\n", listed(hand.free_root_joints()));
+  }
+  std::vector<std::string> poses;
+  for (const v1::NamedPose& pose : hand.poses())
+    poses.push_back(pose.name());
+  if (!poses.empty()) out += fmt::format("\nnamed poses: {}\n", listed(poses));
+  if (!hand.sites().empty()) {
+    out += fmt::format("\nsites {}:\n",
+                       hand.sites_found() ? "found on the skin" : "that the hand brought") +
+           sites(hand);
+  }
+  if (!hand.skin_report().empty()) {
+    const v1::SkinReport& report = hand.skin_report().front();
+    out += fmt::format("\nskin {}:\n", report.from_cache()
+                                           ? std::string("from the cache")
+                                           : fmt::format("made in {:.1f} s", report.time_s()));
+    out += skin(report);
+  }
+  return out + notes(hand.notes());
+}
+
+std::string contacts(const v1::ContactsDescription& set) {
+  std::string out =
+      fmt::format("contacts {} on {}: {}\n", plain(set.name()), plain(set.object()),
+                  set.patches().size() == 1 ? std::string("1 patch")
+                                            : fmt::format("{} patches", set.patches().size()));
+  if (!set.contact_map().empty()) {
+    out += fmt::format("contact above {:.3g} counts\n", set.contact_map().front().threshold());
+  }
+  Rows rows = {{"patch", "points", "outline mm", "flat mm2", "weight", "direction"}};
+  for (const v1::PatchInfo& patch : set.patches()) {
+    const Outline outline = measured(patch.outline_O_m());
+    rows.push_back({plain(patch.name()), std::to_string(patch.point_count()),
+                    fmt::format("{:.1f}", 1e3 * outline.length_m),
+                    fmt::format("{:.0f}", 1e6 * outline.flat_area_m2),
+                    fmt::format("{:g}", patch.weight()),
+                    patch.direction_O().empty() ? "open" : "given"});
+  }
+  return out + "\n" + table(rows, "lr") + notes(set.notes());
+}
+
+std::string description(const v1::ModelDescription& description) {
+  switch (description._d()) {
+    case v1::MODEL_HAND:
+      return hand(description.hand());
+    case v1::MODEL_CONTACTS:
+      return contacts(description.contacts());
+    case v1::MODEL_OBJECT:
+      break;
+  }
+  const v1::ObjectDescription& object = description.object();
+  return fmt::format("object {}: {} vertices, {} triangles\n", plain(object.name()),
+                     object.mesh_O().vertices_m().size() / 3,
+                     object.mesh_O().triangles().size() / 3) +
+         notes(object.notes());
+}
+
+}  // namespace handgraft::client::text

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <filesystem>
+
+#include "client/present/render/image.h"
+
+namespace handgraft::client::render {
+
+/// Writes an 8-bit RGB PNG, as `writeFile` writes.
+/// Errors: InvalidInput, naming the path and the reason, if it cannot be written.
+void writePng(const std::filesystem::path& path, const Image& image);
+
+}  // namespace handgraft::client::render

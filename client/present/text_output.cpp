@@ -1,0 +1,298 @@
+#include "client/present/text_output.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "client/link/server_link.h"
+#include "client/present/transfer_text.h"
+#include "core/base/error.h"
+#include "idl/names.h"
+
+namespace handgraft::client::text {
+
+namespace {
+
+using Rows = std::vector<std::vector<std::string>>;
+
+std::string milliseconds(double value) {
+  return value < 10.0 ? fmt::format("{:.1f} ms", value) : fmt::format("{:.0f} ms", value);
+}
+
+}  // namespace
+
+std::string plain(const std::string& text) {
+  const std::string line = quoted(text);
+  return line.substr(1, line.size() - 2);
+}
+
+std::string wrapped(const std::string& text) {
+  constexpr std::size_t kWidth = 100;
+  const std::string indent(4, ' ');
+  std::string out;
+  std::string line;
+  std::string word;
+  const auto endWord = [&] {
+    if (word.empty()) return;
+    if (line.find_first_not_of(' ') != std::string::npos) {
+      if (line.size() + 1 + word.size() <= kWidth) {
+        line += ' ';
+      } else {
+        out += line + "\n";
+        line = indent;
+      }
+    }
+    line += std::exchange(word, "");
+  };
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte <= 0x20 || byte == 0x7f) {
+      endWord();
+    } else {
+      word += c;
+    }
+  }
+  endWord();
+  return out + line + "\n";
+}
+
+std::string shortfalls(const v1::PoseSolution& solution) {
+  std::string lines;
+  for (const v1::PatchFit& patch : solution.patches()) {
+    const v1::PatchDiagnosis& diagnosis = patch.diagnosis();
+    if (diagnosis.verdict() == v1::VERDICT_REACHED || diagnosis.text().empty()) continue;
+    lines += wrapped(fmt::format("{}: {}", patch.name(), diagnosis.text()));
+  }
+  return lines;
+}
+
+std::string listed(const std::vector<std::string>& items) {
+  std::string line;
+  for (const std::string& item : items)
+    line += (line.empty() ? "" : ", ") + plain(item);
+  return line;
+}
+
+std::string notes(const std::vector<std::string>& notes) {
+  std::string lines;
+  for (const std::string& note : notes)
+    lines += fmt::format("note: {}\n", plain(note));
+  return lines;
+}
+
+std::string table(const Rows& rows, const std::string& alignment) {
+  std::vector<std::size_t> widths;
+  for (const auto& row : rows) {
+    widths.resize(std::max(widths.size(), row.size()), 0);
+    for (std::size_t k = 0; k < row.size(); ++k)
+      widths[k] = std::max(widths[k], row[k].size());
+  }
+  std::string out;
+  for (const auto& row : rows) {
+    std::string line;
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      if (k > 0) line += "  ";
+      const bool right =
+          !alignment.empty() && alignment[std::min(k, alignment.size() - 1)] == 'r';
+      line += right ? fmt::format("{:>{}}", row[k], widths[k])
+                    : fmt::format("{:<{}}", row[k], widths[k]);
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    out += line + "\n";
+  }
+  return out;
+}
+
+std::string doctor(const DoctorReport& report) {
+  Rows rows = {{"handgraft", report.version},
+               {"protocol", std::to_string(v1::PROTOCOL_VERSION)},
+               {"interface", fmt::format("{} ({})", report.interface, report.address)},
+               {"domain", std::to_string(report.domain)}};
+  if (report.server) {
+    const v1::ServerStatus& status = *report.server;
+    rows.push_back({"server", fmt::format("{} on {}, process {}, up {:.0f} s, found in {}",
+                                          plain(status.version()), plain(status.host()),
+                                          status.process_id(), status.uptime_s(),
+                                          milliseconds(report.found_ms))});
+    rows.push_back({"load", fmt::format("{} sessions, {} requests running, {} answered",
+                                        status.session_count(), status.requests_running(),
+                                        status.requests_answered())});
+    rows.push_back({"round trip", fmt::format("{:.2f} ms", report.round_trip_ms)});
+    for (const v1::ModelKind kind : {v1::MODEL_HAND, v1::MODEL_OBJECT, v1::MODEL_CONTACTS}) {
+      std::vector<std::string> names;
+      for (const v1::ModelSummary& model : report.models.models()) {
+        if (model.kind() == kind && model.built_in()) names.push_back(model.name());
+      }
+      rows.push_back(
+          {kind == v1::MODEL_CONTACTS ? "contacts" : fmt::format("{}s", nameOf(kind)),
+           names.empty() ? "none built in" : listed(names)});
+    }
+  } else {
+    rows.push_back({"server", "none answers"});
+  }
+  std::string out = table(rows, "l");
+  if (!report.advice.empty()) out += "\n" + report.advice + "\n";
+  return out;
+}
+
+std::string models(const v1::ModelList& list) {
+  Rows rows = {{"kind", "name", "", ""}};
+  for (const v1::ModelSummary& model : list.models()) {
+    rows.push_back({nameOf(model.kind()), plain(model.name()),
+                    model.built_in() ? "built-in" : "uploaded", plain(model.text())});
+  }
+  return table(rows, "l");
+}
+
+std::string sessions(const v1::SessionList& list) {
+  if (list.sessions().empty()) return "no sessions\n";
+  Rows rows = {{"session", "phase", "revision", "hand", "object", "contacts"}};
+  for (const v1::SessionState& state : list.sessions()) {
+    rows.push_back({std::to_string(state.session_id()), nameOf(state.phase()),
+                    std::to_string(state.revision()), plain(state.hand()),
+                    plain(state.object()), plain(state.contacts())});
+  }
+  return table(rows, "l");
+}
+
+namespace {
+
+// What keeps patches away, and what joint limits would bring.
+std::string verdicts(const v1::PoseSolution& solution) {
+  std::string lines;
+  if (!solution.verdict().empty()) lines = wrapped(solution.verdict());
+  lines += shortfalls(solution);
+  for (const v1::LimitRelief& relief : solution.reliefs()) {
+    constexpr double kWorthTelling_mm = 0.005;
+    lines += fmt::format("relief: {} {} by {:.2f} (rad or m): objective {:.3g} less",
+                         plain(relief.joint()), relief.is_upper() ? "upper" : "lower",
+                         relief.relief_rad(), relief.gain());
+    if (std::abs(relief.gain_mm()) >= kWorthTelling_mm) {
+      lines += fmt::format(", {:.2f} mm {}", std::abs(relief.gain_mm()),
+                           relief.gain_mm() > 0.0 ? "nearer" : "farther");
+    }
+    lines += "\n";
+  }
+  return lines;
+}
+
+}  // namespace
+
+std::string grasp(const GraspResult& result) {
+  const v1::PoseSolution& solution = result.solution;
+  std::string out =
+      fmt::format("{} grasps {} by {}\n\n", plain(result.session.hand()),
+                  plain(result.session.object()), plain(result.session.contacts()));
+  Rows rows = {{"patch", "mean mm", "max mm", "normal deg", "in 2 mm", "in 5 mm", "points",
+                "lost", "length", "angle deg", "area", "verdict"}};
+  for (const v1::PatchFit& patch : solution.patches()) {
+    const v1::PatchReport* report = reportOf(result, patch.name());
+    rows.push_back({plain(patch.name()), fmt::format("{:.2f}", patch.mean_mm()),
+                    fmt::format("{:.2f}", patch.max_mm()),
+                    fmt::format("{:.1f}", patch.normal_deg()),
+                    fmt::format("{:.0f} %", 100.0 * patch.within_2mm()),
+                    fmt::format("{:.0f} %", 100.0 * patch.within_5mm()),
+                    std::to_string(patch.point_count())});
+    const v1::Fidelity f = report == nullptr ? v1::Fidelity() : report->fidelity();
+    rows.back().insert(
+        rows.back().end(),
+        {report == nullptr ? "" : std::to_string(report->lost().size()),
+         fmt::format("{:.1f} %", 100.0 * f.distance_mean()),
+         fmt::format("{:.1f}", f.angle_mean_rad() * 180.0 / std::numbers::pi),
+         fmt::format("{:.3f}", f.area_ratio()), nameOf(patch.diagnosis().verdict())});
+  }
+  out += table(rows, "lrrrrrrrrrrl") + "\n";
+  for (const v1::PatchReport& report : result.transfer.patches()) {
+    if (report.placed()) continue;
+    out += fmt::format("dropped {}: {}\n", plain(report.name()), plain(report.reason()));
+  }
+
+  out += verdicts(solution);
+  out += losses(result.transfer.patches(), result.kept ? solution.session_id() : 0);
+  out += notes(result.hand.notes());
+  out += notes(result.transfer.notes());
+
+  const v1::Terms& terms = solution.terms();
+  out += fmt::format(
+      "objective {:.6g} (distance {:.4g} m2, normal {:.4g}, prior {:.4g}), {} by "
+      "{} after {} evaluations\n",
+      terms.objective(), terms.distance_m2(), terms.normal(), terms.prior(),
+      nameOf(solution.outcome()), plain(solution.solver()), solution.evaluations());
+  out += fmt::format("joints at limits: {}\n", solution.joints_at_limit().empty()
+                                                   ? "none"
+                                                   : listed(solution.joints_at_limit()));
+  for (const v1::Penetration& inside : solution.penetration()) {
+    if (inside.max_depth_m() > 0.0 && !inside.links().empty()) {
+      out += fmt::format("inside the object: {:.1f} mm at {}, {:.1f} cm3\n",
+                         1e3 * inside.max_depth_m(), plain(inside.links().front().link()),
+                         1e6 * inside.volume_m3());
+    }
+    if (inside.self_depth_m() > 0.0 && inside.self_links().size() == 2) {
+      out += fmt::format("inside itself: {:.1f} mm, {} and {}\n", 1e3 * inside.self_depth_m(),
+                         plain(inside.self_links()[0]), plain(inside.self_links()[1]));
+    }
+  }
+  std::string stages;
+  for (const v1::StageTime& stage : solution.times()) {
+    stages += fmt::format("{}{} {}", stages.empty() ? "" : ", ", plain(stage.stage()),
+                          milliseconds(stage.duration_ms()));
+  }
+  out += fmt::format("time: {}{}all in all {}\n", stages, stages.empty() ? "" : "; ",
+                     milliseconds(result.total_ms));
+  return out;
+}
+
+std::string stateLine(const v1::SessionState& state) {
+  std::string line = fmt::format("session {} revision {}: {}", state.session_id(),
+                                 state.revision(), nameOf(state.phase()));
+  if (state.phase() == v1::PHASE_TRANSFERRING || state.phase() == v1::PHASE_OPTIMIZING) {
+    line += fmt::format(" {:.0f} %", 100.0 * state.progress());
+  }
+  if (!state.message().empty()) line += " (" + plain(state.message()) + ")";
+  return line;
+}
+
+std::string explanation(const v1::PoseSolution& solution) {
+  std::string line = solution.verdict();  // all of it, however long
+  std::replace_if(
+      line.begin(), line.end(),
+      [](unsigned char byte) {
+        return byte < 0x20 || byte == 0x7f;
+      },
+      '?');
+  if (!solution.penetration().empty() && solution.penetration()[0].max_depth_m() > 0.0) {
+    line += fmt::format("{}{:.1f} mm deep", line.empty() ? "" : ", ",
+                        1e3 * solution.penetration()[0].max_depth_m());
+  }
+  return line;
+}
+
+std::string solutionLine(const v1::PoseSolution& solution) {
+  const char* what = !solution.is_final()      ? "on the way"
+                     : solution.is_explained() ? "solution"
+                                               : "pose";
+  std::string line = fmt::format("session {} revision {}: {} {} objective {:.6g}",
+                                 solution.session_id(), solution.revision(), what,
+                                 solution.sequence_number(), solution.terms().objective());
+  if (!solution.is_final()) return line;
+  line += fmt::format(", {}", nameOf(solution.outcome()));
+  for (const v1::PatchFit& patch : solution.patches()) {
+    line += fmt::format(", {} {:.1f} mm", plain(patch.name()), patch.mean_mm());
+  }
+  const std::string why = explanation(solution);
+  return why.empty() ? line : line + "; " + why;
+}
+
+std::string networkOptions(const Network& network) {
+  const Network usual;
+  std::string options;
+  if (network.domain != usual.domain) options += fmt::format(" --domain {}", network.domain);
+  if (network.interface != usual.interface) options += " --interface " + network.interface;
+  return options;
+}
+
+}  // namespace handgraft::client::text

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "client/link/grasp_result.h"
+#include "core/base/network.h"
+#include "idl/models.h"
+#include "idl/sessions.h"
+
+/// What the commands print for people. Every text ends with a line break; names that came over
+/// the wire are shown on one line.
+namespace handgraft::client::text {
+
+std::string doctor(const DoctorReport& report);
+std::string models(const v1::ModelList& list);
+std::string sessions(const v1::SessionList& list);
+
+/// The table of patches, what was dropped, the objective, joints at their limits, times.
+std::string grasp(const GraspResult& result);
+
+/// One line each, without a line break.
+std::string stateLine(const v1::SessionState& state);
+/// "on the way" while the solve goes on, "pose" once it ended, "solution" once that is
+/// explained.
+std::string solutionLine(const v1::PoseSolution& solution);
+/// Verdict and depth, without a line break: what is known once a pose is explained; may be
+/// empty.
+std::string explanation(const v1::PoseSolution& solution);
+
+/// Text from the wire on one line, as `quoted` has it but without its quotes.
+std::string plain(const std::string& text);
+
+/// The same of several, with commas between them.
+std::string listed(const std::vector<std::string>& items);
+
+/// A text from the wire in lines of at most 100 bytes, each ended, all but the first indented:
+/// none of it is left out. A longer word has a line of its own.
+std::string wrapped(const std::string& text);
+
+/// What keeps patches away: a paragraph each of those that are not reached.
+std::string shortfalls(const v1::PoseSolution& solution);
+
+/// A line each: `note: ...`.
+std::string notes(const std::vector<std::string>& notes);
+
+/// Rows in columns as wide as they need. `alignment` has a letter a column, `l` or `r`, the
+/// last one for all that follow.
+std::string table(const std::vector<std::vector<std::string>>& rows,
+                  const std::string& alignment);
+
+/// The options that bring another command to the same network, a blank before each; none where
+/// they are the usual ones.
+std::string networkOptions(const Network& network);
+
+}  // namespace handgraft::client::text

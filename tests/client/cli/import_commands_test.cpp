@@ -1,0 +1,285 @@
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "client/cli/commands/commands.h"
+#include "client/link/interruption.h"
+#include "client/link/send_model.h"
+#include "core/base/error.h"
+
+#include "tests/client/fake_server.h"
+#include "tests/client/hands.h"
+#include "tests/support/shared_data.h"
+#include "tests/support/test_domain.h"
+
+namespace handgraft::client {
+namespace {
+
+namespace fs = std::filesystem;
+using idl::cyclone::Refused;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+// Knows a flat hand and a box with contacts, takes whatever is loaded, and keeps the requests.
+struct ImportingServer {
+  bool operator()(const v1::Request& request, v1::Reply& reply) {
+    v1::ReplyBody& body = reply.body();
+    switch (request.body()._d()) {
+      case v1::OP_LOAD_MODEL: {
+        const v1::LoadModelRequest& load = request.body().load_model();
+        loads.push_back(load);
+        if (load.units().empty() && doubtful == load.main_uri())
+          return refuse(reply, v1::ERROR_UNITS, "152 m across: say --units mm");
+        if (taken == load.name()) return refuse(reply, v1::ERROR_CONFLICT, "taken");
+        body.models(listOf(load.kind(), load.name()));
+        break;
+      }
+      case v1::OP_POSE_CONTACTS:
+        poses.push_back(request.body().pose_contacts());
+        if (taken == poses.back().name()) return refuse(reply, v1::ERROR_CONFLICT, "taken");
+        body.models(listOf(v1::MODEL_CONTACTS, poses.back().name()));
+        break;
+      case v1::OP_DESCRIBE_MODEL:
+        body.model(describe(request.body().describe_model()));
+        break;
+      default:
+        break;
+    }
+    body._d(request.body()._d());
+    return true;
+  }
+
+  static bool refuse(v1::Reply& reply, v1::ErrorCode code, const std::string& message) {
+    reply.error(code);
+    reply.message(message);
+    return true;
+  }
+
+  static v1::ModelList listOf(v1::ModelKind kind, const std::string& name) {
+    v1::ModelList list;
+    list.models().resize(1);
+    list.models()[0].kind(kind);
+    list.models()[0].name(name);
+    return list;
+  }
+
+  static v1::ModelDescription describe(const v1::DescribeModelRequest& request) {
+    v1::ModelDescription description;
+    switch (request.model().kind()) {
+      case v1::MODEL_HAND:
+        description.hand(test::flatHand());
+        break;
+      case v1::MODEL_OBJECT:
+        description.object(test::boxObject());
+        break;
+      case v1::MODEL_CONTACTS:
+        description.contacts(test::squareOnBox());
+        break;
+    }
+    return description;
+  }
+
+  std::string taken;     // a name
+  std::string doubtful;  // a file whose units must be told
+  std::vector<v1::LoadModelRequest> loads;
+  std::vector<v1::PoseContactsRequest> poses;
+};
+
+class ImportCommands : public testing::Test {
+ protected:
+  ImportCommands()
+      : server_({domain_.number(), "lo"}, [this](const v1::Request& request, v1::Reply& reply) {
+          return script_(request, reply);
+        }) {
+    common_.network = {domain_.number(), "lo"};
+    static int count = 0;
+    folder_ = test::scratchDirectory() / ("import" + std::to_string(++count));
+    fs::create_directories(folder_);
+  }
+
+  fs::path write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+    return folder_ / name;
+  }
+
+  template <class Options>
+  std::string printed(const Options& options) {
+    testing::internal::CaptureStdout();
+    try {
+      EXPECT_EQ(run(options, common_, interruption_), 0);
+    } catch (...) {
+      testing::internal::GetCapturedStdout();
+      throw;
+    }
+    return testing::internal::GetCapturedStdout();
+  }
+
+  test::TestDomain domain_;
+  ImportingServer script_;
+  test::FakeServer server_;
+  CommonOptions common_;
+  Interruption interruption_;
+  fs::path folder_;
+};
+
+TEST_F(ImportCommands, InspectWritesTheSitesAndAPicture) {
+  InspectOptions options;
+  options.hand = write("my.urdf", "<robot/>").string();
+  options.reading.options.mirrored(true);
+  options.sites = folder_ / "sites.yaml";
+  options.png = folder_ / "hand.png";
+  EXPECT_THAT(printed(options), HasSubstr("hand flat: 2 joints"));
+  EXPECT_EQ(readFile(options.sites), test::flatHand().sites_file());
+  EXPECT_GT(fs::file_size(options.png), 1000U);
+  ASSERT_EQ(script_.loads.size(), 1U);
+  EXPECT_TRUE(script_.loads[0].hand().at(0).mirrored());
+}
+
+TEST_F(ImportCommands, InspectMayWriteTheSitesThatItRead) {
+  write("sites.yaml", "format: handgraft-sites/1\nsites: []\n");
+  InspectOptions options;
+  options.hand = write("my.urdf", "<robot/>").string();
+  options.sites = folder_ / "sites.yaml";
+  printed(options);
+  EXPECT_EQ(readFile(options.sites), test::flatHand().sites_file());
+  options.sites = options.hand;
+  EXPECT_THROW(printed(options), InvalidInput);
+  EXPECT_EQ(readFile(options.hand), "<robot/>");
+}
+
+TEST_F(ImportCommands, InspectOfAModelOnTheServerLoadsNothing) {
+  common_.json = true;
+  InspectOptions options;
+  options.hand = "flat";
+  EXPECT_EQ(nlohmann::json::parse(printed(options))["skin"]["valid"], true);
+  EXPECT_THAT(server_.operations(), ElementsAre(v1::OP_DESCRIBE_MODEL));
+}
+
+TEST_F(ImportCommands, SkinWritesAPly) {
+  SkinOptions options;
+  options.hand = "flat";
+  options.out = folder_ / "skin.ply";
+  options.png = folder_ / "skin.png";
+  EXPECT_THAT(printed(options), HasSubstr("skin is sound"));
+  EXPECT_EQ(readFile(options.out).substr(0, 4), "ply\n");
+  common_.json = true;
+  EXPECT_EQ(nlohmann::json::parse(printed(options))["hand"], "flat");
+}
+
+TEST_F(ImportCommands, ImportSendsTheObjectAndThenTheMapOnIt) {
+  ImportOptions options;
+  options.map = write("scan.ply", "ply");
+  options.object = write("bulb.obj", "v 0 0 0").string();
+  options.reading.options.threshold().push_back(0.3);
+  options.units = "mm";
+  options.out = folder_ / "set.json";
+  options.png = folder_ / "set.png";
+  EXPECT_THAT(printed(options), HasSubstr("1 patch"));
+  EXPECT_EQ(readFile(options.out), test::squareOnBox().file());
+  ASSERT_EQ(script_.loads.size(), 2U);
+  EXPECT_EQ(script_.loads[0].name(), "bulb");
+  EXPECT_EQ(script_.loads[0].units(), "mm");
+  EXPECT_TRUE(script_.loads[0].contacts().empty());
+  EXPECT_EQ(script_.loads[1].object(), "bulb");
+  EXPECT_EQ(script_.loads[1].units(), "mm");
+  EXPECT_EQ(script_.loads[1].contacts().at(0).threshold().at(0), 0.3);
+}
+
+TEST_F(ImportCommands, ImportPrintsTheSetAsJson) {
+  common_.json = true;
+  ImportOptions options;
+  options.map = write("scan.ply", "ply");
+  options.object = "box";
+  EXPECT_EQ(nlohmann::json::parse(printed(options))["set"]["format"], "handgraft-contacts/1");
+}
+
+TEST_F(ImportCommands, ImportTellsMapsReadInDifferentWaysApart) {
+  script_.taken = "scan";
+  ImportOptions options;
+  options.map = write("scan.ply", "ply");
+  options.object = "box";
+  printed(options);
+  options.reading.options.otsu(true);
+  printed(options);
+  ASSERT_EQ(script_.loads.size(), 4U);
+  EXPECT_THAT(script_.loads[1].name(), testing::MatchesRegex("scan-[0-9a-f]+"));
+  EXPECT_NE(script_.loads[1].name(), script_.loads[3].name());
+  options.name = "scan";  // asked for: nobody may be surprised by another
+  EXPECT_THROW(printed(options), Refused);
+}
+
+TEST_F(ImportCommands, DoubtfulUnitsAreAnErrorWhereNobodyCanBeAsked) {
+  script_.doubtful = "bulb.obj";
+  ImportOptions options;
+  options.map = write("scan.ply", "ply");
+  options.object = write("bulb.obj", "v 0 0 0").string();
+  try {
+    printed(options);
+    FAIL() << "must throw";
+  } catch (const Refused& refused) {
+    EXPECT_EQ(refused.code(), v1::ERROR_UNITS);
+    EXPECT_THAT(refused.what(), HasSubstr("--units mm"));
+  }
+}
+
+TEST_F(ImportCommands, FromPosePassesTheFileOn) {
+  PoseContactsOptions options;
+  options.hand = "flat";
+  options.object = "box";
+  options.pose = write("pose.json", R"({"joints": {"index_mcp": 0.5},
+      "X_WH": {"p_m": [0, 0, 0.1], "q_wxyz": [1, 0, 0, 0]},
+      "X_WO": {"p_m": [0, 0.2, 0], "q_wxyz": [1, 0, 0, 0]}})");
+  options.reach_mm = 4.0;
+  options.contacts.interpolation_count(30);
+  EXPECT_THAT(printed(options), HasSubstr("1 patch"));
+  ASSERT_EQ(script_.poses.size(), 1U);
+  const v1::PoseContactsRequest& request = script_.poses[0];
+  EXPECT_EQ(request.name(), "box_flat");
+  EXPECT_EQ(request.hand(), "flat");
+  EXPECT_THAT(request.joints(), ElementsAre("index_mcp"));
+  EXPECT_THAT(request.joint_rad(), ElementsAre(0.5));
+  EXPECT_EQ(request.X_WH().at(0).p_m()[2], 0.1);
+  EXPECT_EQ(request.X_WO().at(0).p_m()[1], 0.2);
+  EXPECT_DOUBLE_EQ(request.reach_m(), 0.004);
+  EXPECT_EQ(request.contacts().at(0).interpolation_count(), 30U);
+  EXPECT_EQ(request.start_pose(), "");
+}
+
+TEST_F(ImportCommands, FromPoseTakesNamedPosesAndThePlaceThatWasTold) {
+  PoseContactsOptions options;
+  options.hand = "flat";
+  options.object = "box";
+  options.pose = "fist";
+  options.place = Place{0, 0, 0.3, 1, 0, 0, 0};
+  printed(options);
+  ASSERT_EQ(script_.poses.size(), 1U);
+  EXPECT_EQ(script_.poses[0].start_pose(), "fist");
+  EXPECT_TRUE(script_.poses[0].X_WH().empty());
+  EXPECT_EQ(script_.poses[0].X_WO().at(0).p_m()[2], 0.3);
+}
+
+TEST_F(ImportCommands, FromPoseTellsPosesOfOneHandApart) {
+  script_.taken = "box_flat";
+  PoseContactsOptions options;
+  options.hand = "flat";
+  options.object = "box";
+  options.pose = "fist";
+  printed(options);
+  options.pose = "open";
+  printed(options);
+  ASSERT_EQ(script_.poses.size(), 4U);
+  EXPECT_NE(script_.poses[1].name(), script_.poses[3].name());
+}
+
+TEST(Units, AreWhatARefusalRecommends) {
+  EXPECT_EQ(unitsIn("bottle: 152 m across; say --units mm"), "mm");
+  EXPECT_EQ(unitsIn("say --units cm or --units mm"), "cm");
+  EXPECT_EQ(unitsIn("say --units m"), "m");
+  EXPECT_EQ(unitsIn("no such file"), "");
+  EXPECT_EQ(unitsIn("--units mmm"), "");
+}
+
+}  // namespace
+}  // namespace handgraft::client

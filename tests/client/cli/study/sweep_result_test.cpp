@@ -1,0 +1,141 @@
+// What a sweep's reply becomes: points, table, lines, document.
+#include "client/cli/study/sweep_result.h"
+
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/base/error.h"
+
+namespace handgraft::client {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+/// Two grasps; of each value the mean distances and the patches reached, of 3.
+struct Answer {
+  double value;
+  double mean_a;
+  double mean_b;
+  unsigned reached_a;
+  unsigned reached_b;
+};
+
+SweepResult resultOf(const std::vector<Answer>& answers) {
+  SweepResult result;
+  result.hand = "hand";
+  result.grasps = {{"cup", "sets/cup.json", "cup"}, {"box, red", "sets/box.json", "box"}};
+  StudyAxis axis;
+  axis.name = "thumb.upper";
+  result.units = {"rad"};
+  result.reply.joint_names({"thumb", "index"});
+  for (const Answer& answer : answers) {
+    axis.axis.values().push_back(answer.value);
+    for (const unsigned grasp : {0U, 1U}) {
+      v1::SweepRow row;
+      row.grasp(grasp);
+      row.values({answer.value});
+      row.mean_mm(grasp == 0 ? answer.mean_a : answer.mean_b);
+      row.patch_count(3);
+      row.reached_count(grasp == 0 ? answer.reached_a : answer.reached_b);
+      row.joint_rad({0.25, -0.5});
+      row.joints_at_limit({"thumb upper", "index lower"});
+      result.reply.rows().push_back(row);
+    }
+  }
+  result.axes = {axis};
+  return result;
+}
+
+TEST(SweepResult, MeansOverGrasps) {
+  SweepResult result = resultOf({{0.1, 4.0, 6.0, 2, 3}, {0.2, 1.0, 2.0, 3, 3}});
+  result.reply.rows()[1].error("limits cross");
+  const std::vector<SweepPoint> points = pointsOf(result);
+  ASSERT_EQ(points.size(), 2u);
+  EXPECT_EQ(points[0].solved, 1);
+  EXPECT_EQ(points[0].mean_mm, 4.0);
+  EXPECT_EQ(points[1].mean_mm, 1.5);
+  EXPECT_EQ(points[1].worst_mm, 2.0);
+  EXPECT_EQ(points[1].reached, 6);
+  EXPECT_EQ(bestOf(points), 1u);
+}
+
+TEST(SweepResult, APointWithoutAllGraspsIsNoBest) {
+  SweepResult result = resultOf({{0.1, 0.1, 9.0, 3, 3}, {0.2, 2.0, 2.0, 3, 3}});
+  result.reply.rows()[1].error("limits cross");
+  EXPECT_EQ(bestOf(pointsOf(result)), 1u);
+}
+
+TEST(SweepResult, FindsWhereTheFirstPatchIsLost) {
+  // Not in the order of the values, which are 0.1 to 0.5.
+  const SweepResult result = resultOf({{0.5, 3, 3, 3, 3},
+                                       {0.4, 1, 1, 3, 3},
+                                       {0.1, 9, 9, 1, 1},
+                                       {0.3, 2, 2, 3, 3},
+                                       {0.2, 5, 5, 3, 2}});
+  const std::vector<SweepPoint> points = pointsOf(result);
+  ASSERT_EQ(bestOf(points), 1u);
+  const FirstLoss loss = firstLossOf(points, 1);
+  EXPECT_EQ(loss.below, 4u);
+  EXPECT_FALSE(loss.above.has_value());
+  const std::string text = text::sweep(result);
+  EXPECT_THAT(text, HasSubstr("best: thumb.upper = 0.4 rad, mean 1.00 mm"));
+  EXPECT_THAT(text, HasSubstr("below it the first patch is lost at thumb.upper = 0.2 rad "
+                              "(box, red 2 of 3)"));
+}
+
+TEST(SweepResult, WritesATableThatReadsBack) {
+  SweepResult result = resultOf({{0.1, 4.0, 6.0, 2, 3}});
+  result.reply.rows()[1].error("lower, \"above\" upper");
+  std::istringstream csv(csvOf(result));
+  std::string line;
+  std::getline(csv, line);
+  EXPECT_EQ(line,
+            "grasp,thumb.upper (rad),error,outcome,mean_mm,max_mm,normal_deg,patches,reached,"
+            "points,objective,distance_m2,normal,prior,joints_at_limit,solve_ms,thumb,index");
+  std::getline(csv, line);
+  EXPECT_EQ(line, "cup,0.1,,converged,4,0,0,3,2,0,0,0,0,0,thumb upper;index lower,0,0.25,-0.5");
+  std::getline(csv, line);
+  EXPECT_EQ(line, "\"box, red\",0.1,\"lower, \"\"above\"\" upper\",,,,,,,,,,,,,,,");
+  EXPECT_FALSE(std::getline(csv, line));
+}
+
+TEST(SweepResult, IsOneDocument) {
+  const nlohmann::json document =
+      nlohmann::json::parse(json::sweep(resultOf({{0.1, 4, 6, 2, 3}, {0.2, 1, 2, 3, 3}})));
+  EXPECT_EQ(document.at("format"), "handgraft-sweep/1");
+  EXPECT_EQ(document.at("rows").size(), 4u);
+  EXPECT_EQ(document.at("best").at("values").at(0), 0.2);
+  EXPECT_EQ(document.at("rows").at(3).at("grasp"), "box, red");
+}
+
+TEST(SweepResult, RefusesAReplyThatDoesNotFit) {
+  SweepResult result = resultOf({{0.1, 4, 6, 2, 3}, {0.2, 1, 2, 3, 3}});
+  EXPECT_NO_THROW(requireConsistent(result));
+  result.reply.rows()[1].grasp(7);
+  EXPECT_THROW(requireConsistent(result), TransportError);
+  result = resultOf({{0.1, 4, 6, 2, 3}});
+  result.reply.rows().pop_back();
+  EXPECT_THROW(requireConsistent(result), TransportError);
+}
+
+TEST(SweepResult, DrawsOneAxisOrTwo) {
+  SweepResult result = resultOf({{0.1, 4, 6, 2, 3}, {0.2, 1, 2, 3, 3}});
+  EXPECT_EQ(pictureOf(result).width(), 1600);
+  StudyAxis other;
+  other.name = "hand.size";
+  other.axis.values({1.0});
+  result.axes.push_back(other);
+  result.units.emplace_back();
+  for (v1::SweepRow& row : result.reply.rows())
+    row.values().push_back(1.0);
+  EXPECT_EQ(pictureOf(result).width(), 1600);
+  result.axes.clear();
+  EXPECT_THROW((void)pictureOf(result), InvalidInput);
+}
+
+}  // namespace
+}  // namespace handgraft::client

@@ -1,0 +1,453 @@
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "client/link/grasp_result.h"
+#include "client/present/grasp_picture.h"
+#include "client/present/json_output.h"
+#include "client/present/minima_text.h"
+#include "client/present/model_json.h"
+#include "client/present/text_output.h"
+#include "client/present/transfer_json.h"
+#include "client/present/transfer_text.h"
+#include "core/base/error.h"
+
+namespace handgraft::client {
+namespace {
+
+using nlohmann::json;
+using testing::ContainsRegex;
+using testing::HasSubstr;
+using testing::Not;
+
+v1::Pose poseAt(double x) {
+  v1::Pose X;
+  X.p_m() = {x, 0.0, 0.0};
+  X.q_wxyz() = {1.0, 0.0, 0.0, 0.0};
+  return X;
+}
+
+v1::Mesh triangle() {
+  v1::Mesh mesh;
+  mesh.vertices_m() = {0, 0, 0, 0.1F, 0, 0, 0, 0.1F, 0};
+  mesh.triangles() = {0, 1, 2};
+  return mesh;
+}
+
+// One joint, two links, a patch that was placed and one that was dropped.
+GraspResult example() {
+  GraspResult result;
+  result.session.hand("claw");
+  result.session.object("plate");
+  result.session.contacts("plate_2");
+  v1::JointInfo joint;
+  joint.name("bend");
+  result.hand.joints().push_back(joint);
+  for (const char* name : {"base", "tip"}) {
+    v1::LinkInfo link;
+    link.name(name);
+    link.surface_L() = triangle();
+    result.hand.links().push_back(link);
+  }
+  v1::PatchReport placed;
+  placed.name("thumb");
+  placed.placed(true);
+  v1::LostPoint lost;
+  lost.index(3);
+  lost.reason("off the surface");
+  placed.lost().push_back(lost);
+  placed.point_count(3);
+  placed.boundary_count(3);
+  placed.fidelity().distance_mean(0.031);
+  placed.fidelity().angle_mean_rad(0.1);
+  placed.fidelity().area_ratio(0.95);
+  placed.method_O("exact");
+  placed.method_S("fast");
+  v1::PatchReport dropped;
+  dropped.name("ring");
+  dropped.placed(false);
+  dropped.reason("the hand has no finger 'ring'");
+  result.transfer.patches() = {placed, dropped};
+  v1::PatchFit fit;
+  fit.name("thumb");
+  fit.point_count(3);
+  fit.mean_mm(1.25);
+  fit.diagnosis().verdict(v1::VERDICT_AT_LIMIT);
+  fit.max_mm(2.5);
+  fit.normal_deg(4.0);
+  fit.within_2mm(0.5);
+  fit.within_5mm(1.0);
+  fit.object_W_m() = {0, 0, 0, 0.01, 0, 0, 0, 0.01, 0};
+  fit.hand_W_m() = {0, 0, 0.001, 0.01, 0, 0.001, 0, 0.01, 0.001};
+  v1::PoseSolution& solution = result.solution;
+  solution.session_id(9);
+  solution.is_final(true);
+  solution.solver("mma");
+  solution.X_WH() = poseAt(0.1);
+  solution.X_WO() = poseAt(0.2);
+  solution.joint_rad() = {0.5};
+  solution.X_WL() = {poseAt(0.1), poseAt(0.3)};
+  solution.patches() = {fit};
+  solution.joints_at_limit() = {"bend upper"};
+  solution.terms().objective(0.25);
+  v1::StageTime stage;
+  stage.stage("solve");
+  stage.duration_ms(12.0);
+  solution.times() = {stage};
+  return result;
+}
+
+TEST(GraspJson, SaysWhatTheReadmePromises) {
+  const json document = json::parse(client::json::grasp(example()));
+  EXPECT_EQ(document["format"], "handgraft-grasp/1");
+  EXPECT_EQ(document["hand"], "claw");
+  EXPECT_EQ(document["object"], "plate");
+  EXPECT_EQ(document["contacts"], "plate_2");
+  EXPECT_TRUE(document["session_id"].is_null());
+  EXPECT_EQ(document["X_WH"]["p_m"][0], 0.1);
+  EXPECT_EQ(document["X_WO"]["q_wxyz"].size(), 4U);
+  EXPECT_EQ(document["joints"]["bend"], 0.5);
+  EXPECT_EQ(document["links_X_WL"]["tip"]["p_m"][0], 0.3);
+  EXPECT_EQ(document["terms"]["objective"], 0.25);
+  EXPECT_EQ(document["joints_at_limit"][0], "bend upper");
+  EXPECT_EQ(document["times"][0]["duration_ms"], 12.0);
+  ASSERT_EQ(document["patches"].size(), 2U);
+  const json& thumb = document["patches"][0];
+  EXPECT_EQ(thumb["placed"], true);
+  EXPECT_EQ(thumb["mean_mm"], 1.25);
+  EXPECT_EQ(thumb["lost"][0]["index"], 3);
+  EXPECT_EQ(thumb["lost"][0]["ring"], 0);
+  EXPECT_EQ(thumb["fidelity"]["distance_mean"], 0.031);
+  EXPECT_EQ(thumb["method_O"], "exact");
+  EXPECT_EQ(thumb["hand_W_m"].size(), 3U);
+  EXPECT_EQ(thumb["hand_W_m"][1][0], 0.01);
+  EXPECT_EQ(document["patches"][1]["placed"], false);
+  EXPECT_EQ(document["patches"][1]["reason"], "the hand has no finger 'ring'");
+}
+
+// Two places, the second 3 mm off, a quarter turn about x and 0.1 rad of its joint.
+v1::PoseSolution ranked() {
+  v1::MinimumInfo best;
+  best.solver("lm");
+  best.hits(40);
+  best.terms().objective(1.5);
+  best.X_WH() = poseAt(0.1);
+  best.joint_rad() = {0.5};
+  v1::MinimumInfo second = best;
+  second.solver("mma");
+  second.hits(2);
+  second.start(7);
+  second.terms().objective(2.0);
+  second.X_WH() = poseAt(0.103);
+  second.X_WH().q_wxyz({std::sqrt(0.5), std::sqrt(0.5), 0.0, 0.0});
+  second.joint_rad() = {0.4};
+  v1::PoseSolution solution;
+  solution.minima() = {best, second};
+  solution.chosen_minimum(1);
+  return solution;
+}
+
+TEST(RankedMinima, SayHowFarEachIsFromTheBestAndWhichOneIsTaken) {
+  const std::string shown = text::minima(ranked(), example().hand);
+  EXPECT_THAT(shown, ContainsRegex("1 +lm +1.5 +40 +0 +0.0 +0.0 +0.0\n"));
+  EXPECT_THAT(shown, ContainsRegex("2 +mma +2 +2 +7 +3.0 +90.0 +5.7 +taken\n"));
+  EXPECT_EQ(text::minima(v1::PoseSolution(), example().hand), "");
+}
+
+TEST(RankedMinima, AreInTheDocumentWithTheirPoses) {
+  GraspResult result = example();
+  result.solution.minima() = ranked().minima();
+  result.solution.chosen_minimum(1);
+  const json minima = json::parse(client::json::grasp(result))["minima"];
+  ASSERT_EQ(minima.size(), 2U);
+  EXPECT_EQ(minima[0]["taken"], false);
+  EXPECT_EQ(minima[1]["rank"], 2);
+  EXPECT_EQ(minima[1]["taken"], true);
+  EXPECT_EQ(minima[1]["hits"], 2);
+  EXPECT_EQ(minima[1]["joints"]["bend"], 0.4);
+  EXPECT_NEAR(minima[1]["moved_mm"], 3.0, 1e-9);
+  EXPECT_NEAR(minima[1]["turned_deg"], 90.0, 1e-9);
+}
+
+TEST(GraspJson, NamesTheSessionThatIsKept) {
+  GraspResult result = example();
+  result.kept = true;
+  EXPECT_EQ(json::parse(client::json::grasp(result))["session_id"], 9);
+}
+
+TEST(GraspJson, StaysJsonWhateverTheServerSends) {
+  GraspResult result = example();
+  result.session.hand("\xff\"\n");
+  result.solution.terms().objective(std::numeric_limits<double>::quiet_NaN());
+  const json document = json::parse(client::json::grasp(result));
+  EXPECT_TRUE(document["terms"]["objective"].is_null());
+}
+
+TEST(TextOutput, WrapsLongTextsAndLosesNothing) {
+  EXPECT_EQ(client::text::wrapped("thumb: near"), "thumb: near\n");
+  std::string text = "thumb:";
+  for (int i = 0; i < 100; ++i)
+    text += " word" + std::to_string(i);
+  text += "\x1b" + std::string(150, 'x');
+  const std::string out = client::text::wrapped(text);
+  std::istringstream lines(out);
+  std::istringstream words(out);
+  std::size_t count = 0;
+  for (std::string line; std::getline(lines, line); ++count) {
+    EXPECT_EQ(line.rfind("    ", 0), count == 0 ? std::string::npos : 0U) << line;
+    EXPECT_LE(line.size(), line.find('x') == std::string::npos ? 100U : 154U);
+  }
+  EXPECT_EQ(std::distance(std::istream_iterator<std::string>(words), {}), 102);
+  EXPECT_EQ(out.find('\x1b'), std::string::npos);
+}
+
+TEST(WatchText, TellsPosesFromWhatExplainsThem) {
+  v1::PoseSolution solution = example().solution;
+  solution.is_final(false);
+  solution.verdict("");
+  solution.penetration().clear();
+  EXPECT_THAT(client::text::solutionLine(solution), HasSubstr(": on the way "));
+  solution.is_final(true);
+  solution.is_explained(false);
+  const std::string pose = client::text::solutionLine(solution);
+  EXPECT_THAT(pose, HasSubstr(": pose "));
+  solution.is_explained(true);
+  solution.verdict("1 of 2 patches reached");
+  solution.penetration().emplace_back();
+  solution.penetration()[0].max_depth_m(0.0042);
+  EXPECT_THAT(client::text::solutionLine(solution),
+              testing::AllOf(HasSubstr(": solution "),
+                             testing::EndsWith("; 1 of 2 patches reached, 4.2 mm deep")));
+}
+
+TEST(WatchJson, PutsEachEventOnOneLine) {
+  const std::string solution = client::json::solutionEvent(example().solution, {"bend"});
+  EXPECT_EQ(solution.find('\n'), std::string::npos);
+  EXPECT_EQ(json::parse(solution)["event"], "solution");
+  EXPECT_EQ(json::parse(solution)["joints"]["bend"], 0.5);
+  v1::SessionState state;
+  state.phase(v1::PHASE_CLOSED);
+  EXPECT_EQ(json::parse(client::json::stateEvent(state))["phase"], "closed");
+}
+
+TEST(ModelsJson, GivesJointsWithoutLimitsNull) {
+  v1::HandDescription hand;
+  v1::JointInfo joint;
+  joint.name("free");
+  joint.lower_rad(-std::numeric_limits<double>::infinity());
+  joint.upper_rad(1.5);
+  hand.joints().push_back(joint);
+  v1::ModelDescription description;
+  description.hand(hand);
+  const json document = json::parse(client::json::description(description));
+  EXPECT_TRUE(document["joints"][0]["lower_rad"].is_null());
+  EXPECT_EQ(document["joints"][0]["upper_rad"], 1.5);
+}
+
+TEST(DoctorJson, HasANullServerAndAdviceWhenNoneAnswers) {
+  DoctorReport report;
+  report.advice = "start one";
+  const json document = json::parse(client::json::doctor(report));
+  EXPECT_TRUE(document["server"].is_null());
+  EXPECT_EQ(document["advice"], "start one");
+}
+
+TEST(GraspText, ShowsEachPatchWhatWasDroppedAndTheLimits) {
+  const std::string text = text::grasp(example());
+  EXPECT_THAT(text,
+              HasSubstr("thumb     1.25    2.50         4.0     50 %    100 %       3     1"
+                        "   3.1 %        5.7  0.950  at_limit\n"));
+  EXPECT_THAT(text, HasSubstr("dropped ring: the hand has no finger 'ring'"));
+  EXPECT_THAT(text, HasSubstr("joints at limits: bend upper"));
+  EXPECT_THAT(text, HasSubstr("solve 12 ms"));
+}
+
+TEST(GraspText, CountsLostPointsByReasonAndNamesTheCommandThatHelps) {
+  GraspResult result = example();
+  EXPECT_THAT(text::grasp(result), HasSubstr("thumb lost 1 of 4 points: off the surface 1\n"));
+  EXPECT_THAT(text::grasp(result), HasSubstr("with --keep"));
+  result.kept = true;
+  EXPECT_THAT(text::grasp(result), HasSubstr("hint: handgraft suggest 9 thumb looks for"));
+  result.transfer.patches()[0].lost().clear();
+  EXPECT_THAT(text::grasp(result), Not(HasSubstr("lost 1 of")));
+  EXPECT_THAT(text::grasp(result), Not(HasSubstr("hint")));
+}
+
+v1::TransferReply exampleTransfer() {
+  v1::TransferReply reply = example().transfer;
+  reply.session_id(9);
+  reply.revision(2);
+  reply.options().method("auto");
+  reply.options().interior_rings(1);
+  return reply;
+}
+
+TEST(TransferText, ShowsFidelityMethodsLossesAndWhatWasDropped) {
+  const std::string text = text::transfer(exampleTransfer());
+  EXPECT_THAT(text, HasSubstr("session 9 revision 2: log maps auto, 1 interior rings"));
+  EXPECT_THAT(text, testing::ContainsRegex("thumb +3 +1 +3.1 % +0.0 % +5.7 +0.0 +0.950 +0.00 "
+                                           "+0.00 +exact/fast\n"));
+  EXPECT_THAT(text, HasSubstr("dropped ring: the hand has no finger 'ring'"));
+  EXPECT_THAT(text, HasSubstr("handgraft suggest 9 thumb"));
+  EXPECT_THAT(text, Not(HasSubstr("sheets")));
+}
+
+TEST(TransferText, ShowsNoShapeWhereNothingWasReached) {
+  v1::TransferReply reply = exampleTransfer();
+  reply.patches()[0].point_count(0);
+  EXPECT_THAT(text::transfer(reply), testing::ContainsRegex("thumb +0 +1 +- +- +- +-"));
+}
+
+TEST(TransferText, SaysWhatIsFolded) {
+  v1::TransferReply reply = exampleTransfer();
+  reply.patches()[0].folded(2);
+  EXPECT_THAT(text::transfer(reply), HasSubstr("thumb: 2 places lie under several sheets"));
+}
+
+TEST(TransferJson, SaysWhatTheReadmePromises) {
+  const json document = json::parse(client::json::transfer(exampleTransfer()));
+  EXPECT_EQ(document["session_id"], 9);
+  EXPECT_EQ(document["revision"], 2);
+  EXPECT_EQ(document["method"], "auto");
+  EXPECT_EQ(document["interior_rings"], 1);
+  ASSERT_EQ(document["patches"].size(), 2U);
+  EXPECT_EQ(document["patches"][0]["boundary_count"], 3);
+  EXPECT_EQ(document["patches"][0]["lost"][0]["reason"], "off the surface");
+  EXPECT_EQ(document["patches"][0]["fidelity"]["area_ratio"], 0.95);
+  EXPECT_EQ(document["patches"][1]["placed"], false);
+}
+
+v1::SuggestReply exampleSuggestion() {
+  v1::SuggestReply reply;
+  reply.session_id(9);
+  reply.revision(2);
+  reply.patch("thumb");
+  reply.present(example().transfer.patches()[0]);
+  v1::PlacementSuggestion one;
+  one.root_S().face(7);
+  one.moved_m(0.0032);
+  one.turned_rad(-0.5);
+  one.point_count(4);
+  one.fidelity().distance_mean(0.02);
+  one.fidelity().area_ratio(1.0);
+  reply.suggestions().push_back(one);
+  return reply;
+}
+
+TEST(SuggestText, PutsThePresentAndTheSuggestionsInOneTable) {
+  const std::string text = text::suggestions(exampleSuggestion());
+  EXPECT_THAT(text, testing::ContainsRegex("present +3 +1 +3.1 %"));
+  EXPECT_THAT(text, testing::ContainsRegex("\n1 +3.20 +-28.6 +4 +0 +2.0 %"));
+  EXPECT_THAT(text, HasSubstr("present loses: off the surface 1"));
+}
+
+TEST(SuggestText, SaysWhyItSuggestsNothing) {
+  v1::SuggestReply reply = exampleSuggestion();
+  reply.suggestions().clear();
+  EXPECT_THAT(text::suggestions(reply), HasSubstr("no place within reach loses fewer"));
+  reply.present().lost().clear();
+  EXPECT_THAT(text::suggestions(reply), HasSubstr("nothing to better"));
+}
+
+TEST(SuggestJson, SaysWhatTheReadmePromises) {
+  const v1::SuggestReply reply = exampleSuggestion();
+  const json plain = json::parse(client::json::suggestions(reply, {}));
+  EXPECT_EQ(plain["patch"], "thumb");
+  EXPECT_EQ(plain["present"]["point_count"], 3);
+  EXPECT_EQ(plain["suggestions"][0]["root_S"]["face"], 7);
+  EXPECT_EQ(plain["suggestions"][0]["turned_rad"], -0.5);
+  EXPECT_EQ(plain["suggestions"][0]["lost_count"], 0);
+  EXPECT_TRUE(plain["applied"].is_null());
+  const json applied = json::parse(
+      client::json::suggestions(reply, client::json::Applied{1, 4, reply.present()}));
+  EXPECT_EQ(applied["applied"]["suggestion"], 1);
+  EXPECT_EQ(applied["applied"]["revision"], 4);
+  EXPECT_EQ(applied["applied"]["report"]["name"], "thumb");
+}
+
+TEST(Table, AlignsItsColumns) {
+  EXPECT_EQ(text::table({{"a", "long head"}, {"name", "1"}}, "lr"),
+            "a     long head\nname          1\n");
+  EXPECT_EQ(text::table({{"a", "b"}, {"name", "1"}}, "l"), "a     b\nname  1\n");
+  EXPECT_EQ(text::table({}, "lr"), "");
+}
+
+TEST(GraspResult, IsRefusedWhenItDoesNotFitTheHand) {
+  EXPECT_NO_THROW(requireConsistent(example()));
+  GraspResult result = example();
+  result.solution.joint_rad().push_back(0.0);
+  EXPECT_THROW(requireConsistent(result), TransportError);
+  result = example();
+  result.solution.X_WL().pop_back();
+  EXPECT_THROW(requireConsistent(result), TransportError);
+  result = example();
+  result.solution.joint_rad()[0] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(requireConsistent(result), TransportError);
+  result = example();
+  result.solution.patches()[0].hand_W_m().pop_back();
+  EXPECT_THROW(requireConsistent(result), TransportError);
+}
+
+TEST(GraspPicture, PosesTheLinksAndDrawsEveryPair) {
+  v1::ObjectDescription object;
+  object.mesh_O() = triangle();
+  const GraspPicture picture = pictureOf(example(), object, {});
+  ASSERT_EQ(picture.scene.layers.size(), 2U);
+  const auto& object_layer = picture.scene.layers[0];
+  const auto& hand_layer = picture.scene.layers[1];
+  EXPECT_LT(object_layer.opacity, 1.0);  // patches behind it are seen
+  ASSERT_EQ(hand_layer.meshes.size(), 2U);
+  EXPECT_NEAR(hand_layer.meshes[1].vertices_W[1].x(), 0.3F + 0.1F, 1e-6F);
+  EXPECT_NEAR(object_layer.meshes[0].vertices_W[0].x(), 0.2F, 1e-6F);
+  EXPECT_EQ(picture.scene.markers.size(), 3U);       // one a pair
+  EXPECT_EQ(picture.scene.segments.size(), 3U * 3);  // two outlines of three sides, three pairs
+  ASSERT_EQ(picture.caption.legend.size(), 2U);
+  EXPECT_EQ(picture.caption.legend[0].text, "thumb 1.2 mm (max 2.5)");
+  EXPECT_EQ(picture.caption.legend[1].text, "ring dropped");
+  EXPECT_NO_THROW(render::renderTwoViews(picture.scene, picture.caption, {300, 250}));
+}
+
+TEST(GraspPicture, MarksLostPoints) {
+  v1::ObjectDescription object;
+  object.mesh_O() = triangle();
+  v1::PatchInfo patch;
+  patch.name("thumb");
+  patch.outline_O_m() = {0, 0, 0, 0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.05};
+  v1::ContactsDescription contacts;
+  contacts.patches().push_back(patch);
+  const GraspPicture plain = pictureOf(example(), object, {});
+  const GraspPicture picture = pictureOf(example(), object, contacts);
+  ASSERT_EQ(picture.scene.markers.size(), plain.scene.markers.size() + 1);
+  // Point 3 of the outline, placed with the object.
+  EXPECT_TRUE(picture.scene.markers.back().center_W.isApprox(Eigen::Vector3f(0.2F, 0, 0.05F)));
+  EXPECT_EQ(picture.caption.legend.back().text, "lost: 1");
+}
+
+TEST(GraspPicture, KeepsInteriorPointsOutOfTheOutline) {
+  v1::ObjectDescription object;
+  object.mesh_O() = triangle();
+  GraspResult result = example();
+  v1::PatchFit& fit = result.solution.patches()[0];
+  for (std::vector<double>* points : {&fit.hand_W_m(), &fit.object_W_m()})
+    points->insert(points->end(), {0.003, 0.003, 0.0});
+  const GraspPicture picture = pictureOf(result, object, {});
+  EXPECT_EQ(picture.scene.layers[0].decals[0].loop_W.size(), 3U);
+  EXPECT_EQ(picture.scene.segments.size(), 2U * 3 + 4);  // outlines of three sides, four pairs
+}
+
+TEST(GraspPicture, RefusesAHostileMesh) {
+  v1::ObjectDescription object;
+  object.mesh_O() = triangle();
+  object.mesh_O().triangles()[1] = 4000000000U;
+  const GraspPicture picture = pictureOf(example(), object, {});
+  EXPECT_THROW(render::renderTwoViews(picture.scene, picture.caption, {300, 250}),
+               InvalidInput);
+}
+
+}  // namespace
+}  // namespace handgraft::client
