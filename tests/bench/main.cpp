@@ -14,6 +14,7 @@
 #include "tests/bench/logmap.h"
 #include "tests/bench/logmap_accuracy.h"
 #include "tests/bench/logmap_speed.h"
+#include "tests/bench/retargeting/retargeting.h"
 #include "tests/bench/scaling.h"
 #include "tests/bench/solve.h"
 #include "tests/bench/survey.h"
@@ -42,6 +43,7 @@ int main(int argc, char** argv) {
   handgraft::bench::addLogMapSpeedCommand(app);
   handgraft::bench::addPairsCommand(app);
   handgraft::bench::addPlacementsCommand(app);
+  handgraft::bench::addRetargetingCommand(app);
   handgraft::bench::addScalingCommand(app);
   handgraft::bench::addSolveCommand(app);
   handgraft::bench::addSolversCommand(app);
@@ -53,7 +55,7 @@ int main(int argc, char** argv) {
     if (!app.get_subcommands().empty()) return 0;
     return complain(
         "a command is missing; there are: baseline chain import logmap logmap-accuracy "
-        "logmap-speed pairs placements scaling solve solvers survey tables transfer",
+        "logmap-speed pairs placements retargeting scaling solve solvers survey tables transfer",
         kWrongInput);
   } catch (const CLI::Success& help) {
     return app.exit(help);

@@ -9,9 +9,9 @@ json=
 for word in "$@"; do
   case $word in
     --json) json=--json ;;
-    logmap | solve | tables | import | chain | edits | table | all) name=$word ;;
+    logmap | solve | tables | import | chain | retargeting | edits | table | all) name=$word ;;
     *)
-      echo "bench: there is no benchmark '$word'; there are: logmap, solve, tables, import, chain, edits, table" >&2
+      echo "bench: there is no benchmark '$word'; there are: logmap, solve, tables, import, chain, retargeting, edits, table" >&2
       exit 2
       ;;
   esac
@@ -93,6 +93,16 @@ bench_chain() {
 }
 
 # shellcheck disable=SC2086
+bench_retargeting() {
+  if [ ! -d "$data/hands" ]; then
+    title "retargeting needs ../shared/data, which is not part of the project: skipped"
+    return
+  fi
+  title "recorded human grasps on the hands of ../shared/data, beside what is used today"
+  HANDGRAFT_SHARED_DATA=$data "$bin/handgraft-bench" retargeting --cache "$cache" $json
+}
+
+# shellcheck disable=SC2086
 bench_edits() {
   local hand object contacts grasp
   choose_grasp
@@ -128,6 +138,7 @@ case $name in
   solve) bench_solve ;;
   import) bench_import ;;
   chain) bench_chain ;;
+  retargeting) bench_retargeting ;;
   edits) bench_edits ;;
   table)
     write_between core/geometry/README.md "accuracy table" "$bin/handgraft-bench" logmap-accuracy --markdown
@@ -140,6 +151,7 @@ case $name in
     bench_solve
     bench_import
     bench_chain
+    bench_retargeting
     bench_edits
     ;;
 esac
