@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/hand/kinematics.h"
+#include "idl/fields.h"
 
 namespace handgraft::server {
 
@@ -103,13 +104,14 @@ session::Solving solvingFrom(const v1::SolveOptions& message) {
   };
   session::Solving solving;
   // Also a default that is asked for by name does not go with the paper's way.
-  if (message.paper() && !message.solver().empty()) {
-    rejectInput("solver {}: the paper's way has its own, mma", quoted(message.solver()));
+  if (message.paper() && message.solver() != v1::SOLVER_DEFAULT) {
+    rejectInput("solver {}: the paper's way has its own, mma", nameOf(message.solver()));
   }
   if (message.paper() && message.starts() > 0) {
     rejectInput("starts: {} do not go with the paper's way, which has one", message.starts());
   }
-  if (!message.solver().empty()) solving.solver = optimize::solverFrom(message.solver());
+  if (message.solver() != v1::SOLVER_DEFAULT)
+    solving.solver = optimize::solverFrom(nameOf(message.solver()));
   solving.starts = asked(message.starts(), solving.starts, session::kMostStarts, "starts");
   solving.seed = message.seed();
   solving.max_evaluations = asked(message.max_evaluations(), solving.max_evaluations,
@@ -165,11 +167,22 @@ v1::Outcome toMessage(optimize::Outcome outcome) {
   throw BrokenContract("an outcome that does not exist");
 }
 
+v1::JointKind kindOf(const hand::Joint& joint) {
+  return joint.type == hand::JointType::kPrismatic ? v1::JOINT_PRISMATIC : v1::JOINT_REVOLUTE;
+}
+
+v1::JointLimit limitOf(const std::string& joint, bool upper) {
+  v1::JointLimit limit;
+  limit.joint(joint);
+  limit.side(upper ? v1::LIMIT_UPPER : v1::LIMIT_LOWER);
+  return limit;
+}
+
 v1::SolveOptions toMessage(const session::Solving& solving) {
   v1::SolveOptions message;
   message.paper(solving.paper);
   if (!solving.paper) {
-    message.solver(std::string(optimize::nameOf(solving.solver)));
+    message.solver(v1::enumeratorFrom<v1::Solver>(optimize::nameOf(solving.solver), "solver"));
     message.starts(static_cast<std::uint32_t>(solving.starts));
   }
   message.seed(solving.seed);
@@ -197,7 +210,7 @@ v1::MinimumInfo toMessage(const optimize::Minimum& minimum) {
   message.hits(static_cast<std::uint32_t>(minimum.hits));
   message.terms(toMessage(minimum.terms));
   message.X_WH(toMessage(minimum.pose.X_WH));
-  message.joint_rad(entries(minimum.pose.q));
+  message.joint_positions(entries(minimum.pose.q));
   return message;
 }
 
@@ -207,7 +220,7 @@ v1::PoseSolution solutionMessage(const session::Session& session,
   v1::PoseSolution message;
   message.X_WH(toMessage(pose.X_WH));
   message.X_WO(toMessage(session.objectPose()));
-  message.joint_rad(entries(pose.q));
+  message.joint_positions(entries(pose.q));
   message.terms(toMessage(terms));
   return message;
 }
@@ -255,8 +268,7 @@ v1::PoseSolution solutionMessage(const session::Session& session,
     message.patches().push_back(std::move(one));
   }
   for (const optimize::ActiveLimit& limit : report.active_limits) {
-    message.joints_at_limit().push_back(model.dofJoint(limit.dof).name +
-                                        (limit.upper ? " upper" : " lower"));
+    message.joints_at_limit().push_back(limitOf(model.dofJoint(limit.dof).name, limit.upper));
   }
   for (const optimize::Minimum& minimum : report.minima)
     message.minima().push_back(toMessage(minimum));

@@ -34,6 +34,8 @@ v1::SurfacePoint toMessage(const geometry::SurfacePoint& point);
 std::array<double, 3> toMessage(const Eigen::Vector3d& v);
 v1::Mesh toMessage(const geometry::TriangleMesh& mesh);
 v1::Outcome toMessage(optimize::Outcome outcome);
+v1::JointKind kindOf(const hand::Joint& joint);
+v1::JointLimit limitOf(const std::string& joint, bool upper);
 /// Names what is a default, too.
 v1::SolveOptions toMessage(const session::Solving& solving);
 v1::Terms toMessage(const optimize::Terms& terms);

@@ -66,10 +66,10 @@ v1::JointInfo jointInfo(const hand::HandModel& model, int dof) {
   info.name(joint.name);
   info.parent_link(joint.parent_link);
   info.child_link(joint.child_link);
-  info.prismatic(joint.type == hand::JointType::kPrismatic);
-  info.lower_rad(model.lower()[dof]);
-  info.upper_rad(model.upper()[dof]);
-  info.velocity_limit_rad_s(joint.velocity_limit);
+  info.kind(kindOf(joint));
+  info.lower(model.lower()[dof]);
+  info.upper(model.upper()[dof]);
+  info.velocity_limit(joint.velocity_limit);
   return info;
 }
 
@@ -88,14 +88,14 @@ v1::MimicInfo mimicInfo(const std::string& name, const hand::Mimic& mimic) {
   info.joint(name);
   info.source(mimic.source_joint);
   info.multiplier(mimic.multiplier);
-  info.offset_rad(mimic.offset);
+  info.offset(mimic.offset);
   return info;
 }
 
 v1::NamedPose namedPose(const hand::NamedPose& pose) {
   v1::NamedPose message;
   message.name(pose.name);
-  message.joint_rad(entries(pose.q));
+  message.joint_positions(entries(pose.q));
   return message;
 }
 
@@ -212,7 +212,7 @@ v1::HandDescription describe(const StoredHand& hand,
     message.sites_file(io::sitesText(*sites, hand.mirrored));
   }
   if (skinned) addSkin(message, *skinned);
-  message.rest_rad(entries(model.restPose()));
+  message.rest_positions(entries(model.restPose()));
   message.urdf(urdfOf(hand));
   if (hand.mirrored) message.notes().emplace_back("mirrored: the other hand of its file");
   for (const std::string& note : hand.hand->skinNotes())

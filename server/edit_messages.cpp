@@ -4,7 +4,9 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "idl/fields.h"
 #include "server/convert.h"
+#include "server/rejection.h"
 
 namespace handgraft::server {
 
@@ -65,9 +67,9 @@ session::PriorEdit priorFrom(const v1::PriorEdit& message) {
   if (message.X_WH().size() > 1) {
     rejectInput("prior: {} poses; at most 1 is allowed", message.X_WH().size());
   }
-  if (message.joints().size() != message.joint_rad().size()) {
+  if (message.joints().size() != message.joint_positions().size()) {
     rejectInput("prior: {} joints but {} angles", message.joints().size(),
-                message.joint_rad().size());
+                message.joint_positions().size());
   }
   constexpr std::size_t kMostJoints = 512;
   if (message.joints().size() > kMostJoints) {
@@ -78,7 +80,7 @@ session::PriorEdit priorFrom(const v1::PriorEdit& message) {
   if (!message.X_WH().empty()) edit.X_WH = poseFrom(message.X_WH().front(), "X_WH");
   for (const std::string& joint : message.joints())
     edit.joints.push_back(name(joint, "joint"));
-  for (const double value : message.joint_rad())
+  for (const double value : message.joint_positions())
     edit.q.push_back(finite(value, "angle of the prior"));
   return edit;
 }
@@ -142,8 +144,8 @@ session::Edit editFrom(const v1::EditBody& body) {
                                          finite(body.patch_direction().angle_rad(), "angle")};
     case v1::EDIT_JOINT_LIMIT:
       return session::JointLimitEdit{name(body.joint_limit().joint(), "joint"),
-                                     limit(body.joint_limit().lower_rad(), "lower limit"),
-                                     limit(body.joint_limit().upper_rad(), "upper limit")};
+                                     limit(body.joint_limit().lower(), "lower limit"),
+                                     limit(body.joint_limit().upper(), "upper limit")};
     case v1::EDIT_JOINT_LOCK:
       return session::JointLockEdit{name(body.joint_lock().joint(), "joint"),
                                     body.joint_lock().locked()};
@@ -156,7 +158,7 @@ session::Edit editFrom(const v1::EditBody& body) {
                                        body.patch_enabled().enabled()};
     case v1::EDIT_JOINT_SOFT:
       return session::JointSoftEdit{name(body.joint_soft().joint(), "joint"),
-                                    finite(body.joint_soft().value_rad(), "value"),
+                                    finite(body.joint_soft().value(), "value"),
                                     notNegative(body.joint_soft().weight(), "weight")};
     case v1::EDIT_PRIOR_SHARES:
       return session::PriorSharesEdit{sharesFrom(body.prior_shares())};
@@ -178,6 +180,11 @@ session::Edit editFrom(const v1::EditBody& body) {
       return session::SnapshotEdit{name(body.snapshot().name(), "snapshot")};
     case v1::EDIT_RESTORE:
       return session::RestoreEdit{name(body.snapshot().name(), "snapshot")};
+    case v1::EDIT_RELEASE:
+    case v1::EDIT_PATCH_PLACE:
+    case v1::EDIT_MOTION:
+      reject(v1::ERROR_UNSUPPORTED, "this server does not know edits of kind {} yet",
+             nameOf(body._d()));
   }
   rejectInput("edit kind {} does not exist", static_cast<unsigned>(body._d()));
 }

@@ -11,6 +11,7 @@ namespace handgraft::server {
 struct ErrorReply {
   v1::ErrorCode code = v1::ERROR_INTERNAL;
   std::string message;
+  std::string field;  ///< of the message, that is at fault; empty: none
 };
 
 /// The table of the README, "The way of a request". Our own mistakes are logged, too.

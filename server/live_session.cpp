@@ -260,9 +260,10 @@ v1::PoseSolution LiveSession::publish(v1::PoseSolution solution) {
   solution.sequence_number(++sequence_number_);
   solution.stamp_ns(nowNs());
   audience_.onSolution(solution);
-  if (solution.is_final() && !solution.is_explained()) {
+  if (solution.is_final() && !solution.is_diagnosed()) {
     const Eigen::VectorXd q = Eigen::Map<const Eigen::VectorXd>(
-        solution.joint_rad().data(), static_cast<Eigen::Index>(solution.joint_rad().size()));
+        solution.joint_positions().data(),
+        static_cast<Eigen::Index>(solution.joint_positions().size()));
     audience_.onJointCommand(id_, jointCommand(*session_.hand().model, q, solution.stamp_ns()));
   }
   return solution;

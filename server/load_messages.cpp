@@ -48,6 +48,8 @@ ReadKind kindFrom(v1::ModelKind kind) {
       return ReadKind::kObject;
     case v1::MODEL_CONTACTS:
       return ReadKind::kContacts;
+    case v1::MODEL_MOTION:
+      break;
   }
   rejectInput("model kind {} does not exist", static_cast<unsigned>(kind));
 }

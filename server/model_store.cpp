@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/base/error.h"
-#include "idl/names.h"
+#include "idl/fields.h"
 #include "server/rejection.h"
 
 namespace handgraft::server {
@@ -133,6 +133,8 @@ void ModelStore::remove(v1::ModelKind kind, const std::string& name) {
       return removeFrom(objects_);
     case v1::MODEL_CONTACTS:
       return removeFrom(contacts_);
+    case v1::MODEL_MOTION:
+      break;
   }
   rejectInput("model kind {} does not exist", static_cast<unsigned>(kind));
 }

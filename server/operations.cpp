@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "core/base/error.h"
-#include "idl/names.h"
+#include "idl/fields.h"
 #include "server/handlers/export.h"
 #include "server/handlers/load_model.h"
 #include "server/handlers/models.h"
@@ -63,6 +63,11 @@ Lane laneOf(v1::Operation operation) {
     case v1::OP_COMPARE:
     case v1::OP_SAVE_SESSION:
       return Lane::kSession;
+    case v1::OP_SHARE_SESSION:
+    case v1::OP_SOLVE_MOTION:
+    case v1::OP_MOTION_FRAMES:
+    case v1::OP_SET_CLOCK:
+      reject(v1::ERROR_UNSUPPORTED, "this server does not {} yet", nameOf(operation));
   }
   rejectInput("operation {} does not exist", static_cast<unsigned>(operation));
 }

@@ -9,7 +9,8 @@
 #include <unistd.h>
 
 #include "core/base/error.h"
-#include "idl/names.h"
+#include "idl/check.h"
+#include "idl/fields.h"
 #include "server/error_reply.h"
 #include "server/handlers/edits.h"
 #include "server/handlers/optimize.h"
@@ -198,12 +199,20 @@ void Service::onRequest(v1::Request request) {
   }
 }
 
+void Service::requireMeant(std::uint64_t server_id) const {
+  if (server_id == 0 || server_id == server_id_) return;
+  reject(v1::ERROR_OTHER_SERVER, "this is server {:016x}; {:016x} was meant", server_id_,
+         server_id);
+}
+
 void Service::admit(const JobPtr& job) {
   const v1::Request& request = job->request;
   if (request.protocol_version() != v1::PROTOCOL_VERSION) {
     reject(v1::ERROR_VERSION, "this server ({}) speaks protocol {}, the request protocol {}",
            HANDGRAFT_VERSION, v1::PROTOCOL_VERSION, request.protocol_version());
   }
+  requireMeant(request.server_id());
+  idl::check(request);
   const std::lock_guard lock(running_mutex_);
   const auto first = running_.lower_bound({request.client(), 0});
   std::size_t mine = 0;
@@ -276,6 +285,7 @@ void Service::run(const JobPtr& job, const std::function<v1::ReplyBody()>& work)
     ErrorReply error = errorReplyOf(std::current_exception());
     reply.error(error.code);
     reply.message(std::move(error.message));
+    reply.field(std::move(error.field));
   }
   const v1::Request& request = job->request;
   spdlog::log(reply.error() == v1::ERROR_NONE ? spdlog::level::debug : spdlog::level::info,
@@ -315,6 +325,7 @@ void Service::answer(const Job& job, v1::Reply reply) {
   const std::uint64_t id = job.request.request_id();
   reply.client(client);
   reply.request_id(id);
+  reply.server_id(server_id_);
   const std::size_t bytes = v1::Reply::getCdrSerializedSize(reply);
   const auto kept = requests_.answer(client, id, std::move(reply), bytes);
   {
@@ -369,6 +380,7 @@ void Service::onEdit(v1::Edit edit) {
   if (begun.verdict != Ledger<v1::EditReply>::Verdict::kNew) return;
   const auto shared = std::make_shared<const v1::Edit>(std::move(edit));
   try {
+    requireMeant(shared->server_id());
     const auto live = sessions_.find(shared->session_id());
     live->expectEdit();
     const bool is_taken = live->strand().post([this, shared, live, stops = live->stops()] {
@@ -390,6 +402,7 @@ void Service::runEdit(const std::shared_ptr<LiveSession>& live,
     if (live->state().phase() == v1::PHASE_CLOSED) {
       reject(v1::ERROR_NOT_FOUND, "session {} is not open", live->id());
     }
+    idl::check(edit);
     answerEdit(edit, applyEdit(*live, edit));
   } catch (...) {
     refuseEdit(edit, live->session().revision());
@@ -419,6 +432,7 @@ void Service::answerEdit(const v1::Edit& edit, v1::EditReply reply) {
   reply.client(edit.client());
   reply.edit_id(edit.edit_id());
   reply.session_id(edit.session_id());
+  reply.server_id(server_id_);
   spdlog::debug("event=edit client={} id={} session={} revision={} error={} message={}",
                 shortName(edit.client()), edit.edit_id(), edit.session_id(), reply.revision(),
                 static_cast<unsigned>(reply.error()), handgraft::quoted(reply.message()));

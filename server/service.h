@@ -90,6 +90,8 @@ class Service final : private BusListener, private SessionAudience {
                       const sensor_msgs::msg::dds_::JointState_& command) override;
 
   // === Requests
+  /// Errors: Rejection (ERROR_OTHER_SERVER) unless it is this one, or 0.
+  void requireMeant(std::uint64_t server_id) const;
   void admit(const JobPtr& job);
   void dispatch(const JobPtr& job);
   /// Errors: CutShort; the job is not answered then.

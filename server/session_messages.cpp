@@ -50,16 +50,17 @@ v1::JointSetting jointSetting(const hand::HandModel& model,
   const session::DocumentJoint& joint = document.joints[static_cast<std::size_t>(dof)];
   v1::JointSetting message;
   message.name(model.dofJoint(dof).name);
-  message.value_rad(document.start.q[dof]);
-  message.prior_rad(document.prior.q[dof]);
-  message.lower_rad(joint.lower);
-  message.upper_rad(joint.upper);
-  message.model_lower_rad(model.lower()[dof]);
-  message.model_upper_rad(model.upper()[dof]);
+  message.kind(kindOf(model.dofJoint(dof)));
+  message.value(document.start.q[dof]);
+  message.prior(document.prior.q[dof]);
+  message.lower(joint.lower);
+  message.upper(joint.upper);
+  message.model_lower(model.lower()[dof]);
+  message.model_upper(model.upper()[dof]);
   message.locked(joint.locked);
   message.soft(joint.soft_weight > 0.0);
   message.soft_weight(joint.soft_weight);
-  if (message.soft()) message.prior_rad(joint.soft_value);
+  if (message.soft()) message.prior(joint.soft_value);
   return message;
 }
 

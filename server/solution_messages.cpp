@@ -5,6 +5,7 @@
 #include "core/base/error.h"
 #include "core/session/solids.h"
 #include "core/session/verdicts.h"
+#include "server/convert.h"
 
 namespace handgraft::server {
 
@@ -26,13 +27,14 @@ v1::Verdict toMessage(optimize::Verdict verdict) {
   throw BrokenContract("a verdict that does not exist");
 }
 
-v1::LimitRelief toMessage(const hand::HandModel& model, const optimize::LimitRelief& relief) {
-  v1::LimitRelief message;
-  message.joint(model.dofJoint(relief.dof).name);
-  message.is_upper(relief.upper);
-  message.limit_rad(relief.limit);
+v1::LimitSensitivity toMessage(const hand::HandModel& model,
+                               const optimize::LimitRelief& relief) {
+  v1::LimitSensitivity message;
+  message.limit(limitOf(model.dofJoint(relief.dof).name, relief.upper));
+  message.kind(kindOf(model.dofJoint(relief.dof)));
+  message.position(relief.limit);
   message.slope(relief.slope);
-  message.relief_rad(relief.relief);
+  message.given(relief.relief);
   message.gain(relief.gain);
   message.gain_mm(relief.gain_mm);
   return message;
@@ -88,13 +90,13 @@ void explain(const session::Session& session,
     one.miss_m(1e-3 * patches[k].miss_mm);
     one.alone_mm(patches[k].alone_mm);
     for (const optimize::LimitRelief& relief : patches[k].reliefs)
-      one.reliefs().push_back(toMessage(model, relief));
+      one.sensitivities().push_back(toMessage(model, relief));
     one.text(verdicts.texts[k]);
     message.patches()[k].diagnosis(std::move(one));
   }
   for (const optimize::LimitRelief& relief : verdicts.diagnosis.reliefs)
-    message.reliefs().push_back(toMessage(model, relief));
-  message.is_explained(true);
+    message.sensitivities().push_back(toMessage(model, relief));
+  message.is_diagnosed(true);
   message.verdict(verdicts.line);
   message.too_large(verdicts.too_large);
 }

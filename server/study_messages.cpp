@@ -42,8 +42,9 @@ v1::SweepRow toMessage(const session::SweepRow& row) {
   message.normal_deg(row.normal_deg);
   message.patch_count(static_cast<std::uint32_t>(row.patch_count));
   message.reached_count(static_cast<std::uint32_t>(row.reached_count));
-  message.joints_at_limit(row.joints_at_limit);
-  message.joint_rad({row.q.data(), row.q.data() + row.q.size()});
+  for (const session::LimitedJoint& limit : row.joints_at_limit)
+    message.joints_at_limit().push_back(limitOf(limit.joint, limit.upper));
+  message.joint_positions({row.q.data(), row.q.data() + row.q.size()});
   message.solve_ms(row.solve_ms);
   return message;
 }

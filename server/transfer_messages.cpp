@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "idl/fields.h"
 #include "server/convert.h"
 
 namespace handgraft::server {
@@ -35,6 +36,10 @@ std::vector<v1::LostCount> countedByReason(const std::vector<transfer::LostPoint
   return counts;
 }
 
+v1::LogMapMethod methodMessage(geometry::LogMapMethod method) {
+  return v1::enumeratorFrom<v1::LogMapMethod>(geometry::nameOf(method), "log map method");
+}
+
 }  // namespace
 
 transfer::TransferOptions transferOptionsFrom(const std::vector<v1::TransferOptions>& options) {
@@ -44,7 +49,8 @@ transfer::TransferOptions transferOptionsFrom(const std::vector<v1::TransferOpti
     rejectInput("transfer: {} entries; at most 1 is allowed", options.size());
   }
   const v1::TransferOptions& message = options.front();
-  if (!message.method().empty()) result.method = geometry::logMapMethodFrom(message.method());
+  if (message.method() != v1::LOG_MAP_DEFAULT)
+    result.method = geometry::logMapMethodFrom(nameOf(message.method()));
   if (message.interior_rings() > transfer::kMostInteriorRings) {
     rejectInput("interior_rings: {} is outside 0-{}", message.interior_rings(),
                 transfer::kMostInteriorRings);
@@ -67,7 +73,7 @@ transfer::SuggestOptions suggestOptionsFrom(const v1::SuggestRequest& request) {
 
 v1::TransferOptions toMessage(const transfer::TransferOptions& options) {
   v1::TransferOptions message;
-  message.method(std::string(geometry::nameOf(options.method)));
+  message.method(methodMessage(options.method));
   message.interior_rings(static_cast<std::uint32_t>(options.interior_rings));
   return message;
 }
@@ -99,8 +105,8 @@ v1::PatchReport patchReport(const session::SessionPatch& patch) {
     report.lost().push_back(toMessage(lost));
   report.fidelity(toMessage(transferred.fidelity));
   report.folded(static_cast<std::uint32_t>(transferred.folded));
-  report.method_O(std::string(geometry::nameOf(transferred.method_O)));
-  report.method_S(std::string(geometry::nameOf(transferred.method_S)));
+  report.method_O(methodMessage(transferred.method_O));
+  report.method_S(methodMessage(transferred.method_S));
   return report;
 }
 

@@ -3,6 +3,7 @@
 #include "client/cli/input_files.h"
 #include "client/link/wire_pose.h"
 #include "core/base/error.h"
+#include "idl/fields.h"
 
 namespace handgraft::client {
 
@@ -40,7 +41,7 @@ v1::OpenSessionRequest sessionRequest(const GraspOptions& options) {
   }
   if (!options.log_map.empty() || options.interior_rings > 0) {
     v1::TransferOptions transfer;
-    transfer.method(options.log_map);
+    transfer.method(v1::enumeratorFrom<v1::LogMapMethod>(options.log_map, "--log-map"));
     transfer.interior_rings(options.interior_rings);
     request.transfer().push_back(transfer);
   }
@@ -49,7 +50,7 @@ v1::OpenSessionRequest sessionRequest(const GraspOptions& options) {
 
 v1::SolveOptions solvingOf(const GraspOptions& options) {
   v1::SolveOptions solving;
-  solving.solver(options.solver);
+  solving.solver(v1::enumeratorFrom<v1::Solver>(options.solver, "--solver"));
   solving.starts(options.starts);
   solving.seed(options.seed);
   solving.max_evaluations(options.max_evaluations);

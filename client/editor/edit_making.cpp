@@ -58,7 +58,7 @@ const v1::JointInfo& jointNamed(Scene& scene, const std::string& name) {
 double jointNumber(const Match& match, std::size_t index, Scene& scene) {
   const std::string& joint = word(match, 0);
   const Value& value = match.values.at(index);
-  const bool slides = jointNamed(scene, joint).prismatic();
+  const bool slides = jointNamed(scene, joint).kind() == v1::JOINT_PRISMATIC;
   if (value.unit == (slides ? Unit::kAngle : Unit::kLength)) {
     rejectInput("joint {} {}: {} is no {}", quoted(joint), slides ? "slides" : "turns",
                 value.text, slides ? "length" : "angle");
@@ -76,8 +76,8 @@ v1::JointSetting settingOf(Scene& scene, const std::string& joint) {
 v1::EditBody limitEdit(const std::string& joint, double lower, double upper) {
   v1::JointLimitEdit edit;
   edit.joint(joint);
-  edit.lower_rad(lower);
-  edit.upper_rad(upper);
+  edit.lower(lower);
+  edit.upper(upper);
   return bodyOf(&v1::EditBody::joint_limit, edit);
 }
 
@@ -91,7 +91,7 @@ v1::EditBody lockEdit(const std::string& joint, bool locked) {
 v1::EditBody softEdit(const std::string& joint, double value, double weight) {
   v1::JointSoftEdit edit;
   edit.joint(joint);
-  edit.value_rad(value);
+  edit.value(value);
   edit.weight(weight);
   return bodyOf(&v1::EditBody::joint_soft, edit);
 }
@@ -185,7 +185,7 @@ v1::EditBody weights(const Match& match, Scene& /*scene*/) {
 v1::EditBody jointValue(const Match& match, Scene& scene) {
   v1::PriorEdit edit;
   edit.joints().push_back(word(match, 0));
-  edit.joint_rad().push_back(jointNumber(match, 1, scene));
+  edit.joint_positions().push_back(jointNumber(match, 1, scene));
   return bodyOf(&v1::EditBody::prior, edit);
 }
 
@@ -207,12 +207,12 @@ v1::EditBody softOff(const Match& match, Scene& /*scene*/) {
 
 v1::EditBody limitLower(const Match& match, Scene& scene) {
   const double lower = jointNumber(match, 1, scene);
-  return limitEdit(word(match, 0), lower, settingOf(scene, word(match, 0)).upper_rad());
+  return limitEdit(word(match, 0), lower, settingOf(scene, word(match, 0)).upper());
 }
 
 v1::EditBody limitUpper(const Match& match, Scene& scene) {
   const double upper = jointNumber(match, 1, scene);
-  return limitEdit(word(match, 0), settingOf(scene, word(match, 0)).lower_rad(), upper);
+  return limitEdit(word(match, 0), settingOf(scene, word(match, 0)).lower(), upper);
 }
 
 v1::EditBody limitRange(const Match& match, Scene& scene) {
@@ -221,7 +221,7 @@ v1::EditBody limitRange(const Match& match, Scene& scene) {
 
 v1::EditBody limitReset(const Match& match, Scene& scene) {
   const v1::JointSetting setting = settingOf(scene, word(match, 0));
-  return limitEdit(word(match, 0), setting.model_lower_rad(), setting.model_upper_rad());
+  return limitEdit(word(match, 0), setting.model_lower(), setting.model_upper());
 }
 
 }  // namespace handgraft::client::editor

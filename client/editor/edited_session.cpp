@@ -214,7 +214,7 @@ const v1::PoseSolution& EditedSession::awaitExplained(std::uint64_t revision,
   while (true) {
     take({}, {});
     HANDGRAFT_REQUIRE(solution_.has_value());
-    if (solution_->is_explained() || solution_->revision() > revision) return *solution_;
+    if (solution_->is_diagnosed() || solution_->revision() > revision) return *solution_;
     requireOpen();
     const auto now = std::chrono::steady_clock::now();
     if (!restsAt(revision)) settled = now;
@@ -225,7 +225,7 @@ const v1::PoseSolution& EditedSession::awaitExplained(std::uint64_t revision,
 }
 
 void EditedSession::explainLater() {
-  if (solution_ && !solution_->is_explained()) owed_explanation_ = solution_->revision();
+  if (solution_ && !solution_->is_diagnosed()) owed_explanation_ = solution_->revision();
 }
 
 const v1::PoseSolution& EditedSession::solve(const std::optional<v1::SolveOptions>& options) {
@@ -259,7 +259,7 @@ void EditedSession::take(const OnSample& on_sample, const OnState& on_state) {
 
 void EditedSession::adopt(const v1::PoseSolution& solution) {
   solution_ = solution;
-  if (!solution.is_explained() || solution.revision() < shown_) return;
+  if (!solution.is_diagnosed() || solution.revision() < shown_) return;
   off_ = offIn(solution);
   off_is_known_ = true;
 }
@@ -311,7 +311,7 @@ std::vector<std::string> EditedSession::news() {
   }
   if (owed_explanation_ && solution_ && solution_->revision() > *owed_explanation_) {
     owed_explanation_.reset();  // an edit came first
-  } else if (owed_explanation_ && solution_ && solution_->is_explained()) {
+  } else if (owed_explanation_ && solution_ && solution_->is_diagnosed()) {
     lines.push_back(
         fmt::format("revision {}: {}", *owed_explanation_, text::explanation(*solution_)));
     owed_explanation_.reset();

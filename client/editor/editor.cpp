@@ -262,8 +262,8 @@ std::string Editor::movedAgain(const Match& bend) {
   const std::vector<std::string>& joints = session_->state().joint_names();
   const auto joint = std::find(joints.begin(), joints.end(), bend.values.at(0).text);
   const auto index = static_cast<std::size_t>(joint - joints.begin());
-  if (index >= pose->joint_rad().size()) return "";
-  const double value = pose->joint_rad()[index];
+  if (index >= pose->joint_positions().size()) return "";
+  const double value = pose->joint_positions()[index];
   if (std::abs(value - bend.values.at(1).number) < kNoticed) return "";
   return fmt::format(
       "the search moved {} on to {:.4g}; lock it first, and it stays where it is put\n",
@@ -311,7 +311,7 @@ Told Editor::tellPose(const std::string& before) {
   constexpr EditedSession::Patience kSoon(250);  // usual explanations take milliseconds
   const bool at_once = at_once_ && depth_ == 0 && !sink_.isJson();
   const v1::PoseSolution pose = *session_->solution();
-  const bool shown = at_once && !pose.is_explained();
+  const bool shown = at_once && !pose.is_diagnosed();
   if (shown) sink_.begin(before + poseLine(pose, session_->patchesOff()));
   const v1::PoseSolution* last = nullptr;
   try {

@@ -76,7 +76,7 @@ Told Editor::watch(const Match& match) {
          session_->state().phase() != v1::PHASE_CLOSED) {
     session_->follow(
         [&](const v1::PoseSolution& solution) {
-          if (solution.is_explained()) ++count;
+          if (solution.is_diagnosed()) ++count;
           sink_.event(text::solutionLine(solution), json::solutionEvent(solution, joints));
         },
         [&](const v1::SessionState& state) {

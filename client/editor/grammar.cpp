@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/error.h"
+#include "idl/fields.h"
 
 namespace handgraft::client::editor {
 
@@ -59,12 +60,10 @@ Slot slotOf(const std::string& word) {
   return {};
 }
 
-// The server judges these: a model, a format or a solver that this program does not know may be
-// one.
+// The server judges these: a model that this program does not know may be one.
 bool isOpen(Kind kind) {
   return kind == Kind::kHand || kind == Kind::kObject || kind == Kind::kSnapshot ||
-         kind == Kind::kFormat || kind == Kind::kSolver || kind == Kind::kFile ||
-         kind == Kind::kName;
+         kind == Kind::kFile || kind == Kind::kName;
 }
 
 std::string listed(const std::vector<std::string>& names) {
@@ -203,14 +202,13 @@ std::string nameOf(const Slot& slot) {
 
 const std::vector<std::string>& choices(const Slot& slot, const Names& names) {
   static const std::vector<std::string> kNone;
-  static const std::vector<std::string> kSides = {"object", "hand"};
-  static const std::vector<std::string> kFormats = {"json", "csv",         "obj",
-                                                    "glb",  "isaac_grasp", "problem"};
+  static const std::vector<std::string> kSides = idl::namesOf(idl::typeOf<v1::PatchSide>());
+  static const std::vector<std::string> kFormats =
+      idl::namesOf(idl::typeOf<v1::ExportFormat>());
   static const std::vector<std::string> kTopics = {
       "session", "patches", "joints", "settings", "minima", "history", "transfer", "snapshots"};
-  static const std::vector<std::string> kSolvers = {
-      "default", "lm", "mma", "ccsaq", "slsqp", "lbfgs", "tnewton", "var2", "all"};
-  static const std::vector<std::string> kForms = {"cosine", "sum"};
+  static const std::vector<std::string> kSolvers = idl::namesOf(idl::typeOf<v1::Solver>());
+  static const std::vector<std::string> kForms = idl::namesOf(idl::typeOf<v1::NormalForm>());
   switch (slot.kind) {
     case Kind::kNormalForm:
       return kForms;

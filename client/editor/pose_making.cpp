@@ -7,6 +7,7 @@
 #include "client/editor/surface_pick.h"
 #include "client/link/pose_file.h"
 #include "core/base/error.h"
+#include "idl/fields.h"
 
 // The edits that move the hand or the object as a whole, choose models and searches, or go back
 // and forth.
@@ -146,9 +147,10 @@ v1::EditBody placeTurned(const Match& match, Scene& /*scene*/) {
 v1::EditBody priorRest(const Match& /*match*/, Scene& scene) {
   const v1::HandDescription& hand = scene.hand();
   v1::PriorEdit edit;
-  for (std::size_t i = 0; i < std::min(hand.joints().size(), hand.rest_rad().size()); ++i) {
+  for (std::size_t i = 0; i < std::min(hand.joints().size(), hand.rest_positions().size());
+       ++i) {
     edit.joints().push_back(hand.joints()[i].name());
-    edit.joint_rad().push_back(hand.rest_rad()[i]);
+    edit.joint_positions().push_back(hand.rest_positions()[i]);
   }
   return bodyOf(&v1::EditBody::prior, edit);
 }
@@ -160,8 +162,8 @@ v1::EditBody priorHere(const Match& /*match*/, Scene& scene) {
   edit.X_WH().push_back(solution->X_WH());
   for (const v1::JointInfo& joint : scene.hand().joints())
     edit.joints().push_back(joint.name());
-  edit.joint_rad(solution->joint_rad());
-  if (edit.joints().size() != edit.joint_rad().size()) {
+  edit.joint_positions(solution->joint_positions());
+  if (edit.joints().size() != edit.joint_positions().size()) {
     throw TransportError("the server's solution is not of this hand");
   }
   return bodyOf(&v1::EditBody::prior, edit);
@@ -171,7 +173,7 @@ v1::EditBody priorPose(const Match& match, Scene& /*scene*/) {
   const PoseFile pose = readPose(word(match, 0));
   v1::PriorEdit edit;
   edit.joints(pose.joints);
-  edit.joint_rad(pose.joint_rad);
+  edit.joint_positions(pose.joint_rad);
   if (pose.X_WH) edit.X_WH().push_back(*pose.X_WH);
   return bodyOf(&v1::EditBody::prior, edit);
 }
@@ -200,7 +202,7 @@ v1::SolveOptions solvingWith(v1::SolveOptions solving, const Match& match) {
     return found == match.options.end() ? nullptr : &found->second;
   };
   if (const Value* name = given("--solver")) {
-    solving.solver(name->text == "default" ? "" : name->text);
+    solving.solver(v1::enumeratorFrom<v1::Solver>(name->text, "solver"));
   }
   const Value* starts = given("--starts");
   if (starts != nullptr) solving.starts(smallCount(*starts, "--starts"));
@@ -215,7 +217,7 @@ v1::SolveOptions solvingWith(v1::SolveOptions solving, const Match& match) {
           "go with it");
     }
     solving.paper(true);
-    solving.solver("");
+    solving.solver(v1::SOLVER_DEFAULT);
     solving.starts(0);
   } else if (given("--solver") != nullptr || starts != nullptr) {
     solving.paper(false);

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "client/present/text_output.h"
-#include "idl/names.h"
+#include "idl/fields.h"
 
 namespace handgraft::client::editor {
 
@@ -39,9 +39,7 @@ std::string turned(const std::array<double, 3>& direction, bool open) {
 }
 
 std::string solvingText(const v1::SolveOptions& solving) {
-  std::string line = solving.paper()            ? "the paper's own"
-                     : solving.solver().empty() ? "default"
-                                                : plain(solving.solver());
+  std::string line = solving.paper() ? "the paper's own" : nameOf(solving.solver());
   line +=
       solving.starts() == 0 ? ", default starts" : fmt::format(", {} starts", solving.starts());
   line += fmt::format(", seed {}", solving.seed());
@@ -54,7 +52,7 @@ std::string solvingText(const v1::SolveOptions& solving) {
 }
 
 Json solvingJson(const v1::SolveOptions& solving) {
-  return {{"solver", solving.solver()},
+  return {{"solver", nameOf(solving.solver())},
           {"starts", solving.starts()},
           {"seed", solving.seed()},
           {"max_evaluations", solving.max_evaluations()},
@@ -146,26 +144,26 @@ Told tellJoints(const v1::SessionSettings& settings) {
   Rows rows = {{"joint", "value", "prior", "lower", "upper", "model", "held"}};
   Json joints = Json::array();
   for (const v1::JointSetting& joint : settings.joints()) {
-    const bool as_model = joint.lower_rad() == joint.model_lower_rad() &&
-                          joint.upper_rad() == joint.model_upper_rad();
+    const bool as_model =
+        joint.lower() == joint.model_lower() && joint.upper() == joint.model_upper();
     std::string held = joint.locked() ? "locked" : "";
     if (joint.soft()) {
       held +=
           fmt::format("{}soft, weight {:.4g}", held.empty() ? "" : ", ", joint.soft_weight());
     }
-    rows.push_back({plain(joint.name()), number(joint.value_rad()), number(joint.prior_rad()),
-                    number(joint.lower_rad()), number(joint.upper_rad()),
-                    as_model ? ""
-                             : fmt::format("{:.4g} to {:.4g}", joint.model_lower_rad(),
-                                           joint.model_upper_rad()),
-                    held});
+    rows.push_back(
+        {plain(joint.name()), number(joint.value()), number(joint.prior()),
+         number(joint.lower()), number(joint.upper()),
+         as_model ? ""
+                  : fmt::format("{:.4g} to {:.4g}", joint.model_lower(), joint.model_upper()),
+         held});
     joints.push_back({{"name", joint.name()},
-                      {"value_rad", joint.value_rad()},
-                      {"prior_rad", joint.prior_rad()},
-                      {"lower_rad", joint.lower_rad()},
-                      {"upper_rad", joint.upper_rad()},
-                      {"model_lower_rad", joint.model_lower_rad()},
-                      {"model_upper_rad", joint.model_upper_rad()},
+                      {"value", joint.value()},
+                      {"prior", joint.prior()},
+                      {"lower", joint.lower()},
+                      {"upper", joint.upper()},
+                      {"model_lower_rad", joint.model_lower()},
+                      {"model_upper_rad", joint.model_upper()},
                       {"locked", joint.locked()},
                       {"soft", joint.soft()},
                       {"soft_weight", joint.soft_weight()}});
@@ -190,10 +188,8 @@ Told tellSettings(const v1::SessionSettings& settings) {
         fmt::format("rotation {:.4g}, translation {:.4g}, joints {:.4g}",
                     shares.root_rotation(), shares.root_translation(), shares.joints())},
        {"solver", solvingText(settings.solving())},
-       {"log maps",
-        fmt::format("{}, {} interior rings",
-                    transfer.method().empty() ? "default" : plain(transfer.method()),
-                    transfer.interior_rings())}},
+       {"log maps", fmt::format("{}, {} interior rings", nameOf(transfer.method()),
+                                transfer.interior_rings())}},
       "l");
   told.data = {
       {"X_WO", json::pose(settings.X_WO())},
@@ -209,7 +205,7 @@ Told tellSettings(const v1::SessionSettings& settings) {
         {"joints", shares.joints()}}},
       {"solving", solvingJson(settings.solving())},
       {"transfer",
-       {{"method", transfer.method()}, {"interior_rings", transfer.interior_rings()}}}};
+       {{"method", nameOf(transfer.method())}, {"interior_rings", transfer.interior_rings()}}}};
   return told;
 }
 

@@ -4,7 +4,7 @@
 
 #include "client/present/minima_text.h"
 #include "client/present/text_output.h"
-#include "idl/names.h"
+#include "idl/fields.h"
 
 namespace handgraft::client::editor {
 
@@ -74,7 +74,7 @@ Json status(const v1::PoseSolution& solution, const Off& off) {
               {"objective", solution.terms().objective()},
               {"mean_mm", meanOf(solution, off)},
               {"worst", nullptr},
-              {"is_explained", solution.is_explained()},
+              {"is_diagnosed", solution.is_diagnosed()},
               {"verdict", solution.verdict()}};
   if (const v1::PatchFit* worst = worstOf(solution, off)) {
     all["worst"] = {{"patch", worst->name()}, {"mean_mm", worst->mean_mm()}};
@@ -92,7 +92,7 @@ Told tellSolution(const v1::PoseSolution& solution, const Off& off) {
                     fmt::format("{:.1f}", patch.normal_deg()),
                     fmt::format("{:.0f} %", 100.0 * patch.within_5mm()),
                     std::to_string(patch.point_count()),
-                    solution.is_explained() ? nameOf(patch.diagnosis().verdict()) : ""});
+                    solution.is_diagnosed() ? nameOf(patch.diagnosis().verdict()) : ""});
     patches.push_back({{"name", patch.name()},
                        {"mean_mm", patch.mean_mm()},
                        {"max_mm", patch.max_mm()},
@@ -110,16 +110,16 @@ Told tellSolution(const v1::PoseSolution& solution, const Off& off) {
       terms.distance_m2(), terms.normal(), terms.prior(), plain(solution.solver()),
       solution.evaluations());
   if (!solution.joints_at_limit().empty()) {
-    told.text +=
-        fmt::format("joints at limits: {}\n", text::listed(solution.joints_at_limit()));
+    told.text += fmt::format("joints at limits: {}\n",
+                             text::listed(text::limitNames(solution.joints_at_limit())));
   }
   told.text += statusLine(solution, off) + "\n";
   told.data = {{"solution", status(solution, off)},
                {"patches", patches},
                {"X_WH", json::pose(solution.X_WH())},
                {"X_WO", json::pose(solution.X_WO())},
-               {"joint_rad", json::listOf(solution.joint_rad())},
-               {"joints_at_limit", json::listOf(solution.joints_at_limit())}};
+               {"joint_positions", json::listOf(solution.joint_positions())},
+               {"joints_at_limit", text::limitNames(solution.joints_at_limit())}};
   return told;
 }
 
@@ -134,7 +134,7 @@ Told tellMinima(const v1::PoseSolution& solution, const v1::HandDescription& han
                       {"start", minimum.start()},
                       {"hits", minimum.hits()},
                       {"X_WH", json::pose(minimum.X_WH())},
-                      {"joint_rad", json::listOf(minimum.joint_rad())}});
+                      {"joint_positions", json::listOf(minimum.joint_positions())}});
   }
   told.data = {{"minima", minima}, {"chosen", solution.chosen_minimum() + 1}};
   return told;

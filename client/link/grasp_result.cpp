@@ -30,9 +30,9 @@ void requireFinite(const v1::Pose& pose) {
 
 void requireConsistent(const GraspResult& result) {
   const v1::PoseSolution& solution = result.solution;
-  requireCount("joint values", solution.joint_rad().size(), result.hand.joints().size());
+  requireCount("joint values", solution.joint_positions().size(), result.hand.joints().size());
   requireCount("link poses", solution.X_WL().size(), result.hand.links().size());
-  if (!allFinite(solution.joint_rad())) {
+  if (!allFinite(solution.joint_positions())) {
     throw TransportError("the server sent a joint value that is not finite");
   }
   requireFinite(solution.X_WH());

@@ -10,7 +10,7 @@
 #include "client/link/private_server.h"
 #include "core/base/error.h"
 #include "core/base/progress.h"
-#include "idl/names.h"
+#include "idl/fields.h"
 
 namespace handgraft::client {
 

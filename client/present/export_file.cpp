@@ -6,6 +6,7 @@
 #include "client/present/grasp_picture.h"
 #include "client/present/render/png_file.h"
 #include "core/base/error.h"
+#include "idl/fields.h"
 
 namespace handgraft::client {
 
@@ -64,8 +65,8 @@ void exportSession(ServerLink& server,
   requireWritable(file);
   v1::ExportRequest request;
   request.session_id(session_id);
-  request.format(format);
-  if (format == "problem") {
+  request.format(v1::enumeratorFrom<v1::ExportFormat>(format, "format"));
+  if (request.format() == v1::EXPORT_PROBLEM) {
     const std::string hand = server.describeSession(session_id).hand();
     request.urdf_path(writeHand(server.describe(v1::MODEL_HAND, hand, false).hand(),
                                 fs::absolute(file.path).parent_path(), {file.path})

@@ -6,7 +6,7 @@
 
 #include "client/link/wire_pose.h"
 #include "client/present/picture_parts.h"
-#include "idl/names.h"
+#include "idl/fields.h"
 
 namespace handgraft::client {
 

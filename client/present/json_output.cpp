@@ -2,7 +2,8 @@
 
 #include "client/link/server_link.h"
 #include "client/present/json_parts.h"
-#include "idl/names.h"
+#include "client/present/text_output.h"
+#include "idl/fields.h"
 
 namespace handgraft::client::json {
 
@@ -45,14 +46,14 @@ Json joints(const std::vector<double>& values, const std::vector<std::string>& n
   return object;
 }
 
-Json reliefs(const std::vector<v1::LimitRelief>& all) {
+Json reliefs(const std::vector<v1::LimitSensitivity>& all) {
   Json list = Json::array();
-  for (const v1::LimitRelief& relief : all) {
-    list.push_back({{"joint", relief.joint()},
-                    {"side", relief.is_upper() ? "upper" : "lower"},
-                    {"limit_rad", relief.limit_rad()},
+  for (const v1::LimitSensitivity& relief : all) {
+    list.push_back({{"joint", relief.limit().joint()},
+                    {"side", nameOf(relief.limit().side())},
+                    {"position", relief.position()},
                     {"slope", relief.slope()},
-                    {"relief_rad", relief.relief_rad()},
+                    {"given", relief.given()},
                     {"gain", relief.gain()},
                     {"gain_mm", relief.gain_mm()}});
   }
@@ -63,7 +64,7 @@ Json diagnosis(const v1::PatchDiagnosis& patch) {
   return {{"verdict", nameOf(patch.verdict())},
           {"miss_m", patch.miss_m()},
           {"alone_mm", patch.alone_mm()},
-          {"reliefs", reliefs(patch.reliefs())},
+          {"sensitivities", reliefs(patch.sensitivities())},
           {"text", patch.text()}};
 }
 
@@ -96,8 +97,8 @@ Json graspPatches(const GraspResult& result) {
       entry["lost"] = lostPoints(report->lost());
       entry["fidelity"] = fidelity(report->fidelity());
       entry["folded"] = report->folded();
-      entry["method_O"] = report->method_O();
-      entry["method_S"] = report->method_S();
+      entry["method_O"] = nameOf(report->method_O());
+      entry["method_S"] = nameOf(report->method_S());
       entry["root_S"] = surfacePoint(report->root_S());
     }
     entry["hand_W_m"] = points(patch.hand_W_m());
@@ -198,13 +199,13 @@ std::string grasp(const GraspResult& result, int indent) {
                    {"evaluations", solution.evaluations()},
                    {"X_WH", pose(solution.X_WH())},
                    {"X_WO", pose(solution.X_WO())},
-                   {"joints", joints(solution.joint_rad(), joint_names)},
+                   {"joints", joints(solution.joint_positions(), joint_names)},
                    {"links_X_WL", links},
                    {"terms", terms(solution.terms())},
-                   {"joints_at_limit", listOf(solution.joints_at_limit())},
+                   {"joints_at_limit", text::limitNames(solution.joints_at_limit())},
                    {"verdict", solution.verdict()},
                    {"too_large", solution.too_large()},
-                   {"reliefs", reliefs(solution.reliefs())},
+                   {"sensitivities", reliefs(solution.sensitivities())},
                    {"patches", graspPatches(result)},
                    {"notes", listOf(result.transfer.notes())},
                    {"hand_notes", listOf(result.hand.notes())},
@@ -232,14 +233,14 @@ std::string solutionEvent(const v1::PoseSolution& solution,
                   {"revision", solution.revision()},
                   {"sequence_number", solution.sequence_number()},
                   {"is_final", solution.is_final()},
-                  {"is_explained", solution.is_explained()},
+                  {"is_diagnosed", solution.is_diagnosed()},
                   {"verdict", solution.verdict()},
                   {"outcome", nameOf(solution.outcome())},
                   {"solver", solution.solver()},
                   {"X_WH", pose(solution.X_WH())},
                   {"X_WO", pose(solution.X_WO())},
-                  {"joint_rad", listOf(solution.joint_rad())},
-                  {"joints", joints(solution.joint_rad(), joint_names)},
+                  {"joint_positions", listOf(solution.joint_positions())},
+                  {"joints", joints(solution.joint_positions(), joint_names)},
                   {"terms", terms(solution.terms())},
                   {"patches", patches},
                   {"stamp_ns", solution.stamp_ns()}},

@@ -50,8 +50,9 @@ Json minima(const v1::PoseSolution& solution, const v1::HandDescription& hand) {
   for (const v1::MinimumInfo& minimum : solution.minima()) {
     const PoseGap gap = gapBetween(solution.minima().front(), minimum, hand);
     Json joints = Json::object();
-    for (std::size_t j = 0; j < std::min(minimum.joint_rad().size(), hand.joints().size()); ++j)
-      joints[hand.joints()[j].name()] = minimum.joint_rad()[j];
+    for (std::size_t j = 0;
+         j < std::min(minimum.joint_positions().size(), hand.joints().size()); ++j)
+      joints[hand.joints()[j].name()] = minimum.joint_positions()[j];
     list.push_back({{"rank", list.size() + 1},
                     {"taken", list.size() == solution.chosen_minimum()},
                     {"solver", minimum.solver()},

@@ -27,10 +27,12 @@ PoseGap gapBetween(const v1::MinimumInfo& a,
   gap.moved_mm = kMillimetres * X_AB.translation().norm();
   gap.turned_deg = kDegrees * vectorFromRotation(X_AB.linear()).norm();
   const std::size_t joints =
-      std::min({a.joint_rad().size(), b.joint_rad().size(), hand.joints().size()});
+      std::min({a.joint_positions().size(), b.joint_positions().size(), hand.joints().size()});
   for (std::size_t j = 0; j < joints; ++j) {
-    const double unit = hand.joints()[j].prismatic() ? kMillimetres : kDegrees;
-    gap.joint = std::max(gap.joint, unit * std::abs(a.joint_rad()[j] - b.joint_rad()[j]));
+    const double unit =
+        hand.joints()[j].kind() == v1::JOINT_PRISMATIC ? kMillimetres : kDegrees;
+    gap.joint =
+        std::max(gap.joint, unit * std::abs(a.joint_positions()[j] - b.joint_positions()[j]));
   }
   return gap;
 }
@@ -39,7 +41,7 @@ std::string text::minima(const v1::PoseSolution& solution, const v1::HandDescrip
   if (solution.minima().empty()) return "";
   const bool slides =
       std::any_of(hand.joints().begin(), hand.joints().end(), [](const v1::JointInfo& joint) {
-        return joint.prismatic();
+        return joint.kind() == v1::JOINT_PRISMATIC;
       });
   std::vector<std::vector<std::string>> rows = {{"rank", "solver", "objective", "hits", "start",
                                                  "moved mm", "turned deg",

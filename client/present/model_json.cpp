@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "client/present/json_parts.h"
+#include "idl/fields.h"
+#include "idl/json.h"
 
 namespace handgraft::client::json {
 
@@ -48,15 +50,15 @@ Json skinReport(const v1::SkinReport& report) {
 Json handDocument(const v1::HandDescription& hand) {
   Json all_joints = Json::array();
   for (const v1::JointInfo& joint : hand.joints()) {
-    all_joints.push_back({{"name", joint.name()},
-                          {"parent_link", joint.parent_link()},
-                          {"child_link", joint.child_link()},
-                          {"prismatic", joint.prismatic()},
-                          {"lower_rad", joint.lower_rad()},
-                          {"upper_rad", joint.upper_rad()},
-                          {"velocity_limit_rad_s", joint.velocity_limit_rad_s() > 0.0
-                                                       ? Json(joint.velocity_limit_rad_s())
-                                                       : Json(nullptr)}});
+    all_joints.push_back(
+        {{"name", joint.name()},
+         {"parent_link", joint.parent_link()},
+         {"child_link", joint.child_link()},
+         {"kind", nameOf(joint.kind())},
+         {"lower", joint.lower()},
+         {"upper", joint.upper()},
+         {"velocity_limit",
+          joint.velocity_limit() > 0.0 ? Json(joint.velocity_limit()) : Json(nullptr)}});
   }
   Json links = Json::array();
   for (const v1::LinkInfo& link : hand.links())
@@ -74,13 +76,14 @@ Json handDocument(const v1::HandDescription& hand) {
     mimics.push_back({{"joint", mimic.joint()},
                       {"source", mimic.source()},
                       {"multiplier", mimic.multiplier()},
-                      {"offset_rad", mimic.offset_rad()}});
+                      {"offset", mimic.offset()}});
   }
   Json poses = Json::object();
   for (const v1::NamedPose& pose : hand.poses()) {
     Json& values = poses[pose.name()] = Json::object();
-    for (std::size_t i = 0; i < std::min(pose.joint_rad().size(), hand.joints().size()); ++i) {
-      values[hand.joints()[i].name()] = pose.joint_rad()[i];
+    for (std::size_t i = 0; i < std::min(pose.joint_positions().size(), hand.joints().size());
+         ++i) {
+      values[hand.joints()[i].name()] = pose.joint_positions()[i];
     }
   }
   return {{"kind", "hand"},
@@ -93,7 +96,7 @@ Json handDocument(const v1::HandDescription& hand) {
           {"links", links},
           {"sites", sites},
           {"sites_found", hand.sites_found()},
-          {"rest_rad", listOf(hand.rest_rad())},
+          {"rest_positions", listOf(hand.rest_positions())},
           {"skin",
            hand.skin_report().empty() ? Json(nullptr) : skinReport(hand.skin_report().front())},
           {"notes", listOf(hand.notes())}};
@@ -136,6 +139,8 @@ std::string description(const v1::ModelDescription& description, int indent) {
       return written(handDocument(description.hand()), indent);
     case v1::MODEL_CONTACTS:
       return written(contactsDocument(description.contacts()), indent);
+    case v1::MODEL_MOTION:
+      return idl::jsonText(description, indent);
     case v1::MODEL_OBJECT:
       break;
   }

@@ -25,22 +25,21 @@ std::string counted(std::size_t count, const char* what) {
 }
 
 std::string typeOf(const v1::JointInfo& joint) {
-  if (joint.prismatic()) return "prismatic";
-  return std::isinf(joint.lower_rad()) && std::isinf(joint.upper_rad()) ? "continuous"
-                                                                        : "revolute";
+  if (joint.kind() == v1::JOINT_PRISMATIC) return "prismatic";
+  return std::isinf(joint.lower()) && std::isinf(joint.upper()) ? "continuous" : "revolute";
 }
 
 std::string joints(const v1::HandDescription& hand) {
   Rows rows = {{"joint", "type", "parent > child", "lower", "upper", "velocity", "rest", ""}};
   for (std::size_t i = 0; i < hand.joints().size(); ++i) {
     const v1::JointInfo& joint = hand.joints()[i];
-    const double velocity = joint.velocity_limit_rad_s();
+    const double velocity = joint.velocity_limit();
     rows.push_back({plain(joint.name()), typeOf(joint),
                     plain(joint.parent_link()) + " > " + plain(joint.child_link()),
-                    number(joint.lower_rad()), number(joint.upper_rad()),
+                    number(joint.lower()), number(joint.upper()),
                     velocity > 0.0 ? fmt::format("{:.3g}", velocity) : "-",
-                    i < hand.rest_rad().size() ? number(hand.rest_rad()[i]) : "",
-                    joint.prismatic() ? "m" : "rad"});
+                    i < hand.rest_positions().size() ? number(hand.rest_positions()[i]) : "",
+                    joint.kind() == v1::JOINT_PRISMATIC ? "m" : "rad"});
   }
   return table(rows, "lllrrrrl");
 }
@@ -49,9 +48,9 @@ std::string joints(const v1::HandDescription& hand) {
 std::string formula(const v1::MimicInfo& mimic) {
   std::string text = fmt::format("{} = {:.4g} * {}", plain(mimic.joint()), mimic.multiplier(),
                                  plain(mimic.source()));
-  if (mimic.offset_rad() != 0.0) {
-    text += fmt::format(" {} {:.4g}", mimic.offset_rad() < 0.0 ? "-" : "+",
-                        std::abs(mimic.offset_rad()));
+  if (mimic.offset() != 0.0) {
+    text +=
+        fmt::format(" {} {:.4g}", mimic.offset() < 0.0 ? "-" : "+", std::abs(mimic.offset()));
   }
   return text;
 }
@@ -204,6 +203,9 @@ std::string description(const v1::ModelDescription& description) {
       return hand(description.hand());
     case v1::MODEL_CONTACTS:
       return contacts(description.contacts());
+    case v1::MODEL_MOTION:
+      return fmt::format("motion {}: {} frames\n", plain(description.motion().name()),
+                         description.motion().frame_count());
     case v1::MODEL_OBJECT:
       break;
   }

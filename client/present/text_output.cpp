@@ -11,7 +11,7 @@
 #include "client/link/server_link.h"
 #include "client/present/transfer_text.h"
 #include "core/base/error.h"
-#include "idl/names.h"
+#include "idl/fields.h"
 
 namespace handgraft::client::text {
 
@@ -68,6 +68,13 @@ std::string shortfalls(const v1::PoseSolution& solution) {
     lines += wrapped(fmt::format("{}: {}", patch.name(), diagnosis.text()));
   }
   return lines;
+}
+
+std::vector<std::string> limitNames(const std::vector<v1::JointLimit>& limits) {
+  std::vector<std::string> names;
+  for (const v1::JointLimit& limit : limits)
+    names.push_back(limit.joint() + " " + nameOf(limit.side()));
+  return names;
 }
 
 std::string listed(const std::vector<std::string>& items) {
@@ -166,11 +173,11 @@ std::string verdicts(const v1::PoseSolution& solution) {
   std::string lines;
   if (!solution.verdict().empty()) lines = wrapped(solution.verdict());
   lines += shortfalls(solution);
-  for (const v1::LimitRelief& relief : solution.reliefs()) {
+  for (const v1::LimitSensitivity& relief : solution.sensitivities()) {
     constexpr double kWorthTelling_mm = 0.005;
     lines += fmt::format("relief: {} {} by {:.2f} (rad or m): objective {:.3g} less",
-                         plain(relief.joint()), relief.is_upper() ? "upper" : "lower",
-                         relief.relief_rad(), relief.gain());
+                         plain(relief.limit().joint()), nameOf(relief.limit().side()),
+                         relief.given(), relief.gain());
     if (std::abs(relief.gain_mm()) >= kWorthTelling_mm) {
       lines += fmt::format(", {:.2f} mm {}", std::abs(relief.gain_mm()),
                            relief.gain_mm() > 0.0 ? "nearer" : "farther");
@@ -222,9 +229,10 @@ std::string grasp(const GraspResult& result) {
       "{} after {} evaluations\n",
       terms.objective(), terms.distance_m2(), terms.normal(), terms.prior(),
       nameOf(solution.outcome()), plain(solution.solver()), solution.evaluations());
-  out += fmt::format("joints at limits: {}\n", solution.joints_at_limit().empty()
-                                                   ? "none"
-                                                   : listed(solution.joints_at_limit()));
+  out += fmt::format("joints at limits: {}\n",
+                     solution.joints_at_limit().empty()
+                         ? "none"
+                         : listed(limitNames(solution.joints_at_limit())));
   for (const v1::Penetration& inside : solution.penetration()) {
     if (inside.max_depth_m() > 0.0 && !inside.links().empty()) {
       out += fmt::format("inside the object: {:.1f} mm at {}, {:.1f} cm3\n",
@@ -273,7 +281,7 @@ std::string explanation(const v1::PoseSolution& solution) {
 
 std::string solutionLine(const v1::PoseSolution& solution) {
   const char* what = !solution.is_final()      ? "on the way"
-                     : solution.is_explained() ? "solution"
+                     : solution.is_diagnosed() ? "solution"
                                                : "pose";
   std::string line = fmt::format("session {} revision {}: {} {} objective {:.6g}",
                                  solution.session_id(), solution.revision(), what,

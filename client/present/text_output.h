@@ -31,6 +31,9 @@ std::string explanation(const v1::PoseSolution& solution);
 /// Text from the wire on one line, as `quoted` has it but without its quotes.
 std::string plain(const std::string& text);
 
+/// "thumb_mcp upper", each.
+std::vector<std::string> limitNames(const std::vector<v1::JointLimit>& limits);
+
 /// The same of several, with commas between them.
 std::string listed(const std::vector<std::string>& items);
 

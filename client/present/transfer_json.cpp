@@ -1,6 +1,7 @@
 #include "client/present/transfer_json.h"
 
 #include "client/present/json_parts.h"
+#include "idl/fields.h"
 
 namespace handgraft::client::json {
 
@@ -19,8 +20,8 @@ Json report(const v1::PatchReport& patch) {
           {"lost", lostPoints(patch.lost())},
           {"fidelity", fidelity(patch.fidelity())},
           {"folded", patch.folded()},
-          {"method_O", patch.method_O()},
-          {"method_S", patch.method_S()}};
+          {"method_O", nameOf(patch.method_O())},
+          {"method_S", nameOf(patch.method_S())}};
 }
 
 Json suggestion(const v1::PlacementSuggestion& one) {
@@ -42,7 +43,7 @@ std::string transfer(const v1::TransferReply& reply, int indent) {
     patches.push_back(report(patch));
   return written({{"session_id", reply.session_id()},
                   {"revision", reply.revision()},
-                  {"method", reply.options().method()},
+                  {"method", nameOf(reply.options().method())},
                   {"interior_rings", reply.options().interior_rings()},
                   {"patches", patches},
                   {"notes", listOf(reply.notes())},

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "client/present/text_output.h"
+#include "idl/fields.h"
 
 namespace handgraft::client::text {
 
@@ -47,8 +48,8 @@ void addFidelity(std::vector<std::string>& row, const v1::Fidelity& f, bool is_r
 
 std::string methods(const v1::PatchReport& report) {
   return report.method_O() == report.method_S()
-             ? plain(report.method_S())
-             : plain(report.method_O()) + "/" + plain(report.method_S());
+             ? nameOf(report.method_S())
+             : fmt::format("{}/{}", nameOf(report.method_O()), nameOf(report.method_S()));
 }
 
 /// "edge of the surface 3, cut locus 1", in the order in which the reasons first come up.
@@ -130,7 +131,7 @@ std::string losses(const std::vector<v1::PatchReport>& patches, std::uint64_t se
 std::string transfer(const v1::TransferReply& reply) {
   std::string out = fmt::format(
       "session {} revision {}: log maps {}, {} interior rings\n\n", reply.session_id(),
-      reply.revision(), plain(reply.options().method()), reply.options().interior_rings());
+      reply.revision(), nameOf(reply.options().method()), reply.options().interior_rings());
   out += transferTable(reply.patches()) + "\n";
   for (const v1::PatchReport& report : reply.patches()) {
     if (!report.placed()) {

@@ -109,8 +109,7 @@ void fill(const PoseProblem& problem,
     row.normal_deg = sum_deg / row.point_count;
   }
   for (const optimize::ActiveLimit& limit : report.active_limits)
-    row.joints_at_limit.push_back(problem.model->dofJoint(limit.dof).name +
-                                  (limit.upper ? " upper" : " lower"));
+    row.joints_at_limit.push_back({problem.model->dofJoint(limit.dof).name, limit.upper});
 }
 
 /// Calls `task` for all indices, on the pool if there is one. From one thread at a time.

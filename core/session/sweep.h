@@ -36,6 +36,14 @@ struct SweepOptions {
   int threads = 1;
 };
 
+/// A joint that stands at one of its limits.
+struct LimitedJoint {
+  std::string joint;
+  bool upper = false;
+
+  bool operator==(const LimitedJoint&) const = default;
+};
+
 /// One grasp by one variant of the hand.
 struct SweepRow {
   int grasp = 0;               ///< index into those asked for
@@ -49,7 +57,7 @@ struct SweepRow {
   double normal_deg = 0.0;
   int patch_count = 0;    ///< of those that have a place on the hand and count
   int reached_count = 0;  ///< of those, as optimize/diagnosis.h has it
-  std::vector<std::string> joints_at_limit;  ///< "thumb_mcp upper"
+  std::vector<LimitedJoint> joints_at_limit;
   Eigen::VectorXd q;
   double solve_ms = 0.0;  ///< not part of the promise below
 };

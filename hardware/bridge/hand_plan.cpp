@@ -14,20 +14,20 @@ constexpr std::size_t kMostJoints = 512;  // the bound of every joint sequence i
 constexpr double kFarthest = 1000;        // rad: of a joint without limits
 
 safety::JointLimits limitsOf(const v1::JointInfo& joint, const MotionBounds& bounds) {
-  if (!(joint.lower_rad() <= joint.upper_rad()) || joint.lower_rad() == HUGE_VAL ||
-      joint.upper_rad() == -HUGE_VAL) {
+  if (!(joint.lower() <= joint.upper()) || joint.lower() == HUGE_VAL ||
+      joint.upper() == -HUGE_VAL) {
     rejectInput("joint {}: its limits [{}, {}] leave no room", quoted(joint.name()),
-                joint.lower_rad(), joint.upper_rad());
+                joint.lower(), joint.upper());
   }
-  const double modelled = joint.velocity_limit_rad_s();
+  const double modelled = joint.velocity_limit();
   if (!(modelled >= 0)) {
     rejectInput("joint {}: velocity limit {} is not in [0, inf]", quoted(joint.name()),
                 modelled);
   }
   safety::JointLimits limits;
-  limits.lower = joint.lower_rad();
-  limits.upper = joint.upper_rad();
-  const bool slides = joint.prismatic();
+  limits.lower = joint.lower();
+  limits.upper = joint.upper();
+  const bool slides = joint.kind() == v1::JOINT_PRISMATIC;
   limits.velocity = slides ? bounds.prismatic_velocity : bounds.revolute_velocity;
   if (modelled > 0) limits.velocity = std::min(limits.velocity, modelled);
   limits.acceleration = slides ? bounds.prismatic_acceleration : bounds.revolute_acceleration;
@@ -54,8 +54,8 @@ HandPlan planHand(const v1::HandDescription& description, const MotionBounds& bo
                   quoted(joint.name()));
     }
     const safety::JointLimits limits = limitsOf(joint, bounds);
-    const bool is_told = i < description.rest_rad().size();
-    const double told = is_told ? description.rest_rad()[i] : 0.0;
+    const bool is_told = i < description.rest_positions().size();
+    const double told = is_told ? description.rest_positions()[i] : 0.0;
     plan.names.push_back(joint.name());
     plan.limits.push_back(limits);
     plan.rest.push_back(

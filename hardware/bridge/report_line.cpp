@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "idl/names.h"
+#include "idl/fields.h"
 
 namespace handgraft::bridge {
 

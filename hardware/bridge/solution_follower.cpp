@@ -116,7 +116,7 @@ std::optional<FollowedPose> SolutionFollower::take() {
   pose.stamp_ns = session.newest->stamp_ns();
   pose.hand = session.state->hand();
   pose.names = session.state->joint_names();
-  pose.joint_rad = session.newest->joint_rad();
+  pose.joint_rad = session.newest->joint_positions();
   session.newest.reset();
   return pose;
 }

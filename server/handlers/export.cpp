@@ -1,15 +1,16 @@
 #include "server/handlers/export.h"
 
-#include <functional>
-#include <map>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include <fmt/ranges.h>
 
 #include "core/base/error.h"
 #include "core/io/grasp_writer.h"
 #include "core/io/problem_file.h"
 #include "core/io/scene_writer.h"
+#include "idl/fields.h"
 #include "server/handlers/optimize.h"
 
 namespace handgraft::server {
@@ -75,32 +76,25 @@ std::string contentOf(LiveSession& live,
                       const v1::ExportRequest& request,
                       Workshop& workshop,
                       const Progress& progress) {
-  using Writer = std::string (*)(const Standing&);
-  static const std::map<std::string, Writer, std::less<>> kWriters = {
-      {"json", jsonOf},
-      {"csv",
-       [](const Standing& one) {
-         return io::jointCsv(one.grasp);
-       }},
-      {"obj",
-       [](const Standing& one) {
-         return io::objText(one.grasp);
-       }},
-      {"glb",
-       [](const Standing& one) {
-         return io::glbBytes(one.grasp);
-       }},
-      {"isaac_grasp", [](const Standing& one) {
-         return io::isaacGraspYaml(one.grasp, io::confidenceOf(one.solution.report));
-       }}};
-  if (request.format() == "problem") return problemOf(live, request, progress);
-  const auto writer = kWriters.find(request.format());
-  if (writer == kWriters.end()) {
-    rejectInput(
-        "export: there is no format {}; there are json, csv, obj, glb, isaac_grasp, problem",
-        quoted(request.format()));
+  switch (request.format()) {
+    case v1::EXPORT_JSON:
+      return jsonOf(standingOf(live, workshop, progress));
+    case v1::EXPORT_CSV:
+      return io::jointCsv(standingOf(live, workshop, progress).grasp);
+    case v1::EXPORT_OBJ:
+      return io::objText(standingOf(live, workshop, progress).grasp);
+    case v1::EXPORT_GLB:
+      return io::glbBytes(standingOf(live, workshop, progress).grasp);
+    case v1::EXPORT_ISAAC_GRASP: {
+      const Standing one = standingOf(live, workshop, progress);
+      return io::isaacGraspYaml(one.grasp, io::confidenceOf(one.solution.report));
+    }
+    case v1::EXPORT_PROBLEM:
+      return problemOf(live, request, progress);
   }
-  return writer->second(standingOf(live, workshop, progress));
+  rejectInput("export: there is no format {}; there are {}",
+              static_cast<unsigned>(request.format()),
+              fmt::join(idl::namesOf(idl::typeOf<v1::ExportFormat>()), ", "));
 }
 
 }  // namespace

@@ -39,6 +39,8 @@ v1::ModelDescription describeModel(const v1::DescribeModelRequest& request,
     case v1::MODEL_CONTACTS:
       reply.contacts(describe(*workshop.models.contacts(name), request.with_meshes()));
       return reply;
+    case v1::MODEL_MOTION:
+      break;
   }
   rejectInput("model kind {} does not exist", static_cast<unsigned>(request.model().kind()));
 }

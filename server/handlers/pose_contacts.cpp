@@ -61,9 +61,9 @@ void noteLimits(const hand::HandModel& model,
 }
 
 AskedPose poseFrom(const v1::PoseContactsRequest& request, const StoredHand& hand) {
-  if (request.joints().size() != request.joint_rad().size()) {
+  if (request.joints().size() != request.joint_positions().size()) {
     rejectInput("pose: {} joints but {} values", request.joints().size(),
-                request.joint_rad().size());
+                request.joint_positions().size());
   }
   const hand::HandModel& model = hand.hand->model();
   AskedPose asked;
@@ -76,7 +76,7 @@ AskedPose poseFrom(const v1::PoseContactsRequest& request, const StoredHand& han
   std::string of_root;
   for (std::size_t i = 0; i < request.joints().size(); ++i) {
     const std::string& joint = request.joints()[i];
-    const double value = request.joint_rad()[i];
+    const double value = request.joint_positions()[i];
     if (!std::isfinite(value)) {
       rejectInput("joint {}: {} is not finite", handgraft::quoted(joint), value);
     }

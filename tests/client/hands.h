@@ -69,12 +69,12 @@ inline v1::HandDescription flatHand() {
     joint.name(name);
     joint.parent_link("palm");
     joint.child_link("index_tip");
-    joint.lower_rad(-0.25);
-    joint.upper_rad(1.5);
+    joint.lower(-0.25);
+    joint.upper(1.5);
     hand.joints().push_back(joint);
   }
-  hand.joints()[1].prismatic(true);
-  hand.rest_rad() = {0.0, 0.01};
+  hand.joints()[1].kind(v1::JOINT_PRISMATIC);
+  hand.rest_positions() = {0.0, 0.01};
   hand.skin_S() = hand.links()[0].surface_L();
   hand.skin_face_links().assign(12, 0);
   hand.skin_face_links()[3] = 1;

@@ -172,7 +172,7 @@ v1::RequestBody clampOnLemon(const std::string& name, double gap_m = -0.0005) {
 
 v1::RequestBody withJoint(v1::RequestBody body, const std::string& joint, double value) {
   body.pose_contacts().joints().push_back(joint);
-  body.pose_contacts().joint_rad().push_back(value);
+  body.pose_contacts().joint_positions().push_back(value);
   return body;
 }
 

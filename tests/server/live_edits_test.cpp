@@ -122,8 +122,8 @@ v1::EditBody weight(double value) {
 v1::EditBody limit(double upper_rad) {
   v1::JointLimitEdit edit;
   edit.joint("hinge");
-  edit.lower_rad(-0.5);
-  edit.upper_rad(upper_rad);
+  edit.lower(-0.5);
+  edit.upper(upper_rad);
   v1::EditBody body;
   body.joint_limit(edit);
   return body;
@@ -184,7 +184,7 @@ TEST_F(LiveEdits, AreReadyOnceTheirSolutionIsOut) {
   ASSERT_TRUE(ready.has_value());
   const std::vector<v1::PoseSolution> solutions = bus.copyOf(bus.solutions);
   EXPECT_TRUE(solutions.back().is_final());
-  EXPECT_TRUE(solutions.back().is_explained()) << "ready: nothing more comes";
+  EXPECT_TRUE(solutions.back().is_diagnosed()) << "ready: nothing more comes";
   EXPECT_EQ(solutions.back().revision(), 1u);
 }
 
@@ -205,16 +205,16 @@ TEST_F(LiveEdits, SendThePoseFirstAndItsExplanationAfterIt) {
   ASSERT_EQ(finals.size(), 2u);
   v1::PoseSolution pose = finals[0];
   v1::PoseSolution explained = finals[1];
-  EXPECT_FALSE(pose.is_explained());
+  EXPECT_FALSE(pose.is_diagnosed());
   EXPECT_TRUE(pose.penetration().empty());
   EXPECT_EQ(pose.verdict(), "");
   EXPECT_FALSE(pose.X_WL().empty());
   EXPECT_FALSE(pose.minima().empty());
-  EXPECT_TRUE(explained.is_explained());
+  EXPECT_TRUE(explained.is_diagnosed());
   EXPECT_EQ(explained.penetration().size(), 1u);
   EXPECT_THAT(explained.verdict(), HasSubstr("patches reached"));
   EXPECT_EQ(explained.sequence_number(), pose.sequence_number() + 1);
-  EXPECT_EQ(explained.joint_rad(), pose.joint_rad());
+  EXPECT_EQ(explained.joint_positions(), pose.joint_positions());
   EXPECT_EQ(explained.X_WH(), pose.X_WH());
   EXPECT_EQ(explained.X_WL(), pose.X_WL());
   EXPECT_EQ(explained.minima(), pose.minima());
@@ -239,13 +239,13 @@ TEST_F(LiveEdits, GetAnExplainedReplyFromSolves) {
   const std::uint64_t session = open();
   const v1::Reply reply = bus.ask(test::optimize(session));
   ASSERT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
-  EXPECT_TRUE(reply.body().solution().is_explained());
+  EXPECT_TRUE(reply.body().solution().is_diagnosed());
   ASSERT_EQ(apply(session, limit(-0.4)).error(), v1::ERROR_NONE);
   readyAt(1);
   ASSERT_EQ(apply(session, steps(v1::EDIT_UNDO)).error(), v1::ERROR_NONE);
   readyAt(2);
   ASSERT_FALSE(finalsOf(bus, 2).empty());
-  EXPECT_TRUE(finalsOf(bus, 2).back().is_explained()) << "of what stands after an undo";
+  EXPECT_TRUE(finalsOf(bus, 2).back().is_diagnosed()) << "of what stands after an undo";
 }
 
 TEST_F(LiveEdits, ThatAreRefusedLeaveTheLastPoseExplainedAndReady) {
@@ -261,7 +261,7 @@ TEST_F(LiveEdits, ThatAreRefusedLeaveTheLastPoseExplainedAndReady) {
   readyAt(revision);
   const auto explained =
       bus.await<v1::PoseSolution>(bus.solutions, [&](const v1::PoseSolution& one) {
-        return one.revision() == revision && one.is_explained();
+        return one.revision() == revision && one.is_diagnosed();
       });
   EXPECT_TRUE(explained.has_value());
   EXPECT_EQ(settings(session).state().phase(), v1::PHASE_READY);
@@ -270,7 +270,7 @@ TEST_F(LiveEdits, ThatAreRefusedLeaveTheLastPoseExplainedAndReady) {
 TEST_F(LiveEdits, ThatAreRefusedDoNotEndALongSolve) {
   const std::uint64_t session = openSolved();
   constexpr std::uint64_t kSolve = 77;
-  bus.send(kSolve, test::optimize(session, "all", 1000));
+  bus.send(kSolve, test::optimize(session, v1::SOLVER_ALL, 1000));
   for (int i = 0; i < 3; ++i) {
     v1::EditBody wrong = limit(0.1);
     wrong.joint_limit().joint("no_such_joint");
@@ -290,7 +290,7 @@ TEST_F(LiveEdits, AreKeptWhenTheirSolveIsStopped) {
   const std::uint64_t session = openSolved();
   // A solve so long that it is stopped, not done.
   v1::SolveOptions slow;
-  slow.solver("all");
+  slow.solver(v1::SOLVER_ALL);
   slow.starts(10'000);
   v1::EditBody body;
   body.solving(slow);
@@ -314,8 +314,8 @@ TEST_F(LiveEdits, ThatWaitAreNotSolvedOnceSomebodySaidStop) {
   const std::uint64_t session = openSolved();
   constexpr std::uint64_t kSolve = 77;
   constexpr std::uint64_t kSecond = 78;
-  bus.send(kSolve, test::optimize(session, "all", 10'000));
-  bus.send(kSecond, test::optimize(session, "all", 10'000));
+  bus.send(kSolve, test::optimize(session, v1::SOLVER_ALL, 10'000));
+  bus.send(kSecond, test::optimize(session, v1::SOLVER_ALL, 10'000));
   ASSERT_TRUE(bus.await<v1::SessionState>(bus.states, [](const v1::SessionState& one) {
     return one.phase() == v1::PHASE_OPTIMIZING && one.progress() > 0.0;
   }));
@@ -348,12 +348,12 @@ TEST_F(LiveEdits, AreUndoneAndRedoneToTheSamePose) {
   const v1::PoseSolution before = finalOf(session, 0);
   ASSERT_EQ(apply(session, limit(-0.4)).revision(), 1u);
   const v1::PoseSolution limited = finalOf(session, 1);
-  EXPECT_LE(limited.joint_rad()[0], -0.4 + 1e-12);
+  EXPECT_LE(limited.joint_positions()[0], -0.4 + 1e-12);
   ASSERT_EQ(apply(session, steps(v1::EDIT_UNDO)).revision(), 2u);
-  EXPECT_EQ(finalOf(session, 2).joint_rad(), before.joint_rad());
+  EXPECT_EQ(finalOf(session, 2).joint_positions(), before.joint_positions());
   EXPECT_EQ(finalOf(session, 2).X_WH(), before.X_WH());
   ASSERT_EQ(apply(session, steps(v1::EDIT_REDO)).revision(), 3u);
-  EXPECT_EQ(finalOf(session, 3).joint_rad(), limited.joint_rad());
+  EXPECT_EQ(finalOf(session, 3).joint_positions(), limited.joint_positions());
   const v1::EditReply beyond = apply(session, steps(v1::EDIT_REDO));
   EXPECT_EQ(beyond.error(), v1::ERROR_INVALID_INPUT);
   EXPECT_EQ(beyond.revision(), 3u);
@@ -378,7 +378,7 @@ TEST_F(LiveEdits, MadeOnAnOldRevisionAreToldWhatHappenedSince) {
 TEST_F(LiveEdits, CutALongSolveShort) {
   const std::uint64_t session = openSolved();
   constexpr std::uint64_t kSolve = 77;
-  bus.send(kSolve, test::optimize(session, "all", 10'000));
+  bus.send(kSolve, test::optimize(session, v1::SOLVER_ALL, 10'000));
   ASSERT_TRUE(bus.await<v1::SessionState>(bus.states, [](const v1::SessionState& one) {
     return one.phase() == v1::PHASE_OPTIMIZING && one.progress() > 0.0;
   }));
@@ -433,8 +433,8 @@ TEST_F(LiveEdits, ShowInTheSettings) {
   EXPECT_EQ(now.state().revision(), 4u);
   ASSERT_EQ(now.joints().size(), 1u);
   EXPECT_EQ(now.joints()[0].name(), "hinge");
-  EXPECT_EQ(now.joints()[0].upper_rad(), 0.6);
-  EXPECT_EQ(now.joints()[0].model_upper_rad(), 1.2);
+  EXPECT_EQ(now.joints()[0].upper(), 0.6);
+  EXPECT_EQ(now.joints()[0].model_upper(), 1.2);
   EXPECT_THAT(now.snapshots(), testing::ElementsAre("mine"));
   EXPECT_THAT(now.undo().front(), HasSubstr("index"));
   EXPECT_EQ(now.patches().size(), 6u);
@@ -516,7 +516,7 @@ TEST_F(LiveEdits, DragToWhereNoHandReachesSaysHowMuchIsMissing) {
 
 TEST_F(LiveEdits, ExportWhatTheyCameTo) {
   const std::uint64_t session = open();
-  const auto exported = [&](const std::string& format) {
+  const auto exported = [&](v1::ExportFormat format) {
     v1::ExportRequest request;
     request.session_id(session);
     request.format(format);
@@ -524,25 +524,27 @@ TEST_F(LiveEdits, ExportWhatTheyCameTo) {
     body.export_file(request);
     return bus.ask(body);
   };
-  const auto text = [&](const std::string& format) {
+  const auto text = [&](v1::ExportFormat format) {
     const v1::Reply reply = exported(format);
     EXPECT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
     if (reply.error() != v1::ERROR_NONE) return std::string();
     const auto& content = reply.body().exported_file().content();
     return std::string(content.begin(), content.end());
   };
-  EXPECT_THAT(exported("csv").message(), HasSubstr("solve it first"));
+  EXPECT_THAT(exported(v1::EXPORT_CSV).message(), HasSubstr("solve it first"));
   bus.ask(test::optimize(session));
   apply(session, limit(-0.45));
-  EXPECT_THAT(text("csv"), StartsWith("name,value,unit\nhinge,"));
-  EXPECT_LE(std::stod(text("csv").substr(std::string("name,value,unit\nhinge,").size())), -0.45)
+  EXPECT_THAT(text(v1::EXPORT_CSV), StartsWith("name,value,unit\nhinge,"));
+  EXPECT_LE(
+      std::stod(text(v1::EXPORT_CSV).substr(std::string("name,value,unit\nhinge,").size())),
+      -0.45)
       << "not the pose that answers the edit";
-  EXPECT_THAT(text("json"), HasSubstr("\"handgraft-grasp/1\""));
-  EXPECT_THAT(text("json"), HasSubstr("\"palm\""));
-  EXPECT_THAT(text("obj"), HasSubstr("g jaw\n"));
-  EXPECT_THAT(text("glb"), StartsWith("glTF"));
-  EXPECT_THAT(text("isaac_grasp"), StartsWith("format: isaac_grasp\n"));
-  EXPECT_THAT(exported("step").message(), HasSubstr("isaac_grasp"));
+  EXPECT_THAT(text(v1::EXPORT_JSON), HasSubstr("\"handgraft-grasp/1\""));
+  EXPECT_THAT(text(v1::EXPORT_JSON), HasSubstr("\"palm\""));
+  EXPECT_THAT(text(v1::EXPORT_OBJ), HasSubstr("g jaw\n"));
+  EXPECT_THAT(text(v1::EXPORT_GLB), StartsWith("glTF"));
+  EXPECT_THAT(text(v1::EXPORT_ISAAC_GRASP), StartsWith("format: isaac_grasp\n"));
+  EXPECT_THAT(exported(static_cast<v1::ExportFormat>(99)).message(), HasSubstr("isaac_grasp"));
 }
 
 v1::RequestBody loadSession(const std::string& text) {
@@ -573,7 +575,8 @@ TEST_F(LiveEdits, AreSavedLoadedAndReplayed) {
   EXPECT_NE(twin, session);
   EXPECT_EQ(settings(twin).joints(), settings(session).joints());
   EXPECT_EQ(settings(twin).undo(), settings(session).undo());
-  EXPECT_EQ(finalOf(twin, 4).joint_rad(), last.joint_rad()) << "watchers see the saved pose";
+  EXPECT_EQ(finalOf(twin, 4).joint_positions(), last.joint_positions())
+      << "watchers see the saved pose";
   EXPECT_EQ(apply(twin, steps(v1::EDIT_UNDO)).revision(), 5u);
 
   v1::ReplayRequest request;
@@ -617,7 +620,7 @@ class BusyServer : public LiveEdits {
 
   /// Queues a solve that ends when somebody stops it.
   void occupy(std::uint64_t session) {
-    bus.send(5000 + session, test::optimize(session, "all", 10'000));
+    bus.send(5000 + session, test::optimize(session, v1::SOLVER_ALL, 10'000));
   }
 
   void awaitOccupied(std::uint64_t session) {
@@ -677,7 +680,7 @@ TEST_F(BusyServer, ExplainsPosesAfterWhatOtherSessionsHaveToDo) {
   awaitReady(yours, 1);
   std::vector<std::pair<std::uint64_t, bool>> order;
   for (const v1::PoseSolution& one : finalsOf(bus, 1))
-    order.emplace_back(one.session_id(), one.is_explained());
+    order.emplace_back(one.session_id(), one.is_diagnosed());
   EXPECT_THAT(order, testing::ElementsAre(std::pair(mine, false), std::pair(yours, false),
                                           std::pair(mine, true), std::pair(yours, true)));
 }
@@ -704,7 +707,7 @@ TEST_F(BusyServer, DoesNotExplainPosesThatAnEditOutdates) {
   awaitReady(session, 2);
   EXPECT_EQ(finalsOf(bus, 1).size(), 1u);
   ASSERT_EQ(finalsOf(bus, 2).size(), 2u);
-  EXPECT_TRUE(finalsOf(bus, 2).back().is_explained());
+  EXPECT_TRUE(finalsOf(bus, 2).back().is_diagnosed());
 }
 
 TEST_F(BusyServer, ExplainsPosesThatARefusedEditDoesNotOutdate) {
@@ -720,7 +723,7 @@ TEST_F(BusyServer, ExplainsPosesThatARefusedEditDoesNotOutdate) {
   EXPECT_EQ(replyTo(edit).error(), v1::ERROR_INVALID_INPUT);
   awaitReady(session, 1);
   ASSERT_EQ(finalsOf(bus, 1).size(), 2u);
-  EXPECT_TRUE(finalsOf(bus, 1).back().is_explained());
+  EXPECT_TRUE(finalsOf(bus, 1).back().is_diagnosed());
   EXPECT_EQ(bus.count(bus.commands), commands) << "solved again";
 }
 

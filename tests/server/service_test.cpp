@@ -184,7 +184,7 @@ TEST_F(ServiceTest, SolvesAndPublishesOneFinalPose) {
   ASSERT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
   const v1::PoseSolution& solution = reply.body().solution();
   EXPECT_TRUE(solution.is_final());
-  EXPECT_EQ(solution.joint_rad().size(), 1u);
+  EXPECT_EQ(solution.joint_positions().size(), 1u);
   EXPECT_EQ(solution.X_WL().size(), 2u);
   EXPECT_EQ(solution.patches().size(), 2u);
   for (const v1::PatchFit& fit : solution.patches()) {
@@ -199,17 +199,17 @@ TEST_F(ServiceTest, SolvesAndPublishesOneFinalPose) {
   }
   ASSERT_EQ(bus.count(bus.commands), 1u);
   EXPECT_THAT(bus.commands[0].name(), testing::ElementsAre("hinge"));
-  EXPECT_EQ(bus.commands[0].position()[0], solution.joint_rad()[0]);
+  EXPECT_EQ(bus.commands[0].position()[0], solution.joint_positions()[0]);
   EXPECT_EQ(bus.states.back().phase(), v1::PHASE_READY);
 }
 
 TEST_F(ServiceTest, RanksWhereTheSearchesEnded) {
-  const v1::Reply reply = bus.ask(test::optimize(openSmallSession(), "all"));
+  const v1::Reply reply = bus.ask(test::optimize(openSmallSession(), v1::SOLVER_ALL));
   ASSERT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
   const v1::PoseSolution& solution = reply.body().solution();
   ASSERT_GE(solution.minima().size(), 1u);
   ASSERT_LE(solution.minima().size(), 8u);
-  EXPECT_EQ(solution.minima()[0].joint_rad(), solution.joint_rad());
+  EXPECT_EQ(solution.minima()[0].joint_positions(), solution.joint_positions());
   EXPECT_EQ(solution.minima()[0].X_WH().p_m(), solution.X_WH().p_m());
   EXPECT_EQ(solution.minima()[0].solver(), solution.solver());
   EXPECT_GE(solution.minima()[0].hits(), 1u);
@@ -240,7 +240,7 @@ TEST_F(ServiceTest, NamesWhatASolveDoesNotTake) {
               HasSubstr("max_evaluations: 100001 is outside 0-100000"));
   EXPECT_THAT(refusalOf([](auto& options) {
                 options.paper(true);
-                options.solver("lm");
+                options.solver(v1::SOLVER_LM);
               }),
               HasSubstr("solver 'lm'"));
   EXPECT_THAT(refusalOf([](auto& options) {
@@ -258,7 +258,7 @@ TEST_F(ServiceTest, NamesWhatASolveDoesNotTake) {
               HasSubstr("penetration: 7"));
 }
 
-v1::RequestBody openSmallSessionWith(const std::string& method, unsigned interior_rings) {
+v1::RequestBody openSmallSessionWith(v1::LogMapMethod method, unsigned interior_rings) {
   v1::TransferOptions options;
   options.method(method);
   options.interior_rings(interior_rings);
@@ -269,19 +269,19 @@ v1::RequestBody openSmallSessionWith(const std::string& method, unsigned interio
 
 TEST_F(ServiceTest, TransfersByTheMethodThatTheSessionAskedFor) {
   loadSmallGrasp();
-  const v1::Reply opened = bus.ask(openSmallSessionWith("exact", 0));
+  const v1::Reply opened = bus.ask(openSmallSessionWith(v1::LOG_MAP_EXACT, 0));
   ASSERT_EQ(opened.error(), v1::ERROR_NONE) << opened.message();
   const v1::Reply reply =
       bus.ask(test::ofSession(v1::OP_TRANSFER, opened.body().session().session_id()));
   ASSERT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
   const v1::TransferReply& transfer = reply.body().transfer();
-  EXPECT_EQ(transfer.options().method(), "exact");
+  EXPECT_EQ(transfer.options().method(), v1::LOG_MAP_EXACT);
   int placed = 0;
   for (const v1::PatchReport& patch : transfer.patches()) {
     if (!patch.placed()) continue;
     ++placed;
-    EXPECT_EQ(patch.method_O(), "exact");
-    EXPECT_EQ(patch.method_S(), "exact");
+    EXPECT_EQ(patch.method_O(), v1::LOG_MAP_EXACT);
+    EXPECT_EQ(patch.method_S(), v1::LOG_MAP_EXACT);
     EXPECT_EQ(patch.boundary_count(), patch.point_count());
   }
   EXPECT_EQ(placed, 2);
@@ -289,14 +289,13 @@ TEST_F(ServiceTest, TransfersByTheMethodThatTheSessionAskedFor) {
 
 TEST_F(ServiceTest, RefusesTransferOptionsOutOfRangeByName) {
   loadSmallGrasp();
-  const v1::Reply method = bus.ask(openSmallSessionWith("magic", 0));
+  const v1::Reply method = bus.ask(openSmallSessionWith(static_cast<v1::LogMapMethod>(99), 0));
   EXPECT_EQ(method.error(), v1::ERROR_INVALID_INPUT);
-  EXPECT_THAT(method.message(), HasSubstr("magic"));
   EXPECT_THAT(method.message(), HasSubstr("exact"));
-  const v1::Reply rings = bus.ask(openSmallSessionWith("", 17));
+  const v1::Reply rings = bus.ask(openSmallSessionWith(v1::LOG_MAP_DEFAULT, 17));
   EXPECT_EQ(rings.error(), v1::ERROR_INVALID_INPUT);
   EXPECT_THAT(rings.message(), HasSubstr("17 is outside 0-16"));
-  v1::RequestBody twice = openSmallSessionWith("", 0);
+  v1::RequestBody twice = openSmallSessionWith(v1::LOG_MAP_DEFAULT, 0);
   twice.open_session().transfer().resize(2);
   EXPECT_EQ(bus.ask(twice).error(), v1::ERROR_INVALID_INPUT);
 }
@@ -392,14 +391,14 @@ TEST_F(ServiceTest, RefusesAnEditOfAnOldRevisionAndABadOne) {
 
 TEST_F(ServiceTest, RefusesASolverThatDoesNotExist) {
   const std::uint64_t session = openSmallSession();
-  const v1::Reply reply = bus.ask(test::optimize(session, "magic"));
+  const v1::Reply reply = bus.ask(test::optimize(session, static_cast<v1::Solver>(99)));
   EXPECT_EQ(reply.error(), v1::ERROR_INVALID_INPUT);
-  EXPECT_THAT(reply.message(), HasSubstr("magic"));
+  EXPECT_THAT(reply.message(), HasSubstr("slsqp"));
 }
 
 TEST_F(ServiceTest, CancelsARunningOptimisation) {
   const std::uint64_t session = openSmallSession();
-  bus.send(1, test::optimize(session, "", 1000));
+  bus.send(1, test::optimize(session, v1::SOLVER_DEFAULT, 1000));
   const auto optimizing = [](const v1::SessionState& one) {
     return one.phase() == v1::PHASE_OPTIMIZING;
   };

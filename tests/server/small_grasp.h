@@ -108,7 +108,7 @@ inline v1::RequestBody ofSession(v1::Operation operation, std::uint64_t session)
 }
 
 inline v1::RequestBody optimize(std::uint64_t session,
-                                const std::string& solver = "",
+                                v1::Solver solver = v1::SOLVER_DEFAULT,
                                 unsigned starts = 0) {
   v1::OptimizeRequest request;
   request.session_id(session);
@@ -138,7 +138,7 @@ inline v1::RequestBody suggest(std::uint64_t session,
 inline v1::RequestBody exportProblem(std::uint64_t session) {
   v1::ExportRequest request;
   request.session_id(session);
-  request.format("problem");
+  request.format(v1::EXPORT_PROBLEM);
   request.urdf_path("clamp.urdf");
   v1::RequestBody body;
   body.export_file(request);

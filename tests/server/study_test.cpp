@@ -80,7 +80,7 @@ TEST_F(StudyTest, AVariantIsAHandAsAnyOther) {
   const v1::Reply told = bus.ask(test::describeModel(v1::MODEL_HAND, "wide", true));
   ASSERT_EQ(told.error(), v1::ERROR_NONE) << told.message();
   const v1::HandDescription& hand = told.body().model().hand();
-  EXPECT_EQ(hand.joints()[0].upper_rad(), 0.9);
+  EXPECT_EQ(hand.joints()[0].upper(), 0.9);
   EXPECT_NEAR(hand.sites()[0].p_L_m()[0], 0.015, 1e-12);
   EXPECT_FALSE(hand.sites_found());
   EXPECT_TRUE(hand.skin_report().front().valid());
@@ -101,7 +101,7 @@ TEST_F(StudyTest, AVariantIsAHandAsAnyOther) {
   ASSERT_EQ(opened.error(), v1::ERROR_NONE) << opened.message();
   const v1::Reply solved = bus.ask(test::optimize(opened.body().session().session_id()));
   ASSERT_EQ(solved.error(), v1::ERROR_NONE) << solved.message();
-  EXPECT_LE(solved.body().solution().joint_rad()[0], 0.9 + 1e-9);
+  EXPECT_LE(solved.body().solution().joint_positions()[0], 0.9 + 1e-9);
   EXPECT_EQ(bus.ask(test::unloadModel(v1::MODEL_HAND, "wide")).error(), v1::ERROR_NONE);
 }
 
@@ -146,8 +146,8 @@ TEST_F(StudyTest, SweepsALimit) {
     const v1::SweepRow& row = reply.rows()[i];
     EXPECT_EQ(row.error(), "");
     EXPECT_EQ(row.grasp(), 0u);
-    ASSERT_EQ(row.joint_rad().size(), 1u);
-    EXPECT_LE(row.joint_rad()[0], row.values()[0] + 1e-9);
+    ASSERT_EQ(row.joint_positions().size(), 1u);
+    EXPECT_LE(row.joint_positions()[0], row.values()[0] + 1e-9);
     EXPECT_EQ(row.patch_count(), 2u) << "palm and index";
     EXPECT_GT(row.mean_mm(), 0.0);
     if (i > 0) {

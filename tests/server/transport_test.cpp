@@ -97,7 +97,7 @@ TEST_F(CrossingTest, CarriesEveryOperation) {
   ASSERT_TRUE(solutions.wait(std::chrono::seconds(20)));
   solutions.take([&](const v1::PoseSolution& late) {
     EXPECT_EQ(late.session_id(), session);
-    EXPECT_EQ(late.joint_rad(), solved.solution().joint_rad());
+    EXPECT_EQ(late.joint_positions(), solved.solution().joint_positions());
     EXPECT_EQ(late.terms().objective(), solved.solution().terms().objective());
   });
 
@@ -333,14 +333,14 @@ TEST(FastBus, CarriesThePoseOfTheLargestHand) {
   constexpr std::size_t kJoints = 512;
   v1::PoseSolution solution;
   solution.session_id(1);
-  solution.joint_rad().assign(kJoints, 0.25);
+  solution.joint_positions().assign(kJoints, 0.25);
   for (std::size_t i = 0; i <= kJoints; ++i) {
     v1::Pose X_WL;
     X_WL.p_m({0.001 * static_cast<double>(i), 0.0, 0.0});
     solution.X_WL().push_back(X_WL);
   }
   v1::MinimumInfo minimum;
-  minimum.joint_rad().assign(kJoints, 0.5);
+  minimum.joint_positions().assign(kJoints, 0.5);
   solution.minima().assign(8, minimum);
   ASSERT_GT(v1::PoseSolution::getCdrSerializedSize(solution), 65'500u) << "fits a datagram";
   const Participant participant(network);

@@ -74,7 +74,7 @@ void StandInServer::stream(const std::vector<double>& joint_rad) {
   pose.sequence_number(++number_);
   pose.stamp_ns(now_ns());
   pose.is_final(true);
-  pose.joint_rad(joint_rad);
+  pose.joint_positions(joint_rad);
   solutions_.write(pose);
 }
 

@@ -101,7 +101,7 @@ TEST_P(SessionOnADevice, SolutionsMoveTheMotors) {
   const v1::PoseSolution solved = session.optimize();
   std::vector<double> wanted;
   for (std::size_t i = 0; i < bench.config().motors.size(); ++i)
-    wanted.push_back(std::clamp(solved.joint_rad()[i], -limit, limit));
+    wanted.push_back(std::clamp(solved.joint_positions()[i], -limit, limit));
   ASSERT_TRUE(bench.arm()) << bench.told();
   EXPECT_TRUE(bench.arrive(
       [&] {
@@ -117,7 +117,7 @@ TEST_P(SessionOnADevice, SolutionsMoveTheMotors) {
   // A seventh and eighth joint follow others where there are six motors: what is left is told.
   double left = 0;
   for (std::size_t i = wanted.size(); i < joints.size(); ++i)
-    left = std::max(left, std::abs(solved.joint_rad()[i] - wanted[i - wanted.size()]));
+    left = std::max(left, std::abs(solved.joint_positions()[i] - wanted[i - wanted.size()]));
   EXPECT_NEAR(status->residual_rad(), left, 1e-2);
 }
 

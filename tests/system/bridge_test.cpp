@@ -38,10 +38,10 @@ TEST_F(Bridge, MovesItsHandToTheSolution) {
   const auto bridge = service_.start("handgraft-bridge", {});
   const v1::PoseSolution solved = session_.optimize();
   const auto arrived = await(states_, [&](const v1::JointState& state) {
-    if (state.position_rad().size() != solved.joint_rad().size()) return false;
+    if (state.position_rad().size() != solved.joint_positions().size()) return false;
     double worst = 0.0;
-    for (std::size_t i = 0; i < solved.joint_rad().size(); ++i) {
-      worst = std::max(worst, std::abs(state.position_rad()[i] - solved.joint_rad()[i]));
+    for (std::size_t i = 0; i < solved.joint_positions().size(); ++i) {
+      worst = std::max(worst, std::abs(state.position_rad()[i] - solved.joint_positions()[i]));
     }
     return worst < 5e-3;  // rad; targets keep a margin inside the limits
   });
@@ -72,7 +72,7 @@ TEST_F(Bridge, LearnsALateSolutionOnItsOwnStart) {
     return state.session_id() == session_.id() && !state.target_rad().empty();
   });
   ASSERT_TRUE(moving.has_value()) << bridge->err();
-  EXPECT_EQ(moving->target_rad().size(), solved.joint_rad().size());
+  EXPECT_EQ(moving->target_rad().size(), solved.joint_positions().size());
 }
 
 TEST_F(Bridge, StopsForGoodOnAnEstop) {

@@ -12,8 +12,8 @@ namespace {
 v1::EditBody jointLimit(const std::string& joint, double lower_rad, double upper_rad) {
   v1::JointLimitEdit edit;
   edit.joint(joint);
-  edit.lower_rad(lower_rad);
-  edit.upper_rad(upper_rad);
+  edit.lower(lower_rad);
+  edit.upper(upper_rad);
   v1::EditBody body;
   body.joint_limit(edit);
   return body;
@@ -37,7 +37,7 @@ class Edits : public testing::Test {
 TEST_F(Edits, AreAnsweredByARevisionAndAFreshSolution) {
   const v1::PoseSolution before = session_.optimize();
   // Move the busiest joint's limit below where the solve left it.
-  const auto& q = before.joint_rad();
+  const auto& q = before.joint_positions();
   const std::size_t busiest =
       static_cast<std::size_t>(std::max_element(q.begin(), q.end()) - q.begin());
   const double upper = 0.5 * q[busiest];
@@ -52,7 +52,7 @@ TEST_F(Edits, AreAnsweredByARevisionAndAFreshSolution) {
   EXPECT_EQ(reply.error(), v1::ErrorCode::ERROR_NONE) << reply.message();
   EXPECT_EQ(reply.revision(), before.revision() + 1);
   ASSERT_TRUE(after.has_value());
-  EXPECT_LE(after->joint_rad()[busiest], upper + 1e-12);
+  EXPECT_LE(after->joint_positions()[busiest], upper + 1e-12);
 }
 
 TEST_F(Edits, MovingTheObjectMovesTheHandWithIt) {

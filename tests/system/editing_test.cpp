@@ -15,7 +15,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "idl/names.h"
+#include "idl/fields.h"
 #include "idl/service.h"
 
 #include "tests/system/live_session.h"
@@ -188,7 +188,7 @@ TEST_F(Editing, StoppedByOneEditorKeepsTheEditAndTellsTheOther) {
   Editor a(service_, session_.id());
   Editor b(service_, session_.id());
   v1::SolveOptions slow;
-  slow.solver("all");
+  slow.solver(v1::SOLVER_ALL);
   slow.starts(10'000);
   v1::EditBody solving;
   solving.solving(slow);
@@ -339,7 +339,7 @@ TEST_F(Editing, IsUndoneByWhoeverAsks) {
     return one.is_final() && one.revision() == 2;
   });
   ASSERT_TRUE(undone.has_value());
-  EXPECT_EQ(undone->joint_rad(), first.joint_rad());
+  EXPECT_EQ(undone->joint_positions(), first.joint_positions());
   EXPECT_EQ(undone->X_WH(), first.X_WH());
 }
 

@@ -39,7 +39,7 @@ v1::TransferReply LiveSession::transfer() {
   return requester_.ask(body).transfer();
 }
 
-v1::PoseSolution LiveSession::optimize(const std::string& solver) {
+v1::PoseSolution LiveSession::optimize(v1::Solver solver) {
   v1::OptimizeRequest request;
   request.session_id(id());
   v1::SolveOptions options;

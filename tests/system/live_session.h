@@ -27,7 +27,7 @@ class LiveSession {
   [[nodiscard]] const v1::SessionState& opened() const { return state_; }
 
   v1::TransferReply transfer();
-  v1::PoseSolution optimize(const std::string& solver = "");
+  v1::PoseSolution optimize(v1::Solver solver = v1::SOLVER_DEFAULT);
   /// A refusal comes back as a reply with its error, so that tests can look at it.
   v1::EditReply edit(const v1::EditBody& body, unsigned long long base_revision = 0);
   void close();

@@ -83,15 +83,15 @@ v1::EditBody turn(const std::string& patch, double angle_rad) {
 v1::EditBody limit(const std::string& joint, double lower_rad, double upper_rad) {
   return bodyOf(&v1::EditBody::joint_limit, [&](v1::JointLimitEdit& edit) {
     edit.joint(joint);
-    edit.lower_rad(lower_rad);
-    edit.upper_rad(upper_rad);
+    edit.lower(lower_rad);
+    edit.upper(upper_rad);
   });
 }
 
 v1::EditBody prior(const std::vector<std::string>& joints, const std::vector<double>& rad) {
   return bodyOf(&v1::EditBody::prior, [&](v1::PriorEdit& edit) {
     edit.joints(joints);
-    edit.joint_rad(rad);
+    edit.joint_positions(rad);
   });
 }
 
@@ -112,7 +112,7 @@ v1::EditBody lambdas(double distance, double normal, double of_prior) {
 v1::EditBody soft(const std::string& joint, double value_rad, double weight) {
   return bodyOf(&v1::EditBody::joint_soft, [&](v1::JointSoftEdit& edit) {
     edit.joint(joint);
-    edit.value_rad(value_rad);
+    edit.value(value_rad);
     edit.weight(weight);
   });
 }
@@ -137,9 +137,8 @@ v1::EditBody drag(const std::string& link,
   });
 }
 
-v1::EditBody solving(const std::string& solver, std::uint32_t starts, std::uint32_t most) {
+v1::EditBody solving(std::uint32_t starts, std::uint32_t most) {
   return bodyOf(&v1::EditBody::solving, [&](v1::SolveOptions& edit) {
-    edit.solver(solver);
     edit.starts(starts);
     edit.max_evaluations(most);
   });
@@ -228,7 +227,6 @@ std::vector<Refusal> withUnknownNames() {
       {"soft joint", soft(x, 0.0, 1.0), {x, "joint", "index_distal_flex"}},
       {"prior of a joint", prior({x}, {0.0}), {x, "joint", "index_distal_flex"}},
       {"drag of a link", drag(x, {0, 0, 0}, {0, 0, 0}), {x, "link", "index_distal"}},
-      {"solver", solving(x, 0, 0), {x, "lm"}},
       {"hand", named(v1::EDIT_HAND, x), {x, "hand"}},
       {"object", named(v1::EDIT_OBJECT, x), {x, "object"}},
       {"snapshot", named(v1::EDIT_RESTORE, x), {x, "snapshot"}},
@@ -265,8 +263,8 @@ std::vector<Refusal> beyondTheirRange() {
       {"undo of too many", steps(v1::EDIT_UNDO, 1000), {"undo"}},
       {"undo of far too many", steps(v1::EDIT_UNDO, 4'000'000'000U), {"count", "4000000000"}},
       {"redo of nothing", steps(v1::EDIT_REDO, 1), {"redo"}},
-      {"starts", solving("", 10'001, 0), {"starts", "10001", "10000"}},
-      {"evaluations", solving("", 0, 100'001), {"max_evaluations", "100001", "100000"}},
+      {"starts", solving(10'001, 0), {"starts", "10001", "10000"}},
+      {"evaluations", solving(0, 100'001), {"max_evaluations", "100001", "100000"}},
       {"heavy patch", patchWeight("palm", 1e300), {"palm", "1e+300", "1000000"}},
       {"negative weight", patchWeight("palm", -0.5), {"weight", "-0.5", "0"}},
       {"far turn", turn("palm", 1e9), {"palm", "1000000000", "1000"}},
@@ -365,7 +363,7 @@ TEST_F(RoughEdits, DragOutOfReachIsAnAnswer) {
     return one.is_final() && one.revision() == reply.revision();
   });
   ASSERT_TRUE(solution.has_value());
-  for (const double q : solution->joint_rad())
+  for (const double q : solution->joint_positions())
     EXPECT_LT(std::abs(q), 10.0);
   expectCalm();
 }

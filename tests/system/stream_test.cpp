@@ -18,7 +18,7 @@ TEST(Stream, CarriesTheSolutionThatTheReplyCarries) {
     return s.is_final();
   });
   ASSERT_TRUE(streamed.has_value());
-  EXPECT_EQ(streamed->joint_rad(), reply.joint_rad());
+  EXPECT_EQ(streamed->joint_positions(), reply.joint_positions());
   EXPECT_EQ(streamed->X_WH(), reply.X_WH());
   EXPECT_EQ(streamed->terms(), reply.terms());
 }
@@ -62,7 +62,7 @@ TEST(Stream, IsSeenByALateJoiner) {
   }
 
   ASSERT_TRUE(seen.has_value() && state.has_value());
-  EXPECT_EQ(seen->joint_rad(), solved.joint_rad());
+  EXPECT_EQ(seen->joint_positions(), solved.joint_positions());
   EXPECT_EQ(state->session_id(), session.id());
   EXPECT_EQ(state->hand(), "barrett8");
 }
@@ -87,8 +87,8 @@ TEST(Stream, GivesRosTheSolvedJointsByName) {
   }
   ASSERT_TRUE(seen.has_value()) << "nothing on " << topic;
   ASSERT_EQ(seen->name().size(), seen->position().size());
-  ASSERT_GE(seen->name().size(), solved.joint_rad().size());
-  for (std::size_t i = 0; i < solved.joint_rad().size(); ++i) {
+  ASSERT_GE(seen->name().size(), solved.joint_positions().size());
+  for (std::size_t i = 0; i < solved.joint_positions().size(); ++i) {
     EXPECT_EQ(seen->name()[i], session.opened().joint_names()[i]);
   }
 }
@@ -98,7 +98,7 @@ TEST(Sessions, AreSolvedAlikeSideBySide) {
   LiveSession first(service, "barrett8", "lemon", "lemon_6");
   LiveSession second(service, "barrett8", "lemon", "lemon_6");
   EXPECT_NE(first.id(), second.id());
-  EXPECT_EQ(first.optimize().joint_rad(), second.optimize().joint_rad());
+  EXPECT_EQ(first.optimize().joint_positions(), second.optimize().joint_positions());
 }
 
 TEST(Server, GoesWhenAnElderOneAnswersOnItsDomain) {

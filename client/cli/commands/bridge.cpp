@@ -7,7 +7,7 @@
 #include "client/cli/commands/commands.h"
 #include "client/link/interruption.h"
 #include "core/base/error.h"
-#include "idl/names.h"
+#include "idl/fields.h"
 
 namespace handgraft::client {
 

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "client/present/json_parts.h"
-#include "idl/names.h"
+#include "idl/fields.h"
 
 namespace handgraft::client {
 

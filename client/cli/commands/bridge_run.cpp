@@ -8,7 +8,7 @@
 
 #include "client/present/render/plot.h"
 #include "core/base/error.h"
-#include "idl/names.h"
+#include "idl/fields.h"
 
 namespace handgraft::client {
 

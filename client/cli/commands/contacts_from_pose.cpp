@@ -33,7 +33,7 @@ v1::PoseContactsRequest requestOf(const PoseContactsOptions& options, const Pose
   v1::PoseContactsRequest request;
   if (!isPath(options.pose)) request.start_pose(options.pose);
   request.joints(pose.joints);
-  request.joint_rad(pose.joint_rad);
+  request.joint_positions(pose.joint_rad);
   if (pose.X_WH) request.X_WH().push_back(*pose.X_WH);
   if (options.place) {
     request.X_WO().push_back(placeOf(*options.place, "--place"));
@@ -49,7 +49,7 @@ v1::PoseContactsRequest requestOf(const PoseContactsOptions& options, const Pose
 std::uint64_t hashOf(const v1::PoseContactsRequest& request) {
   std::string text =
       fmt::format("{} {} {} {} {} {}", request.hand(), request.object(), request.start_pose(),
-                  request.joints(), request.joint_rad(), request.reach_m());
+                  request.joints(), request.joint_positions(), request.reach_m());
   for (const auto& list : {request.X_WH(), request.X_WO()}) {
     for (const v1::Pose& X : list)
       text += fmt::format(" {} {}", X.p_m(), X.q_wxyz());

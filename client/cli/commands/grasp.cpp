@@ -68,7 +68,7 @@ void writeProblem(ServerLink& server,
                   const GraspResult& result) {
   const fs::path folder = fs::absolute(options.problem).parent_path();
   v1::ExportRequest request;
-  request.format("problem");
+  request.format(v1::EXPORT_PROBLEM);
   request.session_id(result.solution.session_id());
   // The file of a mirrored hand describes the other one.
   if (inputs.hand && !result.hand.mirrored()) {

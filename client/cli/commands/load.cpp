@@ -6,7 +6,7 @@
 #include "client/present/json_output.h"
 #include "client/present/progress_line.h"
 #include "core/base/error.h"
-#include "idl/names.h"
+#include "idl/fields.h"
 
 namespace handgraft::client {
 
@@ -20,6 +20,8 @@ ModelFiles filesOf(const LoadOptions& options) {
       return objectFiles(options.path, options.units);
     case v1::MODEL_CONTACTS:
       return contactFiles(options.path, options.object, options.contact_reading, options.units);
+    case v1::MODEL_MOTION:
+      break;
   }
   rejectInput("kind {}: hand, object or contacts", static_cast<int>(options.kind));
 }

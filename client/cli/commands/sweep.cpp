@@ -12,6 +12,7 @@
 #include "client/present/progress_line.h"
 #include "client/present/render/png_file.h"
 #include "core/base/error.h"
+#include "idl/fields.h"
 
 namespace handgraft::client {
 
@@ -38,7 +39,7 @@ v1::SweepRequest requestOf(const SweepOptions& options) {
   for (const StudyAxis& axis : options.axes)
     request.axes().push_back(axis.axis);
   v1::SolveOptions solving;
-  solving.solver(options.solver);
+  solving.solver(v1::enumeratorFrom<v1::Solver>(options.solver, "--solver"));
   solving.starts(options.starts);
   solving.seed(options.seed);
   request.options(solving);
@@ -51,7 +52,7 @@ v1::SweepRequest requestOf(const SweepOptions& options) {
   }
   if (!options.log_map.empty()) {
     v1::TransferOptions transfer;
-    transfer.method(options.log_map);
+    transfer.method(v1::enumeratorFrom<v1::LogMapMethod>(options.log_map, "--log-map"));
     request.transfer().push_back(transfer);
   }
   return request;
@@ -86,7 +87,7 @@ std::vector<std::string> unitsOf(const std::vector<StudyAxis>& axes,
                           axis.axis.property() == v1::PROPERTY_UPPER;
     const bool slides = std::any_of(
         hand.joints().begin(), hand.joints().end(), [&](const v1::JointInfo& joint) {
-          return joint.name() == axis.axis.target() && joint.prismatic();
+          return joint.name() == axis.axis.target() && joint.kind() == v1::JOINT_PRISMATIC;
         });
     if (is_limit && slides && axis.in_degrees)
       rejectInput("{}: the joint slides; its limits are in m", quoted(axis.name));

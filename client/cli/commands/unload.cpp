@@ -3,7 +3,7 @@
 #include "client/cli/commands/commands.h"
 #include "client/link/server_link.h"
 #include "client/present/json_output.h"
-#include "idl/names.h"
+#include "idl/fields.h"
 
 namespace handgraft::client {
 

@@ -38,7 +38,7 @@ int run(const WatchOptions& options, const CommonOptions& common, Interruption& 
     // What there is already when the session closes is shown before its last state.
     solutions.take([&](const v1::PoseSolution& solution) {
       if (solution.session_id() != options.session_id || enough()) return;
-      if (solution.is_explained()) ++seen;
+      if (solution.is_diagnosed()) ++seen;
       printLine(common.json ? json::solutionEvent(solution, now.joint_names())
                             : text::solutionLine(solution));
     });

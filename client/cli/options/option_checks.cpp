@@ -8,6 +8,7 @@
 #include <map>
 
 #include "core/base/error.h"
+#include "idl/fields.h"
 
 namespace handgraft::client {
 
@@ -40,11 +41,9 @@ std::string objectionToFile(const std::string& name) {
 }
 
 std::string objectionToSolver(const std::string& name) {
-  constexpr std::array kSolvers = {"lm",    "mma",     "ccsaq", "slsqp",
-                                   "lbfgs", "tnewton", "var2",  "all"};
-  if (std::find(kSolvers.begin(), kSolvers.end(), name) != kSolvers.end()) return "";
+  if (v1::enumeratorOf<v1::Solver>(name)) return "";
   return fmt::format("{} is no solver; it must be one of {}", quoted(name),
-                     fmt::join(kSolvers, " "));
+                     fmt::join(idl::namesOf(idl::typeOf<v1::Solver>()), " "));
 }
 
 v1::ModelKind kindOf(const std::string& name) {

@@ -16,9 +16,10 @@ void requireConsistent(const SweepResult& result) {
   bool fits = result.reply.rows().size() == rows;
   for (std::size_t i = 0; fits && i < rows; ++i) {
     const v1::SweepRow& row = result.reply.rows()[i];
-    fits =
-        row.grasp() == i % result.grasps.size() && row.values().size() == result.axes.size() &&
-        (!row.error().empty() || row.joint_rad().size() == result.reply.joint_names().size());
+    fits = row.grasp() == i % result.grasps.size() &&
+           row.values().size() == result.axes.size() &&
+           (!row.error().empty() ||
+            row.joint_positions().size() == result.reply.joint_names().size());
   }
   if (!fits) {
     throw TransportError(

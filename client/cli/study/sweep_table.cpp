@@ -2,7 +2,8 @@
 
 #include "client/cli/study/sweep_result.h"
 #include "client/present/json_parts.h"
-#include "idl/names.h"
+#include "client/present/text_output.h"
+#include "idl/fields.h"
 
 namespace handgraft::client {
 
@@ -42,8 +43,8 @@ json::Json rowOf(const SweepResult& result, const v1::SweepRow& row) {
   one["reached_count"] = row.reached_count();
   one["point_count"] = row.point_count();
   one["objective"] = row.terms().objective();
-  one["joints_at_limit"] = json::listOf(row.joints_at_limit());
-  one["joint_rad"] = json::listOf(row.joint_rad());
+  one["joints_at_limit"] = text::limitNames(row.joints_at_limit());
+  one["joint_positions"] = json::listOf(row.joint_positions());
   one["solve_ms"] = row.solve_ms();
   return one;
 }
@@ -74,8 +75,9 @@ std::string csvOf(const SweepResult& result) {
         ",{},{:.6g},{:.6g},{:.6g},{},{},{},{:.10g},{:.10g},{:.10g},{:.10g},{},{:.4g}",
         nameOf(row.outcome()), row.mean_mm(), row.max_mm(), row.normal_deg(), row.patch_count(),
         row.reached_count(), row.point_count(), terms.objective(), terms.distance_m2(),
-        terms.normal(), terms.prior(), field(joined(row.joints_at_limit())), row.solve_ms());
-    for (const double q : row.joint_rad())
+        terms.normal(), terms.prior(), field(joined(text::limitNames(row.joints_at_limit()))),
+        row.solve_ms());
+    for (const double q : row.joint_positions())
       out += fmt::format(",{:.10g}", q);
     out += "\n";
   }

@@ -109,10 +109,10 @@ v1::EditBody RandomEdits::next() {
     case 5: {
       v1::JointLimitEdit edit;
       edit.joint(joint.name());
-      const double middle = 0.5 * (joint.lower_rad() + joint.upper_rad());
-      const double half = 0.5 * (joint.upper_rad() - joint.lower_rad());
-      edit.lower_rad(middle - uniform(0.6, 1.0) * half);
-      edit.upper_rad(middle + uniform(0.6, 1.0) * half);
+      const double middle = 0.5 * (joint.lower() + joint.upper());
+      const double half = 0.5 * (joint.upper() - joint.lower());
+      edit.lower(middle - uniform(0.6, 1.0) * half);
+      edit.upper(middle + uniform(0.6, 1.0) * half);
       body.joint_limit(edit);
       kind_ = "limit";
       break;
@@ -138,8 +138,8 @@ v1::EditBody RandomEdits::next() {
     default: {
       v1::PriorEdit edit;
       edit.joints({joint.name()});
-      edit.joint_rad(
-          {joint.lower_rad() + uniform(0.3, 0.7) * (joint.upper_rad() - joint.lower_rad())});
+      edit.joint_positions(
+          {joint.lower() + uniform(0.3, 0.7) * (joint.upper() - joint.lower())});
       body.prior(edit);
       kind_ = "prior";
       break;

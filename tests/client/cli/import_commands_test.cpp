@@ -77,6 +77,8 @@ struct ImportingServer {
       case v1::MODEL_CONTACTS:
         description.contacts(test::squareOnBox());
         break;
+      case v1::MODEL_MOTION:
+        break;
     }
     return description;
   }
@@ -239,7 +241,7 @@ TEST_F(ImportCommands, FromPosePassesTheFileOn) {
   EXPECT_EQ(request.name(), "box_flat");
   EXPECT_EQ(request.hand(), "flat");
   EXPECT_THAT(request.joints(), ElementsAre("index_mcp"));
-  EXPECT_THAT(request.joint_rad(), ElementsAre(0.5));
+  EXPECT_THAT(request.joint_positions(), ElementsAre(0.5));
   EXPECT_EQ(request.X_WH().at(0).p_m()[2], 0.1);
   EXPECT_EQ(request.X_WO().at(0).p_m()[1], 0.2);
   EXPECT_DOUBLE_EQ(request.reach_m(), 0.004);

@@ -100,17 +100,17 @@ TEST_F(EditMaking, SetsWhatCounts) {
 
 TEST_F(EditMaking, KeepsTheOtherLimit) {
   const v1::JointLimitEdit upper = edit("limit bend upper 0.3").joint_limit();
-  EXPECT_EQ(upper.lower_rad(), -0.5);
-  EXPECT_EQ(upper.upper_rad(), 0.3);
+  EXPECT_EQ(upper.lower(), -0.5);
+  EXPECT_EQ(upper.upper(), 0.3);
   const v1::JointLimitEdit lower = edit("limit bend lower 0.1").joint_limit();
-  EXPECT_EQ(lower.lower_rad(), 0.1);
-  EXPECT_EQ(lower.upper_rad(), 0.5);
+  EXPECT_EQ(lower.lower(), 0.1);
+  EXPECT_EQ(lower.upper(), 0.5);
   const v1::JointLimitEdit both = edit("limit slide range 1mm 2mm").joint_limit();
-  EXPECT_EQ(both.lower_rad(), 0.001);
-  EXPECT_EQ(both.upper_rad(), 0.002);
+  EXPECT_EQ(both.lower(), 0.001);
+  EXPECT_EQ(both.upper(), 0.002);
   const v1::JointLimitEdit reset = edit("limit bend reset").joint_limit();
-  EXPECT_EQ(reset.lower_rad(), -1.0);
-  EXPECT_EQ(reset.upper_rad(), 2.0);
+  EXPECT_EQ(reset.lower(), -1.0);
+  EXPECT_EQ(reset.upper(), 2.0);
 }
 
 TEST_F(EditMaking, RefusesUnitsThatAJointHasNot) {
@@ -125,10 +125,10 @@ TEST_F(EditMaking, HoldsJoints) {
   const v1::PriorEdit bent = edit("joint bend 0.4").prior();
   EXPECT_TRUE(bent.X_WH().empty());
   EXPECT_THAT(bent.joints(), ElementsAre("bend"));
-  EXPECT_THAT(bent.joint_rad(), ElementsAre(0.4));
+  EXPECT_THAT(bent.joint_positions(), ElementsAre(0.4));
   EXPECT_TRUE(edit("lock bend").joint_lock().locked());
   EXPECT_FALSE(edit("unlock bend").joint_lock().locked());
-  EXPECT_EQ(edit("soft slide 5mm 10").joint_soft().value_rad(), 0.005);
+  EXPECT_EQ(edit("soft slide 5mm 10").joint_soft().value(), 0.005);
   EXPECT_EQ(edit("soft slide 5mm 10").joint_soft().weight(), 10);
   EXPECT_EQ(edit("soft slide off").joint_soft().weight(), 0);
 }
@@ -173,23 +173,23 @@ TEST_F(EditMaking, PlacesTheObject) {
 TEST_F(EditMaking, TakesPriors) {
   const v1::PriorEdit rest = edit("prior rest").prior();
   EXPECT_THAT(rest.joints(), ElementsAre("bend", "slide"));
-  EXPECT_THAT(rest.joint_rad(), ElementsAre(0.25, 0.01));
+  EXPECT_THAT(rest.joint_positions(), ElementsAre(0.25, 0.01));
   EXPECT_TRUE(rest.X_WH().empty());
 
   EXPECT_THAT(objectionTo("prior here"), HasSubstr("solve"));
   v1::PoseSolution solution;
-  solution.joint_rad({0.5, 0.02});
+  solution.joint_positions({0.5, 0.02});
   solution.X_WH().p_m({1, 2, 3});
   scene_.solve(solution);
   const v1::PriorEdit here = edit("prior here").prior();
-  EXPECT_THAT(here.joint_rad(), ElementsAre(0.5, 0.02));
+  EXPECT_THAT(here.joint_positions(), ElementsAre(0.5, 0.02));
   EXPECT_THAT(here.X_WH().at(0).p_m(), ElementsAre(1, 2, 3));
 
   const std::filesystem::path file = test::scratchDirectory() / "pose.json";
   std::ofstream(file) << R"({"joints": {"bend": 0.7}})";
   const v1::PriorEdit pose = edit("prior pose " + file.string()).prior();
   EXPECT_THAT(pose.joints(), ElementsAre("bend"));
-  EXPECT_THAT(pose.joint_rad(), ElementsAre(0.7));
+  EXPECT_THAT(pose.joint_positions(), ElementsAre(0.7));
 
   const v1::PriorShares shares = edit("prior shares 1 2 3").prior_shares();
   EXPECT_EQ(shares.root_rotation(), 1);
@@ -199,13 +199,13 @@ TEST_F(EditMaking, TakesPriors) {
 
 TEST_F(EditMaking, ChangesOfASearchKeepTheRest) {
   const v1::SolveOptions named = edit("solver lm --seed 9").solving();
-  EXPECT_EQ(named.solver(), "lm");
+  EXPECT_EQ(named.solver(), v1::SOLVER_LM);
   EXPECT_EQ(named.starts(), 8U);
   EXPECT_EQ(named.seed(), 9U);
-  EXPECT_EQ(edit("solver default").solving().solver(), "");
+  EXPECT_EQ(edit("solver default").solving().solver(), v1::SOLVER_DEFAULT);
   const v1::SolveOptions paper = edit("solver paper --avoid-penetration").solving();
   EXPECT_TRUE(paper.paper());
-  EXPECT_EQ(paper.solver(), "");
+  EXPECT_EQ(paper.solver(), v1::SOLVER_DEFAULT);
   EXPECT_EQ(paper.starts(), 0U);
   EXPECT_EQ(paper.penetration(), v1::PENETRATION_AVOIDED);
   EXPECT_EQ(edit("solver lm --normal-form sum").solving().normal_form(), v1::NORMAL_SUM);

@@ -12,6 +12,7 @@
 
 #include "idl/cyclone/participant.h"
 #include "idl/edits.h"
+#include "idl/fields.h"
 
 #include "tests/client/editor/small_scene.h"
 #include "tests/client/fake_server.h"
@@ -124,7 +125,7 @@ class FakeDesk {
     solution.sequence_number(++sequence_);
     solution.is_final(true);
     solution.solver("lm");
-    solution.joint_rad({0.5, 0.02});
+    solution.joint_positions({0.5, 0.02});
     solution.terms().objective(10.0 + static_cast<double>(revision_));
     v1::PatchFit thumb;
     thumb.name("thumb");
@@ -135,7 +136,7 @@ class FakeDesk {
     index.point_count(30);
     index.mean_mm(3.0);
     solution.patches({thumb, index});
-    solution.is_explained(is_explained);
+    solution.is_diagnosed(is_explained);
     if (!is_explained) return solution;
     solution.verdict("2 of 2 patches reached");
     for (v1::PatchFit& patch : solution.patches())
@@ -227,7 +228,8 @@ class FakeDesk {
         break;
       }
       case v1::OP_EXPORT: {
-        const std::string text = request.body().export_file().format() + " of 7";
+        const std::string text =
+            std::string(nameOf(request.body().export_file().format())) + " of 7";
         v1::ExportReply exported;
         exported.content().assign(text.begin(), text.end());
         body.exported_file(exported);

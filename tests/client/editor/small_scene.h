@@ -18,14 +18,14 @@ class SmallScene : public client::editor::Scene {
     hand_.name("claw");
     v1::JointInfo bend;
     bend.name("bend");
-    bend.lower_rad(-1.0);
-    bend.upper_rad(2.0);
+    bend.lower(-1.0);
+    bend.upper(2.0);
     v1::JointInfo slide;
     slide.name("slide");
-    slide.prismatic(true);
-    slide.upper_rad(0.1);
+    slide.kind(v1::JOINT_PRISMATIC);
+    slide.upper(0.1);
     hand_.joints({bend, slide});
-    hand_.rest_rad({0.25, 0.01});
+    hand_.rest_positions({0.25, 0.01});
     v1::LinkInfo base;
     base.name("base");
     v1::LinkInfo finger;
@@ -57,13 +57,13 @@ class SmallScene : public client::editor::Scene {
     for (const v1::JointInfo& joint : hand_.joints()) {
       v1::JointSetting setting;
       setting.name(joint.name());
-      setting.lower_rad(-0.5);
-      setting.upper_rad(0.5);
-      setting.model_lower_rad(joint.lower_rad());
-      setting.model_upper_rad(joint.upper_rad());
+      setting.lower(-0.5);
+      setting.upper(0.5);
+      setting.model_lower(joint.lower());
+      setting.model_upper(joint.upper());
       settings_.joints().push_back(setting);
     }
-    settings_.solving().solver("slsqp");
+    settings_.solving().solver(v1::SOLVER_SLSQP);
     settings_.solving().starts(8);
     settings_.solving().seed(3);
   }

@@ -173,7 +173,7 @@ class ScriptedServer {
     solution.is_final(true);
     solution.X_WH() = X;
     solution.X_WO() = X;
-    solution.joint_rad() = {0.5};
+    solution.joint_positions() = {0.5};
     solution.X_WL() = {X};
     solution.patches().resize(1);
     solution.patches()[0].name("rim");

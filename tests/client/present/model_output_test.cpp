@@ -45,10 +45,10 @@ TEST(HandText, TellsMimicsCarrierPosesAndMirroring) {
   mimic.joint("ip");
   mimic.source("mcp");
   mimic.multiplier(0.5);
-  mimic.offset_rad(-0.1);
+  mimic.offset(-0.1);
   hand.mimics().push_back(mimic);
-  hand.joints()[0].lower_rad(-std::numeric_limits<double>::infinity());
-  hand.joints()[0].upper_rad(std::numeric_limits<double>::infinity());
+  hand.joints()[0].lower(-std::numeric_limits<double>::infinity());
+  hand.joints()[0].upper(std::numeric_limits<double>::infinity());
   const std::string text = text::hand(hand);
   EXPECT_THAT(text, HasSubstr("1 mimic joint,"));
   EXPECT_THAT(text, HasSubstr("mimic ip = 0.5 * mcp - 0.1\n"));
@@ -78,7 +78,7 @@ TEST(HandJson, SaysWhatTheReadmePromises) {
   v1::HandDescription hand = test::flatHand();
   hand.poses().resize(1);
   hand.poses()[0].name("fist");
-  hand.poses()[0].joint_rad() = {1.25, 0.0};
+  hand.poses()[0].joint_positions() = {1.25, 0.0};
   const json document = json::parse(client::json::description(described(hand)));
   EXPECT_EQ(document["joints"][0]["parent_link"], "palm");
   EXPECT_EQ(document["poses"]["fist"]["index_mcp"], 1.25);

@@ -66,8 +66,8 @@ GraspResult example() {
   placed.fidelity().distance_mean(0.031);
   placed.fidelity().angle_mean_rad(0.1);
   placed.fidelity().area_ratio(0.95);
-  placed.method_O("exact");
-  placed.method_S("fast");
+  placed.method_O(v1::LOG_MAP_EXACT);
+  placed.method_S(v1::LOG_MAP_FAST);
   v1::PatchReport dropped;
   dropped.name("ring");
   dropped.placed(false);
@@ -90,10 +90,12 @@ GraspResult example() {
   solution.solver("mma");
   solution.X_WH() = poseAt(0.1);
   solution.X_WO() = poseAt(0.2);
-  solution.joint_rad() = {0.5};
+  solution.joint_positions() = {0.5};
   solution.X_WL() = {poseAt(0.1), poseAt(0.3)};
   solution.patches() = {fit};
-  solution.joints_at_limit() = {"bend upper"};
+  solution.joints_at_limit().emplace_back();
+  solution.joints_at_limit().back().joint("bend");
+  solution.joints_at_limit().back().side(v1::LIMIT_UPPER);
   solution.terms().objective(0.25);
   v1::StageTime stage;
   stage.stage("solve");
@@ -137,7 +139,7 @@ v1::PoseSolution ranked() {
   best.hits(40);
   best.terms().objective(1.5);
   best.X_WH() = poseAt(0.1);
-  best.joint_rad() = {0.5};
+  best.joint_positions() = {0.5};
   v1::MinimumInfo second = best;
   second.solver("mma");
   second.hits(2);
@@ -145,7 +147,7 @@ v1::PoseSolution ranked() {
   second.terms().objective(2.0);
   second.X_WH() = poseAt(0.103);
   second.X_WH().q_wxyz({std::sqrt(0.5), std::sqrt(0.5), 0.0, 0.0});
-  second.joint_rad() = {0.4};
+  second.joint_positions() = {0.4};
   v1::PoseSolution solution;
   solution.minima() = {best, second};
   solution.chosen_minimum(1);
@@ -213,10 +215,10 @@ TEST(WatchText, TellsPosesFromWhatExplainsThem) {
   solution.penetration().clear();
   EXPECT_THAT(client::text::solutionLine(solution), HasSubstr(": on the way "));
   solution.is_final(true);
-  solution.is_explained(false);
+  solution.is_diagnosed(false);
   const std::string pose = client::text::solutionLine(solution);
   EXPECT_THAT(pose, HasSubstr(": pose "));
-  solution.is_explained(true);
+  solution.is_diagnosed(true);
   solution.verdict("1 of 2 patches reached");
   solution.penetration().emplace_back();
   solution.penetration()[0].max_depth_m(0.0042);
@@ -239,14 +241,14 @@ TEST(ModelsJson, GivesJointsWithoutLimitsNull) {
   v1::HandDescription hand;
   v1::JointInfo joint;
   joint.name("free");
-  joint.lower_rad(-std::numeric_limits<double>::infinity());
-  joint.upper_rad(1.5);
+  joint.lower(-std::numeric_limits<double>::infinity());
+  joint.upper(1.5);
   hand.joints().push_back(joint);
   v1::ModelDescription description;
   description.hand(hand);
   const json document = json::parse(client::json::description(description));
-  EXPECT_TRUE(document["joints"][0]["lower_rad"].is_null());
-  EXPECT_EQ(document["joints"][0]["upper_rad"], 1.5);
+  EXPECT_TRUE(document["joints"][0]["lower"].is_null());
+  EXPECT_EQ(document["joints"][0]["upper"], 1.5);
 }
 
 TEST(DoctorJson, HasANullServerAndAdviceWhenNoneAnswers) {
@@ -282,7 +284,7 @@ v1::TransferReply exampleTransfer() {
   v1::TransferReply reply = example().transfer;
   reply.session_id(9);
   reply.revision(2);
-  reply.options().method("auto");
+  reply.options().method(v1::LOG_MAP_AUTO);
   reply.options().interior_rings(1);
   return reply;
 }
@@ -380,13 +382,13 @@ TEST(Table, AlignsItsColumns) {
 TEST(GraspResult, IsRefusedWhenItDoesNotFitTheHand) {
   EXPECT_NO_THROW(requireConsistent(example()));
   GraspResult result = example();
-  result.solution.joint_rad().push_back(0.0);
+  result.solution.joint_positions().push_back(0.0);
   EXPECT_THROW(requireConsistent(result), TransportError);
   result = example();
   result.solution.X_WL().pop_back();
   EXPECT_THROW(requireConsistent(result), TransportError);
   result = example();
-  result.solution.joint_rad()[0] = std::numeric_limits<double>::quiet_NaN();
+  result.solution.joint_positions()[0] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(requireConsistent(result), TransportError);
   result = example();
   result.solution.patches()[0].hand_W_m().pop_back();

@@ -37,7 +37,7 @@ TEST(HandPlan, TakesTheSlowerOfModelAndBound) {
 
 TEST(HandPlan, BoundsPrismaticJointsInMetres) {
   v1::JointInfo slide = joint("slide", 0, 0.05);
-  slide.prismatic(true);
+  slide.kind(v1::JOINT_PRISMATIC);
   const MotionBounds bounds;
   const HandPlan plan = planHand(handOf("gripper", {slide}), bounds);
   EXPECT_EQ(plan.limits[0].velocity, bounds.prismatic_velocity);
@@ -48,7 +48,7 @@ TEST(HandPlan, BoundsPrismaticJointsInMetres) {
 TEST(HandPlan, RestsInsideTheLimits) {
   v1::HandDescription hand =
       handOf("h", {joint("told", 0, 1), joint("wild", 0.2, 1), joint("untold", 0.3, 1)});
-  hand.rest_rad({0.5, kNaN});
+  hand.rest_positions({0.5, kNaN});
   EXPECT_THAT(planHand(hand, {}).rest, testing::ElementsAre(0.5, 0.2, 0.3));
 }
 

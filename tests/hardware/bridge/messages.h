@@ -35,7 +35,7 @@ inline v1::PoseSolution solution(std::uint64_t session,
   pose.sequence_number(number);
   pose.stamp_ns(static_cast<std::int64_t>(1000 * session + number));
   pose.is_final(is_final);
-  pose.joint_rad(joint_rad);
+  pose.joint_positions(joint_rad);
   return pose;
 }
 
@@ -45,10 +45,10 @@ inline v1::JointInfo joint(const std::string& name,
                            double velocity = 0) {
   v1::JointInfo info;
   info.name(name);
-  info.prismatic(false);
-  info.lower_rad(lower);
-  info.upper_rad(upper);
-  info.velocity_limit_rad_s(velocity);
+  info.kind(v1::JOINT_REVOLUTE);
+  info.lower(lower);
+  info.upper(upper);
+  info.velocity_limit(velocity);
   return info;
 }
 

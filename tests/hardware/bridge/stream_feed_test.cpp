@@ -80,13 +80,13 @@ TEST_F(StreamFeedTest, AnExplainedPoseIsTheSameStreamAndARepeat) {
   feed_.serverIsThere(true);
   feed_.see(sessionState(3, "hand", {"a"}));
   v1::PoseSolution pose = solution(3, 7, {0.25});
-  pose.is_explained(false);
+  pose.is_diagnosed(false);
   feed_.see(pose);
   const auto first = feed_.take();
   ASSERT_TRUE(first);
   EXPECT_FALSE(first->is_repeat);
   v1::PoseSolution explained = solution(3, 8, {0.25});
-  explained.is_explained(true);
+  explained.is_diagnosed(true);
   feed_.see(explained);
   const auto second = feed_.take();
   ASSERT_TRUE(second);

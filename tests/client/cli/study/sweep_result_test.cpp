@@ -15,6 +15,13 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
+v1::JointLimit limit(const std::string& joint, v1::LimitSide side) {
+  v1::JointLimit one;
+  one.joint(joint);
+  one.side(side);
+  return one;
+}
+
 /// Two grasps; of each value the mean distances and the patches reached, of 3.
 struct Answer {
   double value;
@@ -41,8 +48,8 @@ SweepResult resultOf(const std::vector<Answer>& answers) {
       row.mean_mm(grasp == 0 ? answer.mean_a : answer.mean_b);
       row.patch_count(3);
       row.reached_count(grasp == 0 ? answer.reached_a : answer.reached_b);
-      row.joint_rad({0.25, -0.5});
-      row.joints_at_limit({"thumb upper", "index lower"});
+      row.joint_positions({0.25, -0.5});
+      row.joints_at_limit({limit("thumb", v1::LIMIT_UPPER), limit("index", v1::LIMIT_LOWER)});
       result.reply.rows().push_back(row);
     }
   }
