@@ -1,11 +1,10 @@
 #include "core/hand/digits.h"
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <cmath>
-#include <map>
 #include <utility>
+
+#include "core/hand/part_words.h"
 
 namespace handgraft::hand {
 
@@ -83,45 +82,54 @@ double asymmetryOf(const HandModel& model, const HandModel::Node& node) {
   return node.multiplier < 0.0 ? -asymmetry : asymmetry;
 }
 
-/// The finger that a name speaks of, "" if none. Names are split into runs of letters.
-std::string fingerIn(const std::string& name) {
-  static const std::array<std::pair<const char*, const char*>, 7> kWords{
-      {{"thumb", "thumb"},
-       {"index", "index"},
-       {"middle", "middle"},
-       {"ring", "ring"},
-       {"little", "little"},
-       {"pinky", "little"},
-       {"pinkie", "little"}}};
-  static const std::map<std::string, std::string> kTokens{{"th", "thumb"},  {"ff", "index"},
-                                                          {"mf", "middle"}, {"rf", "ring"},
-                                                          {"lf", "little"}, {"mid", "middle"}};
-  std::string token;
-  for (std::size_t i = 0; i <= name.size(); ++i) {
-    const auto c = i < name.size() ? static_cast<unsigned char>(name[i]) : '\0';
-    if (std::isalpha(c) != 0) {
-      token += static_cast<char>(std::tolower(c));
-      continue;
-    }
-    for (const auto& [word, finger] : kWords)
-      if (token.starts_with(word)) return finger;
-    if (const auto found = kTokens.find(token); found != kTokens.end()) return found->second;
-    token.clear();
-  }
-  return "";
+/// The four-fingered hand whose links are numbered, link_0.0 to link_15.0: its thumb comes
+/// last; which side the others are counted from depends on the hand.
+bool isNumberedThumb(const HandModel& model, const std::string& link_name) {
+  return model.maybeLinkIndex("link_0.0") && link_name == "link_15.0";
 }
 
-Digit makeDigit(const HandModel& model, const LinkPoses& X_SL, int last_link, int palm_link) {
+/// The digit that most of the names say.
+std::string hintIn(const HandModel& model, const std::vector<int>& links_from_tip) {
+  constexpr int kClear = 100;  // one clear name outweighs all vague ones
+  std::vector<std::pair<std::string, int>> votes;
+  const auto count = [&](const std::string& name) {
+    const PartWords words = partWordsOf(name);
+    if (words.digit.empty() || words.digit == "palm") return;
+    auto vote = std::find_if(votes.begin(), votes.end(), [&](const auto& one) {
+      return one.first == words.digit;
+    });
+    if (vote == votes.end()) vote = votes.insert(votes.end(), {words.digit, 0});
+    vote->second += words.is_vague ? 1 : kClear;
+  };
+  for (const int link : links_from_tip) {
+    const std::string& name = model.links()[static_cast<std::size_t>(link)].name;
+    if (isNumberedThumb(model, name)) return "thumb";
+    count(name);
+    count(nodeOf(model, link).joint_name);
+  }
+  const auto most =
+      std::max_element(votes.begin(), votes.end(), [](const auto& a, const auto& b) {
+        return a.second < b.second;
+      });
+  return most == votes.end() ? "" : most->first;
+}
+
+/// `users` holds how many digits each link carries: what several share is no finger's own.
+Digit makeDigit(const HandModel& model,
+                const LinkPoses& X_SL,
+                int last_link,
+                int palm_link,
+                const std::vector<int>& users) {
   Digit digit;
+  digit.tip_links = rigidGroupOf(model, last_link);
+  std::vector<int> named(digit.tip_links.rbegin(), digit.tip_links.rend());
   for (const int link : pathToRoot(model, last_link)) {
-    if (link == palm_link || link == 0) break;
+    if (link == palm_link || link == 0 || users[static_cast<std::size_t>(link)] > 1) break;
     const HandModel::Node& node = nodeOf(model, link);
     if (node.type != JointType::kFixed) digit.nodes.insert(digit.nodes.begin(), link - 1);
-    if (digit.hint.empty())
-      digit.hint = fingerIn(model.links()[static_cast<std::size_t>(link)].name);
-    if (digit.hint.empty()) digit.hint = fingerIn(node.joint_name);
+    if (link != last_link) named.push_back(link);
   }
-  digit.tip_links = rigidGroupOf(model, last_link);
+  digit.hint = hintIn(model, named);
   digit.base = X_SL[static_cast<std::size_t>(digit.nodes.front() + 1)].translation();
   digit.last_joint = X_SL[static_cast<std::size_t>(last_link)].translation();
 
@@ -161,8 +169,9 @@ double orientFlexion(const HandModel& model, const LinkPoses& X_SL, Digit& digit
         X_SL[static_cast<std::size_t>(node.link)].linear() * node.axis_J;
     if (digit.flexion_axis.isZero()) digit.flexion_axis = axis;
     const double cosine = axis.dot(digit.flexion_axis);
-    if (std::abs(cosine) > kParallelCosine)
-      asymmetry += (cosine > 0.0 ? 1.0 : -1.0) * asymmetryOf(model, node);
+    if (std::abs(cosine) <= kParallelCosine) continue;
+    asymmetry += (cosine > 0.0 ? 1.0 : -1.0) * asymmetryOf(model, node);
+    digit.knuckle = X_SL[static_cast<std::size_t>(node.link)].translation();
   }
   if (asymmetry < 0.0) digit.flexion_axis = -digit.flexion_axis;
   const Eigen::Vector3d motion = digit.flexion_axis.cross(digit.outward);
@@ -186,10 +195,24 @@ Digits findDigits(const HandModel& model, const LinkPoses& X_SL) {
   Digits result;
   const std::vector<int> last_links = lastMovingLinks(model);
   result.palm_link = commonAncestor(model, last_links);
+  std::vector<int> users(static_cast<std::size_t>(model.linkCount()), 0);
+  for (const int last : last_links)
+    for (const int link : pathToRoot(model, last))
+      ++users[static_cast<std::size_t>(link)];
+  result.palm_links = rigidGroupOf(model, result.palm_link);
+  const std::vector<int> above = pathToRoot(model, result.palm_link);
+  for (const HandModel::Node& node : model.nodes()) {
+    const bool is_above = std::find(above.begin(), above.end(), node.link) != above.end();
+    if (is_above || node.type == JointType::kFixed ||
+        users[static_cast<std::size_t>(node.link)] < 2)
+      continue;
+    const std::vector<int> group = rigidGroupOf(model, node.link);
+    result.palm_links.insert(result.palm_links.end(), group.begin(), group.end());
+  }
 
   std::vector<std::size_t> unclear;
   for (const int link : last_links) {
-    Digit digit = makeDigit(model, X_SL, link, result.palm_link);
+    Digit digit = makeDigit(model, X_SL, link, result.palm_link, users);
     const double clarity = orientFlexion(model, X_SL, digit);
     if (digit.closing.isZero()) continue;  // a slider, or turning about its own length
     if (clarity < kClearAsymmetry) unclear.push_back(result.digits.size());

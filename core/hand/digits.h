@@ -17,6 +17,7 @@ struct Digit {
   std::vector<int> nodes;      ///< movable nodes of the model, from the palm outwards
   std::vector<int> tip_links;  ///< what the last joint moves, fixed links included
   Eigen::Vector3d base = Eigen::Vector3d::Zero();        ///< origin of the first joint
+  Eigen::Vector3d knuckle = Eigen::Vector3d::Zero();     ///< where it first bends as it closes
   Eigen::Vector3d last_joint = Eigen::Vector3d::Zero();  ///< origin of the last joint
   /// What lies farthest from the last joint, the middle of it where that is several points.
   Eigen::Vector3d tip = Eigen::Vector3d::Zero();
@@ -26,12 +27,15 @@ struct Digit {
   /// the direction in which the tip moves then.
   Eigen::Vector3d flexion_axis = Eigen::Vector3d::Zero();
   Eigen::Vector3d closing = Eigen::Vector3d::Zero();
-  /// `thumb`, `index`, ... if the names of its links and joints say so; may be empty.
+  /// `thumb`, `index`, ... as most names of its links and joints say (part_words.h), the ones
+  /// nearer to the tip where they are as many; empty if none says any.
   std::string hint;
 };
 
 struct Digits {
   int palm_link = 0;  ///< the link that all digits spring from
+  /// That and what moves with it, and parts of it that carry several digits, by links.
+  std::vector<int> palm_links;
   std::vector<Digit> digits;
 };
 
@@ -44,9 +48,20 @@ std::vector<int> rigidGroupOf(const HandModel& model, int link);
 /// symmetric, it closes as most of the others do. Deterministic. Cost: linear in the vertices.
 Digits findDigits(const HandModel& model, const LinkPoses& X_SL);
 
-/// What each digit is called: as the file's names say if every digit has its own; else `thumb`
-/// for the one without which the others close most alike, and `index`, `middle`, `ring`,
-/// `little` from its side across the palm; `f1`, `f2`, ... where that does not fit.
-std::vector<std::string> nameDigits(const std::vector<Digit>& digits);
+enum class Chirality { kUnknown, kRight, kLeft };
+
+/// What the digits of a hand are called, and how that is known.
+struct DigitNames {
+  std::vector<std::string> names;  ///< of each digit
+  std::vector<char> from_file;     ///< whether its own names said so
+  /// As the palm has it: where the thumb is, seen on the side that the fingers close to.
+  Chirality chirality = Chirality::kUnknown;
+  std::vector<std::string> notes;  ///< what was left to the shape, or contradicts it
+};
+
+/// Names digits: as their own names say, where no other digit's say the same; the rest by
+/// shape: `thumb` for the one without which the others close most alike, and `index`, `middle`,
+/// `ring`, `little` from its side across the palm; `f1`, `f2`, ... where that does not fit.
+DigitNames nameDigits(const std::vector<Digit>& digits);
 
 }  // namespace handgraft::hand

@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "core/base/error.h"
-#include "core/hand/digits.h"
+#include "core/hand/anatomy.h"
 #include "core/hand/kinematics.h"
 
 namespace handgraft::hand {
@@ -37,30 +37,20 @@ std::vector<int> bodiesOf(const HandModel& model) {
 }
 
 /// The digit of each link, or one of the above.
-std::vector<int> ownersOf(const HandModel& model, const Digits& found) {
-  const auto count = static_cast<std::size_t>(model.linkCount());
-  std::map<int, std::vector<int>> digits_of;  // of a movable node
-  for (std::size_t i = 0; i < found.digits.size(); ++i) {
-    for (const int node : found.digits[i].nodes)
-      digits_of[node].push_back(static_cast<int>(i));
-  }
-  std::vector<int> owner(count, kCarrier);
-  for (const int link : rigidGroupOf(model, found.palm_link))
+std::vector<int> ownersOf(const HandModel& model, const Anatomy& anatomy) {
+  std::vector<int> owner(static_cast<std::size_t>(model.linkCount()), kCarrier);
+  for (const int link : anatomy.palm_links)
     owner[static_cast<std::size_t>(link)] = kPalm;
+  for (std::size_t i = 0; i < anatomy.digits.size(); ++i)
+    for (const Segment& segment : anatomy.digits[i].segments)
+      for (const int link : segment.links)
+        owner[static_cast<std::size_t>(link)] = static_cast<int>(i);
   int next_loose = kFirstLoose;
-  for (std::size_t i = 0; i < model.nodes().size(); ++i) {
-    const HandModel::Node& node = model.nodes()[i];
+  for (const HandModel::Node& node : model.nodes()) {
     int& mine = owner[static_cast<std::size_t>(node.link)];
-    if (mine == kPalm) continue;
     const int parents = owner[static_cast<std::size_t>(node.parent_link)];
-    const auto digits = digits_of.find(static_cast<int>(i));
-    if (node.type != JointType::kFixed && digits != digits_of.end()) {
-      mine = digits->second.size() == 1 ? digits->second.front() : kPalm;
-    } else if (node.type != JointType::kFixed && parents == kPalm) {
-      mine = next_loose--;
-    } else {
-      mine = parents;
-    }
+    if (mine != kCarrier || parents == kCarrier) continue;
+    mine = node.type != JointType::kFixed && parents == kPalm ? next_loose-- : parents;
   }
   return owner;
 }
@@ -86,21 +76,21 @@ HandParts::HandParts(const HandModel& model, const std::vector<ContactSite>& sit
       pads_(static_cast<std::size_t>(model.linkCount())) {
   LinkPoses X_SL;
   forwardKinematics(model, Pose::Identity(), skinReferencePose(model), X_SL);
-  const Digits found = findDigits(model, X_SL);
-  const std::vector<int> owner = ownersOf(model, found);
+  const Anatomy anatomy = anatomyOf(model, X_SL, sites);
+  const std::vector<int> owner = ownersOf(model, anatomy);
   const std::vector<int> body = bodiesOf(model);
 
-  // === Names: the sites' first, then what the digits would be called, then numbers
+  // === Names: the digits', sites' on other chains, then numbers
   std::map<int, std::string> name_of;
   std::set<std::string> taken;
   for (const ContactSite& site : sites) {
     const int whose = owner[static_cast<std::size_t>(model.linkIndex(site.link))];
-    if (whose != kCarrier && whose != kPalm) name_of.emplace(whose, site.name);
+    if (whose <= kFirstLoose) name_of.emplace(whose, site.name);
     taken.insert(site.name);
   }
-  const std::vector<std::string> usual = nameDigits(found.digits);
-  for (std::size_t i = 0; i < usual.size(); ++i) {
-    if (taken.insert(usual[i]).second) name_of.emplace(static_cast<int>(i), usual[i]);
+  for (std::size_t i = 0; i < anatomy.digits.size(); ++i) {
+    name_of.emplace(static_cast<int>(i), anatomy.digits[i].name);
+    taken.insert(anatomy.digits[i].name);
   }
   int number = 0;
   for (std::size_t link = 0; link < names_.size(); ++link) {
@@ -127,7 +117,7 @@ HandParts::HandParts(const HandModel& model, const std::vector<ContactSite>& sit
       continue;
     }
     if (owner[link] < 0) continue;
-    const Digit& digit = found.digits[static_cast<std::size_t>(owner[link])];
+    const Digit& digit = anatomy.digits[static_cast<std::size_t>(owner[link])].digit;
     const Eigen::Vector3d bone_S = boneOf(digit, X_SL, body[link]);
     const Eigen::Vector3d n_S = digit.flexion_axis.cross(bone_S);
     if (n_S.norm() < kSteepest) continue;

@@ -132,19 +132,6 @@ std::optional<ContactSite> findPad(const HandModel& model,
 
 // === The palm
 
-/// Where a digit first bends as its last joint does.
-Eigen::Vector3d knuckleOf(const HandModel& model, const LinkPoses& X_SL, const Digit& digit) {
-  constexpr double kParallelCosine = 0.8;
-  for (const int index : digit.nodes) {
-    const HandModel::Node& node = model.nodes()[static_cast<std::size_t>(index)];
-    const Pose& X = X_SL[static_cast<std::size_t>(node.link)];
-    if (node.type != JointType::kRevolute) continue;
-    if (std::abs((X.linear() * node.axis_J).dot(digit.flexion_axis)) > kParallelCosine)
-      return X.translation();
-  }
-  return digit.base;
-}
-
 std::optional<ContactSite> findPalm(const HandModel& model,
                                     const Skin& skin,
                                     const LinkPoses& X_SL,
@@ -166,7 +153,7 @@ std::optional<ContactSite> findPalm(const HandModel& model,
         is_thumb ? std::max(1.0, static_cast<double>(found.digits.size()) - 1.0) : 1.0;
     facing += weight * digit.closing;
     outward += weight * digit.outward;
-    bases += weight * (is_surrounded ? knuckleOf(model, X_SL, digit) : digit.base);
+    bases += weight * (is_surrounded ? digit.knuckle : digit.base);
     count += weight;
   }
   if (count == 0.0 || facing.norm() < 0.1 * count) return std::nullopt;
@@ -202,7 +189,7 @@ std::vector<ContactSite> findContactSites(const HandModel& model, const Skin& sk
   LinkPoses X_SL;
   forwardKinematics(model, Pose::Identity(), skin.qReference(), X_SL);
   const Digits found = findDigits(model, X_SL);
-  const std::vector<std::string> names = nameDigits(found.digits);
+  const std::vector<std::string> names = nameDigits(found.digits).names;
 
   std::vector<ContactSite> sites;
   for (std::size_t i = 0; i < found.digits.size(); ++i) {
