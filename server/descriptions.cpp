@@ -1,9 +1,12 @@
 #include "server/descriptions.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/hand/anatomy.h"
+#include "core/hand/hand_place.h"
 #include "core/hand/kinematics.h"
 #include "core/io/contact_file.h"
 #include "core/io/sites_file.h"
@@ -28,6 +31,24 @@ void requireSendable(const char* kind, const std::string& name, std::size_t byte
   reject(v1::ERROR_OVERLOADED,
          "{} {}: its meshes take {} MiB; at most {} are sent; ask without meshes", kind,
          handgraft::quoted(name), bytes >> 20, kMostMeshBytes >> 20);
+}
+
+/// What its names and its shape say of a hand's fingers, and what they do not.
+std::vector<std::string> notesOnFingers(const session::Hand& hand) {
+  hand::LinkPoses X_SL;
+  forwardKinematics(*hand.model, Pose::Identity(), hand.skin->qReference(), X_SL);
+  hand::Anatomy anatomy = anatomyOf(*hand.model, X_SL, hand.sites);
+  std::vector<std::string> notes = std::move(anatomy.notes);
+  if (anatomy.chirality != hand::Chirality::kUnknown)
+    notes.emplace_back(anatomy.chirality == hand::Chirality::kRight ? "a right hand"
+                                                                    : "a left hand");
+  const bool has_palm =
+      std::any_of(hand.sites.begin(), hand.sites.end(), [](const hand::ContactSite& site) {
+        return site.name == hand::kPalmPart;
+      });
+  if (!has_palm && !anatomy.palm)
+    notes.emplace_back("no place of its palm is known: patches of a palm are dropped");
+  return notes;
 }
 
 std::vector<double> entries(const Eigen::VectorXd& values) {
@@ -217,6 +238,9 @@ v1::HandDescription describe(const StoredHand& hand,
   if (hand.mirrored) message.notes().emplace_back("mirrored: the other hand of its file");
   for (const std::string& note : hand.hand->skinNotes())
     message.notes().push_back(note);
+  if (const auto ready = hand.hand->ready())
+    for (const std::string& note : notesOnFingers(*ready))
+      message.notes().push_back(note);
   return message;
 }
 

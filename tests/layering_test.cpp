@@ -31,7 +31,7 @@ const std::vector<Layer> kLayers = {
     {"core/geometry", {"core/base"}, {"eigen", "fmt"}},
     {"core/cloud", {"core/base", "core/geometry"}, {"eigen", "fmt"}},
     {"core/hand", {"core/base", "core/geometry"}, {"eigen", "fmt"}},
-    {"core/contact", {"core/base", "core/geometry"}, {"eigen", "fmt"}},
+    {"core/contact", {"core/base", "core/geometry", "core/hand"}, {"eigen", "fmt"}},
     {"core/transfer",
      {"core/base", "core/geometry", "core/hand", "core/contact"},
      {"eigen", "fmt"}},

@@ -20,18 +20,17 @@ struct ContactMap {
   /// although labels are not: then segments are anonymous.
   std::vector<std::string> segment_names;
   /// What the patch of each segment is called, where somebody knows better than its name:
-  /// `thumb`, ..., `palm`, `f1`; "" for a segment that is to be left out. Empty: what
-  /// fingerOfSegment says.
+  /// `thumb`, `index_distal`, `palm`, `f1`; "" for a segment that is to be left out. Empty:
+  /// what its name says.
   std::vector<std::string> segment_parts{};
 };
 
-/// The finger a segment's name stands for: `thumb index middle ring little palm`, or "" when
-/// the name says nothing. Knows full names (thumb, index, middle, ring, little, pinky, palm)
-/// and the tokens th ff mf mid rf lf, set off by case, digits or signs; case does not matter
-/// otherwise.
+/// The finger a segment's name stands for (hand/part_words.h): `thumb index middle ring little
+/// palm`, or "" when the name says nothing.
 std::string fingerOfSegment(const std::string& segment_name);
 
-/// The part of the hand that a label stands for, "" if nobody knows.
+/// The part of the hand that a label stands for, "" if nobody knows: `index_proximal`, or
+/// `index` where its name tells no segment.
 std::string partOfLabel(const ContactMap& map, int label);
 
 /// Sizes, finite values, labels in range. InvalidInput names the vertex and its value.

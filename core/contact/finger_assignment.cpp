@@ -37,6 +37,47 @@ std::array<Bone, 20> bones() {
   return all;
 }
 
+constexpr const char* kSegments[] = {"proximal", "middle", "distal"};
+
+/// A finger's first joint.
+int baseOf(int finger) {
+  return 1 + 4 * finger;
+}
+
+/// Of the five digits three each, then the palm.
+std::vector<std::string> segmentNames() {
+  std::vector<std::string> names;
+  for (int finger = 0; finger < kPalm; ++finger)
+    for (const char* segment : kSegments)
+      names.push_back(hand::partName(kHandParts[finger], segment));
+  names.emplace_back(kHandParts[kPalm]);
+  return names;
+}
+
+double distanceToBone(const Eigen::Vector3d& p,
+                      const Eigen::Vector3d& a,
+                      const Eigen::Vector3d& b) {
+  const Eigen::Vector3d d = b - a;
+  const double length2 = d.squaredNorm();
+  const double t = length2 > 0.0 ? std::clamp((p - a).dot(d) / length2, 0.0, 1.0) : 0.0;
+  return (a + t * d - p).norm();
+}
+
+/// The bone of a finger that is nearest, from its base.
+int nearestSegment(const HandJoints& joints, const Eigen::Vector3d& p_O, int finger) {
+  int best = 0;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kBonesOfFinger; ++i) {
+    const int joint = baseOf(finger) + i;
+    const double distance =
+        distanceToBone(p_O, joints.p_O.col(joint), joints.p_O.col(joint + 1));
+    if (distance >= nearest) continue;
+    nearest = distance;
+    best = i;
+  }
+  return best;
+}
+
 using Accepted = std::array<bool, kPartCount>;
 
 int nearestPart(const HandJoints& joints,
@@ -91,7 +132,7 @@ void assignFingers(ContactMap& map,
   validate(joints);
   const geometry::TriangleMesh& mesh = map.mesh_O;
   HANDGRAFT_REQUIRE(std::ssize(touches) == mesh.vertexCount());
-  map.segment_names.assign(std::begin(kHandParts), std::end(kHandParts));
+  map.segment_names = segmentNames();
   map.segment_parts.clear();
   map.label.assign(touches.size(), -1);
   Accepted all{};
@@ -137,6 +178,87 @@ void assignFingers(ContactMap& map,
         map.label[v] = nearestPart(joints, mesh.vertex(v), accepted);
     }
   }
+
+  // === From parts to their segments
+  for (int v = 0; v < mesh.vertexCount(); ++v) {
+    int& label = map.label[static_cast<std::size_t>(v)];
+    if (label < 0) continue;
+    label = label == kPalm
+                ? kPalm * kBonesOfFinger
+                : label * kBonesOfFinger + nearestSegment(joints, mesh.vertex(v), label);
+  }
+}
+
+std::optional<hand::HandPlace> placeByJoints(const HandJoints& joints,
+                                             const std::string& part,
+                                             const Eigen::Vector3d& p_O,
+                                             const Eigen::Vector3d& n_O) {
+  auto place = hand::placeNamed(part);
+  if (!place) return place;
+  const auto joint = [&](int i) -> Eigen::Vector3d {
+    return joints.p_O.col(i);
+  };
+
+  // === The palm: from the wrist up, from the index across; fingers bend to where it faces
+  const Eigen::Vector3d knuckles = 0.5 * (joint(baseOf(1)) + joint(baseOf(4)));
+  const Eigen::Vector3d across_O = joint(baseOf(4)) - joint(baseOf(1));
+  const Eigen::Vector3d up_O = (knuckles - joint(0)).stableNormalized();
+  Eigen::Vector3d facing_O = up_O.cross(across_O).stableNormalized();
+  double bent = 0.0;
+  for (int finger = 1; finger < kPalm; ++finger)
+    bent += (joint(baseOf(finger) + 3) - joint(baseOf(finger))).dot(facing_O);
+  if (bent < 0.0) facing_O = -facing_O;
+  const Eigen::Vector3d thumb_side_O =
+      -(across_O - across_O.dot(up_O) * up_O).stableNormalized();
+  const Eigen::Vector3d looks_O = -n_O;  // contact is face to face
+
+  if (place->digit == hand::kPalmPart) {
+    const double height = (knuckles - joint(0)).norm();
+    const double width = across_O.norm();
+    if (!(height > 0.0) || !(width > 0.0)) return std::nullopt;
+    place->along = (knuckles - p_O).dot(up_O) / height;
+    place->across = (p_O - joint(baseOf(1))).dot(-thumb_side_O) / width;
+    place->around_rad = std::atan2(looks_O.dot(thumb_side_O), looks_O.dot(facing_O));
+    return place;
+  }
+
+  const auto* at = std::find(std::begin(kHandParts), std::end(kHandParts), place->digit);
+  if (at == std::end(kHandParts)) return std::nullopt;
+  const int finger = static_cast<int>(at - std::begin(kHandParts));
+  const auto* segment = std::find(std::begin(kSegments), std::end(kSegments), place->segment);
+  const int index = static_cast<int>(segment - std::begin(kSegments));
+  const Eigen::Vector3d from = joint(baseOf(finger) + index);
+  const Eigen::Vector3d bone = joint(baseOf(finger) + index + 1) - from;
+  const double length = bone.norm();
+  if (!(length > 0.0)) return std::nullopt;
+  const Eigen::Vector3d u = bone / length;
+  place->segment_count = kBonesOfFinger;
+  place->along = std::clamp((p_O - from).dot(u) / length, 0.0, 1.0);
+
+  // The way this bone's inside looks: a finger's as the palm does, turned with the bone; a
+  // thumb's to the fingers.
+  Eigen::Vector3d palmar_O = facing_O.dot(up_O.cross(thumb_side_O)) * u.cross(thumb_side_O);
+  if (finger == 0) {
+    palmar_O = Eigen::Vector3d::Zero();
+    for (int other = 1; other < kPalm; ++other)
+      palmar_O += 0.25 * (joint(baseOf(other) + 1) - from);
+  }
+  palmar_O -= palmar_O.dot(u) * u;
+  if (palmar_O.norm() < 1e-9) return place;
+  palmar_O.normalize();
+  // As hand/finger_coordinates: a right hand's is the bone cross the palmar side.
+  Eigen::Vector3d thumbward_O = u.cross(palmar_O);
+  if (up_O.cross(facing_O).dot(thumb_side_O) < 0.0) thumbward_O = -thumbward_O;
+  place->around_rad = std::atan2(looks_O.dot(thumbward_O), looks_O.dot(palmar_O));
+  double to_tip = (1.0 - place->along) * length;
+  double whole = 0.0;
+  for (int k = 0; k < kBonesOfFinger; ++k) {
+    const double one = (joint(baseOf(finger) + k + 1) - joint(baseOf(finger) + k)).norm();
+    whole += one;
+    if (k > index) to_tip += one;
+  }
+  place->from_tip = to_tip / whole;
+  return place;
 }
 
 std::optional<Eigen::Vector3d> directionTowardsWrist(const HandJoints& joints,

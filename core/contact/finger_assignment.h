@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "core/contact/contact_map.h"
+#include "core/hand/hand_place.h"
 
 namespace handgraft::contact {
 
@@ -38,8 +39,8 @@ NearestBone nearestBone(const HandJoints& joints,
 /// Errors: InvalidInput naming the joint that is not finite, or if all are in one place.
 void validate(const HandJoints& joints);
 
-/// Labels every vertex in contact with the part of the hand whose bone is nearest, and names
-/// the segments so.
+/// Labels every vertex in contact with the segment of the hand whose bone is nearest
+/// (`index_middle`, `palm`), and names the segments so.
 ///
 /// A region in contact that hangs together is a whole first: a part of the hand counts there if
 /// at least `minimum_area_m2` and 15 % of the region is nearest to it; the rest goes to the
@@ -50,6 +51,14 @@ void assignFingers(ContactMap& map,
                    const std::vector<char>& touches,
                    const HandJoints& joints,
                    double minimum_area_m2);
+
+/// Where on the hand a patch of `part` with its root at `p_O` was: along the nearest bone of
+/// that segment, and round it as the object's outward unit normal there was looked at. Nothing
+/// for other parts than segments and the palm. Cost: constant.
+std::optional<hand::HandPlace> placeByJoints(const HandJoints& joints,
+                                             const std::string& part,
+                                             const Eigen::Vector3d& p_O,
+                                             const Eigen::Vector3d& n_O);
 
 /// The tangent at a place with unit normal `n_O` along the finger towards the wrist; missing
 /// where the bones stand on the surface there.

@@ -8,12 +8,14 @@
 
 #include "core/geometry/surface_point.h"
 #include "core/geometry/triangle_mesh.h"
+#include "core/hand/hand_place.h"
 
 namespace handgraft::contact {
 
 /// One contact area on an object's surface (paper, III-A: PR, PB and IB).
 struct Patch {
-  /// The hand site it belongs to: `thumb`, `palm`, ...
+  /// The part of the hand it belongs to: a site's name (`thumb`, `palm`), or a segment's
+  /// (`index_proximal`, hand::placeNamed), with a number behind where there are several.
   std::string name;
   geometry::SurfacePoint root;
   /// Tangent at the root towards the wrist of the hand that touched, in O. Missing where the
@@ -24,6 +26,8 @@ struct Patch {
   std::vector<int> boundary;
   /// 20-30 places at equal arc length along the boundary.
   std::vector<geometry::SurfacePoint> interpolation_boundary;
+  /// Where on the hand that touched it was; missing where the source does not tell.
+  std::optional<hand::HandPlace> place;
   /// Multiplies the patch's part of the objective; 0 switches it off.
   double weight = 1.0;
 };

@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <map>
 #include <set>
+#include <string_view>
 #include <utility>
 
 #include "core/base/error.h"
 #include "core/contact/outline.h"
 #include "core/contact/region.h"
 #include "core/contact/threshold.h"
+#include "core/hand/hand_place.h"
 
 namespace handgraft::contact {
 namespace {
@@ -20,6 +24,17 @@ struct Group {
   std::string name;           ///< of the finger; empty if anonymous
   std::vector<char> touches;  ///< per vertex
 };
+
+/// Share of a digit's region in one piece below which a segment's part is but a border.
+constexpr double kSliver = 0.15;
+/// A segment's vertices along the border of another's region make no contact of their own.
+constexpr double kNoise_m2 = 5e-6;
+
+/// `index` and `proximal` of `index_proximal_2`; `index` and nothing of `index`.
+std::pair<std::string, std::string> splitPart(const std::string& part) {
+  if (const auto place = hand::placeNamed(part)) return {place->digit, place->segment};
+  return {part, ""};
+}
 
 struct Component {
   Region faces;
@@ -128,7 +143,7 @@ class Segmenter {
   /// Whether labels say which finger touches, somewhere.
   [[nodiscard]] bool namesFingers() const {
     for (int v = 0; v < map_.mesh_O.vertexCount() && !map_.label.empty(); ++v) {
-      if (touches(v) && !fingerOf(map_.label[v]).empty()) return true;
+      if (touches(v) && !partOf(map_.label[v]).empty()) return true;
     }
     return false;
   }
@@ -143,7 +158,7 @@ class Segmenter {
                                       threshold_)};
   }
 
-  [[nodiscard]] std::string fingerOf(int label) const { return partOfLabel(map_, label); }
+  [[nodiscard]] std::string partOf(int label) const { return partOfLabel(map_, label); }
 
   std::vector<Group> groups() {
     if (map_.label.empty()) {
@@ -160,35 +175,92 @@ class Segmenter {
     }
     if (unlabelled > 0) note("vertices in contact without label, left out: {}", unlabelled);
 
-    std::set<std::string> fingers;
+    std::map<int, std::string> part_of;  // of each label in contact that names one
     for (const int label : segments)
-      fingers.insert(fingerOf(label));
-    fingers.erase("");
+      if (std::string part = partOf(label); !part.empty()) part_of[label] = std::move(part);
+    std::vector<int> label = map_.label;
+    giveSliversAway(part_of, label);
 
     // The usual parts in their order, then others by their names.
-    std::vector<std::string> order;
-    for (const char* part : kHandParts) {
-      if (fingers.erase(part) > 0) order.emplace_back(part);
-    }
-    order.insert(order.end(), fingers.begin(), fingers.end());
+    std::set<std::string> parts;
+    for (const auto& [one, part] : part_of)
+      parts.insert(part);
+    std::vector<std::string> order(parts.begin(), parts.end());
+    std::stable_sort(order.begin(), order.end(),
+                     [](const std::string& a, const std::string& b) {
+                       return rankOf(a) < rankOf(b);
+                     });
 
     std::vector<Group> groups;
-    for (const std::string& finger : order) {
-      groups.push_back(groupOf(finger, [&](int v) {
-        return fingerOf(map_.label[v]) == finger;
+    for (const std::string& part : order) {
+      groups.push_back(groupOf(part, [&](int v) {
+        const auto found = part_of.find(label[static_cast<std::size_t>(v)]);
+        return found != part_of.end() && found->second == part;
       }));
     }
-    for (const int label : segments) {
-      if (!fingerOf(label).empty()) continue;
+    for (const int one : segments) {
+      if (part_of.contains(one)) continue;
       if (order.empty()) {
         groups.push_back(groupOf("", [&](int v) {
-          return map_.label[v] == label;
+          return map_.label[v] == one;
         }));
       } else {
-        note("segment {} names no finger: left out", segmentName(label));
+        note("segment {} names no finger: left out", segmentName(one));
       }
     }
     return groups;
+  }
+
+  /// Fingers as usual, palm last; of each its segments from the palm outwards.
+  static int rankOf(const std::string& part) {
+    const auto [digit, segment] = splitPart(part);
+    const auto at = std::find(std::begin(kHandParts), std::end(kHandParts), digit);
+    static constexpr std::string_view kSegments[] = {"", "proximal", "middle", "distal"};
+    const auto where = std::find(std::begin(kSegments), std::end(kSegments), segment);
+    return static_cast<int>(8 * (at - std::begin(kHandParts)) +
+                            (where - std::begin(kSegments)));
+  }
+
+  /// Where a digit touches in one piece with several segments, those with little of it leave it
+  /// to the one with most: a label's border beside a patch is no contact of its own.
+  void giveSliversAway(const std::map<int, std::string>& part_of, std::vector<int>& label) {
+    const TriangleMesh& mesh = map_.mesh_O;
+    std::set<std::string> digits;
+    for (const auto& [one, part] : part_of)
+      if (!splitPart(part).second.empty()) digits.insert(splitPart(part).first);
+    const auto partAt = [&](int v) -> const std::string* {
+      const auto found = part_of.find(label[static_cast<std::size_t>(v)]);
+      return touches(v) && found != part_of.end() ? &found->second : nullptr;
+    };
+    for (const std::string& digit : digits) {
+      std::vector<char> marked(static_cast<std::size_t>(mesh.faceCount()), 0);
+      for (int f = 0; f < mesh.faceCount(); ++f) {
+        const Eigen::Vector3i face = mesh.face(f);
+        marked[static_cast<std::size_t>(f)] = std::all_of(face.begin(), face.end(), [&](int v) {
+          const std::string* part = partAt(v);
+          return part != nullptr && splitPart(*part).first == digit;
+        });
+      }
+      for (const Region& region : connectedRegions(mesh, marked)) {
+        std::set<int> vertices;
+        for (const int f : region)
+          for (const int v : mesh.face(f))
+            vertices.insert(v);
+        std::map<int, double> area;
+        double whole = 0.0;
+        for (const int v : vertices) {
+          area[label[static_cast<std::size_t>(v)]] += areas_[v];
+          whole += areas_[v];
+        }
+        const auto most = std::max_element(area.begin(), area.end(), [](auto& a, auto& b) {
+          return a.second < b.second;
+        });
+        const double least = std::max(options_.minimum_area_m2, kSliver * whole);
+        for (const int v : vertices)
+          if (area[label[static_cast<std::size_t>(v)]] < least)
+            label[static_cast<std::size_t>(v)] = most->first;
+      }
+    }
   }
 
   [[nodiscard]] std::string segmentName(int label) const {
@@ -198,27 +270,48 @@ class Segmenter {
 
   void addFinger(const Group& group) {
     std::vector<Component> components = componentsOf(map_, group, 3);
+    bool is_grown = false;
     auto best = mostContact(components);
     if (best == components.end() || best->area < options_.minimum_area_m2) {
       components = componentsOf(map_, group, 1);
       best = mostContact(components);
+      const bool is_noise = best == components.end() || best->area < kNoise_m2;
+      if (is_noise && !splitPart(group.name).second.empty()) return;  // its neighbours have it
       if (best == components.end() || best->area < options_.minimum_area_m2) {
         note("'{}' dropped: its contact covers {:.0f} mm2 at most, below {:.0f} mm2",
              group.name, best == components.end() ? 0.0 : mm2(best->area),
              mm2(options_.minimum_area_m2));
         return;
       }
-      best->is_grown = true;
+      is_grown = true;
       note("'{}' grown to all faces that it touches: the mesh is coarse there", group.name);
     }
-    if (components.size() > 1) {
-      double rest = -best->area;
-      for (const Component& component : components)
-        rest += component.area;
-      note("'{}' touches in {} places: the one with most contact was taken, {:.0f} mm2 dropped",
-           group.name, components.size(), mm2(rest));
+    const bool is_segment =
+        group.name == hand::kPalmPart || !splitPart(group.name).second.empty();
+    std::stable_sort(components.begin(), components.end(),
+                     [](const Component& a, const Component& b) {
+                       return a.contact > b.contact;
+                     });
+    double dropped = 0.0;
+    int count = 0;
+    for (Component& component : components) {
+      component.is_grown = is_grown;
+      const bool is_patch =
+          count == 0 || (is_segment && !is_grown && component.area >= options_.minimum_area_m2);
+      const std::string name =
+          count == 0 ? group.name : fmt::format("{}_{}", group.name, count + 1);
+      if (is_patch && addPatch(name, component)) {
+        ++count;
+      } else {
+        dropped += component.area;
+      }
     }
-    addPatch(group.name, *best);
+    if (dropped > 0.0 && !is_segment) {
+      note("'{}' touches in {} places: the one with most contact was taken, {:.0f} mm2 dropped",
+           group.name, components.size(), mm2(dropped));
+    } else if (dropped > 0.0) {
+      note("'{}': specks of {:.0f} mm2 in all dropped", group.name, mm2(dropped));
+    }
   }
 
   static std::vector<Component>::iterator mostContact(std::vector<Component>& components) {
@@ -286,9 +379,12 @@ class Segmenter {
         sampleLoop(mesh, boundary.loop, options_.interpolation_count);
     patch.boundary = std::move(boundary.loop);
     if (options_.joints_O) {
-      patch.direction_O = directionTowardsWrist(*options_.joints_O, name,
-                                                geometry::positionOf(mesh, patch.root),
-                                                geometry::normalOf(mesh, patch.root));
+      const Eigen::Vector3d p_O = geometry::positionOf(mesh, patch.root);
+      const Eigen::Vector3d n_O = geometry::normalOf(mesh, patch.root);
+      const std::string digit = splitPart(name).first;
+      patch.direction_O = directionTowardsWrist(*options_.joints_O, digit, p_O, n_O);
+      if (hand::placeNamed(name))
+        patch.place = placeByJoints(*options_.joints_O, name, p_O, n_O);
     }
     set_.patches.push_back(std::move(patch));
     return true;

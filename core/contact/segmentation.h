@@ -33,13 +33,17 @@ struct SegmentationOptions {
   std::optional<HandJoints> joints_O;
 };
 
-/// Splits a contact map into patches: smoothing, threshold, fingers by joints where labels do
-/// not name any, group the labels by finger, connected
-/// components of the faces that are in contact at all three corners, one patch per finger (the
-/// component with the most contact, integrated over its area; the rest is dropped and noted),
+/// Splits a contact map into patches: smoothing, threshold, parts of the hand by joints where
+/// labels do not name any, connected components of the faces that are in contact at all three
+/// corners with one part (a segment of a digit, a digit whose segments nobody tells, the palm),
 /// cut to the outline of what touches, root at the component's geodesic centre, ordered outer
-/// boundary, IB. Directions lead towards the wrist where joints are given, and stay open
-/// otherwise.
+/// boundary, IB. Directions lead towards the wrist and patches have places where joints are
+/// given, and stay open otherwise.
+///
+/// A segment and the palm give a patch for each component of at least the minimum area, the one
+/// with most contact (integrated over its area) first: `index_middle`, `index_middle_2`; a
+/// digit without segments gives one. What a segment has of a digit's region beside others is
+/// theirs if it is less than 15 %. What is dropped is noted.
 ///
 /// Without labels, or where no segment's name says a finger, every component becomes a patch,
 /// named c1, c2, ... by falling area. A finger whose contact covers the minimum area, but no

@@ -1,6 +1,7 @@
 #include "core/io/contact_file.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <limits>
 #include <map>
@@ -25,6 +26,7 @@ using geometry::SurfacePoint;
 using nlohmann::json;
 
 constexpr const char* kFormat = "handgraft-contacts/1";
+constexpr const char* kFormatWithPlaces = "handgraft-contacts/2";
 constexpr double kCloudReach_m = 0.005;           // from a point to the surface laid through it
 constexpr std::uintmax_t kMostBytes = 32u << 20;  // a set of 1,000 patches takes about 4 MB
 constexpr std::size_t kLongestName = 256;
@@ -237,9 +239,58 @@ json surfacePointJson(const SurfacePoint& point, const IndexedObject& object) {
 
 // === Contact sets: patches
 
-Patch patchFrom(const json& value, const IndexedObject& object) {
+/// Larger than any place beside a bone or a palm.
+constexpr double kFarthestPlace = 100.0;
+
+double placeNumberFrom(const json& value, const char* field, double otherwise) {
+  const auto found = value.find(field);
+  if (found == value.end()) return otherwise;
+  const double number = numberFrom(*found, field);
+  if (!(std::abs(number) <= kFarthestPlace))
+    rejectInput("field '{}' is {}; permitted are {} to {}", field, number, -kFarthestPlace,
+                kFarthestPlace);
+  return number;
+}
+
+hand::HandPlace placeFrom(const json& value) {
+  if (!value.is_object()) rejectInput("field 'place' is no object");
+  requireKnownKeys(
+      value, {"digit", "segment", "segments", "along", "around_rad", "across", "from_tip"});
+  hand::HandPlace place;
+  place.digit = nameFrom(fieldOf(value, "digit"), "digit");
+  if (value.contains("segment")) place.segment = nameFrom(value["segment"], "segment");
+  if (value.contains("segments")) {
+    constexpr int kMostSegments = 100;
+    place.segment_count = integerFrom(value["segments"], "segments");
+    if (place.segment_count < 0 || place.segment_count > kMostSegments)
+      rejectInput("field 'segments' is {}; permitted are 0 to {}", place.segment_count,
+                  kMostSegments);
+  }
+  place.along = placeNumberFrom(value, "along", place.along);
+  place.around_rad = placeNumberFrom(value, "around_rad", place.around_rad);
+  place.across = placeNumberFrom(value, "across", place.across);
+  place.from_tip = placeNumberFrom(value, "from_tip", place.from_tip);
+  return place;
+}
+
+json placeJson(const hand::HandPlace& place) {
+  json value = {
+      {"digit", place.digit}, {"along", place.along}, {"around_rad", place.around_rad}};
+  if (place.digit == hand::kPalmPart) {
+    value["across"] = place.across;
+    return value;
+  }
+  value["segment"] = place.segment;
+  if (place.segment_count > 0) value["segments"] = place.segment_count;
+  if (place.from_tip >= 0.0) value["from_tip"] = place.from_tip;
+  return value;
+}
+
+Patch patchFrom(const json& value, const IndexedObject& object, bool may_have_place) {
   requireKnownKeys(value, {"name", "root", "direction", "boundary", "interpolation_count",
-                           "interpolation_boundary", "weight"});
+                           "interpolation_boundary", "weight", "place"});
+  if (!may_have_place && value.contains("place"))
+    rejectInput("field 'place' needs format '{}'", kFormatWithPlaces);
   Patch patch;
   patch.name = nameFrom(fieldOf(value, "name"), "name");
   patch.root = surfacePointFrom(fieldOf(value, "root"), "root", object);
@@ -249,6 +300,8 @@ Patch patchFrom(const json& value, const IndexedObject& object) {
   if (const auto weight = value.find("weight"); weight != value.end()) {
     patch.weight = numberFrom(*weight, "weight");
   }
+  if (const auto place = value.find("place"); place != value.end())
+    patch.place = placeFrom(*place);
   std::vector<Eigen::Vector3d> cloud_loop;
   for (const json& vertex : arrayFrom(fieldOf(value, "boundary"), "boundary")) {
     if (object.isCloud()) {
@@ -285,7 +338,10 @@ ContactSet contactSetFrom(const json& root, const MeshFile& object_file) {
   const IndexedObject object{object_file};
   if (!root.is_object()) rejectInput("the file holds no JSON object");
   const std::string format = stringFrom(fieldOf(root, "format"), "format");
-  if (format != kFormat) rejectInput("format is {}; expected '{}'", quoted(format), kFormat);
+  if (format != kFormat && format != kFormatWithPlaces) {
+    rejectInput("format is {}; expected '{}' or '{}'", quoted(format), kFormat,
+                kFormatWithPlaces);
+  }
   requireKnownKeys(root, {"format", "name", "object", "patches", "notes"});
 
   ContactSet set;
@@ -302,7 +358,7 @@ ContactSet contactSetFrom(const json& root, const MeshFile& object_file) {
   for (std::size_t i = 0; i < patches.size(); ++i) {
     try {
       if (!patches[i].is_object()) rejectInput("it is no JSON object");
-      set.patches.push_back(patchFrom(patches[i], object));
+      set.patches.push_back(patchFrom(patches[i], object, format == kFormatWithPlaces));
     } catch (const InvalidInput& error) {
       rejectInput("{}: {}", labelOf(patches[i], i), error.what());
     }
@@ -412,9 +468,15 @@ std::string contactSetText(const ContactSet& set, const MeshFile& object_file) {
       item["interpolation_boundary"].push_back(surfacePointJson(point, object));
     }
     item["weight"] = patch.weight;
+    if (patch.place) item["place"] = placeJson(*patch.place);
     patches.push_back(std::move(item));
   }
-  json root = {{"format", kFormat}, {"name", set.name}, {"patches", std::move(patches)}};
+  const bool has_places = std::any_of(set.patches.begin(), set.patches.end(), [](auto& patch) {
+    return patch.place.has_value();
+  });
+  json root = {{"format", has_places ? kFormatWithPlaces : kFormat},
+               {"name", set.name},
+               {"patches", std::move(patches)}};
   if (!set.object.empty()) root["object"] = set.object;
   if (!set.notes.empty()) root["notes"] = set.notes;
   // Names may hold any bytes; what is no UTF-8 is replaced rather than refused.

@@ -74,6 +74,14 @@ std::string hashOf(const contact::ContactSet& set) {
       addPlace(hash, place);
     if (patch.direction_O) hash.addNumbers(patch.direction_O->data(), 3);
     hash.addNumbers(&patch.weight, 1);
+    if (!patch.place) continue;
+    const hand::HandPlace& place = *patch.place;
+    addText(hash, place.digit);
+    addText(hash, place.segment);
+    hash.addNumbers(&place.segment_count, 1);
+    for (const double* number :
+         {&place.along, &place.around_rad, &place.across, &place.from_tip})
+      hash.addNumbers(number, 1);
   }
   return hash.finish();
 }

@@ -8,6 +8,7 @@
 #include "core/geometry/tangent.h"
 #include "core/session/hand_placement.h"
 #include "core/session/patch_names.h"
+#include "core/session/place_matching.h"
 #include "core/session/site_assignment.h"
 
 namespace handgraft::session {
@@ -31,6 +32,7 @@ void lay(const Hand& hand, const hand::ContactSite& site, DocumentPatch& patch) 
 void matchByName(const Hand& hand, Document& document) {
   for (DocumentPatch& patch : document.patches) {
     if (patch.placement) continue;
+    if (!patch.dropped.empty()) continue;
     for (const hand::ContactSite& site : hand.sites) {
       if (site.name == patch.name) lay(hand, site, patch);
     }
@@ -94,6 +96,8 @@ void matchByGeometry(const Models& models, Document& document, const Progress& p
       lay(hand, *sites[static_cast<std::size_t>(answer[i])], patch);
       document.notes.push_back(fmt::format("{} laid on site '{}', the best assignment found",
                                            quoted(patch.name), patch.site));
+    } else if (!patch.dropped.empty()) {
+      document.notes.push_back(patch.dropped);
     } else if (isAnonymousPatch(patch.name)) {
       patch.dropped = fmt::format("no site is left for {}; the hand's sites are {}",
                                   quoted(patch.name), namesOf(hand.sites));
@@ -107,6 +111,18 @@ void matchByGeometry(const Models& models, Document& document, const Progress& p
 }  // namespace
 
 void matchPatches(const Models& models, Document& document, const Progress& progress) {
+  for (DocumentPatch& patch : document.patches)
+    if (!patch.placement) patch.dropped.clear();
+  const bool has_places =
+      std::any_of(models.contacts->patches.begin(), models.contacts->patches.end(),
+                  [](const contact::Patch& patch) {
+                    return patch.place || hand::placeNamed(patch.name);
+                  });
+  if (has_places) {
+    const hand::FingerCoordinates coordinates(*models.hand->model, *models.hand->skin,
+                                              models.hand->sites);
+    matchByPlace(models, coordinates, document, progress);
+  }
   matchByName(*models.hand, document);
   matchByGeometry(models, document, progress);
   const auto isPlaced = [](const DocumentPatch& patch) {

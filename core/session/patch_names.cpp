@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "core/base/error.h"
+#include "core/hand/hand_place.h"
 
 namespace handgraft::session {
 
@@ -58,10 +59,12 @@ void validateSet(const contact::ContactSet& set,
       return site.name == patch.name;
     });
     if (!is_site && !isFinger(patch.name) && !isAnonymousPatch(patch.name) &&
-        !isAnonymousSite(patch.name)) {
+        !isAnonymousSite(patch.name) && !patch.place && !hand::placeNamed(patch.name)) {
       rejectInput(
           "contact set {}: patch {} names no site; permitted are thumb, index, middle, ring, "
-          "little, palm, c1, c2, ... and this hand's sites ({})",
+          "little, palm, a finger's segment (index_proximal), c1, c2, ... and this hand's "
+          "sites "
+          "({})",
           quoted(set.name), quoted(patch.name), namesOf(sites));
     }
   }

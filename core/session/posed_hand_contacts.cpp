@@ -1,35 +1,99 @@
 #include "core/session/posed_hand_contacts.h"
 
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "core/base/error.h"
 #include "core/contact/carry.h"
+#include "core/geometry/tangent.h"
+#include "core/hand/finger_coordinates.h"
 #include "core/hand/hand_parts.h"
+#include "core/session/open_roots.h"
 
 namespace handgraft::session {
 
 namespace {
 
-/// Gives the patches of `set`, on the map's mesh, the directions that the touching links know.
-void pointTowardsWrist(contact::ContactSet& set,
-                       const contact::ContactMap& map,
-                       const std::vector<int>& link_of_segment,
-                       const hand::HandParts& parts,
-                       const hand::LinkPoses& X_OL) {
-  for (contact::Patch& patch : set.patches) {
-    const int root = geometry::vertexAt(map.mesh_O, patch.root);
-    HANDGRAFT_REQUIRE(root >= 0);
-    const int segment = map.label[static_cast<std::size_t>(root)];
-    if (segment < 0) continue;  // a region that was grown over its border
-    const int link = link_of_segment[static_cast<std::size_t>(segment)];
-    const Eigen::Matrix3d R_OL = X_OL[static_cast<std::size_t>(link)].linear();
-    // Contact is face to face.
-    const Eigen::Vector3d n_L =
-        -(R_OL.transpose() * geometry::normalOf(map.mesh_O, patch.root));
-    if (const auto d_L = parts.towardsWrist(link, n_L)) patch.direction_O = R_OL * *d_L;
+/// A hand in its pose, seen from the object.
+struct PosedHand {
+  const Hand& hand;
+  const hand::FingerCoordinates& coordinates;
+  const hand::HandParts& parts;
+  hand::HandPose pose_O;  ///< X_OH and the joints
+};
+
+/// The part of each link: a segment's, or what HandParts calls it.
+std::vector<std::string> partsOf(const PosedHand& posed) {
+  std::vector<std::string> names;
+  for (std::size_t link = 0; link < posed.parts.names().size(); ++link) {
+    const auto& [digit, segment] = posed.coordinates.parts()[link];
+    names.push_back(digit.empty() ? posed.parts.names()[link] : hand::partName(digit, segment));
   }
+  return names;
+}
+
+/// Gives a patch on `mesh_O` its place on the hand and its direction towards the wrist; returns
+/// how far from its root that place is (m), infinite where none looks at it.
+double findPlace(const PosedHand& posed,
+                 const geometry::TriangleMesh& mesh_O,
+                 const std::vector<char>& links,
+                 contact::Patch& patch) {
+  const hand::Skin& skin = *posed.hand.skin;
+  const hand::HandModel& model = *posed.hand.model;
+  const Eigen::Vector3d n_O = geometry::normalOf(mesh_O, patch.root);
+  const auto root_S = rootShownBy(model, skin, posed.pose_O, links,
+                                  geometry::positionOf(mesh_O, patch.root), n_O);
+  if (!root_S) return std::numeric_limits<double>::infinity();
+  patch.place = posed.coordinates.placeOf(*root_S);
+  const int link = skin.faceLinks()[static_cast<std::size_t>(root_S->face)];
+  const auto L = static_cast<std::size_t>(link);
+  const hand::LinkPoses X_OL = forwardKinematics(model, posed.pose_O);
+  hand::LinkPoses X_SL;
+  forwardKinematics(model, Pose::Identity(), skin.qReference(), X_SL);
+  std::optional<Eigen::Vector3d> direction_O;
+  if (const auto direction_S = posed.coordinates.towardsWrist(*root_S)) {
+    direction_O = X_OL[L].linear() * (X_SL[L].linear().transpose() * *direction_S);
+  } else if (const auto d_L =
+                 posed.parts.towardsWrist(link, -(X_OL[L].linear().transpose() * n_O))) {
+    direction_O = X_OL[L].linear() * *d_L;
+  }
+  if (direction_O) patch.direction_O = tangentAt(mesh_O, patch.root, *direction_O);
+  const Eigen::Vector3d p_O =
+      X_OL[L] * (inverse(X_SL[L]) * geometry::positionOf(skin.mesh(), *root_S));
+  return (p_O - geometry::positionOf(mesh_O, patch.root)).norm();
+}
+
+/// Takes patches out that the hand's surface is too far from: an object's far side, felt
+/// through a wall or beyond an edge. The last patch of a digit stays.
+void dropUnmet(const std::vector<double>& away_m,
+               double reach_m,
+               std::map<std::string, int>& patches_of_digit,
+               contact::ContactSet& set) {
+  std::vector<contact::Patch> kept;
+  for (std::size_t i = 0; i < set.patches.size(); ++i) {
+    contact::Patch& patch = set.patches[i];
+    const auto place = hand::placeNamed(patch.name);
+    int& left = patches_of_digit[place ? place->digit : patch.name];
+    if (away_m[i] <= reach_m || left == 1) {
+      kept.push_back(std::move(patch));
+      continue;
+    }
+    --left;
+    set.notes.push_back(
+        std::isfinite(away_m[i])
+            ? fmt::format("{} dropped: what of the hand looks at it is {:.0f} mm away",
+                          quoted(patch.name), 1e3 * away_m[i])
+            : fmt::format("{} dropped: nothing of the hand looks at it", quoted(patch.name)));
+  }
+  set.patches = std::move(kept);
 }
 
 }  // namespace
@@ -52,32 +116,51 @@ std::vector<contact::PosedSurface> posedSurfaces(const hand::HandModel& model,
   return parts;
 }
 
-PosedContacts contactsOfPosedHand(const hand::HandModel& model,
-                                  const std::vector<hand::ContactSite>& sites,
+PosedContacts contactsOfPosedHand(const Hand& hand,
                                   const hand::HandPose& pose,
                                   const geometry::TriangleMesh& object_O,
                                   const Pose& X_WO,
                                   const contact::PoseContactOptions& reach,
                                   const contact::SegmentationOptions& segmentation,
                                   const Progress& progress) {
-  const hand::HandParts parts(model, sites);
+  HANDGRAFT_REQUIRE(hand.model != nullptr && hand.skin != nullptr);
+  const hand::HandModel& model = *hand.model;
+  const hand::FingerCoordinates coordinates(model, *hand.skin, hand.sites);
+  const hand::HandParts parts(model, hand.sites);
+  const PosedHand posed{hand, coordinates, parts, {X_WO.inverse() * pose.X_WH, pose.q}};
+  const std::vector<std::string> part_of_link = partsOf(posed);
+
+  // === The map, and its patches by segments
   const std::vector<contact::PosedSurface> surfaces_O = posedSurfaces(model, pose, X_WO);
   PosedContacts result;
   contact::ContactMap& map = result.map;
   map = contact::contactsFromPose(object_O, surfaces_O, reach, progress);
-  std::vector<int> link_of_segment;
   for (const contact::PosedSurface& surface : surfaces_O) {
-    const int link = model.linkIndex(surface.name);
-    link_of_segment.push_back(link);
-    const std::string& part = parts.names()[static_cast<std::size_t>(link)];
+    const std::string& part =
+        part_of_link[static_cast<std::size_t>(model.linkIndex(surface.name))];
     map.segment_parts.push_back(part.empty() ? contact::fingerOfSegment(surface.name) : part);
   }
   result.set = contact::segment(map, segmentation);
 
-  hand::LinkPoses X_OL = hand::forwardKinematics(model, pose);
-  for (Pose& X : X_OL)
-    X = X_WO.inverse() * X;
-  pointTowardsWrist(result.set, map, link_of_segment, parts, X_OL);
+  // === Where on the hand each of them was
+  std::map<std::string, int> patches_of_digit;
+  std::vector<double> away_m;
+  for (contact::Patch& patch : result.set.patches) {
+    const auto place = hand::placeNamed(patch.name);
+    const std::string part = place ? hand::partName(place->digit, place->segment) : patch.name;
+    std::vector<char> links;
+    for (const std::string& one : part_of_link)
+      links.push_back(one == part ? 1 : 0);
+    away_m.push_back(findPlace(posed, map.mesh_O, links, patch));
+    ++patches_of_digit[place ? place->digit : patch.name];
+  }
+  dropUnmet(away_m, reach.reach_m, patches_of_digit, result.set);
+  std::vector<std::string> idle;
+  for (const hand::NamedDigit& digit : coordinates.anatomy().digits)
+    if (!patches_of_digit.contains(digit.name)) idle.push_back(digit.name);
+  if (!idle.empty())
+    result.set.notes.push_back(fmt::format("touches nothing: {}", fmt::join(idle, ", ")));
+
   const bool is_refined = map.mesh_O.vertexCount() != object_O.vertexCount() ||
                           map.mesh_O.faces() != object_O.faces();
   if (is_refined) result.set = contact::carry(result.set, map.mesh_O, object_O);

@@ -6,9 +6,9 @@
 #include "core/contact/contact_set.h"
 #include "core/contact/pose_contacts.h"
 #include "core/contact/segmentation.h"
-#include "core/hand/contact_site.h"
 #include "core/hand/hand_model.h"
 #include "core/hand/kinematics.h"
+#include "core/session/models.h"
 
 namespace handgraft::session {
 
@@ -26,14 +26,14 @@ struct PosedContacts {
   contact::ContactSet set;  ///< on the object's mesh; has no name yet
 };
 
-/// Where a posed hand touches an object, as patches: one for each finger, called as its site or
-/// as HandParts names it, with its direction towards the wrist where the hand tells it.
+/// Where a posed hand touches an object, as patches: of each segment of a digit and of the palm
+/// as contact::segment makes them, with its place on the hand and its direction along the bone
+/// towards the wrist (hand/finger_coordinates.h). Digits that touch nothing are noted.
 ///
-/// Frames: pose in W, object and result in O. `sites` may be empty. Errors: InvalidInput as
-/// contactsFromPose (the hand touches nothing: how far it is) and segment. Cancelled on wish.
-/// Cost: that of contactsFromPose.
-PosedContacts contactsOfPosedHand(const hand::HandModel& model,
-                                  const std::vector<hand::ContactSite>& sites,
+/// Frames: pose in W, object and result in O. Errors: InvalidInput as contactsFromPose (the
+/// hand touches nothing: how far it is) and segment. Cancelled on wish. Cost: that of
+/// contactsFromPose.
+PosedContacts contactsOfPosedHand(const Hand& hand,
                                   const hand::HandPose& pose,
                                   const geometry::TriangleMesh& object_O,
                                   const Pose& X_WO,

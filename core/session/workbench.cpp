@@ -7,11 +7,12 @@
 
 #include "core/base/error.h"
 #include "core/geometry/tangent.h"
-#include "core/hand/hand_parts.h"
+#include "core/hand/finger_coordinates.h"
 #include "core/session/hand_placement.h"
 #include "core/session/open_directions.h"
 #include "core/session/open_roots.h"
 #include "core/session/patch_matching.h"
+#include "core/session/place_matching.h"
 #include "core/session/solids.h"
 
 namespace handgraft::session {
@@ -78,7 +79,7 @@ void Workbench::follow(const Document& document, const Progress& progress) {
     for (std::size_t i = 0; i < patches.size(); ++i)
       patches[i].patch = patchOf(models, document.patches[i]);
     const transfer::Surfaces surfaces = surfacesOf(models);
-    if (models.hand != models_.hand) parts_of_links_.clear();
+    if (models.hand != models_.hand) coordinates_.reset();
     placer_.reset();
     spares_.clear();
     found_for_.clear();
@@ -229,18 +230,13 @@ bool Workbench::takeDirectionsFrom(const hand::HandPose& pose) {
   return turned;
 }
 
-std::vector<char> Workbench::linksOfSite(const std::string& site) {
+std::vector<char> Workbench::linksOf(const std::string& site) {
   const Hand& hand = *models_.hand;
-  if (parts_of_links_.empty())
-    parts_of_links_ = hand::HandParts(*hand.model, hand.sites).names();
-  std::vector<char> links(parts_of_links_.size(), 0);
-  for (const hand::ContactSite& candidate : hand.sites) {
-    if (candidate.name != site) continue;
-    const std::string& part = parts_of_links_[hand.model->linkIndex(candidate.link)];
-    for (std::size_t link = 0; link < links.size(); ++link)
-      links[link] = parts_of_links_[link] == part ? 1 : 0;
+  if (!coordinates_) {
+    coordinates_ =
+        std::make_unique<hand::FingerCoordinates>(*hand.model, *hand.skin, hand.sites);
   }
-  return links;
+  return linksOfSite(hand, *coordinates_, site);
 }
 
 bool Workbench::takeRootsFrom(const hand::HandPose& pose) {
@@ -250,7 +246,7 @@ bool Workbench::takeRootsFrom(const hand::HandPose& pose) {
   for (SessionPatch& item : patches_) {
     if (!item.placement || !item.root_is_open) continue;
     const auto root_S =
-        rootShownBy(*models_.hand->model, *models_.hand->skin, pose, linksOfSite(item.site),
+        rootShownBy(*models_.hand->model, *models_.hand->skin, pose, linksOf(item.site),
                     X_WO * positionOf(*models_.object_O, item.patch.root),
                     X_WO.linear() * normalOf(*models_.object_O, item.patch.root));
     if (!root_S) continue;

@@ -13,6 +13,10 @@
 #include "core/transfer/staged_transfer.h"
 #include "core/transfer/suggestion.h"
 
+namespace handgraft::hand {
+class FingerCoordinates;
+}  // namespace handgraft::hand
+
 namespace handgraft::session {
 
 class HandPlacer;
@@ -110,8 +114,8 @@ class Workbench {
   /// Slides the open roots to where `pose` shows the patches' roots, and sets the open
   /// directions; true if a root moved by more than a face or so.
   bool takeRootsFrom(const hand::HandPose& pose);
-  /// The links of the finger or palm that a site lies on, a flag a link.
-  [[nodiscard]] std::vector<char> linksOfSite(const std::string& site);
+  /// The links that a patch on that site may slide on, a flag a link.
+  [[nodiscard]] std::vector<char> linksOf(const std::string& site);
   /// One more solve with the open directions as the report's pose shows them; kept, and true,
   /// if the objective falls.
   bool refineDirections(optimize::SolveReport& report,
@@ -122,7 +126,7 @@ class Workbench {
   /// more points, by the objective a point, or what there was.
   void slideRoots(optimize::SolveReport& report,
                   const Solving& solving,
-                  const optimize::SolveOptions& options,
+                  optimize::SolveOptions options,
                   const Progress& progress);
   [[nodiscard]] Solution answered(optimize::SolveReport report, const Solving& solving) const;
   void requirePoints() const;
@@ -136,8 +140,8 @@ class Workbench {
   hand::HandPose start_;              ///< the document's, or one that was found
   bool start_is_known_ = false;
   std::string found_for_;  ///< what the found directions and start depend on, as bytes
-  std::unique_ptr<HandPlacer> placer_;       ///< made when first needed
-  std::vector<std::string> parts_of_links_;  ///< likewise (hand/hand_parts.h)
+  std::unique_ptr<HandPlacer> placer_;                    ///< made when first needed
+  std::unique_ptr<hand::FingerCoordinates> coordinates_;  ///< likewise
 };
 
 }  // namespace handgraft::session

@@ -169,8 +169,10 @@ bool Workbench::refineDirections(SolveReport& report,
 
 void Workbench::slideRoots(SolveReport& report,
                            const Solving& solving,
-                           const SolveOptions& options,
+                           SolveOptions options,
                            const Progress& progress) {
+  // A slide is a step from where the hand is: it needs no other start.
+  options.starts = 1;
   Search best(*this);
   std::size_t best_pairs = problem(solving).pairs.size();
   SolveReport present = report;

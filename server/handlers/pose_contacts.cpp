@@ -169,8 +169,8 @@ v1::ModelList contactsOfPose(const v1::PoseContactsRequest& request,
 
   const session::Hand ready = hand->hand->get(progress);
   session::PosedContacts posed =
-      session::contactsOfPosedHand(*ready.model, ready.sites, asked.pose, object->file->mesh,
-                                   X_WO, reach, segmentation, progress);
+      session::contactsOfPosedHand(ready, asked.pose, object->file->mesh, X_WO, reach,
+                                   segmentation, progress);
 
   StoredContacts contacts;
   contacts.name = request.name();

@@ -112,6 +112,14 @@ void put(ByteWriter& out, const contact::Patch& patch) {
   for (const geometry::SurfacePoint& point : patch.interpolation_boundary)
     put(out, point);
   out.number(patch.weight);
+  out.number(static_cast<std::uint8_t>(patch.place.has_value()));
+  if (!patch.place) return;
+  out.text(patch.place->digit);
+  out.text(patch.place->segment);
+  out.number(static_cast<std::int32_t>(patch.place->segment_count));
+  for (const double number : {patch.place->along, patch.place->around_rad, patch.place->across,
+                              patch.place->from_tip})
+    out.number(number);
 }
 
 /// All else is checked by contact::validate.
@@ -126,6 +134,15 @@ contact::Patch takePatch(ByteReader& in) {
   for (geometry::SurfacePoint& point : patch.interpolation_boundary)
     point = takeSurfacePoint(in);
   patch.weight = in.finite();
+  if (!in.flag()) return patch;
+  hand::HandPlace& place = patch.place.emplace();
+  place.digit = in.text();
+  place.segment = in.text();
+  place.segment_count = in.number<std::int32_t>();
+  place.along = in.finite();
+  place.around_rad = in.finite();
+  place.across = in.finite();
+  place.from_tip = in.finite();
   return patch;
 }
 

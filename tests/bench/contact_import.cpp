@@ -32,7 +32,7 @@ std::vector<std::string> touchingByLabels(const ContactMap& map,
     double area = 0.0;
     for (int v = 0; v < map.mesh_O.vertexCount(); ++v)
       if (map.value[v] > options.threshold &&
-          contact::partOfLabel(map, map.label[static_cast<std::size_t>(v)]) == part)
+          contact::partOfLabel(map, map.label[static_cast<std::size_t>(v)]).starts_with(part))
         area += areas[v];
     if (area >= options.minimum_area_m2) touching.emplace_back(part);
   }
@@ -47,8 +47,8 @@ bool isNearestTo(const HandJoints& joints,
   Eigen::Index nearest = 0;
   (joints.p_O.colwise() - p_O).colwise().squaredNorm().minCoeff(&nearest);
   const bool on_palm = nearest == 0 || (nearest > 4 && nearest % 4 == 1);
-  if (part == "palm") return on_palm;
-  return nearest > 0 && part == contact::kHandParts[(nearest - 1) / 4];
+  if (part.starts_with("palm")) return on_palm;
+  return nearest > 0 && part.starts_with(contact::kHandParts[(nearest - 1) / 4]);
 }
 
 double distanceToLoop(const TriangleMesh& mesh,

@@ -4,7 +4,9 @@
 #include <cstdlib>
 #include <fstream>
 #include <map>
+#include <set>
 #include <sstream>
+#include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -156,6 +158,14 @@ TEST_F(Import, UnitsInDoubtAreAskedForAndApplied) {
   EXPECT_NEAR(grasp.at("terms").at("objective"), plain.at("terms").at("objective"), 1e-2);
 }
 
+/// What comes before the segment in "index_distal".
+std::set<std::string> digitsOf(const json& patches) {
+  std::set<std::string> digits;
+  for (const std::string& name : namesOf(patches))
+    digits.insert(name.substr(0, name.find('_')));
+  return digits;
+}
+
 TEST_F(Import, ContactsOfAPosedHandAreOfTheFingersThatItWasPosedBy) {
   const fs::path pose = scratchDirectory() / "pose.json";
   const fs::path set = scratchDirectory() / "touched.json";
@@ -164,9 +174,8 @@ TEST_F(Import, ContactsOfAPosedHandAreOfTheFingersThatItWasPosedBy) {
   const json contacts = service_.ask({"contacts", "from-pose", "--hand", "human20", "--pose",
                                       pose.string(), "--object", "lemon", "--out", set.string(),
                                       "--png", (scratchDirectory() / "touched.png").string()});
-  EXPECT_THAT(
-      namesOf(contacts.at("patches")),
-      testing::UnorderedElementsAre("thumb", "index", "middle", "ring", "little", "palm"));
+  EXPECT_THAT(digitsOf(contacts.at("patches")),
+              testing::ElementsAre("index", "little", "middle", "palm", "ring", "thumb"));
   const json grasp = service_.ask(
       {"grasp", "--hand", "human20", "--object", "lemon", "--contacts", set.string()});
   for (const json& patch : grasp.at("patches"))
@@ -200,8 +209,8 @@ TEST_F(Import, JointsTellWhichFingersHeldTheLightBulb) {
   const json told = service_.ask({"contacts", "import", map, "--object", map, "--joints",
                                   (folder / "full28_use_light_bulb.json").string()});
   EXPECT_EQ(namesOf(plain.at("patches"))[0], "c1") << "without joints nobody knows the fingers";
-  EXPECT_THAT(namesOf(told.at("patches")),
-              testing::UnorderedElementsAre("thumb", "index", "middle", "ring"));
+  EXPECT_THAT(digitsOf(told.at("patches")),
+              testing::ElementsAre("index", "middle", "ring", "thumb"));
   EXPECT_NE(plain.at("name"), told.at("name"));
   for (const json& patch : told.at("patches")) {
     EXPECT_FALSE(patch.at("direction_O").is_null());

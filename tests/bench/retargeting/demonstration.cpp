@@ -156,8 +156,8 @@ Demonstration DemonstrationFile::read(const Entry& entry,
   const Pose X_WH = carrier == nullptr ? Pose::Identity() : hand::carriedPose(*carrier, q_root);
   demonstration.pose.X_WH = inverse(entry.X_WO) * X_WH;
   demonstration.contacts =
-      session::contactsOfPosedHand(*hand.model, hand.sites, demonstration.pose,
-                                   *entry.object->mesh_O, Pose::Identity(), {}, {}, Progress())
+      session::contactsOfPosedHand(hand, demonstration.pose, *entry.object->mesh_O,
+                                   Pose::Identity(), {}, {}, Progress())
           .set;
   demonstration.contacts.name = entry.name();
   std::set<std::string> digits;

@@ -75,14 +75,14 @@ TEST(AssignFingers, NamesPatchesByTheNearestFinger) {
   touchBox(map, 0.016, 0.025, 0.02, 0.04);
   touchBox(map, -0.006, 0.006, -0.07, -0.05);
   const ContactSet set = segment(map, withJoints());
-  EXPECT_THAT(namesOf(set), ElementsAre("thumb", "ring", "palm"));
+  EXPECT_THAT(namesOf(set), ElementsAre("thumb_distal", "ring_distal", "palm"));
 }
 
 TEST(AssignFingers, SplitsARegionThatTwoFingersTouch) {
   ContactMap map = emptyMap();
   touchBox(map, -0.006, 0.026, 0.02, 0.035);  // under middle (x = 0) and ring (x = 20 mm)
   const ContactSet set = segment(map, withJoints());
-  ASSERT_THAT(namesOf(set), ElementsAre("middle", "ring"));
+  ASSERT_THAT(namesOf(set), ElementsAre("middle_distal", "ring_distal"));
   for (const int v : set.patches[0].boundary)
     EXPECT_LE(map.mesh_O.vertex(v).x(), 0.0105);
   for (const int v : set.patches[1].boundary)
@@ -93,7 +93,43 @@ TEST(AssignFingers, CutsNoSliverFromAPatch) {
   // 3 of 24 mm lie nearer to the ring finger.
   ContactMap map = emptyMap();
   touchBox(map, -0.011, 0.013, 0.02, 0.04);
-  EXPECT_THAT(namesOf(segment(map, withJoints())), ElementsAre("middle"));
+  EXPECT_THAT(namesOf(segment(map, withJoints())), ElementsAre("middle_distal"));
+}
+
+TEST(AssignFingers, SplitsAFingersRegionByItsSegments) {
+  ContactMap map = emptyMap();
+  touchBox(map, -0.005, 0.005, 0.0, 0.04);
+  const ContactSet set = segment(map, withJoints());
+  ASSERT_THAT(namesOf(set), ElementsAre("middle_middle", "middle_distal"));
+  for (const int v : set.patches[0].boundary)
+    EXPECT_LE(map.mesh_O.vertex(v).y(), 0.0205);
+  for (const Patch& patch : set.patches) {
+    ASSERT_TRUE(patch.place.has_value()) << patch.name;
+    EXPECT_EQ(patch.place->digit, "middle");
+    EXPECT_NEAR(patch.place->along, 0.5, 0.06);
+  }
+  EXPECT_NEAR(set.patches[1].place->from_tip, 1.0 / 6.0, 0.03);
+}
+
+/// The flat hand lies on the plate, fingers bent a little towards it: palmar sides down, which
+/// is what the plate's normal faces.
+TEST(PlaceByJoints, TellsTheSideOfAFingerThatTouches) {
+  HandJoints joints = flatHand();
+  for (int finger = 1; finger < 5; ++finger)
+    joints.p_O(2, 4 + 4 * finger) -= 0.001;
+  const Eigen::Vector3d root(0.0, 0.01, 0.0);
+  const auto palmar = placeByJoints(joints, "middle_middle", root, Eigen::Vector3d::UnitZ());
+  ASSERT_TRUE(palmar.has_value());
+  EXPECT_NEAR(palmar->around_rad, 0.0, 0.05);
+  // What looks to +x is touched by a finger's side that looks to -x, the thumb's.
+  const auto side = placeByJoints(joints, "middle_middle", root, Eigen::Vector3d::UnitX());
+  EXPECT_NEAR(side->around_rad, 0.5 * 3.14159265358979323846, 0.05);
+  const auto palm = placeByJoints(joints, "palm", {0.01, -0.05, 0.0}, Eigen::Vector3d::UnitZ());
+  ASSERT_TRUE(palm.has_value());
+  EXPECT_NEAR(palm->along, 0.5, 0.1);
+  EXPECT_NEAR(palm->across, 0.5, 0.1);
+  EXPECT_NEAR(palm->around_rad, 0.0, 0.05);
+  EXPECT_FALSE(placeByJoints(joints, "c1", root, Eigen::Vector3d::UnitZ()).has_value());
 }
 
 TEST(AssignFingers, LeavesLabelsThatNameFingersAlone) {
@@ -101,9 +137,9 @@ TEST(AssignFingers, LeavesLabelsThatNameFingersAlone) {
   touchBox(map, -0.005, 0.005, 0.02, 0.04);
   map.label.assign(static_cast<std::size_t>(map.mesh_O.vertexCount()), 0);
   map.segment_names = {"little_tip"};
-  EXPECT_THAT(namesOf(segment(map, withJoints())), ElementsAre("little"));
+  EXPECT_THAT(namesOf(segment(map, withJoints())), ElementsAre("little_distal"));
   map.segment_names = {"segment"};
-  EXPECT_THAT(namesOf(segment(map, withJoints())), ElementsAre("middle"));
+  EXPECT_THAT(namesOf(segment(map, withJoints())), ElementsAre("middle_distal"));
 }
 
 TEST(AssignFingers, RefusesJointsThatAreNone) {

@@ -113,9 +113,35 @@ TEST(Segment, DropsSpecksWithANote) {
   EXPECT_THAT(set.notes, ElementsAre(HasSubstr("specks below 20 mm2 dropped: 1")));
 }
 
-TEST(Segment, GroupsSegmentsOfOneFinger) {
+TEST(Segment, GivesEachSegmentOfAFingerItsPatch) {
   ContactMap map = emptyMap();
   map.segment_names = {"link_ff_dd_z", "link_ff_md_z", "link_th_dd_z"};
+  touchDisk(map, 0.0, 0.0, 0.008, 0);
+  touchDisk(map, 0.014, 0.0, 0.008, 1);
+  touchDisk(map, -0.03, 0.0, 0.008, 2);
+  touchDisk(map, -0.03, 0.03, 0.005, 2);
+  const ContactSet set = segment(map, {});
+  EXPECT_THAT(namesOf(set),
+              ElementsAre("thumb_distal", "thumb_distal_2", "index_middle", "index_distal"));
+  EXPECT_GT(positionOf(map.mesh_O, set.patches[1].root).y(), 0.02);  // the smaller one
+  EXPECT_THAT(set.notes, IsEmpty());
+}
+
+TEST(Segment, GivesTheBorderOfASegmentToItsNeighbour) {
+  ContactMap map = emptyMap();
+  map.segment_names = {"index_distal", "index_middle"};
+  touchDisk(map, 0.0, 0.0, 0.012, 0);
+  for (int v = 0; v < map.mesh_O.vertexCount(); ++v)
+    if (map.label[static_cast<std::size_t>(v)] == 0 && map.mesh_O.vertex(v).x() > 0.0085)
+      map.label[static_cast<std::size_t>(v)] = 1;
+  const ContactSet set = segment(map, {});
+  EXPECT_THAT(namesOf(set), ElementsAre("index_distal"));
+  EXPECT_NEAR(positionOf(map.mesh_O, set.patches[0].root).x(), 0.0, 2 * kStep);
+}
+
+TEST(Segment, GroupsLabelsOfOneFingerWithoutSegments) {
+  ContactMap map = emptyMap();
+  map.segment_names = {"index_L1", "index_L2", "thumb_L2"};
   touchDisk(map, 0.0, 0.0, 0.008, 0);
   touchDisk(map, 0.008, 0.0, 0.008, 1);
   touchDisk(map, -0.03, 0.0, 0.008, 2);

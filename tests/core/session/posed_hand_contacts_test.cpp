@@ -53,13 +53,20 @@ class SmallHandAboutABox : public testing::Test {
     pose_.X_WH = X_WO_ * Eigen::Translation3d(0.0, 0.0, -0.06);  // tips at the box's middle
   }
 
+  [[nodiscard]] Hand hand() const {
+    Hand hand;
+    hand.model = small_.model;
+    hand.skin = small_.skin;
+    hand.sites = small_.sites;
+    return hand;
+  }
+
   [[nodiscard]] PosedContacts contacts(double reach_m = 0.010) const {
     contact::PoseContactOptions options;
     options.reach_m = reach_m;
     contact::SegmentationOptions segmentation;
     segmentation.outline_share = 0.0;  // patches end at the threshold
-    return contactsOfPosedHand(*small_.model, small_.sites, pose_, box_O_, X_WO_, options,
-                               segmentation, Progress());
+    return contactsOfPosedHand(hand(), pose_, box_O_, X_WO_, options, segmentation, Progress());
   }
 
   [[nodiscard]] const contact::Patch& patchOf(const PosedContacts& contacts,
@@ -77,16 +84,21 @@ class SmallHandAboutABox : public testing::Test {
 
 TEST_F(SmallHandAboutABox, LeavesAPatchOfEachFingerWhereItTouches) {
   const PosedContacts found = contacts();
-  ASSERT_EQ(found.set.patches.size(), 3u);
-  const std::map<std::string, Eigen::Vector3d> expected{{"thumb", {-0.031, 0.0, 0.0}},
-                                                        {"index", {0.031, 0.015, 0.0}},
-                                                        {"middle", {0.031, -0.015, 0.0}}};
+  ASSERT_EQ(found.set.patches.size(), 6u);  // with the lower links, 3 mm off the box
+  const std::map<std::string, Eigen::Vector3d> expected{
+      {"thumb_distal", {-0.031, 0.0, 0.0}},
+      {"index_distal", {0.031, 0.015, 0.0}},
+      {"middle_distal", {0.031, -0.015, 0.0}}};
   for (const auto& [name, p_O] : expected) {
     const contact::Patch& patch = patchOf(found, name);
     EXPECT_NO_THROW(contact::validate(box_O_, patch));
     EXPECT_LT((positionOf(box_O_, patch.root) - p_O).norm(), 0.004) << name;
     ASSERT_TRUE(patch.direction_O.has_value()) << name;
-    EXPECT_LT((*patch.direction_O + Eigen::Vector3d::UnitZ()).norm(), 1e-6) << name;
+    EXPECT_GT(-patch.direction_O->z(), 0.99) << name;
+    // On the pad: where the finger closes to, half way round no side.
+    ASSERT_TRUE(patch.place.has_value()) << name;
+    EXPECT_EQ(hand::partName(patch.place->digit, patch.place->segment), name);
+    EXPECT_NEAR(patch.place->around_rad, 0.0, 0.3) << name;
     // A ball of 10 mm that reaches 1 mm in: 6 mm off it, the threshold, is 12.1 mm away.
     for (const geometry::SurfacePoint& point : patch.interpolation_boundary)
       EXPECT_NEAR((positionOf(box_O_, point) - p_O).norm(), 0.0112, 0.003) << name;
@@ -99,7 +111,8 @@ TEST_F(SmallHandAboutABox, NamesPatchesLikeTheSitesOfTheirFingers) {
   std::vector<std::string> names;
   for (const contact::Patch& patch : found.set.patches)
     names.push_back(patch.name);
-  EXPECT_THAT(names, testing::ElementsAre("thumb", "middle", "f7"));
+  EXPECT_THAT(names, testing::ElementsAre("thumb_proximal", "thumb_distal", "middle_proximal",
+                                          "middle_distal", "f7_proximal", "f7_distal"));
 }
 
 TEST_F(SmallHandAboutABox, KeepsTheMapItWasFoundIn) {
@@ -139,9 +152,7 @@ TEST_F(SmallHandAboutABox, SaysHowFarAHandIsThatTouchesNothing) {
 TEST_F(SmallHandAboutABox, StopsOnWish) {
   Progress progress;
   progress.cancel();
-  EXPECT_THROW(
-      contactsOfPosedHand(*small_.model, small_.sites, pose_, box_O_, X_WO_, {}, {}, progress),
-      Cancelled);
+  EXPECT_THROW(contactsOfPosedHand(hand(), pose_, box_O_, X_WO_, {}, {}, progress), Cancelled);
 }
 
 }  // namespace
