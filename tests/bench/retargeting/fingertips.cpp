@@ -85,7 +85,7 @@ Fingertips fingertipsOf(const session::Hand& hand) {
   const hand::LinkPoses X_SL =
       hand::forwardKinematics(*hand.model, {Pose::Identity(), hand.skin->qReference()});
   hand::Digits digits = hand::findDigits(*hand.model, X_SL);
-  const std::vector<std::string> names = hand::nameDigits(digits.digits);
+  const std::vector<std::string> names = hand::nameDigits(digits.digits).names;
   Fingertips result;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const hand::Digit& digit = digits.digits[i];
