@@ -1,9 +1,12 @@
 #include "core/io/color_map.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <initializer_list>
 #include <limits>
+#include <map>
+#include <utility>
 
 #include "core/base/error.h"
 
@@ -63,6 +66,16 @@ ColorValues valuesWithoutCheck(const ColorMap& map, const Eigen::Matrix3Xd& rgb)
   return values;
 }
 
+/// And how far off the colours are on average.
+std::pair<const ColorMap*, double> nearestScale(const Eigen::Matrix3Xd& rgb) {
+  std::pair<const ColorMap*, double> best{nullptr, std::numeric_limits<double>::infinity()};
+  for (const ColorMap& map : all()) {
+    const double residual = valuesWithoutCheck(map, rgb).mean_residual;
+    if (residual < best.second) best = {&map, residual};
+  }
+  return best;
+}
+
 }  // namespace
 
 const ColorMap& colorMap(const std::string& name) {
@@ -107,18 +120,49 @@ ColorValue valueOfColor(const ColorMap& map, const Eigen::Vector3d& rgb) {
 ColorValues valuesOfColors(const ColorMap& map, const Eigen::Matrix3Xd& rgb) {
   ColorValues values = valuesWithoutCheck(map, rgb);
   if (values.mean_residual <= kLargestMeanResidual) return values;
-  const ColorMap* best = &map;
-  double least = values.mean_residual;
-  for (const ColorMap& other : all()) {
-    const double residual = valuesWithoutCheck(other, rgb).mean_residual;
-    if (residual >= least) continue;
-    least = residual;
-    best = &other;
-  }
+  const auto [best, least] = nearestScale(rgb);
   rejectInput(
       "the colours are not those of '{}': they lie {:.2f} from it on average, permitted is "
       "{:.2f}; the nearest scale is '{}' at {:.2f}",
       map.name, values.mean_residual, kLargestMeanResidual, best->name, least);
+}
+
+std::string describeColors(const Eigen::Matrix3Xd& rgb) {
+  constexpr int kSteps = 8;  // of each channel: what eyes would call one colour
+  constexpr std::size_t kMostNamed = 4;
+
+  struct Bin {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    int count = 0;
+  };
+
+  std::map<int, Bin> bins;
+  for (Eigen::Index i = 0; i < rgb.cols(); ++i) {
+    int key = 0;
+    for (const double channel : rgb.col(i)) {
+      const int step = static_cast<int>(std::clamp(channel, 0.0, 1.0) * kSteps);
+      key = key * kSteps + std::min(step, kSteps - 1);
+    }
+    bins[key].sum += rgb.col(i);
+    ++bins[key].count;
+  }
+  std::vector<Bin> ranked;
+  for (const auto& [key, bin] : bins)
+    ranked.push_back(bin);
+  std::stable_sort(ranked.begin(), ranked.end(), [](const Bin& a, const Bin& b) {
+    return a.count > b.count;
+  });
+  ranked.resize(std::min(ranked.size(), kMostNamed));
+  std::string text;
+  for (const Bin& bin : ranked) {
+    const Eigen::Vector3d mean = 255.0 * bin.sum / bin.count;
+    text += fmt::format("{}#{:02x}{:02x}{:02x} {:.0f} %", text.empty() ? "" : ", ",
+                        std::lround(mean[0]), std::lround(mean[1]), std::lround(mean[2]),
+                        100.0 * bin.count / static_cast<double>(rgb.cols()));
+  }
+  const auto [best, least] = nearestScale(rgb);
+  return fmt::format("{}; nearest is the scale '{}', {:.2f} off on average", text, best->name,
+                     least);
 }
 
 }  // namespace handgraft::io

@@ -64,7 +64,8 @@ const Eigen::VectorXd& columnOf(const PlyFile& ply, const std::string& property)
   return column->second;
 }
 
-Eigen::VectorXd valuesByColor(const PlyFile& ply, const ColorMap& scale) {
+/// In [0, 1].
+Eigen::Matrix3Xd colorsOf(const PlyFile& ply) {
   Eigen::Matrix3Xd rgb(3, ply.vertex_count);
   rgb.row(0) = columnOf(ply, "red").transpose();
   rgb.row(1) = columnOf(ply, "green").transpose();
@@ -73,7 +74,23 @@ Eigen::VectorXd valuesByColor(const PlyFile& ply, const ColorMap& scale) {
   if (!rgb.allFinite() || !(most <= 255.0) || (rgb.size() > 0 && rgb.minCoeff() < 0.0))
     rejectInput("a vertex has a colour outside 0 to 255");
   if (most > 1.0) rgb /= 255.0;  // else fractions; bytes of a map that is black all over, too
-  return valuesOfColors(scale, rgb).value;
+  return rgb;
+}
+
+bool hasColors(const PlyFile& ply) {
+  return ply.vertex_count > 0 && ply.vertex.count("red") != 0 &&
+         ply.vertex.count("green") != 0 && ply.vertex.count("blue") != 0;
+}
+
+/// The values themselves; where there are none but colours, says which.
+Eigen::VectorXd valuesByProperty(const PlyFile& ply, const std::string& property) {
+  if (ply.vertex.count(property) == 0 && hasColors(ply)) {
+    rejectInput(
+        "no vertex property {}, which this contact map needs; its vertices have colours: {}; "
+        "name the scale that they show values by, one of {}",
+        quoted(property), describeColors(colorsOf(ply)), fmt::join(colorMapNames(), ", "));
+  }
+  return columnOf(ply, property);
 }
 
 ContactMap contactMapFrom(const PlyFile& ply, const ContactMapSource& source) {
@@ -83,8 +100,9 @@ ContactMap contactMapFrom(const PlyFile& ply, const ContactMapSource& source) {
   vertices.row(2) = columnOf(ply, "z").transpose();
 
   ContactMap map;
-  map.value = source.color_scale.empty() ? columnOf(ply, source.value_property)
-                                         : valuesByColor(ply, colorMap(source.color_scale));
+  map.value = source.color_scale.empty()
+                  ? valuesByProperty(ply, source.value_property)
+                  : valuesOfColors(colorMap(source.color_scale), colorsOf(ply)).value;
   map.mesh_O = geometry::TriangleMesh(std::move(vertices), ply.faces);
   const bool must_have_labels = source.label_property != ContactMapSource().label_property;
   if (must_have_labels || ply.vertex.count(source.label_property) != 0) {

@@ -90,6 +90,16 @@ TEST(ContactMapFile, InvertsColoursOfVertices) {
   }
 }
 
+TEST(ContactMapFile, NamesTheColoursWhereItFindsNoValues) {
+  const auto path =
+      writeSquare("property uchar red\nproperty uchar green\nproperty uchar blue\n",
+                  {"0 0 4", "0 0 4", "0 0 4", "221 81 58"});
+  expectFault(path, {},
+              "its vertices have colours: #000004 75 %, #dd513a 25 %; nearest is the "
+              "scale 'inferno', 0.00 off");
+  expectFault(path, {.value_property = "heat"}, "no vertex property 'heat'");
+}
+
 TEST(ContactMapFile, RefusesColoursOfAnotherScale) {
   const auto path =
       writeSquare("property uchar red\nproperty uchar green\nproperty uchar blue\n",
