@@ -10,6 +10,7 @@
 
 #include "core/base/error.h"
 #include "core/contact/outline.h"
+#include "core/contact/own_contact.h"
 #include "core/contact/region.h"
 #include "core/contact/threshold.h"
 #include "core/hand/hand_place.h"
@@ -49,6 +50,8 @@ void validate(const SegmentationOptions& options) {
                 options.low_share);
   }
   if (options.joints_O) contact::validate(*options.joints_O);
+  for (const HandJoints& joints : options.other_joints_O)
+    contact::validate(joints);
   if (!(options.outline_share >= 0.0 && options.outline_share < 1.0)) {
     rejectInput(
         "share of a patch's contact at its outline is {}; permitted are 0 to 1 (excluded)",
@@ -423,7 +426,12 @@ ContactSet segment(const ContactMap& map, const SegmentationOptions& options) {
   validate(options);
   ContactMap even = map;
   even.value = smoothed(map.mesh_O, map.value, options.smoothing_steps);
-  return Segmenter(std::move(even), options).run();
+  if (!options.joints_O) return Segmenter(std::move(even), options).run();
+  std::vector<std::string> notes = keepOwnContact(even, thresholdOf(even, options),
+                                                  *options.joints_O, options.other_joints_O);
+  ContactSet set = Segmenter(std::move(even), options).run();
+  set.notes.insert(set.notes.begin(), notes.begin(), notes.end());
+  return set;
 }
 
 }  // namespace handgraft::contact

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "core/contact/contact_map.h"
 #include "core/contact/contact_set.h"
@@ -31,6 +32,8 @@ struct SegmentationOptions {
   /// Of the hand that touched. Finds the finger of each patch where the map's labels do not
   /// tell, splits regions that several fingers touch, and gives patches their directions.
   std::optional<HandJoints> joints_O;
+  /// Of other hands that touched, too: what is nearer to them is left out (own_contact.h).
+  std::vector<HandJoints> other_joints_O{};
 };
 
 /// Splits a contact map into patches: smoothing, threshold, parts of the hand by joints where

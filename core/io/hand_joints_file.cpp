@@ -41,7 +41,8 @@ bool isValid(const json& hand) {
   return valid == hand.end() || (valid->is_boolean() && valid->get<bool>());
 }
 
-const json& handOf(const json& hands, std::optional<int> wanted) {
+/// The index of the hand that is meant.
+std::size_t handOf(const json& hands, std::optional<int> wanted) {
   if (!hands.is_array()) rejectInput("field 'hands' is no list");
   std::vector<std::size_t> valid;
   for (std::size_t i = 0; i < hands.size(); ++i) {
@@ -51,35 +52,49 @@ const json& handOf(const json& hands, std::optional<int> wanted) {
   if (!wanted) {
     if (valid.size() > 1)
       rejectInput("has {} valid hands: {}; say which", valid.size(), fmt::join(valid, ", "));
-    return hands[valid.front()];
+    return valid.front();
   }
   if (*wanted < 0 || *wanted >= std::ssize(hands) ||
       !isValid(hands[static_cast<std::size_t>(*wanted)])) {
     rejectInput("hand {} is not among its valid hands: {}", *wanted, fmt::join(valid, ", "));
   }
-  return hands[static_cast<std::size_t>(*wanted)];
+  return static_cast<std::size_t>(*wanted);
 }
 
-contact::HandJoints jointsIn(const json& root, std::optional<int> hand) {
-  if (root.is_array()) return jointsFrom(root);
+HandsOfFile handsFrom(const json& hands, std::optional<int> wanted) {
+  const std::size_t own = handOf(hands, wanted);
+  HandsOfFile result{jointsFrom(hands[own].at("joints")), {}};
+  for (std::size_t i = 0; i < hands.size(); ++i) {
+    if (i != own && isValid(hands[i]))
+      result.others.push_back(jointsFrom(hands[i].at("joints")));
+  }
+  return result;
+}
+
+HandsOfFile handsIn(const json& root, std::optional<int> hand) {
+  if (root.is_array()) return {jointsFrom(root), {}};
   if (!root.is_object()) rejectInput("is neither a list of joints nor an object that has one");
-  if (root.contains("hands")) return jointsFrom(handOf(root["hands"], hand).at("joints"));
-  if (root.contains("joints")) return jointsFrom(root["joints"]);
+  if (root.contains("hands")) return handsFrom(root["hands"], hand);
+  if (root.contains("joints")) return {jointsFrom(root["joints"]), {}};
   rejectInput("has neither of the fields 'hands' and 'joints'");
 }
 
 }  // namespace
 
-contact::HandJoints readHandJoints(const std::filesystem::path& path, std::optional<int> hand) {
+HandsOfFile readHands(const std::filesystem::path& path, std::optional<int> hand) {
   constexpr std::size_t kMostBytes = 64U << 20U;
   if (requireFile(path) > kMostBytes)
     rejectInput("{}: is larger than {} bytes", quoted(path.string()), kMostBytes);
   const std::string text = readFileBytes(path);
   try {
-    return jointsIn(json::parse(text), hand);
+    return handsIn(json::parse(text), hand);
   } catch (const std::exception& error) {  // json's own, or ours
     rejectInput("{}: {}", quoted(path.string()), error.what());
   }
+}
+
+contact::HandJoints readHandJoints(const std::filesystem::path& path, std::optional<int> hand) {
+  return readHands(path, hand).joints;
 }
 
 }  // namespace handgraft::io

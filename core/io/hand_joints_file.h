@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <vector>
 
 #include "core/contact/finger_assignment.h"
 
@@ -17,5 +18,14 @@ namespace handgraft::io {
 /// not given.
 contact::HandJoints readHandJoints(const std::filesystem::path& path,
                                    std::optional<int> hand = std::nullopt);
+
+/// The hand that `readHandJoints` gives, and the other valid ones of the file.
+struct HandsOfFile {
+  contact::HandJoints joints;
+  std::vector<contact::HandJoints> others;
+};
+
+HandsOfFile readHands(const std::filesystem::path& path,
+                      std::optional<int> hand = std::nullopt);
 
 }  // namespace handgraft::io

@@ -142,8 +142,11 @@ ReadContacts readMap(const ReadRequest& request,
                      const io::ContactMapSource& source) {
   const ContactReading& how = request.contacts;
   contact::SegmentationOptions options = how.segmentation;
-  if (!how.joints_uri.empty())
-    options.joints_O = io::readHandJoints(fileOf(request, how.joints_uri), how.joints_hand);
+  if (!how.joints_uri.empty()) {
+    io::HandsOfFile hands = io::readHands(fileOf(request, how.joints_uri), how.joints_hand);
+    options.joints_O = hands.joints;
+    options.other_joints_O = std::move(hands.others);
+  }
   std::vector<std::string> notes;
   contact::ContactMap map =
       io::onFaces(scaledMap(io::readContactMap(path, source), request, notes), *how.object);

@@ -14,6 +14,7 @@
 namespace handgraft::contact {
 namespace {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
@@ -67,6 +68,51 @@ TEST(NearestBone, FindsThePartAndTheWayToTheWrist) {
   EXPECT_EQ(nearestBone(flatHand(), {0.0, -0.06, 0.0}).part, kPalm);
   EXPECT_NEAR(nearestBone(flatHand(), {0.003, 0.01, 0.0}, 4).distance_m,
               std::hypot(0.037, kAbove), 1e-12);
+}
+
+/// The hand on the other side of the plate's middle line, 0.11 m up its x axis.
+HandJoints otherHand() {
+  HandJoints joints = flatHand();
+  joints.p_O.row(0) = (0.11 - joints.p_O.row(0).array()).matrix();
+  return joints;
+}
+
+// Shows 7: two hands on one object.
+TEST(OwnContact, LeavesWhatAnotherHandTouchedToIt) {
+  ContactMap map;
+  map.mesh_O = test::makePlate(400, 160, 0.001);
+  map.value = Eigen::VectorXd::Zero(map.mesh_O.vertexCount());
+  touchBox(map, -0.005, 0.005, 0.01, 0.03);  // our middle finger
+  touchBox(map, 0.106, 0.116, 0.01, 0.03);   // the other one's, 66 mm from our little finger
+  touchBox(map, 0.062, 0.068, 0.01, 0.03);   // the other one's little finger, 25 mm from ours
+  SegmentationOptions options;
+  options.joints_O = flatHand();
+  const ContactSet alone = segment(map, options);
+  EXPECT_THAT(namesOf(alone), ElementsAre("middle", "little"))
+      << "without the other hand's joints the nearer one passes for ours";
+  EXPECT_THAT(alone.notes, Contains(HasSubstr("farther than 40 mm from the hand's joints, left "
+                                              "out: 1")));
+
+  options.other_joints_O = {otherHand()};
+  const ContactSet own = segment(map, options);
+  EXPECT_THAT(namesOf(own), ElementsAre("middle"));
+  EXPECT_THAT(own.notes, Contains(HasSubstr("nearer to another hand's joints, left out: 2")));
+
+  options.joints_O = otherHand();
+  options.other_joints_O = {flatHand()};
+  EXPECT_THAT(namesOf(segment(map, options)), ElementsAre("middle", "little"));
+}
+
+TEST(OwnContact, RefusesJointsOfAnotherObject) {
+  ContactMap map = emptyMap();
+  touchBox(map, -0.005, 0.005, 0.01, 0.03);
+  SegmentationOptions options = withJoints();
+  options.joints_O->p_O.row(2).array() += 0.2;
+  EXPECT_THAT(
+      [&] {
+        segment(map, options);
+      },
+      ThrowsMessage<InvalidInput>(HasSubstr("208 mm from their bones; permitted are 40 mm")));
 }
 
 TEST(AssignFingers, NamesPatchesByTheNearestFinger) {

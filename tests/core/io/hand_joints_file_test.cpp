@@ -31,6 +31,18 @@ std::string joints(int count, double offset = 0.0) {
   return "[" + text + "]";
 }
 
+TEST(HandJointsFile, GivesTheOtherHandsToo) {
+  const std::string two =
+      fmt::format(R"({{"hands":[{{"joints":{},"valid":true}},{{"joints":{},"valid":true}},)"
+                  R"({{"joints":[],"valid":false}}]}})",
+                  joints(21), joints(21, 100.0));
+  const HandsOfFile hands = readHands(write(two), 1);
+  EXPECT_EQ(hands.joints.p_O(0, 3), 103.0);
+  ASSERT_EQ(hands.others.size(), 1u) << "the one that is not valid is none";
+  EXPECT_EQ(hands.others[0].p_O(0, 3), 3.0);
+  EXPECT_TRUE(readHands(write(joints(21))).others.empty());
+}
+
 void expectFault(const std::string& text, const char* fault) {
   const auto path = write(text);
   EXPECT_THAT(
