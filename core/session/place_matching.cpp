@@ -174,8 +174,8 @@ Dealing deal(const Models& models,
   for (const auto& [from, to] : best) {
     if (from == to) continue;
     document.notes.push_back(
-        fmt::format("{}'s contacts go to {}: hand has no {}, and so it reaches best", from, to,
-                    fmt::join(missing, ", ")));
+        fmt::format("{}'s contacts go to the hand's {}: it has no {}, and so it reaches best",
+                    from, to, fmt::join(missing, ", ")));
   }
   return best;
 }
@@ -225,7 +225,7 @@ void matchByPlace(const Models& models,
     patch.dropped =
         dealing.contains(digit) || digit == hand::kPalmPart
             ? fmt::format("no place of the hand's skin is where {} was", quoted(patch.name))
-            : fmt::format("hand has no {} for {}: its digits touch elsewhere", digit,
+            : fmt::format("hand has fewer fingers than touched: {} goes without one",
                           quoted(patch.name));
   }
 }
@@ -234,7 +234,8 @@ std::vector<char> linksOfSite(const Hand& hand,
                               const hand::FingerCoordinates& coordinates,
                               const std::string& site) {
   std::vector<char> links(coordinates.parts().size(), 0);
-  std::string digit;
+  const auto place = hand::placeNamed(site);
+  std::string digit = place ? place->digit : "";
   for (const hand::ContactSite& candidate : hand.sites)
     if (candidate.name == site)
       digit =

@@ -19,8 +19,9 @@ void matchByPlace(const Models& models,
                   Document& document,
                   const Progress& progress);
 
-/// The links that a patch laid on `site` may slide on, a flag a link: of that segment or of the
-/// palm, of the finger of a site of that name.
+/// The links that a patch laid on `site` may slide on, a flag a link: of the palm, or of the
+/// digit whose segment or site it is. Longer fingers meet an object elsewhere on their
+/// segments.
 std::vector<char> linksOfSite(const Hand& hand,
                               const hand::FingerCoordinates& coordinates,
                               const std::string& site);
