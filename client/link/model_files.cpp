@@ -189,7 +189,11 @@ ModelFiles handFiles(const fs::path& urdf,
     notePackage(model.packages, uri, mesh);
   }
   std::error_code error;
-  if (fs::is_regular_file(folder / kSitesUri, error)) {
+  // A file of the URDF's own name first: other URDFs of the folder have other links.
+  const fs::path own_sites = fs::path(urdf).replace_extension(".sites.yaml");
+  if (fs::is_regular_file(own_sites, error)) {
+    add(model, kSitesUri, own_sites);
+  } else if (fs::is_regular_file(folder / kSitesUri, error)) {
     add(model, kSitesUri, folder / kSitesUri);
   }
 

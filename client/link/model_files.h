@@ -58,7 +58,8 @@ void checkModelName(const std::string& name, const std::string& option);
 /// The file's name without its extension; characters that a model name may not have become `_`.
 std::string nameFromPath(const std::filesystem::path& path);
 
-/// The URDF, all meshes that it names, a `sites.yaml` and an SRDF of its name beside it.
+/// The URDF, all meshes that it names, and beside it an SRDF and sites of its name
+/// (`NAME.sites.yaml`), or a `sites.yaml` for the folder.
 ///
 /// Packages are looked up among those given, then in the folders above the URDF, then in
 /// `AMENT_PREFIX_PATH`.

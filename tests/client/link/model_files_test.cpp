@@ -81,6 +81,15 @@ TEST_F(ModelFilesTest, TakesTheSitesBesideTheUrdf) {
   EXPECT_THAT(urisOf(handFiles(urdf(""), {})), ElementsAre("hand.urdf", "sites.yaml"));
 }
 
+TEST_F(ModelFilesTest, TakesSitesOfTheUrdfsNameBeforeThoseOfTheFolder) {
+  const fs::path file = urdf("");
+  write("urdf/sites.yaml", "format: handgraft-sites/1");
+  write("urdf/hand.sites.yaml", "format: handgraft-sites/1");
+  const ModelFiles files = handFiles(file, {});
+  EXPECT_THAT(urisOf(files), ElementsAre("hand.urdf", "sites.yaml"));
+  EXPECT_TRUE(fs::equivalent(files.files.back().path, root_ / "urdf/hand.sites.yaml"));
+}
+
 TEST_F(ModelFilesTest, TakesTheSrdfBesideTheUrdfUnlessToldAnother) {
   const fs::path file = urdf("");
   EXPECT_FALSE(handFiles(file, {}).hand_options.has_value());
