@@ -15,7 +15,6 @@
 #include "client/present/json_output.h"
 #include "client/present/progress_line.h"
 #include "client/present/text_output.h"
-#include "client/present/transfer_json.h"
 #include "client/present/transfer_text.h"
 #include "core/base/error.h"
 #include "core/base/progress.h"
@@ -366,7 +365,7 @@ Told Editor::suggest(const Match& match) {
   const v1::SuggestReply reply = server_.suggest(request);
   Told told;
   told.text = text::suggestions(reply);
-  told.data = dataOf(json::suggestions(reply, std::nullopt, -1));
+  told.data = json::suggestions(reply, std::nullopt);
   const Value* apply = optionOf(match, "--apply");
   if (apply == nullptr) return told;
   if (apply->count < 1 || apply->count > reply.suggestions().size()) {
@@ -387,7 +386,7 @@ Told Editor::suggest(const Match& match) {
 
 Told Editor::sessions() {
   const v1::SessionList list = server_.listSessions();
-  return {text::sessions(list), dataOf(json::sessions(list, -1))};
+  return {text::sessions(list), json::jsonOf(list)};
 }
 
 Told Editor::join(std::uint64_t session_id) {

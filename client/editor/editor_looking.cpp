@@ -7,7 +7,6 @@
 #include "client/editor/show_solution.h"
 #include "client/present/json_output.h"
 #include "client/present/text_output.h"
-#include "client/present/transfer_json.h"
 #include "client/present/transfer_text.h"
 #include "core/base/error.h"
 
@@ -41,7 +40,7 @@ Told Editor::show(const Match& match) {
   if (topic == "minima") return tellMinima(requirePose(), session_->hand());
   if (topic == "transfer") {
     const v1::TransferReply transfer = server_.transfer(session_->id());
-    return {text::transfer(transfer), dataOf(json::transfer(transfer, -1))};
+    return {text::transfer(transfer), json::jsonOf(transfer)};
   }
   const v1::SessionSettings& settings = session_->settings();
   if (topic == "patches") return tellPatches(settings);

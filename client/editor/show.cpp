@@ -51,24 +51,6 @@ std::string solvingText(const v1::SolveOptions& solving) {
   return line;
 }
 
-Json solvingJson(const v1::SolveOptions& solving) {
-  return {{"solver", nameOf(solving.solver())},
-          {"starts", solving.starts()},
-          {"seed", solving.seed()},
-          {"max_evaluations", solving.max_evaluations()},
-          {"paper", solving.paper()},
-          {"normal_form", solving.normal_form() == v1::NORMAL_SUM ? "sum" : "cosine"},
-          {"avoid_penetration", solving.penetration() == v1::PENETRATION_AVOIDED}};
-}
-
-Json stateJson(const v1::SessionState& state) {
-  return {{"session_id", state.session_id()}, {"revision", state.revision()},
-          {"phase", nameOf(state.phase())},   {"hand", state.hand()},
-          {"object", state.object()},         {"contacts", state.contacts()},
-          {"message", state.message()},       {"undo_count", state.undo_count()},
-          {"redo_count", state.redo_count()}, {"last_edit", state.last_edit()}};
-}
-
 }  // namespace
 
 // === What the session is made of
@@ -102,7 +84,7 @@ Told tellSession(const v1::SessionSettings& settings, const v1::ClientId& own) {
       "l");
   if (!state.message().empty()) told.text += plain(state.message()) + "\n";
   told.text += text::notes(settings.notes());
-  told.data = {{"session", stateJson(state)}, {"notes", json::listOf(settings.notes())}};
+  told.data = {{"session", json::jsonOf(state)}, {"notes", settings.notes()}};
   return told;
 }
 
@@ -121,18 +103,7 @@ Told tellPatches(const v1::SessionSettings& settings) {
                         : "none: " + plain(patch.reason()),
          patch.placed() ? turned(patch.direction_S(), patch.direction_is_open()) : "",
          root(patch.root_O()), turned(patch.direction_O(), false)});
-    patches.push_back({{"name", patch.name()},
-                       {"enabled", patch.enabled()},
-                       {"weight", patch.weight()},
-                       {"site", patch.site()},
-                       {"placed", patch.placed()},
-                       {"reason", patch.reason()},
-                       {"root_is_open", patch.root_is_open()},
-                       {"direction_is_open", patch.direction_is_open()},
-                       {"root_S", json::surfacePoint(patch.root_S())},
-                       {"direction_S", json::listOf(patch.direction_S())},
-                       {"root_O", json::surfacePoint(patch.root_O())},
-                       {"direction_O", json::listOf(patch.direction_O())}});
+    patches.push_back(json::jsonOf(patch));
   }
   told.text = text::table(rows, "llrl");
   told.data = {{"patches", patches}};
@@ -157,16 +128,7 @@ Told tellJoints(const v1::SessionSettings& settings) {
          as_model ? ""
                   : fmt::format("{:.4g} to {:.4g}", joint.model_lower(), joint.model_upper()),
          held});
-    joints.push_back({{"name", joint.name()},
-                      {"value", joint.value()},
-                      {"prior", joint.prior()},
-                      {"lower", joint.lower()},
-                      {"upper", joint.upper()},
-                      {"model_lower_rad", joint.model_lower()},
-                      {"model_upper_rad", joint.model_upper()},
-                      {"locked", joint.locked()},
-                      {"soft", joint.soft()},
-                      {"soft_weight", joint.soft_weight()}});
+    joints.push_back(json::jsonOf(joint));
   }
   told.text = text::table(rows, "lrrrrll");
   told.data = {{"joints", joints}};
@@ -191,21 +153,13 @@ Told tellSettings(const v1::SessionSettings& settings) {
        {"log maps", fmt::format("{}, {} interior rings", nameOf(transfer.method()),
                                 transfer.interior_rings())}},
       "l");
-  told.data = {
-      {"X_WO", json::pose(settings.X_WO())},
-      {"X_WH", json::pose(settings.X_WH())},
-      {"prior_X_WH", json::pose(settings.prior_X_WH())},
-      {"weights",
-       {{"distance", weights.distance()},
-        {"normal", weights.normal()},
-        {"prior", weights.prior()}}},
-      {"prior_shares",
-       {{"root_rotation", shares.root_rotation()},
-        {"root_translation", shares.root_translation()},
-        {"joints", shares.joints()}}},
-      {"solving", solvingJson(settings.solving())},
-      {"transfer",
-       {{"method", nameOf(transfer.method())}, {"interior_rings", transfer.interior_rings()}}}};
+  told.data = {{"X_WO", json::jsonOf(settings.X_WO())},
+               {"X_WH", json::jsonOf(settings.X_WH())},
+               {"prior_X_WH", json::jsonOf(settings.prior_X_WH())},
+               {"weights", json::jsonOf(weights)},
+               {"prior_shares", json::jsonOf(shares)},
+               {"solving", json::jsonOf(settings.solving())},
+               {"transfer", json::jsonOf(transfer)}};
   return told;
 }
 
@@ -217,8 +171,7 @@ Told tellHistory(const v1::SessionSettings& settings) {
   told.text += fmt::format("* revision {}\n", settings.state().revision());
   for (const std::string& edit : settings.redo())
     told.text += fmt::format("  {} (undone)\n", plain(edit));
-  told.data = {{"undo", json::listOf(settings.undo())},
-               {"redo", json::listOf(settings.redo())}};
+  told.data = {{"undo", settings.undo()}, {"redo", settings.redo()}};
   return told;
 }
 
@@ -227,23 +180,18 @@ Told tellSnapshots(const v1::SessionSettings& settings) {
   for (const std::string& name : settings.snapshots())
     told.text += plain(name) + "\n";
   if (settings.snapshots().empty()) told.text = "no snapshots\n";
-  told.data = {{"snapshots", json::listOf(settings.snapshots())}};
+  told.data = {{"snapshots", settings.snapshots()}};
   return told;
 }
 
 Told tellDifferences(const v1::CompareReply& reply) {
   Told told;
   Rows rows;
-  Json differences = Json::array();
   for (const v1::Difference& difference : reply.differences()) {
     rows.push_back({plain(difference.what()), plain(difference.a()), plain(difference.b())});
-    differences.push_back({{"what", difference.what()},
-                           {"a", difference.a()},
-                           {"b", difference.b()},
-                           {"change", difference.change()}});
   }
   told.text = rows.empty() ? "no difference\n" : text::table(rows, "lrr");
-  told.data = {{"differences", differences}};
+  told.data = json::jsonOf(reply);
   return told;
 }
 

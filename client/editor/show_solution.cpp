@@ -85,7 +85,6 @@ Json status(const v1::PoseSolution& solution, const Off& off) {
 Told tellSolution(const v1::PoseSolution& solution, const Off& off) {
   Told told;
   Rows rows = {{"patch", "mean mm", "max mm", "normal deg", "in 5 mm", "points", "verdict"}};
-  Json patches = Json::array();
   for (const v1::PatchFit& patch : solution.patches()) {
     rows.push_back({plain(patch.name()), fmt::format("{:.2f}", patch.mean_mm()),
                     fmt::format("{:.2f}", patch.max_mm()),
@@ -93,14 +92,6 @@ Told tellSolution(const v1::PoseSolution& solution, const Off& off) {
                     fmt::format("{:.0f} %", 100.0 * patch.within_5mm()),
                     std::to_string(patch.point_count()),
                     solution.is_diagnosed() ? nameOf(patch.diagnosis().verdict()) : ""});
-    patches.push_back({{"name", patch.name()},
-                       {"mean_mm", patch.mean_mm()},
-                       {"max_mm", patch.max_mm()},
-                       {"normal_deg", patch.normal_deg()},
-                       {"within_5mm", patch.within_5mm()},
-                       {"point_count", patch.point_count()},
-                       {"verdict", nameOf(patch.diagnosis().verdict())},
-                       {"text", patch.diagnosis().text()}});
   }
   const v1::Terms& terms = solution.terms();
   told.text = text::table(rows, "lrrrrrl") + "\n" + text::shortfalls(solution);
@@ -114,12 +105,8 @@ Told tellSolution(const v1::PoseSolution& solution, const Off& off) {
                              text::listed(text::limitNames(solution.joints_at_limit())));
   }
   told.text += statusLine(solution, off) + "\n";
-  told.data = {{"solution", status(solution, off)},
-               {"patches", patches},
-               {"X_WH", json::pose(solution.X_WH())},
-               {"X_WO", json::pose(solution.X_WO())},
-               {"joint_positions", json::listOf(solution.joint_positions())},
-               {"joints_at_limit", text::limitNames(solution.joints_at_limit())}};
+  told.data = json::jsonOf(solution);
+  told.data["solution"] = status(solution, off);
   return told;
 }
 
@@ -127,16 +114,8 @@ Told tellMinima(const v1::PoseSolution& solution, const v1::HandDescription& han
   Told told;
   told.text = text::minima(solution, hand);
   if (told.text.empty()) told.text = "the last solution brought no list of minima\n";
-  Json minima = Json::array();
-  for (const v1::MinimumInfo& minimum : solution.minima()) {
-    minima.push_back({{"objective", minimum.terms().objective()},
-                      {"solver", minimum.solver()},
-                      {"start", minimum.start()},
-                      {"hits", minimum.hits()},
-                      {"X_WH", json::pose(minimum.X_WH())},
-                      {"joint_positions", json::listOf(minimum.joint_positions())}});
-  }
-  told.data = {{"minima", minima}, {"chosen", solution.chosen_minimum() + 1}};
+  told.data = {{"minima", json::jsonOf(solution)["minima"]},
+               {"chosen", solution.chosen_minimum() + 1}};
   return told;
 }
 

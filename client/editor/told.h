@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "client/present/json_parts.h"
+#include "client/present/json_output.h"
 
 namespace handgraft::client::editor {
 
@@ -11,10 +11,5 @@ struct Told {
   std::string text;
   json::Json data = json::Json::object();
 };
-
-/// A document of json_output.h, to add to.
-inline json::Json dataOf(const std::string& document) {
-  return json::Json::parse(document, nullptr, false);
-}
 
 }  // namespace handgraft::client::editor

@@ -1,6 +1,6 @@
 #include "client/present/contacts_output.h"
 
-#include "client/present/model_json.h"
+#include "client/present/json_output.h"
 #include "client/present/model_text.h"
 #include "client/present/output_file.h"
 #include "client/present/render/png_file.h"
@@ -27,7 +27,8 @@ std::string outputOf(ServerLink& server,
     render::writePng(output.png,
                      render::renderTwoViews(picture.scene, picture.caption, picture.views));
   }
-  return output.json ? json::description(description) + "\n" : text::description(description);
+  return output.json ? json::written(json::description(description)) + "\n"
+                     : text::description(description);
 }
 
 }  // namespace handgraft::client

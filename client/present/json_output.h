@@ -1,31 +1,57 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
+#include <nlohmann/json.hpp>
+
 #include "client/link/grasp_result.h"
+#include "idl/json.h"
 #include "idl/models.h"
 #include "idl/sessions.h"
 
-/// What `--json` prints and `--out` writes; the README documents the documents. SI units and
-/// radians unless a name says otherwise; numbers that are not finite are null; text that is not
-/// UTF-8 has its bytes replaced. `indent` < 0 puts everything on one line.
+/// What `--json` prints and `--out` writes: messages as idl/json.h writes them, and the few
+/// documents that are put together of several.
 namespace handgraft::client::json {
 
-std::string doctor(const DoctorReport& report, int indent = 2);
-std::string models(const v1::ModelList& list, int indent = 2);
-/// With the notes of an object.
-std::string loaded(const v1::ModelSummary& summary,
-                   const std::vector<std::string>& notes = {},
-                   int indent = 2);
-std::string sessions(const v1::SessionList& list, int indent = 2);
-std::string closed(std::uint64_t session_id, int indent = 2);
-std::string unloaded(v1::ModelKind kind, const std::string& name, int indent = 2);
+using idl::Json;
+using idl::jsonOf;
 
-/// "format": "handgraft-grasp/1".
-std::string grasp(const GraspResult& result, int indent = 2);
+/// Over several lines, for a document; on one, for events. Numbers that are not finite and
+/// bytes that are no UTF-8 do not hurt.
+inline std::string written(const Json& document, int indent = 2) {
+  return idl::textOf(document, indent);
+}
 
-/// The lines of `watch`: {"event": "state", ...} and {"event": "solution", ...}.
+/// A message, as it is.
+template <class Message>
+std::string document(const Message& message) {
+  return written(jsonOf(message));
+}
+
+Json doctor(const DoctorReport& report);
+
+/// A summary, with the notes of an object.
+Json loaded(const v1::ModelSummary& summary, const std::vector<std::string>& notes);
+
+/// `kind` and what describes it, but for meshes: of those, how large they are.
+Json description(v1::ModelDescription description);
+
+/// `handgraft-grasp/1` (idl/grasp_file.h), each patch with its report, dropped ones too.
+Json grasp(const GraspResult& result);
+
+/// A suggestion that was applied, and what came of it.
+struct Applied {
+  std::size_t number = 0;  ///< from 1
+  std::uint64_t revision = 0;
+  v1::PatchReport report;
+};
+
+Json suggestions(const v1::SuggestReply& reply, const std::optional<Applied>& applied);
+
+/// The lines of `watch`: {"event": "state", ...} and {"event": "solution", ...}, the latter
+/// with `joints`, positions by name.
 std::string stateEvent(const v1::SessionState& state);
 std::string solutionEvent(const v1::PoseSolution& solution,
                           const std::vector<std::string>& joint_names);

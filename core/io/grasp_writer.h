@@ -8,21 +8,10 @@
 /// A posed grasp as numbers.
 namespace handgraft::io {
 
-/// What was solved, for those formats that tell it; `patch_names` by patch number.
-struct SolvedGrasp {
-  const optimize::SolveReport& report;
-  std::vector<std::string> patch_names;
-};
-
 /// `name,value,unit`: a line per joint, independent ones in the hand's order, then those that
 /// mimic them, then the root in W as `X_WH.x` (m) to `X_WH.qz`. Values are exact. Names with
 /// commas or quotes are quoted (RFC 4180).
 std::string jointCsv(const PosedGrasp& grasp);
-
-/// `handgraft-grasp/1`, the part of it that makes up a pose, which is read wherever a pose is:
-/// hand, object, X_WH, X_WO, joints, links_X_WL; with `solved` also outcome, solver, terms,
-/// joints_at_limit and the patches' fits. Values are exact.
-std::string graspJson(const PosedGrasp& grasp, const SolvedGrasp* solved = nullptr);
 
 /// NVIDIA Isaac's `isaac_grasp` 1.0: one grasp, named after hand and object; position and
 /// orientation are the hand's root in the object's frame, X_OH; independent joints only, since

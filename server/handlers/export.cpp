@@ -11,6 +11,8 @@
 #include "core/io/problem_file.h"
 #include "core/io/scene_writer.h"
 #include "idl/fields.h"
+#include "idl/grasp_file.h"
+#include "server/convert.h"
 #include "server/handlers/optimize.h"
 
 namespace handgraft::server {
@@ -65,11 +67,20 @@ Standing standingOf(LiveSession& live, Workshop& workshop, const Progress& progr
   return standing;
 }
 
-std::string jsonOf(const Standing& standing) {
-  io::SolvedGrasp solved{standing.solution.report, {}};
-  for (const session::SessionPatch& patch : standing.solution.patches)
-    solved.patch_names.push_back(patch.patch.name);
-  return io::graspJson(standing.grasp, &solved);
+std::string jsonOf(LiveSession& live, const Standing& standing) {
+  const session::Session& session = live.session();
+  const hand::HandModel& model = *standing.grasp.model;
+  idl::GraspNames names{
+      standing.grasp.hand, standing.grasp.object, session.document().contacts, {}, {}};
+  for (int dof = 0; dof < model.dofCount(); ++dof)
+    names.joints.push_back(model.dofJoint(dof).name);
+  for (const hand::Link& link : model.links())
+    names.links.push_back(link.name);
+  v1::PoseSolution solution =
+      solutionMessage(session, standing.solution.problem, standing.solution.report);
+  solution.session_id(live.id());
+  solution.revision(session.revision());
+  return idl::graspText(names, solution);
 }
 
 std::string contentOf(LiveSession& live,
@@ -78,7 +89,7 @@ std::string contentOf(LiveSession& live,
                       const Progress& progress) {
   switch (request.format()) {
     case v1::EXPORT_JSON:
-      return jsonOf(standingOf(live, workshop, progress));
+      return jsonOf(live, standingOf(live, workshop, progress));
     case v1::EXPORT_CSV:
       return io::jointCsv(standingOf(live, workshop, progress).grasp);
     case v1::EXPORT_OBJ:

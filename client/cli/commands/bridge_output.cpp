@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "client/present/json_parts.h"
+#include "client/present/json_output.h"
 #include "idl/fields.h"
 
 namespace handgraft::client {
@@ -59,37 +59,8 @@ std::string statusText(const std::vector<v1::BridgeStatus>& bridges) {
 
 std::string statusJson(const std::vector<v1::BridgeStatus>& bridges) {
   json::Json list = json::Json::array();
-  for (const v1::BridgeStatus& bridge : bridges) {
-    list.push_back({{"bridge_id", bridge.bridge_id()},
-                    {"device", bridge.device()},
-                    {"hand", bridge.hand()},
-                    {"config", bridge.config()},
-                    {"state", v1::nameOf(bridge.state())},
-                    {"fault", v1::nameOf(bridge.fault())},
-                    {"reason", bridge.reason()},
-                    {"powered", bridge.powered()},
-                    {"homed", bridge.homed()},
-                    {"slow", bridge.slow()},
-                    {"session_id", bridge.session_id()},
-                    {"command_age_s", bridge.command_age_s()},
-                    {"stream_age_s", bridge.stream_age_s()},
-                    {"period_s", bridge.period_s()},
-                    {"periods", bridge.periods()},
-                    {"overruns", bridge.overruns()},
-                    {"worst_lateness_s", bridge.worst_lateness_s()},
-                    {"realtime", bridge.realtime()},
-                    {"poses_accepted", bridge.poses_accepted()},
-                    {"poses_refused", bridge.poses_refused()},
-                    {"last_refusal", bridge.last_refusal()},
-                    {"clamped", bridge.clamped()},
-                    {"limited", bridge.limited()},
-                    {"answers_lost", bridge.answers_lost()},
-                    {"bytes_discarded", bridge.bytes_discarded()},
-                    {"tracking_rad", bridge.tracking_rad()},
-                    {"residual_rad", bridge.residual_rad()},
-                    {"temperature_c", bridge.temperature_c()},
-                    {"stamp_ns", bridge.stamp_ns()}});
-  }
+  for (const v1::BridgeStatus& bridge : bridges)
+    list.push_back(json::jsonOf(bridge));
   return json::written({{"bridges", list}}, 2);
 }
 

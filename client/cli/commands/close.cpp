@@ -10,7 +10,7 @@ int run(const CloseOptions& options, const CommonOptions& common, Interruption& 
   ServerLink server(common.network, Absence::kFail, interruption);
   server.closeSession(options.session_id);
   if (common.json) {
-    fmt::print("{}\n", json::closed(options.session_id));
+    fmt::print("{}\n", json::written({{"session_id", options.session_id}, {"closed", true}}));
   } else {
     fmt::print("closed session {}\n", options.session_id);
   }

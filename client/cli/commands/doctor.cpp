@@ -56,7 +56,8 @@ int run(const DoctorOptions& /*options*/,
         "give this program the same two options.",
         error.what(), report.domain, report.interface);
   }
-  fmt::print("{}", common.json ? json::doctor(report) + "\n" : text::doctor(report));
+  fmt::print("{}",
+             common.json ? json::written(json::doctor(report)) + "\n" : text::doctor(report));
   return report.server ? 0 : 1;
 }
 

@@ -3,7 +3,7 @@
 #include "client/cli/commands/commands.h"
 #include "client/link/server_link.h"
 #include "client/present/export_file.h"
-#include "client/present/json_parts.h"
+#include "client/present/json_output.h"
 #include "client/present/output_file.h"
 #include "core/base/error.h"
 

@@ -149,9 +149,10 @@ int run(const GraspOptions& options, const CommonOptions& common, Interruption& 
   // === Results
   if (!options.problem.empty()) writeProblem(server, options, inputs, result);
   if (!options.png.empty()) writePicture(server, options.png, result);
-  if (!options.out.empty()) writeFile(options.out, json::grasp(result) + "\n");
+  if (!options.out.empty()) writeFile(options.out, json::written(json::grasp(result)) + "\n");
   progress.clear();
-  fmt::print("{}", common.json ? json::grasp(result) + "\n" : text::grasp(result));
+  fmt::print("{}",
+             common.json ? json::written(json::grasp(result)) + "\n" : text::grasp(result));
   if (!common.json && (options.solver == "all" || options.choose > 0)) {
     fmt::print("\n{}", text::minima(result.solution, result.hand));
   }

@@ -4,7 +4,7 @@
 #include "client/cli/input_files.h"
 #include "client/link/send_model.h"
 #include "client/present/hand_picture.h"
-#include "client/present/model_json.h"
+#include "client/present/json_output.h"
 #include "client/present/model_text.h"
 #include "client/present/output_file.h"
 #include "client/present/progress_line.h"
@@ -43,7 +43,7 @@ int run(const InspectOptions& options,
                      render::renderTwoViews(picture.scene, picture.caption, picture.views));
   }
   progress.clear();
-  fmt::print("{}", common.json ? json::description(description) + "\n"
+  fmt::print("{}", common.json ? json::written(json::description(description)) + "\n"
                                : text::description(description));
   return 0;
 }

@@ -43,7 +43,7 @@ int run(const LoadOptions& options, const CommonOptions& common, Interruption& i
     notes = server.describe(v1::MODEL_OBJECT, summary.name(), false).object().notes();
   progress.clear();
   if (common.json) {
-    fmt::print("{}\n", json::loaded(summary, notes));
+    fmt::print("{}\n", json::written(json::loaded(summary, notes)));
   } else {
     fmt::print("loaded {} {}: {}\n", nameOf(summary.kind()), summary.name(), summary.text());
     for (const std::string& note : notes)

@@ -3,7 +3,6 @@
 #include "client/cli/commands/commands.h"
 #include "client/link/server_link.h"
 #include "client/present/json_output.h"
-#include "client/present/model_json.h"
 #include "client/present/model_text.h"
 #include "client/present/text_output.h"
 
@@ -13,14 +12,14 @@ int run(const ModelsOptions& options, const CommonOptions& common, Interruption&
   ServerLink server(common.network, Absence::kFail, interruption);
   if (!options.show) {
     const v1::ModelList list = server.listModels();
-    fmt::print("{}", common.json ? json::models(list) + "\n" : text::models(list));
+    fmt::print("{}", common.json ? json::document(list) + "\n" : text::models(list));
     return 0;
   }
   // An object is its mesh: without it there would be nothing to count.
   const bool with_meshes = options.show->kind == v1::MODEL_OBJECT;
   const v1::ModelDescription description =
       server.describe(options.show->kind, options.show->name, with_meshes);
-  fmt::print("{}", common.json ? json::description(description) + "\n"
+  fmt::print("{}", common.json ? json::written(json::description(description)) + "\n"
                                : text::description(description));
   return 0;
 }

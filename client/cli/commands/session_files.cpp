@@ -4,7 +4,7 @@
 #include "client/link/server_link.h"
 #include "client/link/session_text.h"
 #include "client/present/failure.h"
-#include "client/present/json_parts.h"
+#include "client/present/json_output.h"
 #include "client/present/output_file.h"
 #include "client/present/text_output.h"
 #include "core/base/error.h"

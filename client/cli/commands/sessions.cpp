@@ -12,7 +12,7 @@ int run(const SessionsOptions& /*options*/,
         Interruption& interruption) {
   ServerLink server(common.network, Absence::kFail, interruption);
   const v1::SessionList list = server.listSessions();
-  fmt::print("{}", common.json ? json::sessions(list) + "\n" : text::sessions(list));
+  fmt::print("{}", common.json ? json::document(list) + "\n" : text::sessions(list));
   return 0;
 }
 

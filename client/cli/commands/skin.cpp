@@ -4,7 +4,7 @@
 #include "client/cli/input_files.h"
 #include "client/link/send_model.h"
 #include "client/present/hand_picture.h"
-#include "client/present/model_json.h"
+#include "client/present/json_output.h"
 #include "client/present/model_text.h"
 #include "client/present/output_file.h"
 #include "client/present/progress_line.h"
@@ -41,7 +41,7 @@ int run(const SkinOptions& options, const CommonOptions& common, Interruption& i
   }
   progress.clear();
   if (common.json) {
-    fmt::print("{}\n", json::skin(hand.name(), report));
+    fmt::print("{}\n", json::written({{"hand", hand.name()}, {"skin", json::jsonOf(report)}}));
   } else {
     fmt::print("skin of {}\n{}", text::plain(hand.name()), text::skin(report));
   }

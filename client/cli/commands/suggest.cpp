@@ -3,8 +3,8 @@
 #include "client/cli/commands/commands.h"
 #include "client/link/hand_side_edits.h"
 #include "client/link/server_link.h"
+#include "client/present/json_output.h"
 #include "client/present/progress_line.h"
-#include "client/present/transfer_json.h"
 #include "client/present/transfer_text.h"
 #include "core/base/error.h"
 
@@ -66,7 +66,7 @@ int run(const SuggestOptions& options,
 
   progress.clear();
   if (common.json) {
-    fmt::print("{}\n", json::suggestions(reply, applied));
+    fmt::print("{}\n", json::written(json::suggestions(reply, applied)));
     return 0;
   }
   fmt::print("{}", text::suggestions(reply));

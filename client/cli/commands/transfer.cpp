@@ -2,8 +2,8 @@
 
 #include "client/cli/commands/commands.h"
 #include "client/link/server_link.h"
+#include "client/present/json_output.h"
 #include "client/present/progress_line.h"
-#include "client/present/transfer_json.h"
 #include "client/present/transfer_text.h"
 
 namespace handgraft::client {
@@ -18,7 +18,7 @@ int run(const TransferOptions& options,
   });
   const v1::TransferReply reply = server.transfer(options.session_id);
   progress.clear();
-  fmt::print("{}", common.json ? json::transfer(reply) + "\n" : text::transfer(reply));
+  fmt::print("{}", common.json ? json::document(reply) + "\n" : text::transfer(reply));
   return 0;
 }
 

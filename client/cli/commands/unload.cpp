@@ -11,7 +11,9 @@ int run(const UnloadOptions& options, const CommonOptions& common, Interruption&
   ServerLink server(common.network, Absence::kFail, interruption);
   server.unload(options.kind, options.name);
   if (common.json) {
-    fmt::print("{}\n", json::unloaded(options.kind, options.name));
+    fmt::print("{}\n", json::written({{"kind", nameOf(options.kind)},
+                                      {"name", options.name},
+                                      {"unloaded", true}}));
   } else {
     fmt::print("unloaded {} {}\n", nameOf(options.kind), options.name);
   }

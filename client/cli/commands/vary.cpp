@@ -4,7 +4,7 @@
 #include "client/cli/input_files.h"
 #include "client/link/send_model.h"
 #include "client/link/server_link.h"
-#include "client/present/model_json.h"
+#include "client/present/json_output.h"
 #include "client/present/model_text.h"
 #include "client/present/output_file.h"
 #include "client/present/progress_line.h"
@@ -34,7 +34,7 @@ int run(const VaryOptions& options, const CommonOptions& common, Interruption& i
       server.describe(v1::MODEL_HAND, summary.name(), true);
   if (!options.urdf.empty()) writeFile(options.urdf, description.hand().urdf());
   progress.clear();
-  fmt::print("{}", common.json ? json::description(description) + "\n"
+  fmt::print("{}", common.json ? json::written(json::description(description)) + "\n"
                                : text::description(description));
   return 0;
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "client/present/json_parts.h"
+#include "client/present/json_output.h"
 #include "core/base/error.h"
 
 namespace handgraft::client {

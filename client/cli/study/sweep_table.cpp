@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "client/cli/study/sweep_result.h"
-#include "client/present/json_parts.h"
+#include "client/present/json_output.h"
 #include "client/present/text_output.h"
 #include "idl/fields.h"
 
@@ -28,24 +28,8 @@ std::string joined(const std::vector<std::string>& items) {
 }
 
 json::Json rowOf(const SweepResult& result, const v1::SweepRow& row) {
-  json::Json one;
+  json::Json one = json::jsonOf(row);
   one["grasp"] = result.grasps[row.grasp()].label;
-  one["values"] = json::listOf(row.values());
-  if (!row.error().empty()) {
-    one["error"] = row.error();
-    return one;
-  }
-  one["outcome"] = nameOf(row.outcome());
-  one["mean_mm"] = row.mean_mm();
-  one["max_mm"] = row.max_mm();
-  one["normal_deg"] = row.normal_deg();
-  one["patch_count"] = row.patch_count();
-  one["reached_count"] = row.reached_count();
-  one["point_count"] = row.point_count();
-  one["objective"] = row.terms().objective();
-  one["joints_at_limit"] = text::limitNames(row.joints_at_limit());
-  one["joint_positions"] = json::listOf(row.joint_positions());
-  one["solve_ms"] = row.solve_ms();
   return one;
 }
 
@@ -98,11 +82,11 @@ std::string sweep(const SweepResult& result, int indent) {
                                   {"object", grasp.object}});
   document["axes"] = Json::array();
   for (const StudyAxis& axis : result.axes)
-    document["axes"].push_back({{"name", axis.name}, {"values", listOf(axis.axis.values())}});
-  document["joint_names"] = listOf(result.reply.joint_names());
+    document["axes"].push_back({{"name", axis.name}, {"values", axis.axis.values()}});
+  document["joint_names"] = result.reply.joint_names();
   if (!points.empty()) {
     const SweepPoint& best = points[bestOf(points)];
-    document["best"] = {{"values", listOf(best.values)},
+    document["best"] = {{"values", best.values},
                         {"mean_mm", best.mean_mm},
                         {"patch_count", best.patches},
                         {"reached_count", best.reached}};

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "client/present/model_json.h"
+#include "client/present/json_output.h"
 #include "client/present/model_text.h"
 #include "client/present/skin_file.h"
 #include "core/base/error.h"
@@ -79,15 +79,15 @@ TEST(HandJson, SaysWhatTheReadmePromises) {
   hand.poses().resize(1);
   hand.poses()[0].name("fist");
   hand.poses()[0].joint_positions() = {1.25, 0.0};
-  const json document = json::parse(client::json::description(described(hand)));
+  const json document = json(client::json::description(described(hand)));
   EXPECT_EQ(document["joints"][0]["parent_link"], "palm");
-  EXPECT_EQ(document["poses"]["fist"]["index_mcp"], 1.25);
+  EXPECT_EQ(document["poses"][0]["joint_positions"][0], 1.25);
   EXPECT_EQ(document["sites_found"], true);
   EXPECT_EQ(document["sites"].size(), 4U);
-  EXPECT_EQ(document["skin"]["valid"], true);
-  EXPECT_EQ(document["skin"]["steps"][0]["action"], "wrap");
+  EXPECT_EQ(document["skin_report"]["valid"], true);
+  EXPECT_EQ(document["skin_report"]["steps"][0]["action"], "wrap");
   hand.skin_report().clear();
-  EXPECT_TRUE(json::parse(client::json::description(described(hand)))["skin"].is_null());
+  EXPECT_TRUE(json(client::json::description(described(hand)))["skin_report"].is_null());
 }
 
 TEST(ContactsText, MeasuresEachPatch) {
@@ -100,14 +100,13 @@ TEST(ContactsText, MeasuresEachPatch) {
   EXPECT_THAT(text::contacts(set), HasSubstr("open\n"));
 }
 
-TEST(ContactsJson, HoldsTheSetAsADocument) {
+TEST(ContactsJson, HoldsTheSetAsItsFile) {
   v1::ModelDescription description;
   description.contacts(test::squareOnBox());
-  const json document = json::parse(client::json::description(description));
-  EXPECT_EQ(document["set"]["format"], "handgraft-contacts/1");
-  EXPECT_TRUE(document["threshold"].is_null());
-  description.contacts().file("no json");
-  EXPECT_TRUE(json::parse(client::json::description(description))["set"].is_null());
+  const json document = json(client::json::description(description));
+  EXPECT_EQ(document["kind"], "contacts");
+  EXPECT_EQ(document["file"], test::squareOnBox().file());
+  EXPECT_TRUE(document["contact_map"].is_null());
 }
 
 TEST(SkinFile, HoldsEachFaceWithItsLink) {

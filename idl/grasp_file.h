@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "idl/json.h"
+#include "idl/sessions.h"
+
+/// `handgraft-grasp/1`: one grasp as a document, which is read wherever a pose is. The one
+/// writer.
+namespace handgraft::idl {
+
+/// What a solution does not say by itself.
+struct GraspNames {
+  std::string hand;
+  std::string object;
+  std::string contacts;
+  std::vector<std::string> joints;  ///< in the order of `joint_positions`
+  std::vector<std::string> links;   ///< in the order of `X_WL`; empty: without
+};
+
+/// An object of the values by their names.
+Json byName(const std::vector<std::string>& names, const Json& values);
+
+/// `format`, `hand`, `object`, `contacts`; `joints` (positions by name) and `links_X_WL` (poses
+/// by name) instead of `joint_positions` and `X_WL`; then every other key of PoseSolution as
+/// idl/json.h writes it. Of minima, `joints` likewise.
+Json graspFile(const GraspNames& names, const v1::PoseSolution& solution);
+
+/// The same as text.
+std::string graspText(const GraspNames& names, const v1::PoseSolution& solution);
+
+}  // namespace handgraft::idl

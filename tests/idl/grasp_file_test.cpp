@@ -1,0 +1,47 @@
+// handgraft-grasp/1: positions and poses by name, exact.
+#include "idl/grasp_file.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace handgraft {
+namespace {
+
+v1::PoseSolution solved() {
+  v1::PoseSolution solution;
+  solution.joint_positions() = {0.1, 1.0 / 3.0};
+  solution.X_WL().resize(2);
+  solution.X_WL()[1].p_m({0.1, 0.2, 1.0 / 7.0});
+  solution.terms().objective(1.25);
+  solution.outcome(v1::OUTCOME_CONVERGED);
+  solution.minima().resize(1);
+  solution.minima()[0].joint_positions() = {0.5, 0.25};
+  return solution;
+}
+
+TEST(GraspFile, IsAPoseThatGivesTheSameBitsBack) {
+  const auto file = nlohmann::json::parse(
+      idl::graspText({"claw", "ball", "marks", {"bend", "slide"}, {"palm", "tip"}}, solved()));
+  EXPECT_EQ(file["format"], "handgraft-grasp/1");
+  EXPECT_EQ(file["hand"], "claw");
+  EXPECT_EQ(file["object"], "ball");
+  EXPECT_EQ(file["contacts"], "marks");
+  EXPECT_EQ(file["joints"]["slide"], 1.0 / 3.0);
+  EXPECT_EQ(file["links_X_WL"]["tip"]["p_m"][2], 1.0 / 7.0);
+  EXPECT_EQ(file["minima"][0]["joints"]["bend"], 0.5);
+}
+
+TEST(GraspFile, TellsAllElseOfTheSolution) {
+  const idl::Json file =
+      idl::graspFile({"claw", "ball", "marks", {"bend", "slide"}, {}}, solved());
+  EXPECT_EQ(file["outcome"], "converged");
+  EXPECT_EQ(file["terms"]["objective"], 1.25);
+  for (const idl::Field& field : idl::typeOf<v1::PoseSolution>().fields) {
+    const bool by_name = std::string_view(field.name) == "joint_positions" ||
+                         std::string_view(field.name) == "X_WL";
+    EXPECT_EQ(file.contains(field.name), !by_name) << field.name;
+  }
+}
+
+}  // namespace
+}  // namespace handgraft
