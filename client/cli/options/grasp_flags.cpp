@@ -6,6 +6,7 @@
 
 #include "client/cli/options/option_checks.h"
 #include "core/base/error.h"
+#include "idl/check.h"
 
 namespace handgraft::client {
 
@@ -19,15 +20,11 @@ v1::NormalForm normalFormOf(const std::string& name) {
 
 // What the server would refuse, too (idl/sessions.idl), but only once it has all models.
 void requireSolving(const GraspOptions& grasp) {
-  constexpr std::uint32_t kMostStarts = 10'000;
-  constexpr std::uint32_t kMostEvaluations = 100'000;
-  if (grasp.starts > kMostStarts) {
-    rejectInput("--starts {}: it must lie in 0 to {}", grasp.starts, kMostStarts);
-  }
-  if (grasp.max_evaluations > kMostEvaluations) {
-    rejectInput("--max-evaluations {}: it must lie in 0 to {}", grasp.max_evaluations,
-                kMostEvaluations);
-  }
+  const auto require = [](std::uint32_t value, const char* field, const char* option) {
+    idl::checkNumber(value, *idl::fieldOf(idl::typeOf<v1::SolveOptions>(), field), option);
+  };
+  require(grasp.starts, "starts", "--starts");
+  require(grasp.max_evaluations, "max_evaluations", "--max-evaluations");
   if (grasp.paper && !grasp.solver.empty()) {
     rejectInput("--solver {}: --paper has its own, mma", quoted(grasp.solver));
   }
