@@ -24,6 +24,7 @@ namespace {
 
 /// Raise it with every change of the method or the file, and old files are made anew.
 constexpr std::string_view kFormat = "handgraft-skin/1\n";
+constexpr const char* kFolder = "handgraft/skins";
 constexpr std::size_t kDigits = 64;
 constexpr std::uintmax_t kLargestFile = 1U << 30U;
 
@@ -155,10 +156,15 @@ std::optional<StoredSkin> deserialise(std::string_view bytes, const std::string&
 SkinCache::SkinCache(std::optional<fs::path> folder) : folder_(std::move(folder)) {}
 
 SkinCache SkinCache::fromEnvironment() {
-  // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody writes the environment.
-  const char* home = std::getenv("XDG_CACHE_HOME");
-  if (home == nullptr || !fs::path(home).is_absolute()) return SkinCache();
-  return SkinCache(fs::path(home) / "handgraft" / "skins");
+  const auto absolute = [](const char* name) -> std::optional<fs::path> {
+    // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody writes the environment.
+    const char* value = std::getenv(name);
+    if (value == nullptr || !fs::path(value).is_absolute()) return std::nullopt;
+    return fs::path(value);
+  };
+  if (const auto cache = absolute("XDG_CACHE_HOME")) return SkinCache(*cache / kFolder);
+  if (const auto home = absolute("HOME")) return SkinCache(*home / ".cache" / kFolder);
+  return SkinCache();
 }
 
 Skin SkinCache::get(const HandModel& model,

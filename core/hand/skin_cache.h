@@ -37,7 +37,8 @@ class SkinCache {
   /// Without a folder nothing is kept.
   explicit SkinCache(std::optional<std::filesystem::path> folder = std::nullopt);
 
-  /// `$XDG_CACHE_HOME/handgraft/skins`; no cache where that variable is not set.
+  /// `handgraft/skins` in `$XDG_CACHE_HOME`, else in `$HOME/.cache` (XDG Base Directory
+  /// Specification); no cache where neither is an absolute path.
   static SkinCache fromEnvironment();
 
   /// The skin from the folder, else from `buildSkin`, which is then kept. A folder that cannot

@@ -1,8 +1,11 @@
 #include "core/hand/skin_cache.h"
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <optional>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -143,6 +146,46 @@ TEST_F(SkinCacheTest, MakesADamagedFileAnew) {
   EXPECT_FALSE(report.from_cache);
   (void)cache.get(makeBall(0.02), {}, Progress(), &report);
   EXPECT_TRUE(report.from_cache);
+}
+
+/// Sets a variable of the environment for as long as it lives; nullptr: none of that name.
+class Variable {
+ public:
+  Variable(const char* name, const char* value) : name_(name) {
+    if (const char* before = std::getenv(name)) before_ = before;
+    set(value);
+  }
+
+  ~Variable() { set(before_ ? before_->c_str() : nullptr); }
+
+  Variable(const Variable&) = delete;
+  Variable& operator=(const Variable&) = delete;
+
+ private:
+  void set(const char* value) {
+    if (value == nullptr) {
+      unsetenv(name_);
+    } else {
+      setenv(name_, value, 1);
+    }
+  }
+
+  const char* name_;
+  std::optional<std::string> before_;
+};
+
+TEST_F(SkinCacheTest, IsAtHomeWhereTheSystemKeepsCaches) {
+  const Variable home("HOME", folder_.c_str());
+  {
+    const Variable none("XDG_CACHE_HOME", nullptr);
+    (void)SkinCache::fromEnvironment().get(makeBall(0.02), {}, Progress());
+    EXPECT_TRUE(fs::exists(folder_ / ".cache" / "handgraft" / "skins"));
+  }
+  fs::remove_all(folder_);
+  const Variable elsewhere("XDG_CACHE_HOME", (folder_ / "elsewhere").c_str());
+  (void)SkinCache::fromEnvironment().get(makeBall(0.02), {}, Progress());
+  EXPECT_TRUE(fs::exists(folder_ / "elsewhere" / "handgraft" / "skins"));
+  EXPECT_FALSE(fs::exists(folder_ / ".cache"));
 }
 
 TEST_F(SkinCacheTest, WorksWhereNothingCanBeKept) {
