@@ -1,0 +1,44 @@
+#!/usr/bin/env bash
+# check.sh: what is too long for every change, step by step; ./dev check runs it. A step that
+# passed is not run again until a tracked file changes. Prints each step's time and its last line.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+state=$({ git rev-parse HEAD; git diff HEAD; } | sha256sum | cut -c1-16)
+passed=build/check/$state
+mkdir -p "$passed"
+jobs=$(nproc)
+failed=()
+
+step() { # NAME COMMAND...
+  local name=$1 log=build/check/$1.log begun=$SECONDS
+  shift
+  if [ -e "$passed/$name" ]; then
+    printf '%-12s passed before\n' "$name"
+  elif "$@" >"$log" 2>&1; then
+    touch "$passed/$name"
+    printf '%-12s passed in %d s: %s\n' "$name" $((SECONDS - begun)) "$(tail -n 1 "$log")"
+  else
+    printf '%-12s FAILED in %d s, see %s\n' "$name" $((SECONDS - begun)) "$log"
+    failed+=("$name")
+  fi
+}
+
+# Without groups: each source must include what it uses, and no name may hide another.
+alone() {
+  cmake --preset dev -DHANDGRAFT_UNITY=OFF
+  cmake --build --preset dev -j "$jobs"
+  cmake --build --preset dev -j "$jobs" --target all_verify_interface_header_sets
+}
+
+sanitized() { # PRESET REGEX
+  cmake --preset "$1" -DBUILD_TESTING=ON
+  cmake --build --preset "$1" -j "$jobs"
+  ctest --preset "$1" -j "$jobs" -R "$2"
+}
+
+step lint ./dev lint
+step alone alone
+step asan sanitized asan .
+step tsan sanitized tsan 'Service|LiveEdits|StrandPool|WorkerPool|SolverThreads|Strand|Motion|Bridge|Transport'
+step fuzz ./dev fuzz 30
+[ ${#failed[@]} -eq 0 ] || { printf 'failed: %s\n' "${failed[*]}"; exit 1; }
