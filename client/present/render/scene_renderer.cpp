@@ -51,7 +51,7 @@ struct LayerView {
   DepthBuffer buffer;
 };
 
-struct View {
+struct DrawnView {
   std::vector<LayerView> layers;
   DepthBuffer overlay;  // ids: segments, markers, then the rims of both
 };
@@ -114,13 +114,13 @@ void drawLayer(const Layer& layer,
   }
 }
 
-View drawAll(const Scene& scene,
-             const std::vector<std::vector<std::vector<Eigen::Vector3f>>>& normals,
-             const Camera& camera,
-             int width,
-             int height,
-             int samples) {
-  View view{{}, DepthBuffer(samples * width, samples * height)};
+DrawnView drawAll(const Scene& scene,
+                  const std::vector<std::vector<std::vector<Eigen::Vector3f>>>& normals,
+                  const Camera& camera,
+                  int width,
+                  int height,
+                  int samples) {
+  DrawnView view{{}, DepthBuffer(samples * width, samples * height)};
   for (std::size_t l = 0; l < scene.layers.size(); ++l) {
     view.layers.push_back({{}, DepthBuffer(samples * width, samples * height)});
     drawLayer(scene.layers[l], normals[l], camera, static_cast<float>(samples),
@@ -172,7 +172,7 @@ struct Hit {
   std::uint32_t id;
 };
 
-void hitsAt(const View& view, int x, int y, std::vector<Hit>& hits) {
+void hitsAt(const DrawnView& view, int x, int y, std::vector<Hit>& hits) {
   hits.clear();
   for (std::size_t l = 0; l <= view.layers.size(); ++l) {
     const DepthBuffer& buffer = l < view.layers.size() ? view.layers[l].buffer : view.overlay;
@@ -197,8 +197,8 @@ SceneRenderer::SceneRenderer(const Scene& scene) : scene_(scene) {
 }
 
 Image SceneRenderer::draw(const Camera& camera, const Image& background) const {
-  const View view = drawAll(scene_, corner_normals_, camera, background.width(),
-                            background.height(), kSamplesPerSide);
+  const DrawnView view = drawAll(scene_, corner_normals_, camera, background.width(),
+                                 background.height(), kSamplesPerSide);
   const Lights lights(camera);
   Image image = background;
   std::vector<Hit> hits;
@@ -248,7 +248,7 @@ Image SceneRenderer::draw(const Camera& camera, const Image& background) const {
 std::vector<double> SceneRenderer::visibleDecals(const Camera& camera,
                                                  int width,
                                                  int height) const {
-  const View view = drawAll(scene_, corner_normals_, camera, width, height, 1);
+  const DrawnView view = drawAll(scene_, corner_normals_, camera, width, height, 1);
   std::vector<std::size_t> first_of;  // decal of each layer, in the list of all
   std::size_t count = 0;
   for (const auto& decals : decals_) {

@@ -8,11 +8,11 @@
 
 #include "core/geometry/triangle_mesh.h"
 
-namespace handgraft::geometry::test {
+namespace handgraft::test {
 
 /// A triangulated rectangle, rolled or bent by a map; its flat places are the unrolled truth.
 struct Sheet {
-  TriangleMesh mesh;
+  geometry::TriangleMesh mesh;
   std::vector<Eigen::Vector2d> flat;
 };
 
@@ -54,7 +54,7 @@ inline Sheet makeSheet(int columns,
       }
     }
   }
-  sheet.mesh = TriangleMesh(
+  sheet.mesh = geometry::TriangleMesh(
       std::move(vertices),
       Eigen::Map<Eigen::Matrix3Xi>(corners.data(), 3, static_cast<int>(corners.size()) / 3));
   return sheet;
@@ -83,4 +83,4 @@ inline Tube makeTube(int sides, int rows, double height, double jitter) {
           })};
 }
 
-}  // namespace handgraft::geometry::test
+}  // namespace handgraft::test

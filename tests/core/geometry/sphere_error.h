@@ -12,7 +12,7 @@
 #include "core/geometry/log_map.h"
 #include "core/geometry/surface_point.h"
 
-namespace handgraft::geometry::test {
+namespace handgraft::test {
 
 /// Mean errors of a log map against arcs on the sphere.
 struct SphereError {
@@ -22,35 +22,36 @@ struct SphereError {
 
 /// `count` places of the unit icosphere with 10,242 vertices, at random, each at these weights
 /// of its face. Deterministic.
-inline std::vector<SurfacePoint> sourcesOnASphere(const Eigen::Vector3d& barycentric,
-                                                  int count) {
+inline std::vector<geometry::SurfacePoint> sourcesOnASphere(const Eigen::Vector3d& barycentric,
+                                                            int count) {
   std::mt19937 random(3);
-  std::vector<SurfacePoint> sources;
+  std::vector<geometry::SurfacePoint> sources;
   for (int i = 0; i < count; ++i)
     sources.push_back({static_cast<int>(random() % 20480), barycentric});
   return sources;
 }
 
 /// Three sources at vertices and three inside faces.
-inline std::vector<SurfacePoint> mixedSourcesOnASphere() {
-  std::vector<SurfacePoint> sources = sourcesOnASphere({0.0, 0.0, 1.0}, 3);
-  for (const SurfacePoint& inside : sourcesOnASphere({0.2, 0.5, 0.3}, 3))
+inline std::vector<geometry::SurfacePoint> mixedSourcesOnASphere() {
+  std::vector<geometry::SurfacePoint> sources = sourcesOnASphere({0.0, 0.0, 1.0}, 3);
+  for (const geometry::SurfacePoint& inside : sourcesOnASphere({0.2, 0.5, 0.3}, 3))
     sources.push_back(inside);
   return sources;
 }
 
 /// Of the unit icosphere with 10,242 vertices, inside 0.2 pi of each source.
 inline SphereError errorOnASphere(
-    const std::vector<SurfacePoint>& sources,
-    const std::function<LogMap(
-        const TriangleMesh&, const SurfacePoint&, const Eigen::Vector3d&, double radius)>&
-        compute) {
-  const TriangleMesh sphere = makeSphere(1.0, 5);
+    const std::vector<geometry::SurfacePoint>& sources,
+    const std::function<geometry::LogMap(const geometry::TriangleMesh&,
+                                         const geometry::SurfacePoint&,
+                                         const Eigen::Vector3d&,
+                                         double radius)>& compute) {
+  const geometry::TriangleMesh sphere = geometry::makeSphere(1.0, 5);
   const Eigen::Vector3d direction(0.3, 0.8, 0.4);
   SphereError error;
   int count = 0;
-  for (const SurfacePoint& source : sources) {
-    const LogMap map = compute(sphere, source, direction, 0.2 * std::numbers::pi);
+  for (const geometry::SurfacePoint& source : sources) {
+    const geometry::LogMap map = compute(sphere, source, direction, 0.2 * std::numbers::pi);
     const Eigen::Vector3d z = positionOf(sphere, source).normalized();
     const Eigen::Vector3d x = (direction - direction.dot(z) * z).normalized();
     const Eigen::Vector3d y = z.cross(x);
@@ -74,4 +75,4 @@ inline SphereError errorOnASphere(
   return error;
 }
 
-}  // namespace handgraft::geometry::test
+}  // namespace handgraft::test
