@@ -32,7 +32,7 @@ session::Edit editOf(const Field& field) {
   const std::string kind = field["kind"].text();
   const auto found = std::find(session::kEditKinds.begin(), session::kEditKinds.end(), kind);
   if (found == session::kEditKinds.end()) {
-    field["kind"].reject("is {}; permitted are {}", quoted(kind),
+    field["kind"].reject("is {}; permitted are {}", handgraft::quoted(kind),
                          fmt::join(session::kEditKinds, " "));
   }
   return editOf(field, static_cast<std::size_t>(found - session::kEditKinds.begin()));
@@ -99,7 +99,7 @@ SessionFile readSessionText(const std::string& text) {
   const Field file(document, "");
   const std::string format = file["format"].text();
   if (format != kSessionFormat)
-    file["format"].reject("is {}; it must be '{}'", quoted(format), kSessionFormat);
+    file["format"].reject("is {}; it must be '{}'", handgraft::quoted(format), kSessionFormat);
   file.requireOnly({"format", "models", "revision", "history", "first", "log"});
 
   SessionFile result;
@@ -117,7 +117,7 @@ SessionFile readSessionText(const std::string& text) {
   }
   for (const std::string& model :
        {"hand " + result.hand, "object " + result.object, "contacts " + result.contacts}) {
-    if (result.hashes.count(model) == 0) models["hashes"].reject("lacks {}", quoted(model));
+    if (result.hashes.count(model) == 0) models["hashes"].reject("lacks {}", handgraft::quoted(model));
   }
   file["revision"].read(result.session.revision);
   result.session.history = historyOf(file["history"]);

@@ -53,7 +53,7 @@ std::string textOf(const YAML::Node& site, const char* field, const std::string&
     rejectInput("{}: '{}' is missing or no text", owner, field);
   if (node.Scalar().size() > kLongestText || !isUtf8(node.Scalar()))
     rejectInput("{}: '{}' is {}; it must be UTF-8 of at most {} bytes", owner, field,
-                quoted(node.Scalar()), kLongestText);
+                handgraft::quoted(node.Scalar()), kLongestText);
   return node.Scalar();
 }
 
@@ -86,7 +86,7 @@ hand::ContactSite siteOf(const YAML::Node& node, std::size_t number) {
   for (const auto& entry : node) {
     if (!entry.first.IsScalar() || !kFields.contains(entry.first.Scalar()))
       rejectInput("{}: unknown field {} (name, link, point_m, normal, direction)", owner,
-                  quoted(entry.first.IsScalar() ? entry.first.Scalar() : "?"));
+                  handgraft::quoted(entry.first.IsScalar() ? entry.first.Scalar() : "?"));
   }
 
   hand::ContactSite site;
@@ -126,7 +126,7 @@ std::vector<hand::ContactSite> parseSites(const std::string& text,
   try {
     root = YAML::Load(text);
   } catch (const YAML::Exception& error) {
-    rejectInput("line {}: {}", error.mark.line + 1, quoted(error.msg));
+    rejectInput("line {}: {}", error.mark.line + 1, handgraft::quoted(error.msg));
   }
   if (!root.IsMap() || !root["format"] || !root["format"].IsScalar() ||
       root["format"].Scalar() != kFormat)
@@ -150,7 +150,7 @@ std::vector<hand::ContactSite> parseSites(const std::string& text,
 std::vector<hand::ContactSite> readSites(const std::filesystem::path& path,
                                          const hand::HandModel& model,
                                          bool mirrored) {
-  const std::string name = quoted(path.string());
+  const std::string name = handgraft::quoted(path.string());
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   if (error) rejectInput("{}: {}", name, error.message());
@@ -165,7 +165,7 @@ std::vector<hand::ContactSite> readSites(const std::filesystem::path& path,
   } catch (const InvalidInput& fault) {
     rejectInput("{}: {}", name, fault.what());
   } catch (const YAML::Exception& fault) {
-    rejectInput("{}: {}", name, quoted(fault.what()));
+    rejectInput("{}: {}", name, handgraft::quoted(fault.what()));
   }
 }
 
@@ -206,7 +206,7 @@ void writeSites(const std::filesystem::path& path,
   std::ofstream file(path, std::ios::binary);
   file << sitesText(sites);
   file.close();
-  if (!file) rejectInput("{}: cannot be written", quoted(path.string()));
+  if (!file) rejectInput("{}: cannot be written", handgraft::quoted(path.string()));
 }
 
 }  // namespace handgraft::io

@@ -69,7 +69,7 @@ urdf::ModelInterfaceSharedPtr parseWithUrdfdom(const std::string& xml) {
   }
   // A shape that it cannot parse is an error to urdfdom too, but one it goes on without.
   const std::string fault = thrown.empty() ? capture.messages() : thrown;
-  if (!model || !fault.empty()) rejectInput("urdfdom: {}", quoted(fault));
+  if (!model || !fault.empty()) rejectInput("urdfdom: {}", handgraft::quoted(fault));
   return model;
 }
 
@@ -114,7 +114,7 @@ class ShapeReader {
             const urdf::Pose& origin,
             const std::string& link,
             std::vector<hand::Shape>& shapes) {
-    if (geometry == nullptr) rejectInput("link {}: a shape has no geometry", quoted(link));
+    if (geometry == nullptr) rejectInput("link {}: a shape has no geometry", handgraft::quoted(link));
     Eigen::Affine3d X_LG(poseOf(origin).matrix());
     hand::Shape shape;
     geometry::TriangleMesh mesh;
@@ -122,7 +122,7 @@ class ShapeReader {
       const Eigen::Vector3d scale(file->scale.x, file->scale.y, file->scale.z);
       if (!scale.allFinite() || (scale.array() == 0.0).any())
         rejectInput("link {}: mesh {} has scale ({} {} {}); no part of it may be 0",
-                    quoted(link), quoted(file->filename), scale.x(), scale.y(), scale.z());
+                    handgraft::quoted(link), handgraft::quoted(file->filename), scale.x(), scale.y(), scale.z());
       // A scale that is written says already what the file's units are.
       X_LG = X_LG * Eigen::Scaling(scale.isOnes(0.0)
                                        ? Eigen::Vector3d::Constant(mesh_unit_m_).eval()
@@ -144,17 +144,17 @@ class ShapeReader {
       if (isEmpty(Eigen::Vector3d::Constant(sphere->radius), link, "sphere")) return;
       mesh = geometry::makeSphere(sphere->radius);
     } else {
-      rejectInput("link {}: a shape is none of mesh, box, cylinder, sphere", quoted(link));
+      rejectInput("link {}: a shape is none of mesh, box, cylinder, sphere", handgraft::quoted(link));
     }
 
     face_count_ += mesh.faceCount();
     if (face_count_ > kMostFaces)
-      rejectInput("link {}: the shapes have more than {} triangles together", quoted(link),
+      rejectInput("link {}: the shapes have more than {} triangles together", handgraft::quoted(link),
                   kMostFaces);
     shape.mesh_L = geometry::transformed(mesh, X_LG);
     const double reach = shape.mesh_L.vertices().cwiseAbs().maxCoeff();
     if (!(reach <= kLargestNumber))
-      rejectInput("link {}: shape {} reaches out to {} m; permitted is {}", quoted(link),
+      rejectInput("link {}: shape {} reaches out to {} m; permitted is {}", handgraft::quoted(link),
                   handgraft::quoted(shape.source), reach, kLargestNumber);
     shapes.push_back(std::move(shape));
   }
@@ -163,11 +163,11 @@ class ShapeReader {
   /// Placeholders of size 0 are common; they have no surface and are left out.
   bool isEmpty(const Eigen::Vector3d& size, const std::string& link, const char* kind) {
     if (!size.allFinite() || (size.array() < 0.0).any())
-      rejectInput("link {}: a {} of size ({} {} {}): sizes must be positive", quoted(link),
+      rejectInput("link {}: a {} of size ({} {} {}): sizes must be positive", handgraft::quoted(link),
                   kind, size.x(), size.y(), size.z());
     if ((size.array() > 0.0).all()) return false;
     notes_.push_back(
-        fmt::format("link {}: a {} without volume was left out", quoted(link), kind));
+        fmt::format("link {}: a {} without volume was left out", handgraft::quoted(link), kind));
     return true;
   }
 
@@ -178,7 +178,7 @@ class ShapeReader {
       if (known != meshes_.end()) return known->second;
       return meshes_.emplace(path.string(), readMesh(path).mesh).first->second;
     } catch (const InvalidInput& error) {
-      rejectInput("link {}: {}", quoted(link), error.what());
+      rejectInput("link {}: {}", handgraft::quoted(link), error.what());
     }
   }
 
@@ -194,7 +194,7 @@ class ShapeReader {
 void requireModestNumbers(const hand::HandModel& model) {
   const auto require = [](double value, const std::string& joint, const char* what) {
     if (std::abs(value) <= kLargestNumber || std::isinf(value)) return;
-    rejectInput("joint {}: its {} is {}; permitted is {} either way", quoted(joint), what,
+    rejectInput("joint {}: its {} is {}; permitted is {} either way", handgraft::quoted(joint), what,
                 value, kLargestNumber);
   };
   for (const hand::HandModel::Node& node : model.nodes()) {
@@ -236,7 +236,7 @@ hand::HandModel readModel(const UrdfText& prepared, ShapeReader* shapes) {
   for (const hand::Joint& outline : prepared.joints) {
     const auto found = source->joints_.find(outline.name);
     if (found == source->joints_.end())
-      rejectInput("urdfdom does not know joint {}", quoted(outline.name));
+      rejectInput("urdfdom does not know joint {}", handgraft::quoted(outline.name));
     joints.push_back(jointOf(*found->second, outline, unlimited.contains(outline.name)));
   }
   if (shapes != nullptr) {
@@ -277,7 +277,7 @@ UrdfFile readUrdf(const fs::path& path, const ResourceFinder& find, double mesh_
     return {std::move(rooted.hand), std::move(rooted.carrier), std::move(text),
             std::move(prepared.notes)};
   } catch (const InvalidInput& error) {
-    rejectInput("{}: {}", quoted(path.string()), error.what());
+    rejectInput("{}: {}", handgraft::quoted(path.string()), error.what());
   }
 }
 
@@ -288,7 +288,7 @@ hand::HandModel readUrdfKinematics(const fs::path& path, FreeRoot free_root) {
     if (free_root == FreeRoot::kKept) return model;
     return hand::cutFreeRoot(model, prepared.solid_links).hand;
   } catch (const InvalidInput& error) {
-    rejectInput("{}: {}", quoted(path.string()), error.what());
+    rejectInput("{}: {}", handgraft::quoted(path.string()), error.what());
   }
 }
 

@@ -26,7 +26,7 @@ std::string nameOf(const XMLElement& element) {
   if (name.empty()) rejectInput("line {}: a {} has no name", element.GetLineNum(), kind);
   if (name.size() > kLongestUrdfName) {
     rejectInput("line {}: the name of a {}, {}, has {} bytes; permitted are {}",
-                element.GetLineNum(), kind, quoted(name), name.size(), kLongestUrdfName);
+                element.GetLineNum(), kind, handgraft::quoted(name), name.size(), kLongestUrdfName);
   }
   return name;
 }
@@ -73,7 +73,7 @@ hand::JointType typeOf(const std::string& type, const std::string& joint) {
   rejectInput(
       "joint {}: there is no type {} (fixed, revolute, continuous, prismatic, planar, "
       "floating)",
-      quoted(joint), quoted(type));
+      handgraft::quoted(joint), handgraft::quoted(type));
 }
 
 /// Gives urdfdom the limit that it insists on. Returns whether effort or velocity were missing.
@@ -93,11 +93,11 @@ bool amendLimit(const std::string& name,
     const bool has_upper = limit->Attribute("upper") != nullptr;
     if (!has_lower && !has_upper) {
       result.unlimited_joints.push_back(name);
-      result.notes.push_back(fmt::format("joint {}: no limit, taken as {}", quoted(name),
+      result.notes.push_back(fmt::format("joint {}: no limit, taken as {}", handgraft::quoted(name),
                                          type == "revolute" ? "+-pi" : "unbounded"));
     } else if (!has_lower || !has_upper) {
       result.notes.push_back(fmt::format("joint {}: no {} limit, taken as 0 as URDF has it",
-                                         quoted(name), has_lower ? "upper" : "lower"));
+                                         handgraft::quoted(name), has_lower ? "upper" : "lower"));
     }
   }
   bool amended = false;
@@ -125,8 +125,8 @@ Eigen::Vector3d axisOf(const XMLElement& joint, const std::string& name) {
   int end = 0;
   if (std::sscanf(text.c_str(), "%lf %lf %lf %n", &n.x(), &n.y(), &n.z(), &end) != 3 ||
       static_cast<std::size_t>(end) != text.size() || !n.allFinite() || n.norm() < 1e-12)
-    rejectInput("joint {}: axis {} is not three numbers with a direction", quoted(name),
-                quoted(text));
+    rejectInput("joint {}: axis {} is not three numbers with a direction", handgraft::quoted(name),
+                handgraft::quoted(text));
   return n.normalized();
 }
 
@@ -184,7 +184,7 @@ void expandJoint(const XMLElement& joint,
                  XMLElement& robot,
                  UrdfText& result) {
   if (joint.FirstChildElement("mimic") != nullptr)
-    rejectInput("joint {}: a {} joint cannot mimic another", quoted(whole.name), type);
+    rejectInput("joint {}: a {} joint cannot mimic another", handgraft::quoted(whole.name), type);
   const std::vector<Freedom> freedoms = freedomsOf(joint, whole.name, type);
   std::string parent = whole.parent_link;
   std::string names;
@@ -198,11 +198,11 @@ void expandJoint(const XMLElement& joint,
     }
     addFreedom(name, freedoms[i], parent, child,
                i == 0 ? joint.FirstChildElement("origin") : nullptr, robot, result);
-    names += (i == 0 ? "" : ", ") + quoted(name);
+    names += (i == 0 ? "" : ", ") + handgraft::quoted(name);
     parent = child;
   }
   result.notes.push_back(
-      fmt::format("joint {}: {}, taken as {} without limits", quoted(whole.name), type, names));
+      fmt::format("joint {}: {}, taken as {} without limits", handgraft::quoted(whole.name), type, names));
 }
 
 /// Returns whether the effort or velocity limit had to be amended.
@@ -215,7 +215,7 @@ bool copyJoint(const XMLElement& joint, XMLElement& robot, UrdfText& result) {
   outline.parent_link = attributeOf(joint.FirstChildElement("parent"), "link");
   outline.child_link = attributeOf(joint.FirstChildElement("child"), "link");
   if (outline.parent_link.empty() || outline.child_link.empty())
-    rejectInput("joint {}: it names no {} link", quoted(outline.name),
+    rejectInput("joint {}: it names no {} link", handgraft::quoted(outline.name),
                 outline.parent_link.empty() ? "parent" : "child");
   if (has_several) {
     expandJoint(joint, outline, type, robot, result);
@@ -242,7 +242,7 @@ UrdfText prepareUrdf(const std::string& text, bool with_shapes) {
   const XMLElement* robot = source.RootElement();
   if (robot == nullptr || std::strcmp(robot->Name(), "robot") != 0)
     rejectInput("not a URDF: its outermost element is {}, not 'robot'",
-                quoted(robot == nullptr ? "missing" : robot->Name()));
+                handgraft::quoted(robot == nullptr ? "missing" : robot->Name()));
 
   UrdfText result;
   result.robot_name = attributeOf(robot, "name");
@@ -263,7 +263,7 @@ UrdfText prepareUrdf(const std::string& text, bool with_shapes) {
     }
     if (name.starts_with("xacro:"))
       rejectInput("line {}: {} is xacro, not URDF; expand it first: xacro FILE > hand.urdf",
-                  child->GetLineNum(), quoted(name));
+                  child->GetLineNum(), handgraft::quoted(name));
   }
   if (result.links.empty()) rejectInput("it has no links");
   if (without_effort > 0)
