@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/hand/kinematics.h"
+#include "core/session/held_places.h"
 #include "idl/fields.h"
 
 namespace handgraft::server {
@@ -51,6 +52,18 @@ std::vector<double> flat(const std::vector<Eigen::Vector3d>& points) {
 
 std::vector<double> entries(const Eigen::VectorXd& values) {
   return {values.data(), values.data() + values.size()};
+}
+
+v1::HeldPlace heldMessage(const session::HeldPlace& place,
+                          const hand::HandModel& model,
+                          const hand::HandPose& pose) {
+  v1::HeldPlace message;
+  message.link(place.link);
+  message.p_L_m(toMessage(place.p_L));
+  message.target_W_m(toMessage(place.target_W));
+  message.weight(place.weight);
+  message.miss_m(session::fitOf(place, model, pose).off_m);
+  return message;
 }
 
 }  // namespace
@@ -267,6 +280,8 @@ v1::PoseSolution solutionMessage(const session::Session& session,
     one.object_W_m(flat(on_object_W));
     message.patches().push_back(std::move(one));
   }
+  for (const session::HeldPlace& place : session.document().held)
+    message.held().push_back(heldMessage(place, model, report.pose));
   for (const optimize::ActiveLimit& limit : report.active_limits) {
     message.joints_at_limit().push_back(limitOf(model.dofJoint(limit.dof).name, limit.upper));
   }

@@ -90,6 +90,7 @@ session::DragEdit dragFrom(const v1::DragEdit& message) {
   edit.link = name(message.link(), "link");
   edit.p_L = place(message.p_L_m(), "point to drag");
   edit.target_W = place(message.target_W_m(), "target of the drag");
+  edit.weight = message.weight();
   const std::vector<double>& q = message.target_q_wxyz();
   if (q.empty()) return edit;
   if (q.size() != 4) {
@@ -181,6 +182,8 @@ session::Edit editFrom(const v1::EditBody& body) {
     case v1::EDIT_RESTORE:
       return session::RestoreEdit{name(body.snapshot().name(), "snapshot")};
     case v1::EDIT_RELEASE:
+      return session::ReleaseEdit{
+          body.release().link().empty() ? "" : name(body.release().link(), "link")};
     case v1::EDIT_PATCH_PLACE:
     case v1::EDIT_MOTION:
       reject(v1::ERROR_UNSUPPORTED, "this server does not know edits of kind {} yet",

@@ -28,8 +28,10 @@ const std::vector<Command>& commandTable() {
       {"limit JOINT range VALUE VALUE", "both", Action::kEdit, limitRange},
       {"limit JOINT reset", "both as the hand's model has them", Action::kEdit, limitReset},
       // === Pose
-      {"drag POINT to LENGTH LENGTH LENGTH", "move a site, a site's _tip or a link's origin to a point of the world", Action::kEdit, drag},
-      {"palm to LENGTH LENGTH LENGTH", "move the palm to a point of the world", Action::kEdit, palm},
+      {"drag POINT to LENGTH LENGTH LENGTH --weight NUMBER", "move a site, a site's _tip or a link's origin to a point of the world and hold it there, 20 times as firmly as all patches together unless weighed otherwise; 0: not held", Action::kEdit, drag},
+      {"release POINT", "let go the link of what was dragged", Action::kEdit, release},
+      {"release", "let go all that was dragged, the palm too", Action::kEdit, releaseAll},
+      {"palm to LENGTH LENGTH LENGTH", "move the palm to a point of the world and hold it there", Action::kEdit, palm},
       {"palm to LENGTH LENGTH LENGTH rpy ANGLE ANGLE ANGLE", "and turn its link: roll, pitch and yaw about the world's axes", Action::kEdit, palmTurned},
       {"place object LENGTH LENGTH LENGTH", "put the object's origin there; it keeps its rotation", Action::kEdit, place},
       {"place object LENGTH LENGTH LENGTH rpy ANGLE ANGLE ANGLE", "and turn it: roll, pitch and yaw about the world's axes", Action::kEdit, placeTurned},

@@ -33,6 +33,8 @@ v1::EditBody limitReset(const Match& match, Scene& scene);
 
 // === Pose
 v1::EditBody drag(const Match& match, Scene& scene);
+v1::EditBody release(const Match& match, Scene& scene);
+v1::EditBody releaseAll(const Match& match, Scene& scene);
 v1::EditBody palm(const Match& match, Scene& scene);
 v1::EditBody palmTurned(const Match& match, Scene& scene);
 v1::EditBody place(const Match& match, Scene& scene);

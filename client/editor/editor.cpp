@@ -240,7 +240,8 @@ Told Editor::edit(const Parsed& command) {
 }
 
 std::string Editor::endedAt(const v1::DragEdit& drag) {
-  constexpr double kNoticed_m = 0.005;  // what a person means by another place
+  constexpr double kNoticed_m = 0.002;  // what a person means by another place
+  if (drag.weight() == 0.0) return "";
   const v1::PoseSolution* pose = session_->solution();
   if (pose == nullptr) return "";
   const std::size_t link = linkIndex(session_->hand(), drag.link());
@@ -248,10 +249,8 @@ std::string Editor::endedAt(const v1::DragEdit& drag) {
   const Eigen::Vector3d p_W = poseOf(pose->X_WL()[link]) * vectorOf(drag.p_L_m());
   const double off = (p_W - vectorOf(drag.target_W_m())).norm();
   if (off < kNoticed_m) return "";
-  return fmt::format(
-      "the search took it {:.0f} mm away from the target; lock joints, or give the prior more "
-      "weight, and it stays nearer\n",
-      1e3 * off);
+  return fmt::format("held {:.0f} mm off its target, as near as limits and patches let it\n",
+                     1e3 * off);
 }
 
 std::string Editor::movedAgain(const Match& bend) {

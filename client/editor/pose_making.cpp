@@ -61,6 +61,7 @@ HandPoint pointNamed(Scene& scene, const std::string& name) {
 v1::DragEdit dragEdit(const HandPoint& point, const Eigen::Vector3d& target_W) {
   v1::DragEdit edit;
   edit.link(point.link);
+  edit.weight(1.0);
   edit.p_L_m() = {point.p_L.x(), point.p_L.y(), point.p_L.z()};
   edit.target_W_m() = {target_W.x(), target_W.y(), target_W.z()};
   return edit;
@@ -121,8 +122,20 @@ v1::EditBody modelEdit(v1::EditKind kind, const std::string& name) {
 // === Pose
 
 v1::EditBody drag(const Match& match, Scene& scene) {
-  return bodyOf(&v1::EditBody::drag,
-                dragEdit(pointNamed(scene, word(match, 0)), vectorAt(match, 1)));
+  v1::DragEdit edit = dragEdit(pointNamed(scene, word(match, 0)), vectorAt(match, 1));
+  const auto weight = match.options.find("--weight");
+  if (weight != match.options.end()) edit.weight(weight->second.number);
+  return bodyOf(&v1::EditBody::drag, edit);
+}
+
+v1::EditBody release(const Match& match, Scene& scene) {
+  v1::ReleaseEdit edit;
+  edit.link(pointNamed(scene, word(match, 0)).link);
+  return bodyOf(&v1::EditBody::release, edit);
+}
+
+v1::EditBody releaseAll(const Match& /*match*/, Scene& /*scene*/) {
+  return bodyOf(&v1::EditBody::release, v1::ReleaseEdit());
 }
 
 v1::EditBody palm(const Match& match, Scene& scene) {

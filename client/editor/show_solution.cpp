@@ -100,6 +100,10 @@ Told tellSolution(const v1::PoseSolution& solution, const Off& off) {
       "evaluations\n",
       terms.distance_m2(), terms.normal(), terms.prior(), plain(solution.solver()),
       solution.evaluations());
+  for (const v1::HeldPlace& place : solution.held()) {
+    told.text += fmt::format("held: {}, {:.1f} mm off its place, weight {:.4g}\n",
+                             plain(place.link()), 1e3 * place.miss_m(), place.weight());
+  }
   if (!solution.joints_at_limit().empty()) {
     told.text += fmt::format("joints at limits: {}\n",
                              text::listed(text::limitNames(solution.joints_at_limit())));

@@ -241,9 +241,10 @@ optimize::PointPair readPair(const Field& field, const hand::HandModel& model) {
   if (!index) link.reject("{} is not a link of hand {}", quoted(name), quoted(model.name()));
   pair.link = *index;
   pair.p_L = field["p_hand"].vector3();
-  pair.n_L = field["n_hand"].unitVector3();
   pair.p_W = field["p_object"].vector3();
-  pair.n_W = field["n_object"].unitVector3();
+  pair.has_normals = field.has("n_hand") || field.has("n_object");
+  pair.n_L = pair.has_normals ? field["n_hand"].unitVector3() : Eigen::Vector3d::UnitZ();
+  pair.n_W = pair.has_normals ? field["n_object"].unitVector3() : Eigen::Vector3d::UnitZ();
   if (field.has("weight")) pair.weight = field["weight"].weight();
   return pair;
 }
@@ -372,9 +373,9 @@ std::string problemText(const PoseProblem& problem,
     nlohmann::ordered_json entry;
     entry["link"] = problem.model->links()[static_cast<std::size_t>(pair.link)].name;
     entry["p_hand"] = vectorJson(pair.p_L);
-    entry["n_hand"] = vectorJson(pair.n_L);
+    if (pair.has_normals) entry["n_hand"] = vectorJson(pair.n_L);
     entry["p_object"] = vectorJson(pair.p_W);
-    entry["n_object"] = vectorJson(pair.n_W);
+    if (pair.has_normals) entry["n_object"] = vectorJson(pair.n_W);
     if (pair.weight != 1.0) entry["weight"] = pair.weight;
     file["correspondences"].push_back(std::move(entry));
   }

@@ -39,6 +39,8 @@ void addAboutCentroids(const PointPair& pair, const Pose& X_BL, BodyMoments& mom
   moments.spread += w * (x.squaredNorm() + p.squaredNorm());
   moments.cross += w * x * p.transpose();
   moments.points += w * p * p.transpose();
+  if (!pair.has_normals) return;
+  moments.normal_weight += w;
   moments.squares += w * (pair.n_W.squaredNorm() + m.squaredNorm());
   moments.normals += w * m * m.transpose();
   const Matrix3d nm = pair.n_W * m.transpose();
@@ -69,7 +71,7 @@ BodyTerms evaluate(const BodyMoments& moments,
   const Eigen::Map<const Vector9d> r(R_WB.data());
   Eigen::Map<Vector9d> pull(terms.normal_pull.data());
   pull.noalias() = moments.normal_normal.lazyProduct(r);
-  terms.normal = std::max(0.0, moments.weight + 2.0 * cosines + pull.dot(r));
+  terms.normal = std::max(0.0, moments.normal_weight + 2.0 * cosines + pull.dot(r));
   terms.normal_pull += moments.normal;
   return terms;
 }

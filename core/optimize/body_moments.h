@@ -22,6 +22,7 @@ struct BodyMoments {
   double spread = 0.0;                                ///< sum w (|x~|^2 + |p~|^2), m^2
   Eigen::Matrix3d cross = Eigen::Matrix3d::Zero();    ///< sum w x~ p~^T
   Eigen::Matrix3d points = Eigen::Matrix3d::Zero();   ///< sum w p~ p~^T
+  double normal_weight = 0.0;                         ///< sum w of the pairs with normals
   double squares = 0.0;                               ///< sum w (|n|^2 + |m|^2)
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();   ///< sum w n m^T
   Eigen::Matrix3d normals = Eigen::Matrix3d::Zero();  ///< sum w m m^T

@@ -96,25 +96,11 @@ PointPair pairAt(int link,
   pair.link = link;
   pair.p_L = p_L;
   pair.p_W = p_W;
-  pair.n_L = Eigen::Vector3d::UnitX();  // of no weight
+  pair.n_L = Eigen::Vector3d::UnitX();
   pair.n_W = Eigen::Vector3d::UnitX();
+  pair.has_normals = false;
   pair.weight = weight;
   return pair;
-}
-
-void addTarget(const DragTarget& target, PoseProblem& problem) {
-  if (!target.R_WL) {
-    problem.pairs.push_back(pairAt(target.link, target.p_L, target.target_W, kTarget));
-    return;
-  }
-  // Opposite points about the place: their mean is the place, their spread the rotation.
-  for (int axis = 0; axis < 3; ++axis) {
-    for (const double arm : {-kTurnArm_m, kTurnArm_m}) {
-      const Eigen::Vector3d offset = arm * Eigen::Vector3d::Unit(axis);
-      problem.pairs.push_back(pairAt(target.link, target.p_L + offset,
-                                     target.target_W + *target.R_WL * offset, kTarget / 6.0));
-    }
-  }
 }
 
 /// The points of other fingers' patches, where the start has them.
@@ -212,6 +198,20 @@ hand::HandPose movedAsAWhole(PoseProblem problem,
 
 }  // namespace
 
+std::vector<PointPair> pairsOf(const DragTarget& target, double weight) {
+  if (!target.R_WL) return {pairAt(target.link, target.p_L, target.target_W, weight)};
+  // Opposite points about the place: their mean is the place, their spread the rotation.
+  std::vector<PointPair> pairs;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double arm : {-kTurnArm_m, kTurnArm_m}) {
+      const Eigen::Vector3d offset = arm * Eigen::Vector3d::Unit(axis);
+      pairs.push_back(pairAt(target.link, target.p_L + offset,
+                             target.target_W + *target.R_WL * offset, weight / 6.0));
+    }
+  }
+  return pairs;
+}
+
 DragResult drag(const PoseProblem& problem,
                 const DragTarget& target,
                 const DragOptions& options,
@@ -232,7 +232,8 @@ DragResult drag(const PoseProblem& problem,
   measure(problem, target, result);
   if (boundsContradict(problem)) return result;
   const Finger finger = fingerOf(*problem.model, target.link);
-  addTarget(target, still);
+  for (const PointPair& pair : pairsOf(target, kTarget))
+    still.pairs.push_back(pair);
 
   // === The finger alone
   if (!finger.carries_fingers) {

@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <optional>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -17,6 +18,10 @@ struct DragTarget {
   Eigen::Vector3d target_W = Eigen::Vector3d::Zero();
   std::optional<Eigen::Matrix3d> R_WL;  ///< free where it is missing
 };
+
+/// The pairs that ask for it, `weight` in all, without normals: one, or with a rotation six
+/// about the place, 5 cm off it, so that a turn by 1 rad weighs as a miss by as much.
+std::vector<PointPair> pairsOf(const DragTarget& target, double weight);
 
 /// How far a drag of a finger may take the hand's root along; a drag of what carries the
 /// fingers may move it anywhere.

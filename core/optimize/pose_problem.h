@@ -35,7 +35,8 @@ struct PointPair {
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();
   Eigen::Vector3d n_W = Eigen::Vector3d::Zero();
   double weight = 1.0;
-  int patch = -1;  ///< for reports; -1 when patches are not known
+  int patch = -1;           ///< for reports; -1 when patches are not known
+  bool has_normals = true;  ///< false: the normals count for nothing, and may be any
 };
 
 /// Everything Eq. 2-5 of the paper need.

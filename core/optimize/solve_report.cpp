@@ -76,6 +76,7 @@ Terms sumOverPoints(const PoseProblem& problem, const hand::HandPose& pose) {
     const Pose& X = X_WL[static_cast<std::size_t>(pair.link)];
     const Eigen::Vector3d n_W = X.linear() * pair.n_L;
     terms.distance += pair.weight * (X * pair.p_L - pair.p_W).squaredNorm();
+    if (!pair.has_normals) continue;
     if (problem.normal_form == NormalForm::kSum) {
       terms.normal += pair.weight * (n_W + pair.n_W).squaredNorm();
     } else {

@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "core/base/error.h"
 #include "core/geometry/tangent.h"
 #include "core/optimize/drag.h"
 #include "core/session/edit_checks.h"
+#include "core/session/held_places.h"
 #include "core/session/model_swap.h"
 #include "core/session/patch_matching.h"
 
@@ -79,6 +81,7 @@ class Editing {
   }
 
   void apply(const DragEdit& edit);
+  void apply(const ReleaseEdit& edit);
   void apply(const ChoiceEdit& edit);
 
   void apply(const HandEdit& edit) {
@@ -215,10 +218,16 @@ void Editing::apply(const DragEdit& edit) {
     X.linear() = *edit.target_R_WL;
     requireRigid(X, "the target's rotation");
   }
+  requireWithin(edit.weight, 0.0, contact::kLargestWeight, "weight of a drag");
   bench_.transfer(progress_);
   const optimize::DragResult result =
       optimize::drag(bench_.problem(Solving()), target, {}, progress_);
   takePose(result.pose);
+  letGo(edited.document, edit.link);
+  if (edit.weight > 0.0) {
+    edited.document.held.push_back(
+        {edit.link, edit.p_L, edit.target_W, edit.target_R_WL, edit.weight});
+  }
   constexpr double kTold_m = 1e-4;
   constexpr double kTold_rad = 1e-3;
   if (result.short_m > kTold_m)
@@ -227,6 +236,17 @@ void Editing::apply(const DragEdit& edit) {
     edited.message +=
         fmt::format("{}{:.1f} deg short of its rotation", edited.message.empty() ? "" : ", ",
                     result.short_rad * 57.29577951308232);
+  }
+}
+
+void Editing::apply(const ReleaseEdit& edit) {
+  Document& document = edited.document;
+  if (document.held.empty()) rejectInput("nothing is held: no place was dragged");
+  if (edit.link.empty()) {
+    document.held.clear();
+  } else if (!letGo(document, edit.link)) {
+    rejectInput("link {} is not held; held are {}", quoted(edit.link),
+                fmt::join(heldLinks(document), ", "));
   }
 }
 
@@ -313,6 +333,11 @@ void validate(const Document& document, const Models& models) {
   const hand::HandModel& model = *models.hand->model;
   if (joints != static_cast<std::size_t>(model.dofCount()))
     rejectInput("{} joints; hand {} has {}", joints, quoted(document.hand), model.dofCount());
+  for (const HeldPlace& place : document.held)
+    validate(place, model);
+  const std::vector<std::string> held = heldLinks(document);
+  if (std::set(held.begin(), held.end()).size() != held.size())
+    rejectInput("a link is held twice; held are {}", fmt::join(held, ", "));
   validatePose(document.start, joints, "the start");
   validatePose(document.prior, joints, "the prior");
   for (std::size_t i = 0; i < joints; ++i) {

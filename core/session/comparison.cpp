@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/base/pose.h"
+#include "core/session/held_places.h"
 
 namespace handgraft::session {
 namespace {
@@ -157,6 +158,22 @@ void compareJoints(const Document& a,
   }
 }
 
+void compareHeld(const Document& a, const Document& b, Table& table) {
+  const auto placeOf = [](const Document& document, const std::string& link) -> std::string {
+    for (const HeldPlace& place : document.held) {
+      if (place.link != link) continue;
+      return fmt::format("at {:.4g} {:.4g} {:.4g}{}, weight {:.4g}", place.target_W.x(),
+                         place.target_W.y(), place.target_W.z(),
+                         place.target_R_WL ? ", turned" : "", place.weight);
+    }
+    return kMissing;
+  };
+  for (const std::string& link : heldLinks(a))
+    table.text("held " + link, placeOf(a, link), placeOf(b, link));
+  for (const std::string& link : heldLinks(b))
+    if (placeOf(a, link) == kMissing) table.text("held " + link, kMissing, placeOf(b, link));
+}
+
 std::string solverOf(const Solving& solving) {
   return solving.paper ? std::string("as in the paper")
                        : fmt::format("{}, {} starts, {} evaluations, seed {}",
@@ -181,6 +198,7 @@ std::vector<Difference> differencesBetween(const Document& a,
   table.pose("hand", a.start.X_WH, b.start.X_WH);
   compareJoints(a, b, joints_a, joints_b, table);
   comparePatches(a, b, table);
+  compareHeld(a, b, table);
   table.number("weight of the distance", a.weights.distance, b.weights.distance, "1/m2");
   table.number("weight of the normals", a.weights.normal, b.weights.normal, "");
   table.number("weight of the prior", a.weights.prior, b.weights.prior, "");

@@ -77,6 +77,7 @@ DocumentChange changeBetween(const Document& from, const Document& to) {
   note(from.X_WO, to.X_WO, change.X_WO);
   noteList(from.patches, to.patches, change.patch_count, change.patches);
   noteList(from.joints, to.joints, change.joint_count, change.joints);
+  note(from.held, to.held, change.held);
   note(from.start, to.start, change.start);
   if (!same(from.prior, to.prior)) {
     change.prior_is_start = change.start.has_value() && same(to.prior, to.start);
@@ -99,6 +100,7 @@ Document applyTo(Document document, const DocumentChange& change) {
   take(change.X_WO, document.X_WO);
   takeList(change.patch_count, change.patches, "patches", document.patches);
   takeList(change.joint_count, change.joints, "joints", document.joints);
+  take(change.held, document.held);
   take(change.start, document.start);
   take(change.prior, document.prior);
   if (change.prior_is_start) document.prior = document.start;

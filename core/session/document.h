@@ -47,6 +47,15 @@ struct DocumentJoint {
   double soft_value = 0.0;
 };
 
+/// A place of the hand that was dragged somewhere: a contact of its own, until it is let go.
+struct HeldPlace {
+  std::string link;
+  Eigen::Vector3d p_L = Eigen::Vector3d::Zero();
+  Eigen::Vector3d target_W = Eigen::Vector3d::Zero();
+  std::optional<Eigen::Matrix3d> target_R_WL;  ///< missing: the link turns as it likes
+  double weight = 1.0;                         ///< as DragEdit's
+};
+
 /// All that is editable of one grasp problem, and nothing that follows from it: a value.
 ///
 /// Everything a session shows is a function of this and of the models it names. Compared to the
@@ -58,6 +67,7 @@ struct Document {
   Pose X_WO = Pose::Identity();
   std::vector<DocumentPatch> patches;  ///< in the order of the contact set
   std::vector<DocumentJoint> joints;   ///< in the order of the hand's dofs
+  std::vector<HeldPlace> held;         ///< at most one a link, in the order of their drags
   hand::HandPose prior;
   hand::HandPose start;
   bool start_is_known = false;  ///< found by a solve or set by the user, not the rest pose
@@ -88,6 +98,7 @@ struct DocumentChange {
   std::vector<std::pair<std::size_t, DocumentPatch>> patches;  ///< by index
   std::optional<std::size_t> joint_count;
   std::vector<std::pair<std::size_t, DocumentJoint>> joints;
+  std::optional<std::vector<HeldPlace>> held;
   std::optional<hand::HandPose> start;
   std::optional<hand::HandPose> prior;
   bool prior_is_start = false;  ///< the second's are the same, and `start` is given

@@ -85,6 +85,11 @@ std::string text(const DragEdit& edit) {
                      edit.target_W.y(), edit.target_W.z());
 }
 
+std::string text(const ReleaseEdit& edit) {
+  return edit.link.empty() ? std::string("release all")
+                           : fmt::format("release {}", shortened(edit.link));
+}
+
 std::string text(const ChoiceEdit& edit) {
   return fmt::format("choose minimum {}", edit.rank);
 }

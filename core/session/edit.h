@@ -85,12 +85,21 @@ struct SolvingEdit {
 };
 
 // Moves a point of a link to a place, the other contacts held softly; the pose becomes prior
-// and start. With a rotation, the link's frame is turned to it as well.
+// and start. With a rotation, the link's frame is turned to it as well. The place is held from
+// then on, as a contact of its own in place of an earlier one of that link, until it is let go.
 struct DragEdit {
   std::string link;
   Eigen::Vector3d p_L = Eigen::Vector3d::Zero();
   Eigen::Vector3d target_W = Eigen::Vector3d::Zero();
-  std::optional<Eigen::Matrix3d> target_R_WL;
+  std::optional<Eigen::Matrix3d> target_R_WL{};
+  /// How firmly: 1 is twenty times as firm as all patches together. 0: not at all, so that the
+  /// next search may take it back.
+  double weight = 1.0;
+};
+
+// Lets go what was dragged.
+struct ReleaseEdit {
+  std::string link;  ///< empty: all
 };
 
 // One of the minima that the last committed solution ranked becomes prior and start. The pose
@@ -146,7 +155,8 @@ using Edit = std::variant<ObjectPoseEdit,
                           UndoEdit,
                           RedoEdit,
                           SnapshotEdit,
-                          RestoreEdit>;
+                          RestoreEdit,
+                          ReleaseEdit>;
 
 /// One line for people, without numbers that say little: "limit thumb_mcp 0 to 0.6 rad", "drag
 /// middle_tip". What it quotes is on one line and cut short.

@@ -83,6 +83,14 @@ void visitFields(Maybe<DocumentJoint> auto& joint, auto&& visit) {
   visit("soft_value", joint.soft_value);
 }
 
+void visitFields(Maybe<HeldPlace> auto& place, auto&& visit) {
+  visit("link", place.link);
+  visit("p_L", place.p_L);
+  visit("target_W", place.target_W);
+  visit("target_R_WL", place.target_R_WL);
+  visit("weight", place.weight);
+}
+
 void visitFields(Maybe<Document> auto& document, auto&& visit) {
   visit("hand", document.hand);
   visit("object", document.object);
@@ -90,6 +98,7 @@ void visitFields(Maybe<Document> auto& document, auto&& visit) {
   visit("X_WO", document.X_WO);
   visit("patches", document.patches);
   visit("joints", document.joints);
+  visit("held", document.held);
   visit("start", document.start);
   visit("prior", document.prior);
   visit("start_is_known", document.start_is_known);
@@ -110,6 +119,7 @@ void visitFields(Maybe<DocumentChange> auto& change, auto&& visit) {
   visit("patches", change.patches);
   visit("joint_count", change.joint_count);
   visit("joints", change.joints);
+  visit("held", change.held);
   visit("start", change.start);
   visit("prior", change.prior);
   visit("prior_is_start", change.prior_is_start);
@@ -135,7 +145,8 @@ inline constexpr std::array<std::string_view, std::variant_size_v<Edit>> kEditKi
     "object_pose",  "patch_weight", "patch_root", "patch_direction", "joint_limit",
     "joint_lock",   "prior",        "weights",    "patch_enabled",   "joint_soft",
     "prior_shares", "solving",      "drag",       "choice",          "hand",
-    "object",       "undo",         "redo",       "snapshot",        "restore"};
+    "object",       "undo",         "redo",       "snapshot",        "restore",
+    "release"};
 
 void visitFields(Maybe<ObjectPoseEdit> auto& edit, auto&& visit) {
   visit("X_WO", edit.X_WO);
@@ -203,6 +214,11 @@ void visitFields(Maybe<DragEdit> auto& edit, auto&& visit) {
   visit("p_L", edit.p_L);
   visit("target_W", edit.target_W);
   visit("target_R_WL", edit.target_R_WL);
+  visit("weight", edit.weight);
+}
+
+void visitFields(Maybe<ReleaseEdit> auto& edit, auto&& visit) {
+  visit("link", edit.link);
 }
 
 void visitFields(Maybe<ChoiceEdit> auto& edit, auto&& visit) {

@@ -134,6 +134,10 @@ Edited withHand(const Document& document,
     patch.dropped.clear();
     patch.root_is_open = false;
   }
+  if (!same_skin && !result.held.empty()) {
+    told.push_back("what was dragged is let go: the hand is another");
+    result.held.clear();
+  }
   matchPatches(after, result, progress);
   for (const DocumentPatch& patch : result.patches) {
     if (!patch.placement) told.push_back(patch.dropped);

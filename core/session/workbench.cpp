@@ -9,6 +9,7 @@
 #include "core/geometry/tangent.h"
 #include "core/hand/finger_coordinates.h"
 #include "core/session/hand_placement.h"
+#include "core/session/held_places.h"
 #include "core/session/open_directions.h"
 #include "core/session/open_roots.h"
 #include "core/session/patch_matching.h"
@@ -304,6 +305,7 @@ PoseProblem Workbench::problem(const Solving& solving) const {
       problem.pairs.push_back(pair);
     }
   }
+  addHeldPlaces(document_.held, problem);
   return problem;
 }
 

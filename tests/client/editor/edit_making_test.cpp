@@ -147,6 +147,14 @@ TEST_F(EditMaking, DragsSitesTipsAndLinks) {
   EXPECT_THAT(link.p_L_m(), ElementsAre(0.0, 0.0, 0.0));
 }
 
+TEST_F(EditMaking, LetsGoWhatWasDragged) {
+  EXPECT_EQ(edit("drag index to 0 0 0").drag().weight(), 1.0);
+  EXPECT_EQ(edit("drag index to 0 0 0 --weight 0.5").drag().weight(), 0.5);
+  EXPECT_EQ(edit("release index").release().link(), "finger");
+  EXPECT_EQ(edit("release base").release().link(), "base");
+  EXPECT_EQ(edit("release").release().link(), "");
+}
+
 TEST_F(EditMaking, MovesThePalm) {
   const v1::DragEdit palm = edit("palm to 1cm 2cm 3cm rpy 0 0 90deg").drag();
   EXPECT_EQ(palm.link(), "base");

@@ -110,6 +110,21 @@ TEST(ProblemFile, ReadsWhatItWroteToTheSameBits) {
   }
 }
 
+TEST(ProblemFile, CarriesPairsWithoutNormals) {
+  const std::string spelt = replaced(
+      R"("n_hand":[1,0,0],"p_object":[0,0,0],"n_object":[-1,0,0])", R"("p_object":[0,0,0])");
+  const optimize::PoseProblem before = readProblem(writeProblem(spelt));
+  ASSERT_EQ(before.pairs.size(), 2u);
+  EXPECT_TRUE(before.pairs[0].has_normals);
+  EXPECT_FALSE(before.pairs[1].has_normals);
+  const std::string text = problemText(before, "two.urdf", {});
+  const optimize::PoseProblem after = readProblem(writeProblem(text));
+  EXPECT_FALSE(after.pairs[1].has_normals);
+  EXPECT_THROW(readProblem(writeProblem(replaced(R"("n_object":[-1,0,0])", R"("weight":1)"))),
+               InvalidInput)
+      << "one normal of two";
+}
+
 TEST(ProblemFile, CarriesTheFormOfTheNormalsWhereItIsNotThePapers) {
   optimize::PoseProblem problem = readProblem(writeProblem(kProblem));
   EXPECT_EQ(problem.normal_form, optimize::NormalForm::kCosine);

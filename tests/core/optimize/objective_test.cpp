@@ -51,7 +51,7 @@ Terms directTerms(const PoseProblem& problem, const hand::HandPose& pose) {
     const Pose& X = X_WL[static_cast<std::size_t>(pair.link)];
     const double cosine = (X.linear() * pair.n_L).dot(pair.n_W);
     terms.distance += pair.weight * (pair.p_W - X * pair.p_L).squaredNorm();
-    terms.normal += pair.weight * (1.0 + cosine) * (1.0 + cosine);
+    if (pair.has_normals) terms.normal += pair.weight * (1.0 + cosine) * (1.0 + cosine);
   }
   const auto weight = [&](int i) {
     return problem.prior_weights.size() == 0 ? 1.0 : problem.prior_weights[i];
@@ -115,6 +115,27 @@ TEST(Objective, GradientMatchesCentralDifferencesOnEveryKindOfJoint) {
   std::mt19937 random(2);
   expectGradientMatches(randomProblem(test::syntheticHand(), 60, random), random, 50);
   expectGradientMatches(randomProblem(test::rigidHand(), 7, random), random, 20);
+}
+
+TEST(Objective, PairsWithoutNormalsCountForTheDistanceAlone) {
+  std::mt19937 random(12);
+  for (const NormalForm form : {NormalForm::kCosine, NormalForm::kSum}) {
+    PoseProblem problem = randomProblem(test::syntheticHand(), 40, random);
+    problem.normal_form = form;
+    for (std::size_t i = 0; i < problem.pairs.size(); i += 3)
+      problem.pairs[i].has_normals = false;
+    expectGradientMatches(problem, random, 10);
+    const hand::HandPose pose = randomPose(*problem.model, random);
+    const Terms found = Objective(problem).evaluate(pose);
+    const Terms points = sumOverPoints(problem, pose);
+    EXPECT_NEAR(found.normal, points.normal, 1e-12 * points.normal);
+    EXPECT_NEAR(found.distance, points.distance, 1e-12 * points.distance);
+    PoseProblem other = problem;
+    for (std::size_t i = 0; i < problem.pairs.size(); i += 3)
+      other.pairs[i].n_W = -other.pairs[i].n_W;
+    EXPECT_EQ(Objective(other).evaluate(pose).objective, found.objective);
+    if (form == NormalForm::kCosine) expectTermsMatch(problem, random);
+  }
 }
 
 TEST(Objective, GradientMatchesCentralDifferencesOnRealHands) {

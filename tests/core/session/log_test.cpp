@@ -43,14 +43,15 @@ std::vector<Edit> everyKind() {
           JointSoftEdit{"j", 0.5, 10.0},
           PriorSharesEdit{{0.0, 2.0, 3.0}},
           SolvingEdit{solving},
-          DragEdit{"tip", {0.0, 0.1, 0.2}, {1.0, 2.0, 3.0}, R},
+          DragEdit{"tip", {0.0, 0.1, 0.2}, {1.0, 2.0, 3.0}, R, 0.5},
           ChoiceEdit{3, someHand()},
           HandEdit{"other"},
           ObjectEdit{std::string("zero \0 in it", 12)},
           UndoEdit{128},
           RedoEdit{16'384},
           SnapshotEdit{"before"},
-          RestoreEdit{""}};
+          RestoreEdit{""},
+          ReleaseEdit{"tip"}};
 }
 
 std::string bytesOf(const Edit& edit) {

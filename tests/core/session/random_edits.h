@@ -22,7 +22,7 @@ class RandomEdits {
     const std::string name = model.dofJoint(static_cast<int>(dof)).name;
     const double inside = joint.lower + uniform(0, 1) * (joint.upper - joint.lower);
     const Side side = below(2) == 0 ? Side::kHand : Side::kObject;
-    switch (below(26)) {
+    switch (below(27)) {
       case 0:
         return ObjectPoseEdit{near(document.X_WO, 0.01)};
       case 1:
@@ -73,8 +73,12 @@ class RandomEdits {
         DragEdit drag{model.links()[link].name, {0, 0, 0.01}, {}, std::nullopt};
         drag.target_W = near(X_WL, 0.01) * drag.p_L;
         if (below(4) == 0) drag.target_R_WL = near(X_WL, 0.01).linear();
+        if (below(4) == 0) drag.weight = uniform(0, 2);
         return drag;
       }
+      case 25:
+        return ReleaseEdit{document.held.empty() || below(4) == 0 ? std::string()
+                                                                  : document.held[0].link};
       case 18:
         return ChoiceEdit{static_cast<int>(below(4)), std::nullopt};
       case 19: {
