@@ -48,8 +48,7 @@ v1::Penetration penetrationMessage(const session::Session& session,
     return model.links()[static_cast<std::size_t>(link)].name;
   };
   const quality::Penetration found =
-      session::penetrationOf(session.hand().model, session.hand().skin, session.sharedObject(),
-                             session.objectPose(), pose, progress);
+      session::penetrationOf(session, pose, progress);
   v1::Penetration message;
   message.max_depth_m(found.max_depth_m);
   message.mean_depth_m(found.mean_depth_m);

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <map>
+#include <numbers>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -106,9 +109,18 @@ int rootOf(std::vector<int>& parents, int v) {
   return v;
 }
 
+/// A connected piece of the chain's border, and the cone over it.
+struct Rim {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double length = 0.0;
+  double area = 0.0;
+  int vertex = -1;  ///< one of it
+  int tip = -1;
+};
+
 /// A cone over the chain's border, one tip a connected rim: what it adds borders nothing
-/// itself.
-void shutHoles(Soup& soup) {
+/// itself. Rims wider than `widest` are left as they are: one vertex of each is returned.
+std::vector<int> shutHoles(double widest, Soup& soup) {
   std::map<Edge, int> balance;
   for (const Eigen::Vector3i& face : soup.faces)
     forEdges(face, [&](const Edge& edge, bool forward) {
@@ -119,43 +131,65 @@ void shutHoles(Soup& soup) {
   for (const auto& [edge, surplus] : balance)
     if (surplus != 0) parents[rootOf(parents, edge.first)] = rootOf(parents, edge.second);
 
-  struct Rim {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    double length = 0.0;
-    int tip = -1;
-  };
-
   std::map<int, Rim> rims;
-  for (const auto& [edge, surplus] : balance) {
-    if (surplus == 0) continue;
+  const auto forBorder = [&](const auto& visit) {
+    for (const auto& [edge, surplus] : balance)
+      if (surplus != 0) visit(edge, surplus, rims[rootOf(parents, edge.first)]);
+  };
+  forBorder([&](const Edge& edge, int, Rim& rim) {
     const Eigen::Vector3d a = soup.vertices[edge.first];
     const Eigen::Vector3d b = soup.vertices[edge.second];
-    Rim& rim = rims[rootOf(parents, edge.first)];
     rim.sum += 0.5 * (b - a).norm() * (a + b);
     rim.length += (b - a).norm();
-  }
+    rim.vertex = edge.first;
+  });
   for (auto& [root, rim] : rims) {
-    rim.tip = static_cast<int>(soup.vertices.size());
     // Welded vertices differ, but their distance may round to nothing.
-    soup.vertices.push_back(rim.length > 0.0 ? Eigen::Vector3d(rim.sum / rim.length)
-                                             : soup.vertices[root]);
+    rim.sum = rim.length > 0.0 ? Eigen::Vector3d(rim.sum / rim.length) : soup.vertices[root];
   }
-  for (const auto& [edge, surplus] : balance) {
-    if (surplus == 0) continue;
-    const int tip = rims[rootOf(parents, edge.first)].tip;
+  forBorder([&](const Edge& edge, int, Rim& rim) {
+    const Eigen::Vector3d a = soup.vertices[edge.first] - rim.sum;
+    rim.area += 0.5 * a.cross(soup.vertices[edge.second] - rim.sum).norm();
+  });
+  std::vector<int> open;
+  for (auto& [root, rim] : rims) {
+    if (rim.area > 0.25 * std::numbers::pi * widest * widest) {
+      open.push_back(rim.vertex);
+      continue;
+    }
+    rim.tip = static_cast<int>(soup.vertices.size());
+    soup.vertices.push_back(rim.sum);
+  }
+  forBorder([&](const Edge& edge, int surplus, const Rim& rim) {
+    if (rim.tip < 0) return;
     // Against the direction of the surplus.
-    const Eigen::Vector3i face = surplus > 0 ? Eigen::Vector3i(edge.second, edge.first, tip)
-                                             : Eigen::Vector3i(edge.first, edge.second, tip);
+    const Eigen::Vector3i face = surplus > 0
+                                     ? Eigen::Vector3i(edge.second, edge.first, rim.tip)
+                                     : Eigen::Vector3i(edge.first, edge.second, rim.tip);
     soup.faces.insert(soup.faces.end(), static_cast<std::size_t>(std::abs(surplus)), face);
-  }
+  });
+  return open;
 }
 
-}  // namespace
+/// Puts the faces that hang together with `vertices` behind the others; how many those are.
+int putLast(const std::vector<int>& vertices, Soup& soup) {
+  std::vector<int> parents(soup.vertices.size());
+  std::iota(parents.begin(), parents.end(), 0);
+  for (const Eigen::Vector3i& face : soup.faces) {
+    parents[rootOf(parents, face[1])] = rootOf(parents, face[0]);
+    parents[rootOf(parents, face[2])] = rootOf(parents, face[0]);
+  }
+  std::vector<char> is_open(soup.vertices.size(), 0);
+  for (const int v : vertices)
+    is_open[rootOf(parents, v)] = 1;
+  const auto sheets = std::stable_partition(soup.faces.begin(), soup.faces.end(),
+                                            [&](const Eigen::Vector3i& face) {
+                                              return is_open[rootOf(parents, face[0])] == 0;
+                                            });
+  return static_cast<int>(sheets - soup.faces.begin());
+}
 
-TriangleMesh closedSurface(const TriangleMesh& mesh) {
-  Soup soup = welded(mesh);
-  orient(soup);
-  shutHoles(soup);
+TriangleMesh meshOf(const Soup& soup) {
   Eigen::Matrix3Xd vertices(3, std::ssize(soup.vertices));
   for (int v = 0; v < vertices.cols(); ++v)
     vertices.col(v) = soup.vertices[v];
@@ -163,6 +197,22 @@ TriangleMesh closedSurface(const TriangleMesh& mesh) {
   for (int f = 0; f < faces.cols(); ++f)
     faces.col(f) = soup.faces[f];
   return {std::move(vertices), std::move(faces)};
+}
+
+}  // namespace
+
+TriangleMesh closedSurface(const TriangleMesh& mesh) {
+  return solidsAndSheets(mesh, std::numeric_limits<double>::infinity()).mesh;
+}
+
+SolidsAndSheets solidsAndSheets(const TriangleMesh& mesh, double widest_hole_m) {
+  Soup soup = welded(mesh);
+  orient(soup);
+  const std::vector<int> open = shutHoles(widest_hole_m, soup);
+  SolidsAndSheets result;
+  result.solid_faces = open.empty() ? static_cast<int>(soup.faces.size()) : putLast(open, soup);
+  result.mesh = meshOf(soup);
+  return result;
 }
 
 }  // namespace handgraft::geometry

@@ -16,4 +16,15 @@ namespace handgraft::geometry {
 /// mesh turned inside out as a whole stays so. Cost: O(F log F).
 TriangleMesh closedSurface(const TriangleMesh& mesh);
 
+/// A mesh as borders of solids, and what borders none.
+struct SolidsAndSheets {
+  TriangleMesh mesh;    ///< the solids' faces first
+  int solid_faces = 0;  ///< so many; the others are sheets, open to both sides
+};
+
+/// As `closedSurface`, but holes wider than `widest_hole_m` (the diameter of a disc of the same
+/// area) stay open: what hangs together with their rims is a sheet that has no inside, be it a
+/// cup or a blanket.
+SolidsAndSheets solidsAndSheets(const TriangleMesh& mesh, double widest_hole_m);
+
 }  // namespace handgraft::geometry

@@ -1,13 +1,24 @@
 #include "core/geometry/signed_distance.h"
 
 #include <cmath>
-
-#include "core/geometry/closed_surface.h"
+#include <limits>
 
 namespace handgraft::geometry {
 
-SignedDistance::SignedDistance(const TriangleMesh& mesh)
-    : locator_(closedSurface(mesh)), winding_(locator_.mesh()) {}
+namespace {
+
+TriangleMesh solidsOf(const SolidsAndSheets& parts) {
+  return {parts.mesh.vertices(), parts.mesh.faces().leftCols(parts.solid_faces)};
+}
+
+}  // namespace
+
+SignedDistance::SignedDistance(const TriangleMesh& mesh, Holes holes)
+    : SignedDistance(solidsAndSheets(
+          mesh, holes == Holes::kShut ? std::numeric_limits<double>::infinity() : kOpening)) {}
+
+SignedDistance::SignedDistance(const SolidsAndSheets& parts)
+    : locator_(parts.mesh), solid_faces_(parts.solid_faces), winding_(solidsOf(parts)) {}
 
 bool SignedDistance::contains(const Eigen::Vector3d& p) const {
   return std::abs(winding_.at(p)) > 0.5;

@@ -2,23 +2,34 @@
 
 #include <Eigen/Core>
 
+#include "core/geometry/closed_surface.h"
 #include "core/geometry/surface_locator.h"
 #include "core/geometry/winding_number.h"
 
 namespace handgraft::geometry {
+
+/// What holes of a mesh are: flaws of it, or ways in.
+enum class Holes {
+  kShut,          ///< all of them, however wide
+  kOpenWideOnes,  ///< those that a finger goes through stay open (kOpening)
+};
+
+/// m; a hole wider than that is an opening of the object, and what has one has no inside.
+inline constexpr double kOpening = 0.02;
 
 /// Distance to a surface, negative inside the solid that it borders. Exact: nearest triangle.
 ///
 /// Inside is where the surface, its holes shut (closed_surface.h), winds round once or more,
 /// either way. So the sign changes on faces alone and the distance is continuous, on any mesh;
 /// overlapping solids count as one, cavities whose walls look into them as empty.
+/// Sheets (Holes::kOpenWideOnes) have no inside: there the distance is positive on both sides.
 /// Limits: those of `closedSurface`; walls between overlapping solids still count as surface.
 /// Keeps its own copies. Const and safe from several threads.
 class SignedDistance {
  public:
   /// Errors: InvalidInput if the mesh has no face with three different corners. Cost: O(F log
   /// F).
-  explicit SignedDistance(const TriangleMesh& mesh);
+  explicit SignedDistance(const TriangleMesh& mesh, Holes holes = Holes::kShut);
 
   struct Sample {
     double distance = 0.0;
@@ -38,11 +49,17 @@ class SignedDistance {
     return locator_.nearest(p).distance;
   }
 
-  /// The surface with its holes shut.
+  /// The surface with its holes shut: faces of solids first, then those of sheets.
   [[nodiscard]] const TriangleMesh& surface() const { return locator_.mesh(); }
 
+  /// A face of `surface` that borders no solid.
+  [[nodiscard]] bool isSheet(int face) const { return face >= solid_faces_; }
+
  private:
+  explicit SignedDistance(const SolidsAndSheets& parts);
+
   SurfaceLocator locator_;
+  int solid_faces_ = 0;
   WindingNumber winding_;
 };
 

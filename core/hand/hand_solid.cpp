@@ -6,16 +6,14 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/geometry/sample_thinning.h"
 #include "core/hand/kinematics.h"
-#include "core/hand/sample_thinning.h"
 
 namespace handgraft::hand {
 
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr int kClusterSamples = 8;
 
 // Deeper than this at rest, two links are made to stand in each other.
 constexpr double kTouch = 5e-4;  // m
@@ -66,27 +64,16 @@ void project(const Skin& skin, const LinkPoses& X_SL, std::vector<Facet>& facets
   }
 }
 
-/// Halves samples along their longest side until few are left.
-void cluster(std::vector<SurfaceSample>& samples, int begin, int end, SampleSet& set) {
-  Eigen::AlignedBox3d box;
-  for (int i = begin; i < end; ++i)
-    box.extend(samples[i].p_L);
-  if (end - begin > kClusterSamples) {
-    int axis = 0;
-    box.sizes().maxCoeff(&axis);
-    std::stable_sort(samples.begin() + begin, samples.begin() + end,
-                     [axis](const SurfaceSample& a, const SurfaceSample& b) {
-                       return a.p_L[axis] < b.p_L[axis];
-                     });
-    const int middle = begin + (end - begin) / 2;
-    cluster(samples, begin, middle, set);
-    cluster(samples, middle, end, set);
-    return;
-  }
-  SampleCluster cluster{box.center(), 0.0, begin, end};
-  for (int i = begin; i < end; ++i)
-    cluster.radius = std::max(cluster.radius, (samples[i].p_L - cluster.centre_L).norm());
-  set.clusters.push_back(cluster);
+/// Lays balls around the samples.
+void arrange(SampleSet& set) {
+  Eigen::Matrix3Xd points(3, std::ssize(set.samples));
+  for (Eigen::Index i = 0; i < points.cols(); ++i)
+    points.col(i) = set.samples[static_cast<std::size_t>(i)].p_L;
+  std::vector<int> order;
+  set.tree_L = geometry::BallTree(points, order);
+  const std::vector<SurfaceSample> before = set.samples;
+  for (std::size_t i = 0; i < order.size(); ++i)
+    set.samples[i] = before[static_cast<std::size_t>(order[i])];
 }
 
 /// About `count` samples of the hand, by link.
@@ -102,7 +89,8 @@ std::vector<SampleSet> spread(const std::vector<Facet>& facets, int links, int c
   }
   std::vector<SampleSet> sets(static_cast<std::size_t>(links));
   if (!(area > 0.0)) return sets;
-  const Thinned thinned = thinOut(points, groups, std::sqrt(kPacking * area / count));
+  const geometry::Thinned thinned =
+      geometry::thinOut(points, groups, std::sqrt(kPacking * area / count));
   std::vector<double> areas(thinned.kept.size(), 0.0);
   for (std::size_t i = 0; i < facets.size(); ++i)
     areas[static_cast<std::size_t>(thinned.nearest[i])] += facets[i].area_m2;
@@ -110,10 +98,8 @@ std::vector<SampleSet> spread(const std::vector<Facet>& facets, int links, int c
     const Facet& facet = facets[static_cast<std::size_t>(thinned.kept[k])];
     sets[static_cast<std::size_t>(facet.link)].samples.push_back({facet.p_L, areas[k]});
   }
-  for (SampleSet& set : sets) {
-    if (set.samples.empty()) continue;
-    cluster(set.samples, 0, static_cast<int>(set.samples.size()), set);
-  }
+  for (SampleSet& set : sets)
+    arrange(set);
   return sets;
 }
 
@@ -234,13 +220,13 @@ void HandSolid::findStrangers(const HandModel& model) {
 double depthOf(const LinkSolid& a, const LinkSolid& b, const Pose& X_BA) {
   double depth = 0.0;
   if ((X_BA * a.centre_L - b.centre_L).norm() > a.radius + b.radius) return depth;
-  for (const SampleCluster& cluster : a.fine.clusters) {
-    if (b.grid_L->isClear(X_BA * cluster.centre_L, cluster.radius)) continue;
-    for (int i = cluster.begin; i < cluster.end; ++i) {
-      const Vector3d p_B = X_BA * a.fine.samples[static_cast<std::size_t>(i)].p_L;
-      depth = std::max(depth, -b.distance(p_B));
-    }
-  }
+  a.fine.visit(
+      [&](const Vector3d& centre_A, double radius) {
+        return b.grid_L->isClear(X_BA * centre_A, radius);
+      },
+      [&](const SurfaceSample& sample) {
+        depth = std::max(depth, -b.distance(X_BA * sample.p_L));
+      });
   return depth;
 }
 

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "core/base/progress.h"
+#include "core/geometry/ball_tree.h"
 #include "core/geometry/distance_grid.h"
 #include "core/hand/hand_model.h"
 #include "core/hand/skin.h"
@@ -19,18 +20,19 @@ struct SurfaceSample {
   double area_m2 = 0.0;
 };
 
-/// A ball around some samples of one link, so that they can be passed over together.
-struct SampleCluster {
-  Eigen::Vector3d centre_L = Eigen::Vector3d::Zero();
-  double radius = 0.0;
-  int begin = 0;  ///< of the samples
-  int end = 0;
-};
-
-/// Samples side by side, those of one cluster next to each other.
+/// Samples side by side, in the order of the balls around them.
 struct SampleSet {
   std::vector<SurfaceSample> samples;
-  std::vector<SampleCluster> clusters;
+  geometry::BallTree tree_L;
+
+  /// Calls `visit(sample)` for those in no ball that `passes(centre_L, radius)`.
+  template <class Passes, class Visit>
+  void visit(const Passes& passes, const Visit& visit) const {
+    tree_L.visit(passes, [&](int begin, int end) {
+      for (int i = begin; i < end; ++i)
+        visit(samples[static_cast<std::size_t>(i)]);
+    });
+  }
 };
 
 /// What one link takes up.
@@ -58,7 +60,7 @@ struct LinkSolid {
 
 struct HandSolidOptions {
   int coarse_samples = 600;
-  int fine_samples = 4000;
+  int fine_samples = 6000;
   int nodes_per_link = 16000;
 };
 

@@ -9,7 +9,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using hand::LinkSolid;
-using hand::SampleCluster;
+using hand::SampleSet;
 using hand::SurfaceSample;
 
 }  // namespace
@@ -38,6 +38,7 @@ double AvoidanceTerm::evaluate(const Vector3d& p_WH, const std::vector<BodyPlace
     place.arm_W = body.p_HB_W + body.R_WB.lazyProduct(X_BL_[k].translation());
     place.centre_W = place.arm_W + place.R_WL.lazyProduct(solids[k].centre_L);
   }
+  if (care_.share == 0.0) return 0.0;
   meetObject(p_WH);
   meetItself();
   double sum = 0.0;
@@ -47,31 +48,54 @@ double AvoidanceTerm::evaluate(const Vector3d& p_WH, const std::vector<BodyPlace
 }
 
 void AvoidanceTerm::meetObject(const Vector3d& p_WH) {
-  const geometry::DistanceGrid& object_O = *avoidance_.object_O;
+  const geometry::DistanceGrid& object_O = avoidance_.object_O->grid();
   const auto& solids = avoidance_.hand->links();
   const Matrix3d R_OW = X_OW_.linear();
   const Vector3d p_OH = X_OW_ * p_WH;
+  const double margin = avoidance_.margin_m;
   for (std::size_t k = 0; k < places_.size(); ++k) {
     const Place& place = places_[k];
     const LinkSolid& solid = solids[k];
     if (object_O.isClear(p_OH + R_OW * place.centre_W, solid.radius)) continue;
-    const Matrix3d R_OL = R_OW * place.R_WL;
-    const Vector3d p_OL = p_OH + R_OW * place.arm_W;
-    for (const SampleCluster& cluster : solid.coarse.clusters) {
-      if (object_O.isClear(p_OL + R_OL * cluster.centre_L, cluster.radius)) continue;
-      for (int i = cluster.begin; i < cluster.end; ++i) {
-        const SurfaceSample& sample = solid.coarse.samples[static_cast<std::size_t>(i)];
-        const Vector3d p_O = p_OL + R_OL * sample.p_L;
-        if (object_O.isClear(p_O, 0.0)) continue;
-        Vector3d slope_O;
-        const double distance = object_O.at(p_O, slope_O);
-        if (distance >= 0.0) continue;
-        touches_.push_back({bodies_[k], -1, place.arm_W + place.R_WL * sample.p_L,
-                            R_OW.transpose() * slope_O, -distance,
-                            sample.area_m2 / Avoidance::kPointArea});
-      }
-    }
+    Pose X_OL;
+    X_OL.linear() = R_OW * place.R_WL;
+    X_OL.translation() = p_OH + R_OW * place.arm_W;
+    const SampleSet& set = samplesOf(solid);
+    set.visit(
+        [&](const Vector3d& centre_L, double radius) {
+          return object_O.isClear(X_OL * centre_L, radius);
+        },
+        [&](const SurfaceSample& sample) {
+          const Vector3d p_O = X_OL * sample.p_L;
+          if (object_O.isClear(p_O, 0.0)) return;
+          Vector3d slope_O;
+          const double distance = object_O.at(p_O, slope_O) - margin;
+          if (distance >= 0.0) return;
+          touches_.push_back({bodies_[k], -1, place.arm_W + place.R_WL * sample.p_L,
+                              R_OW.transpose() * slope_O, -distance,
+                              sample.area_m2 / Avoidance::kPointArea});
+        });
+    meetWalls(k, X_OL);
   }
+}
+
+void AvoidanceTerm::meetWalls(std::size_t link, const Pose& X_OL) {
+  const Place& place = places_[link];
+  const LinkSolid& solid = avoidance_.hand->links()[link];
+  const Pose X_LO = inverse(X_OL);
+  avoidance_.object_O->walls().visitNear(
+      X_OL * solid.centre_L, solid.radius + avoidance_.margin_m,
+      [&](const geometry::WallSample& sample) {
+        const Vector3d p_L = X_LO * sample.p;
+        if (solid.grid_L->isClear(p_L, 0.0)) return;
+        Vector3d slope_L;
+        const double distance = solid.distance(p_L, slope_L) - avoidance_.margin_m;
+        if (distance >= 0.0) return;
+        // It is the link that moves, and the sample in it the other way.
+        touches_.push_back({bodies_[link], -1, place.arm_W + place.R_WL * p_L,
+                            -(place.R_WL * slope_L), -distance,
+                            sample.area_m2 / Avoidance::kPointArea});
+      });
 }
 
 void AvoidanceTerm::meetItself() {
@@ -92,23 +116,25 @@ void AvoidanceTerm::meet(int a, int b) {
   const LinkSolid& other = avoidance_.hand->links()[static_cast<std::size_t>(b)];
   const Place& place = places_[static_cast<std::size_t>(a)];
   const Place& other_place = places_[static_cast<std::size_t>(b)];
-  const Matrix3d R_BA = other_place.R_WL.transpose() * place.R_WL;
-  const Vector3d p_BA = other_place.R_WL.transpose() * (place.arm_W - other_place.arm_W);
-  for (const SampleCluster& cluster : solid.coarse.clusters) {
-    if (other.grid_L->isClear(p_BA + R_BA * cluster.centre_L, cluster.radius)) continue;
-    for (int i = cluster.begin; i < cluster.end; ++i) {
-      const SurfaceSample& sample = solid.coarse.samples[static_cast<std::size_t>(i)];
-      const Vector3d p_B = p_BA + R_BA * sample.p_L;
-      if (other.grid_L->isClear(p_B, 0.0)) continue;
-      Vector3d slope_B;
-      const double distance = other.distance(p_B, slope_B);
-      if (distance >= 0.0) continue;
-      touches_.push_back({bodies_[static_cast<std::size_t>(a)],
-                          bodies_[static_cast<std::size_t>(b)],
-                          place.arm_W + place.R_WL * sample.p_L, other_place.R_WL * slope_B,
-                          -distance, sample.area_m2 / Avoidance::kPointArea});
-    }
-  }
+  const SampleSet& set = samplesOf(solid);
+  Pose X_BA;
+  X_BA.linear() = other_place.R_WL.transpose() * place.R_WL;
+  X_BA.translation() = other_place.R_WL.transpose() * (place.arm_W - other_place.arm_W);
+  set.visit(
+      [&](const Vector3d& centre_A, double radius) {
+        return other.grid_L->isClear(X_BA * centre_A, radius);
+      },
+      [&](const SurfaceSample& sample) {
+        const Vector3d p_B = X_BA * sample.p_L;
+        if (other.grid_L->isClear(p_B, 0.0)) return;
+        Vector3d slope_B;
+        const double distance = other.distance(p_B, slope_B);
+        if (distance >= 0.0) return;
+        touches_.push_back({bodies_[static_cast<std::size_t>(a)],
+                            bodies_[static_cast<std::size_t>(b)],
+                            place.arm_W + place.R_WL * sample.p_L, other_place.R_WL * slope_B,
+                            -distance, sample.area_m2 / Avoidance::kPointArea});
+      });
 }
 
 }  // namespace handgraft::optimize

@@ -54,6 +54,10 @@ class LocalSearch {
   /// are kept by reference.
   void attend(const Observer& observer, const std::function<void()>& keep_going);
 
+  /// How closely penetration is looked for, where the problem charges it. Results of searches
+  /// before have another objective: `begin` them anew.
+  void care(const AvoidanceCare& care) { objective_.care(care); }
+
   /// The start's joints are moved into their bounds. Costs an evaluation, which is all of it
   /// unless `warm_up` more may be spent on |n_h + n_o|^2 in place of Eq. 4: a slope where that
   /// has none, as in a flipped hand.

@@ -70,6 +70,11 @@ class Objective {
   /// follows it.
   void setNormalForm(NormalForm form) { form_ = form; }
 
+  /// How penetration is looked for from now on, where the problem charges it; as above.
+  void care(const AvoidanceCare& care) {
+    if (avoidance_ != nullptr) avoidance_->care(care);
+  }
+
   [[nodiscard]] const MomentTree& tree() const { return *tree_; }
 
  private:

@@ -151,8 +151,10 @@ void PoseSolver::Parts::searchAll(const SolveOptions& options,
     progress.checkpoint();
     if (pool->failed()) throw Cancelled();
   };
-  for (const auto& search : searches)
+  for (const auto& search : searches) {
     search->attend(observer, keep_going);
+    search->care(options.care);
+  }
 
   Finalists finalists(*problem.model);
   int explored = 0;

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/optimize/avoidance_repair.h"
+#include "core/optimize/avoiding_solve.h"
 #include "core/optimize/pose_solver.h"
 
 namespace handgraft::optimize {

@@ -43,6 +43,9 @@ struct SolveOptions {
   int max_evaluations = kDefaultEvaluations;  ///< a start
   /// Start 0 is the prior instead of the problem's start.
   bool from_prior = false;
+  /// How closely all starts look for penetration, where the problem charges it. `solve` goes on
+  /// from what they find with more and more care, up to all of it; PoseSolver alone does not.
+  AvoidanceCare care;
   /// Called from the solving threads, one at a time, with each better pose. What it throws ends
   /// the solve and is thrown from there.
   std::function<void(const hand::HandPose&, const Terms&)> on_improvement;

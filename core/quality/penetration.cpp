@@ -26,25 +26,25 @@ double deepestOf(const LinkSolid& solid,
                  Inside& inside,
                  const Progress& progress) {
   double deepest = 0.0;
-  for (const hand::SampleCluster& cluster : solid.fine.clusters) {
-    progress.checkpoint();
-    if (object_O.isClear(X_OL * cluster.centre_L, cluster.radius)) continue;
-    for (int i = cluster.begin; i < cluster.end; ++i) {
-      const hand::SurfaceSample& sample = solid.fine.samples[static_cast<std::size_t>(i)];
-      const Vector3d p_O = X_OL * sample.p_L;
-      // The grid rounds edges by half a spacing; inside the object it only has to find them.
-      const double guess = object_O.at(p_O);
-      if (guess > object_O.spacing()) continue;
-      // So far inside that the exact sign, which costs as much again, is known.
-      const double depth = guess < -2.0 * object_O.spacing()
-                               ? object_O.exact().distance(p_O)
-                               : -object_O.exact().at(p_O).distance;
-      if (depth <= kTouch) continue;
-      deepest = std::max(deepest, depth);
-      inside.area += sample.area_m2;
-      inside.depth_area += sample.area_m2 * depth;
-    }
-  }
+  solid.fine.visit(
+      [&](const Vector3d& centre_L, double radius) {
+        return object_O.isClear(X_OL * centre_L, radius);
+      },
+      [&](const hand::SurfaceSample& sample) {
+        const Vector3d p_O = X_OL * sample.p_L;
+        // The grid rounds edges by half a spacing; inside the object it only has to find them.
+        const double guess = object_O.at(p_O);
+        if (guess > object_O.spacing()) return;
+        progress.checkpoint();
+        // So far inside that the exact sign, which costs as much again, is known.
+        const double depth = guess < -2.0 * object_O.spacing()
+                                 ? object_O.exact().distance(p_O)
+                                 : -object_O.exact().at(p_O).distance;
+        if (depth <= kTouch) return;
+        deepest = std::max(deepest, depth);
+        inside.area += sample.area_m2;
+        inside.depth_area += sample.area_m2 * depth;
+      });
   return deepest;
 }
 
@@ -99,9 +99,10 @@ void measureItself(const hand::HandSolid& hand,
 
 Penetration measurePenetration(const hand::HandModel& model,
                                const hand::HandSolid& hand,
-                               const DistanceGrid& object_O,
+                               const geometry::Solid& object_O,
                                const Pose& X_WO,
                                const hand::HandPose& pose,
+                               const std::vector<ContactSide>& sides,
                                const Progress& progress) {
   hand::LinkPoses X_OL;
   hand::forwardKinematics(model, inverse(X_WO) * pose.X_WH, pose.q, X_OL);
@@ -109,11 +110,18 @@ Penetration measurePenetration(const hand::HandModel& model,
   Inside inside;
   for (const LinkSolid& solid : hand.links()) {
     const Pose& X = X_OL[static_cast<std::size_t>(solid.link)];
-    if (object_O.isClear(X * solid.centre_L, solid.radius)) continue;
-    const double depth = deepestOf(solid, object_O, X, inside, progress);
+    if (object_O.grid().isClear(X * solid.centre_L, solid.radius)) continue;
+    double depth = deepestOf(solid, object_O.grid(), X, inside, progress);
+    const WallInLink wall = wallIn(solid, object_O.walls(), X);
+    if (wall.depth_m > kTouch) depth = std::max(depth, wall.depth_m);
+    progress.checkpoint();
+    if (wall.goes_through) {
+      const double way = wayOut(solid, object_O, X, wall, sides);
+      if (std::isfinite(way)) depth = std::max(depth, way);
+    }
     if (depth > 0.0) result.links.push_back({solid.link, depth});
     progress.checkpoint();
-    result.volume_m3 += sharedVolume(solid, object_O, X);
+    result.volume_m3 += sharedVolume(solid, object_O.grid(), X);
   }
   std::stable_sort(result.links.begin(), result.links.end(),
                    [](const LinkDepth& a, const LinkDepth& b) {

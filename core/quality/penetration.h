@@ -4,13 +4,15 @@
 #include <vector>
 
 #include "core/base/progress.h"
-#include "core/geometry/distance_grid.h"
+#include "core/geometry/solid.h"
 #include "core/hand/hand_solid.h"
 #include "core/hand/kinematics.h"
+#include "core/quality/way_out.h"
 
 namespace handgraft::quality {
 
-/// How deep one link lies inside the object, at its deepest place.
+/// How deep one link lies in the object, at its deepest place; right through a wall: how far
+/// it has to go back.
 struct LinkDepth {
   int link = -1;
   double depth_m = 0.0;
@@ -27,20 +29,23 @@ struct Penetration {
   std::array<int, 2> self_links = {-1, -1};
 };
 
-/// Measures at the fine samples of the hand (some 4,000, 3-5 mm apart), so that a corner of the
-/// object that pricks the hand between them is missed.
+/// Measures two-sided: at the fine samples of the hand (some 6,000, 3-4 mm apart) in the
+/// object, and at samples of the object's thin walls, sheets and edges in the links.
 ///
-/// Depths are exact distances to the object's surface; the volume counts the links' cells
-/// (2-3 mm) by how much of them lies inside the object. Depths of a hand in itself come from
-/// the links' grids, good to half a millimetre.
+/// Depths in the object are exact distances to its surface. A link that goes right through a
+/// wall, or a sheet, which has no inside, is as deep as it has to be moved back; to the side
+/// that `sides` tell, else the shorter way. The volume counts the links' cells (2-3 mm) by how
+/// much of them lies inside the object. Depths of walls in the hand, and of a hand in itself,
+/// come from the links' grids, good to half a millimetre.
 /// Frames: `object_O` in O; `pose` and X_WO in W.
 /// Errors: BrokenContract on a pose of another hand. Cancelled on wish, within some 0.1 ms.
 /// Cost: 1-3 ms, the more the deeper.
 Penetration measurePenetration(const hand::HandModel& model,
                                const hand::HandSolid& hand,
-                               const geometry::DistanceGrid& object_O,
+                               const geometry::Solid& object_O,
                                const Pose& X_WO,
                                const hand::HandPose& pose,
+                               const std::vector<ContactSide>& sides = {},
                                const Progress& progress = Progress());
 
 }  // namespace handgraft::quality

@@ -2,6 +2,7 @@
 
 #include "core/base/error.h"
 #include "core/session/made_once.h"
+#include "core/session/session.h"
 
 namespace handgraft::session {
 
@@ -17,14 +18,12 @@ std::shared_ptr<const hand::HandSolid> solidOf(
   });
 }
 
-std::shared_ptr<const geometry::DistanceGrid> solidOf(
+std::shared_ptr<const geometry::Solid> solidOf(
     const std::shared_ptr<const geometry::TriangleMesh>& object_O, const Progress& progress) {
   HANDGRAFT_REQUIRE(object_O != nullptr);
-  static MadeOnce<geometry::TriangleMesh, geometry::DistanceGrid> memory;
+  static MadeOnce<geometry::TriangleMesh, geometry::Solid> memory;
   return memory.get(object_O, progress, [&] {
-    return std::make_shared<const geometry::DistanceGrid>(
-        std::make_shared<const geometry::SignedDistance>(*object_O),
-        geometry::DistanceGridOptions(), progress);
+    return std::make_shared<const geometry::Solid>(*object_O, progress);
   });
 }
 
@@ -63,9 +62,23 @@ quality::Penetration penetrationOf(
     const std::shared_ptr<const geometry::TriangleMesh>& object_O,
     const Pose& X_WO,
     const hand::HandPose& pose,
+    const std::vector<quality::ContactSide>& sides,
     const Progress& progress) {
   return quality::measurePenetration(*model, *solidOf(model, skin, progress),
-                                     *solidOf(object_O, progress), X_WO, pose, progress);
+                                     *solidOf(object_O, progress), X_WO, pose, sides, progress);
+}
+
+quality::Penetration penetrationOf(const Session& session,
+                                   const hand::HandPose& pose,
+                                   const Progress& progress) {
+  std::vector<quality::ContactSide> sides;
+  for (const SessionPatch& item : session.patches()) {
+    if (!item.placement || item.patch.weight == 0.0) continue;
+    for (const transfer::Correspondence& pair : item.transferred.correspondences)
+      sides.push_back({pair.link, pair.p_O, pair.n_O});
+  }
+  return penetrationOf(session.hand().model, session.hand().skin, session.sharedObject(),
+                       session.objectPose(), pose, sides, progress);
 }
 
 }  // namespace handgraft::session

@@ -10,6 +10,8 @@
 
 namespace handgraft::session {
 
+class Session;
+
 // Hands and objects as solids. They are made once for each skin and each mesh, when first asked
 // for, shared by all who hold these, and forgotten with them (made_once.h).
 
@@ -18,7 +20,7 @@ std::shared_ptr<const hand::HandSolid> solidOf(
     const std::shared_ptr<const hand::HandModel>& model,
     const std::shared_ptr<const hand::Skin>& skin,
     const Progress& progress);
-std::shared_ptr<const geometry::DistanceGrid> solidOf(
+std::shared_ptr<const geometry::Solid> solidOf(
     const std::shared_ptr<const geometry::TriangleMesh>& object_O, const Progress& progress);
 
 /// Nearest places on an object, shared likewise: as large as the object's mesh, or larger.
@@ -47,6 +49,12 @@ quality::Penetration penetrationOf(
     const std::shared_ptr<const geometry::TriangleMesh>& object_O,
     const Pose& X_WO,
     const hand::HandPose& pose,
+    const std::vector<quality::ContactSide>& sides,
     const Progress& progress);
+
+/// Of a pose of the session's hand, its laid patches telling the sides.
+quality::Penetration penetrationOf(const Session& session,
+                                   const hand::HandPose& pose,
+                                   const Progress& progress);
 
 }  // namespace handgraft::session

@@ -99,6 +99,8 @@ Solution Workbench::solve(const Solving& solving,
   SolveReport report = optimize::solve(problem(solving), options, progress);
   if (!solving.paper && !run.places_stay) {
     options.on_improvement = nullptr;
+    // Small steps from a pose that is out of the object stay where they are out of it.
+    if (solving.avoid_penetration) options.starts = 1;
     for (int i = 0; i < kRefinements && refineDirections(report, solving, options, progress);
          ++i) {
     }

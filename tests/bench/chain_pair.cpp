@@ -76,8 +76,7 @@ ChainOutcome graspWith(const session::Hand& hand,
     outcome.ms_transfer = laid - begin;
     // The solids are made once for each hand and object.
     const auto measure = [&](const hand::HandPose& pose) {
-      return session::penetrationOf(hand.model, hand.skin, grasp.object_O, session.objectPose(),
-                                    pose, Progress());
+      return session::penetrationOf(session, pose, Progress());
     };
     outcome.penetration = measure({Pose::Identity(), hand.model->restPose()});
     session::Solving solving;

@@ -18,6 +18,7 @@
 #include "tests/bench/scaling.h"
 #include "tests/bench/solve.h"
 #include "tests/bench/survey.h"
+#include "tests/bench/thin_walls.h"
 #include "tests/bench/transfer_speed.h"
 
 namespace {
@@ -36,6 +37,7 @@ int main(int argc, char** argv) {
   CLI::App app("Measures Handgraft's numerical core", "handgraft-bench");
   app.require_subcommand(0, 1);
   handgraft::bench::addChainCommand(app);
+  handgraft::bench::addThinWallsCommand(app);
   handgraft::bench::addImportCommand(app);
   handgraft::bench::addBaselineCommand(app);
   handgraft::bench::addLogMapCommand(app);
@@ -55,7 +57,8 @@ int main(int argc, char** argv) {
     if (!app.get_subcommands().empty()) return 0;
     return complain(
         "a command is missing; there are: baseline chain import logmap logmap-accuracy "
-        "logmap-speed pairs placements retargeting scaling solve solvers survey tables transfer",
+        "logmap-speed pairs placements retargeting scaling solve solvers survey "
+        "tables thin-walls transfer",
         kWrongInput);
   } catch (const CLI::Success& help) {
     return app.exit(help);

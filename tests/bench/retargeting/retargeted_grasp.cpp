@@ -70,9 +70,7 @@ void graft(const MeasuredHand& hand,
     row.patches.push_back({patch.patch.name, patch.site, patch.dropped});
     row.asked += patch.dropped.empty() ? 1 : 0;
   }
-  row.told_depth_m = session::penetrationOf(hand.hand.model, hand.hand.skin, object_O,
-                                            Pose::Identity(), row.ours.pose, Progress())
-                         .max_depth_m;
+  row.told_depth_m = session::penetrationOf(session, row.ours.pose, Progress()).max_depth_m;
   problem = solution.problem;
 }
 

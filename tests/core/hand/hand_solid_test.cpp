@@ -1,5 +1,6 @@
 #include "core/hand/hand_solid.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -7,8 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/geometry/sample_thinning.h"
 #include "core/hand/kinematics.h"
-#include "core/hand/sample_thinning.h"
 
 #include "tests/support/ball_hand.h"
 
@@ -58,22 +59,41 @@ TEST(HandSolid, SharesOutTheSurfaceAmongEvenSamples) {
       EXPECT_LT((middle / area).norm(), 0.03 * kRadius) << "samples crowd on one side";
     }
     EXPECT_NEAR(static_cast<double>(link.coarse.samples.size()), 150.0, 45.0);
-    EXPECT_NEAR(static_cast<double>(link.fine.samples.size()), 1000.0, 350.0);
+    EXPECT_NEAR(static_cast<double>(link.fine.samples.size()), 1500.0, 500.0);
   }
 }
 
-TEST(HandSolid, HoldsEverySampleInOneCluster) {
+TEST(HandSolid, FindsAllSamplesOfALinkNearAPlace) {
   const test::BallHand hand = chainOfBalls();
   const HandSolid solid(*hand.model, *hand.skin, Progress());
   for (const LinkSolid& link : solid.links()) {
-    int next = 0;
-    for (const SampleCluster& cluster : link.fine.clusters) {
-      EXPECT_EQ(cluster.begin, next);
-      next = cluster.end;
-      for (int i = cluster.begin; i < cluster.end; ++i)
-        EXPECT_LE((link.fine.samples[i].p_L - cluster.centre_L).norm(), cluster.radius + 1e-15);
+    for (const double reach : {0.0, 0.005, 0.02, 1.0}) {
+      const Vector3d place = link.centre_L + Vector3d(0.6, -0.5, 0.4) * kRadius;
+      const auto isNear = [&](const Vector3d& p_L, double radius) {
+        return (p_L - place).norm() <= radius + reach;
+      };
+      std::vector<const SurfaceSample*> visited;
+      int near = 0;
+      link.fine.visit(
+          [&](const Vector3d& centre_L, double radius) {
+            return !isNear(centre_L, radius);
+          },
+          [&](const SurfaceSample& sample) {
+            visited.push_back(&sample);
+            near += isNear(sample.p_L, 0.0) ? 1 : 0;
+          });
+      EXPECT_TRUE(std::is_sorted(visited.begin(), visited.end()));
+      EXPECT_EQ(near, std::count_if(link.fine.samples.begin(), link.fine.samples.end(),
+                                    [&](const SurfaceSample& sample) {
+                                      return isNear(sample.p_L, 0.0);
+                                    }));
+      if (reach == 1.0) {
+        EXPECT_EQ(std::ssize(visited), std::ssize(link.fine.samples));
+      }
+      if (reach == 0.005) {
+        EXPECT_LT(std::ssize(visited), std::ssize(link.fine.samples) / 2);
+      }
     }
-    EXPECT_EQ(next, std::ssize(link.fine.samples));
   }
 }
 
@@ -160,7 +180,7 @@ TEST(SampleThinning, KeepsAllAtADistanceAndEveryoneNearOne) {
     groups.push_back(static_cast<int>(i % 2));
   }
   const double spacing = 0.02;
-  const Thinned thinned = thinOut(points, groups, spacing);
+  const geometry::Thinned thinned = geometry::thinOut(points, groups, spacing);
   for (const int a : thinned.kept) {
     for (const int b : thinned.kept) {
       if (a < b && groups[a] == groups[b]) {

@@ -23,23 +23,22 @@ using test::randomPose;
 
 constexpr double kBall = 0.02;  // m, of each link
 
-std::shared_ptr<const geometry::DistanceGrid> gridOf(const geometry::TriangleMesh& mesh) {
-  return std::make_shared<const geometry::DistanceGrid>(
-      std::make_shared<const geometry::SignedDistance>(mesh), geometry::DistanceGridOptions(),
-      Progress());
+std::shared_ptr<const geometry::Solid> solidOf(const geometry::TriangleMesh& mesh) {
+  return std::make_shared<const geometry::Solid>(mesh, Progress());
 }
 
-/// A synthetic hand of balls, with joints of every kind, near a ball of 60 mm.
+/// A synthetic hand of balls, with joints of every kind, near an object of some 60 mm.
 struct Scene {
   test::BallHand hand = test::withBalls(*test::syntheticHand(), kBall);
   std::shared_ptr<Avoidance> avoidance = std::make_shared<Avoidance>();
 
-  Scene() {
+  explicit Scene(const geometry::TriangleMesh& object) {
     avoidance->hand =
         std::make_shared<const hand::HandSolid>(*hand.model, *hand.skin, Progress());
-    avoidance->object_O = gridOf(geometry::makeSphere(0.06, 4));
+    avoidance->object_O = solidOf(object);
     avoidance->X_WO.linear() = rotationFromVector({0.3, -0.5, 0.2});
     avoidance->X_WO.translation() = Vector3d(0.1, -0.05, 0.02);
+    avoidance->weight = 1e5;
   }
 
   /// Pairs, weights and prior at random; the object counts.
@@ -59,8 +58,50 @@ struct Scene {
 };
 
 const Scene& scene() {
-  static const Scene the_scene;
+  static const Scene the_scene(geometry::makeSphere(0.06, 4));
   return the_scene;
+}
+
+/// A plate of 3 mm: walls and edges.
+const Scene& plateScene() {
+  static const Scene the_scene(geometry::makeBox({0.12, 0.003, 0.1}));
+  return the_scene;
+}
+
+/// A place where somebody is inside something, and which body that moves.
+struct Depth {
+  double area_m2 = 0.0;
+  double depth = 0.0;
+  int link = -1;
+  Vector3d p_W = Vector3d::Zero();
+  Vector3d slope_W = Vector3d::Zero();  ///< of the distance by the link's own place there
+};
+
+/// Of the hand in the object, and of the object's walls in the hand.
+std::vector<Depth> depthsInObject(const Scene& scene, const hand::HandPose& pose) {
+  const Avoidance& avoidance = *scene.avoidance;
+  const hand::LinkPoses X_WL = forwardKinematics(*scene.hand.model, pose);
+  const Pose X_OW = inverse(avoidance.X_WO);
+  std::vector<Depth> depths;
+  for (const hand::LinkSolid& solid : avoidance.hand->links()) {
+    const Pose& X = X_WL[static_cast<std::size_t>(solid.link)];
+    const auto add = [&](double area, double distance, const Vector3d& p_W,
+                         const Vector3d& slope_W) {
+      const double depth = avoidance.margin_m - distance;
+      if (depth > 0.0) depths.push_back({area, depth, solid.link, p_W, slope_W});
+    };
+    Vector3d slope;
+    for (const hand::SurfaceSample& sample : solid.fine.samples) {
+      const double distance = avoidance.object_O->grid().at(X_OW * (X * sample.p_L), slope);
+      add(sample.area_m2, distance, X * sample.p_L, avoidance.X_WO.linear() * slope);
+    }
+    for (const geometry::WallSample& sample : avoidance.object_O->walls().samples()) {
+      const Vector3d p_W = avoidance.X_WO * sample.p;
+      const double distance = solid.distance(inverse(X) * p_W, slope);
+      add(sample.area_m2, distance, p_W, -(X.linear() * slope));
+    }
+  }
+  return depths;
 }
 
 double sumOverSamples(const Scene& scene, const hand::HandPose& pose, bool itself) {
@@ -70,30 +111,29 @@ double sumOverSamples(const Scene& scene, const hand::HandPose& pose, bool itsel
     return X_WL[static_cast<std::size_t>(solid.link)];
   };
   double sum = 0.0;
-  const auto add = [&sum](const hand::SurfaceSample& sample, double distance) {
-    if (distance < 0.0) sum += sample.area_m2 / 1e-5 * distance * distance;
-  };
-  for (const hand::LinkSolid& solid : links) {
-    for (const hand::SurfaceSample& sample : solid.coarse.samples) {
-      const Vector3d p_W = poseOf(solid) * sample.p_L;
-      add(sample, scene.avoidance->object_O->at(inverse(scene.avoidance->X_WO) * p_W));
-    }
-  }
+  for (const Depth& one : depthsInObject(scene, pose))
+    sum += one.area_m2 / 1e-5 * one.depth * one.depth;
   if (!itself) return sum;
   for (const auto& [i, j] : scene.avoidance->hand->strangers()) {
     for (const auto& [a, b] : {std::pair(i, j), std::pair(j, i)}) {
       const hand::LinkSolid& own = links[static_cast<std::size_t>(a)];
       const hand::LinkSolid& other = links[static_cast<std::size_t>(b)];
-      for (const hand::SurfaceSample& sample : own.coarse.samples)
-        add(sample, other.distance(inverse(poseOf(other)) * (poseOf(own) * sample.p_L)));
+      for (const hand::SurfaceSample& sample : own.fine.samples) {
+        const double distance =
+            other.distance(inverse(poseOf(other)) * (poseOf(own) * sample.p_L));
+        if (distance < 0.0) sum += sample.area_m2 / 1e-5 * distance * distance;
+      }
     }
   }
   return sum;
 }
 
-TEST(Avoidance, ChargesAreasTimesSquaredDepths) {
+class AvoidanceOf : public testing::TestWithParam<const Scene& (*)()> {};
+
+TEST_P(AvoidanceOf, ChargesAreasTimesSquaredDepths) {
+  const Scene& scene = GetParam()();
   std::mt19937 random(1);
-  const PoseProblem problem = scene().problem(random);
+  const PoseProblem problem = scene.problem(random);
   PoseProblem bare = problem;
   bare.avoidance = nullptr;
   Objective objective(problem);
@@ -101,26 +141,27 @@ TEST(Avoidance, ChargesAreasTimesSquaredDepths) {
   int inside = 0;
   int in_itself = 0;
   for (int k = 0; k < 100; ++k) {
-    const hand::HandPose pose = scene().poseInside(random);
+    const hand::HandPose pose = scene.poseInside(random);
     const Terms terms = objective.evaluate(pose);
     const Terms without = bare_objective.evaluate(pose);
-    const double expected = sumOverSamples(scene(), pose, true);
+    const double expected = sumOverSamples(scene, pose, true);
     EXPECT_NEAR(terms.penetration, expected, 1e-12 * expected);
     EXPECT_NEAR(terms.objective, without.objective + 1e5 * expected, 1e-9 * terms.objective);
     EXPECT_EQ(without.penetration, 0.0);
     inside += expected > 0.0 ? 1 : 0;
-    in_itself += expected > sumOverSamples(scene(), pose, false) ? 1 : 0;
+    in_itself += expected > sumOverSamples(scene, pose, false) ? 1 : 0;
   }
-  EXPECT_GT(inside, 80);
+  EXPECT_GT(inside, 50);
   EXPECT_GT(in_itself, 10);
 }
 
-TEST(Avoidance, HasTheGradientOfCentralDifferences) {
+TEST_P(AvoidanceOf, HasTheGradientOfCentralDifferences) {
+  const Scene& scene = GetParam()();
   std::mt19937 random(2);
-  const PoseProblem problem = scene().problem(random);
+  const PoseProblem problem = scene.problem(random);
   Objective objective(problem);
   for (int k = 0; k < 40; ++k) {
-    const hand::HandPose pose = scene().poseInside(random);
+    const hand::HandPose pose = scene.poseInside(random);
     Eigen::VectorXd gradient(problem.dofCount());
     objective.evaluate(pose, gradient);
     Eigen::VectorXd difference(problem.dofCount());
@@ -130,44 +171,46 @@ TEST(Avoidance, HasTheGradientOfCentralDifferences) {
                          objective.evaluate(moved(pose, dof, -step)).objective) /
                         (2.0 * step);
     }
-    EXPECT_LT((gradient - difference).norm(), 1e-6 * gradient.norm());
+    // The fields' second derivatives jump from cell to cell.
+    EXPECT_LT((gradient - difference).norm(), 1e-5 * gradient.norm());
   }
 }
 
-TEST(Avoidance, HasTheGaussNewtonMatrixOfItsSamples) {
+TEST_P(AvoidanceOf, HasTheGaussNewtonMatrixOfItsSamples) {
+  const Scene& scene = GetParam()();
   std::mt19937 random(3);
-  const PoseProblem problem = scene().problem(random);
+  const PoseProblem problem = scene.problem(random);
   PoseProblem bare = problem;
   bare.avoidance = nullptr;
-  const Pose X_OW = inverse(scene().avoidance->X_WO);
   int judged = 0;
-  for (int k = 0; k < 200 && judged < 30; ++k) {
-    const hand::HandPose pose = scene().poseInside(random);
-    const double all = sumOverSamples(scene(), pose, true);
-    if (all == 0.0 || all > sumOverSamples(scene(), pose, false)) continue;
+  for (int k = 0; k < 400 && judged < 30; ++k) {
+    const hand::HandPose pose = scene.poseInside(random);
+    const double all = sumOverSamples(scene, pose, true);
+    if (all == 0.0 || all > sumOverSamples(scene, pose, false)) continue;
     ++judged;
-    const hand::LinkPoses X_WL = forwardKinematics(*scene().hand.model, pose);
+    const hand::LinkPoses X_WL = forwardKinematics(*scene.hand.model, pose);
     Eigen::MatrixXd expected = Objective(bare).gaussNewton(pose);
-    for (const hand::LinkSolid& solid : scene().avoidance->hand->links()) {
-      for (const hand::SurfaceSample& sample : solid.coarse.samples) {
-        const Vector3d p_W = X_WL[static_cast<std::size_t>(solid.link)] * sample.p_L;
-        Vector3d slope_O;
-        if (scene().avoidance->object_O->at(X_OW * p_W, slope_O) >= 0.0) continue;
-        const Vector3d slope_W = X_OW.linear().transpose() * slope_O;
-        Eigen::VectorXd row(problem.dofCount());
-        row << (p_W - pose.X_WH.translation()).cross(slope_W), slope_W,
-            pointJacobian(*scene().hand.model, X_WL, solid.link, p_W)
-                    .bottomRows<3>()
-                    .transpose() *
-                slope_W;
-        expected += 2e5 * sample.area_m2 / 1e-5 * row * row.transpose();
-      }
+    for (const Depth& one : depthsInObject(scene, pose)) {
+      Eigen::VectorXd row(problem.dofCount());
+      row << (one.p_W - pose.X_WH.translation()).cross(one.slope_W), one.slope_W,
+          pointJacobian(*scene.hand.model, X_WL, one.link, one.p_W)
+                  .bottomRows<3>()
+                  .transpose() *
+              one.slope_W;
+      expected += 2e5 * one.area_m2 / 1e-5 * row * row.transpose();
     }
     const Eigen::MatrixXd H = Objective(problem).gaussNewton(pose);
     EXPECT_LT((H - expected).norm(), 1e-10 * expected.norm());
   }
   EXPECT_EQ(judged, 30);
 }
+
+INSTANTIATE_TEST_SUITE_P(Objects,
+                         AvoidanceOf,
+                         testing::Values(&scene, &plateScene),
+                         [](const auto& one) {
+                           return one.index == 0 ? "Ball" : "Plate";
+                         });
 
 TEST(Avoidance, BoundsTheGaussNewtonMatrixOfAHandInItselfFromAbove) {
   std::mt19937 random(4);

@@ -14,10 +14,8 @@ using Eigen::Vector3d;
 
 constexpr double kBall = 0.02;  // m
 
-std::shared_ptr<const geometry::DistanceGrid> gridOf(const geometry::TriangleMesh& mesh) {
-  return std::make_shared<const geometry::DistanceGrid>(
-      std::make_shared<const geometry::SignedDistance>(mesh), geometry::DistanceGridOptions(),
-      Progress());
+std::shared_ptr<const geometry::Solid> solidOf(const geometry::TriangleMesh& mesh) {
+  return std::make_shared<const geometry::Solid>(mesh, Progress());
 }
 
 /// Four balls in a row along x, 50 mm apart, hinged about z.
@@ -61,14 +59,14 @@ Pose at(const Vector3d& p) {
   return X;
 }
 
-Penetration measure(const geometry::DistanceGrid& object_O,
+Penetration measure(const geometry::Solid& object_O,
                     const Pose& X_WO,
                     const hand::HandPose& pose) {
   return measurePenetration(*chain().hand.model, *chain().solid, object_O, X_WO, pose);
 }
 
 TEST(Penetration, IsNothingForAHandThatTouchesNothing) {
-  const auto ball_O = gridOf(geometry::makeSphere(0.03, 4));
+  const auto ball_O = solidOf(geometry::makeSphere(0.03, 4));
   const Penetration apart = measure(*ball_O, at({0, 0.0501, 0}), chain().straight());
   EXPECT_EQ(apart.max_depth_m, 0.0);
   EXPECT_EQ(apart.mean_depth_m, 0.0);
@@ -80,7 +78,7 @@ TEST(Penetration, IsNothingForAHandThatTouchesNothing) {
 TEST(Penetration, HasTheDepthAndTheVolumeOfALensOfTwoBalls) {
   const double r = kBall;
   const double big = 0.03;
-  const auto ball_O = gridOf(geometry::makeSphere(big, 5));
+  const auto ball_O = solidOf(geometry::makeSphere(big, 5));
   for (const double d : {0.048, 0.043, 0.035, 0.025}) {
     const Penetration found = measure(*ball_O, at({0, -d, 0}), chain().straight());
     EXPECT_NEAR(found.max_depth_m, r + big - d, 2e-4) << d;
@@ -103,7 +101,7 @@ TEST(Penetration, HasTheVolumeThatTwoBoxesShare) {
   const hand::HandModel model("box", links, {});
   const hand::Skin skin(model, links[0].visuals[0].mesh_L, Eigen::VectorXd(), 0.004);
   const hand::HandSolid solid(model, skin, Progress());
-  const auto box_O = gridOf(geometry::makeBox({0.06, 0.06, 0.06}));
+  const auto box_O = solidOf(geometry::makeBox({0.06, 0.06, 0.06}));
   const hand::HandPose pose{Pose::Identity(), Eigen::VectorXd()};
   for (const Vector3d& way : {Vector3d(0.045, 0, 0), Vector3d(0.04, 0.03, 0.02)}) {
     Pose X_WO = Pose::Identity();
@@ -115,8 +113,102 @@ TEST(Penetration, HasTheVolumeThatTwoBoxesShare) {
   }
 }
 
+// === Walls: the first ball of the chain, of radius r, its centre at height h over them
+
+/// A rectangle of one layer in the plane y = 0, in small triangles.
+geometry::TriangleMesh makeSheet(double length_x, double length_z) {
+  constexpr int kCells = 8;
+  Eigen::Matrix3Xd vertices(3, (kCells + 1) * (kCells + 1));
+  Eigen::Matrix3Xi faces(3, 2 * kCells * kCells);
+  int face = 0;
+  for (int i = 0; i <= kCells; ++i) {
+    for (int j = 0; j <= kCells; ++j) {
+      const int v = i * (kCells + 1) + j;
+      vertices.col(v) << length_x * (1.0 * i / kCells - 0.5), 0.0,
+          length_z * (1.0 * j / kCells - 0.5);
+      if (i == kCells || j == kCells) continue;
+      faces.col(face++) << v, v + 1, v + kCells + 1;
+      faces.col(face++) << v + 1, v + kCells + 2, v + kCells + 1;
+    }
+  }
+  return {vertices, faces};
+}
+
+/// A cylinder about x without one of its caps.
+geometry::TriangleMesh makeCup(double radius, double length) {
+  const geometry::TriangleMesh whole = geometry::makeCylinder(radius, length, 96);
+  const Eigen::Matrix3d R_XZ = rotationFromVector({0.0, 0.5 * std::numbers::pi, 0.0});
+  std::vector<Eigen::Vector3i> kept;
+  for (int f = 0; f < whole.faceCount(); ++f)
+    if (whole.faceNormals()(2, f) < 0.9) kept.push_back(whole.face(f));
+  Eigen::Matrix3Xi faces(3, std::ssize(kept));
+  for (Eigen::Index f = 0; f < faces.cols(); ++f)
+    faces.col(f) = kept[static_cast<std::size_t>(f)];
+  return {R_XZ * whole.vertices(), faces};
+}
+
+/// With the object unturned at `p_WO`, and contacts of the first ball looking along `n_O` at
+/// `p_O`, if there are any.
+double depthAt(const geometry::Solid& object_O,
+               const Vector3d& p_WO,
+               const Vector3d& p_O,
+               const Vector3d& n_O) {
+  Pose X_WO = Pose::Identity();
+  X_WO.translation() = p_WO;
+  std::vector<ContactSide> sides;
+  if (n_O.norm() > 0.0) sides.push_back({0, p_O, n_O});
+  const Penetration found = measurePenetration(*chain().hand.model, *chain().solid, object_O,
+                                               X_WO, chain().straight(), sides);
+  EXPECT_TRUE(found.links.empty() || found.links.front().link == 0);
+  return found.max_depth_m;
+}
+
+constexpr double kWallTolerance = 6e-4;  // m; samples 2.5 mm apart, grids of 1-2 mm
+
+TEST(Penetration, OfASheetIsTheWayBackToItsSide) {
+  const auto sheet_O = solidOf(makeSheet(0.05, 0.1));
+  for (const double h : {0.015, 0.005, -0.005, -0.015}) {
+    const Vector3d p_WO(0, -h, 0);
+    EXPECT_NEAR(depthAt(*sheet_O, p_WO, {0, 0, 0}, {0, 1, 0}), kBall - h, kWallTolerance) << h;
+    EXPECT_NEAR(depthAt(*sheet_O, p_WO, {0, 0, 0}, {0, -1, 0}), kBall + h, kWallTolerance) << h;
+    EXPECT_NEAR(depthAt(*sheet_O, p_WO, {0, 0, 0}, {0, 0, 0}), kBall - std::abs(h),
+                kWallTolerance)
+        << h;
+  }
+  EXPECT_EQ(depthAt(*sheet_O, {0, -0.0205, 0}, {0, 0, 0}, {0, 1, 0}), 0.0);
+}
+
+TEST(Penetration, OfAPlateIsNotHalfItsThickness) {
+  const double t = 0.004;
+  const auto plate_O = solidOf(geometry::makeBox({0.05, t, 0.1}));
+  for (const double h : {0.012, 0.004, -0.002, -0.008}) {  // over the upper side
+    const Vector3d p_WO(0, -h - 0.5 * t, 0);
+    EXPECT_NEAR(depthAt(*plate_O, p_WO, {0, 0.5 * t, 0}, {0, 1, 0}), kBall - h, kWallTolerance)
+        << h;
+    EXPECT_NEAR(depthAt(*plate_O, p_WO, {0, 0, 0}, {0, 0, 0}),
+                std::min(kBall - h, kBall + h + t), kWallTolerance)
+        << h;
+  }
+  // Not through: half a millimetre into a side, as in any solid.
+  EXPECT_NEAR(depthAt(*plate_O, {0, -0.0195 - 0.5 * t, 0}, {0, 0, 0}, {0, 0, 0}), 0.0005, 2e-4);
+}
+
+TEST(Penetration, KnowsTheInsideOfACupFromItsWall) {
+  const double radius = 0.03;
+  const auto cup_O = solidOf(makeCup(radius, 0.05));
+  EXPECT_EQ(depthAt(*cup_O, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}), 0.0) << "a cup is not full";
+  for (const double off : {0.012, 0.02, 0.028}) {  // of the ball's centre from the cup's axis
+    const Vector3d p_WO(0, -off, 0);
+    const Vector3d wall_O(0, radius, 0);
+    EXPECT_NEAR(depthAt(*cup_O, p_WO, wall_O, {0, -1, 0}), off + kBall - radius, kWallTolerance)
+        << off;
+    EXPECT_NEAR(depthAt(*cup_O, p_WO, wall_O, {0, 1, 0}), radius + kBall - off, kWallTolerance)
+        << off;
+  }
+}
+
 TEST(Penetration, RanksLinksByDepth) {
-  const auto ball_O = gridOf(geometry::makeSphere(0.03, 4));
+  const auto ball_O = solidOf(geometry::makeSphere(0.03, 4));
   const Penetration found = measure(*ball_O, at({0.072, 0.03, 0}), chain().straight());
   ASSERT_EQ(found.links.size(), 2u);
   EXPECT_EQ(found.links[0].link, 1);
@@ -126,7 +218,7 @@ TEST(Penetration, RanksLinksByDepth) {
 }
 
 TEST(Penetration, DoesNotMindWhereTheWorldIs) {
-  const auto ball_O = gridOf(geometry::makeSphere(0.03, 4));
+  const auto ball_O = solidOf(geometry::makeSphere(0.03, 4));
   const Penetration here = measure(*ball_O, at({0, 0.04, 0}), chain().straight());
   const Pose X = at({3, -2, 1});
   hand::HandPose pose = chain().straight();
@@ -137,7 +229,7 @@ TEST(Penetration, DoesNotMindWhereTheWorldIs) {
 }
 
 TEST(Penetration, TellsWhichLinksLieInEachOther) {
-  const auto ball_O = gridOf(geometry::makeSphere(0.01, 3));
+  const auto ball_O = solidOf(geometry::makeSphere(0.01, 3));
   hand::HandPose pose = chain().straight();
   // Nearly an equilateral way round, which would bring the last ball back to the first.
   pose.q << 2.0, 2.0, 0.0;

@@ -73,8 +73,7 @@ TEST(BuiltInGrasp, StaysOutOfTheObjectIfAskedTo) {
     EXPECT_EQ(solution.problem.avoidance != nullptr, avoid);
     session.commit(std::move(solution));
     return std::pair(session.document().start,
-                     penetrationOf(session.hand().model, session.hand().skin, box.mesh,
-                                   Pose::Identity(), session.document().start, Progress()));
+                     penetrationOf(session, session.document().start, Progress()));
   };
   const auto [off_pose, off] = solved(false);
   const auto [on_pose, on] = solved(true);

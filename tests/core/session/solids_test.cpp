@@ -41,7 +41,7 @@ TEST(Solids, AreMadeOnceForAllWhoAskAtOnce) {
   const auto object_O = ball();
   constexpr std::size_t kAsking = 6;
   std::vector<std::shared_ptr<const hand::HandSolid>> hands(kAsking);
-  std::vector<std::shared_ptr<const geometry::DistanceGrid>> objects(kAsking);
+  std::vector<std::shared_ptr<const geometry::Solid>> objects(kAsking);
   std::vector<std::thread> threads;
   for (std::size_t i = 0; i < kAsking; ++i) {
     threads.emplace_back([&, i] {

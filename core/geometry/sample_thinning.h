@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-namespace handgraft::hand {
+namespace handgraft::geometry {
 
 /// Thins points out so that none is nearer than `spacing` to another one of its group; the
 /// first ones stay. Every point left out has one of its group within `spacing`.
@@ -16,4 +16,4 @@ struct Thinned {
 /// Shapes: points 3 x N, groups N. Errors: BrokenContract unless spacing > 0. Cost: O(N).
 Thinned thinOut(const Eigen::Matrix3Xd& points, const std::vector<int>& groups, double spacing);
 
-}  // namespace handgraft::hand
+}  // namespace handgraft::geometry

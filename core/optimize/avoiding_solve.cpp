@@ -1,0 +1,130 @@
+#include "core/optimize/avoiding_solve.h"
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/optimize/local_search.h"
+#include "core/optimize/minima.h"
+#include "core/optimize/pose_solver.h"
+
+namespace handgraft::optimize {
+
+namespace {
+
+/// One part of the way out: so many of the best searches go on, with such a care.
+struct Stage {
+  std::size_t searches;
+  int evaluations;
+  AvoidanceCare care;
+};
+
+/// A search and the start that it came from.
+struct Way {
+  LocalResult result;
+  int start = 0;
+};
+
+bool isBetter(const Way& a, const Way& b) {
+  return a.result.terms.objective < b.result.terms.objective;
+}
+
+// From soft and roughly to hard and closely: what is stiff at once is stuck at once.
+const std::vector<Stage> kStages = {
+    {9, 10, {false, 0.02}},
+    {4, 20, {true, 0.1}},
+    {2, 80, {true, 1.0}},
+};
+
+// After an edit, with few starts, the hand stands out of the object already.
+constexpr int kFewStarts = 4;
+const std::vector<Stage> kShortStages = {
+    {1, 12, {true, 0.1}},
+    {1, 25, {true, 1.0}},
+};
+
+}  // namespace
+
+SolveReport solveAvoiding(const PoseProblem& problem,
+                          const SolveOptions& options,
+                          const Progress& progress) {
+  HANDGRAFT_REQUIRE(problem.avoidance != nullptr);
+  // Poses on the way there lie where they may not stay.
+  SolveOptions rough = options;
+  rough.on_improvement = nullptr;
+  rough.care.share = 0.0;
+  PoseSolver judge(problem);
+  SolveReport report = judge.search(rough, progress);
+  if (report.outcome == Outcome::kInfeasible) {
+    judge.judge(report);
+    return report;
+  }
+
+  const PreparedProblem prepared(problem);
+  LocalSearch search(prepared);
+  const std::function<void()> keep_going = [&progress] {
+    progress.checkpoint();
+  };
+  const LocalSearch::Observer nobody;
+  search.attend(nobody, keep_going);
+
+  const std::vector<Minimum> found = std::move(report.minima);
+  report.minima.clear();
+  // By solver, as they rank what they found.
+  for (const Solver solver : singleSolvers()) {
+    std::vector<Way> ways;
+    const auto setOut = [&](const hand::HandPose& pose, int start) {
+      ways.push_back({{}, start});
+      ways.back().result.pose = pose;
+    };
+    for (const Minimum& minimum : found)
+      if (minimum.solver == nameOf(solver)) setOut(minimum.pose, minimum.start);
+    if (options.solver == solver) setOut(problem.start, 0);
+    if (ways.empty()) continue;
+
+    for (const Stage& stage : options.starts <= kFewStarts ? kShortStages : kStages) {
+      search.care(stage.care);
+      for (Way& way : ways) {
+        const int before = way.result.evaluations;
+        way.result = search.begin(std::move(way.result.pose));
+        way.result.evaluations += before;
+      }
+      // Which poses are worth the effort shows when they are looked at so closely.
+      std::stable_sort(ways.begin(), ways.end(), isBetter);
+      for (std::size_t i = stage.searches; i < ways.size(); ++i)
+        report.evaluations += ways[i].result.evaluations;
+      ways.resize(std::min(ways.size(), stage.searches));
+      for (Way& way : ways)
+        search.advance(solver, std::min(stage.evaluations, options.max_evaluations),
+                       way.result);
+    }
+    std::stable_sort(ways.begin(), ways.end(), isBetter);
+    std::vector<LocalResult> results;
+    for (const Way& way : ways) {
+      results.push_back(way.result);
+      report.evaluations += way.result.evaluations;
+    }
+    std::vector<Minimum> ranked;
+    rankMinima(*problem.model, results, std::string(nameOf(solver)), ranked);
+    for (Minimum& minimum : ranked) {
+      minimum.start = ways[static_cast<std::size_t>(minimum.start)].start;
+      report.minima.push_back(std::move(minimum));
+    }
+  }
+  // Among several solvers, by what they came to.
+  rankMinima(*problem.model, {}, "", report.minima);
+  const Minimum& answer = report.minima.front();
+  report.outcome = answer.outcome;
+  report.solver = answer.solver;
+  report.pose = answer.pose;
+  report.best_start = answer.start;
+  judge.judge(report);
+  if (options.on_improvement) options.on_improvement(report.pose, report.terms);
+  return report;
+}
+
+}  // namespace handgraft::optimize
