@@ -237,6 +237,11 @@ ModelFiles contactFiles(const fs::path& path,
   return model;
 }
 
+std::string nameApart(const ModelFiles& model) {
+  return fmt::format("{}-{:08x}", model.name.substr(0, 55),
+                     static_cast<std::uint32_t>(contentHash(model)));
+}
+
 std::string textOf(const v1::HandOptions& o) {
   return fmt::format("hand {} {} {} {} {} {} {}", o.mirrored(), quoted(o.srdf_uri()),
                      quoted(o.rest_pose()), quoted(o.skin().surfaces()), o.skin().alpha_m(),

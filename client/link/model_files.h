@@ -83,6 +83,10 @@ ModelFiles contactFiles(const std::filesystem::path& path,
 /// Errors: InvalidInput if a file cannot be read.
 std::uint64_t contentHash(const ModelFiles& model);
 
+/// A name that tells the model apart from others of its name: that, and a hash of its content.
+/// Errors: as contentHash.
+std::string nameApart(const ModelFiles& model);
+
 /// The options as text, the same for equal ones.
 std::string textOf(const v1::HandOptions& options);
 std::string textOf(const v1::ContactOptions& options);

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "client/link/absence.h"
 #include "client/link/interruption.h"
 #include "client/link/model_files.h"
 #include "idl/cyclone/participant.h"
@@ -13,12 +14,6 @@
 namespace handgraft::client {
 
 class PrivateServer;
-
-/// What to do when no server answers.
-enum class Absence {
-  kFail,          ///< throw NoServer within 2 s
-  kStartPrivate,  ///< start one for this command, and say so on standard error
-};
 
 /// The server, as functions. Every call waits for the answer.
 ///

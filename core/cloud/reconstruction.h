@@ -6,6 +6,7 @@
 #include "core/geometry/triangle_mesh.h"
 
 /// Surfaces through points, by CGAL. What to make of them is `point_cloud_surface.h`'s concern.
+/// Built without it (HANDGRAFT_WITH_CGAL=OFF) all throw InvalidInput.
 ///
 /// Points are distinct, finite and no plane; all work in the points' own frame and unit, and
 /// throw Cancelled between their steps. The same points give the same bytes (of Poisson:

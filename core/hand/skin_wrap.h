@@ -5,6 +5,9 @@
 #include "core/base/progress.h"
 #include "core/geometry/triangle_mesh.h"
 
+/// What skins are made with, by CGAL. Built without it (HANDGRAFT_WITH_CGAL=OFF) nothing is
+/// wrapped or remeshed (InvalidInput), and a skin that is given is taken to cross itself
+/// nowhere.
 namespace handgraft::hand {
 
 /// Wraps triangles, which may be open, crossing and turned, from outside: what a ball of radius

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <condition_variable>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <random>
 #include <thread>
 #include <utility>
+#include <vector>
 
 namespace handgraft::idl::cyclone {
 
@@ -17,11 +19,16 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kFirstAnswer(2000);  // a server that lives says so once a second
 constexpr milliseconds kLost(3000);         // three missed, on a machine that may be busy
+constexpr milliseconds kLook(50);           // for calls that a silent server leaves behind
 constexpr milliseconds kRepeat(50);         // idl/README: measured to lose nothing
 constexpr milliseconds kSlowRepeat(1000);   // once the server is known to work on it
 constexpr int kRepeatsBeforeSlowing = 10;
 constexpr std::size_t kBytesPerMillisecond = 10'000;  // far below what loopback carries
 constexpr std::size_t kMiB = 1024 * 1024;
+// Ids from the oldest that the server may not have seen to the newest sent: it keeps the
+// answers of a client's last 64 (server/README), and never begins one that is older than a
+// forgotten one.
+constexpr std::uint64_t kWindow = 48;
 
 v1::ClientId randomClient() {
   std::random_device device;
@@ -38,8 +45,6 @@ class Pace {
   explicit Pace(std::size_t bytes)
       : interval_(kRepeat + milliseconds(static_cast<long>(bytes / kBytesPerMillisecond))) {}
 
-  [[nodiscard]] bool due(Clock::time_point now) const { return now >= next_; }
-
   [[nodiscard]] Clock::time_point next() const { return next_; }
 
   void sent(Clock::time_point now) {
@@ -51,12 +56,73 @@ class Pace {
 
   void slowDown() { interval_ = std::max(interval_, kSlowRepeat); }
 
-  void hurry(Clock::time_point now) { next_ = now; }
+  void hurry() { next_ = Clock::time_point{}; }
 
  private:
   milliseconds interval_;
   Clock::time_point next_{};
   int count_ = 0;
+};
+
+/// A request or an edit under way. What is sent does not change; the rest is guarded by the
+/// requester's mutex.
+template <class Message, class OnReply>
+struct Call {
+  Call(Message what, std::size_t bytes, OnReply done)
+      : message(std::move(what)), pace(bytes), on_reply(std::move(done)) {}
+
+  const Message message;
+  const Clock::time_point begun = Clock::now();
+  Pace pace;
+  OnReply on_reply;
+  Requester::OnProgress on_progress;
+  bool heard = false;                      ///< the server is known to be at work on it
+  std::optional<std::uint64_t> cancel_id;  ///< of the request to cancel it
+};
+
+using RequestCall = Call<v1::Request, Requester::OnReply>;
+using EditCall = Call<v1::Edit, Requester::OnEditReply>;
+template <class AnyCall>
+using Calls = std::map<std::uint64_t, std::shared_ptr<AnyCall>>;
+
+/// A wait for one outcome on another thread.
+template <class Reply>
+struct Awaited {
+  std::mutex mutex;
+  std::condition_variable news;
+  std::optional<Requester::Outcome<Reply>> outcome;
+  std::optional<std::pair<std::string, double>> progress;
+
+  void settle(Requester::Outcome<Reply> what) {
+    {
+      const std::lock_guard lock(mutex);
+      outcome = std::move(what);
+    }
+    news.notify_all();
+  }
+
+  Reply await(const Requester::OnProgress& on_progress) {
+    std::unique_lock lock(mutex);
+    while (true) {
+      news.wait(lock, [this] {
+        return outcome || progress;
+      });
+      if (progress && on_progress) {
+        const auto [stage, fraction] = *progress;
+        progress.reset();
+        lock.unlock();
+        on_progress(stage, fraction);
+        lock.lock();
+        continue;
+      }
+      progress.reset();
+      if (!outcome) continue;
+      if (auto* error = std::get_if<std::exception_ptr>(&*outcome)) {
+        std::rethrow_exception(*error);
+      }
+      return std::get<Reply>(std::move(*outcome));
+    }
+  }
 };
 
 }  // namespace
@@ -88,6 +154,9 @@ struct Requester::Impl {
                  }),
         receiver([this] {
           receive();
+        }),
+        repeater([this] {
+          repeat();
         }) {}
 
   ~Impl() {
@@ -96,7 +165,23 @@ struct Requester::Impl {
       stopping = true;
     }
     something.notify_all();
+    to_send.notify_all();
     receiver.join();
+    repeater.join();
+    for (const auto& tell : failures)
+      tell();
+    const auto gone = std::make_exception_ptr(NoServer("the connection was closed"));
+    while (!request_calls.empty() || !waiting.empty()) {
+      const auto call =
+          request_calls.empty() ? waiting.begin()->second : request_calls.begin()->second;
+      request_calls.erase(call->message.request_id());
+      waiting.erase(call->message.request_id());
+      call->on_reply(gone);
+    }
+    while (!edit_calls.empty()) {
+      const auto call = edit_calls.extract(edit_calls.begin()).mapped();
+      call->on_reply(gone);
+    }
   }
 
   Impl(const Impl&) = delete;
@@ -115,14 +200,23 @@ struct Requester::Impl {
 
   void receive() {
     std::unique_lock lock(mutex);
-    while (true) {
-      something.wait(lock, [this] {
-        return has_data || stopping;
-      });
+    while (!stopping) {
+      const bool nothing_asked = request_calls.empty() && edit_calls.empty();
+      const auto is_due = [this] {
+        return has_data || stopping || !failures.empty();
+      };
+      if (nothing_asked) {
+        something.wait(lock, [&] {
+          return is_due() || !request_calls.empty() || !edit_calls.empty();
+        });
+      } else {
+        something.wait_for(lock, kLook, is_due);
+      }
       if (stopping) return;
       has_data = false;
       lock.unlock();
       takeAll();
+      endLostCalls();
       lock.lock();
       news.notify_all();
     }
@@ -137,23 +231,78 @@ struct Requester::Impl {
       seen = Clock::now();
     });
     progresses.take([this](const v1::Progress& message) {
-      const std::lock_guard lock(mutex);
-      if (message.client() != client || message.request_id() != awaited_request) return;
-      progress = message;
-      seen = Clock::now();
+      if (message.client() != client) return;
+      OnProgress tell;
+      {
+        const std::lock_guard lock(mutex);
+        const auto found = request_calls.find(message.request_id());
+        if (found == request_calls.end()) return;
+        seen = Clock::now();
+        found->second->heard = true;
+        found->second->pace.slowDown();
+        tell = found->second->on_progress;
+      }
+      if (tell) tell(message.stage(), message.fraction());
     });
     replies.take([this](const v1::Reply& message) {
-      const std::lock_guard lock(mutex);
-      if (message.client() != client || message.request_id() != awaited_request) return;
-      reply = message;
-      seen = Clock::now();
+      if (message.client() != client) return;
+      if (const auto call = extract(request_calls, message.request_id())) {
+        call->on_reply(outcomeOf<v1::ReplyBody>(message, message.body()));
+      }
     });
     edit_replies.take([this](const v1::EditReply& message) {
-      const std::lock_guard lock(mutex);
-      if (message.client() != client || message.edit_id() != awaited_edit) return;
-      edit_reply = message;
-      seen = Clock::now();
+      if (message.client() != client) return;
+      if (const auto call = extract(edit_calls, message.edit_id())) {
+        call->on_reply(outcomeOf<v1::EditReply>(message, message));
+      }
     });
+  }
+
+  template <class Body, class Reply>
+  static Outcome<Body> outcomeOf(const Reply& reply, const Body& body) {
+    if (reply.error() == v1::ERROR_NONE) return body;
+    return std::make_exception_ptr(Refused(reply.error(), reply.message()));
+  }
+
+  /// What was answered; nullptr if nobody waits for it.
+  template <class AnyCall>
+  std::shared_ptr<AnyCall> extract(Calls<AnyCall>& calls, std::uint64_t id) {
+    const std::lock_guard lock(mutex);
+    const auto found = calls.find(id);
+    if (found == calls.end()) return nullptr;
+    seen = Clock::now();
+    auto call = calls.extract(found).mapped();
+    to_send.notify_all();  // one that waits may go
+    return call;
+  }
+
+  /// Tells calls whose server is gone, and those that could not be sent.
+  void endLostCalls() {
+    std::vector<std::function<void()>> ends;
+    {
+      const std::lock_guard lock(mutex);
+      ends.swap(failures);
+      collectLost(request_calls, ends);
+      collectLost(waiting, ends);
+      collectLost(edit_calls, ends);
+    }
+    for (const auto& end : ends)
+      end();
+  }
+
+  template <class AnyCall>
+  void collectLost(Calls<AnyCall>& calls, std::vector<std::function<void()>>& ends) {
+    for (auto at = calls.begin(); at != calls.end();) {
+      const std::exception_ptr lost = lossSince(at->second->begun);
+      if (!lost) {
+        ++at;
+        continue;
+      }
+      ends.push_back([call = at->second, lost] {
+        call->on_reply(lost);
+      });
+      at = calls.erase(at);
+    }
   }
 
   // === The server's life; `mutex` held
@@ -170,62 +319,103 @@ struct Requester::Impl {
                     status->version(), status->protocol_version(), v1::PROTOCOL_VERSION));
   }
 
-  void requireLife(Clock::time_point asked) const {
-    requireSameVersion();
-    if (alive() || Clock::now() - asked < kFirstAnswer) return;
-    if (!status) throw noServer();
-    throw NoServer(fmt::format("handgraft-server on {} {}", describe(participant.network()),
-                               status->stopping() ? "is stopping" : "stopped answering"));
-  }
-
   [[nodiscard]] NoServer noServer() const {
     return NoServer(
         fmt::format("no handgraft-server answers on {}", describe(participant.network())));
   }
 
-  // === Asking
+  /// Why a call begun then can hope for nothing; nullptr if it can.
+  [[nodiscard]] std::exception_ptr lossSince(Clock::time_point begun) const {
+    try {
+      requireSameVersion();
+      if (alive() || Clock::now() - begun < kFirstAnswer) return nullptr;
+      if (!status) throw noServer();
+      throw NoServer(fmt::format("handgraft-server on {} {}", describe(participant.network()),
+                                 status->stopping() ? "is stopping" : "stopped answering"));
+    } catch (...) {
+      return std::current_exception();
+    }
+  }
 
-  /// Sends until `answer` is there. `send` and `on_progress` run without the lock.
-  template <class Answer>
-  Answer await(std::optional<Answer>& answer,
-               std::size_t bytes,
-               const std::function<void()>& send,
-               const OnProgress& on_progress) {
-    const Clock::time_point asked = Clock::now();
-    Pace pace(bytes);
-    std::optional<std::uint64_t> cancel_id;
+  // === Sending
+
+  void repeat() {
     std::unique_lock lock(mutex);
-    while (!answer) {
-      requireLife(asked);
-      if (cancelled && !cancel_id) {
-        cancel_id = next_request++;
-        pace.hurry(Clock::now());
-      }
-      if (progress) {
-        const v1::Progress latest = *std::exchange(progress, std::nullopt);
-        pace.slowDown();
-        if (on_progress) {
-          lock.unlock();
-          on_progress(latest.stage(), latest.fraction());
-          lock.lock();
-          continue;
-        }
-      }
-      if (pace.due(Clock::now())) {
-        lock.unlock();
-        if (cancel_id) {
-          tryWrite([&] {
-            requests.write(cancelRequest(*cancel_id));
-          });
-        }
-        tryWrite(send);
-        pace.sent(Clock::now());
-        lock.lock();
+    while (!stopping) {
+      admit();
+      Clock::time_point next = Clock::now() + std::chrono::hours(1);
+      const auto request = nextDue(request_calls, next);
+      const auto edit = nextDue(edit_calls, next);
+      if (!request && !edit) {
+        to_send.wait_until(lock, next);
         continue;
       }
-      news.wait_until(lock, pace.next());
+      lock.unlock();
+      if (request) sendNow(*request);
+      if (edit) sendNow(*edit);
+      lock.lock();
     }
-    return *std::exchange(answer, std::nullopt);
+  }
+
+  /// Lets those go that waited for older ones to be answered.
+  void admit() {
+    while (!waiting.empty() && mayGo(waiting.begin()->first)) {
+      request_calls.insert(waiting.extract(waiting.begin()));
+    }
+  }
+
+  [[nodiscard]] bool mayGo(std::uint64_t id) const {
+    for (const auto& [oldest, call] : request_calls) {
+      if (!call->heard) return id < oldest + kWindow;
+    }
+    return true;
+  }
+
+  /// One whose time has come, else nullptr; `next` becomes the earliest time of another.
+  template <class AnyCall>
+  static std::shared_ptr<AnyCall> nextDue(const Calls<AnyCall>& calls,
+                                          Clock::time_point& next) {
+    const Clock::time_point now = Clock::now();
+    for (const auto& [id, call] : calls) {
+      if (call->pace.next() <= now) {
+        call->pace.sent(now);
+        return call;
+      }
+      next = std::min(next, call->pace.next());
+    }
+    return nullptr;
+  }
+
+  void sendNow(RequestCall& call) {
+    std::optional<std::uint64_t> cancel_id;
+    {
+      const std::lock_guard lock(mutex);
+      cancel_id = call.cancel_id;
+    }
+    if (cancel_id) {
+      tryWrite([&] {
+        requests.write(cancelRequest(*cancel_id, call.message.request_id()));
+      });
+    }
+    write(requests, call, request_calls, call.message.request_id());
+  }
+
+  void sendNow(EditCall& call) { write(edits, call, edit_calls, call.message.edit_id()); }
+
+  /// A message that cannot be written ends its call, told by the receiver like every outcome.
+  template <class AnyWriter, class AnyCall>
+  void write(AnyWriter& writer, AnyCall& call, Calls<AnyCall>& calls, std::uint64_t id) {
+    try {
+      tryWrite([&] {
+        writer.write(call.message);
+      });
+    } catch (const std::exception&) {
+      if (const auto mine = extract(calls, id)) {
+        fail([mine, error = std::current_exception()] {
+          mine->on_reply(error);
+        });
+      }
+    }
   }
 
   /// A reader that does not keep up is not an error: what is lost now is repeated soon.
@@ -236,57 +426,41 @@ struct Requester::Impl {
     }
   }
 
-  [[nodiscard]] v1::Request cancelRequest(std::uint64_t id) const {
+  void fail(std::function<void()> tell) {
+    {
+      const std::lock_guard lock(mutex);
+      failures.push_back(std::move(tell));
+    }
+    something.notify_all();
+  }
+
+  [[nodiscard]] v1::Request cancelRequest(std::uint64_t id, std::uint64_t of) const {
     v1::Request request;
     request.client(client);
     request.request_id(id);
     request.protocol_version(v1::PROTOCOL_VERSION);
     v1::CancelRequest body;
-    body.request_id(awaited_request);
+    body.request_id(of);
     request.body().cancel(body);
     request.body()._d(v1::OP_CANCEL);
     return request;
   }
 
-  /// What waits for an answer, for as long as this lives.
-  struct Awaiting {
-    Awaiting(Impl& owner, std::uint64_t& slot, std::uint64_t id) : impl(owner), awaited(slot) {
-      const std::lock_guard lock(impl.mutex);
-      awaited = id;
-      impl.cancelled = false;
-      impl.progress.reset();
-      impl.reply.reset();
-      impl.edit_reply.reset();
-    }
-
-    ~Awaiting() {
-      const std::lock_guard lock(impl.mutex);
-      awaited = 0;
-    }
-
-    Awaiting(const Awaiting&) = delete;
-    Awaiting& operator=(const Awaiting&) = delete;
-
-    Impl& impl;
-    std::uint64_t& awaited;
-  };
-
   Participant participant;
   const v1::ClientId client = randomClient();
-  std::uint64_t next_request = 1;
-  std::uint64_t next_edit = 1;
 
   mutable std::mutex mutex;           // guards what follows, down to the writers
   std::condition_variable something;  // for the receiver
-  std::condition_variable news;       // for who asks
+  std::condition_variable to_send;    // for the repeater
+  std::condition_variable news;       // of the server's life
   bool has_data = false;
   bool stopping = false;
-  bool cancelled = false;
-  std::uint64_t awaited_request = 0;  // 0: none
-  std::uint64_t awaited_edit = 0;
-  std::optional<v1::Reply> reply;
-  std::optional<v1::EditReply> edit_reply;
-  std::optional<v1::Progress> progress;
+  std::uint64_t next_request = 1;
+  std::uint64_t next_edit = 1;
+  Calls<RequestCall> request_calls;
+  Calls<RequestCall> waiting;  ///< not sent yet
+  Calls<EditCall> edit_calls;
+  std::vector<std::function<void()>> failures;  ///< to be told
   std::optional<v1::ServerStatus> status;
   Clock::time_point seen{};
 
@@ -298,6 +472,7 @@ struct Requester::Impl {
   Reader<v1::Progress> progresses;
   Reader<v1::ServerStatus> statuses;
   std::thread receiver;
+  std::thread repeater;
 };
 
 Requester::Requester(const Participant& participant)
@@ -319,57 +494,124 @@ void Requester::requireServer() {
   impl_->requireSameVersion();
 }
 
-v1::ReplyBody Requester::ask(const v1::RequestBody& body, const OnProgress& on_progress) {
+Requester::CallId Requester::begin(const v1::RequestBody& body,
+                                   OnReply on_reply,
+                                   OnProgress on_progress) {
   v1::Request request;
   request.client(impl_->client);
-  request.request_id(impl_->next_request++);
   request.protocol_version(v1::PROTOCOL_VERSION);
   request.body(body);
   const std::size_t bytes = v1::Request::getCdrSerializedSize(request);
+  std::unique_lock lock(impl_->mutex);
+  const CallId id = impl_->next_request++;
   if (bytes > kLargestRequest) {
     // The server would drop it, and it would be repeated in silence.
-    throw TransportError(
-        fmt::format("this would be a request of {:.1f} MiB; the server takes "
-                    "at most {} MiB",
-                    static_cast<double>(bytes) / kMiB, kLargestRequest / kMiB));
+    lock.unlock();
+    impl_->fail([on_reply = std::move(on_reply), bytes] {
+      on_reply(std::make_exception_ptr(TransportError(
+          fmt::format("this would be a request of {:.1f} MiB; the server takes "
+                      "at most {} MiB",
+                      static_cast<double>(bytes) / kMiB, kLargestRequest / kMiB))));
+    });
+    return id;
   }
-  const Impl::Awaiting awaiting(*impl_, impl_->awaited_request, request.request_id());
-  v1::Reply reply = impl_->await(
-      impl_->reply, bytes,
-      [&] {
-        impl_->requests.write(request);
+  request.request_id(id);
+  const auto call =
+      std::make_shared<RequestCall>(std::move(request), bytes, std::move(on_reply));
+  call->on_progress = std::move(on_progress);
+  if (!impl_->waiting.empty() || !impl_->mayGo(id)) {
+    impl_->waiting.emplace(id, call);
+    return id;
+  }
+  call->pace.sent(call->begun);
+  impl_->request_calls.emplace(id, call);
+  lock.unlock();
+  impl_->sendNow(*call);
+  impl_->something.notify_all();
+  impl_->to_send.notify_all();
+  return id;
+}
+
+void Requester::beginEdit(std::uint64_t session_id,
+                          std::uint64_t base_revision,
+                          const v1::EditBody& body,
+                          OnEditReply on_reply) {
+  v1::Edit edit;
+  edit.client(impl_->client);
+  edit.session_id(session_id);
+  edit.base_revision(base_revision);
+  edit.body(body);
+  std::unique_lock lock(impl_->mutex);
+  const std::uint64_t id = impl_->next_edit++;
+  edit.edit_id(id);
+  const std::size_t bytes = v1::EditBody::getCdrSerializedSize(body);
+  const auto call = std::make_shared<EditCall>(std::move(edit), bytes, std::move(on_reply));
+  call->pace.sent(call->begun);
+  impl_->edit_calls.emplace(id, call);
+  lock.unlock();
+  impl_->sendNow(*call);
+  impl_->something.notify_all();
+  impl_->to_send.notify_all();
+}
+
+void Requester::cancel(CallId id) {
+  {
+    const std::lock_guard lock(impl_->mutex);
+    const auto found = impl_->request_calls.find(id);
+    if (found == impl_->request_calls.end()) {
+      // One that was not sent is sent and cancelled; that is rare, and every outcome has one
+      // way.
+      const auto unsent = impl_->waiting.find(id);
+      if (unsent == impl_->waiting.end() || unsent->second->cancel_id) return;
+      unsent->second->cancel_id = impl_->next_request++;
+      return;
+    }
+    RequestCall& call = *found->second;
+    if (call.cancel_id) return;
+    call.cancel_id = impl_->next_request++;
+    call.pace.hurry();
+  }
+  impl_->to_send.notify_all();
+}
+
+void Requester::cancel() {
+  std::vector<CallId> ids;
+  {
+    const std::lock_guard lock(impl_->mutex);
+    for (const auto* calls : {&impl_->request_calls, &impl_->waiting}) {
+      for (const auto& [id, call] : *calls)
+        ids.push_back(id);
+    }
+  }
+  for (const CallId id : ids)
+    cancel(id);
+}
+
+v1::ReplyBody Requester::ask(const v1::RequestBody& body, const OnProgress& on_progress) {
+  const auto awaited = std::make_shared<Awaited<v1::ReplyBody>>();
+  begin(
+      body,
+      [awaited](Outcome<v1::ReplyBody> outcome) {
+        awaited->settle(std::move(outcome));
       },
-      on_progress);
-  if (reply.error() != v1::ERROR_NONE) throw Refused(reply.error(), reply.message());
-  return std::move(reply.body());
+      [awaited](const std::string& stage, double fraction) {
+        {
+          const std::lock_guard lock(awaited->mutex);
+          awaited->progress.emplace(stage, fraction);
+        }
+        awaited->news.notify_all();
+      });
+  return awaited->await(on_progress);
 }
 
 v1::EditReply Requester::edit(std::uint64_t session_id,
                               std::uint64_t base_revision,
                               const v1::EditBody& body) {
-  v1::Edit edit;
-  edit.client(impl_->client);
-  edit.edit_id(impl_->next_edit++);
-  edit.session_id(session_id);
-  edit.base_revision(base_revision);
-  edit.body(body);
-  const Impl::Awaiting awaiting(*impl_, impl_->awaited_edit, edit.edit_id());
-  const v1::EditReply reply =
-      impl_->await(impl_->edit_reply, v1::EditBody::getCdrSerializedSize(body),
-                   [&] {
-                     impl_->edits.write(edit);
-                   },
-                   {});
-  if (reply.error() != v1::ERROR_NONE) throw Refused(reply.error(), reply.message());
-  return reply;
-}
-
-void Requester::cancel() {
-  {
-    const std::lock_guard lock(impl_->mutex);
-    impl_->cancelled = impl_->awaited_request != 0;
-  }
-  impl_->news.notify_all();
+  const auto awaited = std::make_shared<Awaited<v1::EditReply>>();
+  beginEdit(session_id, base_revision, body, [awaited](Outcome<v1::EditReply> outcome) {
+    awaited->settle(std::move(outcome));
+  });
+  return awaited->await({});
 }
 
 v1::ClientId Requester::client() const {

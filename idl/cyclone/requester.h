@@ -1,11 +1,12 @@
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <string>
+#include <variant>
 
 #include "core/base/error.h"
 #include "idl/cyclone/participant.h"
@@ -32,45 +33,73 @@ class NoServer : public TransportError {
   using TransportError::TransportError;
 };
 
-/// Asks the server and waits. A request is repeated with the same id every 50 ms until the
-/// reply comes; the server does the work once, so nothing is lost while discovery settles.
-/// Large bodies and long work are repeated more slowly.
+/// Sends requests and edits, any number at once. Each is repeated with the same id every 50 ms
+/// until its reply comes; the server does the work once, so nothing is lost while discovery
+/// settles. Large bodies and long work are repeated more slowly.
 ///
-/// Threads: one caller at a time; `cancel` and `status` from any thread. Receives on a thread
-/// of its own, where what answers other clients is dropped.
+/// Every call ends in exactly one outcome: the reply, or an error. Refused with the server's
+/// message; NoServer if none has been seen for 2 s, or, in the middle of a long request, when
+/// it has been silent for 3 s, or when this requester goes; TransportError for a body that does
+/// not fit its IDL bounds or is larger than kLargestRequest.
+///
+/// Threads: all methods from any thread. Receives on a thread of its own, where what answers
+/// other clients is dropped and where outcomes and progress are told: callbacks return soon,
+/// may begin and cancel calls, and must neither wait for one, destroy the requester nor throw.
 class Requester {
  public:
+  template <class Reply>
+  using Outcome = std::variant<Reply, std::exception_ptr>;
+  using OnReply = std::function<void(Outcome<v1::ReplyBody>)>;
+  using OnEditReply = std::function<void(Outcome<v1::EditReply>)>;
+  using OnProgress = std::function<void(const std::string& stage, double fraction)>;
+
+  /// A request under way; numbers are never used twice.
+  using CallId = std::uint64_t;
+
   explicit Requester(const Participant& participant);
+  /// Ends what is under way: its outcome is NoServer.
   ~Requester();
+
+  // === The server
 
   /// True as soon as a server has been seen alive on this domain; waits at most `timeout`.
   bool waitForServer(std::chrono::milliseconds timeout = std::chrono::milliseconds(2000));
   /// As above. Errors: NoServer; Refused (ERROR_VERSION) by a server of another protocol.
   void requireServer();
 
-  using OnProgress = std::function<void(const std::string& stage, double fraction)>;
-
-  /// The reply's body. Errors: Refused with the server's message; NoServer if none has been
-  /// seen for 2 s, or, in the middle of a long request, when it has been silent for 3 s;
-  /// TransportError for a body that does not fit its IDL bounds or is larger than
-  /// kLargestRequest. `on_progress` runs on the caller's thread.
-  v1::ReplyBody ask(const v1::RequestBody& body, const OnProgress& on_progress = {});
-
-  /// Publishes an edit until it is answered. Errors as for `ask`.
-  v1::EditReply edit(std::uint64_t session_id,
-                     std::uint64_t base_revision,
-                     const v1::EditBody& body);
-
-  /// Asks the server to stop what `ask` waits for; `ask` then throws Refused (ERROR_CANCELLED),
-  /// or returns if the work was done already. Nothing happens while nobody asks. From any
-  /// thread (not from a signal handler).
-  void cancel();
+  /// The last status of the server seen; all zero (server_id 0) before the first.
+  [[nodiscard]] v1::ServerStatus status() const;
 
   /// The name under which this asks and edits; states tell whose the last edit was.
   [[nodiscard]] v1::ClientId client() const;
 
-  /// The last status of the server seen; all zero (server_id 0) before the first.
-  [[nodiscard]] v1::ServerStatus status() const;
+  // === Several at once
+
+  /// Sends at once, unless so many earlier requests are unanswered that the server might forget
+  /// which of them it has seen: then as soon as it may.
+  CallId begin(const v1::RequestBody& body, OnReply on_reply, OnProgress on_progress = {});
+
+  /// Publishes an edit.
+  void beginEdit(std::uint64_t session_id,
+                 std::uint64_t base_revision,
+                 const v1::EditBody& body,
+                 OnEditReply on_reply);
+
+  /// Asks the server to stop a request; its outcome then is Refused (ERROR_CANCELLED), or the
+  /// reply if the work was done already. Nothing happens to one that is answered. (Not from a
+  /// signal handler.)
+  void cancel(CallId call);
+  /// All requests under way.
+  void cancel();
+
+  // === One at a time
+
+  /// Waits for the reply's body. `on_progress` runs on the caller's thread.
+  v1::ReplyBody ask(const v1::RequestBody& body, const OnProgress& on_progress = {});
+
+  v1::EditReply edit(std::uint64_t session_id,
+                     std::uint64_t base_revision,
+                     const v1::EditBody& body);
 
  private:
   struct Impl;

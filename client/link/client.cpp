@@ -1,0 +1,424 @@
+#include "client/link/client.h"
+
+#include <cstdio>
+#include <mutex>
+#include <utility>
+
+#include "client/link/cancellation.h"
+#include "client/link/private_server.h"
+#include "client/link/upload.h"
+#include "core/base/error.h"
+#include "idl/fields.h"
+
+namespace handgraft::client {
+
+namespace {
+
+using idl::cyclone::Participant;
+using idl::cyclone::Requester;
+using std::chrono::milliseconds;
+
+constexpr milliseconds kStartPatience(20000);
+
+v1::RequestBody plainBody(v1::Operation operation) {
+  v1::RequestBody body;
+  body.nothing(v1::Nothing());
+  body._d(operation);
+  return body;
+}
+
+v1::RequestBody sessionBody(v1::Operation operation, std::uint64_t session_id) {
+  v1::SessionKey key;
+  key.session_id(session_id);
+  v1::RequestBody body;
+  body.session(key);
+  body._d(operation);
+  return body;
+}
+
+Done done(const v1::ReplyBody& /*reply*/) {
+  return {};
+}
+
+v1::SessionState sessionIn(v1::ReplyBody& reply) {
+  return std::move(reply.session());
+}
+
+/// The model of that name in what the server lists after it made it.
+v1::ModelSummary summaryIn(const v1::ModelList& list,
+                           v1::ModelKind kind,
+                           const std::string& name) {
+  for (const v1::ModelSummary& summary : list.models()) {
+    if (summary.kind() == kind && summary.name() == name) return summary;
+  }
+  throw TransportError(
+      fmt::format("the server made {} '{}' and did not list it", nameOf(kind), name));
+}
+
+}  // namespace
+
+struct Client::Impl {
+  struct Connection {
+    explicit Connection(const Network& network)
+        : participant(std::make_shared<Participant>(network)), requester(*participant) {}
+
+    std::shared_ptr<Participant> participant;
+    Requester requester;
+  };
+
+  explicit Impl(ClientOptions given)
+      : options(std::move(given)),
+        waiting(std::make_shared<const Waiting>(options.waiting)),
+        connection(std::make_shared<Connection>(options.network)) {
+    if (!options.on_notice) {
+      options.on_notice = [](const std::string& line) {
+        fmt::print(stderr, "{}\n", line);
+      };
+    }
+  }
+
+  [[nodiscard]] std::shared_ptr<Connection> connected() const {
+    const std::lock_guard lock(mutex);
+    return connection;
+  }
+
+  void checkpoint() const {
+    if (waiting->checkpoint) waiting->checkpoint();
+  }
+
+  void startPrivateServer() {
+    checkpoint();
+    const Network& network = options.network;
+    const auto program = findServerProgram();
+    if (!program) {
+      throw NoServer(
+          fmt::format("no handgraft-server answers on {}, and there is no program of that name "
+                      "beside this one "
+                      "or on PATH to start",
+                      handgraft::describe(network)));
+    }
+    options.on_notice(fmt::format("no server answers on {}: started one for this command",
+                                  handgraft::describe(network)));
+    private_server = std::make_unique<PrivateServer>(*program, network);
+    const auto until = std::chrono::steady_clock::now() + kStartPatience;
+    while (!connection->requester.waitForServer(milliseconds(200))) {
+      checkpoint();
+      const bool ended = !private_server->running();
+      if (!ended && std::chrono::steady_clock::now() < until) continue;
+      throw TransportError(fmt::format("{} {}: {}", program->string(),
+                                       ended ? "ended at once" : "does not answer",
+                                       quoted(private_server->lastWords())));
+    }
+  }
+
+  /// Sends a request; `read` makes the answer of the reply's body, and may throw.
+  template <class T, class Read>
+  Pending<T> call(const v1::RequestBody& body, const Read& read, bool heeds = true) {
+    const auto state = std::make_shared<typename Pending<T>::State>();
+    if (heeds) state->waiting = waiting;
+    const auto on = connected();
+    const Requester::CallId id = on->requester.begin(
+        body,
+        [state, read, operation = body._d()](Requester::Outcome<v1::ReplyBody> outcome) {
+          state->settle(answerOf<T>(outcome, operation, read));
+        },
+        [state](const std::string& stage, double fraction) {
+          state->report(stage, fraction);
+        });
+    const std::lock_guard lock(state->mutex);
+    if (!state->outcome && !state->taken) {
+      state->cancel = [weak = std::weak_ptr(on), id] {
+        if (const auto still = weak.lock()) still->requester.cancel(id);
+      };
+    }
+    return Pending<T>(state);
+  }
+
+  template <class T, class Read>
+  static Outcome<T> answerOf(Requester::Outcome<v1::ReplyBody>& outcome,
+                             v1::Operation asked,
+                             const Read& read) {
+    if (const auto* error = std::get_if<std::exception_ptr>(&outcome)) return asTold(*error);
+    auto& reply = std::get<v1::ReplyBody>(outcome);
+    try {
+      if (reply._d() != asked) {
+        throw TransportError(fmt::format("the server answered operation {} with a reply to {}",
+                                         static_cast<int>(asked),
+                                         static_cast<int>(reply._d())));
+      }
+      return read(reply);
+    } catch (...) {
+      return std::current_exception();
+    }
+  }
+
+  ClientOptions options;
+  const std::shared_ptr<const Waiting> waiting;
+  std::unique_ptr<PrivateServer> private_server;
+  mutable std::mutex mutex;                ///< guards the pointer
+  std::shared_ptr<Connection> connection;  ///< never null
+};
+
+Client::Client(ClientOptions options) : impl_(std::make_unique<Impl>(std::move(options))) {
+  Requester& requester = impl_->connection->requester;
+  if (impl_->options.absence == Absence::kFail || requester.waitForServer()) {
+    requester.requireServer();
+  } else {
+    impl_->startPrivateServer();
+  }
+}
+
+Client::~Client() = default;
+
+// === The connection
+
+bool Client::isPrivate() const {
+  return impl_->private_server != nullptr;
+}
+
+const Network& Client::network() const {
+  return impl_->options.network;
+}
+
+v1::ServerStatus Client::status() const {
+  return impl_->connected()->requester.status();
+}
+
+bool Client::alive() const {
+  return impl_->connected()->requester.waitForServer(milliseconds(0));
+}
+
+v1::ClientId Client::id() const {
+  return impl_->connected()->requester.client();
+}
+
+void Client::checkpoint() const {
+  impl_->checkpoint();
+}
+
+bool Client::rejoin() {
+  constexpr milliseconds kPatience(2000);  // a server says once a second that it lives
+  constexpr milliseconds kLook(20);
+  auto fresh = std::make_shared<Impl::Connection>(network());
+  const auto until = std::chrono::steady_clock::now() + kPatience;
+  while (!alive()) {
+    if (fresh->requester.waitForServer(kLook)) {
+      {
+        const std::lock_guard lock(impl_->mutex);
+        impl_->connection.swap(fresh);
+      }
+      impl_->connection->requester.requireServer();
+      return true;
+    }
+    checkpoint();
+    if (std::chrono::steady_clock::now() < until) continue;
+    throw NoServer(fmt::format("handgraft-server on {} stopped answering",
+                               handgraft::describe(network())));
+  }
+  return false;
+}
+
+std::shared_ptr<const Participant> Client::participant() const {
+  return impl_->connected()->participant;
+}
+
+Pending<v1::ReplyBody> Client::ask(const v1::RequestBody& body) {
+  return impl_->call<v1::ReplyBody>(body, [](v1::ReplyBody& reply) {
+    return std::move(reply);
+  });
+}
+
+// === Models
+
+Pending<Done> Client::ping() {
+  return impl_->call<Done>(plainBody(v1::OP_NOTHING), done);
+}
+
+Pending<v1::ModelList> Client::listModels() {
+  return impl_->call<v1::ModelList>(plainBody(v1::OP_LIST_MODELS), [](v1::ReplyBody& reply) {
+    return std::move(reply.models());
+  });
+}
+
+Pending<v1::ModelDescription> Client::describe(v1::ModelKind kind,
+                                               const std::string& name,
+                                               bool with_meshes) {
+  v1::DescribeModelRequest request;
+  request.model().kind(kind);
+  request.model().name(name);
+  request.with_meshes(with_meshes);
+  v1::RequestBody body;
+  body.describe_model(request);
+  return impl_->call<v1::ModelDescription>(body, [kind, name](v1::ReplyBody& reply) {
+    if (reply.model()._d() != kind) {
+      throw TransportError(fmt::format("the server described '{}' as a {}, not a {}", name,
+                                       nameOf(reply.model()._d()), nameOf(kind)));
+    }
+    return std::move(reply.model());
+  });
+}
+
+Pending<v1::ModelSummary> Client::load(ModelFiles model) {
+  const auto on = impl_->connected();
+  const auto state = std::make_shared<Pending<v1::ModelSummary>::State>();
+  state->waiting = impl_->waiting;
+  const auto upload = std::make_shared<Upload>(on->requester, std::move(model), state);
+  {
+    const std::lock_guard lock(state->mutex);
+    state->cancel = [upload = std::weak_ptr(upload), weak = std::weak_ptr(on)] {
+      const auto still = weak.lock();
+      if (const auto sending = upload.lock(); still && sending) sending->cancel();
+    };
+  }
+  upload->start();
+  return Pending<v1::ModelSummary>(state);
+}
+
+Pending<Done> Client::unload(v1::ModelKind kind, const std::string& name) {
+  v1::ModelKey key;
+  key.kind(kind);
+  key.name(name);
+  v1::RequestBody body;
+  body.unload_model(key);
+  return impl_->call<Done>(body, done);
+}
+
+Pending<v1::ModelSummary> Client::poseContacts(const v1::PoseContactsRequest& request) {
+  v1::RequestBody body;
+  body.pose_contacts(request);
+  return impl_->call<v1::ModelSummary>(body, [name = request.name()](v1::ReplyBody& reply) {
+    return summaryIn(reply.models(), v1::MODEL_CONTACTS, name);
+  });
+}
+
+Pending<v1::ModelSummary> Client::makeVariant(const v1::VariantRequest& request) {
+  v1::RequestBody body;
+  body.variant(request);
+  body._d(v1::OP_MAKE_VARIANT);
+  return impl_->call<v1::ModelSummary>(body, [name = request.name()](v1::ReplyBody& reply) {
+    return summaryIn(reply.models(), v1::MODEL_HAND, name);
+  });
+}
+
+Pending<v1::SweepReply> Client::sweep(const v1::SweepRequest& request) {
+  v1::RequestBody body;
+  body.sweep(request);
+  body._d(v1::OP_SWEEP);
+  return impl_->call<v1::SweepReply>(body, [](v1::ReplyBody& reply) {
+    return std::move(reply.sweep());
+  });
+}
+
+// === Sessions
+
+Pending<v1::SessionState> Client::openSession(const v1::OpenSessionRequest& request) {
+  v1::RequestBody body;
+  body.open_session(request);
+  return impl_->call<v1::SessionState>(body, sessionIn);
+}
+
+Pending<v1::SessionState> Client::describeSession(std::uint64_t session_id) {
+  return impl_->call<v1::SessionState>(sessionBody(v1::OP_DESCRIBE_SESSION, session_id),
+                                       sessionIn);
+}
+
+Pending<v1::SessionList> Client::listSessions() {
+  return impl_->call<v1::SessionList>(plainBody(v1::OP_LIST_SESSIONS),
+                                      [](v1::ReplyBody& reply) {
+                                        return std::move(reply.sessions());
+                                      });
+}
+
+Pending<v1::TransferReply> Client::transfer(std::uint64_t session_id) {
+  return impl_->call<v1::TransferReply>(sessionBody(v1::OP_TRANSFER, session_id),
+                                        [](v1::ReplyBody& reply) {
+                                          return std::move(reply.transfer());
+                                        });
+}
+
+Pending<v1::SuggestReply> Client::suggest(const v1::SuggestRequest& request) {
+  v1::RequestBody body;
+  body.suggest(request);
+  return impl_->call<v1::SuggestReply>(body, [](v1::ReplyBody& reply) {
+    return std::move(reply.suggest());
+  });
+}
+
+Pending<v1::EditReply> Client::edit(std::uint64_t session_id,
+                                    std::uint64_t base_revision,
+                                    const v1::EditBody& body) {
+  const auto state = std::make_shared<Pending<v1::EditReply>::State>();
+  state->waiting = impl_->waiting;
+  impl_->connected()->requester.beginEdit(session_id, base_revision, body,
+                                          [state](Outcome<v1::EditReply> outcome) {
+                                            state->settle(std::move(outcome));
+                                          });
+  return Pending<v1::EditReply>(state);
+}
+
+Pending<v1::PoseSolution> Client::optimize(const v1::OptimizeRequest& request) {
+  v1::RequestBody body;
+  body.optimize(request);
+  return impl_->call<v1::PoseSolution>(body, [](v1::ReplyBody& reply) {
+    return std::move(reply.solution());
+  });
+}
+
+Pending<v1::SessionSettings> Client::settings(std::uint64_t session_id) {
+  return impl_->call<v1::SessionSettings>(sessionBody(v1::OP_SESSION_SETTINGS, session_id),
+                                          [](v1::ReplyBody& reply) {
+                                            return std::move(reply.settings());
+                                          });
+}
+
+Pending<v1::CompareReply> Client::compare(const v1::CompareRequest& request) {
+  v1::RequestBody body;
+  body.compare(request);
+  return impl_->call<v1::CompareReply>(body, [](v1::ReplyBody& reply) {
+    return std::move(reply.compare());
+  });
+}
+
+Pending<std::string> Client::saveSession(std::uint64_t session_id) {
+  return impl_->call<std::string>(sessionBody(v1::OP_SAVE_SESSION, session_id),
+                                  [](v1::ReplyBody& reply) {
+                                    return std::move(reply.saved_session().text());
+                                  });
+}
+
+Pending<v1::SessionState> Client::loadSession(const std::string& text) {
+  v1::LoadSessionRequest request;
+  request.text(text);
+  v1::RequestBody body;
+  body.load_session(request);
+  return impl_->call<v1::SessionState>(body, sessionIn);
+}
+
+Pending<v1::ReplayReply> Client::replay(const std::string& text) {
+  v1::ReplayRequest request;
+  request.text(text);
+  v1::RequestBody body;
+  body.replay(request);
+  return impl_->call<v1::ReplayReply>(body, [](v1::ReplyBody& reply) {
+    return std::move(reply.replay());
+  });
+}
+
+Pending<std::string> Client::exportSession(const v1::ExportRequest& request) {
+  v1::RequestBody body;
+  body.export_file(request);
+  return impl_->call<std::string>(body, [](v1::ReplyBody& reply) {
+    const std::vector<std::uint8_t>& content = reply.exported_file().content();
+    return std::string(content.begin(), content.end());
+  });
+}
+
+Pending<Done> Client::closeSession(std::uint64_t session_id) {
+  return impl_->call<Done>(sessionBody(v1::OP_CLOSE_SESSION, session_id), done, false);
+}
+
+Pending<Done> Client::stopSolving(std::uint64_t session_id) {
+  return impl_->call<Done>(sessionBody(v1::OP_STOP_SOLVING, session_id), done, false);
+}
+
+}  // namespace handgraft::client

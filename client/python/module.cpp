@@ -1,0 +1,362 @@
+/// The Python module's compiled half: the client library, its messages as dicts. The other half
+/// (handgraft/__init__.py) makes numpy arrays and names of it.
+
+#include <algorithm>
+#include <chrono>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include "client/link/client.h"
+#include "client/link/session.h"
+#include "client/python/python_message.h"
+#include "core/base/error.h"
+
+namespace handgraft::python {
+
+namespace py = pybind11;
+using namespace py::literals;
+
+namespace {
+
+/// Lets Ctrl-C end a wait: what Python's handler raises goes through it.
+void heedSignals() {
+  const py::gil_scoped_acquire gil;
+  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+}
+
+/// Waits without the GIL.
+template <class T>
+T await(client::Pending<T> pending) {
+  const py::gil_scoped_release released;
+  return pending.get();
+}
+
+template <class T>
+py::object awaitDict(client::Pending<T> pending) {
+  return dictOf(await(std::move(pending)));
+}
+
+v1::ModelKind kindFrom(const std::string& name) {
+  return static_cast<v1::ModelKind>(
+      idl::requireValue(idl::typeOf<v1::ModelKind>(), name, "kind"));
+}
+
+std::shared_ptr<client::Client> connect(int domain, const std::string& interface, bool start) {
+  client::ClientOptions options;
+  options.network.domain = domain;
+  options.network.interface = interface;
+  options.absence = start ? client::Absence::kStartPrivate : client::Absence::kFail;
+  options.waiting.checkpoint = heedSignals;
+  options.on_notice = [](const std::string& /*line*/) {};
+  const py::gil_scoped_release released;
+  return std::make_shared<client::Client>(std::move(options));
+}
+
+/// Sends a model. Where the server has another one of that name, this one is told apart by a
+/// hash of its content.
+py::object send(client::Client& server, client::ModelFiles model, bool replace_name) {
+  try {
+    return awaitDict(server.load(model));
+  } catch (const client::Refused& refused) {
+    if (refused.code() != v1::ERROR_CONFLICT || !replace_name) throw;
+  }
+  model.name = client::nameApart(model);
+  return awaitDict(server.load(std::move(model)));
+}
+
+/// A live session; keeps its client alive.
+class LiveSession {
+ public:
+  LiveSession(std::shared_ptr<client::Client> client, const v1::SessionState& state)
+      : client_(std::move(client)), session_(*client_, state) {}
+
+  client::Session& get() { return session_; }
+
+  client::Client& client() { return *client_; }
+
+  [[nodiscard]] const std::shared_ptr<client::Client>& shared() const { return client_; }
+
+ private:
+  std::shared_ptr<client::Client> client_;
+  client::Session session_;
+};
+
+/// The next thing on the streams, ("solution" or "state", dict); nothing within the patience.
+class Watch {
+ public:
+  Watch(std::shared_ptr<client::Client> client, std::uint64_t session_id)
+      : client_(std::move(client)), stream_(*client_, session_id) {}
+
+  py::object next(double patience_s) {
+    const auto until =
+        std::chrono::steady_clock::now() + std::chrono::duration<double>(patience_s);
+    {
+      const py::gil_scoped_release released;
+      while (events_.empty()) {
+        stream_.take(
+            [this](const v1::PoseSolution& solution) {
+              events_.emplace_back(solution);
+            },
+            [this](const v1::SessionState& state) {
+              // Who comes late is told older states first.
+              if (state.revision() >= revision_) events_.emplace_back(state);
+              revision_ = std::max(revision_, state.revision());
+            });
+        if (!events_.empty()) break;
+        if (!client_->alive()) {
+          throw client::NoServer(fmt::format("handgraft-server on {} stopped answering",
+                                             describe(client_->network())));
+        }
+        client_->checkpoint();
+        if (std::chrono::steady_clock::now() >= until) break;
+        stream_.wait(std::chrono::milliseconds(20));
+      }
+    }
+    if (events_.empty()) return py::none();
+    const Event event = std::move(events_.front());
+    events_.pop_front();
+    if (const auto* state = std::get_if<v1::SessionState>(&event)) {
+      return py::make_tuple("state", dictOf(*state));
+    }
+    return py::make_tuple("solution", dictOf(std::get<v1::PoseSolution>(event)));
+  }
+
+ private:
+  using Event = std::variant<v1::PoseSolution, v1::SessionState>;
+
+  std::shared_ptr<client::Client> client_;
+  client::SessionStream stream_;
+  std::deque<Event> events_;
+  std::uint64_t revision_ = 0;
+};
+
+v1::RequestBody bodyOf(const py::dict& body) {
+  return messageOf<v1::RequestBody>(body);
+}
+
+void defineErrors() {
+  // Python's own classes, made in handgraft/errors.py, so that they have docstrings and types.
+  static const py::object* errors = new py::object(py::module_::import("handgraft.errors"));
+  py::register_exception_translator([](std::exception_ptr error) {
+    const auto raise = [](const char* name, const char* message, int code = 0) {
+      const py::object type = errors->attr(name);
+      const py::object raised = type(message);
+      if (code != 0) {
+        raised.attr("code") =
+            idl::nameOf(idl::typeOf<v1::ErrorCode>(), static_cast<std::uint32_t>(code));
+      }
+      PyErr_SetObject(type.ptr(), raised.ptr());
+    };
+    try {
+      std::rethrow_exception(error);
+    } catch (const client::Refused& refused) {
+      raise("Refused", refused.what(), static_cast<int>(refused.code()));
+    } catch (const client::NoServer& lost) {
+      raise("NoServer", lost.what());
+    } catch (const client::SolveFailed& failed) {
+      raise("SolveFailed", failed.what());
+    } catch (const Cancelled& cancelled) {
+      raise("Cancelled", cancelled.what());
+    } catch (const InvalidInput& invalid) {
+      raise("InvalidInput", invalid.what());
+    } catch (const TransportError& broken) {
+      raise("TransportError", broken.what());
+    }
+  });
+}
+
+void defineServer(py::module_& module) {
+  using client::Client;
+  py::class_<Client, std::shared_ptr<Client>>(module, "Client")
+      .def(py::init(&connect), "domain"_a, "interface"_a, "start"_a)
+      .def_property_readonly("is_private", &Client::isPrivate)
+      .def("alive", &Client::alive)
+      .def("status",
+           [](Client& server) {
+             return dictOf(server.status());
+           })
+      .def("list_models",
+           [](Client& server) {
+             return awaitDict(server.listModels());
+           })
+      .def(
+          "describe",
+          [](Client& server, const std::string& kind, const std::string& name, bool meshes) {
+            return awaitDict(server.describe(kindFrom(kind), name, meshes));
+          },
+          "kind"_a, "name"_a, "meshes"_a)
+      .def(
+          "load_hand",
+          [](Client& server, const std::string& path, const std::string& name,
+             const std::string& units, const std::map<std::string, std::string>& packages,
+             const py::dict& options) {
+            client::HandReading reading;
+            for (const auto& [package, folder] : packages)
+              reading.packages[package] = folder;
+            reading.options = messageOf<v1::HandOptions>(options);
+            client::ModelFiles model = client::handFiles(path, reading, units);
+            if (!name.empty()) model.name = name;
+            return send(server, std::move(model), name.empty());
+          },
+          "path"_a, "name"_a, "units"_a, "packages"_a, "options"_a)
+      .def(
+          "load_object",
+          [](Client& server, const std::string& path, const std::string& name,
+             const std::string& units) {
+            client::ModelFiles model = client::objectFiles(path, units);
+            if (!name.empty()) model.name = name;
+            return send(server, std::move(model), name.empty());
+          },
+          "path"_a, "name"_a, "units"_a)
+      .def(
+          "load_contacts",
+          [](Client& server, const std::string& path, const std::string& object,
+             const std::string& name, const std::string& units, const py::dict& options) {
+            client::ContactReading reading;
+            reading.options = messageOf<v1::ContactOptions>(options);
+            client::ModelFiles model = client::contactFiles(path, object, reading, units);
+            if (!name.empty()) model.name = name;
+            return send(server, std::move(model), name.empty());
+          },
+          "path"_a, "object"_a, "name"_a, "units"_a, "options"_a)
+      .def(
+          "unload",
+          [](Client& server, const std::string& kind, const std::string& name) {
+            await(server.unload(kindFrom(kind), name));
+          },
+          "kind"_a, "name"_a)
+      .def("list_sessions",
+           [](Client& server) {
+             return awaitDict(server.listSessions());
+           })
+      .def(
+          "open_session",
+          [](const std::shared_ptr<Client>& server, const py::dict& request) {
+            const auto state =
+                await(server->openSession(messageOf<v1::OpenSessionRequest>(request)));
+            return std::make_unique<LiveSession>(server, state);
+          },
+          "request"_a)
+      .def(
+          "join_session",
+          [](const std::shared_ptr<Client>& server, std::uint64_t id) {
+            return std::make_unique<LiveSession>(server, await(server->describeSession(id)));
+          },
+          "session_id"_a)
+      .def(
+          "load_session",
+          [](const std::shared_ptr<Client>& server, const std::string& text) {
+            return std::make_unique<LiveSession>(server, await(server->loadSession(text)));
+          },
+          "text"_a)
+      .def(
+          "ask",
+          [](Client& server, const py::dict& body) {
+            return awaitDict(server.ask(bodyOf(body)));
+          },
+          "body"_a);
+}
+
+void defineSession(py::module_& module) {
+  py::class_<Watch>(module, "Watch").def("next", &Watch::next, "patience_s"_a);
+  py::class_<LiveSession>(module, "Session")
+      .def_property_readonly("id",
+                             [](LiveSession& session) {
+                               return session.get().id();
+                             })
+      .def("state",
+           [](LiveSession& session) {
+             session.get().take();
+             return dictOf(session.get().state());
+           })
+      .def(
+          "edit",
+          [](LiveSession& session, const py::dict& body, std::uint64_t base_revision) {
+            return awaitDict(session.get().edit(messageOf<v1::EditBody>(body), base_revision));
+          },
+          "body"_a, "base_revision"_a)
+      .def(
+          "solve",
+          [](LiveSession& session, const std::optional<py::dict>& options) {
+            std::optional<v1::SolveOptions> solving;
+            if (options) solving = messageOf<v1::SolveOptions>(*options);
+            return dictOf(session.get().adopt(await(session.get().solve(solving))));
+          },
+          "options"_a)
+      .def(
+          "await_final",
+          [](LiveSession& session, std::uint64_t revision) -> py::object {
+            const v1::PoseSolution* pose = nullptr;
+            {
+              const py::gil_scoped_release released;
+              pose = session.get().awaitFinal(revision);
+            }
+            return pose == nullptr ? py::none() : dictOf(*pose);
+          },
+          "revision"_a)
+      .def(
+          "await_diagnosed",
+          [](LiveSession& session, std::uint64_t revision) {
+            const py::gil_scoped_release released;
+            const v1::PoseSolution pose = session.get().awaitDiagnosed(revision);
+            const py::gil_scoped_acquire held;
+            return dictOf(pose);
+          },
+          "revision"_a)
+      .def("last",
+           [](LiveSession& session) -> py::object {
+             session.get().take();
+             const v1::PoseSolution* pose = session.get().solution();
+             return pose == nullptr ? py::none() : dictOf(*pose);
+           })
+      .def("settings",
+           [](LiveSession& session) {
+             return awaitDict(session.get().settings());
+           })
+      .def("transfer",
+           [](LiveSession& session) {
+             return awaitDict(session.get().transfer());
+           })
+      .def("save",
+           [](LiveSession& session) {
+             return await(session.get().save());
+           })
+      .def(
+          "export",
+          [](LiveSession& session, py::dict request) {
+            request["session_id"] = session.get().id();
+            return py::bytes(
+                await(session.client().exportSession(messageOf<v1::ExportRequest>(request))));
+          },
+          "request"_a)
+      .def("stop_solving",
+           [](LiveSession& session) {
+             await(session.get().stopSolving());
+           })
+      .def("close",
+           [](LiveSession& session) {
+             await(session.get().close());
+           })
+      .def("watch", [](LiveSession& session) {
+        return std::make_unique<Watch>(session.shared(), session.get().id());
+      });
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_handgraft, module) {
+  module.doc() = "The client library; use the package handgraft.";
+  defineErrors();
+  defineServer(module);
+  defineSession(module);
+}
+
+}  // namespace handgraft::python

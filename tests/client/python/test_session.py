@@ -1,0 +1,144 @@
+"""The module against a real server."""
+
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import threading
+
+import numpy as np
+import pytest
+
+import handgraft
+
+MODELS = pathlib.Path(__file__).parents[3] / "server" / "models"
+
+
+def test_no_server_is_an_error_that_says_where(empty_domain):
+    with pytest.raises(handgraft.NoServer, match=f"domain {empty_domain}"):
+        handgraft.connect(empty_domain, start=False)
+    assert issubclass(handgraft.NoServer, ConnectionError)
+
+
+def test_models_are_listed_and_described(server):
+    assert "barrett8" in server.models("hand")
+    assert "lemon" not in server.models("hand")
+    hand = server.describe("hand", "barrett8")
+    assert [joint["kind"] for joint in hand["joints"]] == ["revolute"] * 8
+    lemon = server.describe("object", "lemon", meshes=True)["mesh_O"]
+    vertices = lemon["vertices_m"].reshape(-1, 3)
+    assert lemon["triangles"].max() == len(vertices) - 1
+
+
+def test_refusals_are_exceptions_with_the_servers_words(server):
+    with pytest.raises(handgraft.Refused, match="glove") as refusal:
+        server.describe("hand", "glove")
+    assert refusal.value.code == "not_found"
+
+
+def test_a_grasp_is_numpy_arrays(server):
+    pose = server.grasp("barrett8", "lemon", "lemon_6")
+    links = server.describe("hand", "barrett8")["links"]
+    assert pose.joints.shape == (8,) and pose.joints.dtype == np.float64
+    assert pose.link_poses.shape == (len(links), 4, 4)
+    np.testing.assert_allclose(pose.link_poses[0], pose.X_WH, atol=1e-9)  # the root is a link
+    for patch in pose.patches.values():
+        if len(patch.residuals) > 0:  # they are what the server's own figures are made of
+            assert 1e3 * patch.residuals.mean() == pytest.approx(patch.mean_mm, rel=1e-6)
+            assert 1e3 * patch.residuals.max() == pytest.approx(patch.max_mm, rel=1e-6)
+    assert pose.is_diagnosed and pose.verdict
+
+
+def test_files_are_sent(server, tmp_path):
+    name = server.load_object(MODELS / "objects" / "lemon.obj", "my_lemon")
+    assert name == "my_lemon"
+    contacts = server.load_contacts(MODELS / "contacts" / "lemon_6.json", name, "my_contacts")
+    hand = server.load_hand(MODELS / "hands" / "barrett8" / "barrett8.urdf", "my_barrett")
+    mine = server.grasp(hand, name, contacts)
+    built_in = server.grasp("barrett8", "lemon", "lemon_6")
+    np.testing.assert_allclose(mine.joints, built_in.joints, atol=1e-6)
+
+
+def test_a_missing_file_is_named(server):
+    with pytest.raises(handgraft.InvalidInput, match="nowhere.obj"):
+        server.load_object("/nowhere.obj")
+    assert issubclass(handgraft.InvalidInput, ValueError)
+
+
+def test_edits_are_answered_by_poses(session):
+    first = session.solve()
+    joint = session.joint_names[0]
+    value = first[joint]
+    session.limit(joint, value - 0.2, value - 0.1)
+    limited = session.pose()
+    assert limited.revision == session.revision == 1
+    assert value - 0.2 - 1e-9 <= limited[joint] <= value - 0.1 + 1e-9
+    assert limited.objective >= first.objective - 1e-9  # less room is no better
+    session.undo()
+    assert session.pose(diagnosed=False)[joint] == pytest.approx(value, abs=1e-3)
+
+
+def test_an_edit_of_nothing_is_refused(session):
+    with pytest.raises(handgraft.Refused, match="no_such_joint"):
+        session.lock("no_such_joint")
+    with pytest.raises(handgraft.InvalidInput, match="frequency"):
+        session.edit("joint_lock", "joint_lock", {"joint": "a", "frequency": 1})
+
+
+def test_a_session_without_a_pose_says_so(session):
+    with pytest.raises(handgraft.Error, match="solve it first"):
+        session.pose()
+
+
+def test_the_object_moves_and_the_hand_follows(session):
+    before = session.solve()
+    X_WO = np.eye(4)
+    X_WO[:3, 3] = (0.5, 0.0, 0.0)
+    session.place(X_WO)
+    after = session.pose()
+    np.testing.assert_allclose(after.X_WO, X_WO, atol=1e-12)
+    moved = after.X_WH[:3, 3] - before.X_WH[:3, 3]
+    np.testing.assert_allclose(moved, (0.5, 0, 0), atol=0.02)
+
+
+def test_watching_ends_with_the_session(server):
+    session = server.open("barrett8", "lemon", "lemon_6")
+    poses = []
+    watcher = server.join(session.id)
+    thread = threading.Thread(target=lambda: poses.extend(watcher.watch()))
+    thread.start()
+    session.solve()
+    session.lock(session.joint_names[0])
+    last = session.pose()
+    session.close()
+    thread.join()  # waiting released the GIL, or nothing of this thread had run
+    assert poses[-1].revision == last.revision
+    np.testing.assert_array_equal(poses[-1].joints, last.joints)
+
+
+def test_exports_are_files(session, tmp_path):
+    session.solve()
+    content = session.export("csv", tmp_path / "grasp.csv")
+    assert (tmp_path / "grasp.csv").read_bytes() == content
+    assert session.joint_names[0].encode() in content
+    assert session.save().startswith("{")
+
+
+def test_ctrl_c_ends_a_wait_and_the_work(domain, server):
+    program = (
+        "import handgraft\n"
+        f"server = handgraft.connect({domain}, start=False)\n"
+        "session = server.open('human20', 'lemon', 'lemon_6')\n"
+        "print('waiting', session.id, flush=True)\n"
+        "try:\n"
+        "    for pose in session.watch(): pass\n"
+        "except KeyboardInterrupt:\n"
+        "    session.close()\n"
+        "    print('stopped', flush=True)\n"
+    )
+    child = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True, env=os.environ)
+    assert child.stdout.readline().startswith("waiting")
+    child.send_signal(signal.SIGINT)
+    assert child.stdout.readline() == "stopped\n"
+    assert child.wait() == 0
