@@ -26,8 +26,10 @@ class Refiner {
   Refiner(const TriangleMesh& mesh, double longest_edge_m) : longest_edge_m_(longest_edge_m) {
     for (int v = 0; v < mesh.vertexCount(); ++v)
       vertices_.emplace_back(mesh.vertex(v));
-    for (int f = 0; f < mesh.faceCount(); ++f)
+    for (int f = 0; f < mesh.faceCount(); ++f) {
       faces_.push_back({mesh.face(f)[0], mesh.face(f)[1], mesh.face(f)[2]});
+      parents_.push_back(f);
+    }
   }
 
   /// False when there was nothing left to cut.
@@ -36,9 +38,13 @@ class Refiner {
     middles_.clear();
     std::vector<Face> cut;
     cut.reserve(faces_.size());
-    for (const Face& face : faces_)
-      cutFace(face, cut);
+    std::vector<int> parents;
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+      cutFace(faces_[f], cut);
+      parents.resize(cut.size(), parents_[f]);
+    }
     faces_ = std::move(cut);
+    parents_ = std::move(parents);
     return vertices_.size() > before;
   }
 
@@ -51,6 +57,8 @@ class Refiner {
       faces.col(static_cast<Eigen::Index>(f)) << faces_[f][0], faces_[f][1], faces_[f][2];
     return {std::move(vertices), std::move(faces)};
   }
+
+  [[nodiscard]] const std::vector<int>& parents() const { return parents_; }
 
  private:
   using Face = std::array<int, 3>;
@@ -122,12 +130,15 @@ class Refiner {
   double longest_edge_m_;
   std::vector<Eigen::Vector3d> vertices_;
   std::vector<Face> faces_;
+  std::vector<int> parents_;  ///< of each face, the one it was cut from
   std::unordered_map<std::uint64_t, int> middles_;
 };
 
 }  // namespace
 
-TriangleMesh refineEdges(const TriangleMesh& mesh, double longest_edge_m) {
+TriangleMesh refineEdges(const TriangleMesh& mesh,
+                         double longest_edge_m,
+                         std::vector<int>* parents) {
   if (!(longest_edge_m > 0.0)) {
     rejectInput("longest edge is {} m; it must be above 0", longest_edge_m);
   }
@@ -138,6 +149,7 @@ TriangleMesh refineEdges(const TriangleMesh& mesh, double longest_edge_m) {
   Refiner refiner(mesh, longest_edge_m);
   while (refiner.pass()) {
   }
+  if (parents != nullptr) *parents = refiner.parents();
   return refiner.mesh();
 }
 

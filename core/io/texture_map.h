@@ -10,8 +10,10 @@ namespace handgraft::io {
 /// A contact map painted onto a textured mesh: the mesh is a glTF, GLB or COLLADA with texture
 /// coordinates, the picture a PNG, the colours those of `scale`.
 ///
-/// A vertex takes the mean of the picture over its faces, weighted by area and nearness, about
-/// one sample a pixel: what lies between the vertices counts, and speckle evens out. Colours
+/// The map's mesh is the file's, cut to edges of 2.5 mm (more on an object larger than 0.75
+/// m2), since contact is as fine as the picture and not as the mesh beneath it. A vertex takes
+/// the mean of the picture over its faces, weighted by area and nearness, about one sample a
+/// pixel: what lies between the vertices counts, and speckle evens out. Colours
 /// become numbers before they are averaged, since a mean colour may lie off the scale. Vertices
 /// that the file repeats along seams of the texture are one. Coordinates outside [0, 1] repeat
 /// the picture.
