@@ -47,6 +47,9 @@ template <class Message>
 struct Topic {
   const char* name;
   Qos qos;
+  /// Of a ROS 2 topic, RIHS01_...: announced as ROS since Iron expects it, without type
+  /// information. Empty: a topic of ours.
+  const char* ros_type_hash = "";
 };
 
 }  // namespace handgraft::idl
@@ -68,6 +71,19 @@ class BridgeStatus;
 namespace sensor_msgs::msg::dds_ {
 class JointState_;
 }  // namespace sensor_msgs::msg::dds_
+
+namespace trajectory_msgs::msg::dds_ {
+class JointTrajectory_;
+}  // namespace trajectory_msgs::msg::dds_
+
+namespace diagnostic_msgs::msg::dds_ {
+class DiagnosticArray_;
+}  // namespace diagnostic_msgs::msg::dds_
+
+namespace std_srvs::srv::dds_ {
+class Trigger_Request_;
+class Trigger_Response_;
+}  // namespace std_srvs::srv::dds_
 
 namespace handgraft::idl {
 
@@ -92,6 +108,19 @@ inline constexpr Topic<v1::BridgeStatus> kBridgeStatusTopic{"handgraft/v1/bridge
 /// Measured states only; solved poses go to rt/handgraft/<session>/joint_command, the same
 /// type.
 inline constexpr Topic<sensor_msgs::msg::dds_::JointState_> kRosJointStatesTopic{
-    "rt/joint_states", Qos::kTelemetry};
+    "rt/joint_states", Qos::kTelemetry,
+    "RIHS01_a13ee3a330e346c9d87b5aa18d24e11690752bd33a0350f11c5882bc9179260e"};
+
+/// What the governor lets a hand do, one point at a time: for drivers that move it themselves.
+inline constexpr Topic<trajectory_msgs::msg::dds_::JointTrajectory_> kRosTrajectoryTopic{
+    "rt/joint_trajectory", Qos::kTelemetry,
+    "RIHS01_179b33eba59d676f6d967ac71fe35e7ca2f64b2f3928f4a018cec115e213796e"};
+inline constexpr Topic<diagnostic_msgs::msg::dds_::DiagnosticArray_> kRosDiagnosticsTopic{
+    "rt/diagnostics", Qos::kTelemetry,
+    "RIHS01_5a8a36efb05fb25070fa0fb3810290c0e6cd4862b54a8fb975a1ee8dc55a333e"};
+
+/// Of all services, whose names `hardware/bridge/ros_node` makes.
+inline constexpr const char* kRosTriggerHash =
+    "RIHS01_eeff2cd6fa5ad9d27cdf4dec64818317839b62f212a91e6b5304b634b2062c5f";
 
 }  // namespace handgraft::idl

@@ -73,6 +73,13 @@ const std::vector<Layer> kLayers = {
      {"core/base", "idl", "idl/cyclone", "hardware/config", "hardware/devices",
       "hardware/safety", "hardware/tendon"},
      {"eigen", "fmt"}},
+    {"hardware/bringup",
+     {"core/base", "hardware/bridge", "hardware/config", "hardware/devices",
+      "hardware/protocols", "hardware/safety"},
+     {"fmt"}},
+    {"hardware",
+     {"core/base", "idl/cyclone", "hardware/bridge", "hardware/bringup", "hardware/config"},
+     {"fmt"}},
 };
 
 /// Heavy or fragile libraries are each seen by the files named here alone.
@@ -82,7 +89,8 @@ const std::map<std::string, std::set<std::string>> kAlone = {
     {"nlopt", {"core/optimize/nlopt_solver.cpp"}},
     {"assimp", {"core/io/scene_file.cpp"}},
     {"urdfdom", {"core/io/urdf_file.cpp"}},
-    {"tinyxml2", {"core/io/srdf_file.cpp", "core/io/urdf_text.cpp"}},
+    {"tinyxml2",
+     {"core/io/srdf_file.cpp", "core/io/urdf_text.cpp", "hardware/bringup/make_config.cpp"}},
     {"json",
      {"core/io/contact_file.cpp", "core/io/glb_writer.cpp", "core/io/grasp_writer.cpp",
       "core/io/hand_joints_file.cpp", "core/io/json_keys.cpp", "core/io/json_keys.h",
@@ -105,7 +113,7 @@ const std::map<std::string, std::set<std::string>> kAlone = {
       "client/cli/options/grasp_command.cpp", "client/cli/options/grasp_flags.cpp",
       "client/cli/options/import_commands.cpp", "client/cli/options/model_commands.cpp",
       "client/cli/options/model_flags.cpp", "client/cli/options/session_commands.cpp",
-      "client/cli/options/study_commands.cpp", "hardware/bridge/main.cpp"}},
+      "client/cli/options/study_commands.cpp", "hardware/main.cpp"}},
 };
 
 const std::vector<std::pair<std::string, std::regex>> kLibraries = {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -12,6 +13,7 @@
 #include "hardware/bridge/hand_describer.h"
 #include "hardware/bridge/motion_thread.h"
 #include "hardware/bridge/rival_watch.h"
+#include "hardware/bridge/ros_node.h"
 #include "hardware/bridge/server_watch.h"
 #include "hardware/bridge/stream_feed.h"
 #include "hardware/bridge/telemetry.h"
@@ -27,10 +29,10 @@ using idl::cyclone::Reader;
 using idl::cyclone::Writer;
 using safety::GovernorState;
 using safety::HoldCause;
-using RosJointState = sensor_msgs::msg::dds_::JointState_;
 
 constexpr std::chrono::milliseconds kServerPatience(1500);  // the absence is said within 2 s
 constexpr std::chrono::milliseconds kStatusPeriod(100);
+constexpr std::chrono::seconds kDiagnosisPeriod(1);  // as ROS's aggregators expect
 constexpr double kArrived = 1e-3;  // rad: finer than the encoders of small hands, 4096 a turn
 
 // The system's time at a moment of the steady clock.
@@ -58,13 +60,13 @@ struct Bridge::Impl {
              told.config ? told.config->hand : ""),
         describer(participant),
         statuses(participant, idl::kStatusTopic),
-        sessions(participant, idl::kSessionTopic),
-        solutions(participant, idl::kSolutionTopic),
         commands(participant, idl::kHandCommandTopic),
         heard_statuses(participant, idl::kBridgeStatusTopic),
         joint_states(participant, idl::kJointStateTopic),
         bridge_statuses(participant, idl::kBridgeStatusTopic),
-        ros_joint_states(participant, idl::kRosJointStatesTopic) {
+        ros(participant, told.ros_namespace, told.bridge_id, [this](v1::HandCommandKind kind) {
+          obey(kind);
+        }) {
     is_willing = !options.config && options.arms_itself;
     identity.bridge_id = options.bridge_id;
     identity.config = options.config_name;
@@ -85,13 +87,20 @@ struct Bridge::Impl {
       });
       return stack;
     };
-    const auto keep = [this](const config::HandConfig& homed) {
-      keepCalibration(homed);
+    const auto keep = [this](const config::HandConfig* homed) {
+      if (homed != nullptr) {
+        keepCalibration(*homed);
+      } else {
+        voidCalibration();
+      }
     };
     motion = std::make_unique<MotionThread>(
         std::make_unique<Motion>(config, make, Clock::now, keep), estop);
     identity.hand = config.hand;
     identity.device = nameOf(config.device);
+    identity.motors.clear();
+    for (const config::MotorConfig& motor : config.motors)
+      identity.motors.push_back(motor.name);
     arrived = false;
   }
 
@@ -111,6 +120,18 @@ struct Bridge::Impl {
     }
     const std::lock_guard lock(homed_mutex);
     homed_text = std::move(text);
+  }
+
+  // Homing begins: should it not end, there must be no zeros of before to start from.
+  void voidCalibration() {
+    const std::filesystem::path path = options.config ? options.config->calibration : "";
+    if (path.empty()) return;
+    std::error_code error;
+    std::filesystem::remove(path, error);
+    if (!error) return;
+    const std::lock_guard lock(homed_mutex);
+    homed_text = fmt::format("{} has zeros that are void, and cannot be removed: {}",
+                             handgraft::quoted(path.string()), error.message());
   }
 
   [[nodiscard]] const MotionState& state() const { return motion ? motion->last() : no_hand; }
@@ -152,15 +173,21 @@ struct Bridge::Impl {
 
   void obey(v1::HandCommandKind kind) {
     own_refusal.clear();
+    own_code = v1::REFUSAL_NONE;
     const bool moves = kind == v1::COMMAND_ARM || kind == v1::COMMAND_HOME;
     if (moves && !rival.empty()) {
       own_refusal =
           fmt::format("{} refused: {}", kind == v1::COMMAND_ARM ? "ARM" : "HOME", rival);
+      own_code = v1::REFUSAL_RIVAL;
+      ++own_refusals;
       return say(own_refusal);
     }
     if (kind == v1::COMMAND_ARM) is_willing = !options.config && options.arms_itself;
     if (kind == v1::COMMAND_DISARM || kind == v1::COMMAND_ESTOP) is_willing = false;
     if (!motion) {
+      own_refusal = "refused: no hand yet";
+      own_code = v1::REFUSAL_NO_HAND;
+      ++own_refusals;
       say("no hand yet: the command changes nothing");
       return;
     }
@@ -186,6 +213,12 @@ struct Bridge::Impl {
     const bool is_there = watch.isThere(now);
     if (is_there != server_is_there) say(is_there ? "server found" : "the server is gone");
     if (server_is_there && !is_there) answered.reset();
+    // What was streamed before comes again to a reader that joins: poses answer edits, and the
+    // next edit may be far away.
+    if (is_there && !server_is_there && has_met_server) {
+      sessions.emplace(participant, idl::kSessionTopic);
+      solutions.emplace(participant, idl::kSolutionTopic);
+    }
     server_is_there = is_there;
     has_met_server = has_met_server || is_there;
     if (!has_met_server && !has_missed_server && now - start >= kServerPatience) {
@@ -194,14 +227,14 @@ struct Bridge::Impl {
                       describe(participant.network())));
     }
     feed.serverIsThere(is_there);
-    sessions.take([this](const v1::SessionState& session) {
+    sessions->take([this](const v1::SessionState& session) {
       if (feed.see(session) || session.phase() == v1::PHASE_CLOSED) return;
       passed_over = fmt::format("session {} is of hand {}, this one is {}: passed over",
                                 session.session_id(), handgraft::quoted(session.hand()),
                                 handgraft::quoted(options.config->hand));
       say(passed_over);
     });
-    solutions.take([this](const v1::PoseSolution& solution) {
+    solutions->take([this](const v1::PoseSolution& solution) {
       feed.see(solution);
     });
   }
@@ -211,7 +244,11 @@ struct Bridge::Impl {
       waiting = std::move(pose);
       waiting_since = now;
     }
-    if (!options.config) chooseHand();
+    if (options.config) {
+      compareWithModel();
+    } else {
+      chooseHand();
+    }
     if (waiting && (options.config || answered == questionOf(*waiting))) {
       offer(*std::exchange(waiting, std::nullopt));
     }
@@ -230,7 +267,7 @@ struct Bridge::Impl {
     }
     StreamPose told;
     told.stream = pose.stream;
-    told.sequence = pose.pose.sequence_number;
+    told.sequence = offered = pose.pose.sequence_number;
     // On a busy machine a pose may be long on its way, which a simulated hand may bear.
     told.source_ns = options.config ? pose.pose.stamp_ns : 0;
     told.arrived = waiting_since;
@@ -243,6 +280,19 @@ struct Bridge::Impl {
 
   static HandQuestion questionOf(const StreamFeed::Pose& pose) {
     return {pose.pose.session_id, pose.pose.hand};
+  }
+
+  /// The hand's model, as the server has it, against the config: once for each session.
+  void compareWithModel() {
+    const std::uint64_t session = identity.session_id;
+    const HandQuestion question{session, options.config->hand};
+    describer.want(session != 0 && compared != session ? std::optional(question)
+                                                       : std::nullopt);
+    const std::optional<HandDescriber::Answer> answer = describer.take();
+    if (!answer || answer->question != question) return;
+    compared = session;
+    warnings = answer->description ? differencesOf(*answer->description, *options.config) : "";
+    if (!warnings.empty()) say(warnings);
   }
 
   void chooseHand() {
@@ -288,6 +338,7 @@ struct Bridge::Impl {
     const MotionState& now = state();
     if (now.refusals != told_refusals) {
       own_refusal.clear();
+      own_code = v1::REFUSAL_NONE;
       if (!now.last_refusal.view().empty()) say(std::string(now.last_refusal.view()));
     }
     told_refusals = now.refusals;
@@ -298,11 +349,16 @@ struct Bridge::Impl {
     }
     if (arrived || now.state != GovernorState::kArmed || now.stream == 0) return;
     if (!feed.alive() || now.stream != *feed.alive()) return;
+    if (now.sequence != offered) return;  // the newest pose was refused, or is on its way
     for (std::size_t i = 0; i < now.target.size(); ++i) {
-      if (std::abs(now.position[i] - now.target[i]) > kArrived) return;
+      if (!(std::abs(now.position[i] - now.target[i]) <= kArrived)) return;
     }
     arrived = true;
-    say(fmt::format("session {}: pose {} reached", identity.session_id, pose_number));
+    const std::string_view less = now.clamping.view();
+    say(less.empty()
+            ? fmt::format("session {}: pose {} reached", identity.session_id, pose_number)
+            : fmt::format("session {}: pose {} reached as far as the limits permit: {}",
+                          identity.session_id, pose_number, less));
   }
 
   void say(std::string text) {
@@ -326,9 +382,14 @@ struct Bridge::Impl {
   void publish(const MotionState* news, Clock::time_point now) {
     v1::BridgeStatus status = bridgeStatus(identity, state(), systemTimeOf(now));
     if (!rival.empty()) status.reason(status.reason() + "; " + rival);
-    if (!own_refusal.empty()) status.last_refusal(own_refusal);
+    if (own_code != v1::REFUSAL_NONE) {
+      status.last_refusal(own_refusal);
+      status.refusal(own_code);
+    }
+    status.refusal_count(status.refusal_count() + own_refusals);
+    status.warnings(warnings);
     // The motion never hears of sessions that are not for it.
-    const bool lacks_pose = status.last_refusal() == "ARM refused: no fresh pose";
+    const bool lacks_pose = status.refusal() == v1::REFUSAL_NO_FRESH_POSE;
     if (lacks_pose && !passed_over.empty())
       status.last_refusal(status.last_refusal() + ": " + passed_over);
     const bool is_new =
@@ -337,6 +398,8 @@ struct Bridge::Impl {
         status.reason() != last_status.reason() ||
         status.session_id() != last_status.session_id() ||
         status.last_refusal() != last_status.last_refusal();
+    const bool is_diagnosed = status.state() != last_status.state() ||
+                              status.reason() != last_status.reason() || now >= diagnosis_due;
     const bool is_due = is_new || now >= status_due;
     static const std::vector<std::string> kNoNames;
     const auto& names = motion ? motion->config().governor.names : kNoNames;
@@ -345,12 +408,17 @@ struct Bridge::Impl {
         const bool is_measured = news != nullptr && news->is_connected;
         const auto stamp = systemTimeOf(is_measured ? news->measured_at : now);
         joint_states.write(jointState(identity, names, state(), ++sequence_number, stamp));
-        if (is_measured) ros_joint_states.write(rosJointState(names, *news, stamp));
+        if (is_measured) ros.publish(identity, names, *news, stamp);
       }
       if (is_due) {
         rivals.noteOwn(status.stamp_ns());
         bridge_statuses.write(status);
       }
+      if (is_diagnosed) {
+        diagnosis_due = now + kDiagnosisPeriod;
+        ros.publish(status, systemTimeOf(now));
+      }
+      ros.serve(status, now);
     } catch (const TransportError& error) {
       say(fmt::format("telemetry: {}", error.what()));
     }
@@ -391,14 +459,19 @@ struct Bridge::Impl {
   bool has_missed_server = false;
   bool is_willing = false;                  // to arm by itself
   bool arrived = false;                     // at the newest pose, and said so
+  std::uint64_t offered = 0;                // number of the pose that was handed over last
   std::uint64_t pose_number = 0;            // of the newest pose, before it was explained
   std::optional<StreamFeed::Pose> waiting;  // for its hand's description
   Clock::time_point waiting_since{};
   std::optional<HandQuestion> answered;  // the plan's
   std::optional<HandPlan> plan;
+  std::uint64_t compared = 0;  // session whose hand's model was compared with the config
 
   std::string rival;        // of the same number, and what to do about it; empty: none
   std::string passed_over;  // the session of another hand, since the last pose; empty: none
+  v1::BridgeRefusal own_code = v1::REFUSAL_NONE;
+  std::uint64_t own_refusals = 0;
+  std::string warnings;     // how the config differs from the hand's model; empty: it does not
   std::string own_refusal;  // of a command that the motion never saw; empty: none, or older
   std::string last_said;
   std::string told_reason;
@@ -407,17 +480,20 @@ struct Bridge::Impl {
   std::string homed_text;  // guarded by homed_mutex
   v1::BridgeStatus last_status;
   Clock::time_point status_due{};
+  Clock::time_point diagnosis_due{};
   std::uint64_t sequence_number = 0;
   std::uint64_t overruns = 0;
 
   Reader<v1::ServerStatus> statuses;
-  Reader<v1::SessionState> sessions;
-  Reader<v1::PoseSolution> solutions;
+  std::optional<Reader<v1::SessionState>> sessions{std::in_place, participant,
+                                                   idl::kSessionTopic};
+  std::optional<Reader<v1::PoseSolution>> solutions{std::in_place, participant,
+                                                    idl::kSolutionTopic};
   Reader<v1::HandCommand> commands;
   Reader<v1::BridgeStatus> heard_statuses;
   Writer<v1::JointState> joint_states;
   Writer<v1::BridgeStatus> bridge_statuses;
-  Writer<RosJointState> ros_joint_states;
+  RosNode ros;
 
   // Last, so that it ends first: it uses what stands above.
   std::unique_ptr<MotionThread> motion;

@@ -23,6 +23,7 @@ struct BridgeOptions {
 
   std::optional<config::HandConfig> config;  ///< absent: simulates whatever hand is asked for
   std::string config_name;                   ///< the file's
+  std::string ros_namespace;                 ///< of its ROS 2 topics and services
 
   // === Of the simulated hand alone
   /// Arms by itself for each fresh pose until it is disarmed, and completes the last pose of a

@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 #include "core/base/error.h"
 #include "hardware/bridge/simulated_device.h"
 #include "hardware/devices/ability_hand_device.h"
+#include "hardware/devices/allegro_hand.h"
 #include "hardware/devices/dynamixel_hand.h"
+#include "hardware/devices/inspire_hand.h"
 #include "hardware/devices/odrive_hand.h"
 #include "hardware/devices/serial_port.h"
 #include "hardware/devices/slcan_channel.h"
@@ -23,9 +26,9 @@ using config::HandConfig;
 using config::MotorConfig;
 using devices::MotorScale;
 
-// An ODrive axis switches itself off above its velocity limit; a loop that regulates goes a
-// little beyond what it is asked for.
-constexpr double kODriveHeadroom = 1.5;
+// Of the speeds that devices themselves keep: an ODrive axis switches itself off above its
+// limit, and a loop that regulates goes a little beyond what it is asked for.
+constexpr double kHeadroom = 1.5;
 
 MotorScale scaleOf(const MotorConfig& motor, double rad_per_unit) {
   return {rad_per_unit / motor.gear, motor.zero_rad / rad_per_unit, motor.direction,
@@ -41,7 +44,13 @@ std::unique_ptr<devices::Device> makeDynamixel(const HandConfig& config,
     each.id = static_cast<std::uint8_t>(motor.id);
     each.scale = scaleOf(motor, protocols::dynamixel::kRadPerCount);
     const double limit_mA = std::clamp(std::round(1000 * motor.current_A), 0.0, 32000.0);
-    each.current_limit_mA = static_cast<std::int16_t>(limit_mA);
+    each.current_limit_mA = static_cast<int>(limit_mA);
+    each.velocity_limit_rad_s = kHeadroom * motor.velocity_rad_s * motor.gear;
+    if (motor.gains) {
+      each.gains = devices::DynamixelGains{static_cast<std::uint16_t>(motor.gains->p),
+                                           static_cast<std::uint16_t>(motor.gains->i),
+                                           static_cast<std::uint16_t>(motor.gains->d)};
+    }
     told.motors.push_back(each);
   }
   told.watchdog = config.device.watchdog;
@@ -59,9 +68,13 @@ std::unique_ptr<devices::Device> makeAbilityHand(const HandConfig& config,
                 config.motors.size());
   told.address = static_cast<std::uint8_t>(config.device.address);
   for (std::size_t i = 0; i < told.lower.size(); ++i) {
-    told.lower[i] = config.motors[i].range_rad.lower;
-    told.upper[i] = config.motors[i].range_rad.upper;
+    const auto place = static_cast<std::size_t>(config.motors[i].id);
+    if (place >= told.order.size()) rejectInput("an Ability Hand has no motor {}", place);
+    told.order[i] = place;
+    told.lower[place] = config.motors[i].range_rad.lower;
+    told.upper[place] = config.motors[i].range_rad.upper;
   }
+  if (config.device.touch) told.reply = protocols::ability_hand::Reply::kTouchCurrent;
   told.reply_timeout = config.device.reply_timeout;
   told.tolerated_misses = config.device.tolerated_misses;
   told.longest_gap = config.governor.longest_gap;
@@ -79,20 +92,81 @@ std::unique_ptr<devices::Device> makeODrive(const HandConfig& config,
     devices::ODriveAxis axis;
     axis.node = motor.id;
     axis.scale = scaleOf(motor, kTurn);
-    axis.velocity_limit_rev_s = kODriveHeadroom * motor.velocity_rad_s * motor.gear / kTurn;
+    axis.velocity_limit_rev_s = kHeadroom * motor.velocity_rad_s * motor.gear / kTurn;
     axis.current_limit_A = motor.current_A;
     told.axes.push_back(axis);
   }
   told.firmware = config.device.firmware == config::ODriveFirmware::k05
                       ? protocols::odrive::Firmware::k05
                       : protocols::odrive::Firmware::k06;
+  told.watchdog = config.device.watchdog;
   told.reply_timeout = config.device.reply_timeout;
   told.tolerated_misses = config.device.tolerated_misses;
   return std::make_unique<devices::ODriveHand>(std::move(told), can, clock);
 }
 
+constexpr double kInspireUnit = 1e-3;  // of a finger's way: a config counts that as 1 rad
+
+std::unique_ptr<devices::Device> makeInspire(const HandConfig& config,
+                                             devices::ByteChannel& bytes,
+                                             const devices::Clock& clock) {
+  devices::InspireConfig told;
+  if (config.motors.size() != told.scales.size())
+    rejectInput("an Inspire hand has {} motors, not {}", told.scales.size(),
+                config.motors.size());
+  for (std::size_t i = 0; i < told.scales.size(); ++i) {
+    const auto place = static_cast<std::size_t>(config.motors[i].id);
+    if (place >= told.order.size()) rejectInput("an Inspire hand has no motor {}", place);
+    told.order[i] = place;
+    told.scales[place] = scaleOf(config.motors[i], kInspireUnit);
+  }
+  told.address = static_cast<std::uint8_t>(config.device.address);
+  told.force_N = config.device.force_N;
+  told.reply_timeout = config.device.reply_timeout;
+  told.tolerated_misses = config.device.tolerated_misses;
+  return std::make_unique<devices::InspireHand>(std::move(told), bytes, clock);
+}
+
+std::unique_ptr<devices::Device> makeAllegro(const HandConfig& config,
+                                             devices::CanChannel& can,
+                                             const devices::Clock& clock) {
+  devices::AllegroConfig told;
+  if (config.motors.size() != told.scales.size())
+    rejectInput("an Allegro Hand has {} motors, not {}", told.scales.size(),
+                config.motors.size());
+  for (std::size_t i = 0; i < told.scales.size(); ++i) {
+    const auto place = static_cast<std::size_t>(config.motors[i].id);
+    if (place >= told.order.size()) rejectInput("an Allegro Hand has no motor {}", place);
+    told.order[i] = place;
+    told.scales[place] = scaleOf(config.motors[i], protocols::allegro::kRadPerCount);
+  }
+  told.stiffness_Nm_rad = config.device.stiffness_Nm_rad;
+  told.damping_Nm_s_rad = config.device.damping_Nm_s_rad;
+  told.torque_Nm = config.device.torque_Nm;
+  told.reply_timeout = config.device.reply_timeout;
+  told.tolerated_misses = config.device.tolerated_misses;
+  return std::make_unique<devices::AllegroHand>(std::move(told), can, clock);
+}
+
+std::unique_ptr<devices::Device> makeOnCan(const HandConfig& config,
+                                           devices::CanChannel& can,
+                                           const devices::Clock& clock) {
+  return config.device.kind == DeviceKind::kAllegro ? makeAllegro(config, can, clock)
+                                                    : makeODrive(config, can, clock);
+}
+
+bool isOnCan(DeviceKind kind) {
+  return kind == DeviceKind::kODrive || kind == DeviceKind::kAllegro;
+}
+
 std::vector<int> nodesOf(const HandConfig& config) {
   std::vector<int> nodes;
+  // An Allegro's ids are no axes': all of them are let through.
+  if (config.device.kind == DeviceKind::kAllegro) {
+    nodes.resize(protocols::odrive::kHighestNode + 1);
+    std::iota(nodes.begin(), nodes.end(), 0);
+    return nodes;
+  }
   for (const MotorConfig& motor : config.motors)
     nodes.push_back(motor.id);
   return nodes;
@@ -123,10 +197,14 @@ DeviceStack makeDeviceOn(devices::ByteChannel& bytes,
     case DeviceKind::kAbilityHand:
       stack.device = makeAbilityHand(config, bytes, clock);
       return stack;
+    case DeviceKind::kInspire:
+      stack.device = makeInspire(config, bytes, clock);
+      return stack;
     case DeviceKind::kODrive:
+    case DeviceKind::kAllegro:
       stack.can =
           std::make_unique<devices::SlcanChannel>(bytes, config.device.can_bitrate, clock);
-      stack.device = makeODrive(config, *stack.can, clock);
+      stack.device = makeOnCan(config, *stack.can, clock);
       return stack;
     case DeviceKind::kSimulated:
       break;
@@ -144,11 +222,10 @@ DeviceStack makeDevice(const HandConfig& config,
     stack.device = makeSimulated(config, clock, simulated_start);
     return stack;
   }
-  if (config.device.kind == DeviceKind::kODrive &&
-      config.device.carrier == config::CanCarrier::kSocketCan) {
+  if (isOnCan(config.device.kind) && config.device.carrier == config::CanCarrier::kSocketCan) {
     stack.can = std::make_unique<devices::SocketCanChannel>(
         devices::canInterface(config.device.port, nodesOf(config)));
-    stack.device = makeODrive(config, *stack.can, clock);
+    stack.device = makeOnCan(config, *stack.can, clock);
     return stack;
   }
   auto port = std::make_unique<devices::SerialPort>(config.device.port, config.device.baud);
@@ -167,6 +244,10 @@ std::string nameOf(const config::DeviceConfig& device) {
       return "ability_hand " + device.port;
     case DeviceKind::kODrive:
       return "odrive " + device.port;
+    case DeviceKind::kInspire:
+      return "inspire " + device.port;
+    case DeviceKind::kAllegro:
+      return "allegro " + device.port;
   }
   return "unknown";
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "core/base/error.h"
@@ -14,6 +15,19 @@ using safety::HomingRun;
 using safety::HomingStep;
 
 constexpr double kSlack = 1e-3;  // rad: of a range, so that a unit's rounding fits in
+// Of the current that holds a motor back: it has to get there, and no farther.
+constexpr double kCurrentShare = 1.25;
+constexpr double kTurn = 2 * std::numbers::pi;
+// What is measured may be three periods old, and as long as a busy machine takes to answer.
+constexpr std::chrono::milliseconds kOld(60);
+
+// Turns that an encoder is told to count from: another number each time, so that an old
+// calibration does not pass for the new one.
+double markOf(devices::TimePoint now, std::size_t motor) {
+  const auto seed = static_cast<std::uint64_t>(now.time_since_epoch().count()) + 7919 * motor;
+  const std::uint64_t mixed = (seed * 0x9E3779B97F4A7C15U) >> 40;
+  return kLeastMark_turns + static_cast<double>(mixed % 4096) / 64;
+}
 
 }  // namespace
 
@@ -55,6 +69,9 @@ config::HandConfig HandHoming::widened(double start_rad) const {
   const HomingStep& step = config_.homing[step_];
   wide.motors[step.motor].range_rad = {start_rad - step.travel_rad - kSlack,
                                        start_rad + step.travel_rad + kSlack};
+  config::MotorConfig& motor = wide.motors[step.motor];
+  motor.current_A = std::min(motor.current_A, kCurrentShare * step.current_A);
+  motor.velocity_rad_s = step.speed_rad_s;
   return wide;
 }
 
@@ -77,6 +94,7 @@ void HandHoming::beginStep() {
     throw DeviceError("the motor moves before it is homed");
   run_.emplace(step, config_.governor.period_s, start_rad_, clock_());
   targets_ = measured_->position;
+  stack_.device->attend(step.motor);
   stack_.device->arm();
 }
 
@@ -88,17 +106,21 @@ void HandHoming::advance() {
     return;
   }
   const double current = measured_->current[step.motor];
-  if (!std::isfinite(current)) {
-    fail("the motor does not tell its current");
-    return;
-  }
+  if (!std::isfinite(current)) return fail("the motor does not tell its current");
+  const devices::Duration three_periods(std::chrono::duration_cast<devices::Duration>(
+      std::chrono::duration<double>(3 * config_.governor.period_s)));
+  if (clock_() - measured_->time > std::max<devices::Duration>(three_periods, kOld))
+    return fail("the motors do not tell where they are any more");
   const double sent = run_->tick(measured_->position[step.motor], current, clock_());
   const bool is_sound =
       std::isfinite(sent) && std::abs(sent - start_rad_) <= step.travel_rad + kSlack;
   HANDGRAFT_REQUIRE(is_sound);  // what leaves is asserted here, too
   targets_[step.motor] = sent;
   if (run_->state() == HomingRun::State::kFailed) {
-    fail("the motor found no stop");
+    fail(fmt::format(
+        "found no stop: it turned by {:.2f} of {:.4g} rad, its current was {:.3g} A at most, "
+        "where {:.3g} A tell a stop",
+        run_->farthest(), step.travel_rad, run_->largestCurrent(), step.current_A));
   } else if (run_->state() == HomingRun::State::kDone) {
     finishStep(*run_->zero());
   } else if (!device.write(targets_)) {
@@ -109,8 +131,21 @@ void HandHoming::advance() {
 // The device's angle is zero + direction gear angle, of the zero that it was made with.
 void HandHoming::finishStep(double zero_rad) {
   const bool is_off = stack_.device->disarm();
-  config::MotorConfig& motor = config_.motors[config_.homing[step_].motor];
+  const std::size_t index = config_.homing[step_].motor;
+  config::MotorConfig& motor = config_.motors[index];
+  const double old_zero_rad = motor.zero_rad;
   motor.zero_rad += motor.direction * motor.gear * zero_rad;
+  motor.is_marked = false;
+  if (is_off && motor.encoder == config::Encoder::kIncremental) {
+    stack_.device->read(*measured_);
+    const double stands_rad =
+        old_zero_rad + motor.direction * motor.gear * measured_->position[index];
+    const double counted_rad = kTurn * markOf(clock_(), index);
+    if (std::isfinite(stands_rad) && stack_.device->recount(index, counted_rad)) {
+      motor.zero_rad += counted_rad - stands_rad;
+      motor.is_marked = true;
+    }
+  }
   run_.reset();
   measured_.reset();
   stack_ = {};

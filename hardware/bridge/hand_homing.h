@@ -10,9 +10,15 @@
 
 namespace handgraft::bridge {
 
+/// Turns from 0 that a marked encoder is at least told to count from; at most three times that.
+inline constexpr double kLeastMark_turns = 32;
+
 /// Finds the zeros of a hand: one motor after the other runs gently to its stop (HomingRun),
 /// the others hold where they stand. Each step is made on a device of its own, whose range is
-/// that of the step: before its zero is known, a motor's own range says nothing.
+/// that of the step: before its zero is known, a motor's own range says nothing. The device's
+/// own limits of the motor that runs are the step's, too: a little more current than holds it
+/// back, and its speed. Once it stands, an incremental encoder is told to count from a place of
+/// ours, tens of turns away, so that a restart shows (`MotorConfig::is_marked`).
 ///
 /// Between steps, and after whatever goes wrong, all motors are off.
 class HandHoming {

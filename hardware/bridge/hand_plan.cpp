@@ -74,6 +74,7 @@ config::HandConfig simulatedConfig(const HandPlan& plan, double period_s) {
   config.governor.period_s = period_s;
   config.governor.stale_after = milliseconds(1000);
   config.governor.brake_within = milliseconds(10'000);
+  config.governor.step = kFarthest;
   config.governor.ramp_share = 1;  // no need to move slowly to a far pose
   config.governor.longest_gap = milliseconds(3'600'000);
   config.governor.overruns_in_a_row = 1'000'000;
@@ -88,6 +89,40 @@ config::HandConfig simulatedConfig(const HandPlan& plan, double period_s) {
     config.governor.limits[i].upper = motor.range_rad.upper;
   }
   return config;
+}
+
+std::string differencesOf(const v1::HandDescription& description,
+                          const config::HandConfig& config) {
+  constexpr double kSame = 1e-3;  // rad: files round
+  const auto& names = config.governor.names;
+  std::string text;
+  const auto add = [&text](const std::string& what) {
+    text += (text.empty() ? "" : "; ") + what;
+  };
+  for (const v1::JointInfo& joint : description.joints()) {
+    const auto found = std::find(names.begin(), names.end(), joint.name());
+    if (found == names.end()) {
+      add(fmt::format("the model's joint {} is not in the config", quoted(joint.name())));
+      continue;
+    }
+    const auto& limits =
+        config.governor.limits[static_cast<std::size_t>(found - names.begin())];
+    if (limits.lower < joint.lower() - kSame || limits.upper > joint.upper() + kSame) {
+      add(fmt::format(
+          "joint {} may go from {:.4g} to {:.4g} rad, its model from {:.4g} to {:.4g}",
+          quoted(joint.name()), limits.lower, limits.upper, joint.lower(),
+          joint.upper()));
+    }
+  }
+  for (const std::string& name : names) {
+    const auto& joints = description.joints();
+    const bool is_there =
+        std::any_of(joints.begin(), joints.end(), [&](const v1::JointInfo& j) {
+          return j.name() == name;
+        });
+    if (!is_there) add(fmt::format("the config's joint {} is not in the model", quoted(name)));
+  }
+  return text.empty() ? text : "config and model differ: " + text;
 }
 
 bool movesAlike(const HandPlan& a, const HandPlan& b) {

@@ -39,6 +39,12 @@ HandPlan planHand(const v1::HandDescription& description, const MotionBounds& bo
 /// is as patient as can be with a busy machine, since nobody can be hurt.
 config::HandConfig simulatedConfig(const HandPlan& plan, double period_s);
 
+/// How `config` differs from the hand's own model, for people; empty if it does not: joints
+/// that only one of them has, and limits that permit what the model's do not. What the config
+/// forbids beyond that is its own affair.
+std::string differencesOf(const v1::HandDescription& description,
+                          const config::HandConfig& config);
+
 /// Whether both are moved alike, so that a device made for one does for the other.
 bool movesAlike(const HandPlan& a, const HandPlan& b);
 

@@ -12,6 +12,7 @@
 #include "hardware/bridge/motor_path.h"
 #include "hardware/bridge/request_ring.h"
 #include "hardware/safety/governor.h"
+#include "idl/hardware.h"
 
 namespace handgraft::bridge {
 
@@ -37,8 +38,9 @@ struct StreamPose {
 /// power: that takes a RESET. Opening and resetting leave the motors off.
 class Motion {
  public:
-  /// Told when zeros were found, in the turn that found them.
-  using OnHomed = std::function<void(const config::HandConfig&)>;
+  /// Told when zeros were found, in the turn that found them; and nothing when homing begins,
+  /// from when on the zeros of before are void.
+  using OnHomed = std::function<void(const config::HandConfig*)>;
 
   /// Errors: InvalidInput for what governor, transmission or driver do not accept.
   Motion(config::HandConfig config,
@@ -74,6 +76,9 @@ class Motion {
   void openIfDue(safety::Time now);
   void open();
   bool measure();
+  void watchZeros();
+  void voidZeros(std::string_view motor, std::string_view why);
+  bool areMotorsOutside();
   void govern(safety::Time now);
   void obey(const safety::MotorOrder& order);
   void drive(std::span<const double> joint_rad);
@@ -81,11 +86,16 @@ class Motion {
   void heal();
   void beginHoming();
   void turnHoming(safety::Time now);
-  void refuse(std::string_view what, std::string_view why, std::string_view detail = {});
+  void refuse(v1::BridgeRefusal code,
+              std::string_view what,
+              std::string_view why,
+              std::string_view detail = {});
+  void noteClamping();
+  bool isAnyHeldBack(safety::Time now);
+  void noteMotors();
   void accept();
   void noteFault();
   void tell(safety::Time now);
-  void noteTemperature();
 
   config::HandConfig config_;
   MakeDevice make_device_;
@@ -103,12 +113,16 @@ class Motion {
   bool was_slow_ = false;
   bool is_clamped_ = false;  // the newest accepted pose
   bool is_last_refusal_a_poses_ = false;
+  bool was_away_ = false;   // silent for so long that it may have restarted
+  FixedText outside_;       // which motor is far outside its range, and by how much
   FixedText pose_refusal_;  // why the newest pose was refused; empty: it was accepted
   std::optional<safety::Time> next_open_;
   std::optional<safety::Time> renewed_at_;
   std::uint64_t limited_before_ = 0;
   devices::DeviceState measured_;
   MotionState state_;
+  std::vector<safety::Time> free_since_;     // each motor, since it last did not push in vain
+  std::vector<std::size_t> joint_of_motor_;  // of direct drive; else empty
 };
 
 }  // namespace handgraft::bridge

@@ -27,6 +27,7 @@ const char* textOf(HoldCause cause) {
 }
 
 std::string faultText(const MotionState& state) {
+  if (!state.fault_text.view().empty()) return std::string(state.fault_text.view());
   if (state.guard_failed) return "what was to leave for the motors broke a limit";
   if (state.fault == FaultCause::kDevice) return devices::describe(state.device_fault);
   return toString(state.fault);
@@ -53,10 +54,14 @@ std::string describe(const MotionState& state) {
     case GovernorState::kIdle:
       if (state.is_homing) return "homing";
       if (!state.trouble.view().empty()) return std::string(state.trouble.view());
-      return state.is_homed ? "motors off" : "motors off; HOME first: zeros are not known";
+      if (state.is_homed) return "motors off";
+      return fmt::format("motors off; HOME first: zeros are not known{}{}",
+                         state.zeros.view().empty() ? "" : ": ", state.zeros.view());
     case GovernorState::kArmed:
       return state.is_slow ? "armed, slowly to a far pose" : "armed";
     case GovernorState::kHolding:
+      if (state.hold == HoldCause::kMotorLimited && !state.held.view().empty())
+        return fmt::format("{}; ARM moves on", state.held.view());
       return textOf(state.hold);
     case GovernorState::kFault:
     case GovernorState::kEStop:

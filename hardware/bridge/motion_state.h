@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,6 +11,7 @@
 
 #include "hardware/devices/device.h"
 #include "hardware/safety/governor_types.h"
+#include "idl/hardware.h"
 
 namespace handgraft::bridge {
 
@@ -31,8 +33,16 @@ class FixedText {
 /// All that there is to tell of a hand in motion, once a period. Copying one onto another of
 /// the same hand allocates nothing.
 struct MotionState {
-  explicit MotionState(std::size_t joints = 0)
-      : position(joints), velocity(joints), target(joints), command(joints), residual(joints) {}
+  explicit MotionState(std::size_t joints = 0, std::size_t motors = 0, std::size_t touches = 0)
+      : position(joints),
+        velocity(joints),
+        target(joints),
+        command(joints),
+        residual(joints),
+        effort(joints, std::numeric_limits<double>::quiet_NaN()),
+        motor_current(motors),
+        motor_temperature(motors),
+        touch(touches) {}
 
   // === The governor
   safety::GovernorState state = safety::GovernorState::kDisconnected;
@@ -40,10 +50,13 @@ struct MotionState {
   safety::HoldCause hold = safety::HoldCause::kNone;
   safety::StopMode stop_mode = safety::StopMode::kBrake;
   bool is_slow = false;
-  std::uint64_t stream = 0;  ///< of the newest accepted pose; 0: none yet
+  std::uint64_t stream = 0;    ///< of the newest accepted pose; 0: none yet
+  std::uint64_t sequence = 0;  ///< its number
+  FixedText held;              ///< which motor is held back, and why; empty: none
 
   // === The device
   devices::Fault device_fault;  ///< as it was when `fault` was latched
+  FixedText fault_text;         ///< of it: motor, joint, and what the device says, in words
   bool guard_failed = false;    ///< the last assertion on motor angles
   bool is_connected = false;
   bool is_powered = false;
@@ -51,6 +64,7 @@ struct MotionState {
   bool is_homing = false;
   double temperature_c = -1;  ///< the hottest motor; -1: not told
   devices::DeviceCounters counters;
+  FixedText zeros;    ///< why the zeros are not known; empty: they are, or were never found
   FixedText trouble;  ///< why the device is not open, not armed, not homed; empty: nothing
 
   // === The pose: rad, one per joint; empty vectors never
@@ -60,7 +74,12 @@ struct MotionState {
   std::vector<double> target;    ///< the newest accepted pose inside the limits
   std::vector<double> command;   ///< sent in this period; the measured pose without power
   std::vector<double> residual;  ///< of it, what the hand cannot follow
-  double tracking = 0;           ///< the largest |command - position| under power
+  /// Of joints with a motor of their own: its current times its `torque_Nm_A`; NaN else.
+  std::vector<double> effort;
+  std::vector<double> motor_current;      ///< A, in the motors' directions; NaN: not told
+  std::vector<double> motor_temperature;  ///< degrees Celsius; NaN: not told
+  std::vector<double> touch;              ///< N
+  double tracking = 0;                    ///< the largest |command - position| under power
   std::optional<devices::Duration> command_age;  ///< of the newest accepted pose
   std::optional<devices::Duration> stream_age;   ///< since the stream was known to live
 
@@ -69,6 +88,9 @@ struct MotionState {
   std::uint64_t poses_refused = 0;
   std::uint64_t refusals = 0;  ///< of poses and requests
   FixedText last_refusal;
+  v1::BridgeRefusal refusal = v1::REFUSAL_NONE;
+  FixedText clamping;      ///< of the newest pose: which joints, asked and given; empty: none
+  double clamped_rad = 0;  ///< by how much at most
   std::uint64_t clamped = 0;  ///< periods in which the target lay outside the limits
   std::uint64_t limited = 0;  ///< periods in which velocity or acceleration were cut
 

@@ -31,6 +31,8 @@ v1::BridgeFault wireFault(Fault::Kind kind) {
       return v1::FAULT_STARVED;
     case Fault::Kind::kBadTarget:
       return v1::FAULT_BAD_TARGET;
+    case Fault::Kind::kNoWatchdog:
+      return v1::FAULT_NO_WATCHDOG;
   }
   return v1::FAULT_HARDWARE;
 }
@@ -76,6 +78,7 @@ v1::BridgeFault wireFault(const MotionState& state) {
       return v1::FAULT_SILENT;
     case FaultCause::kBadMeasurement:
     case FaultCause::kOutOfRange:
+    case FaultCause::kMotorsOutside:
       return v1::FAULT_MEASUREMENT;
     case FaultCause::kNoPower:
     case FaultCause::kPowerLost:
@@ -108,6 +111,11 @@ v1::JointState jointState(const BridgeIdentity& identity,
   message.names(names);
   message.position_rad(state.position);
   message.velocity_rad_s(state.velocity);
+  message.effort(state.effort);
+  message.motors(identity.motors);
+  message.current_A(state.motor_current);
+  message.temperature_c(state.motor_temperature);
+  message.touch_N(state.touch);
   if (state.stream != 0) message.target_rad(state.target);
   if (state.is_powered) {
     message.command_rad(state.command);
@@ -116,13 +124,15 @@ v1::JointState jointState(const BridgeIdentity& identity,
   return message;
 }
 
-sensor_msgs::msg::dds_::JointState_ rosJointState(const std::vector<std::string>& names,
+sensor_msgs::msg::dds_::JointState_ rosJointState(const std::string& frame,
+                                                  const std::vector<std::string>& names,
                                                   const MotionState& state,
                                                   std::chrono::nanoseconds system_ns) {
   // Rounded down, also before 1970: nanoseconds are never negative.
   const auto seconds = std::chrono::floor<std::chrono::seconds>(system_ns);
   sensor_msgs::msg::dds_::JointState_ message;
   message.header().stamp().sec(static_cast<std::int32_t>(seconds.count()));
+  message.header().frame_id(frame);
   message.header().stamp().nanosec(static_cast<std::uint32_t>((system_ns - seconds).count()));
   message.name(names);
   message.position(state.position);
@@ -130,6 +140,11 @@ sensor_msgs::msg::dds_::JointState_ rosJointState(const std::vector<std::string>
     return std::isfinite(v);
   });
   if (is_known) message.velocity(state.velocity);
+  const bool has_efforts =
+      std::any_of(state.effort.begin(), state.effort.end(), [](double told) {
+        return std::isfinite(told);
+      });
+  if (has_efforts) message.effort(state.effort);
   return message;
 }
 
@@ -158,6 +173,10 @@ v1::BridgeStatus bridgeStatus(const BridgeIdentity& identity,
   message.poses_accepted(state.poses_accepted);
   message.poses_refused(state.poses_refused);
   message.last_refusal(std::string(state.last_refusal.view()));
+  message.refusal(state.refusal);
+  message.refusal_count(state.refusals);
+  message.clamping(std::string(state.clamping.view()));
+  message.clamped_rad(state.clamped_rad);
   message.clamped(state.clamped);
   message.limited(state.limited);
   message.answers_lost(state.counters.missed + state.counters.damaged);

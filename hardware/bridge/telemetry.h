@@ -17,6 +17,7 @@ struct BridgeIdentity {
   std::string device;  ///< "simulated", "dynamixel /dev/ttyUSB0", ...
   std::string hand;    ///< empty: none yet
   std::string config;  ///< the file's name; empty: none
+  std::vector<std::string> motors;
   std::uint64_t session_id = 0;
   double period_s = 0.01;
 };
@@ -33,8 +34,10 @@ v1::JointState jointState(const BridgeIdentity& identity,
                           std::uint64_t sequence_number,
                           std::chrono::nanoseconds system_ns);
 
-/// Measured joints for ROS 2: joints whose velocity is not known leave all velocities out.
-sensor_msgs::msg::dds_::JointState_ rosJointState(const std::vector<std::string>& names,
+/// Measured joints for ROS 2: joints whose velocity is not known leave all velocities out, and
+/// efforts are left out where none is known.
+sensor_msgs::msg::dds_::JointState_ rosJointState(const std::string& frame,
+                                                  const std::vector<std::string>& names,
                                                   const MotionState& state,
                                                   std::chrono::nanoseconds system_ns);
 

@@ -20,6 +20,7 @@ void readMotors(Section& file, HandConfig& config, Problems& problems) {
     const std::string name = section.text("name");
     const double zero = section.number("zero_rad", -kTurns, kTurns);
     const int direction = section.choice<int>("direction", {{"1", 1}, {"-1", -1}});
+    const bool is_marked = section.flag("marked", false);
     section.finish();
     const auto found =
         std::find_if(config.motors.begin(), config.motors.end(), [&](const MotorConfig& m) {
@@ -32,6 +33,7 @@ void readMotors(Section& file, HandConfig& config, Problems& problems) {
     }
     found->zero_rad = zero;
     found->direction = direction;
+    found->is_marked = is_marked;
   }
   for (const MotorConfig& motor : config.motors) {
     if (seen.count(motor.name) == 0)
@@ -75,7 +77,8 @@ std::string calibrationText(const HandConfig& config) {
   out.SetDoublePrecision(17);
   out << YAML::Comment(
       "Where the device's encoders stand (rad) when each motor's angle is 0, and whether\n"
-      "they count its way. Written by homing.");
+      "they count its way. Marked: the device counts from a place of ours since, so that "
+      "a\nrestart shows. Written by homing.");
   out << YAML::BeginMap << YAML::Key << "format" << YAML::Value << "handgraft-calibration/1";
   out << YAML::Key << "hand" << YAML::Value << YAML::DoubleQuoted << config.hand;
   out << YAML::Key << "motors" << YAML::Value << YAML::BeginSeq;
@@ -83,7 +86,9 @@ std::string calibrationText(const HandConfig& config) {
     out << YAML::Flow << YAML::BeginMap;
     out << YAML::Key << "name" << YAML::Value << YAML::DoubleQuoted << motor.name;
     out << YAML::Key << "zero_rad" << YAML::Value << motor.zero_rad;
-    out << YAML::Key << "direction" << YAML::Value << motor.direction << YAML::EndMap;
+    out << YAML::Key << "direction" << YAML::Value << motor.direction;
+    if (motor.is_marked) out << YAML::Key << "marked" << YAML::Value << true;
+    out << YAML::EndMap;
   }
   out << YAML::EndSeq << YAML::EndMap;
   HANDGRAFT_REQUIRE(out.good());

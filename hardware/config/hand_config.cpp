@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/base/error.h"
+#include "hardware/config/wire_load.h"
 #include "hardware/safety/governor.h"
 #include "hardware/tendon/tendon_map.h"
 
@@ -19,7 +20,6 @@ using Problems = std::vector<std::string>;
 
 constexpr double kSlack = 1e-9;  // rad, rad/s: rounding of ranges mapped both ways
 constexpr milliseconds kAbilityHandDeadman{300};  // its interface document, section 3
-constexpr std::size_t kAbilityHandMotors = 6;
 
 std::vector<tendon::Range> jointRanges(const HandConfig& config) {
   std::vector<tendon::Range> ranges;
@@ -97,12 +97,13 @@ void checkMotorsSuffice(const HandConfig& config,
 void checkDeadmen(const HandConfig& config, Problems& problems) {
   const double period_ms = 1000 * config.governor.period_s;
   const auto watchdog_ms = static_cast<double>(config.device.watchdog.count());
-  if (!(watchdog_ms >= 3 * period_ms)) {
+  const bool has_watchdog = hasWatchdog(config.device.kind);
+  if (has_watchdog && !(watchdog_ms >= 3 * period_ms)) {
     problems.push_back(
         fmt::format("device.watchdog_ms: {} is less than three periods of {:.4g} ms",
                     watchdog_ms, period_ms));
   }
-  if (config.governor.longest_gap > config.device.watchdog) {
+  if (has_watchdog && config.governor.longest_gap > config.device.watchdog) {
     problems.push_back(
         fmt::format("loop.longest_gap_ms: {} is more than the device's watchdog of {} ms",
                     config.governor.longest_gap.count(), watchdog_ms));
@@ -118,19 +119,20 @@ void checkDeadmen(const HandConfig& config, Problems& problems) {
 
 void checkDevice(const HandConfig& config, const Soundness& is_sound, Problems& problems) {
   const DeviceConfig& device = config.device;
-  if (device.kind == DeviceKind::kAbilityHand) {
-    if (is_sound("motors") && config.motors.size() != kAbilityHandMotors) {
-      problems.push_back(fmt::format("motors: {} of them; an ability_hand has {}",
-                                     config.motors.size(), kAbilityHandMotors));
-    }
-    if (is_sound("device.watchdog_ms") && device.watchdog != kAbilityHandDeadman) {
-      problems.push_back(fmt::format("device.watchdog_ms: {}; that of an ability_hand is {}",
-                                     device.watchdog.count(), kAbilityHandDeadman.count()));
-    }
-    return;
+  const std::size_t own = ownMotors(device.kind);
+  if (own > 0 && is_sound("motors") && config.motors.size() != own) {
+    problems.push_back(
+        fmt::format("motors: {} of them; such a hand has {}", config.motors.size(), own));
+  }
+  if (device.kind == DeviceKind::kAbilityHand && is_sound("device.watchdog_ms") &&
+      device.watchdog != kAbilityHandDeadman) {
+    problems.push_back(fmt::format("device.watchdog_ms: {}; that of an ability_hand is {}",
+                                   device.watchdog.count(), kAbilityHandDeadman.count()));
   }
   if (device.kind == DeviceKind::kSimulated) return;
-  const int most = device.kind == DeviceKind::kDynamixel ? 252 : 63;
+  const int most = own > 0                                 ? static_cast<int>(own) - 1
+                   : device.kind == DeviceKind::kDynamixel ? 252
+                                                           : 63;
   std::set<int> seen;
   for (std::size_t i = 0; i < config.motors.size(); ++i) {
     const int id = config.motors[i].id;
@@ -162,6 +164,38 @@ void checkHoming(const HandConfig& config, Problems& problems) {
   }
 }
 
+// A motor that is named as a joint moves that one, or the list is in the wrong order.
+void checkMotorJoints(const HandConfig& config, const Soundness& is_sound, Problems& problems) {
+  const std::vector<std::string> joints = motorJoints(config);
+  for (std::size_t i = 0; i < std::min(joints.size(), config.motors.size()); ++i) {
+    const MotorConfig& motor = config.motors[i];
+    const bool is_joint = std::find(joints.begin(), joints.end(), motor.name) != joints.end();
+    if (!is_sound.motor(i) || !motor.joint.empty() || !is_joint || motor.name == joints[i])
+      continue;
+    problems.push_back(
+        fmt::format("motors[{}]: {} would move joint {}, by its place in the list: give each "
+                    "motor its 'joint'",
+                    i, handgraft::quoted(motor.name), handgraft::quoted(joints[i])));
+  }
+}
+
+// What a cycle takes on the wire has to fit into a period, with room for what is late.
+void checkWire(const HandConfig& config, Problems& problems) {
+  const DeviceConfig& device = config.device;
+  const double period_ms = 1000 * config.governor.period_s;
+  const double cycle_ms = 1000 * cycleTime_s(config);
+  if (cycle_ms <= kWireShare * period_ms) return;
+  problems.push_back(
+      fmt::format("device.baud: at {} a cycle of {} motors takes {:.3g} ms on the wire, more "
+                  "than {:.0f} % of "
+                  "a period of {:.4g} ms: at most {:.0f} Hz",
+                  device.kind == DeviceKind::kODrive || device.kind == DeviceKind::kAllegro
+                      ? fmt::format("{} (can_bitrate {})", device.baud, device.can_bitrate)
+                      : std::to_string(device.baud),
+                  config.motors.size(), cycle_ms, 100 * kWireShare, period_ms,
+                  std::floor(1000 * kWireShare / cycle_ms)));
+}
+
 void checkMotorNames(const HandConfig& config, const Soundness& is_sound, Problems& problems) {
   std::set<std::string> seen;
   for (std::size_t i = 0; i < config.motors.size(); ++i) {
@@ -172,6 +206,39 @@ void checkMotorNames(const HandConfig& config, const Soundness& is_sound, Proble
 }
 
 }  // namespace
+
+bool hasWatchdog(DeviceKind kind) {
+  return kind != DeviceKind::kInspire && kind != DeviceKind::kAllegro;
+}
+
+std::size_t ownMotors(DeviceKind kind) {
+  switch (kind) {
+    case DeviceKind::kAbilityHand:
+    case DeviceKind::kInspire:
+      return 6;
+    case DeviceKind::kAllegro:
+      return 16;
+    case DeviceKind::kSimulated:
+    case DeviceKind::kDynamixel:
+    case DeviceKind::kODrive:
+      break;
+  }
+  return 0;
+}
+
+std::vector<std::string> motorJoints(const HandConfig& config) {
+  std::vector<std::string> joints;
+  if (config.transmission.kind != TransmissionKind::kDirect) return joints;
+  const auto& followers = config.transmission.followers;
+  for (std::size_t i = 0; i < config.governor.names.size(); ++i) {
+    const bool follows =
+        std::any_of(followers.begin(), followers.end(), [i](const tendon::MimicJoint& each) {
+          return each.joint == i;
+        });
+    if (!follows) joints.push_back(config.governor.names[i]);
+  }
+  return joints;
+}
 
 std::unique_ptr<tendon::MotorMap> makeMotorMap(const HandConfig& config) {
   const TransmissionConfig& transmission = config.transmission;
@@ -211,6 +278,9 @@ std::vector<std::string> problemsOf(const HandConfig& config, const Problems& kn
   checkMotorNames(config, is_sound, problems);
   if (is_sound("device.kind")) checkDevice(config, is_sound, problems);
   if (is_sound("device") && is_sound("loop")) checkDeadmen(config, problems);
+  if (is_sound("device") && is_sound("loop") && is_sound("motors")) checkWire(config, problems);
+  if (is_sound("joints") && is_sound("transmission"))
+    checkMotorJoints(config, is_sound, problems);
   if (is_sound("device.kind") && is_sound("motors") && is_sound("homing"))
     checkHoming(config, problems);
   if (!is_sound("joints") || !is_sound("motion")) return problems;

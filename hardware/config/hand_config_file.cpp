@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/ranges.h>
+
 #include "core/base/error.h"
 #include "hardware/config/calibration_file.h"
 #include "hardware/config/text_file.h"
@@ -29,14 +31,19 @@ DeviceConfig deviceOf(Section section) {
   device.kind = section.choice<DeviceKind>("kind", {{"simulated", DeviceKind::kSimulated},
                                                     {"dynamixel", DeviceKind::kDynamixel},
                                                     {"ability_hand", DeviceKind::kAbilityHand},
-                                                    {"odrive", DeviceKind::kODrive}});
+                                                    {"odrive", DeviceKind::kODrive},
+                                                    {"inspire", DeviceKind::kInspire},
+                                                    {"allegro", DeviceKind::kAllegro}});
   if (section.isWrong("kind")) {  // which keys there are depends on it
     section.allow({"port", "reply_timeout_ms", "tolerated_misses", "carrier", "firmware",
-                   "can_bitrate", "baud", "address", "watchdog_ms"});
+                   "can_bitrate", "baud", "address", "touch", "watchdog_ms", "no_watchdog",
+                   "force_N", "stiffness_Nm_rad", "damping_Nm_s_rad", "torque_Nm"});
     section.finish();
     return device;
   }
-  const bool is_can = device.kind == DeviceKind::kODrive;
+  const bool is_allegro = device.kind == DeviceKind::kAllegro;
+  const bool is_inspire = device.kind == DeviceKind::kInspire;
+  const bool is_can = device.kind == DeviceKind::kODrive || is_allegro;
   const bool is_ability_hand = device.kind == DeviceKind::kAbilityHand;
   if (device.kind != DeviceKind::kSimulated) {
     device.port = section.text("port");
@@ -46,20 +53,40 @@ DeviceConfig deviceOf(Section section) {
   if (is_can) {
     device.carrier = section.choice<CanCarrier>(
         "carrier", {{"slcan", CanCarrier::kSlcan}, {"socketcan", CanCarrier::kSocketCan}});
+    const int usual = is_allegro ? 1'000'000 : 500'000;
+    device.can_bitrate = section.integer("can_bitrate", 10'000, 1'000'000, usual);
+  }
+  if (device.kind == DeviceKind::kODrive) {
     device.firmware = section.choice<ODriveFirmware>(
         "firmware", {{"0.5", ODriveFirmware::k05}, {"0.6", ODriveFirmware::k06}},
         ODriveFirmware::k06);
-    device.can_bitrate = section.integer("can_bitrate", 10'000, 1'000'000, 500'000);
   }
-  const bool has_tty = device.kind == DeviceKind::kDynamixel || is_ability_hand ||
+  const bool has_tty = device.kind == DeviceKind::kDynamixel || is_ability_hand || is_inspire ||
                        (is_can && device.carrier == CanCarrier::kSlcan);
   if (has_tty) {
-    const int standard = is_ability_hand ? 460'800 : is_can ? 115'200 : 4'000'000;
+    const int standard = is_ability_hand ? 460'800 : is_can || is_inspire ? 115'200 : 4'000'000;
+    device.is_baud_told = section.has("baud");
     device.baud = section.integer("baud", 1200, 4'500'000, standard);
   }
   if (is_ability_hand) device.address = section.integer("address", 1, 255, 0x50);
-  device.watchdog = duration(section, "watchdog_ms", 20, 2540,
-                             is_ability_hand ? milliseconds(300) : device.watchdog);
+  if (is_ability_hand) device.touch = section.flag("touch", false);
+  if (is_inspire) {
+    device.address = section.integer("address", 1, 254, 1);
+    device.force_N = section.number("force_N", 0.1, 9.8, device.force_N);
+  }
+  if (is_allegro) {
+    device.stiffness_Nm_rad =
+        section.number("stiffness_Nm_rad", 0.01, 10, device.stiffness_Nm_rad);
+    device.damping_Nm_s_rad = section.number("damping_Nm_s_rad", 0, 1, device.damping_Nm_s_rad);
+    device.torque_Nm = section.number("torque_Nm", 0.001, 1, device.torque_Nm);
+  }
+  if (hasWatchdog(device.kind)) {
+    device.watchdog = duration(section, "watchdog_ms", 20, 2540,
+                               is_ability_hand ? milliseconds(300) : device.watchdog);
+  } else {
+    // Nobody is to find that out when it matters.
+    static_cast<void>(section.choice<bool>("no_watchdog", {{"accepted", true}}));
+  }
   section.finish();
   return device;
 }
@@ -76,14 +103,18 @@ void readLoop(Section section, HandConfig& config) {
 
 void readStream(Section section, safety::GovernorOptions& governor) {
   governor.stale_after = duration(section, "stale_ms", 10, 10'000, governor.stale_after);
+  governor.step = section.number("step_rad", 0.01, 100, governor.step);
   governor.hold_for = duration(section, "hold_ms", 1, 600'000, governor.hold_for);
   section.finish();
 }
 
-void readArming(Section section, safety::GovernorOptions& governor) {
+void readArming(Section section, HandConfig& config) {
+  safety::GovernorOptions& governor = config.governor;
   governor.near = section.number("near_rad", 0, 1, governor.near);
   governor.ramp_share = section.number("ramp_share", 0.001, 1, governor.ramp_share);
   governor.outside = section.number("outside_rad", 0.001, 10, governor.outside);
+  config.motor_outside_rad =
+      section.number("motor_outside_rad", 0.001, 10, config.motor_outside_rad);
   governor.power_within =
       duration(section, "power_within_ms", 10, 60'000, governor.power_within);
   governor.reset_within =
@@ -99,10 +130,13 @@ void readStopping(Section section, safety::GovernorOptions& governor) {
   section.finish();
 }
 
-void readWatching(Section section, safety::GovernorOptions& governor) {
+void readWatching(Section section, HandConfig& config) {
+  safety::GovernorOptions& governor = config.governor;
   governor.device_silent_after =
       duration(section, "silent_ms", 5, 1000, governor.device_silent_after);
   governor.limited_for = duration(section, "limited_ms", 1, 60'000, governor.limited_for);
+  config.hot_c = section.number("hot_c", 20, 150, config.hot_c);
+  config.stalled_for = duration(section, "stalled_ms", 10, 3'600'000, config.stalled_for);
   section.finish();
 }
 
@@ -148,10 +182,13 @@ void readJoints(Section& file, HandConfig& config) {
 void readMotors(Section& file, HandConfig& config, bool is_known_kind) {
   const bool has_ids =
       config.device.kind == DeviceKind::kDynamixel || config.device.kind == DeviceKind::kODrive;
+  const std::size_t own = ownMotors(config.device.kind);
   const bool is_ability_hand = config.device.kind == DeviceKind::kAbilityHand;
   for (Section& section : file.list("motors", 1, kMostJoints)) {
     MotorConfig motor;
     motor.name = section.text("name");
+    if (section.has("joint")) motor.joint = section.text("joint");
+    motor.id = static_cast<int>(config.motors.size());
     motor.range_rad.lower = section.number("lower_rad", -kTurns, kTurns);
     motor.range_rad.upper = section.number("upper_rad", -kTurns, kTurns);
     if (!(motor.range_rad.lower < motor.range_rad.upper)) {
@@ -160,23 +197,74 @@ void readMotors(Section& file, HandConfig& config, bool is_known_kind) {
     }
     motor.velocity_rad_s = section.number("velocity_rad_s", 1e-3, 1000);
     if (!is_known_kind) {
-      section.allow({"id", "current_A", "gear", "zero_rad", "direction"});
+      section.allow({"id", "current_A", "gear", "zero_rad", "direction", "encoder",
+                     "torque_Nm_A", "gains"});
       section.finish();
       config.motors.push_back(motor);
       continue;
     }
+    if (own > 0) motor.id = section.integer("id", 0, static_cast<int>(own) - 1, motor.id);
     if (has_ids) {
       motor.id = section.integer("id", 0, 252);
       motor.current_A = section.number("current_A", 1e-3, 100);
     }
     if (!is_ability_hand) {
+      motor.torque_Nm_A = section.number("torque_Nm_A", 1e-4, 100, 1);
       motor.gear = section.number("gear", 1e-3, 1000, 1);
       motor.zero_rad = section.number("zero_rad", -kTurns, kTurns, 0);
       motor.direction = section.choice<int>("direction", {{"1", 1}, {"-1", -1}}, 1);
     }
+    if (config.device.kind == DeviceKind::kDynamixel && section.has("gains")) {
+      Section gains = section.section("gains", true);
+      motor.gains = MotorGains{gains.integer("p", 0, 16'383), gains.integer("i", 0, 16'383, 0),
+                               gains.integer("d", 0, 16'383, 0)};
+      gains.finish();
+    }
+    if (has_ids && section.has("encoder")) {
+      motor.encoder = section.choice<Encoder>(
+          "encoder",
+          {{"absolute", Encoder::kAbsolute}, {"incremental", Encoder::kIncremental}});
+    }
     section.finish();
     config.motors.push_back(motor);
   }
+}
+
+// Motors that say which joint they move come in that order, whatever theirs in the file is.
+void orderByJoint(Section& file, HandConfig& config) {
+  const bool is_told =
+      std::any_of(config.motors.begin(), config.motors.end(), [](const MotorConfig& motor) {
+        return !motor.joint.empty();
+      });
+  if (!is_told) return;
+  if (config.transmission.kind != TransmissionKind::kDirect) {
+    file.object("motors", "'joint' is of direct drive; here the transmission says it");
+    return;
+  }
+  const std::vector<std::string> joints = motorJoints(config);
+  std::vector<MotorConfig> ordered;
+  for (const std::string& joint : joints) {
+    const auto moves = [&joint](const MotorConfig& motor) {
+      return motor.joint == joint;
+    };
+    const auto found = std::find_if(config.motors.begin(), config.motors.end(), moves);
+    const auto count = std::count_if(config.motors.begin(), config.motors.end(), moves);
+    if (count == 1) {
+      ordered.push_back(*found);
+    } else {
+      file.object("motors", fmt::format("{} of them move joint {}; one has to", count,
+                                        handgraft::quoted(joint)));
+    }
+  }
+  for (std::size_t i = 0; i < config.motors.size(); ++i) {
+    const std::string& joint = config.motors[i].joint;
+    if (std::find(joints.begin(), joints.end(), joint) != joints.end()) continue;
+    file.object(fmt::format("motors[{}].joint", i),
+                joint.empty() ? "is missing: other motors have one"
+                              : fmt::format("{} is no joint with a motor of its own: {}",
+                                            handgraft::quoted(joint), fmt::join(joints, ", ")));
+  }
+  if (ordered.size() == config.motors.size()) config.motors = std::move(ordered);
 }
 
 void readHoming(Section& file, HandConfig& config) {
@@ -200,6 +288,19 @@ void readHoming(Section& file, HandConfig& config) {
     if (found == config.motors.end()) continue;
     step.motor = static_cast<std::size_t>(found - config.motors.begin());
     config.homing.push_back(step);
+    if (found->encoder == Encoder::kUnsaid) found->encoder = Encoder::kIncremental;
+  }
+  for (std::size_t i = 0; i < config.motors.size(); ++i) {
+    MotorConfig& motor = config.motors[i];
+    const bool is_homed =
+        std::any_of(config.homing.begin(), config.homing.end(), [i](const auto& step) {
+          return step.motor == i;
+        });
+    if (motor.encoder == Encoder::kIncremental && !is_homed) {
+      file.object(fmt::format("motors[{}].encoder", i),
+                  "an incremental one needs a step in 'homing': it forgets its zero");
+    }
+    if (motor.encoder == Encoder::kUnsaid) motor.encoder = Encoder::kAbsolute;
   }
 }
 
@@ -230,12 +331,13 @@ HandConfig parseHandConfig(const std::string& text) {
     config.device = deviceOf(device);
     readLoop(file.section("loop", false), config);
     readStream(file.section("stream", false), config.governor);
-    readArming(file.section("arming", false), config.governor);
+    readArming(file.section("arming", false), config);
     readStopping(file.section("emergency_stop", false), config.governor);
-    readWatching(file.section("watch", false), config.governor);
+    readWatching(file.section("watch", false), config);
     readJoints(file, config);
     readMotors(file, config, !device.isWrong("kind"));
     config.transmission = readTransmission(file.section("transmission", false), config);
+    orderByJoint(file, config);
     readHoming(file, config);
     config.calibration = file.text("calibration", "");
     file.finish();
@@ -260,8 +362,8 @@ HandConfig readHandConfig(const std::filesystem::path& path) {
   }
   if (!config.calibration.empty()) {
     config.calibration = path.parent_path() / config.calibration;
-    // Before the first homing there is none yet.
-    if (config.homing.empty() || std::filesystem::exists(config.calibration)) {
+    // Before the first homing, or the first `check`, there is none yet.
+    if (std::filesystem::exists(config.calibration)) {
       readCalibration(config.calibration, config);
       config.is_calibrated = true;
     }

@@ -8,10 +8,10 @@
 namespace handgraft::config {
 
 /// Reads everything about one hand (YAML `handgraft-hardware/1`; README of this folder), its
-/// calibration file included, and checks it as a whole. A hand that can be homed may be without
-/// its calibration file as yet.
-/// Errors: InvalidInput that names the file and everything that is wrong with it, each with its
-/// key and what is permitted, joined by "; ". Unknown keys are wrong.
+/// calibration file included, and checks it as a whole. The calibration file may not be there
+/// as yet: then zeros are not known. Errors: InvalidInput that names the file and everything
+/// that is wrong with it, each with its key and what is permitted, joined by "; ". Unknown keys
+/// are wrong.
 HandConfig readHandConfig(const std::filesystem::path& path);
 
 /// The same from a text; its calibration file is not read.

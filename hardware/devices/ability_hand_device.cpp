@@ -1,5 +1,6 @@
 #include "hardware/devices/ability_hand_device.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -26,6 +27,11 @@ AbilityHandDevice::AbilityHandDevice(AbilityHandConfig config, ByteChannel& byte
     scales_[i] = {ah::kRadPerCount, 0.0, 1, config_.lower[i], config_.upper[i]};
     validate(scales_[i], kNames[i], -ah::kLargestCount, ah::kLargestCount);
   }
+  auto sorted = config_.order;
+  std::sort(sorted.begin(), sorted.end());
+  for (std::size_t i = 0; i < sorted.size(); ++i) {
+    if (sorted[i] != i) rejectInput("Ability Hand order: motor {} is not there once", i);
+  }
   if (config_.address == 0) rejectInput("Ability Hand address 0 is outside 1 to 255");
   if (config_.reply_timeout <= Duration::zero() || config_.tolerated_misses < 0 ||
       config_.hot_patience < Duration::zero()) {
@@ -47,11 +53,9 @@ DeviceCounters AbilityHandDevice::counters() const {
   return counters;
 }
 
-std::array<double, ah::kTouchCount> AbilityHandDevice::touchForces() const {
-  std::array<double, ah::kTouchCount> forces{};
-  for (std::size_t i = 0; i < forces.size(); ++i)
-    forces[i] = ah::touchForce(last_.touch[i]);
-  return forces;
+std::span<const double> AbilityHandDevice::touch() const {
+  if (config_.reply == ah::Reply::kMotors) return {};
+  return touch_;
 }
 
 void AbilityHandDevice::doOpen() {
@@ -90,28 +94,32 @@ void AbilityHandDevice::doRead(DeviceState& state) {
   if (!is_owed_) askForState();
   if (takeReply()) {
     misses_ = 0;
-  } else if (++misses_ > config_.tolerated_misses) {
+  } else if (++misses_ > config_.tolerated_misses && (obeys_ || now - time_ > kIdlePatience)) {
     latch({Fault::Kind::kSilent, -1, 0});
   }
+  for (std::size_t i = 0; i < touch_.size(); ++i)
+    touch_[i] = ah::touchForce(last_.touch[i]);
   const bool has_velocity = last_.reply != ah::Reply::kTouchCurrent;
   const bool has_current = last_.reply != ah::Reply::kTouchVelocity;
   state.time = time_;
-  for (std::size_t i = 0; i < ah::kMotorCount; ++i) {
-    state.position[i] = scales_[i].angle(last_.position[i]);
-    state.velocity[i] =
+  for (std::size_t ours = 0; ours < ah::kMotorCount; ++ours) {
+    const std::size_t i = config_.order[ours];
+    state.position[ours] = scales_[i].angle(last_.position[i]);
+    state.velocity[ours] =
         has_velocity ? last_.velocity[i] * ah::kRotorRadPerSecondPerCount / ah::kGearRatio[i]
                      : kNaN;
-    state.current[i] = has_current ? last_.current[i] * ah::kAmperePerCount : kNaN;
-    state.limited[i] = static_cast<std::uint8_t>(last_.limited >> i & 1U);
+    state.current[ours] = has_current ? last_.current[i] * ah::kAmperePerCount : kNaN;
+    state.limited[ours] = static_cast<std::uint8_t>(last_.limited >> i & 1U);
   }
   watchLimited(time_);
 }
 
 void AbilityHandDevice::watchLimited(TimePoint now) {
-  for (std::size_t i = 0; i < ah::kMotorCount; ++i) {
+  for (std::size_t ours = 0; ours < ah::kMotorCount; ++ours) {
+    const std::size_t i = config_.order[ours];
     if ((last_.limited >> i & 1) == 0) free_time_[i] = now;
     if (obeys_ && now - free_time_[i] > config_.hot_patience)
-      latch({Fault::Kind::kHot, static_cast<int>(i), last_.limited});
+      latch({Fault::Kind::kHot, static_cast<int>(ours), last_.limited});
   }
 }
 
@@ -121,9 +129,10 @@ void AbilityHandDevice::doWrite(std::span<const double> targets) {
     return;
   }
   ah::Counts counts;
-  for (std::size_t i = 0; i < counts.size(); ++i) {
+  for (std::size_t ours = 0; ours < counts.size(); ++ours) {
+    const std::size_t i = config_.order[ours];
     counts[i] = static_cast<std::int16_t>(
-        scales_[i].wholeUnits(targets[i], -ah::kLargestCount, ah::kLargestCount));
+        scales_[i].wholeUnits(targets[ours], -ah::kLargestCount, ah::kLargestCount));
   }
   ah::encodeCommand(config_.address, ah::Mode::kPosition, config_.reply, counts, out_);
   send();

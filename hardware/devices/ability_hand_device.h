@@ -12,10 +12,13 @@ struct AbilityHandConfig {
   std::uint8_t address = protocols::ability_hand::kDefaultAddress;
   /// Which of its replies the hand is asked for; what the others have is NaN or 0.
   protocols::ability_hand::Reply reply = protocols::ability_hand::Reply::kMotors;
-  /// rad; index, middle, ring, pinky, thumb flexor, thumb rotator, which flexes negatively.
+  /// rad, in the hand's own order: index, middle, ring, pinky, thumb flexor, thumb rotator,
+  /// which flexes negatively.
   std::array<double, protocols::ability_hand::kMotorCount> lower{0, 0, 0, 0, 0, -1.74};
   std::array<double, protocols::ability_hand::kMotorCount> upper{1.74, 1.74, 1.74,
                                                                  1.74, 1.74, 0};
+  /// Which of its motors is which of ours.
+  std::array<std::size_t, protocols::ability_hand::kMotorCount> order{0, 1, 2, 3, 4, 5};
   Duration reply_timeout = std::chrono::milliseconds(5);
   int tolerated_misses = 3;  ///< answers in a row
   /// Our own longest silence while armed. The hand goes its own way after 300 ms.
@@ -40,8 +43,9 @@ class AbilityHandDevice final : public Device {
   [[nodiscard]] std::size_t motorCount() const override;
   [[nodiscard]] DeviceCounters counters() const override;
 
-  /// N, uncalibrated, of the last reply; zeros unless one with touch is asked for.
-  [[nodiscard]] std::array<double, protocols::ability_hand::kTouchCount> touchForces() const;
+  /// Uncalibrated, six of each finger and the thumb; nothing unless a reply with touch is asked
+  /// for.
+  [[nodiscard]] std::span<const double> touch() const override;
 
  private:
   void doOpen() override;
@@ -72,6 +76,7 @@ class AbilityHandDevice final : public Device {
   bool is_owed_ = false;  // a reply
   bool obeys_ = false;    // API mode
   int misses_ = 0;
+  std::array<double, protocols::ability_hand::kTouchCount> touch_{};
   std::array<TimePoint, protocols::ability_hand::kMotorCount> free_time_;  // last not limited
   DeviceCounters counters_;
 };

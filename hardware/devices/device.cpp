@@ -7,34 +7,50 @@
 
 namespace handgraft::devices {
 
+std::string describe(Fault::Kind kind) {
+  switch (kind) {
+    case Fault::Kind::kNone:
+      return "no fault";
+    case Fault::Kind::kWire:
+      return "the wire is gone";
+    case Fault::Kind::kSilent:
+      return "no answer";
+    case Fault::Kind::kHardware:
+      return "hardware error";
+    case Fault::Kind::kHot:
+      return "held back by the device, hot or blocked";
+    case Fault::Kind::kWatchdog:
+      return "the device's watchdog fired";
+    case Fault::Kind::kPowerLost:
+      return "lost its power";
+    case Fault::Kind::kStarved:
+      return "got no command for too long";
+    case Fault::Kind::kBadTarget:
+      return "was given a target that is no number";
+    case Fault::Kind::kNoWatchdog:
+      return "its own watchdog is not on, or too slow";
+  }
+  return "unknown fault";
+}
+
 std::string describe(const Fault& fault) {
-  const auto what = [&] {
-    switch (fault.kind) {
-      case Fault::Kind::kNone:
-        return "no fault";
-      case Fault::Kind::kWire:
-        return "the wire is gone";
-      case Fault::Kind::kSilent:
-        return "no answer";
-      case Fault::Kind::kHardware:
-        return "hardware error";
-      case Fault::Kind::kHot:
-        return "held back by the device, hot or blocked";
-      case Fault::Kind::kWatchdog:
-        return "the device's watchdog fired";
-      case Fault::Kind::kPowerLost:
-        return "lost its power";
-      case Fault::Kind::kStarved:
-        return "got no command for too long";
-      case Fault::Kind::kBadTarget:
-        return "was given a target that is no number";
-    }
-    return "unknown fault";
-  };
-  std::string text =
-      fault.motor >= 0 ? fmt::format("motor {}: {}", fault.motor, what()) : std::string(what());
+  std::string text = describe(fault.kind);
+  if (fault.motor >= 0) text = fmt::format("motor {}: {}", fault.motor, text);
   if (fault.code != 0) text += fmt::format(" (code 0x{:X})", fault.code);
   return text;
+}
+
+std::string wordsOf(std::uint32_t code, std::span<const ErrorBit> bits) {
+  std::string words;
+  const auto add = [&words](const std::string& word) {
+    words += (words.empty() ? "" : ", ") + word;
+  };
+  for (const ErrorBit& each : bits) {
+    if ((code & each.bit) != 0) add(each.word);
+    code &= ~each.bit;
+  }
+  if (code != 0) add(fmt::format("0x{:X}", code));
+  return words;
 }
 
 DeviceState::DeviceState(std::size_t motors)
@@ -99,6 +115,16 @@ bool Device::disarm() {
     if (!is_off) latch({Fault::Kind::kSilent, -1, 0});
   }));
   return is_off;
+}
+
+bool Device::recount(std::size_t motor, double encoder_rad) {
+  HANDGRAFT_REQUIRE(motor < motorCount() && std::isfinite(encoder_rad) && !is_armed_);
+  if (!is_open_ || fault_) return false;
+  bool is_done = false;
+  static_cast<void>(guarded([&] {
+    is_done = doRecount(motor, encoder_rad);
+  }));
+  return is_done;
 }
 
 void Device::stop() {

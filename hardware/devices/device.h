@@ -15,14 +15,15 @@ namespace handgraft::devices {
 struct Fault {
   enum class Kind : std::uint8_t {
     kNone,
-    kWire,       ///< the port is gone
-    kSilent,     ///< a motor has not answered several times in a row
-    kHardware,   ///< the device says so; `code` is its own error
-    kHot,        ///< the device holds a motor back for too long; `code` tells which
-    kWatchdog,   ///< the device's own watchdog fired
-    kPowerLost,  ///< a motor is off that ought to be on
-    kStarved,    ///< we were silent for so long that the device may have gone its own way
-    kBadTarget,  ///< we were asked to send what is no number
+    kWire,        ///< the port is gone
+    kSilent,      ///< a motor has not answered several times in a row
+    kHardware,    ///< the device says so; `code` is its own error
+    kHot,         ///< the device holds a motor back for too long; `code` tells which
+    kWatchdog,    ///< the device's own watchdog fired
+    kPowerLost,   ///< a motor is off that ought to be on
+    kStarved,     ///< we were silent for so long that the device may have gone its own way
+    kBadTarget,   ///< we were asked to send what is no number
+    kNoWatchdog,  ///< the device's own watchdog did not prove itself: it would not stop with us
   };
 
   Kind kind = Kind::kNone;
@@ -32,8 +33,22 @@ struct Fault {
   explicit operator bool() const { return kind != Kind::kNone; }
 };
 
-/// On one line, for people.
+/// On one line, for people; without the motor if it is named elsewhere.
 std::string describe(const Fault& fault);
+std::string describe(Fault::Kind kind);
+
+/// One bit of a device's error.
+struct ErrorBit {
+  std::uint32_t bit;
+  const char* word;
+};
+
+/// The words of all bits that are set, joined by ", "; those without one as a number.
+std::string wordsOf(std::uint32_t code, std::span<const ErrorBit> bits);
+
+/// A motor without power that does not answer is silent after so long; under power it takes
+/// `tolerated_misses` answers.
+inline constexpr std::chrono::seconds kIdlePatience(1);
 
 /// What a device measured, one entry per motor; NaN where it does not tell.
 struct DeviceState {
@@ -81,7 +96,8 @@ class Device {
   /// Errors: TransportError, DeviceError if it does not answer as it should.
   void open();
 
-  /// Motors on, each with the place where it stands as its target; the device's watchdog on.
+  /// Motors on, each with the place where it stands as its target; the device's watchdog on,
+  /// and proved to be: by reading it back, or by silence that it ends, once after each `open`.
   /// Errors: DeviceError with a fault latched, if the device does not do as told, or if a stop
   /// is asked for meanwhile (`heed`); the motors are off then.
   void arm();
@@ -110,11 +126,24 @@ class Device {
   /// from whatever thread arms, and must not block.
   void heed(std::function<bool()> is_asked) { is_stop_asked_ = std::move(is_asked); }
 
+  /// Lets a motor count from elsewhere: where it stands, its encoder tells `encoder_rad` from
+  /// now on, until it restarts. Only while disarmed. False if the device cannot, or did not.
+  bool recount(std::size_t motor, double encoder_rad);
+
+  /// From now on this motor's current is told anew in every period, or NaN.
+  virtual void attend(std::size_t /*motor*/) {}
+
   [[nodiscard]] const Fault& fault() const { return fault_; }
 
   [[nodiscard]] bool isArmed() const { return is_armed_; }
 
   [[nodiscard]] virtual DeviceCounters counters() const = 0;
+
+  /// What a fault's code means, in words of the device, joined by ", "; empty: not known.
+  [[nodiscard]] virtual std::string meaningOf(std::uint32_t /*code*/) const { return {}; }
+
+  /// N, what the device feels, in its own order; empty: nothing. Valid until the next `read`.
+  [[nodiscard]] virtual std::span<const double> touch() const { return {}; }
 
  protected:
   /// Latches the first fault; the later ones are its consequences.
@@ -135,6 +164,8 @@ class Device {
   virtual void doStop() = 0;
   // Makes the device forget its errors; doOpen follows.
   virtual void doHeal() = 0;
+
+  virtual bool doRecount(std::size_t /*motor*/, double /*encoder_rad*/) { return false; }
 
   // Runs `act`; latches what it throws, and cuts off the motors if they were on.
   template <class Act>

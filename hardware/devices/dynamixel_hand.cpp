@@ -1,6 +1,7 @@
 #include "hardware/devices/dynamixel_hand.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "core/base/error.h"
@@ -15,6 +16,8 @@ namespace {
 constexpr int kAttempts = 3;
 constexpr std::chrono::milliseconds kRebootTime(500);
 constexpr int kLongestReturnDelay_us = 508;
+constexpr int kHighestCurrent_mA = 6000;   // of the strongest model
+constexpr double kHighestProfile = 32767;  // register 112
 
 // The bytes that each cycle reads, and where they lie among the indirect data.
 constexpr std::array<std::uint8_t, 14> kBlockBytes = {126, 127, 128, 129, 130, 131, 132,
@@ -44,9 +47,9 @@ void validateMotors(const std::vector<DynamixelMotor>& motors) {
       rejectInput("motor {} is outside 0 to {}", name, dxl::kHighestId);
     if (std::exchange(is_taken[motor.id], true)) rejectInput("motor {} is there twice", name);
     validate(motor.scale, name, -dxl::kFarthestGoal, dxl::kFarthestGoal);
-    if (motor.current_limit_mA < 1 || motor.current_limit_mA > 2352) {
-      rejectInput("motor {}: current limit {} mA is outside 1 to 2352", name,
-                  motor.current_limit_mA);
+    if (motor.current_limit_mA < 1 || motor.current_limit_mA > kHighestCurrent_mA) {
+      rejectInput("motor {}: current limit {} mA is outside 1 to {}", name,
+                  motor.current_limit_mA, kHighestCurrent_mA);
     }
   }
 }
@@ -75,6 +78,7 @@ DynamixelHand::DynamixelHand(DynamixelConfig config, ByteChannel& bytes, Clock c
     ids_.push_back(motor.id);
   blocks_.resize(ids_.size());
   goals_.resize(ids_.size());
+  current_units_mA_.resize(ids_.size(), 1.0);
 }
 
 void DynamixelHand::doOpen() {
@@ -83,8 +87,8 @@ void DynamixelHand::doOpen() {
   std::fill(blocks_.begin(), blocks_.end(), Block{});
   bus_.writeAll(ids_, registers().torque, 0);
   bus_.writeAll(ids_, dxl::registerNamed("status_return_level"), 2);
-  for (const DynamixelMotor& motor : config_.motors)
-    setUp(motor);
+  for (std::size_t i = 0; i < config_.motors.size(); ++i)
+    setUp(i);
   if (!readBlocksSurely()) throw DeviceError("a Dynamixel motor does not tell its state");
   for (const Block& block : blocks_) {
     if (block.torque != 0) throw DeviceError("a Dynamixel motor does not switch off");
@@ -92,7 +96,8 @@ void DynamixelHand::doOpen() {
   findFaults();
 }
 
-void DynamixelHand::setUp(const DynamixelMotor& motor) {
+void DynamixelHand::setUp(std::size_t index) {
+  const DynamixelMotor& motor = config_.motors[index];
   const auto number = bus_.ping(motor.id);
   if (!number) throw DeviceError(fmt::format("Dynamixel motor {}: no answer", motor.id));
   const auto model = dxl::modelNumbered(*number);
@@ -100,10 +105,24 @@ void DynamixelHand::setUp(const DynamixelMotor& motor) {
     throw DeviceError(
         fmt::format("Dynamixel motor {}: model {} is not supported", motor.id, *number));
   }
-  if (motor.current_limit_mA > model->current_limit_mA) {
-    throw DeviceError(fmt::format("Dynamixel motor {}: {} bears at most {} mA, not {}",
-                                  motor.id, model->name, model->current_limit_mA,
-                                  motor.current_limit_mA));
+  if (model->current_unit_mA == 0) {
+    throw DeviceError(fmt::format(
+        "Dynamixel motor {}: {} does not limit its current, so nothing bounds its force",
+        motor.id, model->name));
+  }
+  if (index > 0 && indirect_data_ != model->indirect_data) {
+    throw DeviceError(fmt::format(
+        "Dynamixel motor {}: {} cannot be read together with motor {}: one is of the 330 "
+        "series, the other is not",
+        motor.id, model->name, config_.motors[0].id));
+  }
+  indirect_data_ = model->indirect_data;
+  current_units_mA_[index] = model->current_unit_mA;
+  const std::int64_t current = currentLimit(index);
+  if (model->highest_current > 0 && current > model->highest_current) {
+    throw DeviceError(fmt::format(
+        "Dynamixel motor {}: {} bears at most {:.0f} mA, not {}", motor.id, model->name,
+        std::floor(model->highest_current * model->current_unit_mA), motor.current_limit_mA));
   }
   const auto ensure = [&](const char* name, std::int64_t value) {
     bus_.ensure(motor.id, dxl::registerNamed(name), value);
@@ -115,14 +134,17 @@ void DynamixelHand::setUp(const DynamixelMotor& motor) {
   ensure("drive_mode", 0);
   ensure("operating_mode", dxl::kCurrentBasedPositionMode);
   ensure("startup_configuration", 0);  // otherwise it may switch itself on
-  ensure("current_limit", motor.current_limit_mA);
+  ensure("current_limit", current);
+  bus_.write(motor.id, registers().goal_current, current);
   const auto& shutdown = dxl::registerNamed("shutdown");
   const std::int64_t errors = bus_.read(motor.id, shutdown);
   if ((errors & model->shutdown_errors) != model->shutdown_errors)
     bus_.write(motor.id, shutdown, errors | model->shutdown_errors);
   // The motion is shaped before it comes here.
   ensure("profile_acceleration", 0);
-  ensure("profile_velocity", 0);
+  const double profile = std::ceil(motor.velocity_limit_rad_s / dxl::kVelocityUnit);
+  ensure("profile_velocity",
+         static_cast<std::int64_t>(std::clamp(profile, 0.0, kHighestProfile)));
   if (motor.gains) {
     ensure("position_p_gain", motor.gains->position_p);
     ensure("position_i_gain", motor.gains->position_i);
@@ -134,6 +156,11 @@ void DynamixelHand::setUp(const DynamixelMotor& motor) {
   bus_.writeBytes(motor.id, dxl::kIndirectAddresses, addresses.bytes());
 }
 
+std::int64_t DynamixelHand::currentLimit(std::size_t index) const {
+  const double counts = config_.motors[index].current_limit_mA / current_units_mA_[index];
+  return std::max<std::int64_t>(1, static_cast<std::int64_t>(counts));
+}
+
 void DynamixelHand::doArm() {
   if (!readBlocksSurely()) throw DeviceError("a Dynamixel motor does not tell its position");
   findFaults();
@@ -142,7 +169,7 @@ void DynamixelHand::doArm() {
     yieldToStop();
     // A goal of long ago would be run to at once.
     bus_.write(ids_[i], registers().goal_position, blocks_[i].position);
-    bus_.write(ids_[i], registers().goal_current, config_.motors[i].current_limit_mA);
+    bus_.write(ids_[i], registers().goal_current, currentLimit(i));
     bus_.write(ids_[i], registers().watchdog, watchdog_units_);
   }
   yieldToStop();
@@ -167,7 +194,7 @@ void DynamixelHand::doRead(DeviceState& state) {
     state.time = std::min(state.time, block.time);
     state.position[i] = scale.angle(block.position);
     state.velocity[i] = scale.direction * dxl::kVelocityUnit * block.velocity;
-    state.current[i] = scale.direction * dxl::kAmperePerCount * block.current;
+    state.current[i] = scale.direction * 1e-3 * current_units_mA_[i] * block.current;
     state.temperature[i] = block.temperature;
   }
   findFaults();
@@ -176,7 +203,7 @@ void DynamixelHand::doRead(DeviceState& state) {
 bool DynamixelHand::readBlocks() {
   for (Block& block : blocks_)
     ++block.misses;
-  bus_.readAll(ids_, dxl::kIndirectData, kBlockBytes.size(),
+  bus_.readAll(ids_, indirect_data_, kBlockBytes.size(),
                [&](std::size_t i, const dxl::Status& status) {
                  if (status.error != dxl::Error::kNone) return;
                  Block& block = blocks_[i];
@@ -210,11 +237,24 @@ void DynamixelHand::findFaults() {
     const Block& block = blocks_[i];
     const int motor = static_cast<int>(i);
     if (block.alert || block.error != 0) latch({Fault::Kind::kHardware, motor, block.error});
-    if (block.misses > config_.tolerated_misses) latch({Fault::Kind::kSilent, motor, 0});
+    // A hiccup of a hand without power endangers nobody.
+    const bool is_silent = expects_power_ || clock_() - block.time > kIdlePatience;
+    if (block.misses > config_.tolerated_misses && is_silent)
+      latch({Fault::Kind::kSilent, motor, 0});
     if (!expects_power_) continue;
     if (block.watchdog == dxl::kWatchdogTripped) latch({Fault::Kind::kWatchdog, motor, 0});
     if (block.torque == 0) latch({Fault::Kind::kPowerLost, motor, 0});
   }
+}
+
+std::string DynamixelHand::meaningOf(std::uint32_t code) const {
+  static constexpr std::array<ErrorBit, 5> kBits = {
+      {{dxl::kInputVoltage, "input voltage"},
+       {dxl::kOverheating, "overheating"},
+       {dxl::kEncoder, "encoder"},
+       {dxl::kElectricalShock, "electrical shock"},
+       {dxl::kOverload, "overload"}}};
+  return wordsOf(code, kBits);
 }
 
 void DynamixelHand::doWrite(std::span<const double> targets) {

@@ -15,7 +15,9 @@ struct DynamixelGains {
 struct DynamixelMotor {
   std::uint8_t id = 1;
   MotorScale scale{protocols::dynamixel::kRadPerCount};
-  std::int16_t current_limit_mA = 350;  ///< also what it may use to reach its target
+  int current_limit_mA = 350;  ///< also what it may use to reach its target
+  /// Of the motor's own profile: it bounds how fast a goal is run to; 0: it does not.
+  double velocity_limit_rad_s = 0;
   std::optional<DynamixelGains> gains = std::nullopt;  ///< those of the motor unless told
 };
 
@@ -27,7 +29,8 @@ struct DynamixelConfig {
   int return_delay_us = 0;   ///< before a motor answers; even, at most 508
 };
 
-/// A hand of XL330 or XC330 motors on one bus, in current-based position mode.
+/// A hand of X-series motors with current control on one bus, in current-based position mode;
+/// models whose indirect data lie elsewhere (the 330 and the others) are not mixed.
 ///
 /// In each cycle one sync read brings, of every motor, current, velocity, position, hardware
 /// error, temperature, watchdog and torque, through indirect addresses; one sync write sends
@@ -40,13 +43,15 @@ class DynamixelHand final : public Device {
  public:
   /// `bytes` has to live as long as this.
   /// Errors: InvalidInput, naming motor and value: no motors, an id twice or out of range,
-  /// limits beyond +-256 turns, a current limit outside 1 to 2352 mA, a watchdog outside 20 ms
+  /// limits beyond +-256 turns, a current limit outside 1 to 6000 mA, a watchdog outside 20 ms
   /// to 2.54 s, timings that are not positive.
   DynamixelHand(DynamixelConfig config, ByteChannel& bytes, Clock clock);
 
   [[nodiscard]] std::size_t motorCount() const override { return config_.motors.size(); }
 
   [[nodiscard]] DeviceCounters counters() const override { return counters_; }
+
+  [[nodiscard]] std::string meaningOf(std::uint32_t code) const override;
 
  private:
   void doOpen() override;
@@ -72,18 +77,22 @@ class DynamixelHand final : public Device {
     bool is_known = false;
   };
 
-  void setUp(const DynamixelMotor& motor);
+  void setUp(std::size_t index);
   // Reads all blocks; false if one is missing.
   bool readBlocks();
   // The same, with further attempts.
   bool readBlocksSurely();
   void findFaults();
+  // In the unit of the motor's model, rounded down.
+  [[nodiscard]] std::int64_t currentLimit(std::size_t index) const;
 
   DynamixelConfig config_;
   Clock clock_;
   ByteChannel& bytes_;
   DynamixelBus bus_;
   std::vector<std::uint8_t> ids_;
+  std::vector<double> current_units_mA_;  // of each motor's model
+  std::uint16_t indirect_data_ = protocols::dynamixel::kIndirectData;
   std::vector<Block> blocks_;
   std::vector<std::int32_t> goals_;
   int watchdog_units_;

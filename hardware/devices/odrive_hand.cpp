@@ -22,6 +22,11 @@ constexpr std::chrono::milliseconds kRepeat(20);  // of orders that wait to be o
 constexpr double kFarthest_rev = 1e5;             // a float there still tells 0.01 rev
 constexpr int kLongestBacklog = 1024;             // frames; 2 s of three axes
 constexpr std::uint32_t kWatchdogExpired05 = 0x800;
+constexpr std::chrono::milliseconds kHeartbeatDelay(200);  // twice their period
+constexpr int kCurrentMisses = 3;  // in a row: then a current is not known any more
+constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr double kRecounted =
+    0.01;  // rev: an axis that stands still tells its new count so well
 
 }  // namespace
 
@@ -43,7 +48,7 @@ ODriveHand::ODriveHand(ODriveConfig config, CanChannel& can, Clock clock)
   }
   if (config_.reply_timeout <= Duration::zero() || config_.tolerated_misses < 0 ||
       config_.heartbeat_timeout <= Duration::zero() ||
-      config_.state_timeout <= Duration::zero()) {
+      config_.state_timeout <= Duration::zero() || config_.watchdog <= Duration::zero()) {
     rejectInput("ODrive timings have to be positive");
   }
   known_.resize(config_.axes.size());
@@ -57,9 +62,9 @@ DeviceCounters ODriveHand::counters() const {
 
 void ODriveHand::doOpen() {
   can_.open();
-  expects_power_ = false;
+  expects_power_ = is_watchdog_proved_ = false;
   Known nothing{};
-  nothing.current_A = kNaN;
+  nothing.current_A = nothing.temperature = kNaN;
   std::fill(known_.begin(), known_.end(), nothing);
   const TimePoint start = clock_();
   setStates(AxisState::kIdle);
@@ -74,6 +79,7 @@ void ODriveHand::doOpen() {
         setStates(AxisState::kIdle);
       }))
     throw DeviceError("an ODrive axis does not become idle");
+  setLimits();  // whoever was here before may have left others
   for (int attempt = 0; attempt < kAttempts && !ask(); ++attempt) {
   }
   for (std::size_t i = 0; i < known_.size(); ++i) {
@@ -96,6 +102,15 @@ void ODriveHand::doArm() {
   std::vector<float> here;
   for (const Known& known : known_)
     here.push_back(known.estimates.first);
+  closeLoops(here);
+  if (!is_watchdog_proved_) {
+    proveWatchdogs();
+    closeLoops(here);
+  }
+  expects_power_ = true;
+}
+
+void ODriveHand::closeLoops(const std::vector<float>& here) {
   const auto hold = [&] {
     yieldToStop();
     for (std::size_t i = 0; i < here.size(); ++i)
@@ -104,21 +119,93 @@ void ODriveHand::doArm() {
   for (const ODriveAxis& axis : config_.axes) {
     can_.send(odrive::setControllerMode(axis.node, odrive::ControlMode::kPosition,
                                         odrive::InputMode::kPassthrough));
-    can_.send(odrive::setLimits(axis.node, static_cast<float>(axis.velocity_limit_rev_s),
-                                static_cast<float>(axis.current_limit_A)));
   }
+  setLimits();
   hold();  // before the power comes: an old target would be run to at once
   setStates(AxisState::kClosedLoop);
-  if (!reach(AxisState::kClosedLoop, hold)) {
-    findFaults(clock_());
-    throw DeviceError(fault() ? "cannot arm: " + describe(fault())
-                              : "an ODrive axis does not close its loop");
+  if (reach(AxisState::kClosedLoop, hold)) return;
+  findFaults(clock_());
+  throw DeviceError(fault() ? "cannot arm: " + describe(fault())
+                            : "an ODrive axis does not close its loop");
+}
+
+// Nothing is sent, since every message feeds a watchdog.
+void ODriveHand::proveWatchdogs() {
+  const TimePoint start = clock_();
+  const auto have_fired = [&] {
+    return haveHeartbeatsSince(start) &&
+           std::all_of(known_.begin(), known_.end(), [&](const Known& known) {
+             return isWatchdogsAlone(known.heartbeat) &&
+                    known.heartbeat.state != AxisState::kClosedLoop;
+           });
+  };
+  const Duration patience = config_.watchdog + config_.watchdog / 2 + kHeartbeatDelay;
+  bool is_proved = false;
+  while (!is_proved && clock_() - start < patience) {
+    yieldToStop();
+    is_proved = listen(kRepeat, have_fired);
   }
-  expects_power_ = true;
+  for (std::size_t i = 0; !is_proved && i < known_.size(); ++i) {
+    const odrive::Heartbeat& heartbeat = known_[i].heartbeat;
+    if (isWatchdogsAlone(heartbeat)) continue;
+    const auto kind = heartbeat.isFaulty() ? Fault::Kind::kHardware : Fault::Kind::kNoWatchdog;
+    latch({kind, static_cast<int>(i), heartbeat.error});
+    if (heartbeat.isFaulty()) throw DeviceError("cannot arm: " + describe(fault()));
+    throw DeviceError(fmt::format(
+        "ODrive node {}: its watchdog did not switch it off within {:.4g} ms of silence: save "
+        "enable_watchdog and a watchdog_timeout of {:.4g} s on it",
+        config_.axes[i].node, std::chrono::duration<double, std::milli>(patience).count(),
+        std::chrono::duration<double>(config_.watchdog).count()));
+  }
+  // What was provoked is forgotten again.
+  const auto is_clear = [&] {
+    return std::none_of(known_.begin(), known_.end(), [](const Known& known) {
+      return known.heartbeat.isFaulty();
+    });
+  };
+  const TimePoint cleared = clock_();
+  bool is_done = false;
+  while (!is_done && clock_() - cleared < config_.state_timeout) {
+    yieldToStop();
+    setStates(AxisState::kIdle);
+    for (const ODriveAxis& axis : config_.axes)
+      can_.send(odrive::clearErrors(axis.node));
+    is_done = listen(kRepeat, [&] {
+      return haveHeartbeatsSince(cleared) && is_clear();
+    });
+  }
+  if (!is_done) throw DeviceError("an ODrive axis does not forget its watchdog's error");
+  is_watchdog_proved_ = true;
+}
+
+bool ODriveHand::isWatchdogsAlone(const odrive::Heartbeat& heartbeat) const {
+  const std::uint32_t watchdog =
+      config_.firmware == odrive::Firmware::k06 ? odrive::kWatchdogExpired : kWatchdogExpired05;
+  return heartbeat.error == watchdog;
+}
+
+// The count itself is the sign: an axis that restarts counts from 0 again.
+bool ODriveHand::doRecount(std::size_t motor, double encoder_rad) {
+  if (config_.firmware != odrive::Firmware::k06) return false;  // 0.5 knows counts alone
+  const auto wanted = static_cast<float>(encoder_rad / kTurn);
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    can_.send(odrive::setAbsolutePosition(config_.axes[motor].node, wanted));
+    if (ask() && std::abs(known_[motor].estimates.first - wanted) < kRecounted) return true;
+  }
+  return false;
 }
 
 void ODriveHand::doRead(DeviceState& state) {
-  can_.send(odrive::askFor(config_.axes[turn_].node, Command::kGetIq));
+  const auto ask_current = [this](std::size_t i) {
+    ++known_[i].current_misses;
+    can_.send(odrive::askFor(config_.axes[i].node, Command::kGetIq));
+  };
+  // Answers of what was asked in the last cycle are at hand now, without waiting.
+  drain();
+  ask_current(turn_);
+  if (attended_ && *attended_ != turn_) ask_current(*attended_);
+  if (config_.firmware == odrive::Firmware::k06)
+    can_.send(odrive::askFor(config_.axes[turn_].node, Command::kGetTemperature));
   turn_ = (turn_ + 1) % config_.axes.size();
   ask();
   state.time = TimePoint::max();
@@ -129,9 +216,40 @@ void ODriveHand::doRead(DeviceState& state) {
     state.time = std::min(state.time, known.estimates_time);
     state.position[i] = scale.angle(known.estimates.first);
     state.velocity[i] = scale.direction * scale.rad_per_unit * known.estimates.second;
-    state.current[i] = scale.direction * known.current_A;
+    const bool is_old = known.current_misses > kCurrentMisses;
+    state.current[i] = is_old ? kNaN : scale.direction * known.current_A;
+    state.temperature[i] = known.temperature;
   }
   findFaults(clock_());
+}
+
+std::string ODriveHand::meaningOf(std::uint32_t code) const {
+  // Firmware 0.6; that of 0.5 has other bits for the same.
+  static constexpr std::array<ErrorBit, 22> k06 = {{{0x1, "initializing"},
+                                                    {0x2, "system level"},
+                                                    {0x4, "timing"},
+                                                    {0x8, "missing estimate"},
+                                                    {0x10, "bad config"},
+                                                    {0x20, "driver fault"},
+                                                    {0x40, "missing input"},
+                                                    {0x100, "DC bus over voltage"},
+                                                    {0x200, "DC bus under voltage"},
+                                                    {0x400, "DC bus over current"},
+                                                    {0x800, "DC bus over regeneration current"},
+                                                    {0x1000, "current limit violation"},
+                                                    {0x2000, "motor over temperature"},
+                                                    {0x4000, "inverter over temperature"},
+                                                    {0x8000, "velocity limit violation"},
+                                                    {0x10000, "position limit violation"},
+                                                    {0x1000000, "watchdog timer expired"},
+                                                    {0x2000000, "emergency stop requested"},
+                                                    {0x4000000, "spinout detected"},
+                                                    {0x8000000, "brake resistor disarmed"},
+                                                    {0x10000000, "thermistor disconnected"},
+                                                    {0x40000000, "calibration"}}};
+  static constexpr std::array<ErrorBit, 2> k05 = {
+      {{0x800, "watchdog timer expired"}, {0x4000, "emergency stop requested"}}};
+  return config_.firmware == odrive::Firmware::k06 ? wordsOf(code, k06) : wordsOf(code, k05);
 }
 
 void ODriveHand::doWrite(std::span<const double> targets) {
@@ -162,23 +280,6 @@ void ODriveHand::doHeal() {
     can_.send(odrive::clearErrors(axis.node));
 }
 
-bool ODriveHand::proveWatchdog(Duration silence) {
-  if (!isArmed()) throw DeviceError("the watchdog is proven on an armed hand");
-  const TimePoint end = clock_() + silence;
-  listen(silence, [] {
-    return false;
-  });
-  listen(config_.heartbeat_timeout, [&] {
-    return haveHeartbeatsSince(end);
-  });
-  const bool has_fired = std::all_of(known_.begin(), known_.end(), [](const Known& known) {
-    return known.heartbeat.isFaulty() && known.heartbeat.state != AxisState::kClosedLoop;
-  });
-  findFaults(clock_());
-  stop();
-  return has_fired;
-}
-
 // === The bus
 
 void ODriveHand::take(const CanFrame& frame) {
@@ -205,6 +306,11 @@ void ODriveHand::take(const CanFrame& frame) {
     known.misses = 0;
   } else if (const auto iq = odrive::iqOf(frame)) {
     known.current_A = iq->second;
+    known.current_misses = 0;
+  } else if (const auto hot = odrive::temperatureOf(frame);
+             hot && config_.firmware == odrive::Firmware::k06) {
+    // A motor without a thermistor tells 0 or NaN.
+    known.temperature = std::fmax(hot->first, hot->second);
   } else {
     ++counters_.stray;
   }
@@ -273,6 +379,13 @@ bool ODriveHand::reach(AxisState state, Again&& again) {
   return false;
 }
 
+void ODriveHand::setLimits() {
+  for (const ODriveAxis& axis : config_.axes) {
+    can_.send(odrive::setLimits(axis.node, static_cast<float>(axis.velocity_limit_rev_s),
+                                static_cast<float>(axis.current_limit_A)));
+  }
+}
+
 void ODriveHand::setStates(AxisState state) {
   for (const ODriveAxis& axis : config_.axes)
     can_.send(odrive::setAxisState(axis.node, state));
@@ -294,8 +407,9 @@ void ODriveHand::findFaults(TimePoint now) {
     if ((heartbeat.error & watchdog) != 0)
       latch({Fault::Kind::kWatchdog, motor, heartbeat.error});
     if (heartbeat.isFaulty()) latch({Fault::Kind::kHardware, motor, heartbeat.error});
-    if (known.misses > config_.tolerated_misses ||
-        now - known.heartbeat_time > config_.heartbeat_timeout) {
+    const bool is_owed = known.misses > config_.tolerated_misses &&
+                         (expects_power_ || now - known.estimates_time > kIdlePatience);
+    if (is_owed || now - known.heartbeat_time > config_.heartbeat_timeout) {
       latch({Fault::Kind::kSilent, motor, 0});
     }
     if (expects_power_ && heartbeat.state != AxisState::kClosedLoop)

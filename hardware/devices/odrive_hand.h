@@ -1,6 +1,7 @@
 #pragma once
 
 #include <numbers>
+#include <optional>
 
 #include "hardware/devices/can_channel.h"
 #include "hardware/devices/device.h"
@@ -25,16 +26,21 @@ struct ODriveConfig {
   /// Axes tell their state every 100 ms unless configured otherwise.
   Duration heartbeat_timeout = std::chrono::milliseconds(350);
   Duration state_timeout = std::chrono::seconds(1);  ///< for a change of state
+  /// As saved on the axes: within one and a half of it an axis left alone must switch itself
+  /// off.
+  Duration watchdog = std::chrono::milliseconds(200);
 };
 
 /// Brushless motors behind ODrive axes on a CAN bus, in position control.
 ///
-/// In each cycle every axis is asked for its estimates, one of them in turn for its current
-/// (`open` asks all of them);
-/// heartbeats come by themselves. Its watchdog cannot be set over CAN: `enable_watchdog` and
-/// `watchdog_timeout` have to be saved on each axis. `proveWatchdog` shows whether they are.
+/// In each cycle every axis is asked for its estimates, one of them in turn for its current and
+/// its temperatures (`open` asks all of them), the attended one always for its current;
+/// heartbeats come by themselves. The watchdog cannot be set over CAN: `enable_watchdog` and
+/// `watchdog_timeout` have to be saved on each axis. The first `arm` after each `open` proves
+/// them: it holds the axes where they stand, falls silent, and goes on only if each one said
+/// that its watchdog switched it off. That error, and no other, `arm` clears.
 ///
-/// An axis latches its errors. `arm` never clears them, `reset` does. `stop` is the axes' own
+/// An axis latches its errors. `arm` clears no other, `reset` does. `stop` is the axes' own
 /// emergency stop, which is such an error.
 class ODriveHand final : public Device {
  public:
@@ -45,10 +51,9 @@ class ODriveHand final : public Device {
 
   [[nodiscard]] DeviceCounters counters() const override;
 
-  /// Holds the armed axes where they are told to be, falls silent for `silence`, and then tells
-  /// whether every axis' watchdog has fired. Ends disarmed, with that fault latched if so.
-  /// For commissioning. Errors: DeviceError if not armed.
-  bool proveWatchdog(Duration silence);
+  void attend(std::size_t motor) override { attended_ = motor; }
+
+  [[nodiscard]] std::string meaningOf(std::uint32_t code) const override;
 
  private:
   /// What is known of one axis.
@@ -61,7 +66,9 @@ class ODriveHand final : public Device {
     bool is_answered = false;  ///< in this cycle
     bool has_estimates = false;
     int misses = 0;
-    double current_A = 0.0;  ///< NaN until it is told
+    double current_A = 0.0;    ///< NaN until it is told
+    int current_misses = 0;    ///< in a row
+    double temperature = 0.0;  ///< degrees Celsius, the hotter one; NaN until it is told
   };
 
   void doOpen() override;
@@ -71,6 +78,7 @@ class ODriveHand final : public Device {
   bool doDisarm() override;
   void doStop() override;
   void doHeal() override;
+  bool doRecount(std::size_t motor, double encoder_rad) override;
 
   // What a frame says, to the axis it is from.
   void take(const protocols::CanFrame& frame);
@@ -87,6 +95,11 @@ class ODriveHand final : public Device {
   template <class Again>
   bool reach(protocols::odrive::AxisState state, Again&& again);
   void setStates(protocols::odrive::AxisState state);
+  void setLimits();
+  // Power on with each axis told to stay at `here`.
+  void closeLoops(const std::vector<float>& here);
+  void proveWatchdogs();
+  [[nodiscard]] bool isWatchdogsAlone(const protocols::odrive::Heartbeat& heartbeat) const;
   bool haveHeartbeatsSince(TimePoint time) const;
   void findFaults(TimePoint now);
 
@@ -95,7 +108,9 @@ class ODriveHand final : public Device {
   Clock clock_;
   std::vector<Known> known_;
   std::size_t turn_ = 0;  // which axis is asked for its current
+  std::optional<std::size_t> attended_;
   bool expects_power_ = false;
+  bool is_watchdog_proved_ = false;  // of each axis, since `open`
   DeviceCounters counters_;
 };
 

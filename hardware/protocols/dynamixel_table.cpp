@@ -72,10 +72,40 @@ constexpr std::array kTable = {
 };
 // clang-format on
 
+constexpr std::uint16_t k330 = kIndirectData, kOthers = kIndirectDataOfOthers;
+constexpr double kNoCurrent = 0, kFine_mA = 1.0, kCoarse_mA = 2.69;
+
+// clang-format off: a table. Source: e-Manual, one page a model.
 constexpr std::array kModels = {
-    ModelFacts{"XC330-M288-T", 1240, 2352, 350, 0x34},
-    ModelFacts{"XL330-M288-T", 1200, 1750, 445, 0x35},
+    ModelFacts{"XC330-M288-T", 1240, kFine_mA, 2352, 0x34, k330},
+    ModelFacts{"XC330-M181-T", 1230, kFine_mA, 0, 0x34, k330},
+    ModelFacts{"XC330-T288-T", 1220, kFine_mA, 0, 0x34, k330},
+    ModelFacts{"XC330-T181-T", 1210, kFine_mA, 0, 0x34, k330},
+    ModelFacts{"XL330-M288-T", 1200, kFine_mA, 1750, 0x35, k330},
+    ModelFacts{"XL330-M077-T", 1190, kFine_mA, 1750, 0x35, k330},
+    ModelFacts{"XM430-W210", 1030, kCoarse_mA, 1193, 0x34, kOthers},
+    ModelFacts{"XM430-W350", 1020, kCoarse_mA, 1193, 0x34, kOthers},
+    ModelFacts{"XM540-W270", 1120, kCoarse_mA, 2047, 0x34, kOthers},
+    ModelFacts{"XM540-W150", 1130, kCoarse_mA, 2047, 0x34, kOthers},
+    ModelFacts{"XH430-W350", 1000, kCoarse_mA, 648, 0x34, kOthers},
+    ModelFacts{"XH430-W210", 1010, kCoarse_mA, 648, 0x34, kOthers},
+    ModelFacts{"XH430-V350", 1040, 1.34, 689, 0x34, kOthers},
+    ModelFacts{"XH430-V210", 1050, 1.34, 689, 0x34, kOthers},
+    ModelFacts{"XH540-W270", 1100, kCoarse_mA, 2047, 0x34, kOthers},
+    ModelFacts{"XH540-W150", 1110, kCoarse_mA, 2047, 0x34, kOthers},
+    ModelFacts{"XH540-V270", 1140, kCoarse_mA, 0, 0x34, kOthers},
+    ModelFacts{"XH540-V150", 1150, kCoarse_mA, 0, 0x34, kOthers},
+    ModelFacts{"XW540-T260", 1170, kCoarse_mA, 0, 0x34, kOthers},
+    ModelFacts{"XW540-T140", 1180, kCoarse_mA, 0, 0x34, kOthers},
+    ModelFacts{"XW430-T333", 1270, kCoarse_mA, 0, 0x34, kOthers},
+    ModelFacts{"XW430-T200", 1280, kCoarse_mA, 0, 0x34, kOthers},
+    ModelFacts{"XL430-W250", 1060, kNoCurrent, 0, 0x34, kOthers},
+    ModelFacts{"2XL430-W250", 1090, kNoCurrent, 0, 0x34, kOthers},
+    ModelFacts{"XC430-W150", 1070, kNoCurrent, 0, 0x34, kOthers},
+    ModelFacts{"XC430-W240", 1080, kNoCurrent, 0, 0x34, kOthers},
+    ModelFacts{"2XC430-W250", 1160, kNoCurrent, 0, 0x34, kOthers},
 };
+// clang-format on
 
 }  // namespace
 
@@ -89,6 +119,10 @@ const Register& registerNamed(std::string_view name) {
   });
   HANDGRAFT_REQUIRE(found != kTable.end());
   return *found;
+}
+
+std::span<const ModelFacts> models() {
+  return kModels;
 }
 
 std::optional<ModelFacts> modelNumbered(std::uint16_t number) {

@@ -5,7 +5,7 @@
 #include <span>
 #include <string_view>
 
-/// The control table of the XL330 and XC330 motors, as data.
+/// The control table of the X series with current control, as data.
 namespace handgraft::protocols::dynamixel {
 
 /// One register. EEPROM registers can be written only while the torque is off.
@@ -19,8 +19,9 @@ struct Register {
   std::string_view name;
 };
 
-/// Sorted by address. Source: e-Manual, control table of the XC330-M288-T; the XL330-M288-T
-/// differs in the start values of `ModelFacts` alone.
+/// Sorted by address. Source: e-Manual, control table of the XC330-M288-T. The other models
+/// have the same registers at the same addresses, named as Dynamixel Wizard names them, but for
+/// what `ModelFacts` tells; their start values may differ.
 std::span<const Register> controlTable();
 
 /// The register of that name. Errors: BrokenContract if there is none.
@@ -29,11 +30,17 @@ const Register& registerNamed(std::string_view name);
 /// What differs between the models.
 struct ModelFacts {
   std::string_view name;
-  std::uint16_t number;           ///< register 0, and in a ping's reply
-  std::int16_t current_limit_mA;  ///< highest of register 38
-  std::int32_t velocity_limit;    ///< register 44, in `kVelocityUnit`
-  std::uint8_t shutdown_errors;   ///< register 63: hardware errors that cut the torque
+  std::uint16_t number;  ///< register 0, and in a ping's reply
+  /// Of registers 38, 102 and 126; 0: the motor measures no current and cannot limit it.
+  double current_unit_mA;
+  std::int16_t
+      highest_current;  ///< of register 38, in that unit; 0: the motor itself refuses more
+  std::uint8_t shutdown_errors;  ///< register 63: hardware errors that cut the torque
+  std::uint16_t indirect_data;   ///< where the bytes of the indirect addresses are read
 };
+
+/// All of them, also those that a hand cannot be driven with.
+std::span<const ModelFacts> models();
 
 /// Nothing for a number that is not in the table.
 std::optional<ModelFacts> modelNumbered(std::uint16_t number);
@@ -44,7 +51,6 @@ inline constexpr double kPi = 3.14159265358979323846;
 inline constexpr int kCountsPerRevolution = 4096;
 inline constexpr double kRadPerCount = 2.0 * kPi / kCountsPerRevolution;
 inline constexpr double kVelocityUnit = 0.229 * 2.0 * kPi / 60.0;  ///< rad/s
-inline constexpr double kAmperePerCount = 0.001;
 inline constexpr int kWatchdogUnit_ms = 20;
 inline constexpr int kLongestWatchdog = 127;  ///< in `kWatchdogUnit_ms`
 /// Goal positions of the modes over several turns, either way.
@@ -67,8 +73,10 @@ enum HardwareError : std::uint8_t {
 // === Indirect addresses: which 20 single bytes can be read in one piece
 
 inline constexpr std::uint16_t kIndirectAddresses = 168;  ///< 20 x 2 bytes
-/// 20 bytes. Differs: text that the e-Manual shares with the XM and XH models says 224.
+/// Of the XL330 and XC330, 20 bytes. Differs: text that their e-Manual shares with the others
+/// says 224, which is theirs alone.
 inline constexpr std::uint16_t kIndirectData = 208;
+inline constexpr std::uint16_t kIndirectDataOfOthers = 224;
 inline constexpr int kIndirectCount = 20;
 
 }  // namespace handgraft::protocols::dynamixel

@@ -95,6 +95,11 @@ CanFrame clearErrors(int node) {
   return make(node, Command::kClearErrors, std::uint8_t{0});
 }
 
+CanFrame setAbsolutePosition(int node, float position_rev) {
+  HANDGRAFT_REQUIRE(std::isfinite(position_rev));
+  return make(node, Command::kSetAbsolutePosition, position_rev);
+}
+
 CanFrame estop(int node) {
   return make(node, Command::kEstop);
 }
@@ -177,6 +182,11 @@ std::optional<InputPosition> inputPositionOf(const CanFrame& frame) {
   return InputPosition{numberAt<float>(frame.bytes(), 0),
                        kFeedForwardUnit * numberAt<std::int16_t>(frame.bytes(), 4),
                        kFeedForwardUnit * numberAt<std::int16_t>(frame.bytes(), 6)};
+}
+
+std::optional<float> absolutePositionOf(const CanFrame& frame) {
+  if (!carries(frame, Command::kSetAbsolutePosition, 4)) return std::nullopt;
+  return numberAt<float>(frame.bytes(), 0);
 }
 
 std::optional<FloatPair> limitsOf(const CanFrame& frame) {

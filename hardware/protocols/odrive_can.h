@@ -27,6 +27,7 @@ enum class Command : std::uint8_t {
   kGetTemperature = 0x15,
   kReboot = 0x16,
   kClearErrors = 0x18,
+  kSetAbsolutePosition = 0x19,  ///< firmware 0.6
 };
 
 enum class AxisState : std::uint8_t {
@@ -88,6 +89,8 @@ CanFrame setInputVelocity(int node, float velocity_rev_s, float torque_Nm);
 CanFrame setInputTorque(int node, float torque_Nm);
 CanFrame setLimits(int node, float velocity_rev_s, float current_A);
 CanFrame clearErrors(int node);
+/// Firmware 0.6: the encoder tells `position_rev` where it stands, until the axis restarts.
+CanFrame setAbsolutePosition(int node, float position_rev);
 /// Disarms the axis with the error `kEstopRequested`, which stays until it is cleared.
 CanFrame estop(int node);
 
@@ -155,6 +158,7 @@ struct InputPosition {
 };
 
 std::optional<InputPosition> inputPositionOf(const CanFrame& frame);
+std::optional<float> absolutePositionOf(const CanFrame& frame);
 /// rev/s and A.
 std::optional<FloatPair> limitsOf(const CanFrame& frame);
 

@@ -36,6 +36,7 @@ GovernorOptions validated(GovernorOptions options) {
     rejectInput("near {} is not in [0, inf)", options.near);
   if (!(options.ramp_share > 0) || !(options.ramp_share <= 1))
     rejectInput("ramp share {} is not in (0, 1]", options.ramp_share);
+  if (!(options.step > 0)) rejectInput("step {} is not positive", options.step);
   if (!(options.outside > 0)) rejectInput("outside {} is not positive", options.outside);
   if (options.overruns_in_a_row == 0) rejectInput("overruns in a row must be at least 1");
   return options;
@@ -90,6 +91,7 @@ Refusal Governor::armRefusal(Time now) const {
     return Refusal::kNotMeasured;
   if (!stream_.isFresh(now)) return Refusal::kNoFreshStream;
   if (isFarOutside()) return Refusal::kOutOfRange;
+  if (motors_outside_) return Refusal::kMotorsOutside;
   if (!wants_power_ && device_reports_power_) return Refusal::kMotorsOn;
   return Refusal::kNone;
 }
@@ -286,6 +288,8 @@ void Governor::watchPower(const DeviceReport& device, Time now) {
 
 void Governor::watchMotors(const DeviceReport& device, Time now) {
   if (wants_power_ && isFarOutside()) enterFault(FaultCause::kOutOfRange);
+  motors_outside_ = device.motors_outside;
+  if (wants_power_ && motors_outside_) enterFault(FaultCause::kMotorsOutside);
   if (!device.limited) {
     limited_since_.reset();
     return;
@@ -357,10 +361,23 @@ MotorOrder Governor::orderUnderPower(Time now) {
 }
 
 void Governor::follow() {
-  if (aim_anew_) limiter_.aim(target_);
+  if (aim_anew_) {
+    ramping_ = ramping_ || isFarStep();
+    limiter_.aim(target_);
+  }
   aim_anew_ = false;
   if (ramping_ && isNearTarget(limiter_.positions())) ramping_ = false;
   limiter_.setSpeedShare(ramping_ ? options_.ramp_share : 1.0);
+}
+
+bool Governor::isFarStep() const {
+  const bool rests = limiter_.atRest();
+  for (std::size_t i = 0; i < target_.size(); ++i) {
+    const bool jumps = std::abs(target_[i] - limiter_.targets()[i]) > options_.step;
+    const bool is_far = std::abs(target_[i] - limiter_.positions()[i]) > options_.step;
+    if (is_far && (rests || jumps)) return true;
+  }
+  return false;
 }
 
 bool Governor::isNearTarget(std::span<const double> positions) const {

@@ -21,6 +21,9 @@ namespace handgraft::safety {
 /// - positions are finite, inside the limits, with velocity, acceleration and jerk within
 ///   theirs (1e-6 relative): the limiter sees to it and an independent guard asserts it.
 ///
+/// A far pose is gone to slowly: the first one after `arm`, and each that is a long step from a
+/// hand at rest, or from the pose before.
+///
 /// Power goes on where the hand is: until the device reports power, what is sent is the
 /// measured pose. Late ticks are not made up for.
 ///
@@ -83,6 +86,9 @@ class Governor {
   /// The newest accepted pose inside the limits, rad; zeros before the first.
   [[nodiscard]] const std::vector<double>& target() const { return target_; }
 
+  /// The same as it was asked for.
+  [[nodiscard]] const std::vector<double>& asked() const { return stream_.target(); }
+
   /// What was sent last, rad; meaningful under power.
   [[nodiscard]] std::span<const double> commanded() const { return limiter_.positions(); }
 
@@ -96,6 +102,7 @@ class Governor {
   bool isFarOutside() const;
   Refusal armRefusal(Time now) const;
   bool isNearTarget(std::span<const double> positions) const;
+  [[nodiscard]] bool isFarStep() const;
 
   void enterFault(FaultCause cause);
   void enterHold(HoldCause cause);
@@ -134,6 +141,7 @@ class Governor {
   bool is_connected_ = false;
   bool device_reports_power_ = false;
   bool device_reports_fault_ = false;
+  bool motors_outside_ = false;
   bool must_cut_ = false;  // power went off by an order that may not have arrived
   std::optional<Time> last_tick_;
   unsigned overruns_in_a_row_ = 0;

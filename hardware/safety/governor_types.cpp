@@ -60,6 +60,8 @@ const char* toString(Refusal refusal) {
       return "no fresh measured pose";
     case Refusal::kOutOfRange:
       return "measured far outside the limits";
+    case Refusal::kMotorsOutside:
+      return "a motor stands far outside its range";
     case Refusal::kMotorsOn:
       return "motors are still on";
     case Refusal::kNothingToReset:
@@ -84,6 +86,8 @@ const char* toString(FaultCause cause) {
       return "measured pose is no pose";
     case FaultCause::kOutOfRange:
       return "measured far outside the limits";
+    case FaultCause::kMotorsOutside:
+      return "a motor is far outside its range";
     case FaultCause::kNoPower:
       return "motors did not go on";
     case FaultCause::kPowerLost:

@@ -47,6 +47,7 @@ enum class Refusal {
   kNoFreshStream,  ///< no valid sample within the stale time
   kNotMeasured,    ///< no fresh measured pose
   kOutOfRange,     ///< measured far outside the limits: calibration or encoder
+  kMotorsOutside,  ///< a motor stands far outside its own range, whatever the joints say
   kMotorsOn,       ///< the device reports power that nobody ordered, or brakes still
   kNothingToReset,
   kCount,
@@ -60,6 +61,7 @@ enum class FaultCause {
   kDeviceSilent,    ///< measured state too old under power
   kBadMeasurement,  ///< wrong length or not finite
   kOutOfRange,      ///< measured far outside the limits under power
+  kMotorsOutside,   ///< a motor far outside its own range under power
   kNoPower,         ///< motors did not go on when ordered
   kPowerLost,       ///< motors went off by themselves: the device's own watchdog or shutdown
   kStaysOn,         ///< motors did not go off when ordered
@@ -93,6 +95,8 @@ struct GovernorOptions {
   Milliseconds hold_for{1000};    ///< from the beginning of a hold to power off
   double near = 0.1;              ///< rad; arming farther from the first target: ramp
   double ramp_share = 0.1;        ///< of each velocity limit, until the target is near
+  double step =
+      0.5;  ///< rad; a target that jumps farther, or is farther from a hand at rest: ramp
   StopMode stop_mode = StopMode::kBrake;
   Milliseconds brake_within{1000};  ///< after it power goes off, whatever still moves
 
@@ -123,6 +127,7 @@ struct DeviceReport {
   bool limited = false;          ///< a motor says that it does not obey (hot, stalled, limited)
   Time measured_at{};
   std::span<const double> position;  ///< rad, one per joint
+  bool motors_outside = false;       ///< a motor stands far outside its own range
 };
 
 enum class Power {

@@ -1,5 +1,6 @@
 #include "hardware/safety/homing_run.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -14,6 +15,9 @@ constexpr double kAccelerationPerSpeed = 10;  // 1/s
 constexpr double kJerkPerSpeed = 200;         // 1/s^2
 // A motor that still creeps at a quarter of its speed is slowed, not stopped.
 constexpr double kStandingShare = 0.25;
+// What a soft position loop may lag behind while it pushes.
+constexpr double kLeash_s = 0.5;
+constexpr double kLeash_rad = 0.1;
 
 JointLimits limitsOf(const HomingStep& step, double start_rad) {
   const auto positive = [](double value) {
@@ -56,8 +60,14 @@ double HomingRun::tick(double position_rad, double current_A, Time now) {
       limiter_.brake();
     }
   }
+  if (state_ != State::kFailed) {
+    farthest_rad_ = std::max(farthest_rad_, std::abs(position_rad - start_rad_));
+    largest_A_ = std::max(largest_A_, std::abs(current_A));
+  }
   if (runs && state_ != State::kFailed) seek(position_rad, current_A, now);
-  const double sent = limiter_.step()[0];
+  const double leash = kLeash_rad + kLeash_s * step_.speed_rad_s;
+  const bool is_ahead = runs && std::abs(limiter_.positions()[0] - position_rad) > leash;
+  const double sent = is_ahead ? limiter_.positions()[0] : limiter_.step()[0];
   if (state_ == State::kBackingOff && limiter_.atRest()) state_ = State::kDone;
   return sent;
 }

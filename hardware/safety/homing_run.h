@@ -24,9 +24,10 @@ struct HomingStep {
 /// state machine in injected time, as the governor is; whoever runs it gives the motor power
 /// and limits its current, and stops everything on an emergency stop.
 ///
-/// The target never leaves `travel_rad` around the start, and what is sent is smooth. A motor
-/// that is not held back within that travel, or not within twice the time that it takes, has
-/// failed: it brakes and keeps its place.
+/// The target never leaves `travel_rad` around the start, is never farther from where the motor
+/// says it is than half a second's way and 0.1 rad, and what is sent is smooth: should it not
+/// move, or not say so, it is not sent on. A motor that is not held back within that travel, or
+/// not within twice the time that it takes, has failed: it brakes and keeps its place.
 class HomingRun {
  public:
   enum class State { kSeeking, kPressing, kBackingOff, kDone, kFailed };
@@ -43,6 +44,11 @@ class HomingRun {
   /// The device's angle where the motor's is 0; once the stop was found.
   [[nodiscard]] std::optional<double> zero() const { return zero_rad_; }
 
+  /// So far: rad from the start, and A.
+  [[nodiscard]] double farthest() const { return farthest_rad_; }
+
+  [[nodiscard]] double largestCurrent() const { return largest_A_; }
+
  private:
   void seek(double position_rad, double current_A, Time now);
 
@@ -53,6 +59,8 @@ class HomingRun {
   Time deadline_;
   Time pressing_since_{};
   double pressed_at_rad_ = 0;
+  double farthest_rad_ = 0;
+  double largest_A_ = 0;
   std::optional<double> zero_rad_;
 };
 

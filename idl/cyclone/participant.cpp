@@ -23,6 +23,7 @@
 #include "core/base/error.h"
 #include "idl/edits.h"
 #include "idl/hardware.h"
+#include "idl/ros2.h"
 #include "idl/sensor_msgs.h"
 #include "idl/service.h"
 
@@ -280,10 +281,47 @@ const Network& Participant::network() const {
 
 namespace {
 
+// ROS 2's own middleware announces no type information, and where both sides announce it,
+// Cyclone compares members' names: rosidl's end with an underscore, so that nothing ever
+// matched. Without it types meet by name alone. The flags are fixed, so the descriptor is put
+// together anew.
+dds_topic_descriptor_t withoutTypeInformation(const dds_topic_descriptor_t& whole) {
+  return {.m_size = whole.m_size,
+          .m_align = whole.m_align,
+          .m_flagset = whole.m_flagset & ~std::uint32_t{DDS_TOPIC_XTYPES_METADATA},
+          .m_nkeys = whole.m_nkeys,
+          .m_typename = whole.m_typename,
+          .m_keys = whole.m_keys,
+          .m_nops = whole.m_nops,
+          .m_ops = whole.m_ops,
+          .m_meta = whole.m_meta,
+          .type_information = {nullptr, 0},
+          .type_mapping = {nullptr, 0},
+          .restrict_data_representation = whole.restrict_data_representation};
+}
+
+template <class Message>
+bool isRos(const Topic<Message>& topic) {
+  return topic.ros_type_hash[0] != '\0';
+}
+
 template <class Message>
 dds_entity_t createTopic(const Participant::Impl& participant, const Topic<Message>& topic) {
-  return dds_create_topic(participant.entity.get(), descriptorOf<Message>(), topic.name,
+  const dds_topic_descriptor_t& whole = *descriptorOf<Message>();
+  const dds_topic_descriptor_t bare = withoutTypeInformation(whole);
+  return dds_create_topic(participant.entity.get(), isRos(topic) ? &bare : &whole, topic.name,
                           nullptr, nullptr);
+}
+
+// As ROS since Iron finds out whether both sides mean the same type.
+template <class Message>
+QosPtr qosOf(const Topic<Message>& topic, int depth) {
+  QosPtr qos = qosOf(topic.qos, depth);
+  if (isRos(topic)) {
+    const std::string data = fmt::format("typehash={};", topic.ros_type_hash);
+    dds_qset_userdata(qos.get(), data.data(), data.size());
+  }
+  return qos;
 }
 
 }  // namespace
@@ -298,7 +336,7 @@ struct Writer<Message>::Impl {
         topic(createTopic(*participant, what), "no topic", name),
         writer(dds_create_writer(participant->entity.get(),
                                  topic.get(),
-                                 qosOf(what.qos, depthOf(what.qos).writer).get(),
+                                 qosOf(what, depthOf(what.qos).writer).get(),
                                  nullptr),
                "no writer",
                name) {}
@@ -353,13 +391,13 @@ struct Reader<Message>::Impl {
         name(what.name),
         on_data(std::move(listener)),
         topic(createTopic(*participant, what), "no topic", name),
-        reader(createReader(what.qos), "no reader", name),
+        reader(createReader(what), "no reader", name),
         condition(dds_create_readcondition(reader.get(), DDS_ANY_STATE), "no condition", name),
         waitset(dds_create_waitset(participant->entity.get()), "no waitset", name) {
     checked(dds_waitset_attach(waitset.get(), condition.get(), 0), "no waitset", name);
   }
 
-  dds_entity_t createReader(Qos profile) {
+  dds_entity_t createReader(const Topic<Message>& what) {
     const std::unique_ptr<dds_listener_t, void (*)(dds_listener_t*)> listener(
         dds_create_listener(this), dds_delete_listener);
     if (on_data) {
@@ -368,7 +406,7 @@ struct Reader<Message>::Impl {
       });
     }
     return dds_create_reader(participant->entity.get(), topic.get(),
-                             qosOf(profile, depthOf(profile).reader).get(),
+                             qosOf(what, depthOf(what.qos).reader).get(),
                              on_data ? listener.get() : nullptr);
   }
 
@@ -463,6 +501,12 @@ HANDGRAFT_MESSAGE(v1::HandCommand, handgraft_v1_HandCommand)
 HANDGRAFT_MESSAGE(v1::JointState, handgraft_v1_JointState)
 HANDGRAFT_MESSAGE(v1::BridgeStatus, handgraft_v1_BridgeStatus)
 HANDGRAFT_MESSAGE(sensor_msgs::msg::dds_::JointState_, sensor_msgs_msg_dds__JointState_)
+HANDGRAFT_MESSAGE(trajectory_msgs::msg::dds_::JointTrajectory_,
+                  trajectory_msgs_msg_dds__JointTrajectory_)
+HANDGRAFT_MESSAGE(diagnostic_msgs::msg::dds_::DiagnosticArray_,
+                  diagnostic_msgs_msg_dds__DiagnosticArray_)
+HANDGRAFT_MESSAGE(std_srvs::srv::dds_::Trigger_Request_, std_srvs_srv_dds__Trigger_Request_)
+HANDGRAFT_MESSAGE(std_srvs::srv::dds_::Trigger_Response_, std_srvs_srv_dds__Trigger_Response_)
 
 #undef HANDGRAFT_MESSAGE
 

@@ -1,5 +1,6 @@
 // CAN frames as they come from a text adapter on a tty or from the kernel, through ODrive's
-// decoders; and as the answers to the driver of ODrive axes. The first byte says which.
+// and the Allegro Hand's decoders; and as the answers to their drivers. The first byte says
+// which.
 
 #include <cmath>
 #include <cstdint>
@@ -7,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "hardware/devices/allegro_hand.h"
 #include "hardware/devices/odrive_hand.h"
 #include "hardware/devices/slcan_channel.h"
 #include "hardware/protocols/slcan.h"
@@ -61,6 +63,16 @@ void useFrame(const CanFrame& frame) {
     HANDGRAFT_PROMISE(again && again->active == report->active &&
                       again->disarm_reason == report->disarm_reason);
   }
+  if (const auto pose = allegro::poseOf(frame)) {
+    const auto again = allegro::poseOf(allegro::makePose(pose->finger, pose->numbers));
+    HANDGRAFT_PROMISE(again && again->finger == pose->finger &&
+                      again->numbers == pose->numbers);
+  }
+  if (const auto torque = allegro::torqueOf(frame)) {
+    const auto again = allegro::torqueOf(allegro::setTorque(torque->finger, torque->numbers));
+    HANDGRAFT_PROMISE(again && again->numbers == torque->numbers);
+  }
+  static_cast<void>(allegro::temperatureOf(frame));
   static_cast<void>(odrive::axisStateOf(frame));
   static_cast<void>(odrive::controllerModeOf(frame));
   if (const auto goal = odrive::inputPositionOf(frame);
@@ -119,6 +131,15 @@ void driveHand(Bytes bytes, std::size_t step) {
   drive(hand);
 }
 
+void driveAllegro(Bytes bytes, std::size_t step) {
+  Answers answers(bytes, step);
+  devices::SlcanChannel can(answers, 1000000, answers.clock());
+  devices::AllegroConfig config;
+  config.scales.fill({allegro::kRadPerCount, 0, 1, -1, 1});
+  devices::AllegroHand hand(config, can, answers.clock());
+  drive(hand);
+}
+
 void failUnderPower(Bytes bytes, std::size_t step) {
   handgraft::test::ODriveEmulator bus({0}, odrive::Firmware::k06);
   handgraft::test::SlcanEmulator adapter(bus);
@@ -140,6 +161,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (what == 2 || what == 3 || what == 6) bytes = wires = framed(bytes, makeLine);
   if (what == 0 || what == 2) checkStream<slcan::Framing>(bytes, step, useLine);
   if (what == 1 || what == 3) driveHand(bytes, step);
+  if (what == 1) driveAllegro(bytes, step);
   if (what == 4) useKernelFrames(bytes);
   if (what == 5) useFrame(frameOf(bytes));
   if (what == 6 || what == 7) failUnderPower(bytes, step);

@@ -6,7 +6,7 @@
 set -euo pipefail
 bin=$1
 minutes=${2:-10}
-targets=(mesh_file raw_mesh urdf contact_set contact_map packed session_file dynamixel ability_hand can hand_config calibration)
+targets=(mesh_file raw_mesh urdf contact_set contact_map packed session_file dynamixel ability_hand inspire can hand_config calibration)
 [ $# -lt 3 ] || targets=("$3")
 corpus=build/fuzz/corpus
 findings=build/fuzz/findings
@@ -26,7 +26,7 @@ printf 'format: handgraft-calibration/1\nhand: h\nmotors:\n  - {name: a, zero_ra
   >"$corpus/calibration/two_motors.yaml"
 cp -r tests/fuzz/regressions/. "$corpus"
 
-declare -A longest=([mesh_file]=8192 [raw_mesh]=2048 [urdf]=16384 [contact_set]=4096 [contact_map]=12288 [packed]=256 [session_file]=2048 [dynamixel]=1024 [ability_hand]=1024
+declare -A longest=([mesh_file]=8192 [raw_mesh]=2048 [urdf]=16384 [contact_set]=4096 [contact_map]=12288 [packed]=256 [session_file]=2048 [dynamixel]=1024 [ability_hand]=1024 [inspire]=1024
   [can]=1024 [hand_config]=6144 [calibration]=1024)
 failed=0
 for target in "${targets[@]}"; do

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <csignal>
 #include <fstream>
+#include <iterator>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -42,7 +44,7 @@ StandInServer::StandInServer(const Network& network,
   sessions_.write(state_);
   life_ = std::thread([this] {
     for (int i = 0; !is_ending_; ++i) {
-      if (i % 10 == 0) say(false);
+      if (i % 10 == 0 && !is_paused_) say(false);
       std::this_thread::sleep_for(milliseconds(50));
     }
   });
@@ -91,8 +93,10 @@ BridgeBench::BridgeBench(const Network& network, const std::string& config_text)
   std::ofstream(config_path_) << config_text;
 }
 
-void BridgeBench::startBridge() {
-  bridge_ = std::make_unique<Process>(program("handgraft-bridge"), argumentsOf(1));
+void BridgeBench::startBridge(const std::vector<std::string>& more) {
+  std::vector<std::string> arguments = argumentsOf(1);
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  bridge_ = std::make_unique<Process>(program("handgraft-bridge"), arguments);
 }
 
 std::vector<std::string> BridgeBench::argumentsOf(int bridge_id) const {
@@ -177,6 +181,31 @@ bool BridgeBench::arrive(const std::function<std::vector<double>()>& goals,
     if (!arm()) return false;
   }
   return false;
+}
+
+void replace(std::string& text, const std::string& what, const std::string& by) {
+  const std::size_t at = text.find(what);
+  if (at == std::string::npos) throw std::runtime_error("the example has no " + what);
+  text.replace(at, what.size(), by);
+}
+
+std::string patientExample(const std::string& name) {
+  std::ifstream file(sourceDirectory() / "hardware" / "config" / "examples" / (name + ".yaml"));
+  std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (name == "ability_hand") {  // its own watchdog cannot be changed
+    replace(text, "longest_gap_ms: 100", "longest_gap_ms: 280, overruns_in_a_row: 1000");
+    replace(text, "watch: {limited_ms: 500}", "watch: {silent_ms: 1000}");
+    replace(text, "baud: 460800",
+            "baud: 460800\n  reply_timeout_ms: 5\n  tolerated_misses: 50");
+  } else {
+    replace(text, "longest_gap_ms: 80", "longest_gap_ms: 1000, overruns_in_a_row: 1000");
+    replace(text, "watchdog_ms: 100",
+            "watchdog_ms: 2500\n  reply_timeout_ms: 10\n  tolerated_misses: 50");
+    text += "watch: {silent_ms: 1000}\n";
+  }
+  replace(text, "stream: {stale_ms: 500, hold_ms: 1000}",
+          "stream: {stale_ms: 3000, hold_ms: 300}");
+  return text;
 }
 
 std::string directConfig(const std::string& device,

@@ -30,6 +30,9 @@ class StandInServer {
 
   void stream(const std::vector<double>& joint_rad);
 
+  /// It says nothing, as if it were suspended, until it is told to go on.
+  void pause(bool is_paused) { is_paused_ = is_paused; }
+
   /// The session takes a hand of this name by an edit; poses from now on are of it.
   void take(const std::string& hand);
 
@@ -45,6 +48,7 @@ class StandInServer {
   v1::SessionState state_;
   std::uint64_t number_ = 0;
   std::atomic<bool> is_ending_{false};
+  std::atomic<bool> is_paused_{false};
   std::thread life_;
 };
 
@@ -55,7 +59,7 @@ class BridgeBench {
   /// of the emulated device.
   BridgeBench(const Network& network, const std::string& config_text);
 
-  void startBridge();
+  void startBridge(const std::vector<std::string>& more = {});
   /// Arguments to start `handgraft-bridge` on the same device under another number.
   [[nodiscard]] std::vector<std::string> argumentsOf(int bridge_id) const;
   /// Ends it as by SIGTERM, and waits; its exit code.
@@ -102,6 +106,13 @@ class BridgeBench {
   idl::cyclone::Reader<v1::JointState> joint_states_;
   std::uint64_t command_id_ = 0;
 };
+
+/// An example config as it is shipped, its rate included, but patient: it meets real time on a
+/// busy machine.
+std::string patientExample(const std::string& name);
+
+/// Replaces the one place of `what` in `text`; throws if there is none.
+void replace(std::string& text, const std::string& what, const std::string& by);
 
 /// A config of `joints` by direct drive over [-limit, limit]; patient, since it meets real time
 /// on a busy machine. Of an ability_hand, joints beyond the sixth follow the first ones.

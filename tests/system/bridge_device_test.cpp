@@ -220,6 +220,72 @@ TEST_F(BridgeOnADevice, AServerThatStopsMakesItHoldThenGoOff) {
   EXPECT_FALSE(bench_.rig().isPowered()) << "a returning stream resumes nothing";
 }
 
+// Poses answer edits, and after the pause nobody edits.
+TEST_F(BridgeOnADevice, AfterAServersPauseItCanBeArmedWithoutAnEdit) {
+  moveOn();
+  server_->pause(true);
+  EXPECT_TRUE(goesOff()) << bench_.told();
+  EXPECT_TRUE(bench_.status(v1::BRIDGE_IDLE)) << bench_.told();
+  server_->pause(false);
+  expectStandsStill();
+  EXPECT_TRUE(bench_.arm()) << bench_.told();
+}
+
+TEST_F(BridgeOnADevice, AFaultNamesMotorAndJointAndSaysItInWords) {
+  moveOn();
+  bench_.rig().breakDown();
+  const auto status = bench_.status(v1::BRIDGE_FAULT);
+  ASSERT_TRUE(status.has_value()) << bench_.told();
+  EXPECT_NE(status->reason().find("motor 'm1' (id 1, joint 'b'): hardware error: overload "
+                                  "(code 0x20)"),
+            std::string::npos)
+      << status->reason();
+}
+
+TEST_F(BridgeOnADevice, ClampingIsToldWithWhatWasAskedAndGiven) {
+  moveOn();
+  server_->stream({2.4, -2.4, 4.3});
+  const auto status = bench_.status([](const v1::BridgeStatus& told) {
+    return !told.clamping().empty();
+  });
+  ASSERT_TRUE(status.has_value()) << bench_.told();
+  EXPECT_EQ(status->clamping(), "'c' asked for 4.3 rad, given 2.5");
+  EXPECT_NEAR(status->clamped_rad(), 1.8, 1e-3);
+  EXPECT_TRUE(bench_.arrive(
+      [] {
+        return std::vector<double>{2.4, -2.4, 2.5};
+      },
+      5e-3));
+  EXPECT_TRUE(bench_.bridge().waitForText("reached as far as the limits permit"))
+      << bench_.told();
+}
+
+TEST_F(BridgeOnADevice, APoseOfNoNumbersIsRefusedAndNotReached) {
+  bench_.startBridge();
+  server_->stream({0.1, 0.1, 0.1});
+  ASSERT_TRUE(bench_.arm()) << bench_.told();
+  ASSERT_TRUE(bench_.bridge().waitForText("pose 1 reached")) << bench_.told();
+  server_->stream({std::nan(""), 0.1, 0.1});
+  const auto status = bench_.status([](const v1::BridgeStatus& told) {
+    return told.refusal() == v1::REFUSAL_POSE;
+  });
+  ASSERT_TRUE(status.has_value()) << bench_.told();
+  EXPECT_EQ(status->last_refusal(), "pose refused: not finite");
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_EQ(bench_.told().find("pose 2 reached"), std::string::npos) << bench_.told();
+}
+
+TEST_F(BridgeOnADevice, ALongStepFromRestIsGoneToSlowly) {
+  bench_.startBridge();
+  server_->stream({0.1, 0.1, 0.1});
+  ASSERT_TRUE(bench_.arm()) << bench_.told();
+  ASSERT_TRUE(bench_.bridge().waitForText("pose 1 reached")) << bench_.told();
+  server_->stream({0.1, 2.4, 0.1});
+  EXPECT_TRUE(bench_.status([](const v1::BridgeStatus& told) {
+    return told.slow() && told.state() == v1::BRIDGE_ARMED;
+  })) << bench_.told();
+}
+
 TEST_F(BridgeOnADevice, AnArmingBeforeItsTimeIsNotReplayed) {
   server_->stream({0.3, 0.3, 0.3});
   bench_.shout(v1::COMMAND_ARM);
@@ -261,6 +327,7 @@ TEST_F(BridgeOnADevice, AnotherHandInTheFollowedSessionEndsItsStream) {
     return !told.last_refusal().empty();
   });
   ASSERT_TRUE(refused.has_value());
+  EXPECT_EQ(refused->refusal(), v1::REFUSAL_NO_FRESH_POSE);
   EXPECT_EQ(refused->last_refusal(),
             "ARM refused: no fresh pose: session 11 is of hand 'three_left', this one is "
             "'three': passed over");

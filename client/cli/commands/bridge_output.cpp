@@ -34,6 +34,8 @@ std::string paragraph(const v1::BridgeStatus& bridge) {
                    age(bridge.stream_age_s()), age(bridge.command_age_s()),
                    bridge.poses_accepted(), bridge.poses_refused()));
   if (!bridge.last_refusal().empty()) line("refused", bridge.last_refusal());
+  if (!bridge.warnings().empty()) line("warning", bridge.warnings());
+  if (!bridge.clamping().empty()) line("clamped", bridge.clamping());
   line("limits", fmt::format("targets clamped in {} periods, motion cut in {}",
                              bridge.clamped(), bridge.limited()));
   line("off by", fmt::format("{:.4f} rad from what was sent; {:.4f} rad that it cannot follow",

@@ -210,6 +210,11 @@ struct BridgePlotOptions {
   std::filesystem::path out;
 };
 
+/// What `handgraft-bridge` itself does, alone with a device: scan, make-config, jog, check.
+struct BringUpOptions {
+  std::vector<std::string> arguments;
+};
+
 struct WatchOptions {
   std::uint64_t session_id = 0;
   std::uint64_t count = 0;  ///< solutions; 0: until the session closes
@@ -234,6 +239,7 @@ using CommandOptions = std::variant<DoctorOptions,
                                     BridgeOptions,
                                     BridgeRecordOptions,
                                     BridgePlotOptions,
+                                    BringUpOptions,
                                     WatchOptions,
                                     TransferOptions,
                                     SuggestOptions,
@@ -269,6 +275,7 @@ int run(const BridgeRecordOptions& options,
 int run(const BridgePlotOptions& options,
         const CommonOptions& common,
         Interruption& interruption);
+int run(const BringUpOptions& options, const CommonOptions& common, Interruption& interruption);
 int run(const WatchOptions& options, const CommonOptions& common, Interruption& interruption);
 int run(const TransferOptions& options,
         const CommonOptions& common,

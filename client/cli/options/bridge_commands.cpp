@@ -76,6 +76,23 @@ void addPlot(CLI::App& bridge, CommandOptions& chosen) {
   });
 }
 
+// Devices are the bridge program's; its own --help says what there is to tell it.
+void addBringUp(CLI::App& parent,
+                const char* name,
+                const char* help,
+                const char* step,
+                CommandOptions& chosen) {
+  CLI::App* command = parent.add_subcommand(name, help);
+  command->prefix_command();
+  command->set_help_flag();
+  command->callback([command, step, &chosen] {
+    BringUpOptions options;
+    options.arguments = command->remaining();
+    options.arguments.insert(options.arguments.begin(), step);
+    chosen = options;
+  });
+}
+
 }  // namespace
 
 void addBridgeCommands(CLI::App& app, CommandOptions& chosen) {
@@ -91,6 +108,14 @@ void addBridgeCommands(CLI::App& app, CommandOptions& chosen) {
             Action::kReset, chosen);
   addAction(*bridge, "home", "Find the motors' zeros: they run to their stops", Action::kHome,
             chosen);
+  addBringUp(*bridge, "scan", "What answers on a port; nothing moves", "scan", chosen);
+  CLI::App* config = bridge->add_subcommand("config", "Configs of hands");
+  config->require_subcommand(1);
+  addBringUp(*config, "make", "A config to fill in, from a hand's URDF", "make-config", chosen);
+  addBringUp(*bridge, "jog", "Turn one motor slowly while the space bar is held", "jog",
+             chosen);
+  addBringUp(*bridge, "check", "A guided walk: directions, zeros, ranges, watchdog, stop",
+             "check", chosen);
   addRecord(*bridge, chosen);
   addPlot(*bridge, chosen);
 }

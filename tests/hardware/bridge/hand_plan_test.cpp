@@ -70,5 +70,21 @@ TEST(HandPlan, RefusesDescriptionsThatNoHandCanHave) {
   refuses(handOf("h", {joint("a", 0, 1, kNaN)}), "velocity limit nan");
 }
 
+TEST(HandPlan, DifferencesOfConfigAndModelAreTold) {
+  const v1::HandDescription model = handOf("h", {joint("a", -0.5, 1.5), joint("b", 0, 1)});
+  config::HandConfig config;
+  config.governor.names = {"b", "a"};
+  config.governor.limits = {{.lower = 0.1, .upper = 1}, {.lower = -0.5, .upper = 1.5}};
+  EXPECT_EQ(differencesOf(model, config), "") << "in any order; less than the model is fine";
+  config.governor.limits[0].upper = 1.2;
+  EXPECT_THAT(differencesOf(model, config),
+              HasSubstr("joint 'b' may go from 0.1 to 1.2 rad, its model from 0 to 1"));
+  config.governor.names[1] = "c";
+  EXPECT_THAT(differencesOf(model, config),
+              HasSubstr("the model's joint 'a' is not in the config"));
+  EXPECT_THAT(differencesOf(model, config),
+              HasSubstr("the config's joint 'c' is not in the model"));
+}
+
 }  // namespace
 }  // namespace handgraft::bridge

@@ -151,6 +151,8 @@ class EveryHandInAStorm : public ::testing::TestWithParam<std::string> {};
 TEST_P(EveryHandInAStorm, KeepsEveryLimitAndTheDeviceDecodesIt) {
   config::HandConfig config = test::exampleConfig(GetParam());
   config.homing.clear();  // as if it had been homed
+  config.governor.step = 100;  // slow steps would try no limit
+  config.governor.stale_after = std::chrono::milliseconds(100);
   const std::vector<safety::JointLimits>& limits = config.governor.limits;
   HandInMotion hand(config);
   Storm storm(hand, 20261121);
@@ -219,7 +221,10 @@ TEST_P(EveryHandInAStorm, KeepsEveryLimitAndTheDeviceDecodesIt) {
 
 INSTANTIATE_TEST_SUITE_P(Examples,
                          EveryHandInAStorm,
-                         ::testing::Values("leap", "ability_hand", "printed_tendon_hand"),
+                         ::testing::Values("leap",
+                                           "ability_hand",
+                                           "printed_tendon_hand",
+                                           "inspire_rh56"),
                          [](const auto& told) {
                            return told.param;
                          });

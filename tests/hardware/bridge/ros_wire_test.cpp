@@ -67,7 +67,7 @@ TEST_F(RosWire, JointStatesAreTheBytesThatRosExpects) {
   MotionState state(2);
   state.position = {1.0, -2.5};
   state.velocity = {0.5, 0.0};
-  writer_.write(rosJointState({"a", "bc"}, state, std::chrono::nanoseconds(1'000'000'002)));
+  writer_.write(rosJointState("", {"a", "bc"}, state, std::chrono::nanoseconds(1'000'000'002)));
 
   ddsi_serdata* sample = nullptr;
   dds_sample_info_t info;

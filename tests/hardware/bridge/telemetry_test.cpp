@@ -49,14 +49,14 @@ TEST(Telemetry, AHandThatIsNotThereHasNoPose) {
 
 TEST(Telemetry, RosLeavesUnknownVelocitiesOut) {
   MotionState state = measured();
-  EXPECT_EQ(rosJointState(kNames, state, nanoseconds(0)).velocity(), state.velocity);
+  EXPECT_EQ(rosJointState("hand", kNames, state, nanoseconds(0)).velocity(), state.velocity);
   state.velocity[1] = test::kNaN;
-  EXPECT_TRUE(rosJointState(kNames, state, nanoseconds(0)).velocity().empty());
+  EXPECT_TRUE(rosJointState("hand", kNames, state, nanoseconds(0)).velocity().empty());
 }
 
 TEST(Telemetry, RosStampsAreWholeSecondsAndPositiveNanoseconds) {
   const auto stampOf = [](std::int64_t ns) {
-    return rosJointState(kNames, measured(), nanoseconds(ns)).header().stamp();
+    return rosJointState("hand", kNames, measured(), nanoseconds(ns)).header().stamp();
   };
   EXPECT_EQ(stampOf(1'700'000'000'123'456'789).sec(), 1'700'000'000);
   EXPECT_EQ(stampOf(1'700'000'000'123'456'789).nanosec(), 123'456'789U);

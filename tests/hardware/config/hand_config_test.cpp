@@ -20,7 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::vector<std::string> kExamples{"leap", "ability_hand", "printed_tendon_hand"};
+const std::vector<std::string> kExamples{"leap", "ability_hand", "printed_tendon_hand",
+                                         "inspire_rh56", "allegro"};
 
 fs::path examplePath(const std::string& name) {
   return test::sourceDirectory() / "hardware" / "config" / "examples" / (name + ".yaml");
@@ -263,7 +264,8 @@ TEST(HandConfig, OfAnUnknownKindOnlyTheKindIsWrong) {
   std::string text = exampleText("leap");
   text.replace(text.find("kind: dynamixel"), 15, "kind: servo");
   EXPECT_EQ(objectionTo(text),
-            "device.kind: 'servo' is not one of simulated, dynamixel, ability_hand, odrive");
+            "device.kind: 'servo' is not one of simulated, dynamixel, ability_hand, odrive, "
+            "inspire, allegro");
   text.replace(text.find("baud:"), 5, "bauds:");
   EXPECT_TRUE(contains(objectionTo(text), "device.bauds: unknown key")) << "of any kind";
   text = exampleText("printed_tendon_hand");
@@ -385,6 +387,67 @@ TEST(HandConfig, HomesOnlyWithinWhatAMotorMay) {
   EXPECT_TRUE(contains(objectionTo(text), "homing[0].motor: no motor is named 'tump'"));
 }
 
+TEST(HandConfig, MotorsGoByTheirJointWhateverTheirOrder) {
+  const std::string told = smallWith(
+      "motors:\n  - {name: m, lower_rad: 0, upper_rad: 1.5, velocity_rad_s: 2}\n  - {name: n,",
+      "motors:\n  - {name: n, joint: b, lower_rad: -0.5, upper_rad: 1, velocity_rad_s: 2}\n  - "
+      "{name: m, joint: a, lower_rad: 0, upper_rad: 1.5, velocity_rad_s: 2}\n# ");
+  const HandConfig config = parseHandConfig(told);
+  ASSERT_EQ(config.motors.size(), 2u);
+  EXPECT_EQ(config.motors[0].name, "m");
+  EXPECT_EQ(config.motors[1].name, "n");
+  EXPECT_EQ(config.motors[1].range_rad.lower, -0.5);
+  EXPECT_TRUE(contains(objectionTo(smallWith("{name: m,", "{name: m, joint: a,")),
+                       "motors[1].joint: is missing: other motors have one"));
+  EXPECT_TRUE(contains(objectionTo(smallWith("{name: m,", "{name: m, joint: c,")),
+                       "motors[0].joint: 'c' is no joint with a motor of its own: a, b"));
+}
+
+TEST(HandConfig, AMotorNamedAsAJointInAnotherPlaceIsRefused) {
+  std::string text = smallWith("{name: m,", "{name: b,");
+  EXPECT_TRUE(contains(objectionTo(text), "motors[0]: 'b' would move joint 'a'"))
+      << objectionTo(text);
+}
+
+TEST(HandConfig, RefusesAWireThatIsTooSlowForItsLoop) {
+  std::string text = exampleText("leap");
+  const auto at = text.find("baud: 4000000");
+  text.replace(at, 13, "baud: 57600");
+  // 30 + 400 + 94 bytes of ten bits: 91 ms.
+  const std::string objection = objectionTo(text);
+  EXPECT_TRUE(contains(objection, "device.baud: at 57600 a cycle of 16 motors takes 91 ms"))
+      << objection;
+  EXPECT_TRUE(contains(objection, "at most 8 Hz")) << objection;
+  text.replace(text.find("baud: 57600"), 11, "baud: 1000000");
+  EXPECT_EQ(objectionTo(text), "") << "5.2 ms of 10";
+}
+
+TEST(HandConfig, ReadsGainsAndTorqueConstantsOfDynamixels) {
+  std::string text = exampleText("leap");
+  const std::string motor = "joint: \"0\", id: 0,";
+  text.replace(text.find(motor), motor.size(),
+               motor + " gains: {p: 600, d: 200}, torque_Nm_A: 0.36,");
+  const HandConfig config = parseHandConfig(text);
+  ASSERT_TRUE(config.motors[0].gains.has_value());
+  EXPECT_EQ(config.motors[0].gains->p, 600);
+  EXPECT_EQ(config.motors[0].gains->i, 0);
+  EXPECT_EQ(config.motors[0].gains->d, 200);
+  EXPECT_EQ(config.motors[0].torque_Nm_A, 0.36);
+  EXPECT_FALSE(config.motors[1].gains.has_value());
+}
+
+TEST(HandConfig, MotorsThatAreHomedAreIncrementalUnlessTheySayOtherwise) {
+  const HandConfig tendons = parseHandConfig(exampleText("printed_tendon_hand"));
+  for (const MotorConfig& motor : tendons.motors)
+    EXPECT_EQ(motor.encoder, Encoder::kIncremental);
+  for (const MotorConfig& motor : parseHandConfig(exampleText("leap")).motors)
+    EXPECT_EQ(motor.encoder, Encoder::kAbsolute);
+  std::string text = exampleText("leap");
+  text.replace(text.find("id: 0,"), 6, "id: 0, encoder: incremental,");
+  EXPECT_TRUE(contains(objectionTo(text), "motors[0].encoder: an incremental one needs a step"))
+      << objectionTo(text);
+}
+
 TEST(HandConfig, NamesTheFileThatIsWrong) {
   const fs::path path = test::scratchDirectory() / "wrong.yaml";
   std::ofstream(path) << "format: [";
@@ -424,15 +487,10 @@ TEST(Calibration, IsReadWithTheConfigThatNamesIt) {
   EXPECT_EQ(readHandConfig(folder / "small.yaml").motors[1].zero_rad, 0.25);
 }
 
-TEST(Calibration, AFileThatIsNotThereIsAnErrorWithoutHomingAndElseMeansHomeFirst) {
+TEST(Calibration, AFileThatIsNotThereMeansThatZerosAreNotKnown) {
   const fs::path folder = test::scratchDirectory();
-  writeText(folder / "never_homed.yaml", std::string(kSmall) + "calibration: nowhere.yaml\n");
-  try {
-    readHandConfig(folder / "never_homed.yaml");
-    FAIL() << "zeros of nothing";
-  } catch (const InvalidInput& error) {
-    EXPECT_TRUE(contains(error.what(), "nowhere.yaml")) << error.what();
-  }
+  writeText(folder / "never_checked.yaml", std::string(kSmall) + "calibration: nowhere.yaml\n");
+  EXPECT_FALSE(readHandConfig(folder / "never_checked.yaml").is_calibrated);
   const std::string tendons = exampleText("printed_tendon_hand");
   writeText(folder / "to_be_homed.yaml", tendons + "calibration: later.yaml\n");
   HandConfig config = readHandConfig(folder / "to_be_homed.yaml");

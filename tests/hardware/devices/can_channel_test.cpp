@@ -200,13 +200,14 @@ TEST(SocketCanInterface, OpensAnInterfaceOfTheKernel) {
 TEST(SocketCanODrive, MovesItsAxes) {
   test::ODriveEmulator bus({0, 5}, protocols::odrive::Firmware::k06);
   for (const int node : {0, 5})
-    bus.axis(node).watchdog = seconds(5);
+    bus.axis(node).watchdog = seconds(1);
   std::atomic<bool> is_over = false;
 
   ODriveConfig config;
   const MotorScale scale{2.0 * std::numbers::pi, 0.0, 1, -3.0, 6.0};
   config.axes = {{0, scale}, {5, scale}};
   config.reply_timeout = seconds(1);
+  config.watchdog = seconds(1);
   config.heartbeat_timeout = seconds(10);
   config.state_timeout = seconds(10);
   std::array<int, 2> ends{};

@@ -192,6 +192,7 @@ TEST_F(DynamixelHandTest, AnswersOfOthersChangeNothing) {
 
 TEST_F(DynamixelHandTest, LateAnswersAreForgotten) {
   make().open();
+  hand_->arm();
   ASSERT_TRUE(hand_->read(state_));
   emulator_.ailments.delay = milliseconds(7);  // after the patience of 5 ms, before the next
   emulator_.set(3, "temperature", 44);
@@ -226,6 +227,53 @@ TEST_F(DynamixelHandTest, RefusesMotorsItDoesNotKnow) {
   DynamixelConfig config = twoMotors();
   config.motors[1].current_limit_mA = 2000;
   EXPECT_THAT(openError(config), ::testing::HasSubstr("at most 1750 mA"));
+}
+
+// XM motors measure current in steps of 2.69 mA and keep their indirect data elsewhere.
+TEST_F(DynamixelHandTest, DrivesTheOtherModelsInTheirOwnUnits) {
+  DynamixelConfig config = twoMotors();
+  for (DynamixelMotor& motor : config.motors) {
+    emulator_.set(motor.id, "model_number", 1020);
+    motor.current_limit_mA = 500;
+    motor.velocity_limit_rad_s = 3;
+  }
+  make(config).open();
+  for (const DynamixelMotor& motor : config.motors) {
+    EXPECT_EQ(emulator_.get(motor.id, "current_limit"), 185) << "500 mA, rounded down";
+    EXPECT_EQ(emulator_.get(motor.id, "goal_current"), 185);
+    EXPECT_EQ(emulator_.get(motor.id, "profile_velocity"), 126) << "3 rad/s, rounded up";
+    emulator_.set(motor.id, "present_current", 100);
+  }
+  ASSERT_TRUE(hand_->read(state_));
+  EXPECT_NEAR(std::abs(state_.current[0]), 0.269, 1e-9);
+}
+
+TEST_F(DynamixelHandTest, RefusesMotorsThatCannotLimitTheirCurrentAndMixedOnes) {
+  emulator_.set(1, "model_number", 1060);
+  EXPECT_THAT(openError(), ::testing::HasSubstr("XL430-W250 does not limit its current"));
+  emulator_.set(1, "model_number", 1020);
+  EXPECT_THAT(openError(), ::testing::HasSubstr("cannot be read together"));
+}
+
+TEST_F(DynamixelHandTest, AHiccupWithoutPowerIsNoFaultButLongSilenceIs) {
+  make().open();
+  emulator_.ailments.is_mute = true;
+  for (int i = 0; i < 8; ++i) {
+    static_cast<void>(hand_->read(state_));
+    wire_->pass(std::chrono::milliseconds(5));
+  }
+  EXPECT_FALSE(hand_->fault());
+  for (int i = 0; i < 300 && !hand_->fault(); ++i) {
+    static_cast<void>(hand_->read(state_));
+    wire_->pass(std::chrono::milliseconds(5));
+  }
+  EXPECT_EQ(hand_->fault().kind, Fault::Kind::kSilent);
+}
+
+TEST_F(DynamixelHandTest, SaysErrorsInWords) {
+  EXPECT_EQ(make().meaningOf(0x20), "overload");
+  EXPECT_EQ(hand_->meaningOf(0x24), "overheating, overload");
+  EXPECT_EQ(hand_->meaningOf(0x40), "0x40");
 }
 
 TEST_F(DynamixelHandTest, SaysWhichMotorIsMissing) {

@@ -136,24 +136,92 @@ TEST_F(ODriveHandTest, ArmingGivesUpOnAnAxisThatDoesNotObey) {
   EXPECT_NE(bus_.axis(0).state, odrive::AxisState::kClosedLoop);
 }
 
-TEST_F(ODriveHandTest, ProvesThatTheWatchdogsAreEnabled) {
+TEST_F(ODriveHandTest, TheFirstArmingProvesTheWatchdogsBySilence) {
   make().open();
+  const TimePoint start = wire_->clock()();
   hand_->arm();
-  EXPECT_TRUE(hand_->proveWatchdog(milliseconds(400)));
-  EXPECT_EQ(hand_->fault().kind, Fault::Kind::kWatchdog);
-  EXPECT_FALSE(hand_->isArmed());
-  hand_->reset();
+  EXPECT_GT(wire_->clock()() - start, milliseconds(200)) << "as long as a watchdog takes";
+  EXPECT_EQ(bus_.axis(5).error, 0u) << "what was provoked is cleared";
+  EXPECT_EQ(bus_.axis(5).state, odrive::AxisState::kClosedLoop);
+  cycle(5);
+  EXPECT_FALSE(hand_->fault());
+  hand_->disarm();
+  const TimePoint again = wire_->clock()();
   hand_->arm();
+  EXPECT_LT(wire_->clock()() - again, milliseconds(200)) << "once after each open";
 }
 
-TEST_F(ODriveHandTest, SeesThatAWatchdogIsNotEnabled) {
-  bus_.axis(5).watchdog = Duration::zero();
+TEST_F(ODriveHandTest, IsNotArmedWithoutAWatchdogOnEveryAxis) {
+  for (const Duration watchdog : {Duration::zero(), Duration(seconds(3))}) {
+    bus_.axis(5).watchdog = watchdog;
+    make().open();
+    EXPECT_THROW(hand_->arm(), DeviceError);
+    EXPECT_EQ(hand_->fault().kind, Fault::Kind::kNoWatchdog);
+    EXPECT_EQ(hand_->fault().motor, 1);
+    EXPECT_FALSE(hand_->isArmed());
+    EXPECT_NE(bus_.axis(5).state, odrive::AxisState::kClosedLoop);
+    bus_.axis(0).error = bus_.axis(5).error = 0;
+  }
+}
+
+TEST_F(ODriveHandTest, AnotherErrorWhileTheWatchdogIsProvedIsNotCleared) {
   make().open();
-  hand_->arm();
-  EXPECT_FALSE(hand_->proveWatchdog(milliseconds(400)));
+  hand_->heed([this] {
+    // Asked between the steps: here, once the loops are closed.
+    if (bus_.axis(5).state == odrive::AxisState::kClosedLoop)
+      test::ODriveEmulator::fail(bus_.axis(5), 0x400);
+    return false;
+  });
+  EXPECT_THROW(hand_->arm(), DeviceError);
+  EXPECT_EQ(bus_.axis(5).error & 0x400u, 0x400u);
   EXPECT_FALSE(hand_->isArmed());
-  EXPECT_NE(bus_.axis(5).state, odrive::AxisState::kClosedLoop);
-  EXPECT_THROW(hand_->proveWatchdog(milliseconds(400)), DeviceError);
+}
+
+TEST_F(ODriveHandTest, AStopIsHeededWhileTheWatchdogIsProved) {
+  make().open();
+  bool has_power = false;
+  hand_->heed([&] {
+    has_power = has_power || bus_.axis(0).state == odrive::AxisState::kClosedLoop;
+    return has_power;
+  });
+  EXPECT_THROW(hand_->arm(), DeviceError);
+  EXPECT_EQ(bus_.axis(0).error, odrive::kEstopRequested);
+}
+
+TEST_F(ODriveHandTest, CountsFromWhereItIsToldUntilItRestarts) {
+  make().open();
+  bus_.axis(5).servo.position = 0.25;
+  EXPECT_TRUE(hand_->recount(1, 100.0));
+  ASSERT_TRUE(hand_->read(state_));
+  EXPECT_NEAR(state_.position[1], 100.0, 1e-4);
+  bus_.restart(5);
+  wire_->pass(milliseconds(600));
+  make().open();
+  ASSERT_TRUE(hand_->read(state_));
+  EXPECT_NEAR(state_.position[1], 0.0, 1e-4);
+  bus_.axis(5).takes_positions = false;
+  EXPECT_FALSE(hand_->recount(1, 100.0)) << "read back, not believed";
+}
+
+TEST_F(ODriveHandTest, TheAttendedAxisTellsItsCurrentInEveryCycle) {
+  make().open();
+  hand_->attend(1);
+  hand_->arm();
+  for (int i = 0; i < 8; ++i) {
+    bus_.axis(5).current_A = static_cast<float>(i);
+    cycle(2);
+    EXPECT_EQ(state_.current[1], i);
+  }
+  bus_.axis(5).tells_current = false;
+  cycle(6);
+  EXPECT_TRUE(std::isnan(state_.current[1])) << "an old one is not passed off as new";
+}
+
+TEST_F(ODriveHandTest, TellsTheHotterTemperature) {
+  bus_.axis(5).heat = {41.0f, 63.0f};
+  make().open();
+  cycle(6);
+  EXPECT_EQ(state_.temperature, (std::vector<double>{40.0, 63.0}));
 }
 
 TEST_F(ODriveHandTest, OtherNodesAreStrayAndChangeNothing) {

@@ -70,6 +70,13 @@ void DynamixelEmulator::set(std::uint8_t id, const char* name, std::int64_t valu
   store(motors_.at(id).memory, dxl::registerNamed(name), value);
 }
 
+void DynamixelEmulator::powerCycle() {
+  for (auto& [id, motor] : motors_) {
+    boot(motor, id, true);
+    motor.boots_until = time_ + kBootTime;
+  }
+}
+
 void DynamixelEmulator::fail(std::uint8_t id, std::uint8_t error) {
   Motor& motor = motors_.at(id);
   motor.memory[kHardwareError] = error;
@@ -193,10 +200,11 @@ ByteVector DynamixelEmulator::read(const Motor& motor,
   ByteVector data;
   for (std::size_t at = address; at < address + size; ++at) {
     std::size_t source = at;
-    if (at >= dxl::kIndirectData && at < dxl::kIndirectData + dxl::kIndirectCount) {
-      source = numberAt<std::uint16_t>(motor.memory,
-                                       dxl::kIndirectAddresses + 2 * (at - dxl::kIndirectData));
-    }
+    const auto model = dxl::modelNumbered(numberAt<std::uint16_t>(motor.memory, 0));
+    const std::size_t first = model ? model->indirect_data : dxl::kIndirectData;
+    if (at >= first && at < first + dxl::kIndirectCount)
+      source =
+          numberAt<std::uint16_t>(motor.memory, dxl::kIndirectAddresses + 2 * (at - first));
     data.push_back(motor.memory.at(source));
   }
   return data;

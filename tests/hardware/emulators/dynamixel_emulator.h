@@ -32,6 +32,8 @@ class DynamixelEmulator final : public EmulatedDevice {
   std::int64_t get(std::uint8_t id, const char* name);
   /// As the motor itself does, whatever access others have.
   void set(std::uint8_t id, const char* name, std::int64_t value);
+  /// Power off and on, of all: silent for a while, torque off, RAM as it starts.
+  void powerCycle();
   /// A hardware error: the torque goes off and stays off.
   void fail(std::uint8_t id, std::uint8_t error);
 

@@ -1,5 +1,6 @@
 #include "tests/hardware/emulators/hand_rig.h"
 
+#include <cmath>
 #include <numbers>
 #include <stdexcept>
 
@@ -127,6 +128,121 @@ class AbilityHandHandRig final : public HandRig {
   std::unique_ptr<Wire> wire_;
 };
 
+class InspireHandRig final : public HandRig {
+ public:
+  InspireHandRig(const HandConfig& config, bool on_pty)
+      : config_(config), wire_(makeWire(emulator_, config, on_pty)) {}
+
+  EmulatedDevice& emulated() override { return emulator_; }
+
+  Wire& wire() override { return *wire_; }
+
+  double angle(std::size_t i) override {
+    const auto lock = wire_->hold();
+    return angleOf(config_.motors[i], kUnit * finger(i).servo.position);
+  }
+
+  double goal(std::size_t i) override {
+    const auto lock = wire_->hold();
+    return angleOf(config_.motors[i], kUnit * finger(i).set);
+  }
+
+  double unit(std::size_t i) const override { return kUnit / config_.motors[i].gear; }
+
+  bool isPowered() override {
+    const auto lock = wire_->hold();
+    for (const auto& each : emulator_.fingers) {
+      if (each.speed > 0) return true;
+    }
+    return false;
+  }
+
+  void breakDown() override {
+    const auto lock = wire_->hold();
+    finger(1).is_broken = true;
+    finger(1).error = protocols::inspire::kOverCurrent;
+  }
+
+  void heal() override {
+    const auto lock = wire_->hold();
+    finger(1).is_broken = false;
+  }
+
+ private:
+  static constexpr double kUnit = 1e-3;
+
+  InspireEmulator::Finger& finger(std::size_t i) {
+    return emulator_.fingers[static_cast<std::size_t>(config_.motors[i].id)];
+  }
+
+  HandConfig config_;
+  InspireEmulator emulator_;
+  std::unique_ptr<Wire> wire_;
+};
+
+class AllegroHandRig final : public HandRig {
+ public:
+  AllegroHandRig(const HandConfig& config, bool on_pty)
+      : config_(config), emulator_(bus_), wire_(makeWire(emulator_, config, on_pty)) {
+    // Each joint somewhere inside its range.
+    for (const MotorConfig& motor : config.motors) {
+      const double angle =
+          motor.range_rad.lower + 0.3 * (motor.range_rad.upper - motor.range_rad.lower);
+      const double encoder = motor.zero_rad + motor.direction * motor.gear * angle;
+      joint(motor).counts = std::round(encoder / protocols::allegro::kRadPerCount);
+    }
+  }
+
+  EmulatedDevice& emulated() override { return emulator_; }
+
+  Wire& wire() override { return *wire_; }
+
+  double angle(std::size_t i) override {
+    const auto lock = wire_->hold();
+    const MotorConfig& motor = config_.motors[i];
+    return angleOf(motor, joint(motor).counts * protocols::allegro::kRadPerCount);
+  }
+
+  // It is told torques: where they lead to, by the stiffness that they were made with.
+  double goal(std::size_t i) override {
+    const double here = angle(i);
+    const auto lock = wire_->hold();
+    const MotorConfig& motor = config_.motors[i];
+    const double torque = motor.direction * joint(motor).pwm / protocols::allegro::kPwmPerNm;
+    return here + torque / config_.device.stiffness_Nm_rad;
+  }
+
+  double unit(std::size_t /*i*/) const override {
+    return 0.5 / protocols::allegro::kPwmPerNm / config_.device.stiffness_Nm_rad +
+           2 * protocols::allegro::kRadPerCount;
+  }
+
+  bool isPowered() override {
+    const auto lock = wire_->hold();
+    return bus_.is_on;
+  }
+
+  void breakDown() override {
+    const auto lock = wire_->hold();
+    bus_.is_broken = true;
+  }
+
+  void heal() override {
+    const auto lock = wire_->hold();
+    bus_.is_broken = false;
+  }
+
+ private:
+  AllegroEmulator::Joint& joint(const MotorConfig& motor) {
+    return bus_.joints[static_cast<std::size_t>(motor.id)];
+  }
+
+  HandConfig config_;
+  AllegroEmulator bus_;
+  SlcanEmulator emulator_;
+  std::unique_ptr<Wire> wire_;
+};
+
 class ODriveHandRig final : public HandRig {
  public:
   ODriveHandRig(const HandConfig& config, bool on_pty, Duration watchdog)
@@ -208,6 +324,10 @@ std::unique_ptr<HandRig> makeHandRig(const HandConfig& config,
       return std::make_unique<AbilityHandHandRig>(config, on_a_pty);
     case DeviceKind::kODrive:
       return std::make_unique<ODriveHandRig>(config, on_a_pty, watchdog);
+    case DeviceKind::kInspire:
+      return std::make_unique<InspireHandRig>(config, on_a_pty);
+    case DeviceKind::kAllegro:
+      return std::make_unique<AllegroHandRig>(config, on_a_pty);
     case DeviceKind::kSimulated:
       break;
   }
@@ -224,6 +344,16 @@ std::vector<double> slackenLines(HandRig& odrive_rig, const HandConfig& config) 
     axis.taut = axis.servo.position + motor.direction * slack_rev;
     zeros_rad.push_back(*axis.taut * kTurn);
     slack_rev += 0.15;
+  }
+  return zeros_rad;
+}
+
+std::vector<double> zerosOfShafts(HandRig& odrive_rig, const config::HandConfig& homed) {
+  const auto lock = odrive_rig.wire().hold();
+  std::vector<double> zeros_rad;
+  for (const MotorConfig& motor : homed.motors) {
+    const double from = busOf(odrive_rig).axis(motor.id).counts_from;
+    zeros_rad.push_back(motor.zero_rad - kTurn * from);
   }
   return zeros_rad;
 }

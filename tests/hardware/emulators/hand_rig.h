@@ -6,7 +6,9 @@
 #include "hardware/config/hand_config.h"
 
 #include "tests/hardware/emulators/ability_hand_emulator.h"
+#include "tests/hardware/emulators/allegro_emulator.h"
 #include "tests/hardware/emulators/dynamixel_emulator.h"
+#include "tests/hardware/emulators/inspire_emulator.h"
 #include "tests/hardware/emulators/odrive_emulator.h"
 #include "tests/hardware/emulators/wire.h"
 
@@ -42,7 +44,10 @@ std::unique_ptr<HandRig> makeHandRig(const config::HandConfig& config,
 ODriveEmulator& busOf(HandRig& odrive_rig);
 
 /// Lines of an ODrive hand that is not homed: each drum has to wind in by some turns before its
-/// line is taut. Returns the encoders' places there, rad: what homing ought to find.
+/// line is taut. Returns the shafts' places there, rad: what homing ought to find.
 std::vector<double> slackenLines(HandRig& odrive_rig, const config::HandConfig& config);
+
+/// The zeros that `homed` tells, rad of the shafts: without what their encoders count from.
+std::vector<double> zerosOfShafts(HandRig& odrive_rig, const config::HandConfig& homed);
 
 }  // namespace handgraft::test

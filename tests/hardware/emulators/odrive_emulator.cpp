@@ -1,6 +1,7 @@
 #include "tests/hardware/emulators/odrive_emulator.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace handgraft::test {
@@ -35,7 +36,15 @@ void ODriveEmulator::advance(TimePoint now) {
       fail(axis, firmware_ == odrive::Firmware::k06 ? odrive::kWatchdogExpired : 0x800U);
     axis.servo.move(seconds, axis.state == AxisState::kClosedLoop);
     if (axis.stop) axis.servo.position = std::min(axis.servo.position, *axis.stop);
-    if (axis.is_unplugged) continue;
+    if (axis.taut) holdByLine(axis);
+    if (axis.state == AxisState::kClosedLoop) {
+      axis.largest_limit_A = std::max(axis.largest_limit_A, axis.current_limit_A);
+      axis.largest_lead =
+          std::max(axis.largest_lead, std::abs(axis.servo.goal - axis.servo.position));
+      axis.largest_current_A =
+          std::max(axis.largest_current_A, std::abs(double{currentOf(node)}));
+    }
+    if (axis.is_unplugged || now < axis.boots_until) continue;
     if (is_beat) {
       odrive::Heartbeat heartbeat;
       heartbeat.error = axis.error;
@@ -48,9 +57,28 @@ void ODriveEmulator::advance(TimePoint now) {
 
 void ODriveEmulator::sayEstimates(int node) {
   const EmulatedServo& servo = axes_.at(node).servo;
-  said_.push_back(odrive::makeFloatPair(
-      node, Command::kGetEncoderEstimates,
-      {static_cast<float>(servo.position), static_cast<float>(servo.velocity)}));
+  said_.push_back(
+      odrive::makeFloatPair(node, Command::kGetEncoderEstimates,
+                            {static_cast<float>(servo.position + axes_.at(node).counts_from),
+                             static_cast<float>(servo.velocity)}));
+}
+
+// A taut line is not wound in farther than the axis' current pulls it.
+void ODriveEmulator::holdByLine(Axis& axis) {
+  const double pull = std::max(axis.current_limit_A - axis.current_A, 0.0);
+  const double farthest = std::min(pull, double{kBlockedCurrent}) / kTautCurrent;
+  const double wound = axis.winds * (axis.servo.position - *axis.taut);
+  if (wound > farthest) axis.servo.position = *axis.taut + axis.winds * farthest;
+}
+
+void ODriveEmulator::restart(int node, Duration boot) {
+  Axis& axis = axes_.at(node);
+  axis.counts_from = -axis.servo.position;
+  axis.servo.goal = axis.servo.position;
+  axis.state = AxisState::kIdle;
+  axis.error = 0;
+  axis.current_limit_A = 10;
+  axis.boots_until = time_ + boot;
 }
 
 float ODriveEmulator::currentOf(int node) const {
@@ -62,12 +90,18 @@ float ODriveEmulator::currentOf(int node) const {
   }
   const bool is_blocked = axis.stop && axis.state == AxisState::kClosedLoop &&
                           axis.servo.position >= *axis.stop && axis.servo.goal > *axis.stop;
-  return is_blocked ? kBlockedCurrent : axis.current_A;
+  if (!is_blocked) return axis.current_A;
+  return std::min(kBlockedCurrent, static_cast<float>(axis.current_limit_A));
 }
 
 void ODriveEmulator::answer(int node, std::uint8_t command) {
   if (command == static_cast<std::uint8_t>(Command::kGetEncoderEstimates)) sayEstimates(node);
-  if (command == static_cast<std::uint8_t>(Command::kGetIq))
+  if (command == static_cast<std::uint8_t>(Command::kGetTemperature) &&
+      firmware_ == odrive::Firmware::k06) {
+    said_.push_back(odrive::makeFloatPair(node, Command::kGetTemperature, axes_.at(node).heat));
+  }
+  const bool tells = axes_.at(node).tells_current;
+  if (tells && command == static_cast<std::uint8_t>(Command::kGetIq))
     said_.push_back(odrive::makeFloatPair(node, Command::kGetIq, {0.5f, currentOf(node)}));
 }
 
@@ -76,15 +110,23 @@ void ODriveEmulator::hear(const CanFrame& frame, TimePoint now) {
   const auto address = odrive::addressOf(frame);
   if (!address || axes_.count(address->node) == 0) return;
   Axis& axis = axes_.at(address->node);
-  if (axis.is_unplugged) return;
+  if (axis.is_unplugged || now < axis.boots_until) return;
   axis.heard = now;
   if (frame.is_remote) return answer(address->node, address->command);
   if (const auto state = odrive::axisStateOf(frame)) {
     if (*state == AxisState::kClosedLoop && axis.error != 0) return;
     if (axis.error == 0 || *state == AxisState::kIdle) axis.state = *state;
   }
-  if (const auto input = odrive::inputPositionOf(frame)) axis.servo.goal = input->position_rev;
-  if (const auto limits = odrive::limitsOf(frame)) axis.servo.speed = limits->first;
+  if (const auto input = odrive::inputPositionOf(frame))
+    axis.servo.goal = input->position_rev - axis.counts_from;
+  if (const auto limits = odrive::limitsOf(frame)) {
+    axis.servo.speed = limits->first;
+    axis.current_limit_A = limits->second;
+  }
+  if (const auto told = odrive::absolutePositionOf(frame); told && axis.takes_positions) {
+    axis.counts_from = *told - axis.servo.position;
+    axis.servo.goal = axis.servo.position;
+  }
   if (address->command == static_cast<std::uint8_t>(Command::kEstop))
     fail(axis, odrive::kEstopRequested);
   if (address->command == static_cast<std::uint8_t>(Command::kClearErrors) && !axis.is_broken)

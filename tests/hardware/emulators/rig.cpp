@@ -1,7 +1,9 @@
 #include "tests/hardware/emulators/rig.h"
 
 #include "hardware/devices/ability_hand_device.h"
+#include "hardware/devices/allegro_hand.h"
 #include "hardware/devices/dynamixel_hand.h"
+#include "hardware/devices/inspire_hand.h"
 #include "hardware/devices/odrive_hand.h"
 #include "hardware/devices/slcan_channel.h"
 
@@ -204,6 +206,8 @@ class ODriveRig final : public Rig {
 
   Duration watchdog() const override { return bus_watchdog_; }
 
+  std::size_t stopMessages() const override { return count(); }
+
   Fault::Kind watchdogFault() const override { return Fault::Kind::kWatchdog; }
 
   double angle(std::size_t i) override {
@@ -244,6 +248,7 @@ class ODriveRig final : public Rig {
                    {9, {turn / 2.0, 0.1, 1, -1.7, 5.2}}};
     config.firmware = firmware;
     config.reply_timeout = replyTimeout(kind);
+    if (kind == WireKind::kPty) config.watchdog = std::chrono::milliseconds(2500);
     if (kind == WireKind::kPty) config.heartbeat_timeout = std::chrono::seconds(10);
     if (kind == WireKind::kPty) config.state_timeout = std::chrono::seconds(20);
     return config;
@@ -258,6 +263,147 @@ class ODriveRig final : public Rig {
   devices::SlcanChannel can_;
   devices::ODriveHand hand_;
   Duration bus_watchdog_ = milliseconds(200);
+};
+
+class InspireRig final : public Rig {
+ public:
+  explicit InspireRig(WireKind kind)
+      : wire_(makeWire(kind, emulator_, 115200)),
+        config_(makeConfig(kind)),
+        hand_(config_, wire_->channel(), wire_->clock()) {}
+
+  devices::Device& device() override { return hand_; }
+
+  EmulatedDevice& emulated() override { return emulator_; }
+
+  Wire& wire() override { return *wire_; }
+
+  std::size_t count() const override { return config_.scales.size(); }
+
+  double unit() const override { return config_.scales[0].rad_per_unit; }
+
+  double lower(std::size_t i) const override { return config_.scales[i].lower; }
+
+  double upper(std::size_t i) const override { return config_.scales[i].upper; }
+
+  Duration watchdog() const override { return {}; }
+
+  Fault::Kind watchdogFault() const override { return Fault::Kind::kNone; }
+
+  double angle(std::size_t i) override {
+    const auto lock = wire_->hold();
+    return config_.scales[i].angle(emulator_.fingers[i].servo.position);
+  }
+
+  bool isPowered() override {
+    const auto lock = wire_->hold();
+    return std::any_of(emulator_.fingers.begin(), emulator_.fingers.end(),
+                       [](const auto& finger) {
+                         return finger.speed > 0;
+                       });
+  }
+
+  void leaveStaleGoal() override {
+    for (auto& finger : emulator_.fingers)
+      finger.set = 100;
+  }
+
+  void breakDown() override {
+    const auto lock = wire_->hold();
+    emulator_.fingers[1].is_broken = true;
+    emulator_.fingers[1].error = protocols::inspire::kOverCurrent;
+  }
+
+  void heal() override {
+    const auto lock = wire_->hold();
+    emulator_.fingers[1].is_broken = false;
+  }
+
+ private:
+  static devices::InspireConfig makeConfig(WireKind kind) {
+    devices::InspireConfig config;
+    config.scales.fill({1.5e-3, 1000.0, -1, 0.0, 1.5});
+    config.reply_timeout = replyTimeout(kind);
+    return config;
+  }
+
+  InspireEmulator emulator_;
+  std::unique_ptr<Wire> wire_;
+  devices::InspireConfig config_;
+  devices::InspireHand hand_;
+};
+
+class AllegroRig final : public Rig {
+ public:
+  explicit AllegroRig(WireKind kind)
+      : emulator_(bus_),
+        wire_(makeWire(kind, emulator_, 2000000)),
+        config_(makeConfig(kind)),
+        can_(wire_->channel(), 1000000, wire_->clock()),
+        hand_(config_, can_, wire_->clock()) {}
+
+  devices::Device& device() override { return hand_; }
+
+  EmulatedDevice& emulated() override { return emulator_; }
+
+  Wire& wire() override { return *wire_; }
+
+  std::size_t count() const override { return config_.scales.size(); }
+
+  // A torque below half of its unit moves nothing: what our own position loop leaves.
+  double unit() const override { return 1e-3; }
+
+  double lower(std::size_t i) const override { return config_.scales[i].lower; }
+
+  double upper(std::size_t i) const override { return config_.scales[i].upper; }
+
+  Duration watchdog() const override { return {}; }
+
+  Fault::Kind watchdogFault() const override { return Fault::Kind::kNone; }
+
+  double angle(std::size_t i) override {
+    const auto lock = wire_->hold();
+    return config_.scales[i].angle(bus_.joints[i].counts);
+  }
+
+  bool isPowered() override {
+    const auto lock = wire_->hold();
+    return bus_.is_on;
+  }
+
+  void leaveStaleGoal() override {
+    for (auto& joint : bus_.joints)
+      joint.pwm = 300;
+  }
+
+  void breakDown() override {
+    const auto lock = wire_->hold();
+    bus_.is_broken = true;
+  }
+
+  void heal() override {
+    const auto lock = wire_->hold();
+    bus_.is_broken = false;
+  }
+
+ private:
+  static devices::AllegroConfig makeConfig(WireKind kind) {
+    devices::AllegroConfig config;
+    const double unit = protocols::allegro::kRadPerCount;
+    for (std::size_t i = 0; i < config.scales.size(); ++i)
+      config.scales[i] = {unit, i % 2 == 0 ? 100.0 : 6000.0, i % 2 == 0 ? 1 : -1, -0.2, 1.4};
+    config.stiffness_Nm_rad = 1.5;
+    config.damping_Nm_s_rad = 0.0;
+    config.reply_timeout = replyTimeout(kind);
+    return config;
+  }
+
+  AllegroEmulator bus_;
+  SlcanEmulator emulator_;
+  std::unique_ptr<Wire> wire_;
+  devices::AllegroConfig config_;
+  devices::SlcanChannel can_;
+  devices::AllegroHand hand_;
 };
 
 }  // namespace
@@ -286,6 +432,10 @@ std::unique_ptr<Rig> makeRig(RigKind kind, WireKind wire) {
       return std::make_unique<ODriveRig>(wire, odrive::Firmware::k06);
     case RigKind::kODrive05:
       return std::make_unique<ODriveRig>(wire, odrive::Firmware::k05);
+    case RigKind::kInspire:
+      return std::make_unique<InspireRig>(wire);
+    case RigKind::kAllegro:
+      return std::make_unique<AllegroRig>(wire);
   }
   return nullptr;
 }
@@ -300,6 +450,10 @@ std::string nameOf(RigKind kind) {
       return "ODrive06";
     case RigKind::kODrive05:
       return "ODrive05";
+    case RigKind::kInspire:
+      return "Inspire";
+    case RigKind::kAllegro:
+      return "Allegro";
   }
   return "";
 }

@@ -6,7 +6,9 @@
 #include "hardware/devices/device.h"
 
 #include "tests/hardware/emulators/ability_hand_emulator.h"
+#include "tests/hardware/emulators/allegro_emulator.h"
 #include "tests/hardware/emulators/dynamixel_emulator.h"
+#include "tests/hardware/emulators/inspire_emulator.h"
 #include "tests/hardware/emulators/odrive_emulator.h"
 #include "tests/hardware/emulators/wire.h"
 
@@ -25,7 +27,7 @@ class Rig {
   [[nodiscard]] virtual double unit() const = 0;
   [[nodiscard]] virtual double lower(std::size_t motor) const = 0;
   [[nodiscard]] virtual double upper(std::size_t motor) const = 0;
-  /// How long the device goes on by itself.
+  /// How long the device goes on by itself; 0: for good.
   [[nodiscard]] virtual Duration watchdog() const = 0;
   [[nodiscard]] virtual devices::Fault::Kind watchdogFault() const = 0;
 
@@ -33,6 +35,10 @@ class Rig {
   virtual double angle(std::size_t motor) = 0;
   /// Whether any motor would move by itself or hold.
   virtual bool isPowered() = 0;
+
+  /// Messages that its own stop takes.
+  [[nodiscard]] virtual std::size_t stopMessages() const { return 1; }
+
   /// A goal of long ago, far away.
   virtual void leaveStaleGoal() = 0;
   /// A hardware error that stays until `heal`.
@@ -45,7 +51,7 @@ class Rig {
   [[nodiscard]] virtual std::size_t count() const = 0;
 };
 
-enum class RigKind { kDynamixel, kAbilityHand, kODrive06, kODrive05 };
+enum class RigKind { kDynamixel, kAbilityHand, kODrive06, kODrive05, kInspire, kAllegro };
 enum class WireKind { kVirtual, kPty };
 
 std::unique_ptr<Rig> makeRig(RigKind kind, WireKind wire = WireKind::kVirtual);

@@ -84,7 +84,7 @@ TEST(Governor, AResetTellsTheDeviceToClearItsFaultsOnce) {
   ASSERT_EQ(rig.state(), State::kFault);
   EXPECT_EQ(rig.governor.reset(), Refusal::kNone);
   rig.now += rig.period;
-  const DeviceReport report{true, false, 3, false, rig.now, rig.position};
+  const DeviceReport report{true, false, 3, false, rig.now, rig.position, false};
   EXPECT_TRUE(rig.governor.tick(report, rig.now).clear_faults);
   EXPECT_FALSE(rig.governor.tick(report, rig.now).clear_faults);
   rig.fault_code = 0;
@@ -190,8 +190,8 @@ TEST(Governor, CountsOverrunsAndFaultsWhenTheyDoNotEnd) {
 TEST(Governor, DoesNotCatchUpAfterALatePeriod) {
   Rig rig;
   rig.armUp();
-  rig.offer({1.0, 1.0});
-  rig.follow(20);
+  rig.offer({0.5, 0.5});
+  rig.follow(10);
   const double before = rig.position[0];
   rig.offer();
   rig.tick(15ms);

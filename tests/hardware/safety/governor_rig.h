@@ -60,7 +60,8 @@ class Rig {
     const Time measured_at = silent ? now - 1s : now;
     was_reported_on = reports_power;
     const MotorOrder order = governor.tick(
-        {connected, reports_power, fault_code, limited, measured_at, position}, now);
+        {connected, reports_power, fault_code, limited, measured_at, position, motors_outside},
+        now);
     power = order.power;
     sent.assign(order.positions.begin(), order.positions.end());
     if (order.clear_faults && clears_faults) fault_code = 0;
@@ -102,8 +103,9 @@ class Rig {
   bool silent = false;  ///< its measured state is old
   bool reports_power = false;
   bool was_reported_on = false;  ///< in the newest period
-  bool stuck = false;  ///< power does not change
+  bool stuck = false;            ///< power does not change
   bool limited = false;
+  bool motors_outside = false;
   bool clears_faults = true;
   std::uint32_t fault_code = 0;
   std::vector<double> position;

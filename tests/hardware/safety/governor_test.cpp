@@ -107,11 +107,67 @@ TEST(Governor, RampsToAFirstTargetThatIsFarAndThenFollowsAtFullSpeed) {
   EXPECT_NEAR(fastest, 0.1, 1e-9) << "a tenth of 1 rad/s";
   EXPECT_NEAR(rig.position[0], 0.9, 0.01);
   rig.follow(100);
-  rig.offer({0.0, 0.0});
-  rig.follow(20);
+  rig.offer({0.6, 0.0});  // a step that is not long
+  rig.follow(10);
   const double before = rig.position[0];
   rig.follow(1);
   EXPECT_NEAR((before - rig.position[0]) / 0.01, 1.0, 1e-9);
+}
+
+TEST(Governor, GoesSlowlyToEveryLongStepFromRest) {
+  Rig rig;
+  rig.armUp();
+  for (const double far : {1.2, -0.8, 1.2}) {
+    for (int k = 0; k < 3000 && rig.governor.isRamping(); ++k)
+      rig.follow(1);
+    rig.follow(100);
+    rig.offer({far, 0.0});
+    double fastest = 0;
+    for (int k = 0; k < 100; ++k) {
+      const double before = rig.position[0];
+      rig.follow(1);
+      fastest = std::max(fastest, std::abs(rig.position[0] - before) / 0.01);
+    }
+    EXPECT_TRUE(rig.governor.isRamping());
+    EXPECT_LT(fastest, 0.1 + 1e-9) << "to " << far;
+  }
+}
+
+TEST(Governor, GoesSlowlyWhereATargetJumpsOnTheWay) {
+  Rig rig;
+  rig.armUp();
+  rig.offer({0.4, 0.0});
+  rig.follow(10);
+  EXPECT_FALSE(rig.governor.isRamping());
+  rig.offer({-0.9, 0.0});
+  rig.follow(2);
+  EXPECT_TRUE(rig.governor.isRamping());
+}
+
+TEST(Governor, FollowsAStreamOfShortStepsAtFullSpeed) {
+  Rig rig;
+  rig.armUp();
+  double fastest = 0;
+  for (int k = 0; k < 100; ++k) {
+    rig.offer({0.05 + 0.01 * k, 0.0});
+    const double before = rig.position[0];
+    rig.follow(1);
+    fastest = std::max(fastest, (rig.position[0] - before) / 0.01);
+    EXPECT_FALSE(rig.governor.isRamping());
+  }
+  EXPECT_NEAR(fastest, 1.0, 0.05);
+}
+
+TEST(Governor, RefusesToArmWithAMotorOutsideItsRangeAndFaultsWithOneUnderPower) {
+  Rig rig;
+  rig.motors_outside = true;
+  rig.follow(2);
+  EXPECT_EQ(rig.arm(), Refusal::kMotorsOutside);
+  rig.motors_outside = false;
+  rig.armUp();
+  rig.motors_outside = true;
+  rig.follow(1);
+  EXPECT_EQ(rig.governor.fault(), FaultCause::kMotorsOutside);
 }
 
 TEST(Governor, DoesNotRampToATargetThatIsNear) {

@@ -5,6 +5,8 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -12,9 +14,17 @@
 #include "core/base/error.h"
 #include "core/base/network.h"
 #include "hardware/bridge/bridge.h"
+#include "hardware/bridge/device_factory.h"
 #include "hardware/bridge/report_line.h"
 #include "hardware/bridge/rival_watch.h"
+#include "hardware/bridge/ros_node.h"
+#include "hardware/bringup/check.h"
+#include "hardware/bringup/make_config.h"
+#include "hardware/bringup/scan.h"
+#include "hardware/bringup/terminal.h"
+#include "hardware/config/calibration_file.h"
 #include "hardware/config/hand_config_file.h"
+#include "hardware/config/text_file.h"
 
 namespace {
 
@@ -34,7 +44,16 @@ extern "C" void requestEstop(int /*signal*/) {
   estop_requested = true;
 }
 
+/// Bringing up a hand, before there is a bridge: each on its own, alone with the device.
+struct BringUp {
+  enum class Step { kNone, kScan, kMakeConfig, kJog, kCheck } step = Step::kNone;
+  std::string port, config, urdf, motor, out, report;
+  double step_rad = 0;
+  bringup::ConfigPlan plan;
+};
+
 struct Options {
+  BringUp bring_up;
   Network network;
   bridge::BridgeOptions bridge;
   std::string session = "any";
@@ -74,6 +93,8 @@ void declare(CLI::App& app, Options& options) {
                  "may say less")
       ->capture_default_str()
       ->excludes(config);
+  app.add_option("--ros-namespace", options.bridge.ros_namespace,
+                 "of its ROS 2 topics and services, /hand for /hand/joint_states");
   app.add_flag("--intermediate", options.bridge.with_intermediate,
                "also follow poses of solves that still run");
   app.add_flag(
@@ -81,6 +102,46 @@ void declare(CLI::App& app, Options& options) {
          "the simulated hand moves after an ARM alone, as a hand with a config always does")
       ->excludes(config);
   app.add_flag("--json", options.json, "one line of JSON for each event, on standard output");
+}
+
+void declareBringUp(CLI::App& app, BringUp& told) {
+  using Step = BringUp::Step;
+  app.require_subcommand(0, 1);
+  const auto add = [&](const char* name, const char* help, Step step) {
+    CLI::App* command = app.add_subcommand(name, help);
+    command->callback([&told, step] {
+      told.step = step;
+    });
+    return command;
+  };
+  CLI::App* scan = add("scan", "What answers on a port; nothing moves", Step::kScan);
+  scan->add_option("port", told.port, "a tty")->required();
+
+  CLI::App* make =
+      add("make-config", "A config to fill in, from a hand's URDF", Step::kMakeConfig);
+  make->add_option("urdf", told.urdf, "the hand's model")->required();
+  make->add_option("--kind", told.plan.kind, "dynamixel, ability_hand, odrive or simulated")
+      ->check(CLI::IsMember({"dynamixel", "ability_hand", "odrive", "simulated"}))
+      ->capture_default_str();
+  make->add_option("--port", told.plan.port, "a tty")->capture_default_str();
+  make->add_option("--baud", told.plan.baud, "of the tty; default: the kind's usual one");
+  make->add_option("--ids", told.plan.ids, "of the motors, in the order of the joints")
+      ->delimiter(',');
+  make->add_option("--out", told.out, "the file; default: standard output");
+
+  const auto add_config = [&](CLI::App* command) {
+    command->add_option("--config", told.config, "the hand's (YAML)")->required();
+    command->add_option("--port", told.port, "the device's port, in place of the config's");
+  };
+  CLI::App* jog = add("jog", "Turn one motor slowly while the space bar is held", Step::kJog);
+  jog->add_option("motor", told.motor, "its name in the config")->required();
+  jog->add_option("step", told.step_rad, "rad, -0.5 to 0.5")->required();
+  add_config(jog);
+
+  CLI::App* check =
+      add("check", "A guided walk: directions, zeros, ranges, watchdog, stop", Step::kCheck);
+  add_config(check);
+  check->add_option("--report", told.report, "a file to keep");
 }
 
 std::optional<std::uint64_t> parseSession(const std::string& text) {
@@ -118,13 +179,115 @@ void print(const bridge::BridgeReport& report, bool json) {
   std::fflush(stdout);
 }
 
+config::HandConfig configOf(const BringUp& told) {
+  config::HandConfig config = config::readHandConfig(told.config);
+  if (!told.port.empty()) config.device.port = told.port;
+  if (config.device.kind == config::DeviceKind::kSimulated)
+    rejectInput("{}: a simulated hand needs no bringing up", quoted(told.config));
+  return config;
+}
+
+bridge::DeviceStack makeOnItsPort(const config::HandConfig& config) {
+  return bridge::makeDevice(config, std::chrono::steady_clock::now);
+}
+
+std::string placeText(const bringup::Jogger::Place& place) {
+  return fmt::format("{:.4f} rad (its encoder tells {:.4f} rad)", place.motor_rad,
+                     place.encoder_rad);
+}
+
+int jog(const BringUp& told) {
+  bringup::Jogger jogger(configOf(told), told.motor, makeOnItsPort,
+                         std::chrono::steady_clock::now, [](devices::TimePoint time) {
+                           std::this_thread::sleep_until(time);
+                         });
+  bringup::Terminal terminal;
+  terminal.say(fmt::format("motor {} is at {}; hold the space bar: it turns by {} rad",
+                           quoted(told.motor), placeText(jogger.look()), told.step_rad));
+  const auto turn = jogger.turn(told.step_rad, [&] {
+    return !stop_requested && terminal.isHeld();
+  });
+  terminal.say(fmt::format("motor {} went from {} to {}{}; its motors are off",
+                           quoted(told.motor), placeText(turn.from), placeText(turn.to),
+                           turn.was_let_go ? ", let go" : ""));
+  return turn.was_let_go ? kFailed : kDone;
+}
+
+int check(const BringUp& told) {
+  config::HandConfig config = configOf(told);
+  bringup::Terminal terminal;
+  bringup::Companion companion;
+  companion.say = [&](const std::string& line) {
+    terminal.say(line);
+  };
+  companion.ask = [&](const std::string& question) {
+    return terminal.ask(question);
+  };
+  companion.is_held = [&] {
+    return !stop_requested && terminal.isHeld();
+  };
+  const bringup::Findings findings = bringup::check(
+      config, makeOnItsPort, std::chrono::steady_clock::now,
+      [](devices::TimePoint time) {
+        std::this_thread::sleep_until(time);
+      },
+      companion);
+  const std::string report = bringup::reportText(config, findings);
+  fmt::print("{}", report);
+  if (!told.report.empty()) config::writeText(told.report, report);
+  const bool has_all = findings.motors.size() == config.motors.size();
+  if (has_all && !config.calibration.empty()) {
+    config::writeCalibration(config.calibration, config);
+    fmt::print("zeros and directions are in {}\n", config.calibration.string());
+  } else if (has_all) {
+    fmt::print(
+        "put each motor's direction and zero_rad into the config, or name a calibration "
+        "file there\n");
+  }
+  return findings.isFine() ? kDone : kFailed;
+}
+
+int bringUp(const BringUp& told) {
+  switch (told.step) {
+    case BringUp::Step::kNone:
+      break;
+    case BringUp::Step::kScan: {
+      const std::vector<bringup::Found> found = bringup::scan(told.port);
+      fmt::print("{}", bringup::scanText(told.port, found));
+      return found.empty() ? kFailed : kDone;
+    }
+    case BringUp::Step::kMakeConfig: {
+      const std::string text = bringup::makeConfig(told.urdf, told.plan);
+      if (told.out.empty()) {
+        fmt::print("{}", text);
+      } else {
+        config::writeText(told.out, text);
+        fmt::print("{}: fill it in, then: handgraft bridge jog MOTOR 0.1 --config {}\n",
+                   told.out, told.out);
+      }
+      return kDone;
+    }
+    case BringUp::Step::kJog:
+      return jog(told);
+    case BringUp::Step::kCheck:
+      return check(told);
+  }
+  return kDone;
+}
+
 int run(Options& options) {
+  if (options.bring_up.step != BringUp::Step::kNone) {
+    std::signal(SIGINT, requestStop);
+    std::signal(SIGTERM, requestStop);
+    return bringUp(options.bring_up);
+  }
   options.bridge.session = parseSession(options.session);
   requireRange("--rate", options.rate_hz, 10, 1000);
   requireRange("--max-velocity", options.bridge.bounds.revolute_velocity, 0.001, 100);
   options.bridge.period_s = 1 / options.rate_hz;
   options.bridge.arms_itself = !options.disarmed;
   readConfig(options, options.bridge);
+  options.bridge.ros_namespace = bridge::rosNamespace(options.bridge.ros_namespace);
   std::signal(SIGINT, requestStop);
   std::signal(SIGTERM, requestStop);
   std::signal(SIGUSR1, requestEstop);
@@ -158,6 +321,7 @@ int main(int argc, char** argv) {
   Options options;
   try {
     declare(app, options);
+    declareBringUp(app, options.bring_up);
     app.parse(argc, argv);
     return run(options);
   } catch (const CLI::ParseError& error) {

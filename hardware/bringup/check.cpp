@@ -1,0 +1,208 @@
+#include "hardware/bringup/check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "core/base/error.h"
+
+namespace handgraft::bringup {
+
+namespace {
+
+constexpr double kStep_rad = 0.1;
+constexpr double kReached = 0.05;  // rad: a hand at its end is not held more exactly
+constexpr std::chrono::milliseconds kStopped(500);
+
+/// Somebody left.
+struct Left {};
+
+class Walk {
+ public:
+  Walk(config::HandConfig& config,
+       const bridge::MakeDevice& make_device,
+       const devices::Clock& clock,
+       const std::function<void(devices::TimePoint)>& sleep_until,
+       const Companion& companion)
+      : config_(config),
+        make_device_(make_device),
+        clock_(clock),
+        sleep_until_(sleep_until),
+        companion_(companion) {}
+
+  Findings run() {
+    try {
+      for (std::size_t i = 0; i < config_.motors.size(); ++i)
+        walkMotor(i);
+      walkWatchdog();
+      walkStop();
+    } catch (const Left&) {
+      findings_.trouble = "it was ended early";
+    }
+    return findings_;
+  }
+
+ private:
+  std::string ask(const std::string& question) {
+    const std::optional<std::string> answer = companion_.ask(question);
+    if (!answer) throw Left{};
+    return *answer;
+  }
+
+  bool agrees(const std::string& question) {
+    while (true) {
+      const std::string answer = ask(question + " [y/n]");
+      if (answer == "y" || answer == "yes") return true;
+      if (answer == "n" || answer == "no") return false;
+      companion_.say("y or n, please");
+    }
+  }
+
+  Jogger jogger(std::size_t i) {
+    return {config_, config_.motors[i].name, make_device_, clock_, sleep_until_};
+  }
+
+  // The encoder's angle, the motor off, once the joint was put somewhere by hand.
+  double placed(std::size_t i, const std::string& where) {
+    ask(fmt::format("Put {} by hand {}, then press Enter", nameOf(i), where));
+    return jogger(i).look().encoder_rad;
+  }
+
+  std::string nameOf(std::size_t i) const {
+    const config::MotorConfig& motor = config_.motors[i];
+    return motor.joint.empty() || motor.joint == motor.name
+               ? "'" + motor.name + "'"
+               : fmt::format("joint '{}' (motor '{}')", motor.joint, motor.name);
+  }
+
+  void walkMotor(std::size_t i) {
+    config::MotorConfig& motor = config_.motors[i];
+    companion_.say(fmt::format("--- {} of {}: {}, id {}", i + 1, config_.motors.size(),
+                               nameOf(i), motor.id));
+    MotorFinding finding;
+    finding.motor = motor.name;
+    motor.zero_rad = finding.zero_rad = placed(i, "to its zero, as the model has it");
+    companion_.say(fmt::format("{}: hold the space bar (or type 'hold'): it turns by {} rad",
+                               nameOf(i), kStep_rad));
+    while (jogger(i).turn(kStep_rad, companion_.is_held).was_let_go)
+      companion_.say("it was let go; once more");
+    if (!agrees(fmt::format("Did {}, and no other, turn the way that its model calls positive?",
+                            nameOf(i)))) {
+      if (!agrees("Was it the right joint, the other way?")) {
+        finding.objection = "its motor turned another joint";
+        findings_.motors.push_back(finding);
+        return;
+      }
+      motor.direction = -motor.direction;
+    }
+    finding.is_direction_right = true;
+    const double one = placed(i, "to its lower end");
+    const double other = placed(i, "to its upper end");
+    const auto angle = [&](double encoder_rad) {
+      return motor.direction * (encoder_rad - motor.zero_rad) / motor.gear;
+    };
+    finding.lowest_rad = std::min(angle(one), angle(other));
+    finding.highest_rad = std::max(angle(one), angle(other));
+    const double under = finding.lowest_rad - motor.range_rad.lower;
+    const double over = motor.range_rad.upper - finding.highest_rad;
+    if (angle(one) > angle(other)) {
+      finding.objection = "its lower end lies above its upper one: see to its direction";
+    } else if (under > kReached || over > kReached) {
+      finding.objection = fmt::format(
+          "it reaches {:.3f} to {:.3f} rad; the config sends it from {:.3f} to {:.3f}",
+          finding.lowest_rad, finding.highest_rad, motor.range_rad.lower,
+          motor.range_rad.upper);
+    }
+    companion_.say(finding.objection.empty() ? nameOf(i) + ": fine" : finding.objection);
+    findings_.motors.push_back(finding);
+  }
+
+  bridge::DeviceStack armed() {
+    // Ranges of motors that stand somewhere near their ends: they are only held there.
+    bridge::DeviceStack stack = make_device_(config_);
+    stack.device->open();
+    stack.device->arm();
+    return stack;
+  }
+
+  void walkWatchdog() {
+    ask("Next the motors hold, and then this program falls silent: the device itself has to "
+        "switch them off. Press Enter");
+    bridge::DeviceStack stack = armed();
+    sleep_until_(clock_() + config_.device.watchdog * 2 + kStopped);
+    devices::DeviceState measured(stack.device->motorCount());
+    for (int k = 0; k < 10 && !stack.device->fault(); ++k)
+      stack.device->read(measured);
+    // Our own silence is no word of the device's.
+    const devices::Fault& fault = stack.device->fault();
+    findings_.has_watchdog = fault && fault.kind != devices::Fault::Kind::kStarved;
+    companion_.say(findings_.has_watchdog ? "the watchdog stopped them: " + describe(fault)
+                   : fault ? "this device does not tell whether its watchdog stopped it"
+                           : "the motors hold on: there is no watchdog");
+    stack.device->stop();
+    clear(stack);
+  }
+
+  void walkStop() {
+    ask("Next the motors hold, and the emergency stop lets go of them. Press Enter");
+    bridge::DeviceStack stack = armed();
+    stack.device->stop();
+    sleep_until_(clock_() + kStopped);
+    devices::DeviceState measured(stack.device->motorCount());
+    stack.device->read(measured);
+    findings_.has_stop = agrees("Are the motors limp now?");
+    clear(stack);
+  }
+
+  // What was provoked is forgotten.
+  static void clear(bridge::DeviceStack& stack) { stack.device->reset(); }
+
+  config::HandConfig& config_;
+  const bridge::MakeDevice& make_device_;
+  const devices::Clock& clock_;
+  const std::function<void(devices::TimePoint)>& sleep_until_;
+  const Companion& companion_;
+  Findings findings_;
+};
+
+}  // namespace
+
+bool Findings::isFine() const {
+  return trouble.empty() && has_watchdog && has_stop &&
+         std::all_of(motors.begin(), motors.end(), [](const MotorFinding& motor) {
+           return motor.is_direction_right && motor.objection.empty();
+         });
+}
+
+Findings check(config::HandConfig& config,
+               const bridge::MakeDevice& make_device,
+               const devices::Clock& clock,
+               const std::function<void(devices::TimePoint)>& sleep_until,
+               const Companion& companion) {
+  return Walk(config, make_device, clock, sleep_until, companion).run();
+}
+
+std::string reportText(const config::HandConfig& config, const Findings& findings) {
+  std::string text = fmt::format("hand {}: {}\n", quoted(config.hand),
+                                 findings.isFine() ? "fine" : "NOT fine");
+  for (const MotorFinding& motor : findings.motors) {
+    const auto found =
+        std::find_if(config.motors.begin(), config.motors.end(), [&](const auto& candidate) {
+          return candidate.name == motor.motor;
+        });
+    text +=
+        fmt::format("motor {}: direction {}, zero_rad {:.4f}, reaches {:.3f} to {:.3f} rad{}\n",
+                    quoted(motor.motor), found == config.motors.end() ? 0 : found->direction,
+                    motor.zero_rad, motor.lowest_rad, motor.highest_rad,
+                    motor.objection.empty() ? "" : ": " + motor.objection);
+  }
+  text += fmt::format("the device's own watchdog: {}\n",
+                      findings.has_watchdog ? "stops the motors" : "NOT shown");
+  text += fmt::format("emergency stop: {}\n", findings.has_stop ? "lets go" : "NOT shown");
+  if (!findings.trouble.empty()) text += findings.trouble + "\n";
+  return text;
+}
+
+}  // namespace handgraft::bringup

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hardware/bringup/jog.h"
+
+namespace handgraft::bringup {
+
+/// Who walks along: is asked, and answers.
+struct Companion {
+  std::function<void(const std::string& line)> say;
+  /// A line, without its end; nothing when there is nobody any more.
+  std::function<std::optional<std::string>(const std::string& question)> ask;
+  IsHeld is_held;
+};
+
+struct MotorFinding {
+  std::string motor;
+  bool is_direction_right = false;
+  double zero_rad = 0;                     ///< the encoder's angle at the joint's zero
+  double lowest_rad = 0, highest_rad = 0;  ///< reached by hand, from that zero
+  std::string objection;  ///< empty: the config's range lies within what it reaches
+};
+
+struct Findings {
+  std::vector<MotorFinding> motors;
+  bool has_watchdog = false;
+  bool has_stop = false;
+  std::string trouble;  ///< why the walk ended early; empty: it did not
+
+  [[nodiscard]] bool isFine() const;
+};
+
+/// A guided walk through a hand before it is trusted: each motor's zero, direction and range,
+/// its joint moved by hand and by a slow jog; then that the device's own watchdog stops the
+/// motors, and that its emergency stop does. `config` gets the directions and zeros that were
+/// found.
+///
+/// Nothing turns but a jog of 0.1 rad that is held for, and motors that hold where they stand.
+/// Errors: TransportError, DeviceError. A companion who leaves ends the walk (`trouble`).
+Findings check(config::HandConfig& config,
+               const bridge::MakeDevice& make_device,
+               const devices::Clock& clock,
+               const std::function<void(devices::TimePoint)>& sleep_until,
+               const Companion& companion);
+
+/// To keep.
+std::string reportText(const config::HandConfig& config, const Findings& findings);
+
+}  // namespace handgraft::bringup

@@ -1,0 +1,172 @@
+// handgraft-loop-bench CONFIG [SECONDS]: the bridge's loop on a thread of its own, driving the
+// device that CONFIG tells of, emulated on a tty, at 100, 200 and 500 Hz. A line each: how late
+// its periods begin, and the CPU that it takes; and what rate the wire would permit. Figures
+// are those of the machine it runs on.
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <thread>
+#include <vector>
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include "core/base/error.h"
+#include "hardware/bridge/motion_thread.h"
+#include "hardware/config/hand_config_file.h"
+#include "hardware/config/wire_load.h"
+
+#include "tests/hardware/emulators/hand_rig.h"
+
+namespace {
+
+using namespace handgraft;
+using Clock = std::chrono::steady_clock;
+
+double cpuOfThread_s() {
+  rusage usage{};
+  getrusage(RUSAGE_THREAD, &usage);
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+/// Another device, and when it is read.
+class Probe final : public devices::Device {
+ public:
+  struct Log {
+    std::vector<Clock::time_point> reads;
+    double first_cpu_s = 0, last_cpu_s = 0;
+  };
+
+  Probe(bridge::DeviceStack inner, Log& log) : inner_(std::move(inner)), log_(log) {}
+
+  [[nodiscard]] std::size_t motorCount() const override { return inner_.device->motorCount(); }
+
+  [[nodiscard]] devices::DeviceCounters counters() const override {
+    return inner_.device->counters();
+  }
+
+ private:
+  void doOpen() override { inner_.device->open(); }
+
+  void doArm() override {
+    inner_.device->arm();
+    log_.reads.clear();
+    log_.first_cpu_s = cpuOfThread_s();
+  }
+
+  void doRead(devices::DeviceState& state) override {
+    if (log_.reads.size() < log_.reads.capacity()) log_.reads.push_back(Clock::now());
+    log_.last_cpu_s = cpuOfThread_s();
+    static_cast<void>(inner_.device->read(state));
+    if (inner_.device->fault()) latch(inner_.device->fault());
+  }
+
+  void doWrite(std::span<const double> targets) override {
+    static_cast<void>(inner_.device->write(targets));
+  }
+
+  bool doDisarm() override { return inner_.device->disarm(); }
+
+  void doStop() override { inner_.device->stop(); }
+
+  void doHeal() override { inner_.device->reset(); }
+
+  bridge::DeviceStack inner_;
+  Log& log_;
+};
+
+void measure(config::HandConfig config, double rate_hz, double seconds) {
+  config.governor.period_s = 1 / rate_hz;
+  config.governor.stale_after = std::chrono::seconds(5);
+  config.governor.longest_gap = std::chrono::milliseconds(3000);
+  config.governor.overruns_in_a_row = 1'000'000;
+  config.governor.device_silent_after = std::chrono::seconds(2);
+  if (config.device.kind != config::DeviceKind::kAbilityHand)
+    config.device.watchdog = std::chrono::milliseconds(2000);
+  config.device.reply_timeout = std::chrono::milliseconds(50);
+  config.device.tolerated_misses = 50;
+  config.homing.clear();
+  const double allowed_hz = config::kWireShare / config::cycleTime_s(config);
+  const auto rig = test::makeHandRig(config, true);
+  Probe::Log log;
+  log.reads.reserve(static_cast<std::size_t>(2 * rate_hz * seconds) + 1000);
+  std::atomic<bool> estop{false};
+  const auto make = [&](const config::HandConfig& asked) {
+    bridge::DeviceStack stack;
+    stack.device = std::make_unique<Probe>(
+        bridge::makeDeviceOn(rig->wire().channel(), asked, Clock::now), log);
+    return stack;
+  };
+  double position = 0;
+  double late_ms = 0;
+  {
+    bridge::MotionThread motion(std::make_unique<bridge::Motion>(config, make, Clock::now),
+                                estop);
+    const auto end = Clock::now() + std::chrono::duration<double>(seconds + 4);
+    std::uint64_t number = 0;
+    while (Clock::now() < end) {
+      bridge::StreamPose pose;
+      pose.stream = 1;
+      pose.sequence = ++number;
+      pose.arrived = Clock::now();
+      pose.names = config.governor.names;
+      position = 0.5 + 0.3 * std::sin(0.1 * static_cast<double>(number));
+      for (const safety::JointLimits& limits : config.governor.limits)
+        pose.joint_rad.push_back(limits.lower + position * (limits.upper - limits.lower));
+      motion.offer(std::move(pose));
+      if (motion.take() != nullptr && !motion.last().is_powered)
+        motion.request(bridge::Request::kArm);
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+    late_ms = 1e3 * std::chrono::duration<double>(motion.last().worst_lateness).count();
+  }
+  std::vector<double> off_ms;
+  for (std::size_t i = 1; i < log.reads.size(); ++i) {
+    const double gap = std::chrono::duration<double>(log.reads[i] - log.reads[i - 1]).count();
+    off_ms.push_back(1e3 * std::abs(gap - config.governor.period_s));
+  }
+  if (off_ms.size() < 10) {
+    fmt::print("{:6.0f} Hz: it was not armed\n", rate_hz);
+    return;
+  }
+  std::sort(off_ms.begin(), off_ms.end());
+  const double span =
+      std::chrono::duration<double>(log.reads.back() - log.reads.front()).count();
+  const auto share = [&](double p) {
+    return off_ms[static_cast<std::size_t>(p * static_cast<double>(off_ms.size() - 1))];
+  };
+  fmt::print(
+      "{:6.0f} Hz: {:.1f} reached, period off by {:.3f} ms in the median, {:.3f} p99, {:.1f} "
+      "at most "
+      "(late by {:.1f}), CPU of the loop {:.1f} %; its wire permits {:.0f} Hz\n",
+      rate_hz, static_cast<double>(off_ms.size()) / span, share(0.5), share(0.99),
+      off_ms.back(), late_ms, 100 * (log.last_cpu_s - log.first_cpu_s) / span, allowed_hz);
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 2) {
+    fmt::print(stderr, "usage: handgraft-loop-bench CONFIG [SECONDS]\n");
+    return 2;
+  }
+  try {
+    const config::HandConfig config = config::readHandConfig(argv[1]);
+    const double seconds = argc > 2 ? std::atof(argv[2]) : 10;
+    for (const double rate_hz : std::array{100.0, 200.0, 500.0})
+      measure(config, rate_hz, seconds);
+  } catch (const InvalidInput& error) {
+    fmt::print(stderr, "handgraft-loop-bench: {}\n", error.what());
+    return 2;
+  }
+  return 0;
+}

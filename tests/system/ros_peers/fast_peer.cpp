@@ -1,0 +1,156 @@
+// fast_peer DOMAIN PREFIX VERB: the same as cyclone_peer.c on Fast DDS, with the classes that
+// fastddsgen makes of rosidl.idl.
+
+#include "rosidl.h"
+#include "rosidlPubSubTypes.h"
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <fastdds/dds/topic/Topic.hpp>
+#include <fastdds/dds/topic/TypeSupport.hpp>
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+
+namespace {
+
+namespace dds = eprosima::fastdds::dds;
+
+dds::DomainParticipant* join(int domain) {
+  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+  udp->interfaceWhiteList.emplace_back("127.0.0.1");
+  dds::DomainParticipantQos qos;
+  qos.transport().use_builtin_transports = false;
+  qos.transport().user_transports.push_back(udp);
+  return dds::DomainParticipantFactory::get_instance()->create_participant(
+      static_cast<std::uint32_t>(domain), qos);
+}
+
+class Node {
+ public:
+  Node(int domain, std::string prefix)
+      : prefix_(std::move(prefix)), participant_(join(domain)) {
+    publisher_ = participant_->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
+    subscriber_ = participant_->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);
+  }
+
+  template <class PubSubType>
+  dds::Topic* topic(const std::string& name) {
+    const dds::TypeSupport type(new PubSubType);
+    type.register_type(participant_);
+    return participant_->create_topic(name, type.get_type_name(), dds::TOPIC_QOS_DEFAULT);
+  }
+
+  template <class PubSubType>
+  dds::DataReader* reader(const std::string& name) {
+    dds::DataReaderQos qos;
+    qos.reliability().kind = dds::RELIABLE_RELIABILITY_QOS;
+    qos.history().depth = 10;
+    return subscriber_->create_datareader(topic<PubSubType>(name), qos);
+  }
+
+  template <class PubSubType>
+  dds::DataWriter* writer(const std::string& name) {
+    dds::DataWriterQos qos;
+    qos.reliability().kind = dds::RELIABLE_RELIABILITY_QOS;
+    return publisher_->create_datawriter(topic<PubSubType>(name), qos);
+  }
+
+  [[nodiscard]] std::string name(const std::string& kind, const std::string& end) const {
+    return kind + "/" + prefix_ + end;
+  }
+
+ private:
+  std::string prefix_;
+  dds::DomainParticipant* participant_;
+  dds::Publisher* publisher_ = nullptr;
+  dds::Subscriber* subscriber_ = nullptr;
+};
+
+/// The newest sample, if one came.
+template <class Message>
+bool take(dds::DataReader* reader, Message& message) {
+  dds::SampleInfo info;
+  bool has_come = false;
+  while (reader->take_next_sample(&message, &info) == ReturnCode_t::RETCODE_OK)
+    has_come = has_come || info.valid_data;
+  return has_come;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 4) return 2;
+  Node node(std::atoi(argv[1]), argv[2]);
+  const std::string verb = argv[3];
+  using namespace std_srvs::srv::dds_;
+  auto* request = node.writer<Trigger_Request_PubSubType>(
+      node.name("rq", "handgraft_bridge/" + verb + "Request"));
+  auto* reply = node.reader<Trigger_Response_PubSubType>(
+      node.name("rr", "handgraft_bridge/" + verb + "Reply"));
+  auto* joints = node.reader<sensor_msgs::msg::dds_::JointState_PubSubType>(
+      node.name("rt", "joint_states"));
+  auto* trajectory = node.reader<trajectory_msgs::msg::dds_::JointTrajectory_PubSubType>(
+      node.name("rt", "joint_trajectory"));
+  auto* diagnostics =
+      node.reader<diagnostic_msgs::msg::dds_::DiagnosticArray_PubSubType>("rt/diagnostics");
+
+  bool has_joints = false, has_trajectory = false, has_diagnostics = false, has_reply = false;
+  bool has_asked = false;
+  for (int i = 0; i < 1200; ++i) {
+    if (has_joints && has_trajectory && has_diagnostics && has_reply) break;
+    sensor_msgs::msg::dds_::JointState_ state;
+    if (take(joints, state) && !has_joints && !state.name_().empty()) {
+      has_joints = true;
+      std::printf("joint_states %zu names, first %s, %zu positions, %zu efforts, frame %s\n",
+                  state.name_().size(), state.name_()[0].c_str(), state.position_().size(),
+                  state.effort_().size(), state.header_().frame_id_().c_str());
+    }
+    trajectory_msgs::msg::dds_::JointTrajectory_ motion;
+    if (take(trajectory, motion) && !has_trajectory) {
+      has_trajectory = true;
+      std::printf("joint_trajectory %zu names, %zu points, %zu positions, in %u ns\n",
+                  motion.joint_names_().size(), motion.points_().size(),
+                  motion.points_()[0].positions_().size(),
+                  motion.points_()[0].time_from_start_().nanosec_());
+    }
+    diagnostic_msgs::msg::dds_::DiagnosticArray_ told;
+    if (take(diagnostics, told) && !has_diagnostics) {
+      has_diagnostics = true;
+      std::printf("diagnostics level %d of %s: %s\n", int{told.status_()[0].level_()},
+                  told.status_()[0].name_().c_str(), told.status_()[0].hardware_id_().c_str());
+    }
+    dds::PublicationMatchedStatus asked;
+    dds::SubscriptionMatchedStatus answered;
+    request->get_publication_matched_status(asked);
+    reply->get_subscription_matched_status(answered);
+    if (!has_asked && has_joints && asked.current_count > 0 && answered.current_count > 0) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(300));  // a match is not readiness
+      Trigger_Request_ question;
+      question.client_guid_(4711);
+      question.sequence_number_(42);
+      has_asked = request->write(&question);
+    }
+    Trigger_Response_ answer;
+    if (take(reply, answer) && answer.client_guid_() == 4711 &&
+        answer.sequence_number_() == 42) {
+      has_reply = true;
+      std::printf("%s success %d: %s\n", verb.c_str(), answer.success_() ? 1 : 0,
+                  answer.message_().c_str());
+    }
+    std::fflush(stdout);
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  // Without Fast DDS' own end, which may hang behind a peer that is gone.
+  std::_Exit(has_joints && has_trajectory && has_diagnostics && has_reply ? 0 : 1);
+}
