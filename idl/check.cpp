@@ -81,7 +81,8 @@ void checkValue(const Type& type,
 }  // namespace
 
 void checkNumber(double value, const Field& field, const std::string& path) {
-  if (std::isnan(value)) {
+  const bool is_bounded = std::isfinite(field.least) && std::isfinite(field.most);
+  if (std::isnan(value) && !(is_bounded && !field.nan)) {
     if (!field.nan) throw InvalidField(path, "nan is no number");
   } else if (std::isinf(value)) {
     if (!field.infinite) throw InvalidField(path, fmt::format("{} is not finite", value));

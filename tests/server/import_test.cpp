@@ -272,7 +272,7 @@ TEST_F(ImportTest, RefusesPosesThatMakeNoSense) {
   const v1::RequestBody good = clampOnLemon("touched");
   expectRefused(withJoint(good, "hing", 0.0),
                 "no joint 'hing'; its movable joints are 'hinge'");
-  expectRefused(withJoint(good, "hinge", std::nan("")), "joint 'hinge'");
+  expectRefused(withJoint(good, "hinge", std::nan("")), "joint_positions[0]: nan");
   expectRefused(withJoint(withJoint(good, "hinge", 0.0), "hinge", 0.0), "named twice");
   v1::RequestBody bad = good;
   bad.pose_contacts().joints().emplace_back("hinge");
