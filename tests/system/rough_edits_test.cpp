@@ -200,8 +200,8 @@ std::vector<Refusal> withNumber(double bad, const std::string& shown) {
     three[i] = bad;
     add("root on the object", root("palm", v1::SIDE_OBJECT, 0, three), "root");
     add("root on the hand", root("palm", v1::SIDE_HAND, 0, three), "root");
-    add("dragged point", drag("index_distal", three, {0, 0, 0}), "point to drag");
-    add("drag's target", drag("index_distal", {0, 0, 0}, three), "target of the drag");
+    add("dragged point", drag("index_distal", three, {0, 0, 0}), "drag.p_L_m");
+    add("drag's target", drag("index_distal", {0, 0, 0}, three), "drag.target_W_m");
     std::array<double, 3> one{1.0, 1.0, 1.0};
     one[i] = bad;
     add("weights", lambdas(one[0], one[1], one[2]), "weight");
@@ -209,8 +209,8 @@ std::vector<Refusal> withNumber(double bad, const std::string& shown) {
   }
   add("patch weight", patchWeight("palm", bad), "weight");
   add("direction", turn("palm", bad), "angle");
-  add("lower limit", limit(joint, bad, 1.0), "lower limit");
-  add("upper limit", limit(joint, 0.0, bad), "upper limit");
+  add("lower limit", limit(joint, bad, 1.0), "lower");
+  add("upper limit", limit(joint, 0.0, bad), "upper");
   add("prior's joint", prior({joint}, {bad}), "prior");
   add("soft value", soft(joint, bad, 1.0), "value");
   add("soft weight", soft(joint, 0.5, bad), "weight");
@@ -258,14 +258,14 @@ std::vector<Refusal> beyondTheirRange() {
        root("palm", v1::SIDE_OBJECT, kFar, {1, 0, 0}),
        {"root", far, "faces"}},
       {"place off its face", root("palm", v1::SIDE_HAND, 0, {2, -1, 0}), {"root", "-1", "sum"}},
-      {"minimum 8", choice(8), {"rank", "8", "0-7"}},
-      {"last minimum", choice(4'294'967'295U), {"rank", "4294967295", "0-7"}},
+      {"minimum 8", choice(8), {"rank", "8", "0 to 7"}},
+      {"last minimum", choice(4'294'967'295U), {"rank", "4294967295", "0 to 7"}},
       {"undo of too many", steps(v1::EDIT_UNDO, 1000), {"undo"}},
       {"undo of far too many", steps(v1::EDIT_UNDO, 4'000'000'000U), {"count", "4000000000"}},
       {"redo of nothing", steps(v1::EDIT_REDO, 1), {"redo"}},
       {"starts", solving(10'001, 0), {"starts", "10001", "10000"}},
       {"evaluations", solving(0, 100'001), {"max_evaluations", "100001", "100000"}},
-      {"heavy patch", patchWeight("palm", 1e300), {"palm", "1e+300", "1000000"}},
+      {"heavy patch", patchWeight("palm", 1e300), {"weight", "1e+300", "1000000"}},
       {"negative weight", patchWeight("palm", -0.5), {"weight", "-0.5", "0"}},
       {"far turn", turn("palm", 1e9), {"palm", "1000000000", "1000"}},
       {"limits the wrong way round", limit(joint, 1.0, 0.5), {joint, "1", "0.5"}},

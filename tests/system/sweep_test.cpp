@@ -117,7 +117,7 @@ TEST(Vary, MakesAHandThatGrasps) {
   const json made = service.ask({"hand", "vary", kHand, "--set", "index_middle.length=1.2",
                                  "--set", "index_middle_crease.upper=60deg", "--name", "longer",
                                  "--urdf", urdf.string()});
-  EXPECT_TRUE(made.at("skin").at("valid").get<bool>()) << made.at("skin");
+  EXPECT_TRUE(made.at("skin_report").at("valid").get<bool>()) << made.at("skin_report");
   std::ifstream file(urdf);
   EXPECT_THAT(std::string(std::istreambuf_iterator<char>(file), {}),
               HasSubstr("upper=\"1.047197551"));

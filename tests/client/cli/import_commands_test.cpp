@@ -155,7 +155,7 @@ TEST_F(ImportCommands, InspectOfAModelOnTheServerLoadsNothing) {
   common_.json = true;
   InspectOptions options;
   options.hand = "flat";
-  EXPECT_EQ(nlohmann::json::parse(printed(options))["skin"]["valid"], true);
+  EXPECT_EQ(nlohmann::json::parse(printed(options))["skin_report"]["valid"], true);
   EXPECT_THAT(server_.operations(), ElementsAre(v1::OP_DESCRIBE_MODEL));
 }
 
@@ -194,7 +194,7 @@ TEST_F(ImportCommands, ImportPrintsTheSetAsJson) {
   ImportOptions options;
   options.map = write("scan.ply", "ply");
   options.object = "box";
-  EXPECT_EQ(nlohmann::json::parse(printed(options))["set"]["format"], "handgraft-contacts/1");
+  EXPECT_EQ(nlohmann::json::parse(printed(options))["kind"], "contacts");
 }
 
 TEST_F(ImportCommands, ImportTellsMapsReadInDifferentWaysApart) {

@@ -131,9 +131,9 @@ TEST(CommandTable, NamesTheWordThatIsWrongAndWhatIsPermitted) {
   EXPECT_THAT(objectionTo("weight thumb nan"), HasSubstr("'nan'"));
 }
 
-TEST(CommandTable, LeavesModelsAndFormatsToTheServer) {
+TEST(CommandTable, LeavesModelsToTheServerAndKnowsFormats) {
   EXPECT_EQ(objectionTo("hand somebodys"), "");
-  EXPECT_EQ(objectionTo("export stl a.stl"), "");
+  EXPECT_THAT(objectionTo("export stl a.stl"), HasSubstr("there are json, csv, obj, glb"));
   EXPECT_EQ(objectionTo("restore later"), "");
 }
 
