@@ -144,8 +144,8 @@ TEST_F(PatchNearACorner, HasPointsInsideWhenTheyAreAskedFor) {
   const json grasped = service_.ask(grasp({"--log-map", "exact", "--interior", "2"}));
   const std::string session = std::to_string(grasped.at("session_id").get<int>());
   const json transfer = service_.ask({"transfer", session});
-  EXPECT_EQ(transfer.at("method"), "exact");
-  EXPECT_EQ(transfer.at("interior_rings"), 2);
+  EXPECT_EQ(transfer.at("options").at("method"), "exact");
+  EXPECT_EQ(transfer.at("options").at("interior_rings"), 2);
   const json patch = transfer.at("patches").at(0);
   EXPECT_EQ(patch.at("method_O"), "exact");
   EXPECT_GT(patch.at("point_count"), patch.at("boundary_count"));
@@ -166,7 +166,7 @@ TEST_F(PatchNearACorner, RefusesWhatCannotBeSuggested) {
   EXPECT_THAT(objectionTo({"suggest", "999", "palm"}), testing::HasSubstr("session 999"));
   EXPECT_THAT(objectionTo({"transfer", "999"}), testing::HasSubstr("session 999"));
   EXPECT_THAT(objectionTo(grasp({"--log-map", "magic"})), testing::HasSubstr("auto"));
-  EXPECT_THAT(objectionTo(grasp({"--interior", "17"})), testing::HasSubstr("0-16"));
+  EXPECT_THAT(objectionTo(grasp({"--interior", "17"})), testing::HasSubstr("0 to 16"));
   EXPECT_EQ(service_.ask({"transfer", session}).at("revision"), 0) << "a refusal counted";
 }
 
