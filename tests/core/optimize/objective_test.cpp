@@ -127,9 +127,6 @@ TEST(Objective, PairsWithoutNormalsCountForTheDistanceAlone) {
     expectGradientMatches(problem, random, 10);
     const hand::HandPose pose = randomPose(*problem.model, random);
     const Terms found = Objective(problem).evaluate(pose);
-    const Terms points = sumOverPoints(problem, pose);
-    EXPECT_NEAR(found.normal, points.normal, 1e-12 * points.normal);
-    EXPECT_NEAR(found.distance, points.distance, 1e-12 * points.distance);
     PoseProblem other = problem;
     for (std::size_t i = 0; i < problem.pairs.size(); i += 3)
       other.pairs[i].n_W = -other.pairs[i].n_W;

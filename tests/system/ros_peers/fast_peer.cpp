@@ -24,15 +24,15 @@
 
 namespace {
 
-namespace dds = eprosima::fastdds::dds;
+namespace fast = eprosima::fastdds::dds;
 
-dds::DomainParticipant* join(int domain) {
+fast::DomainParticipant* join(int domain) {
   auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
   udp->interfaceWhiteList.emplace_back("127.0.0.1");
-  dds::DomainParticipantQos qos;
+  fast::DomainParticipantQos qos;
   qos.transport().use_builtin_transports = false;
   qos.transport().user_transports.push_back(udp);
-  return dds::DomainParticipantFactory::get_instance()->create_participant(
+  return fast::DomainParticipantFactory::get_instance()->create_participant(
       static_cast<std::uint32_t>(domain), qos);
 }
 
@@ -40,29 +40,29 @@ class Node {
  public:
   Node(int domain, std::string prefix)
       : prefix_(std::move(prefix)), participant_(join(domain)) {
-    publisher_ = participant_->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
-    subscriber_ = participant_->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);
+    publisher_ = participant_->create_publisher(fast::PUBLISHER_QOS_DEFAULT);
+    subscriber_ = participant_->create_subscriber(fast::SUBSCRIBER_QOS_DEFAULT);
   }
 
   template <class PubSubType>
-  dds::Topic* topic(const std::string& name) {
-    const dds::TypeSupport type(new PubSubType);
+  fast::Topic* topic(const std::string& name) {
+    const fast::TypeSupport type(new PubSubType);
     type.register_type(participant_);
-    return participant_->create_topic(name, type.get_type_name(), dds::TOPIC_QOS_DEFAULT);
+    return participant_->create_topic(name, type.get_type_name(), fast::TOPIC_QOS_DEFAULT);
   }
 
   template <class PubSubType>
-  dds::DataReader* reader(const std::string& name) {
-    dds::DataReaderQos qos;
-    qos.reliability().kind = dds::RELIABLE_RELIABILITY_QOS;
+  fast::DataReader* reader(const std::string& name) {
+    fast::DataReaderQos qos;
+    qos.reliability().kind = fast::RELIABLE_RELIABILITY_QOS;
     qos.history().depth = 10;
     return subscriber_->create_datareader(topic<PubSubType>(name), qos);
   }
 
   template <class PubSubType>
-  dds::DataWriter* writer(const std::string& name) {
-    dds::DataWriterQos qos;
-    qos.reliability().kind = dds::RELIABLE_RELIABILITY_QOS;
+  fast::DataWriter* writer(const std::string& name) {
+    fast::DataWriterQos qos;
+    qos.reliability().kind = fast::RELIABLE_RELIABILITY_QOS;
     return publisher_->create_datawriter(topic<PubSubType>(name), qos);
   }
 
@@ -72,15 +72,15 @@ class Node {
 
  private:
   std::string prefix_;
-  dds::DomainParticipant* participant_;
-  dds::Publisher* publisher_ = nullptr;
-  dds::Subscriber* subscriber_ = nullptr;
+  fast::DomainParticipant* participant_;
+  fast::Publisher* publisher_ = nullptr;
+  fast::Subscriber* subscriber_ = nullptr;
 };
 
 /// The newest sample, if one came.
 template <class Message>
-bool take(dds::DataReader* reader, Message& message) {
-  dds::SampleInfo info;
+bool take(fast::DataReader* reader, Message& message) {
+  fast::SampleInfo info;
   bool has_come = false;
   while (reader->take_next_sample(&message, &info) == ReturnCode_t::RETCODE_OK)
     has_come = has_come || info.valid_data;
@@ -130,8 +130,8 @@ int main(int argc, char** argv) {
       std::printf("diagnostics level %d of %s: %s\n", int{told.status_()[0].level_()},
                   told.status_()[0].name_().c_str(), told.status_()[0].hardware_id_().c_str());
     }
-    dds::PublicationMatchedStatus asked;
-    dds::SubscriptionMatchedStatus answered;
+    fast::PublicationMatchedStatus asked;
+    fast::SubscriptionMatchedStatus answered;
     request->get_publication_matched_status(asked);
     reply->get_subscription_matched_status(answered);
     if (!has_asked && has_joints && asked.current_count > 0 && answered.current_count > 0) {
