@@ -77,7 +77,7 @@ class NewcomersHand : public testing::Test {
   NewcomersHand() {
     std::mt19937 random(20260101);
     for (std::size_t i = 0; i < kServos; ++i) {
-      secrets_.push_back({random() % 2 == 0 ? 1 : -1, 1200.0 + random() % 1600});
+      secrets_.push_back({random() % 2 == 0 ? 1 : -1, 1200.0 + static_cast<double>(random() % 1600)});
       auto& servo = emulator_.motor(id(i)).servo;
       servo.position = servo.goal = secrets_[i].zero_counts;
       servo.speed = 4096;

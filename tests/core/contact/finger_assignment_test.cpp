@@ -88,19 +88,21 @@ TEST(OwnContact, LeavesWhatAnotherHandTouchedToIt) {
   SegmentationOptions options;
   options.joints_O = flatHand();
   const ContactSet alone = segment(map, options);
-  EXPECT_THAT(namesOf(alone), ElementsAre("middle", "little"))
+  EXPECT_THAT(namesOf(alone),
+              ElementsAre("middle_middle", "middle_distal", "little_middle", "little_distal"))
       << "without the other hand's joints the nearer one passes for ours";
   EXPECT_THAT(alone.notes, Contains(HasSubstr("farther than 40 mm from the hand's joints, left "
                                               "out: 1")));
 
   options.other_joints_O = {otherHand()};
   const ContactSet own = segment(map, options);
-  EXPECT_THAT(namesOf(own), ElementsAre("middle"));
+  EXPECT_THAT(namesOf(own), ElementsAre("middle_middle", "middle_distal"));
   EXPECT_THAT(own.notes, Contains(HasSubstr("nearer to another hand's joints, left out: 2")));
 
   options.joints_O = otherHand();
   options.other_joints_O = {flatHand()};
-  EXPECT_THAT(namesOf(segment(map, options)), ElementsAre("middle", "little"));
+  EXPECT_THAT(namesOf(segment(map, options)),
+              ElementsAre("middle_middle", "middle_distal", "little_middle", "little_distal"));
 }
 
 TEST(OwnContact, RefusesJointsOfAnotherObject) {

@@ -203,7 +203,7 @@ TEST(UrdfFile, ReadsEveryRealHand) {
       ++count;
     }
   }
-  EXPECT_EQ(count, 7);
+  EXPECT_GE(count, 7);  // those that were there when this was written
 }
 
 TEST(UrdfFile, PrintsNothingItself) {
