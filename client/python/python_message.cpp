@@ -141,7 +141,8 @@ Json jsonOf(const py::handle& value) {
     }
     return fields;
   }
-  if (PyIndex_Check(value.ptr()) != 0) {
+  // An array of numpy says that it may be an index, whatever its length.
+  if (PyIndex_Check(value.ptr()) != 0 && !py::hasattr(value, "__len__")) {
     const py::int_ whole = py::reinterpret_steal<py::int_>(PyNumber_Index(value.ptr()));
     if (!whole) throw py::error_already_set();
     int overflow = 0;
