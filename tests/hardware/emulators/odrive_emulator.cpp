@@ -63,10 +63,12 @@ void ODriveEmulator::sayEstimates(int node) {
                              static_cast<float>(servo.velocity)}));
 }
 
-// A taut line is not wound in farther than the axis' current pulls it.
+// A taut line is not wound in farther than the axis' current pulls it; but fingers bend before
+// it pulls harder than kBlockedCurrent.
 void ODriveEmulator::holdByLine(Axis& axis) {
   const double pull = std::max(axis.current_limit_A - axis.current_A, 0.0);
-  const double farthest = std::min(pull, double{kBlockedCurrent}) / kTautCurrent;
+  if (pull >= double{kBlockedCurrent}) return;
+  const double farthest = pull / kTautCurrent;
   const double wound = axis.winds * (axis.servo.position - *axis.taut);
   if (wound > farthest) axis.servo.position = *axis.taut + axis.winds * farthest;
 }
