@@ -109,7 +109,7 @@ std::string cellOf(const Accuracy& a) {
   return text;
 }
 
-/// The table of core/geometry/README.md: of all sources together.
+/// The table of core/geometry/DECISIONS.md: of all sources together.
 void printMarkdown(const std::vector<Row>& rows) {
   fmt::print(
       "| surface | version | vertices | `fast` | `exact` | `auto` takes | `smooth` | `heat` "
@@ -168,7 +168,7 @@ void addLogMapAccuracyCommand(CLI::App& app) {
   command->add_option("--vertices", options->vertices, "About as many a mesh")
       ->capture_default_str();
   command->add_flag("--json", options->json, "One JSON document");
-  command->add_flag("--markdown", options->markdown, "The table of core/geometry/README.md");
+  command->add_flag("--markdown", options->markdown, "The table of core/geometry/DECISIONS.md");
   command->callback([options] {
     run(*options);
   });

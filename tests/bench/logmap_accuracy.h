@@ -5,7 +5,7 @@
 namespace handgraft::bench {
 
 /// `logmap-accuracy`: all log maps on surfaces with a closed form; a table, JSON or the table
-/// of core/geometry/README.md.
+/// of core/geometry/DECISIONS.md.
 void addLogMapAccuracyCommand(CLI::App& app);
 
 }  // namespace handgraft::bench

@@ -141,7 +141,7 @@ case $name in
   retargeting) bench_retargeting ;;
   edits) bench_edits ;;
   table)
-    write_between core/geometry/README.md "accuracy table" "$bin/handgraft-bench" logmap-accuracy --markdown
+    write_between core/geometry/DECISIONS.md "accuracy table" "$bin/handgraft-bench" logmap-accuracy --markdown
     ;;
   tables)
     write_between tests/bench/README.md "paper tables" "$bin/handgraft-bench" tables --cache "$cache"
