@@ -115,10 +115,10 @@ bench_edits() {
   "$bin/handgraft-edit-bench" flood --seconds 5 "${grasp[@]}" $json
 }
 
-# write_between README WORDS COMMAND...: puts what the command prints between the lines
-# "<!-- WORDS: ..." and "<!-- end of WORDS -->" of a README.
+# write_between FILE WORDS COMMAND...: puts what the command prints between the lines
+# "<!-- WORDS: ..." and "<!-- end of WORDS -->" of a file.
 write_between() {
-  local readme=$1 words=$2 table
+  local file=$1 words=$2 table
   shift 2
   table=$(mktemp)
   "$@" >"$table"
@@ -127,10 +127,10 @@ write_between() {
     index($0, "<!-- end of " words " -->") == 1 { inside = 0; found = 1 }
     !inside { print }
     END { exit !found }
-  ' "$readme" >"$table.new"
-  cat "$table.new" >"$readme"
+  ' "$file" >"$table.new"
+  cat "$table.new" >"$file"
   rm "$table" "$table.new"
-  echo "bench: $readme holds the table of this build"
+  echo "bench: $file holds the table of this build"
 }
 
 case $name in
@@ -144,7 +144,7 @@ case $name in
     write_between core/geometry/DECISIONS.md "accuracy table" "$bin/handgraft-bench" logmap-accuracy --markdown
     ;;
   tables)
-    write_between tests/bench/README.md "paper tables" "$bin/handgraft-bench" tables --cache "$cache"
+    write_between tests/bench/DECISIONS.md "paper tables" "$bin/handgraft-bench" tables --cache "$cache"
     ;;
   all)
     bench_logmap
