@@ -1,0 +1,303 @@
+#include "core/io/motion_import.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "core/base/error.h"
+#include "core/geometry/surface_locator.h"
+#include "core/io/file_bytes.h"
+#include "core/io/json_keys.h"
+
+namespace handgraft::io {
+namespace {
+
+using manipulation::Motion;
+using manipulation::PatchKey;
+using manipulation::PatchTrack;
+using nlohmann::json;
+
+constexpr double kSequenceReach_m = 0.01;
+constexpr double kHighestRate = 1e5;  // frames a second
+
+const json& memberOf(const json& object, const char* name) {
+  if (!object.is_object() || !object.contains(name)) rejectInput("field '{}' is missing", name);
+  return object[name];
+}
+
+double finiteFrom(const json& value, const char* name) {
+  if (!value.is_number() || !std::isfinite(value.get<double>()))
+    rejectInput("field '{}' is {}; it must be a finite number", name, shown(value));
+  return value.get<double>();
+}
+
+Eigen::Vector3d placeIn(const json& object, const char* name) {
+  const json& value = memberOf(object, name);
+  if (!value.is_array() || value.size() != 3)
+    rejectInput("field '{}' must be an array of 3 numbers", name);
+  return {finiteFrom(value[0], name), finiteFrom(value[1], name), finiteFrom(value[2], name)};
+}
+
+template <class Read>
+auto namingFile(const std::filesystem::path& path, const Read& read) {
+  try {
+    return read(json::parse(readFileBytes(path)));
+  } catch (const json::exception& error) {
+    rejectInput("{}: {}", quoted(path.string()), error.what());
+  } catch (const InvalidInput& error) {
+    rejectInput("{}: {}", quoted(path.string()), error.what());
+  }
+}
+
+/// Factor to metres or radians.
+double unitOf(const json& spline) {
+  const std::string unit = memberOf(spline, "units").get<std::string>();
+  if (unit == "centimeters") return 0.01;
+  if (unit == "meters" || unit == "radians") return 1.0;
+  if (unit == "degrees") return std::numbers::pi / 180.0;
+  rejectInput("field 'units' is {}; permitted are centimeters, meters, degrees, radians",
+              handgraft::quoted(unit));
+}
+
+SplineTrajectory splinesFrom(const json& root) {
+  constexpr std::size_t kFewestControls = 4;
+  SplineTrajectory trajectory;
+  trajectory.duration_s = finiteFrom(memberOf(root, "time"), "time");
+  const json& data = memberOf(root, "data");
+  if (!data.is_array() || data.empty()) rejectInput("field 'data' is no list of splines");
+  const std::size_t rows = memberOf(data[0], "controlPointData").size() / 2;
+  if (rows < kFewestControls)
+    rejectInput("field 'controlPointData' has {} points; 4 at least are needed", rows);
+  trajectory.controls.resize(static_cast<Eigen::Index>(rows),
+                             static_cast<Eigen::Index>(data.size()));
+  for (std::size_t d = 0; d < data.size(); ++d) {
+    const json& controls = memberOf(data[d], "controlPointData");
+    if (!controls.is_array() || controls.size() != 2 * rows) {
+      rejectInput("spline {}: field 'controlPointData' has {} numbers; it must have {}", d,
+                  controls.size(), 2 * rows);
+    }
+    const double unit = unitOf(data[d]);
+    for (std::size_t i = 0; i < rows; ++i) {
+      trajectory.controls(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(d)) =
+          unit * finiteFrom(controls[2 * i + 1], "controlPointData");
+    }
+  }
+  return trajectory;
+}
+
+/// The tracks of one link's points: entry i of what a frame has of the link goes on in the i-th
+/// of those that are open.
+class LinkTracks {
+ public:
+  void add(int frame,
+           std::size_t index,
+           const std::string& name,
+           PatchKey key,
+           std::vector<PatchTrack>& done) {
+    if (index >= open_.size()) open_.resize(index + 1);
+    PatchTrack& track = open_[index];
+    if (!track.keys.empty() && track.end != frame) close(track, done);
+    if (track.keys.empty()) track.name = name;
+    track.keys.push_back(std::move(key));
+    track.end = frame + 1;
+  }
+
+  void closeAll(std::vector<PatchTrack>& done) {
+    for (PatchTrack& track : open_)
+      close(track, done);
+  }
+
+ private:
+  static void close(PatchTrack& track, std::vector<PatchTrack>& done) {
+    if (!track.keys.empty()) done.push_back(std::move(track));
+    track = PatchTrack{};
+  }
+
+  std::vector<PatchTrack> open_;
+};
+
+Motion sequenceFrom(const json& root,
+                    const geometry::TriangleMesh& mesh_O,
+                    const std::filesystem::path& object_path) {
+  const double rate = finiteFrom(memberOf(root, "fps"), "fps");
+  if (!(rate > 0.0) || rate > kHighestRate)
+    rejectInput("field 'fps' is {}; permitted are above 0 to {}", rate, kHighestRate);
+  const json& frames = memberOf(root, "frames");
+  if (!frames.is_array() || frames.empty()) rejectInput("field 'frames' is no list of frames");
+  const auto intOf = [](const json& frame) {
+    const json& number = memberOf(frame, "frame");
+    if (!number.is_number_unsigned() ||
+        number.get<std::uint64_t>() >= static_cast<std::uint64_t>(manipulation::kMostFrames))
+      rejectInput("field 'frame' is {}; permitted are 0 to {}", shown(number),
+                  manipulation::kMostFrames - 1);
+    return number.get<int>();
+  };
+  int count = intOf(frames.back()) + 1;
+  if (root.contains("n_frames") && root["n_frames"].is_number_unsigned())
+    count = std::max(count, std::min(root["n_frames"].get<int>(), manipulation::kMostFrames));
+
+  Motion motion;
+  motion.hand = root.value("hand", std::string());
+  motion.object =
+      std::filesystem::path(root.value("object_mesh", std::string())).stem().string();
+  for (int k = 0; k < count; ++k)
+    motion.time_s.push_back(k / rate);
+  motion.X_WO.assign(motion.time_s.size(), Pose::Identity());
+  if (!object_path.empty()) {
+    const SplineTrajectory path = readSplineTrajectory(object_path);
+    if (path.controls.cols() != 6)
+      rejectInput("{}: has {} splines; an object has 6", quoted(object_path.string()),
+                  path.controls.cols());
+    for (int k = 0; k < count; ++k)
+      motion.X_WO[static_cast<std::size_t>(k)] =
+          poseFromSpline(path.at(count > 1 ? static_cast<double>(k) / (count - 1) : 0.0));
+  }
+
+  const geometry::SurfaceLocator object_O(mesh_O);
+  std::map<std::string, LinkTracks> links;
+  int far = 0;
+  int before = -1;
+  for (const json& value : frames) {
+    const int frame = intOf(value);
+    if (frame <= before) rejectInput("frame {} does not lie behind frame {}", frame, before);
+    before = frame;
+    std::map<std::string, std::size_t> seen;
+    const json& contacts = memberOf(value, "contacts");
+    if (!contacts.is_array()) rejectInput("frame {}: field 'contacts' is no list", frame);
+    for (const json& contact : contacts) {
+      PatchKey key;
+      key.frame = frame;
+      manipulation::HandPoint point;
+      Eigen::Vector3d p_O;
+      try {
+        p_O = placeIn(contact, "object_point");
+        point.p_L = placeIn(contact, "hand_point");
+        point.link = memberOf(contact, "link").get<std::string>();
+      } catch (const InvalidInput& error) {
+        rejectInput("frame {}: {}", frame, error.what());
+      }
+      const auto hit = object_O.nearest(p_O);
+      if (hit.distance > kSequenceReach_m) {
+        ++far;
+        continue;
+      }
+      key.patch.name = point.link;
+      key.patch.root = hit.point;
+      key.patch.interpolation_boundary = {hit.point};
+      key.patch.place = hand::placeNamed(point.link);
+      key.hand_points = {point};
+      links[point.link].add(frame, seen[point.link]++, point.link, std::move(key),
+                            motion.tracks);
+    }
+  }
+  for (auto& [name, tracks] : links)
+    tracks.closeAll(motion.tracks);
+  std::stable_sort(motion.tracks.begin(), motion.tracks.end(),
+                   [](const PatchTrack& a, const PatchTrack& b) {
+                     return a.begin() < b.begin();
+                   });
+  if (far > 0)
+    motion.notes.push_back(
+        fmt::format("left out {} points farther than {:.0f} mm off the object", far,
+                    1e3 * kSequenceReach_m));
+  validate(mesh_O, motion);
+  return motion;
+}
+
+}  // namespace
+
+Eigen::VectorXd SplineTrajectory::at(double share) const {
+  // De Boor's algorithm over knots 0 0 0 0 1 2 ... n-3 n-3 n-3 n-3.
+  const int spans = static_cast<int>(controls.rows()) - 3;
+  const double u = std::clamp(share, 0.0, 1.0) * spans;
+  const int span = std::min(static_cast<int>(u), spans - 1);
+  const auto knot = [spans](int i) {
+    return static_cast<double>(std::clamp(i - 3, 0, spans));
+  };
+  Eigen::Matrix<double, Eigen::Dynamic, 4> points(controls.cols(), 4);
+  for (int i = 0; i < 4; ++i)
+    points.col(i) = controls.row(span + i).transpose();
+  for (int level = 1; level <= 3; ++level) {
+    for (int i = 3; i >= level; --i) {
+      const double left = knot(span + i);
+      const double right = knot(span + i + 4 - level);
+      const double share_of_right = (u - left) / (right - left);
+      points.col(i) =
+          (1.0 - share_of_right) * points.col(i - 1) + share_of_right * points.col(i);
+    }
+  }
+  return points.col(3);
+}
+
+SplineTrajectory readSplineTrajectory(const std::filesystem::path& path) {
+  return namingFile(path, splinesFrom);
+}
+
+Pose poseFromSpline(const Eigen::VectorXd& coordinates) {
+  HANDGRAFT_REQUIRE(coordinates.size() >= 6);
+  Pose X = Pose::Identity();
+  X.translation() = coordinates.head<3>();
+  X.linear() = rotationFromVector(coordinates[5] * Eigen::Vector3d::UnitZ()) *
+               rotationFromVector(coordinates[4] * Eigen::Vector3d::UnitY()) *
+               rotationFromVector(coordinates[3] * Eigen::Vector3d::UnitX());
+  return X;
+}
+
+Motion readContactSequence(const std::filesystem::path& path,
+                           const geometry::TriangleMesh& object_O,
+                           const std::filesystem::path& object_path) {
+  Motion motion = namingFile(path, [&](const json& root) {
+    return sequenceFrom(root, object_O, object_path);
+  });
+  motion.name = path.stem().string();
+  return motion;
+}
+
+std::vector<TimedPose> readKeyframes(const std::filesystem::path& path) {
+  constexpr const char* kHeading = "time_s,x,y,z,qw,qx,qy,qz";
+  std::istringstream lines(readFileBytes(path));
+  std::string line;
+  std::vector<TimedPose> poses;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    if (number == 1) {
+      if (line != kHeading)
+        rejectInput("{}: line 1 is {}; it must be '{}'", quoted(path.string()),
+                    handgraft::quoted(line), kHeading);
+      continue;
+    }
+    if (line.empty()) continue;
+    std::istringstream words(line);
+    std::string word;
+    std::vector<double> numbers;
+    while (std::getline(words, word, ',')) {
+      char* end = nullptr;
+      const double value = std::strtod(word.c_str(), &end);
+      if (end == word.c_str() || !std::isfinite(value))
+        rejectInput("{}: line {}: {} is no finite number", quoted(path.string()), number,
+                    handgraft::quoted(word));
+      numbers.push_back(value);
+    }
+    if (numbers.size() != 8)
+      rejectInput("{}: line {} has {} numbers; it must have 8", quoted(path.string()), number,
+                  numbers.size());
+    if (!poses.empty() && !(numbers[0] > poses.back().time_s))
+      rejectInput("{}: line {}: time {} s does not lie behind the one before it, {} s",
+                  quoted(path.string()), number, numbers[0], poses.back().time_s);
+    const std::string label = fmt::format("{}: line {}", quoted(path.string()), number);
+    poses.push_back(
+        {numbers[0],
+         poseFromQuaternion({numbers[1], numbers[2], numbers[3]},
+                            {numbers[4], numbers[5], numbers[6], numbers[7]}, label.c_str())});
+  }
+  if (poses.empty()) rejectInput("{}: has no keyframes", quoted(path.string()));
+  return poses;
+}
+
+}  // namespace handgraft::io

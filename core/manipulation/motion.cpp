@@ -1,0 +1,150 @@
+#include "core/manipulation/motion.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.h"
+
+namespace handgraft::manipulation {
+
+namespace {
+
+// A rotation's columns as files round them.
+constexpr double kRotationTolerance = 1e-6;
+
+void requireTimes(const Motion& motion) {
+  if (motion.time_s.empty())
+    rejectInput("motion has 0 frames; permitted are 1 to {}", kMostFrames);
+  if (motion.time_s.size() > static_cast<std::size_t>(kMostFrames))
+    rejectInput("motion has {} frames; permitted are 1 to {}", motion.time_s.size(),
+                kMostFrames);
+  for (std::size_t k = 0; k < motion.time_s.size(); ++k) {
+    if (!std::isfinite(motion.time_s[k]))
+      rejectInput("frame {}: time is {} s; it must be finite", k, motion.time_s[k]);
+    if (k > 0 && !(motion.time_s[k] > motion.time_s[k - 1])) {
+      rejectInput("frame {}: time {} s does not lie behind the frame before it, {} s", k,
+                  motion.time_s[k], motion.time_s[k - 1]);
+    }
+  }
+}
+
+void requirePoses(const Motion& motion) {
+  if (motion.X_WO.size() != motion.time_s.size()) {
+    rejectInput("motion has {} poses of its object; {} frames need as many", motion.X_WO.size(),
+                motion.time_s.size());
+  }
+  for (std::size_t k = 0; k < motion.X_WO.size(); ++k) {
+    const Pose& X = motion.X_WO[k];
+    if (!X.matrix().allFinite()) rejectInput("frame {}: the object's pose is not finite", k);
+    const Eigen::Matrix3d R = X.linear();
+    if ((R * R.transpose() - Eigen::Matrix3d::Identity()).norm() > kRotationTolerance ||
+        R.determinant() < 0.0)
+      rejectInput("frame {}: the object's pose is no rotation and translation", k);
+  }
+}
+
+void requirePlaces(const geometry::TriangleMesh& object_O, const PatchKey& key) {
+  const contact::Patch& patch = key.patch;
+  geometry::validate(object_O, patch.root, "root");
+  if (patch.interpolation_boundary.empty()) rejectInput("has 0 points; 1 at least is needed");
+  for (const geometry::SurfacePoint& point : patch.interpolation_boundary)
+    geometry::validate(object_O, point, "point");
+  if (patch.direction_O && !patch.direction_O->allFinite())
+    rejectInput("direction is not finite");
+  if (!(patch.weight >= 0.0) || patch.weight > contact::kLargestWeight)
+    rejectInput("weight is {}; permitted are 0 to {}", patch.weight, contact::kLargestWeight);
+  if (!key.hand_points.empty() &&
+      key.hand_points.size() != patch.interpolation_boundary.size()) {
+    rejectInput("has {} points on the hand; its {} points need as many or none",
+                key.hand_points.size(), patch.interpolation_boundary.size());
+  }
+  for (const HandPoint& point : key.hand_points)
+    if (!point.p_L.allFinite()) rejectInput("a point on link '{}' is not finite", point.link);
+}
+
+void requireTrack(const geometry::TriangleMesh& object_O,
+                  const PatchTrack& track,
+                  int frame_count) {
+  if (track.keys.empty()) rejectInput("has 0 keys; 1 at least is needed");
+  int before = -1;
+  for (const PatchKey& key : track.keys) {
+    if (key.frame <= before || key.frame >= frame_count) {
+      rejectInput("key at frame {}; permitted are {} to {}", key.frame, before + 1,
+                  frame_count - 1);
+    }
+    before = key.frame;
+    try {
+      requirePlaces(object_O, key);
+    } catch (const InvalidInput& error) {
+      rejectInput("key at frame {}: {}", key.frame, error.what());
+    }
+  }
+  if (track.end <= before || track.end > frame_count)
+    rejectInput("ends at frame {}; permitted are {} to {}", track.end, before + 1, frame_count);
+}
+
+}  // namespace
+
+const PatchKey& PatchTrack::keyAt(int frame) const {
+  HANDGRAFT_REQUIRE(!keys.empty() && frame >= begin() && frame < end);
+  const auto behind =
+      std::upper_bound(keys.begin(), keys.end(), frame, [](int at, const PatchKey& key) {
+        return at < key.frame;
+      });
+  return *(behind - 1);
+}
+
+void validate(const geometry::TriangleMesh& object_O, const Motion& motion) {
+  requireTimes(motion);
+  requirePoses(motion);
+  std::size_t keys = 0;
+  std::size_t points = 0;
+  for (std::size_t i = 0; i < motion.tracks.size(); ++i) {
+    const PatchTrack& track = motion.tracks[i];
+    try {
+      requireTrack(object_O, track, motion.frameCount());
+    } catch (const InvalidInput& error) {
+      rejectInput("track {} ({}): {}", i, quoted(track.name), error.what());
+    }
+    if (i > 0 && track.begin() < motion.tracks[i - 1].begin()) {
+      rejectInput("track {} ({}) begins at frame {}, before the one listed before it, {}", i,
+                  quoted(track.name), track.begin(), motion.tracks[i - 1].begin());
+    }
+    keys += track.keys.size();
+    for (const PatchKey& key : track.keys)
+      points += key.patch.interpolation_boundary.size();
+  }
+  if (keys > kMostKeys) rejectInput("motion has {} keys; permitted are {}", keys, kMostKeys);
+  if (points > kMostMotionPoints)
+    rejectInput("motion has {} points; permitted are {}", points, kMostMotionPoints);
+}
+
+std::vector<std::string> remarksOn(const Motion& motion) {
+  std::vector<std::string> remarks;
+  int jumps = 0;
+  int first_jump = 0;
+  for (std::size_t k = 1; k < motion.X_WO.size(); ++k) {
+    const Pose step = motion.X_WO[k] * inverse(motion.X_WO[k - 1]);
+    const double way = (motion.X_WO[k].translation() - motion.X_WO[k - 1].translation()).norm();
+    if (way <= kJump_m && vectorFromRotation(step.linear()).norm() <= kJump_rad) continue;
+    if (jumps == 0) first_jump = static_cast<int>(k);
+    ++jumps;
+  }
+  if (jumps > 0) {
+    remarks.push_back(fmt::format(
+        "the object jumps {} time{}, first to frame {} at {:.3f} s; the hand goes along", jumps,
+        jumps == 1 ? "" : "s", first_jump,
+        motion.time_s[static_cast<std::size_t>(first_jump)]));
+  }
+  std::vector<char> touched(motion.time_s.size(), 0);
+  for (const PatchTrack& track : motion.tracks)
+    std::fill(touched.begin() + track.begin(), touched.begin() + track.end, 1);
+  const auto bare = std::count(touched.begin(), touched.end(), 0);
+  if (bare > 0) {
+    remarks.push_back(fmt::format(
+        "{} of {} frames have no contact; the hand follows the object", bare, touched.size()));
+  }
+  return remarks;
+}
+
+}  // namespace handgraft::manipulation

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/base/pose.h"
+#include "core/contact/patch.h"
+#include "core/geometry/triangle_mesh.h"
+
+namespace handgraft::manipulation {
+
+/// Where a point of a patch is on a hand of which the motion knows, in a link of it.
+struct HandPoint {
+  std::string link;
+  Eigen::Vector3d p_L = Eigen::Vector3d::Zero();
+};
+
+/// A patch from a frame on, until its next key.
+struct PatchKey {
+  int frame = 0;
+  /// On the object's mesh. Recorded points may be fewer than an outline has: one at least.
+  contact::Patch patch;
+  /// Of each point of the interpolation boundary, where a recording gives them (its `hand`);
+  /// empty: the patch is laid onto the skin by its name and its place.
+  std::vector<HandPoint> hand_points;
+};
+
+/// A patch from where it appears to where it vanishes. One that comes back is another track,
+/// which may have the same name.
+struct PatchTrack {
+  std::string name;
+  int end = 0;                 ///< the first frame without it
+  std::vector<PatchKey> keys;  ///< by rising frame; the first one is where it appears
+
+  [[nodiscard]] int begin() const { return keys.front().frame; }
+
+  /// The key that holds at `frame`, begin() <= frame < end.
+  [[nodiscard]] const PatchKey& keyAt(int frame) const;
+};
+
+/// Contacts and object over time: what a hand did, as far as another hand can do the same.
+struct Motion {
+  std::string name;
+  std::string object;              ///< what it is called; empty where the source does not say
+  std::string hand;                ///< whose `hand_points` the keys have; empty: nobody's
+  std::vector<double> time_s;      ///< of each frame, rising
+  std::vector<Pose> X_WO;          ///< of each frame
+  std::vector<PatchTrack> tracks;  ///< by rising begin
+  /// Remarks of whoever made it, shown to the user.
+  std::vector<std::string> notes;
+
+  [[nodiscard]] int frameCount() const { return static_cast<int>(time_s.size()); }
+
+  [[nodiscard]] double duration() const { return time_s.back() - time_s.front(); }
+};
+
+// Bounds of memory: what a file asks for must not grow without end.
+inline constexpr int kMostFrames = 1'000'000;
+inline constexpr std::size_t kMostKeys = 4'000'000;
+inline constexpr std::size_t kMostMotionPoints = 20'000'000;
+
+/// Everything a motion promises: frames, times that rise and are finite, proper poses, tracks
+/// within the frames, keys that rise, patches on the mesh. InvalidInput names the frame or the
+/// track, the value and what is permitted.
+void validate(const geometry::TriangleMesh& object_O, const Motion& motion);
+
+/// What a user should know of it though nothing is wrong: an object that jumps from one frame
+/// to the next (more than kJump_m or kJump_rad), gaps in time, frames without any contact.
+std::vector<std::string> remarksOn(const Motion& motion);
+
+inline constexpr double kJump_m = 0.1;
+inline constexpr double kJump_rad = 0.5;
+
+}  // namespace handgraft::manipulation

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace handgraft::manipulation {
+
+/// How patches come and go.
+struct Fade {
+  double seconds = 0.06;
+  bool looks_ahead = true;  ///< about the time of a change; else from it on
+};
+
+/// How a motion is solved. Defaults are measured (README).
+struct MotionOptions {
+  /// Of |second difference|^2 a frame at 120 Hz, beside Eq. 2 of that frame; other rates count
+  /// the same acceleration the same.
+  double smoothness = 1000.0;
+  Fade fade;
+  int starts = 64;    ///< of the single frames from which all others go on
+  unsigned seed = 0;  ///< of those
+};
+
+/// How second differences of a pose weigh against each other: a joint's 1 rad (or m), which
+/// moves a finger by some 5 cm, against the root's.
+inline constexpr double kTurnScale = 4.0;      ///< 1/rad^2: as if at 10 cm
+inline constexpr double kShiftScale = 400.0;   ///< 1/m^2
+inline constexpr double kSliderScale = 400.0;  ///< 1/m^2, joints that slide
+inline constexpr double kReferenceStep_s = 1.0 / 120.0;
+
+/// Errors: InvalidInput names the value and its range.
+void validate(const MotionOptions& options);
+
+}  // namespace handgraft::manipulation

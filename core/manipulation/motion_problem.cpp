@@ -1,0 +1,204 @@
+#include "core/manipulation/motion_problem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/base/error.h"
+
+namespace handgraft::manipulation {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// 0 to 1 without a bend at its ends.
+double smoothStep(double x) {
+  const double t = std::clamp(x, 0.0, 1.0);
+  return t * t * (3.0 - 2.0 * t);
+}
+
+/// The span that holds at a frame, the nearest one where the track is not there.
+const PairSpan& spanAt(const PairTrack& track, int frame) {
+  const auto behind = std::upper_bound(track.spans.begin(), track.spans.end(), frame,
+                                       [](int at, const PairSpan& span) {
+                                         return at < span.begin;
+                                       });
+  return behind == track.spans.begin() ? *behind : *(behind - 1);
+}
+
+}  // namespace
+
+void validate(const MotionOptions& options) {
+  const auto require = [](const char* name, double value, double most) {
+    if (!(value >= 0.0) || value > most)
+      rejectInput("{} is {}; permitted are 0 to {}", name, value, most);
+  };
+  require("smoothness", options.smoothness, 1e12);
+  require("fade", options.fade.seconds, 60.0);
+  require("starts", options.starts, 1e6);
+}
+
+MotionProblem makeMotionProblem(std::shared_ptr<const hand::HandModel> model,
+                                std::vector<double> time_s) {
+  HANDGRAFT_REQUIRE(model != nullptr);
+  MotionProblem problem;
+  problem.time_s = std::move(time_s);
+  problem.prior = model->restPose();
+  problem.lower = model->lower();
+  problem.upper = model->upper();
+  const int dofs = model->dofCount();
+  problem.velocity_limit = Eigen::VectorXd::Constant(dofs, kInfinity);
+  problem.acceleration_limit = Eigen::VectorXd::Constant(dofs, kInfinity);
+  for (int i = 0; i < dofs; ++i) {
+    const double limit = model->dofJoint(i).velocity_limit;
+    if (limit > 0.0) problem.velocity_limit[i] = limit;
+  }
+  problem.model = std::move(model);
+  return problem;
+}
+
+void validate(const MotionProblem& problem) {
+  HANDGRAFT_REQUIRE(problem.model != nullptr);
+  if (problem.time_s.empty()) rejectInput("a motion of 0 frames; 1 at least is needed");
+  for (std::size_t k = 0; k < problem.time_s.size(); ++k) {
+    if (!std::isfinite(problem.time_s[k]))
+      rejectInput("frame {}: time is {} s; it must be finite", k, problem.time_s[k]);
+    if (k > 0 && !(problem.time_s[k] > problem.time_s[k - 1])) {
+      rejectInput("frame {}: time {} s does not lie behind the frame before it, {} s", k,
+                  problem.time_s[k], problem.time_s[k - 1]);
+    }
+  }
+  const auto requireJoints = [&](const char* name, const Eigen::VectorXd& values) {
+    if (values.size() != problem.model->dofCount())
+      rejectInput("{} has {} entries; the hand has {} joints", name, values.size(),
+                  problem.model->dofCount());
+    if (values.array().isNaN().any()) rejectInput("{} is not a number", name);
+  };
+  requireJoints("prior", problem.prior);
+  requireJoints("lower limit", problem.lower);
+  requireJoints("upper limit", problem.upper);
+  requireJoints("velocity limit", problem.velocity_limit);
+  requireJoints("acceleration limit", problem.acceleration_limit);
+  for (int i = 0; i < problem.model->dofCount(); ++i) {
+    if (problem.lower[i] > problem.upper[i])
+      rejectInput("joint '{}': lower limit {} lies above its upper one {}",
+                  problem.model->dofJoint(i).name, problem.lower[i], problem.upper[i]);
+    if (!(problem.velocity_limit[i] > 0.0) || !(problem.acceleration_limit[i] > 0.0))
+      rejectInput("joint '{}': limits of velocity {} and acceleration {} must lie above 0",
+                  problem.model->dofJoint(i).name, problem.velocity_limit[i],
+                  problem.acceleration_limit[i]);
+  }
+  for (std::size_t t = 0; t < problem.tracks.size(); ++t) {
+    const PairTrack& track = problem.tracks[t];
+    int before = -1;
+    if (track.spans.empty()) rejectInput("track {} has no span", t);
+    for (const PairSpan& span : track.spans) {
+      if (span.begin <= before || span.begin >= problem.frameCount())
+        rejectInput("track {}: a span begins at frame {}; permitted are {} to {}", t,
+                    span.begin, before + 1, problem.frameCount() - 1);
+      before = span.begin;
+      for (const optimize::PointPair& pair : span.pairs) {
+        if (pair.link < 0 || pair.link >= problem.model->linkCount())
+          rejectInput("track {}: a pair lies on link {}; the hand has {}", t, pair.link,
+                      problem.model->linkCount());
+        if (!pair.p_L.allFinite() || !pair.p_W.allFinite() || !(pair.weight >= 0.0) ||
+            !std::isfinite(pair.weight))
+          rejectInput("track {}: a pair at frame {} is not finite", t, span.begin);
+      }
+    }
+    if (track.end <= before || track.end > problem.frameCount())
+      rejectInput("track {} ends at frame {}; permitted are {} to {}", t, track.end, before + 1,
+                  problem.frameCount());
+  }
+}
+
+double presenceAt(const MotionProblem& problem,
+                  const PairTrack& track,
+                  int frame,
+                  const Fade& fade) {
+  const bool there = frame >= track.begin() && frame < track.end;
+  if (!(fade.seconds > 0.0)) return there ? 1.0 : 0.0;
+  const auto timeOf = [&](int k) {
+    return problem.time_s[static_cast<std::size_t>(k)];
+  };
+  // A change lies half way between two frames.
+  const auto changeBefore = [&](int k) {
+    return 0.5 * (timeOf(k - 1) + timeOf(k));
+  };
+  const double now = timeOf(frame);
+  const double lead = fade.looks_ahead ? 0.5 * fade.seconds : 0.0;
+  double presence = 1.0;
+  if (track.begin() > 0) {
+    presence = std::min(presence,
+                        smoothStep((now - changeBefore(track.begin()) + lead) / fade.seconds));
+  }
+  if (track.end < problem.frameCount()) {
+    presence = std::min(
+        presence, smoothStep(1.0 - (now - changeBefore(track.end) + lead) / fade.seconds));
+  }
+  return presence;
+}
+
+FrameProblems::FrameProblems(const MotionProblem& problem, const Fade& fade)
+    : problem_(problem), present_(problem.time_s.size()) {
+  for (std::size_t t = 0; t < problem.tracks.size(); ++t) {
+    const PairTrack& track = problem.tracks[t];
+    const auto note = [&](int frame) {
+      const double presence = presenceAt(problem, track, frame, fade);
+      if (presence <= 0.0) return false;
+      present_[static_cast<std::size_t>(frame)].push_back({static_cast<int>(t), presence});
+      return true;
+    };
+    // Outwards from where it is, until it has faded.
+    for (int frame = track.begin() - 1; frame >= 0 && note(frame);)
+      --frame;
+    for (int frame = track.begin(); frame < track.end; ++frame)
+      note(frame);
+    for (int frame = track.end; frame < problem.frameCount() && note(frame);)
+      ++frame;
+  }
+}
+
+optimize::PoseProblem FrameProblems::at(int frame, const hand::HandPose& start) const {
+  optimize::PoseProblem single;
+  single.model = problem_.model;
+  single.weights = problem_.weights;
+  single.normal_form = problem_.normal_form;
+  single.start = start;
+  single.prior = {start.X_WH, problem_.prior};
+  single.lower = problem_.lower;
+  single.upper = problem_.upper;
+  single.prior_weights = Eigen::VectorXd::Ones(single.dofCount());
+  single.prior_weights.head<6>().setZero();
+  single.avoidance = problem_.avoidance;
+  for (const Present& present : presentAt(frame)) {
+    const PairTrack& track = problem_.tracks[static_cast<std::size_t>(present.track)];
+    for (const optimize::PointPair& pair : spanAt(track, frame).pairs) {
+      single.pairs.push_back(pair);
+      single.pairs.back().weight *= present.presence;
+    }
+  }
+  return single;
+}
+
+std::vector<int> contactChanges(const MotionProblem& problem, double seconds) {
+  std::vector<int> frames;
+  for (const PairTrack& track : problem.tracks) {
+    frames.push_back(track.begin());
+    frames.push_back(std::min(track.end, problem.frameCount() - 1));
+  }
+  std::sort(frames.begin(), frames.end());
+  std::vector<int> kept;
+  for (const int frame : frames) {
+    if (!kept.empty() && problem.time_s[static_cast<std::size_t>(frame)] -
+                                 problem.time_s[static_cast<std::size_t>(kept.back())] <
+                             seconds)
+      continue;
+    kept.push_back(frame);
+  }
+  return kept;
+}
+
+}  // namespace handgraft::manipulation

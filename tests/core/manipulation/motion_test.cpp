@@ -1,0 +1,220 @@
+#include "core/manipulation/motion.h"
+
+#include <filesystem>
+#include <fstream>
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+#include "core/geometry/surface_locator.h"
+#include "core/io/mesh_file.h"
+#include "core/io/motion_file.h"
+#include "core/io/motion_import.h"
+
+#include "tests/support/shared_data.h"
+
+namespace handgraft::manipulation {
+namespace {
+
+using testing::HasSubstr;
+
+const geometry::TriangleMesh& ball() {
+  static const geometry::TriangleMesh mesh = geometry::makeSphere(0.05, 3);
+  return mesh;
+}
+
+PatchKey keyAt(int frame, const Eigen::Vector3d& towards) {
+  static const geometry::SurfaceLocator locator(ball());
+  PatchKey key;
+  key.frame = frame;
+  key.patch.name = "index";
+  key.patch.root = locator.nearest(0.05 * towards.normalized()).point;
+  key.patch.direction_O = Eigen::Vector3d::UnitZ();
+  for (const Eigen::Vector3d& aside :
+       {Eigen::Vector3d(0, 0.1, 0), Eigen::Vector3d(0, -0.1, 0.1), Eigen::Vector3d(0, 0, -0.2)})
+    key.patch.interpolation_boundary.push_back(
+        locator.nearest(0.05 * (towards.normalized() + aside)).point);
+  key.patch.place = hand::HandPlace{"index", "distal", 3, 0.5, 0.1, 0.5, 0.2};
+  return key;
+}
+
+Motion slide() {
+  Motion motion;
+  motion.name = "slide";
+  motion.object = "ball";
+  for (int k = 0; k < 10; ++k) {
+    motion.time_s.push_back(0.01 * k);
+    Pose X = Pose::Identity();
+    X.linear() = rotationFromVector({0, 0, 0.02 * k});
+    X.translation().x() = 0.003 * k;
+    motion.X_WO.push_back(X);
+  }
+  PatchTrack track;
+  track.name = "index";
+  track.end = 8;
+  track.keys = {keyAt(1, Eigen::Vector3d::UnitX()), keyAt(4, {1.0, 0.2, 0.0})};
+  motion.tracks.push_back(track);
+  return motion;
+}
+
+/// The message of what `validate` throws; empty if it does not.
+std::string faultOf(const Motion& motion) {
+  try {
+    validate(ball(), motion);
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Motion, AKeyHoldsUntilTheNext) {
+  const Motion motion = slide();
+  EXPECT_EQ(motion.tracks[0].keyAt(3).frame, 1);
+  EXPECT_EQ(motion.tracks[0].keyAt(4).frame, 4);
+  EXPECT_EQ(motion.tracks[0].keyAt(7).frame, 4);
+  EXPECT_THROW(static_cast<void>(motion.tracks[0].keyAt(8)), BrokenContract);
+}
+
+TEST(Motion, NamesWhatIsWrong) {
+  EXPECT_EQ(faultOf(slide()), "");
+  Motion motion = slide();
+  motion.time_s[3] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(faultOf(motion), HasSubstr("frame 3: time is nan"));
+  motion = slide();
+  motion.time_s[5] = motion.time_s[4];
+  EXPECT_THAT(faultOf(motion), HasSubstr("frame 5: time 0.04 s does not lie behind"));
+  motion = slide();
+  motion.X_WO[2].translation().x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(faultOf(motion), HasSubstr("frame 2: the object's pose is not finite"));
+  motion = slide();
+  motion.X_WO[2].linear() *= 1.1;
+  EXPECT_THAT(faultOf(motion), HasSubstr("frame 2: the object's pose is no rotation"));
+  motion = slide();
+  motion.tracks[0].end = 11;
+  EXPECT_THAT(faultOf(motion), HasSubstr("track 0 ('index'): ends at frame 11"));
+  motion = slide();
+  motion.tracks[0].keys[1].frame = 1;
+  EXPECT_THAT(faultOf(motion), HasSubstr("key at frame 1; permitted are 2 to 9"));
+  motion = slide();
+  motion.tracks[0].keys[0].patch.root.face = 100000;
+  EXPECT_THAT(faultOf(motion), HasSubstr("key at frame 1: root"));
+  motion = slide();
+  motion.tracks[0].keys[0].hand_points.resize(1);
+  EXPECT_THAT(faultOf(motion), HasSubstr("has 1 points on the hand"));
+  motion = slide();
+  motion.time_s.clear();
+  EXPECT_THAT(faultOf(motion), HasSubstr("0 frames"));
+}
+
+TEST(Motion, TellsThatItsObjectJumps) {
+  Motion motion = slide();
+  EXPECT_EQ(remarksOn(motion).size(), 1u);  // frames without contact
+  motion.X_WO[6].translation().y() += 1.0;
+  EXPECT_THAT(remarksOn(motion)[0], HasSubstr("jumps 2 times, first to frame 6"));
+}
+
+TEST(MotionFile, ComesBackAsItWent) {
+  Motion motion = slide();
+  motion.tracks[0].keys[1].hand_points.assign(3, {"index3", {0.01, 0.02, 0.03}});
+  motion.tracks[0].keys[1].patch.weight = 2.0;
+  motion.notes = {"made by hand"};
+  const Motion back = io::motionFromText(io::motionText(motion, ball()), ball());
+  EXPECT_EQ(back.name, motion.name);
+  EXPECT_EQ(back.time_s, motion.time_s);
+  EXPECT_EQ(back.notes, motion.notes);
+  ASSERT_EQ(back.X_WO.size(), motion.X_WO.size());
+  for (std::size_t k = 0; k < back.X_WO.size(); ++k)
+    EXPECT_TRUE(back.X_WO[k].isApprox(motion.X_WO[k], 1e-12)) << k;
+  ASSERT_EQ(back.tracks.size(), 1u);
+  EXPECT_EQ(back.tracks[0].end, 8);
+  ASSERT_EQ(back.tracks[0].keys.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const PatchKey& was = motion.tracks[0].keys[i];
+    const PatchKey& is = back.tracks[0].keys[i];
+    EXPECT_EQ(is.frame, was.frame);
+    EXPECT_EQ(is.patch.place, was.patch.place);
+    EXPECT_EQ(is.patch.weight, was.patch.weight);
+    EXPECT_EQ(is.hand_points.size(), was.hand_points.size());
+    for (std::size_t j = 0; j < 3; ++j) {
+      EXPECT_LT((positionOf(ball(), is.patch.interpolation_boundary[j]) -
+                 positionOf(ball(), was.patch.interpolation_boundary[j]))
+                    .norm(),
+                1e-12);
+    }
+  }
+}
+
+TEST(MotionFile, NamesTheFieldThatIsWrong) {
+  const std::string text = io::motionText(slide(), ball());
+  const auto faultWith = [&](const std::string& what, const std::string& instead) {
+    std::string broken = text;
+    const std::size_t at = broken.find(what);
+    EXPECT_NE(at, std::string::npos) << what;
+    broken.replace(at, what.size(), instead);
+    try {
+      io::motionFromText(broken, ball());
+    } catch (const InvalidInput& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(faultWith("handgraft-motion/1", "handgraft-motion/9"), HasSubstr("'format'"));
+  EXPECT_THAT(faultWith("\"end\":8", "\"end\":-8"), HasSubstr("track 0: field 'end' is '-8'"));
+  EXPECT_THAT(faultWith("\"end\":8", "\"stop\":8"), HasSubstr("stop"));
+  EXPECT_THAT(faultWith("\"time_s\":[0.0", "\"time_s\":[null"),
+              HasSubstr("'time_s' has 'null'"));
+  EXPECT_THAT(faultWith("\"root\":[", "\"root\":[1e3,"), HasSubstr("field 'root' must be"));
+  EXPECT_THAT(faultWith("{", "["), HasSubstr("parse error"));
+}
+
+TEST(SplineTrajectory, IsAStraightLineWhereItsControlsAre) {
+  // Greville abscissae of the knots 0 0 0 0 1 2 2 2 2: the spline of a line is the line.
+  io::SplineTrajectory line;
+  line.controls.resize(5, 1);
+  line.controls.col(0) << 0.0, 1.0 / 3.0, 1.0, 5.0 / 3.0, 2.0;
+  for (const double share : {0.0, 0.1, 0.49, 0.5, 0.77, 1.0})
+    EXPECT_NEAR(line.at(share)[0], 2.0 * share, 1e-14) << share;
+}
+
+TEST(Keyframes, AreReadAndRejectedByLine) {
+  const auto path = test::scratchDirectory() / "keys.csv";
+  const auto write = [&](const std::string& text) {
+    std::ofstream(path) << text;
+  };
+  write("time_s,x,y,z,qw,qx,qy,qz\n0,0,0,0.1,1,0,0,0\n0.5,0.2,0,0.1,0,0,0,1\n");
+  const auto poses = io::readKeyframes(path);
+  ASSERT_EQ(poses.size(), 2u);
+  EXPECT_EQ(poses[1].X_WO.translation().x(), 0.2);
+  EXPECT_NEAR(poses[1].X_WO.linear()(0, 0), -1.0, 1e-15);
+  write("time_s,x,y,z,qw,qx,qy,qz\n0,0,0,0.1,1,0,0,0\n-1,0.2,0,0.1,0,0,0,1\n");
+  try {
+    io::readKeyframes(path);
+    FAIL();
+  } catch (const InvalidInput& error) {
+    EXPECT_THAT(error.what(), HasSubstr("line 3: time -1 s"));
+  }
+}
+
+TEST(ContactSequence, ReadsARecordedOne) {
+  HANDGRAFT_NEEDS_SHARED_DATA("contacts/grab_sequences");
+  const auto folder = test::sharedData("contacts/grab_sequences");
+  const io::MeshFile apple = io::readMesh(test::sharedData("objects/grab/apple.obj"));
+  const Motion motion =
+      io::readContactSequence(folder / "allegro_apple_pass_1.json", apple.mesh,
+                              folder / "trajectories/apple_pass_1_object.smexp");
+  EXPECT_EQ(motion.frameCount(), 703);
+  EXPECT_NEAR(motion.duration(), 702.0 / 120.0, 1e-12);
+  EXPECT_GT(motion.tracks.size(), 17u);
+  EXPECT_TRUE(motion.notes.empty());
+  // It is lifted by some 20 cm or more, not by 20 m.
+  double way = 0.0;
+  for (const Pose& X : motion.X_WO)
+    way = std::max(way, (X.translation() - motion.X_WO[0].translation()).norm());
+  EXPECT_GT(way, 0.1);
+  EXPECT_LT(way, 3.0);
+}
+
+}  // namespace
+}  // namespace handgraft::manipulation
