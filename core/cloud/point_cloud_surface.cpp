@@ -23,7 +23,7 @@ constexpr int kMostPoissonPoints = 15'000;
 /// Holes narrower than this many spacings are where the front stumbled, not where nobody
 /// looked.
 constexpr double kPinhole = 4.0;
-/// Roughness, in spacings, above which points are noisy: clean scans have 0.01, see README.
+/// Roughness, in spacings, above which points are noisy: clean scans have 0.01, see DECISIONS.
 constexpr double kNoisy = 0.05;
 constexpr double kUneven = 4.0;
 constexpr int kUsualHandles = 5;  // a pair of scissors has 2 or 3

@@ -20,7 +20,7 @@ namespace handgraft::geometry {
 /// isometric sheet (plane, cylinder, a strip around the source) their polar coordinates place
 /// the source, and the result is exact; elsewhere their distances do, as in DGPC.
 ///
-/// Source: Melvaer & Reimers 2012, sections 3 and 4. Differs: README of this folder.
+/// Source: Melvaer & Reimers 2012, sections 3 and 4. Differs: DECISIONS of this folder.
 class PolarFront {
  public:
   struct Node {

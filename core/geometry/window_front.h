@@ -23,7 +23,7 @@ namespace handgraft::geometry {
 ///
 /// Source: Chen & Han 1990, "Shortest Paths on a Polyhedron" (one angle, one split); Xin & Wang
 /// 2009, "Improving Chen and Han's Algorithm on the Discrete Geodesic Problem" (priority queue,
-/// filter). Differs: README of this folder.
+/// filter). Differs: DECISIONS of this folder.
 class WindowFront {
  public:
   struct Node {

@@ -5,7 +5,7 @@
 #include "core/session/history.h"
 #include "core/session/log.h"
 
-/// The parts of `handgraft-session/1` (README of this folder), exact: every number reads back
+/// The parts of `handgraft-session/1` (FORMATS of this folder), exact: every number reads back
 /// to the same bits.
 namespace handgraft::io {
 

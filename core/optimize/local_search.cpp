@@ -14,7 +14,7 @@ namespace handgraft::optimize {
 namespace {
 
 // Evaluations before the chart is laid anew about the best pose. MMA and CCSAQ crawl in a chart
-// that no longer fits: 27 instead of 23 of the real problems within 1 % (README).
+// that no longer fits: 27 instead of 23 of the real problems within 1 % (DECISIONS).
 constexpr int kFirstOrderRound = 40;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();

@@ -10,7 +10,7 @@
 
 namespace handgraft::optimize {
 
-/// Knobs of the bounded Newton method; the defaults are measured (README).
+/// Knobs of the bounded Newton method; the defaults are measured (DECISIONS).
 struct NewtonSettings {
   double first_damping = 1.0;  ///< share of the Gauss-Newton diagonal
   double longest_turn = 1.0;   ///< rad, of the root or a joint in one step

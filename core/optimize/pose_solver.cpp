@@ -17,7 +17,7 @@ namespace handgraft::optimize {
 
 namespace {
 
-/// How a multi-start of a solver shares out its evaluations (README: measured).
+/// How a multi-start of a solver shares out its evaluations (DECISIONS: measured).
 struct Plan {
   int exploring = 0;    ///< a start is left after as many unless it is a finalist
   int warm_up = 0;      ///< of those starts that get one

@@ -101,7 +101,7 @@ void spreadJoints(const PoseProblem& problem, int index, unsigned seed, Eigen::V
   }
 }
 
-// Measured (README): turned starts find what the others miss, near ones find all the same.
+// Measured (DECISIONS): turned starts find what the others miss, near ones find all the same.
 constexpr std::array kCycle = {StartKind::kTurned, StartKind::kCurled, StartKind::kTurned,
                                StartKind::kSpread, StartKind::kNear};
 constexpr int kFirstSpread = 4;

@@ -21,7 +21,7 @@ using optimize::PoseProblem;
 
 constexpr double kDirectionArm = 0.01;  // m: how far along a direction its second pair sits
 constexpr double kJointPrior = 1e-2;    // a joint at 1 rad from rest weighs as 1 mm of distance
-constexpr double kDepthWeight = 5e4;    // 1/m^2, a pair: see the README
+constexpr double kDepthWeight = 5e4;    // 1/m^2, a pair: see DECISIONS
 constexpr int kMostSamples = 200;       // of the skin
 constexpr int kEvaluations = 150;       // a start: the pose need not be sharp
 
