@@ -61,7 +61,7 @@ namespace json {
 std::string sweep(const SweepResult& result, int indent = 2);
 }  // namespace json
 
-/// Comma-separated, a header and a row a grasp and combination; the README names the columns.
+/// Comma-separated, a header and a row a grasp and combination; COMMANDS.md names the columns.
 std::string csvOf(const SweepResult& result);
 
 /// One axis: a curve a grasp, thin, and their mean; two: a map of the mean.
