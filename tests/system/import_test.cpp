@@ -121,9 +121,9 @@ TEST_F(Import, ASkinReadBackIsClosed) {
   const json document = service_.ask({"skin", "barrett8", "--out", ply.string(), "--png",
                                       (scratchDirectory() / "skin.png").string()});
   const io::MeshFile file = io::readMesh(ply);
-  EXPECT_EQ(document.at("skin_report").at("valid"), true);
-  EXPECT_EQ(document.at("skin_report").at("vertices"), file.mesh.vertexCount());
-  EXPECT_EQ(document.at("skin_report").at("faces"), file.mesh.faceCount());
+  EXPECT_EQ(document.at("skin").at("valid"), true);
+  EXPECT_EQ(document.at("skin").at("vertices"), file.mesh.vertexCount());
+  EXPECT_EQ(document.at("skin").at("faces"), file.mesh.faceCount());
   EXPECT_TRUE(file.mesh.isClosed());
   EXPECT_EQ(file.mesh.nonManifoldEdgeCount(), 0);
   EXPECT_EQ(file.mesh.components().second, 1);
