@@ -17,6 +17,7 @@
 #include "idl/topics.h"
 #include "server/transport/bus.h"
 #include "server/transport/fast_endpoints.h"
+#include "server/transport/filtered_transport.h"
 
 namespace handgraft::server {
 
@@ -58,7 +59,7 @@ dds::DomainParticipantQos participantQos(const NetworkInterface& interface) {
     protocol.builtin.initialPeersList.push_back(address);
     protocol.builtin.metatrafficUnicastLocatorList.push_back(address);
   }
-  qos.transport().user_transports.push_back(udp);
+  qos.transport().user_transports.push_back(std::make_shared<FilteredTransportDescriptor>(udp));
   return qos;
 }
 

@@ -21,6 +21,9 @@
 #include <fastdds/dds/topic/TypeSupport.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include "idl/cyclone/requester.h"
 #include "server/service.h"
@@ -65,6 +68,26 @@ TEST_F(CrossingTest, FindsTheServer) {
   EXPECT_NO_THROW(client.requireServer());
   EXPECT_EQ(client.status().protocol_version(), v1::PROTOCOL_VERSION);
   EXPECT_FALSE(client.status().stopping());
+}
+
+/// eProsima's statistics submessage, on which Fast DDS 2.9.1 ends the process by an assertion.
+TEST_F(CrossingTest, OutlivesADatagramOfStatistics) {
+  ASSERT_TRUE(client.waitForServer(std::chrono::seconds(20)));
+  const std::string datagram = std::string("RTPS\x02\x03\x01\x0f", 8) +
+                               std::string(12, '\x11') + std::string("\x80\x01\x38\x00", 4) +
+                               std::string(60, '\0');
+  const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
+  for (const int offset : {10, 11, 12, 13}) {
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_port = htons(static_cast<std::uint16_t>(7400 + 250 * domain.number() + offset));
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    EXPECT_EQ(::sendto(socket, datagram.data(), datagram.size(), 0,
+                       reinterpret_cast<const sockaddr*>(&to), sizeof to),
+              static_cast<ssize_t>(datagram.size()));
+  }
+  ::close(socket);
+  EXPECT_EQ(client.ask(test::plain(v1::OP_NOTHING))._d(), v1::OP_NOTHING);
 }
 
 TEST_F(CrossingTest, CarriesEveryOperation) {

@@ -1,0 +1,312 @@
+#include "server/transport/datagram_filter.h"
+
+#include <algorithm>
+#include <cstring>
+#include <optional>
+
+namespace handgraft::server {
+
+namespace {
+
+using Bytes = std::span<const std::uint8_t>;
+
+constexpr std::size_t kMessageHeader = 20;
+constexpr std::size_t kSubmessageHeader = 4;
+
+// Kinds of submessages, 9.4.5.1.1.
+constexpr std::uint8_t kPad = 0x01;
+constexpr std::uint8_t kAckNack = 0x06;
+constexpr std::uint8_t kHeartbeat = 0x07;
+constexpr std::uint8_t kGap = 0x08;
+constexpr std::uint8_t kInfoTimestamp = 0x09;
+constexpr std::uint8_t kInfoDestination = 0x0e;
+constexpr std::uint8_t kNackFragment = 0x12;
+constexpr std::uint8_t kHeartbeatFragment = 0x13;
+constexpr std::uint8_t kData = 0x15;
+constexpr std::uint8_t kDataFragment = 0x16;
+
+// Flags of DATA, 9.4.5.3.
+constexpr std::uint8_t kLittleEndian = 0x01;
+constexpr std::uint8_t kInlineQos = 0x02;
+constexpr std::uint8_t kHasData = 0x04;
+constexpr std::uint8_t kFinal = 0x02;  // of ACKNACK and HEARTBEAT
+
+// Builtin writers, 9.3.1.5.
+constexpr std::uint32_t kParticipantWriter = 0x000100c2;
+constexpr std::uint32_t kPublicationsWriter = 0x000003c2;
+constexpr std::uint32_t kSubscriptionsWriter = 0x000004c2;
+constexpr std::uint32_t kBuiltin = 0xc0;  // in the entity's kind
+
+// Parameters, 9.6.2.2.2.
+constexpr std::uint16_t kSentinel = 0x0001;
+constexpr std::uint16_t kLease = 0x0002;
+constexpr std::uint16_t kParticipantGuid = 0x0050;
+
+/// Numbers at places of a piece; a place beyond its end is noticed by `fits`.
+struct Reader {
+  Bytes bytes;
+  bool little = true;
+
+  [[nodiscard]] bool fits(std::size_t at, std::size_t count) const {
+    return at <= bytes.size() && count <= bytes.size() - at;
+  }
+
+  [[nodiscard]] std::uint16_t u16(std::size_t at) const {
+    return static_cast<std::uint16_t>(number(at, 2));
+  }
+
+  [[nodiscard]] std::uint32_t u32(std::size_t at) const { return number(at, 4); }
+
+  /// An entity's id is in the order of the wire, whatever the flag says.
+  [[nodiscard]] std::uint32_t entity(std::size_t at) const {
+    return Reader{bytes, false}.number(at, 4);
+  }
+
+  [[nodiscard]] std::int64_t sequence(std::size_t at) const {
+    return static_cast<std::int64_t>(std::uint64_t{u32(at)} << 32U | u32(at + 4));
+  }
+
+  [[nodiscard]] Reader from(std::size_t at) const { return {bytes.subspan(at), little}; }
+
+ private:
+  [[nodiscard]] std::uint32_t number(std::size_t at, std::size_t size) const {
+    std::uint32_t value = 0;
+    for (std::size_t i = 0; i < size; ++i) {
+      const std::size_t shift = 8 * (little ? i : size - 1 - i);
+      value |= std::uint32_t{bytes[at + i]} << shift;
+    }
+    return value;
+  }
+};
+
+/// Calls `look(id, value)`, which may object, for each parameter; nothing if the list is
+/// malformed or was objected to, else where it ends.
+template <class Look>
+std::optional<std::size_t> parameters(const Reader& list, const Look& look) {
+  for (std::size_t at = 0; list.fits(at, 4);) {
+    const std::uint16_t id = list.u16(at);
+    const std::uint16_t length = list.u16(at + 2);
+    at += 4;
+    if (id == kSentinel) return at;
+    if (!list.fits(at, length)) return std::nullopt;
+    if (!look(id, Reader{list.bytes.subspan(at, length), list.little})) return std::nullopt;
+    at += length;
+  }
+  return std::nullopt;
+}
+
+/// The bytes of a set of numbers with its bitmap at `at`, or nothing if it is malformed.
+std::optional<std::size_t> setLength(const Reader& body,
+                                     std::size_t at,
+                                     std::size_t base_bytes) {
+  if (!body.fits(at, base_bytes + 4)) return std::nullopt;
+  const std::uint32_t bits = body.u32(at + base_bytes);
+  if (bits > 256) return std::nullopt;
+  const std::size_t length = base_bytes + 4 + 4 * ((bits + 31) / 32);
+  if (!body.fits(at, length)) return std::nullopt;
+  return length;
+}
+
+}  // namespace
+
+struct DatagramFilter::Submessage {
+  std::uint8_t kind;
+  std::uint8_t flags;
+  Bytes whole;  ///< with its header
+
+  [[nodiscard]] Reader body() const {
+    return {whole.subspan(kSubmessageHeader), (flags & kLittleEndian) != 0};
+  }
+};
+
+namespace {
+
+bool isPassed(std::uint8_t kind) {
+  switch (kind) {
+    case kPad:
+    case kAckNack:
+    case kHeartbeat:
+    case kGap:
+    case kInfoTimestamp:
+    case kInfoDestination:
+    case kNackFragment:
+    case kHeartbeatFragment:
+    case kData:
+    case kDataFragment:
+      return true;
+    default:
+      return false;
+  }
+}
+
+/// A participant may speak for itself alone, and must be missed no sooner than ours are.
+bool isAnnouncement(const Reader& list, Bytes source) {
+  bool is_own = false;
+  const auto end = parameters(list, [&](std::uint16_t id, const Reader& value) {
+    if (id == kParticipantGuid) {
+      is_own =
+          value.fits(0, 16) && std::equal(source.begin(), source.end(), value.bytes.begin());
+      return is_own;
+    }
+    if (id == kLease)
+      return value.fits(0, 8) && value.u32(0) >= DatagramFilter::kShortestLease_s;
+    return true;
+  });
+  return end && is_own;
+}
+
+/// Where what was written of DATA begins; nothing if what stands before it is malformed.
+std::optional<std::size_t> payloadOf(const Reader& body,
+                                     std::uint8_t flags,
+                                     std::size_t fixed) {
+  if (!body.fits(0, fixed)) return std::nullopt;
+  std::size_t at = 4 + std::size_t{body.u16(2)};  // octetsToInlineQos
+  if (at < fixed || !body.fits(at, 0)) return std::nullopt;
+  if ((flags & kInlineQos) != 0) {
+    const auto length = parameters(body.from(at), [](std::uint16_t, const Reader&) {
+      return true;
+    });
+    if (!length) return std::nullopt;
+    at += *length;
+  }
+  return at;
+}
+
+bool isData(const Reader& body, std::uint8_t flags, Bytes source) {
+  const auto at = payloadOf(body, flags, 20);
+  if (!at) return false;
+  if ((flags & kHasData) == 0) return true;
+  if (!body.fits(*at, 4)) return false;
+  const std::uint32_t writer = body.entity(8);
+  // A parameter list of either byte order, 10.2.
+  const Reader list{body.bytes.subspan(*at + 4), body.bytes[*at + 1] % 2 == 1};
+  if (writer == kParticipantWriter) return isAnnouncement(list, source);
+  if (writer == kPublicationsWriter || writer == kSubscriptionsWriter) {
+    return parameters(list,
+                      [](std::uint16_t, const Reader&) {
+                        return true;
+                      })
+        .has_value();
+  }
+  return true;
+}
+
+bool isDataFragment(const Reader& body, std::uint8_t flags) {
+  const auto at = payloadOf(body, flags, 32);
+  if (!at) return false;
+  const std::uint32_t first = body.u32(20);
+  const std::uint32_t count = body.u16(24);
+  const std::uint32_t size = body.u16(26);
+  const std::uint32_t whole = body.u32(28);
+  if (first == 0 || count == 0 || size == 0 || whole > DatagramFilter::kLargestSample)
+    return false;
+  const std::uint32_t fragments = (whole + size - 1) / size;
+  if (first > fragments || count > fragments - first + 1) return false;
+  // The last one may be shorter.
+  const std::uint64_t begin = std::uint64_t{first - 1} * size;
+  const std::uint64_t end = std::min<std::uint64_t>(begin + std::uint64_t{count} * size, whole);
+  return body.fits(*at, static_cast<std::size_t>(end - begin));
+}
+
+/// A reader that has just matched asks what there is. Cyclone DDS counts that question as its
+/// 0th and asks from number 1 on; Fast DDS takes no 0th for a new one, and answers by its next
+/// heartbeat, up to a second later. Counted from 1 and asked from number 0 on, as its own
+/// readers ask, it is answered at once. So all counts are one higher, and an empty question
+/// begins at 0.
+void beginAnew(std::span<std::uint8_t> whole) {
+  const bool little = (whole[1] & kLittleEndian) != 0;
+  const auto body = whole.subspan(kSubmessageHeader);
+  const Reader read{body, little};
+  const std::size_t count_at = 8 + setLength(read, 8, 8).value();
+  const std::uint32_t count = read.u32(count_at) + 1;
+  for (std::size_t i = 0; i < 4; ++i)
+    body[count_at + i] = static_cast<std::uint8_t>(count >> (8 * (little ? i : 3 - i)));
+  const bool asks = (whole[1] & kFinal) == 0 && read.sequence(8) == 1 && read.u32(16) == 0;
+  if (asks && (read.entity(4) & kBuiltin) == kBuiltin)
+    std::fill_n(body.begin() + 8, 8, std::uint8_t{0});
+}
+
+}  // namespace
+
+bool DatagramFilter::follows(const Prefix& source,
+                             std::uint32_t writer,
+                             std::int64_t first,
+                             std::int64_t last) {
+  if (first < 1 || last < first - 1 || last - first >= kLongestRange) return false;
+  const std::lock_guard lock(mutex_);
+  if (last_.size() >= kMostWriters) last_.clear();
+  std::int64_t& seen = last_[{source, writer}];
+  if (last - seen > kLongestJump) return false;
+  seen = std::max(seen, last);
+  return true;
+}
+
+bool DatagramFilter::isSound(const Prefix& source, const Submessage& submessage) {
+  const Reader body = submessage.body();
+  switch (submessage.kind) {
+    case kAckNack: {
+      const auto set = setLength(body, 8, 8);
+      return set && body.fits(8, *set + 4) && body.sequence(8) >= 0;
+    }
+    case kNackFragment: {
+      const auto set = setLength(body, 16, 4);
+      return set && body.fits(16, *set + 4) && body.sequence(8) >= 1;
+    }
+    case kHeartbeat:
+      return body.fits(0, 28) &&
+             follows(source, body.entity(4), std::max<std::int64_t>(1, body.sequence(8)),
+                     body.sequence(16));
+    case kHeartbeatFragment:
+      return body.fits(0, 24) && body.u32(16) <= kLargestSample &&
+             follows(source, body.entity(4), body.sequence(8), body.sequence(8));
+    case kGap: {
+      const auto set = setLength(body, 16, 8);
+      return set && follows(source, body.entity(4), body.sequence(8), body.sequence(16));
+    }
+    case kInfoTimestamp:
+      return (submessage.flags & 0x02) != 0 || body.fits(0, 8);
+    case kInfoDestination:
+      return body.fits(0, 12);
+    case kData:
+      return isData(body, submessage.flags, source) &&
+             follows(source, body.entity(8), body.sequence(12), body.sequence(12));
+    case kDataFragment:
+      return isDataFragment(body, submessage.flags) &&
+             follows(source, body.entity(8), body.sequence(12), body.sequence(12));
+    default:
+      return true;
+  }
+}
+
+std::span<const std::uint8_t> DatagramFilter::pass(Bytes datagram,
+                                                   std::vector<std::uint8_t>& kept) {
+  constexpr std::array<std::uint8_t, 5> kProtocol{'R', 'T', 'P', 'S', 2};
+  if (datagram.size() < kMessageHeader + kSubmessageHeader ||
+      !std::equal(kProtocol.begin(), kProtocol.end(), datagram.begin()))
+    return {};
+  Prefix source;
+  std::copy_n(datagram.begin() + 8, source.size(), source.begin());
+
+  kept.assign(datagram.begin(), datagram.begin() + kMessageHeader);
+  for (Bytes rest = datagram.subspan(kMessageHeader); !rest.empty();) {
+    if (rest.size() < kSubmessageHeader) return {};
+    const std::uint8_t kind = rest[0];
+    const std::uint8_t flags = rest[1];
+    std::size_t length = Reader{rest, (flags & kLittleEndian) != 0}.u16(2);
+    // 9.4.5.1.3: the last one may leave its length out, where it may not be empty.
+    if (length == 0 && kind != kPad && kind != kInfoTimestamp)
+      length = rest.size() - kSubmessageHeader;
+    if (length > rest.size() - kSubmessageHeader) return {};
+    const Submessage submessage{kind, flags, rest.first(kSubmessageHeader + length)};
+    rest = rest.subspan(submessage.whole.size());
+    if (!isPassed(kind)) continue;
+    if (!isSound(source, submessage)) return {};
+    const std::size_t at = kept.size();
+    kept.insert(kept.end(), submessage.whole.begin(), submessage.whole.end());
+    if (kind == kAckNack) beginAnew(std::span(kept).subspan(at));
+  }
+  if (kept.size() == kMessageHeader) return {};
+  return kept;
+}
+
+}  // namespace handgraft::server
