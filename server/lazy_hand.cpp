@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "core/hand/skin_bending.h"
 #include "core/hand/skin_cache.h"
+#include "server/model_library.h"
 
 namespace handgraft::server {
 
@@ -21,7 +22,7 @@ LazyHand::Maker wrapping(std::shared_ptr<const hand::HandModel> model,
     session::Hand made;
     made.model = model;
     made.skin = std::make_shared<const hand::Skin>(
-        hand::SkinCache::fromEnvironment().get(*model, options, progress, &report));
+        hand::SkinCache::fromEnvironment(builtInSkins()).get(*model, options, progress, &report));
     made.sites = sites ? *sites : hand::findContactSites(*model, *made.skin);
     made.sites_are_found = !sites;
     return made;

@@ -31,6 +31,7 @@ struct Options {
   std::string models;
   unsigned workers = std::max(2u, std::thread::hardware_concurrency());
   std::string log_level = "info";
+  std::string make_skins;  ///< folder; then it serves nothing
   server::ReaderLimits reader;
   unsigned session_idle_minutes = 720;
   unsigned sessions = 256;
@@ -133,6 +134,8 @@ int main(int argc, char** argv) {
   app.add_option("--sessions", options.sessions, "sessions that may be open, 1-4096")
       ->check(CLI::Range(1u, 4096u))
       ->capture_default_str();
+  app.add_option("--make-skins", options.make_skins,
+                 "make the built-in hands' skins in this folder and end; done when it is built");
   app.add_option("--log-level", options.log_level, "trace, debug, info, warning, error or off")
       ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error", "off"}))
       ->capture_default_str();
@@ -152,7 +155,11 @@ int main(int argc, char** argv) {
   spdlog::set_pattern("time=%Y-%m-%dT%H:%M:%S.%eZ level=%l %v", spdlog::pattern_time_type::utc);
   spdlog::set_level(spdlog::level::from_str(options.log_level));
   try {
-    serve(options, stop_signals);
+    if (!options.make_skins.empty()) {
+      server::makeSkins(options.make_skins);
+    } else {
+      serve(options, stop_signals);
+    }
     return kDone;
   } catch (const InvalidInput& error) {
     std::fprintf(stderr, "handgraft-server: %s\n", error.what());

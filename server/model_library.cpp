@@ -12,7 +12,9 @@
 #include <spdlog/spdlog.h>
 
 #include "core/base/error.h"
+#include "core/base/progress.h"
 #include "core/base/resource_uri.h"
+#include "core/hand/skin_cache.h"
 #include "core/io/contact_file.h"
 #include "core/io/file_bytes.h"
 #include "server/reading/read_model.h"
@@ -152,6 +154,24 @@ fs::path builtInLibrary() {
     if (fs::is_directory(installed, error)) return installed;
   }
   return HANDGRAFT_SOURCE_MODELS;
+}
+
+fs::path builtInSkins() {
+  const fs::path library = builtInLibrary();
+  return library == HANDGRAFT_SOURCE_MODELS ? fs::path(HANDGRAFT_BUILT_SKINS)
+                                            : library.parent_path() / "skins";
+}
+
+void makeSkins(const fs::path& folder) {
+  ModelStore store;
+  if (readLibrary(builtInLibrary(), store) > 0)
+    rejectInput("models: a built-in one cannot be read");
+  const hand::SkinCache skins(folder);
+  for (const v1::ModelSummary& one : store.list()) {
+    if (one.kind() != v1::MODEL_HAND) continue;
+    static_cast<void>(
+        skins.get(store.hand(one.name())->hand->model(), HandReading().skin, Progress()));
+  }
 }
 
 }  // namespace handgraft::server

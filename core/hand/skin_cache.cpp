@@ -153,30 +153,35 @@ std::optional<StoredSkin> deserialise(std::string_view bytes, const std::string&
   return skin;
 }
 
-SkinCache::SkinCache(std::optional<fs::path> folder) : folder_(std::move(folder)) {}
+SkinCache::SkinCache(std::optional<fs::path> folder, fs::path shipped)
+    : folder_(std::move(folder)), shipped_(std::move(shipped)) {}
 
-SkinCache SkinCache::fromEnvironment() {
+SkinCache SkinCache::fromEnvironment(fs::path shipped) {
   const auto absolute = [](const char* name) -> std::optional<fs::path> {
     // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody writes the environment.
     const char* value = std::getenv(name);
     if (value == nullptr || !fs::path(value).is_absolute()) return std::nullopt;
     return fs::path(value);
   };
-  if (const auto cache = absolute("XDG_CACHE_HOME")) return SkinCache(*cache / kFolder);
-  if (const auto home = absolute("HOME")) return SkinCache(*home / ".cache" / kFolder);
-  return SkinCache();
+  if (const auto cache = absolute("XDG_CACHE_HOME")) {
+    return SkinCache(*cache / kFolder, std::move(shipped));
+  }
+  if (const auto home = absolute("HOME")) {
+    return SkinCache(*home / ".cache" / kFolder, std::move(shipped));
+  }
+  return SkinCache(std::nullopt, std::move(shipped));
 }
 
 Skin SkinCache::get(const HandModel& model,
                     const SkinOptions& options,
                     const Progress& progress,
                     SkinReport* report) const {
-  if (!folder_) return buildSkin(model, options, progress, report);
   const auto start = std::chrono::steady_clock::now();
   const std::string key = skinKey(model, options);
-  const fs::path path = *folder_ / (key + ".skin");
-  if (const auto bytes = contentOf(path)) {
-    if (auto stored = deserialise(*bytes, key)) {
+  const std::string name = key + ".skin";
+  for (const fs::path& folder : {shipped_, folder_.value_or(fs::path())}) {
+    const auto bytes = folder.empty() ? std::nullopt : contentOf(folder / name);
+    if (auto stored = bytes ? deserialise(*bytes, key) : std::nullopt) {
       progress.report("relating skin and links", 0.9);
       Skin skin(model, std::move(stored->mesh_S), skinReferencePose(model), options.epsilon_m,
                 options.source);
@@ -192,7 +197,7 @@ Skin SkinCache::get(const HandModel& model,
   }
   SkinReport made;
   Skin skin = buildSkin(model, options, progress, &made);
-  keep(path, serialise({skin.mesh(), made.notes}, key));
+  if (folder_) keep(*folder_ / name, serialise({skin.mesh(), made.notes}, key));
   if (report != nullptr) *report = std::move(made);
   return skin;
 }

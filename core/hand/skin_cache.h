@@ -28,22 +28,24 @@ std::string serialise(const StoredSkin& skin, const std::string& key);
 /// Takes memory in proportion to the bytes given, whatever they announce.
 std::optional<StoredSkin> deserialise(std::string_view bytes, const std::string& key);
 
-/// A folder of skins that were made before, named by their keys; or none.
+/// Folders of skins that were made before, named by their keys: one that came with the program
+/// and is only read, and one that is added to; either may be missing.
 ///
 /// A damaged file is made anew. Several processes may share a folder: files appear whole.
 /// Threads: const methods from any thread.
 class SkinCache {
  public:
-  /// Without a folder nothing is kept.
-  explicit SkinCache(std::optional<std::filesystem::path> folder = std::nullopt);
+  /// Without a folder nothing is kept. `shipped` is looked into first.
+  explicit SkinCache(std::optional<std::filesystem::path> folder = std::nullopt,
+                     std::filesystem::path shipped = {});
 
   /// `handgraft/skins` in `$XDG_CACHE_HOME`, else in `$HOME/.cache` (XDG Base Directory
   /// Specification); no cache where neither is an absolute path.
-  static SkinCache fromEnvironment();
+  static SkinCache fromEnvironment(std::filesystem::path shipped = {});
 
-  /// The skin from the folder, else from `buildSkin`, which is then kept. A folder that cannot
+  /// The skin from a folder, else from `buildSkin`, which is then kept. A folder that cannot
   /// be written costs the next caller time, nothing else. The
-  /// report is as buildSkin fills it, without steps if the skin comes from the folder. Errors:
+  /// report is as buildSkin fills it, without steps if the skin comes from a folder. Errors:
   /// as buildSkin.
   [[nodiscard]] Skin get(const HandModel& model,
                          const SkinOptions& options,
@@ -54,6 +56,7 @@ class SkinCache {
 
  private:
   std::optional<std::filesystem::path> folder_;
+  std::filesystem::path shipped_;
 };
 
 }  // namespace handgraft::hand

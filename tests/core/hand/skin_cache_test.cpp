@@ -136,6 +136,23 @@ TEST_F(SkinCacheTest, KeepsASkinAndGivesItBack) {
   EXPECT_TRUE(second.steps.empty());
 }
 
+TEST_F(SkinCacheTest, LooksFirstAtWhatCameWithTheProgram) {
+  const fs::path shipped = folder_ / "shipped";
+  const Skin made = SkinCache(shipped).get(makeBall(0.02), {}, Progress());
+  const fs::path own = folder_ / "own";
+  SkinReport report;
+  const Skin found = SkinCache(own, shipped).get(makeBall(0.02), {}, Progress(), &report);
+  EXPECT_TRUE(report.from_cache);
+  EXPECT_EQ(found.mesh().vertices(), made.mesh().vertices());
+  EXPECT_FALSE(fs::exists(own));
+  (void)SkinCache(std::nullopt, shipped).get(makeBall(0.02), {}, Progress(), &report);
+  EXPECT_TRUE(report.from_cache) << "also where nothing may be kept";
+  (void)SkinCache(own, shipped).get(makeBall(0.03), {}, Progress(), &report);
+  EXPECT_FALSE(report.from_cache);
+  EXPECT_EQ(std::distance(fs::directory_iterator(shipped), fs::directory_iterator()), 1);
+  EXPECT_EQ(std::distance(fs::directory_iterator(own), fs::directory_iterator()), 1);
+}
+
 TEST_F(SkinCacheTest, MakesADamagedFileAnew) {
   const SkinCache cache(folder_);
   (void)cache.get(makeBall(0.02), {}, Progress());
