@@ -60,7 +60,7 @@ v1::SolveOptions solvingOf(const GraspOptions& options) {
   return solving;
 }
 
-v1::SessionState openSession(ServerLink& server,
+v1::SessionState openSession(Client& server,
                              ModelSender& sender,
                              const GraspOptions& options,
                              GraspInputs& inputs,
@@ -73,7 +73,7 @@ v1::SessionState openSession(ServerLink& server,
     if (inputs.object) inputs.contacts->units = inputs.object->units;
   }
   request.contacts(nameOnServer(sender, options.contacts, inputs.contacts));
-  return server.openSession(request);
+  return server.openSession(request).get();
 }
 
 }  // namespace handgraft::client

@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "client/cli/commands/commands.h"
+#include "client/link/client.h"
 #include "client/link/grasp_result.h"
 #include "client/link/model_files.h"
-#include "client/link/send_model.h"
-#include "client/link/server_link.h"
 #include "client/present/output_file.h"
+#include "client/present/send_model.h"
 
 /// What `grasp` and `edit` share: from models, named or in files, to an open session.
 namespace handgraft::client {
@@ -34,7 +34,7 @@ v1::OpenSessionRequest sessionRequest(const GraspOptions& options);
 v1::SolveOptions solvingOf(const GraspOptions& options);
 
 /// Sends what is in files and opens the session. `request` holds the models' names afterwards.
-v1::SessionState openSession(ServerLink& server,
+v1::SessionState openSession(Client& server,
                              ModelSender& sender,
                              const GraspOptions& options,
                              GraspInputs& inputs,

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 
 #include "client/cli/command_line.h"
-#include "client/link/interruption.h"
 #include "client/present/failure.h"
+#include "client/present/interruption.h"
 #include "core/base/error.h"
 
 namespace {

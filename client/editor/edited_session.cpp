@@ -18,8 +18,6 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kPatience(20);
-constexpr milliseconds kLateJoin(2000);
-constexpr milliseconds kNothingFollows(2000);  // after the session has come to rest
 
 bool maySwitchPatches(const v1::EditBody& body) {
   switch (body._d()) {
@@ -36,63 +34,58 @@ bool maySwitchPatches(const v1::EditBody& body) {
 
 }  // namespace
 
-EditedSession::EditedSession(ServerLink& server,
-                             Interruption& interruption,
-                             const v1::SessionState& state)
-    : server_(server),
-      interruption_(interruption),
-      states_(server.participant(), idl::kSessionTopic),
-      solutions_(server.participant(), idl::kSolutionTopic),
-      state_(state),
-      server_id_(server.status().server_id()),
-      shown_(state.revision()) {}
+EditedSession::EditedSession(Client& server, const v1::SessionState& state)
+    : server_(server), session_(server, state), shown_(state.revision()) {}
 
 // === What a command may look up
 
 const v1::SessionSettings& EditedSession::settings() {
-  take({}, {});
-  const std::uint64_t sequence = solution_ ? solution_->sequence_number() : 0;
+  take();
+  const v1::PoseSolution* last = session_.solution();
+  const std::uint64_t sequence = last != nullptr ? last->sequence_number() : 0;
   const bool fresh = settings_ &&
-                     settings_->state().revision() >= std::max(state_.revision(), shown_) &&
+                     settings_->state().revision() >= std::max(state().revision(), shown_) &&
                      settings_sequence_ == sequence;
   if (!fresh) {
-    settings_ = server_.settings(id());
+    settings_ = session_.settings().get();
     settings_sequence_ = sequence;
   }
   return *settings_;
 }
 
 const v1::HandDescription& EditedSession::hand() {
-  if (!hand_) {
-    hand_ = server_.describe(v1::MODEL_HAND, state_.hand(), false).hand();
+  if (!hand_ || hand_of_ != state().hand()) {
+    hand_of_ = state().hand();
+    hand_ = server_.describe(v1::MODEL_HAND, hand_of_, false).get().hand();
     hand_has_meshes_ = false;
   }
   return *hand_;
 }
 
 const v1::HandDescription& EditedSession::handWithMeshes() {
-  if (!hand_ || !hand_has_meshes_) {
-    hand_ = server_.describe(v1::MODEL_HAND, state_.hand(), true).hand();
+  if (!hand_ || hand_of_ != state().hand() || !hand_has_meshes_) {
+    hand_of_ = state().hand();
+    hand_ = server_.describe(v1::MODEL_HAND, hand_of_, true).get().hand();
     hand_has_meshes_ = true;
   }
   return *hand_;
 }
 
 const v1::ObjectDescription& EditedSession::object() {
-  if (!object_) object_ = server_.describe(v1::MODEL_OBJECT, state_.object(), true).object();
+  if (!object_ || object_of_ != state().object()) {
+    object_of_ = state().object();
+    object_ = server_.describe(v1::MODEL_OBJECT, object_of_, true).get().object();
+  }
   return *object_;
 }
 
 const v1::PoseSolution* EditedSession::solution() {
-  take({}, {});
-  // Late readers are brought the last pose once they are found.
-  while (!solution_ && state_.phase() != v1::PHASE_OPEN && state_.phase() != v1::PHASE_CLOSED &&
-         !hasEnded() && std::chrono::steady_clock::now() - joined_ < kLateJoin &&
-         !interruption_.requested()) {
-    solutions_.wait(kPatience);
-    take({}, {});
+  try {
+    session_.joinedSolution();
+  } catch (const Cancelled&) {  // ends the wait: what is there stands
   }
-  return solution_ ? &*solution_ : nullptr;
+  learn();
+  return session_.solution();
 }
 
 Names EditedSession::names() {
@@ -109,9 +102,11 @@ Names EditedSession::names() {
     if (std::find(known.begin(), known.end(), link.name()) == known.end())
       names.points.push_back(link.name());
   }
-  if (patches_.empty()) {
+  if (patches_.empty() || patches_of_ != state().contacts()) {
+    patches_.clear();
+    patches_of_ = state().contacts();
     const v1::ModelDescription contacts =
-        server_.describe(v1::MODEL_CONTACTS, state_.contacts(), false);
+        server_.describe(v1::MODEL_CONTACTS, patches_of_, false).get();
     for (const v1::PatchInfo& patch : contacts.contacts().patches())
       patches_.push_back(patch.name());
   }
@@ -132,14 +127,14 @@ Names EditedSession::allNames() {
     all = names();
   });
   attempt([&] {
-    const v1::ModelList list = server_.listModels();
+    const v1::ModelList list = server_.listModels().get();
     for (const v1::ModelSummary& model : list.models()) {
       if (model.kind() == v1::MODEL_HAND) all.hands.push_back(model.name());
       if (model.kind() == v1::MODEL_OBJECT) all.objects.push_back(model.name());
     }
   });
   attempt([&] {
-    const v1::SessionList list = server_.listSessions();
+    const v1::SessionList list = server_.listSessions().get();
     for (const v1::SessionState& session : list.sessions())
       all.sessions.push_back(std::to_string(session.session_id()));
   });
@@ -164,18 +159,18 @@ const std::set<std::string>& EditedSession::patchesOff() {
 
 v1::EditReply EditedSession::edit(const v1::EditBody& body) {
   try {
-    const v1::EditReply reply = server_.edit(id(), shown_, body);
+    const v1::EditReply reply = session_.edit(body, shown_).get();
     shown_ = reply.revision();
     if (maySwitchPatches(body)) off_is_known_ = false;
     return reply;
-  } catch (const idl::cyclone::Refused& refused) {
+  } catch (const Refused& refused) {
     if (refused.code() != v1::ERROR_CONFLICT) throw;
-    const v1::SessionState now = server_.describeSession(id());
+    const v1::SessionState now = server_.describeSession(id()).get();
     const bool moved_on = now.revision() > shown_;  // else the name of something is taken
-    keepUp(now);
+    session_.adopt(now);
     if (!moved_on) throw;
     shown_ = now.revision();
-    throw idl::cyclone::Refused(
+    throw Refused(
         refused.code(),
         fmt::format("{}; {}; nothing was changed: repeat the command if it still holds",
                     refused.what(), toldBy(now)));
@@ -184,122 +179,56 @@ v1::EditReply EditedSession::edit(const v1::EditBody& body) {
 
 const v1::PoseSolution* EditedSession::awaitFinal(std::uint64_t revision,
                                                   const OnSample& on_sample) {
-  auto settled = std::chrono::steady_clock::now();
-  while (true) {
-    take(on_sample, {});
-    if (solution_ && solution_->revision() >= revision) return &*solution_;
-    requireOpen();
-    const bool is_answered = state_.revision() >= revision;
-    if (is_answered && state_.phase() == v1::PHASE_FAILED) {
-      throw SolveFailed(text::plain(state_.message()));
-    }
-    const auto now = std::chrono::steady_clock::now();
-    if (!restsAt(revision)) settled = now;
-    if (now - settled > kNothingFollows) return nullptr;
-    interruption_.checkpoint();
-    solutions_.wait(kPatience);
+  try {
+    const v1::PoseSolution* pose = session_.awaitFinal(revision, on_sample);
+    learn();
+    return pose;
+  } catch (const SolveFailed& failed) {
+    throw SolveFailed(text::plain(failed.what()));
   }
 }
 
-bool EditedSession::restsAt(std::uint64_t revision) const {
-  return state_.revision() >= revision &&
-         (state_.phase() == v1::PHASE_READY || state_.phase() == v1::PHASE_OPEN ||
-          state_.phase() == v1::PHASE_FAILED);
-}
-
-const v1::PoseSolution& EditedSession::awaitExplained(std::uint64_t revision,
+const v1::PoseSolution& EditedSession::awaitDiagnosed(std::uint64_t revision,
                                                       Patience longest) {
-  const auto begin = std::chrono::steady_clock::now();
-  auto settled = begin;
-  while (true) {
-    take({}, {});
-    HANDGRAFT_REQUIRE(solution_.has_value());
-    if (solution_->is_diagnosed() || solution_->revision() > revision) return *solution_;
-    requireOpen();
-    const auto now = std::chrono::steady_clock::now();
-    if (!restsAt(revision)) settled = now;
-    if (now - settled > kNothingFollows || now - begin >= longest) return *solution_;
-    interruption_.checkpoint();
-    solutions_.wait(std::min(kPatience, longest));
-  }
+  const v1::PoseSolution& pose = session_.awaitDiagnosed(revision, longest);
+  learn();
+  return pose;
 }
 
 void EditedSession::explainLater() {
-  if (solution_ && !solution_->is_diagnosed()) owed_explanation_ = solution_->revision();
+  const v1::PoseSolution* last = session_.solution();
+  if (last != nullptr && !last->is_diagnosed()) owed_explanation_ = last->revision();
 }
 
 const v1::PoseSolution& EditedSession::solve(const std::optional<v1::SolveOptions>& options) {
-  v1::OptimizeRequest request;
-  request.session_id(id());
-  if (options) request.options().push_back(*options);
-  const v1::PoseSolution solution = server_.optimize(request);
-  // The stream may have brought it, or a later one, already.
-  if (!solution_ || solution_->sequence_number() <= solution.sequence_number()) {
-    adopt(solution);
-  }
-  return *solution_;
+  const v1::PoseSolution& pose = session_.adopt(session_.solve(options).get());
+  learn();
+  return pose;
 }
 
 // === Following
 
 void EditedSession::take(const OnSample& on_sample, const OnState& on_state) {
-  solutions_.take([&](const v1::PoseSolution& solution) {
-    if (solution.session_id() != id() || hasEnded()) return;
-    if (solution.is_final()) adopt(solution);
-    if (on_sample) on_sample(solution);
-  });
-  states_.take([&](const v1::SessionState& state) {
-    // Who comes late is told older states first.
-    if (state.session_id() != id() || state.revision() < state_.revision() || hasEnded())
-      return;
-    keepUp(state);
-    if (on_state) on_state(state);
-  });
+  session_.take(on_sample, on_state);
+  learn();
 }
 
-void EditedSession::adopt(const v1::PoseSolution& solution) {
-  solution_ = solution;
-  if (!solution.is_diagnosed() || solution.revision() < shown_) return;
-  off_ = offIn(solution);
+void EditedSession::learn() {
+  const v1::PoseSolution* last = session_.solution();
+  if (last == nullptr || !last->is_diagnosed() || last->revision() < shown_) return;
+  off_ = offIn(*last);
   off_is_known_ = true;
-}
-
-void EditedSession::keepUp(const v1::SessionState& state) {
-  if (state.hand() != state_.hand()) hand_.reset();
-  if (state.object() != state_.object()) object_.reset();
-  if (state.contacts() != state_.contacts()) patches_.clear();
-  state_ = state;
 }
 
 std::string EditedSession::toldBy(const v1::SessionState& state) const {
   return fmt::format("revision {}, by {}: {}", state.revision(),
-                     nameOf(state.last_client(), server_.client()),
+                     nameOf(state.last_client(), server_.id()),
                      state.last_edit().empty() ? "an edit" : text::plain(state.last_edit()));
 }
 
-void EditedSession::requireStanding() const {
-  if (state_.phase() == v1::PHASE_CLOSED) {
-    throw idl::cyclone::Refused(v1::ERROR_NOT_FOUND,
-                                fmt::format("session {} has been closed", id()));
-  }
-  if (hasEnded()) {
-    throw idl::cyclone::Refused(
-        v1::ERROR_NOT_FOUND,
-        fmt::format("session {} has ended with its server; load opens a saved one", id()));
-  }
-}
-
-void EditedSession::requireOpen() {
-  requireStanding();
-  if (!server_.alive()) {
-    throw idl::cyclone::NoServer(
-        fmt::format("handgraft-server on {} stopped answering",
-                    handgraft::describe(server_.participant().network())));
-  }
-}
-
 std::vector<std::string> EditedSession::news() {
-  take({}, {});
+  take();
+  const v1::PoseSolution* last = session_.solution();
   std::vector<std::string> lines;
   if (const bool answers = server_.alive(); answers != server_answers_) {
     server_answers_ = answers;
@@ -309,19 +238,19 @@ std::vector<std::string> EditedSession::news() {
     end_was_told_ = true;
     lines.push_back(fmt::format("session {} has ended with its server", id()));
   }
-  if (owed_explanation_ && solution_ && solution_->revision() > *owed_explanation_) {
+  if (owed_explanation_ && last != nullptr && last->revision() > *owed_explanation_) {
     owed_explanation_.reset();  // an edit came first
-  } else if (owed_explanation_ && solution_ && solution_->is_diagnosed()) {
+  } else if (owed_explanation_ && last != nullptr && last->is_diagnosed()) {
     lines.push_back(
-        fmt::format("revision {}: {}", *owed_explanation_, text::explanation(*solution_)));
+        fmt::format("revision {}: {}", *owed_explanation_, text::explanation(*last)));
     owed_explanation_.reset();
   }
-  if (state_.phase() == v1::PHASE_CLOSED && !end_was_told_) {
+  if (state().phase() == v1::PHASE_CLOSED && !end_was_told_) {
     end_was_told_ = true;
     lines.push_back(fmt::format("session {} has been closed", id()));
-  } else if (state_.revision() > shown_) {
-    shown_ = state_.revision();
-    lines.push_back(toldBy(state_));
+  } else if (state().revision() > shown_) {
+    shown_ = state().revision();
+    lines.push_back(toldBy(state()));
   }
   return lines;
 }
@@ -331,9 +260,9 @@ void EditedSession::follow(const OnSample& on_sample, const OnState& on_state) {
     shown_ = std::max(shown_, state.revision());
     if (on_state) on_state(state);
   });
-  if (state_.phase() == v1::PHASE_CLOSED) return;
-  requireOpen();
-  solutions_.wait(kPatience);
+  if (state().phase() == v1::PHASE_CLOSED) return;
+  session_.requireOpen();
+  session_.wait(kPatience);
 }
 
 }  // namespace handgraft::client::editor

@@ -9,11 +9,11 @@
 #include "client/editor/match_values.h"
 #include "client/editor/show_solution.h"
 #include "client/link/hand_side_edits.h"
-#include "client/link/send_model.h"
 #include "client/link/wire_pose.h"
 #include "client/present/failure.h"
 #include "client/present/json_output.h"
 #include "client/present/progress_line.h"
+#include "client/present/send_model.h"
 #include "client/present/text_output.h"
 #include "client/present/transfer_text.h"
 #include "core/base/error.h"
@@ -75,7 +75,7 @@ const Value* optionOf(const Match& match, const char* name) {
 
 }  // namespace
 
-Editor::Editor(ServerLink& server,
+Editor::Editor(Client& server,
                Interruption& interruption,
                const Sink& sink,
                const v1::SessionState& state)
@@ -84,7 +84,7 @@ Editor::Editor(ServerLink& server,
 }
 
 void Editor::goOnIn(const v1::SessionState& state) {
-  session_ = std::make_unique<EditedSession>(server_, interruption_, state);
+  session_ = std::make_unique<EditedSession>(server_, state);
 }
 
 // === Lines
@@ -125,7 +125,7 @@ void Editor::reachServer() {
   if (server_.alive() || !server_.rejoin()) return;
   if (session_->hasEnded()) return;
   const std::uint64_t shown = session_->shownRevision();
-  goOnIn(server_.describeSession(session_->id()));
+  goOnIn(server_.describeSession(session_->id()).get());
   session_->lookFrom(shown);
 }
 
@@ -314,7 +314,7 @@ Told Editor::tellPose(const std::string& before) {
   const v1::PoseSolution* last = nullptr;
   try {
     last =
-        &session_->awaitExplained(pose.revision(), at_once ? kSoon : EditedSession::kEndless);
+        &session_->awaitDiagnosed(pose.revision(), at_once ? kSoon : EditedSession::kEndless);
   } catch (const Cancelled&) {
     session_->stopSolving();  // the pose stands
     last = session_->solution();
@@ -361,7 +361,7 @@ Told Editor::suggest(const Match& match) {
       rejectInput("--count {}: it must be 1 to 100", count->text);
     request.count(static_cast<std::uint32_t>(count->count));
   }
-  const v1::SuggestReply reply = server_.suggest(request);
+  const v1::SuggestReply reply = server_.suggest(request).get();
   Told told;
   told.text = text::suggestions(reply);
   told.data = json::suggestions(reply, std::nullopt);
@@ -384,14 +384,14 @@ Told Editor::suggest(const Match& match) {
 // === Sessions
 
 Told Editor::sessions() {
-  const v1::SessionList list = server_.listSessions();
+  const v1::SessionList list = server_.listSessions().get();
   return {text::sessions(list), json::jsonOf(list)};
 }
 
 Told Editor::join(std::uint64_t session_id) {
   const std::uint64_t left = session_->id();
   const bool has_ended = session_->hasEnded();
-  goOnIn(server_.describeSession(session_id));
+  goOnIn(server_.describeSession(session_id).get());
   Told told;
   const std::string before = farewell(left, has_ended);
   if (!before.empty()) told.text = fmt::format("session {}{}\n", session_id, before);
@@ -405,7 +405,7 @@ std::string Editor::farewell(std::uint64_t left, bool has_ended) const {
 }
 
 Told Editor::close() {
-  server_.closeSession(session_->id());
+  server_.closeSession(session_->id()).get();
   finished_ = true;
   closed_ = true;
   return {fmt::format("closed session {}\n", session_->id()),

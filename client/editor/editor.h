@@ -11,15 +11,15 @@
 #include "client/editor/edited_session.h"
 #include "client/editor/sink.h"
 #include "client/editor/told.h"
-#include "client/link/interruption.h"
-#include "client/link/server_link.h"
+#include "client/link/client.h"
+#include "client/present/interruption.h"
 
 namespace handgraft::client::editor {
 
 /// Runs commands on one session after the other.
 class Editor {
  public:
-  Editor(ServerLink& server,
+  Editor(Client& server,
          Interruption& interruption,
          const Sink& sink,
          const v1::SessionState& state);
@@ -38,7 +38,7 @@ class Editor {
 
   /// All commands of a line, one after the other, each told by the sink as it is done.
   /// Errors: of the first one that fails, and nothing of the line is run after it; InvalidInput
-  /// for words that are no command; those of ServerLink; SolveFailed.
+  /// for words that are no command; those of Client; SolveFailed.
   void run(const std::string& line);
 
   /// The next line of a script; nothing at its end.
@@ -94,7 +94,7 @@ class Editor {
   /// Where a dragged point is after the search, if that is not where it was dragged to.
   std::string endedAt(const v1::DragEdit& drag);
 
-  ServerLink& server_;
+  Client& server_;
   Interruption& interruption_;
   const Sink& sink_;
   std::unique_ptr<EditedSession> session_;

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 Told Editor::save(const fs::path& path) {
   requireWritable({"save", path});
-  writeFile(path, server_.saveSession(session_->id()));
+  writeFile(path, server_.saveSession(session_->id()).get());
   return {fmt::format("wrote {}\n", quoted(path.string())), {{"file", path.string()}}};
 }
 
@@ -26,7 +26,7 @@ Told Editor::load(const fs::path& path) {
   const bool has_ended = session_->hasEnded();
   const std::string text = readSessionText(path);
   goOnIn(askAbout(path, [&] {
-    return server_.loadSession(text);
+    return server_.loadSession(text).get();
   }));
   return {fmt::format("session {}, revision {}{}\n", session_->id(),
                       session_->state().revision(), farewell(left, has_ended)),
@@ -36,7 +36,7 @@ Told Editor::load(const fs::path& path) {
 Told Editor::replay(const fs::path& path) {
   const std::string text = readSessionText(path);
   const v1::ReplayReply reply = askAbout(path, [&] {
-    return server_.replay(text);
+    return server_.replay(text).get();
   });
   if (!reply.same()) {
     throw CommandFailed(
@@ -58,7 +58,7 @@ Told Editor::drawTo(const fs::path& path) {
   GraspResult result;
   result.solution = requireSolution();
   result.session = session_->state();
-  result.transfer = server_.transfer(session_->id());
+  result.transfer = server_.transfer(session_->id()).get();
   result.hand = session_->handWithMeshes();
   writePicture(server_, path, result);
   return {fmt::format("wrote {}\n", quoted(path.string())), {{"file", path.string()}}};

@@ -20,7 +20,7 @@ const v1::PoseSolution& Editor::requirePose() {
 }
 
 const v1::PoseSolution& Editor::requireSolution() {
-  return session_->awaitExplained(requirePose().revision(), EditedSession::kEndless);
+  return session_->awaitDiagnosed(requirePose().revision(), EditedSession::kEndless);
 }
 
 Told Editor::show(const Match& match) {
@@ -39,7 +39,7 @@ Told Editor::show(const Match& match) {
   const std::string& topic = match.values[0].text;
   if (topic == "minima") return tellMinima(requirePose(), session_->hand());
   if (topic == "transfer") {
-    const v1::TransferReply transfer = server_.transfer(session_->id());
+    const v1::TransferReply transfer = server_.transfer(session_->id()).get();
     return {text::transfer(transfer), json::jsonOf(transfer)};
   }
   const v1::SessionSettings& settings = session_->settings();
@@ -48,7 +48,7 @@ Told Editor::show(const Match& match) {
   if (topic == "settings") return tellSettings(settings);
   if (topic == "history") return tellHistory(settings);
   if (topic == "snapshots") return tellSnapshots(settings);
-  return tellSession(settings, server_.client());
+  return tellSession(settings, server_.id());
 }
 
 Told Editor::compare(const Match& match) {
@@ -56,7 +56,7 @@ Told Editor::compare(const Match& match) {
   request.session_id(session_->id());
   request.a(match.values.at(0).text);
   if (match.values.size() > 1) request.b(match.values[1].text);
-  return tellDifferences(server_.compare(request));
+  return tellDifferences(server_.compare(request).get());
 }
 
 Told Editor::watch(const Match& match) {

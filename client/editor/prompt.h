@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "client/editor/words.h"
-#include "client/link/interruption.h"
+#include "client/present/interruption.h"
 
 namespace handgraft::client::editor {
 

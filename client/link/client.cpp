@@ -347,8 +347,9 @@ Pending<v1::SuggestReply> Client::suggest(const v1::SuggestRequest& request) {
 Pending<v1::EditReply> Client::edit(std::uint64_t session_id,
                                     std::uint64_t base_revision,
                                     const v1::EditBody& body) {
+  checkpoint();
+  // It waits without one: who gives an edit up would not know whether it was applied.
   const auto state = std::make_shared<Pending<v1::EditReply>::State>();
-  state->waiting = impl_->waiting;
   impl_->connected()->requester.beginEdit(session_id, base_revision, body,
                                           [state](Outcome<v1::EditReply> outcome) {
                                             state->settle(std::move(outcome));

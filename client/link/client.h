@@ -6,7 +6,6 @@
 #include <memory>
 #include <string>
 
-#include "client/link/absence.h"
 #include "client/link/model_files.h"
 #include "client/link/pending.h"
 #include "core/base/network.h"
@@ -17,6 +16,12 @@ namespace handgraft::client {
 
 using idl::cyclone::NoServer;
 using idl::cyclone::Refused;
+
+/// What to do when no server answers.
+enum class Absence {
+  kFail,          ///< NoServer within 2 s
+  kStartPrivate,  ///< start one that ends with the client
+};
 
 struct ClientOptions {
   Network network;
@@ -93,7 +98,8 @@ class Client {
   Pending<v1::TransferReply> transfer(std::uint64_t session_id);
   Pending<v1::SuggestReply> suggest(const v1::SuggestRequest& request);
   /// Refused (ERROR_CONFLICT) if the session is no longer at `base_revision`; 0: whatever it
-  /// is. Edits are applied in the order of the calls where each waits for the one before.
+  /// is. Edits are applied in the order of the calls where each waits for the one before. Waits
+  /// without checkpoint: what is on its way is answered by what came of it.
   Pending<v1::EditReply> edit(std::uint64_t session_id,
                               std::uint64_t base_revision,
                               const v1::EditBody& body);

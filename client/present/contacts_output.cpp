@@ -8,12 +8,12 @@
 
 namespace handgraft::client {
 
-std::string outputOf(ServerLink& server,
+std::string outputOf(Client& server,
                      const std::string& contacts,
                      const PosedLinks& hand,
                      const ContactsOutput& output) {
   const v1::ModelDescription description =
-      server.describe(v1::MODEL_CONTACTS, contacts, true);  // the map says its threshold
+      server.describe(v1::MODEL_CONTACTS, contacts, true).get();  // the map says its threshold
   const v1::ContactsDescription& set = description.contacts();
   if (!output.set.empty()) {
     if (set.file().empty()) {
@@ -22,7 +22,8 @@ std::string outputOf(ServerLink& server,
     writeFile(output.set, set.file());
   }
   if (!output.png.empty()) {
-    const v1::ModelDescription object = server.describe(v1::MODEL_OBJECT, set.object(), true);
+    const v1::ModelDescription object =
+        server.describe(v1::MODEL_OBJECT, set.object(), true).get();
     const ContactsPicture picture = pictureOf(set, object.object(), hand);
     render::writePng(output.png,
                      render::renderTwoViews(picture.scene, picture.caption, picture.views));

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "client/link/server_link.h"
+#include "client/link/client.h"
 #include "client/present/contacts_picture.h"
 
 namespace handgraft::client {
@@ -18,7 +18,7 @@ struct ContactsOutput {
 /// Has the server describe the contacts, writes the files, and returns what to print. The hand,
 /// if it has links, is in the picture.
 /// Errors: those of the server and of files that cannot be written.
-std::string outputOf(ServerLink& server,
+std::string outputOf(Client& server,
                      const std::string& contacts,
                      const PosedLinks& hand,
                      const ContactsOutput& output);

@@ -25,11 +25,12 @@ bool holds(const fs::path& path, const std::string& text) {
 
 }  // namespace
 
-void writePicture(ServerLink& server, const fs::path& png, const GraspResult& result) {
+void writePicture(Client& server, const fs::path& png, const GraspResult& result) {
   const v1::SessionState& session = result.session;
-  const v1::ModelDescription object = server.describe(v1::MODEL_OBJECT, session.object(), true);
+  const v1::ModelDescription object =
+      server.describe(v1::MODEL_OBJECT, session.object(), true).get();
   const v1::ModelDescription contacts =
-      server.describe(v1::MODEL_CONTACTS, session.contacts(), false);
+      server.describe(v1::MODEL_CONTACTS, session.contacts(), false).get();
   const GraspPicture picture = pictureOf(result, object.object(), contacts.contacts());
   render::writePng(png, render::renderTwoViews(picture.scene, picture.caption));
 }
@@ -58,7 +59,7 @@ fs::path writeHand(const v1::HandDescription& hand,
               quoted((folder / hashed).string()));
 }
 
-void exportSession(ServerLink& server,
+void exportSession(Client& server,
                    std::uint64_t session_id,
                    const std::string& format,
                    const NamedFile& file) {
@@ -67,12 +68,12 @@ void exportSession(ServerLink& server,
   request.session_id(session_id);
   request.format(v1::enumeratorFrom<v1::ExportFormat>(format, "format"));
   if (request.format() == v1::EXPORT_PROBLEM) {
-    const std::string hand = server.describeSession(session_id).hand();
-    request.urdf_path(writeHand(server.describe(v1::MODEL_HAND, hand, false).hand(),
+    const std::string hand = server.describeSession(session_id).get().hand();
+    request.urdf_path(writeHand(server.describe(v1::MODEL_HAND, hand, false).get().hand(),
                                 fs::absolute(file.path).parent_path(), {file.path})
                           .string());
   }
-  writeFile(file.path, server.exportSession(request));
+  writeFile(file.path, server.exportSession(request).get());
 }
 
 }  // namespace handgraft::client

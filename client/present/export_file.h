@@ -5,22 +5,20 @@
 #include <string>
 #include <vector>
 
+#include "client/link/client.h"
 #include "client/link/grasp_result.h"
-#include "client/link/server_link.h"
 #include "client/present/output_file.h"
 
 namespace handgraft::client {
 
 /// Asks for what else the picture shows, and writes it. `result.hand` must have been described
 /// with its meshes.
-void writePicture(ServerLink& server,
-                  const std::filesystem::path& png,
-                  const GraspResult& result);
+void writePicture(Client& server, const std::filesystem::path& png, const GraspResult& result);
 
 /// Has the server write its session in a format, and keeps that in a file. For `problem`, the
 /// hand's URDF is written beside it (`writeHand`). Complaints name the file by `file.option`.
 /// Errors: InvalidInput for a file that may not be written; Refused for a format that is none.
-void exportSession(ServerLink& server,
+void exportSession(Client& server,
                    std::uint64_t session_id,
                    const std::string& format,
                    const NamedFile& file);

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "client/link/server_link.h"
+#include "client/link/client.h"
 #include "client/present/transfer_text.h"
 #include "core/base/error.h"
 #include "idl/fields.h"

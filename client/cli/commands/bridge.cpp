@@ -5,7 +5,7 @@
 #include "client/cli/commands/bridge_link.h"
 #include "client/cli/commands/bridge_output.h"
 #include "client/cli/commands/commands.h"
-#include "client/link/interruption.h"
+#include "client/present/interruption.h"
 #include "core/base/error.h"
 #include "idl/fields.h"
 

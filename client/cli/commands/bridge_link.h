@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "client/link/interruption.h"
+#include "client/present/interruption.h"
 #include "core/base/network.h"
 #include "idl/cyclone/participant.h"
 #include "idl/hardware.h"

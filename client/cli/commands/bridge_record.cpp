@@ -8,7 +8,7 @@
 #include "client/cli/commands/bridge_link.h"
 #include "client/cli/commands/bridge_run.h"
 #include "client/cli/commands/commands.h"
-#include "client/link/interruption.h"
+#include "client/present/interruption.h"
 #include "client/present/output_file.h"
 #include "client/present/render/png_file.h"
 #include "core/base/error.h"

@@ -1,14 +1,15 @@
 #include <fmt/format.h>
 
 #include "client/cli/commands/commands.h"
-#include "client/link/server_link.h"
+#include "client/link/client.h"
+#include "client/present/attended.h"
 #include "client/present/json_output.h"
 
 namespace handgraft::client {
 
 int run(const CloseOptions& options, const CommonOptions& common, Interruption& interruption) {
-  ServerLink server(common.network, Absence::kFail, interruption);
-  server.closeSession(options.session_id);
+  Client server(attended(common.network, Absence::kFail, interruption));
+  server.closeSession(options.session_id).get();
   if (common.json) {
     fmt::print("{}\n", json::written({{"session_id", options.session_id}, {"closed", true}}));
   } else {

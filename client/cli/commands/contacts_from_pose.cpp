@@ -4,11 +4,12 @@
 #include "client/cli/commands/commands.h"
 #include "client/cli/input_files.h"
 #include "client/link/pose_file.h"
-#include "client/link/send_model.h"
 #include "client/link/wire_pose.h"
+#include "client/present/attended.h"
 #include "client/present/contacts_output.h"
 #include "client/present/output_file.h"
 #include "client/present/progress_line.h"
+#include "client/present/send_model.h"
 
 namespace handgraft::client {
 
@@ -80,11 +81,8 @@ int run(const PoseContactsOptions& options,
   requireSafe({{"--out", options.out}, {"--png", options.png}}, inputs);
   v1::PoseContactsRequest request = requestOf(options, pose);
 
-  ServerLink server(common.network, Absence::kStartPrivate, interruption);
   ProgressLine progress;
-  server.onProgress([&](const std::string& stage, double fraction) {
-    progress.show(stage, fraction);
-  });
+  Client server(attended(common.network, Absence::kStartPrivate, interruption, &progress));
   ModelSender sender(server, interruption, !common.json);
   request.hand(nameOnServer(sender, options.hand, hand));
   request.object(nameOnServer(sender, options.object, object));
@@ -93,18 +91,18 @@ int run(const PoseContactsOptions& options,
                    : options.name);
   std::string name;
   try {
-    name = server.poseContacts(request).name();
-  } catch (const idl::cyclone::Refused& refused) {
+    name = server.poseContacts(request).get().name();
+  } catch (const Refused& refused) {
     if (refused.code() != v1::ERROR_CONFLICT || !options.name.empty()) throw;
     request.name(fmt::format("{}-{:08x}", request.name().substr(0, 55),
                              static_cast<std::uint32_t>(hashOf(request))));
-    name = server.poseContacts(request).name();
+    name = server.poseContacts(request).get().name();
   }
 
   PosedLinks posed;
   if (!options.png.empty() && !pose.links_X_WL.empty()) {
-    posed =
-        linksIn(server.describe(v1::MODEL_HAND, request.hand(), true).hand(), pose, request);
+    posed = linksIn(server.describe(v1::MODEL_HAND, request.hand(), true).get().hand(), pose,
+                    request);
   }
   const ContactsOutput output{options.out, options.png, common.json};
   const std::string text = outputOf(server, name, posed, output);

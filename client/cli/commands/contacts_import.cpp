@@ -2,10 +2,11 @@
 
 #include "client/cli/commands/commands.h"
 #include "client/cli/input_files.h"
-#include "client/link/send_model.h"
+#include "client/present/attended.h"
 #include "client/present/contacts_output.h"
 #include "client/present/output_file.h"
 #include "client/present/progress_line.h"
+#include "client/present/send_model.h"
 
 namespace handgraft::client {
 
@@ -19,11 +20,8 @@ int run(const ImportOptions& options, const CommonOptions& common, Interruption&
   inputs.insert(inputs.end(), more.begin(), more.end());
   requireSafe({{"--out", options.out}, {"--png", options.png}}, inputs);
 
-  ServerLink server(common.network, Absence::kStartPrivate, interruption);
   ProgressLine progress;
-  server.onProgress([&](const std::string& stage, double fraction) {
-    progress.show(stage, fraction);
-  });
+  Client server(attended(common.network, Absence::kStartPrivate, interruption, &progress));
   ModelSender sender(server, interruption, !common.json);
   map->object = nameOnServer(sender, options.object, object);
   // A scan and its contact map come in the same units.

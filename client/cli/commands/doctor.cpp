@@ -6,8 +6,9 @@
 
 #include "client/cli/commands/commands.h"
 #include "client/cli/version.h"
-#include "client/link/interruption.h"
-#include "client/link/server_link.h"
+#include "client/link/client.h"
+#include "client/present/attended.h"
+#include "client/present/interruption.h"
 #include "client/present/json_output.h"
 #include "client/present/text_output.h"
 
@@ -21,11 +22,11 @@ double millisecondsSince(Clock::time_point begin) {
   return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
 }
 
-double roundTrip(ServerLink& server) {
+double roundTrip(Client& server) {
   std::vector<double> times;
   for (int i = 0; i < 11; ++i) {
     const Clock::time_point begin = Clock::now();
-    server.ping();
+    server.ping().get();
     times.push_back(millisecondsSince(begin));
   }
   std::nth_element(times.begin(), times.begin() + 5, times.end());
@@ -44,12 +45,12 @@ int run(const DoctorOptions& /*options*/,
   report.address = validate(common.network).address;
   try {
     const Clock::time_point begin = Clock::now();
-    ServerLink server(common.network, Absence::kFail, interruption);
+    Client server(attended(common.network, Absence::kFail, interruption));
     report.found_ms = millisecondsSince(begin);
     report.round_trip_ms = roundTrip(server);
-    report.models = server.listModels();
+    report.models = server.listModels().get();
     report.server = server.status();
-  } catch (const idl::cyclone::NoServer& error) {
+  } catch (const NoServer& error) {
     report.advice = fmt::format(
         "{}. Start one with: handgraft-server --domain {} --interface {}; if one runs "
         "elsewhere, "

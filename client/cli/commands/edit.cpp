@@ -11,11 +11,12 @@
 #include "client/cli/grasp_session.h"
 #include "client/editor/editor.h"
 #include "client/editor/prompt.h"
-#include "client/link/send_model.h"
-#include "client/link/server_link.h"
+#include "client/link/client.h"
+#include "client/present/attended.h"
 #include "client/present/failure.h"
 #include "client/present/json_output.h"
 #include "client/present/progress_line.h"
+#include "client/present/send_model.h"
 #include "client/present/text_output.h"
 #include "core/base/error.h"
 #include "core/base/progress.h"
@@ -143,12 +144,9 @@ int run(const EditOptions& options, const CommonOptions& common, Interruption& i
   const bool typed = options.script.empty() && isatty(STDIN_FILENO) != 0;
   LineReader lines(options.script, interruption);
 
-  ServerLink server(common.network, opens ? Absence::kStartPrivate : Absence::kFail,
-                    interruption);
   ProgressLine progress;
-  server.onProgress([&](const std::string& stage, double fraction) {
-    progress.show(stage, fraction);
-  });
+  Client server(attended(common.network, opens ? Absence::kStartPrivate : Absence::kFail,
+                         interruption, &progress));
   const Sink sink(common.json ? Sink::Form::kJson : Sink::Form::kText, progress);
 
   // === The session
@@ -158,7 +156,7 @@ int run(const EditOptions& options, const CommonOptions& common, Interruption& i
     ModelSender sender(server, interruption, typed && !common.json);
     state = openSession(server, sender, options.grasp, inputs, request);
   } else {
-    state = server.describeSession(options.session_id);
+    state = server.describeSession(options.session_id).get();
   }
   Editor editor(server, interruption, sink, state);
   sink.event(fmt::format("session {}: {} grasps {} by {}, revision {}", state.session_id(),

@@ -1,7 +1,8 @@
 #include <fmt/format.h>
 
 #include "client/cli/commands/commands.h"
-#include "client/link/server_link.h"
+#include "client/link/client.h"
+#include "client/present/attended.h"
 #include "client/present/export_file.h"
 #include "client/present/json_output.h"
 #include "client/present/output_file.h"
@@ -11,7 +12,7 @@ namespace handgraft::client {
 
 int run(const ExportOptions& options, const CommonOptions& common, Interruption& interruption) {
   requireWritable({"--out", options.out});
-  ServerLink server(common.network, Absence::kFail, interruption);
+  Client server(attended(common.network, Absence::kFail, interruption));
   exportSession(server, options.session_id, options.format, {"--out", options.out});
   if (common.json) {
     fmt::print("{}\n", json::written({{"session_id", options.session_id},

@@ -5,15 +5,16 @@
 
 #include "client/cli/commands/commands.h"
 #include "client/cli/grasp_session.h"
+#include "client/link/client.h"
 #include "client/link/grasp_result.h"
-#include "client/link/interruption.h"
-#include "client/link/send_model.h"
-#include "client/link/server_link.h"
+#include "client/present/attended.h"
 #include "client/present/export_file.h"
+#include "client/present/interruption.h"
 #include "client/present/json_output.h"
 #include "client/present/minima_text.h"
 #include "client/present/output_file.h"
 #include "client/present/progress_line.h"
+#include "client/present/send_model.h"
 #include "client/present/text_output.h"
 #include "core/base/error.h"
 
@@ -34,13 +35,13 @@ void checkFiles(const GraspOptions& options, const GraspInputs& inputs) {
 // Closes the session however the command ends, unless it is to be kept.
 class OpenSession {
  public:
-  OpenSession(ServerLink& server, v1::SessionState state)
+  OpenSession(Client& server, v1::SessionState state)
       : server_(server), state_(std::move(state)) {}
 
   ~OpenSession() {
     if (kept_) return;
     try {
-      server_.closeSession(state_.session_id());
+      server_.closeSession(state_.session_id()).get();
     } catch (const std::exception&) {
       // The reason why the command ends is the one to report; a server that is gone has closed
       // it.
@@ -57,12 +58,12 @@ class OpenSession {
   void keep() { kept_ = true; }
 
  private:
-  ServerLink& server_;
+  Client& server_;
   v1::SessionState state_;
   bool kept_ = false;
 };
 
-void writeProblem(ServerLink& server,
+void writeProblem(Client& server,
                   const GraspOptions& options,
                   const GraspInputs& inputs,
                   const GraspResult& result) {
@@ -81,12 +82,12 @@ void writeProblem(ServerLink& server,
     request.urdf_path(
         writeHand(result.hand, folder, {options.out, options.png, options.problem}).string());
   }
-  writeFile(options.problem, server.exportSession(request));
+  writeFile(options.problem, server.exportSession(request).get());
 }
 
 // Makes one of the minima that `best` ranks the session's pose; the answer is that minimum as
 // it was found, judged anew.
-v1::PoseSolution chosenOf(ServerLink& server,
+v1::PoseSolution chosenOf(Client& server,
                           const GraspOptions& options,
                           const v1::PoseSolution& best) {
   if (options.choose > best.minima().size()) {
@@ -98,10 +99,10 @@ v1::PoseSolution chosenOf(ServerLink& server,
   v1::ChoiceEdit choice;
   choice.rank(index);
   body.choice(choice);
-  server.edit(best.session_id(), best.revision(), body);
+  server.edit(best.session_id(), best.revision(), body).get();
   v1::OptimizeRequest request;
   request.session_id(best.session_id());
-  v1::PoseSolution chosen = server.optimize(request);
+  v1::PoseSolution chosen = server.optimize(request).get();
   chosen.solver(best.minima()[index].solver());
   chosen.outcome(best.outcome());
   chosen.evaluations(best.evaluations());
@@ -118,11 +119,8 @@ int run(const GraspOptions& options, const CommonOptions& common, Interruption& 
   checkFiles(options, inputs);
   v1::OpenSessionRequest request = sessionRequest(options);
 
-  ServerLink server(common.network, Absence::kStartPrivate, interruption);
   ProgressLine progress;
-  server.onProgress([&](const std::string& stage, double fraction) {
-    progress.show(stage, fraction);
-  });
+  Client server(attended(common.network, Absence::kStartPrivate, interruption, &progress));
   const Clock::time_point begin = Clock::now();
 
   // === Models, session, transfer, solve
@@ -131,17 +129,18 @@ int run(const GraspOptions& options, const CommonOptions& common, Interruption& 
 
   GraspResult result;
   result.session = session.state();
-  result.transfer = server.transfer(session.id());
+  result.transfer = server.transfer(session.id()).get();
   v1::OptimizeRequest optimize;
   optimize.session_id(session.id());
   optimize.options().push_back(solvingOf(options));
-  result.solution = server.optimize(optimize);
+  result.solution = server.optimize(optimize).get();
   if (options.choose > 1) result.solution = chosenOf(server, options, result.solution);
   // The solve may lay patches anew whose direction was open: what is shown is what holds now.
   const double transfer_ms = result.transfer.transfer_ms();
-  result.transfer = server.transfer(session.id());
+  result.transfer = server.transfer(session.id()).get();
   result.transfer.transfer_ms(transfer_ms);
-  result.hand = server.describe(v1::MODEL_HAND, request.hand(), !options.png.empty()).hand();
+  result.hand =
+      server.describe(v1::MODEL_HAND, request.hand(), !options.png.empty()).get().hand();
   result.total_ms = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
   result.kept = options.keep && !server.isPrivate();
   requireConsistent(result);

@@ -2,13 +2,14 @@
 
 #include "client/cli/commands/commands.h"
 #include "client/cli/input_files.h"
-#include "client/link/send_model.h"
+#include "client/present/attended.h"
 #include "client/present/hand_picture.h"
 #include "client/present/json_output.h"
 #include "client/present/model_text.h"
 #include "client/present/output_file.h"
 #include "client/present/progress_line.h"
 #include "client/present/render/png_file.h"
+#include "client/present/send_model.h"
 #include "core/base/error.h"
 
 namespace handgraft::client {
@@ -20,15 +21,12 @@ int run(const InspectOptions& options,
   if (isPath(options.hand)) files = handFiles(options.hand, options.reading, options.units);
   requireSafe({{"--png", options.png}, {"--sites", options.sites}}, inputsOf(files, "hand"));
 
-  ServerLink server(common.network, Absence::kStartPrivate, interruption);
   ProgressLine progress;
-  server.onProgress([&](const std::string& stage, double fraction) {
-    progress.show(stage, fraction);
-  });
+  Client server(attended(common.network, Absence::kStartPrivate, interruption, &progress));
   ModelSender sender(server, interruption, !common.json);
   const std::string name = nameOnServer(sender, options.hand, files);
   // With its meshes, since sites are found on the skin.
-  const v1::ModelDescription description = server.describe(v1::MODEL_HAND, name, true);
+  const v1::ModelDescription description = server.describe(v1::MODEL_HAND, name, true).get();
   const v1::HandDescription& hand = description.hand();
 
   if (!options.sites.empty()) {

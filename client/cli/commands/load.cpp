@@ -1,10 +1,11 @@
 #include <fmt/format.h>
 
 #include "client/cli/commands/commands.h"
-#include "client/link/send_model.h"
-#include "client/link/server_link.h"
+#include "client/link/client.h"
+#include "client/present/attended.h"
 #include "client/present/json_output.h"
 #include "client/present/progress_line.h"
+#include "client/present/send_model.h"
 #include "core/base/error.h"
 #include "idl/fields.h"
 
@@ -31,16 +32,13 @@ ModelFiles filesOf(const LoadOptions& options) {
 int run(const LoadOptions& options, const CommonOptions& common, Interruption& interruption) {
   ModelFiles model = filesOf(options);
   if (!options.name.empty()) model.name = options.name;
-  ServerLink server(common.network, Absence::kFail, interruption);
   ProgressLine progress;
-  server.onProgress([&](const std::string& stage, double fraction) {
-    progress.show(stage, fraction);
-  });
+  Client server(attended(common.network, Absence::kFail, interruption, &progress));
   const v1::ModelSummary summary = ModelSender(server, interruption, !common.json).load(model);
   // What reading it brought to light: for a point cloud, how true its surface is.
   std::vector<std::string> notes;
   if (options.kind == v1::MODEL_OBJECT)
-    notes = server.describe(v1::MODEL_OBJECT, summary.name(), false).object().notes();
+    notes = server.describe(v1::MODEL_OBJECT, summary.name(), false).get().object().notes();
   progress.clear();
   if (common.json) {
     fmt::print("{}\n", json::written(json::loaded(summary, notes)));

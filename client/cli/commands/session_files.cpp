@@ -1,8 +1,9 @@
 #include <fmt/format.h>
 
 #include "client/cli/commands/commands.h"
-#include "client/link/server_link.h"
+#include "client/link/client.h"
 #include "client/link/session_text.h"
+#include "client/present/attended.h"
 #include "client/present/failure.h"
 #include "client/present/json_output.h"
 #include "client/present/output_file.h"
@@ -22,8 +23,8 @@ void tell(const CommonOptions& common, const json::Json& document, const std::st
 
 int run(const SaveOptions& options, const CommonOptions& common, Interruption& interruption) {
   requireWritable({"FILE", options.path});
-  ServerLink server(common.network, Absence::kFail, interruption);
-  writeFile(options.path, server.saveSession(options.session_id));
+  Client server(attended(common.network, Absence::kFail, interruption));
+  writeFile(options.path, server.saveSession(options.session_id).get());
   tell(common, {{"session_id", options.session_id}, {"file", options.path.string()}},
        fmt::format("wrote {}", quoted(options.path.string())));
   return 0;
@@ -33,9 +34,9 @@ int run(const OpenFileOptions& options,
         const CommonOptions& common,
         Interruption& interruption) {
   const std::string text = readSessionText(options.path);
-  ServerLink server(common.network, Absence::kFail, interruption);
+  Client server(attended(common.network, Absence::kFail, interruption));
   const v1::SessionState state = askAbout(options.path, [&] {
-    return server.loadSession(text);
+    return server.loadSession(text).get();
   });
   tell(common, {{"session_id", state.session_id()}, {"revision", state.revision()}},
        fmt::format("session {}, revision {}: handgraft edit {}{}", state.session_id(),
@@ -48,9 +49,9 @@ int run(const ReplayOptions& options, const CommonOptions& common, Interruption&
   if (!options.out.empty()) {
     requireSafe({{"--out", options.out}}, {{"FILE", options.path}});
   }
-  ServerLink server(common.network, Absence::kFail, interruption);
+  Client server(attended(common.network, Absence::kFail, interruption));
   const v1::ReplayReply reply = askAbout(options.path, [&] {
-    return server.replay(text);
+    return server.replay(text).get();
   });
   if (!options.out.empty()) writeFile(options.out, reply.result().text());
   const std::string ends = reply.same()

@@ -1,7 +1,8 @@
 #include <fmt/format.h>
 
 #include "client/cli/commands/commands.h"
-#include "client/link/server_link.h"
+#include "client/link/client.h"
+#include "client/present/attended.h"
 #include "client/present/json_output.h"
 #include "client/present/text_output.h"
 
@@ -10,8 +11,8 @@ namespace handgraft::client {
 int run(const SessionsOptions& /*options*/,
         const CommonOptions& common,
         Interruption& interruption) {
-  ServerLink server(common.network, Absence::kFail, interruption);
-  const v1::SessionList list = server.listSessions();
+  Client server(attended(common.network, Absence::kFail, interruption));
+  const v1::SessionList list = server.listSessions().get();
   fmt::print("{}", common.json ? json::document(list) + "\n" : text::sessions(list));
   return 0;
 }

@@ -2,13 +2,14 @@
 
 #include "client/cli/commands/commands.h"
 #include "client/cli/input_files.h"
-#include "client/link/send_model.h"
+#include "client/present/attended.h"
 #include "client/present/hand_picture.h"
 #include "client/present/json_output.h"
 #include "client/present/model_text.h"
 #include "client/present/output_file.h"
 #include "client/present/progress_line.h"
 #include "client/present/render/png_file.h"
+#include "client/present/send_model.h"
 #include "client/present/skin_file.h"
 #include "client/present/text_output.h"
 #include "core/base/error.h"
@@ -20,14 +21,11 @@ int run(const SkinOptions& options, const CommonOptions& common, Interruption& i
   if (isPath(options.hand)) files = handFiles(options.hand, options.reading, options.units);
   requireSafe({{"--out", options.out}, {"--png", options.png}}, inputsOf(files, "hand"));
 
-  ServerLink server(common.network, Absence::kStartPrivate, interruption);
   ProgressLine progress;
-  server.onProgress([&](const std::string& stage, double fraction) {
-    progress.show(stage, fraction);
-  });
+  Client server(attended(common.network, Absence::kStartPrivate, interruption, &progress));
   ModelSender sender(server, interruption, !common.json);
   const std::string name = nameOnServer(sender, options.hand, files);
-  const v1::HandDescription hand = server.describe(v1::MODEL_HAND, name, true).hand();
+  const v1::HandDescription hand = server.describe(v1::MODEL_HAND, name, true).get().hand();
   if (hand.skin_report().empty()) {
     throw TransportError(fmt::format("the server sent no report of the skin of '{}'", name));
   }

@@ -1,8 +1,9 @@
 #include <fmt/format.h>
 
 #include "client/cli/commands/commands.h"
+#include "client/link/client.h"
 #include "client/link/hand_side_edits.h"
-#include "client/link/server_link.h"
+#include "client/present/attended.h"
 #include "client/present/json_output.h"
 #include "client/present/progress_line.h"
 #include "client/present/transfer_text.h"
@@ -14,21 +15,22 @@ namespace {
 
 // The two edits that make a suggestion come true (idl/sessions.idl), each refused if somebody
 // else's came first.
-std::uint64_t apply(ServerLink& server,
+std::uint64_t apply(Client& server,
                     const v1::SuggestReply& reply,
                     const v1::PlacementSuggestion& chosen) {
   const std::uint64_t id = reply.session_id();
   const v1::EditReply moved =
-      server.edit(id, reply.revision(), rootEdit(reply.patch(), chosen.root_S()));
+      server.edit(id, reply.revision(), rootEdit(reply.patch(), chosen.root_S())).get();
   if (chosen.turned_rad() == 0.0) return moved.revision();
   // Not `moved.revision()`: on revision 0 the first edit is taken whatever came before it.
   return server
       .edit(id, reply.revision() + 1, directionEdit(reply.patch(), chosen.turned_rad()))
+      .get()
       .revision();
 }
 
-v1::PatchReport reportNow(ServerLink& server, const v1::SuggestReply& reply) {
-  const v1::TransferReply transfer = server.transfer(reply.session_id());
+v1::PatchReport reportNow(Client& server, const v1::SuggestReply& reply) {
+  const v1::TransferReply transfer = server.transfer(reply.session_id()).get();
   for (const v1::PatchReport& report : transfer.patches()) {
     if (report.name() == reply.patch()) return report;
   }
@@ -40,17 +42,14 @@ v1::PatchReport reportNow(ServerLink& server, const v1::SuggestReply& reply) {
 int run(const SuggestOptions& options,
         const CommonOptions& common,
         Interruption& interruption) {
-  ServerLink server(common.network, Absence::kFail, interruption);
   ProgressLine progress;
-  server.onProgress([&](const std::string& stage, double fraction) {
-    progress.show(stage, fraction);
-  });
+  Client server(attended(common.network, Absence::kFail, interruption, &progress));
   v1::SuggestRequest request;
   request.session_id(options.session_id);
   request.patch(options.patch);
   request.reach_m(1e-3 * options.reach_mm);
   request.count(options.count);
-  const v1::SuggestReply reply = server.suggest(request);
+  const v1::SuggestReply reply = server.suggest(request).get();
 
   std::optional<json::Applied> applied;
   if (options.apply > reply.suggestions().size()) {

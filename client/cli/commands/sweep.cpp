@@ -6,11 +6,12 @@
 #include "client/cli/commands/commands.h"
 #include "client/cli/input_files.h"
 #include "client/cli/study/sweep_result.h"
-#include "client/link/send_model.h"
-#include "client/link/server_link.h"
+#include "client/link/client.h"
+#include "client/present/attended.h"
 #include "client/present/output_file.h"
 #include "client/present/progress_line.h"
 #include "client/present/render/png_file.h"
+#include "client/present/send_model.h"
 #include "core/base/error.h"
 #include "idl/fields.h"
 
@@ -116,11 +117,8 @@ int run(const SweepOptions& options, const CommonOptions& common, Interruption& 
   requireSafe({{"--out", options.out}, {"--png", options.png}}, read);
   v1::SweepRequest request = requestOf(options);
 
-  ServerLink server(common.network, Absence::kStartPrivate, interruption);
   ProgressLine progress;
-  server.onProgress([&](const std::string& stage, double fraction) {
-    progress.show(stage, fraction);
-  });
+  Client server(attended(common.network, Absence::kStartPrivate, interruption, &progress));
   ModelSender sender(server, interruption, !common.json);
   request.hand(nameOnServer(sender, options.hand, hand));
 
@@ -128,10 +126,10 @@ int run(const SweepOptions& options, const CommonOptions& common, Interruption& 
   result.hand = request.hand();
   result.grasps = found.grasps;
   result.axes = options.axes;
-  result.units =
-      unitsOf(options.axes, server.describe(v1::MODEL_HAND, request.hand(), false).hand());
+  result.units = unitsOf(options.axes,
+                         server.describe(v1::MODEL_HAND, request.hand(), false).get().hand());
   request.grasps(send(sender, found.grasps, files));
-  result.reply = server.sweep(request);
+  result.reply = server.sweep(request).get();
   requireConsistent(result);
 
   // === Results

@@ -1,7 +1,8 @@
 #include <fmt/format.h>
 
 #include "client/cli/commands/commands.h"
-#include "client/link/server_link.h"
+#include "client/link/client.h"
+#include "client/present/attended.h"
 #include "client/present/json_output.h"
 #include "client/present/progress_line.h"
 #include "client/present/transfer_text.h"
@@ -11,12 +12,9 @@ namespace handgraft::client {
 int run(const TransferOptions& options,
         const CommonOptions& common,
         Interruption& interruption) {
-  ServerLink server(common.network, Absence::kFail, interruption);
   ProgressLine progress;
-  server.onProgress([&](const std::string& stage, double fraction) {
-    progress.show(stage, fraction);
-  });
-  const v1::TransferReply reply = server.transfer(options.session_id);
+  Client server(attended(common.network, Absence::kFail, interruption, &progress));
+  const v1::TransferReply reply = server.transfer(options.session_id).get();
   progress.clear();
   fmt::print("{}", common.json ? json::document(reply) + "\n" : text::transfer(reply));
   return 0;

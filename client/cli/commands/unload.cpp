@@ -1,15 +1,16 @@
 #include <fmt/format.h>
 
 #include "client/cli/commands/commands.h"
-#include "client/link/server_link.h"
+#include "client/link/client.h"
+#include "client/present/attended.h"
 #include "client/present/json_output.h"
 #include "idl/fields.h"
 
 namespace handgraft::client {
 
 int run(const UnloadOptions& options, const CommonOptions& common, Interruption& interruption) {
-  ServerLink server(common.network, Absence::kFail, interruption);
-  server.unload(options.kind, options.name);
+  Client server(attended(common.network, Absence::kFail, interruption));
+  server.unload(options.kind, options.name).get();
   if (common.json) {
     fmt::print("{}\n", json::written({{"kind", nameOf(options.kind)},
                                       {"name", options.name},

@@ -2,12 +2,13 @@
 
 #include "client/cli/commands/commands.h"
 #include "client/cli/input_files.h"
-#include "client/link/send_model.h"
-#include "client/link/server_link.h"
+#include "client/link/client.h"
+#include "client/present/attended.h"
 #include "client/present/json_output.h"
 #include "client/present/model_text.h"
 #include "client/present/output_file.h"
 #include "client/present/progress_line.h"
+#include "client/present/send_model.h"
 
 namespace handgraft::client {
 
@@ -18,20 +19,17 @@ int run(const VaryOptions& options, const CommonOptions& common, Interruption& i
 
   // A server of this command's own would take the variant along when it ends; its URDF stays.
   const Absence absence = options.urdf.empty() ? Absence::kFail : Absence::kStartPrivate;
-  ServerLink server(common.network, absence, interruption);
   ProgressLine progress;
-  server.onProgress([&](const std::string& stage, double fraction) {
-    progress.show(stage, fraction);
-  });
+  Client server(attended(common.network, absence, interruption, &progress));
   ModelSender sender(server, interruption, !common.json);
   v1::VariantRequest request;
   request.hand(nameOnServer(sender, options.hand, files));
   request.name(options.name);
   request.changes(options.changes);
-  const v1::ModelSummary summary = server.makeVariant(request);
+  const v1::ModelSummary summary = server.makeVariant(request).get();
   // With its meshes, since that makes its skin and says how good it is.
   const v1::ModelDescription description =
-      server.describe(v1::MODEL_HAND, summary.name(), true);
+      server.describe(v1::MODEL_HAND, summary.name(), true).get();
   if (!options.urdf.empty()) writeFile(options.urdf, description.hand().urdf());
   progress.clear();
   fmt::print("{}", common.json ? json::written(json::description(description)) + "\n"

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "client/cli/commands/commands.h"
-#include "client/link/interruption.h"
-#include "client/link/send_model.h"
+#include "client/present/interruption.h"
+#include "client/present/send_model.h"
 #include "core/base/error.h"
 
 #include "tests/client/fake_server.h"

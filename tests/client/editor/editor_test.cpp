@@ -12,6 +12,7 @@
 
 #include "client/editor/show_solution.h"
 #include "client/link/model_files.h"
+#include "client/present/attended.h"
 #include "client/present/failure.h"
 #include "core/base/error.h"
 #include "core/base/progress.h"
@@ -23,7 +24,6 @@
 namespace handgraft::client::editor {
 namespace {
 
-using idl::cyclone::Refused;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
@@ -33,7 +33,7 @@ class EditorTest : public testing::Test {
   EditorTest()
       : network_{domain_.number(), "lo"},
         desk_(network_),
-        server_(network_, Absence::kFail, interruption_),
+        server_(attended(network_, Absence::kFail, interruption_)),
         editor_(server_, interruption_, sink_, desk_.state()) {}
 
   std::string told(const std::string& line) {
@@ -70,7 +70,7 @@ class EditorTest : public testing::Test {
   Network network_;
   test::FakeDesk desk_;
   Interruption interruption_;
-  ServerLink server_;
+  Client server_;
   ProgressLine progress_;
   Sink sink_{Sink::Form::kText, progress_};
   Editor editor_;
@@ -399,7 +399,7 @@ TEST(EditorInJson, PrintsOneObjectALine) {
   const Network network{domain.number(), "lo"};
   test::FakeDesk desk(network);
   Interruption interruption;
-  ServerLink server(network, Absence::kFail, interruption);
+  Client server(attended(network, Absence::kFail, interruption));
   ProgressLine progress;
   const Sink sink(Sink::Form::kJson, progress);
   Editor editor(server, interruption, sink, desk.state());

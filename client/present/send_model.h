@@ -3,9 +3,9 @@
 #include <optional>
 #include <string>
 
-#include "client/link/interruption.h"
+#include "client/link/client.h"
 #include "client/link/model_files.h"
-#include "client/link/server_link.h"
+#include "client/present/interruption.h"
 
 namespace handgraft::client {
 
@@ -18,10 +18,10 @@ class ModelSender {
  public:
   /// With `may_ask`, and where standard input and standard error are a terminal, the user is
   /// asked about units that the size makes doubtful.
-  ModelSender(ServerLink& server, Interruption& interruption, bool may_ask);
+  ModelSender(Client& server, Interruption& interruption, bool may_ask);
 
   /// The server's summary. Where the user said which units are meant, `model` holds them
-  /// afterwards. Errors as those of `ServerLink::load`.
+  /// afterwards. Errors as those of `Client::load`.
   v1::ModelSummary load(ModelFiles& model);
 
   /// The name under which the server has the model afterwards. Another model of that name may
@@ -33,7 +33,7 @@ class ModelSender {
   /// True if the user agrees.
   bool agreed(const std::string& refusal, const std::string& units);
 
-  ServerLink& server_;
+  Client& server_;
   Interruption& interruption_;
   bool may_ask_;
 };

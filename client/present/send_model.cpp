@@ -1,4 +1,4 @@
-#include "client/link/send_model.h"
+#include "client/present/send_model.h"
 
 #include <cstdio>
 #include <regex>
@@ -46,7 +46,7 @@ std::string unitsIn(const std::string& refusal) {
   return std::regex_search(refusal, found, kUnits) ? found[1].str() : "";
 }
 
-ModelSender::ModelSender(ServerLink& server, Interruption& interruption, bool may_ask)
+ModelSender::ModelSender(Client& server, Interruption& interruption, bool may_ask)
     : server_(server),
       interruption_(interruption),
       may_ask_(may_ask && isatty(STDIN_FILENO) != 0 && isatty(STDERR_FILENO) != 0) {}
@@ -62,24 +62,23 @@ bool ModelSender::agreed(const std::string& refusal, const std::string& units) {
 
 v1::ModelSummary ModelSender::load(ModelFiles& model) {
   try {
-    return server_.load(model);
-  } catch (const idl::cyclone::Refused& refused) {
+    return server_.load(model).get();
+  } catch (const Refused& refused) {
     const std::string units = unitsIn(refused.what());
     if (refused.code() != v1::ERROR_UNITS || !may_ask_ || units.empty()) throw;
     if (!agreed(refused.what(), units)) throw;
     model.units = units;
   }
-  return server_.load(model);
+  return server_.load(model).get();
 }
 
 std::string ModelSender::send(ModelFiles& model) {
   try {
     return load(model).name();
-  } catch (const idl::cyclone::Refused& refused) {
+  } catch (const Refused& refused) {
     if (refused.code() != v1::ERROR_CONFLICT) throw;
   }
-  model.name = fmt::format("{}-{:08x}", model.name.substr(0, 55),
-                           static_cast<std::uint32_t>(contentHash(model)));
+  model.name = nameApart(model);
   return load(model).name();
 }
 

@@ -1,4 +1,4 @@
-#include "client/link/server_link.h"
+#include "client/cli/commands/commands.h"
 
 #include <algorithm>
 #include <atomic>
@@ -11,7 +11,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "client/cli/commands/commands.h"
+#include "client/link/client.h"
+#include "client/present/attended.h"
 #include "client/present/output_file.h"
 #include "core/base/error.h"
 #include "core/base/progress.h"
@@ -24,7 +25,6 @@ namespace handgraft::client {
 namespace {
 
 namespace fs = std::filesystem;
-using idl::cyclone::Refused;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
@@ -181,9 +181,9 @@ class ScriptedServer {
   }
 };
 
-class ServerLinkTest : public testing::Test {
+class CommandsTest : public testing::Test {
  protected:
-  ServerLinkTest()
+  CommandsTest()
       : network_{domain_.number(), "lo"},
         server_(network_, [this](const v1::Request& request, v1::Reply& reply) {
           return script_(request, reply);
@@ -224,20 +224,20 @@ class ServerLinkTest : public testing::Test {
   fs::path folder_;
 };
 
-TEST_F(ServerLinkTest, SendsLargeFilesInOrderAndWhole) {
+TEST_F(CommandsTest, SendsLargeFilesInOrderAndWhole) {
   std::string bytes(1'300'000, '\0');
   for (std::size_t i = 0; i < bytes.size(); ++i)
     bytes[i] = static_cast<char>(i * 31 >> 3);
   const ModelFiles model = objectFiles(write("big.obj", bytes));
-  ServerLink link(network_, Absence::kFail, interruption_);
-  link.load(model);
+  Client link(attended(network_, Absence::kFail, interruption_));
+  link.load(model).get();
   EXPECT_EQ(script_.last_upload["big.obj"], bytes);
   EXPECT_EQ(script_.total_bytes, bytes.size());
   EXPECT_THAT(server_.operations(), ElementsAre(v1::OP_PUT_FILE, v1::OP_PUT_FILE,
                                                 v1::OP_PUT_FILE, v1::OP_LOAD_MODEL));
 }
 
-TEST_F(ServerLinkTest, PassesTheServersRefusalOn) {
+TEST_F(CommandsTest, PassesTheServersRefusalOn) {
   GraspOptions options;
   options.hand = "glove";
   options.object = "plate";
@@ -251,7 +251,7 @@ TEST_F(ServerLinkTest, PassesTheServersRefusalOn) {
   }
 }
 
-TEST_F(ServerLinkTest, GraspClosesItsSession) {
+TEST_F(CommandsTest, GraspClosesItsSession) {
   GraspOptions options;
   options.hand = "claw";
   options.object = "plate";
@@ -262,7 +262,7 @@ TEST_F(ServerLinkTest, GraspClosesItsSession) {
                           v1::OP_TRANSFER, v1::OP_DESCRIBE_MODEL, v1::OP_CLOSE_SESSION));
 }
 
-TEST_F(ServerLinkTest, GraspLeavesASessionThatIsKept) {
+TEST_F(CommandsTest, GraspLeavesASessionThatIsKept) {
   GraspOptions options;
   options.hand = "claw";
   options.object = "plate";
@@ -272,7 +272,7 @@ TEST_F(ServerLinkTest, GraspLeavesASessionThatIsKept) {
   EXPECT_THAT(server_.operations(), testing::Not(testing::Contains(v1::OP_CLOSE_SESSION)));
 }
 
-TEST_F(ServerLinkTest, GraspPrintsAndWritesTheSameDocument) {
+TEST_F(CommandsTest, GraspPrintsAndWritesTheSameDocument) {
   common_.json = true;
   GraspOptions options;
   options.hand = "claw";
@@ -286,7 +286,7 @@ TEST_F(ServerLinkTest, GraspPrintsAndWritesTheSameDocument) {
   EXPECT_GT(fs::file_size(options.png), 1000U);
 }
 
-TEST_F(ServerLinkTest, GraspTellsModelsOfOneNameApart) {
+TEST_F(CommandsTest, GraspTellsModelsOfOneNameApart) {
   script_.taken_name = "bowl";
   GraspOptions options;
   options.hand = "claw";
@@ -301,7 +301,7 @@ TEST_F(ServerLinkTest, GraspTellsModelsOfOneNameApart) {
             script_.loaded_names[1]);  // contacts follow their object
 }
 
-TEST_F(ServerLinkTest, ProblemOfAServersHandComesWithItsUrdf) {
+TEST_F(CommandsTest, ProblemOfAServersHandComesWithItsUrdf) {
   GraspOptions options;
   options.hand = "claw";
   options.object = "plate";
@@ -312,7 +312,7 @@ TEST_F(ServerLinkTest, ProblemOfAServersHandComesWithItsUrdf) {
   EXPECT_EQ(readFile(folder_ / "claw.urdf"), "<robot name='claw'/>");
 }
 
-TEST_F(ServerLinkTest, ProblemOfAHandOnDiskPointsToIt) {
+TEST_F(CommandsTest, ProblemOfAHandOnDiskPointsToIt) {
   fs::create_directories(folder_ / "my_pkg");
   write("my_pkg/palm.stl", "solid");
   GraspOptions options;
@@ -328,7 +328,7 @@ TEST_F(ServerLinkTest, ProblemOfAHandOnDiskPointsToIt) {
             "../my_pkg/claw.urdf|my_pkg=" + (folder_ / "my_pkg").string());
 }
 
-TEST_F(ServerLinkTest, ChecksItsOutputsBeforeAnyWork) {
+TEST_F(CommandsTest, ChecksItsOutputsBeforeAnyWork) {
   GraspOptions options;
   options.hand = "claw";
   options.object = "plate";
@@ -338,7 +338,7 @@ TEST_F(ServerLinkTest, ChecksItsOutputsBeforeAnyWork) {
   EXPECT_TRUE(server_.operations().empty());
 }
 
-TEST_F(ServerLinkTest, RefusesOneFileForTwoOptionsBeforeAnyWork) {
+TEST_F(CommandsTest, RefusesOneFileForTwoOptionsBeforeAnyWork) {
   GraspOptions options;
   options.hand = "claw";
   options.object = write("bowl.obj", "v 0 0 0").string();
@@ -351,7 +351,7 @@ TEST_F(ServerLinkTest, RefusesOneFileForTwoOptionsBeforeAnyWork) {
   EXPECT_EQ(readFile(options.object), "v 0 0 0");
 }
 
-TEST_F(ServerLinkTest, GraspShowsTheTransferAsTheSolveLeftIt) {
+TEST_F(CommandsTest, GraspShowsTheTransferAsTheSolveLeftIt) {
   common_.json = true;
   GraspOptions options;
   options.hand = "claw";
@@ -362,7 +362,7 @@ TEST_F(ServerLinkTest, GraspShowsTheTransferAsTheSolveLeftIt) {
   EXPECT_EQ(document["transfer_ms"], 12.0);
 }
 
-TEST_F(ServerLinkTest, ProblemLeavesAnotherHandOfThatNameAlone) {
+TEST_F(CommandsTest, ProblemLeavesAnotherHandOfThatNameAlone) {
   write("claw.urdf", "<robot name='mine'/>");
   GraspOptions options;
   options.hand = "claw";
@@ -379,7 +379,7 @@ TEST_F(ServerLinkTest, ProblemLeavesAnotherHandOfThatNameAlone) {
   EXPECT_EQ(readFile(options.problem), name);
 }
 
-TEST_F(ServerLinkTest, ProblemsHandIsNotWrittenWhereTheResultGoes) {
+TEST_F(CommandsTest, ProblemsHandIsNotWrittenWhereTheResultGoes) {
   GraspOptions options;
   options.hand = "claw";
   options.object = "plate";
@@ -391,7 +391,7 @@ TEST_F(ServerLinkTest, ProblemsHandIsNotWrittenWhereTheResultGoes) {
   EXPECT_EQ(readFile(folder_ / readFile(options.problem)), "<robot name='claw'/>");
 }
 
-TEST_F(ServerLinkTest, ClosesASession) {
+TEST_F(CommandsTest, ClosesASession) {
   EXPECT_EQ(printed(CloseOptions{42}), "closed session 42\n");
   common_.json = true;
   EXPECT_EQ(nlohmann::json::parse(printed(CloseOptions{42}))["closed"], true);
@@ -399,7 +399,7 @@ TEST_F(ServerLinkTest, ClosesASession) {
   EXPECT_THROW(printed(CloseOptions{43}), Refused);
 }
 
-TEST_F(ServerLinkTest, UnloadsAModel) {
+TEST_F(CommandsTest, UnloadsAModel) {
   EXPECT_EQ(printed(UnloadOptions{v1::MODEL_OBJECT, "bowl"}), "unloaded object bowl\n");
   EXPECT_EQ(script_.unloaded_kind, v1::MODEL_OBJECT);
   common_.json = true;
@@ -408,7 +408,7 @@ TEST_F(ServerLinkTest, UnloadsAModel) {
   EXPECT_THROW(printed(UnloadOptions{v1::MODEL_OBJECT, "plate"}), Refused);
 }
 
-TEST_F(ServerLinkTest, CtrlCCancelsOnTheServerAndClosesTheSession) {
+TEST_F(CommandsTest, CtrlCCancelsOnTheServerAndClosesTheSession) {
   script_.hang = true;
   GraspOptions options;
   options.hand = "claw";
@@ -436,13 +436,13 @@ TEST_F(ServerLinkTest, CtrlCCancelsOnTheServerAndClosesTheSession) {
   EXPECT_EQ(server_.operations().back(), v1::OP_CLOSE_SESSION);
 }
 
-TEST(ServerLinkAlone, SaysWhereNoServerAnswers) {
+TEST(CommandsAlone, SaysWhereNoServerAnswers) {
   const test::TestDomain domain;
   Interruption interruption;
   try {
-    ServerLink link({domain.number(), "lo"}, Absence::kFail, interruption);
+    Client link(attended({domain.number(), "lo"}, Absence::kFail, interruption));
     FAIL() << "must throw";
-  } catch (const idl::cyclone::NoServer& error) {
+  } catch (const NoServer& error) {
     EXPECT_THAT(error.what(), HasSubstr("domain " + std::to_string(domain.number())));
     EXPECT_THAT(error.what(), HasSubstr("interface lo"));
   }

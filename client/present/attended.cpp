@@ -1,0 +1,23 @@
+#include "client/present/attended.h"
+
+namespace handgraft::client {
+
+ClientOptions attended(const Network& network,
+                       Absence absence,
+                       const Interruption& interruption,
+                       ProgressLine* progress) {
+  ClientOptions options;
+  options.network = network;
+  options.absence = absence;
+  options.waiting.checkpoint = [&interruption] {
+    interruption.checkpoint();
+  };
+  if (progress != nullptr) {
+    options.waiting.on_progress = [progress](const std::string& stage, double fraction) {
+      progress->show(stage, fraction);
+    };
+  }
+  return options;
+}
+
+}  // namespace handgraft::client

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "client/link/client.h"
+#include "client/present/interruption.h"
+#include "client/present/progress_line.h"
+
+namespace handgraft::client {
+
+/// How a client waits while a person looks on: Ctrl-C cancels what it waits for (Cancelled),
+/// and `progress`, if there is one, shows what goes on. Both outlive the client.
+ClientOptions attended(const Network& network,
+                       Absence absence,
+                       const Interruption& interruption,
+                       ProgressLine* progress = nullptr);
+
+}  // namespace handgraft::client
