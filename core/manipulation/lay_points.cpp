@@ -1,5 +1,6 @@
 #include "core/manipulation/lay_points.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "core/base/error.h"
@@ -28,8 +29,11 @@ std::vector<PairTrack> layPoints(const Motion& motion,
         pair.p_L = key.hand_points[i].p_L;
         pair.p_W = positionOf(object_O, key.patch.interpolation_boundary[i]);
         pair.n_W = normalOf(object_O, key.patch.interpolation_boundary[i]);
-        pair.weight = key.patch.weight;
+        pair.weight =
+            key.patch.weight * std::max(1.0, contact::kDefaultInterpolationCount /
+                                                 static_cast<double>(key.hand_points.size()));
         pair.patch = static_cast<int>(tracks.size());
+        pair.n_L = Eigen::Vector3d::UnitZ();  // a unit vector that counts for nothing
         pair.has_normals = false;
         span.pairs.push_back(pair);
         any = true;

@@ -77,7 +77,7 @@ MotionObjective::MotionObjective(const MotionProblem& problem,
     if (problem.model->dofJoint(i).type == hand::JointType::kPrismatic)
       smoothness_[6 + i] *= kSliderScale;
   frames_.assign(trees_.size(), 0.0);
-  scales_.assign(trees_.size(), VectorXd::Zero(dofCount()));
+  models_.resize(trees_.size());
 }
 
 double MotionObjective::evaluate(const Poses& poses) {
@@ -107,15 +107,19 @@ void MotionObjective::expand(const Poses& poses, bool exact, BandSystem& system)
     static_cast<void>(objective.evaluate(poses[index]));
     optimize::QuadraticModel model(dofCount());
     objective.expand(model);
-    system.right[index] = -model.gradient;
-    scales_[index] = model.gauss_newton.diagonal();
-    system.own[index] = model.gauss_newton;
-    if (!exact) return;
-    Eigen::MatrixXd whole = model.gauss_newton + model.residual_curvature;
-    // What damping adds at least keeps joints that no contact moves from spoiling the test.
-    Eigen::MatrixXd tested = whole;
-    tested.diagonal().array() += 1e-9 * scales_[index].maxCoeff();
-    if (tested.llt().info() == Eigen::Success) system.own[index] = whole;
+    FrameModel& own = models_[index];
+    own.gradient = model.gradient;
+    own.scale = model.gauss_newton.diagonal();
+    own.hessian = model.gauss_newton;
+    if (exact) {
+      const Eigen::MatrixXd whole = model.gauss_newton + model.residual_curvature;
+      // Joints that no contact moves must not spoil the test.
+      Eigen::MatrixXd tested = whole;
+      tested.diagonal().array() += 1e-9 * own.scale.maxCoeff();
+      if (tested.llt().info() == Eigen::Success) own.hessian = whole;
+    }
+    system.right[index] = -own.gradient;
+    system.own[index] = own.hessian;
   });
   addJoining(poses, system);
 }

@@ -45,8 +45,19 @@ class MotionObjective {
   /// which all have else; what joins frames is Gauss-Newton.
   void expand(const Poses& poses, bool exact, BandSystem& system);
 
-  /// Of the Gauss-Newton matrix expanded last, per frame: what damping is a share of.
-  [[nodiscard]] const std::vector<Eigen::VectorXd>& scales() const { return scales_; }
+  /// A frame's Eq. 2 alone, as expanded last.
+  struct FrameModel {
+    Eigen::VectorXd gradient;
+    Eigen::MatrixXd hessian;
+    Eigen::VectorXd scale;  ///< of the Gauss-Newton matrix: what damping is a share of
+
+    /// What a step changes.
+    [[nodiscard]] double changeBy(const Eigen::VectorXd& step) const {
+      return gradient.dot(step) + 0.5 * step.dot(hessian * step);
+    }
+  };
+
+  [[nodiscard]] const std::vector<FrameModel>& models() const { return models_; }
 
   [[nodiscard]] int dofCount() const { return 6 + problem_.model->dofCount(); }
 
@@ -63,7 +74,7 @@ class MotionObjective {
   std::vector<std::shared_ptr<const optimize::MomentTree>> trees_;
   Eigen::VectorXd smoothness_;  ///< of each degree of freedom
   std::vector<double> frames_;
-  std::vector<Eigen::VectorXd> scales_;
+  std::vector<FrameModel> models_;
 };
 
 /// A step of each frame: the root's turn by exp(w) R, all else added, joints kept within their

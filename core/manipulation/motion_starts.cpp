@@ -16,6 +16,7 @@ constexpr std::size_t kMostAnchors = 64;
 constexpr std::size_t kMostCandidates = 5;
 // Evaluations of a search that goes on from a neighbour's minimum.
 constexpr int kFollowing = 60;
+constexpr std::size_t kMostFollowed = 2;
 
 /// A pose that a frame might have.
 struct Candidate {
@@ -88,9 +89,9 @@ hand::HandPose between(const hand::HandPose& from, const hand::HandPose& to, dou
   return pose;
 }
 
-std::vector<hand::HandPose> startPoses(const MotionProblem& problem,
-                                       const MotionOptions& options,
-                                       const Progress& progress) {
+std::vector<hand::HandPose> joinedMinima(const MotionProblem& problem,
+                                         const MotionOptions& options,
+                                         const Progress& progress) {
   // Penetration comes in later, step by step.
   MotionProblem touching = problem;
   touching.avoidance = nullptr;
@@ -193,6 +194,48 @@ std::vector<hand::HandPose> startPoses(const MotionProblem& problem,
     }
   }
   return poses;
+}
+
+std::vector<hand::HandPose> followedMinima(const MotionProblem& problem,
+                                           const MotionOptions& options,
+                                           const Progress& progress) {
+  const FrameProblems frames(problem, options.fade);
+  MotionOptions following = options;
+  following.smoothness = std::min(options.smoothness, kCausalSmoothness);
+  hand::HandPose rest;
+  rest.q = problem.prior.cwiseMax(problem.lower).cwiseMin(problem.upper);
+  const int fullest = fullestBegin(problem, frames);
+  std::vector<hand::HandPose> starts = {rest};
+  if (!frames.presentAt(fullest).empty()) {
+    const auto report = solveSingle(problem, frames, fullest, rest, options, progress);
+    starts = {report.pose};
+    for (std::size_t i = 1; i < std::min(report.minima.size(), kMostFollowed); ++i)
+      starts.push_back(report.minima[i].pose);
+  }
+  std::vector<hand::HandPose> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const hand::HandPose& start : starts) {
+    std::vector<hand::HandPose> poses(problem.time_s.size());
+    double sum = 0.0;
+    // Forwards, then backwards: time counts from the frame between.
+    for (const int way : {1, -1}) {
+      CausalSolver solver(problem, following);
+      solver.begin(start);
+      for (int k = fullest; k >= 0 && k < problem.frameCount(); k += way) {
+        progress.checkpoint();
+        const auto index = static_cast<std::size_t>(k);
+        CausalSolver::Step step =
+            solver.follow(way * problem.time_s[index], frames.at(k, rest));
+        if (way < 0 && k == fullest) continue;
+        sum += step.objective;
+        poses[index] = std::move(step.pose);
+      }
+    }
+    if (sum >= least) continue;
+    least = sum;
+    best = std::move(poses);
+  }
+  return best;
 }
 
 }  // namespace handgraft::manipulation

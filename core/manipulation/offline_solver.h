@@ -9,11 +9,11 @@
 namespace handgraft::manipulation {
 
 /// All frames at once (motion_objective.h): a damped Newton method over the band of frames, the
-/// joints within their limits by an active set, out of the object by more and more of what
-/// Avoidance charges.
+/// joints within their limits by an active set; limits of velocity and acceleration are charged
+/// from 2 % before them on, more and more.
 ///
-/// Starts from the best single frames at contact changes, joined so that no finger jumps
-/// (motion_starts.h), or from `start`, a pose a frame, which is then not moved far.
+/// Starts from single frames' minima joined so that no finger jumps (motion_starts.h), or from
+/// `start`, a pose a frame; where penetration is charged it should lie out of the object.
 ///
 /// Determinism: the same bytes on any number of threads. Errors: InvalidInput if the problem or
 /// the options are not valid; Cancelled on wish. Cost: linear in the frames.

@@ -38,6 +38,8 @@ struct MotionsArguments {
   double smoothness = MotionOptions{}.smoothness;
   double causal_smoothness = manipulation::kCausalSmoothness;
   double fade_s = manipulation::Fade{}.seconds;
+  double depth_weight = 1.0;
+  std::string without;  ///< a link whose points are left out
   int repeat = 0;
 };
 
@@ -77,6 +79,9 @@ Sequence readSequence(const MotionsArguments& arguments,
   sequence.motion =
       io::readContactSequence(folder / ("allegro_" + name + ".json"), *sequence.object_O,
                               folder / "trajectories" / (name + "_object.smexp"));
+  std::erase_if(sequence.motion.tracks, [&](const manipulation::PatchTrack& track) {
+    return track.name == arguments.without;
+  });
   sequence.problem = manipulation::makeMotionProblem(hand.model, sequence.motion.time_s);
   sequence.problem.tracks =
       manipulation::layPoints(sequence.motion, *sequence.object_O, *hand.model);
@@ -153,29 +158,31 @@ void runSequence(const MotionsArguments& arguments,
   printRow(sequence, hand, "author's splines", sequence.author, 0.0, 0.0);
   const double frames = sequence.problem.frameCount();
 
-  // === The best possible pose of each frame alone, touch only
-  {
-    MotionProblem touch = sequence.problem;
-    touch.avoidance = nullptr;
-    const manipulation::FrameProblems single(touch, {0.0, true});
+  std::vector<hand::HandPose> starts = sequence.author;
+  for (hand::HandPose& start : starts)
+    start.q = start.q.cwiseMax(sequence.problem.lower).cwiseMin(sequence.problem.upper);
+
+  // === The best possible pose of some frames alone
+  for (const bool avoids : {false, true}) {
+    MotionProblem problem = sequence.problem;
+    if (!avoids) problem.avoidance = nullptr;
+    const manipulation::FrameProblems single(problem, {0.0, true});
     std::vector<hand::HandPose> poses = sequence.author;
-    const auto [begin, end] = touchingFrames(touch);
-    MotionOptions few;
-    few.starts = 16;
-    for (std::size_t k = begin; k < end; k += 8) {
-      const auto report = manipulation::solveSingle(touch, single, static_cast<int>(k),
-                                                    sequence.author[k], few, Progress());
-      for (std::size_t i = k; i < std::min(end, k + 8); ++i)
-        poses[i] = report.pose;
-    }
+    const auto [begin, end] = touchingFrames(problem);
+    std::size_t step = avoids ? 16 : 8;
+    for (std::size_t k = begin; k < end; k += step)
+      poses[k] = manipulation::solveSingle(problem, single, static_cast<int>(k), starts[k], {},
+                                           Progress())
+                     .pose;
     double sum = 0.0;
     int points = 0;
-    const auto fits = manipulation::fitFrames(touch, poses);
-    for (std::size_t k = begin; k < end; k += 8) {
+    const auto fits = manipulation::fitFrames(problem, poses);
+    for (std::size_t k = begin; k < end; k += step) {
       sum += fits[k].mean_mm * fits[k].points;
       points += fits[k].points;
     }
-    std::printf("every eighth frame alone, touch only: %.2f mm\n", sum / points);
+    std::printf("every %zuth frame alone, %s: %.2f mm\n", step,
+                avoids ? "out of the object" : "touch only", sum / points);
   }
 
   // === Causal
@@ -187,8 +194,8 @@ void runSequence(const MotionsArguments& arguments,
     const manipulation::FrameProblems single(sequence.problem, options.fade);
     manipulation::CausalSolver solver(sequence.problem, options);
     const int begin = manipulation::fullestBegin(sequence.problem, single);
-    solver.begin(manipulation::solveSingle(sequence.problem, single, begin, sequence.author[0],
-                                           options, Progress())
+    solver.begin(manipulation::solveSingle(sequence.problem, single, begin, starts[0], options,
+                                           Progress())
                      .pose);
     std::vector<hand::HandPose> poses;
     std::vector<double> times;
@@ -196,7 +203,7 @@ void runSequence(const MotionsArguments& arguments,
     for (int k = 0; k < sequence.problem.frameCount(); ++k) {
       const double before = threadMilliseconds();
       const auto step = solver.follow(sequence.problem.time_s[static_cast<std::size_t>(k)],
-                                      single.at(k, sequence.author[0]));
+                                      single.at(k, starts[0]));
       times.push_back(threadMilliseconds() - before);
       evaluations.push_back(step.evaluations);
       poses.push_back(step.pose);
@@ -314,6 +321,9 @@ void addMotionsCommand(CLI::App& app) {
   command->add_option("--causal-smoothness", arguments->causal_smoothness, "Causal")
       ->capture_default_str();
   command->add_option("--fade", arguments->fade_s, "s")->capture_default_str();
+  command->add_option("--depth-weight", arguments->depth_weight, "Times the default")
+      ->capture_default_str();
+  command->add_option("--without", arguments->without, "Leave out the points of a link");
   command->add_option("--growth", arguments->repeat,
                       "Repeat the first one up to so many times");
   command->callback([arguments] {
