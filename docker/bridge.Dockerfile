@@ -11,6 +11,7 @@ RUN apt-get update \
         fastddsgen \
         g++ \
         libassimp-dev \
+        libboost-dev \
         libcgal-dev \
         libcli11-dev \
         libedit-dev \

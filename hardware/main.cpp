@@ -277,11 +277,8 @@ int bringUp(const BringUp& told) {
 
 int run(Options& options) {
   if (options.bring_up.step != BringUp::Step::kNone) {
-    struct sigaction ends {};  // without SA_RESTART: a question that is open ends, too
-
-    ends.sa_handler = requestStop;
-    sigaction(SIGINT, &ends, nullptr);
-    sigaction(SIGTERM, &ends, nullptr);
+    std::signal(SIGINT, requestStop);
+    std::signal(SIGTERM, requestStop);
     return bringUp(options.bring_up);
   }
   options.bridge.session = parseSession(options.session);

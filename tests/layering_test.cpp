@@ -66,8 +66,10 @@ const std::vector<Layer> kLayers = {
     {"client/editor",
      {"core/base", "client/link", "client/present", "idl", "idl/cyclone"},
      {"eigen", "fmt"}},
+    {"client/gateway", {"core/base", "client/link", "idl"}, {"fmt"}},
     {"client/cli",
-     {"core/base", "client/editor", "client/link", "client/present", "idl", "idl/cyclone"},
+     {"core/base", "client/editor", "client/gateway", "client/link", "client/present", "idl",
+      "idl/cyclone"},
      {"eigen", "fmt"}},
     {"hardware/protocols", {"core/base"}, {}},
     {"hardware/devices", {"core/base", "hardware/protocols"}, {}},
@@ -117,7 +119,11 @@ const std::map<std::string, std::set<std::string>> kAlone = {
       "hardware/bridge/report_line.cpp",
       "idl/json.cpp",
       "idl/json.h",
-      "client/python/python_message.h"}},
+      "client/python/python_message.h",
+      "client/gateway/gateway.cpp",
+      "client/gateway/model_frame.cpp",
+      "client/gateway/page_file.cpp"}},
+    {"beast", {"client/gateway/web_server.cpp"}},
     {"yaml", {"core/io/sites_file.cpp", "hardware/config/yaml_section.h"}},
     {"cyclone", {"idl/cyclone/participant.cpp"}},
     {"fastcdr", {"idl/cyclone/participant.cpp"}},
@@ -132,7 +138,8 @@ const std::map<std::string, std::set<std::string>> kAlone = {
       "client/cli/options/grasp_command.cpp", "client/cli/options/grasp_flags.cpp",
       "client/cli/options/import_commands.cpp", "client/cli/options/model_commands.cpp",
       "client/cli/options/model_flags.cpp", "client/cli/options/session_commands.cpp",
-      "client/cli/options/study_commands.cpp", "hardware/main.cpp"}},
+      "client/cli/options/study_commands.cpp", "client/cli/options/view_command.cpp",
+      "hardware/main.cpp"}},
 };
 
 const std::vector<std::pair<std::string, std::regex>> kLibraries = {
@@ -155,6 +162,7 @@ const std::vector<std::pair<std::string, std::regex>> kLibraries = {
     {"png", std::regex("^png.h")},
     {"editline", std::regex("^(histedit|editline/readline).h")},
     {"cli11", std::regex("^CLI/.*")},
+    {"beast", std::regex("^boost/(asio|beast)/.*")},
 };
 
 /// The standard library and the operating system.

@@ -46,6 +46,7 @@ std::variant<Invocation, Printout> parseCommandLine(int argc, const char* const*
   addImportCommands(app, invocation.command);
   addGraspCommand(app, invocation.command);
   addEditorCommands(app, invocation.command);
+  addViewCommand(app, invocation.command);
   addSessionCommands(app, invocation.command);
   addBridgeCommands(app, invocation.command);
   addStudyCommands(app, invocation.command);

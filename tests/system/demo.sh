@@ -39,4 +39,12 @@ tail -n 1 "$out/bridge.jsonl"
 
 say "pictures"
 ls "$out"/*.png
+
+view=("$bin/handgraft" view --domain "$domain" --hand human20 --object lemon --contacts lemon_6)
+if [ -t 0 ] && [ -t 1 ]; then
+  say "see it and touch it: a page at this link"
+  "${view[@]}" || failed=1
+else
+  say "see it and touch it: ./dev run handgraft view --hand human20 --object lemon --contacts lemon_6"
+fi
 exit "$failed"

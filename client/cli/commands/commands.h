@@ -215,6 +215,17 @@ struct BringUpOptions {
   std::vector<std::string> arguments;
 };
 
+/// A page in the browser.
+struct ViewOptions {
+  std::uint64_t session_id = 0;  ///< 0: of `file`, or a new one of `grasp`, or all there are
+  std::filesystem::path file;    ///< handgraft-session/1; empty: none
+  GraspOptions grasp;            ///< without a hand: none
+  std::string address = "127.0.0.1";
+  std::uint16_t port = 0;  ///< 0: any that is free
+  bool read_only = false;
+  bool open_browser = true;
+};
+
 struct WatchOptions {
   std::uint64_t session_id = 0;
   std::uint64_t count = 0;  ///< solutions; 0: until the session closes
@@ -240,6 +251,7 @@ using CommandOptions = std::variant<DoctorOptions,
                                     BridgeRecordOptions,
                                     BridgePlotOptions,
                                     BringUpOptions,
+                                    ViewOptions,
                                     WatchOptions,
                                     TransferOptions,
                                     SuggestOptions,
@@ -276,6 +288,7 @@ int run(const BridgePlotOptions& options,
         const CommonOptions& common,
         Interruption& interruption);
 int run(const BringUpOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const ViewOptions& options, const CommonOptions& common, Interruption& interruption);
 int run(const WatchOptions& options, const CommonOptions& common, Interruption& interruption);
 int run(const TransferOptions& options,
         const CommonOptions& common,

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "client/cli/commands/commands.h"
+#include "client/gateway/page_file.h"
 #include "client/link/client.h"
 #include "client/present/attended.h"
 #include "client/present/export_file.h"
@@ -10,10 +11,22 @@
 
 namespace handgraft::client {
 
+namespace {
+
+constexpr const char* kHtml = "html";  // the one format that the client makes
+
+}  // namespace
+
 int run(const ExportOptions& options, const CommonOptions& common, Interruption& interruption) {
   requireWritable({"--out", options.out});
+  gateway::WebFiles page;
+  if (options.format == kHtml) page = gateway::readWebFiles(gateway::webFolder());
   Client server(attended(common.network, Absence::kFail, interruption));
-  exportSession(server, options.session_id, options.format, {"--out", options.out});
+  if (options.format == kHtml) {
+    writeFile(options.out, gateway::pageFile(server, options.session_id, page));
+  } else {
+    exportSession(server, options.session_id, options.format, {"--out", options.out});
+  }
   if (common.json) {
     fmt::print("{}\n", json::written({{"session_id", options.session_id},
                                       {"format", options.format},

@@ -14,6 +14,7 @@ void addModelCommands(CLI::App& app, CommandOptions& chosen);    ///< models loa
 void addGraspCommand(CLI::App& app, CommandOptions& chosen);     ///< grasp
 void addSessionCommands(CLI::App& app, CommandOptions& chosen);  ///< sessions transfer ...
 void addEditorCommands(CLI::App& app, CommandOptions& chosen);   ///< edit export session
+void addViewCommand(CLI::App& app, CommandOptions& chosen);      ///< view
 void addStudyCommands(CLI::App& app, CommandOptions& chosen);    ///< sweep
 void addVary(CLI::App& hand, CommandOptions& chosen);            ///< hand vary
 void addBridgeCommands(CLI::App& app, CommandOptions& chosen);   ///< bridge

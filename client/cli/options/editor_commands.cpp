@@ -67,7 +67,7 @@ void addExport(CLI::App& app, CommandOptions& chosen) {
   addSessionId(*command, parsed->options.session_id);
   command
       ->add_option("--format", parsed->options.format,
-                   "json, csv, obj, glb, isaac_grasp or problem")
+                   "json, csv, obj, glb, isaac_grasp, problem or html")
       ->required();
   command->add_option("--out", parsed->out, "The file")->required()->check(objectionToFile);
   command->callback([parsed, &chosen] {

@@ -182,6 +182,27 @@ TEST(CommandLine, ReadsAnEditor) {
   EXPECT_THAT(objectionTo({"edit", "7", "--mirror"}), HasSubstr("--mirror"));
 }
 
+TEST(CommandLine, ReadsWhatToView) {
+  const auto of = [](const std::vector<std::string>& words) {
+    return std::get<ViewOptions>(invocation(words).command);
+  };
+  EXPECT_EQ(of({"view", "7"}).session_id, 7U);
+  EXPECT_EQ(of({"view", "grasp.session.json"}).file, "grasp.session.json");
+  EXPECT_EQ(of({"view"}).session_id, 0U);
+  EXPECT_EQ(of({"view"}).address, "127.0.0.1");
+  EXPECT_TRUE(of({"view"}).open_browser);
+  const ViewOptions opened = of({"view", "--hand", "human20", "--object", "lemon", "--contacts",
+                                 "lemon_6", "--port", "8080", "--read-only", "--no-browser"});
+  EXPECT_EQ(opened.grasp.hand, "human20");
+  EXPECT_EQ(opened.port, 8080);
+  EXPECT_TRUE(opened.read_only);
+  EXPECT_FALSE(opened.open_browser);
+  EXPECT_THAT(objectionTo({"view", "0"}), HasSubstr("view 0"));
+  EXPECT_THAT(objectionTo({"view", "7", "--hand", "human20"}), HasSubstr("another session"));
+  EXPECT_THAT(objectionTo({"view", "--hand", "human20"}), HasSubstr("--object"));
+  EXPECT_THAT(objectionTo({"view", "--port", "65536"}), HasSubstr("--port"));
+}
+
 TEST(CommandLine, ReadsExportsAndSessionFiles) {
   const auto exported = std::get<ExportOptions>(
       invocation({"export", "7", "--format", "glb", "--out", "a"}).command);

@@ -1,0 +1,93 @@
+#include "client/gateway/page_file.h"
+
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+#include "client/gateway/model_frame.h"
+#include "client/link/session.h"
+#include "core/base/error.h"
+#include "idl/json.h"
+
+namespace handgraft::client::gateway {
+
+namespace {
+
+constexpr const char* kStyle = R"(<link rel="stylesheet" href="page.css" />)";
+constexpr const char* kScript = R"(<script type="module" src="page.js"></script>)";
+
+// Of what the file holds, and of nothing else.
+constexpr const char* kFilePolicy =
+    R"(<meta http-equiv="Content-Security-Policy" content="default-src 'none'; )"
+    R"(script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:" />)";
+
+std::string base64Of(std::string_view bytes) {
+  constexpr const char* kLetters =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  const auto at = [&](std::size_t i) {
+    return i < bytes.size() ? static_cast<unsigned char>(bytes[i]) : 0U;
+  };
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const unsigned three = (at(i) << 16U) | (at(i + 1) << 8U) | at(i + 2);
+    for (unsigned shift = 18; shift <= 18; shift -= 6)
+      text += kLetters[(three >> shift) & 63U];
+  }
+  const std::size_t missing = (3 - bytes.size() % 3) % 3;
+  text.replace(text.size() - missing, missing, missing, '=');
+  return text;
+}
+
+void replaceAll(std::string& text, std::string_view what, std::string_view by) {
+  for (std::size_t at = text.find(what); at != std::string::npos;
+       at = text.find(what, at + by.size()))
+    text.replace(at, what.size(), by);
+}
+
+/// The one place where the page names a file of its own.
+void inlineFile(std::string& page, std::string_view tag, const std::string& instead) {
+  const std::size_t at = page.find(tag);
+  if (at == std::string::npos) rejectInput("the page in {} is another one", "share/handgraft");
+  page.replace(at, tag.size(), instead);
+}
+
+const std::string& fileOf(const WebFiles& files, std::string_view path) {
+  const auto found = files.find(path);
+  if (found == files.end()) rejectInput("the page has no {}", path);
+  return found->second.bytes;
+}
+
+}  // namespace
+
+std::string pageFile(Client& client, std::uint64_t session_id, const WebFiles& files) {
+  const v1::SessionState state = client.describeSession(session_id).get();
+  Session session(client, state);
+  const v1::PoseSolution* solution = session.joinedSolution();
+  if (solution == nullptr) rejectInput("session {} has no pose yet", session_id);
+  const auto modelOf = [&](v1::ModelKind kind, const std::string& name) {
+    return base64Of(modelFrame(0, client.describe(kind, name, true).get()));
+  };
+  const idl::Json data = {{"state", idl::jsonOf(state)},
+                          {"solution", idl::jsonOf(*solution)},
+                          {"settings", idl::jsonOf(session.settings().get())},
+                          {"transfer", idl::jsonOf(session.transfer().get())},
+                          {"models",
+                           {{"hand", modelOf(v1::MODEL_HAND, state.hand())},
+                            {"object", modelOf(v1::MODEL_OBJECT, state.object())},
+                            {"contacts", modelOf(v1::MODEL_CONTACTS, state.contacts())}}}};
+  // Neither ends the element that it stands in.
+  std::string text = idl::textOf(data);
+  replaceAll(text, "<", "\\u003c");
+  std::string script = fileOf(files, "/page.js");
+  replaceAll(script, "</script", "<\\/script");
+
+  std::string page = fileOf(files, "/");
+  inlineFile(page, kStyle, kFilePolicy + ("<style>" + fileOf(files, "/page.css") + "</style>"));
+  inlineFile(page, kScript,
+             R"(<script type="application/json" id="handgraft-data">)" + text +
+                 "</script>\n<script type=\"module\">" + script + "</script>");
+  return page;
+}
+
+}  // namespace handgraft::client::gateway

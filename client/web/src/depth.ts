@@ -1,0 +1,75 @@
+// How deep the hand lies in the object, on its surface. Worked out between pictures, a little at a time.
+
+import { Color, DoubleSide, Matrix4, Ray, Vector3 } from 'three';
+import type { HandBody, LinkBody, ObjectBody } from './bodies';
+import { depthColor } from './colors';
+import { paint, treeOf } from './mesh';
+import type { PoseSolution } from './wire';
+
+const kSlice_ms = 6;
+const kLookedFor_m = 0.03; // deeper is drawn as this
+
+export class DepthShade {
+  private job = 0;
+
+  constructor(
+    private readonly hand: HandBody,
+    private readonly object: ObjectBody,
+    private readonly redraw: () => void,
+  ) {}
+
+  /** Paints the links that the report says lie inside; `shown` false: none. */
+  update(solution: PoseSolution, shown: boolean): void {
+    ++this.job;
+    const deep = new Set(shown ? (solution.penetration?.links ?? []).map((one) => one.link) : []);
+    for (const link of this.hand.links) if (!deep.has(link.name)) this.clear(link);
+    const todo = this.hand.links.filter((link) => deep.has(link.name) && link.mesh.triangles.length > 0);
+    if (todo.length > 0) void this.paint(this.job, todo);
+  }
+
+  private clear(link: LinkBody): void {
+    if (link.drawn.material === this.hand.material) return;
+    const painted = link.drawn.material as typeof this.hand.material;
+    painted.dispose();
+    link.drawn.material = this.hand.material;
+    this.redraw();
+  }
+
+  private async paint(job: number, links: LinkBody[]): Promise<void> {
+    const plain = this.hand.material.color;
+    const tree = treeOf(this.object.geometry);
+    for (const link of links) {
+      const X_OL = this.object.X_WO.clone().invert().multiply(link.group.matrix);
+      const { vertices } = link.mesh;
+      const shade = new Float32Array(vertices.length);
+      let begun = performance.now();
+      for (let i = 0; i < vertices.length / 3; ++i) {
+        this.colorAt(tree, X_OL, vertices, i, plain).toArray(shade, 3 * i);
+        if (performance.now() - begun < kSlice_ms) continue;
+        await new Promise((resolve) => setTimeout(resolve));
+        if (job !== this.job) return;
+        begun = performance.now();
+      }
+      paint(link.geometry, shade);
+      if (link.drawn.material === this.hand.material) {
+        const painted = this.hand.material.clone();
+        painted.color = new Color('#ffffff');
+        painted.vertexColors = true;
+        painted.opacity = Math.max(0.85, this.hand.material.opacity);
+        link.drawn.material = painted;
+      }
+      this.redraw();
+    }
+  }
+
+  private colorAt(tree: ReturnType<typeof treeOf>, X_OL: Matrix4, vertices: Float32Array, i: number, plain: Color): Color {
+    const p = new Vector3().fromArray(vertices, 3 * i).applyMatrix4(X_OL);
+    const nearest = tree.closestPointToPoint(p, undefined, 0, kLookedFor_m);
+    if (nearest === null) return plain;
+    // Inside: an odd number of walls in a direction; two that agree, since meshes have holes.
+    const isInside = [new Vector3(0.31, 0.27, 0.91), new Vector3(-0.72, 0.55, -0.42)].every(
+      (direction) => tree.raycast(new Ray(p, direction.normalize()), DoubleSide).length % 2 === 1,
+    );
+    return isInside ? depthColor(nearest.distance) : plain;
+  }
+}

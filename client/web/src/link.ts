@@ -1,0 +1,250 @@
+// The gateway, or the data that an exported page brings along.
+
+import { readModel, type EditBody, type Model, type PoseSolution, type SessionState } from './wire';
+
+export class Refusal extends Error {
+  constructor(
+    readonly code: string,
+    message: string,
+  ) {
+    super(message);
+  }
+}
+
+export interface PageInfo {
+  page: number;
+  may_edit: boolean;
+  sessions: number[];
+}
+
+/** What a link tells without being asked. */
+export interface Listener {
+  onWelcome(page: number, mayEdit: boolean): void;
+  onLink(isUp: boolean): void;
+  onServer(isHeard: boolean): void;
+  onState(session: number, state: SessionState, isOurs: boolean, page: number): void;
+  onPose(session: number, solution: PoseSolution): void;
+  onPages(pages: PageInfo[]): void;
+  onMoved(from: number, to: number): void;
+  onLost(session: number, message: string): void;
+}
+
+export interface Link {
+  readonly isLive: boolean;
+  start(listener: Listener): void;
+  ask<Reply>(body: Record<string, unknown>): Promise<Reply>;
+  edit(session: number, body: EditBody): Promise<{ revision: number; message: string }>;
+  describe<Description>(kind: string, name: string): Promise<Model<Description>>;
+  follow(session: number): Promise<SessionState>;
+}
+
+interface Waiting {
+  resolve(reply: unknown): void;
+  reject(error: Error): void;
+}
+
+const kFirstPause_ms = 250;
+const kLongestPause_ms = 4000;
+const kHeartbeat_ms = 4000;
+
+/** A WebSocket that is opened again whenever it goes. */
+export class LiveLink implements Link {
+  readonly isLive = true;
+  private socket: WebSocket | null = null;
+  private listener: Listener | null = null;
+  private readonly waiting = new Map<number, Waiting>();
+  private last = 0;
+  private pause_ms = kFirstPause_ms;
+  private timer = 0;
+  private heard_ms = 0;
+
+  constructor(private readonly address: string) {}
+
+  start(listener: Listener): void {
+    this.listener = listener;
+    this.open();
+    setInterval(() => this.listen(), kHeartbeat_ms);
+    // After a sleep, or a change of networks: at once.
+    window.addEventListener('online', () => this.hurry());
+    document.addEventListener('visibilitychange', () => {
+      if (!document.hidden) this.hurry();
+    });
+  }
+
+  async ask<Reply>(body: Record<string, unknown>): Promise<Reply> {
+    const reply = (await this.send({ do: 'ask', body })) as { body: Record<string, unknown> };
+    const kind = reply.body['kind'] as string;
+    const member = Object.keys(reply.body).find((key) => key !== 'kind');
+    return (member === undefined ? kind : reply.body[member]) as Reply;
+  }
+
+  async edit(session: number, body: EditBody): Promise<{ revision: number; message: string }> {
+    return (await this.send({ do: 'edit', session, body })) as { revision: number; message: string };
+  }
+
+  async describe<Description>(kind: string, name: string): Promise<Model<Description>> {
+    return (await this.send({ do: 'describe', kind, name })) as Model<Description>;
+  }
+
+  async follow(session: number): Promise<SessionState> {
+    return ((await this.send({ do: 'follow', session })) as { session: SessionState }).session;
+  }
+
+  private open(): void {
+    clearTimeout(this.timer);
+    const socket = new WebSocket(this.address);
+    socket.binaryType = 'arraybuffer';
+    socket.onmessage = (event) => {
+      this.heard_ms = performance.now();
+      this.heed(event.data as string | ArrayBuffer);
+    };
+    socket.onclose = () => this.closed(socket);
+    this.socket = socket;
+    this.heard_ms = performance.now();
+  }
+
+  private closed(socket: WebSocket): void {
+    if (socket !== this.socket) return;
+    this.socket = null;
+    for (const one of this.waiting.values()) one.reject(new Refusal('no_link', 'the connection is gone'));
+    this.waiting.clear();
+    this.listener?.onLink(false);
+    this.timer = window.setTimeout(() => this.open(), this.pause_ms);
+    this.pause_ms = Math.min(2 * this.pause_ms, kLongestPause_ms);
+  }
+
+  private hurry(): void {
+    this.pause_ms = kFirstPause_ms;
+    if (this.socket === null) this.open();
+    else this.listen();
+  }
+
+  /** A connection that died without a word is noticed, too. */
+  private listen(): void {
+    const socket = this.socket;
+    if (socket === null) return;
+    if (performance.now() - this.heard_ms > 3 * kHeartbeat_ms) {
+      socket.close();
+      this.closed(socket);
+    } else if (socket.readyState === WebSocket.OPEN) {
+      socket.send(JSON.stringify({ id: ++this.last, do: 'ping' }));
+    }
+  }
+
+  private send(message: Record<string, unknown>): Promise<unknown> {
+    const socket = this.socket;
+    if (socket === null || socket.readyState !== WebSocket.OPEN) {
+      return Promise.reject(new Refusal('no_link', 'there is no connection'));
+    }
+    const id = ++this.last;
+    return new Promise((resolve, reject) => {
+      this.waiting.set(id, { resolve, reject });
+      socket.send(JSON.stringify({ id, ...message }));
+    });
+  }
+
+  private settle(id: number, settle: (one: Waiting) => void): void {
+    const one = this.waiting.get(id);
+    this.waiting.delete(id);
+    if (one !== undefined) settle(one);
+  }
+
+  private heed(data: string | ArrayBuffer): void {
+    if (typeof data !== 'string') {
+      const model = readModel(data);
+      this.settle(model.request, (one) => one.resolve(model));
+      return;
+    }
+    const message = JSON.parse(data);
+    if (message.reply !== undefined) {
+      this.settle(message.reply, (one) => {
+        if (message.error) one.reject(new Refusal(message.error.code, message.error.message));
+        else one.resolve(message);
+      });
+      return;
+    }
+    const to = this.listener;
+    if (to === null) return;
+    switch (message.event) {
+      case 'welcome':
+        this.pause_ms = kFirstPause_ms;
+        to.onServer(message.server_is_heard);
+        to.onWelcome(message.page, message.may_edit);
+        to.onLink(true);
+        break;
+      case 'server':
+        to.onServer(message.is_heard);
+        break;
+      case 'state':
+        to.onState(message.session, message.state, message.is_ours, message.page);
+        break;
+      case 'pose':
+        to.onPose(message.session, message.solution);
+        break;
+      case 'pages':
+        to.onPages(message.pages);
+        break;
+      case 'moved':
+        to.onMoved(message.from, message.to);
+        break;
+      case 'lost':
+        to.onLost(message.session, message.message);
+        break;
+    }
+  }
+}
+
+/** All that an exported page shows (client/gateway/page_file.h). */
+export interface PageData {
+  state: SessionState;
+  solution: PoseSolution;
+  settings: unknown;
+  transfer: unknown;
+  models: Record<string, string>; // base64 of model frames, by kind
+  past?: { revision: number; edit: string; solution: PoseSolution }[];
+}
+
+export class FileLink implements Link {
+  readonly isLive = false;
+
+  constructor(readonly data: PageData) {}
+
+  start(listener: Listener): void {
+    const id = this.data.state.session_id;
+    listener.onWelcome(0, false);
+    listener.onLink(true);
+    queueMicrotask(() => {
+      listener.onState(id, this.data.state, false, 0);
+      listener.onPose(id, this.data.solution);
+    });
+  }
+
+  async ask<Reply>(body: Record<string, unknown>): Promise<Reply> {
+    if (body['kind'] === 'session_settings') return this.data.settings as Reply;
+    if (body['kind'] === 'transfer') return this.data.transfer as Reply;
+    throw new Refusal('unsupported', 'this page is a file, without a server');
+  }
+
+  edit(): Promise<{ revision: number; message: string }> {
+    return Promise.reject(new Refusal('not_permitted', 'this page is a file, without a server'));
+  }
+
+  async describe<Description>(kind: string): Promise<Model<Description>> {
+    const text = atob(this.data.models[kind] ?? '');
+    return readModel(Uint8Array.from(text, (letter) => letter.charCodeAt(0)).buffer);
+  }
+
+  async follow(): Promise<SessionState> {
+    return this.data.state;
+  }
+}
+
+/** The exported page's data, else the gateway that the page came from. */
+export function findLink(): Link {
+  const data = document.getElementById('handgraft-data')?.textContent;
+  if (data) return new FileLink(JSON.parse(data) as PageData);
+  const token = new URLSearchParams(location.hash.slice(1)).get('token');
+  const scheme = location.protocol === 'https:' ? 'wss' : 'ws';
+  const query = token ? `?token=${encodeURIComponent(token)}` : '';
+  return new LiveLink(`${scheme}://${location.host}/live${query}`);
+}

@@ -1,0 +1,382 @@
+// The session that the page shows: what is known of it, what is done to it.
+
+import { FileLink, Refusal, type Link, type Listener, type PageInfo } from './link';
+import {
+  edits,
+  type EditBody,
+  type HandDescription,
+  type Model,
+  type PatchInfo,
+  type PatchReport,
+  type PoseSolution,
+  type SessionSettings,
+  type SessionState,
+} from './wire';
+
+export interface Models {
+  hand: Model<HandDescription>;
+  object: Model<{ name: string }>;
+  contacts: Model<{ name: string; patches: PatchInfo[] }>;
+}
+
+export type Change = 'models' | 'pose' | 'state' | 'settings' | 'people' | 'link' | 'history' | 'none';
+
+export interface Notice {
+  text: string;
+  kind: 'plain' | 'wrong';
+}
+
+/** A pose that was shown, for looking back. */
+export interface Past {
+  revision: number;
+  edit: string;
+  solution: PoseSolution;
+}
+
+const kFastest_ms = 30; // between two edits of one drag
+const kLookAgain_ms = 250; // settings, while edits follow each other
+const kLongestPast = 400;
+
+export class Session implements Listener {
+  id = 0;
+  page = 0;
+  mayEdit = false;
+  isUp = false;
+  isHeard = true;
+  state: SessionState | null = null;
+  solution: PoseSolution | null = null;
+  settings: SessionSettings | null = null;
+  reports: PatchReport[] = [];
+  models: Models | null = null;
+  pages: PageInfo[] = [];
+  /** Who made the last edit: "you", "guest 2", "another program". */
+  editor = '';
+  readonly past: Past[] = [];
+  /** From an edit's sending to its pose, in ms. */
+  readonly delays_ms: number[] = [];
+
+  private readonly watchers: ((change: Change) => void)[] = [];
+  private readonly notices: ((notice: Notice) => void)[] = [];
+  private loaded = '';
+  private lookTimer = 0;
+  private looking = false;
+  /** Edits that were made as one: a drag. Undone as one, too. */
+  private readonly groups: { from: number; to: number }[] = [];
+  private readonly sent: { revision: number; at_ms: number }[] = [];
+
+  constructor(readonly link: Link) {}
+
+  watch(watcher: (change: Change) => void): void {
+    this.watchers.push(watcher);
+  }
+
+  onNotice(told: (notice: Notice) => void): void {
+    this.notices.push(told);
+  }
+
+  start(session: number): void {
+    this.id = session;
+    if (this.link instanceof FileLink) {
+      this.id = this.link.data.state.session_id;
+      this.past.push(...(this.link.data.past ?? []));
+    }
+    this.link.start(this);
+  }
+
+  // === What is done
+
+  /** Shows that session from now on; 0: none. */
+  async show(session: number): Promise<void> {
+    this.id = session;
+    this.state = this.solution = this.settings = null;
+    this.past.length = this.groups.length = 0;
+    this.tell('none');
+    if (session === 0) return;
+    try {
+      const state = await this.link.follow(session);
+      this.onState(session, state, false, -1);
+      // Who comes late is told the last pose; a session that has none is solved.
+      if (state.phase === 'open' && this.mayEdit && this.solution === null) await this.solve();
+    } catch (error) {
+      this.id = 0;
+      this.tell('none');
+      this.failed(error);
+    }
+  }
+
+  async solve(): Promise<void> {
+    await this.link.ask({ kind: 'optimize', optimize: { session_id: this.id, options: null } });
+  }
+
+  /** One edit; refusals are told. */
+  async edit(body: EditBody): Promise<boolean> {
+    try {
+      await this.send(body);
+      return true;
+    } catch (error) {
+      this.failed(error);
+      return false;
+    }
+  }
+
+  async undo(): Promise<void> {
+    const last = this.groups.at(-1);
+    const revision = this.state?.revision ?? 0;
+    if (last !== undefined && last.to === revision) {
+      this.groups.pop();
+      await this.edit(edits.undo(last.to - last.from));
+    } else {
+      await this.edit(edits.undo(1));
+    }
+  }
+
+  redo(): Promise<boolean> {
+    return this.edit(edits.redo(1));
+  }
+
+  /** A stream of edits from one drag: the newest wins, one is under way at a time. */
+  drag(): Drag {
+    return new Drag(
+      (body) => this.send(body),
+      (from, to) => {
+        if (to > from + 1) this.groups.push({ from, to });
+        this.look();
+      },
+      (error) => this.failed(error),
+    );
+  }
+
+  failed(error: unknown): void {
+    const code = error instanceof Refusal ? error.code : '';
+    if (code === 'no_link' || code === 'no_server') return; // the banner says so
+    this.notify(error instanceof Error ? error.message : String(error), 'wrong');
+  }
+
+  notify(text: string, kind: Notice['kind'] = 'plain'): void {
+    for (const told of this.notices) told({ text, kind });
+  }
+
+  nameOf(page: number): string {
+    if (page === this.page) return 'you';
+    return page > 0 ? `guest ${page}` : 'another program';
+  }
+
+  // === What is told
+
+  onWelcome(page: number, mayEdit: boolean): void {
+    this.page = page;
+    this.mayEdit = mayEdit;
+    if (this.id !== 0) void this.resume();
+    else this.tell('none');
+  }
+
+  onLink(isUp: boolean): void {
+    this.isUp = isUp;
+    this.tell('link');
+  }
+
+  onServer(isHeard: boolean): void {
+    this.isHeard = isHeard;
+    this.tell('link');
+  }
+
+  onState(session: number, state: SessionState, isOurs: boolean, page: number): void {
+    if (session !== this.id) return;
+    const isNew = state.revision !== this.state?.revision;
+    this.state = state;
+    if (state.last_edit !== '' && page >= 0) {
+      this.editor = this.nameOf(isOurs ? page || this.page : 0);
+      if (isNew && this.editor !== 'you') this.notify(`${this.editor}: ${state.last_edit}`);
+    }
+    this.tell('state');
+    if (state.phase === 'closed') {
+      this.notify('The session has been closed.', 'wrong');
+      void this.show(0);
+      return;
+    }
+    if (state.phase === 'failed') this.notify(state.message, 'wrong');
+    void this.load();
+    if (isNew) this.look();
+  }
+
+  onPose(session: number, solution: PoseSolution): void {
+    if (session !== this.id) return;
+    // A pose that an older edit asked for does not come back behind a newer one.
+    if (this.solution !== null && solution.sequence_number < this.solution.sequence_number) {
+      if (solution.revision < this.solution.revision) return;
+    }
+    const again = this.solution?.sequence_number === solution.sequence_number - 1 &&
+      this.solution.revision === solution.revision;
+    this.solution = solution;
+    const now = performance.now();
+    while (this.sent.length > 0 && this.sent[0]!.revision <= solution.revision) {
+      const one = this.sent.shift()!;
+      // Those that a later edit overtook have no pose of their own.
+      if (this.sent.length === 0 || this.sent[0]!.revision > solution.revision) {
+        this.delays_ms.push(now - one.at_ms);
+      }
+    }
+    const past: Past = { revision: solution.revision, edit: this.state?.last_edit ?? '', solution };
+    if (again || this.past.at(-1)?.revision === solution.revision) this.past.pop();
+    this.past.push(past);
+    if (this.past.length > kLongestPast) this.past.shift();
+    this.tell('pose');
+    this.look();
+  }
+
+  onPages(pages: PageInfo[]): void {
+    this.pages = pages;
+    this.tell('people');
+  }
+
+  onMoved(from: number, to: number): void {
+    if (from !== this.id) return;
+    this.id = to;
+    this.solution = null; // it counts anew
+    this.groups.length = this.sent.length = 0;
+    this.tell('link');
+    this.notify('The server is back; the session goes on where it stood.');
+  }
+
+  onLost(session: number, message: string): void {
+    if (session !== this.id) return;
+    this.notify(message, 'wrong');
+  }
+
+  // === Looking up
+
+  private async resume(): Promise<void> {
+    try {
+      const state = await this.link.follow(this.id);
+      this.solution = null;
+      this.onState(this.id, state, false, -1);
+      if (state.phase === 'open' && this.mayEdit) await this.solve();
+    } catch (error) {
+      if (error instanceof Refusal && (error.code === 'no_link' || error.code === 'no_server')) return;
+      this.id = 0;
+      this.failed(error);
+      this.tell('none');
+    }
+  }
+
+  /** The session's models, when they are others than before. */
+  private async load(): Promise<void> {
+    const state = this.state;
+    if (state === null) return;
+    const key = `${state.hand}\n${state.object}\n${state.contacts}`;
+    if (key === this.loaded) return;
+    this.loaded = key;
+    try {
+      const [hand, object, contacts] = await Promise.all([
+        this.link.describe<HandDescription>('hand', state.hand),
+        this.link.describe<{ name: string }>('object', state.object),
+        this.link.describe<{ name: string; patches: PatchInfo[] }>('contacts', state.contacts),
+      ]);
+      if (this.loaded !== key) return;
+      this.models = { hand, object, contacts };
+      this.tell('models');
+      this.look();
+    } catch (error) {
+      this.loaded = '';
+      this.failed(error);
+    }
+  }
+
+  /** Has the settings asked for, soon, and again while edits come. */
+  private look(): void {
+    if (this.lookTimer !== 0 || this.looking) return;
+    this.lookTimer = window.setTimeout(() => void this.lookNow(), this.settings === null ? 0 : kLookAgain_ms);
+  }
+
+  private async lookNow(): Promise<void> {
+    this.lookTimer = 0;
+    this.looking = true;
+    const key = this.id;
+    const seen = this.solution?.sequence_number;
+    try {
+      const session = { session_id: key };
+      const [settings, transfer] = await Promise.all([
+        this.link.ask<SessionSettings>({ kind: 'session_settings', session }),
+        this.link.ask<{ patches: PatchReport[] }>({ kind: 'transfer', session }),
+      ]);
+      if (key !== this.id) return;
+      this.settings = settings;
+      this.reports = transfer.patches;
+      this.tell('settings');
+    } catch (error) {
+      if (key === this.id) this.failed(error);
+    } finally {
+      this.looking = false;
+    }
+    if (seen !== this.solution?.sequence_number) this.look();
+  }
+
+  private async send(body: EditBody): Promise<number> {
+    const at_ms = performance.now();
+    const reply = await this.link.edit(this.id, body);
+    if ((this.solution?.revision ?? -1) >= reply.revision) {
+      this.delays_ms.push(performance.now() - at_ms);
+    } else {
+      this.sent.push({ revision: reply.revision, at_ms });
+    }
+    if (reply.message !== '') this.notify(reply.message);
+    return reply.revision;
+  }
+
+  private tell(change: Change): void {
+    for (const watcher of this.watchers) watcher(change);
+  }
+}
+
+export class Drag {
+  private next: EditBody | (() => EditBody) | null = null;
+  private busy = false;
+  private done = false;
+  private first = -1;
+  private last = -1;
+
+  constructor(
+    private readonly send: (body: EditBody) => Promise<number>,
+    private readonly finished: (from: number, to: number) => void,
+    private readonly failed: (error: unknown) => void,
+  ) {}
+
+  /** A function is called when its edit is sent: for what adds up. */
+  move(body: EditBody | (() => EditBody)): void {
+    this.next = body;
+    if (!this.busy) void this.run();
+  }
+
+  /** What was moved last still counts. */
+  end(): void {
+    this.done = true;
+    if (!this.busy) this.close();
+  }
+
+  private async run(): Promise<void> {
+    this.busy = true;
+    while (this.next !== null) {
+      const body = typeof this.next === 'function' ? this.next() : this.next;
+      this.next = null;
+      const begun = performance.now();
+      try {
+        const revision = await this.send(body);
+        if (this.first < 0) this.first = revision - 1;
+        this.last = revision;
+      } catch (error) {
+        this.failed(error);
+        this.next = null;
+        break;
+      }
+      const rest = kFastest_ms - (performance.now() - begun);
+      if (rest > 0) await new Promise((resolve) => setTimeout(resolve, rest));
+    }
+    this.busy = false;
+    if (this.done) this.close();
+  }
+
+  private close(): void {
+    if (this.first >= 0) this.finished(this.first, Math.max(this.last, this.first));
+    this.first = -1;
+  }
+}

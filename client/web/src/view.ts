@@ -1,0 +1,198 @@
+// The picture of a session: what of it is drawn, and how.
+
+import { Box3, Matrix4, Vector3 } from 'three';
+import { Ghost, HandBody, ObjectBody } from './bodies';
+import { initialsOf, patchColor } from './colors';
+import { DepthShade } from './depth';
+import { Marks, type Shown } from './marks';
+import { matrixOf } from './mesh';
+import type { Session } from './session';
+import type { Stage } from './stage';
+import type { Tools } from './tools';
+import type { PoseSolution } from './wire';
+
+export interface Look extends Shown {
+  depth: boolean;
+  map: boolean;
+  opacity: number;
+}
+
+export class View {
+  look: Look = { patches: true, residuals: true, directions: true, depth: true, map: false, opacity: 0.55 };
+  chosen: string | null = null;
+  object: ObjectBody | null = null;
+  hand: HandBody | null = null;
+  marks: Marks | null = null;
+  tools: Tools | null = null;
+  /** A pose of the past that is looked at instead. */
+  past: PoseSolution | null = null;
+  onFirstPicture: () => void = () => undefined;
+  private depth: DepthShade | null = null;
+  private ghost: Ghost | null = null;
+  private framed = false;
+  private initials = new Map<string, string>();
+  private order: string[] = [];
+
+  constructor(
+    readonly stage: Stage,
+    private readonly session: Session,
+  ) {}
+
+  colorOf(patch: string): string {
+    return patchColor(patch, Math.max(0, this.order.indexOf(patch)));
+  }
+
+  initialOf(patch: string): string {
+    return this.initials.get(patch) ?? patch.charAt(0).toUpperCase();
+  }
+
+  clear(): void {
+    this.setGhost(null);
+    for (const body of [this.object, this.hand, this.marks]) {
+      if (body === null) continue;
+      this.stage.scene.remove(body.group);
+      body.dispose();
+    }
+    this.object = this.hand = this.marks = this.depth = null;
+    this.past = null;
+    this.framed = false;
+    this.tools?.work(null);
+    this.stage.redraw();
+  }
+
+  build(): void {
+    const models = this.session.models;
+    if (models === null) return;
+    this.clear();
+    this.order = models.contacts.description.patches.map((patch) => patch.name);
+    this.initials = initialsOf(this.order);
+    const map = models.contacts.mesh('map');
+    this.object = new ObjectBody(
+      models.object.mesh('mesh'),
+      map.triangles.length > 0 ? map : null,
+      models.contacts.floats('map/values'),
+    );
+    this.hand = new HandBody(models);
+    this.hand.setOpacity(this.look.opacity);
+    this.hand.group.visible = false;
+    this.marks = new Marks((name) => this.colorOf(name), (name) => this.initialOf(name));
+    this.depth = new DepthShade(this.hand, this.object, () => this.stage.redraw());
+    this.stage.scene.add(this.object.group, this.hand.group, this.marks.group);
+    this.object.showMap(this.look.map);
+    this.tools?.work({ object: this.object, hand: this.hand, marks: this.marks });
+    this.update();
+  }
+
+  /** The pose that is shown, and all that hangs on it. */
+  update(): void {
+    const solution = this.past ?? this.session.solution;
+    const { object, hand, marks } = this;
+    if (object === null || hand === null || marks === null) return;
+    if (solution === null) {
+      if (this.session.settings !== null) object.pose(matrixOf(this.session.settings.X_WO));
+      this.stage.redraw();
+      return;
+    }
+    const isPlacing = this.tools?.mode === 'object' && this.tools.isBusy;
+    if (!isPlacing) object.pose(matrixOf(solution.X_WO));
+    hand.group.visible = true;
+    hand.pose(solution);
+    marks.show(solution, this.session.reports, this.look, this.chosen);
+    this.place();
+    if (!this.tools?.isBusy) {
+      this.tools?.follow();
+      this.depth?.update(solution, this.look.depth && this.past === null);
+    }
+    if (!this.framed) {
+      this.framed = true;
+      this.chooseSide(solution);
+      void this.frame(false).then(() => this.onFirstPicture());
+    }
+    this.stage.redraw();
+  }
+
+  place(): void {
+    if (this.object === null || this.hand === null || this.marks === null) return;
+    const patches = this.past === null ? (this.session.settings?.patches ?? []) : [];
+    this.marks.place(patches, this.object, this.hand, this.look, this.chosen, this.tools?.moved ?? null, this.tools?.turned ?? null);
+    this.stage.redraw();
+  }
+
+  setLook(change: Partial<Look>): void {
+    Object.assign(this.look, change);
+    this.hand?.setOpacity(this.look.opacity);
+    this.object?.showMap(this.look.map);
+    this.update();
+  }
+
+  choose(patch: string | null): void {
+    this.chosen = patch;
+    this.update();
+  }
+
+  setGhost(solution: PoseSolution | null): void {
+    if (this.ghost !== null) {
+      this.stage.scene.remove(this.ghost.group);
+      this.ghost.dispose();
+      this.ghost = null;
+    }
+    if (solution !== null && this.hand !== null) {
+      this.ghost = new Ghost(this.hand, solution);
+      this.stage.scene.add(this.ghost.group);
+    }
+    this.stage.redraw();
+  }
+
+  /** Looks from where most contacts are seen, rather from above than from below. */
+  private chooseSide(solution: PoseSolution): void {
+    const middle = new Vector3().setFromMatrixPosition(this.object!.X_WO);
+    const outward = solution.patches.map((fit) => {
+      const sum = new Vector3();
+      for (let i = 0; i + 2 < fit.object_W_m.length; i += 3) sum.add(new Vector3().fromArray(fit.object_W_m, i));
+      return sum.divideScalar(Math.max(1, fit.object_W_m.length / 3)).sub(middle).normalize();
+    });
+    let best = new Vector3(0.6, -0.7, 0.45);
+    let most = -Infinity;
+    for (let i = 0; i < 48; ++i) {
+      const around = (2 * Math.PI * (i % 16)) / 16;
+      const up = 0.15 + 0.3 * Math.floor(i / 16);
+      const from = new Vector3(Math.cos(around), Math.sin(around), up).normalize();
+      // A contact on the rim is seen a little, one that faces away is not.
+      const seen = outward.reduce((sum, one) => sum + Math.min(0.6, Math.max(-0.1, one.dot(from))), 0);
+      if (seen > most + 1e-9) {
+        most = seen;
+        best = from;
+      }
+    }
+    const eye = middle.clone().addScaledVector(best, 0.6);
+    void this.stage.controls.setLookAt(...eye.toArray(), ...middle.toArray(), false);
+  }
+
+  async frame(smoothly: boolean): Promise<void> {
+    if (this.object === null || this.hand === null) return;
+    const box = this.hand.group.visible ? this.hand.box() : new Box3();
+    box.union(new Box3().setFromObject(this.object.group));
+    await this.stage.frame(box, smoothly);
+  }
+
+  /** For tests and the curious: what is in the picture. */
+  facts(): Record<string, unknown> {
+    const X = (matrix: Matrix4 | undefined) => (matrix === undefined ? null : matrix.elements.slice(12, 15));
+    return {
+      revision: this.session.solution?.revision ?? -1,
+      X_WO: X(this.object?.group.matrix),
+      links: this.hand?.links.map((link) => X(link.group.matrix)) ?? [],
+      triangles: this.stage.renderer.info.render.triangles,
+      geometries: this.stage.renderer.info.memory.geometries,
+      textures: this.stage.renderer.info.memory.textures,
+      frames: this.stage.frames,
+      handles:
+        this.marks?.handles
+          .filter((handle) => handle.visible)
+          .map((handle) => {
+            const p = this.stage.project(handle.p_W);
+            return { patch: handle.patch, side: handle.side, kind: handle.kind, x: p.x, y: p.y, hidden: Boolean(handle.sprite.userData['hidden']), p_W: handle.p_W.toArray() };
+          }) ?? [],
+    };
+  }
+}

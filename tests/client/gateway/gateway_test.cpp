@@ -1,0 +1,184 @@
+#include "client/gateway/gateway.h"
+
+#include <cstring>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "client/gateway/model_frame.h"
+
+#include "tests/client/fake_server.h"
+#include "tests/client/gateway/bare_page.h"
+#include "tests/support/test_domain.h"
+
+namespace handgraft::client::gateway {
+
+namespace {
+
+using nlohmann::json;
+using test::BarePage;
+using testing::HasSubstr;
+
+/// Knows session 7, which is open, and no other.
+bool answer(const v1::Request& request, v1::Reply& reply) {
+  if (request.body()._d() == v1::OP_DESCRIBE_SESSION &&
+      request.body().session().session_id() == 7) {
+    v1::SessionState state;
+    state.session_id(7);
+    state.hand("small");
+    reply.body().session(state);
+    reply.body()._d(v1::OP_DESCRIBE_SESSION);
+  } else if (request.body()._d() == v1::OP_LIST_MODELS) {
+    v1::ModelSummary summary;
+    summary.name("small");
+    v1::ModelList list;
+    list.models().push_back(summary);
+    reply.body().models(list);
+    reply.body()._d(v1::OP_LIST_MODELS);
+  } else {
+    reply.error(v1::ERROR_NOT_FOUND);
+    reply.message("there is none");
+  }
+  return true;
+}
+
+class GatewayTest : public testing::Test {
+ protected:
+  void serve(bool read_only = false) {
+    WebOptions options;
+    options.read_only = read_only;
+    gateway_ = std::make_unique<Gateway>(client_, options, WebFiles());
+  }
+
+  /// What is answered to a message.
+  json ask(BarePage& page, const std::string& message) {
+    page.say(message);
+    while (const auto frame = page.frame()) {
+      json heard = json::parse(frame->payload);
+      if (heard.contains("reply")) return heard;
+    }
+    throw std::runtime_error("no answer");
+  }
+
+  std::unique_ptr<BarePage> join() {
+    auto page = std::make_unique<BarePage>(gateway_->port());
+    page->upgrade();
+    return page;
+  }
+
+  test::TestDomain domain_;
+  test::FakeServer server_{{domain_.number(), "lo"}, answer};
+  Client client_{{{domain_.number(), "lo"}, Absence::kFail, {}, {}}};
+  std::unique_ptr<Gateway> gateway_;
+};
+
+TEST_F(GatewayTest, AnswersWhatPagesAsk) {
+  serve();
+  const auto page = join();
+  const json reply = ask(*page, R"({"id": 5, "do": "ask", "body": {"kind": "list_models"}})");
+  EXPECT_EQ(reply["reply"], 5);
+  EXPECT_EQ(reply["body"]["models"]["models"][0]["name"], "small");
+}
+
+TEST_F(GatewayTest, AnswersNonsenseWithWhatIsWrong) {
+  serve();
+  const auto page = join();
+  for (
+      const char* nonsense :
+      {"", "{", "[]", "42", R"({"id": -1, "do": "ask"})", R"({"do": "dance"})",
+       R"({"do": "ask", "body": 3})", R"({"do": "ask", "body": {"kind": "erase_all"}})",
+       R"({"do": "ask"})", R"({"do": "follow", "session": "seven"})",
+       R"({"do": "edit", "session": 7, "body": {"kind": "patch_weight", "patch_weight": {"weight": -1}}})",
+       R"({"do": "describe", "kind": "foot", "name": "x"})"}) {
+    EXPECT_EQ(ask(*page, nonsense)["error"]["code"], "invalid_input") << nonsense;
+  }
+  EXPECT_EQ(ask(*page, std::string(100000, '['))["error"]["code"], "invalid_input");
+  EXPECT_TRUE(ask(*page, R"({"do": "ask", "body": {"kind": "list_models"}})").contains("body"));
+}
+
+TEST_F(GatewayTest, AsksTheServerForNothingThatIsNotForPages) {
+  serve();
+  const auto page = join();
+  for (const char* kind : {"close_session", "unload_model", "cancel", "replay", "sweep"}) {
+    EXPECT_EQ(ask(*page, fmt::format(R"({{"do": "ask", "body": {{"kind": "{}"}}}})",
+                                     kind))["error"]["code"],
+              "not_permitted")
+        << kind;
+  }
+  EXPECT_EQ(server_.operations(), std::vector<v1::Operation>());
+}
+
+TEST_F(GatewayTest, ThoseWhoLookDoNotEdit) {
+  serve(true);
+  const auto page = join();
+  EXPECT_EQ(
+      ask(*page, R"({"do": "edit", "session": 7, "body": {"kind": "undo"}})")["error"]["code"],
+      "not_permitted");
+  EXPECT_EQ(ask(*page, R"({"do": "ask", "body": {"kind": "open_session"}})")["error"]["code"],
+            "not_permitted");
+  EXPECT_EQ(server_.operations(), std::vector<v1::Operation>());
+  EXPECT_TRUE(ask(*page, R"({"do": "ask", "body": {"kind": "list_models"}})").contains("body"));
+}
+
+TEST_F(GatewayTest, FollowsSessionsThatThereAre) {
+  serve();
+  const auto page = join();
+  EXPECT_EQ(ask(*page, R"({"id": 1, "do": "follow", "session": 7})")["session"]["hand"],
+            "small");
+  EXPECT_EQ(ask(*page, R"({"id": 2, "do": "follow", "session": 8})")["error"]["code"],
+            "not_found");
+}
+
+TEST_F(GatewayTest, TellsPagesOfEachOther) {
+  serve();
+  const auto first = join();
+  ask(*first, R"({"do": "ping"})");
+  const auto second = join();
+  ask(*second, R"({"do": "ping"})");
+  std::size_t most = 0;
+  first->say(R"({"id": 9, "do": "ping"})");
+  while (most < 2) {
+    const auto frame = first->frame();
+    ASSERT_TRUE(frame.has_value());
+    const json heard = json::parse(frame->payload);
+    if (heard.value("event", "") == "pages") most = heard["pages"].size();
+  }
+  EXPECT_EQ(most, 2u);
+}
+
+TEST(ModelFrame, CarriesMeshesAsTheyLie) {
+  v1::ObjectDescription object;
+  object.name("tetrahedron");
+  object.mesh_O().vertices_m() = {0.0F, 0.5F, -1.25F};
+  object.mesh_O().triangles() = {7, 8, 9};
+  v1::ModelDescription description;
+  description.object(object);
+  const std::string frame = modelFrame(258, description);
+
+  EXPECT_EQ(frame.substr(0, 4), std::string("\2\1\0\0", 4));
+  std::uint32_t length = 0;
+  std::memcpy(&length, frame.data() + 4, sizeof length);
+  const json head = json::parse(frame.substr(8, length));
+  EXPECT_EQ(head["description"]["object"]["name"], "tetrahedron");
+  const std::size_t begin = (8 + length + 3) / 4 * 4;
+  for (const json& array : head["arrays"]) {
+    ASSERT_EQ(array["count"], 3);
+    const char* at = frame.data() + begin + array["at"].get<std::size_t>();
+    if (array["name"] == "mesh/vertices") {
+      float values[3];
+      std::memcpy(values, at, sizeof values);
+      EXPECT_THAT(values, testing::ElementsAre(0.0F, 0.5F, -1.25F));
+    } else {
+      std::uint32_t values[3];
+      std::memcpy(values, at, sizeof values);
+      EXPECT_THAT(values, testing::ElementsAre(7U, 8U, 9U));
+    }
+  }
+  EXPECT_EQ(head["arrays"].size(), 2u);
+  EXPECT_EQ(frame.size(), begin + 6 * 4);
+}
+
+}  // namespace
+
+}  // namespace handgraft::client::gateway
