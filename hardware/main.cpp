@@ -277,8 +277,11 @@ int bringUp(const BringUp& told) {
 
 int run(Options& options) {
   if (options.bring_up.step != BringUp::Step::kNone) {
-    std::signal(SIGINT, requestStop);
-    std::signal(SIGTERM, requestStop);
+    struct sigaction ends {};  // without SA_RESTART: a question that is open ends, too
+
+    ends.sa_handler = requestStop;
+    sigaction(SIGINT, &ends, nullptr);
+    sigaction(SIGTERM, &ends, nullptr);
     return bringUp(options.bring_up);
   }
   options.bridge.session = parseSession(options.session);

@@ -38,6 +38,7 @@ sanitized() { # PRESET REGEX
 
 step lint ./dev lint
 step alone alone
+step lives env HANDGRAFT_ALL_LIVES=1 build/dev/tests/hardware_bridge_test --gtest_filter='*RandomLives*'
 step asan sanitized asan .
 step tsan sanitized tsan 'Service|LiveEdits|StrandPool|WorkerPool|SolverThreads|Strand|Motion|Bridge|Transport'
 step fuzz ./dev fuzz 30

@@ -91,35 +91,76 @@ SplineTrajectory splinesFrom(const json& root) {
   return trajectory;
 }
 
-/// The tracks of one link's points: entry i of what a frame has of the link goes on in the i-th
-/// of those that are open.
+/// A point of a frame, of one link.
+struct LinkPoint {
+  Eigen::Vector3d p_O = Eigen::Vector3d::Zero();
+  PatchKey key;
+};
+
+/// The tracks of one link's points. A point goes on in the open track whose last point is
+/// nearest on object and hand together, nearest pairs first; it begins one where none is near.
 class LinkTracks {
  public:
-  void add(int frame,
-           std::size_t index,
-           const std::string& name,
-           PatchKey key,
-           std::vector<PatchTrack>& done) {
-    if (index >= open_.size()) open_.resize(index + 1);
-    PatchTrack& track = open_[index];
-    if (!track.keys.empty() && track.end != frame) close(track, done);
-    if (track.keys.empty()) track.name = name;
-    track.keys.push_back(std::move(key));
-    track.end = frame + 1;
+  void add(int frame, std::vector<LinkPoint> points, std::vector<PatchTrack>& done) {
+    struct Match {
+      double distance;
+      std::size_t point;
+      std::size_t track;
+    };
+
+    std::vector<Match> matches;
+    for (std::size_t t = 0; t < open_.size(); ++t) {
+      if (open_[t].track.end != frame) continue;
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        const double distance =
+            (points[i].p_O - open_[t].p_O).norm() +
+            (points[i].key.hand_points[0].p_L - open_[t].track.keys.back().hand_points[0].p_L)
+                .norm();
+        if (distance <= kSamePoint_m) matches.push_back({distance, i, t});
+      }
+    }
+    std::stable_sort(matches.begin(), matches.end(), [](const Match& a, const Match& b) {
+      return a.distance < b.distance;
+    });
+    std::vector<char> placed(points.size(), 0);
+    for (const Match& match : matches) {
+      if (placed[match.point] != 0 || open_[match.track].track.end != frame) continue;
+      placed[match.point] = 1;
+      append(open_[match.track], frame, std::move(points[match.point]));
+    }
+    close(frame + 1, done);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (placed[i] != 0) continue;
+      open_.emplace_back();
+      open_.back().track.name = points[i].key.patch.name;
+      append(open_.back(), frame, std::move(points[i]));
+    }
   }
 
-  void closeAll(std::vector<PatchTrack>& done) {
-    for (PatchTrack& track : open_)
-      close(track, done);
+  /// Those that did not reach `end`.
+  void close(int end, std::vector<PatchTrack>& done) {
+    for (Open& open : open_)
+      if (open.track.end != end) done.push_back(std::move(open.track));
+    std::erase_if(open_, [end](const Open& open) {
+      return open.track.end != end;
+    });
   }
 
  private:
-  static void close(PatchTrack& track, std::vector<PatchTrack>& done) {
-    if (!track.keys.empty()) done.push_back(std::move(track));
-    track = PatchTrack{};
+  static constexpr double kSamePoint_m = 0.03;
+
+  struct Open {
+    PatchTrack track;
+    Eigen::Vector3d p_O = Eigen::Vector3d::Zero();
+  };
+
+  static void append(Open& open, int frame, LinkPoint point) {
+    open.p_O = point.p_O;
+    open.track.keys.push_back(std::move(point.key));
+    open.track.end = frame + 1;
   }
 
-  std::vector<PatchTrack> open_;
+  std::vector<Open> open_;
 };
 
 Motion sequenceFrom(const json& root,
@@ -167,7 +208,7 @@ Motion sequenceFrom(const json& root,
     const int frame = intOf(value);
     if (frame <= before) rejectInput("frame {} does not lie behind frame {}", frame, before);
     before = frame;
-    std::map<std::string, std::size_t> seen;
+    std::map<std::string, std::vector<LinkPoint>> seen;
     const json& contacts = memberOf(value, "contacts");
     if (!contacts.is_array()) rejectInput("frame {}: field 'contacts' is no list", frame);
     for (const json& contact : contacts) {
@@ -192,12 +233,13 @@ Motion sequenceFrom(const json& root,
       key.patch.interpolation_boundary = {hit.point};
       key.patch.place = hand::placeNamed(point.link);
       key.hand_points = {point};
-      links[point.link].add(frame, seen[point.link]++, point.link, std::move(key),
-                            motion.tracks);
+      seen[point.link].push_back({p_O, std::move(key)});
     }
+    for (auto& [link, points] : seen)
+      links[link].add(frame, std::move(points), motion.tracks);
   }
   for (auto& [name, tracks] : links)
-    tracks.closeAll(motion.tracks);
+    tracks.close(-1, motion.tracks);
   std::stable_sort(motion.tracks.begin(), motion.tracks.end(),
                    [](const PatchTrack& a, const PatchTrack& b) {
                      return a.begin() < b.begin();

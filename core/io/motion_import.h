@@ -31,7 +31,7 @@ Pose poseFromSpline(const Eigen::VectorXd& coordinates);
 
 /// Reads contacts as points over time: JSON with `fps` and `frames`, each of which has
 /// `contacts` of `object_point`, `link` and `hand_point` (m); at most a few points a link. A
-/// track is the points of one link, matched from frame to frame by their order.
+/// track is a point of one link, matched from frame to frame by where it is on both sides.
 ///
 /// `object_path`: a `.smexp` trajectory of the object; empty: it stands still. Points farther
 /// than 1 cm off the object are left out, with a note.

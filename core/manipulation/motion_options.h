@@ -18,7 +18,11 @@ struct MotionOptions {
   Fade fade;
   int starts = 64;    ///< of the single frames from which all others go on
   unsigned seed = 0;  ///< of those
+  int threads = 1;    ///< of the offline solve
 };
+
+/// What suits the causal solver, which pays for smoothness with delay.
+inline constexpr double kCausalSmoothness = 30.0;
 
 /// How second differences of a pose weigh against each other: a joint's 1 rad (or m), which
 /// moves a finger by some 5 cm, against the root's.

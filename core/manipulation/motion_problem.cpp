@@ -38,6 +38,8 @@ void validate(const MotionOptions& options) {
   require("smoothness", options.smoothness, 1e12);
   require("fade", options.fade.seconds, 60.0);
   require("starts", options.starts, 1e6);
+  if (options.threads < 1 || options.threads > 256)
+    rejectInput("threads: {} must lie in 1 to 256", options.threads);
 }
 
 MotionProblem makeMotionProblem(std::shared_ptr<const hand::HandModel> model,

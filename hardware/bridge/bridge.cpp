@@ -33,7 +33,9 @@ using safety::HoldCause;
 constexpr std::chrono::milliseconds kServerPatience(1500);  // the absence is said within 2 s
 constexpr std::chrono::milliseconds kStatusPeriod(100);
 constexpr std::chrono::seconds kDiagnosisPeriod(1);  // as ROS's aggregators expect
-constexpr double kArrived = 1e-3;  // rad: finer than the encoders of small hands, 4096 a turn
+// rad: a unit of small hands' encoders, 4096 a turn; the end of a range is rounded inwards by
+// one.
+constexpr double kArrived = 2e-3;
 
 // The system's time at a moment of the steady clock.
 std::chrono::nanoseconds systemTimeOf(Clock::time_point moment) {

@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "hardware/bridge/simulated_device.h"
+#include "hardware/config/wire_load.h"
 #include "hardware/devices/ability_hand_device.h"
 #include "hardware/devices/allegro_hand.h"
 #include "hardware/devices/dynamixel_hand.h"
@@ -35,6 +36,13 @@ MotorScale scaleOf(const MotorConfig& motor, double rad_per_unit) {
           motor.range_rad.lower, motor.range_rad.upper};
 }
 
+// What the bytes take on a tty is no delay of the device's.
+devices::Duration patienceOf(const HandConfig& config) {
+  return config.device.reply_timeout +
+         std::chrono::duration_cast<devices::Duration>(
+             std::chrono::duration<double>(config::cycleTime_s(config)));
+}
+
 std::unique_ptr<devices::Device> makeDynamixel(const HandConfig& config,
                                                devices::ByteChannel& bytes,
                                                const devices::Clock& clock) {
@@ -54,7 +62,7 @@ std::unique_ptr<devices::Device> makeDynamixel(const HandConfig& config,
     told.motors.push_back(each);
   }
   told.watchdog = config.device.watchdog;
-  told.reply_timeout = config.device.reply_timeout;
+  told.reply_timeout = patienceOf(config);
   told.tolerated_misses = config.device.tolerated_misses;
   return std::make_unique<devices::DynamixelHand>(std::move(told), bytes, clock);
 }
@@ -75,7 +83,7 @@ std::unique_ptr<devices::Device> makeAbilityHand(const HandConfig& config,
     told.upper[place] = config.motors[i].range_rad.upper;
   }
   if (config.device.touch) told.reply = protocols::ability_hand::Reply::kTouchCurrent;
-  told.reply_timeout = config.device.reply_timeout;
+  told.reply_timeout = patienceOf(config);
   told.tolerated_misses = config.device.tolerated_misses;
   told.longest_gap = config.governor.longest_gap;
   // The governor holds first, which may be all that is needed.
@@ -122,7 +130,7 @@ std::unique_ptr<devices::Device> makeInspire(const HandConfig& config,
   }
   told.address = static_cast<std::uint8_t>(config.device.address);
   told.force_N = config.device.force_N;
-  told.reply_timeout = config.device.reply_timeout;
+  told.reply_timeout = patienceOf(config);
   told.tolerated_misses = config.device.tolerated_misses;
   return std::make_unique<devices::InspireHand>(std::move(told), bytes, clock);
 }

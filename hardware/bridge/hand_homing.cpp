@@ -18,8 +18,6 @@ constexpr double kSlack = 1e-3;  // rad: of a range, so that a unit's rounding f
 // Of the current that holds a motor back: it has to get there, and no farther.
 constexpr double kCurrentShare = 1.25;
 constexpr double kTurn = 2 * std::numbers::pi;
-// What is measured may be three periods old, and as long as a busy machine takes to answer.
-constexpr std::chrono::milliseconds kOld(60);
 
 // Turns that an encoder is told to count from: another number each time, so that an old
 // calibration does not pass for the new one.
@@ -109,7 +107,9 @@ void HandHoming::advance() {
   if (!std::isfinite(current)) return fail("the motor does not tell its current");
   const devices::Duration three_periods(std::chrono::duration_cast<devices::Duration>(
       std::chrono::duration<double>(3 * config_.governor.period_s)));
-  if (clock_() - measured_->time > std::max<devices::Duration>(three_periods, kOld))
+  // As old as a loop may be late, which its config bounds; HomingRun keeps its target near.
+  if (clock_() - measured_->time >
+      std::max<devices::Duration>(three_periods, config_.governor.longest_gap))
     return fail("the motors do not tell where they are any more");
   const double sent = run_->tick(measured_->position[step.motor], current, clock_());
   const bool is_sound =

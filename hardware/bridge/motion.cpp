@@ -415,7 +415,7 @@ void Motion::obey(const MotorOrder& order) {
     if (is_open_) device.stop();
   } else if (device.isArmed()) {
     was_slow_ = true;
-    static_cast<void>(device.disarm());
+    if (device.disarm()) governor_.noteMotorsOff();
   }
   was_armed_ = false;
   std::copy(state_.position.begin(), state_.position.end(), state_.command.begin());

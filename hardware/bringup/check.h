@@ -28,6 +28,7 @@ struct MotorFinding {
 struct Findings {
   std::vector<MotorFinding> motors;
   bool has_watchdog = false;
+  bool lacks_watchdog = false;  ///< such a device has none, and its config accepts that
   bool has_stop = false;
   std::string trouble;  ///< why the walk ended early; empty: it did not
 

@@ -8,6 +8,7 @@
 #include <tinyxml2.h>
 
 #include "core/base/error.h"
+#include "hardware/config/wire_load.h"
 
 namespace handgraft::bringup {
 
@@ -22,6 +23,8 @@ struct Joint {
 };
 
 constexpr double kVelocity = 1.0;  // rad/s: slow enough to watch
+constexpr int kUsualRate_Hz = 50;
+constexpr int kLeastRate_Hz = 10;  // of any loop
 
 std::string attribute(const tinyxml2::XMLElement& element, const char* name) {
   const char* text = element.Attribute(name);
@@ -64,18 +67,51 @@ std::string inQuotes(const std::string& text) {
   return out + "\"";
 }
 
-std::string deviceText(const ConfigPlan& plan) {
+/// The device, as far as what its wire can carry depends on it.
+config::DeviceConfig deviceOf(const ConfigPlan& plan) {
+  config::DeviceConfig device;
+  if (plan.kind == "odrive") device.kind = config::DeviceKind::kODrive;
+  if (plan.kind == "dynamixel") device.kind = config::DeviceKind::kDynamixel;
+  if (plan.kind == "ability_hand") device.kind = config::DeviceKind::kAbilityHand;
+  const bool is_hand = device.kind == config::DeviceKind::kAbilityHand;
+  device.baud = plan.baud > 0 ? plan.baud : is_hand ? 460'800 : 57'600;
+  return device;
+}
+
+/// Hz: the usual rate, or a whole number that so many motors leave room for on the wire.
+int rateOf(const ConfigPlan& plan, std::size_t motor_count) {
+  config::HandConfig config;
+  config.device = deviceOf(plan);
+  config.motors.resize(motor_count);
+  config.governor.period_s = 1.0 / kUsualRate_Hz;
+  const double cycle_s = config::cycleTime_s(config);
+  if (cycle_s * kUsualRate_Hz <= config::kWireShare) return kUsualRate_Hz;
+  const int rate_Hz = static_cast<int>(config::kWireShare / cycle_s);
+  if (rate_Hz < kLeastRate_Hz) {
+    rejectInput(
+        "baud {}: {} motors take {:.0f} ms a cycle, which leaves {} Hz; at least {} Hz are "
+        "permitted: give the motors a higher rate, and tell it by --baud",
+        config.device.baud, motor_count, 1000 * cycle_s, rate_Hz, kLeastRate_Hz);
+  }
+  return rate_Hz;
+}
+
+std::string deviceText(const ConfigPlan& plan, int rate_Hz) {
   const bool is_hand = plan.kind == "ability_hand";
-  const int usual = is_hand ? 460'800 : plan.kind == "dynamixel" ? 57'600 : 0;
-  std::string text = fmt::format("device:\n  kind: {}\n  port: {}\n", plan.kind, plan.port);
+  std::string text = fmt::format("device:\n  kind: {}\n", plan.kind);
+  if (plan.kind == "simulated") return text + "  watchdog_ms: 200\n";
+  text += fmt::format("  port: {}\n", inQuotes(plan.port));
   if (plan.kind == "odrive") {
     text +=
         "  carrier: slcan\n  can_bitrate: 500000\n  firmware: \"0.6\"\n"
         "  watchdog_ms: 200         # FILL IN: as saved on the axes; each ARM proves it\n";
     return text;
   }
-  text += fmt::format("  baud: {}\n", plan.baud > 0 ? plan.baud : usual);
-  text += fmt::format("  watchdog_ms: {}\n", is_hand ? 300 : 200);
+  const bool is_slow = rate_Hz < kUsualRate_Hz;
+  text += fmt::format("  baud: {}{}\n", deviceOf(plan).baud,
+                      is_slow ? "  # a higher rate of the motors permits a faster loop" : "");
+  // Three periods at least.
+  text += fmt::format("  watchdog_ms: {}\n", is_hand ? 300 : is_slow ? 400 : 200);
   return text;
 }
 
@@ -95,6 +131,11 @@ std::string makeConfig(const std::filesystem::path& urdf, const ConfigPlan& plan
   }
   if (joints.empty()) rejectInput("{}: no joint of it turns", handgraft::quoted(urdf.string()));
 
+  const auto motor_count = static_cast<std::size_t>(
+      std::count_if(joints.begin(), joints.end(), [](const Joint& joint) {
+        return joint.leader.empty();
+      }));
+  const int rate_Hz = rateOf(plan, motor_count);
   const bool has_ids = plan.kind == "dynamixel" || plan.kind == "odrive";
   std::string text = fmt::format(
       "# Of {}, to be filled in: FILL IN marks what only the hand itself knows.\n"
@@ -102,10 +143,11 @@ std::string makeConfig(const std::filesystem::path& urdf, const ConfigPlan& plan
       "in\n"
       "# the calibration file.\n"
       "format: handgraft-hardware/1\nhand: {}          # as the server calls it\n\n{}\n",
-      urdf.filename().string(), inQuotes(attribute(*robot, "name")), deviceText(plan));
+      urdf.filename().string(), inQuotes(attribute(*robot, "name")), deviceText(plan, rate_Hz));
   text += fmt::format("calibration: {}  # `check` writes it\n",
                       inQuotes(urdf.stem().string() + "_calibration.yaml"));
-  text += "loop: {rate_hz: 50, longest_gap_ms: 150}\n";
+  text += fmt::format("loop: {{rate_hz: {}, longest_gap_ms: {}}}\n", rate_Hz,
+                      rate_Hz < kUsualRate_Hz ? 350 : 150);
   text +=
       "stream: {stale_ms: 500, hold_ms: 1000}\nemergency_stop: {mode: brake, brake_ms: 500}\n";
   text += fmt::format(

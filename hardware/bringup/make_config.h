@@ -17,7 +17,9 @@ struct ConfigPlan {
 /// A config to fill in for the hand of a URDF: a motor for each joint that moves by itself,
 /// mimic joints as its followers, limits as the model has them, and cautious numbers, each
 /// marked, where only the hand itself knows. It reads as it is, so that `jog` and `check` work
-/// on it. Errors: InvalidInput for a file that is no URDF, or has no joint that moves.
+/// on it; its loop is as fast as the wire permits, 50 Hz at most.
+/// Errors: InvalidInput for a file that is no URDF, has no joint that moves, or more than the
+/// wire at its rate can carry.
 std::string makeConfig(const std::filesystem::path& urdf, const ConfigPlan& plan);
 
 }  // namespace handgraft::bringup

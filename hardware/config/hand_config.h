@@ -35,6 +35,7 @@ struct DeviceConfig {
   double stiffness_Nm_rad = 0.6;  ///< of an Allegro's position loop, which is ours
   double damping_Nm_s_rad = 0.02;
   double torque_Nm = 0.3;  ///< the most of each of its motors
+  /// Of the device itself: what bytes take on a tty at its rate comes on top.
   std::chrono::milliseconds reply_timeout{5};
   int tolerated_misses = 3;  ///< answers in a row
   bool touch = false;        ///< of an Ability Hand: tell what it feels, in place of velocities

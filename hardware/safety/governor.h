@@ -59,6 +59,10 @@ class Governor {
   /// the cause is gone, or the latch stays.
   Refusal reset();
 
+  /// The device confirmed, after the last tick's order, that its motors are off: who asks next
+  /// need not wait for a period to be told so.
+  void noteMotorsOff() { device_reports_power_ = device_reports_power_ && wants_power_; }
+
   /// One period. `now` must not run backwards.
   MotorOrder tick(const DeviceReport& device, Time now);
 

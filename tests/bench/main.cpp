@@ -14,6 +14,7 @@
 #include "tests/bench/logmap.h"
 #include "tests/bench/logmap_accuracy.h"
 #include "tests/bench/logmap_speed.h"
+#include "tests/bench/motions/motions.h"
 #include "tests/bench/retargeting/retargeting.h"
 #include "tests/bench/scaling.h"
 #include "tests/bench/solve.h"
@@ -43,6 +44,7 @@ int main(int argc, char** argv) {
   handgraft::bench::addLogMapCommand(app);
   handgraft::bench::addLogMapAccuracyCommand(app);
   handgraft::bench::addLogMapSpeedCommand(app);
+  handgraft::bench::addMotionsCommand(app);
   handgraft::bench::addPairsCommand(app);
   handgraft::bench::addPlacementsCommand(app);
   handgraft::bench::addRetargetingCommand(app);
@@ -57,7 +59,7 @@ int main(int argc, char** argv) {
     if (!app.get_subcommands().empty()) return 0;
     return complain(
         "a command is missing; there are: baseline chain import logmap logmap-accuracy "
-        "logmap-speed pairs placements retargeting scaling solve solvers survey "
+        "logmap-speed motions pairs placements retargeting scaling solve solvers survey "
         "tables thin-walls transfer",
         kWrongInput);
   } catch (const CLI::Success& help) {

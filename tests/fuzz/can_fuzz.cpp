@@ -117,6 +117,18 @@ void makeLine(Bytes content, ByteBuffer& wire) {
   slcan::encode(frameOf(content), wire);
 }
 
+/// What a finger tells: its pose, or its temperatures.
+void makeFingerLine(Bytes content, ByteBuffer& wire) {
+  if (content.empty()) return;
+  const std::size_t finger = content[0] % allegro::kFingerCount;
+  const auto command =
+      content[0] < 0xC0 ? allegro::Command::kFingerPose : allegro::Command::kTemperature;
+  const Bytes rest = content.subspan(1);
+  slcan::encode(makeCanFrame(allegro::idOf(command, finger),
+                             rest.first(std::min<std::size_t>(rest.size(), 8))),
+                wire);
+}
+
 devices::ODriveConfig oneAxis() {
   devices::ODriveConfig config;
   config.axes.resize(1);
@@ -162,6 +174,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (what == 0 || what == 2) checkStream<slcan::Framing>(bytes, step, useLine);
   if (what == 1 || what == 3) driveHand(bytes, step);
   if (what == 1) driveAllegro(bytes, step);
+  if (what == 3) driveAllegro(framed({data + 2, size - 2}, makeFingerLine), step);
   if (what == 4) useKernelFrames(bytes);
   if (what == 5) useFrame(frameOf(bytes));
   if (what == 6 || what == 7) failUnderPower(bytes, step);

@@ -87,8 +87,7 @@ BridgeBench::BridgeBench(const Network& network, const std::string& config_text)
       commands_(participant_, idl::kHandCommandTopic),
       statuses_(participant_, idl::kBridgeStatusTopic),
       joint_states_(participant_, idl::kJointStateTopic) {
-  const bool is_odrive = config_.device.kind == config::DeviceKind::kODrive;
-  rig_ = makeHandRig(config_, true, is_odrive ? milliseconds(2500) : milliseconds(0));
+  rig_ = makeHandRig(config_, true);
   config_path_ = (scratchDirectory() / "bridge.yaml").string();
   std::ofstream(config_path_) << config_text;
 }

@@ -77,7 +77,8 @@ class NewcomersHand : public testing::Test {
   NewcomersHand() {
     std::mt19937 random(20260101);
     for (std::size_t i = 0; i < kServos; ++i) {
-      secrets_.push_back({random() % 2 == 0 ? 1 : -1, 1200.0 + static_cast<double>(random() % 1600)});
+      secrets_.push_back(
+          {random() % 2 == 0 ? 1 : -1, 1200.0 + static_cast<double>(random() % 1600)});
       auto& servo = emulator_.motor(id(i)).servo;
       servo.position = servo.goal = secrets_[i].zero_counts;
       servo.speed = 4096;
@@ -131,9 +132,9 @@ TEST_F(NewcomersHand, ComesFromScanToAFollowedGrasp) {
   {
     std::ifstream file(config);
     std::string text{std::istreambuf_iterator<char>(file), {}};
-    replace(text, "watchdog_ms: 200",
+    replace(text, "watchdog_ms: 400",
             "watchdog_ms: 2000\n  reply_timeout_ms: 20\n  tolerated_misses: 50");
-    replace(text, "longest_gap_ms: 150", "longest_gap_ms: 1000, overruns_in_a_row: 1000");
+    replace(text, "longest_gap_ms: 350", "longest_gap_ms: 1000, overruns_in_a_row: 1000");
     replace(text, "stale_ms: 500", "stale_ms: 3000");
     std::ofstream(config) << text << "watch: {silent_ms: 1000}\n";
   }

@@ -19,8 +19,11 @@ using handgraft::test::HandRig;
 using handgraft::test::makeHandRig;
 
 inline config::HandConfig exampleConfig(const std::string& name) {
-  return config::readHandConfig(handgraft::test::sourceDirectory() / "hardware" / "config" /
-                                "examples" / (name + ".yaml"));
+  config::HandConfig config =
+      config::readHandConfig(handgraft::test::sourceDirectory() / "hardware" / "config" /
+                             "examples" / (name + ".yaml"));
+  config.device.carrier = config::CanCarrier::kSlcan;  // as emulated adapters speak
+  return config;
 }
 
 /// An emulated hand in motion, a period at a time, in a time of its own, with a stream that

@@ -121,6 +121,17 @@ TEST_P(EveryHandInMotion, SaysWhichJointKeepsItFromBeingArmed) {
   EXPECT_EQ(state(), GovernorState::kArmed) << told();
 }
 
+TEST_P(EveryHandInMotion, CanBeArmedOnceItSaysThatItsMotorsAreOff) {
+  ASSERT_TRUE(hand_.start()) << told();
+  hand_.motion().request(Request::kDisarm);
+  for (int k = 0; k < 300 && hand_.state().is_powered; ++k)
+    hand_.turn();
+  ASSERT_FALSE(hand_.state().is_powered) << told();
+  hand_.motion().request(Request::kArm);
+  hand_.turn();
+  EXPECT_EQ(state(), GovernorState::kArmed) << hand_.state().last_refusal.view();
+}
+
 TEST_P(EveryHandInMotion, ForgetsARefusalOnceSomethingIsAccepted) {
   ASSERT_TRUE(hand_.turnUntil(GovernorState::kIdle)) << told();
   hand_.motion().request(Request::kReset);

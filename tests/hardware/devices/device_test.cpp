@@ -123,7 +123,8 @@ TEST_P(EveryDevice, MeasuresVelocityInItsDirection) {
 }
 
 TEST_P(EveryDevice, StopsByItselfWhenTheDriverDies) {
-  if (rig_->watchdog() == Duration::zero()) GTEST_SKIP() << "it has no watchdog";
+  if (rig_->watchdog() == Duration::zero())
+    GTEST_SKIP() << test::nameOf(GetParam()) << " has no watchdog";
   armed();
   ASSERT_TRUE(cycle(rig_->between(0.0), 700)) << fault();
   ASSERT_TRUE(cycle(rig_->between(1.0), 5)) << fault();
@@ -174,7 +175,8 @@ TEST_P(EveryDevice, BearsRepeatedAnswers) {
 }
 
 TEST_P(EveryDevice, HardwareErrorIsLatchedUntilItsCauseIsGone) {
-  if (GetParam() == RigKind::kAllegro) GTEST_SKIP() << "it tells no errors";
+  if (GetParam() == RigKind::kAllegro)
+    GTEST_SKIP() << test::nameOf(GetParam()) << " tells no errors";
   armed();
   ASSERT_TRUE(cycle(rig_->between(0.0), 700)) << fault();
   ASSERT_TRUE(cycle(rig_->between(1.0), 5)) << fault();

@@ -26,11 +26,7 @@ void AllegroEmulator::hear(const protocols::CanFrame& frame, TimePoint now) {
   advance(now);
   using allegro::Command;
   if (frame.id == allegro::idOf(Command::kSystemOn)) is_on = true;
-  if (frame.id == allegro::idOf(Command::kSystemOff)) {
-    is_on = false;
-    for (Joint& joint : joints)
-      joint.pwm = 0;
-  }
+  if (frame.id == allegro::idOf(Command::kSystemOff)) switchOff();
   if (const auto torque = allegro::torqueOf(frame)) {
     for (std::size_t k = 0; k < torque->numbers.size(); ++k)
       joints[torque->finger * allegro::kJointsOfFinger + k].pwm = torque->numbers[k];
@@ -48,6 +44,12 @@ void AllegroEmulator::hear(const protocols::CanFrame& frame, TimePoint now) {
     if (frame.id == allegro::idOf(Command::kTemperature, finger))
       said_.push_back(allegro::makeTemperature(finger, {31, 32, 33, 34}));
   }
+}
+
+void AllegroEmulator::switchOff() {
+  is_on = false;
+  for (Joint& joint : joints)
+    joint.pwm = 0;
 }
 
 std::vector<protocols::CanFrame> AllegroEmulator::takeFrames() {

@@ -19,6 +19,9 @@ class AllegroEmulator final : public CanBus {
   void advance(TimePoint now) override;
   std::vector<protocols::CanFrame> takeFrames() override;
 
+  /// Its power switch, off and on again: it is off, and has no torques.
+  void switchOff();
+
   static constexpr double kOil_Nm_s_rad = 0.1;
 
   struct Joint {

@@ -19,7 +19,12 @@ namespace odrive = protocols::odrive;
 constexpr double kTurn = 2 * std::numbers::pi;
 
 std::unique_ptr<Wire> makeWire(EmulatedDevice& device, const HandConfig& config, bool on_pty) {
-  return on_pty ? makePty(device, config.device.baud) : makeVirtualWire(device);
+  if (!on_pty) return makeVirtualWire(device);
+  using config::DeviceKind;
+  const bool is_can =
+      config.device.kind == DeviceKind::kODrive || config.device.kind == DeviceKind::kAllegro;
+  const bool is_usb = is_can && !config.device.is_baud_told;
+  return makePty(device, config.device.baud, is_usb ? Line::kUsb : Line::kUart);
 }
 
 /// The motor's angle, of its device's at the encoder.
@@ -232,6 +237,8 @@ class AllegroHandRig final : public HandRig {
     bus_.is_broken = false;
   }
 
+  AllegroEmulator& bus() { return bus_; }
+
  private:
   AllegroEmulator::Joint& joint(const MotorConfig& motor) {
     return bus_.joints[static_cast<std::size_t>(motor.id)];
@@ -356,6 +363,10 @@ std::vector<double> zerosOfShafts(HandRig& odrive_rig, const config::HandConfig&
     zeros_rad.push_back(motor.zero_rad - kTurn * from);
   }
   return zeros_rad;
+}
+
+AllegroEmulator& allegroOf(HandRig& allegro_rig) {
+  return dynamic_cast<AllegroHandRig&>(allegro_rig).bus();
 }
 
 ODriveEmulator& busOf(HandRig& odrive_rig) {

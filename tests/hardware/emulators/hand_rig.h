@@ -43,6 +43,9 @@ std::unique_ptr<HandRig> makeHandRig(const config::HandConfig& config,
 /// The axes behind the adapter of an ODrive hand.
 ODriveEmulator& busOf(HandRig& odrive_rig);
 
+/// The hand behind the adapter of an Allegro.
+AllegroEmulator& allegroOf(HandRig& allegro_rig);
+
 /// Lines of an ODrive hand that is not homed: each drum has to wind in by some turns before its
 /// line is taut. Returns the shafts' places there, rad: what homing ought to find.
 std::vector<double> slackenLines(HandRig& odrive_rig, const config::HandConfig& config);

@@ -2,6 +2,10 @@
 // device that CONFIG tells of, emulated on a tty, at 100, 200 and 500 Hz. A line each: how late
 // its periods begin, and the CPU that it takes; and what rate the wire would permit. Figures
 // are those of the machine it runs on.
+//
+// handgraft-loop-bench CONFIG wire MOTORS BAUD: what rate BAUD permits for so many motors of
+// the kind, as a config is refused beyond it; and how many cycles a second its driver makes,
+// one behind the other, on an emulated tty of that rate.
 
 #include <algorithm>
 #include <array>
@@ -10,6 +14,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -152,15 +157,73 @@ void measure(config::HandConfig config, double rate_hz, double seconds) {
   std::fflush(stdout);
 }
 
+/// So many motors like the first ones, one behind the other.
+void setMotors(config::HandConfig& config, std::size_t count) {
+  const std::size_t before = config.motors.size();
+  config.motors.resize(count, config.motors.back());
+  for (std::size_t i = before; i < count; ++i) {
+    config.motors[i].id = config.motors[i - 1].id + 1;
+    config.motors[i].name = fmt::format("more {}", i);
+  }
+}
+
+void measureWire(config::HandConfig config, std::size_t motors, int baud) {
+  setMotors(config, motors);
+  const bool is_can = config.device.kind == config::DeviceKind::kODrive ||
+                      config.device.kind == config::DeviceKind::kAllegro;
+  if (is_can) {
+    config.device.carrier = config::CanCarrier::kSlcan;
+    config.device.can_bitrate = baud;
+    config.governor.period_s = 0.01;  // what comes by itself depends on it
+  } else {
+    config.device.baud = baud;
+  }
+  const double permitted_hz = config::kWireShare / config::cycleTime_s(config);
+  if (is_can) {  // an emulated bus takes no time
+    fmt::print("{:3} motors at {:7}: {:5.0f} Hz permitted\n", motors, baud, permitted_hz);
+    return;
+  }
+  config.device.watchdog = std::chrono::milliseconds(2000);
+  config.device.reply_timeout = std::chrono::milliseconds(50);
+  config.device.tolerated_misses = 50;
+  config.governor.longest_gap = std::chrono::milliseconds(250);
+  const auto rig = test::makeHandRig(config, true);
+  const bridge::DeviceStack stack =
+      bridge::makeDeviceOn(rig->wire().channel(), config, Clock::now);
+  stack.device->open();
+  stack.device->arm();
+  devices::DeviceState state(stack.device->motorCount());
+  const auto begin = Clock::now();
+  int cycles = 0;
+  const auto seconds = [&] {
+    return std::chrono::duration<double>(Clock::now() - begin).count();
+  };
+  while (seconds() < 3 && stack.device->read(state) && stack.device->write(state.position))
+    ++cycles;
+  const double reached_hz = cycles / seconds();
+  const std::uint64_t missed = stack.device->counters().missed;
+  stack.device->disarm();
+  fmt::print("{:3} motors at {:7}: {:5.0f} Hz permitted, {:5.0f} cycles a second, {} missed\n",
+             motors, baud, permitted_hz, reached_hz, missed);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   if (argc < 2) {
-    fmt::print(stderr, "usage: handgraft-loop-bench CONFIG [SECONDS]\n");
+    fmt::print(stderr, "usage: handgraft-loop-bench CONFIG [SECONDS | wire MOTORS BAUD]\n");
     return 2;
   }
   try {
     const config::HandConfig config = config::readHandConfig(argv[1]);
+    if (argc == 5 && std::string(argv[2]) == "wire") {
+      const int motors = std::atoi(argv[3]);
+      const int baud = std::atoi(argv[4]);
+      if (motors < 1 || motors > 64 || baud < 9600)
+        rejectInput("MOTORS {} BAUD {}: 1 to 64, at least 9600", argv[3], argv[4]);
+      measureWire(config, static_cast<std::size_t>(motors), baud);
+      return 0;
+    }
     const double seconds = argc > 2 ? std::atof(argv[2]) : 10;
     for (const double rate_hz : std::array{100.0, 200.0, 500.0})
       measure(config, rate_hz, seconds);

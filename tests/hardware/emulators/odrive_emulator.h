@@ -32,8 +32,8 @@ class ODriveEmulator final : public CanBus {
     bool is_broken = false;  ///< its error cannot be cleared
     bool is_unplugged = false;
     std::optional<double> stop;  ///< turns: the servo gets no farther upwards
-    /// Turns: from here on a line pulls back, the more the farther it is wound in `winds`, until
-    /// at kBlockedCurrent the fingers bend.
+    /// Turns: from here on a line pulls back, the more the farther it is wound in `winds`,
+    /// until at kBlockedCurrent the fingers bend.
     std::optional<double> taut;
     double winds = 1;
     float current_A = 0.25f;                             ///< told while it moves freely

@@ -22,6 +22,9 @@ namespace handgraft::test {
 namespace {
 
 constexpr std::chrono::microseconds kStep(500);
+// What takes less on the wire arrives at once: the thread that serves it looks once a
+// millisecond.
+constexpr std::chrono::milliseconds kNoticed(2);
 
 class VirtualWire final : public Wire, private devices::ByteChannel {
  public:
@@ -111,8 +114,10 @@ class VirtualWire final : public Wire, private devices::ByteChannel {
 /// Serves a device on a pty under a name that stays the same when it is plugged in again.
 class Pty final : public Wire {
  public:
-  Pty(EmulatedDevice& device, int bits_per_second)
+  Pty(EmulatedDevice& device, int bits_per_second, Line line)
       : device_(device), link_(uniqueName()), port_(link_.string(), bits_per_second) {
+    constexpr std::chrono::nanoseconds kTenBits(10'000'000'000);
+    if (line == Line::kUart) per_byte_ = kTenBits / bits_per_second;
     plug();
   }
 
@@ -177,19 +182,35 @@ class Pty final : public Wire {
       const TimePoint now = std::chrono::steady_clock::now();
       if (count > 0) device_.hear({chunk.data(), static_cast<std::size_t>(count)}, now);
       device_.advance(now);
-      const ByteVector bytes = device_.takeOutput(now);
-      std::size_t written = 0;
-      while (written < bytes.size()) {
-        const ssize_t part = ::write(master_, bytes.data() + written, bytes.size() - written);
-        if (part <= 0) break;  // nobody reads: lost, as on a real wire
-        written += static_cast<std::size_t>(part);
-      }
+      const ByteVector said = device_.takeOutput(now);
+      if (on_wire_.empty()) arrived_at_ = now;
+      on_wire_.insert(on_wire_.end(), said.begin(), said.end());
+      deliver(now);
     }
+  }
+
+  void deliver(TimePoint now) {
+    const auto left = static_cast<std::ptrdiff_t>(on_wire_.size());
+    std::ptrdiff_t count = left;
+    // A pty itself knows nothing of rates.
+    if (left * per_byte_ > kNoticed) count = std::min(left, (now - arrived_at_) / per_byte_);
+    arrived_at_ += count * per_byte_;
+    std::ptrdiff_t written = 0;
+    while (written < count) {
+      const ssize_t part = ::write(master_, on_wire_.data() + written,
+                                   static_cast<std::size_t>(count - written));
+      if (part <= 0) break;  // nobody reads: lost, as on a real wire
+      written += part;
+    }
+    on_wire_.erase(on_wire_.begin(), on_wire_.begin() + count);
   }
 
   EmulatedDevice& device_;
   std::filesystem::path link_;
   devices::SerialPort port_;
+  std::chrono::nanoseconds per_byte_{0};
+  ByteVector on_wire_;      // said, and not arrived yet
+  TimePoint arrived_at_{};  // the last byte before them
   int master_ = -1;
   std::atomic<bool> is_stopping_ = false;
   std::mutex mutex_;
@@ -202,8 +223,8 @@ std::unique_ptr<Wire> makeVirtualWire(EmulatedDevice& device) {
   return std::make_unique<VirtualWire>(device);
 }
 
-std::unique_ptr<Wire> makePty(EmulatedDevice& device, int bits_per_second) {
-  return std::make_unique<Pty>(device, bits_per_second);
+std::unique_ptr<Wire> makePty(EmulatedDevice& device, int bits_per_second, Line line) {
+  return std::make_unique<Pty>(device, bits_per_second, line);
 }
 
 std::string portOf(Wire& pty) {

@@ -30,8 +30,14 @@ class Wire {
 /// A wire in a time of its own: whoever waits moves it on.
 std::unique_ptr<Wire> makeVirtualWire(EmulatedDevice& device);
 
-/// A pseudo terminal, with the device on a thread, in real time.
-std::unique_ptr<Wire> makePty(EmulatedDevice& device, int bits_per_second);
+/// A line of `bits_per_second`, or a USB adapter of which that is a number alone.
+enum class Line { kUart, kUsb };
+
+/// A pseudo terminal, with the device on a thread, in real time: what the device says takes as
+/// long as it does on such a line.
+std::unique_ptr<Wire> makePty(EmulatedDevice& device,
+                              int bits_per_second,
+                              Line line = Line::kUart);
 
 /// The path of the tty that a pty stands for.
 std::string portOf(Wire& pty);

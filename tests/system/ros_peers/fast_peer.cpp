@@ -1,18 +1,22 @@
-// fast_peer DOMAIN PREFIX VERB: the same as cyclone_peer.c on Fast DDS, with the classes that
-// fastddsgen makes of rosidl.idl.
+// fast_peer DOMAIN PREFIX VERB...: the same as cyclone_peer.c on Fast DDS, with the classes
+// that fastddsgen makes of rosidl.idl. On loopback alone if FAST_PEER_ON_LOOPBACK is set; else
+// as a ROS process comes.
 
 #include "rosidl.h"
 #include "rosidlPubSubTypes.h"
 
+#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/domain/DomainParticipantListener.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
 #include <fastdds/dds/subscriber/DataReader.hpp>
@@ -26,20 +30,40 @@ namespace {
 
 namespace fast = eprosima::fastdds::dds;
 
-fast::DomainParticipant* join(int domain) {
-  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
-  udp->interfaceWhiteList.emplace_back("127.0.0.1");
+/// What writers of joint states announce in their USER_DATA.
+class HashWatch final : public fast::DomainParticipantListener {
+ public:
+  void on_publisher_discovery(fast::DomainParticipant* /*participant*/,
+                              eprosima::fastrtps::rtps::WriterDiscoveryInfo&& info) override {
+    const std::string topic = info.info.topicName().to_string();
+    const auto& data = info.info.m_qos.m_userData;
+    const std::string told(data.begin(), data.end());
+    const std::string hash =
+        "typehash=RIHS01_a13ee3a330e346c9d87b5aa18d24e11690752bd33a0350f11c5882bc9179260e;";
+    const std::string end = "joint_states";
+    if (topic.size() < end.size() || topic.substr(topic.size() - end.size()) != end) return;
+    if (told.find(hash) != std::string::npos) has_seen = true;
+  }
+
+  std::atomic<bool> has_seen{false};
+};
+
+fast::DomainParticipant* join(int domain, HashWatch& watch) {
   fast::DomainParticipantQos qos;
-  qos.transport().use_builtin_transports = false;
-  qos.transport().user_transports.push_back(udp);
+  if (std::getenv("FAST_PEER_ON_LOOPBACK") != nullptr) {
+    auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+    udp->interfaceWhiteList.emplace_back("127.0.0.1");
+    qos.transport().use_builtin_transports = false;
+    qos.transport().user_transports.push_back(udp);
+  }
   return fast::DomainParticipantFactory::get_instance()->create_participant(
-      static_cast<std::uint32_t>(domain), qos);
+      static_cast<std::uint32_t>(domain), qos, &watch, fast::StatusMask::none());
 }
 
 class Node {
  public:
   Node(int domain, std::string prefix)
-      : prefix_(std::move(prefix)), participant_(join(domain)) {
+      : prefix_(std::move(prefix)), participant_(join(domain, watch_)) {
     publisher_ = participant_->create_publisher(fast::PUBLISHER_QOS_DEFAULT);
     subscriber_ = participant_->create_subscriber(fast::SUBSCRIBER_QOS_DEFAULT);
   }
@@ -70,8 +94,11 @@ class Node {
     return kind + "/" + prefix_ + end;
   }
 
+  [[nodiscard]] bool hasSeenHash() const { return watch_.has_seen; }
+
  private:
   std::string prefix_;
+  HashWatch watch_;
   fast::DomainParticipant* participant_;
   fast::Publisher* publisher_ = nullptr;
   fast::Subscriber* subscriber_ = nullptr;
@@ -87,17 +114,35 @@ bool take(fast::DataReader* reader, Message& message) {
   return has_come;
 }
 
+struct Service {
+  std::string verb;
+  fast::DataWriter* request;
+  fast::DataReader* reply;
+
+  [[nodiscard]] bool isMatched() const {
+    fast::PublicationMatchedStatus asked;
+    fast::SubscriptionMatchedStatus answered;
+    request->get_publication_matched_status(asked);
+    reply->get_subscription_matched_status(answered);
+    return asked.current_count > 0 && answered.current_count > 0;
+  }
+};
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 4) return 2;
-  Node node(std::atoi(argv[1]), argv[2]);
-  const std::string verb = argv[3];
+  if (argc < 4) return 2;
   using namespace std_srvs::srv::dds_;
-  auto* request = node.writer<Trigger_Request_PubSubType>(
-      node.name("rq", "handgraft_bridge/" + verb + "Request"));
-  auto* reply = node.reader<Trigger_Response_PubSubType>(
-      node.name("rr", "handgraft_bridge/" + verb + "Reply"));
+  Node node(std::atoi(argv[1]), argv[2]);
+  std::vector<Service> services;
+  for (int k = 3; k < argc; ++k) {
+    const std::string verb = argv[k];
+    services.push_back({verb,
+                        node.writer<Trigger_Request_PubSubType>(
+                            node.name("rq", "handgraft_bridge/" + verb + "Request")),
+                        node.reader<Trigger_Response_PubSubType>(
+                            node.name("rr", "handgraft_bridge/" + verb + "Reply"))});
+  }
   auto* joints = node.reader<sensor_msgs::msg::dds_::JointState_PubSubType>(
       node.name("rt", "joint_states"));
   auto* trajectory = node.reader<trajectory_msgs::msg::dds_::JointTrajectory_PubSubType>(
@@ -105,10 +150,10 @@ int main(int argc, char** argv) {
   auto* diagnostics =
       node.reader<diagnostic_msgs::msg::dds_::DiagnosticArray_PubSubType>("rt/diagnostics");
 
-  bool has_joints = false, has_trajectory = false, has_diagnostics = false, has_reply = false;
-  bool has_asked = false;
-  for (int i = 0; i < 1200; ++i) {
-    if (has_joints && has_trajectory && has_diagnostics && has_reply) break;
+  bool has_joints = false, has_trajectory = false, has_diagnostics = false, has_hash = false;
+  std::size_t answered = 0;
+  int asked_at = -1;  // turn in which the next service was asked
+  for (int i = 0; i < 1200 && answered < services.size(); ++i) {
     sensor_msgs::msg::dds_::JointState_ state;
     if (take(joints, state) && !has_joints && !state.name_().empty()) {
       has_joints = true;
@@ -130,27 +175,34 @@ int main(int argc, char** argv) {
       std::printf("diagnostics level %d of %s: %s\n", int{told.status_()[0].level_()},
                   told.status_()[0].name_().c_str(), told.status_()[0].hardware_id_().c_str());
     }
-    fast::PublicationMatchedStatus asked;
-    fast::SubscriptionMatchedStatus answered;
-    request->get_publication_matched_status(asked);
-    reply->get_subscription_matched_status(answered);
-    if (!has_asked && has_joints && asked.current_count > 0 && answered.current_count > 0) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(300));  // a match is not readiness
+    if (!has_hash && node.hasSeenHash()) {
+      has_hash = true;
+      std::printf("joint_states announces its type hash\n");
+    }
+    const Service& next = services[answered];
+    const auto number = static_cast<std::int64_t>(42 + answered);
+    Trigger_Response_ answer;
+    if (take(next.reply, answer) && asked_at >= 0 && answer.client_guid_() == 4711 &&
+        answer.sequence_number_() == number) {
+      std::printf("%s success %d: %s\n", next.verb.c_str(), answer.success_() ? 1 : 0,
+                  answer.message_().c_str());
+      asked_at = -1;
+      ++answered;
+      continue;
+    }
+    // A match is not readiness: a request may be lost, and is repeated after 3 s.
+    const bool is_due = asked_at < 0 || i - asked_at > 60;
+    const bool has_all = has_joints && has_trajectory && has_diagnostics && has_hash;
+    if (has_all && is_due && next.isMatched()) {
       Trigger_Request_ question;
       question.client_guid_(4711);
-      question.sequence_number_(42);
-      has_asked = request->write(&question);
-    }
-    Trigger_Response_ answer;
-    if (take(reply, answer) && answer.client_guid_() == 4711 &&
-        answer.sequence_number_() == 42) {
-      has_reply = true;
-      std::printf("%s success %d: %s\n", verb.c_str(), answer.success_() ? 1 : 0,
-                  answer.message_().c_str());
+      question.sequence_number_(number);
+      if (next.request->write(&question)) asked_at = i;
     }
     std::fflush(stdout);
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
+  std::fflush(stdout);
   // Without Fast DDS' own end, which may hang behind a peer that is gone.
-  std::_Exit(has_joints && has_trajectory && has_diagnostics && has_reply ? 0 : 1);
+  std::_Exit(answered == services.size() ? 0 : 1);
 }

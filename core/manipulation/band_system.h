@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+namespace handgraft::manipulation {
+
+/// How two frames meet in the Hessian of a motion: joint by joint and axis by axis, but for the
+/// root's rotation, whose three turn together.
+struct Coupling {
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();  ///< later frame x earlier one
+  Eigen::VectorXd others;                          ///< of the degrees of freedom behind
+
+  explicit Coupling(int dofs = 3) : others(Eigen::VectorXd::Zero(dofs - 3)) {}
+
+  void reset() {
+    turn.setZero();
+    others.setZero();
+  }
+};
+
+/// A symmetric system in which each frame meets the next two: blocks of `dofs` rows a frame.
+///
+/// Solved by a block Cholesky factorisation. Cost: about 6 dofs^3 multiplications a frame, and
+/// memory for 3 blocks of dofs^2; both linear in the frames.
+class BandSystem {
+ public:
+  BandSystem(std::size_t frames, int dofs);
+
+  std::vector<Eigen::MatrixXd> own;    ///< of each frame, both triangles
+  std::vector<Coupling> next;          ///< entry k: frame k + 1 by frame k
+  std::vector<Coupling> after_next;    ///< entry k: frame k + 2 by frame k
+  std::vector<Eigen::VectorXd> right;  ///< what it is to equal
+
+  /// False unless it is positive definite. `solution` has an entry a frame.
+  [[nodiscard]] bool solve(std::vector<Eigen::VectorXd>& solution);
+
+ private:
+  int dofs_;
+  std::vector<Eigen::LLT<Eigen::MatrixXd>> factors_;
+  std::vector<Eigen::MatrixXd> by_next_;        ///< L_{k+1,k}
+  std::vector<Eigen::MatrixXd> by_after_next_;  ///< L_{k+2,k}
+  Eigen::MatrixXd block_;
+};
+
+}  // namespace handgraft::manipulation

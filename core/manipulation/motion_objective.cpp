@@ -1,0 +1,238 @@
+#include "core/manipulation/motion_objective.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.h"
+
+namespace handgraft::manipulation {
+
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+// Of the square of what goes beyond a limit in 1/120 s: a joint that would gain a centimetre of
+// a patch stays within a percent of its limit.
+constexpr double kLimitWeight = 4e6;
+constexpr double kLimitShare = 0.98;  // of a limit, where it begins to cost
+
+/// Weights of two steps in a second difference: behind * (x2 - x1) - before * (x1 - x0).
+struct Difference {
+  double before = 0.0;
+  double behind = 0.0;
+};
+
+Difference differenceAt(const std::vector<double>& time_s, std::size_t middle) {
+  const double first = time_s[middle] - time_s[middle - 1];
+  const double second = time_s[middle + 1] - time_s[middle];
+  const double scale = 2.0 * kReferenceStep_s * kReferenceStep_s / (first + second);
+  return {scale / first, scale / second};
+}
+
+Vector3d turnBetween(const hand::HandPose& a, const hand::HandPose& b) {
+  return vectorFromRotation(b.X_WH.linear() * a.X_WH.linear().transpose());
+}
+
+/// How far x lies beyond [-limit, limit], with its sign.
+double beyond(double x, double limit) {
+  if (x > limit) return x - limit;
+  return x < -limit ? x + limit : 0.0;
+}
+
+}  // namespace
+
+MotionObjective::MotionObjective(const MotionProblem& problem,
+                                 const MotionOptions& options,
+                                 optimize::WorkerPool& pool)
+    : problem_(problem), options_(options), pool_(pool), trees_(problem.time_s.size()) {
+  const FrameProblems frames(problem, options.fade);
+  hand::HandPose rest;
+  rest.q = problem.prior;
+  // The same contacts as in the frame before: the same moments.
+  const auto isSame = [&](std::size_t k) {
+    const auto& now = frames.presentAt(static_cast<int>(k));
+    const auto& before = frames.presentAt(static_cast<int>(k) - 1);
+    if (now.size() != before.size()) return false;
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      if (now[i].track != before[i].track || now[i].presence != before[i].presence)
+        return false;
+      for (const PairSpan& span : problem.tracks[static_cast<std::size_t>(now[i].track)].spans)
+        if (span.begin == static_cast<int>(k)) return false;
+    }
+    return true;
+  };
+  for (std::size_t k = 0; k < trees_.size(); ++k) {
+    trees_[k] = k > 0 && isSame(k) ? trees_[k - 1]
+                                   : std::make_shared<const optimize::MomentTree>(
+                                         makeMomentTree(frames.at(static_cast<int>(k), rest)));
+  }
+  bare_ = frames.at(0, rest);
+  bare_.pairs.clear();
+  smoothness_ = VectorXd::Constant(dofCount(), options.smoothness);
+  smoothness_.head<3>() *= kTurnScale;
+  smoothness_.segment<3>(3) *= kShiftScale;
+  for (int i = 0; i < problem.model->dofCount(); ++i)
+    if (problem.model->dofJoint(i).type == hand::JointType::kPrismatic)
+      smoothness_[6 + i] *= kSliderScale;
+  frames_.assign(trees_.size(), 0.0);
+  models_.resize(trees_.size());
+}
+
+double MotionObjective::evaluate(const Poses& poses) {
+  HANDGRAFT_REQUIRE(poses.size() == trees_.size());
+  pool_.run(static_cast<int>(poses.size()), [&](int, int k) {
+    const auto index = static_cast<std::size_t>(k);
+    optimize::Objective objective(bare_, trees_[index]);
+    objective.care(care_);
+    frames_[index] = objective.evaluate(poses[index]).objective;
+  });
+  double sum = joining(poses);
+  for (const double frame : frames_)
+    sum += frame;
+  return sum;
+}
+
+void MotionObjective::expand(const Poses& poses, bool exact, BandSystem& system) {
+  HANDGRAFT_REQUIRE(poses.size() == trees_.size() && system.own.size() == trees_.size());
+  for (Coupling& coupling : system.next)
+    coupling.reset();
+  for (Coupling& coupling : system.after_next)
+    coupling.reset();
+  pool_.run(static_cast<int>(poses.size()), [&](int, int k) {
+    const auto index = static_cast<std::size_t>(k);
+    optimize::Objective objective(bare_, trees_[index]);
+    objective.care(care_);
+    static_cast<void>(objective.evaluate(poses[index]));
+    optimize::QuadraticModel model(dofCount());
+    objective.expand(model);
+    FrameModel& own = models_[index];
+    own.gradient = model.gradient;
+    own.scale = model.gauss_newton.diagonal();
+    own.hessian = model.gauss_newton;
+    if (exact) {
+      const Eigen::MatrixXd whole = model.gauss_newton + model.residual_curvature;
+      // Joints that no contact moves must not spoil the test.
+      Eigen::MatrixXd tested = whole;
+      tested.diagonal().array() += 1e-9 * own.scale.maxCoeff();
+      if (tested.llt().info() == Eigen::Success) own.hessian = whole;
+    }
+    system.right[index] = -own.gradient;
+    system.own[index] = own.hessian;
+  });
+  addJoining(poses, system);
+}
+
+double MotionObjective::joining(const Poses& poses) const {
+  const auto& time_s = problem_.time_s;
+  const double limit_weight = limit_share_ * kLimitWeight;
+  double sum = 0.0;
+  for (std::size_t k = 1; k < poses.size(); ++k) {
+    const double step = time_s[k] - time_s[k - 1];
+    for (Eigen::Index i = 0; i < poses[k].q.size(); ++i) {
+      const double limit = kLimitShare * problem_.velocity_limit[i];
+      const double excess = beyond((poses[k].q[i] - poses[k - 1].q[i]) / step, limit);
+      sum += limit_weight * excess * excess * kReferenceStep_s * kReferenceStep_s;
+    }
+  }
+  const double square = kReferenceStep_s * kReferenceStep_s;
+  for (std::size_t k = 1; k + 1 < poses.size(); ++k) {
+    const Difference d = differenceAt(time_s, k);
+    const hand::HandPose& a = poses[k - 1];
+    const hand::HandPose& b = poses[k];
+    const hand::HandPose& c = poses[k + 1];
+    const Vector3d turn = d.behind * turnBetween(b, c) - d.before * turnBetween(a, b);
+    const Vector3d shift = d.behind * (c.X_WH.translation() - b.X_WH.translation()) -
+                           d.before * (b.X_WH.translation() - a.X_WH.translation());
+    sum += smoothness_[0] * turn.squaredNorm() + smoothness_[3] * shift.squaredNorm();
+    for (Eigen::Index i = 0; i < b.q.size(); ++i) {
+      const double bend = d.behind * (c.q[i] - b.q[i]) - d.before * (b.q[i] - a.q[i]);
+      const double excess = beyond(bend, kLimitShare * problem_.acceleration_limit[i] * square);
+      sum += smoothness_[6 + i] * bend * bend + limit_weight * excess * excess;
+    }
+  }
+  return sum;
+}
+
+void MotionObjective::addJoining(const Poses& poses, BandSystem& system) const {
+  const auto& time_s = problem_.time_s;
+  const double limit_weight = limit_share_ * kLimitWeight;
+  // Residual r = sum of share * x over frames; weight r^2.
+  const auto addLinear = [&system](std::size_t first, Eigen::Index dof, const double* shares,
+                                   int count, double residual, double weight) {
+    for (int i = 0; i < count; ++i) {
+      const std::size_t a = first + static_cast<std::size_t>(i);
+      system.right[a][dof] -= 2.0 * weight * shares[i] * residual;
+      system.own[a](dof, dof) += 2.0 * weight * shares[i] * shares[i];
+      if (i + 1 < count)
+        system.next[a].others[dof - 3] += 2.0 * weight * shares[i] * shares[i + 1];
+      if (i + 2 < count)
+        system.after_next[a].others[dof - 3] += 2.0 * weight * shares[i] * shares[i + 2];
+    }
+  };
+  for (std::size_t k = 1; k < poses.size(); ++k) {
+    const double rate = kReferenceStep_s / (time_s[k] - time_s[k - 1]);
+    const double shares[2] = {-rate, rate};
+    for (Eigen::Index i = 0; i < poses[k].q.size(); ++i) {
+      const double way = rate * (poses[k].q[i] - poses[k - 1].q[i]);
+      const double excess =
+          beyond(way, kLimitShare * problem_.velocity_limit[i] * kReferenceStep_s);
+      if (excess != 0.0) addLinear(k - 1, 6 + i, shares, 2, excess, limit_weight);
+    }
+  }
+  const double square = kReferenceStep_s * kReferenceStep_s;
+  for (std::size_t k = 1; k + 1 < poses.size(); ++k) {
+    const Difference d = differenceAt(time_s, k);
+    const double shares[3] = {d.before, -d.before - d.behind, d.behind};
+    const hand::HandPose& a = poses[k - 1];
+    const hand::HandPose& b = poses[k];
+    const hand::HandPose& c = poses[k + 1];
+    for (int i = 0; i < 3; ++i) {
+      const double bend = shares[0] * a.X_WH.translation()[i] +
+                          shares[1] * b.X_WH.translation()[i] +
+                          shares[2] * c.X_WH.translation()[i];
+      addLinear(k - 1, 3 + i, shares, 3, bend, smoothness_[3 + i]);
+    }
+    for (Eigen::Index i = 0; i < b.q.size(); ++i) {
+      const double bend = shares[0] * a.q[i] + shares[1] * b.q[i] + shares[2] * c.q[i];
+      addLinear(k - 1, 6 + i, shares, 3, bend, smoothness_[6 + i]);
+      const double excess = beyond(bend, kLimitShare * problem_.acceleration_limit[i] * square);
+      if (excess != 0.0) addLinear(k - 1, 6 + i, shares, 3, excess, limit_weight);
+    }
+    // log(R_b R_a^T) follows turns w_a, w_b by J^-1 w_b - J^-T w_a, J its left Jacobian.
+    const Vector3d first = turnBetween(a, b);
+    const Vector3d second = turnBetween(b, c);
+    const Matrix3d J_first = leftJacobianInverse(first);
+    const Matrix3d J_second = leftJacobianInverse(second);
+    const Vector3d turn = d.behind * second - d.before * first;
+    const Matrix3d by[3] = {d.before * J_first.transpose(),
+                            -d.behind * J_second.transpose() - d.before * J_first,
+                            d.behind * J_second};
+    const double two_w = 2.0 * smoothness_[0];
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t frame = k - 1 + i;
+      system.right[frame].head<3>() -= two_w * by[i].transpose() * turn;
+      system.own[frame].topLeftCorner<3, 3>() += two_w * by[i].transpose() * by[i];
+      if (i < 2) system.next[frame].turn += two_w * by[i + 1].transpose() * by[i];
+      if (i < 1) system.after_next[frame].turn += two_w * by[i + 2].transpose() * by[i];
+    }
+  }
+}
+
+void moveBy(const MotionProblem& problem,
+            const std::vector<VectorXd>& steps,
+            const std::vector<hand::HandPose>& from,
+            std::vector<hand::HandPose>& to) {
+  to = from;
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    const VectorXd& step = steps[k];
+    hand::HandPose& pose = to[k];
+    pose.X_WH.linear() = rotationFromVector(step.head<3>()) * from[k].X_WH.linear();
+    pose.X_WH.translation() += step.segment<3>(3);
+    pose.q += step.tail(step.size() - 6);
+    pose.q = pose.q.cwiseMax(problem.lower).cwiseMin(problem.upper);
+  }
+}
+
+}  // namespace handgraft::manipulation

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/manipulation/band_system.h"
+#include "core/manipulation/motion_problem.h"
+#include "core/optimize/objective.h"
+#include "core/optimize/worker_pool.h"
+
+namespace handgraft::manipulation {
+
+/// All frames of a motion at once: Eq. 2 of each, plus smoothness times |second difference|^2,
+/// plus what velocities and accelerations beyond their limits cost.
+///
+/// A second difference is an acceleration times the square of 1/120 s, so that the rate of the
+/// frames does not matter; the root's rotation is on the manifold: the turn from frame to
+/// frame, and its change.
+///
+/// Deterministic, whatever the number of threads: each frame is summed by itself, then all in
+/// their order. Cost of an evaluation: that of a single frame, times the frames.
+class MotionObjective {
+ public:
+  /// Keeps references. Memory: some 20 kB a frame whose contacts differ from the last one's.
+  MotionObjective(const MotionProblem& problem,
+                  const MotionOptions& options,
+                  optimize::WorkerPool& pool);
+
+  using Poses = std::vector<hand::HandPose>;
+
+  /// How penetration is looked for from now on.
+  void care(const optimize::AvoidanceCare& care) { care_ = care; }
+
+  /// Share of what lies beyond limits of velocity and acceleration that is charged from now on:
+  /// all of it at once is stuck at once.
+  void chargeLimits(double share) { limit_share_ = share; }
+
+  double evaluate(const Poses& poses);
+
+  /// Eq. 2 of each frame at the poses evaluated last.
+  [[nodiscard]] const std::vector<double>& frames() const { return frames_; }
+
+  /// Gradient (as `right`, its sign turned) and Hessian about the poses. Where `exact`, frames
+  /// whose exact Hessian is positive definite have that, others their Gauss-Newton matrix,
+  /// which all have else; what joins frames is Gauss-Newton.
+  void expand(const Poses& poses, bool exact, BandSystem& system);
+
+  /// A frame's Eq. 2 alone, as expanded last.
+  struct FrameModel {
+    Eigen::VectorXd gradient;
+    Eigen::MatrixXd hessian;
+    Eigen::VectorXd scale;  ///< of the Gauss-Newton matrix: what damping is a share of
+
+    /// What a step changes.
+    [[nodiscard]] double changeBy(const Eigen::VectorXd& step) const {
+      return gradient.dot(step) + 0.5 * step.dot(hessian * step);
+    }
+  };
+
+  [[nodiscard]] const std::vector<FrameModel>& models() const { return models_; }
+
+  [[nodiscard]] int dofCount() const { return 6 + problem_.model->dofCount(); }
+
+ private:
+  [[nodiscard]] double joining(const Poses& poses) const;
+  void addJoining(const Poses& poses, BandSystem& system) const;
+
+  const MotionProblem& problem_;
+  MotionOptions options_;
+  optimize::WorkerPool& pool_;
+  optimize::AvoidanceCare care_;
+  double limit_share_ = 1.0;
+  optimize::PoseProblem bare_;  ///< a frame without its pairs
+  std::vector<std::shared_ptr<const optimize::MomentTree>> trees_;
+  Eigen::VectorXd smoothness_;  ///< of each degree of freedom
+  std::vector<double> frames_;
+  std::vector<FrameModel> models_;
+};
+
+/// A step of each frame: the root's turn by exp(w) R, all else added, joints kept within their
+/// limits.
+void moveBy(const MotionProblem& problem,
+            const std::vector<Eigen::VectorXd>& steps,
+            const std::vector<hand::HandPose>& from,
+            std::vector<hand::HandPose>& to);
+
+}  // namespace handgraft::manipulation

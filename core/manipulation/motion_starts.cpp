@@ -1,0 +1,241 @@
+#include "core/manipulation/motion_starts.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "core/manipulation/causal_solver.h"
+#include "core/optimize/objective.h"
+#include "core/optimize/solver.h"
+
+namespace handgraft::manipulation {
+
+namespace {
+
+constexpr double kChangesApart_s = 0.25;
+constexpr std::size_t kMostAnchors = 64;
+constexpr std::size_t kMostCandidates = 5;
+// Evaluations of a search that goes on from a neighbour's minimum.
+constexpr int kFollowing = 60;
+constexpr std::size_t kMostFollowed = 2;
+
+/// A pose that a frame might have.
+struct Candidate {
+  hand::HandPose pose;
+  double objective = 0.0;
+};
+
+struct Anchor {
+  int frame = 0;
+  std::vector<Candidate> candidates;
+};
+
+double squareBetween(const MotionProblem& problem,
+                     const hand::HandPose& a,
+                     const hand::HandPose& b) {
+  double sum =
+      kShiftScale * (a.X_WH.translation() - b.X_WH.translation()).squaredNorm() +
+      kTurnScale *
+          vectorFromRotation(a.X_WH.linear() * b.X_WH.linear().transpose()).squaredNorm();
+  for (Eigen::Index i = 0; i < a.q.size(); ++i) {
+    const bool slides =
+        problem.model->dofJoint(static_cast<int>(i)).type == hand::JointType::kPrismatic;
+    const double way = a.q[i] - b.q[i];
+    sum += (slides ? kSliderScale : 1.0) * way * way;
+  }
+  return sum;
+}
+
+bool isNear(const MotionProblem& problem, const Candidate& a, const Candidate& b) {
+  return squareBetween(problem, a.pose, b.pose) < 0.01;
+}
+
+void keepBest(const MotionProblem& problem, std::vector<Candidate>& candidates) {
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) {
+                     return a.objective < b.objective;
+                   });
+  std::vector<Candidate> kept;
+  for (const Candidate& one : candidates) {
+    const bool known = std::any_of(kept.begin(), kept.end(), [&](const Candidate& other) {
+      return isNear(problem, one, other);
+    });
+    if (!known && kept.size() < kMostCandidates) kept.push_back(one);
+  }
+  candidates = std::move(kept);
+}
+
+std::vector<int> anchorFrames(const MotionProblem& problem, const FrameProblems& frames) {
+  double apart = kChangesApart_s;
+  std::vector<int> changes = contactChanges(problem, apart);
+  while (changes.size() > kMostAnchors) {
+    apart *= 1.5;
+    changes = contactChanges(problem, apart);
+  }
+  std::erase_if(changes, [&](int frame) {
+    return frames.presentAt(frame).empty();
+  });
+  return changes;
+}
+
+}  // namespace
+
+hand::HandPose between(const hand::HandPose& from, const hand::HandPose& to, double share) {
+  hand::HandPose pose = from;
+  pose.q += share * (to.q - from.q);
+  pose.X_WH.translation() += share * (to.X_WH.translation() - from.X_WH.translation());
+  const Eigen::Vector3d turn =
+      vectorFromRotation(to.X_WH.linear() * from.X_WH.linear().transpose());
+  pose.X_WH.linear() = rotationFromVector(share * turn) * from.X_WH.linear();
+  return pose;
+}
+
+std::vector<hand::HandPose> joinedMinima(const MotionProblem& problem,
+                                         const MotionOptions& options,
+                                         const Progress& progress) {
+  // Penetration comes in later, step by step.
+  MotionProblem touching = problem;
+  touching.avoidance = nullptr;
+  const FrameProblems frames(touching, options.fade);
+  hand::HandPose rest;
+  rest.q = problem.prior.cwiseMax(problem.lower).cwiseMin(problem.upper);
+  std::vector<Anchor> anchors;
+  for (const int frame : anchorFrames(touching, frames))
+    anchors.push_back({frame, {}});
+  std::vector<hand::HandPose> poses(problem.time_s.size(), rest);
+  if (anchors.empty()) return poses;
+
+  // === Candidates: the best of each frame, and what follows from the neighbours'
+  const auto searchFrom = [&](const Anchor& anchor, const hand::HandPose& start) {
+    optimize::SolveOptions solving;
+    solving.starts = 1;
+    solving.max_evaluations = kFollowing;
+    const auto report = optimize::solve(frames.at(anchor.frame, start), solving, progress);
+    return Candidate{report.pose, report.terms.objective};
+  };
+  for (std::size_t i = 0; i < anchors.size(); ++i) {
+    progress.checkpoint();
+    progress.report("finding grasps",
+                    static_cast<double>(i) / static_cast<double>(anchors.size()));
+    const auto report =
+        solveSingle(touching, frames, anchors[i].frame, rest, options, progress);
+    for (const optimize::Minimum& minimum : report.minima)
+      anchors[i].candidates.push_back({minimum.pose, minimum.terms.objective});
+    keepBest(problem, anchors[i].candidates);
+  }
+  const auto spread = [&](std::size_t from, std::size_t to) {
+    std::vector<Candidate> all = anchors[to].candidates;
+    for (const Candidate& one : anchors[from].candidates)
+      all.push_back(searchFrom(anchors[to], one.pose));
+    keepBest(problem, all);
+    anchors[to].candidates = std::move(all);
+  };
+  for (std::size_t i = 1; i < anchors.size(); ++i)
+    spread(i - 1, i);
+  for (std::size_t i = anchors.size() - 1; i-- > 0;)
+    spread(i + 1, i);
+
+  // === The cheapest way through them
+  std::vector<std::vector<double>> costs(anchors.size());
+  std::vector<std::vector<std::size_t>> from(anchors.size());
+  costs[0].assign(anchors[0].candidates.size(), 0.0);
+  for (std::size_t i = 1; i < anchors.size(); ++i) {
+    const Anchor& before = anchors[i - 1];
+    const Anchor& now = anchors[i];
+    const double count = now.frame - before.frame;
+    const int middle = (before.frame + now.frame) / 2;
+    const optimize::PoseProblem single = frames.at(middle, rest);
+    optimize::Objective objective(single);
+    for (const Candidate& one : now.candidates) {
+      double best = std::numeric_limits<double>::infinity();
+      std::size_t best_from = 0;
+      for (std::size_t j = 0; j < before.candidates.size(); ++j) {
+        const Candidate& other = before.candidates[j];
+        const double middle_cost =
+            objective.evaluate(between(other.pose, one.pose, 0.5)).objective;
+        // From rest to rest over n frames the squares of second differences sum to 12 way^2 /
+        // n^3.
+        const double bend = 12.0 * options.smoothness *
+                            squareBetween(problem, one.pose, other.pose) /
+                            (count * count * count);
+        const double cost = costs[i - 1][j] + bend +
+                            count / 6.0 * (other.objective + 4.0 * middle_cost + one.objective);
+        if (cost < best) {
+          best = cost;
+          best_from = j;
+        }
+      }
+      costs[i].push_back(best);
+      from[i].push_back(best_from);
+    }
+  }
+  std::size_t at = static_cast<std::size_t>(
+      std::min_element(costs.back().begin(), costs.back().end()) - costs.back().begin());
+  std::vector<hand::HandPose> chosen(anchors.size());
+  for (std::size_t i = anchors.size(); i-- > 0;) {
+    chosen[i] = anchors[i].candidates[at].pose;
+    if (i > 0) at = from[i][at];
+  }
+
+  // === Frames between
+  std::size_t next = 0;
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    const int frame = static_cast<int>(k);
+    while (next < anchors.size() && anchors[next].frame <= frame)
+      ++next;
+    if (next == 0) {
+      poses[k] = chosen.front();
+    } else if (next == anchors.size()) {
+      poses[k] = chosen.back();
+    } else {
+      const double begin = problem.time_s[static_cast<std::size_t>(anchors[next - 1].frame)];
+      const double end = problem.time_s[static_cast<std::size_t>(anchors[next].frame)];
+      poses[k] =
+          between(chosen[next - 1], chosen[next], (problem.time_s[k] - begin) / (end - begin));
+    }
+  }
+  return poses;
+}
+
+std::vector<hand::HandPose> followedMinima(const MotionProblem& problem,
+                                           const MotionOptions& options,
+                                           const Progress& progress) {
+  const FrameProblems frames(problem, options.fade);
+  MotionOptions following = options;
+  following.smoothness = std::min(options.smoothness, kCausalSmoothness);
+  hand::HandPose rest;
+  rest.q = problem.prior.cwiseMax(problem.lower).cwiseMin(problem.upper);
+  const int fullest = fullestBegin(problem, frames);
+  std::vector<hand::HandPose> starts = {rest};
+  if (!frames.presentAt(fullest).empty()) {
+    const auto report = solveSingle(problem, frames, fullest, rest, options, progress);
+    starts = {report.pose};
+    for (std::size_t i = 1; i < std::min(report.minima.size(), kMostFollowed); ++i)
+      starts.push_back(report.minima[i].pose);
+  }
+  std::vector<hand::HandPose> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const hand::HandPose& start : starts) {
+    std::vector<hand::HandPose> poses(problem.time_s.size());
+    double sum = 0.0;
+    // Forwards, then backwards: time counts from the frame between.
+    for (const int way : {1, -1}) {
+      CausalSolver solver(problem, following);
+      solver.begin(start);
+      for (int k = fullest; k >= 0 && k < problem.frameCount(); k += way) {
+        progress.checkpoint();
+        const auto index = static_cast<std::size_t>(k);
+        CausalSolver::Step step =
+            solver.follow(way * problem.time_s[index], frames.at(k, rest));
+        if (way < 0 && k == fullest) continue;
+        sum += step.objective;
+        poses[index] = std::move(step.pose);
+      }
+    }
+    if (sum >= least) continue;
+    least = sum;
+    best = std::move(poses);
+  }
+  return best;
+}
+
+}  // namespace handgraft::manipulation

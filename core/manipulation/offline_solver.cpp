@@ -1,0 +1,254 @@
+#include "core/manipulation/offline_solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/manipulation/motion_objective.h"
+#include "core/manipulation/motion_starts.h"
+
+namespace handgraft::manipulation {
+
+namespace {
+
+using Eigen::VectorXd;
+using Poses = std::vector<hand::HandPose>;
+
+constexpr double kFirstDamping = 1e-2;
+constexpr double kLeastDamping = 1e-6;
+constexpr double kMostDamping = 1e9;
+constexpr double kWorthwhile = 1e-6;  // share of the objective that a step has to promise
+constexpr double kLeastRatio = 1e-4;
+constexpr double kShortestShare = 0.01;  // of a step
+
+/// One part of the way: how closely penetration is looked for, how much of what lies beyond
+/// velocities and accelerations is charged, and for how long.
+struct Stage {
+  optimize::AvoidanceCare care;
+  double limits;
+  int steps;
+};
+
+// From soft to hard: what is stiff at once is stuck at once.
+const std::vector<Stage> kTouchingStages = {
+    {{false, 0.0}, 1e-4, 40}, {{false, 0.0}, 1e-2, 40}, {{false, 0.0}, 1.0, 60}};
+// Out of the object already.
+const std::vector<Stage> kAvoidingStages = {
+    {{true, 1.0}, 1e-4, 8}, {{true, 1.0}, 1e-2, 8}, {{true, 1.0}, 1.0, 12}};
+
+/// A Newton method over all frames, from one trajectory downhill. Each frame has a damping of
+/// its own, raised where its model was wrong: a frame in trouble does not keep the others back.
+class BandSearch {
+ public:
+  BandSearch(const MotionProblem& problem, MotionObjective& objective, Poses poses)
+      : problem_(problem),
+        objective_(objective),
+        system_(problem.time_s.size(), objective.dofCount()),
+        undamped_(system_),
+        poses_(std::move(poses)),
+        damping_(problem.time_s.size(), kFirstDamping) {}
+
+  /// Up to `steps` trials. Counts evaluations of frames.
+  void descend(int steps, const Progress& progress, int& evaluations) {
+    value_ = objective_.evaluate(poses_);
+    std::fill(damping_.begin(), damping_.end(), kFirstDamping);
+    bool expanded = false;
+    for (int step = 0; step < steps; ++step) {
+      progress.checkpoint();
+      if (!expanded) objective_.expand(poses_, true, undamped_);
+      expanded = true;
+      const double promise = propose();
+      if (!(promise > kWorthwhile * value_)) return;
+      const std::vector<double> before = objective_.frames();
+      const auto tries = [&] {
+        moveBy(problem_, steps_, poses_, trial_);
+        evaluations += problem_.frameCount();
+        return objective_.evaluate(trial_);
+      };
+      double value = tries();
+      bool better = value_ - value > kLeastRatio * promise;
+      const bool any = judgeFrames(before, better);
+      // Else what joins frames bends: limits that the whole step would break.
+      for (double share = 1.0; !better && !any && share > kShortestShare;) {
+        share *= 0.3;
+        for (VectorXd& part : steps_)
+          part *= 0.3;
+        value = tries();
+        better = value_ - value > kLeastRatio * share * promise;
+      }
+      if (better) {
+        std::swap(poses_, trial_);
+        value_ = value;
+        expanded = false;
+        continue;
+      }
+      if (!any)
+        for (double& damping : damping_)
+          damping = std::min(kMostDamping, 10.0 * damping);
+      static_cast<void>(objective_.evaluate(poses_));
+    }
+  }
+
+  [[nodiscard]] Poses& poses() { return poses_; }
+
+ private:
+  /// A step of each frame within the limits of its joints, and what it promises to gain. Joints
+  /// that would leave stay on the border, and the others follow.
+  double propose() {
+    constexpr int kPasses = 4;
+    system_ = undamped_;
+    for (std::size_t k = 0; k < poses_.size(); ++k)
+      system_.own[k].diagonal() += dampingOf(k);
+    std::vector<VectorXd> border(poses_.size(),
+                                 VectorXd::Constant(objective_.dofCount(), kFree));
+    for (std::size_t k = 0; k < poses_.size(); ++k) {
+      for (Eigen::Index i = 0; i < poses_[k].q.size(); ++i) {
+        const double q = poses_[k].q[i];
+        const double pull = undamped_.right[k][6 + i];
+        const bool stays =
+            (q <= problem_.lower[i] && pull <= 0.0) || (q >= problem_.upper[i] && pull >= 0.0);
+        if (stays) hold(k, 6 + i, 0.0, border);
+      }
+    }
+    for (int pass = 0; pass < kPasses; ++pass) {
+      if (!system_.solve(steps_)) {
+        for (double& damping : damping_)
+          damping = std::min(kMostDamping, 10.0 * damping);
+        return propose();
+      }
+      bool left = false;
+      for (std::size_t k = 0; k < poses_.size(); ++k) {
+        for (Eigen::Index i = 0; i < poses_[k].q.size(); ++i) {
+          if (border[k][6 + i] != kFree) continue;
+          const double q = poses_[k].q[i];
+          const double inside =
+              std::clamp(q + steps_[k][6 + i], problem_.lower[i], problem_.upper[i]) - q;
+          if (std::abs(inside - steps_[k][6 + i]) < 1e-12) continue;
+          hold(k, 6 + i, inside, border);
+          left = true;
+        }
+      }
+      if (!left) break;
+    }
+    return promiseOf();
+  }
+
+  /// Degree of freedom i of frame k goes `way`, whatever the others do.
+  void hold(std::size_t k, Eigen::Index i, double way, std::vector<VectorXd>& border) {
+    border[k][i] = way;
+    if (way != 0.0) {
+      system_.right[k] -= way * system_.own[k].col(i);
+      const auto toOther = [&](std::size_t other, double entry) {
+        if (border[other][i] == kFree) system_.right[other][i] -= way * entry;
+      };
+      const std::size_t frames = poses_.size();
+      if (k + 1 < frames) toOther(k + 1, system_.next[k].others[i - 3]);
+      if (k + 2 < frames) toOther(k + 2, system_.after_next[k].others[i - 3]);
+      if (k >= 1) toOther(k - 1, system_.next[k - 1].others[i - 3]);
+      if (k >= 2) toOther(k - 2, system_.after_next[k - 2].others[i - 3]);
+      // Those held in this frame before go their own way.
+      for (Eigen::Index j = 6; j < border[k].size(); ++j)
+        if (j != i && border[k][j] != kFree) system_.right[k][j] = border[k][j];
+    }
+    system_.own[k].row(i).setZero();
+    system_.own[k].col(i).setZero();
+    system_.own[k](i, i) = 1.0;
+    system_.right[k][i] = way;
+    system_.next[k].others[i - 3] = system_.after_next[k].others[i - 3] = 0.0;
+    if (k >= 1) system_.next[k - 1].others[i - 3] = 0.0;
+    if (k >= 2) system_.after_next[k - 2].others[i - 3] = 0.0;
+  }
+
+  [[nodiscard]] VectorXd dampingOf(std::size_t k) const {
+    const VectorXd& scale = objective_.models()[k].scale;
+    return damping_[k] * scale.cwiseMax(std::max(1e-6 * scale.maxCoeff(), 1e-6));
+  }
+
+  /// What the undamped model says of the steps.
+  [[nodiscard]] double promiseOf() const {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < steps_.size(); ++k) {
+      const VectorXd& step = steps_[k];
+      sum += undamped_.right[k].dot(step) - 0.5 * step.dot(undamped_.own[k] * step);
+      for (const std::size_t ahead : {1, 2}) {
+        if (k + ahead >= steps_.size()) continue;
+        const Coupling& coupling = (ahead == 1 ? undamped_.next : undamped_.after_next)[k];
+        const VectorXd& other = steps_[k + ahead];
+        sum -= other.head<3>().dot(coupling.turn * step.head<3>()) +
+               other.tail(other.size() - 3)
+                   .dot(coupling.others.cwiseProduct(step.tail(step.size() - 3)));
+      }
+    }
+    return sum;
+  }
+
+  /// Raises the damping of frames whose own model was wrong at the trial, and lowers that of
+  /// others if it was `better`; whether there was any to raise.
+  bool judgeFrames(const std::vector<double>& before, bool better) {
+    bool any = false;
+    for (std::size_t k = 0; k < steps_.size(); ++k) {
+      const double expected = objective_.models()[k].changeBy(steps_[k]);
+      const double error = objective_.frames()[k] - before[k] - expected;
+      const double size = std::abs(expected) + 1e-4 * before[k];
+      if (error > 0.5 * size) {
+        damping_[k] = std::min(kMostDamping, 5.0 * damping_[k]);
+        any = true;
+      } else if (better && error < 0.2 * size) {
+        damping_[k] = std::max(kLeastDamping, damping_[k] / 3.0);
+      }
+    }
+    return any;
+  }
+
+  static constexpr double kFree = std::numeric_limits<double>::infinity();
+
+  const MotionProblem& problem_;
+  MotionObjective& objective_;
+  BandSystem system_;
+  BandSystem undamped_;
+  Poses poses_;
+  Poses trial_;
+  std::vector<VectorXd> steps_;
+  std::vector<double> damping_;
+  double value_ = 0.0;
+};
+
+}  // namespace
+
+Trajectory solveOffline(const MotionProblem& problem,
+                        const MotionOptions& options,
+                        const Progress& progress,
+                        const std::vector<hand::HandPose>& start) {
+  validate(problem);
+  validate(options);
+  HANDGRAFT_REQUIRE(start.empty() || start.size() == problem.time_s.size());
+  optimize::WorkerPool pool(options.threads);
+  MotionObjective objective(problem, options, pool);
+  Trajectory trajectory;
+  trajectory.time_s = problem.time_s;
+  Poses poses = start;
+  if (poses.empty() && problem.avoidance == nullptr) {
+    poses = joinedMinima(problem, options, progress);
+  } else if (poses.empty()) {
+    poses = followedMinima(problem, options, progress);
+  }
+  BandSearch search(problem, objective, std::move(poses));
+  const std::vector<Stage>& stages =
+      problem.avoidance == nullptr ? kTouchingStages : kAvoidingStages;
+  double done = 0.0;
+  for (const Stage& stage : stages) {
+    progress.report("solving all frames", done);
+
+    done += 1.0 / static_cast<double>(stages.size());
+    objective.care(stage.care);
+    objective.chargeLimits(stage.limits);
+    search.descend(stage.steps, progress, trajectory.evaluations);
+  }
+  trajectory.objective = objective.frames();
+  trajectory.poses = std::move(search.poses());
+  return trajectory;
+}
+
+}  // namespace handgraft::manipulation

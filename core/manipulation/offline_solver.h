@@ -1,0 +1,25 @@
+#pragma once
+
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/manipulation/motion_problem.h"
+#include "core/manipulation/trajectory.h"
+
+namespace handgraft::manipulation {
+
+/// All frames at once (motion_objective.h): a damped Newton method over the band of frames, the
+/// joints within their limits by an active set; limits of velocity and acceleration are charged
+/// from 2 % before them on, more and more.
+///
+/// Starts from single frames' minima joined so that no finger jumps (motion_starts.h), or from
+/// `start`, a pose a frame; where penetration is charged it should lie out of the object.
+///
+/// Determinism: the same bytes on any number of threads. Errors: InvalidInput if the problem or
+/// the options are not valid; Cancelled on wish. Cost: linear in the frames.
+Trajectory solveOffline(const MotionProblem& problem,
+                        const MotionOptions& options,
+                        const Progress& progress,
+                        const std::vector<hand::HandPose>& start = {});
+
+}  // namespace handgraft::manipulation

@@ -1,0 +1,303 @@
+#include "core/manipulation/offline_solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include <Eigen/Eigenvalues>
+
+#include <gtest/gtest.h>
+
+#include "core/manipulation/causal_solver.h"
+#include "core/manipulation/motion_objective.h"
+
+#include "tests/core/manipulation/motions.h"
+#include "tests/support/ball_hand.h"
+
+namespace handgraft::manipulation {
+namespace {
+
+using test::randomPose;
+using test::reachableMotion;
+using test::smoothPoses;
+
+struct Scene {
+  std::shared_ptr<const hand::HandModel> model = test::syntheticHand();
+  std::mt19937 random{11};
+  hand::HandPose from = randomPose(*model, random);
+  hand::HandPose to = randomPose(*model, random);
+
+  /// Contacts that no pose fits, at frames that are not evenly spaced.
+  [[nodiscard]] MotionProblem unevenMotion(int frames) {
+    MotionProblem problem =
+        reachableMotion(model, smoothPoses(from, to, frames), 100.0, random);
+    for (std::size_t k = 0; k < problem.time_s.size(); ++k)
+      problem.time_s[k] += 0.003 * static_cast<double>(k % 3);
+    std::normal_distribution<double> noise(0.0, 0.003);
+    for (PairSpan& span : problem.tracks[0].spans)
+      for (optimize::PointPair& pair : span.pairs)
+        pair.p_W += Eigen::Vector3d(noise(random), noise(random), noise(random));
+    return problem;
+  }
+};
+
+double distanceOf(const hand::HandPose& a, const hand::HandPose& b) {
+  return (a.X_WH.translation() - b.X_WH.translation()).norm() +
+         vectorFromRotation(a.X_WH.linear() * b.X_WH.linear().transpose()).norm() +
+         (a.q - b.q).norm();
+}
+
+std::vector<hand::HandPose> moved(const std::vector<hand::HandPose>& poses,
+                                  std::size_t frame,
+                                  int dof,
+                                  double step) {
+  std::vector<hand::HandPose> result = poses;
+  result[frame] = test::moved(result[frame], dof, step);
+  return result;
+}
+
+TEST(BandSystem, SolvesAsADenseOneDoes) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  constexpr int kFrames = 6;
+  constexpr int kDofs = 5;
+  BandSystem system(kFrames, kDofs);
+  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(kFrames * kDofs, kFrames * kDofs);
+  Eigen::VectorXd right(kFrames * kDofs);
+  const auto fill = [&](Coupling& coupling) {
+    coupling.turn = Eigen::Matrix3d::NullaryExpr([&] {
+      return normal(random);
+    });
+    coupling.others = Eigen::VectorXd::NullaryExpr(kDofs - 3, [&] {
+      return normal(random);
+    });
+    Eigen::MatrixXd block = Eigen::MatrixXd::Zero(kDofs, kDofs);
+    block.topLeftCorner<3, 3>() = coupling.turn;
+    block.diagonal().tail(kDofs - 3) = coupling.others;
+    return block;
+  };
+  for (int k = 0; k < kFrames; ++k) {
+    const auto index = static_cast<std::size_t>(k);
+    const Eigen::MatrixXd A = Eigen::MatrixXd::NullaryExpr(kDofs, kDofs, [&] {
+      return normal(random);
+    });
+    system.own[index] = A * A.transpose() + 20.0 * Eigen::MatrixXd::Identity(kDofs, kDofs);
+    dense.block(k * kDofs, k * kDofs, kDofs, kDofs) = system.own[index];
+    system.right[index] = Eigen::VectorXd::NullaryExpr(kDofs, [&] {
+      return normal(random);
+    });
+    right.segment(k * kDofs, kDofs) = system.right[index];
+    for (const int ahead : {1, 2}) {
+      if (k + ahead >= kFrames) continue;
+      const Eigen::MatrixXd block = fill((ahead == 1 ? system.next : system.after_next)[index]);
+      dense.block((k + ahead) * kDofs, k * kDofs, kDofs, kDofs) = block;
+      dense.block(k * kDofs, (k + ahead) * kDofs, kDofs, kDofs) = block.transpose();
+    }
+  }
+  std::vector<Eigen::VectorXd> solution;
+  ASSERT_TRUE(system.solve(solution));
+  const Eigen::VectorXd expected = dense.ldlt().solve(right);
+  for (int k = 0; k < kFrames; ++k)
+    EXPECT_LT(
+        (solution[static_cast<std::size_t>(k)] - expected.segment(k * kDofs, kDofs)).norm(),
+        1e-10)
+        << k;
+  system.own[3] -= 100.0 * Eigen::MatrixXd::Identity(kDofs, kDofs);
+  EXPECT_FALSE(system.solve(solution));
+}
+
+TEST(MotionObjective, GradientMatchesCentralDifferences) {
+  Scene scene;
+  MotionProblem problem = scene.unevenMotion(6);
+  problem.velocity_limit.setConstant(0.4);
+  problem.acceleration_limit.setConstant(15.0);
+  MotionOptions options;
+  optimize::WorkerPool pool(1);
+  MotionObjective objective(problem, options, pool);
+  std::vector<hand::HandPose> poses;
+  for (int k = 0; k < 6; ++k) {
+    hand::HandPose pose = scene.from;
+    for (int dof = 0; dof < objective.dofCount(); ++dof)
+      pose = test::moved(pose, dof, 0.03 * std::sin(3.0 * k + dof));
+    poses.push_back(pose);
+  }
+  BandSystem system(6, objective.dofCount());
+  objective.expand(poses, false, system);
+  const double size = objective.evaluate(poses);
+  for (std::size_t k = 0; k < 6; ++k) {
+    for (int dof = 0; dof < objective.dofCount(); ++dof) {
+      constexpr double kStep = 1e-6;
+      const double slope = (objective.evaluate(moved(poses, k, dof, kStep)) -
+                            objective.evaluate(moved(poses, k, dof, -kStep))) /
+                           (2.0 * kStep);
+      EXPECT_NEAR(-system.right[k][dof], slope, 1e-5 * (size + std::abs(slope)))
+          << "frame " << k << ", dof " << dof;
+    }
+  }
+}
+
+TEST(MotionObjective, JoinsFramesByTheHessianWhereItsResidualsAreLinear) {
+  // Joints and the root's place enter second differences linearly: the Hessian between frames
+  // is that of finite differences of the gradient.
+  Scene scene;
+  const MotionProblem problem = scene.unevenMotion(5);
+  optimize::WorkerPool pool(1);
+  MotionObjective objective(problem, {}, pool);
+  const std::vector<hand::HandPose> poses(5, scene.from);
+  BandSystem system(5, objective.dofCount());
+  objective.expand(poses, false, system);
+  BandSystem above(5, objective.dofCount());
+  BandSystem below(5, objective.dofCount());
+  constexpr double kStep = 1e-4;
+  for (int dof = 0; dof < objective.dofCount(); ++dof) {
+    objective.expand(moved(poses, 2, dof, kStep), false, above);
+    objective.expand(moved(poses, 2, dof, -kStep), false, below);
+    const auto slope = [&](std::size_t frame, int row) {
+      return (below.right[frame][row] - above.right[frame][row]) / (2.0 * kStep);
+    };
+    for (int row = 0; row < objective.dofCount(); ++row) {
+      const bool turns = dof < 3 && row < 3;
+      const double next = turns ? system.next[2].turn(row, dof)
+                                : (row == dof ? system.next[2].others[row - 3] : 0);
+      const double after = turns ? system.after_next[2].turn(row, dof)
+                                 : (row == dof ? system.after_next[2].others[row - 3] : 0);
+      EXPECT_NEAR(slope(3, row), next, 1e-4 * (1.0 + std::abs(next))) << row << " by " << dof;
+      EXPECT_NEAR(slope(4, row), after, 1e-4 * (1.0 + std::abs(after))) << row << " by " << dof;
+    }
+  }
+}
+
+TEST(OfflineSolver, IsTheSingleFramesAnswerWhereNothingMoves) {
+  Scene scene;
+  MotionProblem problem = reachableMotion(
+      scene.model, std::vector<hand::HandPose>(15, scene.from), 120.0, scene.random);
+  for (PairSpan& span : problem.tracks[0].spans)
+    for (std::size_t i = 0; i < span.pairs.size(); ++i)
+      span.pairs[i].p_W.x() += 0.004 * static_cast<double>(i % 3);
+  const Trajectory trajectory = solveOffline(problem, {}, Progress());
+  const FrameProblems frames(problem, Fade{});
+  const hand::HandPose alone = solveSingle(problem, frames, 7, scene.from, {}, Progress()).pose;
+  for (const hand::HandPose& pose : trajectory.poses)
+    EXPECT_LT(distanceOf(pose, alone), 1e-3);
+}
+
+TEST(OfflineSolver, FindsAMotionThatFits) {
+  Scene scene;
+  const auto truth = smoothPoses(scene.from, scene.to, 60);
+  const MotionProblem problem = reachableMotion(scene.model, truth, 120.0, scene.random);
+  MotionOptions options;
+  options.smoothness = 1e-3;
+  const Trajectory trajectory = solveOffline(problem, options, Progress());
+  EXPECT_LT(meanFit(fitFrames(problem, trajectory.poses)).mean_mm, 0.5);
+}
+
+TEST(OfflineSolver, IsTheSameWhenTimeRunsBackwards) {
+  Scene scene;
+  const MotionProblem problem = scene.unevenMotion(24);
+  MotionProblem back = problem;
+  const std::size_t last = problem.time_s.size() - 1;
+  for (std::size_t k = 0; k <= last; ++k) {
+    back.time_s[k] = problem.time_s[last] - problem.time_s[last - k];
+    back.tracks[0].spans[k].pairs = problem.tracks[0].spans[last - k].pairs;
+  }
+  const std::vector<hand::HandPose> start = smoothPoses(scene.from, scene.to, 24);
+  const Trajectory there = solveOffline(problem, {}, Progress(), start);
+  const Trajectory again = solveOffline(back, {}, Progress(), {start.rbegin(), start.rend()});
+  for (std::size_t k = 0; k <= last; ++k)
+    EXPECT_LT(distanceOf(there.poses[k], again.poses[last - k]), 1e-3) << k;
+}
+
+TEST(OfflineSolver, IsSmootherTheMoreThatCounts) {
+  Scene scene;
+  const MotionProblem problem = scene.unevenMotion(40);
+  double before = std::numeric_limits<double>::infinity();
+  for (const double smoothness : {0.1, 10.0, 1000.0}) {
+    MotionOptions options;
+    options.smoothness = smoothness;
+    const double jerk =
+        measureSmoothness(problem, solveOffline(problem, options, Progress()).poses).rms_jerk;
+    EXPECT_LT(jerk, 0.7 * before);
+    before = jerk;
+  }
+}
+
+TEST(OfflineSolver, KeepsAllLimits) {
+  Scene scene;
+  MotionProblem problem =
+      reachableMotion(scene.model, smoothPoses(scene.from, scene.to, 60), 120.0, scene.random);
+  MotionOptions options;
+  options.smoothness = 0.1;
+  const Smoothness loose =
+      measureSmoothness(problem, solveOffline(problem, options, Progress()).poses);
+  problem.velocity_limit.setConstant(0.5 * loose.max_velocity);
+  problem.acceleration_limit.setConstant(0.5 * loose.max_acceleration);
+  const Trajectory trajectory = solveOffline(problem, options, Progress());
+  const Smoothness smoothness = measureSmoothness(problem, trajectory.poses);
+  EXPECT_LE(smoothness.velocity_share, 1.0);
+  EXPECT_LE(smoothness.acceleration_share, 1.0);
+  for (const hand::HandPose& pose : trajectory.poses) {
+    EXPECT_TRUE((pose.q.array() >= problem.lower.array()).all());
+    EXPECT_TRUE((pose.q.array() <= problem.upper.array()).all());
+  }
+}
+
+TEST(OfflineSolver, AnswersTheSameBytesOnOneThreadAndOnTwo) {
+  Scene scene;
+  const MotionProblem problem = scene.unevenMotion(30);
+  MotionOptions options;
+  const Trajectory one = solveOffline(problem, options, Progress());
+  options.threads = 2;
+  const Trajectory two = solveOffline(problem, options, Progress());
+  for (std::size_t k = 0; k < one.poses.size(); ++k) {
+    EXPECT_EQ(one.poses[k].q, two.poses[k].q);
+    EXPECT_EQ(one.poses[k].X_WH.matrix(), two.poses[k].X_WH.matrix());
+  }
+}
+
+TEST(OfflineSolver, TakesOneFrameAndTwo) {
+  Scene scene;
+  for (const int count : {1, 2}) {
+    const MotionProblem problem = reachableMotion(
+        scene.model, std::vector<hand::HandPose>(static_cast<std::size_t>(count), scene.from),
+        120.0, scene.random);
+    const Trajectory trajectory = solveOffline(problem, {}, Progress());
+    EXPECT_LT(meanFit(fitFrames(problem, trajectory.poses)).mean_mm, 0.5) << count;
+  }
+}
+
+TEST(OfflineSolver, KeepsOutOfTheObject) {
+  // A hand of balls whose contacts want it 10 mm inside a large ball.
+  std::mt19937 random(5);
+  const test::BallHand hand = test::withBalls(*test::syntheticHand(), 0.01);
+  hand::HandPose pose = randomPose(*hand.model, random);
+  MotionProblem problem =
+      reachableMotion(hand.model, std::vector<hand::HandPose>(8, pose), 120.0, random);
+  const hand::LinkPoses X_OL = forwardKinematics(*hand.model, pose);
+  const Eigen::Vector3d tip = X_OL.back().translation();
+  const Eigen::Vector3d out = (tip - X_OL.front().translation()).normalized();
+  const auto avoidance = std::make_shared<optimize::Avoidance>();
+  avoidance->hand =
+      std::make_shared<const hand::HandSolid>(*hand.model, *hand.skin, Progress());
+  avoidance->object_O = std::make_shared<const geometry::Solid>(
+      geometry::transformed(geometry::makeSphere(0.04, 4),
+                            Eigen::Affine3d(Eigen::Translation3d(tip + 0.04 * out))),
+      Progress());
+  const auto deepest = [&](const std::vector<hand::HandPose>& poses) {
+    double depth = 0.0;
+    for (const hand::HandPose& one : poses) {
+      const hand::LinkPoses X = forwardKinematics(*hand.model, one);
+      for (const hand::LinkSolid& link : avoidance->hand->links())
+        for (const hand::SurfaceSample& sample : link.fine.samples)
+          depth = std::max(depth, -avoidance->object_O->grid().at(
+                                      X[static_cast<std::size_t>(link.link)] * sample.p_L));
+    }
+    return depth;
+  };
+  EXPECT_GT(deepest(solveOffline(problem, {}, Progress()).poses), 5e-3);
+  problem.avoidance = avoidance;
+  EXPECT_LT(deepest(solveOffline(problem, {}, Progress()).poses), 5e-4);
+  EXPECT_LT(deepest(solveCausal(problem, {}, Progress()).poses), 5e-4);
+}
+
+}  // namespace
+}  // namespace handgraft::manipulation
