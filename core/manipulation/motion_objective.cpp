@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/base/error.h"
 
@@ -78,6 +79,7 @@ MotionObjective::MotionObjective(const MotionProblem& problem,
       smoothness_[6 + i] *= kSliderScale;
   frames_.assign(trees_.size(), 0.0);
   models_.resize(trees_.size());
+  seen_.resize(trees_.size());
 }
 
 double MotionObjective::evaluate(const Poses& poses) {
@@ -94,33 +96,44 @@ double MotionObjective::evaluate(const Poses& poses) {
   return sum;
 }
 
-void MotionObjective::expand(const Poses& poses, bool exact, BandSystem& system) {
-  HANDGRAFT_REQUIRE(poses.size() == trees_.size() && system.own.size() == trees_.size());
-  for (Coupling& coupling : system.next)
-    coupling.reset();
-  for (Coupling& coupling : system.after_next)
-    coupling.reset();
+double MotionObjective::evaluateToExpand(const Poses& poses) {
+  HANDGRAFT_REQUIRE(poses.size() == trees_.size());
   pool_.run(static_cast<int>(poses.size()), [&](int, int k) {
     const auto index = static_cast<std::size_t>(k);
     optimize::Objective objective(bare_, trees_[index]);
     objective.care(care_);
-    static_cast<void>(objective.evaluate(poses[index]));
-    optimize::QuadraticModel model(dofCount());
-    objective.expand(model);
-    FrameModel& own = models_[index];
-    own.gradient = model.gradient;
-    own.scale = model.gauss_newton.diagonal();
-    own.hessian = model.gauss_newton;
-    if (exact) {
-      const Eigen::MatrixXd whole = model.gauss_newton + model.residual_curvature;
-      // Joints that no contact moves must not spoil the test.
-      Eigen::MatrixXd tested = whole;
-      tested.diagonal().array() += 1e-9 * own.scale.maxCoeff();
-      if (tested.llt().info() == Eigen::Success) own.hessian = whole;
-    }
-    system.right[index] = -own.gradient;
-    system.own[index] = own.hessian;
+    frames_[index] = objective.evaluate(poses[index]).objective;
+    modelFrame(objective, seen_[index]);
   });
+  double sum = joining(poses);
+  for (const double frame : frames_)
+    sum += frame;
+  return sum;
+}
+
+void MotionObjective::modelFrame(optimize::Objective& objective, FrameModel& own) const {
+  optimize::QuadraticModel model(dofCount());
+  objective.expand(model);
+  own.gradient = model.gradient;
+  own.scale = model.gauss_newton.diagonal();
+  own.hessian = model.gauss_newton + model.residual_curvature;
+  // Joints that no contact moves must not spoil the test.
+  Eigen::MatrixXd tested = own.hessian;
+  tested.diagonal().array() += 1e-9 * own.scale.maxCoeff();
+  if (tested.llt().info() != Eigen::Success) own.hessian = model.gauss_newton;
+}
+
+void MotionObjective::expand(const Poses& poses, BandSystem& system) {
+  HANDGRAFT_REQUIRE(poses.size() == trees_.size() && system.own.size() == trees_.size());
+  std::swap(models_, seen_);
+  for (Coupling& coupling : system.next)
+    coupling.reset();
+  for (Coupling& coupling : system.after_next)
+    coupling.reset();
+  for (std::size_t k = 0; k < models_.size(); ++k) {
+    system.right[k] = -models_[k].gradient;
+    system.own[k] = models_[k].hessian;
+  }
   addJoining(poses, system);
 }
 

@@ -37,15 +37,18 @@ class MotionObjective {
 
   double evaluate(const Poses& poses);
 
+  /// The same, and in passing what `expand` needs of these poses: most trials are accepted.
+  double evaluateToExpand(const Poses& poses);
+
   /// Eq. 2 of each frame at the poses evaluated last.
   [[nodiscard]] const std::vector<double>& frames() const { return frames_; }
 
-  /// Gradient (as `right`, its sign turned) and Hessian about the poses. Where `exact`, frames
-  /// whose exact Hessian is positive definite have that, others their Gauss-Newton matrix,
-  /// which all have else; what joins frames is Gauss-Newton.
-  void expand(const Poses& poses, bool exact, BandSystem& system);
+  /// Gradient (as `right`, its sign turned) and Hessian about the poses that
+  /// `evaluateToExpand` saw last. Frames whose exact Hessian is positive definite have that,
+  /// others their Gauss-Newton matrix; what joins frames is Gauss-Newton.
+  void expand(const Poses& poses, BandSystem& system);
 
-  /// A frame's Eq. 2 alone, as expanded last.
+  /// A frame's Eq. 2 alone.
   struct FrameModel {
     Eigen::VectorXd gradient;
     Eigen::MatrixXd hessian;
@@ -57,11 +60,13 @@ class MotionObjective {
     }
   };
 
+  /// Of the poses expanded last.
   [[nodiscard]] const std::vector<FrameModel>& models() const { return models_; }
 
   [[nodiscard]] int dofCount() const { return 6 + problem_.model->dofCount(); }
 
  private:
+  void modelFrame(optimize::Objective& objective, FrameModel& own) const;
   [[nodiscard]] double joining(const Poses& poses) const;
   void addJoining(const Poses& poses, BandSystem& system) const;
 
@@ -75,6 +80,7 @@ class MotionObjective {
   Eigen::VectorXd smoothness_;  ///< of each degree of freedom
   std::vector<double> frames_;
   std::vector<FrameModel> models_;
+  std::vector<FrameModel> seen_;  ///< by evaluateToExpand
 };
 
 /// A step of each frame: the root's turn by exp(w) R, all else added, joints kept within their

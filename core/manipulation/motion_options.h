@@ -14,7 +14,7 @@ struct Fade {
 struct MotionOptions {
   /// Of |second difference|^2 a frame at 120 Hz, beside Eq. 2 of that frame; other rates count
   /// the same acceleration the same.
-  double smoothness = 1000.0;
+  double smoothness = 3e5;
   Fade fade;
   int starts = 64;    ///< of the single frames from which all others go on
   unsigned seed = 0;  ///< of those
@@ -22,7 +22,7 @@ struct MotionOptions {
 };
 
 /// What suits the causal solver, which pays for smoothness with delay.
-inline constexpr double kCausalSmoothness = 30.0;
+inline constexpr double kCausalSmoothness = 1000.0;
 
 /// How second differences of a pose weigh against each other: a joint's 1 rad (or m), which
 /// moves a finger by some 5 cm, against the root's.

@@ -16,12 +16,17 @@ constexpr std::size_t kMostAnchors = 64;
 constexpr std::size_t kMostCandidates = 5;
 // Evaluations of a search that goes on from a neighbour's minimum.
 constexpr int kFollowing = 60;
-constexpr std::size_t kMostFollowed = 2;
 
 /// A pose that a frame might have.
 struct Candidate {
   hand::HandPose pose;
   double objective = 0.0;
+};
+
+/// Where a way through all frames sets out.
+struct Setting {
+  int frame = 0;
+  hand::HandPose pose;
 };
 
 struct Anchor {
@@ -196,46 +201,87 @@ std::vector<hand::HandPose> joinedMinima(const MotionProblem& problem,
   return poses;
 }
 
+namespace {
+
+/// Follows the contacts from one frame on towards both ends, every `stride`-th frame, and those
+/// at the ends; the objective of these frames, and the poses, held between.
+double follow(const MotionProblem& problem,
+              const FrameProblems& frames,
+              const MotionOptions& options,
+              const Setting& setting,
+              int stride,
+              const Progress& progress,
+              std::vector<hand::HandPose>& poses) {
+  const int last = problem.frameCount() - 1;
+  poses.assign(problem.time_s.size(), setting.pose);
+  double sum = 0.0;
+  for (const int way : {1, -1}) {
+    CausalSolver solver(problem, options);
+    solver.begin(setting.pose);
+    const int end = way > 0 ? last : 0;
+    for (int k = setting.frame;; k = way * std::min(way * (k + way * stride), way * end)) {
+      progress.checkpoint();
+      const auto index = static_cast<std::size_t>(k);
+      const CausalSolver::Step step =
+          solver.follow(way * problem.time_s[index], frames.at(k, setting.pose));
+      if (way > 0 || k != setting.frame) {
+        sum += step.objective;
+        poses[index] = step.pose;
+      }
+      if (k == end) break;
+    }
+  }
+  return sum;
+}
+
+/// Frames in which as much touches as can be hoped for: the first of them, and those with most
+/// pairs in each part of the motion.
+std::vector<int> fullFrames(const MotionProblem& problem, const FrameProblems& frames) {
+  constexpr int kParts = 3;
+  std::vector<int> full = {fullestBegin(problem, frames)};
+  const int begin = full[0];
+  const int count = problem.frameCount() - begin;
+  for (int part = 0; part < kParts; ++part) {
+    int best = begin + part * count / kParts;
+    for (int k = best; k < begin + (part + 1) * count / kParts; ++k)
+      if (frames.presentAt(k).size() > frames.presentAt(best).size()) best = k;
+    if (!frames.presentAt(best).empty()) full.push_back(best);
+  }
+  return full;
+}
+
+}  // namespace
+
 std::vector<hand::HandPose> followedMinima(const MotionProblem& problem,
                                            const MotionOptions& options,
                                            const Progress& progress) {
+  constexpr int kStride = 8;
   const FrameProblems frames(problem, options.fade);
   MotionOptions following = options;
   following.smoothness = std::min(options.smoothness, kCausalSmoothness);
   hand::HandPose rest;
   rest.q = problem.prior.cwiseMax(problem.lower).cwiseMin(problem.upper);
-  const int fullest = fullestBegin(problem, frames);
-  std::vector<hand::HandPose> starts = {rest};
-  if (!frames.presentAt(fullest).empty()) {
-    const auto report = solveSingle(problem, frames, fullest, rest, options, progress);
-    starts = {report.pose};
-    for (std::size_t i = 1; i < std::min(report.minima.size(), kMostFollowed); ++i)
-      starts.push_back(report.minima[i].pose);
-  }
-  std::vector<hand::HandPose> best;
-  double least = std::numeric_limits<double>::infinity();
-  for (const hand::HandPose& start : starts) {
-    std::vector<hand::HandPose> poses(problem.time_s.size());
-    double sum = 0.0;
-    // Forwards, then backwards: time counts from the frame between.
-    for (const int way : {1, -1}) {
-      CausalSolver solver(problem, following);
-      solver.begin(start);
-      for (int k = fullest; k >= 0 && k < problem.frameCount(); k += way) {
-        progress.checkpoint();
-        const auto index = static_cast<std::size_t>(k);
-        CausalSolver::Step step =
-            solver.follow(way * problem.time_s[index], frames.at(k, rest));
-        if (way < 0 && k == fullest) continue;
-        sum += step.objective;
-        poses[index] = std::move(step.pose);
-      }
+  std::vector<Setting> settings = {{0, rest}};
+  if (!frames.presentAt(fullestBegin(problem, frames)).empty()) {
+    settings.clear();
+    for (const int frame : fullFrames(problem, frames)) {
+      progress.report("finding grasps", 0.0);
+      const auto report = solveSingle(problem, frames, frame, rest, options, progress);
+      for (const optimize::Minimum& minimum : report.minima)
+        settings.push_back({frame, minimum.pose});
     }
+  }
+  std::vector<hand::HandPose> poses;
+  const Setting* best = &settings.front();
+  double least = std::numeric_limits<double>::infinity();
+  for (const Setting& setting : settings) {
+    const double sum = follow(problem, frames, following, setting, kStride, progress, poses);
     if (sum >= least) continue;
     least = sum;
-    best = std::move(poses);
+    best = &setting;
   }
-  return best;
+  follow(problem, frames, following, *best, 1, progress, poses);
+  return poses;
 }
 
 }  // namespace handgraft::manipulation

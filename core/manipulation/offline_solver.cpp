@@ -19,7 +19,7 @@ using Poses = std::vector<hand::HandPose>;
 constexpr double kFirstDamping = 1e-2;
 constexpr double kLeastDamping = 1e-6;
 constexpr double kMostDamping = 1e9;
-constexpr double kWorthwhile = 1e-6;  // share of the objective that a step has to promise
+constexpr double kWorthwhile = 1e-5;  // share of the objective that a step has to promise
 constexpr double kLeastRatio = 1e-4;
 constexpr double kShortestShare = 0.01;  // of a step
 
@@ -35,8 +35,7 @@ struct Stage {
 const std::vector<Stage> kTouchingStages = {
     {{false, 0.0}, 1e-4, 40}, {{false, 0.0}, 1e-2, 40}, {{false, 0.0}, 1.0, 60}};
 // Out of the object already.
-const std::vector<Stage> kAvoidingStages = {
-    {{true, 1.0}, 1e-4, 8}, {{true, 1.0}, 1e-2, 8}, {{true, 1.0}, 1.0, 12}};
+const std::vector<Stage> kAvoidingStages = {{{true, 1.0}, 1e-2, 8}, {{true, 1.0}, 1.0, 14}};
 
 /// A Newton method over all frames, from one trajectory downhill. Each frame has a damping of
 /// its own, raised where its model was wrong: a frame in trouble does not keep the others back.
@@ -52,44 +51,47 @@ class BandSearch {
 
   /// Up to `steps` trials. Counts evaluations of frames.
   void descend(int steps, const Progress& progress, int& evaluations) {
-    value_ = objective_.evaluate(poses_);
+    value_ = objective_.evaluateToExpand(poses_);
+    frames_ = objective_.frames();
     std::fill(damping_.begin(), damping_.end(), kFirstDamping);
     bool expanded = false;
     for (int step = 0; step < steps; ++step) {
       progress.checkpoint();
-      if (!expanded) objective_.expand(poses_, true, undamped_);
+      if (!expanded) objective_.expand(poses_, undamped_);
       expanded = true;
       const double promise = propose();
       if (!(promise > kWorthwhile * value_)) return;
-      const std::vector<double> before = objective_.frames();
-      const auto tries = [&] {
-        moveBy(problem_, steps_, poses_, trial_);
-        evaluations += problem_.frameCount();
-        return objective_.evaluate(trial_);
-      };
-      double value = tries();
+      moveBy(problem_, steps_, poses_, trial_);
+      evaluations += problem_.frameCount();
+      double value = objective_.evaluateToExpand(trial_);
       bool better = value_ - value > kLeastRatio * promise;
-      const bool any = judgeFrames(before, better);
+      const bool any = judgeFrames(better);
       // Else what joins frames bends: limits that the whole step would break.
-      for (double share = 1.0; !better && !any && share > kShortestShare;) {
+      double share = 1.0;
+      while (!better && !any && share > kShortestShare) {
         share *= 0.3;
         for (VectorXd& part : steps_)
           part *= 0.3;
-        value = tries();
+        moveBy(problem_, steps_, poses_, trial_);
+        evaluations += problem_.frameCount();
+        value = objective_.evaluate(trial_);
         better = value_ - value > kLeastRatio * share * promise;
       }
       if (better) {
+        if (share < 1.0) value = objective_.evaluateToExpand(trial_);
         std::swap(poses_, trial_);
         value_ = value;
+        frames_ = objective_.frames();
         expanded = false;
-        continue;
-      }
-      if (!any)
+      } else if (!any) {
         for (double& damping : damping_)
           damping = std::min(kMostDamping, 10.0 * damping);
-      static_cast<void>(objective_.evaluate(poses_));
+      }
     }
   }
+
+  /// Eq. 2 of each frame.
+  [[nodiscard]] const std::vector<double>& frames() const { return frames_; }
 
   [[nodiscard]] Poses& poses() { return poses_; }
 
@@ -186,12 +188,12 @@ class BandSearch {
 
   /// Raises the damping of frames whose own model was wrong at the trial, and lowers that of
   /// others if it was `better`; whether there was any to raise.
-  bool judgeFrames(const std::vector<double>& before, bool better) {
+  bool judgeFrames(bool better) {
     bool any = false;
     for (std::size_t k = 0; k < steps_.size(); ++k) {
       const double expected = objective_.models()[k].changeBy(steps_[k]);
-      const double error = objective_.frames()[k] - before[k] - expected;
-      const double size = std::abs(expected) + 1e-4 * before[k];
+      const double error = objective_.frames()[k] - frames_[k] - expected;
+      const double size = std::abs(expected) + 1e-4 * frames_[k];
       if (error > 0.5 * size) {
         damping_[k] = std::min(kMostDamping, 5.0 * damping_[k]);
         any = true;
@@ -212,6 +214,7 @@ class BandSearch {
   Poses trial_;
   std::vector<VectorXd> steps_;
   std::vector<double> damping_;
+  std::vector<double> frames_;
   double value_ = 0.0;
 };
 
@@ -238,7 +241,11 @@ Trajectory solveOffline(const MotionProblem& problem,
   const std::vector<Stage>& stages =
       problem.avoidance == nullptr ? kTouchingStages : kAvoidingStages;
   double done = 0.0;
+  const bool is_limited = problem.velocity_limit.array().isFinite().any() ||
+                          problem.acceleration_limit.array().isFinite().any();
   for (const Stage& stage : stages) {
+    // Without limits of that kind one stage is as good as all.
+    if (!is_limited && stage.limits < 1.0) continue;
     progress.report("solving all frames", done);
 
     done += 1.0 / static_cast<double>(stages.size());
@@ -246,7 +253,7 @@ Trajectory solveOffline(const MotionProblem& problem,
     objective.chargeLimits(stage.limits);
     search.descend(stage.steps, progress, trajectory.evaluations);
   }
-  trajectory.objective = objective.frames();
+  trajectory.objective = search.frames();
   trajectory.poses = std::move(search.poses());
   return trajectory;
 }

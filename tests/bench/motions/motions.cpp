@@ -39,7 +39,6 @@ struct MotionsArguments {
   double causal_smoothness = manipulation::kCausalSmoothness;
   double fade_s = manipulation::Fade{}.seconds;
   double depth_weight = 1.0;
-  std::string without;  ///< a link whose points are left out
   int repeat = 0;
 };
 
@@ -70,7 +69,8 @@ BenchHand readAllegro(const MotionsArguments& arguments) {
 Sequence readSequence(const MotionsArguments& arguments,
                       const BenchHand& hand,
                       const std::string& name,
-                      const std::string& object) {
+                      const std::string& object,
+                      const std::string& without) {
   const fs::path folder = fs::path(arguments.data) / "contacts/grab_sequences";
   Sequence sequence;
   sequence.name = name;
@@ -80,13 +80,15 @@ Sequence readSequence(const MotionsArguments& arguments,
       io::readContactSequence(folder / ("allegro_" + name + ".json"), *sequence.object_O,
                               folder / "trajectories" / (name + "_object.smexp"));
   std::erase_if(sequence.motion.tracks, [&](const manipulation::PatchTrack& track) {
-    return track.name == arguments.without;
+    return track.name == without;
   });
   sequence.problem = manipulation::makeMotionProblem(hand.model, sequence.motion.time_s);
   sequence.problem.tracks =
       manipulation::layPoints(sequence.motion, *sequence.object_O, *hand.model);
-  sequence.problem.avoidance = session::avoidanceOf(hand.model, hand.skin, sequence.object_O,
-                                                    Pose::Identity(), Progress());
+  auto avoidance = std::make_shared<optimize::Avoidance>(*session::avoidanceOf(
+      hand.model, hand.skin, sequence.object_O, Pose::Identity(), Progress()));
+  avoidance->weight *= arguments.depth_weight;
+  sequence.problem.avoidance = std::move(avoidance);
 
   const io::SplineTrajectory splines =
       io::readSplineTrajectory(folder / "trajectories" / ("allegro_" + name + "_hand.smexp"));
@@ -294,12 +296,19 @@ void runMotions(const MotionsArguments& arguments) {
       "| sequence | way | mean mm | deepest mm | frames past 2 mm | in itself mm | jerk | jerk "
       "touching | largest step rad | velocity | frames outside limits | ms p50 | ms p99 |\n"
       "|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
-  const std::pair<const char*, const char*> sequences[] = {
-      {"apple_pass_1", "apple"}, {"waterbottle_pour_1", "waterbottle"}};
-  for (const auto& [name, object] : sequences) {
-    const Sequence sequence = readSequence(arguments, hand, name, object);
+
+  struct Recorded {
+    const char* name;
+    const char* object;
+    const char* without;  ///< a link whose points lie on the wrong side in the file
+  };
+
+  const Recorded recorded[] = {{"apple_pass_1", "apple", ""},
+                               {"waterbottle_pour_1", "waterbottle", "allegro_wrist"}};
+  for (const Recorded& one : recorded) {
+    const Sequence sequence = readSequence(arguments, hand, one.name, one.object, one.without);
     runSequence(arguments, hand, sequence);
-    if (arguments.repeat > 0 && &name == &sequences[0].first) {
+    if (arguments.repeat > 0 && &one == &recorded[0]) {
       MotionOptions options;
       options.smoothness = arguments.smoothness;
       options.fade.seconds = arguments.fade_s;
@@ -323,7 +332,6 @@ void addMotionsCommand(CLI::App& app) {
   command->add_option("--fade", arguments->fade_s, "s")->capture_default_str();
   command->add_option("--depth-weight", arguments->depth_weight, "Times the default")
       ->capture_default_str();
-  command->add_option("--without", arguments->without, "Leave out the points of a link");
   command->add_option("--growth", arguments->repeat,
                       "Repeat the first one up to so many times");
   command->callback([arguments] {

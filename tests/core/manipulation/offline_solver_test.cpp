@@ -122,8 +122,8 @@ TEST(MotionObjective, GradientMatchesCentralDifferences) {
     poses.push_back(pose);
   }
   BandSystem system(6, objective.dofCount());
-  objective.expand(poses, false, system);
-  const double size = objective.evaluate(poses);
+  const double size = objective.evaluateToExpand(poses);
+  objective.expand(poses, system);
   for (std::size_t k = 0; k < 6; ++k) {
     for (int dof = 0; dof < objective.dofCount(); ++dof) {
       constexpr double kStep = 1e-6;
@@ -145,13 +145,17 @@ TEST(MotionObjective, JoinsFramesByTheHessianWhereItsResidualsAreLinear) {
   MotionObjective objective(problem, {}, pool);
   const std::vector<hand::HandPose> poses(5, scene.from);
   BandSystem system(5, objective.dofCount());
-  objective.expand(poses, false, system);
+  const auto expandAt = [&](const std::vector<hand::HandPose>& at, BandSystem& into) {
+    static_cast<void>(objective.evaluateToExpand(at));
+    objective.expand(at, into);
+  };
+  expandAt(poses, system);
   BandSystem above(5, objective.dofCount());
   BandSystem below(5, objective.dofCount());
   constexpr double kStep = 1e-4;
   for (int dof = 0; dof < objective.dofCount(); ++dof) {
-    objective.expand(moved(poses, 2, dof, kStep), false, above);
-    objective.expand(moved(poses, 2, dof, -kStep), false, below);
+    expandAt(moved(poses, 2, dof, kStep), above);
+    expandAt(moved(poses, 2, dof, -kStep), below);
     const auto slope = [&](std::size_t frame, int row) {
       return (below.right[frame][row] - above.right[frame][row]) / (2.0 * kStep);
     };
