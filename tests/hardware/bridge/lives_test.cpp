@@ -54,7 +54,11 @@ class Life {
         period_(std::chrono::duration_cast<devices::Duration>(
             std::chrono::duration<double>(config.governor.period_s))),
         zeros_rad_(config.motors.size(), 0.0) {
-    if (!config_.homing.empty()) zeros_rad_ = handgraft::test::slackenLines(*rig_, config_);
+    if (config_.homing.empty()) {
+      file_ = old_file_ = config::calibrationText(config_);  // as `check` leaves it
+    } else {
+      zeros_rad_ = handgraft::test::slackenLines(*rig_, config_);
+    }
     // What is allowed in a period, beside a unit: a start that fades comes on top.
     for (const config::MotorConfig& motor : config_.motors)
       way_rad_.push_back(1.6 * motor.velocity_rad_s * config_.governor.period_s + 1e-3);
@@ -111,14 +115,14 @@ class Life {
 
   void startBridge() {
     config::HandConfig config = config_;
-    if (!config_.homing.empty()) config.calibration = "a file";
+    config.calibration = "a file";
     const int kind = choose(8);
     std::optional<std::string> file = file_;
     if (kind == 5) file = old_file_;
     if (kind == 6 && file) file = file->substr(0, file->size() / 2);
     if (kind == 7 && file) file->replace(file->find("hand: "), 7, "hand: x");
     try {
-      if (file && !config_.homing.empty()) {
+      if (file) {
         config::parseCalibration(*file, config);
         config.is_calibrated = true;
       }
@@ -382,6 +386,7 @@ TEST_P(RandomLives, MoveNothingUnaskedNothingBeyondItsRangeAndNothingTooFast) {
   EXPECT_EQ(tally.beyond, 0);
   EXPECT_EQ(tally.too_fast, 0);
   EXPECT_GT(tally.armed, kLives) << "they have to live";
+  EXPECT_GT(tally.refused_files, 0);
   if (!config.homing.empty()) {
     EXPECT_GT(tally.homed, kLives / 20);
     EXPECT_GT(tally.voided, 0);

@@ -1,4 +1,4 @@
-// rt/joint_states as a ROS 2 node sees it: the type's name, and every byte.
+// Topics and services as a ROS 2 node sees them: the type's name, and every byte.
 
 #include <thread>
 
@@ -6,6 +6,7 @@
 #include <dds/ddsi/ddsi_serdata.h>
 #include <gtest/gtest.h>
 
+#include "hardware/bridge/ros_node.h"
 #include "hardware/bridge/telemetry.h"
 #include "idl/cyclone/participant.h"
 #include "idl/topics.h"
@@ -13,8 +14,14 @@
 #include "tests/hardware/protocols/hex.h"
 #include "tests/support/test_domain.h"
 
-// The topic's descriptor as idlc makes it.
-extern "C" const dds_topic_descriptor_t sensor_msgs_msg_dds__JointState__desc;
+// The topics' descriptors as idlc makes them.
+extern "C" {
+extern const dds_topic_descriptor_t sensor_msgs_msg_dds__JointState__desc;
+extern const dds_topic_descriptor_t trajectory_msgs_msg_dds__JointTrajectory__desc;
+extern const dds_topic_descriptor_t diagnostic_msgs_msg_dds__DiagnosticArray__desc;
+extern const dds_topic_descriptor_t std_srvs_srv_dds__Trigger_Request__desc;
+extern const dds_topic_descriptor_t std_srvs_srv_dds__Trigger_Response__desc;
+}
 
 namespace handgraft::bridge {
 namespace {
@@ -38,6 +45,53 @@ const char* const kGolden =
     "00 00 00 00 00 00 00 00"  // 0.0
     "00 00 00 00";             // no efforts
 
+/// A point of one joint.
+const char* const kGoldenTrajectory =
+    "00 01 00 00"
+    "00 00 00 00 00 00 00 00"  // a stamp of 0: from now on
+    "01 00 00 00 00 00 00 00"  // frame_id ""
+    "01 00 00 00"              // one name
+    "02 00 00 00 61 00 00 00"  // "a", two of padding
+    "01 00 00 00"              // one point, at 28
+    "01 00 00 00 00 00 00 00"  // one position, four of padding
+    "00 00 00 00 00 00 F0 3F"  // 1.0
+    "01 00 00 00 00 00 00 00"  // one velocity
+    "00 00 00 00 00 00 39 40"  // 25.0: 0.5 rad in 20 ms
+    "00 00 00 00"              // no accelerations
+    "00 00 00 00"              // no efforts
+    "00 00 00 00 00 2D 31 01"  // from the start: 0 s, 20,000,000 ns
+    "";
+
+const char* const kGoldenDiagnostics =
+    "00 01 00 00"
+    "01 00 00 00 02 00 00 00"  // stamp: 1 s, 2 ns
+    "01 00 00 00 00 00 00 00"  // frame_id ""
+    "01 00 00 00"              // one status
+    "01 00 00 00"              // level: one byte, three of padding
+    "02 00 00 00 6E 00 00 00"  // name "n", two of padding
+    "02 00 00 00 6D 00 00 00"  // message "m"
+    "01 00 00 00 00 00 00 00"  // hardware_id ""
+    "01 00 00 00"              // one value
+    "02 00 00 00 6B 00 00 00"  // key "k"
+    "04 00 00 00 76 76 76 00"  // value "vvv"
+    "";
+
+/// What rmw_cyclonedds puts before a service's own: who asks, and which question.
+const char* const kGoldenRequest =
+    "00 01 00 03"              // three bytes of padding at the end
+    "67 12 00 00 00 00 00 00"  // 4711
+    "2A 00 00 00 00 00 00 00"  // 42
+    "00 00 00 00"              // a member, since there has to be one
+    "";
+
+const char* const kGoldenResponse =
+    "00 01 00 00"
+    "67 12 00 00 00 00 00 00"  // 4711
+    "2A 00 00 00 00 00 00 00"  // 42
+    "01 00 00 00"              // success, three of padding
+    "04 00 00 00 6F 66 66 00"  // "off"
+    "";
+
 class RosWire : public ::testing::Test {
  protected:
   RosWire()
@@ -46,44 +100,99 @@ class RosWire : public ::testing::Test {
 
   ~RosWire() override { dds_delete(raw_); }
 
+  /// What a reader of Cyclone's own, with idlc's type, gets of `message`; empty if it does not
+  /// come.
+  template <class Message>
+  std::string bytesOf(const idl::Topic<Message>& told,
+                      const dds_topic_descriptor_t& type,
+                      const Message& message) {
+    idl::cyclone::Writer<Message> writer(participant_, told);
+    const dds_entity_t topic = dds_create_topic(raw_, &type, told.name, nullptr, nullptr);
+    dds_qos_t* qos = dds_create_qos();
+    dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
+    const dds_entity_t reader = dds_create_reader(raw_, topic, qos, nullptr);
+    dds_delete_qos(qos);
+    for (int i = 0; i < 600 && writer.readers() == 0; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    if (reader <= 0 || writer.readers() != 1) return "nobody reads";
+    writer.write(message);
+    ddsi_serdata* sample = nullptr;
+    dds_sample_info_t info;
+    for (int i = 0; i < 600 && sample == nullptr; ++i) {
+      if (dds_takecdr(reader, &sample, 1, &info, DDS_ANY_STATE) > 0) break;
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+    if (sample == nullptr) return "nothing came";
+    handgraft::test::ByteVector bytes(ddsi_serdata_size(sample));
+    ddsi_serdata_to_ser(sample, 0, bytes.size(), bytes.data());
+    ddsi_serdata_unref(sample);
+    return handgraft::test::toHex(bytes);
+  }
+
+  static std::string golden(const char* text) {
+    return handgraft::test::toHex(handgraft::test::fromHex(text));
+  }
+
   handgraft::test::TestDomain domain_;
   idl::cyclone::Participant participant_{{domain_.number(), "lo"}};
-  idl::cyclone::Writer<RosJointState> writer_{participant_, idl::kRosJointStatesTopic};
   dds_entity_t raw_;  // after ours, whose settings of the domain it shares
 };
 
 TEST_F(RosWire, JointStatesAreTheBytesThatRosExpects) {
-  const dds_entity_t topic = dds_create_topic(raw_, &sensor_msgs_msg_dds__JointState__desc,
-                                              "rt/joint_states", nullptr, nullptr);
-  dds_qos_t* qos = dds_create_qos();
-  dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
-  const dds_entity_t reader = dds_create_reader(raw_, topic, qos, nullptr);
-  dds_delete_qos(qos);
-  ASSERT_GT(reader, 0) << dds_strretcode(reader);
-  for (int i = 0; i < 600 && writer_.readers() == 0; ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  ASSERT_EQ(writer_.readers(), 1);
-
   MotionState state(2);
   state.position = {1.0, -2.5};
   state.velocity = {0.5, 0.0};
-  writer_.write(rosJointState("", {"a", "bc"}, state, std::chrono::nanoseconds(1'000'000'002)));
+  EXPECT_EQ(
+      bytesOf(idl::kRosJointStatesTopic, sensor_msgs_msg_dds__JointState__desc,
+              rosJointState("", {"a", "bc"}, state, std::chrono::nanoseconds(1'000'000'002))),
+      golden(kGolden));
+}
 
-  ddsi_serdata* sample = nullptr;
-  dds_sample_info_t info;
-  for (int i = 0; i < 600 && sample == nullptr; ++i) {
-    if (dds_takecdr(reader, &sample, 1, &info, DDS_ANY_STATE) > 0) break;
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  }
-  ASSERT_NE(sample, nullptr);
-  handgraft::test::ByteVector bytes(ddsi_serdata_size(sample));
-  ddsi_serdata_to_ser(sample, 0, bytes.size(), bytes.data());
-  ddsi_serdata_unref(sample);
-  EXPECT_EQ(handgraft::test::toHex(bytes),
-            handgraft::test::toHex(handgraft::test::fromHex(kGolden)));
+TEST_F(RosWire, TrajectoriesAreTheBytesThatRosExpects) {
+  EXPECT_EQ(bytesOf(idl::kRosTrajectoryTopic, trajectory_msgs_msg_dds__JointTrajectory__desc,
+                    rosTrajectory({"a"}, {1.0}, {0.5}, 0.02)),
+            golden(kGoldenTrajectory));
+}
+
+TEST_F(RosWire, DiagnosticsAreTheBytesThatRosExpects) {
+  diagnostic_msgs::msg::dds_::KeyValue_ pair;
+  pair.key("k");
+  pair.value("vvv");
+  diagnostic_msgs::msg::dds_::DiagnosticStatus_ status;
+  status.level(1);
+  status.name("n");
+  status.message("m");
+  status.values({pair});
+  diagnostic_msgs::msg::dds_::DiagnosticArray_ message;
+  message.header().stamp().sec(1);
+  message.header().stamp().nanosec(2);
+  message.status({status});
+  EXPECT_EQ(bytesOf(idl::kRosDiagnosticsTopic, diagnostic_msgs_msg_dds__DiagnosticArray__desc,
+                    message),
+            golden(kGoldenDiagnostics));
+}
+
+TEST_F(RosWire, ServicesAreTheBytesThatRosExpects) {
+  std_srvs::srv::dds_::Trigger_Request_ request;
+  request.client_guid(4711);
+  request.sequence_number(42);
+  request.structure_needs_at_least_one_member(0);
+  EXPECT_EQ(
+      bytesOf({"rq/handgraft_bridge/armRequest", idl::Qos::kService, idl::kRosTriggerHash},
+              std_srvs_srv_dds__Trigger_Request__desc, request),
+      golden(kGoldenRequest));
+  std_srvs::srv::dds_::Trigger_Response_ response;
+  response.client_guid(4711);
+  response.sequence_number(42);
+  response.success(true);
+  response.message("off");
+  EXPECT_EQ(bytesOf({"rr/handgraft_bridge/armReply", idl::Qos::kService, idl::kRosTriggerHash},
+                    std_srvs_srv_dds__Trigger_Response__desc, response),
+            golden(kGoldenResponse));
 }
 
 TEST_F(RosWire, TheTypeIsNamedAsRosNamesIt) {
+  const idl::cyclone::Writer<RosJointState> writer(participant_, idl::kRosJointStatesTopic);
   const dds_entity_t reader =
       dds_create_reader(raw_, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr);
   ASSERT_GT(reader, 0) << dds_strretcode(reader);

@@ -22,9 +22,9 @@ namespace handgraft::test {
 namespace {
 
 constexpr std::chrono::microseconds kStep(500);
-// What takes less on the wire arrives at once: the thread that serves it looks once a
-// millisecond.
-constexpr std::chrono::milliseconds kNoticed(2);
+// The thread that serves a pty looks at its device once in so long, and when bytes are due.
+constexpr std::chrono::milliseconds kLook(1);
+constexpr std::chrono::microseconds kSoon(20);
 
 class VirtualWire final : public Wire, private devices::ByteChannel {
  public:
@@ -173,27 +173,40 @@ class Pty final : public Wire {
     std::array<std::uint8_t, 512> chunk;
     while (!is_stopping_) {
       pollfd poll_master = {master_, POLLIN, 0};
+      const timespec wait = untilNextLook();
       const bool is_open =
-          poll(&poll_master, 1, 1) <= 0 || (poll_master.revents & POLLHUP) == 0;
+          ppoll(&poll_master, 1, &wait, nullptr) <= 0 || (poll_master.revents & POLLHUP) == 0;
       // While nobody has opened the other end, polling returns at once.
-      if (!is_open) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      if (!is_open) std::this_thread::sleep_for(kLook);
       const ssize_t count = ::read(master_, chunk.data(), chunk.size());
       const std::lock_guard lock(mutex_);
       const TimePoint now = std::chrono::steady_clock::now();
-      if (count > 0) device_.hear({chunk.data(), static_cast<std::size_t>(count)}, now);
+      if (on_wire_.empty()) arrived_at_ = std::max(arrived_at_, now);
+      if (count > 0) {
+        device_.hear({chunk.data(), static_cast<std::size_t>(count)}, now);
+        arrived_at_ += count * per_byte_;  // what it says next comes after them
+      }
       device_.advance(now);
       const ByteVector said = device_.takeOutput(now);
-      if (on_wire_.empty()) arrived_at_ = now;
       on_wire_.insert(on_wire_.end(), said.begin(), said.end());
       deliver(now);
     }
   }
 
+  [[nodiscard]] timespec untilNextLook() const {
+    const Duration due = arrived_at_ +
+                         static_cast<std::ptrdiff_t>(on_wire_.size()) * per_byte_ -
+                         std::chrono::steady_clock::now();
+    const auto wait =
+        on_wire_.empty() ? Duration(kLook) : std::clamp<Duration>(due, kSoon, kLook);
+    return {0, static_cast<long>(wait / std::chrono::nanoseconds(1))};
+  }
+
+  // A pty itself knows nothing of rates.
   void deliver(TimePoint now) {
-    const auto left = static_cast<std::ptrdiff_t>(on_wire_.size());
-    std::ptrdiff_t count = left;
-    // A pty itself knows nothing of rates.
-    if (left * per_byte_ > kNoticed) count = std::min(left, (now - arrived_at_) / per_byte_);
+    auto count = static_cast<std::ptrdiff_t>(on_wire_.size());
+    if (per_byte_ > Duration::zero())
+      count = std::clamp<std::ptrdiff_t>((now - arrived_at_) / per_byte_, 0, count);
     arrived_at_ += count * per_byte_;
     std::ptrdiff_t written = 0;
     while (written < count) {
@@ -210,7 +223,7 @@ class Pty final : public Wire {
   devices::SerialPort port_;
   std::chrono::nanoseconds per_byte_{0};
   ByteVector on_wire_;      // said, and not arrived yet
-  TimePoint arrived_at_{};  // the last byte before them
+  TimePoint arrived_at_{};  // the last byte before them, of either side: one talks at a time
   int master_ = -1;
   std::atomic<bool> is_stopping_ = false;
   std::mutex mutex_;
