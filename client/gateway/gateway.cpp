@@ -112,10 +112,11 @@ struct Gateway::Impl : Audience, std::enable_shared_from_this<Gateway::Impl> {
   /// A session that pages follow.
   struct Followed {
     std::unique_ptr<Following> following;
-    bool ended = false;      ///< its server is not heard any more
-    bool closed = false;     ///< somebody ended it
-    v1::SessionState state;  ///< as last heard
-    Shared state_text;       ///< the same two as they are sent
+    bool ended = false;           ///< its server is not heard any more
+    bool closed = false;          ///< somebody ended it
+    v1::SessionState state;       ///< as last heard
+    std::uint64_t server_id = 0;  ///< that holds it
+    Shared state_text;            ///< the same two as they are sent
     Shared pose_text;
     std::string saved;  ///< handgraft-session/1, of `saved_revision`
     std::uint64_t saved_revision = 0;
@@ -271,6 +272,7 @@ void Gateway::Impl::follow(PageId page, std::uint64_t request, std::uint64_t ses
     Followed& one = followed[session];
     if (one.state_text == nullptr) one.state = std::get<v1::SessionState>(outcome);
     if (one.following == nullptr) {
+      one.server_id = client.status().server_id();
       one.following = std::make_unique<Following>(client, session, listenerFor(session));
     }
     pages[page].sessions.insert(session);
@@ -486,7 +488,7 @@ void Gateway::Impl::resume(std::uint64_t session) {
                            state->revision() >= was.revision();
       if (is_same) return moveTo(session, *state, true);
     }
-    if (client.status().server_id() == found->second.state.server_id()) {
+    if (client.status().server_id() == found->second.server_id) {
       return lose(session, "the session has been closed");
     }
     restore(session);
@@ -530,6 +532,7 @@ void Gateway::Impl::moveTo(std::uint64_t session, const v1::SessionState& state,
   one.saved_revision = 0;
   one.editors.clear();
   if (!is_same) one.pose_text = one.state_text = nullptr;
+  one.server_id = client.status().server_id();
   one.following = std::make_unique<Following>(client, now, listenerFor(now));
   node.key() = now;
   if (const auto other = followed.find(now); other != followed.end()) {

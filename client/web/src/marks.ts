@@ -28,6 +28,7 @@ export interface Handle {
   kind: 'root' | 'direction';
   p_W: Vector3;
   n_W: Vector3;
+  at_W: Vector3; // where it is drawn: beside its partner, where they would lie together
   sprite: Sprite;
   visible: boolean;
 }
@@ -170,6 +171,7 @@ export class Marks {
     for (const handle of this.handles) {
       if (!used.has(handle)) handle.visible = false;
       handle.sprite.visible = handle.visible;
+      handle.at_W.copy(handle.p_W);
       handle.sprite.position.copy(handle.p_W);
     }
   }
@@ -200,7 +202,7 @@ export class Marks {
     // Where two lie together, the object's is the one to take.
     sprite.renderOrder = order.dots + (kind === 'direction' ? 2 : side === 'object' ? 1 : 0);
     this.group.add(sprite);
-    const made: Handle = { patch, side, kind, p_W: new Vector3(), n_W: new Vector3(), sprite, visible: true };
+    const made: Handle = { patch, side, kind, p_W: new Vector3(), n_W: new Vector3(), at_W: new Vector3(), sprite, visible: true };
     this.handles.push(made);
     return made;
   }

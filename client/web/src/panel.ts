@@ -433,7 +433,9 @@ export class Panel {
       {
         disabled: !this.session.mayEdit || undefined,
         onclick: () => {
-          const name = `snapshot ${names.length + 1}`;
+          let number = 1;
+          while (names.includes(`state-${number}`)) ++number;
+          const name = `state-${number}`;
           this.told.onKeep(name);
           void this.session.edit(edits.snapshot(name)).then(() => this.session.notify(`Kept as “${name}”.`));
         },

@@ -51,6 +51,8 @@ export class Session implements Listener {
   pages: PageInfo[] = [];
   /** Who made the last edit: "you", "guest 2", "another program". */
   editor = '';
+  /** Drags and edits that are not answered yet. */
+  underWay = 0;
   readonly past: Past[] = [];
   /** From an edit's sending to its pose, in ms. */
   readonly delays_ms: number[] = [];
@@ -110,12 +112,16 @@ export class Session implements Listener {
 
   /** One edit; refusals are told. */
   async edit(body: EditBody): Promise<boolean> {
+    ++this.underWay;
     try {
       await this.send(body);
+      this.look(); // snapshots make no revision
       return true;
     } catch (error) {
       this.failed(error);
       return false;
+    } finally {
+      --this.underWay;
     }
   }
 
@@ -136,9 +142,11 @@ export class Session implements Listener {
 
   /** A stream of edits from one drag: the newest wins, one is under way at a time. */
   drag(): Drag {
+    ++this.underWay;
     return new Drag(
       (body) => this.send(body),
       (from, to) => {
+        --this.underWay;
         if (to > from + 1) this.groups.push({ from, to });
         this.look();
       },
@@ -376,7 +384,6 @@ export class Drag {
   }
 
   private close(): void {
-    if (this.first >= 0) this.finished(this.first, Math.max(this.last, this.first));
-    this.first = -1;
+    this.finished(Math.max(this.first, 0), Math.max(this.last, this.first, 0));
   }
 }

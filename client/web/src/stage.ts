@@ -102,6 +102,11 @@ export class Stage {
     return new Vector3(((p.x + 1) * this.size.x) / 2, ((1 - p.y) * this.size.y) / 2, p.z);
   }
 
+  /** The point of the world that is seen there, at a depth that `project` gave. */
+  unproject(x: number, y: number, z: number): Vector3 {
+    return new Vector3((2 * x) / this.size.x - 1, 1 - (2 * y) / this.size.y, z).unproject(this.camera);
+  }
+
   png(): Promise<Blob | null> {
     this.draw();
     return new Promise((resolve) => this.canvas.toBlob(resolve, 'image/png'));

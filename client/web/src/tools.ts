@@ -37,6 +37,7 @@ export interface Told {
   onHint(text: string): void;
 }
 
+const kApart_px = 22;
 const kReach_px = { mouse: 14, touch: 26 };
 const kFreeHold = 0; // weight of a finger that is dragged: it may go where contacts want it, afterwards
 
@@ -162,10 +163,9 @@ export class Tools {
     let nearest = touch ? kReach_px.touch : kReach_px.mouse;
     for (const handle of this.scenery.marks.handles) {
       if (!handle.visible) continue;
-      const p = this.stage.project(handle.p_W);
+      const p = this.stage.project(handle.at_W);
       if (p.z > 1) continue;
-      // Where two lie together: what is drawn above.
-      const distance = Math.hypot(p.x - x, p.y - y) + (handle.side === 'hand' ? 8 : 0);
+      const distance = Math.hypot(p.x - x, p.y - y);
       if (distance < nearest) {
         nearest = distance;
         best = handle;
@@ -228,7 +228,7 @@ export class Tools {
     const drag = this.session.drag();
     const body = side === 'object' ? this.scenery!.object : this.scenery!.hand;
     const [x0, y0] = this.at(event);
-    const grip = this.stage.project(handle.p_W);
+    const grip = this.stage.project(handle.p_W); // not where it is drawn
     const [dx, dy] = [grip.x - x0, grip.y - y0];
     return {
       pointer: event.pointerId,
@@ -320,9 +320,34 @@ export class Tools {
     this.told.onMoved();
   }
 
+  /** The hand's dot is drawn beside the object's where both would lie together, so that either can be taken. */
+  private spreadDots(): void {
+    const roots = this.scenery!.marks.handles.filter((one) => one.visible && one.kind === 'root');
+    const middle = this.stage.project(new Vector3().setFromMatrixPosition(this.scenery!.object.X_WO));
+    for (const handle of roots) {
+      handle.at_W.copy(handle.p_W);
+      if (handle.side === 'hand') {
+        const partner = roots.find((one) => one.patch === handle.patch && one.side === 'object');
+        if (partner !== undefined) {
+          const mine = this.stage.project(handle.p_W);
+          const its = this.stage.project(partner.p_W);
+          let [dx, dy] = [mine.x - its.x, mine.y - its.y];
+          const apart = Math.hypot(dx, dy);
+          if (apart < kApart_px) {
+            if (apart < 3) [dx, dy] = [its.x - middle.x, its.y - middle.y];
+            const length = Math.hypot(dx, dy) || 1;
+            handle.at_W.copy(this.stage.unproject(its.x + (kApart_px * dx) / length, its.y + (kApart_px * dy) / length, mine.z));
+          }
+        }
+      }
+      handle.sprite.position.copy(handle.at_W);
+    }
+  }
+
   /** Dots as large as fingers and eyes need, whatever the distance; those behind a surface are faint. */
   private sizeDots(): void {
     if (this.scenery === null) return;
+    this.spreadDots();
     const perPixel = (2 * Math.tan((this.stage.camera.fov * Math.PI) / 360)) / this.stage.size.y;
     for (const handle of this.scenery.marks.handles) {
       if (!handle.visible) continue;

@@ -190,7 +190,7 @@ export class View {
         this.marks?.handles
           .filter((handle) => handle.visible)
           .map((handle) => {
-            const p = this.stage.project(handle.p_W);
+            const p = this.stage.project(handle.at_W);
             return { patch: handle.patch, side: handle.side, kind: handle.kind, x: p.x, y: p.y, hidden: Boolean(handle.sprite.userData['hidden']), p_W: handle.p_W.toArray() };
           }) ?? [],
     };

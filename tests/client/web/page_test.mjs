@@ -1,0 +1,566 @@
+// page_test.mjs BIN PACKAGES PICTURES DOMAIN [NAME]: the page in a real browser, by real mouse, keys and touch, on a real server.
+// What is done is read from the page's state and from the server's, through `handgraft` itself. Without a browser: 77.
+
+import assert from 'node:assert/strict';
+import { execFile, spawn } from 'node:child_process';
+import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, statSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { tmpdir } from 'node:os';
+import { join, resolve } from 'node:path';
+import { promisify } from 'node:util';
+
+const [bin, packages, pictures, domain, only] = process.argv.slice(2);
+const chromium = ['/usr/bin/chromium', '/usr/bin/chromium-browser'].find(existsSync);
+const driver = join(packages, 'node_modules/puppeteer-core');
+if (chromium === undefined || !existsSync(driver)) {
+  console.log(`skipped: ${chromium === undefined ? 'chromium' : 'puppeteer-core'} is not installed`);
+  process.exit(77);
+}
+const puppeteer = createRequire(resolve(packages, 'package.json'))('puppeteer-core');
+const run = promisify(execFile);
+const kPatience_ms = 60000;
+const downloads = mkdtempSync(join(tmpdir(), 'handgraft_page_'));
+mkdirSync(pictures, { recursive: true });
+
+// === The programs
+
+const children = new Set();
+
+function start(name, ...words) {
+  const child = spawn(join(bin, name), words, { stdio: ['ignore', 'pipe', 'inherit'] });
+  children.add(child);
+  child.on('exit', () => children.delete(child));
+  return child;
+}
+
+async function stop(child, signal = 'SIGTERM') {
+  if (!children.has(child)) return;
+  const gone = new Promise((resolve) => child.on('exit', resolve));
+  child.kill(signal);
+  await gone;
+}
+
+async function handgraft(...words) {
+  const { stdout } = await run(join(bin, 'handgraft'), [...words, '--domain', domain], { maxBuffer: 1 << 26 });
+  return stdout;
+}
+
+async function startServer() {
+  const server = start('handgraft-server', '--domain', domain, '--log-level', 'warning');
+  for (let i = 0; i < 100; ++i) {
+    try {
+      await handgraft('doctor');
+      return server;
+    } catch {
+      await sleep(200);
+    }
+  }
+  throw new Error('the server does not answer');
+}
+
+/** `handgraft view`, and where it serves. */
+async function startView(...words) {
+  const view = start('handgraft', 'view', '--domain', domain, '--no-browser', '--json', ...words);
+  let text = '';
+  const line = await new Promise((resolve, reject) => {
+    view.stdout.on('data', (chunk) => {
+      text += chunk;
+      if (text.includes('\n')) resolve(text.split('\n')[0]);
+    });
+    view.on('exit', (code) => reject(new Error(`view ended with ${code}`)));
+  });
+  return { process: view, ...JSON.parse(line) };
+}
+
+const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+
+// === Pages
+
+let browser;
+
+async function openPage(address, { width = 900, height = 560, touch = false } = {}) {
+  const page = await browser.newPage();
+  await page.setViewport({ width, height, hasTouch: touch });
+  page.on('pageerror', (error) => {
+    console.log('page error:', error.stack ?? error.message);
+    page.broken = error;
+  });
+  page.on('console', (message) => {
+    if (message.type() === 'error' && !/WebSocket|ERR_CONNECTION/.test(message.text())) {
+      console.log('console:', message.text());
+      page.broken = new Error(message.text());
+    }
+  });
+  await page.goto(address);
+  await page.waitForFunction(
+    () => globalThis.handgraft?.session.settings && globalThis.handgraft.view.facts().handles.length > 0,
+    { timeout: kPatience_ms },
+  );
+  return page;
+}
+
+const factsOf = (page) => page.evaluate(() => globalThis.handgraft.view.facts());
+const settingsOf = (page) => page.evaluate(() => globalThis.handgraft.session.settings);
+
+/** Waits until nothing is on its way any more: the server's state rests, and the page has it. */
+async function rest(page) {
+  await page.waitForFunction(
+    () => {
+      const { session, tools } = globalThis.handgraft;
+      const { state, solution, settings } = session;
+      return (
+        !tools.isBusy && session.underWay === 0 && state?.phase === 'ready' && solution?.is_diagnosed &&
+        solution.revision === state.revision && settings.state.revision === state.revision
+      );
+    },
+    { timeout: kPatience_ms },
+  );
+}
+
+async function waitRevision(page, revision) {
+  await page.waitForFunction((least) => globalThis.handgraft.session.state.revision >= least, { timeout: kPatience_ms }, revision);
+  await rest(page);
+}
+
+/** Waits until the picture is drawn anew, and does not move any more. */
+async function still(page) {
+  let { frames } = await factsOf(page);
+  await page.evaluate(() => globalThis.handgraft.stage.redraw());
+  await page.waitForFunction((before) => globalThis.handgraft.stage.frames > before, { timeout: kPatience_ms }, frames);
+  for (let last = -1; last !== frames; ) {
+    last = frames;
+    await sleep(150);
+    ({ frames } = await factsOf(page));
+  }
+}
+
+/** Where a dot is in the window. */
+async function dotOf(page, patch, side, kind = 'root') {
+  await still(page);
+  const { handles } = await factsOf(page);
+  const found = handles.find((one) => one.patch === patch && one.side === side && one.kind === kind);
+  assert.ok(found, `there is a ${kind} of ${patch} on the ${side}`);
+  const box = await (await page.$('canvas')).boundingBox();
+  return { ...found, x: box.x + found.x, y: box.y + found.y };
+}
+
+async function dragBy(page, from, dx, dy, steps = 6) {
+  await page.mouse.move(from.x, from.y);
+  await page.mouse.down();
+  for (let i = 1; i <= steps; ++i) {
+    await page.mouse.move(from.x + (dx * i) / steps, from.y + (dy * i) / steps);
+    await sleep(20);
+  }
+  await page.mouse.up();
+}
+
+const distance = (a, b) => Math.hypot(...a.map((x, i) => x - b[i]));
+const picture = (page, name) => page.screenshot({ path: join(pictures, `${name}.png`) });
+
+/** What the server has, asked by another program. */
+async function serverPose(session) {
+  const file = join(downloads, 'pose.json');
+  await handgraft('export', String(session), '--format', 'json', '--out', file);
+  return JSON.parse(readFileSync(file, 'utf8'));
+}
+
+/** A session of its own for a test. */
+async function openSession(hand = 'barrett8', object = 'lemon', contacts = 'lemon_6') {
+  const text = await handgraft('grasp', '--hand', hand, '--object', object, '--contacts', contacts, '--keep', '--json');
+  return JSON.parse(text).session_id;
+}
+
+// === The tests
+
+const tests = {
+  async 'A root dragged over the object moves there and the hand follows'(address) {
+    const session = await openSession();
+    const page = await openPage(`${address}?session=${session}`);
+    await rest(page);
+    const before = await factsOf(page);
+    const rootBefore = (await settingsOf(page)).patches.find((patch) => patch.name === 'index').root_O;
+    const dot = await dotOf(page, 'index', 'object');
+    await dragBy(page, dot, 24, 18);
+    await waitRevision(page, 1);
+    const after = await factsOf(page);
+    const moved = await dotOf(page, 'index', 'object');
+    assert.ok(distance(moved.p_W, dot.p_W) > 0.002, 'the root is elsewhere');
+    assert.ok(before.links.some((link, i) => distance(link, after.links[i]) > 1e-4), 'the hand is posed anew');
+    await picture(page, 'root');
+
+    // The server has the same pose.
+    const pose = await serverPose(session);
+    assert.equal(pose.revision, after.revision);
+    const links = Object.values(pose.links_X_WL).map((X_WL) => X_WL.p_m);
+    after.links.forEach((link, i) => assert.ok(distance(link, links[i]) < 1e-5, 'the page shows the server’s pose'));
+
+    // The whole drag is undone at once, by the keys.
+    await page.keyboard.down('Control');
+    await page.keyboard.press('z');
+    await page.keyboard.up('Control');
+    await waitRevision(page, after.revision + 1);
+    const undone = (await settingsOf(page)).patches.find((patch) => patch.name === 'index').root_O;
+    assert.deepEqual(undone, rootBefore);
+    return page;
+  },
+
+  async 'A finger on a touch screen drags a root over the hand'(address) {
+    const session = await openSession();
+    const page = await openPage(`${address}?session=${session}`, { touch: true });
+    await rest(page);
+    const placed = (await settingsOf(page)).patches.filter((patch) => patch.placed).map((patch) => patch.name);
+    // One whose dot lies apart from all others, so that it is the one that is touched.
+    const { handles } = await factsOf(page);
+    const apart = handles
+      .filter((one) => one.side === 'hand' && placed.includes(one.patch))
+      .map((one) => ({ one, room: Math.min(...handles.filter((other) => other !== one).map((other) => Math.hypot(other.x - one.x, other.y - one.y))) }))
+      .sort((a, b) => b.room - a.room)[0].one;
+    await page.evaluate(() => globalThis.handgraft.stage.controls.dolly(0.12, false));
+    await still(page);
+    const dot = await dotOf(page, apart.patch, 'hand');
+    await page.touchscreen.touchStart(dot.x, dot.y);
+    for (let i = 1; i <= 8; ++i) {
+      await page.touchscreen.touchMove(dot.x + 2 * i, dot.y + i);
+      await sleep(20);
+    }
+    await page.touchscreen.touchEnd();
+    await waitRevision(page, 1);
+    assert.match(await page.evaluate(() => globalThis.handgraft.session.state.last_edit), /^root .* hand/);
+    return page;
+  },
+
+  async 'A direction is turned by its handle'(address) {
+    const session = await openSession();
+    const page = await openPage(`${address}?session=${session}`);
+    await rest(page);
+    await page.click('[data-patch=thumb] .row');
+    await page.evaluate(() => globalThis.handgraft.stage.controls.dolly(0.15, false));
+    await still(page);
+    const before = (await settingsOf(page)).patches.find((patch) => patch.name === 'thumb');
+    const knobs = (await factsOf(page)).handles.filter((one) => one.kind === 'direction');
+    assert.ok(knobs.length > 0, 'the patch that is chosen has an arrow');
+    const knob = await dotOf(page, 'thumb', knobs[0].side, 'direction');
+    const root = await dotOf(page, 'thumb', knobs[0].side);
+    const [ax, ay] = [knob.x - root.x, knob.y - root.y];
+    await dragBy(page, knob, -0.6 * ay, 0.6 * ax);
+    await waitRevision(page, 1);
+    const after = (await settingsOf(page)).patches.find((patch) => patch.name === 'thumb');
+    const key = knobs[0].side === 'object' ? 'direction_O' : 'direction_S';
+    assert.ok(distance(before[key], after[key]) > 0.1, 'it points elsewhere');
+    return page;
+  },
+
+  async 'Fingers are dragged where they are pulled'(address) {
+    const session = await openSession();
+    const page = await openPage(`${address}?session=${session}`);
+    await rest(page);
+    await page.focus('canvas');
+    await page.keyboard.press('2');
+    assert.equal(await page.evaluate(() => globalThis.handgraft.tools.mode), 'fingers');
+    // Any place where a finger is under the pointer.
+    const at = await page.evaluate(() => {
+      const { stage, view } = globalThis.handgraft;
+      const last = view.hand.links.length - 1;
+      for (let y = 20; y < stage.size.y - 60; y += 8) {
+        for (let x = 110; x < stage.size.x - 20; x += 8) {
+          const hit = view.hand.pickLink(stage.rayAt(x, y));
+          if (hit !== null && view.hand.links.indexOf(hit.link) === last) return { x, y };
+        }
+      }
+      return null;
+    });
+    assert.ok(at, 'a finger is seen');
+    const box = await (await page.$('canvas')).boundingBox();
+    await dragBy(page, { x: box.x + at.x, y: box.y + at.y }, 30, -20);
+    await waitRevision(page, 1);
+    assert.match(await page.evaluate(() => globalThis.handgraft.session.state.last_edit), /^drag/);
+    return page;
+  },
+
+  async 'The object is moved by its arrows'(address) {
+    const session = await openSession();
+    const page = await openPage(`${address}?session=${session}`);
+    await rest(page);
+    await page.click('.modes button:nth-child(3)');
+    await sleep(300);
+    const before = (await factsOf(page)).X_WO;
+    // Along the arrow that is seen from the side most: the end of it is where the gizmo is taken.
+    const grip = await page.evaluate(() => {
+      const { stage, view } = globalThis.handgraft;
+      const canvas = stage.canvas.getBoundingClientRect();
+      const origin = view.object.X_WO;
+      const at = (dx, dy, dz) => {
+        const p = stage.camera.position.clone().setFromMatrixPosition(origin);
+        p.x += dx; p.y += dy; p.z += dz;
+        return stage.project(p);
+      };
+      const zero = at(0, 0, 0);
+      const arms = [at(0.02, 0, 0), at(0, 0.02, 0), at(0, 0, 0.02)].map((p) => ({ x: p.x - zero.x, y: p.y - zero.y }));
+      const longest = arms.sort((a, b) => Math.hypot(b.x, b.y) - Math.hypot(a.x, a.y))[0];
+      const length = Math.hypot(longest.x, longest.y);
+      return { x: canvas.x + zero.x, y: canvas.y + zero.y, dx: longest.x / length, dy: longest.y / length };
+    });
+    let taken = null;
+    for (let reach = 30; reach < 160 && taken === null; reach += 6) {
+      await page.mouse.move(grip.x + reach * grip.dx, grip.y + reach * grip.dy);
+      if (await page.evaluate(() => /^[XYZ]$/.test(globalThis.handgraft.tools.gizmo.axis ?? ''))) taken = reach;
+    }
+    assert.ok(taken, 'an arrow of the gizmo is under the pointer');
+    await dragBy(page, { x: grip.x + taken * grip.dx, y: grip.y + taken * grip.dy }, 25 * grip.dx, 25 * grip.dy);
+    await waitRevision(page, 1);
+    assert.ok(distance((await factsOf(page)).X_WO, before) > 1e-3, 'the object is elsewhere');
+    return page;
+  },
+
+  async 'The side switches, weighs, bends, locks, limits and chooses, also by keys'(address) {
+    const session = await openSession();
+    const page = await openPage(`${address}?session=${session}`);
+    await rest(page);
+    const patch = async (name) => (await settingsOf(page)).patches.find((one) => one.name === name);
+    const joint = async (name) => (await settingsOf(page)).joints.find((one) => one.name === name);
+    const revision = async () => (await page.evaluate(() => globalThis.handgraft.session.state.revision));
+    const edited = async (act) => {
+      const before = await revision();
+      await act();
+      await waitRevision(page, before + 1);
+    };
+
+    // Hovering tells which dots are whose, and the other way round.
+    await page.hover('[data-patch=index]');
+    assert.equal(await page.evaluate(() => globalThis.handgraft.view.chosen), 'index');
+    const dot = await dotOf(page, 'thumb', 'object');
+    await page.mouse.move(dot.x, dot.y);
+    await page.waitForSelector('[data-patch=thumb].hovered');
+
+    await edited(() => page.click('[data-patch=index] .switch'));
+    assert.equal((await patch('index')).enabled, false);
+    await page.focus('[data-patch=index] .switch');
+    await edited(() => page.keyboard.press('Space'));
+    assert.equal((await patch('index')).enabled, true);
+
+    await page.click('#to-joints');
+    const name = (await settingsOf(page)).joints[1].name;
+    await edited(async () => {
+      await page.focus(`input[type=range][aria-label^="${name},"]`);
+      for (let i = 0; i < 3; ++i) await page.keyboard.press('ArrowLeft');
+    });
+    assert.equal((await joint(name)).soft, true);
+    await edited(() => page.click(`[aria-label="lock ${name}"]`));
+    assert.equal((await joint(name)).locked, true);
+    await edited(() => page.click(`[aria-label="lock ${name}"]`));
+
+    await page.evaluate(() => document.querySelectorAll('.joint details').forEach((one) => (one.open = true)));
+    await edited(async () => {
+      const input = await page.$(`[aria-label^="upper limit of ${name},"]`);
+      await input.click({ clickCount: 3 });
+      await page.keyboard.type('40');
+      await page.keyboard.press('Tab');
+    });
+    assert.ok(Math.abs((await joint(name)).upper - (40 * Math.PI) / 180) < 1e-9);
+
+    // The arrows move the root of the contact that is chosen.
+    await page.click('#to-patches');
+    await page.click('[data-patch=thumb] .row');
+    const before = (await patch('thumb')).root_O;
+    await page.focus('canvas');
+    await edited(() => page.keyboard.press('ArrowLeft'));
+    assert.notDeepEqual((await patch('thumb')).root_O, before);
+
+    await page.click('#to-more');
+    await picture(page, 'more');
+    const minima = await page.$$('[aria-label=Minima] .choice');
+    if (minima.length > 1) {
+      await edited(() => minima[1].click());
+      assert.match(await page.evaluate(() => globalThis.handgraft.session.state.last_edit), /^choose/);
+    }
+    await page.evaluate(() => [...document.querySelectorAll('button')].find((one) => one.textContent === 'Keep this state').click());
+    await page.waitForFunction(() => globalThis.handgraft.session.settings.snapshots.length === 1, { timeout: kPatience_ms });
+    return page;
+  },
+
+  async 'Two pages and the command line agree'(address) {
+    const session = await openSession();
+    const [one, two] = [await openPage(`${address}?session=${session}`), await openPage(`${address}?session=${session}`)];
+    await rest(one);
+    await rest(two);
+    await one.bringToFront();
+    await dragBy(one, await dotOf(one, 'thumb', 'object'), 15, 10);
+    await waitRevision(one, 1);
+    await two.bringToFront();
+    await waitRevision(two, (await factsOf(one)).revision);
+    assert.match(await two.$eval('.people', (element) => element.textContent), /2 pages here.*guest \d+: root thumb object/);
+    const dragged = (await factsOf(two)).revision;
+    await two.click('[data-patch=index] .switch');
+    await waitRevision(two, dragged + 1);
+    const script = spawn(join(bin, 'handgraft'), ['edit', String(session), '--domain', domain, '--json'], { stdio: ['pipe', 'ignore', 'inherit'] });
+    script.stdin.end('disable middle\n');
+    await new Promise((resolve) => script.on('exit', resolve));
+    const pose = await serverPose(session);
+    for (const page of [one, two]) {
+      await page.bringToFront();
+      await waitRevision(page, pose.revision);
+      const facts = await factsOf(page);
+      assert.equal(facts.revision, pose.revision);
+      const links = Object.values(pose.links_X_WL).map((X_WL) => X_WL.p_m);
+      facts.links.forEach((link, i) => assert.ok(distance(link, links[i]) < 1e-5));
+      assert.match(await page.$eval('.people', (element) => element.textContent), /another program: disable middle/);
+    }
+    await picture(two, 'editors');
+    await one.close();
+    return two;
+  },
+
+  async 'Who only looks, looks'() {
+    const session = await openSession();
+    const view = await startView(String(session), '--read-only');
+    const page = await openPage(view.address);
+    const dot = await dotOf(page, 'thumb', 'object');
+    await dragBy(page, dot, 20, 10);
+    assert.equal(await page.$eval('.modes', (element) => element.hidden), true);
+    assert.equal(await page.$eval('[data-patch=thumb] .switch', (element) => element.disabled), true);
+    assert.equal((await serverPose(session)).revision, 0);
+    await stop(view.process);
+    return page;
+  },
+
+  async 'A picture is saved, and the page as one file that needs no server'(address) {
+    const session = await openSession();
+    const page = await openPage(`${address}?session=${session}`);
+    await rest(page);
+    const client = await page.createCDPSession();
+    await client.send('Browser.setDownloadBehavior', { behavior: 'allow', downloadPath: downloads });
+    const save = async (text, file) => {
+      await page.click('.menu summary');
+      await page.evaluate((name) => [...document.querySelectorAll('.menu button')].find((one) => one.textContent.startsWith(name)).click(), text);
+      const path = join(downloads, file);
+      for (let i = 0; i < 200 && !existsSync(path); ++i) await sleep(50);
+      await sleep(200);
+      return path;
+    };
+    const png = await save('Picture', 'barrett8_lemon.png');
+    assert.ok(statSync(png).size > 10000, 'the picture is none of one colour');
+    const html = await save('Page as one file', 'barrett8_lemon.html');
+
+    const cli = join(downloads, 'cli.html');
+    if ((await run(join(bin, 'handgraft'), ['export', '--help'])).stdout.includes('html')) {
+      await handgraft('export', String(session), '--format', 'html', '--out', cli);
+    }
+    for (const file of [html, cli].filter(existsSync)) {
+      const alone = await browser.newPage();
+      const wanted = [];
+      alone.on('request', (request) => {
+        if (!/^(file|data|blob):/.test(request.url())) wanted.push(request.url());
+      });
+      await alone.setOfflineMode(true);
+      await alone.setViewport({ width: 900, height: 560 });
+      await alone.goto(`file://${file}`);
+      await alone.waitForFunction(() => globalThis.handgraft?.view.facts().handles.length > 0, { timeout: kPatience_ms });
+      assert.deepEqual((await factsOf(alone)).links, (await factsOf(page)).links);
+      const dot = await dotOf(alone, 'thumb', 'object');
+      await dragBy(alone, { x: 250, y: 450 }, 120, 20);
+      await sleep(300);
+      const turned = await dotOf(alone, 'thumb', 'object');
+      assert.ok(Math.hypot(turned.x - dot.x, turned.y - dot.y) > 3, 'the view turns');
+      assert.deepEqual(wanted, []);
+      await picture(alone, file === html ? 'file' : 'file_by_export');
+      await alone.close();
+    }
+    return page;
+  },
+
+  async 'Every control has a name'(address) {
+    const session = await openSession();
+    const page = await openPage(`${address}?session=${session}`);
+    await rest(page);
+    const nameless = [];
+    const look = (node) => {
+      if (['button', 'slider', 'checkbox', 'switch', 'spinbutton', 'combobox', 'tab', 'textbox'].includes(node.role) && !node.name) nameless.push(node.role);
+      (node.children ?? []).forEach(look);
+    };
+    for (const tab of ['patches', 'joints', 'more']) {
+      await page.click(`#to-${tab}`);
+      look(await page.accessibility.snapshot());
+    }
+    assert.deepEqual(nameless, []);
+    for (let i = 0; i < 2; ++i) {
+      await page.click('[aria-label="Light or dark"]');
+      await sleep(200);
+      await picture(page, await page.evaluate(() => document.documentElement.dataset.theme));
+    }
+    return page;
+  },
+
+  async 'A server that ends and comes again is told, and the session goes on'(address) {
+    const session = await openSession();
+    const page = await openPage(`${address}?session=${session}`);
+    await rest(page);
+    await page.click('[data-patch=index] .switch');
+    await waitRevision(page, 1);
+    await sleep(2500); // it is saved while it rests
+    await stop(server, 'SIGKILL');
+    await page.waitForSelector('.banner:not([hidden])', { timeout: kPatience_ms });
+    server = await startServer();
+    await page.waitForSelector('.banner[hidden]', { timeout: kPatience_ms });
+    await page.waitForFunction(() => globalThis.handgraft.session.solution?.is_diagnosed, { timeout: kPatience_ms });
+    await rest(page);
+    assert.equal((await settingsOf(page)).patches.find((one) => one.name === 'index').enabled, false);
+    const revision = (await factsOf(page)).revision;
+    await page.click('[data-patch=index] .switch');
+    await waitRevision(page, revision + 1);
+    assert.equal((await settingsOf(page)).patches.find((one) => one.name === 'index').enabled, true);
+    return page;
+  },
+
+  async 'A network that is gone for a while is told, and the page goes on'() {
+    const session = await openSession();
+    const view = await startView(String(session), '--port', '0');
+    const page = await openPage(view.address);
+    await rest(page);
+    const port = new URL(view.address).port;
+    await stop(view.process);
+    await page.waitForSelector('.banner:not([hidden])', { timeout: kPatience_ms });
+    const again = await startView(String(session), '--port', port);
+    await page.waitForSelector('.banner[hidden]', { timeout: kPatience_ms });
+    await page.click('[data-patch=thumb] .switch');
+    await waitRevision(page, 1);
+    await stop(again.process);
+    return page;
+  },
+};
+
+// === How it is done
+
+let server = await startServer();
+let failed = 0;
+try {
+  const view = await startView();
+  browser = await puppeteer.launch({
+    executablePath: chromium,
+    headless: true,
+    // Drawn in software: no test machine has to have a graphics card. Without a sandbox, since root may run this.
+    args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-dev-shm-usage'],
+  });
+  for (const [name, test] of Object.entries(tests)) {
+    if (only !== undefined && !name.includes(only)) continue;
+    const begun = Date.now();
+    let page;
+    try {
+      page = await test(view.address);
+      if (page.broken) throw page.broken;
+      console.log(`passed  ${name} (${((Date.now() - begun) / 1000).toFixed(1)} s)`);
+    } catch (error) {
+      ++failed;
+      console.log(`FAILED  ${name}: ${error.stack ?? error}`);
+      for (const one of (await browser.pages()).slice(1)) {
+        await picture(one, `failed_${failed}`).catch(() => undefined);
+        console.log(await one.evaluate(() => { const { session, tools } = globalThis.handgraft; return JSON.stringify({ state: session.state, solution: session.solution?.revision, diagnosed: session.solution?.is_diagnosed, settings: session.settings?.state.revision, underWay: session.underWay, busy: tools.isBusy, toasts: [...document.querySelectorAll('.toasts p')].map((p) => p.textContent) }); }).catch(String));
+      }
+    }
+    for (const one of (await browser.pages()).slice(1)) await one.close();
+  }
+} finally {
+  await browser?.close();
+  for (const child of [...children]) await stop(child);
+  rmSync(downloads, { recursive: true, force: true });
+}
+process.exit(failed === 0 ? 0 : 1);
