@@ -6,11 +6,11 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/geometry/dgpc.h"
+#include "core/geometry/exact_geodesics.h"
 #include "core/geometry/heat_log_map.h"
 #include "core/geometry/log_map_source.h"
 #include "core/geometry/numbering.h"
-#include "core/geometry/polar_front.h"
-#include "core/geometry/window_front.h"
 
 namespace handgraft::geometry {
 
@@ -129,7 +129,7 @@ LogMap diskOf(const TriangleMesh& mesh,
 
 /// `empty` says what is wanted: source and radius.
 LogMap fastMap(const TriangleMesh& mesh, const SourceLayout& layout, LogMap empty) {
-  PolarFront front(mesh, layout, empty.radius);
+  Dgpc front(mesh, layout, empty.radius);
   front.run();
   empty.method = LogMapMethod::kFast;
   return diskOf(mesh, layout, front, std::move(empty));
@@ -141,7 +141,7 @@ struct ExactMap {
 };
 
 ExactMap exactMap(const TriangleMesh& mesh, const SourceLayout& layout, LogMap empty) {
-  WindowFront front(mesh, layout, empty.radius);
+  ExactGeodesics front(mesh, layout, empty.radius);
   front.run();
   empty.method = LogMapMethod::kExact;
   return {diskOf(mesh, layout, front, std::move(empty)), front.isCutShort()};

@@ -1,11 +1,11 @@
-// The exact part of PolarFront: beams through windows whose ends lie on one isometric sheet,
+// The exact part of Dgpc: beams through windows whose ends lie on one isometric sheet,
 // followed past vertices that they do not serve.
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "core/geometry/polar_front.h"
+#include "core/geometry/dgpc.h"
 
 namespace handgraft::geometry {
 
@@ -53,10 +53,7 @@ double distanceToSegment(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
 
 }  // namespace
 
-bool PolarFront::throughSheet(int halfedge,
-                              const Node& left,
-                              const Node& right,
-                              double length) {
+bool Dgpc::throughSheet(int halfedge, const Node& left, const Node& right, double length) {
   const double length_T = (right.position() - left.position()).norm();
   const double slack = kSameLength * length + kLengthRounding * std::max(left.r, right.r);
   // Two sheets of a surface that is flat here: whatever passes between them goes by beam.
@@ -79,7 +76,7 @@ bool PolarFront::throughSheet(int halfedge,
   return false;
 }
 
-void PolarFront::follow(const Window& window, int halfedge) {
+void Dgpc::follow(const Window& window, int halfedge) {
   beams_.clear();
   beams_.push_back({halfedge, window.left, window.right, Eigen::Vector2d::UnitX(), window.left,
                     window.right, true, true});
@@ -147,10 +144,10 @@ void PolarFront::follow(const Window& window, int halfedge) {
   }
 }
 
-bool PolarFront::standsAt(int vertex,
-                          const Window& window,
-                          const Eigen::Vector2d& p,
-                          double r) const {
+bool Dgpc::standsAt(int vertex,
+                    const Window& window,
+                    const Eigen::Vector2d& p,
+                    double r) const {
   const Node* node = nodeOf(vertex);
   if (!node || !node->exact || std::abs(node->r - r) > kSameSheet * r) return false;
   // The turn from the window's left end to p, carried over to T: complex numbers, no angles.
@@ -162,7 +159,7 @@ bool PolarFront::standsAt(int vertex,
          kSameSheet * kSameSheet;
 }
 
-bool PolarFront::isFlat(int vertex) const {
+bool Dgpc::isFlat(int vertex) const {
   return mesh_.isBoundaryVertex(vertex) ||
          std::abs(mesh_.angleSum(vertex) - 2.0 * std::numbers::pi) <= kFlatAngle;
 }

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/geometry/window_front.h"
+#include "core/geometry/exact_geodesics.h"
 
 namespace handgraft::geometry {
 
@@ -18,7 +18,7 @@ Eigen::Vector2d unit(double angle) {
 
 }  // namespace
 
-void WindowFront::spread(int node) {
+void ExactGeodesics::spread(int node) {
   const TriangleMesh& mesh = faces_.mesh();
   const int v = nodes_[node].vertex;
   const auto corner_count =
@@ -44,7 +44,7 @@ void WindowFront::spread(int node) {
 
 /// Lists the corners of the fan of `side`, counter-clockwise: all around from `side` on, or
 /// from the surface's edge to the surface's edge.
-void WindowFront::walkFan(int side) {
+void ExactGeodesics::walkFan(int side) {
   int first = side;
   for (int across = faces_.across(first); across >= 0; across = faces_.across(first)) {
     first = FlatFaces::next(across);
@@ -64,7 +64,7 @@ void WindowFront::walkFan(int side) {
 }
 
 /// A shortest path goes on where it has at least half a turn on either side of it.
-void WindowFront::spreadOverFan(int node, bool is_arrival_fan) {
+void ExactGeodesics::spreadOverFan(int node, bool is_arrival_fan) {
   const int plane = static_cast<int>(planes_.size());
   const Node& n = nodes_[node];
   const Plane& before = planes_[n.plane];
@@ -93,7 +93,7 @@ void WindowFront::spreadOverFan(int node, bool is_arrival_fan) {
 }
 
 /// Through a corner, between two angles measured from its side.
-void WindowFront::spreadInto(int plane, const Corner& corner, double low, double high) {
+void ExactGeodesics::spreadInto(int plane, const Corner& corner, double low, double high) {
   const double angle = corner.end - corner.begin;
   const double offset = planes_[plane].offset;
   const int next = FlatFaces::next(corner.side);

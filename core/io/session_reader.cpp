@@ -117,7 +117,8 @@ SessionFile readSessionText(const std::string& text) {
   }
   for (const std::string& model :
        {"hand " + result.hand, "object " + result.object, "contacts " + result.contacts}) {
-    if (result.hashes.count(model) == 0) models["hashes"].reject("lacks {}", handgraft::quoted(model));
+    if (result.hashes.count(model) == 0)
+      models["hashes"].reject("lacks {}", handgraft::quoted(model));
   }
   file["revision"].read(result.session.revision);
   result.session.history = historyOf(file["history"]);

@@ -12,7 +12,7 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include "core/base/error.h"
-#include "core/hand/free_root.h"
+#include "core/hand/floating_base.h"
 #include "core/io/mesh_file.h"
 #include "core/io/urdf_text.h"
 
@@ -114,7 +114,8 @@ class ShapeReader {
             const urdf::Pose& origin,
             const std::string& link,
             std::vector<hand::Shape>& shapes) {
-    if (geometry == nullptr) rejectInput("link {}: a shape has no geometry", handgraft::quoted(link));
+    if (geometry == nullptr)
+      rejectInput("link {}: a shape has no geometry", handgraft::quoted(link));
     Eigen::Affine3d X_LG(poseOf(origin).matrix());
     hand::Shape shape;
     geometry::TriangleMesh mesh;
@@ -122,7 +123,8 @@ class ShapeReader {
       const Eigen::Vector3d scale(file->scale.x, file->scale.y, file->scale.z);
       if (!scale.allFinite() || (scale.array() == 0.0).any())
         rejectInput("link {}: mesh {} has scale ({} {} {}); no part of it may be 0",
-                    handgraft::quoted(link), handgraft::quoted(file->filename), scale.x(), scale.y(), scale.z());
+                    handgraft::quoted(link), handgraft::quoted(file->filename), scale.x(),
+                    scale.y(), scale.z());
       // A scale that is written says already what the file's units are.
       X_LG = X_LG * Eigen::Scaling(scale.isOnes(0.0)
                                        ? Eigen::Vector3d::Constant(mesh_unit_m_).eval()
@@ -144,18 +146,20 @@ class ShapeReader {
       if (isEmpty(Eigen::Vector3d::Constant(sphere->radius), link, "sphere")) return;
       mesh = geometry::makeSphere(sphere->radius);
     } else {
-      rejectInput("link {}: a shape is none of mesh, box, cylinder, sphere", handgraft::quoted(link));
+      rejectInput("link {}: a shape is none of mesh, box, cylinder, sphere",
+                  handgraft::quoted(link));
     }
 
     face_count_ += mesh.faceCount();
     if (face_count_ > kMostFaces)
-      rejectInput("link {}: the shapes have more than {} triangles together", handgraft::quoted(link),
-                  kMostFaces);
+      rejectInput("link {}: the shapes have more than {} triangles together",
+                  handgraft::quoted(link), kMostFaces);
     shape.mesh_L = geometry::transformed(mesh, X_LG);
     const double reach = shape.mesh_L.vertices().cwiseAbs().maxCoeff();
     if (!(reach <= kLargestNumber))
-      rejectInput("link {}: shape {} reaches out to {} m; permitted is {}", handgraft::quoted(link),
-                  handgraft::quoted(shape.source), reach, kLargestNumber);
+      rejectInput("link {}: shape {} reaches out to {} m; permitted is {}",
+                  handgraft::quoted(link), handgraft::quoted(shape.source), reach,
+                  kLargestNumber);
     shapes.push_back(std::move(shape));
   }
 
@@ -163,11 +167,11 @@ class ShapeReader {
   /// Placeholders of size 0 are common; they have no surface and are left out.
   bool isEmpty(const Eigen::Vector3d& size, const std::string& link, const char* kind) {
     if (!size.allFinite() || (size.array() < 0.0).any())
-      rejectInput("link {}: a {} of size ({} {} {}): sizes must be positive", handgraft::quoted(link),
-                  kind, size.x(), size.y(), size.z());
+      rejectInput("link {}: a {} of size ({} {} {}): sizes must be positive",
+                  handgraft::quoted(link), kind, size.x(), size.y(), size.z());
     if ((size.array() > 0.0).all()) return false;
-    notes_.push_back(
-        fmt::format("link {}: a {} without volume was left out", handgraft::quoted(link), kind));
+    notes_.push_back(fmt::format("link {}: a {} without volume was left out",
+                                 handgraft::quoted(link), kind));
     return true;
   }
 
@@ -194,8 +198,8 @@ class ShapeReader {
 void requireModestNumbers(const hand::HandModel& model) {
   const auto require = [](double value, const std::string& joint, const char* what) {
     if (std::abs(value) <= kLargestNumber || std::isinf(value)) return;
-    rejectInput("joint {}: its {} is {}; permitted is {} either way", handgraft::quoted(joint), what,
-                value, kLargestNumber);
+    rejectInput("joint {}: its {} is {}; permitted is {} either way", handgraft::quoted(joint),
+                what, value, kLargestNumber);
   };
   for (const hand::HandModel::Node& node : model.nodes()) {
     for (const double coordinate : node.X_PJ.translation())
@@ -281,11 +285,11 @@ UrdfFile readUrdf(const fs::path& path, const ResourceFinder& find, double mesh_
   }
 }
 
-hand::HandModel readUrdfKinematics(const fs::path& path, FreeRoot free_root) {
+hand::HandModel readUrdfKinematics(const fs::path& path, FloatingBase floating_base) {
   try {
     const UrdfText prepared = prepareUrdf(readText(path), false);
     hand::HandModel model = readModel(prepared, nullptr);
-    if (free_root == FreeRoot::kKept) return model;
+    if (floating_base == FloatingBase::kKept) return model;
     return hand::cutFreeRoot(model, prepared.solid_links).hand;
   } catch (const InvalidInput& error) {
     rejectInput("{}: {}", handgraft::quoted(path.string()), error.what());

@@ -12,8 +12,9 @@ namespace handgraft::io {
 
 struct UrdfFile {
   hand::HandModel model;
-  /// Joints of the file that place the whole hand, cut off from the model (hand/free_root.h).
-  std::optional<hand::HandModel> free_root;
+  /// Joints of the file that place the whole hand, cut off from the model
+  /// (hand/floating_base.h).
+  std::optional<hand::HandModel> floating_base;
   /// The text as it was read.
   std::string text;
   /// What was amended or left out, for the user: "joint 'x': no limit, taken as +-pi".
@@ -39,11 +40,11 @@ UrdfFile readUrdf(const std::filesystem::path& path,
                   double mesh_unit_m = 1.0);
 
 /// What becomes of joints that place the whole hand.
-enum class FreeRoot { kCut, kKept };
+enum class FloatingBase { kCut, kKept };
 
 /// Joints and links alone, geometry left out: for problem files, whose kinematics is all they
 /// need. No mesh has to exist.
 hand::HandModel readUrdfKinematics(const std::filesystem::path& path,
-                                   FreeRoot free_root = FreeRoot::kCut);
+                                   FloatingBase floating_base = FloatingBase::kCut);
 
 }  // namespace handgraft::io

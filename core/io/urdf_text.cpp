@@ -26,7 +26,8 @@ std::string nameOf(const XMLElement& element) {
   if (name.empty()) rejectInput("line {}: a {} has no name", element.GetLineNum(), kind);
   if (name.size() > kLongestUrdfName) {
     rejectInput("line {}: the name of a {}, {}, has {} bytes; permitted are {}",
-                element.GetLineNum(), kind, handgraft::quoted(name), name.size(), kLongestUrdfName);
+                element.GetLineNum(), kind, handgraft::quoted(name), name.size(),
+                kLongestUrdfName);
   }
   return name;
 }
@@ -93,11 +94,13 @@ bool amendLimit(const std::string& name,
     const bool has_upper = limit->Attribute("upper") != nullptr;
     if (!has_lower && !has_upper) {
       result.unlimited_joints.push_back(name);
-      result.notes.push_back(fmt::format("joint {}: no limit, taken as {}", handgraft::quoted(name),
+      result.notes.push_back(fmt::format("joint {}: no limit, taken as {}",
+                                         handgraft::quoted(name),
                                          type == "revolute" ? "+-pi" : "unbounded"));
     } else if (!has_lower || !has_upper) {
       result.notes.push_back(fmt::format("joint {}: no {} limit, taken as 0 as URDF has it",
-                                         handgraft::quoted(name), has_lower ? "upper" : "lower"));
+                                         handgraft::quoted(name),
+                                         has_lower ? "upper" : "lower"));
     }
   }
   bool amended = false;
@@ -125,8 +128,8 @@ Eigen::Vector3d axisOf(const XMLElement& joint, const std::string& name) {
   int end = 0;
   if (std::sscanf(text.c_str(), "%lf %lf %lf %n", &n.x(), &n.y(), &n.z(), &end) != 3 ||
       static_cast<std::size_t>(end) != text.size() || !n.allFinite() || n.norm() < 1e-12)
-    rejectInput("joint {}: axis {} is not three numbers with a direction", handgraft::quoted(name),
-                handgraft::quoted(text));
+    rejectInput("joint {}: axis {} is not three numbers with a direction",
+                handgraft::quoted(name), handgraft::quoted(text));
   return n.normalized();
 }
 
@@ -184,7 +187,8 @@ void expandJoint(const XMLElement& joint,
                  XMLElement& robot,
                  UrdfText& result) {
   if (joint.FirstChildElement("mimic") != nullptr)
-    rejectInput("joint {}: a {} joint cannot mimic another", handgraft::quoted(whole.name), type);
+    rejectInput("joint {}: a {} joint cannot mimic another", handgraft::quoted(whole.name),
+                type);
   const std::vector<Freedom> freedoms = freedomsOf(joint, whole.name, type);
   std::string parent = whole.parent_link;
   std::string names;
@@ -201,8 +205,8 @@ void expandJoint(const XMLElement& joint,
     names += (i == 0 ? "" : ", ") + handgraft::quoted(name);
     parent = child;
   }
-  result.notes.push_back(
-      fmt::format("joint {}: {}, taken as {} without limits", handgraft::quoted(whole.name), type, names));
+  result.notes.push_back(fmt::format("joint {}: {}, taken as {} without limits",
+                                     handgraft::quoted(whole.name), type, names));
 }
 
 /// Returns whether the effort or velocity limit had to be amended.

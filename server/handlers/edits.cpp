@@ -1,8 +1,8 @@
 #include "server/handlers/edits.h"
 
 #include "core/base/error.h"
-#include "server/edit_messages.h"
-#include "server/rejection.h"
+#include "server/admission/rejection.h"
+#include "server/messages/edit_messages.h"
 
 namespace handgraft::server {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "idl/edits.h"
-#include "server/live_session.h"
+#include "server/sessions/live_session.h"
 
 namespace handgraft::server {
 

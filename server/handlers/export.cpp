@@ -12,8 +12,8 @@
 #include "core/io/scene_writer.h"
 #include "idl/fields.h"
 #include "idl/grasp_file.h"
-#include "server/convert.h"
 #include "server/handlers/optimize.h"
+#include "server/messages/convert.h"
 
 namespace handgraft::server {
 

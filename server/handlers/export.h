@@ -2,8 +2,8 @@
 
 #include "core/base/progress.h"
 #include "idl/sessions.h"
-#include "server/live_session.h"
-#include "server/workshop.h"
+#include "server/admission/workshop.h"
+#include "server/sessions/live_session.h"
 
 namespace handgraft::server {
 

@@ -4,10 +4,10 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "server/load_messages.h"
+#include "server/admission/rejection.h"
+#include "server/messages/load_messages.h"
 #include "server/reading/packed.h"
 #include "server/reading/units.h"
-#include "server/rejection.h"
 
 namespace handgraft::server {
 

@@ -2,7 +2,7 @@
 
 #include "core/base/progress.h"
 #include "idl/models.h"
-#include "server/workshop.h"
+#include "server/admission/workshop.h"
 
 namespace handgraft::server {
 

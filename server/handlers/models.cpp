@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "server/descriptions.h"
+#include "server/messages/descriptions.h"
 
 namespace handgraft::server {
 

@@ -2,7 +2,7 @@
 
 #include "core/base/progress.h"
 #include "idl/models.h"
-#include "server/workshop.h"
+#include "server/admission/workshop.h"
 
 /// One file per subject: a request in, a reply out, the workshop or session by reference, no
 /// transport in sight. Errors are exceptions (InvalidInput, Rejection, Cancelled); the service

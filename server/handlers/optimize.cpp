@@ -11,9 +11,9 @@
 
 #include "core/base/error.h"
 #include "core/session/solids.h"
-#include "server/convert.h"
 #include "server/handlers/transfer.h"
-#include "server/solution_messages.h"
+#include "server/messages/convert.h"
+#include "server/messages/solution_messages.h"
 
 namespace handgraft::server {
 

@@ -4,8 +4,8 @@
 #include "core/optimize/pose_problem.h"
 #include "core/optimize/solver.h"
 #include "idl/sessions.h"
-#include "server/rejection.h"
-#include "server/workshop.h"
+#include "server/admission/rejection.h"
+#include "server/admission/workshop.h"
 
 namespace handgraft::server {
 

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/hand/free_root.h"
+#include "core/hand/floating_base.h"
 #include "core/session/posed_hand_contacts.h"
-#include "server/convert.h"
-#include "server/load_messages.h"
+#include "server/messages/convert.h"
+#include "server/messages/load_messages.h"
 
 namespace handgraft::server {
 
@@ -40,8 +40,8 @@ Eigen::VectorXd startOf(const v1::PoseContactsRequest& request, const StoredHand
 
 /// The dof of the hand's free root that is called so; -1 if there is none.
 int freeRootDof(const StoredHand& hand, const std::string& joint) {
-  if (!hand.free_root) return -1;
-  const std::vector<std::string> names = hand.free_root->dofNames();
+  if (!hand.floating_base) return -1;
+  const std::vector<std::string> names = hand.floating_base->dofNames();
   const auto at = std::find(names.begin(), names.end(), joint);
   return at == names.end() ? -1 : static_cast<int>(at - names.begin());
 }
@@ -70,7 +70,7 @@ AskedPose poseFrom(const v1::PoseContactsRequest& request, const StoredHand& han
   Eigen::VectorXd& q = asked.pose.q;
   q = startOf(request, hand);
   Eigen::VectorXd q_root;
-  if (hand.free_root) q_root = hand.free_root->restPose();
+  if (hand.floating_base) q_root = hand.floating_base->restPose();
 
   std::set<std::string> named;
   std::string of_root;
@@ -95,7 +95,7 @@ AskedPose poseFrom(const v1::PoseContactsRequest& request, const StoredHand& han
                 handgraft::quoted(of_root));
   }
   asked.pose.X_WH = of_root.empty() ? server::poseFrom(request.X_WH(), "X_WH")
-                                    : hand::carriedPose(*hand.free_root, q_root);
+                                    : hand::carriedPose(*hand.floating_base, q_root);
   noteLimits(model, q, asked.notes);
   return asked;
 }
@@ -168,9 +168,8 @@ v1::ModelList contactsOfPose(const v1::PoseContactsRequest& request,
   AskedPose asked = poseFrom(request, *hand);
 
   const session::Hand ready = hand->hand->get(progress);
-  session::PosedContacts posed =
-      session::contactsOfPosedHand(ready, asked.pose, object->file->mesh, X_WO, reach,
-                                   segmentation, progress);
+  session::PosedContacts posed = session::contactsOfPosedHand(
+      ready, asked.pose, object->file->mesh, X_WO, reach, segmentation, progress);
 
   StoredContacts contacts;
   contacts.name = request.name();

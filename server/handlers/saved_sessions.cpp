@@ -6,7 +6,7 @@
 #include "core/session/replay.h"
 #include "server/handlers/optimize.h"
 #include "server/handlers/sessions.h"
-#include "server/model_source.h"
+#include "server/store/model_source.h"
 
 namespace handgraft::server {
 

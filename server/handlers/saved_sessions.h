@@ -2,7 +2,7 @@
 
 #include "core/base/progress.h"
 #include "idl/sessions.h"
-#include "server/workshop.h"
+#include "server/admission/workshop.h"
 
 /// Sessions as text, `handgraft-session/1` (core/io/README).
 namespace handgraft::server {

@@ -3,9 +3,9 @@
 #include <chrono>
 #include <utility>
 
-#include "server/convert.h"
-#include "server/model_source.h"
-#include "server/transfer_messages.h"
+#include "server/messages/convert.h"
+#include "server/messages/transfer_messages.h"
+#include "server/store/model_source.h"
 
 namespace handgraft::server {
 

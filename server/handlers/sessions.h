@@ -5,7 +5,7 @@
 
 #include "core/base/progress.h"
 #include "idl/sessions.h"
-#include "server/workshop.h"
+#include "server/admission/workshop.h"
 
 namespace handgraft::server {
 
@@ -17,9 +17,9 @@ v1::SessionState openSession(const v1::OpenSessionRequest& request,
 /// Takes a session into the store and tells of it. Errors: Rejection (ERROR_OVERLOADED) when
 /// too many are open.
 std::shared_ptr<LiveSession> enterSession(session::Session session,
-                              double skin_ms,
-                              Workshop& workshop,
-                              const Progress& progress);
+                                          double skin_ms,
+                                          Workshop& workshop,
+                                          const Progress& progress);
 
 v1::SessionState describeSession(const v1::SessionKey& key, const Workshop& workshop);
 

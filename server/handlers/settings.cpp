@@ -1,6 +1,6 @@
 #include "server/handlers/settings.h"
 
-#include "server/session_messages.h"
+#include "server/messages/session_messages.h"
 
 namespace handgraft::server {
 

@@ -2,7 +2,7 @@
 
 #include "core/base/progress.h"
 #include "idl/sessions.h"
-#include "server/live_session.h"
+#include "server/sessions/live_session.h"
 
 namespace handgraft::server {
 

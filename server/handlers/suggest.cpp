@@ -1,7 +1,7 @@
 #include "server/handlers/suggest.h"
 
 #include "server/handlers/transfer.h"
-#include "server/transfer_messages.h"
+#include "server/messages/transfer_messages.h"
 
 namespace handgraft::server {
 

@@ -6,9 +6,9 @@
 
 #include "core/base/error.h"
 #include "core/session/sweep.h"
-#include "server/convert.h"
-#include "server/study_messages.h"
-#include "server/transfer_messages.h"
+#include "server/messages/convert.h"
+#include "server/messages/study_messages.h"
+#include "server/messages/transfer_messages.h"
 
 namespace handgraft::server {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "server/transfer_messages.h"
+#include "server/messages/transfer_messages.h"
 
 namespace handgraft::server {
 

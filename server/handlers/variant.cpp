@@ -6,7 +6,7 @@
 
 #include "core/hand/variant.h"
 #include "core/io/urdf_writer.h"
-#include "server/study_messages.h"
+#include "server/messages/study_messages.h"
 
 namespace handgraft::server {
 
@@ -67,7 +67,7 @@ v1::ModelList makeVariant(const v1::VariantRequest& request, Workshop& workshop)
   stored.mirrored = parent->mirrored;
   for (const hand::NamedPose& pose : parent->poses)
     stored.poses.push_back({pose.name, hand::poseOfVariant(*variant, pose.q)});
-  stored.free_root = parent->free_root;
+  stored.floating_base = parent->floating_base;
   stored.hand = variantOf(parent->hand, std::move(variant));
 
   v1::ModelList reply;

@@ -89,8 +89,8 @@ ContactReading takeContactReading(ByteReader& in) {
 
 void putModel(ByteWriter& out, const ReadHand& hand) {
   put(out, hand.model);
-  put(out, hand.free_root.has_value());
-  if (hand.free_root) put(out, *hand.free_root);
+  put(out, hand.floating_base.has_value());
+  if (hand.floating_base) put(out, *hand.floating_base);
   out.text(hand.urdf);
   put(out, hand.notes);
   put(out, hand.sites.has_value());
@@ -100,7 +100,7 @@ void putModel(ByteWriter& out, const ReadHand& hand) {
 
 ReadHand takeHand(ByteReader& in) {
   ReadHand hand{takeHandModel(in), std::nullopt, {}, {}, std::nullopt, {}};
-  if (in.flag()) hand.free_root = takeHandModel(in);
+  if (in.flag()) hand.floating_base = takeHandModel(in);
   hand.urdf = in.text();
   hand.notes = takeTexts(in);
   if (in.flag()) hand.sites = takeSites(in, hand.model);

@@ -91,7 +91,7 @@ ReadHand readHand(const ReadRequest& request) {
       })) {
     rejectInput("hand {}: none of its links has a surface", handgraft::quoted(request.name));
   }
-  ReadHand read{std::move(file.model), std::move(file.free_root),
+  ReadHand read{std::move(file.model), std::move(file.floating_base),
                 std::move(file.text),  std::move(file.notes),
                 std::nullopt,          {}};
   if (!request.hand.srdf_uri.empty()) {
@@ -104,8 +104,8 @@ ReadHand readHand(const ReadRequest& request) {
   }
   if (request.hand.mirrored) {
     read.model = hand::mirrored(read.model, read.model.name());
-    if (read.free_root)
-      read.free_root = hand::mirrored(*read.free_root, read.free_root->name());
+    if (read.floating_base)
+      read.floating_base = hand::mirrored(*read.floating_base, read.floating_base->name());
   }
   if (request.files.count(kSitesUri) != 0)
     read.sites = io::readSites(fileOf(request, kSitesUri), read.model, request.hand.mirrored);

@@ -64,8 +64,8 @@ struct ReadRequest {
 
 struct ReadHand {
   hand::HandModel model;  ///< its rest pose is the one asked for
-  /// Joints of the file that place the whole hand, cut off (hand/free_root.h).
-  std::optional<hand::HandModel> free_root;
+  /// Joints of the file that place the whole hand, cut off (hand/floating_base.h).
+  std::optional<hand::HandModel> floating_base;
   std::string urdf;  ///< the file's text
   std::vector<std::string> notes;
   std::optional<std::vector<hand::ContactSite>> sites;  ///< missing: the hand brings none

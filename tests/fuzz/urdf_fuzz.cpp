@@ -9,7 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/hand/digits.h"
-#include "core/hand/free_root.h"
+#include "core/hand/floating_base.h"
 #include "core/hand/kinematics.h"
 #include "core/hand/mirror.h"
 #include "core/io/srdf_file.h"
@@ -181,9 +181,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     requireFinitePoses(file.model);
     requireSameKinematics(path, file.model);
     if (faceCountOf(file.model) <= kMostFaces) requireMirrorImage(file.model);
-    if (file.free_root) {
-      requireSaneTree(*file.free_root);
-      requireFinitePoses(*file.free_root);
+    if (file.floating_base) {
+      requireSaneTree(*file.floating_base);
+      requireFinitePoses(*file.floating_base);
     }
     if (file.model.linkCount() <= kMostLinks) requireSaneDigits(file.model);
     if (mark != std::string_view::npos)

@@ -13,9 +13,9 @@
 #include "core/io/contact_file.h"
 #include "core/io/sites_file.h"
 #include "core/io/urdf_file.h"
-#include "server/descriptions.h"
+#include "server/admission/service.h"
+#include "server/messages/descriptions.h"
 #include "server/reading/read_model.h"
-#include "server/service.h"
 
 #include "tests/server/recording_bus.h"
 #include "tests/server/small_grasp.h"

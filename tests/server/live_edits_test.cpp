@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/service.h"
+#include "server/admission/service.h"
 
 #include "tests/server/recording_bus.h"
 #include "tests/server/small_grasp.h"

@@ -6,8 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/load_messages.h"
-#include "server/service.h"
+#include "server/admission/service.h"
+#include "server/messages/load_messages.h"
 
 #include "tests/server/recording_bus.h"
 #include "tests/server/small_grasp.h"

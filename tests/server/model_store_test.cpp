@@ -1,4 +1,4 @@
-#include "server/model_store.h"
+#include "server/store/model_store.h"
 
 #include <filesystem>
 #include <fstream>
@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.h"
-#include "server/model_library.h"
-#include "server/rejection.h"
+#include "server/admission/rejection.h"
+#include "server/store/model_library.h"
 
 #include "tests/server/small_grasp.h"
 

@@ -1,4 +1,4 @@
-#include "server/service.h"
+#include "server/admission/service.h"
 
 #include <cmath>
 #include <filesystem>

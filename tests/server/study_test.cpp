@@ -6,7 +6,7 @@
 
 #include "core/hand/kinematics.h"
 #include "core/io/urdf_file.h"
-#include "server/service.h"
+#include "server/admission/service.h"
 
 #include "tests/server/recording_bus.h"
 #include "tests/server/small_grasp.h"

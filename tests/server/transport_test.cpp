@@ -26,7 +26,7 @@
 #include <unistd.h>
 
 #include "idl/cyclone/requester.h"
-#include "server/service.h"
+#include "server/admission/service.h"
 
 #include "tests/server/small_grasp.h"
 #include "tests/support/test_domain.h"

@@ -1,6 +1,6 @@
 // The process that reads an upload, whatever becomes of it.
 
-#include "server/upload_reader.h"
+#include "server/store/upload_reader.h"
 
 #include <atomic>
 #include <csignal>

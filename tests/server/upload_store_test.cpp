@@ -1,4 +1,4 @@
-#include "server/upload_store.h"
+#include "server/store/upload_store.h"
 
 #include <fstream>
 #include <iterator>
@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.h"
-#include "server/rejection.h"
+#include "server/admission/rejection.h"
 
 namespace handgraft::server {
 namespace {

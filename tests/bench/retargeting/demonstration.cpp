@@ -13,7 +13,7 @@
 
 #include "core/base/error.h"
 #include "core/base/progress.h"
-#include "core/hand/free_root.h"
+#include "core/hand/floating_base.h"
 #include "core/io/mesh_file.h"
 #include "core/session/posed_hand_contacts.h"
 

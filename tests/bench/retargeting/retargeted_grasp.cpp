@@ -81,7 +81,7 @@ MeasuredHand readMeasuredHand(const std::filesystem::path& urdf,
   MeasuredHand hand;
   hand.name = urdf.stem().string();
   hand.hand = readHand(urdf, cache);
-  if (auto carrier = io::readUrdf(urdf).free_root)
+  if (auto carrier = io::readUrdf(urdf).floating_base)
     hand.carrier = std::make_shared<const hand::HandModel>(std::move(*carrier));
   hand.exact = std::make_shared<const ExactHand>(hand.hand.model, cache);
   hand.parts = hand::HandParts(*hand.hand.model, hand.hand.sites).names();

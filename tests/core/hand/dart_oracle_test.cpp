@@ -19,7 +19,7 @@ TEST_P(DartOracle, AgreesOnLinkPosesAndJacobians) {
   HANDGRAFT_NEEDS_SHARED_DATA(GetParam());
   const std::filesystem::path path = test::sharedData(GetParam());
   // With the joints of a free root as well, which DART knows as any others.
-  const HandModel model = io::readUrdfKinematics(path, io::FreeRoot::kKept);
+  const HandModel model = io::readUrdfKinematics(path, io::FloatingBase::kKept);
   const dart::dynamics::SkeletonPtr skeleton = test::dartHand(path);
   ASSERT_NE(skeleton, nullptr);
   // DART nails a root called "world" (MANO's) to the world, instead of letting it float.

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "core/hand/free_root.h"
+#include "core/hand/floating_base.h"
 #include "core/hand/kinematics.h"
 #include "core/io/urdf_file.h"
 
@@ -32,8 +32,8 @@ TEST(DexYcb, JointPositionsComeOutOfTheJointValues) {
   HANDGRAFT_NEEDS_SHARED_DATA("contacts/dexycb/dexycb_grasps.json");
   const io::UrdfFile file =
       io::readUrdf(test::sharedData("hands/mano_mean/mano_mean_fixed.urdf"));
-  ASSERT_TRUE(file.free_root.has_value());
-  EXPECT_EQ(file.free_root->dofCount(), 6);
+  ASSERT_TRUE(file.floating_base.has_value());
+  EXPECT_EQ(file.floating_base->dofCount(), 6);
   EXPECT_EQ(file.model.dofCount(), 45);
 
   // Wrist, then index, middle, ring, little and thumb, each from base to tip; the URDF has no
@@ -57,7 +57,8 @@ TEST(DexYcb, JointPositionsComeOutOfTheJointValues) {
   for (const auto& object : data.at("grasps")) {
     for (const auto& grasp : object) {
       const auto values = grasp.at("qpos").get<std::vector<double>>();
-      const Pose X_WH = carriedPose(*file.free_root, valuesFor(*file.free_root, names, values));
+      const Pose X_WH =
+          carriedPose(*file.floating_base, valuesFor(*file.floating_base, names, values));
       const LinkPoses X_WL =
           forwardKinematics(file.model, {X_WH, valuesFor(file.model, names, values)});
       const auto joints = grasp.at("joints21").get<std::vector<std::vector<double>>>();

@@ -176,8 +176,8 @@ TEST(UrdfFile, TakesAFloatingRootAsTheHandsOwn) {
               joint("floating", "") +
               "<joint name='k' type='continuous'><parent link='b'/><child link='c'/></joint>"));
   EXPECT_THAT(file.model.dofNames(), ::testing::ElementsAre("k"));
-  ASSERT_TRUE(file.free_root.has_value());
-  EXPECT_EQ(file.free_root->dofCount(), 6);
+  ASSERT_TRUE(file.floating_base.has_value());
+  EXPECT_EQ(file.floating_base->dofCount(), 6);
   EXPECT_THAT(file.notes.back(), AllOf(HasSubstr("free root"), HasSubstr("j_roll")));
   // Between two links with surfaces it is a joint of the hand.
   const UrdfFile inner = readUrdf(written(
@@ -185,7 +185,7 @@ TEST(UrdfFile, TakesAFloatingRootAsTheHandsOwn) {
       "<link name='b'><visual><geometry><sphere radius='1'/></geometry></visual></link>" +
       joint("floating", "")));
   EXPECT_EQ(inner.model.dofCount(), 6);
-  EXPECT_FALSE(inner.free_root.has_value());
+  EXPECT_FALSE(inner.floating_base.has_value());
 }
 
 TEST(UrdfFile, ReadsEveryRealHand) {

@@ -14,7 +14,7 @@
 
 #include "core/contact/segmentation.h"
 #include "core/geometry/surface_locator.h"
-#include "core/hand/free_root.h"
+#include "core/hand/floating_base.h"
 #include "core/hand/hand_place.h"
 #include "core/hand/skin_cache.h"
 #include "core/io/contact_file.h"
@@ -97,7 +97,7 @@ class DexYcbContactsTest : public ::testing::TestWithParam<Recorded> {
       }
       return q;
     };
-    const Pose X_WH = hand::carriedPose(*file.free_root, valuesFor(*file.free_root));
+    const Pose X_WH = hand::carriedPose(*file.floating_base, valuesFor(*file.floating_base));
     return {file.model, {X_WH, valuesFor(file.model)}, objectPose(grasp)};
   }
 

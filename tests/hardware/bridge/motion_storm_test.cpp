@@ -17,7 +17,7 @@ namespace {
 using safety::GovernorState;
 using safety::test::kOvershoot;
 using safety::test::kWithin;
-using safety::test::Ledger;
+using safety::test::RequestDeduplication;
 using safety::test::OvershootWatch;
 using test::HandInMotion;
 
@@ -161,7 +161,7 @@ TEST_P(EveryHandInAStorm, KeepsEveryLimitAndTheDeviceDecodesIt) {
   HandInMotion hand(config);
   Storm storm(hand, 20261121);
   WireWatch wire(config);
-  std::vector<Ledger> joints;
+  std::vector<RequestDeduplication> joints;
   for (const safety::JointLimits& limit : limits)
     joints.emplace_back(limit, config.governor.period_s);
   std::vector<OvershootWatch> watches(limits.size());

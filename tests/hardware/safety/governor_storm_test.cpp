@@ -85,7 +85,7 @@ class Storm {
 };
 
 struct StormResult {
-  std::vector<Ledger> joints;
+  std::vector<RequestDeduplication> joints;
   double overshoot = 0;
   int steps_from_rest = 0;
   long powered_ticks = 0;
@@ -146,7 +146,7 @@ TEST(GovernorStorm, NeverExceedsALimitInAMillionTicks) {
     const GovernorOptions options = stormOptions(period, 1000 + run);
     const StormResult result = weather(options, 20261121 + run, 110'000);
     for (std::size_t i = 0; i < 3; ++i) {
-      const Ledger& joint = result.joints[i];
+      const RequestDeduplication& joint = result.joints[i];
       EXPECT_LE(joint.velocity, kWithin);
       EXPECT_LE(joint.acceleration, kWithin);
       EXPECT_LE(joint.jerk, kWithin);
@@ -183,7 +183,7 @@ TEST(GovernorStorm, EqualStormsGiveEqualBytes) {
 }
 
 TEST(GovernorStorm, TheLedgerSeesWhatAJumpIs) {
-  Ledger ledger({.velocity = 1, .acceleration = 10, .jerk = 100}, 0.01);
+  RequestDeduplication ledger({.velocity = 1, .acceleration = 10, .jerk = 100}, 0.01);
   ledger.begin(0);
   ledger.add(0.02);
   EXPECT_NEAR(ledger.velocity, 2, 1e-12);

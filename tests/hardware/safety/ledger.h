@@ -14,9 +14,9 @@ inline constexpr double kOvershoot = 1e-4;     // rad
 inline constexpr double kWithin = 1.0 + 1e-6;  // share of a limit that is still within it
 
 /// Largest finite differences of what was sent to one joint, as shares of its limits.
-class Ledger {
+class RequestDeduplication {
  public:
-  Ledger(const JointLimits& limits, double period)
+  RequestDeduplication(const JointLimits& limits, double period)
       : limits_(limits),
         period_(period),
         memory_(static_cast<int>(2 * limits.acceleration / (limits.jerk * period)) + 4) {}

@@ -1,0 +1,467 @@
+#include "server/admission/service.h"
+
+#include <algorithm>
+#include <random>
+#include <utility>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include "core/base/error.h"
+#include "idl/check.h"
+#include "idl/fields.h"
+#include "server/admission/error_reply.h"
+#include "server/admission/operations.h"
+#include "server/admission/rejection.h"
+#include "server/handlers/edits.h"
+#include "server/handlers/optimize.h"
+#include "server/handlers/sessions.h"
+
+namespace handgraft::server {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kMostQuickWaiting = 256;  // chunks of files among them
+
+std::uint64_t randomId() {
+  std::random_device device;
+  return (static_cast<std::uint64_t>(device()) << 32) | device();
+}
+
+std::string hostName() {
+  std::string name(256, '\0');
+  if (gethostname(name.data(), name.size() - 1) != 0) return "";
+  name.resize(name.find('\0'));
+  return name;
+}
+
+std::string inWords(std::chrono::steady_clock::duration time) {
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(time).count();
+  constexpr long kMinute = 60;
+  constexpr long kHour = 3600;
+  if (seconds < 2 * kMinute) return fmt::format("{} s", seconds);
+  if (seconds < 2 * kHour) return fmt::format("{} min", seconds / kMinute);
+  return fmt::format("{} h {} min", seconds / kHour, seconds % kHour / kMinute);
+}
+
+}  // namespace
+
+Service::Job::Job(v1::Request what, Service& service)
+    : request(std::move(what)), progress([this, &service](std::string_view stage, double part) {
+        service.tell(*this, stage, part);
+      }) {}
+
+Service::Service(Bus& bus, ModelStore& models, const ServiceOptions& options)
+    : bus_(bus),
+      options_(options),
+      server_id_(randomId()),
+      started_(Clock::now()),
+      reader_(options.reader, options.reader_limits),
+      sessions_(options.most_sessions),
+      quick_(1, kMostQuickWaiting),
+      pool_(options.workers, options.most_waiting, options.patience),
+      workshop_{models, uploads_, reader_, sessions_, *this, pool_} {}
+
+Service::~Service() {
+  stop();
+}
+
+void Service::start() {
+  bus_.start(*this);
+  status_thread_ = std::thread([this] {
+    publishStatusOnceASecond();
+  });
+}
+
+void Service::stop() {
+  if (stopping_.exchange(true)) return;
+  bus_.stop();
+  {
+    const std::lock_guard lock(running_mutex_);
+    for (const auto& [key, job] : running_)
+      job->progress.cancel();
+  }
+  for (const auto& live : sessions_.all())
+    live->cancelSolves();
+  quick_.shut();
+  pool_.shut();
+  for (const auto& live : sessions_.all())
+    closeSession(*live, workshop_);
+  {
+    const std::lock_guard lock(status_mutex_);
+    status_wake_.notify_all();
+  }
+  if (status_thread_.joinable()) status_thread_.join();
+  bus_.publish(status());
+  bus_.flush();
+}
+
+v1::ServerStatus Service::status() const {
+  v1::ServerStatus message;
+  message.server_id(server_id_);
+  message.protocol_version(v1::PROTOCOL_VERSION);
+  message.version(HANDGRAFT_VERSION);
+  message.host(hostName());
+  message.process_id(static_cast<std::uint32_t>(getpid()));
+  message.uptime_s(std::chrono::duration<double>(Clock::now() - started_).count());
+  message.model_count(static_cast<std::uint32_t>(workshop_.models.size()));
+  message.session_count(static_cast<std::uint32_t>(sessions_.size()));
+  message.requests_answered(answered_);
+  {
+    const std::lock_guard lock(running_mutex_);
+    message.requests_running(static_cast<std::uint32_t>(running_.size()));
+  }
+  message.stopping(stopping_);
+  return message;
+}
+
+void Service::publishStatusOnceASecond() {
+  std::unique_lock lock(status_mutex_);
+  while (!stopping_) {
+    bus_.publish(status());
+    expireIdleSessions();
+    status_wake_.wait_for(lock, std::chrono::seconds(1), [this] {
+      return stopping_.load();
+    });
+  }
+}
+
+void Service::expireIdleSessions() {
+  constexpr std::chrono::minutes kLongestWarning(10);
+  const Clock::duration limit = options_.session_idle;
+  const Clock::duration warning = std::min<Clock::duration>(limit / 10, kLongestWarning);
+  for (const auto& live : sessions_.all()) {
+    const Clock::duration idle = live->idle();
+    if (idle < limit - warning) {
+      live->warn("");
+    } else if (idle < limit) {
+      live->warn(fmt::format("idle; closes within {} unless it is used", inWords(warning)));
+    } else {
+      const bool is_taken = live->strand().post([this, live, limit] {
+        if (live->idle() < limit || live->state().phase() == v1::PHASE_CLOSED) return;
+        spdlog::info("event=session_expired session={}", live->id());
+        closeSession(*live, workshop_, "idle for " + inWords(limit));
+      });
+      if (!is_taken) spdlog::debug("event=expiry_waits session={}", live->id());
+    }
+  }
+}
+
+void Service::onStatus(const v1::ServerStatus& status) {
+  if (status.server_id() == server_id_ || status.stopping() || !options_.on_elder) return;
+  const double uptime_s = std::chrono::duration<double>(Clock::now() - started_).count();
+  const bool is_elder =
+      std::pair(status.uptime_s(), status.server_id()) > std::pair(uptime_s, server_id_);
+  if (is_elder && !met_elder_.exchange(true)) options_.on_elder(status);
+}
+
+// === What the world hears of sessions
+
+void Service::onState(const v1::SessionState& state) {
+  bus_.publish(state);
+}
+
+void Service::onSolution(const v1::PoseSolution& solution) {
+  bus_.publish(solution);
+}
+
+void Service::onJointCommand(std::uint64_t session_id,
+                             const sensor_msgs::msg::dds_::JointState_& command) {
+  bus_.publishJointCommand(session_id, command);
+}
+
+// === Requests: admitted once, dispatched to a thread, answered
+
+void Service::onRequest(v1::Request request) {
+  const auto begun = requests_.begin(request.client(), request.request_id());
+  switch (begun.verdict) {
+    case RequestDeduplication<v1::Reply>::Verdict::kRunning:
+    case RequestDeduplication<v1::Reply>::Verdict::kForgotten:
+      return;
+    case RequestDeduplication<v1::Reply>::Verdict::kAnswered:
+      bus_.publish(*begun.answer);
+      return;
+    case RequestDeduplication<v1::Reply>::Verdict::kNew:
+      break;
+  }
+  const auto job = std::make_shared<Job>(std::move(request), *this);
+  try {
+    admit(job);
+    dispatch(job);
+  } catch (...) {
+    const std::exception_ptr error = std::current_exception();
+    run(job, [&]() -> v1::ReplyBody {
+      std::rethrow_exception(error);
+    });
+  }
+}
+
+void Service::requireMeant(std::uint64_t server_id) const {
+  if (server_id == 0 || server_id == server_id_) return;
+  reject(v1::ERROR_OTHER_SERVER, "this is server {:016x}; {:016x} was meant", server_id_,
+         server_id);
+}
+
+void Service::admit(const JobPtr& job) {
+  const v1::Request& request = job->request;
+  if (request.protocol_version() != v1::PROTOCOL_VERSION) {
+    reject(v1::ERROR_VERSION, "this server ({}) speaks protocol {}, the request protocol {}",
+           HANDGRAFT_VERSION, v1::PROTOCOL_VERSION, request.protocol_version());
+  }
+  requireMeant(request.server_id());
+  idl::check(request);
+  const std::lock_guard lock(running_mutex_);
+  const auto first = running_.lower_bound({request.client(), 0});
+  std::size_t mine = 0;
+  for (auto at = first; at != running_.end() && at->first.first == request.client(); ++at)
+    ++mine;
+  if (mine >= options_.most_per_client) {
+    reject(v1::ERROR_OVERLOADED, "{} requests of this client are unanswered", mine);
+  }
+  const std::size_t bytes = v1::Request::getCdrSerializedSize(request);
+  if (bytes > options_.most_bytes - running_bytes_) {
+    reject(
+        v1::ERROR_OVERLOADED,
+        "a request of {} bytes is too much beside the {} bytes of those that wait, of at most "
+        "{}; try later",
+        bytes, running_bytes_, options_.most_bytes);
+  }
+  job->bytes = bytes;
+  running_bytes_ += bytes;
+  running_[{request.client(), request.request_id()}] = job;
+}
+
+void Service::dispatch(const JobPtr& job) {
+  const v1::RequestBody& body = job->request.body();
+  const auto work = [this, job] {
+    run(job, [&] {
+      return perform(job->request, workshop_, job->progress);
+    });
+  };
+  bool is_taken = true;
+  switch (laneOf(body._d())) {
+    case Lane::kAtOnce:
+      if (body._d() == v1::OP_CANCEL) {
+        cancel(job->request.client(), body.cancel().request_id());
+      } else {
+        sessions_.find(sessionOf(body))->stopSolving(job->request.client());
+      }
+      run(job, [&] {
+        return nothingSaid(body._d());
+      });
+      break;
+    case Lane::kQuick:
+      is_taken = quick_.post(work);
+      break;
+    case Lane::kPool:
+      is_taken = pool_.post(work);
+      break;
+    case Lane::kSession: {
+      const auto live = sessions_.find(sessionOf(body));
+      live->touch();
+      if (body._d() == v1::OP_CLOSE_SESSION) live->cancelSolves();
+      job->stops = live->stops();
+      is_taken = live->strand().post([this, job, live] {
+        runOfSession(job, live);
+      });
+      break;
+    }
+  }
+  if (!is_taken) reject(v1::ERROR_OVERLOADED, "too many requests wait; try later");
+}
+
+void Service::run(const JobPtr& job, const std::function<v1::ReplyBody()>& work) {
+  const Clock::time_point begin = Clock::now();
+  v1::Reply reply;
+  try {
+    job->progress.checkpoint();
+    reply.body(work());
+  } catch (const CutShort&) {
+    throw;
+  } catch (...) {
+    ErrorReply error = errorReplyOf(std::current_exception());
+    reply.error(error.code);
+    reply.message(std::move(error.message));
+    reply.field(std::move(error.field));
+  }
+  const v1::Request& request = job->request;
+  spdlog::log(reply.error() == v1::ERROR_NONE ? spdlog::level::debug : spdlog::level::info,
+              "event=request client={} id={} operation={} ms={:.3f} error={} message={}",
+              shortName(request.client()), request.request_id(), nameOf(request.body()._d()),
+              std::chrono::duration<double, std::milli>(Clock::now() - begin).count(),
+              static_cast<unsigned>(reply.error()), handgraft::quoted(reply.message()));
+  answer(*job, std::move(reply));
+}
+
+void Service::runOfSession(const JobPtr& job, const std::shared_ptr<LiveSession>& live) {
+  live->asked_at_stops = job->stops;
+  try {
+    run(job, [&] {
+      try {
+        if (job->cut_short_at && *job->cut_short_at != live->session().revision())
+          throw CutShort(live->id(), *job->cut_short_at);
+        return perform(job->request, *live, workshop_, job->progress);
+      } catch (const CutShort& cut) {
+        // Refused, the edit answers nothing.
+        if (cut.revision() == live->session().revision()) throw;
+        throw Rejection(cut);
+      }
+    });
+  } catch (const CutShort& cut) {
+    job->cut_short_at = cut.revision();
+    ++live->requests_cut_short;
+    live->strand().postFromTask([this, job, live] {
+      --live->requests_cut_short;
+      runOfSession(job, live);
+    });
+  }
+}
+
+void Service::answer(const Job& job, v1::Reply reply) {
+  const v1::ClientId client = job.request.client();
+  const std::uint64_t id = job.request.request_id();
+  reply.client(client);
+  reply.request_id(id);
+  reply.server_id(server_id_);
+  const std::size_t bytes = v1::Reply::getCdrSerializedSize(reply);
+  const auto kept = requests_.answer(client, id, std::move(reply), bytes);
+  {
+    const std::lock_guard lock(running_mutex_);
+    running_.erase({client, id});
+    running_bytes_ -= job.bytes;
+  }
+  ++answered_;
+  bus_.publish(*kept);
+}
+
+void Service::cancel(const ClientId& client, std::uint64_t request_id) {
+  {
+    const std::lock_guard lock(running_mutex_);
+    const auto found = running_.find({client, request_id});
+    if (found != running_.end()) {
+      found->second->progress.cancel();
+      return;
+    }
+  }
+  // It may have been overtaken: then it finds this answer when it arrives. If it has one
+  // already, that one stands.
+  v1::Reply reply;
+  reply.client(client);
+  reply.request_id(request_id);
+  reply.error(v1::ERROR_CANCELLED);
+  reply.message(Cancelled().what());
+  const std::size_t bytes = v1::Reply::getCdrSerializedSize(reply);
+  requests_.answer(client, request_id, std::move(reply), bytes);
+}
+
+void Service::tell(Job& job, std::string_view stage, double fraction) {
+  constexpr std::chrono::milliseconds kPeriod(50);
+  const Clock::time_point now = Clock::now();
+  if (now - job.told < kPeriod && stage == job.told_stage) return;
+  job.told = now;
+  job.told_stage = stage;
+  v1::Progress message;
+  message.client(job.request.client());
+  message.request_id(job.request.request_id());
+  message.stage(job.told_stage);
+  message.fraction(fraction);
+  bus_.publish(message);
+}
+
+// === Edits: applied in order, answered, then one fresh solve for all that were applied
+// meanwhile; one that comes while a solve runs cuts it short
+
+void Service::onEdit(v1::Edit edit) {
+  const auto begun = edits_.begin(edit.client(), edit.edit_id());
+  if (begun.verdict == RequestDeduplication<v1::EditReply>::Verdict::kAnswered)
+    bus_.publish(*begun.answer);
+  if (begun.verdict != RequestDeduplication<v1::EditReply>::Verdict::kNew) return;
+  const auto shared = std::make_shared<const v1::Edit>(std::move(edit));
+  try {
+    requireMeant(shared->server_id());
+    const auto live = sessions_.find(shared->session_id());
+    live->expectEdit();
+    const bool is_taken = live->strand().post([this, shared, live, stops = live->stops()] {
+      live->meetEdit();
+      runEdit(live, *shared, stops);
+    });
+    if (is_taken) return;
+    live->meetEdit();
+    reject(v1::ERROR_OVERLOADED, "too many edits of session {} wait; try later", live->id());
+  } catch (...) {
+    refuseEdit(*shared, 0);
+  }
+}
+
+void Service::runEdit(const std::shared_ptr<LiveSession>& live,
+                      const v1::Edit& edit,
+                      std::uint64_t stops) {
+  try {
+    if (live->state().phase() == v1::PHASE_CLOSED) {
+      reject(v1::ERROR_NOT_FOUND, "session {} is not open", live->id());
+    }
+    idl::check(edit);
+    answerEdit(edit, applyEdit(*live, edit));
+  } catch (...) {
+    refuseEdit(edit, live->session().revision());
+    if (!live->solve_is_queued && live->requests_cut_short == 0) live->tellRest();
+    return;
+  }
+  // Where the machine is so busy that one edit's solve after the other is cut short, the next
+  // gets more time, but no more than people hardly notice.
+  constexpr int kMostForEdits = 4;
+  live->solves_cut_short = std::min(live->solves_cut_short, kMostForEdits);
+  live->unexplained = nullptr;
+  live->queued_at_stops = stops;
+  live->enterSoon(v1::PHASE_OPTIMIZING);
+  queueSolve(live);
+}
+
+void Service::refuseEdit(const v1::Edit& edit, std::uint64_t revision) {
+  ErrorReply error = errorReplyOf(std::current_exception());
+  v1::EditReply reply;
+  reply.revision(revision);
+  reply.error(error.code);
+  reply.message(std::move(error.message));
+  answerEdit(edit, std::move(reply));
+}
+
+void Service::answerEdit(const v1::Edit& edit, v1::EditReply reply) {
+  reply.client(edit.client());
+  reply.edit_id(edit.edit_id());
+  reply.session_id(edit.session_id());
+  reply.server_id(server_id_);
+  spdlog::debug("event=edit client={} id={} session={} revision={} error={} message={}",
+                shortName(edit.client()), edit.edit_id(), edit.session_id(), reply.revision(),
+                static_cast<unsigned>(reply.error()), handgraft::quoted(reply.message()));
+  const std::size_t bytes = v1::EditReply::getCdrSerializedSize(reply);
+  const auto kept = edits_.answer(edit.client(), edit.edit_id(), std::move(reply), bytes);
+  bus_.publish(*kept);
+}
+
+void Service::queueSolve(const std::shared_ptr<LiveSession>& live) {
+  live->prepareSolids(live, pool_);  // edits may have brought in other models
+  if (std::exchange(live->solve_is_queued, true)) return;
+  live->strand().postFromTask([this, live] {
+    live->solve_is_queued = false;
+    if (live->state().phase() == v1::PHASE_CLOSED) return;
+    live->asked_at_stops = live->queued_at_stops;
+    try {
+      live->solves().checkpoint();
+      optimizeAfterEdit(*live, workshop_, live->solves());
+    } catch (const CutShort&) {
+      queueSolve(live);  // behind the edit; if that is refused, the one before wants its answer
+    } catch (...) {      // the session's state says so already; nobody waits for a reply
+      const ErrorReply error = errorReplyOf(std::current_exception());
+      spdlog::log(
+          error.code == v1::ERROR_CANCELLED ? spdlog::level::debug : spdlog::level::info,
+          "event=solve session={} error={} message={}", live->id(),
+          static_cast<unsigned>(error.code), handgraft::quoted(error.message));
+    }
+  });
+}
+
+}  // namespace handgraft::server

@@ -1,0 +1,143 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "core/base/progress.h"
+#include "server/admission/request_deduplication.h"
+#include "server/admission/workshop.h"
+#include "server/sessions/live_session.h"
+#include "server/store/upload_reader.h"
+#include "server/transport/bus.h"
+
+namespace handgraft::server {
+
+struct ServiceOptions {
+  std::size_t workers = 2;         ///< for slow work; quick requests have a thread of their own
+  std::size_t most_waiting = 256;  ///< tasks that may queue; more are refused
+  std::chrono::milliseconds patience = StrandPool::kPatience;  ///< of idle tasks
+  std::size_t most_per_client = 32;     ///< requests of one client that may be unanswered
+  std::size_t most_bytes = 256u << 20;  ///< of all unanswered requests
+  std::size_t most_sessions = 256;
+  /// A session that nobody asks anything of for so long is closed; its state warns of it in the
+  /// last tenth, at most ten minutes before.
+  std::chrono::seconds session_idle{std::chrono::hours(12)};
+  std::filesystem::path reader = readerProgram();  ///< reads uploads (upload_reader.h)
+  ReaderLimits reader_limits;
+  /// Called once, on a DDS thread, when a server that has run for longer lives on this domain:
+  /// two would both answer, so the younger one had better go.
+  std::function<void(const v1::ServerStatus&)> on_elder;
+};
+
+/// The server between the bus and the handlers: does every request once, each session's work in
+/// order and sessions in parallel, and is the only place where exceptions become replies
+/// (error_reply.h).
+///
+/// Threads: `start` and `stop` from one thread; the rest runs on threads of its own (README).
+class Service final : private BusListener, private SessionAudience {
+ public:
+  /// `bus` and `models` must outlive the service. Errors: InvalidInput if there is no reader.
+  Service(Bus& bus, ModelStore& models, const ServiceOptions& options);
+  /// Stops if that was not done.
+  ~Service() override;
+  Service(const Service&) = delete;
+  Service& operator=(const Service&) = delete;
+
+  void start();
+  /// Hears nothing more, cancels what runs, answers it, closes sessions, says goodbye.
+  void stop();
+
+  [[nodiscard]] v1::ServerStatus status() const;
+
+ private:
+  using ClientId = RequestDeduplication<v1::Reply>::ClientId;
+  using Key = std::pair<ClientId, std::uint64_t>;
+
+  /// A request on its way through the server.
+  struct Job {
+    v1::Request request;
+    Progress progress;
+    std::chrono::steady_clock::time_point told{};
+    std::string told_stage;
+    std::size_t bytes = 0;    ///< of the request, once it is admitted
+    std::uint64_t stops = 0;  ///< of its session, when it came
+    /// An edit cut it short at this revision, and it waits for what becomes of that edit.
+    std::optional<std::uint64_t> cut_short_at;
+
+    Job(v1::Request what, Service& service);
+  };
+
+  using JobPtr = std::shared_ptr<Job>;
+
+  // === BusListener, SessionAudience
+  void onRequest(v1::Request request) override;
+  void onEdit(v1::Edit edit) override;
+  void onStatus(const v1::ServerStatus& status) override;
+  void onState(const v1::SessionState& state) override;
+  void onSolution(const v1::PoseSolution& solution) override;
+  void onJointCommand(std::uint64_t session_id,
+                      const sensor_msgs::msg::dds_::JointState_& command) override;
+
+  // === Requests
+  /// Errors: Rejection (ERROR_OTHER_SERVER) unless it is this one, or 0.
+  void requireMeant(std::uint64_t server_id) const;
+  void admit(const JobPtr& job);
+  void dispatch(const JobPtr& job);
+  /// Errors: CutShort; the job is not answered then.
+  void run(const JobPtr& job, const std::function<v1::ReplyBody()>& work);
+  void runOfSession(const JobPtr& job, const std::shared_ptr<LiveSession>& live);
+  void answer(const Job& job, v1::Reply reply);
+  void cancel(const ClientId& client, std::uint64_t request_id);
+  void tell(Job& job, std::string_view stage, double fraction);
+
+  // === Edits
+  /// `stops` of the session when the edit came.
+  void runEdit(const std::shared_ptr<LiveSession>& live,
+               const v1::Edit& edit,
+               std::uint64_t stops);
+  /// Answers with the exception that is being handled.
+  void refuseEdit(const v1::Edit& edit, std::uint64_t revision);
+  void answerEdit(const v1::Edit& edit, v1::EditReply reply);
+  void queueSolve(const std::shared_ptr<LiveSession>& live);
+
+  void publishStatusOnceASecond();
+  void expireIdleSessions();
+
+  Bus& bus_;
+  const ServiceOptions options_;
+  const std::uint64_t server_id_;
+  const std::chrono::steady_clock::time_point started_;
+  std::atomic<std::uint64_t> answered_{0};
+  std::atomic<bool> stopping_{false};
+  std::atomic<bool> met_elder_{false};
+
+  RequestDeduplication<v1::Reply> requests_;
+  RequestDeduplication<v1::EditReply> edits_;
+  mutable std::mutex running_mutex_;
+  std::map<Key, JobPtr> running_;
+  std::size_t running_bytes_ = 0;
+
+  UploadStore uploads_;
+  UploadReader reader_;
+  SessionStore sessions_;
+  StrandPool quick_;
+  StrandPool pool_;
+  Workshop workshop_;
+
+  std::mutex status_mutex_;
+  std::condition_variable status_wake_;
+  std::thread status_thread_;
+};
+
+}  // namespace handgraft::server

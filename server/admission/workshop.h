@@ -1,0 +1,49 @@
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <thread>
+
+#include "server/admission/strand_pool.h"
+#include "server/sessions/session_store.h"
+#include "server/store/model_store.h"
+#include "server/store/upload_reader.h"
+#include "server/store/upload_store.h"
+
+namespace handgraft::server {
+
+/// What handlers work with. Outlives every request.
+struct Workshop {
+  ModelStore& models;
+  UploadStore& uploads;
+  const UploadReader& reader;
+  SessionStore& sessions;
+  SessionAudience& audience;
+  StrandPool& pool;  ///< where sessions' strands run
+
+  /// Solves going on: they share the processors.
+  std::atomic<int> solving{0};
+
+  /// Counts one solve for as long as it lives.
+  class Share {
+   public:
+    explicit Share(Workshop& workshop) : workshop_(workshop), others_(workshop.solving++) {}
+
+    ~Share() { --workshop_.solving; }
+
+    Share(const Share&) = delete;
+    Share& operator=(const Share&) = delete;
+
+    /// Threads that this solve may use; the answer does not depend on it.
+    [[nodiscard]] int threads() const {
+      const auto processors = static_cast<int>(std::thread::hardware_concurrency());
+      return std::max(1, processors / (1 + others_));
+    }
+
+   private:
+    Workshop& workshop_;
+    int others_;
+  };
+};
+
+}  // namespace handgraft::server

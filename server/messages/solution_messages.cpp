@@ -1,0 +1,106 @@
+#include "server/messages/solution_messages.h"
+
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/session/solids.h"
+#include "core/session/verdicts.h"
+#include "server/messages/convert.h"
+
+namespace handgraft::server {
+
+namespace {
+
+v1::Verdict toMessage(optimize::Verdict verdict) {
+  switch (verdict) {
+    case optimize::Verdict::kNone:
+      return v1::VERDICT_NONE;
+    case optimize::Verdict::kReached:
+      return v1::VERDICT_REACHED;
+    case optimize::Verdict::kAtLimit:
+      return v1::VERDICT_AT_LIMIT;
+    case optimize::Verdict::kOutOfReach:
+      return v1::VERDICT_OUT_OF_REACH;
+    case optimize::Verdict::kFacingWrong:
+      return v1::VERDICT_NORMALS_IN_CONFLICT;
+  }
+  throw BrokenContract("a verdict that does not exist");
+}
+
+v1::LimitSensitivity toMessage(const hand::HandModel& model,
+                               const optimize::LimitRelief& relief) {
+  v1::LimitSensitivity message;
+  message.limit(limitOf(model.dofJoint(relief.dof).name, relief.upper));
+  message.kind(kindOf(model.dofJoint(relief.dof)));
+  message.position(relief.limit);
+  message.slope(relief.slope);
+  message.given(relief.relief);
+  message.gain(relief.gain);
+  message.gain_mm(relief.gain_mm);
+  return message;
+}
+
+v1::Penetration penetrationMessage(const session::Session& session,
+                                   const hand::HandPose& pose,
+                                   const Progress& progress) {
+  const hand::HandModel& model = *session.hand().model;
+  const auto nameOf = [&model](int link) {
+    return model.links()[static_cast<std::size_t>(link)].name;
+  };
+  const quality::Penetration found = session::penetrationOf(session, pose, progress);
+  v1::Penetration message;
+  message.max_depth_m(found.max_depth_m);
+  message.mean_depth_m(found.mean_depth_m);
+  message.volume_m3(found.volume_m3);
+  for (const quality::LinkDepth& depth : found.links) {
+    v1::LinkDepth one;
+    one.link(nameOf(depth.link));
+    one.depth_m(depth.depth_m);
+    message.links().push_back(one);
+  }
+  message.self_depth_m(found.self_depth_m);
+  if (found.self_depth_m > 0.0) {
+    for (const int link : found.self_links)
+      message.self_links().push_back(nameOf(link));
+  }
+  return message;
+}
+
+}  // namespace
+
+void explain(const session::Session& session,
+             const optimize::PoseProblem& problem,
+             const optimize::SolveReport& report,
+             session::FitCheck& check,
+             v1::PoseSolution& message,
+             const Progress& progress) {
+  message.penetration({penetrationMessage(session, report.pose, progress)});
+  progress.checkpoint();
+  const session::FitFindings& findings = check.of(session, problem, &report);
+  progress.checkpoint();
+  const session::Verdicts verdicts = verdictsOf(session, problem, report, findings, progress);
+  const hand::HandModel& model = *problem.model;
+  const auto& patches = verdicts.diagnosis.patches;
+  HANDGRAFT_REQUIRE(patches.size() <= message.patches().size());
+  for (std::size_t k = 0; k < patches.size(); ++k) {
+    v1::PatchDiagnosis one;
+    one.verdict(toMessage(patches[k].verdict));
+    one.miss_m(1e-3 * patches[k].miss_mm);
+    one.alone_mm(patches[k].alone_mm);
+    for (const optimize::LimitRelief& relief : patches[k].reliefs)
+      one.sensitivities().push_back(toMessage(model, relief));
+    one.text(verdicts.texts[k]);
+    message.patches()[k].diagnosis(std::move(one));
+  }
+  for (const optimize::LimitRelief& relief : verdicts.diagnosis.reliefs)
+    message.sensitivities().push_back(toMessage(model, relief));
+  message.is_diagnosed(true);
+  message.verdict(verdicts.line);
+  message.too_large(verdicts.too_large);
+}
+
+std::string foretell(const session::Session& session, session::FitCheck& check) {
+  return lineOf(session, check.of(session, session.problem()));
+}
+
+}  // namespace handgraft::server

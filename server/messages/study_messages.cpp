@@ -1,0 +1,52 @@
+#include "server/messages/study_messages.h"
+
+#include "core/base/error.h"
+#include "server/messages/convert.h"
+
+namespace handgraft::server {
+
+hand::HandProperty propertyFrom(v1::HandProperty property) {
+  switch (property) {
+    case v1::PROPERTY_LOWER:
+      return hand::HandProperty::kLower;
+    case v1::PROPERTY_UPPER:
+      return hand::HandProperty::kUpper;
+    case v1::PROPERTY_RANGE:
+      return hand::HandProperty::kRange;
+    case v1::PROPERTY_LENGTH:
+      return hand::HandProperty::kLength;
+    case v1::PROPERTY_SIZE:
+      return hand::HandProperty::kSize;
+  }
+  rejectInput("property {} of a hand does not exist", static_cast<unsigned>(property));
+}
+
+hand::HandChange changeFrom(const v1::HandChange& change) {
+  return {propertyFrom(change.property()), change.target(), change.value()};
+}
+
+session::SweepAxis axisFrom(const v1::SweepAxis& axis) {
+  return {propertyFrom(axis.property()), axis.target(), axis.values()};
+}
+
+v1::SweepRow toMessage(const session::SweepRow& row) {
+  v1::SweepRow message;
+  message.grasp(static_cast<std::uint32_t>(row.grasp));
+  message.values(row.values);
+  message.error(row.error);
+  message.outcome(toMessage(row.outcome));
+  message.terms(toMessage(row.terms));
+  message.point_count(static_cast<std::uint32_t>(row.point_count));
+  message.mean_mm(row.mean_mm);
+  message.max_mm(row.max_mm);
+  message.normal_deg(row.normal_deg);
+  message.patch_count(static_cast<std::uint32_t>(row.patch_count));
+  message.reached_count(static_cast<std::uint32_t>(row.reached_count));
+  for (const session::LimitedJoint& limit : row.joints_at_limit)
+    message.joints_at_limit().push_back(limitOf(limit.joint, limit.upper));
+  message.joint_positions({row.q.data(), row.q.data() + row.q.size()});
+  message.solve_ms(row.solve_ms);
+  return message;
+}
+
+}  // namespace handgraft::server

@@ -1,0 +1,177 @@
+#include "server/store/model_library.h"
+
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <set>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include <spdlog/spdlog.h>
+
+#include "core/base/error.h"
+#include "core/base/progress.h"
+#include "core/base/resource_uri.h"
+#include "core/hand/skin_cache.h"
+#include "core/io/contact_file.h"
+#include "core/io/file_bytes.h"
+#include "server/admission/rejection.h"
+#include "server/reading/read_model.h"
+
+namespace handgraft::server {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr Origin kBuiltIn{true, 0};
+
+std::vector<fs::path> entriesOf(const fs::path& folder) {
+  std::vector<fs::path> entries;
+  std::error_code error;
+  for (fs::directory_iterator at(folder, error), end; !error && at != end;
+       at.increment(error)) {
+    entries.push_back(at->path());
+  }
+  std::sort(entries.begin(), entries.end());
+  return entries;
+}
+
+/// The meshes that a URDF names, where it would find them; those it would not are left out.
+std::map<std::string, fs::path> meshesOf(const fs::path& urdf) {
+  std::map<std::string, fs::path> files;
+  for (const std::string& uri : meshUrisIn(io::readFileBytes(urdf))) {
+    try {
+      files.emplace(uri, resolveResource(uri, urdf.parent_path(), {}));
+    } catch (const InvalidInput&) {
+      // A comment may name what nobody has; what is needed is missed when the hand is read.
+    }
+  }
+  return files;
+}
+
+void readHand(const fs::path& folder, ModelStore& store) {
+  ReadRequest reading;
+  reading.kind = ReadKind::kHand;
+  reading.name = folder.filename().string();
+  const fs::path urdf = folder / (reading.name + ".urdf");
+  reading.main_uri = urdf.string();
+  reading.files = meshesOf(urdf);
+  reading.files[reading.main_uri] = urdf;
+  if (fs::exists(folder / kSitesUri)) reading.files[kSitesUri] = folder / kSitesUri;
+  store.replace(storedHand(reading.name, kBuiltIn,
+                           std::get<ReadHand>(readModel(reading, Progress())), reading.hand));
+}
+
+void readObject(const fs::path& path, ModelStore& store) {
+  ReadRequest reading;
+  reading.kind = ReadKind::kObject;
+  reading.name = path.stem().string();
+  reading.main_uri = path.string();
+  reading.files[reading.main_uri] = path;
+  store.replace(storedObject(reading.name, kBuiltIn,
+                             std::get<io::MeshFile>(readModel(reading, Progress())), ""));
+}
+
+/// The object whose name begins `name`, the longest one; empty if there is none.
+std::string objectOf(const std::string& name, const ModelStore& store) {
+  std::string best;
+  for (const v1::ModelSummary& one : store.list()) {
+    if (one.kind() != v1::MODEL_OBJECT || one.name().size() <= best.size()) continue;
+    if (name.compare(0, one.name().size() + 1, one.name() + "_") == 0) best = one.name();
+  }
+  return best;
+}
+
+void readContacts(const fs::path& path, ModelStore& store) {
+  ReadRequest reading;
+  reading.kind = ReadKind::kContacts;
+  reading.name = path.stem().string();
+  reading.main_uri = path.string();
+  reading.files[reading.main_uri] = path;
+  std::string object = io::objectNameIn(path);
+  if (object.empty()) object = objectOf(reading.name, store);
+  if (object.empty()) rejectInput("{}: does not say which object it lies on", path.string());
+  const auto file = store.object(object)->file;
+  reading.contacts.object = file;
+  store.replace(storedContacts(reading.name, kBuiltIn,
+                               std::get<ReadContacts>(readModel(reading, Progress())), file,
+                               std::move(object)));
+}
+
+/// 1 if the model had to be left out.
+int attempt(const char* kind, const fs::path& path, const std::function<void()>& read) {
+  try {
+    read();
+    return 0;
+  } catch (const std::exception& error) {
+    spdlog::warn("event=model_left_out kind={} path={} reason={}", kind, path.string(),
+                 handgraft::quoted(error.what()));
+    return 1;
+  }
+}
+
+}  // namespace
+
+int readLibrary(const fs::path& folder, ModelStore& store) {
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) {
+    rejectInput("models: {} is not a folder", handgraft::quoted(folder.string()));
+  }
+  static const std::set<std::string> kMeshes = {".obj", ".stl",  ".ply",
+                                                ".glb", ".gltf", ".dae"};
+  static const std::set<std::string> kContacts = {".json", ".ply"};
+  int left_out = 0;
+  for (const fs::path& entry : entriesOf(folder / "hands")) {
+    if (!fs::is_directory(entry, error)) continue;
+    left_out += attempt("hand", entry, [&] {
+      readHand(entry, store);
+    });
+  }
+  for (const fs::path& entry : entriesOf(folder / "objects")) {
+    if (kMeshes.count(entry.extension().string()) == 0) continue;
+    left_out += attempt("object", entry, [&] {
+      readObject(entry, store);
+    });
+  }
+  for (const fs::path& entry : entriesOf(folder / "contacts")) {
+    if (kContacts.count(entry.extension().string()) == 0) continue;
+    left_out += attempt("contacts", entry, [&] {
+      readContacts(entry, store);
+    });
+  }
+  return left_out;
+}
+
+fs::path builtInLibrary() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  if (!error) {
+    const fs::path installed =
+        program.parent_path().parent_path() / "share" / "handgraft" / "models";
+    if (fs::is_directory(installed, error)) return installed;
+  }
+  return HANDGRAFT_SOURCE_MODELS;
+}
+
+fs::path builtInSkins() {
+  const fs::path library = builtInLibrary();
+  return library == HANDGRAFT_SOURCE_MODELS ? fs::path(HANDGRAFT_BUILT_SKINS)
+                                            : library.parent_path() / "skins";
+}
+
+void makeSkins(const fs::path& folder) {
+  ModelStore store;
+  if (readLibrary(builtInLibrary(), store) > 0)
+    rejectInput("models: a built-in one cannot be read");
+  const hand::SkinCache skins(folder);
+  for (const v1::ModelSummary& one : store.list()) {
+    if (one.kind() != v1::MODEL_HAND) continue;
+    static_cast<void>(
+        skins.get(store.hand(one.name())->hand->model(), HandReading().skin, Progress()));
+  }
+}
+
+}  // namespace handgraft::server

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "core/session/models.h"
+#include "server/store/model_store.h"
+
+namespace handgraft::server {
+
+/// The store's models, for sessions that swap theirs. Errors of its methods: Rejection
+/// (ERROR_NOT_FOUND); a hand's skin is made if need be. `models` must outlive it.
+std::shared_ptr<session::ModelSource> sourceOf(const ModelStore& models);
+
+/// An object's mesh alone; the file that holds it stays with it.
+std::shared_ptr<const geometry::TriangleMesh> meshOf(
+    const std::shared_ptr<const StoredObject>& object);
+
+/// What a session on these models is opened with; a hand's skin is made if need be.
+/// Errors: Rejection (ERROR_NOT_FOUND); InvalidInput if the contacts were read for another
+/// mesh.
+session::SessionModels sessionModels(const std::string& hand,
+                                     const std::string& object,
+                                     const std::string& contacts,
+                                     const ModelStore& models,
+                                     const Progress& progress);
+
+}  // namespace handgraft::server

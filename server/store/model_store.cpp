@@ -1,0 +1,253 @@
+#include "server/store/model_store.h"
+
+#include <algorithm>
+#include <cctype>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/base/error.h"
+#include "idl/fields.h"
+#include "server/admission/rejection.h"
+
+namespace handgraft::server {
+
+namespace {
+
+constexpr std::size_t kMostModels = 1000;  // of one kind
+
+v1::ModelKind kindOf(const StoredHand&) {
+  return v1::MODEL_HAND;
+}
+
+v1::ModelKind kindOf(const StoredObject&) {
+  return v1::MODEL_OBJECT;
+}
+
+v1::ModelKind kindOf(const StoredContacts&) {
+  return v1::MODEL_CONTACTS;
+}
+
+v1::ModelSummary summary(v1::ModelKind kind,
+                         const std::string& name,
+                         const Origin& origin,
+                         std::string text) {
+  v1::ModelSummary one;
+  one.kind(kind);
+  one.name(name);
+  one.built_in(origin.built_in);
+  one.text(std::move(text));
+  return one;
+}
+
+template <class Shelf>
+auto find(const Shelf& shelf, v1::ModelKind kind, const std::string& name) {
+  const auto found = shelf.find(name);
+  if (found != shelf.end()) return found->second;
+  std::string names;
+  for (const auto& [other, model] : shelf) {
+    names += (names.empty() ? "" : ", ") + other;
+    if (names.size() > 400) {
+      names += ", ...";
+      break;
+    }
+  }
+  reject(v1::ERROR_NOT_FOUND, "{} {} is not known; there are: {}", nameOf(kind),
+         handgraft::quoted(name), names.empty() ? "none" : names);
+}
+
+}  // namespace
+
+template <class Model>
+void ModelStore::put(Shelf<Model>& shelf, Model model, bool replace) {
+  validateName(model.name);
+  const std::lock_guard lock(mutex_);
+  const auto found = shelf.find(model.name);
+  if (found != shelf.end() && !replace) {
+    const Origin& there = found->second->origin;
+    if (!there.built_in && there.fingerprint == model.origin.fingerprint) return;
+    reject(v1::ERROR_CONFLICT, "{} {} exists already, with {}; choose another name{}",
+           nameOf(kindOf(model)), handgraft::quoted(model.name),
+           there.built_in ? "the server's own content" : "other content",
+           there.built_in ? "" : " or unload it");
+  }
+  if (found == shelf.end() && shelf.size() >= kMostModels) {
+    reject(v1::ERROR_OVERLOADED, "there are {} models of this kind; unload some", shelf.size());
+  }
+  const std::string name = model.name;
+  shelf[name] = std::make_shared<const Model>(std::move(model));
+}
+
+void ModelStore::add(StoredHand hand) {
+  put(hands_, std::move(hand), false);
+}
+
+void ModelStore::add(StoredObject object) {
+  put(objects_, std::move(object), false);
+}
+
+void ModelStore::add(StoredContacts contacts) {
+  put(contacts_, std::move(contacts), false);
+}
+
+void ModelStore::replace(StoredHand hand) {
+  put(hands_, std::move(hand), true);
+}
+
+void ModelStore::replace(StoredObject object) {
+  put(objects_, std::move(object), true);
+}
+
+void ModelStore::replace(StoredContacts contacts) {
+  put(contacts_, std::move(contacts), true);
+}
+
+std::shared_ptr<const StoredHand> ModelStore::hand(const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  return find(hands_, v1::MODEL_HAND, name);
+}
+
+std::shared_ptr<const StoredObject> ModelStore::object(const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  return find(objects_, v1::MODEL_OBJECT, name);
+}
+
+std::shared_ptr<const StoredContacts> ModelStore::contacts(const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  return find(contacts_, v1::MODEL_CONTACTS, name);
+}
+
+void ModelStore::remove(v1::ModelKind kind, const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  const auto removeFrom = [&](auto& shelf) {
+    if (find(shelf, kind, name)->origin.built_in) {
+      reject(v1::ERROR_CONFLICT, "{} {} is the server's own and stays", nameOf(kind),
+             handgraft::quoted(name));
+    }
+    shelf.erase(name);
+  };
+  switch (kind) {
+    case v1::MODEL_HAND:
+      return removeFrom(hands_);
+    case v1::MODEL_OBJECT:
+      return removeFrom(objects_);
+    case v1::MODEL_CONTACTS:
+      return removeFrom(contacts_);
+    case v1::MODEL_MOTION:
+      break;
+  }
+  rejectInput("model kind {} does not exist", static_cast<unsigned>(kind));
+}
+
+std::vector<v1::ModelSummary> ModelStore::list() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<v1::ModelSummary> all;
+  for (const auto& [name, hand] : hands_)
+    all.push_back(summaryOf(*hand));
+  for (const auto& [name, object] : objects_)
+    all.push_back(summaryOf(*object));
+  for (const auto& [name, contacts] : contacts_)
+    all.push_back(summaryOf(*contacts));
+  return all;
+}
+
+std::size_t ModelStore::size() const {
+  const std::lock_guard lock(mutex_);
+  return hands_.size() + objects_.size() + contacts_.size();
+}
+
+StoredHand storedHand(std::string name, Origin origin, ReadHand read, const HandReading& how) {
+  StoredHand hand;
+  hand.name = std::move(name);
+  hand.origin = origin;
+  hand.urdf = std::move(read.urdf);
+  hand.notes = std::move(read.notes);
+  hand.hand =
+      std::make_shared<LazyHand>(std::make_shared<const hand::HandModel>(std::move(read.model)),
+                                 std::move(read.sites), how.skin);
+  hand.mirrored = how.mirrored;
+  hand.poses = std::move(read.poses);
+  if (read.floating_base)
+    hand.floating_base =
+        std::make_shared<const hand::HandModel>(std::move(*read.floating_base));
+  return hand;
+}
+
+StoredObject storedObject(std::string name,
+                          Origin origin,
+                          io::MeshFile read,
+                          std::string units) {
+  return {std::move(name), origin, std::make_shared<const io::MeshFile>(std::move(read)),
+          std::move(units)};
+}
+
+StoredContacts storedContacts(std::string name,
+                              Origin origin,
+                              ReadContacts read,
+                              std::shared_ptr<const io::MeshFile> object,
+                              std::string object_name) {
+  StoredContacts contacts;
+  contacts.name = std::move(name);
+  contacts.origin = origin;
+  contacts.object = std::move(object);
+  contacts.set = std::move(read.set);
+  contacts.set.object = std::move(object_name);
+  if (read.map)
+    contacts.map = std::make_shared<const contact::ContactMap>(std::move(*read.map));
+  contacts.threshold = read.threshold;
+  return contacts;
+}
+
+void validateName(const std::string& name) {
+  constexpr std::size_t kLongest = 64;
+  const bool fits = !name.empty() && name.size() <= kLongest && name.front() != '.' &&
+                    std::all_of(name.begin(), name.end(), [](char c) {
+                      return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' ||
+                             c == '-' || c == '.';
+                    });
+  if (!fits) {
+    rejectInput(
+        "name {}: must be 1-{} letters, digits, '_', '-' or '.', not beginning with a dot",
+        handgraft::quoted(name), kLongest);
+  }
+}
+
+void requireSameMesh(const StoredContacts& contacts, const StoredObject& object) {
+  const geometry::TriangleMesh& a = contacts.object->mesh;
+  const geometry::TriangleMesh& b = object.file->mesh;
+  const bool is_same =
+      &a == &b || (a.vertexCount() == b.vertexCount() && a.faceCount() == b.faceCount() &&
+                   a.faces() == b.faces() && a.vertices() == b.vertices());
+  if (is_same) return;
+  rejectInput("contacts {} were read for object {}, which is another mesh than object {}",
+              handgraft::quoted(contacts.name), handgraft::quoted(contacts.set.object),
+              handgraft::quoted(object.name));
+}
+
+v1::ModelSummary summaryOf(const StoredHand& hand) {
+  const hand::HandModel& model = hand.hand->model();
+  std::string text = fmt::format("{} joints, {} links", model.dofCount(), model.linkCount());
+  if (model.mimicCount() > 0) text += fmt::format(", {} mimic", model.mimicCount());
+  if (const auto& sites = hand.hand->ownSites())
+    text += fmt::format(", {} sites", sites->size());
+  return summary(v1::MODEL_HAND, hand.name, hand.origin, text);
+}
+
+v1::ModelSummary summaryOf(const StoredObject& object) {
+  const geometry::TriangleMesh& mesh = object.file->mesh;
+  return summary(v1::MODEL_OBJECT, object.name, object.origin,
+                 fmt::format("{} vertices, {} faces, {:.0f} mm across", mesh.vertexCount(),
+                             mesh.faceCount(), 1e3 * mesh.diagonal()));
+}
+
+v1::ModelSummary summaryOf(const StoredContacts& contacts) {
+  std::string names;
+  for (const contact::Patch& patch : contacts.set.patches) {
+    names += (names.empty() ? "" : " ") + patch.name;
+  }
+  return summary(v1::MODEL_CONTACTS, contacts.name, contacts.origin,
+                 fmt::format("{} patches on {}: {}", contacts.set.patches.size(),
+                             contacts.set.object, names));
+}
+
+}  // namespace handgraft::server

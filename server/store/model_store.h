@@ -1,0 +1,123 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/contact/contact_set.h"
+#include "core/io/mesh_file.h"
+#include "idl/models.h"
+#include "server/reading/read_model.h"
+#include "server/store/lazy_hand.h"
+
+namespace handgraft::server {
+
+/// Where a model came from.
+struct Origin {
+  bool built_in = false;
+  /// Of its files (UploadedFiles::fingerprint); 0 for built-in ones.
+  std::uint64_t fingerprint = 0;
+};
+
+struct StoredHand {
+  std::string name;
+  Origin origin;
+  std::string urdf;
+  std::vector<std::string> notes;
+  std::shared_ptr<LazyHand> hand;
+  bool mirrored = false;  ///< then `urdf` describes the other hand
+  std::vector<hand::NamedPose> poses{};
+  /// Joints of the file that place the whole hand, cut off (hand/floating_base.h); or null.
+  std::shared_ptr<const hand::HandModel> floating_base{};
+};
+
+struct StoredObject {
+  std::string name;
+  Origin origin;
+  std::shared_ptr<const io::MeshFile> file;
+  std::string units{};  ///< it was read in, as the request named them
+};
+
+struct StoredContacts {
+  std::string name;
+  Origin origin;
+  /// The object as it was when the set was read; `set.object` is its name.
+  std::shared_ptr<const io::MeshFile> object;
+  contact::ContactSet set;
+  /// What the patches were found in, and at which threshold; null for sets.
+  std::shared_ptr<const contact::ContactMap> map{};
+  double threshold = 0.0;
+};
+
+// === Of what was read (reading/read_model.h)
+StoredHand storedHand(std::string name, Origin origin, ReadHand read, const HandReading& how);
+StoredObject storedObject(std::string name,
+                          Origin origin,
+                          io::MeshFile read,
+                          std::string units);
+StoredContacts storedContacts(std::string name,
+                              Origin origin,
+                              ReadContacts read,
+                              std::shared_ptr<const io::MeshFile> object,
+                              std::string object_name);
+
+/// The hands, objects and contact sets that sessions can use, by name.
+///
+/// What is taken out lives on in the sessions that use it. Threads: all methods from any
+/// thread.
+class ModelStore {
+ public:
+  /// Adds a model. The same files under the same name again change nothing.
+  /// Errors: InvalidInput for a bad name (see `validateName`); Rejection (ERROR_CONFLICT) if
+  /// the name stands for other content, (ERROR_OVERLOADED) if there are too many.
+  void add(StoredHand hand);
+  void add(StoredObject object);
+  void add(StoredContacts contacts);
+
+  /// As above, but takes the place of what has the name.
+  void replace(StoredHand hand);
+  void replace(StoredObject object);
+  void replace(StoredContacts contacts);
+
+  /// Errors: Rejection (ERROR_NOT_FOUND) that lists the names there are.
+  [[nodiscard]] std::shared_ptr<const StoredHand> hand(const std::string& name) const;
+  [[nodiscard]] std::shared_ptr<const StoredObject> object(const std::string& name) const;
+  [[nodiscard]] std::shared_ptr<const StoredContacts> contacts(const std::string& name) const;
+
+  /// Errors: Rejection: ERROR_NOT_FOUND, or ERROR_CONFLICT for a built-in model.
+  void remove(v1::ModelKind kind, const std::string& name);
+
+  /// All, by kind and name.
+  [[nodiscard]] std::vector<v1::ModelSummary> list() const;
+  [[nodiscard]] std::size_t size() const;
+
+ private:
+  template <class Model>
+  using Shelf = std::map<std::string, std::shared_ptr<const Model>>;
+
+  template <class Model>
+  void put(Shelf<Model>& shelf, Model model, bool replace);
+
+  mutable std::mutex mutex_;
+  Shelf<StoredHand> hands_;
+  Shelf<StoredObject> objects_;
+  Shelf<StoredContacts> contacts_;
+};
+
+/// Names are 1-64 letters, digits, `_`, `-` and `.`, and do not begin with a dot: they appear
+/// in topics, files and messages. InvalidInput otherwise.
+void validateName(const std::string& name);
+
+/// InvalidInput unless the contacts were read for a mesh like the object's. An object that was
+/// taken out and loaded again is the same one.
+void requireSameMesh(const StoredContacts& contacts, const StoredObject& object);
+
+v1::ModelSummary summaryOf(const StoredHand& hand);
+v1::ModelSummary summaryOf(const StoredObject& object);
+v1::ModelSummary summaryOf(const StoredContacts& contacts);
+
+}  // namespace handgraft::server

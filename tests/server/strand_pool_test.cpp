@@ -1,0 +1,264 @@
+#include "server/admission/strand_pool.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <future>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace handgraft::server {
+namespace {
+
+TEST(StrandPool, FinishesWhatItTookWhenShut) {
+  std::atomic<int> done{0};
+  StrandPool pool(2, 100);
+  for (int i = 0; i < 50; ++i)
+    ASSERT_TRUE(pool.post([&] {
+      ++done;
+    }));
+  pool.shut();
+  EXPECT_EQ(done, 50);
+  EXPECT_FALSE(pool.post([] {}));
+}
+
+TEST(StrandPool, RefusesMoreThanMayWait) {
+  std::promise<void> gate;
+  std::promise<void> begun;
+  StrandPool pool(1, 1);
+  ASSERT_TRUE(pool.post([&] {
+    begun.set_value();
+    gate.get_future().wait();
+  }));
+  begun.get_future().wait();
+  EXPECT_TRUE(pool.post([] {}));
+  EXPECT_FALSE(pool.post([] {}));
+  gate.set_value();
+}
+
+TEST(Strand, RunsItsTasksInOrderOneAtATime) {
+  StrandPool pool(4, 1000);
+  Strand strand(pool, 1000);
+  std::vector<int> order;
+  std::atomic<int> inside{0};
+  bool overlapped = false;
+  for (int i = 0; i < 500; ++i) {
+    ASSERT_TRUE(strand.post([&, i] {
+      overlapped = overlapped || inside++ != 0;
+      order.push_back(i);
+      --inside;
+    }));
+  }
+  pool.shut();
+  ASSERT_EQ(order.size(), 500u);
+  EXPECT_FALSE(overlapped);
+  EXPECT_TRUE(std::is_sorted(order.begin(), order.end()));
+}
+
+TEST(Strand, DoesNotHoldUpAnotherOne) {
+  StrandPool pool(2, 100);
+  Strand blocked(pool, 100);
+  Strand other(pool, 100);
+  std::promise<void> gate;
+  std::promise<void> passed;
+  ASSERT_TRUE(blocked.post([&] {
+    gate.get_future().wait();
+  }));
+  ASSERT_TRUE(other.post([&] {
+    passed.set_value();
+  }));
+  EXPECT_EQ(passed.get_future().wait_for(std::chrono::seconds(30)), std::future_status::ready);
+  gate.set_value();
+}
+
+TEST(Strand, GivesItsTaskBackWhenThePoolIsFull) {
+  std::promise<void> gate;
+  std::promise<void> begun;
+  StrandPool pool(1, 1);
+  Strand strand(pool, 10);
+  ASSERT_TRUE(pool.post([&] {
+    begun.set_value();
+    gate.get_future().wait();
+  }));
+  begun.get_future().wait();
+  ASSERT_TRUE(pool.post([] {}));
+  bool ran = false;
+  EXPECT_FALSE(strand.post([&] {
+    ran = true;
+  }));
+  gate.set_value();
+  pool.shut();
+  EXPECT_FALSE(ran);
+}
+
+// === Idle tasks
+
+using namespace std::chrono_literals;  // NOLINT(google-build-using-namespace): of durations
+
+constexpr auto kForEver = 10min;
+
+/// One worker that waits until `open`, while tasks are given.
+struct Gate {
+  void closeOn(StrandPool& pool) {
+    std::promise<void> begun;
+    ASSERT_TRUE(pool.post([&] {
+      begun.set_value();
+      promise.get_future().wait();
+    }));
+    begun.get_future().wait();
+  }
+
+  void open() { promise.set_value(); }
+
+  std::promise<void> promise;
+};
+
+TEST(IdleTasks, RunAfterAllOthersAlsoOfOtherStrands) {
+  StrandPool pool(1, 100, kForEver);
+  Strand first(pool, 100);
+  Strand second(pool, 100);
+  std::vector<int> order;
+  Gate gate;
+  gate.closeOn(pool);
+  const auto note = [&](int number) {
+    return [&order, number] {
+      order.push_back(number);
+    };
+  };
+  ASSERT_TRUE(first.post([&] {
+    first.postIdleFromTask(note(4));
+    first.postFromTask(note(3));
+  }));
+  ASSERT_TRUE(second.post(note(1)));
+  ASSERT_TRUE(pool.post(note(2)));
+  gate.open();
+  pool.shut();
+  EXPECT_EQ(order, (std::vector<int>{1, 2, 3, 4}));
+}
+
+TEST(IdleTasks, RunNextOnceTheyWaitedTooLong) {
+  StrandPool pool(1, 100, 0ms);
+  Strand strand(pool, 100);
+  std::vector<int> order;
+  Gate gate;
+  gate.closeOn(pool);
+  ASSERT_TRUE(strand.post([&] {
+    strand.postIdleFromTask([&] {
+      order.push_back(1);
+    });
+  }));
+  for (int i = 2; i < 5; ++i) {
+    ASSERT_TRUE(pool.post([&order, i] {
+      order.push_back(i);
+    }));
+  }
+  gate.open();
+  pool.shut();
+  EXPECT_EQ(order, (std::vector<int>{1, 2, 3, 4}));
+}
+
+TEST(IdleTasks, AreNotStarvedByAPoolThatAlwaysHasWork) {
+  StrandPool pool(2, 100, 20ms);
+  Strand strand(pool, 100);
+  std::atomic<bool> ran{false};
+  std::atomic<bool> is_over{false};
+  std::promise<void> done;
+  // Four tasks that follow themselves keep two workers busy.
+  std::function<void()> again = [&] {
+    if (!is_over) static_cast<void>(pool.post(again));
+  };
+  for (int i = 0; i < 4; ++i)
+    ASSERT_TRUE(pool.post(again));
+  ASSERT_TRUE(strand.post([&] {
+    strand.postIdleFromTask([&] {
+      done.set_value();
+    });
+  }));
+  EXPECT_EQ(done.get_future().wait_for(60s), std::future_status::ready);
+  is_over = true;
+  pool.shut();
+}
+
+TEST(IdleTasks, NeverOverlapWithTheirStrandAndAllRun) {
+  constexpr int kRounds = 2000;
+  StrandPool pool(4, 100'000, 1ms);
+  std::array<Strand, 3> strands{Strand(pool, 10'000), Strand(pool, 10'000),
+                                Strand(pool, 10'000)};
+  std::array<std::atomic<int>, 3> inside{};
+  std::array<int, 3> done{};  // of one strand's tasks alone, unguarded on purpose
+  std::atomic<bool> overlapped{false};
+  const auto work = [&](std::size_t at) {
+    if (inside[at]++ != 0) overlapped = true;
+    ++done[at];
+    --inside[at];
+  };
+  for (int i = 0; i < kRounds; ++i) {
+    for (std::size_t at = 0; at < strands.size(); ++at) {
+      ASSERT_TRUE(strands[at].post([&, at] {
+        work(at);
+        strands[at].postIdleFromTask([&, at] {
+          work(at);
+        });
+      }));
+    }
+  }
+  pool.shut();
+  EXPECT_FALSE(overlapped);
+  for (const int count : done)
+    EXPECT_EQ(count, 2 * kRounds);
+}
+
+TEST(IdleTasks, RunBehindWhatTheirStrandHasToDoByThen) {
+  StrandPool pool(2, 100, kForEver);
+  Strand strand(pool, 100);
+  std::vector<int> order;
+  std::promise<void> passed;
+  ASSERT_TRUE(strand.post([&] {
+    strand.postIdleFromTask([&] {  // the other worker is free to take it
+      order.push_back(2);
+    });
+    strand.postFromTask([&] {
+      order.push_back(1);
+    });
+    passed.get_future().wait();
+    order.push_back(0);
+  }));
+  ASSERT_TRUE(pool.post([&] {
+    passed.set_value();
+  }));
+  pool.shut();
+  EXPECT_EQ(order, (std::vector<int>{0, 1, 2}));
+}
+
+TEST(IdleTasks, ThatWaitWhenThePoolIsShutStillRunAndWhatTheyPostDoes) {
+  std::atomic<int> done{0};
+  StrandPool pool(1, 100, kForEver);
+  Gate gate;
+  gate.closeOn(pool);
+  auto strand = std::make_unique<Strand>(pool, 100);
+  ASSERT_TRUE(strand->post([&done, copy = *strand]() mutable {
+    for (int i = 0; i < 5; ++i) {
+      copy.postIdleFromTask([&done, copy]() mutable {
+        ++done;
+        copy.postIdleFromTask([&done] {
+          ++done;
+        });
+      });
+    }
+  }));
+  strand.reset();
+  std::thread shutting([&] {
+    pool.shut();
+  });
+  gate.open();
+  shutting.join();
+  EXPECT_EQ(done, 10);
+}
+
+}  // namespace
+}  // namespace handgraft::server
