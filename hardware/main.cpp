@@ -67,9 +67,17 @@ struct Options {
 void declare(CLI::App& app, Options& options) {
   app.set_version_flag("--version", std::string("handgraft-bridge ") + HANDGRAFT_VERSION);
   app.add_option("--domain", options.network.domain, "DDS domain, 0 to 100")
+      ->envname("HANDGRAFT_DOMAIN")
       ->capture_default_str();
-  app.add_option("--interface", options.network.interface, "network interface to meet on")
+  app.add_option("--interface", options.network.interface,
+                 "network interface to meet on: name, address or auto")
+      ->envname("HANDGRAFT_INTERFACE")
       ->capture_default_str();
+  app.add_option("--peers", options.network.peers,
+                 "hosts that are told of this bridge one by one, where multicast is dropped")
+      ->envname("HANDGRAFT_PEERS")
+      ->delimiter(',')
+      ->allow_extra_args(false);
   app.add_option(
          "--session", options.session,
          "session to follow: its number, or 'any' for the one that began to stream last")
@@ -126,7 +134,8 @@ void declareBringUp(CLI::App& app, BringUp& told) {
   make->add_option("--port", told.plan.port, "a tty")->capture_default_str();
   make->add_option("--baud", told.plan.baud, "of the tty; default: the kind's usual one");
   make->add_option("--ids", told.plan.ids, "of the motors, in the order of the joints")
-      ->delimiter(',');
+      ->delimiter(',')
+      ->allow_extra_args(false);
   make->add_option("--out", told.out, "the file; default: standard output");
 
   const auto add_config = [&](CLI::App* command) {

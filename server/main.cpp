@@ -14,8 +14,8 @@
 
 #include "core/base/error.h"
 #include "core/base/network.h"
-#include "server/model_library.h"
-#include "server/service.h"
+#include "server/admission/service.h"
+#include "server/store/model_library.h"
 #include "server/transport/bus.h"
 
 namespace {
@@ -109,9 +109,17 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", std::string("handgraft-server ") + HANDGRAFT_VERSION);
   app.add_option("--domain", options.network.domain, "DDS domain, 0-100")
       ->check(CLI::Range(0, kHighestDomain))
+      ->envname("HANDGRAFT_DOMAIN")
       ->capture_default_str();
-  app.add_option("--interface", options.network.interface, "network interface to serve on")
+  app.add_option("--interface", options.network.interface,
+                 "network interface to serve on: name, address or auto")
+      ->envname("HANDGRAFT_INTERFACE")
       ->capture_default_str();
+  app.add_option("--peers", options.network.peers,
+                 "hosts that are told of this server one by one, where multicast is dropped")
+      ->envname("HANDGRAFT_PEERS")
+      ->delimiter(',')
+      ->allow_extra_args(false);
   app.add_option(
       "--models", options.models,
       "folder with more hands, objects and contacts; replaces those of the same name");
@@ -134,8 +142,9 @@ int main(int argc, char** argv) {
   app.add_option("--sessions", options.sessions, "sessions that may be open, 1-4096")
       ->check(CLI::Range(1u, 4096u))
       ->capture_default_str();
-  app.add_option("--make-skins", options.make_skins,
-                 "make the built-in hands' skins in this folder and end; done when it is built");
+  app.add_option(
+      "--make-skins", options.make_skins,
+      "make the built-in hands' skins in this folder and end; done when it is built");
   app.add_option("--log-level", options.log_level, "trace, debug, info, warning, error or off")
       ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error", "off"}))
       ->capture_default_str();

@@ -36,9 +36,18 @@ std::variant<Invocation, Printout> parseCommandLine(int argc, const char* const*
   app.set_version_flag("--version", fmt::format("handgraft {}", kVersion));
   app.require_subcommand(1);
   CommonOptions& common = invocation.common;
-  app.add_option("--domain", common.network.domain, "DDS domain, 0-100")->capture_default_str();
-  app.add_option("--interface", common.network.interface, "Network interface to meet on")
+  app.add_option("--domain", common.network.domain, "DDS domain, 0-100")
+      ->envname("HANDGRAFT_DOMAIN")
       ->capture_default_str();
+  app.add_option("--interface", common.network.interface,
+                 "Network interface to meet on: name, address or auto")
+      ->envname("HANDGRAFT_INTERFACE")
+      ->capture_default_str();
+  app.add_option("--peers", common.network.peers,
+                 "Hosts to look for servers on, where multicast is dropped")
+      ->envname("HANDGRAFT_PEERS")
+      ->delimiter(',')
+      ->allow_extra_args(false);
   app.add_flag("--json", common.json, "Print one JSON document");
 
   app.add_subcommand("doctor", "Say whether all is well, and what to do if not");

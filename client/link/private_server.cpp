@@ -54,6 +54,8 @@ PrivateServer::PrivateServer(const fs::path& program, const Network& network) {
   std::vector<std::string> words = {program.string(), "--domain",
                                     std::to_string(network.domain), "--interface",
                                     network.interface};
+  for (const std::string& peer : network.peers)
+    words.insert(words.end(), {"--peers", peer});
   std::vector<char*> arguments;
   for (std::string& word : words)
     arguments.push_back(word.data());

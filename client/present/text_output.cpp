@@ -300,6 +300,8 @@ std::string networkOptions(const Network& network) {
   std::string options;
   if (network.domain != usual.domain) options += fmt::format(" --domain {}", network.domain);
   if (network.interface != usual.interface) options += " --interface " + network.interface;
+  for (const std::string& peer : network.peers)
+    options += " --peers " + peer;
   return options;
 }
 

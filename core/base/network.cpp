@@ -10,6 +10,7 @@
 #include <arpa/inet.h>
 #include <ifaddrs.h>
 #include <net/if.h>
+#include <netdb.h>
 #include <netinet/in.h>
 
 #include "core/base/error.h"
@@ -17,6 +18,12 @@
 namespace handgraft {
 
 namespace {
+
+std::string dotted(const sockaddr_in& address) {
+  std::array<char, INET_ADDRSTRLEN> text{};
+  inet_ntop(AF_INET, &address.sin_addr, text.data(), text.size());
+  return text.data();
+}
 
 std::vector<NetworkInterface> interfacesOfThisMachine() {
   ifaddrs* first = nullptr;
@@ -35,12 +42,22 @@ std::vector<NetworkInterface> interfacesOfThisMachine() {
           return one.name == name;
         });
     if (known) continue;
-    std::array<char, INET_ADDRSTRLEN> text{};
-    const auto* address = reinterpret_cast<const sockaddr_in*>(at->ifa_addr);
-    if (inet_ntop(AF_INET, &address->sin_addr, text.data(), text.size()) == nullptr) continue;
-    found.push_back({name, text.data(), (at->ifa_flags & IFF_LOOPBACK) != 0U});
+    found.push_back({name, dotted(*reinterpret_cast<const sockaddr_in*>(at->ifa_addr)),
+                     (at->ifa_flags & IFF_LOOPBACK) != 0U});
   }
   return found;
+}
+
+std::string addressOf(const std::string& peer) {
+  addrinfo wanted{};
+  wanted.ai_family = AF_INET;
+  wanted.ai_socktype = SOCK_DGRAM;
+  addrinfo* first = nullptr;
+  const int error = getaddrinfo(peer.c_str(), nullptr, &wanted, &first);
+  if (error != 0 || peer.empty())
+    rejectInput("peers: {} has no IPv4 address: {}", quoted(peer), gai_strerror(error));
+  const std::unique_ptr<addrinfo, void (*)(addrinfo*)> list(first, freeaddrinfo);
+  return dotted(*reinterpret_cast<const sockaddr_in*>(first->ai_addr));
 }
 
 }  // namespace
@@ -49,20 +66,42 @@ NetworkInterface validate(const Network& network) {
   if (network.domain < 0 || network.domain > kHighestDomain) {
     rejectInput("domain: {} is outside 0-{}", network.domain, kHighestDomain);
   }
+  if (network.peers.size() > kMostPeers)
+    rejectInput("peers: {} are given; at most {} may be", network.peers.size(), kMostPeers);
   const std::vector<NetworkInterface> there = interfacesOfThisMachine();
   for (const NetworkInterface& one : there) {
-    if (one.name == network.interface) return one;
+    const bool is_meant = network.interface == "auto" ? !one.loopback
+                                                      : network.interface == one.name ||
+                                                            network.interface == one.address;
+    if (is_meant) return one;
   }
   std::string names;
   for (const NetworkInterface& one : there) {
     names += (names.empty() ? "" : ", ") + one.name;
   }
-  rejectInput("interface: {} is not an interface with an IPv4 address; there are: {}",
-              quoted(network.interface), names.empty() ? "none" : names);
+  rejectInput(
+      "interface: {} is not an interface with an IPv4 address, nor the address of one; "
+      "there are: {}",
+      quoted(network.interface), names.empty() ? "none" : names);
+}
+
+std::vector<std::string> unicastAddresses(const Network& network,
+                                          const NetworkInterface& interface) {
+  std::vector<std::string> addresses;
+  if (interface.loopback || !network.peers.empty()) addresses.push_back(interface.address);
+  for (const std::string& peer : network.peers) {
+    const std::string address = addressOf(peer);
+    if (std::find(addresses.begin(), addresses.end(), address) == addresses.end())
+      addresses.push_back(address);
+  }
+  return addresses;
 }
 
 std::string describe(const Network& network) {
-  return fmt::format("domain {}, interface {}", network.domain, network.interface);
+  std::string text = fmt::format("domain {}, interface {}", network.domain, network.interface);
+  for (std::size_t i = 0; i < network.peers.size(); ++i)
+    text += (i == 0 ? ", peers " : " ") + network.peers[i];
+  return text;
 }
 
 }  // namespace handgraft

@@ -1,16 +1,23 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace handgraft {
 
-/// Where the programs meet on DDS: the same two options on every one of them.
+/// Where the programs meet on DDS: the same options on every one of them.
 struct Network {
-  int domain = 0;                ///< 0-100: higher ones run into ephemeral ports
-  std::string interface = "lo";  ///< name of a network interface of this machine
+  int domain = 0;  ///< 0-100: higher ones run into ephemeral ports
+  /// Name or IPv4 address of a network interface of this machine, or `auto`: the first that is
+  /// not the loopback.
+  std::string interface = "lo";
+  /// Hosts that are told of us one by one, names or IPv4 addresses, for networks that drop
+  /// multicast. One end of two need only know the other.
+  std::vector<std::string> peers = {};
 };
 
 inline constexpr int kHighestDomain = 100;
+inline constexpr std::size_t kMostPeers = 32;
 
 /// An IPv4 interface of this machine.
 struct NetworkInterface {
@@ -21,11 +28,19 @@ struct NetworkInterface {
 
 /// Looks the interface up and checks the domain.
 ///
-/// Errors: InvalidInput for a domain outside 0-100, or an interface that does not exist or has
-/// no IPv4 address (the message lists those there are). Cost: a few system calls.
+/// Errors: InvalidInput for a domain outside 0-100, more than kMostPeers peers, or an interface
+/// that does not exist or has no IPv4 address (the message lists those there are). Cost: a few
+/// system calls.
 NetworkInterface validate(const Network& network);
 
-/// "domain 7, interface lo", for messages.
+/// The IPv4 addresses, dotted and each once, at which programs are looked for one by one: the
+/// peers', and the interface's own on the loopback, where there need be no multicast, and
+/// beside peers. Errors: InvalidInput for a peer without an address. Cost: may ask the name
+/// service.
+std::vector<std::string> unicastAddresses(const Network& network,
+                                          const NetworkInterface& interface);
+
+/// "domain 7, interface lo", and peers if there are any, for messages.
 std::string describe(const Network& network);
 
 }  // namespace handgraft

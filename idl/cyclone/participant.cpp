@@ -60,7 +60,7 @@ class Entity {
 
 // === Domain: configured once a process, however many participants join it
 
-std::string configurationOf(const NetworkInterface& interface) {
+std::string configurationOf(const Network& network, const NetworkInterface& interface) {
   // 65 kB datagrams and 4 MB buffers carry an 8 MB mesh in 12 ms on loopback. A kernel that
   // grants less makes it slower, not impossible, hence `max`. Names of interfaces may hold any
   // character.
@@ -76,10 +76,10 @@ std::string configurationOf(const NetworkInterface& interface) {
       name += c;
     }
   }
-  const std::string peers =
-      interface.loopback
-          ? fmt::format("<Peers><Peer Address=\"{}\"/></Peers>", interface.address)
-          : std::string();
+  std::string peers;
+  for (const std::string& address : unicastAddresses(network, interface))
+    peers += fmt::format("<Peer Address=\"{}\"/>", address);
+  if (!peers.empty()) peers = "<Peers>" + peers + "</Peers>";
   return fmt::format(
       "<CycloneDDS><Domain Id=\"any\">"
       "<General><Interfaces><NetworkInterface name=\"{}\"/></Interfaces>"
@@ -100,15 +100,15 @@ class Domain {
     const NetworkInterface interface = validate(network);
     const std::lock_guard lock(mutex());
     Shared& shared = all()[id_];
-    if (shared.users > 0 && shared.interface != network.interface) {
-      rejectInput("interface: {} cannot be joined: this process is on domain {} by {} already",
-                  quoted(network.interface), id_, shared.interface);
+    const std::string how = describe(network);
+    if (shared.users > 0 && shared.how != how) {
+      rejectInput("{} cannot be joined: this process is on {} already", how, shared.how);
     }
     if (shared.users == 0) {
       shared.handle = checked(dds_create_domain(static_cast<dds_domainid_t>(id_),
-                                                configurationOf(interface).c_str()),
+                                                configurationOf(network, interface).c_str()),
                               "the domain cannot be joined", describe(network));
-      shared.interface = network.interface;
+      shared.how = how;
     }
     ++shared.users;
   }
@@ -125,7 +125,7 @@ class Domain {
  private:
   struct Shared {
     dds_entity_t handle = 0;
-    std::string interface;
+    std::string how;
     int users = 0;
   };
 

@@ -6,6 +6,7 @@
 #include <mutex>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
@@ -31,7 +32,8 @@ constexpr std::uint32_t kSocketBuffer = 4 * 1024 * 1024;
 constexpr std::uint32_t kDatagram = 65500;
 constexpr std::uint32_t kPeersOfThisMachine = 101;  // Cyclone's participant indices, 0-100
 
-dds::DomainParticipantQos participantQos(const NetworkInterface& interface) {
+dds::DomainParticipantQos participantQos(const Network& network,
+                                         const NetworkInterface& interface) {
   dds::DomainParticipantQos qos;
   qos.name("handgraft-server");
   qos.transport().use_builtin_transports = false;
@@ -49,15 +51,22 @@ dds::DomainParticipantQos participantQos(const NetworkInterface& interface) {
   // A client that has just come up learns of us by the next announcement: measured, it misses
   // the direct answer to its own.
   discovery.leaseDuration_announcementperiod = {0, 200'000'000};
+  const auto locator = [](const std::string& address, std::uint32_t port) {
+    rtps::Locator_t made(LOCATOR_KIND_UDPv4, port);  // 0: each participant's, by RTPS' rules
+    rtps::IPLocator::setIPv4(made, address);
+    return made;
+  };
+  const std::vector<std::string> peers = unicastAddresses(network, interface);
+  udp->maxInitialPeersRange = kPeersOfThisMachine;
+  for (const std::string& address : peers)
+    protocol.builtin.initialPeersList.push_back(locator(address, 0));
   if (interface.loopback) {
     // Unicast both ways, so that loopback needs no multicast route.
-    udp->maxInitialPeersRange = kPeersOfThisMachine;
-    rtps::Locator_t address;
-    address.kind = LOCATOR_KIND_UDPv4;
-    address.port = 0;  // each participant's own, by the rules of RTPS
-    rtps::IPLocator::setIPv4(address, interface.address);
-    protocol.builtin.initialPeersList.push_back(address);
-    protocol.builtin.metatrafficUnicastLocatorList.push_back(address);
+    protocol.builtin.metatrafficUnicastLocatorList.push_back(locator(interface.address, 0));
+  } else if (!peers.empty()) {
+    // Those who are told one by one replace the multicast group, unless it is named, too.
+    const auto group = 7400U + 250U * static_cast<std::uint32_t>(network.domain);
+    protocol.builtin.initialPeersList.push_back(locator("239.255.0.1", group));
   }
   qos.transport().user_transports.push_back(std::make_shared<FilteredTransportDescriptor>(udp));
   return qos;
@@ -70,7 +79,7 @@ class Node {
     const NetworkInterface interface = validate(network);
     auto* factory = dds::DomainParticipantFactory::get_instance();
     participant_ = factory->create_participant(static_cast<dds::DomainId_t>(network.domain),
-                                               participantQos(interface));
+                                               participantQos(network, interface));
     if (participant_ != nullptr) {
       publisher_ = participant_->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
       subscriber_ = participant_->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);

@@ -33,6 +33,28 @@ double roundTrip(Client& server) {
   return times[5];
 }
 
+/// What else may keep two programs apart, from this end.
+std::string adviceOn(const Network& network) {
+  const NetworkInterface interface = validate(network);
+  if (interface.loopback && network.peers.empty()) {
+    return "; for a server on another machine, name the interface that leads there "
+           "(--interface auto).";
+  }
+  if (network.peers.empty()) {
+    return fmt::format(
+        ". None was heard by multicast (239.255.0.1, UDP port {}); many networks drop it: name "
+        "the server's host by --peers HOST here, or this one ({}) by --peers there.",
+        7400 + 250 * network.domain, interface.address);
+  }
+  std::string asked;
+  for (const std::string& address : unicastAddresses(network, interface))
+    asked += (asked.empty() ? "" : ", ") + address;
+  return fmt::format(
+      ". None answered at {} nor by multicast: see that its firewall lets UDP ports {}-{} "
+      "through, both ways.",
+      asked, 7400 + 250 * network.domain, 7400 + 250 * network.domain + 249);
+}
+
 }  // namespace
 
 int run(const DoctorOptions& /*options*/,
@@ -53,9 +75,8 @@ int run(const DoctorOptions& /*options*/,
   } catch (const NoServer& error) {
     report.advice = fmt::format(
         "{}. Start one with: handgraft-server --domain {} --interface {}; if one runs "
-        "elsewhere, "
-        "give this program the same two options.",
-        error.what(), report.domain, report.interface);
+        "elsewhere, give this program the same options{}",
+        error.what(), report.domain, report.interface, adviceOn(common.network));
   }
   fmt::print("{}",
              common.json ? json::written(json::doctor(report)) + "\n" : text::doctor(report));
