@@ -76,6 +76,8 @@ std::string configurationOf(const Network& network, const NetworkInterface& inte
       name += c;
     }
   }
+  // Multicast is for finding each other, nothing else: Fast DDS sends to the group, once two
+  // readers have it in common, what no router and few wireless networks would deliver.
   std::string peers;
   for (const std::string& address : unicastAddresses(network, interface))
     peers += fmt::format("<Peer Address=\"{}\"/>", address);
@@ -90,7 +92,7 @@ std::string configurationOf(const Network& network, const NetworkInterface& inte
       "<MaxAutoParticipantIndex>100</MaxAutoParticipantIndex>{}</Discovery>"
       "<Internal><SocketReceiveBufferSize max=\"4MB\"/></Internal>"
       "</Domain></CycloneDDS>",
-      name, interface.loopback ? "false" : "true", peers);
+      name, interface.loopback ? "false" : "spdp", peers);
 }
 
 /// This process' share of a domain; the last one to go takes the domain along.
