@@ -77,9 +77,15 @@ MotionObjective::MotionObjective(const MotionProblem& problem,
   for (int i = 0; i < problem.model->dofCount(); ++i)
     if (problem.model->dofJoint(i).type == hand::JointType::kPrismatic)
       smoothness_[6 + i] *= kSliderScale;
+  whole_smoothness_ = smoothness_;
   frames_.assign(trees_.size(), 0.0);
   models_.resize(trees_.size());
   seen_.resize(trees_.size());
+}
+
+void MotionObjective::join(double smoothness, double limits) {
+  smoothness_ = smoothness * whole_smoothness_;
+  limit_share_ = limits;
 }
 
 double MotionObjective::evaluate(const Poses& poses) {

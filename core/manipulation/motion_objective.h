@@ -31,9 +31,9 @@ class MotionObjective {
   /// How penetration is looked for from now on.
   void care(const optimize::AvoidanceCare& care) { care_ = care; }
 
-  /// Share of what lies beyond limits of velocity and acceleration that is charged from now on:
-  /// all of it at once is stuck at once.
-  void chargeLimits(double share) { limit_share_ = share; }
+  /// Shares of smoothness, and of the charge for what lies beyond limits of velocity and
+  /// acceleration, from now on: all of it at once is stuck at once.
+  void join(double smoothness, double limits);
 
   double evaluate(const Poses& poses);
 
@@ -77,7 +77,8 @@ class MotionObjective {
   double limit_share_ = 1.0;
   optimize::PoseProblem bare_;  ///< a frame without its pairs
   std::vector<std::shared_ptr<const optimize::MomentTree>> trees_;
-  Eigen::VectorXd smoothness_;  ///< of each degree of freedom
+  Eigen::VectorXd whole_smoothness_;  ///< of each degree of freedom
+  Eigen::VectorXd smoothness_;        ///< the share of it that counts now
   std::vector<double> frames_;
   std::vector<FrameModel> models_;
   std::vector<FrameModel> seen_;  ///< by evaluateToExpand

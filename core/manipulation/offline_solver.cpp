@@ -23,19 +23,21 @@ constexpr double kWorthwhile = 1e-5;  // share of the objective that a step has 
 constexpr double kLeastRatio = 1e-4;
 constexpr double kShortestShare = 0.01;  // of a step
 
-/// One part of the way: how closely penetration is looked for, how much of what lies beyond
-/// velocities and accelerations is charged, and for how long.
+/// One part of the way: how closely penetration is looked for, how much of smoothness and of
+/// what lies beyond velocities and accelerations is charged, and for how long.
 struct Stage {
   optimize::AvoidanceCare care;
+  double smoothness;
   double limits;
   int steps;
 };
 
 // From soft to hard: what is stiff at once is stuck at once.
 const std::vector<Stage> kTouchingStages = {
-    {{false, 0.0}, 1e-4, 40}, {{false, 0.0}, 1e-2, 40}, {{false, 0.0}, 1.0, 60}};
-// Out of the object already.
-const std::vector<Stage> kAvoidingStages = {{{true, 1.0}, 1e-2, 8}, {{true, 1.0}, 1.0, 14}};
+    {{false, 0.0}, 1.0, 1e-4, 40}, {{false, 0.0}, 1.0, 1e-2, 40}, {{false, 0.0}, 1.0, 1.0, 60}};
+// Out of the object already, and to stay there while the way grows smooth.
+const std::vector<Stage> kAvoidingStages = {
+    {{true, 1.0}, 0.01, 1e-4, 4}, {{true, 1.0}, 0.1, 1e-2, 5}, {{true, 4.0}, 1.0, 1.0, 9}};
 
 /// A Newton method over all frames, from one trajectory downhill. Each frame has a damping of
 /// its own, raised where its model was wrong: a frame in trouble does not keep the others back.
@@ -244,13 +246,13 @@ Trajectory solveOffline(const MotionProblem& problem,
   const bool is_limited = problem.velocity_limit.array().isFinite().any() ||
                           problem.acceleration_limit.array().isFinite().any();
   for (const Stage& stage : stages) {
-    // Without limits of that kind one stage is as good as all.
-    if (!is_limited && stage.limits < 1.0) continue;
+    // Without limits of that kind nothing is stiff.
+    if (!is_limited && problem.avoidance == nullptr && stage.limits < 1.0) continue;
     progress.report("solving all frames", done);
 
     done += 1.0 / static_cast<double>(stages.size());
     objective.care(stage.care);
-    objective.chargeLimits(stage.limits);
+    objective.join(stage.smoothness, stage.limits);
     search.descend(stage.steps, progress, trajectory.evaluations);
   }
   trajectory.objective = search.frames();

@@ -1,0 +1,90 @@
+#include "core/manipulation/lay_patches.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "core/base/error.h"
+
+namespace handgraft::manipulation {
+
+namespace {
+
+/// Where a key's patch goes on the hand.
+std::optional<transfer::Placement> placementOf(const contact::Patch& patch,
+                                               const transfer::Surfaces& surfaces,
+                                               const hand::HandModel& model,
+                                               const std::vector<hand::ContactSite>& sites,
+                                               const hand::FingerCoordinates& coordinates) {
+  const auto place = patch.place ? patch.place : hand::placeNamed(patch.name);
+  if (place)
+    if (const auto spot = coordinates.spotAt(*place))
+      return transfer::Placement{spot->root_S, spot->direction_S};
+  const auto site = std::find_if(sites.begin(), sites.end(), [&](const hand::ContactSite& one) {
+    return one.name == patch.name;
+  });
+  if (site == sites.end()) return std::nullopt;
+  return transfer::placementAt(model, *surfaces.skin, *site);
+}
+
+}  // namespace
+
+LaidMotion layPatches(const Motion& motion,
+                      const transfer::Surfaces& surfaces,
+                      const hand::HandModel& model,
+                      const std::vector<hand::ContactSite>& sites,
+                      const hand::FingerCoordinates& coordinates,
+                      const transfer::TransferOptions& options,
+                      const Progress& progress) {
+  LaidMotion laid;
+  int lost = 0;
+  for (std::size_t t = 0; t < motion.tracks.size(); ++t) {
+    const PatchTrack& track = motion.tracks[t];
+    PairTrack pairs;
+    pairs.end = track.end;
+    transfer::StagedTransfer stages;
+    std::string fault;
+    std::size_t points = 0;
+    for (const PatchKey& key : track.keys) {
+      progress.checkpoint();
+      progress.report("laying patches",
+                      static_cast<double>(t) / static_cast<double>(motion.tracks.size()));
+      PairSpan span{key.frame, {}};
+      const auto placement = placementOf(key.patch, surfaces, model, sites, coordinates);
+      if (!key.patch.direction_O) {
+        fault = "it has no direction";
+      } else if (!placement) {
+        fault = "this hand has no such place";
+      } else {
+        const transfer::PatchTransfer transferred =
+            stages.lay(surfaces, key.patch, *placement, options);
+        lost += static_cast<int>(transferred.lost.size());
+        for (const transfer::Correspondence& one : transferred.correspondences) {
+          optimize::PointPair pair;
+          pair.link = one.link;
+          pair.p_L = one.p_L;
+          pair.n_L = one.n_L;
+          pair.p_W = one.p_O;
+          pair.n_W = one.n_O;
+          pair.weight = one.weight;
+          pair.patch = static_cast<int>(laid.tracks.size());
+          span.pairs.push_back(pair);
+        }
+      }
+      points += span.pairs.size();
+      pairs.spans.push_back(std::move(span));
+    }
+    if (!fault.empty())
+      laid.notes.push_back(
+          fmt::format("patch {} left out in part or whole: {}", quoted(track.name), fault));
+    if (points == 0) continue;
+    laid.tracks.push_back(std::move(pairs));
+    laid.track_of.push_back(static_cast<int>(t));
+  }
+  if (laid.tracks.empty())
+    rejectInput("motion '{}': no patch finds a place on hand '{}'", motion.name, model.name());
+  if (lost > 0) laid.notes.push_back(fmt::format("{} points found no place on the hand", lost));
+  return laid;
+}
+
+}  // namespace handgraft::manipulation

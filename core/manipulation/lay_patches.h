@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/hand/contact_site.h"
+#include "core/hand/finger_coordinates.h"
+#include "core/manipulation/motion.h"
+#include "core/manipulation/motion_problem.h"
+#include "core/transfer/staged_transfer.h"
+
+namespace handgraft::manipulation {
+
+/// A motion's patches on a hand's skin.
+struct LaidMotion {
+  std::vector<PairTrack> tracks;
+  /// Of each entry of `tracks`: which of the motion's it is.
+  std::vector<int> track_of;
+  std::vector<std::string> notes;  ///< patches that found no place, and why
+};
+
+/// Lays each key of each track: at the place on the hand that it tells, else at the site or in
+/// the middle of the segment that its name tells; as transfer::transferPatch does. Patches
+/// without a direction, or without a place on this hand, are left out and noted.
+///
+/// Errors: InvalidInput if none is left; Cancelled on wish. Cost: a log map on either side a
+/// key whose roots moved.
+LaidMotion layPatches(const Motion& motion,
+                      const transfer::Surfaces& surfaces,
+                      const hand::HandModel& model,
+                      const std::vector<hand::ContactSite>& sites,
+                      const hand::FingerCoordinates& coordinates,
+                      const transfer::TransferOptions& options,
+                      const Progress& progress);
+
+}  // namespace handgraft::manipulation
