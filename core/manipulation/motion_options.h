@@ -14,7 +14,7 @@ struct Fade {
 struct MotionOptions {
   /// Of |second difference|^2 a frame at 120 Hz, beside Eq. 2 of that frame; other rates count
   /// the same acceleration the same.
-  double smoothness = 3e5;
+  double smoothness = 5e5;
   Fade fade;
   int starts = 64;    ///< of the single frames from which all others go on
   unsigned seed = 0;  ///< of those

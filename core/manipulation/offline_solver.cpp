@@ -36,8 +36,10 @@ struct Stage {
 const std::vector<Stage> kTouchingStages = {
     {{false, 0.0}, 1.0, 1e-4, 40}, {{false, 0.0}, 1.0, 1e-2, 40}, {{false, 0.0}, 1.0, 1.0, 60}};
 // Out of the object already, and to stay there while the way grows smooth.
-const std::vector<Stage> kAvoidingStages = {
-    {{true, 1.0}, 0.01, 1e-4, 4}, {{true, 1.0}, 0.1, 1e-2, 5}, {{true, 4.0}, 1.0, 1.0, 9}};
+const std::vector<Stage> kAvoidingStages = {{{true, 1.0}, 0.01, 1e-4, 4},
+                                            {{true, 1.0}, 0.1, 1e-2, 5},
+                                            {{true, 1.0}, 1.0, 1.0, 16},
+                                            {{true, 16.0}, 1.0, 1.0, 10}};
 
 /// A Newton method over all frames, from one trajectory downhill. Each frame has a damping of
 /// its own, raised where its model was wrong: a frame in trouble does not keep the others back.
