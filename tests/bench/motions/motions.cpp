@@ -20,6 +20,7 @@
 #include "core/quality/penetration.h"
 #include "core/session/solids.h"
 
+#include "tests/bench/motions/box_pull.h"
 #include "tests/bench/motions/mjcf_hand.h"
 #include "tests/bench/timing.h"
 
@@ -40,6 +41,8 @@ struct MotionsArguments {
   double fade_s = manipulation::Fade{}.seconds;
   double depth_weight = 1.0;
   int repeat = 0;
+  std::string library;
+  std::string picture;
 };
 
 /// A recorded sequence laid onto the hand that it was made for.
@@ -291,6 +294,13 @@ void runGrowth(const Sequence& sequence, const MotionOptions& options, int most)
 }
 
 void runMotions(const MotionsArguments& arguments) {
+  if (!arguments.library.empty()) {
+    MotionOptions options;
+    options.smoothness = arguments.smoothness;
+    options.fade.seconds = arguments.fade_s;
+    runBoxPull(arguments.library, arguments.cache, arguments.picture, options);
+  }
+  if (arguments.data.empty()) return;
   const BenchHand hand = readAllegro(arguments);
   std::printf(
       "| sequence | way | mean mm | deepest mm | frames past 2 mm | in itself mm | jerk | jerk "
@@ -323,8 +333,10 @@ void addMotionsCommand(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("motions", "Recorded contact sequences followed by a hand");
   const auto arguments = std::make_shared<MotionsArguments>();
-  command->add_option("data", arguments->data, "Folder of contacts, hands and objects")
-      ->required();
+  command->add_option("data", arguments->data, "Folder of contacts, hands and objects");
+  command->add_option("--library", arguments->library,
+                      "The built-in models: a box is pulled off a shelf");
+  command->add_option("--png", arguments->picture, "Strips of that, a file a hand");
   command->add_option("--cache", arguments->cache, "Folder of skins made before");
   command->add_option("--smoothness", arguments->smoothness, "Offline")->capture_default_str();
   command->add_option("--causal-smoothness", arguments->causal_smoothness, "Causal")
