@@ -214,14 +214,19 @@ export class HandBody {
     return best;
   }
 
-  /** The place of the posed skin under the pointer. */
-  pick(caster: Raycaster): Pick | null {
+  /** Where every link is now. */
+  poses(): Matrix4[] {
+    return this.links.map((link) => link.group.matrix.clone());
+  }
+
+  /** The place of the posed skin under the pointer; `posed` is another pose than the one that is drawn. */
+  pick(caster: Raycaster, posed?: Matrix4[]): Pick | null {
     let best: Pick | null = null;
     let nearest = Infinity;
-    for (const link of this.links) {
+    for (const [index, link] of this.links.entries()) {
       if (link.skinFaces.length === 0) continue;
       link.skin ??= this.partOf(link);
-      const X_WS = this.skinPose(link);
+      const X_WS = this.skinPose(link, posed?.[index]);
       const hit = hitOn(link.skin, X_WS, caster.ray);
       if (hit === null) continue;
       const p_W = hit.p.clone().applyMatrix4(X_WS);
@@ -284,8 +289,8 @@ export class HandBody {
     this.depthMaterial.dispose();
   }
 
-  private skinPose(link: LinkBody): Matrix4 {
-    return link.group.matrix.clone().multiply(link.X_SL.clone().invert());
+  private skinPose(link: LinkBody, X_WL = link.group.matrix): Matrix4 {
+    return X_WL.clone().multiply(link.X_SL.clone().invert());
   }
 
   private partOf(link: LinkBody): BufferGeometry {

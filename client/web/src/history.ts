@@ -7,6 +7,7 @@ import type { Past, Session } from './session';
 
 export class History {
   readonly element: HTMLElement;
+  isSeen = false;
   private readonly plotArea = h('div', { class: 'plot' });
   private readonly slider: HTMLInputElement;
   private readonly label = h('span', { class: 'note' });
@@ -38,7 +39,7 @@ export class History {
   }
 
   show(): void {
-    if (this.element.offsetParent === null) return; // nobody looks
+    if (!this.isSeen) return;
     const past = this.session.past;
     const atEnd = this.slider.value === this.slider.max;
     this.slider.max = String(Math.max(0, past.length - 1));

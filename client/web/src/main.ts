@@ -44,6 +44,7 @@ const tools = new Tools(stage, session, {
   onChoose: (patch) => choose(patch),
   onHover: (patch) => panel.hover(patch),
   onMoved: () => view.place(),
+  onGrip: (isHeld) => view.setGhost(isHeld ? session.solution : null),
   onHint: (text) => {
     hint.textContent = text;
   },
@@ -134,7 +135,10 @@ function openTab(name: string): void {
     section.hidden = other !== name;
     document.getElementById(`to-${other}`)?.setAttribute('aria-selected', String(other === name));
   }
-  if (name === 'more') history.show();
+  panel.tab = name;
+  panel.showNow();
+  history.isSeen = name === 'more';
+  history.show();
 }
 
 // === Its head
@@ -223,7 +227,7 @@ const legend = h(
   h('figcaption', {}, 'distance, mm'),
   h('span', { class: 'ramp', style: { '--stops': legendStops.map((stop) => `${stop.css} ${100 * stop.at}%`).join(', ') } }),
   h('span', { class: 'ticks' }, ...legendStops.map((stop) => h('span', {}, String(stop.mm)))),
-  h('span', { class: 'key' }, h('i', { class: 'disc' }), 'on the object', h('i', { class: 'ring' }), 'on the hand'),
+  h('span', { class: 'key' }, h('i', { class: 'disc' }), 'on the hand', h('i', { class: 'ring' }), 'on the object'),
 );
 const banner = h('div', { class: 'banner', role: 'alert', hidden: true });
 const empty = h(
@@ -338,6 +342,7 @@ function rememberSession(): void {
 
 session.watch(shown);
 session.onNotice((notice) => {
+  for (const same of [...toasts.children]) if (same.textContent === notice.text) same.remove();
   const toast = h('p', { class: notice.kind }, notice.text);
   toasts.append(toast);
   while (toasts.children.length > 3) toasts.firstChild?.remove();
@@ -359,7 +364,7 @@ window.addEventListener('keydown', (event) => {
   else if (key === 'f') void view.frame(true);
   else if (key === 'r' || key === 'g') tools.turnGizmo(key === 'r' ? 'rotate' : 'translate');
   else if (key === 'escape') choose(null);
-  else if (key.startsWith('arrow') && target === canvas && view.chosen !== null) nudge(key, event.shiftKey);
+  else if (key.startsWith('arrow') && target === canvas && view.chosen !== null) nudge(key, !event.shiftKey);
   else return;
   event.preventDefault();
 });

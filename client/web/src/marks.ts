@@ -144,7 +144,8 @@ export class Marks {
         used.add(root);
         root.p_W.copy(p_W);
         root.n_W.copy(n_W);
-        root.visible = shown.patches;
+        // What is laid is the hand's; the object's root is for who looks closer.
+        root.visible = shown.patches && (side === 'hand' || patch.name === chosen || !patch.placed);
         root.sprite.material.opacity = patch.enabled ? 1 : 0.35;
 
         // === Its direction, of the patch that is looked at
@@ -191,7 +192,7 @@ export class Marks {
   private handle(patch: string, side: Side, kind: Handle['kind']): Handle {
     const found = this.handles.find((one) => one.patch === patch && one.side === side && one.kind === kind);
     if (found !== undefined) return found;
-    const form = kind === 'direction' ? 'knob' : side === 'object' ? 'disc' : 'ring';
+    const form = kind === 'direction' ? 'knob' : side === 'hand' ? 'disc' : 'ring';
     const material = new SpriteMaterial({
       map: dot(this.colorOf(patch), this.initialOf(patch), form),
       sizeAttenuation: false,
@@ -199,8 +200,7 @@ export class Marks {
       transparent: true,
     });
     const sprite = new Sprite(material);
-    // Where two lie together, the object's is the one to take.
-    sprite.renderOrder = order.dots + (kind === 'direction' ? 2 : side === 'object' ? 1 : 0);
+    sprite.renderOrder = order.dots + (kind === 'direction' ? 2 : side === 'hand' ? 1 : 0);
     this.group.add(sprite);
     const made: Handle = { patch, side, kind, p_W: new Vector3(), n_W: new Vector3(), at_W: new Vector3(), sprite, visible: true };
     this.handles.push(made);

@@ -22,6 +22,7 @@ const kVerdicts: Record<Verdict, { sign: string; text: string; tone: string }> =
   normals_in_conflict: { sign: '⟲', text: 'faces away', tone: 'bad' },
 };
 const kHold = 100; // times the prior: firm, and contacts still have a say
+const kFastest_ms = 80; // between two looks at the numbers
 const kDegrees = 180 / Math.PI;
 
 interface PatchRow {
@@ -62,6 +63,10 @@ export class Panel {
   private chosen: string | null = null;
   private ghost: string | null = null;
   private weightsKey = '';
+  private timer = 0;
+  private shown_ms = 0;
+  /** Of the page's, the one that is open. */
+  tab = 'patches';
 
   constructor(
     private readonly session: Session,
@@ -90,9 +95,20 @@ export class Panel {
     for (const [name, row] of this.patchRows) row.element.classList.toggle('hovered', name === patch);
   }
 
+  /** What is seen of it, soon: poses come faster than anybody reads numbers. */
   show(): void {
-    this.showPatches();
-    this.showJoints();
+    if (this.timer !== 0) return;
+    const rest = kFastest_ms - (performance.now() - this.shown_ms);
+    this.timer = window.setTimeout(() => this.showNow(), Math.max(0, rest));
+  }
+
+  showNow(): void {
+    clearTimeout(this.timer);
+    this.timer = 0;
+    this.shown_ms = performance.now();
+    if (this.tab === 'patches') this.showPatches();
+    if (this.tab === 'joints') this.showJoints();
+    if (this.tab !== 'more') return;
     this.showMinima();
     this.showSnapshots();
     this.showFacts();
@@ -202,7 +218,7 @@ export class Panel {
     const report = this.session.reports.find((one) => one.name === state.name);
     const lost = report?.lost.length ?? 0;
     row.text.textContent = [
-      !state.placed ? state.reason : isKnown ? fit.diagnosis.text : '',
+      !state.placed ? state.reason : isKnown && fit.diagnosis.text !== '' ? `${fit.diagnosis.text}.` : '',
       counts ? `Normals ${fit.normal_deg.toFixed(0)}° apart, farthest point ${fit.max_mm.toFixed(1)} mm.` : '',
       lost > 0 ? `${lost} of its points have no place on the hand.` : '',
     ]

@@ -34,6 +34,8 @@ export interface Told {
   onChoose(patch: string | null): void;
   onHover(patch: string | null): void;
   onMoved(): void;
+  /** The hand is dragged on, as it is posed now; or no longer. */
+  onGrip(isHeld: boolean): void;
   onHint(text: string): void;
 }
 
@@ -58,7 +60,6 @@ export class Tools {
   private readonly gizmo: TransformControls;
   private placing: Drag | null = null;
   private hovered: Handle | null = null;
-  readonly grip = new Object3D(); // where a finger is held, for the picture
 
   constructor(
     private readonly stage: Stage,
@@ -131,7 +132,7 @@ export class Tools {
     if (!this.session.mayEdit) return 'Drag to turn the view, scroll to come closer.';
     switch (this.mode) {
       case 'patches':
-        return 'Drag a coloured dot over the surface: the contact moves there and the hand follows.';
+        return 'Drag a coloured dot over the hand: the contact is laid there, and the hand follows.';
       case 'fingers':
         return 'Drag any part of the hand: it goes there, the other contacts give way.';
       case 'object':
@@ -226,7 +227,10 @@ export class Tools {
   private holdRoot(event: PointerEvent, handle: Handle): Held {
     const { patch, side } = handle;
     const drag = this.session.drag();
-    const body = side === 'object' ? this.scenery!.object : this.scenery!.hand;
+    const { object, hand } = this.scenery!;
+    // The hand moves while it is dragged on, so that the pointer goes over it as it was.
+    const posed = hand.poses();
+    if (side === 'hand') this.told.onGrip(true);
     const [x0, y0] = this.at(event);
     const grip = this.stage.project(handle.p_W); // not where it is drawn
     const [dx, dy] = [grip.x - x0, grip.y - y0];
@@ -234,7 +238,8 @@ export class Tools {
       pointer: event.pointerId,
       drag,
       move: (x, y) => {
-        const to: Pick | null = body.pick(this.stage.rayAt(x + dx, y + dy));
+        const ray = this.stage.rayAt(x + dx, y + dy);
+        const to: Pick | null = side === 'object' ? object.pick(ray) : hand.pick(ray, posed);
         if (to === null) return; // past its rim: it stays there
         this.moved = { patch, side, p_W: to.p_W, n_W: to.n_W };
         drag.move(edits.root(patch, side, to.root));
@@ -302,6 +307,7 @@ export class Tools {
 
   /** The dot stays where it was put until the session says where that is. */
   private letGo(): void {
+    this.told.onGrip(false);
     const moved = this.moved;
     const turned = this.turned;
     setTimeout(() => {
@@ -320,14 +326,14 @@ export class Tools {
     this.told.onMoved();
   }
 
-  /** The hand's dot is drawn beside the object's where both would lie together, so that either can be taken. */
+  /** The object's dot is drawn beside the hand's where both would lie together, so that either can be taken. */
   private spreadDots(): void {
     const roots = this.scenery!.marks.handles.filter((one) => one.visible && one.kind === 'root');
     const middle = this.stage.project(new Vector3().setFromMatrixPosition(this.scenery!.object.X_WO));
     for (const handle of roots) {
       handle.at_W.copy(handle.p_W);
-      if (handle.side === 'hand') {
-        const partner = roots.find((one) => one.patch === handle.patch && one.side === 'object');
+      if (handle.side === 'object') {
+        const partner = roots.find((one) => one.patch === handle.patch && one.side === 'hand');
         if (partner !== undefined) {
           const mine = this.stage.project(handle.p_W);
           const its = this.stage.project(partner.p_W);
@@ -352,7 +358,7 @@ export class Tools {
     for (const handle of this.scenery.marks.handles) {
       if (!handle.visible) continue;
       const isHot = handle === this.hovered || (this.moved?.patch === handle.patch && this.moved.side === handle.side);
-      const pixels = (handle.kind === 'direction' ? 16 : handle.side === 'object' ? 26 : 20) * (isHot ? 1.3 : 1) * (this.mode === 'patches' ? 1 : 0.6);
+      const pixels = (handle.kind === 'direction' ? 16 : handle.side === 'hand' ? 26 : 20) * (isHot ? 1.3 : 1) * (this.mode === 'patches' ? 1 : 0.6);
       handle.sprite.scale.setScalar(perPixel * pixels);
       const p = this.stage.project(handle.p_W);
       const toward = this.stage.camera.position.clone().sub(handle.p_W).normalize();

@@ -173,18 +173,17 @@ async function openSession(hand = 'barrett8', object = 'lemon', contacts = 'lemo
 // === The tests
 
 const tests = {
-  async 'A root dragged over the object moves there and the hand follows'(address) {
+  async 'A contact is laid elsewhere by dragging its dot over the hand'(address) {
     const session = await openSession();
     const page = await openPage(`${address}?session=${session}`);
     await rest(page);
     const before = await factsOf(page);
-    const rootBefore = (await settingsOf(page)).patches.find((patch) => patch.name === 'index').root_O;
-    const dot = await dotOf(page, 'index', 'object');
-    await dragBy(page, dot, 24, 18);
+    const rootOf = async () => (await settingsOf(page)).patches.find((patch) => patch.name === 'thumb').root_S;
+    const rootBefore = await rootOf();
+    await dragBy(page, await dotOf(page, 'thumb', 'hand'), 14, 10);
     await waitRevision(page, 1);
     const after = await factsOf(page);
-    const moved = await dotOf(page, 'index', 'object');
-    assert.ok(distance(moved.p_W, dot.p_W) > 0.002, 'the root is elsewhere');
+    assert.notDeepEqual(await rootOf(), rootBefore);
     assert.ok(before.links.some((link, i) => distance(link, after.links[i]) > 1e-4), 'the hand is posed anew');
     await picture(page, 'root');
 
@@ -199,33 +198,26 @@ const tests = {
     await page.keyboard.press('z');
     await page.keyboard.up('Control');
     await waitRevision(page, after.revision + 1);
-    const undone = (await settingsOf(page)).patches.find((patch) => patch.name === 'index').root_O;
-    assert.deepEqual(undone, rootBefore);
+    assert.deepEqual(await rootOf(), rootBefore);
     return page;
   },
 
-  async 'A finger on a touch screen drags a root over the hand'(address) {
+  async 'A finger on a touch screen drags a root over the object'(address) {
     const session = await openSession();
     const page = await openPage(`${address}?session=${session}`, { touch: true });
     await rest(page);
-    const placed = (await settingsOf(page)).patches.filter((patch) => patch.placed).map((patch) => patch.name);
-    // One whose dot lies apart from all others, so that it is the one that is touched.
-    const { handles } = await factsOf(page);
-    const apart = handles
-      .filter((one) => one.side === 'hand' && placed.includes(one.patch))
-      .map((one) => ({ one, room: Math.min(...handles.filter((other) => other !== one).map((other) => Math.hypot(other.x - one.x, other.y - one.y))) }))
-      .sort((a, b) => b.room - a.room)[0].one;
-    await page.evaluate(() => globalThis.handgraft.stage.controls.dolly(0.12, false));
-    await still(page);
-    const dot = await dotOf(page, apart.patch, 'hand');
+    await page.tap('[data-patch=thumb] .row');
+    const dot = await dotOf(page, 'thumb', 'object');
     await page.touchscreen.touchStart(dot.x, dot.y);
     for (let i = 1; i <= 8; ++i) {
-      await page.touchscreen.touchMove(dot.x + 2 * i, dot.y + i);
+      await page.touchscreen.touchMove(dot.x - 2 * i, dot.y + i);
       await sleep(20);
     }
     await page.touchscreen.touchEnd();
     await waitRevision(page, 1);
-    assert.match(await page.evaluate(() => globalThis.handgraft.session.state.last_edit), /^root .* hand/);
+    assert.equal(await page.evaluate(() => globalThis.handgraft.session.state.last_edit), 'root thumb object');
+    const moved = await dotOf(page, 'thumb', 'object');
+    assert.ok(distance(moved.p_W, dot.p_W) > 0.001, 'the root is elsewhere');
     return page;
   },
 
@@ -328,7 +320,7 @@ const tests = {
     // Hovering tells which dots are whose, and the other way round.
     await page.hover('[data-patch=index]');
     assert.equal(await page.evaluate(() => globalThis.handgraft.view.chosen), 'index');
-    const dot = await dotOf(page, 'thumb', 'object');
+    const dot = await dotOf(page, 'thumb', 'hand');
     await page.mouse.move(dot.x, dot.y);
     await page.waitForSelector('[data-patch=thumb].hovered');
 
@@ -361,10 +353,10 @@ const tests = {
     // The arrows move the root of the contact that is chosen.
     await page.click('#to-patches');
     await page.click('[data-patch=thumb] .row');
-    const before = (await patch('thumb')).root_O;
+    const before = (await patch('thumb')).root_S;
     await page.focus('canvas');
     await edited(() => page.keyboard.press('ArrowLeft'));
-    assert.notDeepEqual((await patch('thumb')).root_O, before);
+    assert.notDeepEqual((await patch('thumb')).root_S, before);
 
     await page.click('#to-more');
     await picture(page, 'more');
@@ -384,11 +376,11 @@ const tests = {
     await rest(one);
     await rest(two);
     await one.bringToFront();
-    await dragBy(one, await dotOf(one, 'thumb', 'object'), 15, 10);
+    await dragBy(one, await dotOf(one, 'thumb', 'hand'), 14, 10);
     await waitRevision(one, 1);
     await two.bringToFront();
     await waitRevision(two, (await factsOf(one)).revision);
-    assert.match(await two.$eval('.people', (element) => element.textContent), /2 pages here.*guest \d+: root thumb object/);
+    assert.match(await two.$eval('.people', (element) => element.textContent), /2 pages here.*guest \d+: root thumb hand/);
     const dragged = (await factsOf(two)).revision;
     await two.click('[data-patch=index] .switch');
     await waitRevision(two, dragged + 1);
@@ -414,7 +406,7 @@ const tests = {
     const session = await openSession();
     const view = await startView(String(session), '--read-only');
     const page = await openPage(view.address);
-    const dot = await dotOf(page, 'thumb', 'object');
+    const dot = await dotOf(page, 'thumb', 'hand');
     await dragBy(page, dot, 20, 10);
     assert.equal(await page.$eval('.modes', (element) => element.hidden), true);
     assert.equal(await page.$eval('[data-patch=thumb] .switch', (element) => element.disabled), true);
@@ -456,10 +448,10 @@ const tests = {
       await alone.goto(`file://${file}`);
       await alone.waitForFunction(() => globalThis.handgraft?.view.facts().handles.length > 0, { timeout: kPatience_ms });
       assert.deepEqual((await factsOf(alone)).links, (await factsOf(page)).links);
-      const dot = await dotOf(alone, 'thumb', 'object');
+      const dot = await dotOf(alone, 'thumb', 'hand');
       await dragBy(alone, { x: 250, y: 450 }, 120, 20);
       await sleep(300);
-      const turned = await dotOf(alone, 'thumb', 'object');
+      const turned = await dotOf(alone, 'thumb', 'hand');
       assert.ok(Math.hypot(turned.x - dot.x, turned.y - dot.y) > 3, 'the view turns');
       assert.deepEqual(wanted, []);
       await picture(alone, file === html ? 'file' : 'file_by_export');
