@@ -211,8 +211,9 @@ int jog(const BringUp& told) {
                            std::this_thread::sleep_until(time);
                          });
   bringup::Terminal terminal;
-  terminal.say(fmt::format("motor {} is at {}; hold the space bar: it turns by {} rad",
-                           quoted(told.motor), placeText(jogger.look()), told.step_rad));
+  terminal.say(fmt::format("motor {} (id {}) is at {}; hold the space bar: it turns by {} rad",
+                           quoted(told.motor), jogger.motor().id, placeText(jogger.look()),
+                           told.step_rad));
   const auto turn = jogger.turn(told.step_rad, [&] {
     return !stop_requested && terminal.isHeld();
   });
@@ -244,11 +245,13 @@ int check(const BringUp& told) {
   const std::string report = bringup::reportText(config, findings);
   fmt::print("{}", report);
   if (!told.report.empty()) config::writeText(told.report, report);
-  const bool has_all = findings.motors.size() == config.motors.size();
-  if (has_all && !config.calibration.empty()) {
+  // With a calibration the hand may be armed: none for one that is not fine.
+  if (!findings.isFine()) {
+    fmt::print("no calibration is written: see to what is not fine, and walk again\n");
+  } else if (!config.calibration.empty()) {
     config::writeCalibration(config.calibration, config);
     fmt::print("zeros and directions are in {}\n", config.calibration.string());
-  } else if (has_all) {
+  } else {
     fmt::print(
         "put each motor's direction and zero_rad into the config, or name a calibration "
         "file there\n");

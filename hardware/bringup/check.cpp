@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <type_traits>
 
 #include <fmt/format.h>
 
@@ -36,10 +37,18 @@ class Walk {
     try {
       for (std::size_t i = 0; i < config_.motors.size(); ++i)
         walkMotor(i);
-      walkWatchdog();
-      walkStop();
+      tried([this] {
+        walkWatchdog();
+      });
+      tried([this] {
+        walkStop();
+      });
     } catch (const Left&) {
       findings_.trouble = "it was ended early";
+    } catch (const DeviceError& error) {
+      findings_.trouble = error.what();
+    } catch (const TransportError& error) {
+      findings_.trouble = error.what();
     }
     return findings_;
   }
@@ -60,6 +69,19 @@ class Walk {
     }
   }
 
+  /// A bus that is busy may lose an answer: that is no reason to begin the walk anew.
+  template <class Act>
+  std::invoke_result_t<Act> tried(Act&& act) {
+    while (true) {
+      try {
+        return act();
+      } catch (const DeviceError& error) {
+        companion_.say(error.what());
+        if (!agrees("Once more?")) throw;
+      }
+    }
+  }
+
   Jogger jogger(std::size_t i) {
     return {config_, config_.motors[i].name, make_device_, clock_, sleep_until_};
   }
@@ -67,7 +89,9 @@ class Walk {
   // The encoder's angle, the motor off, once the joint was put somewhere by hand.
   double placed(std::size_t i, const std::string& where) {
     ask(fmt::format("Put {} by hand {}, then press Enter", nameOf(i), where));
-    return jogger(i).look().encoder_rad;
+    return tried([&] {
+      return jogger(i).look().encoder_rad;
+    });
   }
 
   std::string nameOf(std::size_t i) const {
@@ -86,8 +110,13 @@ class Walk {
     motor.zero_rad = finding.zero_rad = placed(i, "to its zero, as the model has it");
     companion_.say(fmt::format("{}: hold the space bar (or type 'hold'): it turns by {} rad",
                                nameOf(i), kStep_rad));
-    while (jogger(i).turn(kStep_rad, companion_.is_held).was_let_go)
-      companion_.say("it was let go; once more");
+    const auto is_let_go = [&] {
+      return tried([&] {
+        return jogger(i).turn(kStep_rad, companion_.is_held).was_let_go;
+      });
+    };
+    while (is_let_go())
+      companion_.say("it was let go; once more: hold the space bar");
     if (!agrees(fmt::format("Did {}, and no other, turn the way that its model calls positive?",
                             nameOf(i)))) {
       if (!agrees("Was it the right joint, the other way?")) {

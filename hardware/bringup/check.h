@@ -41,7 +41,8 @@ struct Findings {
 /// found.
 ///
 /// Nothing turns but a jog of 0.1 rad that is held for, and motors that hold where they stand.
-/// Errors: TransportError, DeviceError. A companion who leaves ends the walk (`trouble`).
+/// What fails at the device is told, and tried again if the companion agrees. A companion who
+/// leaves or does not agree ends the walk (`trouble`), with what was found until then.
 Findings check(config::HandConfig& config,
                const bridge::MakeDevice& make_device,
                const devices::Clock& clock,

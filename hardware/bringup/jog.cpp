@@ -18,7 +18,6 @@ namespace {
 constexpr double kSlack = 2e-3;  // rad: of a range, so that a unit's rounding fits in
 constexpr double kAccelerationPerSpeed = 10;  // 1/s: full speed after 0.1 s
 constexpr double kJerkPerSpeed = 200;         // 1/s^2
-constexpr std::chrono::milliseconds kOld(200);
 
 std::size_t indexOf(const config::HandConfig& config, const std::string& name) {
   std::string names;
@@ -127,7 +126,9 @@ Jogger::Turn Jogger::turn(double step_rad, const IsHeld& is_held) {
     while (rest > 0) {
       due = std::max(due, clock_()) + period;
       if (!device.read(measured)) require(device);
-      if (clock_() - measured.time > kOld)
+      // As old as a loop may be late.
+      if (clock_() - measured.time >
+          std::max<devices::Duration>(3 * period, config_.governor.longest_gap))
         throw DeviceError("the motors do not tell where they are any more");
       if (std::isfinite(measured.current[index_]))
         told.largest_A = std::max(told.largest_A, std::abs(measured.current[index_]));

@@ -110,6 +110,7 @@ std::string deviceText(const ConfigPlan& plan, int rate_Hz) {
   const bool is_slow = rate_Hz < kUsualRate_Hz;
   text += fmt::format("  baud: {}{}\n", deviceOf(plan).baud,
                       is_slow ? "  # a higher rate of the motors permits a faster loop" : "");
+  text += "  reply_timeout_ms: 20  # USB adapters keep bytes for up to 16 ms\n";
   // Three periods at least.
   text += fmt::format("  watchdog_ms: {}\n", is_hand ? 300 : is_slow ? 400 : 200);
   return text;

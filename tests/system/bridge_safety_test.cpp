@@ -228,14 +228,20 @@ TEST_F(TendonHandOnATty, IsHomedWithTheDevicesOwnLimitsSetAndSetBack) {
 
 TEST_F(TendonHandOnATty, WhoseAxisStopsTellingItsCurrentIsNotRunOn) {
   start();
-  bench_.command(v1::COMMAND_HOME);
   const auto turns = [this] {
     const auto lock = bench_.rig().wire().hold();
     return busOf(bench_.rig()).axis(0).servo.position;
   };
   const double start_turns = turns();
-  for (int i = 0; i < 6000 && turns() - start_turns < 0.02; ++i)
+  // On a busy machine a homing may end before it turns anything, and is asked for again.
+  for (int i = 0; i < 6000 && turns() - start_turns < 0.02; ++i) {
+    if (i % 500 == 0) {
+      bench_.shout(v1::COMMAND_RESET);
+      bench_.command(v1::COMMAND_HOME);
+    }
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  ASSERT_GE(turns() - start_turns, 0.02) << bench_.told();
   double told_turns = 0;
   {
     const auto lock = bench_.rig().wire().hold();

@@ -1,17 +1,23 @@
 // handgraft-device-emulator CONFIG: the device that a hand's config tells, emulated on a tty,
 // to try a config without hardware. Says the tty's name, then what the motors do, until it is
-// interrupted.
+// interrupted. A line "MOTOR RAD" turns a motor that is off by hand.
 
+#include <array>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <optional>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <thread>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <poll.h>
+#include <unistd.h>
 
 #include "core/base/error.h"
 #include "hardware/config/hand_config_file.h"
@@ -28,8 +34,9 @@ constexpr const char* kHelp =
     "that "
     "the\nconfig can be tried without hardware. Prints the tty's name with the "
     "handgraft-bridge "
-    "command that\ndrives it, then what the motors do, until it is interrupted (Ctrl-C). What "
-    "is on the other end\nof `port` in CONFIG is not touched.\n";
+    "command that\ndrives it, then what the motors do, until it is interrupted (Ctrl-C). A "
+    "line MOTOR RAD,\nas in `thumb 0.5`, turns a motor by hand while all are off. What is on "
+    "the other end of `port`\nin CONFIG is not touched.\n";
 
 std::atomic<bool> stop_requested{false};
 
@@ -45,6 +52,44 @@ std::string describe(test::HandRig& rig, std::size_t motors) {
                      fmt::join(angles, " "));
 }
 
+/// Lines of standard input, as they come; none once it has ended.
+class Lines {
+ public:
+  std::optional<std::string> take() {
+    pollfd input = {STDIN_FILENO, POLLIN, 0};
+    while (!has_ended_ && poll(&input, 1, 0) > 0) {
+      std::array<char, 256> chunk{};
+      const ssize_t count = ::read(STDIN_FILENO, chunk.data(), chunk.size());
+      has_ended_ = count <= 0;
+      if (!has_ended_) text_.append(chunk.data(), static_cast<std::size_t>(count));
+    }
+    const std::size_t end = text_.find('\n');
+    if (end == std::string::npos) return std::nullopt;
+    std::string line = text_.substr(0, end);
+    text_.erase(0, end + 1);
+    return line;
+  }
+
+ private:
+  std::string text_;
+  bool has_ended_ = false;
+};
+
+/// "MOTOR RAD": somebody's hand.
+void turnByHand(const std::string& line, const config::HandConfig& config, test::HandRig& rig) {
+  std::istringstream words(line);
+  std::string name;
+  double angle_rad = 0;
+  if (!(words >> name >> angle_rad) || !std::isfinite(angle_rad)) {
+    fmt::print("{}: not MOTOR RAD\n", handgraft::quoted(line));
+    return;
+  }
+  for (std::size_t i = 0; i < config.motors.size(); ++i) {
+    if (config.motors[i].name == name) return rig.put(i, angle_rad);
+  }
+  fmt::print("{}: no motor of that name\n", handgraft::quoted(name));
+}
+
 int emulate(const char* path) {
   const config::HandConfig config = config::readHandConfig(path);
   if (config.device.kind == config::DeviceKind::kSimulated)
@@ -57,12 +102,15 @@ int emulate(const char* path) {
       config.motors.size() == 1 ? "a motor" : fmt::format("{} motors", config.motors.size()),
       quoted(config.hand), test::portOf(rig->wire()), path, test::portOf(rig->wire()));
   std::string told;
+  Lines lines;
   while (!stop_requested) {
+    while (const std::optional<std::string> line = lines.take())
+      turnByHand(*line, config, *rig);
     const std::string now = describe(*rig, config.motors.size());
     if (now != told) fmt::print("{}\n", now);
     std::fflush(stdout);
     told = now;
-    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
   }
   return 0;
 }

@@ -32,6 +32,10 @@ double angleOf(const MotorConfig& motor, double encoder_rad) {
   return motor.direction * (encoder_rad - motor.zero_rad) / motor.gear;
 }
 
+double encoderOf(const MotorConfig& motor, double angle_rad) {
+  return motor.zero_rad + motor.direction * motor.gear * angle_rad;
+}
+
 class DynamixelHandRig final : public HandRig {
  public:
   DynamixelHandRig(const HandConfig& config, bool on_pty)
@@ -75,6 +79,12 @@ class DynamixelHandRig final : public HandRig {
     emulator_.motor(idsOf(config_)[1]).is_broken = false;
   }
 
+ protected:
+  void turn(std::size_t i, double angle_rad) override {
+    const auto lock = wire_->hold();
+    servo(i).position = encoderOf(config_.motors[i], angle_rad) / dxl::kRadPerCount;
+  }
+
  private:
   static std::vector<std::uint8_t> idsOf(const HandConfig& config) {
     std::vector<std::uint8_t> ids;
@@ -83,7 +93,7 @@ class DynamixelHandRig final : public HandRig {
     return ids;
   }
 
-  const EmulatedServo& servo(std::size_t i) {
+  EmulatedServo& servo(std::size_t i) {
     return emulator_.motor(static_cast<std::uint8_t>(config_.motors[i].id)).servo;
   }
 
@@ -126,6 +136,12 @@ class AbilityHandHandRig final : public HandRig {
   void heal() override {
     const auto lock = wire_->hold();
     emulator_.limited = 0;
+  }
+
+ protected:
+  void turn(std::size_t i, double angle_rad) override {
+    const auto lock = wire_->hold();
+    emulator_.servos[i].position = angle_rad / ah::kRadPerCount;
   }
 
  private:
@@ -171,6 +187,12 @@ class InspireHandRig final : public HandRig {
   void heal() override {
     const auto lock = wire_->hold();
     finger(1).is_broken = false;
+  }
+
+ protected:
+  void turn(std::size_t i, double angle_rad) override {
+    const auto lock = wire_->hold();
+    finger(i).servo.position = encoderOf(config_.motors[i], angle_rad) / kUnit;
   }
 
  private:
@@ -239,6 +261,13 @@ class AllegroHandRig final : public HandRig {
 
   AllegroEmulator& bus() { return bus_; }
 
+ protected:
+  void turn(std::size_t i, double angle_rad) override {
+    const auto lock = wire_->hold();
+    const MotorConfig& motor = config_.motors[i];
+    joint(motor).counts = encoderOf(motor, angle_rad) / protocols::allegro::kRadPerCount;
+  }
+
  private:
   AllegroEmulator::Joint& joint(const MotorConfig& motor) {
     return bus_.joints[static_cast<std::size_t>(motor.id)];
@@ -302,6 +331,12 @@ class ODriveHandRig final : public HandRig {
   }
 
   ODriveEmulator& bus() { return bus_; }
+
+ protected:
+  void turn(std::size_t i, double angle_rad) override {
+    const auto lock = wire_->hold();
+    axis(i).servo.position = encoderOf(config_.motors[i], angle_rad) / kTurn;
+  }
 
  private:
   static std::vector<int> nodesOf(const HandConfig& config) {
