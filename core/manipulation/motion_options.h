@@ -21,8 +21,8 @@ struct MotionOptions {
   int threads = 1;    ///< of the offline solve
 };
 
-/// What suits the causal solver, which pays for smoothness with delay.
-inline constexpr double kCausalSmoothness = 1000.0;
+/// What suits the causal solver, which pays for smoothness with delay: its caller sets it.
+inline constexpr double kCausalSmoothness = 1e4;
 
 /// How second differences of a pose weigh against each other: a joint's 1 rad (or m), which
 /// moves a finger by some 5 cm, against the root's.

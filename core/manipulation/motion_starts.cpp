@@ -16,6 +16,8 @@ constexpr std::size_t kMostAnchors = 64;
 constexpr std::size_t kMostCandidates = 5;
 // Evaluations of a search that goes on from a neighbour's minimum.
 constexpr int kFollowing = 60;
+// Of the way that is to be made smooth later: close to the contacts.
+constexpr double kFollowedSmoothness = 1000.0;
 
 /// A pose that a frame might have.
 struct Candidate {
@@ -258,7 +260,7 @@ std::vector<hand::HandPose> followedMinima(const MotionProblem& problem,
   constexpr int kStride = 8;
   const FrameProblems frames(problem, options.fade);
   MotionOptions following = options;
-  following.smoothness = std::min(options.smoothness, kCausalSmoothness);
+  following.smoothness = std::min(options.smoothness, kFollowedSmoothness);
   hand::HandPose rest;
   rest.q = problem.prior.cwiseMax(problem.lower).cwiseMin(problem.upper);
   std::vector<Setting> settings = {{0, rest}};

@@ -269,6 +269,30 @@ TEST(OfflineSolver, TakesOneFrameAndTwo) {
   }
 }
 
+TEST(OfflineSolver, DoesNotJumpWhereContactsVanishWhileOthersAppear) {
+  Scene scene;
+  constexpr int kFrames = 60;
+  constexpr int kChange = 30;
+  hand::HandPose near = scene.from;
+  near.q += 0.3 * (scene.to.q - scene.from.q);
+  MotionProblem problem = reachableMotion(
+      scene.model, std::vector<hand::HandPose>(kFrames, scene.from), 120.0, scene.random);
+  const MotionProblem other = reachableMotion(
+      scene.model, std::vector<hand::HandPose>(kFrames, near), 120.0, scene.random);
+  problem.tracks.push_back(other.tracks[0]);
+  problem.tracks[0].end = kChange;
+  problem.tracks[0].spans.resize(kChange);
+  auto& later = problem.tracks[1].spans;
+  later.erase(later.begin(), later.begin() + kChange);
+  MotionOptions options;
+  options.smoothness = 1000.0;
+  const Trajectory trajectory = solveOffline(problem, options, Progress());
+  const double way = (near.q - scene.from.q).cwiseAbs().maxCoeff();
+  EXPECT_LT(measureSmoothness(problem, trajectory.poses).max_step, 0.3 * way);
+  EXPECT_LT(distanceOf(trajectory.poses.front(), scene.from), 0.02);
+  EXPECT_LT(distanceOf(trajectory.poses.back(), near), 0.02);
+}
+
 TEST(OfflineSolver, KeepsOutOfTheObject) {
   // A hand of balls whose contacts want it 10 mm inside a large ball.
   std::mt19937 random(5);
