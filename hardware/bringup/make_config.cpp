@@ -149,6 +149,8 @@ std::string makeConfig(const std::filesystem::path& urdf, const ConfigPlan& plan
                       inQuotes(urdf.stem().string() + "_calibration.yaml"));
   text += fmt::format("loop: {{rate_hz: {}, longest_gap_ms: {}}}\n", rate_Hz,
                       rate_Hz < kUsualRate_Hz ? 350 : 150);
+  // Slow answers are bearable for some periods, too.
+  if (rate_Hz < kUsualRate_Hz) text += "watch: {silent_ms: 400}\n";
   text +=
       "stream: {stale_ms: 500, hold_ms: 1000}\nemergency_stop: {mode: brake, brake_ms: 500}\n";
   text += fmt::format(

@@ -136,7 +136,8 @@ TEST_F(NewcomersHand, ComesFromScanToAFollowedGrasp) {
             "watchdog_ms: 2000\n  tolerated_misses: 50");
     replace(text, "longest_gap_ms: 350", "longest_gap_ms: 1000, overruns_in_a_row: 1000");
     replace(text, "stale_ms: 500", "stale_ms: 3000");
-    std::ofstream(config) << text << "watch: {silent_ms: 1000}\n";
+    replace(text, "silent_ms: 400", "silent_ms: 1000");
+    std::ofstream(config) << text;
   }
 
   // 3. One motor, slowly, while it is held for.
