@@ -8,6 +8,7 @@
 
 #include <unistd.h>
 
+#include "core/base/content_hash.h"
 #include "core/base/error.h"
 
 namespace handgraft::client {
@@ -15,6 +16,8 @@ namespace handgraft::client {
 namespace fs = std::filesystem;
 
 namespace {
+
+constexpr std::size_t kShort = 8;  // digits of a hash in a name
 
 constexpr std::size_t kLongestName = 64;
 constexpr std::uintmax_t kLargestFile = 512ULL << 20U;  // a mesh of 10 million triangles
@@ -127,15 +130,6 @@ void addBuffersOfGltf(ModelFiles& model, const fs::path& mesh) {
   }
 }
 
-constexpr std::uint64_t kEmptyHash = 14695981039346656037ULL;  // FNV-1a, 64 bit
-
-std::uint64_t fed(std::uint64_t hash, const std::string& bytes) {
-  for (const char byte : bytes) {
-    hash = (hash ^ static_cast<unsigned char>(byte)) * 1099511628211ULL;
-  }
-  return (hash ^ bytes.size()) * 1099511628211ULL;
-}
-
 }  // namespace
 
 bool isPath(const std::string& text) {
@@ -238,8 +232,16 @@ ModelFiles contactFiles(const fs::path& path,
 }
 
 std::string nameApart(const ModelFiles& model) {
-  return fmt::format("{}-{:08x}", model.name.substr(0, 55),
-                     static_cast<std::uint32_t>(contentHash(model)));
+  ContentHash hash;
+  hash.addText(model.object);
+  hash.addText(model.units);
+  if (model.hand_options) hash.addText(textOf(*model.hand_options));
+  if (model.contact_options) hash.addText(textOf(*model.contact_options));
+  for (const UploadFile& file : model.files) {
+    hash.addText(file.uri);
+    hash.addText(readFile(file.path));
+  }
+  return model.name.substr(0, 55) + "-" + hash.finish().substr(0, kShort);
 }
 
 std::string textOf(const v1::HandOptions& o) {
@@ -260,19 +262,10 @@ std::string textOf(const v1::ContactOptions& o) {
                      first(o.minimum_area_m2()), o.interpolation_count());
 }
 
-std::uint64_t contentHash(const ModelFiles& model) {
-  std::uint64_t hash = fed(kEmptyHash, model.object);
-  hash = fed(hash, model.units);
-  if (model.hand_options) hash = fed(hash, textOf(*model.hand_options));
-  if (model.contact_options) hash = fed(hash, textOf(*model.contact_options));
-  for (const UploadFile& file : model.files) {
-    hash = fed(fed(hash, file.uri), readFile(file.path));
-  }
-  return hash;
-}
-
-std::uint64_t textHash(const std::string& text) {
-  return fed(kEmptyHash, text);
+std::string shortHash(const std::string& text) {
+  ContentHash hash;
+  hash.add(text);
+  return hash.finish().substr(0, kShort);
 }
 
 std::string readFile(const fs::path& path) {

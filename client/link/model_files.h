@@ -78,21 +78,16 @@ ModelFiles contactFiles(const std::filesystem::path& path,
                         const ContactReading& reading = {},
                         const std::string& units = {});
 
-/// A hash of all bytes, URIs, units and options, for telling models of one name apart. Not
-/// cryptographic.
-/// Errors: InvalidInput if a file cannot be read.
-std::uint64_t contentHash(const ModelFiles& model);
-
-/// A name that tells the model apart from others of its name: that, and a hash of its content.
-/// Errors: as contentHash.
+/// A name that tells the model apart from others of its name: that, and a hash of all bytes,
+/// URIs, units and options. Errors: InvalidInput if a file cannot be read.
 std::string nameApart(const ModelFiles& model);
 
 /// The options as text, the same for equal ones.
 std::string textOf(const v1::HandOptions& options);
 std::string textOf(const v1::ContactOptions& options);
 
-/// A hash of one text. Not cryptographic.
-std::uint64_t textHash(const std::string& text);
+/// The first 8 digits of a text's ContentHash, for names.
+std::string shortHash(const std::string& text);
 
 /// The whole file. Errors: InvalidInput, naming the path and the reason; also above 512 MiB.
 std::string readFile(const std::filesystem::path& path);

@@ -40,8 +40,7 @@ fs::path writeHand(const v1::HandDescription& hand,
                    const std::vector<fs::path>& taken) {
   checkModelName(hand.name(), "hand");  // it becomes a file name
   const fs::path plain = hand.name() + ".urdf";
-  const fs::path hashed = fmt::format("{}-{:08x}.urdf", hand.name(),
-                                      static_cast<std::uint32_t>(textHash(hand.urdf())));
+  const fs::path hashed = fmt::format("{}-{}.urdf", hand.name(), shortHash(hand.urdf()));
   for (const fs::path& name : {plain, hashed}) {
     const fs::path path = folder / name;
     const bool is_taken = std::any_of(taken.begin(), taken.end(), [&](const fs::path& file) {

@@ -12,8 +12,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "core/base/content_hash.h"
 #include "core/base/error.h"
-#include "core/hand/content_hash.h"
 #include "core/hand/kinematics.h"
 
 namespace handgraft::hand {

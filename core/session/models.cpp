@@ -2,20 +2,12 @@
 
 #include <utility>
 
+#include "core/base/content_hash.h"
 #include "core/base/error.h"
 #include "core/contact/carry.h"
-#include "core/hand/content_hash.h"
 
 namespace handgraft::session {
 namespace {
-
-using hand::ContentHash;
-
-void addText(ContentHash& hash, const std::string& text) {
-  const std::size_t size = text.size();
-  hash.addNumbers(&size, 1);
-  hash.add(text);
-}
 
 void addPose(ContentHash& hash, const Pose& X) {
   hash.addNumbers(X.data(), 16);
@@ -36,9 +28,9 @@ std::string hashOf(const Hand& hand) {
   ContentHash hash;
   const hand::HandModel& model = *hand.model;
   for (const hand::Link& link : model.links())
-    addText(hash, link.name);
+    hash.addText(link.name);
   for (const hand::HandModel::Node& node : model.nodes()) {
-    addText(hash, node.joint_name);
+    hash.addText(node.joint_name);
     const int numbers[] = {node.link, node.parent_link, static_cast<int>(node.type), node.dof};
     hash.addNumbers(numbers, 4);
     hash.addNumbers(&node.multiplier, 1);
@@ -50,8 +42,8 @@ std::string hashOf(const Hand& hand) {
     hash.addNumbers(q->data(), static_cast<std::size_t>(q->size()));
   addMesh(hash, hand.skin->mesh());
   for (const hand::ContactSite& site : hand.sites) {
-    addText(hash, site.name);
-    addText(hash, site.link);
+    hash.addText(site.name);
+    hash.addText(site.link);
     for (const Eigen::Vector3d* v : {&site.p_L, &site.n_L, &site.direction_L})
       hash.addNumbers(v->data(), 3);
   }
@@ -68,7 +60,7 @@ std::string hashOf(const geometry::TriangleMesh& mesh) {
 std::string hashOf(const contact::ContactSet& set) {
   ContentHash hash;
   for (const contact::Patch& patch : set.patches) {
-    addText(hash, patch.name);
+    hash.addText(patch.name);
     addPlace(hash, patch.root);
     for (const geometry::SurfacePoint& place : patch.interpolation_boundary)
       addPlace(hash, place);
@@ -76,8 +68,8 @@ std::string hashOf(const contact::ContactSet& set) {
     hash.addNumbers(&patch.weight, 1);
     if (!patch.place) continue;
     const hand::HandPlace& place = *patch.place;
-    addText(hash, place.digit);
-    addText(hash, place.segment);
+    hash.addText(place.digit);
+    hash.addText(place.segment);
     hash.addNumbers(&place.segment_count, 1);
     for (const double* number :
          {&place.along, &place.around_rad, &place.across, &place.from_tip})

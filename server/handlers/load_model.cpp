@@ -1,8 +1,9 @@
 #include "server/handlers/load_model.h"
 
-#include <string_view>
+#include <string>
 #include <utility>
 
+#include "core/base/content_hash.h"
 #include "core/base/error.h"
 #include "server/admission/rejection.h"
 #include "server/messages/load_messages.h"
@@ -15,19 +16,16 @@ namespace {
 
 /// Of the files, of how they are read, and of the object's name: the same marks on another
 /// object are other contacts.
-std::uint64_t fingerprintOf(ReadRequest reading,
-                            const std::string& object,
-                            std::uint64_t of_files) {
+std::string contentOf(ReadRequest reading,
+                      const std::string& object,
+                      const std::string& of_files) {
   reading.files.clear();
   reading.contacts.object.reset();
-  std::uint64_t fingerprint = of_files;
-  const auto add = [&](std::string_view bytes) {
-    for (const char c : bytes)
-      fingerprint = fingerprint * 1099511628211ull ^ static_cast<unsigned char>(c);
-  };
-  add(pack(reading));
-  add(object);
-  return fingerprint;
+  ContentHash hash;
+  hash.addText(of_files);
+  hash.addText(pack(reading));
+  hash.addText(object);
+  return hash.finish();
 }
 
 template <class Model>
@@ -41,11 +39,11 @@ v1::ModelList store(Model model, ModelStore& models) {
 class Loading {
  public:
   Loading(ReadRequest reading,
-          std::uint64_t of_files,
+          std::string of_files,
           Workshop& workshop,
           const Progress& progress)
       : reading_(std::move(reading)),
-        of_files_(of_files),
+        of_files_(std::move(of_files)),
         workshop_(workshop),
         progress_(progress) {}
 
@@ -93,11 +91,11 @@ class Loading {
   }
 
   [[nodiscard]] Origin origin(const std::string& object = "") const {
-    return {false, fingerprintOf(reading_, object, of_files_)};
+    return {false, contentOf(reading_, object, of_files_)};
   }
 
   ReadRequest reading_;
-  std::uint64_t of_files_;
+  std::string of_files_;
   Workshop& workshop_;
   const Progress& progress_;
 };
@@ -112,7 +110,7 @@ v1::ModelList loadModel(const v1::LoadModelRequest& request,
   validateName(request.name());
   try {
     progress.report("reading the model", 0.0);
-    return Loading(readRequestFrom(request, *files), files->fingerprint(), workshop, progress)
+    return Loading(readRequestFrom(request, *files), files->contentHash(), workshop, progress)
         .load(request.object());
   } catch (const UnitsInDoubt& doubt) {
     throw Rejection(v1::ERROR_UNITS, files->inClientsWords(doubt.what()));

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/content_hash.h"
 #include "core/base/error.h"
 #include "core/hand/floating_base.h"
 #include "core/session/posed_hand_contacts.h"
@@ -119,39 +120,30 @@ contact::SegmentationOptions segmentationOf(const v1::PoseContactsRequest& reque
                                     : segmentationFrom(request.contacts().front());
 }
 
-/// Two requests of the same content have the same; FNV-1a.
-std::uint64_t fingerprintOf(const v1::PoseContactsRequest& request,
-                            const hand::HandPose& pose,
-                            const Pose& X_WO,
-                            const contact::PoseContactOptions& reach,
-                            const contact::SegmentationOptions& segmentation,
-                            const StoredHand& hand,
-                            const StoredObject& object) {
-  std::uint64_t print = 14695981039346656037ull;
-  const auto take = [&](const void* data, std::size_t size) {
-    const auto* bytes = static_cast<const unsigned char*>(data);
-    for (std::size_t i = 0; i < size; ++i)
-      print = (print ^ bytes[i]) * 1099511628211ull;
-  };
-  const auto number = [&](double value) {
-    take(&value, sizeof(value));
-  };
-  for (const std::string* name : {&request.hand(), &request.object()})
-    take(name->c_str(), name->size() + 1);
-  for (const std::uint64_t origin : {hand.origin.fingerprint, object.origin.fingerprint})
-    take(&origin, sizeof(origin));
-  take(pose.q.data(), sizeof(double) * static_cast<std::size_t>(pose.q.size()));
+/// Two requests of the same content have the same.
+std::string contentOf(const v1::PoseContactsRequest& request,
+                      const hand::HandPose& pose,
+                      const Pose& X_WO,
+                      const contact::PoseContactOptions& reach,
+                      const contact::SegmentationOptions& segmentation,
+                      const StoredHand& hand,
+                      const StoredObject& object) {
+  ContentHash hash;
+  for (const std::string* text :
+       {&request.hand(), &request.object(), &hand.origin.content, &object.origin.content})
+    hash.addText(*text);
+  hash.addNumbers(pose.q.data(), static_cast<std::size_t>(pose.q.size()));
   for (const Eigen::Matrix4d& X : {pose.X_WH.matrix(), X_WO.matrix()})
-    take(X.data(), sizeof(double) * 16);
-  number(reach.reach_m);
-  number(segmentation.threshold);
-  number(segmentation.rule == contact::ThresholdRule::kOtsu ? 1.0 : 0.0);
-  number(segmentation.low_share);
-  number(segmentation.outline_share);
-  number(segmentation.smoothing_steps);
-  number(segmentation.minimum_area_m2);
-  number(segmentation.interpolation_count);
-  return print;
+    hash.addNumbers(X.data(), 16);
+  hash.addNumber(reach.reach_m);
+  hash.addNumber(segmentation.threshold);
+  hash.addNumber(static_cast<int>(segmentation.rule));
+  hash.addNumber(segmentation.low_share);
+  hash.addNumber(segmentation.outline_share);
+  hash.addNumber(segmentation.smoothing_steps);
+  hash.addNumber(segmentation.minimum_area_m2);
+  hash.addNumber(segmentation.interpolation_count);
+  return hash.finish();
 }
 
 }  // namespace
@@ -173,8 +165,8 @@ v1::ModelList contactsOfPose(const v1::PoseContactsRequest& request,
 
   StoredContacts contacts;
   contacts.name = request.name();
-  contacts.origin.fingerprint =
-      fingerprintOf(request, asked.pose, X_WO, reach, segmentation, *hand, *object);
+  contacts.origin.content =
+      contentOf(request, asked.pose, X_WO, reach, segmentation, *hand, *object);
   contacts.object = object->file;
   contacts.set = std::move(posed.set);
   contacts.set.name = request.name();

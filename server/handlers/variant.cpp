@@ -1,9 +1,10 @@
 #include "server/handlers/variant.h"
 
-#include <cstring>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
+#include "core/base/content_hash.h"
 #include "core/hand/variant.h"
 #include "core/io/urdf_writer.h"
 #include "server/messages/study_messages.h"
@@ -12,25 +13,18 @@ namespace handgraft::server {
 
 namespace {
 
-/// Two requests of the same content have the same; FNV-1a.
-std::uint64_t fingerprintOf(const v1::VariantRequest& request, const StoredHand& hand) {
-  std::uint64_t print = 14695981039346656037ull;
-  const auto take = [&](const void* data, std::size_t size) {
-    const auto* bytes = static_cast<const unsigned char*>(data);
-    for (std::size_t i = 0; i < size; ++i)
-      print = (print ^ bytes[i]) * 1099511628211ull;
-  };
-  take("variant", 7);
-  take(hand.name.c_str(), hand.name.size() + 1);
-  take(&hand.origin.fingerprint, sizeof(hand.origin.fingerprint));
+/// Two requests of the same content have the same.
+std::string contentOf(const v1::VariantRequest& request, const StoredHand& hand) {
+  ContentHash hash;
+  hash.addText("variant");
+  hash.addText(hand.name);
+  hash.addText(hand.origin.content);
   for (const v1::HandChange& change : request.changes()) {
-    const auto property = static_cast<unsigned>(change.property());
-    const double value = change.value();
-    take(&property, sizeof(property));
-    take(change.target().c_str(), change.target().size() + 1);
-    take(&value, sizeof(value));
+    hash.addNumber(static_cast<std::uint32_t>(change.property()));
+    hash.addText(change.target());
+    hash.addNumber(change.value());
   }
-  return print;
+  return hash.finish();
 }
 
 std::string textOf(const hand::HandChange& change) {
@@ -54,7 +48,7 @@ v1::ModelList makeVariant(const v1::VariantRequest& request, Workshop& workshop)
 
   StoredHand stored;
   stored.name = request.name();
-  stored.origin.fingerprint = fingerprintOf(request, *parent);
+  stored.origin.content = contentOf(request, *parent);
   stored.urdf = io::kinematicUrdfText(
       variant->model, fmt::format("Links and joints of a variant of hand '{}', written by "
                                   "handgraft; no meshes",

@@ -65,7 +65,7 @@ void ModelStore::put(Shelf<Model>& shelf, Model model, bool replace) {
   const auto found = shelf.find(model.name);
   if (found != shelf.end() && !replace) {
     const Origin& there = found->second->origin;
-    if (!there.built_in && there.fingerprint == model.origin.fingerprint) return;
+    if (!there.built_in && there.content == model.origin.content) return;
     reject(v1::ERROR_CONFLICT, "{} {} exists already, with {}; choose another name{}",
            nameOf(kindOf(model)), handgraft::quoted(model.name),
            there.built_in ? "the server's own content" : "other content",

@@ -19,8 +19,8 @@ namespace handgraft::server {
 /// Where a model came from.
 struct Origin {
   bool built_in = false;
-  /// Of its files (UploadedFiles::fingerprint); 0 for built-in ones.
-  std::uint64_t fingerprint = 0;
+  /// ContentHash of what it was made from; empty for built-in ones.
+  std::string content = {};
 };
 
 struct StoredHand {

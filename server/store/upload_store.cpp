@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <stdlib.h>
 
+#include "core/base/content_hash.h"
 #include "core/base/error.h"
 #include "server/admission/rejection.h"
 
@@ -34,23 +35,6 @@ std::string safeExtension(const std::string& uri) {
       });
   return harmless ? "." + end : "";
 }
-
-/// FNV-1a, 64 bits: tells contents apart, no defence against someone who wants a collision (who
-/// would gain nothing: equal prints only mean that the model is not stored again).
-class Fingerprint {
- public:
-  void add(const char* bytes, std::size_t count) {
-    for (std::size_t i = 0; i < count; ++i) {
-      value_ ^= static_cast<unsigned char>(bytes[i]);
-      value_ *= 1099511628211ull;
-    }
-  }
-
-  [[nodiscard]] std::uint64_t value() const { return value_; }
-
- private:
-  std::uint64_t value_ = 14695981039346656037ull;
-};
 
 }  // namespace
 
@@ -84,21 +68,21 @@ std::string UploadedFiles::inClientsWords(std::string message) const {
   return message;
 }
 
-std::uint64_t UploadedFiles::fingerprint() const {
-  Fingerprint print;
+std::string UploadedFiles::contentHash() const {
+  ContentHash hash;
   std::vector<char> buffer(1 << 16);
   for (const auto& [uri, path] : files_) {
-    print.add(uri.c_str(), uri.size() + 1);
+    hash.addText(uri);
     std::ifstream in(path, std::ios::binary);
     std::uint64_t size = 0;
     while (in.read(buffer.data(), static_cast<std::streamsize>(buffer.size())) ||
            in.gcount() > 0) {
-      print.add(buffer.data(), static_cast<std::size_t>(in.gcount()));
+      hash.add({buffer.data(), static_cast<std::size_t>(in.gcount())});
       size += static_cast<std::uint64_t>(in.gcount());
     }
-    print.add(reinterpret_cast<const char*>(&size), sizeof(size));
+    hash.addNumber(size);
   }
-  return print.value();
+  return hash.finish();
 }
 
 // === UploadStore

@@ -46,8 +46,8 @@ class UploadedFiles {
   /// A message with our file names replaced by the client's URIs.
   [[nodiscard]] std::string inClientsWords(std::string message) const;
 
-  /// 64 bits of all names and contents; equal for equal files in whatever order they came.
-  [[nodiscard]] std::uint64_t fingerprint() const;
+  /// ContentHash of all names and contents; equal for equal files in whatever order they came.
+  [[nodiscard]] std::string contentHash() const;
 
  private:
   friend class UploadStore;

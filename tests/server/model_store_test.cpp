@@ -34,23 +34,23 @@ v1::ErrorCode codeOf(Call&& call) {
 
 TEST(ModelStore, KeepsTheFirstOfEqualContentAndRefusesOther) {
   ModelStore store;
-  store.add(object("cup", {false, 1}));
+  store.add(object("cup", {false, "1"}));
   const auto first = store.object("cup");
-  store.add(object("cup", {false, 1}));
+  store.add(object("cup", {false, "1"}));
   EXPECT_EQ(store.object("cup"), first);
   EXPECT_EQ(codeOf([&] {
-              store.add(object("cup", {false, 2}));
+              store.add(object("cup", {false, "2"}));
             }),
             v1::ERROR_CONFLICT);
-  store.replace(object("cup", {false, 2}));
+  store.replace(object("cup", {false, "2"}));
   EXPECT_NE(store.object("cup"), first);
 }
 
 TEST(ModelStore, KeepsItsOwnModels) {
   ModelStore store;
-  store.add(object("cup", {true, 0}));
+  store.add(object("cup", {true}));
   EXPECT_EQ(codeOf([&] {
-              store.add(object("cup", {false, 0}));
+              store.add(object("cup", {false}));
             }),
             v1::ERROR_CONFLICT);
   EXPECT_EQ(codeOf([&] {

@@ -120,7 +120,7 @@ TEST(UploadedFiles, PrintsDependOnNamesAndContentsNotOnOrder) {
     for (const auto& [uri, bytes] : files) {
       store.put(kClient, chunk(uri, bytes, 0, bytes.size()));
     }
-    return store.finish(kClient, 1)->fingerprint();
+    return store.finish(kClient, 1)->contentHash();
   };
   const auto print = printOf({{"a", "1"}, {"b", "2"}});
   EXPECT_EQ(print, printOf({{"b", "2"}, {"a", "1"}}));

@@ -47,7 +47,7 @@ v1::PoseContactsRequest requestOf(const PoseContactsOptions& options, const Pose
 }
 
 // Of all that makes one set differ from another of the same hand and object.
-std::uint64_t hashOf(const v1::PoseContactsRequest& request) {
+std::string hashOf(const v1::PoseContactsRequest& request) {
   std::string text =
       fmt::format("{} {} {} {} {} {}", request.hand(), request.object(), request.start_pose(),
                   request.joints(), request.joint_positions(), request.reach_m());
@@ -57,7 +57,7 @@ std::uint64_t hashOf(const v1::PoseContactsRequest& request) {
   }
   for (const v1::ContactOptions& contacts : request.contacts())
     text += " " + textOf(contacts);
-  return textHash(text);
+  return shortHash(text);
 }
 
 }  // namespace
@@ -94,8 +94,7 @@ int run(const PoseContactsOptions& options,
     name = server.poseContacts(request).get().name();
   } catch (const Refused& refused) {
     if (refused.code() != v1::ERROR_CONFLICT || !options.name.empty()) throw;
-    request.name(fmt::format("{}-{:08x}", request.name().substr(0, 55),
-                             static_cast<std::uint32_t>(hashOf(request))));
+    request.name(request.name().substr(0, 55) + "-" + hashOf(request));
     name = server.poseContacts(request).get().name();
   }
 

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "core/base/content_hash.h"
 #include "core/base/progress.h"
-#include "core/hand/content_hash.h"
 #include "core/hand/skin_cache.h"
 #include "core/hand/skin_wrap.h"
 
@@ -26,7 +26,7 @@ constexpr double kMadeToMeet_m = 5e-4;
 constexpr double kOnePlace_m = 0.01;
 
 std::string keyOf(const geometry::TriangleMesh& mesh) {
-  hand::ContentHash hash;
+  ContentHash hash;
   hash.add("exact link 1");
   hash.addNumbers(mesh.vertices().data(), static_cast<std::size_t>(mesh.vertices().size()));
   hash.addNumbers(mesh.faces().data(), static_cast<std::size_t>(mesh.faces().size()));
