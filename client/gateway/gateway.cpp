@@ -1,5 +1,6 @@
 #include "client/gateway/gateway.h"
 
+#include <array>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 #include "client/gateway/model_frame.h"
 #include "client/link/following.h"
@@ -616,9 +618,13 @@ void Gateway::tend() {
 }
 
 std::string addressOf(const WebOptions& options, std::uint16_t port) {
-  const bool is_v6 = options.address.find(':') != std::string::npos;
-  return fmt::format("http://{}{}{}:{}/", is_v6 ? "[" : "", options.address, is_v6 ? "]" : "",
-                     port);
+  std::string host = options.address;
+  if (host == "0.0.0.0" || host == "::") {
+    std::array<char, 256> name{};  // of this machine, by which others reach it
+    if (gethostname(name.data(), name.size() - 1) == 0) host = name.data();
+  }
+  const bool is_v6 = host.find(':') != std::string::npos;
+  return fmt::format("http://{}{}{}:{}/", is_v6 ? "[" : "", host, is_v6 ? "]" : "", port);
 }
 
 std::string randomToken() {

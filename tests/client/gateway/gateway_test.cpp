@@ -147,6 +147,20 @@ TEST_F(GatewayTest, TellsPagesOfEachOther) {
   EXPECT_EQ(most, 2u);
 }
 
+TEST(AddressOf, IsOneThatABrowserTakes) {
+  WebOptions options;
+  EXPECT_EQ(addressOf(options, 8080), "http://127.0.0.1:8080/");
+  options.address = "::1";
+  EXPECT_EQ(addressOf(options, 8080), "http://[::1]:8080/");
+  options.address = "0.0.0.0";
+  EXPECT_THAT(addressOf(options, 8080), testing::Not(testing::HasSubstr("0.0.0.0")));
+}
+
+TEST(RandomToken, IsLongAndAnotherOneEachTime) {
+  EXPECT_EQ(randomToken().size(), 32u);
+  EXPECT_NE(randomToken(), randomToken());
+}
+
 TEST(ModelFrame, CarriesMeshesAsTheyLie) {
   v1::ObjectDescription object;
   object.name("tetrahedron");
