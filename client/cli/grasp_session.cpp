@@ -56,7 +56,7 @@ v1::SolveOptions solvingOf(const GraspOptions& options) {
   solving.max_evaluations(options.max_evaluations);
   solving.paper(options.paper);
   solving.normal_form(options.normal_form);
-  if (options.avoid_penetration) solving.penetration(v1::PENETRATION_AVOIDED);
+  if (options.touch_only) solving.penetration(v1::PENETRATION_REPORTED);
   return solving;
 }
 

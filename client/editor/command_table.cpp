@@ -42,9 +42,9 @@ const std::vector<Command>& commandTable() {
       // === Models and search
       {"hand HAND", "take another hand; what still fits is kept", Action::kEdit, hand},
       {"object OBJECT", "take another object, likewise", Action::kEdit, object},
-      {"solver paper --normal-form FORM --avoid-penetration --allow-penetration", "search as the paper does from now on: one start, the prior, by mma", Action::kEdit, solverOfPaper},
-      {"solver SOLVER --starts COUNT --seed COUNT --max-evaluations COUNT --normal-form FORM --avoid-penetration --allow-penetration", "search so from now on, also after edits; what is not named stays", Action::kEdit, solver},
-      {"solve --solver SOLVER --starts COUNT --seed COUNT --max-evaluations COUNT --normal-form FORM --paper --avoid-penetration --allow-penetration", "search the pose, so for this once; Ctrl-C cancels", Action::kSolve},
+      {"solver paper --normal-form FORM --avoid-penetration --touch-only", "search as the paper does from now on: one start, the prior, by mma", Action::kEdit, solverOfPaper},
+      {"solver SOLVER --starts COUNT --seed COUNT --max-evaluations COUNT --normal-form FORM --avoid-penetration --touch-only", "search so from now on, also after edits; what is not named stays", Action::kEdit, solver},
+      {"solve --solver SOLVER --starts COUNT --seed COUNT --max-evaluations COUNT --normal-form FORM --paper --avoid-penetration --touch-only", "search the pose, so for this once; Ctrl-C cancels", Action::kSolve},
       {"choose COUNT", "another minimum of `show minima`, which counts from 1, becomes prior and start", Action::kEdit, choose},
       // === History
       {"undo", "take back the last edit", Action::kEdit, undo},

@@ -239,11 +239,11 @@ v1::SolveOptions solvingWith(v1::SolveOptions solving, const Match& match) {
     solving.normal_form(form->text == "sum" ? v1::NORMAL_SUM : v1::NORMAL_COSINE);
   }
   const bool avoid = given("--avoid-penetration") != nullptr;
-  const bool allow = given("--allow-penetration") != nullptr;
-  if (avoid && allow)
-    rejectInput("--avoid-penetration: it does not go with --allow-penetration");
+  const bool touch_only = given("--touch-only") != nullptr;
+  if (avoid && touch_only)
+    rejectInput("--avoid-penetration: it does not go with --touch-only");
   if (avoid) solving.penetration(v1::PENETRATION_AVOIDED);
-  if (allow) solving.penetration(v1::PENETRATION_REPORTED);
+  if (touch_only) solving.penetration(v1::PENETRATION_REPORTED);
   return solving;
 }
 

@@ -38,6 +38,11 @@ std::string turned(const std::array<double, 3>& direction, bool open) {
   return (known ? triple(direction) : std::string("-")) + (open ? " (open)" : "");
 }
 
+/// The paper's way never does, whatever the session keeps for others.
+bool isAvoided(const v1::SolveOptions& solving) {
+  return !solving.paper() && solving.penetration() == v1::PENETRATION_AVOIDED;
+}
+
 std::string solvingText(const v1::SolveOptions& solving) {
   std::string line = solving.paper() ? "the paper's own" : nameOf(solving.solver());
   line +=
@@ -46,8 +51,7 @@ std::string solvingText(const v1::SolveOptions& solving) {
   if (solving.max_evaluations() > 0)
     line += fmt::format(", at most {} evaluations a start", solving.max_evaluations());
   line += solving.normal_form() == v1::NORMAL_SUM ? ", normals by sum" : ", normals by cosine";
-  line += solving.penetration() == v1::PENETRATION_AVOIDED ? ", penetration avoided"
-                                                           : ", penetration reported";
+  line += isAvoided(solving) ? ", penetration avoided" : ", penetration reported";
   return line;
 }
 

@@ -18,8 +18,12 @@ struct Solving {
   /// their defaults and play no part.
   bool paper = false;
   optimize::NormalForm normal_form = optimize::NormalForm::kCosine;
-  /// The hand's depth in the object is charged while solving.
-  bool avoid_penetration = false;
+  /// The hand's depth in the object, and in itself, is charged while solving; never in the
+  /// paper's way.
+  bool avoid_penetration = true;
+
+  /// Whether it is, after all.
+  [[nodiscard]] bool avoids() const { return avoid_penetration && !paper; }
 
   friend bool operator==(const Solving&, const Solving&) = default;
 };

@@ -14,6 +14,7 @@
 #include "core/optimize/diagnosis.h"
 #include "core/optimize/solver.h"
 #include "core/optimize/worker_pool.h"
+#include "core/session/solids.h"
 #include "core/session/sweep_grasp.h"
 
 namespace handgraft::session {
@@ -63,8 +64,6 @@ void requireSound(const Hand& hand,
   if (grasps.empty()) rejectInput("sweep: there is no grasp; at least one is needed");
   validate(options.solving);
   validate(options.transfer);
-  if (options.solving.avoid_penetration)
-    rejectInput("sweep: penetration is not avoided in a sweep; it solves as the paper does");
   std::set<std::string> names;
   double rows = static_cast<double>(grasps.size());
   for (const SweepAxis& axis : axes) {
@@ -190,11 +189,18 @@ class Sweep {
     const std::vector<hand::HandChange> changes =
         changesOf(axes_, combinations_[combinations.front()], Which::kShape);
     std::optional<transfer::Surfaces> bent;
+    std::shared_ptr<const hand::HandSolid> solid;
     if (!changes.empty()) {
       const hand::HandVariant variant =
           hand::makeVariant(*hand_.model, hand_.model->name(), changes);
-      if (variant.shape_changed) bent = bentSurfaces(variant);
+      if (variant.shape_changed) {
+        bent = bentSurfaces(variant);
+        if (options_.solving.avoids())
+          solid = std::make_shared<const hand::HandSolid>(variant.model, *bent->skin, progress_);
+      }
     }
+    if (options_.solving.avoids() && solid == nullptr)
+      solid = solidOf(hand_.model, hand_.skin, quiet_);
     std::vector<LaidGrasp> laid(grasps_.size());
     forEach(pool, grasps_.size(), [&](std::size_t i) {
       laid[i] =
@@ -203,7 +209,8 @@ class Sweep {
     forEach(pool, combinations.size() * grasps_.size(), [&](std::size_t i) {
       const std::size_t combination = combinations[i / grasps_.size()];
       const std::size_t grasp = i % grasps_.size();
-      rows_[combination * grasps_.size() + grasp] = solveRow(combination, grasp, laid[grasp]);
+      rows_[combination * grasps_.size() + grasp] =
+          solveRow(combination, grasp, laid[grasp], solid);
       tell("sweeping", rows_.size());
     });
   }
@@ -217,7 +224,11 @@ class Sweep {
     return surfaces;
   }
 
-  SweepRow solveRow(std::size_t combination, std::size_t grasp, const LaidGrasp& laid) {
+  /// `solid`: the hand's, of this shape; null where penetration costs nothing.
+  SweepRow solveRow(std::size_t combination,
+                    std::size_t grasp,
+                    const LaidGrasp& laid,
+                    const std::shared_ptr<const hand::HandSolid>& solid) {
     progress_.checkpoint();
     SweepRow row;
     row.grasp = static_cast<int>(grasp);
@@ -240,6 +251,12 @@ class Sweep {
       problem.normal_form = options_.solving.normal_form;
       problem.start = {base.solved.X_WH, q_start};
       problem.prior.X_WH = base.X_WH_prior;
+      if (solid != nullptr) {
+        auto avoidance = std::make_shared<optimize::Avoidance>();
+        avoidance->hand = solid;
+        avoidance->object_O = solidOf(grasps_[grasp].object_O, quiet_);
+        problem.avoidance = std::move(avoidance);
+      }
 
       const auto begin = std::chrono::steady_clock::now();
       const optimize::SolveReport report =

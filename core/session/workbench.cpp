@@ -268,7 +268,7 @@ PoseProblem Workbench::problem(const Solving& solving) const {
   PoseProblem problem = optimize::makeProblem(models_.hand->model);
   problem.weights = document_.weights;
   problem.normal_form = solving.normal_form;
-  if (solving.avoid_penetration) {
+  if (solving.avoids()) {
     problem.avoidance = avoidanceOf(models_.hand->model, models_.hand->skin, models_.object_O,
                                     document_.X_WO, Progress());
   }

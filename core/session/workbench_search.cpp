@@ -91,7 +91,7 @@ Solution Workbench::solve(const Solving& solving,
   validate(solving);
   transfer(progress);
   requirePoints();
-  if (solving.avoid_penetration) makeSolids(*models_.hand, models_.object_O, progress);
+  if (solving.avoids()) makeSolids(*models_.hand, models_.object_O, progress);
   const Search as_it_was(*this);
   SolveOptions options = solveOptions(solving);
   options.threads = run.threads;
@@ -100,7 +100,7 @@ Solution Workbench::solve(const Solving& solving,
   if (!solving.paper && !run.places_stay) {
     options.on_improvement = nullptr;
     // Small steps from a pose that is out of the object stay where they are out of it.
-    if (solving.avoid_penetration) options.starts = 1;
+    if (solving.avoids()) options.starts = 1;
     for (int i = 0; i < kRefinements && refineDirections(report, solving, options, progress);
          ++i) {
     }
@@ -131,7 +131,7 @@ Solution Workbench::answered(SolveReport report, const Solving& solving) const {
 Solution Workbench::judge(const Progress& progress) {
   transfer(progress);
   requirePoints();
-  if (document_.solving.avoid_penetration)
+  if (document_.solving.avoids())
     makeSolids(*models_.hand, models_.object_O, progress);
   Solution solution;
   solution.solving = document_.solving;

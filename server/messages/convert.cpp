@@ -38,7 +38,7 @@ bool avoidsPenetration(v1::PenetrationCare care) {
     case v1::PENETRATION_AVOIDED:
       return true;
   }
-  rejectInput("penetration: {} is neither reported (0) nor avoided (1)",
+  rejectInput("penetration: {} is neither avoided (0) nor reported (1)",
               static_cast<unsigned>(care));
 }
 

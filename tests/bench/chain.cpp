@@ -27,7 +27,7 @@ struct ChainArguments {
   std::vector<std::string> contacts;
   std::string cache = defaultCache().string();
   bool joints = false;
-  bool avoid_penetration = false;
+  bool touch_only = false;
   bool json = false;
   bool markdown = false;
 };
@@ -168,7 +168,7 @@ void run(const ChainArguments& arguments) {
   for (const std::string& urdf : handsOf(arguments)) {
     const session::Hand hand = readHand(urdf, arguments.cache);
     for (const ScannedGrasp& grasp : grasps)
-      outcomes.push_back(graspWith(hand, grasp, arguments.avoid_penetration));
+      outcomes.push_back(graspWith(hand, grasp, !arguments.touch_only));
   }
   if (arguments.json) {
     printJson(outcomes);
@@ -195,8 +195,8 @@ void addChainCommand(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--joints", arguments->joints,
                     "Fingers and directions from the recorded joints of the hand that touched");
-  command->add_flag("--avoid-penetration", arguments->avoid_penetration,
-                    "Solve with depth inside the object charged");
+  command->add_flag("--touch-only", arguments->touch_only,
+                    "Solve without charging depth in the object");
   command->add_flag("--json", arguments->json, "One JSON document, with every patch");
   command->add_flag("--markdown", arguments->markdown, "The table alone");
   command->callback([arguments] {

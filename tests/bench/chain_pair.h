@@ -69,7 +69,7 @@ struct ChainOutcome {
 };
 
 /// Opens a session, lays the patches and solves, as `handgraft grasp` does without options or
-/// with `--avoid-penetration`.
+/// with `--touch-only`.
 ChainOutcome graspWith(const session::Hand& hand,
                        const ScannedGrasp& grasp,
                        bool avoid_penetration);

@@ -65,7 +65,7 @@ struct GraspOptions {
   std::uint32_t max_evaluations = 0;
   bool paper = false;
   v1::NormalForm normal_form = v1::NORMAL_COSINE;
-  bool avoid_penetration = false;
+  bool touch_only = false;
   std::uint32_t choose = 0;          ///< rank of the result to take, from 1; 0: the best
   std::string log_map;               ///< empty: the server's default
   std::uint32_t interior_rings = 0;  ///< of correspondences besides the boundary's

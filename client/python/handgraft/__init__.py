@@ -188,12 +188,15 @@ class Session:
     # === Poses
 
     def solve(self, *, solver: str | None = None, starts: int = 0, seed: int = 0,
-              max_evaluations: int = 0, avoid_penetration: bool = False) -> Pose:
-        """Solves the pose and waits for it, diagnosed. 0 and None: the session's or the default."""
+              max_evaluations: int = 0, touch_only: bool = False) -> Pose:
+        """Solves the pose and waits for it, diagnosed. 0 and None: the session's or the default.
+
+        A hand keeps out of the object, and of itself; with ``touch_only`` depth costs nothing, as in the paper.
+        """
         options: dict[str, Any] | None = None
-        if solver or starts or seed or max_evaluations or avoid_penetration:
+        if solver or starts or seed or max_evaluations or touch_only:
             options = {"starts": starts, "seed": seed, "max_evaluations": max_evaluations,
-                       "penetration": "avoided" if avoid_penetration else "reported"}
+                       "penetration": "reported" if touch_only else "avoided"}
             if solver:
                 options["solver"] = solver
         return Pose(self._session.solve(options), self._joints)

@@ -85,12 +85,12 @@ TEST(CommandLine, ReadsAGrasp) {
 TEST(CommandLine, ReadsHowThePoseIsSearched) {
   const auto options = std::get<GraspOptions>(
       invocation(grasp({"--solver", "all", "--max-evaluations", "250", "--normal-form", "sum",
-                        "--avoid-penetration", "--choose", "3"}))
+                        "--touch-only", "--choose", "3"}))
           .command);
   EXPECT_EQ(options.solver, "all");
   EXPECT_EQ(options.max_evaluations, 250U);
   EXPECT_EQ(options.normal_form, v1::NORMAL_SUM);
-  EXPECT_TRUE(options.avoid_penetration);
+  EXPECT_TRUE(options.touch_only);
   EXPECT_EQ(options.choose, 3U);
   EXPECT_FALSE(options.paper);
   const auto paper = std::get<GraspOptions>(invocation(grasp({"--paper"})).command);

@@ -217,8 +217,8 @@ TEST_F(EditMaking, ChangesOfASearchKeepTheRest) {
   EXPECT_EQ(paper.starts(), 0U);
   EXPECT_EQ(paper.penetration(), v1::PENETRATION_AVOIDED);
   EXPECT_EQ(edit("solver lm --normal-form sum").solving().normal_form(), v1::NORMAL_SUM);
-  EXPECT_THAT(objectionTo("solver lm --avoid-penetration --allow-penetration"),
-              HasSubstr("--allow-penetration"));
+  EXPECT_THAT(objectionTo("solver lm --avoid-penetration --touch-only"),
+              HasSubstr("--touch-only"));
   EXPECT_THAT(objectionTo("solver lm --starts 4294967296"), HasSubstr("--starts"));
 }
 

@@ -227,13 +227,23 @@ TEST(Sweep, NamesWhatIsWrongBeforeItBegins) {
                        {HandProperty::kUpper, "thumb_2", std::vector<double>(300, 1.0)}}),
               AllOf(HasSubstr("180000 rows"), HasSubstr("100000")));
   EXPECT_THROW((void)sweep(BallGrasp().hand(), {}, {}, {}, Progress()), InvalidInput);
-  SweepOptions avoiding;
-  avoiding.solving.avoid_penetration = true;
-  EXPECT_THAT(
-      [&] {
-        (void)sweep(BallGrasp().hand(), twoGrasps(), {}, avoiding, Progress());
-      },
-      ThrowsMessage<InvalidInput>(HasSubstr("penetration")));
+}
+
+TEST(Sweep, KeepsItsRowsOutOfTheObject) {
+  SweepOptions options;
+  ASSERT_TRUE(options.solving.avoids());
+  const auto rows =
+      sweep(BallGrasp().hand(), twoGrasps(),
+            {{HandProperty::kUpper, "thumb_1", {1.0}}, {HandProperty::kSize, "", {1.0, 1.2}}},
+            options, Progress());
+  options.solving.avoid_penetration = false;
+  for (const SweepRow& row : rows) {
+    EXPECT_EQ(row.error, "");
+    // As if a place of a square centimetre lay half a millimetre deep.
+    EXPECT_LT(row.terms.penetration, 10.0 * 5e-4 * 5e-4);
+  }
+  for (const SweepRow& row : sweep(BallGrasp().hand(), twoGrasps(), {}, options, Progress()))
+    EXPECT_EQ(row.terms.penetration, 0.0) << "nobody looked";
 }
 
 TEST(Sweep, StopsOnWish) {
