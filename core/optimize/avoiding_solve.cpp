@@ -8,9 +8,11 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/optimize/finalists.h"
 #include "core/optimize/local_search.h"
 #include "core/optimize/minima.h"
 #include "core/optimize/pose_solver.h"
+#include "core/optimize/starts.h"
 
 namespace handgraft::optimize {
 
@@ -29,16 +31,30 @@ struct Way {
   int start = 0;
 };
 
+/// Of those that stand close together the best alone goes on: they end in the same place.
+void leaveOutAlike(const hand::HandModel& model, std::vector<Way>& ways) {
+  std::vector<Way> kept;
+  for (Way& way : ways) {
+    const bool is_known = std::any_of(kept.begin(), kept.end(), [&](const Way& other) {
+      return liesClose(model, way.result.pose, other.result.pose);
+    });
+    if (!is_known) kept.push_back(std::move(way));
+  }
+  ways = std::move(kept);
+}
+
 bool isBetter(const Way& a, const Way& b) {
   return a.result.terms.objective < b.result.terms.objective;
 }
 
 // From soft and roughly to hard and closely: what is stiff at once is stuck at once.
 const std::vector<Stage> kStages = {
-    {9, 10, {false, 0.02}},
-    {4, 20, {true, 0.1}},
-    {2, 80, {true, 1.0}},
+    {8, 10, {false, 0.02}},
+    {4, 15, {true, 0.1}},
+    {3, 25, {true, 1.0}},
 };
+
+constexpr int kPriorsStart = 2;  // starts.h
 
 // After an edit, with few starts, the hand stands out of the object already.
 constexpr int kFewStarts = 4;
@@ -58,7 +74,14 @@ SolveReport solveAvoiding(const PoseProblem& problem,
   rough.on_improvement = nullptr;
   rough.care.share = 0.0;
   PoseSolver judge(problem);
-  SolveReport report = judge.search(rough, progress);
+  SolveReport report;
+  // A lone start is a step from where the hand is: without the charge it would only go in.
+  const bool is_step = options.starts == 1 && options.solver != Solver::kAll;
+  if (is_step && !boundsContradict(problem)) {
+    report.starts = 1;
+  } else {
+    report = judge.search(rough, progress);
+  }
   if (report.outcome == Outcome::kInfeasible) {
     judge.judge(report);
     return report;
@@ -83,7 +106,11 @@ SolveReport solveAvoiding(const PoseProblem& problem,
     };
     for (const Minimum& minimum : found)
       if (minimum.solver == nameOf(solver)) setOut(minimum.pose, minimum.start);
-    if (options.solver == solver) setOut(problem.start, 0);
+    if (options.solver == solver) {
+      setOut(problem.start, 0);
+      // As the hand would stand without touching: on the right side of things, mostly.
+      if (!is_step) setOut(startPose(problem, *prepared.tree, kPriorsStart, options.seed), 2);
+    }
     if (ways.empty()) continue;
 
     for (const Stage& stage : options.starts <= kFewStarts ? kShortStages : kStages) {
@@ -95,6 +122,7 @@ SolveReport solveAvoiding(const PoseProblem& problem,
       }
       // Which poses are worth the effort shows when they are looked at so closely.
       std::stable_sort(ways.begin(), ways.end(), isBetter);
+      leaveOutAlike(*problem.model, ways);
       for (std::size_t i = stage.searches; i < ways.size(); ++i)
         report.evaluations += ways[i].result.evaluations;
       ways.resize(std::min(ways.size(), stage.searches));

@@ -6,10 +6,11 @@
 namespace handgraft::optimize {
 
 /// `solve` of a problem with Avoidance: the search over all starts leaves the charge out; the
-/// minima that it ranked, and the problem's own start, are judged with the charge and go
-/// downhill with more and more of it: nine by few samples and softly, four by all samples, two
-/// to the full charge. The answer may end at that limit. Of few starts one goes on.
-/// The report's minima are those with the charge.
+/// minima that it ranked, the problem's own start and the prior's joints are judged with the
+/// charge and go downhill with more and more of it: eight by few samples and softly, four by
+/// all samples, three to the full charge; of those that stand close together one goes on. The
+/// answer may end at the limit of its evaluations. Of few starts one goes on, and a lone one is
+/// a step from where it stands. The report's minima are those with the charge.
 ///
 /// Determinism, errors: as `solve`. Cost: some 10 ms more than without; 2 ms of few starts.
 SolveReport solveAvoiding(const PoseProblem& problem,

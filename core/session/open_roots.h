@@ -12,13 +12,35 @@
 
 namespace handgraft::session {
 
+/// A skin's faces, link by link, to ask often where a posed hand shows a place.
+class SkinFaces {
+ public:
+  /// Keeps a reference. Cost: O(F).
+  explicit SkinFaces(const hand::Skin& skin);
+
+  /// Of one link, side by side.
+  struct OfLink {
+    std::vector<int> faces;
+    std::vector<Eigen::Vector3d> middles_S;
+    std::vector<Eigen::Vector3d> normals_S;
+  };
+
+  [[nodiscard]] const hand::Skin& skin() const { return skin_; }
+
+  [[nodiscard]] const std::vector<OfLink>& links() const { return links_; }
+
+ private:
+  const hand::Skin& skin_;
+  std::vector<OfLink> links_;
+};
+
 /// The place of the skin that a posed hand shows to a place of an object: the middle of the
 /// nearest face that looks at it, among those of the permitted links; nothing if none does.
 ///
 /// Shapes: `permitted` one flag a link. Frames: pose and place in W, `n_W` the object's outward
-/// unit normal there. Cost: O(F).
+/// unit normal there. Cost: O(faces of the permitted links).
 std::optional<geometry::SurfacePoint> rootShownBy(const hand::HandModel& model,
-                                                  const hand::Skin& skin,
+                                                  const SkinFaces& faces,
                                                   const hand::HandPose& pose,
                                                   const std::vector<char>& permitted,
                                                   const Eigen::Vector3d& p_W,

@@ -27,6 +27,7 @@ struct PosedHand {
   const Hand& hand;
   const hand::FingerCoordinates& coordinates;
   const hand::HandParts& parts;
+  const SkinFaces& skin_faces;
   hand::HandPose pose_O;  ///< X_OH and the joints
 };
 
@@ -40,6 +41,29 @@ std::vector<std::string> partsOf(const PosedHand& posed) {
   return names;
 }
 
+/// How its segments and its palm are turned.
+std::vector<contact::PartDirection> postureShownBy(const PosedHand& posed) {
+  const hand::LinkPoses X_OL = forwardKinematics(*posed.hand.model, posed.pose_O);
+  hand::LinkPoses X_SL;
+  forwardKinematics(*posed.hand.model, Pose::Identity(), posed.hand.skin->qReference(), X_SL);
+  std::vector<contact::PartDirection> posture;
+  const auto note = [&](const std::string& part, int link, const Eigen::Vector3d& outward_S,
+                        const Eigen::Vector3d& palmar_S) {
+    const auto L = static_cast<std::size_t>(link);
+    const Eigen::Matrix3d R_OS = X_OL[L].linear() * X_SL[L].linear().transpose();
+    posture.push_back({part, R_OS * outward_S, R_OS * palmar_S});
+  };
+  const hand::Anatomy& anatomy = posed.coordinates.anatomy();
+  for (const hand::NamedDigit& digit : anatomy.digits)
+    for (const hand::Segment& segment : digit.segments)
+      note(hand::partName(digit.name, segment.name), segment.links.back(), segment.bone_S(),
+           segment.palmar_S);
+  if (anatomy.palm)
+    note(hand::kPalmPart, anatomy.palm->links.front(), anatomy.palm->outward_S,
+         anatomy.palm->facing_S);
+  return posture;
+}
+
 /// Gives a patch on `mesh_O` its place on the hand and its direction towards the wrist; returns
 /// how far from its root that place is (m), infinite where none looks at it.
 double findPlace(const PosedHand& posed,
@@ -49,7 +73,7 @@ double findPlace(const PosedHand& posed,
   const hand::Skin& skin = *posed.hand.skin;
   const hand::HandModel& model = *posed.hand.model;
   const Eigen::Vector3d n_O = geometry::normalOf(mesh_O, patch.root);
-  const auto root_S = rootShownBy(model, skin, posed.pose_O, links,
+  const auto root_S = rootShownBy(model, posed.skin_faces, posed.pose_O, links,
                                   geometry::positionOf(mesh_O, patch.root), n_O);
   if (!root_S) return std::numeric_limits<double>::infinity();
   patch.place = posed.coordinates.placeOf(*root_S);
@@ -127,7 +151,9 @@ PosedContacts contactsOfPosedHand(const Hand& hand,
   const hand::HandModel& model = *hand.model;
   const hand::FingerCoordinates coordinates(model, *hand.skin, hand.sites);
   const hand::HandParts parts(model, hand.sites);
-  const PosedHand posed{hand, coordinates, parts, {X_WO.inverse() * pose.X_WH, pose.q}};
+  const SkinFaces skin_faces(*hand.skin);
+  const PosedHand posed{
+      hand, coordinates, parts, skin_faces, {X_WO.inverse() * pose.X_WH, pose.q}};
   const std::vector<std::string> part_of_link = partsOf(posed);
 
   // === The map, and its patches by segments
@@ -141,6 +167,7 @@ PosedContacts contactsOfPosedHand(const Hand& hand,
     map.segment_parts.push_back(part.empty() ? contact::fingerOfSegment(surface.name) : part);
   }
   result.set = contact::segment(map, segmentation);
+  result.set.posture = postureShownBy(posed);
 
   // === Where on the hand each of them was
   std::map<std::string, int> patches_of_digit;

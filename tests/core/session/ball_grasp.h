@@ -11,9 +11,8 @@ namespace handgraft::test {
 
 /// A ball of 30 mm radius, touched by three fingertips from both sides, as the small hand can.
 struct BallGrasp {
-  SmallHand small = makeSmallHand();
-  std::shared_ptr<const geometry::TriangleMesh> ball =
-      std::make_shared<const geometry::TriangleMesh>(geometry::makeSphere(0.03, 5));
+  SmallHand small = sharedHand();
+  std::shared_ptr<const geometry::TriangleMesh> ball = sharedBall();
   contact::ContactSet contacts;
 
   /// `names`: of the patches at thumb, index, middle; directions (to the hand's root, -z) are
@@ -36,6 +35,18 @@ struct BallGrasp {
       contacts.patches.push_back(patch);
     }
     contacts.name = "ball";
+  }
+
+  // The same for all tests, since solids are made once for a hand and an object.
+  static const SmallHand& sharedHand() {
+    static const SmallHand hand = makeSmallHand();
+    return hand;
+  }
+
+  static const std::shared_ptr<const geometry::TriangleMesh>& sharedBall() {
+    static const auto ball =
+        std::make_shared<const geometry::TriangleMesh>(geometry::makeSphere(0.03, 5));
+    return ball;
   }
 
   [[nodiscard]] session::Hand hand() const { return {small.model, small.skin, small.sites}; }

@@ -9,6 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/session/session.h"
+#include "core/session/solids.h"
 
 #include "tests/core/session/ball_grasp.h"
 #include "tests/core/session/lemon_models.h"
@@ -137,6 +138,18 @@ TEST(HeldPlace, IsLetGoWhereThereIsOneAlone) {
   refused(DragEdit{"index_tip", kTip_L, kTip_L, std::nullopt, -1.0}, "weight of a drag is -1");
 }
 
+TEST(HeldPlace, StaysOutOfTheObjectAllTheSame) {
+  const BallGrasp grasp;
+  Session session = grasp.open();
+  answered(session);
+  const Vector3d inwards = (-placeOf(session, "index_tip", kTip_L)).normalized();
+  const Vector3d target_W = placeOf(session, "index_tip", kTip_L) + 0.01 * inwards;
+  session.apply(DragEdit{"index_tip", kTip_L, target_W});
+  EXPECT_GT(penetrationOf(session, session.document().start, Progress()).max_depth_m, 0.004);
+  answered(session);
+  EXPECT_LT(penetrationOf(session, session.document().start, Progress()).max_depth_m, 0.0015);
+}
+
 // Shows 8 of the plan: drags at random on three hands.
 TEST(HeldPlace, EndsWhereItIsDraggedToWhereverTheHandReaches) {
   std::mt19937 random(8);
@@ -157,6 +170,10 @@ TEST(HeldPlace, EndsWhereItIsDraggedToWhereverTheHandReaches) {
                                    test::modelPath(folder + "/sites.yaml"));
     for (int k = 0; k < 34; ++k) {
       Session session(test::lemonModels(hand), Pose::Identity(), {});
+      // Half of these targets lie inside the lemon or the hand, where neither may be.
+      Solving touch_only;
+      touch_only.avoid_penetration = false;
+      session.apply(SolvingEdit{touch_only});
       const optimize::SolveReport before = answered(session);
       const hand::ContactSite& site = hand.sites[random() % hand.sites.size()];
       const Vector3d target_W = placeOf(session, site.link, site.p_L) + 0.02 * some();
