@@ -39,6 +39,7 @@ const std::vector<Command>& commandTable() {
       {"prior here", "the last solution does", Action::kEdit, priorHere},
       {"prior pose FILE", "a pose from a file does: of `grasp --out`, or written by hand", Action::kEdit, priorPose},
       {"prior shares NUMBER NUMBER NUMBER", "how firmly the prior holds the palm's rotation, its place and the joints; 1 1 1 is the paper's", Action::kEdit, priorShares},
+      {"prior posture NUMBER", "how firmly a first solve holds the hand's posture; 0: not at all", Action::kEdit, priorPosture},
       // === Models and search
       {"hand HAND", "take another hand; what still fits is kept", Action::kEdit, hand},
       {"object OBJECT", "take another object, likewise", Action::kEdit, object},

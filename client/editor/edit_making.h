@@ -43,6 +43,7 @@ v1::EditBody priorRest(const Match& match, Scene& scene);
 v1::EditBody priorHere(const Match& match, Scene& scene);
 v1::EditBody priorPose(const Match& match, Scene& scene);
 v1::EditBody priorShares(const Match& match, Scene& scene);
+v1::EditBody priorPosture(const Match& match, Scene& scene);
 
 // === Models and search
 v1::EditBody hand(const Match& match, Scene& scene);

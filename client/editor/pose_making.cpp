@@ -191,11 +191,17 @@ v1::EditBody priorPose(const Match& match, Scene& /*scene*/) {
   return bodyOf(&v1::EditBody::prior, edit);
 }
 
-v1::EditBody priorShares(const Match& match, Scene& /*scene*/) {
-  v1::PriorShares shares;
+v1::EditBody priorShares(const Match& match, Scene& scene) {
+  v1::PriorShares shares = scene.settings().prior_shares();
   shares.root_rotation(number(match, 0));
   shares.root_translation(number(match, 1));
   shares.joints(number(match, 2));
+  return bodyOf(&v1::EditBody::prior_shares, shares);
+}
+
+v1::EditBody priorPosture(const Match& match, Scene& scene) {
+  v1::PriorShares shares = scene.settings().prior_shares();
+  shares.posture(number(match, 0));
   return bodyOf(&v1::EditBody::prior_shares, shares);
 }
 
@@ -240,8 +246,7 @@ v1::SolveOptions solvingWith(v1::SolveOptions solving, const Match& match) {
   }
   const bool avoid = given("--avoid-penetration") != nullptr;
   const bool touch_only = given("--touch-only") != nullptr;
-  if (avoid && touch_only)
-    rejectInput("--avoid-penetration: it does not go with --touch-only");
+  if (avoid && touch_only) rejectInput("--avoid-penetration: it does not go with --touch-only");
   if (avoid) solving.penetration(v1::PENETRATION_AVOIDED);
   if (touch_only) solving.penetration(v1::PENETRATION_REPORTED);
   return solving;

@@ -286,6 +286,42 @@ json placeJson(const hand::HandPlace& place) {
   return value;
 }
 
+Eigen::Vector3d directionFrom(const json& value, const char* field) {
+  const Eigen::Vector3d direction = vectorFrom(value, field);
+  if (!(direction.norm() > 0.0)) rejectInput("field '{}' has no length", field);
+  return direction.normalized();
+}
+
+std::vector<contact::PartDirection> postureFrom(const json& value) {
+  const json& list = arrayFrom(value, "posture");
+  if (list.size() > contact::kMostParts)
+    rejectInput("field 'posture' has {} entries; permitted are {}", list.size(),
+                contact::kMostParts);
+  std::vector<contact::PartDirection> posture;
+  for (const json& entry : list) {
+    if (!entry.is_object()) rejectInput("field 'posture': an entry is no object");
+    requireKnownKeys(entry, {"part", "outward", "palmar"});
+    contact::PartDirection part;
+    part.part = nameFrom(fieldOf(entry, "part"), "part");
+    part.outward_O = directionFrom(fieldOf(entry, "outward"), "outward");
+    if (entry.contains("palmar")) part.palmar_O = directionFrom(entry["palmar"], "palmar");
+    posture.push_back(std::move(part));
+  }
+  return posture;
+}
+
+json postureJson(const std::vector<contact::PartDirection>& posture) {
+  json list = json::array();
+  for (const contact::PartDirection& part : posture) {
+    const Eigen::Vector3d& out = part.outward_O;
+    const Eigen::Vector3d& in = part.palmar_O;
+    json entry = {{"part", part.part}, {"outward", {out.x(), out.y(), out.z()}}};
+    if (!in.isZero()) entry["palmar"] = {in.x(), in.y(), in.z()};
+    list.push_back(std::move(entry));
+  }
+  return list;
+}
+
 Patch patchFrom(const json& value, const IndexedObject& object, bool may_have_place) {
   requireKnownKeys(value, {"name", "root", "direction", "boundary", "interpolation_count",
                            "interpolation_boundary", "weight", "place"});
@@ -342,7 +378,9 @@ ContactSet contactSetFrom(const json& root, const MeshFile& object_file) {
     rejectInput("format is {}; expected '{}' or '{}'", quoted(format), kFormat,
                 kFormatWithPlaces);
   }
-  requireKnownKeys(root, {"format", "name", "object", "patches", "notes"});
+  requireKnownKeys(root, {"format", "name", "object", "patches", "posture", "notes"});
+  if (format == kFormat && root.contains("posture"))
+    rejectInput("field 'posture' needs format '{}'", kFormatWithPlaces);
 
   ContactSet set;
   set.name = nameFrom(fieldOf(root, "name"), "name");
@@ -374,6 +412,7 @@ ContactSet contactSetFrom(const json& root, const MeshFile& object_file) {
                   quoted(known->first));
     }
   }
+  if (root.contains("posture")) set.posture = postureFrom(root["posture"]);
   if (root.contains("notes")) {
     for (const json& text : arrayFrom(root["notes"], "notes")) {
       set.notes.push_back(stringFrom(text, "notes"));
@@ -474,10 +513,12 @@ std::string contactSetText(const ContactSet& set, const MeshFile& object_file) {
   const bool has_places = std::any_of(set.patches.begin(), set.patches.end(), [](auto& patch) {
     return patch.place.has_value();
   });
-  json root = {{"format", has_places ? kFormatWithPlaces : kFormat},
+  const bool is_second = has_places || !set.posture.empty();
+  json root = {{"format", is_second ? kFormatWithPlaces : kFormat},
                {"name", set.name},
                {"patches", std::move(patches)}};
   if (!set.object.empty()) root["object"] = set.object;
+  if (!set.posture.empty()) root["posture"] = postureJson(set.posture);
   if (!set.notes.empty()) root["notes"] = set.notes;
   // Names may hold any bytes; what is no UTF-8 is replaced rather than refused.
   return root.dump(1, ' ', false, json::error_handler_t::replace) + "\n";

@@ -13,6 +13,9 @@ struct PriorShares {
   double root_rotation = 1.0;
   double root_translation = 1.0;
   double joints = 1.0;
+  /// Before any pose is known the prior is the hand's posture, and weighs so many times as
+  /// much. Measured (core/session); 0: no posture, as in the paper.
+  double posture = 50.0;
 };
 
 /// Multiplies the prior's weights by kind. Errors: InvalidInput below 0.

@@ -207,6 +207,8 @@ std::vector<Difference> differencesBetween(const Document& a,
   table.number("prior share of the root's translation", a.prior_shares.root_translation,
                b.prior_shares.root_translation, "");
   table.number("prior share of the joints", a.prior_shares.joints, b.prior_shares.joints, "");
+  table.number("prior share of the posture", a.prior_shares.posture, b.prior_shares.posture,
+               "");
   table.text("solving", solverOf(a.solving), solverOf(b.solving));
   table.flag("normals as a sum", a.solving.normal_form == optimize::NormalForm::kSum,
              b.solving.normal_form == optimize::NormalForm::kSum);

@@ -64,8 +64,9 @@ std::string text(const PriorEdit& edit) {
 }
 
 std::string text(const PriorSharesEdit& edit) {
-  return fmt::format("prior shares {:.6g} {:.6g} {:.6g}", edit.shares.root_rotation,
-                     edit.shares.root_translation, edit.shares.joints);
+  return fmt::format("prior shares {:.6g} {:.6g} {:.6g}, posture {:.6g}",
+                     edit.shares.root_rotation, edit.shares.root_translation,
+                     edit.shares.joints, edit.shares.posture);
 }
 
 std::string text(const WeightsEdit& edit) {

@@ -43,6 +43,7 @@ void validateShares(const optimize::PriorShares& shares) {
   requireWithin(shares.root_translation, 0.0, kLargestLambda,
                 "prior share of the root's translation");
   requireWithin(shares.joints, 0.0, kLargestLambda, "prior share of the joints");
+  requireWithin(shares.posture, 0.0, kLargestLambda, "prior share of the posture");
 }
 
 }  // namespace handgraft::session

@@ -43,6 +43,7 @@ void visitFields(Maybe<optimize::PriorShares> auto& shares, auto&& visit) {
   visit("root_rotation", shares.root_rotation);
   visit("root_translation", shares.root_translation);
   visit("joints", shares.joints);
+  visit("posture", shares.posture);
 }
 
 void visitFields(Maybe<Solving> auto& solving, auto&& visit) {

@@ -196,7 +196,8 @@ class Sweep {
       if (variant.shape_changed) {
         bent = bentSurfaces(variant);
         if (options_.solving.avoids())
-          solid = std::make_shared<const hand::HandSolid>(variant.model, *bent->skin, progress_);
+          solid =
+              std::make_shared<const hand::HandSolid>(variant.model, *bent->skin, progress_);
       }
     }
     if (options_.solving.avoids() && solid == nullptr)
@@ -244,13 +245,15 @@ class Sweep {
                             changesOf(axes_, combinations_[combination], Which::kAll),
                             hand::VariantSurfaces::kLeftOut);
       const Eigen::VectorXd q_start = hand::poseOfVariant(variant, base.solved.q);
+      const Eigen::VectorXd q_prior = hand::poseOfVariant(variant, base.prior.q);
       PoseProblem problem = optimize::makeProblem(
           std::make_shared<const hand::HandModel>(std::move(variant.model)));
       problem.pairs = laid.pairs;
       problem.weights = options_.weights;
       problem.normal_form = options_.solving.normal_form;
       problem.start = {base.solved.X_WH, q_start};
-      problem.prior.X_WH = base.X_WH_prior;
+      problem.prior = {base.prior.X_WH, q_prior};
+      problem.prior_weights = base.prior_weights;
       if (solid != nullptr) {
         auto avoidance = std::make_shared<optimize::Avoidance>();
         avoidance->hand = solid;

@@ -59,7 +59,8 @@ SweepBase solveBase(const Hand& hand,
     Solution solution = session.solve(options.solving, run, progress);
     base.solved = solution.report.pose;
     base.patches = std::move(solution.patches);
-    base.X_WH_prior = solution.problem.prior.X_WH;
+    base.prior = solution.problem.prior;
+    base.prior_weights = solution.problem.prior_weights;
     for (const SessionPatch& item : base.patches) {
       if (!item.placement) continue;
       const auto& chart = item.stages.patchChart();

@@ -18,7 +18,8 @@ struct SweepBase {
   std::vector<SessionPatch> patches;
   std::shared_ptr<const geometry::LogMapper> object_O;
   hand::HandPose solved;
-  Pose X_WH_prior = Pose::Identity();
+  hand::HandPose prior;
+  Eigen::VectorXd prior_weights;  ///< as a problem has them
 };
 
 /// Opens a session and solves it. An InvalidInput is told in `error`. Cancelled on wish.

@@ -14,6 +14,7 @@
 #include "core/session/open_roots.h"
 #include "core/session/patch_matching.h"
 #include "core/session/place_matching.h"
+#include "core/session/posture_finding.h"
 #include "core/session/solids.h"
 
 namespace handgraft::session {
@@ -80,8 +81,13 @@ void Workbench::follow(const Document& document, const Progress& progress) {
     for (std::size_t i = 0; i < patches.size(); ++i)
       patches[i].patch = patchOf(models, document.patches[i]);
     const transfer::Surfaces surfaces = surfacesOf(models);
-    if (models.hand != models_.hand) coordinates_.reset();
+    if (models.hand != models_.hand) {
+      coordinates_.reset();
+      skin_faces_.reset();
+      links_of_.clear();
+    }
     placer_.reset();
+    posture_.reset();
     spares_.clear();
     found_for_.clear();
     patches_ = std::move(patches);
@@ -231,23 +237,26 @@ bool Workbench::takeDirectionsFrom(const hand::HandPose& pose) {
   return turned;
 }
 
-std::vector<char> Workbench::linksOf(const std::string& site) {
+const std::vector<char>& Workbench::linksOf(const std::string& site) {
+  if (const auto known = links_of_.find(site); known != links_of_.end()) return known->second;
   const Hand& hand = *models_.hand;
   if (!coordinates_) {
     coordinates_ =
         std::make_unique<hand::FingerCoordinates>(*hand.model, *hand.skin, hand.sites);
   }
-  return linksOfSite(hand, *coordinates_, site);
+  return links_of_.emplace(site, linksOfSite(hand, *coordinates_, site)).first->second;
 }
 
 bool Workbench::takeRootsFrom(const hand::HandPose& pose) {
   const geometry::TriangleMesh& skin_S = models_.hand->skin->mesh();
   const Pose& X_WO = document_.X_WO;
+  if (skin_faces_ == nullptr)
+    skin_faces_ = std::make_unique<const SkinFaces>(*models_.hand->skin);
   bool moved = false;
   for (SessionPatch& item : patches_) {
     if (!item.placement || !item.root_is_open) continue;
     const auto root_S =
-        rootShownBy(*models_.hand->model, *models_.hand->skin, pose, linksOf(item.site),
+        rootShownBy(*models_.hand->model, *skin_faces_, pose, linksOf(item.site),
                     X_WO * positionOf(*models_.object_O, item.patch.root),
                     X_WO.linear() * normalOf(*models_.object_O, item.patch.root));
     if (!root_S) continue;
@@ -264,6 +273,22 @@ bool Workbench::takeRootsFrom(const hand::HandPose& pose) {
 
 // === The problem
 
+bool Workbench::holdsPosture(const Solving& solving) const {
+  return !solving.paper && !document_.start_is_known && document_.prior_shares.posture > 0.0;
+}
+
+void Workbench::holdPosture(PoseProblem& problem) const {
+  if (posture_ == nullptr)
+    posture_ = std::make_unique<const Posture>(postureFor(*models_.hand, *models_.contacts));
+  const double share = document_.prior_shares.posture;
+  problem.prior.q = posture_->q;
+  problem.prior_weights = Eigen::VectorXd::Ones(problem.dofCount());
+  problem.prior_weights.tail(posture_->q.size()) *= share;
+  if (!posture_->R_OH) return;
+  problem.prior.X_WH.linear() = document_.X_WO.linear() * *posture_->R_OH;
+  problem.prior_weights.head<3>() *= share;
+}
+
 PoseProblem Workbench::problem(const Solving& solving) const {
   PoseProblem problem = optimize::makeProblem(models_.hand->model);
   problem.weights = document_.weights;
@@ -274,6 +299,7 @@ PoseProblem Workbench::problem(const Solving& solving) const {
   }
   problem.start = start_;
   problem.prior = document_.prior;
+  if (holdsPosture(solving)) holdPosture(problem);
   problem.locked.assign(static_cast<std::size_t>(problem.dofCount()), false);
   for (std::size_t i = 0; i < document_.joints.size(); ++i) {
     const DocumentJoint& joint = document_.joints[i];
@@ -283,6 +309,7 @@ PoseProblem Workbench::problem(const Solving& solving) const {
     problem.start.q[dof] = std::min(std::max(start_.q[dof], joint.lower), joint.upper);
     problem.locked[6 + i] = joint.locked;
     if (joint.soft_weight <= 0.0) continue;
+    if (problem.prior_weights.size() != 0) problem.prior_weights[6 + dof] = 1.0;
     holdSoftly(static_cast<int>(i),
                std::min(std::max(joint.soft_value, joint.lower), joint.upper),
                joint.soft_weight, problem);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -20,7 +21,9 @@ class FingerCoordinates;
 namespace handgraft::session {
 
 class HandPlacer;
+class SkinFaces;
 struct HandPlacement;
+struct Posture;
 
 /// One patch of a session: where it is on the object, where on the hand, what came of it.
 struct SessionPatch {
@@ -115,7 +118,7 @@ class Workbench {
   /// directions; true if a root moved by more than a face or so.
   bool takeRootsFrom(const hand::HandPose& pose);
   /// The links that a patch on that site may slide on, a flag a link.
-  [[nodiscard]] std::vector<char> linksOf(const std::string& site);
+  const std::vector<char>& linksOf(const std::string& site);
   /// One more solve with the open directions as the report's pose shows them; kept, and true,
   /// if the objective falls.
   bool refineDirections(optimize::SolveReport& report,
@@ -128,6 +131,9 @@ class Workbench {
                   const Solving& solving,
                   optimize::SolveOptions options,
                   const Progress& progress);
+  /// Whether what contacts leave open is decided by a posture: until a pose is known.
+  [[nodiscard]] bool holdsPosture(const Solving& solving) const;
+  void holdPosture(optimize::PoseProblem& problem) const;
   [[nodiscard]] Solution answered(optimize::SolveReport report, const Solving& solving) const;
   void requirePoints() const;
 
@@ -142,6 +148,9 @@ class Workbench {
   std::string found_for_;  ///< what the found directions and start depend on, as bytes
   std::unique_ptr<HandPlacer> placer_;                    ///< made when first needed
   std::unique_ptr<hand::FingerCoordinates> coordinates_;  ///< likewise
+  std::unique_ptr<const SkinFaces> skin_faces_;           ///< likewise
+  std::map<std::string, std::vector<char>> links_of_;     ///< answers of linksOf
+  mutable std::unique_ptr<const Posture> posture_;        ///< likewise
 };
 
 }  // namespace handgraft::session

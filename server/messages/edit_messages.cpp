@@ -108,6 +108,7 @@ optimize::PriorShares sharesFrom(const v1::PriorShares& message) {
   shares.root_translation =
       notNegative(message.root_translation(), "share of the root's translation");
   shares.joints = notNegative(message.joints(), "share of the joints");
+  shares.posture = notNegative(message.posture(), "share of the posture");
   return shares;
 }
 

@@ -22,6 +22,7 @@ v1::PriorShares sharesMessage(const optimize::PriorShares& shares) {
   message.root_rotation(shares.root_rotation);
   message.root_translation(shares.root_translation);
   message.joints(shares.joints);
+  message.posture(shares.posture);
   return message;
 }
 

@@ -203,6 +203,7 @@ TEST_F(EditMaking, TakesPriors) {
   EXPECT_EQ(shares.root_rotation(), 1);
   EXPECT_EQ(shares.root_translation(), 2);
   EXPECT_EQ(shares.joints(), 3);
+  EXPECT_EQ(edit("prior posture 0.5").prior_shares().posture(), 0.5);
 }
 
 TEST_F(EditMaking, ChangesOfASearchKeepTheRest) {

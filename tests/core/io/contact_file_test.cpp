@@ -134,6 +134,29 @@ TEST(ContactSetFile, KeepsPlacesOnTheHandThatTouched) {
       ThrowsMessage<InvalidInput>(HasSubstr("'place' needs format")));
 }
 
+TEST(ContactSetFile, KeepsThePostureOfTheHandThatTouched) {
+  const MeshFile object = backwardsPlate();
+  ContactSet set = readContactSet(write("two.json", kSquareSet), object);
+  set.posture = {{"palm", {0.0, 0.6, 0.8}, {1.0, 0.0, 0.0}},
+                 {"index_middle", {0.0, 0.0, 1.0}, Eigen::Vector3d::Zero()}};
+  const std::string text = contactSetText(set, object);
+  EXPECT_THAT(text, HasSubstr("handgraft-contacts/2"));
+  const ContactSet again = readContactSet(write("posture.json", text), object);
+  ASSERT_EQ(again.posture.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(again.posture[i].part, set.posture[i].part);
+    EXPECT_LT((again.posture[i].outward_O - set.posture[i].outward_O).norm(), 1e-15);
+    EXPECT_LT((again.posture[i].palmar_O - set.posture[i].palmar_O).norm(), 1e-15);
+  }
+  set.posture[1].outward_O.setZero();
+  const std::string flat = contactSetText(set, object);
+  EXPECT_THAT(
+      [&] {
+        readContactSet(write("flat.json", flat), object);
+      },
+      ThrowsMessage<InvalidInput>(HasSubstr("'outward' has no length")));
+}
+
 TEST(ContactSetFile, FaultsNameFilePatchAndField) {
   const MeshFile object = backwardsPlate();
   const auto refuses = [&](const std::string& from, const std::string& to, const char* text) {
@@ -152,7 +175,7 @@ TEST(ContactSetFile, FaultsNameFilePatchAndField) {
   refuses("\"format\"", "\"fromat\"", "'format' is missing");
   refuses("\"patches\": [", "\"notes\": [", "'patches' is missing");
   refuses("\"patches\"", "\"patch\"",
-          "field 'patch' is unknown; permitted are format name object patches notes");
+          "field 'patch' is unknown; permitted are format name object patches posture notes");
   refuses("\"direction\"", "\"dirrection\"",
           "patch 'thumb': field 'dirrection' is unknown; permitted are name root direction");
   refuses("\"face\": 3", "\"face\": 3, \"baricentric\": 1",

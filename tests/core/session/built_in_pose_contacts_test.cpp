@@ -48,6 +48,10 @@ TEST_P(BuiltInPoseContacts, GiveBackTheFingersThatThePoseWasSolvedFor) {
       library() / "contacts" / (std::string(GetParam().set) + ".json"), object);
   Session session(humanHand(), std::make_shared<const geometry::TriangleMesh>(object.mesh),
                   asked, Pose::Identity(), optimize::Weights());
+  // Fingers without a patch stay away from the object: at rest, not in their posture beside it.
+  PriorSharesEdit at_rest;
+  at_rest.shares.posture = 0.0;
+  session.apply(at_rest);
   const hand::HandPose pose = session.optimize(optimize::SolveOptions(), Progress()).pose;
 
   const PosedContacts found =

@@ -41,7 +41,7 @@ std::vector<Edit> everyKind() {
           WeightsEdit{{2e4, 0.5, 1e-300}},
           PatchEnabledEdit{"ring", true},
           JointSoftEdit{"j", 0.5, 10.0},
-          PriorSharesEdit{{0.0, 2.0, 3.0}},
+          PriorSharesEdit{{0.0, 2.0, 3.0, 0.25}},
           SolvingEdit{solving},
           DragEdit{"tip", {0.0, 0.1, 0.2}, {1.0, 2.0, 3.0}, R, 0.5},
           ChoiceEdit{3, someHand()},

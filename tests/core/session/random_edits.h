@@ -59,7 +59,7 @@ class RandomEdits {
       case 13:
         return WeightsEdit{{uniform(5e3, 2e4), uniform(0.5, 2), 1e-3}};
       case 14:
-        return PriorSharesEdit{{uniform(0, 2), uniform(0, 2), uniform(0, 2)}};
+        return PriorSharesEdit{{uniform(0, 2), uniform(0, 2), uniform(0, 2), uniform(0, 90)}};
       case 15: {
         Solving solving;
         solving.seed = static_cast<unsigned>(below(100));

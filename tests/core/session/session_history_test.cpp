@@ -283,14 +283,14 @@ TEST(SessionEdit, HoldsAJointSoftly) {
 TEST(SessionEdit, OfPriorSharesScalesThePrior) {
   Session session = opened();
   session.transferPatches(Progress());
-  session.apply(PriorSharesEdit{{2.0, 3.0, 5.0}});
+  session.apply(PriorSharesEdit{{2.0, 3.0, 5.0, 0.0}});
   const Eigen::VectorXd weights = session.problem().prior_weights;
   EXPECT_EQ(weights[0], 2.0);
   EXPECT_EQ(weights[3], 3.0);
   EXPECT_EQ(weights[6], 5.0);
   expectRefusal(
       [&] {
-        session.apply(PriorSharesEdit{{-1.0, 1.0, 1.0}});
+        session.apply(PriorSharesEdit{{-1.0, 1.0, 1.0, 0.0}});
       },
       "rotation is -1");
 }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.h"
+#include "core/hand/posture.h"
 
 #include "tests/core/session/ball_grasp.h"
 
@@ -29,7 +30,10 @@ TEST(Session, GraspsABall) {
   ASSERT_EQ(report.patches.size(), 3u);
   for (const optimize::PatchFit& fit : report.patches) {
     EXPECT_EQ(fit.point_count, 25);
-    EXPECT_LT(fit.mean_mm, 3.0);  // ball on ball: outlines 7 mm about the touching point
+    // Balls of 10 and 30 mm that touch are 3.3 mm apart 7 mm beside that place; more where
+    // they shall not press into each other, but for a margin.
+    EXPECT_LT(fit.mean_mm, 4.0);
+    EXPECT_GT(fit.mean_mm, 3.2);
     EXPECT_LT(fit.normal_mean_deg, 60.0);
   }
 }
@@ -124,7 +128,8 @@ TEST(Session, ProblemIsInTheWorld) {
     }
   }
   EXPECT_TRUE(problem.start.X_WH.isApprox(Pose::Identity()));
-  EXPECT_EQ(problem.prior.q, session.hand().model->restPose());
+  EXPECT_EQ(problem.prior.q,
+            hand::relaxedPosture(*session.hand().model, session.hand().skin->qReference()));
 }
 
 TEST(Session, ProblemNeedsATransferFirst) {

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "core/contact/contact_set.h"
+#include "core/session/models.h"
+
+namespace handgraft::session {
+
+/// How a hand stands where contacts leave it open.
+struct Posture {
+  Eigen::VectorXd q;                    ///< a value per dof, within the limits
+  std::optional<Eigen::Matrix3d> R_OH;  ///< missing where nobody knows how the hand was held
+};
+
+/// The posture of `hand` that has its parts turned most like those of the hand that touched:
+/// segments and palm of the same names, by their bones and, half as much, by where they close
+/// to. Joints that this leaves open, and all of them where `contacts` tell no posture, are
+/// relaxed (hand::relaxedPosture).
+///
+/// Deterministic. Cost: some milliseconds.
+Posture postureFor(const Hand& hand, const contact::ContactSet& contacts);
+
+}  // namespace handgraft::session
