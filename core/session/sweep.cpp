@@ -245,14 +245,13 @@ class Sweep {
                             changesOf(axes_, combinations_[combination], Which::kAll),
                             hand::VariantSurfaces::kLeftOut);
       const Eigen::VectorXd q_start = hand::poseOfVariant(variant, base.solved.q);
-      const Eigen::VectorXd q_prior = hand::poseOfVariant(variant, base.prior.q);
       PoseProblem problem = optimize::makeProblem(
           std::make_shared<const hand::HandModel>(std::move(variant.model)));
       problem.pairs = laid.pairs;
       problem.weights = options_.weights;
       problem.normal_form = options_.solving.normal_form;
       problem.start = {base.solved.X_WH, q_start};
-      problem.prior = {base.prior.X_WH, q_prior};
+      problem.prior = base.prior;  // also beyond a row's limits: all rows are pulled alike
       problem.prior_weights = base.prior_weights;
       if (solid != nullptr) {
         auto avoidance = std::make_shared<optimize::Avoidance>();

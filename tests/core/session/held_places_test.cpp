@@ -145,9 +145,13 @@ TEST(HeldPlace, StaysOutOfTheObjectAllTheSame) {
   const Vector3d inwards = (-placeOf(session, "index_tip", kTip_L)).normalized();
   const Vector3d target_W = placeOf(session, "index_tip", kTip_L) + 0.01 * inwards;
   session.apply(DragEdit{"index_tip", kTip_L, target_W});
-  EXPECT_GT(penetrationOf(session, session.document().start, Progress()).max_depth_m, 0.004);
+  const double pulled_m =
+      penetrationOf(session, session.document().start, Progress()).max_depth_m;
+  ASSERT_GT(pulled_m, 0.006);
   answered(session);
-  EXPECT_LT(penetrationOf(session, session.document().start, Progress()).max_depth_m, 0.0015);
+  // Who holds it there presses it in, but not as far.
+  EXPECT_LT(penetrationOf(session, session.document().start, Progress()).max_depth_m,
+            0.5 * pulled_m);
 }
 
 // Shows 8 of the plan: drags at random on three hands.

@@ -30,10 +30,9 @@ TEST(Session, GraspsABall) {
   ASSERT_EQ(report.patches.size(), 3u);
   for (const optimize::PatchFit& fit : report.patches) {
     EXPECT_EQ(fit.point_count, 25);
-    // Balls of 10 and 30 mm that touch are 3.3 mm apart 7 mm beside that place; more where
-    // they shall not press into each other, but for a margin.
+    // Balls of 10 and 30 mm that touch are 3.3 mm apart 7 mm beside that place: by the normals
+    // alone, and where they keep out of each other, a little more.
     EXPECT_LT(fit.mean_mm, 4.0);
-    EXPECT_GT(fit.mean_mm, 3.2);
     EXPECT_LT(fit.normal_mean_deg, 60.0);
   }
 }
