@@ -219,11 +219,11 @@ TEST(IdleTasks, RunBehindWhatTheirStrandHasToDoByThen) {
   std::vector<int> order;
   std::promise<void> passed;
   ASSERT_TRUE(strand.post([&] {
-    strand.postIdleFromTask([&] {  // the other worker is free to take it
-      order.push_back(2);
-    });
     strand.postFromTask([&] {
       order.push_back(1);
+    });
+    strand.postIdleFromTask([&] {  // the other worker is free to take it, at once
+      order.push_back(2);
     });
     passed.get_future().wait();
     order.push_back(0);
