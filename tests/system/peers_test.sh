@@ -42,7 +42,7 @@ on() { # N COMMAND...
 start() { # N NAME COMMAND...: in the background, its words in NAME.log
   local n=$1 name=$2
   shift 2
-  on "$n" "$@" >"$scratch/$name.log" 2>&1 &
+  (HOME=$scratch XDG_CACHE_HOME=$scratch exec ip netns exec "$tag-$n" "$@") >"$scratch/$name.log" 2>&1 &
   pids+=($!)
 }
 await() { # WORDS FILE
