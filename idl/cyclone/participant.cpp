@@ -9,9 +9,13 @@
 #include "idl/cyclone/participant.h"
 
 #include <atomic>
+#include <chrono>
 #include <cstring>
+#include <future>
 #include <map>
+#include <memory>
 #include <mutex>
+#include <thread>
 #include <utility>
 
 #include <dds/dds.h>
@@ -118,7 +122,16 @@ class Domain {
   ~Domain() {
     const std::lock_guard lock(mutex());
     Shared& shared = all()[id_];
-    if (--shared.users == 0) dds_delete(shared.handle);
+    if (--shared.users > 0) return;
+    // Without its interface Cyclone DDS waits for its own receiving thread for ever; then that
+    // is left behind, so that a program whose network went away still ends.
+    constexpr std::chrono::seconds kPatience(5);
+    const auto gone = std::make_shared<std::promise<void>>();
+    std::thread([gone, handle = shared.handle] {
+      dds_delete(handle);
+      gone->set_value();
+    }).detach();
+    gone->get_future().wait_for(kPatience);
   }
 
   Domain(const Domain&) = delete;

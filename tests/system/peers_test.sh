@@ -85,4 +85,10 @@ wait "${pids[0]}" 2>/dev/null || true
 start 1 server2 "$bin/handgraft-server" --interface auto --peers 10.77.2.2
 await event=ready "$scratch/server2.log"
 on 2 "$bin/handgraft" doctor --interface auto >"$scratch/doctor" 2>&1 || { cat "$scratch/doctor"; fail "a server that names its client was not found"; }
+
+# === A program whose network went away still ends
+ip -n "$tag-3" link del eth0
+kill "${pids[1]}"
+for _ in $(seq 300); do kill -0 "${pids[1]}" 2>/dev/null || break; sleep 0.1; done
+kill -0 "${pids[1]}" 2>/dev/null && fail "the bridge does not end by SIGTERM once its network is gone"
 echo "peers_test: passed"
