@@ -61,7 +61,7 @@ void noteLimits(const hand::HandModel& model,
   }
 }
 
-AskedPose poseFrom(const v1::PoseContactsRequest& request, const StoredHand& hand) {
+AskedPose askedPoseFrom(const v1::PoseContactsRequest& request, const StoredHand& hand) {
   if (request.joints().size() != request.joint_positions().size()) {
     rejectInput("pose: {} joints but {} values", request.joints().size(),
                 request.joint_positions().size());
@@ -157,7 +157,7 @@ v1::ModelList contactsOfPose(const v1::PoseContactsRequest& request,
   const Pose X_WO = poseFrom(request.X_WO(), "X_WO");
   const contact::PoseContactOptions reach = reachFrom(request);
   const contact::SegmentationOptions segmentation = segmentationOf(request);
-  AskedPose asked = poseFrom(request, *hand);
+  AskedPose asked = askedPoseFrom(request, *hand);
 
   const session::Hand ready = hand->hand->get(progress);
   session::PosedContacts posed = session::contactsOfPosedHand(
