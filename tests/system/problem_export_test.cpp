@@ -30,6 +30,7 @@ hand::HandPose poseOf(const json& grasp, const hand::HandModel& model) {
   return pose;
 }
 
+/// Of a solve by touch alone: the file has no term for penetration.
 void expectExact(const json& grasp, const fs::path& problem_file) {
   const optimize::PoseProblem problem = io::readProblem(problem_file);
   optimize::Objective objective(problem);
@@ -47,7 +48,7 @@ TEST(ProblemExport, OfABuiltInHandIsExactAndBringsItsUrdf) {
   fs::create_directories(folder);
   const fs::path file = folder / "problem.json";
   const json grasp = service.ask({"grasp", "--hand", "human20", "--object", "box", "--contacts",
-                                  "box_5", "--problem", file.string()});
+                                  "box_5", "--touch-only", "--problem", file.string()});
   std::ifstream stream(file);
   const json document = json::parse(stream);
   EXPECT_EQ(document.at("format"), "handgraft-problem/1");
@@ -64,7 +65,8 @@ TEST(ProblemExport, OfARealHandPointsToItsUrdf) {
   const json grasp = service.ask(
       {"grasp", "--hand",
        sharedData("hands/mia_hand_right/mia_hand_description/urdf/mia_hand.urdf").string(),
-       "--object", "lemon", "--contacts", "lemon_6", "--problem", file.string()});
+       "--object", "lemon", "--contacts", "lemon_6", "--touch-only", "--problem",
+       file.string()});
   std::ifstream stream(file);
   const json document = json::parse(stream);
   EXPECT_EQ(document.at("dofs").size(), 10u) << "mimic joints are no dofs";
