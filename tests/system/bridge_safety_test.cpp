@@ -67,6 +67,13 @@ class TendonHandOnATty : public testing::Test {
     ASSERT_TRUE(std::filesystem::exists(calibration_));
   }
 
+  /// The device's own watchdog is what switches it off.
+  void awaitPowerOff() {
+    for (int i = 0; i < 200 && bench_.rig().isPowered(); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    EXPECT_FALSE(bench_.rig().isPowered());
+  }
+
   [[nodiscard]] std::vector<double> openHand() const {
     std::vector<double> pose;
     for (const safety::JointLimits& limits : bench_.config().governor.limits)
@@ -174,9 +181,7 @@ TEST_F(TendonHandOnATty, KilledItsOwnWatchdogSwitchesItOff) {
   ASSERT_TRUE(bench_.arm()) << bench_.told();
   bench_.bridge().send(SIGKILL);
   EXPECT_EQ(bench_.bridge().wait(), 128 + SIGKILL);
-  for (int i = 0; i < 200 && bench_.rig().isPowered(); ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  EXPECT_FALSE(bench_.rig().isPowered());
+  awaitPowerOff();
 }
 
 // === 3. A homing that failed
@@ -205,7 +210,14 @@ TEST_F(TendonHandOnATty, KilledInItsHomingHasNoZerosWhenItComesBack) {
   })) << bench_.told();
   bench_.bridge().send(SIGKILL);
   static_cast<void>(bench_.bridge().wait());
-  start();
+  awaitPowerOff();
+  bench_.startBridge();
+  server_.stream(openHand());
+  ASSERT_TRUE(bench_.status([](const v1::BridgeStatus& told) {
+    return told.state() == v1::BRIDGE_FAULT && told.poses_accepted() > 0;
+  })) << "its watchdog fired: "
+      << bench_.told();
+  EXPECT_EQ(ask("reset").exit_code, 0) << bench_.told();
   expectIsNotArmed(v1::REFUSAL_NOT_HOMED, "HOME first");
 }
 
