@@ -60,6 +60,8 @@ export class Session implements Listener {
   private readonly watchers: ((change: Change) => void)[] = [];
   private readonly notices: ((notice: Notice) => void)[] = [];
   private loaded = '';
+  private lookAgain = false; // asked for while the last answer was on its way
+  private countsAnew = false; // revisions, of a session that was opened again
   private lookTimer = 0;
   private looking = false;
   /** Edits that were made as one: a drag. Undone as one, too. */
@@ -190,7 +192,8 @@ export class Session implements Listener {
 
   onState(session: number, state: SessionState, isOurs: boolean, page: number): void {
     if (session !== this.id) return;
-    const isNew = state.revision !== this.state?.revision;
+    const isNew = this.countsAnew || state.revision !== this.state?.revision;
+    this.countsAnew = false;
     this.state = state;
     if (state.last_edit !== '' && page >= 0) {
       this.editor = this.nameOf(isOurs ? page || this.page : 0);
@@ -240,7 +243,8 @@ export class Session implements Listener {
   onMoved(from: number, to: number): void {
     if (from !== this.id) return;
     this.id = to;
-    this.solution = null; // it counts anew
+    this.solution = null;
+    this.countsAnew = true;
     this.groups.length = this.sent.length = 0;
     this.tell('link');
     this.notify('The server is back; the session goes on where it stood.');
@@ -292,12 +296,14 @@ export class Session implements Listener {
 
   /** Has the settings asked for, soon, and again while edits come. */
   private look(): void {
+    this.lookAgain = this.looking;
     if (this.lookTimer !== 0 || this.looking) return;
     this.lookTimer = window.setTimeout(() => void this.lookNow(), this.settings === null ? 0 : kLookAgain_ms);
   }
 
   private async lookNow(): Promise<void> {
     this.lookTimer = 0;
+    this.lookAgain = false;
     this.looking = true;
     const key = this.id;
     const seen = this.solution?.sequence_number;
@@ -316,7 +322,7 @@ export class Session implements Listener {
     } finally {
       this.looking = false;
     }
-    if (seen !== this.solution?.sequence_number) this.look();
+    if (this.lookAgain || seen !== this.solution?.sequence_number) this.look();
   }
 
   private async send(body: EditBody): Promise<number> {
