@@ -128,12 +128,21 @@ void declareBringUp(CLI::App& app, BringUp& told) {
   CLI::App* make =
       add("make-config", "A config to fill in, from a hand's URDF", Step::kMakeConfig);
   make->add_option("urdf", told.urdf, "the hand's model")->required();
-  make->add_option("--kind", told.plan.kind, "dynamixel, ability_hand, odrive or simulated")
-      ->check(CLI::IsMember({"dynamixel", "ability_hand", "odrive", "simulated"}))
+  std::vector<std::string> kinds;
+  for (const config::DeviceTraits& traits : config::deviceKinds())
+    kinds.emplace_back(traits.name);
+  make->add_option("--kind", told.plan.kind, "of the device")
+      ->check(CLI::IsMember(kinds))
       ->capture_default_str();
-  make->add_option("--port", told.plan.port, "a tty")->capture_default_str();
+  make->add_option("--port", told.plan.port, "a tty, or a CAN bus' network interface")
+      ->capture_default_str();
+  make->add_option("--can-bitrate", told.plan.can_bitrate,
+                   "of a CAN bus; default: the kind's usual one");
   make->add_option("--baud", told.plan.baud, "of the tty; default: the kind's usual one");
-  make->add_option("--ids", told.plan.ids, "of the motors, in the order of the joints")
+  make->add_option(
+          "--ids", told.plan.ids,
+          "of the motors, in the order of the joints; of a hand that comes as a whole, "
+          "their places in it")
       ->delimiter(',')
       ->allow_extra_args(false);
   make->add_option("--out", told.out, "the file; default: standard output");

@@ -1,6 +1,7 @@
 #include "hardware/bridge/device_factory.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -156,21 +157,41 @@ std::unique_ptr<devices::Device> makeAllegro(const HandConfig& config,
   return std::make_unique<devices::AllegroHand>(std::move(told), can, clock);
 }
 
-std::unique_ptr<devices::Device> makeOnCan(const HandConfig& config,
-                                           devices::CanChannel& can,
-                                           const devices::Clock& clock) {
-  return config.device.kind == DeviceKind::kAllegro ? makeAllegro(config, can, clock)
-                                                    : makeODrive(config, can, clock);
+/// How the device of a kind is made, on the wire that the kind hangs on.
+struct Maker {
+  DeviceKind kind;
+  std::unique_ptr<devices::Device> (*on_bytes)(const HandConfig&,
+                                               devices::ByteChannel&,
+                                               const devices::Clock&);
+  std::unique_ptr<devices::Device> (*on_can)(const HandConfig&,
+                                             devices::CanChannel&,
+                                             const devices::Clock&);
+};
+
+constexpr std::array<Maker, 5> kMakers = {{
+    {DeviceKind::kDynamixel, makeDynamixel, nullptr},
+    {DeviceKind::kAbilityHand, makeAbilityHand, nullptr},
+    {DeviceKind::kODrive, nullptr, makeODrive},
+    {DeviceKind::kInspire, makeInspire, nullptr},
+    {DeviceKind::kAllegro, nullptr, makeAllegro},
+}};
+
+const Maker& makerOf(const HandConfig& config) {
+  const auto found = std::find_if(kMakers.begin(), kMakers.end(), [&](const Maker& maker) {
+    return maker.kind == config.device.kind;
+  });
+  if (found == kMakers.end()) rejectInput("a simulated hand has no wire");
+  return *found;
 }
 
 bool isOnCan(DeviceKind kind) {
-  return kind == DeviceKind::kODrive || kind == DeviceKind::kAllegro;
+  return config::traitsOf(kind).wire == config::DeviceWire::kCan;
 }
 
 std::vector<int> nodesOf(const HandConfig& config) {
   std::vector<int> nodes;
-  // An Allegro's ids are no axes': all of them are let through.
-  if (config.device.kind == DeviceKind::kAllegro) {
+  // Ids of a hand that comes as a whole are no axes': all of them are let through.
+  if (config::traitsOf(config.device.kind).own_motors > 0) {
     nodes.resize(protocols::odrive::kHighestNode + 1);
     std::iota(nodes.begin(), nodes.end(), 0);
     return nodes;
@@ -197,27 +218,16 @@ std::unique_ptr<devices::Device> makeSimulated(const HandConfig& config,
 DeviceStack makeDeviceOn(devices::ByteChannel& bytes,
                          const HandConfig& config,
                          const devices::Clock& clock) {
+  const Maker& maker = makerOf(config);
   DeviceStack stack;
-  switch (config.device.kind) {
-    case DeviceKind::kDynamixel:
-      stack.device = makeDynamixel(config, bytes, clock);
-      return stack;
-    case DeviceKind::kAbilityHand:
-      stack.device = makeAbilityHand(config, bytes, clock);
-      return stack;
-    case DeviceKind::kInspire:
-      stack.device = makeInspire(config, bytes, clock);
-      return stack;
-    case DeviceKind::kODrive:
-    case DeviceKind::kAllegro:
-      stack.can =
-          std::make_unique<devices::SlcanChannel>(bytes, config.device.can_bitrate, clock);
-      stack.device = makeOnCan(config, *stack.can, clock);
-      return stack;
-    case DeviceKind::kSimulated:
-      break;
+  if (isOnCan(config.device.kind)) {
+    stack.can =
+        std::make_unique<devices::SlcanChannel>(bytes, config.device.can_bitrate, clock);
+    stack.device = maker.on_can(config, *stack.can, clock);
+  } else {
+    stack.device = maker.on_bytes(config, bytes, clock);
   }
-  rejectInput("a simulated hand has no wire");
+  return stack;
 }
 
 DeviceStack makeDevice(const HandConfig& config,
@@ -233,7 +243,7 @@ DeviceStack makeDevice(const HandConfig& config,
   if (isOnCan(config.device.kind) && config.device.carrier == config::CanCarrier::kSocketCan) {
     stack.can = std::make_unique<devices::SocketCanChannel>(
         devices::canInterface(config.device.port, nodesOf(config)));
-    stack.device = makeOnCan(config, *stack.can, clock);
+    stack.device = makerOf(config).on_can(config, *stack.can, clock);
     return stack;
   }
   auto port = std::make_unique<devices::SerialPort>(config.device.port, config.device.baud);
@@ -243,21 +253,9 @@ DeviceStack makeDevice(const HandConfig& config,
 }
 
 std::string nameOf(const config::DeviceConfig& device) {
-  switch (device.kind) {
-    case DeviceKind::kSimulated:
-      return "simulated";
-    case DeviceKind::kDynamixel:
-      return "dynamixel " + device.port;
-    case DeviceKind::kAbilityHand:
-      return "ability_hand " + device.port;
-    case DeviceKind::kODrive:
-      return "odrive " + device.port;
-    case DeviceKind::kInspire:
-      return "inspire " + device.port;
-    case DeviceKind::kAllegro:
-      return "allegro " + device.port;
-  }
-  return "unknown";
+  const config::DeviceTraits& traits = config::traitsOf(device.kind);
+  return traits.wire == config::DeviceWire::kNone ? traits.name
+                                                  : traits.name + (" " + device.port);
 }
 
 }  // namespace handgraft::bridge

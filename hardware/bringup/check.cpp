@@ -101,22 +101,27 @@ class Walk {
                : fmt::format("joint '{}' (motor '{}')", motor.joint, motor.name);
   }
 
+  void turnHeldFor(std::size_t i, double step_rad) {
+    companion_.say(fmt::format("{}: hold the space bar (or type 'hold'): it turns by {} rad",
+                               nameOf(i), step_rad));
+    const auto is_let_go = [&] {
+      return tried([&] {
+        return jogger(i).turn(step_rad, companion_.is_held).was_let_go;
+      });
+    };
+    while (is_let_go())
+      companion_.say("it was let go; once more: hold the space bar");
+  }
+
   void walkMotor(std::size_t i) {
     config::MotorConfig& motor = config_.motors[i];
     companion_.say(fmt::format("--- {} of {}: {}, id {}", i + 1, config_.motors.size(),
                                nameOf(i), motor.id));
     MotorFinding finding;
     finding.motor = motor.name;
+    if (config::traitsOf(config_.device.kind).has_zeros) return walkKnownMotor(i, finding);
     motor.zero_rad = finding.zero_rad = placed(i, "to its zero, as the model has it");
-    companion_.say(fmt::format("{}: hold the space bar (or type 'hold'): it turns by {} rad",
-                               nameOf(i), kStep_rad));
-    const auto is_let_go = [&] {
-      return tried([&] {
-        return jogger(i).turn(kStep_rad, companion_.is_held).was_let_go;
-      });
-    };
-    while (is_let_go())
-      companion_.say("it was let go; once more: hold the space bar");
+    turnHeldFor(i, kStep_rad);
     if (!agrees(fmt::format("Did {}, and no other, turn the way that its model calls positive?",
                             nameOf(i)))) {
       if (!agrees("Was it the right joint, the other way?")) {
@@ -148,6 +153,27 @@ class Walk {
     findings_.motors.push_back(finding);
   }
 
+  // Its zero and its range are the hand's own, and its fingers may not be moved by hand.
+  void walkKnownMotor(std::size_t i, MotorFinding& finding) {
+    const config::MotorConfig& motor = config_.motors[i];
+    finding.zero_rad = motor.zero_rad;
+    finding.lowest_rad = motor.range_rad.lower;
+    finding.highest_rad = motor.range_rad.upper;
+    const double start = tried([&] {
+      return jogger(i).look().motor_rad;
+    });
+    const bool has_room = start + kStep_rad < motor.range_rad.upper;
+    const double step_rad = has_room ? kStep_rad : -kStep_rad;
+    turnHeldFor(i, step_rad);
+    finding.is_direction_right =
+        agrees(fmt::format("Did {}, and no other, turn the way that its model calls {}?",
+                           nameOf(i), has_room ? "positive" : "negative"));
+    if (!finding.is_direction_right)
+      finding.objection = "its motor turned another joint, or the other way";
+    companion_.say(finding.objection.empty() ? nameOf(i) + ": fine" : finding.objection);
+    findings_.motors.push_back(finding);
+  }
+
   bridge::DeviceStack armed() {
     // Ranges of motors that stand somewhere near their ends: they are only held there.
     bridge::DeviceStack stack = make_device_(config_);
@@ -157,7 +183,7 @@ class Walk {
   }
 
   void walkWatchdog() {
-    if (!config::hasWatchdog(config_.device.kind)) {
+    if (!config::traitsOf(config_.device.kind).has_watchdog) {
       findings_.lacks_watchdog = true;
       companion_.say("this device has no watchdog, which the config accepts");
       return;

@@ -38,7 +38,7 @@ struct Findings {
 /// A guided walk through a hand before it is trusted: each motor's zero, direction and range,
 /// its joint moved by hand and by a slow jog; then that the device's own watchdog stops the
 /// motors, and that its emergency stop does. `config` gets the directions and zeros that were
-/// found.
+/// found. A hand that knows its zeros is not moved by hand: each motor turns, and that is all.
 ///
 /// Nothing turns but a jog of 0.1 rad that is held for, and motors that hold where they stand.
 /// What fails at the device is told, and tried again if the companion agrees. A companion who

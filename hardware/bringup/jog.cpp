@@ -90,7 +90,19 @@ Jogger::Turn Jogger::turn(double step_rad, const IsHeld& is_held) {
   const double start = told.from.motor_rad;
   config::HandConfig wide = config_;
   const double way = std::abs(step_rad) + kSlack;
-  wide.motors[index_].range_rad = {start - way, start + way};
+  tendon::Range& range = wide.motors[index_].range_rad;
+  const tendon::Range known = range;
+  range = {start - way, start + way};
+  if (config::traitsOf(config_.device.kind).has_zeros) {
+    range = {std::max(range.lower, std::min(known.lower, start)),
+             std::min(range.upper, std::max(known.upper, start))};
+    const double goal = start + step_rad;
+    if (goal < range.lower || goal > range.upper) {
+      rejectInput("step {} rad: {} stands at {:.3f} rad, its range ends at {:.3f}", step_rad,
+                  handgraft::quoted(config_.motors[index_].name), start,
+                  step_rad < 0 ? known.lower : known.upper);
+    }
+  }
   bridge::DeviceStack stack = make_device_(wide);
   devices::Device& device = *stack.device;
   device.open();

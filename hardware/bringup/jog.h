@@ -40,7 +40,8 @@ class Jogger {
 
   /// Turns by `step_rad`, for as long as `is_held`; once let go it brakes. Motors are off
   /// afterwards, whatever happens.
-  /// Errors: InvalidInput for a step outside +-0.5 rad; TransportError, DeviceError.
+  /// Errors: InvalidInput for a step outside +-0.5 rad, or beyond the range of a motor that
+  /// knows its zero; TransportError, DeviceError.
   Turn turn(double step_rad, const IsHeld& is_held);
 
   [[nodiscard]] const config::MotorConfig& motor() const { return config_.motors[index_]; }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 
 #include <fmt/format.h>
 #include <tinyxml2.h>
@@ -14,6 +15,8 @@ namespace handgraft::bringup {
 
 namespace {
 
+using config::DeviceKind;
+
 struct Joint {
   std::string name;
   double lower = -3.14159, upper = 3.14159;
@@ -24,7 +27,9 @@ struct Joint {
 
 constexpr double kVelocity = 1.0;  // rad/s: slow enough to watch
 constexpr int kUsualRate_Hz = 50;
-constexpr int kLeastRate_Hz = 10;  // of any loop
+constexpr int kLeastRate_Hz = 10;     // of any loop
+constexpr int kTorqueRate_Hz = 333;   // of a position loop that is ours
+constexpr int kFactoryBaud = 57'600;  // of Dynamixels
 
 std::string attribute(const tinyxml2::XMLElement& element, const char* name) {
   const char* text = element.Attribute(name);
@@ -67,14 +72,29 @@ std::string inQuotes(const std::string& text) {
   return out + "\"";
 }
 
+const config::DeviceTraits& traitsNamed(const std::string& kind) {
+  std::string names;
+  for (const config::DeviceTraits& traits : config::deviceKinds()) {
+    if (traits.name == kind) return traits;
+    names += (names.empty() ? "" : ", ") + std::string(traits.name);
+  }
+  rejectInput("--kind {} is not one of {}", handgraft::quoted(kind), names);
+}
+
+bool isInterface(const std::string& port) {
+  return !port.empty() && port.front() != '/';
+}
+
 /// The device, as far as what its wire can carry depends on it.
 config::DeviceConfig deviceOf(const ConfigPlan& plan) {
+  const config::DeviceTraits& traits = traitsNamed(plan.kind);
   config::DeviceConfig device;
-  if (plan.kind == "odrive") device.kind = config::DeviceKind::kODrive;
-  if (plan.kind == "dynamixel") device.kind = config::DeviceKind::kDynamixel;
-  if (plan.kind == "ability_hand") device.kind = config::DeviceKind::kAbilityHand;
-  const bool is_hand = device.kind == config::DeviceKind::kAbilityHand;
-  device.baud = plan.baud > 0 ? plan.baud : is_hand ? 460'800 : 57'600;
+  device.kind = traits.kind;
+  const int usual = traits.kind == DeviceKind::kDynamixel ? kFactoryBaud : traits.baud;
+  device.baud = plan.baud > 0 ? plan.baud : usual;
+  device.is_baud_told = plan.baud > 0;
+  device.can_bitrate = plan.can_bitrate > 0 ? plan.can_bitrate : traits.can_bitrate;
+  if (isInterface(plan.port)) device.carrier = config::CanCarrier::kSocketCan;
   return device;
 }
 
@@ -83,37 +103,114 @@ int rateOf(const ConfigPlan& plan, std::size_t motor_count) {
   config::HandConfig config;
   config.device = deviceOf(plan);
   config.motors.resize(motor_count);
-  config.governor.period_s = 1.0 / kUsualRate_Hz;
+  const config::DeviceTraits& traits = config::traitsOf(config.device.kind);
+  const bool is_can = traits.wire == config::DeviceWire::kCan;
+  const int usual_Hz = traits.has_own_loop ? kUsualRate_Hz : kTorqueRate_Hz;
+  config.governor.period_s = 1.0 / usual_Hz;
   const double cycle_s = config::cycleTime_s(config);
-  if (cycle_s * kUsualRate_Hz <= config::kWireShare) return kUsualRate_Hz;
+  if (cycle_s * usual_Hz <= config::kWireShare) return usual_Hz;
   const int rate_Hz = static_cast<int>(config::kWireShare / cycle_s);
-  if (rate_Hz < kLeastRate_Hz) {
+  const int least_Hz = traits.has_own_loop ? kLeastRate_Hz : config::kLeastTorqueRate_Hz;
+  if (rate_Hz < least_Hz) {
     rejectInput(
-        "baud {}: {} motors take {:.0f} ms a cycle, which leaves {} Hz; at least {} Hz are "
-        "permitted: give the motors a higher rate, and tell it by --baud",
-        config.device.baud, motor_count, 1000 * cycle_s, rate_Hz, kLeastRate_Hz);
+        "{}: {} motors take {:.0f} ms a cycle, which leaves {} Hz; at least {} Hz are "
+        "permitted: give {} a higher rate, and tell it by {}",
+        is_can ? fmt::format("can_bitrate {}", config.device.can_bitrate)
+               : fmt::format("baud {}", config.device.baud),
+        motor_count, 1000 * cycle_s, rate_Hz, least_Hz,
+        is_can ? "the bus, or its adapter," : "the motors",
+        is_can ? "--can-bitrate, or --baud" : "--baud");
   }
   return rate_Hz;
 }
 
-std::string deviceText(const ConfigPlan& plan, int rate_Hz) {
-  const bool is_hand = plan.kind == "ability_hand";
-  std::string text = fmt::format("device:\n  kind: {}\n", plan.kind);
-  if (plan.kind == "simulated") return text + "  watchdog_ms: 200\n";
-  text += fmt::format("  port: {}\n", inQuotes(plan.port));
-  if (plan.kind == "odrive") {
-    text +=
-        "  carrier: slcan\n  can_bitrate: 500000\n  firmware: \"0.6\"\n"
-        "  watchdog_ms: 200         # FILL IN: as saved on the axes; each ARM proves it\n";
-    return text;
+/// Errors: InvalidInput for ids that motors of this kind cannot have, or that are there twice.
+std::vector<int> idsOf(const ConfigPlan& plan,
+                       const config::DeviceTraits& traits,
+                       std::size_t motor_count) {
+  std::vector<int> ids = plan.ids;
+  if (ids.size() > motor_count)
+    rejectInput("--ids: {} of them, for {} joints that turn by themselves", ids.size(),
+                motor_count);
+  while (ids.size() < motor_count)
+    ids.push_back(ids.empty() ? 0 : ids.back() + 1);
+  std::set<int> seen;
+  for (const int id : ids) {
+    if (id < 0 || id > traits.highest_id)
+      rejectInput("--ids: {} is outside 0 to {}", id, traits.highest_id);
+    if (!seen.insert(id).second) rejectInput("--ids: {} is there twice", id);
   }
+  return ids;
+}
+
+std::string deviceText(const ConfigPlan& plan, int rate_Hz) {
+  const config::DeviceConfig device = deviceOf(plan);
+  const config::DeviceTraits& traits = config::traitsOf(device.kind);
+  std::string text = fmt::format("device:\n  kind: {}\n", plan.kind);
+  if (traits.wire == config::DeviceWire::kNone) return text + "  watchdog_ms: 200\n";
+  text += fmt::format("  port: {}\n", inQuotes(plan.port));
   const bool is_slow = rate_Hz < kUsualRate_Hz;
-  text += fmt::format("  baud: {}{}\n", deviceOf(plan).baud,
-                      is_slow ? "  # a higher rate of the motors permits a faster loop" : "");
-  text += "  reply_timeout_ms: 20  # USB adapters keep bytes for up to 16 ms\n";
-  // Three periods at least.
-  text += fmt::format("  watchdog_ms: {}\n", is_hand ? 300 : is_slow ? 400 : 200);
+  if (traits.wire == config::DeviceWire::kCan) {
+    text += fmt::format("  carrier: {}\n  can_bitrate: {}\n",
+                        device.carrier == config::CanCarrier::kSlcan ? "slcan" : "socketcan",
+                        device.can_bitrate);
+    if (device.carrier == config::CanCarrier::kSlcan && device.is_baud_told)
+      text += fmt::format("  baud: {}\n", device.baud);
+  } else {
+    text += fmt::format("  baud: {}{}\n", device.baud,
+                        is_slow ? "  # a higher rate of the motors permits a faster loop" : "");
+    text += "  reply_timeout_ms: 20  # USB adapters keep bytes for up to 16 ms\n";
+  }
+  switch (device.kind) {
+    case DeviceKind::kSimulated:
+      break;
+    case DeviceKind::kDynamixel:
+      // Three periods at least.
+      text += fmt::format("  watchdog_ms: {}\n", is_slow ? 400 : 200);
+      break;
+    case DeviceKind::kAbilityHand:
+      text += "  watchdog_ms: 300         # the hand's own and fixed\n";
+      break;
+    case DeviceKind::kODrive:
+      text +=
+          "  firmware: \"0.6\"\n"
+          "  watchdog_ms: 200         # FILL IN: as saved on the axes; each ARM proves it\n";
+      break;
+    case DeviceKind::kInspire:
+      text += "  force_N: 1               # at a fingertip, where it stops\n";
+      break;
+    case DeviceKind::kAllegro:
+      text +=
+          "  reply_timeout_ms: 2\n"
+          "  stiffness_Nm_rad: 0.4    # the position loop is ours: FILL IN what holds it\n"
+          "  damping_Nm_s_rad: 0.02\n"
+          "  torque_Nm: 0.15          # the most of each motor\n";
+      break;
+  }
+  if (!traits.has_watchdog) {
+    text +=
+        "  no_watchdog: accepted    # it has none: should the bridge die, it goes on with what "
+        "it was told last\n";
+  }
   return text;
+}
+
+/// How long the loop may be late: as long as the device's watchdog, and the task, bear.
+int longestGap_ms(int rate_Hz) {
+  if (rate_Hz > kUsualRate_Hz) return 30;
+  return rate_Hz < kUsualRate_Hz ? 350 : 150;
+}
+
+/// What the config says of a motor beyond its joint's limits.
+std::string motorText(const config::DeviceTraits& traits, const Joint& joint, int id) {
+  if (traits.wire == config::DeviceWire::kNone) return "";
+  std::string text = fmt::format(", id: {}", id);
+  if (traits.own_motors == 0) text += ", current_A: 0.2";
+  if (traits.kind != DeviceKind::kInspire) return text;
+  // A finger's way counts from 1 open to 0 closed, rounded inwards.
+  const double gear = std::floor(1e6 * 0.9998 / (joint.upper - joint.lower)) * 1e-6;
+  return text + fmt::format(", direction: -1, zero_rad: {:.6f}, gear: {:.6f}",
+                            0.9999 + gear * joint.lower, gear);
 }
 
 }  // namespace
@@ -136,8 +233,14 @@ std::string makeConfig(const std::filesystem::path& urdf, const ConfigPlan& plan
       std::count_if(joints.begin(), joints.end(), [](const Joint& joint) {
         return joint.leader.empty();
       }));
+  const config::DeviceTraits& traits = traitsNamed(plan.kind);
+  const auto own = static_cast<std::size_t>(traits.own_motors);
+  if (own > 0 && motor_count != own) {
+    rejectInput("{}: {} of its joints turn by themselves; a hand of kind {} has {} motors",
+                handgraft::quoted(urdf.string()), motor_count, plan.kind, own);
+  }
   const int rate_Hz = rateOf(plan, motor_count);
-  const bool has_ids = plan.kind == "dynamixel" || plan.kind == "odrive";
+  const std::vector<int> ids = idsOf(plan, traits, motor_count);
   std::string text = fmt::format(
       "# Of {}, to be filled in: FILL IN marks what only the hand itself knows.\n"
       "# `jog` turns one motor at a time; `check` asks for directions and zeros and keeps them "
@@ -148,7 +251,7 @@ std::string makeConfig(const std::filesystem::path& urdf, const ConfigPlan& plan
   text += fmt::format("calibration: {}  # `check` writes it\n",
                       inQuotes(urdf.stem().string() + "_calibration.yaml"));
   text += fmt::format("loop: {{rate_hz: {}, longest_gap_ms: {}}}\n", rate_Hz,
-                      rate_Hz < kUsualRate_Hz ? 350 : 150);
+                      longestGap_ms(rate_Hz));
   // Slow answers are bearable for some periods, too.
   if (rate_Hz < kUsualRate_Hz) text += "watch: {silent_ms: 400}\n";
   text +=
@@ -171,21 +274,16 @@ std::string makeConfig(const std::filesystem::path& urdf, const ConfigPlan& plan
     // A follower may ask for more of its leader than the leader's own limits.
     const double speed = 3 * kVelocity;
     motors += fmt::format(
-        "  - {{name: {}, joint: {}, lower_rad: {}, upper_rad: {}, velocity_rad_s: {}", name,
-        name, joint.lower, joint.upper, speed);
-    if (has_ids) {
-      const int next = plan.ids.empty()
-                           ? static_cast<int>(count)
-                           : plan.ids.back() + 1 + static_cast<int>(count - plan.ids.size());
-      motors += fmt::format(", id: {}, current_A: 0.2",
-                            count < plan.ids.size() ? plan.ids[count] : next);
-    }
-    motors += "}\n";
+        "  - {{name: {}, joint: {}, lower_rad: {}, upper_rad: {}, velocity_rad_s: {}{}}}\n",
+        name, name, joint.lower, joint.upper, speed, motorText(traits, joint, ids[count]));
     ++count;
   }
   if (!followers.empty()) text += "\ntransmission:\n  kind: direct\n  followers:\n" + followers;
-  text += fmt::format("\n# FILL IN: which motor moves which joint{}.\nmotors:\n{}",
-                      has_ids ? ", by its id, and the current that it may use" : "", motors);
+  const char* how = traits.wire == config::DeviceWire::kNone ? ""
+                    : own > 0 ? ", by its place among the hand's own"
+                              : ", by its id, and the current that it may use";
+  text +=
+      fmt::format("\n# FILL IN: which motor moves which joint{}.\nmotors:\n{}", how, motors);
   return text;
 }
 

@@ -97,7 +97,14 @@ void checkMotorsSuffice(const HandConfig& config,
 void checkDeadmen(const HandConfig& config, Problems& problems) {
   const double period_ms = 1000 * config.governor.period_s;
   const auto watchdog_ms = static_cast<double>(config.device.watchdog.count());
-  const bool has_watchdog = hasWatchdog(config.device.kind);
+  const DeviceTraits& traits = traitsOf(config.device.kind);
+  const bool has_watchdog = traits.has_watchdog;
+  if (!traits.has_own_loop && !(period_ms <= 1000.0 / kLeastTorqueRate_Hz)) {
+    problems.push_back(
+        fmt::format("loop.rate_hz: {:.4g}; the position loop of such a hand is ours: at least "
+                    "{}",
+                    1000 / period_ms, kLeastTorqueRate_Hz));
+  }
   if (has_watchdog && !(watchdog_ms >= 3 * period_ms)) {
     problems.push_back(
         fmt::format("device.watchdog_ms: {} is less than three periods of {:.4g} ms",
@@ -119,7 +126,8 @@ void checkDeadmen(const HandConfig& config, Problems& problems) {
 
 void checkDevice(const HandConfig& config, const Soundness& is_sound, Problems& problems) {
   const DeviceConfig& device = config.device;
-  const std::size_t own = ownMotors(device.kind);
+  const DeviceTraits& traits = traitsOf(device.kind);
+  const auto own = static_cast<std::size_t>(traits.own_motors);
   if (own > 0 && is_sound("motors") && config.motors.size() != own) {
     problems.push_back(
         fmt::format("motors: {} of them; such a hand has {}", config.motors.size(), own));
@@ -130,9 +138,7 @@ void checkDevice(const HandConfig& config, const Soundness& is_sound, Problems& 
                                    device.watchdog.count(), kAbilityHandDeadman.count()));
   }
   if (device.kind == DeviceKind::kSimulated) return;
-  const int most = own > 0                                 ? static_cast<int>(own) - 1
-                   : device.kind == DeviceKind::kDynamixel ? 252
-                                                           : 63;
+  const int most = traits.highest_id;
   std::set<int> seen;
   for (std::size_t i = 0; i < config.motors.size(); ++i) {
     const int id = config.motors[i].id;
@@ -189,7 +195,7 @@ void checkWire(const HandConfig& config, Problems& problems) {
       fmt::format("device.baud: at {} a cycle of {} motors takes {:.3g} ms on the wire, more "
                   "than {:.0f} % of "
                   "a period of {:.4g} ms: at most {:.0f} Hz",
-                  device.kind == DeviceKind::kODrive || device.kind == DeviceKind::kAllegro
+                  traitsOf(device.kind).wire == DeviceWire::kCan
                       ? fmt::format("{} (can_bitrate {})", device.baud, device.can_bitrate)
                       : std::to_string(device.baud),
                   config.motors.size(), cycle_ms, 100 * kWireShare, period_ms,
@@ -206,25 +212,6 @@ void checkMotorNames(const HandConfig& config, const Soundness& is_sound, Proble
 }
 
 }  // namespace
-
-bool hasWatchdog(DeviceKind kind) {
-  return kind != DeviceKind::kInspire && kind != DeviceKind::kAllegro;
-}
-
-std::size_t ownMotors(DeviceKind kind) {
-  switch (kind) {
-    case DeviceKind::kAbilityHand:
-    case DeviceKind::kInspire:
-      return 6;
-    case DeviceKind::kAllegro:
-      return 16;
-    case DeviceKind::kSimulated:
-    case DeviceKind::kDynamixel:
-    case DeviceKind::kODrive:
-      break;
-  }
-  return 0;
-}
 
 std::vector<std::string> motorJoints(const HandConfig& config) {
   std::vector<std::string> joints;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "hardware/config/device_kinds.h"
 #include "hardware/safety/governor_types.h"
 #include "hardware/safety/homing_run.h"
 #include "hardware/tendon/motor_map.h"
@@ -15,7 +16,6 @@
 
 namespace handgraft::config {
 
-enum class DeviceKind { kSimulated, kDynamixel, kAbilityHand, kODrive, kInspire, kAllegro };
 enum class CanCarrier { kSlcan, kSocketCan };
 enum class ODriveFirmware { k05, k06 };
 
@@ -74,12 +74,6 @@ struct SynergyConfig {
 };
 
 enum class TransmissionKind { kDirect, kSynergies, kTendons };
-
-/// Whether the device stops by itself when nobody commands it.
-bool hasWatchdog(DeviceKind kind);
-
-/// Motors of a hand that comes as a whole, known by their place in it; 0: motors have ids.
-std::size_t ownMotors(DeviceKind kind);
 
 /// What lies between joints and motors. Mimic joints are direct drive with followers.
 struct TransmissionConfig {

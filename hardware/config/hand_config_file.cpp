@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "hardware/config/calibration_file.h"
+#include "hardware/config/device_section.h"
 #include "hardware/config/text_file.h"
 #include "hardware/config/transmission_section.h"
 #include "hardware/config/yaml_section.h"
@@ -15,96 +16,24 @@ namespace handgraft::config {
 
 namespace {
 
-using std::chrono::milliseconds;
-
 constexpr double kTurns = 1000;  // rad: more than a hundred turns of a drum
 constexpr std::size_t kMostJoints = 512;
 constexpr std::size_t kMostProblems = 20;
-
-milliseconds duration(
-    Section& section, const std::string& key, int least, int most, milliseconds standard) {
-  return milliseconds(section.integer(key, least, most, static_cast<int>(standard.count())));
-}
-
-DeviceConfig deviceOf(Section section) {
-  DeviceConfig device;
-  device.kind = section.choice<DeviceKind>("kind", {{"simulated", DeviceKind::kSimulated},
-                                                    {"dynamixel", DeviceKind::kDynamixel},
-                                                    {"ability_hand", DeviceKind::kAbilityHand},
-                                                    {"odrive", DeviceKind::kODrive},
-                                                    {"inspire", DeviceKind::kInspire},
-                                                    {"allegro", DeviceKind::kAllegro}});
-  if (section.isWrong("kind")) {  // which keys there are depends on it
-    section.allow({"port", "reply_timeout_ms", "tolerated_misses", "carrier", "firmware",
-                   "can_bitrate", "baud", "address", "touch", "watchdog_ms", "no_watchdog",
-                   "force_N", "stiffness_Nm_rad", "damping_Nm_s_rad", "torque_Nm"});
-    section.finish();
-    return device;
-  }
-  const bool is_allegro = device.kind == DeviceKind::kAllegro;
-  const bool is_inspire = device.kind == DeviceKind::kInspire;
-  const bool is_can = device.kind == DeviceKind::kODrive || is_allegro;
-  const bool is_ability_hand = device.kind == DeviceKind::kAbilityHand;
-  if (device.kind != DeviceKind::kSimulated) {
-    device.port = section.text("port");
-    device.reply_timeout = duration(section, "reply_timeout_ms", 1, 100, device.reply_timeout);
-    device.tolerated_misses = section.integer("tolerated_misses", 0, 50, 3);
-  }
-  if (is_can) {
-    device.carrier = section.choice<CanCarrier>(
-        "carrier", {{"slcan", CanCarrier::kSlcan}, {"socketcan", CanCarrier::kSocketCan}});
-    const int usual = is_allegro ? 1'000'000 : 500'000;
-    device.can_bitrate = section.integer("can_bitrate", 10'000, 1'000'000, usual);
-  }
-  if (device.kind == DeviceKind::kODrive) {
-    device.firmware = section.choice<ODriveFirmware>(
-        "firmware", {{"0.5", ODriveFirmware::k05}, {"0.6", ODriveFirmware::k06}},
-        ODriveFirmware::k06);
-  }
-  const bool has_tty = device.kind == DeviceKind::kDynamixel || is_ability_hand || is_inspire ||
-                       (is_can && device.carrier == CanCarrier::kSlcan);
-  if (has_tty) {
-    const int standard = is_ability_hand ? 460'800 : is_can || is_inspire ? 115'200 : 4'000'000;
-    device.is_baud_told = section.has("baud");
-    device.baud = section.integer("baud", 1200, 4'500'000, standard);
-  }
-  if (is_ability_hand) device.address = section.integer("address", 1, 255, 0x50);
-  if (is_ability_hand) device.touch = section.flag("touch", false);
-  if (is_inspire) {
-    device.address = section.integer("address", 1, 254, 1);
-    device.force_N = section.number("force_N", 0.1, 9.8, device.force_N);
-  }
-  if (is_allegro) {
-    device.stiffness_Nm_rad =
-        section.number("stiffness_Nm_rad", 0.01, 10, device.stiffness_Nm_rad);
-    device.damping_Nm_s_rad = section.number("damping_Nm_s_rad", 0, 1, device.damping_Nm_s_rad);
-    device.torque_Nm = section.number("torque_Nm", 0.001, 1, device.torque_Nm);
-  }
-  if (hasWatchdog(device.kind)) {
-    device.watchdog = duration(section, "watchdog_ms", 20, 2540,
-                               is_ability_hand ? milliseconds(300) : device.watchdog);
-  } else {
-    // Nobody is to find that out when it matters.
-    static_cast<void>(section.choice<bool>("no_watchdog", {{"accepted", true}}));
-  }
-  section.finish();
-  return device;
-}
 
 void readLoop(Section section, HandConfig& config) {
   safety::GovernorOptions& governor = config.governor;
   governor.period_s = 1 / section.number("rate_hz", 10, 1000, 100);
   governor.overruns_in_a_row =
       static_cast<unsigned>(section.integer("overruns_in_a_row", 1, 1000, 10));
-  governor.longest_gap = duration(section, "longest_gap_ms", 5, 1000, governor.longest_gap);
+  governor.longest_gap = section.duration("longest_gap_ms", 5, 1000, governor.longest_gap);
   config.realtime_priority = section.integer("realtime_priority", 0, 99, 0);
   section.finish();
 }
 
 void readStream(Section section, safety::GovernorOptions& governor) {
-  governor.stale_after = duration(section, "stale_ms", 10, 10'000, governor.stale_after);
+  governor.stale_after = section.duration("stale_ms", 10, 10'000, governor.stale_after);
   governor.step = section.number("step_rad", 0.01, 100, governor.step);
-  governor.hold_for = duration(section, "hold_ms", 1, 600'000, governor.hold_for);
+  governor.hold_for = section.duration("hold_ms", 1, 600'000, governor.hold_for);
   section.finish();
 }
 
@@ -116,9 +45,9 @@ void readArming(Section section, HandConfig& config) {
   config.motor_outside_rad =
       section.number("motor_outside_rad", 0.001, 10, config.motor_outside_rad);
   governor.power_within =
-      duration(section, "power_within_ms", 10, 60'000, governor.power_within);
+      section.duration("power_within_ms", 10, 60'000, governor.power_within);
   governor.reset_within =
-      duration(section, "reset_within_ms", 10, 60'000, governor.reset_within);
+      section.duration("reset_within_ms", 10, 60'000, governor.reset_within);
   section.finish();
 }
 
@@ -126,17 +55,17 @@ void readStopping(Section section, safety::GovernorOptions& governor) {
   governor.stop_mode = section.choice<safety::StopMode>(
       "mode", {{"brake", safety::StopMode::kBrake}, {"cut", safety::StopMode::kCut}},
       safety::StopMode::kBrake);
-  governor.brake_within = duration(section, "brake_ms", 10, 10'000, governor.brake_within);
+  governor.brake_within = section.duration("brake_ms", 10, 10'000, governor.brake_within);
   section.finish();
 }
 
 void readWatching(Section section, HandConfig& config) {
   safety::GovernorOptions& governor = config.governor;
   governor.device_silent_after =
-      duration(section, "silent_ms", 5, 1000, governor.device_silent_after);
-  governor.limited_for = duration(section, "limited_ms", 1, 60'000, governor.limited_for);
+      section.duration("silent_ms", 5, 1000, governor.device_silent_after);
+  governor.limited_for = section.duration("limited_ms", 1, 60'000, governor.limited_for);
   config.hot_c = section.number("hot_c", 20, 150, config.hot_c);
-  config.stalled_for = duration(section, "stalled_ms", 10, 3'600'000, config.stalled_for);
+  config.stalled_for = section.duration("stalled_ms", 10, 3'600'000, config.stalled_for);
   section.finish();
 }
 
@@ -182,7 +111,7 @@ void readJoints(Section& file, HandConfig& config) {
 void readMotors(Section& file, HandConfig& config, bool is_known_kind) {
   const bool has_ids =
       config.device.kind == DeviceKind::kDynamixel || config.device.kind == DeviceKind::kODrive;
-  const std::size_t own = ownMotors(config.device.kind);
+  const int own = traitsOf(config.device.kind).own_motors;
   const bool is_ability_hand = config.device.kind == DeviceKind::kAbilityHand;
   for (Section& section : file.list("motors", 1, kMostJoints)) {
     MotorConfig motor;
@@ -203,7 +132,7 @@ void readMotors(Section& file, HandConfig& config, bool is_known_kind) {
       config.motors.push_back(motor);
       continue;
     }
-    if (own > 0) motor.id = section.integer("id", 0, static_cast<int>(own) - 1, motor.id);
+    if (own > 0) motor.id = section.integer("id", 0, own - 1, motor.id);
     if (has_ids) {
       motor.id = section.integer("id", 0, 252);
       motor.current_A = section.number("current_A", 1e-3, 100);
@@ -280,7 +209,7 @@ void readHoming(Section& file, HandConfig& config) {
     step.toward = section.choice<int>("toward", {{"1", 1}, {"-1", -1}});
     step.speed_rad_s = section.number("speed_rad_s", 1e-3, 100);
     step.current_A = section.number("current_A", 1e-3, 100);
-    step.hold = duration(section, "hold_ms", 10, 10'000, step.hold);
+    step.hold = section.duration("hold_ms", 10, 10'000, step.hold);
     step.travel_rad = section.number("travel_rad", 1e-3, kTurns);
     step.stop_rad = section.number("stop_rad", -kTurns, kTurns);
     step.back_off_rad = section.number("back_off_rad", 0, kTurns, 0);
@@ -328,7 +257,7 @@ HandConfig parseHandConfig(const std::string& text) {
     file.choice<int>("format", {{"handgraft-hardware/1", 1}});
     config.hand = file.text("hand");
     const Section device = file.section("device", true);
-    config.device = deviceOf(device);
+    config.device = readDevice(device);
     readLoop(file.section("loop", false), config);
     readStream(file.section("stream", false), config.governor);
     readArming(file.section("arming", false), config);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <initializer_list>
 #include <optional>
 #include <set>
@@ -39,6 +40,16 @@ class Section {
               int least,
               int most,
               std::optional<int> standard = std::nullopt);
+
+  /// Whole milliseconds.
+  std::chrono::milliseconds duration(const std::string& key,
+                                     int least,
+                                     int most,
+                                     std::chrono::milliseconds standard) {
+    return std::chrono::milliseconds(
+        integer(key, least, most, static_cast<int>(standard.count())));
+  }
+
   std::string text(const std::string& key, std::optional<std::string> standard = std::nullopt);
   bool flag(const std::string& key, bool standard);
   /// `count` numbers; any number of them if it is 0.
@@ -49,7 +60,7 @@ class Section {
 
   template <class Value>
   Value choice(const std::string& key,
-               std::initializer_list<std::pair<const char*, Value>> choices,
+               const std::vector<std::pair<const char*, Value>>& choices,
                std::optional<Value> standard = std::nullopt) {
     std::string names;
     const std::optional<std::string> chosen = scalar(key, !standard.has_value());

@@ -2,6 +2,7 @@
 
 #include "hardware/bringup/make_config.h"
 
+#include <array>
 #include <fstream>
 
 #include <fmt/format.h>
@@ -38,13 +39,109 @@ config::HandConfig made(std::size_t joints, const ConfigPlan& plan) {
 }
 
 TEST(MakeConfig, OfEachKindReadsAsItIs) {
-  for (const char* kind : {"dynamixel", "ability_hand", "odrive", "simulated"}) {
+  for (const config::DeviceTraits& traits : config::deviceKinds()) {
+    ConfigPlan plan;
+    plan.kind = traits.name;
+    const std::size_t joints =
+        traits.own_motors > 0 ? static_cast<std::size_t>(traits.own_motors) : 6;
+    const config::HandConfig config = made(joints, plan);
+    EXPECT_EQ(config.motors.size(), joints) << traits.name;
+    EXPECT_EQ(config.jointCount(), joints + 1) << traits.name;
+    const double rate_Hz = !traits.has_own_loop                            ? 333
+                           : traits.kind == config::DeviceKind::kDynamixel ? 21
+                                                                           : 50;
+    EXPECT_NEAR(1 / config.governor.period_s, rate_Hz, 1e-9) << traits.name;
+  }
+}
+
+TEST(MakeConfig, OfAWholeHandHasAllOfItsMotorsAndNoOthers) {
+  for (const char* kind : {"ability_hand", "inspire", "allegro"}) {
     ConfigPlan plan;
     plan.kind = kind;
-    const config::HandConfig config = made(6, plan);
-    EXPECT_EQ(config.motors.size(), 6u) << kind;
-    EXPECT_EQ(config.jointCount(), 7u) << kind;
-    EXPECT_NEAR(1 / config.governor.period_s, plan.kind == "dynamixel" ? 21 : 50, 1e-9) << kind;
+    try {
+      made(5, plan);
+      ADD_FAILURE() << kind;
+    } catch (const InvalidInput& error) {
+      EXPECT_NE(std::string(error.what()).find("5 of its joints turn by themselves"),
+                std::string::npos)
+          << error.what();
+    }
+  }
+}
+
+TEST(MakeConfig, GivesMotorsTheIdsThatAreToldAndCountsOn) {
+  ConfigPlan plan;
+  plan.kind = "inspire";
+  plan.ids = {5, 4, 3, 2, 1, 0};
+  const config::HandConfig inspire = made(6, plan);
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(inspire.motors[i].id, static_cast<int>(5 - i));
+    EXPECT_EQ(inspire.motors[i].direction, -1);
+  }
+  plan.kind = "dynamixel";
+  plan.ids = {7, 3};
+  const config::HandConfig dynamixel = made(4, plan);
+  const std::array<int, 4> ids = {7, 3, 4, 5};
+  for (std::size_t i = 0; i < ids.size(); ++i)
+    EXPECT_EQ(dynamixel.motors[i].id, ids[i]);
+  for (const std::vector<int>& wrong :
+       {std::vector<int>{3, 3}, {-1}, {253}, {1, 2, 3, 4, 5}, {252}}) {
+    plan.ids = wrong;
+    EXPECT_THROW(made(4, plan), InvalidInput) << wrong.front();
+  }
+}
+
+TEST(MakeConfig, TakesABusByItsInterfaceOrItsAdapter) {
+  for (const char* kind : {"odrive", "allegro"}) {
+    ConfigPlan plan;
+    plan.kind = kind;
+    plan.port = "can0";
+    plan.can_bitrate = 1'000'000;
+    const config::HandConfig interface = made(16, plan);
+    EXPECT_EQ(interface.device.carrier, config::CanCarrier::kSocketCan) << kind;
+    EXPECT_EQ(interface.device.can_bitrate, 1'000'000) << kind;
+    plan.port = "/dev/ttyACM0";
+    EXPECT_EQ(made(16, plan).device.carrier, config::CanCarrier::kSlcan) << kind;
+  }
+}
+
+TEST(MakeConfig, SaysThatATorqueLoopNeedsAFasterBus) {
+  ConfigPlan plan;
+  plan.kind = "allegro";
+  plan.can_bitrate = 100'000;
+  try {
+    made(16, plan);
+    ADD_FAILURE();
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("--can-bitrate"), std::string::npos)
+        << error.what();
+  }
+}
+
+TEST(MakeConfig, OfAHandThatWeHave) {
+  ConfigPlan plan;
+  plan.kind = "allegro";
+  const auto hands = test::sourceDirectory() / "server" / "models" / "hands";
+  const config::HandConfig config =
+      config::parseHandConfig(makeConfig(hands / "allegro16" / "allegro16.urdf", plan));
+  EXPECT_EQ(config.motors.size(), 16u);
+  plan.kind = "dynamixel";
+  plan.baud = 1'000'000;
+  for (const char* name : {"allegro16", "barrett8", "human20", "tendon16"}) {
+    const auto urdf = hands / name / (std::string(name) + ".urdf");
+    EXPECT_NO_THROW(config::parseHandConfig(makeConfig(urdf, plan))) << name;
+  }
+}
+
+TEST(MakeConfig, SaysWhichKindsThereAre) {
+  ConfigPlan plan;
+  plan.kind = "servo";
+  try {
+    made(2, plan);
+    ADD_FAILURE();
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("inspire, allegro"), std::string::npos)
+        << error.what();
   }
 }
 

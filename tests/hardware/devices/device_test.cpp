@@ -150,9 +150,10 @@ TEST_P(EveryDevice, StopsByItselfWhenTheDriverDies) {
 TEST_P(EveryDevice, BearsBadBytes) {
   armed();
   test::Ailments& ailments = rig_->emulated().ailments;
-  // A line of text has no checksum: wrong digits cannot be told from right ones.
-  const bool has_checksum =
-      GetParam() == RigKind::kDynamixel || GetParam() == RigKind::kAbilityHand;
+  // A line of SLCAN has no checksum: wrong digits cannot be told from right ones.
+  const bool has_checksum = GetParam() == RigKind::kDynamixel ||
+                            GetParam() == RigKind::kAbilityHand ||
+                            GetParam() == RigKind::kLines;
   ailments.flip_rate = has_checksum ? 0.02 : 0.0;
   ailments.drop_rate = 0.01;
   ailments.garbage_rate = 0.05;
@@ -337,7 +338,8 @@ INSTANTIATE_TEST_SUITE_P(All,
                                            RigKind::kODrive06,
                                            RigKind::kODrive05,
                                            RigKind::kInspire,
-                                           RigKind::kAllegro),
+                                           RigKind::kAllegro,
+                                           RigKind::kLines),
                          [](const auto& told) {
                            return test::nameOf(told.param);
                          });

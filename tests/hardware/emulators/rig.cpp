@@ -3,9 +3,12 @@
 #include "hardware/devices/ability_hand_device.h"
 #include "hardware/devices/allegro_hand.h"
 #include "hardware/devices/dynamixel_hand.h"
+#include "hardware/devices/examples/line_hand.h"
 #include "hardware/devices/inspire_hand.h"
 #include "hardware/devices/odrive_hand.h"
 #include "hardware/devices/slcan_channel.h"
+
+#include "tests/hardware/emulators/line_hand_emulator.h"
 
 namespace handgraft::test {
 
@@ -406,6 +409,76 @@ class AllegroRig final : public Rig {
   devices::AllegroHand hand_;
 };
 
+class LineRig final : public Rig {
+ public:
+  explicit LineRig(WireKind kind)
+      : wire_(makeWire(kind, emulator_, 115200)),
+        config_(makeConfig(kind)),
+        hand_(config_, wire_->channel(), wire_->clock()) {
+    if (kind == WireKind::kPty) emulator_.watchdog = milliseconds(2500);
+  }
+
+  devices::Device& device() override { return hand_; }
+
+  EmulatedDevice& emulated() override { return emulator_; }
+
+  Wire& wire() override { return *wire_; }
+
+  std::size_t count() const override { return config_.scales.size(); }
+
+  double unit() const override { return kUnit; }
+
+  double lower(std::size_t i) const override { return config_.scales[i].lower; }
+
+  double upper(std::size_t i) const override { return config_.scales[i].upper; }
+
+  Duration watchdog() const override { return emulator_.watchdog; }
+
+  Fault::Kind watchdogFault() const override { return Fault::Kind::kWatchdog; }
+
+  double angle(std::size_t i) override {
+    const auto lock = wire_->hold();
+    return config_.scales[i].angle(emulator_.servos[i].position);
+  }
+
+  bool isPowered() override {
+    const auto lock = wire_->hold();
+    return emulator_.state == devices::LineState::kOn;
+  }
+
+  void leaveStaleGoal() override {
+    for (EmulatedServo& servo : emulator_.servos)
+      servo.goal = 9000;
+  }
+
+  void breakDown() override {
+    const auto lock = wire_->hold();
+    emulator_.broken_motor = 1;
+  }
+
+  void heal() override {
+    const auto lock = wire_->hold();
+    emulator_.broken_motor = -1;
+  }
+
+ private:
+  static constexpr double kUnit = 1e-4;
+
+  static devices::LineHandConfig makeConfig(WireKind kind) {
+    devices::LineHandConfig config;
+    config.scales = {
+        {{kUnit, 0, 1, -0.2, 1.6}, {kUnit, 5000, -1, -0.3, 1.1}, {kUnit, 0, 1, 0, 1}}};
+    config.reply_timeout = replyTimeout(kind);
+    if (kind == WireKind::kPty) config.watchdog = milliseconds(2500);
+    return config;
+  }
+
+  LineHandEmulator emulator_;
+  std::unique_ptr<Wire> wire_;
+  devices::LineHandConfig config_;
+  devices::LineHand hand_;
+};
+
 }  // namespace
 
 std::vector<double> Rig::angles() {
@@ -436,6 +509,8 @@ std::unique_ptr<Rig> makeRig(RigKind kind, WireKind wire) {
       return std::make_unique<InspireRig>(wire);
     case RigKind::kAllegro:
       return std::make_unique<AllegroRig>(wire);
+    case RigKind::kLines:
+      return std::make_unique<LineRig>(wire);
   }
   return nullptr;
 }
@@ -454,6 +529,8 @@ std::string nameOf(RigKind kind) {
       return "Inspire";
     case RigKind::kAllegro:
       return "Allegro";
+    case RigKind::kLines:
+      return "Lines";
   }
   return "";
 }

@@ -51,7 +51,16 @@ class Rig {
   [[nodiscard]] virtual std::size_t count() const = 0;
 };
 
-enum class RigKind { kDynamixel, kAbilityHand, kODrive06, kODrive05, kInspire, kAllegro };
+/// The last one is that of the example, hardware/devices/examples.
+enum class RigKind {
+  kDynamixel,
+  kAbilityHand,
+  kODrive06,
+  kODrive05,
+  kInspire,
+  kAllegro,
+  kLines
+};
 enum class WireKind { kVirtual, kPty };
 
 std::unique_ptr<Rig> makeRig(RigKind kind, WireKind wire = WireKind::kVirtual);

@@ -1,0 +1,68 @@
+#include "hardware/config/device_section.h"
+
+#include <utility>
+#include <vector>
+
+namespace handgraft::config {
+
+DeviceConfig readDevice(Section section) {
+  DeviceConfig device;
+  std::vector<std::pair<const char*, DeviceKind>> kinds;
+  for (const DeviceTraits& traits : deviceKinds())
+    kinds.emplace_back(traits.name, traits.kind);
+  device.kind = section.choice<DeviceKind>("kind", kinds);
+  if (section.isWrong("kind")) {  // which keys there are depends on it
+    section.allow({"port", "reply_timeout_ms", "tolerated_misses", "carrier", "firmware",
+                   "can_bitrate", "baud", "address", "touch", "watchdog_ms", "no_watchdog",
+                   "force_N", "stiffness_Nm_rad", "damping_Nm_s_rad", "torque_Nm"});
+    section.finish();
+    return device;
+  }
+  const DeviceTraits& traits = traitsOf(device.kind);
+  const bool is_can = traits.wire == DeviceWire::kCan;
+  const bool is_ability_hand = device.kind == DeviceKind::kAbilityHand;
+  if (traits.wire != DeviceWire::kNone) {
+    device.port = section.text("port");
+    device.reply_timeout = section.duration("reply_timeout_ms", 1, 100, device.reply_timeout);
+    device.tolerated_misses = section.integer("tolerated_misses", 0, 50, 3);
+  }
+  if (is_can) {
+    device.carrier = section.choice<CanCarrier>(
+        "carrier", {{"slcan", CanCarrier::kSlcan}, {"socketcan", CanCarrier::kSocketCan}});
+    device.can_bitrate = section.integer("can_bitrate", 10'000, 1'000'000, traits.can_bitrate);
+  }
+  if (device.kind == DeviceKind::kODrive) {
+    device.firmware = section.choice<ODriveFirmware>(
+        "firmware", {{"0.5", ODriveFirmware::k05}, {"0.6", ODriveFirmware::k06}},
+        ODriveFirmware::k06);
+  }
+  const bool is_network = is_can && device.carrier == CanCarrier::kSocketCan;
+  if (traits.wire != DeviceWire::kNone && !is_network) {
+    device.is_baud_told = section.has("baud");
+    device.baud = section.integer("baud", 1200, 4'500'000, traits.baud);
+  }
+  if (is_ability_hand) device.address = section.integer("address", 1, 255, 0x50);
+  if (is_ability_hand) device.touch = section.flag("touch", false);
+  if (device.kind == DeviceKind::kInspire) {
+    device.address = section.integer("address", 1, 254, 1);
+    device.force_N = section.number("force_N", 0.1, 9.8, device.force_N);
+  }
+  if (device.kind == DeviceKind::kAllegro) {
+    device.stiffness_Nm_rad =
+        section.number("stiffness_Nm_rad", 0.01, 10, device.stiffness_Nm_rad);
+    device.damping_Nm_s_rad = section.number("damping_Nm_s_rad", 0, 1, device.damping_Nm_s_rad);
+    device.torque_Nm = section.number("torque_Nm", 0.001, 1, device.torque_Nm);
+  }
+  if (traits.has_watchdog) {
+    device.watchdog =
+        section.duration("watchdog_ms", 20, 2540,
+                         is_ability_hand ? std::chrono::milliseconds(300) : device.watchdog);
+  } else {
+    // Nobody is to find that out when it matters.
+    static_cast<void>(section.choice<bool>("no_watchdog", {{"accepted", true}}));
+  }
+  section.finish();
+  return device;
+}
+
+}  // namespace handgraft::config
