@@ -19,6 +19,7 @@
 #include "hardware/bridge/rival_watch.h"
 #include "hardware/bridge/ros_node.h"
 #include "hardware/bringup/check.h"
+#include "hardware/bringup/jog.h"
 #include "hardware/bringup/make_config.h"
 #include "hardware/bringup/scan.h"
 #include "hardware/bringup/terminal.h"
@@ -123,7 +124,7 @@ void declareBringUp(CLI::App& app, BringUp& told) {
     return command;
   };
   CLI::App* scan = add("scan", "What answers on a port; nothing moves", Step::kScan);
-  scan->add_option("port", told.port, "a tty")->required();
+  scan->add_option("port", told.port, "a tty, or a CAN bus' network interface")->required();
 
   CLI::App* make =
       add("make-config", "A config to fill in, from a hand's URDF", Step::kMakeConfig);
@@ -153,7 +154,9 @@ void declareBringUp(CLI::App& app, BringUp& told) {
   };
   CLI::App* jog = add("jog", "Turn one motor slowly while the space bar is held", Step::kJog);
   jog->add_option("motor", told.motor, "its name in the config")->required();
-  jog->add_option("step", told.step_rad, "rad, -0.5 to 0.5")->required();
+  jog->add_option("step", told.step_rad, "rad")
+      ->required()
+      ->check(CLI::Range(-bringup::kLargestJog_rad, bringup::kLargestJog_rad));
   add_config(jog);
 
   CLI::App* check =

@@ -101,6 +101,12 @@ class Walk {
                : fmt::format("joint '{}' (motor '{}')", motor.joint, motor.name);
   }
 
+  std::string nameOf(const devices::Fault& fault) const {
+    if (fault.motor < 0) return describe(fault);
+    return fmt::format("{}: {}", nameOf(static_cast<std::size_t>(fault.motor)),
+                       devices::describe(fault.kind));
+  }
+
   void turnHeldFor(std::size_t i, double step_rad) {
     companion_.say(fmt::format("{}: hold the space bar (or type 'hold'): it turns by {} rad",
                                nameOf(i), step_rad));
@@ -132,8 +138,10 @@ class Walk {
       motor.direction = -motor.direction;
     }
     finding.is_direction_right = true;
-    const double one = placed(i, "to its lower end");
-    const double other = placed(i, "to its upper end");
+    const double one =
+        placed(i, fmt::format("to its lower end, {:.3g} rad", motor.range_rad.lower));
+    const double other =
+        placed(i, fmt::format("to its upper end, {:.3g} rad", motor.range_rad.upper));
     const auto angle = [&](double encoder_rad) {
       return motor.direction * (encoder_rad - motor.zero_rad) / motor.gear;
     };
@@ -203,7 +211,7 @@ class Walk {
           agrees("It does not tell whether its watchdog stopped it. Did it let go by itself?");
     } else {
       findings_.has_watchdog = static_cast<bool>(fault);
-      companion_.say(fault ? "the watchdog stopped them: " + describe(fault)
+      companion_.say(fault ? "the watchdog stopped them: " + nameOf(fault)
                            : "the motors hold on: the watchdog did not stop them");
     }
     stack.device->stop();
@@ -217,7 +225,11 @@ class Walk {
     sleep_until_(clock_() + kStopped);
     devices::DeviceState measured(stack.device->motorCount());
     stack.device->read(measured);
-    findings_.has_stop = agrees("Are the motors limp now?");
+    // Fingers that screws hold are not limp.
+    const bool is_limp = !config::traitsOf(config_.device.kind).has_zeros;
+    findings_.has_stop =
+        agrees(is_limp ? "Are the motors limp now?"
+                       : "Such a hand is held without power, too. Did nothing move?");
     clear(stack);
   }
 

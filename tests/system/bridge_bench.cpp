@@ -196,6 +196,16 @@ std::string patientExample(const std::string& name) {
     replace(text, "watch: {limited_ms: 500}", "watch: {silent_ms: 1000}");
     replace(text, "baud: 460800",
             "baud: 460800\n  reply_timeout_ms: 5\n  tolerated_misses: 50");
+  } else if (name == "inspire_rh56") {
+    replace(text, "longest_gap_ms: 150", "longest_gap_ms: 1000, overruns_in_a_row: 1000");
+    replace(text, "reply_timeout_ms: 10", "reply_timeout_ms: 20\n  tolerated_misses: 50");
+    replace(text, "watch: {limited_ms: 1000}", "watch: {silent_ms: 1000}");
+  } else if (name == "allegro") {
+    replace(text, "carrier: socketcan", "carrier: slcan");  // as emulated adapters speak
+    replace(text, "longest_gap_ms: 30, realtime_priority: 50",
+            "longest_gap_ms: 1000, overruns_in_a_row: 1000");
+    replace(text, "reply_timeout_ms: 2", "reply_timeout_ms: 3\n  tolerated_misses: 50");
+    text += "watch: {silent_ms: 1000}\n";
   } else {
     replace(text, "longest_gap_ms: 80", "longest_gap_ms: 1000, overruns_in_a_row: 1000");
     replace(text, "watchdog_ms: 100",

@@ -86,7 +86,7 @@ TEST_P(DirectExample, MovesItsHandAndStops) {
 
 INSTANTIATE_TEST_SUITE_P(Hands,
                          DirectExample,
-                         testing::Values("leap", "ability_hand"),
+                         testing::Values("leap", "ability_hand", "inspire_rh56", "allegro"),
                          [](const auto& told) {
                            return std::string(told.param);
                          });

@@ -8,14 +8,15 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <limits>
 #include <optional>
 #include <sstream>
 #include <string>
 #include <string_view>
 #include <thread>
+#include <vector>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <poll.h>
 #include <unistd.h>
 
@@ -34,7 +35,7 @@ constexpr const char* kHelp =
     "that "
     "the\nconfig can be tried without hardware. Prints the tty's name with the "
     "handgraft-bridge "
-    "command that\ndrives it, then what the motors do, until it is interrupted (Ctrl-C). A "
+    "command that\ndrives it, then which motors turn, until it is interrupted (Ctrl-C). A "
     "line MOTOR RAD,\nas in `thumb 0.5`, turns a motor by hand while all are off. What is on "
     "the other end of `port`\nin CONFIG is not touched.\n";
 
@@ -44,13 +45,30 @@ extern "C" void requestStop(int /*signal*/) {
   stop_requested = true;
 }
 
-std::string describe(test::HandRig& rig, std::size_t motors) {
-  std::vector<double> angles;
-  for (std::size_t i = 0; i < motors; ++i)
-    angles.push_back(rig.angle(i));
-  return fmt::format("motors {}, rad: {:.3f}", rig.isPowered() ? "on" : "off",
-                     fmt::join(angles, " "));
-}
+/// What changed since it was told last, in words: whether motors are on, and who turned.
+class Teller {
+ public:
+  std::optional<std::string> tell(test::HandRig& rig, const config::HandConfig& config) {
+    const bool is_on = rig.isPowered();
+    std::string turned;
+    told_rad_.resize(config.motors.size(), std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t i = 0; i < told_rad_.size(); ++i) {
+      const double angle_rad = rig.angle(i);
+      if (std::abs(angle_rad - told_rad_[i]) < 5e-4) continue;
+      told_rad_[i] = angle_rad;
+      turned += fmt::format("{}{} {:.3f}", turned.empty() ? "" : ", ", config.motors[i].name,
+                            angle_rad);
+    }
+    if (turned.empty() && is_on_ == is_on) return std::nullopt;
+    is_on_ = is_on;
+    return fmt::format("motors {}{}{}{}", is_on ? "on" : "off", turned.empty() ? "" : ": ",
+                       turned, turned.empty() ? "" : " rad");
+  }
+
+ private:
+  std::optional<bool> is_on_;
+  std::vector<double> told_rad_;
+};
 
 /// Lines of standard input, as they come; none once it has ended.
 class Lines {
@@ -101,15 +119,13 @@ int emulate(const char* path) {
       "{} of hand {} on {}\nhandgraft-bridge --config {} --port {}\n",
       config.motors.size() == 1 ? "a motor" : fmt::format("{} motors", config.motors.size()),
       quoted(config.hand), test::portOf(rig->wire()), path, test::portOf(rig->wire()));
-  std::string told;
+  Teller teller;
   Lines lines;
   while (!stop_requested) {
     while (const std::optional<std::string> line = lines.take())
       turnByHand(*line, config, *rig);
-    const std::string now = describe(*rig, config.motors.size());
-    if (now != told) fmt::print("{}\n", now);
+    if (const auto news = teller.tell(*rig, config)) fmt::print("{}\n", *news);
     std::fflush(stdout);
-    told = now;
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
   }
   return 0;
