@@ -2,22 +2,19 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <filesystem>
-#include <mutex>
 #include <thread>
 #include <utility>
 
 #include "core/base/error.h"
+#include "hardware/bridge/calibration_keeper.h"
 #include "hardware/bridge/command_filter.h"
-#include "hardware/bridge/hand_describer.h"
+#include "hardware/bridge/hand_choice.h"
 #include "hardware/bridge/motion_thread.h"
+#include "hardware/bridge/own_refusal.h"
+#include "hardware/bridge/publisher.h"
 #include "hardware/bridge/rival_watch.h"
-#include "hardware/bridge/ros_node.h"
 #include "hardware/bridge/server_watch.h"
 #include "hardware/bridge/stream_feed.h"
-#include "hardware/bridge/telemetry.h"
-#include "hardware/config/calibration_file.h"
 #include "idl/topics.h"
 
 namespace handgraft::bridge {
@@ -26,22 +23,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 using idl::cyclone::Reader;
-using idl::cyclone::Writer;
 using safety::GovernorState;
 using safety::HoldCause;
 
 constexpr std::chrono::milliseconds kServerPatience(1500);  // the absence is said within 2 s
-constexpr std::chrono::milliseconds kStatusPeriod(100);
-constexpr std::chrono::seconds kDiagnosisPeriod(1);  // as ROS's aggregators expect
 // rad: a unit of small hands' encoders, 4096 a turn; the end of a range is rounded inwards by
 // one.
 constexpr double kArrived = 2e-3;
-
-// The system's time at a moment of the steady clock.
-std::chrono::nanoseconds systemTimeOf(Clock::time_point moment) {
-  const auto age = Clock::now() - moment;
-  return std::chrono::system_clock::now().time_since_epoch() - age;
-}
 
 }  // namespace
 
@@ -60,15 +48,14 @@ struct Bridge::Impl {
              told.with_intermediate,
              !told.config && told.arms_itself,
              told.config ? told.config->hand : ""),
-        describer(participant),
+        choice(participant),
         statuses(participant, idl::kStatusTopic),
         commands(participant, idl::kHandCommandTopic),
         heard_statuses(participant, idl::kBridgeStatusTopic),
-        joint_states(participant, idl::kJointStateTopic),
-        bridge_statuses(participant, idl::kBridgeStatusTopic),
-        ros(participant, told.ros_namespace, told.bridge_id, [this](v1::HandCommandKind kind) {
-          obey(kind);
-        }) {
+        publisher(
+            participant, told.ros_namespace, told.bridge_id, [this](v1::HandCommandKind kind) {
+              obey(kind);
+            }) {
     is_willing = !options.config && options.arms_itself;
     identity.bridge_id = options.bridge_id;
     identity.config = options.config_name;
@@ -91,49 +78,20 @@ struct Bridge::Impl {
     };
     const auto keep = [this](const config::HandConfig* homed) {
       if (homed != nullptr) {
-        keepCalibration(*homed);
+        calibration.keep(*homed);
       } else {
-        voidCalibration();
+        calibration.drop(options.config ? options.config->calibration : "");
       }
     };
     motion = std::make_unique<MotionThread>(
         std::make_unique<Motion>(config, make, Clock::now, keep), estop);
     identity.hand = config.hand;
     identity.device = nameOf(config.device);
+    identity.joints = config.governor.names;
     identity.motors.clear();
     for (const config::MotorConfig& motor : config.motors)
       identity.motors.push_back(motor.name);
     arrived = false;
-  }
-
-  // On the motion's thread, with the motors off.
-  void keepCalibration(const config::HandConfig& homed) {
-    std::string text = "homed";
-    try {
-      if (homed.calibration.empty()) {
-        text += "; the config names no calibration file to keep the zeros in";
-      } else {
-        config::writeCalibration(homed.calibration, homed);
-        text += fmt::format("; zeros are kept in {}",
-                            handgraft::quoted(homed.calibration.string()));
-      }
-    } catch (const InvalidInput& error) {
-      text += fmt::format("; zeros are lost when this ends: {}", error.what());
-    }
-    const std::lock_guard lock(homed_mutex);
-    homed_text = std::move(text);
-  }
-
-  // Homing begins: should it not end, there must be no zeros of before to start from.
-  void voidCalibration() {
-    const std::filesystem::path path = options.config ? options.config->calibration : "";
-    if (path.empty()) return;
-    std::error_code error;
-    std::filesystem::remove(path, error);
-    if (!error) return;
-    const std::lock_guard lock(homed_mutex);
-    homed_text = fmt::format("{} has zeros that are void, and cannot be removed: {}",
-                             handgraft::quoted(path.string()), error.message());
   }
 
   [[nodiscard]] const MotionState& state() const { return motion ? motion->last() : no_hand; }
@@ -158,11 +116,7 @@ struct Bridge::Impl {
     });
     const std::optional<std::string> found = rivals.rival(now);
     if (found.has_value() == !rival.empty()) return;
-    rival = !found ? ""
-                   : fmt::format(
-                         "another bridge {} is there: {}; end one, or give it another "
-                         "number with --bridge-id",
-                         options.bridge_id, *found);
+    rival = found ? rivalAdvice(options.bridge_id, *found) : "";
     say(found ? rival : "the other bridge of this number is gone");
   }
 
@@ -174,22 +128,18 @@ struct Bridge::Impl {
   }
 
   void obey(v1::HandCommandKind kind) {
-    own_refusal.clear();
-    own_code = v1::REFUSAL_NONE;
+    own_refusal.forget();
     const bool moves = kind == v1::COMMAND_ARM || kind == v1::COMMAND_HOME;
     if (moves && !rival.empty()) {
-      own_refusal =
+      const std::string why =
           fmt::format("{} refused: {}", kind == v1::COMMAND_ARM ? "ARM" : "HOME", rival);
-      own_code = v1::REFUSAL_RIVAL;
-      ++own_refusals;
-      return say(own_refusal);
+      own_refusal.note(v1::REFUSAL_RIVAL, why);
+      return say(why);
     }
     if (kind == v1::COMMAND_ARM) is_willing = !options.config && options.arms_itself;
     if (kind == v1::COMMAND_DISARM || kind == v1::COMMAND_ESTOP) is_willing = false;
     if (!motion) {
-      own_refusal = "refused: no hand yet";
-      own_code = v1::REFUSAL_NO_HAND;
-      ++own_refusals;
+      own_refusal.note(v1::REFUSAL_NO_HAND, "refused: no hand yet");
       say("no hand yet: the command changes nothing");
       return;
     }
@@ -214,7 +164,7 @@ struct Bridge::Impl {
     });
     const bool is_there = watch.isThere(now);
     if (is_there != server_is_there) say(is_there ? "server found" : "the server is gone");
-    if (server_is_there && !is_there) answered.reset();
+    if (server_is_there && !is_there) choice.forget();
     // What was streamed before comes again to a reader that joins: poses answer edits, and the
     // next edit may be far away.
     if (is_there && !server_is_there && has_met_server) {
@@ -251,7 +201,7 @@ struct Bridge::Impl {
     } else {
       chooseHand();
     }
-    if (waiting && (options.config || answered == questionOf(*waiting))) {
+    if (waiting && (options.config || choice.isOf(*waiting))) {
       offer(*std::exchange(waiting, std::nullopt));
     }
     const std::optional<std::uint64_t> alive = feed.alive();
@@ -278,46 +228,26 @@ struct Bridge::Impl {
     motion->offer(std::move(told));
   }
 
-  // === Which hand, where none is configured
+  // === Which hand
 
-  static HandQuestion questionOf(const StreamFeed::Pose& pose) {
-    return {pose.pose.session_id, pose.pose.hand};
-  }
-
-  /// The hand's model, as the server has it, against the config: once for each session.
   void compareWithModel() {
-    const std::uint64_t session = identity.session_id;
-    const HandQuestion question{session, options.config->hand};
-    describer.want(session != 0 && compared != session ? std::optional(question)
-                                                       : std::nullopt);
-    const std::optional<HandDescriber::Answer> answer = describer.take();
-    if (!answer || answer->question != question) return;
-    compared = session;
-    warnings = answer->description ? differencesOf(*answer->description, *options.config) : "";
+    const auto differences = choice.compare(identity.session_id, *options.config);
+    if (!differences) return;
+    warnings = *differences;
     if (!warnings.empty()) say(warnings);
   }
 
   void chooseHand() {
-    const bool is_open = waiting && answered != questionOf(*waiting);
-    describer.want(is_open ? std::optional(questionOf(*waiting)) : std::nullopt);
-    const std::optional<HandDescriber::Answer> answer = describer.take();
-    if (!answer || !is_open || answer->question != questionOf(*waiting)) return;
-    try {
-      if (!answer->description) rejectInput("{}", answer->refusal);
-      HandPlan wanted = planHand(*answer->description, options.bounds);
-      wanted.hand = answer->question.hand;
-      if (!plan || !movesAlike(*plan, wanted)) {
-        beginMotion(simulatedConfig(wanted, options.period_s), wanted.rest);
-        plan = std::move(wanted);
-        say(fmt::format("hand {}: {} joints", handgraft::quoted(plan->hand),
-                        plan->jointCount()));
-      }
-      answered = answer->question;
-    } catch (const InvalidInput& error) {
-      // The next pose asks again; until then there is nothing new to say.
-      say(fmt::format("session {}: {}", answer->question.session_id, error.what()));
-      waiting.reset();
-    }
+    const std::string refusal =
+        choice.choose(waiting, options.bounds, [this](const HandPlan& wanted) {
+          beginMotion(simulatedConfig(wanted, options.period_s), wanted.rest);
+          say(fmt::format("hand {}: {} joints", handgraft::quoted(wanted.hand),
+                          wanted.jointCount()));
+        });
+    if (refusal.empty()) return;
+    // Until the next pose there is nothing new to say.
+    say(refusal);
+    waiting.reset();
   }
 
   void armIfWilling() {
@@ -333,14 +263,10 @@ struct Bridge::Impl {
   // === What there is to say
 
   void remark() {
-    {
-      const std::lock_guard lock(homed_mutex);
-      if (!homed_text.empty()) say(std::exchange(homed_text, {}));
-    }
+    if (std::string homed = calibration.takeText(); !homed.empty()) say(std::move(homed));
     const MotionState& now = state();
     if (now.refusals != told_refusals) {
-      own_refusal.clear();
-      own_code = v1::REFUSAL_NONE;
+      own_refusal.forget();
       if (!now.last_refusal.view().empty()) say(std::string(now.last_refusal.view()));
     }
     told_refusals = now.refusals;
@@ -352,9 +278,7 @@ struct Bridge::Impl {
     if (arrived || now.state != GovernorState::kArmed || now.stream == 0) return;
     if (!feed.alive() || now.stream != *feed.alive()) return;
     if (now.sequence != offered) return;  // the newest pose was refused, or is on its way
-    for (std::size_t i = 0; i < now.target.size(); ++i) {
-      if (!(std::abs(now.position[i] - now.target[i]) <= kArrived)) return;
-    }
+    if (!isAtTarget(now, kArrived)) return;
     arrived = true;
     const std::string_view less = now.clamping.view();
     say(less.empty()
@@ -371,11 +295,9 @@ struct Bridge::Impl {
     told.state = wireState(state().state);
     told.session_id = identity.session_id;
     told.hand = identity.hand;
-    if (motion) {
-      told.names = motion->config().governor.names;
-      if (state().is_connected) told.position = state().position;
-      if (state().stream != 0) told.target = state().target;
-    }
+    told.names = identity.joints;
+    if (state().is_connected) told.position = state().position;
+    if (state().stream != 0) told.target = state().target;
     report(told);
   }
 
@@ -384,49 +306,18 @@ struct Bridge::Impl {
   void publish(const MotionState* news, Clock::time_point now) {
     v1::BridgeStatus status = bridgeStatus(identity, state(), systemTimeOf(now));
     if (!rival.empty()) status.reason(status.reason() + "; " + rival);
-    if (own_code != v1::REFUSAL_NONE) {
-      status.last_refusal(own_refusal);
-      status.refusal(own_code);
-    }
-    status.refusal_count(status.refusal_count() + own_refusals);
+    own_refusal.addTo(status);
     status.warnings(warnings);
     // The motion never hears of sessions that are not for it.
     const bool lacks_pose = status.refusal() == v1::REFUSAL_NO_FRESH_POSE;
     if (lacks_pose && !passed_over.empty())
       status.last_refusal(status.last_refusal() + ": " + passed_over);
-    const bool is_new =
-        status.state() != last_status.state() || status.fault() != last_status.fault() ||
-        status.powered() != last_status.powered() || status.homed() != last_status.homed() ||
-        status.reason() != last_status.reason() ||
-        status.session_id() != last_status.session_id() ||
-        status.last_refusal() != last_status.last_refusal();
-    const bool is_diagnosed = status.state() != last_status.state() ||
-                              status.reason() != last_status.reason() || now >= diagnosis_due;
-    const bool is_due = is_new || now >= status_due;
-    static const std::vector<std::string> kNoNames;
-    const auto& names = motion ? motion->config().governor.names : kNoNames;
+    if (publisher.isDue(status, now)) rivals.noteOwn(status.stamp_ns());
     try {
-      if (news != nullptr || (!motion && is_due)) {
-        const bool is_measured = news != nullptr && news->is_connected;
-        const auto stamp = systemTimeOf(is_measured ? news->measured_at : now);
-        joint_states.write(jointState(identity, names, state(), ++sequence_number, stamp));
-        if (is_measured) ros.publish(identity, names, *news, stamp);
-      }
-      if (is_due) {
-        rivals.noteOwn(status.stamp_ns());
-        bridge_statuses.write(status);
-      }
-      if (is_diagnosed) {
-        diagnosis_due = now + kDiagnosisPeriod;
-        ros.publish(status, systemTimeOf(now));
-      }
-      ros.serve(status, now);
+      publisher.publish(identity, state(), news, status, now);
     } catch (const TransportError& error) {
       say(fmt::format("telemetry: {}", error.what()));
     }
-    if (!is_due) return;
-    status_due = now + kStatusPeriod;
-    last_status = status;
   }
 
   void run(const std::atomic<bool>& stop) {
@@ -451,40 +342,26 @@ struct Bridge::Impl {
   RivalWatch rivals;
   StreamFeed feed;
   ServerWatch watch;
-  HandDescriber describer;
+  HandChoice choice;
+  CalibrationKeeper calibration;
   BridgeIdentity identity;
   MotionState no_hand;
   Clock::time_point start{};
 
-  bool server_is_there = false;
-  bool has_met_server = false;
-  bool has_missed_server = false;
+  bool server_is_there = false, has_met_server = false, has_missed_server = false;
   bool is_willing = false;                  // to arm by itself
   bool arrived = false;                     // at the newest pose, and said so
   std::uint64_t offered = 0;                // number of the pose that was handed over last
   std::uint64_t pose_number = 0;            // of the newest pose, before it was explained
   std::optional<StreamFeed::Pose> waiting;  // for its hand's description
   Clock::time_point waiting_since{};
-  std::optional<HandQuestion> answered;  // the plan's
-  std::optional<HandPlan> plan;
-  std::uint64_t compared = 0;  // session whose hand's model was compared with the config
 
   std::string rival;        // of the same number, and what to do about it; empty: none
   std::string passed_over;  // the session of another hand, since the last pose; empty: none
-  v1::BridgeRefusal own_code = v1::REFUSAL_NONE;
-  std::uint64_t own_refusals = 0;
-  std::string warnings;     // how the config differs from the hand's model; empty: it does not
-  std::string own_refusal;  // of a command that the motion never saw; empty: none, or older
-  std::string last_said;
-  std::string told_reason;
-  std::uint64_t told_refusals = 0;
-  std::mutex homed_mutex;
-  std::string homed_text;  // guarded by homed_mutex
-  v1::BridgeStatus last_status;
-  Clock::time_point status_due{};
-  Clock::time_point diagnosis_due{};
-  std::uint64_t sequence_number = 0;
-  std::uint64_t overruns = 0;
+  OwnRefusal own_refusal;
+  std::string warnings;  // how the config differs from the hand's model; empty: it does not
+  std::string last_said, told_reason;
+  std::uint64_t told_refusals = 0, overruns = 0;
 
   Reader<v1::ServerStatus> statuses;
   std::optional<Reader<v1::SessionState>> sessions{std::in_place, participant,
@@ -493,9 +370,7 @@ struct Bridge::Impl {
                                                     idl::kSolutionTopic};
   Reader<v1::HandCommand> commands;
   Reader<v1::BridgeStatus> heard_statuses;
-  Writer<v1::JointState> joint_states;
-  Writer<v1::BridgeStatus> bridge_statuses;
-  RosNode ros;
+  Publisher publisher;
 
   // Last, so that it ends first: it uses what stands above.
   std::unique_ptr<MotionThread> motion;

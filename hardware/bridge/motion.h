@@ -10,7 +10,9 @@
 #include "hardware/bridge/hand_homing.h"
 #include "hardware/bridge/motion_state.h"
 #include "hardware/bridge/motor_path.h"
+#include "hardware/bridge/motor_watch.h"
 #include "hardware/bridge/request_ring.h"
+#include "hardware/bridge/zero_watch.h"
 #include "hardware/safety/governor.h"
 #include "idl/hardware.h"
 
@@ -76,9 +78,6 @@ class Motion {
   void openIfDue(safety::Time now);
   void open();
   bool measure();
-  void watchZeros();
-  void voidZeros(std::string_view motor, std::string_view why);
-  bool areMotorsOutside();
   void govern(safety::Time now);
   void obey(const safety::MotorOrder& order);
   void drive(std::span<const double> joint_rad);
@@ -90,9 +89,6 @@ class Motion {
               std::string_view what,
               std::string_view why,
               std::string_view detail = {});
-  void noteClamping();
-  bool isAnyHeldBack(safety::Time now);
-  void noteMotors();
   void accept();
   void noteFault();
   void tell(safety::Time now);
@@ -104,6 +100,8 @@ class Motion {
   safety::Governor governor_;
   MotorPath path_;
   DeviceStack stack_;
+  ZeroWatch zeros_;
+  MotorWatch motors_;
   std::unique_ptr<HandHoming> homing_;
 
   bool is_open_ = false;
@@ -113,15 +111,12 @@ class Motion {
   bool was_slow_ = false;
   bool is_clamped_ = false;  // the newest accepted pose
   bool is_last_refusal_a_poses_ = false;
-  bool was_away_ = false;   // silent for so long that it may have restarted
-  FixedText outside_;       // which motor is far outside its range, and by how much
   FixedText pose_refusal_;  // why the newest pose was refused; empty: it was accepted
   std::optional<safety::Time> next_open_;
   std::optional<safety::Time> renewed_at_;
   std::uint64_t limited_before_ = 0;
   devices::DeviceState measured_;
   MotionState state_;
-  std::vector<safety::Time> free_since_;     // each motor, since it last did not push in vain
   std::vector<std::size_t> joint_of_motor_;  // of direct drive; else empty
 };
 

@@ -1,5 +1,7 @@
 #include "hardware/bridge/motion_state.h"
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 namespace handgraft::bridge {
@@ -68,6 +70,13 @@ std::string describe(const MotionState& state) {
       return latchedText(state);
   }
   return "unknown";
+}
+
+bool isAtTarget(const MotionState& state, double tolerance) {
+  for (std::size_t i = 0; i < state.target.size(); ++i) {
+    if (!(std::abs(state.position[i] - state.target[i]) <= tolerance)) return false;
+  }
+  return true;
 }
 
 }  // namespace handgraft::bridge

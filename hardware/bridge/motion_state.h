@@ -105,4 +105,8 @@ struct MotionState {
 /// motor 3: no answer; RESET clears it".
 std::string describe(const MotionState& state);
 
+/// Whether each joint is measured where the newest pose asks it to be; never where one of both
+/// is no number.
+bool isAtTarget(const MotionState& state, double tolerance);
+
 }  // namespace handgraft::bridge

@@ -43,6 +43,12 @@ std::optional<std::string> RivalWatch::rival(Time now, milliseconds patience) co
   return rival_;
 }
 
+std::string rivalAdvice(std::uint32_t bridge_id, const std::string& rival) {
+  return fmt::format(
+      "another bridge {} is there: {}; end one, or give it another number with --bridge-id",
+      bridge_id, rival);
+}
+
 void requireNoRival(const idl::cyclone::Participant& participant,
                     std::uint32_t bridge_id,
                     const std::atomic<bool>& stop) {

@@ -45,6 +45,9 @@ class RivalWatch {
   std::string rival_;
 };
 
+/// What to do about it, once both run.
+std::string rivalAdvice(std::uint32_t bridge_id, const std::string& rival);
+
 /// Listens for 1.5 s, or until `stop`, for a bridge with this number. To be asked before the
 /// own one speaks.
 ///

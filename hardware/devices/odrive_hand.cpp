@@ -295,6 +295,9 @@ void ODriveHand::take(const CanFrame& frame) {
   }
   Known& known = known_[static_cast<std::size_t>(axis - config_.axes.begin())];
   if (const auto heartbeat = odrive::heartbeatOf(frame, config_.firmware)) {
+    // It may have restarted, and forgotten a watchdog that was not saved on it.
+    if (known.has_heartbeat && clock_() - known.heartbeat_time > kHeartbeatDelay)
+      is_watchdog_proved_ = false;
     known.heartbeat = *heartbeat;
     known.heartbeat_time = clock_();
     known.has_heartbeat = true;

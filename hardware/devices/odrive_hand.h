@@ -36,9 +36,10 @@ struct ODriveConfig {
 /// In each cycle every axis is asked for its estimates, one of them in turn for its current and
 /// its temperatures (`open` asks all of them), the attended one always for its current;
 /// heartbeats come by themselves. The watchdog cannot be set over CAN: `enable_watchdog` and
-/// `watchdog_timeout` have to be saved on each axis. The first `arm` after each `open` proves
-/// them: it holds the axes where they stand, falls silent, and goes on only if each one said
-/// that its watchdog switched it off. That error, and no other, `arm` clears.
+/// `watchdog_timeout` have to be saved on each axis. The first `arm` after each `open`, and
+/// after an axis was not heard of for long enough to have restarted, proves them: it holds the
+/// axes where they stand, falls silent, and goes on only if each one said that its watchdog
+/// switched it off. That error, and no other, `arm` clears.
 ///
 /// An axis latches its errors. `arm` clears no other, `reset` does. `stop` is the axes' own
 /// emergency stop, which is such an error.
@@ -110,7 +111,7 @@ class ODriveHand final : public Device {
   std::size_t turn_ = 0;  // which axis is asked for its current
   std::optional<std::size_t> attended_;
   bool expects_power_ = false;
-  bool is_watchdog_proved_ = false;  // of each axis, since `open`
+  bool is_watchdog_proved_ = false;  // of each axis, since `open` or a silence
   DeviceCounters counters_;
 };
 

@@ -128,6 +128,44 @@ TEST(Homing, TheDeviceItselfLimitsCurrentAndSpeedWhileItRuns) {
   }
 }
 
+// The same on Dynamixels, whose goal current and profile they are.
+TEST(Homing, ADynamixelItselfLimitsCurrentAndSpeedWhileItRuns) {
+  config::HandConfig config = test::exampleConfig("leap");
+  safety::HomingStep step;
+  step.motor = 1;
+  step.toward = 1;
+  step.speed_rad_s = 0.5;
+  step.current_A = 0.15;
+  step.travel_rad = 3;
+  step.stop_rad = config.motors[1].range_rad.upper;
+  step.back_off_rad = 0.2;
+  config.homing = {step};
+  HandInMotion hand(config);
+  auto& emulator = dynamic_cast<handgraft::test::DynamixelEmulator&>(hand.rig().emulated());
+  auto& motor = emulator.motor(1);
+  const double stop_rad = 1.1;  // by the config's zero, which is wrong
+  motor.stop = 2048 + stop_rad / protocols::dynamixel::kRadPerCount;
+  ASSERT_TRUE(hand.turnUntil(GovernorState::kIdle)) << describe(hand.state());
+  const auto usual_profile = emulator.get(1, "profile_velocity");
+  hand.motion().request(Request::kHome);
+  hand.turnFor(1);
+  ASSERT_TRUE(hand.state().is_homing) << describe(hand.state());
+  EXPECT_EQ(emulator.get(1, "goal_current"), 188) << "mA: a quarter more than it is told";
+  EXPECT_EQ(emulator.get(2, "goal_current"), 350) << "of a motor that holds";
+  const double highest_rad_s = static_cast<double>(emulator.get(1, "profile_velocity")) *
+                               protocols::dynamixel::kVelocityUnit;
+  EXPECT_NEAR(highest_rad_s, 1.5 * step.speed_rad_s, protocols::dynamixel::kVelocityUnit);
+  for (int k = 0; k < 6000 && hand.state().is_homing; ++k)
+    hand.turn();
+  ASSERT_TRUE(hand.state().is_homed) << describe(hand.state());
+  EXPECT_EQ(motor.largest_current_limit, 188);
+  EXPECT_EQ(emulator.get(1, "profile_velocity"), usual_profile) << "set back";
+  const double off_rad = stop_rad - step.stop_rad;
+  EXPECT_NEAR(hand.motion().config().motors[1].zero_rad, std::numbers::pi + off_rad, 0.02);
+  ASSERT_TRUE(hand.start(0.5)) << describe(hand.state());
+  EXPECT_EQ(emulator.get(1, "goal_current"), 350) << "set back";
+}
+
 TEST(Homing, AMotorThatStopsTellingItsCurrentIsNotRunOn) {
   const config::HandConfig config = test::exampleConfig("printed_tendon_hand");
   HandInMotion hand(config);

@@ -164,6 +164,20 @@ TEST_F(ODriveHandTest, IsNotArmedWithoutAWatchdogOnEveryAxis) {
   }
 }
 
+// One that was switched on without being saved is gone when the axis restarts.
+TEST_F(ODriveHandTest, AnAxisThatMayHaveRestartedProvesItsWatchdogAnew) {
+  make().open();
+  hand_->arm();
+  hand_->disarm();
+  bus_.restart(5, milliseconds(230));
+  bus_.axis(5).watchdog = Duration::zero();
+  cycle(50);
+  ASSERT_FALSE(hand_->fault()) << "too short to be told: " << describe(hand_->fault());
+  EXPECT_THROW(hand_->arm(), DeviceError);
+  EXPECT_EQ(hand_->fault().kind, Fault::Kind::kNoWatchdog);
+  EXPECT_EQ(hand_->fault().motor, 1);
+}
+
 TEST_F(ODriveHandTest, AnotherErrorWhileTheWatchdogIsProvedIsNotCleared) {
   make().open();
   hand_->heed([this] {

@@ -96,11 +96,24 @@ void DynamixelEmulator::advance(TimePoint now) {
     }
     motor.servo.goal = numberAt<std::int32_t>(motor.memory, kGoalPosition);
     motor.servo.move(seconds, is_on && !isWatchdogTripped(motor));
+    if (motor.stop) pushAgainstStop(motor, is_on && !isWatchdogTripped(motor));
     const auto& position = dxl::registerNamed("present_position");
     store(motor.memory, position, std::llround(motor.servo.position));
     store(motor.memory, dxl::registerNamed("present_velocity"),
           std::llround(motor.servo.velocity * dxl::kRadPerCount / dxl::kVelocityUnit));
   }
+}
+
+// As hard as its goal current permits.
+void DynamixelEmulator::pushAgainstStop(Motor& motor, bool is_on) {
+  const auto limit = valueAt(motor.memory, dxl::registerNamed("goal_current"));
+  const bool is_blocked = is_on && motor.servo.goal > *motor.stop;
+  motor.servo.position = std::min(motor.servo.position, *motor.stop);
+  store(motor.memory, dxl::registerNamed("present_current"),
+        is_blocked && motor.servo.position >= *motor.stop ? limit : 20);
+  if (is_on)
+    motor.largest_current_limit =
+        std::max(motor.largest_current_limit, static_cast<int>(limit));
 }
 
 void DynamixelEmulator::hear(protocols::Bytes bytes, TimePoint now) {

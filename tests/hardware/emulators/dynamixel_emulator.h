@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 
 #include "hardware/protocols/dynamixel_packet.h"
 #include "hardware/protocols/dynamixel_table.h"
@@ -19,7 +20,9 @@ class DynamixelEmulator final : public EmulatedDevice {
     bool is_broken = false;  ///< the hardware error comes back after every reboot
     bool is_unplugged = false;
     TimePoint boots_until;
-    int refused_goals = 0;  ///< written after the watchdog had fired
+    std::optional<double> stop;     ///< counts: the servo gets no farther upwards
+    int largest_current_limit = 0;  ///< mA, of the goal current while its torque was on
+    int refused_goals = 0;          ///< written after the watchdog had fired
   };
 
   explicit DynamixelEmulator(const std::vector<std::uint8_t>& ids);
@@ -42,6 +45,7 @@ class DynamixelEmulator final : public EmulatedDevice {
 
   void obey(const Packet& packet, TimePoint now);
   void obeyOne(std::uint8_t id, const Packet& packet, TimePoint now);
+  static void pushAgainstStop(Motor& motor, bool is_on);
   void boot(Motor& motor, std::uint8_t id, bool keeps_eeprom);
   protocols::dynamixel::Error write(Motor& motor, std::size_t address, protocols::Bytes data);
   ByteVector read(const Motor& motor, std::size_t address, std::size_t size) const;

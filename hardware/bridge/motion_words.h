@@ -1,0 +1,32 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hardware/bridge/motion_state.h"
+#include "hardware/config/hand_config.h"
+#include "hardware/safety/governor_types.h"
+
+namespace handgraft::bridge {
+
+v1::BridgeRefusal codeOf(safety::Refusal refusal);
+
+/// What the limits took of a pose: how much at most, and the first joint by name.
+struct Clamping {
+  double largest_rad = 0;
+  FixedText text;  ///< empty: nothing
+};
+
+/// Allocates nothing.
+Clamping clampingOf(const std::vector<std::string>& names,
+                    std::span<const double> asked,
+                    std::span<const double> given);
+
+/// A device's fault with its motor, id and joint, and what the device says in words.
+/// `joint_of_motor`: of direct drive, an index for each motor; else empty.
+std::string faultText(const devices::Device& device,
+                      const config::HandConfig& config,
+                      const std::vector<std::size_t>& joint_of_motor);
+
+}  // namespace handgraft::bridge
