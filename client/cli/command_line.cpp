@@ -59,6 +59,7 @@ std::variant<Invocation, Printout> parseCommandLine(int argc, const char* const*
   addSessionCommands(app, invocation.command);
   addBridgeCommands(app, invocation.command);
   addStudyCommands(app, invocation.command);
+  addMotionCommands(app, invocation.command);
   for (CLI::App* command : app.get_subcommands({}))
     command->fallthrough();
 

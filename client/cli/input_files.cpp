@@ -7,7 +7,7 @@ std::vector<NamedFile> inputsOf(const std::optional<ModelFiles>& model,
   std::vector<NamedFile> inputs;
   if (!model) return inputs;
   for (const UploadFile& file : model->files) {
-    if (file.uri != kSitesUri) inputs.push_back({option, file.path});
+    if (file.uri != kSitesUri && !file.text) inputs.push_back({option, file.path});
   }
   return inputs;
 }

@@ -405,6 +405,22 @@ Pending<v1::ReplayReply> Client::replay(const std::string& text) {
   });
 }
 
+Pending<v1::MotionSummary> Client::solveMotion(const v1::SolveMotionRequest& request) {
+  v1::RequestBody body;
+  body.solve_motion(request);
+  return impl_->call<v1::MotionSummary>(body, [](v1::ReplyBody& reply) {
+    return std::move(reply.motion());
+  });
+}
+
+Pending<v1::MotionFrames> Client::motionFrames(const v1::MotionFramesRequest& request) {
+  v1::RequestBody body;
+  body.motion_frames(request);
+  return impl_->call<v1::MotionFrames>(body, [](v1::ReplyBody& reply) {
+    return std::move(reply.motion_frames());
+  });
+}
+
 Pending<std::string> Client::exportSession(const v1::ExportRequest& request) {
   v1::RequestBody body;
   body.export_file(request);

@@ -104,6 +104,10 @@ class Client {
                               std::uint64_t base_revision,
                               const v1::EditBody& body);
   Pending<v1::PoseSolution> optimize(const v1::OptimizeRequest& request);
+  /// Of a session that holds a motion: its frames are asked for afterwards.
+  Pending<v1::MotionSummary> solveMotion(const v1::SolveMotionRequest& request);
+  /// As many frames as fit into a message; `is_last` says whether there are more.
+  Pending<v1::MotionFrames> motionFrames(const v1::MotionFramesRequest& request);
   Pending<v1::SessionSettings> settings(std::uint64_t session_id);
   Pending<v1::CompareReply> compare(const v1::CompareRequest& request);
   /// handgraft-session/1.

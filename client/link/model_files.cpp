@@ -5,6 +5,7 @@
 #include <cstring>
 #include <fstream>
 #include <regex>
+#include <utility>
 
 #include <unistd.h>
 
@@ -231,6 +232,27 @@ ModelFiles contactFiles(const fs::path& path,
   return model;
 }
 
+ModelFiles motionFiles(const fs::path& path, const std::string& object) {
+  ModelFiles model = withMainFile(v1::MODEL_MOTION, path);
+  model.object = object;
+  return model;
+}
+
+ModelFiles plannedMotion(const std::string& name,
+                         std::string plan,
+                         std::vector<UploadFile> files) {
+  ModelFiles model;
+  model.kind = v1::MODEL_MOTION;
+  model.name = name;
+  model.main_uri = "plan.json";
+  model.files.push_back({model.main_uri, {}, std::move(plan)});
+  for (UploadFile& file : files) {
+    if (!file.text) requireReadable(file.path);
+    model.files.push_back(std::move(file));
+  }
+  return model;
+}
+
 std::string nameApart(const ModelFiles& model) {
   ContentHash hash;
   hash.addText(model.object);
@@ -239,7 +261,7 @@ std::string nameApart(const ModelFiles& model) {
   if (model.contact_options) hash.addText(textOf(*model.contact_options));
   for (const UploadFile& file : model.files) {
     hash.addText(file.uri);
-    hash.addText(readFile(file.path));
+    hash.addText(file.text ? *file.text : readFile(file.path));
   }
   return model.name.substr(0, 55) + "-" + hash.finish().substr(0, kShort);
 }

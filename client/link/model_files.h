@@ -17,6 +17,8 @@ inline constexpr const char* kSitesUri = "sites.yaml";
 struct UploadFile {
   std::string uri;  ///< as the main file spells it
   std::filesystem::path path;
+  std::optional<std::string>
+      text{};  ///< what it holds, where there is no file: `path` is empty
 };
 
 /// How the files of a hand are to be read.
@@ -38,7 +40,7 @@ struct ContactReading {
 struct ModelFiles {
   v1::ModelKind kind = v1::MODEL_HAND;
   std::string name;
-  std::string object;  ///< contacts: what they lie on; may be empty
+  std::string object;  ///< contacts and motions: what they lie on; may be empty
   std::string main_uri;
   std::string units;              ///< empty: metres unless the size says otherwise
   std::vector<UploadFile> files;  ///< the main one first
@@ -77,6 +79,15 @@ ModelFiles contactFiles(const std::filesystem::path& path,
                         const std::string& object,
                         const ContactReading& reading = {},
                         const std::string& units = {});
+
+/// A motion, or a recording of contacts. Errors as `handFiles`.
+ModelFiles motionFiles(const std::filesystem::path& path, const std::string& object);
+
+/// A motion that is made of other files, as `plan` says (handgraft-motion-plan/1), which names
+/// them by their URIs. Errors as `handFiles`.
+ModelFiles plannedMotion(const std::string& name,
+                         std::string plan,
+                         std::vector<UploadFile> files);
 
 /// A name that tells the model apart from others of its name: that, and a hash of all bytes,
 /// URIs, units and options. Errors: InvalidInput if a file cannot be read.

@@ -1,7 +1,9 @@
 #include "client/link/upload.h"
 
 #include <algorithm>
+#include <fstream>
 #include <random>
+#include <sstream>
 #include <utility>
 
 #include "client/link/cancellation.h"
@@ -48,33 +50,41 @@ void Upload::next() {
   }
 }
 
+void Upload::open(const UploadFile& file) {
+  offset_ = 0;
+  if (file.text) {
+    total_ = file.text->size();
+    in_ = std::make_unique<std::istringstream>(*file.text);
+    return;
+  }
+  std::error_code error;
+  total_ = std::filesystem::file_size(file.path, error);
+  in_ = std::make_unique<std::ifstream>(file.path, std::ios::binary);
+  if (error || !*in_) rejectInput("{}: cannot be read", quoted(file.path.string()));
+}
+
 bool Upload::nextChunk(v1::RequestBody& body) {
-  while (!in_.is_open() || offset_ == total_) {
-    if (in_.is_open()) {
-      in_.close();
+  while (!in_ || offset_ == total_) {
+    if (in_) {
+      in_.reset();
       ++file_;
     }
     if (file_ == model_.files.size()) return false;
-    const std::filesystem::path& path = model_.files[file_].path;
-    std::error_code error;
-    total_ = std::filesystem::file_size(path, error);
-    offset_ = 0;
-    in_.open(path, std::ios::binary);
-    if (error || !in_) rejectInput("{}: cannot be read", quoted(path.string()));
+    open(model_.files[file_]);
   }
   const UploadFile& file = model_.files[file_];
+  const std::string name = file.text ? file.uri : file.path.filename().string();
   v1::PutFileRequest request;
   request.upload_id(upload_id_);
   request.uri(file.uri);
   request.total_bytes(total_);
   request.offset(offset_);
   request.bytes().resize(static_cast<std::size_t>(std::min(kChunk, total_ - offset_)));
-  in_.read(reinterpret_cast<char*>(request.bytes().data()),
-           static_cast<std::streamsize>(request.bytes().size()));
-  if (!in_) rejectInput("{}: changed while it was read", quoted(file.path.string()));
+  in_->read(reinterpret_cast<char*>(request.bytes().data()),
+            static_cast<std::streamsize>(request.bytes().size()));
+  if (!*in_) rejectInput("{}: changed while it was read", quoted(file.path.string()));
   offset_ += request.bytes().size();
-  state_->report("sending " + file.path.filename().string(),
-                 static_cast<double>(offset_) / static_cast<double>(total_));
+  state_->report("sending " + name, static_cast<double>(offset_) / static_cast<double>(total_));
   body.put_file(std::move(request));
   return true;
 }

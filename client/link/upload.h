@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <fstream>
+#include <istream>
 #include <memory>
 #include <mutex>
 
@@ -29,6 +29,8 @@ class Upload : public std::enable_shared_from_this<Upload> {
 
  private:
   void next();
+  /// Errors: InvalidInput.
+  void open(const UploadFile& file);
   /// The next chunk; false when all were sent. Errors: InvalidInput.
   bool nextChunk(v1::RequestBody& body);
   v1::RequestBody loadRequest() const;
@@ -39,9 +41,9 @@ class Upload : public std::enable_shared_from_this<Upload> {
   const ModelFiles model_;
   const std::shared_ptr<State> state_;
   const std::uint64_t upload_id_;
-  std::size_t file_ = 0;  ///< that is being sent
-  std::ifstream in_;
-  std::uintmax_t total_ = 0;  ///< bytes of it
+  std::size_t file_ = 0;              ///< that is being sent
+  std::unique_ptr<std::istream> in_;  ///< null before the first file
+  std::uintmax_t total_ = 0;          ///< bytes of it
   std::uintmax_t offset_ = 0;
   std::mutex mutex_;  ///< guards the rest
   bool cancelled_ = false;

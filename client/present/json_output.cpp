@@ -68,6 +68,7 @@ Json description(v1::ModelDescription description) {
       map.value().clear();
     }
   }
+  if (description._d() == v1::MODEL_MOTION) description.motion().file("");
   const Json all = jsonOf(description);
   Json document = {{"kind", all["kind"]}};
   document.update(all[all["kind"].get<std::string>()]);

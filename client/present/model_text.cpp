@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "client/present/motion_output.h"
 #include "client/present/text_output.h"
 
 namespace handgraft::client::text {
@@ -204,8 +205,7 @@ std::string description(const v1::ModelDescription& description) {
     case v1::MODEL_CONTACTS:
       return contacts(description.contacts());
     case v1::MODEL_MOTION:
-      return fmt::format("motion {}: {} frames\n", plain(description.motion().name()),
-                         description.motion().frame_count());
+      return motion(description.motion());
     case v1::MODEL_OBJECT:
       break;
   }

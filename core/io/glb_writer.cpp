@@ -1,13 +1,18 @@
 // glTF 2.0, sections 3 (JSON) and 4 (GLB): one buffer, a view each for places and indices of a
 // part.
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
+#include <optional>
 
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
 #include "core/io/scene_writer.h"
+#include "core/io/trajectory_writer.h"
 
 namespace handgraft::io {
 
@@ -21,6 +26,7 @@ constexpr int kFloat = 5126;
 constexpr int kUnsignedInt = 5125;
 constexpr int kArrayBuffer = 34962;
 constexpr int kElementArrayBuffer = 34963;
+constexpr int kNoTarget = 0;  // of what no shader reads
 constexpr std::uint32_t kJsonChunk = 0x4E4F534A;
 constexpr std::uint32_t kBinaryChunk = 0x004E4942;
 
@@ -44,18 +50,26 @@ json listOf(const Eigen::Vector3f& v) {
 
 class GlbWriter {
  public:
-  std::string write(const PosedGrasp& grasp) {
+  /// A pose of every part at each time, in the parts' order (`partsOf`).
+  struct Movement {
+    std::vector<float> time_s;
+    std::vector<std::vector<Pose>> X_WP;  ///< of each time
+  };
+
+  std::string write(const PosedGrasp& grasp, const Movement& movement = {}) {
     // World: p_gltf = (x, z, -y), a quarter turn about x.
     constexpr double kHalf = 0.70710678118654752;
     json children = json::array();
     nodes_.push_back({{"name", "world"}, {"rotation", {-kHalf, 0.0, 0.0, kHalf}}});
-    for (const ScenePart& part : partsOf(grasp)) {
-      if (part.mesh_P.faceCount() == 0) continue;
+    const std::vector<ScenePart> parts = partsOf(grasp);
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      if (parts[i].mesh_P.faceCount() == 0) continue;
       children.push_back(nodes_.size());
-      addPart(part);
+      addPart(parts[i]);
+      if (!movement.time_s.empty()) addMovement(movement, i);
     }
     nodes_[0]["children"] = children;
-    const json document = {
+    json document = {
         {"asset", {{"version", "2.0"}, {"generator", "handgraft"}}},
         {"scene", 0},
         {"scenes", {{{"name", grasp.hand + " at " + grasp.object}, {"nodes", {0}}}}},
@@ -65,6 +79,10 @@ class GlbWriter {
         {"accessors", accessors_},
         {"bufferViews", views_},
         {"buffers", {{{"byteLength", buffer_.size()}}}}};
+    if (!movement.time_s.empty()) {
+      document["animations"] = {
+          {{"name", "motion"}, {"channels", channels_}, {"samplers", samplers_}}};
+    }
     std::string chunks;
     appendChunk(chunks, kJsonChunk,
                 document.dump(-1, ' ', false, json::error_handler_t::replace), ' ');
@@ -109,12 +127,57 @@ class GlbWriter {
                           {"material", materialOf(part.color)}}}}});
   }
 
+  /// Moves the last node as the part moves.
+  void addMovement(const Movement& movement, std::size_t part) {
+    if (!times_) {
+      const auto [first, last] =
+          std::minmax_element(movement.time_s.begin(), movement.time_s.end());
+      times_ = accessors_.size();
+      accessors_.push_back(
+          {{"bufferView",
+            addView(movement.time_s.data(), static_cast<Eigen::Index>(movement.time_s.size()),
+                    kNoTarget)},
+           {"componentType", kFloat},
+           {"count", movement.time_s.size()},
+           {"type", "SCALAR"},
+           {"min", {*first}},
+           {"max", {*last}}});
+    }
+    std::vector<float> places;
+    std::vector<float> turns;
+    Eigen::Vector4d before = Eigen::Vector4d::Zero();
+    for (const std::vector<Pose>& X_WP : movement.X_WP) {
+      const Eigen::Vector3f p = X_WP[part].translation().cast<float>();
+      Eigen::Vector4d q = quaternionOf(X_WP[part]);
+      if (q.dot(before) < 0.0) q = -q;  // the short way between two frames
+      before = q;
+      places.insert(places.end(), p.data(), p.data() + 3);
+      for (const int i : {1, 2, 3, 0})
+        turns.push_back(static_cast<float>(q[i]));
+    }
+    addChannel("translation", "VEC3", places, movement.time_s.size());
+    addChannel("rotation", "VEC4", turns, movement.time_s.size());
+  }
+
+  void addChannel(const char* path,
+                  const char* type,
+                  const std::vector<float>& values,
+                  std::size_t count) {
+    const std::size_t view =
+        addView(values.data(), static_cast<Eigen::Index>(values.size()), kNoTarget);
+    channels_.push_back({{"sampler", samplers_.size()},
+                         {"target", {{"node", nodes_.size() - 1}, {"path", path}}}});
+    samplers_.push_back({{"input", *times_}, {"output", accessors_.size()}});
+    accessors_.push_back(
+        {{"bufferView", view}, {"componentType", kFloat}, {"count", count}, {"type", type}});
+  }
+
   template <class T>
   std::size_t addView(const T* values, Eigen::Index count, int target) {
     views_.push_back({{"buffer", 0},
                       {"byteOffset", buffer_.size()},
-                      {"byteLength", static_cast<std::size_t>(count) * sizeof(T)},
-                      {"target", target}});
+                      {"byteLength", static_cast<std::size_t>(count) * sizeof(T)}});
+    if (target != kNoTarget) views_.back()["target"] = target;
     append(buffer_, values, static_cast<std::size_t>(count));
     return views_.size() - 1;
   }
@@ -137,12 +200,37 @@ class GlbWriter {
   json materials_ = json::array();
   json accessors_ = json::array();
   json views_ = json::array();
+  json channels_ = json::array();
+  json samplers_ = json::array();
+  std::optional<std::size_t> times_;  ///< the accessor of all channels' times
 };
 
 }  // namespace
 
 std::string glbBytes(const PosedGrasp& grasp) {
   return GlbWriter().write(grasp);
+}
+
+std::string trajectoryGlb(const HandTrajectory& trajectory) {
+  const manipulation::Motion& motion = *trajectory.contacts;
+  const std::vector<hand::HandPose>& poses = trajectory.solved->trajectory.poses;
+  PosedGrasp grasp{trajectory.hand,     trajectory.object, trajectory.model,
+                   trajectory.object_O, poses.front(),     motion.X_WO.front()};
+  GlbWriter::Movement movement;
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    movement.time_s.push_back(static_cast<float>(motion.time_s[k] - motion.time_s.front()));
+    grasp.X_WO = motion.X_WO[k];
+    grasp.pose = {motion.X_WO[k] * poses[k].X_WH, poses[k].q};
+    movement.X_WP.push_back(partPoses(grasp));
+    if (k == 0) continue;
+    // glTF's times must rise in single precision, too.
+    movement.time_s[k] =
+        std::max(movement.time_s[k],
+                 std::nextafter(movement.time_s[k - 1], std::numeric_limits<float>::max()));
+  }
+  grasp.X_WO = motion.X_WO.front();
+  grasp.pose = {motion.X_WO.front() * poses.front().X_WH, poses.front().q};
+  return GlbWriter().write(grasp, movement);
 }
 
 }  // namespace handgraft::io

@@ -1,9 +1,11 @@
 #include "core/io/motion_import.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -89,6 +91,54 @@ SplineTrajectory splinesFrom(const json& root) {
     }
   }
   return trajectory;
+}
+
+/// Where a point of a link of the right MANO hand is, as on any hand. Its links' frames are
+/// turned alike at rest: fingers to -x, palm to -y, the thumb's side to +z. Bones and lengths
+/// are those of the recordings' own MJCF. Where the thumb's pad is, its frames do not tell.
+std::optional<hand::HandPlace> placeOnMano(const std::string& link,
+                                           const Eigen::Vector3d& p_L) {
+  struct Digit {
+    std::string mano;
+    const char* name;
+    Eigen::Vector3d bone;  ///< of its middle segment
+    std::array<double, 3> length_m;
+  };
+
+  static const std::array<Digit, 5> kDigits{
+      {{"thumb", "thumb", {-0.0222, -0.0054, 0.0145}, {0.031, 0.027, 0.030}},
+       {"index", "index", {-0.0222, -0.0013, -0.0001}, {0.033, 0.022, 0.024}},
+       {"middle", "middle", {-0.0229, -0.0013, -0.0039}, {0.032, 0.023, 0.025}},
+       {"ring", "ring", {-0.0235, -0.0017, -0.0076}, {0.029, 0.025, 0.025}},
+       {"pinky", "little", {-0.0159, -0.0007, -0.0103}, {0.021, 0.019, 0.020}}}};
+  static constexpr std::array<const char*, 3> kSegments{"proximal", "middle", "distal"};
+  constexpr double kKnuckles_m = 0.088;  // from the wrist
+  constexpr double kFirst_m = 0.026;     // z of the first knuckle; the last one's is -0.043
+  constexpr double kAcross_m = 0.069;
+
+  hand::HandPlace place;
+  if (link == "wrist") {
+    place.digit = hand::kPalmPart;
+    place.along = std::clamp(1.0 + p_L.x() / kKnuckles_m, 0.0, 1.0);
+    place.across = std::clamp((kFirst_m - p_L.z()) / kAcross_m, 0.0, 1.0);
+    return place;
+  }
+  for (const Digit& digit : kDigits) {
+    if (link.size() != digit.mano.size() + 1 || !link.starts_with(digit.mano)) continue;
+    const int segment = link.back() - '1';
+    if (segment < 0 || segment > 2) return std::nullopt;
+    const auto at = static_cast<std::size_t>(segment);
+    place.digit = digit.name;
+    place.segment = kSegments[at];
+    place.segment_count = 3;
+    const Eigen::Vector3d bone = digit.bone.normalized();
+    place.along = std::clamp(p_L.dot(bone) / digit.length_m[at], 0.0, 1.0);
+    const Eigen::Vector3d thumbward = Eigen::Vector3d::UnitY().cross(bone).normalized();
+    if (digit.mano != "thumb")
+      place.around_rad = std::atan2(p_L.dot(thumbward), p_L.dot(-Eigen::Vector3d::UnitY()));
+    return place;
+  }
+  return std::nullopt;
 }
 
 /// A point of a frame, of one link.
@@ -231,7 +281,8 @@ Motion sequenceFrom(const json& root,
       key.patch.name = point.link;
       key.patch.root = hit.point;
       key.patch.interpolation_boundary = {hit.point};
-      key.patch.place = hand::placeNamed(point.link);
+      key.patch.place = motion.hand == "MANO" ? placeOnMano(point.link, point.p_L)
+                                              : hand::placeNamed(point.link);
       key.hand_points = {point};
       seen[point.link].push_back({p_O, std::move(key)});
     }

@@ -49,4 +49,13 @@ std::vector<ScenePart> partsOf(const PosedGrasp& grasp) {
   return parts;
 }
 
+std::vector<Pose> partPoses(const PosedGrasp& grasp) {
+  const hand::LinkPoses X_WL = hand::forwardKinematics(*grasp.model, grasp.pose);
+  std::vector<Pose> poses;
+  for (std::size_t i = 0; i < X_WL.size(); ++i)
+    if (!grasp.model->links()[i].surface().empty()) poses.push_back(X_WL[i]);
+  poses.push_back(grasp.X_WO);
+  return poses;
+}
+
 }  // namespace handgraft::io

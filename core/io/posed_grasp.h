@@ -46,4 +46,7 @@ struct ScenePart {
 /// Errors: as above. Cost: O(faces).
 std::vector<ScenePart> partsOf(const PosedGrasp& grasp);
 
+/// The poses of these alone, in their order.
+std::vector<Pose> partPoses(const PosedGrasp& grasp);
+
 }  // namespace handgraft::io

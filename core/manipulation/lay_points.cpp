@@ -1,11 +1,35 @@
 #include "core/manipulation/lay_points.h"
 
 #include <algorithm>
+#include <optional>
+#include <set>
+#include <string>
 #include <utility>
 
 #include "core/base/error.h"
 
 namespace handgraft::manipulation {
+
+namespace {
+
+/// Of each of `count` points: a recorded point stands for a region.
+double pointWeight(const contact::Patch& patch, std::size_t count) {
+  return patch.weight *
+         std::max(1.0, contact::kDefaultInterpolationCount / static_cast<double>(count));
+}
+
+/// Where on the links a place of a hand is; nothing if it has none.
+std::optional<hand::LinkPoint> linkPointAt(const std::optional<hand::HandPlace>& place,
+                                           const hand::Skin& skin,
+                                           const hand::FingerCoordinates& coordinates) {
+  if (!place) return std::nullopt;
+  const auto spot = coordinates.spotAt(*place);
+  if (!spot) return std::nullopt;
+  return skin.project(positionOf(skin.mesh(), spot->root_S),
+                      normalOf(skin.mesh(), spot->root_S));
+}
+
+}  // namespace
 
 std::vector<PairTrack> layPoints(const Motion& motion,
                                  const geometry::TriangleMesh& object_O,
@@ -29,9 +53,7 @@ std::vector<PairTrack> layPoints(const Motion& motion,
         pair.p_L = key.hand_points[i].p_L;
         pair.p_W = positionOf(object_O, key.patch.interpolation_boundary[i]);
         pair.n_W = normalOf(object_O, key.patch.interpolation_boundary[i]);
-        pair.weight =
-            key.patch.weight * std::max(1.0, contact::kDefaultInterpolationCount /
-                                                 static_cast<double>(key.hand_points.size()));
+        pair.weight = pointWeight(key.patch, key.hand_points.size());
         pair.patch = static_cast<int>(tracks.size());
         pair.n_L = Eigen::Vector3d::UnitZ();  // a unit vector that counts for nothing
         pair.has_normals = false;
@@ -47,6 +69,55 @@ std::vector<PairTrack> layPoints(const Motion& motion,
                 unknown.empty() ? "" : "; one lies on " + quoted(unknown));
   }
   return tracks;
+}
+
+LaidMotion layPointsByPlace(const Motion& motion,
+                            const geometry::TriangleMesh& object_O,
+                            const hand::HandModel& model,
+                            const hand::Skin& skin,
+                            const hand::FingerCoordinates& coordinates,
+                            const Progress& progress) {
+  LaidMotion laid;
+  std::set<std::string> lacking;
+  for (std::size_t t = 0; t < motion.tracks.size(); ++t) {
+    progress.checkpoint();
+    progress.report("laying points",
+                    static_cast<double>(t) / static_cast<double>(motion.tracks.size()));
+    const PatchTrack& track = motion.tracks[t];
+    PairTrack pairs;
+    pairs.end = track.end;
+    bool any = false;
+    for (const PatchKey& key : track.keys) {
+      PairSpan span{key.frame, {}};
+      if (const auto spot = linkPointAt(key.patch.place, skin, coordinates)) {
+        for (const geometry::SurfacePoint& point : key.patch.interpolation_boundary) {
+          optimize::PointPair pair;
+          pair.link = spot->link;
+          pair.p_L = spot->p_L;
+          pair.n_L = spot->n_L;
+          pair.p_W = positionOf(object_O, point);
+          pair.n_W = normalOf(object_O, point);
+          pair.weight = pointWeight(key.patch, key.patch.interpolation_boundary.size());
+          pair.patch = static_cast<int>(laid.tracks.size());
+          span.pairs.push_back(pair);
+          any = true;
+        }
+      } else {
+        lacking.insert(track.name);
+      }
+      pairs.spans.push_back(std::move(span));
+    }
+    if (!any) continue;
+    laid.tracks.push_back(std::move(pairs));
+    laid.track_of.push_back(static_cast<int>(t));
+  }
+  if (laid.tracks.empty())
+    rejectInput("motion '{}': none of its points has a place on hand '{}'", motion.name,
+                model.name());
+  for (const std::string& name : lacking)
+    laid.notes.push_back(fmt::format(
+        "points of {} left out in part or whole: this hand has no such place", quoted(name)));
+  return laid;
 }
 
 }  // namespace handgraft::manipulation

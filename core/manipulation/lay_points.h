@@ -1,6 +1,9 @@
 #pragma once
 
 #include "core/geometry/triangle_mesh.h"
+#include "core/hand/finger_coordinates.h"
+#include "core/hand/skin.h"
+#include "core/manipulation/lay_patches.h"
 #include "core/manipulation/motion.h"
 #include "core/manipulation/motion_problem.h"
 
@@ -13,5 +16,16 @@ namespace handgraft::manipulation {
 std::vector<PairTrack> layPoints(const Motion& motion,
                                  const geometry::TriangleMesh& object_O,
                                  const hand::HandModel& model);
+
+/// The same of any hand: each point at the place that its patch tells (PatchKey::patch), with
+/// the skin's normal there. Keys without a place, or with one that this hand lacks, are left
+/// out and noted. Errors: InvalidInput if no point is left; Cancelled on wish.
+/// Cost: a look at one digit's skin a key.
+LaidMotion layPointsByPlace(const Motion& motion,
+                            const geometry::TriangleMesh& object_O,
+                            const hand::HandModel& model,
+                            const hand::Skin& skin,
+                            const hand::FingerCoordinates& coordinates,
+                            const Progress& progress);
 
 }  // namespace handgraft::manipulation

@@ -8,6 +8,7 @@
 #include "server/handlers/export.h"
 #include "server/handlers/load_model.h"
 #include "server/handlers/models.h"
+#include "server/handlers/motions.h"
 #include "server/handlers/optimize.h"
 #include "server/handlers/pose_contacts.h"
 #include "server/handlers/saved_sessions.h"
@@ -62,10 +63,10 @@ Lane laneOf(v1::Operation operation) {
     case v1::OP_SESSION_SETTINGS:
     case v1::OP_COMPARE:
     case v1::OP_SAVE_SESSION:
-      return Lane::kSession;
-    case v1::OP_SHARE_SESSION:
     case v1::OP_SOLVE_MOTION:
     case v1::OP_MOTION_FRAMES:
+      return Lane::kSession;
+    case v1::OP_SHARE_SESSION:
     case v1::OP_SET_CLOCK:
       reject(v1::ERROR_UNSUPPORTED, "this server does not {} yet", nameOf(operation));
   }
@@ -82,6 +83,10 @@ std::uint64_t sessionOf(const v1::RequestBody& body) {
       return body.suggest().session_id();
     case v1::OP_COMPARE:
       return body.compare().session_id();
+    case v1::OP_SOLVE_MOTION:
+      return body.solve_motion().session_id();
+    case v1::OP_MOTION_FRAMES:
+      return body.motion_frames().session_id();
     default:
       return body.session().session_id();
   }
@@ -196,6 +201,14 @@ v1::ReplyBody perform(const v1::Request& request,
     case v1::OP_SAVE_SESSION:
       return bodyOf(operation, [&](auto& reply) {
         reply.saved_session(saveSession(live));
+      });
+    case v1::OP_SOLVE_MOTION:
+      return bodyOf(operation, [&](auto& reply) {
+        reply.motion(solveMotion(live, body.solve_motion(), workshop, progress));
+      });
+    case v1::OP_MOTION_FRAMES:
+      return bodyOf(operation, [&](auto& reply) {
+        reply.motion_frames(motionFrames(live, body.motion_frames()));
       });
     default:
       throw BrokenContract(fmt::format("{} is no operation of a session", nameOf(operation)));

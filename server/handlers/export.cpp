@@ -12,6 +12,7 @@
 #include "core/io/scene_writer.h"
 #include "idl/fields.h"
 #include "idl/grasp_file.h"
+#include "server/handlers/motions.h"
 #include "server/handlers/optimize.h"
 #include "server/messages/convert.h"
 
@@ -87,6 +88,7 @@ std::string contentOf(LiveSession& live,
                       const v1::ExportRequest& request,
                       Workshop& workshop,
                       const Progress& progress) {
+  if (live.motion() != nullptr) return motionExport(live, request.format());
   switch (request.format()) {
     case v1::EXPORT_JSON:
       return jsonOf(live, standingOf(live, workshop, progress));
@@ -102,6 +104,11 @@ std::string contentOf(LiveSession& live,
     }
     case v1::EXPORT_PROBLEM:
       return problemOf(live, request, progress);
+    case v1::EXPORT_NPZ:
+    case v1::EXPORT_MJCF:
+    case v1::EXPORT_ROS_TRAJECTORY:
+      rejectInput("export: {} is a format of motions; session {} holds contacts",
+                  nameOf(request.format()), live.id());
   }
   rejectInput("export: there is no format {}; there are {}",
               static_cast<unsigned>(request.format()),

@@ -57,6 +57,8 @@ class Loading {
         return store(
             storedObject(reading_.name, origin(), read<io::MeshFile>(reading_), reading_.units),
             workshop_.models);
+      case ReadKind::kMotion:
+        return loadMotion(object.empty() ? objectInFile() : object);
       default:
         return loadContacts(object.empty() ? objectInFile() : object);
     }
@@ -73,7 +75,8 @@ class Loading {
     name.kind = ReadKind::kObjectName;
     std::string object = read<ObjectName>(name).name;
     if (object.empty()) {
-      rejectInput("contacts {}: neither the request nor the file says which object they lie on",
+      rejectInput("{} {}: neither the request nor the file says which object they lie on",
+                  reading_.kind == ReadKind::kMotion ? "contacts of motion" : "contacts",
                   handgraft::quoted(reading_.name));
     }
     return object;
@@ -87,6 +90,16 @@ class Loading {
     const Origin from = origin(object);
     return store(storedContacts(reading_.name, from, std::move(read_contacts), stored->file,
                                 std::move(object)),
+                 workshop_.models);
+  }
+
+  v1::ModelList loadMotion(std::string object) {
+    const auto stored = workshop_.models.object(object);
+    reading_.contacts.object = stored->file;
+    auto read_motion = read<ReadMotion>(reading_);
+    const Origin from = origin(object);
+    return store(storedMotion(reading_.name, from, std::move(read_motion), stored->file,
+                              std::move(object)),
                  workshop_.models);
   }
 

@@ -40,7 +40,8 @@ v1::ModelDescription describeModel(const v1::DescribeModelRequest& request,
       reply.contacts(describe(*workshop.models.contacts(name), request.with_meshes()));
       return reply;
     case v1::MODEL_MOTION:
-      break;
+      reply.motion(describe(*workshop.models.motion(name), request.with_meshes()));
+      return reply;
   }
   rejectInput("model kind {} does not exist", static_cast<unsigned>(request.model().kind()));
 }

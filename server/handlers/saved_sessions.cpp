@@ -4,6 +4,7 @@
 
 #include "core/io/session_file.h"
 #include "core/session/replay.h"
+#include "server/admission/rejection.h"
 #include "server/handlers/optimize.h"
 #include "server/handlers/sessions.h"
 #include "server/store/model_source.h"
@@ -21,6 +22,12 @@ session::SessionModels modelsOf(const io::SessionFile& file,
 }  // namespace
 
 v1::SaveSessionReply saveSession(LiveSession& live) {
+  if (live.motion() != nullptr) {
+    reject(v1::ERROR_UNSUPPORTED,
+           "session {} holds a motion, which handgraft-session/1 cannot keep; its motion and "
+           "what the hand does are exported",
+           live.id());
+  }
   v1::SaveSessionReply reply;
   reply.text(io::sessionText(live.session()));
   return reply;

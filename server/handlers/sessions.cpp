@@ -1,8 +1,10 @@
 #include "server/handlers/sessions.h"
 
 #include <chrono>
+#include <optional>
 #include <utility>
 
+#include "core/base/error.h"
 #include "server/messages/convert.h"
 #include "server/messages/transfer_messages.h"
 #include "server/store/model_source.h"
@@ -17,22 +19,37 @@ v1::SessionState openSession(const v1::OpenSessionRequest& request,
   const transfer::TransferOptions transfer = transferOptionsFrom(request.transfer());
 
   const auto begin = std::chrono::steady_clock::now();
-  session::SessionModels models = sessionModels(request.hand(), request.object(),
-                                                request.contacts(), workshop.models, progress);
+  if (!request.contacts().empty() && !request.motion().empty()) {
+    rejectInput("contacts {} and motion {}: a session holds one of them",
+                handgraft::quoted(request.contacts()), handgraft::quoted(request.motion()));
+  }
+  std::optional<LiveMotion> motion;
+  if (!request.motion().empty()) {
+    motion =
+        LiveMotion{request.motion(), workshop.models.motion(request.motion())->motion, nullptr};
+  }
+  session::SessionModels models =
+      motion ? motionModels(request.hand(), request.object(), request.motion(), workshop.models,
+                            progress)
+             : sessionModels(request.hand(), request.object(), request.contacts(),
+                             workshop.models, progress);
   const std::chrono::duration<double, std::milli> skin =
       std::chrono::steady_clock::now() - begin;
+  if (motion) motion->object_O = models.object_O;
   return enterSession(session::Session(std::move(models), X_WO, weights, transfer),
-                      skin.count(), workshop, progress)
+                      skin.count(), workshop, progress, std::move(motion))
       ->state();
 }
 
 std::shared_ptr<LiveSession> enterSession(session::Session session,
                                           double skin_ms,
                                           Workshop& workshop,
-                                          const Progress& progress) {
+                                          const Progress& progress,
+                                          std::optional<LiveMotion> motion) {
   progress.checkpoint();
   const auto live = std::make_shared<LiveSession>(
       workshop.sessions.reserve(), std::move(session), workshop.pool, workshop.audience);
+  if (motion) live->hold(std::move(*motion));
   live->skin_ms = skin_ms;
   live->prepareSolids(live, workshop.pool);
   workshop.sessions.add(live);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "core/base/progress.h"
@@ -19,7 +20,8 @@ v1::SessionState openSession(const v1::OpenSessionRequest& request,
 std::shared_ptr<LiveSession> enterSession(session::Session session,
                                           double skin_ms,
                                           Workshop& workshop,
-                                          const Progress& progress);
+                                          const Progress& progress,
+                                          std::optional<LiveMotion> motion = {});
 
 v1::SessionState describeSession(const v1::SessionKey& key, const Workshop& workshop);
 

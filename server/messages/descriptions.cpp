@@ -9,8 +9,10 @@
 #include "core/hand/hand_place.h"
 #include "core/hand/kinematics.h"
 #include "core/io/contact_file.h"
+#include "core/io/motion_file.h"
 #include "core/io/sites_file.h"
 #include "core/io/urdf_writer.h"
+#include "core/session/motion_solving.h"
 #include "server/admission/rejection.h"
 #include "server/messages/convert.h"
 
@@ -279,6 +281,40 @@ v1::ContactsDescription describe(const StoredContacts& contacts, bool with_meshe
                     bytesOf(contacts.map->mesh_O) + 4 * contacts.map->label.size());
     message.contact_map().push_back(mapInfo(*contacts.map, contacts.threshold));
   }
+  return message;
+}
+
+v1::MotionDescription describe(const StoredMotion& stored, bool with_file) {
+  const manipulation::Motion& motion = *stored.motion;
+  const auto sinceBegin = [&](int frame) {
+    return motion.time_s[static_cast<std::size_t>(std::min(frame, motion.frameCount() - 1))] -
+           motion.time_s.front();
+  };
+  v1::MotionDescription message;
+  message.name(stored.name);
+  message.object(stored.object_name);
+  message.duration_s(motion.duration());
+  message.frame_count(static_cast<std::uint32_t>(motion.frameCount()));
+  message.patches(session::patchNames(motion));
+  for (const manipulation::PatchTrack& track : motion.tracks) {
+    v1::PresenceInfo presence;
+    presence.patch(track.name);
+    presence.begin(static_cast<std::uint32_t>(track.begin()));
+    presence.end(static_cast<std::uint32_t>(track.end));
+    presence.begin_s(sinceBegin(track.begin()));
+    presence.end_s(sinceBegin(track.end));
+    message.presence().push_back(std::move(presence));
+  }
+  if (with_file) {
+    message.file(io::motionText(motion, stored.object->mesh));
+    if (message.file().size() > kMostMeshBytes) {
+      reject(v1::ERROR_OVERLOADED, "motion {}: its file takes {} MiB; at most {} are sent",
+             handgraft::quoted(stored.name), message.file().size() >> 20, kMostMeshBytes >> 20);
+    }
+  }
+  message.notes(motion.notes);
+  for (std::string& remark : remarksOn(motion))
+    message.notes().push_back(std::move(remark));
   return message;
 }
 

@@ -49,7 +49,7 @@ ReadKind kindFrom(v1::ModelKind kind) {
     case v1::MODEL_CONTACTS:
       return ReadKind::kContacts;
     case v1::MODEL_MOTION:
-      break;
+      return ReadKind::kMotion;
   }
   rejectInput("model kind {} does not exist", static_cast<unsigned>(kind));
 }

@@ -132,6 +132,15 @@ void putModel(ByteWriter& out, const ObjectName& object) {
   out.text(object.name);
 }
 
+void putModel(ByteWriter& out, const ReadMotion& motion) {
+  put(out, motion.motion);
+}
+
+ReadMotion takeMotionOn(ByteReader& in, const io::MeshFile* object) {
+  if (object == nullptr) rejectInput("a motion came back where none was asked for");
+  return {takeMotion(in, object->mesh)};
+}
+
 }  // namespace
 
 std::string pack(const ReadRequest& request) {
@@ -153,7 +162,7 @@ std::string pack(const ReadRequest& request) {
 ReadRequest unpackRequest(std::string_view bytes) {
   ByteReader in(bytes);
   ReadRequest request;
-  request.kind = in.one(ReadKind::kObjectName);
+  request.kind = in.one(ReadKind::kMotion);
   request.name = in.text(kLongestName);
   request.main_uri = in.text(kLongestName);
   const std::size_t files = in.count(kMostFiles, 2 * sizeof(std::uint64_t));
@@ -182,7 +191,7 @@ std::string pack(const ReadModel& model) {
 ReadModel unpackModel(std::string_view bytes, const io::MeshFile* object) {
   ByteReader in(bytes);
   const auto take = [&]() -> ReadModel {
-    switch (in.one(ReadKind::kObjectName)) {
+    switch (in.one(ReadKind::kMotion)) {
       case ReadKind::kHand:
         return takeHand(in);
       case ReadKind::kObject:
@@ -191,6 +200,8 @@ ReadModel unpackModel(std::string_view bytes, const io::MeshFile* object) {
         return takeContacts(in, object);
       case ReadKind::kObjectName:
         return ObjectName{in.text(kLongestName)};
+      case ReadKind::kMotion:
+        return takeMotionOn(in, object);
     }
     throw BrokenContract("a kind of model that does not exist");
   };

@@ -371,4 +371,69 @@ contact::ContactMap takeContactMap(ByteReader& in) {
   return map;
 }
 
+// === Motions
+
+void put(ByteWriter& out, const manipulation::Motion& motion) {
+  out.text(motion.name);
+  out.text(motion.object);
+  out.text(motion.hand);
+  out.count(motion.time_s.size());
+  out.numbers(motion.time_s.data(), motion.time_s.size());
+  for (const Pose& X : motion.X_WO) {
+    const Eigen::Matrix<double, 3, 4> rows = X.matrix().topRows<3>();
+    out.numbers(rows.data(), 12);
+  }
+  out.count(motion.tracks.size());
+  for (const manipulation::PatchTrack& track : motion.tracks) {
+    out.text(track.name);
+    out.number(static_cast<std::int32_t>(track.end));
+    out.count(track.keys.size());
+    for (const manipulation::PatchKey& key : track.keys) {
+      out.number(static_cast<std::int32_t>(key.frame));
+      put(out, key.patch);
+      out.count(key.hand_points.size());
+      for (const manipulation::HandPoint& point : key.hand_points) {
+        out.text(point.link);
+        out.numbers(point.p_L.data(), 3);
+      }
+    }
+  }
+  put(out, motion.notes);
+}
+
+manipulation::Motion takeMotion(ByteReader& in, const geometry::TriangleMesh& mesh_O) {
+  manipulation::Motion motion;
+  motion.name = in.text();
+  motion.object = in.text();
+  motion.hand = in.text();
+  motion.time_s.resize(in.count(manipulation::kMostFrames, 13 * sizeof(double)));
+  in.numbers(motion.time_s.data(), motion.time_s.size());
+  for (std::size_t k = 0; k < motion.time_s.size(); ++k) {
+    Eigen::Matrix<double, 3, 4> rows;
+    in.numbers(rows.data(), 12);
+    Pose X = Pose::Identity();
+    X.matrix().topRows<3>() = rows;
+    motion.X_WO.push_back(X);
+  }
+  motion.tracks.resize(in.count(manipulation::kMostKeys, 2 * kSize));
+  for (manipulation::PatchTrack& track : motion.tracks) {
+    track.name = in.text();
+    track.end = in.number<std::int32_t>();
+    track.keys.resize(in.count(manipulation::kMostKeys, 4 * kSize));
+    for (manipulation::PatchKey& key : track.keys) {
+      key.frame = in.number<std::int32_t>();
+      requireAll(key.frame >= 0, "a key before the first frame");
+      key.patch = takePatch(in);
+      key.hand_points.resize(in.count(contact::kMostPoints, 4 * sizeof(double)));
+      for (manipulation::HandPoint& point : key.hand_points) {
+        point.link = in.text();
+        point.p_L = takePoint(in);
+      }
+    }
+  }
+  motion.notes = takeTexts(in);
+  manipulation::validate(mesh_O, motion);
+  return motion;
+}
+
 }  // namespace handgraft::server

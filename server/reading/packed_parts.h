@@ -12,6 +12,7 @@
 #include "core/hand/hand_model.h"
 #include "core/hand/named_pose.h"
 #include "core/io/mesh_file.h"
+#include "core/manipulation/motion.h"
 #include "server/reading/byte_stream.h"
 
 /// The parts of what is read, as bytes and back. What comes back keeps the promises of its
@@ -28,6 +29,7 @@ void put(ByteWriter& out, const std::vector<hand::NamedPose>& poses);
 void put(ByteWriter& out, const io::MeshFile& file);
 void put(ByteWriter& out, const contact::ContactSet& set);
 void put(ByteWriter& out, const contact::ContactMap& map);
+void put(ByteWriter& out, const manipulation::Motion& motion);
 
 std::vector<std::string> takeTexts(ByteReader& in);
 Eigen::VectorXd takeVector(ByteReader& in, std::size_t most);
@@ -40,6 +42,8 @@ io::MeshFile takeMeshFile(ByteReader& in);
 /// On `mesh_O`.
 contact::ContactSet takeContactSet(ByteReader& in, const geometry::TriangleMesh& mesh_O);
 contact::ContactMap takeContactMap(ByteReader& in);
+/// On `mesh_O`.
+manipulation::Motion takeMotion(ByteReader& in, const geometry::TriangleMesh& mesh_O);
 
 /// Most links, shapes, joints, notes or texts of one list: what files of the permitted sizes
 /// can hold, and little enough that a claim of so many takes no memory to speak of.

@@ -9,6 +9,7 @@
 #include "core/hand/mirror.h"
 #include "core/io/contact_file.h"
 #include "core/io/hand_joints_file.h"
+#include "core/io/motion_plan.h"
 #include "core/io/object_file.h"
 #include "core/io/sites_file.h"
 #include "core/io/srdf_file.h"
@@ -184,6 +185,16 @@ ReadContacts readContacts(const ReadRequest& request) {
   return read;
 }
 
+// === Motions
+
+ReadMotion readMotion(const ReadRequest& request) {
+  HANDGRAFT_REQUIRE(request.contacts.object != nullptr);
+  return {io::readMotionFrom(fileOf(request, request.main_uri), *request.contacts.object,
+                             [&](const std::string& uri) {
+                               return fileOf(request, uri);
+                             })};
+}
+
 }  // namespace
 
 ReadModel readModel(const ReadRequest& request, const Progress& progress) {
@@ -198,6 +209,8 @@ ReadModel readModel(const ReadRequest& request, const Progress& progress) {
       return readContacts(request);
     case ReadKind::kObjectName:
       return ObjectName{io::objectNameIn(fileOf(request, request.main_uri))};
+    case ReadKind::kMotion:
+      return readMotion(request);
   }
   throw BrokenContract("a kind of model that does not exist");
 }

@@ -17,6 +17,7 @@
 #include "core/hand/skin.h"
 #include "core/io/contact_map_file.h"
 #include "core/io/mesh_file.h"
+#include "core/manipulation/motion.h"
 
 /// From the files of an upload to a model: plain structs in and out, no message, no server, so
 /// that it can run in a process of its own.
@@ -37,7 +38,7 @@ struct ContactReading {
   std::string picture_uri;                    ///< empty: none
   std::string joints_uri;                     ///< empty: none
   std::optional<int> joints_hand;             ///< io/hand_joints_file.h
-  /// The object they lie on, and the units it was read in (units.h).
+  /// The object they lie on, and the units it was read in (units.h). Motions need it, too.
   std::shared_ptr<const io::MeshFile> object;
   std::string object_units;
 };
@@ -46,7 +47,8 @@ enum class ReadKind {
   kHand,
   kObject,
   kContacts,
-  kObjectName,  ///< of contacts: which object they say they lie on, nothing else
+  kObjectName,  ///< of contacts and motions: which object they say they lie on, nothing else
+  kMotion,
 };
 
 struct ReadRequest {
@@ -84,8 +86,12 @@ struct ObjectName {
   std::string name;  ///< empty: the file does not say
 };
 
+struct ReadMotion {
+  manipulation::Motion motion;
+};
+
 /// The kind of the request, in its order.
-using ReadModel = std::variant<ReadHand, io::MeshFile, ReadContacts, ObjectName>;
+using ReadModel = std::variant<ReadHand, io::MeshFile, ReadContacts, ObjectName, ReadMotion>;
 
 /// Reads what is asked for.
 ///

@@ -43,6 +43,12 @@ LiveSession::LiveSession(std::uint64_t id,
   describeSession();
 }
 
+void LiveSession::hold(LiveMotion motion) {
+  const std::lock_guard lock(mutex_);
+  motion_ = std::move(motion);
+  describeSession();
+}
+
 void LiveSession::describeSession() {
   const session::Document& document = session_.document();
   if (state_.hand() != document.hand || state_.joint_names().empty()) {
@@ -51,7 +57,8 @@ void LiveSession::describeSession() {
   state_.revision(session_.revision());
   state_.hand(document.hand);
   state_.object(document.object);
-  state_.contacts(document.contacts);
+  state_.contacts(motion_ ? "" : document.contacts);
+  state_.motion(motion_ ? motion_->name : "");
   state_.undo_count(static_cast<std::uint32_t>(session_.history().undoCount()));
   state_.redo_count(static_cast<std::uint32_t>(session_.history().redoCount()));
 }

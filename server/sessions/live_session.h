@@ -10,7 +10,9 @@
 #include <string>
 
 #include "core/base/progress.h"
+#include "core/manipulation/motion.h"
 #include "core/session/fit_check.h"
+#include "core/session/motion_solving.h"
 #include "core/session/session.h"
 #include "idl/sensor_msgs.h"
 #include "idl/sessions.h"
@@ -36,6 +38,17 @@ struct AppliedEdit {
 };
 
 struct UnexplainedPose;  // handlers/optimize.h
+
+/// What a session holds where it is one of a motion.
+struct LiveMotion {
+  std::string name;
+  std::shared_ptr<const manipulation::Motion> motion;
+  std::shared_ptr<const geometry::TriangleMesh> object_O;  ///< that it lies on
+  /// The last answer, and the revision of the edits that it answers; null before.
+  std::shared_ptr<const session::SolvedMotion> solved{};
+  unsigned long long solved_revision = 0;
+  double solve_ms = 0.0;
+};
 
 /// A session as the server runs it: the editable problem, its strand, and what is told of it.
 ///
@@ -140,6 +153,12 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
 
   [[nodiscard]] session::Session& session() { return session_; }
 
+  /// Makes it a session of a motion, before anybody knows of it.
+  void hold(LiveMotion motion);
+
+  /// Null: it holds none.
+  [[nodiscard]] LiveMotion* motion() { return motion_ ? &*motion_ : nullptr; }
+
   /// Numbers, stamps and publishes a solution; the same message is returned. A final pose also
   /// goes out as a joint command, before it is explained.
   v1::PoseSolution publish(v1::PoseSolution solution);
@@ -182,6 +201,7 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
 
   const std::uint64_t id_;
   session::Session session_;
+  std::optional<LiveMotion> motion_;
   SessionAudience& audience_;
   Strand strand_;
   Progress solves_;

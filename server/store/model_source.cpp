@@ -1,5 +1,7 @@
 #include "server/store/model_source.h"
 
+#include "core/session/motion_solving.h"
+
 namespace handgraft::server {
 
 namespace {
@@ -48,6 +50,27 @@ session::SessionModels sessionModels(const std::string& hand,
   made.object_O = meshOf(stored_object);
   made.contacts_name = contacts;
   made.contacts = {stored_contacts, &stored_contacts->set};
+  made.source = sourceOf(models);
+  return made;
+}
+
+session::SessionModels motionModels(const std::string& hand,
+                                    const std::string& object,
+                                    const std::string& motion,
+                                    const ModelStore& models,
+                                    const Progress& progress) {
+  const auto stored_hand = models.hand(hand);
+  const auto stored_object = models.object(object);
+  const auto stored_motion = models.motion(motion);
+  requireSameMesh(*stored_motion, *stored_object);
+  session::SessionModels made;
+  made.hand_name = hand;
+  made.hand = stored_hand->hand->get(progress);
+  made.object_name = object;
+  made.object_O = meshOf(stored_object);
+  made.contacts_name = motion;
+  made.contacts = std::make_shared<const contact::ContactSet>(
+      session::graspOf(*stored_motion->motion, stored_object->file->mesh));
   made.source = sourceOf(models);
   return made;
 }

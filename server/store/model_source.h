@@ -25,4 +25,11 @@ session::SessionModels sessionModels(const std::string& hand,
                                      const ModelStore& models,
                                      const Progress& progress);
 
+/// The same of a motion: its contacts are the grasp that stands for it (session::graspOf).
+session::SessionModels motionModels(const std::string& hand,
+                                    const std::string& object,
+                                    const std::string& motion,
+                                    const ModelStore& models,
+                                    const Progress& progress);
+
 }  // namespace handgraft::server

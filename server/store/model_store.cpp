@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/base/error.h"
+#include "core/session/motion_solving.h"
 #include "idl/fields.h"
 #include "server/admission/rejection.h"
 
@@ -28,6 +29,10 @@ v1::ModelKind kindOf(const StoredContacts&) {
   return v1::MODEL_CONTACTS;
 }
 
+v1::ModelKind kindOf(const StoredMotion&) {
+  return v1::MODEL_MOTION;
+}
+
 v1::ModelSummary summary(v1::ModelKind kind,
                          const std::string& name,
                          const Origin& origin,
@@ -38,6 +43,11 @@ v1::ModelSummary summary(v1::ModelKind kind,
   one.built_in(origin.built_in);
   one.text(std::move(text));
   return one;
+}
+
+bool isSame(const geometry::TriangleMesh& a, const geometry::TriangleMesh& b) {
+  return &a == &b || (a.vertexCount() == b.vertexCount() && a.faceCount() == b.faceCount() &&
+                      a.faces() == b.faces() && a.vertices() == b.vertices());
 }
 
 template <class Shelf>
@@ -90,6 +100,10 @@ void ModelStore::add(StoredContacts contacts) {
   put(contacts_, std::move(contacts), false);
 }
 
+void ModelStore::add(StoredMotion motion) {
+  put(motions_, std::move(motion), false);
+}
+
 void ModelStore::replace(StoredHand hand) {
   put(hands_, std::move(hand), true);
 }
@@ -117,6 +131,11 @@ std::shared_ptr<const StoredContacts> ModelStore::contacts(const std::string& na
   return find(contacts_, v1::MODEL_CONTACTS, name);
 }
 
+std::shared_ptr<const StoredMotion> ModelStore::motion(const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  return find(motions_, v1::MODEL_MOTION, name);
+}
+
 void ModelStore::remove(v1::ModelKind kind, const std::string& name) {
   const std::lock_guard lock(mutex_);
   const auto removeFrom = [&](auto& shelf) {
@@ -134,7 +153,7 @@ void ModelStore::remove(v1::ModelKind kind, const std::string& name) {
     case v1::MODEL_CONTACTS:
       return removeFrom(contacts_);
     case v1::MODEL_MOTION:
-      break;
+      return removeFrom(motions_);
   }
   rejectInput("model kind {} does not exist", static_cast<unsigned>(kind));
 }
@@ -148,12 +167,14 @@ std::vector<v1::ModelSummary> ModelStore::list() const {
     all.push_back(summaryOf(*object));
   for (const auto& [name, contacts] : contacts_)
     all.push_back(summaryOf(*contacts));
+  for (const auto& [name, motion] : motions_)
+    all.push_back(summaryOf(*motion));
   return all;
 }
 
 std::size_t ModelStore::size() const {
   const std::lock_guard lock(mutex_);
-  return hands_.size() + objects_.size() + contacts_.size();
+  return hands_.size() + objects_.size() + contacts_.size() + motions_.size();
 }
 
 StoredHand storedHand(std::string name, Origin origin, ReadHand read, const HandReading& how) {
@@ -198,6 +219,22 @@ StoredContacts storedContacts(std::string name,
   return contacts;
 }
 
+StoredMotion storedMotion(std::string name,
+                          Origin origin,
+                          ReadMotion read,
+                          std::shared_ptr<const io::MeshFile> object,
+                          std::string object_name) {
+  StoredMotion motion;
+  motion.name = std::move(name);
+  motion.origin = std::move(origin);
+  motion.object = std::move(object);
+  motion.object_name = std::move(object_name);
+  read.motion.object = motion.object_name;
+  if (read.motion.name.empty()) read.motion.name = motion.name;
+  motion.motion = std::make_shared<const manipulation::Motion>(std::move(read.motion));
+  return motion;
+}
+
 void validateName(const std::string& name) {
   constexpr std::size_t kLongest = 64;
   const bool fits = !name.empty() && name.size() <= kLongest && name.front() != '.' &&
@@ -213,14 +250,16 @@ void validateName(const std::string& name) {
 }
 
 void requireSameMesh(const StoredContacts& contacts, const StoredObject& object) {
-  const geometry::TriangleMesh& a = contacts.object->mesh;
-  const geometry::TriangleMesh& b = object.file->mesh;
-  const bool is_same =
-      &a == &b || (a.vertexCount() == b.vertexCount() && a.faceCount() == b.faceCount() &&
-                   a.faces() == b.faces() && a.vertices() == b.vertices());
-  if (is_same) return;
+  if (isSame(contacts.object->mesh, object.file->mesh)) return;
   rejectInput("contacts {} were read for object {}, which is another mesh than object {}",
               handgraft::quoted(contacts.name), handgraft::quoted(contacts.set.object),
+              handgraft::quoted(object.name));
+}
+
+void requireSameMesh(const StoredMotion& motion, const StoredObject& object) {
+  if (isSame(motion.object->mesh, object.file->mesh)) return;
+  rejectInput("motion {} was read for object {}, which is another mesh than object {}",
+              handgraft::quoted(motion.name), handgraft::quoted(motion.object_name),
               handgraft::quoted(object.name));
 }
 
@@ -248,6 +287,14 @@ v1::ModelSummary summaryOf(const StoredContacts& contacts) {
   return summary(v1::MODEL_CONTACTS, contacts.name, contacts.origin,
                  fmt::format("{} patches on {}: {}", contacts.set.patches.size(),
                              contacts.set.object, names));
+}
+
+v1::ModelSummary summaryOf(const StoredMotion& motion) {
+  const manipulation::Motion& frames = *motion.motion;
+  return summary(
+      v1::MODEL_MOTION, motion.name, motion.origin,
+      fmt::format("{} frames in {:.2f} s, {} patches on {}", frames.frameCount(),
+                  frames.duration(), session::patchNames(frames).size(), motion.object_name));
 }
 
 }  // namespace handgraft::server

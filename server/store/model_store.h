@@ -53,6 +53,15 @@ struct StoredContacts {
   double threshold = 0.0;
 };
 
+struct StoredMotion {
+  std::string name;
+  Origin origin;
+  /// The object as it was when the motion was read.
+  std::shared_ptr<const io::MeshFile> object;
+  std::string object_name;
+  std::shared_ptr<const manipulation::Motion> motion;
+};
+
 // === Of what was read (reading/read_model.h)
 StoredHand storedHand(std::string name, Origin origin, ReadHand read, const HandReading& how);
 StoredObject storedObject(std::string name,
@@ -65,7 +74,13 @@ StoredContacts storedContacts(std::string name,
                               std::shared_ptr<const io::MeshFile> object,
                               std::string object_name);
 
-/// The hands, objects and contact sets that sessions can use, by name.
+StoredMotion storedMotion(std::string name,
+                          Origin origin,
+                          ReadMotion read,
+                          std::shared_ptr<const io::MeshFile> object,
+                          std::string object_name);
+
+/// The hands, objects, contact sets and motions that sessions can use, by name.
 ///
 /// What is taken out lives on in the sessions that use it. Threads: all methods from any
 /// thread.
@@ -77,6 +92,7 @@ class ModelStore {
   void add(StoredHand hand);
   void add(StoredObject object);
   void add(StoredContacts contacts);
+  void add(StoredMotion motion);
 
   /// As above, but takes the place of what has the name.
   void replace(StoredHand hand);
@@ -87,6 +103,7 @@ class ModelStore {
   [[nodiscard]] std::shared_ptr<const StoredHand> hand(const std::string& name) const;
   [[nodiscard]] std::shared_ptr<const StoredObject> object(const std::string& name) const;
   [[nodiscard]] std::shared_ptr<const StoredContacts> contacts(const std::string& name) const;
+  [[nodiscard]] std::shared_ptr<const StoredMotion> motion(const std::string& name) const;
 
   /// Errors: Rejection: ERROR_NOT_FOUND, or ERROR_CONFLICT for a built-in model.
   void remove(v1::ModelKind kind, const std::string& name);
@@ -106,18 +123,21 @@ class ModelStore {
   Shelf<StoredHand> hands_;
   Shelf<StoredObject> objects_;
   Shelf<StoredContacts> contacts_;
+  Shelf<StoredMotion> motions_;
 };
 
 /// Names are 1-64 letters, digits, `_`, `-` and `.`, and do not begin with a dot: they appear
 /// in topics, files and messages. InvalidInput otherwise.
 void validateName(const std::string& name);
 
-/// InvalidInput unless the contacts were read for a mesh like the object's. An object that was
-/// taken out and loaded again is the same one.
+/// InvalidInput unless contacts, or a motion, were read for a mesh like the object's. An object
+/// that was taken out and loaded again is the same one.
 void requireSameMesh(const StoredContacts& contacts, const StoredObject& object);
+void requireSameMesh(const StoredMotion& motion, const StoredObject& object);
 
 v1::ModelSummary summaryOf(const StoredHand& hand);
 v1::ModelSummary summaryOf(const StoredObject& object);
 v1::ModelSummary summaryOf(const StoredContacts& contacts);
+v1::ModelSummary summaryOf(const StoredMotion& motion);
 
 }  // namespace handgraft::server

@@ -430,6 +430,23 @@ void expectSound(const ReadModel& model, const io::MeshFile* object) {
   EXPECT_NO_THROW((void)unpackModel(pack(model), object));
 }
 
+/// Two frames, a patch in both of them.
+ReadMotion smallMotion(const ReadRequest& map) {
+  manipulation::Motion motion;
+  motion.name = "small";
+  motion.time_s = {0.0, 0.5};
+  motion.X_WO = {Pose::Identity(), Pose::Identity()};
+  manipulation::PatchTrack track;
+  track.name = "thumb";
+  track.end = 2;
+  track.keys.resize(1);
+  track.keys[0].patch = contactsOf(map).set.patches.at(0);
+  track.keys[0].hand_points.resize(track.keys[0].patch.interpolation_boundary.size(),
+                                   {"tip", Eigen::Vector3d::UnitX()});
+  motion.tracks.push_back(track);
+  return {motion};
+}
+
 /// A small model of each kind, its bytes, and the object it lies on.
 std::vector<std::pair<std::string, std::shared_ptr<const io::MeshFile>>> smallModels() {
   ReadRequest hand = clampRequest();
@@ -439,7 +456,8 @@ std::vector<std::pair<std::string, std::shared_ptr<const io::MeshFile>>> smallMo
   return {{pack(readModel(hand, Progress())), nullptr},
           {pack(readModel(object, Progress())), nullptr},
           {pack(readModel(map, Progress())), map.contacts.object},
-          {pack(ReadModel(ObjectName{"lemon"})), nullptr}};
+          {pack(ReadModel(ObjectName{"lemon"})), nullptr},
+          {pack(ReadModel(smallMotion(map))), map.contacts.object}};
 }
 
 TEST(Packed, RefusesWhatIsCutShortOrTooLong) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "client/cli/study/study_axis.h"
 #include "client/cli/study/study_files.h"
@@ -141,6 +142,55 @@ struct PoseContactsOptions {
   std::filesystem::path png;
 };
 
+struct MotionShowOptions {
+  std::string motion;  ///< a model's name, or a path; likewise the next
+  std::string object;  ///< empty: the one that the motion names
+  std::string units;   ///< of the object
+};
+
+/// A motion of a recording, or of two grasps and the object's path.
+struct MotionImportOptions {
+  std::filesystem::path recording;    ///< empty: two grasps
+  std::filesystem::path object_path;  ///< of a recording; empty: the object stands still
+  std::string first;  ///< contacts: a model's name, or a path; likewise the next
+  std::string last;
+  std::filesystem::path path;  ///< of the object
+  std::optional<double> rate_hz;
+  std::optional<double> slide_begin;  ///< share of the time; likewise the next three
+  std::optional<double> slide_end;
+  std::optional<double> vanish;
+  std::optional<double> appear;
+  std::string object;  ///< a model's name, or a path; empty: the one that is named there
+  std::string units;   ///< of the object
+  std::string name;
+  bool is_named = false;      ///< by the user
+  std::filesystem::path out;  ///< empty: not written
+};
+
+/// A file of a hand's way, and what it is to be.
+struct MotionFile {
+  std::filesystem::path path;
+  std::string format;  ///< as ExportFormat names it
+};
+
+struct MotionSolveOptions {
+  std::string hand;    ///< a model's name, or a path; likewise the next two
+  std::string object;  ///< empty: the one that the motion names
+  std::string motion;
+  HandReading hand_reading;
+  std::string units;  ///< of the object
+  bool causal = false;
+  double smoothness = 0.0;  ///< 0: the server's default; likewise the next
+  double fade_s = 0.0;
+  double acceleration_limit = 0.0;  ///< 0: none
+  std::uint32_t starts = 0;
+  std::uint32_t seed = 0;
+  std::vector<MotionFile> out;
+  std::filesystem::path png;     ///< empty: not written; likewise the next
+  std::filesystem::path frames;  ///< a table of them
+  bool keep = false;
+};
+
 struct EditOptions {
   std::uint64_t session_id = 0;  ///< 0: a new one, of `grasp`
   GraspOptions grasp;
@@ -241,6 +291,9 @@ using CommandOptions = std::variant<DoctorOptions,
                                     SkinOptions,
                                     ImportOptions,
                                     PoseContactsOptions,
+                                    MotionShowOptions,
+                                    MotionImportOptions,
+                                    MotionSolveOptions,
                                     EditOptions,
                                     ExportOptions,
                                     SaveOptions,
@@ -268,6 +321,15 @@ int run(const SweepOptions& options, const CommonOptions& common, Interruption& 
 int run(const SkinOptions& options, const CommonOptions& common, Interruption& interruption);
 int run(const ImportOptions& options, const CommonOptions& common, Interruption& interruption);
 int run(const PoseContactsOptions& options,
+        const CommonOptions& common,
+        Interruption& interruption);
+int run(const MotionShowOptions& options,
+        const CommonOptions& common,
+        Interruption& interruption);
+int run(const MotionImportOptions& options,
+        const CommonOptions& common,
+        Interruption& interruption);
+int run(const MotionSolveOptions& options,
         const CommonOptions& common,
         Interruption& interruption);
 int run(const EditOptions& options, const CommonOptions& common, Interruption& interruption);

@@ -5,6 +5,7 @@
 
 #include "client/cli/commands/commands.h"
 #include "client/cli/grasp_session.h"
+#include "client/cli/kept_session.h"
 #include "client/link/client.h"
 #include "client/link/grasp_result.h"
 #include "client/present/attended.h"
@@ -31,37 +32,6 @@ void checkFiles(const GraspOptions& options, const GraspInputs& inputs) {
   requireSafe({{"--out", options.out}, {"--png", options.png}, {"--problem", options.problem}},
               filesOf(inputs));
 }
-
-// Closes the session however the command ends, unless it is to be kept.
-class OpenSession {
- public:
-  OpenSession(Client& server, v1::SessionState state)
-      : server_(server), state_(std::move(state)) {}
-
-  ~OpenSession() {
-    if (kept_) return;
-    try {
-      server_.closeSession(state_.session_id()).get();
-    } catch (const std::exception&) {
-      // The reason why the command ends is the one to report; a server that is gone has closed
-      // it.
-    }
-  }
-
-  OpenSession(const OpenSession&) = delete;
-  OpenSession& operator=(const OpenSession&) = delete;
-
-  [[nodiscard]] const v1::SessionState& state() const { return state_; }
-
-  [[nodiscard]] std::uint64_t id() const { return state_.session_id(); }
-
-  void keep() { kept_ = true; }
-
- private:
-  Client& server_;
-  v1::SessionState state_;
-  bool kept_ = false;
-};
 
 void writeProblem(Client& server,
                   const GraspOptions& options,
@@ -125,7 +95,7 @@ int run(const GraspOptions& options, const CommonOptions& common, Interruption& 
 
   // === Models, session, transfer, solve
   ModelSender sender(server, interruption, !common.json);
-  OpenSession session(server, openSession(server, sender, options, inputs, request));
+  KeptSession session(server, openSession(server, sender, options, inputs, request));
 
   GraspResult result;
   result.session = session.state();

@@ -22,9 +22,9 @@ ModelFiles filesOf(const LoadOptions& options) {
     case v1::MODEL_CONTACTS:
       return contactFiles(options.path, options.object, options.contact_reading, options.units);
     case v1::MODEL_MOTION:
-      break;
+      return motionFiles(options.path, options.object);
   }
-  rejectInput("kind {}: hand, object or contacts", static_cast<int>(options.kind));
+  rejectInput("kind {}: hand, object, contacts or motion", static_cast<int>(options.kind));
 }
 
 }  // namespace

@@ -16,6 +16,7 @@ void addSessionCommands(CLI::App& app, CommandOptions& chosen);  ///< sessions t
 void addEditorCommands(CLI::App& app, CommandOptions& chosen);   ///< edit export session
 void addViewCommand(CLI::App& app, CommandOptions& chosen);      ///< view
 void addStudyCommands(CLI::App& app, CommandOptions& chosen);    ///< sweep
+void addMotionCommands(CLI::App& app, CommandOptions& chosen);   ///< motion
 void addVary(CLI::App& hand, CommandOptions& chosen);            ///< hand vary
 void addBridgeCommands(CLI::App& app, CommandOptions& chosen);   ///< bridge
 void addImportCommands(CLI::App& app, CommandOptions& chosen);   ///< hand skin contacts

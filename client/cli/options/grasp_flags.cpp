@@ -62,8 +62,9 @@ void GraspFlags::addTo(CLI::App& command) {
                        "The paper's own way: one start, the prior, by mma; nothing refined"),
       command.add_option("--normal-form", normal_form_,
                          "What the normals' term sums: cosine (the paper's) or sum"),
-      command.add_flag("--touch-only", grasp_.touch_only,
-                       "Do not keep the hand out of the object and itself: the paper's own terms"),
+      command.add_flag(
+          "--touch-only", grasp_.touch_only,
+          "Do not keep the hand out of the object and itself: the paper's own terms"),
       command.add_option("--log-map", grasp_.log_map,
                          "How patches are laid out: fast, exact, auto, smooth, heat"),
       command

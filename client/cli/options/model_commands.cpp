@@ -30,8 +30,8 @@ LoadOptions loadOf(const ParsedLoad& parsed) {
   if (load.kind != v1::MODEL_CONTACTS) parsed.contacts.requireUnused("contact maps");
   if (!load.object.empty()) {
     checkModelName(load.object, "--object");
-    if (load.kind != v1::MODEL_CONTACTS) {
-      rejectInput("--object {}: only contacts lie on an object", load.object);
+    if (load.kind != v1::MODEL_CONTACTS && load.kind != v1::MODEL_MOTION) {
+      rejectInput("--object {}: only contacts and motions lie on an object", load.object);
     }
   }
   return load;
@@ -40,11 +40,12 @@ LoadOptions loadOf(const ParsedLoad& parsed) {
 void addLoad(CLI::App& app, CommandOptions& chosen) {
   const auto parsed = std::make_shared<ParsedLoad>();
   CLI::App* command = app.add_subcommand("load", "Send a model's files to the server");
-  command->add_option("kind", parsed->kind, "hand, object or contacts")->required();
-  command->add_option("path", parsed->path, "URDF, mesh, contact set or contact map")
+  command->add_option("kind", parsed->kind, "hand, object, contacts or motion")->required();
+  command->add_option("path", parsed->path, "URDF, mesh, contact set, contact map or motion")
       ->required();
   command->add_option("--name", parsed->load.name, "What to call it; default: the file's name");
-  command->add_option("--object", parsed->load.object, "Contacts: the object that they lie on");
+  command->add_option("--object", parsed->load.object,
+                      "Contacts, motions: the object that they lie on");
   addUnits(*command, parsed->load.units, "meshes and maps");
   parsed->hand.addTo(*command);
   parsed->contacts.addSourceTo(*command);
@@ -63,7 +64,7 @@ void addModels(CLI::App& app, CommandOptions& chosen) {
   const auto parsed = std::make_shared<Parsed>();
   CLI::App* command = app.add_subcommand("models", "List the server's models");
   CLI::App* show = command->add_subcommand("show", "Describe one model");
-  show->add_option("kind", parsed->kind, "hand, object or contacts")->required();
+  show->add_option("kind", parsed->kind, "hand, object, contacts or motion")->required();
   show->add_option("name", parsed->name, "Its name")->required();
   show->fallthrough();
   command->callback([parsed, command, &chosen] {
@@ -84,7 +85,7 @@ void addUnload(CLI::App& app, CommandOptions& chosen) {
 
   const auto parsed = std::make_shared<Parsed>();
   CLI::App* command = app.add_subcommand("unload", "Have the server forget a model");
-  command->add_option("kind", parsed->kind, "hand, object or contacts")->required();
+  command->add_option("kind", parsed->kind, "hand, object, contacts or motion")->required();
   command->add_option("name", parsed->name, "Its name")->required();
   command->callback([parsed, &chosen] {
     checkModelName(parsed->name, "name");

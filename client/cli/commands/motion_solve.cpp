@@ -1,0 +1,160 @@
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "client/cli/commands/commands.h"
+#include "client/cli/input_files.h"
+#include "client/cli/kept_session.h"
+#include "client/link/client.h"
+#include "client/present/attended.h"
+#include "client/present/export_file.h"
+#include "client/present/motion_output.h"
+#include "client/present/motion_picture.h"
+#include "client/present/output_file.h"
+#include "client/present/progress_line.h"
+#include "client/present/render/png_file.h"
+#include "client/present/send_model.h"
+#include "core/base/error.h"
+
+namespace handgraft::client {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Files to send first, or nothing where the server has the model.
+struct MotionInputs {
+  std::optional<ModelFiles> hand;
+  std::optional<ModelFiles> object;
+  std::optional<ModelFiles> motion;
+};
+
+MotionInputs collectInputs(const MotionSolveOptions& options) {
+  MotionInputs inputs;
+  if (isPath(options.hand)) inputs.hand = handFiles(options.hand, options.hand_reading);
+  if (isPath(options.object)) inputs.object = objectFiles(options.object, options.units);
+  if (isPath(options.motion)) inputs.motion = motionFiles(options.motion, "");
+  return inputs;
+}
+
+void checkFiles(const MotionSolveOptions& options, const MotionInputs& inputs) {
+  std::vector<NamedFile> read;
+  for (const auto& more : {inputsOf(inputs.hand, "--hand"), inputsOf(inputs.object, "--object"),
+                           inputsOf(inputs.motion, "--motion")})
+    read.insert(read.end(), more.begin(), more.end());
+  std::vector<NamedFile> written = {{"--png", options.png}, {"--frames", options.frames}};
+  for (const MotionFile& file : options.out)
+    written.push_back({"--out", file.path});
+  requireSafe(written, read);
+}
+
+/// The models by name, once they are on the server.
+v1::OpenSessionRequest sessionOf(Client& server,
+                                 ModelSender& sender,
+                                 const MotionSolveOptions& options,
+                                 MotionInputs& inputs,
+                                 v1::MotionDescription& motion) {
+  v1::OpenSessionRequest request;
+  request.hand(nameOnServer(sender, options.hand, inputs.hand));
+  if (!options.object.empty())
+    request.object(nameOnServer(sender, options.object, inputs.object));
+  if (inputs.motion) inputs.motion->object = request.object();
+  request.motion(nameOnServer(sender, options.motion, inputs.motion));
+  motion = server.describe(v1::MODEL_MOTION, request.motion(), false).get().motion();
+  if (request.object().empty()) request.object(motion.object());
+  return request;
+}
+
+v1::SolveMotionRequest solvingOf(const MotionSolveOptions& options, std::uint64_t session_id) {
+  v1::MotionOptions how;
+  how.causal(options.causal);
+  how.smoothness(options.smoothness);
+  how.fade_s(options.fade_s);
+  how.acceleration_limit(options.acceleration_limit);
+  how.solving().starts(options.starts);
+  how.solving().seed(options.seed);
+  v1::SolveMotionRequest request;
+  request.session_id(session_id);
+  request.options().push_back(how);
+  return request;
+}
+
+/// Equally far apart, from the first frame that touches to about the last one.
+std::vector<v1::MotionFrame> shownFrames(Client& server, const MotionResult& result) {
+  std::uint32_t first = 0;
+  auto last = static_cast<std::uint32_t>(result.frames.size()) - 1;
+  const auto touches = [](const v1::MotionFrame& frame) {
+    return !frame.patches().empty();
+  };
+  const auto begin = std::find_if(result.frames.begin(), result.frames.end(), touches);
+  if (begin != result.frames.end()) {
+    first = begin->index();
+    last = std::find_if(result.frames.rbegin(), result.frames.rend(), touches)->index();
+  }
+  v1::MotionFramesRequest request;
+  request.session_id(result.session.session_id());
+  request.first(first);
+  request.count(kFramesShown);
+  request.every(std::max<std::uint32_t>(1, (last - first) / (kFramesShown - 1)));
+  request.with_shapes(true);
+  return server.motionFrames(request).get().frames();
+}
+
+void writeMotionPicture(Client& server,
+                        const MotionSolveOptions& options,
+                        const MotionResult& result) {
+  const std::vector<v1::MotionFrame> shown = shownFrames(server, result);
+  const v1::ModelDescription hand =
+      server.describe(v1::MODEL_HAND, result.session.hand(), true).get();
+  const v1::ModelDescription object =
+      server.describe(v1::MODEL_OBJECT, result.session.object(), true).get();
+  render::writePng(options.png, motionPicture(result, shown, hand.hand(), object.object()));
+}
+
+}  // namespace
+
+int run(const MotionSolveOptions& options,
+        const CommonOptions& common,
+        Interruption& interruption) {
+  MotionInputs inputs = collectInputs(options);
+  checkFiles(options, inputs);
+
+  ProgressLine progress;
+  Client server(attended(common.network, Absence::kStartPrivate, interruption, &progress));
+  const Clock::time_point begin = Clock::now();
+  ModelSender sender(server, interruption, !common.json);
+  MotionResult result;
+  const v1::OpenSessionRequest request =
+      sessionOf(server, sender, options, inputs, result.motion);
+  KeptSession session(server, server.openSession(request).get());
+  result.session = session.state();
+  result.summary = server.solveMotion(solvingOf(options, session.id())).get();
+  result.frames = framesOf(server, session.id());
+  result.hand = server.describe(v1::MODEL_HAND, request.hand(), false).get().hand();
+  result.total_ms = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+  result.kept = options.keep && !server.isPrivate();
+  requireConsistent(result);
+
+  for (const MotionFile& file : options.out)
+    exportSession(server, session.id(), file.format, {"--out", file.path});
+  if (!options.frames.empty()) writeFile(options.frames, frameTable(result));
+  if (!options.png.empty()) writeMotionPicture(server, options, result);
+  progress.clear();
+  fmt::print("{}",
+             common.json ? json::written(json::motion(result)) + "\n" : text::motion(result));
+  if (options.keep) {
+    session.keep();
+    if (result.kept && !common.json) fmt::print("session {} stays open\n", session.id());
+    if (server.isPrivate()) {
+      fmt::print(stderr,
+                 "--keep has no effect: the session ends with the server that this "
+                 "command started\n");
+    }
+  }
+  return 0;
+}
+
+}  // namespace handgraft::client

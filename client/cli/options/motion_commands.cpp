@@ -1,0 +1,267 @@
+#include <cmath>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+
+#include "client/cli/options/command_options.h"
+#include "client/cli/options/model_flags.h"
+#include "client/cli/options/option_checks.h"
+#include "core/base/error.h"
+
+namespace handgraft::client {
+
+namespace {
+
+/// What a file is called, and what it then is: as ExportFormat names them.
+struct MotionEnding {
+  const char* ending;
+  const char* format;
+};
+
+constexpr MotionEnding kEndings[] = {{".json", "json"}, {".csv", "csv"},
+                                     {".glb", "glb"},   {".npz", "npz"},
+                                     {".xml", "mjcf"},  {".yaml", "ros_trajectory"}};
+
+MotionFile motionFileFrom(const std::string& path) {
+  std::string endings;
+  for (const MotionEnding& one : kEndings) {
+    if (std::filesystem::path(path).extension() == one.ending) return {path, one.format};
+    endings += fmt::format("{}{}", endings.empty() ? "" : ", ", one.ending);
+  }
+  rejectInput("--out {}: its ending says what it is to be: one of {}", quoted(path), endings);
+}
+
+void requireObject(const std::string& object, const std::string& units) {
+  if (!object.empty()) requireModel(object, "--object");
+  if (!units.empty() && !isPath(object))
+    rejectInput("--units {}: they are for an object's file", units);
+}
+
+double atLeast0(const std::optional<double>& value, const char* option, double most) {
+  if (!value) return 0.0;
+  if (!(*value > 0.0 && *value <= most))
+    rejectInput("{} {}: it must be above 0 and at most {}", option, *value, most);
+  return *value;
+}
+
+void addShow(CLI::App& motion, CommandOptions& chosen) {
+  const auto parsed = std::make_shared<MotionShowOptions>();
+  CLI::App* command =
+      motion.add_subcommand("show", "Tell how long a motion is and when which patch is there");
+  command->add_option("motion", parsed->motion, "Model name, or path of a motion")->required();
+  command->add_option("--object", parsed->object,
+                      "Model name, or path of a mesh; default: the one that the motion names");
+  addUnits(*command, parsed->units, "the object");
+  command->fallthrough();
+  command->callback([parsed, &chosen] {
+    requireModel(parsed->motion, "motion");
+    requireObject(parsed->object, parsed->units);
+    chosen = *parsed;
+  });
+}
+
+// What the ways to a motion have in common.
+struct ParsedMotion {
+  MotionImportOptions options;
+  std::string recording;
+  std::string object_path;
+  std::string path;
+  std::string out;
+  std::vector<double> slide;
+
+  void addTo(CLI::App& command) {
+    command.add_option("--object", options.object,
+                       "Model name, or path of a mesh; default: the one that is named there");
+    command.add_option("--name", options.name, "What to call the motion");
+    command.add_option("--out", out, "Write it as handgraft-motion/1")->check(objectionToFile);
+    addUnits(command, options.units, "the object");
+  }
+
+  /// `otherwise`: what to call it where nobody says.
+  MotionImportOptions checked(const std::string& otherwise) {
+    requireObject(options.object, options.units);
+    options.is_named = !options.name.empty();
+    if (options.is_named) {
+      checkModelName(options.name, "--name");
+    } else {
+      options.name = nameFromPath(otherwise);
+    }
+    options.recording = recording;
+    options.object_path = object_path;
+    options.path = path;
+    options.out = out;
+    return options;
+  }
+};
+
+void addMotionImport(CLI::App& motion, CommandOptions& chosen) {
+  const auto parsed = std::make_shared<ParsedMotion>();
+  CLI::App* command = motion.add_subcommand(
+      "import", "Read a motion, or recorded contact points, and write it as a motion");
+  command
+      ->add_option("recording", parsed->recording,
+                   "JSON: handgraft-motion/1, or contact points a frame")
+      ->required();
+  command->add_option("--object-path", parsed->object_path,
+                      "A .smexp: the splines that the object follows");
+  parsed->addTo(*command);
+  command->fallthrough();
+  command->callback([parsed, &chosen] {
+    chosen = parsed->checked(parsed->recording);
+  });
+}
+
+void requireShare(const std::optional<double>& share, const char* option) {
+  if (share && !(*share >= 0.0 && *share <= 1.0))
+    rejectInput("{} {}: it is a share of the time, 0 to 1", option, *share);
+}
+
+void addJoin(CLI::App& motion, CommandOptions& chosen) {
+  const auto parsed = std::make_shared<ParsedMotion>();
+  MotionImportOptions& options = parsed->options;
+  CLI::App* command = motion.add_subcommand(
+      "join", "Make a motion of a first grasp, a last one and the object's path");
+  command->add_option("first", options.first, "Contacts: model name, or path of a set")
+      ->required();
+  command->add_option("last", options.last, "Likewise; may be the same")->required();
+  command
+      ->add_option("--path", parsed->path,
+                   "CSV of the object's poses: time_s,x,y,z,qw,qx,qy,qz")
+      ->required();
+  command->add_option("--rate", options.rate_hz, "Frames a second; default 60");
+  command
+      ->add_option("--slide", parsed->slide,
+                   "When patches slide, as shares of the time; default 0.25 0.75")
+      ->expected(2);
+  command->add_option("--vanish", options.vanish,
+                      "When patches go that the last grasp lacks; default 0.4");
+  command->add_option("--appear", options.appear,
+                      "When patches come that the first grasp lacks; default 0.6");
+  parsed->addTo(*command);
+  command->fallthrough();
+  command->callback([parsed, &chosen] {
+    MotionImportOptions& given = parsed->options;
+    requireModel(given.first, "first");
+    requireModel(given.last, "last");
+    if (given.rate_hz && !(*given.rate_hz > 0.0 && *given.rate_hz <= 1e5))
+      rejectInput("--rate {}: it must be above 0 and at most 100000", *given.rate_hz);
+    if (!parsed->slide.empty()) {
+      given.slide_begin = parsed->slide[0];
+      given.slide_end = parsed->slide[1];
+    }
+    requireShare(given.slide_begin, "--slide");
+    requireShare(given.slide_end, "--slide");
+    requireShare(given.vanish, "--vanish");
+    requireShare(given.appear, "--appear");
+    chosen = parsed->checked(given.first);
+  });
+}
+
+struct ParsedSolve {
+  MotionSolveOptions solve;
+  std::optional<double> smoothness;
+  std::optional<double> fade_ms;
+  std::optional<double> acceleration;
+  std::vector<std::string> out;
+  std::string png;
+  std::string frames;
+  HandFlags hand;
+};
+
+MotionSolveOptions solveOf(const ParsedSolve& parsed) {
+  MotionSolveOptions solve = parsed.solve;
+  requireModel(solve.hand, "--hand");
+  requireModel(solve.motion, "--motion");
+  requireObject(solve.object, solve.units);
+  parsed.hand.requirePath(solve.hand, "--hand");
+  solve.hand_reading = parsed.hand.reading();
+  solve.smoothness = atLeast0(parsed.smoothness, "--smoothness", 1e12);
+  solve.fade_s = 1e-3 * atLeast0(parsed.fade_ms, "--fade", 6e4);
+  solve.acceleration_limit = atLeast0(parsed.acceleration, "--acceleration", 1e6);
+  if (solve.starts > 10'000)
+    rejectInput("--starts {}: at most 10000 are permitted", solve.starts);
+  for (const std::string& path : parsed.out)
+    solve.out.push_back(motionFileFrom(path));
+  solve.png = parsed.png;
+  solve.frames = parsed.frames;
+  return solve;
+}
+
+void addSolve(CLI::App& motion, CommandOptions& chosen) {
+  const auto parsed = std::make_shared<ParsedSolve>();
+  MotionSolveOptions& solve = parsed->solve;
+  CLI::App* command = motion.add_subcommand("solve", "Have a hand follow a motion");
+  command->add_option("--hand", solve.hand, "Model name, or path of a URDF")->required();
+  command->add_option("--motion", solve.motion, "Model name, or path of a motion")->required();
+  command->add_option("--object", solve.object,
+                      "Model name, or path of a mesh; default: the one that the motion names");
+  command->add_flag("--causal", solve.causal,
+                    "Each frame from those before it alone, as a live stream is followed");
+  command->add_option("--smoothness", parsed->smoothness,
+                      "Weight of second differences; default 5e5, --causal 1e4");
+  command->add_option("--fade", parsed->fade_ms,
+                      "In how many ms patches come and go; default 60");
+  command->add_option("--acceleration", parsed->acceleration,
+                      "Limit of every joint (rad/s^2 or m/s^2); default: none");
+  command->add_option("--starts", solve.starts, "Of single frames; 0: the server's default")
+      ->check(objectionToSmallCount);
+  command->add_option("--seed", solve.seed, "Seed of the starts after the first")
+      ->check(objectionToSmallCount);
+  command
+      ->add_option(
+          "--out", parsed->out,
+          "Write the hand's way; the ending says how: .json .csv .glb .npz .xml (MJCF) "
+          ".yaml (ROS 2); may be given again")
+      ->check(objectionToFile)
+      ->allow_extra_args(false);
+  command->add_option("--frames", parsed->frames, "Write fit and speeds of each frame as CSV")
+      ->check(objectionToFile);
+  command->add_option("--png", parsed->png, "Draw a strip of frames and a plot over time")
+      ->check(objectionToFile);
+  command->add_flag("--keep", solve.keep, "Leave the session open");
+  addUnits(*command, solve.units, "the object");
+  parsed->hand.addTo(*command);
+  command->fallthrough();
+  command->callback([parsed, &chosen] {
+    chosen = solveOf(*parsed);
+  });
+}
+
+void addMotionExport(CLI::App& motion, CommandOptions& chosen) {
+  struct Parsed {
+    std::uint64_t session_id = 0;
+    std::string out;
+  };
+
+  const auto parsed = std::make_shared<Parsed>();
+  CLI::App* command =
+      motion.add_subcommand("export", "Write what a session's hand does over time as a file");
+  command->add_option("session", parsed->session_id, "Its id")
+      ->required()
+      ->check(objectionToCount);
+  command
+      ->add_option("--out", parsed->out,
+                   "The ending says how: .json .csv .glb .npz .xml (MJCF) .yaml (ROS 2)")
+      ->required()
+      ->check(objectionToFile);
+  command->fallthrough();
+  command->callback([parsed, &chosen] {
+    const MotionFile file = motionFileFrom(parsed->out);
+    chosen = ExportOptions{parsed->session_id, file.format, file.path};
+  });
+}
+
+}  // namespace
+
+void addMotionCommands(CLI::App& app, CommandOptions& chosen) {
+  CLI::App* motion =
+      app.add_subcommand("motion", "Contacts that move, and a hand that follows them");
+  motion->require_subcommand(1);
+  addMotionImport(*motion, chosen);
+  addJoin(*motion, chosen);
+  addShow(*motion, chosen);
+  addSolve(*motion, chosen);
+  addMotionExport(*motion, chosen);
+}
+
+}  // namespace handgraft::client

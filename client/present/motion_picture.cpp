@@ -1,0 +1,216 @@
+#include "client/present/motion_picture.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "client/link/wire_pose.h"
+#include "client/present/picture_parts.h"
+#include "client/present/render/plot.h"
+#include "client/present/render/two_views.h"
+#include "core/base/error.h"
+
+namespace handgraft::client {
+
+namespace {
+
+using render::Color;
+
+constexpr int kColumns = 2;
+constexpr render::PictureSize kTile{1000, 620};
+constexpr int kPlotHeight = 1500;
+constexpr double kMotionHandOpacity = 0.72;
+constexpr double kMotionObjectOpacity = 0.66;  // patches behind it shine through
+constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+constexpr Color kDark{24, 28, 34};
+
+/// The hand at the object, which stands in the middle.
+render::Scene sceneOf(const MotionResult& result,
+                      const v1::MotionFrame& frame,
+                      const v1::HandDescription& hand,
+                      const v1::ObjectDescription& object) {
+  if (frame.X_WL().size() != hand.links().size())
+    throw TransportError(fmt::format("frame {} has {} links; the hand has {}", frame.index(),
+                                     frame.X_WL().size(), hand.links().size()));
+  Pose X_WO = poseOf(frame.X_WO());
+  const Eigen::Vector3d middle_W = X_WO.translation();
+  X_WO.translation().setZero();
+  render::Layer hand_layer{kMotionHandOpacity, {}, {}};
+  for (std::size_t i = 0; i < hand.links().size(); ++i) {
+    Pose X_WL = poseOf(frame.X_WL()[i]);
+    X_WL.translation() -= middle_W;
+    hand_layer.meshes.push_back(surface(hand.links()[i].surface_L(), X_WL, kHandColor));
+  }
+  render::Layer object_layer{
+      kMotionObjectOpacity, {surface(object.mesh_O(), X_WO, kObjectColor)}, {}};
+  for (const v1::FramePatch& patch : frame.patches()) {
+    std::vector<Eigen::Vector3f> loop = pointsOf(patch.outline_O_m());
+    for (Eigen::Vector3f& p : loop)
+      p = (X_WO * p.cast<double>()).cast<float>();
+    const std::size_t index =
+        std::min<std::size_t>(patch.patch(), result.motion.patches().size() - 1);
+    Color color = colorOf(result.motion.patches()[index], index);
+    // What comes or goes is pale.
+    color = render::blend({255, 255, 255}, color, std::clamp(patch.presence(), 0.0, 1.0));
+    object_layer.decals.push_back({std::move(loop), 0.006F, color});
+  }
+  render::Scene scene;
+  scene.layers.push_back(std::move(object_layer));
+  scene.layers.push_back(std::move(hand_layer));
+  return scene;
+}
+
+std::string tileText(const v1::MotionFrame& frame) {
+  double mean = 0.0;
+  double normal = 0.0;
+  double points = 0.0;
+  int there = 0;
+  int reached = 0;
+  for (const v1::FramePatch& patch : frame.patches()) {
+    if (patch.presence() < 0.5) continue;
+    ++there;
+    reached += patch.reached() ? 1 : 0;
+    points += patch.point_count();
+    mean += patch.point_count() * patch.mean_mm();
+    normal += patch.point_count() * patch.normal_deg();
+  }
+  if (points == 0.0) return "no contact";
+  return fmt::format("{} of {} patches reached, {:.1f} mm, {:.0f} deg, {:.1f} mm deep", reached,
+                     there, mean / points, normal / points, 1e3 * frame.max_depth_m());
+}
+
+/// In the colour of the finger that a joint's name begins with or has in it; else grey.
+std::vector<Color> jointColors(const v1::HandDescription& hand) {
+  std::vector<Color> colors;
+  for (const v1::JointInfo& joint : hand.joints()) {
+    Color color{150, 156, 165};
+    for (const char* finger : {"thumb", "index", "middle", "ring", "little"}) {
+      // `index_middle_flex` is the index's: what comes first counts.
+      if (joint.name().find(finger) == std::string::npos) continue;
+      if (color == Color{150, 156, 165} || joint.name().rfind(finger, 0) == 0)
+        color = colorOf(finger, 0);
+    }
+    colors.push_back(color);
+  }
+  return colors;
+}
+
+std::vector<render::PlotPanel> panelsOf(const MotionResult& result) {
+  const std::size_t frames = result.frames.size();
+  std::vector<double> time_s;
+  for (const v1::MotionFrame& frame : result.frames)
+    time_s.push_back(frame.time_s());
+
+  // === Each patch, where it is there
+  render::PlotPanel distance{"distance (mm)", {}, {}, 1.5};
+  render::PlotPanel normals{"normals off (deg)", {}, {}, 1.0};
+  double highest = 1.0;
+  for (std::size_t p = 0; p < result.motion.patches().size(); ++p) {
+    render::PlotLine line;
+    line.x = time_s;
+    line.y.assign(frames, kNothing);
+    line.color = colorOf(result.motion.patches()[p], p);
+    line.name = result.motion.patches()[p];
+    render::PlotLine normal = line;
+    bool is_seen = false;
+    for (std::size_t k = 0; k < frames; ++k) {
+      for (const v1::FramePatch& patch : result.frames[k].patches()) {
+        if (patch.patch() != p || patch.presence() < 0.5) continue;
+        line.y[k] = patch.mean_mm();
+        normal.y[k] = patch.normal_deg();
+        highest = std::max(highest, patch.mean_mm());
+        is_seen = true;
+      }
+    }
+    if (!is_seen) continue;
+    distance.lines.push_back(std::move(line));
+    normals.lines.push_back(std::move(normal));
+  }
+  distance.range = {0.0, highest};
+
+  // === The whole hand
+  const std::vector<FrameMeasure> measures = measuresOf(result);
+  render::PlotLine mean{time_s, {}, kDark, 3.0, false, "mean"};
+  render::PlotLine depth{time_s, {}, kDark, 2.0, false, ""};
+  render::PlotLine speed{time_s, {}, kDark, 2.0, false, ""};
+  double deepest = 1.0;
+  for (std::size_t k = 0; k < frames; ++k) {
+    mean.y.push_back(measures[k].mean_mm);
+    depth.y.push_back(1e3 * result.frames[k].max_depth_m());
+    speed.y.push_back(measures[k].velocity);
+    deepest = std::max(deepest, depth.y.back());
+  }
+  distance.lines.push_back(std::move(mean));
+
+  // === Joints within their ranges
+  render::PlotPanel joints{"joints (% of range)", {}, {{0.0, 100.0}}, 1.8};
+  const std::vector<Color> colors = jointColors(result.hand);
+  for (std::size_t i = 0; i < result.hand.joints().size(); ++i) {
+    const v1::JointInfo& joint = result.hand.joints()[i];
+    const double range = joint.upper() - joint.lower();
+    if (!(range > 0.0) || !std::isfinite(range)) continue;
+    render::PlotLine line{time_s, {}, colors[i], 1.5, false, ""};
+    for (const v1::MotionFrame& frame : result.frames)
+      line.y.push_back(100.0 * (frame.joint_positions()[i] - joint.lower()) / range);
+    joints.lines.push_back(std::move(line));
+  }
+  std::vector<render::PlotPanel> panels{std::move(distance), std::move(normals)};
+  panels.push_back({"deepest (mm)", {std::move(depth)}, {{0.0, deepest}}, 0.8});
+  panels.push_back({"fastest joint (rad/s)", {std::move(speed)}, {}, 0.8});
+  panels.push_back(std::move(joints));
+  return panels;
+}
+
+void copyInto(render::Image& whole, const render::Image& part, int left, int top) {
+  for (int y = 0; y < part.height(); ++y)
+    for (int x = 0; x < part.width(); ++x)
+      whole.at(left + x, top + y) = part.at(x, y);
+}
+
+}  // namespace
+
+render::Image motionPicture(const MotionResult& result,
+                            const std::vector<v1::MotionFrame>& shown,
+                            const v1::HandDescription& hand,
+                            const v1::ObjectDescription& object) {
+  requireConsistent(result);
+  HANDGRAFT_REQUIRE(!shown.empty());
+  const int rows = (static_cast<int>(shown.size()) + kColumns - 1) / kColumns;
+  render::Image whole(kColumns * kTile.width, rows * kTile.height + kPlotHeight);
+  // All frames from the same sides, which show the fullest best.
+  const auto fullest = std::max_element(shown.begin(), shown.end(),
+                                        [](const v1::MotionFrame& a, const v1::MotionFrame& b) {
+                                          return a.patches().size() < b.patches().size();
+                                        });
+  const auto views = render::viewsAroundUp(sceneOf(result, *fullest, hand, object));
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    render::Caption caption;
+    caption.title = fmt::format("{:.2f} s", shown[i].time_s());
+    caption.subtitle = tileText(shown[i]);
+    const int at = static_cast<int>(i);
+    copyInto(
+        whole,
+        render::renderTwoViews(sceneOf(result, shown[i], hand, object), caption, views, kTile),
+        at % kColumns * kTile.width, at / kColumns * kTile.height);
+  }
+  const v1::MotionSummary& summary = result.summary;
+  const render::Plot plot{
+      fmt::format("{} follows {} on {}", result.session.hand(), result.motion.name(),
+                  result.session.object()),
+      fmt::format(
+          "{} frames: {:.2f} mm and {:.0f} deg off in the mean, {:.2f} mm deep at most, "
+          "largest step of a joint {:.4f}",
+          summary.frame_count(), summary.mean_mm(), summary.normal_deg(),
+          1e3 * summary.max_depth_m(), summary.max_step()),
+      "time (s)", panelsOf(result)};
+  copyInto(whole, render::drawPlot(plot, {kColumns * kTile.width, kPlotHeight}), 0,
+           rows * kTile.height);
+  return whole;
+}
+
+}  // namespace handgraft::client

@@ -1,0 +1,122 @@
+#include "core/io/motion_plan.h"
+
+#include <array>
+#include <cmath>
+#include <exception>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "core/base/error.h"
+#include "core/io/contact_file.h"
+#include "core/io/file_bytes.h"
+#include "core/io/json_keys.h"
+#include "core/io/motion_file.h"
+#include "core/io/motion_import.h"
+#include "core/manipulation/two_grasps.h"
+
+namespace handgraft::io {
+namespace {
+
+using manipulation::Motion;
+using nlohmann::json;
+using FileOf = std::function<std::filesystem::path(const std::string&)>;
+
+constexpr const char* kPlanFormat = "handgraft-motion-plan/1";
+
+json rootOf(const std::filesystem::path& path) {
+  try {
+    json root = json::parse(readFileBytes(path));
+    if (!root.is_object()) rejectInput("is no JSON object");
+    return root;
+  } catch (const json::exception& error) {
+    rejectInput("{}: is no JSON: {}", quoted(path.string()), error.what());
+  } catch (const InvalidInput& error) {
+    rejectInput("{}: {}", quoted(path.string()), error.what());
+  }
+}
+
+std::string textIn(const json& root, const char* name) {
+  const auto field = root.find(name);
+  if (field == root.end()) return "";
+  if (!field->is_string())
+    rejectInput("field '{}' is {}; it must be a text", name, shown(*field));
+  return field->get<std::string>();
+}
+
+double numberIn(const json& root, const char* name, double otherwise) {
+  const auto field = root.find(name);
+  if (field == root.end()) return otherwise;
+  if (!field->is_number())
+    rejectInput("field '{}' is {}; it must be a number", name, shown(*field));
+  return field->get<double>();
+}
+
+Motion joinedFrom(const json& root, const MeshFile& object, const FileOf& fileOf) {
+  if (const auto fault = unknownKeyIn(
+          root, {"format", "name", "object", "first", "last", "path", "rate_hz",
+                 "slide_begin_share", "slide_end_share", "vanish_share", "appear_share"}))
+    rejectInput("{}", *fault);
+  const std::string first = textIn(root, "first");
+  const std::string last = textIn(root, "last");
+  const std::string path = textIn(root, "path");
+  if (first.empty() || path.empty())
+    rejectInput("field '{}' is missing", first.empty() ? "first" : "path");
+  manipulation::TwoGraspOptions options;
+  options.rate = numberIn(root, "rate_hz", options.rate);
+  options.slide_begin = numberIn(root, "slide_begin_share", options.slide_begin);
+  options.slide_end = numberIn(root, "slide_end_share", options.slide_end);
+  options.vanish = numberIn(root, "vanish_share", options.vanish);
+  options.appear = numberIn(root, "appear_share", options.appear);
+  std::vector<manipulation::ObjectKey> keys;
+  for (const TimedPose& pose : readKeyframes(fileOf(path)))
+    keys.push_back({pose.time_s, pose.X_WO});
+  const contact::ContactSet begin = readContactSet(fileOf(first), object);
+  const contact::ContactSet end = last.empty() ? begin : readContactSet(fileOf(last), object);
+  return manipulation::joinGrasps(object.mesh, begin, end, keys, options);
+}
+
+Motion plannedFrom(const json& root, const MeshFile& object, const FileOf& fileOf) {
+  const std::string recording = textIn(root, "recording");
+  if (recording.empty()) return joinedFrom(root, object, fileOf);
+  if (const auto fault =
+          unknownKeyIn(root, {"format", "name", "object", "recording", "object_path"}))
+    rejectInput("{}", *fault);
+  const std::string object_path = textIn(root, "object_path");
+  return readContactSequence(fileOf(recording), object.mesh,
+                             object_path.empty() ? "" : fileOf(object_path));
+}
+
+}  // namespace
+
+Motion readMotionFrom(const std::filesystem::path& path,
+                      const MeshFile& object,
+                      const FileOf& fileOf) {
+  const json root = rootOf(path);
+  if (root.contains("frames")) return readContactSequence(path, object.mesh, "");
+  const auto format = root.find("format");
+  if (format == root.end() || *format != kPlanFormat) return readMotion(path, object.mesh);
+  std::string name;
+  Motion motion = [&] {
+    try {
+      name = textIn(root, "name");
+      return plannedFrom(root, object, fileOf);
+    } catch (const InvalidInput& error) {
+      rejectInput("{}: {}", quoted(path.string()), error.what());
+    }
+  }();
+  if (!name.empty()) motion.name = name;
+  return motion;
+}
+
+std::string objectOfMotion(const std::filesystem::path& path) {
+  const json root = rootOf(path);
+  try {
+    return textIn(root, "object");
+  } catch (const InvalidInput& error) {
+    rejectInput("{}: {}", quoted(path.string()), error.what());
+  }
+}
+
+}  // namespace handgraft::io

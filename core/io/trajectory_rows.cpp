@@ -1,0 +1,76 @@
+#include "core/io/trajectory_rows.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/base/pose.h"
+#include "core/io/posed_grasp.h"
+
+namespace handgraft::io {
+
+namespace {
+
+/// x y z, qw qx qy qz; near `before`'s quaternion of the two that mean the same.
+Eigen::Matrix<double, 7, 1> freeJoint(const Pose& X, const Eigen::VectorXd& before) {
+  Eigen::Matrix<double, 7, 1> values;
+  values.head<3>() = X.translation();
+  values.tail<4>() = quaternionOf(X);
+  if (before.size() == 7 && values.tail<4>().dot(before.tail<4>()) < 0.0)
+    values.tail<4>() *= -1.0;
+  return values;
+}
+
+/// From one pose to another in that time: linear in W, angular in the frame's own axes.
+Eigen::Matrix<double, 6, 1> freeVelocity(const Pose& from, const Pose& to, double time_s) {
+  Eigen::Matrix<double, 6, 1> velocity;
+  velocity.head<3>() = (to.translation() - from.translation()) / time_s;
+  velocity.tail<3>() = vectorFromRotation(from.linear().transpose() * to.linear()) / time_s;
+  return velocity;
+}
+
+}  // namespace
+
+TrajectoryRows rowsOf(const HandTrajectory& trajectory) {
+  const manipulation::Motion& motion = *trajectory.contacts;
+  const std::vector<hand::HandPose>& poses = trajectory.solved->trajectory.poses;
+  HANDGRAFT_REQUIRE(!poses.empty() && poses.size() == motion.X_WO.size());
+  const auto frames = static_cast<Eigen::Index>(poses.size());
+  TrajectoryRows rows;
+  for (const JointValue& joint : jointValues(*trajectory.model, poses.front().q)) {
+    rows.joint_names.push_back(joint.name);
+    rows.independent += joint.follows ? 0 : 1;
+  }
+  const auto joints = static_cast<Eigen::Index>(rows.joint_names.size());
+  rows.qpos.resize(14 + joints, frames);
+  rows.qvel = Eigen::MatrixXd::Zero(12 + joints, frames);
+  std::vector<Pose> X_WH;
+  Eigen::VectorXd root;
+  Eigen::VectorXd object;
+  for (Eigen::Index k = 0; k < frames; ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    rows.time_s.push_back(motion.time_s[at] - motion.time_s.front());
+    X_WH.push_back(motion.X_WO[at] * poses[at].X_WH);
+    root = freeJoint(X_WH.back(), root);
+    object = freeJoint(motion.X_WO[at], object);
+    rows.qpos.col(k).head<7>() = root;
+    rows.qpos.col(k).tail<7>() = object;
+    const std::vector<JointValue> values = jointValues(*trajectory.model, poses[at].q);
+    for (Eigen::Index i = 0; i < joints; ++i)
+      rows.qpos(7 + i, k) = values[static_cast<std::size_t>(i)].value;
+  }
+  for (Eigen::Index k = 0; frames > 1 && k < frames; ++k) {
+    const auto from = static_cast<std::size_t>(std::max<Eigen::Index>(k - 1, 0));
+    const auto to = static_cast<std::size_t>(std::min(k + 1, frames - 1));
+    const double time_s = rows.time_s[to] - rows.time_s[from];
+    rows.qvel.col(k).head<6>() = freeVelocity(X_WH[from], X_WH[to], time_s);
+    rows.qvel.col(k).tail<6>() = freeVelocity(motion.X_WO[from], motion.X_WO[to], time_s);
+    rows.qvel.col(k).segment(6, joints) =
+        (rows.qpos.col(static_cast<Eigen::Index>(to)).segment(7, joints) -
+         rows.qpos.col(static_cast<Eigen::Index>(from)).segment(7, joints)) /
+        time_s;
+  }
+  return rows;
+}
+
+}  // namespace handgraft::io

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "core/geometry/triangle_mesh.h"
+#include "core/manipulation/motion.h"
+#include "core/session/motion_solving.h"
+
+/// A hand that follows a motion, for other programs (FORMATS.md).
+namespace handgraft::io {
+
+struct HandTrajectory {
+  std::string hand;  ///< names, for people
+  std::string object;
+  std::string motion;
+  std::shared_ptr<const hand::HandModel> model;
+  std::shared_ptr<const geometry::TriangleMesh> object_O;
+  std::shared_ptr<const manipulation::Motion> contacts;
+  std::shared_ptr<const session::SolvedMotion> solved;  ///< of that hand and motion
+};
+
+/// `handgraft-trajectory/1`. Cost of all of these: O(frames).
+std::string trajectoryJson(const HandTrajectory& trajectory);
+
+/// A line a frame: `time_s`, a column a joint (independent ones, then those that mimic them),
+/// `X_WH.x` to `X_WH.qz`, `X_WO.x` to `X_WO.qz`, `max_depth_m`.
+std::string trajectoryCsv(const HandTrajectory& trajectory);
+
+/// Binary glTF 2.0 as glbBytes writes a grasp, with an animation that moves every link and the
+/// object, linear from frame to frame.
+std::string trajectoryGlb(const HandTrajectory& trajectory);
+
+/// NumPy arrays in a zip file that is not compressed: `time`, `qpos`, `qvel`, `contact`,
+/// `contact_pos`, `joint_names`, `patch_names`. qpos is MuJoCo's for a hand on a free joint,
+/// its joints, and the object on a free joint; qvel likewise.
+std::string trajectoryNpz(const HandTrajectory& trajectory);
+
+/// MuJoCo's keyframes of that qpos, for a model that includes the file.
+std::string trajectoryMjcf(const HandTrajectory& trajectory);
+
+/// `trajectory_msgs/msg/JointTrajectory` as `ros2 topic pub` reads it: independent joints with
+/// positions and velocities. The root's way is no part of that message.
+std::string rosTrajectoryYaml(const HandTrajectory& trajectory);
+
+}  // namespace handgraft::io

@@ -1,0 +1,116 @@
+#include "core/io/motion_plan.h"
+
+#include <fstream>
+#include <map>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+#include "core/io/motion_file.h"
+
+#include "tests/support/shared_data.h"
+
+namespace handgraft::io {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+
+class MotionPlan : public testing::Test {
+ protected:
+  MotionPlan()
+      : models_(test::sourceDirectory() / "server/models"),
+        box_(readMesh(models_ / "objects/box.obj")) {
+    write("path.csv", "time_s,x,y,z,qw,qx,qy,qz\n0,0,0,0.3,1,0,0,0\n1,-0.25,0,0.32,1,0,0,0\n");
+    files_["first.json"] = models_ / "contacts/box_5.json";
+  }
+
+  fs::path write(const std::string& name, const std::string& text) {
+    const fs::path path = test::scratchDirectory() / name;
+    std::ofstream(path, std::ios::binary) << text;
+    files_[name] = path;
+    return path;
+  }
+
+  manipulation::Motion read(const std::string& plan) {
+    return readMotionFrom(write("plan.json", plan), box_, [this](const std::string& uri) {
+      const auto found = files_.find(uri);
+      if (found == files_.end()) rejectInput("{}: this file was not uploaded", quoted(uri));
+      return found->second;
+    });
+  }
+
+  std::string objectionTo(const std::string& plan) {
+    try {
+      (void)read(plan);
+    } catch (const InvalidInput& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  fs::path models_;
+  MeshFile box_;
+  std::map<std::string, fs::path> files_;
+};
+
+constexpr const char* kPull =
+    R"({"format": "handgraft-motion-plan/1", "name": "pull", "first": "first.json",
+        "path": "path.csv", "rate_hz": 30})";
+
+TEST_F(MotionPlan, JoinsAGraspToItselfAlongAPath) {
+  const manipulation::Motion motion = read(kPull);
+  EXPECT_EQ(motion.name, "pull");
+  EXPECT_EQ(motion.frameCount(), 31);
+  EXPECT_EQ(motion.tracks.size(), 5u);
+  EXPECT_NEAR(motion.X_WO.back().translation().x(), -0.25, 1e-12);
+}
+
+TEST_F(MotionPlan, ComesBackFromTheFileThatIsMadeOfIt) {
+  const manipulation::Motion motion = read(kPull);
+  const manipulation::Motion back = read(motionText(motion, box_.mesh));
+  ASSERT_EQ(back.tracks.size(), motion.tracks.size());
+  EXPECT_EQ(back.time_s, motion.time_s);
+}
+
+TEST_F(MotionPlan, NamesWhatIsWrong) {
+  EXPECT_THAT(objectionTo(R"({"format": "handgraft-motion-plan/1", "first": "first.json"})"),
+              AllOf(HasSubstr("plan.json"), HasSubstr("'path' is missing")));
+  EXPECT_THAT(objectionTo(R"({"format": "handgraft-motion-plan/1", "first": "first.json",
+                              "path": "path.csv", "rat_hz": 3})"),
+              HasSubstr("rat_hz"));
+  EXPECT_THAT(objectionTo(R"({"format": "handgraft-motion-plan/1", "recording": "gone.json"})"),
+              HasSubstr("gone.json"));
+  EXPECT_THAT(objectionTo("[1, 2"), HasSubstr("is no JSON"));
+}
+
+TEST_F(MotionPlan, TimesThatRunBackwardsAreRefused) {
+  write("path.csv", "time_s,x,y,z,qw,qx,qy,qz\n1,0,0,0,1,0,0,0\n0.5,0,0,0,1,0,0,0\n");
+  EXPECT_THAT(objectionTo(kPull), AllOf(HasSubstr("line 3"), HasSubstr("0.5")));
+  write("path.csv", "time_s,x,y,z,qw,qx,qy,qz\n0,nan,0,0,1,0,0,0\n");
+  EXPECT_THAT(objectionTo(kPull), AllOf(HasSubstr("line 2"), HasSubstr("nan")));
+}
+
+TEST_F(MotionPlan, PointsOnTheManoHandGetPlacesOfAnyHand) {
+  const manipulation::Motion motion = read(
+      R"({"hand": "MANO", "fps": 120, "frames": [{"frame": 0, "contacts": [
+          {"object_point": [0, 0.03, 0], "link": "index3", "hand_point": [-0.016, -0.007, 0]},
+          {"object_point": [0, 0.03, 0], "link": "pinky2", "hand_point": [-0.008, -0.004, -0.006]},
+          {"object_point": [0, 0.03, 0], "link": "tail", "hand_point": [0, 0, 0]}]}]})");
+  std::map<std::string, std::optional<hand::HandPlace>> places;
+  for (const manipulation::PatchTrack& track : motion.tracks)
+    places[track.name] = track.keys.front().patch.place;
+  ASSERT_TRUE(places.at("index3"));
+  EXPECT_EQ(places.at("index3")->digit, "index");
+  EXPECT_EQ(places.at("index3")->segment, "distal");
+  EXPECT_NEAR(places.at("index3")->along, 0.68, 0.05);
+  EXPECT_NEAR(places.at("index3")->around_rad, 0.0, 0.1);
+  EXPECT_EQ(places.at("pinky2")->digit, "little");
+  EXPECT_EQ(places.at("pinky2")->segment, "middle");
+  EXPECT_FALSE(places.at("tail"));
+}
+
+}  // namespace
+}  // namespace handgraft::io

@@ -1,0 +1,130 @@
+#include "core/io/trajectory_writer.h"
+
+#include <cstring>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <yaml-cpp/yaml.h>
+
+#include "core/geometry/triangle_mesh.h"
+#include "core/io/npz_file.h"
+#include "core/io/trajectory_rows.h"
+
+#include "tests/support/small_hand.h"
+
+namespace handgraft::io {
+namespace {
+
+using nlohmann::json;
+
+/// A hand that turns with its object by 1 rad about z in 1 s, one joint moving, on no contact.
+HandTrajectory turning(int frames) {
+  static const test::SmallHand small = test::makeSmallHand();
+  HandTrajectory trajectory;
+  trajectory.hand = "small";
+  trajectory.object = "ball";
+  trajectory.motion = "turn";
+  trajectory.model = small.model;
+  trajectory.object_O =
+      std::make_shared<const geometry::TriangleMesh>(geometry::makeSphere(0.03, 2));
+  auto motion = std::make_shared<manipulation::Motion>();
+  auto solved = std::make_shared<session::SolvedMotion>();
+  for (int k = 0; k < frames; ++k) {
+    const double share = frames == 1 ? 0.0 : static_cast<double>(k) / (frames - 1);
+    motion->time_s.push_back(2.0 + share);
+    Pose X_WO = Pose::Identity();
+    X_WO.linear() = rotationFromVector({0.0, 0.0, share});
+    X_WO.translation() << 0.1 * share, 0.0, 0.3;
+    motion->X_WO.push_back(X_WO);
+    hand::HandPose pose;
+    pose.X_WH.translation() << 0.0, 0.0, -0.1;
+    pose.q = small.model->restPose();
+    pose.q[0] += 0.25 * share;
+    solved->trajectory.poses.push_back(pose);
+    solved->trajectory.objective.push_back(0.0);
+    solved->depth_m.push_back(0.0);
+  }
+  solved->trajectory.time_s = motion->time_s;
+  solved->problem = manipulation::makeMotionProblem(small.model, motion->time_s);
+  trajectory.contacts = motion;
+  trajectory.solved = solved;
+  return trajectory;
+}
+
+TEST(TrajectoryRows, HaveTheVelocitiesOfWhatTheyShow) {
+  const TrajectoryRows rows = rowsOf(turning(101));
+  const auto joints = static_cast<Eigen::Index>(rows.joint_names.size());
+  ASSERT_EQ(rows.qpos.rows(), 14 + joints);
+  ASSERT_EQ(rows.qvel.rows(), 12 + joints);
+  EXPECT_EQ(rows.time_s.front(), 0.0);
+  for (const Eigen::Index k : {Eigen::Index{0}, Eigen::Index{50}, Eigen::Index{100}}) {
+    EXPECT_NEAR(rows.qvel(6, k), 0.25, 1e-9);               // the first joint
+    EXPECT_NEAR(rows.qvel(12 + joints - 6, k), 0.1, 1e-9);  // the object, along x
+    EXPECT_NEAR(rows.qvel(12 + joints - 1, k), 1.0, 1e-9);  // and about z
+    EXPECT_NEAR(rows.qpos.col(k).segment(3, 4).norm(), 1.0, 1e-12);
+  }
+}
+
+TEST(TrajectoryRows, OfOneFrameStandStill) {
+  EXPECT_EQ(rowsOf(turning(1)).qvel.norm(), 0.0);
+}
+
+TEST(TrajectoryWriter, TextsSayTheSame) {
+  const HandTrajectory trajectory = turning(11);
+  const TrajectoryRows rows = rowsOf(trajectory);
+  const json document = json::parse(trajectoryJson(trajectory));
+  EXPECT_EQ(document.at("format"), "handgraft-trajectory/1");
+  ASSERT_EQ(document.at("frames").size(), 11u);
+  EXPECT_NEAR(document.at("frames").at(10).at("joints").at(0), rows.qpos(7, 10), 1e-12);
+
+  const std::string csv = trajectoryCsv(trajectory);
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 12);
+
+  const YAML::Node ros = YAML::Load(rosTrajectoryYaml(trajectory));
+  ASSERT_EQ(ros["points"].size(), 11u);
+  EXPECT_EQ(ros["joint_names"].size(), static_cast<std::size_t>(rows.independent));
+  EXPECT_NEAR(ros["points"][10]["positions"][0].as<double>(), rows.qpos(7, 10), 1e-9);
+  EXPECT_NEAR(ros["points"][5]["velocities"][0].as<double>(), 0.25, 1e-6);
+  EXPECT_EQ(ros["points"][5]["time_from_start"]["nanosec"].as<int>(), 500'000'000);
+
+  const std::string mjcf = trajectoryMjcf(trajectory);
+  EXPECT_THAT(mjcf, testing::HasSubstr("<key name=\"frame_10\" time=\"1\" qpos=\""));
+}
+
+TEST(TrajectoryWriter, GlbMovesEveryPartOverTheWholeTime) {
+  const HandTrajectory trajectory = turning(11);
+  const std::string glb = trajectoryGlb(trajectory);
+  std::uint32_t size = 0;
+  std::memcpy(&size, glb.data() + 12, 4);
+  const json document = json::parse(glb.substr(20, size));
+  const json& animation = document.at("animations").at(0);
+  std::size_t parts = 0;
+  for (const json& node : document.at("nodes"))
+    parts += node.contains("mesh") ? 1 : 0;
+  EXPECT_EQ(animation.at("channels").size(), 2 * parts);
+  const json& times = document.at("accessors")
+                          .at(animation.at("samplers").at(0).at("input").get<std::size_t>());
+  EXPECT_EQ(times.at("count"), 11);
+  EXPECT_EQ(times.at("max").at(0), 1.0);
+}
+
+TEST(NpzFile, IsAZipOfArraysThatNumpyKnows) {
+  NpzFile file;
+  file.add("a", {1.0, 2.0, 3.0, 4.0, 5.0, 6.0}, {2, 3});
+  file.add("names", {"x", "gr\xC3\xBC\xC3\x9F"});
+  const std::string bytes = file.bytes();
+  EXPECT_EQ(bytes.substr(0, 4), "PK\x03\x04");
+  EXPECT_THAT(bytes,
+              testing::HasSubstr("'descr': '<f8', 'fortran_order': False, 'shape': (2,3,)"));
+  EXPECT_THAT(bytes, testing::HasSubstr("'descr': '<U4'"));
+  // CRC-32 of the member, as any zip program checks it, of bytes worked out by hand elsewhere.
+  const std::size_t begin = bytes.find("\x93NUMPY");
+  ASSERT_NE(begin, std::string::npos);
+  EXPECT_EQ((begin + 10 + static_cast<unsigned char>(bytes[begin + 8]) - begin) % 64, 0u);
+  EXPECT_EQ(file.bytes(), bytes);
+}
+
+}  // namespace
+}  // namespace handgraft::io

@@ -1,0 +1,206 @@
+// Motions, through the service: loaded, described, solved in a session, told frame by frame,
+// exported.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "server/admission/service.h"
+
+#include "tests/server/recording_bus.h"
+#include "tests/server/small_grasp.h"
+
+namespace handgraft::server {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr const char* kPlan =
+    R"({"format": "handgraft-motion-plan/1", "first": "first.json", "path": "path.csv",
+        "rate_hz": 30})";
+constexpr const char* kPath =
+    "time_s,x,y,z,qw,qx,qy,qz\n0,0,0,0.3,1,0,0,0\n0.5,-0.05,0,0.3,0.98,0,0,0.199\n";
+
+v1::RequestBody openMotion(const std::string& hand,
+                           const std::string& object,
+                           const std::string& motion) {
+  v1::OpenSessionRequest open;
+  open.hand(hand);
+  open.object(object);
+  open.motion(motion);
+  v1::RequestBody body;
+  body.open_session(open);
+  return body;
+}
+
+v1::RequestBody solveMotion(std::uint64_t session, bool causal = false) {
+  v1::SolveMotionRequest request;
+  request.session_id(session);
+  v1::MotionOptions options;
+  options.causal(causal);
+  request.options().push_back(options);
+  v1::RequestBody body;
+  body.solve_motion(request);
+  return body;
+}
+
+v1::RequestBody framesFrom(std::uint64_t session,
+                           std::uint32_t first,
+                           std::uint32_t count = 0,
+                           std::uint32_t every = 0,
+                           bool with_shapes = false) {
+  v1::MotionFramesRequest request;
+  request.session_id(session);
+  request.first(first);
+  request.count(count);
+  request.every(every);
+  request.with_shapes(with_shapes);
+  v1::RequestBody body;
+  body.motion_frames(request);
+  return body;
+}
+
+v1::RequestBody exportAs(std::uint64_t session, v1::ExportFormat format) {
+  v1::ExportRequest request;
+  request.session_id(session);
+  request.format(format);
+  v1::RequestBody body;
+  body.export_file(request);
+  return body;
+}
+
+class MotionTest : public testing::Test {
+ protected:
+  MotionTest() {
+    service.start();
+    for (const v1::RequestBody& body : test::smallGrasp())
+      EXPECT_EQ(bus.ask(body).error(), v1::ERROR_NONE);
+  }
+
+  v1::Reply load(const std::string& name,
+                 const std::string& plan = kPlan,
+                 const std::string& path = kPath) {
+    const std::uint64_t upload = ++uploads_;
+    bus.ask(test::putFile(upload, "plan.json", plan));
+    bus.ask(test::putFile(upload, "first.json", test::builtIn("contacts/lemon_6.json")));
+    bus.ask(test::putFile(upload, "path.csv", path));
+    return bus.ask(test::loadModel(upload, v1::MODEL_MOTION, name, "plan.json", "fruit"));
+  }
+
+  std::uint64_t open() {
+    EXPECT_EQ(load("pull").error(), v1::ERROR_NONE);
+    const v1::Reply opened = bus.ask(openMotion("clamp", "fruit", "pull"));
+    EXPECT_EQ(opened.error(), v1::ERROR_NONE) << opened.message();
+    EXPECT_EQ(opened.body().session().motion(), "pull");
+    EXPECT_EQ(opened.body().session().contacts(), "");
+    return opened.body().session().session_id();
+  }
+
+  test::RecordingBus bus;
+  ModelStore models;
+  Service service{bus, models, ServiceOptions()};
+
+ private:
+  std::uint64_t uploads_ = 10;
+};
+
+TEST_F(MotionTest, AMotionIsAModelAsAnyOther) {
+  const v1::Reply loaded = load("pull");
+  ASSERT_EQ(loaded.error(), v1::ERROR_NONE) << loaded.message();
+  EXPECT_EQ(loaded.body().models().models()[0].kind(), v1::MODEL_MOTION);
+  EXPECT_THAT(loaded.body().models().models()[0].text(), HasSubstr("16 frames in 0.50 s"));
+
+  const v1::Reply told = bus.ask(test::describeModel(v1::MODEL_MOTION, "pull", true));
+  ASSERT_EQ(told.error(), v1::ERROR_NONE) << told.message();
+  const v1::MotionDescription& motion = told.body().model().motion();
+  EXPECT_EQ(motion.frame_count(), 16u);
+  EXPECT_EQ(motion.object(), "fruit");
+  EXPECT_EQ(motion.patches().size(), motion.presence().size());
+  EXPECT_THAT(motion.file(), HasSubstr("handgraft-motion/1"));
+
+  // The file that it tells is the same motion.
+  bus.ask(test::putFile(50, "again.json", motion.file()));
+  const v1::Reply again = bus.ask(test::loadModel(50, v1::MODEL_MOTION, "again", "again.json"));
+  EXPECT_EQ(again.error(), v1::ERROR_NONE) << again.message();
+  EXPECT_EQ(bus.ask(test::unloadModel(v1::MODEL_MOTION, "again")).error(), v1::ERROR_NONE);
+  EXPECT_EQ(bus.ask(test::unloadModel(v1::MODEL_MOTION, "again")).error(), v1::ERROR_NOT_FOUND);
+}
+
+TEST_F(MotionTest, IsSolvedEitherWayAndToldFrameByFrame) {
+  const std::uint64_t session = open();
+  for (const bool causal : {false, true}) {
+    const v1::Reply solved = bus.ask(solveMotion(session, causal));
+    ASSERT_EQ(solved.error(), v1::ERROR_NONE) << solved.message();
+    const v1::MotionSummary& summary = solved.body().motion();
+    EXPECT_EQ(summary.frame_count(), 16u);
+    EXPECT_EQ(summary.options().causal(), causal);
+    EXPECT_GT(summary.mean_mm(), 0.0);
+    // The contacts stand still on the object, so the hand does, too.
+    EXPECT_LT(summary.max_step(), 0.02);
+    EXPECT_LT(summary.max_depth_m(), 0.002);
+  }
+  const v1::Reply all = bus.ask(framesFrom(session, 0));
+  ASSERT_EQ(all.error(), v1::ERROR_NONE) << all.message();
+  const v1::MotionFrames& frames = all.body().motion_frames();
+  ASSERT_EQ(frames.frames().size(), 16u);
+  EXPECT_TRUE(frames.is_last());
+  EXPECT_NEAR(frames.frames()[15].time_s(), 0.5, 1e-12);
+  EXPECT_NEAR(frames.frames()[15].X_WO().p_m()[0], -0.05, 1e-12);
+  EXPECT_EQ(frames.frames()[0].joint_positions().size(), 1u);
+  EXPECT_TRUE(frames.frames()[0].X_WL().empty());
+  ASSERT_FALSE(frames.frames()[0].patches().empty());
+
+  const v1::Reply some = bus.ask(framesFrom(session, 1, 2, 5, true));
+  const auto& shown = some.body().motion_frames().frames();
+  ASSERT_EQ(shown.size(), 2u);
+  EXPECT_EQ(shown[1].index(), 6u);
+  EXPECT_EQ(shown[1].X_WL().size(), 2u);
+  EXPECT_FALSE(shown[1].patches()[0].outline_O_m().empty());
+  EXPECT_FALSE(some.body().motion_frames().is_last());
+}
+
+TEST_F(MotionTest, IsExportedAsEachFormat) {
+  const std::uint64_t session = open();
+  EXPECT_EQ(bus.ask(exportAs(session, v1::EXPORT_CSV)).error(), v1::ERROR_INVALID_INPUT);
+  ASSERT_EQ(bus.ask(solveMotion(session)).error(), v1::ERROR_NONE);
+  for (const v1::ExportFormat format :
+       {v1::EXPORT_JSON, v1::EXPORT_CSV, v1::EXPORT_GLB, v1::EXPORT_NPZ, v1::EXPORT_MJCF,
+        v1::EXPORT_ROS_TRAJECTORY}) {
+    const v1::Reply reply = bus.ask(exportAs(session, format));
+    EXPECT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
+    EXPECT_GT(reply.body().exported_file().content().size(), 100u);
+  }
+  EXPECT_THAT(bus.ask(exportAs(session, v1::EXPORT_OBJ)).message(), HasSubstr("no format obj"));
+  EXPECT_EQ(bus.ask(test::ofSession(v1::OP_SAVE_SESSION, session)).error(),
+            v1::ERROR_UNSUPPORTED);
+}
+
+TEST_F(MotionTest, NamesWhatIsWrong) {
+  EXPECT_THAT(load("bad", kPlan, "time_s,x,y,z,qw,qx,qy,qz\n0,nan,0,0,1,0,0,0\n").message(),
+              AllOf(HasSubstr("line 2"), HasSubstr("nan")));
+  EXPECT_THAT(load("bad", "{}").message(), HasSubstr("format"));
+  EXPECT_EQ(bus.ask(openMotion("clamp", "fruit", "nowhere")).error(), v1::ERROR_NOT_FOUND);
+  const std::uint64_t session = open();
+  EXPECT_THAT(bus.ask(framesFrom(session, 0)).message(), HasSubstr("no answer yet"));
+  ASSERT_EQ(bus.ask(solveMotion(session)).error(), v1::ERROR_NONE);
+  EXPECT_THAT(bus.ask(framesFrom(session, 16)).message(), HasSubstr("frames 0 to 15"));
+  const v1::Reply of_contacts = bus.ask(test::openSession("clamp", "fruit", "marks"));
+  EXPECT_THAT(bus.ask(solveMotion(of_contacts.body().session().session_id())).message(),
+              HasSubstr("holds contacts, no motion"));
+  EXPECT_THAT(
+      bus.ask(exportAs(of_contacts.body().session().session_id(), v1::EXPORT_NPZ)).message(),
+      HasSubstr("format of motions"));
+}
+
+TEST_F(MotionTest, OfOneFrameIsAGrasp) {
+  ASSERT_EQ(load("one", kPlan, "time_s,x,y,z,qw,qx,qy,qz\n0,0,0,0.3,1,0,0,0\n").error(),
+            v1::ERROR_NONE);
+  const v1::Reply opened = bus.ask(openMotion("clamp", "fruit", "one"));
+  ASSERT_EQ(opened.error(), v1::ERROR_NONE) << opened.message();
+  const v1::Reply solved = bus.ask(solveMotion(opened.body().session().session_id()));
+  ASSERT_EQ(solved.error(), v1::ERROR_NONE) << solved.message();
+  EXPECT_EQ(solved.body().motion().frame_count(), 1u);
+  EXPECT_EQ(solved.body().motion().rms_jerk(), 0.0);
+}
+
+}  // namespace
+}  // namespace handgraft::server

@@ -1,0 +1,102 @@
+// A motion through all programs: joined of built-in grasps, followed by built-in hands, drawn
+// and written.
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/shared_data.h"
+#include "tests/system/service.h"
+#include "tests/system/shared_skins.h"
+
+namespace handgraft::test {
+namespace {
+
+using nlohmann::json;
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr const char* kPull =
+    "time_s,x,y,z,qw,qx,qy,qz\n0,0,0,0.3,1,0,0,0\n0.5,-0.25,0,0.32,1,0,0,0\n"
+    "1,-0.3,0.1,0.2,0.877582562,0,0,0.479425539\n";
+
+std::string written(const std::string& name, const std::string& text) {
+  const auto path = scratchDirectory() / name;
+  std::ofstream(path, std::ios::binary) << text;
+  return path.string();
+}
+
+std::string begins(const std::filesystem::path& path, std::size_t count) {
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes(count, '\0');
+  file.read(bytes.data(), static_cast<std::streamsize>(count));
+  return bytes;
+}
+
+TEST(Motion, ABoxIsPulledOffAShelfAndTurned) {
+  const SharedSkins skins;
+  const Service service;
+  const auto scratch = scratchDirectory();
+  const std::string file = (scratch / "pull.json").string();
+  const json motion =
+      service.ask({"motion", "join", "box_5", "box_5", "--path", written("pull.csv", kPull),
+                   "--rate", "30", "--name", "pull", "--out", file});
+  EXPECT_EQ(motion.at("frame_count"), 31);
+  EXPECT_EQ(motion.at("object"), "box");
+  EXPECT_EQ(motion.at("presence").size(), 5u);
+
+  const json solved = service.ask(
+      {"motion", "solve", "--hand", "human20", "--motion", "pull", "--keep", "--png",
+       (scratch / "pull.png").string(), "--out", (scratch / "pull.npz").string(), "--out",
+       (scratch / "pull.glb").string(), "--frames", (scratch / "frames.csv").string()});
+  ASSERT_EQ(solved.at("frames").size(), 31u);
+  EXPECT_LT(solved.at("mean_mm"), 5.0);
+  EXPECT_LT(solved.at("max_depth_m"), 0.002);
+  EXPECT_LT(solved.at("max_step"), 0.05);
+  EXPECT_EQ(solved.at("patches").at(0).at("frames"), 31);
+  EXPECT_TRUE(solved.at("frames").at(0).at("velocity").is_null());
+  EXPECT_EQ(begins(scratch / "pull.png", 4).substr(1), "PNG");
+  EXPECT_EQ(begins(scratch / "pull.npz", 2), "PK");
+  EXPECT_EQ(begins(scratch / "pull.glb", 4), "glTF");
+  EXPECT_EQ(begins(scratch / "frames.csv", 7), "time_s,");
+
+  // The session stays, and writes what it was asked to keep.
+  const std::string session = std::to_string(solved.at("session_id").get<int>());
+  const json exported =
+      service.ask({"motion", "export", session, "--out", (scratch / "pull.yaml").string()});
+  EXPECT_EQ(exported.at("format"), "ros_trajectory");
+  EXPECT_EQ(begins(scratch / "pull.yaml", 7), "header:");
+
+  // A file of a motion is as good, on another hand and frame by frame.
+  const json causal =
+      service.ask({"motion", "solve", "--hand", "tendon16", "--motion", file, "--causal"});
+  EXPECT_EQ(causal.at("options").at("causal"), true);
+  EXPECT_LT(causal.at("mean_mm"), 6.0);
+  EXPECT_TRUE(causal.at("session_id").is_null());
+}
+
+TEST(Motion, WhatIsWrongIsOneLine) {
+  const SharedSkins skins;
+  const Service service;
+  const auto objectionTo = [&](const std::vector<std::string>& words) {
+    const Finished end = service.client(words);
+    EXPECT_EQ(end.exit_code, 2) << end.err;
+    return end.err;
+  };
+  EXPECT_THAT(objectionTo({"motion", "join", "box_5", "box_5", "--path",
+                           written("back.csv",
+                                   "time_s,x,y,z,qw,qx,qy,qz\n1,0,0,0,1,0,0,0\n"
+                                   "0.5,0,0,0,1,0,0,0\n")}),
+              AllOf(HasSubstr("line 3"), HasSubstr("does not lie behind")));
+  EXPECT_THAT(objectionTo({"motion", "solve", "--hand", "human20", "--motion", "nowhere"}),
+              HasSubstr("motion 'nowhere' is not known"));
+  EXPECT_THAT(objectionTo({"motion", "solve", "--hand", "human20", "--motion", "pull", "--out",
+                           (scratchDirectory() / "pull.bvh").string()}),
+              AllOf(HasSubstr(".npz"), HasSubstr("--out")));
+  EXPECT_THAT(
+      objectionTo({"motion", "export", "7", "--out", (scratchDirectory() / "a.npz").string()}),
+      HasSubstr("session 7 is not open"));
+}
+
+}  // namespace
+}  // namespace handgraft::test
