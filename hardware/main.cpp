@@ -24,6 +24,7 @@
 #include "hardware/bringup/scan.h"
 #include "hardware/bringup/terminal.h"
 #include "hardware/config/calibration_file.h"
+#include "hardware/config/device_section.h"
 #include "hardware/config/hand_config_file.h"
 #include "hardware/config/text_file.h"
 
@@ -87,7 +88,9 @@ void declare(CLI::App& app, Options& options) {
                                        "the hand to drive, its device and its limits (YAML); "
                                        "without it a simulated hand follows "
                                        "whatever session streams");
-  app.add_option("--port", options.port, "the device's port, in place of the config's")
+  app.add_option("--port", options.port,
+                 "the device's port, in place of the config's: a tty, or a CAN bus' network "
+                 "interface")
       ->needs(config);
   app.add_option("--bridge-id", options.bridge.bridge_id,
                  "number of this bridge in commands and joint states")
@@ -186,11 +189,7 @@ void readConfig(const Options& options, bridge::BridgeOptions& told) {
   if (options.config.empty()) return;
   told.config = config::readHandConfig(options.config);
   told.config_name = options.config;
-  if (!options.port) return;
-  if (options.port->empty()) rejectInput("--port '': it names no port");
-  if (told.config->device.kind == config::DeviceKind::kSimulated)
-    rejectInput("--port {}: a simulated hand has none", quoted(*options.port));
-  told.config->device.port = *options.port;
+  if (options.port) config::usePort(told.config->device, *options.port);
 }
 
 void print(const bridge::BridgeReport& report, bool json) {
@@ -202,9 +201,9 @@ void print(const bridge::BridgeReport& report, bool json) {
 
 config::HandConfig configOf(const BringUp& told) {
   config::HandConfig config = config::readHandConfig(told.config);
-  if (!told.port.empty()) config.device.port = told.port;
   if (config.device.kind == config::DeviceKind::kSimulated)
     rejectInput("{}: a simulated hand needs no bringing up", quoted(told.config));
+  if (!told.port.empty()) config::usePort(config.device, told.port);
   return config;
 }
 
@@ -282,6 +281,13 @@ int bringUp(const BringUp& told) {
     }
     case BringUp::Step::kMakeConfig: {
       const std::string text = bringup::makeConfig(told.urdf, told.plan);
+      for (const config::DeviceTraits& traits : config::deviceKinds()) {
+        if (traits.name != told.plan.kind || traits.has_watchdog) continue;
+        fmt::print(stderr,
+                   "{} has no watchdog: should the bridge die, it goes on with what it was "
+                   "told last. `no_watchdog: accepted` says that you know.\n",
+                   told.plan.kind);
+      }
       if (told.out.empty()) {
         fmt::print("{}", text);
       } else {

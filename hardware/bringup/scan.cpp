@@ -43,6 +43,7 @@ constexpr int kSlcanRate = 115'200;
 // 253 motors answer a broadcast in turn, each in its own 3 ms at the slowest rate.
 constexpr milliseconds kBroadcast(800);
 constexpr milliseconds kReply(60);
+constexpr int kAttempts = 3;
 constexpr milliseconds kHeartbeats(400);  // axes tell of themselves every 100 ms
 
 /// Hands whole frames that arrive within `time` to `use`.
@@ -79,35 +80,46 @@ void findDynamixels(const std::string& port, int baud, std::vector<Found>& found
   });
 }
 
-void findAbilityHand(const std::string& port, int baud, std::vector<Found>& found) {
+/// Whether somebody answers a question in a frame that is `theirs`; on a busy machine an answer
+/// may be late.
+template <class Framing, class Theirs>
+bool answers(const std::string& port,
+             int baud,
+             const protocols::ByteBuffer& question,
+             Theirs&& theirs) {
   devices::SerialPort bytes(port, baud);
   bytes.open();
+  bool has_answered = false;
+  for (int attempt = 0; attempt < kAttempts && !has_answered; ++attempt) {
+    bytes.discard();
+    bytes.send(question.bytes());
+    listen<Framing>(bytes, kReply, [&](protocols::Bytes frame) {
+      has_answered = has_answered || theirs(frame);
+    });
+  }
+  return has_answered;
+}
+
+void findAbilityHand(const std::string& port, int baud, std::vector<Found>& found) {
   protocols::ByteBuffer question;
   ah::encodeReadOnly(ah::kDefaultAddress, ah::Reply::kMotors, question);
-  bytes.discard();
-  bytes.send(question.bytes());
-  bool has_answered = false;
-  listen<ah::Framing>(bytes, kReply, [&](protocols::Bytes content) {
-    has_answered = has_answered || ah::stateOf(content).has_value();
-  });
-  if (has_answered)
+  const auto is_state = [](protocols::Bytes content) {
+    return ah::stateOf(content).has_value();
+  };
+  if (answers<ah::Framing>(port, baud, question, is_state))
     found.push_back({"ability_hand", baud, 0, ah::kDefaultAddress, "PSYONIC Ability Hand"});
 }
 
 void findInspire(const std::string& port, int baud, std::vector<Found>& found) {
-  devices::SerialPort bytes(port, baud);
-  bytes.open();
   protocols::ByteBuffer question;
   modbus::encodeRead(kInspireAddress, inspire::kAngleAct, inspire::kMotorCount, question);
-  bytes.discard();
-  bytes.send(question.bytes());
-  bool has_answered = false;
-  listen<modbus::ReplyFraming>(bytes, kReply, [&](protocols::Bytes content) {
+  const auto are_angles = [](protocols::Bytes content) {
     const auto reply = modbus::replyOf(content);
-    has_answered = has_answered || (reply && reply->device == kInspireAddress &&
-                                    reply->values.size() == 2 * inspire::kMotorCount);
-  });
-  if (has_answered) found.push_back({"inspire", baud, 0, kInspireAddress, "Inspire RH56"});
+    return reply && reply->device == kInspireAddress &&
+           reply->values.size() == 2 * inspire::kMotorCount;
+  };
+  if (answers<modbus::ReplyFraming>(port, baud, question, are_angles))
+    found.push_back({"inspire", baud, 0, kInspireAddress, "Inspire RH56"});
 }
 
 /// Axes tell of themselves; only where none does an Allegro Hand is asked, whose frames would
@@ -127,13 +139,15 @@ void findOnBus(devices::CanChannel& can, int baud, int bit_rate, std::vector<Fou
                      heartbeat->error)});
   }
   if (!nodes.empty()) return;
-  can.send(allegro::askFor(allegro::Command::kFingerPose, 0));
-  deadline = Clock::now() + kReply;
-  while (Clock::now() < deadline && can.receive(frame, deadline)) {
-    const auto pose = allegro::poseOf(frame);
-    if (!pose || pose->finger != 0) continue;
-    found.push_back({"allegro", baud, bit_rate, 0, "Allegro Hand"});
-    return;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    can.send(allegro::askFor(allegro::Command::kFingerPose, 0));
+    deadline = Clock::now() + kReply;
+    while (Clock::now() < deadline && can.receive(frame, deadline)) {
+      const auto pose = allegro::poseOf(frame);
+      if (!pose || pose->finger != 0) continue;
+      found.push_back({"allegro", baud, bit_rate, 0, "Allegro Hand"});
+      return;
+    }
   }
 }
 

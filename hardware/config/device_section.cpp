@@ -3,6 +3,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/error.h"
+
 namespace handgraft::config {
 
 DeviceConfig readDevice(Section section) {
@@ -63,6 +65,17 @@ DeviceConfig readDevice(Section section) {
   }
   section.finish();
   return device;
+}
+
+void usePort(DeviceConfig& device, const std::string& port) {
+  const DeviceTraits& traits = traitsOf(device.kind);
+  if (port.empty()) rejectInput("--port '': it names no port");
+  if (traits.wire == DeviceWire::kNone)
+    rejectInput("--port {}: a simulated hand has none", handgraft::quoted(port));
+  device.port = port;
+  if (traits.wire != DeviceWire::kCan) return;
+  device.carrier = port.front() == '/' ? CanCarrier::kSlcan : CanCarrier::kSocketCan;
+  if (device.baud == 0) device.baud = traits.baud;
 }
 
 }  // namespace handgraft::config

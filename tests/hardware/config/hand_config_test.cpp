@@ -9,6 +9,7 @@
 
 #include "core/base/error.h"
 #include "hardware/config/calibration_file.h"
+#include "hardware/config/device_section.h"
 #include "hardware/config/hand_config_file.h"
 #include "hardware/config/text_file.h"
 #include "hardware/safety/governor.h"
@@ -407,6 +408,28 @@ TEST(HandConfig, AMotorNamedAsAJointInAnotherPlaceIsRefused) {
   std::string text = smallWith("{name: m,", "{name: b,");
   EXPECT_TRUE(contains(objectionTo(text), "motors[0]: 'b' would move joint 'a'"))
       << objectionTo(text);
+}
+
+TEST(HandConfig, AnotherPortOfACanBusIsAnAdapterOrAnInterfaceByItsName) {
+  const auto examples = test::sourceDirectory() / "hardware" / "config" / "examples";
+  DeviceConfig allegro = readHandConfig(examples / "allegro.yaml").device;
+  usePort(allegro, "/dev/ttyACM0");
+  EXPECT_EQ(allegro.carrier, CanCarrier::kSlcan);
+  EXPECT_EQ(allegro.baud, 115'200);
+  usePort(allegro, "can1");
+  EXPECT_EQ(allegro.carrier, CanCarrier::kSocketCan);
+  EXPECT_EQ(allegro.port, "can1");
+  DeviceConfig simulated;
+  EXPECT_THROW(usePort(simulated, "/dev/ttyACM0"), InvalidInput);
+  EXPECT_THROW(usePort(allegro, ""), InvalidInput);
+}
+
+TEST(HandConfig, RefusesAPositionLoopOfOursThatIsTooSlow) {
+  const auto path =
+      test::sourceDirectory() / "hardware" / "config" / "examples" / "allegro.yaml";
+  std::string text = readText(path);
+  text.replace(text.find("rate_hz: 333"), 12, "rate_hz: 50");
+  EXPECT_TRUE(contains(objectionTo(text), "loop.rate_hz: 50; the position loop"));
 }
 
 TEST(HandConfig, RefusesAWireThatIsTooSlowForItsLoop) {

@@ -21,6 +21,7 @@
 #include <unistd.h>
 
 #include "core/base/error.h"
+#include "hardware/config/device_section.h"
 #include "hardware/config/hand_config_file.h"
 
 #include "tests/hardware/emulators/hand_rig.h"
@@ -109,16 +110,17 @@ void turnByHand(const std::string& line, const config::HandConfig& config, test:
 }
 
 int emulate(const char* path) {
-  const config::HandConfig config = config::readHandConfig(path);
+  config::HandConfig config = config::readHandConfig(path);
   if (config.device.kind == config::DeviceKind::kSimulated)
     rejectInput("{}: a simulated hand has no wire to be emulated", quoted(path));
+  config::usePort(config.device, "/dev/pts");  // a tty, also where the config tells of can0
   const auto rig = test::makeHandRig(config, true);
   if (config.device.kind == config::DeviceKind::kODrive && !config.homing.empty())
     test::slackenLines(*rig, config);
   fmt::print(
       "{} of hand {} on {}\nhandgraft-bridge --config {} --port {}\n",
       config.motors.size() == 1 ? "a motor" : fmt::format("{} motors", config.motors.size()),
-      quoted(config.hand), test::portOf(rig->wire()), path, test::portOf(rig->wire()));
+      handgraft::quoted(config.hand), test::portOf(rig->wire()), path, test::portOf(rig->wire()));
   Teller teller;
   Lines lines;
   while (!stop_requested) {
