@@ -1,5 +1,6 @@
 #include "core/contact/pose_contacts.h"
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -38,6 +39,12 @@ class Part {
     return locator_->nearest(p_O).distance;
   }
 
+  /// How far inside; below 0 outside, minus infinity beyond `reach`.
+  [[nodiscard]] double depth(const Eigen::Vector3d& p_O, double reach) const {
+    const double away = distance(p_O, reach);
+    return contains(p_O) ? away : -away;
+  }
+
   /// Generalised winding number above a half (Jacobson, Kavan & Sorkine-Hornung 2013), each
   /// face's solid angle by Van Oosterom & Strackee 1983.
   [[nodiscard]] bool contains(const Eigen::Vector3d& p_O) const {
@@ -67,6 +74,18 @@ void validate(const PoseContactOptions& options) {
   if (!(options.reach_m > 0.0) || !std::isfinite(options.reach_m)) {
     rejectInput("contact reach is {} m; it must be above 0", options.reach_m);
   }
+  if (!(options.softness_m >= 0.0) || !std::isfinite(options.softness_m)) {
+    rejectInput("a contact's softness is {} m; it must be 0 or above", options.softness_m);
+  }
+}
+
+/// Of a vertex so deep in a part whose deepest vertex is at `deepest`.
+double contactAt(double depth, double deepest, const PoseContactOptions& options) {
+  const auto reached = [&](double s) {
+    return std::clamp(1.0 + s / options.reach_m, 0.0, 1.0);
+  };
+  if (options.softness_m == 0.0) return reached(depth);
+  return reached(deepest) * std::max(0.0, 1.0 - (deepest - depth) / options.softness_m);
 }
 
 [[noreturn]] void rejectFarHand(const TriangleMesh& object_O,
@@ -106,23 +125,33 @@ ContactMap contactsFromPose(const TriangleMesh& object_O,
   map.mesh_O = refineEdges(object_O, options.longest_edge_m);
   map.value = Eigen::VectorXd::Zero(map.mesh_O.vertexCount());
   map.label.assign(static_cast<std::size_t>(map.mesh_O.vertexCount()), -1);
-  bool any_contact = false;
+  // === How deep each vertex lies in the part that is nearest to it, and each part at all
+  constexpr double kNowhere = -std::numeric_limits<double>::infinity();
+  Eigen::VectorXd depth = Eigen::VectorXd::Constant(map.mesh_O.vertexCount(), kNowhere);
+  std::vector<double> deepest(parts.size(), kNowhere);
   for (int v = 0; v < map.mesh_O.vertexCount(); ++v) {
     if (v % kBatch == 0) {
       progress.report("measuring the contact",
                       static_cast<double>(v) / map.mesh_O.vertexCount());
       progress.checkpoint();
     }
-    const Eigen::Vector3d p_O = map.mesh_O.vertex(v);
-    for (int i = 0; i < std::ssize(parts); ++i) {
-      const Part& part = parts[static_cast<std::size_t>(i)];
-      const double contact = part.contains(p_O)
-                                 ? 1.0
-                                 : 1.0 - part.distance(p_O, options.reach_m) / options.reach_m;
-      if (!(contact > map.value[v])) continue;
-      map.value[v] = contact;
-      map.label[static_cast<std::size_t>(v)] = i;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      const double d = parts[i].depth(map.mesh_O.vertex(v), options.reach_m);
+      if (!(d > -options.reach_m)) continue;
+      deepest[i] = std::max(deepest[i], d);
+      if (!(d > depth[v])) continue;
+      depth[v] = d;
+      map.label[static_cast<std::size_t>(v)] = static_cast<int>(i);
     }
+  }
+
+  // === What would touch if each part were drawn back to the surface
+  bool any_contact = false;
+  for (int v = 0; v < map.mesh_O.vertexCount(); ++v) {
+    int& label = map.label[static_cast<std::size_t>(v)];
+    if (label < 0) continue;
+    map.value[v] = contactAt(depth[v], deepest[static_cast<std::size_t>(label)], options);
+    if (map.value[v] <= 0.0) label = -1;
     any_contact = any_contact || map.value[v] > 0.0;
   }
   if (!any_contact) rejectFarHand(map.mesh_O, parts, progress);

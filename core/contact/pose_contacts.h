@@ -16,21 +16,30 @@ struct PosedSurface {
 };
 
 struct PoseContactOptions {
-  /// Distance at which contact ends. Fits of a hand's pose miss the surface by millimetres on
-  /// either side; DexYCB's maps, made with this formula, use 10 mm.
+  /// Distance at which a part no longer touches. Fits of a hand's pose miss the surface by
+  /// millimetres on either side.
   double reach_m = 0.010;
+  /// Behind the place where a part reaches farthest, contact ends after so much. With what
+  /// contact::segment makes of it, a patch ends 1.5 mm behind, as much as a finger's pad gives.
+  /// 0: by distance alone, max(0, 1 - d / reach), as DexYCB's maps were made.
+  double softness_m = 0.006;
   /// The object's mesh is cut down to edges this long, so that patches have a shape.
   double longest_edge_m = 0.004;
 };
 
-/// The contact map of a posed hand by distance alone, for grasps that were recorded as poses:
-/// at each vertex contact = max(0, 1 - d / reach) with the distance d to the nearest part, 1
-/// inside of one; the label is that part's index, -1 where contact is 0.
+/// The contact map of a posed hand by its shape alone, for grasps that were recorded as poses.
+///
+/// Such poses stand millimetres in the object or off it, and a rigid finger that is sunk deep
+/// would touch with all its width. So each part is drawn back, or forth, to the surface: at a
+/// vertex s deep in its nearest part (negative outside), of which the deepest is S,
+///   contact = min(1, 1 + S / reach) max(0, 1 - (S - s) / softness),
+/// which is 1 where the part is deepest, and where it does not reach the object at all less by
+/// what it lacks. The label is the part's index, -1 where contact is 0.
 ///
 /// A part need not be closed: inside is where its faces wind around the vertex by more than
-/// half. Where parts overlap, inside counts before near, and the first of them wins.
+/// half. Where parts overlap, the one that holds a vertex deepest has it, of equals the first.
 ///
-/// Frames: all in O, metres. Errors: InvalidInput if an option is not above 0, the object or
+/// Frames: all in O, metres. Errors: InvalidInput if an option is out of range, the object or
 /// all parts have no face, or no part is within reach: another frame, or a pose that touches
 /// nothing (the message says how far the nearest part is). Cancelled on wish. Cost: a
 /// nearest-place query per vertex and part within reach; O(part's faces) for each vertex in a

@@ -25,7 +25,7 @@ struct Avoidance {
   /// to be millimetres inside stays out but for tenths.
   double weight = 5e6;
   /// m; what lies between two samples may be so much deeper than they are.
-  double margin_m = 2e-4;
+  double margin_m = 4e-4;
 };
 
 /// How closely a search looks.

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/optimize/avoidance_term.h"
 #include "core/optimize/finalists.h"
 #include "core/optimize/local_search.h"
 #include "core/optimize/minima.h"
@@ -56,11 +58,58 @@ const std::vector<Stage> kStages = {
 
 constexpr int kPriorsStart = 2;  // starts.h
 
-// After an edit, with few starts, the hand stands out of the object already.
-constexpr int kFewStarts = 4;
+// Deeper in one another than this, fingers have run through each other.
+constexpr double kCrossed_m = 1.5e-3;
+
+// The best of the last stage goes to its end.
+constexpr int kToTheEnd = 300;
+
+// With few starts the hand stands out of the object already.
 const std::vector<Stage> kShortStages = {
     {1, 12, {true, 0.1}},
     {1, 25, {true, 1.0}},
+};
+
+/// Tells fingers that cross. Those are stuck: what pushes one out on one side is undone on the
+/// other.
+class CrossedFingers {
+ public:
+  CrossedFingers(const PoseProblem& problem, const MomentTree& tree)
+      : problem_(problem),
+        tree_(tree),
+        term_(*problem.avoidance, tree),
+        bodies_(static_cast<std::size_t>(tree.bodyCount())) {}
+
+  /// The pose with their joints as at rest; nothing if none cross.
+  std::optional<hand::HandPose> uncrossed(const hand::HandPose& pose) {
+    placeBodies(tree_, pose.X_WH.linear(), pose.q, bodies_);
+    term_.evaluate(pose.X_WH.translation(), bodies_);
+    hand::HandPose straight = pose;
+    bool is_crossed = false;
+    for (const Touch& touch : term_.touches()) {
+      if (touch.other < 0 || touch.depth < kCrossed_m) continue;
+      is_crossed = true;
+      for (int a = touch.body, b = touch.other; a != b;)
+        straighten(a > b ? a : b, straight.q);
+    }
+    if (!is_crossed) return std::nullopt;
+    return straight;
+  }
+
+ private:
+  /// Of the joint that carries `body`, which becomes the body before.
+  void straighten(int& body, Eigen::VectorXd& q) const {
+    const TreeJoint& joint = tree_.joints[static_cast<std::size_t>(body - 1)];
+    body = joint.parent_body;
+    if (isLocked(problem_, joint.dof)) return;
+    q[joint.dof] = std::clamp(problem_.model->restPose()[joint.dof], problem_.lower[joint.dof],
+                              problem_.upper[joint.dof]);
+  }
+
+  const PoseProblem& problem_;
+  const MomentTree& tree_;
+  AvoidanceTerm term_;
+  std::vector<BodyPlace> bodies_;
 };
 
 }  // namespace
@@ -95,6 +144,7 @@ SolveReport solveAvoiding(const PoseProblem& problem,
   const LocalSearch::Observer nobody;
   search.attend(nobody, keep_going);
 
+  CrossedFingers crossed(problem, *prepared.tree);
   const std::vector<Minimum> found = std::move(report.minima);
   report.minima.clear();
   // By solver, as they rank what they found.
@@ -131,6 +181,23 @@ SolveReport solveAvoiding(const PoseProblem& problem,
                        way.result);
     }
     std::stable_sort(ways.begin(), ways.end(), isBetter);
+    if (auto straight = crossed.uncrossed(ways.front().result.pose)) {
+      Way way{{}, ways.front().start};
+      way.result.pose = std::move(*straight);
+      for (const Stage& stage : kShortStages) {
+        search.care(stage.care);
+        const int before = way.result.evaluations;
+        way.result = search.begin(std::move(way.result.pose));
+        way.result.evaluations += before;
+        search.advance(solver, std::min(stage.evaluations, options.max_evaluations),
+                       way.result);
+      }
+      ways.push_back(std::move(way));
+      std::stable_sort(ways.begin(), ways.end(), isBetter);
+    }
+    LocalResult& best = ways.front().result;
+    const int left = std::min(kToTheEnd, options.max_evaluations - best.evaluations);
+    if (left > 0) search.advance(solver, left, best);
     std::vector<LocalResult> results;
     for (const Way& way : ways) {
       results.push_back(way.result);

@@ -119,14 +119,22 @@ class Workbench {
   bool takeRootsFrom(const hand::HandPose& pose);
   /// The links that a patch on that site may slide on, a flag a link.
   const std::vector<char>& linksOf(const std::string& site);
+  /// From where a search that ran out of evaluations stands, if that is better.
+  void goOn(optimize::SolveReport& report,
+            const Solving& solving,
+            optimize::SolveOptions options,
+            const Progress& progress);
   /// One more solve with the open directions as the report's pose shows them; kept, and true,
   /// if the objective falls.
   bool refineDirections(optimize::SolveReport& report,
                         const Solving& solving,
                         const optimize::SolveOptions& options,
                         const Progress& progress);
-  /// Solves after each of a few slides of the open roots; keeps the best of them that loses no
-  /// more points, by the objective a point, or what there was.
+  /// Slides the open roots to where the hand would touch best if nothing kept it out: what
+  /// pushes it out lets it move little.
+  void slideFreely(Solving solving, optimize::SolveOptions options, const Progress& progress);
+  /// Solves after each of a few slides of the open roots; keeps the best of them, or what there
+  /// was. Points that it loses count as if they were far off.
   void slideRoots(optimize::SolveReport& report,
                   const Solving& solving,
                   optimize::SolveOptions options,

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/optimize/avoiding_solve.h"
 #include "core/optimize/pose_solver.h"
 #include "core/session/hand_placement.h"
 #include "core/session/solids.h"
@@ -22,6 +23,12 @@ constexpr int kTrialEvaluations = 300;
 constexpr int kRefinements = 2;
 constexpr int kSlides = 12;
 constexpr int kWorseSlides = 3;  // in a row
+
+// A point that a slide loses at the skin's rim costs as if it were so far off.
+constexpr double kLost_m = 0.01;
+
+// Of each stage of a step on the way that is not the last one (optimize/avoiding_solve.h).
+constexpr int kStepEvaluations = 8;
 
 }  // namespace
 
@@ -68,7 +75,9 @@ void Workbench::choosePlacement(const std::vector<HandPlacement>& placements,
     start_ = placements[i].pose;
     takeDirectionsFrom(start_);
     layPatches(progress);
-    const PoseProblem trial = problem(Solving());
+    Solving solving;
+    solving.avoid_penetration = document_.solving.avoids();
+    const PoseProblem trial = problem(solving);
     if (trial.pairs.empty()) break;
     const SolveReport report = optimize::solve(trial, options, progress);
     const double score = report.terms.objective +
@@ -96,15 +105,23 @@ Solution Workbench::solve(const Solving& solving,
   SolveOptions options = solveOptions(solving);
   options.threads = run.threads;
   options.on_improvement = run.on_improvement;
+  if (solving.avoids() && !run.places_stay && options.starts > optimize::kFewStarts)
+    slideFreely(solving, options, progress);
   SolveReport report = optimize::solve(problem(solving), options, progress);
   if (!solving.paper && !run.places_stay) {
     options.on_improvement = nullptr;
+    SolveOptions step = options;
     // Small steps from a pose that is out of the object stay where they are out of it.
-    if (solving.avoids()) options.starts = 1;
-    for (int i = 0; i < kRefinements && refineDirections(report, solving, options, progress);
+    if (solving.avoids()) {
+      step.starts = 1;
+      step.max_evaluations = std::min(options.max_evaluations, kStepEvaluations);
+    }
+    for (int i = 0; i < kRefinements && refineDirections(report, solving, step, progress);
          ++i) {
     }
-    slideRoots(report, solving, options, progress);
+    slideRoots(report, solving, step, progress);
+    if (report.outcome == optimize::Outcome::kEvaluationLimit)
+      goOn(report, solving, options, progress);
   }
   return answered(std::move(report), solving);
 }
@@ -131,8 +148,7 @@ Solution Workbench::answered(SolveReport report, const Solving& solving) const {
 Solution Workbench::judge(const Progress& progress) {
   transfer(progress);
   requirePoints();
-  if (document_.solving.avoids())
-    makeSolids(*models_.hand, models_.object_O, progress);
+  if (document_.solving.avoids()) makeSolids(*models_.hand, models_.object_O, progress);
   Solution solution;
   solution.solving = document_.solving;
   solution.problem = problem(document_.solving);
@@ -154,6 +170,17 @@ Solution Workbench::judge(const Progress& progress) {
   return solution;
 }
 
+void Workbench::goOn(SolveReport& report,
+                     const Solving& solving,
+                     SolveOptions options,
+                     const Progress& progress) {
+  const Search as_it_was(*this);
+  options.starts = 1;
+  start_ = report.pose;
+  SolveReport last = optimize::solve(problem(solving), options, progress);
+  if (last.terms.objective <= report.terms.objective) report = std::move(last);
+}
+
 bool Workbench::refineDirections(SolveReport& report,
                                  const Solving& solving,
                                  const SolveOptions& options,
@@ -169,6 +196,17 @@ bool Workbench::refineDirections(SolveReport& report,
   return true;
 }
 
+void Workbench::slideFreely(Solving solving, SolveOptions options, const Progress& progress) {
+  const bool any_open = std::any_of(patches_.begin(), patches_.end(), [](const auto& item) {
+    return item.placement && item.root_is_open;
+  });
+  if (!any_open) return;
+  solving.avoid_penetration = false;
+  options.on_improvement = nullptr;
+  SolveReport report = optimize::solve(problem(solving), options, progress);
+  slideRoots(report, solving, options, progress);
+}
+
 void Workbench::slideRoots(SolveReport& report,
                            const Solving& solving,
                            SolveOptions options,
@@ -176,7 +214,12 @@ void Workbench::slideRoots(SolveReport& report,
   // A slide is a step from where the hand is: it needs no other start.
   options.starts = 1;
   Search best(*this);
-  std::size_t best_pairs = problem(solving).pairs.size();
+  // A point that is lost no longer counts: that alone makes nothing better.
+  const auto cost = [](const PoseProblem& posed, const SolveReport& solved) {
+    return solved.terms.objective -
+           kLost_m * kLost_m * posed.weights.distance * static_cast<double>(posed.pairs.size());
+  };
+  double least = cost(problem(solving), report);
   SolveReport present = report;
   // A step that moves all roots at once may first make things worse, so a few in a row may.
   for (int i = 0, worse = 0; i < kSlides && worse < kWorseSlides; ++i) {
@@ -186,15 +229,12 @@ void Workbench::slideRoots(SolveReport& report,
     const PoseProblem slid = problem(solving);
     if (slid.pairs.empty()) break;
     present = optimize::solve(slid, options, progress);
-    // A point that is lost no longer counts: that alone makes nothing better.
-    const bool is_better = slid.pairs.size() >= best_pairs &&
-                           present.terms.objective / static_cast<double>(slid.pairs.size()) <
-                               report.terms.objective / static_cast<double>(best_pairs);
+    const double now = cost(slid, present);
     ++worse;
-    if (!is_better) continue;
+    if (!(now < least)) continue;
     worse = 0;
     best.keep();
-    best_pairs = slid.pairs.size();
+    least = now;
     report = present;
   }
 }

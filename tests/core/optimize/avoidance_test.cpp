@@ -277,20 +277,25 @@ TEST(Avoidance, KeepsAHandOut) {
 
 TEST(Avoidance, LeavesOtherSolversNothingToGain) {
   std::mt19937 random(6);
-  PoseProblem problem = drawnInside(random);
-  SolveOptions options;
-  options.starts = 16;
-  const SolveReport ours = solve(problem, options, Progress());
-  const double before = solve(problem, paperOptions(), Progress()).terms.objective;
-  EXPECT_LT(ours.terms.objective, before);
-  problem.start = ours.pose;
-  options.starts = 1;
-  for (const Solver solver : {Solver::kSlsqp, Solver::kLbfgs, Solver::kMma}) {
-    options.solver = solver;
-    EXPECT_NEAR(solve(problem, options, Progress()).terms.objective, ours.terms.objective,
-                2e-3 * ours.terms.objective)  // the last stage ends a little before its end
-        << nameOf(solver);
+  double ours_in_all = 0.0;
+  double papers_in_all = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    PoseProblem problem = drawnInside(random);
+    SolveOptions options;
+    options.starts = 16;
+    const SolveReport ours = solve(problem, options, Progress());
+    ours_in_all += ours.terms.objective;
+    papers_in_all += solve(problem, paperOptions(), Progress()).terms.objective;
+    problem.start = ours.pose;
+    options.starts = 1;
+    for (const Solver solver : {Solver::kSlsqp, Solver::kLbfgs, Solver::kMma}) {
+      options.solver = solver;
+      EXPECT_NEAR(solve(problem, options, Progress()).terms.objective, ours.terms.objective,
+                  1e-3 * ours.terms.objective)
+          << nameOf(solver);
+    }
   }
+  EXPECT_LT(ours_in_all, papers_in_all);
 }
 
 TEST(Avoidance, GivesTheSameBytesOnTwoThreads) {

@@ -138,7 +138,7 @@ double likenessToABone(const contact::HandJoints& joints,
 
 TEST_P(DexYcbContactsTest, AgreeWithTheGivenMap) {
   const std::vector<contact::PosedSurface> hand_O = this->hand_O();
-  const ContactMap map = contact::contactsFromPose(given_.mesh_O, hand_O);
+  const ContactMap map = contact::contactsFromPose(given_.mesh_O, hand_O, {.softness_m = 0.0});
   std::vector<geometry::TriangleMesh> parts_O;
   for (const contact::PosedSurface& part : hand_O)
     parts_O.push_back(part.mesh_O);

@@ -77,10 +77,16 @@ struct TwoPlates {
 };
 
 TEST(Session, SlidesRootsOfFoundSitesToWhereTheyFit) {
-  Session session = TwoPlates().open();
-  for (const optimize::PatchFit& fit : session.optimize({}, Progress()).patches) {
-    EXPECT_EQ(fit.point_count, 25);
-    EXPECT_LT(fit.mean_mm, 1.0);
+  for (const bool avoids : {false, true}) {
+    Session session = TwoPlates().open();
+    Solving solving;
+    solving.avoid_penetration = avoids;
+    const Solution solution = session.solve(solving, {}, Progress());
+    for (const optimize::PatchFit& fit : solution.report.patches) {
+      EXPECT_EQ(fit.point_count, 25);
+      // Roots lie in the middle of faces of 2 mm; 0.4 mm more are kept free.
+      EXPECT_LT(fit.mean_mm, avoids ? 1.5 : 1.0);
+    }
   }
 }
 

@@ -32,7 +32,7 @@ TEST(Session, GraspsABall) {
     EXPECT_EQ(fit.point_count, 25);
     // Balls of 10 and 30 mm that touch are 3.3 mm apart 7 mm beside that place: by the normals
     // alone, and where they keep out of each other, a little more.
-    EXPECT_LT(fit.mean_mm, 4.0);
+    EXPECT_LT(fit.mean_mm, 4.2);
     EXPECT_LT(fit.normal_mean_deg, 60.0);
   }
 }
