@@ -33,6 +33,15 @@ barrett8 lemon lemon_6
 tendon16 wine_glass wine_glass_4
 END
 
+say "a box is pulled off a shelf and turned: index and middle slide, the little finger lets go"
+data=$(dirname "${BASH_SOURCE[0]}")/demo
+"$bin/handgraft" motion join --domain "$domain" box_5 "$data/box_4.json" --path "$data/pull.csv" --name box_pull \
+  --out "$out/box_pull.json" || failed=1
+for hand in human20 tendon16; do
+  "$bin/handgraft" motion solve --domain "$domain" --hand "$hand" --motion box_pull --png "$out/${hand}_box_pull.png" \
+    --out "$out/${hand}_box_pull.glb" --out "$out/${hand}_box_pull.npz" || failed=1
+done
+
 say "the simulated hand follows"
 sleep 2
 tail -n 1 "$out/bridge.jsonl"
