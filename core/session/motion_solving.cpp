@@ -157,6 +157,10 @@ std::vector<double> depthsOf(const SolvedMotion& solved,
     try {
       for (std::size_t k = first; k < poses.size(); k += step) {
         progress.checkpoint();
+        if (first == 0) {
+          progress.report("measuring depths",
+                          static_cast<double>(k) / static_cast<double>(poses.size()));
+        }
         depths[k] = penetrationOf(hand.model, hand.skin, object_O, Pose::Identity(), poses[k],
                                   {}, Progress())
                         .max_depth_m;
@@ -165,7 +169,6 @@ std::vector<double> depthsOf(const SolvedMotion& solved,
       errors[first] = std::current_exception();
     }
   };
-  progress.report("measuring depths", 0.0);
   std::vector<std::thread> others;
   for (std::size_t i = 1; i < step; ++i)
     others.emplace_back(measure, i);
