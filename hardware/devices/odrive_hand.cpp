@@ -23,7 +23,6 @@ constexpr double kFarthest_rev = 1e5;             // a float there still tells 0
 constexpr int kLongestBacklog = 1024;             // frames; 2 s of three axes
 constexpr std::uint32_t kWatchdogExpired05 = 0x800;
 constexpr std::chrono::milliseconds kHeartbeatDelay(200);  // twice their period
-constexpr int kCurrentMisses = 3;  // in a row: then a current is not known any more
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kRecounted =
     0.01;  // rev: an axis that stands still tells its new count so well
@@ -216,7 +215,7 @@ void ODriveHand::doRead(DeviceState& state) {
     state.time = std::min(state.time, known.estimates_time);
     state.position[i] = scale.angle(known.estimates.first);
     state.velocity[i] = scale.direction * scale.rad_per_unit * known.estimates.second;
-    const bool is_old = known.current_misses > kCurrentMisses;
+    const bool is_old = known.current_misses > config_.tolerated_misses;
     state.current[i] = is_old ? kNaN : scale.direction * known.current_A;
     state.temperature[i] = known.temperature;
   }

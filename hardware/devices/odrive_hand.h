@@ -22,7 +22,7 @@ struct ODriveConfig {
   std::vector<ODriveAxis> axes;
   protocols::odrive::Firmware firmware = protocols::odrive::Firmware::k06;
   Duration reply_timeout = std::chrono::milliseconds(5);  ///< of all axes together
-  int tolerated_misses = 3;                               ///< answers in a row
+  int tolerated_misses = 3;  ///< answers in a row; then a current is not known any more
   /// Axes tell their state every 100 ms unless configured otherwise.
   Duration heartbeat_timeout = std::chrono::milliseconds(350);
   Duration state_timeout = std::chrono::seconds(1);  ///< for a change of state
