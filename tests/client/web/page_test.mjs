@@ -117,6 +117,16 @@ async function rest(page) {
   );
 }
 
+/** Waits until the page says so: what it says of others comes after their pose. */
+async function waitText(page, selector, pattern) {
+  await page.waitForFunction(
+    (at, source) => new RegExp(source).test(document.querySelector(at)?.textContent ?? ''),
+    { timeout: kPatience_ms },
+    selector,
+    pattern.source,
+  );
+}
+
 async function waitRevision(page, revision) {
   await page.waitForFunction((least) => globalThis.handgraft.session.state.revision >= least, { timeout: kPatience_ms }, revision);
   await rest(page);
@@ -275,6 +285,7 @@ const tests = {
     await rest(page);
     await page.click('.modes button:nth-child(3)');
     await sleep(300);
+    await still(page);
     const before = (await factsOf(page)).X_WO;
     // Along the arrow that is seen from the side most: the end of it is where the gizmo is taken.
     const grip = await page.evaluate(() => {
@@ -380,7 +391,7 @@ const tests = {
     await waitRevision(one, 1);
     await two.bringToFront();
     await waitRevision(two, (await factsOf(one)).revision);
-    assert.match(await two.$eval('.people', (element) => element.textContent), /2 pages here.*guest \d+: root thumb hand/);
+    await waitText(two, '.people', /2 pages here.*guest \d+: root thumb hand/);
     const dragged = (await factsOf(two)).revision;
     await two.click('[data-patch=index] .switch');
     await waitRevision(two, dragged + 1);
@@ -395,7 +406,7 @@ const tests = {
       assert.equal(facts.revision, pose.revision);
       const links = Object.values(pose.links_X_WL).map((X_WL) => X_WL.p_m);
       facts.links.forEach((link, i) => assert.ok(distance(link, links[i]) < 1e-5));
-      assert.match(await page.$eval('.people', (element) => element.textContent), /another program: disable middle/);
+      await waitText(page, '.people', /another program: disable middle/);
     }
     await picture(two, 'editors');
     await one.close();
@@ -425,7 +436,7 @@ const tests = {
       await page.click('.menu summary');
       await page.evaluate((name) => [...document.querySelectorAll('.menu button')].find((one) => one.textContent.startsWith(name)).click(), text);
       const path = join(downloads, file);
-      for (let i = 0; i < 200 && !existsSync(path); ++i) await sleep(50);
+      for (let waited = 0; waited < kPatience_ms && !existsSync(path); waited += 50) await sleep(50);
       await sleep(200);
       return path;
     };
@@ -488,7 +499,7 @@ const tests = {
     await rest(page);
     await page.click('[data-patch=index] .switch');
     await waitRevision(page, 1);
-    await sleep(2500); // it is saved while it rests
+    await sleep(5000); // it is saved while it rests
     await stop(server, 'SIGKILL');
     await page.waitForSelector('.banner:not([hidden])', { timeout: kPatience_ms });
     server = await startServer();
