@@ -20,6 +20,11 @@ namespace handgraft::optimize {
 
 namespace {
 
+/// Of a joint of the hand, behind the root's six.
+bool isHeld(const PoseProblem& problem, int joint) {
+  return !problem.locked.empty() && problem.locked[static_cast<std::size_t>(6 + joint)];
+}
+
 /// One part of the way out: so many of the best searches go on, with such a care.
 struct Stage {
   std::size_t searches;
@@ -101,7 +106,7 @@ class CrossedFingers {
   void straighten(int& body, Eigen::VectorXd& q) const {
     const TreeJoint& joint = tree_.joints[static_cast<std::size_t>(body - 1)];
     body = joint.parent_body;
-    if (isLocked(problem_, joint.dof)) return;
+    if (isHeld(problem_, joint.dof)) return;
     q[joint.dof] = std::clamp(problem_.model->restPose()[joint.dof], problem_.lower[joint.dof],
                               problem_.upper[joint.dof]);
   }
