@@ -1,6 +1,7 @@
 #include "server/reading/packed_parts.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <set>
 #include <utility>
@@ -89,6 +90,10 @@ hand::Joint takeJoint(ByteReader& in) {
 }
 
 // === Contacts
+
+bool isUnitOrZero(const Eigen::Vector3d& v) {
+  return v.isZero() || std::abs(v.norm() - 1.0) < 1e-6;
+}
 
 void put(ByteWriter& out, const geometry::SurfacePoint& point) {
   out.number(point.face);
@@ -329,6 +334,12 @@ void put(ByteWriter& out, const contact::ContactSet& set) {
   out.count(set.patches.size());
   for (const contact::Patch& patch : set.patches)
     put(out, patch);
+  out.count(set.posture.size());
+  for (const contact::PartDirection& part : set.posture) {
+    out.text(part.part);
+    out.numbers(part.outward_O.data(), 3);
+    out.numbers(part.palmar_O.data(), 3);
+  }
   put(out, set.notes);
 }
 
@@ -346,6 +357,15 @@ contact::ContactSet takeContactSet(ByteReader& in, const geometry::TriangleMesh&
     points += patch.interpolation_boundary.size();
     requireAll(points <= contact::kMostPoints, "too many points");
     requireAll(names.insert(patch.name).second, "two patches of one name");
+  }
+  set.posture.resize(in.count(contact::kMostParts, 6 * sizeof(double)));
+  for (contact::PartDirection& part : set.posture) {
+    part.part = in.text();
+    in.numbers(part.outward_O.data(), 3);
+    in.numbers(part.palmar_O.data(), 3);
+    requireAll(
+        isUnitOrZero(part.outward_O) && !part.outward_O.isZero() && isUnitOrZero(part.palmar_O),
+        "a posture's direction without unit length");
   }
   set.notes = takeTexts(in);
   return set;

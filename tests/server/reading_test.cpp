@@ -333,6 +333,12 @@ void expectEqual(const hand::HandModel& a, const hand::HandModel& b) {
 void expectEqual(const contact::ContactSet& a, const contact::ContactSet& b) {
   EXPECT_EQ(a.name, b.name);
   EXPECT_EQ(a.notes, b.notes);
+  ASSERT_EQ(a.posture.size(), b.posture.size());
+  for (std::size_t i = 0; i < a.posture.size(); ++i) {
+    EXPECT_EQ(a.posture[i].part, b.posture[i].part);
+    EXPECT_EQ(a.posture[i].outward_O, b.posture[i].outward_O);
+    EXPECT_EQ(a.posture[i].palmar_O, b.posture[i].palmar_O);
+  }
   ASSERT_EQ(a.patches.size(), b.patches.size());
   for (std::size_t i = 0; i < a.patches.size(); ++i) {
     EXPECT_EQ(a.patches[i].name, b.patches[i].name);
@@ -383,7 +389,10 @@ TEST(Packed, ObjectsAndContactsComeBackAsTheyWere) {
 
     const ReadRequest request =
         mapRequest(models / "contacts" / (std::string(set) + ".json"), object);
-    const ReadContacts contacts = contactsOf(request);
+    ReadContacts contacts = contactsOf(request);
+    contacts.set.posture = {
+        {"index_distal", Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ()},
+        {"palm", Eigen::Vector3d(0.6, 0.8, 0.0), Eigen::Vector3d::Zero()}};
     const auto contacts_back = std::get<ReadContacts>(
         unpackModel(pack(ReadModel(contacts)), request.contacts.object.get()));
     expectEqual(contacts.set, contacts_back.set);
