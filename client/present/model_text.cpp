@@ -84,6 +84,21 @@ std::string sites(const v1::HandDescription& hand) {
   return table(rows, "llrrr");
 }
 
+std::string digits(const v1::HandDescription& hand) {
+  Rows rows = {{"digit", "named by", "segments, mm"}};
+  for (const v1::DigitInfo& digit : hand.digits()) {
+    std::string segments;
+    for (const v1::SegmentInfo& segment : digit.segments()) {
+      segments +=
+          fmt::format("{}{} {:.0f} ({})", segments.empty() ? "" : ", ", plain(segment.name()),
+                      1e3 * segment.length_m(), plain(segment.link()));
+    }
+    rows.push_back(
+        {plain(digit.name()), digit.named_by_file() ? "the file" : "its shape", segments});
+  }
+  return table(rows, "lll");
+}
+
 // As `plain`, which cuts long texts.
 std::string wholeLine(const std::string& text) {
   constexpr std::size_t kPiece = 100;
@@ -163,6 +178,7 @@ std::string hand(const v1::HandDescription& hand) {
   for (const v1::NamedPose& pose : hand.poses())
     poses.push_back(pose.name());
   if (!poses.empty()) out += fmt::format("\nnamed poses: {}\n", listed(poses));
+  if (!hand.digits().empty()) out += "\n" + digits(hand);
   if (!hand.sites().empty()) {
     out += fmt::format("\nsites {}:\n",
                        hand.sites_found() ? "found on the skin" : "that the hand brought") +

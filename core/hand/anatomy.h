@@ -32,6 +32,7 @@ struct Segment {
 /// A digit with its name and its segments, from the palm outwards.
 struct NamedDigit {
   std::string name;
+  bool named_by_file = false;  ///< by its links, joints or a site; else by the hand's shape
   Digit digit;
   std::vector<Segment> segments;
 

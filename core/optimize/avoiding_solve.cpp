@@ -203,19 +203,14 @@ SolveReport solveAvoiding(const PoseProblem& problem,
     LocalResult& best = ways.front().result;
     const int left = std::min(kToTheEnd, options.max_evaluations - best.evaluations);
     if (left > 0) search.advance(solver, left, best);
-    std::vector<LocalResult> results;
+    // The others are left a little before their ends, and count all the same.
     for (const Way& way : ways) {
-      results.push_back(way.result);
-      report.evaluations += way.result.evaluations;
-    }
-    std::vector<Minimum> ranked;
-    rankMinima(*problem.model, results, std::string(nameOf(solver)), ranked);
-    for (Minimum& minimum : ranked) {
-      minimum.start = ways[static_cast<std::size_t>(minimum.start)].start;
-      report.minima.push_back(std::move(minimum));
+      const LocalResult& result = way.result;
+      report.minima.push_back({result.pose, result.terms, result.outcome,
+                               std::string(nameOf(solver)), way.start});
+      report.evaluations += result.evaluations;
     }
   }
-  // Among several solvers, by what they came to.
   rankMinima(*problem.model, {}, "", report.minima);
   const Minimum& answer = report.minima.front();
   report.outcome = answer.outcome;

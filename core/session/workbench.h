@@ -124,6 +124,13 @@ class Workbench {
             const Solving& solving,
             optimize::SolveOptions options,
             const Progress& progress);
+  /// Puts the other minima of a search beside the report's, as they are where roots have slid
+  /// since; the best of all is the report's pose.
+  void keepMinima(const std::vector<optimize::Minimum>& found,
+                  optimize::SolveReport& report,
+                  const Solving& solving,
+                  const optimize::SolveOptions& step,
+                  const Progress& progress);
   /// One more solve with the open directions as the report's pose shows them; kept, and true,
   /// if the objective falls.
   bool refineDirections(optimize::SolveReport& report,

@@ -6,6 +6,7 @@
 
 #include "core/base/error.h"
 #include "core/optimize/avoiding_solve.h"
+#include "core/optimize/minima.h"
 #include "core/optimize/pose_solver.h"
 #include "core/session/hand_placement.h"
 #include "core/session/solids.h"
@@ -14,6 +15,7 @@
 namespace handgraft::session {
 namespace {
 
+using optimize::Minimum;
 using optimize::PoseProblem;
 using optimize::SolveOptions;
 using optimize::SolveReport;
@@ -110,6 +112,7 @@ Solution Workbench::solve(const Solving& solving,
   SolveReport report = optimize::solve(problem(solving), options, progress);
   if (!solving.paper && !run.places_stay) {
     options.on_improvement = nullptr;
+    const std::vector<Minimum> found = report.minima;
     SolveOptions step = options;
     // Small steps from a pose that is out of the object stay where they are out of it.
     if (solving.avoids()) {
@@ -122,6 +125,8 @@ Solution Workbench::solve(const Solving& solving,
     slideRoots(report, solving, step, progress);
     if (report.outcome == optimize::Outcome::kEvaluationLimit)
       goOn(report, solving, options, progress);
+    if (solving.avoids() && report.minima.size() < found.size())
+      keepMinima(found, report, solving, step, progress);
   }
   return answered(std::move(report), solving);
 }
@@ -179,6 +184,23 @@ void Workbench::goOn(SolveReport& report,
   start_ = report.pose;
   SolveReport last = optimize::solve(problem(solving), options, progress);
   if (last.terms.objective <= report.terms.objective) report = std::move(last);
+}
+
+void Workbench::keepMinima(const std::vector<Minimum>& found,
+                           SolveReport& report,
+                           const Solving& solving,
+                           const SolveOptions& step,
+                           const Progress& progress) {
+  const Search as_it_was(*this);
+  std::vector<Minimum> all = report.minima;
+  for (const Minimum& other : found) {
+    start_ = other.pose;
+    SolveReport now = optimize::solve(problem(solving), step, progress);
+    all.insert(all.end(), now.minima.begin(), now.minima.end());
+    if (now.terms.objective < report.terms.objective) report = std::move(now);
+  }
+  optimize::rankMinima(*models_.hand->model, {}, "", all);
+  report.minima = std::move(all);
 }
 
 bool Workbench::refineDirections(SolveReport& report,

@@ -35,22 +35,60 @@ void requireSendable(const char* kind, const std::string& name, std::size_t byte
          handgraft::quoted(name), bytes >> 20, kMostMeshBytes >> 20);
 }
 
+v1::SegmentInfo segmentInfo(const hand::HandModel& model,
+                            const hand::LinkPoses& X_SL,
+                            const hand::Segment& segment) {
+  const int link = segment.links.back();
+  v1::SegmentInfo info;
+  info.name(segment.name);
+  info.link(model.links()[static_cast<std::size_t>(link)].name);
+  info.length_m(segment.length());
+  const Eigen::Vector3d palmar_L =
+      X_SL[static_cast<std::size_t>(link)].linear().transpose() * segment.palmar_S;
+  info.palmar_L({palmar_L.x(), palmar_L.y(), palmar_L.z()});
+  return info;
+}
+
 /// What its names and its shape say of a hand's fingers, and what they do not.
-std::vector<std::string> notesOnFingers(const session::Hand& hand) {
+void addFingers(v1::HandDescription& message, const session::Hand& hand) {
   hand::LinkPoses X_SL;
   forwardKinematics(*hand.model, Pose::Identity(), hand.skin->qReference(), X_SL);
-  hand::Anatomy anatomy = anatomyOf(*hand.model, X_SL, hand.sites);
-  std::vector<std::string> notes = std::move(anatomy.notes);
-  if (anatomy.chirality != hand::Chirality::kUnknown)
-    notes.emplace_back(anatomy.chirality == hand::Chirality::kRight ? "a right hand"
-                                                                    : "a left hand");
+  const hand::Anatomy anatomy = anatomyOf(*hand.model, X_SL, hand.sites);
+  for (const hand::NamedDigit& digit : anatomy.digits) {
+    v1::DigitInfo info;
+    info.name(digit.name);
+    info.named_by_file(digit.named_by_file);
+    for (const hand::Segment& segment : digit.segments)
+      info.segments().push_back(segmentInfo(*hand.model, X_SL, segment));
+    message.digits().push_back(std::move(info));
+  }
+  for (const std::string& note : anatomy.notes)
+    message.notes().push_back(note);
+  if (anatomy.chirality != hand::Chirality::kUnknown) {
+    const bool is_right = anatomy.chirality == hand::Chirality::kRight;
+    message.chirality(is_right ? v1::CHIRALITY_RIGHT : v1::CHIRALITY_LEFT);
+    message.notes().emplace_back(is_right ? "a right hand" : "a left hand");
+  }
   const bool has_palm =
       std::any_of(hand.sites.begin(), hand.sites.end(), [](const hand::ContactSite& site) {
         return site.name == hand::kPalmPart;
       });
   if (!has_palm && !anatomy.palm)
-    notes.emplace_back("no place of its palm is known: patches of a palm are dropped");
-  return notes;
+    message.notes().emplace_back(
+        "no place of its palm is known: patches of a palm are dropped");
+}
+
+v1::HandPlace placeMessage(const hand::HandPlace& place) {
+  v1::HandPlace message;
+  message.digit(place.digit);
+  message.segment(place.segment);
+  // The contract counts on the palm from the wrist and from the little finger's side.
+  const bool is_palm = place.digit == hand::kPalmPart;
+  const double along = std::clamp(place.along, 0.0, 1.0);
+  message.along(is_palm ? 1.0 - along : along);
+  message.around_rad(place.around_rad);
+  message.across(is_palm ? 1.0 - std::clamp(place.across, 0.0, 1.0) : 0.0);
+  return message;
 }
 
 std::vector<double> entries(const Eigen::VectorXd& values) {
@@ -240,9 +278,7 @@ v1::HandDescription describe(const StoredHand& hand,
   if (hand.mirrored) message.notes().emplace_back("mirrored: the other hand of its file");
   for (const std::string& note : hand.hand->skinNotes())
     message.notes().push_back(note);
-  if (const auto ready = hand.hand->ready())
-    for (const std::string& note : notesOnFingers(*ready))
-      message.notes().push_back(note);
+  if (const auto ready = hand.hand->ready()) addFingers(message, *ready);
   return message;
 }
 
@@ -271,6 +307,7 @@ v1::ContactsDescription describe(const StoredContacts& contacts, bool with_meshe
     info.point_count(static_cast<std::uint32_t>(patch.interpolation_boundary.size()));
     info.outline_O_m(positionsOf(mesh, patch.interpolation_boundary));
     info.weight(patch.weight);
+    if (patch.place) info.place().push_back(placeMessage(*patch.place));
     message.patches().push_back(std::move(info));
   }
   // A cloud's surface has no indices in the object's file that a set could name.

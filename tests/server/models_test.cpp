@@ -362,7 +362,8 @@ double meanOf(const GraspOutcome& outcome) {
 TEST(BuiltInGrasp, HumanHandReachesEveryPatchThatItLeft) {
   const session::Hand hand = readyHand("human20");
   for (const SetFacts& facts : allSets()) {
-    EXPECT_LT(meanOf(grasp(hand, facts)), 4.0) << facts.name;
+    // 0.4 mm of it are kept free between hand and object.
+    EXPECT_LT(meanOf(grasp(hand, facts)), 4.2) << facts.name;
     const GraspOutcome outcome = grasp(hand, facts, Depth::kAllowed);
     EXPECT_EQ(outcome.fits.size(), facts.patches.size()) << facts.name;
     EXPECT_TRUE(outcome.dropped.empty()) << facts.name;

@@ -77,6 +77,14 @@ TEST_F(Import, SitesAreFoundWrittenEditedAndUsed) {
   EXPECT_EQ(found.at("sites_found"), true);
   EXPECT_EQ(found.at("sites").size(), 6U);
   EXPECT_EQ(found.at("skin_report").at("valid"), true);
+  EXPECT_EQ(found.at("digits").size(), 5U);
+  for (const json& digit : found.at("digits")) {
+    EXPECT_EQ(digit.at("named_by_file"), true) << digit;
+    const json& segments = digit.at("segments");
+    EXPECT_EQ(segments.size(), 3U) << digit;
+    EXPECT_EQ(segments.back().at("name"), "distal");
+    EXPECT_EQ(segments.back().at("link"), digit.at("name").get<std::string>() + "_distal");
+  }
   EXPECT_EQ(contentsOf(picture).substr(1, 3), "PNG");
 
   std::string text = contentsOf(sites);
