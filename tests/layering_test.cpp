@@ -144,9 +144,8 @@ const std::map<std::string, std::set<std::string>> kAlone = {
       "client/cli/options/grasp_command.cpp", "client/cli/options/grasp_flags.cpp",
       "client/cli/options/import_commands.cpp", "client/cli/options/model_commands.cpp",
       "client/cli/options/model_flags.cpp", "client/cli/options/motion_commands.cpp",
-      "client/cli/options/session_commands.cpp",
-      "client/cli/options/study_commands.cpp", "client/cli/options/view_command.cpp",
-      "hardware/main.cpp"}},
+      "client/cli/options/session_commands.cpp", "client/cli/options/study_commands.cpp",
+      "client/cli/options/view_command.cpp", "hardware/main.cpp"}},
 };
 
 const std::vector<std::pair<std::string, std::regex>> kLibraries = {

@@ -206,8 +206,8 @@ SolveReport solveAvoiding(const PoseProblem& problem,
     // The others are left a little before their ends, and count all the same.
     for (const Way& way : ways) {
       const LocalResult& result = way.result;
-      report.minima.push_back({result.pose, result.terms, result.outcome,
-                               std::string(nameOf(solver)), way.start});
+      report.minima.push_back(
+          {result.pose, result.terms, result.outcome, std::string(nameOf(solver)), way.start});
       report.evaluations += result.evaluations;
     }
   }

@@ -198,7 +198,8 @@ TEST_F(Import, AnImportedSetGraspsAsItsMapDoes) {
   const json imported =
       service_.ask({"contacts", "import", map, "--object", mug, "--out", set.string(), "--png",
                     (scratchDirectory() / "mug.png").string()});
-  EXPECT_THAT(imported.at("file").get<std::string>(), testing::HasSubstr("handgraft-contacts/"));
+  EXPECT_THAT(imported.at("file").get<std::string>(),
+              testing::HasSubstr("handgraft-contacts/"));
   const json by_map =
       service_.ask({"grasp", "--hand", "human20", "--object", mug, "--contacts", map});
   const json by_set =

@@ -120,7 +120,8 @@ int emulate(const char* path) {
   fmt::print(
       "{} of hand {} on {}\nhandgraft-bridge --config {} --port {}\n",
       config.motors.size() == 1 ? "a motor" : fmt::format("{} motors", config.motors.size()),
-      handgraft::quoted(config.hand), test::portOf(rig->wire()), path, test::portOf(rig->wire()));
+      handgraft::quoted(config.hand), test::portOf(rig->wire()), path,
+      test::portOf(rig->wire()));
   Teller teller;
   Lines lines;
   while (!stop_requested) {
