@@ -66,7 +66,8 @@ constexpr int kPriorsStart = 2;  // starts.h
 // Deeper in one another than this, fingers have run through each other.
 constexpr double kCrossed_m = 1.5e-3;
 
-// The best of the last stage goes to its end.
+// The best of a whole search goes to its end, and a lone start as far as it is told to. Few
+// starts follow an edit, and the answer must be there before the next one is.
 constexpr int kToTheEnd = 300;
 
 // With few starts the hand stands out of the object already.
@@ -200,9 +201,11 @@ SolveReport solveAvoiding(const PoseProblem& problem,
       ways.push_back(std::move(way));
       std::stable_sort(ways.begin(), ways.end(), isBetter);
     }
-    LocalResult& best = ways.front().result;
-    const int left = std::min(kToTheEnd, options.max_evaluations - best.evaluations);
-    if (left > 0) search.advance(solver, left, best);
+    if (is_step || options.starts > kFewStarts) {
+      LocalResult& best = ways.front().result;
+      const int left = std::min(kToTheEnd, options.max_evaluations - best.evaluations);
+      if (left > 0) search.advance(solver, left, best);
+    }
     // The others are left a little before their ends, and count all the same.
     for (const Way& way : ways) {
       const LocalResult& result = way.result;
