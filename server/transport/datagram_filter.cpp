@@ -19,6 +19,7 @@ constexpr std::uint8_t kAckNack = 0x06;
 constexpr std::uint8_t kHeartbeat = 0x07;
 constexpr std::uint8_t kGap = 0x08;
 constexpr std::uint8_t kInfoTimestamp = 0x09;
+constexpr std::uint8_t kInfoSource = 0x0c;
 constexpr std::uint8_t kInfoDestination = 0x0e;
 constexpr std::uint8_t kNackFragment = 0x12;
 constexpr std::uint8_t kHeartbeatFragment = 0x13;
@@ -128,6 +129,7 @@ bool isPassed(std::uint8_t kind) {
     case kHeartbeat:
     case kGap:
     case kInfoTimestamp:
+    case kInfoSource:
     case kInfoDestination:
     case kNackFragment:
     case kHeartbeatFragment:
@@ -265,6 +267,8 @@ bool DatagramFilter::isSound(const Prefix& source, const Submessage& submessage)
     }
     case kInfoTimestamp:
       return (submessage.flags & 0x02) != 0 || body.fits(0, 8);
+    case kInfoSource:  // unused, version, vendor, prefix
+      return body.bytes.size() == 20 && body.bytes[4] == 2;
     case kInfoDestination:
       return body.fits(0, 12);
     case kData:
@@ -304,6 +308,9 @@ std::span<const std::uint8_t> DatagramFilter::pass(Bytes datagram,
     const std::size_t at = kept.size();
     kept.insert(kept.end(), submessage.whole.begin(), submessage.whole.end());
     if (kind == kAckNack) beginAnew(std::span(kept).subspan(at));
+    // Cyclone DDS packs what several participants of a process say: the rest is another's.
+    if (kind == kInfoSource)
+      std::copy_n(submessage.whole.end() - std::ssize(source), source.size(), source.begin());
   }
   if (kept.size() == kMessageHeader) return {};
   return kept;

@@ -81,6 +81,20 @@ Datagram ackNack(std::uint32_t writer,
   return message(0x06, is_final ? 2 : 0, body);
 }
 
+/// What a message says after its header is another participant's from here on.
+void addSource(Datagram& bytes, std::uint8_t first_of_prefix, std::uint8_t major = 2) {
+  Datagram body;
+  add(body, 0);
+  body.insert(body.end(), {major, 3, 1, 0x10, first_of_prefix});
+  for (std::uint8_t i = 1; i < 12; ++i)
+    body.push_back(static_cast<std::uint8_t>(0xa0 + i));
+  addSubmessage(bytes, 0x0c, 0, body);
+}
+
+void addSubmessagesOf(Datagram& bytes, const Datagram& message) {
+  bytes.insert(bytes.end(), message.begin() + 20, message.end());
+}
+
 Datagram gap(std::int64_t start, std::int64_t base) {
   Datagram body;
   addEntity(body, 0);
@@ -188,6 +202,41 @@ TEST(DatagramFilter, LetsParticipantsSpeakForThemselvesAlone) {
   EXPECT_TRUE(passed(announcement(0)).empty());
   EXPECT_TRUE(passed(announcement(DatagramFilter::kShortestLease_s - 1)).empty());
   EXPECT_TRUE(passed(announcement(20, 0xb0)).empty());
+}
+
+TEST(DatagramFilter, TellsTheParticipantsOfOneProcessApart) {
+  DatagramFilter filter;
+  std::vector<std::uint8_t> kept;
+  const auto passes = [&](const Datagram& bytes) {
+    const auto passed = filter.pass(bytes, kept);
+    return Datagram(passed.begin(), passed.end()) == bytes;
+  };
+  constexpr std::int64_t kFar = DatagramFilter::kLongestJump;
+  ASSERT_TRUE(passes(heartbeat(kFar, kFar)));
+  // The same writer's id, of a participant whose samples begin at 1.
+  Datagram two = heartbeat(kFar + 1, kFar + 1);
+  addSource(two, 0x11);
+  addSubmessagesOf(two, heartbeat(1, 3));
+  EXPECT_TRUE(passes(two));
+  Datagram jump = heartbeat(kFar + 2, kFar + 2);
+  addSource(jump, 0x11);
+  addSubmessagesOf(jump, heartbeat(1 + kFar, 4 + kFar));
+  EXPECT_FALSE(passes(jump)) << "the second one's next sample is number 4";
+
+  Datagram announced = heartbeat(1, 1);
+  addSource(announced, 0x11);
+  Datagram forged = announced;
+  addSubmessagesOf(announced, announcement(10, 0x11));
+  EXPECT_TRUE(passes(announced));
+  addSubmessagesOf(forged, announcement(10));
+  EXPECT_FALSE(passes(forged)) << "the first one's, in the second one's name";
+
+  Datagram older = heartbeat(1, 1);
+  addSource(older, 0x11, 1);
+  EXPECT_FALSE(passes(older));
+  Datagram cut = header();
+  addSubmessage(cut, 0x0c, 0, Datagram(19));
+  EXPECT_FALSE(passes(cut));
 }
 
 TEST(DatagramFilter, RefusesParametersBeyondTheEnd) {
