@@ -196,8 +196,17 @@ void Workbench::keepMinima(const std::vector<Minimum>& found,
   for (const Minimum& other : found) {
     start_ = other.pose;
     SolveReport now = optimize::solve(problem(solving), step, progress);
-    all.insert(all.end(), now.minima.begin(), now.minima.end());
-    if (now.terms.objective < report.terms.objective) report = std::move(now);
+    // A step from it is still what it was found by, and as often.
+    for (Minimum& minimum : now.minima) {
+      minimum.start = other.start;
+      minimum.solver = other.solver;
+      minimum.hits = other.hits;
+      all.push_back(minimum);
+    }
+    if (!(now.terms.objective < report.terms.objective)) continue;
+    report = std::move(now);
+    report.best_start = other.start;
+    report.solver = other.solver;
   }
   optimize::rankMinima(*models_.hand->model, {}, "", all);
   report.minima = std::move(all);

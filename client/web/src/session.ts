@@ -63,7 +63,7 @@ export class Session implements Listener {
   private lookAgain = false; // asked for while the last answer was on its way
   private countsAnew = false; // revisions, of a session that was opened again
   private lookTimer = 0;
-  private looking = false;
+  private looking = 0; // at which session
   /** Edits that were made as one: a drag. Undone as one, too. */
   private readonly groups: { from: number; to: number }[] = [];
   private readonly sent: { revision: number; at_ms: number }[] = [];
@@ -248,6 +248,7 @@ export class Session implements Listener {
     this.groups.length = this.sent.length = 0;
     this.tell('link');
     this.notify('The server is back; the session goes on where it stood.');
+    this.look();
   }
 
   onLost(session: number, message: string): void {
@@ -296,16 +297,16 @@ export class Session implements Listener {
 
   /** Has the settings asked for, soon, and again while edits come. */
   private look(): void {
-    this.lookAgain = this.looking;
-    if (this.lookTimer !== 0 || this.looking) return;
+    this.lookAgain = this.looking === this.id;
+    if (this.lookTimer !== 0 || this.lookAgain) return;
     this.lookTimer = window.setTimeout(() => void this.lookNow(), this.settings === null ? 0 : kLookAgain_ms);
   }
 
   private async lookNow(): Promise<void> {
     this.lookTimer = 0;
     this.lookAgain = false;
-    this.looking = true;
     const key = this.id;
+    this.looking = key;
     const seen = this.solution?.sequence_number;
     try {
       const session = { session_id: key };
@@ -313,14 +314,16 @@ export class Session implements Listener {
         this.link.ask<SessionSettings>({ kind: 'session_settings', session }),
         this.link.ask<{ patches: PatchReport[] }>({ kind: 'transfer', session }),
       ]);
+      // A session that has moved meanwhile is looked at under its new number.
       if (key !== this.id) return;
       this.settings = settings;
       this.reports = transfer.patches;
       this.tell('settings');
     } catch (error) {
-      if (key === this.id) this.failed(error);
+      if (key !== this.id) return;
+      this.failed(error);
     } finally {
-      this.looking = false;
+      if (this.looking === key) this.looking = 0;
     }
     if (this.lookAgain || seen !== this.solution?.sequence_number) this.look();
   }
