@@ -14,6 +14,10 @@ using geometry::TriangleMesh;
 /// Single vertices may be far above what a region reaches.
 constexpr double kTopShare = 0.05;
 
+// Cosine of how far a rigid finger's skin turns where it touches: a face that looks farther
+// away from where the patch looks is round an edge.
+constexpr double kTurned = 0.26;  // 75 degrees
+
 std::vector<int> verticesOf(const TriangleMesh& mesh, const Region& region) {
   std::vector<int> vertices;
   for (const int f : region)
@@ -48,6 +52,41 @@ double areaOf(const TriangleMesh& mesh, int f) {
          (mesh.vertex(mesh.face(f)[1]) - a).cross(mesh.vertex(mesh.face(f)[2]) - a).norm();
 }
 
+struct Facing {
+  Eigen::Vector3d n_O;
+  double weight;  ///< contact integrated over the face
+};
+
+/// Where most of the contact looks. Of a rim that is touched on both sides the mean looks
+/// nowhere: so the best of directions all round is taken, and then the mean about it.
+Eigen::Vector3d facingOf(const std::vector<Facing>& faces) {
+  Eigen::Vector3d best = Eigen::Vector3d::UnitZ();
+  double most = -1.0;
+  for (int x = -1; x <= 1; ++x) {
+    for (int y = -1; y <= 1; ++y) {
+      for (int z = -1; z <= 1; ++z) {
+        if (x == 0 && y == 0 && z == 0) continue;
+        const Eigen::Vector3d d = Eigen::Vector3d(x, y, z).normalized();
+        double contact = 0.0;
+        for (const Facing& face : faces)
+          contact += face.weight * std::max(0.0, face.n_O.dot(d));
+        if (contact > most) {
+          most = contact;
+          best = d;
+        }
+      }
+    }
+  }
+  constexpr int kSteps = 5;
+  for (int i = 0; i < kSteps; ++i) {
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    for (const Facing& face : faces)
+      if (face.n_O.dot(best) > kTurned) mean += face.weight * face.n_O;
+    if (mean.norm() > 0.0) best = mean.normalized();
+  }
+  return best;
+}
+
 }  // namespace
 
 Region outlined(const TriangleMesh& mesh,
@@ -63,11 +102,20 @@ Region outlined(const TriangleMesh& mesh,
     return even[v] > level || value[v] >= top;
   };
   std::vector<char> marked(static_cast<std::size_t>(mesh.faceCount()), 0);
+  std::vector<int> inside;
+  std::vector<Facing> facings;
   for (const int f : region) {
     const Eigen::Vector3i face = mesh.face(f);
-    marked[static_cast<std::size_t>(f)] =
-        isInside(face[0]) && isInside(face[1]) && isInside(face[2]) ? 1 : 0;
+    if (!(isInside(face[0]) && isInside(face[1]) && isInside(face[2]))) continue;
+    const Eigen::Vector3d a = mesh.vertex(face[0]);
+    const Eigen::Vector3d twice = (mesh.vertex(face[1]) - a).cross(mesh.vertex(face[2]) - a);
+    const double contact = (value[face[0]] + value[face[1]] + value[face[2]]) / 3.0;
+    inside.push_back(f);
+    facings.push_back({twice.normalized(), 0.5 * twice.norm() * contact});
   }
+  const Eigen::Vector3d n_O = facingOf(facings);
+  for (std::size_t i = 0; i < inside.size(); ++i)
+    marked[static_cast<std::size_t>(inside[i])] = facings[i].n_O.dot(n_O) > kTurned ? 1 : 0;
 
   Region best;
   double most_contact = 0.0;

@@ -18,6 +18,10 @@ struct OutlineOptions {
 /// is drawn where contact falls below a share of what the region reaches, that is the value
 /// that 5 % of its area exceed; of several parts the one with the most contact is taken.
 ///
+/// A rigid finger touches one side of an edge. Round a rim, contact by distance covers both
+/// sides, whose points no pose can reach at once: faces that look more than 75 degrees away
+/// from where most of the contact looks are left out.
+///
 /// `even` is `value` with its noise evened out (threshold.h), `areas` those of the vertices;
 /// V entries each. What is at the region's own top stays inside, so that a map of yes and no
 /// keeps its outline. Cost: O(n log n) in the region.

@@ -106,6 +106,62 @@ TEST(Outline, IsThatOfThePartWithTheMostContact) {
     EXPECT_LT(touched.mesh.vertex(touched.mesh.face(f)[0]).x(), 0.0);
 }
 
+/// The plate bent round a rim: the side of x > 0 lies under the other one, 3 mm of wall
+/// between.
+geometry::TriangleMesh rim(const geometry::TriangleMesh& plate) {
+  constexpr double kRadius = 0.0015;
+  const double turn = 0.5 * 3.14159265358979 * kRadius;  // of the bend, either way from x = 0
+  Eigen::Matrix3Xd vertices(3, plate.vertexCount());
+  for (int v = 0; v < plate.vertexCount(); ++v) {
+    const double s = plate.vertex(v).x();
+    const double angle = std::clamp(s, -turn, turn) / kRadius;
+    const double flat = std::max(0.0, std::abs(s) - turn);
+    vertices.col(v) << kRadius * std::cos(angle) - flat, plate.vertex(v).y(),
+        -kRadius * std::sin(angle);
+  }
+  Eigen::Matrix3Xi faces(3, plate.faceCount());
+  for (int f = 0; f < plate.faceCount(); ++f)
+    faces.col(f) = plate.face(f);
+  return {vertices, faces};
+}
+
+TEST(Outline, KeepsToTheSideOfARimThatIsTouchedMore) {
+  for (const double more : {-1.0, 1.0}) {
+    Touched touched([&](double x, double y) {
+      return std::max(0.0, (1.0 - std::hypot(x, y) / 0.030) * (x * more > 0.0 ? 1.0 : 0.97));
+    });
+    touched.mesh = rim(touched.mesh);
+    const Region outline = touched.outlinedWith({});
+    ASSERT_GT(areaOf(outline), 0.1 * areaOf(touched.region));
+    for (const int f : outline) {
+      const Eigen::Vector3i face = touched.mesh.face(f);
+      const Eigen::Vector3d a = touched.mesh.vertex(face[0]);
+      const Eigen::Vector3d n = (touched.mesh.vertex(face[1]) - a)
+                                    .cross(touched.mesh.vertex(face[2]) - a)
+                                    .normalized();
+      EXPECT_LT(more * n.z(), 0.2) << "looks the other way";
+    }
+  }
+}
+
+TEST(Outline, KeepsWhatASphereTurnsByLess) {
+  // Contact within 20 mm on a ball of 40 mm: half a radian, no edge.
+  Touched touched([](double x, double y) {
+    return std::max(0.0, 1.0 - std::hypot(x, y) / 0.030);
+  });
+  const Region flat = touched.outlinedWith({});
+  Eigen::Matrix3Xd vertices(3, touched.mesh.vertexCount());
+  Eigen::Matrix3Xi faces(3, touched.mesh.faceCount());
+  for (int v = 0; v < touched.mesh.vertexCount(); ++v) {
+    const Eigen::Vector3d p = touched.mesh.vertex(v);
+    vertices.col(v) = 0.040 * Eigen::Vector3d(p.x(), p.y(), 0.040).normalized();
+  }
+  for (int f = 0; f < touched.mesh.faceCount(); ++f)
+    faces.col(f) = touched.mesh.face(f);
+  touched.mesh = geometry::TriangleMesh(vertices, faces);
+  EXPECT_NEAR(areaOf(touched.outlinedWith({})), areaOf(flat), 0.1 * areaOf(flat));
+}
+
 TEST(Outline, IsTheRegionsWhereLessThanTheMinimumAreaWouldBeLeft) {
   const Touched touched([](double x, double y) {
     return tent(x, y);
