@@ -70,11 +70,31 @@ constexpr double kCrossed_m = 1.5e-3;
 // starts follow an edit, and the answer must be there before the next one is.
 constexpr int kToTheEnd = 300;
 
+// Where fingers rest on edges, steps go on for ever and gain ever less: a round that gains less
+// than this share of the objective is the last one.
+constexpr int kRound = 20;
+constexpr double kWorthARound = 1e-3;
+
 // With few starts the hand stands out of the object already.
 const std::vector<Stage> kShortStages = {
     {1, 12, {true, 0.1}},
     {1, 25, {true, 1.0}},
 };
+
+/// Up to so many evaluations more, for as long as they gain anything worth having.
+void goToTheEnd(LocalSearch& search, Solver solver, int evaluations, LocalResult& result) {
+  while (evaluations > 0) {
+    const int before = result.evaluations;
+    const double objective = result.terms.objective;
+    search.advance(solver, std::min(kRound, evaluations), result);
+    if (result.outcome != Outcome::kEvaluationLimit) return;
+    evaluations -= std::max(1, result.evaluations - before);
+    if (objective - result.terms.objective < kWorthARound * objective) {
+      result.outcome = Outcome::kConverged;
+      return;
+    }
+  }
+}
 
 /// Tells fingers that cross. Those are stuck: what pushes one out on one side is undone on the
 /// other.
@@ -203,8 +223,8 @@ SolveReport solveAvoiding(const PoseProblem& problem,
     }
     if (is_step || options.starts > kFewStarts) {
       LocalResult& best = ways.front().result;
-      const int left = std::min(kToTheEnd, options.max_evaluations - best.evaluations);
-      if (left > 0) search.advance(solver, left, best);
+      goToTheEnd(search, solver,
+                 std::min(kToTheEnd, options.max_evaluations - best.evaluations), best);
     }
     // The others are left a little before their ends, and count all the same.
     for (const Way& way : ways) {
