@@ -10,6 +10,7 @@
 
 #include "tests/bench/baseline.h"
 #include "tests/bench/chain.h"
+#include "tests/bench/drags.h"
 #include "tests/bench/import.h"
 #include "tests/bench/logmap.h"
 #include "tests/bench/logmap_accuracy.h"
@@ -39,6 +40,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(0, 1);
   handgraft::bench::addChainCommand(app);
   handgraft::bench::addThinWallsCommand(app);
+  handgraft::bench::addDragsCommand(app);
   handgraft::bench::addImportCommand(app);
   handgraft::bench::addBaselineCommand(app);
   handgraft::bench::addLogMapCommand(app);
@@ -58,7 +60,7 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
     if (!app.get_subcommands().empty()) return 0;
     return complain(
-        "a command is missing; there are: baseline chain import logmap logmap-accuracy "
+        "a command is missing; there are: baseline chain drags import logmap logmap-accuracy "
         "logmap-speed motions pairs placements retargeting scaling solve solvers survey "
         "tables thin-walls transfer",
         kWrongInput);

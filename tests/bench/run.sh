@@ -86,6 +86,12 @@ bench_chain() {
   shipped=(--object "$models/objects/lemon.obj" --contacts "$models/contacts/lemon_6.json")
   title "hands of server/models grasp its lemon, sites found"
   "$bin/handgraft-bench" chain "${hands[@]}" "${shipped[@]}" --cache "$cache" $json
+  if [ -z "$json" ]; then
+    title "fingertips dragged at random, and three edits after each"
+    "$bin/handgraft-bench" drags --cache "$cache"
+    title "in glasses, cartons, skins, sheets and mugs"
+    "$bin/handgraft-bench" thin-walls --cache "$cache"
+  fi
   if [ -d "$data/hands" ]; then
     title "hands of ../shared/data grasp scanned objects, nothing given but the files"
     HANDGRAFT_SHARED_DATA=$data "$bin/handgraft-bench" chain --cache "$cache" $json
