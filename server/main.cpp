@@ -1,7 +1,6 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <future>
 #include <memory>
 #include <string>
 #include <thread>
@@ -62,8 +61,7 @@ int waitFor(const sigset_t& signals) {
   }
 }
 
-/// Serves until a signal, or until an elder server turns out to live on the same domain.
-/// Errors: TransportError in the latter case.
+/// Serves until a signal: nothing that the bus says ends it.
 void serve(const Options& options, const sigset_t& stop_signals) {
   validate(options.network);
   server::ModelStore models;
@@ -76,11 +74,6 @@ void serve(const Options& options, const sigset_t& stop_signals) {
   service_options.reader_limits = options.reader;
   service_options.session_idle = std::chrono::minutes(options.session_idle_minutes);
   service_options.most_sessions = options.sessions;
-  std::promise<std::string> elder;
-  service_options.on_elder = [&elder](const v1::ServerStatus& status) {
-    elder.set_value(fmt::format("process {} on {}", status.process_id(), status.host()));
-    kill(getpid(), SIGTERM);  // wakes the wait below
-  };
   server::Service service(*bus, models, service_options);
   service.start();
   spdlog::info("event=ready version={} domain={} interface={} models={} left_out={} workers={}",
@@ -91,13 +84,6 @@ void serve(const Options& options, const sigset_t& stop_signals) {
   spdlog::info("event=stopping signal={}", signal);
   service.stop();
   spdlog::info("event=stopped");
-  std::future<std::string> met = elder.get_future();
-  if (met.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
-    throw TransportError(
-        fmt::format("another server ({}) answers on {}; stop it first, or take "
-                    "another domain",
-                    handgraft::quoted(met.get()), describe(options.network)));
-  }
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "client/editor/match_values.h"
 #include "client/editor/show_solution.h"
 #include "client/link/hand_side_edits.h"
+#include "client/link/session_id.h"
 #include "client/link/wire_pose.h"
 #include "client/present/failure.h"
 #include "client/present/json_output.h"
@@ -388,7 +389,8 @@ Told Editor::sessions() {
   return {text::sessions(list), json::jsonOf(list)};
 }
 
-Told Editor::join(std::uint64_t session_id) {
+Told Editor::join(std::uint64_t typed) {
+  const std::uint64_t session_id = sessionMeant(server_, typed);
   const std::uint64_t left = session_->id();
   const bool has_ended = session_->hasEnded();
   goOnIn(server_.describeSession(session_id).get());

@@ -115,7 +115,8 @@ struct Client::Impl {
   template <class T, class Read>
   Pending<T> call(const v1::RequestBody& body, const Read& read, bool heeds = true) {
     const auto state = std::make_shared<typename Pending<T>::State>();
-    if (heeds) state->waiting = waiting;
+    state->waiting = waiting;
+    state->finishes = !heeds;
     const auto on = connected();
     const Requester::CallId id = on->requester.begin(
         body,
@@ -348,12 +349,20 @@ Pending<v1::EditReply> Client::edit(std::uint64_t session_id,
                                     std::uint64_t base_revision,
                                     const v1::EditBody& body) {
   checkpoint();
-  // It waits without one: who gives an edit up would not know whether it was applied.
   const auto state = std::make_shared<Pending<v1::EditReply>::State>();
-  impl_->connected()->requester.beginEdit(session_id, base_revision, body,
-                                          [state](Outcome<v1::EditReply> outcome) {
-                                            state->settle(std::move(outcome));
-                                          });
+  state->waiting = impl_->waiting;
+  state->finishes = true;
+  state->unfinished = std::make_exception_ptr(
+      Refused(v1::ERROR_OUTCOME_UNKNOWN,
+              "interrupted while no answer came: whether the edit was applied is not known"));
+  impl_->connected()->requester.beginEdit(
+      session_id, base_revision, body,
+      [state](Outcome<v1::EditReply> outcome) {
+        state->settle(std::move(outcome));
+      },
+      [state](const std::string& stage, double fraction) {
+        state->report(stage, fraction);
+      });
   return Pending<v1::EditReply>(state);
 }
 

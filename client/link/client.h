@@ -98,8 +98,9 @@ class Client {
   Pending<v1::TransferReply> transfer(std::uint64_t session_id);
   Pending<v1::SuggestReply> suggest(const v1::SuggestRequest& request);
   /// Refused (ERROR_CONFLICT) if the session is no longer at `base_revision`; 0: whatever it
-  /// is. Edits are applied in the order of the calls where each waits for the one before. Waits
-  /// without checkpoint: what is on its way is answered by what came of it.
+  /// is. Edits are applied in the order of the calls where each waits for the one before. A
+  /// wish to stop leaves it 2 s for its answer: Refused (ERROR_OUTCOME_UNKNOWN) then, as after
+  /// 30 s in which the server was silent: it may have been applied.
   Pending<v1::EditReply> edit(std::uint64_t session_id,
                               std::uint64_t base_revision,
                               const v1::EditBody& body);
@@ -117,7 +118,7 @@ class Client {
   Pending<v1::ReplayReply> replay(const std::string& text);
   /// The bytes of the file.
   Pending<std::string> exportSession(const v1::ExportRequest& request);
-  /// Waits without checkpoint, so that it works after an interruption, too.
+  /// Works after an interruption, too, where the server answers within 2 s.
   Pending<Done> closeSession(std::uint64_t session_id);
   /// Stops the solve in flight, whoever asked for it, also one that follows an edit. Likewise.
   Pending<Done> stopSolving(std::uint64_t session_id);

@@ -42,17 +42,33 @@ class Pending {
   /// Waits, and hands the answer out, once.
   /// Errors: those of the call; what `Waiting::checkpoint` throws.
   T get() {
+    using Clock = std::chrono::steady_clock;
     std::exception_ptr stop;
+    Clock::time_point patient_until = Clock::now() + kGrace;
     std::unique_lock lock(state_->mutex);
     HANDGRAFT_REQUIRE(!state_->taken);
     while (!state_->outcome) {
       state_->news.wait_for(lock, kLook);
       const auto progress = std::exchange(state_->progress, std::nullopt);
       lock.unlock();
-      if (!stop) stop = heed(progress);
+      const Clock::time_point now = Clock::now();
+      if (state_->finishes) {
+        stop = heed(progress, now > patient_until);
+        lock.lock();
+        if (!stop || state_->outcome) continue;
+        std::rethrow_exception(state_->unfinished ? state_->unfinished : stop);
+      } else if (!stop) {
+        stop = heed(progress, true);
+        if (stop) {
+          cancel();
+          patient_until = now + kGrace;
+        }
+      } else if (now > patient_until) {
+        break;
+      }
       lock.lock();
     }
-    if (stop) std::rethrow_exception(stop);
+    if (stop && !state_->finishes) std::rethrow_exception(stop);
     state_->taken = true;
     if (auto* error = std::get_if<std::exception_ptr>(&*state_->outcome)) {
       std::rethrow_exception(*error);
@@ -105,6 +121,9 @@ class Pending {
     std::function<void()> cancel;
     bool taken = false;
     std::shared_ptr<const Waiting> waiting;
+    /// It is not cancelled, and for so long as an answer usually takes there is no checkpoint.
+    bool finishes = false;
+    std::exception_ptr unfinished;  ///< thrown then; null: what the checkpoint threw
 
     void settle(Outcome<T> what) {
       std::function<void(Outcome<T>)> tell;
@@ -133,17 +152,19 @@ class Pending {
 
  private:
   static constexpr std::chrono::milliseconds kLook{50};
+  /// For the answer to the wish to stop: a server that is silent holds nobody up.
+  static constexpr std::chrono::milliseconds kGrace{2000};
 
-  /// Why the wait is to end; nothing if it is not.
-  std::exception_ptr heed(const std::optional<std::pair<std::string, double>>& progress) {
+  /// Why the wait is to end; nothing if it is not, or if nobody is asked.
+  std::exception_ptr heed(const std::optional<std::pair<std::string, double>>& progress,
+                          bool asks) {
     if (!state_->waiting) return nullptr;
     try {
       if (progress && state_->waiting->on_progress) {
         state_->waiting->on_progress(progress->first, progress->second);
       }
-      if (state_->waiting->checkpoint) state_->waiting->checkpoint();
+      if (asks && state_->waiting->checkpoint) state_->waiting->checkpoint();
     } catch (...) {
-      cancel();
       return std::current_exception();
     }
     return nullptr;

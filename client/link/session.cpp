@@ -39,7 +39,7 @@ Session::Session(Client& client, const v1::SessionState& state)
     : client_(client),
       stream_(client, state.session_id()),
       state_(state),
-      server_id_(client.status().server_id()) {}
+      server_id_(state.server_id() != 0 ? state.server_id() : client.status().server_id()) {}
 
 bool Session::hasEnded() const {
   return client_.status().server_id() != server_id_;

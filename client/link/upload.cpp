@@ -2,23 +2,18 @@
 
 #include <algorithm>
 #include <fstream>
-#include <random>
 #include <sstream>
 #include <utility>
 
 #include "client/link/cancellation.h"
 #include "core/base/error.h"
+#include "core/base/random_id.h"
 
 namespace handgraft::client {
 
 namespace {
 
 constexpr std::uintmax_t kChunk = 524288;  // PutFileRequest.bytes
-
-std::uint64_t randomId() {
-  std::random_device device;
-  return (static_cast<std::uint64_t>(device()) << 32U) | device();
-}
 
 }  // namespace
 

@@ -19,9 +19,10 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kFirstAnswer(2000);  // a server that lives says so once a second
 constexpr milliseconds kLost(3000);         // three missed, on a machine that may be busy
-constexpr milliseconds kLook(50);           // for calls that a silent server leaves behind
-constexpr milliseconds kRepeat(50);         // idl/README: measured to lose nothing
-constexpr milliseconds kSlowRepeat(1000);   // once the server is known to work on it
+constexpr milliseconds kUnknown(30'000);   // how long an edit's outcome is asked for in silence
+constexpr milliseconds kLook(50);          // for calls that a silent server leaves behind
+constexpr milliseconds kRepeat(50);        // idl/README: measured to lose nothing
+constexpr milliseconds kSlowRepeat(1000);  // once the server is known to work on it
 constexpr int kRepeatsBeforeSlowing = 10;
 constexpr std::size_t kBytesPerMillisecond = 10'000;  // far below what loopback carries
 constexpr std::size_t kMiB = 1024 * 1024;
@@ -36,6 +37,33 @@ v1::ClientId randomClient() {
   for (auto& byte : id)
     byte = static_cast<std::uint8_t>(device());
   return id;
+}
+
+/// True if the body names what lives in one server: another one must not take it for its own.
+/// The rest may be answered by whichever server there is.
+bool isOfOneServer(v1::Operation operation) {
+  switch (operation) {
+    case v1::OP_PUT_FILE:
+    case v1::OP_LOAD_MODEL:
+    case v1::OP_DESCRIBE_SESSION:
+    case v1::OP_CLOSE_SESSION:
+    case v1::OP_TRANSFER:
+    case v1::OP_OPTIMIZE:
+    case v1::OP_EXPORT:
+    case v1::OP_CANCEL:
+    case v1::OP_SUGGEST:
+    case v1::OP_SESSION_SETTINGS:
+    case v1::OP_COMPARE:
+    case v1::OP_SAVE_SESSION:
+    case v1::OP_STOP_SOLVING:
+    case v1::OP_SHARE_SESSION:
+    case v1::OP_SOLVE_MOTION:
+    case v1::OP_MOTION_FRAMES:
+    case v1::OP_SET_CLOCK:
+      return true;
+    default:
+      return false;
+  }
 }
 
 /// When to say it again: at once while discovery settles, ever slower when the server is at
@@ -76,7 +104,9 @@ struct Call {
   Pace pace;
   OnReply on_reply;
   Requester::OnProgress on_progress;
+  bool of_one_server = true;               ///< of `message.server_id()`, which stays
   bool heard = false;                      ///< the server is known to be at work on it
+  bool silence_told = false;               ///< and its outcome is not known
   std::optional<std::uint64_t> cancel_id;  ///< of the request to cancel it
 };
 
@@ -225,10 +255,14 @@ struct Requester::Impl {
   void takeAll() {
     statuses.take([this](const v1::ServerStatus& message) {
       const std::lock_guard lock(mutex);
-      // A second server's goodbye does not end the first one.
-      if (message.stopping() && status && status->server_id() != message.server_id()) return;
+      if (status && status->server_id() != message.server_id()) {
+        // Whoever says that he is a server, too, waits until the one we know is gone.
+        if (!message.stopping()) successor.emplace(message, Clock::now());
+        return succeed();
+      }
       status = message;
       seen = Clock::now();
+      succeed();
     });
     progresses.take([this](const v1::Progress& message) {
       if (message.client() != client) return;
@@ -245,17 +279,26 @@ struct Requester::Impl {
       if (tell) tell(message.stage(), message.fraction());
     });
     replies.take([this](const v1::Reply& message) {
-      if (message.client() != client) return;
-      if (const auto call = extract(request_calls, message.request_id())) {
+      if (message.client() != client || isStrangers(message)) return;
+      if (const auto call = extract(request_calls, message.request_id(), message.server_id())) {
         call->on_reply(outcomeOf<v1::ReplyBody>(message, message.body()));
       }
     });
     edit_replies.take([this](const v1::EditReply& message) {
-      if (message.client() != client) return;
-      if (const auto call = extract(edit_calls, message.edit_id())) {
+      if (message.client() != client || isStrangers(message)) return;
+      if (const auto call = extract(edit_calls, message.edit_id(), message.server_id())) {
         call->on_reply(outcomeOf<v1::EditReply>(message, message));
       }
     });
+  }
+
+  /// True of the answer of a server that was not asked: it says so to every repeat, and counts
+  /// for nothing while the one that was asked may still answer.
+  template <class Reply>
+  bool isStrangers(const Reply& reply) {
+    if (reply.error() != v1::ERROR_OTHER_SERVER) return false;
+    const std::lock_guard lock(mutex);
+    return !status || reply.server_id() != status->server_id();
   }
 
   template <class Body, class Reply>
@@ -264,13 +307,15 @@ struct Requester::Impl {
     return std::make_exception_ptr(Refused(reply.error(), reply.message()));
   }
 
-  /// What was answered; nullptr if nobody waits for it.
+  /// What was answered, by `server_id`; nullptr if nobody waits for it.
   template <class AnyCall>
-  std::shared_ptr<AnyCall> extract(Calls<AnyCall>& calls, std::uint64_t id) {
+  std::shared_ptr<AnyCall> extract(Calls<AnyCall>& calls,
+                                   std::uint64_t id,
+                                   std::uint64_t server_id = 0) {
     const std::lock_guard lock(mutex);
     const auto found = calls.find(id);
     if (found == calls.end()) return nullptr;
-    seen = Clock::now();
+    if (status && status->server_id() == server_id) seen = Clock::now();
     auto call = calls.extract(found).mapped();
     to_send.notify_all();  // one that waits may go
     return call;
@@ -281,6 +326,7 @@ struct Requester::Impl {
     std::vector<std::function<void()>> ends;
     {
       const std::lock_guard lock(mutex);
+      succeed();
       ends.swap(failures);
       collectLost(request_calls, ends);
       collectLost(waiting, ends);
@@ -293,7 +339,7 @@ struct Requester::Impl {
   template <class AnyCall>
   void collectLost(Calls<AnyCall>& calls, std::vector<std::function<void()>>& ends) {
     for (auto at = calls.begin(); at != calls.end();) {
-      const std::exception_ptr lost = lossSince(at->second->begun);
+      const std::exception_ptr lost = lossOf(*at->second, ends);
       if (!lost) {
         ++at;
         continue;
@@ -311,6 +357,21 @@ struct Requester::Impl {
     return status && !status->stopping() && Clock::now() - seen < kLost;
   }
 
+  /// Another server is the one to ask once the one before is gone.
+  void succeed() {
+    if (!successor || alive()) return;
+    auto [next, heard] = *std::exchange(successor, std::nullopt);
+    if (Clock::now() - heard >= kLost) return;
+    status = std::move(next);
+    seen = heard;
+  }
+
+  /// The server that a call is for: its own, or whichever is there.
+  template <class AnyCall>
+  [[nodiscard]] std::uint64_t serverOf(const AnyCall& call) const {
+    return call.of_one_server || !status ? call.message.server_id() : status->server_id();
+  }
+
   void requireSameVersion() const {
     if (!status || status->protocol_version() == v1::PROTOCOL_VERSION) return;
     throw Refused(
@@ -324,10 +385,48 @@ struct Requester::Impl {
         fmt::format("no handgraft-server answers on {}", describe(participant.network())));
   }
 
-  /// Why a call begun then can hope for nothing; nullptr if it can.
-  [[nodiscard]] std::exception_ptr lossSince(Clock::time_point begun) const {
+  /// Why a call can hope for nothing; nullptr if it can.
+  std::exception_ptr lossOf(const RequestCall& call,
+                            std::vector<std::function<void()>>& /*tell*/) const {
+    return lossSince(call.begun, serverOf(call));
+  }
+
+  /// Likewise. Whether an edit was applied before its server fell silent is not known, and it
+  /// may still be once it is heard again: its outcome is asked for until it is known, or until
+  /// it is over with that server.
+  std::exception_ptr lossOf(EditCall& call, std::vector<std::function<void()>>& tell) const {
+    const std::exception_ptr lost = lossSince(call.begun, serverOf(call));
+    if (!lost || !status || status->protocol_version() != v1::PROTOCOL_VERSION) return lost;
+    if (status->server_id() != call.message.server_id() && call.message.server_id() != 0)
+      return lost;
+    const auto silence = Clock::now() - std::max(seen, call.begun);
+    if (status->stopping() || silence >= kUnknown) {
+      return std::make_exception_ptr(Refused(
+          v1::ERROR_OUTCOME_UNKNOWN,
+          fmt::format("handgraft-server on {} {}: whether the edit was applied is not known",
+                      describe(participant.network()),
+                      status->stopping() ? "is stopping" : "stopped answering")));
+    }
+    if (!std::exchange(call.silence_told, true) && call.on_progress) {
+      tell.push_back([on_progress = call.on_progress] {
+        on_progress("no answer, outcome unknown: asking again", 0.0);
+      });
+    }
+    return nullptr;
+  }
+
+  /// Why a call of that server, or of any (0), begun then, can hope for nothing.
+  [[nodiscard]] std::exception_ptr lossSince(Clock::time_point begun,
+                                             std::uint64_t server_id) const {
     try {
       requireSameVersion();
+      if (server_id != 0 && status && status->server_id() != server_id) {
+        throw Refused(
+            v1::ERROR_OTHER_SERVER,
+            fmt::format("handgraft-server {} on {} is gone, and its sessions with it; "
+                        "another one ({}) answers",
+                        server_id, describe(participant.network()), status->server_id()));
+      }
       if (alive() || Clock::now() - begun < kFirstAnswer) return nullptr;
       if (!status) throw noServer();
       throw NoServer(fmt::format("handgraft-server on {} {}", describe(participant.network()),
@@ -394,7 +493,7 @@ struct Requester::Impl {
     }
     if (cancel_id) {
       tryWrite([&] {
-        requests.write(cancelRequest(*cancel_id, call.message.request_id()));
+        requests.write(cancelRequest(*cancel_id, call.message));
       });
     }
     write(requests, call, request_calls, call.message.request_id());
@@ -405,9 +504,17 @@ struct Requester::Impl {
   /// A message that cannot be written ends its call, told by the receiver like every outcome.
   template <class AnyWriter, class AnyCall>
   void write(AnyWriter& writer, AnyCall& call, Calls<AnyCall>& calls, std::uint64_t id) {
+    std::uint64_t server_id = 0;
+    {
+      const std::lock_guard lock(mutex);
+      server_id = serverOf(call);
+    }
     try {
       tryWrite([&] {
-        writer.write(call.message);
+        if (server_id == call.message.server_id()) return writer.write(call.message);
+        auto readdressed = call.message;
+        readdressed.server_id(server_id);
+        writer.write(readdressed);
       });
     } catch (const std::exception&) {
       if (const auto mine = extract(calls, id)) {
@@ -434,13 +541,14 @@ struct Requester::Impl {
     something.notify_all();
   }
 
-  [[nodiscard]] v1::Request cancelRequest(std::uint64_t id, std::uint64_t of) const {
+  [[nodiscard]] v1::Request cancelRequest(std::uint64_t id, const v1::Request& of) const {
     v1::Request request;
     request.client(client);
     request.request_id(id);
     request.protocol_version(v1::PROTOCOL_VERSION);
+    request.server_id(of.server_id());
     v1::CancelRequest body;
-    body.request_id(of);
+    body.request_id(of.request_id());
     request.body().cancel(body);
     request.body()._d(v1::OP_CANCEL);
     return request;
@@ -463,6 +571,8 @@ struct Requester::Impl {
   std::vector<std::function<void()>> failures;  ///< to be told
   std::optional<v1::ServerStatus> status;
   Clock::time_point seen{};
+  /// Another server and when it was heard; the one to ask once the first is gone.
+  std::optional<std::pair<v1::ServerStatus, Clock::time_point>> successor;
 
   Writer<v1::Request> requests;
   Writer<v1::Edit> edits;
@@ -503,6 +613,7 @@ Requester::CallId Requester::begin(const v1::RequestBody& body,
   request.body(body);
   const std::size_t bytes = v1::Request::getCdrSerializedSize(request);
   std::unique_lock lock(impl_->mutex);
+  if (impl_->status) request.server_id(impl_->status->server_id());
   const CallId id = impl_->next_request++;
   if (bytes > kLargestRequest) {
     // The server would drop it, and it would be repeated in silence.
@@ -519,6 +630,7 @@ Requester::CallId Requester::begin(const v1::RequestBody& body,
   const auto call =
       std::make_shared<RequestCall>(std::move(request), bytes, std::move(on_reply));
   call->on_progress = std::move(on_progress);
+  call->of_one_server = isOfOneServer(body._d());
   if (!impl_->waiting.empty() || !impl_->mayGo(id)) {
     impl_->waiting.emplace(id, call);
     return id;
@@ -535,17 +647,20 @@ Requester::CallId Requester::begin(const v1::RequestBody& body,
 void Requester::beginEdit(std::uint64_t session_id,
                           std::uint64_t base_revision,
                           const v1::EditBody& body,
-                          OnEditReply on_reply) {
+                          OnEditReply on_reply,
+                          OnProgress on_progress) {
   v1::Edit edit;
   edit.client(impl_->client);
   edit.session_id(session_id);
   edit.base_revision(base_revision);
   edit.body(body);
   std::unique_lock lock(impl_->mutex);
+  if (impl_->status) edit.server_id(impl_->status->server_id());
   const std::uint64_t id = impl_->next_edit++;
   edit.edit_id(id);
   const std::size_t bytes = v1::EditBody::getCdrSerializedSize(body);
   const auto call = std::make_shared<EditCall>(std::move(edit), bytes, std::move(on_reply));
+  call->on_progress = std::move(on_progress);
   call->pace.sent(call->begun);
   impl_->edit_calls.emplace(id, call);
   lock.unlock();

@@ -37,10 +37,16 @@ class NoServer : public TransportError {
 /// until its reply comes; the server does the work once, so nothing is lost while discovery
 /// settles. Large bodies and long work are repeated more slowly.
 ///
+/// The server that was heard first is the one to ask until it says goodbye or has been silent
+/// for 3 s, whoever else says that he is one. What names a session or an upload is for that
+/// server alone, so that a repeat never falls into the hands of the next one.
+///
 /// Every call ends in exactly one outcome: the reply, or an error. Refused with the server's
-/// message; NoServer if none has been seen for 2 s, or, in the middle of a long request, when
-/// it has been silent for 3 s, or when this requester goes; TransportError for a body that does
-/// not fit its IDL bounds or is larger than kLargestRequest.
+/// message, or, by ourselves, ERROR_OTHER_SERVER when the server that was meant is gone and
+/// another one answers; NoServer if none has been seen for 2 s, or, in the middle of a long
+/// request, when it has been silent for 3 s, or when this requester goes; TransportError for a
+/// body that does not fit its IDL bounds or is larger than kLargestRequest. An edit goes on
+/// through 30 s of silence, as it may have been applied: Refused (ERROR_OUTCOME_UNKNOWN) then.
 ///
 /// Threads: all methods from any thread. Receives on a thread of its own, where what answers
 /// other clients is dropped and where outcomes and progress are told: callbacks return soon,
@@ -79,11 +85,13 @@ class Requester {
   /// which of them it has seen: then as soon as it may.
   CallId begin(const v1::RequestBody& body, OnReply on_reply, OnProgress on_progress = {});
 
-  /// Publishes an edit.
+  /// Publishes an edit. `on_progress` is told once when the server has fallen silent, so that
+  /// it is not known for now whether the edit was applied.
   void beginEdit(std::uint64_t session_id,
                  std::uint64_t base_revision,
                  const v1::EditBody& body,
-                 OnEditReply on_reply);
+                 OnEditReply on_reply,
+                 OnProgress on_progress = {});
 
   /// Asks the server to stop a request; its outcome then is Refused (ERROR_CANCELLED), or the
   /// reply if the work was done already. Nothing happens to one that is answered. (Not from a

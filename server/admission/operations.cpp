@@ -99,6 +99,7 @@ v1::ReplyBody nothingSaid(v1::Operation operation) {
 }
 
 v1::ReplyBody perform(const v1::Request& request,
+                      const Sender& sender,
                       Workshop& workshop,
                       const Progress& progress) {
   const v1::RequestBody& body = request.body();
@@ -107,7 +108,7 @@ v1::ReplyBody perform(const v1::Request& request,
     case v1::OP_NOTHING:
       return nothingSaid(operation);
     case v1::OP_PUT_FILE:
-      putFile(body.put_file(), request.client(), workshop);
+      putFile(body.put_file(), sender, workshop);
       return nothingSaid(operation);
     case v1::OP_LIST_MODELS:
       return bodyOf(operation, [&](auto& reply) {
@@ -126,7 +127,7 @@ v1::ReplyBody perform(const v1::Request& request,
       });
     case v1::OP_LOAD_MODEL:
       return bodyOf(operation, [&](auto& reply) {
-        reply.models(loadModel(body.load_model(), request.client(), workshop, progress));
+        reply.models(loadModel(body.load_model(), sender, workshop, progress));
       });
     case v1::OP_DESCRIBE_MODEL:
       return bodyOf(operation, [&](auto& reply) {

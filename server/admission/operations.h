@@ -6,6 +6,7 @@
 #include "idl/service.h"
 #include "server/admission/workshop.h"
 #include "server/sessions/live_session.h"
+#include "server/transport/bus.h"
 
 /// What each operation of the contract does, and where. A new one is a line in each function of
 /// operations.cpp and a handler.
@@ -20,8 +21,12 @@ Lane laneOf(v1::Operation operation);
 /// The session that the body of an operation of `Lane::kSession` names.
 std::uint64_t sessionOf(const v1::RequestBody& body);
 
-/// Does an operation of the quick thread or of the pool. Errors: those of its handler.
-v1::ReplyBody perform(const v1::Request& request, Workshop& workshop, const Progress& progress);
+/// Does an operation of the quick thread or of the pool. Uploads are the sender's. Errors:
+/// those of its handler.
+v1::ReplyBody perform(const v1::Request& request,
+                      const Sender& sender,
+                      Workshop& workshop,
+                      const Progress& progress);
 
 /// Does an operation of a session; of its strand. Errors: Rejection (ERROR_NOT_FOUND) once it
 /// is closed; those of its handler.

@@ -29,16 +29,17 @@ struct DeduplicationLimits {
 /// has been silent longest is forgotten as a whole when there are more than `clients`.
 ///
 /// Threads: all methods from any thread. Cost: O(log n).
-template <class Answer>
+/// `Asker`: what tells one client from another.
+template <class Answer, class Asker = std::array<std::uint8_t, 16>>
 class RequestDeduplication {
  public:
-  using ClientId = std::array<std::uint8_t, 16>;
+  using ClientId = Asker;
 
   enum class Verdict {
     kNew,       ///< do it, then `answer`
     kRunning,   ///< it is being done
     kAnswered,  ///< say `answer` again
-    kForgotten  ///< answered long ago
+    kForgotten  ///< begun long ago; what came of it is not known any more
   };
 
   struct Begun {

@@ -1,7 +1,6 @@
 #include "server/admission/service.h"
 
 #include <algorithm>
-#include <random>
 #include <utility>
 
 #include <fmt/format.h>
@@ -9,6 +8,7 @@
 #include <unistd.h>
 
 #include "core/base/error.h"
+#include "core/base/random_id.h"
 #include "idl/check.h"
 #include "idl/fields.h"
 #include "server/admission/error_reply.h"
@@ -26,11 +26,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kMostQuickWaiting = 256;  // chunks of files among them
 
-std::uint64_t randomId() {
-  std::random_device device;
-  return (static_cast<std::uint64_t>(device()) << 32) | device();
-}
-
 std::string hostName() {
   std::string name(256, '\0');
   if (gethostname(name.data(), name.size() - 1) != 0) return "";
@@ -47,10 +42,17 @@ std::string inWords(std::chrono::steady_clock::duration time) {
   return fmt::format("{} h {} min", seconds / kHour, seconds % kHour / kMinute);
 }
 
+[[noreturn]] void rejectForgotten(const char* what, std::uint64_t id) {
+  reject(v1::ERROR_OUTCOME_UNKNOWN,
+         "{} {} was asked for long ago; what came of it is not remembered", what, id);
+}
+
 }  // namespace
 
-Service::Job::Job(v1::Request what, Service& service)
-    : request(std::move(what)), progress([this, &service](std::string_view stage, double part) {
+Service::Job::Job(v1::Request what, const Sender& sender, Service& service)
+    : request(std::move(what)),
+      asker{sender, request.client()},
+      progress([this, &service](std::string_view stage, double part) {
         service.tell(*this, stage, part);
       }) {}
 
@@ -60,7 +62,7 @@ Service::Service(Bus& bus, ModelStore& models, const ServiceOptions& options)
       server_id_(randomId()),
       started_(Clock::now()),
       reader_(options.reader, options.reader_limits),
-      sessions_(options.most_sessions),
+      sessions_(server_id_, options.most_sessions),
       quick_(1, kMostQuickWaiting),
       pool_(options.workers, options.most_waiting, options.patience),
       workshop_{models, uploads_, reader_, sessions_, *this, pool_} {}
@@ -151,11 +153,20 @@ void Service::expireIdleSessions() {
 }
 
 void Service::onStatus(const v1::ServerStatus& status) {
-  if (status.server_id() == server_id_ || status.stopping() || !options_.on_elder) return;
-  const double uptime_s = std::chrono::duration<double>(Clock::now() - started_).count();
-  const bool is_elder =
-      std::pair(status.uptime_s(), status.server_id()) > std::pair(uptime_s, server_id_);
-  if (is_elder && !met_elder_.exchange(true)) options_.on_elder(status);
+  constexpr std::size_t kMostRivals = 16;
+  constexpr std::chrono::minutes kPeriod(10);
+  if (status.server_id() == server_id_ || status.stopping()) return;
+  const Clock::time_point now = Clock::now();
+  std::erase_if(rivals_, [&](const auto& one) {
+    return now - one.second > kPeriod;
+  });
+  // Anybody may say that he is a server: that ends nothing here, and fills nothing.
+  if (rivals_.size() >= kMostRivals || !rivals_.try_emplace(status.server_id(), now).second)
+    return;
+  spdlog::warn(
+      "event=another_server id={} host={} process={} reason=\"another server answers on this "
+      "domain, too; clients stay with the one they met first: stop one of them\"",
+      status.server_id(), handgraft::quoted(status.host()), status.process_id());
 }
 
 // === What the world hears of sessions
@@ -175,19 +186,45 @@ void Service::onJointCommand(std::uint64_t session_id,
 
 // === Requests: admitted once, dispatched to a thread, answered
 
-void Service::onRequest(v1::Request request) {
-  const auto begun = requests_.begin(request.client(), request.request_id());
+template <class Reply, class Check>
+bool Service::passes(Reply reply, const Check& check) {
+  try {
+    check();
+    return true;
+  } catch (...) {
+    ErrorReply error = errorReplyOf(std::current_exception());
+    reply.error(error.code);
+    reply.message(std::move(error.message));
+    reply.server_id(server_id_);
+    bus_.publish(reply);
+    return false;
+  }
+}
+
+void Service::onRequest(v1::Request request, const Sender& sender) {
+  v1::Reply reply;
+  reply.client(request.client());
+  reply.request_id(request.request_id());
+  if (!passes(reply, [&] {
+        requireMeant(request.server_id());
+      }))
+    return;
+  const auto job = std::make_shared<Job>(std::move(request), sender, *this);
+  const auto begun = requests_.begin(job->asker, job->request.request_id());
   switch (begun.verdict) {
-    case RequestDeduplication<v1::Reply>::Verdict::kRunning:
-    case RequestDeduplication<v1::Reply>::Verdict::kForgotten:
+    case Requests::Verdict::kRunning:
       return;
-    case RequestDeduplication<v1::Reply>::Verdict::kAnswered:
+    case Requests::Verdict::kForgotten:
+      passes(reply, [&] {
+        rejectForgotten("request", reply.request_id());
+      });
+      return;
+    case Requests::Verdict::kAnswered:
       bus_.publish(*begun.answer);
       return;
-    case RequestDeduplication<v1::Reply>::Verdict::kNew:
+    case Requests::Verdict::kNew:
       break;
   }
-  const auto job = std::make_shared<Job>(std::move(request), *this);
   try {
     admit(job);
     dispatch(job);
@@ -201,8 +238,7 @@ void Service::onRequest(v1::Request request) {
 
 void Service::requireMeant(std::uint64_t server_id) const {
   if (server_id == 0 || server_id == server_id_) return;
-  reject(v1::ERROR_OTHER_SERVER, "this is server {:016x}; {:016x} was meant", server_id_,
-         server_id);
+  reject(v1::ERROR_OTHER_SERVER, "this is server {}; {} was meant", server_id_, server_id);
 }
 
 void Service::admit(const JobPtr& job) {
@@ -211,12 +247,12 @@ void Service::admit(const JobPtr& job) {
     reject(v1::ERROR_VERSION, "this server ({}) speaks protocol {}, the request protocol {}",
            HANDGRAFT_VERSION, v1::PROTOCOL_VERSION, request.protocol_version());
   }
-  requireMeant(request.server_id());
   idl::check(request);
   const std::lock_guard lock(running_mutex_);
-  const auto first = running_.lower_bound({request.client(), 0});
+  const Sender& sender = job->asker.sender;
   std::size_t mine = 0;
-  for (auto at = first; at != running_.end() && at->first.first == request.client(); ++at)
+  for (auto at = running_.lower_bound({Asker{sender, {}}, 0});
+       at != running_.end() && at->first.first.sender == sender; ++at)
     ++mine;
   if (mine >= options_.most_per_client) {
     reject(v1::ERROR_OVERLOADED, "{} requests of this client are unanswered", mine);
@@ -231,21 +267,21 @@ void Service::admit(const JobPtr& job) {
   }
   job->bytes = bytes;
   running_bytes_ += bytes;
-  running_[{request.client(), request.request_id()}] = job;
+  running_[{job->asker, request.request_id()}] = job;
 }
 
 void Service::dispatch(const JobPtr& job) {
   const v1::RequestBody& body = job->request.body();
   const auto work = [this, job] {
     run(job, [&] {
-      return perform(job->request, workshop_, job->progress);
+      return perform(job->request, job->asker.sender, workshop_, job->progress);
     });
   };
   bool is_taken = true;
   switch (laneOf(body._d())) {
     case Lane::kAtOnce:
       if (body._d() == v1::OP_CANCEL) {
-        cancel(job->request.client(), body.cancel().request_id());
+        cancel(job->asker, body.cancel().request_id());
       } else {
         sessions_.find(sessionOf(body))->stopSolving(job->request.client());
       }
@@ -321,26 +357,25 @@ void Service::runOfSession(const JobPtr& job, const std::shared_ptr<LiveSession>
 }
 
 void Service::answer(const Job& job, v1::Reply reply) {
-  const v1::ClientId client = job.request.client();
   const std::uint64_t id = job.request.request_id();
-  reply.client(client);
+  reply.client(job.asker.client);
   reply.request_id(id);
   reply.server_id(server_id_);
   const std::size_t bytes = v1::Reply::getCdrSerializedSize(reply);
-  const auto kept = requests_.answer(client, id, std::move(reply), bytes);
+  const auto kept = requests_.answer(job.asker, id, std::move(reply), bytes);
   {
     const std::lock_guard lock(running_mutex_);
-    running_.erase({client, id});
+    running_.erase({job.asker, id});
     running_bytes_ -= job.bytes;
   }
   ++answered_;
   bus_.publish(*kept);
 }
 
-void Service::cancel(const ClientId& client, std::uint64_t request_id) {
+void Service::cancel(const Asker& asker, std::uint64_t request_id) {
   {
     const std::lock_guard lock(running_mutex_);
-    const auto found = running_.find({client, request_id});
+    const auto found = running_.find({asker, request_id});
     if (found != running_.end()) {
       found->second->progress.cancel();
       return;
@@ -349,12 +384,13 @@ void Service::cancel(const ClientId& client, std::uint64_t request_id) {
   // It may have been overtaken: then it finds this answer when it arrives. If it has one
   // already, that one stands.
   v1::Reply reply;
-  reply.client(client);
+  reply.client(asker.client);
   reply.request_id(request_id);
+  reply.server_id(server_id_);
   reply.error(v1::ERROR_CANCELLED);
   reply.message(Cancelled().what());
   const std::size_t bytes = v1::Reply::getCdrSerializedSize(reply);
-  requests_.answer(client, request_id, std::move(reply), bytes);
+  requests_.answer(asker, request_id, std::move(reply), bytes);
 }
 
 void Service::tell(Job& job, std::string_view stage, double fraction) {
@@ -374,29 +410,43 @@ void Service::tell(Job& job, std::string_view stage, double fraction) {
 // === Edits: applied in order, answered, then one fresh solve for all that were applied
 // meanwhile; one that comes while a solve runs cuts it short
 
-void Service::onEdit(v1::Edit edit) {
-  const auto begun = edits_.begin(edit.client(), edit.edit_id());
-  if (begun.verdict == RequestDeduplication<v1::EditReply>::Verdict::kAnswered)
-    bus_.publish(*begun.answer);
-  if (begun.verdict != RequestDeduplication<v1::EditReply>::Verdict::kNew) return;
+void Service::onEdit(v1::Edit edit, const Sender& sender) {
+  v1::EditReply reply;
+  reply.client(edit.client());
+  reply.edit_id(edit.edit_id());
+  reply.session_id(edit.session_id());
+  if (!passes(reply, [&] {
+        requireMeant(edit.server_id());
+      }))
+    return;
+  const Asker asker{sender, edit.client()};
+  const auto begun = edits_.begin(asker, edit.edit_id());
+  if (begun.verdict == Edits::Verdict::kAnswered) bus_.publish(*begun.answer);
+  if (begun.verdict == Edits::Verdict::kForgotten) {
+    passes(reply, [&] {
+      rejectForgotten("edit", reply.edit_id());
+    });
+  }
+  if (begun.verdict != Edits::Verdict::kNew) return;
   const auto shared = std::make_shared<const v1::Edit>(std::move(edit));
   try {
-    requireMeant(shared->server_id());
     const auto live = sessions_.find(shared->session_id());
     live->expectEdit();
-    const bool is_taken = live->strand().post([this, shared, live, stops = live->stops()] {
-      live->meetEdit();
-      runEdit(live, *shared, stops);
-    });
+    const bool is_taken =
+        live->strand().post([this, shared, asker, live, stops = live->stops()] {
+          live->meetEdit();
+          runEdit(live, asker, *shared, stops);
+        });
     if (is_taken) return;
     live->meetEdit();
     reject(v1::ERROR_OVERLOADED, "too many edits of session {} wait; try later", live->id());
   } catch (...) {
-    refuseEdit(*shared, 0);
+    refuseEdit(asker, *shared, 0);
   }
 }
 
 void Service::runEdit(const std::shared_ptr<LiveSession>& live,
+                      const Asker& asker,
                       const v1::Edit& edit,
                       std::uint64_t stops) {
   try {
@@ -404,9 +454,9 @@ void Service::runEdit(const std::shared_ptr<LiveSession>& live,
       reject(v1::ERROR_NOT_FOUND, "session {} is not open", live->id());
     }
     idl::check(edit);
-    answerEdit(edit, applyEdit(*live, edit));
+    answerEdit(asker, edit, applyEdit(*live, edit));
   } catch (...) {
-    refuseEdit(edit, live->session().revision());
+    refuseEdit(asker, edit, live->session().revision());
     if (!live->solve_is_queued && live->requests_cut_short == 0) live->tellRest();
     return;
   }
@@ -420,16 +470,16 @@ void Service::runEdit(const std::shared_ptr<LiveSession>& live,
   queueSolve(live);
 }
 
-void Service::refuseEdit(const v1::Edit& edit, std::uint64_t revision) {
+void Service::refuseEdit(const Asker& asker, const v1::Edit& edit, std::uint64_t revision) {
   ErrorReply error = errorReplyOf(std::current_exception());
   v1::EditReply reply;
   reply.revision(revision);
   reply.error(error.code);
   reply.message(std::move(error.message));
-  answerEdit(edit, std::move(reply));
+  answerEdit(asker, edit, std::move(reply));
 }
 
-void Service::answerEdit(const v1::Edit& edit, v1::EditReply reply) {
+void Service::answerEdit(const Asker& asker, const v1::Edit& edit, v1::EditReply reply) {
   reply.client(edit.client());
   reply.edit_id(edit.edit_id());
   reply.session_id(edit.session_id());
@@ -438,7 +488,7 @@ void Service::answerEdit(const v1::Edit& edit, v1::EditReply reply) {
                 shortName(edit.client()), edit.edit_id(), edit.session_id(), reply.revision(),
                 static_cast<unsigned>(reply.error()), handgraft::quoted(reply.message()));
   const std::size_t bytes = v1::EditReply::getCdrSerializedSize(reply);
-  const auto kept = edits_.answer(edit.client(), edit.edit_id(), std::move(reply), bytes);
+  const auto kept = edits_.answer(asker, edit.edit_id(), std::move(reply), bytes);
   bus_.publish(*kept);
 }
 

@@ -35,9 +35,6 @@ struct ServiceOptions {
   std::chrono::seconds session_idle{std::chrono::hours(12)};
   std::filesystem::path reader = readerProgram();  ///< reads uploads (upload_reader.h)
   ReaderLimits reader_limits;
-  /// Called once, on a DDS thread, when a server that has run for longer lives on this domain:
-  /// two would both answer, so the younger one had better go.
-  std::function<void(const v1::ServerStatus&)> on_elder;
 };
 
 /// The server between the bus and the handlers: does every request once, each session's work in
@@ -61,12 +58,23 @@ class Service final : private BusListener, private SessionAudience {
   [[nodiscard]] v1::ServerStatus status() const;
 
  private:
-  using ClientId = RequestDeduplication<v1::Reply>::ClientId;
-  using Key = std::pair<ClientId, std::uint64_t>;
+  /// A client as it calls itself, of the participant that DDS names: who claims another's name
+  /// is not taken for it.
+  struct Asker {
+    Sender sender{};
+    v1::ClientId client{};
+
+    auto operator<=>(const Asker&) const = default;
+  };
+
+  using Key = std::pair<Asker, std::uint64_t>;
+  using Requests = RequestDeduplication<v1::Reply, Asker>;
+  using Edits = RequestDeduplication<v1::EditReply, Asker>;
 
   /// A request on its way through the server.
   struct Job {
     v1::Request request;
+    const Asker asker;
     Progress progress;
     std::chrono::steady_clock::time_point told{};
     std::string told_stage;
@@ -75,14 +83,14 @@ class Service final : private BusListener, private SessionAudience {
     /// An edit cut it short at this revision, and it waits for what becomes of that edit.
     std::optional<std::uint64_t> cut_short_at;
 
-    Job(v1::Request what, Service& service);
+    Job(v1::Request what, const Sender& sender, Service& service);
   };
 
   using JobPtr = std::shared_ptr<Job>;
 
   // === BusListener, SessionAudience
-  void onRequest(v1::Request request) override;
-  void onEdit(v1::Edit edit) override;
+  void onRequest(v1::Request request, const Sender& sender) override;
+  void onEdit(v1::Edit edit, const Sender& sender) override;
   void onStatus(const v1::ServerStatus& status) override;
   void onState(const v1::SessionState& state) override;
   void onSolution(const v1::PoseSolution& solution) override;
@@ -92,23 +100,28 @@ class Service final : private BusListener, private SessionAudience {
   // === Requests
   /// Errors: Rejection (ERROR_OTHER_SERVER) unless it is this one, or 0.
   void requireMeant(std::uint64_t server_id) const;
+  /// Says what `check` throws, without remembering it: what is meant for another server may
+  /// come again, meant for this one. False then.
+  template <class Reply, class Check>
+  bool passes(Reply reply, const Check& check);
   void admit(const JobPtr& job);
   void dispatch(const JobPtr& job);
   /// Errors: CutShort; the job is not answered then.
   void run(const JobPtr& job, const std::function<v1::ReplyBody()>& work);
   void runOfSession(const JobPtr& job, const std::shared_ptr<LiveSession>& live);
   void answer(const Job& job, v1::Reply reply);
-  void cancel(const ClientId& client, std::uint64_t request_id);
+  void cancel(const Asker& asker, std::uint64_t request_id);
   void tell(Job& job, std::string_view stage, double fraction);
 
   // === Edits
   /// `stops` of the session when the edit came.
   void runEdit(const std::shared_ptr<LiveSession>& live,
+               const Asker& asker,
                const v1::Edit& edit,
                std::uint64_t stops);
   /// Answers with the exception that is being handled.
-  void refuseEdit(const v1::Edit& edit, std::uint64_t revision);
-  void answerEdit(const v1::Edit& edit, v1::EditReply reply);
+  void refuseEdit(const Asker& asker, const v1::Edit& edit, std::uint64_t revision);
+  void answerEdit(const Asker& asker, const v1::Edit& edit, v1::EditReply reply);
   void queueSolve(const std::shared_ptr<LiveSession>& live);
 
   void publishStatusOnceASecond();
@@ -120,10 +133,11 @@ class Service final : private BusListener, private SessionAudience {
   const std::chrono::steady_clock::time_point started_;
   std::atomic<std::uint64_t> answered_{0};
   std::atomic<bool> stopping_{false};
-  std::atomic<bool> met_elder_{false};
 
-  RequestDeduplication<v1::Reply> requests_;
-  RequestDeduplication<v1::EditReply> edits_;
+  Requests requests_;
+  Edits edits_;
+  /// Other servers of this domain, and when each was last told of; on the bus' thread.
+  std::map<std::uint64_t, std::chrono::steady_clock::time_point> rivals_;
   mutable std::mutex running_mutex_;
   std::map<Key, JobPtr> running_;
   std::size_t running_bytes_ = 0;

@@ -49,6 +49,7 @@ std::shared_ptr<LiveSession> enterSession(session::Session session,
   progress.checkpoint();
   const auto live = std::make_shared<LiveSession>(
       workshop.sessions.reserve(), std::move(session), workshop.pool, workshop.audience);
+  live->belongTo(workshop.sessions.serverId());
   if (motion) live->hold(std::move(*motion));
   live->skin_ms = skin_ms;
   live->prepareSolids(live, workshop.pool);

@@ -153,6 +153,9 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
 
   [[nodiscard]] session::Session& session() { return session_; }
 
+  /// Says whose it is, before anybody knows of it.
+  void belongTo(std::uint64_t server_id) { state_.server_id(server_id); }
+
   /// Makes it a session of a motion, before anybody knows of it.
   void hold(LiveMotion motion);
 

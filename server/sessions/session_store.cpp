@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "core/base/random_id.h"
 #include "server/admission/rejection.h"
 
 namespace handgraft::server {
@@ -12,7 +13,10 @@ std::uint64_t SessionStore::reserve() {
     reject(v1::ERROR_OVERLOADED,
            "{} sessions are open, as many as this server allows; close some", sessions_.size());
   }
-  return ++last_id_;
+  std::uint64_t id = randomId();
+  while (sessions_.count(id) != 0)
+    id = randomId();
+  return id;
 }
 
 void SessionStore::add(std::shared_ptr<LiveSession> session) {

@@ -14,10 +14,15 @@ namespace handgraft::server {
 class SessionStore {
  public:
   /// `most` sessions may be open.
-  explicit SessionStore(std::size_t most = 256) : most_(most) {}
+  explicit SessionStore(std::uint64_t server_id = 0, std::size_t most = 256)
+      : server_id_(server_id), most_(most) {}
 
-  /// An id that no session of this server had. Errors: Rejection (ERROR_OVERLOADED) when too
-  /// many are open.
+  /// Of the server that holds them.
+  [[nodiscard]] std::uint64_t serverId() const { return server_id_; }
+
+  /// An id that no session had, of this server or of another one: one that asks for a session
+  /// of a server before never comes upon a stranger's. Errors: Rejection (ERROR_OVERLOADED)
+  /// when too many are open.
   std::uint64_t reserve();
   void add(std::shared_ptr<LiveSession> session);
 
@@ -29,9 +34,9 @@ class SessionStore {
   [[nodiscard]] std::size_t size() const;
 
  private:
+  const std::uint64_t server_id_;
   const std::size_t most_;
   mutable std::mutex mutex_;
-  std::uint64_t last_id_ = 0;
   std::map<std::uint64_t, std::shared_ptr<LiveSession>> sessions_;
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 
@@ -10,13 +11,17 @@
 
 namespace handgraft::server {
 
+/// The participant that a message came from, as DDS itself says (its GUID's prefix, then
+/// zeros): not what the message claims.
+using Sender = std::array<std::uint8_t, 16>;
+
 /// Hears what clients and other servers send. Called on DDS threads: must return soon and not
 /// throw.
 class BusListener {
  public:
   virtual ~BusListener() = default;
-  virtual void onRequest(v1::Request request) = 0;
-  virtual void onEdit(v1::Edit edit) = 0;
+  virtual void onRequest(v1::Request request, const Sender& sender) = 0;
+  virtual void onEdit(v1::Edit edit, const Sender& sender) = 0;
   /// Any server's status, one's own among them.
   virtual void onStatus(const v1::ServerStatus& status) = 0;
 };

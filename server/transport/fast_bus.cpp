@@ -172,15 +172,17 @@ class FastBus final : public Bus {
 
   void start(BusListener& listener) override {
     requests_ = std::make_unique<FastReader<v1::Request>>(
-        node_.endpoints(), idl::kRequestTopic, [&listener](v1::Request&& request) {
-          listener.onRequest(std::move(request));
+        node_.endpoints(), idl::kRequestTopic,
+        [&listener](v1::Request&& request, const Sender& sender) {
+          listener.onRequest(std::move(request), sender);
         });
-    edits_ = std::make_unique<FastReader<v1::Edit>>(node_.endpoints(), idl::kEditTopic,
-                                                    [&listener](v1::Edit&& edit) {
-                                                      listener.onEdit(std::move(edit));
-                                                    });
+    edits_ = std::make_unique<FastReader<v1::Edit>>(
+        node_.endpoints(), idl::kEditTopic, [&listener](v1::Edit&& edit, const Sender& sender) {
+          listener.onEdit(std::move(edit), sender);
+        });
     heard_ = std::make_unique<FastReader<v1::ServerStatus>>(
-        lookout_.endpoints(), idl::kStatusTopic, [&listener](v1::ServerStatus&& status) {
+        lookout_.endpoints(), idl::kStatusTopic,
+        [&listener](v1::ServerStatus&& status, const Sender&) {
           listener.onStatus(status);
         });
   }

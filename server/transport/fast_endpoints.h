@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <functional>
+#include <iterator>
 #include <type_traits>
 #include <utility>
 
@@ -25,6 +27,7 @@
 #include "idl/servicePubSubTypes.h"
 #include "idl/sessionsPubSubTypes.h"
 #include "idl/topics.h"
+#include "server/transport/bus.h"
 
 /// Writers and readers of one topic over Fast DDS; private to this folder.
 namespace handgraft::server {
@@ -179,7 +182,7 @@ class FastReader : private eprosima::fastdds::dds::DataReaderListener {
   /// `use` runs on Fast DDS's receive thread and must not throw.
   FastReader(const Endpoints& endpoints,
              const idl::Topic<Message>& topic,
-             std::function<void(Message&&)> use)
+             std::function<void(Message&&, const Sender&)> use)
       : endpoints_(endpoints),
         use_(std::move(use)),
         topic_(topicFor<Message, HardenedType<Message>>(endpoints, topic)) {
@@ -211,12 +214,15 @@ class FastReader : private eprosima::fastdds::dds::DataReaderListener {
         spdlog::warn("topic={} event=dropped reason=\"does not decode\"", topic_->get_name());
         continue;
       }
-      use_(std::move(taken.message));
+      Sender sender{};
+      const auto& prefix = info.sample_identity.writer_guid().guidPrefix.value;
+      std::copy(std::begin(prefix), std::end(prefix), sender.begin());
+      use_(std::move(taken.message), sender);
     }
   }
 
   Endpoints endpoints_;
-  std::function<void(Message&&)> use_;
+  std::function<void(Message&&, const Sender&)> use_;
   eprosima::fastdds::dds::Topic* topic_;
   eprosima::fastdds::dds::DataReader* reader_ = nullptr;
 };

@@ -39,20 +39,26 @@ class RecordingBus final : public server::Bus {
     keep(commands, one);
   }
 
-  void send(std::uint64_t id, const v1::RequestBody& body, std::uint8_t client = 1) {
+  /// `sender`: the participant that it comes from.
+  void send(std::uint64_t id,
+            const v1::RequestBody& body,
+            std::uint8_t client = 1,
+            std::uint8_t sender = 0) {
     v1::Request request;
     request.client({client});
     request.request_id(id);
     request.protocol_version(v1::PROTOCOL_VERSION);
     request.body(body);
-    listener_->onRequest(request);
+    listener_->onRequest(request, {sender == 0 ? client : sender});
   }
 
   void hear(const v1::ServerStatus& status) { listener_->onStatus(status); }
 
-  void send(const v1::Request& request) { listener_->onRequest(request); }
+  void send(const v1::Request& request) {
+    listener_->onRequest(request, {request.client()[0]});
+  }
 
-  void send(const v1::Edit& edit) { listener_->onEdit(edit); }
+  void send(const v1::Edit& edit) { listener_->onEdit(edit, {edit.client()[0]}); }
 
   /// The first message of `list` that `fits`, waited for.
   template <class Message>

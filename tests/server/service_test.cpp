@@ -2,10 +2,14 @@
 
 #include <cmath>
 #include <filesystem>
+#include <limits>
+#include <set>
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "core/base/random_id.h"
 
 #include "tests/server/recording_bus.h"
 #include "tests/server/small_grasp.h"
@@ -74,30 +78,105 @@ TEST_F(ServiceTest, AnswersARepeatFromMemory) {
   EXPECT_EQ(service.status().requests_answered(), 1u);
 }
 
-TEST(Service, TellsOnceOfAnElderServerAndIgnoresYoungerOnes) {
-  test::RecordingBus bus;
-  ModelStore models;
-  int told = 0;
-  ServiceOptions options;
-  options.on_elder = [&told](const v1::ServerStatus&) {
-    ++told;
-  };
-  Service service(bus, models, options);
-  service.start();
+TEST_F(ServiceTest, GoesOnHoweverManySayThatTheyAreElderServers) {
+  const std::uint64_t session = openSmallSession();
   v1::ServerStatus other = service.status();
-  bus.hear(other);  // its own
-  other.server_id(other.server_id() + 1);
-  other.uptime_s(-1.0);
-  bus.hear(other);
-  EXPECT_EQ(told, 0) << "a younger one goes itself";
   other.uptime_s(1e6);
-  other.stopping(true);
-  bus.hear(other);
-  EXPECT_EQ(told, 0) << "one that stops is no rival";
-  other.stopping(false);
-  bus.hear(other);
-  bus.hear(other);
-  EXPECT_EQ(told, 1);
+  for (int i = 0; i < 1000; ++i) {
+    other.server_id(other.server_id() + 1);
+    bus.hear(other);
+  }
+  EXPECT_EQ(bus.ask(test::ofSession(v1::OP_DESCRIBE_SESSION, session)).error(), v1::ERROR_NONE);
+  EXPECT_FALSE(service.status().stopping());
+}
+
+TEST_F(ServiceTest, GivesEverySessionAnIdThatNoServerGaveBefore) {
+  const std::uint64_t first = openSmallSession();
+  const std::uint64_t second =
+      bus.ask(test::openSession("clamp", "fruit", "marks")).body().session().session_id();
+  test::RecordingBus other_bus;
+  ModelStore other_models;
+  Service other(other_bus, other_models, ServiceOptions());
+  other.start();
+  for (const v1::RequestBody& body : test::smallGrasp())
+    other_bus.ask(body);
+  const std::uint64_t third =
+      other_bus.ask(test::openSession("clamp", "fruit", "marks")).body().session().session_id();
+  EXPECT_EQ(std::set({first, second, third}).size(), 3u);
+  EXPECT_GE(std::min({first, second, third}), kSmallestId);
+}
+
+TEST_F(ServiceTest, SaysWhichServerHoldsASession) {
+  const std::uint64_t session = openSmallSession();
+  EXPECT_EQ(
+      bus.ask(test::ofSession(v1::OP_DESCRIBE_SESSION, session)).body().session().server_id(),
+      service.status().server_id());
+}
+
+TEST_F(ServiceTest, DoesNothingOfWhatIsMeantForAnotherServerAndMayDoItOnceItIsMeant) {
+  const std::uint64_t session = openSmallSession();
+  v1::Request request;
+  request.client({1});
+  request.request_id(1);
+  request.protocol_version(v1::PROTOCOL_VERSION);
+  request.server_id(service.status().server_id() + 1);
+  request.body(test::ofSession(v1::OP_DESCRIBE_SESSION, session));
+  bus.send(request);
+  bus.send(request);
+  const auto refusals = [&] {
+    int count = 0;
+    for (const v1::Reply& one : bus.copyOf(bus.replies))
+      count += one.request_id() == 1 && one.error() == v1::ERROR_OTHER_SERVER ? 1 : 0;
+    return count;
+  };
+  EXPECT_EQ(refusals(), 2) << "said every time";
+  request.server_id(service.status().server_id());
+  bus.send(request);
+  EXPECT_TRUE(bus.await<v1::Reply>(bus.replies, [](const v1::Reply& one) {
+    return one.request_id() == 1 && one.error() == v1::ERROR_NONE;
+  }));
+
+  v1::Edit stray = weightEdit(1, session, 0.5);
+  stray.server_id(service.status().server_id() + 1);
+  EXPECT_EQ(edit(stray).error(), v1::ERROR_OTHER_SERVER);
+  EXPECT_EQ(
+      bus.ask(test::ofSession(v1::OP_DESCRIBE_SESSION, session)).body().session().revision(),
+      0u);
+}
+
+TEST_F(ServiceTest, IsNotMutedByWhoClaimsAClientsName) {
+  bus.ask(test::putFile(1, "a", "abc"));  // client 1, from its own participant
+  // A stranger uses up all ids of client 1.
+  constexpr std::uint64_t kLast = std::numeric_limits<std::uint64_t>::max();
+  for (std::uint64_t i = 0; i < 100; ++i)
+    bus.send(kLast - 100 + i, test::cancel(7), 1, 66);
+  const v1::Reply reply = bus.ask(test::putFile(1, "b", "abc"));
+  EXPECT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
+}
+
+TEST_F(ServiceTest, AnswersWhatItHasForgottenThatTheOutcomeIsUnknown) {
+  for (std::uint64_t id = 1; id <= 100; ++id)
+    bus.send(id, test::cancel(7));
+  bus.send(1, test::cancel(7));
+  EXPECT_TRUE(bus.await<v1::Reply>(bus.replies, [](const v1::Reply& one) {
+    return one.request_id() == 1 && one.error() == v1::ERROR_OUTCOME_UNKNOWN;
+  }));
+}
+
+TEST_F(ServiceTest, LimitsAParticipantByWhateverNamesItAsks) {
+  loadSmallGrasp();
+  ServiceOptions options;
+  options.most_per_client = 2;
+  options.workers = 1;
+  test::RecordingBus other_bus;
+  Service strict(other_bus, models, options);
+  strict.start();
+  for (std::uint8_t name = 1; name <= 3; ++name)  // the first makes a skin, which takes a while
+    other_bus.send(name, test::openSession("clamp", "fruit", "marks"), name, 9);
+  const auto third = other_bus.await<v1::Reply>(other_bus.replies, [](const v1::Reply& one) {
+    return one.request_id() == 3;
+  });
+  EXPECT_EQ(third->error(), v1::ERROR_OVERLOADED) << third->message();
 }
 
 TEST_F(ServiceTest, RefusesAnotherProtocol) {

@@ -189,7 +189,7 @@ class MeshServer final : public BusListener {
     }
   }
 
-  void onRequest(v1::Request request) override {
+  void onRequest(v1::Request request, const Sender&) override {
     v1::ObjectDescription object;
     object.mesh_O(mesh_);
     v1::ModelDescription description;
@@ -201,7 +201,7 @@ class MeshServer final : public BusListener {
     bus_.publish(reply);
   }
 
-  void onEdit(v1::Edit) override {}
+  void onEdit(v1::Edit, const Sender&) override {}
 
   void onStatus(const v1::ServerStatus&) override {}
 

@@ -153,13 +153,14 @@ TEST(Editor, ShowSaysThatTheLastSolveFailed) {
   const SharedSkins skins;
   const Service service;
   const fs::path script = scratchDirectory() / "failing.hg";
-  const auto show = [&](const std::string& commands) {
-    std::ofstream(script) << commands;
-    return service.client({"edit", "1", "--script", script.string()});
-  };
   const auto first = service.ask(
       {"grasp", "--hand", "barrett8", "--object", "lemon", "--contacts", "lemon_6", "--keep"});
-  ASSERT_EQ(first["session_id"], 1);
+  // The first digits do.
+  const std::string id = std::to_string(first["session_id"].get<std::uint64_t>()).substr(0, 4);
+  const auto show = [&](const std::string& commands) {
+    std::ofstream(script) << commands;
+    return service.client({"edit", id, "--script", script.string()});
+  };
   ASSERT_EQ(show("disable palm\ndisable thumb\ndisable index\n").exit_code, 0);
   EXPECT_EQ(show("disable middle\n").exit_code, 1);
   const Finished shown = show("show\n");
@@ -193,6 +194,12 @@ class Typing : public testing::Test {
   void expect(const std::string& text) {
     EXPECT_TRUE(terminal_.waitFor(text)) << "waited for '" << text << "' in:\n"
                                          << terminal_.text();
+  }
+
+  /// Of the one session there is.
+  [[nodiscard]] std::string session() const {
+    const auto sessions = service_.ask({"sessions"})["sessions"];
+    return std::to_string(sessions.at(0)["session_id"].get<std::uint64_t>());
   }
 
   const SharedSkins skins_;
@@ -231,7 +238,7 @@ TEST_F(Typing, ArrowsBringLinesBackAlsoOfEarlierEditors) {
   EXPECT_EQ(terminal_.wait(), 0);
 
   Terminal later(program("handgraft"),
-                 {"edit", "1", "--domain", std::to_string(service_.domain())},
+                 {"edit", session(), "--domain", std::to_string(service_.domain())},
                  {{"XDG_STATE_HOME", state_.string()}});
   ASSERT_TRUE(later.waitFor("human20 2> ")) << later.text();
   later.type("\x1b[A");
@@ -251,9 +258,10 @@ TEST_F(Typing, CtrlCCancelsASolveAndKeepsTheSession) {
   expect("^C");
   expect("human20 1> ");
   terminal_.type("quit\r");
-  expect("session 1 stays open");
+  const std::string id = session();
+  expect("session " + id + " stays open");
   EXPECT_EQ(terminal_.wait(), 0);
-  EXPECT_EQ(service_.client({"close", "1"}).exit_code, 0);
+  EXPECT_EQ(service_.client({"close", id}).exit_code, 0);
 }
 
 TEST_F(Typing, CtrlCStopsTheSolveThatFollowsAnEdit) {
@@ -270,6 +278,7 @@ TEST_F(Typing, CtrlCStopsTheSolveThatFollowsAnEdit) {
 
 TEST_F(Typing, OutlivesItsServerAndGoesOnWithAnother) {
   const fs::path file = scratchDirectory() / "kept.json";
+  const std::string id = session();
   terminal_.type("weight palm 0.5; save " + file.string() + "\r");
   expect("wrote ");
   expect("human20 1> ");
@@ -280,12 +289,11 @@ TEST_F(Typing, OutlivesItsServerAndGoesOnWithAnother) {
   expect("human20 1> ");
   const std::unique_ptr<Process> another = service_.start("handgraft-server", {});
   expect("a server answers again");
-  expect("session 1 has ended with its server");
-  // Another session may have got its id meanwhile.
+  expect("session " + id + " has ended with its server");
   terminal_.type("undo\r");
-  expect("session 1 has ended with its server; load opens a saved one");
+  expect("session " + id + " has ended with its server; load opens a saved one");
   terminal_.type("load " + file.string() + "\r");
-  expect(", revision 1; the session 1 before has ended with its server");
+  expect(", revision 1; the session " + id + " before has ended with its server");
   terminal_.type("undo\r");
   expect("revision 2: objective");
   terminal_.type("\x04");
@@ -293,7 +301,22 @@ TEST_F(Typing, OutlivesItsServerAndGoesOnWithAnother) {
   EXPECT_EQ(terminal_.wait(), 0);
 }
 
+TEST_F(Typing, CtrlCEndsAnEditThatASilentServerDoesNotAnswer) {
+  terminal_.type("weight palm 0.5\r");
+  expect("human20 1> ");
+  service_.server().send(SIGSTOP);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // other threads go on a moment
+  terminal_.type("weight palm 1\r");
+  std::this_thread::sleep_for(std::chrono::seconds(3));
+  terminal_.type("\x03");
+  expect("whether the edit was applied is not known");
+  service_.server().send(SIGCONT);
+  // The server had it all the same, and says so.
+  expect("revision 2, by you");
+}
+
 TEST_F(Typing, GoesOnAfterAPauseOfItsServer) {
+  const std::string id = session();
   terminal_.type("weight palm 0.5\r");
   expect("human20 1> ");
   service_.server().send(SIGSTOP);
@@ -304,7 +327,7 @@ TEST_F(Typing, GoesOnAfterAPauseOfItsServer) {
   terminal_.type("weight palm 1\r");
   expect("revision 2: objective");
   terminal_.type("quit\r");
-  expect("session 1 stays open: handgraft edit 1 --domain " +
+  expect("session " + id + " stays open: handgraft edit " + id + " --domain " +
          std::to_string(service_.domain()));
   EXPECT_EQ(terminal_.wait(), 0);
 }

@@ -101,16 +101,6 @@ TEST(Sessions, AreSolvedAlikeSideBySide) {
   EXPECT_EQ(first.optimize().joint_positions(), second.optimize().joint_positions());
 }
 
-TEST(Server, GoesWhenAnElderOneAnswersOnItsDomain) {
-  Service service;
-  const auto younger = service.start("handgraft-server", {});
-  EXPECT_EQ(younger->wait(), 1);
-  EXPECT_NE(younger->err().find("another server"), std::string::npos) << younger->err();
-  EXPECT_NE(younger->err().find("domain " + std::to_string(service.domain())),
-            std::string::npos);
-  EXPECT_EQ(service.client({"doctor"}).exit_code, 0) << "the elder one must stay";
-}
-
 TEST(Server, StopsCleanlyOnSigterm) {
   Service service;
   LiveSession session(service, "barrett8", "lemon", "lemon_6");

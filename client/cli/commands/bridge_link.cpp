@@ -1,8 +1,7 @@
 #include "client/cli/commands/bridge_link.h"
 
-#include <random>
-
 #include "core/base/error.h"
+#include "core/base/random_id.h"
 #include "idl/topics.h"
 
 namespace handgraft::client {
@@ -16,11 +15,6 @@ constexpr milliseconds kTick(20);
 constexpr milliseconds kRepeat(200);
 constexpr milliseconds kSearch(2000);
 constexpr milliseconds kMore(300);  // for others after the first
-
-std::uint64_t randomId() {
-  std::random_device device;
-  return (std::uint64_t{device()} << 32) | device();
-}
 
 }  // namespace
 

@@ -2,6 +2,7 @@
 
 #include "client/cli/commands/commands.h"
 #include "client/link/client.h"
+#include "client/link/session_id.h"
 #include "client/present/attended.h"
 #include "client/present/json_output.h"
 
@@ -9,11 +10,12 @@ namespace handgraft::client {
 
 int run(const CloseOptions& options, const CommonOptions& common, Interruption& interruption) {
   Client server(attended(common.network, Absence::kFail, interruption));
-  server.closeSession(options.session_id).get();
+  const std::uint64_t session_id = sessionMeant(server, options.session_id);
+  server.closeSession(session_id).get();
   if (common.json) {
-    fmt::print("{}\n", json::written({{"session_id", options.session_id}, {"closed", true}}));
+    fmt::print("{}\n", json::written({{"session_id", session_id}, {"closed", true}}));
   } else {
-    fmt::print("closed session {}\n", options.session_id);
+    fmt::print("closed session {}\n", session_id);
   }
   return 0;
 }

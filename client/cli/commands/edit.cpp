@@ -12,6 +12,7 @@
 #include "client/editor/editor.h"
 #include "client/editor/prompt.h"
 #include "client/link/client.h"
+#include "client/link/session_id.h"
 #include "client/present/attended.h"
 #include "client/present/failure.h"
 #include "client/present/json_output.h"
@@ -156,7 +157,7 @@ int run(const EditOptions& options, const CommonOptions& common, Interruption& i
     ModelSender sender(server, interruption, typed && !common.json);
     state = openSession(server, sender, options.grasp, inputs, request);
   } else {
-    state = server.describeSession(options.session_id).get();
+    state = server.describeSession(sessionMeant(server, options.session_id)).get();
   }
   Editor editor(server, interruption, sink, state);
   sink.event(fmt::format("session {}: {} grasps {} by {}, revision {}", state.session_id(),

@@ -3,6 +3,7 @@
 #include "client/cli/commands/commands.h"
 #include "client/gateway/page_file.h"
 #include "client/link/client.h"
+#include "client/link/session_id.h"
 #include "client/present/attended.h"
 #include "client/present/export_file.h"
 #include "client/present/json_output.h"
@@ -22,13 +23,14 @@ int run(const ExportOptions& options, const CommonOptions& common, Interruption&
   gateway::WebFiles page;
   if (options.format == kHtml) page = gateway::readWebFiles(gateway::webFolder());
   Client server(attended(common.network, Absence::kFail, interruption));
+  const std::uint64_t session_id = sessionMeant(server, options.session_id);
   if (options.format == kHtml) {
-    writeFile(options.out, gateway::pageFile(server, options.session_id, page));
+    writeFile(options.out, gateway::pageFile(server, session_id, page));
   } else {
-    exportSession(server, options.session_id, options.format, {"--out", options.out});
+    exportSession(server, session_id, options.format, {"--out", options.out});
   }
   if (common.json) {
-    fmt::print("{}\n", json::written({{"session_id", options.session_id},
+    fmt::print("{}\n", json::written({{"session_id", session_id},
                                       {"format", options.format},
                                       {"file", options.out.string()}},
                                      2));

@@ -2,6 +2,7 @@
 
 #include "client/cli/commands/commands.h"
 #include "client/link/client.h"
+#include "client/link/session_id.h"
 #include "client/link/session_text.h"
 #include "client/present/attended.h"
 #include "client/present/failure.h"
@@ -24,8 +25,9 @@ void tell(const CommonOptions& common, const json::Json& document, const std::st
 int run(const SaveOptions& options, const CommonOptions& common, Interruption& interruption) {
   requireWritable({"FILE", options.path});
   Client server(attended(common.network, Absence::kFail, interruption));
-  writeFile(options.path, server.saveSession(options.session_id).get());
-  tell(common, {{"session_id", options.session_id}, {"file", options.path.string()}},
+  const std::uint64_t session_id = sessionMeant(server, options.session_id);
+  writeFile(options.path, server.saveSession(session_id).get());
+  tell(common, {{"session_id", session_id}, {"file", options.path.string()}},
        fmt::format("wrote {}", quoted(options.path.string())));
   return 0;
 }

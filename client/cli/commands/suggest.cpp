@@ -3,6 +3,7 @@
 #include "client/cli/commands/commands.h"
 #include "client/link/client.h"
 #include "client/link/hand_side_edits.h"
+#include "client/link/session_id.h"
 #include "client/present/attended.h"
 #include "client/present/json_output.h"
 #include "client/present/progress_line.h"
@@ -44,8 +45,9 @@ int run(const SuggestOptions& options,
         Interruption& interruption) {
   ProgressLine progress;
   Client server(attended(common.network, Absence::kFail, interruption, &progress));
+  const std::uint64_t session_id = sessionMeant(server, options.session_id);
   v1::SuggestRequest request;
-  request.session_id(options.session_id);
+  request.session_id(session_id);
   request.patch(options.patch);
   request.reach_m(1e-3 * options.reach_mm);
   request.count(options.count);

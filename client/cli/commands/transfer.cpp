@@ -2,6 +2,7 @@
 
 #include "client/cli/commands/commands.h"
 #include "client/link/client.h"
+#include "client/link/session_id.h"
 #include "client/present/attended.h"
 #include "client/present/json_output.h"
 #include "client/present/progress_line.h"
@@ -14,7 +15,8 @@ int run(const TransferOptions& options,
         Interruption& interruption) {
   ProgressLine progress;
   Client server(attended(common.network, Absence::kFail, interruption, &progress));
-  const v1::TransferReply reply = server.transfer(options.session_id).get();
+  const std::uint64_t session_id = sessionMeant(server, options.session_id);
+  const v1::TransferReply reply = server.transfer(session_id).get();
   progress.clear();
   fmt::print("{}", common.json ? json::document(reply) + "\n" : text::transfer(reply));
   return 0;

@@ -11,6 +11,7 @@
 #include "client/cli/commands/commands.h"
 #include "client/cli/grasp_session.h"
 #include "client/gateway/gateway.h"
+#include "client/link/session_id.h"
 #include "client/link/session_text.h"
 #include "client/present/attended.h"
 #include "client/present/json_output.h"
@@ -55,7 +56,7 @@ std::uint64_t openAsked(const ViewOptions& options,
                         const std::string& saved,
                         Client& server,
                         Interruption& interruption) {
-  if (options.session_id != 0) return options.session_id;
+  if (options.session_id != 0) return sessionMeant(server, options.session_id);
   v1::OptimizeRequest solve;
   if (!options.file.empty()) {
     solve.session_id(askAbout(options.file, [&] {

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "client/cli/commands/commands.h"
+#include "client/link/session_id.h"
 #include "client/link/session_stream.h"
 #include "client/present/attended.h"
 #include "client/present/interruption.h"
@@ -25,9 +26,10 @@ void printLine(const std::string& line) {
 
 int run(const WatchOptions& options, const CommonOptions& common, Interruption& interruption) {
   Client server(attended(common.network, Absence::kFail, interruption));
+  const std::uint64_t session_id = sessionMeant(server, options.session_id);
   const v1::SessionState now =
-      server.describeSession(options.session_id).get();  // it is known to exist
-  SessionStream stream(server, options.session_id);
+      server.describeSession(session_id).get();  // it is known to exist
+  SessionStream stream(server, session_id);
 
   bool closed = false;
   std::uint64_t seen = 0;

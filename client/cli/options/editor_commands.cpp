@@ -22,7 +22,10 @@ void addEdit(CLI::App& app, CommandOptions& chosen) {
   CLI::App* command =
       app.add_subcommand("edit", "Edit a session live: at a prompt, from a script or a pipe");
   CLI::Option* session =
-      command->add_option("session", parsed->session_id, "Its id; or open one by --hand ...")
+      command
+          ->add_option(
+              "session", parsed->session_id,
+              "Its id, or the first digits of it, at least four; or open one by --hand ...")
           ->check(objectionToCount);
   parsed->flags.addTo(*command);
   command->add_option("--script", parsed->script, "Run the commands of a file")
@@ -52,7 +55,9 @@ void addEdit(CLI::App& app, CommandOptions& chosen) {
 }
 
 void addSessionId(CLI::App& command, std::uint64_t& session_id) {
-  command.add_option("session", session_id, "Its id")->required()->check(objectionToCount);
+  command.add_option("session", session_id, "Its id, or the first digits of it, at least four")
+      ->required()
+      ->check(objectionToCount);
 }
 
 void addExport(CLI::App& app, CommandOptions& chosen) {

@@ -236,7 +236,9 @@ void addMotionExport(CLI::App& motion, CommandOptions& chosen) {
   const auto parsed = std::make_shared<Parsed>();
   CLI::App* command =
       motion.add_subcommand("export", "Write what a session's hand does over time as a file");
-  command->add_option("session", parsed->session_id, "Its id")
+  command
+      ->add_option("session", parsed->session_id,
+                   "Its id, or the first digits of it, at least four")
       ->required()
       ->check(objectionToCount);
   command

@@ -11,7 +11,9 @@ namespace handgraft::client {
 namespace {
 
 void addSessionId(CLI::App& command, std::uint64_t& session_id) {
-  command.add_option("session", session_id, "Its id")->required()->check(objectionToCount);
+  command.add_option("session", session_id, "Its id, or the first digits of it, at least four")
+      ->required()
+      ->check(objectionToCount);
 }
 
 void addWatch(CLI::App& app, CommandOptions& chosen) {
