@@ -9,6 +9,7 @@
 
 #include <unistd.h>
 
+#include "client/link/file_fence.h"
 #include "core/base/content_hash.h"
 #include "core/base/error.h"
 
@@ -113,6 +114,7 @@ std::vector<std::string> urisInGltf(const std::string& text) {
 
 void addBuffersOfGltf(ModelFiles& model, const fs::path& mesh) {
   if (mesh.extension() != ".gltf") return;
+  const FileFence fence(mesh, {});
   const std::string text = readFile(mesh);
   for (const std::string& uri : urisInGltf(text)) {
     if (uri.empty() || uri.compare(0, 5, "data:") == 0) continue;
@@ -124,7 +126,9 @@ void addBuffersOfGltf(ModelFiles& model, const fs::path& mesh) {
     static const std::regex kPicture(R"(.*\.(png|jpe?g|webp|ktx2?|dds)$)", std::regex::icase);
     if (std::regex_match(uri, kPicture)) continue;
     try {
-      add(model, uri, resolveResource(uri, fs::absolute(mesh).parent_path(), {}));
+      const fs::path buffer = resolveResource(uri, fs::absolute(mesh).parent_path(), {});
+      fence.require(uri, buffer, FileFence::Kind::kBuffer);
+      add(model, uri, buffer);
     } catch (const InvalidInput& error) {
       rejectInput("{}: {}", mesh.string(), error.what());
     }
@@ -167,6 +171,7 @@ ModelFiles handFiles(const fs::path& urdf,
   ModelFiles model = withMainFile(v1::MODEL_HAND, urdf);
   model.units = units;
   const fs::path folder = fs::absolute(urdf).parent_path();
+  const FileFence fence(urdf, reading.packages);
   for (const auto& [name, directory] : reading.packages)
     model.packages[name] = fs::absolute(directory);
   for (const std::string& uri : meshUrisIn(readFile(urdf))) {
@@ -177,6 +182,7 @@ ModelFiles handFiles(const fs::path& urdf,
     fs::path mesh;
     try {
       mesh = findMesh(uri, folder, reading.packages);
+      fence.require(uri, mesh, FileFence::Kind::kMesh);
       add(model, uri, mesh);
     } catch (const InvalidInput& error) {
       rejectInput("{}: {}", urdf.string(), error.what());
@@ -186,16 +192,20 @@ ModelFiles handFiles(const fs::path& urdf,
   std::error_code error;
   // A file of the URDF's own name first: other URDFs of the folder have other links.
   const fs::path own_sites = fs::path(urdf).replace_extension(".sites.yaml");
-  if (fs::is_regular_file(own_sites, error)) {
-    add(model, kSitesUri, own_sites);
-  } else if (fs::is_regular_file(folder / kSitesUri, error)) {
-    add(model, kSitesUri, folder / kSitesUri);
+  for (const fs::path& sites : {own_sites, folder / kSitesUri}) {
+    if (!fs::is_regular_file(sites, error)) continue;
+    fence.require(sites.filename().string(), sites, FileFence::Kind::kSites);
+    add(model, kSitesUri, sites);
+    break;
   }
 
   v1::HandOptions options = reading.options;
   fs::path srdf = reading.srdf;
   const fs::path beside = fs::path(urdf).replace_extension(".srdf");
-  if (srdf.empty() && fs::is_regular_file(beside, error)) srdf = beside;
+  if (srdf.empty() && fs::is_regular_file(beside, error)) {
+    fence.require(beside.filename().string(), beside, FileFence::Kind::kPoses);
+    srdf = beside;
+  }
   if (!srdf.empty()) {
     options.srdf_uri("srdf/" + srdf.filename().string());
     add(model, options.srdf_uri(), srdf);

@@ -65,7 +65,8 @@ std::string nameFromPath(const std::filesystem::path& path);
 ///
 /// Packages are looked up among those given, then in the folders above the URDF, then in
 /// `AMENT_PREFIX_PATH`.
-/// Errors: InvalidInput if a file is missing, unreadable or empty, naming the URI and the URDF.
+/// Errors: InvalidInput if a file is missing, unreadable or empty, naming the URI and the URDF;
+/// or if it is none that a model may take along (FileFence).
 ModelFiles handFiles(const std::filesystem::path& urdf,
                      const HandReading& reading,
                      const std::string& units = {});
