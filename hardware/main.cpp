@@ -15,6 +15,7 @@
 #include "core/base/network.h"
 #include "hardware/bridge/bridge.h"
 #include "hardware/bridge/device_factory.h"
+#include "hardware/bridge/open_network.h"
 #include "hardware/bridge/report_line.h"
 #include "hardware/bridge/rival_watch.h"
 #include "hardware/bridge/ros_node.h"
@@ -63,6 +64,7 @@ struct Options {
   std::optional<std::string> port;
   double rate_hz = 100;
   bool disarmed = false;
+  bool open = false;
   bool json = false;
 };
 
@@ -113,6 +115,9 @@ void declare(CLI::App& app, Options& options) {
          "--disarmed", options.disarmed,
          "the simulated hand moves after an ARM alone, as a hand with a config always does")
       ->excludes(config);
+  app.add_flag("--open", options.open,
+               "drive motors off the loopback, where anybody may arm and move them")
+      ->needs(config);
   app.add_flag("--json", options.json, "one line of JSON for each event, on standard output");
 }
 
@@ -320,6 +325,7 @@ int run(Options& options) {
   options.bridge.period_s = 1 / options.rate_hz;
   options.bridge.arms_itself = !options.disarmed;
   readConfig(options, options.bridge);
+  bridge::requireClosedNetwork(validate(options.network), options.bridge.config, options.open);
   options.bridge.ros_namespace = bridge::rosNamespace(options.bridge.ros_namespace);
   std::signal(SIGINT, requestStop);
   std::signal(SIGTERM, requestStop);

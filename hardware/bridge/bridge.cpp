@@ -164,7 +164,14 @@ struct Bridge::Impl {
     });
     const bool is_there = watch.isThere(now);
     if (is_there != server_is_there) say(is_there ? "server found" : "the server is gone");
-    if (server_is_there && !is_there) choice.forget();
+    if (server_is_there && !is_there) {
+      choice.forget();
+      // What comes after a gap may be from anywhere: it moves nothing before somebody says so.
+      if (is_willing && has_armed_itself) {
+        is_willing = false;
+        say("the server is gone: ARM moves on");
+      }
+    }
     // What was streamed before comes again to a reader that joins: poses answer edits, and the
     // next edit may be far away.
     if (is_there && !server_is_there && has_met_server) {
@@ -257,7 +264,9 @@ struct Bridge::Impl {
     const bool rests =
         state().state == GovernorState::kIdle ||
         (state().state == GovernorState::kHolding && state().hold != HoldCause::kDisarmed);
-    if (rests) motion->request(Request::kArm);
+    if (!rests) return;
+    has_armed_itself = true;
+    motion->request(Request::kArm);
   }
 
   // === What there is to say
@@ -349,7 +358,8 @@ struct Bridge::Impl {
   Clock::time_point start{};
 
   bool server_is_there = false, has_met_server = false, has_missed_server = false;
-  bool is_willing = false;                  // to arm by itself
+  bool is_willing = false;  // to arm by itself
+  bool has_armed_itself = false;
   bool arrived = false;                     // at the newest pose, and said so
   std::uint64_t offered = 0;                // number of the pose that was handed over last
   std::uint64_t pose_number = 0;            // of the newest pose, before it was explained

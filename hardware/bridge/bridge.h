@@ -26,8 +26,8 @@ struct BridgeOptions {
   std::string ros_namespace;                 ///< of its ROS 2 topics and services
 
   // === Of the simulated hand alone
-  /// Arms by itself for each fresh pose until it is disarmed, and completes the last pose of a
-  /// session that is closed.
+  /// Arms by itself for each fresh pose until it is disarmed or its server is gone, and
+  /// completes the last pose of a session that is closed.
   bool arms_itself = true;
   double period_s = 0.01;
   MotionBounds bounds;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <csignal>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -91,6 +92,39 @@ TEST_F(Bridge, StopsForGoodOnAnEstop) {
     return state.state() == v1::BridgeState::BRIDGE_ESTOP;
   });
   EXPECT_TRUE(stopped.has_value());
+}
+
+TEST_F(Bridge, ArmsItselfNoMoreOnceItsServerWasGone) {
+  idl::cyclone::Writer<v1::HandCommand> commands(participant_, idl::kHandCommandTopic);
+  const auto bridge = service_.start("handgraft-bridge", {});
+  session_.optimize();
+  const auto armed = [](const v1::JointState& state) {
+    return state.state() == v1::BridgeState::BRIDGE_ARMED;
+  };
+  ASSERT_TRUE(await(states_, armed)) << bridge->err();
+  service_.server().send(SIGSTOP);
+  ASSERT_TRUE(bridge->waitForText("the server is gone"));
+  ASSERT_TRUE(await(states_, [](const v1::JointState& state) {
+    return state.state() == v1::BridgeState::BRIDGE_IDLE;
+  }));
+  service_.server().send(SIGCONT);
+  ASSERT_TRUE(bridge->waitForText("server found"));
+  session_.optimize();
+  EXPECT_TRUE(await(states_, [&](const v1::JointState& state) {
+    EXPECT_FALSE(armed(state)) << "armed itself";
+    return state.state() == v1::BridgeState::BRIDGE_IDLE && !state.target_rad().empty();
+  }));
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  states_.take([&](const v1::JointState& state) {
+    EXPECT_FALSE(armed(state)) << "armed itself";
+  });
+  // An ARM repeated until it is obeyed: the pose may have been late.
+  v1::HandCommand command;
+  command.bridge_id(1);
+  command.kind(v1::HandCommandKind::COMMAND_ARM);
+  command.command_id(11);
+  commands.write(command);
+  EXPECT_TRUE(await(states_, armed)) << bridge->err();
 }
 
 TEST_F(Bridge, EndsCleanlyOnSigterm) {
