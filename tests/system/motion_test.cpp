@@ -61,7 +61,7 @@ TEST(Motion, ABoxIsPulledOffAShelfAndTurned) {
   EXPECT_EQ(begins(scratch / "frames.csv", 7), "time_s,");
 
   // The session stays, and writes what it was asked to keep.
-  const std::string session = std::to_string(solved.at("session_id").get<int>());
+  const std::string session = std::to_string(solved.at("session_id").get<std::uint64_t>());
   const json exported =
       service.ask({"motion", "export", session, "--out", (scratch / "pull.yaml").string()});
   EXPECT_EQ(exported.at("format"), "ros_trajectory");

@@ -102,7 +102,7 @@ class PatchNearACorner : public testing::Test {
   }
 
   [[nodiscard]] std::string keptSession() const {
-    return std::to_string(service_.ask(grasp({})).at("session_id").get<int>());
+    return std::to_string(service_.ask(grasp({})).at("session_id").get<std::uint64_t>());
   }
 
   std::filesystem::path folder_ = scratchDirectory();
@@ -142,7 +142,7 @@ TEST_F(PatchNearACorner, IsToldWithTheCommandThatHelps) {
 
 TEST_F(PatchNearACorner, HasPointsInsideWhenTheyAreAskedFor) {
   const json grasped = service_.ask(grasp({"--log-map", "exact", "--interior", "2"}));
-  const std::string session = std::to_string(grasped.at("session_id").get<int>());
+  const std::string session = std::to_string(grasped.at("session_id").get<std::uint64_t>());
   const json transfer = service_.ask({"transfer", session});
   EXPECT_EQ(transfer.at("options").at("method"), "exact");
   EXPECT_EQ(transfer.at("options").at("interior_rings"), 2);
