@@ -24,6 +24,9 @@ using namespace handgraft;
 constexpr int kDone = 0;
 constexpr int kFailed = 1;
 constexpr int kWrongInput = 2;
+// A client repeats what it waits for at least every 2 s (idl/TOPICS.md).
+constexpr std::chrono::seconds kForsaken{10};
+constexpr std::size_t kReserves = 16;
 
 struct Options {
   Network network;
@@ -34,6 +37,7 @@ struct Options {
   server::ReaderLimits reader;
   unsigned session_idle_minutes = 720;
   unsigned sessions = 256;
+  unsigned solve_seconds = 600;
 };
 
 /// Blocks SIGTERM and SIGINT in this thread and all that it starts; returns the set to wait
@@ -74,6 +78,9 @@ void serve(const Options& options, const sigset_t& stop_signals) {
   service_options.reader_limits = options.reader;
   service_options.session_idle = std::chrono::minutes(options.session_idle_minutes);
   service_options.most_sessions = options.sessions;
+  service_options.budget = std::chrono::seconds(options.solve_seconds);
+  service_options.forsaken = kForsaken;
+  service_options.reserves = kReserves;
   server::Service service(*bus, models, service_options);
   service.start();
   spdlog::info("event=ready version={} domain={} interface={} models={} left_out={} workers={}",
@@ -124,6 +131,10 @@ int main(int argc, char** argv) {
   app.add_option("--session-idle-minutes", options.session_idle_minutes,
                  "minutes after which a session that nobody uses is closed, 1-525600")
       ->check(CLI::Range(1u, 525'600u))
+      ->capture_default_str();
+  app.add_option("--solve-seconds", options.solve_seconds,
+                 "seconds that one request or solve may compute, 1-86400")
+      ->check(CLI::Range(1u, 86'400u))
       ->capture_default_str();
   app.add_option("--sessions", options.sessions, "sessions that may be open, 1-4096")
       ->check(CLI::Range(1u, 4096u))

@@ -64,7 +64,7 @@ Service::Service(Bus& bus, ModelStore& models, const ServiceOptions& options)
       reader_(options.reader, options.reader_limits),
       sessions_(server_id_, options.most_sessions),
       quick_(1, kMostQuickWaiting),
-      pool_(options.workers, options.most_waiting, options.patience),
+      pool_(options.workers, options.most_waiting, options.patience, options.reserves),
       workshop_{models, uploads_, reader_, sessions_, *this, pool_} {}
 
 Service::~Service() {
@@ -125,10 +125,45 @@ void Service::publishStatusOnceASecond() {
   while (!stopping_) {
     bus_.publish(status());
     expireIdleSessions();
+    endForsakenAndLong();
     status_wake_.wait_for(lock, std::chrono::seconds(1), [this] {
       return stopping_.load();
     });
   }
+}
+
+void Service::hearAgain(const Key& key) {
+  const std::lock_guard lock(running_mutex_);
+  const auto found = running_.find(key);
+  if (found != running_.end()) found->second->heard = Clock::now();
+}
+
+void Service::endForsakenAndLong() {
+  const Clock::time_point now = Clock::now();
+  {
+    const std::lock_guard lock(running_mutex_);
+    for (const auto& [key, job] : running_) {
+      if (job->ended) continue;
+      const double asked = job->request.budget_s();
+      const std::chrono::duration<double> budget =
+          asked > 0.0 ? std::min(options_.budget, std::chrono::duration<double>(asked))
+                      : options_.budget;
+      if (now - job->heard > options_.forsaken) {
+        job->ended = {v1::ERROR_CANCELLED, "given up: its client does not ask for it any more",
+                      ""};
+      } else if (job->begun && now - *job->begun > budget) {
+        job->ended = {v1::ERROR_OUT_OF_TIME,
+                      fmt::format("ended after {:.6g} s of computing, all that it was given",
+                                  budget.count()),
+                      ""};
+      } else {
+        continue;
+      }
+      job->progress.cancel();
+    }
+  }
+  for (const auto& live : sessions_.all())
+    live->endSolveLongerThan(options_.budget);
 }
 
 void Service::expireIdleSessions() {
@@ -213,7 +248,7 @@ void Service::onRequest(v1::Request request, const Sender& sender) {
   const auto begun = requests_.begin(job->asker, job->request.request_id());
   switch (begun.verdict) {
     case Requests::Verdict::kRunning:
-      return;
+      return hearAgain({job->asker, job->request.request_id()});
     case Requests::Verdict::kForgotten:
       passes(reply, [&] {
         rejectForgotten("request", reply.request_id());
@@ -257,12 +292,15 @@ void Service::admit(const JobPtr& job) {
   if (mine >= options_.most_per_client) {
     reject(v1::ERROR_OVERLOADED, "{} requests of this client are unanswered", mine);
   }
-  const std::size_t bytes = v1::Request::getCdrSerializedSize(request);
+  // Messages take more memory than wire: short strings and small structures several times as
+  // much, and all of it once more where it becomes other types.
+  constexpr std::size_t kMemoryPerByte = 4;
+  const std::size_t bytes = kMemoryPerByte * v1::Request::getCdrSerializedSize(request);
   if (bytes > options_.most_bytes - running_bytes_) {
     reject(
         v1::ERROR_OVERLOADED,
-        "a request of {} bytes is too much beside the {} bytes of those that wait, of at most "
-        "{}; try later",
+        "a request that takes {} bytes of memory is too much beside the {} bytes of those that "
+        "wait, of at most {}; try later",
         bytes, running_bytes_, options_.most_bytes);
   }
   job->bytes = bytes;
@@ -311,6 +349,10 @@ void Service::dispatch(const JobPtr& job) {
 
 void Service::run(const JobPtr& job, const std::function<v1::ReplyBody()>& work) {
   const Clock::time_point begin = Clock::now();
+  {
+    const std::lock_guard lock(running_mutex_);
+    if (!job->begun) job->begun = begin;
+  }
   v1::Reply reply;
   try {
     job->progress.checkpoint();
@@ -319,6 +361,10 @@ void Service::run(const JobPtr& job, const std::function<v1::ReplyBody()>& work)
     throw;
   } catch (...) {
     ErrorReply error = errorReplyOf(std::current_exception());
+    if (error.code == v1::ERROR_CANCELLED) {
+      const std::lock_guard lock(running_mutex_);
+      if (job->ended) error = *job->ended;
+    }
     reply.error(error.code);
     reply.message(std::move(error.message));
     reply.field(std::move(error.field));

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "core/base/progress.h"
+#include "server/admission/error_reply.h"
 #include "server/admission/request_deduplication.h"
 #include "server/admission/workshop.h"
 #include "server/sessions/live_session.h"
@@ -24,11 +25,19 @@
 namespace handgraft::server {
 
 struct ServiceOptions {
+  static constexpr std::chrono::hours kNever{1'000'000};
+
   std::size_t workers = 2;         ///< for slow work; quick requests have a thread of their own
   std::size_t most_waiting = 256;  ///< tasks that may queue; more are refused
   std::chrono::milliseconds patience = StrandPool::kPatience;  ///< of idle tasks
+  /// Threads that help where all workers have long tasks (StrandPool).
+  std::size_t reserves = 0;
+  /// A request that its client has not repeated for so long is given up: the client is gone.
+  std::chrono::seconds forsaken = kNever;
+  /// Of computing, a request or the solve that follows an edit; a request may ask for less.
+  std::chrono::duration<double> budget = kNever;
   std::size_t most_per_client = 32;     ///< requests of one client that may be unanswered
-  std::size_t most_bytes = 256u << 20;  ///< of all unanswered requests
+  std::size_t most_bytes = 256u << 20;  ///< of memory, of all unanswered requests
   std::size_t most_sessions = 256;
   /// A session that nobody asks anything of for so long is closed; its state warns of it in the
   /// last tenth, at most ten minutes before.
@@ -78,8 +87,12 @@ class Service final : private BusListener, private SessionAudience {
     Progress progress;
     std::chrono::steady_clock::time_point told{};
     std::string told_stage;
-    std::size_t bytes = 0;    ///< of the request, once it is admitted
+    std::size_t bytes = 0;    ///< of the request in memory, once it is admitted
     std::uint64_t stops = 0;  ///< of its session, when it came
+    // Of `running_mutex_`.
+    std::chrono::steady_clock::time_point heard = std::chrono::steady_clock::now();  ///< last
+    std::optional<std::chrono::steady_clock::time_point> begun;  ///< computing
+    std::optional<ErrorReply> ended;                             ///< by us, and why
     /// An edit cut it short at this revision, and it waits for what becomes of that edit.
     std::optional<std::uint64_t> cut_short_at;
 
@@ -124,6 +137,10 @@ class Service final : private BusListener, private SessionAudience {
   void answerEdit(const Asker& asker, const v1::Edit& edit, v1::EditReply reply);
   void queueSolve(const std::shared_ptr<LiveSession>& live);
 
+  /// It was repeated: somebody still waits for it.
+  void hearAgain(const Key& key);
+  /// Cancels what nobody waits for any more, and what has had its time.
+  void endForsakenAndLong();
   void publishStatusOnceASecond();
   void expireIdleSessions();
 

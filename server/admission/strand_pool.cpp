@@ -8,10 +8,15 @@ namespace handgraft::server {
 
 StrandPool::StrandPool(std::size_t threads,
                        std::size_t most_waiting,
-                       std::chrono::milliseconds patience)
-    : most_waiting_(most_waiting), patience_(patience) {
+                       std::chrono::milliseconds patience,
+                       std::size_t reserves)
+    : most_waiting_(most_waiting), patience_(patience), workers_(threads) {
   HANDGRAFT_REQUIRE(threads > 0);
-  threads_.reserve(threads);
+  threads_.reserve(threads + reserves);
+  for (std::size_t i = 0; i < reserves; ++i)
+    threads_.emplace_back([this] {
+      runInReserve();
+    });
   for (std::size_t i = 0; i < threads; ++i)
     threads_.emplace_back([this] {
       run();
@@ -29,6 +34,7 @@ bool StrandPool::post(std::function<void()> task) {
     tasks_.push_back(std::move(task));
   }
   changed_.notify_one();
+  reserve_.notify_one();
   return true;
 }
 
@@ -38,6 +44,7 @@ void StrandPool::postAlways(std::function<void()> task) {
     tasks_.push_back(std::move(task));
   }
   changed_.notify_one();
+  reserve_.notify_one();
 }
 
 void StrandPool::postIdle(std::function<void()> task) {
@@ -54,6 +61,7 @@ void StrandPool::shut() {
     shut_ = true;
   }
   changed_.notify_all();
+  reserve_.notify_all();
   for (std::thread& thread : threads_) {
     if (thread.joinable()) thread.join();
   }
@@ -66,12 +74,40 @@ void StrandPool::run() {
       return shut_ || !tasks_.empty() || !idle_.empty();
     });
     if (tasks_.empty() && idle_.empty()) return;
-    std::function<void()> task = take();
-    lock.unlock();
-    task();
-    task = nullptr;  // what it held goes without the lock
-    lock.lock();
+    runNext(lock);
   }
+}
+
+void StrandPool::runNext(std::unique_lock<std::mutex>& lock) {
+  std::function<void()> task = take();
+  const auto since = at_work_since_.insert(Clock::now());
+  lock.unlock();
+  task();
+  task = nullptr;  // what it held goes without the lock
+  lock.lock();
+  at_work_since_.erase(since);
+}
+
+void StrandPool::runInReserve() {
+  constexpr std::chrono::milliseconds kLook(10);
+  std::unique_lock lock(mutex_);
+  while (true) {
+    reserve_.wait(lock, [this] {
+      return shut_ || (!tasks_.empty() && !reserve_looks_);
+    });
+    reserve_looks_ = true;
+    while (!shut_ && !tasks_.empty() && !allAreLongAtWork())
+      reserve_.wait_for(lock, kLook);
+    reserve_looks_ = false;
+    if (shut_) return;
+    if (tasks_.empty()) continue;
+    reserve_.notify_one();
+    runNext(lock);
+  }
+}
+
+bool StrandPool::allAreLongAtWork() const {
+  return at_work_since_.size() >= workers_ && Clock::now() - *at_work_since_.rbegin() >= kLong;
 }
 
 std::function<void()> StrandPool::take() {

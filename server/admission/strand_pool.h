@@ -7,21 +7,27 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <thread>
 #include <vector>
 
 namespace handgraft::server {
 
-/// A fixed number of threads that run tasks in the order given, and idle ones of strands when
-/// nothing else waits. Tasks must not throw.
+/// A number of threads that run tasks in the order given, and idle ones of strands when nothing
+/// else waits. Tasks must not throw.
+///
+/// Where all of them have been at one task for `kLong` and others wait, reserves take those,
+/// one each: long solves hold nobody's edit up.
 class StrandPool {
  public:
   static constexpr std::chrono::milliseconds kPatience{250};
+  static constexpr std::chrono::milliseconds kLong{100};
 
   /// `most_waiting` tasks may queue. An idle task that has waited for `patience` is next.
   StrandPool(std::size_t threads,
              std::size_t most_waiting,
-             std::chrono::milliseconds patience = kPatience);
+             std::chrono::milliseconds patience = kPatience,
+             std::size_t reserves = 0);
   /// Finishes what runs and what waits.
   ~StrandPool();
   StrandPool(const StrandPool&) = delete;
@@ -45,6 +51,11 @@ class StrandPool {
   void postAlways(std::function<void()> task);
   void postIdle(std::function<void()> task);
   void run();
+  void runInReserve();
+  /// Runs the next one with the lock given back meanwhile.
+  void runNext(std::unique_lock<std::mutex>& lock);
+  /// Every thread that is not in reserve has been at its task for long; `mutex_` held.
+  [[nodiscard]] bool allAreLongAtWork() const;
   /// The next one, of those that wait; `mutex_` held.
   std::function<void()> take();
 
@@ -55,6 +66,10 @@ class StrandPool {
   std::size_t most_waiting_;
   std::chrono::milliseconds patience_;
   bool shut_ = false;
+  const std::size_t workers_;
+  std::condition_variable reserve_;
+  bool reserve_looks_ = false;                      ///< one of them at a time
+  std::multiset<Clock::time_point> at_work_since_;  ///< all threads', reserves among them
   std::vector<std::thread> threads_;
 };
 

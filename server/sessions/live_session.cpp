@@ -157,9 +157,19 @@ void LiveSession::stopSolving(const v1::ClientId& stopper) {
   in_flight_->progress_.cancel();
 }
 
+void LiveSession::endSolveLongerThan(std::chrono::duration<double> longest) {
+  const std::lock_guard lock(flight_mutex_);
+  if (in_flight_ == nullptr || in_flight_->stopped_) return;
+  if (std::chrono::steady_clock::now() - in_flight_->begin_ <= longest) return;
+  ++stops_;
+  stopper_.reset();
+  in_flight_->stopped_ = true;
+  in_flight_->progress_.cancel();
+}
+
 std::string LiveSession::whoStopped() const {
   const std::lock_guard lock(flight_mutex_);
-  return "stopped by client " + shortName(stopper_);
+  return stopper_ ? "stopped by client " + shortName(*stopper_) : "stopped: its time is over";
 }
 
 // === Edits on their way

@@ -94,11 +94,14 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
   /// for them: also by edits, which stay. `stopper` is told to those who wait.
   void stopSolving(const v1::ClientId& stopper);
 
+  /// Likewise, where the one in flight has taken longer than that.
+  void endSolveLongerThan(std::chrono::duration<double> longest);
+
   /// How often that was done: what was asked for at another count than the present one is
   /// stopped.
   [[nodiscard]] std::uint64_t stops() const { return stops_; }
 
-  /// "stopped by client ab12cd34": the last time.
+  /// "stopped by client ab12cd34", or that its time was over: the last time.
   [[nodiscard]] std::string whoStopped() const;
 
   // === Edits on their way
@@ -218,7 +221,7 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
 
   mutable std::mutex flight_mutex_;
   SolveInFlight* in_flight_ = nullptr;
-  v1::ClientId stopper_{};  ///< the last one
+  std::optional<v1::ClientId> stopper_;  ///< the last one; nothing: its time was over
   std::atomic<std::uint64_t> stops_{0};
 
   mutable std::mutex mutex_;

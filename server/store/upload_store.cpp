@@ -127,12 +127,41 @@ void UploadStore::put(const ClientId& client, const v1::PutFileRequest& chunk) {
     rejectInput("file {}: an empty chunk at offset {} of {}", handgraft::quoted(chunk.uri()),
                 chunk.offset(), file.total);
   }
+  makeRoom(key, chunk.bytes().size(), chunk.uri());
   std::ofstream out(upload.files->file(chunk.uri()), std::ios::binary | std::ios::app);
   out.write(reinterpret_cast<const char*>(chunk.bytes().data()),
             static_cast<std::streamsize>(chunk.bytes().size()));
   out.close();
   if (!out) reject(v1::ERROR_OVERLOADED, "the server has no room left for uploads");
   file.received += chunk.bytes().size();
+  upload.received += chunk.bytes().size();
+}
+
+std::uint64_t UploadStore::held() const {
+  std::uint64_t sum = 0;
+  for (const auto& [key, upload] : uploads_)
+    sum += upload.received + kFileCost * upload.progress.size();
+  return sum;
+}
+
+void UploadStore::makeRoom(const Key& key, std::uint64_t bytes, const std::string& uri) {
+  const auto now = std::chrono::steady_clock::now();
+  while (true) {
+    const std::uint64_t all = held();
+    if (bytes <= limits_.bytes && all <= limits_.bytes - bytes) return;
+    auto longest = uploads_.end();
+    for (auto at = uploads_.begin(); at != uploads_.end(); ++at) {
+      if (at->first == key || now - at->second.touched < limits_.idle_in_need) continue;
+      if (longest == uploads_.end() || at->second.touched < longest->second.touched)
+        longest = at;
+    }
+    if (longest == uploads_.end()) {
+      reject(v1::ERROR_OVERLOADED,
+             "file {}: all clients together are uploading {} bytes; try later",
+             handgraft::quoted(uri), all);
+    }
+    uploads_.erase(longest);
+  }
 }
 
 UploadStore::Upload& UploadStore::uploadFor(const Key& key) {
@@ -161,24 +190,17 @@ UploadStore::File& UploadStore::beginFile(const Key& key,
                 handgraft::quoted(chunk.uri()), chunk.offset());
   }
 
-  // What is promised is reserved, so that a limit shows at a file's first chunk.
+  // What is announced counts for its own client, so that a limit shows at a file's first chunk;
+  // for all together counts what has come: a promise costs nothing, and must hold nobody up.
   const std::uint64_t given_back = again ? found->second.total : 0;
   const std::uint64_t mine = reservedBy(key.first) - given_back;
-  std::uint64_t all = 0;
-  for (const auto& [other, one] : uploads_)
-    all += one.reserved;
-  all -= given_back;
   if (chunk.total_bytes() > limits_.bytes_per_client ||
       mine > limits_.bytes_per_client - chunk.total_bytes()) {
     reject(v1::ERROR_OVERLOADED,
            "file {}: {} bytes besides {} unfinished; a client may upload {} at once",
            handgraft::quoted(chunk.uri()), chunk.total_bytes(), mine, limits_.bytes_per_client);
   }
-  if (chunk.total_bytes() > limits_.bytes || all > limits_.bytes - chunk.total_bytes()) {
-    reject(v1::ERROR_OVERLOADED,
-           "file {}: all clients together are uploading {} bytes; try later",
-           handgraft::quoted(chunk.uri()), all);
-  }
+  makeRoom(key, kFileCost, chunk.uri());
   if (!again && upload.progress.size() >= limits_.files_per_upload) {
     reject(v1::ERROR_OVERLOADED, "file {}: an upload may have {} files",
            handgraft::quoted(chunk.uri()), limits_.files_per_upload);
@@ -191,6 +213,7 @@ UploadStore::File& UploadStore::beginFile(const Key& key,
   std::ofstream(path, std::ios::binary | std::ios::trunc);
   upload.files->files_[chunk.uri()] = path;
   upload.reserved += chunk.total_bytes() - given_back;
+  if (again) upload.received -= found->second.received;
   File& file = upload.progress[chunk.uri()];
   file = {chunk.uri(), chunk.total_bytes(), 0};
   return file;
@@ -215,7 +238,7 @@ std::uint64_t UploadStore::bytes() const {
   const std::lock_guard lock(mutex_);
   std::uint64_t sum = 0;
   for (const auto& [key, upload] : uploads_)
-    sum += upload.reserved;
+    sum += upload.received;
   return sum;
 }
 

@@ -15,11 +15,13 @@
 namespace handgraft::server {
 
 struct UploadLimits {
-  std::uint64_t bytes = 1ull << 30;  ///< of all clients
-  std::uint64_t bytes_per_client = 256ull << 20;
+  std::uint64_t bytes = 1ull << 30;               ///< of all clients, as they have come
+  std::uint64_t bytes_per_client = 256ull << 20;  ///< as announced
   std::size_t files_per_upload = 2000;
   std::size_t uploads_per_client = 16;
   std::chrono::seconds idle{600};  ///< an upload that nothing was added to is dropped
+  /// Likewise, the longest idle one first, where another client's would find no room.
+  std::chrono::seconds idle_in_need{10};
 };
 
 /// The files of one finished upload; they are deleted with this.
@@ -77,7 +79,10 @@ class UploadStore {
   /// it is not complete.
   std::shared_ptr<const UploadedFiles> finish(const ClientId& client, std::uint64_t upload_id);
 
-  /// Bytes of all unfinished uploads.
+  /// What a file counts as beyond its bytes: empty ones take room, too.
+  static constexpr std::uint64_t kFileCost = 4096;
+
+  /// Bytes that have come of all unfinished uploads.
   [[nodiscard]] std::uint64_t bytes() const;
 
  private:
@@ -90,7 +95,8 @@ class UploadStore {
   struct Upload {
     std::shared_ptr<UploadedFiles> files;
     std::map<std::string, File> progress;
-    std::uint64_t reserved = 0;
+    std::uint64_t reserved = 0;  ///< bytes announced
+    std::uint64_t received = 0;  ///< bytes that have come
     std::chrono::steady_clock::time_point touched;
   };
 
@@ -100,6 +106,10 @@ class UploadStore {
   Upload& uploadFor(const Key& key);
   File& beginFile(const Key& key, Upload& upload, const v1::PutFileRequest& chunk);
   [[nodiscard]] std::uint64_t reservedBy(const ClientId& client) const;
+  [[nodiscard]] std::uint64_t held() const;
+  /// Errors: Rejection if so many bytes find no room beside those of all clients, after what
+  /// was idle has gone.
+  void makeRoom(const Key& key, std::uint64_t bytes, const std::string& uri);
 
   UploadLimits limits_;
   std::filesystem::path folder_;

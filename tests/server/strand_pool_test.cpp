@@ -7,6 +7,8 @@
 #include <functional>
 #include <future>
 #include <memory>
+#include <mutex>
+#include <set>
 #include <thread>
 #include <vector>
 
@@ -25,6 +27,37 @@ TEST(StrandPool, FinishesWhatItTookWhenShut) {
   pool.shut();
   EXPECT_EQ(done, 50);
   EXPECT_FALSE(pool.post([] {}));
+}
+
+TEST(StrandPool, LongTasksHoldNobodyUpWhileThereAreReserves) {
+  std::promise<void> gate;
+  const std::shared_future<void> open = gate.get_future().share();
+  StrandPool pool(2, 100, StrandPool::kPatience, 4);
+  for (int i = 0; i < 5; ++i)
+    ASSERT_TRUE(pool.post([open] {
+      open.wait();
+    }));
+  std::promise<void> done;
+  ASSERT_TRUE(pool.post([&] {
+    done.set_value();
+  }));
+  EXPECT_EQ(done.get_future().wait_for(std::chrono::seconds(60)), std::future_status::ready);
+  gate.set_value();
+}
+
+TEST(StrandPool, LeavesShortTasksToItsWorkers) {
+  std::mutex mutex;
+  std::set<std::thread::id> seen;
+  {
+    StrandPool pool(2, 10'000, StrandPool::kPatience, 4);
+    for (int i = 0; i < 2000; ++i)
+      ASSERT_TRUE(pool.post([&] {
+        std::this_thread::sleep_for(std::chrono::microseconds(50));
+        const std::lock_guard lock(mutex);
+        seen.insert(std::this_thread::get_id());
+      }));
+  }
+  EXPECT_LE(seen.size(), 2u);
 }
 
 TEST(StrandPool, RefusesMoreThanMayWait) {

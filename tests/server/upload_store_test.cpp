@@ -83,7 +83,8 @@ TEST(UploadStore, RefusesChunksThatDoNotContinue) {
 }
 
 TEST(UploadStore, BoundsWhatAClientAndAllClientsUpload) {
-  UploadStore store({.bytes = 150, .bytes_per_client = 100});
+  constexpr std::uint64_t kFile = UploadStore::kFileCost;
+  UploadStore store({.bytes = 3 * kFile + 4, .bytes_per_client = 100});
   EXPECT_EQ(codeOf([&] {
               store.put(kClient, chunk("a", "x", 0, 101));
             }),
@@ -94,13 +95,14 @@ TEST(UploadStore, BoundsWhatAClientAndAllClientsUpload) {
             }),
             v1::ERROR_OVERLOADED);
   EXPECT_EQ(codeOf([&] {
-              store.put({8}, chunk("a", "x", 0, 51));
+              store.put({8}, chunk("a", "xyz", 0, 100));
+            }),
+            v1::ERROR_NONE)
+      << "what is announced and has not come counts for its client alone";
+  EXPECT_EQ(codeOf([&] {
+              store.put({9}, chunk("a", "x", 0, 1));
             }),
             v1::ERROR_OVERLOADED);
-  EXPECT_EQ(codeOf([&] {
-              store.put({8}, chunk("a", "x", 0, 50));
-            }),
-            v1::ERROR_NONE);
   EXPECT_EQ(codeOf([&] {
               store.put({9}, chunk("a", "x", 0, ~std::uint64_t{0}));
             }),
@@ -109,9 +111,35 @@ TEST(UploadStore, BoundsWhatAClientAndAllClientsUpload) {
 
 TEST(UploadStore, DropsAnUploadThatNobodyContinues) {
   UploadStore store({.idle = std::chrono::seconds(-1)});
-  store.put(kClient, chunk("a", "x", 0, 100));
+  store.put(kClient, chunk("a", "xyz", 0, 100));
   store.put({8}, chunk("a", "x", 0, 10));
-  EXPECT_EQ(store.bytes(), 10u);
+  EXPECT_EQ(store.bytes(), 1u);
+}
+
+TEST(UploadStore, IsNotBlockedByPromisesOfFourClients) {
+  UploadStore store;
+  for (std::uint8_t client = 1; client <= 4; ++client)
+    store.put({client}, chunk("a", "x", 0, 256ull << 20));
+  EXPECT_NO_THROW(store.put({9}, chunk("a", "x", 0, 256ull << 20)));
+}
+
+TEST(UploadStore, MakesRoomByDroppingTheLongestIdleUpload) {
+  constexpr std::uint64_t kFile = UploadStore::kFileCost;
+  UploadStore store({.bytes = 2 * kFile + 8, .idle_in_need = std::chrono::seconds(-1)});
+  store.put({1}, chunk("a", "xyz", 0, 100));
+  store.put({2}, chunk("a", "xyz", 0, 100));
+  store.put({3}, chunk("a", "x", 0, 1));
+  EXPECT_THROW(store.finish({1}, 1), InvalidInput);
+  EXPECT_NO_THROW(store.finish({3}, 1));
+}
+
+TEST(UploadStore, CountsEmptyFiles) {
+  UploadStore store({.bytes = 10 * UploadStore::kFileCost});
+  const auto put = [&] {
+    for (int i = 0; i < 11; ++i)
+      store.put(kClient, chunk("file" + std::to_string(i), "", 0, 0));
+  };
+  EXPECT_EQ(codeOf(put), v1::ERROR_OVERLOADED);
 }
 
 TEST(UploadedFiles, PrintsDependOnNamesAndContentsNotOnOrder) {

@@ -1,0 +1,168 @@
+#include <chrono>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "server/admission/service.h"
+
+#include "tests/server/recording_bus.h"
+#include "tests/server/small_grasp.h"
+
+// What one client costs the others.
+
+namespace handgraft::server {
+namespace {
+
+using testing::HasSubstr;
+
+/// A server of one worker.
+class FairShares : public testing::Test {
+ protected:
+  explicit FairShares(ServiceOptions options = {}) : service_(bus_, models_, alone(options)) {
+    service_.start();
+    for (const v1::RequestBody& body : test::smallGrasp())
+      EXPECT_EQ(bus_.ask(body).error(), v1::ERROR_NONE);
+  }
+
+  static ServiceOptions alone(ServiceOptions options) {
+    options.workers = 1;
+    return options;
+  }
+
+  std::uint64_t open() {
+    return bus_.ask(test::openSession("clamp", "fruit", "marks")).body().session().session_id();
+  }
+
+  /// Would take hours.
+  static v1::RequestBody longSolve(std::uint64_t session) {
+    return test::optimize(session, v1::SOLVER_ALL, 10'000);
+  }
+
+  v1::Reply awaitReply(std::uint64_t id) {
+    return bus_
+        .await<v1::Reply>(bus_.replies,
+                          [&](const v1::Reply& one) {
+                            return one.request_id() == id;
+                          })
+        .value_or(v1::Reply());
+  }
+
+  v1::ErrorCode edit(std::uint64_t id, std::uint64_t session, const v1::EditBody& body) {
+    v1::Edit message;
+    message.client({1});
+    message.edit_id(id);
+    message.session_id(session);
+    message.body(body);
+    bus_.send(message);
+    return bus_
+        .await<v1::EditReply>(bus_.edit_replies,
+                              [&](const v1::EditReply& one) {
+                                return one.edit_id() == id;
+                              })
+        ->error();
+  }
+
+  test::RecordingBus bus_;
+  ModelStore models_;
+  Service service_;
+};
+
+class Forsaken : public FairShares {
+ protected:
+  static ServiceOptions options() {
+    ServiceOptions options;
+    options.forsaken = std::chrono::seconds(2);
+    return options;
+  }
+
+  Forsaken() : FairShares(options()) {}
+};
+
+TEST_F(Forsaken, SolvesEndAndRepeatedOnesGoOn) {
+  const std::uint64_t session = open();
+  const std::uint64_t kept = open();
+  bus_.send(1, longSolve(session));
+  const v1::Reply given_up = awaitReply(1);
+  EXPECT_EQ(given_up.error(), v1::ERROR_CANCELLED);
+  EXPECT_THAT(given_up.message(), HasSubstr("given up"));
+  for (int i = 0; i < 40; ++i) {
+    bus_.send(2, longSolve(kept));
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  for (const v1::Reply& one : bus_.copyOf(bus_.replies))
+    EXPECT_NE(one.request_id(), 2u) << one.message();
+  EXPECT_EQ(bus_.ask(test::cancel(2)).error(), v1::ERROR_NONE);
+}
+
+class Budget : public FairShares {
+ protected:
+  static ServiceOptions options() {
+    ServiceOptions options;
+    options.budget = std::chrono::seconds(2);
+    return options;
+  }
+
+  Budget() : FairShares(options()) {}
+};
+
+TEST_F(Budget, EndsASolveThatWasAskedFor) {
+  bus_.send(1, longSolve(open()));
+  const v1::Reply reply = awaitReply(1);
+  EXPECT_EQ(reply.error(), v1::ERROR_OUT_OF_TIME) << reply.message();
+  EXPECT_THAT(reply.message(), HasSubstr("2 s"));
+}
+
+TEST_F(Budget, MayBeLessByRequest) {
+  v1::Request request;
+  request.client({1});
+  request.request_id(1);
+  request.protocol_version(v1::PROTOCOL_VERSION);
+  request.budget_s(0.25);
+  request.body(longSolve(open()));
+  bus_.send(request);
+  EXPECT_THAT(awaitReply(1).message(), HasSubstr("0.25 s"));
+}
+
+TEST_F(Budget, EndsASolveThatFollowsAnEdit) {
+  const std::uint64_t session = open();
+  v1::SolveOptions solving;
+  solving.solver(v1::SOLVER_ALL);
+  solving.starts(10'000);
+  solving.max_evaluations(100'000);
+  v1::EditBody body;
+  body.solving(solving);
+  ASSERT_EQ(edit(1, session, body), v1::ERROR_NONE);
+  EXPECT_TRUE(bus_.await<v1::SessionState>(bus_.states, [&](const v1::SessionState& state) {
+    return state.session_id() == session && state.revision() == 1 &&
+           state.message() == "stopped";
+  }));
+}
+
+class Reserves : public FairShares {
+ protected:
+  static ServiceOptions options() {
+    ServiceOptions options;
+    options.reserves = 3;
+    return options;
+  }
+
+  Reserves() : FairShares(options()) {}
+};
+
+TEST_F(Reserves, AnswerEditsBesideTwoLongSolves) {
+  const std::uint64_t mine = open();
+  bus_.send(1, longSolve(open()), 7);
+  bus_.send(2, longSolve(open()), 7);
+  v1::PatchWeightEdit weight;
+  weight.patch("palm");
+  weight.weight(0.5);
+  v1::EditBody body;
+  body.patch_weight(weight);
+  EXPECT_EQ(edit(1, mine, body), v1::ERROR_NONE);
+  for (const v1::Reply& one : bus_.copyOf(bus_.replies))
+    EXPECT_GT(one.request_id(), 2u) << "a long solve had ended: nothing was shown";
+}
+
+}  // namespace
+}  // namespace handgraft::server
