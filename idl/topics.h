@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 
 /// The one list of topics. Types are in the IDL files; the README says who writes and reads
 /// what.
@@ -115,6 +116,15 @@ inline constexpr Topic<sensor_msgs::msg::dds_::JointState_> kRosJointStatesTopic
 inline constexpr Topic<trajectory_msgs::msg::dds_::JointTrajectory_> kRosTrajectoryTopic{
     "rt/joint_trajectory", Qos::kTelemetry,
     "RIHS01_179b33eba59d676f6d967ac71fe35e7ca2f64b2f3928f4a018cec115e213796e"};
+/// Timed samples for a session's hand: rt/handgraft/<session>/joint_trajectory, as
+/// `sampleTopicName` makes it. A sample that comes too late is of no use any more.
+inline constexpr Topic<trajectory_msgs::msg::dds_::JointTrajectory_> kRosSamplesTopic{
+    "rt/handgraft/0/joint_trajectory", Qos::kTelemetry, kRosTrajectoryTopic.ros_type_hash};
+
+inline std::string sampleTopicName(unsigned long long session) {
+  return "rt/handgraft/" + std::to_string(session) + "/joint_trajectory";
+}
+
 inline constexpr Topic<diagnostic_msgs::msg::dds_::DiagnosticArray_> kRosDiagnosticsTopic{
     "rt/diagnostics", Qos::kTelemetry,
     "RIHS01_5a8a36efb05fb25070fa0fb3810290c0e6cd4862b54a8fb975a1ee8dc55a333e"};

@@ -15,6 +15,7 @@
 #include "hardware/bridge/rival_watch.h"
 #include "hardware/bridge/server_watch.h"
 #include "hardware/bridge/stream_feed.h"
+#include "hardware/bridge/trajectory_feed.h"
 #include "idl/topics.h"
 
 namespace handgraft::bridge {
@@ -30,6 +31,8 @@ constexpr std::chrono::milliseconds kServerPatience(1500);  // the absence is sa
 // rad: a unit of small hands' encoders, 4096 a turn; the end of a range is rounded inwards by
 // one.
 constexpr double kArrived = 2e-3;
+// For the first pose of samples to be taken by the motion thread; refused, it is offered again.
+constexpr std::chrono::milliseconds kBeginPatience(200);
 
 }  // namespace
 
@@ -49,6 +52,7 @@ struct Bridge::Impl {
              !told.config && told.arms_itself,
              told.config ? told.config->hand : ""),
         choice(participant),
+        trajectories(participant),
         statuses(participant, idl::kStatusTopic),
         commands(participant, idl::kHandCommandTopic),
         heard_statuses(participant, idl::kBridgeStatusTopic),
@@ -102,6 +106,7 @@ struct Bridge::Impl {
     lookForRivals(now);
     takeCommands();
     takeStream(now);
+    takeSamples(now);
     passPose(now);
     const MotionState* news = motion ? motion->take() : nullptr;
     armIfWilling();
@@ -187,7 +192,10 @@ struct Bridge::Impl {
     }
     feed.serverIsThere(is_there);
     sessions->take([this](const v1::SessionState& session) {
-      if (feed.see(session) || session.phase() == v1::PHASE_CLOSED) return;
+      const bool is_ours = feed.see(session);
+      if (!options.session || *options.session == session.session_id())
+        trajectories.see(session);
+      if (is_ours || session.phase() == v1::PHASE_CLOSED) return;
       passed_over = fmt::format("session {} is of hand {}, this one is {}: passed over",
                                 session.session_id(), handgraft::quoted(session.hand()),
                                 handgraft::quoted(options.config->hand));
@@ -196,6 +204,47 @@ struct Bridge::Impl {
     solutions->take([this](const v1::PoseSolution& solution) {
       feed.see(solution);
     });
+  }
+
+  // After poses: samples are the newer word.
+  void takeSamples(Clock::time_point now) {
+    trajectories.take([&](std::uint64_t session, const TrajectoryFeed::Message& message) {
+      const std::int64_t system_ns = systemTimeOf(now).count();
+      const std::optional<StreamFeed::Heard> heard = feed.hear(session, system_ns);
+      if (!heard) return;
+      const bool has_begun = motion && state().stream == heard->stream;
+      ReadTrajectory read = readTrajectory(
+          message, has_begun ? identity.joints : message.joint_names(), system_ns);
+      if (!read.refusal.empty()) {
+        own_refusal.note(v1::REFUSAL_POSE, "sample refused: " + read.refusal);
+        return say("sample refused: " + read.refusal);
+      }
+      if (!has_begun) return beginWith(*heard, session, message, read.poses.front(), now);
+      arrived = true;  // nothing to arrive at
+      for (TimedPose& pose : read.poses) {
+        pose.stream = heard->stream;
+        pose.arrived = now;
+        motion->offer(pose);
+      }
+    });
+  }
+
+  // A stream begins with a pose, by which its hand is found.
+  void beginWith(const StreamFeed::Heard& heard,
+                 std::uint64_t session,
+                 const TrajectoryFeed::Message& message,
+                 const TimedPose& first,
+                 Clock::time_point now) {
+    if (waiting || (offered_stream == heard.stream && now - offered_at < kBeginPatience))
+      return;
+    StreamFeed::Pose pose;
+    pose.stream = heard.stream;
+    pose.pose.session_id = session;
+    pose.pose.hand = heard.hand;
+    pose.pose.names = message.joint_names();
+    pose.pose.joint_rad = first.joint_rad;
+    waiting = std::move(pose);
+    waiting_since = now;
   }
 
   void passPose(Clock::time_point now) {
@@ -227,6 +276,8 @@ struct Bridge::Impl {
     StreamPose told;
     told.stream = pose.stream;
     told.sequence = offered = pose.pose.sequence_number;
+    offered_stream = pose.stream;
+    offered_at = waiting_since;
     // On a busy machine a pose may be long on its way, which a simulated hand may bear.
     told.source_ns = options.config ? pose.pose.stamp_ns : 0;
     told.arrived = waiting_since;
@@ -333,11 +384,11 @@ struct Bridge::Impl {
     start = Clock::now();
     const auto period = std::chrono::duration_cast<Clock::duration>(
         std::chrono::duration<double>(identity.period_s / 2));
-    const auto nap = std::clamp<Clock::duration>(period, std::chrono::milliseconds(1),
-                                                 std::chrono::milliseconds(5));
+    const auto nap = std::clamp(std::chrono::floor<std::chrono::milliseconds>(period),
+                                std::chrono::milliseconds(1), std::chrono::milliseconds(5));
     while (!stop) {
       turn(Clock::now());
-      std::this_thread::sleep_for(nap);
+      trajectories.wait(nap);
     }
     overruns = state().overruns;
     motion.reset();
@@ -352,6 +403,7 @@ struct Bridge::Impl {
   StreamFeed feed;
   ServerWatch watch;
   HandChoice choice;
+  TrajectoryFeed trajectories;
   CalibrationKeeper calibration;
   BridgeIdentity identity;
   MotionState no_hand;
@@ -365,6 +417,8 @@ struct Bridge::Impl {
   std::uint64_t pose_number = 0;            // of the newest pose, before it was explained
   std::optional<StreamFeed::Pose> waiting;  // for its hand's description
   Clock::time_point waiting_since{};
+  std::uint64_t offered_stream = 0;  // of the pose that was handed over last, and when it came
+  Clock::time_point offered_at{};
 
   std::string rival;        // of the same number, and what to do about it; empty: none
   std::string passed_over;  // the session of another hand, since the last pose; empty: none

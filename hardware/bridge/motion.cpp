@@ -22,6 +22,9 @@ using safety::Time;
 constexpr std::chrono::seconds kReopen(1);
 // What the governor is told of a fault; the kind itself is kept beside.
 constexpr std::uint32_t kGuardCode = 0x100;
+constexpr double kFollowable = 0.95;  // of a joint's speed, so that it can catch up
+constexpr double kToldBehind_s = 0.05;
+constexpr double kFastestSamples = 2.0;  // times real time: no joint is in the way
 
 bool allFinite(std::span<const double> numbers) {
   return std::all_of(numbers.begin(), numbers.end(), [](double x) {
@@ -41,6 +44,7 @@ Motion::Motion(config::HandConfig config,
       on_homed_(std::move(on_homed)),
       governor_(config_.governor),
       path_(config_),
+      samples_(config_.jointCount()),
       stack_(make_device_(config_)),
       zeros_(config_),
       motors_(config_.motors.size(), clock_()),
@@ -64,16 +68,15 @@ Motion::~Motion() {
 // === Between turns
 
 void Motion::offer(const StreamPose& pose) {
+  if (pose.stream == state_.stream && samples_.isPlaying(pose.arrived)) return;
   const std::uint64_t clamped = governor_.counters().clamped_samples;
   const safety::SampleVerdict verdict = governor_.offer(
       {pose.stream, pose.sequence, pose.source_ns, pose.names, pose.joint_rad}, pose.arrived);
   if (verdict == safety::SampleVerdict::kAccepted) {
     ++state_.poses_accepted;
     is_clamped_ = governor_.counters().clamped_samples != clamped;
-    const Clamping clamping =
-        clampingOf(config_.governor.names, governor_.asked(), governor_.target());
-    state_.clamping = clamping.text;
-    state_.clamped_rad = clamping.largest_rad;
+    noteClamping();
+    samples_.clear();
     state_.stream = pose.stream;
     state_.sequence = pose.sequence;
     renewed_at_ = pose.arrived;
@@ -86,6 +89,72 @@ void Motion::offer(const StreamPose& pose) {
     refuse(v1::REFUSAL_POSE, "pose", pose_refusal_.view());
     is_last_refusal_a_poses_ = true;
   }
+}
+
+void Motion::noteClamping() {
+  const Clamping clamping =
+      clampingOf(config_.governor.names, governor_.asked(), governor_.target());
+  state_.clamping = clamping.text;
+  state_.clamped_rad = clamping.largest_rad;
+}
+
+// === Timed samples
+
+void Motion::offer(const TimedPose& sample) {
+  if (sample.stream != state_.stream) return;  // its first pose is on its way, or was refused
+  const safety::SampleVerdict verdict =
+      samples_.add(sample.source_ns, sample.joint_rad, sample.continues, sample.arrived);
+  if (verdict == safety::SampleVerdict::kAccepted) {
+    ++state_.poses_accepted;
+    if (!renewed_at_ || sample.arrived > *renewed_at_) renewed_at_ = sample.arrived;
+    pose_refusal_.set("");
+    if (is_last_refusal_a_poses_) accept();
+    return;
+  }
+  ++state_.poses_refused;
+  // On a network that loses and reorders, late ones are no news, but counted.
+  if (verdict == safety::SampleVerdict::kLate || verdict == safety::SampleVerdict::kRepeated)
+    return;
+  refuse(v1::REFUSAL_POSE, "sample", toString(verdict));
+  is_last_refusal_a_poses_ = true;
+}
+
+// The pose that the samples ask for now.
+void Motion::guide(Time now) {
+  const std::span<const double> pose = samples_.advance(now, permittedRate());
+  if (pose.empty()) return;
+  const std::uint64_t clamped = governor_.counters().clamped_samples;
+  if (!governor_.guide(state_.stream, pose, samples_.newestArrival())) return;
+  is_clamped_ = governor_.counters().clamped_samples != clamped;
+  noteClamping();
+}
+
+// Slower than the samples ask for where a joint's speed does not permit it, and where what was
+// sent or what is measured has fallen behind by more than following at full speed explains.
+double Motion::permittedRate() {
+  double rate = std::numeric_limits<double>::infinity();
+  slow_joint_ = 0;
+  if (governor_.state() != GovernorState::kArmed || governor_.isRamping()) return rate;
+  const std::span<const double> sent = governor_.commanded();
+  for (std::size_t i = 0; i < samples_.velocity().size(); ++i) {
+    const safety::JointLimits& limits = config_.governor.limits[i];
+    const double asked = std::abs(samples_.velocity()[i]);
+    double permitted = asked > 0 ? kFollowable * limits.velocity / asked : rate;
+    if (state_.is_powered && samples_.isPlaying(clock_())) {
+      const double at_full_speed =
+          limits.velocity * limits.velocity / (2 * limits.acceleration) +
+          limits.velocity * limits.acceleration / limits.jerk;
+      const double lag =
+          std::max(std::abs(governor_.target()[i] - sent[i]),
+                   std::abs(state_.command[i] - state_.residual[i] - state_.position[i]));
+      const double budget = config_.governor.near + at_full_speed;
+      permitted = std::min(permitted, std::clamp(2 * (1 - lag / budget), 0.0, kFastestSamples));
+    }
+    if (permitted >= rate) continue;
+    rate = permitted;
+    slow_joint_ = i;
+  }
+  return rate;
 }
 
 void Motion::renew(std::uint64_t stream, Time time) {
@@ -218,6 +287,7 @@ void Motion::govern(Time now) {
   report.position = state_.position;
   const FaultCause before = governor_.fault();
   now = std::max(now, clock_());  // reading took its time
+  guide(now);
   const MotorOrder order = governor_.tick(report, now);
   if (before == FaultCause::kNone && governor_.fault() != FaultCause::kNone) noteFault();
   obey(order);
@@ -357,6 +427,15 @@ void Motion::switchOff() {
 
 // === What may be told
 
+void Motion::tellSamples(Time now) {
+  state_.is_guided = samples_.isPlaying(now);
+  state_.samples_skipped = samples_.skipped();
+  state_.behind_s = state_.is_guided ? samples_.behind() : 0.0;
+  const bool is_slower = state_.is_guided && state_.behind_s > kToldBehind_s;
+  state_.slower.set("");
+  if (is_slower) state_.slower.set(config_.governor.names[slow_joint_]);
+}
+
 void Motion::tell(Time now) {
   state_.state = governor_.state();
   state_.fault = governor_.fault();
@@ -387,6 +466,7 @@ void Motion::tell(Time now) {
     const double off = std::abs(state_.command[i] - state_.position[i]);
     state_.tracking = std::max(state_.tracking, off);
   }
+  tellSamples(now);
   state_.command_age = governor_.commandAge(now);
   if (renewed_at_) state_.stream_age = now - *renewed_at_;
   const safety::GovernorCounters& counters = governor_.counters();

@@ -12,6 +12,8 @@
 #include "hardware/bridge/motor_path.h"
 #include "hardware/bridge/motor_watch.h"
 #include "hardware/bridge/request_ring.h"
+#include "hardware/bridge/sample_path.h"
+#include "hardware/bridge/timed_pose_ring.h"
 #include "hardware/bridge/zero_watch.h"
 #include "hardware/safety/governor.h"
 #include "idl/hardware.h"
@@ -55,6 +57,9 @@ class Motion {
   // === Between turns
 
   void offer(const StreamPose& pose);
+  /// A sample of the stream whose pose was accepted last. While such samples come, poses of
+  /// the stream wait for nothing and change nothing: its samples are the newer word.
+  void offer(const TimedPose& sample);
   /// `stream` lived at `time`.
   void renew(std::uint64_t stream, safety::Time time);
   void request(Request request);
@@ -78,6 +83,9 @@ class Motion {
   void openIfDue(safety::Time now);
   void open();
   bool measure();
+  void guide(safety::Time now);
+  double permittedRate();
+  void noteClamping();
   void govern(safety::Time now);
   void obey(const safety::MotorOrder& order);
   void drive(std::span<const double> joint_rad);
@@ -92,6 +100,7 @@ class Motion {
   void accept();
   void noteFault();
   void tell(safety::Time now);
+  void tellSamples(safety::Time now);
 
   config::HandConfig config_;
   MakeDevice make_device_;
@@ -99,6 +108,7 @@ class Motion {
   OnHomed on_homed_;
   safety::Governor governor_;
   MotorPath path_;
+  SamplePath samples_;
   DeviceStack stack_;
   ZeroWatch zeros_;
   MotorWatch motors_;
@@ -115,6 +125,7 @@ class Motion {
   std::optional<safety::Time> next_open_;
   std::optional<safety::Time> renewed_at_;
   std::uint64_t limited_before_ = 0;
+  std::size_t slow_joint_ = 0;  // that keeps samples from being followed at their speed
   devices::DeviceState measured_;
   MotionState state_;
   std::vector<std::size_t> joint_of_motor_;  // of direct drive; else empty

@@ -60,7 +60,11 @@ std::string describe(const MotionState& state) {
       return fmt::format("motors off; HOME first: zeros are not known{}{}",
                          state.zeros.view().empty() ? "" : ": ", state.zeros.view());
     case GovernorState::kArmed:
-      return state.is_slow ? "armed, slowly to a far pose" : "armed";
+      if (state.is_slow) return "armed, slowly to a far pose";
+      if (!state.slower.view().empty())
+        return fmt::format("armed, slower than its samples ask for: joint '{}' is not as fast",
+                           state.slower.view());
+      return "armed";
     case GovernorState::kHolding:
       if (state.hold == HoldCause::kMotorLimited && !state.held.view().empty())
         return fmt::format("{}; ARM moves on", state.held.view());

@@ -52,7 +52,11 @@ struct MotionState {
   bool is_slow = false;
   std::uint64_t stream = 0;    ///< of the newest accepted pose; 0: none yet
   std::uint64_t sequence = 0;  ///< its number
-  FixedText held;              ///< which motor is held back, and why; empty: none
+  bool is_guided = false;      ///< by timed samples
+  double behind_s = 0;         ///< the samples' clock, behind where it is meant to be
+  FixedText slower;  ///< the joint because of which samples are followed slower; empty: none
+  std::uint64_t samples_skipped = 0;  ///< since the start
+  FixedText held;                     ///< which motor is held back, and why; empty: none
 
   // === The device
   devices::Fault device_fault;  ///< as it was when `fault` was latched

@@ -16,6 +16,7 @@ MotionThread::MotionThread(std::unique_ptr<Motion> motion, std::atomic<bool>& es
     : motion_(std::move(motion)),
       config_(motion_->config()),
       estop_flag_(estop_flag),
+      samples_(config_.jointCount()),
       states_(motion_->state()),
       thread_([this] {
         run();
@@ -40,6 +41,10 @@ void MotionThread::turn(Periodic& periodic) {
   // A stop does not wait for anything.
   if (estop_flag_.exchange(false)) motion_->estop();
   if (const StreamPose* pose = poses_.take()) motion_->offer(*pose);
+  while (const TimedPose* sample = samples_.front()) {
+    motion_->offer(*sample);
+    samples_.drop();
+  }
   if (const Renewal* renewal = renewals_.take()) motion_->renew(renewal->stream, renewal->time);
   while (const std::optional<Request> request = requests_.take())
     motion_->request(*request);

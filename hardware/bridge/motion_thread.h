@@ -30,6 +30,9 @@ class MotionThread {
 
   void offer(StreamPose pose);
 
+  /// Of the stream that was offered last, in the order of the config's joints.
+  void offer(const TimedPose& sample) { static_cast<void>(samples_.put(sample)); }
+
   /// `stream` lived at `time`.
   void renew(std::uint64_t stream, safety::Time time);
 
@@ -61,6 +64,7 @@ class MotionThread {
   bool is_realtime_ = false;
   RequestRing requests_;
   Newest<StreamPose> poses_;
+  TimedPoseRing samples_;
   Newest<Renewal> renewals_;
   Newest<MotionState> states_;
   std::thread thread_;

@@ -82,6 +82,21 @@ void SolutionFollower::see(const v1::PoseSolution& solution) {
   session.newest = solution;
 }
 
+const std::string* SolutionFollower::hear(std::uint64_t id, std::int64_t stamp_ns) {
+  if (id == 0 || (only_ && id != *only_)) return nullptr;
+  Session& session = sessionOf(id);
+  if (!session.state || session.is_closed || session.is_history) return nullptr;
+  if (!session.has_streamed) session.first_stamp = stamp_ns;
+  session.has_streamed = true;
+  if (followed_ != id) {
+    const auto current = sessions_.find(followed_);
+    const bool is_free = current == sessions_.end() || current->second.is_closed;
+    if (!is_free && !beganAfter(id, followed_)) return nullptr;
+    followed_ = id;
+  }
+  return &session.state->hand();
+}
+
 void SolutionFollower::forget() {
   sessions_.clear();
   followed_ = 0;

@@ -40,6 +40,11 @@ class SolutionFollower {
   void see(const v1::SessionState& state);
   void see(const v1::PoseSolution& solution);
 
+  /// Timed samples of this session come, first at `stamp_ns`: they count as its stream, beside
+  /// its poses. The hand's name if it is the session followed, now or from now on; null if its
+  /// state is not known yet, it is closed, or another session goes before.
+  const std::string* hear(std::uint64_t id, std::int64_t stamp_ns);
+
   /// `state` says that its session is of a hand that is not ours. Its poses count no more,
   /// until a state of ours is seen; nor do those that answered the other hand. True if it was
   /// the one followed: none is then.

@@ -43,6 +43,21 @@ std::optional<StreamFeed::Pose> StreamFeed::take() {
   return Pose{stream_, is_repeat, std::move(*pose)};
 }
 
+std::optional<StreamFeed::Heard> StreamFeed::hear(std::uint64_t session,
+                                                  std::int64_t stamp_ns) {
+  if (!server_is_there_) return std::nullopt;
+  const std::string* hand = follower_.hear(session, stamp_ns);
+  if (hand == nullptr) return std::nullopt;
+  if (!has_begun_ || session != session_) {
+    ++stream_;
+    last_sequence_ = 0;
+    last_joint_rad_.clear();
+  }
+  has_begun_ = true;
+  session_ = session;
+  return Heard{stream_, *hand};
+}
+
 std::optional<std::uint64_t> StreamFeed::alive() const {
   if (!server_is_there_ || !has_begun_) return std::nullopt;
   if (follower_.isClosed() && !outlives_closing_) return std::nullopt;

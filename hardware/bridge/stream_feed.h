@@ -39,6 +39,16 @@ class StreamFeed {
 
   void see(const v1::PoseSolution& solution) { follower_.see(solution); }
 
+  /// The stream that timed samples of this session belong to.
+  struct Heard {
+    std::uint64_t stream = 0;
+    std::string hand;
+  };
+
+  /// A timed sample of the session has come. Nothing if it does not count: no server, a session
+  /// that is closed or not known, or one that began to stream before the one followed.
+  std::optional<Heard> hear(std::uint64_t session, std::int64_t stamp_ns);
+
   /// What a server said before it went is forgotten: what comes later is news.
   void serverIsThere(bool is_there);
 

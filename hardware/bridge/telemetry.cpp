@@ -161,7 +161,7 @@ v1::BridgeStatus bridgeStatus(const BridgeIdentity& identity,
   message.reason(describe(state));
   message.powered(state.is_powered);
   message.homed(state.is_homed);
-  message.slow(state.is_slow);
+  message.slow(state.is_slow || !state.slower.view().empty());
   message.session_id(identity.session_id);
   message.command_age_s(secondsOf(state.command_age));
   message.stream_age_s(secondsOf(state.stream_age));

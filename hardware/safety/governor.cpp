@@ -67,6 +67,19 @@ SampleVerdict Governor::offer(const TargetSample& sample, Time now) {
   const SampleVerdict verdict = stream_.see(sample, now);
   ++counters_.samples[indexOf(verdict)];
   if (verdict != SampleVerdict::kAccepted) return verdict;
+  takeTarget();
+  if (state_ == GovernorState::kArmed && before && *before != sample.stream)
+    enterHold(HoldCause::kStreamChanged);
+  return verdict;
+}
+
+bool Governor::guide(std::uint64_t stream, std::span<const double> joint_rad, Time sampled) {
+  if (!stream_.guide(stream, joint_rad, sampled)) return false;
+  takeTarget();
+  return true;
+}
+
+void Governor::takeTarget() {
   bool is_clamped = false;
   for (std::size_t i = 0; i < target_.size(); ++i) {
     target_[i] = limiter_.allowed(i, stream_.target()[i]);
@@ -74,9 +87,6 @@ SampleVerdict Governor::offer(const TargetSample& sample, Time now) {
   }
   if (is_clamped) ++counters_.clamped_samples;
   aim_anew_ = true;
-  if (state_ == GovernorState::kArmed && before && *before != sample.stream)
-    enterHold(HoldCause::kStreamChanged);
-  return verdict;
 }
 
 void Governor::renew(std::uint64_t stream, Time now) {

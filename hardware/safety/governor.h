@@ -41,6 +41,9 @@ class Governor {
   /// makes an armed hand hold.
   SampleVerdict offer(const TargetSample& sample, Time now);
 
+  /// The stream's pose moves on along timed samples (`StreamWatch::guide`); begins no stream.
+  bool guide(std::uint64_t stream, std::span<const double> joint_rad, Time sampled);
+
   /// The stream says that its newest pose still stands (`StreamWatch::renew`).
   void renew(std::uint64_t stream, Time now);
 
@@ -97,6 +100,7 @@ class Governor {
   [[nodiscard]] std::span<const double> commanded() const { return limiter_.positions(); }
 
  private:
+  void takeTarget();
   void noteTime(Time now);
   void noteDevice(const DeviceReport& device, Time now);
   void watchConnection(const DeviceReport& device, Time now);

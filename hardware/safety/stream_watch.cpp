@@ -118,6 +118,18 @@ void StreamWatch::renew(std::uint64_t stream, Time now) {
   if (stream_ == stream) fresh_at_ = std::max(fresh_at_, now);
 }
 
+bool StreamWatch::guide(std::uint64_t stream, std::span<const double> joint_rad, Time sampled) {
+  if (stream_ != stream || joint_rad.size() != target_.size()) return false;
+  if (!std::all_of(joint_rad.begin(), joint_rad.end(), [](double q) {
+        return std::isfinite(q);
+      }))
+    return false;
+  std::copy(joint_rad.begin(), joint_rad.end(), target_.begin());
+  accepted_at_ = std::max(accepted_at_, sampled);
+  fresh_at_ = std::max(fresh_at_, sampled);
+  return true;
+}
+
 void StreamWatch::forgetClock() {
   clock_.reset();
 }

@@ -29,6 +29,12 @@ class StreamWatch {
   /// only when something changes. Passed over before the first pose and from other streams.
   void renew(std::uint64_t stream, Time now);
 
+  /// The stream's newest pose moves on along timed samples, the newest of which came at
+  /// `sampled`: it counts as an accepted pose of that moment. In the order of `names`. False,
+  /// and nothing changes, before the first pose, for another stream, what is not finite or of
+  /// another length.
+  bool guide(std::uint64_t stream, std::span<const double> joint_rad, Time sampled);
+
   /// Forgets what is known of the sender's clock: after a pause it may have been set anew.
   void forgetClock();
 

@@ -28,6 +28,12 @@ std::int64_t now_ns() {
   return std::chrono::system_clock::now().time_since_epoch() / std::chrono::nanoseconds(1);
 }
 
+idl::Topic<trajectory_msgs::msg::dds_::JointTrajectory_> samplesOn(const std::string& name) {
+  auto topic = idl::kRosSamplesTopic;
+  topic.name = name.c_str();
+  return topic;
+}
+
 }  // namespace
 
 StandInServer::StandInServer(const Network& network,
@@ -36,7 +42,9 @@ StandInServer::StandInServer(const Network& network,
     : participant_(network),
       statuses_(participant_, idl::kStatusTopic),
       sessions_(participant_, idl::kSessionTopic),
-      solutions_(participant_, idl::kSolutionTopic) {
+      solutions_(participant_, idl::kSolutionTopic),
+      sample_topic_(idl::sampleTopicName(kSession)),
+      samples_(participant_, samplesOn(sample_topic_)) {
   state_.session_id(kSession);
   state_.hand(hand);
   state_.joint_names(joint_names);
@@ -78,6 +86,18 @@ void StandInServer::stream(const std::vector<double>& joint_rad) {
   pose.is_final(true);
   pose.joint_positions(joint_rad);
   solutions_.write(pose);
+}
+
+void StandInServer::sample(const std::vector<double>& joint_rad, std::int64_t stamp_ns) {
+  constexpr std::int64_t kSecond_ns = 1'000'000'000;
+  trajectory_msgs::msg::dds_::JointTrajectory_ message;
+  message.header().stamp().sec(static_cast<std::int32_t>(stamp_ns / kSecond_ns));
+  message.header().stamp().nanosec(static_cast<std::uint32_t>(stamp_ns % kSecond_ns));
+  message.joint_names(state_.joint_names());
+  trajectory_msgs::msg::dds_::JointTrajectoryPoint_ point;
+  point.positions(joint_rad);
+  message.points({point});
+  samples_.write(message);
 }
 
 BridgeBench::BridgeBench(const Network& network, const std::string& config_text)

@@ -11,6 +11,7 @@
 #include "hardware/config/hand_config.h"
 #include "idl/cyclone/participant.h"
 #include "idl/hardware.h"
+#include "idl/ros2.h"
 #include "idl/service.h"
 #include "idl/sessions.h"
 
@@ -30,6 +31,11 @@ class StandInServer {
 
   void stream(const std::vector<double>& joint_rad);
 
+  /// A timed sample of the session, for now; `stamp_ns` of the system's clock.
+  void sample(const std::vector<double>& joint_rad, std::int64_t stamp_ns);
+
+  [[nodiscard]] bool isSampled() const { return samples_.readers() > 0; }
+
   /// It says nothing, as if it were suspended, until it is told to go on.
   void pause(bool is_paused) { is_paused_ = is_paused; }
 
@@ -45,6 +51,8 @@ class StandInServer {
   idl::cyclone::Writer<v1::ServerStatus> statuses_;
   idl::cyclone::Writer<v1::SessionState> sessions_;
   idl::cyclone::Writer<v1::PoseSolution> solutions_;
+  std::string sample_topic_;
+  idl::cyclone::Writer<trajectory_msgs::msg::dds_::JointTrajectory_> samples_;
   v1::SessionState state_;
   std::uint64_t number_ = 0;
   std::atomic<bool> is_ending_{false};

@@ -49,6 +49,9 @@ TEST(MotionAllocation, NoPeriodUnderPowerAllocates) {
     motion.turn();
   }
   ASSERT_TRUE(motion.state().is_powered);
+  TimedPose sample;
+  sample.stream = pose.stream;
+  sample.joint_rad = pose.joint_rad;
   const long before = allocationCount();
   for (int k = 0; k < 300; ++k) {
     now += milliseconds(10);
@@ -57,6 +60,15 @@ TEST(MotionAllocation, NoPeriodUnderPowerAllocates) {
     motion.turn();
     copy = motion.state();
   }
+  for (int k = 0; k < 300; ++k) {
+    now += milliseconds(10);
+    sample.source_ns = 10'000'000 * (k - k % 3);  // two of three are repeats
+    sample.arrived = now;
+    motion.offer(sample);
+    motion.turn();
+    copy = motion.state();
+  }
+  EXPECT_TRUE(motion.state().is_guided);
   EXPECT_EQ(motion.state().state, safety::GovernorState::kArmed);
   motion.estop();
   for (int k = 0; k < 100; ++k) {

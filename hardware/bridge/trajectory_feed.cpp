@@ -1,0 +1,131 @@
+#include "hardware/bridge/trajectory_feed.h"
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+
+#include <fmt/format.h>
+
+#include "core/base/error.h"
+#include "hardware/bridge/pose_refusal.h"
+#include "hardware/bridge/sample_path.h"
+#include "idl/topics.h"
+
+namespace handgraft::bridge {
+
+namespace {
+
+constexpr std::size_t kMostListeners = 32;
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
+
+std::int64_t nanosecondsOf(std::int32_t sec, std::uint32_t nanosec) {
+  return kSecond_ns * sec + nanosec;
+}
+
+}  // namespace
+
+ReadTrajectory readTrajectory(const trajectory_msgs::msg::dds_::JointTrajectory_& message,
+                              const std::vector<std::string>& names,
+                              std::int64_t system_ns) {
+  const std::vector<std::string>& told = message.joint_names();
+  std::vector<std::size_t> joint_of;
+  for (const std::string& name : told) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found != names.end())
+      joint_of.push_back(static_cast<std::size_t>(found - names.begin()));
+  }
+  std::vector<std::size_t> each = joint_of;
+  std::sort(each.begin(), each.end());
+  const bool has_all = told.size() == names.size() && each.size() == names.size() &&
+                       std::adjacent_find(each.begin(), each.end()) == each.end();
+  if (!has_all) {
+    const FixedText why =
+        describeRefusal(safety::SampleVerdict::kWrongNames, names, told, told.size());
+    return {{}, std::string(why.view())};
+  }
+  if (message.points().empty() || message.points().size() > SamplePath::kMostSamples) {
+    return {{},
+            fmt::format("{} points in a message are not in [1, {}]", message.points().size(),
+                        SamplePath::kMostSamples)};
+  }
+  std::int64_t start_ns =
+      nanosecondsOf(message.header().stamp().sec(), message.header().stamp().nanosec());
+  if (start_ns == 0) start_ns = system_ns;
+  ReadTrajectory read;
+  for (const auto& point : message.points()) {
+    if (point.positions().size() != names.size()) {
+      return {{},
+              fmt::format("a point has {} positions for {} joints", point.positions().size(),
+                          names.size())};
+    }
+    TimedPose pose;
+    pose.source_ns = start_ns + nanosecondsOf(point.time_from_start().sec(),
+                                              point.time_from_start().nanosec());
+    pose.continues = !read.poses.empty();
+    pose.joint_rad.resize(names.size());
+    for (std::size_t i = 0; i < names.size(); ++i)
+      pose.joint_rad[joint_of[i]] = point.positions()[i];
+    read.poses.push_back(std::move(pose));
+  }
+  return read;
+}
+
+/// Rung by any reader.
+struct TrajectoryFeed::Bell {
+  std::mutex mutex;
+  std::condition_variable rung;
+  bool is_rung = false;
+
+  void ring() {
+    {
+      const std::lock_guard lock(mutex);
+      is_rung = true;
+    }
+    rung.notify_one();
+  }
+};
+
+void TrajectoryFeed::see(const v1::SessionState& session) {
+  const std::uint64_t id = session.session_id();
+  if (session.phase() == v1::PHASE_CLOSED) {
+    listeners_.erase(id);
+    return;
+  }
+  if (id == 0 || listeners_.count(id) != 0) return;
+  if (listeners_.size() >= kMostListeners) {
+    listeners_.erase(std::min_element(listeners_.begin(), listeners_.end(),
+                                      [](const auto& a, const auto& b) {
+                                        return a.second.since < b.second.since;
+                                      }));
+  }
+  if (!bell_) bell_ = std::make_shared<Bell>();
+  Listener& listener = listeners_[id];
+  listener.since = ++listener_count_;
+  listener.topic = idl::sampleTopicName(id);
+  idl::Topic<Message> topic = idl::kRosSamplesTopic;
+  topic.name = listener.topic.c_str();
+  listener.reader =
+      std::make_unique<idl::cyclone::Reader<Message>>(participant_, topic, [bell = bell_] {
+        bell->ring();
+      });
+}
+
+void TrajectoryFeed::take(const Use& use) {
+  for (auto& [id, listener] : listeners_) {
+    listener.reader->take([&, session = id](const Message& message) {
+      use(session, message);
+    });
+  }
+}
+
+void TrajectoryFeed::wait(std::chrono::milliseconds nap) {
+  if (!bell_) bell_ = std::make_shared<Bell>();
+  std::unique_lock lock(bell_->mutex);
+  bell_->rung.wait_for(lock, nap, [this] {
+    return bell_->is_rung;
+  });
+  bell_->is_rung = false;
+}
+
+}  // namespace handgraft::bridge

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hardware/bridge/timed_pose_ring.h"
+#include "idl/cyclone/participant.h"
+#include "idl/ros2.h"
+#include "idl/sessions.h"
+
+namespace handgraft::bridge {
+
+/// The poses of one message, in the order of its points, each with its time on the sender's
+/// clock: the header's stamp and `time_from_start`; a stamp of 0 is `system_ns`, as in ROS.
+/// `names`: of the hand's joints, in the order of the poses. `stream` and `arrived` are left as
+/// they are. A refusal in words instead, for joints that are not the hand's, no points or too
+/// many, or a point with another number of positions.
+struct ReadTrajectory {
+  std::vector<TimedPose> poses;
+  std::string refusal;
+};
+
+ReadTrajectory readTrajectory(const trajectory_msgs::msg::dds_::JointTrajectory_& message,
+                              const std::vector<std::string>& names,
+                              std::int64_t system_ns);
+
+/// Timed samples of all sessions that are open: `rt/handgraft/<session>/joint_trajectory`.
+class TrajectoryFeed {
+ public:
+  using Message = trajectory_msgs::msg::dds_::JointTrajectory_;
+  using Use = std::function<void(std::uint64_t session, const Message&)>;
+
+  explicit TrajectoryFeed(const idl::cyclone::Participant& participant)
+      : participant_(participant) {}
+
+  /// Listens to a session's samples while it is open; to the newest 32 at most.
+  void see(const v1::SessionState& session);
+
+  /// Hands over what came, session by session. Errors: as of `use`.
+  void take(const Use& use);
+
+  /// Waits until something has come, for `nap` at most.
+  void wait(std::chrono::milliseconds nap);
+
+ private:
+  struct Listener {
+    std::uint64_t since = 0;  // counts listeners
+    std::string topic;
+    std::unique_ptr<idl::cyclone::Reader<Message>> reader;
+  };
+
+  struct Bell;
+
+  idl::cyclone::Participant participant_;
+  std::map<std::uint64_t, Listener> listeners_;
+  std::uint64_t listener_count_ = 0;
+  std::shared_ptr<Bell> bell_;
+};
+
+}  // namespace handgraft::bridge

@@ -1,0 +1,96 @@
+#include "hardware/bridge/trajectory_feed.h"
+
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "idl/topics.h"
+
+#include "tests/hardware/bridge/messages.h"
+#include "tests/support/test_domain.h"
+
+namespace handgraft::bridge {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+const std::vector<std::string> kNames{"thumb", "index"};
+
+TrajectoryFeed::Message trajectory(const std::vector<std::string>& names,
+                                   const std::vector<std::vector<double>>& points,
+                                   std::int32_t stamp_s) {
+  TrajectoryFeed::Message message;
+  message.header().stamp().sec(stamp_s);
+  message.header().stamp().nanosec(stamp_s == 0 ? 0 : 5);
+  message.joint_names(names);
+  std::uint32_t millisecond = 0;
+  for (const std::vector<double>& positions : points) {
+    trajectory_msgs::msg::dds_::JointTrajectoryPoint_ point;
+    point.positions(positions);
+    point.time_from_start().nanosec(1'000'000 * millisecond++);
+    message.points().push_back(point);
+  }
+  return message;
+}
+
+TEST(ReadTrajectory, PutsJointsInTheHandsOrderAndTimesEachPoint) {
+  const ReadTrajectory read =
+      readTrajectory(trajectory({"index", "thumb"}, {{1, 2}, {3, 4}}, 7), kNames, 99);
+  ASSERT_EQ(read.poses.size(), 2u) << read.refusal;
+  EXPECT_THAT(read.poses[0].joint_rad, ElementsAre(2, 1));
+  EXPECT_THAT(read.poses[1].joint_rad, ElementsAre(4, 3));
+  EXPECT_EQ(read.poses[0].source_ns, 7'000'000'005);
+  EXPECT_EQ(read.poses[1].source_ns, 7'001'000'005);
+  EXPECT_FALSE(read.poses[0].continues);
+  EXPECT_TRUE(read.poses[1].continues);
+}
+
+TEST(ReadTrajectory, WithoutAStampItBeginsNow) {
+  EXPECT_EQ(readTrajectory(trajectory(kNames, {{1, 2}}, 0), kNames, 99).poses[0].source_ns, 99);
+}
+
+TEST(ReadTrajectory, SaysWhatIsWrong) {
+  const auto refusal = [](const std::vector<std::string>& names,
+                          const std::vector<std::vector<double>>& points) {
+    const ReadTrajectory read = readTrajectory(trajectory(names, points, 0), kNames, 1);
+    EXPECT_TRUE(read.poses.empty());
+    return read.refusal;
+  };
+  EXPECT_THAT(refusal({"thumb"}, {{1}}), HasSubstr("'index' is missing"));
+  EXPECT_THAT(refusal({"thumb", "thumb"}, {{1, 2}}), HasSubstr("'index' is missing"));
+  EXPECT_THAT(refusal({"thumb", "toe"}, {{1, 2}}), HasSubstr("'toe' is none of its joints"));
+  EXPECT_THAT(refusal(kNames, {{1}}), HasSubstr("1 positions for 2 joints"));
+  EXPECT_THAT(refusal(kNames, {}), HasSubstr("0 points"));
+}
+
+TEST(TrajectoryFeed, HearsOpenSessionsAlone) {
+  const handgraft::test::TestDomain domain;
+  const idl::cyclone::Participant participant({domain.number(), "lo"});
+  TrajectoryFeed feed(participant);
+  feed.see(test::sessionState(7, "hand", kNames));
+  const std::string name = idl::sampleTopicName(7);
+  idl::Topic<TrajectoryFeed::Message> topic = idl::kRosSamplesTopic;
+  topic.name = name.c_str();
+  idl::cyclone::Writer<TrajectoryFeed::Message> writer(participant, topic);
+  for (int i = 0; i < 600 && writer.readers() == 0; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  ASSERT_EQ(writer.readers(), 1);
+  writer.write(trajectory(kNames, {{1, 2}}, 3));
+  std::vector<std::uint64_t> heard;
+  for (int i = 0; i < 600 && heard.empty(); ++i) {
+    feed.wait(std::chrono::milliseconds(10));
+    feed.take([&](std::uint64_t session, const TrajectoryFeed::Message&) {
+      heard.push_back(session);
+    });
+  }
+  EXPECT_THAT(heard, ElementsAre(7));
+  feed.see(test::sessionState(7, "hand", kNames, v1::PHASE_CLOSED));
+  for (int i = 0; i < 600 && writer.readers() != 0; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_EQ(writer.readers(), 0);
+}
+
+}  // namespace
+}  // namespace handgraft::bridge
