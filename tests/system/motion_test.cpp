@@ -67,6 +67,15 @@ TEST(Motion, ABoxIsPulledOffAShelfAndTurned) {
   EXPECT_EQ(exported.at("format"), "ros_trajectory");
   EXPECT_EQ(begins(scratch / "pull.yaml", 7), "header:");
 
+  // It is played by the clock, whether anybody listens or not.
+  const json played = service.ask(
+      {"motion", "play", session, "--speed", "4", "--from", "0.2", "--lead-in", "0.1"});
+  EXPECT_NEAR(played.at("duration_s"), 1.0, 1e-9);
+  EXPECT_NEAR(played.at("time_s"), 1.0, 1e-9);
+  EXPECT_GT(played.at("samples"), 10);
+  EXPECT_LE(played.at("samples"), 40);
+  EXPECT_GE(played.at("spent_s"), 0.3);
+
   // A file of a motion is as good, on another hand and frame by frame.
   const json causal =
       service.ask({"motion", "solve", "--hand", "tendon16", "--motion", file, "--causal"});

@@ -191,6 +191,19 @@ struct MotionSolveOptions {
   bool keep = false;
 };
 
+/// The way of a session's hand as timed samples.
+struct MotionPlayOptions {
+  std::uint64_t session_id = 0;
+  std::string topic;  ///< empty: the session's own
+  double rate_hz = 120.0;
+  double speed = 1.0;
+  double from_s = 0.0;
+  double lead_in_s = 0.5;  ///< at the first pose, so that the hand goes there
+  bool loops = false;
+  bool paused = false;  ///< until it is told to play
+  bool stays = false;   ///< at the end, until it is told to quit
+};
+
 struct EditOptions {
   std::uint64_t session_id = 0;  ///< 0: a new one, of `grasp`
   GraspOptions grasp;
@@ -294,6 +307,7 @@ using CommandOptions = std::variant<DoctorOptions,
                                     MotionShowOptions,
                                     MotionImportOptions,
                                     MotionSolveOptions,
+                                    MotionPlayOptions,
                                     EditOptions,
                                     ExportOptions,
                                     SaveOptions,
@@ -327,6 +341,9 @@ int run(const MotionShowOptions& options,
         const CommonOptions& common,
         Interruption& interruption);
 int run(const MotionImportOptions& options,
+        const CommonOptions& common,
+        Interruption& interruption);
+int run(const MotionPlayOptions& options,
         const CommonOptions& common,
         Interruption& interruption);
 int run(const MotionSolveOptions& options,

@@ -227,6 +227,37 @@ void addSolve(CLI::App& motion, CommandOptions& chosen) {
   });
 }
 
+void addPlay(CLI::App& motion, CommandOptions& chosen) {
+  const auto parsed = std::make_shared<MotionPlayOptions>();
+  CLI::App* command = motion.add_subcommand(
+      "play",
+      "Play what a session's hand does as timed samples, for a bridge or ROS 2; play, pause, "
+      "seek S, speed X, loop on|off and quit are read from standard input");
+  command
+      ->add_option("session", parsed->session_id,
+                   "Its id, or the first digits of it; its motion has been solved")
+      ->required()
+      ->check(objectionToCount);
+  command->add_option("--topic", parsed->topic,
+                      "Where to; default rt/handgraft/<session>/joint_trajectory");
+  command->add_option("--rate", parsed->rate_hz, "Samples a second; default 120");
+  command->add_option("--speed", parsed->speed, "Times real time; default 1");
+  command->add_option("--from", parsed->from_s, "Where to begin (s)");
+  command->add_option("--lead-in", parsed->lead_in_s,
+                      "How long the hand is given to get there (s); default 0.5");
+  command->add_flag("--loop", parsed->loops, "Again and again");
+  command->add_flag("--paused", parsed->paused, "Stand at the beginning until `play`");
+  command->add_flag("--stay", parsed->stays, "Wait for more at the end, until `quit`");
+  command->fallthrough();
+  command->callback([parsed, &chosen] {
+    if (!(parsed->rate_hz >= 1.0 && parsed->rate_hz <= 1000.0))
+      rejectInput("--rate {}: it must be 1 to 1000 samples a second", parsed->rate_hz);
+    if (!(parsed->lead_in_s >= 0.0 && parsed->lead_in_s <= 3600.0))
+      rejectInput("--lead-in {}: it must be 0 to 3600 s", parsed->lead_in_s);
+    chosen = *parsed;
+  });
+}
+
 void addMotionExport(CLI::App& motion, CommandOptions& chosen) {
   struct Parsed {
     std::uint64_t session_id = 0;
@@ -263,6 +294,7 @@ void addMotionCommands(CLI::App& app, CommandOptions& chosen) {
   addJoin(*motion, chosen);
   addShow(*motion, chosen);
   addSolve(*motion, chosen);
+  addPlay(*motion, chosen);
   addMotionExport(*motion, chosen);
 }
 
