@@ -30,6 +30,17 @@ std::string commandsOf(const CLI::App& app) {
 
 }  // namespace
 
+double longestOf(const CommandOptions& command) {
+  constexpr double kLongest = 3600.0;
+  const bool is_endless = std::holds_alternative<EditOptions>(command) ||
+                          std::holds_alternative<WatchOptions>(command) ||
+                          std::holds_alternative<ViewOptions>(command) ||
+                          std::holds_alternative<SweepOptions>(command) ||
+                          std::holds_alternative<BridgeRecordOptions>(command) ||
+                          std::holds_alternative<BringUpOptions>(command);
+  return is_endless ? 0.0 : kLongest;
+}
+
 std::variant<Invocation, Printout> parseCommandLine(int argc, const char* const* argv) {
   Invocation invocation{{}, DoctorOptions{}};
   CLI::App app("Grafts a grasp from one hand onto another.", "handgraft");
@@ -49,6 +60,10 @@ std::variant<Invocation, Printout> parseCommandLine(int argc, const char* const*
       ->delimiter(',')
       ->allow_extra_args(false);
   app.add_flag("--json", common.json, "Print one JSON document");
+  app.add_option("--timeout", common.timeout_s,
+                 "Seconds after which a command that is not done ends, 0.1-1e6; default: an "
+                 "hour, where it does not follow what others do")
+      ->check(CLI::Range(0.1, 1e6));
 
   app.add_subcommand("doctor", "Say whether all is well, and what to do if not");
   addModelCommands(app, invocation.command);

@@ -1,3 +1,4 @@
+#include <chrono>
 #include <cstdio>
 #include <exception>
 #include <string>
@@ -30,6 +31,8 @@ int runCommandLine(int argc, const char* const* argv) {
   }
   const auto& invocation = std::get<client::Invocation>(parsed);
   client::Interruption interruption;
+  interruption.endAfter(std::chrono::duration<double>(
+      invocation.common.timeout_s.value_or(client::longestOf(invocation.command))));
   return std::visit(
       [&](const auto& options) {
         return client::run(options, invocation.common, interruption);

@@ -3,6 +3,8 @@
 #include <atomic>
 #include <csignal>
 
+#include <fmt/format.h>
+
 #include "core/base/error.h"
 
 namespace handgraft::client {
@@ -46,11 +48,19 @@ Interruption::~Interruption() {
 }
 
 bool Interruption::requested() const {
-  return was_interrupted || was_terminated;
+  const bool is_over = time_.count() > 0.0 && std::chrono::steady_clock::now() - begin_ > time_;
+  return was_interrupted || was_terminated || is_over;
+}
+
+void Interruption::endAfter(std::chrono::duration<double> time) {
+  time_ = time;
+  begin_ = std::chrono::steady_clock::now();
 }
 
 void Interruption::checkpoint() const {
-  if (requested()) throw Cancelled();
+  if (was_interrupted || was_terminated) throw Cancelled();
+  if (requested())
+    throw TransportError(fmt::format("not done after {:.6g} s (--timeout)", time_.count()));
 }
 
 bool Interruption::terminated() const {

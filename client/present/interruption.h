@@ -1,5 +1,7 @@
 #pragma once
 
+#include <chrono>
+
 namespace handgraft::client {
 
 /// Turns Ctrl-C (SIGINT) and SIGTERM into a wish that whoever works or waits looks for. The
@@ -13,9 +15,14 @@ class Interruption {
   Interruption(const Interruption&) = delete;
   Interruption& operator=(const Interruption&) = delete;
 
+  /// A signal has come, or the time is over.
   [[nodiscard]] bool requested() const;
 
-  /// Throws Cancelled if a signal has come.
+  /// From then on it is as if a signal had come, but for what `checkpoint` throws. Before
+  /// anybody waits.
+  void endAfter(std::chrono::duration<double> time);
+
+  /// Throws Cancelled if a signal has come, TransportError if the time is over.
   void checkpoint() const;
 
   /// True if it was SIGTERM, which means the whole program.
@@ -23,6 +30,10 @@ class Interruption {
 
   /// As if no Ctrl-C had come, for programs where it stops one thing of many; SIGTERM stays.
   void reset();
+
+ private:
+  std::chrono::duration<double> time_{0};  ///< 0: no end
+  std::chrono::steady_clock::time_point begin_;
 };
 
 }  // namespace handgraft::client

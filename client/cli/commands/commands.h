@@ -25,6 +25,8 @@ class Interruption;
 struct CommonOptions {
   Network network;
   bool json = false;  ///< exactly one JSON document on standard output (`watch`: one a line)
+  /// A command that is not done by then ends; nothing: `longestOf` it.
+  std::optional<double> timeout_s;
 };
 
 struct DoctorOptions {};

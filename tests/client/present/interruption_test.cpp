@@ -1,6 +1,7 @@
 #include "client/present/interruption.h"
 
 #include <csignal>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -18,6 +19,17 @@ TEST(Interruption, IsAWishOnceASignalCame) {
   EXPECT_TRUE(interruption.requested());
   EXPECT_FALSE(interruption.terminated());
   EXPECT_THROW(interruption.checkpoint(), Cancelled);
+}
+
+TEST(Interruption, ComesByItselfOnceTheTimeIsOver) {
+  Interruption interruption;
+  interruption.endAfter(std::chrono::hours(1));
+  EXPECT_FALSE(interruption.requested());
+  interruption.endAfter(std::chrono::milliseconds(1));
+  std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  EXPECT_TRUE(interruption.requested());
+  EXPECT_FALSE(interruption.terminated());
+  EXPECT_THROW(interruption.checkpoint(), TransportError);
 }
 
 TEST(Interruption, CountsAgainAfterAReset) {
