@@ -10,6 +10,7 @@
 
 #include "core/base/error.h"
 #include "core/io/contact_file.h"
+#include "core/io/demonstration_file.h"
 #include "core/io/file_bytes.h"
 #include "core/io/json_keys.h"
 #include "core/io/motion_file.h"
@@ -96,6 +97,8 @@ Motion readMotionFrom(const std::filesystem::path& path,
   const json root = rootOf(path);
   if (root.contains("frames")) return readContactSequence(path, object.mesh, "");
   const auto format = root.find("format");
+  if (format != root.end() && *format == kDemonstrationFormat)
+    return readDemonstratedMotion(path, object.mesh);
   if (format == root.end() || *format != kPlanFormat) return readMotion(path, object.mesh);
   std::string name;
   Motion motion = [&] {

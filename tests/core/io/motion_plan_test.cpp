@@ -112,5 +112,40 @@ TEST_F(MotionPlan, PointsOnTheManoHandGetPlacesOfAnyHand) {
   EXPECT_FALSE(places.at("tail"));
 }
 
+// A hand that lies on the box' upper side with its fingers, by MANO's pose and by its joints.
+TEST_F(MotionPlan, AHumanHandOverTimeIsAMotionOfWhatItTouches) {
+  std::string pose = "0";
+  for (int i = 1; i < 48; ++i)
+    pose += ",0";
+  const auto file = [&](const std::string& hand, const std::string& times = "0,0.1,0.2") {
+    return "{\"format\":\"handgraft-demonstration/1\",\"object\":\"box\",\"time_s\":[" + times +
+           "],\"object_pose\":[[0,-0.026,0,1,0,0,0]]," + hand + "}";
+  };
+  const std::string row = "[" + pose + "]";
+  const std::string still = "\"mano_translation_m\":[[0,0,0],[0,0,0],[0,0,0]]";
+  const std::string poses = "\"mano_pose_rad\":[" + row + "," + row + "," + row + "]";
+  const manipulation::Motion motion = read(file(poses + "," + still));
+  EXPECT_EQ(motion.name, "plan");
+  EXPECT_EQ(motion.frameCount(), 3);
+  ASSERT_GE(motion.tracks.size(), 3u);
+  for (const manipulation::PatchTrack& track : motion.tracks)
+    EXPECT_TRUE(track.keys.front().patch.place.has_value()) << track.name;
+
+  const auto objection = [&](const std::string& text) -> std::string {
+    try {
+      read(text);
+    } catch (const InvalidInput& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(objection(file(still)), HasSubstr("'joints_W_m' and 'mano_pose_rad'"));
+  EXPECT_THAT(objection(file(poses)), HasSubstr("'mano_translation_m' is missing"));
+  EXPECT_THAT(objection(file(poses + "," + still, "0,0.2,0.1")),
+              AllOf(HasSubstr("'time_s', frame 2"), HasSubstr("does not lie behind")));
+  EXPECT_THAT(objection(file("\"joints_W_m\":[[[0,0,0]]]")), HasSubstr("list of 21 places"));
+  EXPECT_THAT(objection(file(poses + ",\"hand\":1," + still)), HasSubstr("hand"));
+}
+
 }  // namespace
 }  // namespace handgraft::io

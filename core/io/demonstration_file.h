@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "core/geometry/triangle_mesh.h"
+#include "core/manipulation/motion.h"
+#include "core/manipulation/touch_tracker.h"
+
+namespace handgraft::io {
+
+inline constexpr const char* kDemonstrationFormat = "handgraft-demonstration/1";
+
+/// Reads a posed human hand over time, `handgraft-demonstration/1` (FORMATS.md): 21 joints a
+/// frame or MANO's parameters, and the object's pose.
+/// Errors: InvalidInput naming the file, the field and the frame.
+std::vector<manipulation::DemonstratedFrame> readDemonstration(
+    const std::filesystem::path& path);
+
+/// The same as a motion (motionOfDemonstration), called after the file.
+manipulation::Motion readDemonstratedMotion(const std::filesystem::path& path,
+                                            const geometry::TriangleMesh& object_O);
+
+}  // namespace handgraft::io
