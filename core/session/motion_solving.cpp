@@ -123,25 +123,6 @@ void weigh(const Document& document,
   if (!any) rejectInput("all patches of motion {} are switched off", quoted(motion.name));
 }
 
-MotionProblem problemOf(const Document& document,
-                        const Hand& hand,
-                        const std::vector<double>& time_s,
-                        const MotionSolving& solving) {
-  MotionProblem problem = manipulation::makeMotionProblem(hand.model, time_s);
-  for (std::size_t i = 0; i < document.joints.size(); ++i) {
-    const DocumentJoint& joint = document.joints[i];
-    const auto at = static_cast<Eigen::Index>(i);
-    problem.lower[at] = joint.locked ? document.start.q[at] : joint.lower;
-    problem.upper[at] = joint.locked ? document.start.q[at] : joint.upper;
-  }
-  problem.prior = document.prior.q;
-  problem.weights = document.weights;
-  problem.normal_form = document.solving.normal_form;
-  if (solving.acceleration_limit > 0.0)
-    problem.acceleration_limit.setConstant(solving.acceleration_limit);
-  return problem;
-}
-
 /// Frames are independent: each thread takes every so-manyth.
 std::vector<double> depthsOf(const SolvedMotion& solved,
                              const Hand& hand,
@@ -195,6 +176,25 @@ MotionSolving motionSolving(bool causal) {
   return solving;
 }
 
+MotionProblem motionProblemOf(const Document& document,
+                              const Hand& hand,
+                              const std::vector<double>& time_s,
+                              const MotionSolving& solving) {
+  MotionProblem problem = manipulation::makeMotionProblem(hand.model, time_s);
+  for (std::size_t i = 0; i < document.joints.size(); ++i) {
+    const DocumentJoint& joint = document.joints[i];
+    const auto at = static_cast<Eigen::Index>(i);
+    problem.lower[at] = joint.locked ? document.start.q[at] : joint.lower;
+    problem.upper[at] = joint.locked ? document.start.q[at] : joint.upper;
+  }
+  problem.prior = document.prior.q;
+  problem.weights = document.weights;
+  problem.normal_form = document.solving.normal_form;
+  if (solving.acceleration_limit > 0.0)
+    problem.acceleration_limit.setConstant(solving.acceleration_limit);
+  return problem;
+}
+
 std::vector<std::string> patchNames(const Motion& motion) {
   std::vector<std::string> names;
   std::set<std::string> known;
@@ -236,7 +236,7 @@ SolvedMotion solveMotion(const Document& document,
                          const Progress& progress) {
   SolvedMotion solved;
   solving.options.threads = threads;
-  solved.problem = problemOf(document, hand, motion.time_s, solving);
+  solved.problem = motionProblemOf(document, hand, motion.time_s, solving);
   LaidMotion laid = laidOnHand(document, hand, *object_O, motion, progress);
   weigh(document, motion, graspOf(motion, *object_O), laid.track_of, laid.tracks);
   solved.problem.tracks = std::move(laid.tracks);

@@ -34,6 +34,12 @@ struct SolvedMotion {
   std::vector<std::string> notes;
 };
 
+/// A problem without contacts and solids yet: limits, locks, prior and weights of the document.
+manipulation::MotionProblem motionProblemOf(const Document& document,
+                                            const Hand& hand,
+                                            const std::vector<double>& time_s,
+                                            const MotionSolving& solving);
+
 /// The names of a motion's patches, each once, in the order of their first appearance.
 std::vector<std::string> patchNames(const manipulation::Motion& motion);
 
