@@ -12,8 +12,8 @@ namespace handgraft::optimize {
 /// The charge is `weight` times the sum over samples of
 ///   (area / kPointArea) (depth + margin)^2,
 /// as if a contact point every 10 mm^2 wanted to be out: samples of the hand in the object,
-/// samples of the object's thin walls and edges in the links, samples of one link in another
-/// (without a margin). All are zero, and flat, for a hand that touches nothing.
+/// samples of the object's thin walls and edges in the links, samples of one link in another.
+/// All are zero, and flat, for a hand that touches nothing.
 /// Differs from the paper, whose objective knows no collision.
 struct Avoidance {
   static constexpr double kPointArea = 1e-5;  // m^2

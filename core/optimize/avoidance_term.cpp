@@ -128,7 +128,7 @@ void AvoidanceTerm::meet(int a, int b) {
         const Vector3d p_B = X_BA * sample.p_L;
         if (other.grid_L->isClear(p_B, 0.0)) return;
         Vector3d slope_B;
-        const double distance = other.distance(p_B, slope_B);
+        const double distance = other.distance(p_B, slope_B) - avoidance_.margin_m;
         if (distance >= 0.0) return;
         touches_.push_back({bodies_[static_cast<std::size_t>(a)],
                             bodies_[static_cast<std::size_t>(b)],

@@ -70,7 +70,10 @@ void graft(const MeasuredHand& hand,
     row.patches.push_back({patch.patch.name, patch.site, patch.dropped});
     row.asked += patch.dropped.empty() ? 1 : 0;
   }
-  row.told_depth_m = session::penetrationOf(session, row.ours.pose, Progress()).max_depth_m;
+  const quality::Penetration told =
+      session::penetrationOf(session, row.ours.pose, Progress());
+  row.told_depth_m = told.max_depth_m;
+  row.told_self_m = told.self_depth_m;
   problem = solution.problem;
 }
 

@@ -54,7 +54,8 @@ struct RetargetedGrasp {
   int asked = 0;  ///< patches that were not dropped
   Retargeted ours;
   double ms_transfer = 0.0;
-  double told_depth_m = 0.0;  ///< the product's own figure
+  double told_depth_m = 0.0;  ///< the product's own figures
+  double told_self_m = 0.0;
   int joints_at_limits = 0;
   /// Mean distance of the joints from where the demonstrator had them; the same hand alone.
   std::optional<double> joints_mm;

@@ -74,6 +74,7 @@ Json toJson(const RetargetedGrasp& grasp) {
   row["ours"] = toJson(grasp.ours);
   row["transfer_ms"] = grasp.ms_transfer;
   row["told_mm"] = 1e3 * grasp.told_depth_m;
+  row["told_self_mm"] = 1e3 * grasp.told_self_m;
   row["joints_at_limits"] = grasp.joints_at_limits;
   if (grasp.joints_mm) row["joints_off_mm"] = *grasp.joints_mm;
   if (grasp.fingertips) row["fingertip_kinematics"] = toJson(*grasp.fingertips);
