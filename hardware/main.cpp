@@ -82,6 +82,9 @@ void declare(CLI::App& app, Options& options) {
       ->envname("HANDGRAFT_PEERS")
       ->delimiter(',')
       ->allow_extra_args(false);
+  app.add_option("--server", options.network.server,
+                 "name of the server to follow, where a domain has several")
+      ->envname("HANDGRAFT_SERVER");
   app.add_option(
          "--session", options.session,
          "session to follow: its number, or 'any' for the one that began to stream last")

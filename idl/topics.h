@@ -129,6 +129,26 @@ inline constexpr Topic<diagnostic_msgs::msg::dds_::DiagnosticArray_> kRosDiagnos
     "rt/diagnostics", Qos::kTelemetry,
     "RIHS01_5a8a36efb05fb25070fa0fb3810290c0e6cd4862b54a8fb975a1ee8dc55a333e"};
 
+/// Topics that one server of several on a domain speaks on with those who mean it: in DDS'
+/// partition of its name, so that others neither hear nor answer. The rest, a server's status
+/// first of all, is everybody's.
+template <class Message>
+inline constexpr bool kIsOfOneServer = false;
+template <>
+inline constexpr bool kIsOfOneServer<v1::Request> = true;
+template <>
+inline constexpr bool kIsOfOneServer<v1::Reply> = true;
+template <>
+inline constexpr bool kIsOfOneServer<v1::Progress> = true;
+template <>
+inline constexpr bool kIsOfOneServer<v1::Edit> = true;
+template <>
+inline constexpr bool kIsOfOneServer<v1::EditReply> = true;
+template <>
+inline constexpr bool kIsOfOneServer<v1::PoseSolution> = true;
+template <>
+inline constexpr bool kIsOfOneServer<v1::SessionState> = true;
+
 /// Of all services, whose names `hardware/bridge/ros_node` makes.
 inline constexpr const char* kRosTriggerHash =
     "RIHS01_eeff2cd6fa5ad9d27cdf4dec64818317839b62f212a91e6b5304b634b2062c5f";

@@ -74,6 +74,7 @@ void serve(const Options& options, const sigset_t& stop_signals) {
 
   const std::unique_ptr<server::Bus> bus = server::openFastBus(options.network);
   server::ServiceOptions service_options;
+  service_options.name = options.network.server;
   service_options.workers = options.workers;
   service_options.reader_limits = options.reader;
   service_options.session_idle = std::chrono::minutes(options.session_idle_minutes);
@@ -83,9 +84,12 @@ void serve(const Options& options, const sigset_t& stop_signals) {
   service_options.reserves = kReserves;
   server::Service service(*bus, models, service_options);
   service.start();
-  spdlog::info("event=ready version={} domain={} interface={} models={} left_out={} workers={}",
-               HANDGRAFT_VERSION, options.network.domain, options.network.interface,
-               models.size(), left_out, options.workers);
+  spdlog::info(
+      "event=ready version={}{} domain={} interface={} models={} left_out={} workers={}",
+      HANDGRAFT_VERSION,
+      options.network.server.empty() ? "" : " name=" + options.network.server,
+      options.network.domain, options.network.interface, models.size(), left_out,
+      options.workers);
 
   const int signal = waitFor(stop_signals);
   spdlog::info("event=stopping signal={}", signal);
@@ -113,6 +117,10 @@ int main(int argc, char** argv) {
       ->envname("HANDGRAFT_PEERS")
       ->delimiter(',')
       ->allow_extra_args(false);
+  app.add_option(
+         "--name", options.network.server,
+         "name by which clients choose this server (--server), where a domain has several")
+      ->envname("HANDGRAFT_SERVER");
   app.add_option(
       "--models", options.models,
       "folder with more hands, objects and contacts; replaces those of the same name");

@@ -59,6 +59,9 @@ std::variant<Invocation, Printout> parseCommandLine(int argc, const char* const*
       ->envname("HANDGRAFT_PEERS")
       ->delimiter(',')
       ->allow_extra_args(false);
+  app.add_option("--server", common.network.server,
+                 "Name of the server to ask, where a domain has several")
+      ->envname("HANDGRAFT_SERVER");
   app.add_flag("--json", common.json, "Print one JSON document");
   app.add_option("--timeout", common.timeout_s,
                  "Seconds after which a command that is not done ends, 0.1-1e6; default: an "

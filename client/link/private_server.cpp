@@ -56,6 +56,7 @@ PrivateServer::PrivateServer(const fs::path& program, const Network& network) {
                                     network.interface};
   for (const std::string& peer : network.peers)
     words.insert(words.end(), {"--peers", peer});
+  if (!network.server.empty()) words.insert(words.end(), {"--name", network.server});
   std::vector<char*> arguments;
   for (std::string& word : words)
     arguments.push_back(word.data());

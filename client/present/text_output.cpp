@@ -121,10 +121,12 @@ std::string doctor(const DoctorReport& report) {
                {"domain", std::to_string(report.domain)}};
   if (report.server) {
     const v1::ServerStatus& status = *report.server;
-    rows.push_back({"server", fmt::format("{} on {}, process {}, up {:.0f} s, found in {}",
-                                          plain(status.version()), plain(status.host()),
-                                          status.process_id(), status.uptime_s(),
-                                          milliseconds(report.found_ms))});
+    rows.push_back(
+        {"server",
+         fmt::format("{}{} on {}, process {}, up {:.0f} s, found in {}",
+                     status.name().empty() ? "" : plain(status.name()) + ", ",
+                     plain(status.version()), plain(status.host()), status.process_id(),
+                     status.uptime_s(), milliseconds(report.found_ms))});
     rows.push_back({"load", fmt::format("{} sessions, {} requests running, {} answered",
                                         status.session_count(), status.requests_running(),
                                         status.requests_answered())});
@@ -302,6 +304,7 @@ std::string networkOptions(const Network& network) {
   if (network.interface != usual.interface) options += " --interface " + network.interface;
   for (const std::string& peer : network.peers)
     options += " --peers " + peer;
+  if (!network.server.empty()) options += " --server " + network.server;
   return options;
 }
 

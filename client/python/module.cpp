@@ -49,10 +49,16 @@ v1::ModelKind kindFrom(const std::string& name) {
       idl::requireValue(idl::typeOf<v1::ModelKind>(), name, "kind"));
 }
 
-std::shared_ptr<client::Client> connect(int domain, const std::string& interface, bool start) {
+std::shared_ptr<client::Client> connect(int domain,
+                                        const std::string& interface,
+                                        bool start,
+                                        std::vector<std::string> peers,
+                                        const std::string& server) {
   client::ClientOptions options;
   options.network.domain = domain;
   options.network.interface = interface;
+  options.network.peers = std::move(peers);
+  options.network.server = server;
   options.absence = start ? client::Absence::kStartPrivate : client::Absence::kFail;
   options.waiting.checkpoint = heedSignals;
   options.on_notice = [](const std::string& /*line*/) {};
@@ -176,7 +182,7 @@ void defineErrors() {
 void defineServer(py::module_& module) {
   using client::Client;
   py::class_<Client, std::shared_ptr<Client>>(module, "Client")
-      .def(py::init(&connect), "domain"_a, "interface"_a, "start"_a)
+      .def(py::init(&connect), "domain"_a, "interface"_a, "start"_a, "peers"_a, "server"_a)
       .def_property_readonly("is_private", &Client::isPrivate)
       .def("alive", &Client::alive)
       .def("status",

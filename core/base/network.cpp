@@ -4,6 +4,7 @@
 #include <array>
 #include <cerrno>
 #include <memory>
+#include <optional>
 #include <system_error>
 #include <vector>
 
@@ -48,14 +49,28 @@ std::vector<NetworkInterface> interfacesOfThisMachine() {
   return found;
 }
 
-std::string addressOf(const std::string& peer) {
+/// What may be part of a topic's name in ROS 2.
+bool isServerName(const std::string& name) {
+  const auto isLetter = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+  };
+  return name.size() <= kLongestServerName && isLetter(name.front()) &&
+         std::all_of(name.begin(), name.end(), [&](char c) {
+           return isLetter(c) || (c >= '0' && c <= '9') || c == '_';
+         });
+}
+
+/// Nothing if the name service knows none.
+std::optional<std::string> addressOf(const std::string& peer, std::string& why) {
   addrinfo wanted{};
   wanted.ai_family = AF_INET;
   wanted.ai_socktype = SOCK_DGRAM;
   addrinfo* first = nullptr;
   const int error = getaddrinfo(peer.c_str(), nullptr, &wanted, &first);
-  if (error != 0 || peer.empty())
-    rejectInput("peers: {} has no IPv4 address: {}", quoted(peer), gai_strerror(error));
+  if (error != 0 || peer.empty()) {
+    why = gai_strerror(error);
+    return std::nullopt;
+  }
   const std::unique_ptr<addrinfo, void (*)(addrinfo*)> list(first, freeaddrinfo);
   return dotted(*reinterpret_cast<const sockaddr_in*>(first->ai_addr));
 }
@@ -68,6 +83,12 @@ NetworkInterface validate(const Network& network) {
   }
   if (network.peers.size() > kMostPeers)
     rejectInput("peers: {} are given; at most {} may be", network.peers.size(), kMostPeers);
+  if (!network.server.empty() && !isServerName(network.server)) {
+    rejectInput(
+        "server: {} is no name of one: a letter, then letters, digits and underscores, at most "
+        "{} in all",
+        quoted(network.server), kLongestServerName);
+  }
   const std::vector<NetworkInterface> there = interfacesOfThisMachine();
   for (const NetworkInterface& one : there) {
     const bool is_meant = network.interface == "auto" ? !one.loopback
@@ -86,19 +107,27 @@ NetworkInterface validate(const Network& network) {
 }
 
 std::vector<std::string> unicastAddresses(const Network& network,
-                                          const NetworkInterface& interface) {
+                                          const NetworkInterface& interface,
+                                          std::vector<std::string>* without_address) {
   std::vector<std::string> addresses;
   if (interface.loopback || !network.peers.empty()) addresses.push_back(interface.address);
   for (const std::string& peer : network.peers) {
-    const std::string address = addressOf(peer);
-    if (std::find(addresses.begin(), addresses.end(), address) == addresses.end())
-      addresses.push_back(address);
+    std::string why;
+    const std::optional<std::string> address = addressOf(peer, why);
+    if (!address && without_address != nullptr) {
+      without_address->push_back(peer);
+    } else if (!address) {
+      rejectInput("peers: {} has no IPv4 address: {}", quoted(peer), why);
+    } else if (std::find(addresses.begin(), addresses.end(), *address) == addresses.end()) {
+      addresses.push_back(*address);
+    }
   }
   return addresses;
 }
 
 std::string describe(const Network& network) {
   std::string text = fmt::format("domain {}, interface {}", network.domain, network.interface);
+  if (!network.server.empty()) text += ", server " + network.server;
   for (std::size_t i = 0; i < network.peers.size(); ++i)
     text += (i == 0 ? ", peers " : " ") + network.peers[i];
   return text;

@@ -165,7 +165,7 @@ struct Bridge::Impl {
 
   void takeStream(Clock::time_point now) {
     statuses.take([&](const v1::ServerStatus& status) {
-      watch.see(status, now);
+      if (status.name() == participant.network().server) watch.see(status, now);
     });
     const bool is_there = watch.isThere(now);
     if (is_there != server_is_there) say(is_there ? "server found" : "the server is gone");

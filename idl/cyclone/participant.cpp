@@ -328,10 +328,14 @@ dds_entity_t createTopic(const Participant::Impl& participant, const Topic<Messa
                           nullptr, nullptr);
 }
 
-// As ROS since Iron finds out whether both sides mean the same type.
+// As ROS since Iron finds out whether both sides mean the same type; of one server, in the
+// partition of its name.
 template <class Message>
-QosPtr qosOf(const Topic<Message>& topic, int depth) {
+QosPtr qosOf(const Participant::Impl& participant, const Topic<Message>& topic, int depth) {
   QosPtr qos = qosOf(topic.qos, depth);
+  const std::string& server = participant.network.server;
+  if (kIsOfOneServer<Message> && !server.empty())
+    dds_qset_partition1(qos.get(), server.c_str());
   if (isRos(topic)) {
     const std::string data = fmt::format("typehash={};", topic.ros_type_hash);
     dds_qset_userdata(qos.get(), data.data(), data.size());
@@ -351,7 +355,7 @@ struct Writer<Message>::Impl {
         topic(createTopic(*participant, what), "no topic", name),
         writer(dds_create_writer(participant->entity.get(),
                                  topic.get(),
-                                 qosOf(what, depthOf(what.qos).writer).get(),
+                                 qosOf(*participant, what, depthOf(what.qos).writer).get(),
                                  nullptr),
                "no writer",
                name) {}
@@ -421,7 +425,7 @@ struct Reader<Message>::Impl {
       });
     }
     return dds_create_reader(participant->entity.get(), topic.get(),
-                             qosOf(what, depthOf(what.qos).reader).get(),
+                             qosOf(*participant, what, depthOf(what.qos).reader).get(),
                              on_data ? listener.get() : nullptr);
   }
 

@@ -31,6 +31,21 @@ constexpr std::size_t kMiB = 1024 * 1024;
 // forgotten one.
 constexpr std::uint64_t kWindow = 48;
 
+constexpr std::size_t kMostOthers = 64;  // servers of other names that are remembered
+
+/// What came over the wire, for a message of one line.
+std::string plainName(const std::string& name) {
+  constexpr std::size_t kLongest = 64;
+  std::string plain = name.substr(0, kLongest);
+  std::replace_if(
+      plain.begin(), plain.end(),
+      [](char c) {
+        return c < ' ' || c > '~';
+      },
+      '?');
+  return plain;
+}
+
 v1::ClientId randomClient() {
   std::random_device device;
   v1::ClientId id{};
@@ -255,6 +270,12 @@ struct Requester::Impl {
   void takeAll() {
     statuses.take([this](const v1::ServerStatus& message) {
       const std::lock_guard lock(mutex);
+      if (message.name() != participant.network().server) {
+        others[message.name()] = {message.host(),
+                                  message.stopping() ? Clock::time_point{} : Clock::now()};
+        if (others.size() > kMostOthers) others.erase(others.begin());
+        return;
+      }
       if (status && status->server_id() != message.server_id()) {
         // Whoever says that he is a server, too, waits until the one we know is gone.
         if (!message.stopping()) successor.emplace(message, Clock::now());
@@ -381,8 +402,17 @@ struct Requester::Impl {
   }
 
   [[nodiscard]] NoServer noServer() const {
-    return NoServer(
-        fmt::format("no handgraft-server answers on {}", describe(participant.network())));
+    std::string there;
+    for (const auto& [name, other] : others) {
+      if (Clock::now() - other.heard > kLost) continue;
+      there += fmt::format("{}{} on {}", there.empty() ? "" : ", ",
+                           name.empty() ? "one without a name" : "--server " + plainName(name),
+                           plainName(other.host));
+    }
+    return NoServer(fmt::format(
+        "no handgraft-server{} answers on {}{}",
+        there.empty() || !participant.network().server.empty() ? "" : " without a name",
+        describe(participant.network()), there.empty() ? "" : "; there is " + there));
   }
 
   /// Why a call can hope for nothing; nullptr if it can.
@@ -573,6 +603,13 @@ struct Requester::Impl {
   Clock::time_point seen{};
   /// Another server and when it was heard; the one to ask once the first is gone.
   std::optional<std::pair<v1::ServerStatus, Clock::time_point>> successor;
+
+  struct Other {
+    std::string host;
+    Clock::time_point heard;
+  };
+
+  std::map<std::string, Other> others;  ///< servers of other names, for who finds none of this
 
   Writer<v1::Request> requests;
   Writer<v1::Edit> edits;

@@ -117,6 +117,7 @@ v1::ServerStatus Service::status() const {
     message.requests_running(static_cast<std::uint32_t>(running_.size()));
   }
   message.stopping(stopping_);
+  message.name(options_.name);
   return message;
 }
 
@@ -191,6 +192,7 @@ void Service::onStatus(const v1::ServerStatus& status) {
   constexpr std::size_t kMostRivals = 16;
   constexpr std::chrono::minutes kPeriod(10);
   if (status.server_id() == server_id_ || status.stopping()) return;
+  if (status.name() != options_.name) return;
   const Clock::time_point now = Clock::now();
   std::erase_if(rivals_, [&](const auto& one) {
     return now - one.second > kPeriod;
@@ -200,7 +202,7 @@ void Service::onStatus(const v1::ServerStatus& status) {
     return;
   spdlog::warn(
       "event=another_server id={} host={} process={} reason=\"another server answers on this "
-      "domain, too; clients stay with the one they met first: stop one of them\"",
+      "domain, too; clients stay with the one they met first: stop one of them, or give it a --name\"",
       status.server_id(), handgraft::quoted(status.host()), status.process_id());
 }
 

@@ -27,6 +27,7 @@ namespace handgraft::server {
 struct ServiceOptions {
   static constexpr std::chrono::hours kNever{1'000'000};
 
+  std::string name;                ///< by which clients choose it among others of the domain
   std::size_t workers = 2;         ///< for slow work; quick requests have a thread of their own
   std::size_t most_waiting = 256;  ///< tasks that may queue; more are refused
   std::chrono::milliseconds patience = StrandPool::kPatience;  ///< of idle tasks

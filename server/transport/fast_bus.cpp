@@ -14,6 +14,7 @@
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
+#include <spdlog/spdlog.h>
 
 #include "idl/topics.h"
 #include "server/transport/bus.h"
@@ -56,7 +57,11 @@ dds::DomainParticipantQos participantQos(const Network& network,
     rtps::IPLocator::setIPv4(made, address);
     return made;
   };
-  const std::vector<std::string> peers = unicastAddresses(network, interface);
+  // Who has no address yet will come, and name this host.
+  std::vector<std::string> without_address;
+  const std::vector<std::string> peers = unicastAddresses(network, interface, &without_address);
+  for (const std::string& peer : without_address)
+    spdlog::warn("event=peer_without_address peer={}", handgraft::quoted(peer));
   udp->maxInitialPeersRange = kPeersOfThisMachine;
   for (const std::string& address : peers)
     protocol.builtin.initialPeersList.push_back(locator(address, 0));
@@ -83,8 +88,17 @@ class Node {
     if (participant_ != nullptr) {
       publisher_ = participant_->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
       subscriber_ = participant_->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);
+      dds::PublisherQos writing = dds::PUBLISHER_QOS_DEFAULT;
+      dds::SubscriberQos reading = dds::SUBSCRIBER_QOS_DEFAULT;
+      if (!network.server.empty()) {
+        writing.partition().push_back(network.server.c_str());
+        reading.partition().push_back(network.server.c_str());
+      }
+      own_publisher_ = participant_->create_publisher(writing);
+      own_subscriber_ = participant_->create_subscriber(reading);
     }
-    if (publisher_ == nullptr || subscriber_ == nullptr) {
+    if (publisher_ == nullptr || subscriber_ == nullptr || own_publisher_ == nullptr ||
+        own_subscriber_ == nullptr) {
       close();
       throw TransportError(describe(network) + ": Fast DDS cannot join");
     }
@@ -95,7 +109,13 @@ class Node {
   Node(const Node&) = delete;
   Node& operator=(const Node&) = delete;
 
+  /// For topics that are everybody's.
   [[nodiscard]] Endpoints endpoints() const { return {participant_, publisher_, subscriber_}; }
+
+  /// For topics of one server, in the partition of its name (idl/topics.h).
+  [[nodiscard]] Endpoints own() const {
+    return {participant_, own_publisher_, own_subscriber_};
+  }
 
  private:
   void close() {
@@ -108,6 +128,8 @@ class Node {
   dds::DomainParticipant* participant_ = nullptr;
   dds::Publisher* publisher_ = nullptr;
   dds::Subscriber* subscriber_ = nullptr;
+  dds::Publisher* own_publisher_ = nullptr;
+  dds::Subscriber* own_subscriber_ = nullptr;
 };
 
 /// A keyed topic whose writer keeps the last value of every session for late joiners.
@@ -156,14 +178,15 @@ class SessionTopic {
 class FastBus final : public Bus {
  public:
   explicit FastBus(const Network& network)
-      : node_(network),
+      : server_(network.server),
+        node_(network),
         lookout_(network),
-        replies_(node_.endpoints(), idl::kReplyTopic),
-        progresses_(node_.endpoints(), idl::kProgressTopic),
-        edit_replies_(node_.endpoints(), idl::kEditReplyTopic),
+        replies_(node_.own(), idl::kReplyTopic),
+        progresses_(node_.own(), idl::kProgressTopic),
+        edit_replies_(node_.own(), idl::kEditReplyTopic),
         statuses_(node_.endpoints(), idl::kStatusTopic),
-        solutions_(node_.endpoints(), idl::kSolutionTopic),
-        states_(node_.endpoints(), idl::kSessionTopic) {}
+        solutions_(node_.own(), idl::kSolutionTopic),
+        states_(node_.own(), idl::kSessionTopic) {}
 
   ~FastBus() override { stop(); }
 
@@ -172,12 +195,12 @@ class FastBus final : public Bus {
 
   void start(BusListener& listener) override {
     requests_ = std::make_unique<FastReader<v1::Request>>(
-        node_.endpoints(), idl::kRequestTopic,
+        node_.own(), idl::kRequestTopic,
         [&listener](v1::Request&& request, const Sender& sender) {
           listener.onRequest(std::move(request), sender);
         });
     edits_ = std::make_unique<FastReader<v1::Edit>>(
-        node_.endpoints(), idl::kEditTopic, [&listener](v1::Edit&& edit, const Sender& sender) {
+        node_.own(), idl::kEditTopic, [&listener](v1::Edit&& edit, const Sender& sender) {
           listener.onEdit(std::move(edit), sender);
         });
     heard_ = std::make_unique<FastReader<v1::ServerStatus>>(
@@ -217,7 +240,8 @@ class FastBus final : public Bus {
     const std::lock_guard lock(commands_mutex_);
     auto& writer = commands_[session_id];
     if (writer == nullptr) {
-      const std::string name = "rt/handgraft/" + std::to_string(session_id) + "/joint_command";
+      const std::string name = "rt/handgraft/" + (server_.empty() ? "" : server_ + "/") +
+                               std::to_string(session_id) + "/joint_command";
       writer = std::make_unique<FastWriter<sensor_msgs::msg::dds_::JointState_>>(
           node_.endpoints(),
           idl::Topic<sensor_msgs::msg::dds_::JointState_>{name.c_str(), idl::Qos::kTelemetry});
@@ -233,6 +257,7 @@ class FastBus final : public Bus {
   }
 
  private:
+  std::string server_;
   Node node_;
   /// Reads the topic that `node_` writes: a Fast DDS participant knows a topic by one type
   /// support only, and the hardened one that reading needs cannot write.

@@ -9,9 +9,9 @@ json=
 for word in "$@"; do
   case $word in
     --json) json=--json ;;
-    logmap | solve | tables | import | chain | retargeting | edits | table | all) name=$word ;;
+    logmap | solve | tables | import | chain | retargeting | edits | discovery | table | all) name=$word ;;
     *)
-      echo "bench: there is no benchmark '$word'; there are: logmap, solve, tables, import, chain, retargeting, edits, table" >&2
+      echo "bench: there is no benchmark '$word'; there are: logmap, solve, tables, import, chain, retargeting, edits, discovery, table" >&2
       exit 2
       ;;
   esac
@@ -146,6 +146,7 @@ case $name in
   chain) bench_chain ;;
   retargeting) bench_retargeting ;;
   edits) bench_edits ;;
+  discovery) tests/bench/discovery.sh "$bin" ;;
   table)
     write_between core/geometry/DECISIONS.md "accuracy table" "$bin/handgraft-bench" logmap-accuracy --markdown
     ;;

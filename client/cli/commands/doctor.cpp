@@ -74,9 +74,11 @@ int run(const DoctorOptions& /*options*/,
     report.server = server.status();
   } catch (const NoServer& error) {
     report.advice = fmt::format(
-        "{}. Start one with: handgraft-server --domain {} --interface {}; if one runs "
+        "{}. Start one with: handgraft-server --domain {} --interface {}{}; if one runs "
         "elsewhere, give this program the same options{}",
-        error.what(), report.domain, report.interface, adviceOn(common.network));
+        error.what(), report.domain, report.interface,
+        common.network.server.empty() ? "" : " --name " + common.network.server,
+        adviceOn(common.network));
   }
   fmt::print("{}",
              common.json ? json::written(json::doctor(report)) + "\n" : text::doctor(report));

@@ -65,9 +65,33 @@ TEST(Network, NamesAPeerThatIsNone) {
       ThrowsMessage<InvalidInput>(HasSubstr("at most 32")));
 }
 
+TEST(Network, TakesPeersThatHaveNoAddressYetIfAsked) {
+  std::vector<std::string> without;
+  EXPECT_THAT(unicastAddresses({0, "eth0", {"no.such.host.invalid", "10.77.0.2"}},
+                               {"eth0", "10.77.0.1", false}, &without),
+              ElementsAre("10.77.0.1", "10.77.0.2"));
+  EXPECT_THAT(without, ElementsAre("no.such.host.invalid"));
+}
+
+TEST(Network, KnowsServersByNamesThatRosTakes) {
+  for (const char* name : {"", "left", "Lab_2", "a"})
+    EXPECT_NO_THROW(validate({0, "lo", {}, name})) << name;
+  const std::string long_name(kLongestServerName + 1, 'a');
+  for (const std::string& name : {std::string("le-ft"), std::string("2"), std::string("_a"),
+                                  std::string("a b"), std::string("*"), long_name}) {
+    EXPECT_THAT(
+        [&] {
+          validate({0, "lo", {}, name});
+        },
+        ThrowsMessage<InvalidInput>(HasSubstr(quoted(name))));
+  }
+}
+
 TEST(Network, IsToldWithItsPeers) {
   EXPECT_EQ(describe({7, "eth0"}), "domain 7, interface eth0");
   EXPECT_EQ(describe({7, "eth0", {"a", "b"}}), "domain 7, interface eth0, peers a b");
+  EXPECT_EQ(describe({7, "eth0", {"a"}, "left"}),
+            "domain 7, interface eth0, server left, peers a");
 }
 
 }  // namespace
