@@ -202,7 +202,8 @@ void Service::onStatus(const v1::ServerStatus& status) {
     return;
   spdlog::warn(
       "event=another_server id={} host={} process={} reason=\"another server answers on this "
-      "domain, too; clients stay with the one they met first: stop one of them, or give it a --name\"",
+      "domain, too; clients stay with the one they met first: stop one of them, or give it a "
+      "--name\"",
       status.server_id(), handgraft::quoted(status.host()), status.process_id());
 }
 

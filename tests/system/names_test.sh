@@ -48,24 +48,29 @@ status=0
 "$bin/handgraft" models --server 'le-ft' >"$scratch/models" 2>&1 || status=$?
 [ "$status" = 2 ] || fail "a name that is none was taken"
 
-# === Each keeps its own sessions, though both count from 1, and its own followers
+# === Each keeps its own sessions and followers
 start bridge_left "$bin/handgraft-bridge" --server left --bridge-id 1
 start bridge_right "$bin/handgraft-bridge" --server right --bridge-id 2
-"$bin/handgraft" grasp --hand barrett8 --object lemon --contacts lemon_6 --keep --server left >"$scratch/grasp" 2>&1 ||
+"$bin/handgraft" grasp --hand barrett8 --object lemon --contacts lemon_6 --keep --json --server left >"$scratch/grasp" 2>&1 ||
   { cat "$scratch/grasp"; fail "no grasp of the left one"; }
-await "session 1" "$scratch/bridge_left.log"
+session=$(sed -n 's/.*"session_id": *\([0-9]*\).*/\1/p' "$scratch/grasp" | head -1)
+await "session $session" "$scratch/bridge_left.log"
 [ "$(sessions --server left) $(HANDGRAFT_SERVER=right sessions)" = "1 0" ] || fail "sessions are not kept apart"
-grep -q "session 1" "$scratch/bridge_right.log" && fail "the right one's bridge follows the left one"
+grep -q "session $session" "$scratch/bridge_right.log" && fail "the right one's bridge follows the left one"
 
-# === A third one, without a name, is everybody's who names none; a second of one name goes
+# === A third one, without a name, is everybody's who names none; two of one name are told
 start plain "$bin/handgraft-server"
 await event=ready "$scratch/plain.log"
 "$bin/handgraft" models >"$scratch/models" 2>&1 || { cat "$scratch/models"; fail "the one without a name does not answer"; }
 [ "$(sessions)" = 0 ] || fail "the one without a name has another's sessions"
-status=0
-timeout 20 "$bin/handgraft-server" --name right >"$scratch/second.log" 2>&1 || status=$?
-[ "$status" = 1 ] || fail "a second server of one name ended with $status"
-words "$scratch/second.log" 'another server'
+for log in left right plain; do
+  grep -q another_server "$scratch/$log.log" && fail "servers of several names mind each other"
+done
+start second "$bin/handgraft-server" --name right
+await event=another_server "$scratch/second.log"
+await event=another_server "$scratch/right.log"
+kill "${pids[-1]}"
+wait "${pids[-1]}" || true
 
 # === One that goes leaves the others
 kill "${pids[0]}"

@@ -25,7 +25,7 @@ desk=$scratch/desk # one shell after another: what one exports the next one has
 : >"$desk"
 typed() { # BLOCK: at the desk
   grep '^export' "$scratch/block$1" >>"$desk" || true
-  cat "$desk" "$scratch/block$1" >"$scratch/typed"
+  cat "$desk" "$scratch/block$1" | sed "s/NUMBER/${session:-}/" >"$scratch/typed"
   on "$(number "$1")" bash -euo pipefail "$scratch/typed" >"$scratch/said" 2>&1 || { cat "$scratch/said"; fail "block $1 failed"; }
 }
 said() { grep -q "$1" "$scratch/said" || { cat "$scratch/said"; fail "it does not say '$1'"; }; }
@@ -37,11 +37,12 @@ said 'round trip'
 start "$(number 3)" hand bash "$scratch/block3"
 await 'server found' "$scratch/hand.log"
 typed 4
-said 'session 1 stays open'
+session=$(sed -n 's/^session \([0-9]*\) stays open.*/\1/p' "$scratch/said")
+[ -n "$session" ] || { cat "$scratch/said"; fail "the grasp names no session"; }
 said 'armed'
-await 'following session 1' "$scratch/hand.log"
+await "following session $session" "$scratch/hand.log"
 await '^motors on: ' "$scratch/hand.log"
-await 'session 1: pose .* reached' "$scratch/hand.log"
+await "session $session: pose .* reached" "$scratch/hand.log"
 lines=$(wc -l <"$scratch/hand.log")
 typed 5
 for _ in $(seq 300); do
