@@ -53,6 +53,7 @@ void StrandPool::postIdle(std::function<void()> task) {
     idle_.push_back({Clock::now(), std::move(task)});
   }
   changed_.notify_one();
+  reserve_.notify_one();
 }
 
 void StrandPool::shut() {
@@ -90,17 +91,20 @@ void StrandPool::runNext(std::unique_lock<std::mutex>& lock) {
 
 void StrandPool::runInReserve() {
   constexpr std::chrono::milliseconds kLook(10);
+  const auto nothing_waits = [this] {
+    return tasks_.empty() && idle_.empty();
+  };
   std::unique_lock lock(mutex_);
   while (true) {
-    reserve_.wait(lock, [this] {
-      return shut_ || (!tasks_.empty() && !reserve_looks_);
+    reserve_.wait(lock, [&] {
+      return shut_ || (!nothing_waits() && !reserve_looks_);
     });
     reserve_looks_ = true;
-    while (!shut_ && !tasks_.empty() && !allAreLongAtWork())
+    while (!shut_ && !nothing_waits() && !allAreLongAtWork())
       reserve_.wait_for(lock, kLook);
     reserve_looks_ = false;
     if (shut_) return;
-    if (tasks_.empty()) continue;
+    if (nothing_waits()) continue;
     reserve_.notify_one();
     runNext(lock);
   }

@@ -45,6 +45,24 @@ TEST(StrandPool, LongTasksHoldNobodyUpWhileThereAreReserves) {
   gate.set_value();
 }
 
+TEST(StrandPool, LongTasksHoldIdleOnesUpNoMore) {
+  std::promise<void> gate;
+  const std::shared_future<void> open = gate.get_future().share();
+  StrandPool pool(1, 100, std::chrono::hours(1), 2);
+  Strand strand(pool, 8);
+  std::promise<void> done;
+  ASSERT_TRUE(strand.post([&] {
+    ASSERT_TRUE(pool.post([open] {
+      open.wait();
+    }));
+    strand.postIdleFromTask([&] {
+      done.set_value();
+    });
+  }));
+  EXPECT_EQ(done.get_future().wait_for(std::chrono::seconds(60)), std::future_status::ready);
+  gate.set_value();
+}
+
 TEST(StrandPool, LeavesShortTasksToItsWorkers) {
   std::mutex mutex;
   std::set<std::thread::id> seen;
