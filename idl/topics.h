@@ -63,6 +63,7 @@ class Edit;
 class EditReply;
 class PoseSolution;
 class SessionState;
+class DemonstratorFrame;
 class ServerStatus;
 class HandCommand;
 class JointState;
@@ -99,6 +100,9 @@ inline constexpr Topic<v1::SessionState> kSessionTopic{"handgraft/v1/session_sta
                                                        Qos::kEvents};
 inline constexpr Topic<v1::ServerStatus> kStatusTopic{"handgraft/v1/server_status",
                                                       Qos::kState};
+/// A demonstrator, live: each frame is answered by a pose of its session.
+inline constexpr Topic<v1::DemonstratorFrame> kDemonstratorTopic{"handgraft/v1/demonstrator",
+                                                                 Qos::kTelemetry};
 inline constexpr Topic<v1::HandCommand> kHandCommandTopic{"handgraft/v1/hand_command",
                                                           Qos::kService};
 inline constexpr Topic<v1::JointState> kJointStateTopic{"handgraft/v1/joint_state",

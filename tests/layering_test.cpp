@@ -121,6 +121,7 @@ const std::map<std::string, std::set<std::string>> kAlone = {
       "core/io/session_writer.h",
       "core/io/trajectory_writer.cpp",
       "client/present/json_output.h",
+      "client/link/demonstration.cpp",
       "client/link/pose_file.cpp",
       "idl/grasp_file.cpp",
       "hardware/bridge/report_line.cpp",

@@ -35,6 +35,8 @@ double longestOf(const CommandOptions& command) {
   const bool is_endless = std::holds_alternative<EditOptions>(command) ||
                           std::holds_alternative<WatchOptions>(command) ||
                           std::holds_alternative<ViewOptions>(command) ||
+                          std::holds_alternative<MotionPlayOptions>(command) ||
+                          std::holds_alternative<MotionFollowOptions>(command) ||
                           std::holds_alternative<SweepOptions>(command) ||
                           std::holds_alternative<BridgeRecordOptions>(command) ||
                           std::holds_alternative<BringUpOptions>(command);

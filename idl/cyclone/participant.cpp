@@ -27,6 +27,7 @@
 #include "core/base/error.h"
 #include "idl/edits.h"
 #include "idl/hardware.h"
+#include "idl/motions.h"
 #include "idl/ros2.h"
 #include "idl/sensor_msgs.h"
 #include "idl/service.h"
@@ -515,6 +516,7 @@ HANDGRAFT_MESSAGE(v1::Edit, handgraft_v1_Edit)
 HANDGRAFT_MESSAGE(v1::EditReply, handgraft_v1_EditReply)
 HANDGRAFT_MESSAGE(v1::PoseSolution, handgraft_v1_PoseSolution)
 HANDGRAFT_MESSAGE(v1::SessionState, handgraft_v1_SessionState)
+HANDGRAFT_MESSAGE(v1::DemonstratorFrame, handgraft_v1_DemonstratorFrame)
 HANDGRAFT_MESSAGE(v1::ServerStatus, handgraft_v1_ServerStatus)
 HANDGRAFT_MESSAGE(v1::HandCommand, handgraft_v1_HandCommand)
 HANDGRAFT_MESSAGE(v1::JointState, handgraft_v1_JointState)

@@ -15,6 +15,7 @@
 #include "server/admission/operations.h"
 #include "server/admission/rejection.h"
 #include "server/handlers/edits.h"
+#include "server/handlers/follow.h"
 #include "server/handlers/optimize.h"
 #include "server/handlers/sessions.h"
 
@@ -492,6 +493,25 @@ void Service::onEdit(v1::Edit edit, const Sender& sender) {
   } catch (...) {
     refuseEdit(asker, *shared, 0);
   }
+}
+
+// === Demonstrators: a frame is answered by a pose; one that the next overtakes is not
+
+void Service::onDemonstrator(v1::DemonstratorFrame frame) {
+  std::shared_ptr<LiveSession> live;
+  try {
+    requireMeant(frame.server_id());
+    live = sessions_.find(frame.session_id());
+  } catch (const std::exception&) {
+    return;  // nobody waits for an answer
+  }
+  live->touch();
+  if (!live->putFrame(std::move(frame))) return;
+  const bool is_taken = live->strand().post([live] {
+    const std::optional<v1::DemonstratorFrame> newest = live->takeFrame();
+    if (newest && live->state().phase() != v1::PHASE_CLOSED) followFrame(*live, *newest);
+  });
+  if (!is_taken) static_cast<void>(live->takeFrame());
 }
 
 void Service::runEdit(const std::shared_ptr<LiveSession>& live,

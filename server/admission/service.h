@@ -105,6 +105,7 @@ class Service final : private BusListener, private SessionAudience {
   // === BusListener, SessionAudience
   void onRequest(v1::Request request, const Sender& sender) override;
   void onEdit(v1::Edit edit, const Sender& sender) override;
+  void onDemonstrator(v1::DemonstratorFrame frame) override;
   void onStatus(const v1::ServerStatus& status) override;
   void onState(const v1::SessionState& state) override;
   void onSolution(const v1::PoseSolution& solution) override;

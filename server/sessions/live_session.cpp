@@ -271,6 +271,18 @@ void LiveSession::warn(const std::string& warning) {
   tell();
 }
 
+bool LiveSession::putFrame(v1::DemonstratorFrame frame) {
+  const std::lock_guard lock(frame_mutex_);
+  const bool is_first = !frame_.has_value();
+  frame_ = std::move(frame);
+  return is_first;
+}
+
+std::optional<v1::DemonstratorFrame> LiveSession::takeFrame() {
+  const std::lock_guard lock(frame_mutex_);
+  return std::exchange(frame_, std::nullopt);
+}
+
 v1::PoseSolution LiveSession::publish(v1::PoseSolution solution) {
   solution.session_id(id_);
   solution.revision(session_.revision());

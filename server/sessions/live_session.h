@@ -12,8 +12,10 @@
 #include "core/base/progress.h"
 #include "core/manipulation/motion.h"
 #include "core/session/fit_check.h"
+#include "core/session/live_follower.h"
 #include "core/session/motion_solving.h"
 #include "core/session/session.h"
+#include "idl/motions.h"
 #include "idl/sensor_msgs.h"
 #include "idl/sessions.h"
 #include "server/admission/strand_pool.h"
@@ -152,6 +154,13 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
   /// Puts a warning, or none, into the state and tells it if it changed.
   void warn(const std::string& warning);
 
+  // === A demonstrator's frames
+
+  /// Keeps the newest. True if none was waiting: somebody has to see to it then. From any
+  /// thread, likewise the next.
+  bool putFrame(v1::DemonstratorFrame frame);
+  std::optional<v1::DemonstratorFrame> takeFrame();
+
   // === Of the strand
 
   [[nodiscard]] session::Session& session() { return session_; }
@@ -179,6 +188,11 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
   /// three, the newest last. `mine` are told as "your".
   [[nodiscard]] std::string editsSince(std::uint64_t revision, const v1::ClientId& mine) const;
 
+  /// Follows a demonstrator, as the session stood at that revision; null before the first
+  /// frame.
+  std::shared_ptr<session::LiveFollower> follower;
+  unsigned long long follower_revision = 0;
+  std::string follow_trouble;  ///< why the last frame was refused; empty: it was not
   bool solve_is_queued = false;
   std::uint64_t queued_at_stops = 0;  ///< `stops()` when the last edit came that it answers
   std::uint64_t asked_at_stops = 0;   ///< `stops()` when what runs was asked for
@@ -218,6 +232,9 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
   std::weak_ptr<const geometry::TriangleMesh> begun_object_;
   std::atomic<int> expected_edits_{0};
   std::atomic<std::chrono::steady_clock::rep> last_used_;
+
+  std::mutex frame_mutex_;
+  std::optional<v1::DemonstratorFrame> frame_;
 
   mutable std::mutex flight_mutex_;
   SolveInFlight* in_flight_ = nullptr;

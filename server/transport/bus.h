@@ -6,6 +6,7 @@
 
 #include "core/base/network.h"
 #include "idl/edits.h"
+#include "idl/motions.h"
 #include "idl/sensor_msgs.h"
 #include "idl/service.h"
 
@@ -22,6 +23,10 @@ class BusListener {
   virtual ~BusListener() = default;
   virtual void onRequest(v1::Request request, const Sender& sender) = 0;
   virtual void onEdit(v1::Edit edit, const Sender& sender) = 0;
+
+  /// A demonstrator's, for the session that it names.
+  virtual void onDemonstrator(v1::DemonstratorFrame /*frame*/) {}
+
   /// Any server's status, one's own among them.
   virtual void onStatus(const v1::ServerStatus& status) = 0;
 };

@@ -203,6 +203,11 @@ class FastBus final : public Bus {
         node_.own(), idl::kEditTopic, [&listener](v1::Edit&& edit, const Sender& sender) {
           listener.onEdit(std::move(edit), sender);
         });
+    demonstrators_ = std::make_unique<FastReader<v1::DemonstratorFrame>>(
+        node_.endpoints(), idl::kDemonstratorTopic,
+        [&listener](v1::DemonstratorFrame&& frame, const Sender&) {
+          listener.onDemonstrator(std::move(frame));
+        });
     heard_ = std::make_unique<FastReader<v1::ServerStatus>>(
         lookout_.endpoints(), idl::kStatusTopic,
         [&listener](v1::ServerStatus&& status, const Sender&) {
@@ -213,6 +218,7 @@ class FastBus final : public Bus {
   void stop() override {
     requests_.reset();
     edits_.reset();
+    demonstrators_.reset();
     heard_.reset();
   }
 
@@ -273,6 +279,7 @@ class FastBus final : public Bus {
       commands_;
   std::unique_ptr<FastReader<v1::Request>> requests_;
   std::unique_ptr<FastReader<v1::Edit>> edits_;
+  std::unique_ptr<FastReader<v1::DemonstratorFrame>> demonstrators_;
   std::unique_ptr<FastReader<v1::ServerStatus>> heard_;
 };
 

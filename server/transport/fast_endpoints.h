@@ -23,6 +23,7 @@
 
 #include "core/base/error.h"
 #include "idl/editsPubSubTypes.h"
+#include "idl/motionsPubSubTypes.h"
 #include "idl/sensor_msgsPubSubTypes.h"
 #include "idl/servicePubSubTypes.h"
 #include "idl/sessionsPubSubTypes.h"
@@ -48,6 +49,7 @@ template <> struct SupportOf<v1::Request> { using type = v1::RequestPubSubType; 
 template <> struct SupportOf<v1::Reply> { using type = v1::ReplyPubSubType; };
 template <> struct SupportOf<v1::Progress> { using type = v1::ProgressPubSubType; };
 template <> struct SupportOf<v1::Edit> { using type = v1::EditPubSubType; };
+template <> struct SupportOf<v1::DemonstratorFrame> { using type = v1::DemonstratorFramePubSubType; };
 template <> struct SupportOf<v1::EditReply> { using type = v1::EditReplyPubSubType; };
 template <> struct SupportOf<v1::PoseSolution> { using type = v1::PoseSolutionPubSubType; };
 template <> struct SupportOf<v1::SessionState> { using type = v1::SessionStatePubSubType; };

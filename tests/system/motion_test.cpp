@@ -1,5 +1,6 @@
 // A motion through all programs: joined of built-in grasps, followed by built-in hands, drawn
 // and written.
+#include <algorithm>
 #include <fstream>
 
 #include <gmock/gmock.h>
@@ -82,6 +83,41 @@ TEST(Motion, ABoxIsPulledOffAShelfAndTurned) {
   EXPECT_EQ(causal.at("options").at("causal"), true);
   EXPECT_LT(causal.at("mean_mm"), 6.0);
   EXPECT_TRUE(causal.at("session_id").is_null());
+}
+
+/// A MANO hand that closes about a box within half a second, then both are moved.
+std::string demonstration() {
+  json file = {{"format", "handgraft-demonstration/1"}, {"object", "box"}};
+  for (int k = 0; k < 60; ++k) {
+    const double share = std::min(1.0, k / 30.0);
+    const double way_m = 0.002 * std::max(0, k - 30);
+    std::vector<double> pose(48, 0.0);
+    for (std::size_t joint = 0; joint < 12; ++joint)  // all but the thumb's
+      pose[3 + 3 * joint + 2] = 0.1 + 0.6 * share;
+    file["time_s"].push_back(k / 60.0);
+    file["mano_pose_rad"].push_back(pose);
+    file["mano_translation_m"].push_back({0.0, 0.0, way_m});
+    file["object_pose"].push_back({0.0, -0.036, way_m, 1, 0, 0, 0});
+  }
+  return file.dump();
+}
+
+TEST(Motion, ADemonstratorIsImportedAndFollowedLive) {
+  const SharedSkins skins;
+  const Service service;
+  const std::string file = written("demonstration.json", demonstration());
+  const json motion =
+      service.ask({"motion", "import", file, "--object", "box", "--name", "shown"});
+  EXPECT_EQ(motion.at("frame_count"), 60);
+  const json solved = service.ask(
+      {"motion", "solve", "--hand", "human20", "--motion", "shown", "--causal", "--keep"});
+  EXPECT_LT(solved.at("max_depth_m"), 0.003);
+  const std::string session = std::to_string(solved.at("session_id").get<std::uint64_t>());
+  const json followed = service.ask({"motion", "follow", session, file});
+  EXPECT_EQ(followed.at("frames"), 60);
+  EXPECT_GT(followed.at("answered"), 20);
+  EXPECT_LT(followed.at("largest_step"), 2.0);
+  EXPECT_EQ(followed.at("message"), "");
 }
 
 TEST(Motion, WhatIsWrongIsOneLine) {

@@ -193,6 +193,14 @@ struct MotionSolveOptions {
   bool keep = false;
 };
 
+/// A recorded demonstrator, played to a session.
+struct MotionFollowOptions {
+  std::uint64_t session_id = 0;
+  std::filesystem::path demonstration;
+  double speed = 1.0;
+  bool loops = false;
+};
+
 /// The way of a session's hand as timed samples.
 struct MotionPlayOptions {
   std::uint64_t session_id = 0;
@@ -310,6 +318,7 @@ using CommandOptions = std::variant<DoctorOptions,
                                     MotionImportOptions,
                                     MotionSolveOptions,
                                     MotionPlayOptions,
+                                    MotionFollowOptions,
                                     EditOptions,
                                     ExportOptions,
                                     SaveOptions,
@@ -343,6 +352,9 @@ int run(const MotionShowOptions& options,
         const CommonOptions& common,
         Interruption& interruption);
 int run(const MotionImportOptions& options,
+        const CommonOptions& common,
+        Interruption& interruption);
+int run(const MotionFollowOptions& options,
         const CommonOptions& common,
         Interruption& interruption);
 int run(const MotionPlayOptions& options,

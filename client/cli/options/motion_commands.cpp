@@ -258,6 +258,29 @@ void addPlay(CLI::App& motion, CommandOptions& chosen) {
   });
 }
 
+void addFollow(CLI::App& motion, CommandOptions& chosen) {
+  const auto parsed = std::make_shared<MotionFollowOptions>();
+  const auto file = std::make_shared<std::string>();
+  CLI::App* command = motion.add_subcommand(
+      "follow",
+      "Play a recorded human hand to a session, whose hand follows it live, frame by frame");
+  command
+      ->add_option("session", parsed->session_id,
+                   "Its id, or the first digits of it, at least four")
+      ->required()
+      ->check(objectionToCount);
+  command->add_option("demonstration", *file, "JSON: handgraft-demonstration/1")->required();
+  command->add_option("--speed", parsed->speed, "Times real time; default 1");
+  command->add_flag("--loop", parsed->loops, "Again and again");
+  command->fallthrough();
+  command->callback([parsed, file, &chosen] {
+    if (!(parsed->speed >= 0.01 && parsed->speed <= 100.0))
+      rejectInput("--speed {}: it must be 0.01 to 100 times real time", parsed->speed);
+    parsed->demonstration = *file;
+    chosen = *parsed;
+  });
+}
+
 void addMotionExport(CLI::App& motion, CommandOptions& chosen) {
   struct Parsed {
     std::uint64_t session_id = 0;
@@ -295,6 +318,7 @@ void addMotionCommands(CLI::App& app, CommandOptions& chosen) {
   addShow(*motion, chosen);
   addSolve(*motion, chosen);
   addPlay(*motion, chosen);
+  addFollow(*motion, chosen);
   addMotionExport(*motion, chosen);
 }
 
