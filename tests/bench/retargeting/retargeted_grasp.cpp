@@ -70,8 +70,7 @@ void graft(const MeasuredHand& hand,
     row.patches.push_back({patch.patch.name, patch.site, patch.dropped});
     row.asked += patch.dropped.empty() ? 1 : 0;
   }
-  const quality::Penetration told =
-      session::penetrationOf(session, row.ours.pose, Progress());
+  const quality::Penetration told = session::penetrationOf(session, row.ours.pose, Progress());
   row.told_depth_m = told.max_depth_m;
   row.told_self_m = told.self_depth_m;
   problem = solution.problem;
