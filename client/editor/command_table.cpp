@@ -71,6 +71,7 @@ const std::vector<Command>& commandTable() {
       {"!script FILE", "run the commands of a file", Action::kScript},
       // === Sessions
       {"sessions", "all sessions of the server", Action::kSessions},
+      {"join", "go back to the session before this one", Action::kJoin},
       {"join SESSION", "go on in another session", Action::kJoin},
       {"close", "end the session and leave", Action::kClose},
       {"quit", "leave; so does Ctrl-D", Action::kQuit},

@@ -85,6 +85,7 @@ Editor::Editor(Client& server,
 }
 
 void Editor::goOnIn(const v1::SessionState& state) {
+  if (session_ && session_->id() != state.session_id()) before_ = session_->id();
   session_ = std::make_unique<EditedSession>(server_, state);
 }
 
@@ -193,7 +194,7 @@ Told Editor::execute(const Parsed& command) {
     case Action::kSessions:
       return sessions();
     case Action::kJoin:
-      return join(match.values.at(0).count);
+      return join(match);
     case Action::kHelp:
       return help(match);
     case Action::kScript:
@@ -389,8 +390,11 @@ Told Editor::sessions() {
   return {text::sessions(list), json::jsonOf(list)};
 }
 
-Told Editor::join(std::uint64_t typed) {
-  const std::uint64_t session_id = sessionMeant(server_, typed);
+Told Editor::join(const Match& match) {
+  if (match.values.empty() && before_ == 0)
+    rejectInput("join: there was no session before {}; `sessions` lists all", session_->id());
+  const std::uint64_t session_id =
+      match.values.empty() ? before_ : sessionMeant(server_, match.values[0].count);
   const std::uint64_t left = session_->id();
   const bool has_ended = session_->hasEnded();
   goOnIn(server_.describeSession(session_id).get());

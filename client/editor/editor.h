@@ -79,7 +79,7 @@ class Editor {
   Told drawTo(const std::filesystem::path& path);
   Told watch(const Match& match);
   Told sessions();
-  Told join(std::uint64_t session_id);
+  Told join(const Match& match);
   Told close();
   Told script(const std::string& path);
   Told help(const Match& match);
@@ -98,6 +98,7 @@ class Editor {
   Interruption& interruption_;
   const Sink& sink_;
   std::unique_ptr<EditedSession> session_;
+  std::uint64_t before_ = 0;  ///< the session before it; 0: none
   bool finished_ = false;
   bool closed_ = false;
   bool at_once_ = false;

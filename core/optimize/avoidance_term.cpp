@@ -103,8 +103,8 @@ void AvoidanceTerm::meetItself() {
   for (const auto& [i, j] : avoidance_.hand->strangers()) {
     const Vector3d way_W = places_[static_cast<std::size_t>(i)].centre_W -
                            places_[static_cast<std::size_t>(j)].centre_W;
-    const double reach =
-        solids[static_cast<std::size_t>(i)].radius + solids[static_cast<std::size_t>(j)].radius;
+    const double reach = solids[static_cast<std::size_t>(i)].radius +
+                         solids[static_cast<std::size_t>(j)].radius + avoidance_.margin_m;
     if (way_W.squaredNorm() > reach * reach) continue;
     meet(i, j);
     meet(j, i);
@@ -122,11 +122,11 @@ void AvoidanceTerm::meet(int a, int b) {
   X_BA.translation() = other_place.R_WL.transpose() * (place.arm_W - other_place.arm_W);
   set.visit(
       [&](const Vector3d& centre_A, double radius) {
-        return other.grid_L->isClear(X_BA * centre_A, radius);
+        return other.grid_L->isClear(X_BA * centre_A, radius + avoidance_.margin_m);
       },
       [&](const SurfaceSample& sample) {
         const Vector3d p_B = X_BA * sample.p_L;
-        if (other.grid_L->isClear(p_B, 0.0)) return;
+        if (other.grid_L->isClear(p_B, avoidance_.margin_m)) return;
         Vector3d slope_B;
         const double distance = other.distance(p_B, slope_B) - avoidance_.margin_m;
         if (distance >= 0.0) return;

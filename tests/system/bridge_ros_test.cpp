@@ -164,7 +164,7 @@ TEST_P(RosPeer, OnAnotherHostFindsThemAsItComes) {
   if (!hosts.areThere()) GTEST_SKIP() << "network namespaces cannot be made here";
   asItComes();
   hosts.sitAtTheBridges();
-  RosBench on({domain_.number(), "eth0"}, {"--interface", "eth0"});
+  RosBench on({domain_.number(), "eth0"}, {"--interface", "eth0", "--open"});
   ASSERT_TRUE(on.is_armed) << on.bench.told();
   std::vector<std::string> command{"netns", "exec", hosts.nodeHost(), program(GetParam())};
   for (const std::string& argument : arguments("", {"disarm"}))

@@ -334,6 +334,7 @@ TEST_F(EditorTest, WritesFiles) {
   EXPECT_EQ(readFile(folder + "/session.json"), "the session");
   EXPECT_EQ(readFile(folder + "/pose.csv"), "csv of 7");
   EXPECT_THROW(told("save /no/such/folder/session.json"), InvalidInput);
+  EXPECT_THROW(told("join"), InvalidInput) << "there was no session before this one";
   try {
     told("export glb /no/such/folder/hand.glb");
     FAIL() << "a file was written where there is no folder";

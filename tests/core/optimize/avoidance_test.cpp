@@ -119,9 +119,10 @@ double sumOverSamples(const Scene& scene, const hand::HandPose& pose, bool itsel
       const hand::LinkSolid& own = links[static_cast<std::size_t>(a)];
       const hand::LinkSolid& other = links[static_cast<std::size_t>(b)];
       for (const hand::SurfaceSample& sample : own.fine.samples) {
-        const double distance =
+        const double depth =
+            scene.avoidance->margin_m -
             other.distance(inverse(poseOf(other)) * (poseOf(own) * sample.p_L));
-        if (distance < 0.0) sum += sample.area_m2 / 1e-5 * distance * distance;
+        if (depth > 0.0) sum += sample.area_m2 / 1e-5 * depth * depth;
       }
     }
   }
