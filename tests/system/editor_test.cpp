@@ -73,8 +73,9 @@ TEST(Scenarios, ShowEveryCommand) {
       shown.insert(editor::parse(words, names).command->pattern);
   }
   for (const editor::Command& command : editor::commandTable()) {
-    const bool endless = command.pattern == "watch";
-    EXPECT_EQ(shown.count(command.pattern), endless ? 0U : 1U) << command.pattern;
+    // One has no end, and no file knows the id that a session will have.
+    const bool is_left_out = command.pattern == "watch" || command.pattern == "join SESSION";
+    EXPECT_EQ(shown.count(command.pattern), is_left_out ? 0U : 1U) << command.pattern;
   }
 }
 
