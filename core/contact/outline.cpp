@@ -115,7 +115,9 @@ Region outlined(const TriangleMesh& mesh,
   }
   const Eigen::Vector3d n_O = facingOf(facings);
   for (std::size_t i = 0; i < inside.size(); ++i)
-    marked[static_cast<std::size_t>(inside[i])] = facings[i].n_O.dot(n_O) > kTurned ? 1 : 0;
+    // A face without area looks nowhere; left out, it would be a hole.
+    marked[static_cast<std::size_t>(inside[i])] =
+        facings[i].weight == 0.0 || facings[i].n_O.dot(n_O) > kTurned ? 1 : 0;
 
   Region best;
   double most_contact = 0.0;

@@ -10,7 +10,7 @@
 namespace handgraft::optimize {
 
 enum class Outcome {
-  kConverged,        ///< the gradient promises no further gain worth having
+  kConverged,        ///< the gradient, or what the last steps gained, promises nothing more
   kStalled,          ///< the solver gave up (rounding, no progress) before that
   kEvaluationLimit,  ///< evaluations ran out first
   kInfeasible,       ///< the bounds contradict each other; the pose is the start
@@ -55,7 +55,7 @@ struct SolveReport {
   hand::HandPose pose;
   Terms terms;          ///< summed over the points, not over their moments
   int evaluations = 0;  ///< of all starts
-  int starts = 0;  ///< searched from
+  int starts = 0;       ///< searched from
   int best_start = 0;
   /// Distinct minima by rising objective, the answer first; at most eight.
   std::vector<Minimum> minima;

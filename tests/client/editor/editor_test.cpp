@@ -328,13 +328,18 @@ TEST_F(EditorTest, CloseEndsTheSession) {
   EXPECT_THAT(desk_.operations(), testing::Contains(v1::OP_CLOSE_SESSION));
 }
 
+TEST_F(EditorTest, JoinsASessionByItsId) {
+  EXPECT_EQ(told("join 7"), "");  // it is there already: nothing is left behind
+  EXPECT_THAT(desk_.operations(), testing::Contains(v1::OP_DESCRIBE_SESSION));
+  EXPECT_THROW(told("join"), InvalidInput) << "there was no session before this one";
+}
+
 TEST_F(EditorTest, WritesFiles) {
   const std::string folder = test::scratchDirectory().string();
   told("save " + folder + "/session.json; export csv " + folder + "/pose.csv");
   EXPECT_EQ(readFile(folder + "/session.json"), "the session");
   EXPECT_EQ(readFile(folder + "/pose.csv"), "csv of 7");
   EXPECT_THROW(told("save /no/such/folder/session.json"), InvalidInput);
-  EXPECT_THROW(told("join"), InvalidInput) << "there was no session before this one";
   try {
     told("export glb /no/such/folder/hand.glb");
     FAIL() << "a file was written where there is no folder";

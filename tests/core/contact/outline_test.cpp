@@ -80,6 +80,21 @@ TEST(Outline, OfAMapOfYesAndNoIsTheMapsOwn) {
   EXPECT_EQ(touched.outlinedWith({}), touched.region);
 }
 
+TEST(Outline, HasNoHoleWhereAFaceHasNoArea) {
+  Touched touched([](double x, double y) {
+    return std::abs(x) < 0.0105 && std::abs(y) < 0.0055 ? 1.0 : 0.0;
+  });
+  constexpr int kMiddle = 50 * 101 + 50;
+  Eigen::Matrix3Xd vertices(3, touched.mesh.vertexCount());
+  Eigen::Matrix3Xi faces(3, touched.mesh.faceCount());
+  for (int v = 0; v < touched.mesh.vertexCount(); ++v)
+    vertices.col(v) = touched.mesh.vertex(v == kMiddle ? kMiddle + 1 : v);
+  for (int f = 0; f < touched.mesh.faceCount(); ++f)
+    faces.col(f) = touched.mesh.face(f);
+  touched.mesh = geometry::TriangleMesh(vertices, faces);
+  EXPECT_EQ(touched.outlinedWith({}), touched.region);
+}
+
 TEST(Outline, IsNotCutByDentsThatDeepContactLeaves) {
   // Along x, a narrow valley as deep as the outline's level.
   const Touched touched([](double x, double y) {
