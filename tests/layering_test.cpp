@@ -131,6 +131,7 @@ const std::map<std::string, std::set<std::string>> kAlone = {
       "client/gateway/gateway.cpp",
       "client/gateway/model_frame.cpp",
       "client/gateway/page_file.cpp"}},
+    {"sqlite", {"server/store/database.cpp"}},
     {"beast", {"client/gateway/web_server.cpp"}},
     {"yaml", {"core/io/sites_file.cpp", "hardware/config/yaml_section.h"}},
     {"cyclone", {"idl/cyclone/participant.cpp"}},
@@ -170,6 +171,7 @@ const std::vector<std::pair<std::string, std::regex>> kLibraries = {
     {"fastdds", std::regex("^(fastdds|fastrtps)/.*")},
     {"png", std::regex("^png.h")},
     {"editline", std::regex("^(histedit|editline/readline).h")},
+    {"sqlite", std::regex("^sqlite3.h")},
     {"cli11", std::regex("^CLI/.*")},
     {"beast", std::regex("^boost/(asio|beast)/.*")},
 };

@@ -81,6 +81,10 @@ std::string sessionText(session::Session& session) {
   return file.dump(-1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
+std::string entryText(const session::LogEntry& entry) {
+  return jsonOf(entry).dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+}
+
 void requireSameModels(const SessionFile& file,
                        session::SessionModels models,
                        const Progress& progress) {

@@ -27,6 +27,11 @@ std::string sessionText(session::Session& session);
 /// is opened. Errors: InvalidInput naming the field.
 SessionFile readSessionText(const std::string& text);
 
+/// One entry of a session's log as a line of text, exact, and back: what a journal keeps of a
+/// session between two of its texts. Errors of reading: InvalidInput naming the field.
+std::string entryText(const session::LogEntry& entry);
+session::LogEntry readEntryText(const std::string& text);
+
 /// The session that a file holds, on these models, which carry the file's names.
 /// Errors: InvalidInput naming a model that is another one than the session was saved with, or
 /// what in its documents does not fit the models.

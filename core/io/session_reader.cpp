@@ -134,4 +134,13 @@ SessionFile readSessionText(const std::string& text) {
   return result;
 }
 
+session::LogEntry readEntryText(const std::string& text) {
+  try {
+    const ordered_json document = ordered_json::parse(text);
+    return entryOf(Field(document, "entry"));
+  } catch (const ordered_json::exception& error) {
+    rejectInput("session entry: not JSON: {}", error.what());
+  }
+}
+
 }  // namespace handgraft::io

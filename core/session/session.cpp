@@ -94,7 +94,7 @@ Session& Session::operator=(Session&&) noexcept = default;
 
 // === Edits
 
-EditResult Session::apply(const Edit& edit, const Progress& progress) {
+EditResult Session::apply(const Edit& edit, const Progress& progress, const Keep& keep) {
   Edit logged = edit;
   if (auto* choice = std::get_if<ChoiceEdit>(&logged); choice != nullptr && !choice->pose) {
     if (minima_.empty()) rejectInput("there is no solution to choose a minimum of");
@@ -113,6 +113,15 @@ EditResult Session::apply(const Edit& edit, const Progress& progress) {
     next.edit(std::move(edited.document), describe(logged));
   }
   bench_.follow(next.present(), progress);
+  result.revision = revision_ + 1;
+  if (keep) {
+    try {
+      keep(logged, result);
+    } catch (...) {
+      bench_.follow(document(), Progress());
+      throw;
+    }
+  }
 
   // === Nothing fails from here on
   if (next.present().hand != document().hand) minima_.clear();
@@ -124,7 +133,6 @@ EditResult Session::apply(const Edit& edit, const Progress& progress) {
   history_ = std::move(next);
   ++revision_;
   log_.add(std::move(logged), history_, revision_);
-  result.revision = revision_;
   return result;
 }
 
@@ -195,7 +203,7 @@ Solution Session::solve(const Solving& solving, const SolveRun& run, const Progr
   return solution;
 }
 
-void Session::commit(Solution solution) {
+std::shared_ptr<const CommittedSolve> Session::commit(Solution solution) {
   HANDGRAFT_REQUIRE(solution.revision == revision_);
   auto entry = std::make_shared<CommittedSolve>();
   entry->solving = solution.solving;
@@ -207,7 +215,8 @@ void Session::commit(Solution solution) {
   minima_ = std::move(solution.report.minima);
   chosen_minimum_ = 0;
   solved_ = std::move(solution.problem);
-  log_.add(std::shared_ptr<const CommittedSolve>(std::move(entry)), history_, revision_);
+  log_.add(std::shared_ptr<const CommittedSolve>(entry), history_, revision_);
+  return entry;
 }
 
 void Session::commit(const CommittedSolve& solve) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -80,7 +81,13 @@ class Session {
   /// root on the hand brings a dropped patch back, its direction pointing to the hand's root.
   /// Cost: some 10 us; a drag and the first edit of a direction that is open lay patches; a
   /// hand's or an object's swap may take as long as opening a session. Cancelled on wish.
-  EditResult apply(const Edit& edit, const Progress& progress = Progress());
+  ///
+  /// `keep` is told of the entry of the log and of what is about to stand, once nothing else
+  /// can fail: what it throws passes through, and leaves the session as it was.
+  using Keep = std::function<void(const LogEntry& entry, const EditResult& result)>;
+  EditResult apply(const Edit& edit,
+                   const Progress& progress = Progress(),
+                   const Keep& keep = Keep());
 
   [[nodiscard]] unsigned long long revision() const { return revision_; }
 
@@ -116,7 +123,8 @@ class Session {
   /// and what it found of roots and directions stays. No edit: the revision stays. Also to be
   /// called for solutions whose publication nobody saw.
   /// Errors: BrokenContract if the session was edited since it was solved.
-  void commit(Solution solution);
+  /// Returns the entry of the log.
+  std::shared_ptr<const CommittedSolve> commit(Solution solution);
 
   /// Takes a committed solve of a log, by its value. Errors: InvalidInput if it does not fit.
   void commit(const CommittedSolve& solve);

@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "idl/check.h"
 #include "server/admission/rejection.h"
+#include "server/store/database.h"
 
 namespace handgraft::server {
 
@@ -22,6 +23,9 @@ ErrorReply errorReplyOf(const std::exception_ptr& error) {
     return {v1::ERROR_INVALID_INPUT, input.what(), ""};
   } catch (const Cancelled& cancelled) {
     return {v1::ERROR_CANCELLED, cancelled.what(), ""};
+  } catch (const StorageError& failure) {
+    spdlog::error("event=storage_error what={}", handgraft::quoted(failure.what()));
+    return {v1::ERROR_STORAGE, failure.what(), ""};
   } catch (const std::bad_alloc&) {
     return {v1::ERROR_OVERLOADED, "the server has not enough memory for this", ""};
   } catch (const std::exception& mistake) {
