@@ -28,6 +28,7 @@
 #include "idl/edits.h"
 #include "idl/hardware.h"
 #include "idl/motions.h"
+#include "idl/peer_names.h"
 #include "idl/ros2.h"
 #include "idl/sensor_msgs.h"
 #include "idl/service.h"
@@ -84,7 +85,8 @@ std::string configurationOf(const Network& network, const NetworkInterface& inte
   // Multicast is for finding each other, nothing else: Fast DDS sends to the group, once two
   // readers have it in common, what no router and few wireless networks would deliver.
   std::string peers;
-  for (const std::string& address : unicastAddresses(network, interface))
+  const Network reached = withPeerAddresses(network);
+  for (const std::string& address : unicastAddresses(reached, interface))
     peers += fmt::format("<Peer Address=\"{}\"/>", address);
   if (!peers.empty()) peers = "<Peers>" + peers + "</Peers>";
   return fmt::format(

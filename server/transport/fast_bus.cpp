@@ -16,6 +16,7 @@
 #include <fastrtps/utils/IPLocator.h>
 #include <spdlog/spdlog.h>
 
+#include "idl/peer_names.h"
 #include "idl/topics.h"
 #include "server/transport/bus.h"
 #include "server/transport/fast_endpoints.h"
@@ -57,11 +58,7 @@ dds::DomainParticipantQos participantQos(const Network& network,
     rtps::IPLocator::setIPv4(made, address);
     return made;
   };
-  // Who has no address yet will come, and name this host.
-  std::vector<std::string> without_address;
-  const std::vector<std::string> peers = unicastAddresses(network, interface, &without_address);
-  for (const std::string& peer : without_address)
-    spdlog::warn("event=peer_without_address peer={}", handgraft::quoted(peer));
+  const std::vector<std::string> peers = unicastAddresses(network, interface);
   udp->maxInitialPeersRange = kPeersOfThisMachine;
   for (const std::string& address : peers)
     protocol.builtin.initialPeersList.push_back(locator(address, 0));
@@ -287,7 +284,13 @@ class FastBus final : public Bus {
 
 std::unique_ptr<Bus> openFastBus(const Network& network) {
   routeVendorLog();
-  return std::make_unique<FastBus>(network);
+  validate(network);
+  // Who has no address yet will come, and name this host.
+  std::vector<std::string> without_address;
+  const Network reached = idl::withPeerAddresses(network, &without_address);
+  for (const std::string& peer : without_address)
+    spdlog::warn("event=peer_without_address peer={}", handgraft::quoted(peer));
+  return std::make_unique<FastBus>(reached);
 }
 
 }  // namespace handgraft::server

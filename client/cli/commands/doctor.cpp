@@ -11,6 +11,7 @@
 #include "client/present/interruption.h"
 #include "client/present/json_output.h"
 #include "client/present/text_output.h"
+#include "idl/peer_names.h"
 
 namespace handgraft::client {
 
@@ -47,7 +48,8 @@ std::string adviceOn(const Network& network) {
         7400 + 250 * network.domain, interface.address);
   }
   std::string asked;
-  for (const std::string& address : unicastAddresses(network, interface))
+  const Network reached = idl::withPeerAddresses(network);
+  for (const std::string& address : unicastAddresses(reached, interface))
     asked += (asked.empty() ? "" : ", ") + address;
   return fmt::format(
       ". None answered at {} nor by multicast: see that its firewall lets UDP ports {}-{} "
