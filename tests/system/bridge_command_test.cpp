@@ -1,13 +1,21 @@
 // `handgraft bridge` against a bridge as a process, with an emulated hand at its end.
 
+#include <atomic>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <optional>
+#include <thread>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+
+#include "idl/cyclone/participant.h"
+#include "idl/hardware.h"
+#include "idl/topics.h"
 
 #include "tests/support/shared_data.h"
 #include "tests/support/test_domain.h"
@@ -121,6 +129,63 @@ TEST_F(BridgeCommand, SaysWhichJointKeepsAHandFromBeingArmed) {
   EXPECT_EQ(refused.exit_code, 1);
   EXPECT_NE(refused.err.find("ARM refused: no fresh pose: " + why), std::string::npos)
       << refused.err;
+  for (int i = 0; i < 3; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    const Finished again = ask({"arm"});
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5))
+        << "refused for the same reason as before is an answer, too";
+    EXPECT_EQ(again.exit_code, 1);
+    EXPECT_NE(again.err.find("ARM refused: no fresh pose: " + why), std::string::npos)
+        << again.err;
+  }
+}
+
+/// Says that it is there for a while, and obeys no command, or does not even hear it.
+class MuteBridge {
+ public:
+  MuteBridge(const Network& network, std::chrono::seconds speaks, bool listens)
+      : participant_(network), statuses_(participant_, idl::kBridgeStatusTopic) {
+    if (listens) commands_.emplace(participant_, idl::kHandCommandTopic);
+    speaker_ = std::thread([this, end = std::chrono::steady_clock::now() + speaks] {
+      v1::BridgeStatus status;
+      status.bridge_id(5);
+      status.state(v1::BRIDGE_IDLE);
+      for (std::int64_t i = 0; !is_over_ && std::chrono::steady_clock::now() < end; ++i) {
+        status.stamp_ns(i);
+        statuses_.write(status);
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      }
+    });
+  }
+
+  ~MuteBridge() {
+    is_over_ = true;
+    speaker_.join();
+  }
+
+  MuteBridge(const MuteBridge&) = delete;
+  MuteBridge& operator=(const MuteBridge&) = delete;
+
+ private:
+  idl::cyclone::Participant participant_;
+  idl::cyclone::Writer<v1::BridgeStatus> statuses_;
+  std::optional<idl::cyclone::Reader<v1::HandCommand>> commands_;
+  std::atomic<bool> is_over_ = false;
+  std::thread speaker_;
+};
+
+TEST_F(BridgeCommand, NamesABridgeThatDoesNotListenOrFellSilent) {
+  for (const bool falls_silent : {false, true}) {
+    const MuteBridge bridge(network_, std::chrono::seconds(falls_silent ? 1 : 60),
+                            falls_silent);
+    const auto start = std::chrono::steady_clock::now();
+    const Finished arm = ask({"arm"});
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(8));
+    EXPECT_NE(arm.exit_code, 0);
+    const std::string why = falls_silent ? "has fallen silent" : "does not listen to commands";
+    EXPECT_NE(arm.err.find("bridge 5"), std::string::npos) << arm.err;
+    EXPECT_NE(arm.err.find(why), std::string::npos) << arm.err;
+  }
 }
 
 TEST_F(BridgeCommand, AnEmergencyStopIsForEveryBridgeThereIs) {

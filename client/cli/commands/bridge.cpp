@@ -57,21 +57,28 @@ bool isDone(Action action, const v1::BridgeStatus& bridge) {
   return true;
 }
 
-/// Tells a refusal that is news from one of long ago, which a bridge forgets when it accepts
-/// something.
+/// Tells a command's refusal that is news from one of long ago, though it say the same. Poses
+/// are refused meanwhile, too, which answers nobody.
 class RefusalWatch {
  public:
-  explicit RefusalWatch(const v1::BridgeStatus& before) : last_(before.last_refusal()) {}
+  explicit RefusalWatch(const v1::BridgeStatus& before) : count_(before.refusal_count()) {}
 
   bool sees(const v1::BridgeStatus& bridge) {
-    if (bridge.last_refusal() == last_) return false;
-    last_ = bridge.last_refusal();
-    return !last_.empty();
+    if (bridge.refusal_count() == count_) return false;
+    count_ = bridge.refusal_count();
+    return bridge.refusal() != v1::REFUSAL_NONE && bridge.refusal() != v1::REFUSAL_POSE;
   }
 
  private:
-  std::string last_;
+  std::uint64_t count_;
 };
+
+// A bridge that did as told may find that it cannot be done.
+bool hasFailed(Action action, const v1::BridgeStatus& bridge, const v1::BridgeStatus& before) {
+  const bool is_latched =
+      bridge.state() == v1::BRIDGE_FAULT || bridge.state() == v1::BRIDGE_ESTOP;
+  return action == Action::kArm && is_latched && bridge.state() != before.state();
+}
 
 // Homing begins by saying so, and takes as long as motors run; whether it was done shows then.
 v1::BridgeStatus home(BridgeLink& link, const v1::BridgeStatus& before) {
@@ -95,7 +102,7 @@ v1::BridgeStatus act(BridgeLink& link, Action action, const v1::BridgeStatus& be
   if (action == Action::kHome) return home(link, before);
   RefusalWatch refusals(before);
   const auto is_answered = [&](const v1::BridgeStatus& bridge) {
-    return isDone(action, bridge) || refusals.sees(bridge);
+    return isDone(action, bridge) || refusals.sees(bridge) || hasFailed(action, bridge, before);
   };
   return link.command(before.bridge_id(), kindOf(action), kPatience, is_answered);
 }

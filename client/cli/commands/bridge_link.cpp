@@ -1,5 +1,7 @@
 #include "client/cli/commands/bridge_link.h"
 
+#include <algorithm>
+
 #include "core/base/error.h"
 #include "core/base/random_id.h"
 #include "idl/topics.h"
@@ -8,13 +10,14 @@ namespace handgraft::client {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 constexpr milliseconds kTick(20);
 constexpr milliseconds kRepeat(200);
 constexpr milliseconds kSearch(2000);
-constexpr milliseconds kMore(300);  // for others after the first
+constexpr milliseconds kMore(300);          // for others after the first
+constexpr std::chrono::seconds kDeaf(3);    // for a bridge that is heard to be seen listening
+constexpr std::chrono::seconds kSilent(3);  // thirty statuses missed
 
 }  // namespace
 
@@ -30,7 +33,24 @@ void BridgeLink::take() {
   statuses_.wait(kTick);
   statuses_.take([this](const v1::BridgeStatus& status) {
     bridges_[status.bridge_id()] = status;
+    heard_[status.bridge_id()] = Clock::now();
   });
+}
+
+// Nobody waits for a bridge that cannot answer.
+void BridgeLink::requireAlive(std::uint32_t bridge_id, Clock::time_point since) {
+  const Clock::time_point now = Clock::now();
+  const std::string where = handgraft::describe(network_);
+  if (now - std::max(since, heard_[bridge_id]) > kSilent) {
+    throw TransportError(fmt::format(
+        "bridge {} on {} has fallen silent: it tells no status any more", bridge_id, where));
+  }
+  if (now - since > kDeaf && commands_.readers() == 0) {
+    throw TransportError(
+        fmt::format("bridge {} is heard on {}, but does not listen to commands from here: what "
+                    "this machine sends does not arrive there; handgraft doctor may tell why",
+                    bridge_id, where));
+  }
 }
 
 std::vector<v1::BridgeStatus> BridgeLink::all() {
@@ -71,9 +91,10 @@ v1::BridgeStatus BridgeLink::command(
     std::chrono::seconds patience,
     const std::function<bool(const v1::BridgeStatus&)>& is_done) {
   const v1::HandCommand message = make(bridge_id, kind);
-  const Clock::time_point give_up = Clock::now() + patience;
-  Clock::time_point due = Clock::now();
-  while (Clock::now() < give_up) {
+  const Clock::time_point start = Clock::now();
+  Clock::time_point due = start;
+  while (Clock::now() - start < patience) {
+    requireAlive(bridge_id, start);
     if (Clock::now() >= due) {
       commands_.write(message);
       due = Clock::now() + repeat();

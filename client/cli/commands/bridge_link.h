@@ -30,7 +30,8 @@ class BridgeLink {
   v1::BridgeStatus one(const std::optional<std::uint32_t>& bridge_id);
 
   /// Publishes a command until `is_done` says so of the newest status, or for `patience`: the
-  /// newest status. Repeats are obeyed once.
+  /// newest status. Repeats are obeyed once. Errors: TransportError for a bridge that is heard
+  /// no more, or that is not seen to listen within 3 s.
   v1::BridgeStatus command(std::uint32_t bridge_id,
                            v1::HandCommandKind kind,
                            std::chrono::seconds patience,
@@ -50,7 +51,10 @@ class BridgeLink {
   [[nodiscard]] const idl::cyclone::Participant& participant() const { return participant_; }
 
  private:
+  using Clock = std::chrono::steady_clock;
+
   void take();
+  void requireAlive(std::uint32_t bridge_id, Clock::time_point since);
   [[nodiscard]] v1::HandCommand make(std::uint32_t bridge_id, v1::HandCommandKind kind) const;
   [[nodiscard]] std::vector<v1::BridgeStatus> known() const;
   [[nodiscard]] std::chrono::milliseconds repeat() const;
@@ -61,6 +65,7 @@ class BridgeLink {
   idl::cyclone::Reader<v1::BridgeStatus> statuses_;
   idl::cyclone::Writer<v1::HandCommand> commands_;
   std::map<std::uint32_t, v1::BridgeStatus> bridges_;
+  std::map<std::uint32_t, Clock::time_point> heard_;
 };
 
 }  // namespace handgraft::client
