@@ -11,7 +11,8 @@ fail() { echo "containers: $*" >&2; exit 1; }
 # shellcheck source=docker/engine.sh
 . docker/engine.sh || fail "neither docker nor podman runs here (Debian: podman podman-compose netavark aardvark-dns)"
 
-hasNetworks() { "$engine" network ls --format '{{.Name}}' | grep -qx "${project}_handgraft"; }
+hasNetworks() { "$engine" network inspect "${project}_handgraft" >/dev/null 2>&1; }
+own() { "$engine" ps -a --format '{{.Names}}' | grep -E "^${project}[_-](server|bridge|page)[_-][0-9]+\$" || true; }
 
 case ${1:-} in
 images)
@@ -58,13 +59,14 @@ up)
   ;;
 down)
   "${compose[@]}" -p "$project" -f docker/compose.yaml down -t 10 >/dev/null 2>&1 || true
-  # podman-compose leaves these behind.
+  # podman-compose leaves these behind; and whoever ran a command of his own on the network may still be on it.
   if [ "$engine" = podman ]; then
     podman pod rm -f "pod_$project" >/dev/null 2>&1 || true
     podman pod rm -f "$project" >/dev/null 2>&1 || true
-    ! hasNetworks || podman network rm "${project}_handgraft" >/dev/null
+    own | xargs -r podman rm -f -t 10 >/dev/null 2>&1 || true
+    ! hasNetworks || podman network rm -f -t 10 "${project}_handgraft" >/dev/null
   fi
-  left=$("$engine" ps -a --format '{{.Names}}' | grep -E "^${project}[_-]" || true)
+  left=$(own)
   [ -z "$left" ] || fail "left over: $left"
   ! hasNetworks || fail "the network ${project}_handgraft is left over"
   ;;

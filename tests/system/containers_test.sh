@@ -69,9 +69,12 @@ moved() { # SESSION: since the bridge was last looked at, a pose of it was reach
   cat "$scratch/bridge.log" >&2
   fail "the emulated hand did not reach a pose of session $1 within 30 s"
 }
-arm() { # once it has a fresh pose
-  for _ in $(seq 40); do
+arm() { # once it has a fresh pose: until then it is refused, which has to be told soon
+  local begun=$SECONDS asked
+  while [ $((SECONDS - begun)) -lt 20 ]; do
+    asked=$SECONDS
     "$engine" exec "$bridge" handgraft bridge arm >"$scratch/arm" 2>&1 && return
+    [ $((SECONDS - asked)) -le 8 ] || { cat "$scratch/arm" >&2; fail "handgraft bridge arm took $((SECONDS - asked)) s to answer"; }
     sleep 0.5
   done
   cat "$scratch/arm" >&2
@@ -91,7 +94,7 @@ session=$(grasp)
 [ -n "$session" ] || fail "the grasp names no session"
 arm
 moved "$session"
-"$engine" logs "$bridge" 2>&1 | grep -q '^motors on' || fail "the emulated motors did not turn"
+"$engine" logs "$bridge" 2>&1 | grep '^motors on' >/dev/null || fail "the emulated motors did not turn"
 
 say "the server is started again, and a fresh session edited"
 "$engine" restart -t 10 "$server" >/dev/null 2>&1 || fail "$server does not start again"
@@ -112,7 +115,7 @@ read -r answer <&3
 exec 3>&-
 [[ $answer == *" 200 "* ]] || fail "the page answers: $answer"
 if [ -n "$dropping" ]; then
-  nft list table bridge "$HANDGRAFT_PROJECT" | grep -qE 'packets [1-9]' || fail "no multicast was dropped: nothing was proven"
+  nft list table bridge "$HANDGRAFT_PROJECT" | grep -E 'packets [1-9]' >/dev/null || fail "no multicast was dropped: nothing was proven"
 fi
 
 say "down"
