@@ -32,6 +32,13 @@ Difference differenceAt(const std::vector<double>& time_s, std::size_t middle) {
   return {scale / first, scale / second};
 }
 
+/// Of |first difference|^2, beside that of second differences: what nothing holds comes to rest
+/// in about this time, as minima of |x''|^2 + |x'|^2 / tau^2 do.
+constexpr double settlingShare() {
+  constexpr double kFrames = kSettling_s / kReferenceStep_s;
+  return 1.0 / (kFrames * kFrames);
+}
+
 Vector3d turnBetween(const hand::HandPose& a, const hand::HandPose& b) {
   return vectorFromRotation(b.X_WH.linear() * a.X_WH.linear().transpose());
 }
@@ -47,29 +54,45 @@ double beyond(double x, double limit) {
 MotionObjective::MotionObjective(const MotionProblem& problem,
                                  const MotionOptions& options,
                                  optimize::WorkerPool& pool)
-    : problem_(problem), options_(options), pool_(pool), trees_(problem.time_s.size()) {
-  const FrameProblems frames(problem, options.fade);
+    : MotionObjective(problem,
+                      FrameProblems(problem, options.fade),
+                      options,
+                      pool,
+                      0,
+                      problem.time_s.size()) {}
+
+MotionObjective::MotionObjective(const MotionProblem& problem,
+                                 const FrameProblems& frames,
+                                 const MotionOptions& options,
+                                 optimize::WorkerPool& pool,
+                                 std::size_t first,
+                                 std::size_t count)
+    : problem_(problem), pool_(pool), trees_(count) {
+  HANDGRAFT_REQUIRE(count >= 1 && first + count <= problem.time_s.size());
+  time_s_.assign(problem.time_s.begin() + static_cast<std::ptrdiff_t>(first),
+                 problem.time_s.begin() + static_cast<std::ptrdiff_t>(first + count));
   hand::HandPose rest;
   rest.q = problem.prior;
   // The same contacts as in the frame before: the same moments.
-  const auto isSame = [&](std::size_t k) {
-    const auto& now = frames.presentAt(static_cast<int>(k));
-    const auto& before = frames.presentAt(static_cast<int>(k) - 1);
+  const auto isSame = [&](int frame) {
+    const auto& now = frames.presentAt(frame);
+    const auto& before = frames.presentAt(frame - 1);
     if (now.size() != before.size()) return false;
     for (std::size_t i = 0; i < now.size(); ++i) {
       if (now[i].track != before[i].track || now[i].presence != before[i].presence)
         return false;
       for (const PairSpan& span : problem.tracks[static_cast<std::size_t>(now[i].track)].spans)
-        if (span.begin == static_cast<int>(k)) return false;
+        if (span.begin == frame) return false;
     }
     return true;
   };
   for (std::size_t k = 0; k < trees_.size(); ++k) {
-    trees_[k] = k > 0 && isSame(k) ? trees_[k - 1]
-                                   : std::make_shared<const optimize::MomentTree>(
-                                         makeMomentTree(frames.at(static_cast<int>(k), rest)));
+    const auto frame = static_cast<int>(first + k);
+    trees_[k] = k > 0 && isSame(frame) ? trees_[k - 1]
+                                       : std::make_shared<const optimize::MomentTree>(
+                                             makeMomentTree(frames.at(frame, rest)));
   }
-  bare_ = frames.at(0, rest);
+  bare_ = frames.at(static_cast<int>(first), rest);
   bare_.pairs.clear();
   smoothness_ = VectorXd::Constant(dofCount(), options.smoothness);
   smoothness_.head<3>() *= kTurnScale;
@@ -89,27 +112,21 @@ void MotionObjective::join(double smoothness, double limits) {
 }
 
 double MotionObjective::evaluate(const Poses& poses) {
-  HANDGRAFT_REQUIRE(poses.size() == trees_.size());
-  pool_.run(static_cast<int>(poses.size()), [&](int, int k) {
-    const auto index = static_cast<std::size_t>(k);
-    optimize::Objective objective(bare_, trees_[index]);
-    objective.care(care_);
-    frames_[index] = objective.evaluate(poses[index]).objective;
-  });
-  double sum = joining(poses);
-  for (const double frame : frames_)
-    sum += frame;
-  return sum;
+  return evaluate(poses, false);
 }
 
 double MotionObjective::evaluateToExpand(const Poses& poses) {
+  return evaluate(poses, true);
+}
+
+double MotionObjective::evaluate(const Poses& poses, bool to_expand) {
   HANDGRAFT_REQUIRE(poses.size() == trees_.size());
   pool_.run(static_cast<int>(poses.size()), [&](int, int k) {
     const auto index = static_cast<std::size_t>(k);
     optimize::Objective objective(bare_, trees_[index]);
     objective.care(care_);
     frames_[index] = objective.evaluate(poses[index]).objective;
-    modelFrame(objective, seen_[index]);
+    if (to_expand) modelFrame(objective, seen_[index]);
   });
   double sum = joining(poses);
   for (const double frame : frames_)
@@ -144,11 +161,19 @@ void MotionObjective::expand(const Poses& poses, BandSystem& system) {
 }
 
 double MotionObjective::joining(const Poses& poses) const {
-  const auto& time_s = problem_.time_s;
+  const auto& time_s = time_s_;
   const double limit_weight = limit_share_ * kLimitWeight;
+  const double settling = settlingShare();
   double sum = 0.0;
   for (std::size_t k = 1; k < poses.size(); ++k) {
     const double step = time_s[k] - time_s[k - 1];
+    const double rate = kReferenceStep_s / step;
+    const hand::HandPose& a = poses[k - 1];
+    const hand::HandPose& b = poses[k];
+    sum += rate * rate * settling *
+           (smoothness_[0] * turnBetween(a, b).squaredNorm() +
+            smoothness_[3] * (b.X_WH.translation() - a.X_WH.translation()).squaredNorm() +
+            smoothness_.tail(b.q.size()).dot((b.q - a.q).cwiseAbs2()));
     for (Eigen::Index i = 0; i < poses[k].q.size(); ++i) {
       const double limit = kLimitShare * problem_.velocity_limit[i];
       const double excess = beyond((poses[k].q[i] - poses[k - 1].q[i]) / step, limit);
@@ -175,8 +200,9 @@ double MotionObjective::joining(const Poses& poses) const {
 }
 
 void MotionObjective::addJoining(const Poses& poses, BandSystem& system) const {
-  const auto& time_s = problem_.time_s;
+  const auto& time_s = time_s_;
   const double limit_weight = limit_share_ * kLimitWeight;
+  const double settling = settlingShare();
   // Residual r = sum of share * x over frames; weight r^2.
   const auto addLinear = [&system](std::size_t first, Eigen::Index dof, const double* shares,
                                    int count, double residual, double weight) {
@@ -193,10 +219,25 @@ void MotionObjective::addJoining(const Poses& poses, BandSystem& system) const {
   for (std::size_t k = 1; k < poses.size(); ++k) {
     const double rate = kReferenceStep_s / (time_s[k] - time_s[k - 1]);
     const double shares[2] = {-rate, rate};
+    const hand::HandPose& a = poses[k - 1];
+    const hand::HandPose& b = poses[k];
+    for (int i = 0; i < 3; ++i) {
+      const double way = rate * (b.X_WH.translation()[i] - a.X_WH.translation()[i]);
+      addLinear(k - 1, 3 + i, shares, 2, way, settling * smoothness_[3 + i]);
+    }
+    const Vector3d turn = rate * turnBetween(a, b);
+    const Matrix3d J = rate * leftJacobianInverse(turnBetween(a, b));
+    const double two_w = 2.0 * settling * smoothness_[0];
+    system.right[k - 1].head<3>() += two_w * J * turn;
+    system.right[k].head<3>() -= two_w * J.transpose() * turn;
+    system.own[k - 1].topLeftCorner<3, 3>() += two_w * J * J.transpose();
+    system.own[k].topLeftCorner<3, 3>() += two_w * J.transpose() * J;
+    system.next[k - 1].turn -= two_w * J.transpose() * J.transpose();
     for (Eigen::Index i = 0; i < poses[k].q.size(); ++i) {
       const double way = rate * (poses[k].q[i] - poses[k - 1].q[i]);
       const double excess =
           beyond(way, kLimitShare * problem_.velocity_limit[i] * kReferenceStep_s);
+      addLinear(k - 1, 6 + i, shares, 2, way, settling * smoothness_[6 + i]);
       if (excess != 0.0) addLinear(k - 1, 6 + i, shares, 2, excess, limit_weight);
     }
   }

@@ -10,8 +10,9 @@
 
 namespace handgraft::manipulation {
 
-/// All frames of a motion at once: Eq. 2 of each, plus smoothness times |second difference|^2,
-/// plus what velocities and accelerations beyond their limits cost.
+/// All frames of a motion at once: Eq. 2 of each, plus smoothness times |second difference|^2
+/// (and, far weaker, |first difference|^2: what nothing holds rests over the object), plus what
+/// velocities and accelerations beyond their limits cost.
 ///
 /// A second difference is an acceleration times the square of 1/120 s, so that the rate of the
 /// frames does not matter; the root's rotation is on the manifold: the turn from frame to
@@ -21,7 +22,16 @@ namespace handgraft::manipulation {
 /// their order. Cost of an evaluation: that of a single frame, times the frames.
 class MotionObjective {
  public:
-  /// Keeps references. Memory: some 20 kB a frame whose contacts differ from the last one's.
+  /// Of `count` frames from `first` on. Keeps references but to `frames`.
+  /// Memory: some 20 kB a frame whose contacts differ from the last one's.
+  MotionObjective(const MotionProblem& problem,
+                  const FrameProblems& frames,
+                  const MotionOptions& options,
+                  optimize::WorkerPool& pool,
+                  std::size_t first,
+                  std::size_t count);
+
+  /// Of all of them.
   MotionObjective(const MotionProblem& problem,
                   const MotionOptions& options,
                   optimize::WorkerPool& pool);
@@ -66,12 +76,13 @@ class MotionObjective {
   [[nodiscard]] int dofCount() const { return 6 + problem_.model->dofCount(); }
 
  private:
+  double evaluate(const Poses& poses, bool to_expand);
   void modelFrame(optimize::Objective& objective, FrameModel& own) const;
   [[nodiscard]] double joining(const Poses& poses) const;
   void addJoining(const Poses& poses, BandSystem& system) const;
 
   const MotionProblem& problem_;
-  MotionOptions options_;
+  std::vector<double> time_s_;  ///< of the frames that count
   optimize::WorkerPool& pool_;
   optimize::AvoidanceCare care_;
   double limit_share_ = 1.0;

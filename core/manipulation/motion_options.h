@@ -19,6 +19,9 @@ struct MotionOptions {
   int starts = 64;    ///< of the single frames from which all others go on
   unsigned seed = 0;  ///< of those
   int threads = 1;    ///< of the offline solve
+  /// Frames that the offline solve takes at once; longer motions in parts, each from the last
+  /// one's end on. Memory: some 60 kB each.
+  int frames_at_once = 4096;
 };
 
 /// What suits the causal solver, which pays for smoothness with delay: its caller sets it.
@@ -30,6 +33,8 @@ inline constexpr double kTurnScale = 4.0;      ///< 1/rad^2: as if at 10 cm
 inline constexpr double kShiftScale = 400.0;   ///< 1/m^2
 inline constexpr double kSliderScale = 400.0;  ///< 1/m^2, joints that slide
 inline constexpr double kReferenceStep_s = 1.0 / 120.0;
+/// In which a hand that nothing holds comes to rest over the object, offline.
+inline constexpr double kSettling_s = 0.25;
 
 /// Errors: InvalidInput names the value and its range.
 void validate(const MotionOptions& options);

@@ -11,6 +11,7 @@ namespace handgraft::manipulation {
 
 namespace {
 
+constexpr int kFewestAtOnce = 16;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// 0 to 1 without a bend at its ends.
@@ -38,6 +39,9 @@ void validate(const MotionOptions& options) {
   require("smoothness", options.smoothness, 1e12);
   require("fade", options.fade.seconds, 60.0);
   require("starts", options.starts, 1e6);
+  if (options.frames_at_once < kFewestAtOnce)
+    rejectInput("frames at once: {} must be at least {}", options.frames_at_once,
+                kFewestAtOnce);
   if (options.threads < 1 || options.threads > 256)
     rejectInput("threads: {} must lie in 1 to 256", options.threads);
 }

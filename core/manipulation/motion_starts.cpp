@@ -1,6 +1,7 @@
 #include "core/manipulation/motion_starts.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <limits>
 
 #include "core/manipulation/causal_solver.h"
@@ -205,6 +206,8 @@ std::vector<hand::HandPose> joinedMinima(const MotionProblem& problem,
 
 namespace {
 
+constexpr int kToldEvery = 64;  // frames
+
 /// Follows the contacts from one frame on towards both ends, every `stride`-th frame, and those
 /// at the ends; the objective of these frames, and the poses, held between.
 double follow(const MotionProblem& problem,
@@ -221,8 +224,14 @@ double follow(const MotionProblem& problem,
     CausalSolver solver(problem, options);
     solver.begin(setting.pose);
     const int end = way > 0 ? last : 0;
+    const int frames_before = way > 0 ? 0 : last - setting.frame;
     for (int k = setting.frame;; k = way * std::min(way * (k + way * stride), way * end)) {
       progress.checkpoint();
+      if (k % kToldEvery == 0) {
+        const int followed = frames_before + std::abs(k - setting.frame);
+        progress.report("following contacts",
+                        static_cast<double>(followed) / std::max(1, last));
+      }
       const auto index = static_cast<std::size_t>(k);
       const CausalSolver::Step step =
           solver.follow(way * problem.time_s[index], frames.at(k, setting.pose));

@@ -20,6 +20,9 @@ constexpr double kFirstDamping = 1e-2;
 constexpr double kLeastDamping = 1e-6;
 constexpr double kMostDamping = 1e9;
 constexpr double kWorthwhile = 1e-5;  // share of the objective that a step has to promise
+constexpr double kEnough = 5e-4;      // share of it that a step has to gain for another
+// Of the stiffest frame's diagonal: frames without contacts are damped by that share of it.
+constexpr double kLeastScale = 1e-2;
 constexpr double kLeastRatio = 1e-4;
 constexpr double kShortestShare = 0.01;  // of a step
 
@@ -45,13 +48,18 @@ const std::vector<Stage> kAvoidingStages = {{{true, 1.0}, 0.01, 1e-4, 4},
 /// its own, raised where its model was wrong: a frame in trouble does not keep the others back.
 class BandSearch {
  public:
-  BandSearch(const MotionProblem& problem, MotionObjective& objective, Poses poses)
+  /// The first `held` poses stay as they are.
+  BandSearch(const MotionProblem& problem,
+             MotionObjective& objective,
+             Poses poses,
+             std::size_t held)
       : problem_(problem),
         objective_(objective),
-        system_(problem.time_s.size(), objective.dofCount()),
+        held_(held),
+        system_(poses.size(), objective.dofCount()),
         undamped_(system_),
         poses_(std::move(poses)),
-        damping_(problem.time_s.size(), kFirstDamping) {}
+        damping_(poses_.size(), kFirstDamping) {}
 
   /// Up to `steps` trials. Counts evaluations of frames.
   void descend(int steps, const Progress& progress, int& evaluations) {
@@ -61,12 +69,12 @@ class BandSearch {
     bool expanded = false;
     for (int step = 0; step < steps; ++step) {
       progress.checkpoint();
-      if (!expanded) objective_.expand(poses_, undamped_);
+      if (!expanded) expand();
       expanded = true;
       const double promise = propose();
       if (!(promise > kWorthwhile * value_)) return;
       moveBy(problem_, steps_, poses_, trial_);
-      evaluations += problem_.frameCount();
+      evaluations += static_cast<int>(poses_.size());
       double value = objective_.evaluateToExpand(trial_);
       bool better = value_ - value > kLeastRatio * promise;
       const bool any = judgeFrames(better);
@@ -77,16 +85,18 @@ class BandSearch {
         for (VectorXd& part : steps_)
           part *= 0.3;
         moveBy(problem_, steps_, poses_, trial_);
-        evaluations += problem_.frameCount();
+        evaluations += static_cast<int>(poses_.size());
         value = objective_.evaluate(trial_);
         better = value_ - value > kLeastRatio * share * promise;
       }
       if (better) {
         if (share < 1.0) value = objective_.evaluateToExpand(trial_);
+        const bool is_enough = value_ - value < kEnough * value_;
         std::swap(poses_, trial_);
         value_ = value;
         frames_ = objective_.frames();
         expanded = false;
+        if (is_enough) return;
       } else if (!any) {
         for (double& damping : damping_)
           damping = std::min(kMostDamping, 10.0 * damping);
@@ -100,6 +110,19 @@ class BandSearch {
   [[nodiscard]] Poses& poses() { return poses_; }
 
  private:
+  void expand() {
+    objective_.expand(poses_, undamped_);
+    for (std::size_t k = 0; k < held_; ++k) {
+      undamped_.own[k].setIdentity();
+      undamped_.right[k].setZero();
+      undamped_.next[k].reset();
+      undamped_.after_next[k].reset();
+    }
+    stiffest_ = VectorXd::Zero(objective_.dofCount());
+    for (const MotionObjective::FrameModel& model : objective_.models())
+      stiffest_ = stiffest_.cwiseMax(model.scale);
+  }
+
   /// A step of each frame within the limits of its joints, and what it promises to gain. Joints
   /// that would leave stay on the border, and the others follow.
   double propose() {
@@ -169,7 +192,7 @@ class BandSearch {
 
   [[nodiscard]] VectorXd dampingOf(std::size_t k) const {
     const VectorXd& scale = objective_.models()[k].scale;
-    return damping_[k] * scale.cwiseMax(std::max(1e-6 * scale.maxCoeff(), 1e-6));
+    return damping_[k] * scale.cwiseMax(kLeastScale * stiffest_).cwiseMax(1e-6);
   }
 
   /// What the undamped model says of the steps.
@@ -212,15 +235,53 @@ class BandSearch {
 
   const MotionProblem& problem_;
   MotionObjective& objective_;
+  std::size_t held_;
   BandSystem system_;
   BandSystem undamped_;
   Poses poses_;
   Poses trial_;
   std::vector<VectorXd> steps_;
   std::vector<double> damping_;
+  VectorXd stiffest_;  ///< of each degree of freedom, over all frames
   std::vector<double> frames_;
   double value_ = 0.0;
 };
+
+// A second difference joins a frame with the two before it.
+constexpr std::size_t kJoined = 2;
+
+/// The poses of the objective's frames, from `first` on; where frames stand before them, the
+/// first two stay.
+void solvePart(const MotionProblem& problem,
+               MotionObjective& objective,
+               std::size_t first,
+               std::size_t count,
+               const Progress& progress,
+               Trajectory& trajectory) {
+  const auto begin = trajectory.poses.begin() + static_cast<std::ptrdiff_t>(first);
+  const std::size_t part = objective.frames().size();
+  BandSearch search(problem, objective, Poses(begin, begin + static_cast<std::ptrdiff_t>(part)),
+                    first == 0 ? 0 : kJoined);
+  const std::vector<Stage>& stages =
+      problem.avoidance == nullptr ? kTouchingStages : kAvoidingStages;
+  const bool is_limited = problem.velocity_limit.array().isFinite().any() ||
+                          problem.acceleration_limit.array().isFinite().any();
+  double done = 0.0;
+  for (const Stage& stage : stages) {
+    // Without limits of that kind nothing is stiff.
+    if (!is_limited && problem.avoidance == nullptr && stage.limits < 1.0) continue;
+    progress.report("solving all frames",
+                    (static_cast<double>(first) + done * static_cast<double>(part)) /
+                        static_cast<double>(count));
+    done += 1.0 / static_cast<double>(stages.size());
+    objective.care(stage.care);
+    objective.join(stage.smoothness, stage.limits);
+    search.descend(stage.steps, progress, trajectory.evaluations);
+  }
+  std::copy(search.frames().begin(), search.frames().end(),
+            trajectory.objective.begin() + static_cast<std::ptrdiff_t>(first));
+  std::move(search.poses().begin(), search.poses().end(), begin);
+}
 
 }  // namespace
 
@@ -232,33 +293,28 @@ Trajectory solveOffline(const MotionProblem& problem,
   validate(options);
   HANDGRAFT_REQUIRE(start.empty() || start.size() == problem.time_s.size());
   optimize::WorkerPool pool(options.threads);
-  MotionObjective objective(problem, options, pool);
   Trajectory trajectory;
   trajectory.time_s = problem.time_s;
-  Poses poses = start;
-  if (poses.empty() && problem.avoidance == nullptr) {
-    poses = joinedMinima(problem, options, progress);
-  } else if (poses.empty()) {
-    poses = followedMinima(problem, options, progress);
+  trajectory.poses = start;
+  if (trajectory.poses.empty()) {
+    trajectory.poses = problem.avoidance == nullptr
+                           ? joinedMinima(problem, options, progress)
+                           : followedMinima(problem, options, progress);
   }
-  BandSearch search(problem, objective, std::move(poses));
-  const std::vector<Stage>& stages =
-      problem.avoidance == nullptr ? kTouchingStages : kAvoidingStages;
-  double done = 0.0;
-  const bool is_limited = problem.velocity_limit.array().isFinite().any() ||
-                          problem.acceleration_limit.array().isFinite().any();
-  for (const Stage& stage : stages) {
-    // Without limits of that kind nothing is stiff.
-    if (!is_limited && problem.avoidance == nullptr && stage.limits < 1.0) continue;
-    progress.report("solving all frames", done);
-
-    done += 1.0 / static_cast<double>(stages.size());
-    objective.care(stage.care);
-    objective.join(stage.smoothness, stage.limits);
-    search.descend(stage.steps, progress, trajectory.evaluations);
+  trajectory.objective.assign(trajectory.poses.size(), 0.0);
+  const FrameProblems frames(problem, options.fade);
+  const std::size_t count = problem.time_s.size();
+  const auto at_once = static_cast<std::size_t>(options.frames_at_once);
+  // Frames that are solved with one part for its sake, and with the next for good.
+  const std::size_t ahead = std::min<std::size_t>(480, at_once / 4);
+  for (std::size_t first = 0;;) {
+    const std::size_t left = count - first;
+    const std::size_t part = left <= at_once + ahead ? left : at_once;
+    MotionObjective objective(problem, frames, options, pool, first, part);
+    solvePart(problem, objective, first, count, progress, trajectory);
+    if (part == left) break;
+    first += part - ahead - kJoined;
   }
-  trajectory.objective = search.frames();
-  trajectory.poses = std::move(search.poses());
   return trajectory;
 }
 

@@ -15,8 +15,12 @@ namespace handgraft::manipulation {
 /// Starts from single frames' minima joined so that no finger jumps (motion_starts.h), or from
 /// `start`, a pose a frame; where penetration is charged it should lie out of the object.
 ///
+/// Motions of more than `frames_at_once` in parts: the last frames of one are solved anew with
+/// the next, from its last two on, so that nothing shows where they meet.
+///
 /// Determinism: the same bytes on any number of threads. Errors: InvalidInput if the problem or
-/// the options are not valid; Cancelled on wish. Cost: linear in the frames.
+/// the options are not valid; Cancelled on wish. Cost: linear in the frames,
+/// memory beyond the problem and the answer that of one part.
 Trajectory solveOffline(const MotionProblem& problem,
                         const MotionOptions& options,
                         const Progress& progress,

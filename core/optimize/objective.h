@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -100,7 +101,7 @@ class Objective {
   // === Of Avoidance (objective_avoidance.cpp)
   void pushOut();
   void addAvoidanceCurvature(QuadraticModel& model);
-  void addSelfCurvature(const Touch& touch, QuadraticModel& model) const;
+  void addSelfCurvature(const Touch& touch, QuadraticModel& model);
 
   const PoseProblem& problem_;
   std::shared_ptr<const MomentTree> tree_;
@@ -115,6 +116,7 @@ class Objective {
   std::vector<Composite> composites_;
   std::unique_ptr<AvoidanceTerm> avoidance_;            ///< null unless the problem asks for it
   std::vector<Eigen::Matrix<double, 6, 6>> stiffness_;  ///< of what touches beyond each joint
+  std::vector<std::pair<int, double>> chain_;  ///< degrees of freedom, and how a touch follows
 };
 
 }  // namespace handgraft::optimize

@@ -83,7 +83,7 @@ void Objective::addAvoidanceCurvature(QuadraticModel& model) {
   }
 }
 
-void Objective::addSelfCurvature(const Touch& touch, QuadraticModel& model) const {
+void Objective::addSelfCurvature(const Touch& touch, QuadraticModel& model) {
   // (a + b)^2 <= 2 a^2 + 2 b^2: each branch for itself, which keeps fingers apart in the
   // matrix.
   const double scale = 4.0 * avoidance_->weight() * touch.weight;
@@ -96,17 +96,17 @@ void Objective::addSelfCurvature(const Touch& touch, QuadraticModel& model) cons
   for (int other = touch.other; meeting != other;)
     (meeting > other ? meeting : other) = parentOf(std::max(meeting, other));
 
+  // Each joint's slope once: there are hundreds of touches where fingers meet.
   for (const int tip : {touch.body, touch.other}) {
+    chain_.clear();
     for (int a = tip; a != meeting; a = parentOf(a)) {
       const auto row = static_cast<std::size_t>(a);
-      const double slope = twistOf(tree_->joints[row - 1], bodies_[row]).dot(wrench);
-      for (int b = tip; b != meeting; b = parentOf(b)) {
-        const auto column = static_cast<std::size_t>(b);
-        const double other = twistOf(tree_->joints[column - 1], bodies_[column]).dot(wrench);
-        model.gauss_newton(6 + tree_->joints[row - 1].dof, 6 + tree_->joints[column - 1].dof) +=
-            scale * slope * other;
-      }
+      const TreeJoint& joint = tree_->joints[row - 1];
+      chain_.emplace_back(6 + joint.dof, twistOf(joint, bodies_[row]).dot(wrench));
     }
+    for (const auto& [row, slope] : chain_)
+      for (const auto& [column, other] : chain_)
+        model.gauss_newton(row, column) += scale * slope * other;
   }
 }
 

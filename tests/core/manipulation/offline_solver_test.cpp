@@ -258,6 +258,45 @@ TEST(OfflineSolver, AnswersTheSameBytesOnOneThreadAndOnTwo) {
   }
 }
 
+TEST(OfflineSolver, ALongMotionInPartsShowsNoSeam) {
+  Scene scene;
+  const MotionProblem problem = scene.unevenMotion(150);
+  MotionOptions options;
+  options.smoothness = 100.0;
+  const Trajectory whole = solveOffline(problem, options, Progress());
+  options.frames_at_once = 64;
+  std::vector<double> told;
+  const Progress listened([&](std::string_view stage, double fraction) {
+    if (stage == "solving all frames") told.push_back(fraction);
+  });
+  const Trajectory parts = solveOffline(problem, options, listened);
+  ASSERT_EQ(parts.poses.size(), 150U);
+  for (std::size_t k = 0; k < 150; ++k)
+    EXPECT_LT(distanceOf(whole.poses[k], parts.poses[k]), 2e-3) << k;
+  EXPECT_LT(measureSmoothness(problem, parts.poses).rms_jerk,
+            1.02 * measureSmoothness(problem, whole.poses).rms_jerk);
+  ASSERT_FALSE(told.empty());
+  EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
+  EXPECT_LT(told.back(), 1.0);
+}
+
+TEST(OfflineSolver, WhatNothingHoldsComesToRest) {
+  Scene scene;
+  constexpr int kTouching = 30;
+  auto poses = smoothPoses(scene.from, scene.to, 240);
+  MotionProblem problem = reachableMotion(scene.model, poses, 120.0, scene.random);
+  problem.tracks[0].spans.resize(kTouching);
+  problem.tracks[0].end = kTouching;
+  MotionOptions options;
+  options.smoothness = 1e4;
+  const Trajectory trajectory = solveOffline(problem, options, Progress());
+  const auto stepAt = [&](std::size_t k) {
+    return distanceOf(trajectory.poses[k], trajectory.poses[k - 1]);
+  };
+  EXPECT_GT(stepAt(kTouching - 2), 1e-3);
+  EXPECT_LT(stepAt(239), 0.02 * stepAt(kTouching - 2));
+}
+
 TEST(OfflineSolver, TakesOneFrameAndTwo) {
   Scene scene;
   for (const int count : {1, 2}) {
