@@ -4,8 +4,10 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 #include <malloc.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
@@ -15,6 +17,8 @@
 #include "core/base/network.h"
 #include "server/admission/service.h"
 #include "server/store/model_library.h"
+#include "server/store/state_file.h"
+#include "server/store/state_store.h"
 #include "server/transport/bus.h"
 
 namespace {
@@ -38,7 +42,47 @@ struct Options {
   unsigned session_idle_minutes = 720;
   unsigned sessions = 256;
   unsigned solve_seconds = 600;
+  std::string state;  ///< folder; empty: the system's own
+  unsigned state_mb = 4096;
+  bool check = false;
+  std::string backup;  ///< file; then it serves nothing
 };
+
+/// The store, or null where nothing shall outlive this process.
+std::unique_ptr<server::StateStore> openState(const Options& options) {
+  constexpr unsigned kMb = 20;
+  server::StateFile file;
+  try {
+    file = server::stateFile(options.state, options.network);
+    if (file.path == ":memory:") return nullptr;
+    server::StateLimits limits;
+    limits.bytes = static_cast<std::uint64_t>(options.state_mb) << kMb;
+    return std::make_unique<server::StateStore>(file.path, limits);
+  } catch (const InvalidInput& error) {
+    // A folder that somebody chose has to do; the system's own may be missing in a container.
+    const bool is_there = !file.path.empty();
+    if (is_there || !options.state.empty()) throw;
+    spdlog::warn("event=state_in_memory reason={}", handgraft::quoted(error.what()));
+    return nullptr;
+  }
+}
+
+/// What is wrong with the store, a line each.
+int checkState(const Options& options) {
+  const server::StateFile file = server::stateFile(options.state, options.network);
+  const std::vector<std::string> problems = server::checkStore(file.path);
+  for (const std::string& problem : problems)
+    std::printf("%s\n", problem.c_str());
+  std::printf("%s: %s\n", file.path.c_str(),
+              problems.empty() ? "sound" : fmt::format("{} problems", problems.size()).c_str());
+  return problems.empty() ? kDone : kFailed;
+}
+
+void backUpState(const Options& options) {
+  const server::StateFile file = server::stateFile(options.state, options.network);
+  server::backUpStore(file.path, options.backup);
+  std::printf("%s: copied to %s\n", file.path.c_str(), options.backup.c_str());
+}
 
 /// Blocks SIGTERM and SIGINT in this thread and all that it starts; returns the set to wait
 /// for.
@@ -72,6 +116,7 @@ void serve(const Options& options, const sigset_t& stop_signals) {
   int left_out = server::readLibrary(server::builtInLibrary(), models);
   if (!options.models.empty()) left_out += server::readLibrary(options.models, models);
 
+  const std::unique_ptr<server::StateStore> state = openState(options);
   const std::unique_ptr<server::Bus> bus = server::openFastBus(options.network);
   server::ServiceOptions service_options;
   service_options.name = options.network.server;
@@ -82,14 +127,17 @@ void serve(const Options& options, const sigset_t& stop_signals) {
   service_options.budget = std::chrono::seconds(options.solve_seconds);
   service_options.forsaken = kForsaken;
   service_options.reserves = kReserves;
+  service_options.state = state.get();
   server::Service service(*bus, models, service_options);
   service.start();
   spdlog::info(
-      "event=ready version={}{} domain={} interface={} models={} left_out={} workers={}",
+      "event=ready version={}{} domain={} interface={} models={} sessions={} left_out={} "
+      "workers={} state={}",
       HANDGRAFT_VERSION,
       options.network.server.empty() ? "" : " name=" + options.network.server,
-      options.network.domain, options.network.interface, models.size(), left_out,
-      options.workers);
+      options.network.domain, options.network.interface, models.size(),
+      service.status().session_count(), left_out, options.workers,
+      state ? handgraft::quoted(state->path()) : "memory");
 
   const int signal = waitFor(stop_signals);
   spdlog::info("event=stopping signal={}", signal);
@@ -147,6 +195,17 @@ int main(int argc, char** argv) {
   app.add_option("--sessions", options.sessions, "sessions that may be open, 1-4096")
       ->check(CLI::Range(1u, 4096u))
       ->capture_default_str();
+  app.add_option("--state", options.state,
+                 "folder in which models and sessions outlive the server; :memory: for none "
+                 "(default: $STATE_DIRECTORY, $XDG_STATE_HOME/handgraft or "
+                 "~/.local/state/handgraft)")
+      ->envname("HANDGRAFT_STATE");
+  app.add_option("--state-size", options.state_mb, "MB that they may take there, 16-1048576")
+      ->check(CLI::Range(16u, 1u << 20))
+      ->capture_default_str();
+  app.add_flag("--check", options.check, "say what is wrong with the state on disk, and end");
+  app.add_option("--backup", options.backup,
+                 "copy the state, also one in use, into this new file, and end");
   app.add_option(
       "--make-skins", options.make_skins,
       "make the built-in hands' skins in this folder and end; done when it is built");
@@ -171,6 +230,10 @@ int main(int argc, char** argv) {
   try {
     if (!options.make_skins.empty()) {
       server::makeSkins(options.make_skins);
+    } else if (options.check) {
+      return checkState(options);
+    } else if (!options.backup.empty()) {
+      backUpState(options);
     } else {
       serve(options, stop_signals);
     }

@@ -4,6 +4,7 @@
 
 #include "core/base/error.h"
 #include "idl/fields.h"
+#include "idl/json.h"
 #include "server/admission/rejection.h"
 #include "server/handlers/export.h"
 #include "server/handlers/load_model.h"
@@ -18,6 +19,7 @@
 #include "server/handlers/sweep.h"
 #include "server/handlers/transfer.h"
 #include "server/handlers/variant.h"
+#include "server/store/state_store.h"
 
 namespace handgraft::server {
 
@@ -30,6 +32,10 @@ v1::ReplyBody bodyOf(v1::Operation operation, Set&& set) {
   set(body);
   body._d(operation);
   return body;
+}
+
+Mark markOf(const v1::Request& request, const Sender& sender) {
+  return server::markOf(sender, request.client(), request.request_id());
 }
 
 }  // namespace
@@ -92,6 +98,58 @@ std::uint64_t sessionOf(const v1::RequestBody& body) {
   }
 }
 
+Mark markOf(const Sender& sender, const v1::ClientId& client, std::uint64_t number) {
+  Mark mark;
+  mark.asker.assign(sender.begin(), sender.end());
+  mark.asker.append(client.begin(), client.end());
+  mark.number = number;
+  return mark;
+}
+
+bool leavesSomething(v1::Operation operation) {
+  switch (operation) {
+    case v1::OP_OPEN_SESSION:
+    case v1::OP_LOAD_SESSION:
+    case v1::OP_LOAD_MODEL:
+    case v1::OP_POSE_CONTACTS:
+    case v1::OP_MAKE_VARIANT:
+    case v1::OP_CLOSE_SESSION:
+    case v1::OP_UNLOAD_MODEL:
+      return true;
+    default:
+      return false;
+  }
+}
+
+std::optional<v1::ReplyBody> replyBefore(const v1::Request& request,
+                                         const Sender& sender,
+                                         const Workshop& workshop) {
+  const v1::Operation operation = request.body()._d();
+  if (workshop.state == nullptr || !leavesSomething(operation)) return std::nullopt;
+  const auto kept = workshop.state->request(markOf(request, sender));
+  if (!kept) return std::nullopt;
+  switch (operation) {
+    case v1::OP_OPEN_SESSION:
+    case v1::OP_LOAD_SESSION: {
+      v1::SessionKey key;
+      key.session_id(static_cast<std::uint64_t>(kept->subject));
+      return bodyOf(operation, [&](auto& reply) {
+        reply.session(describeSession(key, workshop));
+      });
+    }
+    case v1::OP_CLOSE_SESSION:
+    case v1::OP_UNLOAD_MODEL:
+      return nothingSaid(operation);
+    default:
+      return bodyOf(operation, [&](auto& reply) {
+        v1::ModelList list;
+        list.models().push_back(
+            idl::fromJsonText<v1::ModelSummary>(workshop.state->model(kept->subject).summary));
+        reply.models(list);
+      });
+  }
+}
+
 v1::ReplyBody nothingSaid(v1::Operation operation) {
   return bodyOf(operation, [](v1::ReplyBody& body) {
     body.nothing(v1::Nothing());
@@ -104,6 +162,7 @@ v1::ReplyBody perform(const v1::Request& request,
                       const Progress& progress) {
   const v1::RequestBody& body = request.body();
   const v1::Operation operation = body._d();
+  const Mark by = markOf(request, sender);
   switch (operation) {
     case v1::OP_NOTHING:
       return nothingSaid(operation);
@@ -115,7 +174,7 @@ v1::ReplyBody perform(const v1::Request& request,
         reply.models(listModels(workshop));
       });
     case v1::OP_UNLOAD_MODEL:
-      unloadModel(body.unload_model(), workshop);
+      unloadModel(body.unload_model(), workshop, by);
       return nothingSaid(operation);
     case v1::OP_DESCRIBE_SESSION:
       return bodyOf(operation, [&](auto& reply) {
@@ -127,7 +186,7 @@ v1::ReplyBody perform(const v1::Request& request,
       });
     case v1::OP_LOAD_MODEL:
       return bodyOf(operation, [&](auto& reply) {
-        reply.models(loadModel(body.load_model(), sender, workshop, progress));
+        reply.models(loadModel(body.load_model(), sender, workshop, by, progress));
       });
     case v1::OP_DESCRIBE_MODEL:
       return bodyOf(operation, [&](auto& reply) {
@@ -135,15 +194,15 @@ v1::ReplyBody perform(const v1::Request& request,
       });
     case v1::OP_OPEN_SESSION:
       return bodyOf(operation, [&](auto& reply) {
-        reply.session(openSession(body.open_session(), workshop, progress));
+        reply.session(openSession(body.open_session(), workshop, by, progress));
       });
     case v1::OP_POSE_CONTACTS:
       return bodyOf(operation, [&](auto& reply) {
-        reply.models(contactsOfPose(body.pose_contacts(), workshop, progress));
+        reply.models(contactsOfPose(body.pose_contacts(), workshop, by, progress));
       });
     case v1::OP_MAKE_VARIANT:
       return bodyOf(operation, [&](auto& reply) {
-        reply.models(makeVariant(body.variant(), workshop));
+        reply.models(makeVariant(body.variant(), workshop, by));
       });
     case v1::OP_SWEEP:
       return bodyOf(operation, [&](auto& reply) {
@@ -151,7 +210,7 @@ v1::ReplyBody perform(const v1::Request& request,
       });
     case v1::OP_LOAD_SESSION:
       return bodyOf(operation, [&](auto& reply) {
-        reply.session(loadSession(body.load_session(), workshop, progress));
+        reply.session(loadSession(body.load_session(), workshop, by, progress));
       });
     case v1::OP_REPLAY:
       return bodyOf(operation, [&](auto& reply) {
@@ -163,6 +222,7 @@ v1::ReplyBody perform(const v1::Request& request,
 }
 
 v1::ReplyBody perform(const v1::Request& request,
+                      const Sender& sender,
                       LiveSession& live,
                       Workshop& workshop,
                       const Progress& progress) {
@@ -173,7 +233,7 @@ v1::ReplyBody perform(const v1::Request& request,
   }
   switch (operation) {
     case v1::OP_CLOSE_SESSION:
-      closeSession(live, workshop);
+      closeSession(live, workshop, markOf(request, sender));
       return nothingSaid(operation);
     case v1::OP_TRANSFER:
       return bodyOf(operation, [&](auto& reply) {

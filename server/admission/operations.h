@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "core/base/progress.h"
 #include "idl/service.h"
 #include "server/admission/workshop.h"
 #include "server/sessions/live_session.h"
+#include "server/store/state_store.h"
 #include "server/transport/bus.h"
 
 /// What each operation of the contract does, and where. A new one is a line in each function of
@@ -31,9 +33,19 @@ v1::ReplyBody perform(const v1::Request& request,
 /// Does an operation of a session; of its strand. Errors: Rejection (ERROR_NOT_FOUND) once it
 /// is closed; those of its handler.
 v1::ReplyBody perform(const v1::Request& request,
+                      const Sender& sender,
                       LiveSession& live,
                       Workshop& workshop,
                       const Progress& progress);
+
+/// A request or an edit, as the store tells it from others.
+Mark markOf(const Sender& sender, const v1::ClientId& client, std::uint64_t number);
+
+/// What a request that leaves something behind was answered by a server before this one;
+/// nothing if none did it. Errors: Rejection (ERROR_NOT_FOUND) for a session closed since.
+std::optional<v1::ReplyBody> replyBefore(const v1::Request& request,
+                                         const Sender& sender,
+                                         const Workshop& workshop);
 
 /// The reply of an operation that has nothing to say.
 v1::ReplyBody nothingSaid(v1::Operation operation);

@@ -11,11 +11,13 @@
 #include "core/base/random_id.h"
 #include "idl/check.h"
 #include "idl/fields.h"
+#include "idl/json.h"
 #include "server/admission/error_reply.h"
 #include "server/admission/operations.h"
 #include "server/admission/rejection.h"
 #include "server/handlers/edits.h"
 #include "server/handlers/follow.h"
+#include "server/handlers/kept_sessions.h"
 #include "server/handlers/optimize.h"
 #include "server/handlers/sessions.h"
 
@@ -25,7 +27,11 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kMostQuickWaiting = 256;  // chunks of files among them
+constexpr std::size_t kMostQuickWaiting = 256;   // chunks of files among them
+constexpr std::size_t kMostWaking = 256;         // that wait for one session to open
+constexpr std::chrono::seconds kIdleInNeed(10);  // of sessions where others find no room
+constexpr std::chrono::minutes kInUse(10);
+constexpr std::size_t kMostInUse = 16;
 
 std::string hostName() {
   std::string name(256, '\0');
@@ -60,19 +66,28 @@ Service::Job::Job(v1::Request what, const Sender& sender, Service& service)
 Service::Service(Bus& bus, ModelStore& models, const ServiceOptions& options)
     : bus_(bus),
       options_(options),
-      server_id_(randomId()),
+      server_id_(options.state != nullptr ? options.state->serverId() : randomId()),
       started_(Clock::now()),
       reader_(options.reader, options.reader_limits),
       sessions_(server_id_, options.most_sessions),
+      kept_models_(options.state != nullptr
+                       ? std::make_shared<KeptModels>(*options.state, models)
+                       : nullptr),
       quick_(1, kMostQuickWaiting),
       pool_(options.workers, options.most_waiting, options.patience, options.reserves),
-      workshop_{models, uploads_, reader_, sessions_, *this, pool_} {}
+      workshop_{models, uploads_, reader_,       sessions_,
+                *this,  pool_,    options.state, kept_models_.get()} {
+  if (options.state == nullptr) return;
+  kept_models_->listIn(models);
+  listKeptSessions();
+}
 
 Service::~Service() {
   stop();
 }
 
 void Service::start() {
+  wakeTheLastUsed();
   bus_.start(*this);
   status_thread_ = std::thread([this] {
     publishStatusOnceASecond();
@@ -91,8 +106,18 @@ void Service::stop() {
     live->cancelSolves();
   quick_.shut();
   pool_.shut();
-  for (const auto& live : sessions_.all())
-    closeSession(*live, workshop_);
+  for (const auto& live : sessions_.all()) {
+    try {
+      if (live->journal == nullptr) {
+        closeSession(*live, workshop_, {});
+      } else if (live->journal->entriesSinceText() > 0) {
+        keepText(*live);
+      }
+    } catch (const std::exception& error) {  // its history is there, as far as it was told
+      spdlog::warn("event=store_waits session={} what={}", live->id(),
+                   handgraft::quoted(error.what()));
+    }
+  }
   {
     const std::lock_guard lock(status_mutex_);
     status_wake_.notify_all();
@@ -111,13 +136,13 @@ v1::ServerStatus Service::status() const {
   message.process_id(static_cast<std::uint32_t>(getpid()));
   message.uptime_s(std::chrono::duration<double>(Clock::now() - started_).count());
   message.model_count(static_cast<std::uint32_t>(workshop_.models.size()));
-  message.session_count(static_cast<std::uint32_t>(sessions_.size()));
+  message.session_count(static_cast<std::uint32_t>(sessions_.states().size()));
   message.requests_answered(answered_);
   {
     const std::lock_guard lock(running_mutex_);
     message.requests_running(static_cast<std::uint32_t>(running_.size()));
   }
-  message.stopping(stopping_);
+  message.stopping(stopping_ && options_.state == nullptr);
   message.name(options_.name);
   return message;
 }
@@ -174,7 +199,11 @@ void Service::expireIdleSessions() {
   const Clock::duration warning = std::min<Clock::duration>(limit / 10, kLongestWarning);
   for (const auto& live : sessions_.all()) {
     const Clock::duration idle = live->idle();
-    if (idle < limit - warning) {
+    if (options_.state != nullptr) {
+      const bool is_full = 10 * sessions_.size() > 9 * options_.most_sessions;
+      if (idle >= (is_full ? std::min<Clock::duration>(limit, kIdleInNeed) : limit))
+        putToSleepAfter(live, std::chrono::duration_cast<std::chrono::seconds>(idle));
+    } else if (idle < limit - warning) {
       live->warn("");
     } else if (idle < limit) {
       live->warn(fmt::format("idle; closes within {} unless it is used", inWords(warning)));
@@ -182,7 +211,7 @@ void Service::expireIdleSessions() {
       const bool is_taken = live->strand().post([this, live, limit] {
         if (live->idle() < limit || live->state().phase() == v1::PHASE_CLOSED) return;
         spdlog::info("event=session_expired session={}", live->id());
-        closeSession(*live, workshop_, "idle for " + inWords(limit));
+        closeSession(*live, workshop_, {}, "idle for " + inWords(limit));
       });
       if (!is_taken) spdlog::debug("event=expiry_waits session={}", live->id());
     }
@@ -206,6 +235,115 @@ void Service::onStatus(const v1::ServerStatus& status) {
       "domain, too; clients stay with the one they met first: stop one of them, or give it a "
       "--name\"",
       status.server_id(), handgraft::quoted(status.host()), status.process_id());
+}
+
+// === Sessions that sleep: opened when they are asked for
+
+void Service::listKeptSessions() {
+  const std::int64_t recently =
+      nowNs() - std::chrono::duration_cast<std::chrono::nanoseconds>(kInUse).count();
+  for (const KeptSessionState& kept : options_.state->sessions()) {
+    v1::SessionState state;
+    try {
+      state = idl::fromJsonText<v1::SessionState>(kept.state);
+    } catch (const std::exception& error) {  // a list with less in it
+      spdlog::warn("event=kept_state session={} what={}", kept.id,
+                   handgraft::quoted(error.what()));
+    }
+    state.session_id(kept.id);
+    state.server_id(server_id_);
+    state.revision(kept.revision);
+    if (state.phase() != v1::PHASE_OPEN) state.phase(v1::PHASE_READY);
+    state.message("");
+    sessions_.sleep(std::move(state));
+    if (kept.used > recently && last_used_.size() < kMostInUse) last_used_.push_back(kept.id);
+  }
+}
+
+void Service::wakeTheLastUsed() {
+  for (const std::uint64_t id : last_used_) {
+    whenOpen(
+        id, [](const auto&) {}, [](const auto&) {});
+  }
+  last_used_.clear();
+}
+
+void Service::whenOpen(std::uint64_t id, WithSession then, WithoutSession otherwise) {
+  try {
+    const std::lock_guard lock(waking_mutex_);
+    if (!sessions_.asleep(id)) return then(sessions_.find(id));
+    std::vector<Waiting>& waiting = waking_[id];
+    if (waiting.size() >= kMostWaking) {
+      reject(v1::ERROR_OVERLOADED, "too many requests wait for session {}; try later", id);
+    }
+    const bool is_first = waiting.empty();
+    waiting.push_back({std::move(then), otherwise});
+    if (!is_first) return;
+    const bool is_taken = pool_.post([this, id] {
+      wake(id);
+    });
+    if (is_taken) return;
+    waking_.erase(id);
+    reject(v1::ERROR_OVERLOADED, "too many requests wait; try later");
+  } catch (...) {
+    otherwise(std::current_exception());
+  }
+}
+
+void Service::wake(std::uint64_t id) {
+  std::shared_ptr<LiveSession> live;
+  std::exception_ptr trouble;
+  const Clock::time_point begin = Clock::now();
+  try {
+    sessions_.requireRoom();
+    live = openKeptSession(id, workshop_, Progress());
+    spdlog::info("event=session_opened session={} revision={} ms={:.1f}", id,
+                 live->session().revision(),
+                 std::chrono::duration<double, std::milli>(Clock::now() - begin).count());
+  } catch (const std::exception& error) {
+    spdlog::warn("event=session_stays_closed session={} what={}", id,
+                 handgraft::quoted(error.what()));
+    trouble = std::current_exception();
+  }
+  const std::lock_guard lock(waking_mutex_);
+  const std::vector<Waiting> waiting = std::move(waking_[id]);
+  waking_.erase(id);
+  if (live) {
+    live->prepareSolids(live, pool_);
+    sessions_.add(live);
+    live->enter(v1::PHASE_OPEN);
+    static_cast<void>(live->strand().post([this, live] {
+      resumeKeptSession(*live, workshop_);
+    }));
+  }
+  for (const Waiting& one : waiting) {
+    if (trouble) {
+      one.otherwise(trouble);
+      continue;
+    }
+    try {
+      one.then(live);
+    } catch (...) {
+      one.otherwise(std::current_exception());
+    }
+  }
+}
+
+void Service::putToSleepAfter(const std::shared_ptr<LiveSession>& live,
+                              std::chrono::seconds idle) {
+  const bool is_taken = live->strand().post([this, live, idle] {
+    if (live->idle() < idle || live->is_asleep) return;
+    if (live->state().phase() == v1::PHASE_CLOSED) return;
+    try {
+      const std::lock_guard lock(waking_mutex_);  // who asks now finds it, or finds it asleep
+      putToSleep(*live, workshop_);
+      spdlog::info("event=session_sleeps session={}", live->id());
+    } catch (const std::exception& error) {
+      spdlog::warn("event=store_waits session={} what={}", live->id(),
+                   handgraft::quoted(error.what()));
+    }
+  });
+  if (!is_taken) spdlog::debug("event=sleep_waits session={}", live->id());
 }
 
 // === What the world hears of sessions
@@ -266,6 +404,11 @@ void Service::onRequest(v1::Request request, const Sender& sender) {
   }
   try {
     admit(job);
+    if (auto before = replyBefore(job->request, sender, workshop_)) {
+      return run(job, [&] {
+        return *std::move(before);
+      });
+    }
     dispatch(job);
   } catch (...) {
     const std::exception_ptr error = std::current_exception();
@@ -325,30 +468,48 @@ void Service::dispatch(const JobPtr& job) {
       if (body._d() == v1::OP_CANCEL) {
         cancel(job->asker, body.cancel().request_id());
       } else {
-        sessions_.find(sessionOf(body))->stopSolving(job->request.client());
+        const std::uint64_t id = sessionOf(body);
+        // Nothing is solved in one that sleeps.
+        if (!sessions_.asleep(id)) sessions_.find(id)->stopSolving(job->request.client());
       }
       run(job, [&] {
         return nothingSaid(body._d());
       });
       break;
     case Lane::kQuick:
+      if (body._d() == v1::OP_DESCRIBE_SESSION && sessions_.asleep(sessionOf(body))) {
+        // Who asks for it is going to watch it.
+        whenOpen(
+            sessionOf(body), [](const auto&) {}, [](const auto&) {});
+      }
       is_taken = quick_.post(work);
       break;
     case Lane::kPool:
       is_taken = pool_.post(work);
       break;
-    case Lane::kSession: {
-      const auto live = sessions_.find(sessionOf(body));
-      live->touch();
-      if (body._d() == v1::OP_CLOSE_SESSION) live->cancelSolves();
-      job->stops = live->stops();
-      is_taken = live->strand().post([this, job, live] {
-        runOfSession(job, live);
-      });
-      break;
-    }
+    case Lane::kSession:
+      return dispatchToSession(job);
   }
   if (!is_taken) reject(v1::ERROR_OVERLOADED, "too many requests wait; try later");
+}
+
+void Service::dispatchToSession(const JobPtr& job) {
+  whenOpen(
+      sessionOf(job->request.body()),
+      [this, job](const std::shared_ptr<LiveSession>& live) {
+        live->touch();
+        if (job->request.body()._d() == v1::OP_CLOSE_SESSION) live->cancelSolves();
+        job->stops = live->stops();
+        const bool is_taken = live->strand().post([this, job, live] {
+          runOfSession(job, live);
+        });
+        if (!is_taken) reject(v1::ERROR_OVERLOADED, "too many requests wait; try later");
+      },
+      [this, job](const std::exception_ptr& trouble) {
+        run(job, [&]() -> v1::ReplyBody {
+          std::rethrow_exception(trouble);
+        });
+      });
 }
 
 void Service::run(const JobPtr& job, const std::function<v1::ReplyBody()>& work) {
@@ -383,13 +544,14 @@ void Service::run(const JobPtr& job, const std::function<v1::ReplyBody()>& work)
 }
 
 void Service::runOfSession(const JobPtr& job, const std::shared_ptr<LiveSession>& live) {
+  if (live->is_asleep) return dispatchToSession(job);
   live->asked_at_stops = job->stops;
   try {
     run(job, [&] {
       try {
         if (job->cut_short_at && *job->cut_short_at != live->session().revision())
           throw CutShort(live->id(), *job->cut_short_at);
-        return perform(job->request, *live, workshop_, job->progress);
+        return perform(job->request, job->asker.sender, *live, workshop_, job->progress);
       } catch (const CutShort& cut) {
         // Refused, the edit answers nothing.
         if (cut.revision() == live->session().revision()) throw;
@@ -480,19 +642,47 @@ void Service::onEdit(v1::Edit edit, const Sender& sender) {
   if (begun.verdict != Edits::Verdict::kNew) return;
   const auto shared = std::make_shared<const v1::Edit>(std::move(edit));
   try {
-    const auto live = sessions_.find(shared->session_id());
-    live->expectEdit();
-    const bool is_taken =
-        live->strand().post([this, shared, asker, live, stops = live->stops()] {
-          live->meetEdit();
-          runEdit(live, asker, *shared, stops);
-        });
-    if (is_taken) return;
-    live->meetEdit();
-    reject(v1::ERROR_OVERLOADED, "too many edits of session {} wait; try later", live->id());
+    if (const auto before = editBefore(asker, *shared))
+      return answerEdit(asker, *shared, *before);
+    dispatchEdit(asker, shared);
   } catch (...) {
     refuseEdit(asker, *shared, 0);
   }
+}
+
+std::optional<v1::EditReply> Service::editBefore(const Asker& asker,
+                                                 const v1::Edit& edit) const {
+  if (options_.state == nullptr) return std::nullopt;
+  const auto kept = options_.state->edit(markOf(asker.sender, asker.client, edit.edit_id()));
+  if (!kept) return std::nullopt;
+  v1::EditReply reply;
+  reply.revision(kept->revision);
+  reply.message(kept->message);
+  return reply;
+}
+
+void Service::dispatchEdit(const Asker& asker, const std::shared_ptr<const v1::Edit>& edit) {
+  whenOpen(
+      edit->session_id(),
+      [this, asker, edit](const std::shared_ptr<LiveSession>& live) {
+        live->expectEdit();
+        const bool is_taken =
+            live->strand().post([this, edit, asker, live, stops = live->stops()] {
+              live->meetEdit();
+              runEdit(live, asker, edit, stops);
+            });
+        if (is_taken) return;
+        live->meetEdit();
+        reject(v1::ERROR_OVERLOADED, "too many edits of session {} wait; try later",
+               live->id());
+      },
+      [this, asker, edit](const std::exception_ptr& trouble) {
+        try {
+          std::rethrow_exception(trouble);
+        } catch (...) {
+          refuseEdit(asker, *edit, 0);
+        }
+      });
 }
 
 // === Demonstrators: a frame is answered by a pose; one that the next overtakes is not
@@ -516,14 +706,17 @@ void Service::onDemonstrator(v1::DemonstratorFrame frame) {
 
 void Service::runEdit(const std::shared_ptr<LiveSession>& live,
                       const Asker& asker,
-                      const v1::Edit& edit,
+                      const std::shared_ptr<const v1::Edit>& shared,
                       std::uint64_t stops) {
+  if (live->is_asleep) return dispatchEdit(asker, shared);
+  const v1::Edit& edit = *shared;
   try {
     if (live->state().phase() == v1::PHASE_CLOSED) {
       reject(v1::ERROR_NOT_FOUND, "session {} is not open", live->id());
     }
     idl::check(edit);
-    answerEdit(asker, edit, applyEdit(*live, edit));
+    const Mark by = markOf(asker.sender, asker.client, edit.edit_id());
+    answerEdit(asker, edit, applyEdit(*live, edit, workshop_.models, by));
   } catch (...) {
     refuseEdit(asker, edit, live->session().revision());
     if (!live->solve_is_queued && live->requests_cut_short == 0) live->tellRest();

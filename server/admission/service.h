@@ -13,11 +13,13 @@
 #include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "core/base/progress.h"
 #include "server/admission/error_reply.h"
 #include "server/admission/request_deduplication.h"
 #include "server/admission/workshop.h"
+#include "server/handlers/kept_models.h"
 #include "server/sessions/live_session.h"
 #include "server/store/upload_reader.h"
 #include "server/transport/bus.h"
@@ -43,6 +45,9 @@ struct ServiceOptions {
   /// A session that nobody asks anything of for so long is closed; its state warns of it in the
   /// last tenth, at most ten minutes before.
   std::chrono::seconds session_idle{std::chrono::hours(12)};
+  /// Keeps what clients were told of over the end of this process; must outlive the service.
+  /// Null: nothing outlives it.
+  StateStore* state = nullptr;
   std::filesystem::path reader = readerProgram();  ///< reads uploads (upload_reader.h)
   ReaderLimits reader_limits;
 };
@@ -62,7 +67,8 @@ class Service final : private BusListener, private SessionAudience {
   Service& operator=(const Service&) = delete;
 
   void start();
-  /// Hears nothing more, cancels what runs, answers it, closes sessions, says goodbye.
+  /// Hears nothing more, cancels what runs, answers it, closes sessions, says goodbye. Where
+  /// sessions outlive it, none is closed, and no goodbye is said: it will be back.
   void stop();
 
   [[nodiscard]] v1::ServerStatus status() const;
@@ -112,6 +118,20 @@ class Service final : private BusListener, private SessionAudience {
   void onJointCommand(std::uint64_t session_id,
                       const sensor_msgs::msg::dds_::JointState_& command) override;
 
+  // === Sessions that sleep
+  using WithSession = std::function<void(const std::shared_ptr<LiveSession>&)>;
+  using WithoutSession = std::function<void(const std::exception_ptr&)>;
+  /// `then` of an open session at once; of one that sleeps once it is open, in the order in
+  /// which it was asked for. Else `otherwise`, with what was in the way. Both return soon.
+  void whenOpen(std::uint64_t id, WithSession then, WithoutSession otherwise);
+  void wake(std::uint64_t id);
+  /// On its strand, where nothing was asked of it for so long.
+  void putToSleepAfter(const std::shared_ptr<LiveSession>& live, std::chrono::seconds idle);
+  void listKeptSessions();
+  /// Those that were in use when the server before this one ended: who only watches asks
+  /// nothing.
+  void wakeTheLastUsed();
+
   // === Requests
   /// Errors: Rejection (ERROR_OTHER_SERVER) unless it is this one, or 0.
   void requireMeant(std::uint64_t server_id) const;
@@ -121,6 +141,7 @@ class Service final : private BusListener, private SessionAudience {
   bool passes(Reply reply, const Check& check);
   void admit(const JobPtr& job);
   void dispatch(const JobPtr& job);
+  void dispatchToSession(const JobPtr& job);
   /// Errors: CutShort; the job is not answered then.
   void run(const JobPtr& job, const std::function<v1::ReplyBody()>& work);
   void runOfSession(const JobPtr& job, const std::shared_ptr<LiveSession>& live);
@@ -132,8 +153,12 @@ class Service final : private BusListener, private SessionAudience {
   /// `stops` of the session when the edit came.
   void runEdit(const std::shared_ptr<LiveSession>& live,
                const Asker& asker,
-               const v1::Edit& edit,
+               const std::shared_ptr<const v1::Edit>& shared,
                std::uint64_t stops);
+  void dispatchEdit(const Asker& asker, const std::shared_ptr<const v1::Edit>& edit);
+  /// What a server before this one answered.
+  [[nodiscard]] std::optional<v1::EditReply> editBefore(const Asker& asker,
+                                                        const v1::Edit& edit) const;
   /// Answers with the exception that is being handled.
   void refuseEdit(const Asker& asker, const v1::Edit& edit, std::uint64_t revision);
   void answerEdit(const Asker& asker, const v1::Edit& edit, v1::EditReply reply);
@@ -164,6 +189,16 @@ class Service final : private BusListener, private SessionAudience {
   UploadStore uploads_;
   UploadReader reader_;
   SessionStore sessions_;
+  std::shared_ptr<KeptModels> kept_models_;
+
+  struct Waiting {
+    WithSession then;
+    WithoutSession otherwise;
+  };
+
+  std::mutex waking_mutex_;
+  std::map<std::uint64_t, std::vector<Waiting>> waking_;
+  std::vector<std::uint64_t> last_used_;  ///< sessions, when the server began
   StrandPool quick_;
   StrandPool pool_;
   Workshop workshop_;

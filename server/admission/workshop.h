@@ -12,6 +12,10 @@
 
 namespace handgraft::server {
 
+class KeptModels;  // handlers/kept_models.h
+class StateStore;  // store/state_store.h
+struct Mark;
+
 /// What handlers work with. Outlives every request.
 struct Workshop {
   ModelStore& models;
@@ -20,6 +24,9 @@ struct Workshop {
   SessionStore& sessions;
   SessionAudience& audience;
   StrandPool& pool;  ///< where sessions' strands run
+  /// What outlives the server; both null: nothing does.
+  StateStore* state = nullptr;
+  KeptModels* kept_models = nullptr;
 
   /// Solves going on: they share the processors.
   std::atomic<int> solving{0};

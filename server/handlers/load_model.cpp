@@ -6,6 +6,7 @@
 #include "core/base/content_hash.h"
 #include "core/base/error.h"
 #include "server/admission/rejection.h"
+#include "server/handlers/enter_model.h"
 #include "server/messages/load_messages.h"
 #include "server/reading/packed.h"
 #include "server/reading/units.h"
@@ -28,35 +29,27 @@ std::string contentOf(ReadRequest reading,
   return hash.finish();
 }
 
-template <class Model>
-v1::ModelList store(Model model, ModelStore& models) {
-  v1::ModelList reply;
-  reply.models().push_back(summaryOf(model));
-  models.add(std::move(model));
-  return reply;
-}
-
 class Loading {
  public:
   Loading(ReadRequest reading,
           std::string of_files,
           Workshop& workshop,
+          const Mark& by,
           const Progress& progress)
       : reading_(std::move(reading)),
         of_files_(std::move(of_files)),
         workshop_(workshop),
+        by_(by),
         progress_(progress) {}
 
   v1::ModelList load(const std::string& object) {
     switch (reading_.kind) {
       case ReadKind::kHand:
-        return store(
-            storedHand(reading_.name, origin(), read<ReadHand>(reading_), reading_.hand),
-            workshop_.models);
+        return enter(
+            storedHand(reading_.name, origin(), read<ReadHand>(reading_), reading_.hand));
       case ReadKind::kObject:
-        return store(
-            storedObject(reading_.name, origin(), read<io::MeshFile>(reading_), reading_.units),
-            workshop_.models);
+        return enter(storedObject(reading_.name, origin(), read<io::MeshFile>(reading_),
+                                  reading_.units));
       case ReadKind::kMotion:
         return loadMotion(object.empty() ? objectInFile() : object);
       default:
@@ -67,7 +60,25 @@ class Loading {
  private:
   template <class Model>
   Model read(const ReadRequest& reading) {
-    return std::get<Model>(workshop_.reader.read(reading, progress_));
+    ReadModel model = workshop_.reader.read(reading, progress_);
+    if (workshop_.kept_models != nullptr) read_bytes_ = pack(model);
+    return std::get<Model>(std::move(model));
+  }
+
+  template <class Model>
+  v1::ModelList enter(Model model, const StoredObject* object = nullptr) {
+    const auto makings = [&] {
+      ReadRequest how = reading_;
+      how.files.clear();
+      how.contacts.object.reset();
+      Makings of{kReadForm, pack(how), std::move(read_bytes_)};
+      if (object != nullptr) {
+        of.base_row = object->origin.row;
+        of.base_name = object->name;
+      }
+      return of;
+    };
+    return enterModel(std::move(model), workshop_, by_, "load_model", makings);
   }
 
   std::string objectInFile() {
@@ -88,9 +99,9 @@ class Loading {
     reading_.contacts.object_units = stored->units;
     auto read_contacts = read<ReadContacts>(reading_);
     const Origin from = origin(object);
-    return store(storedContacts(reading_.name, from, std::move(read_contacts), stored->file,
+    return enter(storedContacts(reading_.name, from, std::move(read_contacts), stored->file,
                                 std::move(object)),
-                 workshop_.models);
+                 stored.get());
   }
 
   v1::ModelList loadMotion(std::string object) {
@@ -98,9 +109,9 @@ class Loading {
     reading_.contacts.object = stored->file;
     auto read_motion = read<ReadMotion>(reading_);
     const Origin from = origin(object);
-    return store(storedMotion(reading_.name, from, std::move(read_motion), stored->file,
+    return enter(storedMotion(reading_.name, from, std::move(read_motion), stored->file,
                               std::move(object)),
-                 workshop_.models);
+                 stored.get());
   }
 
   [[nodiscard]] Origin origin(const std::string& object = "") const {
@@ -110,7 +121,9 @@ class Loading {
   ReadRequest reading_;
   std::string of_files_;
   Workshop& workshop_;
+  const Mark& by_;
   const Progress& progress_;
+  std::string read_bytes_;  ///< what the reader gave last
 };
 
 }  // namespace
@@ -118,12 +131,14 @@ class Loading {
 v1::ModelList loadModel(const v1::LoadModelRequest& request,
                         const UploadStore::ClientId& client,
                         Workshop& workshop,
+                        const Mark& by,
                         const Progress& progress) {
   const auto files = workshop.uploads.finish(client, request.upload_id());
   validateName(request.name());
   try {
     progress.report("reading the model", 0.0);
-    return Loading(readRequestFrom(request, *files), files->contentHash(), workshop, progress)
+    return Loading(readRequestFrom(request, *files), files->contentHash(), workshop, by,
+                   progress)
         .load(request.object());
   } catch (const UnitsInDoubt& doubt) {
     throw Rejection(v1::ERROR_UNITS, files->inClientsWords(doubt.what()));

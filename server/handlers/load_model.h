@@ -15,6 +15,7 @@ namespace handgraft::server {
 v1::ModelList loadModel(const v1::LoadModelRequest& request,
                         const UploadStore::ClientId& client,
                         Workshop& workshop,
+                        const Mark& by,
                         const Progress& progress);
 
 }  // namespace handgraft::server

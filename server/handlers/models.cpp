@@ -4,6 +4,7 @@
 
 #include "core/base/error.h"
 #include "server/messages/descriptions.h"
+#include "server/store/state_store.h"
 
 namespace handgraft::server {
 
@@ -46,7 +47,10 @@ v1::ModelDescription describeModel(const v1::DescribeModelRequest& request,
   rejectInput("model kind {} does not exist", static_cast<unsigned>(request.model().kind()));
 }
 
-void unloadModel(const v1::ModelKey& key, Workshop& workshop) {
+void unloadModel(const v1::ModelKey& key, Workshop& workshop, const Mark& by) {
+  workshop.models.requireRemovable(key.kind(), key.name());
+  if (workshop.state != nullptr)
+    workshop.state->removeModel(static_cast<int>(key.kind()), key.name(), by, "unload_model");
   workshop.models.remove(key.kind(), key.name());
 }
 

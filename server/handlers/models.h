@@ -21,6 +21,6 @@ v1::ModelDescription describeModel(const v1::DescribeModelRequest& request,
                                    const Workshop& workshop,
                                    const Progress& progress);
 
-void unloadModel(const v1::ModelKey& key, Workshop& workshop);
+void unloadModel(const v1::ModelKey& key, Workshop& workshop, const Mark& by);
 
 }  // namespace handgraft::server

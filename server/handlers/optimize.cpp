@@ -10,7 +10,9 @@
 #include <spdlog/spdlog.h>
 
 #include "core/base/error.h"
+#include "core/io/session_file.h"
 #include "core/session/solids.h"
+#include "server/handlers/kept_sessions.h"
 #include "server/handlers/transfer.h"
 #include "server/messages/convert.h"
 #include "server/messages/solution_messages.h"
@@ -112,6 +114,7 @@ v1::PoseSolution explainNow(LiveSession& live, const Progress& progress) {
   }
   live.unexplained = nullptr;
   live.settle(v1::PHASE_READY);
+  keepState(live);
   return pose->message;
 }
 
@@ -169,7 +172,8 @@ void solveAndTake(LiveSession& live,
   UnexplainedPose pose;
   pose.optimize_ms = std::chrono::duration<double, std::milli>(solved - begin).count();
   pose.report = solution.report;
-  session.commit(std::move(solution));
+  const session::LogEntry committed = session.commit(std::move(solution));
+  if (live.journal) live.journal->keep(io::entryText(committed));
   live.was_solved = true;
   live.solves_cut_short = 0;
   pose.message = solutionMessage(session, pose.report);
@@ -223,6 +227,7 @@ void solve(LiveSession& live,
           solveAndTake(live, solving, places_stay, workshop, flight, told);
         } catch (const Cancelled&) {
           live.session().noteCancelledSolve();
+          if (live.journal) live.journal->note(io::entryText(session::CancelledSolve()));
           throw;
         }
       });

@@ -11,8 +11,10 @@
 #include "core/base/error.h"
 #include "core/hand/floating_base.h"
 #include "core/session/posed_hand_contacts.h"
+#include "server/handlers/enter_model.h"
 #include "server/messages/convert.h"
 #include "server/messages/load_messages.h"
+#include "server/reading/packed.h"
 
 namespace handgraft::server {
 
@@ -150,6 +152,7 @@ std::string contentOf(const v1::PoseContactsRequest& request,
 
 v1::ModelList contactsOfPose(const v1::PoseContactsRequest& request,
                              Workshop& workshop,
+                             const Mark& by,
                              const Progress& progress) {
   validateName(request.name());
   const auto hand = workshop.models.hand(request.hand());
@@ -181,10 +184,16 @@ v1::ModelList contactsOfPose(const v1::PoseContactsRequest& request,
   contacts.threshold = contact::thresholdOf(posed.map, segmentation);
   contacts.map = std::make_shared<const contact::ContactMap>(std::move(posed.map));
 
-  v1::ModelList reply;
-  reply.models().push_back(summaryOf(contacts));
-  workshop.models.add(std::move(contacts));
-  return reply;
+  const auto makings = [&] {
+    ReadRequest how;
+    how.kind = ReadKind::kContacts;
+    how.name = contacts.name;
+    return Makings{
+        kReadForm, pack(how),
+        pack(ReadModel(ReadContacts{contacts.set, *contacts.map, contacts.threshold})),
+        object->origin.row, object->name};
+  };
+  return enterModel(contacts, workshop, by, "pose_contacts", makings);
 }
 
 }  // namespace handgraft::server

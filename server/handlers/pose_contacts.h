@@ -15,6 +15,7 @@ namespace handgraft::server {
 /// touches nothing (how far it is); Rejection as for loaded models; Cancelled.
 v1::ModelList contactsOfPose(const v1::PoseContactsRequest& request,
                              Workshop& workshop,
+                             const Mark& by,
                              const Progress& progress);
 
 }  // namespace handgraft::server

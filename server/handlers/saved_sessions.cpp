@@ -16,7 +16,8 @@ namespace {
 session::SessionModels modelsOf(const io::SessionFile& file,
                                 Workshop& workshop,
                                 const Progress& progress) {
-  return sessionModels(file.hand, file.object, file.contacts, workshop.models, progress);
+  return sessionModels(file.hand, file.object, file.contacts, workshop.models,
+                       sourceOf(workshop.models), progress);
 }
 
 }  // namespace
@@ -35,6 +36,7 @@ v1::SaveSessionReply saveSession(LiveSession& live) {
 
 v1::SessionState loadSession(const v1::LoadSessionRequest& request,
                              Workshop& workshop,
+                             const Mark& by,
                              const Progress& progress) {
   const io::SessionFile file = io::readSessionText(request.text());
   const auto begin = std::chrono::steady_clock::now();
@@ -42,7 +44,7 @@ v1::SessionState loadSession(const v1::LoadSessionRequest& request,
   const std::chrono::duration<double, std::milli> skin =
       std::chrono::steady_clock::now() - begin;
   const auto live = enterSession(io::openSession(file, std::move(models), progress),
-                                 skin.count(), workshop, progress);
+                                 skin.count(), workshop, by, "load_session", progress);
   // Those who watch see the pose that was saved; if not now, after the next edit.
   static_cast<void>(live->strand().post([live, &workshop] {
     if (!live->session().document().start_is_known) return;

@@ -15,6 +15,7 @@ v1::SaveSessionReply saveSession(LiveSession& live);
 /// Rejection (ERROR_NOT_FOUND) for a model that there is not; as for openSession.
 v1::SessionState loadSession(const v1::LoadSessionRequest& request,
                              Workshop& workshop,
+                             const Mark& by,
                              const Progress& progress);
 
 /// Plays a saved session's log from its first state, beside all open sessions; where it ends,

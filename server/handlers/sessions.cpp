@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "server/handlers/kept_sessions.h"
 #include "server/messages/convert.h"
 #include "server/messages/transfer_messages.h"
 #include "server/store/model_source.h"
@@ -13,6 +14,7 @@ namespace handgraft::server {
 
 v1::SessionState openSession(const v1::OpenSessionRequest& request,
                              Workshop& workshop,
+                             const Mark& by,
                              const Progress& progress) {
   const Pose X_WO = poseFrom(request.X_WO(), "X_WO");
   const optimize::Weights weights = weightsFrom(request.weights());
@@ -30,20 +32,22 @@ v1::SessionState openSession(const v1::OpenSessionRequest& request,
   }
   session::SessionModels models =
       motion ? motionModels(request.hand(), request.object(), request.motion(), workshop.models,
-                            progress)
+                            sourceOf(workshop.models), progress)
              : sessionModels(request.hand(), request.object(), request.contacts(),
-                             workshop.models, progress);
+                             workshop.models, sourceOf(workshop.models), progress);
   const std::chrono::duration<double, std::milli> skin =
       std::chrono::steady_clock::now() - begin;
   if (motion) motion->object_O = models.object_O;
   return enterSession(session::Session(std::move(models), X_WO, weights, transfer),
-                      skin.count(), workshop, progress, std::move(motion))
+                      skin.count(), workshop, by, "open_session", progress, std::move(motion))
       ->state();
 }
 
 std::shared_ptr<LiveSession> enterSession(session::Session session,
                                           double skin_ms,
                                           Workshop& workshop,
+                                          const Mark& by,
+                                          const std::string& operation,
                                           const Progress& progress,
                                           std::optional<LiveMotion> motion) {
   progress.checkpoint();
@@ -52,6 +56,7 @@ std::shared_ptr<LiveSession> enterSession(session::Session session,
   live->belongTo(workshop.sessions.serverId());
   if (motion) live->hold(std::move(*motion));
   live->skin_ms = skin_ms;
+  keepSession(*live, workshop, by, operation);
   live->prepareSolids(live, workshop.pool);
   workshop.sessions.add(live);
   live->enter(v1::PHASE_OPEN);
@@ -59,17 +64,22 @@ std::shared_ptr<LiveSession> enterSession(session::Session session,
 }
 
 v1::SessionState describeSession(const v1::SessionKey& key, const Workshop& workshop) {
+  if (auto state = workshop.sessions.asleep(key.session_id())) return *std::move(state);
   return workshop.sessions.find(key.session_id())->state();
 }
 
 v1::SessionList listSessions(const Workshop& workshop) {
   v1::SessionList reply;
-  for (const auto& live : workshop.sessions.all())
-    reply.sessions().push_back(live->state());
+  reply.sessions(workshop.sessions.states());
   return reply;
 }
 
-void closeSession(LiveSession& live, Workshop& workshop, const std::string& why) {
+void closeSession(LiveSession& live,
+                  Workshop& workshop,
+                  const Mark& by,
+                  const std::string& why) {
+  if (live.journal) live.journal->store().removeSession(live.id(), by, "close_session");
+  live.journal = nullptr;
   workshop.sessions.remove(live.id());
   live.enter(v1::PHASE_CLOSED, why);
 }

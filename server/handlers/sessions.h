@@ -13,13 +13,16 @@ namespace handgraft::server {
 /// Opens a session on models of the store. The first session on a hand makes its skin.
 v1::SessionState openSession(const v1::OpenSessionRequest& request,
                              Workshop& workshop,
+                             const Mark& by,
                              const Progress& progress);
 
-/// Takes a session into the store and tells of it. Errors: Rejection (ERROR_OVERLOADED) when
-/// too many are open.
+/// Takes a session into the store and tells of it; `operation` made it, as asked for `by`
+/// somebody. Errors: Rejection (ERROR_OVERLOADED) when too many are open; as keepSession.
 std::shared_ptr<LiveSession> enterSession(session::Session session,
                                           double skin_ms,
                                           Workshop& workshop,
+                                          const Mark& by,
+                                          const std::string& operation,
                                           const Progress& progress,
                                           std::optional<LiveMotion> motion = {});
 
@@ -27,7 +30,11 @@ v1::SessionState describeSession(const v1::SessionKey& key, const Workshop& work
 
 v1::SessionList listSessions(const Workshop& workshop);
 
-/// Of the session's strand: what was asked before is done. `why` is the last state's message.
-void closeSession(LiveSession& live, Workshop& workshop, const std::string& why = "");
+/// Of the session's strand: what was asked before is done. It is gone from the disk, too. `why`
+/// is the last state's message. Errors: StorageError, and it stays open.
+void closeSession(LiveSession& live,
+                  Workshop& workshop,
+                  const Mark& by,
+                  const std::string& why = "");
 
 }  // namespace handgraft::server

@@ -7,6 +7,8 @@
 #include "core/base/content_hash.h"
 #include "core/hand/variant.h"
 #include "core/io/urdf_writer.h"
+#include "idl/json.h"
+#include "server/handlers/enter_model.h"
 #include "server/messages/study_messages.h"
 
 namespace handgraft::server {
@@ -34,9 +36,8 @@ std::string textOf(const hand::HandChange& change) {
 
 }  // namespace
 
-v1::ModelList makeVariant(const v1::VariantRequest& request, Workshop& workshop) {
+StoredHand variantHand(const v1::VariantRequest& request, const StoredHand& parent) {
   validateName(request.name());
-  const auto parent = workshop.models.hand(request.hand());
   std::vector<hand::HandChange> changes;
   std::string text;
   for (const v1::HandChange& change : request.changes()) {
@@ -44,30 +45,35 @@ v1::ModelList makeVariant(const v1::VariantRequest& request, Workshop& workshop)
     text += (text.empty() ? "" : ", ") + textOf(changes.back());
   }
   auto variant = std::make_shared<const hand::HandVariant>(
-      hand::makeVariant(parent->hand->model(), request.name(), changes));
+      hand::makeVariant(parent.hand->model(), request.name(), changes));
 
   StoredHand stored;
   stored.name = request.name();
-  stored.origin.content = contentOf(request, *parent);
+  stored.origin.content = contentOf(request, parent);
   stored.urdf = io::kinematicUrdfText(
       variant->model, fmt::format("Links and joints of a variant of hand '{}', written by "
                                   "handgraft; no meshes",
-                                  parent->name));
-  stored.notes = parent->notes;
+                                  parent.name));
+  stored.notes = parent.notes;
   stored.notes.push_back(
       fmt::format("a variant of hand {}{}{}; its skin is that hand's{}",
-                  handgraft::quoted(parent->name), text.empty() ? "" : ": ", text,
+                  handgraft::quoted(parent.name), text.empty() ? "" : ": ", text,
                   variant->shape_changed ? ", bent along, and no new one was wrapped" : ""));
-  stored.mirrored = parent->mirrored;
-  for (const hand::NamedPose& pose : parent->poses)
+  stored.mirrored = parent.mirrored;
+  for (const hand::NamedPose& pose : parent.poses)
     stored.poses.push_back({pose.name, hand::poseOfVariant(*variant, pose.q)});
-  stored.floating_base = parent->floating_base;
-  stored.hand = variantOf(parent->hand, std::move(variant));
+  stored.floating_base = parent.floating_base;
+  stored.hand = variantOf(parent.hand, std::move(variant));
+  return stored;
+}
 
-  v1::ModelList reply;
-  reply.models().push_back(summaryOf(stored));
-  workshop.models.add(std::move(stored));
-  return reply;
+v1::ModelList makeVariant(const v1::VariantRequest& request,
+                          Workshop& workshop,
+                          const Mark& by) {
+  const auto parent = workshop.models.hand(request.hand());
+  return enterModel(variantHand(request, *parent), workshop, by, "make_variant", [&] {
+    return Makings{kVariantForm, idl::jsonText(request), "", parent->origin.row, parent->name};
+  });
 }
 
 }  // namespace handgraft::server

@@ -10,6 +10,11 @@ namespace handgraft::server {
 /// it. Its skin is made, from the other's, when first needed.
 ///
 /// Errors: InvalidInput as hand::makeVariant; Rejection as for loaded models.
-v1::ModelList makeVariant(const v1::VariantRequest& request, Workshop& workshop);
+v1::ModelList makeVariant(const v1::VariantRequest& request,
+                          Workshop& workshop,
+                          const Mark& by);
+
+/// The variant alone.
+StoredHand variantHand(const v1::VariantRequest& request, const StoredHand& parent);
 
 }  // namespace handgraft::server

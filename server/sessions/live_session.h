@@ -19,6 +19,7 @@
 #include "idl/sensor_msgs.h"
 #include "idl/sessions.h"
 #include "server/admission/strand_pool.h"
+#include "server/sessions/session_journal.h"
 
 namespace handgraft::server {
 
@@ -168,6 +169,9 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
   /// Says whose it is, before anybody knows of it.
   void belongTo(std::uint64_t server_id) { state_.server_id(server_id); }
 
+  /// The next solution's number is a later one, before anybody knows of it.
+  void numberFrom(std::uint64_t number) { sequence_number_ = number; }
+
   /// Makes it a session of a motion, before anybody knows of it.
   void hold(LiveMotion motion);
 
@@ -188,6 +192,10 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
   /// three, the newest last. `mine` are told as "your".
   [[nodiscard]] std::string editsSince(std::uint64_t revision, const v1::ClientId& mine) const;
 
+  /// Where it is written down; null: nowhere.
+  std::unique_ptr<SessionJournal> journal;
+  /// It was taken out of memory: who has this looks for it again.
+  bool is_asleep = false;
   /// Follows a demonstrator, as the session stood at that revision; null before the first
   /// frame.
   std::shared_ptr<session::LiveFollower> follower;

@@ -8,19 +8,48 @@
 namespace handgraft::server {
 
 std::uint64_t SessionStore::reserve() {
+  requireRoom();
   const std::lock_guard lock(mutex_);
-  if (sessions_.size() >= most_) {
-    reject(v1::ERROR_OVERLOADED,
-           "{} sessions are open, as many as this server allows; close some", sessions_.size());
-  }
   std::uint64_t id = randomId();
-  while (sessions_.count(id) != 0)
+  while (sessions_.count(id) + asleep_.count(id) != 0)
     id = randomId();
   return id;
 }
 
+void SessionStore::requireRoom() const {
+  const std::lock_guard lock(mutex_);
+  if (sessions_.size() < most_) return;
+  reject(v1::ERROR_OVERLOADED,
+         "{} sessions are open, as many as this server allows; close some", sessions_.size());
+}
+
+void SessionStore::sleep(v1::SessionState state) {
+  const std::lock_guard lock(mutex_);
+  sessions_.erase(state.session_id());
+  const std::uint64_t id = state.session_id();
+  asleep_[id] = std::move(state);
+}
+
+std::optional<v1::SessionState> SessionStore::asleep(std::uint64_t id) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = asleep_.find(id);
+  if (found == asleep_.end()) return std::nullopt;
+  return found->second;
+}
+
+std::vector<v1::SessionState> SessionStore::states() const {
+  std::vector<v1::SessionState> list;
+  for (const auto& live : all())
+    list.push_back(live->state());
+  const std::lock_guard lock(mutex_);
+  for (const auto& [id, state] : asleep_)
+    list.push_back(state);
+  return list;
+}
+
 void SessionStore::add(std::shared_ptr<LiveSession> session) {
   const std::lock_guard lock(mutex_);
+  asleep_.erase(session->id());
   sessions_[session->id()] = std::move(session);
 }
 
@@ -34,6 +63,7 @@ std::shared_ptr<LiveSession> SessionStore::find(std::uint64_t id) const {
 void SessionStore::remove(std::uint64_t id) {
   const std::lock_guard lock(mutex_);
   sessions_.erase(id);
+  asleep_.erase(id);
 }
 
 std::vector<std::shared_ptr<LiveSession>> SessionStore::all() const {

@@ -1,5 +1,7 @@
 #include "server/store/model_source.h"
 
+#include <utility>
+
 #include "core/session/motion_solving.h"
 
 namespace handgraft::server {
@@ -8,25 +10,32 @@ namespace {
 
 class StoreSource final : public session::ModelSource {
  public:
-  explicit StoreSource(const ModelStore& models) : models_(models) {}
+  explicit StoreSource(std::shared_ptr<const NamedModels> models)
+      : models_(std::move(models)) {}
 
   session::Hand hand(const std::string& name, const Progress& progress) override {
-    return models_.hand(name)->hand->get(progress);
+    return models_->hand(name)->hand->get(progress);
   }
 
   std::shared_ptr<const geometry::TriangleMesh> object(const std::string& name,
                                                        const Progress& /*progress*/) override {
-    return meshOf(models_.object(name));
+    return meshOf(models_->object(name));
   }
 
  private:
-  const ModelStore& models_;
+  std::shared_ptr<const NamedModels> models_;
 };
 
 }  // namespace
 
+std::shared_ptr<session::ModelSource> sourceOf(std::shared_ptr<const NamedModels> models) {
+  return std::make_shared<StoreSource>(std::move(models));
+}
+
 std::shared_ptr<session::ModelSource> sourceOf(const ModelStore& models) {
-  return std::make_shared<StoreSource>(models);
+  // Owned by nobody here.
+  return sourceOf(
+      std::shared_ptr<const NamedModels>(std::shared_ptr<const NamedModels>(), &models));
 }
 
 std::shared_ptr<const geometry::TriangleMesh> meshOf(
@@ -37,7 +46,8 @@ std::shared_ptr<const geometry::TriangleMesh> meshOf(
 session::SessionModels sessionModels(const std::string& hand,
                                      const std::string& object,
                                      const std::string& contacts,
-                                     const ModelStore& models,
+                                     const NamedModels& models,
+                                     std::shared_ptr<session::ModelSource> source,
                                      const Progress& progress) {
   const auto stored_hand = models.hand(hand);
   const auto stored_object = models.object(object);
@@ -50,14 +60,15 @@ session::SessionModels sessionModels(const std::string& hand,
   made.object_O = meshOf(stored_object);
   made.contacts_name = contacts;
   made.contacts = {stored_contacts, &stored_contacts->set};
-  made.source = sourceOf(models);
+  made.source = std::move(source);
   return made;
 }
 
 session::SessionModels motionModels(const std::string& hand,
                                     const std::string& object,
                                     const std::string& motion,
-                                    const ModelStore& models,
+                                    const NamedModels& models,
+                                    std::shared_ptr<session::ModelSource> source,
                                     const Progress& progress) {
   const auto stored_hand = models.hand(hand);
   const auto stored_object = models.object(object);
@@ -71,7 +82,7 @@ session::SessionModels motionModels(const std::string& hand,
   made.contacts_name = motion;
   made.contacts = std::make_shared<const contact::ContactSet>(
       session::graspOf(*stored_motion->motion, stored_object->file->mesh));
-  made.source = sourceOf(models);
+  made.source = std::move(source);
   return made;
 }
 

@@ -51,9 +51,9 @@ bool isSame(const geometry::TriangleMesh& a, const geometry::TriangleMesh& b) {
 }
 
 template <class Shelf>
-auto find(const Shelf& shelf, v1::ModelKind kind, const std::string& name) {
+auto find(Shelf& shelf, v1::ModelKind kind, const std::string& name) {
   const auto found = shelf.find(name);
-  if (found != shelf.end()) return found->second;
+  if (found != shelf.end()) return found;
   std::string names;
   for (const auto& [other, model] : shelf) {
     names += (names.empty() ? "" : ", ") + other;
@@ -66,26 +66,92 @@ auto find(const Shelf& shelf, v1::ModelKind kind, const std::string& name) {
          handgraft::quoted(name), names.empty() ? "none" : names);
 }
 
+/// False if it is there already. Errors: Rejection (ERROR_CONFLICT), (ERROR_OVERLOADED).
+template <class Shelf>
+bool finds(Shelf& shelf,
+           v1::ModelKind kind,
+           const std::string& name,
+           const std::string& content) {
+  const auto found = shelf.find(name);
+  if (found != shelf.end()) {
+    const Origin& there = found->second.origin;
+    if (!there.built_in && there.content == content) return false;
+    reject(v1::ERROR_CONFLICT, "{} {} exists already, with {}; choose another name{}",
+           nameOf(kind), handgraft::quoted(name),
+           there.built_in ? "the server's own content" : "other content",
+           there.built_in ? "" : " or unload it");
+  }
+  if (shelf.size() >= kMostModels) {
+    reject(v1::ERROR_OVERLOADED, "there are {} models of this kind; unload some", shelf.size());
+  }
+  return true;
+}
+
 }  // namespace
+
+template <class Action>
+auto ModelStore::onShelf(v1::ModelKind kind, const Action& action) const {
+  switch (kind) {
+    case v1::MODEL_HAND:
+      return action(hands_);
+    case v1::MODEL_OBJECT:
+      return action(objects_);
+    case v1::MODEL_CONTACTS:
+      return action(contacts_);
+    case v1::MODEL_MOTION:
+      return action(motions_);
+  }
+  rejectInput("model kind {} does not exist", static_cast<unsigned>(kind));
+}
 
 template <class Model>
 void ModelStore::put(Shelf<Model>& shelf, Model model, bool replace) {
   validateName(model.name);
   const std::lock_guard lock(mutex_);
-  const auto found = shelf.find(model.name);
-  if (found != shelf.end() && !replace) {
-    const Origin& there = found->second->origin;
-    if (!there.built_in && there.content == model.origin.content) return;
-    reject(v1::ERROR_CONFLICT, "{} {} exists already, with {}; choose another name{}",
-           nameOf(kindOf(model)), handgraft::quoted(model.name),
-           there.built_in ? "the server's own content" : "other content",
-           there.built_in ? "" : " or unload it");
-  }
-  if (found == shelf.end() && shelf.size() >= kMostModels) {
-    reject(v1::ERROR_OVERLOADED, "there are {} models of this kind; unload some", shelf.size());
-  }
+  if (!replace && !finds(shelf, kindOf(model), model.name, model.origin.content)) return;
   const std::string name = model.name;
-  shelf[name] = std::make_shared<const Model>(std::move(model));
+  const Origin origin = model.origin;
+  shelf[name] = {std::make_shared<const Model>(std::move(model)), origin, {}, nullptr};
+}
+
+bool ModelStore::lacks(v1::ModelKind kind,
+                       const std::string& name,
+                       const std::string& content) const {
+  validateName(name);
+  const std::lock_guard lock(mutex_);
+  return onShelf(kind, [&](auto& shelf) {
+    return finds(shelf, kind, name, content);
+  });
+}
+
+void ModelStore::addKept(const v1::ModelSummary& summary,
+                         const Origin& origin,
+                         std::shared_ptr<ModelKeeper> keeper) {
+  validateName(summary.name());
+  const std::lock_guard lock(mutex_);
+  onShelf(summary.kind(), [&](auto& shelf) {
+    // A name that the program's own library has taken since stands for that.
+    if (shelf.count(summary.name()) != 0) return;
+    shelf[summary.name()] = {nullptr, origin, summary, std::move(keeper)};
+  });
+}
+
+template <class Model, class Read>
+std::shared_ptr<const Model> ModelStore::get(Shelf<Model>& shelf,
+                                             v1::ModelKind kind,
+                                             const std::string& name,
+                                             const Read& read) const {
+  std::unique_lock lock(mutex_);
+  const Place<Model> place = find(shelf, kind, name)->second;
+  if (place.model != nullptr) return place.model;
+  lock.unlock();
+  auto model = read(*place.keeper, place.origin.row);
+  lock.lock();
+  // Unless it was taken out meanwhile.
+  const auto found = shelf.find(name);
+  if (found != shelf.end() && found->second.origin.row == place.origin.row)
+    found->second.model = model;
+  return model;
 }
 
 void ModelStore::add(StoredHand hand) {
@@ -117,58 +183,57 @@ void ModelStore::replace(StoredContacts contacts) {
 }
 
 std::shared_ptr<const StoredHand> ModelStore::hand(const std::string& name) const {
-  const std::lock_guard lock(mutex_);
-  return find(hands_, v1::MODEL_HAND, name);
+  return get(hands_, v1::MODEL_HAND, name, [](ModelKeeper& keeper, std::int64_t row) {
+    return keeper.hand(row);
+  });
 }
 
 std::shared_ptr<const StoredObject> ModelStore::object(const std::string& name) const {
-  const std::lock_guard lock(mutex_);
-  return find(objects_, v1::MODEL_OBJECT, name);
+  return get(objects_, v1::MODEL_OBJECT, name, [](ModelKeeper& keeper, std::int64_t row) {
+    return keeper.object(row);
+  });
 }
 
 std::shared_ptr<const StoredContacts> ModelStore::contacts(const std::string& name) const {
-  const std::lock_guard lock(mutex_);
-  return find(contacts_, v1::MODEL_CONTACTS, name);
+  return get(contacts_, v1::MODEL_CONTACTS, name, [](ModelKeeper& keeper, std::int64_t row) {
+    return keeper.contacts(row);
+  });
 }
 
 std::shared_ptr<const StoredMotion> ModelStore::motion(const std::string& name) const {
+  return get(motions_, v1::MODEL_MOTION, name, [](ModelKeeper& keeper, std::int64_t row) {
+    return keeper.motion(row);
+  });
+}
+
+void ModelStore::requireRemovable(v1::ModelKind kind, const std::string& name) const {
   const std::lock_guard lock(mutex_);
-  return find(motions_, v1::MODEL_MOTION, name);
+  onShelf(kind, [&](auto& shelf) {
+    if (!find(shelf, kind, name)->second.origin.built_in) return;
+    reject(v1::ERROR_CONFLICT, "{} {} is the server's own and stays", nameOf(kind),
+           handgraft::quoted(name));
+  });
 }
 
 void ModelStore::remove(v1::ModelKind kind, const std::string& name) {
+  requireRemovable(kind, name);
   const std::lock_guard lock(mutex_);
-  const auto removeFrom = [&](auto& shelf) {
-    if (find(shelf, kind, name)->origin.built_in) {
-      reject(v1::ERROR_CONFLICT, "{} {} is the server's own and stays", nameOf(kind),
-             handgraft::quoted(name));
-    }
+  onShelf(kind, [&](auto& shelf) {
     shelf.erase(name);
-  };
-  switch (kind) {
-    case v1::MODEL_HAND:
-      return removeFrom(hands_);
-    case v1::MODEL_OBJECT:
-      return removeFrom(objects_);
-    case v1::MODEL_CONTACTS:
-      return removeFrom(contacts_);
-    case v1::MODEL_MOTION:
-      return removeFrom(motions_);
-  }
-  rejectInput("model kind {} does not exist", static_cast<unsigned>(kind));
+  });
 }
 
 std::vector<v1::ModelSummary> ModelStore::list() const {
   const std::lock_guard lock(mutex_);
   std::vector<v1::ModelSummary> all;
-  for (const auto& [name, hand] : hands_)
-    all.push_back(summaryOf(*hand));
-  for (const auto& [name, object] : objects_)
-    all.push_back(summaryOf(*object));
-  for (const auto& [name, contacts] : contacts_)
-    all.push_back(summaryOf(*contacts));
-  for (const auto& [name, motion] : motions_)
-    all.push_back(summaryOf(*motion));
+  const auto add = [&](const auto& shelf) {
+    for (const auto& [name, place] : shelf)
+      all.push_back(place.model != nullptr ? summaryOf(*place.model) : place.summary);
+  };
+  add(hands_);
+  add(objects_);
+  add(contacts_);
+  add(motions_);
   return all;
 }
 

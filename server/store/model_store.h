@@ -21,6 +21,8 @@ struct Origin {
   bool built_in = false;
   /// ContentHash of what it was made from; empty for built-in ones.
   std::string content = {};
+  /// Of the state store that keeps it; 0: none does.
+  std::int64_t row = 0;
 };
 
 struct StoredHand {
@@ -80,11 +82,37 @@ StoredMotion storedMotion(std::string name,
                           std::shared_ptr<const io::MeshFile> object,
                           std::string object_name);
 
+/// Models by name. Errors: Rejection (ERROR_NOT_FOUND) that lists the names there are.
+/// Threads: all methods from any thread.
+class NamedModels {
+ public:
+  virtual ~NamedModels() = default;
+  [[nodiscard]] virtual std::shared_ptr<const StoredHand> hand(
+      const std::string& name) const = 0;
+  [[nodiscard]] virtual std::shared_ptr<const StoredObject> object(
+      const std::string& name) const = 0;
+  [[nodiscard]] virtual std::shared_ptr<const StoredContacts> contacts(
+      const std::string& name) const = 0;
+  [[nodiscard]] virtual std::shared_ptr<const StoredMotion> motion(
+      const std::string& name) const = 0;
+};
+
+/// Where models lie that were kept, by row. Threads: all methods from any thread. Errors:
+/// StorageError; those of what a model rests on.
+class ModelKeeper {
+ public:
+  virtual ~ModelKeeper() = default;
+  virtual std::shared_ptr<const StoredHand> hand(std::int64_t row) = 0;
+  virtual std::shared_ptr<const StoredObject> object(std::int64_t row) = 0;
+  virtual std::shared_ptr<const StoredContacts> contacts(std::int64_t row) = 0;
+  virtual std::shared_ptr<const StoredMotion> motion(std::int64_t row) = 0;
+};
+
 /// The hands, objects, contact sets and motions that sessions can use, by name.
 ///
 /// What is taken out lives on in the sessions that use it. Threads: all methods from any
 /// thread.
-class ModelStore {
+class ModelStore final : public NamedModels {
  public:
   /// Adds a model. The same files under the same name again change nothing.
   /// Errors: InvalidInput for a bad name (see `validateName`); Rejection (ERROR_CONFLICT) if
@@ -94,36 +122,68 @@ class ModelStore {
   void add(StoredContacts contacts);
   void add(StoredMotion motion);
 
+  /// Whether a model of that content has to be made: false if the name stands for it already.
+  /// Errors: as `add`.
+  [[nodiscard]] bool lacks(v1::ModelKind kind,
+                           const std::string& name,
+                           const std::string& content) const;
+
+  /// Adds one that `keeper` reads when it is first asked for.
+  void addKept(const v1::ModelSummary& summary,
+               const Origin& origin,
+               std::shared_ptr<ModelKeeper> keeper);
+
   /// As above, but takes the place of what has the name.
   void replace(StoredHand hand);
   void replace(StoredObject object);
   void replace(StoredContacts contacts);
 
-  /// Errors: Rejection (ERROR_NOT_FOUND) that lists the names there are.
-  [[nodiscard]] std::shared_ptr<const StoredHand> hand(const std::string& name) const;
-  [[nodiscard]] std::shared_ptr<const StoredObject> object(const std::string& name) const;
-  [[nodiscard]] std::shared_ptr<const StoredContacts> contacts(const std::string& name) const;
-  [[nodiscard]] std::shared_ptr<const StoredMotion> motion(const std::string& name) const;
+  [[nodiscard]] std::shared_ptr<const StoredHand> hand(const std::string& name) const override;
+  [[nodiscard]] std::shared_ptr<const StoredObject> object(
+      const std::string& name) const override;
+  [[nodiscard]] std::shared_ptr<const StoredContacts> contacts(
+      const std::string& name) const override;
+  [[nodiscard]] std::shared_ptr<const StoredMotion> motion(
+      const std::string& name) const override;
 
   /// Errors: Rejection: ERROR_NOT_FOUND, or ERROR_CONFLICT for a built-in model.
   void remove(v1::ModelKind kind, const std::string& name);
+  void requireRemovable(v1::ModelKind kind, const std::string& name) const;
 
   /// All, by kind and name.
   [[nodiscard]] std::vector<v1::ModelSummary> list() const;
   [[nodiscard]] std::size_t size() const;
 
  private:
+  /// A model, or where it lies until somebody asks for it.
   template <class Model>
-  using Shelf = std::map<std::string, std::shared_ptr<const Model>>;
+  struct Place {
+    std::shared_ptr<const Model> model;
+    Origin origin;
+    v1::ModelSummary summary;  ///< while there is no model
+    std::shared_ptr<ModelKeeper> keeper;
+  };
+
+  template <class Model>
+  using Shelf = std::map<std::string, Place<Model>>;
 
   template <class Model>
   void put(Shelf<Model>& shelf, Model model, bool replace);
+  template <class Model, class Read>
+  std::shared_ptr<const Model> get(Shelf<Model>& shelf,
+                                   v1::ModelKind kind,
+                                   const std::string& name,
+                                   const Read& read) const;
+  /// `action(shelf)` of that kind. Errors: InvalidInput if there is no such kind.
+  template <class Action>
+  auto onShelf(v1::ModelKind kind, const Action& action) const;
 
   mutable std::mutex mutex_;
-  Shelf<StoredHand> hands_;
-  Shelf<StoredObject> objects_;
-  Shelf<StoredContacts> contacts_;
-  Shelf<StoredMotion> motions_;
+  // What is kept is put into its place by those who ask.
+  mutable Shelf<StoredHand> hands_;
+  mutable Shelf<StoredObject> objects_;
+  mutable Shelf<StoredContacts> contacts_;
+  mutable Shelf<StoredMotion> motions_;
 };
 
 /// Names are 1-64 letters, digits, `_`, `-` and `.`, and do not begin with a dot: they appear

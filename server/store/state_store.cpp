@@ -606,12 +606,10 @@ std::vector<std::string> StateStore::check() const {
 }
 
 void StateStore::backUpTo(const std::string& path) const {
+  if (path_ != ":memory:") return backUpStore(path_, path);
   if (std::filesystem::exists(path)) rejectInput("{}: exists already", path);
-  if (path_ == ":memory:") {
-    const std::lock_guard lock(mutex_);
-    return database_->backUpTo(path);
-  }
-  Database(path_).backUpTo(path);
+  const std::lock_guard lock(mutex_);
+  database_->backUpTo(path);
 }
 
 /// Sees to it, once a second, that what was committed lies on the disk, and that the log does
@@ -655,9 +653,21 @@ void StateStore::keep() {
 
 std::vector<std::string> checkStore(const std::string& path) {
   if (!std::filesystem::exists(path)) rejectInput("store {}: there is none", path);
+  try {
+    Database database(path);
+    requireOurs(database);
+    return problemsOf(database);
+  } catch (const StorageError& error) {  // so damaged that it cannot be asked
+    return {error.what()};
+  }
+}
+
+void backUpStore(const std::string& path, const std::string& to) {
+  if (!std::filesystem::exists(path)) rejectInput("store {}: there is none", path);
+  if (std::filesystem::exists(to)) rejectInput("{}: exists already", to);
   Database database(path);
   requireOurs(database);
-  return problemsOf(database);
+  database.backUpTo(to);
 }
 
 }  // namespace handgraft::server

@@ -95,6 +95,8 @@ class StateStore {
 
   [[nodiscard]] std::uint64_t bytes() const;
 
+  [[nodiscard]] const std::string& path() const { return path_; }
+
   // === Sessions
 
   void addSession(std::uint64_t id,
@@ -194,6 +196,8 @@ class StateStore {
 };
 
 /// What `--check` and `--backup` do on a file that no server has open, or has.
+/// Errors: InvalidInput if there is none, or of a newer program; StorageError.
 std::vector<std::string> checkStore(const std::string& path);
+void backUpStore(const std::string& path, const std::string& to);
 
 }  // namespace handgraft::server

@@ -1,5 +1,6 @@
 #include "tests/system/service.h"
 
+#include <algorithm>
 #include <memory>
 #include <stdexcept>
 
@@ -25,6 +26,10 @@ Service::Service(const std::vector<std::string>& server_arguments) {
 
 std::unique_ptr<Process> Service::start(const std::string& name,
                                         std::vector<std::string> arguments) const {
+  const bool keeps =
+      std::find(arguments.begin(), arguments.end(), "--state") != arguments.end();
+  if (name == "handgraft-server" && !keeps)
+    arguments.insert(arguments.end(), {"--state", ":memory:"});
   arguments.insert(arguments.end(), {"--domain", std::to_string(domain_.number())});
   return std::make_unique<Process>(program(name), arguments);
 }

@@ -1,0 +1,145 @@
+#include "server/handlers/kept_sessions.h"
+
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "core/base/error.h"
+#include "core/io/session_file.h"
+#include "idl/json.h"
+#include "server/handlers/kept_models.h"
+#include "server/handlers/optimize.h"
+#include "server/store/model_source.h"
+
+namespace handgraft::server {
+
+namespace {
+
+constexpr std::size_t kLongHistory = 256;  // entries that are played when it is opened
+
+/// Rows of the models that it was opened with.
+std::vector<std::int64_t> rowsOf(LiveSession& live, const ModelStore& models) {
+  const session::Document& document = live.session().document();
+  std::vector<std::int64_t> rows;
+  const auto add = [&](v1::ModelKind kind, const std::string& name, const Origin& origin) {
+    if (live.journal->names(kind, name) && origin.row != 0) rows.push_back(origin.row);
+  };
+  add(v1::MODEL_HAND, document.hand, models.hand(document.hand)->origin);
+  add(v1::MODEL_OBJECT, document.object, models.object(document.object)->origin);
+  if (live.motion() != nullptr) {
+    const std::string& name = live.motion()->name;
+    add(v1::MODEL_MOTION, name, models.motion(name)->origin);
+  } else {
+    add(v1::MODEL_CONTACTS, document.contacts, models.contacts(document.contacts)->origin);
+  }
+  return rows;
+}
+
+/// Plays what came after the text: edits anew, solves by their answers.
+void play(LiveSession& live,
+          const std::vector<std::string>& entries,
+          const Progress& progress) {
+  session::Session& session = live.session();
+  for (const std::string& text : entries) {
+    progress.checkpoint();
+    const session::LogEntry entry = io::readEntryText(text);
+    if (const auto* edit = std::get_if<session::Edit>(&entry)) {
+      const session::EditResult result = session.apply(*edit, progress);
+      live.noteEdit({result.revision, session::describe(*edit), {}});
+    } else if (const auto* solve =
+                   std::get_if<std::shared_ptr<const session::CommittedSolve>>(&entry)) {
+      session.commit(**solve);
+    } else {
+      session.noteCancelledSolve();
+    }
+  }
+}
+
+}  // namespace
+
+void keepSession(LiveSession& live,
+                 Workshop& workshop,
+                 const Mark& by,
+                 const std::string& operation) {
+  if (workshop.state == nullptr) return;
+  live.journal = std::make_unique<SessionJournal>(*workshop.state, live.id(), 0, 0);
+  KeptSession kept;
+  kept.text = io::sessionText(live.session());
+  if (live.motion() != nullptr) kept.motion = live.motion()->name;
+  kept.models = rowsOf(live, workshop.models);
+  workshop.state->addSession(live.id(), kept, idl::jsonText(live.state()), by, operation);
+}
+
+std::shared_ptr<LiveSession> openKeptSession(std::uint64_t id,
+                                             Workshop& workshop,
+                                             const Progress& progress) {
+  const KeptSession kept = workshop.state->session(id);
+  const io::SessionFile file = io::readSessionText(kept.text);
+  const auto models = workshop.kept_models->named(kept.models);
+  session::SessionModels made = kept.motion.empty()
+                                    ? sessionModels(file.hand, file.object, file.contacts,
+                                                    *models, sourceOf(models), progress)
+                                    : motionModels(file.hand, file.object, kept.motion, *models,
+                                                   sourceOf(models), progress);
+  std::optional<LiveMotion> motion;
+  if (!kept.motion.empty()) {
+    motion = LiveMotion{kept.motion, models->motion(kept.motion)->motion, made.object_O};
+  }
+  const auto live = std::make_shared<LiveSession>(
+      id, io::openSession(file, std::move(made), progress), workshop.pool, workshop.audience);
+  live->belongTo(workshop.sessions.serverId());
+  if (motion) live->hold(std::move(*motion));
+  play(*live, kept.entries, progress);
+  live->journal = std::make_unique<SessionJournal>(
+      *workshop.state, id, kept.next + kept.entries.size(), kept.entries.size());
+  for (const std::int64_t row : kept.models) {
+    const KeptModel model = workshop.state->model(row);
+    live->journal->names(static_cast<v1::ModelKind>(model.kind), model.name);
+  }
+  // Later than all that any server before this one told of it.
+  constexpr unsigned kPerOpening = 32;
+  live->numberFrom(workshop.state->openings() << kPerOpening);
+  return live;
+}
+
+void resumeKeptSession(LiveSession& live, Workshop& workshop) {
+  if (!live.session().document().start_is_known && !live.session().needsSolve()) return;
+  live.asked_at_stops = live.stops();
+  try {
+    optimizeAfterEdit(live, workshop, live.solves());
+  } catch (const std::exception& error) {  // the session's state says so
+    spdlog::debug("event=resume session={} message={}", live.id(),
+                  handgraft::quoted(error.what()));
+  }
+}
+
+void keepState(LiveSession& live) {
+  if (live.journal == nullptr) return;
+  if (live.journal->entriesSinceText() < kLongHistory) {
+    return live.journal->keepState(idl::jsonText(live.state()), live.session().revision());
+  }
+  try {
+    keepText(live);
+  } catch (const std::exception& error) {  // the next time, then
+    spdlog::warn("event=store_waits session={} what={}", live.id(),
+                 handgraft::quoted(error.what()));
+  }
+}
+
+void keepText(LiveSession& live) {
+  if (live.journal == nullptr) return;
+  live.journal->keepText(io::sessionText(live.session()), idl::jsonText(live.state()),
+                         live.session().revision());
+}
+
+void putToSleep(LiveSession& live, Workshop& workshop) {
+  keepText(live);
+  workshop.sessions.sleep(live.state());
+  live.is_asleep = true;
+  live.journal = nullptr;
+  live.unexplained = nullptr;
+}
+
+}  // namespace handgraft::server

@@ -1,0 +1,52 @@
+#include "server/store/state_file.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "core/base/error.h"
+
+namespace handgraft::server {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Of the environment; empty: it says nothing.
+std::string variable(const char* name) {
+  const char* value = std::getenv(name);
+  return value == nullptr ? "" : value;
+}
+
+}  // namespace
+
+StateFile stateFile(const std::string& folder, const Network& network) {
+  if (folder == ":memory:") return {folder, true};
+  fs::path in = folder;
+  bool is_chosen = true;
+  if (in.empty()) {
+    // systemd names several with colons between.
+    const std::string systemd = variable("STATE_DIRECTORY");
+    in = systemd.substr(0, systemd.find(':'));
+  }
+  if (in.empty()) {
+    is_chosen = false;
+    if (const std::string xdg = variable("XDG_STATE_HOME"); !xdg.empty()) {
+      in = fs::path(xdg) / "handgraft";
+    } else if (const std::string home = variable("HOME"); !home.empty()) {
+      in = fs::path(home) / ".local" / "state" / "handgraft";
+    } else {
+      rejectInput("state: neither $XDG_STATE_HOME nor $HOME says where it is kept");
+    }
+  }
+  std::error_code error;
+  fs::create_directories(in, error);
+  if (error)
+    rejectInput("state: folder {} cannot be made ({})", quoted(in.string()), error.message());
+  const std::string name = network.server.empty() ? "" : "-" + network.server;
+  return {(in / fmt::format("domain-{}{}.db", network.domain, name)).string(), is_chosen};
+}
+
+}  // namespace handgraft::server

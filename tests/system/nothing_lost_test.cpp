@@ -1,0 +1,288 @@
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <future>
+#include <random>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "idl/cyclone/requester.h"
+
+#include "tests/server/small_grasp.h"
+#include "tests/system/service.h"
+
+// What clients were told is there after their server was killed, once; they go on by
+// themselves.
+
+namespace handgraft::test {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+using idl::cyclone::Participant;
+using idl::cyclone::Reader;
+using idl::cyclone::Refused;
+using idl::cyclone::Requester;
+
+constexpr std::chrono::seconds kLong(60);
+
+/// Of the environment, for longer runs than every change's.
+int countOf(const char* name, int otherwise) {
+  const char* text = std::getenv(name);
+  return text == nullptr ? otherwise : std::atoi(text);
+}
+
+/// A server whose state is kept, and which is killed and started again.
+class NothingLost : public testing::Test {
+ protected:
+  NothingLost() {
+    std::string name = (fs::temp_directory_path() / "handgraft-lost-XXXXXX").string();
+    folder = mkdtemp(name.data());
+    service = std::make_unique<Service>(arguments());
+    running = &service->server();
+  }
+
+  ~NothingLost() override {
+    restarted.reset();
+    service.reset();
+    fs::remove_all(folder);
+  }
+
+  [[nodiscard]] std::vector<std::string> arguments() const {
+    return {"--state", (folder / "state").string(), "--workers", "2"};
+  }
+
+  void killServer() {
+    running->send(SIGKILL);
+    running->wait();
+  }
+
+  void startServer(const std::vector<std::string>& more = {}) {
+    std::vector<std::string> all = arguments();
+    all.insert(all.end(), more.begin(), more.end());
+    restarted = service->start("handgraft-server", all);
+    running = restarted.get();
+  }
+
+  void restart() {
+    killServer();
+    startServer();
+  }
+
+  /// What `--check` says of what lies there.
+  [[nodiscard]] Finished checkOf(const fs::path& state) const {
+    return run(program("handgraft-server"), {"--check", "--state", state.string(), "--domain",
+                                             std::to_string(service->domain())});
+  }
+
+  fs::path folder;
+  std::unique_ptr<Service> service;
+  std::unique_ptr<Process> restarted;
+  Process* running = nullptr;
+};
+
+v1::EditBody weightOf(double weight) {
+  v1::PatchWeightEdit edit;
+  edit.patch("palm");
+  edit.weight(weight);
+  v1::EditBody body;
+  body.patch_weight(edit);
+  return body;
+}
+
+v1::RequestBody about(v1::Operation operation, std::uint64_t session) {
+  v1::SessionKey key;
+  key.session_id(session);
+  v1::RequestBody body;
+  body.session(key);
+  body._d(operation);
+  return body;
+}
+
+/// One client with a session on models that it has sent.
+struct Editor {
+  explicit Editor(const Network& network) : participant(network), requester(participant) {
+    EXPECT_TRUE(requester.waitForServer(kLong));
+    for (const v1::RequestBody& body : smallGrasp())
+      requester.ask(body);
+    session = requester.ask(openSession("clamp", "fruit", "marks")).session().session_id();
+  }
+
+  v1::EditReply edit(double weight) { return requester.edit(session, 0, weightOf(weight)); }
+
+  v1::SessionSettings settings() {
+    return requester.ask(about(v1::OP_SESSION_SETTINGS, session)).settings();
+  }
+
+  Participant participant;
+  Requester requester;
+  std::uint64_t session = 0;
+};
+
+/// The newest final pose that a session streams to who joins now.
+v1::PoseSolution poseOf(const Participant& participant, std::uint64_t session) {
+  Reader<v1::PoseSolution> solutions(participant, idl::kSolutionTopic);
+  v1::PoseSolution newest;
+  for (const auto end = Clock::now() + kLong; Clock::now() < end;) {
+    solutions.take([&](const v1::PoseSolution& one) {
+      if (one.session_id() == session && one.is_final()) newest = one;
+    });
+    if (newest.session_id() != 0 && newest.is_diagnosed()) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return newest;
+}
+
+double percentile(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+}
+
+TEST_F(NothingLost, ASessionIsTheSameAfterItsServerWasKilled) {
+  Editor editor(service->network());
+  editor.edit(0.5);
+  editor.edit(0.75);
+  const v1::PoseSolution before = poseOf(editor.participant, editor.session);
+  ASSERT_EQ(before.revision(), 2u);
+  restart();
+  // Nobody asks for it: it was in use when its server died.
+  const v1::PoseSolution after = [&] {
+    const Participant late(service->network());
+    return poseOf(late, editor.session);
+  }();
+  EXPECT_EQ(after.revision(), 2u);
+  EXPECT_EQ(after.joint_positions(), before.joint_positions());
+  EXPECT_EQ(after.X_WH().p_m(), before.X_WH().p_m());
+  EXPECT_EQ(after.X_WH().q_wxyz(), before.X_WH().q_wxyz());
+  EXPECT_GT(after.sequence_number(), before.sequence_number());
+
+  const v1::SessionSettings settings = editor.settings();
+  EXPECT_EQ(settings.state().revision(), 2u);
+  EXPECT_EQ(settings.undo().size(), 2u);
+  v1::UndoEdit undo;
+  undo.count(1);
+  v1::EditBody body;
+  body.undo(undo);
+  EXPECT_EQ(editor.requester.edit(editor.session, 2, body).revision(), 3u);
+  EXPECT_EQ(editor.settings().patches().front().weight(), 0.5);
+}
+
+TEST_F(NothingLost, ClosingDeletesForGood) {
+  Editor editor(service->network());
+  editor.edit(0.5);
+  editor.requester.ask(about(v1::OP_CLOSE_SESSION, editor.session));
+  restart();
+  EXPECT_THROW(editor.settings(), Refused);
+  v1::RequestBody body;
+  body.nothing(v1::Nothing());
+  body._d(v1::OP_LIST_SESSIONS);
+  EXPECT_TRUE(editor.requester.ask(body).sessions().sessions().empty());
+}
+
+TEST_F(NothingLost, AServerThatIsStoppedIsAwaitedAndGoesOn) {
+  Editor editor(service->network());
+  editor.edit(0.5);
+  running->send(SIGTERM);
+  EXPECT_EQ(running->wait(), 0);
+  auto outcome = std::async(std::launch::async, [&] {
+    return editor.edit(0.75);
+  });
+  startServer();
+  EXPECT_EQ(outcome.get().revision(), 2u);
+  EXPECT_EQ(editor.settings().patches().front().weight(), 0.75);
+}
+
+TEST_F(NothingLost, EveryAcknowledgedEditIsThereOnceHoweverOftenItsServerIsKilled) {
+  const int kills = countOf("HANDGRAFT_KILLS", 8);
+  Editor editor(service->network());
+  std::atomic<bool> stops{false};
+  std::atomic<std::uint64_t> acknowledged{0};
+  std::uint64_t refused = 0;
+  std::vector<std::uint64_t> revisions;
+  double last = 0.0;
+  std::thread hand([&] {
+    for (int i = 0; !stops; ++i) {
+      const double weight = 0.1 + 0.001 * (i % 800);
+      try {
+        revisions.push_back(editor.edit(weight).revision());
+        last = weight;
+        ++acknowledged;
+      } catch (const std::exception& error) {
+        ++refused;
+        ADD_FAILURE() << "edit " << i << ": " << error.what();
+      }
+    }
+  });
+  std::mt19937 chance(20);
+  std::vector<double> seconds;
+  for (int i = 0; i < kills; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50 + chance() % 400));
+    killServer();
+    const std::uint64_t before = acknowledged;
+    startServer();
+    const Clock::time_point begin = Clock::now();
+    // The one that was answered just before the end may be counted after it.
+    while (acknowledged < before + 2 && Clock::now() - begin < kLong)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    seconds.push_back(std::chrono::duration<double>(Clock::now() - begin).count());
+  }
+  stops = true;
+  hand.join();
+  const v1::SessionSettings settings = editor.settings();
+  std::uint64_t twice = 0;
+  std::uint64_t out_of_order = 0;
+  for (std::size_t i = 1; i < revisions.size(); ++i) {
+    if (revisions[i] == revisions[i - 1]) ++twice;
+    if (revisions[i] != revisions[i - 1] + 1) ++out_of_order;
+  }
+  const auto lost = static_cast<std::int64_t>(acknowledged.load()) -
+                    static_cast<std::int64_t>(settings.state().revision());
+  std::printf(
+      "kills %d, edits acknowledged %llu, refused %llu, lost %lld, out of order %llu, "
+      "goes on after p50 %.2f s, p95 %.2f s, max %.2f s\n",
+      kills, static_cast<unsigned long long>(acknowledged.load()),
+      static_cast<unsigned long long>(refused), static_cast<long long>(lost),
+      static_cast<unsigned long long>(out_of_order), percentile(seconds, 0.5),
+      percentile(seconds, 0.95), percentile(seconds, 1.0));
+  EXPECT_EQ(lost, 0) << "edits that were acknowledged, less those that are there";
+  EXPECT_EQ(out_of_order, 0u);
+  EXPECT_EQ(settings.patches().front().weight(), last);
+  killServer();
+  const Finished check = checkOf(folder / "state");
+  EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
+}
+
+TEST_F(NothingLost, IsBackedUpWhileItRunsAndGoesOnFromThere) {
+  Editor editor(service->network());
+  editor.edit(0.5);
+  fs::create_directories(folder / "copy");
+  const std::string file = "domain-" + std::to_string(service->domain()) + ".db";
+  const Finished backup =
+      run(program("handgraft-server"),
+          {"--backup", (folder / "copy" / file).string(), "--state",
+           (folder / "state").string(), "--domain", std::to_string(service->domain())});
+  ASSERT_EQ(backup.exit_code, 0) << backup.err;
+  EXPECT_EQ(checkOf(folder / "copy").exit_code, 0);
+  editor.edit(0.75);
+  killServer();
+  fs::remove_all(folder / "state");
+  fs::rename(folder / "copy", folder / "state");
+  startServer();
+  const v1::SessionSettings settings = editor.settings();
+  EXPECT_EQ(settings.state().revision(), 1u);
+  EXPECT_EQ(settings.patches().front().weight(), 0.5);
+}
+
+TEST_F(NothingLost, ASecondServerOnTheSameStateIsRefusedPlainly) {
+  const auto second = service->start("handgraft-server", arguments());
+  EXPECT_EQ(second->wait(), 2);
+  EXPECT_THAT(second->err(), testing::HasSubstr("another handgraft-server has it open"));
+}
+
+}  // namespace
+}  // namespace handgraft::test
