@@ -164,10 +164,9 @@ TEST_F(NothingLost, ASessionIsTheSameAfterItsServerWasKilled) {
   const v1::SessionSettings settings = editor.settings();
   EXPECT_EQ(settings.state().revision(), 2u);
   EXPECT_EQ(settings.undo().size(), 2u);
-  v1::UndoEdit undo;
-  undo.count(1);
   v1::EditBody body;
-  body.undo(undo);
+  body.steps(v1::StepsEdit());
+  body._d(v1::EDIT_UNDO);
   EXPECT_EQ(editor.requester.edit(editor.session, 2, body).revision(), 3u);
   EXPECT_EQ(editor.settings().patches().front().weight(), 0.5);
 }
@@ -258,8 +257,10 @@ TEST_F(NothingLost, EveryAcknowledgedEditIsThereOnceHoweverOftenItsServerIsKille
 }
 
 TEST_F(NothingLost, IsBackedUpWhileItRunsAndGoesOnFromThere) {
-  Editor editor(service->network());
-  editor.edit(0.5);
+  // A client that stays would have the server do again what the copy does not know of.
+  auto editor = std::make_unique<Editor>(service->network());
+  const std::uint64_t session = editor->session;
+  editor->edit(0.5);
   fs::create_directories(folder / "copy");
   const std::string file = "domain-" + std::to_string(service->domain()) + ".db";
   const Finished backup =
@@ -268,12 +269,17 @@ TEST_F(NothingLost, IsBackedUpWhileItRunsAndGoesOnFromThere) {
            (folder / "state").string(), "--domain", std::to_string(service->domain())});
   ASSERT_EQ(backup.exit_code, 0) << backup.err;
   EXPECT_EQ(checkOf(folder / "copy").exit_code, 0);
-  editor.edit(0.75);
+  editor->edit(0.75);
+  editor.reset();
   killServer();
   fs::remove_all(folder / "state");
   fs::rename(folder / "copy", folder / "state");
   startServer();
-  const v1::SessionSettings settings = editor.settings();
+  const Participant participant(service->network());
+  Requester requester(participant);
+  ASSERT_TRUE(requester.waitForServer(kLong));
+  const v1::SessionSettings settings =
+      requester.ask(about(v1::OP_SESSION_SETTINGS, session)).settings();
   EXPECT_EQ(settings.state().revision(), 1u);
   EXPECT_EQ(settings.patches().front().weight(), 0.5);
 }
