@@ -25,7 +25,7 @@ END_PY
 }
 
 domain=${HANDGRAFT_DOMAIN:-97}
-XDG_CACHE_HOME=$scratch "$bin/handgraft-server" --domain "$domain" >"$scratch/lo.log" 2>&1 &
+XDG_CACHE_HOME=$scratch "$bin/handgraft-server" --domain "$domain" --state :memory: >"$scratch/lo.log" 2>&1 &
 pids+=($!)
 await event=ready "$scratch/lo.log"
 timed "handgraft models, loopback" "$bin/handgraft" models --domain "$domain"

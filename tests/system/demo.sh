@@ -9,7 +9,7 @@ domain=${HANDGRAFT_DEMO_DOMAIN:-$((RANDOM % 100 + 1))}
 say() { printf '\n\033[1m== %s\033[0m\n' "$*"; }
 
 say "a server (Fast DDS) and a bridge with a simulated hand (Cyclone DDS), on loopback, domain $domain"
-"$bin/handgraft-server" --domain "$domain" --log-level warning 2>"$out/server.log" &
+"$bin/handgraft-server" --domain "$domain" --state :memory: --log-level warning 2>"$out/server.log" &
 server=$!
 "$bin/handgraft-bridge" --domain "$domain" --json >"$out/bridge.jsonl" 2>"$out/bridge.log" &
 bridge=$!

@@ -1,5 +1,6 @@
 #include "tests/bench/live/room.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -19,7 +20,11 @@ std::filesystem::path binary(const std::string& name) {
 
 Room::Room(const LiveOptions& options) {
   std::vector<std::string> arguments{"--domain", std::to_string(domain_.number())};
-  arguments.insert(arguments.end(), options.server.begin(), options.server.end());
+  const auto& given = options.server;
+  arguments.insert(arguments.end(), given.begin(), given.end());
+  // What a benchmark made shall not be there the next time.
+  if (std::find(given.begin(), given.end(), "--state") == given.end())
+    arguments.insert(arguments.end(), {"--state", ":memory:"});
   server_ = std::make_unique<test::Process>(binary("handgraft-server"), arguments);
   desk_ = std::make_unique<EditDesk>(network());
   if (!desk_->requester().waitForServer(std::chrono::seconds(60)))
