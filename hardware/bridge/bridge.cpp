@@ -169,14 +169,7 @@ struct Bridge::Impl {
     });
     const bool is_there = watch.isThere(now);
     if (is_there != server_is_there) say(is_there ? "server found" : "the server is gone");
-    if (server_is_there && !is_there) {
-      choice.forget();
-      // What comes after a gap may be from anywhere: it moves nothing before somebody says so.
-      if (is_willing && has_armed_itself) {
-        is_willing = false;
-        say("the server is gone: ARM moves on");
-      }
-    }
+    if (server_is_there && !is_there) endStream();
     // What was streamed before comes again to a reader that joins: poses answer edits, and the
     // next edit may be far away.
     if (is_there && !server_is_there && has_met_server) {
@@ -201,9 +194,27 @@ struct Bridge::Impl {
                                 handgraft::quoted(options.config->hand));
       say(passed_over);
     });
-    solutions->take([this](const v1::PoseSolution& solution) {
-      feed.see(solution);
+    bool is_anew = false;
+    solutions->take([&](const v1::PoseSolution& solution) {
+      is_anew = is_anew || feed.isAnew(solution);
+      if (!is_anew) feed.see(solution);
     });
+    if (!is_anew) return;
+    // Gone and back within a moment. What it sent since comes again to readers that join.
+    say("the server was started anew");
+    endStream();
+    feed.serverIsThere(false);
+    feed.serverIsThere(is_there);
+    sessions.emplace(participant, idl::kSessionTopic);
+    solutions.emplace(participant, idl::kSolutionTopic);
+  }
+
+  // What comes after a gap may be from anywhere: it moves nothing before somebody says so.
+  void endStream() {
+    choice.forget();
+    if (!is_willing || !has_armed_itself) return;
+    is_willing = false;
+    say("the server is gone: ARM moves on");
   }
 
   // After poses: samples are the newer word.

@@ -29,6 +29,12 @@ void StreamFeed::serverIsThere(bool is_there) {
   server_is_there_ = is_there;
 }
 
+bool StreamFeed::isAnew(const v1::PoseSolution& solution) const {
+  constexpr unsigned kPerLife = 32;
+  return has_begun_ && solution.session_id() == session_ && last_sequence_ != 0 &&
+         solution.sequence_number() >> kPerLife != last_sequence_ >> kPerLife;
+}
+
 std::optional<StreamFeed::Pose> StreamFeed::take() {
   std::optional<FollowedPose> pose = follower_.take();
   if (!pose) return std::nullopt;

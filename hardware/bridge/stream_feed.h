@@ -39,6 +39,10 @@ class StreamFeed {
 
   void see(const v1::PoseSolution& solution) { follower_.see(solution); }
 
+  /// Of the session followed, from its server after a restart: the upper half of a pose's
+  /// number tells the server's lives apart (idl/TOPICS.md).
+  [[nodiscard]] bool isAnew(const v1::PoseSolution& solution) const;
+
   /// The stream that timed samples of this session belong to.
   struct Heard {
     std::uint64_t stream = 0;

@@ -2,6 +2,7 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <future>
 #include <random>
@@ -53,7 +54,7 @@ class NothingLost : public testing::Test {
   }
 
   [[nodiscard]] std::vector<std::string> arguments() const {
-    return {"--state", (folder / "state").string(), "--workers", "2"};
+    return {"--state", (folder / "state").string(), "--sessions", "4096"};
   }
 
   void killServer() {
@@ -256,6 +257,102 @@ TEST_F(NothingLost, EveryAcknowledgedEditIsThereOnceHoweverOftenItsServerIsKille
   EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
 }
 
+// === Disks that fail
+
+/// A server whose store's writes fail as told (tests/support/failing_disk.cpp).
+class FailingDisk : public NothingLost {
+ protected:
+  FailingDisk() {
+    killServer();
+    setenv("LD_PRELOAD", HANDGRAFT_FAILING_DISK, 1);
+    setenv("FAILING_DISK", orders().c_str(), 1);
+    setenv("FAILING_DISK_PATH", ".db", 1);
+    fail(0, 'r');
+    startServer();
+    EXPECT_TRUE(running->waitForText("event=ready")) << running->err();
+    leaveEnvironment();
+  }
+
+  ~FailingDisk() override { leaveEnvironment(); }
+
+  static void leaveEnvironment() {
+    for (const char* name : {"LD_PRELOAD", "FAILING_DISK", "FAILING_DISK_PATH"})
+      unsetenv(name);
+  }
+
+  [[nodiscard]] std::string orders() const { return (folder / "orders").string(); }
+
+  /// So many of 256 writes, from now on: at random, on a full or on a read-only disk.
+  void fail(unsigned char of_256, char how) const {
+    // In place: the server has it mapped.
+    std::FILE* file = std::fopen(orders().c_str(), fs::exists(orders()) ? "r+b" : "wb");
+    const unsigned char bytes[2] = {of_256, static_cast<unsigned char>(how)};
+    EXPECT_EQ(std::fwrite(bytes, 1, 2, file), 2u);
+    std::fclose(file);
+  }
+};
+
+/// What became of one edit: its revision, or 0 where the disk did not take it.
+std::uint64_t tryEdit(Editor& editor, double weight) {
+  try {
+    return editor.edit(weight).revision();
+  } catch (const Refused& refused) {
+    EXPECT_EQ(refused.code(), v1::ERROR_STORAGE) << refused.what();
+    return 0;
+  }
+}
+
+TEST_F(FailingDisk, RefusesPlainlyAndLosesNothing) {
+  Editor editor(service->network());
+  const int edits = countOf("HANDGRAFT_EDITS", 200);
+  fail(40, 'r');
+  std::uint64_t acknowledged = 0;
+  std::uint64_t refused = 0;
+  double last = 0.0;
+  for (int i = 0; i < edits; ++i) {
+    const double weight = 0.1 + 0.001 * (i % 800);
+    if (const std::uint64_t revision = tryEdit(editor, weight); revision != 0) {
+      EXPECT_EQ(revision, ++acknowledged) << "what was refused was not done";
+      last = weight;
+    } else {
+      ++refused;
+    }
+  }
+  std::printf("on a disk that fails: %llu edits acknowledged, %llu refused\n",
+              static_cast<unsigned long long>(acknowledged),
+              static_cast<unsigned long long>(refused));
+  EXPECT_GT(refused, 0u) << "nothing failed";
+  EXPECT_GT(acknowledged, 0u);
+  EXPECT_TRUE(running->running());
+  restart();  // on a sound disk, as killed on the other
+  const v1::SessionSettings settings = editor.settings();
+  EXPECT_EQ(settings.state().revision(), acknowledged);
+  EXPECT_EQ(settings.patches().front().weight(), last);
+  killServer();
+  const Finished check = checkOf(folder / "state");
+  EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
+}
+
+TEST_F(FailingDisk, GoesOnOnceAFullOneHasRoomAgain) {
+  Editor editor(service->network());
+  EXPECT_EQ(tryEdit(editor, 0.5), 1u);
+  for (const char how : {'f', 'o'}) {
+    fail(255, how);
+    EXPECT_EQ(tryEdit(editor, 0.75), 0u);
+    EXPECT_THROW(editor.requester.ask(openSession("clamp", "fruit", "marks")), Refused);
+    EXPECT_THROW(editor.requester.ask(about(v1::OP_CLOSE_SESSION, editor.session)), Refused);
+    EXPECT_EQ(editor.settings().state().revision(), 1u) << "what is there is answered";
+    fail(0, how);
+  }
+  EXPECT_EQ(tryEdit(editor, 0.75), 2u);
+  // DDS brings a restarted server once more what the one before had not acknowledged to DDS, be
+  // it answered; what was refused for want of a disk would be done then.
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  restart();
+  EXPECT_EQ(editor.settings().state().revision(), 2u);
+  EXPECT_EQ(editor.settings().patches().front().weight(), 0.75);
+}
+
 TEST_F(NothingLost, IsBackedUpWhileItRunsAndGoesOnFromThere) {
   // A client that stays would have the server do again what the copy does not know of.
   auto editor = std::make_unique<Editor>(service->network());
@@ -282,6 +379,28 @@ TEST_F(NothingLost, IsBackedUpWhileItRunsAndGoesOnFromThere) {
       requester.ask(about(v1::OP_SESSION_SETTINGS, session)).settings();
   EXPECT_EQ(settings.state().revision(), 1u);
   EXPECT_EQ(settings.patches().front().weight(), 0.5);
+}
+
+// === Much of it
+
+TEST_F(NothingLost, ManySessionsKeepNoServerFromStarting) {
+  const int sessions = countOf("HANDGRAFT_SESSIONS", 120);
+  Editor editor(service->network());
+  for (int i = 1; i < sessions; ++i)
+    editor.requester.ask(openSession("clamp", "fruit", "marks"));
+  killServer();
+  const Clock::time_point begin = Clock::now();
+  startServer();
+  ASSERT_TRUE(running->waitForText("event=ready"));
+  const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+  std::printf("%d sessions: ready after %.2f s\n", sessions, seconds);
+  EXPECT_THAT(running->err(), testing::HasSubstr("sessions=" + std::to_string(sessions)));
+  v1::RequestBody body;
+  body.nothing(v1::Nothing());
+  body._d(v1::OP_LIST_SESSIONS);
+  EXPECT_EQ(editor.requester.ask(body).sessions().sessions().size(),
+            static_cast<std::size_t>(sessions));
+  EXPECT_EQ(editor.edit(0.5).revision(), 1u);
 }
 
 TEST_F(NothingLost, ASecondServerOnTheSameStateIsRefusedPlainly) {

@@ -52,6 +52,17 @@ TEST_F(StreamFeedTest, AnotherSessionIsAnotherStream) {
   EXPECT_NE(first, second);
 }
 
+TEST_F(StreamFeedTest, TellsAPoseOfARestartedServerFromTheNextOne) {
+  constexpr std::uint64_t kLife = std::uint64_t{1} << 32;
+  feed_.serverIsThere(true);
+  EXPECT_FALSE(feed_.isAnew(solution(3, 2 * kLife + 1, {0.1}))) << "nothing is followed yet";
+  feed_.see(sessionState(3, "hand", {"a"}));
+  see(feed_, solution(3, 7, {0.1}));
+  EXPECT_FALSE(feed_.isAnew(solution(3, 8, {0.1})));
+  EXPECT_FALSE(feed_.isAnew(solution(4, 2 * kLife + 1, {0.1}))) << "another session's";
+  EXPECT_TRUE(feed_.isAnew(solution(3, 2 * kLife + 1, {0.1})));
+}
+
 TEST_F(StreamFeedTest, AServerThatStartsAnewIsAnotherStream) {
   feed_.serverIsThere(true);
   feed_.see(sessionState(3, "hand", {"a"}));
