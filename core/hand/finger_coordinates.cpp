@@ -27,8 +27,15 @@ constexpr double kLongestPalm = 1.7;
 constexpr double kHumanDistal = 0.27;
 constexpr double kHumanMiddle = 0.27;
 
-/// As far from the tip as a human's place of that name is.
-double humanFromTip(const HandPlace& place) {
+/// From the first joint to the tip, of an adult.
+constexpr double kHumanFinger_m = 0.09;
+constexpr double kHumanThumb_m = 0.1;
+constexpr const char* kThumb = "thumb";
+
+/// The way to the tip as a share of the digit; where nobody knows, that of a human's place of
+/// that name.
+double fromTip(const HandPlace& place) {
+  if (place.from_tip >= 0.0) return place.from_tip;
   const double rest = 1.0 - place.along;
   if (place.segment == "distal") return kHumanDistal * rest;
   if (place.segment == "middle") return kHumanDistal + kHumanMiddle * rest;
@@ -254,30 +261,37 @@ SkinSpot FingerCoordinates::spotOf(const SurfacePoint& root_S,
   return {root_S, tangent.normalized()};
 }
 
-std::optional<SkinSpot> FingerCoordinates::spotOnDigit(std::size_t d,
-                                                       const HandPlace& place) const {
-  const NamedDigit& digit = anatomy_.digits[d];
-  if (faces_[d].empty()) return std::nullopt;
-
-  // === Which segment, and how far along it
-  std::size_t s = digit.segments.size();
-  double along = place.along;
+FingerCoordinates::Height FingerCoordinates::heightBySegment(const NamedDigit& digit,
+                                                             const HandPlace& place) {
   const bool is_alike = place.segment_count == static_cast<int>(digit.segments.size()) ||
                         (place.segment_count == 0 && digit.segments.size() == 3);
-  for (std::size_t k = 0; is_alike && k < digit.segments.size(); ++k)
-    if (digit.segments[k].name == place.segment) s = k;
-  if (s == digit.segments.size()) {
-    double to_tip =
-        (place.from_tip >= 0.0 ? place.from_tip : humanFromTip(place)) * digit.length();
-    s = digit.segments.size() - 1;
-    while (s > 0 && to_tip > digit.segments[s].length())
-      to_tip -= digit.segments[s--].length();
-    along = 1.0 - to_tip / digit.segments[s].length();
-  }
+  for (std::size_t s = 0; is_alike && s < digit.segments.size(); ++s)
+    if (digit.segments[s].name == place.segment) return {s, place.along};
+  double to_tip = fromTip(place) * digit.length();
+  std::size_t s = digit.segments.size() - 1;
+  while (s > 0 && to_tip > digit.segments[s].length())
+    to_tip -= digit.segments[s--].length();
+  return {s, 1.0 - to_tip / digit.segments[s].length()};
+}
+
+FingerCoordinates::Height FingerCoordinates::heightByLength(const NamedDigit& digit,
+                                                            const HandPlace& place) {
+  double from_base =
+      (1.0 - fromTip(place)) * (place.digit == kThumb ? kHumanThumb_m : kHumanFinger_m);
+  std::size_t s = 0;
+  while (s + 1 < digit.segments.size() && from_base > digit.segments[s].length())
+    from_base -= digit.segments[s++].length();
+  return {s, std::min(1.0, from_base / digit.segments[s].length())};
+}
+
+std::optional<SkinSpot> FingerCoordinates::spotOnDigit(std::size_t d,
+                                                       const Height& height,
+                                                       double around_rad) const {
+  if (faces_[d].empty()) return std::nullopt;
 
   // === The outermost place on the ray, or the nearest to where it would be
-  const Tube& tube = tubes_[d][s];
-  const Ray ray = rayAt(tube, along, place.around_rad);
+  const Tube& tube = tubes_[d][height.segment];
+  const Ray ray = rayAt(tube, height.along, around_rad);
   const TriangleMesh& mesh = skin_.mesh();
   const double farthest = 3.0 * std::max(tube.radius, 0.004);
   std::optional<SurfacePoint> best;
@@ -331,9 +345,23 @@ std::optional<SkinSpot> FingerCoordinates::spotOnPalm(const HandPlace& place) co
 
 std::optional<SkinSpot> FingerCoordinates::spotAt(const HandPlace& place) const {
   if (place.digit == kPalmPart) return spotOnPalm(place);
+  const int d = digitNamed(place.digit);
+  if (d < 0) return std::nullopt;
+  const auto at = static_cast<std::size_t>(d);
+  return spotOnDigit(at, heightBySegment(anatomy_.digits[at], place), place.around_rad);
+}
+
+std::optional<SkinSpot> FingerCoordinates::spotByLength(const HandPlace& place) const {
+  const int d = digitNamed(place.digit);
+  if (d < 0) return std::nullopt;
+  const auto at = static_cast<std::size_t>(d);
+  return spotOnDigit(at, heightByLength(anatomy_.digits[at], place), place.around_rad);
+}
+
+int FingerCoordinates::digitNamed(const std::string& name) const {
   for (std::size_t d = 0; d < anatomy_.digits.size(); ++d)
-    if (anatomy_.digits[d].name == place.digit) return spotOnDigit(d, place);
-  return std::nullopt;
+    if (anatomy_.digits[d].name == name) return static_cast<int>(d);
+  return -1;
 }
 
 std::optional<Eigen::Vector3d> FingerCoordinates::towardsWrist(

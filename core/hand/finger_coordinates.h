@@ -51,6 +51,11 @@ class FingerCoordinates {
   /// has no such digit, or no skin there.
   [[nodiscard]] std::optional<SkinSpot> spotAt(const HandPlace& place) const;
 
+  /// The place on a digit as many metres from its first joint as it is on a human's, whatever
+  /// segment that is: where a longer finger meets the same object. Nothing for the palm, and
+  /// where spotAt has nothing.
+  [[nodiscard]] std::optional<SkinSpot> spotByLength(const HandPlace& place) const;
+
   /// Unit tangent towards the wrist at a place of the skin, as spotAt gives it.
   [[nodiscard]] std::optional<Eigen::Vector3d> towardsWrist(
       const geometry::SurfacePoint& point_S) const;
@@ -76,11 +81,22 @@ class FingerCoordinates {
     Eigen::Vector3d to_wrist_S;
   };
 
+  /// A height over a digit: the share `along` of that segment.
+  struct Height {
+    std::size_t segment = 0;
+    double along = 0.0;
+  };
+
   void measure(std::size_t digit, std::size_t segment, Tube& tube) const;
   void findPalm();
   [[nodiscard]] static Ray rayAt(const Tube& tube, double along, double around_rad);
+  [[nodiscard]] static Height heightBySegment(const NamedDigit& digit, const HandPlace& place);
+  [[nodiscard]] static Height heightByLength(const NamedDigit& digit, const HandPlace& place);
+  /// The digit of that name; -1: none.
+  [[nodiscard]] int digitNamed(const std::string& name) const;
   [[nodiscard]] std::optional<SkinSpot> spotOnDigit(std::size_t digit,
-                                                    const HandPlace& place) const;
+                                                    const Height& height,
+                                                    double around_rad) const;
   [[nodiscard]] std::optional<SkinSpot> spotOnPalm(const HandPlace& place) const;
   [[nodiscard]] SkinSpot spotOf(const geometry::SurfacePoint& root_S,
                                 const Eigen::Vector3d& to_wrist_S) const;

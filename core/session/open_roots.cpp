@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/session/made_once.h"
+
 namespace handgraft::session {
 namespace {
 
@@ -27,6 +29,13 @@ SkinFaces::SkinFaces(const hand::Skin& skin) : skin_(skin) {
         (mesh.vertex(corners[0]) + mesh.vertex(corners[1]) + mesh.vertex(corners[2])) / 3.0);
     of.normals_S.emplace_back(mesh.faceNormals().col(f));
   }
+}
+
+std::shared_ptr<const SkinFaces> facesOf(const std::shared_ptr<const hand::Skin>& skin) {
+  static MadeOnce<hand::Skin, SkinFaces> memory;
+  return memory.get(skin, Progress(), [&] {
+    return std::make_shared<const SkinFaces>(*skin);
+  });
 }
 
 std::optional<geometry::SurfacePoint> rootShownBy(const hand::HandModel& model,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -33,6 +34,9 @@ class SkinFaces {
   const hand::Skin& skin_;
   std::vector<OfLink> links_;
 };
+
+/// Made once for each skin, shared by all who hold it, and forgotten with it (made_once.h).
+std::shared_ptr<const SkinFaces> facesOf(const std::shared_ptr<const hand::Skin>& skin);
 
 /// The place of the skin that a posed hand shows to a place of an object: the middle of the
 /// nearest face that looks at it, among those of the permitted links; nothing if none does.

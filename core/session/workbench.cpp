@@ -237,21 +237,45 @@ bool Workbench::takeDirectionsFrom(const hand::HandPose& pose) {
   return turned;
 }
 
-const std::vector<char>& Workbench::linksOf(const std::string& site) {
-  if (const auto known = links_of_.find(site); known != links_of_.end()) return known->second;
-  const Hand& hand = *models_.hand;
+const hand::FingerCoordinates& Workbench::coordinates() {
   if (!coordinates_) {
+    const Hand& hand = *models_.hand;
     coordinates_ =
         std::make_unique<hand::FingerCoordinates>(*hand.model, *hand.skin, hand.sites);
   }
-  return links_of_.emplace(site, linksOfSite(hand, *coordinates_, site)).first->second;
+  return *coordinates_;
+}
+
+const std::vector<char>& Workbench::linksOf(const std::string& site) {
+  if (const auto known = links_of_.find(site); known != links_of_.end()) return known->second;
+  return links_of_.emplace(site, linksOfSite(*models_.hand, coordinates(), site)).first->second;
+}
+
+bool Workbench::takeRootsByLength() {
+  const geometry::TriangleMesh& skin_S = models_.hand->skin->mesh();
+  bool moved = false;
+  for (SessionPatch& item : patches_) {
+    if (!item.placement || !item.root_is_open || !item.patch.place) continue;
+    const auto onto = hand::placeNamed(item.site);
+    if (!onto) continue;
+    hand::HandPlace place = *item.patch.place;
+    place.digit = onto->digit;
+    const auto spot = coordinates().spotByLength(place);
+    if (!spot) continue;
+    const double way =
+        (positionOf(skin_S, spot->root_S) - positionOf(skin_S, item.placement->root_S)).norm();
+    if (way < kSameRoot_m) continue;
+    item.placement = {spot->root_S, spot->direction_S};
+    item.up_to_date = false;
+    moved = true;
+  }
+  return moved;
 }
 
 bool Workbench::takeRootsFrom(const hand::HandPose& pose) {
   const geometry::TriangleMesh& skin_S = models_.hand->skin->mesh();
   const Pose& X_WO = document_.X_WO;
-  if (skin_faces_ == nullptr)
-    skin_faces_ = std::make_unique<const SkinFaces>(*models_.hand->skin);
+  if (skin_faces_ == nullptr) skin_faces_ = facesOf(models_.hand->skin);
   bool moved = false;
   for (SessionPatch& item : patches_) {
     if (!item.placement || !item.root_is_open) continue;

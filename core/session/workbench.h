@@ -108,6 +108,7 @@ class Workbench {
 
   void followPatch(std::size_t index, const DocumentPatch& patch, bool keeps_found);
   [[nodiscard]] const HandPlacer& placer();
+  [[nodiscard]] const hand::FingerCoordinates& coordinates();
   /// Takes start and directions from the placement that a full transfer and a short solve like
   /// best.
   void choosePlacement(const std::vector<HandPlacement>& placements, const Progress& progress);
@@ -119,6 +120,16 @@ class Workbench {
   bool takeRootsFrom(const hand::HandPose& pose);
   /// The links that a patch on that site may slide on, a flag a link.
   const std::vector<char>& linksOf(const std::string& site);
+  /// A whole search about the patches as they are laid: open roots and directions are found
+  /// anew, and stay as the answer has them. Returns what it costs; points that are lost count
+  /// as if they were far off.
+  double searchAbout(optimize::SolveReport& report,
+                     const Solving& solving,
+                     optimize::SolveOptions options,
+                     const Progress& progress);
+  /// Moves open roots along their digits to where they are by length instead of by segment;
+  /// true if one moved by more than a face or so.
+  bool takeRootsByLength();
   /// From where a search that ran out of evaluations stands, if that is better.
   void goOn(optimize::SolveReport& report,
             const Solving& solving,
@@ -163,7 +174,7 @@ class Workbench {
   std::string found_for_;  ///< what the found directions and start depend on, as bytes
   std::unique_ptr<HandPlacer> placer_;                    ///< made when first needed
   std::unique_ptr<hand::FingerCoordinates> coordinates_;  ///< likewise
-  std::unique_ptr<const SkinFaces> skin_faces_;           ///< likewise
+  std::shared_ptr<const SkinFaces> skin_faces_;           ///< likewise
   std::map<std::string, std::vector<char>> links_of_;     ///< answers of linksOf
   mutable std::unique_ptr<const Posture> posture_;        ///< likewise
 };

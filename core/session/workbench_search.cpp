@@ -6,6 +6,7 @@
 
 #include "core/base/error.h"
 #include "core/optimize/avoiding_solve.h"
+#include "core/optimize/diagnosis.h"
 #include "core/optimize/minima.h"
 #include "core/optimize/pose_solver.h"
 #include "core/session/hand_placement.h"
@@ -31,6 +32,21 @@ constexpr double kLost_m = 0.01;
 
 // Of each stage of a step on the way that is not the last one (optimize/avoiding_solve.h).
 constexpr int kStepEvaluations = 8;
+
+/// A point that is lost no longer counts: that alone makes nothing better.
+double costOf(const PoseProblem& posed, const SolveReport& solved) {
+  return solved.terms.objective -
+         kLost_m * kLost_m * posed.weights.distance * static_cast<double>(posed.pairs.size());
+}
+
+bool reachesAll(const PoseProblem& posed, const SolveReport& solved) {
+  const optimize::DiagnosisOptions reached;
+  const std::vector<double> facing_deg = facingAngles(posed, solved);
+  for (std::size_t i = 0; i < facing_deg.size(); ++i)
+    if (solved.patches[i].mean_mm > reached.reached_mm || facing_deg[i] > reached.facing_deg)
+      return false;
+  return true;
+}
 
 }  // namespace
 
@@ -107,28 +123,54 @@ Solution Workbench::solve(const Solving& solving,
   SolveOptions options = solveOptions(solving);
   options.threads = run.threads;
   options.on_improvement = run.on_improvement;
-  if (solving.avoids() && !run.places_stay && options.starts > optimize::kFewStarts)
-    slideFreely(solving, options, progress);
-  SolveReport report = optimize::solve(problem(solving), options, progress);
-  if (!solving.paper && !run.places_stay) {
-    options.on_improvement = nullptr;
-    const std::vector<Minimum> found = report.minima;
-    SolveOptions step = options;
-    // Small steps from a pose that is out of the object stay where they are out of it.
-    if (solving.avoids()) {
-      step.starts = 1;
-      step.max_evaluations = std::min(options.max_evaluations, kStepEvaluations);
+  if (solving.paper || run.places_stay)
+    return answered(optimize::solve(problem(solving), options, progress), solving);
+  SolveReport report;
+  const double cost = searchAbout(report, solving, options, progress);
+  if (solving.avoids() && options.starts > optimize::kFewStarts &&
+      !reachesAll(problem(solving), report)) {
+    // Where the slides end depends on where they began.
+    Search best(*this);
+    patches_ = as_it_was.patches;
+    start_ = as_it_was.start;
+    start_is_known_ = as_it_was.start_is_known;
+    if (takeRootsByLength()) {
+      options.on_improvement = nullptr;
+      SolveReport other;
+      if (searchAbout(other, solving, options, progress) < cost) {
+        other.evaluations += report.evaluations;
+        report = std::move(other);
+        best.keep();
+      }
     }
-    for (int i = 0; i < kRefinements && refineDirections(report, solving, step, progress);
-         ++i) {
-    }
-    slideRoots(report, solving, step, progress);
-    if (report.outcome == optimize::Outcome::kEvaluationLimit)
-      goOn(report, solving, options, progress);
-    if (solving.avoids() && report.minima.size() < found.size())
-      keepMinima(found, report, solving, step, progress);
   }
   return answered(std::move(report), solving);
+}
+
+double Workbench::searchAbout(SolveReport& report,
+                              const Solving& solving,
+                              SolveOptions options,
+                              const Progress& progress) {
+  transfer(progress);
+  if (solving.avoids() && options.starts > optimize::kFewStarts)
+    slideFreely(solving, options, progress);
+  report = optimize::solve(problem(solving), options, progress);
+  options.on_improvement = nullptr;
+  const std::vector<Minimum> found = report.minima;
+  SolveOptions step = options;
+  // Small steps from a pose that is out of the object stay where they are out of it.
+  if (solving.avoids()) {
+    step.starts = 1;
+    step.max_evaluations = std::min(options.max_evaluations, kStepEvaluations);
+  }
+  for (int i = 0; i < kRefinements && refineDirections(report, solving, step, progress); ++i) {
+  }
+  slideRoots(report, solving, step, progress);
+  if (report.outcome == optimize::Outcome::kEvaluationLimit)
+    goOn(report, solving, options, progress);
+  if (solving.avoids() && report.minima.size() < found.size())
+    keepMinima(found, report, solving, step, progress);
+  return costOf(problem(solving), report);
 }
 
 Solution Workbench::answered(SolveReport report, const Solving& solving) const {
@@ -245,12 +287,7 @@ void Workbench::slideRoots(SolveReport& report,
   // A slide is a step from where the hand is: it needs no other start.
   options.starts = 1;
   Search best(*this);
-  // A point that is lost no longer counts: that alone makes nothing better.
-  const auto cost = [](const PoseProblem& posed, const SolveReport& solved) {
-    return solved.terms.objective -
-           kLost_m * kLost_m * posed.weights.distance * static_cast<double>(posed.pairs.size());
-  };
-  double least = cost(problem(solving), report);
+  double least = costOf(problem(solving), report);
   SolveReport present = report;
   // A step that moves all roots at once may first make things worse, so a few in a row may.
   for (int i = 0, worse = 0; i < kSlides && worse < kWorseSlides; ++i) {
@@ -260,7 +297,7 @@ void Workbench::slideRoots(SolveReport& report,
     const PoseProblem slid = problem(solving);
     if (slid.pairs.empty()) break;
     present = optimize::solve(slid, options, progress);
-    const double now = cost(slid, present);
+    const double now = costOf(slid, present);
     ++worse;
     if (!(now < least)) continue;
     worse = 0;

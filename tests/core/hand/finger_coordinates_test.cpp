@@ -11,6 +11,7 @@
 #include "core/hand/kinematics.h"
 #include "core/hand/mirror.h"
 #include "core/hand/skin_cache.h"
+#include "core/hand/variant.h"
 #include "core/io/urdf_file.h"
 
 #include "tests/support/shared_data.h"
@@ -128,6 +129,24 @@ TEST(FingerCoordinates, CountPositiveTowardsTheThumb) {
   EXPECT_GT(geometry::normalOf(hand.skin.mesh(), spot->root_S)
                 .dot(hand.coordinates.anatomy().palm->thumb_side_S),
             0.7);
+}
+
+/// A hand of twice the size touches as many metres from the knuckle, on a segment before.
+TEST(FingerCoordinates, GoByLengthFromTheKnuckle) {
+  const Hand hand(builtIn("human20"));
+  const Hand large(makeVariant(hand.model, "large", {{HandProperty::kSize, "", 2.0}}).model);
+  const NamedDigit& digit = *large.coordinates.anatomy().maybeDigit("index");
+  HandPlace place{"index", "middle", 3, 0.5, 0.0, 0.5, 0.4};
+  const auto spot = large.coordinates.spotByLength(place);
+  ASSERT_TRUE(spot.has_value());
+  const Eigen::Vector3d p_S = geometry::positionOf(large.skin.mesh(), spot->root_S);
+  const Segment& proximal = digit.segments.front();
+  // Of a human finger's 90 mm, six tenths lie before the place.
+  EXPECT_NEAR((p_S - proximal.base_S).dot(proximal.bone_S()), 0.6 * 0.09, 0.004);
+  EXPECT_EQ(large.coordinates.placeOf(spot->root_S)->segment, "proximal");
+  EXPECT_EQ(large.coordinates.placeOf(large.coordinates.spotAt(place)->root_S)->segment,
+            "middle");
+  EXPECT_FALSE(large.coordinates.spotByLength({"palm", "", 0, 0.5, 0.0, 0.5, -1.0}));
 }
 
 /// Of two segments where the place was taken from three: as far from the tip by length.
