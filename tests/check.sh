@@ -39,6 +39,13 @@ sanitized() { # PRESET REGEX
 step lint ./dev lint
 step alone alone
 step lives env HANDGRAFT_ALL_LIVES=1 build/dev/tests/hardware_bridge_test --gtest_filter='*RandomLives*'
+# Kept in the last line: killed how often, lost, twice, how soon clients go on.
+lost() {
+  HANDGRAFT_KILLS=200 HANDGRAFT_EDITS=2000 HANDGRAFT_SESSIONS=1000 XDG_CACHE_HOME=$PWD/build/dev/tests/cache \
+    build/dev/tests/nothing_lost_test --gtest_filter='*HoweverOften*:FailingDisk.*:*ManySessions*' | tee build/check/lost.txt
+  grep '^kills' build/check/lost.txt
+}
+step lost lost
 step asan sanitized asan .
 step tsan sanitized tsan 'Service|LiveEdits|StrandPool|WorkerPool|SolverThreads|Strand|Motion|Bridge|Transport'
 # Without podman or docker it says so, and that is no failure.

@@ -42,9 +42,11 @@ StateFile stateFile(const std::string& folder, const Network& network) {
     }
   }
   std::error_code error;
-  fs::create_directories(in, error);
+  const bool is_new = fs::create_directories(in, error);
   if (error)
     rejectInput("state: folder {} cannot be made ({})", quoted(in.string()), error.message());
+  // What people grasp is nobody else's business on this machine.
+  if (is_new) fs::permissions(in, fs::perms::owner_all, error);
   const std::string name = network.server.empty() ? "" : "-" + network.server;
   return {(in / fmt::format("domain-{}{}.db", network.domain, name)).string(), is_chosen};
 }

@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "idl/cyclone/requester.h"
+#include "idl/hardware.h"
 
 #include "tests/server/small_grasp.h"
 #include "tests/system/service.h"
@@ -255,6 +256,33 @@ TEST_F(NothingLost, EveryAcknowledgedEditIsThereOnceHoweverOftenItsServerIsKille
   killServer();
   const Finished check = checkOf(folder / "state");
   EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
+}
+
+TEST_F(NothingLost, ABridgeMovesByNoPoseOfARestartedServerUnlessItIsArmed) {
+  Editor editor(service->network());
+  Reader<v1::JointState> states(editor.participant, idl::kJointStateTopic);
+  const auto bridge = service->start("handgraft-bridge", {});
+  bool is_armed = false;
+  const auto look = [&] {
+    states.take([&](const v1::JointState& state) {
+      is_armed = state.state() == v1::BridgeState::BRIDGE_ARMED;
+    });
+  };
+  for (const auto end = Clock::now() + kLong; !is_armed && Clock::now() < end; look()) {
+    editor.edit(0.5);
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  ASSERT_TRUE(is_armed) << bridge->err();
+  restart();
+  ASSERT_TRUE(bridge->waitForText("ARM moves on")) << bridge->err();
+  for (const auto end = Clock::now() + kLong; is_armed && Clock::now() < end; look())
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  for (int i = 0; i < 10; ++i) {
+    editor.edit(0.3 + 0.1 * (i % 2));
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    look();
+    EXPECT_FALSE(is_armed) << "armed itself: " << bridge->err();
+  }
 }
 
 // === Disks that fail
