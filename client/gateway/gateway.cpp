@@ -42,6 +42,7 @@ bool isForLookers(v1::Operation operation) {
     case v1::OP_SESSION_SETTINGS:
     case v1::OP_COMPARE:
     case v1::OP_SAVE_SESSION:
+    case v1::OP_MOTION_FRAMES:
       return true;
     default:
       return false;
@@ -56,6 +57,7 @@ bool isForEditors(v1::Operation operation) {
     case v1::OP_OPTIMIZE:
     case v1::OP_LOAD_SESSION:
     case v1::OP_STOP_SOLVING:
+    case v1::OP_SOLVE_MOTION:
       return true;
     default:
       return isForLookers(operation);

@@ -1,6 +1,10 @@
 #include "client/gateway/page_file.h"
 
+#include <algorithm>
+#include <cstdint>
+#include <iterator>
 #include <string_view>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -58,24 +62,54 @@ const std::string& fileOf(const WebFiles& files, std::string_view path) {
   return found->second.bytes;
 }
 
+/// Of longer motions every second, third, ... frame, as the page itself shows them.
+constexpr std::uint32_t kMostFrames = 600;
+constexpr std::uint32_t kAtOnce = 60;
+
+v1::MotionFrames framesShown(Client& client, std::uint64_t session_id) {
+  v1::MotionFramesRequest request;
+  request.session_id(session_id);
+  request.count(1);
+  request.with_shapes(false);
+  const std::uint32_t count = client.motionFrames(request).get().frame_count();
+  request.count(kAtOnce);
+  request.every(std::max<std::uint32_t>(1, (count + kMostFrames - 1) / kMostFrames));
+  request.with_shapes(true);
+  v1::MotionFrames all = client.motionFrames(request).get();
+  while (all.frames().size() * request.every() < count) {
+    request.first(static_cast<std::uint32_t>(all.frames().size()) * request.every());
+    v1::MotionFrames more = client.motionFrames(request).get();
+    if (more.frames().empty() || more.revision() != all.revision())
+      rejectInput("session {}: its motion was solved anew while it was read", session_id);
+    std::move(more.frames().begin(), more.frames().end(), std::back_inserter(all.frames()));
+  }
+  return all;
+}
+
 }  // namespace
 
 std::string pageFile(Client& client, std::uint64_t session_id, const WebFiles& files) {
   const v1::SessionState state = client.describeSession(session_id).get();
   Session session(client, state);
-  const v1::PoseSolution* solution = session.joinedSolution();
-  if (solution == nullptr) rejectInput("session {} has no pose yet", session_id);
   const auto modelOf = [&](v1::ModelKind kind, const std::string& name) {
     return base64Of(modelFrame(0, client.describe(kind, name, true).get()));
   };
-  const idl::Json data = {{"state", idl::jsonOf(state)},
-                          {"solution", idl::jsonOf(*solution)},
-                          {"settings", idl::jsonOf(session.settings().get())},
-                          {"transfer", idl::jsonOf(session.transfer().get())},
-                          {"models",
-                           {{"hand", modelOf(v1::MODEL_HAND, state.hand())},
-                            {"object", modelOf(v1::MODEL_OBJECT, state.object())},
-                            {"contacts", modelOf(v1::MODEL_CONTACTS, state.contacts())}}}};
+  idl::Json data = {{"state", idl::jsonOf(state)},
+                    {"models",
+                     {{"hand", modelOf(v1::MODEL_HAND, state.hand())},
+                      {"object", modelOf(v1::MODEL_OBJECT, state.object())}}}};
+  if (!state.motion().empty()) {
+    data["models"]["motion"] = modelOf(v1::MODEL_MOTION, state.motion());
+    data["solution"] = nullptr;
+    data["motion_frames"] = idl::jsonOf(framesShown(client, session_id));
+  } else {
+    const v1::PoseSolution* solution = session.joinedSolution();
+    if (solution == nullptr) rejectInput("session {} has no pose yet", session_id);
+    data["models"]["contacts"] = modelOf(v1::MODEL_CONTACTS, state.contacts());
+    data["solution"] = idl::jsonOf(*solution);
+    data["settings"] = idl::jsonOf(session.settings().get());
+    data["transfer"] = idl::jsonOf(session.transfer().get());
+  }
   // Neither ends the element that it stands in.
   std::string text = idl::textOf(data);
   replaceAll(text, "<", "\\u003c");

@@ -63,10 +63,15 @@ async function pageOf(session: Session): Promise<string> {
     models: {
       hand: base64(models.hand.frame),
       object: base64(models.object.frame),
-      contacts: base64(models.contacts.frame),
+      [session.motion === null ? 'contacts' : 'motion']: base64(models.contacts.frame),
     },
     past: session.past,
   };
+  if (session.motion !== null) {
+    const { frames, revision } = session.motion;
+    data.solution = null;
+    data.motion_frames = { frames, revision, frame_count: frames.length };
+  }
   const json = JSON.stringify(data).replaceAll('<', '\\u003c');
   // Functions: what is put in is not read for $ signs.
   return html!

@@ -1,6 +1,6 @@
 // The gateway, or the data that an exported page brings along.
 
-import { readModel, type EditBody, type Model, type PoseSolution, type SessionState } from './wire';
+import { readModel, type EditBody, type Model, type MotionFrames, type PoseSolution, type SessionState } from './wire';
 
 export class Refusal extends Error {
   constructor(
@@ -197,10 +197,11 @@ export class LiveLink implements Link {
 /** All that an exported page shows (client/gateway/page_file.h). */
 export interface PageData {
   state: SessionState;
-  solution: PoseSolution;
+  solution: PoseSolution | null; // of a motion: its frames instead
   settings: unknown;
   transfer: unknown;
   models: Record<string, string>; // base64 of model frames, by kind
+  motion_frames?: MotionFrames; // all that are shown
   past?: { revision: number; edit: string; solution: PoseSolution }[];
 }
 
@@ -215,13 +216,18 @@ export class FileLink implements Link {
     listener.onLink(true);
     queueMicrotask(() => {
       listener.onState(id, this.data.state, false, 0);
-      listener.onPose(id, this.data.solution);
+      if (this.data.solution !== null) listener.onPose(id, this.data.solution);
     });
   }
 
   async ask<Reply>(body: Record<string, unknown>): Promise<Reply> {
     if (body['kind'] === 'session_settings') return this.data.settings as Reply;
     if (body['kind'] === 'transfer') return this.data.transfer as Reply;
+    if (body['kind'] === 'motion_frames' && this.data.motion_frames !== undefined) {
+      const { first } = body['motion_frames'] as { first: number };
+      const { frames, ...rest } = this.data.motion_frames;
+      return { ...rest, frames: first === 0 ? frames : [] } as Reply;
+    }
     throw new Refusal('unsupported', 'this page is a file, without a server');
   }
 

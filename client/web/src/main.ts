@@ -10,6 +10,7 @@ import { OpenDialog } from './open';
 import { Panel } from './panel';
 import { Session, type Change } from './session';
 import { Stage } from './stage';
+import { Timeline } from './timeline';
 import { Tools, type Mode } from './tools';
 import { View } from './view';
 
@@ -74,6 +75,8 @@ const history = new History(session, (past) => {
   view.update();
 });
 
+const timeline = new Timeline(session);
+
 function toggle(text: string, name: 'patches' | 'residuals' | 'depth' | 'map', title: string): HTMLLabelElement {
   const box = h('input', {
     type: 'checkbox',
@@ -95,6 +98,7 @@ const opacity = h('input', {
 const mapToggle = toggle('Contact map', 'map', 'The heat that the touching hand left');
 const tabs: [string, string, HTMLElement][] = [
   ['patches', 'Contacts', h('section', {}, panel.patches)],
+  ['time', 'Time', h('section', {}, timeline.plots)],
   ['joints', 'Joints', h('section', {}, panel.joints)],
   [
     'more',
@@ -139,6 +143,8 @@ function openTab(name: string): void {
   panel.showNow();
   history.isSeen = name === 'more';
   history.show();
+  timeline.isSeen = name === 'time';
+  timeline.draw();
 }
 
 // === Its head
@@ -239,7 +245,7 @@ const empty = h(
 );
 const busy = h('div', { class: 'busy', hidden: true, role: 'status' }, 'Loading…');
 const toasts = h('div', { class: 'toasts', role: 'log', 'aria-live': 'polite' });
-area.append(toolbar, legend, hint, banner, empty, busy, toasts);
+area.append(toolbar, legend, hint, banner, empty, busy, toasts, timeline.element);
 root.prepend(head);
 root.append(side);
 document.body.append(dialog.element);
@@ -256,6 +262,7 @@ function setTheme(name: 'light' | 'dark'): void {
   stage.setTheme(name);
   history.clear();
   history.show();
+  timeline.draw();
   try {
     localStorage.setItem('handgraft-theme', name);
   } catch {
@@ -285,18 +292,20 @@ function shown(change: Change): void {
     mapToggle.hidden = view.object?.hasMap !== true;
     panel.clear();
   }
+  if (change === 'motion' || change === 'none') timeline.show();
   if (change === 'pose') {
     view.update();
     history.show();
   }
   if (change === 'settings') view.update();
   if (change === 'pose' || change === 'settings' || change === 'models') panel.show();
+  if (change === 'motion') openTab('time');
 
   // === The head
   const isOpen = state !== null;
   document.title = isOpen ? `${state.hand} grasps ${state.object} – Handgraft` : 'Handgraft';
   title.textContent = isOpen ? `${state.hand} grasps ${state.object}` : 'Handgraft';
-  title.title = isOpen ? `session ${session.id}, by ${state.contacts}` : '';
+  title.title = isOpen ? `session ${session.id}, by ${state.motion || state.contacts}` : '';
   const solution = session.solution;
   const fits = solution?.patches ?? [];
   const reached = fits.filter((fit) => fit.diagnosis.verdict === 'reached').length;
@@ -312,7 +321,11 @@ function shown(change: Change): void {
   redo.disabled = !session.mayEdit || (state?.redo_count ?? 0) === 0;
   toolbar.hidden = !session.mayEdit || !isOpen;
   openButton.hidden = !session.link.isLive;
-  legend.hidden = hint.hidden = !isOpen;
+  const isOfMotion = session.motion !== null;
+  root.classList.toggle('of-motion', isOfMotion);
+  document.getElementById('to-time')!.hidden = !isOfMotion;
+  document.getElementById('to-joints')!.hidden = isOfMotion;
+  legend.hidden = hint.hidden = !isOpen || isOfMotion;
   empty.hidden = isOpen || session.id !== 0 || !session.isUp;
   busy.hidden = !isOpen || solution !== null;
 
@@ -364,6 +377,8 @@ window.addEventListener('keydown', (event) => {
   else if (key === 'f') void view.frame(true);
   else if (key === 'r' || key === 'g') tools.turnGizmo(key === 'r' ? 'rotate' : 'translate');
   else if (key === 'escape') choose(null);
+  else if (session.motion !== null && key === ' ' && !target.matches('button, input, select, summary')) timeline.toggle();
+  else if (session.motion !== null && (key === ',' || key === '.')) timeline.step(key === ',' ? -1 : 1);
   else if (key.startsWith('arrow') && target === canvas && view.chosen !== null) nudge(key, !event.shiftKey);
   else return;
   event.preventDefault();
@@ -377,7 +392,7 @@ function nudge(key: string, onHand: boolean): void {
 }
 
 // For tests, and for whoever opens the console.
-(window as unknown as Record<string, unknown>)['handgraft'] = { session, view, stage, tools };
+(window as unknown as Record<string, unknown>)['handgraft'] = { session, view, stage, tools, timeline };
 view.onFirstPicture = () => {
   (window as unknown as Record<string, unknown>)['handgraftFirstPicture_ms'] = performance.now();
 };

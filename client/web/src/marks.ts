@@ -90,12 +90,15 @@ export class Marks {
     const seen = new Set<string>();
     for (const fit of solution.patches) {
       const report = reports.find((one) => one.name === fit.name);
-      const count = Math.min(report?.boundary_count ?? fit.hand_W_m.length / 3, fit.hand_W_m.length / 3);
+      // Of a motion's frames the object's side alone is known.
+      const countOf = (at: number[]) => Math.min(report?.boundary_count ?? at.length / 3, at.length / 3);
       const isOther = chosen !== null && chosen !== fit.name;
       const color = new Color(this.colorOf(fit.name));
       if (shown.patches) {
         for (const [side, at] of [['hand', fit.hand_W_m], ['object', fit.object_W_m]] as const) {
           const tone = isOther ? color.clone().lerp(new Color('#9aa0a6'), 0.45) : color;
+          const count = countOf(at);
+          if (count < 3) continue;
           for (let i = 0; i < count; ++i) {
             const j = (i + 1) % count;
             points.push(at[3 * i]!, at[3 * i + 1]!, at[3 * i + 2]!, at[3 * j]!, at[3 * j + 1]!, at[3 * j + 2]!);

@@ -1,11 +1,13 @@
 // The session that the page shows: what is known of it, what is done to it.
 
 import { FileLink, Refusal, type Link, type Listener, type PageInfo } from './link';
+import { fetchMotion, type Motion } from './motion';
 import {
   edits,
   type EditBody,
   type HandDescription,
   type Model,
+  type MotionDescription,
   type PatchInfo,
   type PatchReport,
   type PoseSolution,
@@ -19,7 +21,7 @@ export interface Models {
   contacts: Model<{ name: string; patches: PatchInfo[] }>;
 }
 
-export type Change = 'models' | 'pose' | 'state' | 'settings' | 'people' | 'link' | 'history' | 'none';
+export type Change = 'models' | 'motion' | 'pose' | 'state' | 'settings' | 'people' | 'link' | 'history' | 'none';
 
 export interface Notice {
   text: string;
@@ -40,7 +42,6 @@ const kLongestPast = 400;
 export class Session implements Listener {
   id = 0;
   page = 0;
-  mayEdit = false;
   isUp = false;
   isHeard = true;
   state: SessionState | null = null;
@@ -48,6 +49,8 @@ export class Session implements Listener {
   settings: SessionSettings | null = null;
   reports: PatchReport[] = [];
   models: Models | null = null;
+  /** A hand that followed a motion: it is looked at over time, and takes no edits. */
+  motion: Motion | null = null;
   pages: PageInfo[] = [];
   /** Who made the last edit: "you", "guest 2", "another program". */
   editor = '';
@@ -60,6 +63,8 @@ export class Session implements Listener {
   private readonly watchers: ((change: Change) => void)[] = [];
   private readonly notices: ((notice: Notice) => void)[] = [];
   private loaded = '';
+  private fetched = ''; // which motion, solved how
+  private mayEditAny = false;
   private lookAgain = false; // asked for while the last answer was on its way
   private countsAnew = false; // revisions, of a session that was opened again
   private lookTimer = 0;
@@ -87,12 +92,21 @@ export class Session implements Listener {
     this.link.start(this);
   }
 
+  get mayEdit(): boolean {
+    return this.mayEditAny && !this.isOfMotion;
+  }
+
+  private get isOfMotion(): boolean {
+    return (this.state?.motion ?? '') !== '';
+  }
+
   // === What is done
 
   /** Shows that session from now on; 0: none. */
   async show(session: number): Promise<void> {
     this.id = session;
-    this.state = this.solution = this.settings = null;
+    this.state = this.solution = this.settings = this.motion = null;
+    this.fetched = '';
     this.past.length = this.groups.length = 0;
     this.tell('none');
     if (session === 0) return;
@@ -106,6 +120,13 @@ export class Session implements Listener {
       this.tell('none');
       this.failed(error);
     }
+  }
+
+  /** Of a motion: the hand at that time. */
+  showAt(time_s: number): void {
+    if (this.motion === null) return;
+    this.solution = this.motion.at(time_s, this.id);
+    this.tell('pose');
   }
 
   async solve(): Promise<void> {
@@ -175,7 +196,7 @@ export class Session implements Listener {
 
   onWelcome(page: number, mayEdit: boolean): void {
     this.page = page;
-    this.mayEdit = mayEdit;
+    this.mayEditAny = mayEdit;
     if (this.id !== 0) void this.resume();
     else this.tell('none');
   }
@@ -207,7 +228,8 @@ export class Session implements Listener {
     }
     if (state.phase === 'failed') this.notify(state.message, 'wrong');
     void this.load();
-    if (isNew) this.look();
+    if (this.isOfMotion) void this.fetch(state);
+    else if (isNew) this.look();
   }
 
   onPose(session: number, solution: PoseSolution): void {
@@ -276,14 +298,16 @@ export class Session implements Listener {
   private async load(): Promise<void> {
     const state = this.state;
     if (state === null) return;
-    const key = `${state.hand}\n${state.object}\n${state.contacts}`;
+    const key = `${state.hand}\n${state.object}\n${state.contacts}\n${state.motion}`;
     if (key === this.loaded) return;
     this.loaded = key;
     try {
       const [hand, object, contacts] = await Promise.all([
         this.link.describe<HandDescription>('hand', state.hand),
         this.link.describe<{ name: string }>('object', state.object),
-        this.link.describe<{ name: string; patches: PatchInfo[] }>('contacts', state.contacts),
+        this.isOfMotion
+          ? this.patchesOf(state.motion)
+          : this.link.describe<{ name: string; patches: PatchInfo[] }>('contacts', state.contacts),
       ]);
       if (this.loaded !== key) return;
       this.models = { hand, object, contacts };
@@ -295,8 +319,35 @@ export class Session implements Listener {
     }
   }
 
+  /** A motion has patches, too; their outlines are its frames'. */
+  private async patchesOf(motion: string): Promise<Models['contacts']> {
+    const model = await this.link.describe<MotionDescription>('motion', motion);
+    const { name, patches } = model.description;
+    return { ...model, description: { name, patches: patches.map((patch) => ({ name: patch, outline_O_m: [] })) } };
+  }
+
+  /** The frames, when they are others than before. */
+  private async fetch(state: SessionState): Promise<void> {
+    const key = `${this.id} ${state.motion} ${state.revision}`;
+    if (key === this.fetched || state.phase === 'transferring' || state.phase === 'optimizing') return;
+    this.fetched = key;
+    try {
+      const motion = await fetchMotion(this.link, this.id, state.motion, this.mayEditAny, (share) => {
+        this.notify(`frames: ${Math.round(100 * share)} %`);
+      });
+      if (this.fetched !== key) return;
+      if (motion.frames.length === 0) throw new Error('the motion has no frames yet');
+      this.motion = motion;
+      this.tell('motion');
+    } catch (error) {
+      if (this.fetched === key) this.fetched = '';
+      this.failed(error);
+    }
+  }
+
   /** Has the settings asked for, soon, and again while edits come. */
   private look(): void {
+    if (this.isOfMotion) return;
     this.lookAgain = this.looking === this.id;
     if (this.lookTimer !== 0 || this.lookAgain) return;
     this.lookTimer = window.setTimeout(() => void this.lookNow(), this.settings === null ? 0 : kLookAgain_ms);

@@ -17,6 +17,7 @@ export interface SessionState {
   hand: string;
   object: string;
   contacts: string;
+  motion: string; // empty: it holds none
   joint_names: string[];
   message: string;
   undo_count: number;
@@ -138,6 +139,40 @@ export interface HandDescription {
 export interface PatchInfo {
   name: string;
   outline_O_m: number[];
+}
+
+export interface MotionDescription {
+  name: string;
+  duration_s: number;
+  frame_count: number;
+  patches: string[];
+}
+
+export interface FramePatch {
+  patch: number; // of MotionDescription.patches
+  presence: number;
+  mean_mm: number;
+  normal_deg: number;
+  reached: boolean;
+  outline_O_m: number[];
+}
+
+export interface MotionFrame {
+  index: number;
+  time_s: number;
+  X_WH: Pose;
+  X_WO: Pose;
+  joint_positions: number[];
+  patches: FramePatch[]; // that are there
+  max_depth_m: number;
+  joints_at_limit: { joint: string; side: 'lower' | 'upper' }[];
+  X_WL: Pose[];
+}
+
+export interface MotionFrames {
+  revision: number;
+  frame_count: number;
+  frames: MotionFrame[];
 }
 
 export interface ModelSummary {

@@ -1,0 +1,137 @@
+// A hand that followed a motion: its frames, and what stands between two of them.
+
+import { Quaternion, Vector3 } from 'three';
+import { Refusal, type Link } from './link';
+import type { MotionDescription, MotionFrame, MotionFrames, Pose, PoseSolution } from './wire';
+
+const kMostFrames = 600; // of longer motions every second, third, ... one is shown
+const kAtOnce = 60; // in one answer
+
+/** Keeps to the range [0, 1]. */
+const share = (value: number) => Math.min(1, Math.max(0, value));
+
+function poseBetween(a: Pose, b: Pose, at: number): Pose {
+  const p = new Vector3().fromArray(a.p_m).lerp(new Vector3().fromArray(b.p_m), at);
+  const turn = ([w, x, y, z]: Pose['q_wxyz']) => new Quaternion(x, y, z, w);
+  const q = turn(a.q_wxyz).slerp(turn(b.q_wxyz), at);
+  return { p_m: [p.x, p.y, p.z], q_wxyz: [q.w, q.x, q.y, q.z] };
+}
+
+/** Points of a frame in the world. */
+function inWorld(X: Pose, points: number[]): number[] {
+  const [w, x, y, z] = X.q_wxyz;
+  const turn = new Quaternion(x, y, z, w);
+  const by = new Vector3().fromArray(X.p_m);
+  const moved: number[] = [];
+  for (let i = 0; i + 2 < points.length; i += 3) {
+    moved.push(...new Vector3().fromArray(points, i).applyQuaternion(turn).add(by).toArray());
+  }
+  return moved;
+}
+
+/** What a server has solved, or a file brings along. */
+export interface MotionData {
+  description: MotionDescription;
+  frames: MotionFrame[];
+}
+
+export class Motion {
+  constructor(
+    readonly description: MotionDescription,
+    readonly frames: MotionFrame[],
+    readonly revision: number,
+  ) {}
+
+  get duration_s(): number {
+    return this.frames.at(-1)?.time_s ?? 0;
+  }
+
+  /** The last frame that has begun. */
+  indexAt(time_s: number): number {
+    let low = 0;
+    let high = this.frames.length - 1;
+    while (low < high) {
+      const middle = (low + high + 1) >> 1;
+      if (this.frames[middle]!.time_s <= time_s) low = middle;
+      else high = middle - 1;
+    }
+    return low;
+  }
+
+  /** The hand at that time, with what is said of the frame before it. */
+  at(time_s: number, session: number): PoseSolution {
+    const index = this.indexAt(time_s);
+    const a = this.frames[index]!;
+    const b = this.frames[index + 1] ?? a;
+    const at = b.time_s > a.time_s ? share((time_s - a.time_s) / (b.time_s - a.time_s)) : 0;
+    const X_WO = poseBetween(a.X_WO, b.X_WO, at);
+    return {
+      session_id: session,
+      revision: this.revision,
+      sequence_number: a.index,
+      outcome: 'converged',
+      solver: '',
+      X_WH: poseBetween(a.X_WH, b.X_WH, at),
+      X_WO,
+      joint_positions: a.joint_positions.map((q, i) => q + at * ((b.joint_positions[i] ?? q) - q)),
+      X_WL: a.X_WL.map((X, i) => poseBetween(X, b.X_WL[i] ?? X, at)),
+      terms: { distance_m2: 0, normal: 0, prior: 0, objective: 0 },
+      patches: a.patches.map((patch) => ({
+        name: this.description.patches[patch.patch] ?? String(patch.patch),
+        point_count: 0,
+        mean_mm: patch.mean_mm,
+        max_mm: patch.mean_mm,
+        normal_deg: patch.normal_deg,
+        hand_W_m: [],
+        object_W_m: inWorld(X_WO, patch.outline_O_m),
+        diagnosis: {
+          verdict: patch.reached ? 'reached' : 'out_of_reach',
+          text: patch.presence < 1 ? `comes or goes: ${Math.round(100 * patch.presence)} % there` : '',
+        },
+      })),
+      joints_at_limit: a.joints_at_limit,
+      held: [],
+      is_diagnosed: true,
+      verdict: '',
+      sensitivities: [],
+      penetration: { max_depth_m: a.max_depth_m, volume_m3: 0, links: [], self_depth_m: 0 },
+      minima: [],
+      chosen_minimum: 0,
+      times: [],
+    };
+  }
+}
+
+/** Asks for the frames that the server has; who may edit has them solved where there are none. */
+export async function fetchMotion(
+  link: Link,
+  session: number,
+  name: string,
+  maySolve: boolean,
+  onShare: (share: number) => void,
+): Promise<Motion> {
+  const { description } = await link.describe<MotionDescription>('motion', name);
+  const every = Math.max(1, Math.ceil(description.frame_count / kMostFrames));
+  const ask = (first: number) =>
+    link.ask<MotionFrames>({
+      kind: 'motion_frames',
+      motion_frames: { session_id: session, first, count: kAtOnce, every, with_shapes: true },
+    });
+  let answer: MotionFrames;
+  try {
+    answer = await ask(0);
+  } catch (error) {
+    if (!maySolve || !(error instanceof Refusal) || error.code === 'no_link' || error.code === 'no_server') throw error;
+    await link.ask({ kind: 'solve_motion', solve_motion: { session_id: session, options: [] } });
+    answer = await ask(0);
+  }
+  const frames = [...answer.frames];
+  const { revision, frame_count } = answer;
+  while (frames.length > 0 && frames.length * every < frame_count) {
+    onShare((frames.length * every) / frame_count);
+    answer = await ask(frames.length * every);
+    if (answer.frames.length === 0 || answer.revision !== revision) break;
+    frames.push(...answer.frames);
+  }
+  return new Motion(description, frames, revision);
+}

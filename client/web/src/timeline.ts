@@ -1,0 +1,292 @@
+// Time: play, scrub, loop; when each patch is there and reached; distances, joints and limits over time.
+
+import uPlot from 'uplot';
+import { patchColor } from './colors';
+import { h } from './dom';
+import type { Motion } from './motion';
+import type { Session } from './session';
+import type { FramePatch } from './wire';
+
+const kSpeeds = [0.1, 0.25, 0.5, 1, 2];
+const kStep_s = 1 / 30; // of the arrow keys
+const kJointColors = 10;
+
+type Plotted = 'distances' | 'angles' | 'joints' | 'depth';
+
+const kPlots: Record<Plotted, { title: string; unit: string }> = {
+  distances: { title: 'Distances', unit: 'mean mm' },
+  angles: { title: 'Angles', unit: 'degrees' },
+  joints: { title: 'Joints', unit: 'rad, m' },
+  depth: { title: 'Depth', unit: 'deepest mm' },
+};
+
+export class Timeline {
+  /** Below the picture. */
+  readonly element: HTMLElement;
+  /** On the side. */
+  readonly plots: HTMLElement;
+  isSeen = false;
+  private readonly slider: HTMLInputElement;
+  private readonly playButton: HTMLButtonElement;
+  private readonly loopBox: HTMLInputElement;
+  private readonly speed: HTMLSelectElement;
+  private readonly clock = h('output', { class: 'clock' });
+  private readonly bars = h('div', { class: 'bars', 'aria-hidden': 'true' });
+  private readonly cursor = h('div', { class: 'cursor' });
+  private readonly choice: HTMLSelectElement;
+  private readonly plotArea = h('div', { class: 'plot' });
+  private readonly limits = h('p', { class: 'note' });
+  private plot: uPlot | null = null;
+  private motion: Motion | null = null;
+  private last_ms = 0;
+  private request = 0;
+  time_s = 0;
+
+  constructor(private readonly session: Session) {
+    this.slider = h('input', {
+      type: 'range',
+      min: '0',
+      max: '1',
+      step: 'any',
+      'aria-label': 'time in the motion, seconds',
+      oninput: () => {
+        this.pause();
+        this.seek(Number(this.slider.value));
+      },
+    });
+    this.playButton = h('button', { class: 'small play', 'aria-pressed': 'false', title: 'Play or pause (Space)', onclick: () => this.toggle() }, '▶ play');
+    this.loopBox = h('input', { type: 'checkbox', checked: true });
+    this.speed = h(
+      'select',
+      { 'aria-label': 'speed' },
+      ...kSpeeds.map((speed) => h('option', { value: String(speed), selected: speed === 1 }, `${speed} ×`)),
+    );
+    this.element = h(
+      'section',
+      { class: 'timeline', 'aria-label': 'Time', hidden: true },
+      h('div', { class: 'line' }, this.playButton, this.slider, this.clock, this.speed, h('label', { class: 'line' }, this.loopBox, 'loop')),
+      h('div', { class: 'tracks' }, this.bars, this.cursor),
+    );
+    this.bars.onpointerdown = (event) => this.pointed(event);
+    this.bars.onpointermove = (event) => {
+      if (event.buttons !== 0) this.pointed(event);
+    };
+    this.choice = h(
+      'select',
+      { 'aria-label': 'what is plotted', onchange: () => this.draw() },
+      ...Object.entries(kPlots).map(([name, { title }]) => h('option', { value: name }, title)),
+    );
+    this.plots = h('div', { class: 'history' }, h('label', { class: 'line' }, 'Over time', this.choice), this.plotArea, this.limits);
+  }
+
+  get isPlaying(): boolean {
+    return this.request !== 0;
+  }
+
+  /** The session's motion, or none. */
+  show(): void {
+    const motion = this.session.motion;
+    if (motion === this.motion) return;
+    this.pause();
+    this.motion = motion;
+    this.element.hidden = motion === null;
+    this.clear();
+    if (motion === null) return;
+    this.slider.max = String(motion.duration_s);
+    this.fillBars(motion);
+    this.draw();
+    this.seek(Math.min(this.time_s, motion.duration_s));
+  }
+
+  /** Colours and sizes are others: drawn anew when it is seen. */
+  clear(): void {
+    this.plot?.destroy();
+    this.plot = null;
+  }
+
+  toggle(): void {
+    if (this.motion === null) return;
+    if (this.isPlaying) {
+      this.pause();
+      return;
+    }
+    if (this.time_s >= this.motion.duration_s) this.time_s = 0;
+    this.last_ms = performance.now();
+    this.request = requestAnimationFrame((now) => this.tick(now));
+    this.tellPlaying();
+  }
+
+  pause(): void {
+    cancelAnimationFrame(this.request);
+    this.request = 0;
+    this.tellPlaying();
+  }
+
+  step(count: number): void {
+    this.pause();
+    this.seek(this.time_s + count * kStep_s);
+  }
+
+  seek(time_s: number): void {
+    const motion = this.motion;
+    if (motion === null) return;
+    this.time_s = Math.min(motion.duration_s, Math.max(0, time_s));
+    this.slider.value = String(this.time_s);
+    this.slider.setAttribute('aria-valuetext', `${this.time_s.toFixed(2)} s`);
+    this.clock.textContent = `${this.time_s.toFixed(2)} / ${motion.duration_s.toFixed(2)} s`;
+    const share = motion.duration_s > 0 ? this.time_s / motion.duration_s : 0;
+    this.cursor.style.setProperty('--at', String(share));
+    this.session.showAt(this.time_s);
+    this.moveCursor();
+    const limits = motion.frames[motion.indexAt(this.time_s)]!.joints_at_limit;
+    this.limits.textContent = limits.length === 0 ? '' : `at their limits: ${limits.map((one) => `${one.joint} (${one.side})`).join(', ')}`;
+  }
+
+  /** Of what is plotted: for who looks at the side. */
+  draw(): void {
+    const motion = this.motion;
+    this.clear();
+    if (motion === null || !this.isSeen) return;
+    const kind = this.choice.value as Plotted;
+    const { series, labels, colors } = this.seriesOf(motion, kind);
+    const ink = getComputedStyle(document.documentElement).getPropertyValue('--ink-soft').trim();
+    const axis = { stroke: ink, grid: { stroke: 'rgba(128,128,128,0.2)', width: 1 }, ticks: { show: false }, font: '11px system-ui' };
+    this.plot = new uPlot(
+      {
+        width: this.plotArea.clientWidth || 300,
+        height: 200,
+        legend: { show: false },
+        cursor: { drag: { x: false, y: false }, points: { size: 5 } },
+        scales: { x: { time: false } },
+        axes: [
+          { ...axis, label: 's', labelSize: 16, labelFont: '11px system-ui', size: 26 },
+          { ...axis, label: kPlots[kind].unit, labelSize: 16, labelFont: '11px system-ui', size: 38 },
+        ],
+        series: [{}, ...labels.map((label, index) => ({ label, stroke: colors[index]!, width: 1.6 }))],
+        hooks: { draw: [(plot) => this.drawTime(plot)] },
+      },
+      [motion.frames.map((frame) => frame.time_s), ...series] as uPlot.AlignedData,
+      this.plotArea,
+    );
+    this.plotArea.onclick = () => {
+      const index = this.plot?.cursor.idx;
+      if (typeof index !== 'number') return;
+      this.pause();
+      this.seek(motion.frames[index]!.time_s);
+    };
+  }
+
+  private seriesOf(motion: Motion, kind: Plotted): { series: (number | null)[][]; labels: string[]; colors: string[] } {
+    const names = motion.description.patches;
+    const ofPatches = (value: (patch: FramePatch) => number) => ({
+      series: names.map((_, index) =>
+        motion.frames.map((frame) => {
+          const patch = frame.patches.find((one) => one.patch === index);
+          return patch === undefined ? null : value(patch);
+        }),
+      ),
+      labels: names,
+      colors: names.map((name, index) => patchColor(name, index)),
+    });
+    switch (kind) {
+      case 'distances':
+        return ofPatches((patch) => patch.mean_mm);
+      case 'angles':
+        return ofPatches((patch) => patch.normal_deg);
+      case 'depth':
+        return { series: [motion.frames.map((frame) => 1e3 * frame.max_depth_m)], labels: ['deepest'], colors: [patchColor('', 0)] };
+      case 'joints': {
+        const joints = this.session.state?.joint_names ?? [];
+        return {
+          series: joints.map((_, joint) => motion.frames.map((frame) => frame.joint_positions[joint] ?? null)),
+          labels: joints,
+          colors: joints.map((_, joint) => patchColor('', joint % kJointColors)),
+        };
+      }
+    }
+  }
+
+  /** The time that is shown, as a line over the plot. */
+  private drawTime(plot: uPlot): void {
+    const x = Math.round(plot.valToPos(this.time_s, 'x', true));
+    const { top, height } = plot.bbox;
+    plot.ctx.save();
+    plot.ctx.strokeStyle = '#888888';
+    plot.ctx.lineWidth = devicePixelRatio;
+    plot.ctx.beginPath();
+    plot.ctx.moveTo(x, top);
+    plot.ctx.lineTo(x, top + height);
+    plot.ctx.stroke();
+    plot.ctx.restore();
+  }
+
+  private moveCursor(): void {
+    if (this.isSeen) this.plot?.redraw(false, false);
+  }
+
+  /** When each patch is there: pale where it is not reached. */
+  private fillBars(motion: Motion): void {
+    const all = motion.duration_s || 1;
+    this.bars.replaceChildren(
+      ...motion.description.patches.map((name, index) => {
+        const row = h('div', { class: 'presence', title: name }, h('span', { class: 'name' }, name));
+        const lane = h('div', { class: 'lane' });
+        let begin = -1;
+        let reached = false;
+        const close = (end: number) => {
+          if (begin < 0) return;
+          const from = motion.frames[begin]!.time_s;
+          const to = (motion.frames[end] ?? motion.frames.at(-1)!).time_s;
+          lane.append(
+            h('i', {
+              class: reached ? 'reached' : 'missed',
+              style: { left: `${(100 * from) / all}%`, width: `${(100 * (to - from)) / all}%`, background: patchColor(name, index) },
+            }),
+          );
+          begin = -1;
+        };
+        motion.frames.forEach((frame, at) => {
+          const patch = frame.patches.find((one) => one.patch === index);
+          const isThere = patch !== undefined && patch.presence >= 0.5;
+          if (begin >= 0 && (!isThere || patch.reached !== reached)) close(at);
+          if (isThere && begin < 0) {
+            begin = at;
+            reached = patch.reached;
+          }
+        });
+        close(motion.frames.length - 1);
+        row.append(lane);
+        return row;
+      }),
+    );
+  }
+
+  private pointed(event: PointerEvent): void {
+    const lane = this.bars.querySelector('.lane')?.getBoundingClientRect();
+    if (lane === undefined || this.motion === null) return;
+    this.pause();
+    this.seek(((event.clientX - lane.left) / lane.width) * this.motion.duration_s);
+  }
+
+  private tick(now: number): void {
+    if (this.motion === null || this.request === 0) return;
+    const duration = this.motion.duration_s;
+    let next = this.time_s + (Math.max(0, now - this.last_ms) / 1e3) * Number(this.speed.value);
+    this.last_ms = now;
+    if (next >= duration) {
+      if (!this.loopBox.checked || duration <= 0) {
+        this.seek(duration);
+        this.pause();
+        return;
+      }
+      next %= duration;
+    }
+    this.seek(next);
+    this.request = requestAnimationFrame((later) => this.tick(later));
+  }
+
+  private tellPlaying(): void {
+    this.playButton.textContent = this.isPlaying ? '❚❚ pause' : '▶ play';
+    this.playButton.setAttribute('aria-pressed', String(this.isPlaying));
+  }
+}

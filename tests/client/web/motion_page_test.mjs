@@ -1,0 +1,167 @@
+// motion_page_test.mjs BIN PACKAGES PICTURES DOMAIN [NAME]: a motion on the page, over time. As page_test.mjs.
+
+import assert from 'node:assert/strict';
+import { existsSync } from 'node:fs';
+import { join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { browser, distance, downloads, factsOf, handgraft, kPatience_ms, kWaiting, openSession, picture, rest, runTests, sleep } from './browser.mjs';
+
+const kDemo = fileURLToPath(new URL('../../system/demo/', import.meta.url));
+
+/** A box off a shelf, of 26 frames, and a hand that followed it. */
+async function openMotion() {
+  const models = await handgraft('models');
+  if (!models.includes('pull')) {
+    await handgraft('motion', 'join', 'box_5', join(kDemo, 'box_4.json'), '--path', join(kDemo, 'pull.csv'), '--rate', '10', '--name', 'pull');
+  }
+  const text = await handgraft('motion', 'solve', '--hand', 'tendon16', '--motion', 'pull', '--keep', '--json');
+  return JSON.parse(text).session_id;
+}
+
+async function openPage(address) {
+  const page = await browser.newPage();
+  await page.setViewport({ width: 1100, height: 700 });
+  page.on('pageerror', (error) => {
+    console.log('page error:', error.stack ?? error.message);
+    page.broken = error;
+  });
+  await page.goto(address);
+  await page.waitForFunction(() => globalThis.handgraft?.session.motion && globalThis.handgraft.view.facts().frames > 0, kWaiting);
+  return page;
+}
+
+const timeOf = (page) => page.evaluate(() => globalThis.handgraft.timeline.time_s);
+const framesOf = (page) => page.evaluate(() => globalThis.handgraft.session.motion.frames);
+
+/** By a real pointer, at that share of the bars. */
+async function point(page, share) {
+  const lane = await (await page.$('.bars .lane')).boundingBox();
+  await page.mouse.click(lane.x + share * lane.width, lane.y + lane.height / 2);
+}
+
+const tests = {
+  async 'A motion is scrubbed: the hand stands where the server has it'(address) {
+    const session = await openMotion();
+    const page = await openPage(`${address}?session=${session}`);
+    const frames = await framesOf(page);
+    assert.equal(frames.length, 26);
+    for (const index of [0, 10, 25]) {
+      await point(page, index / 25);
+      const time_s = await timeOf(page);
+      assert.ok(Math.abs(time_s - frames[index].time_s) < 0.02, `the bars lead to ${frames[index].time_s} s, not to ${time_s}`);
+      // Exactly on a frame, by the slider's own value.
+      await page.evaluate((at) => globalThis.handgraft.timeline.seek(at), frames[index].time_s);
+      const { links, X_WO } = await factsOf(page);
+      links.forEach((link, i) => assert.ok(distance(link, frames[index].X_WL[i].p_m) < 1e-6));
+      assert.ok(distance(X_WO, frames[index].X_WO.p_m) < 1e-6);
+    }
+    // Between two frames it stands between them.
+    await page.evaluate((at) => globalThis.handgraft.timeline.seek(at), 0.5 * (frames[10].time_s + frames[11].time_s));
+    const { X_WO } = await factsOf(page);
+    X_WO.forEach((x, i) => assert.ok(Math.abs(x - 0.5 * (frames[10].X_WO.p_m[i] + frames[11].X_WO.p_m[i])) < 1e-6));
+    await picture(page, 'motion');
+    return page;
+  },
+
+  async 'It is played by the keys, to its end or again and again'(address) {
+    const session = await openMotion();
+    const page = await openPage(`${address}?session=${session}`);
+    await page.focus('canvas');
+    await page.keyboard.press('Space');
+    await page.waitForFunction(() => globalThis.handgraft.timeline.time_s > 0.3, kWaiting);
+    await page.keyboard.press('Space');
+    const paused = await timeOf(page);
+    await sleep(300);
+    assert.equal(await timeOf(page), paused);
+    await page.keyboard.press('.');
+    assert.ok((await timeOf(page)) > paused);
+
+    await page.click('.timeline input[type=checkbox]'); // not again
+    await point(page, 0.98);
+    await page.click('.timeline .play');
+    await page.waitForFunction(() => !globalThis.handgraft.timeline.isPlaying, kWaiting);
+    assert.equal(await timeOf(page), (await framesOf(page)).at(-1).time_s);
+    return page;
+  },
+
+  async 'Bars and plots tell when each patch is there'(address) {
+    const session = await openMotion();
+    const page = await openPage(`${address}?session=${session}`);
+    const frames = await framesOf(page);
+    const names = await page.$$eval('.bars .name', (all) => all.map((one) => one.textContent));
+    assert.deepEqual(names, await page.evaluate(() => globalThis.handgraft.session.motion.description.patches));
+    // The little finger lets go before the end: its bar ends there.
+    const little = names.indexOf('little');
+    const last = frames.filter((frame) => frame.patches.some((one) => one.patch === little && one.presence >= 0.5)).at(-1);
+    assert.ok(last.time_s < frames.at(-1).time_s);
+    const end = await page.$$eval('.bars .presence', (rows, row) => {
+      const bar = rows[row].querySelector('i').getBoundingClientRect();
+      const lane = rows[row].querySelector('.lane').getBoundingClientRect();
+      return (bar.right - lane.left) / lane.width;
+    }, little);
+    assert.ok(Math.abs(end * frames.at(-1).time_s - last.time_s) < 0.15, `the bar ends at ${end}`);
+    for (const kind of ['distances', 'angles', 'joints', 'depth']) {
+      await page.select('.history select', kind);
+      assert.ok(await page.$('#tab-time .uplot'), `there is a plot of ${kind}`);
+      await picture(page, `motion_${kind}`);
+    }
+    // What counts now is in the table.
+    await point(page, 1);
+    await page.click('#to-patches');
+    await page.waitForFunction(() => document.querySelectorAll('.patch').length === 4, kWaiting);
+    return page;
+  },
+
+  async 'As one file it plays without a server'(address) {
+    const session = await openMotion();
+    const page = await openPage(`${address}?session=${session}`);
+    const file = join(downloads, 'motion.html');
+    await handgraft('export', String(session), '--format', 'html', '--out', file);
+    const client = await page.createCDPSession();
+    await client.send('Browser.setDownloadBehavior', { behavior: 'allow', downloadPath: downloads });
+    await page.click('.menu summary');
+    await page.evaluate(() => [...document.querySelectorAll('.menu button')].find((one) => one.textContent.startsWith('Page as one file')).click());
+    const saved = join(downloads, 'tendon16_box.html');
+    for (let waited = 0; waited < kPatience_ms && !existsSync(saved); waited += 50) await sleep(50);
+    await sleep(200);
+    for (const one of [file, saved]) {
+      const alone = await browser.newPage();
+      const wanted = [];
+      alone.on('request', (request) => {
+        if (!/^(file|data|blob):/.test(request.url())) wanted.push(request.url());
+      });
+      await alone.setOfflineMode(true);
+      await alone.setViewport({ width: 1100, height: 700 });
+      await alone.goto(`file://${one}`);
+      await alone.waitForFunction(() => globalThis.handgraft?.session.motion && globalThis.handgraft.view.facts().frames > 0, kWaiting);
+      assert.equal((await framesOf(alone)).length, 26);
+      await point(alone, 0.4);
+      await point(page, 0.4);
+      const [here, there] = [await factsOf(alone), await factsOf(page)];
+      here.links.forEach((link, i) => assert.ok(distance(link, there.links[i]) < 1e-6));
+      await alone.click('.timeline .play');
+      await alone.waitForFunction(() => globalThis.handgraft.timeline.time_s > 1.1, kWaiting);
+      assert.deepEqual(wanted, []);
+      await picture(alone, 'motion_file');
+      await alone.close();
+    }
+    return page;
+  },
+
+  async 'From a motion to a grasp and back'(address) {
+    const motion = await openMotion();
+    const grasp = await openSession();
+    const page = await openPage(`${address}?session=${motion}`);
+    await page.evaluate((id) => globalThis.handgraft.session.show(id), grasp);
+    await rest(page);
+    assert.equal(await page.$eval('.timeline', (element) => element.hidden), true);
+    assert.equal(await page.evaluate(() => globalThis.handgraft.session.mayEdit), true);
+    await page.evaluate((id) => globalThis.handgraft.session.show(id), motion);
+    await page.waitForFunction(() => globalThis.handgraft.session.motion !== null, kWaiting);
+    assert.equal(await page.$eval('.timeline', (element) => element.hidden), false);
+    assert.equal(await page.evaluate(() => globalThis.handgraft.session.mayEdit), false);
+    return page;
+  },
+};
+
+await runTests(tests);
