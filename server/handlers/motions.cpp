@@ -58,7 +58,10 @@ v1::MotionOptions motionMessage(const session::MotionSolving& solving) {
   return options;
 }
 
-v1::MotionSummary summaryOf(const LiveSession& live, const LiveMotion& motion) {
+v1::MotionSummary summaryOf(const LiveSession& live,
+                            const LiveMotion& motion,
+                            const Progress& progress) {
+  constexpr int kToldEvery = 256;  // frames: a long motion takes seconds
   const session::SolvedMotion& solved = *motion.solved;
   const std::vector<hand::HandPose>& poses = solved.trajectory.poses;
   v1::MotionSummary summary;
@@ -80,6 +83,9 @@ v1::MotionSummary summaryOf(const LiveSession& live, const LiveMotion& motion) {
   const session::MotionFits fits(*motion.motion, solved);
   std::uint32_t reached = 0;
   for (int k = 0; k < static_cast<int>(poses.size()); ++k) {
+    if (k % kToldEvery == 0)
+      progress.report("judging frames",
+                      static_cast<double>(k) / static_cast<double>(poses.size()));
     const std::vector<session::PatchFrameFit> patches = fits.at(k);
     reached += std::all_of(patches.begin(), patches.end(),
                            [](const session::PatchFrameFit& patch) {
@@ -208,7 +214,7 @@ v1::MotionSummary solveMotion(LiveSession& live,
       reject(v1::ERROR_CANCELLED, "session {}: {}", live.id(), live.whoStopped());
     throw;
   }
-  return summaryOf(live, motion);
+  return summaryOf(live, motion, progress);
 }
 
 v1::MotionFrames motionFrames(LiveSession& live, const v1::MotionFramesRequest& request) {

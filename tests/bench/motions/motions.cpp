@@ -40,6 +40,7 @@ struct MotionsArguments {
   double causal_smoothness = manipulation::kCausalSmoothness;
   double fade_s = manipulation::Fade{}.seconds;
   double depth_weight = 1.0;
+  double margin_m = optimize::Avoidance{}.margin_m;
   int repeat = 0;
   std::string library;
   std::string picture;
@@ -91,6 +92,7 @@ Sequence readSequence(const MotionsArguments& arguments,
   auto avoidance = std::make_shared<optimize::Avoidance>(*session::avoidanceOf(
       hand.model, hand.skin, sequence.object_O, Pose::Identity(), Progress()));
   avoidance->weight *= arguments.depth_weight;
+  avoidance->margin_m = arguments.margin_m;
   sequence.problem.avoidance = std::move(avoidance);
 
   const io::SplineTrajectory splines =
@@ -228,6 +230,14 @@ void runSequence(const MotionsArguments& arguments,
   const double ms = (threadMilliseconds() - before) / frames;
   printRow(sequence, hand, "offline", trajectory.poses, ms, ms);
   std::printf("offline: %.1f evaluations a frame\n", trajectory.evaluations / frames);
+  options.threads = 2;
+  const Trajectory again = manipulation::solveOffline(sequence.problem, options, Progress());
+  const bool same =
+      std::equal(trajectory.poses.begin(), trajectory.poses.end(), again.poses.begin(),
+                 [](const hand::HandPose& a, const hand::HandPose& b) {
+                   return a.q == b.q && a.X_WH.matrix() == b.X_WH.matrix();
+                 });
+  std::printf("offline: %s bytes again, on two threads\n", same ? "the same" : "OTHER");
 }
 
 /// The motion n times there and back.
@@ -343,6 +353,10 @@ void addMotionsCommand(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--fade", arguments->fade_s, "s")->capture_default_str();
   command->add_option("--depth-weight", arguments->depth_weight, "Times the default")
+      ->capture_default_str();
+  command
+      ->add_option("--margin", arguments->margin_m,
+                   "m that the hand stays off the object; negative: may go inside")
       ->capture_default_str();
   command->add_option("--growth", arguments->repeat,
                       "Repeat the first one up to so many times");
