@@ -209,12 +209,14 @@ namespace {
 constexpr int kToldEvery = 64;  // frames
 
 /// Follows the contacts from one frame on towards both ends, every `stride`-th frame, and those
-/// at the ends; the objective of these frames, and the poses, held between.
+/// at the ends; the objective of these frames, and the poses, held between. Gives up where the
+/// objective is no less than `most`, which it then is.
 double follow(const MotionProblem& problem,
               const FrameProblems& frames,
               const MotionOptions& options,
               const Setting& setting,
               int stride,
+              double most,
               const Progress& progress,
               std::vector<hand::HandPose>& poses) {
   const int last = problem.frameCount() - 1;
@@ -238,6 +240,7 @@ double follow(const MotionProblem& problem,
       if (way > 0 || k != setting.frame) {
         sum += step.objective;
         poses[index] = step.pose;
+        if (sum >= most) return sum;
       }
       if (k == end) break;
     }
@@ -266,7 +269,7 @@ std::vector<int> fullFrames(const MotionProblem& problem, const FrameProblems& f
 std::vector<hand::HandPose> followedMinima(const MotionProblem& problem,
                                            const MotionOptions& options,
                                            const Progress& progress) {
-  constexpr int kStride = 8;
+  constexpr int kStride = 16;
   const FrameProblems frames(problem, options.fade);
   MotionOptions following = options;
   following.smoothness = std::min(options.smoothness, kFollowedSmoothness);
@@ -286,12 +289,14 @@ std::vector<hand::HandPose> followedMinima(const MotionProblem& problem,
   const Setting* best = &settings.front();
   double least = std::numeric_limits<double>::infinity();
   for (const Setting& setting : settings) {
-    const double sum = follow(problem, frames, following, setting, kStride, progress, poses);
+    const double sum =
+        follow(problem, frames, following, setting, kStride, least, progress, poses);
     if (sum >= least) continue;
     least = sum;
     best = &setting;
   }
-  follow(problem, frames, following, *best, 1, progress, poses);
+  follow(problem, frames, following, *best, 1, std::numeric_limits<double>::infinity(),
+         progress, poses);
   return poses;
 }
 
