@@ -75,6 +75,11 @@ arm() { # once it has a fresh pose: until then it is refused, which has to be to
     asked=$SECONDS
     "$engine" exec "$bridge" handgraft bridge arm >"$scratch/arm" 2>&1 && return
     [ $((SECONDS - asked)) -le 8 ] || { cat "$scratch/arm" >&2; fail "handgraft bridge arm took $((SECONDS - asked)) s to answer"; }
+    # On a machine that is busy otherwise the emulated motors may be too slow: a fault, which a person would reset.
+    if grep 'RESET, then ARM' "$scratch/arm" >/dev/null; then
+      say "$(head -1 "$scratch/arm"): reset"
+      "$engine" exec "$bridge" handgraft bridge reset >/dev/null 2>&1 || true
+    fi
     sleep 0.5
   done
   cat "$scratch/arm" >&2
