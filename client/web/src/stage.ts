@@ -60,7 +60,7 @@ export class Stage {
     this.controls.maxDistance = 5;
     this.controls.addEventListener('update', () => this.redraw());
     this.controls.setLookAt(0.35, -0.45, 0.3, 0, 0, 0);
-    new ResizeObserver(() => this.fit()).observe(canvas.parentElement ?? canvas);
+    new ResizeObserver(() => this.fit()).observe(canvas);
     this.fit();
     requestAnimationFrame((now) => this.tick(now));
   }
@@ -113,8 +113,8 @@ export class Stage {
   }
 
   private fit(): void {
-    const around = (this.canvas.parentElement ?? this.canvas).getBoundingClientRect();
-    this.size.set(Math.max(1, around.width), Math.max(1, around.height));
+    const seen = this.canvas.getBoundingClientRect();
+    this.size.set(Math.max(1, seen.width), Math.max(1, seen.height));
     this.renderer.setSize(this.size.x, this.size.y, false);
     this.camera.aspect = this.size.x / this.size.y;
     this.camera.updateProjectionMatrix();

@@ -76,6 +76,10 @@ export class Timeline {
       { 'aria-label': 'what is plotted', onchange: () => this.draw() },
       ...Object.entries(kPlots).map(([name, { title }]) => h('option', { value: name }, title)),
     );
+    // The picture ends above it.
+    new ResizeObserver(() => {
+      this.element.parentElement?.style.setProperty('--below', this.element.hidden ? '0px' : `${this.element.offsetHeight + 12}px`);
+    }).observe(this.element);
     this.plots = h('div', { class: 'history' }, h('label', { class: 'line' }, 'Over time', this.choice), this.plotArea, this.limits);
   }
 
@@ -154,15 +158,18 @@ export class Timeline {
     this.plot = new uPlot(
       {
         width: this.plotArea.clientWidth || 300,
-        height: 200,
-        legend: { show: false },
+        height: 220,
+        legend: { show: true },
         cursor: { drag: { x: false, y: false }, points: { size: 5 } },
         scales: { x: { time: false } },
         axes: [
           { ...axis, label: 's', labelSize: 16, labelFont: '11px system-ui', size: 26 },
           { ...axis, label: kPlots[kind].unit, labelSize: 16, labelFont: '11px system-ui', size: 38 },
         ],
-        series: [{}, ...labels.map((label, index) => ({ label, stroke: colors[index]!, width: 1.6 }))],
+        series: [
+          { label: 's', value: (_, time) => (time === null ? '' : time.toFixed(2)) },
+          ...labels.map((label, index) => ({ label, stroke: colors[index]!, width: 1.6, value: (_: uPlot, y: number | null) => (y === null ? '–' : y.toFixed(2)) })),
+        ],
         hooks: { draw: [(plot) => this.drawTime(plot)] },
       },
       [motion.frames.map((frame) => frame.time_s), ...series] as uPlot.AlignedData,

@@ -172,6 +172,13 @@ export class View {
     if (this.object === null || this.hand === null) return;
     const box = this.hand.group.visible ? this.hand.box() : new Box3();
     box.union(new Box3().setFromObject(this.object.group));
+    // All the way that it goes.
+    const here = new Vector3().setFromMatrixPosition(this.object.X_WO);
+    const all = box.clone();
+    for (const { X_WO } of this.session.motion?.frames ?? []) {
+      all.union(box.clone().translate(new Vector3().fromArray(X_WO.p_m).sub(here)));
+    }
+    box.copy(all);
     await this.stage.frame(box, smoothly);
   }
 

@@ -26,7 +26,7 @@ async function openPage(address) {
     page.broken = error;
   });
   await page.goto(address);
-  await page.waitForFunction(() => globalThis.handgraft?.session.motion && globalThis.handgraft.view.facts().frames > 0, kWaiting);
+  await page.waitForFunction(() => globalThis.handgraft?.session.motion && globalThis.handgraft.view.hand, kWaiting);
   return page;
 }
 
@@ -36,7 +36,7 @@ const framesOf = (page) => page.evaluate(() => globalThis.handgraft.session.moti
 /** By a real pointer, at that share of the bars. */
 async function point(page, share) {
   const lane = await (await page.$('.bars .lane')).boundingBox();
-  await page.mouse.click(lane.x + share * lane.width, lane.y + lane.height / 2);
+  await page.mouse.click(lane.x + 1 + share * (lane.width - 2), lane.y + lane.height / 2);
 }
 
 const tests = {
@@ -133,7 +133,7 @@ const tests = {
       await alone.setOfflineMode(true);
       await alone.setViewport({ width: 1100, height: 700 });
       await alone.goto(`file://${one}`);
-      await alone.waitForFunction(() => globalThis.handgraft?.session.motion && globalThis.handgraft.view.facts().frames > 0, kWaiting);
+      await alone.waitForFunction(() => globalThis.handgraft?.session.motion && globalThis.handgraft.view.hand, kWaiting);
       assert.equal((await framesOf(alone)).length, 26);
       await point(alone, 0.4);
       await point(page, 0.4);
@@ -153,6 +153,7 @@ const tests = {
     const grasp = await openSession();
     const page = await openPage(`${address}?session=${motion}`);
     await page.evaluate((id) => globalThis.handgraft.session.show(id), grasp);
+    await page.waitForFunction(() => globalThis.handgraft.session.settings !== null, kWaiting);
     await rest(page);
     assert.equal(await page.$eval('.timeline', (element) => element.hidden), true);
     assert.equal(await page.evaluate(() => globalThis.handgraft.session.mayEdit), true);
