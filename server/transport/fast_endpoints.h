@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
 #include <functional>
 #include <iterator>
 #include <type_traits>
@@ -187,6 +188,7 @@ class FastReader : private eprosima::fastdds::dds::DataReaderListener {
              std::function<void(Message&&, const Sender&)> use)
       : endpoints_(endpoints),
         use_(std::move(use)),
+        is_kept_(idl::isKept(topic.qos)),
         topic_(topicFor<Message, HardenedType<Message>>(endpoints, topic)) {
     namespace dds = eprosima::fastdds::dds;
     dds::DataReaderQos qos = dds::DATAREADER_QOS_DEFAULT;
@@ -211,7 +213,7 @@ class FastReader : private eprosima::fastdds::dds::DataReaderListener {
       Taken<Message> taken;
       eprosima::fastdds::dds::SampleInfo info;
       if (reader->take_next_sample(&taken, &info) != ReturnCode_t::RETCODE_OK) return;
-      if (!info.valid_data) continue;
+      if (!info.valid_data || isOfBefore(info)) continue;
       if (!taken.sound) {
         spdlog::warn("topic={} event=dropped reason=\"does not decode\"", topic_->get_name());
         continue;
@@ -223,8 +225,24 @@ class FastReader : private eprosima::fastdds::dds::DataReaderListener {
     }
   }
 
+  /// Written before there was this reader, and so to a server that went: a writer offers anew
+  /// what that one had not acknowledged. It was answered there, or is repeated by who asks.
+  /// Clocks of machines differ, hence only while a server is young.
+  [[nodiscard]] bool isOfBefore(const eprosima::fastdds::dds::SampleInfo& info) const {
+    constexpr std::chrono::seconds kYoung(10);
+    if (is_kept_ || std::chrono::system_clock::now() > begin_ + kYoung) return false;
+    const std::chrono::nanoseconds written(info.source_timestamp.to_ns());
+    if (written.count() <= 0 || written >= begin_.time_since_epoch()) return false;
+    spdlog::debug("topic={} event=dropped reason=\"written to a server before this one\"",
+                  topic_->get_name());
+    return true;
+  }
+
   Endpoints endpoints_;
   std::function<void(Message&&, const Sender&)> use_;
+  bool is_kept_;
+  /// Nobody can write to a reader before it is there.
+  std::chrono::system_clock::time_point begin_ = std::chrono::system_clock::now();
   eprosima::fastdds::dds::Topic* topic_;
   eprosima::fastdds::dds::DataReader* reader_ = nullptr;
 };
