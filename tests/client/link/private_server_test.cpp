@@ -31,12 +31,12 @@ fs::path script(const std::string& body) {
   return path;
 }
 
-TEST(PrivateServer, PassesTheNetworkOn) {
+TEST(PrivateServer, PassesTheNetworkOnAndKeepsNothing) {
   PrivateServer server(script("echo \"$@\""), {7, "lo"});
   EXPECT_TRUE(eventually([&] {
     return !server.running();
   }));
-  EXPECT_EQ(server.lastWords(), "--domain 7 --interface lo");
+  EXPECT_EQ(server.lastWords(), "--domain 7 --interface lo --state :memory:");
 }
 
 TEST(PrivateServer, IsStoppedAtTheEnd) {
