@@ -58,13 +58,14 @@ up)
   echo "          $engine exec ${page/page/bridge} handgraft bridge arm; ./dev down ends it"
   ;;
 down)
-  "${compose[@]}" -p "$project" -f docker/compose.yaml down -t 10 >/dev/null 2>&1 || true
+  "${compose[@]}" -p "$project" -f docker/compose.yaml down -v -t 10 >/dev/null 2>&1 || true
   # podman-compose leaves these behind; and whoever ran a command of his own on the network may still be on it.
   if [ "$engine" = podman ]; then
     podman pod rm -f "pod_$project" >/dev/null 2>&1 || true
     podman pod rm -f "$project" >/dev/null 2>&1 || true
     own | xargs -r podman rm -f -t 10 >/dev/null 2>&1 || true
     ! hasNetworks || podman network rm -f -t 10 "${project}_handgraft" >/dev/null
+    podman volume rm -f "${project}_state" >/dev/null 2>&1 || true
   fi
   left=$(own)
   [ -z "$left" ] || fail "left over: $left"

@@ -101,14 +101,13 @@ arm
 moved "$session"
 "$engine" logs "$bridge" 2>&1 | grep '^motors on' >/dev/null || fail "the emulated motors did not turn"
 
-say "the server is started again, and a fresh session edited"
+say "the server is started again, and the session goes on"
 "$engine" restart -t 10 "$server" >/dev/null 2>&1 || fail "$server does not start again"
 healthy "$server"
 healthy "$bridge"
 seen=$("$engine" logs "$bridge" 2>&1 | wc -l)
-session=$(grasp)
+client sessions | grep "$session" >/dev/null || fail "session $session is lost"
 arm
-moved "$session"
 printf 'limit thumb_proximal_flex upper 0.5\nlimit index_proximal_flex upper 0.6\n' | client edit "$session" >"$scratch/edit"
 moved "$session"
 
