@@ -8,28 +8,8 @@ fi
 bin=$(realpath "$1")
 one=$2 other=$3 empty=$4
 unset HANDGRAFT_DOMAIN HANDGRAFT_SERVER HANDGRAFT_PEERS HANDGRAFT_INTERFACE
-scratch=$(mktemp -d)
-pids=()
-tidy() {
-  for pid in "${pids[@]}"; do kill "$pid" 2>/dev/null || true; done
-  wait 2>/dev/null || true
-  rm -rf "$scratch"
-}
-trap tidy EXIT
-fail() { echo "domains_test: $*" >&2; exit 1; }
-start() { # NAME COMMAND...: in the background, its words in NAME.log
-  "${@:2}" >"$scratch/$1.log" 2>&1 &
-  pids+=($!)
-}
-await() { # WORDS FILE
-  for _ in $(seq 300); do
-    grep -q "$1" "$2" 2>/dev/null && return
-    sleep 0.1
-  done
-  cat "$2" >&2
-  fail "waited 30 s for '$1' in $(basename "$2")"
-}
-sessions() { "$bin/handgraft" sessions --json "$@" | grep -o '"session_id"' | wc -l; }
+# shellcheck source=tests/system/programs.sh
+. "$(dirname "${BASH_SOURCE[0]}")/programs.sh"
 
 start one "$bin/handgraft-server" --domain "$one"
 HANDGRAFT_DOMAIN=$other start other "$bin/handgraft-server"

@@ -96,15 +96,6 @@ v1::EditBody weightOf(double weight) {
   return body;
 }
 
-v1::RequestBody about(v1::Operation operation, std::uint64_t session) {
-  v1::SessionKey key;
-  key.session_id(session);
-  v1::RequestBody body;
-  body.session(key);
-  body._d(operation);
-  return body;
-}
-
 /// One client with a session on models that it has sent.
 struct Editor {
   explicit Editor(const Network& network) : participant(network), requester(participant) {
@@ -117,7 +108,7 @@ struct Editor {
   v1::EditReply edit(double weight) { return requester.edit(session, 0, weightOf(weight)); }
 
   v1::SessionSettings settings() {
-    return requester.ask(about(v1::OP_SESSION_SETTINGS, session)).settings();
+    return requester.ask(ofSession(v1::OP_SESSION_SETTINGS, session)).settings();
   }
 
   Participant participant;
@@ -176,7 +167,7 @@ TEST_F(NothingLost, ASessionIsTheSameAfterItsServerWasKilled) {
 TEST_F(NothingLost, ClosingDeletesForGood) {
   Editor editor(service->network());
   editor.edit(0.5);
-  editor.requester.ask(about(v1::OP_CLOSE_SESSION, editor.session));
+  editor.requester.ask(ofSession(v1::OP_CLOSE_SESSION, editor.session));
   restart();
   EXPECT_THROW(editor.settings(), Refused);
   v1::RequestBody body;
@@ -380,7 +371,7 @@ TEST_F(FailingDisk, GoesOnOnceAFullOneHasRoomAgain) {
     fail(255, how);
     EXPECT_EQ(tryEdit(editor, 0.75), 0u);
     EXPECT_THROW(editor.requester.ask(openSession("clamp", "fruit", "marks")), Refused);
-    EXPECT_THROW(editor.requester.ask(about(v1::OP_CLOSE_SESSION, editor.session)), Refused);
+    EXPECT_THROW(editor.requester.ask(ofSession(v1::OP_CLOSE_SESSION, editor.session)), Refused);
     EXPECT_EQ(editor.settings().state().revision(), 1u) << "what is there is answered";
     fail(0, how);
   }
