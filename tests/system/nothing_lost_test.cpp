@@ -371,7 +371,8 @@ TEST_F(FailingDisk, GoesOnOnceAFullOneHasRoomAgain) {
     fail(255, how);
     EXPECT_EQ(tryEdit(editor, 0.75), 0u);
     EXPECT_THROW(editor.requester.ask(openSession("clamp", "fruit", "marks")), Refused);
-    EXPECT_THROW(editor.requester.ask(ofSession(v1::OP_CLOSE_SESSION, editor.session)), Refused);
+    EXPECT_THROW(editor.requester.ask(ofSession(v1::OP_CLOSE_SESSION, editor.session)),
+                 Refused);
     EXPECT_EQ(editor.settings().state().revision(), 1u) << "what is there is answered";
     fail(0, how);
   }
