@@ -54,6 +54,7 @@ bool SolutionFollower::leave(const v1::SessionState& state) {
   Session& session = sessionOf(id);
   session.is_left = true;
   session.state.reset();
+  if (awaited_ == id) awaited_ = 0;
   if (followed_ != id) return false;
   followed_ = 0;
   return true;
@@ -91,15 +92,24 @@ const std::string* SolutionFollower::hear(std::uint64_t id, std::int64_t stamp_n
   if (followed_ != id) {
     const auto current = sessions_.find(followed_);
     const bool is_free = current == sessions_.end() || current->second.is_closed;
-    if (!is_free && !beganAfter(id, followed_)) return nullptr;
+    if (!mayFollow(id) || (!is_free && !beganAfter(id, followed_))) return nullptr;
     followed_ = id;
   }
   return &session.state->hand();
 }
 
 void SolutionFollower::forget() {
+  if (followed_ != 0) awaited_ = followed_;
+  for (const auto& [id, session] : sessions_)
+    if (of_before_.size() < kMostSessions) of_before_.insert(id);
   sessions_.clear();
   followed_ = 0;
+}
+
+bool SolutionFollower::mayFollow(std::uint64_t id) const {
+  if (awaited_ == 0 || id == awaited_ || !of_before_.contains(id)) return true;
+  const auto current = sessions_.find(followed_ != 0 ? followed_ : awaited_);
+  return current != sessions_.end() && current->second.is_closed;
 }
 
 bool SolutionFollower::isClosed() const {
@@ -110,7 +120,7 @@ bool SolutionFollower::isClosed() const {
 std::optional<FollowedPose> SolutionFollower::take() {
   // Only sessions with something new can take over; the one followed stays until then.
   for (const auto& [id, session] : sessions_) {
-    if (!hasPose(session)) continue;
+    if (!hasPose(session) || !mayFollow(id)) continue;
     const auto current = sessions_.find(followed_);
     const bool is_free = current == sessions_.end() || current->second.is_closed;
     if (is_free || beganAfter(id, followed_)) followed_ = id;

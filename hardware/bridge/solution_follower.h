@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,10 @@ struct FollowedPose {
 /// that starts anew may count from one again. Sessions that were already closed when first seen
 /// are never followed: their last pose is history.
 ///
+/// A server that comes back streams again what it kept, in whatever order. The session that was
+/// followed before is followed again; the others of before wait until that one is closed, as
+/// they would have without the gap. New ones take over as ever.
+///
 /// A session may take another hand by an edit. Its poses count only with the state that says
 /// whose they are: not before the state has come to their revision, and not if they answer a
 /// revision before the one that brought this hand.
@@ -50,7 +55,7 @@ class SolutionFollower {
   /// the one followed: none is then.
   bool leave(const v1::SessionState& state);
 
-  /// Forgets every session: the server is gone, and what it says when it is back is news.
+  /// The server is gone, and what it says when it is back is news.
   void forget();
 
   /// The newest pose of the followed session, once.
@@ -80,11 +85,14 @@ class SolutionFollower {
   Session& sessionOf(std::uint64_t id);
   static bool hasPose(const Session& session);
   bool beganAfter(std::uint64_t a, std::uint64_t b) const;
+  bool mayFollow(std::uint64_t id) const;
 
   std::optional<std::uint64_t> only_;
   bool with_intermediate_;
   std::map<std::uint64_t, Session> sessions_;
   std::uint64_t followed_ = 0;
+  std::uint64_t awaited_ = 0;          ///< followed before a gap; 0: none
+  std::set<std::uint64_t> of_before_;  ///< all that were known before one
   std::uint64_t seen_count_ = 0;
 };
 

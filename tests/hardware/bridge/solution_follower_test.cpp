@@ -130,6 +130,33 @@ TEST(SolutionFollower, TakesOldPosesForNewsAfterForgetting) {
   EXPECT_TRUE(follower.take());
 }
 
+/// A server that was started again opens what it kept in any order: another object's pose is
+/// not what the next ARM shall move to.
+TEST(SolutionFollower, ComesBackToItsOwnSessionAfterAGap) {
+  SolutionFollower follower({}, false);
+  const auto stream = [&](std::uint64_t id, std::int64_t stamp_ns) {
+    follower.see(sessionState(id, "hand", kNames));
+    v1::PoseSolution pose = solution(id, 1, {0.1, 0.2});
+    pose.stamp_ns(stamp_ns);
+    follower.see(pose);
+    return follower.take();
+  };
+  stream(3, 100);
+  stream(5, 200);
+  ASSERT_EQ(follower.session(), 5u);
+  follower.forget();
+  EXPECT_FALSE(stream(3, 1'000)) << "an older one that comes first";
+  EXPECT_TRUE(stream(5, 1'100));
+  EXPECT_FALSE(stream(3, 1'200)) << "and one that comes last";
+  EXPECT_EQ(follower.session(), 5u);
+  EXPECT_TRUE(stream(7, 1'300)) << "a new one takes over as ever";
+  EXPECT_FALSE(stream(3, 1'400));
+  v1::SessionState closed = sessionState(7, "hand", kNames);
+  closed.phase(v1::PHASE_CLOSED);
+  follower.see(closed);
+  EXPECT_TRUE(stream(3, 1'500)) << "once that one is closed";
+}
+
 TEST(SolutionFollower, IgnoresTheNumberThatMeansNoSession) {
   SolutionFollower follower({}, false);
   follower.see(sessionState(0, "hand", kNames));
