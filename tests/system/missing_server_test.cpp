@@ -29,6 +29,30 @@ TEST(MissingServer, IsReportedByTheDoctor) {
             std::string::npos);
 }
 
+/// The commonest slip with several machines: peers are named, and the interface is not.
+TEST(MissingServer, IsSoughtOverAnInterfaceThatLeadsThere) {
+  const TestDomain domain;
+  const Finished finished =
+      run(program("handgraft"), {"doctor", "--domain", std::to_string(domain.number()),
+                                 "--interface", "lo", "--peers", "192.0.2.7"});
+  EXPECT_EQ(finished.exit_code, 1);
+  const std::string told = finished.out + finished.err;
+  EXPECT_NE(told.find("leads to no other machine"), std::string::npos) << told;
+  EXPECT_NE(told.find("192.0.2.7 (--interface auto"), std::string::npos) << told;
+}
+
+TEST(MissingServer, IsNotStartedPrivatelyForASessionThatIsKeptElsewhere) {
+  const TestDomain domain;
+  const Finished finished =
+      run(program("handgraft"),
+          {"grasp", "--hand", "barrett8", "--object", "lemon", "--contacts", "lemon_6",
+           "--keep", "--peers", "127.0.0.1", "--domain", std::to_string(domain.number())});
+  EXPECT_EQ(finished.exit_code, 1) << finished.out;
+  EXPECT_EQ(finished.out.find("objective"), std::string::npos) << finished.out;
+  EXPECT_NE(finished.err.find("no handgraft-server answers"), std::string::npos)
+      << finished.err;
+}
+
 TEST(MissingServer, IsStartedPrivatelyByGraspAndEndsWithIt) {
   const TestDomain domain;
   const std::string id = std::to_string(domain.number());

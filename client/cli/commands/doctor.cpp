@@ -3,6 +3,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "client/cli/commands/commands.h"
 #include "client/cli/version.h"
@@ -41,6 +42,15 @@ std::string adviceOn(const Network& network) {
     return "; for a server on another machine, name the interface that leads there "
            "(--interface auto).";
   }
+  if (interface.loopback &&
+      std::any_of(network.peers.begin(), network.peers.end(), [](const std::string& peer) {
+        return peer != "localhost" && peer.rfind("127.", 0) != 0;
+      })) {
+    return fmt::format(
+        ". Interface {} ({}) leads to no other machine: name the one that leads to {} "
+        "(--interface auto, HANDGRAFT_INTERFACE).",
+        network.interface, interface.address, fmt::join(network.peers, ", "));
+  }
   if (network.peers.empty()) {
     return fmt::format(
         ". None was heard by multicast (239.255.0.1, UDP port {}); many networks drop it: name "
@@ -52,8 +62,9 @@ std::string adviceOn(const Network& network) {
   for (const std::string& address : unicastAddresses(reached, interface))
     asked += (asked.empty() ? "" : ", ") + address;
   return fmt::format(
-      ". None answered at {} nor by multicast: see that its firewall lets UDP ports {}-{} "
-      "through, both ways.",
+      ". None answered at {} nor by multicast: see that one runs there, not on its loopback "
+      "alone (--interface auto), and that no firewall between keeps UDP ports {}-{} from "
+      "passing, both ways.",
       asked, 7400 + 250 * network.domain, 7400 + 250 * network.domain + 249);
 }
 

@@ -123,7 +123,9 @@ int run(const MotionSolveOptions& options,
   checkFiles(options, inputs);
 
   ProgressLine progress;
-  Client server(attended(common.network, Absence::kStartPrivate, interruption, &progress));
+  const bool is_elsewhere = options.keep && !common.network.peers.empty();  // as grasp
+  Client server(attended(common.network, is_elsewhere ? Absence::kFail : Absence::kStartPrivate,
+                         interruption, &progress));
   const Clock::time_point begin = Clock::now();
   ModelSender sender(server, interruption, !common.json);
   MotionResult result;
