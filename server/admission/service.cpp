@@ -710,13 +710,14 @@ void Service::runEdit(const std::shared_ptr<LiveSession>& live,
                       std::uint64_t stops) {
   if (live->is_asleep) return dispatchEdit(asker, shared);
   const v1::Edit& edit = *shared;
+  v1::EditReply reply;
   try {
     if (live->state().phase() == v1::PHASE_CLOSED) {
       reject(v1::ERROR_NOT_FOUND, "session {} is not open", live->id());
     }
     idl::check(edit);
     const Mark by = markOf(asker.sender, asker.client, edit.edit_id());
-    answerEdit(asker, edit, applyEdit(*live, edit, workshop_.models, by));
+    reply = applyEdit(*live, edit, workshop_.models, by);
   } catch (...) {
     refuseEdit(asker, edit, live->session().revision());
     if (!live->solve_is_queued && live->requests_cut_short == 0) live->tellRest();
@@ -729,6 +730,8 @@ void Service::runEdit(const std::shared_ptr<LiveSession>& live,
   live->unexplained = nullptr;
   live->queued_at_stops = stops;
   live->enterSoon(v1::PHASE_OPTIMIZING);
+  // Who has the answer and asks for the session's state finds the edit there.
+  answerEdit(asker, edit, std::move(reply));
   queueSolve(live);
 }
 
