@@ -9,6 +9,13 @@ pids=()
 tidyHosts() {
   for pid in "${pids[@]}"; do kill "$pid" 2>/dev/null || true; done
   wait 2>/dev/null || true
+  # What these started in turn is theirs, too: first asked, then ended.
+  for signal in TERM KILL; do
+    for host in "${hosts[@]}"; do
+      ip netns pids "$host" 2>/dev/null | xargs -r kill "-$signal" 2>/dev/null || true
+    done
+    [ "$signal" = KILL ] || sleep 1
+  done
   for host in "${hosts[@]}"; do ip netns del "$host" 2>/dev/null || true; done
   rm -rf "$scratch"
 }
