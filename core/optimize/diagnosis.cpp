@@ -237,6 +237,21 @@ Means openAll(const PoseProblem& problem,
   return meter.at(opened);
 }
 
+/// Of each patch of the report, over its points.
+std::vector<double> weightsOf(const PoseProblem& problem, const SolveReport& report) {
+  std::vector<double> weights(report.patches.size(), 0.0);
+  const std::map<int, std::size_t> places = placesOf(report);
+  for (const PointPair& pair : problem.pairs) {
+    if (const auto place = places.find(pair.patch); place != places.end())
+      weights[place->second] += pair.weight;
+  }
+  return weights;
+}
+
+bool isNear(const PatchFit& fit, const DiagnosisOptions& options) {
+  return fit.mean_mm <= options.reached_mm;
+}
+
 }  // namespace
 
 std::string_view nameOf(Verdict verdict) {
@@ -275,6 +290,19 @@ std::vector<double> facingAngles(const PoseProblem& problem, const SolveReport& 
   return angles;
 }
 
+bool reachesAll(const PoseProblem& problem,
+                const SolveReport& report,
+                const DiagnosisOptions& options) {
+  const std::vector<double> weights = weightsOf(problem, report);
+  const std::vector<double> facing = facingAngles(problem, report);
+  for (std::size_t k = 0; k < report.patches.size(); ++k) {
+    const bool is_reached =
+        isNear(report.patches[k], options) && facing[k] <= options.facing_deg;
+    if (weights[k] > 0.0 && !is_reached) return false;
+  }
+  return true;
+}
+
 Diagnosis diagnose(const PoseProblem& problem,
                    const SolveReport& report,
                    const DiagnosisOptions& options,
@@ -282,12 +310,7 @@ Diagnosis diagnose(const PoseProblem& problem,
   HANDGRAFT_REQUIRE(report.pose.q.size() == problem.lower.size());
   Diagnosis diagnosis;
   if (report.outcome == Outcome::kInfeasible) return diagnosis;
-  std::vector<double> weights(report.patches.size(), 0.0);
-  const std::map<int, std::size_t> places = placesOf(report);
-  for (const PointPair& pair : problem.pairs) {
-    if (const auto place = places.find(pair.patch); place != places.end())
-      weights[place->second] += pair.weight;
-  }
+  const std::vector<double> weights = weightsOf(problem, report);
 
   const DistanceMeter meter(problem, report);
   Relaxer relaxer(problem);
@@ -320,7 +343,7 @@ Diagnosis diagnose(const PoseProblem& problem,
       one.alone_mm =
           std::min(fit.mean_mm, reachedAlone(problem, report, k, options.reached_mm));
       one.reliefs = reliefsOfPatch(openings, k);
-      if (one.miss_mm > 0.0) {
+      if (!isNear(fit, options)) {
         if (open.patches.empty()) open = openAll(problem, report, options, meter, relaxer);
         const double left = std::max(0.0, open.patches[k] - options.reached_mm);
         one.verdict = left <= kHalf * one.miss_mm ? Verdict::kAtLimit : Verdict::kOutOfReach;

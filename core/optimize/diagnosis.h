@@ -75,6 +75,12 @@ Diagnosis diagnose(const PoseProblem& problem,
                    const DiagnosisOptions& options = {},
                    const Progress& progress = Progress());
 
+/// Whether every patch that counts (with a weight) has kReached at the report's pose.
+/// Errors: as diagnose. Cost: O(points).
+bool reachesAll(const PoseProblem& problem,
+                const SolveReport& report,
+                const DiagnosisOptions& options = {});
+
 /// Per patch of `report.patches`, the angle between the mean normals of hand and object, the
 /// latter turned round, degrees.
 std::vector<double> facingAngles(const PoseProblem& problem, const SolveReport& report);

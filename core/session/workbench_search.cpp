@@ -39,15 +39,6 @@ double costOf(const PoseProblem& posed, const SolveReport& solved) {
          kLost_m * kLost_m * posed.weights.distance * static_cast<double>(posed.pairs.size());
 }
 
-bool reachesAll(const PoseProblem& posed, const SolveReport& solved) {
-  const optimize::DiagnosisOptions reached;
-  const std::vector<double> facing_deg = facingAngles(posed, solved);
-  for (std::size_t i = 0; i < facing_deg.size(); ++i)
-    if (solved.patches[i].mean_mm > reached.reached_mm || facing_deg[i] > reached.facing_deg)
-      return false;
-  return true;
-}
-
 }  // namespace
 
 /// Brings the patches and the start back to what the document says, unless told to keep them.
@@ -128,7 +119,7 @@ Solution Workbench::solve(const Solving& solving,
   SolveReport report;
   const double cost = searchAbout(report, solving, options, progress);
   if (solving.avoids() && options.starts > optimize::kFewStarts &&
-      !reachesAll(problem(solving), report)) {
+      !optimize::reachesAll(problem(solving), report)) {
     // Where the slides end depends on where they began.
     Search best(*this);
     patches_ = as_it_was.patches;
