@@ -20,4 +20,8 @@ ClientOptions attended(const Network& network,
   return options;
 }
 
+Absence absenceFor(bool keeps_session, const Network& network) {
+  return keeps_session && !network.peers.empty() ? Absence::kFail : Absence::kStartPrivate;
+}
+
 }  // namespace handgraft::client

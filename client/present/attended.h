@@ -13,4 +13,8 @@ ClientOptions attended(const Network& network,
                        const Interruption& interruption,
                        ProgressLine* progress = nullptr);
 
+/// Of a command that leaves a session open: who names hosts means a server there, not one that
+/// ends with the command.
+Absence absenceFor(bool keeps_session, const Network& network);
+
 }  // namespace handgraft::client

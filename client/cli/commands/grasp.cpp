@@ -90,10 +90,8 @@ int run(const GraspOptions& options, const CommonOptions& common, Interruption& 
   v1::OpenSessionRequest request = sessionRequest(options);
 
   ProgressLine progress;
-  // Who names hosts and keeps the session means a server there, not one that ends with this.
-  const bool is_elsewhere = options.keep && !common.network.peers.empty();
-  Client server(attended(common.network, is_elsewhere ? Absence::kFail : Absence::kStartPrivate,
-                         interruption, &progress));
+  Client server(attended(common.network, absenceFor(options.keep, common.network), interruption,
+                         &progress));
   const Clock::time_point begin = Clock::now();
 
   // === Models, session, transfer, solve

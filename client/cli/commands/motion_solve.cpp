@@ -123,9 +123,8 @@ int run(const MotionSolveOptions& options,
   checkFiles(options, inputs);
 
   ProgressLine progress;
-  const bool is_elsewhere = options.keep && !common.network.peers.empty();  // as grasp
-  Client server(attended(common.network, is_elsewhere ? Absence::kFail : Absence::kStartPrivate,
-                         interruption, &progress));
+  Client server(attended(common.network, absenceFor(options.keep, common.network), interruption,
+                         &progress));
   const Clock::time_point begin = Clock::now();
   ModelSender sender(server, interruption, !common.json);
   MotionResult result;
