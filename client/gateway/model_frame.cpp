@@ -51,7 +51,7 @@ class Arrays {
   std::string bytes_;
 };
 
-/// Takes the meshes out of the description.
+/// Takes the meshes out of the description, and leaves out what only editing of files needs.
 void takeMeshes(v1::ModelDescription& description, Arrays& arrays) {
   if (description._d() == v1::MODEL_HAND) {
     v1::HandDescription& hand = description.hand();
@@ -69,6 +69,8 @@ void takeMeshes(v1::ModelDescription& description, Arrays& arrays) {
       arrays.add("map/values", map.value());
     }
     description.contacts().file().clear();
+  } else {
+    description.motion().file().clear();
   }
 }
 

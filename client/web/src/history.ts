@@ -3,6 +3,7 @@
 import uPlot from 'uplot';
 import { patchColor } from './colors';
 import { h } from './dom';
+import { axis, cursor } from './plot';
 import type { Past, Session } from './session';
 
 export class History {
@@ -56,18 +57,16 @@ export class History {
   private make(names: string[]): void {
     this.clear();
     this.names = names;
-    const ink = getComputedStyle(document.documentElement).getPropertyValue('--ink-soft').trim();
-    const axis = { stroke: ink, grid: { stroke: 'rgba(128,128,128,0.2)', width: 1 }, ticks: { show: false }, font: '11px system-ui' };
     this.plot = new uPlot(
       {
         width: this.plotArea.clientWidth || 300,
         height: 170,
         legend: { show: false },
-        cursor: { drag: { x: false, y: false }, points: { size: 5 } },
+        cursor,
         scales: { x: { time: false } },
         axes: [
-          { ...axis, label: 'poses seen', labelSize: 16, labelFont: '11px system-ui', size: 26, incrs: [1, 2, 5, 10, 20, 50, 100] },
-          { ...axis, label: 'mean mm', labelSize: 16, labelFont: '11px system-ui', size: 34 },
+          axis('poses seen', 26, { incrs: [1, 2, 5, 10, 20, 50, 100] }),
+          axis('mean mm', 34),
         ],
         series: [{}, ...names.map((name, index) => ({ label: name, stroke: patchColor(name, index), width: 1.8 }))],
         hooks: { setCursor: [(plot) => this.hovered(plot.cursor.idx)] },

@@ -29,12 +29,6 @@ function inWorld(X: Pose, points: number[]): number[] {
   return moved;
 }
 
-/** What a server has solved, or a file brings along. */
-export interface MotionData {
-  description: MotionDescription;
-  frames: MotionFrame[];
-}
-
 export class Motion {
   constructor(
     readonly description: MotionDescription,
@@ -106,11 +100,10 @@ export class Motion {
 export async function fetchMotion(
   link: Link,
   session: number,
-  name: string,
+  description: MotionDescription,
   maySolve: boolean,
   onShare: (share: number) => void,
 ): Promise<Motion> {
-  const { description } = await link.describe<MotionDescription>('motion', name);
   const every = Math.max(1, Math.ceil(description.frame_count / kMostFrames));
   const ask = (first: number) =>
     link.ask<MotionFrames>({

@@ -64,6 +64,7 @@ export class Session implements Listener {
   private readonly notices: ((notice: Notice) => void)[] = [];
   private loaded = '';
   private fetched = ''; // which motion, solved how
+  private description: { motion: string; model: Promise<Model<MotionDescription>> } | null = null;
   private mayEditAny = false;
   private lookAgain = false; // asked for while the last answer was on its way
   private countsAnew = false; // revisions, of a session that was opened again
@@ -107,6 +108,7 @@ export class Session implements Listener {
     this.id = session;
     this.state = this.solution = this.settings = this.motion = null;
     this.fetched = '';
+    this.description = null;
     this.past.length = this.groups.length = 0;
     this.tell('none');
     if (session === 0) return;
@@ -321,9 +323,18 @@ export class Session implements Listener {
 
   /** A motion has patches, too; their outlines are its frames'. */
   private async patchesOf(motion: string): Promise<Models['contacts']> {
-    const model = await this.link.describe<MotionDescription>('motion', motion);
+    const model = await this.described(motion);
     const { name, patches } = model.description;
     return { ...model, description: { name, patches: patches.map((patch) => ({ name: patch, outline_O_m: [] })) } };
+  }
+
+  private described(motion: string): Promise<Model<MotionDescription>> {
+    if (this.description?.motion !== motion) {
+      const model = this.link.describe<MotionDescription>('motion', motion);
+      this.description = { motion, model };
+      model.catch(() => (this.description = null));
+    }
+    return this.description.model;
   }
 
   /** The frames, when they are others than before. */
@@ -332,7 +343,8 @@ export class Session implements Listener {
     if (key === this.fetched || state.phase === 'transferring' || state.phase === 'optimizing') return;
     this.fetched = key;
     try {
-      const motion = await fetchMotion(this.link, this.id, state.motion, this.mayEditAny, (share) => {
+      const { description } = await this.described(state.motion);
+      const motion = await fetchMotion(this.link, this.id, description, this.mayEditAny, (share) => {
         this.notify(`frames: ${Math.round(100 * share)} %`);
       });
       if (this.fetched !== key) return;

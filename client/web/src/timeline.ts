@@ -4,6 +4,7 @@ import uPlot from 'uplot';
 import { patchColor } from './colors';
 import { h } from './dom';
 import type { Motion } from './motion';
+import { axis, cursor } from './plot';
 import type { Session } from './session';
 import type { FramePatch } from './wire';
 
@@ -102,8 +103,7 @@ export class Timeline {
     this.seek(Math.min(this.time_s, motion.duration_s));
   }
 
-  /** Colours and sizes are others: drawn anew when it is seen. */
-  clear(): void {
+  private clear(): void {
     this.plot?.destroy();
     this.plot = null;
   }
@@ -141,7 +141,7 @@ export class Timeline {
     const share = motion.duration_s > 0 ? this.time_s / motion.duration_s : 0;
     this.cursor.style.setProperty('--at', String(share));
     this.session.showAt(this.time_s);
-    this.moveCursor();
+    if (this.isSeen) this.plot?.redraw(false, false);
     const limits = motion.frames[motion.indexAt(this.time_s)]!.joints_at_limit;
     this.limits.textContent = limits.length === 0 ? '' : `at their limits: ${limits.map((one) => `${one.joint} (${one.side})`).join(', ')}`;
   }
@@ -153,18 +153,16 @@ export class Timeline {
     if (motion === null || !this.isSeen) return;
     const kind = this.choice.value as Plotted;
     const { series, labels, colors } = this.seriesOf(motion, kind);
-    const ink = getComputedStyle(document.documentElement).getPropertyValue('--ink-soft').trim();
-    const axis = { stroke: ink, grid: { stroke: 'rgba(128,128,128,0.2)', width: 1 }, ticks: { show: false }, font: '11px system-ui' };
     this.plot = new uPlot(
       {
         width: this.plotArea.clientWidth || 300,
         height: 220,
         legend: { show: true },
-        cursor: { drag: { x: false, y: false }, points: { size: 5 } },
+        cursor,
         scales: { x: { time: false } },
         axes: [
-          { ...axis, label: 's', labelSize: 16, labelFont: '11px system-ui', size: 26 },
-          { ...axis, label: kPlots[kind].unit, labelSize: 16, labelFont: '11px system-ui', size: 38 },
+          axis('s', 26),
+          axis(kPlots[kind].unit, 38),
         ],
         series: [
           { label: 's', value: (_, time) => (time === null ? '' : time.toFixed(2)) },
@@ -225,10 +223,6 @@ export class Timeline {
     plot.ctx.lineTo(x, top + height);
     plot.ctx.stroke();
     plot.ctx.restore();
-  }
-
-  private moveCursor(): void {
-    if (this.isSeen) this.plot?.redraw(false, false);
   }
 
   /** When each patch is there: pale where it is not reached. */
