@@ -51,20 +51,13 @@ struct Options {
 /// The store, or null where nothing shall outlive this process.
 std::unique_ptr<server::StateStore> openState(const Options& options) {
   constexpr unsigned kMb = 20;
-  server::StateFile file;
-  try {
-    file = server::stateFile(options.state, options.network);
-    if (file.path == ":memory:") return nullptr;
-    server::StateLimits limits;
-    limits.bytes = static_cast<std::uint64_t>(options.state_mb) << kMb;
-    return std::make_unique<server::StateStore>(file.path, limits);
-  } catch (const InvalidInput& error) {
-    // A folder that somebody chose has to do; the system's own may be missing in a container.
-    const bool is_there = !file.path.empty();
-    if (is_there || !options.state.empty()) throw;
-    spdlog::warn("event=state_in_memory reason={}", handgraft::quoted(error.what()));
-    return nullptr;
-  }
+  const server::StateFile file = server::stateFile(options.state, options.network);
+  if (!file.why.empty())
+    spdlog::warn("event=state_in_memory reason={}", handgraft::quoted(file.why));
+  if (file.path == ":memory:") return nullptr;
+  server::StateLimits limits;
+  limits.bytes = static_cast<std::uint64_t>(options.state_mb) << kMb;
+  return std::make_unique<server::StateStore>(file.path, limits);
 }
 
 /// What is wrong with the store, a line each.

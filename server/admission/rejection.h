@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -29,6 +30,12 @@ template <class... Args>
                          fmt::format_string<Args...> format,
                          Args&&... args) {
   throw Rejection(code, fmt::format(format, std::forward<Args>(args)...));
+}
+
+/// A request or an edit that was asked for before those that are remembered.
+[[noreturn]] inline void rejectForgotten(const char* what, std::uint64_t id) {
+  reject(v1::ERROR_OUTCOME_UNKNOWN,
+         "{} {} was asked for long ago; what came of it is not remembered", what, id);
 }
 
 }  // namespace handgraft::server

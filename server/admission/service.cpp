@@ -10,15 +10,10 @@
 #include "core/base/error.h"
 #include "core/base/random_id.h"
 #include "idl/check.h"
-#include "idl/fields.h"
-#include "idl/json.h"
 #include "server/admission/error_reply.h"
 #include "server/admission/operations.h"
 #include "server/admission/rejection.h"
-#include "server/handlers/edits.h"
-#include "server/handlers/follow.h"
 #include "server/handlers/kept_sessions.h"
-#include "server/handlers/optimize.h"
 #include "server/handlers/sessions.h"
 
 namespace handgraft::server {
@@ -28,10 +23,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kMostQuickWaiting = 256;   // chunks of files among them
-constexpr std::size_t kMostWaking = 256;         // that wait for one session to open
 constexpr std::chrono::seconds kIdleInNeed(10);  // of sessions where others find no room
-constexpr std::chrono::minutes kInUse(10);
-constexpr std::size_t kMostInUse = 16;
 
 std::string hostName() {
   std::string name(256, '\0');
@@ -47,11 +39,6 @@ std::string inWords(std::chrono::steady_clock::duration time) {
   if (seconds < 2 * kMinute) return fmt::format("{} s", seconds);
   if (seconds < 2 * kHour) return fmt::format("{} min", seconds / kMinute);
   return fmt::format("{} h {} min", seconds / kHour, seconds % kHour / kMinute);
-}
-
-[[noreturn]] void rejectForgotten(const char* what, std::uint64_t id) {
-  reject(v1::ERROR_OUTCOME_UNKNOWN,
-         "{} {} was asked for long ago; what came of it is not remembered", what, id);
 }
 
 }  // namespace
@@ -136,7 +123,7 @@ v1::ServerStatus Service::status() const {
   message.process_id(static_cast<std::uint32_t>(getpid()));
   message.uptime_s(std::chrono::duration<double>(Clock::now() - started_).count());
   message.model_count(static_cast<std::uint32_t>(workshop_.models.size()));
-  message.session_count(static_cast<std::uint32_t>(sessions_.states().size()));
+  message.session_count(static_cast<std::uint32_t>(sessions_.countAll()));
   message.requests_answered(answered_);
   {
     const std::lock_guard lock(running_mutex_);
@@ -237,115 +224,6 @@ void Service::onStatus(const v1::ServerStatus& status) {
       status.server_id(), handgraft::quoted(status.host()), status.process_id());
 }
 
-// === Sessions that sleep: opened when they are asked for
-
-void Service::listKeptSessions() {
-  const std::int64_t recently =
-      nowNs() - std::chrono::duration_cast<std::chrono::nanoseconds>(kInUse).count();
-  for (const KeptSessionState& kept : options_.state->sessions()) {
-    v1::SessionState state;
-    try {
-      state = idl::fromJsonText<v1::SessionState>(kept.state);
-    } catch (const std::exception& error) {  // a list with less in it
-      spdlog::warn("event=kept_state session={} what={}", kept.id,
-                   handgraft::quoted(error.what()));
-    }
-    state.session_id(kept.id);
-    state.server_id(server_id_);
-    state.revision(kept.revision);
-    if (state.phase() != v1::PHASE_OPEN) state.phase(v1::PHASE_READY);
-    state.message("");
-    sessions_.sleep(std::move(state));
-    if (kept.used > recently && last_used_.size() < kMostInUse) last_used_.push_back(kept.id);
-  }
-}
-
-void Service::wakeTheLastUsed() {
-  for (const std::uint64_t id : last_used_) {
-    whenOpen(
-        id, [](const auto&) {}, [](const auto&) {});
-  }
-  last_used_.clear();
-}
-
-void Service::whenOpen(std::uint64_t id, WithSession then, WithoutSession otherwise) {
-  try {
-    const std::lock_guard lock(waking_mutex_);
-    if (!sessions_.asleep(id)) return then(sessions_.find(id));
-    std::vector<Waiting>& waiting = waking_[id];
-    if (waiting.size() >= kMostWaking) {
-      reject(v1::ERROR_OVERLOADED, "too many requests wait for session {}; try later", id);
-    }
-    const bool is_first = waiting.empty();
-    waiting.push_back({std::move(then), otherwise});
-    if (!is_first) return;
-    const bool is_taken = pool_.post([this, id] {
-      wake(id);
-    });
-    if (is_taken) return;
-    waking_.erase(id);
-    reject(v1::ERROR_OVERLOADED, "too many requests wait; try later");
-  } catch (...) {
-    otherwise(std::current_exception());
-  }
-}
-
-void Service::wake(std::uint64_t id) {
-  std::shared_ptr<LiveSession> live;
-  std::exception_ptr trouble;
-  const Clock::time_point begin = Clock::now();
-  try {
-    sessions_.requireRoom();
-    live = openKeptSession(id, workshop_, Progress());
-    spdlog::info("event=session_opened session={} revision={} ms={:.1f}", id,
-                 live->session().revision(),
-                 std::chrono::duration<double, std::milli>(Clock::now() - begin).count());
-  } catch (const std::exception& error) {
-    spdlog::warn("event=session_stays_closed session={} what={}", id,
-                 handgraft::quoted(error.what()));
-    trouble = std::current_exception();
-  }
-  const std::lock_guard lock(waking_mutex_);
-  const std::vector<Waiting> waiting = std::move(waking_[id]);
-  waking_.erase(id);
-  if (live) {
-    live->prepareSolids(live, pool_);
-    sessions_.add(live);
-    live->enter(v1::PHASE_OPEN);
-    static_cast<void>(live->strand().post([this, live] {
-      resumeKeptSession(*live, workshop_);
-    }));
-  }
-  for (const Waiting& one : waiting) {
-    if (trouble) {
-      one.otherwise(trouble);
-      continue;
-    }
-    try {
-      one.then(live);
-    } catch (...) {
-      one.otherwise(std::current_exception());
-    }
-  }
-}
-
-void Service::putToSleepAfter(const std::shared_ptr<LiveSession>& live,
-                              std::chrono::seconds idle) {
-  const bool is_taken = live->strand().post([this, live, idle] {
-    if (live->idle() < idle || live->is_asleep) return;
-    if (live->state().phase() == v1::PHASE_CLOSED) return;
-    try {
-      const std::lock_guard lock(waking_mutex_);  // who asks now finds it, or finds it asleep
-      putToSleep(*live, workshop_);
-      spdlog::info("event=session_sleeps session={}", live->id());
-    } catch (const std::exception& error) {
-      spdlog::warn("event=store_waits session={} what={}", live->id(),
-                   handgraft::quoted(error.what()));
-    }
-  });
-  if (!is_taken) spdlog::debug("event=sleep_waits session={}", live->id());
-}
-
 // === What the world hears of sessions
 
 void Service::onState(const v1::SessionState& state) {
@@ -363,8 +241,8 @@ void Service::onJointCommand(std::uint64_t session_id,
 
 // === Requests: admitted once, dispatched to a thread, answered
 
-template <class Reply, class Check>
-bool Service::passes(Reply reply, const Check& check) {
+template <class Reply>
+bool Service::passes(Reply reply, const std::function<void()>& check) {
   try {
     check();
     return true;
@@ -377,6 +255,9 @@ bool Service::passes(Reply reply, const Check& check) {
     return false;
   }
 }
+
+template bool Service::passes(v1::Reply, const std::function<void()>&);
+template bool Service::passes(v1::EditReply, const std::function<void()>&);
 
 void Service::onRequest(v1::Request request, const Sender& sender) {
   v1::Reply reply;
@@ -617,166 +498,6 @@ void Service::tell(Job& job, std::string_view stage, double fraction) {
   message.stage(job.told_stage);
   message.fraction(fraction);
   bus_.publish(message);
-}
-
-// === Edits: applied in order, answered, then one fresh solve for all that were applied
-// meanwhile; one that comes while a solve runs cuts it short
-
-void Service::onEdit(v1::Edit edit, const Sender& sender) {
-  v1::EditReply reply;
-  reply.client(edit.client());
-  reply.edit_id(edit.edit_id());
-  reply.session_id(edit.session_id());
-  if (!passes(reply, [&] {
-        requireMeant(edit.server_id());
-      }))
-    return;
-  const Asker asker{sender, edit.client()};
-  const auto begun = edits_.begin(asker, edit.edit_id());
-  if (begun.verdict == Edits::Verdict::kAnswered) bus_.publish(*begun.answer);
-  if (begun.verdict == Edits::Verdict::kForgotten) {
-    passes(reply, [&] {
-      rejectForgotten("edit", reply.edit_id());
-    });
-  }
-  if (begun.verdict != Edits::Verdict::kNew) return;
-  const auto shared = std::make_shared<const v1::Edit>(std::move(edit));
-  try {
-    if (const auto before = editBefore(asker, *shared))
-      return answerEdit(asker, *shared, *before);
-    dispatchEdit(asker, shared);
-  } catch (...) {
-    refuseEdit(asker, *shared, 0);
-  }
-}
-
-std::optional<v1::EditReply> Service::editBefore(const Asker& asker,
-                                                 const v1::Edit& edit) const {
-  if (options_.state == nullptr) return std::nullopt;
-  const auto kept = options_.state->edit(markOf(asker.sender, asker.client, edit.edit_id()));
-  if (!kept) return std::nullopt;
-  v1::EditReply reply;
-  reply.revision(kept->revision);
-  reply.message(kept->message);
-  return reply;
-}
-
-void Service::dispatchEdit(const Asker& asker, const std::shared_ptr<const v1::Edit>& edit) {
-  whenOpen(
-      edit->session_id(),
-      [this, asker, edit](const std::shared_ptr<LiveSession>& live) {
-        live->expectEdit();
-        const bool is_taken =
-            live->strand().post([this, edit, asker, live, stops = live->stops()] {
-              live->meetEdit();
-              runEdit(live, asker, edit, stops);
-            });
-        if (is_taken) return;
-        live->meetEdit();
-        reject(v1::ERROR_OVERLOADED, "too many edits of session {} wait; try later",
-               live->id());
-      },
-      [this, asker, edit](const std::exception_ptr& trouble) {
-        try {
-          std::rethrow_exception(trouble);
-        } catch (...) {
-          refuseEdit(asker, *edit, 0);
-        }
-      });
-}
-
-// === Demonstrators: a frame is answered by a pose; one that the next overtakes is not
-
-void Service::onDemonstrator(v1::DemonstratorFrame frame) {
-  std::shared_ptr<LiveSession> live;
-  try {
-    requireMeant(frame.server_id());
-    live = sessions_.find(frame.session_id());
-  } catch (const std::exception&) {
-    return;  // nobody waits for an answer
-  }
-  live->touch();
-  if (!live->putFrame(std::move(frame))) return;
-  const bool is_taken = live->strand().post([live] {
-    const std::optional<v1::DemonstratorFrame> newest = live->takeFrame();
-    if (newest && live->state().phase() != v1::PHASE_CLOSED) followFrame(*live, *newest);
-  });
-  if (!is_taken) static_cast<void>(live->takeFrame());
-}
-
-void Service::runEdit(const std::shared_ptr<LiveSession>& live,
-                      const Asker& asker,
-                      const std::shared_ptr<const v1::Edit>& shared,
-                      std::uint64_t stops) {
-  if (live->is_asleep) return dispatchEdit(asker, shared);
-  const v1::Edit& edit = *shared;
-  v1::EditReply reply;
-  try {
-    if (live->state().phase() == v1::PHASE_CLOSED) {
-      reject(v1::ERROR_NOT_FOUND, "session {} is not open", live->id());
-    }
-    idl::check(edit);
-    const Mark by = markOf(asker.sender, asker.client, edit.edit_id());
-    reply = applyEdit(*live, edit, workshop_.models, by);
-  } catch (...) {
-    refuseEdit(asker, edit, live->session().revision());
-    if (!live->solve_is_queued && live->requests_cut_short == 0) live->tellRest();
-    return;
-  }
-  // Where the machine is so busy that one edit's solve after the other is cut short, the next
-  // gets more time, but no more than people hardly notice.
-  constexpr int kMostForEdits = 4;
-  live->solves_cut_short = std::min(live->solves_cut_short, kMostForEdits);
-  live->unexplained = nullptr;
-  live->queued_at_stops = stops;
-  live->enterSoon(v1::PHASE_OPTIMIZING);
-  // Who has the answer and asks for the session's state finds the edit there.
-  answerEdit(asker, edit, std::move(reply));
-  queueSolve(live);
-}
-
-void Service::refuseEdit(const Asker& asker, const v1::Edit& edit, std::uint64_t revision) {
-  ErrorReply error = errorReplyOf(std::current_exception());
-  v1::EditReply reply;
-  reply.revision(revision);
-  reply.error(error.code);
-  reply.message(std::move(error.message));
-  answerEdit(asker, edit, std::move(reply));
-}
-
-void Service::answerEdit(const Asker& asker, const v1::Edit& edit, v1::EditReply reply) {
-  reply.client(edit.client());
-  reply.edit_id(edit.edit_id());
-  reply.session_id(edit.session_id());
-  reply.server_id(server_id_);
-  spdlog::debug("event=edit client={} id={} session={} revision={} error={} message={}",
-                shortName(edit.client()), edit.edit_id(), edit.session_id(), reply.revision(),
-                static_cast<unsigned>(reply.error()), handgraft::quoted(reply.message()));
-  const std::size_t bytes = v1::EditReply::getCdrSerializedSize(reply);
-  const auto kept = edits_.answer(asker, edit.edit_id(), std::move(reply), bytes);
-  bus_.publish(*kept);
-}
-
-void Service::queueSolve(const std::shared_ptr<LiveSession>& live) {
-  live->prepareSolids(live, pool_);  // edits may have brought in other models
-  if (std::exchange(live->solve_is_queued, true)) return;
-  live->strand().postFromTask([this, live] {
-    live->solve_is_queued = false;
-    if (live->state().phase() == v1::PHASE_CLOSED) return;
-    live->asked_at_stops = live->queued_at_stops;
-    try {
-      live->solves().checkpoint();
-      optimizeAfterEdit(*live, workshop_, live->solves());
-    } catch (const CutShort&) {
-      queueSolve(live);  // behind the edit; if that is refused, the one before wants its answer
-    } catch (...) {      // the session's state says so already; nobody waits for a reply
-      const ErrorReply error = errorReplyOf(std::current_exception());
-      spdlog::log(
-          error.code == v1::ERROR_CANCELLED ? spdlog::level::debug : spdlog::level::info,
-          "event=solve session={} error={} message={}", live->id(),
-          static_cast<unsigned>(error.code), handgraft::quoted(error.message));
-    }
-  });
 }
 
 }  // namespace handgraft::server

@@ -137,8 +137,8 @@ class Service final : private BusListener, private SessionAudience {
   void requireMeant(std::uint64_t server_id) const;
   /// Says what `check` throws, without remembering it: what is meant for another server may
   /// come again, meant for this one. False then.
-  template <class Reply, class Check>
-  bool passes(Reply reply, const Check& check);
+  template <class Reply>
+  bool passes(Reply reply, const std::function<void()>& check);
   void admit(const JobPtr& job);
   void dispatch(const JobPtr& job);
   void dispatchToSession(const JobPtr& job);

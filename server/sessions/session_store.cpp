@@ -79,4 +79,9 @@ std::size_t SessionStore::size() const {
   return sessions_.size();
 }
 
+std::size_t SessionStore::countAll() const {
+  const std::lock_guard lock(mutex_);
+  return sessions_.size() + asleep_.size();
+}
+
 }  // namespace handgraft::server

@@ -44,7 +44,10 @@ class SessionStore {
   [[nodiscard]] std::vector<v1::SessionState> states() const;
 
   [[nodiscard]] std::vector<std::shared_ptr<LiveSession>> all() const;
+  /// How many are open.
   [[nodiscard]] std::size_t size() const;
+  /// With those that sleep.
+  [[nodiscard]] std::size_t countAll() const;
 
  private:
   const std::uint64_t server_id_;

@@ -73,7 +73,7 @@ class Statement {
 };
 
 /// A SQLite database in a file of its own, in write-ahead mode: what was committed outlives the
-/// process, and within a second (`flush`) the machine. Not thread-safe, but for `flush`.
+/// process; when it outlives the machine is its owner's to see to. Not thread-safe.
 class Database {
  public:
   /// `path` may be ":memory:". Errors: StorageError.

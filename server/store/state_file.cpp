@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -23,32 +24,35 @@ std::string variable(const char* name) {
 }  // namespace
 
 StateFile stateFile(const std::string& folder, const Network& network) {
-  if (folder == ":memory:") return {folder, true};
+  if (folder == ":memory:") return {folder, ""};
   fs::path in = folder;
-  bool is_chosen = true;
   if (in.empty()) {
     // systemd names several with colons between.
     const std::string systemd = variable("STATE_DIRECTORY");
     in = systemd.substr(0, systemd.find(':'));
   }
+  const bool is_chosen = !in.empty();
   if (in.empty()) {
-    is_chosen = false;
     if (const std::string xdg = variable("XDG_STATE_HOME"); !xdg.empty()) {
       in = fs::path(xdg) / "handgraft";
     } else if (const std::string home = variable("HOME"); !home.empty()) {
       in = fs::path(home) / ".local" / "state" / "handgraft";
     } else {
-      rejectInput("state: neither $XDG_STATE_HOME nor $HOME says where it is kept");
+      return {":memory:", "neither $XDG_STATE_HOME nor $HOME says where it is kept"};
     }
   }
   std::error_code error;
   const bool is_new = fs::create_directories(in, error);
-  if (error)
-    rejectInput("state: folder {} cannot be made ({})", quoted(in.string()), error.message());
+  if (error) {
+    std::string why =
+        fmt::format("folder {} cannot be made ({})", quoted(in.string()), error.message());
+    if (is_chosen) rejectInput("state: {}", why);
+    return {":memory:", std::move(why)};
+  }
   // What people grasp is nobody else's business on this machine.
   if (is_new) fs::permissions(in, fs::perms::owner_all, error);
   const std::string name = network.server.empty() ? "" : "-" + network.server;
-  return {(in / fmt::format("domain-{}{}.db", network.domain, name)).string(), is_chosen};
+  return {(in / fmt::format("domain-{}{}.db", network.domain, name)).string(), ""};
 }
 
 }  // namespace handgraft::server

@@ -8,13 +8,14 @@ namespace handgraft::server {
 
 /// Where a server keeps what outlives it.
 struct StateFile {
-  std::string path;        ///< ":memory:": nowhere
-  bool is_chosen = false;  ///< somebody named it: it must do
+  std::string path;  ///< ":memory:": nowhere
+  std::string why;   ///< not where it would be by default
 };
 
-/// Of `folder` if it is given; else of $STATE_DIRECTORY (systemd's), $XDG_STATE_HOME/handgraft,
+/// In `folder` if it is given; else in $STATE_DIRECTORY (systemd's), $XDG_STATE_HOME/handgraft,
 /// or ~/.local/state/handgraft. Servers of other domains or names have files of their own in
-/// it. Makes the folder. Errors: InvalidInput naming it if that cannot be done.
+/// it. Makes the folder. Errors: InvalidInput naming a folder that was chosen and cannot be
+/// made; where nobody chose one (a container without a home), nothing is kept.
 StateFile stateFile(const std::string& folder, const Network& network);
 
 }  // namespace handgraft::server

@@ -11,148 +11,25 @@
 #include <sys/file.h>
 #include <unistd.h>
 
-#include "core/base/content_hash.h"
 #include "core/base/error.h"
 #include "core/base/random_id.h"
 #include "server/admission/rejection.h"
+#include "server/store/state_schema.h"
 
 namespace handgraft::server {
 
 namespace {
 
-constexpr std::size_t kPart = 1u << 20;           // bytes of a blob in one transaction
 constexpr std::uint64_t kForEdits = 64ull << 20;  // beyond the quota
 constexpr int kKeptEdits = 256;                   // marks, a session
 constexpr int kKeptRequests = 10'000;             // marks, of all
 constexpr std::chrono::seconds kFlush(1);
 constexpr std::uint64_t kLongLog = 16ull << 20;  // bytes; then it is worked into the file
 
-// Schema 1, then one step each. A file is brought from one to the next, never further at once.
-constexpr const char* kSteps[] = {
-    R"(
-CREATE TABLE identity(name TEXT PRIMARY KEY, value INTEGER NOT NULL) WITHOUT ROWID;
-CREATE TABLE blobs(hash TEXT PRIMARY KEY, size INTEGER NOT NULL, refs INTEGER NOT NULL) WITHOUT ROWID;
-CREATE TABLE blob_parts(id INTEGER PRIMARY KEY, hash TEXT NOT NULL, part INTEGER NOT NULL,
-  data BLOB NOT NULL, UNIQUE(hash, part));
-CREATE TABLE models(id INTEGER PRIMARY KEY AUTOINCREMENT, kind INTEGER NOT NULL, name TEXT NOT NULL,
-  listed INTEGER NOT NULL, content TEXT NOT NULL, summary TEXT NOT NULL, form TEXT NOT NULL,
-  settings BLOB NOT NULL, blob TEXT NOT NULL, base INTEGER NOT NULL, base_name TEXT NOT NULL);
-CREATE UNIQUE INDEX listed_models ON models(kind, name) WHERE listed = 1;
-CREATE INDEX based_models ON models(base);
-CREATE TABLE sessions(id INTEGER PRIMARY KEY, motion TEXT NOT NULL, next INTEGER NOT NULL,
-  revision INTEGER NOT NULL, used INTEGER NOT NULL, state TEXT NOT NULL);
-CREATE TABLE session_texts(session INTEGER PRIMARY KEY REFERENCES sessions(id) ON DELETE CASCADE,
-  text BLOB NOT NULL);
-CREATE TABLE session_models(session INTEGER NOT NULL REFERENCES sessions(id) ON DELETE CASCADE,
-  model INTEGER NOT NULL REFERENCES models(id), PRIMARY KEY(session, model)) WITHOUT ROWID;
-CREATE INDEX models_of_sessions ON session_models(model);
-CREATE TABLE entries(session INTEGER NOT NULL REFERENCES sessions(id) ON DELETE CASCADE,
-  number INTEGER NOT NULL, entry BLOB NOT NULL, PRIMARY KEY(session, number)) WITHOUT ROWID;
-CREATE TABLE edits(asker BLOB NOT NULL, edit INTEGER NOT NULL,
-  session INTEGER NOT NULL REFERENCES sessions(id) ON DELETE CASCADE, revision INTEGER NOT NULL,
-  message TEXT NOT NULL, PRIMARY KEY(asker, edit)) WITHOUT ROWID;
-CREATE INDEX edits_of_sessions ON edits(session, revision);
-)",
-    // 2: what requests made, so that their repeats make nothing again.
-    R"(
-CREATE TABLE requests(id INTEGER PRIMARY KEY AUTOINCREMENT, asker BLOB NOT NULL,
-  request INTEGER NOT NULL, operation TEXT NOT NULL, subject INTEGER NOT NULL,
-  UNIQUE(asker, request));
-)"};
-static_assert(std::size(kSteps) == StateStore::kSchema);
-
 std::int64_t systemNs() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
              std::chrono::system_clock::now().time_since_epoch())
       .count();
-}
-
-std::string hashOf(std::string_view bytes) {
-  ContentHash hash;
-  hash.add(bytes);
-  return hash.finish();
-}
-
-KeptModel modelOf(const Statement& row) {
-  KeptModel model;
-  model.row = row.integer(0);
-  model.kind = static_cast<int>(row.integer(1));
-  model.name = row.text(2);
-  model.content = row.text(3);
-  model.summary = row.text(4);
-  model.form = row.text(5);
-  model.settings = row.text(6);
-  model.base = row.integer(7);
-  model.base_name = row.text(8);
-  return model;
-}
-
-constexpr const char* kModelColumns =
-    "id, kind, name, content, summary, form, settings, base, base_name";
-
-std::vector<std::string> problemsOf(Database& database) {
-  std::vector<std::string> problems;
-  const auto collect = [&](const std::string& sql, const std::string& what) {
-    Statement rows(database, sql);
-    while (rows.step())
-      problems.push_back(what + rows.text(0));
-  };
-  {
-    Statement pages(database, "PRAGMA integrity_check(100)");
-    while (pages.step()) {
-      if (const std::string line = pages.text(0); line != "ok")
-        problems.push_back("file: " + line);
-    }
-  }
-  if (!problems.empty()) return problems;
-  Statement blobs(database, "SELECT hash, size, refs FROM blobs");
-  Statement parts(database, "SELECT data FROM blob_parts WHERE hash = ? ORDER BY part");
-  while (blobs.step()) {
-    const std::string name = blobs.text(0);
-    ContentHash hash;
-    std::int64_t size = 0;
-    parts.with(std::string_view(name));
-    while (parts.step()) {
-      const std::string data = parts.text(0);
-      hash.add(data);
-      size += static_cast<std::int64_t>(data.size());
-    }
-    if (blobs.integer(2) == 0) continue;  // being written, or left by a server that was killed
-    if (size != blobs.integer(1) || hash.finish() != name)
-      problems.push_back(fmt::format("blob {}: {} bytes are not what they were", name, size));
-  }
-  collect("SELECT name FROM models WHERE blob <> '' AND blob NOT IN (SELECT hash FROM blobs)",
-          "model without its bytes: ");
-  collect(
-      "SELECT m.name FROM models m WHERE m.base <> 0 AND m.base NOT IN (SELECT id FROM models)",
-      "model without what it rests on: ");
-  collect(
-      "SELECT hash FROM blobs b WHERE refs <> (SELECT count(*) FROM models WHERE blob = "
-      "b.hash)",
-      "blob whose references are miscounted: ");
-  collect("SELECT id FROM sessions WHERE id NOT IN (SELECT session FROM session_texts)",
-          "session without its text: ");
-  collect(
-      "SELECT s.id FROM sessions s WHERE (SELECT count(*) FROM entries WHERE session = s.id) "
-      "<> "
-      "(SELECT coalesce(max(number) - min(number) + 1, 0) FROM entries WHERE session = s.id)",
-      "session with a gap in its history: ");
-  collect(
-      "SELECT s.id FROM sessions s WHERE coalesce((SELECT max(number) + 1 FROM entries WHERE "
-      "session = s.id), s.next) < s.next",
-      "session whose history ends before its text: ");
-  collect("SELECT \"table\" || ' row ' || rowid FROM pragma_foreign_key_check",
-          "reference to nothing: ");
-  return problems;
-}
-
-void requireOurs(Database& database) {
-  const auto schema = database.ask("PRAGMA user_version").value_or(0);
-  if (schema > StateStore::kSchema) {
-    rejectInput(
-        "store {}: its format is {}, of a newer handgraft-server; this one reads up to {}",
-        database.path(), schema, StateStore::kSchema);
-  }
 }
 
 }  // namespace
@@ -223,7 +100,7 @@ StateStore::~StateStore() {
 
 void StateStore::open() {
   database_ = std::make_unique<Database>(path_);
-  migrate();
+  bringToSchema(*database_);
   if (const auto id = database_->ask("SELECT value FROM identity WHERE name = 'server'")) {
     server_id_ = static_cast<std::uint64_t>(*id);
   } else {
@@ -246,17 +123,6 @@ void StateStore::open() {
   Statement askers(*database_, "SELECT DISTINCT asker FROM edits");
   while (askers.step())
     earlier_askers_.insert(askers.text(0));
-}
-
-void StateStore::migrate() {
-  requireOurs(*database_);
-  for (auto schema = database_->ask("PRAGMA user_version").value_or(0); schema < kSchema;
-       ++schema) {
-    Database::Transaction transaction(*database_);
-    database_->execute(kSteps[schema]);
-    database_->execute(fmt::format("PRAGMA user_version = {}", schema + 1).c_str());
-    transaction.commit();
-  }
 }
 
 std::uint64_t StateStore::bytes() const {
@@ -464,140 +330,6 @@ std::optional<KeptRequest> StateStore::request(const Mark& request) const {
   return found;
 }
 
-// === Models
-
-std::string StateStore::addBlob(std::string_view bytes) {
-  const std::string hash = hashOf(bytes);
-  {
-    const std::lock_guard lock(mutex_);
-    requireRoom(bytes.size(), limits_.bytes);
-    Statement there(*database_, "SELECT refs FROM blobs WHERE hash = ?");
-    there.with(hash);
-    bool is_whole = false;
-    while (there.step())
-      is_whole = there.integer(0) > 0;
-    if (is_whole) return hash;
-    Statement(*database_, "INSERT OR IGNORE INTO blobs(hash, size, refs) VALUES(?, ?, 0)")
-        .with(hash, static_cast<std::uint64_t>(bytes.size()))
-        .run();
-  }
-  // Part by part: edits of others go between.
-  for (std::size_t begin = 0, part = 0; begin < bytes.size(); begin += kPart, ++part) {
-    const std::lock_guard lock(mutex_);
-    Statement(*database_, "INSERT OR REPLACE INTO blob_parts(hash, part, data) VALUES(?, ?, ?)")
-        .with(hash, static_cast<std::uint64_t>(part), Bytes{bytes.substr(begin, kPart)})
-        .run();
-  }
-  return hash;
-}
-
-std::int64_t StateStore::addModel(const KeptModel& model,
-                                  std::string_view bytes,
-                                  const Mark& by,
-                                  const std::string& operation) {
-  const std::lock_guard one_blob(blob_mutex_);
-  const std::string blob = bytes.empty() ? std::string() : addBlob(bytes);
-  const std::lock_guard lock(mutex_);
-  Database::Transaction transaction(*database_);
-  if (!blob.empty())
-    Statement(*database_, "UPDATE blobs SET refs = refs + 1 WHERE hash = ?").with(blob).run();
-  Statement(
-      *database_,
-      "INSERT INTO models(kind, name, listed, content, summary, form, settings, blob, base, "
-      "base_name) VALUES(?, ?, 1, ?, ?, ?, ?, ?, ?, ?)")
-      .with(model.kind, model.name, model.content, model.summary, model.form,
-            Bytes{model.settings}, blob, model.base, model.base_name)
-      .run();
-  const std::int64_t row = database_->ask("SELECT last_insert_rowid()").value_or(0);
-  noteRequest(by, operation, row);
-  transaction.commit();
-  is_written_ = true;
-  return row;
-}
-
-void StateStore::removeModel(int kind,
-                             const std::string& name,
-                             const Mark& by,
-                             const std::string& operation) {
-  const std::lock_guard lock(mutex_);
-  Database::Transaction transaction(*database_);
-  Statement(*database_, "UPDATE models SET listed = 0 WHERE kind = ? AND name = ?")
-      .with(kind, name)
-      .run();
-  dropModels();
-  noteRequest(by, operation, 0);
-  transaction.commit();
-  is_written_ = true;
-}
-
-// Those without a name that nothing rests on, and what those alone rested on, and so on.
-void StateStore::dropModels() {
-  while (true) {
-    std::vector<std::pair<std::int64_t, std::string>> free;
-    {
-      Statement rows(
-          *database_,
-          "SELECT id, blob FROM models m WHERE listed = 0 AND NOT EXISTS (SELECT 1 FROM "
-          "session_models WHERE model = m.id) AND NOT EXISTS (SELECT 1 FROM models "
-          "WHERE base = m.id)");
-      while (rows.step())
-        free.emplace_back(rows.integer(0), rows.text(1));
-    }
-    if (free.empty()) return;
-    for (const auto& [row, blob] : free) {
-      Statement(*database_, "DELETE FROM models WHERE id = ?").with(row).run();
-      if (blob.empty()) continue;
-      Statement(*database_, "UPDATE blobs SET refs = refs - 1 WHERE hash = ?").with(blob).run();
-      Statement(*database_,
-                "DELETE FROM blob_parts WHERE hash = ? AND EXISTS (SELECT 1 FROM blobs WHERE "
-                "hash = blob_parts.hash AND refs = 0)")
-          .with(blob)
-          .run();
-      Statement(*database_, "DELETE FROM blobs WHERE hash = ? AND refs = 0").with(blob).run();
-    }
-  }
-}
-
-std::vector<KeptModel> StateStore::models() const {
-  const std::lock_guard lock(mutex_);
-  std::vector<KeptModel> list;
-  Statement rows(*database_,
-                 fmt::format("SELECT {} FROM models WHERE listed = 1", kModelColumns));
-  while (rows.step())
-    list.push_back(modelOf(rows));
-  return list;
-}
-
-KeptModel StateStore::model(std::int64_t row) const {
-  const std::lock_guard lock(mutex_);
-  std::optional<KeptModel> found;
-  Statement rows(*database_, fmt::format("SELECT {} FROM models WHERE id = ?", kModelColumns));
-  rows.with(row);
-  while (rows.step())
-    found = modelOf(rows);
-  if (!found) throw StorageError(fmt::format("store {}: it has no model {}", path_, row));
-  return *found;
-}
-
-std::string StateStore::bytesOf(std::int64_t row) const {
-  std::string bytes;
-  std::string hash;
-  {
-    const std::lock_guard lock(mutex_);
-    Statement parts(*database_,
-                    "SELECT p.data, p.hash FROM models m JOIN blob_parts p ON p.hash = m.blob "
-                    "WHERE m.id = ? ORDER BY p.part");
-    parts.with(row);
-    while (parts.step()) {
-      bytes += parts.text(0);
-      hash = parts.text(1);
-    }
-  }
-  if (!hash.empty() && hashOf(bytes) == hash) return bytes;
-  throw StorageError(
-      fmt::format("store {}: the bytes of model {} are not what they were", path_, row));
-}
-
 // === Upkeep
 
 std::vector<std::string> StateStore::check() const {
@@ -655,7 +387,7 @@ std::vector<std::string> checkStore(const std::string& path) {
   if (!std::filesystem::exists(path)) rejectInput("store {}: there is none", path);
   try {
     Database database(path);
-    requireOurs(database);
+    requireSchema(database);
     return problemsOf(database);
   } catch (const StorageError& error) {  // so damaged that it cannot be asked
     return {error.what()};
@@ -666,7 +398,7 @@ void backUpStore(const std::string& path, const std::string& to) {
   if (!std::filesystem::exists(path)) rejectInput("store {}: there is none", path);
   if (std::filesystem::exists(to)) rejectInput("{}: exists already", to);
   Database database(path);
-  requireOurs(database);
+  requireSchema(database);
   database.backUpTo(to);
 }
 

@@ -77,8 +77,6 @@ struct StateLimits {
 /// thread. Errors of all that write: StorageError; Rejection (ERROR_STORAGE) beyond the limits.
 class StateStore {
  public:
-  static constexpr int kSchema = 2;
-
   /// Opens or makes the file; `path` may be ":memory:". A file of an earlier schema is brought
   /// to ours. Errors: InvalidInput naming the file if it is of a newer program, or another
   /// process has it open; StorageError.
@@ -165,7 +163,6 @@ class StateStore {
   struct Statements;
 
   void open();
-  void migrate();
   void requireRoom(std::uint64_t more, std::uint64_t most) const;
   void noteRequest(const Mark& by, const std::string& operation, std::int64_t subject);
   void appendLocked(std::uint64_t id,

@@ -14,6 +14,7 @@
 
 #include "core/base/error.h"
 #include "server/admission/rejection.h"
+#include "server/store/state_schema.h"
 
 namespace handgraft::server {
 namespace {
@@ -248,7 +249,7 @@ TEST_F(StateStoreTest, RefusesANewerFilePlainly) {
 }
 
 TEST_F(StateStoreTest, BringsFilesOfEveryEarlierFormatToItsOwn) {
-  for (int schema = 1; schema < StateStore::kSchema; ++schema) {
+  for (int schema = 1; schema < kStateSchema; ++schema) {
     const std::string old = (folder / ("from" + std::to_string(schema) + ".db")).string();
     std::ifstream file(fs::path(HANDGRAFT_STORES) /
                        ("schema" + std::to_string(schema) + ".sql"));
