@@ -14,6 +14,7 @@
 #include "server/admission/operations.h"
 #include "server/admission/rejection.h"
 #include "server/handlers/kept_sessions.h"
+#include "server/handlers/optimize.h"
 #include "server/handlers/sessions.h"
 
 namespace handgraft::server {
