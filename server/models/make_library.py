@@ -23,12 +23,13 @@ from generator.urdf import urdf_text
 def library_files():
     """Relative path -> text of every file of the library but the sites, which are found."""
     files = {}
-    for hand in (make_human20(), make_allegro16(), make_barrett8(), make_tendon16()):
+    hands = (make_human20(), make_allegro16(), make_barrett8(), make_tendon16())
+    for hand in hands:
         files[f"hands/{hand.name}/{hand.name}.urdf"] = urdf_text(hand)
     objects = make_objects()
     for item in objects:
         files[f"objects/{item.name}.obj"] = item.mesh.obj_text(item.name, item.summary)
-    for name, text in contact_sets(make_human20(), objects):
+    for name, text in contact_sets(hands, objects):
         files[f"contacts/{name}.json"] = text
     return files
 

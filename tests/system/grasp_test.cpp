@@ -42,7 +42,7 @@ TEST(Doctor, FindsTheServer) {
   const json report = service.ask({"doctor"});
   EXPECT_EQ(report.at("domain"), service.domain());
   EXPECT_FALSE(report.at("server").is_null());
-  EXPECT_EQ(report.at("models").size(), 12u) << "four hands, objects and contact sets";
+  EXPECT_EQ(report.at("models").size(), 13u) << "four hands and objects, five contact sets";
 }
 
 TEST(Grasp, HumanHandReachesEveryPatchOfTheLemon) {

@@ -1,4 +1,4 @@
-"""A grasp demonstrated by the human hand: from a rough pose, pads pressed onto the object.
+"""A grasp demonstrated by a hand of the library: from a rough pose, pads pressed onto the object.
 
 The pose is the least-squares balance of: pads on the surface, normals opposed, pads near the
 places named in `grasps.py`, no link inside the object or inside another digit, joints near the
@@ -114,6 +114,8 @@ class Demonstration:
         placed = {digit: [(v.apply(poses[name], c), r) for name, c, r in spheres]
                   for digit, spheres in self.digits.items()}
         for one, other in NEIGHBOURS:
+            if one not in placed or other not in placed:
+                continue
             for (px, py, pz), r in placed[one]:
                 for (qx, qy, qz), s in placed[other]:
                     reach = r + s - 1.0

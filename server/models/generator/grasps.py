@@ -1,6 +1,6 @@
-"""The four demonstrated grasps, as rough poses in the object's frame (mm, rad).
+"""The demonstrated grasps, as rough poses in the object's frame (mm, rad).
 
-All but the scissors are held from the object's +x side with the hand's thumb side up (+z).
+All but the scissors are held from the object's +x side, by `human20` with its thumb side up (+z).
 """
 
 from .demonstration import Grasp, Touch
@@ -61,4 +61,12 @@ def lemon():
                  Touch("ring", (-23.0, 16.0, -8.0)), Touch("little", (-17.0, 12.0, -21.0))])
 
 
-GRASPS = {"scissors": scissors, "wine_glass": wine_glass, "box": box, "lemon": lemon}
+def lemon_of_three():
+    """By a gripper of three fingers, spread evenly round the lemon, its palm free."""
+    bent = {f"{finger}_{joint}_flex": bend for finger in ("thumb", "index", "middle")
+            for joint, bend in (("proximal", 1.5), ("distal", 0.3))}
+    return Grasp(
+        origin=(140.0, 0.0, 0.0), palm=(-1.0, 0.0, 0.0), fingers=(0.0, 1.0, 0.0),
+        posture={**bent, "index_spread": 1.05, "middle_spread": 1.05},
+        touches=[Touch("thumb", (-14.0, -24.0, 0.0)), Touch("index", (-14.0, 13.0, 24.0)),
+                 Touch("middle", (-14.0, 13.0, -24.0))])
