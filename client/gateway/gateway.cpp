@@ -1,17 +1,21 @@
 #include "client/gateway/gateway.h"
 
+#include <algorithm>
 #include <array>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <optional>
 #include <random>
 #include <set>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "client/gateway/given_files.h"
 #include "client/gateway/model_frame.h"
 #include "client/link/following.h"
 #include "core/base/error.h"
@@ -51,8 +55,6 @@ bool isForLookers(v1::Operation operation) {
 
 bool isForEditors(v1::Operation operation) {
   switch (operation) {
-    case v1::OP_PUT_FILE:
-    case v1::OP_LOAD_MODEL:
     case v1::OP_OPEN_SESSION:
     case v1::OP_OPTIMIZE:
     case v1::OP_LOAD_SESSION:
@@ -104,6 +106,30 @@ std::string textIn(const Json& message, const char* key) {
   return found->get<std::string>();
 }
 
+/// A frame of bytes: the length of its head in 4 of them, the lowest first; the head; the rest.
+std::pair<Json, std::string_view> headAndBytes(const std::string& frame) {
+  constexpr std::size_t kLength = 4;
+  std::size_t length = 0;
+  for (std::size_t i = 0; i < std::min(kLength, frame.size()); ++i)
+    length |= std::size_t{static_cast<unsigned char>(frame[i])} << (8 * i);
+  if (frame.size() < kLength || length > frame.size() - kLength) {
+    rejectInput("a frame of {} bytes has no head", frame.size());
+  }
+  Json head = Json::parse(frame.substr(kLength, length), nullptr, false);
+  if (!head.is_object()) rejectInput("a frame's head is one JSON object");
+  return {std::move(head), std::string_view(frame).substr(kLength + length)};
+}
+
+bool isConflict(const std::exception_ptr& error) {
+  try {
+    std::rethrow_exception(error);
+  } catch (const Refused& refused) {
+    return refused.code() == v1::ERROR_CONFLICT;
+  } catch (...) {
+    return false;
+  }
+}
+
 }  // namespace
 
 struct Gateway::Impl : Audience, std::enable_shared_from_this<Gateway::Impl> {
@@ -135,6 +161,7 @@ struct Gateway::Impl : Audience, std::enable_shared_from_this<Gateway::Impl> {
 
   void joined(PageId page, Rights rights) override;
   void said(PageId page, const std::string& text) override;
+  void gave(PageId page, const std::string& frame) override;
   void left(PageId page) override;
 
   void heed(PageId page, std::uint64_t request, const Json& message);
@@ -143,7 +170,16 @@ struct Gateway::Impl : Audience, std::enable_shared_from_this<Gateway::Impl> {
   void ask(PageId page, std::uint64_t request, const Json& body);
   void edit(PageId page, std::uint64_t request, const Json& message);
   void describe(PageId page, std::uint64_t request, const Json& message);
+  void load(PageId page, std::uint64_t request, const Json& message);
   void require(PageId page, Rights rights);
+
+  /// Has the server read what a page gave. Another model of that name may be there; then this
+  /// one is told apart by its content, as the command line does.
+  void sendModel(PageId page,
+                 std::uint64_t request,
+                 const std::shared_ptr<const Gift>& gift,
+                 const ModelFiles& model,
+                 bool is_apart);
 
   // === What they are told
 
@@ -182,6 +218,8 @@ struct Gateway::Impl : Audience, std::enable_shared_from_this<Gateway::Impl> {
   std::map<PageId, Page> pages;
   std::map<std::uint64_t, Followed> followed;
   std::vector<std::unique_ptr<Following>> past;  ///< to be ended by `tend`, without the lock
+  GivenFiles given;
+  std::vector<std::function<void()>> work;  ///< for `tend`: what takes longer than pages wait
   bool server_is_heard = true;
   bool ending = false;
   std::unique_ptr<WebServer> web;  ///< last, so that it ends before what it tells
@@ -204,8 +242,25 @@ void Gateway::Impl::left(PageId page) {
   const std::set<std::uint64_t> sessions = pages[page].sessions;
   for (const std::uint64_t session : sessions)
     unfollow(page, session);
+  given.drop(page);
   pages.erase(page);
   tellPages();
+}
+
+void Gateway::Impl::gave(PageId page, const std::string& frame) {
+  std::uint64_t request = 0;
+  try {
+    const auto [head, bytes] = headAndBytes(frame);
+    request = numberIn(head, "id");
+    if (textIn(head, "do") != "put") rejectInput("frames of bytes are parts of files: put");
+    require(page, Rights::kEdit);
+    const std::lock_guard lock(mutex);
+    given.put(page, {numberIn(head, "gift"), textIn(head, "path"),
+                     numberIn(head, "total_bytes"), numberIn(head, "offset"), bytes});
+    web->send(page, textOf({{"reply", request}}));
+  } catch (...) {
+    refuse(page, request, errorJson(std::current_exception()));
+  }
 }
 
 void Gateway::Impl::said(PageId page, const std::string& text) {
@@ -224,6 +279,11 @@ void Gateway::Impl::heed(PageId page, std::uint64_t request, const Json& message
   const std::string what = textIn(message, "do");
   if (what == "follow") return follow(page, request, numberIn(message, "session"));
   if (what == "ping") return web->send(page, textOf({{"reply", request}}));
+  if (what == "drop") {
+    const std::lock_guard lock(mutex);
+    given.drop(page, numberIn(message, "gift"));
+    return web->send(page, textOf({{"reply", request}}));
+  }
   {
     const std::lock_guard lock(mutex);
     if (pages[page].unanswered >= kMostUnanswered) {
@@ -236,10 +296,13 @@ void Gateway::Impl::heed(PageId page, std::uint64_t request, const Json& message
   try {
     const auto body = message.find("body");
     if (what == "describe") return describe(page, request, message);
+    if (what == "load") return load(page, request, message);
     if (what == "ask" && body != message.end()) return ask(page, request, *body);
     if (what == "edit" && body != message.end()) return edit(page, request, message);
     rejectInput(
-        "do: {}: it must be follow, ping, describe, ask or edit, the last two with a body",
+        "do: {}: it must be follow, ping, describe, load, drop, ask or edit, the last two with "
+        "a "
+        "body",
         handgraft::quoted(what));
   } catch (...) {
     const std::lock_guard lock(mutex);
@@ -354,6 +417,49 @@ void Gateway::Impl::describe(PageId page, std::uint64_t request, const Json& mes
              web->sendBytes(page, std::make_shared<const std::string>(modelFrame(
                                       static_cast<std::uint32_t>(request),
                                       std::get<v1::ModelDescription>(std::move(outcome)))));
+           });
+}
+
+void Gateway::Impl::load(PageId page, std::uint64_t request, const Json& message) {
+  require(page, Rights::kEdit);
+  const auto kind = v1::enumeratorFrom<v1::ModelKind>(textIn(message, "kind"), "kind");
+  std::shared_ptr<const Gift> gift;
+  {
+    const std::lock_guard lock(mutex);
+    gift = given.find(page, numberIn(message, "gift"));
+  }
+  sendModel(page, request, gift,
+            gift->model(kind, textIn(message, "main"), textIn(message, "object"),
+                        textIn(message, "units")),
+            false);
+}
+
+void Gateway::Impl::sendModel(PageId page,
+                              std::uint64_t request,
+                              const std::shared_ptr<const Gift>& gift,
+                              const ModelFiles& model,
+                              bool is_apart) {
+  whenDone(client.load(model),
+           [this, page, request, gift, model, is_apart](Outcome<v1::ModelSummary> outcome) {
+             if (const auto* summary = std::get_if<v1::ModelSummary>(&outcome)) {
+               return answer(page, request, {{"model", idl::jsonOf(*summary)}});
+             }
+             const auto& error = std::get<std::exception_ptr>(outcome);
+             if (is_apart || !isConflict(error)) {
+               Json told = errorJson(error);
+               told["message"] = gift->inPagesWords(told["message"]);
+               return answer(page, request, {{"error", told}});
+             }
+             const std::lock_guard lock(mutex);
+             work.push_back([this, page, request, gift, model] {
+               try {
+                 ModelFiles apart = model;
+                 apart.name = nameApart(model);
+                 sendModel(page, request, gift, apart, true);
+               } catch (...) {
+                 answer(page, request, {{"error", errorJson(std::current_exception())}});
+               }
+             });
            });
 }
 
@@ -593,6 +699,7 @@ Gateway::~Gateway() {
   impl_->ending = true;
   followed.swap(impl_->followed);
   past.swap(impl_->past);
+  impl_->work.clear();
 }
 
 std::uint16_t Gateway::port() const {
@@ -606,6 +713,13 @@ void Gateway::tend() {
     past.swap(impl_->past);
   }
   past.clear();
+  std::vector<std::function<void()>> work;
+  {
+    const std::lock_guard lock(impl_->mutex);
+    work.swap(impl_->work);
+  }
+  for (const auto& step : work)
+    step();
   if (!impl_->findServer()) return;
   std::vector<std::uint64_t> ended;
   {

@@ -198,10 +198,10 @@ class WebServer::Impl::Live : public std::enable_shared_from_this<Live> {
       // What comes until the other side has closed, too, is dropped.
     } else if (!allowance_.take()) {
       close(websocket::close_code::policy_error, "too many messages");
-    } else if (!stream_.got_text()) {
-      close(websocket::close_code::bad_payload, "messages are text");
-    } else {
+    } else if (stream_.got_text()) {
       server_.audience.said(page_, beast::buffers_to_string(buffer_.data()));
+    } else {
+      server_.audience.gave(page_, beast::buffers_to_string(buffer_.data()));
     }
     buffer_.consume(buffer_.size());
     if (!closing_) read();

@@ -20,6 +20,8 @@ class Audience {
   virtual ~Audience() = default;
   virtual void joined(PageId page, Rights rights) = 0;
   virtual void said(PageId page, const std::string& text) = 0;
+  /// A message of bytes: a part of a file.
+  virtual void gave(PageId page, const std::string& frame) = 0;
   virtual void left(PageId page) = 0;
 };
 

@@ -83,6 +83,13 @@ FileFence::FileFence(const fs::path& model, const PackageMap& packages) {
     workspace_.push_back(fs::absolute(folder).lexically_normal());
 }
 
+FileFence FileFence::around(const fs::path& folder) {
+  FileFence fence;
+  fence.folders_.push_back(resolved(folder));
+  fence.closed_ = true;
+  return fence;
+}
+
 void FileFence::require(const std::string& what, const fs::path& file, Kind kind) const {
   const fs::path real = resolved(file);
   const Types& types = typesOf(kind);
@@ -91,6 +98,7 @@ void FileFence::require(const std::string& what, const fs::path& file, Kind kind
                 quoted(real.string()), fmt::join(types, " "));
   }
   if (isInside(real, file)) return;
+  if (closed_) rejectInput("{}: it leads out of the files that were given", quoted(what));
   rejectInput(
       "{}: {} is not sent: it lies outside {}, and no package that was named holds it; "
       "--package NAME=DIR names one",
@@ -104,6 +112,7 @@ bool FileFence::isInside(const fs::path& file, const fs::path& found_as) const {
     });
   };
   if (holds(folders_, file)) return true;
+  if (closed_) return false;
   if (holds(workspace_, fs::absolute(found_as).lexically_normal())) return true;
   // A package of a checkout, beside the model's or above it.
   std::error_code error;

@@ -24,15 +24,21 @@ class FileFence {
   /// of another type.
   FileFence(const std::filesystem::path& model, const PackageMap& packages);
 
+  /// Files that lie in that folder alone: those of strangers, gathered there.
+  static FileFence around(const std::filesystem::path& folder);
+
   /// Errors: InvalidInput, naming `what`, the file and where it may lie.
   void require(const std::string& what, const std::filesystem::path& file, Kind kind) const;
 
  private:
+  FileFence() = default;
+
   [[nodiscard]] bool isInside(const std::filesystem::path& file,
                               const std::filesystem::path& found_as) const;
 
   std::vector<std::filesystem::path> folders_;
   std::vector<std::filesystem::path> workspace_;  ///< as found: its links are the user's own
+  bool closed_ = false;                           ///< no package of the neighbourhood counts
 };
 
 }  // namespace handgraft::client

@@ -81,7 +81,11 @@ void notePackage(PackageMap& packages, const std::string& uri, const fs::path& f
 
 // Packages of an installed workspace come last: what the user names or keeps beside the URDF is
 // meant rather than what happens to be installed.
-fs::path findMesh(const std::string& uri, const fs::path& folder, const PackageMap& given) {
+fs::path findMesh(const std::string& uri,
+                  const fs::path& folder,
+                  const PackageMap& given,
+                  const fs::path& within) {
+  if (!within.empty()) return resolveResourceWithin(within, uri, folder, given);
   try {
     return resolveResource(uri, folder, given);
   } catch (const InvalidInput&) {
@@ -112,9 +116,13 @@ std::vector<std::string> urisInGltf(const std::string& text) {
   return uris;
 }
 
-void addBuffersOfGltf(ModelFiles& model, const fs::path& mesh) {
+FileFence fenceOf(const fs::path& model, const PackageMap& packages, const fs::path& within) {
+  return within.empty() ? FileFence(model, packages) : FileFence::around(within);
+}
+
+void addBuffersOfGltf(ModelFiles& model, const fs::path& mesh, const fs::path& within) {
   if (mesh.extension() != ".gltf") return;
-  const FileFence fence(mesh, {});
+  const FileFence fence = fenceOf(mesh, {}, within);
   const std::string text = readFile(mesh);
   for (const std::string& uri : urisInGltf(text)) {
     if (uri.empty() || uri.compare(0, 5, "data:") == 0) continue;
@@ -126,7 +134,9 @@ void addBuffersOfGltf(ModelFiles& model, const fs::path& mesh) {
     static const std::regex kPicture(R"(.*\.(png|jpe?g|webp|ktx2?|dds)$)", std::regex::icase);
     if (std::regex_match(uri, kPicture)) continue;
     try {
-      const fs::path buffer = resolveResource(uri, fs::absolute(mesh).parent_path(), {});
+      const fs::path folder = fs::absolute(mesh).parent_path();
+      const fs::path buffer = within.empty() ? resolveResource(uri, folder, {})
+                                             : resolveResourceWithin(within, uri, folder, {});
       fence.require(uri, buffer, FileFence::Kind::kBuffer);
       add(model, uri, buffer);
     } catch (const InvalidInput& error) {
@@ -171,7 +181,7 @@ ModelFiles handFiles(const fs::path& urdf,
   ModelFiles model = withMainFile(v1::MODEL_HAND, urdf);
   model.units = units;
   const fs::path folder = fs::absolute(urdf).parent_path();
-  const FileFence fence(urdf, reading.packages);
+  const FileFence fence = fenceOf(urdf, reading.packages, reading.within);
   for (const auto& [name, directory] : reading.packages)
     model.packages[name] = fs::absolute(directory);
   for (const std::string& uri : meshUrisIn(readFile(urdf))) {
@@ -181,7 +191,7 @@ ModelFiles handFiles(const fs::path& urdf,
     }
     fs::path mesh;
     try {
-      mesh = findMesh(uri, folder, reading.packages);
+      mesh = findMesh(uri, folder, reading.packages, reading.within);
       fence.require(uri, mesh, FileFence::Kind::kMesh);
       add(model, uri, mesh);
     } catch (const InvalidInput& error) {
@@ -214,10 +224,10 @@ ModelFiles handFiles(const fs::path& urdf,
   return model;
 }
 
-ModelFiles objectFiles(const fs::path& mesh, const std::string& units) {
+ModelFiles objectFiles(const fs::path& mesh, const std::string& units, const fs::path& within) {
   ModelFiles model = withMainFile(v1::MODEL_OBJECT, mesh);
   model.units = units;
-  addBuffersOfGltf(model, mesh);
+  addBuffersOfGltf(model, mesh, within);
   return model;
 }
 
@@ -228,7 +238,7 @@ ModelFiles contactFiles(const fs::path& path,
   ModelFiles model = withMainFile(v1::MODEL_CONTACTS, path);
   model.object = object;
   model.units = units;
-  addBuffersOfGltf(model, path);
+  addBuffersOfGltf(model, path, reading.within);
   v1::ContactOptions options = reading.options;
   if (!reading.picture.empty()) {
     options.picture_uri("picture/" + reading.picture.filename().string());
@@ -274,6 +284,36 @@ std::string nameApart(const ModelFiles& model) {
     hash.addText(file.text ? *file.text : readFile(file.path));
   }
   return model.name.substr(0, 55) + "-" + hash.finish().substr(0, kShort);
+}
+
+PackageMap packagesWithin(const fs::path& within, const fs::path& urdf) {
+  std::vector<fs::path> folders = {within};
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(within))
+    if (entry.is_directory()) folders.push_back(entry.path());
+  std::sort(folders.begin(), folders.end());  // what holds another one comes before it
+  PackageMap packages;
+  for (const std::string& uri : meshUrisIn(readFile(urdf))) {
+    if (uri.compare(0, kPackageScheme.size(), kPackageScheme) != 0) continue;
+    const std::string rest = uri.substr(kPackageScheme.size());
+    const std::size_t slash = rest.find('/');
+    if (slash == std::string::npos || packages.count(rest.substr(0, slash)) != 0) continue;
+    const std::string name = rest.substr(0, slash);
+    const fs::path file = fs::path(rest.substr(slash + 1)).lexically_normal();
+    if (file.empty() || file.is_absolute() || *file.begin() == "..") continue;
+    const auto holds = [&](const fs::path& one) {
+      return fs::is_regular_file(one / file);
+    };
+    const auto isNamed = [&](const fs::path& one) {
+      return one != within && one.filename() == name;
+    };
+    auto found = std::find_if(folders.begin(), folders.end(), [&](const fs::path& one) {
+      return isNamed(one) && holds(one);
+    });
+    if (found == folders.end()) found = std::find_if(folders.begin(), folders.end(), holds);
+    if (found == folders.end()) found = std::find_if(folders.begin(), folders.end(), isNamed);
+    if (found != folders.end()) packages.emplace(name, *found);
+  }
+  return packages;
 }
 
 std::string textOf(const v1::HandOptions& o) {

@@ -27,13 +27,17 @@ struct HandReading {
   /// Named poses; empty: the SRDF beside the URDF that has its name, if there is one.
   std::filesystem::path srdf;
   v1::HandOptions options;  ///< but for `srdf_uri`, which `handFiles` sets
+  /// The folder that holds all files there are, and beyond which nothing is looked at: for
+  /// strangers'. Empty: as `FileFence` permits.
+  std::filesystem::path within = {};
 };
 
 /// How a contact map is to be read.
 struct ContactReading {
-  std::filesystem::path picture;  ///< empty: none; likewise the next
-  std::filesystem::path joints;   ///< of the hand that touched
-  v1::ContactOptions options;     ///< but for the URIs, which `contactFiles` sets
+  std::filesystem::path picture;      ///< empty: none; likewise the next
+  std::filesystem::path joints;       ///< of the hand that touched
+  v1::ContactOptions options;         ///< but for the URIs, which `contactFiles` sets
+  std::filesystem::path within = {};  ///< as in HandReading
 };
 
 /// Every file that the server needs to read one model, and how it is to read them.
@@ -71,8 +75,11 @@ ModelFiles handFiles(const std::filesystem::path& urdf,
                      const HandReading& reading,
                      const std::string& units = {});
 
-/// A mesh; for glTF, the buffers beside it too. Errors as `handFiles`.
-ModelFiles objectFiles(const std::filesystem::path& mesh, const std::string& units = {});
+/// A mesh; for glTF, the buffers beside it too. `within` as in HandReading. Errors as
+/// `handFiles`.
+ModelFiles objectFiles(const std::filesystem::path& mesh,
+                       const std::string& units = {},
+                       const std::filesystem::path& within = {});
 
 /// A contact set (JSON) or a contact map (PLY, or glTF and the like with a picture). Errors as
 /// `handFiles`.
@@ -93,6 +100,11 @@ ModelFiles plannedMotion(const std::string& name,
 /// A name that tells the model apart from others of its name: that, and a hash of all bytes,
 /// URIs, units and options. Errors: InvalidInput if a file cannot be read.
 std::string nameApart(const ModelFiles& model);
+
+/// The packages that a URDF names, as folders of those there are below `within`: where the
+/// first mesh lies that the URDF looks for in it, rather a folder of its name than another one.
+PackageMap packagesWithin(const std::filesystem::path& within,
+                          const std::filesystem::path& urdf);
 
 /// The options as text, the same for equal ones.
 std::string textOf(const v1::HandOptions& options);

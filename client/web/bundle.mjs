@@ -38,7 +38,7 @@ const files = new Map([
   ['page.css', Buffer.from(style.outputFiles[0].contents)],
 ]);
 // The licences of what is bundled go along with it.
-const licences = ['three', 'three-mesh-bvh', 'camera-controls', 'uplot'].map((name) => {
+const licences = ['three', 'three-mesh-bvh', 'camera-controls', 'uplot', 'fflate'].map((name) => {
   const text = readFileSync(join(process.cwd(), 'node_modules', name, 'LICENSE'), 'utf8');
   return `=== ${name}\n\n${text}\n`;
 });

@@ -1,5 +1,6 @@
 #include "core/base/resource_uri.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <optional>
 #include <set>
@@ -128,6 +129,45 @@ fs::path resolveResource(const std::string& uri,
   if (path.is_relative()) path = base_directory / path;
   if (!isFile(path)) {
     rejectInput("{}: no such file (looked at {})", quoted(uri), quoted(path.string()));
+  }
+  return path;
+}
+
+fs::path resolveResourceWithin(const fs::path& within,
+                               const std::string& uri,
+                               const fs::path& base_directory,
+                               const PackageMap& packages) {
+  const std::string package_scheme = "package://";
+  fs::path path;
+  if (startsWith(uri, package_scheme)) {
+    const std::string rest = decodePercent(uri.substr(package_scheme.size()));
+    const std::size_t slash = rest.find('/');
+    if (slash == std::string::npos || slash == 0) {
+      rejectInput("{}: a package URI reads package://NAME/PATH", quoted(uri));
+    }
+    const auto found = packages.find(rest.substr(0, slash));
+    if (found == packages.end()) {
+      rejectInput("{}: package {} is not among the files that were given", quoted(uri),
+                  quoted(rest.substr(0, slash)));
+    }
+    path = found->second / fs::path(rest.substr(slash + 1)).relative_path();
+  } else if (uri.find("://") != std::string::npos || fs::path(uri).is_absolute()) {
+    rejectInput(
+        "{}: only package:// and relative paths can be read of files that were given without "
+        "their place",
+        quoted(uri));
+  } else {
+    path = base_directory / uri;
+  }
+  path = path.lexically_normal();
+  const fs::path root = within.lexically_normal();
+  const auto [end, rest] = std::mismatch(root.begin(), root.end(), path.begin(), path.end());
+  if (end != root.end() || rest == path.end()) {
+    rejectInput("{}: it leads out of the files that were given", quoted(uri));
+  }
+  if (!isFile(path)) {
+    rejectInput("{}: no such file among those that were given (looked for {})", quoted(uri),
+                quoted(path.lexically_relative(root).string()));
   }
   return path;
 }

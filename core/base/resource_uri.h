@@ -28,6 +28,17 @@ std::filesystem::path resolveResource(const std::string& uri,
                                       const std::filesystem::path& base_directory,
                                       const PackageMap& packages);
 
+/// The same among the files below the folder `within`, for URIs of strangers: nothing else of
+/// this machine is looked at, and no message tells what is there. Packages are those of
+/// `packages`.
+///
+/// Errors: InvalidInput, naming the URI, if it is absolute, leads out of the folder, or if
+/// there is no such file.
+std::filesystem::path resolveResourceWithin(const std::filesystem::path& within,
+                                            const std::string& uri,
+                                            const std::filesystem::path& base_directory,
+                                            const PackageMap& packages);
+
 /// Another way to find the file that a URI means: a server maps URIs to files it was sent, and
 /// opens no other. Errors: InvalidInput naming the URI if there is none.
 using ResourceFinder = std::function<std::filesystem::path(const std::string& uri)>;

@@ -1,6 +1,6 @@
 // The gateway, or the data that an exported page brings along.
 
-import { readModel, type EditBody, type Model, type MotionFrames, type PoseSolution, type SessionState } from './wire';
+import { readModel, type EditBody, type Model, type ModelSummary, type MotionFrames, type PoseSolution, type SessionState } from './wire';
 
 export class Refusal extends Error {
   constructor(
@@ -36,6 +36,11 @@ export interface Link {
   edit(session: number, body: EditBody): Promise<{ revision: number; message: string }>;
   describe<Description>(kind: string, name: string): Promise<Model<Description>>;
   follow(session: number): Promise<SessionState>;
+  /** A file of those that belong together, by its path among them. */
+  give(gift: number, path: string, file: Blob, sent: (bytes: number) => void): Promise<void>;
+  /** Has the server read a model of what was given. */
+  load(gift: number, kind: string, main: string, object: string, units: string): Promise<ModelSummary>;
+  forget(gift: number): void;
 }
 
 interface Waiting {
@@ -46,6 +51,18 @@ interface Waiting {
 const kFirstPause_ms = 250;
 const kLongestPause_ms = 4000;
 const kHeartbeat_ms = 4000;
+const kPart = 1 << 20; // bytes of a file in one message
+const kPace_ms = 10; // between messages of many files: the gateway takes so many a second
+
+/** The length of a head in 4 bytes, the head, and what it is about. */
+function frameOf(text: string, bytes: Uint8Array): Uint8Array {
+  const head = new TextEncoder().encode(text);
+  const frame = new Uint8Array(4 + head.length + bytes.length);
+  new DataView(frame.buffer).setUint32(0, head.length, true);
+  frame.set(head, 4);
+  frame.set(bytes, 4 + head.length);
+  return frame;
+}
 
 /** A WebSocket that is opened again whenever it goes. */
 export class LiveLink implements Link {
@@ -90,6 +107,26 @@ export class LiveLink implements Link {
     return ((await this.send({ do: 'follow', session })) as { session: SessionState }).session;
   }
 
+  async give(gift: number, path: string, file: Blob, sent: (bytes: number) => void): Promise<void> {
+    for (let offset = 0; offset === 0 || offset < file.size; offset += kPart) {
+      const begun = performance.now();
+      const bytes = await file.slice(offset, offset + kPart).arrayBuffer();
+      const head = { do: 'put', gift, path, total_bytes: file.size, offset };
+      await this.send(head, new Uint8Array(bytes));
+      sent(Math.min(file.size, offset + kPart));
+      const rest = kPace_ms - (performance.now() - begun);
+      if (rest > 0) await new Promise((resolve) => setTimeout(resolve, rest));
+    }
+  }
+
+  async load(gift: number, kind: string, main: string, object: string, units: string): Promise<ModelSummary> {
+    return ((await this.send({ do: 'load', gift, kind, main, object, units })) as { model: ModelSummary }).model;
+  }
+
+  forget(gift: number): void {
+    this.send({ do: 'drop', gift }).catch(() => undefined); // with the connection it goes anyway
+  }
+
   private open(): void {
     clearTimeout(this.timer);
     const socket = new WebSocket(this.address);
@@ -131,7 +168,7 @@ export class LiveLink implements Link {
     }
   }
 
-  private send(message: Record<string, unknown>): Promise<unknown> {
+  private send(message: Record<string, unknown>, bytes?: Uint8Array): Promise<unknown> {
     const socket = this.socket;
     if (socket === null || socket.readyState !== WebSocket.OPEN) {
       return Promise.reject(new Refusal('no_link', 'there is no connection'));
@@ -139,7 +176,8 @@ export class LiveLink implements Link {
     const id = ++this.last;
     return new Promise((resolve, reject) => {
       this.waiting.set(id, { resolve, reject });
-      socket.send(JSON.stringify({ id, ...message }));
+      const text = JSON.stringify({ id, ...message });
+      socket.send(bytes === undefined ? text : frameOf(text, bytes));
     });
   }
 
@@ -242,6 +280,18 @@ export class FileLink implements Link {
 
   async follow(): Promise<SessionState> {
     return this.data.state;
+  }
+
+  give(): Promise<void> {
+    return Promise.reject(new Refusal('not_permitted', 'this page is a file, without a server'));
+  }
+
+  load(): Promise<ModelSummary> {
+    return Promise.reject(new Refusal('not_permitted', 'this page is a file, without a server'));
+  }
+
+  forget(): void {
+    // Nothing was given.
   }
 }
 

@@ -4,6 +4,7 @@ import { Vector3 } from 'three';
 import { saveAs } from './export';
 import { h, icon } from './dom';
 import { History } from './history';
+import { dropped } from './files';
 import { legendStops } from './colors';
 import { findLink } from './link';
 import { OpenDialog } from './open';
@@ -240,7 +241,7 @@ const empty = h(
   'div',
   { class: 'empty', hidden: true },
   h('h2', {}, 'No session is open'),
-  h('p', {}, 'Open one that the server has, or choose a hand, an object and contacts for a new one.'),
+  h('p', {}, 'Open one that the server has, choose a hand, an object and contacts for a new one, or drop their files here.'),
   h('button', { class: 'main', onclick: () => void dialog.open() }, 'Open…'),
 );
 const busy = h('div', { class: 'busy', hidden: true, role: 'status' }, 'Loading…');
@@ -360,6 +361,34 @@ session.onNotice((notice) => {
   toasts.append(toast);
   while (toasts.children.length > 3) toasts.firstChild?.remove();
   setTimeout(() => toast.remove(), notice.kind === 'wrong' ? 9000 : 4000);
+});
+
+// === Files that are dropped
+
+const dropHere = h('div', { class: 'drop', hidden: true }, h('p', {}, 'Drop a hand (its folder or a zip), an object, contacts'));
+document.body.append(dropHere);
+const isOfFiles = (event: DragEvent) => event.dataTransfer?.types.includes('Files') === true;
+let inside = 0; // elements that the pointer has entered and not left
+window.addEventListener('dragenter', (event) => {
+  if (!isOfFiles(event)) return;
+  ++inside;
+  dropHere.hidden = !session.mayOpen;
+});
+window.addEventListener('dragleave', (event) => {
+  if (isOfFiles(event) && --inside <= 0) dropHere.hidden = true;
+});
+window.addEventListener('dragover', (event) => {
+  if (!isOfFiles(event)) return;
+  event.preventDefault(); // else the browser opens the file instead of the page
+});
+window.addEventListener('drop', (event) => {
+  inside = 0;
+  dropHere.hidden = true;
+  if (!isOfFiles(event)) return;
+  event.preventDefault();
+  if (!session.link.isLive) session.notify('This page is a file, without a server: it loads nothing.', 'wrong');
+  else if (!session.mayOpen) session.notify('This link is for looking: it loads nothing.', 'wrong');
+  else void dialog.take(dropped(event.dataTransfer!));
 });
 
 // === Keys

@@ -1,43 +1,230 @@
-// Which session: one that there is, or a new one.
+// Which session: one that there is, or a new one, of what the server has or of files.
 
 import { h } from './dom';
+import { asKind, chosen, sorted, type Given, type GivenFile, type Kind } from './files';
+import { Refusal } from './link';
 import type { Session } from './session';
 import type { ModelSummary, SessionState } from './wire';
+
+const kUnits = { m: 'metres', cm: 'centimetres', mm: 'millimetres', in: 'inches' };
+const kTitles = { hand: 'Hand', object: 'Object', contacts: 'Contacts' };
+const kAccepted = {
+  hand: '.urdf,.zip,.stl,.obj,.dae,.ply,.glb,.gltf,.srdf,.yaml',
+  object: '.obj,.stl,.ply,.glb,.gltf,.dae,.zip',
+  contacts: '.json,.ply,.glb,.gltf,.obj,.zip',
+};
+/** Of what the server brings along, the grasp that everything is reached in. */
+const kFirst = { hand: 'human20', object: 'lemon', contacts: 'lemon_6' };
+/** Contacts of an object that suit a hand better than the others. */
+const kSuited: Record<string, string> = { 'barrett8 lemon': 'lemon_3' };
+
+let lastGift = 0;
+
+/** A hand, an object or contacts: chosen among those that the server has, or given as files. */
+class Part {
+  readonly select = h('select', { required: true });
+  readonly element: HTMLElement;
+  isBusy = false;
+  private readonly note = h('p', { class: 'note', role: 'status', 'aria-live': 'polite', hidden: true });
+  private readonly mains = h('select', { 'aria-label': 'which of the files' });
+  private readonly units = h('select', { 'aria-label': 'its units' }, ...Object.entries(kUnits).map(([value, text]) => h('option', { value }, text)));
+  private readonly mainLine = h('label', { class: 'line', hidden: true }, 'Read first', this.mains);
+  private readonly unitsLine = h(
+    'div',
+    { class: 'line', hidden: true },
+    'It is in',
+    this.units,
+    h('button', { type: 'button', class: 'small', onclick: () => void this.load(this.units.value) }, 'Yes'),
+  );
+  private given: Given | null = null;
+  private gift = 0;
+  private turn = 0; // what was given last counts
+
+  constructor(
+    readonly kind: Kind,
+    private readonly session: Session,
+    private readonly objectOf: () => string,
+    private readonly changed: () => void,
+  ) {
+    const title = kTitles[kind].toLowerCase();
+    const input = h('input', {
+      type: 'file',
+      multiple: true,
+      accept: kAccepted[kind],
+      hidden: true,
+      'aria-label': `files of the ${title}`,
+      onchange: () => void this.choose(input),
+    });
+    const folder = h('input', { type: 'file', hidden: true, 'aria-label': `folder of the ${title}`, onchange: () => void this.choose(folder) });
+    folder.webkitdirectory = true;
+    const of = (text: string, what: HTMLInputElement) =>
+      h('button', { type: 'button', class: 'small', 'aria-label': `${text.replace('…', '')} of the ${title}`, onclick: () => what.click() }, text);
+    this.element = h(
+      'div',
+      { class: 'part' },
+      h('label', {}, kTitles[kind], this.select),
+      h('div', { class: 'line' }, 'or', of('File…', input), kind === 'contacts' ? null : of('Folder…', folder), input, folder),
+      this.note,
+      this.mainLine,
+      this.unitsLine,
+    );
+    this.element.dataset['kind'] = kind;
+    this.select.addEventListener('change', () => {
+      this.forget(); // one of the server's instead
+      this.note.hidden = this.mainLine.hidden = this.unitsLine.hidden = true;
+      this.changed();
+    });
+    this.mains.addEventListener('change', () => void this.load(''));
+  }
+
+  /** Those that the server has. */
+  offer(models: ModelSummary[]): void {
+    const had = this.select.value;
+    this.select.replaceChildren(...models.filter((model) => model.kind === this.kind).map((model) => h('option', { value: model.name, title: model.text }, model.name)));
+    const names = [...this.select.options].map((option) => option.value);
+    this.select.value = names.includes(had) ? had : names.includes(kFirst[this.kind]) ? kFirst[this.kind] : (names[0] ?? '');
+  }
+
+  /** Files take the place of what was chosen: sent, and read by the server. */
+  async give(given: Given): Promise<void> {
+    this.forget();
+    const turn = ++this.turn;
+    const gift = ++lastGift;
+    this.given = given;
+    this.gift = gift;
+    this.mains.replaceChildren(...given.mains.map((path) => h('option', { value: path }, path)));
+    this.mainLine.hidden = given.mains.length < 2;
+    this.unitsLine.hidden = true;
+    this.setBusy(true);
+    try {
+      const total = given.files.reduce((sum, { file }) => sum + file.size, 0);
+      let before = 0;
+      for (const { path, file } of given.files) {
+        await this.session.link.give(gift, path, file, (bytes) => {
+          this.tell(`Sending ${path}: ${Math.round((100 * (before + bytes)) / Math.max(1, total))} %`);
+        });
+        if (turn !== this.turn) return;
+        before += file.size;
+      }
+      await this.load('');
+    } catch (error) {
+      if (turn !== this.turn) return;
+      this.tell(error instanceof Error ? error.message : String(error), 'bad');
+      this.setBusy(false);
+    }
+  }
+
+  get isGiven(): boolean {
+    return this.given !== null;
+  }
+
+  /** The files again: contacts, of another object. */
+  async again(): Promise<void> {
+    if (this.given !== null && !this.isBusy) await this.load(this.unitsLine.hidden ? '' : this.units.value);
+  }
+
+  /** What is wrong with what was to be given. */
+  refuse(text: string): void {
+    this.tell(text, 'bad');
+  }
+
+  forget(): void {
+    if (this.gift !== 0) this.session.link.forget(this.gift);
+    this.gift = 0;
+    this.given = null;
+  }
+
+  private async choose(input: HTMLInputElement): Promise<void> {
+    const list = input.files;
+    if (list === null || list.length === 0) return;
+    this.tell('Reading…');
+    try {
+      await this.give(asKind(this.kind, await chosen(list)));
+    } catch (error) {
+      this.tell(error instanceof Error ? error.message : String(error), 'bad');
+    }
+    input.value = ''; // the same file once more is a change, too
+  }
+
+  private async load(units: string): Promise<void> {
+    const turn = ++this.turn;
+    const main = this.mains.value;
+    this.setBusy(true);
+    this.tell(`The server reads ${main}…`);
+    try {
+      const model = await this.session.link.load(this.gift, this.kind, main, this.kind === 'contacts' ? this.objectOf() : '', units);
+      if (turn !== this.turn) return;
+      if (![...this.select.options].some((option) => option.value === model.name)) {
+        this.select.append(h('option', { value: model.name, title: model.text }, model.name));
+      }
+      this.select.value = model.name;
+      this.tell(`✓ ${main}: ${model.text}`, 'good');
+      this.changed();
+    } catch (error) {
+      if (turn !== this.turn) return;
+      const text = error instanceof Error ? error.message : String(error);
+      const isOfUnits = error instanceof Refusal && error.code === 'units';
+      if (isOfUnits) {
+        this.units.value = /--units (mm|cm|in|m)\b/.exec(text)?.[1] ?? 'mm';
+        this.unitsLine.hidden = false;
+      }
+      this.tell(isOfUnits ? `${text.split(': say --units')[0]!}: say which.` : text, 'bad');
+    } finally {
+      if (turn === this.turn) this.setBusy(false);
+    }
+  }
+
+  private setBusy(isBusy: boolean): void {
+    this.isBusy = isBusy;
+    this.changed();
+  }
+
+  private tell(text: string, tone = 'off'): void {
+    this.note.hidden = false;
+    this.note.textContent = text;
+    this.note.dataset['tone'] = tone;
+  }
+}
 
 export class OpenDialog {
   readonly element: HTMLDialogElement;
   private readonly list = h('div', { class: 'list' });
-  private readonly chosen: Record<'hand' | 'object' | 'contacts', HTMLSelectElement>;
+  private readonly parts: Record<Kind, Part>;
   private readonly note = h('p', { class: 'note', role: 'status' });
   private readonly make: HTMLButtonElement;
+  private readonly form: HTMLElement;
+  private object = '';
+  private hand = '';
 
   constructor(private readonly session: Session) {
-    const select = () => h('select', { required: true });
-    this.chosen = { hand: select(), object: select(), contacts: select() };
+    const part = (kind: Kind) => new Part(kind, session, () => this.parts.object.select.value, () => this.changed());
+    this.parts = { hand: part('hand'), object: part('object'), contacts: part('contacts') };
     this.make = h('button', { class: 'main', onclick: () => void this.create() }, 'Grasp');
+    this.form = h(
+      'div',
+      {},
+      h('h2', {}, 'New'),
+      h('p', { class: 'note' }, 'Of what the server has, or of files: drop a hand’s folder or zip, a mesh, contacts anywhere on the page.'),
+      h('div', { class: 'form' }, this.parts.hand.element, this.parts.object.element, this.parts.contacts.element),
+    );
     this.element = h(
       'dialog',
       { 'aria-label': 'Open a session' },
       h('h2', {}, 'Open'),
       this.list,
-      h('h2', {}, 'New'),
-      h(
-        'div',
-        { class: 'form' },
-        h('label', {}, 'Hand', this.chosen.hand),
-        h('label', {}, 'Object', this.chosen.object),
-        h('label', {}, 'Contacts', this.chosen.contacts),
-      ),
+      this.form,
       this.note,
       h('div', { class: 'line end' }, h('button', { onclick: () => this.element.close() }, 'Cancel'), this.make),
     );
-    this.chosen.object.addEventListener('change', () => this.match());
+    this.element.addEventListener('close', () => {
+      for (const one of Object.values(this.parts)) one.forget();
+    });
   }
 
   async open(): Promise<void> {
     this.note.textContent = '';
-    this.make.disabled = !this.session.mayEdit;
-    this.element.showModal();
+    this.form.hidden = this.make.hidden = !this.session.mayOpen;
+    if (!this.element.open) this.element.showModal();
     try {
       const [sessions, models] = await Promise.all([
         this.session.link.ask<{ sessions: SessionState[] }>({ kind: 'list_sessions' }),
@@ -61,45 +248,80 @@ export class OpenDialog {
         ),
       );
       if (sessions.sessions.length === 0) this.list.append(h('p', { class: 'note' }, 'The server has none yet.'));
-      for (const kind of ['hand', 'object', 'contacts'] as const) {
-        const had = this.chosen[kind].value;
-        this.chosen[kind].replaceChildren(
-          ...models.models.filter((model) => model.kind === kind).map((model) => h('option', { value: model.name, title: model.text }, model.name)),
-        );
-        if (had !== '') this.chosen[kind].value = had;
-      }
-      this.match();
+      for (const one of Object.values(this.parts)) one.offer(models.models);
+      this.object = this.parts.object.select.value;
+      this.hand = this.parts.hand.select.value;
     } catch (error) {
-      this.note.textContent = error instanceof Error ? error.message : String(error);
+      this.fail(error);
     }
   }
 
-  /** Contacts that are named after the object. */
-  private match(): void {
-    const object = this.chosen.object.value;
-    const options = [...this.chosen.contacts.options];
-    const found = options.find((option) => option.value.startsWith(object));
-    if (found !== undefined) this.chosen.contacts.value = found.value;
+  /** Files that were dropped: each where it belongs, contacts once there is their object. */
+  async take(files: Promise<GivenFile[]>): Promise<void> {
+    files.catch(() => undefined); // told below, when the dialog is there
+    await this.open();
+    try {
+      delete this.note.dataset['tone'];
+      this.note.textContent = 'Reading…';
+      const given = await sorted(await files);
+      this.note.textContent = '';
+      const of = (kind: Kind) => given.find((one) => one.kind === kind);
+      const give = async (one: Given | undefined) => one !== undefined && (await this.parts[one.kind].give(one));
+      await Promise.all([give(of('hand')), give(of('object'))]);
+      await give(of('contacts'));
+    } catch (error) {
+      this.fail(error);
+    }
+  }
+
+  private fail(error: unknown): void {
+    this.note.dataset['tone'] = 'bad';
+    this.note.textContent = error instanceof Error ? error.message : String(error);
+  }
+
+  private changed(): void {
+    this.make.disabled = Object.values(this.parts).some((part) => part.isBusy);
+    const object = this.parts.object.select.value;
+    const hand = this.parts.hand.select.value;
+    const isOther = object !== this.object;
+    if (!isOther && hand === this.hand) return;
+    [this.object, this.hand] = [object, hand];
+    if (this.parts.contacts.isGiven) {
+      if (isOther) void this.parts.contacts.again();
+    } else {
+      this.match(hand, object, isOther);
+    }
+  }
+
+  /** Contacts that suit the hand, else those that are named after the object. */
+  private match(hand: string, object: string, isOther: boolean): void {
+    const { select } = this.parts.contacts;
+    const names = [...select.options].map((option) => option.value);
+    const suited = kSuited[`${hand} ${object}`];
+    const named = names.filter((name) => name.startsWith(object) && !Object.values(kSuited).includes(name));
+    if (suited !== undefined && names.includes(suited)) select.value = suited;
+    else if ((isOther || Object.values(kSuited).includes(select.value)) && named[0] !== undefined) select.value = named[0];
   }
 
   private async create(): Promise<void> {
     this.make.disabled = true;
+    delete this.note.dataset['tone'];
     this.note.textContent = 'Opening…';
     try {
       const state = await this.session.link.ask<SessionState>({
         kind: 'open_session',
         open_session: {
-          hand: this.chosen.hand.value,
-          object: this.chosen.object.value,
-          contacts: this.chosen.contacts.value,
+          hand: this.parts.hand.select.value,
+          object: this.parts.object.select.value,
+          contacts: this.parts.contacts.select.value,
         },
       });
       this.element.close();
       await this.session.show(state.session_id);
     } catch (error) {
-      this.note.textContent = error instanceof Error ? error.message : String(error);
+      this.fail(error);
     } finally {
-      this.make.disabled = !this.session.mayEdit;
+      this.make.disabled = false;
     }
   }
 }

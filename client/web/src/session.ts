@@ -97,6 +97,11 @@ export class Session implements Listener {
     return this.mayEditAny && !this.isOfMotion;
   }
 
+  /** Other sessions and models, whatever this one is. */
+  get mayOpen(): boolean {
+    return this.mayEditAny && this.link.isLive;
+  }
+
   private get isOfMotion(): boolean {
     return (this.state?.motion ?? '') !== '';
   }

@@ -54,6 +54,19 @@ class GatewayTest : public testing::Test {
   /// What is answered to a message.
   json ask(BarePage& page, const std::string& message) {
     page.say(message);
+    return answerTo(page);
+  }
+
+  /// Likewise, to part of a file.
+  json give(BarePage& page, const std::string& head, const std::string& bytes) {
+    std::string frame(4, '\0');
+    frame[0] = static_cast<char>(head.size());
+    frame += head + bytes;
+    page.send(BarePage::frameHead(frame.size(), 2) + frame);
+    return answerTo(page);
+  }
+
+  static json answerTo(BarePage& page) {
     while (const auto frame = page.frame()) {
       json heard = json::parse(frame->payload);
       if (heard.contains("reply")) return heard;
@@ -100,7 +113,8 @@ TEST_F(GatewayTest, AnswersNonsenseWithWhatIsWrong) {
 TEST_F(GatewayTest, AsksTheServerForNothingThatIsNotForPages) {
   serve();
   const auto page = join();
-  for (const char* kind : {"close_session", "unload_model", "cancel", "replay", "sweep"}) {
+  for (const char* kind : {"close_session", "unload_model", "cancel", "replay", "sweep",
+                           "put_file", "load_model"}) {
     EXPECT_EQ(ask(*page, fmt::format(R"({{"do": "ask", "body": {{"kind": "{}"}}}})",
                                      kind))["error"]["code"],
               "not_permitted")
@@ -119,6 +133,45 @@ TEST_F(GatewayTest, ThoseWhoLookDoNotEdit) {
             "not_permitted");
   EXPECT_EQ(server_.operations(), std::vector<v1::Operation>());
   EXPECT_TRUE(ask(*page, R"({"do": "ask", "body": {"kind": "list_models"}})").contains("body"));
+}
+
+TEST_F(GatewayTest, TakesFilesInParts) {
+  serve();
+  const auto page = join();
+  const auto put = [&](const char* path) {
+    return give(
+        *page,
+        fmt::format(R"({{"do": "put", "gift": 1, "path": "{}", "total_bytes": 3}})", path),
+        "v 1");
+  };
+  EXPECT_FALSE(put("cube.obj").contains("error"));
+  EXPECT_EQ(put("../cube.obj")["error"]["code"], "invalid_input");
+  for (const char* head : {"", "[]", "{", R"({"do": "load"})"})
+    EXPECT_EQ(give(*page, head, "")["error"]["code"], "invalid_input") << head;
+  page->send(BarePage::frameHead(4, 2) + "\xff\xff\xff\xff");
+  EXPECT_EQ(answerTo(*page)["error"]["code"], "invalid_input");
+
+  // What the server says of it comes back: this one knows no files.
+  const std::string load = R"({"id": 8, "do": "load", "gift": 1, "kind": "object", )"
+                           R"("object": "", "units": "", "main": )";
+  EXPECT_EQ(ask(*page, load + R"("cube.obj"})")["error"]["code"], "not_found");
+  EXPECT_EQ(ask(*page, load + R"("sphere.obj"})")["error"]["code"], "invalid_input");
+  EXPECT_EQ(server_.operations(), std::vector<v1::Operation>{v1::OP_PUT_FILE});
+  EXPECT_FALSE(ask(*page, R"({"do": "drop", "gift": 1})").contains("error"));
+  EXPECT_EQ(ask(*page, load + R"("cube.obj"})")["error"]["code"], "invalid_input");
+}
+
+TEST_F(GatewayTest, TakesNoFilesOfThoseWhoLook) {
+  serve(true);
+  const auto page = join();
+  EXPECT_EQ(give(*page, R"({"do": "put", "gift": 1, "path": "a.obj", "total_bytes": 1})",
+                 "v")["error"]["code"],
+            "not_permitted");
+  EXPECT_EQ(
+      ask(*page,
+          R"({"do": "load", "gift": 1, "kind": "object", "main": "a.obj"})")["error"]["code"],
+      "not_permitted");
+  EXPECT_EQ(server_.operations(), std::vector<v1::Operation>());
 }
 
 TEST_F(GatewayTest, FollowsSessionsThatThereAre) {

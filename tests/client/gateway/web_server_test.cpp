@@ -37,6 +37,12 @@ class Listener : public Audience {
     news_.notify_all();
   }
 
+  void gave(PageId /*page*/, const std::string& frame) override {
+    const std::lock_guard lock(mutex_);
+    texts_.push_back("bytes " + frame);
+    news_.notify_all();
+  }
+
   void left(PageId /*page*/) override {
     const std::lock_guard lock(mutex_);
     ++left_;
@@ -220,11 +226,11 @@ TEST_F(WebServerTest, EndsAPageThatSendsTooOften) {
   listener_.awaitLeaving(1);
 }
 
-TEST_F(WebServerTest, EndsAPageThatSendsNoText) {
+TEST_F(WebServerTest, TellsBytesFromText) {
   BarePage page(serve());
   page.upgrade();
   page.send(BarePage::frameHead(2, 2) + "ab");
-  EXPECT_EQ(page.closingCode(), 1007);
+  EXPECT_EQ(listener_.awaitText(), "bytes ab");
 }
 
 TEST_F(WebServerTest, HasOnlySoManyConnections) {
