@@ -14,11 +14,13 @@ import { Stage } from './stage';
 import { Timeline } from './timeline';
 import { Tools, type Mode } from './tools';
 import { View } from './view';
+import { edits } from './wire';
 
 const kIcons = {
   patches: 'M12 3v4M12 17v4M3 12h4M17 12h4M12 9a3 3 0 1 0 0 6 3 3 0 0 0 0-6z',
   fingers: 'M8 13V5a1.5 1.5 0 0 1 3 0v6m0-1V3.5a1.5 1.5 0 0 1 3 0V11m0-5a1.5 1.5 0 0 1 3 0v8c0 4-2 7-5.5 7S7 19 5 15l-1-2.5a1.4 1.4 0 0 1 2.5-1L8 13.500',
   object: 'M12 3l8 4.500v9L12 21l-8-4.500v-9zM12 12l8-4.500M12 12v9M12 12L4 7.500',
+  palm: 'M6 21v-5L4 12.500a1.4 1.4 0 0 1 2.500-1L8 13.500V7h9v8c0 3-1 4.500-2 6zM12.500 1v4m-2-2l2-2 2 2M19 11h4m-2-2l2 2-2 2',
   undo: 'M9 7L4 12l5 5M4 12h10a6 6 0 0 1 6 6',
   redo: 'M15 7l5 5-5 5M20 12H10a6 6 0 0 0-6 6',
   frame: 'M4 9V4h5M15 4h5v5M20 15v5h-5M9 20H4v-5',
@@ -35,7 +37,7 @@ const root = document.getElementById('page')!;
 const canvas = h('canvas', {
   tabIndex: 0,
   role: 'img',
-  'aria-label': 'The hand, the object and the contacts on both. Arrow keys move the contact that is chosen.',
+  'aria-label': 'The hand, the object and the contacts on both. Arrow keys move the contact that is chosen, or the object or the palm where these are dragged.',
 });
 const area = h('div', { class: 'picture' }, canvas);
 root.append(area);
@@ -215,6 +217,7 @@ const modes: [Mode, string, string][] = [
   ['patches', 'Contacts', '1'],
   ['fingers', 'Fingers', '2'],
   ['object', 'Object', '3'],
+  ['palm', 'Palm', '4'],
 ];
 const modeButtons = new Map<Mode, HTMLButtonElement>();
 const toolbar = h('div', { class: 'modes', role: 'toolbar', 'aria-label': 'What to drag' });
@@ -227,6 +230,15 @@ function setMode(mode: Mode): void {
   for (const [other, one] of modeButtons) one.setAttribute('aria-pressed', String(other === mode));
   tools.setMode(mode);
   view.update();
+}
+// What was put somewhere and stays there.
+const letGo = h('button', { class: 'held', hidden: true, onclick: () => void session.edit(edits.release('')) });
+toolbar.append(letGo);
+function showHeld(): void {
+  const links = (session.solution?.held ?? []).map((one) => one.link);
+  letGo.hidden = links.length === 0;
+  letGo.textContent = `Let go of ${links.length === 1 ? links[0] : `${links.length} held places`}`;
+  letGo.title = `Held where they were put: ${links.join(', ')}`;
 }
 const legend = h(
   'figure',
@@ -301,6 +313,8 @@ function shown(change: Change): void {
   if (change === 'settings') view.update();
   if (change === 'pose' || change === 'settings' || change === 'models') panel.show();
   if (change === 'motion') openTab('time');
+
+  showHeld();
 
   // === The head
   const isOpen = state !== null;
@@ -402,12 +416,13 @@ window.addEventListener('keydown', (event) => {
   if (withControl && key === 'z') void (event.shiftKey ? session.redo() : session.undo());
   else if (withControl && key === 'y') void session.redo();
   else if (withControl || event.altKey) return;
-  else if (key === '1' || key === '2' || key === '3') setMode(modes[Number(key) - 1]![0]);
+  else if (/^[1-4]$/.test(key)) setMode(modes[Number(key) - 1]![0]);
   else if (key === 'f') void view.frame(true);
   else if (key === 'r' || key === 'g') tools.turnGizmo(key === 'r' ? 'rotate' : 'translate');
   else if (key === 'escape') choose(null);
   else if (session.motion !== null && key === ' ' && !target.matches('button, input, select, summary')) timeline.toggle();
   else if (session.motion !== null && (key === ',' || key === '.')) timeline.step(key === ',' ? -1 : 1);
+  else if (/^(arrow|page)/.test(key) && target === canvas && (tools.mode === 'object' || tools.mode === 'palm')) tools.step(key, event.shiftKey);
   else if (key.startsWith('arrow') && target === canvas && view.chosen !== null) nudge(key, !event.shiftKey);
   else return;
   event.preventDefault();

@@ -1,4 +1,4 @@
-// What a pointer does on the picture: drag dots, fingers, the object; else it turns the view.
+// What a pointer does on the picture: drag dots, fingers, the palm, the object; else it turns the view.
 
 import { Matrix4, Object3D, Plane, Quaternion, Vector3 } from 'three';
 import { TransformControls } from 'three/examples/jsm/controls/TransformControls.js';
@@ -8,7 +8,7 @@ import type { Drag, Session } from './session';
 import type { Stage } from './stage';
 import { edits, type Side } from './wire';
 
-export type Mode = 'patches' | 'fingers' | 'object';
+export type Mode = 'patches' | 'fingers' | 'object' | 'palm';
 
 export interface Moved {
   patch: string;
@@ -41,6 +41,9 @@ export interface Told {
 
 const kApart_px = 22;
 const kReach_px = { mouse: 14, touch: 26 };
+const kPalmHold = 30; // it stays where it was put, turned so, too, until it is let go: contacts would have it back at once
+const kKeyStep_m = 0.002;
+const kKeyTurn = Math.PI / 60;
 const kFreeHold = 0; // weight of a finger that is dragged: it may go where contacts want it, afterwards
 
 interface Held {
@@ -88,13 +91,18 @@ export class Tools {
     this.gizmo.addEventListener('dragging-changed', (event) => {
       const isDragging = event.value as boolean;
       stage.controls.enabled = !isDragging;
-      if (isDragging) this.placing = this.session.drag();
-      else {
+      if (isDragging) {
+        this.placing = this.session.drag();
+        if (this.mode === 'palm') this.told.onGrip(true);
+      } else {
         this.placing?.end();
         this.placing = null;
+        this.told.onGrip(false);
       }
     });
-    this.gizmo.addEventListener('objectChange', () => this.placeObject());
+    this.gizmo.addEventListener('objectChange', () => {
+      if (this.placing !== null) this.place(this.placing);
+    });
   }
 
   work(scenery: Scenery | null): void {
@@ -109,7 +117,7 @@ export class Tools {
 
   setMode(mode: Mode): void {
     this.mode = mode;
-    const isShown = mode === 'object' && this.scenery !== null && this.session.mayEdit;
+    const isShown = this.hasGizmo && this.scenery !== null && this.session.mayEdit;
     this.gizmo.getHelper().visible = isShown;
     this.gizmo.enabled = isShown;
     this.follow();
@@ -122,10 +130,33 @@ export class Tools {
     this.stage.redraw();
   }
 
-  /** The gizmo goes where the object went. */
+  private get hasGizmo(): boolean {
+    return this.mode === 'object' || this.mode === 'palm';
+  }
+
+  /** The gizmo goes where the object or the palm went. */
   follow(): void {
     if (this.scenery === null || this.placing !== null) return;
-    this.scenery.object.X_WO.decompose(this.proxy.position, this.proxy.quaternion, this.proxy.scale);
+    const X_W = this.mode === 'palm' ? this.scenery.hand.links[0]?.group.matrix : this.scenery.object.X_WO;
+    X_W?.decompose(this.proxy.position, this.proxy.quaternion, this.proxy.scale);
+  }
+
+  /** The object or the palm, moved or turned by so much as the viewer sees it: for keys. */
+  step(key: string, turns: boolean): void {
+    if (!this.hasGizmo || this.scenery === null || !this.session.mayEdit || this.placing !== null) return;
+    const axis = (column: number) => new Vector3().setFromMatrixColumn(this.stage.camera.matrixWorld, column);
+    const [column, sign] = ({ arrowright: [0, 1], arrowleft: [0, -1], arrowup: [1, 1], arrowdown: [1, -1], pageup: [2, -1], pagedown: [2, 1] } as const)[key] ?? [0, 0];
+    if (turns) {
+      // Right turns about what points up, up about what points right.
+      const about = axis(column === 2 ? 2 : 1 - column).multiplyScalar(column === 1 ? -1 : 1);
+      this.proxy.quaternion.premultiply(new Quaternion().setFromAxisAngle(about, sign * kKeyTurn));
+    } else {
+      this.proxy.position.addScaledVector(axis(column), sign * kKeyStep_m);
+    }
+    const drag = this.session.drag();
+    this.place(drag);
+    drag.end();
+    this.stage.redraw();
   }
 
   hint(): string {
@@ -136,7 +167,9 @@ export class Tools {
       case 'fingers':
         return 'Drag any part of the hand: it goes there, the other contacts give way.';
       case 'object':
-        return 'Drag the arrows to move the object; press R for its rotation, G for its place.';
+        return 'Drag the arrows to move the object; press R for its rotation, G for its place. Arrow keys do both, too.';
+      case 'palm':
+        return 'Drag the arrows to move the palm; press R for its rotation, G for its place. It is held there until you let it go.';
     }
   }
 
@@ -177,7 +210,7 @@ export class Tools {
 
   private down(event: PointerEvent): void {
     if (event.target !== this.stage.canvas || this.held !== null || event.button !== 0) return;
-    if (this.mode === 'object' && this.gizmo.axis !== null) return;
+    if (this.hasGizmo && this.gizmo.axis !== null) return;
     const [x, y] = this.at(event);
     const handle = this.dotAt(x, y, event.pointerType === 'touch');
     if (handle !== null) {
@@ -317,12 +350,18 @@ export class Tools {
     }, 600);
   }
 
-  private placeObject(): void {
-    if (this.scenery === null || this.placing === null) return;
+  /** The object or the palm goes where the gizmo is. */
+  private place(drag: Drag): void {
+    if (this.scenery === null) return;
     const { position, quaternion } = this.proxy;
+    const q = [quaternion.w, quaternion.x, quaternion.y, quaternion.z] as [number, number, number, number];
+    if (this.mode === 'palm') {
+      const link = this.scenery.hand.links[0];
+      if (link !== undefined) drag.move(edits.drag(link.name, [0, 0, 0], position.toArray(), kPalmHold, q));
+      return;
+    }
     this.scenery.object.pose(new Matrix4().compose(position, quaternion, new Vector3(1, 1, 1)));
-    const q: Quaternion = quaternion;
-    this.placing.move(edits.place({ p_m: [position.x, position.y, position.z], q_wxyz: [q.w, q.x, q.y, q.z] }));
+    drag.move(edits.place({ p_m: position.toArray(), q_wxyz: q }));
     this.told.onMoved();
   }
 

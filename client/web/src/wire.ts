@@ -257,9 +257,9 @@ export const edits = {
     kind: 'joint_soft',
     joint_soft: { joint, value, weight },
   }),
-  drag: (link: string, p_L_m: number[], target_W_m: number[], weight: number): EditBody => ({
+  drag: (link: string, p_L_m: number[], target_W_m: number[], weight: number, target_q_wxyz: number[] = []): EditBody => ({
     kind: 'drag',
-    drag: { link, p_L_m, target_W_m, target_q_wxyz: [], weight },
+    drag: { link, p_L_m, target_W_m, target_q_wxyz, weight },
   }),
   release: (link: string): EditBody => ({ kind: 'release', release: { link } }),
   place: (X_WO: Pose): EditBody => ({ kind: 'object_pose', X_WO }),

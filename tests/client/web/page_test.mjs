@@ -9,6 +9,33 @@ import { bin, browser, distance, domain, dotOf, downloads, dragBy, factsOf, hand
 
 // === The tests
 
+/** Takes the gizmo by an arrow, and moves it along. */
+async function dragGizmo(page) {
+  // Along the arrow that is seen from the side most: the end of it is where the gizmo is taken.
+  const grip = await page.evaluate(() => {
+    const { stage, tools } = globalThis.handgraft;
+    const canvas = stage.canvas.getBoundingClientRect();
+    const origin = tools.proxy.position;
+    const at = (dx, dy, dz) => {
+      const p = origin.clone();
+      p.x += dx; p.y += dy; p.z += dz;
+      return stage.project(p);
+    };
+    const zero = at(0, 0, 0);
+    const arms = [at(0.02, 0, 0), at(0, 0.02, 0), at(0, 0, 0.02)].map((p) => ({ x: p.x - zero.x, y: p.y - zero.y }));
+    const longest = arms.sort((a, b) => Math.hypot(b.x, b.y) - Math.hypot(a.x, a.y))[0];
+    const length = Math.hypot(longest.x, longest.y);
+    return { x: canvas.x + zero.x, y: canvas.y + zero.y, dx: longest.x / length, dy: longest.y / length };
+  });
+  let taken = null;
+  for (let reach = 30; reach < 160 && taken === null; reach += 6) {
+    await page.mouse.move(grip.x + reach * grip.dx, grip.y + reach * grip.dy);
+    if (await page.evaluate(() => /^[XYZ]$/.test(globalThis.handgraft.tools.gizmo.axis ?? ''))) taken = reach;
+  }
+  assert.ok(taken, 'an arrow of the gizmo is under the pointer');
+  await dragBy(page, { x: grip.x + taken * grip.dx, y: grip.y + taken * grip.dy }, 25 * grip.dx, 25 * grip.dy);
+}
+
 const tests = {
   async 'A contact is laid elsewhere by dragging its dot over the hand'(address) {
     const session = await openSession();
@@ -114,31 +141,52 @@ const tests = {
     await sleep(300);
     await still(page);
     const before = (await factsOf(page)).X_WO;
-    // Along the arrow that is seen from the side most: the end of it is where the gizmo is taken.
-    const grip = await page.evaluate(() => {
-      const { stage, view } = globalThis.handgraft;
-      const canvas = stage.canvas.getBoundingClientRect();
-      const origin = view.object.X_WO;
-      const at = (dx, dy, dz) => {
-        const p = stage.camera.position.clone().setFromMatrixPosition(origin);
-        p.x += dx; p.y += dy; p.z += dz;
-        return stage.project(p);
-      };
-      const zero = at(0, 0, 0);
-      const arms = [at(0.02, 0, 0), at(0, 0.02, 0), at(0, 0, 0.02)].map((p) => ({ x: p.x - zero.x, y: p.y - zero.y }));
-      const longest = arms.sort((a, b) => Math.hypot(b.x, b.y) - Math.hypot(a.x, a.y))[0];
-      const length = Math.hypot(longest.x, longest.y);
-      return { x: canvas.x + zero.x, y: canvas.y + zero.y, dx: longest.x / length, dy: longest.y / length };
-    });
-    let taken = null;
-    for (let reach = 30; reach < 160 && taken === null; reach += 6) {
-      await page.mouse.move(grip.x + reach * grip.dx, grip.y + reach * grip.dy);
-      if (await page.evaluate(() => /^[XYZ]$/.test(globalThis.handgraft.tools.gizmo.axis ?? ''))) taken = reach;
-    }
-    assert.ok(taken, 'an arrow of the gizmo is under the pointer');
-    await dragBy(page, { x: grip.x + taken * grip.dx, y: grip.y + taken * grip.dy }, 25 * grip.dx, 25 * grip.dy);
+    await dragGizmo(page);
     await waitRevision(page, 1);
     assert.ok(distance((await factsOf(page)).X_WO, before) > 1e-3, 'the object is elsewhere');
+    return page;
+  },
+
+  async 'The palm is moved by its arrows and turned by keys, stays there, and is let go'(address) {
+    const session = await openSession();
+    const page = await openPage(`${address}?session=${session}`, { width: 1280, height: 720 });
+    await rest(page);
+    const palmOf = () => page.evaluate(() => globalThis.handgraft.session.solution.X_WL[0]);
+    const before = await palmOf();
+    await page.focus('canvas');
+    await page.keyboard.press('4');
+    await still(page);
+    await dragGizmo(page);
+    await waitRevision(page, 1);
+    const moved = await palmOf();
+    assert.ok(distance(before.p_m, moved.p_m) > 0.003, 'the palm is elsewhere');
+    const { held } = await page.evaluate(() => globalThis.handgraft.session.solution);
+    assert.deepEqual(held.map((one) => one.link), ['palm']);
+    await picture(page, 'palm');
+    // The whole drag is undone at once.
+    const revision = await page.evaluate(() => globalThis.handgraft.session.state.revision);
+    await page.keyboard.down('Control');
+    await page.keyboard.press('z');
+    await page.keyboard.up('Control');
+    await waitRevision(page, revision + 1);
+    assert.ok(distance(before.p_m, (await palmOf()).p_m) < 1e-6);
+
+    // By keys: Shift turns.
+    await page.keyboard.down('Shift');
+    for (let i = 0; i < 3; ++i) {
+      await page.keyboard.press('ArrowLeft');
+      await rest(page);
+    }
+    await page.keyboard.up('Shift');
+    await page.keyboard.press('ArrowUp');
+    await waitRevision(page, revision + 5);
+    const turned = await palmOf();
+    const cosine = Math.abs(before.q_wxyz.reduce((sum, q, i) => sum + q * turned.q_wxyz[i], 0));
+    assert.ok(2 * Math.acos(Math.min(1, cosine)) > 0.1, 'it is turned');
+    await page.click('.modes .held');
+    await waitRevision(page, revision + 6);
+    assert.equal(await page.$eval('.modes .held', (element) => element.hidden), true);
+    assert.equal((await page.evaluate(() => globalThis.handgraft.session.solution.held)).length, 0);
     return page;
   },
 
