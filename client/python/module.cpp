@@ -2,18 +2,22 @@
 /// (handgraft/__init__.py) makes numpy arrays and names of it.
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <deque>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 #include <utility>
 #include <variant>
 
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include "client/gateway/gateway.h"
+#include "client/gateway/page_file.h"
 #include "client/link/client.h"
 #include "client/link/session.h"
 #include "client/python/python_message.h"
@@ -179,6 +183,48 @@ void defineErrors() {
   });
 }
 
+/// The page of a server's sessions, served on this machine alone for as long as this lives.
+class Page {
+ public:
+  Page(std::shared_ptr<client::Client> server, const std::string& folder)
+      : server_(std::move(server)),
+        gateway_(*server_, web_, client::gateway::readWebFiles(folder)),
+        address_(client::gateway::addressOf(web_, gateway_.port())),
+        thread_([this] {
+          tend();
+        }) {}
+
+  ~Page() {
+    const py::gil_scoped_release released;  // the thread may be about to tell something
+    ending_ = true;
+    thread_.join();
+  }
+
+  Page(const Page&) = delete;
+  Page& operator=(const Page&) = delete;
+
+  [[nodiscard]] const std::string& address() const { return address_; }
+
+ private:
+  void tend() {
+    while (!ending_) {
+      try {
+        gateway_.tend();
+      } catch (const std::exception&) {
+        // Pages are told; the next time, perhaps.
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+  }
+
+  const client::gateway::WebOptions web_;
+  const std::shared_ptr<client::Client> server_;
+  client::gateway::Gateway gateway_;
+  const std::string address_;
+  std::atomic<bool> ending_ = false;
+  std::thread thread_;  ///< last: it uses the others
+};
+
 void defineServer(py::module_& module) {
   using client::Client;
   py::class_<Client, std::shared_ptr<Client>>(module, "Client")
@@ -268,7 +314,17 @@ void defineServer(py::module_& module) {
           [](Client& server, const py::dict& body) {
             return awaitDict(server.ask(bodyOf(body)));
           },
-          "body"_a);
+          "body"_a)
+      .def(
+          "page_file",
+          [](Client& server, std::uint64_t id, const std::string& folder) {
+            const py::gil_scoped_release released;
+            return client::gateway::pageFile(server, id, client::gateway::readWebFiles(folder));
+          },
+          "session_id"_a, "folder"_a);
+  py::class_<Page>(module, "Page")
+      .def(py::init<std::shared_ptr<Client>, const std::string&>(), "server"_a, "folder"_a)
+      .def_property_readonly("address", &Page::address);
 }
 
 void defineSession(py::module_& module) {

@@ -3,10 +3,10 @@
     import handgraft
 
     server = handgraft.connect()
-    pose = server.grasp("barrett8", "lemon", "lemon_6")
+    pose = server.grasp("barrett8", "lemon", "lemon_3")
     print(pose.verdict, pose.joints)
 
-    with server.open("barrett8", "lemon", "lemon_6") as session:
+    with server.open("barrett8", "lemon", "lemon_3") as session:
         session.solve()
         session.lock("thumb_distal_flex")
         print(session.pose().joints)
@@ -27,9 +27,10 @@ import numpy as np
 from . import _handgraft
 from .errors import Cancelled, Error, InvalidInput, NoServer, Refused, SolveFailed, TransportError
 from .poses import Patch, Pose, matrix_of, message_of
+from .view import View, web_folder
 
 __all__ = [
-    "connect", "Server", "Session", "Pose", "Patch", "Error", "InvalidInput", "Refused", "NoServer",
+    "connect", "Server", "Session", "Pose", "Patch", "View", "Error", "InvalidInput", "Refused", "NoServer",
     "SolveFailed", "Cancelled", "TransportError",
 ]
 
@@ -52,6 +53,7 @@ class Server:
 
     def __init__(self, client: _handgraft.Client):
         self._client = client
+        self._page: _handgraft.Page | None = None
 
     @property
     def status(self) -> dict[str, Any]:
@@ -62,6 +64,12 @@ class Server:
     def is_private(self) -> bool:
         """True for a server that `connect` started."""
         return self._client.is_private
+
+    def _address(self) -> str:
+        """Of the page of this server's sessions, which is served from the first time on."""
+        if self._page is None:
+            self._page = _handgraft.Page(self._client, web_folder())
+        return self._page.address
 
     # === Models
 
@@ -112,15 +120,15 @@ class Server:
             request["X_WO"] = message_of(X_WO)
         if weights is not None:
             request["weights"] = dict(zip(("distance", "normal", "prior"), weights))
-        return Session(self._client.open_session(request))
+        return Session(self._client.open_session(request), self)
 
     def join(self, session_id: int) -> Session:
         """A session that somebody else opened."""
-        return Session(self._client.join_session(session_id))
+        return Session(self._client.join_session(session_id), self)
 
     def load_session(self, text: str) -> Session:
         """A session of what `Session.save` gave."""
-        return Session(self._client.load_session(text))
+        return Session(self._client.load_session(text), self)
 
     def sessions(self) -> list[int]:
         """Numbers of the sessions that are open."""
@@ -147,8 +155,9 @@ class Session:
     `close` or until nobody has used it for long.
     """
 
-    def __init__(self, session: _handgraft.Session):
+    def __init__(self, session: _handgraft.Session, server: Server):
         self._session = session
+        self._server = server
         state = session.state()
         self._joints: list[str] = list(state["joint_names"])
         self._revision: int = state["revision"]
@@ -302,6 +311,22 @@ class Session:
     def redo(self, count: int = 1) -> None:
         """Brings back edits that were taken back."""
         self.edit("redo", "steps", {"count": count})
+
+    # === Looking
+
+    def view(self, live: bool = True, *, width: int | str = "100%", height: int | str = 600) -> View:
+        """The session as a page, which notebooks show in a frame: looked at and edited by mouse, touch and keys.
+
+        It is served on this machine for as long as the `Server` lives. With ``live=False`` it is the pose as it is
+        now, as one file without a server: kept in a notebook that is saved, seen on other machines, and where frames
+        of other addresses are not shown. Raises InvalidInput where the page was not built.
+        """
+        state = self._session.state()
+        title = f"{state['hand']} grasps {state['object']}"
+        if not live:
+            text = self._server._client.page_file(self.id, web_folder())
+            return View(None, text, title, width, height)
+        return View(f"{self._server._address()}?session={self.id}", None, title, width, height)
 
     # === Files
 
