@@ -16,6 +16,7 @@
 #include "core/base/error.h"
 #include "core/base/network.h"
 #include "server/admission/service.h"
+#include "server/reading/sandbox.h"
 #include "server/store/model_library.h"
 #include "server/store/state_file.h"
 #include "server/store/state_store.h"
@@ -125,12 +126,13 @@ void serve(const Options& options, const sigset_t& stop_signals) {
   service.start();
   spdlog::info(
       "event=ready version={}{} domain={} interface={} models={} sessions={} left_out={} "
-      "workers={} state={}",
+      "workers={} state={} readers_kept_from={}",
       HANDGRAFT_VERSION,
       options.network.server.empty() ? "" : " name=" + options.network.server,
       options.network.domain, options.network.interface, models.size(),
       service.status().session_count(), left_out, options.workers,
-      state ? handgraft::quoted(state->path()) : "memory");
+      state ? handgraft::quoted(state->path()) : "memory",
+      handgraft::quoted(server::sandboxOfThisKernel()));
 
   const int signal = waitFor(stop_signals);
   spdlog::info("event=stopping signal={}", signal);

@@ -9,18 +9,11 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "server/reading/sanitized.h"
+
 namespace handgraft::server {
 
 namespace {
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kIsSanitized = true;  // g++
-#elif defined(__has_feature)
-constexpr bool kIsSanitized =
-    __has_feature(address_sanitizer) || __has_feature(thread_sanitizer);  // clang
-#else
-constexpr bool kIsSanitized = false;
-#endif
 
 /// The libraries are there already; a mesh and its picture are two.
 constexpr rlim_t kMostFiles = 32;

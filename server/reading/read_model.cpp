@@ -197,6 +197,14 @@ ReadMotion readMotion(const ReadRequest& request) {
 
 }  // namespace
 
+std::vector<std::filesystem::path> filesOf(const ReadRequest& request) {
+  std::vector<std::filesystem::path> files;
+  files.reserve(request.files.size());
+  for (const auto& [uri, file] : request.files)
+    files.push_back(file);
+  return files;
+}
+
 ReadModel readModel(const ReadRequest& request, const Progress& progress) {
   progress.report("reading the model", 0.0);
   progress.checkpoint();

@@ -64,6 +64,9 @@ struct ReadRequest {
   ContactReading contacts;
 };
 
+/// All that reading it may open.
+std::vector<std::filesystem::path> filesOf(const ReadRequest& request);
+
 struct ReadHand {
   hand::HandModel model;  ///< its rest pose is the one asked for
   /// Joints of the file that place the whole hand, cut off (hand/floating_base.h).

@@ -1,7 +1,8 @@
 // handgraft-reader MEMORY_MB SECONDS PARENT: reads one upload for the server that started it.
 //
 // Standard input is the packed request (a file), standard output takes frames. All that is
-// confined is confined before the first byte of anybody's file is looked at.
+// confined is confined before the first byte of anybody's file is looked at; the request is the
+// server's own, and says which files those are.
 
 #include <chrono>
 #include <cstdio>
@@ -17,6 +18,7 @@
 #include "server/reading/confinement.h"
 #include "server/reading/frames.h"
 #include "server/reading/packed.h"
+#include "server/reading/sandbox.h"
 #include "server/reading/units.h"
 
 namespace {
@@ -64,6 +66,7 @@ Progress::Listener teller() {
 void answer() {
   try {
     const server::ReadRequest request = server::unpackRequest(requestBytes());
+    server::forbidAllButReading(server::filesOf(request));
     const std::string model = server::pack(server::readModel(request, Progress(teller())));
     if (model.size() > server::kMostModelBytes) {
       rejectInput("what it holds takes {} MB; permitted are {}", model.size() >> 20,

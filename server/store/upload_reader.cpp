@@ -132,6 +132,8 @@ std::string wayOfEnd(End end, int status, const ReaderLimits& limits) {
   const int signal = WTERMSIG(status);
   // The processor's time has its limit, too.
   if (signal == SIGXCPU) return timeText(limits);
+  if (signal == SIGSYS)
+    return "tried what no file needs: a call of the system that is forbidden";
   if (signal == SIGKILL) return "was killed by the system, which may be out of memory";
   return fmt::format("ended by signal {} ({})", signal, sigdescr_np(signal));
 }

@@ -1,5 +1,6 @@
 // A reader of uploads that comes to a bad end, or lies: the model's name says how.
 
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -8,12 +9,14 @@
 #include <vector>
 
 #include <fcntl.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "server/reading/confinement.h"
 #include "server/reading/frames.h"
 #include "server/reading/packed.h"
+#include "server/reading/sandbox.h"
 
 namespace {
 
@@ -76,6 +79,18 @@ void act(const std::string& name) {
     const int file = open("/dev/shm/handgraft-fake-reader", O_CREAT | O_WRONLY, 0600);
     if (file >= 0 && write(file, "x", 1) == 1) say(framed(FrameKind::kWrong, "wrote"));
   }
+  if (name == "opens") {
+    if (open("/etc/hostname", O_RDONLY) >= 0) say(framed(FrameKind::kWrong, "opened"));
+    say(framed(FrameKind::kWrong, errno == EACCES ? "denied" : "another error"));
+  }
+  if (name == "connects" && socket(AF_INET, SOCK_STREAM, 0) != -2)
+    say(framed(FrameKind::kWrong, "went on"));
+  if (name == "forks" && fork() != -2) say(framed(FrameKind::kWrong, "went on"));
+  if (name == "executes" && execl("/bin/true", "true", nullptr) != -2)
+    say(framed(FrameKind::kWrong, "went on"));
+  if (name == "signals" && kill(getppid(), 0) != -2) say(framed(FrameKind::kWrong, "went on"));
+  if (name == "removes" && unlink("/tmp/handgraft-no-such-file") != -2)
+    say(framed(FrameKind::kWrong, "went on"));
   if (name == "babbles") say(std::string(1 << 20, 'z'));
   if (name == "boasts") say(std::string("m") + std::string(8, '\x7f'));
   if (name == "stops_short")
@@ -96,6 +111,8 @@ int main(int argc, char** argv) {
   limits.memory_bytes = std::stoull(argv[1]) << 20;
   limits.seconds = static_cast<unsigned>(std::stoul(argv[2]));
   confine(limits, static_cast<pid_t>(std::stol(argv[3])));
-  act(unpackRequest(request()).name);
+  const ReadRequest asked = unpackRequest(request());
+  forbidAllButReading(filesOf(asked));
+  act(asked.name);
   return 0;
 }

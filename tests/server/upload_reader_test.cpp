@@ -15,6 +15,8 @@
 #include <unistd.h>
 
 #include "core/base/error.h"
+#include "server/reading/sandbox.h"
+#include "server/reading/sanitized.h"
 #include "server/reading/units.h"
 
 #include "tests/server/small_grasp.h"
@@ -29,12 +31,6 @@ using testing::Not;
 
 constexpr const char* kReal = HANDGRAFT_READER;
 constexpr const char* kFake = HANDGRAFT_FAKE_READER;
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kIsSanitized = true;
-#else
-constexpr bool kIsSanitized = false;
-#endif
 
 ReadRequest objectRequest(const std::string& name) {
   ReadRequest request;
@@ -132,6 +128,17 @@ TEST(UploadReader, LetsAReaderWriteNothingAndInheritsItNothing) {
   EXPECT_THAT(endOf("writes"), Not(HasSubstr("wrote")));
   std::filesystem::remove("/dev/shm/handgraft-fake-reader");
   EXPECT_EQ(endOf("counts"), "3 open descriptors");
+}
+
+TEST(UploadReader, KillsAReaderThatDoesMoreThanRead) {
+  if (sandboxOfThisKernel() != "files, system calls")
+    GTEST_SKIP() << "this kernel can forbid: " << sandboxOfThisKernel();
+  const auto is_killed = AllOf(HasSubstr("'cup.obj'"), HasSubstr("is forbidden"));
+  for (const char* deed : {"writes", "connects", "forks", "executes", "signals", "removes"})
+    EXPECT_THAT(endOf(deed), is_killed) << deed;
+  EXPECT_EQ(endOf("opens"), "denied");
+  // Nobody else noticed.
+  EXPECT_NO_THROW((void)UploadReader(kReal).read(objectRequest("cup"), Progress()));
 }
 
 TEST(UploadReader, TellsMistakesFromWrongInput) {

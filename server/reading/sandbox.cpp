@@ -1,0 +1,177 @@
+#include "server/reading/sandbox.h"
+
+#include <cerrno>
+#include <cstdint>
+#include <initializer_list>
+#include <memory>
+#include <system_error>
+
+#include <fcntl.h>
+#include <linux/landlock.h>
+#include <seccomp.h>
+#include <sys/ioctl.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include "server/reading/sanitized.h"
+
+namespace handgraft::server {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+void require(bool done, const std::string& what) {
+  if (!done) throw std::system_error(errno, std::generic_category(), what);
+}
+
+// === Files: Landlock has no functions in the C library
+
+/// 0: none, or not for us.
+int landlockVersion() {
+  const long version =
+      syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION);
+  return version > 0 ? static_cast<int>(version) : 0;
+}
+
+/// One that cannot be found cannot be opened either: who tries that says so.
+void allowFile(int rules, const fs::path& file) {
+  const int fd = open(file.c_str(), O_PATH | O_CLOEXEC);
+  if (fd < 0) return;
+  landlock_path_beneath_attr rule{};
+  rule.allowed_access = LANDLOCK_ACCESS_FS_READ_FILE;
+  rule.parent_fd = fd;
+  const bool is_added =
+      syscall(SYS_landlock_add_rule, rules, LANDLOCK_RULE_PATH_BENEATH, &rule, 0) == 0;
+  close(fd);
+  require(is_added, "landlock_add_rule");
+}
+
+void forbidOtherFiles(const std::vector<fs::path>& files) {
+  const int version = landlockVersion();
+  if (version == 0) return;
+  landlock_ruleset_attr handled{};
+  handled.handled_access_fs = (LANDLOCK_ACCESS_FS_MAKE_SYM << 1) - 1;  // all of version 1
+  if (version >= 2) handled.handled_access_fs |= LANDLOCK_ACCESS_FS_REFER;
+  const auto rules =
+      static_cast<int>(syscall(SYS_landlock_create_ruleset, &handled, sizeof(handled), 0));
+  require(rules >= 0, "landlock_create_ruleset");
+  for (const fs::path& file : files)
+    allowFile(rules, file);
+  const bool is_done = syscall(SYS_landlock_restrict_self, rules, 0) == 0;
+  close(rules);
+  require(is_done, "landlock_restrict_self");
+}
+
+// === System calls
+
+bool kernelFiltersCalls() {
+  // A filter that does not exist: a kernel that has filters complains of the address.
+  return prctl(PR_SET_SECCOMP, 2 /* SECCOMP_MODE_FILTER */, nullptr) == -1 && errno == EFAULT;
+}
+
+class CallFilter {
+ public:
+  CallFilter() : filter_(seccomp_init(SCMP_ACT_KILL_PROCESS), &seccomp_release) {
+    require(filter_ != nullptr, "seccomp_init");
+  }
+
+  void allow(std::initializer_list<int> calls) {
+    for (const int call : calls)
+      add(call, {});
+  }
+
+  void allow(int call, std::initializer_list<scmp_arg_cmp> where) { add(call, where); }
+
+  void load() {
+    const int result = seccomp_load(filter_.get());
+    errno = -result;
+    require(result == 0, "seccomp_load");
+  }
+
+ private:
+  void add(int call, std::initializer_list<scmp_arg_cmp> where) {
+    if (call < 0) return;  // of other processors
+    const int result =
+        seccomp_rule_add_array(filter_.get(), SCMP_ACT_ALLOW, call,
+                               static_cast<unsigned>(where.size()), std::data(where));
+    errno = -result;
+    require(result == 0, "seccomp_rule_add");
+  }
+
+  std::unique_ptr<void, decltype(&seccomp_release)> filter_;
+};
+
+scmp_arg_cmp equals(unsigned argument, std::uint64_t value) {
+  return {argument, SCMP_CMP_EQ, value, 0};
+}
+
+void forbidOtherCalls() {
+  if (!kernelFiltersCalls()) return;
+  constexpr std::uint64_t kWriting = O_WRONLY | O_RDWR | O_CREAT | O_TRUNC | O_APPEND;
+  CallFilter filter;
+  // Memory, time and its end.
+  filter.allow({SCMP_SYS(brk),
+                SCMP_SYS(mmap),
+                SCMP_SYS(mremap),
+                SCMP_SYS(munmap),
+                SCMP_SYS(mprotect),
+                SCMP_SYS(madvise),
+                SCMP_SYS(futex),
+                SCMP_SYS(sched_yield),
+                SCMP_SYS(clock_gettime),
+                SCMP_SYS(clock_nanosleep),
+                SCMP_SYS(nanosleep),
+                SCMP_SYS(gettimeofday),
+                SCMP_SYS(getrandom),
+                SCMP_SYS(sysinfo),
+                SCMP_SYS(uname),
+                SCMP_SYS(getpid),
+                SCMP_SYS(gettid),
+                SCMP_SYS(rt_sigaction),
+                SCMP_SYS(rt_sigprocmask),
+                SCMP_SYS(rt_sigreturn),
+                SCMP_SYS(restart_syscall),
+                SCMP_SYS(exit),
+                SCMP_SYS(exit_group)});
+  // Reading. Which files may be opened is not seen here.
+  filter.allow(
+      {SCMP_SYS(read),       SCMP_SYS(readv),      SCMP_SYS(pread64),    SCMP_SYS(preadv),
+       SCMP_SYS(lseek),      SCMP_SYS(_llseek),    SCMP_SYS(close),      SCMP_SYS(fstat),
+       SCMP_SYS(fstat64),    SCMP_SYS(newfstatat), SCMP_SYS(fstatat64),  SCMP_SYS(stat),
+       SCMP_SYS(lstat),      SCMP_SYS(statx),      SCMP_SYS(access),     SCMP_SYS(faccessat),
+       SCMP_SYS(faccessat2), SCMP_SYS(readlink),   SCMP_SYS(readlinkat), SCMP_SYS(getcwd)});
+  filter.allow(SCMP_SYS(openat), {{2, SCMP_CMP_MASKED_EQ, kWriting, 0}});
+  filter.allow(SCMP_SYS(open), {{1, SCMP_CMP_MASKED_EQ, kWriting, 0}});
+  filter.allow(SCMP_SYS(fcntl), {equals(1, F_GETFD)});
+  filter.allow(SCMP_SYS(fcntl), {equals(1, F_GETFL)});
+  filter.allow(SCMP_SYS(ioctl), {equals(1, TCGETS)});  // whether a stream is a terminal
+  // The answer, and a complaint.
+  for (const auto stream : {STDOUT_FILENO, STDERR_FILENO}) {
+    filter.allow(SCMP_SYS(write), {equals(0, static_cast<std::uint64_t>(stream))});
+    filter.allow(SCMP_SYS(writev), {equals(0, static_cast<std::uint64_t>(stream))});
+  }
+  // abort() signals itself.
+  filter.allow(SCMP_SYS(tgkill), {equals(0, static_cast<std::uint64_t>(getpid()))});
+  filter.load();
+}
+
+}  // namespace
+
+void forbidAllButReading(const std::vector<fs::path>& files) {
+  if (kIsSanitized) return;
+  require(prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0, "PR_SET_NO_NEW_PRIVS");
+  forbidOtherFiles(files);
+  forbidOtherCalls();
+}
+
+std::string sandboxOfThisKernel() {
+  if (kIsSanitized) return "nothing";
+  std::string able;
+  if (landlockVersion() > 0) able = "files";
+  if (kernelFiltersCalls()) able += able.empty() ? "system calls" : ", system calls";
+  return able.empty() ? "nothing" : able;
+}
+
+}  // namespace handgraft::server
