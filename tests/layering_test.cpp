@@ -66,7 +66,7 @@ const std::vector<Layer> kLayers = {
     {"client/editor",
      {"core/base", "client/link", "client/present", "idl", "idl/cyclone"},
      {"eigen", "fmt"}},
-    {"client/gateway", {"core/base", "client/link", "idl"}, {"fmt"}},
+    {"client/gateway", {"core/base", "client/link", "idl", "idl/cyclone"}, {"fmt"}},
     {"client/cli",
      {"core/base", "client/editor", "client/gateway", "client/link", "client/present", "idl",
       "idl/cyclone"},

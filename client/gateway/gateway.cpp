@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
 #include <map>
 #include <mutex>
@@ -16,6 +17,7 @@
 #include <unistd.h>
 
 #include "client/gateway/given_files.h"
+#include "client/gateway/measured_hands.h"
 #include "client/gateway/model_frame.h"
 #include "client/link/following.h"
 #include "core/base/error.h"
@@ -155,7 +157,7 @@ struct Gateway::Impl : Audience, std::enable_shared_from_this<Gateway::Impl> {
     std::map<std::uint64_t, PageId> editors;  ///< by the revisions that they made
   };
 
-  explicit Impl(Client& to) : client(to) {}
+  explicit Impl(Client& to) : client(to), measured(to) {}
 
   // === What pages say
 
@@ -204,6 +206,7 @@ struct Gateway::Impl : Audience, std::enable_shared_from_this<Gateway::Impl> {
   void lose(std::uint64_t session, const std::string& why);
   void moveTo(std::uint64_t session, const v1::SessionState& state, bool is_same);
   void saveWhatRests();
+  void tellMeasured();
 
   /// Has `use` called with the outcome, unless this is gone by then.
   template <class T, class Use>
@@ -214,6 +217,7 @@ struct Gateway::Impl : Audience, std::enable_shared_from_this<Gateway::Impl> {
   }
 
   Client& client;
+  MeasuredHands measured;      ///< of `tend` alone
   std::recursive_mutex mutex;  ///< guards what follows, but for `web` itself
   std::map<PageId, Page> pages;
   std::map<std::uint64_t, Followed> followed;
@@ -683,6 +687,31 @@ void Gateway::Impl::saveWhatRests() {
   }
 }
 
+/// Where the hands are that follow a session, as they say themselves.
+void Gateway::Impl::tellMeasured() {
+  {
+    const std::lock_guard lock(mutex);
+    if (followed.empty()) return measured.rest();
+  }
+  measured.take([this](const v1::JointState& state) {
+    Json names = Json::array();
+    Json positions = Json::array();
+    for (std::size_t i = 0; i < std::min(state.names().size(), state.position_rad().size());
+         ++i) {
+      if (!std::isfinite(state.position_rad()[i])) continue;  // not measured
+      names.push_back(state.names()[i]);
+      positions.push_back(state.position_rad()[i]);
+    }
+    const Shared text = textOf({{"event", "measured"},
+                                {"session", state.session_id()},
+                                {"bridge", state.bridge_id()},
+                                {"names", names},
+                                {"positions", positions}});
+    const std::lock_guard lock(mutex);
+    tellFollowers(state.session_id(), "measured", text);
+  });
+}
+
 // === The gateway
 
 Gateway::Gateway(Client& client, const WebOptions& options, WebFiles files)
@@ -720,6 +749,11 @@ void Gateway::tend() {
   }
   for (const auto& step : work)
     step();
+  try {
+    impl_->tellMeasured();
+  } catch (const TransportError&) {
+    impl_->measured.rest();  // looked for again
+  }
   if (!impl_->findServer()) return;
   std::vector<std::uint64_t> ended;
   {

@@ -59,7 +59,6 @@ void takeMeshes(v1::ModelDescription& description, Arrays& arrays) {
       arrays.add("links/" + std::to_string(i), hand.links()[i].surface_L());
     arrays.add("skin", hand.skin_S());
     arrays.add("skin/links", hand.skin_face_links());
-    hand.urdf().clear();
     hand.sites_file().clear();
   } else if (description._d() == v1::MODEL_OBJECT) {
     arrays.add("mesh", description.object().mesh_O());

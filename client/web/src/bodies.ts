@@ -300,26 +300,30 @@ export class HandBody {
   }
 }
 
-/** Another pose of the hand, as a shell of light. */
+export const ghostColors = { pose: '#7b61c9', measured: '#00856f' };
+
+/** The hand elsewhere, as a shell of light. */
 export class Ghost {
   readonly group = new Group();
-  private readonly material = new MeshBasicMaterial({
-    color: '#7b61c9',
-    transparent: true,
-    opacity: 0.28,
-    side: BackSide,
-    depthWrite: false,
-  });
+  private readonly material: MeshBasicMaterial;
+  private readonly drawn: Drawn[];
 
-  constructor(hand: HandBody, solution: PoseSolution) {
-    hand.links.forEach((link, index) => {
-      const X_WL = solution.X_WL[index];
-      if (X_WL === undefined) return;
+  constructor(hand: HandBody, color: string) {
+    this.material = new MeshBasicMaterial({ color, transparent: true, opacity: 0.28, side: BackSide, depthWrite: false });
+    this.drawn = hand.links.map((link) => {
       const drawn = new Drawn(link.geometry, this.material);
       drawn.matrixAutoUpdate = false;
-      drawn.matrix.copy(matrixOf(X_WL));
       drawn.renderOrder = order.marks - 1;
-      this.group.add(drawn);
+      return drawn;
+    });
+    this.group.add(...this.drawn);
+  }
+
+  pose(X_WL: Matrix4[]): void {
+    this.drawn.forEach((drawn, index) => {
+      const X = X_WL[index];
+      drawn.visible = X !== undefined;
+      if (X !== undefined) drawn.matrix.copy(X);
     });
     this.group.updateMatrixWorld(true);
   }

@@ -27,6 +27,14 @@ export interface Listener {
   onPages(pages: PageInfo[]): void;
   onMoved(from: number, to: number): void;
   onLost(session: number, message: string): void;
+  onMeasured(session: number, measured: Measured): void;
+}
+
+/** The joints of a hand that follows a session, as its bridge measures them. */
+export interface Measured {
+  bridge: number;
+  names: string[];
+  positions: number[];
 }
 
 export interface Link {
@@ -224,6 +232,9 @@ export class LiveLink implements Link {
         break;
       case 'moved':
         to.onMoved(message.from, message.to);
+        break;
+      case 'measured':
+        to.onMeasured(message.session, message);
         break;
       case 'lost':
         to.onLost(message.session, message.message);

@@ -1,6 +1,7 @@
 // The page: what is where on it, and which part of it does what.
 
-import { Vector3 } from 'three';
+import { Vector3, type Matrix4 } from 'three';
+import { ghostColors } from './bodies';
 import { saveAs } from './export';
 import { h, icon } from './dom';
 import { History } from './history';
@@ -8,6 +9,7 @@ import { dropped } from './files';
 import { legendStops } from './colors';
 import { findLink } from './link';
 import { OpenDialog } from './open';
+import { matrixOf } from './mesh';
 import { Panel } from './panel';
 import { Session, type Change } from './session';
 import { Stage } from './stage';
@@ -48,7 +50,7 @@ const tools = new Tools(stage, session, {
   onChoose: (patch) => choose(patch),
   onHover: (patch) => panel.hover(patch),
   onMoved: () => view.place(),
-  onGrip: (isHeld) => view.setGhost(isHeld ? session.solution : null),
+  onGrip: (isHeld) => (isHeld && session.solution !== null ? view.setGhost(session.solution.X_WL.map(matrixOf), 'before') : showGhost()),
   onHint: (text) => {
     hint.textContent = text;
   },
@@ -65,12 +67,31 @@ function choose(patch: string | null): void {
 const panel = new Panel(session, {
   onChoose: choose,
   onHover: (patch) => view.choose(patch ?? panelChoice()),
-  onGhost: (name) => view.setGhost(name === null ? null : (kept.get(name) ?? null)),
+  onGhost: (of) => {
+    ghost = null;
+    const revision = session.solution?.revision ?? 0;
+    if (typeof of === 'string') {
+      const pose = kept.get(of);
+      if (pose !== undefined) ghost = { X_WL: pose.X_WL.map(matrixOf), text: of, revision: null };
+      else session.notify('It was kept by another page, which has its pose.');
+    } else if (of !== null) {
+      const X_WL = view.ghostOf(of);
+      if (X_WL !== null) ghost = { X_WL, text: `solution ${of + 1}`, revision };
+      else session.notify('Its pose is known to the server alone: take it to see it.');
+    }
+    showGhost();
+    return ghost !== null;
+  },
   onKeep: (name) => {
     if (session.solution !== null) kept.set(name, session.solution);
   },
   initialOf: (patch) => view.initialOf(patch),
 });
+/** The pose that was chosen to be seen beside; of another solution for as long as these are ranked. */
+let ghost: { X_WL: Matrix4[]; text: string; revision: number | null } | null = null;
+function showGhost(): void {
+  view.setGhost(ghost?.X_WL ?? null, ghost?.text);
+}
 const kept = new Map<string, NonNullable<Session['solution']>>();
 const panelChoice = () => panel.patches.querySelector<HTMLElement>('.patch.chosen')?.dataset['patch'] ?? null;
 const history = new History(session, (past) => {
@@ -80,7 +101,7 @@ const history = new History(session, (past) => {
 
 const timeline = new Timeline(session);
 
-function toggle(text: string, name: 'patches' | 'residuals' | 'depth' | 'map', title: string): HTMLLabelElement {
+function toggle(text: string, name: 'patches' | 'residuals' | 'depth' | 'map' | 'measured', title: string): HTMLLabelElement {
   const box = h('input', {
     type: 'checkbox',
     checked: view.look[name],
@@ -98,6 +119,8 @@ const opacity = h('input', {
   'aria-label': 'how solid the hand is drawn',
   oninput: () => view.setLook({ opacity: Number(opacity.value) }),
 });
+const measuredToggle = toggle('Measured hand', 'measured', 'The joints of the hand that follows this session, as its bridge measures them');
+measuredToggle.hidden = true; // until one is heard
 const mapToggle = toggle('Contact map', 'map', 'The heat that the touching hand left');
 const tabs: [string, string, HTMLElement][] = [
   ['patches', 'Contacts', h('section', {}, panel.patches)],
@@ -114,6 +137,7 @@ const tabs: [string, string, HTMLElement][] = [
       toggle('Distances', 'residuals', 'A line from each point on the hand to its partner on the object'),
       toggle('Depth', 'depth', 'Where the hand lies inside the object'),
       mapToggle,
+      measuredToggle,
       h('label', { class: 'line' }, 'Solid hand', opacity),
       h('h2', {}, 'Poses seen'),
       history.element,
@@ -248,6 +272,18 @@ const legend = h(
   h('span', { class: 'ticks' }, ...legendStops.map((stop) => h('span', {}, String(stop.mm)))),
   h('span', { class: 'key' }, h('i', { class: 'disc' }), 'on the hand', h('i', { class: 'ring' }), 'on the object'),
 );
+const shells = h('span', { class: 'shells' });
+legend.append(shells);
+view.onGhosts = () => {
+  shells.replaceChildren(
+    ...([
+      [ghostColors.pose, view.ghostText],
+      [ghostColors.measured, view.measuredText],
+    ] as const)
+      .filter(([, text]) => text !== '')
+      .map(([color, text]) => h('span', {}, h('i', { class: 'shell', style: { background: color } }), text)),
+  );
+};
 const banner = h('div', { class: 'banner', role: 'alert', hidden: true });
 const empty = h(
   'div',
@@ -296,6 +332,7 @@ setTheme((storedTheme() ?? (matchMedia('(prefers-color-scheme: dark)').matches ?
 function shown(change: Change): void {
   const state = session.state;
   if (change === 'none') {
+    ghost = null;
     view.clear();
     panel.clear();
     choose(null);
@@ -306,7 +343,17 @@ function shown(change: Change): void {
     panel.clear();
   }
   if (change === 'motion' || change === 'none') timeline.show();
+  if (change === 'measured' || change === 'none') {
+    view.showMeasured();
+    measuredToggle.hidden = session.measured === null;
+    if (change === 'measured') return;
+  }
   if (change === 'pose') {
+    if (ghost !== null && ghost.revision !== null && ghost.revision !== session.solution?.revision) {
+      ghost = null; // others are ranked now
+      panel.dropGhost();
+      showGhost();
+    }
     view.update();
     history.show();
   }

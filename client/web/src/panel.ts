@@ -9,7 +9,8 @@ import { edits, finite, type JointSetting, type PatchFit, type Verdict } from '.
 export interface PanelTold {
   onChoose(patch: string | null): void;
   onHover(patch: string | null): void;
-  onGhost(name: string | null): void;
+  /** A snapshot's name, or the rank of a minimum; false where it cannot be shown. */
+  onGhost(of: string | number | null): boolean;
   onKeep(name: string): void;
   initialOf(patch: string): string;
 }
@@ -61,7 +62,8 @@ export class Panel {
   private readonly patchRows = new Map<string, PatchRow>();
   private readonly jointRows = new Map<string, JointRow>();
   private chosen: string | null = null;
-  private ghost: string | null = null;
+  private ghost: string | number | null = null;
+  private minimaKey = '';
   private weightsKey = '';
   private timer = 0;
   private shown_ms = 0;
@@ -77,7 +79,8 @@ export class Panel {
     for (const list of [this.patches, this.joints, this.minima, this.snapshots, this.facts]) list.replaceChildren();
     this.patchRows.clear();
     this.jointRows.clear();
-    this.weightsKey = '';
+    this.weightsKey = this.minimaKey = '';
+    this.ghost = null;
   }
 
   choose(patch: string | null): void {
@@ -389,13 +392,16 @@ export class Panel {
   private showMinima(): void {
     const solution = this.session.solution;
     if (solution === null) return;
+    const key = JSON.stringify([solution.revision, solution.chosen_minimum, solution.minima.map((one) => one.terms.objective), this.ghost, this.session.mayEdit]);
+    if (key === this.minimaKey) return;
+    this.minimaKey = key;
     const best = solution.minima[0]?.terms.objective ?? 0;
     this.minima.replaceChildren(
       ...solution.minima.map((minimum, rank) =>
-        h(
+        h('div', { class: 'line' }, h(
           'button',
           {
-            class: rank === solution.chosen_minimum ? 'choice chosen' : 'choice',
+            class: rank === solution.chosen_minimum ? 'choice wide chosen' : 'choice wide',
             disabled: !this.session.mayEdit || undefined,
             title: 'Take this pose',
             onclick: () => void this.session.edit(edits.choose(rank)),
@@ -404,10 +410,36 @@ export class Panel {
           h('span', {}, `objective ${minimum.terms.objective.toPrecision(4)}`),
           h('span', { class: 'note' }, rank === 0 ? 'best' : `+${(minimum.terms.objective - best).toPrecision(2)}`),
           h('span', { class: 'note' }, `${minimum.hits} start${minimum.hits === 1 ? '' : 's'}`),
-        ),
+        ), this.ghostButton(rank)),
       ),
     );
     if (solution.minima.length === 0) this.minima.append(h('p', { class: 'note' }, 'None were ranked.'));
+  }
+
+  private ghostButton(of: string | number): HTMLButtonElement {
+    return h(
+      'button',
+      {
+        class: 'small',
+        'aria-pressed': String(this.ghost === of),
+        'aria-label': `show ${typeof of === 'number' ? `solution ${of + 1}` : of} as a ghost`,
+        title: 'Show its pose as a shell beside this one',
+        onclick: () => {
+          const isShown = this.ghost !== of && this.told.onGhost(of);
+          if (!isShown) this.told.onGhost(null);
+          this.ghost = isShown ? of : null;
+          this.showMinima();
+          this.showSnapshots();
+        },
+      },
+      'ghost',
+    );
+  }
+
+  /** It is not shown any more. */
+  dropGhost(): void {
+    this.ghost = null;
+    this.show();
   }
 
   private showSnapshots(): void {
@@ -418,20 +450,7 @@ export class Panel {
           'div',
           { class: 'line' },
           h('span', { class: 'name' }, name),
-          h(
-            'button',
-            {
-              class: 'small',
-              'aria-pressed': String(this.ghost === name),
-              title: 'Show its pose as a ghost',
-              onclick: () => {
-                this.ghost = this.ghost === name ? null : name;
-                this.told.onGhost(this.ghost);
-                this.showSnapshots();
-              },
-            },
-            'ghost',
-          ),
+          this.ghostButton(name),
           h(
             'button',
             {

@@ -1,6 +1,6 @@
 // The session that the page shows: what is known of it, what is done to it.
 
-import { FileLink, Refusal, type Link, type Listener, type PageInfo } from './link';
+import { FileLink, Refusal, type Link, type Listener, type Measured, type PageInfo } from './link';
 import { fetchMotion, type Motion } from './motion';
 import {
   edits,
@@ -21,7 +21,7 @@ export interface Models {
   contacts: Model<{ name: string; patches: PatchInfo[] }>;
 }
 
-export type Change = 'models' | 'motion' | 'pose' | 'state' | 'settings' | 'people' | 'link' | 'history' | 'none';
+export type Change = 'models' | 'motion' | 'pose' | 'state' | 'settings' | 'people' | 'link' | 'history' | 'measured' | 'none';
 
 export interface Notice {
   text: string;
@@ -52,6 +52,8 @@ export class Session implements Listener {
   /** A hand that followed a motion: it is looked at over time, and takes no edits. */
   motion: Motion | null = null;
   pages: PageInfo[] = [];
+  /** Of the hand that follows the session, when it was heard last. */
+  measured: { hand: Measured; at_ms: number } | null = null;
   /** Who made the last edit: "you", "guest 2", "another program". */
   editor = '';
   /** Drags and edits that are not answered yet. */
@@ -111,7 +113,7 @@ export class Session implements Listener {
   /** Shows that session from now on; 0: none. */
   async show(session: number): Promise<void> {
     this.id = session;
-    this.state = this.solution = this.settings = this.motion = null;
+    this.state = this.solution = this.settings = this.motion = this.measured = null;
     this.fetched = '';
     this.description = null;
     this.past.length = this.groups.length = 0;
@@ -283,6 +285,12 @@ export class Session implements Listener {
   onLost(session: number, message: string): void {
     if (session !== this.id) return;
     this.notify(message, 'wrong');
+  }
+
+  onMeasured(session: number, hand: Measured): void {
+    if (session !== this.id) return;
+    this.measured = { hand, at_ms: performance.now() };
+    this.tell('measured');
   }
 
   // === Looking up

@@ -1,9 +1,10 @@
 // The picture of a session: what of it is drawn, and how.
 
 import { Box3, Matrix4, Vector3 } from 'three';
-import { Ghost, HandBody, ObjectBody } from './bodies';
+import { Ghost, ghostColors, HandBody, ObjectBody } from './bodies';
 import { initialsOf, patchColor } from './colors';
 import { DepthShade } from './depth';
+import { Kinematics, positionsOf } from './kinematics';
 import { Marks, type Shown } from './marks';
 import { matrixOf } from './mesh';
 import type { Session } from './session';
@@ -11,14 +12,17 @@ import type { Stage } from './stage';
 import type { Tools } from './tools';
 import type { PoseSolution } from './wire';
 
+const kSilent_ms = 2000; // a bridge that says nothing for so long is not shown
+
 export interface Look extends Shown {
   depth: boolean;
   map: boolean;
+  measured: boolean;
   opacity: number;
 }
 
 export class View {
-  look: Look = { patches: true, residuals: true, directions: true, depth: true, map: false, opacity: 0.55 };
+  look: Look = { patches: true, residuals: true, directions: true, depth: true, map: false, measured: true, opacity: 0.55 };
   chosen: string | null = null;
   object: ObjectBody | null = null;
   hand: HandBody | null = null;
@@ -28,7 +32,14 @@ export class View {
   past: PoseSolution | null = null;
   onFirstPicture: () => void = () => undefined;
   private depth: DepthShade | null = null;
+  /** What the shells are that are seen; empty: none. */
+  ghostText = '';
+  measuredText = '';
+  onGhosts: () => void = () => undefined;
   private ghost: Ghost | null = null;
+  private measured: Ghost | null = null;
+  private kinematics: Kinematics | null | undefined; // not known yet; null: of no use for this hand
+  private silence = 0;
   private framed = false;
   private initials = new Map<string, string>();
   private order: string[] = [];
@@ -48,6 +59,10 @@ export class View {
 
   clear(): void {
     this.setGhost(null);
+    this.removeGhost(this.measured);
+    this.measured = null;
+    this.measuredText = '';
+    this.kinematics = undefined;
     for (const body of [this.object, this.hand, this.marks]) {
       if (body === null) continue;
       this.stage.scene.remove(body.group);
@@ -122,6 +137,7 @@ export class View {
     Object.assign(this.look, change);
     this.hand?.setOpacity(this.look.opacity);
     this.object?.showMap(this.look.map);
+    this.showMeasured();
     this.update();
   }
 
@@ -130,17 +146,78 @@ export class View {
     this.update();
   }
 
-  setGhost(solution: PoseSolution | null): void {
-    if (this.ghost !== null) {
-      this.stage.scene.remove(this.ghost.group);
-      this.ghost.dispose();
-      this.ghost = null;
+  /** Another pose beside the one that is shown; `text` says whose it is. */
+  setGhost(X_WL: Matrix4[] | null, text = ''): void {
+    this.removeGhost(this.ghost);
+    this.ghost = null;
+    this.ghostText = '';
+    if (X_WL !== null && this.hand !== null) {
+      this.ghost = this.addGhost(ghostColors.pose, X_WL);
+      this.ghostText = text;
     }
-    if (solution !== null && this.hand !== null) {
-      this.ghost = new Ghost(this.hand, solution);
-      this.stage.scene.add(this.ghost.group);
-    }
+    this.onGhosts();
     this.stage.redraw();
+  }
+
+  /** The pose of a minimum that the solution ranked; false for a hand whose links only the server can place. */
+  ghostOf(rank: number): Matrix4[] | null {
+    const solution = this.session.solution;
+    const minimum = solution?.minima[rank];
+    if (minimum === undefined || !this.understands()) return null;
+    return this.kinematics!.poses(minimum.X_WH, positionsOf(this.session.state?.joint_names ?? [], minimum.joint_positions));
+  }
+
+  /** The measured hand, while one is heard: its joints, at the palm of the pose. */
+  showMeasured(): void {
+    const measured = this.session.measured;
+    const solution = this.session.solution;
+    const isHeard = measured !== null && performance.now() - measured.at_ms < kSilent_ms;
+    let X_WL: Matrix4[] | null = null;
+    if (this.look.measured && isHeard && solution !== null && this.understands()) {
+      const q = positionsOf(this.session.state?.joint_names ?? [], solution.joint_positions);
+      measured.hand.names.forEach((name, i) => q.set(name, measured.hand.positions[i]!));
+      X_WL = this.kinematics!.poses(solution.X_WH, q);
+    }
+    const text = X_WL === null ? '' : `measured hand of bridge ${measured!.hand.bridge}`;
+    if (X_WL === null) {
+      this.removeGhost(this.measured);
+      this.measured = null;
+    } else if (this.measured === null) {
+      this.measured = this.addGhost(ghostColors.measured, X_WL);
+    } else {
+      this.measured.pose(X_WL);
+    }
+    if (text !== this.measuredText) {
+      this.measuredText = text;
+      this.onGhosts();
+    }
+    clearTimeout(this.silence);
+    if (X_WL !== null) this.silence = window.setTimeout(() => this.showMeasured(), kSilent_ms);
+    this.stage.redraw();
+  }
+
+  /** Whether this page may place the links itself: asked of the server's own pose, once a model. */
+  private understands(): boolean {
+    const solution = this.session.solution;
+    const hand = this.session.models?.hand.description;
+    if (this.kinematics === undefined && solution !== null && hand !== undefined && this.session.motion === null) {
+      const own = new Kinematics(hand);
+      this.kinematics = own.agrees(solution, this.session.state?.joint_names ?? []) ? own : null;
+    }
+    return Boolean(this.kinematics);
+  }
+
+  private addGhost(color: string, X_WL: Matrix4[]): Ghost {
+    const ghost = new Ghost(this.hand!, color);
+    ghost.pose(X_WL);
+    this.stage.scene.add(ghost.group);
+    return ghost;
+  }
+
+  private removeGhost(ghost: Ghost | null): void {
+    if (ghost === null) return;
+    this.stage.scene.remove(ghost.group);
+    ghost.dispose();
   }
 
   /** Looks from where most contacts are seen, rather from above than from below. */

@@ -133,6 +133,7 @@ export interface HandDescription {
   links: { name: string }[];
   sites: { name: string; link: string; p_L_m: [number, number, number] }[];
   X_SL: Pose[];
+  urdf: string;
   notes: string[];
 }
 

@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { existsSync, statSync } from 'node:fs';
 import { join } from 'node:path';
-import { bin, browser, distance, domain, dotOf, downloads, dragBy, factsOf, handgraft, held, kPatience_ms, kWaiting, openPage, openSession, picture, rest, run, runTests, serverPose, settingsOf, sleep, startServer, startView, still, stop, waitRevision, waitText } from './browser.mjs';
+import { bin, browser, distance, domain, dotOf, downloads, dragBy, factsOf, handgraft, held, kPatience_ms, kWaiting, openPage, openSession, picture, rest, run, runTests, serverPose, settingsOf, sleep, start, startServer, startView, still, stop, waitRevision, waitText } from './browser.mjs';
 
 // === The tests
 
@@ -253,6 +253,44 @@ const tests = {
     }
     await page.evaluate(() => [...document.querySelectorAll('button')].find((one) => one.textContent === 'Keep this state').click());
     await page.waitForFunction(() => globalThis.handgraft.session.settings.snapshots.length === 1, kWaiting);
+    return page;
+  },
+
+  async 'Another solution and the measured hand are seen beside the pose, and named'(address) {
+    const session = await openSession('human20', 'lemon', 'lemon_6');
+    const page = await openPage(`${address}?session=${session}`, { width: 1280, height: 720 });
+    await rest(page);
+    await page.click('#to-more');
+    const shells = () => page.$eval('.shells', (element) => element.textContent);
+    assert.equal(await shells(), '');
+    // What the page works out itself is what the server says: of its own pose, link by link.
+    assert.ok(await page.evaluate(() => globalThis.handgraft.view.ghostOf(0) !== null), 'this hand is understood');
+    const ghosts = await page.$$('[aria-label="Minima"] .small');
+    assert.ok(ghosts.length > 1, 'several solutions are ranked');
+    await ghosts[1].click();
+    assert.equal(await shells(), 'solution 2');
+    // The same as the server's, once that solution is taken.
+    const shown = await page.evaluate(() => globalThis.handgraft.view.ghostOf(1).map((X) => X.elements.slice(12, 15)));
+    await picture(page, 'ghost');
+    await page.click('[aria-label="Minima"] .line:nth-child(2) .choice');
+    await waitRevision(page, 1);
+    assert.equal(await shells(), '', 'what is ranked now are others');
+    const taken = await page.evaluate(() => globalThis.handgraft.session.solution.X_WL.map((X) => X.p_m));
+    const farthest = Math.max(...shown.map((p, link) => distance(p, taken[link])));
+    assert.ok(farthest < 0.004, `the ghost lay where the solution is (${farthest} m)`); // solved on from there
+
+    // A simulated hand follows.
+    const bridge = start('handgraft-bridge', '--domain', domain, '--session', String(session));
+    await waitText(page, '.shells', /measured hand of bridge 1/);
+    const names = await page.evaluate(() => globalThis.handgraft.session.measured.hand.names.length);
+    assert.equal(names, 20);
+    await picture(page, 'measured');
+    await page.click('.line[title^="The joints of the hand"] input');
+    await waitText(page, '.shells', /^$/);
+    await page.click('.line[title^="The joints of the hand"] input');
+    await waitText(page, '.shells', /measured/);
+    await stop(bridge);
+    await waitText(page, '.shells', /^$/);
     return page;
   },
 
