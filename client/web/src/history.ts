@@ -4,6 +4,7 @@ import uPlot from 'uplot';
 import { patchColor } from './colors';
 import { h } from './dom';
 import { axis, cursor } from './plot';
+import { said } from './words';
 import type { Past, Session } from './session';
 
 export class History {
@@ -93,7 +94,7 @@ export class History {
 
   private tell(index = Number(this.slider.value)): void {
     const past = this.session.past[index];
-    this.label.textContent = past === undefined ? '' : `revision ${past.revision}${past.edit === '' ? '' : `: ${past.edit}`}`;
+    this.label.textContent = past === undefined ? '' : `revision ${past.revision}${past.edit === '' ? '' : `: ${said(past.edit)}`}`;
   }
 
   private toggle(): void {

@@ -17,6 +17,7 @@ import { Timeline } from './timeline';
 import { Tools, type Mode } from './tools';
 import { View } from './view';
 import { edits } from './wire';
+import { saidBy } from './words';
 
 const kIcons = {
   patches: 'M12 3v4M12 17v4M3 12h4M17 12h4M12 9a3 3 0 1 0 0 6 3 3 0 0 0 0-6z',
@@ -219,6 +220,14 @@ saveMenu.append(
     }),
   ),
 );
+function closeMenu(): void {
+  saveMenu.open = false;
+  saveButton.focus();
+}
+// A press anywhere else closes it.
+window.addEventListener('pointerdown', (event) => {
+  if (saveMenu.open && !saveMenu.contains(event.target as Node)) saveMenu.open = false;
+}, { capture: true });
 const head = h(
   'header',
   {},
@@ -253,11 +262,26 @@ for (const [mode, text, key] of modes) {
 function setMode(mode: Mode): void {
   for (const [other, one] of modeButtons) one.setAttribute('aria-pressed', String(other === mode));
   tools.setMode(mode);
+  ways.hidden = mode !== 'object' && mode !== 'palm';
   view.update();
 }
 // What was put somewhere and stays there.
 const letGo = h('button', { class: 'held', hidden: true, onclick: () => void session.edit(edits.release('')) });
-toolbar.append(letGo);
+// Keys do the same; who has none presses these.
+const ways = h(
+  'div',
+  { class: 'ways', hidden: true, role: 'group', 'aria-label': 'What the arrows do' },
+  ...(['translate', 'rotate'] as const).map((way) => {
+    const one = h('button', { class: 'small', 'aria-pressed': String(way === 'translate'), onclick: () => setWay(way) }, way === 'translate' ? 'Move' : 'Turn');
+    one.dataset['way'] = way;
+    return one;
+  }),
+);
+function setWay(way: 'translate' | 'rotate'): void {
+  for (const one of ways.querySelectorAll('button')) one.setAttribute('aria-pressed', String(one.dataset['way'] === way));
+  tools.turnGizmo(way);
+}
+toolbar.append(ways, letGo);
 function showHeld(): void {
   const links = (session.solution?.held ?? []).map((one) => one.link);
   letGo.hidden = links.length === 0;
@@ -358,7 +382,8 @@ function shown(change: Change): void {
     history.show();
   }
   if (change === 'settings') view.update();
-  if (change === 'pose' || change === 'settings' || change === 'models') panel.show();
+  if (change === 'settings') panel.showNow();
+  else if (change === 'pose' || change === 'models') panel.show();
   if (change === 'motion') openTab('time');
 
   showHeld();
@@ -376,10 +401,10 @@ function shown(change: Change): void {
   verdict.title = solution?.verdict ?? '';
   verdict.dataset['tone'] = !solution?.is_diagnosed ? 'off' : reached === fits.length ? 'good' : 'warn';
   const others = session.pages.filter((one) => one.page !== session.page && one.sessions.includes(session.id));
-  const last = state !== null && state.last_edit !== '' && session.editor !== '' ? `${session.editor}: ${state.last_edit}` : '';
+  const last = state !== null && state.last_edit !== '' && session.editor !== '' ? saidBy(session.editor, state.last_edit) : '';
   people.textContent = [others.length > 0 ? `${others.length + 1} pages here` : '', last].filter((text) => text !== '').join(' · ');
   people.title = others.map((one) => session.nameOf(one.page)).join(', ');
-  undo.disabled = !session.mayEdit || (state?.undo_count ?? 0) === 0;
+  undo.disabled = !session.mayUndo;
   redo.disabled = !session.mayEdit || (state?.redo_count ?? 0) === 0;
   toolbar.hidden = !session.mayEdit || !isOpen;
   openButton.hidden = !session.link.isLive;
@@ -465,7 +490,8 @@ window.addEventListener('keydown', (event) => {
   else if (withControl || event.altKey) return;
   else if (/^[1-4]$/.test(key)) setMode(modes[Number(key) - 1]![0]);
   else if (key === 'f') void view.frame(true);
-  else if (key === 'r' || key === 'g') tools.turnGizmo(key === 'r' ? 'rotate' : 'translate');
+  else if (key === 'r' || key === 'g') setWay(key === 'r' ? 'rotate' : 'translate');
+  else if (key === 'escape' && saveMenu.open) closeMenu();
   else if (key === 'escape') choose(null);
   else if (session.motion !== null && key === ' ' && !target.matches('button, input, select, summary')) timeline.toggle();
   else if (session.motion !== null && (key === ',' || key === '.')) timeline.step(key === ',' ? -1 : 1);

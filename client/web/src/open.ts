@@ -4,6 +4,7 @@ import { h } from './dom';
 import { asKind, chosen, sorted, type Given, type GivenFile, type Kind } from './files';
 import { Refusal } from './link';
 import type { Session } from './session';
+import { said } from './words';
 import type { ModelSummary, SessionState } from './wire';
 
 const kUnits = { m: 'metres', cm: 'centimetres', mm: 'millimetres', in: 'inches' };
@@ -203,14 +204,14 @@ export class OpenDialog {
     this.form = h(
       'div',
       {},
-      h('h2', {}, 'New'),
-      h('p', { class: 'note' }, 'Of what the server has, or of files: drop a hand’s folder or zip, a mesh, contacts anywhere on the page.'),
+      h('h2', {}, 'A new one'),
+      h('p', { class: 'note' }, 'Choose of what the server has, or give files: they can be dropped anywhere on the page, a hand as its folder or a zip.'),
       h('div', { class: 'form' }, this.parts.hand.element, this.parts.object.element, this.parts.contacts.element),
     );
     this.element = h(
       'dialog',
       { 'aria-label': 'Open a session' },
-      h('h2', {}, 'Open'),
+      h('h2', {}, 'Sessions that there are'),
       this.list,
       this.form,
       this.note,
@@ -231,7 +232,7 @@ export class OpenDialog {
         this.session.link.ask<{ models: ModelSummary[] }>({ kind: 'list_models' }),
       ]);
       this.list.replaceChildren(
-        ...sessions.sessions.map((one) =>
+        ...sessions.sessions.map((one, index) =>
           h(
             'button',
             {
@@ -241,13 +242,13 @@ export class OpenDialog {
                 void this.session.show(one.session_id);
               },
             },
-            h('span', { class: 'rank' }, String(one.session_id)),
+            h('span', { class: 'rank', title: `session ${one.session_id}` }, String(index + 1)),
             h('span', {}, `${one.hand} grasps ${one.object}`),
-            h('span', { class: 'note' }, one.last_edit),
+            h('span', { class: 'note' }, said(one.last_edit)),
           ),
         ),
       );
-      if (sessions.sessions.length === 0) this.list.append(h('p', { class: 'note' }, 'The server has none yet.'));
+      if (sessions.sessions.length === 0) this.list.append(h('p', { class: 'note' }, 'None yet.'));
       for (const one of Object.values(this.parts)) one.offer(models.models);
       this.object = this.parts.object.select.value;
       this.hand = this.parts.hand.select.value;

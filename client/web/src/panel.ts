@@ -215,8 +215,9 @@ export class Panel {
     row.verdict.dataset['tone'] = !state.placed ? 'bad' : isKnown ? verdict.tone : 'off';
     row.bar.dataset['tone'] = row.verdict.dataset['tone'];
     row.element.classList.toggle('off', !counts);
-    if (document.activeElement !== row.enabled) row.enabled.checked = state.enabled;
-    else row.enabled.checked = state.enabled;
+    // Not from settings that are older than the last press of it.
+    const { settings, state: now, underWay } = this.session;
+    if (underWay === 0 && (settings === null || settings.state.revision === now?.revision)) row.enabled.checked = state.enabled;
     row.enabled.disabled = !this.session.mayEdit || !state.placed;
     const report = this.session.reports.find((one) => one.name === state.name);
     const lost = report?.lost.length ?? 0;

@@ -14,6 +14,7 @@ import {
   type SessionSettings,
   type SessionState,
 } from './wire';
+import { saidBy } from './words';
 
 export interface Models {
   hand: Model<HandDescription>;
@@ -38,6 +39,7 @@ export interface Past {
 const kFastest_ms = 30; // between two edits of one drag
 const kLookAgain_ms = 250; // settings, while edits follow each other
 const kLongestPast = 400;
+const kMove_ms = 5000; // until a session that its server lost has another number
 
 export class Session implements Listener {
   id = 0;
@@ -72,6 +74,7 @@ export class Session implements Listener {
   private countsAnew = false; // revisions, of a session that was opened again
   private lookTimer = 0;
   private looking = 0; // at which session
+  private begun = 0; // steps that were there before the first edit
   /** Edits that were made as one: a drag. Undone as one, too. */
   private readonly groups: { from: number; to: number }[] = [];
   private readonly sent: { revision: number; at_ms: number }[] = [];
@@ -115,6 +118,7 @@ export class Session implements Listener {
     this.id = session;
     this.state = this.solution = this.settings = this.motion = this.measured = null;
     this.fetched = '';
+    this.begun = 0;
     this.description = null;
     this.past.length = this.groups.length = 0;
     this.tell('none');
@@ -157,7 +161,13 @@ export class Session implements Listener {
     }
   }
 
+  /** The solve that a session begins with is no edit: without it the hand is far off. */
+  get mayUndo(): boolean {
+    return this.mayEdit && (this.state?.undo_count ?? 0) > this.begun;
+  }
+
   async undo(): Promise<void> {
+    if (!this.mayUndo) return;
     const last = this.groups.at(-1);
     const revision = this.state?.revision ?? 0;
     if (last !== undefined && last.to === revision) {
@@ -225,9 +235,10 @@ export class Session implements Listener {
     const isNew = this.countsAnew || state.revision !== this.state?.revision;
     this.countsAnew = false;
     this.state = state;
+    if (state.revision === 0) this.begun = state.undo_count;
     if (state.last_edit !== '' && page >= 0) {
       this.editor = this.nameOf(isOurs ? page || this.page : 0);
-      if (isNew && this.editor !== 'you') this.notify(`${this.editor}: ${state.last_edit}`);
+      if (isNew && this.editor !== 'you') this.notify(saidBy(this.editor, state.last_edit));
     }
     this.tell('state');
     if (state.phase === 'closed') {
@@ -274,6 +285,7 @@ export class Session implements Listener {
   onMoved(from: number, to: number): void {
     if (from !== this.id) return;
     this.id = to;
+    this.begun = 0;
     this.solution = null;
     this.countsAnew = true;
     this.groups.length = this.sent.length = 0;
@@ -406,7 +418,14 @@ export class Session implements Listener {
 
   private async send(body: EditBody): Promise<number> {
     const at_ms = performance.now();
-    const reply = await this.link.edit(this.id, body);
+    const id = this.id;
+    const reply = await this.link.edit(id, body).catch(async (error: unknown) => {
+      // A server that has just come back opens the session anew, under another number.
+      const isGone = error instanceof Refusal && error.code === 'not_found' && error.message.startsWith(`session ${id} `);
+      for (let waited = 0; isGone && this.id === id && waited < kMove_ms; waited += 100) await new Promise((resolve) => setTimeout(resolve, 100));
+      if (!isGone || this.id === id) throw error;
+      return this.link.edit(this.id, body);
+    });
     if ((this.solution?.revision ?? -1) >= reply.revision) {
       this.delays_ms.push(performance.now() - at_ms);
     } else {

@@ -167,9 +167,9 @@ export class Tools {
       case 'fingers':
         return 'Drag any part of the hand: it goes there, the other contacts give way.';
       case 'object':
-        return 'Drag the arrows to move the object; press R for its rotation, G for its place. Arrow keys do both, too.';
+        return 'Drag the arrows to move the object; “Turn” turns it. Arrow keys move it, with Shift they turn it.';
       case 'palm':
-        return 'Drag the arrows to move the palm; press R for its rotation, G for its place. It is held there until you let it go.';
+        return 'Drag the arrows to move the palm; “Turn” turns it. It stays there until you let it go.';
     }
   }
 

@@ -294,6 +294,53 @@ const tests = {
     return page;
   },
 
+  async 'Who has never seen it is not led astray'(address) {
+    const page = await browser.newPage();
+    await page.setViewport({ width: 1280, height: 720 });
+    await page.goto(address);
+    // What is offered first is a grasp that reaches everything.
+    await page.waitForSelector('.empty:not([hidden]) button');
+    await page.click('.empty button');
+    await page.waitForSelector('.part[data-kind=contacts] option');
+    await page.click('dialog button.main');
+    await page.waitForFunction(() => globalThis.handgraft.session.solution !== null, kWaiting);
+    await rest(page);
+    assert.match(await page.$eval('.pill', (pill) => pill.dataset.tone), /good/);
+    // There is nothing to undo yet: not even the solve.
+    assert.equal(await page.$eval('[aria-label^=Undo]', (one) => one.disabled), true);
+    await page.focus('canvas');
+    await page.keyboard.down('Control');
+    await page.keyboard.press('z');
+    await page.keyboard.up('Control');
+    await sleep(300);
+    assert.equal(await page.evaluate(() => globalThis.handgraft.session.state.revision), 0);
+    // A menu goes away by itself, by a press elsewhere and by Escape.
+    const isOpen = () => page.$eval('details.menu', (menu) => menu.open);
+    await page.click('summary.icon');
+    assert.equal(await isOpen(), true);
+    await page.keyboard.press('Escape');
+    assert.equal(await isOpen(), false);
+    await page.click('summary.icon');
+    await page.click('h1');
+    assert.equal(await isOpen(), false);
+    // The hand that does not go with the contacts is offered those that do.
+    await page.click('header > button:not(.icon)');
+    await page.waitForSelector('dialog[open] .choice');
+    await page.select('.part[data-kind=hand] select', 'barrett8');
+    assert.equal(await page.$eval('.part[data-kind=contacts] select', (one) => one.value), 'lemon_3');
+    await page.select('.part[data-kind=hand] select', 'human20');
+    assert.equal(await page.$eval('.part[data-kind=contacts] select', (one) => one.value), 'lemon_6');
+    await page.click('dialog .end button');
+    // Nothing is cut off, however narrow it is.
+    for (const width of [1280, 820, 390]) {
+      await page.setViewport({ width, height: 800 });
+      const cut = await page.$$eval('header button, header summary, .tabs button, .modes button', (all) =>
+        all.filter((one) => one.checkVisibility() && (one.getBoundingClientRect().right > innerWidth || one.getBoundingClientRect().left < 0)).map((one) => one.ariaLabel ?? one.textContent));
+      assert.deepEqual(cut, [], `at ${width} pixels`);
+    }
+    return page;
+  },
+
   async 'Two pages and the command line agree'(address) {
     const session = await openSession();
     const [one, two] = [await openPage(`${address}?session=${session}`), await openPage(`${address}?session=${session}`)];
@@ -304,7 +351,7 @@ const tests = {
     await waitRevision(one, 1);
     await two.bringToFront();
     await waitRevision(two, (await factsOf(one)).revision);
-    await waitText(two, '.people', /2 pages here.*guest \d+: root thumb hand/);
+    await waitText(two, '.people', /2 pages here.*guest \d+ laid thumb elsewhere on the hand/);
     const dragged = (await factsOf(two)).revision;
     await two.click('[data-patch=index] .switch');
     await waitRevision(two, dragged + 1);
@@ -319,7 +366,7 @@ const tests = {
       assert.equal(facts.revision, pose.revision);
       const links = Object.values(pose.links_X_WL).map((X_WL) => X_WL.p_m);
       facts.links.forEach((link, i) => assert.ok(distance(link, links[i]) < 1e-5));
-      await waitText(page, '.people', /another program: disable middle/);
+      await waitText(page, '.people', /another program switched middle off/);
     }
     await picture(two, 'editors');
     await one.close();
