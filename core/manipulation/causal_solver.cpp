@@ -55,6 +55,8 @@ hand::HandPose CausalSolver::ahead(double step_s) const {
 
 void CausalSolver::narrow(double step_s, optimize::PoseProblem& single) const {
   const Eigen::VectorXd& q = last_->pose.q;
+  const Eigen::VectorXd lower = single.lower;
+  const Eigen::VectorXd upper = single.upper;
   for (Eigen::Index i = 0; i < q.size(); ++i) {
     const double velocity =
         before_ ? (q[i] - before_->pose.q[i]) / (last_->time_s - before_->time_s) : 0.0;
@@ -67,12 +69,12 @@ void CausalSolver::narrow(double step_s, optimize::PoseProblem& single) const {
       return std::min(fastest,
                       std::sqrt(lost * lost + 2.0 * brake * std::max(way, 0.0)) - lost);
     };
-    double low = std::max(-stoppable(q[i] - problem_.lower[i]), velocity - brake * step_s);
-    double high = std::min(stoppable(problem_.upper[i] - q[i]), velocity + brake * step_s);
+    double low = std::max(-stoppable(q[i] - lower[i]), velocity - brake * step_s);
+    double high = std::min(stoppable(upper[i] - q[i]), velocity + brake * step_s);
     // Too fast already: the brake gives way, then the velocity.
     if (low > high) low = high = std::clamp(0.5 * (low + high), -fastest, fastest);
-    single.lower[i] = std::clamp(q[i] + low * step_s, problem_.lower[i], problem_.upper[i]);
-    single.upper[i] = std::clamp(q[i] + high * step_s, single.lower[i], problem_.upper[i]);
+    single.lower[i] = std::clamp(q[i] + low * step_s, lower[i], upper[i]);
+    single.upper[i] = std::clamp(q[i] + high * step_s, single.lower[i], upper[i]);
   }
 }
 

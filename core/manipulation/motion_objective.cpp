@@ -67,7 +67,7 @@ MotionObjective::MotionObjective(const MotionProblem& problem,
                                  optimize::WorkerPool& pool,
                                  std::size_t first,
                                  std::size_t count)
-    : problem_(problem), pool_(pool), trees_(count) {
+    : problem_(problem), pool_(pool), bare_(count), trees_(count) {
   HANDGRAFT_REQUIRE(count >= 1 && first + count <= problem.time_s.size());
   time_s_.assign(problem.time_s.begin() + static_cast<std::ptrdiff_t>(first),
                  problem.time_s.begin() + static_cast<std::ptrdiff_t>(first + count));
@@ -75,6 +75,7 @@ MotionObjective::MotionObjective(const MotionProblem& problem,
   rest.q = problem.prior;
   // The same contacts as in the frame before: the same moments.
   const auto isSame = [&](int frame) {
+    if (problem.own.count(frame) + problem.own.count(frame - 1) != 0) return false;
     const auto& now = frames.presentAt(frame);
     const auto& before = frames.presentAt(frame - 1);
     if (now.size() != before.size()) return false;
@@ -92,8 +93,20 @@ MotionObjective::MotionObjective(const MotionProblem& problem,
                                        : std::make_shared<const optimize::MomentTree>(
                                              makeMomentTree(frames.at(frame, rest)));
   }
-  bare_ = frames.at(static_cast<int>(first), rest);
-  bare_.pairs.clear();
+  const auto bareAt = [&](std::size_t k) {
+    optimize::PoseProblem bare = frames.at(static_cast<int>(first + k), rest);
+    bare.pairs.clear();
+    return std::make_shared<const optimize::PoseProblem>(std::move(bare));
+  };
+  std::shared_ptr<const optimize::PoseProblem> plain;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (problem.own.count(static_cast<int>(first + k)) != 0) {
+      bare_[k] = bareAt(k);
+    } else {
+      if (!plain) plain = bareAt(k);
+      bare_[k] = plain;
+    }
+  }
   smoothness_ = VectorXd::Constant(dofCount(), options.smoothness);
   smoothness_.head<3>() *= kTurnScale;
   smoothness_.segment<3>(3) *= kShiftScale;
@@ -123,7 +136,7 @@ double MotionObjective::evaluate(const Poses& poses, bool to_expand) {
   HANDGRAFT_REQUIRE(poses.size() == trees_.size());
   pool_.run(static_cast<int>(poses.size()), [&](int, int k) {
     const auto index = static_cast<std::size_t>(k);
-    optimize::Objective objective(bare_, trees_[index]);
+    optimize::Objective objective(*bare_[index], trees_[index]);
     objective.care(care_);
     frames_[index] = objective.evaluate(poses[index]).objective;
     if (to_expand) modelFrame(objective, seen_[index]);
@@ -281,6 +294,7 @@ void MotionObjective::addJoining(const Poses& poses, BandSystem& system) const {
 }
 
 void moveBy(const MotionProblem& problem,
+            std::size_t first,
             const std::vector<VectorXd>& steps,
             const std::vector<hand::HandPose>& from,
             std::vector<hand::HandPose>& to) {
@@ -291,7 +305,8 @@ void moveBy(const MotionProblem& problem,
     pose.X_WH.linear() = rotationFromVector(step.head<3>()) * from[k].X_WH.linear();
     pose.X_WH.translation() += step.segment<3>(3);
     pose.q += step.tail(step.size() - 6);
-    pose.q = pose.q.cwiseMax(problem.lower).cwiseMin(problem.upper);
+    const auto frame = static_cast<int>(first + k);
+    pose.q = pose.q.cwiseMax(problem.lowerAt(frame)).cwiseMin(problem.upperAt(frame));
   }
 }
 

@@ -86,7 +86,8 @@ class MotionObjective {
   optimize::WorkerPool& pool_;
   optimize::AvoidanceCare care_;
   double limit_share_ = 1.0;
-  optimize::PoseProblem bare_;  ///< a frame without its pairs
+  /// Frames without their pairs: one for all that have nothing of their own.
+  std::vector<std::shared_ptr<const optimize::PoseProblem>> bare_;
   std::vector<std::shared_ptr<const optimize::MomentTree>> trees_;
   Eigen::VectorXd whole_smoothness_;  ///< of each degree of freedom
   Eigen::VectorXd smoothness_;        ///< the share of it that counts now
@@ -95,9 +96,10 @@ class MotionObjective {
   std::vector<FrameModel> seen_;  ///< by evaluateToExpand
 };
 
-/// A step of each frame: the root's turn by exp(w) R, all else added, joints kept within their
-/// limits.
+/// A step of each frame from `first` on: the root's turn by exp(w) R, all else added, joints
+/// kept within their limits.
 void moveBy(const MotionProblem& problem,
+            std::size_t first,
             const std::vector<Eigen::VectorXd>& steps,
             const std::vector<hand::HandPose>& from,
             std::vector<hand::HandPose>& to);

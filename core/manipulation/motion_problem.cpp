@@ -65,6 +65,16 @@ MotionProblem makeMotionProblem(std::shared_ptr<const hand::HandModel> model,
   return problem;
 }
 
+const Eigen::VectorXd& MotionProblem::lowerAt(int frame) const {
+  const auto found = own.find(frame);
+  return found == own.end() || found->second.lower.size() == 0 ? lower : found->second.lower;
+}
+
+const Eigen::VectorXd& MotionProblem::upperAt(int frame) const {
+  const auto found = own.find(frame);
+  return found == own.end() || found->second.upper.size() == 0 ? upper : found->second.upper;
+}
+
 void validate(const MotionProblem& problem) {
   HANDGRAFT_REQUIRE(problem.model != nullptr);
   if (problem.time_s.empty()) rejectInput("a motion of 0 frames; 1 at least is needed");
@@ -95,6 +105,17 @@ void validate(const MotionProblem& problem) {
       rejectInput("joint '{}': limits of velocity {} and acceleration {} must lie above 0",
                   problem.model->dofJoint(i).name, problem.velocity_limit[i],
                   problem.acceleration_limit[i]);
+  }
+  for (const auto& [frame, own] : problem.own) {
+    HANDGRAFT_REQUIRE(frame >= 0 && frame < problem.frameCount());
+    HANDGRAFT_REQUIRE(own.soft_weights.size() == own.soft_values.size());
+    requireJoints("lower limit at a frame", problem.lowerAt(frame));
+    requireJoints("upper limit at a frame", problem.upperAt(frame));
+    for (int i = 0; i < problem.model->dofCount(); ++i)
+      if (problem.lowerAt(frame)[i] > problem.upperAt(frame)[i])
+        rejectInput("joint '{}', frame {}: lower limit {} lies above its upper one {}",
+                    problem.model->dofJoint(i).name, frame, problem.lowerAt(frame)[i],
+                    problem.upperAt(frame)[i]);
   }
   for (std::size_t t = 0; t < problem.tracks.size(); ++t) {
     const PairTrack& track = problem.tracks[t];
@@ -174,16 +195,36 @@ optimize::PoseProblem FrameProblems::at(int frame, const hand::HandPose& start) 
   single.normal_form = problem_.normal_form;
   single.start = start;
   single.prior = {start.X_WH, problem_.prior};
-  single.lower = problem_.lower;
-  single.upper = problem_.upper;
+  single.lower = problem_.lowerAt(frame);
+  single.upper = problem_.upperAt(frame);
   single.prior_weights = Eigen::VectorXd::Ones(single.dofCount());
   single.prior_weights.head<6>().setZero();
   single.avoidance = problem_.avoidance;
+  const auto found = problem_.own.find(frame);
+  const FrameOwn* own = found == problem_.own.end() ? nullptr : &found->second;
   for (const Present& present : presentAt(frame)) {
+    double share = present.presence;
+    if (own != nullptr)
+      if (const auto edited = own->shares.find(present.track); edited != own->shares.end())
+        share *= edited->second;
     const PairTrack& track = problem_.tracks[static_cast<std::size_t>(present.track)];
     for (const optimize::PointPair& pair : spanAt(track, frame).pairs) {
       single.pairs.push_back(pair);
-      single.pairs.back().weight *= present.presence;
+      single.pairs.back().weight *= share;
+    }
+  }
+  if (own != nullptr) {
+    single.pairs.insert(single.pairs.end(), own->pairs.begin(), own->pairs.end());
+    // Two quadratics of a joint, the prior's and what holds it softly, are one.
+    for (std::size_t i = 0; i < own->soft_weights.size(); ++i) {
+      const auto joint = static_cast<Eigen::Index>(i);
+      const double soft = own->soft_weights[i];
+      if (!(soft > 0.0)) continue;
+      const double all = single.prior_weights[6 + joint] + soft;
+      single.prior.q[joint] = (single.prior_weights[6 + joint] * single.prior.q[joint] +
+                               soft * own->soft_values[i]) /
+                              all;
+      single.prior_weights[6 + joint] = all;
     }
   }
   return single;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -27,6 +28,16 @@ struct PairTrack {
   [[nodiscard]] int begin() const { return spans.front().begin; }
 };
 
+/// What one frame has of its own, where it was edited: all of it holds there alone.
+struct FrameOwn {
+  Eigen::VectorXd lower;  ///< of the joints; empty: as throughout, likewise the upper
+  Eigen::VectorXd upper;
+  std::map<int, double> shares;  ///< by track: its pairs weigh that many times as much
+  std::vector<optimize::PointPair> pairs;  ///< of no track (`patch` is -1): places held
+  std::vector<double> soft_values;         ///< of each joint, where `soft_weights` is above 0
+  std::vector<double> soft_weights;        ///< beside the prior's; empty: none is held softly
+};
+
 /// A motion laid onto a hand: all that solving needs.
 ///
 /// Poses are those of the hand in the object's frame, X_OH: contacts stand still there while
@@ -43,10 +54,15 @@ struct MotionProblem {
   Eigen::VectorXd upper;
   Eigen::VectorXd velocity_limit;  ///< rad/s, m/s of each joint; infinite where there is none
   Eigen::VectorXd acceleration_limit;  ///< likewise
+  std::map<int, FrameOwn> own;         ///< by frame
   /// Solids of hand and object; missing: penetration costs nothing.
   std::shared_ptr<const optimize::Avoidance> avoidance;
 
   [[nodiscard]] int frameCount() const { return static_cast<int>(time_s.size()); }
+
+  /// Of the joints at a frame.
+  [[nodiscard]] const Eigen::VectorXd& lowerAt(int frame) const;
+  [[nodiscard]] const Eigen::VectorXd& upperAt(int frame) const;
 };
 
 /// A problem of a hand without contacts yet: limits from the model, the prior at rest.

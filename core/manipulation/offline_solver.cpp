@@ -44,17 +44,30 @@ const std::vector<Stage> kAvoidingStages = {{{true, 1.0}, 0.01, 1e-4, 4},
                                             {{true, 1.0}, 1.0, 1.0, 16},
                                             {{true, 16.0}, 1.0, 1.0, 10}};
 
+// From an answer that stands already, beside what was edited.
+const std::vector<Stage> kTouchingAgain = {{{false, 0.0}, 1.0, 1.0, 60}};
+const std::vector<Stage> kAvoidingAgain = {{{true, 1.0}, 1.0, 1.0, 12},
+                                           {{true, 16.0}, 1.0, 1.0, 10}};
+
+/// Frames that stay as they are, at both ends of a part.
+struct Held {
+  std::size_t before = 0;
+  std::size_t behind = 0;
+};
+
 /// A Newton method over all frames, from one trajectory downhill. Each frame has a damping of
 /// its own, raised where its model was wrong: a frame in trouble does not keep the others back.
 class BandSearch {
  public:
-  /// The first `held` poses stay as they are.
+  /// Of the motion's frames from `first` on.
   BandSearch(const MotionProblem& problem,
              MotionObjective& objective,
+             std::size_t first,
              Poses poses,
-             std::size_t held)
+             Held held)
       : problem_(problem),
         objective_(objective),
+        first_(first),
         held_(held),
         system_(poses.size(), objective.dofCount()),
         undamped_(system_),
@@ -73,7 +86,7 @@ class BandSearch {
       expanded = true;
       const double promise = propose();
       if (!(promise > kWorthwhile * value_)) return;
-      moveBy(problem_, steps_, poses_, trial_);
+      moveTrial();
       evaluations += static_cast<int>(poses_.size());
       double value = objective_.evaluateToExpand(trial_);
       bool better = value_ - value > kLeastRatio * promise;
@@ -84,7 +97,7 @@ class BandSearch {
         share *= 0.3;
         for (VectorXd& part : steps_)
           part *= 0.3;
-        moveBy(problem_, steps_, poses_, trial_);
+        moveTrial();
         evaluations += static_cast<int>(poses_.size());
         value = objective_.evaluate(trial_);
         better = value_ - value > kLeastRatio * share * promise;
@@ -110,13 +123,27 @@ class BandSearch {
   [[nodiscard]] Poses& poses() { return poses_; }
 
  private:
+  /// Where the steps lead; what is held stays to the byte.
+  void moveTrial() {
+    moveBy(problem_, first_, steps_, poses_, trial_);
+    const std::size_t frames = poses_.size();
+    for (std::size_t k = 0; k < frames; ++k)
+      if (isHeld(k)) trial_[k] = poses_[k];
+  }
+
+  [[nodiscard]] bool isHeld(std::size_t k) const {
+    return k < held_.before || k + held_.behind >= poses_.size();
+  }
+
   void expand() {
     objective_.expand(poses_, undamped_);
-    for (std::size_t k = 0; k < held_; ++k) {
+    const std::size_t frames = poses_.size();
+    for (std::size_t k = 0; k < frames; ++k) {
+      if (k + 1 < frames && (isHeld(k) || isHeld(k + 1))) undamped_.next[k].reset();
+      if (k + 2 < frames && (isHeld(k) || isHeld(k + 2))) undamped_.after_next[k].reset();
+      if (!isHeld(k)) continue;
       undamped_.own[k].setIdentity();
       undamped_.right[k].setZero();
-      undamped_.next[k].reset();
-      undamped_.after_next[k].reset();
     }
     stiffest_ = VectorXd::Zero(objective_.dofCount());
     for (const MotionObjective::FrameModel& model : objective_.models())
@@ -133,11 +160,12 @@ class BandSearch {
     std::vector<VectorXd> border(poses_.size(),
                                  VectorXd::Constant(objective_.dofCount(), kFree));
     for (std::size_t k = 0; k < poses_.size(); ++k) {
+      const VectorXd& lower = problem_.lowerAt(static_cast<int>(first_ + k));
+      const VectorXd& upper = problem_.upperAt(static_cast<int>(first_ + k));
       for (Eigen::Index i = 0; i < poses_[k].q.size(); ++i) {
         const double q = poses_[k].q[i];
         const double pull = undamped_.right[k][6 + i];
-        const bool stays =
-            (q <= problem_.lower[i] && pull <= 0.0) || (q >= problem_.upper[i] && pull >= 0.0);
+        const bool stays = (q <= lower[i] && pull <= 0.0) || (q >= upper[i] && pull >= 0.0);
         if (stays) hold(k, 6 + i, 0.0, border);
       }
     }
@@ -149,11 +177,12 @@ class BandSearch {
       }
       bool left = false;
       for (std::size_t k = 0; k < poses_.size(); ++k) {
+        const VectorXd& lower = problem_.lowerAt(static_cast<int>(first_ + k));
+        const VectorXd& upper = problem_.upperAt(static_cast<int>(first_ + k));
         for (Eigen::Index i = 0; i < poses_[k].q.size(); ++i) {
           if (border[k][6 + i] != kFree) continue;
           const double q = poses_[k].q[i];
-          const double inside =
-              std::clamp(q + steps_[k][6 + i], problem_.lower[i], problem_.upper[i]) - q;
+          const double inside = std::clamp(q + steps_[k][6 + i], lower[i], upper[i]) - q;
           if (std::abs(inside - steps_[k][6 + i]) < 1e-12) continue;
           hold(k, 6 + i, inside, border);
           left = true;
@@ -235,7 +264,8 @@ class BandSearch {
 
   const MotionProblem& problem_;
   MotionObjective& objective_;
-  std::size_t held_;
+  std::size_t first_;
+  Held held_;
   BandSystem system_;
   BandSystem undamped_;
   Poses poses_;
@@ -250,20 +280,19 @@ class BandSearch {
 // A second difference joins a frame with the two before it.
 constexpr std::size_t kJoined = 2;
 
-/// The poses of the objective's frames, from `first` on; where frames stand before them, the
-/// first two stay.
+/// The poses of the objective's frames, from `first` on.
 void solvePart(const MotionProblem& problem,
                MotionObjective& objective,
+               const std::vector<Stage>& stages,
                std::size_t first,
-               std::size_t count,
+               Held held,
                const Progress& progress,
                Trajectory& trajectory) {
   const auto begin = trajectory.poses.begin() + static_cast<std::ptrdiff_t>(first);
   const std::size_t part = objective.frames().size();
-  BandSearch search(problem, objective, Poses(begin, begin + static_cast<std::ptrdiff_t>(part)),
-                    first == 0 ? 0 : kJoined);
-  const std::vector<Stage>& stages =
-      problem.avoidance == nullptr ? kTouchingStages : kAvoidingStages;
+  const std::size_t count = trajectory.poses.size();
+  BandSearch search(problem, objective, first,
+                    Poses(begin, begin + static_cast<std::ptrdiff_t>(part)), held);
   const bool is_limited = problem.velocity_limit.array().isFinite().any() ||
                           problem.acceleration_limit.array().isFinite().any();
   double done = 0.0;
@@ -283,6 +312,35 @@ void solvePart(const MotionProblem& problem,
   std::move(search.poses().begin(), search.poses().end(), begin);
 }
 
+/// Frames `first` to `end`, in parts; before them and from `end` on poses stay.
+void solveParts(const MotionProblem& problem,
+                const MotionOptions& options,
+                const std::vector<Stage>& stages,
+                std::size_t first,
+                std::size_t end,
+                const Progress& progress,
+                Trajectory& trajectory) {
+  optimize::WorkerPool pool(options.threads);
+  const FrameProblems frames(problem, options.fade);
+  const std::size_t count = problem.time_s.size();
+  const auto at_once = static_cast<std::size_t>(options.frames_at_once);
+  // Frames that are solved with one part for its sake, and with the next for good.
+  const std::size_t ahead = std::min<std::size_t>(480, at_once / 4);
+  std::size_t from = first - std::min(kJoined, first);
+  const std::size_t to = std::min(count, end + kJoined);
+  Held held{first - from, 0};
+  for (;;) {
+    const std::size_t left = to - from;
+    const std::size_t part = left <= at_once + ahead ? left : at_once;
+    held.behind = part == left ? to - end : 0;
+    MotionObjective objective(problem, frames, options, pool, from, part);
+    solvePart(problem, objective, stages, from, held, progress, trajectory);
+    if (part == left) return;
+    from += part - ahead - kJoined;
+    held.before = kJoined;
+  }
+}
+
 }  // namespace
 
 Trajectory solveOffline(const MotionProblem& problem,
@@ -292,7 +350,6 @@ Trajectory solveOffline(const MotionProblem& problem,
   validate(problem);
   validate(options);
   HANDGRAFT_REQUIRE(start.empty() || start.size() == problem.time_s.size());
-  optimize::WorkerPool pool(options.threads);
   Trajectory trajectory;
   trajectory.time_s = problem.time_s;
   trajectory.poses = start;
@@ -302,20 +359,28 @@ Trajectory solveOffline(const MotionProblem& problem,
                            : followedMinima(problem, options, progress);
   }
   trajectory.objective.assign(trajectory.poses.size(), 0.0);
-  const FrameProblems frames(problem, options.fade);
-  const std::size_t count = problem.time_s.size();
-  const auto at_once = static_cast<std::size_t>(options.frames_at_once);
-  // Frames that are solved with one part for its sake, and with the next for good.
-  const std::size_t ahead = std::min<std::size_t>(480, at_once / 4);
-  for (std::size_t first = 0;;) {
-    const std::size_t left = count - first;
-    const std::size_t part = left <= at_once + ahead ? left : at_once;
-    MotionObjective objective(problem, frames, options, pool, first, part);
-    solvePart(problem, objective, first, count, progress, trajectory);
-    if (part == left) break;
-    first += part - ahead - kJoined;
-  }
+  solveParts(problem, options, problem.avoidance == nullptr ? kTouchingStages : kAvoidingStages,
+             0, problem.time_s.size(), progress, trajectory);
   return trajectory;
+}
+
+void solveAgain(const MotionProblem& problem,
+                const MotionOptions& options,
+                int first,
+                int end,
+                const Progress& progress,
+                Trajectory& trajectory) {
+  validate(problem);
+  validate(options);
+  HANDGRAFT_REQUIRE(trajectory.poses.size() == problem.time_s.size());
+  HANDGRAFT_REQUIRE(0 <= first && first < end && end <= problem.frameCount());
+  for (int k = first; k < end; ++k) {
+    Eigen::VectorXd& q = trajectory.poses[static_cast<std::size_t>(k)].q;
+    q = q.cwiseMax(problem.lowerAt(k)).cwiseMin(problem.upperAt(k));
+  }
+  solveParts(problem, options, problem.avoidance == nullptr ? kTouchingAgain : kAvoidingAgain,
+             static_cast<std::size_t>(first), static_cast<std::size_t>(end), progress,
+             trajectory);
 }
 
 }  // namespace handgraft::manipulation

@@ -26,4 +26,16 @@ Trajectory solveOffline(const MotionProblem& problem,
                         const Progress& progress,
                         const std::vector<hand::HandPose>& start = {});
 
+/// Frames `first` to `end` of an answer anew, from the poses that it has, after the problem
+/// changed there; the others stay to the byte, and the way stays smooth where they meet.
+///
+/// Poses lie out of the object, and are moved into limits of their own. Determinism, errors:
+/// as above. BrokenContract unless 0 <= first < end <= frames. Cost: linear in end - first.
+void solveAgain(const MotionProblem& problem,
+                const MotionOptions& options,
+                int first,
+                int end,
+                const Progress& progress,
+                Trajectory& trajectory);
+
 }  // namespace handgraft::manipulation
