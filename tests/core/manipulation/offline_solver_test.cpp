@@ -280,6 +280,55 @@ TEST(OfflineSolver, ALongMotionInPartsShowsNoSeam) {
   EXPECT_LT(told.back(), 1.0);
 }
 
+TEST(OfflineSolver, SolvesFramesAnewBetweenOthersThatStay) {
+  Scene scene;
+  MotionProblem problem = scene.unevenMotion(90);
+  MotionOptions options;
+  options.smoothness = 100.0;
+  const Trajectory before = solveOffline(problem, options, Progress());
+  const double there = before.poses[45].q[0];
+  const double wanted = std::clamp(there + 0.1, problem.lower[0], problem.upper[0]);
+  FrameOwn& own = problem.own[45];
+  own.lower = problem.lower;
+  own.upper = problem.upper;
+  own.lower[0] = own.upper[0] = wanted;
+
+  Trajectory again = before;
+  solveAgain(problem, options, 20, 70, Progress(), again);
+  EXPECT_EQ(again.poses[45].q[0], wanted);
+  for (std::size_t k = 0; k < 90; ++k) {
+    const bool stays = k < 20 || k >= 70;
+    EXPECT_TRUE(!stays || again.poses[k].q == before.poses[k].q) << k;
+    EXPECT_TRUE(!stays || again.poses[k].X_WH.matrix() == before.poses[k].X_WH.matrix()) << k;
+  }
+  const Trajectory whole = solveOffline(problem, options, Progress(), again.poses);
+  for (std::size_t k = 0; k < 90; ++k)
+    EXPECT_LT(distanceOf(whole.poses[k], again.poses[k]), 5e-3) << k;
+}
+
+TEST(OfflineSolver, AFrameOfItsOwnWeighsAndHoldsAsItSays) {
+  Scene scene;
+  MotionProblem problem = reachableMotion(
+      scene.model, std::vector<hand::HandPose>(20, scene.from), 120.0, scene.random);
+  const FrameProblems plain(problem, Fade{});
+  const optimize::PoseProblem before = plain.at(10, scene.from);
+  FrameOwn& own = problem.own[10];
+  own.shares[0] = 0.25;
+  own.pairs = {before.pairs.front()};
+  own.soft_weights.assign(static_cast<std::size_t>(problem.model->dofCount()), 0.0);
+  own.soft_values = own.soft_weights;
+  own.soft_weights[0] = 3.0;
+  own.soft_values[0] = problem.prior[0] + 0.4;
+  const FrameProblems frames(problem, Fade{});
+  const optimize::PoseProblem edited = frames.at(10, scene.from);
+  ASSERT_EQ(edited.pairs.size(), before.pairs.size() + 1);
+  EXPECT_EQ(edited.pairs.front().weight, 0.25 * before.pairs.front().weight);
+  EXPECT_EQ(edited.pairs.back().weight, before.pairs.front().weight);
+  EXPECT_EQ(edited.prior_weights[6], 4.0);
+  EXPECT_NEAR(edited.prior.q[0], problem.prior[0] + 0.3, 1e-12);
+  EXPECT_EQ(frames.at(9, scene.from).pairs.front().weight, before.pairs.front().weight);
+}
+
 TEST(OfflineSolver, WhatNothingHoldsComesToRest) {
   Scene scene;
   constexpr int kTouching = 30;
