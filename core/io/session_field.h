@@ -157,6 +157,17 @@ class SessionField {
     at(1).read(entry.second);
   }
 
+  void read(session::TimedChange& change) const {
+    const std::string kind = (*this)["kind"].text();
+    const auto found =
+        std::find(session::kTimedKinds.begin(), session::kTimedKinds.end(), kind);
+    if (found == session::kTimedKinds.end()) {
+      (*this)["kind"].reject("is {}; permitted are {}", quoted(kind),
+                             fmt::join(session::kTimedKinds, " "));
+    }
+    readChange<0>(static_cast<std::size_t>(found - session::kTimedKinds.begin()), change);
+  }
+
   template <HasFields T>
   void read(T& value) const {
     std::vector<std::string> keys = {"kind"};  // which an edit has besides
@@ -180,6 +191,23 @@ class SessionField {
   void readField(const char* key, std::optional<T>& field) const {
     field.reset();
     if (has(key)) (*this)[key].read(field.emplace());
+  }
+
+  template <std::size_t Kind>
+  void readChange(std::size_t kind, session::TimedChange& change) const {
+    if constexpr (Kind < std::variant_size_v<session::TimedChange>) {
+      if (kind != Kind) return readChange<Kind + 1>(kind, change);
+      std::variant_alternative_t<Kind, session::TimedChange> read_change{};
+      read(read_change);
+      change = std::move(read_change);
+    } else {
+      HANDGRAFT_REQUIRE(!"a kind that is known");
+    }
+  }
+
+  void readField(const char* key, std::vector<session::TimedEdit>& edits) const {
+    edits.clear();
+    if (has(key)) (*this)[key].read(edits);
   }
 
   template <class T>

@@ -108,6 +108,23 @@ struct Writer {
     if (!entries.empty()) object[key] = json(entries);
   }
 
+  static ordered_json json(const session::TimedChange& change) {
+    ordered_json result = std::visit(
+        [](const auto& one) {
+          return json(one);
+        },
+        change);
+    result["kind"] = std::string(session::kTimedKinds[change.index()]);
+    return result;
+  }
+
+  /// Most sessions hold grasps, which have no times.
+  static void put(ordered_json& object,
+                  const char* key,
+                  const std::vector<session::TimedEdit>& edits) {
+    if (!edits.empty()) object[key] = json(edits);
+  }
+
   static ordered_json json(const session::HistoryStep& step) {
     return {{"label", step.label}, {"change", json(step.change)}};
   }

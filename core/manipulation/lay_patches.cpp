@@ -8,9 +8,6 @@
 
 namespace handgraft::manipulation {
 
-namespace {
-
-/// Where a key's patch goes on the hand.
 std::optional<transfer::Placement> placementOf(const contact::Patch& patch,
                                                const transfer::Surfaces& surfaces,
                                                const hand::HandModel& model,
@@ -27,15 +24,14 @@ std::optional<transfer::Placement> placementOf(const contact::Patch& patch,
   return transfer::placementAt(model, *surfaces.skin, *site);
 }
 
-}  // namespace
-
 LaidMotion layPatches(const Motion& motion,
                       const transfer::Surfaces& surfaces,
                       const hand::HandModel& model,
                       const std::vector<hand::ContactSite>& sites,
                       const hand::FingerCoordinates& coordinates,
                       const transfer::TransferOptions& options,
-                      const Progress& progress) {
+                      const Progress& progress,
+                      const MovePlacement& move) {
   LaidMotion laid;
   int lost = 0;
   for (std::size_t t = 0; t < motion.tracks.size(); ++t) {
@@ -57,7 +53,7 @@ LaidMotion layPatches(const Motion& motion,
         fault = "this hand has no such place";
       } else {
         const transfer::PatchTransfer transferred =
-            stages.lay(surfaces, key.patch, *placement, options);
+            stages.lay(surfaces, key.patch, move ? move(*placement) : *placement, options);
         lost += static_cast<int>(transferred.lost.size());
         for (const transfer::Correspondence& one : transferred.correspondences) {
           optimize::PointPair pair;

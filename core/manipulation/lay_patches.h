@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +22,16 @@ struct LaidMotion {
   std::vector<std::string> notes;  ///< patches that found no place, and why
 };
 
+/// Where a key's patch goes on the hand; nothing if it has no place there.
+std::optional<transfer::Placement> placementOf(const contact::Patch& patch,
+                                               const transfer::Surfaces& surfaces,
+                                               const hand::HandModel& model,
+                                               const std::vector<hand::ContactSite>& sites,
+                                               const hand::FingerCoordinates& coordinates);
+
+/// Another place on the hand than a key's own.
+using MovePlacement = std::function<transfer::Placement(const transfer::Placement&)>;
+
 /// Lays each key of each track: at the place on the hand that it tells, else at the site or in
 /// the middle of the segment that its name tells; as transfer::transferPatch does. Patches
 /// without a direction, or without a place on this hand, are left out and noted.
@@ -32,6 +44,7 @@ LaidMotion layPatches(const Motion& motion,
                       const std::vector<hand::ContactSite>& sites,
                       const hand::FingerCoordinates& coordinates,
                       const transfer::TransferOptions& options,
-                      const Progress& progress);
+                      const Progress& progress,
+                      const MovePlacement& move = MovePlacement());
 
 }  // namespace handgraft::manipulation

@@ -87,6 +87,7 @@ std::vector<FrameFit> fitFrames(const MotionProblem& problem,
     hand::forwardKinematics(*problem.model, poses[k].X_WH, poses[k].q, X_OL);
     FrameFit& fit = fits[k];
     for (const optimize::PointPair& pair : single.pairs) {
+      if (pair.patch < 0) continue;  // a place that is held
       const Pose& X = X_OL[static_cast<std::size_t>(pair.link)];
       fit.mean_mm += 1e3 * (X * pair.p_L - pair.p_W).norm();
       ++fit.points;

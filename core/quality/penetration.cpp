@@ -48,6 +48,24 @@ double deepestOf(const LinkSolid& solid,
   return deepest;
 }
 
+/// How deep a link lies in the object, walls thinner than it included.
+double depthIn(const LinkSolid& solid,
+               const geometry::Solid& object_O,
+               const Pose& X_OL,
+               const std::vector<ContactSide>& sides,
+               Inside& inside,
+               const Progress& progress) {
+  double depth = deepestOf(solid, object_O.grid(), X_OL, inside, progress);
+  const WallInLink wall = wallIn(solid, object_O.walls(), X_OL);
+  if (wall.depth_m > kTouch) depth = std::max(depth, wall.depth_m);
+  progress.checkpoint();
+  if (wall.goes_through) {
+    const double way = wayOut(solid, object_O, X_OL, wall, sides);
+    if (std::isfinite(way)) depth = std::max(depth, way);
+  }
+  return depth;
+}
+
 /// How much of a cell lies in two solids, of which it lies in each by `a` and `b`, and whose
 /// borders' normals have the cosine `c`: planes that face each other share what is more than
 /// the whole cell, planes alike the less of both, planes at right angles the product.
@@ -111,14 +129,7 @@ Penetration measurePenetration(const hand::HandModel& model,
   for (const LinkSolid& solid : hand.links()) {
     const Pose& X = X_OL[static_cast<std::size_t>(solid.link)];
     if (object_O.grid().isClear(X * solid.centre_L, solid.radius)) continue;
-    double depth = deepestOf(solid, object_O.grid(), X, inside, progress);
-    const WallInLink wall = wallIn(solid, object_O.walls(), X);
-    if (wall.depth_m > kTouch) depth = std::max(depth, wall.depth_m);
-    progress.checkpoint();
-    if (wall.goes_through) {
-      const double way = wayOut(solid, object_O, X, wall, sides);
-      if (std::isfinite(way)) depth = std::max(depth, way);
-    }
+    const double depth = depthIn(solid, object_O, X, sides, inside, progress);
     if (depth > 0.0) result.links.push_back({solid.link, depth});
     progress.checkpoint();
     result.volume_m3 += sharedVolume(solid, object_O.grid(), X);
@@ -131,6 +142,23 @@ Penetration measurePenetration(const hand::HandModel& model,
   if (inside.area > 0.0) result.mean_depth_m = inside.depth_area / inside.area;
   measureItself(hand, X_OL, result);
   return result;
+}
+
+double measureDepth(const hand::HandModel& model,
+                    const hand::HandSolid& hand,
+                    const geometry::Solid& object_O,
+                    const hand::HandPose& X_OH,
+                    const Progress& progress) {
+  hand::LinkPoses X_OL;
+  hand::forwardKinematics(model, X_OH.X_WH, X_OH.q, X_OL);
+  Inside inside;
+  double deepest = 0.0;
+  for (const LinkSolid& solid : hand.links()) {
+    const Pose& X = X_OL[static_cast<std::size_t>(solid.link)];
+    if (object_O.grid().isClear(X * solid.centre_L, solid.radius)) continue;
+    deepest = std::max(deepest, depthIn(solid, object_O, X, {}, inside, progress));
+  }
+  return deepest;
 }
 
 }  // namespace handgraft::quality

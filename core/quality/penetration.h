@@ -48,4 +48,12 @@ Penetration measurePenetration(const hand::HandModel& model,
                                const std::vector<ContactSide>& sides = {},
                                const Progress& progress = Progress());
 
+/// The deepest point alone, of a pose in O: `max_depth_m` without sides, for less: neither
+/// volumes nor what the hand does to itself.
+double measureDepth(const hand::HandModel& model,
+                    const hand::HandSolid& hand,
+                    const geometry::Solid& object_O,
+                    const hand::HandPose& X_OH,
+                    const Progress& progress);
+
 }  // namespace handgraft::quality

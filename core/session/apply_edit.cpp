@@ -12,6 +12,7 @@
 #include "core/session/held_places.h"
 #include "core/session/model_swap.h"
 #include "core/session/patch_matching.h"
+#include "core/session/timed_edit.h"
 
 namespace handgraft::session {
 namespace {
@@ -86,11 +87,15 @@ class Editing {
 
   void apply(const HandEdit& edit) {
     edited = withHand(edited.document, edit.name, shelf_, progress_);
+    dropUnfitting();
   }
 
   void apply(const ObjectEdit& edit) {
     edited = withObject(edited.document, edit.name, shelf_, progress_);
+    dropUnfitting();
   }
+
+  void apply(const TimedEdit& edit) { addTimed(edit, bench_.models(), edited.document); }
 
   template <class HistoryEdit>
   void apply(const HistoryEdit& /*edit*/) {
@@ -101,6 +106,16 @@ class Editing {
 
  private:
   [[nodiscard]] const Hand& hand() const { return *bench_.models().hand; }
+
+  /// Edits at times that name what the new model does not have.
+  void dropUnfitting() {
+    const Document& document = edited.document;
+    const int dropped = dropUnfittingTimed(
+        shelf_.find(document.hand, document.object, progress_), edited.document);
+    if (dropped == 0) return;
+    edited.message += fmt::format("{}{} edits at times do not fit and are gone",
+                                  edited.message.empty() ? "" : "; ", dropped);
+  }
 
   DocumentPatch& patchNamed(const std::string& name) {
     std::vector<std::string> names;
@@ -241,6 +256,17 @@ void Editing::apply(const DragEdit& edit) {
 
 void Editing::apply(const ReleaseEdit& edit) {
   Document& document = edited.document;
+  const auto goes = [&](const TimedEdit& timed) {
+    const auto* way = std::get_if<DragWay>(&timed.change);
+    return way != nullptr && (edit.link.empty() || way->link == edit.link);
+  };
+  if (std::erase_if(document.timed, goes) > 0) {
+    if (edit.link.empty())
+      document.held.clear();
+    else
+      letGo(document, edit.link);
+    return;
+  }
   if (document.held.empty()) rejectInput("nothing is held: no place was dragged");
   if (edit.link.empty()) {
     document.held.clear();
@@ -318,8 +344,10 @@ Edited applied(const Edit& edit,
         editing.apply(one);
       },
       edit);
-  // A minimum that is chosen answers what the solution answered.
-  if (!std::holds_alternative<ChoiceEdit>(edit)) editing.edited.document.is_solved = false;
+  // A minimum that is chosen answers what the solution answered; what holds at a time of a
+  // motion leaves the grasp as it is.
+  if (!std::holds_alternative<ChoiceEdit>(edit) && !std::holds_alternative<TimedEdit>(edit))
+    editing.edited.document.is_solved = false;
   return std::move(editing.edited);
 }
 
@@ -349,6 +377,10 @@ void validate(const Document& document, const Models& models) {
     requireWithin(joint.soft_value, -kLargestJointValue, kLargestJointValue,
                   "soft value of " + name);
   }
+  if (document.timed.size() > kMostTimed)
+    rejectInput("{} edits at times; permitted are {}", document.timed.size(), kMostTimed);
+  for (const TimedEdit& edit : document.timed)
+    session::validate(edit, document, models);
   if (document.patches.empty()) rejectInput("there is no patch");
   std::vector<std::string> names;
   for (const DocumentPatch& patch : document.patches) {

@@ -89,6 +89,7 @@ DocumentChange changeBetween(const Document& from, const Document& to) {
   note(from.prior_shares, to.prior_shares, change.prior_shares);
   note(from.solving, to.solving, change.solving);
   note(from.transfer, to.transfer, change.transfer);
+  note(from.timed, to.timed, change.timed);
   note(from.notes, to.notes, change.notes);
   return change;
 }
@@ -110,6 +111,7 @@ Document applyTo(Document document, const DocumentChange& change) {
   take(change.prior_shares, document.prior_shares);
   take(change.solving, document.solving);
   take(change.transfer, document.transfer);
+  take(change.timed, document.timed);
   take(change.notes, document.notes);
   return document;
 }

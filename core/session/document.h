@@ -11,6 +11,7 @@
 #include "core/hand/kinematics.h"
 #include "core/optimize/pose_problem.h"
 #include "core/optimize/problem_options.h"
+#include "core/session/edit.h"
 #include "core/session/solving.h"
 #include "core/transfer/patch_transfer.h"
 #include "core/transfer/placement.h"
@@ -77,6 +78,8 @@ struct Document {
   optimize::PriorShares prior_shares;
   Solving solving;
   transfer::TransferOptions transfer;
+  /// Of a motion's: what holds about one of its times, the later over the earlier.
+  std::vector<TimedEdit> timed;
   /// On the matching, and what was dropped or carried on the way; for people.
   std::vector<std::string> notes;
 };
@@ -108,6 +111,7 @@ struct DocumentChange {
   std::optional<optimize::PriorShares> prior_shares;
   std::optional<Solving> solving;
   std::optional<transfer::TransferOptions> transfer;
+  std::optional<std::vector<TimedEdit>> timed;
   std::optional<std::vector<std::string>> notes;
 };
 

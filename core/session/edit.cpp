@@ -119,6 +119,21 @@ std::string text(const RestoreEdit& edit) {
   return fmt::format("restore {}", shortened(edit.name));
 }
 
+std::string text(const DragWay& way) {
+  return fmt::format("drag {}", shortened(way.link));
+}
+
+std::string text(const TimedEdit& edit) {
+  const std::string what = std::visit(
+      [](const auto& one) {
+        return text(one);
+      },
+      edit.change);
+  const std::string when = fmt::format("{} at {:.6g} s", what, edit.when.time_s);
+  return edit.when.falloff_s > 0.0 ? fmt::format("{} +- {:.4g}", when, edit.when.falloff_s)
+                                   : when;
+}
+
 }  // namespace
 
 std::string describe(const Edit& edit) {

@@ -55,6 +55,9 @@ struct JointLimitEdit {
 struct JointLockEdit {
   std::string joint;
   bool locked;
+  /// Of an edit at a time: where it is held. Who applies the edit fills it in from the motion's
+  /// answer, so that its log needs none.
+  std::optional<double> value{};
 };
 
 // Holds a joint near a value: the prior moves there and weighs `weight` times as much. Weight 0
@@ -119,6 +122,40 @@ struct ObjectEdit {
   std::string name;
 };
 
+// === About one time of a motion
+
+/// Where an edit applies: fully at `time_s`, fading to nothing `falloff_s` away from it.
+struct EditTime {
+  double time_s = 0.0;     ///< of the motion's own times
+  double falloff_s = 0.0;  ///< 0: one frame
+};
+
+// A place of a link that goes a way of its own for some frames, as a drag at a time left it.
+struct DragWay {
+  std::string link;
+  Eigen::Vector3d p_L = Eigen::Vector3d::Zero();
+  double weight = 1.0;  ///< as DragEdit's; fades as the edit does
+  int first_frame = 0;
+  std::vector<Eigen::Vector3d> targets_O{};  ///< of each frame from the first on
+};
+
+/// What may be edited at a time.
+using TimedChange = std::variant<PatchWeightEdit,
+                                 PatchEnabledEdit,
+                                 PatchRootEdit,
+                                 PatchDirectionEdit,
+                                 JointLimitEdit,
+                                 JointLockEdit,
+                                 JointSoftEdit,
+                                 DragWay,
+                                 ReleaseEdit>;
+
+// An edit of a motion about one time; the grasp that stands for the motion stays as it is.
+struct TimedEdit {
+  EditTime when;
+  TimedChange change;
+};
+
 // === What moves through the history
 struct UndoEdit {
   int count = 1;
@@ -156,7 +193,8 @@ using Edit = std::variant<ObjectPoseEdit,
                           RedoEdit,
                           SnapshotEdit,
                           RestoreEdit,
-                          ReleaseEdit>;
+                          ReleaseEdit,
+                          TimedEdit>;
 
 /// One line for people, without numbers that say little: "limit thumb_mcp 0 to 0.6 rad", "drag
 /// middle_tip". What it quotes is on one line and cut short.

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <type_traits>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include <Eigen/Core>
@@ -59,6 +60,16 @@ class FieldWriter {
     addCount(list.size());
     for (const T& entry : list)
       add(entry);
+  }
+
+  template <class... Ts>
+  void add(const std::variant<Ts...>& value) {
+    addCount(value.index());
+    std::visit(
+        [this](const auto& one) {
+          add(one);
+        },
+        value);
   }
 
   template <class T>
@@ -144,6 +155,11 @@ class FieldReader {
       read(entry);
   }
 
+  template <class... Ts>
+  void read(std::variant<Ts...>& value) {
+    readAlternative<0>(count(), value);
+  }
+
   template <class T>
   void read(std::pair<std::size_t, T>& entry) {
     entry.first = count();
@@ -158,6 +174,16 @@ class FieldReader {
   }
 
  private:
+  template <std::size_t Index, class Variant>
+  void readAlternative(std::size_t index, Variant& value) {
+    if constexpr (Index < std::variant_size_v<Variant>) {
+      if (index != Index) return readAlternative<Index + 1>(index, value);
+      read(value.template emplace<Index>());
+    } else {
+      HANDGRAFT_REQUIRE(!"an alternative that is there");
+    }
+  }
+
   std::size_t count() {
     std::size_t result = 0;
     for (unsigned shift = 0;; shift += 7) {

@@ -108,6 +108,7 @@ void visitFields(Maybe<Document> auto& document, auto&& visit) {
   visit("prior_shares", document.prior_shares);
   visit("solving", document.solving);
   visit("transfer", document.transfer);
+  visit("timed", document.timed);
   visit("notes", document.notes);
 }
 
@@ -130,6 +131,7 @@ void visitFields(Maybe<DocumentChange> auto& change, auto&& visit) {
   visit("prior_shares", change.prior_shares);
   visit("solving", change.solving);
   visit("transfer", change.transfer);
+  visit("timed", change.timed);
   visit("notes", change.notes);
 }
 
@@ -147,7 +149,12 @@ inline constexpr std::array<std::string_view, std::variant_size_v<Edit>> kEditKi
     "joint_lock",   "prior",        "weights",    "patch_enabled",   "joint_soft",
     "prior_shares", "solving",      "drag",       "choice",          "hand",
     "object",       "undo",         "redo",       "snapshot",        "restore",
-    "release"};
+    "release",      "timed"};
+
+/// Likewise of what is edited at a time.
+inline constexpr std::array<std::string_view, std::variant_size_v<TimedChange>> kTimedKinds = {
+    "patch_weight", "patch_enabled", "patch_root", "patch_direction", "joint_limit",
+    "joint_lock",   "joint_soft",    "drag_way",   "release"};
 
 void visitFields(Maybe<ObjectPoseEdit> auto& edit, auto&& visit) {
   visit("X_WO", edit.X_WO);
@@ -184,6 +191,7 @@ void visitFields(Maybe<JointLimitEdit> auto& edit, auto&& visit) {
 void visitFields(Maybe<JointLockEdit> auto& edit, auto&& visit) {
   visit("joint", edit.joint);
   visit("locked", edit.locked);
+  visit("value", edit.value);
 }
 
 void visitFields(Maybe<JointSoftEdit> auto& edit, auto&& visit) {
@@ -220,6 +228,20 @@ void visitFields(Maybe<DragEdit> auto& edit, auto&& visit) {
 
 void visitFields(Maybe<ReleaseEdit> auto& edit, auto&& visit) {
   visit("link", edit.link);
+}
+
+void visitFields(Maybe<DragWay> auto& way, auto&& visit) {
+  visit("link", way.link);
+  visit("p_L", way.p_L);
+  visit("weight", way.weight);
+  visit("first_frame", way.first_frame);
+  visit("targets_O", way.targets_O);
+}
+
+void visitFields(Maybe<TimedEdit> auto& edit, auto&& visit) {
+  visit("time_s", edit.when.time_s);
+  visit("falloff_s", edit.when.falloff_s);
+  visit("change", edit.change);
 }
 
 void visitFields(Maybe<ChoiceEdit> auto& edit, auto&& visit) {

@@ -10,12 +10,6 @@
 
 namespace handgraft::session {
 
-namespace {
-
-constexpr double kFirmness = 20.0;  // as all patches together
-
-}  // namespace
-
 std::vector<std::string> heldLinks(const Document& document) {
   std::vector<std::string> links;
   for (const HeldPlace& place : document.held)
@@ -55,7 +49,7 @@ void addHeldPlaces(const std::vector<HeldPlace>& held, optimize::PoseProblem& pr
     target.target_W = place.target_W;
     target.R_WL = place.target_R_WL;
     for (optimize::PointPair& pair :
-         optimize::pairsOf(target, kFirmness * place.weight * of_patches))
+         optimize::pairsOf(target, kHeldFirmness * place.weight * of_patches))
       problem.pairs.push_back(pair);
   }
 }

@@ -8,6 +8,9 @@
 
 namespace handgraft::session {
 
+/// Of a held place, as many times as firm as all patches together.
+inline constexpr double kHeldFirmness = 20.0;
+
 /// The links that are held, in the order of their drags.
 std::vector<std::string> heldLinks(const Document& document);
 

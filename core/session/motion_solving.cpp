@@ -5,24 +5,17 @@
 #include <map>
 #include <numbers>
 #include <set>
-#include <thread>
 #include <utility>
 
 #include "core/base/error.h"
 #include "core/geometry/surface_locator.h"
-#include "core/hand/finger_coordinates.h"
-#include "core/manipulation/causal_solver.h"
-#include "core/manipulation/lay_patches.h"
-#include "core/manipulation/lay_points.h"
-#include "core/manipulation/offline_solver.h"
 #include "core/optimize/diagnosis.h"
-#include "core/session/solids.h"
+#include "core/session/motion_bench.h"
 
 namespace handgraft::session {
 
 namespace {
 
-using manipulation::LaidMotion;
 using manipulation::Motion;
 using manipulation::MotionProblem;
 using manipulation::PatchKey;
@@ -53,112 +46,6 @@ contact::Patch diskAbout(const geometry::TriangleMesh& object_O,
 bool isRecorded(const PatchKey& key) {
   return key.patch.interpolation_boundary.size() <
          static_cast<std::size_t>(contact::kFewestInterpolationPoints);
-}
-
-/// Every point of the motion says where it lies on links that this hand has.
-bool liesOnLinksOf(const hand::HandModel& model, const Motion& motion) {
-  for (const PatchTrack& track : motion.tracks)
-    for (const PatchKey& key : track.keys)
-      for (const manipulation::HandPoint& point : key.hand_points)
-        if (model.maybeLinkIndex(point.link)) return true;
-  return false;
-}
-
-LaidMotion laidOnHand(const Document& document,
-                      const Hand& hand,
-                      const geometry::TriangleMesh& object_O,
-                      const Motion& motion,
-                      const Progress& progress) {
-  LaidMotion laid;
-  if (liesOnLinksOf(*hand.model, motion)) {
-    laid.tracks = layPoints(motion, object_O, *hand.model);
-    for (std::size_t t = 0; t < motion.tracks.size(); ++t) {
-      const auto& keys = motion.tracks[t].keys;
-      const bool is_laid = std::any_of(keys.begin(), keys.end(), [&](const PatchKey& key) {
-        return std::any_of(key.hand_points.begin(), key.hand_points.end(),
-                           [&](const manipulation::HandPoint& point) {
-                             return hand.model->maybeLinkIndex(point.link).has_value();
-                           });
-      });
-      if (is_laid) laid.track_of.push_back(static_cast<int>(t));
-    }
-    HANDGRAFT_REQUIRE(laid.track_of.size() == laid.tracks.size());
-    return laid;
-  }
-  const hand::FingerCoordinates coordinates(*hand.model, *hand.skin, hand.sites);
-  const bool has_points =
-      std::any_of(motion.tracks.begin(), motion.tracks.end(), [](const PatchTrack& track) {
-        return isRecorded(track.keys.front());
-      });
-  if (has_points) {
-    return layPointsByPlace(motion, object_O, *hand.model, *hand.skin, coordinates, progress);
-  }
-  return layPatches(motion, transfer::borrowedSurfaces(object_O, *hand.skin), *hand.model,
-                    hand.sites, coordinates, document.transfer, progress);
-}
-
-/// The document's switches and weights, which it has by the patches' names.
-void weigh(const Document& document,
-           const Motion& motion,
-           const contact::ContactSet& grasp,
-           const std::vector<int>& track_of,
-           std::vector<manipulation::PairTrack>& tracks) {
-  const std::vector<std::string> names = patchNames(motion);
-  std::map<std::string, double> factors;
-  for (std::size_t i = 0; i < names.size() && i < document.patches.size(); ++i) {
-    const double own = grasp.patches[i].weight;
-    const double given = document.patches[i].effectiveWeight();
-    factors[names[i]] = own > 0.0 ? given / own : given;
-  }
-  bool any = false;
-  for (std::size_t t = 0; t < tracks.size(); ++t) {
-    const auto found = factors.find(motion.tracks[static_cast<std::size_t>(track_of[t])].name);
-    const double factor = found == factors.end() ? 1.0 : found->second;
-    any = any || factor > 0.0;
-    if (factor == 1.0) continue;
-    for (manipulation::PairSpan& span : tracks[t].spans)
-      for (optimize::PointPair& pair : span.pairs)
-        pair.weight *= factor;
-  }
-  if (!any) rejectInput("all patches of motion {} are switched off", quoted(motion.name));
-}
-
-/// Frames are independent: each thread takes every so-manyth.
-std::vector<double> depthsOf(const SolvedMotion& solved,
-                             const Hand& hand,
-                             const std::shared_ptr<const geometry::TriangleMesh>& object_O,
-                             int threads,
-                             const Progress& progress) {
-  const std::vector<hand::HandPose>& poses = solved.trajectory.poses;
-  std::vector<double> depths(poses.size(), 0.0);
-  makeSolids(hand, object_O, progress);
-  const auto step = static_cast<std::size_t>(std::max(1, threads));
-  std::vector<std::exception_ptr> errors(step);
-  const auto measure = [&](std::size_t first) {
-    try {
-      for (std::size_t k = first; k < poses.size(); k += step) {
-        progress.checkpoint();
-        if (first == 0) {
-          progress.report("measuring depths",
-                          static_cast<double>(k) / static_cast<double>(poses.size()));
-        }
-        depths[k] = penetrationOf(hand.model, hand.skin, object_O, Pose::Identity(), poses[k],
-                                  {}, Progress())
-                        .max_depth_m;
-      }
-    } catch (...) {
-      errors[first] = std::current_exception();
-    }
-  };
-  std::vector<std::thread> others;
-  for (std::size_t i = 1; i < step; ++i)
-    others.emplace_back(measure, i);
-  measure(0);
-  for (std::thread& other : others)
-    other.join();
-  for (const std::exception_ptr& error : errors)
-    if (error) std::rethrow_exception(error);
-  return depths;
 }
 
 double inDegrees(double rad) {
@@ -234,27 +121,8 @@ SolvedMotion solveMotion(const Document& document,
                          MotionSolving solving,
                          int threads,
                          const Progress& progress) {
-  SolvedMotion solved;
-  solving.options.threads = threads;
-  solved.problem = motionProblemOf(document, hand, motion.time_s, solving);
-  LaidMotion laid = laidOnHand(document, hand, *object_O, motion, progress);
-  weigh(document, motion, graspOf(motion, *object_O), laid.track_of, laid.tracks);
-  solved.problem.tracks = std::move(laid.tracks);
-  solved.track_of = std::move(laid.track_of);
-  solved.notes = remarksOn(motion);
-  solved.notes.insert(solved.notes.end(), laid.notes.begin(), laid.notes.end());
-  if (document.solving.avoids()) {
-    solved.problem.avoidance =
-        avoidanceOf(hand.model, hand.skin, object_O, Pose::Identity(), progress);
-  }
-  solved.trajectory =
-      solving.causal ? manipulation::solveCausal(solved.problem, solving.options, progress)
-                     : manipulation::solveOffline(solved.problem, solving.options, progress);
-  solved.notes.insert(solved.notes.end(), solved.trajectory.notes.begin(),
-                      solved.trajectory.notes.end());
-  solved.solving = solving;
-  solved.depth_m = depthsOf(solved, hand, object_O, threads, progress);
-  return solved;
+  MotionBench bench(std::make_shared<const Motion>(motion), object_O);
+  return *bench.solve(document, hand, std::move(solving), threads, progress);
 }
 
 MotionFits::MotionFits(const Motion& motion, const SolvedMotion& solved)
@@ -279,6 +147,7 @@ std::vector<PatchFrameFit> MotionFits::at(int frame) const {
     fit.presence = present.presence;
   }
   for (const optimize::PointPair& pair : single.pairs) {
+    if (pair.patch < 0) continue;  // a place that is held
     PatchFrameFit& fit = fits[pair.patch];
     const Pose& X = X_OL[static_cast<std::size_t>(pair.link)];
     fit.mean_mm += 1e3 * (X * pair.p_L - pair.p_W).norm();

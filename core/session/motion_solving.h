@@ -52,9 +52,10 @@ contact::ContactSet graspOf(const manipulation::Motion& motion,
 ///
 /// What counts of the document: limits and locks of joints, the prior's joints, weights, the
 /// form of normals, care for depth, the way patches are laid, and of each patch whether it is
-/// enabled and its weight, by its name. The same answer on any number of `threads`.
-/// Errors: InvalidInput if no patch finds a place on the hand or all are switched off, or an
-/// option is out of range; Cancelled on wish.
+/// enabled and its weight, by its name, roots and directions on the object where they were
+/// edited, held places and joints, and edits at times (timed_edit.h). The same answer on any
+/// number of `threads`. Errors: InvalidInput if no patch finds a place on the hand or all are
+/// switched off, or an option is out of range; Cancelled on wish.
 SolvedMotion solveMotion(const Document& document,
                          const Hand& hand,
                          const std::shared_ptr<const geometry::TriangleMesh>& object_O,

@@ -68,6 +68,15 @@ quality::Penetration penetrationOf(
                                      *solidOf(object_O, progress), X_WO, pose, sides, progress);
 }
 
+double deepestOf(const std::shared_ptr<const hand::HandModel>& model,
+                 const std::shared_ptr<const hand::Skin>& skin,
+                 const std::shared_ptr<const geometry::TriangleMesh>& object_O,
+                 const hand::HandPose& X_OH,
+                 const Progress& progress) {
+  return quality::measureDepth(*model, *solidOf(model, skin, progress),
+                               *solidOf(object_O, progress), X_OH, progress);
+}
+
 quality::Penetration penetrationOf(const Session& session,
                                    const hand::HandPose& pose,
                                    const Progress& progress) {

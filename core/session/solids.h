@@ -52,6 +52,13 @@ quality::Penetration penetrationOf(
     const std::vector<quality::ContactSide>& sides,
     const Progress& progress);
 
+/// How deep a pose in O lies inside, and no more.
+double deepestOf(const std::shared_ptr<const hand::HandModel>& model,
+                 const std::shared_ptr<const hand::Skin>& skin,
+                 const std::shared_ptr<const geometry::TriangleMesh>& object_O,
+                 const hand::HandPose& X_OH,
+                 const Progress& progress);
+
 /// Of a pose of the session's hand, its laid patches telling the sides.
 quality::Penetration penetrationOf(const Session& session,
                                    const hand::HandPose& pose,

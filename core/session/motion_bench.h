@@ -1,0 +1,88 @@
+#pragma once
+
+#include <functional>
+#include <list>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/manipulation/lay_patches.h"
+#include "core/session/document.h"
+#include "core/session/models.h"
+#include "core/session/motion_solving.h"
+
+namespace handgraft::session {
+
+/// Frames `first` to `end` of a motion.
+struct FrameRange {
+  int first = 0;
+  int end = 0;
+};
+
+/// A session's motion, solved again and again while it is edited.
+///
+/// First the motion without edits at times (offline from the last such answer, if there is one,
+/// else from nothing), then what was edited at times, each stretch of frames about such edits
+/// by itself: those that an edit reaches and kMargin_s on both sides, which smoothness couples
+/// to them. The others keep the first answer to the byte. So one more edit at a time costs its
+/// own stretch alone. Frame by frame (causal), every frame after an edit is solved anew.
+///
+/// Answers are kept: a document that was answered before, as after an undo, has the same answer
+/// to the byte. What holds at times follows from the first answer and those edits alone.
+///
+/// Not thread-safe. Deterministic on any number of threads.
+class MotionBench {
+ public:
+  /// `motion` lies on `object_O`.
+  MotionBench(std::shared_ptr<const manipulation::Motion> motion,
+              std::shared_ptr<const geometry::TriangleMesh> object_O);
+
+  /// Told of stretches that were solved anew while others are not yet.
+  using OnStretch = std::function<void(const SolvedMotion& as_far, FrameRange frames)>;
+
+  /// Errors: as solveMotion.
+  std::shared_ptr<const SolvedMotion> solve(const Document& document,
+                                            const Hand& hand,
+                                            MotionSolving solving,
+                                            int threads,
+                                            const Progress& progress,
+                                            const OnStretch& on_stretch = OnStretch());
+
+  /// On both sides of what an edit reaches: twice what a hand that nothing holds settles in;
+  /// one that touches is coupled over some 0.05 s.
+  static constexpr double kMargin_s = 0.5;
+
+ private:
+  /// An answer without edits at times, and what it answers.
+  struct Base {
+    std::string key;
+    std::shared_ptr<const SolvedMotion> solved;
+  };
+
+  /// A stretch about edits at times, solved.
+  struct Stretch {
+    std::string key;  ///< of its base and its edits
+    std::vector<hand::HandPose> poses;
+    std::vector<double> objective;
+    std::vector<double> depth_m;
+  };
+
+  struct Work;  ///< what one solve is about
+
+  const manipulation::LaidMotion& laid(const Work& work);
+  std::shared_ptr<const SolvedMotion> base(const Work& work);
+  void solveStretches(const Work& work, SolvedMotion& solved, const OnStretch& on_stretch);
+  void layAtTimes(const Work& work, manipulation::MotionProblem& problem);
+
+  std::shared_ptr<const manipulation::Motion> motion_;
+  std::shared_ptr<const geometry::TriangleMesh> object_O_;
+  contact::ContactSet grasp_;  ///< that stands for it
+  std::string laid_key_;
+  std::optional<manipulation::LaidMotion> laid_;
+  std::list<Base> bases_;         ///< the last used first
+  std::list<Stretch> stretches_;  ///< likewise
+};
+
+}  // namespace handgraft::session
