@@ -1,7 +1,7 @@
 // How deep the hand lies in the object, on its surface. Worked out between pictures, a little at a time.
 
-import { Color, DoubleSide, Matrix4, Ray, Vector3 } from 'three';
-import type { HandBody, LinkBody, ObjectBody } from './bodies';
+import { BufferAttribute, BufferGeometry, Color, DoubleSide, Matrix4, Mesh as Drawn, MeshBasicMaterial, Ray, Vector3 } from 'three';
+import { order, type HandBody, type LinkBody, type ObjectBody } from './bodies';
 import { depthColor } from './colors';
 import { paint, treeOf } from './mesh';
 import type { PoseSolution } from './wire';
@@ -11,6 +11,9 @@ const kLookedFor_m = 0.03; // deeper is drawn as this
 
 export class DepthShade {
   private job = 0;
+  /** What lies inside, seen through the object that hides it. */
+  private readonly inside = new Map<LinkBody, Drawn>();
+  private readonly through = new MeshBasicMaterial({ vertexColors: true, transparent: true, opacity: 0.8, side: DoubleSide, depthTest: false, depthWrite: false });
 
   constructor(
     private readonly hand: HandBody,
@@ -27,7 +30,42 @@ export class DepthShade {
     if (todo.length > 0) void this.paint(this.job, todo);
   }
 
+  dispose(): void {
+    ++this.job;
+    for (const link of [...this.inside.keys()]) this.hideInside(link);
+    this.through.dispose();
+  }
+
+  private showInside(link: LinkBody, shade: Float32Array, isDeep: Uint8Array): void {
+    this.hideInside(link);
+    const { triangles, vertices } = link.mesh;
+    const index: number[] = [];
+    for (let i = 0; i + 2 < triangles.length; i += 3) {
+      const face = [triangles[i]!, triangles[i + 1]!, triangles[i + 2]!];
+      if (face.every((vertex) => isDeep[vertex] === 1)) index.push(...face);
+    }
+    if (index.length === 0) return;
+    const geometry = new BufferGeometry();
+    geometry.setAttribute('position', new BufferAttribute(vertices, 3));
+    geometry.setAttribute('color', new BufferAttribute(shade, 3));
+    geometry.setIndex(index);
+    const drawn = new Drawn(geometry, this.through);
+    drawn.renderOrder = order.hand + 1;
+    drawn.raycast = () => undefined; // nobody takes hold of it
+    link.group.add(drawn);
+    this.inside.set(link, drawn);
+  }
+
+  private hideInside(link: LinkBody): void {
+    const drawn = this.inside.get(link);
+    if (drawn === undefined) return;
+    link.group.remove(drawn);
+    drawn.geometry.dispose();
+    this.inside.delete(link);
+  }
+
   private clear(link: LinkBody): void {
+    this.hideInside(link);
     if (link.drawn.material === this.hand.material) return;
     const painted = link.drawn.material as typeof this.hand.material;
     painted.dispose();
@@ -42,15 +80,19 @@ export class DepthShade {
       const X_OL = this.object.X_WO.clone().invert().multiply(link.group.matrix);
       const { vertices } = link.mesh;
       const shade = new Float32Array(vertices.length);
+      const isDeep = new Uint8Array(vertices.length / 3);
       let begun = performance.now();
       for (let i = 0; i < vertices.length / 3; ++i) {
-        this.colorAt(tree, X_OL, vertices, i, plain).toArray(shade, 3 * i);
+        const color = this.colorAt(tree, X_OL, vertices, i, plain);
+        color.toArray(shade, 3 * i);
+        if (color !== plain) isDeep[i] = 1;
         if (performance.now() - begun < kSlice_ms) continue;
         await new Promise((resolve) => setTimeout(resolve));
         if (job !== this.job) return;
         begun = performance.now();
       }
       paint(link.geometry, shade);
+      this.showInside(link, shade, isDeep);
       if (link.drawn.material === this.hand.material) {
         const painted = this.hand.material.clone();
         painted.color = new Color('#ffffff');

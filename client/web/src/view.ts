@@ -68,6 +68,7 @@ export class View {
       this.stage.scene.remove(body.group);
       body.dispose();
     }
+    this.depth?.dispose();
     this.object = this.hand = this.marks = this.depth = null;
     this.past = null;
     this.framed = false;
