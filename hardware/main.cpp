@@ -28,6 +28,7 @@
 #include "hardware/config/device_section.h"
 #include "hardware/config/hand_config_file.h"
 #include "hardware/config/text_file.h"
+#include "idl/security/identity.h"
 
 namespace {
 
@@ -85,6 +86,10 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--server", options.network.server,
                  "name of the server to follow, where a domain has several")
       ->envname("HANDGRAFT_SERVER");
+  app.add_option("--identity", options.network.identity,
+                 "folder of the identity, of role hand, by which to take part in a secured "
+                 "domain, where operators alone command it (handgraft keys)")
+      ->envname("HANDGRAFT_IDENTITY");
   app.add_option(
          "--session", options.session,
          "session to follow: its number, or 'any' for the one that began to stream last")
@@ -328,7 +333,11 @@ int run(Options& options) {
   options.bridge.period_s = 1 / options.rate_hz;
   options.bridge.arms_itself = !options.disarmed;
   readConfig(options, options.bridge);
-  bridge::requireClosedNetwork(validate(options.network), options.bridge.config, options.open);
+  const bool is_secured = !options.network.identity.empty();
+  if (is_secured)
+    idl::security::readIdentity(options.network.identity, {idl::security::Role::kHand});
+  bridge::requireClosedNetwork(validate(options.network), options.bridge.config,
+                               options.open || is_secured);
   options.bridge.ros_namespace = bridge::rosNamespace(options.bridge.ros_namespace);
   std::signal(SIGINT, requestStop);
   std::signal(SIGTERM, requestStop);

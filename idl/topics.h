@@ -90,6 +90,10 @@ class Trigger_Response_;
 namespace handgraft::idl {
 
 inline constexpr Topic<v1::Request> kRequestTopic{"handgraft/v1/request", Qos::kService};
+/// In a secured domain what only looks, and what operators alone may ask for, has topics of its
+/// own (idl/security): who may write them is then DDS' to enforce.
+inline constexpr Topic<v1::Request> kLookTopic{"handgraft/v1/look", Qos::kService};
+inline constexpr Topic<v1::Request> kOperateTopic{"handgraft/v1/operate", Qos::kService};
 inline constexpr Topic<v1::Reply> kReplyTopic{"handgraft/v1/reply", Qos::kService};
 inline constexpr Topic<v1::Progress> kProgressTopic{"handgraft/v1/progress", Qos::kTelemetry};
 inline constexpr Topic<v1::Edit> kEditTopic{"handgraft/v1/edit", Qos::kService};

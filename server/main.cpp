@@ -15,6 +15,7 @@
 
 #include "core/base/error.h"
 #include "core/base/network.h"
+#include "idl/security/identity.h"
 #include "server/admission/service.h"
 #include "server/reading/sandbox.h"
 #include "server/store/model_library.h"
@@ -105,7 +106,11 @@ int waitFor(const sigset_t& signals) {
 
 /// Serves until a signal: nothing that the bus says ends it.
 void serve(const Options& options, const sigset_t& stop_signals) {
-  validate(options.network);
+  const NetworkInterface interface = validate(options.network);
+  if (!options.network.identity.empty()) {
+    // Before anything is opened.
+    idl::security::readIdentity(options.network.identity, {idl::security::Role::kServer});
+  }
   server::ModelStore models;
   int left_out = server::readLibrary(server::builtInLibrary(), models);
   if (!options.models.empty()) left_out += server::readLibrary(options.models, models);
@@ -126,13 +131,20 @@ void serve(const Options& options, const sigset_t& stop_signals) {
   service.start();
   spdlog::info(
       "event=ready version={}{} domain={} interface={} models={} sessions={} left_out={} "
-      "workers={} state={} readers_kept_from={}",
+      "workers={} state={} readers_kept_from={} identity={}",
       HANDGRAFT_VERSION,
       options.network.server.empty() ? "" : " name=" + options.network.server,
       options.network.domain, options.network.interface, models.size(),
       service.status().session_count(), left_out, options.workers,
       state ? handgraft::quoted(state->path()) : "memory",
-      handgraft::quoted(server::sandboxOfThisKernel()));
+      handgraft::quoted(server::sandboxOfThisKernel()),
+      options.network.identity.empty() ? "none" : handgraft::quoted(options.network.identity));
+  if (options.network.identity.empty() && !interface.loopback) {
+    spdlog::warn(
+        "event=open interface={} reason=\"anybody on this network may read, edit, close and "
+        "unload what is here: --identity keeps strangers out (handgraft keys)\"",
+        handgraft::quoted(interface.name));
+  }
 
   const int signal = waitFor(stop_signals);
   spdlog::info("event=stopping signal={}", signal);
@@ -164,6 +176,10 @@ int main(int argc, char** argv) {
          "--name", options.network.server,
          "name by which clients choose this server (--server), where a domain has several")
       ->envname("HANDGRAFT_SERVER");
+  app.add_option("--identity", options.network.identity,
+                 "folder of the identity, of role server, by which to serve a secured domain "
+                 "(handgraft keys)")
+      ->envname("HANDGRAFT_IDENTITY");
   app.add_option(
       "--models", options.models,
       "folder with more hands, objects and contacts; replaces those of the same name");

@@ -64,6 +64,10 @@ std::variant<Invocation, Printout> parseCommandLine(int argc, const char* const*
   app.add_option("--server", common.network.server,
                  "Name of the server to ask, where a domain has several")
       ->envname("HANDGRAFT_SERVER");
+  app.add_option(
+         "--identity", common.network.identity,
+         "Folder of the identity by which to take part in a secured domain (handgraft keys)")
+      ->envname("HANDGRAFT_IDENTITY");
   app.add_flag("--json", common.json, "Print one JSON document");
   app.add_option("--timeout", common.timeout_s,
                  "Seconds after which a command that is not done ends, 0.1-1e6; default: an "
@@ -80,6 +84,7 @@ std::variant<Invocation, Printout> parseCommandLine(int argc, const char* const*
   addBridgeCommands(app, invocation.command);
   addStudyCommands(app, invocation.command);
   addMotionCommands(app, invocation.command);
+  addKeysCommands(app, invocation.command);
   for (CLI::App* command : app.get_subcommands({}))
     command->fallthrough();
 

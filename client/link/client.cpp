@@ -162,7 +162,10 @@ struct Client::Impl {
 
 Client::Client(ClientOptions options) : impl_(std::make_unique<Impl>(std::move(options))) {
   Requester& requester = impl_->connection->requester;
-  if (impl_->options.absence == Absence::kFail || requester.waitForServer()) {
+  // None is started in a secured domain: a server's identity is not for its clients to have.
+  const bool must_be_there =
+      impl_->options.absence == Absence::kFail || !impl_->options.network.identity.empty();
+  if (must_be_there || requester.waitForServer()) {
     requester.requireServer();
   } else {
     impl_->startPrivateServer();

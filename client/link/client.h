@@ -20,7 +20,7 @@ using idl::cyclone::Refused;
 /// What to do when no server answers.
 enum class Absence {
   kFail,          ///< NoServer within 2 s
-  kStartPrivate,  ///< start one that ends with the client
+  kStartPrivate,  ///< start one that ends with the client; in an open domain alone
 };
 
 struct ClientOptions {

@@ -305,6 +305,7 @@ std::string networkOptions(const Network& network) {
   for (const std::string& peer : network.peers)
     options += " --peers " + peer;
   if (!network.server.empty()) options += " --server " + network.server;
+  if (!network.identity.empty()) options += " --identity " + network.identity;
   return options;
 }
 

@@ -57,12 +57,14 @@ std::shared_ptr<client::Client> connect(int domain,
                                         const std::string& interface,
                                         bool start,
                                         std::vector<std::string> peers,
-                                        const std::string& server) {
+                                        const std::string& server,
+                                        const std::string& identity) {
   client::ClientOptions options;
   options.network.domain = domain;
   options.network.interface = interface;
   options.network.peers = std::move(peers);
   options.network.server = server;
+  options.network.identity = identity;
   options.absence = start ? client::Absence::kStartPrivate : client::Absence::kFail;
   options.waiting.checkpoint = heedSignals;
   options.on_notice = [](const std::string& /*line*/) {};
@@ -228,7 +230,8 @@ class Page {
 void defineServer(py::module_& module) {
   using client::Client;
   py::class_<Client, std::shared_ptr<Client>>(module, "Client")
-      .def(py::init(&connect), "domain"_a, "interface"_a, "start"_a, "peers"_a, "server"_a)
+      .def(py::init(&connect), "domain"_a, "interface"_a, "start"_a, "peers"_a, "server"_a,
+           "identity"_a)
       .def_property_readonly("is_private", &Client::isPrivate)
       .def("alive", &Client::alive)
       .def("status",

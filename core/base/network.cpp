@@ -128,6 +128,7 @@ std::vector<std::string> unicastAddresses(const Network& network,
 std::string describe(const Network& network) {
   std::string text = fmt::format("domain {}, interface {}", network.domain, network.interface);
   if (!network.server.empty()) text += ", server " + network.server;
+  if (!network.identity.empty()) text += ", identity " + network.identity;
   for (std::size_t i = 0; i < network.peers.size(); ++i)
     text += (i == 0 ? ", peers " : " ") + network.peers[i];
   return text;

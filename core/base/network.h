@@ -17,6 +17,9 @@ struct Network {
   /// The name of the server to be, or to meet: one domain may hold several, each of another
   /// name. Empty: the one without a name.
   std::string server = {};
+  /// Folder of the identity by which this program takes part in a secured domain
+  /// (idl/security). Empty: in an open one.
+  std::string identity = {};
 };
 
 inline constexpr int kHighestDomain = 100;

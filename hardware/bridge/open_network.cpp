@@ -11,7 +11,8 @@ void requireClosedNetwork(const NetworkInterface& interface,
   if (!has_motors || interface.loopback || permitted) return;
   rejectInput(
       "hand {} has motors, and interface {} ({}) is open to the network, where anybody may "
-      "arm and move it: take --interface lo, or say --open if only people you trust are there",
+      "arm and move it: take --interface lo, secure it by --identity, or say --open if only "
+      "people you trust are there",
       quoted(config->hand), interface.name, interface.address);
 }
 

@@ -15,6 +15,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -30,6 +31,7 @@
 #include "idl/motions.h"
 #include "idl/peer_names.h"
 #include "idl/ros2.h"
+#include "idl/security/identity.h"
 #include "idl/sensor_msgs.h"
 #include "idl/service.h"
 
@@ -172,6 +174,53 @@ class Domain {
 
 using QosPtr = std::unique_ptr<dds_qos_t, void (*)(dds_qos_t*)>;
 
+// === Security: Cyclone's own plugins, told who this is by the participant's properties
+
+struct Plugin {
+  const char* kind;
+  const char* library;
+  const char* init;
+  const char* finalize;
+};
+
+constexpr Plugin kPlugins[] = {
+    {"auth", "dds_security_auth", "init_authentication", "finalize_authentication"},
+    {"access", "dds_security_ac", "init_access_control", "finalize_access_control"},
+    {"crypto", "dds_security_crypto", "init_crypto", "finalize_crypto"}};
+
+QosPtr participantQos(const std::optional<security::Identity>& identity) {
+  QosPtr qos(dds_create_qos(), dds_delete_qos);
+  if (!identity) return qos;
+  const auto put = [&](const std::string& key, const std::string& value) {
+    dds_qset_prop(qos.get(), key.c_str(), value.c_str());
+  };
+  for (const Plugin& plugin : kPlugins) {
+    const std::string prefix = fmt::format("dds.sec.{}.library.", plugin.kind);
+    put(prefix + "path", plugin.library);
+    put(prefix + "init", plugin.init);
+    put(prefix + "finalize", plugin.finalize);
+  }
+  const auto put_file = [&](const char* key, const char* file) {
+    put(key, "file:" + identity->file(file));
+  };
+  put_file("dds.sec.auth.identity_ca", security::kAuthorityFile);
+  put_file("dds.sec.auth.identity_certificate", security::kCertificateFile);
+  put_file("dds.sec.auth.private_key", security::kKeyFile);
+  put_file("org.eclipse.cyclonedds.sec.auth.crl", security::kRevokedFile);
+  put_file("dds.sec.access.permissions_ca", security::kAuthorityFile);
+  put_file("dds.sec.access.governance", security::kGovernanceFile);
+  put_file("dds.sec.access.permissions", security::kPermissionsFile);
+  return qos;
+}
+
+/// A server's GUIDs are for Fast DDS alone (makeCommonName).
+std::optional<security::Identity> identityOf(const Network& network) {
+  using security::Role;
+  if (network.identity.empty()) return std::nullopt;
+  return security::readIdentity(network.identity,
+                                {Role::kOperator, Role::kEditor, Role::kViewer, Role::kHand});
+}
+
 QosPtr qosOf(Qos profile, int depth) {
   QosPtr qos(dds_create_qos(), dds_delete_qos);
   dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
@@ -286,13 +335,16 @@ const dds_topic_descriptor_t* descriptorOf();
 struct Participant::Impl {
   explicit Impl(const Network& where)
       : network(where),
+        identity(identityOf(where)),
         domain(where),
-        entity(
-            dds_create_participant(static_cast<dds_domainid_t>(where.domain), nullptr, nullptr),
-            "no participant",
-            describe(where)) {}
+        entity(dds_create_participant(static_cast<dds_domainid_t>(where.domain),
+                                      participantQos(identity).get(),
+                                      nullptr),
+               "no participant",
+               describe(where)) {}
 
   Network network;
+  const std::optional<security::Identity> identity;
   Domain domain;
   Entity entity;
 };
@@ -303,6 +355,10 @@ Participant::~Participant() = default;
 
 const Network& Participant::network() const {
   return impl_->network;
+}
+
+const std::optional<security::Identity>& Participant::identity() const {
+  return impl_->identity;
 }
 
 namespace {
@@ -326,6 +382,20 @@ dds_topic_descriptor_t withoutTypeInformation(const dds_topic_descriptor_t& whol
           .restrict_data_representation = whole.restrict_data_representation};
 }
 
+/// Cyclone tells a permission that is missing as any other error, and the reason to its log.
+/// Errors: NotPermitted.
+void requirePermitted(const Participant::Impl& participant,
+                      dds_entity_t made,
+                      const char* act,
+                      const char* topic) {
+  if (made >= 0 || !participant.identity) return;
+  if (made != DDS_RETCODE_NOT_ALLOWED_BY_SECURITY && made != DDS_RETCODE_ERROR) return;
+  throw NotPermitted(fmt::format("{}: identity {} is of role {}, which may not {} {}",
+                                 participant.identity->folder.string(),
+                                 participant.identity->name,
+                                 security::nameOf(participant.identity->role), act, topic));
+}
+
 template <class Message>
 bool isRos(const Topic<Message>& topic) {
   return topic.ros_type_hash[0] != '\0';
@@ -335,8 +405,10 @@ template <class Message>
 dds_entity_t createTopic(const Participant::Impl& participant, const Topic<Message>& topic) {
   const dds_topic_descriptor_t& whole = *descriptorOf<Message>();
   const dds_topic_descriptor_t bare = withoutTypeInformation(whole);
-  return dds_create_topic(participant.entity.get(), isRos(topic) ? &bare : &whole, topic.name,
-                          nullptr, nullptr);
+  const dds_entity_t made = dds_create_topic(
+      participant.entity.get(), isRos(topic) ? &bare : &whole, topic.name, nullptr, nullptr);
+  requirePermitted(participant, made, "write or read", topic.name);
+  return made;
 }
 
 // As ROS since Iron finds out whether both sides mean the same type; of one server, in the
@@ -364,12 +436,15 @@ struct Writer<Message>::Impl {
       : participant(std::move(owner)),
         name(what.name),
         topic(createTopic(*participant, what), "no topic", name),
-        writer(dds_create_writer(participant->entity.get(),
-                                 topic.get(),
-                                 qosOf(*participant, what, depthOf(what.qos).writer).get(),
-                                 nullptr),
-               "no writer",
-               name) {}
+        writer(createWriter(what), "no writer", name) {}
+
+  dds_entity_t createWriter(const Topic<Message>& what) {
+    const dds_entity_t made =
+        dds_create_writer(participant->entity.get(), topic.get(),
+                          qosOf(*participant, what, depthOf(what.qos).writer).get(), nullptr);
+    requirePermitted(*participant, made, "write", what.name);
+    return made;
+  }
 
   std::shared_ptr<Participant::Impl> participant;
   std::string name;
@@ -435,9 +510,12 @@ struct Reader<Message>::Impl {
         static_cast<Impl*>(self)->on_data();
       });
     }
-    return dds_create_reader(participant->entity.get(), topic.get(),
-                             qosOf(*participant, what, depthOf(what.qos).reader).get(),
-                             on_data ? listener.get() : nullptr);
+    const dds_entity_t made =
+        dds_create_reader(participant->entity.get(), topic.get(),
+                          qosOf(*participant, what, depthOf(what.qos).reader).get(),
+                          on_data ? listener.get() : nullptr);
+    requirePermitted(*participant, made, "read", what.name);
+    return made;
   }
 
   std::shared_ptr<Participant::Impl> participant;

@@ -3,10 +3,15 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <string>
+#include <type_traits>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/base/network.h"
+#include "idl/security/identity.h"
 #include "idl/topics.h"
 
 namespace handgraft::idl::cyclone {
@@ -18,7 +23,8 @@ using handgraft::validate;
 
 /// This process on the bus, by Cyclone DDS. Readers and writers keep it alive.
 ///
-/// Errors: InvalidInput for a bad domain or interface; TransportError if DDS refuses.
+/// Errors: InvalidInput for a bad domain or interface, or an identity that is not fit for use
+/// (security::readIdentity); TransportError if DDS refuses.
 /// Threads: all methods are safe from any thread; listeners run on Cyclone's own receive thread
 /// and must return at once.
 ///
@@ -33,6 +39,9 @@ class Participant {
 
   [[nodiscard]] const Network& network() const;
 
+  /// Who this is; who has an identity meets others with one alone. Nothing: in an open domain.
+  [[nodiscard]] const std::optional<security::Identity>& identity() const;
+
   struct Impl;
 
   [[nodiscard]] const std::shared_ptr<Impl>& impl() const { return impl_; }
@@ -44,6 +53,12 @@ class Participant {
 /// A reliable reader did not take what was written before within the time allowed; writing
 /// again later may succeed.
 class WriteTimeout : public TransportError {
+ public:
+  using TransportError::TransportError;
+};
+
+/// The role of this program's identity lacks a right; DDS would refuse at the other end, too.
+class NotPermitted : public TransportError {
  public:
   using TransportError::TransportError;
 };
@@ -92,6 +107,42 @@ class Reader {
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
+};
+
+/// A writer or reader that is made when it is first used: Cyclone makes no topic that the role
+/// of this program's identity may not write or read. Threads: all methods from any thread.
+template <class Endpoint>
+class Lazy {
+ public:
+  template <class Message>
+  Lazy(const Participant& participant,
+       const Topic<Message>& topic,
+       std::function<void()> on_data = {})
+      : make_([participant, topic, on_data = std::move(on_data)] {
+          if constexpr (std::is_same_v<Endpoint, Reader<Message>>) {
+            return std::make_unique<Endpoint>(participant, topic, on_data);
+          } else {
+            return std::make_unique<Endpoint>(participant, topic);
+          }
+        }) {}
+
+  /// Makes it if need be. Errors: NotPermitted, TransportError.
+  Endpoint& get() {
+    const std::lock_guard lock(mutex_);
+    if (endpoint_ == nullptr) endpoint_ = make_();
+    return *endpoint_;
+  }
+
+  /// Null before it was made.
+  [[nodiscard]] Endpoint* made() const {
+    const std::lock_guard lock(mutex_);
+    return endpoint_.get();
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::function<std::unique_ptr<Endpoint>()> make_;
+  std::unique_ptr<Endpoint> endpoint_;
 };
 
 }  // namespace handgraft::idl::cyclone

@@ -10,6 +10,9 @@
 #include <utility>
 #include <vector>
 
+#include "idl/fields.h"
+#include "idl/security/rights.h"
+
 namespace handgraft::idl::cyclone {
 
 namespace {
@@ -176,6 +179,8 @@ struct Requester::Impl {
   explicit Impl(const Participant& on)
       : participant(on),
         requests(participant, kRequestTopic),
+        looks(participant, kLookTopic),
+        operations(participant, kOperateTopic),
         edits(participant, kEditTopic),
         replies(participant,
                 kReplyTopic,
@@ -202,7 +207,14 @@ struct Requester::Impl {
         }),
         repeater([this] {
           repeat();
-        }) {}
+        }) {
+    // Soon in an open domain, so that the first request finds all matched; in a secured one
+    // once it is known what is asked for: roles differ in what they may write and read.
+    if (participant.identity()) return;
+    requests.get();
+    edits.get();
+    hearAnswers();
+  }
 
   ~Impl() {
     {
@@ -231,6 +243,45 @@ struct Requester::Impl {
 
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
+
+  void hearAnswers() {
+    replies.get();
+    edit_replies.get();
+    progresses.get();
+  }
+
+  /// Errors: Refused (ERROR_NOT_PERMITTED).
+  Writer<v1::Request>& writerOf(const RequestCall& call) {
+    using security::Privilege;
+    const v1::Operation operation = call.message.body()._d();
+    if (!participant.identity()) return requests.get();
+    const Privilege privilege = security::privilegeOf(operation);
+    try {
+      switch (privilege) {
+        case Privilege::kLook:
+          return looks.get();
+        case Privilege::kEdit:
+          return requests.get();
+        case Privilege::kOperate:
+          break;
+      }
+      return operations.get();
+    } catch (const NotPermitted& error) {
+      throw Refused(v1::ERROR_NOT_PERMITTED,
+                    fmt::format("{}: {} is for {}", error.what(), nameOf(operation),
+                                security::holdersOf(privilege)));
+    }
+  }
+
+  Writer<v1::Edit>& writerOf(const EditCall& /*call*/) {
+    try {
+      return edits.get();
+    } catch (const NotPermitted& error) {
+      throw Refused(v1::ERROR_NOT_PERMITTED,
+                    fmt::format("{}: edits are for {}", error.what(),
+                                security::holdersOf(security::Privilege::kEdit)));
+    }
+  }
 
   // === Receiving: everything is taken as it comes, so that other clients' replies do not pile
   // up
@@ -285,32 +336,36 @@ struct Requester::Impl {
       seen = Clock::now();
       succeed();
     });
-    progresses.take([this](const v1::Progress& message) {
-      if (message.client() != client) return;
-      OnProgress tell;
-      {
-        const std::lock_guard lock(mutex);
-        const auto found = request_calls.find(message.request_id());
-        if (found == request_calls.end()) return;
-        seen = Clock::now();
-        found->second->heard = true;
-        found->second->pace.slowDown();
-        tell = found->second->on_progress;
-      }
-      if (tell) tell(message.stage(), message.fraction());
-    });
-    replies.take([this](const v1::Reply& message) {
-      if (message.client() != client || isStrangers(message)) return;
-      if (const auto call = extract(request_calls, message.request_id(), message.server_id())) {
-        call->on_reply(outcomeOf<v1::ReplyBody>(message, message.body()));
-      }
-    });
-    edit_replies.take([this](const v1::EditReply& message) {
-      if (message.client() != client || isStrangers(message)) return;
-      if (const auto call = extract(edit_calls, message.edit_id(), message.server_id())) {
-        call->on_reply(outcomeOf<v1::EditReply>(message, message));
-      }
-    });
+    if (auto* reader = progresses.made())
+      reader->take([this](const v1::Progress& message) {
+        if (message.client() != client) return;
+        OnProgress tell;
+        {
+          const std::lock_guard lock(mutex);
+          const auto found = request_calls.find(message.request_id());
+          if (found == request_calls.end()) return;
+          seen = Clock::now();
+          found->second->heard = true;
+          found->second->pace.slowDown();
+          tell = found->second->on_progress;
+        }
+        if (tell) tell(message.stage(), message.fraction());
+      });
+    if (auto* reader = replies.made())
+      reader->take([this](const v1::Reply& message) {
+        if (message.client() != client || isStrangers(message)) return;
+        if (const auto call =
+                extract(request_calls, message.request_id(), message.server_id())) {
+          call->on_reply(outcomeOf<v1::ReplyBody>(message, message.body()));
+        }
+      });
+    if (auto* reader = edit_replies.made())
+      reader->take([this](const v1::EditReply& message) {
+        if (message.client() != client || isStrangers(message)) return;
+        if (const auto call = extract(edit_calls, message.edit_id(), message.server_id())) {
+          call->on_reply(outcomeOf<v1::EditReply>(message, message));
+        }
+      });
   }
 
   /// True of the answer of a server that was not asked: it says so to every repeat, and counts
@@ -522,24 +577,30 @@ struct Requester::Impl {
       cancel_id = call.cancel_id;
     }
     if (cancel_id) {
-      tryWrite([&] {
-        requests.write(cancelRequest(*cancel_id, call.message));
-      });
+      try {
+        tryWrite([&] {
+          writerOf(call).write(cancelRequest(*cancel_id, call.message));
+        });
+      } catch (const Refused&) {
+        // Nor may what it would cancel, which is told below.
+      }
     }
-    write(requests, call, request_calls, call.message.request_id());
+    write(call, request_calls, call.message.request_id());
   }
 
-  void sendNow(EditCall& call) { write(edits, call, edit_calls, call.message.edit_id()); }
+  void sendNow(EditCall& call) { write(call, edit_calls, call.message.edit_id()); }
 
   /// A message that cannot be written ends its call, told by the receiver like every outcome.
-  template <class AnyWriter, class AnyCall>
-  void write(AnyWriter& writer, AnyCall& call, Calls<AnyCall>& calls, std::uint64_t id) {
+  template <class AnyCall>
+  void write(AnyCall& call, Calls<AnyCall>& calls, std::uint64_t id) {
     std::uint64_t server_id = 0;
     {
       const std::lock_guard lock(mutex);
       server_id = serverOf(call);
     }
     try {
+      auto& writer = writerOf(call);
+      hearAnswers();
       tryWrite([&] {
         if (server_id == call.message.server_id()) return writer.write(call.message);
         auto readdressed = call.message;
@@ -611,12 +672,14 @@ struct Requester::Impl {
 
   std::map<std::string, Other> others;  ///< servers of other names, for who finds none of this
 
-  Writer<v1::Request> requests;
-  Writer<v1::Edit> edits;
+  Lazy<Writer<v1::Request>> requests;
+  Lazy<Writer<v1::Request>> looks;
+  Lazy<Writer<v1::Request>> operations;
+  Lazy<Writer<v1::Edit>> edits;
   // Their listeners touch all of the above: made last, gone first.
-  Reader<v1::Reply> replies;
-  Reader<v1::EditReply> edit_replies;
-  Reader<v1::Progress> progresses;
+  Lazy<Reader<v1::Reply>> replies;
+  Lazy<Reader<v1::EditReply>> edit_replies;
+  Lazy<Reader<v1::Progress>> progresses;
   Reader<v1::ServerStatus> statuses;
   std::thread receiver;
   std::thread repeater;

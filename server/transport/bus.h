@@ -61,7 +61,8 @@ class Bus {
   virtual void flush() = 0;
 };
 
-/// Joins by Fast DDS. Errors: InvalidInput for the network, TransportError if DDS refuses.
+/// Joins by Fast DDS. Errors: InvalidInput for the network or its identity, which must be a
+/// server's; TransportError if DDS refuses.
 std::unique_ptr<Bus> openFastBus(const Network& network);
 
 }  // namespace handgraft::server

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <optional>
+#include <string_view>
 
 namespace handgraft::server {
 
@@ -25,6 +26,10 @@ constexpr std::uint8_t kNackFragment = 0x12;
 constexpr std::uint8_t kHeartbeatFragment = 0x13;
 constexpr std::uint8_t kData = 0x15;
 constexpr std::uint8_t kDataFragment = 0x16;
+// Of DDS Security 1.1, 7.3.6.2: these three stand for one that is encrypted.
+constexpr std::uint8_t kSecureBody = 0x30;
+constexpr std::uint8_t kSecurePrefix = 0x31;
+constexpr std::uint8_t kSecurePostfix = 0x32;
 
 // Flags of DATA, 9.4.5.3.
 constexpr std::uint8_t kLittleEndian = 0x01;
@@ -37,11 +42,20 @@ constexpr std::uint32_t kParticipantWriter = 0x000100c2;
 constexpr std::uint32_t kPublicationsWriter = 0x000003c2;
 constexpr std::uint32_t kSubscriptionsWriter = 0x000004c2;
 constexpr std::uint32_t kBuiltin = 0xc0;  // in the entity's kind
+constexpr std::uint32_t kParticipantReader = 0x000100c7;
+// Of handshakes, DDS Security 1.1, 7.4.7.1.
+constexpr std::uint32_t kHandshakeWriter = 0x000201c3;
+constexpr std::uint32_t kHandshakeReader = 0x000201c4;
 
 // Parameters, 9.6.2.2.2.
 constexpr std::uint16_t kSentinel = 0x0001;
 constexpr std::uint16_t kLease = 0x0002;
 constexpr std::uint16_t kParticipantGuid = 0x0050;
+constexpr std::uint16_t kStatusInfo = 0x0071;
+constexpr std::uint16_t kIdentityToken = 0x1001;
+constexpr std::uint16_t kPermissionsToken = 0x1002;
+constexpr std::uint32_t kEternal = 0x7fffffff;  // s
+constexpr std::uint8_t kHasKey = 0x08;          // a flag of DATA
 
 /// Numbers at places of a piece; a place beyond its end is noticed by `fits`.
 struct Reader {
@@ -228,7 +242,166 @@ void beginAnew(std::span<std::uint8_t> whole) {
     std::fill_n(body.begin() + 8, 8, std::uint8_t{0});
 }
 
+// === In a secured domain
+//
+// Every length in a token must fit: Fast DDS 2.9.1 allocates what a sender says (CVE-2025-62599
+// and those after it).
+
+constexpr std::uint32_t kMostProperties = 64;
+constexpr std::uint32_t kMostTokens = 4;  // of one handshake message
+
+constexpr std::size_t aligned(std::size_t at) {
+  return (at + 3) & ~std::size_t{3};
+}
+
+/// Where the string, or the sequence of octets, at `at` ends.
+std::optional<std::size_t> endOfText(const Reader& list, std::size_t at) {
+  at = aligned(at);
+  if (!list.fits(at, 4)) return std::nullopt;
+  const std::size_t length = list.u32(at);
+  if (!list.fits(at + 4, length)) return std::nullopt;
+  return at + 4 + length;
+}
+
+/// Where the DataHolder at `at` ends: a class, properties, binary properties (which an identity
+/// token may leave out).
+std::optional<std::size_t> endOfToken(const Reader& list, std::size_t at) {
+  auto end = endOfText(list, at);
+  for (int kind = 0; end && kind < 2; ++kind) {
+    at = aligned(*end);
+    if (at == list.bytes.size() && kind == 1) return at;
+    if (!list.fits(at, 4)) return std::nullopt;
+    const std::uint32_t count = list.u32(at);
+    if (count > kMostProperties) return std::nullopt;
+    end = at + 4;
+    for (std::uint32_t i = 0; end && i < 2 * count; ++i)  // names and values
+      end = endOfText(list, *end);
+  }
+  return end;
+}
+
+bool hasSoundTokens(const Reader& list) {
+  return parameters(list,
+                    [](std::uint16_t id, const Reader& value) {
+                      if (id == kLease) return value.fits(0, 8) && value.u32(0) < kEternal;
+                      if (id == kIdentityToken || id == kPermissionsToken)
+                        return endOfToken(value, 0).has_value();
+                      return true;
+                    })
+      .has_value();
+}
+
+/// A ParticipantGenericMessage.
+bool isHandshake(const Reader& message) {
+  // Two messages' identities, then a participant's and two endpoints' GUIDs.
+  constexpr std::size_t kFixed = 24 + 24 + 16 + 16 + 16;
+  if (!message.fits(0, kFixed)) return false;
+  const auto end = endOfText(message, kFixed);
+  if (!end) return false;
+  std::size_t at = aligned(*end);
+  if (!message.fits(at, 4)) return false;
+  const std::uint32_t count = message.u32(at);
+  if (count > kMostTokens) return false;
+  at += 4;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const auto next = endOfToken(message, at);
+    if (!next) return false;
+    at = *next;
+  }
+  return true;
+}
+
+/// True of what writes or disposes otherwise than by a whole sample: nobody leaves, or is made
+/// to leave, in the clear.
+bool isPlainSample(const Reader& body, std::uint8_t flags) {
+  if ((flags & (kHasData | kHasKey)) != kHasData) return false;
+  if ((flags & kInlineQos) == 0) return true;
+  const std::size_t at = 4 + std::size_t{body.u16(2)};
+  return body.fits(at, 0) && parameters(body.from(at), [](std::uint16_t id, const Reader&) {
+                               return id != kStatusInfo;
+                             }).has_value();
+}
+
 }  // namespace
+
+bool DatagramFilter::isAsBefore(const Prefix& source, Bytes announcement) {
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): bytes, to be compared
+  const std::string_view text(reinterpret_cast<const char*>(announcement.data()),
+                              announcement.size());
+  const std::size_t hash = std::hash<std::string_view>()(text);
+  const auto now = std::chrono::steady_clock::now();
+  const std::lock_guard lock(mutex_);
+  const auto found = announced_.find(source);
+  if (found != announced_.end()) {
+    Announced& known = found->second;
+    if (known.hash != hash && now - known.last < kRemembered) return false;
+    known = {hash, now};
+    return true;
+  }
+  if (announced_.size() >= kMostParticipants) {
+    std::erase_if(announced_, [&](const auto& one) {
+      return now - one.second.last >= kRemembered;
+    });
+    // Whom a flood would drive out could be spoken for by it: nobody new then.
+    if (announced_.size() >= kMostParticipants) return false;
+  }
+  announced_[source] = {hash, now};
+  return true;
+}
+
+bool DatagramFilter::isHandshakeOrAnnouncement(const Prefix& source,
+                                               const Submessage& submessage) {
+  const Reader body = submessage.body();
+  if (!isSound(source, submessage) || !isPlainSample(body, submessage.flags)) return false;
+  const std::uint32_t reader = body.entity(4);
+  const std::uint32_t writer = body.entity(8);
+  const std::size_t at = payloadOf(body, submessage.flags, 20).value();
+  const Reader payload{body.bytes.subspan(at + 4), body.bytes[at + 1] % 2 == 1};
+  if (writer == kParticipantWriter && (reader == kParticipantReader || reader == 0))
+    return hasSoundTokens(payload) && isAsBefore(source, payload.bytes);
+  if (writer == kHandshakeWriter && (reader == kHandshakeReader || reader == 0))
+    return isHandshake(payload);
+  return false;
+}
+
+std::optional<std::size_t> DatagramFilter::secured(const Prefix& source,
+                                                   const Submessage& submessage,
+                                                   Bytes rest) {
+  const std::size_t own = submessage.whole.size();
+  switch (submessage.kind) {
+    case kInfoTimestamp:
+    case kInfoSource:
+    case kInfoDestination:
+      if (!isSound(source, submessage)) return std::nullopt;
+      return own;
+    case kData:
+      return isHandshakeOrAnnouncement(source, submessage) ? own : 0;
+    case kSecurePrefix: {
+      std::size_t length = own;
+      for (const std::uint8_t kind : {kSecureBody, kSecurePostfix}) {
+        const auto next = submessageAt(rest);
+        if (!next || next->kind != kind) return std::nullopt;
+        length += next->whole.size();
+        rest = rest.subspan(next->whole.size());
+      }
+      return length;
+    }
+    default:
+      return 0;
+  }
+}
+
+std::optional<DatagramFilter::Submessage> DatagramFilter::submessageAt(Bytes rest) {
+  if (rest.size() < kSubmessageHeader) return std::nullopt;
+  const std::uint8_t kind = rest[0];
+  const std::uint8_t flags = rest[1];
+  std::size_t length = Reader{rest, (flags & kLittleEndian) != 0}.u16(2);
+  // 9.4.5.1.3: the last one may leave its length out, where it may not be empty.
+  if (length == 0 && kind != kPad && kind != kInfoTimestamp)
+    length = rest.size() - kSubmessageHeader;
+  if (length > rest.size() - kSubmessageHeader) return std::nullopt;
+  return Submessage{kind, flags, rest.first(kSubmessageHeader + length)};
+}
 
 bool DatagramFilter::follows(const Prefix& source,
                              std::uint32_t writer,
@@ -292,27 +465,34 @@ std::span<const std::uint8_t> DatagramFilter::pass(Bytes datagram,
   std::copy_n(datagram.begin() + 8, source.size(), source.begin());
 
   kept.assign(datagram.begin(), datagram.begin() + kMessageHeader);
+  bool has_content = false;  // beyond what says of whom and for whom the rest is
   for (Bytes rest = datagram.subspan(kMessageHeader); !rest.empty();) {
-    if (rest.size() < kSubmessageHeader) return {};
-    const std::uint8_t kind = rest[0];
-    const std::uint8_t flags = rest[1];
-    std::size_t length = Reader{rest, (flags & kLittleEndian) != 0}.u16(2);
-    // 9.4.5.1.3: the last one may leave its length out, where it may not be empty.
-    if (length == 0 && kind != kPad && kind != kInfoTimestamp)
-      length = rest.size() - kSubmessageHeader;
-    if (length > rest.size() - kSubmessageHeader) return {};
-    const Submessage submessage{kind, flags, rest.first(kSubmessageHeader + length)};
-    rest = rest.subspan(submessage.whole.size());
-    if (!isPassed(kind)) continue;
-    if (!isSound(source, submessage)) return {};
-    const std::size_t at = kept.size();
-    kept.insert(kept.end(), submessage.whole.begin(), submessage.whole.end());
-    if (kind == kAckNack) beginAnew(std::span(kept).subspan(at));
+    const auto submessage = submessageAt(rest);
+    if (!submessage) return {};
+    const std::uint8_t kind = submessage->kind;
+    std::size_t length = submessage->whole.size();
+    if (domain_ == Domain::kSecured) {
+      const auto passed = secured(source, *submessage, rest.subspan(length));
+      if (!passed) return {};
+      if (*passed > 0) {
+        length = *passed;
+        has_content = has_content || kind == kData || kind == kSecurePrefix;
+        kept.insert(kept.end(), rest.begin(),
+                    rest.begin() + static_cast<std::ptrdiff_t>(length));
+      }
+    } else if (isPassed(kind)) {
+      if (!isSound(source, *submessage)) return {};
+      has_content = true;
+      const std::size_t at = kept.size();
+      kept.insert(kept.end(), submessage->whole.begin(), submessage->whole.end());
+      if (kind == kAckNack) beginAnew(std::span(kept).subspan(at));
+    }
     // Cyclone DDS packs what several participants of a process say: the rest is another's.
-    if (kind == kInfoSource)
-      std::copy_n(submessage.whole.end() - std::ssize(source), source.size(), source.begin());
+    if (kind == kInfoSource && submessage->whole.size() >= source.size())
+      std::copy_n(submessage->whole.end() - std::ssize(source), source.size(), source.begin());
+    rest = rest.subspan(length);
   }
-  if (kept.size() == kMessageHeader) return {};
+  if (!has_content) return {};
   return kept;
 }
 

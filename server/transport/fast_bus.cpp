@@ -4,6 +4,7 @@
 #include <deque>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,7 +17,9 @@
 #include <fastrtps/utils/IPLocator.h>
 #include <spdlog/spdlog.h>
 
+#include "idl/fields.h"
 #include "idl/peer_names.h"
+#include "idl/security/identity.h"
 #include "idl/topics.h"
 #include "server/transport/bus.h"
 #include "server/transport/fast_endpoints.h"
@@ -34,8 +37,34 @@ constexpr std::uint32_t kSocketBuffer = 4 * 1024 * 1024;
 constexpr std::uint32_t kDatagram = 65500;
 constexpr std::uint32_t kPeersOfThisMachine = 101;  // Cyclone's participant indices, 0-100
 
+using Identity = std::optional<idl::security::Identity>;
+
+/// Fast DDS' own plugins, told who this is.
+void secure(const idl::security::Identity& identity, dds::DomainParticipantQos& qos) {
+  namespace security = idl::security;
+  const auto put = [&](const std::string& key, const std::string& value) {
+    qos.properties().properties().emplace_back(key, value);
+  };
+  const auto put_file = [&](const std::string& key, const char* file) {
+    put(key, "file://" + identity.file(file));
+  };
+  const std::string who = "dds.sec.auth.builtin.PKI-DH.";
+  put("dds.sec.auth.plugin", "builtin.PKI-DH");
+  put_file(who + "identity_ca", security::kAuthorityFile);
+  put_file(who + "identity_certificate", security::kCertificateFile);
+  put_file(who + "private_key", security::kKeyFile);
+  put_file(who + "identity_crl", security::kRevokedFile);
+  const std::string may = "dds.sec.access.builtin.Access-Permissions.";
+  put("dds.sec.access.plugin", "builtin.Access-Permissions");
+  put_file(may + "permissions_ca", security::kAuthorityFile);
+  put_file(may + "governance", security::kGovernanceFile);
+  put_file(may + "permissions", security::kPermissionsFile);
+  put("dds.sec.crypto.plugin", "builtin.AES-GCM-GMAC");
+}
+
 dds::DomainParticipantQos participantQos(const Network& network,
-                                         const NetworkInterface& interface) {
+                                         const NetworkInterface& interface,
+                                         const Identity& identity) {
   dds::DomainParticipantQos qos;
   qos.name("handgraft-server");
   qos.transport().use_builtin_transports = false;
@@ -70,18 +99,20 @@ dds::DomainParticipantQos participantQos(const Network& network,
     const auto group = 7400U + 250U * static_cast<std::uint32_t>(network.domain);
     protocol.builtin.initialPeersList.push_back(locator("239.255.0.1", group));
   }
-  qos.transport().user_transports.push_back(std::make_shared<FilteredTransportDescriptor>(udp));
+  qos.transport().user_transports.push_back(std::make_shared<FilteredTransportDescriptor>(
+      udp, identity ? DatagramFilter::Domain::kSecured : DatagramFilter::Domain::kOpen));
+  if (identity) secure(*identity, qos);
   return qos;
 }
 
 /// The participant and all that lives in it, taken down in order.
 class Node {
  public:
-  explicit Node(const Network& network) {
+  Node(const Network& network, const Identity& identity) {
     const NetworkInterface interface = validate(network);
     auto* factory = dds::DomainParticipantFactory::get_instance();
     participant_ = factory->create_participant(static_cast<dds::DomainId_t>(network.domain),
-                                               participantQos(network, interface));
+                                               participantQos(network, interface, identity));
     if (participant_ != nullptr) {
       publisher_ = participant_->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
       subscriber_ = participant_->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);
@@ -174,10 +205,11 @@ class SessionTopic {
 
 class FastBus final : public Bus {
  public:
-  explicit FastBus(const Network& network)
+  FastBus(const Network& network, const Identity& identity)
       : server_(network.server),
-        node_(network),
-        lookout_(network),
+        is_secured_(identity.has_value()),
+        node_(network, identity),
+        lookout_(network, identity),
         replies_(node_.own(), idl::kReplyTopic),
         progresses_(node_.own(), idl::kProgressTopic),
         edit_replies_(node_.own(), idl::kEditReplyTopic),
@@ -191,11 +223,13 @@ class FastBus final : public Bus {
   FastBus& operator=(const FastBus&) = delete;
 
   void start(BusListener& listener) override {
-    requests_ = std::make_unique<FastReader<v1::Request>>(
-        node_.own(), idl::kRequestTopic,
-        [&listener](v1::Request&& request, const Sender& sender) {
-          listener.onRequest(std::move(request), sender);
-        });
+    using Privilege = idl::security::Privilege;
+    if (is_secured_) {
+      for (const Privilege held : {Privilege::kLook, Privilege::kEdit, Privilege::kOperate})
+        hearRequests(listener, held);
+    } else {
+      hearRequests(listener, std::nullopt);
+    }
     edits_ = std::make_unique<FastReader<v1::Edit>>(
         node_.own(), idl::kEditTopic, [&listener](v1::Edit&& edit, const Sender& sender) {
           listener.onEdit(std::move(edit), sender);
@@ -213,7 +247,7 @@ class FastBus final : public Bus {
   }
 
   void stop() override {
-    requests_.reset();
+    requests_.clear();
     edits_.reset();
     demonstrators_.reset();
     heard_.reset();
@@ -260,7 +294,34 @@ class FastBus final : public Bus {
   }
 
  private:
+  /// Of one privilege's topic, or of all who ask in an open domain: who writes a topic of
+  /// privileged requests is known by DDS to hold that privilege, whatever the request says.
+  void hearRequests(BusListener& listener, std::optional<idl::security::Privilege> held) {
+    const auto hear = [this, &listener, held](v1::Request&& request, const Sender& sender) {
+      if (held && !isPermitted(request, *held)) return;
+      listener.onRequest(std::move(request), sender);
+    };
+    requests_.push_back(std::make_unique<FastReader<v1::Request>>(
+        node_.own(), held ? idl::security::requestTopicOf(*held) : idl::kRequestTopic, hear));
+  }
+
+  /// Refuses what takes more than its sender holds.
+  bool isPermitted(const v1::Request& request, idl::security::Privilege held) {
+    const v1::Operation operation = request.body()._d();
+    const idl::security::Privilege needed = idl::security::privilegeOf(operation);
+    if (needed <= held) return true;
+    v1::Reply reply;
+    reply.client(request.client());
+    reply.request_id(request.request_id());
+    reply.error(v1::ERROR_NOT_PERMITTED);
+    reply.message(
+        fmt::format("{} is for {}", v1::nameOf(operation), idl::security::holdersOf(needed)));
+    publish(reply);
+    return false;
+  }
+
   std::string server_;
+  bool is_secured_;
   Node node_;
   /// Reads the topic that `node_` writes: a Fast DDS participant knows a topic by one type
   /// support only, and the hardened one that reading needs cannot write.
@@ -274,7 +335,7 @@ class FastBus final : public Bus {
   std::mutex commands_mutex_;
   std::map<std::uint64_t, std::unique_ptr<FastWriter<sensor_msgs::msg::dds_::JointState_>>>
       commands_;
-  std::unique_ptr<FastReader<v1::Request>> requests_;
+  std::vector<std::unique_ptr<FastReader<v1::Request>>> requests_;
   std::unique_ptr<FastReader<v1::Edit>> edits_;
   std::unique_ptr<FastReader<v1::DemonstratorFrame>> demonstrators_;
   std::unique_ptr<FastReader<v1::ServerStatus>> heard_;
@@ -290,7 +351,11 @@ std::unique_ptr<Bus> openFastBus(const Network& network) {
   const Network reached = idl::withPeerAddresses(network, &without_address);
   for (const std::string& peer : without_address)
     spdlog::warn("event=peer_without_address peer={}", handgraft::quoted(peer));
-  return std::make_unique<FastBus>(reached);
+  Identity identity;
+  if (!network.identity.empty()) {
+    identity = idl::security::readIdentity(network.identity, {idl::security::Role::kServer});
+  }
+  return std::make_unique<FastBus>(reached, identity);
 }
 
 }  // namespace handgraft::server

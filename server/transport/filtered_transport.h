@@ -54,13 +54,17 @@ class FilteredTransport final : public eprosima::fastdds::rtps::ChainingTranspor
 };
 
 struct FilteredTransportDescriptor final : FilteredTransport::Descriptor {
-  using FilteredTransport::Descriptor::Descriptor;
+  FilteredTransportDescriptor(
+      std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> low,
+      DatagramFilter::Domain domain)
+      : FilteredTransport::Descriptor(std::move(low)),
+        filter(std::make_shared<DatagramFilter>(domain)) {}
 
   eprosima::fastdds::rtps::TransportInterface* create_transport() const override {
     return new FilteredTransport(*this, filter);
   }
 
-  std::shared_ptr<DatagramFilter> filter = std::make_shared<DatagramFilter>();
+  std::shared_ptr<DatagramFilter> filter;
 };
 
 }  // namespace handgraft::server

@@ -26,7 +26,11 @@ BridgeLink::BridgeLink(const Network& network, Interruption& interruption)
       interruption_(interruption),
       participant_(network),
       statuses_(participant_, idl::kBridgeStatusTopic),
-      commands_(participant_, idl::kHandCommandTopic) {}
+      commands_(participant_, idl::kHandCommandTopic) {
+  // Soon, so that bridges listen when a command comes; others still may look.
+  const auto& identity = participant_.identity();
+  if (!identity || identity->role == idl::security::Role::kOperator) commands_.get();
+}
 
 void BridgeLink::take() {
   interruption_.checkpoint();
@@ -45,7 +49,7 @@ void BridgeLink::requireAlive(std::uint32_t bridge_id, Clock::time_point since) 
     throw TransportError(fmt::format(
         "bridge {} on {} has fallen silent: it tells no status any more", bridge_id, where));
   }
-  if (now - since > kDeaf && commands_.readers() == 0) {
+  if (now - since > kDeaf && commands_.get().readers() == 0) {
     throw TransportError(
         fmt::format("bridge {} is heard on {}, but does not listen to commands from here: what "
                     "this machine sends does not arrive there; handgraft doctor may tell why",
@@ -96,7 +100,7 @@ v1::BridgeStatus BridgeLink::command(
   while (Clock::now() - start < patience) {
     requireAlive(bridge_id, start);
     if (Clock::now() >= due) {
-      commands_.write(message);
+      commands_.get().write(message);
       due = Clock::now() + repeat();
     }
     take();
@@ -126,7 +130,7 @@ std::vector<v1::BridgeStatus> BridgeLink::stop(
           orders.try_emplace(id, Order{make(id, v1::COMMAND_ESTOP), Clock::now()});
       const bool is_owed = is_new || !is_done(status);  // told once in any case
       if (is_owed && Clock::now() >= order->second.due) {
-        commands_.write(order->second.message);
+        commands_.get().write(order->second.message);
         order->second.due = Clock::now() + repeat();
       }
       are_done = are_done && is_done(status);
@@ -149,8 +153,8 @@ v1::HandCommand BridgeLink::make(std::uint32_t bridge_id, v1::HandCommandKind ki
 
 // A command is not kept for those that come later: until somebody listens, it is soon said
 // again.
-milliseconds BridgeLink::repeat() const {
-  return commands_.readers() > 0 ? kRepeat : kTick;
+milliseconds BridgeLink::repeat() {
+  return commands_.get().readers() > 0 ? kRepeat : kTick;
 }
 
 v1::BridgeStatus BridgeLink::news(std::uint32_t bridge_id) {

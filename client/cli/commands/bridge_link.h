@@ -57,13 +57,13 @@ class BridgeLink {
   void requireAlive(std::uint32_t bridge_id, Clock::time_point since);
   [[nodiscard]] v1::HandCommand make(std::uint32_t bridge_id, v1::HandCommandKind kind) const;
   [[nodiscard]] std::vector<v1::BridgeStatus> known() const;
-  [[nodiscard]] std::chrono::milliseconds repeat() const;
+  [[nodiscard]] std::chrono::milliseconds repeat();
 
   Network network_;
   Interruption& interruption_;
   idl::cyclone::Participant participant_;
   idl::cyclone::Reader<v1::BridgeStatus> statuses_;
-  idl::cyclone::Writer<v1::HandCommand> commands_;
+  idl::cyclone::Lazy<idl::cyclone::Writer<v1::HandCommand>> commands_;  ///< operators' alone
   std::map<std::uint32_t, v1::BridgeStatus> bridges_;
   std::map<std::uint32_t, Clock::time_point> heard_;
 };

@@ -299,6 +299,17 @@ struct ViewOptions {
   bool open_browser = true;
 };
 
+/// The identities of a secured domain.
+struct KeysOptions {
+  enum class Action { kInit, kAdd, kShow, kRevoke };
+
+  Action action = Action::kShow;
+  std::filesystem::path folder;  ///< the authority's; empty: the usual one
+  std::string name;
+  std::string role;
+  int days = 365;
+};
+
 struct WatchOptions {
   std::uint64_t session_id = 0;
   std::uint64_t count = 0;  ///< solutions; 0: until the session closes
@@ -330,6 +341,7 @@ using CommandOptions = std::variant<DoctorOptions,
                                     BridgePlotOptions,
                                     BringUpOptions,
                                     ViewOptions,
+                                    KeysOptions,
                                     WatchOptions,
                                     TransferOptions,
                                     SuggestOptions,
@@ -382,6 +394,7 @@ int run(const BridgePlotOptions& options,
         Interruption& interruption);
 int run(const BringUpOptions& options, const CommonOptions& common, Interruption& interruption);
 int run(const ViewOptions& options, const CommonOptions& common, Interruption& interruption);
+int run(const KeysOptions& options, const CommonOptions& common, Interruption& interruption);
 int run(const WatchOptions& options, const CommonOptions& common, Interruption& interruption);
 int run(const TransferOptions& options,
         const CommonOptions& common,

@@ -19,6 +19,7 @@ void addStudyCommands(CLI::App& app, CommandOptions& chosen);    ///< sweep
 void addMotionCommands(CLI::App& app, CommandOptions& chosen);   ///< motion
 void addVary(CLI::App& hand, CommandOptions& chosen);            ///< hand vary
 void addBridgeCommands(CLI::App& app, CommandOptions& chosen);   ///< bridge
+void addKeysCommands(CLI::App& app, CommandOptions& chosen);     ///< keys
 void addImportCommands(CLI::App& app, CommandOptions& chosen);   ///< hand skin contacts
 
 }  // namespace handgraft::client

@@ -36,16 +36,17 @@ __all__ = [
 
 
 def connect(domain: int = 0, interface: str = "lo", start: bool = True, *, peers: Sequence[str] = (),
-            server: str = "") -> Server:
+            server: str = "", identity: str | os.PathLike[str] = "") -> Server:
     """The server on a DDS domain (0-100) and network interface.
 
     ``peers`` are hosts to look for it on where multicast is dropped, ``server`` is its name where a domain
-    has several.
+    has several. ``identity`` is the folder of an identity that ``handgraft keys add`` made, for a secured
+    domain; there no server is started.
 
     Where none answers within 2 s, one is started that ends with this program, unless ``start`` is
     false; then NoServer is raised.
     """
-    return Server(_handgraft.Client(domain, interface, start, list(peers), server))
+    return Server(_handgraft.Client(domain, interface, start, list(peers), server, os.fspath(identity)))
 
 
 class Server:

@@ -1,0 +1,158 @@
+#include "idl/security/rights.h"
+
+#include <algorithm>
+
+#include "core/base/error.h"
+
+namespace handgraft::idl::security {
+
+namespace {
+
+using Topics = std::vector<std::string>;
+
+Topics operator+(Topics topics, const Topics& more) {
+  topics.insert(topics.end(), more.begin(), more.end());
+  return topics;
+}
+
+// What everybody may see: how servers, sessions and hands are.
+Topics streams() {
+  return {kStatusTopic.name,       kSessionTopic.name,    kSolutionTopic.name,
+          kBridgeStatusTopic.name, kJointStateTopic.name, "rt/*"};
+}
+
+Topics answers() {
+  return {kReplyTopic.name, kProgressTopic.name, kEditReplyTopic.name};
+}
+
+Topics edits() {
+  return {kLookTopic.name, kRequestTopic.name, kEditTopic.name, kDemonstratorTopic.name};
+}
+
+// A pattern of ROS 2's names, with a node's namespace and without.
+Topics ofRos(const char* prefix, const char* name) {
+  return {fmt::format("{}/{}", prefix, name), fmt::format("{}/*/{}", prefix, name)};
+}
+
+constexpr const char* kSamples = "rt/handgraft/*/joint_trajectory";
+
+}  // namespace
+
+const char* nameOf(Role role) {
+  switch (role) {
+    case Role::kServer:
+      return "server";
+    case Role::kOperator:
+      return "operator";
+    case Role::kEditor:
+      return "editor";
+    case Role::kViewer:
+      return "viewer";
+    case Role::kHand:
+      return "hand";
+  }
+  return "";
+}
+
+std::string namesOfRoles() {
+  std::string names;
+  for (const Role role : kRoles)
+    names += std::string(names.empty() ? "" : ", ") + nameOf(role);
+  return names;
+}
+
+Role roleNamed(const std::string& name) {
+  for (const Role role : kRoles) {
+    if (name == nameOf(role)) return role;
+  }
+  rejectInput("{} is no role; there are {}", quoted(name), namesOfRoles());
+}
+
+Rights rightsOf(Role role) {
+  switch (role) {
+    case Role::kServer:
+      return {answers() + Topics{kStatusTopic.name, kSessionTopic.name, kSolutionTopic.name,
+                                 "rt/handgraft/*/joint_command"},
+              {},
+              edits() + Topics{kOperateTopic.name, kStatusTopic.name}};
+    case Role::kOperator:
+      return {edits() + Topics{kOperateTopic.name, kHandCommandTopic.name, kSamples,
+                               "rq/handgraft_bridge*", "rq/*/handgraft_bridge*"},
+              {},
+              answers() + streams() + Topics{"rr/*"}};
+    case Role::kEditor:
+      return {edits(), {}, answers() + streams()};
+    case Role::kViewer:
+      return {{}, {}, streams()};
+    case Role::kHand:
+      return {Topics{kLookTopic.name, kBridgeStatusTopic.name, kJointStateTopic.name, "rr/*"} +
+                  ofRos("rt", "joint_states") + ofRos("rt", "joint_trajectory") +
+                  ofRos("rt", "diagnostics"),
+              {"rt/handgraft/*"},  // samples steer hands: no hand steers another one
+              answers() + streams() + Topics{kHandCommandTopic.name, "rq/*"}};
+  }
+  return {};
+}
+
+Privilege privilegeOf(v1::Operation operation) {
+  switch (operation) {
+    case v1::OP_NOTHING:
+    case v1::OP_CANCEL:
+    case v1::OP_LIST_MODELS:
+    case v1::OP_DESCRIBE_MODEL:
+    case v1::OP_DESCRIBE_SESSION:
+    case v1::OP_LIST_SESSIONS:
+      return Privilege::kLook;
+    case v1::OP_UNLOAD_MODEL:
+      return Privilege::kOperate;
+    case v1::OP_PUT_FILE:
+    case v1::OP_LOAD_MODEL:
+    case v1::OP_OPEN_SESSION:
+    case v1::OP_CLOSE_SESSION:
+    case v1::OP_TRANSFER:
+    case v1::OP_OPTIMIZE:
+    case v1::OP_EXPORT:
+    case v1::OP_POSE_CONTACTS:
+    case v1::OP_MAKE_VARIANT:
+    case v1::OP_SWEEP:
+    case v1::OP_SUGGEST:
+    case v1::OP_SESSION_SETTINGS:
+    case v1::OP_COMPARE:
+    case v1::OP_SAVE_SESSION:
+    case v1::OP_LOAD_SESSION:
+    case v1::OP_REPLAY:
+    case v1::OP_STOP_SOLVING:
+    case v1::OP_SHARE_SESSION:
+    case v1::OP_SOLVE_MOTION:
+    case v1::OP_MOTION_FRAMES:
+    case v1::OP_SET_CLOCK:
+      return Privilege::kEdit;
+  }
+  return Privilege::kOperate;
+}
+
+const Topic<v1::Request>& requestTopicOf(Privilege privilege) {
+  switch (privilege) {
+    case Privilege::kLook:
+      return kLookTopic;
+    case Privilege::kEdit:
+      return kRequestTopic;
+    case Privilege::kOperate:
+      break;
+  }
+  return kOperateTopic;
+}
+
+const char* holdersOf(Privilege privilege) {
+  switch (privilege) {
+    case Privilege::kLook:
+      return "operators, editors and hands";
+    case Privilege::kEdit:
+      return "operators and editors";
+    case Privilege::kOperate:
+      break;
+  }
+  return "operators";
+}
+
+}  // namespace handgraft::idl::security

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "idl/service.h"
+#include "idl/topics.h"
+
+namespace handgraft::idl::security {
+
+/// What an identity may do. DDS itself refuses the rest, topic by topic, at both ends.
+enum class Role {
+  kServer,    ///< serves: the only one whose states, solutions and replies are taken
+  kOperator,  ///< an editor who also arms hands, steers them by samples and unloads models
+  kEditor,    ///< opens and edits sessions, loads models
+  kViewer,    ///< reads the streams, asks nothing
+  kHand,      ///< a bridge: follows, tells what it measures, obeys operators alone
+};
+
+inline constexpr Role kRoles[] = {Role::kServer, Role::kOperator, Role::kEditor, Role::kViewer,
+                                  Role::kHand};
+
+const char* nameOf(Role role);
+
+/// Errors: InvalidInput with the list of roles.
+Role roleNamed(const std::string& name);
+
+/// "server, operator, ..." for messages.
+std::string namesOfRoles();
+
+/// Topics by DDS Security's patterns: `*` stands for any characters.
+struct Rights {
+  std::vector<std::string> may_write;
+  std::vector<std::string> never_write;  ///< although a pattern above would match
+  std::vector<std::string> may_read;
+};
+
+Rights rightsOf(Role role);
+
+/// What one must be to ask for an operation. In a secured domain each has a topic of requests
+/// of its own, so that DDS itself refuses who may not; in an open one all go by one topic.
+enum class Privilege { kLook, kEdit, kOperate };
+
+/// The highest for an operation that does not exist.
+Privilege privilegeOf(v1::Operation operation);
+
+const Topic<v1::Request>& requestTopicOf(Privilege privilege);
+
+/// "operators", for messages: who has the privilege.
+const char* holdersOf(Privilege privilege);
+
+}  // namespace handgraft::idl::security
