@@ -54,11 +54,12 @@ const std::vector<Layer> kLayers = {
     {"core/include", kCore, {}},  // handgraft/core.h
     {"core/examples", {}, {"handgraft"}},
     {"idl", {"core/base"}, {"fmt"}},
-    {"idl/cyclone", {"core/base", "idl"}, {"fmt"}},
-    {"server", {}, {"eigen", "fmt", "spdlog"}},  // and all of core and idl, see permits()
+    {"idl/security", {"core/base", "idl"}, {"fmt"}},
+    {"idl/cyclone", {"core/base", "idl", "idl/security"}, {"fmt"}},
+    {"server", {"idl/security"}, {"eigen", "fmt", "spdlog"}},  // and all of core and idl, see permits()
     {"server/reading", kCore, {"eigen", "fmt"}},
-    {"server/transport", {"core/base", "idl"}, {"fmt", "spdlog", "fastdds"}},
-    {"client/link", {"core/base", "idl", "idl/cyclone"}, {"eigen", "fmt"}},
+    {"server/transport", {"core/base", "idl", "idl/security"}, {"fmt", "spdlog", "fastdds"}},
+    {"client/link", {"core/base", "idl", "idl/cyclone", "idl/security"}, {"eigen", "fmt"}},
     {"client/include", {"core/base", "client/link", "idl"}, {}},  // handgraft/client.h
     {"client/examples", {}, {"handgraft"}},
     {"client/python", {"core/base", "client/gateway", "client/link", "idl"}, {"fmt"}},
@@ -69,7 +70,7 @@ const std::vector<Layer> kLayers = {
     {"client/gateway", {"core/base", "client/link", "idl", "idl/cyclone"}, {"fmt"}},
     {"client/cli",
      {"core/base", "client/editor", "client/gateway", "client/link", "client/present", "idl",
-      "idl/cyclone"},
+      "idl/cyclone", "idl/security"},
      {"eigen", "fmt"}},
     {"hardware/protocols", {"core/base"}, {}},
     {"hardware/devices", {"core/base", "hardware/protocols"}, {}},
@@ -88,7 +89,8 @@ const std::vector<Layer> kLayers = {
       "hardware/protocols", "hardware/safety"},
      {"fmt"}},
     {"hardware",
-     {"core/base", "idl/cyclone", "hardware/bridge", "hardware/bringup", "hardware/config"},
+     {"core/base", "idl/cyclone", "idl/security", "hardware/bridge", "hardware/bringup",
+      "hardware/config"},
      {"fmt"}},
 };
 
@@ -97,7 +99,7 @@ const std::map<std::string, std::set<std::string>> kAlone = {
     {"cgal", {"core/cloud/reconstruction.cpp", "core/hand/skin_wrap.cpp"}},
     {"nanoflann", {"core/geometry/kd_tree.cpp"}},
     {"nlopt", {"core/optimize/nlopt_solver.cpp"}},
-    {"openssl", {"core/base/content_hash.cpp"}},
+    {"openssl", {"core/base/content_hash.cpp", "idl/security/certificates.cpp"}},
     {"assimp", {"core/io/scene_file.cpp"}},
     {"urdfdom", {"core/io/urdf_file.cpp"}},
     {"tinyxml2",
@@ -145,10 +147,11 @@ const std::map<std::string, std::set<std::string>> kAlone = {
      {"server/main.cpp", "client/cli/command_line.cpp",
       "client/cli/options/bridge_commands.cpp", "client/cli/options/editor_commands.cpp",
       "client/cli/options/grasp_command.cpp", "client/cli/options/grasp_flags.cpp",
-      "client/cli/options/import_commands.cpp", "client/cli/options/model_commands.cpp",
-      "client/cli/options/model_flags.cpp", "client/cli/options/motion_commands.cpp",
-      "client/cli/options/session_commands.cpp", "client/cli/options/study_commands.cpp",
-      "client/cli/options/view_command.cpp", "hardware/main.cpp"}},
+      "client/cli/options/import_commands.cpp", "client/cli/options/keys_commands.cpp",
+      "client/cli/options/model_commands.cpp", "client/cli/options/model_flags.cpp",
+      "client/cli/options/motion_commands.cpp", "client/cli/options/session_commands.cpp",
+      "client/cli/options/study_commands.cpp", "client/cli/options/view_command.cpp",
+      "hardware/main.cpp"}},
 };
 
 const std::vector<std::pair<std::string, std::regex>> kLibraries = {

@@ -70,6 +70,10 @@ class Client {
   /// The connection that stands; what reads streams keeps it and looks whether it changed.
   [[nodiscard]] std::shared_ptr<const idl::cyclone::Participant> participant() const;
 
+  /// True of a viewer in a secured domain (idl/security): only streams, and `listSessions` and
+  /// `describeSession` out of them; all else is Refused (ERROR_NOT_PERMITTED).
+  [[nodiscard]] bool onlyWatches() const;
+
   /// Any request of the contract, for what has no function below.
   Pending<v1::ReplyBody> ask(const v1::RequestBody& body);
 

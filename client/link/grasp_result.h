@@ -27,7 +27,7 @@ struct DoctorReport {
   int domain = 0;
   std::optional<v1::ServerStatus> server;  ///< nothing: none answered
   double found_ms = 0.0;                   ///< until the server's first status came
-  double round_trip_ms = 0.0;              ///< median
+  double round_trip_ms = 0.0;              ///< median; 0: who only watches
   v1::ModelList models;
   std::string advice;  ///< what to do; empty when all is well
 };

@@ -130,7 +130,8 @@ std::string doctor(const DoctorReport& report) {
     rows.push_back({"load", fmt::format("{} sessions, {} requests running, {} answered",
                                         status.session_count(), status.requests_running(),
                                         status.requests_answered())});
-    rows.push_back({"round trip", fmt::format("{:.2f} ms", report.round_trip_ms)});
+    if (report.round_trip_ms > 0.0)
+      rows.push_back({"round trip", fmt::format("{:.2f} ms", report.round_trip_ms)});
     for (const v1::ModelKind kind : {v1::MODEL_HAND, v1::MODEL_OBJECT, v1::MODEL_CONTACTS}) {
       std::vector<std::string> names;
       for (const v1::ModelSummary& model : report.models.models()) {

@@ -10,12 +10,14 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdio>
 #include <cstring>
 #include <future>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string_view>
 #include <thread>
 #include <utility>
 
@@ -112,6 +114,19 @@ std::string configurationOf(const Network& network, const NetworkInterface& inte
       name, interface.loopback ? "false" : "spdp", peers, kTiming);
 }
 
+/// Of a secured participant that was met without an identity, which Cyclone tells its log
+/// alone, at each of its announcements.
+std::atomic<bool> has_met_secured{false};
+
+void heedLog(void* /*unused*/, const dds_log_data_t* line) {
+  const std::string_view text(line->message, line->size);
+  if (text.find("Remote secure participant") != std::string_view::npos) {
+    has_met_secured = true;
+    return;
+  }
+  std::fwrite(text.data(), 1, text.size(), stderr);
+}
+
 /// This process' share of a domain; the last one to go takes the domain along.
 class Domain {
  public:
@@ -119,11 +134,13 @@ class Domain {
     const NetworkInterface interface = validate(network);
     const std::lock_guard lock(mutex());
     Shared& shared = all()[id_];
+    // Its identity, too: Cyclone's plugins judge all of a process by the first one's rights.
     const std::string how = describe(network);
     if (shared.users > 0 && shared.how != how) {
       rejectInput("{} cannot be joined: this process is on {} already", how, shared.how);
     }
     if (shared.users == 0) {
+      dds_set_log_sink(heedLog, nullptr);
       shared.handle = checked(dds_create_domain(static_cast<dds_domainid_t>(id_),
                                                 configurationOf(network, interface).c_str()),
                               "the domain cannot be joined", describe(network));
@@ -359,6 +376,10 @@ const Network& Participant::network() const {
 
 const std::optional<security::Identity>& Participant::identity() const {
   return impl_->identity;
+}
+
+bool Participant::isKeptOut() const {
+  return !impl_->identity && has_met_secured;
 }
 
 namespace {

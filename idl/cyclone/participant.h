@@ -42,6 +42,10 @@ class Participant {
   /// Who this is; who has an identity meets others with one alone. Nothing: in an open domain.
   [[nodiscard]] const std::optional<security::Identity>& identity() const;
 
+  /// True once a program of a secured domain was met that this one, without an identity, is
+  /// not let in to.
+  [[nodiscard]] bool isKeptOut() const;
+
   struct Impl;
 
   [[nodiscard]] const std::shared_ptr<Impl>& impl() const { return impl_; }

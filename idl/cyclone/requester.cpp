@@ -268,7 +268,7 @@ struct Requester::Impl {
       return operations.get();
     } catch (const NotPermitted& error) {
       throw Refused(v1::ERROR_NOT_PERMITTED,
-                    fmt::format("{}: {} is for {}", error.what(), nameOf(operation),
+                    fmt::format("{}: request '{}' is for {}", error.what(), nameOf(operation),
                                 security::holdersOf(privilege)));
     }
   }
@@ -464,10 +464,19 @@ struct Requester::Impl {
                            name.empty() ? "one without a name" : "--server " + plainName(name),
                            plainName(other.host));
     }
-    return NoServer(fmt::format(
-        "no handgraft-server{} answers on {}{}",
+    std::string text = fmt::format(
+        "no handgraft-server{} answers on {}",
         there.empty() || !participant.network().server.empty() ? "" : " without a name",
-        describe(participant.network()), there.empty() ? "" : "; there is " + there));
+        describe(participant.network()));
+    if (!there.empty()) text += "; there is " + there;
+    if (participant.identity()) {
+      text +=
+          "; one that is open, of another authority, or that knows this identity as revoked "
+          "does not";
+    } else if (participant.isKeptOut()) {
+      text += "; a secured program is there, which takes an identity to meet (--identity)";
+    }
+    return NoServer(text);
   }
 
   /// Why a call can hope for nothing; nullptr if it can.

@@ -72,12 +72,7 @@ std::string permissionsText(const std::string& name,
                             Role role,
                             std::int64_t not_before_s,
                             std::int64_t not_after_s) {
-  const Rights rights = rightsOf(role);
-  std::string deny;
-  if (!rights.never_write.empty()) {
-    deny = fmt::format("   <deny_rule>\n    {}\n{}   </deny_rule>\n", domainsText(),
-                       partText("publish", rights.never_write));
-  }
+  const Rights rights = rightsOf(role, name);
   return fmt::format(
       R"(<?xml version="1.0" encoding="UTF-8"?>
 <dds xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" xsi:noNamespaceSchemaLocation="http://www.omg.org/spec/DDS-SECURITY/20170901/omg_shared_ca_permissions.xsd">
@@ -85,7 +80,7 @@ std::string permissionsText(const std::string& name,
   <grant name="{}">
    <subject_name>{}</subject_name>
    <validity><not_before>{}</not_before><not_after>{}</not_after></validity>
-{}   <allow_rule>
+   <allow_rule>
     {}
 {}{}   </allow_rule>
    <default>DENY</default>
@@ -93,7 +88,7 @@ std::string permissionsText(const std::string& name,
  </permissions>
 </dds>
 )",
-      name, subject, dateText(not_before_s - kDay_s), dateText(not_after_s + kDay_s), deny,
+      name, subject, dateText(not_before_s - kDay_s), dateText(not_after_s + kDay_s),
       domainsText(), partText("publish", rights.may_write),
       partText("subscribe", rights.may_read));
 }

@@ -29,9 +29,9 @@ Topics edits() {
   return {kLookTopic.name, kRequestTopic.name, kEditTopic.name, kDemonstratorTopic.name};
 }
 
-// A pattern of ROS 2's names, with a node's namespace and without.
-Topics ofRos(const char* prefix, const char* name) {
-  return {fmt::format("{}/{}", prefix, name), fmt::format("{}/*/{}", prefix, name)};
+// In ROS 2's namespace of that name, and in none.
+Topics ofRos(const std::string& name, const char* topic) {
+  return {fmt::format("rt/{}", topic), fmt::format("rt/{}/{}", name, topic)};
 }
 
 constexpr const char* kSamples = "rt/handgraft/*/joint_trajectory";
@@ -68,27 +68,27 @@ Role roleNamed(const std::string& name) {
   rejectInput("{} is no role; there are {}", quoted(name), namesOfRoles());
 }
 
-Rights rightsOf(Role role) {
+Rights rightsOf(Role role, const std::string& name) {
   switch (role) {
     case Role::kServer:
       return {answers() + Topics{kStatusTopic.name, kSessionTopic.name, kSolutionTopic.name,
                                  "rt/handgraft/*/joint_command"},
-              {},
               edits() + Topics{kOperateTopic.name, kStatusTopic.name}};
     case Role::kOperator:
       return {edits() + Topics{kOperateTopic.name, kHandCommandTopic.name, kSamples,
                                "rq/handgraft_bridge*", "rq/*/handgraft_bridge*"},
-              {},
               answers() + streams() + Topics{"rr/*"}};
     case Role::kEditor:
-      return {edits(), {}, answers() + streams()};
+      return {edits(), answers() + streams()};
     case Role::kViewer:
-      return {{}, {}, streams()};
+      return {{}, streams()};
     case Role::kHand:
+      // Samples, rt/handgraft/<session>/joint_trajectory, steer hands: no pattern of a hand's
+      // own topics may match them. Deny rules would do so, but for Cyclone, which does not make
+      // the topic then, not even to read it.
       return {Topics{kLookTopic.name, kBridgeStatusTopic.name, kJointStateTopic.name, "rr/*"} +
-                  ofRos("rt", "joint_states") + ofRos("rt", "joint_trajectory") +
-                  ofRos("rt", "diagnostics"),
-              {"rt/handgraft/*"},  // samples steer hands: no hand steers another one
+                  ofRos(name, "joint_states") + ofRos(name, "joint_trajectory") +
+                  ofRos(name, "diagnostics"),
               answers() + streams() + Topics{kHandCommandTopic.name, "rq/*"}};
   }
   return {};

@@ -31,11 +31,11 @@ std::string namesOfRoles();
 /// Topics by DDS Security's patterns: `*` stands for any characters.
 struct Rights {
   std::vector<std::string> may_write;
-  std::vector<std::string> never_write;  ///< although a pattern above would match
   std::vector<std::string> may_read;
 };
 
-Rights rightsOf(Role role);
+/// Of an identity of that role and name: a hand has ROS 2's namespace of its own name.
+Rights rightsOf(Role role, const std::string& name);
 
 /// What one must be to ask for an operation. In a secured domain each has a topic of requests
 /// of its own, so that DDS itself refuses who may not; in an open one all go by one topic.

@@ -68,6 +68,14 @@ std::string adviceOn(const Network& network) {
       asked, 7400 + 250 * network.domain, 7400 + 250 * network.domain + 249);
 }
 
+/// Who is not let in hears nothing of it: it is not known to be another's domain.
+std::string secrecyAdvice(const Network& network) {
+  if (network.identity.empty())
+    return "; where it is secured, an identity is needed (--identity, HANDGRAFT_IDENTITY)";
+  return "; one of another authority, an open one, and one that this identity was revoked for "
+         "do not answer it either";
+}
+
 }  // namespace
 
 int run(const DoctorOptions& /*options*/,
@@ -82,14 +90,19 @@ int run(const DoctorOptions& /*options*/,
     const Clock::time_point begin = Clock::now();
     Client server(attended(common.network, Absence::kFail, interruption));
     report.found_ms = millisecondsSince(begin);
-    report.round_trip_ms = roundTrip(server);
-    report.models = server.listModels().get();
+    if (server.onlyWatches()) {
+      report.advice =
+          "This identity is a viewer's: it follows sessions and bridges, and may ask nothing.";
+    } else {
+      report.round_trip_ms = roundTrip(server);
+      report.models = server.listModels().get();
+    }
     report.server = server.status();
   } catch (const NoServer& error) {
     report.advice = fmt::format(
-        "{}. Start one with: handgraft-server --domain {} --interface {}{}; if one runs "
+        "{}{}. Start one with: handgraft-server --domain {} --interface {}{}; if one runs "
         "elsewhere, give this program the same options{}",
-        error.what(), report.domain, report.interface,
+        error.what(), secrecyAdvice(common.network), report.domain, report.interface,
         common.network.server.empty() ? "" : " --name " + common.network.server,
         adviceOn(common.network));
   }
