@@ -10,14 +10,12 @@
 
 #include <atomic>
 #include <chrono>
-#include <cstdio>
 #include <cstring>
 #include <future>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <string_view>
 #include <thread>
 #include <utility>
 
@@ -114,19 +112,6 @@ std::string configurationOf(const Network& network, const NetworkInterface& inte
       name, interface.loopback ? "false" : "spdp", peers, kTiming);
 }
 
-/// Of a secured participant that was met without an identity, which Cyclone tells its log
-/// alone, at each of its announcements.
-std::atomic<bool> has_met_secured{false};
-
-void heedLog(void* /*unused*/, const dds_log_data_t* line) {
-  const std::string_view text(line->message, line->size);
-  if (text.find("Remote secure participant") != std::string_view::npos) {
-    has_met_secured = true;
-    return;
-  }
-  std::fwrite(text.data(), 1, text.size(), stderr);
-}
-
 /// This process' share of a domain; the last one to go takes the domain along.
 class Domain {
  public:
@@ -140,7 +125,6 @@ class Domain {
       rejectInput("{} cannot be joined: this process is on {} already", how, shared.how);
     }
     if (shared.users == 0) {
-      dds_set_log_sink(heedLog, nullptr);
       shared.handle = checked(dds_create_domain(static_cast<dds_domainid_t>(id_),
                                                 configurationOf(network, interface).c_str()),
                               "the domain cannot be joined", describe(network));
@@ -199,6 +183,9 @@ struct Plugin {
   const char* init;
   const char* finalize;
 };
+
+/// As a server of a secured domain calls itself to all who discover it (server/transport).
+constexpr const char* kSecuredServer = "handgraft-server, secured";
 
 constexpr Plugin kPlugins[] = {
     {"auth", "dds_security_auth", "init_authentication", "finalize_authentication"},
@@ -379,7 +366,24 @@ const std::optional<security::Identity>& Participant::identity() const {
 }
 
 bool Participant::isKeptOut() const {
-  return !impl_->identity && has_met_secured;
+  if (impl_->identity) return false;
+  const Entity reader(dds_create_reader(impl_->entity.get(), DDS_BUILTIN_TOPIC_DCPSPARTICIPANT,
+                                        nullptr, nullptr),
+                      "no reader", "participants");
+  void* sample = nullptr;
+  dds_sample_info_t info{};
+  bool is_there = false;
+  while (dds_take(reader.get(), &sample, &info, 1, 1) == 1) {
+    char* name = nullptr;
+    const auto* qos = static_cast<const dds_builtintopic_participant_t*>(sample)->qos;
+    if (info.valid_data && dds_qget_entity_name(qos, &name)) {
+      is_there = is_there || std::strcmp(name, kSecuredServer) == 0;
+      dds_free(name);
+    }
+    dds_return_loan(reader.get(), &sample, 1);
+    sample = nullptr;
+  }
+  return is_there;
 }
 
 namespace {

@@ -39,6 +39,7 @@ mkdir "$scratch/others"
 # === Clients first: a hand waits for the server, an editor asks while it starts
 start hand "$bin/handgraft-bridge" --identity "$keys/a-hand" --disarmed
 start spy "$bin/handgraft-bridge" --bridge-id 9 --disarmed # who follows whatever is heard, without an identity
+spy=${pids[-1]}
 await 'simulated hand' "$scratch/hand.log"
 for _ in 1 2 3 4 5; do # a command waits for 2 s
   HANDGRAFT_IDENTITY=$keys/a-editor "$bin/handgraft" models && break
@@ -93,6 +94,8 @@ as a-operator bridge arm >"$scratch/arm" 2>&1 || { cat "$scratch/arm"; fail "the
 [ "$(state)" = armed ] || fail "the hand is $(state) after ARM"
 
 # === Strangers
+kill "$spy"
+wait "$spy" || true
 stranger() { # COMMAND...: under HANDGRAFT_IDENTITY
   says 'no handgraft-server' timeout 60 "$bin/handgraft" models
   says 'no handgraft-server' timeout 60 "$bin/handgraft" close "$session"

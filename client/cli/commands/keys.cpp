@@ -77,7 +77,7 @@ int show(const security::Authority& authority, bool as_json) {
   return 0;
 }
 
-void tell(bool as_json, const json::Json& document, const std::string& line) {
+void tellOfKeys(bool as_json, const json::Json& document, const std::string& line) {
   fmt::print("{}\n", as_json ? json::written(document) : line);
 }
 
@@ -93,12 +93,13 @@ int run(const KeysOptions& options,
       if (options.folder.empty()) fs::create_directories(folder.parent_path(), error);
       const auto authority = security::Authority::make(folder);
       const std::string end = security::dateText(authority.lifetime().not_after_s);
-      tell(common.json, {{"folder", authority.folder().string()}, {"not_after", end + "Z"}},
-           fmt::format("{}: an authority, until {} UTC. Its ca.key makes identities and is "
-                       "needed by no program: keep it apart. Next: handgraft keys add NAME "
-                       "--role ROLE{}",
-                       authority.folder().string(), end,
-                       options.folder.empty() ? "" : " --dir " + options.folder.string()));
+      tellOfKeys(
+          common.json, {{"folder", authority.folder().string()}, {"not_after", end + "Z"}},
+          fmt::format("{}: an authority, until {} UTC. Its ca.key makes identities and is "
+                      "needed by no program: keep it apart. Next: handgraft keys add NAME "
+                      "--role ROLE{}",
+                      authority.folder().string(), end,
+                      options.folder.empty() ? "" : " --dir " + options.folder.string()));
       return 0;
     }
     case KeysOptions::Action::kAdd: {
@@ -106,14 +107,15 @@ int run(const KeysOptions& options,
       const auto identity =
           security::Authority::open(folder).add(options.name, role, options.days);
       const std::string end = security::dateText(identity.lifetime.not_after_s);
-      tell(common.json,
-           {{"name", identity.name},
-            {"role", security::nameOf(role)},
-            {"folder", identity.folder.string()},
-            {"not_after", end + "Z"}},
-           fmt::format("{}: identity {} of role {}, until {} UTC; use it by --identity {}",
-                       identity.folder.string(), identity.name, security::nameOf(role), end,
-                       identity.folder.string()));
+      tellOfKeys(
+          common.json,
+          {{"name", identity.name},
+           {"role", security::nameOf(role)},
+           {"folder", identity.folder.string()},
+           {"not_after", end + "Z"}},
+          fmt::format("{}: identity {} of role {}, until {} UTC; use it by --identity {}",
+                      identity.folder.string(), identity.name, security::nameOf(role), end,
+                      identity.folder.string()));
       return 0;
     }
     case KeysOptions::Action::kShow:
@@ -122,10 +124,11 @@ int run(const KeysOptions& options,
       auto authority = security::Authority::open(folder);
       authority.revoke(options.name);
       const std::string list = (authority.folder() / security::kRevokedFile).string();
-      tell(common.json, {{"name", options.name}, {"revoked", true}, {"list", list}},
-           fmt::format("revoked {}. Programs read the list when they start: put {} into the "
-                       "folders of identities on other machines, and restart the server",
-                       options.name, list));
+      tellOfKeys(
+          common.json, {{"name", options.name}, {"revoked", true}, {"list", list}},
+          fmt::format("revoked {}. Programs read the list when they start: put {} into the "
+                      "folders of identities on other machines, and restart the server",
+                      options.name, list));
       return 0;
     }
   }
