@@ -38,7 +38,7 @@ using manipulation::PatchTrack;
 constexpr int kShares = 12;                 // steps in which a patch goes to an edited root
 constexpr std::size_t kFramesKept = 20000;  // of bases beside the last one, and of stretches
 
-bool isRecorded(const PatchKey& key) {
+bool holdsRecordedPoints(const PatchKey& key) {
   return key.patch.interpolation_boundary.size() <
          static_cast<std::size_t>(contact::kFewestInterpolationPoints);
 }
@@ -103,11 +103,12 @@ Eigen::Vector2d wayTo(const geometry::TriangleMesh& mesh,
 }
 
 /// A key's patch, moved over the object.
-contact::Patch moved(const geometry::TriangleMesh& object_O,
-                     const contact::Patch& patch,
-                     const Shift& shift) {
+contact::Patch movedOver(const geometry::TriangleMesh& object_O,
+                         const contact::Patch& patch,
+                         const Shift& shift) {
   if (shift.isNone()) return patch;
-  contact::Patch result = manipulation::slid(object_O, withDirection(object_O, patch), shift.way_T);
+  contact::Patch result =
+      manipulation::slid(object_O, withDirection(object_O, patch), shift.way_T);
   if (shift.turn_rad == 0.0) return result;
   const geometry::TriangleMesh& mesh = object_O;
   // The outline turns with the direction: its points keep their coordinates.
@@ -177,7 +178,7 @@ void measureDepths(const Hand& hand,
     if (error) std::rethrow_exception(error);
 }
 
-bool isSame(const hand::HandPose& a, const hand::HandPose& b) {
+bool arePosesSame(const hand::HandPose& a, const hand::HandPose& b) {
   return a.q == b.q && a.X_WH.matrix() == b.X_WH.matrix();
 }
 
@@ -196,7 +197,7 @@ class MotionLayer {
         lies_on_links_(liesOnLinksOf(*hand.model, motion)),
         has_points_(std::any_of(
             motion.tracks.begin(), motion.tracks.end(), [](const PatchTrack& track) {
-              return isRecorded(track.keys.front());
+              return holdsRecordedPoints(track.keys.front());
             })) {}
 
   LaidMotion lay(const Motion& motion,
@@ -246,7 +247,7 @@ class MotionLayer {
     PatchTrack one = motion.tracks[static_cast<std::size_t>(track)];
     one.keys = {key};
     one.keys[0].frame = 0;
-    one.keys[0].patch = moved(object_O_, key.patch, shifts.on_object);
+    one.keys[0].patch = movedOver(object_O_, key.patch, shifts.on_object);
     one.end = 1;
     alone.tracks = {std::move(one)};
     const geometry::TriangleMesh& skin_S = hand_.skin->mesh();
@@ -431,8 +432,8 @@ std::shared_ptr<const SolvedMotion> MotionBench::solve(const Document& document,
   solved->trajectory = solveCausal(solved->problem, solving.options, progress);
   const int count = solved->problem.frameCount();
   int same = 0;
-  while (same < count && isSame(solved->trajectory.poses[static_cast<std::size_t>(same)],
-                                first->trajectory.poses[static_cast<std::size_t>(same)]))
+  while (same < count && arePosesSame(solved->trajectory.poses[static_cast<std::size_t>(same)],
+                                      first->trajectory.poses[static_cast<std::size_t>(same)]))
     ++same;
   measureDepths(hand, object_O_, {same, count}, threads, progress, *solved);
   return solved;
@@ -474,7 +475,7 @@ const LaidMotion& MotionBench::laid(const Work& work) {
     for (PatchTrack& track : edited.tracks) {
       if (track.name != names[i]) continue;
       for (PatchKey& patch_key : track.keys)
-        patch_key.patch = moved(*object_O_, patch_key.patch, shift);
+        patch_key.patch = movedOver(*object_O_, patch_key.patch, shift);
     }
   }
   laid_ = layer.lay(edited, work.progress);

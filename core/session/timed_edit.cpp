@@ -46,7 +46,7 @@ bool concernsSame(const TimedChange& a, const TimedChange& b) {
                     a);
 }
 
-const DocumentPatch& patchNamed(const Document& document, const std::string& name) {
+const DocumentPatch& requirePatch(const Document& document, const std::string& name) {
   std::vector<std::string> names;
   for (const DocumentPatch& patch : document.patches) {
     if (patch.name == name) return patch;
@@ -65,24 +65,24 @@ struct ChangeCheck {
   const Models& models;
 
   void operator()(const PatchWeightEdit& edit) const {
-    (void)patchNamed(document, edit.patch);
+    (void)requirePatch(document, edit.patch);
     requireWithin(edit.weight, 0.0, contact::kLargestWeight,
                   "weight of patch " + quoted(edit.patch));
   }
 
   void operator()(const PatchEnabledEdit& edit) const {
-    (void)patchNamed(document, edit.patch);
+    (void)requirePatch(document, edit.patch);
   }
 
   void operator()(const PatchRootEdit& edit) const {
-    (void)patchNamed(document, edit.patch);
+    (void)requirePatch(document, edit.patch);
     const std::string what = "root of patch " + quoted(edit.patch);
     validate(edit.side == Side::kObject ? *models.object_O : models.hand->skin->mesh(),
              edit.root, what.c_str());
   }
 
   void operator()(const PatchDirectionEdit& edit) const {
-    (void)patchNamed(document, edit.patch);
+    (void)requirePatch(document, edit.patch);
     requireWithin(edit.angle_rad, -kLargestTurn, kLargestTurn,
                   "angle of patch " + quoted(edit.patch));
   }
