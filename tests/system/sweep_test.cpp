@@ -55,17 +55,17 @@ TEST(Sweep, OfTheBuiltInGraspsGivesATableAndAPicture) {
                                   "--vary", "index_middle_crease.upper=0.2:1.4:4", "--out",
                                   table.string(), "--png", picture.string()});
   EXPECT_EQ(sweep.at("format"), "handgraft-sweep/1");
-  EXPECT_EQ(sweep.at("grasps").size(), 4u);
-  ASSERT_EQ(sweep.at("rows").size(), 16u);
+  EXPECT_EQ(sweep.at("grasps").size(), 5u);
+  ASSERT_EQ(sweep.at("rows").size(), 20u);
 
   const auto rows = tableIn(table);
-  ASSERT_EQ(rows.size(), 16u);
+  ASSERT_EQ(rows.size(), 20u);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const auto& row = rows[i];
-    EXPECT_EQ(row.at("grasp"), sweep.at("grasps").at(i % 4).at("name"));
+    EXPECT_EQ(row.at("grasp"), sweep.at("grasps").at(i % 5).at("name"));
     EXPECT_EQ(row.at("error"), "");
     const double upper = std::stod(row.at("index_middle_crease.upper (rad)"));
-    EXPECT_NEAR(upper, 0.2 + 0.4 * static_cast<double>(i / 4), 1e-9);
+    EXPECT_NEAR(upper, 0.2 + 0.4 * static_cast<double>(i / 5), 1e-9);
     EXPECT_LE(std::stod(row.at("index_middle_crease")), upper + 1e-9);
     EXPECT_NEAR(std::stod(row.at("mean_mm")), sweep.at("rows").at(i).at("mean_mm"), 1e-4);
     EXPECT_GT(std::stoi(row.at("patches")), 0);
@@ -88,8 +88,8 @@ TEST(Sweep, ARowAloneIsThatOfTheWholeSweep) {
   };
   const json all = rowsOf("0.8,1.2");
   const json alone = rowsOf("1.2");
-  for (std::size_t grasp = 0; grasp < 4; ++grasp)
-    EXPECT_EQ(all.at(4 + grasp), alone.at(grasp));
+  for (std::size_t grasp = 0; grasp < 5; ++grasp)
+    EXPECT_EQ(all.at(5 + grasp), alone.at(grasp));
 }
 
 TEST(Sweep, SaysWhatIsWrong) {
