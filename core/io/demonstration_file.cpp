@@ -1,6 +1,8 @@
 #include "core/io/demonstration_file.h"
 
 #include <cmath>
+#include <initializer_list>
+#include <map>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -8,6 +10,7 @@
 #include "core/base/error.h"
 #include "core/io/file_bytes.h"
 #include "core/io/json_keys.h"
+#include "core/io/npz_file.h"
 
 namespace handgraft::io {
 namespace {
@@ -109,11 +112,138 @@ std::vector<DemonstratedFrame> framesFrom(const json& root) {
   return frames;
 }
 
+// === MANO parameter sequences as NumPy writes them
+
+using Arrays = std::map<std::string, NpzArray>;
+
+/// The first of `names` that is there, as rows of `columns` numbers; nullptr if none is.
+const NpzArray* rowsNamed(const Arrays& arrays,
+                          std::initializer_list<const char*> names,
+                          std::size_t columns) {
+  for (const char* name : names) {
+    const auto found = arrays.find(name);
+    if (found == arrays.end() || found->second.values.empty()) continue;
+    const NpzArray& array = found->second;
+    const std::size_t rows = array.shape.empty() ? 1 : array.shape.front();
+    if (rows == 0 || array.values.size() != rows * columns)
+      rejectInput("array '{}' has {} numbers in {} rows; a row has {}", name,
+                  array.values.size(), rows, columns);
+    return &array;
+  }
+  return nullptr;
+}
+
+json jsonRows(const NpzArray& array, std::size_t columns) {
+  json rows = json::array();
+  for (std::size_t at = 0; at < array.values.size(); at += columns)
+    rows.push_back(
+        std::vector<double>(array.values.begin() + static_cast<std::ptrdiff_t>(at),
+                            array.values.begin() + static_cast<std::ptrdiff_t>(at + columns)));
+  return rows;
+}
+
+/// Poses of an object told by rotation vectors and places.
+json posesFrom(const NpzArray& turns, const NpzArray& places) {
+  json rows = json::array();
+  if (turns.values.size() != places.values.size())
+    rejectInput("the object's rotations and places have {} and {} rows",
+                turns.values.size() / 3, places.values.size() / 3);
+  for (std::size_t at = 0; at + 3 <= turns.values.size(); at += 3) {
+    const Eigen::Quaterniond q(
+        rotationFromVector(Eigen::Vector3d::Map(turns.values.data() + at)));
+    const double* p = places.values.data() + at;
+    rows.push_back({p[0], p[1], p[2], q.w(), q.x(), q.y(), q.z()});
+  }
+  return rows;
+}
+
+/// The same fields as JSON has, from the names that MANO sequences go by.
+json rootFrom(const Arrays& arrays) {
+  json root = {{"format", kDemonstrationFormat}};
+  for (const char* name : {"object", "side"})
+    if (const auto text = arrays.find(name); text != arrays.end() && !text->second.text.empty())
+      root[name] = text->second.text;
+  std::size_t frames = 0;
+  if (const NpzArray* joints = rowsNamed(arrays, {"joints_W_m"}, 63)) {
+    frames = joints->values.size() / 63;
+    json rows = json::array();
+    for (const json& row : jsonRows(*joints, 63)) {
+      json places = json::array();
+      for (std::size_t i = 0; i < 63; i += 3)
+        places.push_back({row[i], row[i + 1], row[i + 2]});
+      rows.push_back(std::move(places));
+    }
+    root["joints_W_m"] = std::move(rows);
+  } else if (const NpzArray* poses = rowsNamed(
+                 arrays, {"mano_pose_rad", "pose", "poses", "fullpose"}, hand::kManoPoseSize)) {
+    frames = poses->values.size() / hand::kManoPoseSize;
+    root["mano_pose_rad"] = jsonRows(*poses, hand::kManoPoseSize);
+  } else {
+    constexpr std::size_t kFingers = hand::kManoPoseSize - 3;
+    const NpzArray* turns = rowsNamed(arrays, {"global_orient"}, 3);
+    const NpzArray* fingers = rowsNamed(arrays, {"hand_pose"}, kFingers);
+    if (turns == nullptr || fingers == nullptr)
+      rejectInput(
+          "neither 'mano_pose_rad' ('pose', 'poses', 'fullpose': 48 numbers a row), nor "
+          "'global_orient' and 'hand_pose', nor 'joints_W_m' is there");
+    frames = turns->values.size() / 3;
+    if (fingers->values.size() != frames * kFingers)
+      rejectInput("'global_orient' has {} rows, 'hand_pose' {}", frames,
+                  fingers->values.size() / kFingers);
+    json rows = json::array();
+    for (std::size_t k = 0; k < frames; ++k) {
+      std::vector<double> row(turns->values.begin() + static_cast<std::ptrdiff_t>(3 * k),
+                              turns->values.begin() + static_cast<std::ptrdiff_t>(3 * k + 3));
+      row.insert(row.end(), fingers->values.begin() + static_cast<std::ptrdiff_t>(kFingers * k),
+                 fingers->values.begin() + static_cast<std::ptrdiff_t>(kFingers * (k + 1)));
+      rows.push_back(std::move(row));
+    }
+    root["mano_pose_rad"] = std::move(rows);
+  }
+  if (const NpzArray* places = rowsNamed(arrays, {"mano_translation_m", "trans", "transl"}, 3))
+    root["mano_translation_m"] = jsonRows(*places, 3);
+  if (const NpzArray* times = rowsNamed(arrays, {"time_s"}, 1)) {
+    root["time_s"] = times->values;
+  } else if (const NpzArray* rate = rowsNamed(
+                 arrays, {"fps", "mocap_framerate", "mocap_frame_rate", "framerate"}, 1)) {
+    if (!(rate->values[0] > 0.0) || !std::isfinite(rate->values[0]))
+      rejectInput("frames a second: {}; they must lie above 0", rate->values[0]);
+    root["time_s"] = json::array();
+    for (std::size_t k = 0; k < frames; ++k)
+      root["time_s"].push_back(static_cast<double>(k) / rate->values[0]);
+  } else {
+    rejectInput("neither 'time_s' nor 'fps' is there");
+  }
+  if (const NpzArray* poses = rowsNamed(arrays, {"object_pose"}, 7)) {
+    root["object_pose"] = jsonRows(*poses, 7);
+  } else {
+    const NpzArray* turns = rowsNamed(arrays, {"object_global_orient", "object_rot"}, 3);
+    const NpzArray* places = rowsNamed(arrays, {"object_transl", "object_trans"}, 3);
+    if (turns == nullptr || places == nullptr)
+      rejectInput(
+          "neither 'object_pose' (x y z qw qx qy qz) nor 'object_global_orient' with "
+          "'object_transl' is there");
+    root["object_pose"] = posesFrom(*turns, *places);
+  }
+  return root;
+}
+
+json demonstrationRoot(const std::filesystem::path& path) {
+  const std::string bytes = readFileBytes(path);
+  return isNpz(bytes) ? rootFrom(readNpz(bytes)) : json::parse(bytes);
+}
+
 }  // namespace
+
+std::string objectOfNpz(const std::filesystem::path& path) {
+  const Arrays arrays = readNpz(readFileBytes(path));
+  const auto object = arrays.find("object");
+  return object == arrays.end() ? "" : object->second.text;
+}
 
 std::vector<DemonstratedFrame> readDemonstration(const std::filesystem::path& path) {
   try {
-    return framesFrom(json::parse(readFileBytes(path)));
+    return framesFrom(demonstrationRoot(path));
   } catch (const json::exception& error) {
     rejectInput("{}: {}", quoted(path.string()), error.what());
   } catch (const InvalidInput& error) {

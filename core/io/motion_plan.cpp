@@ -15,6 +15,7 @@
 #include "core/io/json_keys.h"
 #include "core/io/motion_file.h"
 #include "core/io/motion_import.h"
+#include "core/io/npz_file.h"
 #include "core/manipulation/two_grasps.h"
 
 namespace handgraft::io {
@@ -94,6 +95,7 @@ Motion plannedFrom(const json& root, const MeshFile& object, const FileOf& fileO
 Motion readMotionFrom(const std::filesystem::path& path,
                       const MeshFile& object,
                       const FileOf& fileOf) {
+  if (isNpz(readFileBytes(path))) return readDemonstratedMotion(path, object.mesh);
   const json root = rootOf(path);
   if (root.contains("frames")) return readContactSequence(path, object.mesh, "");
   const auto format = root.find("format");
@@ -114,6 +116,7 @@ Motion readMotionFrom(const std::filesystem::path& path,
 }
 
 std::string objectOfMotion(const std::filesystem::path& path) {
+  if (isNpz(readFileBytes(path))) return objectOfNpz(path);
   const json root = rootOf(path);
   try {
     return textIn(root, "object");

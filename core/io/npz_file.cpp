@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -165,6 +166,145 @@ std::string NpzFile::bytes() const {
   appendNumber(file, begin, 4);
   appendNumber(file, 0, 2);  // comment
   return file;
+}
+
+// === Reading
+
+namespace {
+
+constexpr std::size_t kMostNumbers = std::size_t{1} << 28;
+
+std::uint64_t numberAt(std::string_view bytes, std::size_t at, std::size_t size) {
+  if (at > bytes.size() || size > bytes.size() - at)
+    rejectInput("npz: it breaks off at byte {}", bytes.size());
+  std::uint64_t value = 0;
+  for (std::size_t i = size; i-- > 0;)
+    value = (value << 8) | static_cast<unsigned char>(bytes[at + i]);
+  return value;
+}
+
+std::string_view partAt(std::string_view bytes, std::size_t at, std::size_t size) {
+  if (at > bytes.size() || size > bytes.size() - at)
+    rejectInput("npz: it breaks off at byte {}", bytes.size());
+  return bytes.substr(at, size);
+}
+
+template <class T>
+void appendAs(std::string_view raw, std::vector<double>& values) {
+  for (std::size_t i = 0; i + sizeof(T) <= raw.size(); i += sizeof(T)) {
+    T value;
+    std::memcpy(&value, raw.data() + i, sizeof(T));
+    values.push_back(static_cast<double>(value));
+  }
+}
+
+/// What stands behind `'key':` in the header of an NPY file, up to its end.
+std::string_view headerField(std::string_view header, std::string_view key) {
+  const std::size_t at = header.find(key);
+  const std::size_t colon = header.find(':', at == std::string_view::npos ? header.size() : at);
+  if (at == std::string_view::npos || colon == std::string_view::npos)
+    rejectInput("npz: the header of an array lacks {}", quoted(std::string(key)));
+  return header.substr(colon + 1);
+}
+
+/// An NPY file; nothing if it holds neither numbers nor one text.
+std::optional<NpzArray> arrayFrom(std::string_view bytes, const std::string& name) {
+  if (bytes.substr(0, 6) != std::string_view("\x93NUMPY", 6))
+    rejectInput("npz: array {} is no NPY file", quoted(name));
+  const bool is_first = numberAt(bytes, 6, 1) == 1;
+  const std::size_t begin = is_first ? 10 : 12;
+  const auto length = static_cast<std::size_t>(numberAt(bytes, 8, is_first ? 2 : 4));
+  const std::string_view header = partAt(bytes, begin, length);
+  const std::string_view raw = bytes.substr(begin + length);
+
+  std::string_view type = headerField(header, "'descr'");
+  type.remove_prefix(std::min(type.size(), type.find('\'') + 1));
+  type = type.substr(0, type.find('\''));
+  NpzArray array;
+  std::string_view shape = headerField(header, "'shape'");
+  shape = shape.substr(0, shape.find(')'));
+  std::size_t count = 1;
+  for (std::size_t i = 0; i < shape.size();) {
+    if (shape[i] < '0' || shape[i] > '9') {
+      ++i;
+      continue;
+    }
+    std::size_t size = 0;
+    for (; i < shape.size() && shape[i] >= '0' && shape[i] <= '9'; ++i)
+      size = std::min(10 * size + static_cast<std::size_t>(shape[i] - '0'), kMostNumbers + 1);
+    array.shape.push_back(size);
+    count = size == 0 ? 0 : std::min(count * size, kMostNumbers + 1);
+  }
+  if (count > kMostNumbers)
+    rejectInput("npz: array {} holds more than {} numbers", quoted(name), kMostNumbers);
+  if (type.substr(0, 2) == "<U" && array.shape.empty()) {
+    for (std::size_t at = 0; at + 4 <= raw.size(); at += 4) {
+      const std::uint64_t point = numberAt(raw, at, 4);
+      if (point != 0) array.text += point < 0x80 ? static_cast<char>(point) : '?';
+    }
+    return array;
+  }
+  const auto numbers = [&](std::size_t size) {
+    return partAt(raw, 0, count * size);
+  };
+  if (type == "<f8")
+    appendAs<double>(numbers(8), array.values);
+  else if (type == "<f4")
+    appendAs<float>(numbers(4), array.values);
+  else if (type == "<i8")
+    appendAs<std::int64_t>(numbers(8), array.values);
+  else if (type == "<i4")
+    appendAs<std::int32_t>(numbers(4), array.values);
+  else if (type == "|u1" || type == "|b1")
+    appendAs<std::uint8_t>(numbers(1), array.values);
+  else
+    return std::nullopt;
+  if (array.shape.size() > 1 &&
+      headerField(header, "'fortran_order'").substr(0, 6).find("True") !=
+          std::string_view::npos)
+    rejectInput("npz: array {} is in Fortran's order; write numpy.ascontiguousarray of it",
+                quoted(name));
+  return array;
+}
+
+}  // namespace
+
+bool isNpz(std::string_view bytes) {
+  return bytes.substr(0, 4) == std::string_view("PK\x03\x04", 4);
+}
+
+std::map<std::string, NpzArray> readNpz(std::string_view bytes) {
+  // Source: PKWARE's APPNOTE 4.3.16, 4.3.12, 4.3.7: the directory stands at the end.
+  const std::size_t end = bytes.rfind(std::string_view("PK\x05\x06", 4));
+  if (!isNpz(bytes) || end == std::string_view::npos)
+    rejectInput("npz: it is no zip file, or breaks off");
+  const std::uint64_t members = numberAt(bytes, end + 10, 2);
+  auto at = static_cast<std::size_t>(numberAt(bytes, end + 16, 4));
+  std::map<std::string, NpzArray> arrays;
+  for (std::uint64_t i = 0; i < members; ++i) {
+    if (partAt(bytes, at, 4) != std::string_view("PK\x01\x02", 4))
+      rejectInput("npz: its directory is wrong at entry {}", i);
+    const std::uint64_t method = numberAt(bytes, at + 10, 2);
+    std::uint64_t size = numberAt(bytes, at + 24, 4);
+    const auto name_size = static_cast<std::size_t>(numberAt(bytes, at + 28, 2));
+    const auto extra_size = static_cast<std::size_t>(numberAt(bytes, at + 30, 2));
+    const auto comment_size = static_cast<std::size_t>(numberAt(bytes, at + 32, 2));
+    const auto local = static_cast<std::size_t>(numberAt(bytes, at + 42, 4));
+    std::string name(partAt(bytes, at + 46, name_size));
+    constexpr std::uint64_t kInExtra = 0xFFFFFFFF;
+    if (size == kInExtra) size = numberAt(bytes, at + 46 + name_size + 4, 8);
+    if (method != 0)
+      rejectInput("npz: array {} is compressed; write the file by numpy.savez", quoted(name));
+    const auto data = local + 30 + static_cast<std::size_t>(numberAt(bytes, local + 26, 2)) +
+                      static_cast<std::size_t>(numberAt(bytes, local + 28, 2));
+    constexpr std::string_view kEnding = ".npy";
+    if (name.size() > kEnding.size() && name.ends_with(kEnding))
+      name.resize(name.size() - kEnding.size());
+    if (auto array = arrayFrom(partAt(bytes, data, static_cast<std::size_t>(size)), name))
+      arrays[name] = std::move(*array);
+    at += 46 + name_size + extra_size + comment_size;
+  }
+  return arrays;
 }
 
 }  // namespace handgraft::io

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,5 +38,20 @@ class NpzFile {
 
   std::vector<Member> members_;
 };
+
+/// An array of a file: numbers in double precision, the last index fastest.
+struct NpzArray {
+  std::vector<std::size_t> shape;
+  std::vector<double> values;
+  std::string text;  ///< of a single text, which has no values
+};
+
+/// What `numpy.savez` wrote: arrays of numbers, and single texts, by name. Arrays of anything
+/// else are left out. Errors: InvalidInput for what is no such file, breaks off, is compressed
+/// (`numpy.savez_compressed`), or holds more than 2^28 numbers.
+std::map<std::string, NpzArray> readNpz(std::string_view bytes);
+
+/// As such files begin.
+bool isNpz(std::string_view bytes);
 
 }  // namespace handgraft::io

@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/io/motion_file.h"
+#include "core/io/npz_file.h"
 
 #include "tests/support/shared_data.h"
 
@@ -145,6 +146,41 @@ TEST_F(MotionPlan, AHumanHandOverTimeIsAMotionOfWhatItTouches) {
               AllOf(HasSubstr("'time_s', frame 2"), HasSubstr("does not lie behind")));
   EXPECT_THAT(objection(file("\"joints_W_m\":[[[0,0,0]]]")), HasSubstr("list of 21 places"));
   EXPECT_THAT(objection(file(poses + ",\"hand\":1," + still)), HasSubstr("hand"));
+}
+
+TEST_F(MotionPlan, AManoSequenceMayBeNumPys) {
+  NpzFile file;
+  file.add("global_orient", std::vector<double>(9, 0.0), {3, 3});
+  file.add("hand_pose", std::vector<double>(3 * 45, 0.0), {3, 45});
+  file.add("transl", std::vector<double>(9, 0.0), {3, 3});
+  file.add("fps", {10.0}, {});
+  file.add("object_global_orient", {0.0, 0.0, 0.0}, {1, 3});
+  file.add("object_transl", {0.0, -0.026, 0.0}, {1, 3});
+  const std::string bytes = file.bytes();
+  const fs::path path = write("hand.npz", bytes);
+  const manipulation::Motion motion = readMotionFrom(path, box_, {});
+  EXPECT_EQ(motion.name, "hand");
+  EXPECT_EQ(motion.frameCount(), 3);
+  EXPECT_NEAR(motion.time_s[2], 0.2, 1e-12);
+  EXPECT_GE(motion.tracks.size(), 3u);
+  EXPECT_EQ(objectOfMotion(path), "");
+
+  const auto objection = [&](const std::string& text) -> std::string {
+    try {
+      (void)readMotionFrom(write("bad.npz", text), box_, {});
+    } catch (const InvalidInput& error) {
+      return error.what();
+    }
+    return "";
+  };
+  for (std::size_t size = 5; size + 1 < bytes.size(); size += 97)
+    EXPECT_NE(objection(bytes.substr(0, size)), "") << size;
+  NpzFile lacking;
+  lacking.add("pose", std::vector<double>(96, 0.0), {2, 48});
+  EXPECT_THAT(objection(lacking.bytes()), HasSubstr("'fps'"));
+  NpzFile narrow;
+  narrow.add("pose", std::vector<double>(20, 0.0), {2, 10});
+  EXPECT_THAT(objection(narrow.bytes()), AllOf(HasSubstr("'pose'"), HasSubstr("48")));
 }
 
 }  // namespace
