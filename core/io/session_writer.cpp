@@ -159,6 +159,8 @@ struct Writer {
   static ordered_json json(const session::LogEntry& entry) {
     if (const auto* edit = std::get_if<session::Edit>(&entry)) return {{"edit", json(*edit)}};
     if (std::holds_alternative<session::CancelledSolve>(entry)) return {{"cancelled", true}};
+    if (const auto* followed = std::get_if<session::FollowedMotion>(&entry))
+      return {{"motion", json(*followed)}};
     const auto& solve = *std::get<std::shared_ptr<const session::CommittedSolve>>(entry);
     return {{"solve",
              {{"solving", json(solve.solving)},

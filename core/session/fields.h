@@ -143,6 +143,15 @@ void visitFields(Maybe<CommittedSolve> auto& solve, auto&& visit) {
   visit("change", solve.change);
 }
 
+void visitFields(Maybe<FollowedMotion> auto& motion, auto&& visit) {
+  visit("causal", motion.causal);
+  visit("smoothness", motion.smoothness);
+  visit("fade_s", motion.fade_s);
+  visit("acceleration_limit", motion.acceleration_limit);
+  visit("starts", motion.starts);
+  visit("seed", motion.seed);
+}
+
 /// The kinds of edits by their place in `Edit`, as files spell them.
 inline constexpr std::array<std::string_view, std::variant_size_v<Edit>> kEditKinds = {
     "object_pose",  "patch_weight", "patch_root", "patch_direction", "joint_limit",

@@ -11,6 +11,7 @@ namespace {
 // Of `LogEntry`, by place.
 constexpr std::size_t kEdit = 0;
 constexpr std::size_t kSolve = 1;
+constexpr std::size_t kFollowed = 3;
 
 std::string packed(const LogEntry& entry) {
   FieldWriter bytes;
@@ -24,6 +25,8 @@ std::string packed(const LogEntry& entry) {
         *edit);
   } else if (const auto* solve = std::get_if<kSolve>(&entry)) {
     bytes.add(**solve);
+  } else if (const auto* followed = std::get_if<kFollowed>(&entry)) {
+    bytes.add(*followed);
   }
   return bytes.take();
 }
@@ -45,6 +48,8 @@ LogEntry unpacked(const std::string& entry) {
       return editOf(bytes, bytes.value<unsigned char>());
     case kSolve:
       return std::make_shared<const CommittedSolve>(bytes.value<CommittedSolve>());
+    case kFollowed:
+      return bytes.value<FollowedMotion>();
     default:
       return CancelledSolve();
   }

@@ -23,7 +23,19 @@ struct CommittedSolve {
 /// A solve that ended without an answer; it changed nothing.
 struct CancelledSolve {};
 
-using LogEntry = std::variant<Edit, std::shared_ptr<const CommittedSolve>, CancelledSolve>;
+/// The session's motion was solved so; the answer is none of the document's. Who opens the
+/// session again solves it again.
+struct FollowedMotion {
+  bool causal = false;
+  double smoothness = 0.0;
+  double fade_s = 0.0;
+  double acceleration_limit = 0.0;  ///< 0: none
+  int starts = 0;
+  unsigned seed = 0;
+};
+
+using LogEntry =
+    std::variant<Edit, std::shared_ptr<const CommittedSolve>, CancelledSolve, FollowedMotion>;
 
 /// Where a log begins.
 struct LogStart {

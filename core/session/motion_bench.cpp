@@ -137,6 +137,7 @@ struct MotionBench::Work {
   int threads;
   const Progress& progress;
   std::string base_key;
+  bool from_nothing;
 };
 
 namespace {
@@ -394,7 +395,8 @@ std::shared_ptr<const SolvedMotion> MotionBench::solve(const Document& document,
                                                        MotionSolving solving,
                                                        int threads,
                                                        const Progress& progress,
-                                                       const OnStretch& on_stretch) {
+                                                       const OnStretch& on_stretch,
+                                                       bool from_nothing) {
   solving.options.threads = threads;
   FieldWriter key;
   key.add(document.hand);
@@ -420,7 +422,7 @@ std::shared_ptr<const SolvedMotion> MotionBench::solve(const Document& document,
   key.add(solving.options.fade.seconds);
   key.add(solving.options.starts);
   key.add(solving.options.seed);
-  const Work work{document, hand, solving, threads, progress, key.take()};
+  const Work work{document, hand, solving, threads, progress, key.take(), from_nothing};
   const std::shared_ptr<const SolvedMotion> first = base(work);
   if (document.timed.empty()) return first;
   auto solved = std::make_shared<SolvedMotion>(*first);
@@ -531,7 +533,7 @@ std::shared_ptr<const SolvedMotion> MotionBench::base(const Work& work) {
   const SolvedMotion* before = bases_.empty() ? nullptr : bases_.front().solved.get();
   if (work.solving.causal) {
     solved.trajectory = solveCausal(solved.problem, options, work.progress);
-  } else if (before != nullptr && !before->solving.causal &&
+  } else if (!work.from_nothing && before != nullptr && !before->solving.causal &&
              before->problem.model == solved.problem.model) {
     solved.trajectory = before->trajectory;
     solved.trajectory.notes.clear();

@@ -42,13 +42,15 @@ class MotionBench {
   /// Told of stretches that were solved anew while others are not yet.
   using OnStretch = std::function<void(const SolvedMotion& as_far, FrameRange frames)>;
 
+  /// `from_nothing`: not from the answer before, unless this very thing was answered.
   /// Errors: as solveMotion.
   std::shared_ptr<const SolvedMotion> solve(const Document& document,
                                             const Hand& hand,
                                             MotionSolving solving,
                                             int threads,
                                             const Progress& progress,
-                                            const OnStretch& on_stretch = OnStretch());
+                                            const OnStretch& on_stretch = OnStretch(),
+                                            bool from_nothing = false);
 
   /// On both sides of what an edit reaches: twice what a hand that nothing holds settles in;
   /// one that touches is coupled over some 0.05 s.

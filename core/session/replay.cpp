@@ -67,6 +67,8 @@ Replay replay(SessionModels models,
           }
         }
         session.commit(**solve);
+      } else if (const auto* followed = std::get_if<FollowedMotion>(&entry)) {
+        session.noteFollowed(*followed);
       } else {
         session.noteCancelledSolve();
       }

@@ -233,6 +233,10 @@ void Session::noteCancelledSolve() {
   log_.add(CancelledSolve(), history_, revision_);
 }
 
+void Session::noteFollowed(const FollowedMotion& motion) {
+  log_.add(motion, history_, revision_);
+}
+
 Solution Session::standing(const Progress& progress) {
   Solution solution = bench_.judge(progress);
   solution.revision = revision_;

@@ -132,6 +132,9 @@ class Session {
   /// Writes down that a solve ended without an answer.
   void noteCancelledSolve();
 
+  /// Writes down how the session's motion was solved.
+  void noteFollowed(const FollowedMotion& motion);
+
   /// The start as it stands, judged without a search: the answer after undo, redo, restore and
   /// choice. With the minima of the last committed solution where the start is one of them.
   Solution standing(const Progress& progress);

@@ -51,7 +51,8 @@ std::vector<Edit> everyKind() {
           RedoEdit{16'384},
           SnapshotEdit{"before"},
           RestoreEdit{""},
-          ReleaseEdit{"tip"}};
+          ReleaseEdit{"tip"},
+          TimedEdit{{1.0, 0.5}, DragWay{"tip", {0.0, 0.1, 0.2}, 0.5, 3, {{1.0, 2.0, 3.0}}}}};
 }
 
 std::string bytesOf(const Edit& edit) {
