@@ -63,6 +63,8 @@ class Edit;
 class EditReply;
 class PoseSolution;
 class SessionState;
+class MotionFrames;
+class MotionClock;
 class DemonstratorFrame;
 class ServerStatus;
 class HandCommand;
@@ -104,6 +106,12 @@ inline constexpr Topic<v1::SessionState> kSessionTopic{"handgraft/v1/session_sta
                                                        Qos::kEvents};
 inline constexpr Topic<v1::ServerStatus> kStatusTopic{"handgraft/v1/server_status",
                                                       Qos::kState};
+/// What an edit of a motion changed, as it is solved: the frames about it first.
+inline constexpr Topic<v1::MotionFrames> kMotionFramesTopic{"handgraft/v1/motion_frames",
+                                                            Qos::kService};
+/// One clock a session, that all who watch its motion share.
+inline constexpr Topic<v1::MotionClock> kMotionClockTopic{"handgraft/v1/motion_clock",
+                                                          Qos::kState};
 /// A demonstrator, live: each frame is answered by a pose of its session.
 inline constexpr Topic<v1::DemonstratorFrame> kDemonstratorTopic{"handgraft/v1/demonstrator",
                                                                  Qos::kTelemetry};
@@ -156,6 +164,10 @@ template <>
 inline constexpr bool kIsOfOneServer<v1::PoseSolution> = true;
 template <>
 inline constexpr bool kIsOfOneServer<v1::SessionState> = true;
+template <>
+inline constexpr bool kIsOfOneServer<v1::MotionFrames> = true;
+template <>
+inline constexpr bool kIsOfOneServer<v1::MotionClock> = true;
 
 /// Of all services, whose names `hardware/bridge/ros_node` makes.
 inline constexpr const char* kRosTriggerHash =

@@ -23,6 +23,7 @@ using std::chrono::milliseconds;
 constexpr milliseconds kFirstAnswer(2000);  // a server that lives says so once a second
 constexpr milliseconds kLost(3000);         // three missed, on a machine that may be busy
 constexpr milliseconds kUnknown(30'000);   // how long an edit's outcome is asked for in silence
+constexpr milliseconds kHeldUp(250);       // beyond the time to look: more than a busy machine
 constexpr milliseconds kLook(50);          // for calls that a silent server leaves behind
 constexpr milliseconds kRepeat(50);        // idl/README: measured to lose nothing
 constexpr milliseconds kSlowRepeat(1000);  // once the server is known to work on it
@@ -294,6 +295,14 @@ struct Requester::Impl {
     something.notify_all();
   }
 
+  /// This program itself stood still, or did not get its turn: what it did not hear then is
+  /// nobody's silence. `mutex` held.
+  void forgive(Clock::time_point since) {
+    const Clock::time_point now = Clock::now();
+    const auto held_up = now - since - kLook;
+    if (held_up > kHeldUp) seen = std::min(now, seen + held_up);
+  }
+
   void receive() {
     std::unique_lock lock(mutex);
     while (!stopping) {
@@ -306,7 +315,9 @@ struct Requester::Impl {
           return is_due() || !request_calls.empty() || !edit_calls.empty();
         });
       } else {
+        const Clock::time_point before = Clock::now();
         something.wait_for(lock, kLook, is_due);
+        forgive(before);
       }
       if (stopping) return;
       has_data = false;
@@ -757,11 +768,13 @@ void Requester::beginEdit(std::uint64_t session_id,
                           std::uint64_t base_revision,
                           const v1::EditBody& body,
                           OnEditReply on_reply,
-                          OnProgress on_progress) {
+                          OnProgress on_progress,
+                          const std::optional<v1::EditTime>& when) {
   v1::Edit edit;
   edit.client(impl_->client);
   edit.session_id(session_id);
   edit.base_revision(base_revision);
+  if (when) edit.when().push_back(*when);
   edit.body(body);
   std::unique_lock lock(impl_->mutex);
   if (impl_->status) edit.server_id(impl_->status->server_id());

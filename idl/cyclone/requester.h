@@ -5,6 +5,7 @@
 #include <exception>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 
@@ -86,12 +87,13 @@ class Requester {
   CallId begin(const v1::RequestBody& body, OnReply on_reply, OnProgress on_progress = {});
 
   /// Publishes an edit. `on_progress` is told once when the server has fallen silent, so that
-  /// it is not known for now whether the edit was applied.
+  /// it is not known for now whether the edit was applied. `when`: of a motion; nothing: all.
   void beginEdit(std::uint64_t session_id,
                  std::uint64_t base_revision,
                  const v1::EditBody& body,
                  OnEditReply on_reply,
-                 OnProgress on_progress = {});
+                 OnProgress on_progress = {},
+                 const std::optional<v1::EditTime>& when = {});
 
   /// Asks the server to stop a request; its outcome then is Refused (ERROR_CANCELLED), or the
   /// reply if the work was done already. Nothing happens to one that is answered. (Not from a

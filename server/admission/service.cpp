@@ -136,10 +136,16 @@ v1::ServerStatus Service::status() const {
 }
 
 void Service::publishStatusOnceASecond() {
+  constexpr std::chrono::seconds kHeldUp(1);  // beyond the second between two rounds
   std::unique_lock lock(status_mutex_);
+  Clock::time_point last = Clock::now();
   while (!stopping_) {
     bus_.publish(status());
     expireIdleSessions();
+    // What was not heard while this server itself did not get its turn is no client's silence.
+    const Clock::time_point now = Clock::now();
+    const Clock::duration held_up = now - std::exchange(last, now) - std::chrono::seconds(1);
+    if (held_up > kHeldUp) forgive(held_up);
     endForsakenAndLong();
     status_wake_.wait_for(lock, std::chrono::seconds(1), [this] {
       return stopping_.load();
@@ -151,6 +157,13 @@ void Service::hearAgain(const Key& key) {
   const std::lock_guard lock(running_mutex_);
   const auto found = running_.find(key);
   if (found != running_.end()) found->second->heard = Clock::now();
+}
+
+void Service::forgive(Clock::duration held_up) {
+  const Clock::time_point now = Clock::now();
+  const std::lock_guard lock(running_mutex_);
+  for (const auto& [key, job] : running_)
+    job->heard = std::min(now, job->heard + held_up);
 }
 
 void Service::endForsakenAndLong() {
@@ -233,6 +246,14 @@ void Service::onState(const v1::SessionState& state) {
 
 void Service::onSolution(const v1::PoseSolution& solution) {
   bus_.publish(solution);
+}
+
+void Service::onMotionFrames(const v1::MotionFrames& frames) {
+  bus_.publish(frames);
+}
+
+void Service::onClock(const v1::MotionClock& clock) {
+  bus_.publish(clock);
 }
 
 void Service::onJointCommand(std::uint64_t session_id,

@@ -115,6 +115,8 @@ class Service final : private BusListener, private SessionAudience {
   void onStatus(const v1::ServerStatus& status) override;
   void onState(const v1::SessionState& state) override;
   void onSolution(const v1::PoseSolution& solution) override;
+  void onMotionFrames(const v1::MotionFrames& frames) override;
+  void onClock(const v1::MotionClock& clock) override;
   void onJointCommand(std::uint64_t session_id,
                       const sensor_msgs::msg::dds_::JointState_& command) override;
 
@@ -166,6 +168,8 @@ class Service final : private BusListener, private SessionAudience {
 
   /// It was repeated: somebody still waits for it.
   void hearAgain(const Key& key);
+  /// Nobody could be heard for so long.
+  void forgive(std::chrono::steady_clock::duration held_up);
   /// Cancels what nobody waits for any more, and what has had its time.
   void endForsakenAndLong();
   void publishStatusOnceASecond();

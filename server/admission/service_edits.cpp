@@ -13,6 +13,7 @@
 #include "server/admission/service.h"
 #include "server/handlers/edits.h"
 #include "server/handlers/follow.h"
+#include "server/handlers/motions.h"
 #include "server/handlers/optimize.h"
 
 namespace handgraft::server {
@@ -161,7 +162,9 @@ void Service::queueSolve(const std::shared_ptr<LiveSession>& live) {
     live->asked_at_stops = live->queued_at_stops;
     try {
       live->solves().checkpoint();
+      // Beside a motion the pose needs no search; its explanation waits until both are out.
       optimizeAfterEdit(*live, workshop_, live->solves());
+      if (followsEdits(*live)) solveMotionAfterEdit(*live, workshop_, live->solves());
     } catch (const CutShort&) {
       queueSolve(live);  // behind the edit; if that is refused, the one before wants its answer
     } catch (...) {      // the session's state says so already; nobody waits for a reply

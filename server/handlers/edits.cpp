@@ -6,6 +6,7 @@
 #include "core/base/error.h"
 #include "core/io/session_file.h"
 #include "server/admission/rejection.h"
+#include "server/handlers/motions.h"
 #include "server/messages/edit_messages.h"
 
 namespace handgraft::server {
@@ -71,7 +72,8 @@ v1::EditReply applyEdit(LiveSession& live,
                         const Mark& by) {
   session::Session& session = live.session();
   requireBase(live, edit, session.revision());
-  const session::Edit change = editFrom(edit.body());
+  session::Edit change = editFrom(edit.body());
+  if (!edit.when().empty()) change = timedEdit(live, edit.when().front(), change);
   session::Session::Keep keep;
   if (live.journal) {
     keep = [&](const session::LogEntry& entry, const session::EditResult& outcome) {

@@ -10,6 +10,7 @@
 #include "core/io/session_file.h"
 #include "idl/json.h"
 #include "server/handlers/kept_models.h"
+#include "server/handlers/motions.h"
 #include "server/handlers/optimize.h"
 #include "server/store/model_source.h"
 
@@ -51,6 +52,9 @@ void play(LiveSession& live,
     } else if (const auto* solve =
                    std::get_if<std::shared_ptr<const session::CommittedSolve>>(&entry)) {
       session.commit(**solve);
+    } else if (const auto* followed = std::get_if<session::FollowedMotion>(&entry)) {
+      session.noteFollowed(*followed);
+      resumeFollowing(live, *followed);
     } else {
       session.noteCancelledSolve();
     }
@@ -91,6 +95,9 @@ std::shared_ptr<LiveSession> openKeptSession(std::uint64_t id,
       id, io::openSession(file, std::move(made), progress), workshop.pool, workshop.audience);
   live->belongTo(workshop.sessions.serverId());
   if (motion) live->hold(std::move(*motion));
+  for (const session::LogEntry& entry : file.session.log)
+    if (const auto* followed = std::get_if<session::FollowedMotion>(&entry))
+      resumeFollowing(*live, *followed);
   play(*live, kept.entries, progress);
   live->journal = std::make_unique<SessionJournal>(
       *workshop.state, id, kept.next + kept.entries.size(), kept.entries.size());
@@ -105,10 +112,13 @@ std::shared_ptr<LiveSession> openKeptSession(std::uint64_t id,
 }
 
 void resumeKeptSession(LiveSession& live, Workshop& workshop) {
-  if (!live.session().document().start_is_known && !live.session().needsSolve()) return;
+  const bool follows = followsEdits(live);
+  if (!follows && !live.session().document().start_is_known && !live.session().needsSolve())
+    return;
   live.asked_at_stops = live.stops();
   try {
     optimizeAfterEdit(live, workshop, live.solves());
+    if (follows) solveMotionAfterEdit(live, workshop, live.solves());
   } catch (const std::exception& error) {  // the session's state says so
     spdlog::debug("event=resume session={} message={}", live.id(),
                   handgraft::quoted(error.what()));

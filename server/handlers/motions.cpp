@@ -2,16 +2,20 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <string>
 #include <utility>
 
 #include "core/base/error.h"
 #include "core/hand/kinematics.h"
+#include "core/io/session_file.h"
 #include "core/io/trajectory_writer.h"
 #include "core/session/motion_solving.h"
+#include "core/session/timed_edit.h"
 #include "idl/fields.h"
 #include "server/admission/rejection.h"
+#include "server/handlers/optimize.h"
 #include "server/messages/convert.h"
 
 namespace handgraft::server {
@@ -21,6 +25,33 @@ namespace {
 constexpr std::size_t kMostFramesSent = 4096;
 constexpr std::size_t kMostBytesSent = 8u << 20;
 constexpr double kJointAtLimit = 1e-6;  // rad or m, as manipulation::jointsAtLimits
+
+constexpr double kFastest = 100.0;  // times real time
+
+/// Where a clock stands; beyond the end of a motion it goes round, or stays there.
+double clockTime(const v1::MotionClock& clock, double duration_s, long long now) {
+  if (!clock.playing()) return clock.time_s();
+  const double time_s =
+      clock.time_s() + clock.speed() * 1e-9 * static_cast<double>(now - clock.stamp_ns());
+  if (time_s < duration_s) return time_s;
+  return clock.looping() && duration_s > 0.0 ? std::fmod(time_s, duration_s) : duration_s;
+}
+
+template <class One, class Variant>
+inline constexpr bool kIsOneOf = false;
+template <class One, class... All>
+inline constexpr bool kIsOneOf<One, std::variant<All...>> = (std::is_same_v<One, All> || ...);
+
+/// Takes an edit as one at a time, where there is such a one.
+bool takeChange(const session::Edit& edit, session::TimedChange& change) {
+  return std::visit(
+      [&](const auto& one) {
+        constexpr bool kHasTime = kIsOneOf<std::decay_t<decltype(one)>, session::TimedChange>;
+        if constexpr (kHasTime) change = one;
+        return kHasTime;
+      },
+      edit);
+}
 
 LiveMotion& motionOf(LiveSession& live) {
   if (LiveMotion* motion = live.motion()) return *motion;
@@ -124,11 +155,11 @@ std::vector<double> outlineOf(const geometry::TriangleMesh& object_O,
 }
 
 v1::MotionFrame frameMessage(const LiveMotion& motion,
+                             const session::SolvedMotion& solved,
                              const session::MotionFits& fits,
                              const geometry::TriangleMesh& object_O,
                              int frame,
                              bool with_shapes) {
-  const session::SolvedMotion& solved = *motion.solved;
   const auto at = static_cast<std::size_t>(frame);
   const hand::HandPose& pose = solved.trajectory.poses[at];
   const Pose& X_WO = motion.motion->X_WO[at];
@@ -180,41 +211,255 @@ std::size_t bytesOfFrame(const LiveMotion& motion, bool with_shapes) {
 
 }  // namespace
 
+namespace {
+
+/// How a motion was solved, as the session's log has it.
+session::FollowedMotion followedBy(const session::MotionSolving& solving) {
+  return {solving.causal,
+          solving.options.smoothness,
+          solving.options.fade.seconds,
+          solving.acceleration_limit,
+          solving.options.starts,
+          solving.options.seed};
+}
+
+/// Solves the session's motion as it stands; the answer is kept.
+void follow(LiveSession& live,
+            LiveMotion& motion,
+            const session::MotionSolving& solving,
+            Workshop& workshop,
+            const Progress& told,
+            const session::MotionBench::OnStretch& on_stretch = {}) {
+  session::Session& session = live.session();
+  if (!motion.bench)
+    motion.bench = std::make_shared<session::MotionBench>(motion.motion, motion.object_O);
+  told.checkpoint();
+  const auto begin = std::chrono::steady_clock::now();
+  const Workshop::Share share(workshop);
+  motion.solved = motion.bench->solve(session.document(), session.hand(), solving,
+                                      share.threads(), told, on_stretch, !on_stretch);
+  motion.solved_revision = session.revision();
+  motion.solve_ms =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin)
+          .count();
+}
+
+/// Tells frames of an answer; the last of a revision are none, and say that there are no more.
+class FramesTold {
+ public:
+  FramesTold(LiveSession& live, LiveMotion& motion)
+      : live_(live), motion_(motion), before_(motion.solved) {}
+
+  /// Those that differ from what was told before, in `range`.
+  void tell(const session::SolvedMotion& solved, session::FrameRange range) {
+    constexpr std::size_t kFramesAtOnce = 256;
+    if (told_.empty()) told_.assign(solved.trajectory.poses.size(), false);
+    const session::MotionFits fits(*motion_.motion, solved);
+    v1::MotionFrames frames = begun(solved);
+    for (int k = range.first; k < range.end; ++k) {
+      const auto at = static_cast<std::size_t>(k);
+      if (told_[at] || isAsBefore(solved, at)) continue;
+      told_[at] = true;
+      frames.frames().push_back(
+          frameMessage(motion_, solved, fits, *motion_.object_O, k, false));
+      if (frames.frames().size() < kFramesAtOnce) continue;
+      live_.publish(std::move(frames));
+      frames = begun(solved);
+    }
+    if (!frames.frames().empty()) live_.publish(std::move(frames));
+  }
+
+  /// Of long motions the changed frames are asked for.
+  void end(const session::SolvedMotion& solved) {
+    constexpr int kMostTold = 4096;
+    const auto count = static_cast<int>(solved.trajectory.poses.size());
+    if (count <= kMostTold) tell(solved, {0, count});
+    v1::MotionFrames last = begun(solved);
+    last.is_last(true);
+    live_.publish(std::move(last));
+  }
+
+ private:
+  [[nodiscard]] v1::MotionFrames begun(const session::SolvedMotion& solved) const {
+    v1::MotionFrames frames;
+    frames.revision(live_.session().revision());
+    frames.frame_count(static_cast<std::uint32_t>(solved.trajectory.poses.size()));
+    return frames;
+  }
+
+  [[nodiscard]] bool isAsBefore(const session::SolvedMotion& solved, std::size_t at) const {
+    if (!before_ || before_->trajectory.poses.size() != solved.trajectory.poses.size())
+      return false;
+    const hand::HandPose& a = before_->trajectory.poses[at];
+    const hand::HandPose& b = solved.trajectory.poses[at];
+    return a.q == b.q && a.X_WH.matrix() == b.X_WH.matrix();
+  }
+
+  LiveSession& live_;
+  LiveMotion& motion_;
+  std::shared_ptr<const session::SolvedMotion> before_;
+  std::vector<bool> told_;
+};
+
+void requireOwnObject(LiveSession& live, const LiveMotion& motion) {
+  if (live.session().sharedObject() == motion.object_O) return;
+  rejectInput("motion {} lies on another object than {}; swap that back first",
+              handgraft::quoted(motion.name),
+              handgraft::quoted(live.session().document().object));
+}
+
+}  // namespace
+
 v1::MotionSummary solveMotion(LiveSession& live,
                               const v1::SolveMotionRequest& request,
                               Workshop& workshop,
                               const Progress& progress) {
   LiveMotion& motion = motionOf(live);
-  session::Session& session = live.session();
-  if (session.sharedObject() != motion.object_O) {
-    rejectInput("motion {} lies on another object than {}; swap that back first",
-                handgraft::quoted(motion.name), handgraft::quoted(session.document().object));
-  }
-  const session::MotionSolving solving = motionSolvingFrom(request);
+  requireOwnObject(live, motion);
+  const session::MotionSolving solving = request.options().empty() && motion.solving
+                                             ? *motion.solving
+                                             : motionSolvingFrom(request);
   Progress stoppable(progress, [&](std::string_view stage, double fraction) {
     progress.report(stage, fraction);
   });
   LiveSession::SolveInFlight flight(live, stoppable, std::chrono::hours(1));
+  FramesTold told_frames(live, motion);
   try {
     runPhase(live, v1::PHASE_OPTIMIZING, v1::PHASE_READY, stoppable, [&](const Progress& told) {
-      told.checkpoint();
-      const auto begin = std::chrono::steady_clock::now();
-      const Workshop::Share share(workshop);
-      auto solved = std::make_shared<session::SolvedMotion>(
-          session::solveMotion(session.document(), session.hand(), session.sharedObject(),
-                               *motion.motion, solving, share.threads(), told));
-      const std::chrono::duration<double, std::milli> spent =
-          std::chrono::steady_clock::now() - begin;
-      motion.solved = std::move(solved);
-      motion.solved_revision = session.revision();
-      motion.solve_ms = spent.count();
+      follow(live, motion, solving, workshop, told);
     });
   } catch (const Cancelled&) {
     if (flight.wasStopped())
       reject(v1::ERROR_CANCELLED, "session {}: {}", live.id(), live.whoStopped());
     throw;
   }
+  motion.solving = solving;
+  const session::FollowedMotion followed = followedBy(solving);
+  live.session().noteFollowed(followed);
+  if (live.journal) live.journal->keep(io::entryText(followed));
+  told_frames.end(*motion.solved);
   return summaryOf(live, motion, progress);
+}
+
+bool followsEdits(LiveSession& live) {
+  return live.motion() != nullptr && live.motion()->solving.has_value();
+}
+
+void solveMotionAfterEdit(LiveSession& live, Workshop& workshop, const Progress& progress) {
+  LiveMotion& motion = motionOf(live);
+  FramesTold told_frames(live, motion);
+  flyMotion(live, progress, [&](const Progress& told) {
+    requireOwnObject(live, motion);
+    follow(live, motion, *motion.solving, workshop, told,
+           [&](const session::SolvedMotion& as_far, session::FrameRange range) {
+             told_frames.tell(as_far, range);
+           });
+  });
+  told_frames.end(*motion.solved);
+}
+
+void resumeFollowing(LiveSession& live, const session::FollowedMotion& followed) {
+  LiveMotion* motion = live.motion();
+  if (motion == nullptr) return;
+  session::MotionSolving solving = session::motionSolving(followed.causal);
+  solving.options.smoothness = followed.smoothness;
+  solving.options.fade.seconds = followed.fade_s;
+  solving.options.starts = followed.starts;
+  solving.options.seed = followed.seed;
+  solving.acceleration_limit = followed.acceleration_limit;
+  motion->solving = solving;
+}
+
+// === Edits at a time
+
+session::TimedEdit timedEdit(LiveSession& live,
+                             const v1::EditTime& when,
+                             const session::Edit& edit) {
+  const LiveMotion& motion = motionOf(live);
+  session::TimedEdit timed;
+  timed.when = {when.time_s() + motion.motion->time_s.front(), when.falloff_s()};
+  const double end_s = motion.motion->duration();
+  if (!(when.time_s() >= 0.0 && when.time_s() <= end_s))
+    rejectInput("time of the edit: {} s; motion {} has 0 to {:.6g} s", when.time_s(),
+                handgraft::quoted(motion.name), end_s);
+  if (!(when.falloff_s() >= 0.0 && when.falloff_s() <= session::kLongestFalloff_s))
+    rejectInput("falloff of the edit: {} s; permitted are 0 to {} s", when.falloff_s(),
+                session::kLongestFalloff_s);
+  const std::vector<double>& time_s = motion.motion->time_s;
+  const int frame = session::frameNearest(time_s, timed.when.time_s);
+  const auto answerAt = [&](int k) -> const hand::HandPose& {
+    return solvedOf(live).trajectory.poses[static_cast<std::size_t>(k)];
+  };
+  const hand::HandModel& model = *live.session().hand().model;
+  if (const auto* drag = std::get_if<session::DragEdit>(&edit)) {
+    const int link = model.linkIndex(drag->link);
+    const Eigen::Vector3d target_O =
+        inverse(motion.motion->X_WO[static_cast<std::size_t>(frame)]) * drag->target_W;
+    timed.change =
+        session::dragWayOf(*drag, timed.when, time_s, target_O, [&](int k) -> Eigen::Vector3d {
+          return hand::forwardKinematics(model, answerAt(k))[static_cast<std::size_t>(link)] *
+                 drag->p_L;
+        });
+  } else if (const auto* lock = std::get_if<session::JointLockEdit>(&edit)) {
+    session::JointLockEdit held = *lock;
+    if (held.locked) held.value = answerAt(frame).q[model.dofIndex(held.joint)];
+    timed.change = held;
+  } else if (!takeChange(edit, timed.change)) {
+    rejectInput(
+        "'{}' has no time; a patch's weight, enabling, root or direction, a joint's limit, "
+        "lock "
+        "or soft value, a drag and its release have",
+        session::describe(edit));
+  }
+  return timed;
+}
+
+// === The clock
+
+v1::MotionClock setClock(LiveSession& live,
+                         const v1::ClockRequest& request,
+                         const v1::ClientId& client) {
+  LiveMotion& motion = motionOf(live);
+  v1::MotionClock& clock = motion.clock;
+  const double duration_s = motion.motion->duration();
+  const long long now = nowNs();
+  if (clock.stamp_ns() == 0) clock.speed(1.0);
+  clock.time_s(clockTime(clock, duration_s, now));
+  if (clock.time_s() >= duration_s && !clock.looping()) clock.playing(false);
+  const double value = request.value();
+  switch (request.action()) {
+    case v1::CLOCK_PLAY:
+      if (clock.time_s() >= duration_s) clock.time_s(0.0);
+      clock.playing(true);
+      break;
+    case v1::CLOCK_PAUSE:
+      clock.playing(false);
+      break;
+    case v1::CLOCK_SEEK:
+      if (!(value >= 0.0 && value <= duration_s))
+        rejectInput("clock: {} s; motion {} has 0 to {:.6g} s", value,
+                    handgraft::quoted(motion.name), duration_s);
+      clock.time_s(value);
+      break;
+    case v1::CLOCK_SPEED:
+      if (!(value > 0.0 && value <= kFastest))
+        rejectInput("clock: {} times real time; permitted are above 0 to {}", value, kFastest);
+      clock.speed(value);
+      break;
+    case v1::CLOCK_LOOP:
+      if (value != 0.0 && value != 1.0)
+        rejectInput("clock: loop {}; permitted are 0 and 1", value);
+      clock.looping(value == 1.0);
+      break;
+    default:
+      rejectInput("clock: action {} does not exist", static_cast<unsigned>(request.action()));
+  }
+  clock.session_id(live.id());
+  clock.duration_s(duration_s);
+  clock.stamp_ns(now);
+  clock.last_client(client);
+  live.publishClock();
+  return clock;
 }
 
 v1::MotionFrames motionFrames(LiveSession& live, const v1::MotionFramesRequest& request) {
@@ -236,7 +481,7 @@ v1::MotionFrames motionFrames(LiveSession& live, const v1::MotionFramesRequest& 
   reply.frame_count(static_cast<std::uint32_t>(count));
   std::size_t frame = request.first();
   for (; frame < count && reply.frames().size() < most; frame += every) {
-    reply.frames().push_back(frameMessage(motion, fits, *motion.object_O,
+    reply.frames().push_back(frameMessage(motion, solved, fits, *motion.object_O,
                                           static_cast<int>(frame), request.with_shapes()));
   }
   reply.is_last(frame >= count);

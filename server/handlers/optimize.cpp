@@ -13,6 +13,7 @@
 #include "core/io/session_file.h"
 #include "core/session/solids.h"
 #include "server/handlers/kept_sessions.h"
+#include "server/handlers/motions.h"
 #include "server/handlers/transfer.h"
 #include "server/messages/convert.h"
 #include "server/messages/solution_messages.h"
@@ -215,13 +216,17 @@ void fly(LiveSession& live,
   }
 }
 
+/// What a solve has before an edit cuts it short.
+std::chrono::milliseconds leastOf(const LiveSession& live) {
+  return kLeastSolve * (1 << std::min(live.solves_cut_short, kMostDoublings));
+}
+
 void solve(LiveSession& live,
            const session::Solving& solving,
            bool places_stay,
            Workshop& workshop,
            const Progress& progress) {
-  const auto least = kLeastSolve * (1 << std::min(live.solves_cut_short, kMostDoublings));
-  fly(live, v1::PHASE_OPTIMIZING, least, progress,
+  fly(live, v1::PHASE_OPTIMIZING, leastOf(live), progress,
       [&](LiveSession::SolveInFlight& flight, const Progress& told) {
         try {
           solveAndTake(live, solving, places_stay, workshop, flight, told);
@@ -252,6 +257,16 @@ void publishStanding(LiveSession& live, const Progress& progress) {
 
 }  // namespace
 
+void flyMotion(LiveSession& live,
+               const Progress& progress,
+               const std::function<void(const Progress& told)>& step) {
+  fly(live, v1::PHASE_OPTIMIZING, leastOf(live), progress,
+      [&](LiveSession::SolveInFlight&, const Progress& told) {
+        step(told);
+        live.solves_cut_short = 0;
+      });
+}
+
 CutShort::CutShort(std::uint64_t session_id, std::uint64_t solved_revision)
     : Rejection(v1::ERROR_CANCELLED,
                 fmt::format("session {}: an edit came while this was solved; a fresh solution "
@@ -278,7 +293,9 @@ v1::PoseSolution optimizePose(LiveSession& live,
 
 void optimizeAfterEdit(LiveSession& live, Workshop& workshop, const Progress& progress) {
   const session::Session& session = live.session();
-  if (!session.needsSolve()) {
+  // Beside a motion that follows edits, the grasp that stands for it is shown as it is: a
+  // search would move the prior of the motion, too.
+  if (!session.needsSolve() || followsEdits(live)) {
     publishStanding(live, progress);
   } else {
     session::Solving solving = session.document().solving;

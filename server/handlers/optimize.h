@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+
 #include "core/base/progress.h"
 #include "core/optimize/pose_problem.h"
 #include "core/optimize/solver.h"
@@ -44,6 +46,12 @@ v1::PoseSolution optimizePose(LiveSession& live,
                               const v1::OptimizeRequest& request,
                               Workshop& workshop,
                               const Progress& progress);
+
+/// Runs a solve of the session's motion, as one that edits may cut short and anybody may stop.
+/// Errors: those of `step`; CutShort; Rejection (ERROR_CANCELLED) if somebody stopped it.
+void flyMotion(LiveSession& live,
+               const Progress& progress,
+               const std::function<void(const Progress& told)>& step);
 
 /// The solution that answers edits: what stands, after undo and the like; else the session's
 /// way of solving, where the number of starts was left to us from where the hand is, with two,

@@ -283,6 +283,16 @@ std::optional<v1::DemonstratorFrame> LiveSession::takeFrame() {
   return std::exchange(frame_, std::nullopt);
 }
 
+void LiveSession::publish(v1::MotionFrames frames) {
+  frames.session_id(id_);
+  frames.sequence_number(++motion_->frames_sequence);
+  audience_.onMotionFrames(frames);
+}
+
+void LiveSession::publishClock() {
+  audience_.onClock(motion_->clock);
+}
+
 v1::PoseSolution LiveSession::publish(v1::PoseSolution solution) {
   solution.session_id(id_);
   solution.revision(session_.revision());

@@ -13,6 +13,7 @@
 #include "core/manipulation/motion.h"
 #include "core/session/fit_check.h"
 #include "core/session/live_follower.h"
+#include "core/session/motion_bench.h"
 #include "core/session/motion_solving.h"
 #include "core/session/session.h"
 #include "idl/motions.h"
@@ -31,6 +32,8 @@ class SessionAudience {
   virtual void onSolution(const v1::PoseSolution& solution) = 0;
   virtual void onJointCommand(std::uint64_t session_id,
                               const sensor_msgs::msg::dds_::JointState_& command) = 0;
+  virtual void onMotionFrames(const v1::MotionFrames& frames) = 0;
+  virtual void onClock(const v1::MotionClock& clock) = 0;
 };
 
 /// An edit that was applied, for those whose own edits came too late.
@@ -51,6 +54,12 @@ struct LiveMotion {
   std::shared_ptr<const session::SolvedMotion> solved{};
   unsigned long long solved_revision = 0;
   double solve_ms = 0.0;
+  /// How it was asked to be solved last: so it is after each edit. Nothing: nobody asked yet.
+  std::optional<session::MotionSolving> solving{};
+  /// Made with the first solve.
+  std::shared_ptr<session::MotionBench> bench{};
+  std::uint64_t frames_sequence = 0;  ///< of what is published of its frames
+  v1::MotionClock clock{};            ///< that all watchers share
 };
 
 /// A session as the server runs it: the editable problem, its strand, and what is told of it.
@@ -177,6 +186,10 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
 
   /// Null: it holds none.
   [[nodiscard]] LiveMotion* motion() { return motion_ ? &*motion_ : nullptr; }
+
+  /// Numbers and publishes frames of the motion, and its clock as it stands.
+  void publish(v1::MotionFrames frames);
+  void publishClock();
 
   /// Numbers, stamps and publishes a solution; the same message is returned. A final pose also
   /// goes out as a joint command, before it is explained.

@@ -53,6 +53,10 @@ class Bus {
   /// PHASE_CLOSED; of closed ones a bounded number.
   virtual void publish(const v1::PoseSolution& solution) = 0;
   virtual void publish(const v1::SessionState& state) = 0;
+  /// Frames of a session's motion as they are solved; for late joiners none are kept.
+  virtual void publish(const v1::MotionFrames& frames) = 0;
+  /// Kept for late joiners, as states are.
+  virtual void publish(const v1::MotionClock& clock) = 0;
   /// On rt/handgraft/<session>/joint_command, until the session is closed.
   virtual void publishJointCommand(std::uint64_t session_id,
                                    const sensor_msgs::msg::dds_::JointState_& command) = 0;

@@ -216,7 +216,9 @@ class FastBus final : public Bus {
         edit_replies_(node_.own(), idl::kEditReplyTopic),
         statuses_(node_.endpoints(), idl::kStatusTopic),
         solutions_(node_.own(), idl::kSolutionTopic),
-        states_(node_.own(), idl::kSessionTopic) {}
+        states_(node_.own(), idl::kSessionTopic),
+        frames_(node_.own(), idl::kMotionFramesTopic),
+        clocks_(node_.own(), idl::kMotionClockTopic) {}
 
   ~FastBus() override { stop(); }
 
@@ -269,9 +271,14 @@ class FastBus final : public Bus {
     if (state.phase() != v1::PHASE_CLOSED) return;
     states_.close(state.session_id());
     solutions_.close(state.session_id());
+    clocks_.close(state.session_id());
     const std::lock_guard lock(commands_mutex_);
     commands_.erase(state.session_id());
   }
+
+  void publish(const v1::MotionFrames& frames) override { frames_.write(frames); }
+
+  void publish(const v1::MotionClock& clock) override { clocks_.write(clock); }
 
   void publishJointCommand(std::uint64_t session_id,
                            const sensor_msgs::msg::dds_::JointState_& command) override {
@@ -333,6 +340,8 @@ class FastBus final : public Bus {
   FastWriter<v1::ServerStatus> statuses_;
   SessionTopic<v1::PoseSolution> solutions_;
   SessionTopic<v1::SessionState> states_;
+  FastWriter<v1::MotionFrames> frames_;
+  SessionTopic<v1::MotionClock> clocks_;
   std::mutex commands_mutex_;
   std::map<std::uint64_t, std::unique_ptr<FastWriter<sensor_msgs::msg::dds_::JointState_>>>
       commands_;

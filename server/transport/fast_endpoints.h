@@ -51,6 +51,8 @@ template <> struct SupportOf<v1::Reply> { using type = v1::ReplyPubSubType; };
 template <> struct SupportOf<v1::Progress> { using type = v1::ProgressPubSubType; };
 template <> struct SupportOf<v1::Edit> { using type = v1::EditPubSubType; };
 template <> struct SupportOf<v1::DemonstratorFrame> { using type = v1::DemonstratorFramePubSubType; };
+template <> struct SupportOf<v1::MotionFrames> { using type = v1::MotionFramesPubSubType; };
+template <> struct SupportOf<v1::MotionClock> { using type = v1::MotionClockPubSubType; };
 template <> struct SupportOf<v1::EditReply> { using type = v1::EditReplyPubSubType; };
 template <> struct SupportOf<v1::PoseSolution> { using type = v1::PoseSolutionPubSubType; };
 template <> struct SupportOf<v1::SessionState> { using type = v1::SessionStatePubSubType; };
@@ -135,12 +137,13 @@ class FastWriter {
     namespace dds = eprosima::fastdds::dds;
     dds::DataWriterQos qos = dds::DATAWRITER_QOS_DEFAULT;
     apply(topic.qos, idl::depthOf(topic.qos).writer, qos);
-    // Large replies are sent by Fast DDS's own thread, all else by the thread that writes: it
+    // Large ones are sent by Fast DDS's own thread, all else by the thread that writes: it
     // is sooner there, and samples that were replaced in that other thread's queue left late
     // readers without any later one (README, Decisions).
-    qos.publish_mode().kind = std::is_same_v<Message, v1::Reply>
-                                  ? dds::ASYNCHRONOUS_PUBLISH_MODE
-                                  : dds::SYNCHRONOUS_PUBLISH_MODE;
+    constexpr bool kIsLarge =
+        std::is_same_v<Message, v1::Reply> || std::is_same_v<Message, v1::MotionFrames>;
+    qos.publish_mode().kind =
+        kIsLarge ? dds::ASYNCHRONOUS_PUBLISH_MODE : dds::SYNCHRONOUS_PUBLISH_MODE;
     qos.writer_data_lifecycle().autodispose_unregistered_instances = false;
     // What is lost, and gaps where newer states replaced older ones, are settled at once: a
     // reader holds back what came after them. Heartbeats go out only while something is not

@@ -202,5 +202,164 @@ TEST_F(MotionTest, OfOneFrameIsAGrasp) {
   EXPECT_EQ(solved.body().motion().rms_jerk(), 0.0);
 }
 
+// === Edits at a time
+
+constexpr const char* kLongPath =
+    "time_s,x,y,z,qw,qx,qy,qz\n0,0,0,0.3,1,0,0,0\n4,-0.05,0,0.3,0.98,0,0,0.199\n";
+
+class MotionEditTest : public MotionTest {
+ protected:
+  MotionEditTest() {
+    EXPECT_EQ(load("long", kPlan, kLongPath).error(), v1::ERROR_NONE);
+    session_ = bus.ask(openMotion("clamp", "fruit", "long")).body().session().session_id();
+  }
+
+  v1::EditReply edit(const v1::EditBody& body, std::optional<v1::EditTime> when = {}) {
+    v1::Edit edit;
+    edit.client({7});
+    edit.edit_id(++edits_);
+    edit.session_id(session_);
+    if (when) edit.when().push_back(*when);
+    edit.body(body);
+    bus.send(edit);
+    const auto reply =
+        bus.await<v1::EditReply>(bus.edit_replies, [&](const v1::EditReply& one) {
+          return one.edit_id() == edits_;
+        });
+    return reply.value_or(v1::EditReply());
+  }
+
+  static v1::EditTime at(double time_s, double falloff_s) {
+    v1::EditTime when;
+    when.time_s(time_s);
+    when.falloff_s(falloff_s);
+    return when;
+  }
+
+  v1::EditBody lockOfJoint(const v1::SessionState& state) {
+    v1::JointLimitEdit limit;
+    limit.joint(state.joint_names().at(0));
+    const double there = framesNow()[60].joint_positions()[0];
+    limit.lower(there + 0.02);
+    limit.upper(there + 0.02);
+    v1::EditBody body;
+    body.joint_limit(limit);
+    return body;
+  }
+
+  static v1::EditBody steps(v1::EditKind kind) {
+    v1::EditBody body;
+    body.steps(v1::StepsEdit());
+    body._d(kind);
+    return body;
+  }
+
+  std::vector<v1::MotionFrame> framesNow() {
+    return bus.ask(framesFrom(session_, 0)).body().motion_frames().frames();
+  }
+
+  v1::SessionState state() {
+    return bus.ask(test::ofSession(v1::OP_DESCRIBE_SESSION, session_)).body().session();
+  }
+
+  /// What was told of a revision's frames, in order; all of it.
+  std::vector<v1::MotionFrames> toldOf(std::uint64_t revision) {
+    EXPECT_TRUE(bus.await<v1::MotionFrames>(bus.frames, [&](const v1::MotionFrames& one) {
+      return one.revision() == revision && one.is_last();
+    }));
+    std::vector<v1::MotionFrames> told;
+    for (const v1::MotionFrames& one : bus.copyOf(bus.frames))
+      if (one.revision() == revision) told.push_back(one);
+    return told;
+  }
+
+  std::uint64_t session_ = 0;
+  std::uint64_t edits_ = 0;
+};
+
+TEST_F(MotionEditTest, ChangesTheFramesAboutItAndUndoesThemToTheByte) {
+  ASSERT_EQ(bus.ask(solveMotion(session_)).error(), v1::ERROR_NONE);
+  const std::vector<v1::MotionFrame> before = framesNow();
+  const v1::EditReply reply = edit(lockOfJoint(state()), at(2.0, 0.2));
+  ASSERT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
+  const std::vector<v1::MotionFrames> told = toldOf(reply.revision());
+  ASSERT_GE(told.size(), 2u);
+  EXPECT_EQ(told.back().frame_count(), 121u);
+  EXPECT_TRUE(told.back().frames().empty());
+  for (const v1::MotionFrame& frame : told.front().frames()) {
+    EXPECT_GT(frame.time_s(), 1.2);
+    EXPECT_LT(frame.time_s(), 2.8);
+  }
+  const std::vector<v1::MotionFrame> after = framesNow();
+  EXPECT_NEAR(after[60].joint_positions()[0], before[60].joint_positions()[0] + 0.02, 1e-12);
+  EXPECT_EQ(after[10], before[10]);
+  EXPECT_EQ(after[110], before[110]);
+
+  const v1::EditReply undone = edit(steps(v1::EDIT_UNDO));
+  toldOf(undone.revision());
+  EXPECT_EQ(framesNow(), before);
+  const v1::EditReply redone = edit(steps(v1::EDIT_REDO));
+  toldOf(redone.revision());
+  EXPECT_EQ(framesNow(), after);
+}
+
+TEST_F(MotionEditTest, OfAllOfTheMotionIsAnsweredToo) {
+  ASSERT_EQ(bus.ask(solveMotion(session_)).error(), v1::ERROR_NONE);
+  const std::vector<v1::MotionFrame> before = framesNow();
+  const v1::EditReply reply = edit(lockOfJoint(state()));
+  ASSERT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
+  toldOf(reply.revision());
+  for (const v1::MotionFrame& frame : framesNow())
+    EXPECT_NEAR(frame.joint_positions()[0], before[60].joint_positions()[0] + 0.02, 1e-9);
+}
+
+TEST_F(MotionEditTest, SaysWhatIsWrong) {
+  v1::DragEdit drag;
+  drag.link("clamp_palm");
+  v1::EditBody body;
+  body.drag(drag);
+  EXPECT_EQ(edit(body, at(1.0, 0.1)).error(), v1::ERROR_INVALID_INPUT);
+  ASSERT_EQ(bus.ask(solveMotion(session_)).error(), v1::ERROR_NONE);
+  const v1::EditBody limit = lockOfJoint(state());
+  EXPECT_THAT(edit(limit, at(9.0, 0.1)).message(), HasSubstr("has 0 to 4 s"));
+  EXPECT_THAT(edit(limit, at(1.0, -0.1)).message(), HasSubstr("falloff"));
+  v1::EditBody weights;
+  weights.weights(v1::Weights());
+  EXPECT_THAT(edit(weights, at(1.0, 0.1)).message(), HasSubstr("has no time"));
+  EXPECT_EQ(state().undo_count(), 0u);
+}
+
+// === The clock
+
+v1::RequestBody clock(std::uint64_t session, v1::ClockAction action, double value = 0.0) {
+  v1::ClockRequest request;
+  request.session_id(session);
+  request.action(action);
+  request.value(value);
+  v1::RequestBody body;
+  body.clock(request);
+  return body;
+}
+
+TEST_F(MotionEditTest, OneClockIsSharedByAllWatchers) {
+  v1::MotionClock set = bus.ask(clock(session_, v1::CLOCK_SEEK, 1.5)).body().clock();
+  EXPECT_EQ(set.time_s(), 1.5);
+  EXPECT_EQ(set.speed(), 1.0);
+  EXPECT_FALSE(set.playing());
+  set = bus.ask(clock(session_, v1::CLOCK_SPEED, 0.01)).body().clock();
+  set = bus.ask(clock(session_, v1::CLOCK_PLAY)).body().clock();
+  EXPECT_TRUE(set.playing());
+  EXPECT_EQ(set.duration_s(), 4.0);
+  const v1::MotionClock later = bus.ask(clock(session_, v1::CLOCK_PAUSE), 2).body().clock();
+  EXPECT_NEAR(later.time_s(),
+              1.5 + 0.01e-9 * static_cast<double>(later.stamp_ns() - set.stamp_ns()), 1e-9);
+  EXPECT_EQ(later.last_client()[0], 2);
+  EXPECT_EQ(bus.count(bus.clocks), 4u);
+  EXPECT_THAT(bus.ask(clock(session_, v1::CLOCK_SEEK, 5.0)).message(), HasSubstr("0 to 4 s"));
+  EXPECT_THAT(bus.ask(clock(session_, v1::CLOCK_SPEED, 0.0)).message(), HasSubstr("above 0"));
+  bus.ask(clock(session_, v1::CLOCK_SEEK, 4.0));
+  EXPECT_EQ(bus.ask(clock(session_, v1::CLOCK_PLAY)).body().clock().time_s(), 0.0);
+}
+
 }  // namespace
 }  // namespace handgraft::server

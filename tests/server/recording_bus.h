@@ -34,6 +34,10 @@ class RecordingBus final : public server::Bus {
 
   void publish(const v1::SessionState& one) override { keep(states, one); }
 
+  void publish(const v1::MotionFrames& one) override { keep(frames, one); }
+
+  void publish(const v1::MotionClock& one) override { keep(clocks, one); }
+
   void publishJointCommand(std::uint64_t,
                            const sensor_msgs::msg::dds_::JointState_& one) override {
     keep(commands, one);
@@ -117,6 +121,8 @@ class RecordingBus final : public server::Bus {
   std::vector<v1::ServerStatus> statuses;
   std::vector<v1::PoseSolution> solutions;
   std::vector<v1::SessionState> states;
+  std::vector<v1::MotionFrames> frames;
+  std::vector<v1::MotionClock> clocks;
   std::vector<sensor_msgs::msg::dds_::JointState_> commands;
 
  private:
