@@ -40,6 +40,10 @@ const std::vector<Command>& commandTable() {
       {"prior pose FILE", "a pose from a file does: of `grasp --out`, or written by hand", Action::kEdit, priorPose},
       {"prior shares NUMBER NUMBER NUMBER", "how firmly the prior holds the palm's rotation, its place and the joints; 1 1 1 is the paper's", Action::kEdit, priorShares},
       {"prior posture NUMBER", "how firmly a first solve holds the hand's posture; 0: not at all", Action::kEdit, priorPosture},
+      // === Of a motion
+      {"at NUMBER", "edits from now on are of the motion's frame at that time (s)", Action::kTime},
+      {"at NUMBER NUMBER", "and fade over so many seconds before and after it", Action::kTime},
+      {"at all", "of all of the motion again", Action::kTime},
       // === Models and search
       {"hand HAND", "take another hand; what still fits is kept", Action::kEdit, hand},
       {"object OBJECT", "take another object, likewise", Action::kEdit, object},

@@ -15,6 +15,7 @@ namespace handgraft::client::editor {
 enum class Action {
   kEdit,
   kSolve,
+  kTime,
   kShow,
   kCompare,
   kSave,

@@ -15,6 +15,19 @@ namespace handgraft::client::editor {
 
 namespace {
 
+/// What moves through the history is of no time.
+bool hasTime(const v1::EditBody& body) {
+  switch (body._d()) {
+    case v1::EDIT_UNDO:
+    case v1::EDIT_REDO:
+    case v1::EDIT_SNAPSHOT:
+    case v1::EDIT_RESTORE:
+      return false;
+    default:
+      return true;
+  }
+}
+
 using std::chrono::milliseconds;
 
 constexpr milliseconds kPatience(20);
@@ -159,7 +172,8 @@ const std::set<std::string>& EditedSession::patchesOff() {
 
 v1::EditReply EditedSession::edit(const v1::EditBody& body) {
   try {
-    const v1::EditReply reply = session_.edit(body, shown_).get();
+    const v1::EditReply reply =
+        session_.edit(body, shown_, hasTime(body) ? when_ : std::nullopt).get();
     shown_ = reply.revision();
     if (maySwitchPatches(body)) off_is_known_ = false;
     return reply;
@@ -175,6 +189,38 @@ v1::EditReply EditedSession::edit(const v1::EditBody& body) {
         fmt::format("{}; {}; nothing was changed: repeat the command if it still holds",
                     refused.what(), toldBy(now)));
   }
+}
+
+MotionNews EditedSession::awaitMotion(std::uint64_t revision) {
+  constexpr std::chrono::milliseconds kOnTheWay(500);  // once the session rests
+  std::optional<std::chrono::steady_clock::time_point> rests;
+  MotionNews news;
+  while (!news.is_complete) {
+    server_.checkpoint();
+    take();
+    for (const v1::MotionFrames& some : session_.takeMotion()) {
+      if (some.revision() < revision) continue;
+      news.frame_count = some.frame_count();
+      for (const v1::MotionFrame& frame : some.frames()) {
+        news.first_s =
+            news.changed == 0 ? frame.time_s() : std::min(news.first_s, frame.time_s());
+        news.last_s = std::max(news.last_s, frame.time_s());
+        news.max_depth_m = std::max(news.max_depth_m, frame.max_depth_m());
+        ++news.changed;
+      }
+      news.is_complete = some.is_last();
+    }
+    if (news.is_complete) break;
+    const v1::SessionState& state = session_.state();
+    const bool is_at_work = state.revision() < revision ||
+                            state.phase() == v1::PHASE_OPTIMIZING ||
+                            state.phase() == v1::PHASE_TRANSFERRING;
+    const auto now = std::chrono::steady_clock::now();
+    if (is_at_work || !rests) rests = now;
+    if (now - *rests > kOnTheWay || session_.hasEnded()) break;
+    session_.wait(std::chrono::milliseconds(20));
+  }
+  return news;
 }
 
 const v1::PoseSolution* EditedSession::awaitFinal(std::uint64_t revision,

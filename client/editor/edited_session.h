@@ -18,6 +18,16 @@ namespace handgraft::client::editor {
 /// Edits name the revision that the user has been shown, so that nobody changes what somebody
 /// else changed without having seen that.
 ///
+/// What became of a motion by an edit.
+struct MotionNews {
+  bool is_complete = false;
+  std::uint32_t frame_count = 0;  ///< of the motion
+  std::uint32_t changed = 0;
+  double first_s = 0.0;  ///< of those that changed
+  double last_s = 0.0;
+  double max_depth_m = 0.0;
+};
+
 /// Errors of every call: those of Session.
 class EditedSession : public Scene {
  public:
@@ -58,6 +68,15 @@ class EditedSession : public Scene {
   /// the message, and counts as shown from then on.
   v1::EditReply edit(const v1::EditBody& body);
 
+  /// Edits from now on are at that time of the session's motion; nothing: of all of it.
+  void editAt(const std::optional<v1::EditTime>& when) { when_ = when; }
+
+  [[nodiscard]] const std::optional<v1::EditTime>& when() const { return when_; }
+
+  /// Waits for the last of what an edit changed of the motion; nothing comes where the session
+  /// rests, as before the first solve.
+  MotionNews awaitMotion(std::uint64_t revision);
+
   using OnSample = Session::OnSolution;
   using OnState = Session::OnState;
   using Patience = Session::Patience;
@@ -92,6 +111,7 @@ class EditedSession : public Scene {
   Client& server_;
   Session session_;
   std::uint64_t shown_ = 0;
+  std::optional<v1::EditTime> when_;
   bool end_was_told_ = false;
   bool server_answers_ = true;                     ///< as was told
   std::optional<std::uint64_t> owed_explanation_;  ///< of this revision's pose

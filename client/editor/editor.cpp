@@ -191,6 +191,8 @@ Told Editor::execute(const Parsed& command) {
       return suggest(match);
     case Action::kWatch:
       return watch(match);
+    case Action::kTime:
+      return editAt(command.match);
     case Action::kSessions:
       return sessions();
     case Action::kJoin:
@@ -270,6 +272,48 @@ std::string Editor::movedAgain(const Match& bend) {
       bend.values.at(0).text, value);
 }
 
+Told Editor::editAt(const Match& match) {
+  std::optional<v1::EditTime> when;
+  if (!match.values.empty()) {
+    when.emplace();
+    when->time_s(match.values[0].number);
+    if (match.values.size() > 1) when->falloff_s(match.values[1].number);
+  }
+  session_->editAt(when);
+  Told told;
+  if (!when) {
+    told.text = "edits are of all of the motion\n";
+    told.data = {{"at_s", nullptr}};
+    return told;
+  }
+  told.text = fmt::format("edits are at {:.6g} s of the motion{}\n", when->time_s(),
+                          when->falloff_s() > 0.0
+                              ? fmt::format(", fading over {:.6g} s", when->falloff_s())
+                              : ", of that frame alone");
+  told.data = {{"at_s", when->time_s()}, {"falloff_s", when->falloff_s()}};
+  return told;
+}
+
+Told Editor::tellMotion(std::uint64_t revision) {
+  const MotionNews news = session_->awaitMotion(revision);
+  Told told;
+  if (!news.is_complete) return told;
+  told.data = {{"frames_changed", news.changed}, {"frame_count", news.frame_count}};
+  told.text = news.changed == 0
+                  ? fmt::format("revision {}: no frame of the motion changed\n", revision)
+                  : fmt::format(
+                        "revision {}: {} of {} frames changed, {:.3f} to {:.3f} s, at most "
+                        "{:.2f} mm inside\n",
+                        revision, news.changed, news.frame_count, news.first_s, news.last_s,
+                        1e3 * news.max_depth_m);
+  if (news.changed > 0) {
+    told.data["first_s"] = news.first_s;
+    told.data["last_s"] = news.last_s;
+    told.data["max_depth_m"] = news.max_depth_m;
+  }
+  return told;
+}
+
 Told Editor::publish(const v1::EditBody& body) {
   const v1::EditReply reply = session_->edit(body);
   Told told;
@@ -283,6 +327,11 @@ Told Editor::publish(const v1::EditBody& body) {
   if (solution == nullptr) {
     told.text += fmt::format("revision {}: no new solution\n", reply.revision());
     return told;
+  }
+  if (!session_->state().motion().empty()) {
+    const Told motion = tellMotion(reply.revision());
+    told.text += motion.text;
+    if (!motion.data.empty()) told.data["motion"] = motion.data;
   }
   const Told pose = tellPose(told.text);
   told.text = pose.text;

@@ -61,6 +61,9 @@ class Editor {
   Told execute(const Parsed& parsed);
   Told edit(const Parsed& parsed);
   Told publish(const v1::EditBody& body);
+  Told editAt(const Match& match);
+  /// What an edit changed of the motion; nothing where it is not solved.
+  Told tellMotion(std::uint64_t revision);
   /// The pose that follows an edit; nullptr if none does. Ctrl-C stops its solve.
   /// Errors: CommandFailed if it was stopped; those of EditedSession::awaitFinal.
   const v1::PoseSolution* awaitPose(std::uint64_t revision);

@@ -62,6 +62,7 @@ bool isForEditors(v1::Operation operation) {
     case v1::OP_LOAD_SESSION:
     case v1::OP_STOP_SOLVING:
     case v1::OP_SOLVE_MOTION:
+    case v1::OP_SET_CLOCK:
       return true;
     default:
       return isForLookers(operation);
@@ -100,6 +101,13 @@ std::uint64_t numberIn(const Json& message, const char* key) {
     rejectInput("{}: {} is no whole number", key, handgraft::quoted(idl::textOf(*found)));
   }
   return found->get<std::uint64_t>();
+}
+
+/// Where in a motion an edit is; nothing: of all of it.
+std::optional<v1::EditTime> whenIn(const Json& message) {
+  const auto found = message.find("when");
+  if (found == message.end() || found->is_null()) return std::nullopt;
+  return idl::fromJson<v1::EditTime>(*found, "when");
 }
 
 std::string textIn(const Json& message, const char* key) {
@@ -196,6 +204,7 @@ struct Gateway::Impl : Audience, std::enable_shared_from_this<Gateway::Impl> {
   Listener listenerFor(std::uint64_t session);
   void onSolution(std::uint64_t session, const v1::PoseSolution& solution);
   void onState(std::uint64_t session, const v1::SessionState& state);
+  void onClock(std::uint64_t session, const v1::MotionClock& clock);
   void onEnd(std::uint64_t session, const std::exception_ptr& why);
 
   // === The server goes and comes
@@ -385,7 +394,7 @@ void Gateway::Impl::edit(PageId page, std::uint64_t request, const Json& message
   const std::uint64_t session = numberIn(message, "session");
   const auto body = idl::fromJson<v1::EditBody>(message.at("body"), "body");
   whenDone(
-      client.edit(session, numberIn(message, "base_revision"), body),
+      client.edit(session, numberIn(message, "base_revision"), body, whenIn(message)),
       [this, page, request, session](Outcome<v1::EditReply> outcome) {
         if (const auto* error = std::get_if<std::exception_ptr>(&outcome)) {
           return answer(page, request, {{"error", errorJson(*error)}});
@@ -517,6 +526,9 @@ Listener Gateway::Impl::listenerFor(std::uint64_t session) {
   listener.on_state = [this, session](const v1::SessionState& state) {
     onState(session, state);
   };
+  listener.on_clock = [this, session](const v1::MotionClock& clock) {
+    onClock(session, clock);
+  };
   listener.on_end = [this, session](const std::exception_ptr& why) {
     onEnd(session, why);
   };
@@ -533,6 +545,22 @@ void Gateway::Impl::onSolution(std::uint64_t session, const v1::PoseSolution& so
   found->second.pose_text = text;
   found->second.heard = Clock::now();
   tellFollowers(session, "pose", text);
+}
+
+void Gateway::Impl::onClock(std::uint64_t session, const v1::MotionClock& clock) {
+  // How old it is when it is read is told apart from the clocks of other machines.
+  const double age_s =
+      1e-9 * static_cast<double>(std::chrono::duration_cast<std::chrono::nanoseconds>(
+                                     std::chrono::system_clock::now().time_since_epoch())
+                                     .count() -
+                                 clock.stamp_ns());
+  const Shared text = textOf({{"event", "clock"},
+                              {"session", session},
+                              {"age_s", std::max(0.0, age_s)},
+                              {"clock", idl::jsonOf(clock)}});
+  const std::lock_guard lock(mutex);
+  if (followed.find(session) == followed.end()) return;
+  tellFollowers(session, "clock", text);
 }
 
 void Gateway::Impl::onState(std::uint64_t session, const v1::SessionState& state) {

@@ -402,7 +402,8 @@ Pending<v1::SuggestReply> Client::suggest(const v1::SuggestRequest& request) {
 
 Pending<v1::EditReply> Client::edit(std::uint64_t session_id,
                                     std::uint64_t base_revision,
-                                    const v1::EditBody& body) {
+                                    const v1::EditBody& body,
+                                    const std::optional<v1::EditTime>& when) {
   checkpoint();
   const auto state = std::make_shared<Pending<v1::EditReply>::State>();
   state->waiting = impl_->waiting;
@@ -417,7 +418,8 @@ Pending<v1::EditReply> Client::edit(std::uint64_t session_id,
       },
       [state](const std::string& stage, double fraction) {
         state->report(stage, fraction);
-      });
+      },
+      when);
   return Pending<v1::EditReply>(state);
 }
 
@@ -482,6 +484,14 @@ Pending<v1::MotionFrames> Client::motionFrames(const v1::MotionFramesRequest& re
   body.motion_frames(request);
   return impl_->call<v1::MotionFrames>(body, [](v1::ReplyBody& reply) {
     return std::move(reply.motion_frames());
+  });
+}
+
+Pending<v1::MotionClock> Client::setClock(const v1::ClockRequest& request) {
+  v1::RequestBody body;
+  body.clock(request);
+  return impl_->call<v1::MotionClock>(body, [](v1::ReplyBody& reply) {
+    return std::move(reply.clock());
   });
 }
 

@@ -104,15 +104,19 @@ class Client {
   /// Refused (ERROR_CONFLICT) if the session is no longer at `base_revision`; 0: whatever it
   /// is. Edits are applied in the order of the calls where each waits for the one before. A
   /// wish to stop leaves it 2 s for its answer: Refused (ERROR_OUTCOME_UNKNOWN) then, as after
-  /// 30 s in which the server was silent: it may have been applied.
+  /// 30 s in which the server was silent: it may have been applied. `when`: at a time of the
+  /// session's motion alone.
   Pending<v1::EditReply> edit(std::uint64_t session_id,
                               std::uint64_t base_revision,
-                              const v1::EditBody& body);
+                              const v1::EditBody& body,
+                              const std::optional<v1::EditTime>& when = {});
   Pending<v1::PoseSolution> optimize(const v1::OptimizeRequest& request);
   /// Of a session that holds a motion: its frames are asked for afterwards.
   Pending<v1::MotionSummary> solveMotion(const v1::SolveMotionRequest& request);
   /// As many frames as fit into a message; `is_last` says whether there are more.
   Pending<v1::MotionFrames> motionFrames(const v1::MotionFramesRequest& request);
+  /// The clock that all who watch a session's motion share, as it stands then.
+  Pending<v1::MotionClock> setClock(const v1::ClockRequest& request);
   Pending<v1::SessionSettings> settings(std::uint64_t session_id);
   Pending<v1::CompareReply> compare(const v1::CompareRequest& request);
   /// handgraft-session/1.

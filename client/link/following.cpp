@@ -43,6 +43,8 @@ void Following::run() {
       closed = closed || state.phase() == v1::PHASE_CLOSED;
       if (listener_.on_state) listener_.on_state(state);
     });
+    const std::optional<v1::MotionClock> clock = stream_.takeClock();
+    if (clock && listener_.on_clock) listener_.on_clock(*clock);
     if (!closed) stream_.wait(kLook);
   }
   if (closed && listener_.on_end) listener_.on_end(nullptr);

@@ -14,6 +14,8 @@ namespace handgraft::client {
 struct Listener {
   SessionStream::OnSolution on_solution = {};
   SessionStream::OnState on_state = {};
+  /// The clock that watchers of its motion share was set.
+  std::function<void(const v1::MotionClock&)> on_clock = {};
   /// Nothing more will come: the session was closed (nullptr), or its server is gone
   /// (NoServer).
   std::function<void(std::exception_ptr)> on_end = {};

@@ -51,9 +51,10 @@ std::optional<fs::path> findServerProgram() {
 
 PrivateServer::PrivateServer(const fs::path& program, const Network& network) {
   // Everything that allocates happens before the fork: other threads may hold the heap's lock.
-  std::vector<std::string> words = {program.string(), "--domain",
-                                    std::to_string(network.domain), "--interface",
-                                    network.interface, "--state", ":memory:"};
+  std::vector<std::string> words = {
+      program.string(), "--domain",        std::to_string(network.domain),
+      "--interface",    network.interface, "--state",
+      ":memory:"};
   for (const std::string& peer : network.peers)
     words.insert(words.end(), {"--peers", peer});
   if (!network.server.empty()) words.insert(words.end(), {"--name", network.server});

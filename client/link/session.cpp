@@ -66,8 +66,10 @@ void Session::requireOpen() const {
 
 // === Asking
 
-Pending<v1::EditReply> Session::edit(const v1::EditBody& body, std::uint64_t base_revision) {
-  return client_.edit(id(), base_revision, body);
+Pending<v1::EditReply> Session::edit(const v1::EditBody& body,
+                                     std::uint64_t base_revision,
+                                     const std::optional<v1::EditTime>& when) {
+  return client_.edit(id(), base_revision, body, when);
 }
 
 Pending<v1::PoseSolution> Session::solve(const std::optional<v1::SolveOptions>& options) {

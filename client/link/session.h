@@ -44,7 +44,9 @@ class Session {
 
   // === Asking; none of these waits
 
-  Pending<v1::EditReply> edit(const v1::EditBody& body, std::uint64_t base_revision = 0);
+  Pending<v1::EditReply> edit(const v1::EditBody& body,
+                              std::uint64_t base_revision = 0,
+                              const std::optional<v1::EditTime>& when = {});
   /// `options`: for this once; nothing: the session's.
   Pending<v1::PoseSolution> solve(const std::optional<v1::SolveOptions>& options = {});
 
@@ -69,6 +71,12 @@ class Session {
   [[nodiscard]] const v1::PoseSolution* solution() const {
     return solution_ ? &*solution_ : nullptr;
   }
+
+  /// What edits changed of its motion, since the last call, in order.
+  std::vector<v1::MotionFrames> takeMotion() { return stream_.takeMotion(); }
+
+  /// The clock of its motion, where it was set since the last call.
+  std::optional<v1::MotionClock> takeClock() { return stream_.takeClock(); }
 
   /// Takes what has come, all that is this session's.
   void take(const OnSolution& on_solution = {}, const OnState& on_state = {});

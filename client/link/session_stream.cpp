@@ -15,7 +15,17 @@ struct SessionStream::Readers {
                [this] {
                  arrived();
                }),
-        solutions(*participant, idl::kSolutionTopic, [this] {
+        solutions(*participant,
+                  idl::kSolutionTopic,
+                  [this] {
+                    arrived();
+                  }),
+        frames(*participant,
+               idl::kMotionFramesTopic,
+               [this] {
+                 arrived();
+               }),
+        clocks(*participant, idl::kMotionClockTopic, [this] {
           arrived();
         }) {}
 
@@ -33,6 +43,8 @@ struct SessionStream::Readers {
   bool has_news = true;  // of a reader that is new it is not known
   idl::cyclone::Reader<v1::SessionState> states;
   idl::cyclone::Reader<v1::PoseSolution> solutions;
+  idl::cyclone::Reader<v1::MotionFrames> frames;
+  idl::cyclone::Reader<v1::MotionClock> clocks;
 };
 
 SessionStream::SessionStream(Client& client, std::uint64_t session_id)
@@ -62,6 +74,22 @@ void SessionStream::take(const OnSolution& on_solution, const OnState& on_state)
   from.states.take([&](const v1::SessionState& state) {
     if (state.session_id() == session_id_ && on_state) on_state(state);
   });
+}
+
+std::vector<v1::MotionFrames> SessionStream::takeMotion() {
+  std::vector<v1::MotionFrames> all;
+  readers().frames.take([&](const v1::MotionFrames& frames) {
+    if (frames.session_id() == session_id_) all.push_back(frames);
+  });
+  return all;
+}
+
+std::optional<v1::MotionClock> SessionStream::takeClock() {
+  std::optional<v1::MotionClock> last;
+  readers().clocks.take([&](const v1::MotionClock& clock) {
+    if (clock.session_id() == session_id_) last = clock;
+  });
+  return last;
 }
 
 void SessionStream::wait(std::chrono::milliseconds timeout) {

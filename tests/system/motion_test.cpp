@@ -1,10 +1,17 @@
 // A motion through all programs: joined of built-in grasps, followed by built-in hands, drawn
 // and written.
 #include <algorithm>
+#include <chrono>
 #include <fstream>
+#include <optional>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "client/link/client.h"
+#include "client/link/session_stream.h"
+#include "client/present/motion_result.h"
 
 #include "tests/support/shared_data.h"
 #include "tests/system/service.h"
@@ -118,6 +125,82 @@ TEST(Motion, ADemonstratorIsImportedAndFollowedLive) {
   EXPECT_GT(followed.at("answered"), 20);
   EXPECT_LT(followed.at("largest_step"), 2.0);
   EXPECT_EQ(followed.at("message"), "");
+}
+
+/// What edits changed of a motion, as one who watches is told.
+struct Told {
+  std::uint64_t revision = 0;
+  std::vector<std::uint32_t> frames;
+  bool is_complete = false;
+};
+
+Told toldTo(client::SessionStream& watcher, std::uint64_t revision) {
+  const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  Told told;
+  while (!told.is_complete && std::chrono::steady_clock::now() < give_up) {
+    for (const v1::MotionFrames& some : watcher.takeMotion()) {
+      if (some.revision() < revision) continue;
+      told.revision = some.revision();
+      for (const v1::MotionFrame& frame : some.frames())
+        told.frames.push_back(frame.index());
+      told.is_complete = some.is_last();
+    }
+    watcher.wait(std::chrono::milliseconds(20));
+  }
+  return told;
+}
+
+TEST(Motion, AnEditAtATimeIsSeenByAllWhoWatch) {
+  const SharedSkins skins;
+  const Service service;
+  service.ask({"motion", "join", "box_5", "box_5", "--path",
+               written("pull4.csv",
+                       "time_s,x,y,z,qw,qx,qy,qz\n0,0,0,0.3,1,0,0,0\n"
+                       "4,-0.25,0,0.32,1,0,0,0\n"),
+               "--rate", "30", "--name", "pull", "--out",
+               (scratchDirectory() / "pull4.json").string()});
+  const json solved =
+      service.ask({"motion", "solve", "--hand", "human20", "--motion", "pull", "--keep"});
+  const auto id = solved.at("session_id").get<std::uint64_t>();
+  const std::string session = std::to_string(id);
+  client::ClientOptions options;
+  options.network = service.network();
+  client::Client one(options);
+  client::Client two(options);
+  client::SessionStream first(one, id);
+  client::SessionStream second(two, id);
+  const auto frames_before = client::framesOf(one, id);
+
+  // The editor's own words, then what others see of it.
+  const Finished end =
+      service.client({"edit", session, "--at", "2", "--falloff", "0.2", "--script",
+                      written("at.txt", "weight index 30\nundo\n")});
+  ASSERT_EQ(end.exit_code, 0) << end.err;
+  EXPECT_THAT(end.out, HasSubstr("of 121 frames changed"));
+  const Told undone = toldTo(first, 2);
+  EXPECT_EQ(undone.revision, 2u);
+  EXPECT_EQ(toldTo(second, 2).frames, undone.frames);
+  ASSERT_FALSE(undone.frames.empty());
+  EXPECT_LT(undone.frames.size(), 60u);
+
+  // Undone to the byte, as who joins late is told, too.
+  const auto frames_after = client::framesOf(two, id);
+  ASSERT_EQ(frames_after.size(), frames_before.size());
+  for (std::size_t k = 0; k < frames_after.size(); ++k)
+    EXPECT_EQ(frames_after[k], frames_before[k]) << k;
+
+  // One clock.
+  const json clock = service.ask({"motion", "clock", session, "seek", "1.25"});
+  EXPECT_EQ(clock.at("time_s"), 1.25);
+  client::SessionStream late(two, id);
+  const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  std::optional<v1::MotionClock> seen;
+  while (!seen && std::chrono::steady_clock::now() < give_up) {
+    seen = late.takeClock();
+    late.wait(std::chrono::milliseconds(20));
+  }
+  ASSERT_TRUE(seen.has_value());
+  EXPECT_EQ(seen->time_s(), 1.25);
 }
 
 TEST(Motion, WhatIsWrongIsOneLine) {

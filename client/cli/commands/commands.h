@@ -13,6 +13,7 @@
 #include "client/link/model_files.h"
 #include "core/base/network.h"
 #include "idl/models.h"
+#include "idl/motions.h"
 #include "idl/sessions.h"
 
 /// The commands of `handgraft`, one file each. A command prints to standard output, notices to
@@ -194,6 +195,12 @@ struct MotionSolveOptions {
 };
 
 /// A recorded demonstrator, played to a session.
+struct MotionClockOptions {
+  std::uint64_t session_id = 0;
+  v1::ClockAction action = v1::CLOCK_PLAY;
+  double value = 0.0;
+};
+
 struct MotionFollowOptions {
   std::uint64_t session_id = 0;
   std::filesystem::path demonstration;
@@ -218,6 +225,8 @@ struct EditOptions {
   std::uint64_t session_id = 0;  ///< 0: a new one, of `grasp`
   GraspOptions grasp;
   std::filesystem::path script;  ///< empty: standard input
+  std::optional<double> at_s;    ///< of the session's motion, where the edits begin
+  double falloff_s = 0.0;
 };
 
 struct ExportOptions {
@@ -329,6 +338,7 @@ using CommandOptions = std::variant<DoctorOptions,
                                     MotionImportOptions,
                                     MotionSolveOptions,
                                     MotionPlayOptions,
+                                    MotionClockOptions,
                                     MotionFollowOptions,
                                     EditOptions,
                                     ExportOptions,
@@ -364,6 +374,9 @@ int run(const MotionShowOptions& options,
         const CommonOptions& common,
         Interruption& interruption);
 int run(const MotionImportOptions& options,
+        const CommonOptions& common,
+        Interruption& interruption);
+int run(const MotionClockOptions& options,
         const CommonOptions& common,
         Interruption& interruption);
 int run(const MotionFollowOptions& options,

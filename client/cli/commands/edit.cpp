@@ -165,6 +165,7 @@ int run(const EditOptions& options, const CommonOptions& common, Interruption& i
                          text::plain(state.contacts()), state.revision()),
              json::stateEvent(state));
   if (opens) solveFirst(editor, sink, options.grasp, interruption);
+  if (options.at_s) editor.run(fmt::format("at {} {}", *options.at_s, options.falloff_s));
 
   // === Commands
   if (typed) {

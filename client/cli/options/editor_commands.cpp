@@ -15,6 +15,8 @@ struct ParsedEdit {
   GraspFlags flags;
   std::uint64_t session_id = 0;
   std::string script;
+  double at_s = 0.0;
+  double falloff_s = 0.0;
 };
 
 void addEdit(CLI::App& app, CommandOptions& chosen) {
@@ -30,9 +32,16 @@ void addEdit(CLI::App& app, CommandOptions& chosen) {
   parsed->flags.addTo(*command);
   command->add_option("--script", parsed->script, "Run the commands of a file")
       ->check(objectionToFile);
+  CLI::Option* at = command->add_option(
+      "--at", parsed->at_s, "Edit the session's motion at that time (s), as `at` does");
+  CLI::Option* falloff = command->add_option("--falloff", parsed->falloff_s,
+                                             "Fading over so many seconds before and after it");
+  falloff->needs(at);
   command->footer("At the prompt help lists the commands, Tab completes, ? explains.");
-  command->callback([parsed, session, &chosen] {
+  command->callback([parsed, session, at, &chosen] {
     EditOptions edit;
+    if (at->count() > 0) edit.at_s = parsed->at_s;
+    edit.falloff_s = parsed->falloff_s;
     if (session->count() > 0) {
       if (parsed->flags.named()) {
         rejectInput("edit {}: --hand, --object and --contacts open another session",

@@ -258,6 +258,59 @@ void addPlay(CLI::App& motion, CommandOptions& chosen) {
   });
 }
 
+void addClock(CLI::App& motion, CommandOptions& chosen) {
+  struct Parsed {
+    MotionClockOptions options;
+    std::string verb;
+    std::string value;
+  };
+
+  const auto parsed = std::make_shared<Parsed>();
+  CLI::App* command = motion.add_subcommand(
+      "clock", "Set the clock that all who watch a session's motion share");
+  command
+      ->add_option("session", parsed->options.session_id,
+                   "Its id, or the first digits of it, at least four")
+      ->required()
+      ->check(objectionToCount);
+  command->add_option("action", parsed->verb, "play, pause, seek S, speed X or loop on|off")
+      ->required();
+  command->add_option("value", parsed->value, "Of seek (s), speed (times real time) or loop");
+  command->fallthrough();
+  command->callback([parsed, &chosen] {
+    MotionClockOptions& options = parsed->options;
+    const std::string& verb = parsed->verb;
+    const auto number = [&] {
+      std::size_t read = 0;
+      double value = 0.0;
+      try {
+        value = std::stod(parsed->value, &read);
+      } catch (const std::exception&) {
+        read = 0;
+      }
+      if (read == 0 || read != parsed->value.size())
+        rejectInput("{} {}: a number must follow", verb, quoted(parsed->value));
+      return value;
+    };
+    const bool stands_alone = verb == "play" || verb == "pause";
+    if (stands_alone) {
+      options.action = verb == "play" ? v1::CLOCK_PLAY : v1::CLOCK_PAUSE;
+      if (!parsed->value.empty()) rejectInput("{}: nothing follows it", verb);
+    } else if (verb == "seek" || verb == "speed") {
+      options.action = verb == "seek" ? v1::CLOCK_SEEK : v1::CLOCK_SPEED;
+      options.value = number();
+    } else if (verb == "loop") {
+      if (parsed->value != "on" && parsed->value != "off")
+        rejectInput("loop {}: on or off", quoted(parsed->value));
+      options.action = v1::CLOCK_LOOP;
+      options.value = parsed->value == "on" ? 1.0 : 0.0;
+    } else {
+      rejectInput("{}: there are play, pause, seek S, speed X, loop on|off", quoted(verb));
+    }
+    chosen = options;
+  });
+}
+
 void addFollow(CLI::App& motion, CommandOptions& chosen) {
   const auto parsed = std::make_shared<MotionFollowOptions>();
   const auto file = std::make_shared<std::string>();
@@ -318,6 +371,7 @@ void addMotionCommands(CLI::App& app, CommandOptions& chosen) {
   addShow(*motion, chosen);
   addSolve(*motion, chosen);
   addPlay(*motion, chosen);
+  addClock(*motion, chosen);
   addFollow(*motion, chosen);
   addMotionExport(*motion, chosen);
 }

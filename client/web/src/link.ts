@@ -1,6 +1,6 @@
 // The gateway, or the data that an exported page brings along.
 
-import { readModel, type EditBody, type Model, type ModelSummary, type MotionFrames, type PoseSolution, type SessionState } from './wire';
+import { readModel, type EditBody, type Model, type ModelSummary, type MotionClock, type MotionFrames, type PoseSolution, type SessionState } from './wire';
 
 export class Refusal extends Error {
   constructor(
@@ -24,6 +24,7 @@ export interface Listener {
   onServer(isHeard: boolean): void;
   onState(session: number, state: SessionState, isOurs: boolean, page: number): void;
   onPose(session: number, solution: PoseSolution): void;
+  onClock(session: number, clock: MotionClock, age_s: number): void;
   onPages(pages: PageInfo[]): void;
   onMoved(from: number, to: number): void;
   onLost(session: number, message: string): void;
@@ -226,6 +227,9 @@ export class LiveLink implements Link {
         break;
       case 'pose':
         to.onPose(message.session, message.solution);
+        break;
+      case 'clock':
+        to.onClock(message.session, message.clock, message.age_s);
         break;
       case 'pages':
         to.onPages(message.pages);

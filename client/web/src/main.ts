@@ -372,6 +372,7 @@ function shown(change: Change): void {
     measuredToggle.hidden = session.measured === null;
     if (change === 'measured') return;
   }
+  if (change === 'clock') timeline.follow();
   if (change === 'pose') {
     if (ghost !== null && ghost.revision !== null && ghost.revision !== session.solution?.revision) {
       ghost = null; // others are ranked now

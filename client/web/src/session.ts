@@ -7,6 +7,7 @@ import {
   type EditBody,
   type HandDescription,
   type Model,
+  type MotionClock,
   type MotionDescription,
   type PatchInfo,
   type PatchReport,
@@ -22,7 +23,7 @@ export interface Models {
   contacts: Model<{ name: string; patches: PatchInfo[] }>;
 }
 
-export type Change = 'models' | 'motion' | 'pose' | 'state' | 'settings' | 'people' | 'link' | 'history' | 'measured' | 'none';
+export type Change = 'models' | 'motion' | 'clock' | 'pose' | 'state' | 'settings' | 'people' | 'link' | 'history' | 'measured' | 'none';
 
 export interface Notice {
   text: string;
@@ -53,6 +54,8 @@ export class Session implements Listener {
   models: Models | null = null;
   /** A hand that followed a motion: it is looked at over time, and takes no edits. */
   motion: Motion | null = null;
+  /** That all who watch it share, and when it stood so. */
+  clock: { clock: MotionClock; at_ms: number } | null = null;
   pages: PageInfo[] = [];
   /** Of the hand that follows the session, when it was heard last. */
   measured: { hand: Measured; at_ms: number } | null = null;
@@ -116,7 +119,7 @@ export class Session implements Listener {
   /** Shows that session from now on; 0: none. */
   async show(session: number): Promise<void> {
     this.id = session;
-    this.state = this.solution = this.settings = this.motion = this.measured = null;
+    this.state = this.solution = this.settings = this.motion = this.clock = this.measured = null;
     this.fetched = '';
     this.begun = 0;
     this.description = null;
@@ -133,6 +136,14 @@ export class Session implements Listener {
       this.tell('none');
       this.failed(error);
     }
+  }
+
+  /** Sets the clock for all who watch; who only looks keeps a clock of his own. */
+  setClock(action: 'play' | 'pause' | 'seek' | 'speed' | 'loop', value = 0): void {
+    if (!this.mayEditAny || !this.link.isLive) return;
+    this.link
+      .ask({ kind: 'set_clock', clock: { session_id: this.id, action, value } })
+      .catch((error: unknown) => this.failed(error));
   }
 
   /** Of a motion: the hand at that time. */
@@ -253,7 +264,8 @@ export class Session implements Listener {
   }
 
   onPose(session: number, solution: PoseSolution): void {
-    if (session !== this.id) return;
+    // Of a motion its frames are shown, not the grasp that stands for it.
+    if (session !== this.id || this.motion !== null) return;
     // A pose that an older edit asked for does not come back behind a newer one.
     if (this.solution !== null && solution.sequence_number < this.solution.sequence_number) {
       if (solution.revision < this.solution.revision) return;
@@ -275,6 +287,12 @@ export class Session implements Listener {
     if (this.past.length > kLongestPast) this.past.shift();
     this.tell('pose');
     this.look();
+  }
+
+  onClock(session: number, clock: MotionClock, age_s: number): void {
+    if (session !== this.id) return;
+    this.clock = { clock, at_ms: performance.now() - 1e3 * age_s };
+    this.tell('clock');
   }
 
   onPages(pages: PageInfo[]): void {

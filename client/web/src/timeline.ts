@@ -11,6 +11,8 @@ import type { FramePatch } from './wire';
 const kSpeeds = [0.1, 0.25, 0.5, 1, 2];
 const kStep_s = 1 / 30; // of the arrow keys
 const kJointColors = 10;
+const kScrub_ms = 60; // rest before others are told
+const kEcho_ms = 300; // in which one's own setting comes back
 
 type Plotted = 'distances' | 'angles' | 'joints' | 'depth';
 
@@ -41,6 +43,8 @@ export class Timeline {
   private motion: Motion | null = null;
   private last_ms = 0;
   private request = 0;
+  private shared_ms = -1e9;
+  private scrubTimer = 0;
   time_s = 0;
 
   constructor(private readonly session: Session) {
@@ -51,15 +55,14 @@ export class Timeline {
       step: 'any',
       'aria-label': 'time in the motion, seconds',
       oninput: () => {
-        this.pause();
-        this.seek(Number(this.slider.value));
+        this.scrub(Number(this.slider.value));
       },
     });
     this.playButton = h('button', { class: 'small play', 'aria-pressed': 'false', title: 'Play or pause (Space)', onclick: () => this.toggle() }, '▶ play');
-    this.loopBox = h('input', { type: 'checkbox', checked: true });
+    this.loopBox = h('input', { type: 'checkbox', checked: true, onchange: () => this.share('loop', this.loopBox.checked ? 1 : 0) });
     this.speed = h(
       'select',
-      { 'aria-label': 'speed' },
+      { 'aria-label': 'speed', onchange: () => this.share('speed', Number(this.speed.value)) },
       ...kSpeeds.map((speed) => h('option', { value: String(speed), selected: speed === 1 }, `${speed} ×`)),
     );
     this.element = h(
@@ -112,12 +115,51 @@ export class Timeline {
     if (this.motion === null) return;
     if (this.isPlaying) {
       this.pause();
+      this.share('pause');
       return;
     }
     if (this.time_s >= this.motion.duration_s) this.time_s = 0;
+    this.play();
+    this.share('loop', this.loopBox.checked ? 1 : 0);
+    this.share('speed', Number(this.speed.value));
+    this.share('seek', this.time_s);
+    this.share('play');
+  }
+
+  private play(): void {
     this.last_ms = performance.now();
     this.request = requestAnimationFrame((now) => this.tick(now));
     this.tellPlaying();
+  }
+
+  /** Somebody else set the clock that all who watch share. */
+  follow(): void {
+    const shared = this.session.clock;
+    // What this page set comes back, too.
+    if (shared === null || this.motion === null || performance.now() - this.shared_ms < kEcho_ms) return;
+    const { clock, at_ms } = shared;
+    const since_s = clock.playing ? (clock.speed * (performance.now() - at_ms)) / 1e3 : 0;
+    const time_s = clock.time_s + since_s;
+    this.loopBox.checked = clock.looping;
+    if (kSpeeds.includes(clock.speed)) this.speed.value = String(clock.speed);
+    if (this.isPlaying) this.pause();
+    const duration = this.motion.duration_s;
+    this.seek(clock.looping && duration > 0 ? time_s % duration : time_s);
+    if (clock.playing && (clock.looping || time_s < duration)) this.play();
+  }
+
+  private share(action: 'play' | 'pause' | 'seek' | 'speed' | 'loop', value = 0): void {
+    this.shared_ms = performance.now();
+    this.session.setClock(action, value);
+  }
+
+  /** Stops there; others are told where, but not of each step on the way. */
+  private scrub(time_s: number): void {
+    if (this.isPlaying) this.share('pause');
+    this.pause();
+    this.seek(time_s);
+    clearTimeout(this.scrubTimer);
+    this.scrubTimer = window.setTimeout(() => this.share('seek', this.time_s), kScrub_ms);
   }
 
   pause(): void {
@@ -127,8 +169,7 @@ export class Timeline {
   }
 
   step(count: number): void {
-    this.pause();
-    this.seek(this.time_s + count * kStep_s);
+    this.scrub(this.time_s + count * kStep_s);
   }
 
   seek(time_s: number): void {
@@ -176,8 +217,7 @@ export class Timeline {
     this.plotArea.onclick = () => {
       const index = this.plot?.cursor.idx;
       if (typeof index !== 'number') return;
-      this.pause();
-      this.seek(motion.frames[index]!.time_s);
+      this.scrub(motion.frames[index]!.time_s);
     };
   }
 
@@ -265,8 +305,7 @@ export class Timeline {
   private pointed(event: PointerEvent): void {
     const lane = this.bars.querySelector('.lane')?.getBoundingClientRect();
     if (lane === undefined || this.motion === null) return;
-    this.pause();
-    this.seek(((event.clientX - lane.left) / lane.width) * this.motion.duration_s);
+    this.scrub(((event.clientX - lane.left) / lane.width) * this.motion.duration_s);
   }
 
   private tick(now: number): void {

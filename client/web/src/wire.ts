@@ -170,6 +170,15 @@ export interface MotionFrame {
   X_WL: Pose[];
 }
 
+/** One clock that all who watch a motion share. */
+export interface MotionClock {
+  playing: boolean;
+  looping: boolean;
+  speed: number;
+  time_s: number;
+  duration_s: number;
+}
+
 export interface MotionFrames {
   revision: number;
   frame_count: number;
