@@ -289,7 +289,7 @@ void addClock(CLI::App& motion, CommandOptions& chosen) {
         read = 0;
       }
       if (read == 0 || read != parsed->value.size())
-        rejectInput("{} {}: a number must follow", verb, quoted(parsed->value));
+        rejectInput("{} {}: a number must follow", verb, handgraft::quoted(parsed->value));
       return value;
     };
     const bool stands_alone = verb == "play" || verb == "pause";
@@ -301,11 +301,11 @@ void addClock(CLI::App& motion, CommandOptions& chosen) {
       options.value = number();
     } else if (verb == "loop") {
       if (parsed->value != "on" && parsed->value != "off")
-        rejectInput("loop {}: on or off", quoted(parsed->value));
+        rejectInput("loop {}: on or off", handgraft::quoted(parsed->value));
       options.action = v1::CLOCK_LOOP;
       options.value = parsed->value == "on" ? 1.0 : 0.0;
     } else {
-      rejectInput("{}: there are play, pause, seek S, speed X, loop on|off", quoted(verb));
+      rejectInput("{}: there are play, pause, seek S, speed X, loop on|off", handgraft::quoted(verb));
     }
     chosen = options;
   });

@@ -22,6 +22,7 @@
 
 #include "tests/bench/motions/box_pull.h"
 #include "tests/bench/motions/mjcf_hand.h"
+#include "tests/bench/motions/motion_edits.h"
 #include "tests/bench/timing.h"
 
 namespace handgraft::bench {
@@ -44,6 +45,7 @@ struct MotionsArguments {
   int repeat = 0;
   std::string library;
   std::string picture;
+  bool edits = false;
 };
 
 /// A recorded sequence laid onto the hand that it was made for.
@@ -309,6 +311,7 @@ void runMotions(const MotionsArguments& arguments) {
     options.smoothness = arguments.smoothness;
     options.fade.seconds = arguments.fade_s;
     runBoxPull(arguments.library, arguments.cache, arguments.picture, options);
+    if (arguments.edits) runMotionEdits(arguments.library, arguments.cache);
   }
   if (arguments.data.empty()) return;
   const BenchHand hand = readAllegro(arguments);
@@ -358,6 +361,8 @@ void addMotionsCommand(CLI::App& app) {
       ->add_option("--margin", arguments->margin_m,
                    "m that the hand stays off the object; negative: may go inside")
       ->capture_default_str();
+  command->add_flag("--edits", arguments->edits,
+                    "Edit a motion of 1,000 frames of the library, too");
   command->add_option("--growth", arguments->repeat,
                       "Repeat the first one up to so many times");
   command->callback([arguments] {
