@@ -134,6 +134,7 @@ const std::map<std::string, std::set<std::string>> kAlone = {
       "client/gateway/model_frame.cpp",
       "client/gateway/page_file.cpp"}},
     {"sqlite", {"server/store/database.cpp"}},
+    {"seccomp", {"server/reading/sandbox.cpp"}},
     {"beast", {"client/gateway/web_server.cpp"}},
     {"yaml", {"core/io/sites_file.cpp", "hardware/config/yaml_section.h"}},
     {"cyclone", {"idl/cyclone/participant.cpp"}},
@@ -175,6 +176,7 @@ const std::vector<std::pair<std::string, std::regex>> kLibraries = {
     {"png", std::regex("^png.h")},
     {"editline", std::regex("^(histedit|editline/readline).h")},
     {"sqlite", std::regex("^sqlite3.h")},
+    {"seccomp", std::regex("^seccomp.h")},
     {"cli11", std::regex("^CLI/.*")},
     {"beast", std::regex("^boost/(asio|beast)/.*")},
 };
