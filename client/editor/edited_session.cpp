@@ -115,13 +115,20 @@ Names EditedSession::names() {
     if (std::find(known.begin(), known.end(), link.name()) == known.end())
       names.points.push_back(link.name());
   }
-  if (patches_.empty() || patches_of_ != state().contacts()) {
+  const bool is_of_motion = !state().motion().empty();
+  const std::string& from = is_of_motion ? state().motion() : state().contacts();
+  if (patches_.empty() || patches_of_ != from) {
     patches_.clear();
-    patches_of_ = state().contacts();
-    const v1::ModelDescription contacts =
-        server_.describe(v1::MODEL_CONTACTS, patches_of_, false).get();
-    for (const v1::PatchInfo& patch : contacts.contacts().patches())
-      patches_.push_back(patch.name());
+    patches_of_ = from;
+    const v1::ModelDescription model =
+        server_.describe(is_of_motion ? v1::MODEL_MOTION : v1::MODEL_CONTACTS, from, false)
+            .get();
+    if (is_of_motion) {
+      patches_ = model.motion().patches();
+    } else {
+      for (const v1::PatchInfo& patch : model.contacts().patches())
+        patches_.push_back(patch.name());
+    }
   }
   names.patches = patches_;
   return names;

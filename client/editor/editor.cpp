@@ -331,7 +331,11 @@ Told Editor::publish(const v1::EditBody& body) {
   if (!session_->state().motion().empty()) {
     const Told motion = tellMotion(reply.revision());
     told.text += motion.text;
-    if (!motion.data.empty()) told.data["motion"] = motion.data;
+    if (!motion.data.empty()) {
+      // The grasp that stands for the motion says nothing of it.
+      told.data["motion"] = motion.data;
+      return told;
+    }
   }
   const Told pose = tellPose(told.text);
   told.text = pose.text;

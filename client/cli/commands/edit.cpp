@@ -160,10 +160,12 @@ int run(const EditOptions& options, const CommonOptions& common, Interruption& i
     state = server.describeSession(sessionMeant(server, options.session_id)).get();
   }
   Editor editor(server, interruption, sink, state);
-  sink.event(fmt::format("session {}: {} grasps {} by {}, revision {}", state.session_id(),
-                         text::plain(state.hand()), text::plain(state.object()),
-                         text::plain(state.contacts()), state.revision()),
-             json::stateEvent(state));
+  sink.event(
+      fmt::format("session {}: {} grasps {} by {}, revision {}", state.session_id(),
+                  text::plain(state.hand()), text::plain(state.object()),
+                  text::plain(state.motion().empty() ? state.contacts() : state.motion()),
+                  state.revision()),
+      json::stateEvent(state));
   if (opens) solveFirst(editor, sink, options.grasp, interruption);
   if (options.at_s) editor.run(fmt::format("at {} {}", *options.at_s, options.falloff_s));
 
