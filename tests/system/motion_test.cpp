@@ -153,12 +153,13 @@ Told toldTo(client::SessionStream& watcher, std::uint64_t revision) {
 TEST(Motion, AnEditAtATimeIsSeenByAllWhoWatch) {
   const SharedSkins skins;
   const Service service;
-  service.ask({"motion", "join", "box_5", "box_5", "--path",
-               written("pull4.csv",
-                       "time_s,x,y,z,qw,qx,qy,qz\n0,0,0,0.3,1,0,0,0\n"
-                       "4,-0.25,0,0.32,1,0,0,0\n"),
-               "--rate", "30", "--name", "pull", "--out",
-               (scratchDirectory() / "pull4.json").string()});
+  const json motion = service.ask({"motion", "join", "box_5", "box_5", "--path",
+                                   written("pull4.csv",
+                                           "time_s,x,y,z,qw,qx,qy,qz\n0,0,0,0.3,1,0,0,0\n"
+                                           "4,-0.25,0,0.32,1,0,0,0\n"),
+                                   "--rate", "30", "--name", "pull", "--out",
+                                   (scratchDirectory() / "pull4.json").string()});
+  EXPECT_EQ(motion.at("frame_count"), 121);
   const json solved =
       service.ask({"motion", "solve", "--hand", "human20", "--motion", "pull", "--keep"});
   const auto id = solved.at("session_id").get<std::uint64_t>();
