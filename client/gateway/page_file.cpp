@@ -10,6 +10,7 @@
 
 #include "client/gateway/model_frame.h"
 #include "client/link/session.h"
+#include "core/base/base64.h"
 #include "core/base/error.h"
 #include "idl/json.h"
 
@@ -24,24 +25,6 @@ constexpr const char* kScript = R"(<script type="module" src="page.js"></script>
 constexpr const char* kFilePolicy =
     R"(<meta http-equiv="Content-Security-Policy" content="default-src 'none'; )"
     R"(script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:" />)";
-
-std::string base64Of(std::string_view bytes) {
-  constexpr const char* kLetters =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  const auto at = [&](std::size_t i) {
-    return i < bytes.size() ? static_cast<unsigned char>(bytes[i]) : 0U;
-  };
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const unsigned three = (at(i) << 16U) | (at(i + 1) << 8U) | at(i + 2);
-    for (unsigned shift = 18; shift <= 18; shift -= 6)
-      text += kLetters[(three >> shift) & 63U];
-  }
-  const std::size_t missing = (3 - bytes.size() % 3) % 3;
-  text.replace(text.size() - missing, missing, missing, '=');
-  return text;
-}
 
 void replaceAll(std::string& text, std::string_view what, std::string_view by) {
   for (std::size_t at = text.find(what); at != std::string::npos;

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/base/base64.h"
 #include "core/base/error.h"
 #include "core/io/session_spelling.h"
 #include "core/io/session_writer.h"
@@ -14,10 +15,14 @@ namespace {
 
 using nlohmann::ordered_json;
 
-std::string hashOf(session::ModelShelf& shelf, const std::string& model) {
+/// "hand NAME".
+std::pair<std::string, std::string> kindAndName(const std::string& model) {
   const std::size_t space = model.find(' ');
-  const std::string kind = model.substr(0, space);
-  const std::string name = space == std::string::npos ? "" : model.substr(space + 1);
+  return {model.substr(0, space), space == std::string::npos ? "" : model.substr(space + 1)};
+}
+
+std::string hashOf(session::ModelShelf& shelf, const std::string& model) {
+  const auto [kind, name] = kindAndName(model);
   if (kind == "hand") return shelf.handHash(name);
   if (kind == "object") return shelf.objectHash(name);
   if (kind == "contacts" && name == shelf.first().contacts_name) return shelf.contactsHash();
@@ -61,7 +66,7 @@ std::set<std::string> modelsIn(const session::SavedSession& saved,
 
 }  // namespace
 
-std::string sessionText(session::Session& session) {
+std::string sessionText(session::Session& session, const std::vector<HeldModel>& held) {
   session::ModelShelf& shelf = session.shelf();
   ordered_json file;
   file["format"] = kSessionFormat;
@@ -71,6 +76,15 @@ std::string sessionText(session::Session& session) {
   const session::SavedSession saved = session.saved();
   for (const std::string& model : modelsIn(saved, shelf))
     file["models"]["hashes"][model] = hashOf(shelf, model);
+  for (const HeldModel& model : held) {
+    file["models"]["held"].push_back({{"kind", model.kind},
+                                      {"name", model.name},
+                                      {"content", model.content},
+                                      {"form", model.form},
+                                      {"settings", base64Of(model.settings)},
+                                      {"bytes", base64Of(model.bytes)},
+                                      {"base", model.base}});
+  }
   file["revision"] = saved.revision;
   file["history"] = jsonOf(saved.history);
   file["first"] = {{"revision", saved.first.revision},
@@ -79,6 +93,13 @@ std::string sessionText(session::Session& session) {
   for (const session::LogEntry& entry : saved.log)
     file["log"].push_back(jsonOf(entry));
   return file.dump(-1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+}
+
+std::set<std::pair<std::string, std::string>> modelsNamedIn(session::Session& session) {
+  std::set<std::pair<std::string, std::string>> models;
+  for (const std::string& model : modelsIn(session.saved(), session.shelf()))
+    models.insert(kindAndName(model));
+  return models;
 }
 
 std::string entryText(const session::LogEntry& entry) {

@@ -1,12 +1,26 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "core/base/progress.h"
 #include "core/session/session.h"
 
 namespace handgraft::io {
+
+/// A model that travels in the file, in a form that servers know: what it is made of.
+struct HeldModel {
+  std::string kind;  ///< hand, object, contacts
+  std::string name;
+  std::string content;  ///< SHA-256 of what it was made from
+  std::string form;
+  std::string settings;  ///< bytes, as are the next
+  std::string bytes;
+  std::string base;  ///< name of the model that it rests on; empty: none
+};
 
 /// A saved session as its text says, before its models are looked up.
 struct SessionFile {
@@ -15,13 +29,18 @@ struct SessionFile {
   std::string contacts;
   /// SHA-256 of all models that it knew, by "hand NAME", "object NAME" and "contacts NAME".
   std::map<std::string, std::string> hashes;
+  /// Some of them, each after what it rests on.
+  std::vector<HeldModel> held;
   session::SavedSession session;
 };
 
 /// The text of `handgraft-session/1` (README of this folder), exact: every number is written so
 /// that reading gives the same bits.
 /// Cost: milliseconds; models are hashed when they are first saved.
-std::string sessionText(session::Session& session);
+std::string sessionText(session::Session& session, const std::vector<HeldModel>& held = {});
+
+/// Kind and name of all models that opening and replaying it asks for.
+std::set<std::pair<std::string, std::string>> modelsNamedIn(session::Session& session);
 
 /// Reads such a text. Nothing is believed of it but its form: what it says is checked when it
 /// is opened. Errors: InvalidInput naming the field.

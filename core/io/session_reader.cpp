@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/base/base64.h"
 #include "core/base/error.h"
 #include "core/io/session_field.h"
 #include "core/io/session_file.h"
@@ -80,6 +81,37 @@ session::LogEntry entryOf(const Field& field) {
   return std::shared_ptr<const session::CommittedSolve>(std::move(committed));
 }
 
+std::vector<HeldModel> heldIn(const Field& field) {
+  if (field.size() > 2 * session::kMostModels + 1)
+    field.reject("has {} models; permitted are {}", field.size(), 2 * session::kMostModels + 1);
+  const auto bytesOf = [](const Field& text) {
+    try {
+      return bytesOfBase64(text.text());
+    } catch (const InvalidInput& error) {
+      text.reject("{}", error.what());
+    }
+  };
+  std::vector<HeldModel> held;
+  for (std::size_t i = 0; i < field.size(); ++i) {
+    const Field entry = field.at(i);
+    entry.requireOnly({"kind", "name", "content", "form", "settings", "bytes", "base"});
+    HeldModel model;
+    entry["kind"].read(model.kind);
+    if (model.kind != "hand" && model.kind != "object" && model.kind != "contacts") {
+      entry["kind"].reject("is {}; permitted are hand object contacts",
+                           handgraft::quoted(model.kind));
+    }
+    entry["name"].read(model.name);
+    entry["content"].read(model.content);
+    entry["form"].read(model.form);
+    entry["base"].read(model.base);
+    model.settings = bytesOf(entry["settings"]);
+    model.bytes = bytesOf(entry["bytes"]);
+    held.push_back(std::move(model));
+  }
+  return held;
+}
+
 }  // namespace
 
 SessionFile readSessionText(const std::string& text) {
@@ -104,7 +136,7 @@ SessionFile readSessionText(const std::string& text) {
 
   SessionFile result;
   const Field models = file["models"];
-  models.requireOnly({"hand", "object", "contacts", "hashes"});
+  models.requireOnly({"hand", "object", "contacts", "hashes", "held"});
   models["hand"].read(result.hand);
   models["object"].read(result.object);
   models["contacts"].read(result.contacts);
@@ -120,6 +152,7 @@ SessionFile readSessionText(const std::string& text) {
     if (result.hashes.count(model) == 0)
       models["hashes"].reject("lacks {}", handgraft::quoted(model));
   }
+  if (models.has("held")) result.held = heldIn(models["held"]);
   file["revision"].read(result.session.revision);
   result.session.history = historyOf(file["history"]);
   const Field first = file["first"];

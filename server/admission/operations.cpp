@@ -261,7 +261,7 @@ v1::ReplyBody perform(const v1::Request& request,
       });
     case v1::OP_SAVE_SESSION:
       return bodyOf(operation, [&](auto& reply) {
-        reply.saved_session(saveSession(live));
+        reply.saved_session(saveSession(live, workshop));
       });
     case v1::OP_SOLVE_MOTION:
       return bodyOf(operation, [&](auto& reply) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -27,6 +28,8 @@ v1::ModelList enterModel(Model model,
   if (workshop.kept_models != nullptr) {
     model.origin.row =
         workshop.kept_models->keep(summary, model.origin, makings(), by, operation);
+  } else {
+    model.origin.makings = std::make_shared<const Makings>(makings());
   }
   workshop.models.add(std::move(model));
   return reply;

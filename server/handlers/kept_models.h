@@ -8,24 +8,11 @@
 #include <utility>
 #include <vector>
 
+#include "server/store/makings.h"
 #include "server/store/model_store.h"
 #include "server/store/state_store.h"
 
 namespace handgraft::server {
-
-/// What a model is made of, so that it can be made again.
-struct Makings {
-  std::string form;  ///< kReadForm, kVariantForm
-  std::string settings;
-  std::string bytes;
-  std::int64_t base_row = 0;  ///< of the model that it rests on; 0: a built-in one, or none
-  std::string base_name = {};
-};
-
-/// What a reader read (reading/packed.h): settings are the request, bytes the answer.
-inline constexpr const char* kReadForm = "read/1";
-/// A variant: settings are the request's JSON, the base is the parent.
-inline constexpr const char* kVariantForm = "variant/1";
 
 /// The models of a state store, made again when they are first asked for.
 class KeptModels final : public ModelKeeper, public std::enable_shared_from_this<KeptModels> {

@@ -61,7 +61,7 @@ class Loading {
   template <class Model>
   Model read(const ReadRequest& reading) {
     ReadModel model = workshop_.reader.read(reading, progress_);
-    if (workshop_.kept_models != nullptr) read_bytes_ = pack(model);
+    read_bytes_ = pack(model);
     return std::get<Model>(std::move(model));
   }
 

@@ -5,6 +5,7 @@
 #include "core/io/session_file.h"
 #include "core/session/replay.h"
 #include "server/admission/rejection.h"
+#include "server/handlers/held_models.h"
 #include "server/handlers/optimize.h"
 #include "server/handlers/sessions.h"
 #include "server/store/model_source.h"
@@ -13,16 +14,32 @@ namespace handgraft::server {
 
 namespace {
 
+/// All that is lacking at once. Errors: Rejection (ERROR_NOT_FOUND).
+void requireThere(const io::SessionFile& file, const ModelStore& models) {
+  std::string missing;
+  for (const auto& [model, hash] : file.hashes) {
+    if (isThere(model, models)) continue;
+    missing += (missing.empty() ? "" : ", ") + model;
+  }
+  if (missing.empty()) return;
+  reject(v1::ERROR_NOT_FOUND,
+         "the session rests on what this server does not have and the file does not hold: {}; "
+         "load it under these names first",
+         missing);
+}
+
 session::SessionModels modelsOf(const io::SessionFile& file,
                                 Workshop& workshop,
                                 const Progress& progress) {
+  takeUp(file.held, workshop, progress);
+  requireThere(file, workshop.models);
   return sessionModels(file.hand, file.object, file.contacts, workshop.models,
                        sourceOf(workshop.models), progress);
 }
 
 }  // namespace
 
-v1::SaveSessionReply saveSession(LiveSession& live) {
+v1::SaveSessionReply saveSession(LiveSession& live, const Workshop& workshop) {
   if (live.motion() != nullptr) {
     reject(v1::ERROR_UNSUPPORTED,
            "session {} holds a motion, which handgraft-session/1 cannot keep; its motion and "
@@ -30,7 +47,7 @@ v1::SaveSessionReply saveSession(LiveSession& live) {
            live.id());
   }
   v1::SaveSessionReply reply;
-  reply.text(io::sessionText(live.session()));
+  reply.text(io::sessionText(live.session(), heldModels(live.session(), workshop)));
   return reply;
 }
 
@@ -68,7 +85,7 @@ v1::ReplayReply replaySession(const v1::ReplayRequest& request,
   reply.entries(static_cast<std::uint32_t>(replay.entries));
   reply.same(replay.same);
   reply.message(replay.message);
-  reply.result().text(io::sessionText(replay.session));
+  reply.result().text(io::sessionText(replay.session, file.held));
   return reply;
 }
 

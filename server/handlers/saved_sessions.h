@@ -7,10 +7,12 @@
 /// Sessions as text, `handgraft-session/1` (core/io/README).
 namespace handgraft::server {
 
-/// State, history, snapshots and log. Of the session's strand.
-v1::SaveSessionReply saveSession(LiveSession& live);
+/// State, history, snapshots and log, and the models that are not built-in. Of the session's
+/// strand.
+v1::SaveSessionReply saveSession(LiveSession& live, const Workshop& workshop);
 
-/// Opens a saved session under a new number, on the store's models of the same names.
+/// Opens a saved session under a new number, on the store's models of the same names; those
+/// that it lacks are taken from the file.
 /// Errors: InvalidInput naming the field, the model that is another one, or what does not fit;
 /// Rejection (ERROR_NOT_FOUND) for a model that there is not; as for openSession.
 v1::SessionState loadSession(const v1::LoadSessionRequest& request,

@@ -13,6 +13,7 @@
 #include "idl/models.h"
 #include "server/reading/read_model.h"
 #include "server/store/lazy_hand.h"
+#include "server/store/makings.h"
 
 namespace handgraft::server {
 
@@ -23,6 +24,8 @@ struct Origin {
   std::string content = {};
   /// Of the state store that keeps it; 0: none does.
   std::int64_t row = 0;
+  /// Where no store keeps it; null for built-in ones.
+  std::shared_ptr<const Makings> makings = {};
 };
 
 struct StoredHand {

@@ -590,6 +590,83 @@ TEST_F(LiveEdits, AreSavedLoadedAndReplayed) {
   EXPECT_EQ(replayed.body().replay().result().text(), text);
 }
 
+/// Another server, with nothing but what is built in.
+struct FreshServer {
+  FreshServer() : service(bus, models, {}) { service.start(); }
+
+  test::RecordingBus bus;
+  ModelStore models;
+  Service service;
+};
+
+TEST_F(LiveEdits, OpenOnAServerThatHasNoneOfTheirModels) {
+  const std::uint64_t session = openSolved();
+  v1::VariantRequest variant;
+  variant.hand("clamp");
+  variant.name("stiff");
+  v1::RequestBody made;
+  made.variant(variant);
+  made._d(v1::OP_MAKE_VARIANT);
+  ASSERT_EQ(bus.ask(made).error(), v1::ERROR_NONE);
+  v1::ModelEdit hand;
+  hand.name("stiff");
+  v1::EditBody swap;
+  swap.swapped_model(hand);
+  swap._d(v1::EDIT_HAND);
+  ASSERT_EQ(apply(session, swap).error(), v1::ERROR_NONE);
+  const v1::PoseSolution last = finalOf(session, 1);
+  const std::string text =
+      bus.ask(test::ofSession(v1::OP_SAVE_SESSION, session)).body().saved_session().text();
+
+  FreshServer other;
+  const v1::Reply loaded = other.bus.ask(loadSession(text));
+  ASSERT_EQ(loaded.error(), v1::ERROR_NONE) << loaded.message();
+  EXPECT_EQ(loaded.body().session().hand(), "stiff");
+  const std::uint64_t twin = loaded.body().session().session_id();
+  const auto pose =
+      other.bus.await<v1::PoseSolution>(other.bus.solutions, [&](const v1::PoseSolution& one) {
+        return one.session_id() == twin && one.is_final();
+      });
+  ASSERT_TRUE(pose.has_value());
+  EXPECT_EQ(pose->joint_positions(), last.joint_positions());
+  EXPECT_NO_THROW((void)other.models.hand("clamp")) << "what the variant rests on";
+
+  // From there it goes on to a third one.
+  const std::string again =
+      other.bus.ask(test::ofSession(v1::OP_SAVE_SESSION, twin)).body().saved_session().text();
+  FreshServer third;
+  EXPECT_EQ(third.bus.ask(loadSession(again)).error(), v1::ERROR_NONE);
+}
+
+TEST_F(LiveEdits, NameAllModelsThatAreLacking) {
+  const std::uint64_t session = openSolved();
+  std::string text =
+      bus.ask(test::ofSession(v1::OP_SAVE_SESSION, session)).body().saved_session().text();
+  const std::size_t held = text.find(",\"held\":[");
+  ASSERT_NE(held, std::string::npos);
+  text.erase(held, text.find(']', held) + 1 - held);
+  FreshServer other;
+  const v1::Reply reply = other.bus.ask(loadSession(text));
+  EXPECT_EQ(reply.error(), v1::ERROR_NOT_FOUND);
+  EXPECT_THAT(reply.message(), HasSubstr("contacts marks, hand clamp, object fruit"));
+}
+
+TEST_F(LiveEdits, OfADamagedModelAreRefusedByName) {
+  const std::uint64_t session = openSolved();
+  std::string text =
+      bus.ask(test::ofSession(v1::OP_SAVE_SESSION, session)).body().saved_session().text();
+  const std::size_t bytes = text.find("\"bytes\":\"", text.find("\"name\":\"clamp\""));
+  ASSERT_NE(bytes, std::string::npos);
+  for (const auto& [damage, told] : {std::pair{"****", "base64"}, {"AAAA", "clamp"}}) {
+    std::string damaged = text;
+    damaged.replace(bytes + 9, 4, damage);
+    FreshServer other;
+    const v1::Reply reply = other.bus.ask(loadSession(damaged));
+    EXPECT_EQ(reply.error(), v1::ERROR_INVALID_INPUT) << reply.message();
+    EXPECT_THAT(reply.message(), HasSubstr(told));
+  }
+}
+
 TEST_F(LiveEdits, OfADamagedFileAreRefusedByName) {
   const std::uint64_t session = openSolved();
   std::string text =

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace handgraft::server {
+
+/// What a model is made of, so that it can be made again: in a store, or elsewhere.
+struct Makings {
+  std::string form;  ///< kReadForm, kVariantForm
+  std::string settings;
+  std::string bytes;
+  std::int64_t base_row = 0;  ///< of the model that it rests on; 0: none that the store keeps
+  std::string base_name = {};
+};
+
+/// What a reader read (reading/packed.h): settings are the request, bytes the answer.
+inline constexpr const char* kReadForm = "read/1";
+/// A variant: settings are the request's JSON, the base is the parent.
+inline constexpr const char* kVariantForm = "variant/1";
+
+}  // namespace handgraft::server
