@@ -69,9 +69,14 @@ session::History historyOf(const Field& field) {
 }
 
 session::LogEntry entryOf(const Field& field) {
-  field.requireOnly({"edit", "solve", "cancelled"});
+  field.requireOnly({"edit", "solve", "cancelled", "motion"});
   if (field.has("edit")) return editOf(field["edit"]);
   if (field.has("cancelled")) return session::CancelledSolve();
+  if (field.has("motion")) {
+    session::FollowedMotion followed;
+    field["motion"].read(followed);
+    return followed;
+  }
   const Field solve = field["solve"];
   solve.requireOnly({"solving", "objective", "change"});
   auto committed = std::make_shared<session::CommittedSolve>();

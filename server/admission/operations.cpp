@@ -71,9 +71,9 @@ Lane laneOf(v1::Operation operation) {
     case v1::OP_SAVE_SESSION:
     case v1::OP_SOLVE_MOTION:
     case v1::OP_MOTION_FRAMES:
+    case v1::OP_SET_CLOCK:
       return Lane::kSession;
     case v1::OP_SHARE_SESSION:
-    case v1::OP_SET_CLOCK:
       reject(v1::ERROR_UNSUPPORTED, "this server does not {} yet", nameOf(operation));
   }
   rejectInput("operation {} does not exist", static_cast<unsigned>(operation));
@@ -93,6 +93,8 @@ std::uint64_t sessionOf(const v1::RequestBody& body) {
       return body.solve_motion().session_id();
     case v1::OP_MOTION_FRAMES:
       return body.motion_frames().session_id();
+    case v1::OP_SET_CLOCK:
+      return body.clock().session_id();
     default:
       return body.session().session_id();
   }
@@ -270,6 +272,10 @@ v1::ReplyBody perform(const v1::Request& request,
     case v1::OP_MOTION_FRAMES:
       return bodyOf(operation, [&](auto& reply) {
         reply.motion_frames(motionFrames(live, body.motion_frames()));
+      });
+    case v1::OP_SET_CLOCK:
+      return bodyOf(operation, [&](auto& reply) {
+        reply.clock(setClock(live, body.clock(), request.client()));
       });
     default:
       throw BrokenContract(fmt::format("{} is no operation of a session", nameOf(operation)));
