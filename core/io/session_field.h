@@ -69,11 +69,11 @@ class SessionField {
     return {value_[index], fmt::format("{}[{}]", path_, index)};
   }
 
-  [[nodiscard]] std::string text() const {
+  [[nodiscard]] std::string text(std::size_t longest = kLongestText) const {
     if (!value_.is_string()) reject("is {}; it must be a string", value_.type_name());
     const auto& text = value_.get_ref<const std::string&>();
-    if (text.size() > kLongestText)
-      reject("has {} bytes; permitted are {}", text.size(), kLongestText);
+    if (text.size() > longest)
+      reject("has {} bytes; permitted are {}", text.size(), longest);
     return text;
   }
 

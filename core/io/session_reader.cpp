@@ -90,8 +90,9 @@ std::vector<HeldModel> heldIn(const Field& field) {
   if (field.size() > 2 * session::kMostModels + 1)
     field.reject("has {} models; permitted are {}", field.size(), 2 * session::kMostModels + 1);
   const auto bytesOf = [](const Field& text) {
+    const std::string coded = text.text(kMostBytes);
     try {
-      return bytesOfBase64(text.text());
+      return bytesOfBase64(coded);
     } catch (const InvalidInput& error) {
       text.reject("{}", error.what());
     }
