@@ -15,10 +15,14 @@ Topics operator+(Topics topics, const Topics& more) {
   return topics;
 }
 
+Topics ofServers() {
+  return {kStatusTopic.name, kSessionTopic.name, kSolutionTopic.name, kMotionFramesTopic.name,
+          kMotionClockTopic.name};
+}
+
 // What everybody may see: how servers, sessions and hands are.
 Topics streams() {
-  return {kStatusTopic.name,       kSessionTopic.name,    kSolutionTopic.name,
-          kBridgeStatusTopic.name, kJointStateTopic.name, "rt/*"};
+  return ofServers() + Topics{kBridgeStatusTopic.name, kJointStateTopic.name, "rt/*"};
 }
 
 Topics answers() {
@@ -71,8 +75,7 @@ Role roleNamed(const std::string& name) {
 Rights rightsOf(Role role, const std::string& name) {
   switch (role) {
     case Role::kServer:
-      return {answers() + Topics{kStatusTopic.name, kSessionTopic.name, kSolutionTopic.name,
-                                 "rt/handgraft/*/joint_command"},
+      return {answers() + ofServers() + Topics{"rt/handgraft/*/joint_command"},
               edits() + Topics{kOperateTopic.name, kStatusTopic.name}};
     case Role::kOperator:
       return {edits() + Topics{kOperateTopic.name, kHandCommandTopic.name, kSamples,
