@@ -1,5 +1,6 @@
 #include "server/reading/sandbox.h"
 
+#include <array>
 #include <cerrno>
 #include <cstdint>
 #include <initializer_list>
@@ -73,16 +74,25 @@ bool kernelFiltersCalls() {
 
 class CallFilter {
  public:
-  CallFilter() : filter_(seccomp_init(SCMP_ACT_KILL_PROCESS), &seccomp_release) {
+  CallFilter() : filter_(seccomp_init(SCMP_ACT_ERRNO(ENOSYS)), &seccomp_release) {
     require(filter_ != nullptr, "seccomp_init");
   }
 
   void allow(std::initializer_list<int> calls) {
     for (const int call : calls)
-      add(call, {});
+      add(SCMP_ACT_ALLOW, call, {});
   }
 
-  void allow(int call, std::initializer_list<scmp_arg_cmp> where) { add(call, where); }
+  void allow(int call, std::initializer_list<scmp_arg_cmp> where) {
+    add(SCMP_ACT_ALLOW, call, where);
+  }
+
+  void killAt(std::initializer_list<int> calls) {
+    for (const int call : calls)
+      add(SCMP_ACT_KILL_PROCESS, call, {});
+  }
+
+  void killAt(int call, scmp_arg_cmp where) { add(SCMP_ACT_KILL_PROCESS, call, {where}); }
 
   void load() {
     const int result = seccomp_load(filter_.get());
@@ -91,11 +101,10 @@ class CallFilter {
   }
 
  private:
-  void add(int call, std::initializer_list<scmp_arg_cmp> where) {
+  void add(std::uint32_t action, int call, std::initializer_list<scmp_arg_cmp> where) {
     if (call < 0) return;  // of other processors
-    const int result =
-        seccomp_rule_add_array(filter_.get(), SCMP_ACT_ALLOW, call,
-                               static_cast<unsigned>(where.size()), std::data(where));
+    const int result = seccomp_rule_add_array(
+        filter_.get(), action, call, static_cast<unsigned>(where.size()), std::data(where));
     errno = -result;
     require(result == 0, "seccomp_rule_add");
   }
@@ -109,7 +118,6 @@ scmp_arg_cmp equals(unsigned argument, std::uint64_t value) {
 
 void forbidOtherCalls() {
   if (!kernelFiltersCalls()) return;
-  constexpr std::uint64_t kWriting = O_WRONLY | O_RDWR | O_CREAT | O_TRUNC | O_APPEND;
   CallFilter filter;
   // Memory, time and its end.
   filter.allow({SCMP_SYS(brk),
@@ -124,6 +132,8 @@ void forbidOtherCalls() {
                 SCMP_SYS(clock_nanosleep),
                 SCMP_SYS(nanosleep),
                 SCMP_SYS(gettimeofday),
+                SCMP_SYS(getrusage),
+                SCMP_SYS(times),
                 SCMP_SYS(getrandom),
                 SCMP_SYS(sysinfo),
                 SCMP_SYS(uname),
@@ -142,8 +152,15 @@ void forbidOtherCalls() {
        SCMP_SYS(fstat64),    SCMP_SYS(newfstatat), SCMP_SYS(fstatat64),  SCMP_SYS(stat),
        SCMP_SYS(lstat),      SCMP_SYS(statx),      SCMP_SYS(access),     SCMP_SYS(faccessat),
        SCMP_SYS(faccessat2), SCMP_SYS(readlink),   SCMP_SYS(readlinkat), SCMP_SYS(getcwd)});
-  filter.allow(SCMP_SYS(openat), {{2, SCMP_CMP_MASKED_EQ, kWriting, 0}});
-  filter.allow(SCMP_SYS(open), {{1, SCMP_CMP_MASKED_EQ, kWriting, 0}});
+  constexpr std::array<std::uint64_t, 5> kWriting = {O_WRONLY, O_RDWR, O_CREAT, O_TRUNC,
+                                                     O_APPEND};
+  constexpr std::uint64_t kAny = O_WRONLY | O_RDWR | O_CREAT | O_TRUNC | O_APPEND;
+  filter.allow(SCMP_SYS(openat), {{2, SCMP_CMP_MASKED_EQ, kAny, 0}});
+  filter.allow(SCMP_SYS(open), {{1, SCMP_CMP_MASKED_EQ, kAny, 0}});
+  for (const std::uint64_t flag : kWriting) {
+    filter.killAt(SCMP_SYS(openat), {2, SCMP_CMP_MASKED_EQ, flag, flag});
+    filter.killAt(SCMP_SYS(open), {1, SCMP_CMP_MASKED_EQ, flag, flag});
+  }
   filter.allow(SCMP_SYS(fcntl), {equals(1, F_GETFD)});
   filter.allow(SCMP_SYS(fcntl), {equals(1, F_GETFL)});
   filter.allow(SCMP_SYS(ioctl), {equals(1, TCGETS)});  // whether a stream is a terminal
@@ -154,6 +171,54 @@ void forbidOtherCalls() {
   }
   // abort() signals itself.
   filter.allow(SCMP_SYS(tgkill), {equals(0, static_cast<std::uint64_t>(getpid()))});
+  // What only a reader that was taken over tries; all else does not exist for it.
+  filter.killAt({SCMP_SYS(socket),
+                 SCMP_SYS(socketpair),
+                 SCMP_SYS(connect),
+                 SCMP_SYS(bind),
+                 SCMP_SYS(listen),
+                 SCMP_SYS(accept),
+                 SCMP_SYS(accept4),
+                 SCMP_SYS(sendto),
+                 SCMP_SYS(sendmsg),
+                 SCMP_SYS(sendmmsg),
+                 SCMP_SYS(execve),
+                 SCMP_SYS(execveat),
+                 SCMP_SYS(fork),
+                 SCMP_SYS(vfork),
+                 SCMP_SYS(clone),
+                 SCMP_SYS(clone3),
+                 SCMP_SYS(kill),
+                 SCMP_SYS(tkill),
+                 SCMP_SYS(ptrace),
+                 SCMP_SYS(process_vm_readv),
+                 SCMP_SYS(process_vm_writev),
+                 SCMP_SYS(creat),
+                 SCMP_SYS(unlink),
+                 SCMP_SYS(unlinkat),
+                 SCMP_SYS(rename),
+                 SCMP_SYS(renameat),
+                 SCMP_SYS(renameat2),
+                 SCMP_SYS(mkdir),
+                 SCMP_SYS(mkdirat),
+                 SCMP_SYS(rmdir),
+                 SCMP_SYS(link),
+                 SCMP_SYS(linkat),
+                 SCMP_SYS(symlink),
+                 SCMP_SYS(symlinkat),
+                 SCMP_SYS(mknod),
+                 SCMP_SYS(mknodat),
+                 SCMP_SYS(chmod),
+                 SCMP_SYS(fchmodat),
+                 SCMP_SYS(chown),
+                 SCMP_SYS(fchownat),
+                 SCMP_SYS(truncate),
+                 SCMP_SYS(mount),
+                 SCMP_SYS(unshare),
+                 SCMP_SYS(setns),
+                 SCMP_SYS(bpf),
+                 SCMP_SYS(io_uring_setup),
+                 SCMP_SYS(open_by_handle_at)});
   filter.load();
 }
 

@@ -8,8 +8,9 @@ namespace handgraft::server {
 
 /// Takes from this process, for good, all that reading `files` does not need: opening any other
 /// file (Landlock), and every system call but those by which a single thread reads, computes
-/// and writes to its standard output and error (seccomp). Opening for writing, making a socket,
-/// another process or thread, or signalling one, ends it with SIGSYS.
+/// and writes to its standard output and error (seccomp): the rest fails as if it did not
+/// exist. Opening for writing, changing a folder, making a socket, another process or thread,
+/// or signalling one ends it with SIGSYS.
 ///
 /// What the kernel lacks is left out (`sandboxOfThisKernel`); so is all of it under sanitizers,
 /// which need more. To be called before anybody's bytes are looked at, without other threads.
