@@ -44,16 +44,21 @@ def test_the_page_is_told_of_edits(session):
         key = base64.b64encode(bytes(16)).decode()
         page.sendall((f"GET /live HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
                       f"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: {key}\r\n\r\n").encode())
+        heard = b""
+
+        def hear_until(wanted):
+            nonlocal heard
+            while wanted not in heard:
+                part = page.recv(65536)
+                assert part, f"the page is told {wanted}; it heard {heard[:500]}"
+                heard += part
+
+        hear_until(b"\r\n\r\n")  # a WebSocket says nothing before it is one
         text = json.dumps({"id": 1, "do": "follow", "session": session.id}).encode()
         page.sendall(bytes([0x81, 0x80 | len(text)]) + bytes(4) + text)
-        heard = b""
-        while b'"reply":1' not in heard:
-            heard += page.recv(65536)
+        hear_until(b'"reply":1')
         session.lock(session.joint_names[0])
-        while b'"last_edit":"lock' not in heard:
-            part = page.recv(65536)
-            assert part, "the page is told of the edit"
-            heard += part
+        hear_until(b'"last_edit":"lock')
 
 
 def test_a_view_that_is_kept_needs_no_server(session, tmp_path):
