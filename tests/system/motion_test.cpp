@@ -175,7 +175,7 @@ TEST(Motion, AnEditAtATimeIsSeenByAllWhoWatch) {
   // The editor's own words, then what others see of it.
   const Finished end =
       service.client({"edit", session, "--at", "2", "--falloff", "0.2", "--script",
-                      written("at.txt", "weight index 30\nundo\n")});
+                      written("at.txt", "weight index 30\nat all\nat 2\nat 2 0.2\nundo\n")});
   ASSERT_EQ(end.exit_code, 0) << end.err;
   EXPECT_THAT(end.out, HasSubstr("of 121 frames changed"));
   const Told undone = toldTo(first, 2);
