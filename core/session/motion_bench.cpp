@@ -12,14 +12,13 @@
 #include "core/base/error.h"
 #include "core/geometry/log_map.h"
 #include "core/geometry/tangent.h"
-#include "core/hand/finger_coordinates.h"
 #include "core/manipulation/causal_solver.h"
-#include "core/manipulation/lay_points.h"
 #include "core/manipulation/offline_solver.h"
 #include "core/manipulation/patch_path.h"
 #include "core/optimize/drag.h"
 #include "core/session/field_bytes.h"
 #include "core/session/held_places.h"
+#include "core/session/motion_layer.h"
 #include "core/session/solids.h"
 #include "core/session/timed_edit.h"
 
@@ -37,91 +36,6 @@ using manipulation::PatchTrack;
 
 constexpr int kShares = 12;                 // steps in which a patch goes to an edited root
 constexpr std::size_t kFramesKept = 20000;  // of bases beside the last one, and of stretches
-
-bool holdsRecordedPoints(const PatchKey& key) {
-  return key.patch.interpolation_boundary.size() <
-         static_cast<std::size_t>(contact::kFewestInterpolationPoints);
-}
-
-/// Every point of the motion says where it lies on links that this hand has.
-bool liesOnLinksOf(const hand::HandModel& model, const Motion& motion) {
-  for (const PatchTrack& track : motion.tracks)
-    for (const PatchKey& key : track.keys)
-      for (const manipulation::HandPoint& point : key.hand_points)
-        if (model.maybeLinkIndex(point.link)) return true;
-  return false;
-}
-
-/// How far a patch is from where the motion has it, about its own root and direction there.
-struct Shift {
-  Eigen::Vector2d way_T = Eigen::Vector2d::Zero();
-  double turn_rad = 0.0;
-
-  [[nodiscard]] bool isNone() const { return way_T.isZero() && turn_rad == 0.0; }
-
-  /// A share of the way to another one.
-  void go(const Shift& to, double share) {
-    way_T += share * (to.way_T - way_T);
-    turn_rad += share * (to.turn_rad - turn_rad);
-  }
-
-  auto operator<=>(const Shift& other) const {
-    return std::tuple(way_T.x(), way_T.y(), turn_rad) <=>
-           std::tuple(other.way_T.x(), other.way_T.y(), other.turn_rad);
-  }
-};
-
-struct Shifts {
-  Shift on_object;
-  Shift on_hand;
-
-  [[nodiscard]] bool isNone() const { return on_object.isNone() && on_hand.isNone(); }
-
-  auto operator<=>(const Shifts&) const = default;
-};
-
-contact::Patch withDirection(const geometry::TriangleMesh& mesh, contact::Patch patch) {
-  if (!patch.direction_O) patch.direction_O = anyTangentAt(mesh, patch.root);
-  return patch;
-}
-
-/// Log coordinates of `to` about `from`, x along `direction`.
-Eigen::Vector2d wayTo(const geometry::TriangleMesh& mesh,
-                      const geometry::SurfacePoint& from,
-                      const Eigen::Vector3d& direction,
-                      const geometry::SurfacePoint& to,
-                      const std::string& patch) {
-  const double apart = (positionOf(mesh, to) - positionOf(mesh, from)).norm();
-  if (apart == 0.0) return Eigen::Vector2d::Zero();
-  const geometry::LogMap map =
-      geometry::computeLogMap(mesh, from, direction, std::numeric_limits<double>::infinity(),
-                              geometry::LogMapMethod::kFast);
-  const Eigen::Vector2d way = logCoordinates(mesh, map, to);
-  if (!way.allFinite())
-    rejectInput("patch {}: no way over the surface leads to its new root", quoted(patch));
-  return way;
-}
-
-/// A key's patch, moved over the object.
-contact::Patch movedOver(const geometry::TriangleMesh& object_O,
-                         const contact::Patch& patch,
-                         const Shift& shift) {
-  if (shift.isNone()) return patch;
-  contact::Patch result =
-      manipulation::slid(object_O, withDirection(object_O, patch), shift.way_T);
-  if (shift.turn_rad == 0.0) return result;
-  const geometry::TriangleMesh& mesh = object_O;
-  // The outline turns with the direction: its points keep their coordinates.
-  const Eigen::Vector3d before = *result.direction_O;
-  const Eigen::Vector3d root = positionOf(mesh, result.root);
-  const Eigen::Vector3d n = normalOf(mesh, result.root);
-  const Eigen::AngleAxisd turn(shift.turn_rad, n);
-  const geometry::SurfaceLocator locator(mesh);
-  result.direction_O = tangentTurned(mesh, result.root, before, shift.turn_rad);
-  for (geometry::SurfacePoint& point : result.interpolation_boundary)
-    point = locator.nearest(root + turn * (positionOf(mesh, point) - root)).point;
-  return result;
-}
 
 /// The document's switches and weights of a patch, as shares of the patch's own.
 double shareOf(const DocumentPatch& patch, double own) {
@@ -182,108 +96,6 @@ void measureDepths(const Hand& hand,
 bool arePosesSame(const hand::HandPose& a, const hand::HandPose& b) {
   return a.q == b.q && a.X_WH.matrix() == b.X_WH.matrix();
 }
-
-/// Lays patches of a motion onto a hand, as a whole or one key at a time.
-class MotionLayer {
- public:
-  MotionLayer(const Document& document,
-              const Hand& hand,
-              const geometry::TriangleMesh& object_O,
-              const Motion& motion)
-      : document_(document),
-        hand_(hand),
-        object_O_(object_O),
-        coordinates_(*hand.model, *hand.skin, hand.sites),
-        surfaces_(transfer::borrowedSurfaces(object_O, *hand.skin)),
-        lies_on_links_(liesOnLinksOf(*hand.model, motion)),
-        has_points_(std::any_of(
-            motion.tracks.begin(), motion.tracks.end(), [](const PatchTrack& track) {
-              return holdsRecordedPoints(track.keys.front());
-            })) {}
-
-  LaidMotion lay(const Motion& motion,
-                 const Progress& progress,
-                 const manipulation::MovePlacement& move = {}) const {
-    LaidMotion laid;
-    if (lies_on_links_) {
-      laid.tracks = layPoints(motion, object_O_, *hand_.model);
-      for (std::size_t t = 0; t < motion.tracks.size(); ++t) {
-        const auto& keys = motion.tracks[t].keys;
-        const bool is_laid = std::any_of(keys.begin(), keys.end(), [&](const PatchKey& key) {
-          return std::any_of(key.hand_points.begin(), key.hand_points.end(),
-                             [&](const manipulation::HandPoint& point) {
-                               return hand_.model->maybeLinkIndex(point.link).has_value();
-                             });
-        });
-        if (is_laid) laid.track_of.push_back(static_cast<int>(t));
-      }
-      HANDGRAFT_REQUIRE(laid.track_of.size() == laid.tracks.size());
-      return laid;
-    }
-    if (has_points_) {
-      return layPointsByPlace(motion, object_O_, *hand_.model, *hand_.skin, coordinates_,
-                              progress);
-    }
-    return layPatches(motion, surfaces_, *hand_.model, hand_.sites, coordinates_,
-                      document_.transfer, progress, move);
-  }
-
-  /// The pairs of one key of a track, its patch moved on both sides.
-  std::vector<optimize::PointPair> layKey(const Motion& motion,
-                                          int track,
-                                          const PatchKey& key,
-                                          const Shifts& shifts,
-                                          const Progress& progress) const {
-    if (!shifts.on_hand.isNone() && (lies_on_links_ || has_points_)) {
-      rejectInput(
-          "patch {}: a recorded point has no outline on the hand; its root there cannot be "
-          "moved",
-          quoted(motion.tracks[static_cast<std::size_t>(track)].name));
-    }
-    Motion alone;
-    alone.name = motion.name;
-    alone.hand = motion.hand;
-    alone.time_s = {0.0};
-    alone.X_WO = {Pose::Identity()};
-    PatchTrack one = motion.tracks[static_cast<std::size_t>(track)];
-    one.keys = {key};
-    one.keys[0].frame = 0;
-    one.keys[0].patch = movedOver(object_O_, key.patch, shifts.on_object);
-    one.end = 1;
-    alone.tracks = {std::move(one)};
-    const geometry::TriangleMesh& skin_S = hand_.skin->mesh();
-    const LaidMotion laid =
-        lay(alone, progress, [&](const transfer::Placement& placement) -> transfer::Placement {
-          if (shifts.on_hand.isNone()) return placement;
-          const geometry::LogMap map = geometry::computeLogMap(
-              skin_S, placement.root_S, placement.direction_S,
-              std::max(1e-3, 1.5 * shifts.on_hand.way_T.norm()), geometry::LogMapMethod::kAuto);
-          const auto place = geometry::LogMapInverse(skin_S, map).at(shifts.on_hand.way_T);
-          if (!place.point.valid()) {
-            rejectInput("patch {}: no skin {:.1f} mm from its root on the hand",
-                        quoted(alone.tracks[0].name), 1e3 * shifts.on_hand.way_T.norm());
-          }
-          return turned(skin_S, movedTo(skin_S, placement, place.point),
-                        shifts.on_hand.turn_rad);
-        });
-    return laid.tracks.front().spans.front().pairs;
-  }
-
-  /// Where a key's patch goes on the hand as the motion has it.
-  [[nodiscard]] std::optional<transfer::Placement> placementOf(const PatchKey& key) const {
-    return manipulation::placementOf(key.patch, surfaces_, *hand_.model, hand_.sites,
-                                     coordinates_);
-  }
-
- private:
-  const Document& document_;
-  const Hand& hand_;
-  const geometry::TriangleMesh& object_O_;
-  hand::FingerCoordinates coordinates_;
-  transfer::Surfaces surfaces_;
-  bool lies_on_links_;
-  bool has_points_;
-};
 
 /// What a patch's edit at a time moves, as a shift from where the motion has it then.
 void goBy(const TimedEdit& edit,
