@@ -180,9 +180,9 @@ TEST(Help, TellsWhatMayFollow) {
               AllOf(HasSubstr("limit JOINT upper VALUE"), Not(HasSubstr("lock JOINT"))));
 }
 
-// The README's table is this one.
-TEST(Help, StandsInTheReadme) {
-  std::ifstream file(test::sourceDirectory() / "client" / "editor" / "README.md");
+// The page's table is this one.
+TEST(Help, StandsInItsPage) {
+  std::ifstream file(test::sourceDirectory() / "client" / "editor" / "COMMANDS.md");
   std::ostringstream text;
   text << file.rdbuf();
   for (const Command& command : commandTable()) {
