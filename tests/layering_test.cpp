@@ -56,7 +56,9 @@ const std::vector<Layer> kLayers = {
     {"idl", {"core/base"}, {"fmt"}},
     {"idl/security", {"core/base", "idl"}, {"fmt"}},
     {"idl/cyclone", {"core/base", "idl", "idl/security"}, {"fmt"}},
-    {"server", {"idl/security"}, {"eigen", "fmt", "spdlog"}},  // and all of core and idl, see permits()
+    {"server",
+     {"idl/security"},
+     {"eigen", "fmt", "spdlog"}},  // and all of core and idl, see permits()
     {"server/reading", kCore, {"eigen", "fmt"}},
     {"server/transport", {"core/base", "idl", "idl/security"}, {"fmt", "spdlog", "fastdds"}},
     {"client/link", {"core/base", "idl", "idl/cyclone", "idl/security"}, {"eigen", "fmt"}},
@@ -99,7 +101,8 @@ const std::map<std::string, std::set<std::string>> kAlone = {
     {"cgal", {"core/cloud/reconstruction.cpp", "core/hand/skin_wrap.cpp"}},
     {"nanoflann", {"core/geometry/kd_tree.cpp"}},
     {"nlopt", {"core/optimize/nlopt_solver.cpp"}},
-    {"openssl", {"core/base/content_hash.cpp", "idl/security/certificates.cpp"}},
+    {"openssl",
+     {"core/base/base64.cpp", "core/base/content_hash.cpp", "idl/security/certificates.cpp"}},
     {"assimp", {"core/io/scene_file.cpp"}},
     {"urdfdom", {"core/io/urdf_file.cpp"}},
     {"tinyxml2",
@@ -131,6 +134,7 @@ const std::map<std::string, std::set<std::string>> kAlone = {
       "idl/json.h",
       "client/python/python_message.h",
       "client/gateway/gateway.cpp",
+      "client/gateway/gateway_pages.cpp",
       "client/gateway/model_frame.cpp",
       "client/gateway/page_file.cpp"}},
     {"sqlite", {"server/store/database.cpp"}},
