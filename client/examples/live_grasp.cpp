@@ -50,6 +50,7 @@ int main(int argc, char** argv) try {
               static_cast<unsigned long long>(pose->revision()), pose->terms().objective(),
               samples.load());
   return 0;
+
 } catch (const std::exception& error) {
   std::fprintf(stderr, "%s\n", error.what());
   return 1;

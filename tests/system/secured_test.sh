@@ -33,8 +33,10 @@ mkdir "$scratch/others"
 "$bin/handgraft" keys init "$scratch/others/keys" >"$scratch/said"
 "$bin/handgraft" keys add a-editor --role editor --dir "$scratch/others/keys" >"$scratch/said"
 "$bin/handgraft" keys show --dir "$keys" --json >"$scratch/show"
-[ "$(grep -c '"state": "valid"' "$scratch/show")" = 5 ] && grep -q '"state": "revoked"' "$scratch/show" ||
-  { cat "$scratch/show"; fail "keys show"; }
+if [ "$(grep -c '"state": "valid"' "$scratch/show")" != 5 ] || ! grep -q '"state": "revoked"' "$scratch/show"; then
+  cat "$scratch/show"
+  fail "keys show"
+fi
 
 # === Clients first: a hand waits for the server, an editor asks while it starts
 start hand "$bin/handgraft-bridge" --identity "$keys/a-hand" --disarmed

@@ -305,7 +305,8 @@ void addClock(CLI::App& motion, CommandOptions& chosen) {
       options.action = v1::CLOCK_LOOP;
       options.value = parsed->value == "on" ? 1.0 : 0.0;
     } else {
-      rejectInput("{}: there are play, pause, seek S, speed X, loop on|off", handgraft::quoted(verb));
+      rejectInput("{}: there are play, pause, seek S, speed X, loop on|off",
+                  handgraft::quoted(verb));
     }
     chosen = options;
   });
