@@ -23,6 +23,7 @@
 #include "tests/bench/motions/box_pull.h"
 #include "tests/bench/motions/mjcf_hand.h"
 #include "tests/bench/motions/motion_edits.h"
+#include "tests/bench/skin_cache.h"
 #include "tests/bench/timing.h"
 
 namespace handgraft::bench {
@@ -36,7 +37,7 @@ using manipulation::Trajectory;
 
 struct MotionsArguments {
   std::string data;
-  std::string cache;
+  std::string cache = defaultCache().string();
   double smoothness = MotionOptions{}.smoothness;
   double causal_smoothness = manipulation::kCausalSmoothness;
   double fade_s = manipulation::Fade{}.seconds;
@@ -350,7 +351,8 @@ void addMotionsCommand(CLI::App& app) {
   command->add_option("--library", arguments->library,
                       "The built-in models: a box is pulled off a shelf");
   command->add_option("--png", arguments->picture, "Strips of that, a file a hand");
-  command->add_option("--cache", arguments->cache, "Folder of skins made before");
+  command->add_option("--cache", arguments->cache, "Folder that keeps the skins")
+      ->capture_default_str();
   command->add_option("--smoothness", arguments->smoothness, "Offline")->capture_default_str();
   command->add_option("--causal-smoothness", arguments->causal_smoothness, "Causal")
       ->capture_default_str();
