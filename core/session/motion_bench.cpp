@@ -4,21 +4,16 @@
 #include <cmath>
 #include <exception>
 #include <map>
-#include <numbers>
-#include <set>
 #include <thread>
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/geometry/log_map.h"
 #include "core/geometry/tangent.h"
 #include "core/manipulation/causal_solver.h"
 #include "core/manipulation/offline_solver.h"
-#include "core/manipulation/patch_path.h"
-#include "core/optimize/drag.h"
 #include "core/session/field_bytes.h"
-#include "core/session/held_places.h"
 #include "core/session/motion_layer.h"
+#include "core/session/motion_times.h"
 #include "core/session/solids.h"
 #include "core/session/timed_edit.h"
 
@@ -30,17 +25,10 @@ using manipulation::LaidMotion;
 using manipulation::Motion;
 using manipulation::MotionProblem;
 using manipulation::PairSpan;
-using manipulation::PairTrack;
 using manipulation::PatchKey;
 using manipulation::PatchTrack;
 
-constexpr int kShares = 12;                 // steps in which a patch goes to an edited root
 constexpr std::size_t kFramesKept = 20000;  // of bases beside the last one, and of stretches
-
-/// The document's switches and weights of a patch, as shares of the patch's own.
-double shareOf(const DocumentPatch& patch, double own) {
-  return own > 0.0 ? patch.effectiveWeight() / own : patch.effectiveWeight();
-}
 
 }  // namespace
 
@@ -97,27 +85,6 @@ bool arePosesSame(const hand::HandPose& a, const hand::HandPose& b) {
   return a.q == b.q && a.X_WH.matrix() == b.X_WH.matrix();
 }
 
-/// What a patch's edit at a time moves, as a shift from where the motion has it then.
-void goBy(const TimedEdit& edit,
-          const Shift& turn_from,
-          double share,
-          const std::optional<Shift>& root,
-          Shift& shift) {
-  if (std::holds_alternative<PatchRootEdit>(edit.change)) {
-    Shift to = *root;
-    to.turn_rad = turn_from.turn_rad;
-    shift.go(to, share);
-  } else {
-    shift.turn_rad += share * std::get<PatchDirectionEdit>(edit.change).angle_rad;
-  }
-}
-
-const std::string* patchOfTimed(const TimedEdit& edit) {
-  if (const auto* root = std::get_if<PatchRootEdit>(&edit.change)) return &root->patch;
-  if (const auto* turn = std::get_if<PatchDirectionEdit>(&edit.change)) return &turn->patch;
-  return nullptr;
-}
-
 /// Joins ranges that touch; sorted.
 std::vector<FrameRange> joined(std::vector<FrameRange> ranges) {
   std::sort(ranges.begin(), ranges.end(), [](const FrameRange& a, const FrameRange& b) {
@@ -131,51 +98,6 @@ std::vector<FrameRange> joined(std::vector<FrameRange> ranges) {
       result.push_back(range);
   }
   return result;
-}
-
-/// Pairs of what is held at a place, as firm as it is among what one frame has.
-void holdAt(const optimize::DragTarget& target,
-            double weight,
-            const optimize::PoseProblem& single,
-            manipulation::FrameOwn& own) {
-  double of_patches = contact::kDefaultInterpolationCount;  // where nothing touches
-  for (const optimize::PointPair& pair : single.pairs)
-    of_patches += pair.patch >= 0 ? pair.weight : 0.0;
-  for (const optimize::PointPair& pair :
-       optimize::pairsOf(target, kHeldFirmness * weight * of_patches))
-    own.pairs.push_back(pair);
-}
-
-/// Joints that are held softly and places that were dragged, for all of the motion.
-void holdThroughout(const Document& document,
-                    const manipulation::Fade& fade,
-                    MotionProblem& problem) {
-  const bool is_soft = std::any_of(document.joints.begin(), document.joints.end(),
-                                   [](const DocumentJoint& joint) {
-                                     return joint.soft_weight > 0.0;
-                                   });
-  if (!is_soft && document.held.empty()) return;
-  const manipulation::FrameProblems singles(problem, fade);
-  hand::HandPose rest;
-  rest.q = problem.prior;
-  const Pose X_OW = inverse(document.X_WO);
-  for (int frame = 0; frame < problem.frameCount(); ++frame) {
-    manipulation::FrameOwn own;
-    for (const DocumentJoint& joint : document.joints) {
-      if (!is_soft) break;
-      own.soft_weights.push_back(joint.soft_weight);
-      own.soft_values.push_back(joint.soft_value);
-    }
-    for (const HeldPlace& place : document.held) {
-      optimize::DragTarget target;
-      target.link = problem.model->linkIndex(place.link);
-      target.p_L = place.p_L;
-      target.target_W = X_OW * place.target_W;
-      if (place.target_R_WL) target.R_WL = X_OW.linear() * *place.target_R_WL;
-      holdAt(target, place.weight, singles.at(frame, rest), own);
-    }
-    problem.own[frame] = std::move(own);
-  }
 }
 
 /// The frames of an edit and those that smoothness couples to them.
@@ -238,7 +160,10 @@ std::shared_ptr<const SolvedMotion> MotionBench::solve(const Document& document,
   const std::shared_ptr<const SolvedMotion> first = base(work);
   if (document.timed.empty()) return first;
   auto solved = std::make_shared<SolvedMotion>(*first);
-  layAtTimes(work, solved->problem);
+  const Laid& as_laid = laid(work);
+  layAtTimes(
+      {document, hand, *object_O_, as_laid.motion, grasp_, as_laid.laid, solving.options.fade},
+      progress, solved->problem);
   if (!solving.causal) {
     solveStretches(work, *solved, on_stretch);
     return solved;
@@ -253,7 +178,7 @@ std::shared_ptr<const SolvedMotion> MotionBench::solve(const Document& document,
   return solved;
 }
 
-const LaidMotion& MotionBench::laid(const Work& work) {
+const MotionBench::Laid& MotionBench::laid(const Work& work) {
   FieldWriter writer;
   writer.add(work.document.hand);
   writer.add(work.document.transfer);
@@ -262,7 +187,7 @@ const LaidMotion& MotionBench::laid(const Work& work) {
     writer.add(patch.direction_O.value_or(Eigen::Vector3d::Zero()));
   }
   std::string key = writer.take();
-  if (laid_ && key == laid_key_) return *laid_;
+  if (laid_ && key == laid_->key) return *laid_;
   const MotionLayer layer(work.document, work.hand, *object_O_, *motion_);
   // Roots and directions that were edited for all of the motion.
   const std::vector<std::string> names = patchNames(*motion_);
@@ -292,9 +217,8 @@ const LaidMotion& MotionBench::laid(const Work& work) {
         patch_key.patch = movedOver(*object_O_, patch_key.patch, shift);
     }
   }
-  laid_ = layer.lay(edited, work.progress);
-  laid_key_ = std::move(key);
-  return *laid_;
+  LaidMotion as_laid = layer.lay(edited, work.progress);
+  return laid_.emplace(Laid{std::move(key), std::move(edited), std::move(as_laid)});
 }
 
 std::shared_ptr<const SolvedMotion> MotionBench::base(const Work& work) {
@@ -310,7 +234,7 @@ std::shared_ptr<const SolvedMotion> MotionBench::base(const Work& work) {
   SolvedMotion& solved = *made;
   solved.solving = work.solving;
   solved.problem = motionProblemOf(document, work.hand, motion_->time_s, work.solving);
-  const LaidMotion& laid_motion = laid(work);
+  const LaidMotion& laid_motion = laid(work).laid;
   solved.problem.tracks = laid_motion.tracks;
   solved.track_of = laid_motion.track_of;
   solved.notes = remarksOn(*motion_);
@@ -364,221 +288,6 @@ std::shared_ptr<const SolvedMotion> MotionBench::base(const Work& work) {
     base = frames > kFramesKept ? bases_.erase(base) : std::next(base);
   }
   return made;
-}
-
-void MotionBench::layAtTimes(const Work& work, MotionProblem& problem) {
-  const Document& document = work.document;
-  const std::vector<std::string> names = patchNames(*motion_);
-  const auto patchIndexOf = [&](const std::string& name) -> std::optional<std::size_t> {
-    for (std::size_t i = 0; i < document.patches.size() && i < names.size(); ++i)
-      if (document.patches[i].name == name) return i;
-    return std::nullopt;
-  };
-  const auto tracksOf = [&](std::size_t patch) {
-    std::vector<int> tracks;
-    for (std::size_t t = 0; t < problem.tracks.size(); ++t)
-      if (motion_->tracks[static_cast<std::size_t>(laid_->track_of[t])].name == names[patch])
-        tracks.push_back(static_cast<int>(t));
-    return tracks;
-  };
-  const int frames = problem.frameCount();
-
-  // === Weights, and whether a patch counts
-  struct Counts {
-    double weight;
-    double enabled;
-  };
-
-  std::map<std::size_t, std::map<int, Counts>> counts;  // by patch, frame
-  // === Limits and what holds joints, frame by frame
-  for (const TimedEdit& edit : document.timed) {
-    const std::map<int, double> influences = influencesOf(edit, problem.time_s);
-    const auto weigh = [&](const std::string& name, const auto& change) {
-      const auto patch = patchIndexOf(name);
-      if (!patch) return;
-      const DocumentPatch& own = document.patches[*patch];
-      for (const auto& [frame, influence] : influences) {
-        Counts& at = counts[*patch]
-                         .try_emplace(frame, Counts{own.weight, own.enabled ? 1.0 : 0.0})
-                         .first->second;
-        change(at, influence);
-      }
-    };
-    const auto limit = [&](const std::string& joint, double lower, double upper) {
-      const int dof = problem.model->dofIndex(joint);
-      for (const auto& [frame, influence] : influences) {
-        manipulation::FrameOwn& own = problem.own[frame];
-        if (own.lower.size() == 0) own.lower = problem.lower;
-        if (own.upper.size() == 0) own.upper = problem.upper;
-        const auto go = [share = influence](double& value, double to) {
-          if (std::isfinite(value) && std::isfinite(to))
-            value += share * (to - value);
-          else if (share >= 0.5)
-            value = to;
-        };
-        go(own.lower[dof], lower);
-        go(own.upper[dof], upper);
-        if (own.lower[dof] > own.upper[dof]) own.upper[dof] = own.lower[dof];
-      }
-    };
-    if (const auto* weight = std::get_if<PatchWeightEdit>(&edit.change)) {
-      weigh(weight->patch, [&](Counts& at, double share) {
-        at.weight += share * (weight->weight - at.weight);
-      });
-    } else if (const auto* on = std::get_if<PatchEnabledEdit>(&edit.change)) {
-      weigh(on->patch, [&](Counts& at, double share) {
-        at.enabled += share * ((on->enabled ? 1.0 : 0.0) - at.enabled);
-      });
-    } else if (const auto* range = std::get_if<JointLimitEdit>(&edit.change)) {
-      limit(range->joint, range->lower, range->upper);
-    } else if (const auto* lock = std::get_if<JointLockEdit>(&edit.change)) {
-      const DocumentJoint& joint =
-          document.joints[static_cast<std::size_t>(problem.model->dofIndex(lock->joint))];
-      if (lock->locked)
-        limit(lock->joint, *lock->value, *lock->value);
-      else
-        limit(lock->joint, joint.lower, joint.upper);
-    } else if (const auto* soft = std::get_if<JointSoftEdit>(&edit.change)) {
-      const auto dof = static_cast<std::size_t>(problem.model->dofIndex(soft->joint));
-      for (const auto& [frame, influence] : influences) {
-        manipulation::FrameOwn& own = problem.own[frame];
-        own.soft_weights.resize(document.joints.size(), 0.0);
-        own.soft_values.resize(document.joints.size(), 0.0);
-        own.soft_weights[dof] = influence * soft->weight;
-        own.soft_values[dof] = soft->value;
-      }
-    }
-  }
-  for (const auto& [patch, at] : counts) {
-    const double own = grasp_.patches[patch].weight;
-    const double before = shareOf(document.patches[patch], own);
-    const auto share = [&](const Counts& now) {
-      const double weight = now.weight * now.enabled;
-      return own > 0.0 ? weight / own : weight;
-    };
-    for (const int track : tracksOf(patch)) {
-      // Switched off throughout, its pairs weigh nothing: as they were laid, off elsewhere.
-      if (before == 0.0) {
-        problem.tracks[static_cast<std::size_t>(track)] =
-            laid_->tracks[static_cast<std::size_t>(track)];
-        for (int frame = 0; frame < frames; ++frame)
-          problem.own[frame].shares[track] = 0.0;
-      }
-      for (const auto& [frame, now] : at)
-        problem.own[frame].shares[track] = before == 0.0 ? share(now) : share(now) / before;
-    }
-  }
-
-  // === Roots and directions
-  std::set<std::size_t> moved_patches;
-  for (const TimedEdit& edit : document.timed)
-    if (const std::string* name = patchOfTimed(edit))
-      if (const auto patch = patchIndexOf(*name)) moved_patches.insert(*patch);
-  if (!moved_patches.empty()) {
-    const MotionLayer layer(document, work.hand, *object_O_, *motion_);
-    const geometry::TriangleMesh& skin_S = work.hand.skin->mesh();
-    for (const std::size_t patch : moved_patches) {
-      const double factor = shareOf(document.patches[patch], grasp_.patches[patch].weight);
-      for (const int t : tracksOf(patch)) {
-        const int motion_track = laid_->track_of[static_cast<std::size_t>(t)];
-        const PatchTrack& track = motion_->tracks[static_cast<std::size_t>(motion_track)];
-        std::map<int, Shifts> shifts;  // by frame
-        for (const TimedEdit& edit : document.timed) {
-          const std::string* name = patchOfTimed(edit);
-          if (name == nullptr || *name != document.patches[patch].name) continue;
-          const std::map<int, double> influences = influencesOf(edit, problem.time_s);
-          const int at = std::clamp(frameNearest(problem.time_s, edit.when.time_s),
-                                    track.begin(), track.end - 1);
-          const PatchKey& there = track.keyAt(at);
-          const auto* root = std::get_if<PatchRootEdit>(&edit.change);
-          const auto* turn = std::get_if<PatchDirectionEdit>(&edit.change);
-          const Side side = root != nullptr ? root->side : turn->side;
-          std::optional<Shift> to;
-          if (root != nullptr) {
-            to.emplace();
-            if (side == Side::kObject) {
-              const contact::Patch from = withDirection(*object_O_, there.patch);
-              to->way_T =
-                  wayTo(*object_O_, from.root, *from.direction_O, root->root, root->patch);
-            } else if (const auto placement = layer.placementOf(there)) {
-              to->way_T = wayTo(skin_S, placement->root_S, placement->direction_S, root->root,
-                                root->patch);
-            } else {
-              rejectInput("patch {} has no place on this hand to be moved from",
-                          quoted(root->patch));
-            }
-          }
-          for (const auto& [frame, influence] : influences) {
-            if (frame < track.begin() || frame >= track.end) continue;
-            // In a few steps: each is laid onto the hand.
-            const double share = std::round(kShares * influence) / kShares;
-            Shifts& all = shifts[frame];
-            Shift& shift = side == Side::kObject ? all.on_object : all.on_hand;
-            goBy(edit, shift, share, to, shift);
-          }
-        }
-        PairTrack& laid_track = problem.tracks[static_cast<std::size_t>(t)];
-        const PairTrack before = laid_track;
-        const auto pairsBefore = [&](int frame) {
-          auto span = std::find_if(before.spans.rbegin(), before.spans.rend(),
-                                   [&](const PairSpan& one) {
-                                     return one.begin <= frame;
-                                   });
-          return span == before.spans.rend() ? before.spans.front().pairs : span->pairs;
-        };
-        std::map<std::pair<const PatchKey*, Shifts>, std::vector<optimize::PointPair>> known;
-        std::map<int, std::vector<optimize::PointPair>> spans;
-        for (const PairSpan& span : before.spans)
-          spans[span.begin] = span.pairs;
-        for (const auto& [frame, shift] : shifts) {
-          work.progress.checkpoint();
-          const PatchKey& key = track.keyAt(frame);
-          auto found = known.find({&key, shift});
-          if (found == known.end()) {
-            std::vector<optimize::PointPair> pairs;
-            if (shift.isNone()) {
-              pairs = pairsBefore(frame);
-            } else {
-              pairs = layer.layKey(*motion_, motion_track, key, shift, work.progress);
-              for (optimize::PointPair& pair : pairs) {
-                pair.patch = t;
-                if (factor > 0.0) pair.weight *= factor;
-              }
-            }
-            found = known.emplace(std::pair(&key, shift), std::move(pairs)).first;
-          }
-          spans[frame] = found->second;
-          if (shifts.count(frame + 1) == 0 && frame + 1 < laid_track.end &&
-              spans.count(frame + 1) == 0)
-            spans[frame + 1] = pairsBefore(frame + 1);
-        }
-        laid_track.spans.clear();
-        for (auto& [begin, pairs] : spans)
-          laid_track.spans.push_back({begin, std::move(pairs)});
-      }
-    }
-  }
-
-  // === Places that were dragged
-  const manipulation::FrameProblems singles(problem, work.solving.options.fade);
-  hand::HandPose rest;
-  rest.q = problem.prior;
-  for (const TimedEdit& edit : document.timed) {
-    const auto* way = std::get_if<DragWay>(&edit.change);
-    if (way == nullptr) continue;
-    const std::map<int, double> influences = influencesOf(edit, problem.time_s);
-    for (std::size_t i = 0; i < way->targets_O.size(); ++i) {
-      const int frame = way->first_frame + static_cast<int>(i);
-      const auto influence = influences.find(frame);
-      if (influence == influences.end() || frame >= frames) continue;
-      optimize::DragTarget target;
-      target.link = problem.model->linkIndex(way->link);
-      target.p_L = way->p_L;
-      target.target_W = way->targets_O[i];
-      holdAt(target, influence->second * way->weight, singles.at(frame, rest),
-             problem.own[frame]);
-    }
-  }
 }
 
 void MotionBench::solveStretches(const Work& work,

@@ -71,18 +71,23 @@ class MotionBench {
     std::vector<double> depth_m;
   };
 
+  /// The motion with what was edited for all of it, and its patches on the hand.
+  struct Laid {
+    std::string key;
+    manipulation::Motion motion;
+    manipulation::LaidMotion laid;
+  };
+
   struct Work;  ///< what one solve is about
 
-  const manipulation::LaidMotion& laid(const Work& work);
+  const Laid& laid(const Work& work);
   std::shared_ptr<const SolvedMotion> base(const Work& work);
   void solveStretches(const Work& work, SolvedMotion& solved, const OnStretch& on_stretch);
-  void layAtTimes(const Work& work, manipulation::MotionProblem& problem);
 
   std::shared_ptr<const manipulation::Motion> motion_;
   std::shared_ptr<const geometry::TriangleMesh> object_O_;
-  contact::ContactSet grasp_;  ///< that stands for it
-  std::string laid_key_;
-  std::optional<manipulation::LaidMotion> laid_;
+  contact::ContactSet grasp_;     ///< that stands for it
+  std::optional<Laid> laid_;      ///< the last
   std::list<Base> bases_;         ///< the last used first
   std::list<Stretch> stretches_;  ///< likewise
 };

@@ -169,6 +169,70 @@ TEST_F(MotionBenchTest, ARootOnTheObjectGoesThereAndBack) {
   EXPECT_TRUE(same(before->trajectory.poses[10], after->trajectory.poses[10]));
 }
 
+TEST_F(MotionBenchTest, ARootAtATimeLeadsFromWhereItWasPutThroughout) {
+  const contact::Patch& patch = grasp_.contacts.patches[1];
+  Document throughout = first_;
+  throughout.patches[1].root_O = patch.interpolation_boundary[0];
+  const auto before = solve(throughout);
+  // Back to where it came from, at one time.
+  const auto after =
+      solve(with(throughout, 2.0, 0.3, PatchRootEdit{patch.name, Side::kObject, patch.root}));
+  const auto rootsApart = [&](const SolvedMotion& a, int k, const SolvedMotion& b, int l) {
+    const auto middle = [](const SolvedMotion& solved, int frame) -> Eigen::Vector3d {
+      const manipulation::FrameProblems frames(solved.problem, solved.solving.options.fade);
+      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+      int count = 0;
+      for (const optimize::PointPair& pair :
+           frames.at(frame, solved.trajectory.poses[static_cast<std::size_t>(frame)]).pairs) {
+        if (pair.patch != 1) continue;
+        sum += pair.p_W;
+        ++count;
+      }
+      return sum / count;
+    };
+    return (middle(a, k) - middle(b, l)).norm();
+  };
+  const double way = rootsApart(*solve(first_), 120, *before, 120);
+  EXPECT_GT(way, 0.001);
+  EXPECT_LT(rootsApart(*after, 120, *solve(first_), 120), 0.4 * way) << "there it is back";
+  EXPECT_LT(rootsApart(*after, 10, *before, 10), 1e-12) << "elsewhere it stays";
+  // Twelve shares of the way, the longest of which is a fifth of it: nowhere a jump.
+  for (int k = 95; k < 145; ++k)
+    EXPECT_LT(rootsApart(*after, k, *after, k + 1), 0.3 * way) << k;
+}
+
+TEST_F(MotionBenchTest, AnUndoneEditOfAllLeavesNothingToThoseAtTimes) {
+  Document moved = first_;
+  moved.patches[1].root_O = grasp_.contacts.patches[1].interpolation_boundary[0];
+  Document off = first_;
+  off.patches[1].enabled = false;
+  const Document edited = with(off, 2.0, 0.3, PatchEnabledEdit{"index", true});
+  static_cast<void>(solve(first_));
+  static_cast<void>(solve(off));
+  static_cast<void>(solve(moved));
+  const auto after = solve(edited);
+  MotionBench fresh(std::make_shared<const manipulation::Motion>(held(grasp_)), grasp_.ball);
+  static_cast<void>(fresh.solve(first_, grasp_.hand(), motionSolving(false), 1, Progress()));
+  const auto straight = fresh.solve(edited, grasp_.hand(), motionSolving(false), 1, Progress());
+  for (std::size_t k = 0; k < kFrames; ++k)
+    EXPECT_TRUE(same(after->trajectory.poses[k], straight->trajectory.poses[k])) << k;
+}
+
+TEST_F(MotionBenchTest, ASoftValueAtATimeComesAsTheOneThroughoutGoes) {
+  Document soft = first_;
+  const auto dof = static_cast<std::size_t>(grasp_.hand().model->dofIndex("index_1"));
+  soft.joints[dof].soft_weight = 4.0;
+  soft.joints[dof].soft_value = 0.2;
+  const auto solved = solve(with(soft, 2.0, 0.3, JointSoftEdit{"index_1", 0.6, 8.0}));
+  for (const auto& [frame, own] : solved->problem.own) {
+    ASSERT_GT(own.soft_weights.size(), dof);
+    EXPECT_GE(own.soft_weights[dof], 4.0 - 1e-12) << frame;
+    EXPECT_GE(own.soft_values[dof], 0.2 - 1e-12) << frame;
+  }
+  EXPECT_EQ(solved->problem.own.at(120).soft_weights[dof], 8.0);
+  EXPECT_EQ(solved->problem.own.at(120).soft_values[dof], 0.6);
+}
+
 TEST_F(MotionBenchTest, CausalMotionsAreFollowedAnewFromTheEditOn) {
   const auto before = solve(first_, {}, true);
   const auto after = solve(with(first_, 2.0, 0.2, PatchWeightEdit{"index", 50.0}), {}, true);
