@@ -154,18 +154,23 @@ KeptModel StateStore::model(std::int64_t row) const {
 std::string StateStore::bytesOf(std::int64_t row) const {
   std::string bytes;
   std::string hash;
+  bool is_there = false;
   {
     const std::lock_guard lock(mutex_);
-    Statement parts(*database_,
-                    "SELECT p.data, p.hash FROM models m JOIN blob_parts p ON p.hash = m.blob "
-                    "WHERE m.id = ? ORDER BY p.part");
-    parts.with(row);
-    while (parts.step()) {
-      bytes += parts.text(0);
-      hash = parts.text(1);
+    Statement model(*database_, "SELECT blob FROM models WHERE id = ?");
+    model.with(row);
+    while (model.step()) {
+      hash = model.text(0);
+      is_there = true;
     }
+    Statement parts(*database_, "SELECT data FROM blob_parts WHERE hash = ? ORDER BY part");
+    parts.with(hash);
+    while (parts.step())
+      bytes += parts.text(0);
   }
-  if (!hash.empty() && hashOf(bytes) == hash) return bytes;
+  if (!is_there) throw StorageError(fmt::format("store {}: it has no model {}", path_, row));
+  if (hash.empty()) return {};  // made of settings alone
+  if (hashOf(bytes) == hash) return bytes;
   throw StorageError(
       fmt::format("store {}: the bytes of model {} are not what they were", path_, row));
 }

@@ -154,6 +154,13 @@ TEST_F(StateStoreTest, KeepsEqualBytesOnceAndAsLongAsOneModelHasThem) {
   expectSound(store);
 }
 
+TEST_F(StateStoreTest, KeepsModelsThatAreMadeOfSettingsAlone) {
+  StateStore store(path);
+  const std::int64_t row = store.addModel(model("variant"), "", {}, "make_variant");
+  EXPECT_EQ(store.bytesOf(row), "");
+  EXPECT_THROW((void)store.bytesOf(row + 1), StorageError);
+}
+
 TEST_F(StateStoreTest, KeepsWhatASessionOrAnotherModelRestsOn) {
   StateStore store(path);
   const std::int64_t object = store.addModel(model("mug"), "mesh", {}, "load");
