@@ -8,6 +8,7 @@
 #include "idl/json.h"
 #include "server/admission/rejection.h"
 #include "server/handlers/enter_model.h"
+#include "server/handlers/kept_models.h"
 #include "server/handlers/variant.h"
 #include "server/reading/packed.h"
 #include "server/store/state_store.h"
@@ -18,20 +19,13 @@ namespace {
 
 constexpr std::size_t kMostHeld = 16u << 20;  // a file has its bound, too
 
-Makings makingsOf(const Origin& origin, const Workshop& workshop) {
-  if (origin.makings != nullptr) return *origin.makings;
-  const KeptModel kept = workshop.state->model(origin.row);
-  return {kept.form, kept.settings, workshop.state->bytesOf(origin.row), kept.base,
-          kept.base_name};
-}
-
-Origin originOf(const std::string& kind, const std::string& name, const ModelStore& models) {
+Origin originOf(const std::string& kind, const std::string& name, const NamedModels& models) {
   if (kind == "hand") return models.hand(name)->origin;
   if (kind == "object") return models.object(name)->origin;
   return models.contacts(name)->origin;
 }
 
-bool isNamed(const std::string& kind, const std::string& name, const ModelStore& models) {
+bool isNamed(const std::string& kind, const std::string& name, const NamedModels& models) {
   try {
     static_cast<void>(originOf(kind, name, models));
     return true;
@@ -40,17 +34,32 @@ bool isNamed(const std::string& kind, const std::string& name, const ModelStore&
   }
 }
 
+/// A session's own models, whoever has taken their names meanwhile. Where nothing is kept they
+/// go by their names: the file's hashes tell whether another one has it.
+std::shared_ptr<const NamedModels> modelsOf(const LiveSession& live, const Workshop& workshop) {
+  if (live.journal != nullptr)
+    return workshop.kept_models->named(workshop.state->session(live.id()).models);
+  return {std::shared_ptr<const NamedModels>(), &workshop.models};
+}
+
 /// Puts models into a list, what they rest on first.
 class Collecting {
  public:
-  explicit Collecting(const Workshop& workshop) : workshop_(workshop) {}
+  Collecting(const NamedModels& models, const StateStore* state)
+      : models_(models), state_(state) {}
 
   void add(const std::string& kind, const std::string& name) {
-    if (!seen_.insert({kind, name}).second) return;
-    const Origin origin = originOf(kind, name, workshop_.models);
+    add(kind, name, originOf(kind, name, models_));
+  }
+
+  std::vector<io::HeldModel> take() { return std::move(held_); }
+
+ private:
+  void add(const std::string& kind, const std::string& name, const Origin& origin) {
     if (origin.makings == nullptr && origin.row == 0) return;  // built-in
-    Makings makings = makingsOf(origin, workshop_);
-    if (!makings.base_name.empty()) add(kind == "hand" ? "hand" : "object", makings.base_name);
+    if (!seen_.insert({kind, name}).second) return;
+    Makings makings = makingsOf(origin);
+    if (!makings.base_name.empty()) addBase(kind == "hand" ? "hand" : "object", makings);
     bytes_ += makings.settings.size() + makings.bytes.size();
     if (bytes_ > kMostHeld) return;  // who opens it hears what is lacking
     held_.push_back({kind, name, origin.content, std::move(makings.form),
@@ -58,10 +67,23 @@ class Collecting {
                      std::move(makings.base_name)});
   }
 
-  std::vector<io::HeldModel> take() { return std::move(held_); }
+  void addBase(const std::string& kind, const Makings& makings) {
+    if (makings.base_row == 0) return add(kind, makings.base_name);
+    Origin origin;
+    origin.row = makings.base_row;
+    origin.content = state_->model(makings.base_row).content;
+    add(kind, makings.base_name, origin);
+  }
 
- private:
-  const Workshop& workshop_;
+  Makings makingsOf(const Origin& origin) const {
+    if (origin.makings != nullptr) return *origin.makings;
+    KeptModel kept = state_->model(origin.row);
+    return {std::move(kept.form), std::move(kept.settings), state_->bytesOf(origin.row),
+            kept.base, std::move(kept.base_name)};
+  }
+
+  const NamedModels& models_;
+  const StateStore* state_;
   std::set<std::pair<std::string, std::string>> seen_;
   std::vector<io::HeldModel> held_;
   std::size_t bytes_ = 0;
@@ -108,10 +130,11 @@ bool isThere(const std::string& model, const ModelStore& models) {
          isNamed(model.substr(0, space), model.substr(space + 1), models);
 }
 
-std::vector<io::HeldModel> heldModels(session::Session& session, const Workshop& workshop) {
-  Collecting held(workshop);
-  for (const auto& [kind, name] : io::modelsNamedIn(session)) {
-    if (isNamed(kind, name, workshop.models)) held.add(kind, name);
+std::vector<io::HeldModel> heldModels(LiveSession& live, const Workshop& workshop) {
+  const auto models = modelsOf(live, workshop);
+  Collecting held(*models, workshop.state);
+  for (const auto& [kind, name] : io::modelsNamedIn(live.session())) {
+    if (isNamed(kind, name, *models)) held.add(kind, name);
   }
   return held.take();
 }

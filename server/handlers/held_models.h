@@ -6,6 +6,7 @@
 #include "core/base/progress.h"
 #include "core/io/session_file.h"
 #include "server/admission/workshop.h"
+#include "server/sessions/live_session.h"
 
 /// The models that a saved session holds, so that it opens where nobody has them.
 namespace handgraft::server {
@@ -13,10 +14,10 @@ namespace handgraft::server {
 /// Whether a session's "hand NAME", "object NAME" or "contacts NAME" stands for a model.
 bool isThere(const std::string& model, const ModelStore& models);
 
-/// Those that a session rests on, and those that these rest on, but for built-in ones; each
-/// after what it rests on; not those with which they would take more than 16 MiB. Of the
-/// session's strand.
-std::vector<io::HeldModel> heldModels(session::Session& session, const Workshop& workshop);
+/// Those that a session rests on, whatever their names stand for by now, and those that these
+/// rest on, but for built-in ones; each after what it rests on; not those with which they would
+/// take more than 16 MiB. Of the session's strand.
+std::vector<io::HeldModel> heldModels(LiveSession& live, const Workshop& workshop);
 
 /// Puts those whose names are free where sessions find them. A name that stands for a model
 /// already stays: whether it is the same one is seen when the session is opened.

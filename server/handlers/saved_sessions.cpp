@@ -47,7 +47,7 @@ v1::SaveSessionReply saveSession(LiveSession& live, const Workshop& workshop) {
            live.id());
   }
   v1::SaveSessionReply reply;
-  reply.text(io::sessionText(live.session(), heldModels(live.session(), workshop)));
+  reply.text(io::sessionText(live.session(), heldModels(live, workshop)));
   return reply;
 }
 

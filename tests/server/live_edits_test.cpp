@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "server/admission/service.h"
+#include "server/store/state_store.h"
 
 #include "tests/server/recording_bus.h"
 #include "tests/server/small_grasp.h"
@@ -636,6 +637,60 @@ TEST_F(LiveEdits, OpenOnAServerThatHasNoneOfTheirModels) {
       other.bus.ask(test::ofSession(v1::OP_SAVE_SESSION, twin)).body().saved_session().text();
   FreshServer third;
   EXPECT_EQ(third.bus.ask(loadSession(again)).error(), v1::ERROR_NONE);
+}
+
+/// Likewise, but it keeps what it has.
+struct KeepingServer {
+  KeepingServer() : service(bus, models, options()) {
+    service.start();
+    for (const v1::RequestBody& body : test::smallGrasp())
+      EXPECT_EQ(bus.ask(body).error(), v1::ERROR_NONE);
+  }
+
+  ServiceOptions options() {
+    ServiceOptions made;
+    made.state = &state;
+    return made;
+  }
+
+  StateStore state{":memory:"};
+  test::RecordingBus bus;
+  ModelStore models;
+  Service service;
+};
+
+TEST(SavedSessions, HoldTheirOwnModelsThoughAnotherHasTheName) {
+  KeepingServer server;
+  v1::VariantRequest variant;
+  variant.hand("clamp");
+  variant.name("stiff");
+  v1::RequestBody made;
+  made.variant(variant);
+  made._d(v1::OP_MAKE_VARIANT);
+  ASSERT_EQ(server.bus.ask(made).error(), v1::ERROR_NONE);
+  const v1::Reply opened = server.bus.ask(test::openSession("stiff", "fruit", "marks"));
+  ASSERT_EQ(opened.error(), v1::ERROR_NONE) << opened.message();
+  const std::uint64_t session = opened.body().session().session_id();
+  ASSERT_EQ(server.bus.ask(test::optimize(session)).error(), v1::ERROR_NONE);
+
+  // Both names go to hands that are longer.
+  for (const char* name : {"stiff", "clamp"})
+    ASSERT_EQ(server.bus.ask(test::unloadModel(v1::MODEL_HAND, name)).error(), v1::ERROR_NONE);
+  std::string urdf = test::kClampUrdf;
+  urdf.replace(urdf.find("0.035"), 5, "0.070");
+  for (const auto& body :
+       {test::putFile(4, "clamp.urdf", urdf), test::putFile(4, "sites.yaml", test::kClampSites),
+        test::loadModel(4, v1::MODEL_HAND, "clamp", "clamp.urdf")})
+    ASSERT_EQ(server.bus.ask(body).error(), v1::ERROR_NONE);
+  ASSERT_EQ(server.bus.ask(made).error(), v1::ERROR_NONE);
+
+  const std::string text = server.bus.ask(test::ofSession(v1::OP_SAVE_SESSION, session))
+                               .body()
+                               .saved_session()
+                               .text();
+  FreshServer other;
+  const v1::Reply loaded = other.bus.ask(loadSession(text));
+  EXPECT_EQ(loaded.error(), v1::ERROR_NONE) << loaded.message();
 }
 
 TEST_F(LiveEdits, NameAllModelsThatAreLacking) {
