@@ -104,9 +104,11 @@ v1::BridgeStatus BridgeLink::command(
       due = Clock::now() + repeat();
     }
     take();
-    if (is_done(bridges_[bridge_id])) break;
+    if (is_done(bridges_[bridge_id])) return bridges_[bridge_id];
   }
-  return bridges_[bridge_id];
+  throw TransportError(fmt::format(
+      "bridge {} on {} has not answered within {} s: whether it will do it is not known",
+      bridge_id, handgraft::describe(network_), patience.count()));
 }
 
 std::vector<v1::BridgeStatus> BridgeLink::stop(

@@ -29,9 +29,9 @@ class BridgeLink {
   /// several, or not that one.
   v1::BridgeStatus one(const std::optional<std::uint32_t>& bridge_id);
 
-  /// Publishes a command until `is_done` says so of the newest status, or for `patience`: the
-  /// newest status. Repeats are obeyed once. Errors: TransportError for a bridge that is heard
-  /// no more, or that is not seen to listen within 3 s.
+  /// Publishes a command until `is_done` says so of the newest status: that status. Repeats are
+  /// obeyed once. Errors: TransportError for a bridge that is heard no more, that is not seen
+  /// to listen within 3 s, or that does not answer for `patience`.
   v1::BridgeStatus command(std::uint32_t bridge_id,
                            v1::HandCommandKind kind,
                            std::chrono::seconds patience,
