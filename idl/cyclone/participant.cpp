@@ -9,14 +9,10 @@
 #include "idl/cyclone/participant.h"
 
 #include <atomic>
-#include <chrono>
 #include <cstring>
-#include <future>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <thread>
 #include <utility>
 
 #include <dds/dds.h>
@@ -26,10 +22,12 @@
 #include <fastcdr/FastBuffer.h>
 
 #include "core/base/error.h"
+#include "idl/cyclone/domain.h"
+#include "idl/cyclone/entity.h"
+#include "idl/cyclone/quality.h"
 #include "idl/edits.h"
 #include "idl/hardware.h"
 #include "idl/motions.h"
-#include "idl/peer_names.h"
 #include "idl/ros2.h"
 #include "idl/security/identity.h"
 #include "idl/sensor_msgs.h"
@@ -39,183 +37,8 @@ namespace handgraft::idl::cyclone {
 
 namespace {
 
-/// Checks what Cyclone returns: handles and counts are >= 0, errors below.
-template <class Result>
-Result checked(Result result, const char* what, const std::string& where) {
-  if (result >= 0) return result;
-  const std::string message = fmt::format("{}: {} ({})", where, what,
-                                          dds_strretcode(static_cast<dds_return_t>(result)));
-  if (result == DDS_RETCODE_TIMEOUT) throw WriteTimeout(message);
-  throw TransportError(message);
-}
-
-/// An entity that is deleted with its owner.
-class Entity {
- public:
-  Entity(dds_entity_t handle, const char* what, const std::string& where)
-      : handle_(checked(handle, what, where)) {}
-
-  ~Entity() { dds_delete(handle_); }
-
-  Entity(const Entity&) = delete;
-  Entity& operator=(const Entity&) = delete;
-
-  [[nodiscard]] dds_entity_t get() const { return handle_; }
-
- private:
-  dds_entity_t handle_;
-};
-
-// === Domain: configured once a process, however many participants join it
-
-// Commands live for some 50 ms. What they say of their topics before the server has heard of
-// them is lost on it, and comes again at their next heartbeat or its first question (70 ms): at
-// Cyclone's 100 ms each, one command in ten waited (docker/DECISIONS.md). A program that ends
-// waits for what was not acknowledged; it has the answer to all that it asked.
-constexpr const char* kTiming =
-    "<HeartbeatInterval min=\"5ms\" minsched=\"10ms\" max=\"8s\">20ms</HeartbeatInterval>"
-    "<NackDelay>20ms</NackDelay><WriterLingerDuration>50ms</WriterLingerDuration>";
-
-std::string configurationOf(const Network& network, const NetworkInterface& interface) {
-  // 65 kB datagrams and 4 MB buffers carry an 8 MB mesh in 12 ms on loopback. A kernel that
-  // grants less makes it slower, not impossible, hence `max`. Names of interfaces may hold any
-  // character.
-  std::string name;
-  for (const char c : interface.name) {
-    if (c == '&') {
-      name += "&amp;";
-    } else if (c == '<') {
-      name += "&lt;";
-    } else if (c == '"') {
-      name += "&quot;";
-    } else {
-      name += c;
-    }
-  }
-  // Multicast is for finding each other, nothing else: Fast DDS sends to the group, once two
-  // readers have it in common, what no router and few wireless networks would deliver.
-  std::string peers;
-  const Network reached = withPeerAddresses(network);
-  for (const std::string& address : unicastAddresses(reached, interface))
-    peers += fmt::format("<Peer Address=\"{}\"/>", address);
-  if (!peers.empty()) peers = "<Peers>" + peers + "</Peers>";
-  return fmt::format(
-      "<CycloneDDS><Domain Id=\"any\">"
-      "<General><Interfaces><NetworkInterface name=\"{}\"/></Interfaces>"
-      "<AllowMulticast>{}</AllowMulticast>"
-      "<MaxMessageSize>65500B</MaxMessageSize><FragmentSize>65000B</FragmentSize></General>"
-      "<Discovery><LeaseDuration>20s</LeaseDuration><SPDPInterval>500ms</SPDPInterval>"
-      "<ParticipantIndex>auto</ParticipantIndex>"
-      "<MaxAutoParticipantIndex>100</MaxAutoParticipantIndex>{}</Discovery>"
-      "<Internal><SocketReceiveBufferSize max=\"4MB\"/>{}</Internal>"
-      "</Domain></CycloneDDS>",
-      name, interface.loopback ? "false" : "spdp", peers, kTiming);
-}
-
-/// This process' share of a domain; the last one to go takes the domain along.
-class Domain {
- public:
-  explicit Domain(const Network& network) : id_(network.domain) {
-    const NetworkInterface interface = validate(network);
-    const std::lock_guard lock(mutex());
-    Shared& shared = all()[id_];
-    // Its identity, too: Cyclone's plugins judge all of a process by the first one's rights.
-    const std::string how = describe(network);
-    if (shared.users > 0 && shared.how != how) {
-      rejectInput("{} cannot be joined: this process is on {} already", how, shared.how);
-    }
-    if (shared.users == 0) {
-      shared.handle = checked(dds_create_domain(static_cast<dds_domainid_t>(id_),
-                                                configurationOf(network, interface).c_str()),
-                              "the domain cannot be joined", describe(network));
-      shared.how = how;
-    }
-    ++shared.users;
-  }
-
-  ~Domain() {
-    const std::lock_guard lock(mutex());
-    Shared& shared = all()[id_];
-    if (--shared.users > 0) return;
-    // Without its interface Cyclone DDS waits for its own receiving thread for ever; then that
-    // is left behind, so that a program whose network went away still ends.
-    constexpr std::chrono::seconds kPatience(5);
-    const auto gone = std::make_shared<std::promise<void>>();
-    std::thread([gone, handle = shared.handle] {
-      dds_delete(handle);
-      gone->set_value();
-    }).detach();
-    gone->get_future().wait_for(kPatience);
-  }
-
-  Domain(const Domain&) = delete;
-  Domain& operator=(const Domain&) = delete;
-
- private:
-  struct Shared {
-    dds_entity_t handle = 0;
-    std::string how;
-    int users = 0;
-  };
-
-  static std::mutex& mutex() {
-    static std::mutex one;
-    return one;
-  }
-
-  static std::map<int, Shared>& all() {
-    static std::map<int, Shared> domains;
-    return domains;
-  }
-
-  int id_;
-};
-
-// === Quality of service (idl/README)
-
-using QosPtr = std::unique_ptr<dds_qos_t, void (*)(dds_qos_t*)>;
-
-// === Security: Cyclone's own plugins, told who this is by the participant's properties
-
-struct Plugin {
-  const char* kind;
-  const char* library;
-  const char* init;
-  const char* finalize;
-};
-
 /// As a server of a secured domain calls itself to all who discover it (server/transport).
 constexpr const char* kSecuredServer = "handgraft-server, secured";
-
-constexpr Plugin kPlugins[] = {
-    {"auth", "dds_security_auth", "init_authentication", "finalize_authentication"},
-    {"access", "dds_security_ac", "init_access_control", "finalize_access_control"},
-    {"crypto", "dds_security_crypto", "init_crypto", "finalize_crypto"}};
-
-QosPtr participantQos(const std::optional<security::Identity>& identity) {
-  QosPtr qos(dds_create_qos(), dds_delete_qos);
-  if (!identity) return qos;
-  const auto put = [&](const std::string& key, const std::string& value) {
-    dds_qset_prop(qos.get(), key.c_str(), value.c_str());
-  };
-  for (const Plugin& plugin : kPlugins) {
-    const std::string prefix = fmt::format("dds.sec.{}.library.", plugin.kind);
-    put(prefix + "path", plugin.library);
-    put(prefix + "init", plugin.init);
-    put(prefix + "finalize", plugin.finalize);
-  }
-  const auto put_file = [&](const char* key, const char* file) {
-    put(key, "file:" + identity->file(file));
-  };
-  put_file("dds.sec.auth.identity_ca", security::kAuthorityFile);
-  put_file("dds.sec.auth.identity_certificate", security::kCertificateFile);
-  put_file("dds.sec.auth.private_key", security::kKeyFile);
-  put_file("org.eclipse.cyclonedds.sec.auth.crl", security::kRevokedFile);
-  put_file("dds.sec.access.permissions_ca", security::kAuthorityFile);
-  put_file("dds.sec.access.governance", security::kGovernanceFile);
-  put_file("dds.sec.access.permissions", security::kPermissionsFile);
-  return qos;
-}
 
 /// A server's GUIDs are for Fast DDS alone (makeCommonName).
 std::optional<security::Identity> identityOf(const Network& network) {
@@ -223,22 +46,6 @@ std::optional<security::Identity> identityOf(const Network& network) {
   if (network.identity.empty()) return std::nullopt;
   return security::readIdentity(network.identity,
                                 {Role::kOperator, Role::kEditor, Role::kViewer, Role::kHand});
-}
-
-QosPtr qosOf(Qos profile, int depth) {
-  QosPtr qos(dds_create_qos(), dds_delete_qos);
-  dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
-  // A dispose crosses the vendors with the wrong instance: never send one by accident.
-  dds_qset_writer_data_lifecycle(qos.get(), false);
-  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, depth);
-  dds_qset_durability(
-      qos.get(), isKept(profile) ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
-  if (isKept(profile)) {
-    dds_qset_durability_service(qos.get(), 0, DDS_HISTORY_KEEP_LAST, depth,
-                                DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED,
-                                DDS_LENGTH_UNLIMITED);
-  }
-  return qos;
 }
 
 // === Codec: Fast CDR <-> bytes, XCDR1 behind a header of 4 bytes
@@ -439,7 +246,7 @@ dds_entity_t createTopic(const Participant::Impl& participant, const Topic<Messa
 // As ROS since Iron finds out whether both sides mean the same type; of one server, in the
 // partition of its name.
 template <class Message>
-QosPtr qosOf(const Participant::Impl& participant, const Topic<Message>& topic, int depth) {
+QosPtr topicQos(const Participant::Impl& participant, const Topic<Message>& topic, int depth) {
   QosPtr qos = qosOf(topic.qos, depth);
   const std::string& server = participant.network.server;
   if (kIsOfOneServer<Message> && !server.empty())
@@ -464,9 +271,9 @@ struct Writer<Message>::Impl {
         writer(createWriter(what), "no writer", name) {}
 
   dds_entity_t createWriter(const Topic<Message>& what) {
-    const dds_entity_t made =
-        dds_create_writer(participant->entity.get(), topic.get(),
-                          qosOf(*participant, what, depthOf(what.qos).writer).get(), nullptr);
+    const dds_entity_t made = dds_create_writer(
+        participant->entity.get(), topic.get(),
+        topicQos(*participant, what, depthOf(what.qos).writer).get(), nullptr);
     requirePermitted(*participant, made, "write", what.name);
     return made;
   }
@@ -537,7 +344,7 @@ struct Reader<Message>::Impl {
     }
     const dds_entity_t made =
         dds_create_reader(participant->entity.get(), topic.get(),
-                          qosOf(*participant, what, depthOf(what.qos).reader).get(),
+                          topicQos(*participant, what, depthOf(what.qos).reader).get(),
                           on_data ? listener.get() : nullptr);
     requirePermitted(*participant, made, "read", what.name);
     return made;

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "idl/cyclone/calls.h"
 #include "idl/fields.h"
 #include "idl/security/rights.h"
 
@@ -22,13 +23,9 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kFirstAnswer(2000);  // a server that lives says so once a second
 constexpr milliseconds kLost(3000);         // three missed, on a machine that may be busy
-constexpr milliseconds kUnknown(30'000);   // how long an edit's outcome is asked for in silence
-constexpr milliseconds kHeldUp(250);       // beyond the time to look: more than a busy machine
-constexpr milliseconds kLook(50);          // for calls that a silent server leaves behind
-constexpr milliseconds kRepeat(50);        // idl/README: measured to lose nothing
-constexpr milliseconds kSlowRepeat(1000);  // once the server is known to work on it
-constexpr int kRepeatsBeforeSlowing = 10;
-constexpr std::size_t kBytesPerMillisecond = 10'000;  // far below what loopback carries
+constexpr milliseconds kUnknown(30'000);  // how long an edit's outcome is asked for in silence
+constexpr milliseconds kHeldUp(250);      // beyond the time to look: more than a busy machine
+constexpr milliseconds kLook(50);         // for calls that a silent server leaves behind
 constexpr std::size_t kMiB = 1024 * 1024;
 // Ids from the oldest that the server may not have seen to the newest sent: it keeps the
 // answers of a client's last 64 (server/README), and never begins one that is older than a
@@ -84,95 +81,6 @@ bool isOfOneServer(v1::Operation operation) {
       return false;
   }
 }
-
-/// When to say it again: at once while discovery settles, ever slower when the server is at
-/// work, and never so fast that a large body floods the wire.
-class Pace {
- public:
-  explicit Pace(std::size_t bytes)
-      : interval_(kRepeat + milliseconds(static_cast<long>(bytes / kBytesPerMillisecond))) {}
-
-  [[nodiscard]] Clock::time_point next() const { return next_; }
-
-  void sent(Clock::time_point now) {
-    if (++count_ % kRepeatsBeforeSlowing == 0) {
-      interval_ = std::max(interval_, std::min(2 * interval_, kSlowRepeat));
-    }
-    next_ = now + interval_;
-  }
-
-  void slowDown() { interval_ = std::max(interval_, kSlowRepeat); }
-
-  void hurry() { next_ = Clock::time_point{}; }
-
- private:
-  milliseconds interval_;
-  Clock::time_point next_{};
-  int count_ = 0;
-};
-
-/// A request or an edit under way. What is sent does not change; the rest is guarded by the
-/// requester's mutex.
-template <class Message, class OnReply>
-struct Call {
-  Call(Message what, std::size_t bytes, OnReply done)
-      : message(std::move(what)), pace(bytes), on_reply(std::move(done)) {}
-
-  const Message message;
-  const Clock::time_point begun = Clock::now();
-  Pace pace;
-  OnReply on_reply;
-  Requester::OnProgress on_progress;
-  bool of_one_server = true;               ///< of `message.server_id()`, which stays
-  bool heard = false;                      ///< the server is known to be at work on it
-  bool silence_told = false;               ///< and its outcome is not known
-  std::optional<std::uint64_t> cancel_id;  ///< of the request to cancel it
-};
-
-using RequestCall = Call<v1::Request, Requester::OnReply>;
-using EditCall = Call<v1::Edit, Requester::OnEditReply>;
-template <class AnyCall>
-using Calls = std::map<std::uint64_t, std::shared_ptr<AnyCall>>;
-
-/// A wait for one outcome on another thread.
-template <class Reply>
-struct Awaited {
-  std::mutex mutex;
-  std::condition_variable news;
-  std::optional<Requester::Outcome<Reply>> outcome;
-  std::optional<std::pair<std::string, double>> progress;
-
-  void settle(Requester::Outcome<Reply> what) {
-    {
-      const std::lock_guard lock(mutex);
-      outcome = std::move(what);
-    }
-    news.notify_all();
-  }
-
-  Reply await(const Requester::OnProgress& on_progress) {
-    std::unique_lock lock(mutex);
-    while (true) {
-      news.wait(lock, [this] {
-        return outcome || progress;
-      });
-      if (progress && on_progress) {
-        const auto [stage, fraction] = *progress;
-        progress.reset();
-        lock.unlock();
-        on_progress(stage, fraction);
-        lock.lock();
-        continue;
-      }
-      progress.reset();
-      if (!outcome) continue;
-      if (auto* error = std::get_if<std::exception_ptr>(&*outcome)) {
-        std::rethrow_exception(*error);
-      }
-      return std::get<Reply>(std::move(*outcome));
-    }
-  }
-};
 
 }  // namespace
 

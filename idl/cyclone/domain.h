@@ -1,0 +1,22 @@
+#pragma once
+
+#include "core/base/network.h"
+
+namespace handgraft::idl::cyclone {
+
+/// This process' share of a domain, which is configured once however many participants join it;
+/// the last one to go takes it along. Threads: any.
+class Domain {
+ public:
+  /// Errors: InvalidInput for a network that is none, or other settings than those with which
+  /// this process is on that domain already; TransportError.
+  explicit Domain(const Network& network);
+  ~Domain();
+  Domain(const Domain&) = delete;
+  Domain& operator=(const Domain&) = delete;
+
+ private:
+  int id_;
+};
+
+}  // namespace handgraft::idl::cyclone
