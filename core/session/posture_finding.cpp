@@ -1,5 +1,7 @@
 #include "core/session/posture_finding.h"
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <string>
 
@@ -22,6 +24,11 @@ constexpr double kPalmWeight = 3.0;    // it carries all others
 
 // A radian off the relaxed posture, of the bones' |difference|^2: chooses where they do not.
 constexpr double kRelaxing = 0.01;
+
+// A hand that can stand as the demonstrator's did is held to it more, as the square of how near
+// it comes: a hand's own grasp comes back, and others are as free as their build asks for.
+constexpr double kUsualMisfit = 0.13;  // rad: a human hand of other proportions
+constexpr double kMostSure = 8.0;
 
 constexpr int kPostureStarts = 8;
 constexpr int kPostureEvaluations = 100;
@@ -66,6 +73,19 @@ void align(int link,
   problem.pairs.push_back(pair);
 }
 
+/// The angle that directions are off in `pose`, root mean square; rad.
+double misfitOf(const optimize::PoseProblem& problem, const hand::HandPose& pose) {
+  hand::LinkPoses X_WL;
+  forwardKinematics(*problem.model, pose.X_WH, pose.q, X_WL);
+  double sum = 0.0;
+  for (const optimize::PointPair& pair : problem.pairs) {
+    const Vector3d is_W = X_WL[static_cast<std::size_t>(pair.link)].linear() * pair.n_L;
+    const double angle = std::atan2(is_W.cross(pair.n_W).norm(), -is_W.dot(pair.n_W));
+    sum += angle * angle;
+  }
+  return std::sqrt(sum / static_cast<double>(problem.pairs.size()));
+}
+
 }  // namespace
 
 Posture postureFor(const Hand& hand, const contact::ContactSet& contacts) {
@@ -101,9 +121,11 @@ Posture postureFor(const Hand& hand, const contact::ContactSet& contacts) {
   options.starts = kPostureStarts;
   options.max_evaluations = kPostureEvaluations;
   const optimize::SolveReport report =
-      optimize::PoseSolver(std::move(problem)).search(options, Progress());
+      optimize::PoseSolver(problem).search(options, Progress());
   posture.q = report.pose.q;
   posture.R_OH = report.pose.X_WH.linear();
+  const double fit = kUsualMisfit / std::max(misfitOf(problem, report.pose), 1e-6);
+  posture.sureness = std::clamp(fit * fit, 1.0, kMostSure);
   return posture;
 }
 

@@ -304,7 +304,7 @@ bool Workbench::holdsPosture(const Solving& solving) const {
 void Workbench::holdPosture(PoseProblem& problem) const {
   if (posture_ == nullptr)
     posture_ = std::make_unique<const Posture>(postureFor(*models_.hand, *models_.contacts));
-  const double share = document_.prior_shares.posture;
+  const double share = document_.prior_shares.posture * posture_->sureness;
   problem.prior.q = posture_->q;
   problem.prior_weights = Eigen::VectorXd::Ones(problem.dofCount());
   problem.prior_weights.tail(posture_->q.size()) *= share;

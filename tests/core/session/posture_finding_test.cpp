@@ -84,6 +84,26 @@ TEST_F(PostureOfASmallHand, LeavesOtherDigitsRelaxed) {
   EXPECT_NEAR(posture.q[5], relaxed[5], 1e-6);
 }
 
+TEST_F(PostureOfASmallHand, IsSurerTheNearerTheHandComes) {
+  contact::ContactSet set = shown();
+  EXPECT_EQ(postureFor(hand_, set).sureness, 8.0);
+  EXPECT_EQ(postureFor(hand_, {}).sureness, 1.0);
+  // Bones that no joint of this hand can follow: each to the other side.
+  const auto bentBy = [&](double angle) {
+    contact::ContactSet bent = set;
+    for (std::size_t i = 0; i < bent.posture.size(); ++i) {
+      contact::PartDirection& part = bent.posture[i];
+      const Eigen::AngleAxisd turn((i % 2 == 0 ? 1.0 : -1.0) * angle, part.palmar_O);
+      part.outward_O = turn * part.outward_O;
+    }
+    return postureFor(hand_, bent).sureness;
+  };
+  const double nearer = bentBy(0.15);
+  EXPECT_GT(nearer, 1.0);
+  EXPECT_LT(nearer, 8.0);
+  EXPECT_EQ(bentBy(0.6), 1.0);
+}
+
 TEST_F(PostureOfASmallHand, IsRelaxedWhereNobodyKnows) {
   const Posture posture = postureFor(hand_, {});
   EXPECT_EQ(posture.q, hand::relaxedPosture(*hand_.model, hand_.skin->qReference()));
