@@ -161,7 +161,6 @@ void MotionObjective::modelFrame(optimize::Objective& objective, FrameModel& own
 
 void MotionObjective::expand(const Poses& poses, BandSystem& system) {
   HANDGRAFT_REQUIRE(poses.size() == trees_.size() && system.own.size() == trees_.size());
-  std::swap(models_, seen_);
   for (Coupling& coupling : system.next)
     coupling.reset();
   for (Coupling& coupling : system.after_next)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "core/manipulation/band_system.h"
@@ -47,15 +48,21 @@ class MotionObjective {
 
   double evaluate(const Poses& poses);
 
+  /// What joins frames alone.
+  [[nodiscard]] double joining(const Poses& poses) const;
+
   /// The same, and in passing what `expand` needs of these poses: most trials are accepted.
   double evaluateToExpand(const Poses& poses);
 
   /// Eq. 2 of each frame at the poses evaluated last.
   [[nodiscard]] const std::vector<double>& frames() const { return frames_; }
 
-  /// Gradient (as `right`, its sign turned) and Hessian about the poses that
-  /// `evaluateToExpand` saw last. Frames whose exact Hessian is positive definite have that,
-  /// others their Gauss-Newton matrix; what joins frames is Gauss-Newton.
+  /// Models from now on are those of the poses that `evaluateToExpand` saw last. Frames whose
+  /// exact Hessian is positive definite have that, others their Gauss-Newton matrix.
+  void takeModels() { std::swap(models_, seen_); }
+
+  /// Gradient (as `right`, its sign turned) and Hessian about the poses of the models; what
+  /// joins frames is Gauss-Newton.
   void expand(const Poses& poses, BandSystem& system);
 
   /// A frame's Eq. 2 alone.
@@ -70,7 +77,7 @@ class MotionObjective {
     }
   };
 
-  /// Of the poses expanded last.
+  /// Of the poses whose models were taken last.
   [[nodiscard]] const std::vector<FrameModel>& models() const { return models_; }
 
   [[nodiscard]] int dofCount() const { return 6 + problem_.model->dofCount(); }
@@ -78,7 +85,6 @@ class MotionObjective {
  private:
   double evaluate(const Poses& poses, bool to_expand);
   void modelFrame(optimize::Objective& objective, FrameModel& own) const;
-  [[nodiscard]] double joining(const Poses& poses) const;
   void addJoining(const Poses& poses, BandSystem& system) const;
 
   const MotionProblem& problem_;

@@ -208,9 +208,23 @@ namespace {
 
 constexpr int kToldEvery = 64;  // frames
 
+/// The frames between two, by even steps from one to the other.
+void fillBetween(const MotionProblem& problem,
+                 int a,
+                 int b,
+                 std::vector<hand::HandPose>& poses) {
+  const auto first = static_cast<std::size_t>(std::min(a, b));
+  const auto last = static_cast<std::size_t>(std::max(a, b));
+  const double whole = problem.time_s[last] - problem.time_s[first];
+  for (std::size_t k = first + 1; k < last; ++k) {
+    poses[k] =
+        between(poses[first], poses[last], (problem.time_s[k] - problem.time_s[first]) / whole);
+  }
+}
+
 /// Follows the contacts from one frame on towards both ends, every `stride`-th frame, and those
-/// at the ends; the objective of these frames, and the poses, held between. Gives up where the
-/// objective is no less than `most`, which it then is.
+/// at the ends; the objective of these frames, and the poses, even steps between. Gives up
+/// where the objective is no less than `most`, which it then is.
 double follow(const MotionProblem& problem,
               const FrameProblems& frames,
               const MotionOptions& options,
@@ -227,10 +241,13 @@ double follow(const MotionProblem& problem,
     solver.begin(setting.pose);
     const int end = way > 0 ? last : 0;
     const int frames_before = way > 0 ? 0 : last - setting.frame;
+    int told = -kToldEvery;
+    int before = setting.frame;
     for (int k = setting.frame;; k = way * std::min(way * (k + way * stride), way * end)) {
       progress.checkpoint();
-      if (k % kToldEvery == 0) {
-        const int followed = frames_before + std::abs(k - setting.frame);
+      const int followed = frames_before + std::abs(k - setting.frame);
+      if (followed >= told + kToldEvery) {
+        told = followed;
         progress.report("following contacts",
                         static_cast<double>(followed) / std::max(1, last));
       }
@@ -240,8 +257,10 @@ double follow(const MotionProblem& problem,
       if (way > 0 || k != setting.frame) {
         sum += step.objective;
         poses[index] = step.pose;
+        fillBetween(problem, before, k, poses);
         if (sum >= most) return sum;
       }
+      before = k;
       if (k == end) break;
     }
   }
@@ -270,6 +289,8 @@ std::vector<hand::HandPose> followedMinima(const MotionProblem& problem,
                                            const MotionOptions& options,
                                            const Progress& progress) {
   constexpr int kStride = 16;
+  constexpr int kFewestStarts = 16;
+  constexpr int kClosely = 2;  // of the best one; what lies between is solved next, with all
   const FrameProblems frames(problem, options.fade);
   MotionOptions following = options;
   following.smoothness = std::min(options.smoothness, kFollowedSmoothness);
@@ -278,9 +299,12 @@ std::vector<hand::HandPose> followedMinima(const MotionProblem& problem,
   std::vector<Setting> settings = {{0, rest}};
   if (!frames.presentAt(fullestBegin(problem, frames)).empty()) {
     settings.clear();
+    // Four frames tell four times what the motion's basins are.
+    MotionOptions searching = options;
+    searching.starts = std::max(std::min(options.starts, kFewestStarts), options.starts / 2);
     for (const int frame : fullFrames(problem, frames)) {
       progress.report("finding grasps", 0.0);
-      const auto report = solveSingle(problem, frames, frame, rest, options, progress);
+      const auto report = solveSingle(problem, frames, frame, rest, searching, progress);
       for (const optimize::Minimum& minimum : report.minima)
         settings.push_back({frame, minimum.pose});
     }
@@ -295,7 +319,7 @@ std::vector<hand::HandPose> followedMinima(const MotionProblem& problem,
     least = sum;
     best = &setting;
   }
-  follow(problem, frames, following, *best, 1, std::numeric_limits<double>::infinity(),
+  follow(problem, frames, following, *best, kClosely, std::numeric_limits<double>::infinity(),
          progress, poses);
   return poses;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "core/base/error.h"
@@ -20,10 +21,12 @@ constexpr double kFirstDamping = 1e-2;
 constexpr double kLeastDamping = 1e-6;
 constexpr double kMostDamping = 1e9;
 constexpr double kWorthwhile = 1e-5;  // share of the objective that a step has to promise
-constexpr double kEnough = 5e-4;      // share of it that a step has to gain for another
+constexpr double kEnough = 5e-4;
+constexpr double kNearlyEnough = 1e-3;  // where each evaluation looks at thousands of samples
 // Of the stiffest frame's diagonal: frames without contacts are damped by that share of it.
 constexpr double kLeastScale = 1e-2;
 constexpr double kLeastRatio = 1e-4;
+constexpr double kRaised = 10.0;         // the damping of a frame whose model was wrong
 constexpr double kShortestShare = 0.01;  // of a step
 
 /// One part of the way: how closely penetration is looked for, how much of smoothness and of
@@ -33,21 +36,21 @@ struct Stage {
   double smoothness;
   double limits;
   int steps;
+  double enough = kEnough;  ///< share of the objective that a step has to gain for another
 };
 
 // From soft to hard: what is stiff at once is stuck at once.
 const std::vector<Stage> kTouchingStages = {
     {{false, 0.0}, 1.0, 1e-4, 40}, {{false, 0.0}, 1.0, 1e-2, 40}, {{false, 0.0}, 1.0, 1.0, 60}};
 // Out of the object already, and to stay there while the way grows smooth.
-const std::vector<Stage> kAvoidingStages = {{{true, 1.0}, 0.01, 1e-4, 4},
-                                            {{true, 1.0}, 0.1, 1e-2, 5},
-                                            {{true, 1.0}, 1.0, 1.0, 16},
-                                            {{true, 16.0}, 1.0, 1.0, 10}};
+const std::vector<Stage> kAvoidingStages = {{{true, 1.0}, 0.05, 1e-3, 4, kNearlyEnough},
+                                            {{true, 1.0}, 1.0, 1.0, 16, kNearlyEnough},
+                                            {{true, 16.0}, 1.0, 1.0, 10, kNearlyEnough}};
 
 // From an answer that stands already, beside what was edited.
 const std::vector<Stage> kTouchingAgain = {{{false, 0.0}, 1.0, 1.0, 60}};
-const std::vector<Stage> kAvoidingAgain = {{{true, 1.0}, 1.0, 1.0, 12},
-                                           {{true, 16.0}, 1.0, 1.0, 10}};
+const std::vector<Stage> kAvoidingAgain = {{{true, 1.0}, 1.0, 1.0, 12, kNearlyEnough},
+                                           {{true, 16.0}, 1.0, 1.0, 10, kNearlyEnough}};
 
 /// Frames that stay as they are, at both ends of a part.
 struct Held {
@@ -75,12 +78,24 @@ class BandSearch {
         damping_(poses_.size(), kFirstDamping) {}
 
   /// Up to `steps` trials. Counts evaluations of frames.
-  void descend(int steps, const Progress& progress, int& evaluations) {
-    value_ = objective_.evaluateToExpand(poses_);
-    frames_ = objective_.frames();
+  void descend(const Stage& stage, const Progress& progress, int& evaluations) {
+    objective_.join(stage.smoothness, stage.limits);
+    if (care_ && care_->fine == stage.care.fine && care_->share == stage.care.share) {
+      // Each frame alone costs what it did.
+      value_ = objective_.joining(poses_);
+      for (const double frame : frames_)
+        value_ += frame;
+    } else {
+      objective_.care(stage.care);
+      care_ = stage.care;
+      value_ = objective_.evaluateToExpand(poses_);
+      evaluations += static_cast<int>(poses_.size());
+      frames_ = objective_.frames();
+      is_modelled_ = false;
+    }
     std::fill(damping_.begin(), damping_.end(), kFirstDamping);
     bool expanded = false;
-    for (int step = 0; step < steps; ++step) {
+    for (int step = 0; step < stage.steps; ++step) {
       progress.checkpoint();
       if (!expanded) expand();
       expanded = true;
@@ -104,11 +119,11 @@ class BandSearch {
       }
       if (better) {
         if (share < 1.0) value = objective_.evaluateToExpand(trial_);
-        const bool is_enough = value_ - value < kEnough * value_;
+        const bool is_enough = value_ - value < stage.enough * value_;
         std::swap(poses_, trial_);
         value_ = value;
         frames_ = objective_.frames();
-        expanded = false;
+        expanded = is_modelled_ = false;
         if (is_enough) return;
       } else if (!any) {
         for (double& damping : damping_)
@@ -136,6 +151,8 @@ class BandSearch {
   }
 
   void expand() {
+    if (!is_modelled_) objective_.takeModels();
+    is_modelled_ = true;
     objective_.expand(poses_, undamped_);
     const std::size_t frames = poses_.size();
     for (std::size_t k = 0; k < frames; ++k) {
@@ -251,7 +268,7 @@ class BandSearch {
       const double error = objective_.frames()[k] - frames_[k] - expected;
       const double size = std::abs(expected) + 1e-4 * frames_[k];
       if (error > 0.5 * size) {
-        damping_[k] = std::min(kMostDamping, 5.0 * damping_[k]);
+        damping_[k] = std::min(kMostDamping, kRaised * damping_[k]);
         any = true;
       } else if (better && error < 0.2 * size) {
         damping_[k] = std::max(kLeastDamping, damping_[k] / 3.0);
@@ -275,6 +292,8 @@ class BandSearch {
   VectorXd stiffest_;  ///< of each degree of freedom, over all frames
   std::vector<double> frames_;
   double value_ = 0.0;
+  std::optional<optimize::AvoidanceCare> care_;  ///< of `frames_`
+  bool is_modelled_ = false;                     ///< the objective's models are of `poses_`
 };
 
 // A second difference joins a frame with the two before it.
@@ -303,9 +322,7 @@ void solvePart(const MotionProblem& problem,
                     (static_cast<double>(first) + done * static_cast<double>(part)) /
                         static_cast<double>(count));
     done += 1.0 / static_cast<double>(stages.size());
-    objective.care(stage.care);
-    objective.join(stage.smoothness, stage.limits);
-    search.descend(stage.steps, progress, trajectory.evaluations);
+    search.descend(stage, progress, trajectory.evaluations);
   }
   std::copy(search.frames().begin(), search.frames().end(),
             trajectory.objective.begin() + static_cast<std::ptrdiff_t>(first));

@@ -61,13 +61,16 @@ void AvoidanceTerm::meetObject(const Vector3d& p_WH) {
     X_OL.linear() = R_OW * place.R_WL;
     X_OL.translation() = p_OH + R_OW * place.arm_W;
     const SampleSet& set = samplesOf(solid);
+    const Matrix3d R_OL = X_OL.linear();
+    const Vector3d p_OL = X_OL.translation();
     set.visit(
         [&](const Vector3d& centre_L, double radius) {
-          return object_O.isClear(X_OL * centre_L, radius);
+          return object_O.isClear(p_OL + R_OL.lazyProduct(centre_L), radius);
         },
         [&](const SurfaceSample& sample) {
-          const Vector3d p_O = X_OL * sample.p_L;
-          if (object_O.isClear(p_O, 0.0)) return;
+          const Vector3d p_O = p_OL + R_OL.lazyProduct(sample.p_L);
+          // Most that are near do not touch: their slopes would be for nothing.
+          if (object_O.isClear(p_O, 0.0) || object_O.at(p_O) >= margin) return;
           Vector3d slope_O;
           const double distance = object_O.at(p_O, slope_O) - margin;
           if (distance >= 0.0) return;
@@ -117,16 +120,19 @@ void AvoidanceTerm::meet(int a, int b) {
   const Place& place = places_[static_cast<std::size_t>(a)];
   const Place& other_place = places_[static_cast<std::size_t>(b)];
   const SampleSet& set = samplesOf(solid);
-  Pose X_BA;
-  X_BA.linear() = other_place.R_WL.transpose() * place.R_WL;
-  X_BA.translation() = other_place.R_WL.transpose() * (place.arm_W - other_place.arm_W);
+  const Matrix3d R_BA = other_place.R_WL.transpose().lazyProduct(place.R_WL);
+  const Vector3d p_BA =
+      other_place.R_WL.transpose().lazyProduct(place.arm_W - other_place.arm_W);
+  const geometry::DistanceGrid& grid_B = *other.grid_L;
   set.visit(
       [&](const Vector3d& centre_A, double radius) {
-        return other.grid_L->isClear(X_BA * centre_A, radius + avoidance_.margin_m);
+        return grid_B.isClear(p_BA + R_BA.lazyProduct(centre_A), radius + avoidance_.margin_m);
       },
       [&](const SurfaceSample& sample) {
-        const Vector3d p_B = X_BA * sample.p_L;
-        if (other.grid_L->isClear(p_B, avoidance_.margin_m)) return;
+        const Vector3d p_B = p_BA + R_BA.lazyProduct(sample.p_L);
+        if (grid_B.isClear(p_B, avoidance_.margin_m) ||
+            other.distance(p_B) >= avoidance_.margin_m)
+          return;
         Vector3d slope_B;
         const double distance = other.distance(p_B, slope_B) - avoidance_.margin_m;
         if (distance >= 0.0) return;

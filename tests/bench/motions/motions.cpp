@@ -23,6 +23,7 @@
 #include "tests/bench/motions/box_pull.h"
 #include "tests/bench/motions/mjcf_hand.h"
 #include "tests/bench/motions/motion_edits.h"
+#include "tests/bench/motions/single_frames.h"
 #include "tests/bench/skin_cache.h"
 #include "tests/bench/timing.h"
 
@@ -47,6 +48,8 @@ struct MotionsArguments {
   std::string library;
   std::string picture;
   bool edits = false;
+  int single = 0;
+  bool offline_only = false;
 };
 
 /// A recorded sequence laid onto the hand that it was made for.
@@ -165,15 +168,23 @@ void printRow(const Sequence& sequence,
 void runSequence(const MotionsArguments& arguments,
                  const BenchHand& hand,
                  const Sequence& sequence) {
-  printRow(sequence, hand, "author's splines", sequence.author, 0.0, 0.0);
   const double frames = sequence.problem.frameCount();
+  if (!arguments.offline_only)
+    printRow(sequence, hand, "author's splines", sequence.author, 0.0, 0.0);
 
   std::vector<hand::HandPose> starts = sequence.author;
   for (hand::HandPose& start : starts)
     start.q = start.q.cwiseMax(sequence.problem.lower).cwiseMin(sequence.problem.upper);
 
+  if (arguments.single > 0) {
+    printSingleFrames(sequence.problem, starts, hand.skin, sequence.object_O,
+                      static_cast<std::size_t>(arguments.single));
+    return;
+  }
+
   // === The best possible pose of some frames alone
   for (const bool avoids : {false, true}) {
+    if (arguments.offline_only) break;
     MotionProblem problem = sequence.problem;
     if (!avoids) problem.avoidance = nullptr;
     const manipulation::FrameProblems single(problem, {0.0, true});
@@ -196,7 +207,7 @@ void runSequence(const MotionsArguments& arguments,
   }
 
   // === Causal
-  {
+  if (!arguments.offline_only) {
     MotionOptions options;
     options.smoothness = arguments.causal_smoothness;
     options.fade.seconds = arguments.fade_s;
@@ -365,6 +376,10 @@ void addMotionsCommand(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--edits", arguments->edits,
                     "Edit a motion of 1,000 frames of the library, too");
+  command->add_flag("--offline", arguments->offline_only, "All frames at once alone");
+  command->add_option(
+      "--single", arguments->single,
+      "Every so-manyth frame alone, with one term after the other, and no more");
   command->add_option("--growth", arguments->repeat,
                       "Repeat the first one up to so many times");
   command->callback([arguments] {

@@ -123,6 +123,7 @@ TEST(MotionObjective, GradientMatchesCentralDifferences) {
   }
   BandSystem system(6, objective.dofCount());
   const double size = objective.evaluateToExpand(poses);
+  objective.takeModels();
   objective.expand(poses, system);
   for (std::size_t k = 0; k < 6; ++k) {
     for (int dof = 0; dof < objective.dofCount(); ++dof) {
@@ -147,6 +148,7 @@ TEST(MotionObjective, JoinsFramesByTheHessianWhereItsResidualsAreLinear) {
   BandSystem system(5, objective.dofCount());
   const auto expandAt = [&](const std::vector<hand::HandPose>& at, BandSystem& into) {
     static_cast<void>(objective.evaluateToExpand(at));
+    objective.takeModels();
     objective.expand(at, into);
   };
   expandAt(poses, system);
