@@ -1,7 +1,11 @@
+#include <atomic>
+#include <cerrno>
 #include <chrono>
+#include <condition_variable>
 #include <csignal>
 #include <cstdio>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -21,6 +25,8 @@
 #include "server/store/model_library.h"
 #include "server/store/state_file.h"
 #include "server/store/state_store.h"
+#include "server/supervisor/supervisor.h"
+#include "server/transport/asker.h"
 #include "server/transport/bus.h"
 
 namespace {
@@ -48,6 +54,8 @@ struct Options {
   unsigned state_mb = 4096;
   bool check = false;
   std::string backup;  ///< file; then it serves nothing
+  bool supervised = false;
+  unsigned ask_process = 0;  ///< another server, which is asked; then it serves nothing
 };
 
 /// The store, or null where nothing shall outlive this process.
@@ -79,8 +87,14 @@ void backUpState(const Options& options) {
   std::printf("%s: copied to %s\n", file.path.c_str(), options.backup.c_str());
 }
 
-/// Blocks SIGTERM and SIGINT in this thread and all that it starts; returns the set to wait
-/// for.
+/// Those of the command line, without the program's name and that flag.
+std::vector<std::string> argumentsWithout(const std::string& flag, int argc, char** argv) {
+  std::vector<std::string> arguments(argv + 1, argv + argc);
+  std::erase(arguments, flag);
+  return arguments;
+}
+
+/// Blocks SIGTERM and SIGINT in this thread and all that it starts; returns their set.
 sigset_t blockStopSignals() {
   sigset_t set;
   sigemptyset(&set);
@@ -90,22 +104,73 @@ sigset_t blockStopSignals() {
   return set;
 }
 
-/// Waits for a signal. Meanwhile what malloc keeps in holes between longer-lived pieces goes
-/// back to the system: the passing pieces of many sessions' edits would else add up to several
-/// times what the sessions hold.
-int waitFor(const sigset_t& signals) {
-  constexpr timespec kPeriod{5, 0};
-  while (true) {
-    const int signal = sigtimedwait(&signals, nullptr, &kPeriod);
-    if (signal > 0) return signal;
-#ifdef __GLIBC__
-    malloc_trim(0);
-#endif
+/// Hears the signals to stop on a thread of its own, which ends the process 10 s after the
+/// first one, and at once by the second, whatever the others wait for.
+class StopSignals {
+ public:
+  StopSignals() {
+    std::thread([this, signals = blockStopSignals()] {
+      constexpr timespec kPatience{10, 0};
+      int signal = 0;
+      sigwait(&signals, &signal);
+      {
+        const std::lock_guard lock(mutex_);
+        signal_ = signal;
+      }
+      came_.notify_all();
+      sigtimedwait(&signals, nullptr, &kPatience);
+      spdlog::error("event=ended_by_force reason=\"it did not stop by itself\"");
+      spdlog::default_logger()->flush();
+      _exit(kFailed);
+    }).detach();
   }
+
+  StopSignals(const StopSignals&) = delete;
+  StopSignals& operator=(const StopSignals&) = delete;
+
+  /// Waits for a signal. Meanwhile what malloc keeps in holes between longer-lived pieces goes
+  /// back to the system: the passing pieces of many sessions' edits would else add up to
+  /// several times what the sessions hold.
+  int wait() {
+    constexpr std::chrono::seconds kPeriod(5);
+    std::unique_lock lock(mutex_);
+    while (!came_.wait_for(lock, kPeriod, [this] {
+      return signal_ > 0;
+    })) {
+#ifdef __GLIBC__
+      malloc_trim(0);
+#endif
+    }
+    return signal_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable came_;
+  int signal_ = 0;
+};
+
+/// Asks that server until nobody reads any more what it says.
+void ask(const Options& options) {
+  bool is_found = false;
+  std::atomic<bool> is_read = true;
+  server::askServer(
+      options.network, options.ask_process,
+      [&](bool is_answer) {
+        if (is_found && !is_answer) return;
+        is_found = true;
+        const char told = is_answer ? server::kAnswered : server::kFoundServer;
+        if (write(STDOUT_FILENO, &told, 1) < 0 && errno != EAGAIN) is_read = false;
+      },
+      [&] {
+        return !is_read;
+      });
 }
 
 /// Serves until a signal: nothing that the bus says ends it.
-void serve(const Options& options, const sigset_t& stop_signals) {
+void serve(const Options& options) {
+  // Before all other threads; and it outlives this function.
+  static StopSignals stop_signals;
   const NetworkInterface interface = validate(options.network);
   if (!options.network.identity.empty()) {
     // Before anything is opened.
@@ -146,7 +211,7 @@ void serve(const Options& options, const sigset_t& stop_signals) {
         handgraft::quoted(interface.name));
   }
 
-  const int signal = waitFor(stop_signals);
+  const int signal = stop_signals.wait();
   spdlog::info("event=stopping signal={}", signal);
   service.stop();
   spdlog::info("event=stopped");
@@ -220,6 +285,10 @@ int main(int argc, char** argv) {
   app.add_option(
       "--make-skins", options.make_skins,
       "make the built-in hands' skins in this folder and end; done when it is built");
+  app.add_flag("--supervised", options.supervised,
+               "serve in a process of its own, which is started again when it dies or gives no "
+               "answer for 5 s");
+  app.add_option(server::kAskOption, options.ask_process)->group("");
   app.add_option("--log-level", options.log_level, "trace, debug, info, warning, error or off")
       ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error", "off"}))
       ->capture_default_str();
@@ -234,7 +303,6 @@ int main(int argc, char** argv) {
   }
 
   options.reader.time = std::chrono::seconds(reader_seconds);
-  const sigset_t stop_signals = blockStopSignals();
   spdlog::set_default_logger(spdlog::stderr_logger_mt("handgraft"));
   spdlog::set_pattern("time=%Y-%m-%dT%H:%M:%S.%eZ level=%l %v", spdlog::pattern_time_type::utc);
   spdlog::set_level(spdlog::level::from_str(options.log_level));
@@ -245,8 +313,13 @@ int main(int argc, char** argv) {
       return checkState(options);
     } else if (!options.backup.empty()) {
       backUpState(options);
+    } else if (options.ask_process != 0) {
+      ask(options);
+    } else if (options.supervised) {
+      blockStopSignals();
+      return server::supervise(argumentsWithout("--supervised", argc, argv));
     } else {
-      serve(options, stop_signals);
+      serve(options);
     }
     return kDone;
   } catch (const InvalidInput& error) {

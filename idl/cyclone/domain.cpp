@@ -28,9 +28,10 @@ constexpr const char* kTiming =
     "<NackDelay>20ms</NackDelay><WriterLingerDuration>50ms</WriterLingerDuration>";
 
 std::string configurationOf(const Network& network, const NetworkInterface& interface) {
-  // 65 kB datagrams and 4 MB buffers carry an 8 MB mesh in 12 ms on loopback. A kernel that
-  // grants less makes it slower, not impossible, hence `max`. Names of interfaces may hold any
-  // character.
+  // 65 kB datagrams and 4 MB buffers carry an 8 MB mesh in 12 ms on loopback. Elsewhere a
+  // datagram is one frame: of 45 fragments each would have to arrive. A kernel that grants a
+  // smaller buffer makes it slower, not impossible, hence `max`. Names of interfaces may hold
+  // any character.
   std::string name;
   for (const char c : interface.name) {
     if (c == '&') {
@@ -54,13 +55,14 @@ std::string configurationOf(const Network& network, const NetworkInterface& inte
       "<CycloneDDS><Domain Id=\"any\">"
       "<General><Interfaces><NetworkInterface name=\"{}\"/></Interfaces>"
       "<AllowMulticast>{}</AllowMulticast>"
-      "<MaxMessageSize>65500B</MaxMessageSize><FragmentSize>65000B</FragmentSize></General>"
+      "<MaxMessageSize>{}</MaxMessageSize><FragmentSize>{}</FragmentSize></General>"
       "<Discovery><LeaseDuration>20s</LeaseDuration><SPDPInterval>500ms</SPDPInterval>"
       "<ParticipantIndex>auto</ParticipantIndex>"
       "<MaxAutoParticipantIndex>100</MaxAutoParticipantIndex>{}</Discovery>"
       "<Internal><SocketReceiveBufferSize max=\"4MB\"/>{}</Internal>"
       "</Domain></CycloneDDS>",
-      name, interface.loopback ? "false" : "spdp", peers, kTiming);
+      name, interface.loopback ? "false" : "spdp", interface.loopback ? "65500B" : "1400B",
+      interface.loopback ? "65000B" : "1200B", peers, kTiming);
 }
 
 struct JoinedDomain {

@@ -28,9 +28,10 @@ constexpr milliseconds kHeldUp(250);      // beyond the time to look: more than 
 constexpr milliseconds kLook(50);         // for calls that a silent server leaves behind
 constexpr std::size_t kMiB = 1024 * 1024;
 // Ids from the oldest that the server may not have seen to the newest sent: it keeps the
-// answers of a client's last 64 (server/README), and never begins one that is older than a
-// forgotten one.
+// answers of a client's last 64 requests (server/README), and never begins one that is older
+// than a forgotten one.
 constexpr std::uint64_t kWindow = 48;
+constexpr std::uint64_t kEditWindow = 384;  // likewise, of 512
 
 constexpr std::size_t kMostOthers = 64;  // servers of other names that are remembered
 
@@ -144,9 +145,11 @@ struct Requester::Impl {
       waiting.erase(call->message.request_id());
       call->on_reply(gone);
     }
-    while (!edit_calls.empty()) {
-      const auto call = edit_calls.extract(edit_calls.begin()).mapped();
-      call->on_reply(gone);
+    for (auto* calls : {&edit_calls, &waiting_edits}) {
+      while (!calls->empty()) {
+        const auto call = calls->extract(calls->begin()).mapped();
+        call->on_reply(gone);
+      }
     }
   }
 
@@ -326,6 +329,7 @@ struct Requester::Impl {
       collectLost(request_calls, ends);
       collectLost(waiting, ends);
       collectLost(edit_calls, ends);
+      collectLost(waiting_edits, ends);
     }
     for (const auto& end : ends)
       end();
@@ -474,6 +478,9 @@ struct Requester::Impl {
     while (!waiting.empty() && mayGo(waiting.begin()->first)) {
       request_calls.insert(waiting.extract(waiting.begin()));
     }
+    while (!waiting_edits.empty() && mayEdit(waiting_edits.begin()->first)) {
+      edit_calls.insert(waiting_edits.extract(waiting_edits.begin()));
+    }
   }
 
   [[nodiscard]] bool mayGo(std::uint64_t id) const {
@@ -481,6 +488,10 @@ struct Requester::Impl {
       if (!call->heard) return id < oldest + kWindow;
     }
     return true;
+  }
+
+  [[nodiscard]] bool mayEdit(std::uint64_t id) const {
+    return edit_calls.empty() || id < edit_calls.begin()->first + kEditWindow;
   }
 
   /// One whose time has come, else nullptr; `next` becomes the earliest time of another.
@@ -587,6 +598,7 @@ struct Requester::Impl {
   Calls<RequestCall> request_calls;
   Calls<RequestCall> waiting;  ///< not sent yet
   Calls<EditCall> edit_calls;
+  Calls<EditCall> waiting_edits;                ///< likewise
   std::vector<std::function<void()>> failures;  ///< to be told
   std::optional<v1::ServerStatus> status;
   Clock::time_point seen{};
@@ -691,6 +703,10 @@ void Requester::beginEdit(std::uint64_t session_id,
   const std::size_t bytes = v1::EditBody::getCdrSerializedSize(body);
   const auto call = std::make_shared<EditCall>(std::move(edit), bytes, std::move(on_reply));
   call->on_progress = std::move(on_progress);
+  if (!impl_->waiting_edits.empty() || !impl_->mayEdit(id)) {
+    impl_->waiting_edits.emplace(id, call);
+    return;
+  }
   call->pace.sent(call->begun);
   impl_->edit_calls.emplace(id, call);
   lock.unlock();

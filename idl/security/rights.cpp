@@ -75,7 +75,8 @@ Role roleNamed(const std::string& name) {
 Rights rightsOf(Role role, const std::string& name) {
   switch (role) {
     case Role::kServer:
-      return {answers() + ofServers() + Topics{"rt/handgraft/*/joint_command"},
+      // Its supervisor looks whether it answers.
+      return {answers() + ofServers() + Topics{kLookTopic.name, "rt/handgraft/*/joint_command"},
               edits() + Topics{kOperateTopic.name, kStatusTopic.name}};
     case Role::kOperator:
       return {edits() + Topics{kOperateTopic.name, kHandCommandTopic.name, kSamples,

@@ -300,7 +300,7 @@ void Service::onRequest(v1::Request request, const Sender& sender) {
       });
       return;
     case Requests::Verdict::kAnswered:
-      bus_.publish(*begun.answer);
+      bus_.publishAgain(*begun.answer);
       return;
     case Requests::Verdict::kNew:
       break;

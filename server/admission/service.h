@@ -183,7 +183,8 @@ class Service final : private BusListener, private SessionAudience {
   std::atomic<bool> stopping_{false};
 
   Requests requests_;
-  Edits edits_;
+  /// Small answers; a client that could not be heard for a while has many edits under way.
+  Edits edits_{{.answers_per_client = 512}};
   /// Other servers of this domain, and when each was last told of; on the bus' thread.
   std::map<std::uint64_t, std::chrono::steady_clock::time_point> rivals_;
   mutable std::mutex running_mutex_;

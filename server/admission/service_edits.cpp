@@ -31,6 +31,13 @@ void Service::onEdit(v1::Edit edit, const Sender& sender) {
   const auto begun = edits_.begin(asker, edit.edit_id());
   if (begun.verdict == Edits::Verdict::kAnswered) bus_.publish(*begun.answer);
   if (begun.verdict == Edits::Verdict::kForgotten) {
+    if (auto before = editBefore(asker, edit)) {  // done, and the store knows
+      before->client(edit.client());
+      before->edit_id(edit.edit_id());
+      before->session_id(edit.session_id());
+      before->server_id(server_id_);
+      return bus_.publish(*before);
+    }
     passes(reply, [&] {
       rejectForgotten("edit", reply.edit_id());
     });

@@ -46,6 +46,11 @@ class Bus {
   virtual void stop() = 0;
 
   virtual void publish(const v1::Reply& reply) = 0;
+
+  /// An answer whose request was repeated. What is large and may still be on its way is not
+  /// sent anew.
+  virtual void publishAgain(const v1::Reply& reply) { publish(reply); }
+
   virtual void publish(const v1::Progress& progress) = 0;
   virtual void publish(const v1::EditReply& reply) = 0;
   virtual void publish(const v1::ServerStatus& status) = 0;

@@ -34,6 +34,9 @@
 /// Writers and readers of one topic over Fast DDS; private to this folder.
 namespace handgraft::server {
 
+/// The flow controller of what is large, off the loopback.
+inline constexpr const char* kPace = "pace";
+
 /// What endpoints are made in; borrowed.
 struct Endpoints {
   eprosima::fastdds::dds::DomainParticipant* participant = nullptr;
@@ -131,7 +134,10 @@ eprosima::fastdds::dds::Topic* topicFor(const Endpoints& endpoints,
 template <class Message>
 class FastWriter {
  public:
-  FastWriter(const Endpoints& endpoints, const idl::Topic<Message>& topic)
+  /// `is_paced`: by the participant's flow controller, which needs a thread of Fast DDS's own.
+  FastWriter(const Endpoints& endpoints,
+             const idl::Topic<Message>& topic,
+             bool is_paced = false)
       : endpoints_(endpoints),
         topic_(topicFor<Message, typename SupportOf<Message>::type>(endpoints, topic)) {
     namespace dds = eprosima::fastdds::dds;
@@ -144,6 +150,7 @@ class FastWriter {
         std::is_same_v<Message, v1::Reply> || std::is_same_v<Message, v1::MotionFrames>;
     qos.publish_mode().kind =
         kIsLarge ? dds::ASYNCHRONOUS_PUBLISH_MODE : dds::SYNCHRONOUS_PUBLISH_MODE;
+    if (is_paced) qos.publish_mode().flow_controller_name = kPace;
     qos.writer_data_lifecycle().autodispose_unregistered_instances = false;
     // What is lost, and gaps where newer states replaced older ones, are settled at once: a
     // reader holds back what came after them. Heartbeats go out only while something is not
@@ -166,6 +173,11 @@ class FastWriter {
     if (!writer_->write(const_cast<Message*>(&message))) {
       spdlog::warn("topic={} event=not_written", topic_->get_name());
     }
+  }
+
+  /// True if every matched reader has acknowledged all that was written.
+  [[nodiscard]] bool areAllThere() {
+    return writer_->wait_for_acknowledgments({0, 0}) == ReturnCode_t::RETCODE_OK;
   }
 
   void forgetAll() {

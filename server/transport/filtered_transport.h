@@ -54,17 +54,23 @@ class FilteredTransport final : public eprosima::fastdds::rtps::ChainingTranspor
 };
 
 struct FilteredTransportDescriptor final : FilteredTransport::Descriptor {
+  /// `largest_sent`: datagram that is sent; `low` takes what others send, of its own size.
   FilteredTransportDescriptor(
       std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> low,
-      DatagramFilter::Domain domain)
+      DatagramFilter::Domain domain,
+      std::uint32_t largest_sent)
       : FilteredTransport::Descriptor(std::move(low)),
-        filter(std::make_shared<DatagramFilter>(domain)) {}
+        filter(std::make_shared<DatagramFilter>(domain)),
+        largest(largest_sent) {}
+
+  std::uint32_t max_message_size() const override { return largest; }
 
   eprosima::fastdds::rtps::TransportInterface* create_transport() const override {
     return new FilteredTransport(*this, filter);
   }
 
   std::shared_ptr<DatagramFilter> filter;
+  std::uint32_t largest;
 };
 
 }  // namespace handgraft::server
