@@ -6,8 +6,10 @@
 #include <cstdio>
 #include <memory>
 #include <mutex>
+#include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -39,6 +41,8 @@ constexpr int kWrongInput = 2;
 // A client repeats what it waits for at least every 2 s (idl/TOPICS.md).
 constexpr std::chrono::seconds kForsaken{10};
 constexpr std::size_t kReserves = 16;
+// Who is not heard for 20 s is dropped by the other side (idl/DECISIONS.md).
+constexpr double kMissed_s = 16.0;
 
 struct Options {
   Network network;
@@ -104,6 +108,13 @@ sigset_t blockStopSignals() {
   return set;
 }
 
+/// Since some time ago; a machine that sleeps counts, too.
+double secondsWithSleep() {
+  timespec now{};
+  clock_gettime(CLOCK_BOOTTIME, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
 /// Hears the signals to stop on a thread of its own, which ends the process 10 s after the
 /// first one, and at once by the second, whatever the others wait for.
 class StopSignals {
@@ -128,20 +139,26 @@ class StopSignals {
   StopSignals(const StopSignals&) = delete;
   StopSignals& operator=(const StopSignals&) = delete;
 
-  /// Waits for a signal. Meanwhile what malloc keeps in holes between longer-lived pieces goes
-  /// back to the system: the passing pieces of many sessions' edits would else add up to
-  /// several times what the sessions hold.
+  /// Waits for a signal, which is returned, or until this process has stood still for so long
+  /// that others took it for gone: 0. Meanwhile what malloc keeps in holes between longer-lived
+  /// pieces goes back to the system: the passing pieces of many sessions' edits would else add
+  /// up to several times what the sessions hold.
   int wait() {
-    constexpr std::chrono::seconds kPeriod(5);
+    constexpr std::chrono::seconds kPeriod(1);
+    constexpr int kPeriodsBetweenTrims = 5;
     std::unique_lock lock(mutex_);
-    while (!came_.wait_for(lock, kPeriod, [this] {
-      return signal_ > 0;
-    })) {
+    double last_s = secondsWithSleep();
+    for (int i = 1;; ++i) {
+      if (came_.wait_for(lock, kPeriod, [this] {
+            return signal_ > 0;
+          }))
+        return signal_;
+      const double now_s = secondsWithSleep();
+      if (now_s - std::exchange(last_s, now_s) > kMissed_s) return 0;
 #ifdef __GLIBC__
-      malloc_trim(0);
+      if (i % kPeriodsBetweenTrims == 0) malloc_trim(0);
 #endif
     }
-    return signal_;
   }
 
  private:
@@ -167,8 +184,10 @@ void ask(const Options& options) {
       });
 }
 
-/// Serves until a signal: nothing that the bus says ends it.
-void serve(const Options& options) {
+/// Serves until a signal: nothing that the bus says ends it. False if it is to be begun anew,
+/// on its store: it was missed, and clients that dropped it do not find it again while it
+/// believes to know them still.
+bool serve(const Options& options) {
   // Before all other threads; and it outlives this function.
   static StopSignals stop_signals;
   const NetworkInterface interface = validate(options.network);
@@ -211,10 +230,22 @@ void serve(const Options& options) {
         handgraft::quoted(interface.name));
   }
 
-  const int signal = stop_signals.wait();
-  spdlog::info("event=stopping signal={}", signal);
+  int signal = stop_signals.wait();
+  while (signal == 0 && state == nullptr) {
+    spdlog::warn(
+        "event=stood_still reason=\"clients of before may not find this server again; "
+        "with --state it would start anew\"");
+    signal = stop_signals.wait();
+  }
+  if (signal == 0) {
+    spdlog::warn(
+        "event=stood_still reason=\"clients took this server for gone: it starts anew\"");
+  } else {
+    spdlog::info("event=stopping signal={}", signal);
+  }
   service.stop();
-  spdlog::info("event=stopped");
+  if (signal != 0) spdlog::info("event=stopped");
+  return signal != 0;
 }
 
 }  // namespace
@@ -318,8 +349,9 @@ int main(int argc, char** argv) {
     } else if (options.supervised) {
       blockStopSignals();
       return server::supervise(argumentsWithout("--supervised", argc, argv));
-    } else {
-      serve(options);
+    } else if (!serve(options)) {
+      execv("/proc/self/exe", argv);
+      throw std::runtime_error("this program cannot be started anew");
     }
     return kDone;
   } catch (const InvalidInput& error) {

@@ -55,12 +55,15 @@ const std::vector<Layer> kLayers = {
     {"core/examples", {}, {"handgraft"}},
     {"idl", {"core/base"}, {"fmt"}},
     {"idl/security", {"core/base", "idl"}, {"fmt"}},
-    {"idl/cyclone", {"core/base", "idl", "idl/security"}, {"fmt"}},
+    {"idl/datagrams", {}, {}},
+    {"idl/cyclone", {"core/base", "idl", "idl/datagrams", "idl/security"}, {"fmt"}},
     {"server",
      {"idl/security"},
      {"eigen", "fmt", "spdlog"}},  // and all of core and idl, see permits()
     {"server/reading", kCore, {"eigen", "fmt"}},
-    {"server/transport", {"core/base", "idl", "idl/security"}, {"fmt", "spdlog", "fastdds"}},
+    {"server/transport",
+     {"core/base", "idl", "idl/datagrams", "idl/security"},
+     {"fmt", "spdlog", "fastdds"}},
     {"client/link", {"core/base", "idl", "idl/cyclone", "idl/security"}, {"eigen", "fmt"}},
     {"client/include", {"core/base", "client/link", "idl"}, {}},  // handgraft/client.h
     {"client/examples", {}, {"handgraft"}},
@@ -191,7 +194,7 @@ const std::vector<std::pair<std::string, std::regex>> kLibraries = {
 bool isSystem(const std::string& header) {
   static const std::regex kSystem(
       R"(^[a-z_0-9]+$|^(std|sys|net|arpa|netinet|linux|asm)[a-z_0-9]*(/[a-z_0-9]+)*\.h$|)"
-      R"(^(cxxabi|fcntl|malloc|unistd|poll|signal|spawn|pthread|sched|ifaddrs|termios|dlfcn|netdb|errno)\.h$)");
+      R"(^(cxxabi|fcntl|malloc|unistd|poll|signal|spawn|pthread|sched|ifaddrs|termios|dlfcn|link|netdb|errno)\.h$)");
   return std::regex_match(header, kSystem);
 }
 

@@ -1,6 +1,7 @@
 #include "idl/cyclone/domain.h"
 
 #include <chrono>
+#include <cstdio>
 #include <future>
 #include <map>
 #include <memory>
@@ -12,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "core/base/error.h"
+#include "idl/cyclone/datagram_gate.h"
 #include "idl/cyclone/entity.h"
 #include "idl/peer_names.h"
 
@@ -93,6 +95,12 @@ Domain::Domain(const Network& network) : id_(network.domain) {
     rejectInput("{} cannot be joined: this process is on {} already", how, shared.how);
   }
   if (shared.users == 0) {
+    using Kind = DatagramFilter::Domain;
+    if (!gateDatagrams(id_, network.identity.empty() ? Kind::kOpen : Kind::kSecured)) {
+      fmt::print(stderr,
+                 "handgraft: this Cyclone DDS is not the library that was expected: what comes "
+                 "from the network is not looked at first\n");
+    }
     shared.handle = checked(dds_create_domain(static_cast<dds_domainid_t>(id_),
                                               configurationOf(network, interface).c_str()),
                             "the domain cannot be joined", describe(network));

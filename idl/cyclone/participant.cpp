@@ -197,8 +197,8 @@ namespace {
 
 // ROS 2's own middleware announces no type information, and where both sides announce it,
 // Cyclone compares members' names: rosidl's end with an underscore, so that nothing ever
-// matched. Without it types meet by name alone. The flags are fixed, so the descriptor is put
-// together anew.
+// matched. Without it types meet by name alone, and discovery fits into frames. The flags are
+// fixed, so the descriptor is put together anew.
 dds_topic_descriptor_t withoutTypeInformation(const dds_topic_descriptor_t& whole) {
   return {.m_size = whole.m_size,
           .m_align = whole.m_align,
@@ -237,8 +237,8 @@ template <class Message>
 dds_entity_t createTopic(const Participant::Impl& participant, const Topic<Message>& topic) {
   const dds_topic_descriptor_t& whole = *descriptorOf<Message>();
   const dds_topic_descriptor_t bare = withoutTypeInformation(whole);
-  const dds_entity_t made = dds_create_topic(
-      participant.entity.get(), isRos(topic) ? &bare : &whole, topic.name, nullptr, nullptr);
+  const dds_entity_t made =
+      dds_create_topic(participant.entity.get(), &bare, topic.name, nullptr, nullptr);
   requirePermitted(participant, made, "write or read", topic.name);
   return made;
 }

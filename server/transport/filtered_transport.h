@@ -8,7 +8,7 @@
 #include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
 #include <fastdds/rtps/transport/TransportReceiverInterface.h>
 
-#include "server/transport/datagram_filter.h"
+#include "idl/datagrams/datagram_filter.h"
 
 namespace handgraft::server {
 
@@ -18,7 +18,7 @@ class FilteredTransport final : public eprosima::fastdds::rtps::ChainingTranspor
   using ChainingTransport = eprosima::fastdds::rtps::ChainingTransport;
   using Descriptor = eprosima::fastdds::rtps::ChainingTransportDescriptor;
 
-  FilteredTransport(const Descriptor& descriptor, std::shared_ptr<DatagramFilter> filter)
+  FilteredTransport(const Descriptor& descriptor, std::shared_ptr<idl::DatagramFilter> filter)
       : ChainingTransport(descriptor),
         filter_(std::move(filter)),
         low_(descriptor.low_level_descriptor) {}
@@ -49,7 +49,7 @@ class FilteredTransport final : public eprosima::fastdds::rtps::ChainingTranspor
   }
 
  private:
-  std::shared_ptr<DatagramFilter> filter_;
+  std::shared_ptr<idl::DatagramFilter> filter_;
   std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> low_;
 };
 
@@ -57,10 +57,10 @@ struct FilteredTransportDescriptor final : FilteredTransport::Descriptor {
   /// `largest_sent`: datagram that is sent; `low` takes what others send, of its own size.
   FilteredTransportDescriptor(
       std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> low,
-      DatagramFilter::Domain domain,
+      idl::DatagramFilter::Domain domain,
       std::uint32_t largest_sent)
       : FilteredTransport::Descriptor(std::move(low)),
-        filter(std::make_shared<DatagramFilter>(domain)),
+        filter(std::make_shared<idl::DatagramFilter>(domain)),
         largest(largest_sent) {}
 
   std::uint32_t max_message_size() const override { return largest; }
@@ -69,7 +69,7 @@ struct FilteredTransportDescriptor final : FilteredTransport::Descriptor {
     return new FilteredTransport(*this, filter);
   }
 
-  std::shared_ptr<DatagramFilter> filter;
+  std::shared_ptr<idl::DatagramFilter> filter;
   std::uint32_t largest;
 };
 

@@ -264,7 +264,7 @@ int edit(Requester& requester, double seconds, double rate_hz, const std::string
       {"edits", edits.report()}, {"questions", questions.report()}, {"revision", revision}};
   fmt::print("{}\n", report.dump());
   // An edit is done once if it was told as done, and at most once if that is not known.
-  const std::uint64_t unknown = edits.errors("ERROR_OUTCOME_UNKNOWN");
+  const std::uint64_t unknown = edits.errors(v1::nameOf(v1::ERROR_OUTCOME_UNKNOWN));
   const bool is_once = revision >= edits.done() && revision <= edits.done() + unknown;
   return all_edits && all_questions && is_once ? 0 : 1;
 }

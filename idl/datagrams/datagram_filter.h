@@ -11,17 +11,21 @@
 #include <utility>
 #include <vector>
 
-namespace handgraft::server {
+namespace handgraft::idl {
 
-/// Looks at every datagram before Fast DDS 2.9.1 does, which trusts too much: a submessage of
-/// its maker's own kind ends the process by an assertion, a heartbeat that jumps by 2^60 spins
-/// its thread for ever, a lease of no length crashes its discovery, and the size that the first
-/// fragment of a sample announces is allocated.
+/// Looks at every datagram before Fast DDS 2.9.1 or Cyclone DDS 0.10.2 does, which trust too
+/// much. The former: a submessage of its maker's own kind ends the process by an assertion, a
+/// heartbeat that jumps by 2^60 spins its thread for ever, a lease of no length crashes its
+/// discovery, and the size that the first fragment of a sample announces is allocated. The
+/// latter: type information of a kind that does not exist ends the process.
 ///
 /// What goes on is well-formed RTPS 2.x (OMG formal/2019-04-03, section 8.3 and 9.4) of the
 /// kinds that our programs and ROS 2's use; submessages of other kinds are cut out, and a
-/// datagram with a malformed one is dropped whole. One thing is mended on the way: see
-/// `beginAnew` in the source. It knows nothing of who sends; that is for DDS Security.
+/// datagram with a malformed one is dropped whole. For Fast DDS one thing is mended on the way:
+/// see `beginAnew` in the source. For Cyclone DDS type information is blanked, the service that
+/// tells of types is cut out, and discovery comes in whole samples alone, since what is put
+/// together from fragments is not looked at. It knows nothing of who sends; that is for DDS
+/// Security.
 ///
 /// In a secured domain it lets through what is encrypted, and in the clear only what
 /// authentication needs, well formed: announcements of participants and handshakes. Fast DDS
@@ -33,8 +37,10 @@ namespace handgraft::server {
 class DatagramFilter {
  public:
   enum class Domain { kOpen, kSecured };
+  enum class Reader { kFastDds, kCyclone };  ///< who takes what goes on
 
-  explicit DatagramFilter(Domain domain = Domain::kOpen) : domain_(domain) {}
+  explicit DatagramFilter(Domain domain = Domain::kOpen, Reader reader = Reader::kFastDds)
+      : domain_(domain), reader_(reader) {}
 
   static constexpr std::size_t kMostWriters = 20'000;
   /// Of a secured domain, whose announcements are remembered; others wait for one that leaves.
@@ -69,6 +75,8 @@ class DatagramFilter {
   std::optional<std::size_t> secured(const Prefix& source,
                                      const Submessage& submessage,
                                      std::span<const std::uint8_t> rest);
+  /// True of what this reader must not see, though it may be well formed.
+  [[nodiscard]] bool isKeptFrom(const Submessage& submessage) const;
   bool isHandshakeOrAnnouncement(const Prefix& source, const Submessage& submessage);
   /// A stranger cannot change what a participant said of itself first.
   bool isAsBefore(const Prefix& source, std::span<const std::uint8_t> announcement);
@@ -79,10 +87,11 @@ class DatagramFilter {
   };
 
   const Domain domain_;
+  const Reader reader_;
   std::mutex mutex_;
   std::map<Prefix, Announced> announced_;
   /// The highest sample number seen of each writer.
   std::map<std::pair<Prefix, std::uint32_t>, std::int64_t> last_;
 };
 
-}  // namespace handgraft::server
+}  // namespace handgraft::idl

@@ -1,5 +1,5 @@
 // Datagrams made by hand, after OMG formal/2019-04-03 (RTPS 2.3), chapter 9.
-#include "server/transport/datagram_filter.h"
+#include "idl/datagrams/datagram_filter.h"
 
 #include <cstring>
 #include <random>
@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace handgraft::server {
+namespace handgraft::idl {
 namespace {
 
 using Datagram = std::vector<std::uint8_t>;
@@ -275,6 +275,60 @@ TEST(DatagramFilter, HasAFirstQuestionAnsweredAtOnce) {
 
 constexpr std::uint32_t kHandshakeWriter = 0x000201c3;
 
+// === Before Cyclone DDS
+
+Datagram passedToCyclone(const Datagram& datagram) {
+  DatagramFilter filter(DatagramFilter::Domain::kOpen, DatagramFilter::Reader::kCyclone);
+  return passed(filter, datagram);
+}
+
+Datagram typed(std::uint32_t writer, std::uint16_t parameter) {
+  Datagram list{0x00, 0x03, 0x00, 0x00};
+  add(list, parameter, 2);
+  add(list, 4, 2);
+  add(list, 0xffffffffU);
+  add(list, 0x0001, 2);
+  add(list, 0, 2);
+  return data(writer, 1, list);
+}
+
+TEST(DatagramFilter, BlanksTypesBeforeCyclone) {
+  constexpr std::uint16_t kTypeInformation = 0x0075;
+  constexpr std::uint16_t kPadding = 0;
+  EXPECT_EQ(passedToCyclone(typed(kPublicationsWriter, kTypeInformation)),
+            typed(kPublicationsWriter, kPadding));
+  EXPECT_EQ(passed(typed(kPublicationsWriter, kTypeInformation)),
+            typed(kPublicationsWriter, kTypeInformation));
+  // What is no list of parameters is left alone.
+  EXPECT_EQ(passedToCyclone(typed(kUserWriter, kTypeInformation)),
+            typed(kUserWriter, kTypeInformation));
+}
+
+TEST(DatagramFilter, CutsOutTheServiceOfTypesBeforeCyclone) {
+  for (const std::uint32_t writer : {0x000300c3U, 0x000301c3U}) {
+    EXPECT_TRUE(passedToCyclone(data(writer, 1, {0, 1, 0, 0, 1, 2, 3, 4})).empty());
+    EXPECT_FALSE(passed(data(writer, 1, {0, 1, 0, 0, 1, 2, 3, 4})).empty());
+  }
+  EXPECT_FALSE(passedToCyclone(data(kUserWriter, 1, {0, 1, 0, 0, 1, 2, 3, 4})).empty());
+}
+
+TEST(DatagramFilter, TakesDiscoveryInWholeSamplesAloneBeforeCyclone) {
+  Datagram piece = fragment(1, 100, 1000, 100);
+  EXPECT_EQ(passedToCyclone(piece), piece);
+  constexpr std::size_t kWriter = 20 + 4 + 8;
+  piece[kWriter + 2] = 0x03;  // publications'
+  piece[kWriter + 3] = 0xc2;
+  EXPECT_TRUE(passedToCyclone(piece).empty());
+}
+
+TEST(DatagramFilter, LooksAtKeysOfDiscoveryToo) {
+  // DATA with a key in place of a sample, which is too short for one.
+  Datagram cut = data(kPublicationsWriter, 1, {0, 3});
+  cut[21] = 0x01 | 0x08;
+  EXPECT_TRUE(passed(cut).empty());
+  EXPECT_TRUE(passedToCyclone(cut).empty());
+}
+
 Datagram passedSecured(const Datagram& datagram) {
   DatagramFilter filter(DatagramFilter::Domain::kSecured);
   return passed(filter, datagram);
@@ -477,4 +531,4 @@ TEST(SecuredDatagramFilter, GivesOnlyWhatWouldPassAgain) {
 }
 
 }  // namespace
-}  // namespace handgraft::server
+}  // namespace handgraft::idl

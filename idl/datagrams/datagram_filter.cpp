@@ -1,11 +1,11 @@
-#include "server/transport/datagram_filter.h"
+#include "idl/datagrams/datagram_filter.h"
 
 #include <algorithm>
 #include <cstring>
 #include <optional>
 #include <string_view>
 
-namespace handgraft::server {
+namespace handgraft::idl {
 
 namespace {
 
@@ -35,12 +35,16 @@ constexpr std::uint8_t kSecurePostfix = 0x32;
 constexpr std::uint8_t kLittleEndian = 0x01;
 constexpr std::uint8_t kInlineQos = 0x02;
 constexpr std::uint8_t kHasData = 0x04;
+constexpr std::uint8_t kHasKey = 0x08;
 constexpr std::uint8_t kFinal = 0x02;  // of ACKNACK and HEARTBEAT
 
 // Builtin writers, 9.3.1.5.
 constexpr std::uint32_t kParticipantWriter = 0x000100c2;
 constexpr std::uint32_t kPublicationsWriter = 0x000003c2;
 constexpr std::uint32_t kSubscriptionsWriter = 0x000004c2;
+// DDS-XTypes 1.3, 7.6.3.3.3: who asks for types, who tells.
+constexpr std::uint32_t kTypeRequestWriter = 0x000300c3;
+constexpr std::uint32_t kTypeReplyWriter = 0x000301c3;
 constexpr std::uint32_t kBuiltin = 0xc0;  // in the entity's kind
 constexpr std::uint32_t kParticipantReader = 0x000100c7;
 // Of handshakes, DDS Security 1.1, 7.4.7.1.
@@ -52,13 +56,13 @@ constexpr std::uint16_t kSentinel = 0x0001;
 constexpr std::uint16_t kLease = 0x0002;
 constexpr std::uint16_t kParticipantGuid = 0x0050;
 constexpr std::uint16_t kStatusInfo = 0x0071;
+constexpr std::uint16_t kTypeInformation = 0x0075;
 constexpr std::uint16_t kIdentityToken = 0x1001;
 constexpr std::uint16_t kPermissionsToken = 0x1002;
 constexpr std::uint32_t kEternal = 0x7fffffff;  // s
-constexpr std::uint8_t kHasKey = 0x08;          // a flag of DATA
 
 /// Numbers at places of a piece; a place beyond its end is noticed by `fits`.
-struct Reader {
+struct Piece {
   Bytes bytes;
   bool little = true;
 
@@ -74,14 +78,14 @@ struct Reader {
 
   /// An entity's id is in the order of the wire, whatever the flag says.
   [[nodiscard]] std::uint32_t entity(std::size_t at) const {
-    return Reader{bytes, false}.number(at, 4);
+    return Piece{bytes, false}.number(at, 4);
   }
 
   [[nodiscard]] std::int64_t sequence(std::size_t at) const {
     return static_cast<std::int64_t>(std::uint64_t{u32(at)} << 32U | u32(at + 4));
   }
 
-  [[nodiscard]] Reader from(std::size_t at) const { return {bytes.subspan(at), little}; }
+  [[nodiscard]] Piece from(std::size_t at) const { return {bytes.subspan(at), little}; }
 
  private:
   [[nodiscard]] std::uint32_t number(std::size_t at, std::size_t size) const {
@@ -97,21 +101,21 @@ struct Reader {
 /// Calls `look(id, value)`, which may object, for each parameter; nothing if the list is
 /// malformed or was objected to, else where it ends.
 template <class Look>
-std::optional<std::size_t> parameters(const Reader& list, const Look& look) {
+std::optional<std::size_t> parameters(const Piece& list, const Look& look) {
   for (std::size_t at = 0; list.fits(at, 4);) {
     const std::uint16_t id = list.u16(at);
     const std::uint16_t length = list.u16(at + 2);
     at += 4;
     if (id == kSentinel) return at;
     if (!list.fits(at, length)) return std::nullopt;
-    if (!look(id, Reader{list.bytes.subspan(at, length), list.little})) return std::nullopt;
+    if (!look(id, Piece{list.bytes.subspan(at, length), list.little})) return std::nullopt;
     at += length;
   }
   return std::nullopt;
 }
 
 /// The bytes of a set of numbers with its bitmap at `at`, or nothing if it is malformed.
-std::optional<std::size_t> setLength(const Reader& body,
+std::optional<std::size_t> setLength(const Piece& body,
                                      std::size_t at,
                                      std::size_t base_bytes) {
   if (!body.fits(at, base_bytes + 4)) return std::nullopt;
@@ -129,7 +133,7 @@ struct DatagramFilter::Submessage {
   std::uint8_t flags;
   Bytes whole;  ///< with its header
 
-  [[nodiscard]] Reader body() const {
+  [[nodiscard]] Piece body() const {
     return {whole.subspan(kSubmessageHeader), (flags & kLittleEndian) != 0};
   }
 };
@@ -156,9 +160,9 @@ bool isPassed(std::uint8_t kind) {
 }
 
 /// A participant may speak for itself alone, and must be missed no sooner than ours are.
-bool isAnnouncement(const Reader& list, Bytes source) {
+bool isAnnouncement(const Piece& list, Bytes source) {
   bool is_own = false;
-  const auto end = parameters(list, [&](std::uint16_t id, const Reader& value) {
+  const auto end = parameters(list, [&](std::uint16_t id, const Piece& value) {
     if (id == kParticipantGuid) {
       is_own =
           value.fits(0, 16) && std::equal(source.begin(), source.end(), value.bytes.begin());
@@ -172,14 +176,12 @@ bool isAnnouncement(const Reader& list, Bytes source) {
 }
 
 /// Where what was written of DATA begins; nothing if what stands before it is malformed.
-std::optional<std::size_t> payloadOf(const Reader& body,
-                                     std::uint8_t flags,
-                                     std::size_t fixed) {
+std::optional<std::size_t> payloadOf(const Piece& body, std::uint8_t flags, std::size_t fixed) {
   if (!body.fits(0, fixed)) return std::nullopt;
   std::size_t at = 4 + std::size_t{body.u16(2)};  // octetsToInlineQos
   if (at < fixed || !body.fits(at, 0)) return std::nullopt;
   if ((flags & kInlineQos) != 0) {
-    const auto length = parameters(body.from(at), [](std::uint16_t, const Reader&) {
+    const auto length = parameters(body.from(at), [](std::uint16_t, const Piece&) {
       return true;
     });
     if (!length) return std::nullopt;
@@ -188,18 +190,21 @@ std::optional<std::size_t> payloadOf(const Reader& body,
   return at;
 }
 
-bool isData(const Reader& body, std::uint8_t flags, Bytes source) {
+bool isData(const Piece& body, std::uint8_t flags, Bytes source) {
   const auto at = payloadOf(body, flags, 20);
   if (!at) return false;
-  if ((flags & kHasData) == 0) return true;
+  if ((flags & (kHasData | kHasKey)) == 0) return true;
   if (!body.fits(*at, 4)) return false;
   const std::uint32_t writer = body.entity(8);
   // A parameter list of either byte order, 10.2.
-  const Reader list{body.bytes.subspan(*at + 4), body.bytes[*at + 1] % 2 == 1};
-  if (writer == kParticipantWriter) return isAnnouncement(list, source);
-  if (writer == kPublicationsWriter || writer == kSubscriptionsWriter) {
+  const Piece list{body.bytes.subspan(*at + 4), body.bytes[*at + 1] % 2 == 1};
+  const bool is_discovery = writer == kParticipantWriter || writer == kPublicationsWriter ||
+                            writer == kSubscriptionsWriter;
+  if (writer == kParticipantWriter && (flags & kHasData) != 0)
+    return isAnnouncement(list, source);
+  if (is_discovery) {
     return parameters(list,
-                      [](std::uint16_t, const Reader&) {
+                      [](std::uint16_t, const Piece&) {
                         return true;
                       })
         .has_value();
@@ -207,7 +212,7 @@ bool isData(const Reader& body, std::uint8_t flags, Bytes source) {
   return true;
 }
 
-bool isDataFragment(const Reader& body, std::uint8_t flags) {
+bool isDataFragment(const Piece& body, std::uint8_t flags) {
   const auto at = payloadOf(body, flags, 32);
   if (!at) return false;
   const std::uint32_t first = body.u32(20);
@@ -232,7 +237,7 @@ bool isDataFragment(const Reader& body, std::uint8_t flags) {
 void beginAnew(std::span<std::uint8_t> whole) {
   const bool little = (whole[1] & kLittleEndian) != 0;
   const auto body = whole.subspan(kSubmessageHeader);
-  const Reader read{body, little};
+  const Piece read{body, little};
   const std::size_t count_at = 8 + setLength(read, 8, 8).value();
   const std::uint32_t count = read.u32(count_at) + 1;
   for (std::size_t i = 0; i < 4; ++i)
@@ -240,6 +245,27 @@ void beginAnew(std::span<std::uint8_t> whole) {
   const bool asks = (whole[1] & kFinal) == 0 && read.sequence(8) == 1 && read.u32(16) == 0;
   if (asks && (read.entity(4) & kBuiltin) == kBuiltin)
     std::fill_n(body.begin() + 8, 8, std::uint8_t{0});
+}
+
+/// Type information becomes padding: types meet by name alone. `whole`: DATA that is sound.
+void blankTypes(std::span<std::uint8_t> whole) {
+  const bool little = (whole[1] & kLittleEndian) != 0;
+  const Piece body{whole.subspan(kSubmessageHeader), little};
+  const std::uint32_t writer = body.entity(8);
+  if ((whole[1] & (kHasData | kHasKey)) == 0 ||
+      (writer != kParticipantWriter && writer != kPublicationsWriter &&
+       writer != kSubscriptionsWriter))
+    return;
+  const std::size_t at = kSubmessageHeader + payloadOf(body, whole[1], 20).value();
+  const Piece list{whole.subspan(at + 4), whole[at + 1] % 2 == 1};
+  parameters(list, [&](std::uint16_t id, const Piece& value) {
+    if (id == kTypeInformation) {
+      // The id stands before the length, and that before the value.
+      const std::size_t id_at = static_cast<std::size_t>(value.bytes.data() - whole.data()) - 4;
+      whole[id_at] = whole[id_at + 1] = 0;
+    }
+    return true;
+  });
 }
 
 // === In a secured domain
@@ -255,7 +281,7 @@ constexpr std::size_t aligned(std::size_t at) {
 }
 
 /// Where the string, or the sequence of octets, at `at` ends.
-std::optional<std::size_t> endOfText(const Reader& list, std::size_t at) {
+std::optional<std::size_t> endOfText(const Piece& list, std::size_t at) {
   at = aligned(at);
   if (!list.fits(at, 4)) return std::nullopt;
   const std::size_t length = list.u32(at);
@@ -265,7 +291,7 @@ std::optional<std::size_t> endOfText(const Reader& list, std::size_t at) {
 
 /// Where the DataHolder at `at` ends: a class, properties, binary properties (which an identity
 /// token may leave out).
-std::optional<std::size_t> endOfToken(const Reader& list, std::size_t at) {
+std::optional<std::size_t> endOfToken(const Piece& list, std::size_t at) {
   auto end = endOfText(list, at);
   for (int kind = 0; end && kind < 2; ++kind) {
     at = aligned(*end);
@@ -280,9 +306,9 @@ std::optional<std::size_t> endOfToken(const Reader& list, std::size_t at) {
   return end;
 }
 
-bool hasSoundTokens(const Reader& list) {
+bool hasSoundTokens(const Piece& list) {
   return parameters(list,
-                    [](std::uint16_t id, const Reader& value) {
+                    [](std::uint16_t id, const Piece& value) {
                       if (id == kLease) return value.fits(0, 8) && value.u32(0) < kEternal;
                       if (id == kIdentityToken || id == kPermissionsToken)
                         return endOfToken(value, 0).has_value();
@@ -292,7 +318,7 @@ bool hasSoundTokens(const Reader& list) {
 }
 
 /// A ParticipantGenericMessage.
-bool isHandshake(const Reader& message) {
+bool isHandshake(const Piece& message) {
   // Two messages' identities, then a participant's and two endpoints' GUIDs.
   constexpr std::size_t kFixed = 24 + 24 + 16 + 16 + 16;
   if (!message.fits(0, kFixed)) return false;
@@ -313,11 +339,11 @@ bool isHandshake(const Reader& message) {
 
 /// True of what writes or disposes otherwise than by a whole sample: nobody leaves, or is made
 /// to leave, in the clear.
-bool isPlainSample(const Reader& body, std::uint8_t flags) {
+bool isPlainSample(const Piece& body, std::uint8_t flags) {
   if ((flags & (kHasData | kHasKey)) != kHasData) return false;
   if ((flags & kInlineQos) == 0) return true;
   const std::size_t at = 4 + std::size_t{body.u16(2)};
-  return body.fits(at, 0) && parameters(body.from(at), [](std::uint16_t id, const Reader&) {
+  return body.fits(at, 0) && parameters(body.from(at), [](std::uint16_t id, const Piece&) {
                                return id != kStatusInfo;
                              }).has_value();
 }
@@ -351,17 +377,38 @@ bool DatagramFilter::isAsBefore(const Prefix& source, Bytes announcement) {
 
 bool DatagramFilter::isHandshakeOrAnnouncement(const Prefix& source,
                                                const Submessage& submessage) {
-  const Reader body = submessage.body();
+  const Piece body = submessage.body();
   if (!isSound(source, submessage) || !isPlainSample(body, submessage.flags)) return false;
   const std::uint32_t reader = body.entity(4);
   const std::uint32_t writer = body.entity(8);
   const std::size_t at = payloadOf(body, submessage.flags, 20).value();
-  const Reader payload{body.bytes.subspan(at + 4), body.bytes[at + 1] % 2 == 1};
+  const Piece payload{body.bytes.subspan(at + 4), body.bytes[at + 1] % 2 == 1};
   if (writer == kParticipantWriter && (reader == kParticipantReader || reader == 0))
     return hasSoundTokens(payload) && isAsBefore(source, payload.bytes);
   if (writer == kHandshakeWriter && (reader == kHandshakeReader || reader == 0))
     return isHandshake(payload);
   return false;
+}
+
+bool DatagramFilter::isKeptFrom(const Submessage& submessage) const {
+  if (reader_ == Reader::kFastDds) return false;
+  const Piece body = submessage.body();
+  switch (submessage.kind) {
+    case kHeartbeat:
+    case kHeartbeatFragment:
+    case kGap: {
+      const std::uint32_t writer = body.entity(4);
+      return writer == kTypeRequestWriter || writer == kTypeReplyWriter;
+    }
+    case kData: {
+      const std::uint32_t writer = body.entity(8);
+      return writer == kTypeRequestWriter || writer == kTypeReplyWriter;
+    }
+    case kDataFragment:
+      return (body.entity(8) & kBuiltin) == kBuiltin;
+    default:
+      return false;
+  }
 }
 
 std::optional<std::size_t> DatagramFilter::secured(const Prefix& source,
@@ -395,7 +442,7 @@ std::optional<DatagramFilter::Submessage> DatagramFilter::submessageAt(Bytes res
   if (rest.size() < kSubmessageHeader) return std::nullopt;
   const std::uint8_t kind = rest[0];
   const std::uint8_t flags = rest[1];
-  std::size_t length = Reader{rest, (flags & kLittleEndian) != 0}.u16(2);
+  std::size_t length = Piece{rest, (flags & kLittleEndian) != 0}.u16(2);
   // 9.4.5.1.3: the last one may leave its length out, where it may not be empty.
   if (length == 0 && kind != kPad && kind != kInfoTimestamp)
     length = rest.size() - kSubmessageHeader;
@@ -417,7 +464,7 @@ bool DatagramFilter::follows(const Prefix& source,
 }
 
 bool DatagramFilter::isSound(const Prefix& source, const Submessage& submessage) {
-  const Reader body = submessage.body();
+  const Piece body = submessage.body();
   switch (submessage.kind) {
     case kAckNack: {
       const auto set = setLength(body, 8, 8);
@@ -477,15 +524,22 @@ std::span<const std::uint8_t> DatagramFilter::pass(Bytes datagram,
       if (*passed > 0) {
         length = *passed;
         has_content = has_content || kind == kData || kind == kSecurePrefix;
+        const std::size_t at = kept.size();
         kept.insert(kept.end(), rest.begin(),
                     rest.begin() + static_cast<std::ptrdiff_t>(length));
+        if (kind == kData && reader_ == Reader::kCyclone)
+          blankTypes(std::span(kept).subspan(at));
       }
     } else if (isPassed(kind)) {
       if (!isSound(source, *submessage)) return {};
-      has_content = true;
-      const std::size_t at = kept.size();
-      kept.insert(kept.end(), submessage->whole.begin(), submessage->whole.end());
-      if (kind == kAckNack) beginAnew(std::span(kept).subspan(at));
+      if (!isKeptFrom(*submessage)) {
+        has_content = true;
+        const std::size_t at = kept.size();
+        kept.insert(kept.end(), submessage->whole.begin(), submessage->whole.end());
+        const auto added = std::span(kept).subspan(at);
+        if (kind == kAckNack && reader_ == Reader::kFastDds) beginAnew(added);
+        if (kind == kData && reader_ == Reader::kCyclone) blankTypes(added);
+      }
     }
     // Cyclone DDS packs what several participants of a process say: the rest is another's.
     if (kind == kInfoSource && submessage->whole.size() >= source.size())
@@ -496,4 +550,4 @@ std::span<const std::uint8_t> DatagramFilter::pass(Bytes datagram,
   return kept;
 }
 
-}  // namespace handgraft::server
+}  // namespace handgraft::idl

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "idl/datagrams/datagram_filter.h"
+
+namespace handgraft::idl::cyclone {
+
+/// From now on what Cyclone DDS receives in this process for `domain` goes through a
+/// DatagramFilter first. Cyclone offers no place for that: its library's import of `recvmsg` is
+/// pointed at a function of ours, before its first socket is there. Nothing else in the process
+/// is touched, also not where the library was loaded along with a Python module.
+///
+/// False if Cyclone's library was not found, or reads by other means: then nothing is filtered.
+/// Threads: any. Cost: a look at the process' libraries, once; two system calls a datagram in
+/// place of one.
+bool gateDatagrams(int domain, DatagramFilter::Domain kind);
+
+}  // namespace handgraft::idl::cyclone
