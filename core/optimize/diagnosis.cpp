@@ -290,17 +290,18 @@ std::vector<double> facingAngles(const PoseProblem& problem, const SolveReport& 
   return angles;
 }
 
-bool reachesAll(const PoseProblem& problem,
-                const SolveReport& report,
-                const DiagnosisOptions& options) {
+int missedPatches(const PoseProblem& problem,
+                  const SolveReport& report,
+                  const DiagnosisOptions& options) {
   const std::vector<double> weights = weightsOf(problem, report);
   const std::vector<double> facing = facingAngles(problem, report);
+  int missed = 0;
   for (std::size_t k = 0; k < report.patches.size(); ++k) {
     const bool is_reached =
         isNear(report.patches[k], options) && facing[k] <= options.facing_deg;
-    if (weights[k] > 0.0 && !is_reached) return false;
+    if (weights[k] > 0.0 && !is_reached) ++missed;
   }
-  return true;
+  return missed;
 }
 
 Diagnosis diagnose(const PoseProblem& problem,

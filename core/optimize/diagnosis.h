@@ -75,11 +75,11 @@ Diagnosis diagnose(const PoseProblem& problem,
                    const DiagnosisOptions& options = {},
                    const Progress& progress = Progress());
 
-/// Whether every patch that counts (with a weight) has kReached at the report's pose.
+/// How many patches that count (with a weight) lack kReached at the report's pose.
 /// Errors: as diagnose. Cost: O(points).
-bool reachesAll(const PoseProblem& problem,
-                const SolveReport& report,
-                const DiagnosisOptions& options = {});
+int missedPatches(const PoseProblem& problem,
+                  const SolveReport& report,
+                  const DiagnosisOptions& options = {});
 
 /// Per patch of `report.patches`, the angle between the mean normals of hand and object, the
 /// latter turned round, degrees.

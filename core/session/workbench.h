@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/progress.h"
@@ -120,13 +121,29 @@ class Workbench {
   bool takeRootsFrom(const hand::HandPose& pose);
   /// The links that a patch on that site may slide on, a flag a link.
   const std::vector<char>& linksOf(const std::string& site);
+  /// Patches that an answer misses, then its objective; points that are lost count as if they
+  /// were far off. Less is better.
+  using Worth = std::pair<int, double>;
+
   /// A whole search about the patches as they are laid: open roots and directions are found
-  /// anew, and stay as the answer has them. Returns what it costs; points that are lost count
-  /// as if they were far off.
-  double searchAbout(optimize::SolveReport& report,
-                     const Solving& solving,
-                     optimize::SolveOptions options,
-                     const Progress& progress);
+  /// anew, and stay as the answer has them.
+  Worth searchAbout(optimize::SolveReport& report,
+                    const Solving& solving,
+                    optimize::SolveOptions options,
+                    const Progress& progress);
+  [[nodiscard]] Worth worthOf(const optimize::SolveReport& report,
+                              const Solving& solving) const;
+  /// True if the other one is better: `worth` and `report` are its, then.
+  static bool takeBetter(const Worth& of_other,
+                         optimize::SolveReport& other,
+                         Worth& worth,
+                         optimize::SolveReport& report);
+  /// Slides from the next minima of the report, too, and takes what is better.
+  void slideFromOthers(Worth worth,
+                       optimize::SolveReport& report,
+                       const Solving& solving,
+                       optimize::SolveOptions options,
+                       const Progress& progress);
   /// Moves open roots along their digits to where they are by length instead of by segment;
   /// true if one moved by more than a face or so.
   bool takeRootsByLength();

@@ -30,8 +30,18 @@ constexpr int kWorseSlides = 3;  // in a row
 // A point that a slide loses at the skin's rim costs as if it were so far off.
 constexpr double kLost_m = 0.01;
 
+// Ranked below the best, and slid from where that misses a patch.
+constexpr std::size_t kOtherMinima = 4;
+
 // Of each stage of a step on the way that is not the last one (optimize/avoiding_solve.h).
 constexpr int kStepEvaluations = 8;
+
+/// Small steps from a pose that is out of the object stay where they are out of it.
+SolveOptions stepOf(SolveOptions options) {
+  options.starts = 1;
+  options.max_evaluations = std::min(options.max_evaluations, kStepEvaluations);
+  return options;
+}
 
 /// A point that is lost no longer counts: that alone makes nothing better.
 double costOf(const PoseProblem& posed, const SolveReport& solved) {
@@ -117,43 +127,74 @@ Solution Workbench::solve(const Solving& solving,
   if (solving.paper || run.places_stay)
     return answered(optimize::solve(problem(solving), options, progress), solving);
   SolveReport report;
-  const double cost = searchAbout(report, solving, options, progress);
-  if (solving.avoids() && options.starts > optimize::kFewStarts &&
-      !optimize::reachesAll(problem(solving), report)) {
+  Worth worth = searchAbout(report, solving, options, progress);
+  if (solving.avoids() && options.starts > optimize::kFewStarts && worth.first > 0) {
     // Where the slides end depends on where they began.
-    Search best(*this);
-    patches_ = as_it_was.patches;
-    start_ = as_it_was.start;
-    start_is_known_ = as_it_was.start_is_known;
-    if (takeRootsByLength()) {
-      options.on_improvement = nullptr;
+    options.on_improvement = nullptr;
+    {
+      Search best(*this);
+      patches_ = as_it_was.patches;
+      start_ = as_it_was.start;
+      start_is_known_ = as_it_was.start_is_known;
       SolveReport other;
-      if (searchAbout(other, solving, options, progress) < cost) {
-        other.evaluations += report.evaluations;
-        report = std::move(other);
+      if (takeRootsByLength() &&
+          takeBetter(searchAbout(other, solving, options, progress), other, worth, report))
         best.keep();
-      }
     }
+    slideFromOthers(worth, report, solving, options, progress);
   }
   return answered(std::move(report), solving);
 }
 
-double Workbench::searchAbout(SolveReport& report,
-                              const Solving& solving,
-                              SolveOptions options,
-                              const Progress& progress) {
+Workbench::Worth Workbench::worthOf(const SolveReport& report, const Solving& solving) const {
+  const PoseProblem posed = problem(solving);
+  return {optimize::missedPatches(posed, report), costOf(posed, report)};
+}
+
+bool Workbench::takeBetter(const Worth& of_other,
+                           SolveReport& other,
+                           Worth& worth,
+                           SolveReport& report) {
+  if (!(of_other < worth)) return false;
+  worth = of_other;
+  other.evaluations += report.evaluations;
+  report = std::move(other);
+  return true;
+}
+
+void Workbench::slideFromOthers(Worth worth,
+                                SolveReport& report,
+                                const Solving& solving,
+                                SolveOptions options,
+                                const Progress& progress) {
+  options.starts = 1;
+  const std::vector<Minimum> minima = report.minima;
+  {
+    Search best(*this);
+    for (std::size_t i = 1; i < std::min(minima.size(), 1 + kOtherMinima) && worth.first > 0;
+         ++i) {
+      patches_ = best.patches;
+      start_ = minima[i].pose;
+      SolveReport other = optimize::solve(problem(solving), options, progress);
+      slideRoots(other, solving, options, progress);
+      if (takeBetter(worthOf(other, solving), other, worth, report)) best.keep();
+    }
+  }
+  if (report.minima.size() < minima.size())
+    keepMinima(minima, report, solving, stepOf(options), progress);
+}
+
+Workbench::Worth Workbench::searchAbout(SolveReport& report,
+                                        const Solving& solving,
+                                        SolveOptions options,
+                                        const Progress& progress) {
   transfer(progress);
   if (solving.avoids() && options.starts > optimize::kFewStarts)
     slideFreely(solving, options, progress);
   report = optimize::solve(problem(solving), options, progress);
   options.on_improvement = nullptr;
   const std::vector<Minimum> found = report.minima;
-  SolveOptions step = options;
-  // Small steps from a pose that is out of the object stay where they are out of it.
-  if (solving.avoids()) {
-    step.starts = 1;
-    step.max_evaluations = std::min(options.max_evaluations, kStepEvaluations);
-  }
+  const SolveOptions step = solving.avoids() ? stepOf(options) : options;
   for (int i = 0; i < kRefinements && refineDirections(report, solving, step, progress); ++i) {
   }
   slideRoots(report, solving, step, progress);
@@ -161,7 +202,7 @@ double Workbench::searchAbout(SolveReport& report,
     goOn(report, solving, options, progress);
   if (solving.avoids() && report.minima.size() < found.size())
     keepMinima(found, report, solving, step, progress);
-  return costOf(problem(solving), report);
+  return worthOf(report, solving);
 }
 
 Solution Workbench::answered(SolveReport report, const Solving& solving) const {
@@ -226,6 +267,7 @@ void Workbench::keepMinima(const std::vector<Minimum>& found,
                            const Progress& progress) {
   const Search as_it_was(*this);
   std::vector<Minimum> all = report.minima;
+  Worth worth = worthOf(report, solving);
   for (const Minimum& other : found) {
     start_ = other.pose;
     SolveReport now = optimize::solve(problem(solving), step, progress);
@@ -236,8 +278,7 @@ void Workbench::keepMinima(const std::vector<Minimum>& found,
       minimum.hits = other.hits;
       all.push_back(minimum);
     }
-    if (!(now.terms.objective < report.terms.objective)) continue;
-    report = std::move(now);
+    if (!takeBetter(worthOf(now, solving), now, worth, report)) continue;
     report.best_start = other.start;
     report.solver = other.solver;
   }

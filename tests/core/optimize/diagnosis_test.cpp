@@ -115,6 +115,23 @@ TEST(Diagnosis, TellsReachedAndFacingAway) {
   EXPECT_NEAR(turned.patches.at(0).facing_deg, 1.2 * 180.0 / 3.14159265358979, 1e-6);
 }
 
+TEST(Diagnosis, CountsThePatchesThatAreMissed) {
+  const auto missedOf = [](const PoseProblem& problem) {
+    return missedPatches(problem, solve(problem, {}, Progress()));
+  };
+  EXPECT_EQ(missedOf(armAgainst(0.2, kArm)), 0);
+  EXPECT_EQ(missedOf(armAgainst(0.2, kArm, 1.2)), 1) << "it faces away";
+  // Of two on one arm, 0.3 rad apart, the heavier one is met.
+  PoseProblem both = armAgainst(0.2, kArm);
+  both.pairs.push_back(armAgainst(0.5, kArm).pairs[0]);
+  both.pairs[1].patch = 4;
+  EXPECT_EQ(missedOf(both), 2) << "in the middle";
+  both.pairs[0].weight = 1e3;
+  EXPECT_EQ(missedOf(both), 1);
+  both.pairs[1].weight = 0.0;
+  EXPECT_EQ(missedOf(both), 0) << "without a weight nobody asks for it";
+}
+
 TEST(Diagnosis, CallsABentPatchOnARoundFingerReached) {
   PoseProblem problem = armAgainst(0.2, kArm);
   const PointPair middle = problem.pairs[0];
