@@ -66,13 +66,19 @@ std::set<std::string> modelsIn(const session::SavedSession& saved,
 
 }  // namespace
 
-std::string sessionText(session::Session& session, const std::vector<HeldModel>& held) {
+std::string sessionText(session::Session& session,
+                        const std::vector<HeldModel>& held,
+                        const MotionOfSession& motion) {
   session::ModelShelf& shelf = session.shelf();
   ordered_json file;
   file["format"] = kSessionFormat;
   file["models"] = {{"hand", shelf.first().hand_name},
                     {"object", shelf.first().object_name},
                     {"contacts", shelf.first().contacts_name}};
+  if (!motion.name.empty()) {
+    HANDGRAFT_REQUIRE(motion.name == shelf.first().contacts_name);
+    file["models"]["motion"] = motion.content;
+  }
   const session::SavedSession saved = session.saved();
   for (const std::string& model : modelsIn(saved, shelf))
     file["models"]["hashes"][model] = hashOf(shelf, model);

@@ -13,7 +13,7 @@ namespace handgraft::io {
 
 /// A model that travels in the file, in a form that servers know: what it is made of.
 struct HeldModel {
-  std::string kind;  ///< hand, object, contacts
+  std::string kind;  ///< hand, object, contacts, motion
   std::string name;
   std::string content;  ///< SHA-256 of what it was made from
   std::string form;
@@ -22,11 +22,18 @@ struct HeldModel {
   std::string base;  ///< name of the model that it rests on; empty: none
 };
 
+/// The motion that a session holds instead of contacts, which go by its name.
+struct MotionOfSession {
+  std::string name;     ///< empty: it holds none
+  std::string content;  ///< SHA-256 of what it was made from; empty for built-in ones
+};
+
 /// A saved session as its text says, before its models are looked up.
 struct SessionFile {
   std::string hand;  ///< names of the models it was opened with
   std::string object;
   std::string contacts;
+  MotionOfSession motion;
   /// SHA-256 of all models that it knew, by "hand NAME", "object NAME" and "contacts NAME".
   std::map<std::string, std::string> hashes;
   /// Some of them, each after what it rests on.
@@ -37,7 +44,9 @@ struct SessionFile {
 /// The text of `handgraft-session/1` (README of this folder), exact: every number is written so
 /// that reading gives the same bits.
 /// Cost: milliseconds; models are hashed when they are first saved.
-std::string sessionText(session::Session& session, const std::vector<HeldModel>& held = {});
+std::string sessionText(session::Session& session,
+                        const std::vector<HeldModel>& held = {},
+                        const MotionOfSession& motion = {});
 
 /// Kind and name of all models that opening and replaying it asks for.
 std::set<std::pair<std::string, std::string>> modelsNamedIn(session::Session& session);

@@ -103,8 +103,9 @@ std::vector<HeldModel> heldIn(const Field& field) {
     entry.requireOnly({"kind", "name", "content", "form", "settings", "bytes", "base"});
     HeldModel model;
     entry["kind"].read(model.kind);
-    if (model.kind != "hand" && model.kind != "object" && model.kind != "contacts") {
-      entry["kind"].reject("is {}; permitted are hand object contacts",
+    if (model.kind != "hand" && model.kind != "object" && model.kind != "contacts" &&
+        model.kind != "motion") {
+      entry["kind"].reject("is {}; permitted are hand object contacts motion",
                            handgraft::quoted(model.kind));
     }
     entry["name"].read(model.name);
@@ -142,10 +143,14 @@ SessionFile readSessionText(const std::string& text) {
 
   SessionFile result;
   const Field models = file["models"];
-  models.requireOnly({"hand", "object", "contacts", "hashes", "held"});
+  models.requireOnly({"hand", "object", "contacts", "motion", "hashes", "held"});
   models["hand"].read(result.hand);
   models["object"].read(result.object);
   models["contacts"].read(result.contacts);
+  if (models.has("motion")) {
+    result.motion.name = result.contacts;
+    models["motion"].read(result.motion.content);
+  }
   models["hashes"].each([&](const std::string& model, const Field& hash) {
     hash.read(result.hashes[model]);
   });

@@ -22,6 +22,7 @@ constexpr std::size_t kMostHeld = 16u << 20;  // a file has its bound, too
 Origin originOf(const std::string& kind, const std::string& name, const NamedModels& models) {
   if (kind == "hand") return models.hand(name)->origin;
   if (kind == "object") return models.object(name)->origin;
+  if (kind == "motion") return models.motion(name)->origin;
   return models.contacts(name)->origin;
 }
 
@@ -117,6 +118,11 @@ void enter(const io::HeldModel& held, Workshop& workshop) {
   if (held.kind == "object")
     return put(storedObject(held.name, origin, readOf<io::MeshFile>(held), how.units));
   const auto object = workshop.models.object(held.base);
+  if (held.kind == "motion") {
+    return put(storedMotion(held.name, origin, readOf<ReadMotion>(held, object->file.get()),
+                            object->file, held.base),
+               object->origin.row);
+  }
   put(storedContacts(held.name, origin, readOf<ReadContacts>(held, object->file.get()),
                      object->file, held.base),
       object->origin.row);
@@ -133,10 +139,16 @@ bool isThere(const std::string& model, const ModelStore& models) {
 std::vector<io::HeldModel> heldModels(LiveSession& live, const Workshop& workshop) {
   const auto models = modelsOf(live, workshop);
   Collecting held(*models, workshop.state);
-  for (const auto& [kind, name] : io::modelsNamedIn(live.session())) {
+  for (auto [kind, name] : io::modelsNamedIn(live.session())) {
+    if (kind == "contacts" && live.motion() != nullptr) kind = "motion";
     if (isNamed(kind, name, *models)) held.add(kind, name);
   }
   return held.take();
+}
+
+Origin originOfMotion(LiveSession& live, const Workshop& workshop) {
+  HANDGRAFT_REQUIRE(live.motion() != nullptr);
+  return modelsOf(live, workshop)->motion(live.motion()->name)->origin;
 }
 
 void takeUp(const std::vector<io::HeldModel>& models,

@@ -11,13 +11,17 @@
 /// The models that a saved session holds, so that it opens where nobody has them.
 namespace handgraft::server {
 
-/// Whether a session's "hand NAME", "object NAME" or "contacts NAME" stands for a model.
+/// Whether a session's "hand NAME", "object NAME", "contacts NAME" or "motion NAME" stands for
+/// a model.
 bool isThere(const std::string& model, const ModelStore& models);
 
 /// Those that a session rests on, whatever their names stand for by now, and those that these
 /// rest on, but for built-in ones; each after what it rests on; not those with which they would
 /// take more than 16 MiB. Of the session's strand.
 std::vector<io::HeldModel> heldModels(LiveSession& live, const Workshop& workshop);
+
+/// Where the motion of a session that holds one came from. Of the session's strand.
+Origin originOfMotion(LiveSession& live, const Workshop& workshop);
 
 /// Puts those whose names are free where sessions find them. A name that stands for a model
 /// already stays: whether it is the same one is seen when the session is opened.

@@ -1,11 +1,15 @@
 #include "server/handlers/saved_sessions.h"
 
 #include <chrono>
+#include <optional>
+#include <utility>
 
+#include "core/base/error.h"
 #include "core/io/session_file.h"
 #include "core/session/replay.h"
 #include "server/admission/rejection.h"
 #include "server/handlers/held_models.h"
+#include "server/handlers/motions.h"
 #include "server/handlers/optimize.h"
 #include "server/handlers/sessions.h"
 #include "server/store/model_source.h"
@@ -17,7 +21,9 @@ namespace {
 /// All that is lacking at once. Errors: Rejection (ERROR_NOT_FOUND).
 void requireThere(const io::SessionFile& file, const ModelStore& models) {
   std::string missing;
-  for (const auto& [model, hash] : file.hashes) {
+  for (const auto& [named, hash] : file.hashes) {
+    const bool is_motion = !file.motion.name.empty() && named == "contacts " + file.motion.name;
+    const std::string model = is_motion ? "motion " + file.motion.name : named;
     if (isThere(model, models)) continue;
     missing += (missing.empty() ? "" : ", ") + model;
   }
@@ -33,21 +39,35 @@ session::SessionModels modelsOf(const io::SessionFile& file,
                                 const Progress& progress) {
   takeUp(file.held, workshop, progress);
   requireThere(file, workshop.models);
+  if (!file.motion.name.empty()) {
+    const auto motion = workshop.models.motion(file.motion.name);
+    if (motion->origin.content != file.motion.content) {
+      rejectInput("session: motion {} is another one than it was saved with",
+                  handgraft::quoted(file.motion.name));
+    }
+    return motionModels(file.hand, file.object, file.motion.name, workshop.models,
+                        sourceOf(workshop.models), progress);
+  }
   return sessionModels(file.hand, file.object, file.contacts, workshop.models,
                        sourceOf(workshop.models), progress);
 }
 
 }  // namespace
 
+namespace {
+
+/// The motion as it was when the session was opened, whoever has its name by now.
+io::MotionOfSession motionToSave(LiveSession& live, const Workshop& workshop) {
+  if (live.motion() == nullptr) return {};
+  return {live.motion()->name, originOfMotion(live, workshop).content};
+}
+
+}  // namespace
+
 v1::SaveSessionReply saveSession(LiveSession& live, const Workshop& workshop) {
-  if (live.motion() != nullptr) {
-    reject(v1::ERROR_UNSUPPORTED,
-           "session {} holds a motion, which handgraft-session/1 cannot keep; its motion and "
-           "what the hand does are exported",
-           live.id());
-  }
   v1::SaveSessionReply reply;
-  reply.text(io::sessionText(live.session(), heldModels(live, workshop)));
+  reply.text(
+      io::sessionText(live.session(), heldModels(live, workshop), motionToSave(live, workshop)));
   return reply;
 }
 
@@ -60,14 +80,25 @@ v1::SessionState loadSession(const v1::LoadSessionRequest& request,
   session::SessionModels models = modelsOf(file, workshop, progress);
   const std::chrono::duration<double, std::milli> skin =
       std::chrono::steady_clock::now() - begin;
-  const auto live = enterSession(io::openSession(file, std::move(models), progress),
-                                 skin.count(), workshop, by, "load_session", progress);
+  std::optional<LiveMotion> motion;
+  if (!file.motion.name.empty()) {
+    motion = LiveMotion{file.motion.name, workshop.models.motion(file.motion.name)->motion,
+                        models.object_O};
+  }
+  const auto live =
+      enterSession(io::openSession(file, std::move(models), progress), skin.count(), workshop,
+                   by, "load_session", progress, std::move(motion));
+  for (const session::LogEntry& entry : file.session.log)
+    if (const auto* followed = std::get_if<session::FollowedMotion>(&entry))
+      resumeFollowing(*live, *followed);
   // Those who watch see the pose that was saved; if not now, after the next edit.
   static_cast<void>(live->strand().post([live, &workshop] {
-    if (!live->session().document().start_is_known) return;
+    const bool follows = followsEdits(*live);
+    if (!follows && !live->session().document().start_is_known) return;
     live->asked_at_stops = live->stops();
     try {
       optimizeAfterEdit(*live, workshop, live->solves());
+      if (follows) solveMotionAfterEdit(*live, workshop, live->solves());
     } catch (const std::exception&) {  // the session's state says so
     }
   }));
@@ -85,7 +116,7 @@ v1::ReplayReply replaySession(const v1::ReplayRequest& request,
   reply.entries(static_cast<std::uint32_t>(replay.entries));
   reply.same(replay.same);
   reply.message(replay.message);
-  reply.result().text(io::sessionText(replay.session, file.held));
+  reply.result().text(io::sessionText(replay.session, file.held, file.motion));
   return reply;
 }
 
