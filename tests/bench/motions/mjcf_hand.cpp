@@ -57,10 +57,23 @@ class BodyReader {
   BodyReader(std::map<std::string, JointClass> classes, std::filesystem::path meshes)
       : classes_(std::move(classes)), meshes_(std::move(meshes)) {}
 
+  /// Shapes stand where their `pos` says; ball joints are three hinges about x, y and z, in
+  /// this order, with these ranges.
+  static BodyReader ofBalls(std::filesystem::path meshes, Eigen::Matrix2Xd ranges) {
+    BodyReader reader({}, std::move(meshes));
+    reader.has_balls_ = true;
+    reader.ranges_ = std::move(ranges);
+    return reader;
+  }
+
   void read(const XMLElement& body, const std::string& parent) {
     const std::string name = body.Attribute("name");
+    if (!parent.empty() && has_balls_) {
+      addBall(body, name, parent);
+    } else if (!parent.empty()) {
+      joints.push_back(jointOf(body, name, parent));
+    }
     links.push_back({name, shapesOf(body), {}});
-    if (!parent.empty()) joints.push_back(jointOf(body, name, parent));
     for (const XMLElement* child = body.FirstChildElement("body"); child != nullptr;
          child = child->NextSiblingElement("body"))
       read(*child, name);
@@ -93,6 +106,32 @@ class BodyReader {
     return joint;
   }
 
+  void addBall(const XMLElement& body, const std::string& name, const std::string& parent) {
+    const XMLElement* ball = body.FirstChildElement("joint");
+    if (ball == nullptr || ball->Attribute("name") == nullptr)
+      rejectInput("body {}: has no joint with a name", quoted(name));
+    hand::Joint joint;
+    joint.type = hand::JointType::kRevolute;
+    joint.parent_link = parent;
+    if (const auto p = numbersOf(body.Attribute("pos")); p.size() == 3)
+      joint.X_PJ.translation() = Eigen::Vector3d(p[0], p[1], p[2]);
+    for (int axis = 0; axis < 3; ++axis) {
+      const Eigen::Index dof = hinges_++;
+      if (dof >= ranges_.cols())
+        rejectInput("body {}: is one more than there are ranges", quoted(name));
+      joint.lower = ranges_(0, dof);
+      joint.upper = ranges_(1, dof);
+      const std::string letter(1, "xyz"[axis]);
+      joint.name = ball->Attribute("name") + ("_" + letter);
+      joint.child_link = axis == 2 ? name : name + "_" + letter;
+      joint.axis_J = Eigen::Vector3d::Unit(axis);
+      if (axis != 2) links.push_back({joint.child_link, {}, {}});
+      joints.push_back(joint);
+      joint.parent_link = joint.child_link;
+      joint.X_PJ = Pose::Identity();
+    }
+  }
+
   std::vector<hand::Shape> shapesOf(const XMLElement& body) {
     std::vector<hand::Shape> shapes;
     for (const XMLElement* geom = body.FirstChildElement("geom"); geom != nullptr;
@@ -103,13 +142,22 @@ class BodyReader {
       if (mesh.empty()) mesh = classes_.at(kind).mesh;
       if (mesh.find("_tip") != std::string::npos) mesh = "link_tip";
       const auto path = meshes_ / (mesh + ".obj");
-      if (std::filesystem::exists(path)) shapes.push_back({io::readMesh(path).mesh, mesh});
+      if (!std::filesystem::exists(path)) continue;
+      shapes.push_back({io::readMesh(path).mesh, mesh});
+      const auto p = numbersOf(geom->Attribute("pos"));
+      if (!has_balls_ || p.size() != 3) continue;
+      shapes.back().mesh_L = geometry::transformed(
+          shapes.back().mesh_L,
+          Eigen::Affine3d(Eigen::Translation3d(Eigen::Vector3d(p[0], p[1], p[2]))));
     }
     return shapes;
   }
 
   std::map<std::string, JointClass> classes_;
   std::filesystem::path meshes_;
+  bool has_balls_ = false;
+  Eigen::Matrix2Xd ranges_;  ///< of hinges, lower and upper
+  Eigen::Index hinges_ = 0;
 };
 
 }  // namespace
@@ -131,6 +179,19 @@ hand::HandModel readAllegroMjcf(const std::filesystem::path& folder,
   BodyReader reader(std::move(classes), meshes);
   reader.read(*root, "");
   return {"allegro_of_sequences", std::move(reader.links), std::move(reader.joints)};
+}
+
+hand::HandModel readManoMjcf(const std::filesystem::path& folder,
+                             const Eigen::Matrix2Xd& ranges) {
+  const auto path = folder / "MANO_right_hand_body.mjcf.xml";
+  tinyxml2::XMLDocument bodies;
+  if (bodies.LoadFile(path.string().c_str()) != tinyxml2::XML_SUCCESS)
+    rejectInput("{}: cannot be read as XML", path.string());
+  const XMLElement* root = bodies.RootElement()->FirstChildElement("body");
+  if (root == nullptr) rejectInput("{}: has no body", path.string());
+  BodyReader reader = BodyReader::ofBalls(folder / "MANO_assets", ranges);
+  reader.read(*root, "");
+  return {"mano_of_sequences", std::move(reader.links), std::move(reader.joints)};
 }
 
 }  // namespace handgraft::bench

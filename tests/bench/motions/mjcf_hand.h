@@ -2,6 +2,8 @@
 
 #include <filesystem>
 
+#include <Eigen/Core>
+
 #include "core/hand/hand_model.h"
 
 namespace handgraft::bench {
@@ -12,5 +14,12 @@ namespace handgraft::bench {
 /// Errors: InvalidInput naming the file and what is missing.
 hand::HandModel readAllegroMjcf(const std::filesystem::path& folder,
                                 const std::filesystem::path& meshes);
+
+/// The human's hand of the recorded sequences: bodies of its MJCF, meshes of its links, ball
+/// joints as hinges NAME_x, NAME_y, NAME_z with R = Rx Ry Rz: fingers bend about the last one.
+/// `ranges`: of each hinge, lower above upper, since the file has none; they tell which way a
+/// finger closes. Link 0 is the wrist, free. Errors: as above.
+hand::HandModel readManoMjcf(const std::filesystem::path& folder,
+                             const Eigen::Matrix2Xd& ranges);
 
 }  // namespace handgraft::bench

@@ -21,6 +21,7 @@
 #include "core/session/solids.h"
 
 #include "tests/bench/motions/box_pull.h"
+#include "tests/bench/motions/human_motions.h"
 #include "tests/bench/motions/mjcf_hand.h"
 #include "tests/bench/motions/motion_edits.h"
 #include "tests/bench/motions/single_frames.h"
@@ -50,6 +51,7 @@ struct MotionsArguments {
   bool edits = false;
   int single = 0;
   bool offline_only = false;
+  bool human = false;
 };
 
 /// A recorded sequence laid onto the hand that it was made for.
@@ -318,6 +320,11 @@ void runGrowth(const Sequence& sequence, const MotionOptions& options, int most)
 }
 
 void runMotions(const MotionsArguments& arguments) {
+  if (arguments.human) {
+    if (arguments.data.empty()) rejectInput("--human: needs the folder of recordings");
+    runHumanMotions(arguments.data, arguments.library, arguments.cache);
+    return;
+  }
   if (!arguments.library.empty()) {
     MotionOptions options;
     options.smoothness = arguments.smoothness;
@@ -376,6 +383,9 @@ void addMotionsCommand(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--edits", arguments->edits,
                     "Edit a motion of 1,000 frames of the library, too");
+  command->add_flag("--human", arguments->human,
+                    "The human's own contact areas, beside fingertip kinematics and DexPilot, "
+                    "and no more");
   command->add_flag("--offline", arguments->offline_only, "All frames at once alone");
   command->add_option(
       "--single", arguments->single,

@@ -140,7 +140,8 @@ double descend(const Problem& problem,
 
 hand::HandPose dexPilot(const session::Hand& hand,
                         const Fingertips& fingertips,
-                        const FingertipPose& human) {
+                        const FingertipPose& human,
+                        const hand::HandPose* before) {
   std::vector<Vector3d> targets_W;
   const Problem problem = problemOf(hand, fingertips, human, targets_W);
   if (problem.tips.size() < 2 || !fingertips.has_palm)
@@ -150,8 +151,9 @@ hand::HandPose dexPilot(const session::Hand& hand,
   std::mt19937 random(0);
   hand::HandPose best;
   double least = 0.0;
-  for (int start = 0; start < kStarts; ++start) {
-    Eigen::VectorXd q = hand.model->restPose().cwiseMax(lower).cwiseMin(upper);
+  for (int start = 0; start < (before == nullptr ? kStarts : 1); ++start) {
+    Eigen::VectorXd q = before == nullptr ? hand.model->restPose() : before->q;
+    q = q.cwiseMax(lower).cwiseMin(upper);
     for (Eigen::Index i = 0; start > 0 && i < q.size(); ++i) {
       const double share = static_cast<double>(random()) / 4294967295.0;
       q[i] = lower[i] + (start == 1 ? 0.5 : share) * (upper[i] - lower[i]);

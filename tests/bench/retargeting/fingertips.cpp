@@ -120,7 +120,8 @@ FingertipPose posed(const hand::HandModel& model,
 
 hand::HandPose fingertipKinematics(const session::Hand& hand,
                                    const Fingertips& fingertips,
-                                   const FingertipPose& human) {
+                                   const FingertipPose& human,
+                                   const hand::HandPose* before) {
   optimize::PoseProblem problem = optimize::makeProblem(hand.model);
   problem.weights.normal = 0.0;
   problem.prior_weights = Eigen::VectorXd::Ones(problem.dofCount());
@@ -144,7 +145,12 @@ hand::HandPose fingertipKinematics(const session::Hand& hand,
     }
   }
   if (tips < 2) rejectInput("hand {} has fewer than two of the fingers", hand.model->name());
-  return optimize::solve(problem, optimize::SolveOptions(), Progress()).pose;
+  optimize::SolveOptions solving;
+  if (before != nullptr) {
+    problem.start = *before;
+    solving.starts = 1;
+  }
+  return optimize::solve(problem, solving, Progress()).pose;
 }
 
 }  // namespace handgraft::bench

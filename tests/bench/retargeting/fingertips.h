@@ -50,19 +50,22 @@ FingertipPose posed(const hand::HandModel& model,
 
 /// Inverse kinematics of the fingertips, the root free: tips on tips, and with a tenth of their
 /// weight the last joints on the last joints, which tells how a finger stands. Our solver, all
-/// its starts. Errors: InvalidInput if fewer than two digits have a name in common.
+/// its starts, or from `before` alone: the answer to the frame before, in a motion.
+/// Errors: InvalidInput if fewer than two digits have a name in common.
 hand::HandPose fingertipKinematics(const session::Hand& hand,
                                    const Fingertips& fingertips,
-                                   const FingertipPose& human);
+                                   const FingertipPose& human,
+                                   const hand::HandPose* before = nullptr);
 
 /// DexPilot's objective: vectors from the palm to the tips and between the tips as the human's,
 /// those that are to close (below 5 cm) drawn together; solved by SLSQP as there, from four
-/// starts. Kinder than there: lengths are not scaled, since the object is as large for both
-/// hands; the root goes where tips and palm fit the human's best.
+/// starts (or from `before`, as above). Kinder than there: lengths are not scaled, since the
+/// object is as large for both hands; the root goes where tips and palm fit the human's best.
 /// Errors: as above; also if a palm has fewer than two fingers.
 /// Source: Handa et al. 2020, "DexPilot", equations 3 to 6.
 hand::HandPose dexPilot(const session::Hand& hand,
                         const Fingertips& fingertips,
-                        const FingertipPose& human);
+                        const FingertipPose& human,
+                        const hand::HandPose* before = nullptr);
 
 }  // namespace handgraft::bench

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.h"
+#include "core/session/posed_hand_motion.h"
 
 #include "tests/support/plate_hand.h"
 #include "tests/support/plates.h"
@@ -103,6 +104,47 @@ TEST_F(SmallHandAboutABox, LeavesAPatchOfEachFingerWhereItTouches) {
     for (const geometry::SurfacePoint& point : patch.interpolation_boundary)
       EXPECT_NEAR((positionOf(box_O_, point) - p_O).norm(), 0.0088, 0.003) << name;
   }
+}
+
+TEST_F(SmallHandAboutABox, IsFollowedFromWhereItBeginsToTouchUntilItDoesNot) {
+  // At 20 Hz: there at frames 3 to 9 but for 6, and once more at frame 14 alone.
+  std::vector<PosedFrame> frames;
+  for (int k = 0; k < 16; ++k) {
+    PosedFrame frame{0.05 * k, pose_, X_WO_};
+    const bool touches = (k >= 3 && k <= 9 && k != 6) || k == 14;
+    if (!touches) frame.pose.X_WH.translation().z() += 0.5;
+    frames.push_back(frame);
+  }
+  const manipulation::Motion motion =
+      motionOfPosedHand(hand(), frames, box_O_, PosedMotionOptions(), Progress());
+  EXPECT_EQ(motion.frameCount(), 16);
+  ASSERT_FALSE(motion.tracks.empty());
+  for (const manipulation::PatchTrack& track : motion.tracks) {
+    EXPECT_EQ(track.begin(), 3) << track.name;
+    EXPECT_EQ(track.end, 10) << track.name;
+    EXPECT_EQ(track.keys.size(), 6u) << track.name;
+    EXPECT_TRUE(track.keys.front().patch.place.has_value()) << track.name;
+  }
+  EXPECT_THAT(motion.notes, testing::ElementsAre(testing::HasSubstr("there for 50 ms alone")));
+
+  // Cut half as often, each cut holds for two frames.
+  PosedMotionOptions seldom;
+  seldom.every_s = 0.1;
+  frames.resize(10);
+  const manipulation::Motion rougher =
+      motionOfPosedHand(hand(), frames, box_O_, seldom, Progress());
+  EXPECT_EQ(rougher.tracks.front().begin(), 4);
+  EXPECT_EQ(rougher.tracks.front().end, 10);
+  EXPECT_EQ(rougher.tracks.front().keys.size(), 2u);
+}
+
+TEST_F(SmallHandAboutABox, ThatNeverTouchesIsNoMotion) {
+  std::vector<PosedFrame> frames{{0.0, pose_, X_WO_}};
+  frames[0].pose.X_WH.translation().z() += 0.5;
+  EXPECT_THROW((void)motionOfPosedHand(hand(), frames, box_O_, {}, Progress()), InvalidInput);
+  frames.push_back(frames[0]);
+  EXPECT_THROW((void)motionOfPosedHand(hand(), frames, box_O_, {}, Progress()), InvalidInput);
+  EXPECT_THROW((void)motionOfPosedHand(hand(), {}, box_O_, {}, Progress()), InvalidInput);
 }
 
 TEST_F(SmallHandAboutABox, NamesPatchesLikeTheSitesOfTheirFingers) {

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace handgraft::bench {
+
+/// The contact areas of the recorded human hand over time, followed by several hands, beside
+/// fingertip kinematics and DexPilot from frame to frame: a row a sequence, a hand and a way.
+///
+/// The human's hand is posed by its recorded splines, and its areas are cut as
+/// session::motionOfPosedHand does. All three ways are measured by the same correspondences.
+/// `data`: as for `motions`; `library`: the built-in models, of which human20 follows, too;
+/// empty: it does not. Errors: InvalidInput naming what cannot be read.
+void runHumanMotions(const std::filesystem::path& data,
+                     const std::filesystem::path& library,
+                     const std::filesystem::path& cache);
+
+}  // namespace handgraft::bench
