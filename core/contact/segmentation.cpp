@@ -30,6 +30,8 @@ struct Group {
 constexpr double kSliver = 0.15;
 /// A segment's vertices along the border of another's region make no contact of their own.
 constexpr double kNoise_m2 = 5e-6;
+// Of one segment of a finger; a thumb's pad has some 600 mm2.
+constexpr double kLargestTouch_m2 = 8e-4;
 
 /// `index` and `proximal` of `index_proximal_2`; `index` and nothing of `index`.
 std::pair<std::string, std::string> splitPart(const std::string& part) {
@@ -340,8 +342,17 @@ class Segmenter {
     for (const Component& component : anonymous_) {
       if (component.area < options_.minimum_area_m2) {
         ++specks;
-      } else if (addPatch(fmt::format("c{}", count + 1), component)) {
-        ++count;
+        continue;
+      }
+      const std::string name = fmt::format("c{}", count + 1);
+      if (!addPatch(name, component)) continue;
+      ++count;
+      if (component.area > kLargestTouch_m2) {
+        note(
+            "'{}' covers {:.0f} mm2, more than one finger touches: where the joints of the "
+            "hand "
+            "that touched are known, they part it",
+            name, mm2(component.area));
       }
     }
     if (specks > 0) {

@@ -77,6 +77,15 @@ TEST(Segment, NumbersAnonymousPatchesByFallingArea) {
   EXPECT_GT(positionOf(map.mesh_O, set.patches[1].root).y(), 0.02);
 }
 
+TEST(Segment, TellsOfARegionThatNoSingleFingerTouches) {
+  ContactMap map = emptyMap();
+  touchDisk(map, -0.03, 0.0, 0.012);
+  EXPECT_THAT(segment(map, {}).notes, testing::IsEmpty()) << "450 mm2";
+  touchDisk(map, 0.02, 0.0, 0.018);
+  EXPECT_THAT(segment(map, {}).notes,
+              ElementsAre(testing::AllOf(HasSubstr("'c1' covers"), HasSubstr("joints"))));
+}
+
 TEST(Segment, EndsAPatchWhereContactFallsBelowAShareOfItsTop) {
   // Contact falls evenly from 1 in the middle to 0 at 30 mm.
   ContactMap map = emptyMap();
