@@ -3,8 +3,10 @@
 #include <array>
 #include <atomic>
 #include <cstring>
+#include <ctime>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -70,6 +72,50 @@ unsigned portOf(int socket) {
   return ntohs(address.sin_port);
 }
 
+// === What waited while this process stood still
+
+double secondsOf(clockid_t clock) {
+  timespec now{};
+  clock_gettime(clock, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// Who stood still for longer than a lease was dropped by the others. What they said before
+/// then waits in its sockets; Cyclone would acknowledge it to who has just met it anew, and who
+/// then takes all that was announced before for known: nothing would ever come again. So it is
+/// left out, until Cyclone has dropped the others, too. Its leases do not run while the machine
+/// sleeps, hence longer then.
+class Awakening {
+ public:
+  /// True of what came from a time before. Threads: any.
+  bool isOver() {
+    const double now = secondsOf(CLOCK_MONOTONIC);
+    const double slept = secondsOf(CLOCK_BOOTTIME) - now;  // in all, since the machine's start
+    const double idle = now - last_.load();
+    const double slept_since = slept - slept_.load();
+    if (last_.load() > 0.0 && idle + slept_since > kHalfALease_s)
+      deaf_until_ = now + (slept_since > kHalfALease_s ? kLease_s + kMoment_s : kMoment_s);
+    // In this order, so that no other thread finds neither.
+    last_ = now;
+    slept_ = slept;
+    return now >= deaf_until_.load();
+  }
+
+ private:
+  static constexpr double kLease_s = 20.0;  // domain.cpp
+  static constexpr double kHalfALease_s = 10.0;
+  static constexpr double kMoment_s = 0.5;
+
+  std::atomic<double> last_{0.0};  ///< datagram
+  std::atomic<double> slept_{0.0};
+  std::atomic<double> deaf_until_{0.0};
+};
+
+Awakening& awakening() {
+  static auto* const one = new Awakening;
+  return *one;
+}
+
 /// In place of the system's, for Cyclone alone.
 ssize_t receive(int socket, msghdr* message, int flags) {
   const ssize_t size = recvmsg(socket, message, flags);
@@ -77,7 +123,8 @@ ssize_t receive(int socket, msghdr* message, int flags) {
   auto* bytes = static_cast<std::uint8_t*>(message->msg_iov[0].iov_base);
   thread_local std::vector<std::uint8_t> kept;
   std::span<const std::uint8_t> passed;
-  if (message->msg_iovlen == 1)  // as Cyclone always does
+  if (awakening().isOver() &&
+      message->msg_iovlen == 1)  // one piece, as Cyclone always asks for
     passed = filters().of(portOf(socket)).pass({bytes, static_cast<std::size_t>(size)}, kept);
   if (passed.empty()) {
     // Too short for a header, it is left alone; none at all would be written to the log.

@@ -9,6 +9,9 @@ namespace handgraft::idl::cyclone {
 /// pointed at a function of ours, before its first socket is there. Nothing else in the process
 /// is touched, also not where the library was loaded along with a Python module.
 ///
+/// A program that stood still for longer than 10 s (SIGSTOP, a machine that slept) also leaves
+/// out for a moment what waited for it; why so: the source.
+///
 /// False if Cyclone's library was not found, or reads by other means: then nothing is filtered.
 /// Threads: any. Cost: a look at the process' libraries, once; two system calls a datagram in
 /// place of one.

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 namespace handgraft::idl {
 
@@ -390,6 +391,20 @@ bool DatagramFilter::isHandshakeOrAnnouncement(const Prefix& source,
   return false;
 }
 
+bool DatagramFilter::isWithinShare(const Prefix& source, const Submessage& submessage) {
+  if (reader_ != Reader::kFastDds || submessage.kind != kData) return true;
+  if ((submessage.body().entity(8) & kBuiltin) == kBuiltin) return true;
+  const auto now = std::chrono::steady_clock::now();
+  const std::lock_guard lock(mutex_);
+  if (shares_.size() >= kMostParticipants && shares_.count(source) == 0) shares_.clear();
+  Share& share = shares_[source];
+  const std::chrono::duration<double> since = now - std::exchange(share.last, now);
+  share.samples = std::min(kSamplesAtOnce, share.samples + kSamplesPerSecond * since.count());
+  if (share.samples < 1.0) return false;
+  share.samples -= 1.0;
+  return true;
+}
+
 bool DatagramFilter::isKeptFrom(const Submessage& submessage) const {
   if (reader_ == Reader::kFastDds) return false;
   const Piece body = submessage.body();
@@ -532,7 +547,7 @@ std::span<const std::uint8_t> DatagramFilter::pass(Bytes datagram,
       }
     } else if (isPassed(kind)) {
       if (!isSound(source, *submessage)) return {};
-      if (!isKeptFrom(*submessage)) {
+      if (!isKeptFrom(*submessage) && isWithinShare(source, *submessage)) {
         has_content = true;
         const std::size_t at = kept.size();
         kept.insert(kept.end(), submessage->whole.begin(), submessage->whole.end());

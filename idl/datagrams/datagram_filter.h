@@ -51,6 +51,11 @@ class DatagramFilter {
   static constexpr std::int64_t kLongestJump = 10'000'000;
   /// How many samples a heartbeat may offer and a gap may skip.
   static constexpr std::int64_t kLongestRange = 1'000'000;
+  /// Samples of its users' topics that a participant of an open domain may send to Fast DDS,
+  /// a second and at once. The rest is left out, and offered again by who sent it: what floods
+  /// is slowed down before it costs more than a look.
+  static constexpr double kSamplesPerSecond = 2000.0;
+  static constexpr double kSamplesAtOnce = 4000.0;
   static constexpr std::uint32_t kLargestSample = 64U << 20U;  ///< bytes
   static constexpr std::uint32_t kShortestLease_s = 5;
 
@@ -75,6 +80,7 @@ class DatagramFilter {
   std::optional<std::size_t> secured(const Prefix& source,
                                      const Submessage& submessage,
                                      std::span<const std::uint8_t> rest);
+  bool isWithinShare(const Prefix& source, const Submessage& submessage);
   /// True of what this reader must not see, though it may be well formed.
   [[nodiscard]] bool isKeptFrom(const Submessage& submessage) const;
   bool isHandshakeOrAnnouncement(const Prefix& source, const Submessage& submessage);
@@ -90,6 +96,13 @@ class DatagramFilter {
   const Reader reader_;
   std::mutex mutex_;
   std::map<Prefix, Announced> announced_;
+
+  struct Share {
+    double samples = kSamplesAtOnce;  ///< that it may send now
+    std::chrono::steady_clock::time_point last;
+  };
+
+  std::map<Prefix, Share> shares_;
   /// The highest sample number seen of each writer.
   std::map<std::pair<Prefix, std::uint32_t>, std::int64_t> last_;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <list>
 #include <map>
@@ -81,6 +82,19 @@ class RequestDeduplication {
     return kept;
   }
 
+  /// Gives back the answers of clients that have asked nothing for so long: who still waited
+  /// would have repeated its request. That they were begun is still known.
+  void forgetSilent(std::chrono::steady_clock::duration silent) {
+    const auto now = std::chrono::steady_clock::now();
+    const std::lock_guard lock(mutex_);
+    for (const ClientId& id : ages_) {
+      Client& client = clients_.at(id);
+      if (now - client.touched < silent) return;
+      while (!client.answers.empty())
+        forget(client, client.answers.begin());
+    }
+  }
+
   [[nodiscard]] bool running(const ClientId& id, std::uint64_t request) const {
     const std::lock_guard lock(mutex_);
     const auto found = clients_.find(id);
@@ -109,6 +123,7 @@ class RequestDeduplication {
     std::set<std::uint64_t> running;
     std::uint64_t forgotten = 0;  ///< the largest id whose answer is gone
     std::size_t bytes = 0;
+    std::chrono::steady_clock::time_point touched;
     typename std::list<ClientId>::iterator age;
   };
 
@@ -116,11 +131,13 @@ class RequestDeduplication {
     const auto found = clients_.find(id);
     if (found != clients_.end()) {
       ages_.splice(ages_.end(), ages_, found->second.age);
+      found->second.touched = std::chrono::steady_clock::now();
       return found->second;
     }
     if (clients_.size() >= limits_.clients) forgetOldestIdle();
     Client& client = clients_[id];
     client.age = ages_.insert(ages_.end(), id);
+    client.touched = std::chrono::steady_clock::now();
     return client;
   }
 

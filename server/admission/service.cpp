@@ -25,6 +25,9 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kMostQuickWaiting = 256;   // chunks of files among them
 constexpr std::chrono::seconds kIdleInNeed(10);  // of sessions where others find no room
+// A client that waits repeats what it asks every 2 s at least, and gives up after 30 s of
+// silence (idl/cyclone/requester).
+constexpr std::chrono::seconds kAnswersKept(120);
 
 std::string hostName() {
   std::string name(256, '\0');
@@ -147,6 +150,8 @@ void Service::publishStatusOnceASecond() {
     const Clock::duration held_up = now - std::exchange(last, now) - std::chrono::seconds(1);
     if (held_up > kHeldUp) forgive(held_up);
     endForsakenAndLong();
+    requests_.forgetSilent(kAnswersKept);
+    edits_.forgetSilent(kAnswersKept);
     status_wake_.wait_for(lock, std::chrono::seconds(1), [this] {
       return stopping_.load();
     });

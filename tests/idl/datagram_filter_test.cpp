@@ -275,6 +275,23 @@ TEST(DatagramFilter, HasAFirstQuestionAnsweredAtOnce) {
 
 constexpr std::uint32_t kHandshakeWriter = 0x000201c3;
 
+TEST(DatagramFilter, GivesEachParticipantItsShare) {
+  DatagramFilter filter;
+  const Datagram question = data(kUserWriter, 1, {0, 1, 0, 0, 1, 2, 3, 4});
+  int taken = 0;
+  constexpr int kFlood = 20'000;
+  for (int i = 0; i < kFlood; ++i)
+    taken += passed(filter, question).empty() ? 0 : 1;
+  EXPECT_GE(taken, static_cast<int>(DatagramFilter::kSamplesAtOnce));
+  EXPECT_LT(taken, kFlood / 2);
+  Datagram anothers = question;
+  anothers[8] ^= 1;
+  EXPECT_FALSE(passed(filter, anothers).empty());
+  // Discovery and what keeps streams whole are not held back.
+  EXPECT_FALSE(passed(filter, announcement(20)).empty());
+  EXPECT_FALSE(passed(filter, heartbeat(1, 7)).empty());
+}
+
 // === Before Cyclone DDS
 
 Datagram passedToCyclone(const Datagram& datagram) {

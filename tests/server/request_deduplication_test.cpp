@@ -85,6 +85,17 @@ TEST(RequestDeduplication, ForgetsTheClientThatWasSilentLongest) {
   EXPECT_EQ(requests.begin(client(1), 1).verdict, Verdict::kAnswered);
 }
 
+TEST(RequestDeduplication, GivesBackAnswersOfTheSilent) {
+  TestRequests requests;
+  requests.begin(client(1), 1);
+  requests.answer(client(1), 1, "yes", 3);
+  requests.forgetSilent(std::chrono::hours(1));
+  EXPECT_EQ(requests.bytes(), 3u);
+  requests.forgetSilent(std::chrono::seconds(0));
+  EXPECT_EQ(requests.bytes(), 0u);
+  EXPECT_EQ(requests.begin(client(1), 1).verdict, Verdict::kForgotten);
+}
+
 TEST(RequestDeduplication, KeepsAClientWhoseRequestRuns) {
   TestRequests requests({.clients = 1});
   requests.begin(client(1), 1);

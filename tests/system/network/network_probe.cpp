@@ -269,6 +269,37 @@ int edit(Requester& requester, double seconds, double rate_hz, const std::string
   return all_edits && all_questions && is_once ? 0 : 1;
 }
 
+// === A flood of the smallest questions, none of which waits for an answer
+
+int flood(const Participant& participant, double seconds, double rate_hz) {
+  idl::cyclone::Writer<v1::Request> requests(participant, idl::kRequestTopic);
+  v1::Request question;
+  v1::ClientId client{};
+  const std::uint64_t mine = randomId();
+  for (std::size_t i = 0; i < sizeof mine; ++i)
+    client[i] = static_cast<std::uint8_t>(mine >> (8 * i));
+  question.client(client);
+  question.protocol_version(v1::PROTOCOL_VERSION);
+  question.body().nothing(v1::Nothing());
+  const Clock::time_point begin = Clock::now();
+  std::uint64_t held_back = 0;
+  std::uint64_t id = 0;
+  while (Clock::now() - begin < std::chrono::duration<double>(seconds)) {
+    question.request_id(++id);
+    try {
+      requests.write(question);
+    } catch (const idl::cyclone::WriteTimeout&) {
+      ++held_back;
+    }
+    constexpr std::uint64_t kTogether = 30;
+    if (id % kTogether == 0)
+      std::this_thread::sleep_until(
+          begin + std::chrono::duration<double>(static_cast<double>(id) / rate_hz));
+  }
+  fmt::print("{}\n", nlohmann::json{{"sent", id}, {"held_back", held_back}}.dump());
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -289,6 +320,9 @@ int main(int argc, char** argv) {
   auto* edits = app.add_subcommand("edits", "edits of one session, and questions beside them");
   edits->add_option("--seconds", seconds);
   edits->add_option("--rate", rate_hz);
+  auto* floods = app.add_subcommand("flood", "small questions, at a rate");
+  floods->add_option("--seconds", seconds);
+  floods->add_option("--rate", rate_hz);
   app.require_subcommand(1);
   CLI11_PARSE(app, argc, argv);
   try {
@@ -297,6 +331,7 @@ int main(int argc, char** argv) {
     if (!requester.waitForServer(std::chrono::seconds(60))) throw TransportError("no server");
     if (*much)
       return askForMuch(requester, times, static_cast<std::size_t>(1e6 * megabytes), is_there);
+    if (*floods) return flood(participant, seconds, rate_hz);
     return edit(requester, seconds, rate_hz, "session");
   } catch (const std::exception& error) {
     fmt::print(stderr, "network_probe: {}\n", error.what());
