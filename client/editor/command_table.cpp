@@ -44,6 +44,7 @@ const std::vector<Command>& commandTable() {
       {"at NUMBER", "edits from now on are of the motion's frame at that time (s)", Action::kTime},
       {"at NUMBER NUMBER", "and fade over so many seconds before and after it", Action::kTime},
       {"at all", "of all of the motion again", Action::kTime},
+      {"take back COUNT", "an edit at a time of `show times`, which counts from 1, whatever was edited since", Action::kEdit, takeBack},
       // === Models and search
       {"hand HAND", "take another hand; what still fits is kept", Action::kEdit, hand},
       {"object OBJECT", "take another object, likewise", Action::kEdit, object},

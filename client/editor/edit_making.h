@@ -52,6 +52,9 @@ v1::EditBody solver(const Match& match, Scene& scene);
 v1::EditBody solverOfPaper(const Match& match, Scene& scene);
 v1::EditBody choose(const Match& match, Scene& scene);
 
+// === Of a motion
+v1::EditBody takeBack(const Match& match, Scene& scene);
+
 // === History
 v1::EditBody undo(const Match& match, Scene& scene);
 v1::EditBody redo(const Match& match, Scene& scene);

@@ -22,6 +22,7 @@ bool hasTime(const v1::EditBody& body) {
     case v1::EDIT_REDO:
     case v1::EDIT_SNAPSHOT:
     case v1::EDIT_RESTORE:
+    case v1::EDIT_TAKE_BACK:
       return false;
     default:
       return true;
@@ -39,6 +40,7 @@ bool maySwitchPatches(const v1::EditBody& body) {
     case v1::EDIT_UNDO:
     case v1::EDIT_REDO:
     case v1::EDIT_RESTORE:
+    case v1::EDIT_TAKE_BACK:
       return true;
     default:
       return false;

@@ -48,6 +48,7 @@ Told Editor::show(const Match& match) {
   if (topic == "settings") return tellSettings(settings);
   if (topic == "history") return tellHistory(settings);
   if (topic == "snapshots") return tellSnapshots(settings);
+  if (topic == "times") return tellTimes(settings);
   return tellSession(settings, server_.id());
 }
 

@@ -205,8 +205,9 @@ const std::vector<std::string>& choices(const Slot& slot, const Names& names) {
   static const std::vector<std::string> kSides = idl::namesOf(idl::typeOf<v1::PatchSide>());
   static const std::vector<std::string> kFormats =
       idl::namesOf(idl::typeOf<v1::ExportFormat>());
-  static const std::vector<std::string> kTopics = {
-      "session", "patches", "joints", "settings", "minima", "history", "transfer", "snapshots"};
+  static const std::vector<std::string> kTopics = {"session",  "patches",   "joints",
+                                                   "settings", "minima",    "history",
+                                                   "transfer", "snapshots", "times"};
   static const std::vector<std::string> kSolvers = idl::namesOf(idl::typeOf<v1::Solver>());
   static const std::vector<std::string> kForms = idl::namesOf(idl::typeOf<v1::NormalForm>());
   switch (slot.kind) {

@@ -264,6 +264,19 @@ v1::EditBody solverOfPaper(const Match& match, Scene& scene) {
   return bodyOf(&v1::EditBody::solving, solvingWith(scene.settings().solving(), named));
 }
 
+v1::EditBody takeBack(const Match& match, Scene& scene) {
+  const std::uint32_t number = smallCount(match.values.at(0), "take back");
+  const std::size_t most = scene.settings().timed().size();
+  if (number == 0 || number > most) {
+    rejectInput("take back {}: {}; show times lists them", number,
+                most == 0 ? std::string("nothing was edited at a time")
+                          : fmt::format("edits at times count from 1 to {}", most));
+  }
+  v1::TakeBackEdit edit;
+  edit.index(number - 1);
+  return bodyOf(&v1::EditBody::take_back, edit);
+}
+
 v1::EditBody choose(const Match& match, Scene& scene) {
   const std::uint32_t number = smallCount(match.values.at(0), "choose");
   const v1::PoseSolution* solution = scene.solution();

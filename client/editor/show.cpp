@@ -189,6 +189,22 @@ Told tellSnapshots(const v1::SessionSettings& settings) {
   return told;
 }
 
+Told tellTimes(const v1::SessionSettings& settings) {
+  Told told;
+  Rows rows;
+  Json times = Json::array();
+  for (const v1::TimedState& timed : settings.timed()) {
+    rows.push_back(
+        {fmt::format("{}", rows.size() + 1), fmt::format("{:.6g} s", timed.time_s()),
+         timed.falloff_s() > 0.0 ? fmt::format("+- {:.4g} s", timed.falloff_s()) : "that frame",
+         plain(timed.text())});
+    times.push_back(json::jsonOf(timed));
+  }
+  told.text = rows.empty() ? "nothing was edited at a time\n" : text::table(rows, "rrrl");
+  told.data = {{"times", times}};
+  return told;
+}
+
 Told tellDifferences(const v1::CompareReply& reply) {
   Told told;
   Rows rows;

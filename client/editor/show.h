@@ -18,6 +18,8 @@ Told tellJoints(const v1::SessionSettings& settings);
 Told tellSettings(const v1::SessionSettings& settings);
 Told tellHistory(const v1::SessionSettings& settings);
 Told tellSnapshots(const v1::SessionSettings& settings);
+/// What was edited at times of a motion.
+Told tellTimes(const v1::SessionSettings& settings);
 
 Told tellDifferences(const v1::CompareReply& reply);
 

@@ -17,6 +17,7 @@ namespace handgraft::client::gateway {
 namespace {
 
 constexpr std::chrono::milliseconds kRestBeforeSaving(800);  // nobody waits for it
+constexpr std::size_t kMostFramesTold = 600;                 // of a motion, unasked
 
 }  // namespace
 
@@ -29,6 +30,9 @@ Listener Gateway::Impl::listenerFor(std::uint64_t session) {
   };
   listener.on_state = [this, session](const v1::SessionState& state) {
     onState(session, state);
+  };
+  listener.on_frames = [this, session](const v1::MotionFrames& frames) {
+    onFrames(session, frames);
   };
   listener.on_clock = [this, session](const v1::MotionClock& clock) {
     onClock(session, clock);
@@ -49,6 +53,33 @@ void Gateway::Impl::onSolution(std::uint64_t session, const v1::PoseSolution& so
   found->second.pose_text = text;
   found->second.heard = Clock::now();
   tellFollowers(session, "pose", text);
+}
+
+/// Each time all that came of a revision, so that a page that skips some of it misses nothing.
+void Gateway::Impl::onFrames(std::uint64_t session, const v1::MotionFrames& frames) {
+  const std::lock_guard lock(mutex);
+  const auto found = followed.find(session);
+  if (found == followed.end()) return;
+  ToldFrames& told = found->second.told_frames;
+  if (told.is_last) {
+    told = {told.revision, frames.revision(), false, Json::array()};
+  } else if (told.revision != frames.revision()) {
+    told = {told.since, frames.revision(), false, Json::array()};  // that one was cut short
+  }
+  told.is_last = frames.is_last();
+  if (told.frames.is_array() && told.frames.size() + frames.frames().size() > kMostFramesTold)
+    told.frames = nullptr;  // pages ask for those that they show
+  if (told.frames.is_array())
+    for (const v1::MotionFrame& frame : frames.frames())
+      told.frames.push_back(idl::jsonOf(frame));
+  tellFollowers(session, "frames",
+                textOf({{"event", "frames"},
+                        {"session", session},
+                        {"since", told.since ? Json(*told.since) : Json()},
+                        {"revision", told.revision},
+                        {"frame_count", frames.frame_count()},
+                        {"is_last", told.is_last},
+                        {"frames", told.frames}}));
 }
 
 void Gateway::Impl::onClock(std::uint64_t session, const v1::MotionClock& clock) {
@@ -178,6 +209,7 @@ void Gateway::Impl::moveTo(std::uint64_t session, const v1::SessionState& state,
   one.saved_revision = 0;
   one.editors.clear();
   if (!is_same) one.pose_text = one.state_text = nullptr;
+  one.told_frames = {};
   one.server_id = client.status().server_id();
   one.following = std::make_unique<Following>(client, now, listenerFor(now));
   node.key() = now;

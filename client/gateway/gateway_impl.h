@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -41,6 +42,15 @@ struct Gateway::Impl : Audience, std::enable_shared_from_this<Gateway::Impl> {
     std::size_t unanswered = 0;
   };
 
+  /// Frames of a motion that was solved anew, as far as they were told.
+  struct ToldFrames {
+    std::optional<std::uint64_t>
+        since;  ///< the revision that they differ from; not known: none
+    std::uint64_t revision = 0;
+    bool is_last = false;
+    Json frames = Json::array();
+  };
+
   /// A session that pages follow.
   struct Followed {
     std::unique_ptr<Following> following;
@@ -54,6 +64,7 @@ struct Gateway::Impl : Audience, std::enable_shared_from_this<Gateway::Impl> {
     std::uint64_t saved_revision = 0;
     bool saving = false;
     Clock::time_point heard = Clock::now();
+    ToldFrames told_frames;
     std::map<std::uint64_t, PageId> editors;  ///< by the revisions that they made
   };
 
@@ -67,11 +78,18 @@ struct Gateway::Impl : Audience, std::enable_shared_from_this<Gateway::Impl> {
   void left(PageId page) override;
 
   void heed(PageId page, std::uint64_t request, const Json& message);
-  void follow(PageId page, std::uint64_t request, std::uint64_t session);
+  void follow(PageId page,
+              std::uint64_t request,
+              std::uint64_t session,
+              bool with_models = false);
+  void describeModels(PageId page, std::uint64_t request, const v1::SessionState& state);
   void unfollow(PageId page, std::uint64_t session);
   void ask(PageId page, std::uint64_t request, const Json& body);
   void edit(PageId page, std::uint64_t request, const Json& message);
-  void describe(PageId page, std::uint64_t request, const Json& message);
+  void describe(PageId page,
+                std::uint64_t request,
+                v1::ModelKind kind,
+                const std::string& name);
   void load(PageId page, std::uint64_t request, const Json& message);
   void require(PageId page, Rights rights);
 
@@ -96,6 +114,7 @@ struct Gateway::Impl : Audience, std::enable_shared_from_this<Gateway::Impl> {
   Listener listenerFor(std::uint64_t session);
   void onSolution(std::uint64_t session, const v1::PoseSolution& solution);
   void onState(std::uint64_t session, const v1::SessionState& state);
+  void onFrames(std::uint64_t session, const v1::MotionFrames& frames);
   void onClock(std::uint64_t session, const v1::MotionClock& clock);
   void onEnd(std::uint64_t session, const std::exception_ptr& why);
 

@@ -30,6 +30,7 @@ bool isForLookers(v1::Operation operation) {
     case v1::OP_COMPARE:
     case v1::OP_SAVE_SESSION:
     case v1::OP_MOTION_FRAMES:
+    case v1::OP_LINK_POSES:
       return true;
     default:
       return false;
@@ -171,7 +172,8 @@ void Gateway::Impl::said(PageId page, const std::string& text) {
 
 void Gateway::Impl::heed(PageId page, std::uint64_t request, const Json& message) {
   const std::string what = textIn(message, "do");
-  if (what == "follow") return follow(page, request, numberIn(message, "session"));
+  if (what == "follow" || what == "show")
+    return follow(page, request, numberIn(message, "session"), what == "show");
   if (what == "ping") return web->send(page, textOf({{"reply", request}}));
   if (what == "drop") {
     const std::lock_guard lock(mutex);
@@ -189,12 +191,16 @@ void Gateway::Impl::heed(PageId page, std::uint64_t request, const Json& message
   }
   try {
     const auto body = message.find("body");
-    if (what == "describe") return describe(page, request, message);
+    if (what == "describe") {
+      const auto kind = v1::enumeratorFrom<v1::ModelKind>(textIn(message, "kind"), "kind");
+      return describe(page, request, kind, textIn(message, "name"));
+    }
     if (what == "load") return load(page, request, message);
     if (what == "ask" && body != message.end()) return ask(page, request, *body);
     if (what == "edit" && body != message.end()) return edit(page, request, message);
     rejectInput(
-        "do: {}: it must be follow, ping, describe, load, drop, ask or edit, the last two with "
+        "do: {}: it must be follow, show, ping, describe, load, drop, ask or edit, the last "
+        "two with "
         "a "
         "body",
         handgraft::quoted(what));
@@ -212,7 +218,10 @@ void Gateway::Impl::require(PageId page, Rights rights) {
   }
 }
 
-void Gateway::Impl::follow(PageId page, std::uint64_t request, std::uint64_t session) {
+void Gateway::Impl::follow(PageId page,
+                           std::uint64_t request,
+                           std::uint64_t session,
+                           bool with_models) {
   {
     const std::lock_guard lock(mutex);
     if (pages[page].sessions.size() >= kMostFollowed) {
@@ -222,8 +231,8 @@ void Gateway::Impl::follow(PageId page, std::uint64_t request, std::uint64_t ses
     ++pages[page].unanswered;
   }
   // It is known to exist before anybody listens.
-  whenDone(client.describeSession(session), [this, page, request,
-                                             session](Outcome<v1::SessionState> outcome) {
+  whenDone(client.describeSession(session), [this, page, request, session,
+                                             with_models](Outcome<v1::SessionState> outcome) {
     const std::lock_guard lock(mutex);
     if (const auto* error = std::get_if<std::exception_ptr>(&outcome)) {
       if (pages.contains(page)) --pages[page].unanswered;
@@ -241,7 +250,20 @@ void Gateway::Impl::follow(PageId page, std::uint64_t request, std::uint64_t ses
     if (one.state_text) web->sendLatest(page, fmt::format("state {}", session), one.state_text);
     if (one.pose_text) web->sendLatest(page, fmt::format("pose {}", session), one.pose_text);
     tellPages();
+    if (with_models) describeModels(page, request, std::get<v1::SessionState>(outcome));
   });
+}
+
+/// What a session's picture takes, under the numbers behind the request's.
+void Gateway::Impl::describeModels(PageId page,
+                                   std::uint64_t request,
+                                   const v1::SessionState& state) {
+  const bool is_of_motion = !state.motion().empty();
+  pages[page].unanswered += 3;
+  describe(page, request + 1, v1::MODEL_HAND, state.hand());
+  describe(page, request + 2, v1::MODEL_OBJECT, state.object());
+  describe(page, request + 3, is_of_motion ? v1::MODEL_MOTION : v1::MODEL_CONTACTS,
+           is_of_motion ? state.motion() : state.contacts());
 }
 
 void Gateway::Impl::unfollow(PageId page, std::uint64_t session) {
@@ -296,9 +318,11 @@ void Gateway::Impl::edit(PageId page, std::uint64_t request, const Json& message
       });
 }
 
-void Gateway::Impl::describe(PageId page, std::uint64_t request, const Json& message) {
-  const auto kind = v1::enumeratorFrom<v1::ModelKind>(textIn(message, "kind"), "kind");
-  whenDone(client.describe(kind, textIn(message, "name"), true),
+void Gateway::Impl::describe(PageId page,
+                             std::uint64_t request,
+                             v1::ModelKind kind,
+                             const std::string& name) {
+  whenDone(client.describe(kind, name, true),
            [this, page, request](Outcome<v1::ModelDescription> outcome) {
              if (const auto* error = std::get_if<std::exception_ptr>(&outcome)) {
                return answer(page, request, {{"error", errorJson(*error)}});

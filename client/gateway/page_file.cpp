@@ -19,6 +19,7 @@ namespace handgraft::client::gateway {
 namespace {
 
 constexpr const char* kStyle = R"(<link rel="stylesheet" href="page.css" />)";
+constexpr const char* kEarly = R"(<script src="early.js" async></script>)";
 constexpr const char* kScript = R"(<script type="module" src="page.js"></script>)";
 
 // Of what the file holds, and of nothing else.
@@ -78,6 +79,7 @@ std::string pageFile(Client& client, std::uint64_t session_id, const WebFiles& f
     return base64Of(modelFrame(0, client.describe(kind, name, true).get()));
   };
   idl::Json data = {{"state", idl::jsonOf(state)},
+                    {"settings", idl::jsonOf(session.settings().get())},
                     {"models",
                      {{"hand", modelOf(v1::MODEL_HAND, state.hand())},
                       {"object", modelOf(v1::MODEL_OBJECT, state.object())}}}};
@@ -90,7 +92,6 @@ std::string pageFile(Client& client, std::uint64_t session_id, const WebFiles& f
     if (solution == nullptr) rejectInput("session {} has no pose yet", session_id);
     data["models"]["contacts"] = modelOf(v1::MODEL_CONTACTS, state.contacts());
     data["solution"] = idl::jsonOf(*solution);
-    data["settings"] = idl::jsonOf(session.settings().get());
     data["transfer"] = idl::jsonOf(session.transfer().get());
   }
   // Neither ends the element that it stands in.
@@ -101,6 +102,7 @@ std::string pageFile(Client& client, std::uint64_t session_id, const WebFiles& f
 
   std::string page = fileOf(files, "/");
   inlineFile(page, kStyle, kFilePolicy + ("<style>" + fileOf(files, "/page.css") + "</style>"));
+  inlineFile(page, kEarly, "");  // there is no connection to open
   inlineFile(page, kScript,
              R"(<script type="application/json" id="handgraft-data">)" + text +
                  "</script>\n<script type=\"module\">" + script + "</script>");

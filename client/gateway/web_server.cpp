@@ -68,6 +68,16 @@ std::string parameterOf(const std::string& target, const std::string& name) {
   return {};
 }
 
+/// A page whose address names a session wants to see it, and need not come to say so.
+std::string firstWord(const std::string& target) {
+  constexpr std::size_t kLongest = 20;  // digits
+  const std::string session = parameterOf(target, "session");
+  if (session.empty() || session.size() > kLongest ||
+      session.find_first_not_of("0123456789") != std::string::npos)
+    return {};
+  return R"({"id":1,"do":"show","session":)" + session + "}";
+}
+
 /// "localhost" of "localhost:8080"; "[::1]" of "[::1]:8080".
 std::string hostName(const std::string& host) {
   const std::size_t colon =
@@ -141,18 +151,21 @@ class WebServer::Impl::Live : public std::enable_shared_from_this<Live> {
 
   ~Live() { --server_.connections; }
 
-  void start(const HttpRequest& request, Rights rights) {
+  /// `first`: what the page says with its address; empty: nothing.
+  void start(const HttpRequest& request, Rights rights, const std::string& first) {
     websocket::stream_base::timeout patience{kHttpPatience, kSilence, true};
     stream_.set_option(patience);
     stream_.auto_fragment(false);
     stream_.read_message_max(server_.options.limits.message_bytes);
-    stream_.async_accept(request, [self = shared_from_this(), rights](beast::error_code error) {
-      if (error || self->server_.stopping) return;
-      self->page_ = ++self->server_.last_page;
-      self->server_.pages[self->page_] = self;
-      self->server_.audience.joined(self->page_, rights);
-      self->read();
-    });
+    stream_.async_accept(request,
+                         [self = shared_from_this(), rights, first](beast::error_code error) {
+                           if (error || self->server_.stopping) return;
+                           self->page_ = ++self->server_.last_page;
+                           self->server_.pages[self->page_] = self;
+                           self->server_.audience.joined(self->page_, rights);
+                           if (!first.empty()) self->server_.audience.said(self->page_, first);
+                           self->read();
+                         });
   }
 
   void send(Shared message, bool is_binary) {
@@ -341,7 +354,8 @@ class WebServer::Impl::Connection : public std::enable_shared_from_this<Connecti
     }
     if (options.read_only) rights = Rights::kLook;
     stream_.expires_never();
-    std::make_shared<Live>(server_, stream_.release_socket())->start(request, rights);
+    std::make_shared<Live>(server_, stream_.release_socket())
+        ->start(request, rights, firstWord(target));
   }
 
   void serve(const HttpRequest& request) {

@@ -43,6 +43,8 @@ void Following::run() {
       closed = closed || state.phase() == v1::PHASE_CLOSED;
       if (listener_.on_state) listener_.on_state(state);
     });
+    for (const v1::MotionFrames& frames : stream_.takeMotion())
+      if (listener_.on_frames) listener_.on_frames(frames);
     const std::optional<v1::MotionClock> clock = stream_.takeClock();
     if (clock && listener_.on_clock) listener_.on_clock(*clock);
     if (!closed) stream_.wait(kLook);

@@ -14,6 +14,8 @@ namespace handgraft::client {
 struct Listener {
   SessionStream::OnSolution on_solution = {};
   SessionStream::OnState on_state = {};
+  /// Frames of its motion were solved anew.
+  std::function<void(const v1::MotionFrames&)> on_frames = {};
   /// The clock that watchers of its motion share was set.
   std::function<void(const v1::MotionClock&)> on_clock = {};
   /// Nothing more will come: the session was closed (nullptr), or its server is gone

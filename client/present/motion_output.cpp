@@ -206,8 +206,10 @@ Json motion(const MotionResult& result) {
     Json frame = jsonOf(result.frames[k]);
     frame.erase("bodies");
     frame.erase("X_WL");
-    for (Json& patch : frame["patches"])
+    for (Json& patch : frame["patches"]) {
       patch.erase("outline_O_m");
+      patch.erase("hand_W_m");
+    }
     frame["mean_mm"] = finiteOrNull(measures[k].mean_mm);
     frame["normal_deg"] = finiteOrNull(measures[k].normal_deg);
     frame["velocity"] = finiteOrNull(measures[k].velocity);

@@ -1,4 +1,4 @@
-// bundle.mjs OUT: the page as index.html, page.js and page.css, and each of them gzipped; what the page
+// bundle.mjs OUT: the page as index.html, early.js, page.js and page.css, and each of them gzipped; what the page
 // does not use of its libraries is left out. Run where package.json and node_modules are.
 
 import { mkdirSync, readFileSync, writeFileSync, rmSync } from 'node:fs';
@@ -12,7 +12,7 @@ const { build } = createRequire(join(process.cwd(), 'package.json'))('esbuild');
 const out = resolve(process.argv[2] ?? 'dist');
 
 const result = await build({
-  entryPoints: { page: join(here, 'src/main.ts') },
+  entryPoints: { page: join(here, 'src/main.ts'), early: join(here, 'src/early.ts') },
   bundle: true,
   minify: true,
   format: 'esm',
@@ -34,7 +34,7 @@ const style = await build({
 });
 const files = new Map([
   ['index.html', readFileSync(join(here, 'index.html'))],
-  ['page.js', Buffer.from(result.outputFiles.find((file) => file.path.endsWith('.js')).contents)],
+  ...['early.js', 'page.js'].map((name) => [name, Buffer.from(result.outputFiles.find((file) => file.path.endsWith(`/${name}`)).contents)]),
   ['page.css', Buffer.from(style.outputFiles[0].contents)],
 ]);
 // The licences of what is bundled go along with it.

@@ -97,6 +97,13 @@ class Editing {
 
   void apply(const TimedEdit& edit) { addTimed(edit, bench_.models(), edited.document); }
 
+  void apply(const TakeBackEdit& edit) {
+    std::vector<TimedEdit>& timed = edited.document.timed;
+    if (edit.index < 0 || edit.index >= static_cast<int>(timed.size()))
+      rejectInput("edit {} at a time: there are {}", edit.index + 1, timed.size());
+    timed.erase(timed.begin() + edit.index);
+  }
+
   template <class HistoryEdit>
   void apply(const HistoryEdit& /*edit*/) {
     HANDGRAFT_REQUIRE(!"an edit of the history");
@@ -346,7 +353,8 @@ Edited applied(const Edit& edit,
       edit);
   // A minimum that is chosen answers what the solution answered; what holds at a time of a
   // motion leaves the grasp as it is.
-  if (!std::holds_alternative<ChoiceEdit>(edit) && !std::holds_alternative<TimedEdit>(edit))
+  if (!std::holds_alternative<ChoiceEdit>(edit) && !std::holds_alternative<TimedEdit>(edit) &&
+      !std::holds_alternative<TakeBackEdit>(edit))
     editing.edited.document.is_solved = false;
   return std::move(editing.edited);
 }

@@ -124,14 +124,14 @@ std::string text(const DragWay& way) {
 }
 
 std::string text(const TimedEdit& edit) {
-  const std::string what = std::visit(
-      [](const auto& one) {
-        return text(one);
-      },
-      edit.change);
-  const std::string when = fmt::format("{} at {:.6g} s", what, edit.when.time_s);
+  const std::string when =
+      fmt::format("{} at {:.6g} s", describe(edit.change), edit.when.time_s);
   return edit.when.falloff_s > 0.0 ? fmt::format("{} +- {:.4g}", when, edit.when.falloff_s)
                                    : when;
+}
+
+std::string text(const TakeBackEdit& edit) {
+  return fmt::format("take back {}", edit.index + 1);
 }
 
 }  // namespace
@@ -142,6 +142,14 @@ std::string describe(const Edit& edit) {
         return text(one);
       },
       edit);
+}
+
+std::string describe(const TimedChange& change) {
+  return std::visit(
+      [](const auto& one) {
+        return text(one);
+      },
+      change);
 }
 
 }  // namespace handgraft::session

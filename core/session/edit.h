@@ -156,6 +156,11 @@ struct TimedEdit {
   TimedChange change;
 };
 
+// Takes one edit at a time back, whatever was edited since.
+struct TakeBackEdit {
+  int index = 0;  ///< of those of the document
+};
+
 // === What moves through the history
 struct UndoEdit {
   int count = 1;
@@ -194,10 +199,14 @@ using Edit = std::variant<ObjectPoseEdit,
                           SnapshotEdit,
                           RestoreEdit,
                           ReleaseEdit,
-                          TimedEdit>;
+                          TimedEdit,
+                          TakeBackEdit>;
 
 /// One line for people, without numbers that say little: "limit thumb_mcp 0 to 0.6 rad", "drag
 /// middle_tip". What it quotes is on one line and cut short.
 std::string describe(const Edit& edit);
+
+/// What is edited at a time, without the time.
+std::string describe(const TimedChange& change);
 
 }  // namespace handgraft::session

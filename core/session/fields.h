@@ -158,7 +158,7 @@ inline constexpr std::array<std::string_view, std::variant_size_v<Edit>> kEditKi
     "joint_lock",   "prior",        "weights",    "patch_enabled",   "joint_soft",
     "prior_shares", "solving",      "drag",       "choice",          "hand",
     "object",       "undo",         "redo",       "snapshot",        "restore",
-    "release",      "timed"};
+    "release",      "timed",        "take_back"};
 
 /// Likewise of what is edited at a time.
 inline constexpr std::array<std::string_view, std::variant_size_v<TimedChange>> kTimedKinds = {
@@ -251,6 +251,10 @@ void visitFields(Maybe<TimedEdit> auto& edit, auto&& visit) {
   visit("time_s", edit.when.time_s);
   visit("falloff_s", edit.when.falloff_s);
   visit("change", edit.change);
+}
+
+void visitFields(Maybe<TakeBackEdit> auto& edit, auto&& visit) {
+  visit("index", edit.index);
 }
 
 void visitFields(Maybe<ChoiceEdit> auto& edit, auto&& visit) {

@@ -130,6 +130,7 @@ Privilege privilegeOf(v1::Operation operation) {
     case v1::OP_SOLVE_MOTION:
     case v1::OP_MOTION_FRAMES:
     case v1::OP_SET_CLOCK:
+    case v1::OP_LINK_POSES:
       return Privilege::kEdit;
   }
   return Privilege::kOperate;

@@ -72,6 +72,7 @@ Lane laneOf(v1::Operation operation) {
     case v1::OP_SOLVE_MOTION:
     case v1::OP_MOTION_FRAMES:
     case v1::OP_SET_CLOCK:
+    case v1::OP_LINK_POSES:
       return Lane::kSession;
     case v1::OP_SHARE_SESSION:
       reject(v1::ERROR_UNSUPPORTED, "this server does not {} yet", nameOf(operation));
@@ -95,6 +96,8 @@ std::uint64_t sessionOf(const v1::RequestBody& body) {
       return body.motion_frames().session_id();
     case v1::OP_SET_CLOCK:
       return body.clock().session_id();
+    case v1::OP_LINK_POSES:
+      return body.link_poses().session_id();
     default:
       return body.session().session_id();
   }
@@ -276,6 +279,10 @@ v1::ReplyBody perform(const v1::Request& request,
     case v1::OP_SET_CLOCK:
       return bodyOf(operation, [&](auto& reply) {
         reply.clock(setClock(live, body.clock(), request.client()));
+      });
+    case v1::OP_LINK_POSES:
+      return bodyOf(operation, [&](auto& reply) {
+        reply.link_poses(linkPoses(live, body.link_poses()));
       });
     default:
       throw BrokenContract(fmt::format("{} is no operation of a session", nameOf(operation)));

@@ -144,22 +144,41 @@ std::vector<v1::JointLimit> limitsReached(const manipulation::MotionProblem& pro
   return limits;
 }
 
-std::vector<double> outlineOf(const geometry::TriangleMesh& object_O,
-                              const contact::Patch& patch) {
-  std::vector<double> outline;
-  for (const geometry::SurfacePoint& point : patch.interpolation_boundary) {
-    const Eigen::Vector3d p_O = positionOf(object_O, point);
-    outline.insert(outline.end(), p_O.data(), p_O.data() + 3);
+/// How much of a frame is told: numbers; where the links are, too; patches' outlines, too.
+enum class Detail { kNumbers, kLinks, kShapes };
+
+/// A patch as it lies in a frame, edited as it may be: as many of its correspondences as an
+/// outline has points.
+void putShape(const session::SolvedMotion& solved,
+              const manipulation::PatchTrack& track,
+              int motion_track,
+              int frame,
+              const hand::LinkPoses& X_WL,
+              v1::FramePatch& patch) {
+  const auto index = std::find(solved.track_of.begin(), solved.track_of.end(), motion_track);
+  if (index == solved.track_of.end()) return;
+  const auto& spans =
+      solved.problem.tracks[static_cast<std::size_t>(index - solved.track_of.begin())].spans;
+  const auto after = std::find_if(spans.begin(), spans.end(), [&](const auto& span) {
+    return span.begin > frame;
+  });
+  const auto& pairs = (after == spans.begin() ? after : std::prev(after))->pairs;
+  const int shown = std::clamp(frame, track.begin(), track.end - 1);
+  const std::size_t count =
+      std::min(pairs.size(), track.keyAt(shown).patch.interpolation_boundary.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    const Eigen::Vector3d& p_O = pairs[i].p_W;  // motions are laid in O
+    const Eigen::Vector3d p_W = X_WL[static_cast<std::size_t>(pairs[i].link)] * pairs[i].p_L;
+    patch.outline_O_m().insert(patch.outline_O_m().end(), p_O.data(), p_O.data() + 3);
+    patch.hand_W_m().insert(patch.hand_W_m().end(), p_W.data(), p_W.data() + 3);
   }
-  return outline;
 }
 
 v1::MotionFrame frameMessage(const LiveMotion& motion,
                              const session::SolvedMotion& solved,
                              const session::MotionFits& fits,
-                             const geometry::TriangleMesh& object_O,
                              int frame,
-                             bool with_shapes) {
+                             Detail detail) {
   const auto at = static_cast<std::size_t>(frame);
   const hand::HandPose& pose = solved.trajectory.poses[at];
   const Pose& X_WO = motion.motion->X_WO[at];
@@ -173,6 +192,9 @@ v1::MotionFrame frameMessage(const LiveMotion& motion,
   message.max_depth_m(solved.depth_m[at]);
   message.objective(solved.trajectory.objective[at]);
   message.joints_at_limit(limitsReached(solved.problem, pose.q));
+  hand::LinkPoses links_W;
+  if (detail != Detail::kNumbers)
+    links_W = hand::forwardKinematics(*solved.problem.model, {X_WH, pose.q});
   for (const session::PatchFrameFit& fit : fits.at(frame)) {
     v1::FramePatch patch;
     patch.patch(static_cast<std::uint32_t>(fit.patch));
@@ -183,14 +205,10 @@ v1::MotionFrame frameMessage(const LiveMotion& motion,
     patch.reached(fit.reached);
     const manipulation::PatchTrack& track =
         motion.motion->tracks[static_cast<std::size_t>(fit.track)];
-    if (with_shapes) {
-      const int shown = std::clamp(frame, track.begin(), track.end - 1);
-      patch.outline_O_m(outlineOf(object_O, track.keyAt(shown).patch));
-    }
+    if (detail == Detail::kShapes) putShape(solved, track, fit.track, frame, links_W, patch);
     message.patches().push_back(std::move(patch));
   }
-  if (!with_shapes) return message;
-  for (const Pose& X_WL : hand::forwardKinematics(*solved.problem.model, {X_WH, pose.q}))
+  for (const Pose& X_WL : links_W)
     message.X_WL().push_back(toMessage(X_WL));
   return message;
 }
@@ -199,7 +217,7 @@ v1::MotionFrame frameMessage(const LiveMotion& motion,
 std::size_t bytesOfFrame(const LiveMotion& motion, bool with_shapes) {
   const hand::HandModel& model = *motion.solved->problem.model;
   constexpr std::size_t kPatchBytes = 64;
-  constexpr std::size_t kOutlineBytes = 25 * 24;
+  constexpr std::size_t kOutlineBytes = 2 * 25 * 24;
   constexpr std::size_t kPoseBytes = 56;
   const auto patches = motion.motion->tracks.size();
   std::size_t bytes = 256 + 48 * static_cast<std::size_t>(model.dofCount());
@@ -260,8 +278,7 @@ class FramesTold {
       const auto at = static_cast<std::size_t>(k);
       if (told_[at] || isAsBefore(solved, at)) continue;
       told_[at] = true;
-      frames.frames().push_back(
-          frameMessage(motion_, solved, fits, *motion_.object_O, k, false));
+      frames.frames().push_back(frameMessage(motion_, solved, fits, k, Detail::kLinks));
       if (frames.frames().size() < kFramesAtOnce) continue;
       live_.publish(std::move(frames));
       frames = begun(solved);
@@ -475,14 +492,15 @@ v1::MotionFrames motionFrames(LiveSession& live, const v1::MotionFramesRequest& 
   const std::size_t most =
       request.count() == 0 ? fitting : std::min<std::size_t>(fitting, request.count());
   const session::MotionFits fits(*motion.motion, solved);
+  const Detail detail = request.with_shapes() ? Detail::kShapes : Detail::kNumbers;
   v1::MotionFrames reply;
   reply.session_id(live.id());
   reply.revision(motion.solved_revision);
   reply.frame_count(static_cast<std::uint32_t>(count));
   std::size_t frame = request.first();
   for (; frame < count && reply.frames().size() < most; frame += every) {
-    reply.frames().push_back(frameMessage(motion, solved, fits, *motion.object_O,
-                                          static_cast<int>(frame), request.with_shapes()));
+    reply.frames().push_back(
+        frameMessage(motion, solved, fits, static_cast<int>(frame), detail));
   }
   reply.is_last(frame >= count);
   return reply;

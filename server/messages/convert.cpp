@@ -7,8 +7,8 @@
 
 #include "core/base/error.h"
 #include "core/hand/kinematics.h"
-#include "core/session/held_places.h"
 #include "idl/fields.h"
+#include "server/messages/session_messages.h"
 
 namespace handgraft::server {
 
@@ -52,18 +52,6 @@ std::vector<double> flat(const std::vector<Eigen::Vector3d>& points) {
 
 std::vector<double> entries(const Eigen::VectorXd& values) {
   return {values.data(), values.data() + values.size()};
-}
-
-v1::HeldPlace heldMessage(const session::HeldPlace& place,
-                          const hand::HandModel& model,
-                          const hand::HandPose& pose) {
-  v1::HeldPlace message;
-  message.link(place.link);
-  message.p_L_m(toMessage(place.p_L));
-  message.target_W_m(toMessage(place.target_W));
-  message.weight(place.weight);
-  message.miss_m(session::fitOf(place, model, pose).off_m);
-  return message;
 }
 
 }  // namespace

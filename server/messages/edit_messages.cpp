@@ -185,6 +185,8 @@ session::Edit editFrom(const v1::EditBody& body) {
     case v1::EDIT_RELEASE:
       return session::ReleaseEdit{
           body.release().link().empty() ? "" : name(body.release().link(), "link")};
+    case v1::EDIT_TAKE_BACK:
+      return session::TakeBackEdit{static_cast<int>(body.take_back().index())};
     case v1::EDIT_PATCH_PLACE:
     case v1::EDIT_MOTION:
       reject(v1::ERROR_UNSUPPORTED, "this server does not know edits of kind {} yet",

@@ -1,5 +1,6 @@
 #include "server/messages/session_messages.h"
 
+#include "core/session/held_places.h"
 #include "server/messages/convert.h"
 #include "server/messages/transfer_messages.h"
 
@@ -67,6 +68,18 @@ v1::JointSetting jointSetting(const hand::HandModel& model,
 
 }  // namespace
 
+v1::HeldPlace heldMessage(const session::HeldPlace& place,
+                          const hand::HandModel& model,
+                          const hand::HandPose& pose) {
+  v1::HeldPlace message;
+  message.link(place.link);
+  message.p_L_m(toMessage(place.p_L));
+  message.target_W_m(toMessage(place.target_W));
+  message.weight(place.weight);
+  message.miss_m(session::fitOf(place, model, pose).off_m);
+  return message;
+}
+
 v1::SessionSettings settingsMessage(const session::Session& session) {
   const session::Document& document = session.document();
   const hand::HandModel& model = *session.hand().model;
@@ -82,10 +95,19 @@ v1::SessionSettings settingsMessage(const session::Session& session) {
     message.patches().push_back(patchState(patch));
   for (int dof = 0; dof < model.dofCount(); ++dof)
     message.joints().push_back(jointSetting(model, document, dof));
+  for (const session::HeldPlace& place : document.held)
+    message.held().push_back(heldMessage(place, model, document.start));
   message.snapshots(session.history().snapshotNames());
   message.undo(session.history().undoLabels(kMostSteps));
   message.redo(session.history().redoLabels(kMostSteps));
   message.notes(document.notes);
+  for (const session::TimedEdit& edit : document.timed) {
+    v1::TimedState timed;
+    timed.time_s(edit.when.time_s);
+    timed.falloff_s(edit.when.falloff_s);
+    timed.text(describe(edit.change));
+    message.timed().push_back(std::move(timed));
+  }
   return message;
 }
 

@@ -6,8 +6,14 @@
 /// Sessions as they stand, to messages.
 namespace handgraft::server {
 
-/// All that a user may change; `state` is filled in by the caller.
+/// All that a user may change; `state` is filled in by the caller, and times are the motion's
+/// own.
 v1::SessionSettings settingsMessage(const session::Session& session);
+
+/// A place that is held, and how far a pose has it off.
+v1::HeldPlace heldMessage(const session::HeldPlace& place,
+                          const hand::HandModel& model,
+                          const hand::HandPose& pose);
 
 v1::CompareReply toMessage(const std::vector<session::Difference>& differences);
 

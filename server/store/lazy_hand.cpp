@@ -14,6 +14,8 @@ namespace handgraft::server {
 
 namespace {
 
+constexpr std::chrono::milliseconds kGlance(100);  // for a wish to stop
+
 LazyHand::Maker wrapping(std::shared_ptr<const hand::HandModel> model,
                          std::optional<std::vector<hand::ContactSite>> sites,
                          const hand::SkinOptions& options) {
@@ -55,18 +57,34 @@ std::vector<std::string> LazyHand::skinNotes() const {
 hand::SkinReport LazyHand::skinReport(const Progress& progress) {
   const session::Hand made = get(progress);
   std::unique_lock lock(mutex_);
+  while (being_measured_) {
+    lock.unlock();
+    progress.checkpoint();
+    lock.lock();
+    changed_.wait_for(lock, kGlance, [this] {
+      return !being_measured_;
+    });
+  }
   if (is_measured_) return report_;
+  being_measured_ = true;
   hand::SkinReport report = report_;
-  lock.unlock();  // two who ask at once measure the same
-  hand::measure(*made.skin, report);
+  lock.unlock();
+  std::exception_ptr failure;
+  try {
+    hand::measure(*made.skin, report);
+  } catch (...) {
+    failure = std::current_exception();
+  }
   lock.lock();
+  being_measured_ = false;
+  changed_.notify_all();
+  if (failure) std::rethrow_exception(failure);
   report_ = report;
   is_measured_ = true;
   return report;
 }
 
 session::Hand LazyHand::get(const Progress& progress) {
-  constexpr std::chrono::milliseconds kGlance(100);
   std::unique_lock lock(mutex_);
   while (!hand_) {
     if (failure_) std::rethrow_exception(failure_);

@@ -65,6 +65,7 @@ class LazyHand {
   std::optional<session::Hand> hand_;
   hand::SkinReport report_;  ///< of `hand_`
   bool is_measured_ = false;
+  bool being_measured_ = false;
   std::exception_ptr failure_;
   bool being_made_ = false;
   std::string stage_;

@@ -98,7 +98,12 @@ int run(const ViewOptions& options, const CommonOptions& common, Interruption& i
                          options.session_id == 0 ? Absence::kStartPrivate : Absence::kFail,
                          interruption, &progress));
   const std::uint64_t session = openAsked(options, inputs, saved, server, interruption);
-  if (session != 0) server.describeSession(session).get();  // it is known to exist
+  if (session != 0) {
+    // It is known to exist; what it takes to describe the hand is made before a page asks.
+    const v1::SessionState state = server.describeSession(session).get();
+    server.describe(v1::MODEL_HAND, state.hand(), true)
+        .then([](const Outcome<v1::ModelDescription>&) {});
+  }
   progress.clear();
 
   // === The page

@@ -350,13 +350,17 @@ void addMotionExport(CLI::App& motion, CommandOptions& chosen) {
       ->required()
       ->check(objectionToCount);
   command
-      ->add_option("--out", parsed->out,
-                   "The ending says how: .json .csv .glb .npz .xml (MJCF) .yaml (ROS 2)")
+      ->add_option(
+          "--out", parsed->out,
+          "The ending says how: .json .csv .glb .npz .xml (MJCF) .yaml (ROS 2) .html (the "
+          "page)")
       ->required()
       ->check(objectionToFile);
   command->fallthrough();
   command->callback([parsed, &chosen] {
-    const MotionFile file = motionFileFrom(parsed->out);
+    const bool is_page = std::filesystem::path(parsed->out).extension() == ".html";
+    const MotionFile file =
+        is_page ? MotionFile{parsed->out, "html"} : motionFileFrom(parsed->out);
     chosen = ExportOptions{parsed->session_id, file.format, file.path};
   });
 }

@@ -265,14 +265,14 @@ export class HandBody {
   }
 
   /** Where a place on the skin is on the posed hand; null where no link carries it. */
-  place(root: SurfacePoint): { p_W: Vector3; n_W: Vector3; X_WS: Matrix4 } | null {
+  place(root: SurfacePoint): { p_W: Vector3; n_W: Vector3; X_W: Matrix4 } | null {
     const link = this.links[this.faceLinks[root.face] ?? -1];
     if (link === undefined) return null;
     const X_WS = this.skinPose(link);
     return {
       p_W: positionOf(this.skin, root).applyMatrix4(X_WS),
       n_W: normalOf(this.skin, root.face).transformDirection(X_WS),
-      X_WS,
+      X_W: X_WS,
     };
   }
 

@@ -76,6 +76,7 @@ async function pageOf(session: Session): Promise<string> {
   // Functions: what is put in is not read for $ signs.
   return html!
     .replace('<link rel="stylesheet" href="page.css" />', () => `${kPolicy}<style>${style}</style>`)
+    .replace('<script src="early.js" async></script>', '')
     .replace('<script type="module" src="page.js"></script>', () => {
       return `<script type="application/json" id="handgraft-data">${json}</script>\n<script type="module">${script!.replaceAll('</script', '<\\/script')}</script>`;
     });

@@ -37,6 +37,10 @@ export class Lines {
     this.front = of(true);
   }
 
+  get length(): number {
+    return Math.max(0, this.count);
+  }
+
   /** Segments, two points each, and a colour a segment. */
   set(points: number[], colors: Color[]): void {
     const segments = colors.length;

@@ -1,6 +1,7 @@
 // The gateway, or the data that an exported page brings along.
 
-import { readModel, type EditBody, type Model, type ModelSummary, type MotionClock, type MotionFrames, type PoseSolution, type SessionState } from './wire';
+import { liveAddress, takeEarly } from './live';
+import { readModel, type EditBody, type EditTime, type FramesNews, type Model, type ModelSummary, type MotionClock, type MotionFrames, type PoseSolution, type SessionState } from './wire';
 
 export class Refusal extends Error {
   constructor(
@@ -24,6 +25,7 @@ export interface Listener {
   onServer(isHeard: boolean): void;
   onState(session: number, state: SessionState, isOurs: boolean, page: number): void;
   onPose(session: number, solution: PoseSolution): void;
+  onFrames(session: number, news: FramesNews): void;
   onClock(session: number, clock: MotionClock, age_s: number): void;
   onPages(pages: PageInfo[]): void;
   onMoved(from: number, to: number): void;
@@ -42,7 +44,8 @@ export interface Link {
   readonly isLive: boolean;
   start(listener: Listener): void;
   ask<Reply>(body: Record<string, unknown>): Promise<Reply>;
-  edit(session: number, body: EditBody): Promise<{ revision: number; message: string }>;
+  /** `when`: about which time of a motion; `base`: refused if the session has moved on from there. */
+  edit(session: number, body: EditBody, when?: EditTime | null, base?: number): Promise<{ revision: number; message: string }>;
   describe<Description>(kind: string, name: string): Promise<Model<Description>>;
   follow(session: number): Promise<SessionState>;
   /** A file of those that belong together, by its path among them. */
@@ -59,7 +62,7 @@ interface Waiting {
 
 const kFirstPause_ms = 250;
 const kLongestPause_ms = 4000;
-const kHeartbeat_ms = 4000;
+const kHeartbeat_ms = 2000; // three without an answer, and the connection is gone
 const kPart = 1 << 20; // bytes of a file in one message
 const kPace_ms = 10; // between messages of many files: the gateway takes so many a second
 
@@ -83,6 +86,9 @@ export class LiveLink implements Link {
   private pause_ms = kFirstPause_ms;
   private timer = 0;
   private heard_ms = 0;
+  /** What was asked before the page was read, by request, and what came of it by now. */
+  private readonly early = new Map<string, number>();
+  private readonly earlyReplies = new Map<number, (one: Waiting) => void>();
 
   constructor(private readonly address: string) {}
 
@@ -104,16 +110,18 @@ export class LiveLink implements Link {
     return (member === undefined ? kind : reply.body[member]) as Reply;
   }
 
-  async edit(session: number, body: EditBody): Promise<{ revision: number; message: string }> {
-    return (await this.send({ do: 'edit', session, body })) as { revision: number; message: string };
+  async edit(session: number, body: EditBody, when: EditTime | null = null, base = 0): Promise<{ revision: number; message: string }> {
+    return (await this.send({ do: 'edit', session, base_revision: base, body, when })) as { revision: number; message: string };
   }
 
   async describe<Description>(kind: string, name: string): Promise<Model<Description>> {
-    return (await this.send({ do: 'describe', kind, name })) as Model<Description>;
+    return (await this.once(`describe ${kind} ${name}`, { do: 'describe', kind, name })) as Model<Description>;
   }
 
   async follow(session: number): Promise<SessionState> {
-    return ((await this.send({ do: 'follow', session })) as { session: SessionState }).session;
+    const reply = (await this.once(`follow ${session}`, { do: 'follow', session })) as { session: SessionState };
+    this.nameEarly(reply.session);
+    return reply.session;
   }
 
   async give(gift: number, path: string, file: Blob, sent: (bytes: number) => void): Promise<void> {
@@ -138,7 +146,8 @@ export class LiveLink implements Link {
 
   private open(): void {
     clearTimeout(this.timer);
-    const socket = new WebSocket(this.address);
+    const early = takeEarly();
+    const socket = early?.socket ?? new WebSocket(this.address);
     socket.binaryType = 'arraybuffer';
     socket.onmessage = (event) => {
       this.heard_ms = performance.now();
@@ -147,6 +156,13 @@ export class LiveLink implements Link {
     socket.onclose = () => this.closed(socket);
     this.socket = socket;
     this.heard_ms = performance.now();
+    if (early === null) return;
+    if (early.session > 0) {
+      // As the gateway numbers what it sends of a session that an address names.
+      [`follow ${early.session}`, 'hand', 'object', 'patches'].forEach((what, i) => this.early.set(what, i + 1));
+      this.last = this.early.size;
+    }
+    for (const data of early.heard) this.heed(data);
   }
 
   private closed(socket: WebSocket): void {
@@ -154,6 +170,8 @@ export class LiveLink implements Link {
     this.socket = null;
     for (const one of this.waiting.values()) one.reject(new Refusal('no_link', 'the connection is gone'));
     this.waiting.clear();
+    this.early.clear();
+    this.earlyReplies.clear();
     this.listener?.onLink(false);
     this.timer = window.setTimeout(() => this.open(), this.pause_ms);
     this.pause_ms = Math.min(2 * this.pause_ms, kLongestPause_ms);
@@ -190,10 +208,35 @@ export class LiveLink implements Link {
     });
   }
 
+  /** The models that the gateway sends unasked are those of that session. */
+  private nameEarly(state: SessionState): void {
+    for (const kind of ['hand', 'object', 'patches'] as const) {
+      const id = this.early.get(kind);
+      if (id === undefined) continue;
+      this.early.delete(kind);
+      const named = kind !== 'patches' ? kind : state.motion !== '' ? 'motion' : 'contacts';
+      this.early.set(`describe ${named} ${state[named]}`, id);
+    }
+  }
+
+  /** Asks, unless that was done before the page was read. */
+  private once(what: string, message: Record<string, unknown>): Promise<unknown> {
+    const id = this.early.get(what);
+    if (id === undefined) return this.send(message);
+    this.early.delete(what);
+    return new Promise((resolve, reject) => {
+      const settle = this.earlyReplies.get(id);
+      this.earlyReplies.delete(id);
+      if (settle !== undefined) settle({ resolve, reject });
+      else this.waiting.set(id, { resolve, reject });
+    });
+  }
+
   private settle(id: number, settle: (one: Waiting) => void): void {
     const one = this.waiting.get(id);
     this.waiting.delete(id);
     if (one !== undefined) settle(one);
+    else if ([...this.early.values()].includes(id)) this.earlyReplies.set(id, settle);
   }
 
   private heed(data: string | ArrayBuffer): void {
@@ -227,6 +270,9 @@ export class LiveLink implements Link {
         break;
       case 'pose':
         to.onPose(message.session, message.solution);
+        break;
+      case 'frames':
+        to.onFrames(message.session, message);
         break;
       case 'clock':
         to.onClock(message.session, message.clock, message.age_s);
@@ -314,8 +360,5 @@ export class FileLink implements Link {
 export function findLink(): Link {
   const data = document.getElementById('handgraft-data')?.textContent;
   if (data) return new FileLink(JSON.parse(data) as PageData);
-  const token = new URLSearchParams(location.hash.slice(1)).get('token');
-  const scheme = location.protocol === 'https:' ? 'wss' : 'ws';
-  const query = token ? `?token=${encodeURIComponent(token)}` : '';
-  return new LiveLink(`${scheme}://${location.host}/live${query}`);
+  return new LiveLink(liveAddress());
 }

@@ -68,7 +68,7 @@ function choose(patch: string | null): void {
 const panel = new Panel(session, {
   onChoose: choose,
   onHover: (patch) => view.choose(patch ?? panelChoice()),
-  onGhost: (of) => {
+  onGhost: async (of) => {
     ghost = null;
     const revision = session.solution?.revision ?? 0;
     if (typeof of === 'string') {
@@ -76,9 +76,8 @@ const panel = new Panel(session, {
       if (pose !== undefined) ghost = { X_WL: pose.X_WL.map(matrixOf), text: of, revision: null };
       else session.notify('It was kept by another page, which has its pose.');
     } else if (of !== null) {
-      const X_WL = view.ghostOf(of);
-      if (X_WL !== null) ghost = { X_WL, text: `solution ${of + 1}`, revision };
-      else session.notify('Its pose is known to the server alone: take it to see it.');
+      const X_WL = await view.ghostOf(of).catch((error: unknown) => (session.failed(error), null));
+      if (X_WL !== null && revision === session.solution?.revision) ghost = { X_WL, text: `solution ${of + 1}`, revision };
     }
     showGhost();
     return ghost !== null;
@@ -102,7 +101,7 @@ const history = new History(session, (past) => {
 
 const timeline = new Timeline(session);
 
-function toggle(text: string, name: 'patches' | 'residuals' | 'depth' | 'map' | 'measured', title: string): HTMLLabelElement {
+function toggle(text: string, name: 'patches' | 'residuals' | 'depth' | 'map' | 'measured' | 'sites' | 'normals' | 'lost', title: string): HTMLLabelElement {
   const box = h('input', {
     type: 'checkbox',
     checked: view.look[name],
@@ -137,6 +136,9 @@ const tabs: [string, string, HTMLElement][] = [
       toggle('Contacts', 'patches', 'Outlines and dots on both surfaces'),
       toggle('Distances', 'residuals', 'A line from each point on the hand to its partner on the object'),
       toggle('Depth', 'depth', 'Where the hand lies inside the object'),
+      toggle('Normals', 'normals', 'Where the surfaces face, at the points that should meet'),
+      toggle('Points lost', 'lost', 'Crosses where a point of a contact found no place on the hand'),
+      toggle('Sites', 'sites', 'Where contacts are laid on this hand, by name'),
       mapToggle,
       measuredToggle,
       h('label', { class: 'line' }, 'Solid hand', opacity),
@@ -283,7 +285,8 @@ function setWay(way: 'translate' | 'rotate'): void {
 }
 toolbar.append(ways, letGo);
 function showHeld(): void {
-  const links = (session.solution?.held ?? []).map((one) => one.link);
+  const held = session.motion === null ? session.solution?.held : session.settings?.held; // at times: they have marks
+  const links = (held ?? []).map((one) => one.link);
   letGo.hidden = links.length === 0;
   letGo.textContent = `Let go of ${links.length === 1 ? links[0] : `${links.length} held places`}`;
   letGo.title = `Held where they were put: ${links.join(', ')}`;
@@ -366,7 +369,10 @@ function shown(change: Change): void {
     mapToggle.hidden = view.object?.hasMap !== true;
     panel.clear();
   }
-  if (change === 'motion' || change === 'none') timeline.show();
+  if (change === 'grip') return timeline.grip();
+  if (change === 'frames') timeline.refresh();
+  if (change === 'reach') timeline.showReach();
+  if (change === 'motion' || change === 'none' || change === 'settings') timeline.show();
   if (change === 'measured' || change === 'none') {
     view.showMeasured();
     measuredToggle.hidden = session.measured === null;
@@ -383,9 +389,14 @@ function shown(change: Change): void {
     history.show();
   }
   if (change === 'settings') view.update();
-  if (change === 'settings') panel.showNow();
+  if (change === 'settings' || change === 'reach') panel.showNow();
   else if (change === 'pose' || change === 'models') panel.show();
-  if (change === 'motion') openTab('time');
+  const isOfMotion = session.motion !== null;
+  if (isOfMotion && !root.classList.contains('of-motion')) {
+    openTab('time');
+    if (tools.mode === 'object') setMode('patches'); // the motion moves it
+    tools.setMode(tools.mode); // it may be edited now
+  }
 
   showHeld();
 
@@ -409,11 +420,11 @@ function shown(change: Change): void {
   redo.disabled = !session.mayEdit || (state?.redo_count ?? 0) === 0;
   toolbar.hidden = !session.mayEdit || !isOpen;
   openButton.hidden = !session.link.isLive;
-  const isOfMotion = session.motion !== null;
   root.classList.toggle('of-motion', isOfMotion);
   document.getElementById('to-time')!.hidden = !isOfMotion;
-  document.getElementById('to-joints')!.hidden = isOfMotion;
-  legend.hidden = hint.hidden = !isOpen || isOfMotion;
+  modeButtons.get('object')!.hidden = isOfMotion;
+  legend.hidden = !isOpen;
+  hint.hidden = !isOpen || isOfMotion;
   empty.hidden = isOpen || session.id !== 0 || !session.isUp;
   busy.hidden = !isOpen || solution !== null;
 
@@ -489,7 +500,10 @@ window.addEventListener('keydown', (event) => {
   if (withControl && key === 'z') void (event.shiftKey ? session.redo() : session.undo());
   else if (withControl && key === 'y') void session.redo();
   else if (withControl || event.altKey) return;
-  else if (/^[1-4]$/.test(key)) setMode(modes[Number(key) - 1]![0]);
+  else if (/^[1-4]$/.test(key)) {
+    const mode = modes[Number(key) - 1]![0];
+    if (!modeButtons.get(mode)!.hidden) setMode(mode);
+  }
   else if (key === 'f') void view.frame(true);
   else if (key === 'r' || key === 'g') setWay(key === 'r' ? 'rotate' : 'translate');
   else if (key === 'escape' && saveMenu.open) closeMenu();

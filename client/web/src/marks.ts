@@ -7,14 +7,13 @@ import {
   Color,
   DoubleSide,
   Group,
-  Matrix4,
   Mesh as Drawn,
   MeshBasicMaterial,
   Sprite,
   SpriteMaterial,
   Vector3,
 } from 'three';
-import { order, type HandBody, type ObjectBody } from './bodies';
+import { order } from './bodies';
 import { distanceColor } from './colors';
 import { Lines } from './lines';
 import type { PatchReport, PatchState, PoseSolution, Side } from './wire';
@@ -31,6 +30,13 @@ export interface Handle {
   at_W: Vector3; // where it is drawn: beside its partner, where they would lie together
   sprite: Sprite;
   visible: boolean;
+}
+
+/** Where a patch lies on one side; `d_W`: its direction, if it is known. */
+export interface Root {
+  p_W: Vector3;
+  n_W: Vector3;
+  d_W: Vector3 | null;
 }
 
 export interface Shown {
@@ -90,7 +96,7 @@ export class Marks {
     const seen = new Set<string>();
     for (const fit of solution.patches) {
       const report = reports.find((one) => one.name === fit.name);
-      // Of a motion's frames the object's side alone is known.
+      // Of a motion's frames that were solved just now the hand's side is not known yet.
       const countOf = (at: number[]) => Math.min(report?.boundary_count ?? at.length / 3, at.length / 3);
       const isOther = chosen !== null && chosen !== fit.name;
       const color = new Color(this.colorOf(fit.name));
@@ -109,7 +115,7 @@ export class Marks {
         }
       }
       if (!shown.residuals) continue;
-      for (let i = 0; i < fit.hand_W_m.length / 3; ++i) {
+      for (let i = 0; i < Math.min(fit.hand_W_m.length, fit.object_W_m.length) / 3; ++i) {
         const a = fit.hand_W_m.slice(3 * i, 3 * i + 3);
         const b = fit.object_W_m.slice(3 * i, 3 * i + 3);
         between.push(...a, ...b);
@@ -122,11 +128,10 @@ export class Marks {
     this.residuals.set(between, betweenColors);
   }
 
-  /** Dots and arrows where the session has its roots. `moved` is where a hand holds one right now. */
+  /** Dots and arrows where `rootOf` has the roots. `moved` is where a hand holds one right now. */
   place(
     patches: PatchState[],
-    object: ObjectBody,
-    hand: HandBody,
+    rootOf: (patch: PatchState, side: Side) => Root | null,
     shown: Shown,
     chosen: string | null,
     moved: { patch: string; side: Side; p_W: Vector3; n_W: Vector3 } | null,
@@ -137,8 +142,7 @@ export class Marks {
     const used = new Set<Handle>();
     for (const patch of patches) {
       for (const side of ['object', 'hand'] as const) {
-        if (side === 'hand' && !patch.placed) continue;
-        const on = side === 'object' ? object.place(patch.root_O) : hand.place(patch.root_S);
+        const on = rootOf(patch, side);
         if (on === null) continue;
         const isMoved = moved !== null && moved.patch === patch.name && moved.side === side;
         const p_W = isMoved ? moved.p_W : on.p_W;
@@ -152,11 +156,8 @@ export class Marks {
         root.sprite.material.opacity = patch.enabled ? 1 : 0.35;
 
         // === Its direction, of the patch that is looked at
-        const d = side === 'object' ? patch.direction_O : patch.direction_S;
-        const isKnown = Math.hypot(...d) > 0.5;
-        if (!shown.directions || !isKnown || patch.name !== chosen) continue;
-        const X_W = 'X_WS' in on ? (on.X_WS as Matrix4) : object.X_WO;
-        const d_W = new Vector3(...d).transformDirection(X_W);
+        if (!shown.directions || on.d_W === null || patch.name !== chosen) continue;
+        const d_W = on.d_W.clone();
         d_W.addScaledVector(n_W, -d_W.dot(n_W)).normalize();
         if (turned !== null && turned.patch === patch.name && turned.side === side) {
           d_W.applyAxisAngle(n_W, turned.angle_rad);

@@ -17,6 +17,13 @@ export function matrixOf(pose: Pose): Matrix4 {
   );
 }
 
+export function poseOf(X: Matrix4): Pose {
+  const p = new Vector3();
+  const q = new Quaternion();
+  X.decompose(p, q, new Vector3());
+  return { p_m: [p.x, p.y, p.z], q_wxyz: [q.w, q.x, q.y, q.z] };
+}
+
 /** Of each vertex the first one at its place: faces of many files share none. */
 function welded(vertices: Float32Array): Uint32Array {
   const count = vertices.length / 3;

@@ -17,6 +17,11 @@ function poseBetween(a: Pose, b: Pose, at: number): Pose {
   return { p_m: [p.x, p.y, p.z], q_wxyz: [q.w, q.x, q.y, q.z] };
 }
 
+/** Between those of two frames, where they are the same points. */
+function pointsBetween(a: number[], b: number[], at: number): number[] {
+  return at === 0 || a.length !== b.length ? a : a.map((x, i) => x + at * (b[i]! - x));
+}
+
 /** Points of a frame in the world. */
 function inWorld(X: Pose, points: number[]): number[] {
   const [w, x, y, z] = X.q_wxyz;
@@ -29,12 +34,64 @@ function inWorld(X: Pose, points: number[]): number[] {
   return moved;
 }
 
+/** What a patch had before, for as long as its new outline is not known. */
+function withShapesOf(frame: MotionFrame, before: MotionFrame): MotionFrame {
+  const patches = frame.patches.map((patch) => {
+    const same = before.patches.find((one) => one.patch === patch.patch);
+    return { ...patch, outline_O_m: same?.outline_O_m ?? [], hand_W_m: [] };
+  });
+  return { ...frame, patches };
+}
+
 export class Motion {
+  /** As they are shown: also those of an answer that is not complete yet. */
+  frames: MotionFrame[];
+  /** By index: the outlines are older than the frame. */
+  readonly unshaped = new Set<number>();
+  private shown: number; // the revision of the newest
+
   constructor(
     readonly description: MotionDescription,
-    readonly frames: MotionFrame[],
-    readonly revision: number,
-  ) {}
+    private answered: MotionFrame[],
+    public revision: number,
+    /** Of the motion's frames that many-th is here. */
+    readonly every = 1,
+  ) {
+    this.frames = answered;
+    this.shown = revision;
+  }
+
+  /** Frames that a solve has so far: in place of the answer's until that is complete. */
+  preview(revision: number, frames: MotionFrame[]): void {
+    if (revision < this.revision) return;
+    const fresh = new Map(frames.map((frame) => [frame.index, frame]));
+    this.shown = revision;
+    this.frames = this.answered.map((frame) => {
+      const other = fresh.get(frame.index);
+      if (other === undefined) return frame;
+      this.unshaped.add(frame.index);
+      return withShapesOf(other, frame);
+    });
+  }
+
+  /** What is shown answers that revision. */
+  complete(revision: number): void {
+    this.answered = this.frames;
+    this.revision = this.shown = revision;
+  }
+
+  /** Frames with their outlines, of the answer that is shown. */
+  shape(revision: number, frames: MotionFrame[]): void {
+    if (revision !== this.revision || this.shown !== revision) return;
+    const shaped = new Map(frames.map((frame) => [frame.index, frame]));
+    this.answered = this.frames = this.frames.map((frame) => shaped.get(frame.index) ?? frame);
+    for (const index of shaped.keys()) this.unshaped.delete(index);
+  }
+
+  /** The revision of the frames that are shown. */
+  get newest(): number {
+    return this.shown;
+  }
 
   get duration_s(): number {
     return this.frames.at(-1)?.time_s ?? 0;
@@ -61,7 +118,7 @@ export class Motion {
     const X_WO = poseBetween(a.X_WO, b.X_WO, at);
     return {
       session_id: session,
-      revision: this.revision,
+      revision: this.shown,
       sequence_number: a.index,
       outcome: 'converged',
       solver: '',
@@ -70,19 +127,22 @@ export class Motion {
       joint_positions: a.joint_positions.map((q, i) => q + at * ((b.joint_positions[i] ?? q) - q)),
       X_WL: a.X_WL.map((X, i) => poseBetween(X, b.X_WL[i] ?? X, at)),
       terms: { distance_m2: 0, normal: 0, prior: 0, objective: 0 },
-      patches: a.patches.map((patch) => ({
-        name: this.description.patches[patch.patch] ?? String(patch.patch),
-        point_count: 0,
-        mean_mm: patch.mean_mm,
-        max_mm: patch.mean_mm,
-        normal_deg: patch.normal_deg,
-        hand_W_m: [],
-        object_W_m: inWorld(X_WO, patch.outline_O_m),
-        diagnosis: {
-          verdict: patch.reached ? 'reached' : 'out_of_reach',
-          text: patch.presence < 1 ? `comes or goes: ${Math.round(100 * patch.presence)} % there` : '',
-        },
-      })),
+      patches: a.patches.map((patch) => {
+        const next = b.patches.find((one) => one.patch === patch.patch) ?? patch;
+        return {
+          name: this.description.patches[patch.patch] ?? String(patch.patch),
+          point_count: patch.outline_O_m.length / 3,
+          mean_mm: patch.mean_mm,
+          max_mm: patch.mean_mm,
+          normal_deg: patch.normal_deg,
+          hand_W_m: pointsBetween(patch.hand_W_m, next.hand_W_m, at),
+          object_W_m: inWorld(X_WO, pointsBetween(patch.outline_O_m, next.outline_O_m, at)),
+          diagnosis: {
+            verdict: patch.reached ? 'reached' : 'out_of_reach',
+            text: patch.presence < 1 ? `comes or goes: ${Math.round(100 * patch.presence)} % there` : '',
+          },
+        };
+      }),
       joints_at_limit: a.joints_at_limit,
       held: [],
       is_diagnosed: true,
@@ -126,5 +186,22 @@ export async function fetchMotion(
     if (answer.frames.length === 0 || answer.revision !== revision) break;
     frames.push(...answer.frames);
   }
-  return new Motion(description, frames, revision);
+  return new Motion(description, frames, revision, every);
+}
+
+/** Asks for the outlines of frames that were solved anew. */
+export async function fetchShapes(link: Link, session: number, motion: Motion): Promise<void> {
+  const { every, revision } = motion;
+  const wanted = [...motion.unshaped].sort((a, b) => a - b);
+  for (let i = 0; i < wanted.length; ) {
+    let count = 1;
+    while (count < kAtOnce && wanted[i + count] === wanted[i]! + count * every) ++count;
+    const answer = await link.ask<MotionFrames>({
+      kind: 'motion_frames',
+      motion_frames: { session_id: session, first: wanted[i]!, count, every, with_shapes: true },
+    });
+    if (answer.revision !== revision || motion.newest !== revision) return; // newer ones follow
+    motion.shape(revision, answer.frames);
+    i += count;
+  }
 }

@@ -10,7 +10,7 @@ export interface PanelTold {
   onChoose(patch: string | null): void;
   onHover(patch: string | null): void;
   /** A snapshot's name, or the rank of a minimum; false where it cannot be shown. */
-  onGhost(of: string | number | null): boolean;
+  onGhost(of: string | number | null): Promise<boolean>;
   onKeep(name: string): void;
   initialOf(patch: string): string;
 }
@@ -35,6 +35,7 @@ interface PatchRow {
   details: HTMLElement;
   text: HTMLElement;
   weight: HTMLInputElement;
+  suggest: HTMLButtonElement;
   button: HTMLButtonElement;
 }
 
@@ -59,6 +60,7 @@ export class Panel {
   readonly snapshots = h('div', { class: 'list', 'aria-label': 'Snapshots' });
   readonly facts = h('dl', { class: 'facts' });
   readonly weights = h('div', { class: 'weights' });
+  private readonly differences = h('table', { class: 'differences', 'aria-label': 'What differs' });
   private readonly patchRows = new Map<string, PatchRow>();
   private readonly jointRows = new Map<string, JointRow>();
   private chosen: string | null = null;
@@ -81,6 +83,7 @@ export class Panel {
     this.jointRows.clear();
     this.weightsKey = this.minimaKey = '';
     this.ghost = null;
+    this.differences.replaceChildren();
   }
 
   choose(patch: string | null): void {
@@ -163,6 +166,7 @@ export class Panel {
     });
     const turn = (label: string, title: string, side: 'object' | 'hand', degrees: number) =>
       h('button', { class: 'small', title, onclick: () => void this.session.edit(edits.turn(name, side, degrees / kDegrees)) }, label);
+    const suggest = h('button', { class: 'small', title: 'A place nearby on the hand that suits it better', onclick: () => void this.suggest(name) }, 'Better place');
     const details = h(
       'div',
       { class: 'details', hidden: true },
@@ -174,7 +178,7 @@ export class Panel {
         'Turn on the hand',
         turn('⟲ 10°', 'Counter-clockwise, as seen from outside', 'hand', 10),
         turn('⟳ 10°', 'Clockwise, as seen from outside', 'hand', -10),
-        h('button', { class: 'small', title: 'A place nearby on the hand that suits it better', onclick: () => void this.suggest(name) }, 'Better place'),
+        suggest,
       ),
     );
     const button = h(
@@ -202,33 +206,40 @@ export class Panel {
       details,
     );
     element.dataset['patch'] = name;
-    return { element, mean, bar, verdict, enabled, details, text, weight, button };
+    return { element, mean, bar, verdict, enabled, details, text, weight, suggest, button };
   }
 
   private fillPatch(row: PatchRow, state: { name: string; enabled: boolean; placed: boolean; reason: string; weight: number }, fit: PatchFit | undefined): void {
-    const counts = state.enabled && state.placed && fit !== undefined;
+    const { motion } = this.session;
+    // Of a motion it may be another one about the time that is shown.
+    const here = this.session.editedHere([`enable ${state.name}`, `disable ${state.name}`]);
+    const isOn = here === null ? state.enabled : here.startsWith('enable');
+    const counts = (motion !== null || (state.enabled && state.placed)) && fit !== undefined;
     row.mean.textContent = counts ? `${fit.mean_mm.toFixed(1)} mm` : '';
     row.bar.style.setProperty('--length', counts ? `${Math.min(100, fit.mean_mm * 5)}%` : '0%');
     const isKnown = counts && this.session.solution?.is_diagnosed;
     const verdict = kVerdicts[isKnown ? fit.diagnosis.verdict : 'none'];
-    row.verdict.textContent = !state.placed ? '✕ no place' : !state.enabled ? '– off' : isKnown ? `${verdict.sign} ${verdict.text}` : '…';
+    row.verdict.textContent = !state.placed ? '✕ no place' : !isOn ? '– off' : motion !== null && !counts ? '– not now' : isKnown ? `${verdict.sign} ${verdict.text}` : '…';
     row.verdict.dataset['tone'] = !state.placed ? 'bad' : isKnown ? verdict.tone : 'off';
     row.bar.dataset['tone'] = row.verdict.dataset['tone'];
     row.element.classList.toggle('off', !counts);
     // Not from settings that are older than the last press of it.
     const { settings, state: now, underWay } = this.session;
-    if (underWay === 0 && (settings === null || settings.state.revision === now?.revision)) row.enabled.checked = state.enabled;
+    if (underWay === 0 && (settings === null || settings.state.revision === now?.revision)) row.enabled.checked = isOn;
     row.enabled.disabled = !this.session.mayEdit || !state.placed;
     const report = this.session.reports.find((one) => one.name === state.name);
     const lost = report?.lost.length ?? 0;
     row.text.textContent = [
       !state.placed ? state.reason : isKnown && fit.diagnosis.text !== '' ? `${fit.diagnosis.text}.` : '',
-      counts ? `Normals ${fit.normal_deg.toFixed(0)}° apart, farthest point ${fit.max_mm.toFixed(1)} mm.` : '',
+      counts && motion !== null
+        ? `Normals ${fit.normal_deg.toFixed(0)}° apart.`
+        : counts ? `Normals ${fit.normal_deg.toFixed(0)}° apart, farthest point ${fit.max_mm.toFixed(1)} mm.` : '',
       lost > 0 ? `${lost} of its points have no place on the hand.` : '',
     ]
       .filter((part) => part !== '')
       .join(' ');
     if (document.activeElement !== row.weight) row.weight.value = String(Math.log10(Math.max(0.1, state.weight)));
+    row.suggest.hidden = motion !== null; // it is the grasp's
     for (const control of row.details.querySelectorAll('button, input')) {
       (control as HTMLButtonElement).disabled = !this.session.mayEdit;
     }
@@ -369,8 +380,10 @@ export class Panel {
     const share = (x: number) => `${(100 * (x - from)) / Math.max(1e-9, to - from)}%`;
     row.range.style.setProperty('--from', share(finite(joint.lower, from / scale) * scale));
     row.range.style.setProperty('--to', share(finite(joint.upper, to / scale) * scale));
+    const here = this.session.editedHere([`lock ${joint.name}`, `unlock ${joint.name}`]);
+    const isLocked = here === null ? joint.locked : here.startsWith('lock');
     const gain = this.session.solution?.sensitivities.find((one) => one.limit.joint === joint.name);
-    row.note.textContent = joint.locked
+    row.note.textContent = isLocked
       ? 'locked'
       : limit !== undefined
         ? `at its ${limit} limit${gain !== undefined && gain.gain_mm > 0.005 ? `: ${gain.gain_mm.toFixed(2)} mm nearer with ${(gain.given * scale).toFixed(digits)}${unit} more` : ''}`
@@ -379,9 +392,9 @@ export class Panel {
           : '';
     row.element.classList.toggle('limited', limit !== undefined);
     row.free.hidden = !joint.soft;
-    row.lock.setAttribute('aria-pressed', String(joint.locked));
-    row.element.classList.toggle('locked', joint.locked);
-    row.slider.disabled = !this.session.mayEdit || joint.locked;
+    row.lock.setAttribute('aria-pressed', String(isLocked));
+    row.element.classList.toggle('locked', isLocked);
+    row.slider.disabled = !this.session.mayEdit || isLocked;
     row.lock.disabled = row.lower.disabled = row.upper.disabled = !this.session.mayEdit;
     for (const [input, limitNow] of [[row.lower, joint.lower], [row.upper, joint.upper]] as const) {
       if (document.activeElement !== input) input.value = typeof limitNow === 'number' ? (limitNow * scale).toFixed(1) : '';
@@ -411,7 +424,7 @@ export class Panel {
           h('span', {}, `objective ${minimum.terms.objective.toPrecision(4)}`),
           h('span', { class: 'note' }, rank === 0 ? 'best' : `+${(minimum.terms.objective - best).toPrecision(2)}`),
           h('span', { class: 'note' }, `${minimum.hits} start${minimum.hits === 1 ? '' : 's'}`),
-        ), this.ghostButton(rank)),
+        ), this.session.link.isLive ? this.ghostButton(rank) : null), // the server says where its links are
       ),
     );
     if (solution.minima.length === 0) this.minima.append(h('p', { class: 'note' }, 'None were ranked.'));
@@ -425,9 +438,9 @@ export class Panel {
         'aria-pressed': String(this.ghost === of),
         'aria-label': `show ${typeof of === 'number' ? `solution ${of + 1}` : of} as a ghost`,
         title: 'Show its pose as a shell beside this one',
-        onclick: () => {
-          const isShown = this.ghost !== of && this.told.onGhost(of);
-          if (!isShown) this.told.onGhost(null);
+        onclick: async () => {
+          const isShown = this.ghost !== of && (await this.told.onGhost(of));
+          if (!isShown) await this.told.onGhost(null);
           this.ghost = isShown ? of : null;
           this.showMinima();
           this.showSnapshots();
@@ -461,6 +474,7 @@ export class Panel {
             },
             'go back to it',
           ),
+          h('button', { class: 'small', title: 'What differs between it and now', hidden: !this.session.link.isLive || undefined, onclick: () => void this.compare(name) }, 'compare'),
         ),
       ),
     );
@@ -478,7 +492,25 @@ export class Panel {
       },
       'Keep this state',
     );
-    this.snapshots.append(take);
+    this.snapshots.append(take, this.differences);
+  }
+
+  /** What changed from a snapshot to now, in the server's words. */
+  private async compare(name: string): Promise<void> {
+    try {
+      const { differences } = await this.session.link.ask<{ differences: { what: string; a: string; b: string }[] }>({
+        kind: 'compare',
+        compare: { session_id: this.session.id, a: name, b: '' },
+      });
+      const row = (cell: 'th' | 'td', ...texts: string[]) => h('tr', {}, ...texts.map((text) => h(cell, {}, text)));
+      this.differences.replaceChildren(
+        ...(differences.length === 0
+          ? [h('caption', {}, `Nothing differs from “${name}”.`)]
+          : [row('th', '', name, 'now'), ...differences.map(({ what, a, b }) => row('td', what, a, b))]),
+      );
+    } catch (error) {
+      this.session.failed(error);
+    }
   }
 
   private showWeights(): void {

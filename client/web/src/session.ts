@@ -1,16 +1,22 @@
 // The session that the page shows: what is known of it, what is done to it.
 
+import { Matrix4 } from 'three';
 import { FileLink, Refusal, type Link, type Listener, type Measured, type PageInfo } from './link';
-import { fetchMotion, type Motion } from './motion';
+import { fetchMotion, fetchShapes, type Motion } from './motion';
+import { matrixOf, poseOf } from './mesh';
 import {
   edits,
+  type DragBody,
   type EditBody,
+  type EditTime,
+  type FramesNews,
   type HandDescription,
   type Model,
   type MotionClock,
   type MotionDescription,
   type PatchInfo,
   type PatchReport,
+  type Pose,
   type PoseSolution,
   type SessionSettings,
   type SessionState,
@@ -23,12 +29,15 @@ export interface Models {
   contacts: Model<{ name: string; patches: PatchInfo[] }>;
 }
 
-export type Change = 'models' | 'motion' | 'clock' | 'pose' | 'state' | 'settings' | 'people' | 'link' | 'history' | 'measured' | 'none';
+export type Change = 'models' | 'motion' | 'frames' | 'reach' | 'grip' | 'clock' | 'pose' | 'state' | 'settings' | 'people' | 'link' | 'history' | 'measured' | 'none';
 
 export interface Notice {
   text: string;
   kind: 'plain' | 'wrong';
 }
+
+/** What may hold about a time of a motion. */
+const kTimed = new Set(['patch_root', 'patch_direction', 'patch_enabled', 'patch_weight', 'joint_limit', 'joint_lock', 'joint_soft', 'drag']);
 
 /** A pose that was shown, for looking back. */
 export interface Past {
@@ -37,7 +46,10 @@ export interface Past {
   solution: PoseSolution;
 }
 
-const kFastest_ms = 30; // between two edits of one drag
+const kFastest_ms = 25; // between two edits of one drag
+const kMostInFlight = 3; // of one drag, before the first of them is answered
+const kFrames_ms = 1500; // a drag's next edit of a motion waits so long for frames of the last
+const kWhole_s = 1e6; // a falloff that takes in all of a motion
 const kLookAgain_ms = 250; // settings, while edits follow each other
 const kLongestPast = 400;
 const kMove_ms = 5000; // until a session that its server lost has another number
@@ -52,8 +64,12 @@ export class Session implements Listener {
   settings: SessionSettings | null = null;
   reports: PatchReport[] = [];
   models: Models | null = null;
-  /** A hand that followed a motion: it is looked at over time, and takes no edits. */
+  /** A hand that followed a motion: it is looked at over time, and edited about times. */
   motion: Motion | null = null;
+  /** Of the motion, the time that is shown. */
+  time_s = 0;
+  /** How far edits of a motion reach about that time, s; null: all of it. */
+  reach_s: number | null = 0.3;
   /** That all who watch it share, and when it stood so. */
   clock: { clock: MotionClock; at_ms: number } | null = null;
   pages: PageInfo[] = [];
@@ -80,6 +96,9 @@ export class Session implements Listener {
   private begun = 0; // steps that were there before the first edit
   /** Edits that were made as one: a drag. Undone as one, too. */
   private readonly groups: { from: number; to: number }[] = [];
+  private readonly waitingForFrames: (() => void)[] = [];
+  private isShaping = false;
+  private frameTimer = 0; // for frames that were not told
   private readonly sent: { revision: number; at_ms: number }[] = [];
 
   constructor(readonly link: Link) {}
@@ -102,7 +121,7 @@ export class Session implements Listener {
   }
 
   get mayEdit(): boolean {
-    return this.mayEditAny && !this.isOfMotion;
+    return this.mayEditAny && (!this.isOfMotion || this.motion !== null);
   }
 
   /** Other sessions and models, whatever this one is. */
@@ -148,20 +167,59 @@ export class Session implements Listener {
 
   /** Of a motion: the hand at that time. */
   showAt(time_s: number): void {
+    this.time_s = time_s;
     if (this.motion === null) return;
     this.solution = this.motion.at(time_s, this.id);
     this.tell('pose');
+  }
+
+  /** Where the hand's links are, for joints that no solution tells of. */
+  async linkPoses(X_WH: Pose, joint_positions: number[]): Promise<Pose[]> {
+    const reply = await this.link.ask<{ X_WL: Pose[] }>({
+      kind: 'link_poses',
+      link_poses: { session_id: this.id, X_WH, joint_positions },
+    });
+    return reply.X_WL;
   }
 
   async solve(): Promise<void> {
     await this.link.ask({ kind: 'optimize', optimize: { session_id: this.id, options: null } });
   }
 
+  /** Edits of a motion hold about the time that is shown, so many seconds; null: for all of it. */
+  reach(reach_s: number | null): void {
+    this.reach_s = reach_s;
+    this.tell('reach');
+  }
+
+  /** Of a motion: the last that was edited so about the time that is shown; the texts are the server's. */
+  editedHere(texts: string[]): string | null {
+    if (this.motion === null || this.reach_s === null) return null;
+    const covers = ({ time_s, falloff_s }: EditTime) => Math.abs(time_s - this.time_s) <= Math.max(falloff_s / 2, 1e-6);
+    const found = (this.settings?.timed ?? []).filter((one) => texts.includes(one.text) && covers(one));
+    return found.at(-1)?.text ?? null;
+  }
+
+  /** Takes an edit at a time back; refused where another edit came between. */
+  async takeBack(index: number): Promise<void> {
+    const base = this.settings?.state.revision ?? 0;
+    if (!this.mayEdit || this.settings?.timed[index] === undefined) return;
+    ++this.underWay;
+    try {
+      await this.link.edit(this.id, edits.takeBack(index), null, base);
+    } catch (error) {
+      this.failed(error);
+    } finally {
+      --this.underWay;
+    }
+    this.look();
+  }
+
   /** One edit; refusals are told. */
   async edit(body: EditBody): Promise<boolean> {
     ++this.underWay;
     try {
-      await this.send(body);
+      await this.send(...this.about(body, this.time_s));
       this.look(); // snapshots make no revision
       return true;
     } catch (error) {
@@ -193,11 +251,20 @@ export class Session implements Listener {
     return this.edit(edits.redo(1));
   }
 
-  /** A stream of edits from one drag: the newest wins, one is under way at a time. */
+  /** A stream of edits from one drag: the newest wins. Of a motion, all of them at one time. */
   drag(): Drag {
     ++this.underWay;
+    this.tell('grip');
+    const { time_s } = this;
+    const isOfMotion = this.motion !== null;
+    const send = async (body: EditBody) => {
+      const revision = await this.send(...this.about(body, time_s));
+      if (isOfMotion) await this.framesOf(revision);
+      return revision;
+    };
     return new Drag(
-      (body) => this.send(body),
+      send,
+      isOfMotion ? 1 : kMostInFlight,
       (from, to) => {
         --this.underWay;
         if (to > from + 1) this.groups.push({ from, to });
@@ -259,8 +326,11 @@ export class Session implements Listener {
     }
     if (state.phase === 'failed') this.notify(state.message, 'wrong');
     void this.load();
-    if (this.isOfMotion) void this.fetch(state);
-    else if (isNew) this.look();
+    if (this.isOfMotion) {
+      void this.fetch(state);
+      this.missFrames();
+    }
+    if (isNew) this.look();
   }
 
   onPose(session: number, solution: PoseSolution): void {
@@ -273,20 +343,35 @@ export class Session implements Listener {
     const again = this.solution?.sequence_number === solution.sequence_number - 1 &&
       this.solution.revision === solution.revision;
     this.solution = solution;
-    const now = performance.now();
-    while (this.sent.length > 0 && this.sent[0]!.revision <= solution.revision) {
-      const one = this.sent.shift()!;
-      // Those that a later edit overtook have no pose of their own.
-      if (this.sent.length === 0 || this.sent[0]!.revision > solution.revision) {
-        this.delays_ms.push(now - one.at_ms);
-      }
-    }
+    this.timeEdits(solution.revision);
     const past: Past = { revision: solution.revision, edit: this.state?.last_edit ?? '', solution };
     if (again || this.past.at(-1)?.revision === solution.revision) this.past.pop();
     this.past.push(past);
     if (this.past.length > kLongestPast) this.past.shift();
     this.tell('pose');
     this.look();
+  }
+
+  onFrames(session: number, news: FramesNews): void {
+    const motion = this.motion;
+    if (session !== this.id || motion === null || news.revision < motion.revision) return;
+    motion.preview(news.revision, news.frames ?? []);
+    if (news.is_last) {
+      const isWhole = news.frames !== null && news.since === motion.revision;
+      if (isWhole) {
+        motion.complete(news.revision);
+        void this.shape(motion);
+      } else {
+        void this.fetchAgain();
+      }
+      this.look();
+    }
+    this.missFrames();
+    this.timeEdits(news.revision);
+    this.solution = motion.at(this.time_s, this.id);
+    this.tell('frames');
+    this.tell('pose');
+    for (const wait of this.waitingForFrames.splice(0)) wait();
   }
 
   onClock(session: number, clock: MotionClock, age_s: number): void {
@@ -304,7 +389,8 @@ export class Session implements Listener {
     if (from !== this.id) return;
     this.id = to;
     this.begun = 0;
-    this.solution = null;
+    if (this.motion === null) this.solution = null;
+    this.fetched = '';
     this.countsAnew = true;
     this.groups.length = this.sent.length = 0;
     this.tell('link');
@@ -323,14 +409,102 @@ export class Session implements Listener {
     this.tell('measured');
   }
 
+  /** What was shown now answers the edits up to that revision. */
+  private timeEdits(revision: number): void {
+    const now = performance.now();
+    while (this.sent.length > 0 && this.sent[0]!.revision <= revision) {
+      const one = this.sent.shift()!;
+      // Those that a later edit overtook have no pose of their own.
+      if (this.sent.length === 0 || this.sent[0]!.revision > revision) this.delays_ms.push(now - one.at_ms);
+    }
+  }
+
+  // === Edits of a motion
+
+  /** An edit, and about which time of the motion it holds. */
+  private about(body: EditBody, time_s: number): [EditBody, EditTime | null] {
+    if (this.motion === null || !kTimed.has(body.kind)) return [body, null];
+    if (this.reach_s !== null) {
+      const drag = body['drag'] as DragBody | undefined;
+      // A place is moved; links are not turned at a time.
+      const there = drag === undefined ? body : { ...body, drag: { ...drag, target_q_wxyz: [] } };
+      return [there, { time_s, falloff_s: this.reach_s }];
+    }
+    const isOnHand = (body['patch_root'] ?? body['patch_direction']) as { side?: string } | undefined;
+    // On the hand patches lie where the motion lays them, time by time, and are moved from there.
+    if (isOnHand?.side === 'hand') return [body, { time_s, falloff_s: kWhole_s }];
+    if (body.kind === 'drag') return [this.inGrasp(body, time_s), null];
+    return [body, null];
+  }
+
+  /** A drag for all of the motion, told where the session has the object, not where the motion has it then. */
+  private inGrasp(body: EditBody, time_s: number): EditBody {
+    const drag = body['drag'] as DragBody;
+    const X_WO = this.settings?.X_WO;
+    if (X_WO === undefined) return body;
+    const X = matrixOf(X_WO).multiply(matrixOf(this.motion!.at(time_s, this.id).X_WO).invert());
+    const [w, x, y, z] = drag.target_q_wxyz;
+    const isTurned = w !== undefined;
+    const target = new Matrix4().multiplyMatrices(X, matrixOf({
+      p_m: drag.target_W_m as [number, number, number],
+      q_wxyz: isTurned ? [w, x!, y!, z!] : [1, 0, 0, 0],
+    }));
+    const { p_m, q_wxyz } = poseOf(target);
+    return { ...body, drag: { ...drag, target_W_m: p_m, target_q_wxyz: isTurned ? q_wxyz : [] } };
+  }
+
+  /** Waits until frames of that revision, or a later one, are shown; not for ever. */
+  private async framesOf(revision: number): Promise<void> {
+    const begun = performance.now();
+    while ((this.motion?.newest ?? revision) < revision) {
+      const rest = kFrames_ms - (performance.now() - begun);
+      if (rest <= 0) return;
+      await new Promise<void>((resolve) => {
+        const timer = setTimeout(resolve, rest);
+        this.waitingForFrames.push(() => {
+          clearTimeout(timer);
+          resolve();
+        });
+      });
+    }
+  }
+
+  /** The outlines of what was solved anew, one motion at a time. */
+  private async shape(motion: Motion): Promise<void> {
+    if (this.isShaping) return;
+    this.isShaping = true;
+    try {
+      while (motion === this.motion && motion.unshaped.size > 0) {
+        const { revision } = motion;
+        await fetchShapes(this.link, this.id, motion);
+        if (motion === this.motion && motion.newest === motion.revision) {
+          this.solution = motion.at(this.time_s, this.id);
+          this.tell('frames');
+          this.tell('pose');
+        }
+        if (motion.newest !== revision) await new Promise((resolve) => setTimeout(resolve, kLookAgain_ms));
+      }
+    } catch (error) {
+      this.failed(error);
+    } finally {
+      this.isShaping = false;
+    }
+  }
+
+  private fetchAgain(): Promise<void> {
+    this.fetched = '';
+    return this.state === null ? Promise.resolve() : this.fetch(this.state);
+  }
+
   // === Looking up
 
   private async resume(): Promise<void> {
     try {
+      if (this.motion === null) this.solution = null; // the next one's numbers may begin anew
       const state = await this.link.follow(this.id);
-      this.solution = null;
+      this.fetched = '';
       this.onState(this.id, state, false, -1);
-      if (state.phase === 'open' && this.mayEdit) await this.solve();
+      if (state.phase === 'open' && this.mayEdit && !this.isOfMotion) await this.solve();
     } catch (error) {
       if (error instanceof Refusal && (error.code === 'no_link' || error.code === 'no_server')) return;
       this.id = 0;
@@ -380,9 +554,20 @@ export class Session implements Listener {
     return this.description.model;
   }
 
-  /** The frames, when they are others than before. */
+  /** Frames that nobody told of, or that went by while others were asked for, are asked for once it is quiet. */
+  private missFrames(): void {
+    clearTimeout(this.frameTimer);
+    this.frameTimer = window.setTimeout(() => {
+      const { state, motion } = this;
+      if (state?.phase !== 'ready' || motion === null) return;
+      if (motion.revision < state.revision) void this.fetchAgain();
+      else if (motion.unshaped.size > 0) void this.shape(motion);
+    }, kFrames_ms);
+  }
+
+  /** The frames, once; later ones are told. */
   private async fetch(state: SessionState): Promise<void> {
-    const key = `${this.id} ${state.motion} ${state.revision}`;
+    const key = `${this.id} ${state.motion}`;
     if (key === this.fetched || state.phase === 'transferring' || state.phase === 'optimizing') return;
     this.fetched = key;
     try {
@@ -393,7 +578,9 @@ export class Session implements Listener {
       if (this.fetched !== key) return;
       if (motion.frames.length === 0) throw new Error('the motion has no frames yet');
       this.motion = motion;
+      this.missFrames();
       this.tell('motion');
+      this.look();
     } catch (error) {
       if (this.fetched === key) this.fetched = '';
       this.failed(error);
@@ -402,7 +589,7 @@ export class Session implements Listener {
 
   /** Has the settings asked for, soon, and again while edits come. */
   private look(): void {
-    if (this.isOfMotion) return;
+    if (this.isOfMotion && this.motion === null) return;
     this.lookAgain = this.looking === this.id;
     if (this.lookTimer !== 0 || this.lookAgain) return;
     this.lookTimer = window.setTimeout(() => void this.lookNow(), this.settings === null ? 0 : kLookAgain_ms);
@@ -418,7 +605,8 @@ export class Session implements Listener {
       const session = { session_id: key };
       const [settings, transfer] = await Promise.all([
         this.link.ask<SessionSettings>({ kind: 'session_settings', session }),
-        this.link.ask<{ patches: PatchReport[] }>({ kind: 'transfer', session }),
+        // Of a motion its frames tell more.
+        this.isOfMotion ? { patches: [] } : this.link.ask<{ patches: PatchReport[] }>({ kind: 'transfer', session }),
       ]);
       // A session that has moved meanwhile is looked at under its new number.
       if (key !== this.id) return;
@@ -431,18 +619,23 @@ export class Session implements Listener {
     } finally {
       if (this.looking === key) this.looking = 0;
     }
+    if (this.motion !== null) {
+      const isOld = this.settings !== null && this.settings.state.revision < (this.state?.revision ?? 0);
+      if (this.lookAgain || isOld) this.look();
+      return;
+    }
     if (this.lookAgain || seen !== this.solution?.sequence_number) this.look();
   }
 
-  private async send(body: EditBody): Promise<number> {
+  private async send(body: EditBody, when: EditTime | null): Promise<number> {
     const at_ms = performance.now();
     const id = this.id;
-    const reply = await this.link.edit(id, body).catch(async (error: unknown) => {
+    const reply = await this.link.edit(id, body, when).catch(async (error: unknown) => {
       // A server that has just come back opens the session anew, under another number.
       const isGone = error instanceof Refusal && error.code === 'not_found' && error.message.startsWith(`session ${id} `);
       for (let waited = 0; isGone && this.id === id && waited < kMove_ms; waited += 100) await new Promise((resolve) => setTimeout(resolve, 100));
       if (!isGone || this.id === id) throw error;
-      return this.link.edit(this.id, body);
+      return this.link.edit(this.id, body, when);
     });
     if ((this.solution?.revision ?? -1) >= reply.revision) {
       this.delays_ms.push(performance.now() - at_ms);
@@ -460,13 +653,16 @@ export class Session implements Listener {
 
 export class Drag {
   private next: EditBody | (() => EditBody) | null = null;
-  private busy = false;
+  private inFlight = 0;
+  private sent_ms = -Infinity;
+  private timer = 0;
   private done = false;
-  private first = -1;
+  private first = Infinity;
   private last = -1;
 
   constructor(
     private readonly send: (body: EditBody) => Promise<number>,
+    private readonly most: number, // edits that are not answered yet
     private readonly finished: (from: number, to: number) => void,
     private readonly failed: (error: unknown) => void,
   ) {}
@@ -474,38 +670,52 @@ export class Drag {
   /** A function is called when its edit is sent: for what adds up. */
   move(body: EditBody | (() => EditBody)): void {
     this.next = body;
-    if (!this.busy) void this.run();
+    this.pump();
   }
 
   /** What was moved last still counts. */
   end(): void {
     this.done = true;
-    if (!this.busy) this.close();
+    this.pump();
   }
 
-  private async run(): Promise<void> {
-    this.busy = true;
-    while (this.next !== null) {
-      const body = typeof this.next === 'function' ? this.next() : this.next;
-      this.next = null;
-      const begun = performance.now();
-      try {
-        const revision = await this.send(body);
-        if (this.first < 0) this.first = revision - 1;
-        this.last = revision;
-      } catch (error) {
-        this.failed(error);
-        this.next = null;
-        break;
-      }
-      const rest = kFastest_ms - (performance.now() - begun);
-      if (rest > 0) await new Promise((resolve) => setTimeout(resolve, rest));
+  /** Sends the newest, unless too many are on their way or the last one has only just been sent. */
+  private pump(): void {
+    if (this.next === null) {
+      if (this.done && this.inFlight === 0) this.close();
+      return;
     }
-    this.busy = false;
-    if (this.done) this.close();
+    if (this.inFlight >= this.most || this.timer !== 0) return;
+    const rest = kFastest_ms - (performance.now() - this.sent_ms);
+    if (rest > 0) {
+      this.timer = window.setTimeout(() => {
+        this.timer = 0;
+        this.pump();
+      }, rest);
+      return;
+    }
+    const body = typeof this.next === 'function' ? this.next() : this.next;
+    this.next = null;
+    this.sent_ms = performance.now();
+    void this.run(body);
+  }
+
+  private async run(body: EditBody): Promise<void> {
+    ++this.inFlight;
+    try {
+      const revision = await this.send(body);
+      this.first = Math.min(this.first, revision - 1);
+      this.last = Math.max(this.last, revision);
+    } catch (error) {
+      this.failed(error);
+      this.next = null;
+    }
+    --this.inFlight;
+    this.pump();
   }
 
   private close(): void {
-    this.finished(Math.max(this.first, 0), Math.max(this.last, this.first, 0));
+    this.done = false;
+    this.finished(this.last < 0 ? 0 : this.first, Math.max(this.last, 0));
   }
 }

@@ -107,6 +107,11 @@ export class Stage {
     return new Vector3((2 * x) / this.size.x - 1, 1 - (2 * y) / this.size.y, z).unproject(this.camera);
   }
 
+  /** Of sprites whose size does not depend on the distance. */
+  get perPixel(): number {
+    return (2 * Math.tan((this.camera.fov * Math.PI) / 360)) / this.size.y;
+  }
+
   png(): Promise<Blob | null> {
     this.draw();
     return new Promise((resolve) => this.canvas.toBlob(resolve, 'image/png'));

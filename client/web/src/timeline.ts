@@ -7,6 +7,7 @@ import type { Motion } from './motion';
 import { axis, cursor } from './plot';
 import type { Session } from './session';
 import type { FramePatch } from './wire';
+import { said } from './words';
 
 const kSpeeds = [0.1, 0.25, 0.5, 1, 2];
 const kStep_s = 1 / 30; // of the arrow keys
@@ -36,6 +37,13 @@ export class Timeline {
   private readonly clock = h('output', { class: 'clock' });
   private readonly bars = h('div', { class: 'bars', 'aria-hidden': 'true' });
   private readonly cursor = h('div', { class: 'cursor' });
+  private readonly band = h('div', { class: 'band', 'aria-hidden': 'true' });
+  private readonly marks = h('div', { class: 'marks', role: 'list', 'aria-label': 'Edits at times' });
+  private readonly reach: HTMLElement;
+  private readonly scope: HTMLSelectElement;
+  private readonly falloff: HTMLInputElement;
+  private readonly list = h('div', { class: 'list timed', role: 'list', 'aria-label': 'Edits at times, one by one' });
+  private marksKey = '';
   private readonly choice: HTMLSelectElement;
   private readonly plotArea = h('div', { class: 'plot' });
   private readonly limits = h('p', { class: 'note' });
@@ -65,11 +73,28 @@ export class Timeline {
       { 'aria-label': 'speed', onchange: () => this.share('speed', Number(this.speed.value)) },
       ...kSpeeds.map((speed) => h('option', { value: String(speed), selected: speed === 1 }, `${speed} ×`)),
     );
+    this.scope = h(
+      'select',
+      { 'aria-label': 'what edits hold for', onchange: () => this.tellReach() },
+      h('option', { value: 'moment' }, 'about this moment'),
+      h('option', { value: 'all' }, 'all of the motion'),
+    );
+    this.falloff = h('input', {
+      type: 'number',
+      min: '0',
+      max: '1000000',
+      step: '0.05',
+      value: String(session.reach_s),
+      'aria-label': 'how far edits reach to both sides, seconds',
+      oninput: () => this.tellReach(),
+    });
+    this.reach = h('div', { class: 'line reach' }, h('label', { class: 'line' }, 'Edits hold', this.scope), h('label', { class: 'line seconds' }, '±', this.falloff, 's'));
     this.element = h(
       'section',
       { class: 'timeline', 'aria-label': 'Time', hidden: true },
+      this.reach,
       h('div', { class: 'line' }, this.playButton, this.slider, this.clock, this.speed, h('label', { class: 'line' }, this.loopBox, 'loop')),
-      h('div', { class: 'tracks' }, this.bars, this.cursor),
+      h('div', { class: 'tracks' }, this.marks, this.bars, this.band, this.cursor),
     );
     this.bars.onpointerdown = (event) => this.pointed(event);
     this.bars.onpointermove = (event) => {
@@ -84,7 +109,7 @@ export class Timeline {
     new ResizeObserver(() => {
       this.element.parentElement?.style.setProperty('--below', this.element.hidden ? '0px' : `${this.element.offsetHeight + 12}px`);
     }).observe(this.element);
-    this.plots = h('div', { class: 'history' }, h('label', { class: 'line' }, 'Over time', this.choice), this.plotArea, this.limits);
+    this.plots = h('div', { class: 'history' }, h('label', { class: 'line' }, 'Over time', this.choice), this.plotArea, this.limits, h('h2', {}, 'Edits at times'), this.list);
   }
 
   get isPlaying(): boolean {
@@ -94,6 +119,7 @@ export class Timeline {
   /** The session's motion, or none. */
   show(): void {
     const motion = this.session.motion;
+    this.showMarks();
     if (motion === this.motion) return;
     this.pause();
     this.motion = motion;
@@ -104,6 +130,103 @@ export class Timeline {
     this.fillBars(motion);
     this.draw();
     this.seek(Math.min(this.time_s, motion.duration_s));
+    this.showReach();
+  }
+
+  /** Frames were solved anew. */
+  refresh(): void {
+    const motion = this.motion;
+    if (motion === null) return;
+    this.fillBars(motion);
+    if (this.isSeen && this.plot !== null) {
+      const { series } = this.seriesOf(motion, this.choice.value as Plotted);
+      this.plot.setData([motion.frames.map((frame) => frame.time_s), ...series] as uPlot.AlignedData);
+    }
+  }
+
+  /** A drag begins: it is at one time. */
+  grip(): void {
+    if (!this.isPlaying) return;
+    this.pause();
+    this.share('pause');
+  }
+
+  // === How far edits reach
+
+  private tellReach(): void {
+    const seconds = Number(this.falloff.value);
+    const isAll = this.scope.value === 'all';
+    if (!isAll && !(seconds >= 0 && seconds <= 1e6)) return; // not finished typing
+    this.session.reach(isAll ? null : seconds);
+  }
+
+  /** As a band over the bars. */
+  showReach(): void {
+    const { motion, session } = this;
+    if (motion === null) return;
+    const { reach_s } = session;
+    this.reach.hidden = !session.mayEdit;
+    this.falloff.parentElement!.hidden = reach_s === null;
+    this.band.hidden = !session.mayEdit;
+    const all = motion.duration_s || 1;
+    const from = reach_s === null ? 0 : Math.max(0, this.time_s - reach_s) / all;
+    const to = reach_s === null ? 1 : Math.min(all, this.time_s + reach_s) / all;
+    this.band.classList.toggle('fading', reach_s !== null);
+    this.band.style.setProperty('--from', String(from));
+    this.band.style.setProperty('--to', String(to));
+    this.band.style.setProperty('--peak', `${(100 * (this.time_s / all - from)) / Math.max(1e-6, to - from)}%`);
+  }
+
+  // === Edits at times
+
+  /** A mark each: it leads there, and Delete takes it back. */
+  showMarks(): void {
+    const { motion, session } = this;
+    const timed = motion === null ? [] : (session.settings?.timed ?? []);
+    const key = JSON.stringify([timed, session.mayEdit, motion?.duration_s]);
+    if (key === this.marksKey) return;
+    this.marksKey = key;
+    const all = motion?.duration_s || 1;
+    const held = (of: (typeof timed)[number]) => (of.falloff_s >= all ? 'all of it' : of.falloff_s > 0 ? `± ${Number(of.falloff_s.toPrecision(3))} s` : 'that frame');
+    const focused = this.marks.contains(document.activeElement);
+    this.marks.hidden = timed.length === 0;
+    this.marks.replaceChildren(
+      ...timed.map((one, index) =>
+        h(
+          'button',
+          {
+            class: 'mark',
+            role: 'listitem',
+            style: { '--at': String(one.time_s / all) },
+            title: `${said(one.text)} at ${one.time_s.toFixed(2)} s, ${held(one)}; Delete takes it back`,
+            'aria-label': `${said(one.text)} at ${one.time_s.toFixed(2)} s, ${held(one)}`,
+            onclick: () => this.goTo(one.time_s),
+            onkeydown: (event: KeyboardEvent) => {
+              if (event.key !== 'Delete' && event.key !== 'Backspace') return;
+              event.preventDefault();
+              event.stopPropagation();
+              void session.takeBack(index);
+            },
+          },
+        ),
+      ),
+    );
+    if (focused) (this.marks.firstElementChild as HTMLElement | null)?.focus();
+    this.list.replaceChildren(
+      ...timed.map((one, index) =>
+        h(
+          'div',
+          { class: 'line', role: 'listitem' },
+          h('button', { class: 'choice wide', title: 'Go there', onclick: () => this.goTo(one.time_s) }, h('span', {}, said(one.text)), h('span', { class: 'note' }, `${one.time_s.toFixed(2)} s, ${held(one)}`)),
+          h('button', { class: 'small', disabled: !session.mayEdit || undefined, 'aria-label': `take back: ${said(one.text)} at ${one.time_s.toFixed(2)} s`, onclick: () => void session.takeBack(index) }, 'take back'),
+        ),
+      ),
+    );
+    if (timed.length === 0) this.list.append(h('p', { class: 'note' }, 'None yet: what is edited while a moment is shown holds about it.'));
+  }
+
+  private goTo(time_s: number): void {
+    this.scrub(time_s);
   }
 
   private clear(): void {
@@ -182,6 +305,7 @@ export class Timeline {
     const share = motion.duration_s > 0 ? this.time_s / motion.duration_s : 0;
     this.cursor.style.setProperty('--at', String(share));
     this.session.showAt(this.time_s);
+    this.showReach();
     if (this.isSeen) this.plot?.redraw(false, false);
     const limits = motion.frames[motion.indexAt(this.time_s)]!.joints_at_limit;
     this.limits.textContent = limits.length === 0 ? '' : `at their limits: ${limits.map((one) => `${one.joint} (${one.side})`).join(', ')}`;

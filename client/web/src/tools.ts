@@ -42,8 +42,10 @@ export interface Told {
 const kApart_px = 22;
 const kReach_px = { mouse: 14, touch: 26 };
 const kPalmHold = 30; // it stays where it was put, turned so, too, until it is let go: contacts would have it back at once
+const kRaw_ms = 12; // between two of a pointer's moves that are looked at
 const kKeyStep_m = 0.002;
 const kKeyTurn = Math.PI / 60;
+const kMotionHold = 1; // of a finger in a motion: nothing else would keep it there
 const kFreeHold = 0; // weight of a finger that is dragged: it may go where contacts want it, afterwards
 
 interface Held {
@@ -62,6 +64,7 @@ export class Tools {
   private readonly proxy = new Object3D();
   private readonly gizmo: TransformControls;
   private placing: Drag | null = null;
+  private raw_ms = 0;
   private hovered: Handle | null = null;
 
   constructor(
@@ -226,7 +229,16 @@ export class Tools {
     this.stage.canvas.setPointerCapture(event.pointerId);
     this.stage.controls.enabled = false;
     document.body.classList.add('dragging');
+    if (this.held !== null) this.stage.canvas.addEventListener('pointerrawupdate', this.moveRaw);
   }
+
+  /** Moves as they happen: a browser hands out the usual ones with its pictures, which may be slow. */
+  private readonly moveRaw = (event: Event): void => {
+    const now = performance.now();
+    if (this.held === null || (event as PointerEvent).pointerId !== this.held.pointer || now - this.raw_ms < kRaw_ms) return;
+    this.raw_ms = now;
+    this.held.move(...this.at(event as PointerEvent));
+  };
 
   private move(event: PointerEvent): void {
     const [x, y] = this.at(event);
@@ -250,6 +262,7 @@ export class Tools {
   private up(event: PointerEvent): void {
     if (this.stage.controls.enabled === false && this.placing === null) this.stage.controls.enabled = true;
     document.body.classList.remove('dragging');
+    this.stage.canvas.removeEventListener('pointerrawupdate', this.moveRaw);
     if (this.held === null || event.pointerId !== this.held.pointer) return;
     event.stopPropagation();
     this.held.drag.end();
@@ -331,7 +344,7 @@ export class Tools {
       move: (toX, toY) => {
         const to = this.stage.rayAt(toX, toY).ray.intersectPlane(plane, new Vector3());
         if (to === null) return;
-        drag.move(edits.drag(link.name, p_L, to.toArray(), kFreeHold));
+        drag.move(edits.drag(link.name, p_L, to.toArray(), this.session.motion === null ? kFreeHold : kMotionHold));
         this.told.onMoved();
       },
       end: () => this.letGo(),
@@ -393,7 +406,7 @@ export class Tools {
   private sizeDots(): void {
     if (this.scenery === null) return;
     this.spreadDots();
-    const perPixel = (2 * Math.tan((this.stage.camera.fov * Math.PI) / 360)) / this.stage.size.y;
+    const { perPixel } = this.stage;
     for (const handle of this.scenery.marks.handles) {
       if (!handle.visible) continue;
       const isHot = handle === this.hovered || (this.moved?.patch === handle.patch && this.moved.side === handle.side);

@@ -4,17 +4,17 @@ import { Box3, Matrix4, Vector3 } from 'three';
 import { Ghost, ghostColors, HandBody, ObjectBody } from './bodies';
 import { initialsOf, patchColor } from './colors';
 import { DepthShade } from './depth';
-import { Kinematics, positionsOf } from './kinematics';
-import { Marks, type Shown } from './marks';
+import { DetailMarks, type Details } from './details';
+import { Marks, type Root, type Shown } from './marks';
 import { matrixOf } from './mesh';
 import type { Session } from './session';
 import type { Stage } from './stage';
 import type { Tools } from './tools';
-import type { PoseSolution } from './wire';
+import type { PatchState, PoseSolution, Side } from './wire';
 
 const kSilent_ms = 2000; // a bridge that says nothing for so long is not shown
 
-export interface Look extends Shown {
+export interface Look extends Shown, Details {
   depth: boolean;
   map: boolean;
   measured: boolean;
@@ -22,7 +22,7 @@ export interface Look extends Shown {
 }
 
 export class View {
-  look: Look = { patches: true, residuals: true, directions: true, depth: true, map: false, measured: true, opacity: 0.55 };
+  look: Look = { patches: true, residuals: true, directions: true, depth: true, map: false, measured: true, opacity: 0.55, sites: false, normals: false, lost: false };
   chosen: string | null = null;
   object: ObjectBody | null = null;
   hand: HandBody | null = null;
@@ -31,6 +31,7 @@ export class View {
   /** A pose of the past that is looked at instead. */
   past: PoseSolution | null = null;
   onFirstPicture: () => void = () => undefined;
+  private details: DetailMarks | null = null;
   private depth: DepthShade | null = null;
   /** What the shells are that are seen; empty: none. */
   ghostText = '';
@@ -38,7 +39,7 @@ export class View {
   onGhosts: () => void = () => undefined;
   private ghost: Ghost | null = null;
   private measured: Ghost | null = null;
-  private kinematics: Kinematics | null | undefined; // not known yet; null: of no use for this hand
+  private isAsking = false; // where the measured hand's links are
   private silence = 0;
   private framed = false;
   private initials = new Map<string, string>();
@@ -47,7 +48,9 @@ export class View {
   constructor(
     readonly stage: Stage,
     private readonly session: Session,
-  ) {}
+  ) {
+    stage.onFrame(() => this.details?.size(stage.perPixel));
+  }
 
   colorOf(patch: string): string {
     return patchColor(patch, Math.max(0, this.order.indexOf(patch)));
@@ -62,14 +65,13 @@ export class View {
     this.removeGhost(this.measured);
     this.measured = null;
     this.measuredText = '';
-    this.kinematics = undefined;
-    for (const body of [this.object, this.hand, this.marks]) {
+    for (const body of [this.object, this.hand, this.marks, this.details]) {
       if (body === null) continue;
       this.stage.scene.remove(body.group);
       body.dispose();
     }
     this.depth?.dispose();
-    this.object = this.hand = this.marks = this.depth = null;
+    this.object = this.hand = this.marks = this.depth = this.details = null;
     this.past = null;
     this.framed = false;
     this.tools?.work(null);
@@ -93,7 +95,8 @@ export class View {
     this.hand.group.visible = false;
     this.marks = new Marks((name) => this.colorOf(name), (name) => this.initialOf(name));
     this.depth = new DepthShade(this.hand, this.object, () => this.stage.redraw());
-    this.stage.scene.add(this.object.group, this.hand.group, this.marks.group);
+    this.details = new DetailMarks(models.hand.description, (name) => this.colorOf(name));
+    this.stage.scene.add(this.object.group, this.hand.group, this.marks.group, this.details.group);
     this.object.showMap(this.look.map);
     this.tools?.work({ object: this.object, hand: this.hand, marks: this.marks });
     this.update();
@@ -114,6 +117,7 @@ export class View {
     hand.group.visible = true;
     hand.pose(solution);
     marks.show(solution, this.session.reports, this.look, this.chosen);
+    this.details?.show(solution, this.session.reports, this.session.models?.contacts.description.patches ?? [], object, hand, this.look);
     this.place();
     if (!this.tools?.isBusy) {
       this.tools?.follow();
@@ -130,8 +134,31 @@ export class View {
   place(): void {
     if (this.object === null || this.hand === null || this.marks === null) return;
     const patches = this.past === null ? (this.session.settings?.patches ?? []) : [];
-    this.marks.place(patches, this.object, this.hand, this.look, this.chosen, this.tools?.moved ?? null, this.tools?.turned ?? null);
+    const rootOf = (patch: PatchState, side: Side) => (this.session.motion === null ? this.rootOf(patch, side) : this.rootNow(patch, side));
+    this.marks.place(patches, rootOf, this.look, this.chosen, this.tools?.moved ?? null, this.tools?.turned ?? null);
     this.stage.redraw();
+  }
+
+  private rootOf(patch: PatchState, side: Side): Root | null {
+    if (side === 'hand' && !patch.placed) return null;
+    const on = side === 'object' ? { ...this.object!.place(patch.root_O), X_W: this.object!.X_WO } : this.hand!.place(patch.root_S);
+    if (on === null) return null;
+    const d = side === 'object' ? patch.direction_O : patch.direction_S;
+    return { ...on, d_W: Math.hypot(...d) > 0.5 ? new Vector3(...d).transformDirection(on.X_W) : null };
+  }
+
+  /** Of a motion: the middle of the patch at the time that is shown, its first point as its direction. */
+  private rootNow(patch: PatchState, side: Side): Root | null {
+    const fit = this.session.solution?.patches.find((one) => one.name === patch.name);
+    const at = (side === 'object' ? fit?.object_W_m : fit?.hand_W_m) ?? [];
+    if (at.length === 0) return null;
+    const middle = new Vector3();
+    for (let i = 0; i + 2 < at.length; i += 3) middle.add(new Vector3().fromArray(at, i));
+    middle.divideScalar(at.length / 3);
+    const on = side === 'object' ? this.object!.nearest(middle) : this.hand!.nearest(middle);
+    if (on === null) return null;
+    const d_W = new Vector3().fromArray(at).sub(on.p_W);
+    return { p_W: on.p_W, n_W: on.n_W, d_W: d_W.length() > 1e-6 ? d_W.normalize() : null };
   }
 
   setLook(change: Partial<Look>): void {
@@ -160,26 +187,38 @@ export class View {
     this.stage.redraw();
   }
 
-  /** The pose of a minimum that the solution ranked; false for a hand whose links only the server can place. */
-  ghostOf(rank: number): Matrix4[] | null {
-    const solution = this.session.solution;
-    const minimum = solution?.minima[rank];
-    if (minimum === undefined || !this.understands()) return null;
-    return this.kinematics!.poses(minimum.X_WH, positionsOf(this.session.state?.joint_names ?? [], minimum.joint_positions));
+  /** Where the links are in a minimum that the solution ranked, as the server says; null: there is no such one. */
+  async ghostOf(rank: number): Promise<Matrix4[] | null> {
+    const minimum = this.session.solution?.minima[rank];
+    if (minimum === undefined) return null;
+    return (await this.session.linkPoses(minimum.X_WH, minimum.joint_positions)).map(matrixOf);
   }
 
-  /** The measured hand, while one is heard: its joints, at the palm of the pose. */
+  /** The measured hand, while one is heard: its joints, at the palm of the pose. The newest, as fast as the server says where its links are. */
   showMeasured(): void {
-    const measured = this.session.measured;
-    const solution = this.session.solution;
+    clearTimeout(this.silence);
+    const { measured, solution } = this.session;
     const isHeard = measured !== null && performance.now() - measured.at_ms < kSilent_ms;
-    let X_WL: Matrix4[] | null = null;
-    if (this.look.measured && isHeard && solution !== null && this.understands()) {
-      const q = positionsOf(this.session.state?.joint_names ?? [], solution.joint_positions);
-      measured.hand.names.forEach((name, i) => q.set(name, measured.hand.positions[i]!));
-      X_WL = this.kinematics!.poses(solution.X_WH, q);
-    }
-    const text = X_WL === null ? '' : `measured hand of bridge ${measured!.hand.bridge}`;
+    if (!this.look.measured || !isHeard || solution === null || this.hand === null) return this.showMeasuredAt(null);
+    this.silence = window.setTimeout(() => this.showMeasured(), kSilent_ms);
+    if (this.isAsking) return;
+    this.isAsking = true;
+    const names = this.session.state?.joint_names ?? [];
+    const q = names.map((name, i) => {
+      const at = measured.hand.names.indexOf(name);
+      return at < 0 ? (solution.joint_positions[i] ?? 0) : measured.hand.positions[at]!;
+    });
+    this.session
+      .linkPoses(solution.X_WH, q)
+      .then((X_WL) => this.look.measured && this.hand !== null && this.showMeasuredAt(X_WL.map(matrixOf)))
+      .catch(() => undefined) // the next one, perhaps
+      .finally(() => {
+        this.isAsking = false;
+      });
+  }
+
+  private showMeasuredAt(X_WL: Matrix4[] | null): void {
+    const text = X_WL === null ? '' : `measured hand of bridge ${this.session.measured?.hand.bridge ?? ''}`;
     if (X_WL === null) {
       this.removeGhost(this.measured);
       this.measured = null;
@@ -192,20 +231,7 @@ export class View {
       this.measuredText = text;
       this.onGhosts();
     }
-    clearTimeout(this.silence);
-    if (X_WL !== null) this.silence = window.setTimeout(() => this.showMeasured(), kSilent_ms);
     this.stage.redraw();
-  }
-
-  /** Whether this page may place the links itself: asked of the server's own pose, once a model. */
-  private understands(): boolean {
-    const solution = this.session.solution;
-    const hand = this.session.models?.hand.description;
-    if (this.kinematics === undefined && solution !== null && hand !== undefined && this.session.motion === null) {
-      const own = new Kinematics(hand);
-      this.kinematics = own.agrees(solution, this.session.state?.joint_names ?? []) ? own : null;
-    }
-    return Boolean(this.kinematics);
   }
 
   private addGhost(color: string, X_WL: Matrix4[]): Ghost {
@@ -271,6 +297,7 @@ export class View {
       geometries: this.stage.renderer.info.memory.geometries,
       textures: this.stage.renderer.info.memory.textures,
       frames: this.stage.frames,
+      details: this.details?.facts() ?? null,
       handles:
         this.marks?.handles
           .filter((handle) => handle.visible)

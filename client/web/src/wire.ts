@@ -117,6 +117,18 @@ export interface SessionSettings {
   snapshots: string[];
   held: { link: string }[];
   notes: string[];
+  timed: TimedState[];
+}
+
+/** An edit at a time of a motion, as it holds. */
+export interface TimedState extends EditTime {
+  text: string;
+}
+
+/** Fully at `time_s`, fading to nothing `falloff_s` away from it. */
+export interface EditTime {
+  time_s: number;
+  falloff_s: number;
 }
 
 export interface PatchReport {
@@ -156,6 +168,7 @@ export interface FramePatch {
   normal_deg: number;
   reached: boolean;
   outline_O_m: number[];
+  hand_W_m: number[]; // of as many points, in the same order
 }
 
 export interface MotionFrame {
@@ -183,6 +196,14 @@ export interface MotionFrames {
   revision: number;
   frame_count: number;
   frames: MotionFrame[];
+}
+
+/** Of a motion that is solved anew: all frames of `revision` that came so far, without outlines. */
+export interface FramesNews {
+  since: number | null; // the revision that they differ from; null: not known
+  revision: number;
+  is_last: boolean;
+  frames: MotionFrame[] | null; // null: too many
 }
 
 export interface ModelSummary {
@@ -241,6 +262,14 @@ export function finite(value: Extended, otherwise: number): number {
 export type Side = 'object' | 'hand';
 export type EditBody = { kind: string } & Record<string, unknown>;
 
+export interface DragBody {
+  link: string;
+  p_L_m: number[];
+  target_W_m: number[];
+  target_q_wxyz: number[];
+  weight: number;
+}
+
 export const edits = {
   root: (patch: string, side: Side, root: SurfacePoint): EditBody => ({
     kind: 'patch_root',
@@ -271,6 +300,7 @@ export const edits = {
     kind: 'drag',
     drag: { link, p_L_m, target_W_m, target_q_wxyz, weight },
   }),
+  takeBack: (index: number): EditBody => ({ kind: 'take_back', take_back: { index } }),
   release: (link: string): EditBody => ({ kind: 'release', release: { link } }),
   place: (X_WO: Pose): EditBody => ({ kind: 'object_pose', X_WO }),
   weights: (weights: SessionSettings['weights']): EditBody => ({ kind: 'weights', weights }),

@@ -181,6 +181,8 @@ TEST_F(GatewayTest, FollowsSessionsThatThereAre) {
             "small");
   EXPECT_EQ(ask(*page, R"({"id": 2, "do": "follow", "session": 8})")["error"]["code"],
             "not_found");
+  EXPECT_EQ(ask(*page, R"({"id": 3, "do": "show", "session": 8})")["error"]["code"],
+            "not_found");
 }
 
 TEST_F(GatewayTest, TellsPagesOfEachOther) {

@@ -65,6 +65,15 @@ class Listener : public Audience {
     return texts_.back();
   }
 
+  /// All, once so many came.
+  std::vector<std::string> awaitTexts(std::size_t count) {
+    std::unique_lock lock(mutex_);
+    wait(lock, [&] {
+      return texts_.size() >= count;
+    });
+    return texts_;
+  }
+
   void awaitLeaving(std::size_t count) {
     std::unique_lock lock(mutex_);
     wait(lock, [&] {
@@ -190,6 +199,23 @@ TEST_F(WebServerTest, LetsInByTokenAlone) {
   looker.say("hello");
   listener_.awaitText();
   EXPECT_THAT(listener_.rights(), testing::ElementsAre(Rights::kEdit, Rights::kLook));
+}
+
+TEST_F(WebServerTest, HearsBySessionsInAddressesWhatToShow) {
+  const std::uint16_t port = serve();
+  std::vector<std::string> said;
+  for (const char* nonsense : {"/live?session=", "/live?session=7\"}", "/live?session=-1",
+                               "/live?session=123456789012345678901"}) {
+    BarePage page(port);
+    EXPECT_THAT(page.upgrade(nonsense), StartsWith("HTTP/1.1 101"));
+    page.say(nonsense);
+    said.emplace_back(nonsense);
+    EXPECT_EQ(listener_.awaitTexts(said.size()), said);
+  }
+  BarePage page(port);
+  page.upgrade("/live?token=x&session=7");
+  EXPECT_EQ(listener_.awaitTexts(said.size() + 1).back(),
+            R"({"id":1,"do":"show","session":7})");
 }
 
 TEST_F(WebServerTest, ReadOnlyLetsNobodyEdit) {

@@ -46,6 +46,13 @@ export async function handgraft(...words) {
   return stdout;
 }
 
+/** What a person at the prompt would type. */
+export async function typed(session, text) {
+  const prompt = spawn(join(bin, 'handgraft'), ['edit', String(session), '--domain', domain, '--json'], { stdio: ['pipe', 'ignore', 'inherit'] });
+  prompt.stdin.end(text);
+  await new Promise((resolve) => prompt.on('exit', resolve));
+}
+
 export async function startServer() {
   const server = start('handgraft-server', '--domain', domain, '--log-level', 'warning');
   for (let i = 0; i < 100; ++i) {

@@ -2,10 +2,9 @@
 // What is done is read from the page's state and from the server's, through `handgraft` itself. Without a browser: 77.
 
 import assert from 'node:assert/strict';
-import { spawn } from 'node:child_process';
 import { existsSync, statSync } from 'node:fs';
 import { join } from 'node:path';
-import { bin, browser, distance, domain, dotOf, downloads, dragBy, factsOf, handgraft, held, kPatience_ms, kWaiting, openPage, openSession, picture, rest, run, runTests, serverPose, settingsOf, sleep, start, startServer, startView, still, stop, waitRevision, waitText } from './browser.mjs';
+import { bin, browser, distance, domain, dotOf, downloads, dragBy, factsOf, handgraft, held, kPatience_ms, kWaiting, openPage, openSession, picture, rest, run, runTests, serverPose, settingsOf, sleep, start, startServer, startView, still, stop, typed, waitRevision, waitText } from './browser.mjs';
 
 // === The tests
 
@@ -256,6 +255,41 @@ const tests = {
     return page;
   },
 
+  async 'Sites, normals and points lost are seen when they are asked for; a state is compared with now'(address) {
+    const session = await openSession();
+    const page = await openPage(`${address}?session=${session}`);
+    await rest(page);
+    await page.click('#to-more');
+    const details = async () => (await factsOf(page)).details;
+    assert.deepEqual(await details(), { sites: 0, normals: 0, lost: 0 });
+    for (const text of ['Normals', 'Points lost', 'Sites']) {
+      await page.evaluate((name) => [...document.querySelectorAll('#tab-more label')].find((one) => one.textContent === name).querySelector('input').focus(), text);
+      await page.keyboard.press('Space');
+    }
+    const known = await page.evaluate(() => {
+      const { session: of } = globalThis.handgraft;
+      return {
+        sites: of.models.hand.description.sites.length,
+        normals: of.solution.patches.reduce((sum, fit) => sum + (fit.hand_W_m.length + fit.object_W_m.length) / 3, 0),
+        lost: of.reports.reduce((sum, report) => sum + report.lost.filter((one) => one.ring === 0).length, 0),
+      };
+    });
+    assert.ok(known.sites > 0 && known.normals > 0);
+    assert.deepEqual(await details(), known);
+    await picture(page, 'details');
+
+    const press = (text) => page.evaluate((name) => [...document.querySelectorAll('#tab-more button')].find((one) => one.textContent === name).click(), text);
+    await press('Keep this state');
+    await page.waitForFunction(() => globalThis.handgraft.session.settings.snapshots.length === 1, kWaiting);
+    await page.click('#to-patches');
+    await page.click('[data-patch=index] .switch');
+    await waitRevision(page, 1);
+    await page.click('#to-more');
+    await press('compare');
+    await waitText(page, '.differences', /index/);
+    return page;
+  },
+
   async 'Another solution and the measured hand are seen beside the pose, and named'(address) {
     const session = await openSession('human20', 'lemon', 'lemon_6');
     const page = await openPage(`${address}?session=${session}`, { width: 1280, height: 720 });
@@ -263,14 +297,19 @@ const tests = {
     await page.click('#to-more');
     const shells = () => page.$eval('.shells', (element) => element.textContent);
     assert.equal(await shells(), '');
-    // What the page works out itself is what the server says: of its own pose, link by link.
-    assert.ok(await page.evaluate(() => globalThis.handgraft.view.ghostOf(0) !== null), 'this hand is understood');
+    // Of the pose that is shown the server says the same, link by link.
+    const own = await page.evaluate(async () => {
+      const { session } = globalThis.handgraft;
+      const asked = await session.linkPoses(session.solution.X_WH, session.solution.joint_positions);
+      return [asked, session.solution.X_WL].map((all) => all.map((X) => X.p_m));
+    });
+    own[0].forEach((p, link) => assert.ok(distance(p, own[1][link]) < 1e-9));
     const ghosts = await page.$$('[aria-label="Minima"] .small');
     assert.ok(ghosts.length > 1, 'several solutions are ranked');
     await ghosts[1].click();
-    assert.equal(await shells(), 'solution 2');
+    await waitText(page, '.shells', /^solution 2$/);
     // The same as the server's, once that solution is taken.
-    const shown = await page.evaluate(() => globalThis.handgraft.view.ghostOf(1).map((X) => X.elements.slice(12, 15)));
+    const shown = await page.evaluate(() => globalThis.handgraft.view.ghostOf(1).then((all) => all.map((X) => X.elements.slice(12, 15))));
     await picture(page, 'ghost');
     await page.click('[aria-label="Minima"] .line:nth-child(2) .choice');
     await waitRevision(page, 1);
@@ -355,9 +394,7 @@ const tests = {
     const dragged = (await factsOf(two)).revision;
     await two.click('[data-patch=index] .switch');
     await waitRevision(two, dragged + 1);
-    const script = spawn(join(bin, 'handgraft'), ['edit', String(session), '--domain', domain, '--json'], { stdio: ['pipe', 'ignore', 'inherit'] });
-    script.stdin.end('disable middle\n');
-    await new Promise((resolve) => script.on('exit', resolve));
+    await typed(session, 'disable middle\n');
     const pose = await serverPose(session);
     for (const page of [one, two]) {
       await page.bringToFront();

@@ -52,7 +52,8 @@ std::vector<Edit> everyKind() {
           SnapshotEdit{"before"},
           RestoreEdit{""},
           ReleaseEdit{"tip"},
-          TimedEdit{{1.0, 0.5}, DragWay{"tip", {0.0, 0.1, 0.2}, 0.5, 3, {{1.0, 2.0, 3.0}}}}};
+          TimedEdit{{1.0, 0.5}, DragWay{"tip", {0.0, 0.1, 0.2}, 0.5, 3, {{1.0, 2.0, 3.0}}}},
+          TakeBackEdit{2}};
 }
 
 std::string bytesOf(const Edit& edit) {
