@@ -11,22 +11,23 @@ here=$(realpath "$(dirname "${BASH_SOURCE[0]}")")
 . "$here/../programs.sh"
 export HANDGRAFT_DOMAIN=$domain
 start server "$bin/handgraft-server"
-server=${pids[-1]}
+declare -A process
+process[server]=${pids[-1]}
 await event=ready "$scratch/server.log"
 start bridge "$bin/handgraft-bridge" --session any
-bridge=${pids[-1]}
+process[bridge]=${pids[-1]}
 mkfifo "$scratch/keys"
 exec 9<>"$scratch/keys"
 "$bin/handgraft" edit --hand barrett8 --object lemon --contacts lemon_6 <"$scratch/keys" >"$scratch/editor.log" 2>&1 &
 pids+=($!)
-editor=$!
+process[editor]=$!
 await 'following session' "$scratch/bridge.log"
 echo 'weight palm 0.5' >&9
 
 memory() { awk '/VmRSS/ {print $2}' "/proc/$1/status" 2>/dev/null || echo 0; }
 judge() { # WHEN
   for name in server bridge editor; do
-    kill -0 "${!name}" 2>/dev/null || { tail -5 "$scratch/$name.log"; fail "the $name died $1"; }
+    kill -0 "${process[$name]}" 2>/dev/null || { tail -5 "$scratch/$name.log"; fail "the $name died $1"; }
   done
   timeout 30 "$bin/handgraft" models >"$scratch/models" 2>&1 || { cat "$scratch/models"; fail "the server does not answer $1"; }
 }
@@ -40,7 +41,7 @@ for part in 1 2; do
   "$bin/hostile_traffic" "$here/traffic.bin" --domain "$domain" --count $((count / 2)) --seed $((seed * 2 + part))
   judge "after part $part"
   for name in server bridge editor; do
-    now=$(memory "${!name}")
+    now=$(memory "${process[$name]}")
     echo "$name: $now kB"
     if [ "$part" = 1 ]; then
       half[$name]=$now

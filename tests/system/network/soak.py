@@ -65,7 +65,7 @@ def main():
             if time.monotonic() > begin + seconds * (len(rows) + 1) / 10:
                 rows.append({name: taken(one.pid) for name, one in watched.items()})
                 print(rounds, *(f'{name} {mb:.1f} MB {files} files {threads} threads' for name, (mb, files, threads) in rows[-1].items()), flush=True)
-        time.sleep(5)
+        time.sleep(25)  # until the last client's lease has ended
         before = {name: processor_s(one.pid) for name, one in watched.items()}
         time.sleep(30)
         idle = {name: (processor_s(one.pid) - before[name]) / 0.3 for name, one in watched.items()}
