@@ -9,6 +9,7 @@
 #include "server/handlers/export.h"
 #include "server/handlers/load_model.h"
 #include "server/handlers/models.h"
+#include "server/handlers/motion_clock.h"
 #include "server/handlers/motions.h"
 #include "server/handlers/optimize.h"
 #include "server/handlers/pose_contacts.h"

@@ -6,7 +6,7 @@
 #include "core/base/error.h"
 #include "core/io/session_file.h"
 #include "server/admission/rejection.h"
-#include "server/handlers/motions.h"
+#include "server/handlers/motion_edits.h"
 #include "server/messages/edit_messages.h"
 
 namespace handgraft::server {
@@ -73,7 +73,8 @@ v1::EditReply applyEdit(LiveSession& live,
   session::Session& session = live.session();
   requireBase(live, edit, session.revision());
   session::Edit change = editFrom(edit.body());
-  if (!edit.when().empty()) change = timedEdit(live, edit.when().front(), change);
+  const auto when = edit.when().empty() ? timeOfWholeEdit(live, change) : edit.when().front();
+  if (when) change = timedEdit(live, *when, change);
   session::Session::Keep keep;
   if (live.journal) {
     keep = [&](const session::LogEntry& entry, const session::EditResult& outcome) {

@@ -26,44 +26,6 @@ constexpr std::size_t kMostFramesSent = 4096;
 constexpr std::size_t kMostBytesSent = 8u << 20;
 constexpr double kJointAtLimit = 1e-6;  // rad or m, as manipulation::jointsAtLimits
 
-constexpr double kFastest = 100.0;  // times real time
-
-/// Where a clock stands; beyond the end of a motion it goes round, or stays there.
-double clockTime(const v1::MotionClock& clock, double duration_s, long long now) {
-  if (!clock.playing()) return clock.time_s();
-  const double time_s =
-      clock.time_s() + clock.speed() * 1e-9 * static_cast<double>(now - clock.stamp_ns());
-  if (time_s < duration_s) return time_s;
-  return clock.looping() && duration_s > 0.0 ? std::fmod(time_s, duration_s) : duration_s;
-}
-
-template <class One, class Variant>
-inline constexpr bool kIsOneOf = false;
-template <class One, class... All>
-inline constexpr bool kIsOneOf<One, std::variant<All...>> = (std::is_same_v<One, All> || ...);
-
-/// Takes an edit as one at a time, where there is such a one.
-bool takeChange(const session::Edit& edit, session::TimedChange& change) {
-  return std::visit(
-      [&](const auto& one) {
-        constexpr bool kHasTime = kIsOneOf<std::decay_t<decltype(one)>, session::TimedChange>;
-        if constexpr (kHasTime) change = one;
-        return kHasTime;
-      },
-      edit);
-}
-
-LiveMotion& motionOf(LiveSession& live) {
-  if (LiveMotion* motion = live.motion()) return *motion;
-  rejectInput("session {} holds contacts, no motion", live.id());
-}
-
-const session::SolvedMotion& solvedOf(LiveSession& live) {
-  const LiveMotion& motion = motionOf(live);
-  if (motion.solved) return *motion.solved;
-  rejectInput("the motion of session {} has no answer yet; solve it first", live.id());
-}
-
 /// Zeros stand for defaults.
 session::MotionSolving motionSolvingFrom(const v1::SolveMotionRequest& request) {
   if (request.options().empty()) return session::motionSolving(false);
@@ -229,6 +191,17 @@ std::size_t bytesOfFrame(const LiveMotion& motion, bool with_shapes) {
 
 }  // namespace
 
+LiveMotion& motionOf(LiveSession& live) {
+  if (LiveMotion* motion = live.motion()) return *motion;
+  rejectInput("session {} holds contacts, no motion", live.id());
+}
+
+const session::SolvedMotion& solvedOf(LiveSession& live) {
+  const LiveMotion& motion = motionOf(live);
+  if (motion.solved) return *motion.solved;
+  rejectInput("the motion of session {} has no answer yet; solve it first", live.id());
+}
+
 namespace {
 
 /// How a motion was solved, as the session's log has it.
@@ -385,98 +358,6 @@ void resumeFollowing(LiveSession& live, const session::FollowedMotion& followed)
   solving.options.seed = followed.seed;
   solving.acceleration_limit = followed.acceleration_limit;
   motion->solving = solving;
-}
-
-// === Edits at a time
-
-session::TimedEdit timedEdit(LiveSession& live,
-                             const v1::EditTime& when,
-                             const session::Edit& edit) {
-  const LiveMotion& motion = motionOf(live);
-  session::TimedEdit timed;
-  timed.when = {when.time_s() + motion.motion->time_s.front(), when.falloff_s()};
-  const double end_s = motion.motion->duration();
-  if (!(when.time_s() >= 0.0 && when.time_s() <= end_s))
-    rejectInput("time of the edit: {} s; motion {} has 0 to {:.6g} s", when.time_s(),
-                handgraft::quoted(motion.name), end_s);
-  if (!(when.falloff_s() >= 0.0 && when.falloff_s() <= session::kLongestFalloff_s))
-    rejectInput("falloff of the edit: {} s; permitted are 0 to {} s", when.falloff_s(),
-                session::kLongestFalloff_s);
-  const std::vector<double>& time_s = motion.motion->time_s;
-  const int frame = session::frameNearest(time_s, timed.when.time_s);
-  const auto answerAt = [&](int k) -> const hand::HandPose& {
-    return solvedOf(live).trajectory.poses[static_cast<std::size_t>(k)];
-  };
-  const hand::HandModel& model = *live.session().hand().model;
-  if (const auto* drag = std::get_if<session::DragEdit>(&edit)) {
-    const int link = model.linkIndex(drag->link);
-    const Eigen::Vector3d target_O =
-        inverse(motion.motion->X_WO[static_cast<std::size_t>(frame)]) * drag->target_W;
-    timed.change =
-        session::dragWayOf(*drag, timed.when, time_s, target_O, [&](int k) -> Eigen::Vector3d {
-          return hand::forwardKinematics(model, answerAt(k))[static_cast<std::size_t>(link)] *
-                 drag->p_L;
-        });
-  } else if (const auto* lock = std::get_if<session::JointLockEdit>(&edit)) {
-    session::JointLockEdit held = *lock;
-    if (held.locked) held.value = answerAt(frame).q[model.dofIndex(held.joint)];
-    timed.change = held;
-  } else if (!takeChange(edit, timed.change)) {
-    rejectInput(
-        "'{}' has no time; a patch's weight, enabling, root or direction, a joint's limit, "
-        "lock "
-        "or soft value, a drag and its release have",
-        session::describe(edit));
-  }
-  return timed;
-}
-
-// === The clock
-
-v1::MotionClock setClock(LiveSession& live,
-                         const v1::ClockRequest& request,
-                         const v1::ClientId& client) {
-  LiveMotion& motion = motionOf(live);
-  v1::MotionClock& clock = motion.clock;
-  const double duration_s = motion.motion->duration();
-  const long long now = nowNs();
-  if (clock.stamp_ns() == 0) clock.speed(1.0);
-  clock.time_s(clockTime(clock, duration_s, now));
-  if (clock.time_s() >= duration_s && !clock.looping()) clock.playing(false);
-  const double value = request.value();
-  switch (request.action()) {
-    case v1::CLOCK_PLAY:
-      if (clock.time_s() >= duration_s) clock.time_s(0.0);
-      clock.playing(true);
-      break;
-    case v1::CLOCK_PAUSE:
-      clock.playing(false);
-      break;
-    case v1::CLOCK_SEEK:
-      if (!(value >= 0.0 && value <= duration_s))
-        rejectInput("clock: {} s; motion {} has 0 to {:.6g} s", value,
-                    handgraft::quoted(motion.name), duration_s);
-      clock.time_s(value);
-      break;
-    case v1::CLOCK_SPEED:
-      if (!(value > 0.0 && value <= kFastest))
-        rejectInput("clock: {} times real time; permitted are above 0 to {}", value, kFastest);
-      clock.speed(value);
-      break;
-    case v1::CLOCK_LOOP:
-      if (value != 0.0 && value != 1.0)
-        rejectInput("clock: loop {}; permitted are 0 and 1", value);
-      clock.looping(value == 1.0);
-      break;
-    default:
-      rejectInput("clock: action {} does not exist", static_cast<unsigned>(request.action()));
-  }
-  clock.session_id(live.id());
-  clock.duration_s(duration_s);
-  clock.stamp_ns(now);
-  clock.last_client(client);
-  live.publishClock();
-  return clock;
 }
 
 v1::MotionFrames motionFrames(LiveSession& live, const v1::MotionFramesRequest& request) {

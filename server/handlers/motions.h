@@ -3,11 +3,14 @@
 #include <string>
 
 #include "core/base/progress.h"
-#include "idl/edits.h"
 #include "idl/motions.h"
 #include "server/admission/workshop.h"
 
 namespace handgraft::server {
+
+/// Errors: InvalidInput if the session holds no motion; where it has no answer yet.
+LiveMotion& motionOf(LiveSession& live);
+const session::SolvedMotion& solvedOf(LiveSession& live);
 
 /// Has the session's hand follow its motion, and keeps the answer. Edits wait for its end;
 /// anybody may stop it. Of the session's strand.
@@ -27,19 +30,6 @@ void solveMotionAfterEdit(LiveSession& live, Workshop& workshop, const Progress&
 
 /// As the log of an opened session has it: its motion is to be solved so.
 void resumeFollowing(LiveSession& live, const session::FollowedMotion& followed);
-
-/// An edit at a time, with what it needs of the motion's answer: where a place or a joint is.
-/// Errors: InvalidInput if the session holds no motion, the time is none of it, or such an edit
-/// has no time.
-session::TimedEdit timedEdit(LiveSession& live,
-                             const v1::EditTime& when,
-                             const session::Edit& edit);
-
-/// Sets the clock that all watchers of the session's motion share, and publishes it.
-/// Errors: InvalidInput if the session holds no motion, or a value is out of range.
-v1::MotionClock setClock(LiveSession& live,
-                         const v1::ClockRequest& request,
-                         const v1::ClientId& client);
 
 /// Frames of the last answer, as many as are asked for and fit into a message. Of the session's
 /// strand. Errors: InvalidInput if there is none, or it has no such frame.

@@ -373,6 +373,27 @@ TEST_F(MotionEditTest, OfAllOfTheMotionIsAnsweredToo) {
     EXPECT_NEAR(frame.joint_positions()[0], before[60].joint_positions()[0] + 0.02, 1e-9);
 }
 
+TEST_F(MotionEditTest, OnTheHandOfAllOfTheMotionTurnsEveryFrame) {
+  ASSERT_EQ(bus.ask(solveMotion(session_)).error(), v1::ERROR_NONE);
+  const std::vector<v1::MotionFrame> before = framesNow();
+  v1::PatchDirectionEdit turn;
+  turn.patch("index");
+  turn.side(v1::SIDE_HAND);
+  turn.angle_rad(0.4);
+  v1::EditBody body;
+  body.patch_direction(turn);
+  const v1::EditReply reply = edit(body);
+  ASSERT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
+  toldOf(reply.revision());
+  const std::vector<v1::MotionFrame> after = framesNow();
+  ASSERT_EQ(after.size(), before.size());
+  for (const std::size_t frame : {0u, 60u, 120u})
+    EXPECT_NE(after[frame], before[frame]) << frame;
+  const v1::EditReply undone = edit(steps(v1::EDIT_UNDO));
+  toldOf(undone.revision());
+  EXPECT_EQ(framesNow(), before);
+}
+
 TEST_F(MotionEditTest, SaysWhatIsWrong) {
   v1::DragEdit drag;
   drag.link("clamp_palm");

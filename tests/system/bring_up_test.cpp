@@ -132,8 +132,7 @@ TEST_F(NewcomersHand, ComesFromScanToAFollowedGrasp) {
   {
     std::ifstream file(config);
     std::string text{std::istreambuf_iterator<char>(file), {}};
-    replace(text, "watchdog_ms: 400",
-            "watchdog_ms: 2000\n  tolerated_misses: 50");
+    replace(text, "watchdog_ms: 400", "watchdog_ms: 2000\n  tolerated_misses: 50");
     replace(text, "longest_gap_ms: 350", "longest_gap_ms: 1000, overruns_in_a_row: 1000");
     replace(text, "stale_ms: 500", "stale_ms: 3000");
     replace(text, "silent_ms: 400", "silent_ms: 1000");

@@ -76,7 +76,9 @@ TEST(Scenarios, ShowEveryCommand) {
     // One has no end, no file knows the id that a session will have, and these grasps are no
     // motions (motion_test.cpp).
     const bool is_left_out = command.pattern == "watch" || command.pattern == "join SESSION" ||
-                             command.pattern.rfind("at ", 0) == 0;
+                             command.pattern.rfind("at ", 0) == 0 ||
+                             command.pattern == "show times" ||
+                             command.pattern.rfind("take back ", 0) == 0;
     EXPECT_EQ(shown.count(command.pattern), is_left_out ? 0U : 1U) << command.pattern;
   }
 }

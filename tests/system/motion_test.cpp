@@ -190,6 +190,18 @@ TEST(Motion, AnEditAtATimeIsSeenByAllWhoWatch) {
   for (std::size_t k = 0; k < frames_after.size(); ++k)
     EXPECT_EQ(frames_after[k], frames_before[k]) << k;
 
+  // Taken back by number, whatever was edited since.
+  const Finished taken =
+      service.client({"edit", session, "--at", "2", "--falloff", "0.2", "--script",
+                      written("back.txt",
+                              "weight index 30\nweight thumb 20\nshow times\ntake back 1\n"
+                              "take back 1\nshow times\n")});
+  ASSERT_EQ(taken.exit_code, 0) << taken.err;
+  EXPECT_EQ(toldTo(first, 6).revision, 6u);
+  const auto frames_taken = client::framesOf(two, id);
+  for (std::size_t k = 0; k < frames_taken.size(); ++k)
+    EXPECT_EQ(frames_taken[k], frames_before[k]) << k;
+
   // One clock.
   const json clock = service.ask({"motion", "clock", session, "seek", "1.25"});
   EXPECT_EQ(clock.at("time_s"), 1.25);
