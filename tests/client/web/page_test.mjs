@@ -341,6 +341,11 @@ const tests = {
     await page.waitForSelector('.empty:not([hidden]) button');
     await page.click('.empty button');
     await page.waitForSelector('.part[data-kind=contacts] option');
+    // In view, however many sessions there are to choose from.
+    assert.ok(await page.$eval('dialog button.main', (one) => {
+      const [box, dialog] = [one.getBoundingClientRect(), one.closest('dialog').getBoundingClientRect()];
+      return box.top >= dialog.top && box.bottom <= dialog.bottom;
+    }));
     await page.click('dialog button.main');
     await page.waitForFunction(() => globalThis.handgraft.session.solution !== null, kWaiting);
     await rest(page);
