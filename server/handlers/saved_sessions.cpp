@@ -66,8 +66,8 @@ io::MotionOfSession motionToSave(LiveSession& live, const Workshop& workshop) {
 
 v1::SaveSessionReply saveSession(LiveSession& live, const Workshop& workshop) {
   v1::SaveSessionReply reply;
-  reply.text(
-      io::sessionText(live.session(), heldModels(live, workshop), motionToSave(live, workshop)));
+  reply.text(io::sessionText(live.session(), heldModels(live, workshop),
+                             motionToSave(live, workshop)));
   return reply;
 }
 

@@ -102,7 +102,8 @@ dds::DomainParticipantQos participantQos(const Network& network,
     protocol.builtin.initialPeersList.push_back(locator("239.255.0.1", group));
   }
   qos.transport().user_transports.push_back(std::make_shared<FilteredTransportDescriptor>(
-      udp, identity ? idl::DatagramFilter::Domain::kSecured : idl::DatagramFilter::Domain::kOpen,
+      udp,
+      identity ? idl::DatagramFilter::Domain::kSecured : idl::DatagramFilter::Domain::kOpen,
       interface.loopback ? kDatagram : kFrame));
   if (identity) secure(*identity, qos);
   return qos;

@@ -591,6 +591,17 @@ TEST_F(LiveEdits, AreSavedLoadedAndReplayed) {
   EXPECT_EQ(replayed.body().replay().result().text(), text);
 }
 
+/// A variant of `clamp`, called "stiff".
+v1::RequestBody stiffClamp() {
+  v1::VariantRequest variant;
+  variant.hand("clamp");
+  variant.name("stiff");
+  v1::RequestBody made;
+  made.variant(variant);
+  made._d(v1::OP_MAKE_VARIANT);
+  return made;
+}
+
 /// Another server, with nothing but what is built in.
 struct FreshServer {
   FreshServer() : service(bus, models, {}) { service.start(); }
@@ -602,13 +613,7 @@ struct FreshServer {
 
 TEST_F(LiveEdits, OpenOnAServerThatHasNoneOfTheirModels) {
   const std::uint64_t session = openSolved();
-  v1::VariantRequest variant;
-  variant.hand("clamp");
-  variant.name("stiff");
-  v1::RequestBody made;
-  made.variant(variant);
-  made._d(v1::OP_MAKE_VARIANT);
-  ASSERT_EQ(bus.ask(made).error(), v1::ERROR_NONE);
+  ASSERT_EQ(bus.ask(stiffClamp()).error(), v1::ERROR_NONE);
   v1::ModelEdit hand;
   hand.name("stiff");
   v1::EditBody swap;
@@ -661,13 +666,7 @@ struct KeepingServer {
 
 TEST(SavedSessions, HoldTheirOwnModelsThoughAnotherHasTheName) {
   KeepingServer server;
-  v1::VariantRequest variant;
-  variant.hand("clamp");
-  variant.name("stiff");
-  v1::RequestBody made;
-  made.variant(variant);
-  made._d(v1::OP_MAKE_VARIANT);
-  ASSERT_EQ(server.bus.ask(made).error(), v1::ERROR_NONE);
+  ASSERT_EQ(server.bus.ask(stiffClamp()).error(), v1::ERROR_NONE);
   const v1::Reply opened = server.bus.ask(test::openSession("stiff", "fruit", "marks"));
   ASSERT_EQ(opened.error(), v1::ERROR_NONE) << opened.message();
   const std::uint64_t session = opened.body().session().session_id();
@@ -682,7 +681,7 @@ TEST(SavedSessions, HoldTheirOwnModelsThoughAnotherHasTheName) {
        {test::putFile(4, "clamp.urdf", urdf), test::putFile(4, "sites.yaml", test::kClampSites),
         test::loadModel(4, v1::MODEL_HAND, "clamp", "clamp.urdf")})
     ASSERT_EQ(server.bus.ask(body).error(), v1::ERROR_NONE);
-  ASSERT_EQ(server.bus.ask(made).error(), v1::ERROR_NONE);
+  ASSERT_EQ(server.bus.ask(stiffClamp()).error(), v1::ERROR_NONE);
 
   const std::string text = server.bus.ask(test::ofSession(v1::OP_SAVE_SESSION, session))
                                .body()
