@@ -18,6 +18,7 @@
 #include <unistd.h>
 
 #include "core/base/network.h"
+#include "idl/cyclone/domain.h"
 
 namespace handgraft::idl::cyclone {
 
@@ -102,8 +103,7 @@ class Awakening {
   }
 
  private:
-  static constexpr double kLease_s = 20.0;  // domain.cpp
-  static constexpr double kHalfALease_s = 10.0;
+  static constexpr double kHalfALease_s = 0.5 * kLease_s;
   static constexpr double kMoment_s = 0.5;
 
   std::atomic<double> last_{0.0};  ///< datagram

@@ -58,13 +58,13 @@ std::string configurationOf(const Network& network, const NetworkInterface& inte
       "<General><Interfaces><NetworkInterface name=\"{}\"/></Interfaces>"
       "<AllowMulticast>{}</AllowMulticast>"
       "<MaxMessageSize>{}</MaxMessageSize><FragmentSize>{}</FragmentSize></General>"
-      "<Discovery><LeaseDuration>20s</LeaseDuration><SPDPInterval>500ms</SPDPInterval>"
+      "<Discovery><LeaseDuration>{}s</LeaseDuration><SPDPInterval>500ms</SPDPInterval>"
       "<ParticipantIndex>auto</ParticipantIndex>"
       "<MaxAutoParticipantIndex>100</MaxAutoParticipantIndex>{}</Discovery>"
       "<Internal><SocketReceiveBufferSize max=\"4MB\"/>{}</Internal>"
       "</Domain></CycloneDDS>",
       name, interface.loopback ? "false" : "spdp", interface.loopback ? "65500B" : "1400B",
-      interface.loopback ? "65000B" : "1200B", peers, kTiming);
+      interface.loopback ? "65000B" : "1200B", kLease_s, peers, kTiming);
 }
 
 struct JoinedDomain {

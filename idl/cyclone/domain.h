@@ -4,6 +4,9 @@
 
 namespace handgraft::idl::cyclone {
 
+/// Who is not heard for so long is dropped by the others.
+inline constexpr int kLease_s = 20;
+
 /// This process' share of a domain, which is configured once however many participants join it;
 /// the last one to go takes it along. Threads: any.
 class Domain {

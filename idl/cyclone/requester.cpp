@@ -5,11 +5,11 @@
 #include <map>
 #include <mutex>
 #include <optional>
-#include <random>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include "idl/client_id.h"
 #include "idl/cyclone/calls.h"
 #include "idl/fields.h"
 #include "idl/security/rights.h"
@@ -46,14 +46,6 @@ std::string plainName(const std::string& name) {
       },
       '?');
   return plain;
-}
-
-v1::ClientId randomClient() {
-  std::random_device device;
-  v1::ClientId id{};
-  for (auto& byte : id)
-    byte = static_cast<std::uint8_t>(device());
-  return id;
 }
 
 /// True if the body names what lives in one server: another one must not take it for its own.

@@ -1,12 +1,11 @@
 #include "server/transport/asker.h"
 
-#include <algorithm>
 #include <chrono>
 #include <mutex>
 #include <optional>
-#include <random>
 #include <thread>
 
+#include "idl/client_id.h"
 #include "idl/peer_names.h"
 #include "idl/security/rights.h"
 #include "server/transport/fast_endpoints.h"
@@ -67,13 +66,8 @@ void askServer(const Network& network,
       node.endpoints(), idl::kStatusTopic, [&heard](v1::ServerStatus&& status, const Sender&) {
         heard.take(status);
       });
-  std::random_device device;
   v1::Request question;
-  v1::ClientId client{};
-  std::generate(client.begin(), client.end(), [&device] {
-    return static_cast<std::uint8_t>(device());
-  });
-  question.client(client);
+  question.client(idl::randomClient());
   question.protocol_version(v1::PROTOCOL_VERSION);
   question.body().nothing(v1::Nothing());
   for (std::uint64_t id = 1; !is_over(); ++id) {

@@ -1,18 +1,10 @@
 #include "tests/bench/live/edit_desk.h"
 
-#include <random>
+#include "idl/client_id.h"
 
 namespace handgraft::bench {
 
 namespace {
-
-v1::ClientId randomClient() {
-  std::random_device device;
-  v1::ClientId id{};
-  for (auto& byte : id)
-    byte = static_cast<std::uint8_t>(device());
-  return id;
-}
 
 double msSince(Clock::time_point begin) {
   return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
@@ -23,7 +15,7 @@ double msSince(Clock::time_point begin) {
 EditDesk::EditDesk(const Network& network)
     : participant_(network),
       requester_(participant_),
-      client_(randomClient()),
+      client_(idl::randomClient()),
       edits_(participant_, idl::kEditTopic),
       replies_(participant_,
                idl::kEditReplyTopic,
