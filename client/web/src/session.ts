@@ -49,7 +49,6 @@ export interface Past {
 const kFastest_ms = 25; // between two edits of one drag
 const kMostInFlight = 3; // of one drag, before the first of them is answered
 const kFrames_ms = 1500; // a drag's next edit of a motion waits so long for frames of the last
-const kWhole_s = 1e6; // a falloff that takes in all of a motion
 const kLookAgain_ms = 250; // settings, while edits follow each other
 const kLongestPast = 400;
 const kMove_ms = 5000; // until a session that its server lost has another number
@@ -430,9 +429,6 @@ export class Session implements Listener {
       const there = drag === undefined ? body : { ...body, drag: { ...drag, target_q_wxyz: [] } };
       return [there, { time_s, falloff_s: this.reach_s }];
     }
-    const isOnHand = (body['patch_root'] ?? body['patch_direction']) as { side?: string } | undefined;
-    // On the hand patches lie where the motion lays them, time by time, and are moved from there.
-    if (isOnHand?.side === 'hand') return [body, { time_s, falloff_s: kWhole_s }];
     if (body.kind === 'drag') return [this.inGrasp(body, time_s), null];
     return [body, null];
   }
