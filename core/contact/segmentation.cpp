@@ -350,8 +350,7 @@ class Segmenter {
       if (component.area > kLargestTouch_m2) {
         note(
             "'{}' covers {:.0f} mm2, more than one finger touches: where the joints of the "
-            "hand "
-            "that touched are known, they part it",
+            "hand that touched are known, they part it",
             name, mm2(component.area));
       }
     }

@@ -70,12 +70,13 @@ void AvoidanceTerm::meetObject(const Vector3d& p_WH) {
         [&](const SurfaceSample& sample) {
           const Vector3d p_O = p_OL + R_OL.lazyProduct(sample.p_L);
           // Most that are near do not touch: their slopes would be for nothing.
-          if (object_O.isClear(p_O, 0.0) || object_O.at(p_O) >= margin) return;
+          if (object_O.isClear(p_O, 0.0)) return;
+          const double depth = margin - object_O.at(p_O);
+          if (depth <= 0.0) return;
           Vector3d slope_O;
-          const double distance = object_O.at(p_O, slope_O) - margin;
-          if (distance >= 0.0) return;
+          static_cast<void>(object_O.at(p_O, slope_O));
           touches_.push_back({bodies_[k], -1, place.arm_W + place.R_WL * sample.p_L,
-                              R_OW.transpose() * slope_O, -distance,
+                              R_OW.transpose() * slope_O, depth,
                               sample.area_m2 / Avoidance::kPointArea});
         });
     meetWalls(k, X_OL);
@@ -130,16 +131,15 @@ void AvoidanceTerm::meet(int a, int b) {
       },
       [&](const SurfaceSample& sample) {
         const Vector3d p_B = p_BA + R_BA.lazyProduct(sample.p_L);
-        if (grid_B.isClear(p_B, avoidance_.margin_m) ||
-            other.distance(p_B) >= avoidance_.margin_m)
-          return;
+        if (grid_B.isClear(p_B, avoidance_.margin_m)) return;
+        const double depth = avoidance_.margin_m - other.distance(p_B);
+        if (depth <= 0.0) return;
         Vector3d slope_B;
-        const double distance = other.distance(p_B, slope_B) - avoidance_.margin_m;
-        if (distance >= 0.0) return;
+        static_cast<void>(grid_B.at(p_B, slope_B));
         touches_.push_back({bodies_[static_cast<std::size_t>(a)],
                             bodies_[static_cast<std::size_t>(b)],
                             place.arm_W + place.R_WL * sample.p_L, other_place.R_WL * slope_B,
-                            -distance, sample.area_m2 / Avoidance::kPointArea});
+                            depth, sample.area_m2 / Avoidance::kPointArea});
       });
 }
 

@@ -177,6 +177,9 @@ void Workbench::slideFromOthers(Worth worth,
       start_ = minima[i].pose;
       SolveReport other = optimize::solve(problem(solving), options, progress);
       slideRoots(other, solving, options, progress);
+      // Slid, it is still what that start led to.
+      other.best_start = minima[i].start;
+      other.solver = minima[i].solver;
       if (takeBetter(worthOf(other, solving), other, worth, report)) best.keep();
     }
   }
