@@ -9,6 +9,7 @@
 #include "client/gateway/model_frame.h"
 #include "core/base/error.h"
 #include "idl/fields.h"
+#include "idl/operations.h"
 
 namespace handgraft::client::gateway {
 
@@ -16,40 +17,6 @@ namespace {
 
 constexpr std::size_t kMostUnanswered = 32;  // requests of a page
 constexpr std::size_t kMostFollowed = 16;    // sessions of a page
-
-/// What pages that only look may ask, and what the others may besides. Nothing else.
-bool isForLookers(v1::Operation operation) {
-  switch (operation) {
-    case v1::OP_LIST_MODELS:
-    case v1::OP_LIST_SESSIONS:
-    case v1::OP_DESCRIBE_SESSION:
-    case v1::OP_TRANSFER:
-    case v1::OP_EXPORT:
-    case v1::OP_SUGGEST:
-    case v1::OP_SESSION_SETTINGS:
-    case v1::OP_COMPARE:
-    case v1::OP_SAVE_SESSION:
-    case v1::OP_MOTION_FRAMES:
-    case v1::OP_LINK_POSES:
-      return true;
-    default:
-      return false;
-  }
-}
-
-bool isForEditors(v1::Operation operation) {
-  switch (operation) {
-    case v1::OP_OPEN_SESSION:
-    case v1::OP_OPTIMIZE:
-    case v1::OP_LOAD_SESSION:
-    case v1::OP_STOP_SOLVING:
-    case v1::OP_SOLVE_MOTION:
-    case v1::OP_SET_CLOCK:
-      return true;
-    default:
-      return isForLookers(operation);
-  }
-}
 
 std::uint64_t numberIn(const Json& message, const char* key) {
   const auto found = message.find(key);
@@ -278,11 +245,12 @@ void Gateway::Impl::unfollow(PageId page, std::uint64_t session) {
 
 void Gateway::Impl::ask(PageId page, std::uint64_t request, const Json& body) {
   const auto message = idl::fromJson<v1::RequestBody>(body, "body");
-  if (!isForEditors(message._d())) {
+  const idl::Pages pages = idl::traitsOf(message._d()).pages;
+  if (pages == idl::Pages::kNone) {
     throw Refused(v1::ERROR_NOT_PERMITTED,
                   fmt::format("pages may not ask for {}", v1::nameOf(message._d())));
   }
-  if (!isForLookers(message._d())) require(page, Rights::kEdit);
+  if (pages == idl::Pages::kThatEdit) require(page, Rights::kEdit);
   whenDone(client.ask(message), [this, page, request](Outcome<v1::ReplyBody> outcome) {
     if (const auto* error = std::get_if<std::exception_ptr>(&outcome)) {
       answer(page, request, {{"error", errorJson(*error)}});

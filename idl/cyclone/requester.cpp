@@ -48,34 +48,6 @@ std::string plainName(const std::string& name) {
   return plain;
 }
 
-/// True if the body names what lives in one server: another one must not take it for its own.
-/// The rest may be answered by whichever server there is.
-bool isOfOneServer(v1::Operation operation) {
-  switch (operation) {
-    case v1::OP_PUT_FILE:
-    case v1::OP_LOAD_MODEL:
-    case v1::OP_DESCRIBE_SESSION:
-    case v1::OP_CLOSE_SESSION:
-    case v1::OP_TRANSFER:
-    case v1::OP_OPTIMIZE:
-    case v1::OP_EXPORT:
-    case v1::OP_CANCEL:
-    case v1::OP_SUGGEST:
-    case v1::OP_SESSION_SETTINGS:
-    case v1::OP_COMPARE:
-    case v1::OP_SAVE_SESSION:
-    case v1::OP_STOP_SOLVING:
-    case v1::OP_SHARE_SESSION:
-    case v1::OP_SOLVE_MOTION:
-    case v1::OP_MOTION_FRAMES:
-    case v1::OP_SET_CLOCK:
-    case v1::OP_LINK_POSES:
-      return true;
-    default:
-      return false;
-  }
-}
-
 }  // namespace
 
 struct Requester::Impl {
@@ -157,10 +129,9 @@ struct Requester::Impl {
 
   /// Errors: Refused (ERROR_NOT_PERMITTED).
   Writer<v1::Request>& writerOf(const RequestCall& call) {
-    using security::Privilege;
     const v1::Operation operation = call.message.body()._d();
     if (!participant.identity()) return requests.get();
-    const Privilege privilege = security::privilegeOf(operation);
+    const Privilege privilege = traitsOf(operation).privilege;
     try {
       switch (privilege) {
         case Privilege::kLook:
@@ -184,7 +155,7 @@ struct Requester::Impl {
     } catch (const NotPermitted& error) {
       throw Refused(v1::ERROR_NOT_PERMITTED,
                     fmt::format("{}: edits are for {}", error.what(),
-                                security::holdersOf(security::Privilege::kEdit)));
+                                security::holdersOf(Privilege::kEdit)));
     }
   }
 
@@ -663,7 +634,7 @@ Requester::CallId Requester::begin(const v1::RequestBody& body,
   const auto call =
       std::make_shared<RequestCall>(std::move(request), bytes, std::move(on_reply));
   call->on_progress = std::move(on_progress);
-  call->of_one_server = isOfOneServer(body._d());
+  call->of_one_server = traitsOf(body._d()).answered_by == AnsweredBy::kOneServer;
   if (!impl_->waiting.empty() || !impl_->mayGo(id)) {
     impl_->waiting.emplace(id, call);
     return id;

@@ -98,44 +98,6 @@ Rights rightsOf(Role role, const std::string& name) {
   return {};
 }
 
-Privilege privilegeOf(v1::Operation operation) {
-  switch (operation) {
-    case v1::OP_NOTHING:
-    case v1::OP_CANCEL:
-    case v1::OP_LIST_MODELS:
-    case v1::OP_DESCRIBE_MODEL:
-    case v1::OP_DESCRIBE_SESSION:
-    case v1::OP_LIST_SESSIONS:
-      return Privilege::kLook;
-    case v1::OP_UNLOAD_MODEL:
-      return Privilege::kOperate;
-    case v1::OP_PUT_FILE:
-    case v1::OP_LOAD_MODEL:
-    case v1::OP_OPEN_SESSION:
-    case v1::OP_CLOSE_SESSION:
-    case v1::OP_TRANSFER:
-    case v1::OP_OPTIMIZE:
-    case v1::OP_EXPORT:
-    case v1::OP_POSE_CONTACTS:
-    case v1::OP_MAKE_VARIANT:
-    case v1::OP_SWEEP:
-    case v1::OP_SUGGEST:
-    case v1::OP_SESSION_SETTINGS:
-    case v1::OP_COMPARE:
-    case v1::OP_SAVE_SESSION:
-    case v1::OP_LOAD_SESSION:
-    case v1::OP_REPLAY:
-    case v1::OP_STOP_SOLVING:
-    case v1::OP_SHARE_SESSION:
-    case v1::OP_SOLVE_MOTION:
-    case v1::OP_MOTION_FRAMES:
-    case v1::OP_SET_CLOCK:
-    case v1::OP_LINK_POSES:
-      return Privilege::kEdit;
-  }
-  return Privilege::kOperate;
-}
-
 const Topic<v1::Request>& requestTopicOf(Privilege privilege) {
   switch (privilege) {
     case Privilege::kLook:

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "idl/service.h"
+#include "idl/operations.h"
 #include "idl/topics.h"
 
 namespace handgraft::idl::security {
@@ -36,13 +36,6 @@ struct Rights {
 
 /// Of an identity of that role and name: a hand has ROS 2's namespace of its own name.
 Rights rightsOf(Role role, const std::string& name);
-
-/// What one must be to ask for an operation. In a secured domain each has a topic of requests
-/// of its own, so that DDS itself refuses who may not; in an open one all go by one topic.
-enum class Privilege { kLook, kEdit, kOperate };
-
-/// The highest for an operation that does not exist.
-Privilege privilegeOf(v1::Operation operation);
 
 const Topic<v1::Request>& requestTopicOf(Privilege privilege);
 

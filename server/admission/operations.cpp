@@ -1,6 +1,8 @@
 #include "server/admission/operations.h"
 
-#include <fmt/format.h>
+#include <algorithm>
+#include <iterator>
+#include <utility>
 
 #include "core/base/error.h"
 #include "idl/fields.h"
@@ -20,88 +22,161 @@
 #include "server/handlers/sweep.h"
 #include "server/handlers/transfer.h"
 #include "server/handlers/variant.h"
-#include "server/store/state_store.h"
 
 namespace handgraft::server {
 
 namespace {
 
-/// Sets the member first, then the discriminator (idl/README.md).
-template <class Set>
-v1::ReplyBody bodyOf(v1::Operation operation, Set&& set) {
-  v1::ReplyBody body;
-  set(body);
-  body._d(operation);
-  return body;
+/// What the store remembers that an operation left behind, and its reply is made of when it is
+/// asked for again.
+enum class Leaves { kNothing, kSession, kModel, kItsEnd };
+
+using Body = v1::ReplyBody;
+
+/// Fills the reply, whose discriminator is set afterwards. False: cut short by an edit.
+using Handler = bool (*)(const Call& call, Body& reply);
+
+struct Rule {
+  v1::Operation operation;
+  Lane lane;
+  Leaves leaves;
+  Handler handle;
+};
+
+/// Of handlers that are always done.
+template <auto kHandle>
+constexpr Handler kDone = [](const Call& call, Body& reply) {
+  kHandle(call, reply);
+  return true;
+};
+
+/// Sets the reply if there is one.
+template <class Value, class Set>
+bool setIfAny(std::optional<Value> value, const Set& set) {
+  if (value) set(*std::move(value));
+  return value.has_value();
 }
 
-Mark markOf(const v1::Request& request, const Sender& sender) {
-  return server::markOf(sender, request.client(), request.request_id());
+constexpr auto kNothing = kDone<[](const Call&, Body&) {}>;
+
+// clang-format off
+constexpr Rule kRules[] = {
+    {v1::OP_NOTHING, Lane::kQuick, Leaves::kNothing, kNothing},
+    // Of the service itself.
+    {v1::OP_CANCEL, Lane::kAtOnce, Leaves::kNothing, kNothing},
+    {v1::OP_STOP_SOLVING, Lane::kAtOnce, Leaves::kNothing, kNothing},
+
+    {v1::OP_PUT_FILE, Lane::kQuick, Leaves::kNothing, kDone<[](const Call& c, Body&) {
+       putFile(c.body().put_file(), c.sender, c.workshop);
+     }>},
+    {v1::OP_LOAD_MODEL, Lane::kPool, Leaves::kModel, kDone<[](const Call& c, Body& reply) {
+       reply.models(loadModel(c.body().load_model(), c.sender, c.workshop, c.mark(), c.progress));
+     }>},
+    {v1::OP_LIST_MODELS, Lane::kQuick, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
+       reply.models(listModels(c.workshop));
+     }>},
+    {v1::OP_DESCRIBE_MODEL, Lane::kPool, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
+       reply.model(describeModel(c.body().describe_model(), c.workshop, c.progress));
+     }>},
+    {v1::OP_UNLOAD_MODEL, Lane::kQuick, Leaves::kItsEnd, kDone<[](const Call& c, Body&) {
+       unloadModel(c.body().unload_model(), c.workshop, c.mark());
+     }>},
+    {v1::OP_POSE_CONTACTS, Lane::kPool, Leaves::kModel, kDone<[](const Call& c, Body& reply) {
+       reply.models(contactsOfPose(c.body().pose_contacts(), c.workshop, c.mark(), c.progress));
+     }>},
+    {v1::OP_MAKE_VARIANT, Lane::kPool, Leaves::kModel, kDone<[](const Call& c, Body& reply) {
+       reply.models(makeVariant(c.body().variant(), c.workshop, c.mark()));
+     }>},
+    {v1::OP_SWEEP, Lane::kPool, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
+       reply.sweep(sweepHand(c.body().sweep(), c.workshop, c.progress));
+     }>},
+
+    {v1::OP_OPEN_SESSION, Lane::kPool, Leaves::kSession, kDone<[](const Call& c, Body& reply) {
+       reply.session(openSession(c.body().open_session(), c.workshop, c.mark(), c.progress));
+     }>},
+    {v1::OP_LOAD_SESSION, Lane::kPool, Leaves::kSession, kDone<[](const Call& c, Body& reply) {
+       reply.session(loadSession(c.body().load_session(), c.workshop, c.mark(), c.progress));
+     }>},
+    {v1::OP_REPLAY, Lane::kPool, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
+       reply.replay(replaySession(c.body().replay(), c.workshop, c.progress));
+     }>},
+    {v1::OP_DESCRIBE_SESSION, Lane::kQuick, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
+       reply.session(describeSession(c.body().session(), c.workshop));
+     }>},
+    {v1::OP_LIST_SESSIONS, Lane::kQuick, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
+       reply.sessions(listSessions(c.workshop));
+     }>},
+    {v1::OP_CLOSE_SESSION, Lane::kSession, Leaves::kItsEnd, kDone<[](const Call& c, Body&) {
+       closeSession(c.live(), c.workshop, c.mark());
+     }>},
+    {v1::OP_SESSION_SETTINGS, Lane::kSession, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
+       reply.settings(sessionSettings(c.live()));
+     }>},
+    {v1::OP_SAVE_SESSION, Lane::kSession, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
+       reply.saved_session(saveSession(c.live(), c.workshop));
+     }>},
+
+    {v1::OP_TRANSFER, Lane::kSession, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
+       reply.transfer(transferPatches(c.live(), c.progress));
+     }>},
+    {v1::OP_SUGGEST, Lane::kSession, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
+       reply.suggest(suggestPlacements(c.live(), c.body().suggest(), c.progress));
+     }>},
+    {v1::OP_COMPARE, Lane::kSession, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
+       reply.compare(compareSnapshots(c.live(), c.body().compare(), c.progress));
+     }>},
+    {v1::OP_OPTIMIZE, Lane::kSession, Leaves::kNothing, [](const Call& c, Body& reply) {
+       return setIfAny(optimizePose(c.live(), c.body().optimize(), c.workshop, c.progress),
+                       [&](v1::PoseSolution&& solution) { reply.solution(std::move(solution)); });
+     }},
+    {v1::OP_EXPORT, Lane::kSession, Leaves::kNothing, [](const Call& c, Body& reply) {
+       return setIfAny(exportSession(c.live(), c.body().export_file(), c.workshop, c.progress),
+                       [&](v1::ExportReply&& file) { reply.exported_file(std::move(file)); });
+     }},
+
+    {v1::OP_SOLVE_MOTION, Lane::kSession, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
+       reply.motion(solveMotion(c.live(), c.body().solve_motion(), c.workshop, c.progress));
+     }>},
+    {v1::OP_MOTION_FRAMES, Lane::kSession, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
+       reply.motion_frames(motionFrames(c.live(), c.body().motion_frames()));
+     }>},
+    {v1::OP_SET_CLOCK, Lane::kSession, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
+       reply.clock(setClock(c.live(), c.body().clock(), c.request.client()));
+     }>},
+    {v1::OP_LINK_POSES, Lane::kSession, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
+       reply.link_poses(linkPoses(c.live(), c.body().link_poses()));
+     }>},
+};
+
+// clang-format on
+
+/// Errors: Rejection (ERROR_UNSUPPORTED), InvalidInput for one that does not exist.
+const Rule& ruleOf(v1::Operation operation) {
+  const auto* const found =
+      std::find_if(std::begin(kRules), std::end(kRules), [&](const Rule& rule) {
+        return rule.operation == operation;
+      });
+  if (found != std::end(kRules)) return *found;
+  if (idl::chosenOf(idl::typeOf<v1::RequestBody>(), static_cast<std::uint32_t>(operation)))
+    reject(v1::ERROR_UNSUPPORTED, "this server does not {} yet", nameOf(operation));
+  rejectInput("operation {} does not exist", static_cast<unsigned>(operation));
+}
+
+/// To be filled: the member first, then the discriminator (idl/README.md).
+Body emptyBody() {
+  Body body;
+  body.nothing(v1::Nothing());
+  return body;
 }
 
 }  // namespace
 
 Lane laneOf(v1::Operation operation) {
-  switch (operation) {
-    case v1::OP_CANCEL:
-    case v1::OP_STOP_SOLVING:
-      return Lane::kAtOnce;
-    case v1::OP_NOTHING:
-    case v1::OP_PUT_FILE:
-    case v1::OP_LIST_MODELS:
-    case v1::OP_UNLOAD_MODEL:
-    case v1::OP_DESCRIBE_SESSION:
-    case v1::OP_LIST_SESSIONS:
-      return Lane::kQuick;
-    case v1::OP_LOAD_MODEL:
-    case v1::OP_DESCRIBE_MODEL:
-    case v1::OP_OPEN_SESSION:
-    case v1::OP_POSE_CONTACTS:
-    case v1::OP_MAKE_VARIANT:
-    case v1::OP_SWEEP:
-    case v1::OP_LOAD_SESSION:
-    case v1::OP_REPLAY:
-      return Lane::kPool;
-    case v1::OP_CLOSE_SESSION:
-    case v1::OP_TRANSFER:
-    case v1::OP_SUGGEST:
-    case v1::OP_OPTIMIZE:
-    case v1::OP_EXPORT:
-    case v1::OP_SESSION_SETTINGS:
-    case v1::OP_COMPARE:
-    case v1::OP_SAVE_SESSION:
-    case v1::OP_SOLVE_MOTION:
-    case v1::OP_MOTION_FRAMES:
-    case v1::OP_SET_CLOCK:
-    case v1::OP_LINK_POSES:
-      return Lane::kSession;
-    case v1::OP_SHARE_SESSION:
-      reject(v1::ERROR_UNSUPPORTED, "this server does not {} yet", nameOf(operation));
-  }
-  rejectInput("operation {} does not exist", static_cast<unsigned>(operation));
+  return ruleOf(operation).lane;
 }
 
-std::uint64_t sessionOf(const v1::RequestBody& body) {
-  switch (body._d()) {
-    case v1::OP_OPTIMIZE:
-      return body.optimize().session_id();
-    case v1::OP_EXPORT:
-      return body.export_file().session_id();
-    case v1::OP_SUGGEST:
-      return body.suggest().session_id();
-    case v1::OP_COMPARE:
-      return body.compare().session_id();
-    case v1::OP_SOLVE_MOTION:
-      return body.solve_motion().session_id();
-    case v1::OP_MOTION_FRAMES:
-      return body.motion_frames().session_id();
-    case v1::OP_SET_CLOCK:
-      return body.clock().session_id();
-    case v1::OP_LINK_POSES:
-      return body.link_poses().session_id();
-    default:
-      return body.session().session_id();
-  }
+Mark Call::mark() const {
+  return markOf(sender, request.client(), request.request_id());
 }
 
 Mark markOf(const Sender& sender, const v1::ClientId& client, std::uint64_t number) {
@@ -112,182 +187,41 @@ Mark markOf(const Sender& sender, const v1::ClientId& client, std::uint64_t numb
   return mark;
 }
 
-bool leavesSomething(v1::Operation operation) {
-  switch (operation) {
-    case v1::OP_OPEN_SESSION:
-    case v1::OP_LOAD_SESSION:
-    case v1::OP_LOAD_MODEL:
-    case v1::OP_POSE_CONTACTS:
-    case v1::OP_MAKE_VARIANT:
-    case v1::OP_CLOSE_SESSION:
-    case v1::OP_UNLOAD_MODEL:
-      return true;
-    default:
-      return false;
-  }
-}
-
-std::optional<v1::ReplyBody> replyBefore(const v1::Request& request,
-                                         const Sender& sender,
-                                         const Workshop& workshop) {
-  const v1::Operation operation = request.body()._d();
-  if (workshop.state == nullptr || !leavesSomething(operation)) return std::nullopt;
-  const auto kept = workshop.state->request(markOf(request, sender));
+std::optional<Body> replyBefore(const Call& call) {
+  const v1::Operation operation = call.body()._d();
+  const Leaves leaves = ruleOf(operation).leaves;
+  if (call.workshop.state == nullptr || leaves == Leaves::kNothing) return std::nullopt;
+  const auto kept = call.workshop.state->request(call.mark());
   if (!kept) return std::nullopt;
-  switch (operation) {
-    case v1::OP_OPEN_SESSION:
-    case v1::OP_LOAD_SESSION: {
-      v1::SessionKey key;
-      key.session_id(static_cast<std::uint64_t>(kept->subject));
-      return bodyOf(operation, [&](auto& reply) {
-        reply.session(describeSession(key, workshop));
-      });
-    }
-    case v1::OP_CLOSE_SESSION:
-    case v1::OP_UNLOAD_MODEL:
-      return nothingSaid(operation);
-    default:
-      return bodyOf(operation, [&](auto& reply) {
-        v1::ModelList list;
-        list.models().push_back(
-            idl::fromJsonText<v1::ModelSummary>(workshop.state->model(kept->subject).summary));
-        reply.models(list);
-      });
+  Body reply = emptyBody();
+  if (leaves == Leaves::kSession) {
+    v1::SessionKey key;
+    key.session_id(static_cast<std::uint64_t>(kept->subject));
+    reply.session(describeSession(key, call.workshop));
+  } else if (leaves == Leaves::kModel) {
+    v1::ModelList list;
+    list.models().push_back(
+        idl::fromJsonText<v1::ModelSummary>(call.workshop.state->model(kept->subject).summary));
+    reply.models(list);
   }
+  reply._d(operation);
+  return reply;
 }
 
-v1::ReplyBody nothingSaid(v1::Operation operation) {
-  return bodyOf(operation, [](v1::ReplyBody& body) {
-    body.nothing(v1::Nothing());
-  });
+Body nothingSaid(v1::Operation operation) {
+  Body reply = emptyBody();
+  reply._d(operation);
+  return reply;
 }
 
-v1::ReplyBody perform(const v1::Request& request,
-                      const Sender& sender,
-                      Workshop& workshop,
-                      const Progress& progress) {
-  const v1::RequestBody& body = request.body();
-  const v1::Operation operation = body._d();
-  const Mark by = markOf(request, sender);
-  switch (operation) {
-    case v1::OP_NOTHING:
-      return nothingSaid(operation);
-    case v1::OP_PUT_FILE:
-      putFile(body.put_file(), sender, workshop);
-      return nothingSaid(operation);
-    case v1::OP_LIST_MODELS:
-      return bodyOf(operation, [&](auto& reply) {
-        reply.models(listModels(workshop));
-      });
-    case v1::OP_UNLOAD_MODEL:
-      unloadModel(body.unload_model(), workshop, by);
-      return nothingSaid(operation);
-    case v1::OP_DESCRIBE_SESSION:
-      return bodyOf(operation, [&](auto& reply) {
-        reply.session(describeSession(body.session(), workshop));
-      });
-    case v1::OP_LIST_SESSIONS:
-      return bodyOf(operation, [&](auto& reply) {
-        reply.sessions(listSessions(workshop));
-      });
-    case v1::OP_LOAD_MODEL:
-      return bodyOf(operation, [&](auto& reply) {
-        reply.models(loadModel(body.load_model(), sender, workshop, by, progress));
-      });
-    case v1::OP_DESCRIBE_MODEL:
-      return bodyOf(operation, [&](auto& reply) {
-        reply.model(describeModel(body.describe_model(), workshop, progress));
-      });
-    case v1::OP_OPEN_SESSION:
-      return bodyOf(operation, [&](auto& reply) {
-        reply.session(openSession(body.open_session(), workshop, by, progress));
-      });
-    case v1::OP_POSE_CONTACTS:
-      return bodyOf(operation, [&](auto& reply) {
-        reply.models(contactsOfPose(body.pose_contacts(), workshop, by, progress));
-      });
-    case v1::OP_MAKE_VARIANT:
-      return bodyOf(operation, [&](auto& reply) {
-        reply.models(makeVariant(body.variant(), workshop, by));
-      });
-    case v1::OP_SWEEP:
-      return bodyOf(operation, [&](auto& reply) {
-        reply.sweep(sweepHand(body.sweep(), workshop, progress));
-      });
-    case v1::OP_LOAD_SESSION:
-      return bodyOf(operation, [&](auto& reply) {
-        reply.session(loadSession(body.load_session(), workshop, by, progress));
-      });
-    case v1::OP_REPLAY:
-      return bodyOf(operation, [&](auto& reply) {
-        reply.replay(replaySession(body.replay(), workshop, progress));
-      });
-    default:
-      throw BrokenContract(fmt::format("{} is an operation of a session", nameOf(operation)));
-  }
-}
-
-v1::ReplyBody perform(const v1::Request& request,
-                      const Sender& sender,
-                      LiveSession& live,
-                      Workshop& workshop,
-                      const Progress& progress) {
-  const v1::RequestBody& body = request.body();
-  const v1::Operation operation = body._d();
-  if (live.state().phase() == v1::PHASE_CLOSED) {
-    reject(v1::ERROR_NOT_FOUND, "session {} is not open", live.id());
-  }
-  switch (operation) {
-    case v1::OP_CLOSE_SESSION:
-      closeSession(live, workshop, markOf(request, sender));
-      return nothingSaid(operation);
-    case v1::OP_TRANSFER:
-      return bodyOf(operation, [&](auto& reply) {
-        reply.transfer(transferPatches(live, progress));
-      });
-    case v1::OP_SUGGEST:
-      return bodyOf(operation, [&](auto& reply) {
-        reply.suggest(suggestPlacements(live, body.suggest(), progress));
-      });
-    case v1::OP_OPTIMIZE:
-      return bodyOf(operation, [&](auto& reply) {
-        reply.solution(optimizePose(live, body.optimize(), workshop, progress));
-      });
-    case v1::OP_EXPORT:
-      return bodyOf(operation, [&](auto& reply) {
-        reply.exported_file(exportSession(live, body.export_file(), workshop, progress));
-      });
-    case v1::OP_SESSION_SETTINGS:
-      return bodyOf(operation, [&](auto& reply) {
-        reply.settings(sessionSettings(live));
-      });
-    case v1::OP_COMPARE:
-      return bodyOf(operation, [&](auto& reply) {
-        reply.compare(compareSnapshots(live, body.compare(), progress));
-      });
-    case v1::OP_SAVE_SESSION:
-      return bodyOf(operation, [&](auto& reply) {
-        reply.saved_session(saveSession(live, workshop));
-      });
-    case v1::OP_SOLVE_MOTION:
-      return bodyOf(operation, [&](auto& reply) {
-        reply.motion(solveMotion(live, body.solve_motion(), workshop, progress));
-      });
-    case v1::OP_MOTION_FRAMES:
-      return bodyOf(operation, [&](auto& reply) {
-        reply.motion_frames(motionFrames(live, body.motion_frames()));
-      });
-    case v1::OP_SET_CLOCK:
-      return bodyOf(operation, [&](auto& reply) {
-        reply.clock(setClock(live, body.clock(), request.client()));
-      });
-    case v1::OP_LINK_POSES:
-      return bodyOf(operation, [&](auto& reply) {
-        reply.link_poses(linkPoses(live, body.link_poses()));
-      });
-    default:
-      throw BrokenContract(fmt::format("{} is no operation of a session", nameOf(operation)));
-  }
+std::optional<Body> perform(const Call& call) {
+  if (call.session != nullptr && call.session->isClosed())
+    reject(v1::ERROR_NOT_FOUND, "session {} is not open", call.session->id());
+  const v1::Operation operation = call.body()._d();
+  Body reply = emptyBody();
+  if (!ruleOf(operation).handle(call, reply)) return std::nullopt;
+  reply._d(operation);
+  return reply;
 }
 
 }  // namespace handgraft::server

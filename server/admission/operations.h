@@ -10,8 +10,8 @@
 #include "server/store/state_store.h"
 #include "server/transport/bus.h"
 
-/// What each operation of the contract does, and where. A new one is a line in each function of
-/// operations.cpp and a handler.
+/// What the server does for each operation of the contract, and where. A new one is a line of
+/// the table in operations.cpp, one of the contract's (idl/operations.cpp), and a handler.
 namespace handgraft::server {
 
 /// Where an operation runs (README, "The way of a request").
@@ -20,32 +20,33 @@ enum class Lane { kAtOnce, kQuick, kPool, kSession };
 /// Errors: InvalidInput for an operation that does not exist.
 Lane laneOf(v1::Operation operation);
 
-/// The session that the body of an operation of `Lane::kSession` names.
-std::uint64_t sessionOf(const v1::RequestBody& body);
+/// A request as handlers get it. Uploads are the sender's.
+struct Call {
+  const v1::Request& request;
+  const Sender& sender;
+  Workshop& workshop;
+  const Progress& progress;
+  LiveSession* session = nullptr;  ///< of operations of `Lane::kSession`
 
-/// Does an operation of the quick thread or of the pool. Uploads are the sender's. Errors:
-/// those of its handler.
-v1::ReplyBody perform(const v1::Request& request,
-                      const Sender& sender,
-                      Workshop& workshop,
-                      const Progress& progress);
+  [[nodiscard]] const v1::RequestBody& body() const { return request.body(); }
 
-/// Does an operation of a session; of its strand. Errors: Rejection (ERROR_NOT_FOUND) once it
-/// is closed; those of its handler.
-v1::ReplyBody perform(const v1::Request& request,
-                      const Sender& sender,
-                      LiveSession& live,
-                      Workshop& workshop,
-                      const Progress& progress);
+  [[nodiscard]] LiveSession& live() const { return *session; }
+
+  /// The request, as the store tells it from others.
+  [[nodiscard]] Mark mark() const;
+};
+
+/// Does an operation; one of a session on its strand. Nothing where an edit cut short what it
+/// had solved: it is to be done again if that edit is refused. Errors: Rejection
+/// (ERROR_NOT_FOUND) once the session is closed; those of its handler.
+std::optional<v1::ReplyBody> perform(const Call& call);
 
 /// A request or an edit, as the store tells it from others.
 Mark markOf(const Sender& sender, const v1::ClientId& client, std::uint64_t number);
 
 /// What a request that leaves something behind was answered by a server before this one;
 /// nothing if none did it. Errors: Rejection (ERROR_NOT_FOUND) for a session closed since.
-std::optional<v1::ReplyBody> replyBefore(const v1::Request& request,
-                                         const Sender& sender,
-                                         const Workshop& workshop);
+std::optional<v1::ReplyBody> replyBefore(const Call& call);
 
 /// The reply of an operation that has nothing to say.
 v1::ReplyBody nothingSaid(v1::Operation operation);

@@ -10,12 +10,12 @@
 #include "core/base/error.h"
 #include "core/base/random_id.h"
 #include "idl/check.h"
+#include "idl/operations.h"
 #include "server/admission/error_reply.h"
-#include "server/admission/operations.h"
 #include "server/admission/rejection.h"
 #include "server/handlers/kept_sessions.h"
-#include "server/handlers/optimize.h"
 #include "server/handlers/sessions.h"
+#include "server/handlers/solving_phase.h"
 
 namespace handgraft::server {
 
@@ -196,7 +196,7 @@ void Service::endForsakenAndLong() {
     }
   }
   for (const auto& live : sessions_.all())
-    live->endSolveLongerThan(options_.budget);
+    live->cycle().stopLongerThan(options_.budget);
 }
 
 void Service::expireIdleSessions() {
@@ -215,7 +215,7 @@ void Service::expireIdleSessions() {
       live->warn(fmt::format("idle; closes within {} unless it is used", inWords(warning)));
     } else {
       const bool is_taken = live->strand().post([this, live, limit] {
-        if (live->idle() < limit || live->state().phase() == v1::PHASE_CLOSED) return;
+        if (live->idle() < limit || live->isClosed()) return;
         spdlog::info("event=session_expired session={}", live->id());
         closeSession(*live, workshop_, {}, "idle for " + inWords(limit));
       });
@@ -312,18 +312,20 @@ void Service::onRequest(v1::Request request, const Sender& sender) {
   }
   try {
     admit(job);
-    if (auto before = replyBefore(job->request, sender, workshop_)) {
-      return run(job, [&] {
-        return *std::move(before);
+    if (auto before = replyBefore(callOf(*job))) {
+      answerWith(job, [&] {
+        return before;
       });
+      return;
     }
     dispatch(job);
   } catch (...) {
-    const std::exception_ptr error = std::current_exception();
-    run(job, [&]() -> v1::ReplyBody {
-      std::rethrow_exception(error);
-    });
+    refuse(job, std::current_exception());
   }
+}
+
+Call Service::callOf(const Job& job, LiveSession* live) {
+  return {job.request, job.asker.sender, workshop_, job.progress, live};
 }
 
 void Service::requireMeant(std::uint64_t server_id) const {
@@ -366,8 +368,8 @@ void Service::admit(const JobPtr& job) {
 void Service::dispatch(const JobPtr& job) {
   const v1::RequestBody& body = job->request.body();
   const auto work = [this, job] {
-    run(job, [&] {
-      return perform(job->request, job->asker.sender, workshop_, job->progress);
+    answerWith(job, [&] {
+      return perform(callOf(*job));
     });
   };
   bool is_taken = true;
@@ -376,19 +378,17 @@ void Service::dispatch(const JobPtr& job) {
       if (body._d() == v1::OP_CANCEL) {
         cancel(job->asker, body.cancel().request_id());
       } else {
-        const std::uint64_t id = sessionOf(body);
-        // Nothing is solved in one that sleeps.
-        if (!sessions_.asleep(id)) sessions_.find(id)->stopSolving(job->request.client());
+        stopSolving(idl::sessionOf(body), job->request.client());
       }
-      run(job, [&] {
+      answerWith(job, [&] {
         return nothingSaid(body._d());
       });
       break;
     case Lane::kQuick:
-      if (body._d() == v1::OP_DESCRIBE_SESSION && sessions_.asleep(sessionOf(body))) {
+      if (body._d() == v1::OP_DESCRIBE_SESSION && sessions_.asleep(idl::sessionOf(body))) {
         // Who asks for it is going to watch it.
         whenOpen(
-            sessionOf(body), [](const auto&) {}, [](const auto&) {});
+            idl::sessionOf(body), [](const auto&) {}, [](const auto&) {});
       }
       is_taken = quick_.post(work);
       break;
@@ -403,24 +403,36 @@ void Service::dispatch(const JobPtr& job) {
 
 void Service::dispatchToSession(const JobPtr& job) {
   whenOpen(
-      sessionOf(job->request.body()),
+      idl::sessionOf(job->request.body()),
       [this, job](const std::shared_ptr<LiveSession>& live) {
         live->touch();
         if (job->request.body()._d() == v1::OP_CLOSE_SESSION) live->cancelSolves();
-        job->stops = live->stops();
+        job->asked = live->cycle().asked();
         const bool is_taken = live->strand().post([this, job, live] {
           runOfSession(job, live);
         });
         if (!is_taken) reject(v1::ERROR_OVERLOADED, "too many requests wait; try later");
       },
       [this, job](const std::exception_ptr& trouble) {
-        run(job, [&]() -> v1::ReplyBody {
-          std::rethrow_exception(trouble);
-        });
+        refuse(job, trouble);
       });
 }
 
-void Service::run(const JobPtr& job, const std::function<v1::ReplyBody()>& work) {
+void Service::stopSolving(std::uint64_t session_id, const v1::ClientId& stopper) {
+  if (sessions_.asleep(session_id)) return;  // nothing is solved there
+  const std::shared_ptr<LiveSession> live = sessions_.find(session_id);
+  live->touch();
+  live->cycle().stop(stopper);
+}
+
+void Service::refuse(const JobPtr& job, const std::exception_ptr& trouble) {
+  answerWith(job, [&]() -> std::optional<v1::ReplyBody> {
+    std::rethrow_exception(trouble);
+  });
+}
+
+bool Service::answerWith(const JobPtr& job,
+                         const std::function<std::optional<v1::ReplyBody>()>& work) {
   const Clock::time_point begin = Clock::now();
   {
     const std::lock_guard lock(running_mutex_);
@@ -429,9 +441,9 @@ void Service::run(const JobPtr& job, const std::function<v1::ReplyBody()>& work)
   v1::Reply reply;
   try {
     job->progress.checkpoint();
-    reply.body(work());
-  } catch (const CutShort&) {
-    throw;
+    std::optional<v1::ReplyBody> body = work();
+    if (!body) return false;
+    reply.body(*std::move(body));
   } catch (...) {
     ErrorReply error = errorReplyOf(std::current_exception());
     if (error.code == v1::ERROR_CANCELLED) {
@@ -449,31 +461,25 @@ void Service::run(const JobPtr& job, const std::function<v1::ReplyBody()>& work)
               std::chrono::duration<double, std::milli>(Clock::now() - begin).count(),
               static_cast<unsigned>(reply.error()), handgraft::quoted(reply.message()));
   answer(*job, std::move(reply));
+  return true;
 }
 
 void Service::runOfSession(const JobPtr& job, const std::shared_ptr<LiveSession>& live) {
   if (live->is_asleep) return dispatchToSession(job);
-  live->asked_at_stops = job->stops;
-  try {
-    run(job, [&] {
-      try {
-        if (job->cut_short_at && *job->cut_short_at != live->session().revision())
-          throw CutShort(live->id(), *job->cut_short_at);
-        return perform(job->request, job->asker.sender, *live, workshop_, job->progress);
-      } catch (const CutShort& cut) {
-        // Refused, the edit answers nothing.
-        if (cut.revision() == live->session().revision()) throw;
-        throw Rejection(cut);
-      }
-    });
-  } catch (const CutShort& cut) {
-    job->cut_short_at = cut.revision();
-    ++live->requests_cut_short;
-    live->strand().postFromTask([this, job, live] {
-      --live->requests_cut_short;
-      runOfSession(job, live);
-    });
-  }
+  live->cycle().workFor(job->asked);
+  const bool is_answered = answerWith(job, [&] {
+    const std::uint64_t revision = live->session().revision();
+    // Had the edit that cut it short been refused, it would be begun again.
+    if (job->cut_short_at && *job->cut_short_at != revision) rejectOutdated(live->id());
+    return perform(callOf(*job, live.get()));
+  });
+  if (is_answered) return;
+  job->cut_short_at = live->session().revision();
+  live->cycle().requestWaits();
+  live->strand().postFromTask([this, job, live] {
+    live->cycle().requestGoesOn();
+    runOfSession(job, live);
+  });
 }
 
 void Service::answer(const Job& job, v1::Reply reply) {

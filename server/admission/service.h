@@ -17,6 +17,7 @@
 
 #include "core/base/progress.h"
 #include "server/admission/error_reply.h"
+#include "server/admission/operations.h"
 #include "server/admission/request_deduplication.h"
 #include "server/admission/workshop.h"
 #include "server/handlers/kept_models.h"
@@ -94,8 +95,8 @@ class Service final : private BusListener, private SessionAudience {
     Progress progress;
     std::chrono::steady_clock::time_point told{};
     std::string told_stage;
-    std::size_t bytes = 0;    ///< of the request in memory, once it is admitted
-    std::uint64_t stops = 0;  ///< of its session, when it came
+    std::size_t bytes = 0;      ///< of the request in memory, once it is admitted
+    SolveCycle::Asked asked{};  ///< of its session, when it came
     // Of `running_mutex_`.
     std::chrono::steady_clock::time_point heard = std::chrono::steady_clock::now();  ///< last
     std::optional<std::chrono::steady_clock::time_point> begun;  ///< computing
@@ -144,19 +145,23 @@ class Service final : private BusListener, private SessionAudience {
   void admit(const JobPtr& job);
   void dispatch(const JobPtr& job);
   void dispatchToSession(const JobPtr& job);
-  /// Errors: CutShort; the job is not answered then.
-  void run(const JobPtr& job, const std::function<v1::ReplyBody()>& work);
+  [[nodiscard]] Call callOf(const Job& job, LiveSession* live = nullptr);
+  /// Does the work and answers, with its error if need be; false, and nothing is answered, if
+  /// an edit cut it short.
+  bool answerWith(const JobPtr& job, const std::function<std::optional<v1::ReplyBody>()>& work);
+  void refuse(const JobPtr& job, const std::exception_ptr& trouble);
+  void stopSolving(std::uint64_t session_id, const v1::ClientId& stopper);
   void runOfSession(const JobPtr& job, const std::shared_ptr<LiveSession>& live);
   void answer(const Job& job, v1::Reply reply);
   void cancel(const Asker& asker, std::uint64_t request_id);
   void tell(Job& job, std::string_view stage, double fraction);
 
   // === Edits
-  /// `stops` of the session when the edit came.
+  /// `asked`: when the edit came.
   void runEdit(const std::shared_ptr<LiveSession>& live,
                const Asker& asker,
                const std::shared_ptr<const v1::Edit>& shared,
-               std::uint64_t stops);
+               SolveCycle::Asked asked);
   void dispatchEdit(const Asker& asker, const std::shared_ptr<const v1::Edit>& edit);
   /// What a server before this one answered.
   [[nodiscard]] std::optional<v1::EditReply> editBefore(const Asker& asker,

@@ -1,6 +1,5 @@
 // Edits of sessions, and demonstrators' frames: applied in order, answered, then one fresh
 // solve for all that were applied meanwhile; one that comes while a solve runs cuts it short.
-#include <algorithm>
 #include <utility>
 
 #include <spdlog/spdlog.h>
@@ -8,12 +7,10 @@
 #include "core/base/error.h"
 #include "idl/check.h"
 #include "server/admission/error_reply.h"
-#include "server/admission/operations.h"
 #include "server/admission/rejection.h"
 #include "server/admission/service.h"
 #include "server/handlers/edits.h"
 #include "server/handlers/follow.h"
-#include "server/handlers/motions.h"
 #include "server/handlers/optimize.h"
 
 namespace handgraft::server {
@@ -68,14 +65,15 @@ void Service::dispatchEdit(const Asker& asker, const std::shared_ptr<const v1::E
   whenOpen(
       edit->session_id(),
       [this, asker, edit](const std::shared_ptr<LiveSession>& live) {
-        live->expectEdit();
+        live->touch();
+        live->cycle().editQueued();
         const bool is_taken =
-            live->strand().post([this, edit, asker, live, stops = live->stops()] {
-              live->meetEdit();
-              runEdit(live, asker, edit, stops);
+            live->strand().post([this, edit, asker, live, asked = live->cycle().asked()] {
+              live->cycle().editTaken();
+              runEdit(live, asker, edit, asked);
             });
         if (is_taken) return;
-        live->meetEdit();
+        live->cycle().editTaken();
         reject(v1::ERROR_OVERLOADED, "too many edits of session {} wait; try later",
                live->id());
       },
@@ -102,7 +100,7 @@ void Service::onDemonstrator(v1::DemonstratorFrame frame) {
   if (!live->putFrame(std::move(frame))) return;
   const bool is_taken = live->strand().post([live] {
     const std::optional<v1::DemonstratorFrame> newest = live->takeFrame();
-    if (newest && live->state().phase() != v1::PHASE_CLOSED) followFrame(*live, *newest);
+    if (newest && !live->isClosed()) followFrame(*live, *newest);
   });
   if (!is_taken) static_cast<void>(live->takeFrame());
 }
@@ -110,32 +108,26 @@ void Service::onDemonstrator(v1::DemonstratorFrame frame) {
 void Service::runEdit(const std::shared_ptr<LiveSession>& live,
                       const Asker& asker,
                       const std::shared_ptr<const v1::Edit>& shared,
-                      std::uint64_t stops) {
+                      SolveCycle::Asked asked) {
   if (live->is_asleep) return dispatchEdit(asker, shared);
   const v1::Edit& edit = *shared;
   v1::EditReply reply;
   try {
-    if (live->state().phase() == v1::PHASE_CLOSED) {
-      reject(v1::ERROR_NOT_FOUND, "session {} is not open", live->id());
-    }
+    if (live->isClosed()) reject(v1::ERROR_NOT_FOUND, "session {} is not open", live->id());
     idl::check(edit);
     const Mark by = markOf(asker.sender, asker.client, edit.edit_id());
     reply = applyEdit(*live, edit, workshop_.models, by);
   } catch (...) {
     refuseEdit(asker, edit, live->session().revision());
-    if (!live->solve_is_queued && live->requests_cut_short == 0) live->tellRest();
+    if (!live->cycle().isAwaited()) live->tellRest();
     return;
   }
-  // Where the machine is so busy that one edit's solve after the other is cut short, the next
-  // gets more time, but no more than people hardly notice.
-  constexpr int kMostForEdits = 4;
-  live->solves_cut_short = std::min(live->solves_cut_short, kMostForEdits);
-  live->unexplained = nullptr;
-  live->queued_at_stops = stops;
+  const bool is_first = live->cycle().editApplied(asked);
   live->enterSoon(v1::PHASE_OPTIMIZING);
   // Who has the answer and asks for the session's state finds the edit there.
   answerEdit(asker, edit, std::move(reply));
-  queueSolve(live);
+  live->prepareSolids(live, pool_);  // edits may have brought in other models
+  if (is_first) queueSolve(live);
 }
 
 void Service::refuseEdit(const Asker& asker, const v1::Edit& edit, std::uint64_t revision) {
@@ -161,25 +153,18 @@ void Service::answerEdit(const Asker& asker, const v1::Edit& edit, v1::EditReply
 }
 
 void Service::queueSolve(const std::shared_ptr<LiveSession>& live) {
-  live->prepareSolids(live, pool_);  // edits may have brought in other models
-  if (std::exchange(live->solve_is_queued, true)) return;
   live->strand().postFromTask([this, live] {
-    live->solve_is_queued = false;
-    if (live->state().phase() == v1::PHASE_CLOSED) return;
-    live->asked_at_stops = live->queued_at_stops;
+    live->cycle().takePending();
+    if (live->isClosed() || live->solves().cancelled()) return;
     try {
-      live->solves().checkpoint();
-      // Beside a motion the pose needs no search; its explanation waits until both are out.
-      optimizeAfterEdit(*live, workshop_, live->solves());
-      if (followsEdits(*live)) solveMotionAfterEdit(*live, workshop_, live->solves());
-    } catch (const CutShort&) {
-      queueSolve(live);  // behind the edit; if that is refused, the one before wants its answer
-    } catch (...) {      // the session's state says so already; nobody waits for a reply
+      const SolveEnd end = solveAfterEdit(*live, workshop_);
+      spdlog::debug("event=solve session={} end={}", live->id(), nameOf(end));
+      // Behind the edit: if that is refused, the one before wants its answer.
+      if (end == SolveEnd::kCutShort && live->cycle().solveAgain()) queueSolve(live);
+    } catch (...) {  // the session's state says so already; nobody waits for a reply
       const ErrorReply error = errorReplyOf(std::current_exception());
-      spdlog::log(
-          error.code == v1::ERROR_CANCELLED ? spdlog::level::debug : spdlog::level::info,
-          "event=solve session={} error={} message={}", live->id(),
-          static_cast<unsigned>(error.code), handgraft::quoted(error.message));
+      spdlog::info("event=solve session={} error={} message={}", live->id(),
+                   static_cast<unsigned>(error.code), handgraft::quoted(error.message));
     }
   });
 }

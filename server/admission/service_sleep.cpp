@@ -116,8 +116,7 @@ void Service::wake(std::uint64_t id) {
 void Service::putToSleepAfter(const std::shared_ptr<LiveSession>& live,
                               std::chrono::seconds idle) {
   const bool is_taken = live->strand().post([this, live, idle] {
-    if (live->idle() < idle || live->is_asleep) return;
-    if (live->state().phase() == v1::PHASE_CLOSED) return;
+    if (live->idle() < idle || live->is_asleep || live->isClosed()) return;
     try {
       const std::lock_guard lock(waking_mutex_);  // who asks now finds it, or finds it asleep
       putToSleep(*live, workshop_);

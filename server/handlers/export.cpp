@@ -14,6 +14,7 @@
 #include "idl/grasp_file.h"
 #include "server/handlers/motions.h"
 #include "server/handlers/optimize.h"
+#include "server/handlers/solving_phase.h"
 #include "server/messages/convert.h"
 
 namespace handgraft::server {
@@ -32,7 +33,7 @@ std::string problemOf(LiveSession& live,
     packages.emplace_back(request.package_names()[i], request.package_paths()[i]);
   }
   session::Session& session = live.session();
-  const bool solved = session.solvedProblem() && live.solved_revision == session.revision();
+  const bool solved = session.solvedProblem() && live.cycle().isSolvedAt(session.revision());
   if (!solved) session.transferPatches(progress);
   const optimize::PoseProblem problem = solved ? *session.solvedProblem() : session.problem();
   std::vector<std::string> notes;
@@ -50,9 +51,8 @@ struct Standing {
   session::Solution solution;
 };
 
-Standing standingOf(LiveSession& live, Workshop& workshop, const Progress& progress) {
+Standing standingOf(LiveSession& live, const Progress& progress) {
   session::Session& session = live.session();
-  if (session.needsSolve()) optimizeAfterEdit(live, workshop, progress);
   const session::Document& document = session.document();
   if (!document.start_is_known) {
     rejectInput("export: session {} has no pose yet; solve it first", live.id());
@@ -84,22 +84,27 @@ std::string jsonOf(LiveSession& live, const Standing& standing) {
   return idl::graspText(names, solution);
 }
 
+/// It shows the pose that answers the last edit.
+bool isOfPoses(v1::ExportFormat format) {
+  return format == v1::EXPORT_JSON || format == v1::EXPORT_CSV || format == v1::EXPORT_OBJ ||
+         format == v1::EXPORT_GLB || format == v1::EXPORT_ISAAC_GRASP;
+}
+
 std::string contentOf(LiveSession& live,
                       const v1::ExportRequest& request,
-                      Workshop& workshop,
                       const Progress& progress) {
   if (live.motion() != nullptr) return motionExport(live, request.format());
   switch (request.format()) {
     case v1::EXPORT_JSON:
-      return jsonOf(live, standingOf(live, workshop, progress));
+      return jsonOf(live, standingOf(live, progress));
     case v1::EXPORT_CSV:
-      return io::jointCsv(standingOf(live, workshop, progress).grasp);
+      return io::jointCsv(standingOf(live, progress).grasp);
     case v1::EXPORT_OBJ:
-      return io::objText(standingOf(live, workshop, progress).grasp);
+      return io::objText(standingOf(live, progress).grasp);
     case v1::EXPORT_GLB:
-      return io::glbBytes(standingOf(live, workshop, progress).grasp);
+      return io::glbBytes(standingOf(live, progress).grasp);
     case v1::EXPORT_ISAAC_GRASP: {
-      const Standing one = standingOf(live, workshop, progress);
+      const Standing one = standingOf(live, progress);
       return io::isaacGraspYaml(one.grasp, io::confidenceOf(one.solution.report));
     }
     case v1::EXPORT_PROBLEM:
@@ -117,11 +122,16 @@ std::string contentOf(LiveSession& live,
 
 }  // namespace
 
-v1::ExportReply exportSession(LiveSession& live,
-                              const v1::ExportRequest& request,
-                              Workshop& workshop,
-                              const Progress& progress) {
-  const std::string content = contentOf(live, request, workshop, progress);
+std::optional<v1::ExportReply> exportSession(LiveSession& live,
+                                             const v1::ExportRequest& request,
+                                             Workshop& workshop,
+                                             const Progress& progress) {
+  if (isOfPoses(request.format()) && live.motion() == nullptr && live.session().needsSolve()) {
+    const SolveEnd end = solveAsItStands(live, workshop, progress);
+    if (end == SolveEnd::kCutShort) return std::nullopt;
+    requireDone(end, live);
+  }
+  const std::string content = contentOf(live, request, progress);
   v1::ExportReply reply;
   reply.content().assign(content.begin(), content.end());
   return reply;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "core/base/progress.h"
 #include "idl/sessions.h"
 #include "server/admission/workshop.h"
@@ -10,12 +12,12 @@ namespace handgraft::server {
 /// A file of a session (core/io/README, "Grasps for other programs"). `problem` is what was
 /// solved last, exactly, or the problem as it stands if there were edits since, or nothing was
 /// solved; the others are the pose that answers the last edit, solved first if need be. Of the
-/// session's strand.
+/// session's strand. Nothing where an edit cut that solve short (handlers/optimize.h).
 ///
 /// Errors: InvalidInput for a format that there is not, and where there is no pose yet.
-v1::ExportReply exportSession(LiveSession& live,
-                              const v1::ExportRequest& request,
-                              Workshop& workshop,
-                              const Progress& progress);
+std::optional<v1::ExportReply> exportSession(LiveSession& live,
+                                             const v1::ExportRequest& request,
+                                             Workshop& workshop,
+                                             const Progress& progress);
 
 }  // namespace handgraft::server

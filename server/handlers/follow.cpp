@@ -60,12 +60,13 @@ v1::PoseSolution answerOf(LiveSession& live,
 /// Of the session as it stands: an edit makes another one, which begins anew.
 session::LiveFollower& followerOf(LiveSession& live) {
   session::Session& session = live.session();
-  if (!live.follower || live.follower_revision != session.revision()) {
-    live.follower = std::make_shared<session::LiveFollower>(
+  Following& following = live.following;
+  if (!following.follower || following.revision != session.revision()) {
+    following.follower = std::make_shared<session::LiveFollower>(
         session.document(), session.hand(), session.sharedObject(), live.solves());
-    live.follower_revision = session.revision();
+    following.revision = session.revision();
   }
-  return *live.follower;
+  return *following.follower;
 }
 
 }  // namespace
@@ -81,8 +82,8 @@ void followFrame(LiveSession& live, const v1::DemonstratorFrame& frame) {
   } catch (const std::exception& error) {
     trouble = std::string("demonstrator: ") + error.what();
   }
-  if (trouble == live.follow_trouble) return;
-  live.follow_trouble = trouble;
+  if (trouble == live.following.trouble) return;
+  live.following.trouble = trouble;
   live.warn(trouble);
 }
 

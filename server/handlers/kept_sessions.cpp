@@ -112,17 +112,10 @@ std::shared_ptr<LiveSession> openKeptSession(std::uint64_t id,
 }
 
 void resumeKeptSession(LiveSession& live, Workshop& workshop) {
-  const bool follows = followsEdits(live);
-  if (!follows && !live.session().document().start_is_known && !live.session().needsSolve())
+  if (!followsEdits(live) && !live.session().document().start_is_known &&
+      !live.session().needsSolve())
     return;
-  live.asked_at_stops = live.stops();
-  try {
-    optimizeAfterEdit(live, workshop, live.solves());
-    if (follows) solveMotionAfterEdit(live, workshop, live.solves());
-  } catch (const std::exception& error) {  // the session's state says so
-    spdlog::debug("event=resume session={} message={}", live.id(),
-                  handgraft::quoted(error.what()));
-  }
+  solveAfterOpening(live, workshop);
 }
 
 void keepState(LiveSession& live) {
@@ -149,7 +142,7 @@ void putToSleep(LiveSession& live, Workshop& workshop) {
   workshop.sessions.sleep(live.state());
   live.is_asleep = true;
   live.journal = nullptr;
-  live.unexplained = nullptr;
+  live.cycle().forgetUndiagnosed();
 }
 
 }  // namespace handgraft::server

@@ -15,7 +15,7 @@
 #include "core/session/timed_edit.h"
 #include "idl/fields.h"
 #include "server/admission/rejection.h"
-#include "server/handlers/optimize.h"
+#include "server/handlers/solving_phase.h"
 #include "server/messages/convert.h"
 
 namespace handgraft::server {
@@ -309,20 +309,12 @@ v1::MotionSummary solveMotion(LiveSession& live,
   const session::MotionSolving solving = request.options().empty() && motion.solving
                                              ? *motion.solving
                                              : motionSolvingFrom(request);
-  Progress stoppable(progress, [&](std::string_view stage, double fraction) {
-    progress.report(stage, fraction);
-  });
-  LiveSession::SolveInFlight flight(live, stoppable, std::chrono::hours(1));
   FramesTold told_frames(live, motion);
-  try {
-    runPhase(live, v1::PHASE_OPTIMIZING, v1::PHASE_READY, stoppable, [&](const Progress& told) {
-      follow(live, motion, solving, workshop, told);
-    });
-  } catch (const Cancelled&) {
-    if (flight.wasStopped())
-      reject(v1::ERROR_CANCELLED, "session {}: {}", live.id(), live.whoStopped());
-    throw;
-  }
+  const SolveEnd end = runInPhase(live, v1::PHASE_OPTIMIZING, Patience::kUnhurried, progress,
+                                  [&](SolveCycle::Run&, const Progress& told) {
+                                    follow(live, motion, solving, workshop, told);
+                                  });
+  requireDone(end, live);
   motion.solving = solving;
   const session::FollowedMotion followed = followedBy(solving);
   live.session().noteFollowed(followed);
@@ -335,17 +327,19 @@ bool followsEdits(LiveSession& live) {
   return live.motion() != nullptr && live.motion()->solving.has_value();
 }
 
-void solveMotionAfterEdit(LiveSession& live, Workshop& workshop, const Progress& progress) {
+SolveEnd solveMotionAfterEdit(LiveSession& live, Workshop& workshop, const Progress& progress) {
   LiveMotion& motion = motionOf(live);
   FramesTold told_frames(live, motion);
-  flyMotion(live, progress, [&](const Progress& told) {
-    requireOwnObject(live, motion);
-    follow(live, motion, *motion.solving, workshop, told,
-           [&](const session::SolvedMotion& as_far, session::FrameRange range) {
-             told_frames.tell(as_far, range);
-           });
-  });
-  told_frames.end(*motion.solved);
+  const auto tell = [&](const session::SolvedMotion& as_far, session::FrameRange range) {
+    told_frames.tell(as_far, range);
+  };
+  const SolveEnd end = runInPhase(live, v1::PHASE_OPTIMIZING, Patience::kAnswer, progress,
+                                  [&](SolveCycle::Run&, const Progress& told) {
+                                    requireOwnObject(live, motion);
+                                    follow(live, motion, *motion.solving, workshop, told, tell);
+                                  });
+  if (end == SolveEnd::kDone) told_frames.end(*motion.solved);
+  return end;
 }
 
 void resumeFollowing(LiveSession& live, const session::FollowedMotion& followed) {

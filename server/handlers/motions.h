@@ -25,8 +25,8 @@ bool followsEdits(LiveSession& live);
 
 /// Solves the motion once more as it was asked for last, after edits, which cut it short; what
 /// changed is published, the frames about edits at times first. Of the session's strand.
-/// Errors: as above; CutShort.
-void solveMotionAfterEdit(LiveSession& live, Workshop& workshop, const Progress& progress);
+/// Errors: as above.
+SolveEnd solveMotionAfterEdit(LiveSession& live, Workshop& workshop, const Progress& progress);
 
 /// As the log of an opened session has it: its motion is to be solved so.
 void resumeFollowing(LiveSession& live, const session::FollowedMotion& followed);

@@ -14,6 +14,7 @@
 #include "core/session/solids.h"
 #include "server/handlers/kept_sessions.h"
 #include "server/handlers/motions.h"
+#include "server/handlers/solving_phase.h"
 #include "server/handlers/transfer.h"
 #include "server/messages/convert.h"
 #include "server/messages/solution_messages.h"
@@ -29,12 +30,6 @@ constexpr std::chrono::microseconds kSolutionPeriod(1000);  // of poses on the w
 // each costs both sides a message.
 constexpr std::chrono::milliseconds kQuietStart(5);
 constexpr int kStartsAfterEdit = 2;  // where the hand is, and its joints under the closed form
-// Before an edit cuts a solve short: most end by themselves then. Twice as long after each that
-// was cut short, so that one ends some time; less so where the edits were applied
-// (service.cpp).
-constexpr std::chrono::milliseconds kLeastSolve(8);
-constexpr int kMostDoublings = 12;
-constexpr std::chrono::hours kUnhurried(1);  // what needs no search is not cut short
 
 v1::StageTime stageTime(const char* stage, double duration_ms) {
   v1::StageTime time;
@@ -55,86 +50,84 @@ double awaitSolids(const session::Session& session, const Progress& progress) {
 }
 
 std::vector<v1::StageTime> timesOf(const LiveSession& live,
-                                   const UnexplainedPose& pose,
+                                   const UndiagnosedPose& pose,
                                    double solids_ms) {
-  return {stageTime("skin", live.skin_ms), stageTime("transfer", pose.transfer_ms),
+  return {stageTime("skin", live.took.skin_ms), stageTime("transfer", pose.transfer_ms),
           stageTime("optimize", pose.optimize_ms), stageTime("solids", solids_ms),
           stageTime("report", pose.report_ms)};
 }
 
-/// Publishes a pose as soon as it is known, and keeps it for its explanation.
-void publishUnexplained(LiveSession& live,
+/// Publishes a pose as soon as it is known, and keeps it for its diagnosis.
+void publishUndiagnosed(LiveSession& live,
                         const session::Solving& solving,
-                        UnexplainedPose pose) {
-  live.solved_revision = live.session().revision();
-  pose.asked_at_stops = live.asked_at_stops;
-  pose.transfer_ms = std::exchange(live.untold_transfer_ms, 0.0);
+                        UndiagnosedPose pose) {
+  pose.transfer_ms = std::exchange(live.took.untold_transfer_ms, 0.0);
   pose.message.options(toMessage(solving));
   pose.message.chosen_minimum(static_cast<std::uint32_t>(live.session().chosenMinimum()));
   pose.message.times(timesOf(live, pose, 0.0));
   pose.message = live.publish(std::move(pose.message));
-  live.unexplained = std::make_shared<UnexplainedPose>(std::move(pose));
+  live.cycle().poseOut(live.session().revision(),
+                       std::make_shared<UndiagnosedPose>(std::move(pose)));
 }
 
-/// Publishes the pose that is out once more, explained.
-void publishExplained(LiveSession& live, UnexplainedPose& pose, const Progress& progress) {
+/// Publishes the pose that is out once more, diagnosed.
+void publishDiagnosed(LiveSession& live, UndiagnosedPose& pose, const Progress& progress) {
   progress.checkpoint();
   const double solids_ms = awaitSolids(live.session(), progress);
   const Clock::time_point begin = Clock::now();
-  v1::PoseSolution explained = pose.message;
-  explain(live.session(), pose.problem, pose.report, live.fit_check, explained, progress);
+  v1::PoseSolution diagnosed = pose.message;
+  diagnose(live.session(), pose.problem, pose.report, live.fit_check, diagnosed, progress);
   pose.report_ms += msSince(begin);
-  explained.times(timesOf(live, pose, solids_ms));
-  pose.message = live.publish(std::move(explained));
+  diagnosed.times(timesOf(live, pose, solids_ms));
+  pose.message = live.publish(std::move(diagnosed));
 }
 
-void explainLater(LiveSession& live);
+void diagnoseLater(LiveSession& live);
 
-/// Explains the pose that is out, and rests; later if an edit comes first, which may be
-/// refused. The pose stands whatever ends its explanation, and is returned as it was published
+/// Diagnoses the pose that is out, and rests; later if an edit comes first, which may be
+/// refused. The pose stands whatever ends its diagnosis, and is returned as it was published
 /// last.
-v1::PoseSolution explainNow(LiveSession& live, const Progress& progress) {
-  const std::shared_ptr<UnexplainedPose> pose = live.unexplained;
-  Progress stoppable(progress, [&](std::string_view stage, double fraction) {
+v1::PoseSolution diagnoseNow(LiveSession& live, const Progress& progress) {
+  SolveCycle& cycle = live.cycle();
+  const std::shared_ptr<UndiagnosedPose> pose = cycle.undiagnosed();
+  const Progress told(progress, [&](std::string_view stage, double fraction) {
     live.advance(stage, fraction);
     progress.report(stage, fraction);
   });
-  LiveSession::SolveInFlight flight(live, stoppable, std::chrono::milliseconds(0));
-  flight.giveWay();  // to an edit that came before
+  SolveEnd end = SolveEnd::kDone;
   try {
-    publishExplained(live, *pose, stoppable);
-  } catch (const Cancelled&) {
-    if (flight.wasCutShort() && !flight.wasStopped()) {
-      explainLater(live);
-      return pose->message;
-    }
+    end = cycle.run(told, Patience::kNone, [&](SolveCycle::Run& run) {
+      publishDiagnosed(live, *pose, run.progress());
+    });
   } catch (const std::exception& error) {
-    live.unexplained = nullptr;
+    cycle.forgetUndiagnosed();
     live.enter(v1::PHASE_FAILED, error.what());
     throw;
   }
-  live.unexplained = nullptr;
+  if (end == SolveEnd::kCutShort) {
+    diagnoseLater(live);
+    return pose->message;
+  }
+  cycle.forgetUndiagnosed();
   live.settle(v1::PHASE_READY);
   keepState(live);
   return pose->message;
 }
 
 /// Unless the pose is outdated by then.
-void explainLater(LiveSession& live) {
-  const auto explainIt = [self = live.shared_from_this(),
-                          pose = std::weak_ptr<UnexplainedPose>(live.unexplained)] {
+void diagnoseLater(LiveSession& live) {
+  const auto diagnoseIt = [self = live.shared_from_this(),
+                           pose = std::weak_ptr<UndiagnosedPose>(live.cycle().undiagnosed())] {
     const auto mine = pose.lock();
-    if (!mine || mine != self->unexplained) return;
-    if (self->state().phase() == v1::PHASE_CLOSED) return;
-    self->asked_at_stops = mine->asked_at_stops;
+    if (!mine || mine != self->cycle().undiagnosed() || self->isClosed()) return;
     try {
-      explainNow(*self, self->solves());
+      diagnoseNow(*self, self->solves());
     } catch (const std::exception& error) {  // nobody waits for a reply
-      spdlog::info("event=explain session={} message={}", self->id(),
+      spdlog::info("event=diagnose session={} message={}", self->id(),
                    handgraft::quoted(error.what()));
     }
   };
-  live.strand().postIdleFromTask(explainIt);
+  live.strand().postIdleFromTask(diagnoseIt);
 }
 
 /// Solves, publishes better poses on the way, takes the answer and publishes it.
@@ -142,11 +135,11 @@ void solveAndTake(LiveSession& live,
                   const session::Solving& solving,
                   bool places_stay,
                   Workshop& workshop,
-                  LiveSession::SolveInFlight& flight,
+                  SolveCycle::Run& solve,
                   const Progress& told) {
   session::Session& session = live.session();
   bringUpToDate(live, told);
-  if (!live.was_solved) {
+  if (!live.cycle().wasSolved()) {
     // Sizes that no pose can help are told before the search.
     const std::string known = foretell(session, live.fit_check);
     if (!known.empty()) live.enter(v1::PHASE_OPTIMIZING, known);
@@ -156,7 +149,7 @@ void solveAndTake(LiveSession& live,
   Clock::time_point last{};
   run.places_stay = places_stay;
   run.on_improvement = [&](const hand::HandPose& pose, const optimize::Terms& terms) {
-    flight.giveWay();
+    solve.cancelForEdits();
     const Clock::time_point now = Clock::now();
     if (now - begin < kQuietStart || now - last < kSolutionPeriod) return;
     last = now;
@@ -170,142 +163,107 @@ void solveAndTake(LiveSession& live,
     return session.solve(solving, run, told);
   }();
   const Clock::time_point solved = Clock::now();
-  UnexplainedPose pose;
+  UndiagnosedPose pose;
   pose.optimize_ms = std::chrono::duration<double, std::milli>(solved - begin).count();
   pose.report = solution.report;
   const session::LogEntry committed = session.commit(std::move(solution));
   if (live.journal) live.journal->keep(io::entryText(committed));
-  live.was_solved = true;
-  live.solves_cut_short = 0;
   pose.message = solutionMessage(session, pose.report);
   pose.problem = *session.solvedProblem();
   pose.report_ms = msSince(solved);
-  publishUnexplained(live, solving, std::move(pose));
+  publishUndiagnosed(live, solving, std::move(pose));
 }
 
-/// Runs `step(flight, told)` in a phase, as something that edits may cut short after `least`
-/// and that anybody may stop.
-template <class Step>
-void fly(LiveSession& live,
-         v1::SessionPhase phase,
-         std::chrono::milliseconds least,
-         const Progress& progress,
-         const Step& step) {
-  LiveSession::SolveInFlight* in_flight = nullptr;
-  Progress stoppable(progress, [&](std::string_view stage, double fraction) {
-    in_flight->giveWay();
-    progress.report(stage, fraction);
-  });
-  LiveSession::SolveInFlight flight(live, stoppable, least);
-  in_flight = &flight;
-  try {
-    if (flight.wasStopped()) {  // before it began
-      live.tellCancelled();
-      throw Cancelled();
-    }
-    runPhase(live, phase, v1::PHASE_READY, stoppable, [&](const Progress& told) {
-      step(flight, told);
-    });
-  } catch (const Cancelled&) {
-    if (flight.wasStopped()) {
-      reject(v1::ERROR_CANCELLED, "session {}: {}", live.id(), live.whoStopped());
-    }
-    if (!flight.wasCutShort()) throw;
-    ++live.solves_cut_short;
-    throw CutShort(live.id(), live.session().revision());
-  }
-}
-
-/// What a solve has before an edit cuts it short.
-std::chrono::milliseconds leastOf(const LiveSession& live) {
-  return kLeastSolve * (1 << std::min(live.solves_cut_short, kMostDoublings));
-}
-
-void solve(LiveSession& live,
-           const session::Solving& solving,
-           bool places_stay,
-           Workshop& workshop,
-           const Progress& progress) {
-  fly(live, v1::PHASE_OPTIMIZING, leastOf(live), progress,
-      [&](LiveSession::SolveInFlight& flight, const Progress& told) {
-        try {
-          solveAndTake(live, solving, places_stay, workshop, flight, told);
-        } catch (const Cancelled&) {
-          live.session().noteCancelledSolve();
-          if (live.journal) live.journal->note(io::entryText(session::CancelledSolve()));
-          throw;
-        }
-      });
+SolveEnd solve(LiveSession& live,
+               const session::Solving& solving,
+               bool places_stay,
+               Workshop& workshop,
+               const Progress& progress) {
+  bool has_begun = false;
+  const SolveEnd end =
+      runInPhase(live, v1::PHASE_OPTIMIZING, Patience::kAnswer, progress,
+                 [&](SolveCycle::Run& run, const Progress& told) {
+                   has_begun = true;
+                   solveAndTake(live, solving, places_stay, workshop, run, told);
+                 });
+  if (end == SolveEnd::kDone || !has_begun) return end;
+  live.session().noteCancelledSolve();
+  if (live.journal) live.journal->note(io::entryText(session::CancelledSolve()));
+  return end;
 }
 
 /// What stands after an undo, a redo or a restore needs no search.
-void publishStanding(LiveSession& live, const Progress& progress) {
-  fly(live, v1::PHASE_TRANSFERRING, kUnhurried, progress,
-      [&](LiveSession::SolveInFlight&, const Progress& told) {
-        session::Session& session = live.session();
-        bringUpToDate(live, told);
-        const Clock::time_point begin = Clock::now();
-        session::Solution standing = session.standing(told);
-        UnexplainedPose pose;
-        pose.message = solutionMessage(session, standing.problem, standing.report);
-        pose.problem = std::move(standing.problem);
-        pose.report = std::move(standing.report);
-        pose.report_ms = msSince(begin);
-        publishUnexplained(live, session.document().solving, std::move(pose));
-      });
+SolveEnd publishStanding(LiveSession& live, const Progress& progress) {
+  return runInPhase(live, v1::PHASE_TRANSFERRING, Patience::kUnhurried, progress,
+                    [&](SolveCycle::Run&, const Progress& told) {
+                      session::Session& session = live.session();
+                      bringUpToDate(live, told);
+                      const Clock::time_point begin = Clock::now();
+                      session::Solution standing = session.standing(told);
+                      UndiagnosedPose pose;
+                      pose.message =
+                          solutionMessage(session, standing.problem, standing.report);
+                      pose.problem = std::move(standing.problem);
+                      pose.report = std::move(standing.report);
+                      pose.report_ms = msSince(begin);
+                      publishUndiagnosed(live, session.document().solving, std::move(pose));
+                    });
 }
 
 }  // namespace
 
-void flyMotion(LiveSession& live,
-               const Progress& progress,
-               const std::function<void(const Progress& told)>& step) {
-  fly(live, v1::PHASE_OPTIMIZING, leastOf(live), progress,
-      [&](LiveSession::SolveInFlight&, const Progress& told) {
-        step(told);
-        live.solves_cut_short = 0;
-      });
-}
-
-CutShort::CutShort(std::uint64_t session_id, std::uint64_t solved_revision)
-    : Rejection(v1::ERROR_CANCELLED,
-                fmt::format("session {}: an edit came while this was solved; a fresh solution "
-                            "follows it",
-                            session_id)),
-      revision_(solved_revision) {}
-
-v1::PoseSolution optimizePose(LiveSession& live,
-                              const v1::OptimizeRequest& request,
-                              Workshop& workshop,
-                              const Progress& progress) {
+std::optional<v1::PoseSolution> optimizePose(LiveSession& live,
+                                             const v1::OptimizeRequest& request,
+                                             Workshop& workshop,
+                                             const Progress& progress) {
   // A minimum that was chosen stands until somebody asks for another search.
-  if (request.options().empty() && live.session().chosenMinimum() > 0 &&
-      !live.session().needsSolve()) {
-    publishStanding(live, progress);
-  } else {
+  const bool stands = request.options().empty() && live.session().chosenMinimum() > 0 &&
+                      !live.session().needsSolve();
+  const auto solveAsAsked = [&] {
     const session::Solving solving = request.options().empty()
                                          ? live.session().document().solving
                                          : solvingFrom(request.options().front());
-    solve(live, solving, false, workshop, progress);
-  }
-  return explainNow(live, progress);
+    return solve(live, solving, false, workshop, progress);
+  };
+  const SolveEnd end = stands ? publishStanding(live, progress) : solveAsAsked();
+  if (end == SolveEnd::kCutShort) return std::nullopt;
+  requireDone(end, live);
+  return diagnoseNow(live, progress);
 }
 
-void optimizeAfterEdit(LiveSession& live, Workshop& workshop, const Progress& progress) {
+SolveEnd solveAsItStands(LiveSession& live, Workshop& workshop, const Progress& progress) {
   const session::Session& session = live.session();
   // Beside a motion that follows edits, the grasp that stands for it is shown as it is: a
   // search would move the prior of the motion, too.
-  if (!session.needsSolve() || followsEdits(live)) {
-    publishStanding(live, progress);
-  } else {
+  const auto solveFromThere = [&] {
     session::Solving solving = session.document().solving;
     const bool follows = session.document().start_is_known;
     if (follows && solving.starts == optimize::kDefaultStarts && !solving.paper) {
       solving.starts = kStartsAfterEdit;
     }
-    solve(live, solving, follows, workshop, progress);
+    return solve(live, solving, follows, workshop, progress);
+  };
+  const SolveEnd end = !session.needsSolve() || followsEdits(live)
+                           ? publishStanding(live, progress)
+                           : solveFromThere();
+  if (end == SolveEnd::kDone) diagnoseLater(live);
+  return end;
+}
+
+SolveEnd solveAfterEdit(LiveSession& live, Workshop& workshop) {
+  const SolveEnd end = solveAsItStands(live, workshop, live.solves());
+  if (end != SolveEnd::kDone || !followsEdits(live)) return end;
+  return solveMotionAfterEdit(live, workshop, live.solves());
+}
+
+void solveAfterOpening(LiveSession& live, Workshop& workshop) {
+  live.cycle().workFor(live.cycle().asked());
+  try {
+    static_cast<void>(solveAfterEdit(live, workshop));
+  } catch (const std::exception& error) {  // the session's state says so
+    spdlog::debug("event=resume session={} message={}", live.id(),
+                  handgraft::quoted(error.what()));
   }
-  explainLater(live);
 }
 
 }  // namespace handgraft::server

@@ -93,14 +93,8 @@ v1::SessionState loadSession(const v1::LoadSessionRequest& request,
       resumeFollowing(*live, *followed);
   // Those who watch see the pose that was saved; if not now, after the next edit.
   static_cast<void>(live->strand().post([live, &workshop] {
-    const bool follows = followsEdits(*live);
-    if (!follows && !live->session().document().start_is_known) return;
-    live->asked_at_stops = live->stops();
-    try {
-      optimizeAfterEdit(*live, workshop, live->solves());
-      if (follows) solveMotionAfterEdit(*live, workshop, live->solves());
-    } catch (const std::exception&) {  // the session's state says so
-    }
+    if (!followsEdits(*live) && !live->session().document().start_is_known) return;
+    solveAfterOpening(*live, workshop);
   }));
   return live->state();
 }

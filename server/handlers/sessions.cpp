@@ -55,7 +55,7 @@ std::shared_ptr<LiveSession> enterSession(session::Session session,
       workshop.sessions.reserve(), std::move(session), workshop.pool, workshop.audience);
   live->belongTo(workshop.sessions.serverId());
   if (motion) live->hold(std::move(*motion));
-  live->skin_ms = skin_ms;
+  live->took.skin_ms = skin_ms;
   keepSession(*live, workshop, by, operation);
   live->prepareSolids(live, workshop.pool);
   workshop.sessions.add(live);

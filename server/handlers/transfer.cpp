@@ -18,22 +18,33 @@ void bringUpToDate(LiveSession& live, const Progress& progress) {
   live.session().transferPatches(progress);
   const std::chrono::duration<double, std::milli> spent =
       std::chrono::steady_clock::now() - begin;
-  live.transfer_ms = spent.count();
-  live.untold_transfer_ms += spent.count();
+  live.took.transfer_ms = spent.count();
+  live.took.untold_transfer_ms += spent.count();
 }
 
 v1::TransferReply transferPatches(LiveSession& live, const Progress& progress) {
-  const v1::SessionPhase after = live.was_solved ? v1::PHASE_READY : v1::PHASE_OPEN;
-  v1::TransferReply reply;
-  runPhase(live, v1::PHASE_TRANSFERRING, after, progress, [&](const Progress& told) {
-    bringUpToDate(live, told);
-    reply.session_id(live.id());
-    reply.revision(live.session().revision());
-    reply.patches(patchReports(live.session()));
-    reply.notes(live.session().notes());
-    reply.transfer_ms(live.transfer_ms);
-    reply.options(toMessage(live.session().transferOptions()));
+  live.enter(v1::PHASE_TRANSFERRING);
+  const Progress told(progress, [&](std::string_view stage, double fraction) {
+    live.advance(stage, fraction);
+    progress.report(stage, fraction);
   });
+  try {
+    bringUpToDate(live, told);
+  } catch (const Cancelled&) {
+    live.tellEnd(SolveEnd::kCancelled);
+    throw;
+  } catch (const std::exception& error) {
+    live.enter(v1::PHASE_FAILED, error.what());
+    throw;
+  }
+  live.settle(live.cycle().wasSolved() ? v1::PHASE_READY : v1::PHASE_OPEN);
+  v1::TransferReply reply;
+  reply.session_id(live.id());
+  reply.revision(live.session().revision());
+  reply.patches(patchReports(live.session()));
+  reply.notes(live.session().notes());
+  reply.transfer_ms(live.took.transfer_ms);
+  reply.options(toMessage(live.session().transferOptions()));
   return reply;
 }
 

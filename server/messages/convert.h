@@ -47,7 +47,7 @@ v1::PoseSolution solutionMessage(const session::Session& session,
                                  const optimize::Terms& terms);
 
 /// A final pose: also links, patches, limits, minima. It answers the session's solved problem
-/// and is not explained (solution_messages.h).
+/// and is not diagnosed (solution_messages.h).
 v1::PoseSolution solutionMessage(const session::Session& session,
                                  const optimize::SolveReport& report);
 /// As above, of a problem that was not solved but judged.

@@ -68,12 +68,12 @@ v1::Penetration penetrationMessage(const session::Session& session,
 
 }  // namespace
 
-void explain(const session::Session& session,
-             const optimize::PoseProblem& problem,
-             const optimize::SolveReport& report,
-             session::FitCheck& check,
-             v1::PoseSolution& message,
-             const Progress& progress) {
+void diagnose(const session::Session& session,
+              const optimize::PoseProblem& problem,
+              const optimize::SolveReport& report,
+              session::FitCheck& check,
+              v1::PoseSolution& message,
+              const Progress& progress) {
   message.penetration({penetrationMessage(session, report.pose, progress)});
   progress.checkpoint();
   const session::FitFindings& findings = check.of(session, problem, &report);

@@ -16,12 +16,12 @@ namespace handgraft::server {
 /// Errors: Cancelled on wish; the message is then to be dropped.
 /// Cost: as session::verdictsOf, and a millisecond; some 0.3 s where hand or object have no
 /// solid yet.
-void explain(const session::Session& session,
-             const optimize::PoseProblem& problem,
-             const optimize::SolveReport& report,
-             session::FitCheck& check,
-             v1::PoseSolution& message,
-             const Progress& progress);
+void diagnose(const session::Session& session,
+              const optimize::PoseProblem& problem,
+              const optimize::SolveReport& report,
+              session::FitCheck& check,
+              v1::PoseSolution& message,
+              const Progress& progress);
 
 /// What is known of sizes before a search: the line for people, empty if all may fit.
 /// Transfer first. Cost: as session::FitCheck.

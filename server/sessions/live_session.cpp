@@ -23,10 +23,6 @@ bool isAtWork(v1::SessionPhase phase) {
 
 }  // namespace
 
-std::string shortName(const v1::ClientId& client) {
-  return fmt::format("{:02x}{:02x}{:02x}{:02x}", client[0], client[1], client[2], client[3]);
-}
-
 long long nowNs() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
              std::chrono::system_clock::now().time_since_epoch())
@@ -36,179 +32,125 @@ long long nowNs() {
 LiveSession::LiveSession(std::uint64_t id,
                          session::Session session,
                          StrandPool& pool,
-                         SessionAudience& audience)
-    : id_(id), session_(std::move(session)), audience_(audience), strand_(pool, kMostWaiting) {
-  state_.session_id(id_);
+                         SessionAudience& audience,
+                         SolveCycle::Now now)
+    : id_(id),
+      now_(now),
+      session_(std::move(session)),
+      audience_(audience),
+      strand_(pool, kMostWaiting),
+      cycle_(now),
+      published_(
+          [&audience](const v1::SessionState& state) {
+            audience.onState(state);
+          },
+          now) {
   touch();
-  describeSession();
+  const auto begin = [this](v1::SessionState& state) {
+    state.session_id(id_);
+    describeSession(state);
+  };
+  published_.change(begin, PublishedState::kSilently);
+}
+
+void LiveSession::belongTo(std::uint64_t server_id) {
+  const auto belong = [server_id](v1::SessionState& state) {
+    state.server_id(server_id);
+  };
+  published_.change(belong, PublishedState::kSilently);
 }
 
 void LiveSession::hold(LiveMotion motion) {
-  const std::lock_guard lock(mutex_);
   motion_ = std::move(motion);
-  describeSession();
+  const auto describe = [this](v1::SessionState& state) {
+    describeSession(state);
+  };
+  published_.change(describe, PublishedState::kSilently);
 }
 
-void LiveSession::describeSession() {
+// === Its state
+
+void LiveSession::describeSession(v1::SessionState& state) const {
   const session::Document& document = session_.document();
-  if (state_.hand() != document.hand || state_.joint_names().empty()) {
-    state_.joint_names(session_.hand().model->dofNames());
+  if (state.hand() != document.hand || state.joint_names().empty()) {
+    state.joint_names(session_.hand().model->dofNames());
   }
-  state_.revision(session_.revision());
-  state_.hand(document.hand);
-  state_.object(document.object);
-  state_.contacts(motion_ ? "" : document.contacts);
-  state_.motion(motion_ ? motion_->name : "");
-  state_.undo_count(static_cast<std::uint32_t>(session_.history().undoCount()));
-  state_.redo_count(static_cast<std::uint32_t>(session_.history().redoCount()));
+  state.revision(session_.revision());
+  state.hand(document.hand);
+  state.object(document.object);
+  state.contacts(motion_ ? "" : document.contacts);
+  state.motion(motion_ ? motion_->name : "");
+  state.undo_count(static_cast<std::uint32_t>(session_.history().undoCount()));
+  state.redo_count(static_cast<std::uint32_t>(session_.history().redoCount()));
 }
 
-v1::SessionState LiveSession::state() const {
-  const std::lock_guard lock(mutex_);
-  return state_;
-}
-
-void LiveSession::enter(v1::SessionPhase phase, const std::string& message, double progress) {
-  const std::lock_guard lock(mutex_);
-  if (state_.phase() == v1::PHASE_CLOSED) return;
-  describeSession();
-  setPhase(phase, message, progress);
-  tell();
-}
-
-void LiveSession::settle(v1::SessionPhase phase) {
-  const std::lock_guard lock(mutex_);
-  if (state_.phase() == v1::PHASE_CLOSED) return;
-  describeSession();
-  resting_phase_ = phase;
-  setPhase(restingPhase(), "");
-  if (!expectsEdits()) tell();
-}
-
-void LiveSession::tellRest() {
-  const std::lock_guard lock(mutex_);
-  if (state_.phase() == v1::PHASE_CLOSED) return;
-  if (isAtWork(state_.phase())) setPhase(restingPhase(), "");
-  tell();
-}
-
-void LiveSession::tellCancelled() {
-  const bool is_stopped = [this] {
-    const std::lock_guard lock(flight_mutex_);
-    return in_flight_ != nullptr && in_flight_->stopped_;
-  }();
-  if (is_stopped) unexplained = nullptr;
-  const std::lock_guard lock(mutex_);
-  if (state_.phase() == v1::PHASE_CLOSED) return;
-  setPhase(restingPhase(), is_stopped ? "stopped" : "cancelled");
-  if (is_stopped || !expectsEdits()) tell();
-}
-
-void LiveSession::enterSoon(v1::SessionPhase phase) {
-  constexpr std::chrono::milliseconds kPeriod(2);
-  const std::lock_guard lock(mutex_);
-  if (state_.phase() == v1::PHASE_CLOSED) return;
-  describeSession();
-  setPhase(phase, "");
-  // What is kept back is told by the next edit, or by the solve that follows the last one.
-  if (expected_edits_ >= kFlood && std::chrono::steady_clock::now() - told_ < kPeriod) return;
-  tell();
-}
-
-void LiveSession::setPhase(v1::SessionPhase phase,
+void LiveSession::setPhase(v1::SessionState& state,
+                           v1::SessionPhase phase,
                            const std::string& message,
                            double progress) {
-  state_.phase(phase);
-  state_.message(message.empty() ? warning_ : message);
-  state_.progress(progress);
+  state.phase(phase);
+  state.message(message.empty() ? warning_ : message);
+  state.progress(progress);
   if (!isAtWork(phase)) resting_phase_ = phase;
 }
 
 v1::SessionPhase LiveSession::restingPhase() const {
-  return unexplained ? v1::PHASE_OPTIMIZING : resting_phase_;
+  return cycle_.undiagnosed() ? v1::PHASE_OPTIMIZING : resting_phase_;
 }
 
-void LiveSession::tell() {
-  if (told_state_ == state_) return;
-  told_state_ = state_;
-  told_ = std::chrono::steady_clock::now();
-  audience_.onState(state_);
+Telling LiveSession::unlessEditsWait() const {
+  return cycle_.editsQueued() > 0 ? PublishedState::kSilently : PublishedState::kAtOnce;
+}
+
+void LiveSession::enter(v1::SessionPhase phase, const std::string& message, double progress) {
+  published_.change([&](v1::SessionState& state) {
+    describeSession(state);
+    setPhase(state, phase, message, progress);
+  });
+}
+
+void LiveSession::enterSoon(v1::SessionPhase phase) {
+  constexpr Telling kSoon{std::chrono::milliseconds(2)};
+  const auto change = [&](v1::SessionState& state) {
+    describeSession(state);
+    setPhase(state, phase, "");
+  };
+  // What is kept back is told by the next edit, or by the solve that follows the last one.
+  const bool is_flood = cycle_.editsQueued() >= kFlood;
+  published_.change(change, is_flood ? kSoon : PublishedState::kAtOnce);
+}
+
+void LiveSession::settle(v1::SessionPhase phase) {
+  const auto change = [&](v1::SessionState& state) {
+    describeSession(state);
+    resting_phase_ = phase;
+    setPhase(state, restingPhase(), "");
+  };
+  published_.change(change, unlessEditsWait());
+}
+
+void LiveSession::tellRest() {
+  published_.change([&](v1::SessionState& state) {
+    if (isAtWork(state.phase())) setPhase(state, restingPhase(), "");
+  });
+}
+
+void LiveSession::tellEnd(SolveEnd end) {
+  const bool is_stopped = end == SolveEnd::kStopped;
+  if (is_stopped) cycle_.forgetUndiagnosed();
+  const auto change = [&](v1::SessionState& state) {
+    setPhase(state, restingPhase(), is_stopped ? "stopped" : "cancelled");
+  };
+  published_.change(change, is_stopped ? PublishedState::kAtOnce : unlessEditsWait());
 }
 
 void LiveSession::advance(std::string_view stage, double fraction) {
-  constexpr std::chrono::milliseconds kPeriod(100);
-  const std::lock_guard lock(mutex_);
-  if (state_.phase() == v1::PHASE_CLOSED) return;
-  state_.message(std::string(stage));
-  state_.progress(std::clamp(fraction, 0.0, 1.0));
-  if (std::chrono::steady_clock::now() - told_ < kPeriod) return;
-  tell();
-}
-
-// === Stopping
-
-void LiveSession::stopSolving(const v1::ClientId& stopper) {
-  touch();
-  const std::lock_guard lock(flight_mutex_);
-  ++stops_;
-  stopper_ = stopper;
-  if (in_flight_ == nullptr) return;
-  in_flight_->stopped_ = true;
-  in_flight_->progress_.cancel();
-}
-
-void LiveSession::endSolveLongerThan(std::chrono::duration<double> longest) {
-  const std::lock_guard lock(flight_mutex_);
-  if (in_flight_ == nullptr || in_flight_->stopped_) return;
-  if (std::chrono::steady_clock::now() - in_flight_->begin_ <= longest) return;
-  ++stops_;
-  stopper_.reset();
-  in_flight_->stopped_ = true;
-  in_flight_->progress_.cancel();
-}
-
-std::string LiveSession::whoStopped() const {
-  const std::lock_guard lock(flight_mutex_);
-  return stopper_ ? "stopped by client " + shortName(*stopper_) : "stopped: its time is over";
-}
-
-// === Edits on their way
-
-void LiveSession::expectEdit() {
-  ++expected_edits_;
-  touch();
-  const std::lock_guard lock(flight_mutex_);
-  if (in_flight_ != nullptr) in_flight_->giveWay();
-}
-
-void LiveSession::meetEdit() {
-  --expected_edits_;
-}
-
-LiveSession::SolveInFlight::SolveInFlight(LiveSession& live,
-                                          Progress& progress,
-                                          std::chrono::milliseconds least)
-    : live_(live),
-      progress_(progress),
-      begin_(std::chrono::steady_clock::now()),
-      least_(least) {
-  const std::lock_guard lock(live_.flight_mutex_);
-  live_.in_flight_ = this;
-  if (live_.stops_ == live_.asked_at_stops) return;
-  stopped_ = true;
-  progress_.cancel();
-}
-
-LiveSession::SolveInFlight::~SolveInFlight() {
-  const std::lock_guard lock(live_.flight_mutex_);
-  live_.in_flight_ = nullptr;
-}
-
-void LiveSession::SolveInFlight::giveWay() {
-  if (!live_.expectsEdits() || cut_short_) return;
-  if (std::chrono::steady_clock::now() - begin_ < least_) return;
-  cut_short_ = true;
-  progress_.cancel();
+  constexpr Telling kNowAndThen{std::chrono::milliseconds(100)};
+  const auto change = [&](v1::SessionState& state) {
+    state.message(std::string(stage));
+    state.progress(std::clamp(fraction, 0.0, 1.0));
+  };
+  published_.change(change, kNowAndThen);
 }
 
 void LiveSession::prepareSolids(const std::shared_ptr<LiveSession>& self, StrandPool& pool) {
@@ -230,11 +172,11 @@ void LiveSession::prepareSolids(const std::shared_ptr<LiveSession>& self, Strand
 
 void LiveSession::noteEdit(AppliedEdit edit) {
   constexpr std::size_t kMostNoted = 64;
-  {
-    const std::lock_guard lock(mutex_);
-    state_.last_edit(edit.label);
-    state_.last_client(edit.client);
-  }
+  const auto change = [&](v1::SessionState& state) {
+    state.last_edit(edit.label);
+    state.last_client(edit.client);
+  };
+  published_.change(change, PublishedState::kSilently);
   edits_.push_back(std::move(edit));
   if (edits_.size() > kMostNoted) edits_.pop_front();
 }
@@ -259,16 +201,19 @@ std::string LiveSession::editsSince(std::uint64_t revision, const v1::ClientId& 
 // === Idleness
 
 std::chrono::steady_clock::duration LiveSession::idle() const {
-  using Clock = std::chrono::steady_clock;
-  return Clock::now() - Clock::time_point(Clock::duration(last_used_));
+  using Clock = SolveCycle::Clock;
+  return now_() - Clock::time_point(Clock::duration(last_used_));
 }
 
 void LiveSession::warn(const std::string& warning) {
-  const std::lock_guard lock(mutex_);
-  if (state_.phase() == v1::PHASE_CLOSED || warning == warning_) return;
-  if (state_.message() == warning_) state_.message(warning);
-  warning_ = warning;
-  tell();
+  bool is_news = false;
+  const auto change = [&](v1::SessionState& state) {
+    is_news = warning != warning_;
+    if (state.message() == warning_) state.message(warning);
+    warning_ = warning;
+  };
+  published_.change(change, PublishedState::kSilently);
+  if (is_news) published_.change([](v1::SessionState&) {});
 }
 
 bool LiveSession::putFrame(v1::DemonstratorFrame frame) {

@@ -131,7 +131,7 @@ class FastBus final : public Bus {
   FastBus& operator=(const FastBus&) = delete;
 
   void start(BusListener& listener) override {
-    using Privilege = idl::security::Privilege;
+    using Privilege = idl::Privilege;
     if (is_secured_) {
       for (const Privilege held : {Privilege::kLook, Privilege::kEdit, Privilege::kOperate})
         hearRequests(listener, held);
@@ -220,7 +220,7 @@ class FastBus final : public Bus {
  private:
   /// Of one privilege's topic, or of all who ask in an open domain: who writes a topic of
   /// privileged requests is known by DDS to hold that privilege, whatever the request says.
-  void hearRequests(BusListener& listener, std::optional<idl::security::Privilege> held) {
+  void hearRequests(BusListener& listener, std::optional<idl::Privilege> held) {
     const auto hear = [this, &listener, held](v1::Request&& request, const Sender& sender) {
       if (held && !isPermitted(request, *held)) return;
       listener.onRequest(std::move(request), sender);
@@ -230,9 +230,9 @@ class FastBus final : public Bus {
   }
 
   /// Refuses what takes more than its sender holds.
-  bool isPermitted(const v1::Request& request, idl::security::Privilege held) {
+  bool isPermitted(const v1::Request& request, idl::Privilege held) {
     const v1::Operation operation = request.body()._d();
-    const idl::security::Privilege needed = idl::security::privilegeOf(operation);
+    const idl::Privilege needed = idl::traitsOf(operation).privilege;
     if (needed <= held) return true;
     v1::Reply reply;
     reply.client(request.client());

@@ -221,10 +221,11 @@ TEST_F(Keys, TakesIdentitiesBack) {
 TEST(Rights, EveryOperationIsSomebodysAndUnknownOnesAreNobodys) {
   for (const std::string& name : namesOf(typeOf<v1::Operation>())) {
     const auto operation = v1::enumeratorOf<v1::Operation>(name).value();
-    EXPECT_TRUE(name == "unload_model" || privilegeOf(operation) != Privilege::kOperate)
+    EXPECT_TRUE(name == "unload_model" ||
+                idl::traitsOf(operation).privilege != Privilege::kOperate)
         << name;
   }
-  EXPECT_EQ(privilegeOf(static_cast<v1::Operation>(12345)), Privilege::kOperate);
+  EXPECT_EQ(idl::traitsOf(static_cast<v1::Operation>(12345)).privilege, Privilege::kOperate);
 }
 
 TEST(Rights, OneRoleAloneSaysWhatOthersTrust) {

@@ -198,32 +198,32 @@ std::vector<v1::PoseSolution> finalsOf(test::RecordingBus& bus, std::uint64_t re
   return finals;
 }
 
-TEST_F(LiveEdits, SendThePoseFirstAndItsExplanationAfterIt) {
+TEST_F(LiveEdits, SendThePoseFirstAndItsDiagnosisAfterIt) {
   const std::uint64_t session = openSolved();
   ASSERT_EQ(apply(session, limit(-0.4)).error(), v1::ERROR_NONE);
   readyAt(1);
   const std::vector<v1::PoseSolution> finals = finalsOf(bus, 1);
   ASSERT_EQ(finals.size(), 2u);
   v1::PoseSolution pose = finals[0];
-  v1::PoseSolution explained = finals[1];
+  v1::PoseSolution diagnosed = finals[1];
   EXPECT_FALSE(pose.is_diagnosed());
   EXPECT_TRUE(pose.penetration().empty());
   EXPECT_EQ(pose.verdict(), "");
   EXPECT_FALSE(pose.X_WL().empty());
   EXPECT_FALSE(pose.minima().empty());
-  EXPECT_TRUE(explained.is_diagnosed());
-  EXPECT_EQ(explained.penetration().size(), 1u);
-  EXPECT_THAT(explained.verdict(), HasSubstr("patches reached"));
-  EXPECT_EQ(explained.sequence_number(), pose.sequence_number() + 1);
-  EXPECT_EQ(explained.joint_positions(), pose.joint_positions());
-  EXPECT_EQ(explained.X_WH(), pose.X_WH());
-  EXPECT_EQ(explained.X_WL(), pose.X_WL());
-  EXPECT_EQ(explained.minima(), pose.minima());
-  ASSERT_EQ(explained.patches().size(), pose.patches().size());
+  EXPECT_TRUE(diagnosed.is_diagnosed());
+  EXPECT_EQ(diagnosed.penetration().size(), 1u);
+  EXPECT_THAT(diagnosed.verdict(), HasSubstr("patches reached"));
+  EXPECT_EQ(diagnosed.sequence_number(), pose.sequence_number() + 1);
+  EXPECT_EQ(diagnosed.joint_positions(), pose.joint_positions());
+  EXPECT_EQ(diagnosed.X_WH(), pose.X_WH());
+  EXPECT_EQ(diagnosed.X_WL(), pose.X_WL());
+  EXPECT_EQ(diagnosed.minima(), pose.minima());
+  ASSERT_EQ(diagnosed.patches().size(), pose.patches().size());
   for (std::size_t k = 0; k < pose.patches().size(); ++k) {
-    EXPECT_EQ(explained.patches()[k].mean_mm(), pose.patches()[k].mean_mm());
+    EXPECT_EQ(diagnosed.patches()[k].mean_mm(), pose.patches()[k].mean_mm());
     EXPECT_EQ(pose.patches()[k].diagnosis().text(), "");
-    EXPECT_NE(explained.patches()[k].diagnosis().text(), "");
+    EXPECT_NE(diagnosed.patches()[k].diagnosis().text(), "");
   }
 }
 
@@ -236,7 +236,7 @@ TEST_F(LiveEdits, CommandEachPoseOnce) {
   EXPECT_EQ(bus.count(bus.commands), before + 1);
 }
 
-TEST_F(LiveEdits, GetAnExplainedReplyFromSolves) {
+TEST_F(LiveEdits, GetAnDiagnosedReplyFromSolves) {
   const std::uint64_t session = open();
   const v1::Reply reply = bus.ask(test::optimize(session));
   ASSERT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
@@ -249,9 +249,9 @@ TEST_F(LiveEdits, GetAnExplainedReplyFromSolves) {
   EXPECT_TRUE(finalsOf(bus, 2).back().is_diagnosed()) << "of what stands after an undo";
 }
 
-TEST_F(LiveEdits, ThatAreRefusedLeaveTheLastPoseExplainedAndReady) {
+TEST_F(LiveEdits, ThatAreRefusedLeaveTheLastPoseDiagnosedAndReady) {
   const std::uint64_t session = openSolved();
-  // Refused ones among others, so that some of them cut solves and explanations short.
+  // Refused ones among others, so that some of them cut solves and diagnoses short.
   std::uint64_t revision = 0;
   for (int i = 0; i < 30; ++i) {
     revision = apply(session, limit(i % 2 == 0 ? -0.4 : 0.6)).revision();
@@ -260,11 +260,11 @@ TEST_F(LiveEdits, ThatAreRefusedLeaveTheLastPoseExplainedAndReady) {
     EXPECT_EQ(apply(session, wrong).error(), v1::ERROR_INVALID_INPUT);
   }
   readyAt(revision);
-  const auto explained =
+  const auto diagnosed =
       bus.await<v1::PoseSolution>(bus.solutions, [&](const v1::PoseSolution& one) {
         return one.revision() == revision && one.is_diagnosed();
       });
-  EXPECT_TRUE(explained.has_value());
+  EXPECT_TRUE(diagnosed.has_value());
   EXPECT_EQ(settings(session).state().phase(), v1::PHASE_READY);
 }
 
@@ -736,7 +736,7 @@ TEST_F(LiveEdits, OfADamagedFileAreRefusedByName) {
   EXPECT_NE(reply.error(), v1::ERROR_INTERNAL) << reply.message();
 }
 
-// === What an edit's explanation waits for: one worker, which idle tasks never go to first
+// === What an edit's diagnosis waits for: one worker, which idle tasks never go to first
 
 class BusyServer : public LiveEdits {
  protected:
@@ -778,8 +778,8 @@ class BusyServer : public LiveEdits {
         << "session " << session << " is never ready at revision " << revision;
   }
 
-  /// Edits `session` and lets the pose out; its explanation waits until `holder` is stopped.
-  void holdExplanation(std::uint64_t session, std::uint64_t holder) {
+  /// Edits `session` and lets the pose out; its diagnosis waits until `holder` is stopped.
+  void holdDiagnosis(std::uint64_t session, std::uint64_t holder) {
     const std::uint64_t first = open();
     const std::uint64_t second = open();
     occupy(first);
@@ -798,7 +798,7 @@ class BusyServer : public LiveEdits {
   }
 };
 
-TEST_F(BusyServer, ExplainsPosesAfterWhatOtherSessionsHaveToDo) {
+TEST_F(BusyServer, DiagnosesPosesAfterWhatOtherSessionsHaveToDo) {
   const std::uint64_t mine = openSolved();
   const std::uint64_t yours = openSolved();
   const std::uint64_t holder = open();
@@ -816,23 +816,23 @@ TEST_F(BusyServer, ExplainsPosesAfterWhatOtherSessionsHaveToDo) {
                                           std::pair(mine, true), std::pair(yours, true)));
 }
 
-TEST_F(BusyServer, StopsExplanationsThatWait) {
+TEST_F(BusyServer, StopsDiagnosesThatWait) {
   const std::uint64_t session = openSolved();
   const std::uint64_t holder = open();
-  holdExplanation(session, holder);
+  holdDiagnosis(session, holder);
   stop(session);
   stop(holder);
   awaitReady(session, 1);
-  EXPECT_EQ(finalsOf(bus, 1).size(), 1u) << "explained, although somebody said stop";
+  EXPECT_EQ(finalsOf(bus, 1).size(), 1u) << "diagnosed, although somebody said stop";
   EXPECT_EQ(apply(session, limit(0.6)).revision(), 2u);
   awaitReady(session, 2);
   EXPECT_EQ(finalsOf(bus, 2).size(), 2u);
 }
 
-TEST_F(BusyServer, DoesNotExplainPosesThatAnEditOutdates) {
+TEST_F(BusyServer, DoesNotDiagnosePosesThatAnEditOutdates) {
   const std::uint64_t session = openSolved();
   const std::uint64_t holder = open();
-  holdExplanation(session, holder);
+  holdDiagnosis(session, holder);
   bus.send(editOf(session, limit(0.6)));
   stop(holder);
   awaitReady(session, 2);
@@ -841,10 +841,10 @@ TEST_F(BusyServer, DoesNotExplainPosesThatAnEditOutdates) {
   EXPECT_TRUE(finalsOf(bus, 2).back().is_diagnosed());
 }
 
-TEST_F(BusyServer, ExplainsPosesThatARefusedEditDoesNotOutdate) {
+TEST_F(BusyServer, DiagnosesPosesThatARefusedEditDoesNotOutdate) {
   const std::uint64_t session = openSolved();
   const std::uint64_t holder = open();
-  holdExplanation(session, holder);
+  holdDiagnosis(session, holder);
   const std::size_t commands = bus.count(bus.commands);
   v1::EditBody wrong = limit(0.1);
   wrong.joint_limit().joint("no_such_joint");
@@ -858,10 +858,10 @@ TEST_F(BusyServer, ExplainsPosesThatARefusedEditDoesNotOutdate) {
   EXPECT_EQ(bus.count(bus.commands), commands) << "solved again";
 }
 
-TEST_F(BusyServer, ClosesSessionsWhoseExplanationsWait) {
+TEST_F(BusyServer, ClosesSessionsWhoseDiagnosesWait) {
   const std::uint64_t session = openSolved();
   const std::uint64_t holder = open();
-  holdExplanation(session, holder);
+  holdDiagnosis(session, holder);
   bus.send(77, test::ofSession(v1::OP_CLOSE_SESSION, session));
   stop(holder);
   ASSERT_TRUE(bus.await<v1::SessionState>(bus.states, [&](const v1::SessionState& one) {
@@ -871,10 +871,10 @@ TEST_F(BusyServer, ClosesSessionsWhoseExplanationsWait) {
   EXPECT_EQ(finalsOf(bus, 1).size(), 1u);
 }
 
-TEST_F(BusyServer, StopsWhileExplanationsWait) {
+TEST_F(BusyServer, StopsWhileDiagnosesWait) {
   const std::uint64_t session = openSolved();
   const std::uint64_t holder = open();
-  holdExplanation(session, holder);
+  holdDiagnosis(session, holder);
   service.stop();
   EXPECT_EQ(finalsOf(bus, 1).size(), 1u);
 }
