@@ -12,6 +12,7 @@
 #include "idl/client_id.h"
 #include "idl/cyclone/calls.h"
 #include "idl/fields.h"
+#include "idl/operations.h"
 #include "idl/security/rights.h"
 
 namespace handgraft::idl::cyclone {
