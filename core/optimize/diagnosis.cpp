@@ -290,16 +290,16 @@ std::vector<double> facingAngles(const PoseProblem& problem, const SolveReport& 
   return angles;
 }
 
-int missedPatches(const PoseProblem& problem,
-                  const SolveReport& report,
-                  const DiagnosisOptions& options) {
+std::vector<int> missedPatches(const PoseProblem& problem,
+                               const SolveReport& report,
+                               const DiagnosisOptions& options) {
   const std::vector<double> weights = weightsOf(problem, report);
   const std::vector<double> facing = facingAngles(problem, report);
-  int missed = 0;
+  std::vector<int> missed;
   for (std::size_t k = 0; k < report.patches.size(); ++k) {
     const bool is_reached =
         isNear(report.patches[k], options) && facing[k] <= options.facing_deg;
-    if (weights[k] > 0.0 && !is_reached) ++missed;
+    if (weights[k] > 0.0 && !is_reached) missed.push_back(report.patches[k].patch);
   }
   return missed;
 }

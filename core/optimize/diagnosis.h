@@ -75,11 +75,11 @@ Diagnosis diagnose(const PoseProblem& problem,
                    const DiagnosisOptions& options = {},
                    const Progress& progress = Progress());
 
-/// How many patches that count (with a weight) lack kReached at the report's pose.
-/// Errors: as diagnose. Cost: O(points).
-int missedPatches(const PoseProblem& problem,
-                  const SolveReport& report,
-                  const DiagnosisOptions& options = {});
+/// The patches that count (with a weight) and lack kReached at the report's pose, as their
+/// points name them. Errors: as diagnose. Cost: O(points).
+std::vector<int> missedPatches(const PoseProblem& problem,
+                               const SolveReport& report,
+                               const DiagnosisOptions& options = {});
 
 /// Per patch of `report.patches`, the angle between the mean normals of hand and object, the
 /// latter turned round, degrees.

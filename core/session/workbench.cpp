@@ -24,8 +24,12 @@ using optimize::PointPair;
 using optimize::PoseProblem;
 
 constexpr int kPlacingStarts = 12;
-constexpr double kSameRoot_m = 0.002;
+constexpr double kSameRoot_m = 0.001;
 constexpr double kSameDirection = std::numbers::pi / 180.0;
+constexpr double kSameTurn = 5.0 * std::numbers::pi / 180.0;
+
+// Of a contact on the hand from the finger's bone, in a slide.
+constexpr double kMostTurn = std::numbers::pi / 4.0;
 
 transfer::Surfaces surfacesOf(const Models& models) {
   transfer::Surfaces surfaces;
@@ -272,27 +276,47 @@ bool Workbench::takeRootsByLength() {
   return moved;
 }
 
-bool Workbench::takeRootsFrom(const hand::HandPose& pose) {
+bool Workbench::takeRootFrom(const hand::HandPose& pose, SessionPatch& item) {
   const geometry::TriangleMesh& skin_S = models_.hand->skin->mesh();
   const Pose& X_WO = document_.X_WO;
+  const auto root_S = rootShownBy(*models_.hand->model, *skin_faces_, pose, linksOf(item.site),
+                                  X_WO * positionOf(*models_.object_O, item.patch.root),
+                                  X_WO.linear() * normalOf(*models_.object_O, item.patch.root));
+  if (!root_S) return false;
+  const double way =
+      (positionOf(skin_S, *root_S) - positionOf(skin_S, item.placement->root_S)).norm();
+  if (way < kSameRoot_m) return false;
+  item.placement = movedTo(skin_S, *item.placement, *root_S);
+  return true;
+}
+
+bool Workbench::takeTurnFrom(const hand::HandPose& pose, SessionPatch& item) {
+  // One that is open on the object is found there.
+  if (item.direction_is_open || !item.patch.direction_O) return false;
+  const auto bone_S = coordinates().towardsWrist(item.placement->root_S);
+  if (!bone_S) return false;
+  const auto direction_S = skinDirectionShownBy(
+      *models_.hand->model, *models_.hand->skin, pose, item.placement->root_S, *bone_S,
+      document_.X_WO.linear() * *item.patch.direction_O, kMostTurn);
+  if (!direction_S) return false;
+  if (direction_S->dot(item.placement->direction_S) > std::cos(kSameTurn)) return false;
+  item.placement->direction_S = *direction_S;
+  return true;
+}
+
+bool Workbench::takePlacesFrom(const hand::HandPose& pose) {
   if (skin_faces_ == nullptr) skin_faces_ = facesOf(models_.hand->skin);
-  bool moved = false;
+  bool any_moved = false;
   for (SessionPatch& item : patches_) {
     if (!item.placement || !item.root_is_open) continue;
-    const auto root_S =
-        rootShownBy(*models_.hand->model, *skin_faces_, pose, linksOf(item.site),
-                    X_WO * positionOf(*models_.object_O, item.patch.root),
-                    X_WO.linear() * normalOf(*models_.object_O, item.patch.root));
-    if (!root_S) continue;
-    const double way =
-        (positionOf(skin_S, *root_S) - positionOf(skin_S, item.placement->root_S)).norm();
-    if (way < kSameRoot_m) continue;
-    item.placement = movedTo(skin_S, *item.placement, *root_S);
+    const bool is_elsewhere = takeRootFrom(pose, item);
+    const bool is_turned = takeTurnFrom(pose, item);
+    if (!is_elsewhere && !is_turned) continue;
     item.up_to_date = false;
-    moved = true;
+    any_moved = true;
   }
-  if (moved) takeDirectionsFrom(pose);
-  return moved;
+  if (any_moved) takeDirectionsFrom(pose);
+  return any_moved;
 }
 
 // === The problem

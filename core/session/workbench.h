@@ -116,14 +116,19 @@ class Workbench {
   void layPatches(const Progress& progress);
   /// Sets the open directions as `pose` shows them; true if one turned by more than a degree.
   bool takeDirectionsFrom(const hand::HandPose& pose);
-  /// Slides the open roots to where `pose` shows the patches' roots, and sets the open
-  /// directions; true if a root moved by more than a face or so.
-  bool takeRootsFrom(const hand::HandPose& pose);
+  /// Slides a patch's place on the hand to where `pose` shows its root on the object; true if
+  /// it moved by more than a face or so.
+  bool takeRootFrom(const hand::HandPose& pose, SessionPatch& item);
+  /// Turns it there as `pose` shows its direction on the object, by an eighth of a turn from
+  /// the bone at most; true if it turned.
+  bool takeTurnFrom(const hand::HandPose& pose, SessionPatch& item);
+  /// Both, of all open places, and sets the open directions; true if one moved or turned.
+  bool takePlacesFrom(const hand::HandPose& pose);
   /// The links that a patch on that site may slide on, a flag a link.
   const std::vector<char>& linksOf(const std::string& site);
   /// Patches that an answer misses, then its objective; points that are lost count as if they
   /// were far off. Less is better.
-  using Worth = std::pair<int, double>;
+  using Worth = std::pair<std::ptrdiff_t, double>;
 
   /// A whole search about the patches as they are laid: open roots and directions are found
   /// anew, and stay as the answer has them.
@@ -138,12 +143,15 @@ class Workbench {
                          optimize::SolveReport& other,
                          Worth& worth,
                          optimize::SolveReport& report);
-  /// Slides from the next minima of the report, too, and takes what is better.
-  void slideFromOthers(Worth worth,
-                       optimize::SolveReport& report,
-                       const Solving& solving,
-                       optimize::SolveOptions options,
-                       const Progress& progress);
+  /// For as long as patches are missed: slides with more weight on those, then with everybody's
+  /// own again, and takes what is better.
+  void reachForMissed(Worth& worth,
+                      optimize::SolveReport& report,
+                      const Solving& solving,
+                      const optimize::SolveOptions& options,
+                      const Progress& progress);
+  /// Multiplies the weights of some patches by `factor`.
+  void weigh(const std::vector<int>& patches, double factor);
   /// Moves open roots along their digits to where they are by length instead of by segment;
   /// true if one moved by more than a face or so.
   bool takeRootsByLength();

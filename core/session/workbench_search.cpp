@@ -30,8 +30,10 @@ constexpr int kWorseSlides = 3;  // in a row
 // A point that a slide loses at the skin's rim costs as if it were so far off.
 constexpr double kLost_m = 0.01;
 
-// Ranked below the best, and slid from where that misses a patch.
-constexpr std::size_t kOtherMinima = 4;
+// A patch that is missed weighs so many times as much for a moment, then the square of that,
+// ...
+constexpr double kReachingWeight = 4.0;
+constexpr int kReaches = 3;
 
 // Of each stage of a step on the way that is not the last one (optimize/avoiding_solve.h).
 constexpr int kStepEvaluations = 8;
@@ -41,6 +43,11 @@ SolveOptions stepOf(SolveOptions options) {
   options.starts = 1;
   options.max_evaluations = std::min(options.max_evaluations, kStepEvaluations);
   return options;
+}
+
+/// A whole search, not what follows an edit.
+bool searchesWidely(const Solving& solving, const SolveOptions& options) {
+  return solving.avoids() && options.starts > optimize::kFewStarts;
 }
 
 /// A point that is lost no longer counts: that alone makes nothing better.
@@ -128,27 +135,24 @@ Solution Workbench::solve(const Solving& solving,
     return answered(optimize::solve(problem(solving), options, progress), solving);
   SolveReport report;
   Worth worth = searchAbout(report, solving, options, progress);
-  if (solving.avoids() && options.starts > optimize::kFewStarts && worth.first > 0) {
+  if (worth.first > 0 && searchesWidely(solving, options)) {
     // Where the slides end depends on where they began.
     options.on_improvement = nullptr;
-    {
-      Search best(*this);
-      patches_ = as_it_was.patches;
-      start_ = as_it_was.start;
-      start_is_known_ = as_it_was.start_is_known;
-      SolveReport other;
-      if (takeRootsByLength() &&
-          takeBetter(searchAbout(other, solving, options, progress), other, worth, report))
-        best.keep();
-    }
-    slideFromOthers(worth, report, solving, options, progress);
+    Search best(*this);
+    patches_ = as_it_was.patches;
+    start_ = as_it_was.start;
+    start_is_known_ = as_it_was.start_is_known;
+    SolveReport other;
+    if (takeRootsByLength() &&
+        takeBetter(searchAbout(other, solving, options, progress), other, worth, report))
+      best.keep();
   }
   return answered(std::move(report), solving);
 }
 
 Workbench::Worth Workbench::worthOf(const SolveReport& report, const Solving& solving) const {
   const PoseProblem posed = problem(solving);
-  return {optimize::missedPatches(posed, report), costOf(posed, report)};
+  return {std::ssize(optimize::missedPatches(posed, report)), costOf(posed, report)};
 }
 
 bool Workbench::takeBetter(const Worth& of_other,
@@ -162,29 +166,41 @@ bool Workbench::takeBetter(const Worth& of_other,
   return true;
 }
 
-void Workbench::slideFromOthers(Worth worth,
-                                SolveReport& report,
-                                const Solving& solving,
-                                SolveOptions options,
-                                const Progress& progress) {
-  options.starts = 1;
-  const std::vector<Minimum> minima = report.minima;
-  {
-    Search best(*this);
-    for (std::size_t i = 1; i < std::min(minima.size(), 1 + kOtherMinima) && worth.first > 0;
-         ++i) {
-      patches_ = best.patches;
-      start_ = minima[i].pose;
-      SolveReport other = optimize::solve(problem(solving), options, progress);
-      slideRoots(other, solving, options, progress);
-      // Slid, it is still what that start led to.
-      other.best_start = minima[i].start;
-      other.solver = minima[i].solver;
-      if (takeBetter(worthOf(other, solving), other, worth, report)) best.keep();
+void Workbench::weigh(const std::vector<int>& patches, double factor) {
+  for (const int k : patches) {
+    SessionPatch& item = patches_[static_cast<std::size_t>(k)];
+    item.patch.weight *= factor;
+    for (transfer::Correspondence& pair : item.transferred.correspondences)
+      pair.weight = item.patch.weight;
+  }
+}
+
+void Workbench::reachForMissed(Worth& worth,
+                               SolveReport& report,
+                               const Solving& solving,
+                               const SolveOptions& options,
+                               const Progress& progress) {
+  Search best(*this);
+  double factor = kReachingWeight;
+  for (int i = 0; i < kReaches && worth.first > 0; ++i) {
+    patches_ = best.patches;
+    start_ = report.pose;
+    const std::vector<int> missed = optimize::missedPatches(problem(solving), report);
+    weigh(missed, factor);
+    SolveReport other = optimize::solve(problem(solving), options, progress);
+    slideRoots(other, solving, options, progress);
+    weigh(missed, 1.0 / factor);
+    start_ = other.pose;
+    other = optimize::solve(problem(solving), options, progress);
+    slideRoots(other, solving, options, progress);
+    other.best_start = report.best_start;
+    other.solver = report.solver;
+    if (takeBetter(worthOf(other, solving), other, worth, report)) {
+      best.keep();
+    } else {
+      factor *= kReachingWeight;
     }
   }
-  if (report.minima.size() < minima.size())
-    keepMinima(minima, report, solving, stepOf(options), progress);
 }
 
 Workbench::Worth Workbench::searchAbout(SolveReport& report,
@@ -192,8 +208,7 @@ Workbench::Worth Workbench::searchAbout(SolveReport& report,
                                         SolveOptions options,
                                         const Progress& progress) {
   transfer(progress);
-  if (solving.avoids() && options.starts > optimize::kFewStarts)
-    slideFreely(solving, options, progress);
+  if (searchesWidely(solving, options)) slideFreely(solving, options, progress);
   report = optimize::solve(problem(solving), options, progress);
   options.on_improvement = nullptr;
   const std::vector<Minimum> found = report.minima;
@@ -203,9 +218,13 @@ Workbench::Worth Workbench::searchAbout(SolveReport& report,
   slideRoots(report, solving, step, progress);
   if (report.outcome == optimize::Outcome::kEvaluationLimit)
     goOn(report, solving, options, progress);
-  if (solving.avoids() && report.minima.size() < found.size())
+  Worth worth = worthOf(report, solving);
+  if (searchesWidely(solving, options)) reachForMissed(worth, report, solving, step, progress);
+  if (solving.avoids() && report.minima.size() < found.size()) {
     keepMinima(found, report, solving, step, progress);
-  return worthOf(report, solving);
+    worth = worthOf(report, solving);
+  }
+  return worth;
 }
 
 Solution Workbench::answered(SolveReport report, const Solving& solving) const {
@@ -326,7 +345,7 @@ void Workbench::slideRoots(SolveReport& report,
   SolveReport present = report;
   // A step that moves all roots at once may first make things worse, so a few in a row may.
   for (int i = 0, worse = 0; i < kSlides && worse < kWorseSlides; ++i) {
-    if (!takeRootsFrom(present.pose)) break;
+    if (!takePlacesFrom(present.pose)) break;
     transfer(progress);
     start_ = present.pose;
     const PoseProblem slid = problem(solving);

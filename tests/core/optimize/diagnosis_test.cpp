@@ -117,9 +117,9 @@ TEST(Diagnosis, TellsReachedAndFacingAway) {
 
 TEST(Diagnosis, CountsThePatchesThatAreMissed) {
   const auto missedOf = [](const PoseProblem& problem) {
-    return missedPatches(problem, solve(problem, {}, Progress()));
+    return missedPatches(problem, solve(problem, {}, Progress())).size();
   };
-  EXPECT_EQ(missedOf(armAgainst(0.2, kArm)), 0);
+  EXPECT_EQ(missedOf(armAgainst(0.2, kArm)), 0U);
   EXPECT_EQ(missedOf(armAgainst(0.2, kArm, 1.2)), 1) << "it faces away";
   // Of two on one arm, 0.3 rad apart, the heavier one is met.
   PoseProblem both = armAgainst(0.2, kArm);
