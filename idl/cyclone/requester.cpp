@@ -11,9 +11,9 @@
 
 #include "idl/client_id.h"
 #include "idl/cyclone/calls.h"
-#include "idl/fields.h"
+#include "idl/cyclone/known_server.h"
+#include "idl/cyclone/requester_wires.h"
 #include "idl/operations.h"
-#include "idl/security/rights.h"
 
 namespace handgraft::idl::cyclone {
 
@@ -22,8 +22,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr milliseconds kFirstAnswer(2000);  // a server that lives says so once a second
-constexpr milliseconds kLost(3000);         // three missed, on a machine that may be busy
 constexpr milliseconds kUnknown(30'000);  // how long an edit's outcome is asked for in silence
 constexpr milliseconds kHeldUp(250);      // beyond the time to look: more than a busy machine
 constexpr milliseconds kLook(50);         // for calls that a silent server leaves behind
@@ -34,63 +32,22 @@ constexpr std::size_t kMiB = 1024 * 1024;
 constexpr std::uint64_t kWindow = 48;
 constexpr std::uint64_t kEditWindow = 384;  // likewise, of 512
 
-constexpr std::size_t kMostOthers = 64;  // servers of other names that are remembered
-
-/// What came over the wire, for a message of one line.
-std::string plainName(const std::string& name) {
-  constexpr std::size_t kLongest = 64;
-  std::string plain = name.substr(0, kLongest);
-  std::replace_if(
-      plain.begin(), plain.end(),
-      [](char c) {
-        return c < ' ' || c > '~';
-      },
-      '?');
-  return plain;
-}
-
 }  // namespace
 
 struct Requester::Impl {
   explicit Impl(const Participant& on)
       : participant(on),
-        requests(participant, kRequestTopic),
-        looks(participant, kLookTopic),
-        operations(participant, kOperateTopic),
-        edits(participant, kEditTopic),
-        replies(participant,
-                kReplyTopic,
-                [this] {
-                  arrived();
-                }),
-        edit_replies(participant,
-                     kEditReplyTopic,
-                     [this] {
-                       arrived();
-                     }),
-        progresses(participant,
-                   kProgressTopic,
-                   [this] {
-                     arrived();
-                   }),
-        statuses(participant,
-                 kStatusTopic,
-                 [this] {
-                   arrived();
-                 }),
+        server(on.network().server),
+        wires(participant,
+              [this] {
+                arrived();
+              }),
         receiver([this] {
           receive();
         }),
         repeater([this] {
           repeat();
-        }) {
-    // Soon in an open domain, so that the first request finds all matched; in a secured one
-    // once it is known what is asked for: roles differ in what they may write and read.
-    if (participant.identity()) return;
-    requests.get();
-    edits.get();
-    hearAnswers();
-  }
+        }) {}
 
   ~Impl() {
     {
@@ -122,43 +79,11 @@ struct Requester::Impl {
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
-  void hearAnswers() {
-    replies.get();
-    edit_replies.get();
-    progresses.get();
-  }
-
-  /// Errors: Refused (ERROR_NOT_PERMITTED).
   Writer<v1::Request>& writerOf(const RequestCall& call) {
-    const v1::Operation operation = call.message.body()._d();
-    if (!participant.identity()) return requests.get();
-    const Privilege privilege = traitsOf(operation).privilege;
-    try {
-      switch (privilege) {
-        case Privilege::kLook:
-          return looks.get();
-        case Privilege::kEdit:
-          return requests.get();
-        case Privilege::kOperate:
-          break;
-      }
-      return operations.get();
-    } catch (const NotPermitted& error) {
-      throw Refused(v1::ERROR_NOT_PERMITTED,
-                    fmt::format("{}: request '{}' is for {}", error.what(), nameOf(operation),
-                                security::holdersOf(privilege)));
-    }
+    return wires.writerOf(call.message.body()._d());
   }
 
-  Writer<v1::Edit>& writerOf(const EditCall& /*call*/) {
-    try {
-      return edits.get();
-    } catch (const NotPermitted& error) {
-      throw Refused(v1::ERROR_NOT_PERMITTED,
-                    fmt::format("{}: edits are for {}", error.what(),
-                                security::holdersOf(Privilege::kEdit)));
-    }
-  }
+  Writer<v1::Edit>& writerOf(const EditCall& /*call*/) { return wires.writerOfEdits(); }
 
   // === Receiving: everything is taken as it comes, so that other clients' replies do not pile
   // up
@@ -174,9 +99,8 @@ struct Requester::Impl {
   /// This program itself stood still, or did not get its turn: what it did not hear then is
   /// nobody's silence. `mutex` held.
   void forgive(Clock::time_point since) {
-    const Clock::time_point now = Clock::now();
-    const auto held_up = now - since - kLook;
-    if (held_up > kHeldUp) seen = std::min(now, seen + held_up);
+    const auto held_up = Clock::now() - since - kLook;
+    if (held_up > kHeldUp) server.forgive(held_up);
   }
 
   void receive() {
@@ -206,24 +130,11 @@ struct Requester::Impl {
   }
 
   void takeAll() {
-    statuses.take([this](const v1::ServerStatus& message) {
+    wires.statuses().take([this](const v1::ServerStatus& message) {
       const std::lock_guard lock(mutex);
-      if (message.name() != participant.network().server) {
-        others[message.name()] = {message.host(),
-                                  message.stopping() ? Clock::time_point{} : Clock::now()};
-        if (others.size() > kMostOthers) others.erase(others.begin());
-        return;
-      }
-      if (status && status->server_id() != message.server_id()) {
-        // Whoever says that he is a server, too, waits until the one we know is gone.
-        if (!message.stopping()) successor.emplace(message, Clock::now());
-        return succeed();
-      }
-      status = message;
-      seen = Clock::now();
-      succeed();
+      server.hear(message);
     });
-    if (auto* reader = progresses.made())
+    if (auto* reader = wires.progresses())
       reader->take([this](const v1::Progress& message) {
         if (message.client() != client) return;
         OnProgress tell;
@@ -231,14 +142,14 @@ struct Requester::Impl {
           const std::lock_guard lock(mutex);
           const auto found = request_calls.find(message.request_id());
           if (found == request_calls.end()) return;
-          seen = Clock::now();
+          server.hearAnswer();
           found->second->heard = true;
           found->second->pace.slowDown();
           tell = found->second->on_progress;
         }
         if (tell) tell(message.stage(), message.fraction());
       });
-    if (auto* reader = replies.made())
+    if (auto* reader = wires.replies())
       reader->take([this](const v1::Reply& message) {
         if (message.client() != client || isStrangers(message)) return;
         if (const auto call =
@@ -246,7 +157,7 @@ struct Requester::Impl {
           call->on_reply(outcomeOf<v1::ReplyBody>(message, message.body()));
         }
       });
-    if (auto* reader = edit_replies.made())
+    if (auto* reader = wires.editReplies())
       reader->take([this](const v1::EditReply& message) {
         if (message.client() != client || isStrangers(message)) return;
         if (const auto call = extract(edit_calls, message.edit_id(), message.server_id())) {
@@ -261,7 +172,7 @@ struct Requester::Impl {
   bool isStrangers(const Reply& reply) {
     if (reply.error() != v1::ERROR_OTHER_SERVER) return false;
     const std::lock_guard lock(mutex);
-    return !status || reply.server_id() != status->server_id();
+    return !server.isIt(reply.server_id());
   }
 
   template <class Body, class Reply>
@@ -278,7 +189,7 @@ struct Requester::Impl {
     const std::lock_guard lock(mutex);
     const auto found = calls.find(id);
     if (found == calls.end()) return nullptr;
-    if (status && status->server_id() == server_id) seen = Clock::now();
+    if (server.isIt(server_id)) server.hearAnswer();
     auto call = calls.extract(found).mapped();
     to_send.notify_all();  // one that waits may go
     return call;
@@ -289,7 +200,7 @@ struct Requester::Impl {
     std::vector<std::function<void()>> ends;
     {
       const std::lock_guard lock(mutex);
-      succeed();
+      server.succeed();
       ends.swap(failures);
       collectLost(request_calls, ends);
       collectLost(waiting, ends);
@@ -317,72 +228,29 @@ struct Requester::Impl {
 
   // === The server's life; `mutex` held
 
-  [[nodiscard]] bool alive() const {
-    return status && !status->stopping() && Clock::now() - seen < kLost;
-  }
-
-  /// Another server is the one to ask once the one before is gone.
-  void succeed() {
-    if (!successor || alive()) return;
-    auto [next, heard] = *std::exchange(successor, std::nullopt);
-    if (Clock::now() - heard >= kLost) return;
-    status = std::move(next);
-    seen = heard;
-  }
-
   /// The server that a call is for: its own, or whichever is there.
   template <class AnyCall>
   [[nodiscard]] std::uint64_t serverOf(const AnyCall& call) const {
-    return call.of_one_server || !status ? call.message.server_id() : status->server_id();
-  }
-
-  void requireSameVersion() const {
-    if (!status || status->protocol_version() == v1::PROTOCOL_VERSION) return;
-    throw Refused(
-        v1::ERROR_VERSION,
-        fmt::format("the server ({}) speaks protocol {}, this program speaks {}",
-                    status->version(), status->protocol_version(), v1::PROTOCOL_VERSION));
-  }
-
-  [[nodiscard]] NoServer noServer() const {
-    std::string there;
-    for (const auto& [name, other] : others) {
-      if (Clock::now() - other.heard > kLost) continue;
-      there += fmt::format("{}{} on {}", there.empty() ? "" : ", ",
-                           name.empty() ? "one without a name" : "--server " + plainName(name),
-                           plainName(other.host));
-    }
-    std::string text = fmt::format(
-        "no handgraft-server{} answers on {}",
-        there.empty() || !participant.network().server.empty() ? "" : " without a name",
-        describe(participant.network()));
-    if (!there.empty()) text += "; there is " + there;
-    if (participant.identity()) {
-      text +=
-          "; one that is open, of another authority, or that knows this identity as revoked "
-          "does not";
-    } else if (participant.isKeptOut()) {
-      text += "; a secured program is there, which takes an identity to meet (--identity)";
-    }
-    return NoServer(text);
+    return call.of_one_server || !server.status() ? call.message.server_id()
+                                                  : server.status()->server_id();
   }
 
   /// Why a call can hope for nothing; nullptr if it can.
   std::exception_ptr lossOf(const RequestCall& call,
                             std::vector<std::function<void()>>& /*tell*/) const {
-    return lossSince(call.begun, serverOf(call));
+    return server.lossSince(call.begun, serverOf(call), participant);
   }
 
   /// Likewise. Whether an edit was applied before its server fell silent is not known, and it
   /// may still be once it is heard again: its outcome is asked for until it is known, or until
   /// it is over with that server.
   std::exception_ptr lossOf(EditCall& call, std::vector<std::function<void()>>& tell) const {
-    const std::exception_ptr lost = lossSince(call.begun, serverOf(call));
+    const std::exception_ptr lost = server.lossSince(call.begun, serverOf(call), participant);
+    const std::optional<v1::ServerStatus>& status = server.status();
     if (!lost || !status || status->protocol_version() != v1::PROTOCOL_VERSION) return lost;
     if (status->server_id() != call.message.server_id() && call.message.server_id() != 0)
       return lost;
-    const auto silence = Clock::now() - std::max(seen, call.begun);
-    if (status->stopping() || silence >= kUnknown) {
+    if (status->stopping() || server.silenceSince(call.begun) >= kUnknown) {
       return std::make_exception_ptr(Refused(
           v1::ERROR_OUTCOME_UNKNOWN,
           fmt::format("handgraft-server on {} {}: whether the edit was applied is not known",
@@ -395,27 +263,6 @@ struct Requester::Impl {
       });
     }
     return nullptr;
-  }
-
-  /// Why a call of that server, or of any (0), begun then, can hope for nothing.
-  [[nodiscard]] std::exception_ptr lossSince(Clock::time_point begun,
-                                             std::uint64_t server_id) const {
-    try {
-      requireSameVersion();
-      if (server_id != 0 && status && status->server_id() != server_id) {
-        throw Refused(
-            v1::ERROR_OTHER_SERVER,
-            fmt::format("handgraft-server {} on {} is gone, and its sessions with it; "
-                        "another one ({}) answers",
-                        server_id, describe(participant.network()), status->server_id()));
-      }
-      if (alive() || Clock::now() - begun < kFirstAnswer) return nullptr;
-      if (!status) throw noServer();
-      throw NoServer(fmt::format("handgraft-server on {} {}", describe(participant.network()),
-                                 status->stopping() ? "is stopping" : "stopped answering"));
-    } catch (...) {
-      return std::current_exception();
-    }
   }
 
   // === Sending
@@ -504,7 +351,7 @@ struct Requester::Impl {
     }
     try {
       auto& writer = writerOf(call);
-      hearAnswers();
+      wires.hearAnswers();
       tryWrite([&] {
         if (server_id == call.message.server_id()) return writer.write(call.message);
         auto readdressed = call.message;
@@ -565,27 +412,10 @@ struct Requester::Impl {
   Calls<EditCall> edit_calls;
   Calls<EditCall> waiting_edits;                ///< likewise
   std::vector<std::function<void()>> failures;  ///< to be told
-  std::optional<v1::ServerStatus> status;
-  Clock::time_point seen{};
-  /// Another server and when it was heard; the one to ask once the first is gone.
-  std::optional<std::pair<v1::ServerStatus, Clock::time_point>> successor;
+  KnownServer server;
 
-  struct Other {
-    std::string host;
-    Clock::time_point heard;
-  };
-
-  std::map<std::string, Other> others;  ///< servers of other names, for who finds none of this
-
-  Lazy<Writer<v1::Request>> requests;
-  Lazy<Writer<v1::Request>> looks;
-  Lazy<Writer<v1::Request>> operations;
-  Lazy<Writer<v1::Edit>> edits;
-  // Their listeners touch all of the above: made last, gone first.
-  Lazy<Reader<v1::Reply>> replies;
-  Lazy<Reader<v1::EditReply>> edit_replies;
-  Lazy<Reader<v1::Progress>> progresses;
-  Reader<v1::ServerStatus> statuses;
+  // Its listeners touch all of the above: made last, gone first.
+  RequesterWires wires;
   std::thread receiver;
   std::thread repeater;
 };
@@ -599,14 +429,15 @@ bool Requester::waitForServer(milliseconds timeout) {
   const Clock::time_point deadline = Clock::now() + timeout;
   std::unique_lock lock(impl_->mutex);
   return impl_->news.wait_until(lock, deadline, [this] {
-    return impl_->alive();
+    return impl_->server.isAlive();
   });
 }
 
 void Requester::requireServer() {
-  if (!waitForServer()) throw impl_->noServer();
+  const bool is_there = waitForServer();
   const std::lock_guard lock(impl_->mutex);
-  impl_->requireSameVersion();
+  if (!is_there) throw impl_->server.none(impl_->participant);
+  impl_->server.requireSameVersion();
 }
 
 Requester::CallId Requester::begin(const v1::RequestBody& body,
@@ -618,7 +449,7 @@ Requester::CallId Requester::begin(const v1::RequestBody& body,
   request.body(body);
   const std::size_t bytes = v1::Request::getCdrSerializedSize(request);
   std::unique_lock lock(impl_->mutex);
-  if (impl_->status) request.server_id(impl_->status->server_id());
+  if (impl_->server.status()) request.server_id(impl_->server.status()->server_id());
   const CallId id = impl_->next_request++;
   if (bytes > kLargestRequest) {
     // The server would drop it, and it would be repeated in silence.
@@ -662,7 +493,7 @@ void Requester::beginEdit(std::uint64_t session_id,
   if (when) edit.when().push_back(*when);
   edit.body(body);
   std::unique_lock lock(impl_->mutex);
-  if (impl_->status) edit.server_id(impl_->status->server_id());
+  if (impl_->server.status()) edit.server_id(impl_->server.status()->server_id());
   const std::uint64_t id = impl_->next_edit++;
   edit.edit_id(id);
   const std::size_t bytes = v1::EditBody::getCdrSerializedSize(body);
@@ -746,7 +577,7 @@ v1::ClientId Requester::client() const {
 
 v1::ServerStatus Requester::status() const {
   const std::lock_guard lock(impl_->mutex);
-  return impl_->status.value_or(v1::ServerStatus());
+  return impl_->server.status().value_or(v1::ServerStatus());
 }
 
 }  // namespace handgraft::idl::cyclone
