@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <future>
 #include <map>
 #include <set>
 #include <string>
@@ -167,11 +168,16 @@ void makeSkins(const fs::path& folder) {
   if (readLibrary(builtInLibrary(), store) > 0)
     rejectInput("models: a built-in one cannot be read");
   const hand::SkinCache skins(folder);
+  // Each takes seconds: side by side.
+  std::vector<std::future<void>> made;
   for (const v1::ModelSummary& one : store.list()) {
     if (one.kind() != v1::MODEL_HAND) continue;
-    static_cast<void>(
-        skins.get(store.hand(one.name())->hand->model(), HandReading().skin, Progress()));
+    made.push_back(std::async(std::launch::async, [&skins, held = store.hand(one.name())] {
+      static_cast<void>(skins.get(held->hand->model(), HandReading().skin, Progress()));
+    }));
   }
+  for (std::future<void>& one : made)
+    one.get();
 }
 
 }  // namespace handgraft::server
