@@ -1,7 +1,6 @@
 #include "client/link/client.h"
 
 #include <cstdio>
-#include <map>
 #include <mutex>
 #include <utility>
 
@@ -154,40 +153,10 @@ struct Client::Impl {
     }
   }
 
-  /// True of one that may ask nothing, by its role in a secured domain.
-  [[nodiscard]] bool onlyWatches() const {
+  /// True of one that may change nothing, by its role in a secured domain.
+  [[nodiscard]] bool onlyLooks() const {
     const auto& identity = connected()->participant->identity();
     return identity && identity->role == idl::security::Role::kViewer;
-  }
-
-  /// The sessions whose states are heard, as who only watches may know of them.
-  [[nodiscard]] v1::SessionList sessionsHeard() const {
-    constexpr milliseconds kHearing(1500);
-    constexpr milliseconds kLook(50);
-    const auto on = connected();
-    idl::cyclone::Reader<v1::SessionState> reader(*on->participant, idl::kSessionTopic);
-    std::map<std::uint64_t, v1::SessionState> heard;
-    const auto until = std::chrono::steady_clock::now() + kHearing;
-    while (heard.size() < on->requester.status().session_count() &&
-           std::chrono::steady_clock::now() < until) {
-      checkpoint();
-      reader.wait(kLook);
-      reader.take([&](const v1::SessionState& state) {
-        heard[state.session_id()] = state;
-      });
-    }
-    v1::SessionList list;
-    for (const auto& [id, state] : heard) {
-      if (state.phase() != v1::PHASE_CLOSED) list.sessions().push_back(state);
-    }
-    return list;
-  }
-
-  template <class T>
-  static Pending<T> settled(Outcome<T> outcome) {
-    const auto state = std::make_shared<typename Pending<T>::State>();
-    state->settle(std::move(outcome));
-    return Pending<T>(state);
   }
 
   ClientOptions options;
@@ -211,8 +180,8 @@ Client::Client(ClientOptions options) : impl_(std::make_unique<Impl>(std::move(o
 
 Client::~Client() = default;
 
-bool Client::onlyWatches() const {
-  return impl_->onlyWatches();
+bool Client::onlyLooks() const {
+  return impl_->onlyLooks();
 }
 
 // === The connection
@@ -363,22 +332,11 @@ Pending<v1::SessionState> Client::openSession(const v1::OpenSessionRequest& requ
 }
 
 Pending<v1::SessionState> Client::describeSession(std::uint64_t session_id) {
-  if (impl_->onlyWatches()) {
-    const v1::SessionList heard = impl_->sessionsHeard();
-    for (const v1::SessionState& state : heard.sessions()) {
-      if (state.session_id() == session_id) return Impl::settled<v1::SessionState>(state);
-    }
-    return Impl::settled<v1::SessionState>(std::make_exception_ptr(Refused(
-        v1::ERROR_NOT_FOUND,
-        fmt::format("session {} is not heard of; {} are", session_id,
-                    heard.sessions().empty() ? "none" : "others (handgraft sessions)"))));
-  }
   return impl_->call<v1::SessionState>(sessionBody(v1::OP_DESCRIBE_SESSION, session_id),
                                        sessionIn);
 }
 
 Pending<v1::SessionList> Client::listSessions() {
-  if (impl_->onlyWatches()) return Impl::settled<v1::SessionList>(impl_->sessionsHeard());
   return impl_->call<v1::SessionList>(plainBody(v1::OP_LIST_SESSIONS),
                                       [](v1::ReplyBody& reply) {
                                         return std::move(reply.sessions());

@@ -70,9 +70,9 @@ class Client {
   /// The connection that stands; what reads streams keeps it and looks whether it changed.
   [[nodiscard]] std::shared_ptr<const idl::cyclone::Participant> participant() const;
 
-  /// True of a viewer in a secured domain (idl/security): only streams, and `listSessions` and
-  /// `describeSession` out of them; all else is Refused (ERROR_NOT_PERMITTED).
-  [[nodiscard]] bool onlyWatches() const;
+  /// True of a viewer in a secured domain (idl/security): what would change something is
+  /// Refused (ERROR_NOT_PERMITTED).
+  [[nodiscard]] bool onlyLooks() const;
 
   /// Any request of the contract, for what has no function below.
   Pending<v1::ReplyBody> ask(const v1::RequestBody& body);

@@ -85,7 +85,7 @@ Rights rightsOf(Role role, const std::string& name) {
     case Role::kEditor:
       return {edits(), answers() + streams()};
     case Role::kViewer:
-      return {{}, streams()};
+      return {{kLookTopic.name}, answers() + streams()};
     case Role::kHand:
       // Samples, rt/handgraft/<session>/joint_trajectory, steer hands: no pattern of a hand's
       // own topics may match them. Deny rules would do so, but for Cyclone, which does not make
@@ -113,7 +113,7 @@ const Topic<v1::Request>& requestTopicOf(Privilege privilege) {
 const char* holdersOf(Privilege privilege) {
   switch (privilege) {
     case Privilege::kLook:
-      return "operators, editors and hands";
+      return "operators, editors, viewers and hands";
     case Privilege::kEdit:
       return "operators and editors";
     case Privilege::kOperate:

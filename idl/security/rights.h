@@ -13,7 +13,7 @@ enum class Role {
   kServer,    ///< serves: the only one whose states, solutions and replies are taken
   kOperator,  ///< an editor who also arms hands, steers them by samples and unloads models
   kEditor,    ///< opens and edits sessions, loads models
-  kViewer,    ///< reads the streams, asks nothing
+  kViewer,    ///< reads the streams, asks what changes nothing
   kHand,      ///< a bridge: follows, tells what it measures, obeys operators alone
 };
 

@@ -63,11 +63,14 @@ echo 'dir thumb 10deg' >"$scratch/turn"
 as a-editor edit "$session" --script "$scratch/turn" >"$scratch/edit" 2>&1 || { cat "$scratch/edit"; fail "no edit"; }
 [ "$(revision)" -gt "$before" ] || { cat "$scratch/edit"; fail "the edit changed nothing"; }
 
-# === A viewer watches, and nothing else
+# === A viewer looks, and nothing else
 as a-viewer sessions --json >"$scratch/sessions"
 grep -q "$session" "$scratch/sessions" || { cat "$scratch/sessions"; fail "a viewer does not see the session"; }
 as a-viewer watch "$session" --count 1 >"$scratch/watch" 2>&1 || { cat "$scratch/watch"; fail "a viewer cannot watch"; }
 as a-viewer bridge status >"$scratch/status" || fail "a viewer cannot see the bridge"
+as a-viewer export "$session" --format csv --out "$scratch/pose.csv" >"$scratch/said" 2>&1 || { cat "$scratch/said"; fail "a viewer cannot export"; }
+as a-viewer doctor >"$scratch/said" 2>&1 || { cat "$scratch/said"; fail "a viewer's doctor"; }
+grep -q "change nothing" "$scratch/said" || { cat "$scratch/said"; fail "doctor does not say what a viewer may"; }
 before=$(revision)
 says 'viewer, which may not' as a-viewer close "$session"
 says 'viewer, which may not' as a-viewer edit "$session" --script "$scratch/turn"

@@ -90,13 +90,11 @@ int run(const DoctorOptions& /*options*/,
     const Clock::time_point begin = Clock::now();
     Client server(attended(common.network, Absence::kFail, interruption));
     report.found_ms = millisecondsSince(begin);
-    if (server.onlyWatches()) {
+    if (server.onlyLooks())
       report.advice =
-          "This identity is a viewer's: it follows sessions and bridges, and may ask nothing.";
-    } else {
-      report.round_trip_ms = roundTrip(server);
-      report.models = server.listModels().get();
-    }
+          "This identity is a viewer's: it may look at everything and change nothing.";
+    report.round_trip_ms = roundTrip(server);
+    report.models = server.listModels().get();
     report.server = server.status();
   } catch (const NoServer& error) {
     report.advice = fmt::format(

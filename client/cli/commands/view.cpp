@@ -97,6 +97,7 @@ int run(const ViewOptions& options, const CommonOptions& common, Interruption& i
   Client server(attended(common.network,
                          options.session_id == 0 ? Absence::kStartPrivate : Absence::kFail,
                          interruption, &progress));
+  web.read_only = web.read_only || server.onlyLooks();
   const std::uint64_t session = openAsked(options, inputs, saved, server, interruption);
   if (session != 0) {
     // It is known to exist; what it takes to describe the hand is made before a page asks.

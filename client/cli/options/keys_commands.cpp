@@ -10,7 +10,7 @@ namespace handgraft::client {
 namespace {
 
 constexpr const char* kRoleHelp =
-    "operator: edits, arms hands, unloads models; editor: edits; viewer: only watches; "
+    "operator: edits, arms hands, unloads models; editor: edits; viewer: only looks; "
     "hand: a bridge; server: a server";
 
 }  // namespace

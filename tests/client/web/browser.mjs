@@ -53,8 +53,11 @@ export async function typed(session, text) {
   await new Promise((resolve) => prompt.on('exit', resolve));
 }
 
+/** Of a secured domain: its identity. */
+export const ofServer = [];
+
 export async function startServer() {
-  const server = start('handgraft-server', '--domain', domain, '--log-level', 'warning');
+  const server = start('handgraft-server', '--domain', domain, '--log-level', 'warning', ...ofServer);
   for (let i = 0; i < 100; ++i) {
     try {
       await handgraft('doctor');
