@@ -1,4 +1,5 @@
 // Edits as the service runs them: in order, answered, followed by solutions.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -469,6 +470,70 @@ TEST_F(LiveEdits, AreComparedWithASnapshot) {
   EXPECT_TRUE(tells_the_joint);
   body.compare().b("nobody's");
   EXPECT_THAT(bus.ask(body).message(), HasSubstr("nobody's"));
+}
+
+v1::RequestBody linkPosesOf(std::uint64_t session,
+                            const v1::Pose& X_WH,
+                            std::vector<double> q) {
+  v1::LinkPosesRequest request;
+  request.session_id(session);
+  request.X_WH(X_WH);
+  request.joint_positions(std::move(q));
+  v1::RequestBody body;
+  body.link_poses(request);
+  return body;
+}
+
+/// The largest difference of any coordinate: quaternions come normalised anew.
+double differenceOf(const v1::Pose& a, const v1::Pose& b) {
+  double most = 0.0;
+  for (std::size_t i = 0; i < 3; ++i)
+    most = std::max(most, std::abs(a.p_m()[i] - b.p_m()[i]));
+  for (std::size_t i = 0; i < 4; ++i)
+    most = std::max(most, std::abs(a.q_wxyz()[i] - b.q_wxyz()[i]));
+  return most;
+}
+
+TEST_F(LiveEdits, SayWhereTheLinksAreForAnyJoints) {
+  const std::uint64_t session = openSolved();
+  const v1::PoseSolution solution = finalOf(session, 0);
+  const v1::Reply same =
+      bus.ask(linkPosesOf(session, solution.X_WH(), solution.joint_positions()));
+  ASSERT_EQ(same.error(), v1::ERROR_NONE) << same.message();
+  ASSERT_EQ(same.body().link_poses().X_WL().size(), solution.X_WL().size());
+  for (std::size_t link = 0; link < solution.X_WL().size(); ++link)
+    EXPECT_LT(differenceOf(same.body().link_poses().X_WL()[link], solution.X_WL()[link]),
+              1e-12);
+
+  // The hinge turns the jaw and leaves the palm; the session is as it was.
+  std::vector<double> bent = solution.joint_positions();
+  bent[0] += 0.1;
+  const v1::Reply other = bus.ask(linkPosesOf(session, solution.X_WH(), bent));
+  ASSERT_EQ(other.error(), v1::ERROR_NONE) << other.message();
+  const auto& X_WL = other.body().link_poses().X_WL();
+  ASSERT_EQ(X_WL.size(), 2u);
+  EXPECT_LT(differenceOf(X_WL[0], solution.X_WL()[0]), 1e-12);
+  EXPECT_GT(differenceOf(X_WL[1], solution.X_WL()[1]), 0.01);
+  EXPECT_EQ(settings(session).state().revision(), 0u);
+}
+
+TEST_F(LiveEdits, SayWhatIsWrongWithJointsWhoseLinksAreAskedFor) {
+  const std::uint64_t session = openSolved();
+  const v1::Pose X_WH = finalOf(session, 0).X_WH();
+  const auto messageOf = [&](const v1::RequestBody& body) {
+    const v1::Reply reply = bus.ask(body);
+    EXPECT_EQ(reply.error(), v1::ERROR_INVALID_INPUT) << reply.message();
+    return reply.message();
+  };
+  EXPECT_THAT(messageOf(linkPosesOf(session, X_WH, {})),
+              HasSubstr("joint_positions: 0 of them; hand 'clamp' has 1 joints"));
+  EXPECT_THAT(messageOf(linkPosesOf(session, X_WH, {0.1, 0.2})), HasSubstr("2 of them"));
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(messageOf(linkPosesOf(session, X_WH, {nan})), HasSubstr("joint_positions"));
+  v1::Pose flat = X_WH;
+  flat.q_wxyz({0.0, 0.0, 0.0, 0.0});
+  EXPECT_THAT(messageOf(linkPosesOf(session, flat, {0.1})), HasSubstr("X_WH"));
+  EXPECT_EQ(bus.ask(linkPosesOf(session + 1, X_WH, {0.1})).error(), v1::ERROR_NOT_FOUND);
 }
 
 TEST_F(LiveEdits, ThatAreWrongNameWhatIsAndChangeNothing) {
