@@ -17,7 +17,7 @@ namespace handgraft::client::gateway {
 namespace {
 
 constexpr std::chrono::milliseconds kRestBeforeSaving(800);  // nobody waits for it
-constexpr std::size_t kMostFramesTold = 600;                 // of a motion, unasked
+constexpr std::size_t kMostFramesTold = 600;  // of a motion, unasked; of more every second one
 
 }  // namespace
 
@@ -55,6 +55,20 @@ void Gateway::Impl::onSolution(std::uint64_t session, const v1::PoseSolution& so
   tellFollowers(session, "pose", text);
 }
 
+/// Of many frames every second, fourth, ... by its index: pages show no more of a long motion.
+void Gateway::Impl::add(ToldFrames& told, const v1::MotionFrame& frame) {
+  if (frame.index() % told.every != 0) return;
+  if (told.frames.size() >= kMostFramesTold) {
+    told.every *= 2;
+    Json kept = Json::array();
+    for (Json& one : told.frames)
+      if (one["index"].get<std::uint32_t>() % told.every == 0) kept.push_back(std::move(one));
+    told.frames = std::move(kept);
+    return add(told, frame);
+  }
+  told.frames.push_back(idl::jsonOf(frame));
+}
+
 /// Each time all that came of a revision, so that a page that skips some of it misses nothing.
 void Gateway::Impl::onFrames(std::uint64_t session, const v1::MotionFrames& frames) {
   const std::lock_guard lock(mutex);
@@ -62,16 +76,13 @@ void Gateway::Impl::onFrames(std::uint64_t session, const v1::MotionFrames& fram
   if (found == followed.end()) return;
   ToldFrames& told = found->second.told_frames;
   if (told.is_last) {
-    told = {told.revision, frames.revision(), false, Json::array()};
+    told = {told.revision, frames.revision()};
   } else if (told.revision != frames.revision()) {
-    told = {told.since, frames.revision(), false, Json::array()};  // that one was cut short
+    told = {told.since, frames.revision()};  // that one was cut short
   }
   told.is_last = frames.is_last();
-  if (told.frames.is_array() && told.frames.size() + frames.frames().size() > kMostFramesTold)
-    told.frames = nullptr;  // pages ask for those that they show
-  if (told.frames.is_array())
-    for (const v1::MotionFrame& frame : frames.frames())
-      told.frames.push_back(idl::jsonOf(frame));
+  for (const v1::MotionFrame& frame : frames.frames())
+    add(told, frame);
   tellFollowers(session, "frames",
                 textOf({{"event", "frames"},
                         {"session", session},
@@ -79,6 +90,7 @@ void Gateway::Impl::onFrames(std::uint64_t session, const v1::MotionFrames& fram
                         {"revision", told.revision},
                         {"frame_count", frames.frame_count()},
                         {"is_last", told.is_last},
+                        {"every", told.every},
                         {"frames", told.frames}}));
 }
 

@@ -48,6 +48,7 @@ struct Gateway::Impl : Audience, std::enable_shared_from_this<Gateway::Impl> {
         since;  ///< the revision that they differ from; not known: none
     std::uint64_t revision = 0;
     bool is_last = false;
+    std::uint32_t every = 1;  ///< of them, by index, a power of two
     Json frames = Json::array();
   };
 
@@ -114,6 +115,7 @@ struct Gateway::Impl : Audience, std::enable_shared_from_this<Gateway::Impl> {
   Listener listenerFor(std::uint64_t session);
   void onSolution(std::uint64_t session, const v1::PoseSolution& solution);
   void onState(std::uint64_t session, const v1::SessionState& state);
+  static void add(ToldFrames& told, const v1::MotionFrame& frame);
   void onFrames(std::uint64_t session, const v1::MotionFrames& frames);
   void onClock(std::uint64_t session, const v1::MotionClock& clock);
   void onEnd(std::uint64_t session, const std::exception_ptr& why);

@@ -4,7 +4,8 @@ import { Quaternion, Vector3 } from 'three';
 import { Refusal, type Link } from './link';
 import type { MotionDescription, MotionFrame, MotionFrames, Pose, PoseSolution } from './wire';
 
-const kMostFrames = 600; // of longer motions every second, third, ... one is shown
+const kMostFrames = 600; // of longer motions every second, fourth, ... one is shown
+const kFine = 60; // but of those to either side of the time that is shown, by their index, all
 const kAtOnce = 60; // in one answer
 
 /** Keeps to the range [0, 1]. */
@@ -43,18 +44,24 @@ function withShapesOf(frame: MotionFrame, before: MotionFrame): MotionFrame {
   return { ...frame, patches };
 }
 
+function inOrder(frames: Map<number, MotionFrame>): MotionFrame[] {
+  return [...frames.values()].sort((a, b) => a.index - b.index);
+}
+
 export class Motion {
   /** As they are shown: also those of an answer that is not complete yet. */
   frames: MotionFrame[];
   /** By index: the outlines are older than the frame. */
   readonly unshaped = new Set<number>();
   private shown: number; // the revision of the newest
+  /** Those of which all are here, by index. */
+  private fine = { from: 0, end: 0 };
 
   constructor(
     readonly description: MotionDescription,
     private answered: MotionFrame[],
     public revision: number,
-    /** Of the motion's frames that many-th is here. */
+    /** Of the motion's frames that many-th is here, a power of two; and between them those that are fine. */
     readonly every = 1,
   ) {
     this.frames = answered;
@@ -64,20 +71,59 @@ export class Motion {
   /** Frames that a solve has so far: in place of the answer's until that is complete. */
   preview(revision: number, frames: MotionFrame[]): void {
     if (revision < this.revision) return;
-    const fresh = new Map(frames.map((frame) => [frame.index, frame]));
     this.shown = revision;
-    this.frames = this.answered.map((frame) => {
-      const other = fresh.get(frame.index);
-      if (other === undefined) return frame;
+    const all = new Map(this.answered.map((frame) => [frame.index, frame]));
+    let before = this.answered[0];
+    for (const frame of frames) {
+      before = all.get(frame.index) ?? before;
+      if (before === undefined || !this.isShown(frame.index)) continue;
       this.unshaped.add(frame.index);
-      return withShapesOf(other, frame);
-    });
+      all.set(frame.index, withShapesOf(frame, before));
+    }
+    this.frames = inOrder(all);
   }
 
-  /** What is shown answers that revision. */
-  complete(revision: number): void {
+  /** What is shown answers that revision, of which every so many-th frame was told. */
+  complete(revision: number, every = 1): void {
+    if (every > 1) this.coarsen();
     this.answered = this.frames;
     this.revision = this.shown = revision;
+  }
+
+  /** Which frames to ask for, so that all about that time are here; null: they are. */
+  missingAt(time_s: number): { first: number; count: number } | null {
+    const all = this.description.frame_count;
+    const middle = this.frames[this.indexAt(time_s)]!.index;
+    const from = Math.max(0, middle - kFine);
+    const end = Math.min(all, middle + kFine + 1);
+    // Not again for every step.
+    const isThere = (index: number) => index < 0 || index > all - 1 || (index >= this.fine.from && index < this.fine.end);
+    if (this.every === 1 || (isThere(middle - kFine / 2) && isThere(middle) && isThere(middle + kFine / 2))) return null;
+    return { first: from, count: end - from };
+  }
+
+  /** All frames from there on, with their outlines, in place of those that were fine before. */
+  refine(revision: number, frames: MotionFrame[]): void {
+    const first = frames[0];
+    if (first === undefined || revision !== this.revision || this.shown !== revision) return;
+    this.coarsen();
+    this.fine = { from: first.index, end: first.index + frames.length };
+    const all = new Map(this.frames.map((frame) => [frame.index, frame]));
+    for (const frame of frames) {
+      all.set(frame.index, frame);
+      this.unshaped.delete(frame.index);
+    }
+    this.answered = this.frames = inOrder(all);
+  }
+
+  private isShown(index: number): boolean {
+    return index % this.every === 0 || (index >= this.fine.from && index < this.fine.end);
+  }
+
+  private coarsen(): void {
+    this.fine = { from: 0, end: 0 };
+    this.frames = this.frames.filter((frame) => frame.index % this.every === 0);
+    for (const index of this.unshaped) if (index % this.every !== 0) this.unshaped.delete(index);
   }
 
   /** Frames with their outlines, of the answer that is shown. */
@@ -164,7 +210,8 @@ export async function fetchMotion(
   maySolve: boolean,
   onShare: (share: number) => void,
 ): Promise<Motion> {
-  const every = Math.max(1, Math.ceil(description.frame_count / kMostFrames));
+  let every = 1;
+  while (description.frame_count > every * kMostFrames) every *= 2; // as the gateway thins what it tells
   const ask = (first: number) =>
     link.ask<MotionFrames>({
       kind: 'motion_frames',
@@ -189,11 +236,30 @@ export async function fetchMotion(
   return new Motion(description, frames, revision, every);
 }
 
+/** Asks for all frames about a time, where not all are here; true: there are more now. */
+export async function fetchFine(link: Link, session: number, motion: Motion, time_s: number): Promise<boolean> {
+  const missing = motion.missingAt(time_s);
+  if (missing === null) return false;
+  const { revision } = motion;
+  const frames: MotionFrame[] = [];
+  while (frames.length < missing.count) {
+    const answer = await link.ask<MotionFrames>({
+      kind: 'motion_frames',
+      motion_frames: { session_id: session, first: missing.first + frames.length, count: Math.min(kAtOnce, missing.count - frames.length), every: 1, with_shapes: true },
+    });
+    if (answer.frames.length === 0 || answer.revision !== revision || motion.newest !== revision) return false;
+    frames.push(...answer.frames);
+  }
+  motion.refine(revision, frames);
+  return true;
+}
+
 /** Asks for the outlines of frames that were solved anew. */
 export async function fetchShapes(link: Link, session: number, motion: Motion): Promise<void> {
-  const { every, revision } = motion;
+  const { revision } = motion;
   const wanted = [...motion.unshaped].sort((a, b) => a - b);
   for (let i = 0; i < wanted.length; ) {
+    const every = Math.min(motion.every, (wanted[i + 1] ?? Infinity) - wanted[i]!);
     let count = 1;
     while (count < kAtOnce && wanted[i + count] === wanted[i]! + count * every) ++count;
     const answer = await link.ask<MotionFrames>({

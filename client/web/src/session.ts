@@ -1,19 +1,18 @@
 // The session that the page shows: what is known of it, what is done to it.
 
-import { Matrix4 } from 'three';
+import { aimed, editedAt } from './aim';
+import { Drag } from './drag';
+import { Frames } from './frames';
 import { FileLink, Refusal, type Link, type Listener, type Measured, type PageInfo } from './link';
-import { fetchMotion, fetchShapes, type Motion } from './motion';
-import { matrixOf, poseOf } from './mesh';
+import type { Motion } from './motion';
 import {
   edits,
-  type DragBody,
   type EditBody,
   type EditTime,
   type FramesNews,
   type HandDescription,
   type Model,
   type MotionClock,
-  type MotionDescription,
   type PatchInfo,
   type PatchReport,
   type Pose,
@@ -36,9 +35,6 @@ export interface Notice {
   kind: 'plain' | 'wrong';
 }
 
-/** What may hold about a time of a motion. */
-const kTimed = new Set(['patch_root', 'patch_direction', 'patch_enabled', 'patch_weight', 'joint_limit', 'joint_lock', 'joint_soft', 'drag']);
-
 /** A pose that was shown, for looking back. */
 export interface Past {
   revision: number;
@@ -46,9 +42,7 @@ export interface Past {
   solution: PoseSolution;
 }
 
-const kFastest_ms = 25; // between two edits of one drag
 const kMostInFlight = 3; // of one drag, before the first of them is answered
-const kFrames_ms = 1500; // a drag's next edit of a motion waits so long for frames of the last
 const kLookAgain_ms = 250; // settings, while edits follow each other
 const kLongestPast = 400;
 const kMove_ms = 5000; // until a session that its server lost has another number
@@ -82,11 +76,10 @@ export class Session implements Listener {
   /** From an edit's sending to its pose, in ms. */
   readonly delays_ms: number[] = [];
 
+  private readonly frames = new Frames(this);
   private readonly watchers: ((change: Change) => void)[] = [];
   private readonly notices: ((notice: Notice) => void)[] = [];
   private loaded = '';
-  private fetched = ''; // which motion, solved how
-  private description: { motion: string; model: Promise<Model<MotionDescription>> } | null = null;
   private mayEditAny = false;
   private lookAgain = false; // asked for while the last answer was on its way
   private countsAnew = false; // revisions, of a session that was opened again
@@ -95,9 +88,6 @@ export class Session implements Listener {
   private begun = 0; // steps that were there before the first edit
   /** Edits that were made as one: a drag. Undone as one, too. */
   private readonly groups: { from: number; to: number }[] = [];
-  private readonly waitingForFrames: (() => void)[] = [];
-  private isShaping = false;
-  private frameTimer = 0; // for frames that were not told
   private readonly sent: { revision: number; at_ms: number }[] = [];
 
   constructor(readonly link: Link) {}
@@ -138,9 +128,8 @@ export class Session implements Listener {
   async show(session: number): Promise<void> {
     this.id = session;
     this.state = this.solution = this.settings = this.motion = this.clock = this.measured = null;
-    this.fetched = '';
+    this.frames.forget();
     this.begun = 0;
-    this.description = null;
     this.past.length = this.groups.length = 0;
     this.tell('none');
     if (session === 0) return;
@@ -170,6 +159,7 @@ export class Session implements Listener {
     if (this.motion === null) return;
     this.solution = this.motion.at(time_s, this.id);
     this.tell('pose');
+    this.frames.rest();
   }
 
   /** Where the hand's links are, for joints that no solution tells of. */
@@ -193,10 +183,14 @@ export class Session implements Listener {
 
   /** Of a motion: the last that was edited so about the time that is shown; the texts are the server's. */
   editedHere(texts: string[]): string | null {
-    if (this.motion === null || this.reach_s === null) return null;
-    const covers = ({ time_s, falloff_s }: EditTime) => Math.abs(time_s - this.time_s) <= Math.max(falloff_s / 2, 1e-6);
-    const found = (this.settings?.timed ?? []).filter((one) => texts.includes(one.text) && covers(one));
-    return found.at(-1)?.text ?? null;
+    return this.motion === null || this.reach_s === null ? null : editedAt(this, this.time_s, texts);
+  }
+
+  /** Of a motion: the patch counts at that time. */
+  isOn(patch: string, time_s: number): boolean {
+    const edit = editedAt(this, time_s, [`enable ${patch}`, `disable ${patch}`]);
+    if (edit !== null) return edit.startsWith('enable');
+    return this.settings?.patches.find((one) => one.name === patch)?.enabled ?? true;
   }
 
   /** Takes an edit at a time back; refused where another edit came between. */
@@ -218,7 +212,7 @@ export class Session implements Listener {
   async edit(body: EditBody): Promise<boolean> {
     ++this.underWay;
     try {
-      await this.send(...this.about(body, this.time_s));
+      await this.send(...aimed(this, body, this.time_s));
       this.look(); // snapshots make no revision
       return true;
     } catch (error) {
@@ -257,8 +251,8 @@ export class Session implements Listener {
     const { time_s } = this;
     const isOfMotion = this.motion !== null;
     const send = async (body: EditBody) => {
-      const revision = await this.send(...this.about(body, time_s));
-      if (isOfMotion) await this.framesOf(revision);
+      const revision = await this.send(...aimed(this, body, time_s));
+      if (isOfMotion) await this.frames.of(revision);
       return revision;
     };
     return new Drag(
@@ -326,8 +320,8 @@ export class Session implements Listener {
     if (state.phase === 'failed') this.notify(state.message, 'wrong');
     void this.load();
     if (this.isOfMotion) {
-      void this.fetch(state);
-      this.missFrames();
+      void this.frames.fetch(state);
+      this.frames.miss();
     }
     if (isNew) this.look();
   }
@@ -352,25 +346,7 @@ export class Session implements Listener {
   }
 
   onFrames(session: number, news: FramesNews): void {
-    const motion = this.motion;
-    if (session !== this.id || motion === null || news.revision < motion.revision) return;
-    motion.preview(news.revision, news.frames ?? []);
-    if (news.is_last) {
-      const isWhole = news.frames !== null && news.since === motion.revision;
-      if (isWhole) {
-        motion.complete(news.revision);
-        void this.shape(motion);
-      } else {
-        void this.fetchAgain();
-      }
-      this.look();
-    }
-    this.missFrames();
-    this.timeEdits(news.revision);
-    this.solution = motion.at(this.time_s, this.id);
-    this.tell('frames');
-    this.tell('pose');
-    for (const wait of this.waitingForFrames.splice(0)) wait();
+    if (session === this.id) this.frames.take(news);
   }
 
   onClock(session: number, clock: MotionClock, age_s: number): void {
@@ -389,7 +365,7 @@ export class Session implements Listener {
     this.id = to;
     this.begun = 0;
     if (this.motion === null) this.solution = null;
-    this.fetched = '';
+    this.frames.outdate();
     this.countsAnew = true;
     this.groups.length = this.sent.length = 0;
     this.tell('link');
@@ -409,7 +385,7 @@ export class Session implements Listener {
   }
 
   /** What was shown now answers the edits up to that revision. */
-  private timeEdits(revision: number): void {
+  timeEdits(revision: number): void {
     const now = performance.now();
     while (this.sent.length > 0 && this.sent[0]!.revision <= revision) {
       const one = this.sent.shift()!;
@@ -418,87 +394,13 @@ export class Session implements Listener {
     }
   }
 
-  // === Edits of a motion
-
-  /** An edit, and about which time of the motion it holds. */
-  private about(body: EditBody, time_s: number): [EditBody, EditTime | null] {
-    if (this.motion === null || !kTimed.has(body.kind)) return [body, null];
-    if (this.reach_s !== null) {
-      const drag = body['drag'] as DragBody | undefined;
-      // A place is moved; links are not turned at a time.
-      const there = drag === undefined ? body : { ...body, drag: { ...drag, target_q_wxyz: [] } };
-      return [there, { time_s, falloff_s: this.reach_s }];
-    }
-    if (body.kind === 'drag') return [this.inGrasp(body, time_s), null];
-    return [body, null];
-  }
-
-  /** A drag for all of the motion, told where the session has the object, not where the motion has it then. */
-  private inGrasp(body: EditBody, time_s: number): EditBody {
-    const drag = body['drag'] as DragBody;
-    const X_WO = this.settings?.X_WO;
-    if (X_WO === undefined) return body;
-    const X = matrixOf(X_WO).multiply(matrixOf(this.motion!.at(time_s, this.id).X_WO).invert());
-    const [w, x, y, z] = drag.target_q_wxyz;
-    const isTurned = w !== undefined;
-    const target = new Matrix4().multiplyMatrices(X, matrixOf({
-      p_m: drag.target_W_m as [number, number, number],
-      q_wxyz: isTurned ? [w, x!, y!, z!] : [1, 0, 0, 0],
-    }));
-    const { p_m, q_wxyz } = poseOf(target);
-    return { ...body, drag: { ...drag, target_W_m: p_m, target_q_wxyz: isTurned ? q_wxyz : [] } };
-  }
-
-  /** Waits until frames of that revision, or a later one, are shown; not for ever. */
-  private async framesOf(revision: number): Promise<void> {
-    const begun = performance.now();
-    while ((this.motion?.newest ?? revision) < revision) {
-      const rest = kFrames_ms - (performance.now() - begun);
-      if (rest <= 0) return;
-      await new Promise<void>((resolve) => {
-        const timer = setTimeout(resolve, rest);
-        this.waitingForFrames.push(() => {
-          clearTimeout(timer);
-          resolve();
-        });
-      });
-    }
-  }
-
-  /** The outlines of what was solved anew, one motion at a time. */
-  private async shape(motion: Motion): Promise<void> {
-    if (this.isShaping) return;
-    this.isShaping = true;
-    try {
-      while (motion === this.motion && motion.unshaped.size > 0) {
-        const { revision } = motion;
-        await fetchShapes(this.link, this.id, motion);
-        if (motion === this.motion && motion.newest === motion.revision) {
-          this.solution = motion.at(this.time_s, this.id);
-          this.tell('frames');
-          this.tell('pose');
-        }
-        if (motion.newest !== revision) await new Promise((resolve) => setTimeout(resolve, kLookAgain_ms));
-      }
-    } catch (error) {
-      this.failed(error);
-    } finally {
-      this.isShaping = false;
-    }
-  }
-
-  private fetchAgain(): Promise<void> {
-    this.fetched = '';
-    return this.state === null ? Promise.resolve() : this.fetch(this.state);
-  }
-
   // === Looking up
 
   private async resume(): Promise<void> {
     try {
       if (this.motion === null) this.solution = null; // the next one's numbers may begin anew
       const state = await this.link.follow(this.id);
-      this.fetched = '';
+      this.frames.outdate();
       this.onState(this.id, state, false, -1);
       if (state.phase === 'open' && this.mayEdit && !this.isOfMotion) await this.solve();
     } catch (error) {
@@ -521,7 +423,7 @@ export class Session implements Listener {
         this.link.describe<HandDescription>('hand', state.hand),
         this.link.describe<{ name: string }>('object', state.object),
         this.isOfMotion
-          ? this.patchesOf(state.motion)
+          ? this.frames.patchesOf(state.motion)
           : this.link.describe<{ name: string; patches: PatchInfo[] }>('contacts', state.contacts),
       ]);
       if (this.loaded !== key) return;
@@ -534,57 +436,8 @@ export class Session implements Listener {
     }
   }
 
-  /** A motion has patches, too; their outlines are its frames'. */
-  private async patchesOf(motion: string): Promise<Models['contacts']> {
-    const model = await this.described(motion);
-    const { name, patches } = model.description;
-    return { ...model, description: { name, patches: patches.map((patch) => ({ name: patch, outline_O_m: [] })) } };
-  }
-
-  private described(motion: string): Promise<Model<MotionDescription>> {
-    if (this.description?.motion !== motion) {
-      const model = this.link.describe<MotionDescription>('motion', motion);
-      this.description = { motion, model };
-      model.catch(() => (this.description = null));
-    }
-    return this.description.model;
-  }
-
-  /** Frames that nobody told of, or that went by while others were asked for, are asked for once it is quiet. */
-  private missFrames(): void {
-    clearTimeout(this.frameTimer);
-    this.frameTimer = window.setTimeout(() => {
-      const { state, motion } = this;
-      if (state?.phase !== 'ready' || motion === null) return;
-      if (motion.revision < state.revision) void this.fetchAgain();
-      else if (motion.unshaped.size > 0) void this.shape(motion);
-    }, kFrames_ms);
-  }
-
-  /** The frames, once; later ones are told. */
-  private async fetch(state: SessionState): Promise<void> {
-    const key = `${this.id} ${state.motion}`;
-    if (key === this.fetched || state.phase === 'transferring' || state.phase === 'optimizing') return;
-    this.fetched = key;
-    try {
-      const { description } = await this.described(state.motion);
-      const motion = await fetchMotion(this.link, this.id, description, this.mayEditAny, (share) => {
-        this.notify(`frames: ${Math.round(100 * share)} %`);
-      });
-      if (this.fetched !== key) return;
-      if (motion.frames.length === 0) throw new Error('the motion has no frames yet');
-      this.motion = motion;
-      this.missFrames();
-      this.tell('motion');
-      this.look();
-    } catch (error) {
-      if (this.fetched === key) this.fetched = '';
-      this.failed(error);
-    }
-  }
-
   /** Has the settings asked for, soon, and again while edits come. */
-  private look(): void {
+  look(): void {
     if (this.isOfMotion && this.motion === null) return;
     this.lookAgain = this.looking === this.id;
     if (this.lookTimer !== 0 || this.lookAgain) return;
@@ -642,76 +495,7 @@ export class Session implements Listener {
     return reply.revision;
   }
 
-  private tell(change: Change): void {
+  tell(change: Change): void {
     for (const watcher of this.watchers) watcher(change);
-  }
-}
-
-export class Drag {
-  private next: EditBody | (() => EditBody) | null = null;
-  private inFlight = 0;
-  private sent_ms = -Infinity;
-  private timer = 0;
-  private done = false;
-  private first = Infinity;
-  private last = -1;
-
-  constructor(
-    private readonly send: (body: EditBody) => Promise<number>,
-    private readonly most: number, // edits that are not answered yet
-    private readonly finished: (from: number, to: number) => void,
-    private readonly failed: (error: unknown) => void,
-  ) {}
-
-  /** A function is called when its edit is sent: for what adds up. */
-  move(body: EditBody | (() => EditBody)): void {
-    this.next = body;
-    this.pump();
-  }
-
-  /** What was moved last still counts. */
-  end(): void {
-    this.done = true;
-    this.pump();
-  }
-
-  /** Sends the newest, unless too many are on their way or the last one has only just been sent. */
-  private pump(): void {
-    if (this.next === null) {
-      if (this.done && this.inFlight === 0) this.close();
-      return;
-    }
-    if (this.inFlight >= this.most || this.timer !== 0) return;
-    const rest = kFastest_ms - (performance.now() - this.sent_ms);
-    if (rest > 0) {
-      this.timer = window.setTimeout(() => {
-        this.timer = 0;
-        this.pump();
-      }, rest);
-      return;
-    }
-    const body = typeof this.next === 'function' ? this.next() : this.next;
-    this.next = null;
-    this.sent_ms = performance.now();
-    void this.run(body);
-  }
-
-  private async run(body: EditBody): Promise<void> {
-    ++this.inFlight;
-    try {
-      const revision = await this.send(body);
-      this.first = Math.min(this.first, revision - 1);
-      this.last = Math.max(this.last, revision);
-    } catch (error) {
-      this.failed(error);
-      this.next = null;
-    }
-    --this.inFlight;
-    this.pump();
-  }
-
-  private close(): void {
-    this.done = false;
-    this.finished(this.last < 0 ? 0 : this.first, Math.max(this.last, 0));
   }
 }

@@ -1,6 +1,7 @@
 // Time: play, scrub, loop; when each patch is there and reached; distances, joints and limits over time.
 
 import uPlot from 'uplot';
+import { barsOf } from './bars';
 import { patchColor } from './colors';
 import { h } from './dom';
 import type { Motion } from './motion';
@@ -183,9 +184,10 @@ export class Timeline {
   showMarks(): void {
     const { motion, session } = this;
     const timed = motion === null ? [] : (session.settings?.timed ?? []);
-    const key = JSON.stringify([timed, session.mayEdit, motion?.duration_s]);
+    const key = JSON.stringify([timed, session.mayEdit, motion?.duration_s, session.settings?.patches.map((patch) => patch.enabled)]);
     if (key === this.marksKey) return;
     this.marksKey = key;
+    if (motion !== null && motion === this.motion) this.fillBars(motion); // switches, too
     const all = motion?.duration_s || 1;
     const held = (of: (typeof timed)[number]) => (of.falloff_s >= all ? 'all of it' : of.falloff_s > 0 ? `± ${Number(of.falloff_s.toPrecision(3))} s` : 'that frame');
     const focused = this.marks.contains(document.activeElement);
@@ -389,41 +391,8 @@ export class Timeline {
     plot.ctx.restore();
   }
 
-  /** When each patch is there: pale where it is not reached. */
   private fillBars(motion: Motion): void {
-    const all = motion.duration_s || 1;
-    this.bars.replaceChildren(
-      ...motion.description.patches.map((name, index) => {
-        const row = h('div', { class: 'presence', title: name }, h('span', { class: 'name' }, name));
-        const lane = h('div', { class: 'lane' });
-        let begin = -1;
-        let reached = false;
-        const close = (end: number) => {
-          if (begin < 0) return;
-          const from = motion.frames[begin]!.time_s;
-          const to = (motion.frames[end] ?? motion.frames.at(-1)!).time_s;
-          lane.append(
-            h('i', {
-              class: reached ? 'reached' : 'missed',
-              style: { left: `${(100 * from) / all}%`, width: `${(100 * (to - from)) / all}%`, background: patchColor(name, index) },
-            }),
-          );
-          begin = -1;
-        };
-        motion.frames.forEach((frame, at) => {
-          const patch = frame.patches.find((one) => one.patch === index);
-          const isThere = patch !== undefined && patch.presence >= 0.5;
-          if (begin >= 0 && (!isThere || patch.reached !== reached)) close(at);
-          if (isThere && begin < 0) {
-            begin = at;
-            reached = patch.reached;
-          }
-        });
-        close(motion.frames.length - 1);
-        row.append(lane);
-        return row;
-      }),
-    );
+    this.bars.replaceChildren(...barsOf(motion, (patch, time_s) => this.session.isOn(patch, time_s)));
   }
 
   private pointed(event: PointerEvent): void {

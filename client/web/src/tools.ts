@@ -4,7 +4,8 @@ import { Matrix4, Object3D, Plane, Quaternion, Vector3 } from 'three';
 import { TransformControls } from 'three/examples/jsm/controls/TransformControls.js';
 import type { HandBody, LinkBody, ObjectBody, Pick } from './bodies';
 import type { Handle, Marks } from './marks';
-import type { Drag, Session } from './session';
+import type { Drag } from './drag';
+import type { Session } from './session';
 import type { Stage } from './stage';
 import { edits, type Side } from './wire';
 

@@ -203,7 +203,8 @@ export interface FramesNews {
   since: number | null; // the revision that they differ from; null: not known
   revision: number;
   is_last: boolean;
-  frames: MotionFrame[] | null; // null: too many
+  every: number; // of many frames every second, fourth, ... by its index
+  frames: MotionFrame[];
 }
 
 export interface ModelSummary {

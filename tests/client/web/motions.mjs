@@ -6,13 +6,14 @@ import { browser, handgraft, kWaiting } from './browser.mjs';
 
 const kDemo = fileURLToPath(new URL('../../system/demo/', import.meta.url));
 
-/** A box off a shelf, of 26 frames, and a hand that followed it. */
-export async function openMotion() {
+/** A box off a shelf, of 26 frames at 10 a second, and a hand that followed it. */
+export async function openMotion(rate_hz = 10) {
   const models = await handgraft('models');
-  if (!models.includes('pull')) {
-    await handgraft('motion', 'join', 'box_5', join(kDemo, 'box_4.json'), '--path', join(kDemo, 'pull.csv'), '--rate', '10', '--name', 'pull');
+  const name = `pull${rate_hz}`;
+  if (!models.includes(name)) {
+    await handgraft('motion', 'join', 'box_5', join(kDemo, 'box_4.json'), '--path', join(kDemo, 'pull.csv'), '--rate', String(rate_hz), '--name', name);
   }
-  const text = await handgraft('motion', 'solve', '--hand', 'tendon16', '--motion', 'pull', '--keep', '--json');
+  const text = await handgraft('motion', 'solve', '--hand', 'tendon16', '--motion', name, '--keep', '--json');
   return JSON.parse(text).session_id;
 }
 
