@@ -10,7 +10,7 @@ import {
   Matrix4,
   Mesh as Drawn,
   MeshBasicMaterial,
-  MeshStandardMaterial,
+  MeshLambertMaterial,
   Ray,
   Raycaster,
   Vector3,
@@ -34,6 +34,20 @@ export interface Pick {
   n_W: Vector3;
 }
 
+// Without gloss: the programs of physical materials take a graphics card of software half a second to make.
+export function objectMaterial(): MeshLambertMaterial {
+  return new MeshLambertMaterial({ color: kObject, side: DoubleSide });
+}
+
+export function handMaterial(): MeshLambertMaterial {
+  return new MeshLambertMaterial({ color: kHand, transparent: true, opacity: 0.6, side: DoubleSide, forceSinglePass: true });
+}
+
+/** The hand's depth is drawn first, among what is transparent: one layer shows, not all of them. */
+export function handDepthMaterial(): MeshBasicMaterial {
+  return new MeshBasicMaterial({ colorWrite: false, transparent: true, side: DoubleSide, forceSinglePass: true });
+}
+
 /** A mesh that lies in a frame which moves. */
 function hitOn(geometry: BufferGeometry, X_W: Matrix4, ray_W: Ray): { face: number; p: Vector3; distance: number } | null {
   const ray = ray_W.clone().applyMatrix4(X_W.clone().invert());
@@ -46,7 +60,7 @@ export class ObjectBody {
   readonly group = new Group();
   readonly geometry: BufferGeometry;
   readonly X_WO = new Matrix4();
-  readonly material = new MeshStandardMaterial({ color: kObject, roughness: 0.85, side: DoubleSide });
+  readonly material = objectMaterial();
   private readonly map: Drawn | null = null;
   private readonly surface: Drawn;
 
@@ -61,7 +75,7 @@ export class ObjectBody {
       const highest = values.reduce((most, value) => Math.max(most, value), 1e-12);
       values.forEach((value, vertex) => viridis(value / highest).toArray(colors, 3 * vertex));
       paint(geometry, colors);
-      this.map = new Drawn(geometry, new MeshStandardMaterial({ vertexColors: true, roughness: 0.85, side: DoubleSide }));
+      this.map = new Drawn(geometry, new MeshLambertMaterial({ vertexColors: true, side: DoubleSide }));
       this.map.visible = false;
       this.group.add(this.map);
     }
@@ -134,17 +148,10 @@ export interface LinkBody {
 export class HandBody {
   readonly group = new Group();
   readonly links: LinkBody[] = [];
-  readonly material = new MeshStandardMaterial({
-    color: kHand,
-    roughness: 0.55,
-    metalness: 0.05,
-    transparent: true,
-    opacity: 0.6,
-    side: DoubleSide,
-  });
+  readonly material = handMaterial();
   private readonly skin: Mesh;
   private readonly faceLinks: Int32Array;
-  private readonly depthMaterial = new MeshBasicMaterial({ colorWrite: false, side: DoubleSide });
+  private readonly depthMaterial = handDepthMaterial();
 
   constructor(models: Models) {
     const hand = models.hand;
@@ -161,8 +168,6 @@ export class HandBody {
       first.renderOrder = order.handDepth;
       const drawn = new Drawn(geometry, this.material);
       drawn.renderOrder = order.hand;
-      // Its depth is drawn first, among what is transparent: one layer shows, not all of them.
-      this.depthMaterial.transparent = true;
       group.add(first, drawn);
       this.group.add(group);
       const pose = hand.description.X_SL[index];

@@ -74,6 +74,8 @@ export class DepthShade {
   }
 
   private async paint(job: number, links: LinkBody[]): Promise<void> {
+    await new Promise((resolve) => setTimeout(resolve)); // the picture first
+    if (job !== this.job) return;
     const plain = this.hand.material.color;
     const tree = treeOf(this.object.geometry);
     for (const link of links) {

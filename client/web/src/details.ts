@@ -2,6 +2,7 @@
 
 import { CanvasTexture, Color, Group, Sprite, SpriteMaterial, Vector3 } from 'three';
 import { order, type HandBody, type ObjectBody } from './bodies';
+import { sketch } from './dom';
 import { Lines } from './lines';
 import type { HandDescription, PatchInfo, PatchReport, PoseSolution } from './wire';
 
@@ -16,12 +17,11 @@ export interface Details {
 }
 
 function label(text: string): CanvasTexture {
-  const canvas = document.createElement('canvas');
-  const draw = canvas.getContext('2d')!;
+  const draw = sketch(1, 48);
+  const { canvas } = draw;
   const font = '600 34px system-ui, sans-serif';
   draw.font = font;
   canvas.width = Math.ceil(draw.measureText(text).width) + 60;
-  canvas.height = 48;
   draw.font = font;
   draw.beginPath();
   draw.roundRect(34, 2, canvas.width - 36, 44, 10);

@@ -29,6 +29,11 @@ export function icon(path: string): SVGSVGElement {
   return svg;
 }
 
+/** To draw labels on. Not by the graphics card, which would be waited for. */
+export function sketch(width: number, height: number): CanvasRenderingContext2D {
+  return h('canvas', { width, height }).getContext('2d', { willReadFrequently: true })!;
+}
+
 export function save(blob: Blob, name: string): void {
   const link = h('a', { href: URL.createObjectURL(blob), download: name });
   link.click();

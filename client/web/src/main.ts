@@ -2,54 +2,47 @@
 
 import { Vector3, type Matrix4 } from 'three';
 import { ghostColors } from './bodies';
-import { saveAs } from './export';
+import { acceptDrops } from './drop';
 import { h, icon } from './dom';
+import { Head } from './head';
+import { kIcons } from './icons';
+import { looksOf } from './looks';
 import { History } from './history';
-import { dropped } from './files';
 import { legendStops } from './colors';
 import { findLink } from './link';
 import { OpenDialog } from './open';
 import { matrixOf } from './mesh';
 import { Panel } from './panel';
+import { samples } from './samples';
 import { Session, type Change } from './session';
 import { Stage } from './stage';
+import { keepTheme, theme, type Theme } from './theme';
 import { Timeline } from './timeline';
 import { Tools, type Mode } from './tools';
 import { View } from './view';
 import { edits } from './wire';
-import { saidBy } from './words';
-
-const kIcons = {
-  patches: 'M12 3v4M12 17v4M3 12h4M17 12h4M12 9a3 3 0 1 0 0 6 3 3 0 0 0 0-6z',
-  fingers: 'M8 13V5a1.5 1.5 0 0 1 3 0v6m0-1V3.5a1.5 1.5 0 0 1 3 0V11m0-5a1.5 1.5 0 0 1 3 0v8c0 4-2 7-5.5 7S7 19 5 15l-1-2.5a1.4 1.4 0 0 1 2.5-1L8 13.500',
-  object: 'M12 3l8 4.500v9L12 21l-8-4.500v-9zM12 12l8-4.500M12 12v9M12 12L4 7.500',
-  palm: 'M6 21v-5L4 12.500a1.4 1.4 0 0 1 2.500-1L8 13.500V7h9v8c0 3-1 4.500-2 6zM12.500 1v4m-2-2l2-2 2 2M19 11h4m-2-2l2 2-2 2',
-  undo: 'M9 7L4 12l5 5M4 12h10a6 6 0 0 1 6 6',
-  redo: 'M15 7l5 5-5 5M20 12H10a6 6 0 0 0-6 6',
-  frame: 'M4 9V4h5M15 4h5v5M20 15v5h-5M9 20H4v-5',
-  theme: 'M12 3a9 9 0 1 0 0 18zM12 3a9 9 0 0 1 0 18',
-  save: 'M12 4v10m-4-4l4 4 4-4M4 18v2h16v-2',
-  panel: 'M4 5h16v14H4zM14 5v14',
-};
 
 const session = new Session(findLink());
 const root = document.getElementById('page')!;
 
 // === The picture
 
-const canvas = h('canvas', {
-  tabIndex: 0,
-  role: 'img',
-  'aria-label': 'The hand, the object and the contacts on both. Arrow keys move the contact that is chosen, or the object or the palm where these are dragged.',
-});
+const stage = new Stage(() =>
+  h('canvas', {
+    tabIndex: 0,
+    role: 'img',
+    'aria-label': 'The hand, the object and the contacts on both. Arrow keys move the contact that is chosen, or the object or the palm where these are dragged.',
+  }),
+);
+const { canvas } = stage;
 const area = h('div', { class: 'picture' }, canvas);
 root.append(area);
-const stage = new Stage(canvas);
 const view = new View(stage, session);
+stage.warm(samples());
 const hint = h('p', { class: 'hint', role: 'status' });
 const tools = new Tools(stage, session, {
   onChoose: (patch) => choose(patch),
-  onHover: (patch) => panel.hover(patch),
+  onHover: (patch) => panel.patches.hover(patch),
   onMoved: () => view.place(),
   onGrip: (isHeld) => (isHeld && session.solution !== null ? view.setGhost(session.solution.X_WL.map(matrixOf), 'before') : showGhost()),
   onHint: (text) => {
@@ -59,7 +52,7 @@ const tools = new Tools(stage, session, {
 view.tools = tools;
 
 function choose(patch: string | null): void {
-  panel.choose(patch);
+  panel.patches.choose(patch);
   view.choose(patch);
 }
 
@@ -93,7 +86,7 @@ function showGhost(): void {
   view.setGhost(ghost?.X_WL ?? null, ghost?.text);
 }
 const kept = new Map<string, NonNullable<Session['solution']>>();
-const panelChoice = () => panel.patches.querySelector<HTMLElement>('.patch.chosen')?.dataset['patch'] ?? null;
+const panelChoice = () => panel.patches.element.querySelector<HTMLElement>('.patch.chosen')?.dataset['patch'] ?? null;
 const history = new History(session, (past) => {
   view.past = past?.solution ?? null;
   view.update();
@@ -101,31 +94,11 @@ const history = new History(session, (past) => {
 
 const timeline = new Timeline(session);
 
-function toggle(text: string, name: 'patches' | 'residuals' | 'depth' | 'map' | 'measured' | 'sites' | 'normals' | 'lost', title: string): HTMLLabelElement {
-  const box = h('input', {
-    type: 'checkbox',
-    checked: view.look[name],
-    onchange: () => view.setLook({ [name]: box.checked }),
-  });
-  return h('label', { class: 'line', title }, box, text);
-}
-
-const opacity = h('input', {
-  type: 'range',
-  min: '0.15',
-  max: '1',
-  step: '0.05',
-  value: String(view.look.opacity),
-  'aria-label': 'how solid the hand is drawn',
-  oninput: () => view.setLook({ opacity: Number(opacity.value) }),
-});
-const measuredToggle = toggle('Measured hand', 'measured', 'The joints of the hand that follows this session, as its bridge measures them');
-measuredToggle.hidden = true; // until one is heard
-const mapToggle = toggle('Contact map', 'map', 'The heat that the touching hand left');
+const looks = looksOf(view);
 const tabs: [string, string, HTMLElement][] = [
-  ['patches', 'Contacts', h('section', {}, panel.patches)],
+  ['patches', 'Contacts', h('section', {}, panel.patches.element)],
   ['time', 'Time', h('section', {}, timeline.plots)],
-  ['joints', 'Joints', h('section', {}, panel.joints)],
+  ['joints', 'Joints', h('section', {}, panel.joints.element)],
   [
     'more',
     'More',
@@ -133,15 +106,7 @@ const tabs: [string, string, HTMLElement][] = [
       'section',
       {},
       h('h2', {}, 'Shown'),
-      toggle('Contacts', 'patches', 'Outlines and dots on both surfaces'),
-      toggle('Distances', 'residuals', 'A line from each point on the hand to its partner on the object'),
-      toggle('Depth', 'depth', 'Where the hand lies inside the object'),
-      toggle('Normals', 'normals', 'Where the surfaces face, at the points that should meet'),
-      toggle('Points lost', 'lost', 'Crosses where a point of a contact found no place on the hand'),
-      toggle('Sites', 'sites', 'Where contacts are laid on this hand, by name'),
-      mapToggle,
-      measuredToggle,
-      h('label', { class: 'line' }, 'Solid hand', opacity),
+      looks.element,
       h('h2', {}, 'Poses seen'),
       history.element,
       h('h2', {}, 'Other solutions'),
@@ -179,72 +144,13 @@ function openTab(name: string): void {
 
 // === Its head
 
-const title = h('h1', {}, 'Handgraft');
-const verdict = h('span', { class: 'pill' });
-const people = h('span', { class: 'people' });
-const button = (name: keyof typeof kIcons, text: string, act: () => void) =>
-  h('button', { class: 'icon', title: text, 'aria-label': text, onclick: act }, icon(kIcons[name]));
-const undo = button('undo', 'Undo (Ctrl+Z)', () => void session.undo());
-const redo = button('redo', 'Redo (Ctrl+Y)', () => void session.redo());
 const dialog = new OpenDialog(session);
-const openButton = h('button', { onclick: () => void dialog.open() }, 'Open…');
-const saveMenu = h('details', { class: 'menu' });
-const saveButton = h('summary', { title: 'Save', 'aria-label': 'Save', role: 'button', class: 'icon' }, icon(kIcons.save));
-saveMenu.append(
-  saveButton,
-  h(
-    'div',
-    { class: 'items', role: 'menu' },
-    ...(
-      [
-        ['png', 'Picture (PNG)'],
-        ['link', 'Copy the link'],
-        ['html', 'Page as one file (HTML)'],
-        ['session', 'Session (JSON)'],
-        ['json', 'Pose (JSON)'],
-        ['csv', 'Table (CSV)'],
-        ['glb', 'Scene (glTF)'],
-      ] as const
-    ).map(([format, text]) => {
-      const isHere = format === 'png' || session.link.isLive;
-      return h(
-        'button',
-        {
-          role: 'menuitem',
-          hidden: !isHere || undefined,
-          onclick: () => {
-            saveMenu.open = false;
-            void saveAs(format, session, stage).catch((error: unknown) => session.failed(error));
-          },
-        },
-        text,
-      );
-    }),
-  ),
-);
-function closeMenu(): void {
-  saveMenu.open = false;
-  saveButton.focus();
-}
-// A press anywhere else closes it.
-window.addEventListener('pointerdown', (event) => {
-  if (saveMenu.open && !saveMenu.contains(event.target as Node)) saveMenu.open = false;
-}, { capture: true });
-const head = h(
-  'header',
-  {},
-  title,
-  verdict,
-  h('span', { class: 'space' }),
-  people,
-  undo,
-  redo,
-  openButton,
-  saveMenu,
-  button('frame', 'Show all (F)', () => void view.frame(true)),
-  button('theme', 'Light or dark', () => setTheme(theme() === 'dark' ? 'light' : 'dark')),
-  button('panel', 'Show or hide the side', () => root.classList.toggle('wide')),
-);
+const head = new Head(session, stage, {
+  onOpen: () => void dialog.open(),
+  onFrame: () => void view.frame(true),
+  onTheme: () => setTheme(theme() === 'dark' ? 'light' : 'dark'),
+  onSide: () => root.classList.toggle('wide'),
+});
 
 // === What lies over the picture
 
@@ -322,7 +228,7 @@ const empty = h(
 const busy = h('div', { class: 'busy', hidden: true, role: 'status' }, 'Loading…');
 const toasts = h('div', { class: 'toasts', role: 'log', 'aria-live': 'polite' });
 area.append(toolbar, legend, hint, banner, empty, busy, toasts, timeline.element);
-root.prepend(head);
+root.prepend(head.element);
 root.append(side);
 document.body.append(dialog.element);
 openTab('patches');
@@ -330,35 +236,24 @@ setMode('patches');
 
 // === Light and dark
 
-function theme(): 'light' | 'dark' {
-  return document.documentElement.dataset['theme'] === 'dark' ? 'dark' : 'light';
-}
-function setTheme(name: 'light' | 'dark'): void {
-  document.documentElement.dataset['theme'] = name;
+function setTheme(name: Theme): void {
+  keepTheme(name);
   stage.setTheme(name);
   history.clear();
   history.show();
   timeline.draw();
-  try {
-    localStorage.setItem('handgraft-theme', name);
-  } catch {
-    // Of a file, or in private: it is chosen anew next time.
-  }
 }
-function storedTheme(): string | null {
-  try {
-    return localStorage.getItem('handgraft-theme');
-  } catch {
-    return null;
-  }
-}
-setTheme((storedTheme() ?? (matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light')) as 'light' | 'dark');
+setTheme(theme());
 
 // === What changes
 
 function shown(change: Change): void {
   const state = session.state;
   if (change === 'none') {
+    if (session.id === 0) {
+      stage.release();
+      root.classList.remove('opening');
+    }
     ghost = null;
     view.clear();
     panel.clear();
@@ -366,7 +261,7 @@ function shown(change: Change): void {
   }
   if (change === 'models') {
     view.build();
-    mapToggle.hidden = view.object?.hasMap !== true;
+    looks.map.hidden = view.object?.hasMap !== true;
     panel.clear();
   }
   if (change === 'grip') return timeline.grip();
@@ -375,7 +270,7 @@ function shown(change: Change): void {
   if (change === 'motion' || change === 'none' || change === 'settings') timeline.show();
   if (change === 'measured' || change === 'none') {
     view.showMeasured();
-    measuredToggle.hidden = session.measured === null;
+    looks.measured.hidden = session.measured === null;
     if (change === 'measured') return;
   }
   if (change === 'clock') timeline.follow();
@@ -400,33 +295,16 @@ function shown(change: Change): void {
 
   showHeld();
 
-  // === The head
+  head.show();
   const isOpen = state !== null;
-  document.title = isOpen ? `${state.hand} grasps ${state.object} – Handgraft` : 'Handgraft';
-  title.textContent = isOpen ? `${state.hand} grasps ${state.object}` : 'Handgraft';
-  title.title = isOpen ? `session ${session.id}, by ${state.motion || state.contacts}` : '';
-  const solution = session.solution;
-  const fits = solution?.patches ?? [];
-  const reached = fits.filter((fit) => fit.diagnosis.verdict === 'reached').length;
-  verdict.hidden = !isOpen || solution === null;
-  verdict.textContent = solution?.is_diagnosed ? `${reached} of ${fits.length} reached` : 'solving…';
-  verdict.title = solution?.verdict ?? '';
-  verdict.dataset['tone'] = !solution?.is_diagnosed ? 'off' : reached === fits.length ? 'good' : 'warn';
-  const others = session.pages.filter((one) => one.page !== session.page && one.sessions.includes(session.id));
-  const last = state !== null && state.last_edit !== '' && session.editor !== '' ? saidBy(session.editor, state.last_edit) : '';
-  people.textContent = [others.length > 0 ? `${others.length + 1} pages here` : '', last].filter((text) => text !== '').join(' · ');
-  people.title = others.map((one) => session.nameOf(one.page)).join(', ');
-  undo.disabled = !session.mayUndo;
-  redo.disabled = !session.mayEdit || (state?.redo_count ?? 0) === 0;
   toolbar.hidden = !session.mayEdit || !isOpen;
-  openButton.hidden = !session.link.isLive;
   root.classList.toggle('of-motion', isOfMotion);
   document.getElementById('to-time')!.hidden = !isOfMotion;
   modeButtons.get('object')!.hidden = isOfMotion;
   legend.hidden = !isOpen;
   hint.hidden = !isOpen || isOfMotion;
   empty.hidden = isOpen || session.id !== 0 || !session.isUp;
-  busy.hidden = !isOpen || solution !== null;
+  busy.hidden = !isOpen || session.solution !== null;
 
   // === The wire
   const trouble = !session.link.isLive
@@ -463,31 +341,7 @@ session.onNotice((notice) => {
 
 // === Files that are dropped
 
-const dropHere = h('div', { class: 'drop', hidden: true }, h('p', {}, 'Drop a hand (its folder or a zip), an object, contacts'));
-document.body.append(dropHere);
-const isOfFiles = (event: DragEvent) => event.dataTransfer?.types.includes('Files') === true;
-let inside = 0; // elements that the pointer has entered and not left
-window.addEventListener('dragenter', (event) => {
-  if (!isOfFiles(event)) return;
-  ++inside;
-  dropHere.hidden = !session.mayOpen;
-});
-window.addEventListener('dragleave', (event) => {
-  if (isOfFiles(event) && --inside <= 0) dropHere.hidden = true;
-});
-window.addEventListener('dragover', (event) => {
-  if (!isOfFiles(event)) return;
-  event.preventDefault(); // else the browser opens the file instead of the page
-});
-window.addEventListener('drop', (event) => {
-  inside = 0;
-  dropHere.hidden = true;
-  if (!isOfFiles(event)) return;
-  event.preventDefault();
-  if (!session.link.isLive) session.notify('This page is a file, without a server: it loads nothing.', 'wrong');
-  else if (!session.mayOpen) session.notify('This link is for looking: it loads nothing.', 'wrong');
-  else void dialog.take(dropped(event.dataTransfer!));
-});
+acceptDrops(session, dialog);
 
 // === Keys
 
@@ -506,7 +360,7 @@ window.addEventListener('keydown', (event) => {
   }
   else if (key === 'f') void view.frame(true);
   else if (key === 'r' || key === 'g') setWay(key === 'r' ? 'rotate' : 'translate');
-  else if (key === 'escape' && saveMenu.open) closeMenu();
+  else if (key === 'escape' && head.isMenuOpen) head.closeMenu();
   else if (key === 'escape') choose(null);
   else if (session.motion !== null && key === ' ' && !target.matches('button, input, select, summary')) timeline.toggle();
   else if (session.motion !== null && (key === ',' || key === '.')) timeline.step(key === ',' ? -1 : 1);
@@ -525,8 +379,15 @@ function nudge(key: string, onHand: boolean): void {
 
 // For tests, and for whoever opens the console.
 (window as unknown as Record<string, unknown>)['handgraft'] = { session, view, stage, tools, timeline };
+// The picture first: what is around it would keep the graphics card from it for as long again.
+const kOpening_ms = 1200;
+const asked = Number(new URLSearchParams(location.search).get('session') ?? 0);
+const opened = () => root.classList.remove('opening');
+root.classList.toggle('opening', asked !== 0 || !session.link.isLive);
+setTimeout(opened, kOpening_ms);
 view.onFirstPicture = () => {
   (window as unknown as Record<string, unknown>)['handgraftFirstPicture_ms'] = performance.now();
+  requestAnimationFrame(opened);
 };
-session.start(Number(new URLSearchParams(location.search).get('session') ?? 0));
+session.start(asked);
 shown('link');

@@ -15,6 +15,7 @@ import {
 } from 'three';
 import { order } from './bodies';
 import { distanceColor } from './colors';
+import { sketch } from './dom';
 import { Lines } from './lines';
 import type { PatchReport, PatchState, PoseSolution, Side } from './wire';
 
@@ -47,9 +48,7 @@ export interface Shown {
 
 function dot(color: string, letter: string, form: 'disc' | 'ring' | 'knob'): CanvasTexture {
   const size = 96;
-  const canvas = document.createElement('canvas');
-  canvas.width = canvas.height = size;
-  const draw = canvas.getContext('2d')!;
+  const draw = sketch(size, size);
   const circle = (radius: number, fill: string) => {
     draw.beginPath();
     draw.arc(size / 2, size / 2, radius, 0, 2 * Math.PI);
@@ -67,9 +66,17 @@ function dot(color: string, letter: string, form: 'disc' | 'ring' | 'knob'): Can
     draw.textBaseline = 'middle';
     draw.fillText(letter, size / 2, size / 2 + 3);
   }
-  const texture = new CanvasTexture(canvas);
+  const texture = new CanvasTexture(draw.canvas);
   texture.colorSpace = 'srgb';
   return texture;
+}
+
+export function dotMaterial(map: CanvasTexture): SpriteMaterial {
+  return new SpriteMaterial({ map, sizeAttenuation: false, depthTest: false, transparent: true });
+}
+
+export function fillMaterial(): MeshBasicMaterial {
+  return new MeshBasicMaterial({ transparent: true, depthTest: false, depthWrite: false, side: DoubleSide, forceSinglePass: true });
 }
 
 export class Marks {
@@ -197,12 +204,7 @@ export class Marks {
     const found = this.handles.find((one) => one.patch === patch && one.side === side && one.kind === kind);
     if (found !== undefined) return found;
     const form = kind === 'direction' ? 'knob' : side === 'hand' ? 'disc' : 'ring';
-    const material = new SpriteMaterial({
-      map: dot(this.colorOf(patch), this.initialOf(patch), form),
-      sizeAttenuation: false,
-      depthTest: false,
-      transparent: true,
-    });
+    const material = dotMaterial(dot(this.colorOf(patch), this.initialOf(patch), form));
     const sprite = new Sprite(material);
     sprite.renderOrder = order.dots + (kind === 'direction' ? 2 : side === 'hand' ? 1 : 0);
     this.group.add(sprite);
@@ -224,8 +226,7 @@ export class Marks {
       const index: number[] = [];
       for (let i = 0; i < count; ++i) index.push(count, i, (i + 1) % count);
       geometry.setIndex(index);
-      const material = new MeshBasicMaterial({ transparent: true, depthTest: false, depthWrite: false, side: DoubleSide });
-      drawn = new Drawn(geometry, material);
+      drawn = new Drawn(geometry, fillMaterial());
       drawn.frustumCulled = false;
       drawn.renderOrder = order.marks - 2;
       drawn.userData['count'] = count;

@@ -63,14 +63,18 @@ export function geometryOf(mesh: Mesh): BufferGeometry {
   // === Faces' normals, as long as their areas
   const normals = new Float32Array(3 * faces);
   const units = new Float32Array(3 * faces);
-  for (let f = 0; f < faces; ++f) {
-    const [a, b, c] = [3 * triangles[3 * f]!, 3 * triangles[3 * f + 1]!, 3 * triangles[3 * f + 2]!];
+  for (let i = 0; i < corners; i += 3) {
+    const a = 3 * triangles[i]!, b = 3 * triangles[i + 1]!, c = 3 * triangles[i + 2]!;
     const ux = vertices[b]! - vertices[a]!, uy = vertices[b + 1]! - vertices[a + 1]!, uz = vertices[b + 2]! - vertices[a + 2]!;
     const vx = vertices[c]! - vertices[a]!, vy = vertices[c + 1]! - vertices[a + 1]!, vz = vertices[c + 2]! - vertices[a + 2]!;
     const x = uy * vz - uz * vy, y = uz * vx - ux * vz, z = ux * vy - uy * vx;
-    const length = Math.hypot(x, y, z) || 1;
-    normals.set([x, y, z], 3 * f);
-    units.set([x / length, y / length, z / length], 3 * f);
+    const length = Math.sqrt(x * x + y * y + z * z) || 1;
+    normals[i] = x;
+    normals[i + 1] = y;
+    normals[i + 2] = z;
+    units[i] = x / length;
+    units[i + 1] = y / length;
+    units[i + 2] = z / length;
   }
 
   // === The faces about each place
@@ -83,12 +87,13 @@ export function geometryOf(mesh: Mesh): BufferGeometry {
 
   // === Each corner's; corners at one place with one normal are one vertex
   const kSame = 1e-4;
-  const position: number[] = [];
-  const normal: number[] = [];
-  const source: number[] = []; // the mesh's vertex that each is a copy of
+  const position = new Float32Array(3 * corners); // as many as there may be
+  const normal = new Float32Array(3 * corners);
+  const source = new Uint32Array(corners); // the mesh's vertex that each is a copy of
   const newest = new Int32Array(first.length).fill(-1); // of the vertices made at each place
-  const older: number[] = [];
+  const older = new Int32Array(corners);
   const index = new Uint32Array(corners);
+  let count = 0;
   for (let i = 0; i < corners; ++i) {
     const f = (i / 3) | 0;
     const vertex = triangles[i]!;
@@ -102,7 +107,7 @@ export function geometryOf(mesh: Mesh): BufferGeometry {
       y += normals[g + 1]!;
       z += normals[g + 2]!;
     }
-    const length = Math.hypot(x, y, z);
+    const length = Math.sqrt(x * x + y * y + z * z);
     if (length > 0) {
       x /= length;
       y /= length;
@@ -117,21 +122,23 @@ export function geometryOf(mesh: Mesh): BufferGeometry {
       made = older[made]!;
     }
     if (made < 0) {
-      made = source.length;
-      source.push(vertex);
-      position.push(vertices[3 * vertex]!, vertices[3 * vertex + 1]!, vertices[3 * vertex + 2]!);
-      normal.push(x, y, z);
-      older.push(newest[place]!);
+      made = count++;
+      source[made] = vertex;
+      for (let k = 0; k < 3; ++k) position[3 * made + k] = vertices[3 * vertex + k]!;
+      normal[3 * made] = x;
+      normal[3 * made + 1] = y;
+      normal[3 * made + 2] = z;
+      older[made] = newest[place]!;
       newest[place] = made;
     }
     index[i] = made;
   }
 
   const geometry = new BufferGeometry();
-  geometry.setAttribute('position', new BufferAttribute(new Float32Array(position), 3));
-  geometry.setAttribute('normal', new BufferAttribute(new Float32Array(normal), 3));
+  geometry.setAttribute('position', new BufferAttribute(position.slice(0, 3 * count), 3));
+  geometry.setAttribute('normal', new BufferAttribute(normal.slice(0, 3 * count), 3));
   geometry.setIndex(new BufferAttribute(index, 1));
-  geometry.userData['source'] = Uint32Array.from(source);
+  geometry.userData['source'] = source.slice(0, count);
   return geometry;
 }
 

@@ -25,6 +25,24 @@ CameraControls.install({
   THREE: { Vector2, Vector3, Vector4, Quaternion, Matrix4, Spherical, Box3, Sphere, Raycaster, MathUtils } as never,
 });
 
+const kAttributes: WebGLContextAttributes = { alpha: true, depth: true, stencil: false, premultipliedAlpha: true, antialias: false, preserveDrawingBuffer: true };
+const kStill_ms = 250; // without a change
+
+const kSoftware = /swiftshader|llvmpipe|softpipe|software|basic render/i;
+
+/** A canvas, and what draws on it. Smooth edges are for graphics cards; software takes twice as long for them. */
+function surface(make: () => HTMLCanvasElement): { canvas: HTMLCanvasElement; context: WebGL2RenderingContext | undefined; isSoftware: boolean } {
+  const canvas = make();
+  const context = (canvas.getContext('webgl2', kAttributes) as WebGL2RenderingContext | null) ?? undefined;
+  const names = context?.getExtension('WEBGL_debug_renderer_info');
+  const name = context === undefined || !names ? '' : String(context.getParameter(names.UNMASKED_RENDERER_WEBGL));
+  const isSoftware = kSoftware.test(name);
+  if (isSoftware || context === undefined) return { canvas, context, isSoftware };
+  context.getExtension('WEBGL_lose_context')?.loseContext();
+  const smooth = make();
+  return { canvas: smooth, context: (smooth.getContext('webgl2', { ...kAttributes, antialias: true }) as WebGL2RenderingContext | null) ?? undefined, isSoftware };
+}
+
 const kBackground = { light: 0xf4f5f3, dark: 0x16181b };
 
 export class Stage {
@@ -36,13 +54,24 @@ export class Stage {
   readonly raycaster = new Raycaster();
   frames = 0;
 
+  private readonly isSoftware: boolean;
+  /** Where software draws, edges are smooth once nothing moves: drawn twice as fine. */
+  private isFine = false;
+  private drawn_ms = 0;
+  private isHeld = true;
   private dirty = true;
   private last_ms = 0;
   private readonly before: (() => void)[] = [];
 
-  constructor(readonly canvas: HTMLCanvasElement) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+  readonly canvas: HTMLCanvasElement;
+
+  constructor(make: () => HTMLCanvasElement) {
+    const { canvas, context, isSoftware } = surface(make);
+    this.canvas = canvas;
+    this.isSoftware = isSoftware;
+    this.renderer = new WebGLRenderer({ canvas, context });
+    this.renderer.debug.checkShaderErrors = false; // whoever asks waits for the graphics card
+    this.renderer.setPixelRatio(this.ratio);
     Object3D.DEFAULT_UP.set(0, 0, 1);
     this.camera.up.set(0, 0, 1);
     const sky = new HemisphereLight(0xffffff, 0x6b6f76, 1.5);
@@ -63,6 +92,23 @@ export class Stage {
     new ResizeObserver(() => this.fit()).observe(canvas);
     this.fit();
     requestAnimationFrame((now) => this.tick(now));
+  }
+
+  /** Has the graphics card make the programs of what will be drawn; nobody waits for them. */
+  warm(samples: Object3D): void {
+    this.renderer.compile(samples, this.camera, this.scene);
+  }
+
+  /** There is something to draw, or nothing will come: an empty picture would only keep the graphics card from its work. */
+  release(): void {
+    this.isHeld = false;
+  }
+
+  /** At once: a picture that somebody waits for. */
+  drawNow(): void {
+    this.isHeld = false;
+    this.controls.update(0);
+    this.draw();
   }
 
   redraw(): void {
@@ -113,7 +159,8 @@ export class Stage {
   }
 
   png(): Promise<Blob | null> {
-    this.draw();
+    if (this.isSoftware) this.drawFine();
+    else this.draw();
     return new Promise((resolve) => this.canvas.toBlob(resolve, 'image/png'));
   }
 
@@ -130,12 +177,28 @@ export class Stage {
     const step_s = Math.min(0.1, (now - this.last_ms) / 1000);
     this.last_ms = now;
     if (this.controls.update(step_s)) this.dirty = true;
-    if (this.dirty) this.draw();
+    if (this.isHeld) this.dirty = true;
+    else if (this.dirty) this.draw();
+    else if (this.isSoftware && !this.isFine && now - this.drawn_ms > kStill_ms) this.drawFine();
     requestAnimationFrame((next) => this.tick(next));
+  }
+
+  private get ratio(): number {
+    return Math.min(devicePixelRatio, 2);
+  }
+
+  private drawFine(): void {
+    this.isFine = true;
+    this.renderer.setPixelRatio(2);
+    for (const step of this.before) step();
+    this.renderer.render(this.scene, this.camera);
   }
 
   private draw(): void {
     this.dirty = false;
+    if (this.isFine) this.renderer.setPixelRatio(this.ratio);
+    this.isFine = false;
+    this.drawn_ms = performance.now();
     for (const step of this.before) step();
     this.renderer.render(this.scene, this.camera);
     ++this.frames;

@@ -108,6 +108,7 @@ export class View {
     const { object, hand, marks } = this;
     if (object === null || hand === null || marks === null) return;
     if (solution === null) {
+      this.stage.release();
       if (this.session.settings !== null) object.pose(matrixOf(this.session.settings.X_WO));
       this.stage.redraw();
       return;
@@ -126,7 +127,9 @@ export class View {
     if (!this.framed) {
       this.framed = true;
       this.chooseSide(solution);
-      void this.frame(false).then(() => this.onFirstPicture());
+      void this.frame(false);
+      this.stage.drawNow();
+      this.onFirstPicture();
     }
     this.stage.redraw();
   }

@@ -1,0 +1,170 @@
+// The joints of a session's hand: where each is in its range, held, locked, its limits. Rows are made once and kept, so that nothing that is
+// being used goes away under the hand.
+
+import type { Drag } from './drag';
+import { h, icon } from './dom';
+import type { Session } from './session';
+import { edits, finite, type JointSetting } from './wire';
+
+const kHold = 100; // times the prior: firm, and contacts still have a say
+const kDegrees = 180 / Math.PI;
+const kLockIcon = 'M7 11V8a5 5 0 0 1 10 0v3M5 11h14v9H5z';
+
+interface JointRow {
+  element: HTMLElement;
+  slider: HTMLInputElement;
+  value: HTMLElement;
+  lock: HTMLButtonElement;
+  free: HTMLButtonElement;
+  lower: HTMLInputElement;
+  upper: HTMLInputElement;
+  note: HTMLElement;
+  range: HTMLElement;
+}
+
+export class JointList {
+  readonly element = h('div', { class: 'list', role: 'list', 'aria-label': 'Joints' });
+  private readonly rows = new Map<string, JointRow>();
+
+  constructor(private readonly session: Session) {}
+
+  clear(): void {
+    this.element.replaceChildren();
+    this.rows.clear();
+  }
+
+  show(): void {
+    const settings = this.session.settings;
+    if (settings === null) return;
+    const solution = this.session.solution;
+    const names = this.session.state?.joint_names ?? [];
+    const limits = new Map((solution?.joints_at_limit ?? []).map((limit) => [limit.joint, limit.side]));
+    settings.joints.forEach((joint) => {
+      let row = this.rows.get(joint.name);
+      if (row === undefined) {
+        row = this.make(joint);
+        this.rows.set(joint.name, row);
+        this.element.append(row.element);
+      }
+      const index = names.indexOf(joint.name);
+      this.fill(row, joint, solution?.joint_positions[index] ?? joint.value, limits.get(joint.name));
+    });
+    for (const [name, row] of this.rows) {
+      if (settings.joints.some((joint) => joint.name === name)) continue;
+      row.element.remove();
+      this.rows.delete(name);
+    }
+  }
+
+  private make(joint: JointSetting): JointRow {
+    const { name } = joint;
+    const scale = joint.kind === 'prismatic' ? 1e3 : kDegrees;
+    const unit = joint.kind === 'prismatic' ? 'mm' : '°';
+    const value = h('span', { class: 'number' });
+    const note = h('span', { class: 'note' });
+    const range = h('span', { class: 'range', 'aria-hidden': 'true' });
+    let drag: Drag | null = null;
+    const slider = h('input', {
+      type: 'range',
+      step: 'any',
+      'aria-label': `${name}, in ${unit === '°' ? 'degrees' : 'mm'}`,
+      oninput: () => {
+        drag ??= this.session.drag();
+        drag.move(edits.hold(name, Number(slider.value) / scale, kHold));
+        value.textContent = `${Number(slider.value).toFixed(unit === '°' ? 0 : 1)}${unit}`;
+      },
+      onchange: () => {
+        drag?.end();
+        drag = null;
+      },
+    });
+    const lock = h(
+      'button',
+      {
+        class: 'icon',
+        title: 'Lock: it stays as it is',
+        'aria-label': `lock ${name}`,
+        'aria-pressed': 'false',
+        onclick: () => void this.session.edit(edits.lock(name, lock.getAttribute('aria-pressed') !== 'true')),
+      },
+      icon(kLockIcon),
+    );
+    const free = h(
+      'button',
+      { class: 'small', title: 'It was held by its slider; let it go', onclick: () => void this.session.edit(edits.hold(name, 0, 0)) },
+      'let go',
+    );
+    const limit = (title: string) =>
+      h('input', {
+        type: 'number',
+        step: 'any',
+        title,
+        'aria-label': `${title} of ${name}, in ${unit === '°' ? 'degrees' : 'mm'}`,
+        onchange: () => this.setLimits(name, lower.value, upper.value, scale),
+      });
+    const lower = limit('lower limit');
+    const upper = limit('upper limit');
+    const reset = h(
+      'button',
+      {
+        class: 'small',
+        title: 'The limits of the hand’s model',
+        onclick: () => {
+          const now = this.session.settings?.joints.find((one) => one.name === name);
+          if (now !== undefined) void this.session.edit(edits.limit(name, now.model_lower, now.model_upper));
+        },
+      },
+      'reset',
+    );
+    const element = h(
+      'div',
+      { class: 'joint', role: 'listitem' },
+      h('div', { class: 'line' }, h('span', { class: 'name' }, name), note, value, free, lock),
+      h('div', { class: 'track' }, range, slider),
+      h('details', {}, h('summary', {}, 'limits'), h('div', { class: 'line' }, lower, '–', upper, unit, reset)),
+    );
+    return { element, slider, value, lock, free, lower, upper, note, range };
+  }
+
+  private setLimits(joint: string, lower: string, upper: string, scale: number): void {
+    const of = (text: string, otherwise: string) => (text.trim() === '' ? otherwise : Number(text) / scale);
+    void this.session.edit(edits.limit(joint, of(lower, '-inf'), of(upper, 'inf')));
+  }
+
+  private fill(row: JointRow, joint: JointSetting, position: number, limit: 'lower' | 'upper' | undefined): void {
+    const scale = joint.kind === 'prismatic' ? 1e3 : kDegrees;
+    const unit = joint.kind === 'prismatic' ? ' mm' : '°';
+    const widest = joint.kind === 'prismatic' ? 0.2 : Math.PI;
+    const from = Math.min(finite(joint.model_lower, -widest), finite(joint.lower, Infinity)) * scale;
+    const to = Math.max(finite(joint.model_upper, widest), finite(joint.upper, -Infinity)) * scale;
+    row.slider.min = String(from);
+    row.slider.max = String(to);
+    const digits = joint.kind === 'prismatic' ? 1 : 0;
+    if (document.activeElement !== row.slider || !row.slider.matches(':active')) {
+      row.slider.value = String(position * scale);
+      row.value.textContent = `${(position * scale).toFixed(digits)}${unit}`;
+    }
+    const share = (x: number) => `${(100 * (x - from)) / Math.max(1e-9, to - from)}%`;
+    row.range.style.setProperty('--from', share(finite(joint.lower, from / scale) * scale));
+    row.range.style.setProperty('--to', share(finite(joint.upper, to / scale) * scale));
+    const here = this.session.editedHere([`lock ${joint.name}`, `unlock ${joint.name}`]);
+    const isLocked = here === null ? joint.locked : here.startsWith('lock');
+    const gain = this.session.solution?.sensitivities.find((one) => one.limit.joint === joint.name);
+    row.note.textContent = isLocked
+      ? 'locked'
+      : limit !== undefined
+        ? `at its ${limit} limit${gain !== undefined && gain.gain_mm > 0.005 ? `: ${gain.gain_mm.toFixed(2)} mm nearer with ${(gain.given * scale).toFixed(digits)}${unit} more` : ''}`
+        : joint.soft
+          ? 'held'
+          : '';
+    row.element.classList.toggle('limited', limit !== undefined);
+    row.free.hidden = !joint.soft;
+    row.lock.setAttribute('aria-pressed', String(isLocked));
+    row.element.classList.toggle('locked', isLocked);
+    row.slider.disabled = !this.session.mayEdit || isLocked;
+    row.lock.disabled = row.lower.disabled = row.upper.disabled = !this.session.mayEdit;
+    for (const [input, limitNow] of [[row.lower, joint.lower], [row.upper, joint.upper]] as const) {
+      if (document.activeElement !== input) input.value = typeof limitNow === 'number' ? (limitNow * scale).toFixed(1) : '';
+    }
+  }
+}
