@@ -33,7 +33,7 @@ constexpr OperationTraits kOperations[] = {
     {v1::OP_OPTIMIZE, kEdit, kOne, kThatEdit},
     {v1::OP_EXPORT, kLook, kOne, kThatLook},
     {v1::OP_CANCEL, kLook, kOne, kNone},
-    {v1::OP_SUGGEST, kEdit, kOne, kThatLook},
+    {v1::OP_SUGGEST, kEdit, kOne, kThatEdit},
     {v1::OP_POSE_CONTACTS, kEdit, kAny, kNone},
     {v1::OP_MAKE_VARIANT, kEdit, kAny, kNone},
     {v1::OP_SWEEP, kEdit, kAny, kNone},

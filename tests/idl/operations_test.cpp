@@ -58,5 +58,17 @@ TEST(Operations, WhatPagesMayLookAtChangesNothing) {
     EXPECT_EQ(traitsOf(operation).pages, Pages::kNone) << nameOf(operation);
 }
 
+TEST(Operations, WhatIsLookedAtTakesTheRightToLookAlone) {
+  for (const v1::Operation operation : allOperations()) {
+    const OperationTraits traits = traitsOf(operation);
+    if (traits.pages == Pages::kThatLook) {
+      EXPECT_EQ(traits.privilege, Privilege::kLook) << nameOf(operation);
+    }
+  }
+  for (const v1::Operation operation :
+       {v1::OP_MOTION_FRAMES, v1::OP_LINK_POSES, v1::OP_SESSION_SETTINGS, v1::OP_EXPORT})
+    EXPECT_EQ(traitsOf(operation).privilege, Privilege::kLook) << nameOf(operation);
+}
+
 }  // namespace
 }  // namespace handgraft::idl

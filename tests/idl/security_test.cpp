@@ -228,20 +228,6 @@ TEST(Rights, EveryOperationIsSomebodysAndUnknownOnesAreNobodys) {
   EXPECT_EQ(idl::traitsOf(static_cast<v1::Operation>(12345)).privilege, Privilege::kOperate);
 }
 
-TEST(Rights, WhatChangesNothingIsForAllWhoLook) {
-  // As a page shows a session: its models, what holds, what is drawn of it, files of it.
-  const std::set<v1::Operation> looks{
-      v1::OP_NOTHING,          v1::OP_CANCEL,        v1::OP_LIST_MODELS,
-      v1::OP_DESCRIBE_MODEL,   v1::OP_LIST_SESSIONS, v1::OP_DESCRIBE_SESSION,
-      v1::OP_SESSION_SETTINGS, v1::OP_TRANSFER,      v1::OP_MOTION_FRAMES,
-      v1::OP_LINK_POSES,       v1::OP_COMPARE,       v1::OP_EXPORT,
-      v1::OP_SAVE_SESSION};
-  for (const std::string& name : namesOf(typeOf<v1::Operation>())) {
-    const auto operation = v1::enumeratorOf<v1::Operation>(name).value();
-    EXPECT_EQ(privilegeOf(operation) == Privilege::kLook, looks.contains(operation)) << name;
-  }
-}
-
 TEST(Rights, OneRoleAloneSaysWhatOthersTrust) {
   const auto writers = [](const std::string& topic) {
     std::set<Role> roles;
