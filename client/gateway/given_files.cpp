@@ -6,8 +6,6 @@
 #include <sstream>
 #include <system_error>
 
-#include <stdlib.h>  // NOLINT(modernize-deprecated-headers): mkdtemp is POSIX
-
 #include "client/link/client.h"
 #include "core/base/error.h"
 
@@ -33,20 +31,6 @@ void replaceAll(std::string& text, const std::string& what, const std::string& w
 }  // namespace
 
 // === Files that belong together
-
-Gift::Gift() {
-  std::string path = (fs::canonical(fs::temp_directory_path()) / "handgraft_page_XXXXXX");
-  if (mkdtemp(path.data()) == nullptr) {
-    throw fs::filesystem_error("no folder for a page's files", path,
-                               std::error_code(errno, std::generic_category()));
-  }
-  folder_ = path;
-}
-
-Gift::~Gift() {
-  std::error_code ignored;
-  fs::remove_all(folder_, ignored);
-}
 
 ModelFiles Gift::model(v1::ModelKind kind,
                        const std::string& main,

@@ -10,6 +10,7 @@
 
 #include "client/gateway/web_server.h"
 #include "client/link/model_files.h"
+#include "core/base/scratch_folder.h"
 
 namespace handgraft::client::gateway {
 
@@ -26,8 +27,7 @@ struct GivenLimits {
 class Gift {
  public:
   /// Errors: std::filesystem_error.
-  Gift();
-  ~Gift();
+  Gift() = default;
   Gift(const Gift&) = delete;
   Gift& operator=(const Gift&) = delete;
 
@@ -50,7 +50,8 @@ class Gift {
     std::uint64_t received = 0;
   };
 
-  std::filesystem::path folder_;
+  ScratchFolder scratch_{"handgraft_page"};
+  std::filesystem::path folder_ = scratch_.path();
   std::map<std::string, File> files_;
   std::uint64_t bytes_ = 0;  ///< announced
 };

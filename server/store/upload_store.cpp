@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
 #include <fstream>
 #include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
-#include <stdlib.h>
 
 #include "core/base/content_hash.h"
 #include "core/base/error.h"
@@ -87,21 +85,6 @@ std::string UploadedFiles::contentHash() const {
 
 // === UploadStore
 
-UploadStore::UploadStore(UploadLimits limits) : limits_(limits) {
-  std::string pattern = (fs::temp_directory_path() / "handgraft-server-XXXXXX").string();
-  if (mkdtemp(pattern.data()) == nullptr) {
-    throw fs::filesystem_error("no private folder for uploads", pattern,
-                               std::error_code(errno, std::generic_category()));
-  }
-  folder_ = pattern;
-}
-
-UploadStore::~UploadStore() {
-  uploads_.clear();
-  std::error_code error;
-  fs::remove_all(folder_, error);
-}
-
 void UploadStore::put(const ClientId& client, const v1::PutFileRequest& chunk) {
   if (chunk.uri().empty() || chunk.uri().size() > kLongestUri) {
     rejectInput("uri {}: its length {} is outside 1-{}", handgraft::quoted(chunk.uri()),
@@ -112,7 +95,7 @@ void UploadStore::put(const ClientId& client, const v1::PutFileRequest& chunk) {
                 handgraft::quoted(chunk.uri()), chunk.bytes().size(), kLargestChunk);
   }
   const std::lock_guard lock(mutex_);
-  dropIdle();
+  dropIdleLocked();
   const Key key{client, chunk.upload_id()};
   Upload& upload = uploadFor(key);
   upload.touched = std::chrono::steady_clock::now();
@@ -175,7 +158,8 @@ UploadStore::Upload& UploadStore::uploadFor(const Key& key) {
            mine);
   }
   Upload& upload = uploads_[key];
-  upload.files = std::make_shared<UploadedFiles>(folder_ / fmt::format("{}", next_folder_++));
+  upload.files =
+      std::make_shared<UploadedFiles>(folder_.path() / fmt::format("{}", next_folder_++));
   return upload;
 }
 
@@ -242,7 +226,19 @@ std::uint64_t UploadStore::bytes() const {
   return sum;
 }
 
+void UploadStore::drop(const ClientId& client) {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(uploads_, [&](const auto& one) {
+    return one.first.first == client;
+  });
+}
+
 void UploadStore::dropIdle() {
+  const std::lock_guard lock(mutex_);
+  dropIdleLocked();
+}
+
+void UploadStore::dropIdleLocked() {
   const auto now = std::chrono::steady_clock::now();
   std::erase_if(uploads_, [&](const auto& one) {
     return now - one.second.touched > limits_.idle;

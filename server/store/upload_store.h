@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/scratch_folder.h"
 #include "idl/models.h"
 
 namespace handgraft::server {
@@ -65,8 +66,8 @@ class UploadStore {
   using ClientId = std::array<std::uint8_t, 16>;
 
   /// Makes a private folder under the system's temporary one. Errors: std::filesystem_error.
-  explicit UploadStore(UploadLimits limits = {});
-  ~UploadStore();
+  explicit UploadStore(UploadLimits limits = {}) : limits_(limits) {}
+
   UploadStore(const UploadStore&) = delete;
   UploadStore& operator=(const UploadStore&) = delete;
 
@@ -78,6 +79,12 @@ class UploadStore {
   /// Hands the upload over. Errors: InvalidInput if there is none of that number, or a file of
   /// it is not complete.
   std::shared_ptr<const UploadedFiles> finish(const ClientId& client, std::uint64_t upload_id);
+
+  /// Gives back what a client that is gone had begun to send.
+  void drop(const ClientId& client);
+
+  /// Gives back what nothing was added to for so long. To be called now and then.
+  void dropIdle();
 
   /// What a file counts as beyond its bytes: empty ones take room, too.
   static constexpr std::uint64_t kFileCost = 4096;
@@ -102,7 +109,7 @@ class UploadStore {
 
   using Key = std::pair<ClientId, std::uint64_t>;
 
-  void dropIdle();
+  void dropIdleLocked();
   Upload& uploadFor(const Key& key);
   File& beginFile(const Key& key, Upload& upload, const v1::PutFileRequest& chunk);
   [[nodiscard]] std::uint64_t reservedBy(const ClientId& client) const;
@@ -112,7 +119,7 @@ class UploadStore {
   void makeRoom(const Key& key, std::uint64_t bytes, const std::string& uri);
 
   UploadLimits limits_;
-  std::filesystem::path folder_;
+  ScratchFolder folder_{"handgraft-server"};
   mutable std::mutex mutex_;
   std::map<Key, Upload> uploads_;
   std::uint64_t next_folder_ = 0;

@@ -1,7 +1,9 @@
 #include "server/store/upload_store.h"
 
+#include <chrono>
 #include <fstream>
 #include <iterator>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -53,6 +55,26 @@ TEST(UploadStore, JoinsChunksAndRemovesTheFilesAfterUse) {
   EXPECT_EQ(contentOf(path), "abcde");
   files.reset();
   EXPECT_FALSE(fs::exists(path));
+}
+
+TEST(UploadStore, GivesBackWhatAClientThatIsGoneHadBegun) {
+  UploadStore store;
+  const UploadStore::ClientId other = {8};
+  store.put(kClient, chunk("a.urdf", "abc", 0, 5));
+  store.put(other, chunk("a.urdf", "abcd", 0, 5));
+  store.drop(kClient);
+  EXPECT_EQ(store.bytes(), 4u);
+  EXPECT_THROW(store.finish(kClient, 1), InvalidInput);
+  store.put(other, chunk("a.urdf", "e", 4, 5));
+  EXPECT_NO_THROW(store.finish(other, 1));
+}
+
+TEST(UploadStore, GivesBackWhatIsIdleThoughNobodyAsksForRoom) {
+  UploadStore store({.idle = std::chrono::seconds(0)});
+  store.put(kClient, chunk("a.urdf", "abc", 0, 5));
+  std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  store.dropIdle();
+  EXPECT_EQ(store.bytes(), 0u);
 }
 
 TEST(UploadStore, NeverMakesAPathOfAUri) {
