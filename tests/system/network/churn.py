@@ -44,6 +44,7 @@ def main():
         random.seed(1)
         others, killed, left, end = [], 0, 0, time.monotonic() + seconds
         half_mb = None
+        told_until = 0
         while time.monotonic() < end:
             if len(others) < clients:
                 others.append((probe(1, random.uniform(1, 20)), time.monotonic() + random.uniform(0.2, 30)))
@@ -57,6 +58,10 @@ def main():
                 else:
                     continue
                 others.remove((one, until))
+            tenths = int(10 * (1 - (end - time.monotonic()) / seconds))
+            if tenths > told_until:
+                told_until = tenths
+                print(f'{tenths}/10: {memory_mb(serving):.1f} MB after {killed + left} clients; load {os.getloadavg()[0]:.0f}', flush=True)
             if half_mb is None and time.monotonic() > end - seconds / 2:
                 half_mb = memory_mb(serving)
             time.sleep(0.05)

@@ -92,8 +92,8 @@ class Tally {
             {"errors", errors_},
             {"unanswered", never},
             {"answered_twice", twice},
-            {"p50_ms", std::round(percentile(late_ms_, 0.5))},
-            {"p95_ms", std::round(percentile(late_ms_, 0.95))},
+            {"p50_ms", std::round(10.0 * percentile(late_ms_, 0.5)) / 10.0},
+            {"p95_ms", std::round(10.0 * percentile(late_ms_, 0.95)) / 10.0},
             {"latest_ms", std::round(percentile(late_ms_, 1.0))}};
   }
 
@@ -264,6 +264,7 @@ int edit(Requester& requester, double seconds, double rate_hz, const std::string
       {"edits", edits.report()}, {"questions", questions.report()}, {"revision", revision}};
   fmt::print("{}\n", report.dump());
   // An edit is done once if it was told as done, and at most once if that is not known.
+  askUntilAnswered(requester, ofSession(v1::OP_CLOSE_SESSION, session));
   const std::uint64_t unknown = edits.errors(v1::nameOf(v1::ERROR_OUTCOME_UNKNOWN));
   const bool is_once = revision >= edits.done() && revision <= edits.done() + unknown;
   return all_edits && all_questions && is_once ? 0 : 1;
@@ -312,6 +313,7 @@ int main(int argc, char** argv) {
   bool is_there = false;
   app.add_option("--domain", network.domain);
   app.add_option("--interface", network.interface);
+  app.add_option("--identity", network.identity);
   app.add_option("--peers", network.peers)->delimiter(',');
   auto* much = app.add_subcommand("much", "an object's mesh, asked for several times");
   much->add_option("--times", times);

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""soak.py PROGRAMS DOMAIN [SECONDS]: rounds of sessions opened, edited and closed, models loaded and unloaded, a bridge that follows;
-memory, descriptors and threads of server and bridge after each tenth of the time, then what they take idle. Exit code 1 if
+"""soak.py PROGRAMS DOMAIN [SECONDS [SESSIONS]]: rounds of sessions opened, edited and, once there are so many (100), the oldest
+closed, models loaded and unloaded, a bridge that follows; memory, descriptors and threads of server and bridge after each tenth of the time, then what they take idle. Exit code 1 if
 one of them grows from the half on by more than a tenth and 8 MB, 8 descriptors or 4 threads, or takes more than 1 % idle."""
 import os
+import random
 import re
 import signal
 import subprocess
@@ -29,6 +30,7 @@ def processor_s(pid):
 def main():
     programs, domain = sys.argv[1:3]
     seconds = float(sys.argv[3]) if len(sys.argv) > 3 else 1800
+    most = int(sys.argv[4]) if len(sys.argv) > 4 else 100
     scratch = tempfile.TemporaryDirectory()
     with open(f'{scratch.name}/small.obj', 'w', encoding='utf8') as file:
         file.write(TETRAHEDRON)
@@ -54,22 +56,25 @@ def main():
         time.sleep(2)
         begin = time.monotonic()
         rounds = 0
+        sessions = []
         while time.monotonic() < begin + seconds:
             told = run('grasp', '--hand', 'barrett8', '--object', 'lemon', '--contacts', 'lemon_6', '--keep')
             session = (re.search(r'session (\d+)', told) or [0, '0'])[1]
-            run('edit', session, '--script', f'{scratch.name}/edits')
+            sessions.append(session)
+            run('edit', random.choice(sessions), '--script', f'{scratch.name}/edits')
             run('load', 'object', f'{scratch.name}/small.obj', '--name', f'small{rounds}')
             run('unload', 'object', f'small{rounds}')
-            run('close', session)
+            if len(sessions) > most:
+                run('close', sessions.pop(0))
             rounds += 1
             if time.monotonic() > begin + seconds * (len(rows) + 1) / 10:
                 rows.append({name: taken(one.pid) for name, one in watched.items()})
-                print(rounds, *(f'{name} {mb:.1f} MB {files} files {threads} threads' for name, (mb, files, threads) in rows[-1].items()), flush=True)
+                print(f'{rounds} rounds, {len(sessions)} sessions, load {os.getloadavg()[0]:.0f}:', *(f'{name} {mb:.1f} MB {files} files {threads} threads' for name, (mb, files, threads) in rows[-1].items()), flush=True)
         time.sleep(25)  # until the last client's lease has ended
         before = {name: processor_s(one.pid) for name, one in watched.items()}
         time.sleep(30)
         idle = {name: (processor_s(one.pid) - before[name]) / 0.3 for name, one in watched.items()}
-        print(f'{rounds} rounds, {len(failures)} of {5 * rounds} commands failed; idle:', ', '.join(f'{name} {percent:.2f} %' for name, percent in idle.items()))
+        print(f'{rounds} rounds, {len(failures)} of some {5 * rounds} commands failed; idle:', ', '.join(f'{name} {percent:.2f} %' for name, percent in idle.items()))
         failed = any(percent > 1 for percent in idle.values()) or len(failures) > rounds / 20
         for name in watched:
             half, end = rows[len(rows) // 2][name], rows[-1][name]
