@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <stdexcept>
@@ -23,6 +24,7 @@
 #include "core/base/network.h"
 #include "idl/security/identity.h"
 #include "server/admission/service.h"
+#include "server/lockdown.h"
 #include "server/reading/sandbox.h"
 #include "server/store/model_library.h"
 #include "server/store/state_file.h"
@@ -184,13 +186,24 @@ void ask(const Options& options) {
       });
 }
 
+/// Gives up what a server of these options need not have.
+std::string lockDown(const Options& options) {
+  server::Belongings all = server::usualBelongings();
+  if (!options.models.empty()) all.read.push_back(options.models);
+  if (!options.network.identity.empty()) all.read.push_back(options.network.identity);
+  const server::StateFile state = server::stateFile(options.state, options.network);
+  if (state.path != ":memory:")
+    all.written.push_back(std::filesystem::path(state.path).parent_path());
+  return server::lockDown(all);
+}
+
 /// Serves until a signal: nothing that the bus says ends it. False if it is to be begun anew,
 /// on its store: it was missed, and clients that dropped it do not find it again while it
 /// believes to know them still.
 bool serve(const Options& options) {
-  // Before all other threads; and it outlives this function.
-  static StopSignals stop_signals;
   const NetworkInterface interface = validate(options.network);
+  const std::string given_up = lockDown(options);  // before all other threads, likewise:
+  static StopSignals stop_signals;                 // and it outlives this function
   if (!options.network.identity.empty()) {
     // Before anything is opened.
     idl::security::readIdentity(options.network.identity, {idl::security::Role::kServer});
@@ -215,12 +228,12 @@ bool serve(const Options& options) {
   service.start();
   spdlog::info(
       "event=ready version={}{} domain={} interface={} models={} sessions={} left_out={} "
-      "workers={} state={} readers_kept_from={} identity={}",
+      "workers={} state={} given_up={} readers_kept_from={} identity={}",
       HANDGRAFT_VERSION,
       options.network.server.empty() ? "" : " name=" + options.network.server,
       options.network.domain, options.network.interface, models.size(),
       service.status().session_count(), left_out, options.workers,
-      state ? handgraft::quoted(state->path()) : "memory",
+      state ? handgraft::quoted(state->path()) : "memory", handgraft::quoted(given_up),
       handgraft::quoted(server::sandboxOfThisKernel()),
       options.network.identity.empty() ? "none" : handgraft::quoted(options.network.identity));
   if (options.network.identity.empty() && !interface.loopback) {

@@ -419,6 +419,12 @@ Pending<v1::SessionState> Client::loadSession(const std::string& text) {
   return impl_->call<v1::SessionState>(body, sessionIn);
 }
 
+Pending<v1::SessionState> Client::shareSession(const v1::ShareRequest& request) {
+  v1::RequestBody body;
+  body.share(request);
+  return impl_->call<v1::SessionState>(body, sessionIn);
+}
+
 Pending<v1::ReplayReply> Client::replay(const std::string& text) {
   v1::ReplayRequest request;
   request.text(text);

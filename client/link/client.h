@@ -126,6 +126,8 @@ class Client {
   Pending<v1::ReplayReply> replay(const std::string& text);
   /// The bytes of the file.
   Pending<std::string> exportSession(const v1::ExportRequest& request);
+  /// In a secured domain; for the session's owner and operators.
+  Pending<v1::SessionState> shareSession(const v1::ShareRequest& request);
   /// Works after an interruption, too, where the server answers within 2 s.
   Pending<Done> closeSession(std::uint64_t session_id);
   /// Stops the solve in flight, whoever asked for it, also one that follows an edit. Likewise.

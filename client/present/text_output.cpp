@@ -158,13 +158,36 @@ std::string models(const v1::ModelList& list) {
   return table(rows, "l");
 }
 
+namespace {
+
+std::string editors(const v1::SessionState& state) {
+  switch (state.access()) {
+    case v1::ACCESS_ALL:
+      return "everyone";
+    case v1::ACCESS_LISTED:
+      return "owner and others";
+    case v1::ACCESS_OWNER:
+      return "owner";
+  }
+  return "";
+}
+
+}  // namespace
+
 std::string sessions(const v1::SessionList& list) {
   if (list.sessions().empty()) return "no sessions\n";
+  const bool are_owned =
+      std::any_of(list.sessions().begin(), list.sessions().end(), [](const auto& state) {
+        return !state.owner().empty();
+      });
   Rows rows = {{"session", "phase", "revision", "hand", "object", "contacts"}};
+  if (are_owned) rows.front().insert(rows.front().end(), {"owner", "edited by"});
   for (const v1::SessionState& state : list.sessions()) {
     rows.push_back({std::to_string(state.session_id()), nameOf(state.phase()),
                     std::to_string(state.revision()), plain(state.hand()),
                     plain(state.object()), plain(state.contacts())});
+    if (are_owned)
+      rows.back().insert(rows.back().end(), {plain(state.owner()), editors(state)});
   }
   return table(rows, "l");
 }

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <utility>
 
+#include "idl/datagrams/shown_certificate.h"
+
 namespace handgraft::idl {
 
 namespace {
@@ -351,6 +353,12 @@ bool isPlainSample(const Piece& body, std::uint8_t flags) {
 
 }  // namespace
 
+DatagramFilter::GuidBegin DatagramFilter::beginOf(const Prefix& source) {
+  GuidBegin begin;
+  std::copy_n(source.begin(), begin.size(), begin.begin());
+  return begin;
+}
+
 bool DatagramFilter::isAsBefore(const Prefix& source, Bytes announcement) {
   // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): bytes, to be compared
   const std::string_view text(reinterpret_cast<const char*>(announcement.data()),
@@ -386,9 +394,25 @@ bool DatagramFilter::isHandshakeOrAnnouncement(const Prefix& source,
   const Piece payload{body.bytes.subspan(at + 4), body.bytes[at + 1] % 2 == 1};
   if (writer == kParticipantWriter && (reader == kParticipantReader || reader == 0))
     return hasSoundTokens(payload) && isAsBefore(source, payload.bytes);
-  if (writer == kHandshakeWriter && (reader == kHandshakeReader || reader == 0))
-    return isHandshake(payload);
-  return false;
+  if (writer != kHandshakeWriter || (reader != kHandshakeReader && reader != 0)) return false;
+  if (!isHandshake(payload)) return false;
+  if (on_certificate_) {
+    const auto shown = shownCertificate(payload.bytes, payload.little);
+    if (!shown.empty()) on_certificate_(beginOf(source), shown);
+  }
+  return true;
+}
+
+void DatagramFilter::refuse(std::set<GuidBegin> whom) {
+  const std::lock_guard lock(mutex_);
+  refused_ = std::move(whom);
+  refuses_ = !refused_.empty();
+}
+
+bool DatagramFilter::isRefused(const Prefix& source) {
+  if (!refuses_) return false;
+  const std::lock_guard lock(mutex_);
+  return refused_.count(beginOf(source)) != 0;
 }
 
 bool DatagramFilter::isWithinShare(const Prefix& source, const Submessage& submessage) {
@@ -397,11 +421,17 @@ bool DatagramFilter::isWithinShare(const Prefix& source, const Submessage& subme
   const auto now = std::chrono::steady_clock::now();
   const std::lock_guard lock(mutex_);
   if (shares_.size() >= kMostParticipants && shares_.count(source) == 0) shares_.clear();
-  Share& share = shares_[source];
-  const std::chrono::duration<double> since = now - std::exchange(share.last, now);
-  share.samples = std::min(kSamplesAtOnce, share.samples + kSamplesPerSecond * since.count());
-  if (share.samples < 1.0) return false;
-  share.samples -= 1.0;
+  return shares_[source].take(kSamplesPerSecond, kSamplesAtOnce, now) ||
+         shared_.take(kSharedPerSecond, kSharedAtOnce, now);
+}
+
+bool DatagramFilter::Share::take(double per_second,
+                                 double at_once,
+                                 std::chrono::steady_clock::time_point now) {
+  const std::chrono::duration<double> since = now - std::exchange(last, now);
+  samples = std::min(at_once, samples + per_second * since.count());
+  if (samples < 1.0) return false;
+  samples -= 1.0;
   return true;
 }
 
@@ -525,6 +555,7 @@ std::span<const std::uint8_t> DatagramFilter::pass(Bytes datagram,
     return {};
   Prefix source;
   std::copy_n(datagram.begin() + 8, source.size(), source.begin());
+  if (isRefused(source)) return {};
 
   kept.assign(datagram.begin(), datagram.begin() + kMessageHeader);
   bool has_content = false;  // beyond what says of whom and for whom the rest is
@@ -557,8 +588,10 @@ std::span<const std::uint8_t> DatagramFilter::pass(Bytes datagram,
       }
     }
     // Cyclone DDS packs what several participants of a process say: the rest is another's.
-    if (kind == kInfoSource && submessage->whole.size() >= source.size())
+    if (kind == kInfoSource && submessage->whole.size() >= source.size()) {
       std::copy_n(submessage->whole.end() - std::ssize(source), source.size(), source.begin());
+      if (isRefused(source)) return {};
+    }
     rest = rest.subspan(length);
   }
   if (!has_content) return {};

@@ -1,13 +1,17 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <span>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -52,10 +56,13 @@ class DatagramFilter {
   /// How many samples a heartbeat may offer and a gap may skip.
   static constexpr std::int64_t kLongestRange = 1'000'000;
   /// Samples of its users' topics that a participant of an open domain may send to Fast DDS,
-  /// a second and at once. The rest is left out, and offered again by who sent it: what floods
-  /// is slowed down before it costs more than a look.
-  static constexpr double kSamplesPerSecond = 2000.0;
-  static constexpr double kSamplesAtOnce = 4000.0;
+  /// a second and at once: so many whatever others do, and so many more of what all share, so
+  /// that several who flood get no more than one. The rest is left out, and offered again by
+  /// who sent it: what floods is slowed down before it costs more than a look.
+  static constexpr double kSamplesPerSecond = 100.0;
+  static constexpr double kSamplesAtOnce = 400.0;
+  static constexpr double kSharedPerSecond = 2000.0;
+  static constexpr double kSharedAtOnce = 4000.0;
   static constexpr std::uint32_t kLargestSample = 64U << 20U;  ///< bytes
   static constexpr std::uint32_t kShortestLease_s = 5;
 
@@ -64,8 +71,21 @@ class DatagramFilter {
   std::span<const std::uint8_t> pass(std::span<const std::uint8_t> datagram,
                                      std::vector<std::uint8_t>& kept);
 
+  /// How the GUIDs of one identity begin (security/guids.h).
+  using GuidBegin = std::array<std::uint8_t, 6>;
+  /// From now on nothing goes on of what these say, in place of those before. Any thread.
+  void refuse(std::set<GuidBegin> whom);
+
+  /// In a secured domain: what a handshake shows, and in whose name it came, unchecked.
+  using OnCertificate = std::function<void(GuidBegin source, std::string_view pem)>;
+
+  /// Called on the thread of `pass`. To be set before the first datagram.
+  void tellCertificates(OnCertificate hear) { on_certificate_ = std::move(hear); }
+
  private:
   using Prefix = std::array<std::uint8_t, 12>;
+
+  static GuidBegin beginOf(const Prefix& source);
 
   struct Submessage;
   /// The first one; nothing if it is cut short.
@@ -80,6 +100,7 @@ class DatagramFilter {
   std::optional<std::size_t> secured(const Prefix& source,
                                      const Submessage& submessage,
                                      std::span<const std::uint8_t> rest);
+  bool isRefused(const Prefix& source);
   bool isWithinShare(const Prefix& source, const Submessage& submessage);
   /// True of what this reader must not see, though it may be well formed.
   [[nodiscard]] bool isKeptFrom(const Submessage& submessage) const;
@@ -94,15 +115,22 @@ class DatagramFilter {
 
   const Domain domain_;
   const Reader reader_;
+  OnCertificate on_certificate_;
+  std::atomic<bool> refuses_{false};
   std::mutex mutex_;
+  std::set<GuidBegin> refused_;
   std::map<Prefix, Announced> announced_;
 
+  /// Samples that may be sent now, of so many a second and at once.
   struct Share {
-    double samples = kSamplesAtOnce;  ///< that it may send now
-    std::chrono::steady_clock::time_point last;
+    double samples = 0.0;
+    std::chrono::steady_clock::time_point last{};
+
+    bool take(double per_second, double at_once, std::chrono::steady_clock::time_point now);
   };
 
   std::map<Prefix, Share> shares_;
+  Share shared_;  ///< by all who send more than their own
   /// The highest sample number seen of each writer.
   std::map<std::pair<Prefix, std::uint32_t>, std::int64_t> last_;
 };

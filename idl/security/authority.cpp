@@ -21,7 +21,6 @@ namespace {
 
 constexpr std::int64_t kDayOfSeconds = 24 * 3600;
 constexpr const char* kAuthorityKeyFile = "ca.key";
-constexpr std::size_t kLongestIdentity = 32;
 constexpr mode_t kForOwner = 0600;
 constexpr mode_t kForAll = 0644;  // the folder keeps others out
 
@@ -89,21 +88,6 @@ class AuthorityLock {
  private:
   int file_;
 };
-
-void requireIdentityName(const std::string& name) {
-  const auto is_letter = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-  };
-  const bool is_name = !name.empty() && name.size() <= kLongestIdentity &&
-                       is_letter(name.front()) &&
-                       std::all_of(name.begin(), name.end(), [&](char c) {
-                         return is_letter(c) || (c >= '0' && c <= '9') || c == '_' || c == '-';
-                       });
-  if (is_name) return;
-  rejectInput(
-      "name {} is none of an identity: a letter, then letters, digits, _ and -, at most {}",
-      quoted(name), kLongestIdentity);
-}
 
 }  // namespace
 

@@ -1,6 +1,7 @@
 // libcrypto 3.0.
 #include "idl/security/certificates.h"
 
+#include <algorithm>
 #include <array>
 #include <ctime>
 
@@ -11,7 +12,6 @@
 #include <openssl/evp.h>
 #include <openssl/pem.h>
 #include <openssl/pkcs7.h>
-#include <openssl/rand.h>
 #include <openssl/x509v3.h>
 
 #include "core/base/error.h"
@@ -81,10 +81,12 @@ std::string digitsOf(const ASN1_INTEGER* number) {
   return digits;
 }
 
-/// 127 random bits: no two certificates of an authority share a number.
-Integer randomSerial() {
-  BigNumber big(BN_new());
-  require(BN_rand(big.get(), 127, BN_RAND_TOP_ONE, BN_RAND_BOTTOM_ANY) == 1, "no number");
+/// Of its subject, which no other certificate of an authority shares: a list of numbers that
+/// were revoked then tells whose GUIDs are to be refused (guids.h).
+Integer serialOf(const std::string& common_name) {
+  const SubjectDigest digest = digestOfSubject(common_name);
+  const BigNumber big(BN_bin2bn(digest.data(), static_cast<int>(digest.size()), nullptr));
+  require(big != nullptr, "no number");
   return Integer(BN_to_ASN1_INTEGER(big.get(), nullptr));
 }
 
@@ -103,7 +105,7 @@ std::shared_ptr<X509> unsignedCertificate(const std::string& common_name,
                                           const Lifetime& lifetime) {
   std::shared_ptr<X509> made(X509_new(), X509_free);
   require(made != nullptr, "no certificate");
-  const Integer serial = randomSerial();
+  const Integer serial = serialOf(common_name);
   require(
       X509_set_version(made.get(), X509_VERSION_3) == 1 &&
           X509_set_serialNumber(made.get(), serial.get()) == 1 &&
@@ -325,7 +327,7 @@ std::optional<std::string> openDocument(const std::string& document,
   return textOf(out.get());
 }
 
-bool firstBitOf(const std::string& common_name) {
+SubjectDigest digestOfSubject(const std::string& common_name) {
   unsigned char* bytes = nullptr;
   const int size = i2d_X509_NAME(nameOfSubject(common_name).get(), &bytes);
   require(size > 0, "no name");
@@ -334,7 +336,9 @@ bool firstBitOf(const std::string& common_name) {
                               EVP_sha256(), nullptr);
   OPENSSL_free(bytes);
   require(done == 1, "no digest");
-  return (digest[0] & 0x80U) != 0;
+  SubjectDigest first{};
+  std::copy_n(digest.begin(), first.size(), first.begin());
+  return first;
 }
 
 }  // namespace handgraft::idl::security

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -55,7 +56,7 @@ class Certificate {
 
   [[nodiscard]] std::string commonName() const;
   [[nodiscard]] Lifetime lifetime() const;
-  /// Hexadecimal, capitals.
+  /// Hexadecimal, capitals: the digest of its subject.
   [[nodiscard]] std::string serial() const;
   [[nodiscard]] bool isSignedBy(const Certificate& authority) const;
   [[nodiscard]] bool belongsTo(const PrivateKey& key) const;
@@ -99,8 +100,8 @@ std::string signDocument(const std::string& text,
 std::optional<std::string> openDocument(const std::string& document,
                                         const Certificate& authority);
 
-/// The first bit of SHA-256 of a subject of that common name, and so of the GUIDs of its
-/// participants (DDS Security 1.1, 9.3.3): the lower of two begins their handshake.
-bool firstBitOf(const std::string& common_name);
+/// The first bytes of SHA-256 of a subject of that common name, in DER.
+using SubjectDigest = std::array<std::uint8_t, 16>;
+SubjectDigest digestOfSubject(const std::string& common_name);
 
 }  // namespace handgraft::idl::security

@@ -13,6 +13,7 @@
 #include "core/base/error.h"
 #include "core/base/random_id.h"
 #include "idl/security/documents.h"
+#include "idl/security/guids.h"
 
 namespace handgraft::idl::security {
 
@@ -66,6 +67,22 @@ void requireRole(const Identity& identity, std::initializer_list<Role> roles) {
 
 }  // namespace
 
+void requireIdentityName(const std::string& name) {
+  constexpr std::size_t kLongestIdentity = 32;
+  const auto is_letter = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+  };
+  const bool is_name = !name.empty() && name.size() <= kLongestIdentity &&
+                       is_letter(name.front()) &&
+                       std::all_of(name.begin(), name.end(), [&](char c) {
+                         return is_letter(c) || (c >= '0' && c <= '9') || c == '_' || c == '-';
+                       });
+  if (is_name) return;
+  rejectInput(
+      "name {} is none of an identity: a letter, then letters, digits, _ and -, at most {}",
+      quoted(name), kLongestIdentity);
+}
+
 std::int64_t nowInSeconds() {
   return std::chrono::duration_cast<std::chrono::seconds>(
              std::chrono::system_clock::now().time_since_epoch())
@@ -92,7 +109,7 @@ std::string makeCommonName(const std::string& name, Role role) {
   while (true) {
     const std::string common_name =
         fmt::format("{} {} {:016x}", name, nameOf(role), randomId());
-    if (firstBitOf(common_name) == (role == Role::kServer)) return common_name;
+    if (isHigh(guidBeginOf(common_name)) == (role == Role::kServer)) return common_name;
   }
 }
 
@@ -107,7 +124,7 @@ Named readCommonName(const std::string& common_name, const std::string& where) {
                 where, quoted("CN=" + common_name));
   }
   Named named{name, roleNamed(role)};
-  if (firstBitOf(common_name) != (named.role == Role::kServer)) {
+  if (isHigh(guidBeginOf(common_name)) != (named.role == Role::kServer)) {
     rejectInput(
         "{}: subject {} would make a handshake that Cyclone DDS does not understand; "
         "make it by `handgraft keys add`",

@@ -44,6 +44,9 @@ struct Named {
 
 Named readCommonName(const std::string& common_name, const std::string& where);
 
+/// Errors: InvalidInput if no identity may be called so.
+void requireIdentityName(const std::string& name);
+
 /// The identity in a folder, fit to be used now.
 ///
 /// Errors: InvalidInput, which names the file: one that is missing or cannot be read, a key

@@ -18,6 +18,7 @@
 #include "server/handlers/saved_sessions.h"
 #include "server/handlers/sessions.h"
 #include "server/handlers/settings.h"
+#include "server/handlers/sharing.h"
 #include "server/handlers/suggest.h"
 #include "server/handlers/sweep.h"
 #include "server/handlers/transfer.h"
@@ -146,6 +147,9 @@ constexpr Rule kRules[] = {
     {v1::OP_LINK_POSES, Lane::kSession, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
        reply.link_poses(linkPoses(c.live(), c.body().link_poses()));
      }>},
+    {v1::OP_SHARE_SESSION, Lane::kSession, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
+       reply.session(shareSession(c.live(), c.body().share(), c.who()));
+     }>},
 };
 
 // clang-format on
@@ -176,7 +180,13 @@ Lane laneOf(v1::Operation operation) {
 }
 
 Mark Call::mark() const {
-  return markOf(sender, request.client(), request.request_id());
+  Mark mark = markOf(sender, request.client(), request.request_id());
+  mark.who = who();
+  return mark;
+}
+
+Who Call::who() const {
+  return workshop.bus == nullptr ? Who() : workshop.bus->whoIs(sender);
 }
 
 Mark markOf(const Sender& sender, const v1::ClientId& client, std::uint64_t number) {

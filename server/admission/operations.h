@@ -32,8 +32,10 @@ struct Call {
 
   [[nodiscard]] LiveSession& live() const { return *session; }
 
-  /// The request, as the store tells it from others.
+  /// The request, as the store tells it from others, and who asked.
   [[nodiscard]] Mark mark() const;
+
+  [[nodiscard]] Who who() const;
 };
 
 /// Does an operation; one of a session on its strand. Nothing where an edit cut short what it

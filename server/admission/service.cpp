@@ -13,6 +13,7 @@
 #include "idl/operations.h"
 #include "server/admission/error_reply.h"
 #include "server/admission/rejection.h"
+#include "server/admission/session_rights.h"
 #include "server/handlers/kept_sessions.h"
 #include "server/handlers/sessions.h"
 #include "server/handlers/solving_phase.h"
@@ -66,8 +67,8 @@ Service::Service(Bus& bus, ModelStore& models, const ServiceOptions& options)
                        : nullptr),
       quick_(1, kMostQuickWaiting),
       pool_(options.workers, options.most_waiting, options.patience, options.reserves),
-      workshop_{models, uploads_, reader_,       sessions_,
-                *this,  pool_,    options.state, kept_models_.get()} {
+      workshop_{models,        uploads_,           reader_, sessions_, *this, pool_,
+                options.state, kept_models_.get(), &bus_} {
   if (options.state == nullptr) return;
   kept_models_->listIn(models);
   listKeptSessions();
@@ -144,6 +145,8 @@ void Service::publishStatusOnceASecond() {
   Clock::time_point last = Clock::now();
   while (!stopping_) {
     bus_.publish(status());
+    bus_.lookAround();
+    uploads_.dropIdle();
     expireIdleSessions();
     // What was not heard while this server itself did not get its turn is no client's silence.
     const Clock::time_point now = Clock::now();
@@ -222,6 +225,14 @@ void Service::expireIdleSessions() {
       if (!is_taken) spdlog::debug("event=expiry_waits session={}", live->id());
     }
   }
+}
+
+void Service::onGone(const Sender& sender) {
+  // Files are removed, which DDS' thread need not wait for; what finds no room is dropped once
+  // it is idle.
+  static_cast<void>(quick_.post([this, sender] {
+    uploads_.drop(sender);
+  }));
 }
 
 void Service::onStatus(const v1::ServerStatus& status) {
@@ -378,7 +389,7 @@ void Service::dispatch(const JobPtr& job) {
       if (body._d() == v1::OP_CANCEL) {
         cancel(job->asker, body.cancel().request_id());
       } else {
-        stopSolving(idl::sessionOf(body), job->request.client());
+        stopSolving(idl::sessionOf(body), job->asker);
       }
       answerWith(job, [&] {
         return nothingSaid(body._d());
@@ -405,6 +416,7 @@ void Service::dispatchToSession(const JobPtr& job) {
   whenOpen(
       idl::sessionOf(job->request.body()),
       [this, job](const std::shared_ptr<LiveSession>& live) {
+        requireMayDo(job->request.body()._d(), *live, bus_.whoIs(job->asker.sender));
         live->touch();
         if (job->request.body()._d() == v1::OP_CLOSE_SESSION) live->cancelSolves();
         job->asked = live->cycle().asked();
@@ -418,11 +430,12 @@ void Service::dispatchToSession(const JobPtr& job) {
       });
 }
 
-void Service::stopSolving(std::uint64_t session_id, const v1::ClientId& stopper) {
+void Service::stopSolving(std::uint64_t session_id, const Asker& stopper) {
   if (sessions_.asleep(session_id)) return;  // nothing is solved there
   const std::shared_ptr<LiveSession> live = sessions_.find(session_id);
+  requireMayDo(v1::OP_STOP_SOLVING, *live, bus_.whoIs(stopper.sender));
   live->touch();
-  live->cycle().stop(stopper);
+  live->cycle().stop(stopper.client);
 }
 
 void Service::refuse(const JobPtr& job, const std::exception_ptr& trouble) {

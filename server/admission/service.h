@@ -112,7 +112,8 @@ class Service final : private BusListener, private SessionAudience {
   // === BusListener, SessionAudience
   void onRequest(v1::Request request, const Sender& sender) override;
   void onEdit(v1::Edit edit, const Sender& sender) override;
-  void onDemonstrator(v1::DemonstratorFrame frame) override;
+  void onDemonstrator(v1::DemonstratorFrame frame, const Sender& sender) override;
+  void onGone(const Sender& sender) override;
   void onStatus(const v1::ServerStatus& status) override;
   void onState(const v1::SessionState& state) override;
   void onSolution(const v1::PoseSolution& solution) override;
@@ -150,7 +151,7 @@ class Service final : private BusListener, private SessionAudience {
   /// an edit cut it short.
   bool answerWith(const JobPtr& job, const std::function<std::optional<v1::ReplyBody>()>& work);
   void refuse(const JobPtr& job, const std::exception_ptr& trouble);
-  void stopSolving(std::uint64_t session_id, const v1::ClientId& stopper);
+  void stopSolving(std::uint64_t session_id, const Asker& stopper);
   void runOfSession(const JobPtr& job, const std::shared_ptr<LiveSession>& live);
   void answer(const Job& job, v1::Reply reply);
   void cancel(const Asker& asker, std::uint64_t request_id);

@@ -65,6 +65,7 @@ void Service::dispatchEdit(const Asker& asker, const std::shared_ptr<const v1::E
   whenOpen(
       edit->session_id(),
       [this, asker, edit](const std::shared_ptr<LiveSession>& live) {
+        requireMaySteer(live->access(), bus_.whoIs(asker.sender), live->id());
         live->touch();
         live->cycle().editQueued();
         const bool is_taken =
@@ -88,11 +89,12 @@ void Service::dispatchEdit(const Asker& asker, const std::shared_ptr<const v1::E
 
 // === Demonstrators: a frame is answered by a pose; one that the next overtakes is not
 
-void Service::onDemonstrator(v1::DemonstratorFrame frame) {
+void Service::onDemonstrator(v1::DemonstratorFrame frame, const Sender& sender) {
   std::shared_ptr<LiveSession> live;
   try {
     requireMeant(frame.server_id());
     live = sessions_.find(frame.session_id());
+    requireMaySteer(live->access(), bus_.whoIs(sender), live->id());
   } catch (const std::exception&) {
     return;  // nobody waits for an answer
   }

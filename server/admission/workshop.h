@@ -12,6 +12,7 @@
 
 namespace handgraft::server {
 
+class Bus;         // transport/bus.h
 class KeptModels;  // handlers/kept_models.h
 class StateStore;  // store/state_store.h
 struct Mark;
@@ -27,6 +28,7 @@ struct Workshop {
   /// What outlives the server; both null: nothing does.
   StateStore* state = nullptr;
   KeptModels* kept_models = nullptr;
+  const Bus* bus = nullptr;  ///< that knows who asks; null: nobody does
 
   /// Solves going on: they share the processors.
   std::atomic<int> solving{0};

@@ -73,6 +73,7 @@ void keepSession(LiveSession& live,
   kept.text = io::sessionText(live.session());
   if (live.motion() != nullptr) kept.motion = live.motion()->name;
   kept.models = rowsOf(live, workshop.models);
+  kept.access = live.access();
   workshop.state->addSession(live.id(), kept, idl::jsonText(live.state()), by, operation);
 }
 
@@ -94,6 +95,7 @@ std::shared_ptr<LiveSession> openKeptSession(std::uint64_t id,
   const auto live = std::make_shared<LiveSession>(
       id, io::openSession(file, std::move(made), progress), workshop.pool, workshop.audience);
   live->belongTo(workshop.sessions.serverId());
+  live->grant(kept.access, PublishedState::kSilently);
   if (motion) live->hold(std::move(*motion));
   for (const session::LogEntry& entry : file.session.log)
     if (const auto* followed = std::get_if<session::FollowedMotion>(&entry))

@@ -54,6 +54,7 @@ std::shared_ptr<LiveSession> enterSession(session::Session session,
   const auto live = std::make_shared<LiveSession>(
       workshop.sessions.reserve(), std::move(session), workshop.pool, workshop.audience);
   live->belongTo(workshop.sessions.serverId());
+  live->grant(accessOfNew(by.who), PublishedState::kSilently);
   if (motion) live->hold(std::move(*motion));
   live->took.skin_ms = skin_ms;
   keepSession(*live, workshop, by, operation);

@@ -8,13 +8,12 @@
 #include <system_error>
 
 #include <fcntl.h>
-#include <linux/landlock.h>
 #include <seccomp.h>
 #include <sys/ioctl.h>
 #include <sys/prctl.h>
-#include <sys/syscall.h>
 #include <unistd.h>
 
+#include "server/reading/landlock.h"
 #include "server/reading/sanitized.h"
 
 namespace handgraft::server {
@@ -27,44 +26,6 @@ void require(bool done, const std::string& what) {
   if (!done) throw std::system_error(errno, std::generic_category(), what);
 }
 
-// === Files: Landlock has no functions in the C library
-
-/// 0: none, or not for us.
-int landlockVersion() {
-  const long version =
-      syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION);
-  return version > 0 ? static_cast<int>(version) : 0;
-}
-
-/// One that cannot be found cannot be opened either: who tries that says so.
-void allowFile(int rules, const fs::path& file) {
-  const int fd = open(file.c_str(), O_PATH | O_CLOEXEC);
-  if (fd < 0) return;
-  landlock_path_beneath_attr rule{};
-  rule.allowed_access = LANDLOCK_ACCESS_FS_READ_FILE;
-  rule.parent_fd = fd;
-  const bool is_added =
-      syscall(SYS_landlock_add_rule, rules, LANDLOCK_RULE_PATH_BENEATH, &rule, 0) == 0;
-  close(fd);
-  require(is_added, "landlock_add_rule");
-}
-
-void forbidOtherFiles(const std::vector<fs::path>& files) {
-  const int version = landlockVersion();
-  if (version == 0) return;
-  landlock_ruleset_attr handled{};
-  handled.handled_access_fs = (LANDLOCK_ACCESS_FS_MAKE_SYM << 1) - 1;  // all of version 1
-  if (version >= 2) handled.handled_access_fs |= LANDLOCK_ACCESS_FS_REFER;
-  const auto rules =
-      static_cast<int>(syscall(SYS_landlock_create_ruleset, &handled, sizeof(handled), 0));
-  require(rules >= 0, "landlock_create_ruleset");
-  for (const fs::path& file : files)
-    allowFile(rules, file);
-  const bool is_done = syscall(SYS_landlock_restrict_self, rules, 0) == 0;
-  close(rules);
-  require(is_done, "landlock_restrict_self");
-}
-
 // === System calls
 
 bool kernelFiltersCalls() {
@@ -74,7 +35,8 @@ bool kernelFiltersCalls() {
 
 class CallFilter {
  public:
-  CallFilter() : filter_(seccomp_init(SCMP_ACT_ERRNO(ENOSYS)), &seccomp_release) {
+  explicit CallFilter(std::uint32_t otherwise)
+      : filter_(seccomp_init(otherwise), &seccomp_release) {
     require(filter_ != nullptr, "seccomp_init");
   }
 
@@ -85,6 +47,11 @@ class CallFilter {
 
   void allow(int call, std::initializer_list<scmp_arg_cmp> where) {
     add(SCMP_ACT_ALLOW, call, where);
+  }
+
+  void refuse(std::initializer_list<int> calls) {
+    for (const int call : calls)
+      add(SCMP_ACT_ERRNO(EPERM), call, {});
   }
 
   void killAt(std::initializer_list<int> calls) {
@@ -118,7 +85,7 @@ scmp_arg_cmp equals(unsigned argument, std::uint64_t value) {
 
 void forbidOtherCalls() {
   if (!kernelFiltersCalls()) return;
-  CallFilter filter;
+  CallFilter filter(SCMP_ACT_ERRNO(ENOSYS));
   // Memory, time and its end.
   filter.allow({SCMP_SYS(brk),
                 SCMP_SYS(mmap),
@@ -226,15 +193,66 @@ void forbidOtherCalls() {
 
 void forbidAllButReading(const std::vector<fs::path>& files) {
   if (kIsSanitized) return;
-  require(prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0, "PR_SET_NO_NEW_PRIVS");
-  forbidOtherFiles(files);
+  Landlock files_alone;
+  for (const fs::path& file : files)
+    files_alone.allow(file, Landlock::May::kReadFile);
+  files_alone.restrict();
   forbidOtherCalls();
+}
+
+bool forbidMeddling() {
+  if (kIsSanitized || !kernelFiltersCalls()) return false;
+  require(prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0, "PR_SET_NO_NEW_PRIVS");
+  CallFilter filter(SCMP_ACT_ALLOW);
+  filter.refuse({SCMP_SYS(ptrace),
+                 SCMP_SYS(process_vm_readv),
+                 SCMP_SYS(process_vm_writev),
+                 SCMP_SYS(pidfd_getfd),
+                 SCMP_SYS(mount),
+                 SCMP_SYS(umount2),
+                 SCMP_SYS(pivot_root),
+                 SCMP_SYS(chroot),
+                 SCMP_SYS(move_mount),
+                 SCMP_SYS(open_tree),
+                 SCMP_SYS(fsopen),
+                 SCMP_SYS(unshare),
+                 SCMP_SYS(setns),
+                 SCMP_SYS(swapon),
+                 SCMP_SYS(swapoff),
+                 SCMP_SYS(reboot),
+                 SCMP_SYS(kexec_load),
+                 SCMP_SYS(kexec_file_load),
+                 SCMP_SYS(init_module),
+                 SCMP_SYS(finit_module),
+                 SCMP_SYS(delete_module),
+                 SCMP_SYS(bpf),
+                 SCMP_SYS(perf_event_open),
+                 SCMP_SYS(userfaultfd),
+                 SCMP_SYS(io_uring_setup),
+                 SCMP_SYS(keyctl),
+                 SCMP_SYS(add_key),
+                 SCMP_SYS(request_key),
+                 SCMP_SYS(open_by_handle_at),
+                 SCMP_SYS(acct),
+                 SCMP_SYS(quotactl),
+                 SCMP_SYS(settimeofday),
+                 SCMP_SYS(clock_settime),
+                 SCMP_SYS(adjtimex),
+                 SCMP_SYS(clock_adjtime),
+                 SCMP_SYS(sethostname),
+                 SCMP_SYS(setdomainname),
+                 SCMP_SYS(iopl),
+                 SCMP_SYS(ioperm),
+                 SCMP_SYS(mknod),
+                 SCMP_SYS(mknodat)});
+  filter.load();
+  return true;
 }
 
 std::string sandboxOfThisKernel() {
   if (kIsSanitized) return "nothing";
   std::string able;
-  if (landlockVersion() > 0) able = "files";
+  if (Landlock::version() > 0) able = "files";
   if (kernelFiltersCalls()) able += able.empty() ? "system calls" : ", system calls";
   return able.empty() ? "nothing" : able;
 }

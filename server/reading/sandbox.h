@@ -17,6 +17,11 @@ namespace handgraft::server {
 /// Errors: std::system_error if a kernel that can do it refuses.
 void forbidAllButReading(const std::vector<std::filesystem::path>& files);
 
+/// Makes the system calls fail by which one looks into other processes, mounts, loads modules
+/// or sets clocks, in this thread and those that it starts. False where the kernel cannot.
+/// Errors: as above.
+bool forbidMeddling();
+
 /// What of that this machine's kernel can do, for logs: "files, system calls"; "nothing".
 std::string sandboxOfThisKernel();
 

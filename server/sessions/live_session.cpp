@@ -68,6 +68,23 @@ void LiveSession::hold(LiveMotion motion) {
   published_.change(describe, PublishedState::kSilently);
 }
 
+// === Whose it is
+
+SessionAccess LiveSession::access() const {
+  const std::lock_guard lock(access_mutex_);
+  return access_;
+}
+
+void LiveSession::grant(SessionAccess access, Telling telling) {
+  const auto tell = [&access](v1::SessionState& state) {
+    state.owner(access.owner);
+    state.access(access.access);
+  };
+  published_.change(tell, telling);
+  const std::lock_guard lock(access_mutex_);
+  access_ = std::move(access);
+}
+
 // === Its state
 
 void LiveSession::describeSession(v1::SessionState& state) const {

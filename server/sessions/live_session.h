@@ -21,6 +21,7 @@
 #include "idl/sessions.h"
 #include "server/admission/strand_pool.h"
 #include "server/sessions/published_state.h"
+#include "server/sessions/session_access.h"
 #include "server/sessions/session_journal.h"
 #include "server/sessions/solve_cycle.h"
 
@@ -124,6 +125,13 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
 
   [[nodiscard]] const Progress& solves() const { return solves_; }
 
+  // === Whose it is
+
+  [[nodiscard]] SessionAccess access() const;
+
+  /// Tells it; before anybody knows of the session, silently.
+  void grant(SessionAccess access, Telling telling = PublishedState::kAtOnce);
+
   // === Idleness
 
   /// Somebody asked something of it.
@@ -212,6 +220,9 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
 
   std::mutex frame_mutex_;
   std::optional<v1::DemonstratorFrame> frame_;
+
+  mutable std::mutex access_mutex_;
+  SessionAccess access_;
 
   PublishedState published_;
   // Of changes of `published_`.

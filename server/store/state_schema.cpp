@@ -43,6 +43,11 @@ CREATE INDEX edits_of_sessions ON edits(session, revision);
 CREATE TABLE requests(id INTEGER PRIMARY KEY AUTOINCREMENT, asker BLOB NOT NULL,
   request INTEGER NOT NULL, operation TEXT NOT NULL, subject INTEGER NOT NULL,
   UNIQUE(asker, request));
+)",
+    // 3: whose sessions are; those of before are nobody's, and everybody's.
+    R"(
+CREATE TABLE session_access(session INTEGER PRIMARY KEY REFERENCES sessions(id) ON DELETE CASCADE,
+  owner TEXT NOT NULL, access INTEGER NOT NULL, identities TEXT NOT NULL);
 )"};
 static_assert(std::size(kSteps) == kStateSchema);
 

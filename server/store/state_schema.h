@@ -8,7 +8,7 @@
 namespace handgraft::server {
 
 /// Of the files that this program writes.
-inline constexpr int kStateSchema = 2;
+inline constexpr int kStateSchema = 3;
 
 /// Errors: InvalidInput naming the file if it is of a newer program.
 void requireSchema(Database& database);

@@ -180,6 +180,7 @@ void StateStore::addSession(std::uint64_t id,
                    "INSERT OR IGNORE INTO session_models(session, model) VALUES(?, ?)");
   for (const std::int64_t model : session.models)
     models.with(id, model).run();
+  keepAccessLocked(id, session.access);
   noteRequest(by, operation, static_cast<std::int64_t>(id));
   transaction.commit();
   is_written_ = true;
@@ -302,6 +303,7 @@ KeptSession StateStore::session(std::uint64_t id) const {
   models.with(id);
   while (models.step())
     session.models.push_back(models.integer(0));
+  session.access = accessLocked(id);
   return session;
 }
 

@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/sessions/session_access.h"
 #include "server/store/database.h"
 
 namespace handgraft::server {
@@ -20,6 +21,7 @@ namespace handgraft::server {
 struct Mark {
   std::string asker;
   std::uint64_t number = 0;
+  Who who = {};  ///< that is, in a secured domain
 };
 
 /// What became of an edit.
@@ -55,6 +57,7 @@ struct KeptSession {
   std::uint64_t next = 0;
   std::vector<std::string> entries;  ///< since the text, in order
   std::vector<std::int64_t> models;  ///< rows of those that it names
+  SessionAccess access;
 };
 
 struct KeptSessionState {
@@ -121,6 +124,8 @@ class StateStore {
                    std::uint64_t next,
                    const std::string& state,
                    std::uint64_t revision);
+  /// `state` tells it, too.
+  void keepAccess(std::uint64_t id, const SessionAccess& access, const std::string& state);
   void removeSession(std::uint64_t id, const Mark& by, const std::string& operation);
 
   [[nodiscard]] std::vector<KeptSessionState> sessions() const;
@@ -163,6 +168,8 @@ class StateStore {
   struct Statements;
 
   void open();
+  [[nodiscard]] SessionAccess accessLocked(std::uint64_t id) const;
+  void keepAccessLocked(std::uint64_t id, const SessionAccess& access);
   void requireRoom(std::uint64_t more, std::uint64_t most) const;
   void noteRequest(const Mark& by, const std::string& operation, std::int64_t subject);
   void appendLocked(std::uint64_t id,

@@ -3,10 +3,12 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "core/base/network.h"
 #include "idl/edits.h"
 #include "idl/motions.h"
+#include "idl/security/identity.h"
 #include "idl/sensor_msgs.h"
 #include "idl/service.h"
 
@@ -25,7 +27,10 @@ class BusListener {
   virtual void onEdit(v1::Edit edit, const Sender& sender) = 0;
 
   /// A demonstrator's, for the session that it names.
-  virtual void onDemonstrator(v1::DemonstratorFrame /*frame*/) {}
+  virtual void onDemonstrator(v1::DemonstratorFrame /*frame*/, const Sender& /*sender*/) {}
+
+  /// A participant left, or was not heard for a lease.
+  virtual void onGone(const Sender& /*sender*/) {}
 
   /// Any server's status, one's own among them.
   virtual void onStatus(const v1::ServerStatus& status) = 0;
@@ -65,6 +70,16 @@ class Bus {
   /// On rt/handgraft/<session>/joint_command, until the session is closed.
   virtual void publishJointCommand(std::uint64_t session_id,
                                    const sensor_msgs::msg::dds_::JointState_& command) = 0;
+
+  /// Who a participant is, as its certificate says; of no name where that is not known.
+  /// Nothing in an open domain, where nobody knows.
+  [[nodiscard]] virtual std::optional<idl::security::Named> whoIs(
+      const Sender& /*sender*/) const {
+    return std::nullopt;
+  }
+
+  /// Once a second: takes note of what changed outside, such as identities that were revoked.
+  virtual void lookAround() {}
 
   /// Waits, at most half a second, until clients have received what was published.
   virtual void flush() = 0;

@@ -13,7 +13,9 @@
 #include "idl/fields.h"
 #include "idl/peer_names.h"
 #include "idl/security/identity.h"
+#include "idl/security/revocations.h"
 #include "idl/topics.h"
+#include "server/transport/acquaintances.h"
 #include "server/transport/bus.h"
 #include "server/transport/fast_endpoints.h"
 #include "server/transport/fast_node.h"
@@ -113,7 +115,8 @@ class FastBus final : public Bus {
   FastBus(const Network& network, const Identity& identity)
       : server_(network.server),
         is_secured_(identity.has_value()),
-        node_(network, identity),
+        acquaintances_(identity),
+        node_(network, identity, &acquaintances_),
         lookout_(network, identity),
         is_paced_(!validate(network).loopback),
         replies_(node_.own(), idl::kReplyTopic, is_paced_),
@@ -123,7 +126,9 @@ class FastBus final : public Bus {
         solutions_(node_.own(), idl::kSolutionTopic),
         states_(node_.own(), idl::kSessionTopic),
         frames_(node_.own(), idl::kMotionFramesTopic, is_paced_),
-        clocks_(node_.own(), idl::kMotionClockTopic) {}
+        clocks_(node_.own(), idl::kMotionClockTopic) {
+    if (identity) revocations_.emplace(*identity);
+  }
 
   ~FastBus() override { stop(); }
 
@@ -132,6 +137,7 @@ class FastBus final : public Bus {
 
   void start(BusListener& listener) override {
     using Privilege = idl::Privilege;
+    acquaintances_.tell(&listener);
     if (is_secured_) {
       for (const Privilege held : {Privilege::kLook, Privilege::kEdit, Privilege::kOperate})
         hearRequests(listener, held);
@@ -144,8 +150,8 @@ class FastBus final : public Bus {
         });
     demonstrators_ = std::make_unique<FastReader<v1::DemonstratorFrame>>(
         node_.endpoints(), idl::kDemonstratorTopic,
-        [&listener](v1::DemonstratorFrame&& frame, const Sender&) {
-          listener.onDemonstrator(std::move(frame));
+        [&listener](v1::DemonstratorFrame&& frame, const Sender& sender) {
+          listener.onDemonstrator(std::move(frame), sender);
         });
     heard_ = std::make_unique<FastReader<v1::ServerStatus>>(
         lookout_.endpoints(), idl::kStatusTopic,
@@ -155,6 +161,7 @@ class FastBus final : public Bus {
   }
 
   void stop() override {
+    acquaintances_.tell(nullptr);
     requests_.clear();
     edits_.reset();
     demonstrators_.reset();
@@ -210,6 +217,28 @@ class FastBus final : public Bus {
     writer->write(command);
   }
 
+  [[nodiscard]] std::optional<idl::security::Named> whoIs(const Sender& sender) const override {
+    if (!is_secured_) return std::nullopt;
+    return acquaintances_.whoIs(sender).value_or(idl::security::Named());
+  }
+
+  void lookAround() override {
+    const auto news = revocations_ ? revocations_->look() : std::nullopt;
+    if (!news) return;
+    if (!news->trouble.empty()) {
+      spdlog::error("event=revocations_not_read reason={}", handgraft::quoted(news->trouble));
+      return;
+    }
+    if (news->is_own)
+      spdlog::error(
+          "event=own_identity_revoked reason=\"programs that know of it do not meet "
+          "this server any more\"");
+    // All that they say is left out: after a lease they are gone for DDS, too.
+    node_.filter().refuse(news->revoked);
+    lookout_.filter().refuse(news->revoked);
+    spdlog::info("event=revocations_read count={}", news->revoked.size());
+  }
+
   void flush() override {
     replies_.flush();
     edit_replies_.flush();
@@ -248,6 +277,8 @@ class FastBus final : public Bus {
 
   std::string server_;
   bool is_secured_;
+  std::optional<idl::security::Revocations> revocations_;
+  Acquaintances acquaintances_;
   Node node_;
   /// Reads the topic that `node_` writes: a Fast DDS participant knows a topic by one type
   /// support only, and the hardened one that reading needs cannot write.

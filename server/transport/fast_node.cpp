@@ -14,6 +14,7 @@
 #include <fastrtps/utils/IPLocator.h>
 
 #include "server/transport/filtered_transport.h"
+#include "server/transport/own_ports.h"
 
 namespace handgraft::server {
 
@@ -58,7 +59,8 @@ void secure(const idl::security::Identity& identity, dds::DomainParticipantQos& 
 
 dds::DomainParticipantQos participantQos(const Network& network,
                                          const NetworkInterface& interface,
-                                         const Identity& identity) {
+                                         const Identity& identity,
+                                         const std::shared_ptr<idl::DatagramFilter>& filter) {
   dds::DomainParticipantQos qos;
   // The second is known to idl/cyclone: who has no identity is told that one is needed.
   qos.name(identity ? "handgraft-server, secured" : "handgraft-server");
@@ -102,9 +104,7 @@ dds::DomainParticipantQos participantQos(const Network& network,
     protocol.builtin.initialPeersList.push_back(locator("239.255.0.1", group));
   }
   qos.transport().user_transports.push_back(std::make_shared<FilteredTransportDescriptor>(
-      udp,
-      identity ? idl::DatagramFilter::Domain::kSecured : idl::DatagramFilter::Domain::kOpen,
-      interface.loopback ? kDatagram : kFrame));
+      udp, filter, interface.loopback ? kDatagram : kFrame));
   if (identity) secure(*identity, qos);
   return qos;
 }
@@ -116,11 +116,31 @@ Identity identityOf(const Network& network) {
   return idl::security::readIdentity(network.identity, {idl::security::Role::kServer});
 }
 
-Node::Node(const Network& network, const Identity& identity) {
+Node::Node(const Network& network, const Identity& identity, Acquaintances* listener)
+    : filter_(std::make_shared<idl::DatagramFilter>(identity
+                                                        ? idl::DatagramFilter::Domain::kSecured
+                                                        : idl::DatagramFilter::Domain::kOpen)) {
   const NetworkInterface interface = validate(network);
+  if (listener != nullptr) {
+    filter_->tellCertificates(
+        [listener](idl::security::GuidBegin begin, std::string_view shown) {
+          listener->hear(begin, shown);
+        });
+  }
+  const auto heard_before = portsHeard(network.domain);
   auto* factory = dds::DomainParticipantFactory::get_instance();
-  participant_ = factory->create_participant(static_cast<dds::DomainId_t>(network.domain),
-                                             participantQos(network, interface, identity));
+  participant_ = factory->create_participant(
+      static_cast<dds::DomainId_t>(network.domain),
+      participantQos(network, interface, identity, filter_), listener, dds::StatusMask::none());
+  // Fast DDS goes on without any port where all are taken, and hears nobody.
+  constexpr std::size_t kPortsOfOne = 2;
+  const auto heard = portsHeard(network.domain);
+  if (heard && heard_before && heard->size() < heard_before->size() + kPortsOfOne) {
+    close();
+    throw TransportError(describe(network) +
+                         ": all ports of DDS participants are taken on this machine; stop "
+                         "some programs, or choose another --domain");
+  }
   if (participant_ != nullptr) {
     publisher_ = participant_->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
     subscriber_ = participant_->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);

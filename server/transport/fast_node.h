@@ -1,9 +1,12 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "core/base/network.h"
+#include "idl/datagrams/datagram_filter.h"
 #include "idl/security/identity.h"
+#include "server/transport/acquaintances.h"
 #include "server/transport/fast_endpoints.h"
 
 /// This process among others on Fast DDS; private to this folder.
@@ -17,8 +20,10 @@ Identity identityOf(const Network& network);
 /// The participant and all that lives in it, taken down in order.
 class Node {
  public:
+  /// `listener` hears of other participants and what they show, and must outlive the node;
+  /// null: nobody does.
   /// Errors: InvalidInput for the network; TransportError if DDS refuses.
-  Node(const Network& network, const Identity& identity);
+  Node(const Network& network, const Identity& identity, Acquaintances* listener = nullptr);
 
   ~Node() { close(); }
 
@@ -33,9 +38,13 @@ class Node {
     return {participant_, own_publisher_, own_subscriber_};
   }
 
+  /// What every datagram to it goes through.
+  [[nodiscard]] idl::DatagramFilter& filter() const { return *filter_; }
+
  private:
   void close();
 
+  std::shared_ptr<idl::DatagramFilter> filter_;
   eprosima::fastdds::dds::DomainParticipant* participant_ = nullptr;
   eprosima::fastdds::dds::Publisher* publisher_ = nullptr;
   eprosima::fastdds::dds::Subscriber* subscriber_ = nullptr;

@@ -57,10 +57,10 @@ struct FilteredTransportDescriptor final : FilteredTransport::Descriptor {
   /// `largest_sent`: datagram that is sent; `low` takes what others send, of its own size.
   FilteredTransportDescriptor(
       std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> low,
-      idl::DatagramFilter::Domain domain,
+      std::shared_ptr<idl::DatagramFilter> with,
       std::uint32_t largest_sent)
       : FilteredTransport::Descriptor(std::move(low)),
-        filter(std::make_shared<idl::DatagramFilter>(domain)),
+        filter(std::move(with)),
         largest(largest_sent) {}
 
   std::uint32_t max_message_size() const override { return largest; }

@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "idl/datagrams/shown_certificate.h"
+
 namespace handgraft::idl {
 namespace {
 
@@ -278,14 +280,24 @@ constexpr std::uint32_t kHandshakeWriter = 0x000201c3;
 TEST(DatagramFilter, GivesEachParticipantItsShare) {
   DatagramFilter filter;
   const Datagram question = data(kUserWriter, 1, {0, 1, 0, 0, 1, 2, 3, 4});
-  int taken = 0;
   constexpr int kFlood = 20'000;
-  for (int i = 0; i < kFlood; ++i)
-    taken += passed(filter, question).empty() ? 0 : 1;
-  EXPECT_GE(taken, static_cast<int>(DatagramFilter::kSamplesAtOnce));
-  EXPECT_LT(taken, kFlood / 2);
+  const auto taken = [&](std::uint8_t who) {
+    Datagram whose = question;
+    whose[8] ^= who;
+    int count = 0;
+    for (int i = 0; i < kFlood; ++i)
+      count += passed(filter, whose).empty() ? 0 : 1;
+    return count;
+  };
+  const int first = taken(0);
+  EXPECT_GE(first, static_cast<int>(DatagramFilter::kSharedAtOnce));
+  EXPECT_LT(first, kFlood / 2);
+  // What is left for others who flood is their own, and it is there.
+  const int second = taken(1);
+  EXPECT_GE(second, static_cast<int>(DatagramFilter::kSamplesAtOnce));
+  EXPECT_LT(second, first / 2);
   Datagram anothers = question;
-  anothers[8] ^= 1;
+  anothers[8] ^= 2;
   EXPECT_FALSE(passed(filter, anothers).empty());
   // Discovery and what keeps streams whole are not held back.
   EXPECT_FALSE(passed(filter, announcement(20)).empty());
@@ -421,6 +433,56 @@ TEST(SecuredDatagramFilter, PassesWhatIsEncryptedAndWhatMakesItSo) {
   addSource(several, 0x11);
   addSubmessagesOf(several, encrypted());
   EXPECT_EQ(passedSecured(several), several);
+}
+
+TEST(SecuredDatagramFilter, PassesNothingOfWhoIsRefusedWhoeverBringsIt) {
+  const auto beginOf = [](std::uint8_t first) {
+    DatagramFilter::GuidBegin begin;
+    for (std::uint8_t i = 0; i < begin.size(); ++i)
+      begin[i] = static_cast<std::uint8_t>(first + i);
+    return begin;
+  };
+  DatagramFilter filter(DatagramFilter::Domain::kSecured);
+  std::vector<std::uint8_t> kept;
+  ASSERT_FALSE(filter.pass(encrypted(), kept).empty());
+  filter.refuse({beginOf(0xb0)});
+  EXPECT_FALSE(filter.pass(encrypted(), kept).empty()) << "another one was refused";
+  filter.refuse({beginOf(0xa0), beginOf(0xb0)});
+  for (const Datagram& said : {encrypted(), securedAnnouncement(1), handshake()})
+    EXPECT_TRUE(filter.pass(said, kept).empty());
+  // What a participant brings for another one that is refused.
+  filter.refuse({beginOf(0x11)});
+  Datagram several = encrypted();
+  EXPECT_FALSE(filter.pass(several, kept).empty());
+  addSource(several, 0x11);
+  addSubmessagesOf(several, encrypted());
+  EXPECT_TRUE(filter.pass(several, kept).empty());
+  filter.refuse({});
+  EXPECT_FALSE(filter.pass(several, kept).empty());
+}
+
+TEST(SecuredDatagramFilter, TellsWhichCertificateAHandshakeShows) {
+  std::vector<std::pair<DatagramFilter::GuidBegin, std::string>> told;
+  DatagramFilter filter(DatagramFilter::Domain::kSecured);
+  filter.tellCertificates([&](DatagramFilter::GuidBegin source, std::string_view shown) {
+    told.emplace_back(source, shown);
+  });
+  std::vector<std::uint8_t> kept;
+  filter.pass(handshake(), kept);
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told[0].first[0], 0xa0);
+  EXPECT_EQ(told[0].second, std::string("what it is\0", 11));
+  filter.pass(encrypted(), kept);
+  filter.pass(handshake(100), kept);
+  EXPECT_EQ(told.size(), 1U) << "of what is malformed";
+
+  // Of any bytes it looks no further than their end.
+  const std::vector<std::uint8_t> shown{'c', '.', 'i', 'd', 0,   0,   0,  0,
+                                        3,   0,   0,   0,   'P', 'E', 'M'};
+  EXPECT_EQ(shownCertificate(shown, true), "PEM");
+  for (std::size_t size = 0; size < shown.size(); ++size)
+    EXPECT_EQ(shownCertificate(std::span(shown).first(size), true), "");
+  EXPECT_EQ(shownCertificate(shown, false), "");
 }
 
 TEST(SecuredDatagramFilter, CutsOutWhatIsPlain) {

@@ -11,6 +11,8 @@
 #include "idl/fields.h"
 #include "idl/security/authority.h"
 #include "idl/security/documents.h"
+#include "idl/security/guids.h"
+#include "idl/security/revocations.h"
 
 namespace handgraft::idl::security {
 namespace {
@@ -92,8 +94,8 @@ TEST_F(Keys, MakesIdentitiesOfEveryRoleForTheirOwnersAlone) {
 
 TEST_F(Keys, HasCyclonesHandshakeBegin) {
   for (int i = 0; i < 20; ++i) {
-    EXPECT_TRUE(firstBitOf(makeCommonName("s", Role::kServer)));
-    EXPECT_FALSE(firstBitOf(makeCommonName("h", Role::kHand)));
+    EXPECT_TRUE(isHigh(guidBeginOf(makeCommonName("s", Role::kServer))));
+    EXPECT_FALSE(isHigh(guidBeginOf(makeCommonName("h", Role::kHand))));
   }
 }
 
@@ -216,6 +218,41 @@ TEST_F(Keys, TakesIdentitiesBack) {
   const auto known = Authority::open(ca.folder()).identities();
   ASSERT_EQ(known.size(), 3U);
   EXPECT_TRUE(known[0].revoked_s && known[1].revoked_s && !known[2].revoked_s);
+}
+
+TEST_F(Keys, TellsWhoWasRevokedWhileAProgramRuns) {
+  Authority ca = authority();
+  const Identity lab = ca.add("lab", Role::kServer, 30);
+  const fs::path anna = ca.add("anna", Role::kEditor, 30).folder;
+  const std::string subject =
+      Certificate::read(readTextFile(anna / kCertificateFile), "anna").commonName();
+  Revocations revocations(lab);
+  ASSERT_TRUE(revocations.look());
+  EXPECT_FALSE(revocations.look()) << "nothing changed";
+  ca.revoke("anna");
+  const auto news = revocations.look();
+  ASSERT_TRUE(news);
+  EXPECT_EQ(news->trouble, "");
+  EXPECT_EQ(news->revoked, std::set<GuidBegin>{guidBeginOf(subject)});
+  EXPECT_FALSE(news->is_own);
+  // What is no list of the authority's changes nothing.
+  const std::string list = readTextFile(lab.file(kRevokedFile));
+  fs::copy_file(authority("other").folder() / kRevokedFile, lab.file(kRevokedFile),
+                fs::copy_options::overwrite_existing);
+  EXPECT_TRUE(has(revocations.look().value().trouble, "was not signed by"));
+  fs::remove(lab.file(kRevokedFile));
+  EXPECT_TRUE(has(revocations.look().value().trouble, "crl.pem: cannot be read"));
+  std::ofstream(lab.file(kRevokedFile)) << list;
+  EXPECT_EQ(revocations.look().value().revoked.size(), 1U);
+  ca.revoke("lab");
+  EXPECT_TRUE(revocations.look().value().is_own);
+}
+
+TEST(Guids, NumbersOfOtherAuthoritiesAreNobodys) {
+  EXPECT_FALSE(guidBeginOfSerial(""));
+  EXPECT_FALSE(guidBeginOfSerial("-1F"));
+  EXPECT_FALSE(guidBeginOfSerial(std::string(40, 'A')));
+  EXPECT_EQ(guidBeginOfSerial("1").value()[0], 0x80);  // of leading zeros
 }
 
 TEST(Rights, EveryOperationIsSomebodysAndUnknownOnesAreNobodys) {

@@ -268,6 +268,7 @@ TEST_F(StateStoreTest, BringsFilesOfEveryEarlierFormatToItsOwn) {
     EXPECT_EQ(store.serverId(), 4242424242424242u);
     EXPECT_THAT(store.session(1234567890123456).entries, ElementsAre("first", "second"));
     EXPECT_EQ(store.edit({"me", 5})->revision, 2u);
+    EXPECT_EQ(store.session(1234567890123456).access, SessionAccess());
     EXPECT_EQ(store.bytesOf(store.models().front().row), "mesh");
     EXPECT_NO_THROW(store.removeSession(1234567890123456, {"me", 9}, "close"));
     EXPECT_EQ(store.request({"me", 9})->what, "close");

@@ -26,6 +26,7 @@ says() { # WORDS COMMAND...: fails, and says so
 for role in server operator editor viewer hand; do
   "$bin/handgraft" keys add "a-$role" --role "$role" --dir "$keys" >"$scratch/said"
 done
+"$bin/handgraft" keys add b-editor --role editor --dir "$keys" >"$scratch/said"
 "$bin/handgraft" keys add gone --role editor --dir "$keys" >"$scratch/said"
 cp -r "$keys/gone" "$scratch/late" # its owner never hears that it was revoked
 "$bin/handgraft" keys revoke gone --dir "$keys" >"$scratch/said"
@@ -33,7 +34,7 @@ mkdir "$scratch/others"
 "$bin/handgraft" keys init "$scratch/others/keys" >"$scratch/said"
 "$bin/handgraft" keys add a-editor --role editor --dir "$scratch/others/keys" >"$scratch/said"
 "$bin/handgraft" keys show --dir "$keys" --json >"$scratch/show"
-if [ "$(grep -c '"state": "valid"' "$scratch/show")" != 5 ] || ! grep -q '"state": "revoked"' "$scratch/show"; then
+if [ "$(grep -c '"state": "valid"' "$scratch/show")" != 6 ] || ! grep -q '"state": "revoked"' "$scratch/show"; then
   cat "$scratch/show"
   fail "keys show"
 fi
@@ -77,6 +78,20 @@ says 'viewer, which may not' as a-viewer edit "$session" --script "$scratch/turn
 says 'viewer, which may not' as a-viewer bridge arm
 says 'operators and editors' as a-viewer grasp --hand barrett8 --object lemon --contacts lemon_6
 
+# === A session is its opener's; others edit it once it is shared with them
+before=$(revision)
+says 'is a-editor' as b-editor edit "$session" --script "$scratch/turn"
+says 'not shared with b-editor' as b-editor close "$session"
+says "is for its owner or an operator to say" as b-editor session share "$session" everyone
+[ "$(revision)" = "$before" ] || fail "an editor changed another one's session"
+as a-editor session share "$session" b-editor >"$scratch/said" 2>&1 || { cat "$scratch/said"; fail "no sharing"; }
+as b-editor edit "$session" --script "$scratch/turn" >"$scratch/edit" 2>&1 || { cat "$scratch/edit"; fail "no edit of a shared session"; }
+[ "$(revision)" -gt "$before" ] || { cat "$scratch/edit"; fail "the edit changed nothing"; }
+as a-viewer sessions | grep -q 'a-editor *owner and others' || { as a-viewer sessions; fail "whose it is is not told"; }
+as a-editor session share "$session" nobody >"$scratch/said"
+says 'is a-editor' as b-editor edit "$session" --script "$scratch/turn"
+as a-operator edit "$session" --script "$scratch/turn" >"$scratch/edit" 2>&1 || { cat "$scratch/edit"; fail "no edit by an operator"; }
+
 # === What is for operators
 cat >"$scratch/cube.obj" <<'END'
 v 0 0 0
@@ -99,6 +114,7 @@ as a-operator bridge arm >"$scratch/arm" 2>&1 || { cat "$scratch/arm"; fail "the
 [ "$(state)" = armed ] || fail "the hand is $(state) after ARM"
 
 # === Strangers
+before=$(revision)
 kill "$spy"
 wait "$spy" || true
 stranger() { # COMMAND...: under HANDGRAFT_IDENTITY
@@ -124,6 +140,27 @@ grep -q "$session" "$scratch/spy.log" && { cat "$scratch/spy.log"; fail "a stran
 [ "$(revision)" = "$before" ] || fail "a stranger changed the session"
 [ "$(state)" = armed ] || fail "a stranger changed the hand"
 grep -q level=error "$scratch/server.log" && { cat "$scratch/server.log"; fail "the server logs errors"; }
+
+# === Who is revoked while all run: the server hears of it, and nothing of him any more
+as a-editor session share "$session" b-editor >"$scratch/said"
+cp -r "$keys/b-editor" "$scratch/taken"
+mkfifo "$scratch/line"
+exec 9<>"$scratch/line"
+before=$(revision)
+HANDGRAFT_IDENTITY=$scratch/taken "$bin/handgraft" edit "$session" <"$scratch/line" >"$scratch/editing" 2>&1 &
+pids+=($!)
+echo 'weight palm 0.5' >&9
+for _ in $(seq 100); do
+  [ "$(revision)" -gt "$before" ] && break
+  sleep 0.1
+done
+before=$(revision)
+"$bin/handgraft" keys revoke b-editor --dir "$keys" >"$scratch/said"
+await 'event=revocations_read count=2' "$scratch/server.log"
+echo 'weight palm 0.75' >&9
+HANDGRAFT_IDENTITY=$scratch/taken says 'no handgraft-server' timeout 60 "$bin/handgraft" models
+[ "$(revision)" = "$before" ] || { cat "$scratch/editing"; fail "one who was revoked edits on"; }
+as a-editor edit "$session" --script "$scratch/turn" >"$scratch/edit" 2>&1 || { cat "$scratch/edit"; fail "others are not let in any more"; }
 as a-editor close "$session" >"$scratch/said" 2>&1 || { cat "$scratch/said"; fail "the session is not there"; }
 
 # === Several servers, and motors off the loopback: the same as in an open domain

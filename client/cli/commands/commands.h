@@ -244,6 +244,12 @@ struct OpenFileOptions {
   std::filesystem::path path;
 };
 
+struct ShareOptions {
+  std::uint64_t session_id = 0;
+  std::vector<std::string> with;  ///< identities, or "everyone" or "nobody" alone
+  std::string owner;              ///< an identity to hand it to; empty: as it is
+};
+
 struct ReplayOptions {
   std::filesystem::path path;
   std::filesystem::path out;  ///< empty: not written
@@ -345,6 +351,7 @@ using CommandOptions = std::variant<DoctorOptions,
                                     SaveOptions,
                                     OpenFileOptions,
                                     ReplayOptions,
+                                    ShareOptions,
                                     SessionsOptions,
                                     BridgeOptions,
                                     BridgeRecordOptions,
@@ -394,6 +401,7 @@ int run(const SaveOptions& options, const CommonOptions& common, Interruption& i
 int run(const OpenFileOptions& options,
         const CommonOptions& common,
         Interruption& interruption);
+int run(const ShareOptions& options, const CommonOptions& common, Interruption& interruption);
 int run(const ReplayOptions& options, const CommonOptions& common, Interruption& interruption);
 int run(const SessionsOptions& options,
         const CommonOptions& common,

@@ -96,9 +96,26 @@ CLI::Option* addFile(CLI::App& command, std::string& file) {
       ->check(objectionToFile);
 }
 
+void addShare(CLI::App& session, CommandOptions& chosen) {
+  const auto parsed = std::make_shared<ShareOptions>();
+  CLI::App* share =
+      session.add_subcommand("share", "Say who else may edit a session, in a secured domain");
+  addSessionId(*share, parsed->session_id);
+  share
+      ->add_option("with", parsed->with,
+                   "Identities, in place of those before; everyone; nobody")
+      ->required();
+  share->add_option("--owner", parsed->owner, "An identity to hand the session to");
+  share->callback([parsed, &chosen] {
+    chosen = *parsed;
+  });
+  share->fallthrough();
+}
+
 void addSessionFiles(CLI::App& app, CommandOptions& chosen) {
-  CLI::App* session = app.add_subcommand("session", "Sessions in files");
+  CLI::App* session = app.add_subcommand("session", "Sessions in files, and for others");
   session->require_subcommand(1);
+  addShare(*session, chosen);
 
   struct Parsed {
     std::uint64_t session_id = 0;

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "idl/sessions.h"
+#include "server/admission/workshop.h"
+#include "server/sessions/session_access.h"
+
+namespace handgraft::server {
+
+/// Says whom a session lets edit, and tells all who watch it. It is on disk when this returns.
+/// Of its strand. Errors: those of `shared` (sessions/session_access.h); StorageError, and
+/// nothing changed.
+v1::SessionState shareSession(LiveSession& live,
+                              const v1::ShareRequest& request,
+                              const Who& who);
+
+}  // namespace handgraft::server
