@@ -500,12 +500,37 @@ bool DatagramFilter::follows(const Prefix& source,
                              std::int64_t first,
                              std::int64_t last) {
   if (first < 1 || last < first - 1 || last - first >= kLongestRange) return false;
+  const auto now = std::chrono::steady_clock::now();
   const std::lock_guard lock(mutex_);
-  if (last_.size() >= kMostWriters) last_.clear();
-  std::int64_t& seen = last_[{source, writer}];
-  if (last - seen > kLongestJump) return false;
-  seen = std::max(seen, last);
+  forgetSilent(now);
+  if (writers_ >= kMostWriters) {
+    heard_.clear();
+    writers_ = 0;
+  }
+  Heard& heard = heard_[source];
+  heard.when = now;
+  const auto [at, is_new] = heard.last.try_emplace(writer, 0);
+  if (is_new) ++writers_;
+  if (last - at->second > kLongestJump) return false;
+  at->second = std::max(at->second, last);
   return true;
+}
+
+void DatagramFilter::forgetSilent(std::chrono::steady_clock::time_point now) {
+  if (now - tidied_ < kRemembered) return;
+  tidied_ = now;
+  const auto is_silent = [now](std::chrono::steady_clock::time_point last) {
+    return now - last > kWritersRemembered;
+  };
+  std::erase_if(heard_, [&](const auto& one) {
+    return is_silent(one.second.when);
+  });
+  std::erase_if(shares_, [&](const auto& one) {
+    return is_silent(one.second.last);
+  });
+  writers_ = 0;
+  for (const auto& [source, heard] : heard_)
+    writers_ += heard.last.size();
 }
 
 bool DatagramFilter::isSound(const Prefix& source, const Submessage& submessage) {

@@ -51,6 +51,8 @@ class DatagramFilter {
   static constexpr std::size_t kMostParticipants = 1'000;
   /// For so long a participant's first announcement stands, after it was last heard.
   static constexpr std::chrono::seconds kRemembered{20};
+  /// For so long, at least, what its writers said last is known after it was last heard.
+  static constexpr std::chrono::seconds kWritersRemembered{60};
   /// How far ahead of what was seen of a writer its next sample may be.
   static constexpr std::int64_t kLongestJump = 10'000'000;
   /// How many samples a heartbeat may offer and a gap may skip.
@@ -100,6 +102,8 @@ class DatagramFilter {
   std::optional<std::size_t> secured(const Prefix& source,
                                      const Submessage& submessage,
                                      std::span<const std::uint8_t> rest);
+  /// Forgets who was not heard for long; `mutex_` held.
+  void forgetSilent(std::chrono::steady_clock::time_point now);
   bool isRefused(const Prefix& source);
   bool isWithinShare(const Prefix& source, const Submessage& submessage);
   /// True of what this reader must not see, though it may be well formed.
@@ -131,8 +135,16 @@ class DatagramFilter {
 
   std::map<Prefix, Share> shares_;
   Share shared_;  ///< by all who send more than their own
-  /// The highest sample number seen of each writer.
-  std::map<std::pair<Prefix, std::uint32_t>, std::int64_t> last_;
+
+  /// The highest sample number seen of each writer of a participant.
+  struct Heard {
+    std::map<std::uint32_t, std::int64_t> last;
+    std::chrono::steady_clock::time_point when;
+  };
+
+  std::map<Prefix, Heard> heard_;
+  std::size_t writers_ = 0;  ///< in all of it
+  std::chrono::steady_clock::time_point tidied_{};
 };
 
 }  // namespace handgraft::idl

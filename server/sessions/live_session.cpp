@@ -80,9 +80,11 @@ void LiveSession::grant(SessionAccess access, Telling telling) {
     state.owner(access.owner);
     state.access(access.access);
   };
+  {  // who hears of it may edit
+    const std::lock_guard lock(access_mutex_);
+    access_ = access;
+  }
   published_.change(tell, telling);
-  const std::lock_guard lock(access_mutex_);
-  access_ = std::move(access);
 }
 
 // === Its state

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""forge.py DOMAIN SESSION [SECONDS]: a stranger without a key on the loopback, who hears how participants announce themselves and
-writes edits of that session in each one's name, by every writer that it may have, under every number that may be next; and
+"""forge.py DOMAIN LOG [SECONDS]: a stranger without a key on the loopback, who hears how participants announce themselves until LOG
+has a line `session ID`, and then writes edits of that session in each one's name, by every writer that it may have, under every number that may be next; and
 heartbeats and gaps that would cut it off. Prints whose names it used."""
 import os
 import socket
@@ -20,11 +20,19 @@ def submessages(told):
         at += 4 + length
 
 
-def heard(own, seconds):
+def session_in(log):
+    with open(log, encoding='utf8') as file:
+        return next((int(line.split()[1]) for line in file if line.startswith('session ')), None)
+
+
+def heard(own, log):
     """Prefixes of those who announce themselves."""
     prefixes = set()
-    end = time.monotonic() + seconds
+    end = time.monotonic() + 60
+    known = False
     while time.monotonic() < end:
+        if not known and session_in(log) is not None:
+            known, end = True, time.monotonic() + 2  # its client says again that it is there
         try:
             told = own.recv(65536)
         except socket.timeout:
@@ -52,18 +60,19 @@ def submessage(kind, flags, body):
 
 
 def main():
-    domain, session = int(sys.argv[1]), int(sys.argv[2])
+    domain, log = int(sys.argv[1]), sys.argv[2]
     seconds = float(sys.argv[3]) if len(sys.argv) > 3 else 6
     base = 7400 + 250 * domain
     own = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    for index in range(100, 60, -1):
+    for index in range(40, 20, -1):
         try:
             own.bind(('127.0.0.1', base + 10 + 2 * index))
             break
         except OSError:
             continue
     own.settimeout(0.2)
-    names = heard(own, 3)
+    names = heard(own, log)
+    session = session_in(log)
     print('in the names of', ', '.join(sorted(name.hex() for name in names)) or 'nobody', flush=True)
     end, sent, number = time.monotonic() + seconds, 0, 0
     while names and time.monotonic() < end:

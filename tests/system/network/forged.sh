@@ -19,13 +19,16 @@ forged() { # NAME IDENTITY...: the client's exit code, 0 where its session has i
   start "$1-server" "$bin/handgraft-server" --domain "$domain" "${server[@]}"
   local served=${pids[-1]}
   await event=ready "$scratch/$1-server.log"
+  : >"$scratch/$1.log"
+  start forge python3 "$here/forge.py" "$domain" "$scratch/$1.log" 8
+  local forge=${pids[-1]}
+  sleep 0.5
   "$bin/network_probe" --domain "$domain" "${client[@]}" edits --rate 2 --seconds 16 >"$scratch/$1" 2>"$scratch/$1.log" &
   local probe=$! code=0
   pids+=("$probe")
-  await session "$scratch/$1.log"
-  python3 "$here/forge.py" "$domain" "$(sed -n 's/session //p' "$scratch/$1.log")" 8 >"$scratch/forge" || fail "no forgery"
-  cat "$scratch/forge"
-  grep -q nobody "$scratch/forge" && fail "nobody was heard, in whose name to write"
+  wait "$forge" || fail "no forgery"
+  cat "$scratch/forge.log"
+  grep -q nobody "$scratch/forge.log" && fail "nobody was heard, in whose name to write"
   wait "$probe" || code=$?
   echo "$1: $(cat "$scratch/$1")"
   kill "$served"
