@@ -376,7 +376,7 @@ Datagram token(std::uint32_t count = 1) {
   for (int kind = 0; kind < 2; ++kind) {
     bytes.resize((bytes.size() + 3) / 4 * 4);
     add(bytes, count);
-    addText(bytes, "c.id");
+    addText(bytes, std::string("c.id\0", 5));
     addText(bytes, "what it is");
   }
   return bytes;
@@ -451,7 +451,9 @@ TEST(SecuredDatagramFilter, PassesNothingOfWhoIsRefusedWhoeverBringsIt) {
   for (const Datagram& said : {encrypted(), securedAnnouncement(1), handshake()})
     EXPECT_TRUE(filter.pass(said, kept).empty());
   // What a participant brings for another one that is refused.
-  filter.refuse({beginOf(0x11)});
+  DatagramFilter::GuidBegin other = beginOf(0xa0);
+  other[0] = 0x11;
+  filter.refuse({other});
   Datagram several = encrypted();
   EXPECT_FALSE(filter.pass(several, kept).empty());
   addSource(several, 0x11);
@@ -471,7 +473,7 @@ TEST(SecuredDatagramFilter, TellsWhichCertificateAHandshakeShows) {
   filter.pass(handshake(), kept);
   ASSERT_EQ(told.size(), 1U);
   EXPECT_EQ(told[0].first[0], 0xa0);
-  EXPECT_EQ(told[0].second, std::string("what it is\0", 11));
+  EXPECT_EQ(told[0].second, "what it is");
   filter.pass(encrypted(), kept);
   filter.pass(handshake(100), kept);
   EXPECT_EQ(told.size(), 1U) << "of what is malformed";
