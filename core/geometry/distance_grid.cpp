@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 #include "core/base/error.h"
@@ -17,9 +18,103 @@ constexpr double kBand = 2.0;
 // Spacings between the mesh's box and the grid's border.
 constexpr double kMargin = 3.0;
 
-/// Weights of a quadratic B-spline at t in [-1/2, 1/2] from its middle node.
-Eigen::Vector3d weightsAt(double t) {
-  return {0.5 * (0.5 - t) * (0.5 - t), 0.75 - t * t, 0.5 * (0.5 + t) * (0.5 + t)};
+/// Four nodes side by side. A spline takes three of them: the last one's weight is 0.
+using Lanes = double __attribute__((vector_size(32)));
+using FloatLanes = float __attribute__((vector_size(16)));
+
+/// Of a quadratic B-spline at t in [-1/2, 1/2] from its middle node.
+struct Weights {
+  explicit Weights(double t)
+      : value{0.5 * (0.5 - t) * (0.5 - t), 0.75 - t * t, 0.5 * (0.5 + t) * (0.5 + t), 0.0},
+        slope{t - 0.5, -2.0 * t, t + 0.5, 0.0} {}
+
+  Lanes value;
+  Lanes slope;
+};
+
+/// The 27 nodes about a place, and how far on the next row and the next plane are.
+struct Stencil {
+  const float* first;
+  std::ptrdiff_t row;
+  std::ptrdiff_t plane;
+};
+
+[[gnu::always_inline]] inline double sumOf(const Lanes& lanes) {
+  return lanes[0] + lanes[1] + lanes[2];
+}
+
+[[gnu::always_inline]] inline void readRow(const Stencil& stencil, int j, int k, Lanes& row) {
+  FloatLanes nodes;
+  std::memcpy(&nodes, stencil.first + k * stencil.plane + j * stencil.row, sizeof nodes);
+  row = __builtin_convertvector(nodes, Lanes);
+}
+
+[[gnu::always_inline]] inline double valueIn(const Stencil& stencil,
+                                             const Weights& x,
+                                             const Weights& y,
+                                             const Weights& z) {
+  Lanes row;
+  Lanes sum{};
+  for (int k = 0; k < 3; ++k) {
+    for (int j = 0; j < 3; ++j) {
+      readRow(stencil, j, k, row);
+      sum += z.value[k] * y.value[j] * row;
+    }
+  }
+  return sumOf(x.value * sum);
+}
+
+/// The gradient a spacing, too.
+[[gnu::always_inline]] inline double valueIn(const Stencil& stencil,
+                                             const Weights& x,
+                                             const Weights& y,
+                                             const Weights& z,
+                                             Eigen::Vector3d& gradient) {
+  Lanes row;
+  Lanes sum{};
+  Lanes along_y{};
+  Lanes along_z{};
+  for (int k = 0; k < 3; ++k) {
+    for (int j = 0; j < 3; ++j) {
+      readRow(stencil, j, k, row);
+      sum += z.value[k] * y.value[j] * row;
+      along_y += z.value[k] * y.slope[j] * row;
+      along_z += z.slope[k] * y.value[j] * row;
+    }
+  }
+  gradient << sumOf(x.slope * sum), sumOf(x.value * along_y), sumOf(x.value * along_z);
+  return sumOf(x.value * sum);
+}
+
+// A third of a solve is spent here. Where the processor has wide registers they hold a row.
+#if defined(__x86_64__)
+#define HANDGRAFT_WIDE [[gnu::target("avx2,fma")]]
+
+bool isWide() {
+  static const bool kIs = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+  return kIs;
+}
+#else
+#define HANDGRAFT_WIDE
+
+bool isWide() {
+  return false;
+}
+#endif
+
+HANDGRAFT_WIDE double valueInWide(const Stencil& stencil,
+                                  const Weights& x,
+                                  const Weights& y,
+                                  const Weights& z) {
+  return valueIn(stencil, x, y, z);
+}
+
+HANDGRAFT_WIDE double valueInWide(const Stencil& stencil,
+                                  const Weights& x,
+                                  const Weights& y,
+                                  const Weights& z,
+                                  Eigen::Vector3d& gradient) {
+  return valueIn(stencil, x, y, z, gradient);
 }
 
 }  // namespace
@@ -96,7 +191,8 @@ void DistanceGrid::fillCoarse(const Progress& progress) {
 }
 
 void DistanceGrid::fill(const Progress& progress) {
-  values_.assign(static_cast<std::size_t>(counts_.prod()), 0.0F);
+  // Rows are read four nodes at a time: one more behind the last.
+  values_.assign(static_cast<std::size_t>(counts_.prod()) + 1, 0.0F);
   fillCoarse(progress);
   const Eigen::Vector3i last_cell = ((counts_.array() - 1) / kCoarse - 1).matrix();
   for (int z = 0; z < counts_[2]; ++z) {
@@ -132,58 +228,31 @@ void DistanceGrid::fill(const Progress& progress) {
   }
 }
 
-double DistanceGrid::at(const Eigen::Vector3d& p) const {
+template <class Take>
+double DistanceGrid::look(const Eigen::Vector3d& p, const Take& take) const {
   const double outside = box_.squaredExteriorDistance(p);
   if (outside > 0.0) return std::sqrt(outside) + (kMargin - 0.6) * spacing_;
   const Eigen::Vector3d u = (p - origin_) * per_spacing_;
-  Eigen::Vector3i middle;
-  Eigen::Matrix3d w;
-  for (int a = 0; a < 3; ++a) {
-    middle[a] = static_cast<int>(u[a] + 0.5);
-    w.col(a) = weightsAt(u[a] - middle[a]);
-  }
-  const float* values = values_.data() + indexOf((middle.array() - 1).matrix());
-  double sum = 0.0;
-  for (int k = 0; k < 3; ++k) {
-    const float* plane = values + static_cast<std::ptrdiff_t>(k) * counts_[0] * counts_[1];
-    for (int j = 0; j < 3; ++j) {
-      const float* row = plane + static_cast<std::ptrdiff_t>(j) * counts_[0];
-      sum += w(k, 2) * w(j, 1) * (w(0, 0) * row[0] + w(1, 0) * row[1] + w(2, 0) * row[2]);
-    }
-  }
-  return sum;
+  const Eigen::Vector3i middle = (u.array() + 0.5).cast<int>();
+  const Stencil stencil{values_.data() + indexOf((middle.array() - 1).matrix()), counts_[0],
+                        static_cast<std::ptrdiff_t>(counts_[0]) * counts_[1]};
+  return take(stencil, Weights(u[0] - middle[0]), Weights(u[1] - middle[1]),
+              Weights(u[2] - middle[2]));
+}
+
+double DistanceGrid::at(const Eigen::Vector3d& p) const {
+  return look(p, [](const auto&... query) {
+    return isWide() ? valueInWide(query...) : valueIn(query...);
+  });
 }
 
 double DistanceGrid::at(const Eigen::Vector3d& p, Eigen::Vector3d& gradient) const {
   gradient.setZero();
-  const double outside = box_.squaredExteriorDistance(p);
-  if (outside > 0.0) return std::sqrt(outside) + (kMargin - 0.6) * spacing_;
-  const Eigen::Vector3d u = (p - origin_) * per_spacing_;
-  Eigen::Vector3i middle;
-  Eigen::Matrix3d w;
-  Eigen::Matrix3d s;
-  for (int a = 0; a < 3; ++a) {
-    middle[a] = static_cast<int>(u[a] + 0.5);
-    const double t = u[a] - middle[a];
-    w.col(a) = weightsAt(t);
-    s.col(a) << t - 0.5, -2.0 * t, t + 0.5;
-  }
-  const float* values = values_.data() + indexOf((middle.array() - 1).matrix());
-  double sum = 0.0;
-  for (int k = 0; k < 3; ++k) {
-    const float* plane = values + static_cast<std::ptrdiff_t>(k) * counts_[0] * counts_[1];
-    for (int j = 0; j < 3; ++j) {
-      const float* row = plane + static_cast<std::ptrdiff_t>(j) * counts_[0];
-      const double value = w(0, 0) * row[0] + w(1, 0) * row[1] + w(2, 0) * row[2];
-      const double slope = s(0, 0) * row[0] + s(1, 0) * row[1] + s(2, 0) * row[2];
-      sum += w(k, 2) * w(j, 1) * value;
-      gradient[0] += w(k, 2) * w(j, 1) * slope;
-      gradient[1] += w(k, 2) * s(j, 1) * value;
-      gradient[2] += s(k, 2) * w(j, 1) * value;
-    }
-  }
+  const double value = look(p, [&gradient](const auto&... query) {
+    return isWide() ? valueInWide(query..., gradient) : valueIn(query..., gradient);
+  });
   gradient *= per_spacing_;
-  return sum;
+  return value;
 }
 
 std::vector<DistanceGrid::Cell> DistanceGrid::solidCells() const {

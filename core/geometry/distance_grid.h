@@ -75,6 +75,11 @@ class DistanceGrid {
                               const std::vector<float>& known) const;
   [[nodiscard]] Eigen::Vector3d place(const Eigen::Vector3i& node) const;
 
+  /// What `take(stencil, weights of x, y, z)` makes of the nodes about p; outside the box a
+  /// lower bound of the distance.
+  template <class Take>
+  double look(const Eigen::Vector3d& p, const Take& take) const;
+
   [[nodiscard]] std::size_t indexOf(const Eigen::Vector3i& node) const {
     return (static_cast<std::size_t>(node[2]) * static_cast<std::size_t>(counts_[1]) +
             static_cast<std::size_t>(node[1])) *

@@ -39,17 +39,23 @@ class Walls {
 
   [[nodiscard]] const std::vector<WallSample>& samples() const { return samples_; }
 
-  /// Calls `visit(sample)` for all samples within `radius` of `centre`, and some more.
+  /// Calls `visit(sample)` for those in no ball that `passes(centre, radius)`.
+  template <class Passes, class Visit>
+  void visit(const Passes& passes, const Visit& visit) const {
+    tree_.visit(passes, [&](int begin, int end) {
+      for (int k = begin; k < end; ++k)
+        visit(samples_[static_cast<std::size_t>(k)]);
+    });
+  }
+
+  /// The same for all samples within `radius` of `centre`, and some more.
   template <class Visit>
   void visitNear(const Eigen::Vector3d& centre, double radius, const Visit& visit) const {
     const auto isFar = [&](const Eigen::Vector3d& ball, double ball_radius) {
       const double reach = ball_radius + radius;
       return (ball - centre).squaredNorm() > reach * reach;
     };
-    tree_.visit(isFar, [&](int begin, int end) {
-      for (int k = begin; k < end; ++k)
-        visit(samples_[static_cast<std::size_t>(k)]);
-    });
+    this->visit(isFar, visit);
   }
 
  private:

@@ -140,6 +140,7 @@ void fillSolid(const Skin& skin,
   const Eigen::Matrix3Xd& vertices = exact->surface().vertices();
   solid.centre_L = 0.5 * (vertices.rowwise().minCoeff() + vertices.rowwise().maxCoeff());
   solid.radius = (vertices.colwise() - solid.centre_L).colwise().norm().maxCoeff();
+  solid.capsule_L = geometry::capsuleAround(vertices);
   geometry::DistanceGridOptions options;
   options.most_nodes = most_nodes;
   solid.grid_L =

@@ -8,6 +8,7 @@
 
 #include "core/base/progress.h"
 #include "core/geometry/ball_tree.h"
+#include "core/geometry/capsule.h"
 #include "core/geometry/distance_grid.h"
 #include "core/hand/hand_model.h"
 #include "core/hand/skin.h"
@@ -42,6 +43,7 @@ struct LinkSolid {
   SampleSet fine;                                      ///< for a report
   Eigen::Vector3d centre_L = Eigen::Vector3d::Zero();  ///< of a ball around all of it
   double radius = 0.0;
+  geometry::Capsule capsule_L;  ///< around all of it, too
   /// Distance to the link's part of the skin, its cuts shut; the skin stands `skin_offset` off
   /// the link.
   std::unique_ptr<const geometry::DistanceGrid> grid_L;

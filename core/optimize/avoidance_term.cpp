@@ -37,6 +37,8 @@ double AvoidanceTerm::evaluate(const Vector3d& p_WH, const std::vector<BodyPlace
     place.R_WL.noalias() = body.R_WB.lazyProduct(X_BL_[k].linear());
     place.arm_W = body.p_HB_W + body.R_WB.lazyProduct(X_BL_[k].translation());
     place.centre_W = place.arm_W + place.R_WL.lazyProduct(solids[k].centre_L);
+    place.a_W = place.arm_W + place.R_WL.lazyProduct(solids[k].capsule_L.a);
+    place.b_W = place.arm_W + place.R_WL.lazyProduct(solids[k].capsule_L.b);
   }
   if (care_.share == 0.0) return 0.0;
   meetObject(p_WH);
@@ -86,11 +88,14 @@ void AvoidanceTerm::meetObject(const Vector3d& p_WH) {
 void AvoidanceTerm::meetWalls(std::size_t link, const Pose& X_OL) {
   const Place& place = places_[link];
   const LinkSolid& solid = avoidance_.hand->links()[link];
-  const Pose X_LO = inverse(X_OL);
-  avoidance_.object_O->walls().visitNear(
-      X_OL * solid.centre_L, solid.radius + avoidance_.margin_m,
+  const Matrix3d R_LO = X_OL.linear().transpose();
+  const Vector3d p_LO = -(R_LO * X_OL.translation());
+  avoidance_.object_O->walls().visit(
+      [&](const Vector3d& centre_O, double radius) {
+        return solid.grid_L->isClear(p_LO + R_LO.lazyProduct(centre_O), radius);
+      },
       [&](const geometry::WallSample& sample) {
-        const Vector3d p_L = X_LO * sample.p;
+        const Vector3d p_L = p_LO + R_LO.lazyProduct(sample.p);
         if (solid.grid_L->isClear(p_L, 0.0)) return;
         Vector3d slope_L;
         const double distance = solid.distance(p_L, slope_L) - avoidance_.margin_m;
@@ -105,11 +110,16 @@ void AvoidanceTerm::meetWalls(std::size_t link, const Pose& X_OL) {
 void AvoidanceTerm::meetItself() {
   const auto& solids = avoidance_.hand->links();
   for (const auto& [i, j] : avoidance_.hand->strangers()) {
-    const Vector3d way_W = places_[static_cast<std::size_t>(i)].centre_W -
-                           places_[static_cast<std::size_t>(j)].centre_W;
-    const double reach = solids[static_cast<std::size_t>(i)].radius +
-                         solids[static_cast<std::size_t>(j)].radius + avoidance_.margin_m;
-    if (way_W.squaredNorm() > reach * reach) continue;
+    const LinkSolid& a = solids[static_cast<std::size_t>(i)];
+    const LinkSolid& b = solids[static_cast<std::size_t>(j)];
+    const Place& place_a = places_[static_cast<std::size_t>(i)];
+    const Place& place_b = places_[static_cast<std::size_t>(j)];
+    const double balls = a.radius + b.radius + avoidance_.margin_m;
+    if ((place_a.centre_W - place_b.centre_W).squaredNorm() > balls * balls) continue;
+    const double bones = a.capsule_L.radius + b.capsule_L.radius + avoidance_.margin_m;
+    if (geometry::squaredDistance(place_a.a_W, place_a.b_W, place_b.a_W, place_b.b_W) >
+        bones * bones)
+      continue;
     meet(i, j);
     meet(j, i);
   }

@@ -54,6 +54,8 @@ class AvoidanceTerm {
     Eigen::Matrix3d R_WL = Eigen::Matrix3d::Identity();
     Eigen::Vector3d arm_W = Eigen::Vector3d::Zero();
     Eigen::Vector3d centre_W = Eigen::Vector3d::Zero();  ///< of the ball around it
+    Eigen::Vector3d a_W = Eigen::Vector3d::Zero();       ///< ends of the capsule around it
+    Eigen::Vector3d b_W = Eigen::Vector3d::Zero();
   };
 
   Avoidance avoidance_;
