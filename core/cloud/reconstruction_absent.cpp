@@ -7,8 +7,9 @@ namespace handgraft::cloud {
 namespace {
 
 [[noreturn]] void reject() {
-  rejectInput("points cannot be made a surface: this Handgraft was built without CGAL "
-              "(HANDGRAFT_WITH_CGAL=OFF); give the object as a mesh with faces");
+  rejectInput(
+      "points cannot be made a surface: this Handgraft was built without CGAL "
+      "(HANDGRAFT_WITH_CGAL=OFF); give the object as a mesh with faces");
 }
 
 }  // namespace

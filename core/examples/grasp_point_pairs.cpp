@@ -12,7 +12,8 @@ using namespace handgraft;
 
 namespace {
 
-/// Pairs each moving link's frame, and a normal along its x axis, with where they are in `goal`.
+/// Pairs each moving link's frame, and a normal along its x axis, with where they are in
+/// `goal`.
 optimize::PoseProblem problemThatReaches(std::shared_ptr<const hand::HandModel> model,
                                          const hand::HandPose& goal) {
   optimize::PoseProblem problem = optimize::makeProblem(model);
@@ -47,9 +48,8 @@ int main(int argc, char** argv) try {
 
   const optimize::PoseProblem problem = problemThatReaches(model, goal);
   const optimize::SolveReport report = optimize::solve(problem, {}, Progress());
-  std::printf("%d joints, %zu pairs: %s, %.3f mm off, joints %.2g rad off\n",
-              model->dofCount(), problem.pairs.size(),
-              std::string(optimize::nameOf(report.outcome)).c_str(),
+  std::printf("%d joints, %zu pairs: %s, %.3f mm off, joints %.2g rad off\n", model->dofCount(),
+              problem.pairs.size(), std::string(optimize::nameOf(report.outcome)).c_str(),
               report.patches.at(0).mean_mm, (report.pose.q - goal.q).cwiseAbs().maxCoeff());
 
   // How far it is, along an object's surface, to what lies within 20 mm of its first vertex.
@@ -60,6 +60,7 @@ int main(int argc, char** argv) try {
   std::printf("%zu vertices within 20 mm, the last at %.1f mm\n", map.vertices.size(),
               1e3 * map.r[map.vertices.back()]);
   return report.patches.at(0).mean_mm < 0.1 ? 0 : 1;
+
 } catch (const std::exception& error) {
   std::fprintf(stderr, "%s\n", error.what());
   return 1;

@@ -72,8 +72,7 @@ class SessionField {
   [[nodiscard]] std::string text(std::size_t longest = kLongestText) const {
     if (!value_.is_string()) reject("is {}; it must be a string", value_.type_name());
     const auto& text = value_.get_ref<const std::string&>();
-    if (text.size() > longest)
-      reject("has {} bytes; permitted are {}", text.size(), longest);
+    if (text.size() > longest) reject("has {} bytes; permitted are {}", text.size(), longest);
     return text;
   }
 

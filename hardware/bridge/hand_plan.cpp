@@ -110,8 +110,7 @@ std::string differencesOf(const v1::HandDescription& description,
     if (limits.lower < joint.lower() - kSame || limits.upper > joint.upper() + kSame) {
       add(fmt::format(
           "joint {} may go from {:.4g} to {:.4g} rad, its model from {:.4g} to {:.4g}",
-          quoted(joint.name()), limits.lower, limits.upper, joint.lower(),
-          joint.upper()));
+          quoted(joint.name()), limits.lower, limits.upper, joint.lower(), joint.upper()));
     }
   }
   for (const std::string& name : names) {

@@ -103,8 +103,8 @@ HandImport importHand(const fs::path& urdf, int poses) {
     import.mimics = model.mimicCount();
     import.root_dofs = file.floating_base ? file.floating_base->dofCount() : 0;
     import.notes = file.notes;
-    import.pose_difference =
-        largestPoseDifference(urdf, io::readUrdfKinematics(urdf, io::FloatingBase::kKept), poses);
+    import.pose_difference = largestPoseDifference(
+        urdf, io::readUrdfKinematics(urdf, io::FloatingBase::kKept), poses);
 
     const double unwrapped = threadMilliseconds();
     const hand::Skin skin = buildSkin(model, hand::SkinOptions(), Progress(), &import.skin);

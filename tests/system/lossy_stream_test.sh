@@ -11,6 +11,7 @@ test=$1
 [ $# -lt 2 ] || export HANDGRAFT_STREAM_SECONDS=$2
 name=hg$$-lossy
 
+# shellcheck disable=SC2317  # by the trap
 tidy() { ip netns del "$name" 2>/dev/null; }
 trap tidy EXIT
 command -v nft >/dev/null || { echo "there is no nft (Debian: nftables)"; exit 77; }

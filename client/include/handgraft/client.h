@@ -1,6 +1,7 @@
 #pragma once
 
-/// A handgraft-server, from a program of one's own: models read and sent, grasps, live sessions.
+/// A handgraft-server, from a program of one's own: models read and sent, grasps, live
+/// sessions.
 ///
 ///     handgraft::client::Client server;
 ///     auto state = server.openSession(request).get();

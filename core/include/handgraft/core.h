@@ -1,7 +1,7 @@
 #pragma once
 
-/// The numerical core of Handgraft, without a server: readers of meshes, hands and contacts, log
-/// maps, the transfer of patches onto a hand's skin, whole-hand poses.
+/// The numerical core of Handgraft, without a server: readers of meshes, hands and contacts,
+/// log maps, the transfer of patches onto a hand's skin, whole-hand poses.
 ///
 /// SI units and radians; +z up; frames in the names (X_WO is the pose of O in W). Errors are
 /// exceptions: InvalidInput names the thing, its value and the permitted range. core/examples

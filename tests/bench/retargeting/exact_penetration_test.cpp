@@ -77,12 +77,14 @@ TEST(ExactPenetration, OfABallInAHalfSpaceIsItsCap) {
     SCOPED_TRACE(depth);
     const ExactPenetration found = measured(block(0.1), kRadius - depth, 0.2);
     EXPECT_NEAR(found.hand_in_object_m, depth, kTolerance);
-    // The deepest place is at most 0.75 mm from a sample, which as deep as the centre costs all of it.
+    // The deepest place is at most 0.75 mm from a sample, which as deep as the centre costs all
+    // of it.
     EXPECT_NEAR(found.object_in_hand_m, depth, 0.00075);
     const double cap = std::numbers::pi * depth * depth * (kRadius - depth / 3.0);
     // Cells are counted whole: of the layer that the plane cuts, up to half a cell too many.
     const double base = std::numbers::pi * depth * (2.0 * kRadius - depth);
-    EXPECT_NEAR(found.volume_m3, cap, 0.5 * ExactPenetration::kCell_m * base + 0.1 * cap + 1e-8);
+    EXPECT_NEAR(found.volume_m3, cap,
+                0.5 * ExactPenetration::kCell_m * base + 0.1 * cap + 1e-8);
     EXPECT_EQ(found.deepest_link, depth > 0.0005 ? 1 : found.deepest_link);
   }
 }

@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/base/error.h"
 #include "core/base/content_hash.h"
+#include "core/base/error.h"
 
 namespace handgraft::hand {
 namespace {

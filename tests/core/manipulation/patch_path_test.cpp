@@ -172,7 +172,8 @@ TEST(JoinGrasps, SlidesWhatBothHaveAndFadesTheRest) {
 }
 
 TEST(JoinGrasps, NamesWhatIsWrong) {
-  contact::ContactSet set{"pull", "box", {patchAt(box(), {0, 0, 0.05}, Vector3d::UnitX())}, {}, {}};
+  contact::ContactSet set{
+      "pull", "box", {patchAt(box(), {0, 0, 0.05}, Vector3d::UnitX())}, {}, {}};
   const std::vector<ObjectKey> back = {{1.0, Pose::Identity()}, {0.5, Pose::Identity()}};
   try {
     joinGrasps(box(), set, set, back);

@@ -17,8 +17,8 @@ namespace {
 using safety::GovernorState;
 using safety::test::kOvershoot;
 using safety::test::kWithin;
-using safety::test::RequestDeduplication;
 using safety::test::OvershootWatch;
+using safety::test::RequestDeduplication;
 using test::HandInMotion;
 
 // A million over the five hands, without those that have no power. Sanitizers look for

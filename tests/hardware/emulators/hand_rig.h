@@ -26,10 +26,12 @@ class HandRig {
   /// rad: where motor `i` stands, and where it was told to go.
   virtual double angle(std::size_t i) = 0;
   virtual double goal(std::size_t i) = 0;
+
   /// Turns a motor that is off by hand, rad; one that holds stays.
   void put(std::size_t i, double angle_rad) {
     if (!isPowered()) turn(i, angle_rad);
   }
+
   /// rad: one unit of the device; of a float, what it can tell of a few turns.
   [[nodiscard]] virtual double unit(std::size_t i) const = 0;
   /// Whether any motor would move by itself or hold.
