@@ -155,8 +155,9 @@ class Workbench {
   /// Moves open roots along their digits to where they are by length instead of by segment;
   /// true if one moved by more than a face or so.
   bool takeRootsByLength();
-  /// From where a search that ran out of evaluations stands, if that is better.
-  void goOn(optimize::SolveReport& report,
+  /// From where a search that ran out of evaluations stands to its end, unless that is worse.
+  void goOn(Worth& worth,
+            optimize::SolveReport& report,
             const Solving& solving,
             optimize::SolveOptions options,
             const Progress& progress);

@@ -216,10 +216,10 @@ Workbench::Worth Workbench::searchAbout(SolveReport& report,
   for (int i = 0; i < kRefinements && refineDirections(report, solving, step, progress); ++i) {
   }
   slideRoots(report, solving, step, progress);
-  if (report.outcome == optimize::Outcome::kEvaluationLimit)
-    goOn(report, solving, options, progress);
   Worth worth = worthOf(report, solving);
   if (searchesWidely(solving, options)) reachForMissed(worth, report, solving, step, progress);
+  if (report.outcome == optimize::Outcome::kEvaluationLimit)
+    goOn(worth, report, solving, options, progress);
   if (solving.avoids() && report.minima.size() < found.size()) {
     keepMinima(found, report, solving, step, progress);
     worth = worthOf(report, solving);
@@ -271,7 +271,8 @@ Solution Workbench::judge(const Progress& progress) {
   return solution;
 }
 
-void Workbench::goOn(SolveReport& report,
+void Workbench::goOn(Worth& worth,
+                     SolveReport& report,
                      const Solving& solving,
                      SolveOptions options,
                      const Progress& progress) {
@@ -279,7 +280,10 @@ void Workbench::goOn(SolveReport& report,
   options.starts = 1;
   start_ = report.pose;
   SolveReport last = optimize::solve(problem(solving), options, progress);
-  if (last.terms.objective <= report.terms.objective) report = std::move(last);
+  const Worth further = worthOf(last, solving);
+  if (worth < further) return;
+  worth = further;
+  report = std::move(last);
 }
 
 void Workbench::keepMinima(const std::vector<Minimum>& found,
