@@ -155,9 +155,8 @@ class Workbench {
   /// Moves open roots along their digits to where they are by length instead of by segment;
   /// true if one moved by more than a face or so.
   bool takeRootsByLength();
-  /// From where a search that ran out of evaluations stands to its end, unless that is worse.
-  void goOn(Worth& worth,
-            optimize::SolveReport& report,
+  /// A search that ran out of evaluations, from where it stands to its end.
+  void goOn(optimize::SolveReport& report,
             const Solving& solving,
             optimize::SolveOptions options,
             const Progress& progress);
@@ -166,7 +165,7 @@ class Workbench {
   void keepMinima(const std::vector<optimize::Minimum>& found,
                   optimize::SolveReport& report,
                   const Solving& solving,
-                  const optimize::SolveOptions& step,
+                  const optimize::SolveOptions& options,
                   const Progress& progress);
   /// One more solve with the open directions as the report's pose shows them; kept, and true,
   /// if the objective falls.

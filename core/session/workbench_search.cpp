@@ -180,6 +180,7 @@ void Workbench::reachForMissed(Worth& worth,
                                const Solving& solving,
                                const SolveOptions& options,
                                const Progress& progress) {
+  const SolveOptions step = stepOf(options);
   Search best(*this);
   double factor = kReachingWeight;
   for (int i = 0; i < kReaches && worth.first > 0; ++i) {
@@ -187,12 +188,14 @@ void Workbench::reachForMissed(Worth& worth,
     start_ = report.pose;
     const std::vector<int> missed = optimize::missedPatches(problem(solving), report);
     weigh(missed, factor);
-    SolveReport other = optimize::solve(problem(solving), options, progress);
-    slideRoots(other, solving, options, progress);
+    SolveReport other = optimize::solve(problem(solving), step, progress);
+    slideRoots(other, solving, step, progress);
     weigh(missed, 1.0 / factor);
     start_ = other.pose;
-    other = optimize::solve(problem(solving), options, progress);
-    slideRoots(other, solving, options, progress);
+    other = optimize::solve(problem(solving), step, progress);
+    slideRoots(other, solving, step, progress);
+    // What is reached on the way counts if it is at the end.
+    if (worthOf(other, solving) < worth) goOn(other, solving, options, progress);
     other.best_start = report.best_start;
     other.solver = report.solver;
     if (takeBetter(worthOf(other, solving), other, worth, report)) {
@@ -216,12 +219,12 @@ Workbench::Worth Workbench::searchAbout(SolveReport& report,
   for (int i = 0; i < kRefinements && refineDirections(report, solving, step, progress); ++i) {
   }
   slideRoots(report, solving, step, progress);
+  goOn(report, solving, options, progress);
   Worth worth = worthOf(report, solving);
-  if (searchesWidely(solving, options)) reachForMissed(worth, report, solving, step, progress);
-  if (report.outcome == optimize::Outcome::kEvaluationLimit)
-    goOn(worth, report, solving, options, progress);
+  if (searchesWidely(solving, options))
+    reachForMissed(worth, report, solving, options, progress);
   if (solving.avoids() && report.minima.size() < found.size()) {
-    keepMinima(found, report, solving, step, progress);
+    keepMinima(found, report, solving, options, progress);
     worth = worthOf(report, solving);
   }
   return worth;
@@ -271,32 +274,30 @@ Solution Workbench::judge(const Progress& progress) {
   return solution;
 }
 
-void Workbench::goOn(Worth& worth,
-                     SolveReport& report,
+void Workbench::goOn(SolveReport& report,
                      const Solving& solving,
                      SolveOptions options,
                      const Progress& progress) {
+  if (report.outcome != optimize::Outcome::kEvaluationLimit) return;
   const Search as_it_was(*this);
   options.starts = 1;
   start_ = report.pose;
   SolveReport last = optimize::solve(problem(solving), options, progress);
-  const Worth further = worthOf(last, solving);
-  if (worth < further) return;
-  worth = further;
-  report = std::move(last);
+  if (last.terms.objective <= report.terms.objective) report = std::move(last);
 }
 
 void Workbench::keepMinima(const std::vector<Minimum>& found,
                            SolveReport& report,
                            const Solving& solving,
-                           const SolveOptions& step,
+                           const SolveOptions& options,
                            const Progress& progress) {
   const Search as_it_was(*this);
   std::vector<Minimum> all = report.minima;
   Worth worth = worthOf(report, solving);
   for (const Minimum& other : found) {
     start_ = other.pose;
-    SolveReport now = optimize::solve(problem(solving), step, progress);
+    SolveReport now = optimize::solve(problem(solving), stepOf(options), progress);
+    if (worthOf(now, solving) < worth) goOn(now, solving, options, progress);
     // A step from it is still what it was found by, and as often.
     for (Minimum& minimum : now.minima) {
       minimum.start = other.start;

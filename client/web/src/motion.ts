@@ -225,15 +225,19 @@ export async function fetchMotion(
     await link.ask({ kind: 'solve_motion', solve_motion: { session_id: session, options: [] } });
     answer = await ask(0);
   }
-  const frames = [...answer.frames];
-  const { revision, frame_count } = answer;
-  while (frames.length > 0 && frames.length * every < frame_count) {
-    onShare((frames.length * every) / frame_count);
-    answer = await ask(frames.length * every);
-    if (answer.frames.length === 0 || answer.revision !== revision) break;
-    frames.push(...answer.frames);
+  for (;;) {
+    const frames = [...answer.frames];
+    const { revision, frame_count } = answer;
+    while (frames.length > 0 && frames.length * every < frame_count) {
+      onShare((frames.length * every) / frame_count);
+      answer = await ask(frames.length * every);
+      if (answer.frames.length === 0 || answer.revision !== revision) break;
+      frames.push(...answer.frames);
+    }
+    if (answer.revision === revision) return new Motion(description, frames, revision, every);
+    // Edited meanwhile: what came so far would be a motion that ends too early.
+    answer = await ask(0);
   }
-  return new Motion(description, frames, revision, every);
 }
 
 /** Asks for all frames about a time, where not all are here; true: there are more now. */
