@@ -9,9 +9,9 @@ json=
 for word in "$@"; do
   case $word in
     --json) json=--json ;;
-    logmap | solve | tables | import | chain | retargeting | edits | discovery | table | all) name=$word ;;
+    logmap | solve | tables | import | chain | retargeting | edits | page | discovery | table | all) name=$word ;;
     *)
-      echo "bench: there is no benchmark '$word'; there are: logmap, solve, tables, import, chain, retargeting, edits, discovery, table" >&2
+      echo "bench: there is no benchmark '$word'; there are: logmap, solve, tables, import, chain, retargeting, edits, page, discovery, table" >&2
       exit 2
       ;;
   esac
@@ -121,6 +121,15 @@ bench_edits() {
   "$bin/handgraft-edit-bench" flood --seconds 5 "${grasp[@]}" $json
 }
 
+# shellcheck disable=SC2086
+bench_page() {
+  local hand object contacts
+  choose_grasp
+  title "the page in a browser: first picture, and a root dragged, $(basename "$hand")"
+  HANDGRAFT_STATE=:memory: node tests/bench/page/page_bench.mjs "$bin" "$bin/../client/web" build/bench_page \
+    "${HANDGRAFT_DOMAIN:-96}" "$hand" "$object" "$contacts" $json
+}
+
 # write_between FILE WORDS COMMAND...: puts what the command prints between the lines
 # "<!-- WORDS: ..." and "<!-- end of WORDS -->" of a file.
 write_between() {
@@ -146,6 +155,7 @@ case $name in
   chain) bench_chain ;;
   retargeting) bench_retargeting ;;
   edits) bench_edits ;;
+  page) bench_page ;;
   discovery) tests/bench/discovery.sh "$bin" ;;
   table)
     write_between core/geometry/DECISIONS.md "accuracy table" "$bin/handgraft-bench" logmap-accuracy --markdown

@@ -58,6 +58,9 @@ export class Stage {
   /** Where software draws, edges are smooth once nothing moves: drawn twice as fine. */
   private isFine = false;
   private drawn_ms = 0;
+  /** Passed by the graphics card once the last picture is drawn; null: it is. */
+  private fence: WebGLSync | null = null;
+  private isPressed = false;
   private isHeld = true;
   private dirty = true;
   private last_ms = 0;
@@ -89,6 +92,8 @@ export class Stage {
     this.controls.maxDistance = 5;
     this.controls.addEventListener('update', () => this.redraw());
     this.controls.setLookAt(0.35, -0.45, 0.3, 0, 0, 0);
+    canvas.addEventListener('pointerdown', () => (this.isPressed = true), { capture: true });
+    for (const end of ['pointerup', 'pointercancel']) addEventListener(end, () => (this.isPressed = false), { capture: true });
     new ResizeObserver(() => this.fit()).observe(canvas);
     this.fit();
     requestAnimationFrame((now) => this.tick(now));
@@ -176,11 +181,31 @@ export class Stage {
   private tick(now: number): void {
     const step_s = Math.min(0.1, (now - this.last_ms) / 1000);
     this.last_ms = now;
+    requestAnimationFrame((next) => this.tick(next));
     if (this.controls.update(step_s)) this.dirty = true;
     if (this.isHeld) this.dirty = true;
+    else if (this.isDrawing()) return; // the browser would make mouse and edits wait for the next picture as well
     else if (this.dirty) this.draw();
-    else if (this.isSoftware && !this.isFine && now - this.drawn_ms > kStill_ms) this.drawFine();
-    requestAnimationFrame((next) => this.tick(next));
+    else if (this.isSoftware && !this.isFine && !this.isPressed && now - this.drawn_ms > kStill_ms) this.drawFine();
+  }
+
+  /** The graphics card is still at the last picture. */
+  private isDrawing(): boolean {
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    if (this.fence !== null && (gl.isContextLost() || gl.getSyncParameter(this.fence, gl.SYNC_STATUS) === gl.SIGNALED)) {
+      gl.deleteSync(this.fence);
+      this.fence = null;
+    }
+    return this.fence !== null;
+  }
+
+  private render(): void {
+    for (const step of this.before) step();
+    this.renderer.render(this.scene, this.camera);
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    gl.deleteSync(this.fence);
+    this.fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
   }
 
   private get ratio(): number {
@@ -190,8 +215,7 @@ export class Stage {
   private drawFine(): void {
     this.isFine = true;
     this.renderer.setPixelRatio(2);
-    for (const step of this.before) step();
-    this.renderer.render(this.scene, this.camera);
+    this.render();
   }
 
   private draw(): void {
@@ -199,8 +223,7 @@ export class Stage {
     if (this.isFine) this.renderer.setPixelRatio(this.ratio);
     this.isFine = false;
     this.drawn_ms = performance.now();
-    for (const step of this.before) step();
-    this.renderer.render(this.scene, this.camera);
+    this.render();
     ++this.frames;
   }
 }

@@ -89,6 +89,16 @@ export const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
 export let browser;
 
+/** A browser that has just started. */
+export function launch() {
+  return puppeteer.launch({
+    executablePath: chromium,
+    headless: true,
+    // Drawn in software: no test machine has to have a graphics card. Without a sandbox, since root may run this.
+    args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-dev-shm-usage'],
+  });
+}
+
 export async function openPage(address, { width = 900, height = 560, touch = false } = {}) {
   const page = await browser.newPage();
   await page.setViewport({ width, height, hasTouch: touch });
@@ -196,18 +206,19 @@ export const held = { server: null };
 
 // === How it is done
 
+/** Ends all programs that were started. */
+export async function stopAll() {
+  for (const child of [...children]) await stop(child);
+  rmSync(downloads, { recursive: true, force: true });
+}
+
 /** All of them, or those that were asked for; ends the process. */
 export async function runTests(tests) {
   held.server = await startServer();
   let failed = 0;
   try {
     const view = await startView();
-    browser = await puppeteer.launch({
-      executablePath: chromium,
-      headless: true,
-      // Drawn in software: no test machine has to have a graphics card. Without a sandbox, since root may run this.
-      args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-dev-shm-usage'],
-    });
+    browser = await launch();
     for (const [name, test] of Object.entries(tests)) {
       if (only !== undefined && !name.includes(only)) continue;
       const begun = Date.now();
@@ -228,8 +239,7 @@ export async function runTests(tests) {
     }
   } finally {
     await browser?.close();
-    for (const child of [...children]) await stop(child);
-    rmSync(downloads, { recursive: true, force: true });
+    await stopAll();
   }
   process.exit(failed === 0 ? 0 : 1);
 }
