@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/hand/kinematics.h"
 #include "core/hand/link_surfaces.h"
 
 namespace handgraft::hand {
@@ -75,7 +74,16 @@ std::optional<LinkLocators::Hit> Skin::hitFrom(int face,
 std::optional<LinkPoint> Skin::project(const Eigen::Vector3d& p_S,
                                        const Eigen::Vector3d& n_S) const {
   if (!p_S.allFinite()) return std::nullopt;
-  const int face = locator_->nearest(p_S).point.face;
+  return projectFrom(locator_->nearest(p_S).point.face, p_S, n_S);
+}
+
+std::optional<LinkPoint> Skin::project(const geometry::SurfacePoint& place_S) const {
+  return projectFrom(place_S.face, positionOf(mesh_S_, place_S), normalOf(mesh_S_, place_S));
+}
+
+std::optional<LinkPoint> Skin::projectFrom(int face,
+                                           const Eigen::Vector3d& p_S,
+                                           const Eigen::Vector3d& n_S) const {
   const std::optional<LinkLocators::Hit> hit = hitFrom(face, p_S, n_S);
   if (!hit) return std::nullopt;
 
@@ -91,6 +99,13 @@ std::optional<LinkPoint> Skin::project(const Eigen::Vector3d& p_S,
   result.n_L = (X_LS.linear() * n_link_S).normalized();
   result.distance_m = hit->distance_m;
   return result;
+}
+
+LinkPoses Skin::fromWorld(const HandModel& model, const HandPose& pose) const {
+  LinkPoses X_SW = forwardKinematics(model, pose);
+  for (std::size_t i = 0; i < X_SW.size(); ++i)
+    X_SW[i] = X_SL_[i] * inverse(X_SW[i]);
+  return X_SW;
 }
 
 geometry::SurfacePoint Skin::skinPointOf(int link, const Eigen::Vector3d& p_L) const {

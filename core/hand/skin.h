@@ -13,6 +13,7 @@
 #include "core/geometry/surface_point.h"
 #include "core/geometry/triangle_mesh.h"
 #include "core/hand/hand_model.h"
+#include "core/hand/kinematics.h"
 #include "core/hand/link_surfaces.h"
 #include "core/hand/skin_links.h"
 
@@ -88,6 +89,12 @@ class Skin {
   /// of thin or badly oriented link surfaces.
   [[nodiscard]] std::optional<LinkPoint> project(const Eigen::Vector3d& p_S,
                                                  const Eigen::Vector3d& n_S) const;
+  /// Of a place on the skin itself, which is not searched for then.
+  [[nodiscard]] std::optional<LinkPoint> project(const geometry::SurfacePoint& place_S) const;
+
+  /// The way from W to where each link has its part of the skin: X_SL * X_LW, a pose a link.
+  /// Every link carries its part along; a place in W is so taken to the skin as it is in S.
+  [[nodiscard]] LinkPoses fromWorld(const HandModel& model, const HandPose& pose) const;
 
   /// Where a link's own point (in L) lies on the skin.
   [[nodiscard]] geometry::SurfacePoint skinPointOf(int link, const Eigen::Vector3d& p_L) const;
@@ -99,6 +106,9 @@ class Skin {
   [[nodiscard]] std::optional<LinkLocators::Hit> hitFrom(int face,
                                                          const Eigen::Vector3d& p_S,
                                                          const Eigen::Vector3d& n_S) const;
+  [[nodiscard]] std::optional<LinkPoint> projectFrom(int face,
+                                                     const Eigen::Vector3d& p_S,
+                                                     const Eigen::Vector3d& n_S) const;
 
   geometry::TriangleMesh mesh_S_;
   Eigen::VectorXd q_reference_;

@@ -25,8 +25,7 @@ std::optional<hand::LinkPoint> linkPointAt(const std::optional<hand::HandPlace>&
   if (!place) return std::nullopt;
   const auto spot = coordinates.spotAt(*place);
   if (!spot) return std::nullopt;
-  return skin.project(positionOf(skin.mesh(), spot->root_S),
-                      normalOf(skin.mesh(), spot->root_S));
+  return skin.project(spot->root_S);
 }
 
 }  // namespace

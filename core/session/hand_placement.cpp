@@ -59,8 +59,7 @@ Eigen::VectorXd curledPose(const hand::HandModel& model, double share) {
 }
 
 std::optional<Anchor> anchorAt(const hand::Skin& skin, const transfer::Placement& placement) {
-  const auto on_link = skin.project(positionOf(skin.mesh(), placement.root_S),
-                                    normalOf(skin.mesh(), placement.root_S));
+  const auto on_link = skin.project(placement.root_S);
   if (!on_link) return std::nullopt;
   Anchor anchor;
   anchor.link = on_link->link;

@@ -44,11 +44,7 @@ std::optional<hand::LinkPoint> LiveFollower::spotOf(const manipulation::Touch& t
   hand::HandPlace place = touch.place;
   place.around_rad = angle * kAngleStep_rad;
   std::optional<hand::LinkPoint> spot;
-  if (const auto found = coordinates_.spotAt(place)) {
-    const geometry::TriangleMesh& mesh_S = hand_.skin->mesh();
-    spot =
-        hand_.skin->project(positionOf(mesh_S, found->root_S), normalOf(mesh_S, found->root_S));
-  }
+  if (const auto found = coordinates_.spotAt(place)) spot = hand_.skin->project(found->root_S);
   spots_[{touch.part, angle}] = spot;
   return spot;
 }

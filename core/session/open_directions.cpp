@@ -18,19 +18,15 @@ Eigen::Vector3d directionShownBy(const hand::HandModel& model,
   return tangentAt(object_O, root_O, direction_O).value_or(anyTangentAt(object_O, root_O));
 }
 
-std::optional<Eigen::Vector3d> skinDirectionShownBy(const hand::HandModel& model,
-                                                    const hand::Skin& skin,
-                                                    const hand::HandPose& pose,
+std::optional<Eigen::Vector3d> skinDirectionShownBy(const hand::Skin& skin,
+                                                    const hand::LinkPoses& X_SW,
                                                     const geometry::SurfacePoint& root_S,
                                                     const Eigen::Vector3d& bone_S,
                                                     const Eigen::Vector3d& d_W,
                                                     double most_rad) {
   const int link = skin.faceLinks()[static_cast<std::size_t>(root_S.face)];
   if (link < 0) return std::nullopt;
-  const auto index = static_cast<std::size_t>(link);
-  const hand::LinkPoses X_WL = forwardKinematics(model, pose);
-  const hand::LinkPoses X_SL = forwardKinematics(model, {Pose::Identity(), skin.qReference()});
-  const Eigen::Vector3d d_S = X_SL[index].linear() * (X_WL[index].linear().transpose() * d_W);
+  const Eigen::Vector3d d_S = X_SW[static_cast<std::size_t>(link)].linear() * d_W;
   const auto shown_S = geometry::tangentAt(skin.mesh(), root_S, d_S);
   if (!shown_S) return std::nullopt;
   const Eigen::Vector3d n_S = normalOf(skin.mesh(), root_S);

@@ -90,22 +90,15 @@ std::shared_ptr<const SkinFaces> facesOf(const std::shared_ptr<const hand::Skin>
   });
 }
 
-std::optional<geometry::SurfacePoint> rootShownBy(const hand::HandModel& model,
-                                                  const SkinFaces& faces,
-                                                  const hand::HandPose& pose,
+std::optional<geometry::SurfacePoint> rootShownBy(const SkinFaces& faces,
+                                                  const hand::LinkPoses& X_SW,
                                                   const std::vector<char>& permitted,
                                                   const Eigen::Vector3d& p_W,
                                                   const Eigen::Vector3d& n_W) {
-  // Every link carries its part of the skin along: rather than that, the place is taken to
-  // where each link has its skin at the reference pose.
-  hand::LinkPoses X_SL;
-  forwardKinematics(model, Pose::Identity(), faces.skin().qReference(), X_SL);
-  const hand::LinkPoses X_WL = forwardKinematics(model, pose);
   Nearest nearest;
   for (std::size_t link = 0; link < faces.links().size(); ++link) {
     if (permitted[link] == 0) continue;
-    const Pose X_SW = X_SL[link] * inverse(X_WL[link]);
-    nearest.lookFrom(X_SW * p_W, X_SW.linear() * n_W);
+    nearest.lookFrom(X_SW[link] * p_W, X_SW[link].linear() * n_W);
     nearest.searchIn(faces.links()[link]);
   }
   if (nearest.face() < 0) return std::nullopt;

@@ -48,11 +48,10 @@ std::shared_ptr<const SkinFaces> facesOf(const std::shared_ptr<const hand::Skin>
 /// nearest face that looks at it, among those of the permitted links (of equally near ones the
 /// first); nothing if none does.
 ///
-/// Shapes: `permitted` one flag a link. Frames: pose and place in W, `n_W` the object's outward
-/// unit normal there. Cost: some 10 us.
-std::optional<geometry::SurfacePoint> rootShownBy(const hand::HandModel& model,
-                                                  const SkinFaces& faces,
-                                                  const hand::HandPose& pose,
+/// Shapes: `X_SW` (Skin::fromWorld of the pose) and `permitted` one a link. Frames: place in W,
+/// `n_W` the object's outward unit normal there. Cost: some 10 us.
+std::optional<geometry::SurfacePoint> rootShownBy(const SkinFaces& faces,
+                                                  const hand::LinkPoses& X_SW,
                                                   const std::vector<char>& permitted,
                                                   const Eigen::Vector3d& p_W,
                                                   const Eigen::Vector3d& n_W);

@@ -28,7 +28,8 @@ struct PosedHand {
   const hand::FingerCoordinates& coordinates;
   const hand::HandParts& parts;
   const SkinFaces& skin_faces;
-  hand::HandPose pose_O;  ///< X_OH and the joints
+  hand::LinkPoses X_OL;
+  hand::LinkPoses X_SO;  ///< Skin::fromWorld, seen from the object
 };
 
 /// The part of each link: a segment's, or what HandParts calls it.
@@ -43,14 +44,11 @@ std::vector<std::string> partsOf(const PosedHand& posed) {
 
 /// How its segments and its palm are turned.
 std::vector<contact::PartDirection> postureShownBy(const PosedHand& posed) {
-  const hand::LinkPoses X_OL = forwardKinematics(*posed.hand.model, posed.pose_O);
-  hand::LinkPoses X_SL;
-  forwardKinematics(*posed.hand.model, Pose::Identity(), posed.hand.skin->qReference(), X_SL);
   std::vector<contact::PartDirection> posture;
   const auto note = [&](const std::string& part, int link, const Eigen::Vector3d& outward_S,
                         const Eigen::Vector3d& palmar_S) {
-    const auto L = static_cast<std::size_t>(link);
-    const Eigen::Matrix3d R_OS = X_OL[L].linear() * X_SL[L].linear().transpose();
+    const Eigen::Matrix3d R_OS =
+        posed.X_SO[static_cast<std::size_t>(link)].linear().transpose();
     posture.push_back({part, R_OS * outward_S, R_OS * palmar_S});
   };
   const hand::Anatomy& anatomy = posed.coordinates.anatomy();
@@ -71,27 +69,23 @@ double findPlace(const PosedHand& posed,
                  const std::vector<char>& links,
                  contact::Patch& patch) {
   const hand::Skin& skin = *posed.hand.skin;
-  const hand::HandModel& model = *posed.hand.model;
   const Eigen::Vector3d n_O = geometry::normalOf(mesh_O, patch.root);
-  const auto root_S = rootShownBy(model, posed.skin_faces, posed.pose_O, links,
+  const auto root_S = rootShownBy(posed.skin_faces, posed.X_SO, links,
                                   geometry::positionOf(mesh_O, patch.root), n_O);
   if (!root_S) return std::numeric_limits<double>::infinity();
   patch.place = posed.coordinates.placeOf(*root_S);
   const int link = skin.faceLinks()[static_cast<std::size_t>(root_S->face)];
   const auto L = static_cast<std::size_t>(link);
-  const hand::LinkPoses X_OL = forwardKinematics(model, posed.pose_O);
-  hand::LinkPoses X_SL;
-  forwardKinematics(model, Pose::Identity(), skin.qReference(), X_SL);
+  const Pose X_OS = inverse(posed.X_SO[L]);
   std::optional<Eigen::Vector3d> direction_O;
   if (const auto direction_S = posed.coordinates.towardsWrist(*root_S)) {
-    direction_O = X_OL[L].linear() * (X_SL[L].linear().transpose() * *direction_S);
-  } else if (const auto d_L =
-                 posed.parts.towardsWrist(link, -(X_OL[L].linear().transpose() * n_O))) {
-    direction_O = X_OL[L].linear() * *d_L;
+    direction_O = X_OS.linear() * *direction_S;
+  } else if (const Pose& X_OL = posed.X_OL[L]; const auto d_L = posed.parts.towardsWrist(
+                                                   link, -(X_OL.linear().transpose() * n_O))) {
+    direction_O = X_OL.linear() * *d_L;
   }
   if (direction_O) patch.direction_O = tangentAt(mesh_O, patch.root, *direction_O);
-  const Eigen::Vector3d p_O =
-      X_OL[L] * (inverse(X_SL[L]) * geometry::positionOf(skin.mesh(), *root_S));
+  const Eigen::Vector3d p_O = X_OS * geometry::positionOf(skin.mesh(), *root_S);
   return (p_O - geometry::positionOf(mesh_O, patch.root)).norm();
 }
 
@@ -152,8 +146,13 @@ PosedContacts contactsOfPosedHand(const Hand& hand,
   const hand::FingerCoordinates coordinates(model, *hand.skin, hand.sites);
   const hand::HandParts parts(model, hand.sites);
   const SkinFaces skin_faces(*hand.skin);
-  const PosedHand posed{
-      hand, coordinates, parts, skin_faces, {X_WO.inverse() * pose.X_WH, pose.q}};
+  const hand::HandPose pose_O{X_WO.inverse() * pose.X_WH, pose.q};
+  const PosedHand posed{hand,
+                        coordinates,
+                        parts,
+                        skin_faces,
+                        forwardKinematics(model, pose_O),
+                        hand.skin->fromWorld(model, pose_O)};
   const std::vector<std::string> part_of_link = partsOf(posed);
 
   // === The map, and its patches by segments

@@ -172,8 +172,8 @@ void Workbench::layPatches(const Progress& progress) {
     progress.checkpoint();
     progress.report("laying patches onto the skin",
                     static_cast<double>(i) / static_cast<double>(patches_.size()));
-    item.transferred =
-        item.stages.lay(surfaces_, item.patch, *item.placement, document_.transfer);
+    item.transferred = item.stages.lay(surfaces_, item.patch, *item.placement,
+                                       document_.transfer, lays_drafts_);
     for (transfer::Correspondence& pair : item.transferred.correspondences)
       pair.patch = static_cast<int>(i);
     item.up_to_date = true;
@@ -276,10 +276,10 @@ bool Workbench::takeRootsByLength() {
   return moved;
 }
 
-bool Workbench::takeRootFrom(const hand::HandPose& pose, SessionPatch& item) {
+bool Workbench::takeRootFrom(const hand::LinkPoses& X_SW, SessionPatch& item) {
   const geometry::TriangleMesh& skin_S = models_.hand->skin->mesh();
   const Pose& X_WO = document_.X_WO;
-  const auto root_S = rootShownBy(*models_.hand->model, *skin_faces_, pose, linksOf(item.site),
+  const auto root_S = rootShownBy(*skin_faces_, X_SW, linksOf(item.site),
                                   X_WO * positionOf(*models_.object_O, item.patch.root),
                                   X_WO.linear() * normalOf(*models_.object_O, item.patch.root));
   if (!root_S) return false;
@@ -290,14 +290,14 @@ bool Workbench::takeRootFrom(const hand::HandPose& pose, SessionPatch& item) {
   return true;
 }
 
-bool Workbench::takeTurnFrom(const hand::HandPose& pose, SessionPatch& item) {
+bool Workbench::takeTurnFrom(const hand::LinkPoses& X_SW, SessionPatch& item) {
   // One that is open on the object is found there.
   if (item.direction_is_open || !item.patch.direction_O) return false;
   const auto bone_S = coordinates().towardsWrist(item.placement->root_S);
   if (!bone_S) return false;
-  const auto direction_S = skinDirectionShownBy(
-      *models_.hand->model, *models_.hand->skin, pose, item.placement->root_S, *bone_S,
-      document_.X_WO.linear() * *item.patch.direction_O, kMostTurn);
+  const auto direction_S =
+      skinDirectionShownBy(*models_.hand->skin, X_SW, item.placement->root_S, *bone_S,
+                           document_.X_WO.linear() * *item.patch.direction_O, kMostTurn);
   if (!direction_S) return false;
   if (direction_S->dot(item.placement->direction_S) > std::cos(kSameTurn)) return false;
   item.placement->direction_S = *direction_S;
@@ -306,11 +306,12 @@ bool Workbench::takeTurnFrom(const hand::HandPose& pose, SessionPatch& item) {
 
 bool Workbench::takePlacesFrom(const hand::HandPose& pose) {
   if (skin_faces_ == nullptr) skin_faces_ = facesOf(models_.hand->skin);
+  const hand::LinkPoses X_SW = models_.hand->skin->fromWorld(*models_.hand->model, pose);
   bool any_moved = false;
   for (SessionPatch& item : patches_) {
     if (!item.placement || !item.root_is_open) continue;
-    const bool is_elsewhere = takeRootFrom(pose, item);
-    const bool is_turned = takeTurnFrom(pose, item);
+    const bool is_elsewhere = takeRootFrom(X_SW, item);
+    const bool is_turned = takeTurnFrom(X_SW, item);
     if (!is_elsewhere && !is_turned) continue;
     item.up_to_date = false;
     any_moved = true;

@@ -106,6 +106,7 @@ class Workbench {
 
  private:
   struct Search;
+  struct Drafts;
 
   void followPatch(std::size_t index, const DocumentPatch& patch, bool keeps_found);
   [[nodiscard]] const HandPlacer& placer();
@@ -116,12 +117,12 @@ class Workbench {
   void layPatches(const Progress& progress);
   /// Sets the open directions as `pose` shows them; true if one turned by more than a degree.
   bool takeDirectionsFrom(const hand::HandPose& pose);
-  /// Slides a patch's place on the hand to where `pose` shows its root on the object; true if
-  /// it moved by more than a face or so.
-  bool takeRootFrom(const hand::HandPose& pose, SessionPatch& item);
-  /// Turns it there as `pose` shows its direction on the object, by an eighth of a turn from
+  /// Slides a patch's place on the hand to where a pose (X_SW: Skin::fromWorld of it) shows its
+  /// root on the object; true if it moved by more than a face or so.
+  bool takeRootFrom(const hand::LinkPoses& X_SW, SessionPatch& item);
+  /// Turns it there as the pose shows its direction on the object, by an eighth of a turn from
   /// the bone at most; true if it turned.
-  bool takeTurnFrom(const hand::HandPose& pose, SessionPatch& item);
+  bool takeTurnFrom(const hand::LinkPoses& X_SW, SessionPatch& item);
   /// Both, of all open places, and sets the open directions; true if one moved or turned.
   bool takePlacesFrom(const hand::HandPose& pose);
   /// The links that a patch on that site may slide on, a flag a link.
@@ -145,8 +146,7 @@ class Workbench {
                          optimize::SolveReport& report);
   /// For as long as patches are missed: slides with more weight on those, then with everybody's
   /// own again, and takes what is better.
-  void reachForMissed(Worth& worth,
-                      optimize::SolveReport& report,
+  void reachForMissed(optimize::SolveReport& report,
                       const Solving& solving,
                       const optimize::SolveOptions& options,
                       const Progress& progress);
@@ -182,6 +182,11 @@ class Workbench {
                   const Solving& solving,
                   optimize::SolveOptions options,
                   const Progress& progress);
+  /// Lays drafts as the document asks, and solves on from there.
+  void layDraftsInFull(optimize::SolveReport& report,
+                       const Solving& solving,
+                       optimize::SolveOptions options,
+                       const Progress& progress);
   /// Whether what contacts leave open is decided by a posture: until a pose is known.
   [[nodiscard]] bool holdsPosture(const Solving& solving) const;
   void holdPosture(optimize::PoseProblem& problem) const;
@@ -193,6 +198,7 @@ class Workbench {
   Document document_;
   transfer::Surfaces surfaces_;
   std::vector<SessionPatch> patches_;
+  bool lays_drafts_ = false;          ///< while a search goes on
   std::vector<SessionPatch> spares_;  ///< as last laid about other roots
   hand::HandPose start_;              ///< the document's, or one that was found
   bool start_is_known_ = false;

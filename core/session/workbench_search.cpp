@@ -25,13 +25,14 @@ constexpr std::size_t kTriedPlacements = 4;  // laid out and solved in full
 constexpr int kTrialEvaluations = 300;
 constexpr int kRefinements = 2;
 constexpr int kSlides = 12;
-constexpr int kWorseSlides = 3;  // in a row
+constexpr int kWorseSlides = 3;      // in a row
+constexpr double kSmallGain = 0.01;  // of the cost: taken, but as good as none
 
 // A point that a slide loses at the skin's rim costs as if it were so far off.
 constexpr double kLost_m = 0.01;
 
-// A patch that is missed weighs so many times as much for a moment, then the square of that,
-// ...
+// A patch that is missed weighs so many times as much for a moment; where that does not help,
+// so many times as much again.
 constexpr double kReachingWeight = 4.0;
 constexpr int kReaches = 3;
 
@@ -86,6 +87,18 @@ struct Workbench::Search {
   std::vector<SessionPatch> patches;
   hand::HandPose start;
   bool start_is_known;
+};
+
+/// While it lives, patches are laid as drafts: half of a slide's time went into exact charts.
+struct Workbench::Drafts {
+  explicit Drafts(Workbench& owner) : bench(owner) { bench.lays_drafts_ = true; }
+
+  ~Drafts() { bench.lays_drafts_ = false; }
+
+  Drafts(const Drafts&) = delete;
+  Drafts& operator=(const Drafts&) = delete;
+
+  Workbench& bench;
 };
 
 void Workbench::choosePlacement(const std::vector<HandPlacement>& placements,
@@ -175,12 +188,12 @@ void Workbench::weigh(const std::vector<int>& patches, double factor) {
   }
 }
 
-void Workbench::reachForMissed(Worth& worth,
-                               SolveReport& report,
+void Workbench::reachForMissed(SolveReport& report,
                                const Solving& solving,
                                const SolveOptions& options,
                                const Progress& progress) {
   const SolveOptions step = stepOf(options);
+  Worth worth = worthOf(report, solving);
   Search best(*this);
   double factor = kReachingWeight;
   for (int i = 0; i < kReaches && worth.first > 0; ++i) {
@@ -211,23 +224,48 @@ Workbench::Worth Workbench::searchAbout(SolveReport& report,
                                         SolveOptions options,
                                         const Progress& progress) {
   transfer(progress);
-  if (searchesWidely(solving, options)) slideFreely(solving, options, progress);
-  report = optimize::solve(problem(solving), options, progress);
-  options.on_improvement = nullptr;
-  const std::vector<Minimum> found = report.minima;
-  const SolveOptions step = solving.avoids() ? stepOf(options) : options;
-  for (int i = 0; i < kRefinements && refineDirections(report, solving, step, progress); ++i) {
+  std::vector<Minimum> found;
+  {
+    const Drafts drafts(*this);
+    if (searchesWidely(solving, options)) slideFreely(solving, options, progress);
+    report = optimize::solve(problem(solving), options, progress);
+    options.on_improvement = nullptr;
+    found = report.minima;
+    const SolveOptions step = solving.avoids() ? stepOf(options) : options;
+    for (int i = 0; i < kRefinements && refineDirections(report, solving, step, progress);
+         ++i) {
+    }
+    slideRoots(report, solving, step, progress);
+    goOn(report, solving, options, progress);
+    if (searchesWidely(solving, options)) reachForMissed(report, solving, options, progress);
   }
-  slideRoots(report, solving, step, progress);
-  goOn(report, solving, options, progress);
-  Worth worth = worthOf(report, solving);
-  if (searchesWidely(solving, options))
-    reachForMissed(worth, report, solving, options, progress);
-  if (solving.avoids() && report.minima.size() < found.size()) {
+  layDraftsInFull(report, solving, options, progress);
+  if (solving.avoids() && report.minima.size() < found.size())
     keepMinima(found, report, solving, options, progress);
-    worth = worthOf(report, solving);
+  return worthOf(report, solving);
+}
+
+void Workbench::layDraftsInFull(SolveReport& report,
+                                const Solving& solving,
+                                SolveOptions options,
+                                const Progress& progress) {
+  bool any = false;
+  for (SessionPatch& item : patches_) {
+    if (!item.placement || !item.transferred.is_draft) continue;
+    item.up_to_date = false;
+    any = true;
   }
-  return worth;
+  if (!any) return;
+  transfer(progress);
+  start_ = report.pose;
+  options.starts = 1;
+  SolveReport laid =
+      optimize::solve(problem(solving), solving.avoids() ? stepOf(options) : options, progress);
+  laid.evaluations += report.evaluations;
+  laid.best_start = report.best_start;
+  laid.solver = report.solver;
+  report = std::move(laid);
+  goOn(report, solving, options, progress);
 }
 
 Solution Workbench::answered(SolveReport report, const Solving& solving) const {
@@ -359,7 +397,7 @@ void Workbench::slideRoots(SolveReport& report,
     const double now = costOf(slid, present);
     ++worse;
     if (!(now < least)) continue;
-    worse = 0;
+    if (now < (1.0 - kSmallGain) * least) worse = 0;
     best.keep();
     least = now;
     report = present;

@@ -78,7 +78,7 @@ class Collector {
       return;
     }
     const Eigen::Vector3d p_S = positionOf(skin_.mesh(), place_S);
-    const auto on_link = skin_.project(p_S, normalOf(skin_.mesh(), place_S));
+    const auto on_link = skin_.project(place_S);
     if (!on_link) {
       transfer_.lost.push_back(
           {index, ring,
@@ -135,7 +135,8 @@ Surfaces borrowedSurfaces(const geometry::TriangleMesh& object_O, const hand::Sk
 PatchTransfer StagedTransfer::lay(const Surfaces& surfaces,
                                   const contact::Patch& patch,
                                   const Placement& placement,
-                                  const TransferOptions& options) {
+                                  const TransferOptions& options,
+                                  bool is_draft) {
   HANDGRAFT_REQUIRE(patch.direction_O.has_value());
   const hand::Skin& skin = *surfaces.skin;
   validate(options);
@@ -147,11 +148,14 @@ PatchTransfer StagedTransfer::lay(const Surfaces& surfaces,
   if (!chart || !chart->answers(*surfaces.object_O, patch, options))
     chart = std::make_shared<const PatchChart>(surfaces.object_O, patch, options);
   const double direction_angle = chart->directionAngle(*patch.direction_O);
+  const bool is_quick = is_draft && options.method == geometry::LogMapMethod::kAuto;
+  const geometry::LogMapMethod method_S =
+      is_quick ? geometry::LogMapMethod::kFast : options.method;
   std::shared_ptr<const SkinChart> skin_chart = skin_chart_;
   if (!skin_chart ||
-      !skin_chart->answers(*surfaces.skin_S, placement, chart->reach(), options.method)) {
-    skin_chart = std::make_shared<const SkinChart>(surfaces.skin_S, placement, chart->reach(),
-                                                   options.method);
+      !skin_chart->answers(*surfaces.skin_S, placement, chart->reach(), method_S)) {
+    skin_chart =
+        std::make_shared<const SkinChart>(surfaces.skin_S, placement, chart->reach(), method_S);
   }
 
   // === Points
@@ -160,7 +164,8 @@ PatchTransfer StagedTransfer::lay(const Surfaces& surfaces,
   transfer.method_O = chart->method();
   transfer.method_S = skin_chart->method();
   const Layer layer(skin, *chart, direction_angle, *skin_chart, placement);
-  transfer.fidelity = shapeKept(*chart, layer);
+  transfer.is_draft = is_draft;
+  if (!is_draft) transfer.fidelity = shapeKept(*chart, layer);
   Collector collector(skin, layer, patch.weight, transfer);
   for (std::size_t i = 0; i < chart->boundary().size(); ++i)
     collector.add(chart->boundary()[i], static_cast<int>(i), 0);

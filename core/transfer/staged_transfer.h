@@ -31,10 +31,13 @@ Surfaces borrowedSurfaces(const geometry::TriangleMesh& object_O, const hand::Sk
 class StagedTransfer {
  public:
   /// Errors, frames: as `transferPatch`; an error leaves the charts as they were.
+  /// A draft is for a search: where the options leave the method open, the skin's chart is made
+  /// by the quick one, and how well the shape is kept is not measured.
   PatchTransfer lay(const Surfaces& surfaces,
                     const contact::Patch& patch,
                     const Placement& placement,
-                    const TransferOptions& options);
+                    const TransferOptions& options,
+                    bool is_draft = false);
 
   /// Of the last transfer; missing before the first.
   [[nodiscard]] const std::shared_ptr<const PatchChart>& patchChart() const {

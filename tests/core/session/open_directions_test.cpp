@@ -41,8 +41,8 @@ TEST(SkinDirectionShownBy, IsTheObjectsDirectionSeenFromTheHandUpToATurn) {
   const SurfacePoint root{0, Eigen::Vector3d::Constant(1.0 / 3.0)};
   const Eigen::Vector3d bone_S = Eigen::Vector3d::UnitX();
   const auto shown = [&](const Eigen::Vector3d& d_H) {
-    return skinDirectionShownBy(*model, skin, pose, root, bone_S, pose.X_WH.linear() * d_H,
-                                0.8);
+    return skinDirectionShownBy(skin, skin.fromWorld(*model, pose), root, bone_S,
+                                pose.X_WH.linear() * d_H, 0.8);
   };
   const auto tangent = [](double turn) {
     return Eigen::Vector3d(std::cos(turn), std::sin(turn), 0.0);

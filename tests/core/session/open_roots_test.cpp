@@ -19,12 +19,13 @@ TEST(RootShownBy, IsThePlaceOfThePlateThatThePointStandsOver) {
   const Eigen::Vector3d p_W = pose.X_WH * Eigen::Vector3d(0.0123, 0.004, 0.02);
   const Eigen::Vector3d up_W = pose.X_WH.linear() * Eigen::Vector3d::UnitZ();
 
-  const auto root = rootShownBy(*model, SkinFaces(skin), pose, {1}, p_W, -up_W);
+  const hand::LinkPoses X_SW = skin.fromWorld(*model, pose);
+  const auto root = rootShownBy(SkinFaces(skin), X_SW, {1}, p_W, -up_W);
   ASSERT_TRUE(root.has_value());
   EXPECT_LT((positionOf(plate, *root) - Eigen::Vector3d(0.0123, 0.004, 0.0)).norm(), 0.001);
   // Nothing looks at what turns its back, and links that are not permitted show nothing.
-  EXPECT_FALSE(rootShownBy(*model, SkinFaces(skin), pose, {1}, p_W, up_W).has_value());
-  EXPECT_FALSE(rootShownBy(*model, SkinFaces(skin), pose, {0}, p_W, -up_W).has_value());
+  EXPECT_FALSE(rootShownBy(SkinFaces(skin), X_SW, {1}, p_W, up_W).has_value());
+  EXPECT_FALSE(rootShownBy(SkinFaces(skin), X_SW, {0}, p_W, -up_W).has_value());
 }
 
 TEST(RootShownBy, FollowsTheJoints) {
@@ -36,7 +37,7 @@ TEST(RootShownBy, FollowsTheJoints) {
   permitted[static_cast<std::size_t>(link)] = 1;
   const Pose X_WL = forwardKinematics(*small.model, pose)[static_cast<std::size_t>(link)];
   const auto root =
-      rootShownBy(*small.model, SkinFaces(*small.skin), pose, permitted,
+      rootShownBy(SkinFaces(*small.skin), small.skin->fromWorld(*small.model, pose), permitted,
                   X_WL * (site.p_L + 0.005 * site.n_L), -(X_WL.linear() * site.n_L));
   ASSERT_TRUE(root.has_value());
   const geometry::SurfacePoint expected = small.skin->skinPointOf(link, site.p_L);
