@@ -58,6 +58,34 @@ TEST(Skin, ProjectsOntoTheLinkItCovers) {
   EXPECT_NEAR(hit->distance_m, 0.001, 1e-12);
 }
 
+TEST(Skin, ProjectsAPlaceOfItsOwnAsWhatIsThere) {
+  const Skin skin = buildSkin(makeFinger(), {}, Progress());
+  for (int f = 0; f < skin.mesh().faceCount(); f += 7) {
+    const geometry::SurfacePoint place_S{f, {0.3, 0.5, 0.2}};
+    const auto known = skin.project(place_S);
+    const auto found =
+        skin.project(positionOf(skin.mesh(), place_S), normalOf(skin.mesh(), place_S));
+    ASSERT_EQ(known.has_value(), found.has_value());
+    if (!known) continue;
+    EXPECT_EQ(known->link, found->link);
+    EXPECT_LT((known->p_L - found->p_L).norm(), 1e-12);
+  }
+}
+
+TEST(Skin, TakesPlacesInTheWorldToWhereEachLinkHasItsSkin) {
+  const HandModel finger = makeFinger();
+  const Skin skin = buildSkin(finger, {}, Progress());
+  Pose X_WH = Pose::Identity();
+  X_WH.translation() << 0.1, -0.2, 0.3;
+  const Eigen::VectorXd q = skin.qReference().array() + 0.3;
+  const LinkPoses X_WL = forwardKinematics(finger, {X_WH, q});
+  const LinkPoses X_SL = forwardKinematics(finger, {Pose::Identity(), skin.qReference()});
+  const LinkPoses X_SW = skin.fromWorld(finger, {X_WH, q});
+  const Eigen::Vector3d p_L(0.01, 0.02, 0.03);
+  for (std::size_t link = 0; link < X_SW.size(); ++link)
+    EXPECT_LT((X_SW[link] * (X_WL[link] * p_L) - X_SL[link] * p_L).norm(), 1e-12);
+}
+
 TEST(Skin, TurnsTheNormalOfATurnedFace) {
   const Skin skin = buildSkin(makeFinger(), {}, Progress());
   const auto hit = skin.project({0.009, 0.0, 0.036}, -Eigen::Vector3d::UnitX());

@@ -187,6 +187,28 @@ TEST(StagedTransfer, SaysWhichMethodItUsed) {
   EXPECT_NE(chosen.method_S, LogMapMethod::kAuto);
 }
 
+TEST(StagedTransfer, DraftsAreLaidByTheQuickMethodAndMeasureNothing) {
+  TwoBalls balls;
+  StagedTransfer staged;
+  const PatchTransfer full = staged.lay(balls.surfaces, balls.patch, balls.placement, {});
+  const PatchTransfer draft =
+      staged.lay(balls.surfaces, balls.patch, balls.placement, {}, true);
+  EXPECT_TRUE(draft.is_draft);
+  EXPECT_EQ(draft.method_S, LogMapMethod::kFast);
+  EXPECT_EQ(draft.method_O, full.method_O);
+  EXPECT_EQ(draft.fidelity.area_ratio, Fidelity().area_ratio);
+  ASSERT_EQ(draft.points_S.size(), full.points_S.size());
+  for (std::size_t i = 0; i < draft.points_S.size(); ++i)
+    EXPECT_LT((draft.points_S[i] - full.points_S[i]).norm(), 0.0005);
+
+  // Nothing of a draft stays, and a method that somebody asked for is kept to.
+  expectSame(staged.lay(balls.surfaces, balls.patch, balls.placement, {}), full);
+  TransferOptions exact;
+  exact.method = LogMapMethod::kExact;
+  EXPECT_EQ(staged.lay(balls.surfaces, balls.patch, balls.placement, exact, true).method_S,
+            LogMapMethod::kExact);
+}
+
 TEST(StagedTransfer, RefusesRingsOutOfRange) {
   const TwoBalls balls;
   for (const int rings : {-1, 17}) {
