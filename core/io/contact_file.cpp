@@ -12,7 +12,7 @@
 
 #include "core/base/error.h"
 #include "core/contact/carry.h"
-#include "core/geometry/surface_locator.h"
+#include "core/io/indexed_object.h"
 #include "core/io/json_keys.h"
 #include "core/io/object_file.h"
 
@@ -25,9 +25,6 @@ using contact::Patch;
 using geometry::SurfacePoint;
 using nlohmann::json;
 
-constexpr const char* kFormat = "handgraft-contacts/1";
-constexpr const char* kFormatWithPlaces = "handgraft-contacts/2";
-constexpr double kCloudReach_m = 0.005;           // from a point to the surface laid through it
 constexpr std::uintmax_t kMostBytes = 32u << 20;  // a set of 1,000 patches takes about 4 MB
 constexpr std::size_t kLongestName = 256;
 
@@ -83,7 +80,7 @@ void requireKnownKeys(const json& object, std::initializer_list<const char*> per
   if (const auto fault = unknownKeyIn(object, permitted)) rejectInput("{}", *fault);
 }
 
-// === Indices: the file's own to the mesh's and back
+// === Places, by the file's own indices
 
 /// A point of an object that is given as points.
 Eigen::Vector3d cloudPointFrom(const json& value, const char* name, const MeshFile& object) {
@@ -106,67 +103,6 @@ int meshVertexFrom(const json& value, const char* name, const MeshFile& object) 
   if (object.mesh_vertex[v] < 0) rejectInput("field '{}': no face uses vertex {}", name, v);
   return object.mesh_vertex[v];
 }
-
-/// Triangles of every face of the file, in their order; polygons have several.
-class FaceIndex {
- public:
-  explicit FaceIndex(const MeshFile& object) {
-    for (std::size_t f = 0; f < object.file_face.size(); ++f) {
-      triangles_.emplace_back(object.file_face[f], static_cast<int>(f));
-    }
-    std::sort(triangles_.begin(), triangles_.end());
-  }
-
-  /// The mesh face that is the `triangle`-th of a file's face.
-  [[nodiscard]] int meshFace(int file_face, int triangle) const {
-    const auto first =
-        std::lower_bound(triangles_.begin(), triangles_.end(), std::pair(file_face, 0));
-    const auto at =
-        std::distance(first, triangles_.end()) > triangle ? first + triangle : triangles_.end();
-    if (at == triangles_.end() || at->first != file_face) {
-      rejectInput(
-          "face {} (triangle {}) does not exist or has no area; the object's last is {}",
-          file_face, triangle, triangles_.empty() ? -1 : triangles_.back().first);
-    }
-    return at->second;
-  }
-
-  /// Which triangle of its file's face a mesh face is.
-  [[nodiscard]] int triangleOf(int file_face, int mesh_face) const {
-    const auto first =
-        std::lower_bound(triangles_.begin(), triangles_.end(), std::pair(file_face, 0));
-    return static_cast<int>(
-        std::lower_bound(first, triangles_.end(), std::pair(file_face, mesh_face)) - first);
-  }
-
- private:
-  std::vector<std::pair<int, int>> triangles_;  ///< (file face, mesh face), sorted
-};
-
-/// An object's mesh with the ways between its indices and its file's.
-struct IndexedObject {
-  explicit IndexedObject(const MeshFile& object) : file(object), faces(object) {
-    if (object.cloud_O.cols() > 0) surface.emplace(object.mesh);
-  }
-
-  const MeshFile& file;
-  FaceIndex faces;
-  /// For objects given as points: their places on the surface.
-  std::optional<geometry::SurfaceLocator> surface;
-
-  [[nodiscard]] bool isCloud() const { return surface.has_value(); }
-
-  [[nodiscard]] SurfacePoint nearest(const Eigen::Vector3d& p_O, const char* name) const {
-    const auto hit = surface->nearest(p_O);
-    if (hit.distance > kCloudReach_m) {
-      rejectInput(
-          "field '{}': a point lies {:.1f} mm from the object's surface, at most {:.1f} "
-          "mm are permitted; was it left out of the surface?",
-          name, 1e3 * hit.distance, 1e3 * kCloudReach_m);
-    }
-    return hit.point;
-  }
-};
 
 /// `count` places at equal arc length along the closed polygon of points, laid onto the
 /// surface.
@@ -211,30 +147,19 @@ SurfacePoint surfacePointFrom(const json& value,
       rejectInput(
           "field '{}': the object is given as points, places on it are named by 'vertex'",
           name);
-    return object.nearest(cloudPointFrom(*vertex, name, object.file), name);
+    return object.nearest(cloudPointFrom(*vertex, name, object.file()), name);
   }
   if (const auto vertex = value.find("vertex"); vertex != value.end()) {
-    return geometry::surfacePointAtVertex(object.file.mesh,
-                                          meshVertexFrom(*vertex, name, object.file));
+    return geometry::surfacePointAtVertex(object.file().mesh,
+                                          meshVertexFrom(*vertex, name, object.file()));
   }
   const int triangle =
       value.contains("triangle") ? integerFrom(value["triangle"], "triangle") : 0;
   SurfacePoint point;
-  point.face = object.faces.meshFace(integerFrom(fieldOf(value, "face"), "face"), triangle);
+  point.face = object.meshFace(integerFrom(fieldOf(value, "face"), "face"), triangle);
   point.barycentric = vectorFrom(fieldOf(value, "barycentric"), "barycentric");
-  geometry::validate(object.file.mesh, point, name);
+  geometry::validate(object.file().mesh, point, name);
   return point;
-}
-
-json surfacePointJson(const SurfacePoint& point, const IndexedObject& object) {
-  const int v = geometry::vertexAt(object.file.mesh, point);
-  if (v >= 0) return {{"vertex", object.file.file_vertex[v]}};
-  const Eigen::Vector3d& b = point.barycentric;
-  const int file_face = object.file.file_face[point.face];
-  json value = {{"face", file_face}, {"barycentric", {b[0], b[1], b[2]}}};
-  const int triangle = object.faces.triangleOf(file_face, point.face);
-  if (triangle > 0) value["triangle"] = triangle;
-  return value;
 }
 
 // === Contact sets: patches
@@ -273,19 +198,6 @@ hand::HandPlace placeFrom(const json& value) {
   return place;
 }
 
-json placeJson(const hand::HandPlace& place) {
-  json value = {
-      {"digit", place.digit}, {"along", place.along}, {"around_rad", place.around_rad}};
-  if (place.digit == hand::kPalmPart) {
-    value["across"] = place.across;
-    return value;
-  }
-  value["segment"] = place.segment;
-  if (place.segment_count > 0) value["segments"] = place.segment_count;
-  if (place.from_tip >= 0.0) value["from_tip"] = place.from_tip;
-  return value;
-}
-
 Eigen::Vector3d directionFrom(const json& value, const char* field) {
   const Eigen::Vector3d direction = vectorFrom(value, field);
   if (!(direction.norm() > 0.0)) rejectInput("field '{}' has no length", field);
@@ -310,23 +222,11 @@ std::vector<contact::PartDirection> postureFrom(const json& value) {
   return posture;
 }
 
-json postureJson(const std::vector<contact::PartDirection>& posture) {
-  json list = json::array();
-  for (const contact::PartDirection& part : posture) {
-    const Eigen::Vector3d& out = part.outward_O;
-    const Eigen::Vector3d& in = part.palmar_O;
-    json entry = {{"part", part.part}, {"outward", {out.x(), out.y(), out.z()}}};
-    if (!in.isZero()) entry["palmar"] = {in.x(), in.y(), in.z()};
-    list.push_back(std::move(entry));
-  }
-  return list;
-}
-
 Patch patchFrom(const json& value, const IndexedObject& object, bool may_have_place) {
   requireKnownKeys(value, {"name", "root", "direction", "boundary", "interpolation_count",
                            "interpolation_boundary", "weight", "place"});
   if (!may_have_place && value.contains("place"))
-    rejectInput("field 'place' needs format '{}'", kFormatWithPlaces);
+    rejectInput("field 'place' needs format '{}'", kContactsFormatWithPlaces);
   Patch patch;
   patch.name = nameFrom(fieldOf(value, "name"), "name");
   patch.root = surfacePointFrom(fieldOf(value, "root"), "root", object);
@@ -341,10 +241,10 @@ Patch patchFrom(const json& value, const IndexedObject& object, bool may_have_pl
   std::vector<Eigen::Vector3d> cloud_loop;
   for (const json& vertex : arrayFrom(fieldOf(value, "boundary"), "boundary")) {
     if (object.isCloud()) {
-      cloud_loop.push_back(cloudPointFrom(vertex, "boundary", object.file));
+      cloud_loop.push_back(cloudPointFrom(vertex, "boundary", object.file()));
       continue;
     }
-    patch.boundary.push_back(meshVertexFrom(vertex, "boundary", object.file));
+    patch.boundary.push_back(meshVertexFrom(vertex, "boundary", object.file()));
   }
   if (const auto points = value.find("interpolation_boundary"); points != value.end()) {
     for (const json& point : arrayFrom(*points, "interpolation_boundary")) {
@@ -357,7 +257,7 @@ Patch patchFrom(const json& value, const IndexedObject& object, bool may_have_pl
                                            : integerFrom(*field, "interpolation_count");
     patch.interpolation_boundary =
         object.isCloud() ? sampleCloudLoop(cloud_loop, count, object)
-                         : contact::sampleLoop(object.file.mesh, patch.boundary, count);
+                         : contact::sampleLoop(object.file().mesh, patch.boundary, count);
   }
   return patch;
 }
@@ -374,13 +274,13 @@ ContactSet contactSetFrom(const json& root, const MeshFile& object_file) {
   const IndexedObject object{object_file};
   if (!root.is_object()) rejectInput("the file holds no JSON object");
   const std::string format = stringFrom(fieldOf(root, "format"), "format");
-  if (format != kFormat && format != kFormatWithPlaces) {
-    rejectInput("format is {}; expected '{}' or '{}'", quoted(format), kFormat,
-                kFormatWithPlaces);
+  if (format != kContactsFormat && format != kContactsFormatWithPlaces) {
+    rejectInput("format is {}; expected '{}' or '{}'", quoted(format), kContactsFormat,
+                kContactsFormatWithPlaces);
   }
   requireKnownKeys(root, {"format", "name", "object", "patches", "posture", "notes"});
-  if (format == kFormat && root.contains("posture"))
-    rejectInput("field 'posture' needs format '{}'", kFormatWithPlaces);
+  if (format == kContactsFormat && root.contains("posture"))
+    rejectInput("field 'posture' needs format '{}'", kContactsFormatWithPlaces);
 
   ContactSet set;
   set.name = nameFrom(fieldOf(root, "name"), "name");
@@ -396,11 +296,11 @@ ContactSet contactSetFrom(const json& root, const MeshFile& object_file) {
   for (std::size_t i = 0; i < patches.size(); ++i) {
     try {
       if (!patches[i].is_object()) rejectInput("it is no JSON object");
-      set.patches.push_back(patchFrom(patches[i], object, format == kFormatWithPlaces));
+      set.patches.push_back(patchFrom(patches[i], object, format == kContactsFormatWithPlaces));
     } catch (const InvalidInput& error) {
       rejectInput("{}: {}", labelOf(patches[i], i), error.what());
     }
-    validate(object.file.mesh, set.patches.back());
+    validate(object.file().mesh, set.patches.back());
     point_count += set.patches.back().interpolation_boundary.size();
     if (point_count > contact::kMostPoints) {
       rejectInput("patches 0 to {} have {} interpolation points; permitted are {} in a set", i,
@@ -484,55 +384,6 @@ std::string objectNameIn(const std::filesystem::path& path) {
     if (!root.is_object() || !root.contains("object")) return "";
     return nameFrom(root["object"], "object");
   });
-}
-
-std::string contactSetText(const ContactSet& set, const MeshFile& object_file) {
-  if (object_file.cloud_O.cols() > 0) {
-    rejectInput(
-        "contacts on a point cloud's surface have no indices in its file to be written by");
-  }
-  const IndexedObject object{object_file};
-  json patches = json::array();
-  for (const Patch& patch : set.patches) {
-    validate(object_file.mesh, patch);
-    json item = {{"name", patch.name}, {"root", surfacePointJson(patch.root, object)}};
-    if (patch.direction_O) {
-      const Eigen::Vector3d& d = *patch.direction_O;
-      item["direction"] = {d.x(), d.y(), d.z()};
-    }
-    item["boundary"] = json::array();
-    for (const int v : patch.boundary)
-      item["boundary"].push_back(object_file.file_vertex[v]);
-    for (const SurfacePoint& point : patch.interpolation_boundary) {
-      item["interpolation_boundary"].push_back(surfacePointJson(point, object));
-    }
-    item["weight"] = patch.weight;
-    if (patch.place) item["place"] = placeJson(*patch.place);
-    patches.push_back(std::move(item));
-  }
-  const bool has_places = std::any_of(set.patches.begin(), set.patches.end(), [](auto& patch) {
-    return patch.place.has_value();
-  });
-  const bool is_second = has_places || !set.posture.empty();
-  json root = {{"format", is_second ? kFormatWithPlaces : kFormat},
-               {"name", set.name},
-               {"patches", std::move(patches)}};
-  if (!set.object.empty()) root["object"] = set.object;
-  if (!set.posture.empty()) root["posture"] = postureJson(set.posture);
-  if (!set.notes.empty()) root["notes"] = set.notes;
-  // Names may hold any bytes; what is no UTF-8 is replaced rather than refused.
-  return root.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
-}
-
-void writeContactSet(const std::filesystem::path& path,
-                     const ContactSet& set,
-                     const MeshFile& object) {
-  const std::string text = namingFile(path, [&] {
-    return contactSetText(set, object);
-  });
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  if (!file.flush()) rejectInput("{}: cannot be written", path.string());
 }
 
 ContactSet contactsFromMap(const ContactMap& map,

@@ -10,6 +10,9 @@
 
 namespace handgraft::io {
 
+inline constexpr const char* kContactsFormat = "handgraft-contacts/1";
+inline constexpr const char* kContactsFormatWithPlaces = "handgraft-contacts/2";
+
 /// Reads a contact set, format `handgraft-contacts/1` (README of this folder). Indices in it
 /// are the object file's own; `object` maps them to the mesh.
 /// Errors: InvalidInput naming the file, the patch and the field; more than kMostPatches or

@@ -294,7 +294,8 @@ std::map<std::string, NpzArray> readNpz(std::string_view bytes) {
     constexpr std::uint64_t kInExtra = 0xFFFFFFFF;
     if (size == kInExtra) size = numberAt(bytes, at + 46 + name_size + 4, 8);
     if (method != 0)
-      rejectInput("npz: array {} is compressed; write the file by numpy.savez", quoted(name));
+      rejectInput("npz: array {} is compressed; write the file by numpy.savez",
+                  handgraft::quoted(name));
     const auto data = local + 30 + static_cast<std::size_t>(numberAt(bytes, local + 26, 2)) +
                       static_cast<std::size_t>(numberAt(bytes, local + 28, 2));
     constexpr std::string_view kEnding = ".npy";
