@@ -86,37 +86,6 @@ struct Stencil {
   return sumOf(x.value * sum);
 }
 
-// A third of a solve is spent here. Where the processor has wide registers they hold a row.
-#if defined(__x86_64__)
-#define HANDGRAFT_WIDE [[gnu::target("avx2,fma")]]
-
-bool isWide() {
-  static const bool kIs = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-  return kIs;
-}
-#else
-#define HANDGRAFT_WIDE
-
-bool isWide() {
-  return false;
-}
-#endif
-
-HANDGRAFT_WIDE double valueInWide(const Stencil& stencil,
-                                  const Weights& x,
-                                  const Weights& y,
-                                  const Weights& z) {
-  return valueIn(stencil, x, y, z);
-}
-
-HANDGRAFT_WIDE double valueInWide(const Stencil& stencil,
-                                  const Weights& x,
-                                  const Weights& y,
-                                  const Weights& z,
-                                  Eigen::Vector3d& gradient) {
-  return valueIn(stencil, x, y, z, gradient);
-}
-
 }  // namespace
 
 DistanceGrid::DistanceGrid(std::shared_ptr<const SignedDistance> exact,
@@ -242,14 +211,14 @@ double DistanceGrid::look(const Eigen::Vector3d& p, const Take& take) const {
 
 double DistanceGrid::at(const Eigen::Vector3d& p) const {
   return look(p, [](const auto&... query) {
-    return isWide() ? valueInWide(query...) : valueIn(query...);
+    return valueIn(query...);
   });
 }
 
 double DistanceGrid::at(const Eigen::Vector3d& p, Eigen::Vector3d& gradient) const {
   gradient.setZero();
   const double value = look(p, [&gradient](const auto&... query) {
-    return isWide() ? valueInWide(query..., gradient) : valueIn(query..., gradient);
+    return valueIn(query..., gradient);
   });
   gradient *= per_spacing_;
   return value;
