@@ -4,6 +4,7 @@
 #include <chrono>
 #include <deque>
 #include <map>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -14,6 +15,7 @@
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
 
+#include "client/gateway/web_request.h"
 #include "core/base/error.h"
 
 namespace handgraft::client::gateway {
@@ -45,46 +47,6 @@ std::string textOf(beast::string_view text) {
   return {text.data(), text.size()};
 }
 
-/// The time it takes does not tell how much of a guess is right.
-bool sameSecret(const std::string& secret, const std::string& guess) {
-  unsigned difference = secret.size() == guess.size() ? 0U : 1U;
-  for (std::size_t i = 0; i < guess.size(); ++i) {
-    const char expected = secret.empty() ? '\0' : secret[i % secret.size()];
-    difference |= static_cast<unsigned char>(expected ^ guess[i]);
-  }
-  return difference == 0 && !secret.empty();
-}
-
-/// "token" of "/live?token=abc".
-std::string parameterOf(const std::string& target, const std::string& name) {
-  std::size_t at = target.find('?');
-  while (at != std::string::npos) {
-    const std::size_t end = target.find('&', at + 1);
-    const std::string pair =
-        target.substr(at + 1, end == std::string::npos ? end : end - at - 1);
-    if (pair.rfind(name + "=", 0) == 0) return pair.substr(name.size() + 1);
-    at = end;
-  }
-  return {};
-}
-
-/// A page whose address names a session wants to see it, and need not come to say so.
-std::string firstWord(const std::string& target) {
-  constexpr std::size_t kLongest = 20;  // digits
-  const std::string session = parameterOf(target, "session");
-  if (session.empty() || session.size() > kLongest ||
-      session.find_first_not_of("0123456789") != std::string::npos)
-    return {};
-  return R"({"id":1,"do":"show","session":)" + session + "}";
-}
-
-/// "localhost" of "localhost:8080"; "[::1]" of "[::1]:8080".
-std::string hostName(const std::string& host) {
-  const std::size_t colon =
-      host.find(':', host.find(']') == std::string::npos ? 0 : host.find(']'));
-  return host.substr(0, colon);
-}
-
 /// So many messages a second, and some at once.
 class Allowance {
  public:
@@ -108,12 +70,6 @@ class Allowance {
 };
 
 }  // namespace
-
-bool isLoopback(const std::string& address) {
-  boost::system::error_code error;
-  const auto parsed = asio::ip::make_address(address, error);
-  return address == "localhost" || (!error && parsed.is_loopback());
-}
 
 // Everything below runs on the thread of `context`.
 struct WebServer::Impl {
@@ -316,46 +272,29 @@ class WebServer::Impl::Connection : public std::enable_shared_from_this<Connecti
     }
     if (error) return;
     const HttpRequest& request = parser_->get();
-    if (!isHostKnown(request)) {
+    if (!isHostKnown(server_.options.address, textOf(request[http::field::host]))) {
       return refuse(http::status::forbidden, "this host is another one");
     }
     if (websocket::is_upgrade(request)) return upgrade(request);
     serve(request);
   }
 
-  /// A name that somebody had point at the loopback is not ours.
-  [[nodiscard]] bool isHostKnown(const HttpRequest& request) const {
-    if (!isLoopback(server_.options.address)) return true;
-    const std::string name = hostName(textOf(request[http::field::host]));
-    return name == "localhost" || name == "127.0.0.1" || name == "[::1]" ||
-           name == server_.options.address;
-  }
-
   void upgrade(const HttpRequest& request) {
     const std::string target = textOf(request.target());
-    if (target.substr(0, target.find('?')) != kLivePath) {
+    if (pathOf(target) != kLivePath) {
       return refuse(http::status::not_found, "there is nothing of that name");
     }
-    // Browsers say which page asks; other programs need not.
-    const std::string origin = textOf(request[http::field::origin]);
-    const std::string host = textOf(request[http::field::host]);
-    if (!origin.empty() && origin != "http://" + host && origin != "https://" + host) {
+    if (!isOriginKnown(textOf(request[http::field::host]),
+                       textOf(request[http::field::origin]))) {
       return refuse(http::status::forbidden, "pages of other origins may not");
     }
-    const WebOptions& options = server_.options;
-    Rights rights = Rights::kEdit;
-    if (!options.edit_token.empty() || !options.look_token.empty()) {
-      const std::string token = parameterOf(target, "token");
-      if (sameSecret(options.look_token, token)) {
-        rights = Rights::kLook;
-      } else if (!sameSecret(options.edit_token, token)) {
-        return refuse(http::status::unauthorized, "the link's token is missing or wrong");
-      }
+    const std::optional<Rights> rights = rightsOf(server_.options, target);
+    if (!rights) {
+      return refuse(http::status::unauthorized, "the link's token is missing or wrong");
     }
-    if (options.read_only) rights = Rights::kLook;
     stream_.expires_never();
     std::make_shared<Live>(server_, stream_.release_socket())
-        ->start(request, rights, firstWord(target));
+        ->start(request, *rights, firstWord(target));
   }
 
   void serve(const HttpRequest& request) {
@@ -363,7 +302,7 @@ class WebServer::Impl::Connection : public std::enable_shared_from_this<Connecti
       return refuse(http::status::method_not_allowed, "files are there to be read");
     }
     const std::string target = textOf(request.target());
-    const auto found = server_.files.find(target.substr(0, target.find('?')));
+    const auto found = server_.files.find(pathOf(target));
     if (found == server_.files.end()) {
       return refuse(http::status::not_found, "there is nothing of that name");
     }

@@ -45,9 +45,6 @@ struct WebOptions {
   WebLimits limits = {};
 };
 
-/// True for addresses that only programs of this machine reach.
-bool isLoopback(const std::string& address);
-
 /// HTTP for the page's files, WebSocket (`/live`) for what it shows and does.
 ///
 /// Refused: what comes from pages of other origins (403), without a token where one is needed

@@ -11,6 +11,7 @@
 #include "client/cli/commands/commands.h"
 #include "client/cli/grasp_session.h"
 #include "client/gateway/gateway.h"
+#include "client/gateway/web_request.h"
 #include "client/link/session_id.h"
 #include "client/link/session_text.h"
 #include "client/present/attended.h"

@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "client/gateway/web_request.h"
 #include "core/base/error.h"
 
 #include "tests/client/gateway/bare_page.h"
