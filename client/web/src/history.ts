@@ -3,7 +3,7 @@
 import uPlot from 'uplot';
 import { patchColor } from './colors';
 import { h } from './dom';
-import { axis, cursor } from './plot';
+import { axis, cursor, values } from './plot';
 import { said } from './words';
 import type { Past, Session } from './session';
 
@@ -64,7 +64,7 @@ export class History {
         height: 170,
         legend: { show: false },
         cursor,
-        scales: { x: { time: false } },
+        scales: { x: { time: false }, y: values },
         axes: [
           axis('poses seen', 26, { incrs: [1, 2, 5, 10, 20, 50, 100] }),
           axis('mean mm', 34),

@@ -5,7 +5,7 @@ import { barsOf } from './bars';
 import { patchColor } from './colors';
 import { h } from './dom';
 import type { Motion } from './motion';
-import { axis, cursor } from './plot';
+import { axis, cursor, values } from './plot';
 import type { Session } from './session';
 import type { FramePatch } from './wire';
 import { said } from './words';
@@ -326,7 +326,7 @@ export class Timeline {
         height: 220,
         legend: { show: true },
         cursor,
-        scales: { x: { time: false } },
+        scales: { x: { time: false }, y: values },
         axes: [
           axis('s', 26),
           axis(kPlots[kind].unit, 38),
