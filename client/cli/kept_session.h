@@ -30,7 +30,8 @@ class KeptSession {
 
   [[nodiscard]] std::uint64_t id() const { return state_.session_id(); }
 
-  void keep() { kept_ = true; }
+  /// `tells` people so; a server of this command's own ends with it, whatever is kept.
+  void keep(bool tells);
 
  private:
   Client& server_;

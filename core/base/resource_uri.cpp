@@ -72,6 +72,22 @@ fs::path packageDirectory(const std::string& package,
       quoted(uri), quoted(package), base_directory.string(), package);
 }
 
+struct PlaceInPackage {
+  std::string package;
+  std::string path;
+};
+
+/// Of "package://NAME/PATH"; nothing for other URIs.
+std::optional<PlaceInPackage> placeInPackage(const std::string& uri) {
+  const std::string scheme = "package://";
+  if (!startsWith(uri, scheme)) return std::nullopt;
+  const std::string rest = decodePercent(uri.substr(scheme.size()));
+  const std::size_t slash = rest.find('/');
+  if (slash == std::string::npos || slash == 0)
+    rejectInput("{}: a package URI reads package://NAME/PATH", quoted(uri));
+  return PlaceInPackage{rest.substr(0, slash), rest.substr(slash + 1)};
+}
+
 /// What stands in quotes behind `name=` in the text of one element. By hand: a std::regex takes
 /// stack for every character, and names may have a million.
 std::optional<std::string> attributeIn(const std::string& element, const std::string& name) {
@@ -108,17 +124,10 @@ PackageMap amentPackages() {
 fs::path resolveResource(const std::string& uri,
                          const fs::path& base_directory,
                          const PackageMap& packages) {
-  const std::string package_scheme = "package://";
   const std::string file_scheme = "file://";
   fs::path path;
-  if (startsWith(uri, package_scheme)) {
-    const std::string rest = decodePercent(uri.substr(package_scheme.size()));
-    const std::size_t slash = rest.find('/');
-    if (slash == std::string::npos || slash == 0) {
-      rejectInput("{}: a package URI reads package://NAME/PATH", quoted(uri));
-    }
-    path = packageDirectory(rest.substr(0, slash), uri, base_directory, packages) /
-           rest.substr(slash + 1);
+  if (const auto inside = placeInPackage(uri)) {
+    path = packageDirectory(inside->package, uri, base_directory, packages) / inside->path;
   } else if (startsWith(uri, file_scheme)) {
     path = decodePercent(uri.substr(file_scheme.size()));
   } else if (uri.find("://") != std::string::npos) {
@@ -137,20 +146,14 @@ fs::path resolveResourceWithin(const fs::path& within,
                                const std::string& uri,
                                const fs::path& base_directory,
                                const PackageMap& packages) {
-  const std::string package_scheme = "package://";
   fs::path path;
-  if (startsWith(uri, package_scheme)) {
-    const std::string rest = decodePercent(uri.substr(package_scheme.size()));
-    const std::size_t slash = rest.find('/');
-    if (slash == std::string::npos || slash == 0) {
-      rejectInput("{}: a package URI reads package://NAME/PATH", quoted(uri));
-    }
-    const auto found = packages.find(rest.substr(0, slash));
+  if (const auto inside = placeInPackage(uri)) {
+    const auto found = packages.find(inside->package);
     if (found == packages.end()) {
       rejectInput("{}: package {} is not among the files that were given", quoted(uri),
-                  quoted(rest.substr(0, slash)));
+                  quoted(inside->package));
     }
-    path = found->second / fs::path(rest.substr(slash + 1)).relative_path();
+    path = found->second / fs::path(inside->path).relative_path();
   } else if (uri.find("://") != std::string::npos || fs::path(uri).is_absolute()) {
     rejectInput(
         "{}: only package:// and relative paths can be read of files that were given without "

@@ -126,15 +126,7 @@ int run(const GraspOptions& options, const CommonOptions& common, Interruption& 
   if (!common.json && (options.solver == "all" || options.choose > 0)) {
     fmt::print("\n{}", text::minima(result.solution, result.hand));
   }
-  if (options.keep) {
-    session.keep();
-    if (result.kept && !common.json) fmt::print("session {} stays open\n", session.id());
-    if (server.isPrivate()) {
-      fmt::print(stderr,
-                 "--keep has no effect: the session ends with the server that this "
-                 "command started\n");
-    }
-  }
+  if (options.keep) session.keep(result.kept && !common.json);
   return 0;
 }
 

@@ -146,15 +146,7 @@ int run(const MotionSolveOptions& options,
   progress.clear();
   fmt::print("{}",
              common.json ? json::written(json::motion(result)) + "\n" : text::motion(result));
-  if (options.keep) {
-    session.keep();
-    if (result.kept && !common.json) fmt::print("session {} stays open\n", session.id());
-    if (server.isPrivate()) {
-      fmt::print(stderr,
-                 "--keep has no effect: the session ends with the server that this "
-                 "command started\n");
-    }
-  }
+  if (options.keep) session.keep(result.kept && !common.json);
   return 0;
 }
 
