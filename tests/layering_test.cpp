@@ -112,6 +112,7 @@ const std::map<std::string, std::set<std::string>> kAlone = {
      {"core/io/srdf_file.cpp", "core/io/urdf_text.cpp", "hardware/bringup/make_config.cpp"}},
     {"json",
      {"core/io/contact_file.cpp",
+      "core/io/contact_writer.cpp",
       "core/io/demonstration_file.cpp",
       "core/io/glb_writer.cpp",
       "core/io/grasp_writer.cpp",
