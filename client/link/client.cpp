@@ -60,7 +60,9 @@ v1::ModelSummary summaryIn(const v1::ModelList& list,
 struct Client::Impl {
   struct Connection {
     explicit Connection(const Network& network)
-        : participant(std::make_shared<Participant>(network)), requester(*participant) {}
+        : participant(
+              std::make_shared<Participant>(network, idl::cyclone::Company::kNoClients)),
+          requester(*participant) {}
 
     std::shared_ptr<Participant> participant;
     Requester requester;

@@ -38,6 +38,12 @@ class Filters {
     known.filter = all_.back().get();
   }
 
+  void passOverClients(int domain, bool are_passed_over) {
+    const std::lock_guard lock(mutex_);
+    DatagramFilter* const filter = known_.at(static_cast<std::size_t>(domain)).filter;
+    if (filter != nullptr) filter->passOverClients(are_passed_over);
+  }
+
   /// Of the domain whose port that is, RTPS 2.3, 9.6.1.1; else one of an open domain.
   DatagramFilter& of(unsigned port) {
     constexpr unsigned kFirst = 7400;
@@ -237,6 +243,10 @@ bool gateDatagrams(int domain, DatagramFilter::Domain kind) {
   filters().set(domain, kind);
   static const bool is_replaced = replaceImport();
   return is_replaced;
+}
+
+void passOverClients(int domain, bool are_passed_over) {
+  filters().passOverClients(domain, are_passed_over);
 }
 
 }  // namespace handgraft::idl::cyclone

@@ -17,4 +17,7 @@ namespace handgraft::idl::cyclone {
 /// place of one.
 bool gateDatagrams(int domain, DatagramFilter::Domain kind);
 
+/// Of a gate that is there: whether clients are met.
+void passOverClients(int domain, bool are_passed_over);
+
 }  // namespace handgraft::idl::cyclone

@@ -29,7 +29,14 @@ constexpr const char* kTiming =
     "<HeartbeatInterval min=\"5ms\" minsched=\"10ms\" max=\"8s\">20ms</HeartbeatInterval>"
     "<NackDelay>20ms</NackDelay><WriterLingerDuration>50ms</WriterLingerDuration>";
 
-std::string configurationOf(const Network& network, const NetworkInterface& interface) {
+// A server announces itself five times a second: who was not heard is heard by its answer.
+constexpr const char* announcementsOf(Company company) {
+  return company == Company::kAll ? "500ms" : "2s";
+}
+
+std::string configurationOf(const Network& network,
+                            const NetworkInterface& interface,
+                            Company company) {
   // 65 kB datagrams and 4 MB buffers carry an 8 MB mesh in 12 ms on loopback. Elsewhere a
   // datagram is one frame: of 45 fragments each would have to arrive. A kernel that grants a
   // smaller buffer makes it slower, not impossible, hence `max`. Names of interfaces may hold
@@ -58,13 +65,14 @@ std::string configurationOf(const Network& network, const NetworkInterface& inte
       "<General><Interfaces><NetworkInterface name=\"{}\"/></Interfaces>"
       "<AllowMulticast>{}</AllowMulticast>"
       "<MaxMessageSize>{}</MaxMessageSize><FragmentSize>{}</FragmentSize></General>"
-      "<Discovery><LeaseDuration>{}s</LeaseDuration><SPDPInterval>500ms</SPDPInterval>"
+      "<Discovery><LeaseDuration>{}s</LeaseDuration><SPDPInterval>{}</SPDPInterval>"
       "<ParticipantIndex>auto</ParticipantIndex>"
       "<MaxAutoParticipantIndex>100</MaxAutoParticipantIndex>{}</Discovery>"
       "<Internal><SocketReceiveBufferSize max=\"4MB\"/>{}</Internal>"
       "</Domain></CycloneDDS>",
       name, interface.loopback ? "false" : "spdp", interface.loopback ? "65500B" : "1400B",
-      interface.loopback ? "65000B" : "1200B", kLease_s, peers, kTiming);
+      interface.loopback ? "65000B" : "1200B", kLease_s, announcementsOf(company), peers,
+      kTiming);
 }
 
 struct JoinedDomain {
@@ -85,7 +93,7 @@ std::map<int, JoinedDomain>& joinedDomains() {
 
 }  // namespace
 
-Domain::Domain(const Network& network) : id_(network.domain) {
+Domain::Domain(const Network& network, Company company) : id_(network.domain) {
   const NetworkInterface interface = validate(network);
   const std::lock_guard lock(joining());
   JoinedDomain& shared = joinedDomains()[id_];
@@ -101,11 +109,14 @@ Domain::Domain(const Network& network) : id_(network.domain) {
                  "handgraft: this Cyclone DDS is not the library that was expected: what comes "
                  "from the network is not looked at first\n");
     }
-    shared.handle = checked(dds_create_domain(static_cast<dds_domainid_t>(id_),
-                                              configurationOf(network, interface).c_str()),
-                            "the domain cannot be joined", describe(network));
+    shared.handle =
+        checked(dds_create_domain(static_cast<dds_domainid_t>(id_),
+                                  configurationOf(network, interface, company).c_str()),
+                "the domain cannot be joined", describe(network));
     shared.how = how;
   }
+  if (shared.users == 0 || company == Company::kAll)
+    passOverClients(id_, company == Company::kNoClients);
   ++shared.users;
 }
 

@@ -7,13 +7,20 @@ namespace handgraft::idl::cyclone {
 /// Who is not heard for so long is dropped by the others.
 inline constexpr int kLease_s = 20;
 
+/// Whom a program meets. Discovery, and in a secured domain handshakes, are of each with each.
+enum class Company {
+  kAll,
+  kNoClients,  ///< a client, which says nothing to others of its kind
+};
+
 /// This process' share of a domain, which is configured once however many participants join it;
 /// the last one to go takes it along. Threads: any.
 class Domain {
  public:
+  /// All are met as soon as one of its participants meets all.
   /// Errors: InvalidInput for a network that is none, or other settings than those with which
   /// this process is on that domain already; TransportError.
-  explicit Domain(const Network& network);
+  Domain(const Network& network, Company company);
   ~Domain();
   Domain(const Domain&) = delete;
   Domain& operator=(const Domain&) = delete;

@@ -25,6 +25,7 @@
 #include "idl/cyclone/domain.h"
 #include "idl/cyclone/entity.h"
 #include "idl/cyclone/quality.h"
+#include "idl/datagrams/datagram_filter.h"
 #include "idl/edits.h"
 #include "idl/hardware.h"
 #include "idl/motions.h"
@@ -39,6 +40,10 @@ namespace {
 
 /// As a server of a secured domain calls itself to all who discover it (server/transport).
 constexpr const char* kSecuredServer = "handgraft-server, secured";
+
+std::string nameOf(Company company) {
+  return company == Company::kNoClients ? std::string(DatagramFilter::kClient) : std::string();
+}
 
 /// A server's GUIDs are for Fast DDS alone (makeCommonName).
 std::optional<security::Identity> identityOf(const Network& network) {
@@ -144,12 +149,12 @@ const dds_topic_descriptor_t* descriptorOf();
 // === Participant
 
 struct Participant::Impl {
-  explicit Impl(const Network& where)
+  Impl(const Network& where, Company company)
       : network(where),
         identity(identityOf(where)),
-        domain(where),
+        domain(where, company),
         entity(dds_create_participant(static_cast<dds_domainid_t>(where.domain),
-                                      participantQos(identity).get(),
+                                      participantQos(identity, nameOf(company)).get(),
                                       nullptr),
                "no participant",
                describe(where)) {}
@@ -160,7 +165,8 @@ struct Participant::Impl {
   Entity entity;
 };
 
-Participant::Participant(const Network& network) : impl_(std::make_shared<Impl>(network)) {}
+Participant::Participant(const Network& network, Company company)
+    : impl_(std::make_shared<Impl>(network, company)) {}
 
 Participant::~Participant() = default;
 

@@ -11,6 +11,7 @@
 
 #include "core/base/error.h"
 #include "core/base/network.h"
+#include "idl/cyclone/domain.h"
 #include "idl/security/identity.h"
 #include "idl/topics.h"
 
@@ -34,7 +35,7 @@ using handgraft::validate;
 /// otherwise).
 class Participant {
  public:
-  explicit Participant(const Network& network);
+  explicit Participant(const Network& network, Company company = Company::kAll);
   ~Participant();
 
   [[nodiscard]] const Network& network() const;

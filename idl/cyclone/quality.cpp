@@ -23,8 +23,10 @@ constexpr Plugin kPlugins[] = {
 
 }  // namespace
 
-QosPtr participantQos(const std::optional<security::Identity>& identity) {
+QosPtr participantQos(const std::optional<security::Identity>& identity,
+                      const std::string& name) {
   QosPtr qos(dds_create_qos(), dds_delete_qos);
+  if (!name.empty()) dds_qset_entity_name(qos.get(), name.c_str());
   if (!identity) return qos;
   const auto put = [&](const std::string& key, const std::string& value) {
     dds_qset_prop(qos.get(), key.c_str(), value.c_str());

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "idl/security/identity.h"
 #include "idl/topics.h"
@@ -17,6 +18,8 @@ using QosPtr = std::unique_ptr<dds_qos, void (*)(dds_qos*)>;
 QosPtr qosOf(Qos profile, int depth);
 
 /// Of a participant; with an identity Cyclone's own plugins of DDS Security, told who this is.
-QosPtr participantQos(const std::optional<security::Identity>& identity);
+/// `name`: by which it announces itself; empty: none.
+QosPtr participantQos(const std::optional<security::Identity>& identity,
+                      const std::string& name);
 
 }  // namespace handgraft::idl::cyclone

@@ -58,6 +58,7 @@ constexpr std::uint32_t kHandshakeReader = 0x000201c4;
 constexpr std::uint16_t kSentinel = 0x0001;
 constexpr std::uint16_t kLease = 0x0002;
 constexpr std::uint16_t kParticipantGuid = 0x0050;
+constexpr std::uint16_t kEntityName = 0x0062;
 constexpr std::uint16_t kStatusInfo = 0x0071;
 constexpr std::uint16_t kTypeInformation = 0x0075;
 constexpr std::uint16_t kIdentityToken = 0x1001;
@@ -213,6 +214,24 @@ bool isData(const Piece& body, std::uint8_t flags, Bytes source) {
         .has_value();
   }
   return true;
+}
+
+/// DATA of any shape.
+bool announcesAClient(const Piece& body, std::uint8_t flags) {
+  constexpr std::string_view kName = DatagramFilter::kClient;
+  const auto at = payloadOf(body, flags, 20);
+  if (!at || (flags & kHasData) == 0 || !body.fits(*at, 4) ||
+      body.entity(8) != kParticipantWriter)
+    return false;
+  bool is_client = false;
+  const Piece list{body.bytes.subspan(*at + 4), body.bytes[*at + 1] % 2 == 1};
+  parameters(list, [&](std::uint16_t id, const Piece& value) {
+    if (id != kEntityName) return true;
+    is_client = value.fits(0, 4 + kName.size() + 1) && value.u32(0) == kName.size() + 1 &&
+                std::equal(kName.begin(), kName.end(), value.bytes.begin() + 4);
+    return false;
+  });
+  return is_client;
 }
 
 bool isDataFragment(const Piece& body, std::uint8_t flags) {
@@ -403,6 +422,36 @@ bool DatagramFilter::isHandshakeOrAnnouncement(const Prefix& source,
   return true;
 }
 
+std::optional<std::vector<std::uint8_t>> DatagramFilter::wholeHandshake(
+    const Prefix& source, const Submessage& fragment) {
+  const Piece body = fragment.body();
+  if (!isDataFragment(body, fragment.flags) || body.entity(8) != kHandshakeWriter)
+    return std::nullopt;
+  const std::size_t at = payloadOf(body, fragment.flags, 32).value();
+  std::optional<std::vector<std::uint8_t>> sample;
+  {
+    const std::lock_guard lock(mutex_);
+    sample = handshakes_.add({source, body.sequence(12), body.u32(20), body.u16(26),
+                              body.u32(28), body.bytes.subspan(at)});
+  }
+  if (!sample) return std::nullopt;
+  // 9.4.5.3: flags and where the sample begins; reader, writer and number are the fragment's.
+  constexpr std::size_t kFixed = 20;
+  constexpr std::uint8_t kToSample = 16;
+  const std::size_t length = kFixed + sample->size();
+  const std::uint8_t little = fragment.flags & kLittleEndian;
+  const auto low = static_cast<std::uint8_t>(length);
+  const auto high = static_cast<std::uint8_t>(length >> 8U);
+  std::vector<std::uint8_t> made{kData, static_cast<std::uint8_t>(little | kHasData)};
+  if (little != 0)
+    made.insert(made.end(), {low, high, 0, 0, kToSample, 0});
+  else
+    made.insert(made.end(), {high, low, 0, 0, 0, kToSample});
+  made.insert(made.end(), body.bytes.begin() + 4, body.bytes.begin() + kFixed);
+  made.insert(made.end(), sample->begin(), sample->end());
+  return made;
+}
+
 void DatagramFilter::refuse(std::set<GuidBegin> whom) {
   const std::lock_guard lock(mutex_);
   refused_ = std::move(whom);
@@ -589,7 +638,17 @@ std::span<const std::uint8_t> DatagramFilter::pass(Bytes datagram,
     if (!submessage) return {};
     const std::uint8_t kind = submessage->kind;
     std::size_t length = submessage->whole.size();
-    if (domain_ == Domain::kSecured) {
+    if (kind == kData && passes_over_clients_ &&
+        announcesAClient(submessage->body(), submessage->flags)) {
+      // Left out.
+    } else if (domain_ == Domain::kSecured && kind == kDataFragment) {
+      const auto whole = wholeHandshake(source, *submessage);
+      const auto handshake = whole ? submessageAt(*whole) : std::nullopt;
+      if (handshake && isHandshakeOrAnnouncement(source, *handshake)) {
+        has_content = true;
+        kept.insert(kept.end(), whole->begin(), whole->end());
+      }
+    } else if (domain_ == Domain::kSecured) {
       const auto passed = secured(source, *submessage, rest.subspan(length));
       if (!passed) return {};
       if (*passed > 0) {

@@ -15,6 +15,8 @@
 #include <utility>
 #include <vector>
 
+#include "idl/datagrams/sample_pieces.h"
+
 namespace handgraft::idl {
 
 /// Looks at every datagram before Fast DDS 2.9.1 or Cyclone DDS 0.10.2 does, which trust too
@@ -32,7 +34,8 @@ namespace handgraft::idl {
 /// Security.
 ///
 /// In a secured domain it lets through what is encrypted, and in the clear only what
-/// authentication needs, well formed: announcements of participants and handshakes. Fast DDS
+/// authentication needs, well formed: announcements of participants and handshakes. Where these
+/// come in fragments, off the loopback, they go on as the one sample that they make. Fast DDS
 /// 2.9.1 takes plain samples, heartbeats and gaps for endpoints that it was told to encrypt, so
 /// that who guesses GUIDs needs no key. This holds for the governance of idl/security alone.
 ///
@@ -67,6 +70,13 @@ class DatagramFilter {
   static constexpr double kSharedAtOnce = 4000.0;
   static constexpr std::uint32_t kLargestSample = 64U << 20U;  ///< bytes
   static constexpr std::uint32_t kShortestLease_s = 5;
+
+  /// As clients call themselves when they announce themselves.
+  static constexpr std::string_view kClient = "handgraft client";
+
+  /// From now on announcements of clients are left out, so that those of a crowd do not meet
+  /// one another. Any thread.
+  void passOverClients(bool are_passed_over) { passes_over_clients_ = are_passed_over; }
 
   /// What may go on of the datagram: nothing, all of it, or a copy in `kept`. The answer refers
   /// to one of both.
@@ -109,6 +119,9 @@ class DatagramFilter {
   /// True of what this reader must not see, though it may be well formed.
   [[nodiscard]] bool isKeptFrom(const Submessage& submessage) const;
   bool isHandshakeOrAnnouncement(const Prefix& source, const Submessage& submessage);
+  /// DATA that a handshake's fragments make up, with the last of them; nothing before.
+  std::optional<std::vector<std::uint8_t>> wholeHandshake(const Prefix& source,
+                                                          const Submessage& fragment);
   /// A stranger cannot change what a participant said of itself first.
   bool isAsBefore(const Prefix& source, std::span<const std::uint8_t> announcement);
 
@@ -121,9 +134,11 @@ class DatagramFilter {
   const Reader reader_;
   OnCertificate on_certificate_;
   std::atomic<bool> refuses_{false};
+  std::atomic<bool> passes_over_clients_{false};
   std::mutex mutex_;
   std::set<GuidBegin> refused_;
   std::map<Prefix, Announced> announced_;
+  SamplePieces handshakes_;
 
   /// Samples that may be sent now, of so many a second and at once.
   struct Share {

@@ -142,7 +142,7 @@ class Service final : private BusListener, private SessionAudience {
   /// Says what `check` throws, without remembering it: what is meant for another server may
   /// come again, meant for this one. False then.
   template <class Reply>
-  bool passes(Reply reply, const std::function<void()>& check);
+  bool passes(Reply reply, const Sender& sender, const std::function<void()>& check);
   void admit(const JobPtr& job);
   void dispatch(const JobPtr& job);
   void dispatchToSession(const JobPtr& job);

@@ -20,22 +20,22 @@ void Service::onEdit(v1::Edit edit, const Sender& sender) {
   reply.client(edit.client());
   reply.edit_id(edit.edit_id());
   reply.session_id(edit.session_id());
-  if (!passes(reply, [&] {
+  if (!passes(reply, sender, [&] {
         requireMeant(edit.server_id());
       }))
     return;
   const Asker asker{sender, edit.client()};
   const auto begun = edits_.begin(asker, edit.edit_id());
-  if (begun.verdict == Edits::Verdict::kAnswered) bus_.publish(*begun.answer);
+  if (begun.verdict == Edits::Verdict::kAnswered) bus_.publish(*begun.answer, sender);
   if (begun.verdict == Edits::Verdict::kForgotten) {
     if (auto before = editBefore(asker, edit)) {  // done, and the store knows
       before->client(edit.client());
       before->edit_id(edit.edit_id());
       before->session_id(edit.session_id());
       before->server_id(server_id_);
-      return bus_.publish(*before);
+      return bus_.publish(*before, sender);
     }
-    passes(reply, [&] {
+    passes(reply, sender, [&] {
       rejectForgotten("edit", reply.edit_id());
     });
   }
@@ -151,7 +151,7 @@ void Service::answerEdit(const Asker& asker, const v1::Edit& edit, v1::EditReply
                 static_cast<unsigned>(reply.error()), handgraft::quoted(reply.message()));
   const std::size_t bytes = v1::EditReply::getCdrSerializedSize(reply);
   const auto kept = edits_.answer(asker, edit.edit_id(), std::move(reply), bytes);
-  bus_.publish(*kept);
+  bus_.publish(*kept, asker.sender);
 }
 
 void Service::queueSolve(const std::shared_ptr<LiveSession>& live) {

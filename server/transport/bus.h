@@ -50,14 +50,21 @@ class Bus {
   /// Ends listening; no call of the listener is running or will come afterwards.
   virtual void stop() = 0;
 
-  virtual void publish(const v1::Reply& reply) = 0;
+  // What answers goes to who asked, and to nobody else.
+
+  virtual void publish(const v1::Reply& reply, const Sender& whom) = 0;
 
   /// An answer whose request was repeated. What is large and may still be on its way is not
   /// sent anew.
-  virtual void publishAgain(const v1::Reply& reply) { publish(reply); }
+  virtual void publishAgain(const v1::Reply& reply, const Sender& whom) {
+    publish(reply, whom);
+  }
 
-  virtual void publish(const v1::Progress& progress) = 0;
-  virtual void publish(const v1::EditReply& reply) = 0;
+  virtual void publish(const v1::Progress& progress, const Sender& whom) = 0;
+  virtual void publish(const v1::EditReply& reply, const Sender& whom) = 0;
+
+  // What is told to all.
+
   virtual void publish(const v1::ServerStatus& status) = 0;
   /// Keeps the last solution and state of each session for late joiners, until its state is
   /// PHASE_CLOSED; of closed ones a bounded number.

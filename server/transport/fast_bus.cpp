@@ -5,6 +5,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include "idl/security/revocations.h"
 #include "idl/topics.h"
 #include "server/transport/acquaintances.h"
+#include "server/transport/addressed_writer.h"
 #include "server/transport/bus.h"
 #include "server/transport/fast_endpoints.h"
 #include "server/transport/fast_node.h"
@@ -72,7 +74,8 @@ class SessionTopic {
 /// 1.9 MB, whose client asked every 50 ms. Threads: all methods from any thread.
 class OnTheirWay {
  public:
-  using Key = std::pair<v1::ClientId, std::uint64_t>;
+  /// Of a participant, a client and its request.
+  using Key = std::tuple<Sender, v1::ClientId, std::uint64_t>;
 
   void sent(const Key& key, std::size_t bytes) {
     const auto now = std::chrono::steady_clock::now();
@@ -168,22 +171,26 @@ class FastBus final : public Bus {
     heard_.reset();
   }
 
-  void publish(const v1::Reply& reply) override {
+  void publish(const v1::Reply& reply, const Sender& whom) override {
     const std::size_t bytes = v1::Reply::getCdrSerializedSize(reply);
-    if (bytes > kLarge) on_their_way_.sent({reply.client(), reply.request_id()}, bytes);
-    replies_.write(reply);
+    if (bytes > kLarge) on_their_way_.sent({whom, reply.client(), reply.request_id()}, bytes);
+    replies_.write(reply, whom);
   }
 
-  void publishAgain(const v1::Reply& reply) override {
+  void publishAgain(const v1::Reply& reply, const Sender& whom) override {
     if (v1::Reply::getCdrSerializedSize(reply) > kLarge && !replies_.areAllThere() &&
-        !on_their_way_.isLate({reply.client(), reply.request_id()}))
+        !on_their_way_.isLate({whom, reply.client(), reply.request_id()}))
       return;
-    publish(reply);
+    publish(reply, whom);
   }
 
-  void publish(const v1::Progress& progress) override { progresses_.write(progress); }
+  void publish(const v1::Progress& progress, const Sender& whom) override {
+    progresses_.write(progress, whom);
+  }
 
-  void publish(const v1::EditReply& reply) override { edit_replies_.write(reply); }
+  void publish(const v1::EditReply& reply, const Sender& whom) override {
+    edit_replies_.write(reply, whom);
+  }
 
   void publish(const v1::ServerStatus& status) override { statuses_.write(status); }
 
@@ -251,7 +258,7 @@ class FastBus final : public Bus {
   /// privileged requests is known by DDS to hold that privilege, whatever the request says.
   void hearRequests(BusListener& listener, std::optional<idl::Privilege> held) {
     const auto hear = [this, &listener, held](v1::Request&& request, const Sender& sender) {
-      if (held && !isPermitted(request, *held)) return;
+      if (held && !isPermitted(request, sender, *held)) return;
       listener.onRequest(std::move(request), sender);
     };
     requests_.push_back(std::make_unique<FastReader<v1::Request>>(
@@ -259,7 +266,7 @@ class FastBus final : public Bus {
   }
 
   /// Refuses what takes more than its sender holds.
-  bool isPermitted(const v1::Request& request, idl::Privilege held) {
+  bool isPermitted(const v1::Request& request, const Sender& sender, idl::Privilege held) {
     const v1::Operation operation = request.body()._d();
     const idl::Privilege needed = idl::traitsOf(operation).privilege;
     if (needed <= held) return true;
@@ -269,7 +276,7 @@ class FastBus final : public Bus {
     reply.error(v1::ERROR_NOT_PERMITTED);
     reply.message(
         fmt::format("{} is for {}", v1::nameOf(operation), idl::security::holdersOf(needed)));
-    publish(reply);
+    publish(reply, sender);
     return false;
   }
 
@@ -285,9 +292,9 @@ class FastBus final : public Bus {
   Node lookout_;
   bool is_paced_;
   OnTheirWay on_their_way_;
-  FastWriter<v1::Reply> replies_;
-  FastWriter<v1::Progress> progresses_;
-  FastWriter<v1::EditReply> edit_replies_;
+  AddressedWriter<v1::Reply> replies_;
+  AddressedWriter<v1::Progress> progresses_;
+  AddressedWriter<v1::EditReply> edit_replies_;
   FastWriter<v1::ServerStatus> statuses_;
   SessionTopic<v1::PoseSolution> solutions_;
   SessionTopic<v1::SessionState> states_;

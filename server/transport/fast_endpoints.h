@@ -30,6 +30,7 @@
 #include "idl/sessionsPubSubTypes.h"
 #include "idl/topics.h"
 #include "server/transport/bus.h"
+#include "server/transport/delivery.h"
 
 /// Writers and readers of one topic over Fast DDS; private to this folder.
 namespace handgraft::server {
@@ -131,13 +132,17 @@ eprosima::fastdds::dds::Topic* topicFor(const Endpoints& endpoints,
   return made;
 }
 
+/// With samples they go to all readers.
+enum class Heartbeats { kWithSamples, kOnTheirOwn };
+
 template <class Message>
 class FastWriter {
  public:
   /// `is_paced`: by the participant's flow controller, which needs a thread of Fast DDS's own.
   FastWriter(const Endpoints& endpoints,
              const idl::Topic<Message>& topic,
-             bool is_paced = false)
+             bool is_paced = false,
+             Heartbeats heartbeats = Heartbeats::kWithSamples)
       : endpoints_(endpoints),
         topic_(topicFor<Message, typename SupportOf<Message>::type>(endpoints, topic)) {
     namespace dds = eprosima::fastdds::dds;
@@ -156,8 +161,11 @@ class FastWriter {
     // reader holds back what came after them. Heartbeats go out only while something is not
     // acknowledged.
     qos.reliable_writer_qos().times.heartbeatPeriod = {0, 10'000'000};
+    qos.reliable_writer_qos().disable_heartbeat_piggyback =
+        heartbeats == Heartbeats::kOnTheirOwn;
     writer_ = endpoints.publisher->create_datawriter(topic_, qos);
     if (writer_ == nullptr) throw TransportError(fmt::format("{}: no writer", topic.name));
+    askThoseWhoOweAnAnswer(*writer_);
   }
 
   ~FastWriter() {
@@ -174,6 +182,8 @@ class FastWriter {
       spdlog::warn("topic={} event=not_written", topic_->get_name());
     }
   }
+
+  [[nodiscard]] eprosima::fastdds::dds::DataWriter& entity() { return *writer_; }
 
   /// True if every matched reader has acknowledged all that was written.
   [[nodiscard]] bool areAllThere() {

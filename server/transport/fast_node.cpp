@@ -28,6 +28,10 @@ constexpr std::uint32_t kSocketBuffer = 4 * 1024 * 1024;
 constexpr std::uint32_t kDatagram = 65500;
 // Elsewhere what is sent is one frame: of 45 fragments each would have to arrive.
 constexpr std::uint32_t kFrame = 1400;
+// But for a secured domain: Fast DDS 2.9.1 sends a message of a handshake in one datagram or
+// not at all, and it holds a certificate and signed permissions, 6 kB in all. (A second try of
+// who was not answered then ends the process, by an assertion.)
+constexpr std::uint32_t kHandshake = 12'000;
 // So much goes out at once there, and every so often: more than a gigabit carries is lost in
 // buffers on the way.
 constexpr std::int32_t kBurst = 50'000;
@@ -103,8 +107,11 @@ dds::DomainParticipantQos participantQos(const Network& network,
     const auto group = 7400U + 250U * static_cast<std::uint32_t>(network.domain);
     protocol.builtin.initialPeersList.push_back(locator("239.255.0.1", group));
   }
-  qos.transport().user_transports.push_back(std::make_shared<FilteredTransportDescriptor>(
-      udp, filter, interface.loopback ? kDatagram : kFrame));
+  qos.transport().user_transports.push_back(
+      std::make_shared<FilteredTransportDescriptor>(udp, filter,
+                                                    interface.loopback ? kDatagram
+                                                    : identity         ? kHandshake
+                                                                       : kFrame));
   if (identity) secure(*identity, qos);
   return qos;
 }

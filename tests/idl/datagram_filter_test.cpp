@@ -350,6 +350,42 @@ TEST(DatagramFilter, TakesDiscoveryInWholeSamplesAloneBeforeCyclone) {
   EXPECT_TRUE(passedToCyclone(piece).empty());
 }
 
+/// An announcement of who calls itself so.
+Datagram announcementOf(const std::string& name) {
+  Datagram made = announcement(20);
+  made.resize(made.size() - 4);  // its end
+  Datagram text;
+  add(text, static_cast<std::uint32_t>(name.size() + 1));
+  text.insert(text.end(), name.begin(), name.end());
+  text.resize((text.size() + 4) / 4 * 4);
+  add(made, 0x0062, 2);
+  add(made, static_cast<std::uint32_t>(text.size()), 2);
+  made.insert(made.end(), text.begin(), text.end());
+  add(made, 0x0001, 2);
+  add(made, 0, 2);
+  constexpr std::size_t kLengthAt = 20 + 2;
+  const std::size_t length = made.size() - 24;
+  made[kLengthAt] = static_cast<std::uint8_t>(length);
+  made[kLengthAt + 1] = static_cast<std::uint8_t>(length >> 8);
+  return made;
+}
+
+TEST(DatagramFilter, PassesOverClientsWhereThatIsWished) {
+  const std::string client(DatagramFilter::kClient);
+  for (const auto domain : {DatagramFilter::Domain::kOpen, DatagramFilter::Domain::kSecured}) {
+    const auto isPassed = [domain](const std::string& name, bool are_passed_over) {
+      DatagramFilter filter(domain, DatagramFilter::Reader::kCyclone);
+      filter.passOverClients(are_passed_over);
+      return !passed(filter, announcementOf(name)).empty();
+    };
+    EXPECT_TRUE(isPassed(client, false));
+    EXPECT_FALSE(isPassed(client, true));
+    for (const std::string& other :
+         {std::string("handgraft-server"), client + "s", client.substr(1), std::string()})
+      EXPECT_TRUE(isPassed(other, true)) << other;
+  }
+}
+
 TEST(DatagramFilter, LooksAtKeysOfDiscoveryToo) {
   // DATA with a key in place of a sample, which is too short for one.
   Datagram cut = data(kPublicationsWriter, 1, {0, 3});
@@ -433,6 +469,69 @@ TEST(SecuredDatagramFilter, PassesWhatIsEncryptedAndWhatMakesItSo) {
   addSource(several, 0x11);
   addSubmessagesOf(several, encrypted());
   EXPECT_EQ(passedSecured(several), several);
+}
+
+/// `whole`, which holds one DATA, in pieces of so many bytes.
+std::vector<Datagram> inPieces(const Datagram& whole, std::size_t size) {
+  constexpr std::size_t kSample = 20 + 4 + 20;
+  const Datagram sample(whole.begin() + kSample, whole.end());
+  std::vector<Datagram> pieces;
+  for (std::size_t at = 0; at < sample.size(); at += size) {
+    const std::size_t given = std::min(size, sample.size() - at);
+    Datagram piece =
+        fragment(static_cast<std::uint32_t>(at / size + 1), static_cast<std::uint32_t>(size),
+                 static_cast<std::uint32_t>(sample.size()), given);
+    std::copy_n(whole.begin() + 20 + 4 + 4, 16, piece.begin() + 20 + 4 + 4);
+    std::copy_n(sample.begin() + static_cast<std::ptrdiff_t>(at), given,
+                piece.end() - static_cast<std::ptrdiff_t>(given));
+    pieces.push_back(piece);
+  }
+  return pieces;
+}
+
+TEST(SecuredDatagramFilter, PutsHandshakesTogetherThatComeInFragments) {
+  const Datagram whole = handshake();
+  auto pieces = inPieces(whole, 40);
+  ASSERT_GT(pieces.size(), 3u);
+  DatagramFilter filter(DatagramFilter::Domain::kSecured);
+  for (std::size_t i = 1; i < pieces.size(); ++i) {
+    EXPECT_TRUE(passed(filter, pieces[i]).empty());
+    EXPECT_TRUE(passed(filter, pieces[i]).empty()) << "said twice";
+  }
+  EXPECT_EQ(passed(filter, pieces[0]), whole);
+  EXPECT_TRUE(passed(filter, pieces[0]).empty()) << "the first of another one";
+  // What they make up is looked at as a whole one is.
+  for (const Datagram& piece : inPieces(handshake(1, 0x10000000), 40))
+    EXPECT_TRUE(passedSecured(piece).empty());
+  DatagramFilter other(DatagramFilter::Domain::kSecured);
+  for (const Datagram& piece : inPieces(handshake(0xffffffff), 40))
+    EXPECT_TRUE(passed(other, piece).empty());
+}
+
+TEST(SecuredDatagramFilter, PutsNothingElseTogether) {
+  DatagramFilter filter(DatagramFilter::Domain::kSecured);
+  Datagram of_user = handshake();
+  of_user[20 + 4 + 8 + 3] = 0x03;  // another writer
+  for (const Datagram& piece : inPieces(of_user, 40))
+    EXPECT_TRUE(passed(filter, piece).empty());
+  Datagram large = handshake();
+  large.resize(large.size() + SamplePieces::kLargest);
+  for (const Datagram& piece : inPieces(large, 1000))
+    EXPECT_TRUE(passed(filter, piece).empty());
+}
+
+TEST(SamplePieces, KeepsSoManyAndForgetsTheOldest) {
+  SamplePieces pieces;
+  const std::vector<std::uint8_t> bytes(10, 7);
+  const auto half = [&](std::int64_t number, std::uint32_t first) {
+    return pieces.add({{}, number, first, 10, 20, bytes});
+  };
+  for (std::int64_t number = 0; number < 65; ++number)
+    EXPECT_FALSE(half(number, 1));
+  EXPECT_EQ(half(64, 2), std::vector<std::uint8_t>(20, 7));
+  EXPECT_FALSE(half(0, 2)) << "it gave way";
+  EXPECT_FALSE(pieces.add({{}, 5, 2, 10, 30, bytes})) << "of another size than it began with";
+  EXPECT_TRUE(half(5, 2));
 }
 
 TEST(SecuredDatagramFilter, PassesNothingOfWhoIsRefusedWhoeverBringsIt) {

@@ -33,11 +33,17 @@ class RecordingBus final : public server::Bus {
   /// Of a secured domain, by the first byte of their participants; empty: an open one.
   std::map<std::uint8_t, idl::security::Named> people;
 
-  void publish(const v1::Reply& one) override { keep(replies, one); }
+  void publish(const v1::Reply& one, const server::Sender& /*whom*/) override {
+    keep(replies, one);
+  }
 
-  void publish(const v1::Progress& one) override { keep(progress, one); }
+  void publish(const v1::Progress& one, const server::Sender& /*whom*/) override {
+    keep(progress, one);
+  }
 
-  void publish(const v1::EditReply& one) override { keep(edit_replies, one); }
+  void publish(const v1::EditReply& one, const server::Sender& /*whom*/) override {
+    keep(edit_replies, one);
+  }
 
   void publish(const v1::ServerStatus& one) override { keep(statuses, one); }
 

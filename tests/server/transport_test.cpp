@@ -361,7 +361,7 @@ class MeshServer final : public BusListener {
     }
   }
 
-  void onRequest(v1::Request request, const Sender&) override {
+  void onRequest(v1::Request request, const Sender& sender) override {
     v1::ObjectDescription object;
     object.mesh_O(mesh_);
     v1::ModelDescription description;
@@ -370,7 +370,7 @@ class MeshServer final : public BusListener {
     reply.client(request.client());
     reply.request_id(request.request_id());
     reply.body().model(description);
-    bus_.publish(reply);
+    bus_.publish(reply, sender);
   }
 
   void onEdit(v1::Edit, const Sender&) override {}
