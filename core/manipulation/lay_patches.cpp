@@ -8,11 +8,13 @@
 
 namespace handgraft::manipulation {
 
-std::optional<transfer::Placement> placementOf(const contact::Patch& patch,
+std::optional<transfer::Placement> placementOf(const PatchKey& key,
                                                const transfer::Surfaces& surfaces,
                                                const hand::HandModel& model,
                                                const std::vector<hand::ContactSite>& sites,
                                                const hand::FingerCoordinates& coordinates) {
+  if (key.placement) return key.placement;
+  const contact::Patch& patch = key.patch;
   const auto place = patch.place ? patch.place : hand::placeNamed(patch.name);
   if (place)
     if (const auto spot = coordinates.spotAt(*place))
@@ -46,7 +48,7 @@ LaidMotion layPatches(const Motion& motion,
       progress.report("laying patches",
                       static_cast<double>(t) / static_cast<double>(motion.tracks.size()));
       PairSpan span{key.frame, {}};
-      const auto placement = placementOf(key.patch, surfaces, model, sites, coordinates);
+      const auto placement = placementOf(key, surfaces, model, sites, coordinates);
       if (!key.patch.direction_O) {
         fault = "it has no direction";
       } else if (!placement) {

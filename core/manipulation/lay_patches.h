@@ -22,8 +22,9 @@ struct LaidMotion {
   std::vector<std::string> notes;  ///< patches that found no place, and why
 };
 
-/// Where a key's patch goes on the hand; nothing if it has no place there.
-std::optional<transfer::Placement> placementOf(const contact::Patch& patch,
+/// Where a key's patch goes on the hand: where it was found, else where the patch tells;
+/// nothing if it has no place there.
+std::optional<transfer::Placement> placementOf(const PatchKey& key,
                                                const transfer::Surfaces& surfaces,
                                                const hand::HandModel& model,
                                                const std::vector<hand::ContactSite>& sites,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "core/base/pose.h"
 #include "core/contact/patch.h"
 #include "core/geometry/triangle_mesh.h"
+#include "core/transfer/placement.h"
 
 namespace handgraft::manipulation {
 
@@ -25,6 +27,9 @@ struct PatchKey {
   /// Of each point of the interpolation boundary, where a recording gives them (its `hand`);
   /// empty: the patch is laid onto the skin by its name and its place.
   std::vector<HandPoint> hand_points;
+  /// On the skin of the hand that follows, where that has been found: then the patch is laid
+  /// there. No file has it.
+  std::optional<transfer::Placement> placement;
 };
 
 /// A patch from where it appears to where it vanishes. One that comes back is another track,

@@ -52,6 +52,10 @@ const std::vector<Stage> kTouchingAgain = {{{false, 0.0}, 1.0, 1.0, 60}};
 const std::vector<Stage> kAvoidingAgain = {{{true, 1.0}, 1.0, 1.0, 12, kNearlyEnough},
                                            {{true, 16.0}, 1.0, 1.0, 10, kNearlyEnough}};
 
+// Of a step among others.
+const std::vector<Stage> kTouchingStep = {{{false, 0.0}, 1.0, 1.0, 6}};
+const std::vector<Stage> kAvoidingStep = {{{true, 1.0}, 1.0, 1.0, 4, kNearlyEnough}};
+
 /// Frames that stay as they are, at both ends of a part.
 struct Held {
   std::size_t before = 0;
@@ -398,6 +402,17 @@ void solveAgain(const MotionProblem& problem,
   solveParts(problem, options, problem.avoidance == nullptr ? kTouchingAgain : kAvoidingAgain,
              static_cast<std::size_t>(first), static_cast<std::size_t>(end), progress,
              trajectory);
+}
+
+void stepOn(const MotionProblem& problem,
+            const MotionOptions& options,
+            const Progress& progress,
+            Trajectory& trajectory) {
+  validate(problem);
+  validate(options);
+  HANDGRAFT_REQUIRE(trajectory.poses.size() == problem.time_s.size());
+  solveParts(problem, options, problem.avoidance == nullptr ? kTouchingStep : kAvoidingStep, 0,
+             problem.time_s.size(), progress, trajectory);
 }
 
 }  // namespace handgraft::manipulation

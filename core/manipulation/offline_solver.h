@@ -38,4 +38,13 @@ void solveAgain(const MotionProblem& problem,
                 const Progress& progress,
                 Trajectory& trajectory);
 
+/// A few steps downhill of a whole answer, from the poses that it has, after the problem
+/// changed by little: not to its end, as solveAgain goes.
+///
+/// Determinism, errors, cost: as above.
+void stepOn(const MotionProblem& problem,
+            const MotionOptions& options,
+            const Progress& progress,
+            Trajectory& trajectory);
+
 }  // namespace handgraft::manipulation

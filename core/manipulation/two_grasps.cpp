@@ -83,7 +83,7 @@ PatchTrack still(const Patch& patch, int begin, int end) {
   PatchTrack track;
   track.name = patch.name;
   track.end = end;
-  track.keys.push_back({begin, patch, {}});
+  track.keys.push_back({begin, patch, {}, {}});
   return track;
 }
 
@@ -125,7 +125,7 @@ Motion joinGrasps(const geometry::TriangleMesh& object_O,
       const double smooth = share * share * (3.0 - 2.0 * share);
       Patch moved = way.at(smooth);
       moved.place = placeBetween(patch, *other, smooth);
-      track.keys.push_back({k, std::move(moved), {}});
+      track.keys.push_back({k, std::move(moved), {}, {}});
       if (share == 1.0) break;
     }
     motion.tracks.push_back(std::move(track));

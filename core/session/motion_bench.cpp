@@ -13,6 +13,7 @@
 #include "core/manipulation/offline_solver.h"
 #include "core/session/field_bytes.h"
 #include "core/session/motion_layer.h"
+#include "core/session/motion_places.h"
 #include "core/session/motion_times.h"
 #include "core/session/solids.h"
 #include "core/session/timed_edit.h"
@@ -28,6 +29,8 @@ using manipulation::PairSpan;
 using manipulation::PatchKey;
 using manipulation::PatchTrack;
 
+constexpr int kSlides = 10;
+constexpr double kLost_m = 0.01;
 constexpr std::size_t kFramesKept = 20000;  // of bases beside the last one, and of stretches
 
 }  // namespace
@@ -79,6 +82,21 @@ void measureDepths(const Hand& hand,
     other.join();
   for (const std::exception_ptr& error : errors)
     if (error) std::rethrow_exception(error);
+}
+
+/// Eq. 2 of all frames. A point that is lost no longer counts: as if it were kLost_m off.
+double costOf(const MotionProblem& problem,
+              const manipulation::Fade& fade,
+              const manipulation::Trajectory& trajectory) {
+  double cost = 0.0;
+  const manipulation::FrameProblems frames(problem, fade);
+  for (std::size_t k = 0; k < trajectory.poses.size(); ++k) {
+    cost += trajectory.objective[k];
+    for (const optimize::PointPair& pair :
+         frames.at(static_cast<int>(k), trajectory.poses[k]).pairs)
+      cost -= problem.weights.distance * pair.weight * kLost_m * kLost_m;
+  }
+  return cost;
 }
 
 bool arePosesSame(const hand::HandPose& a, const hand::HandPose& b) {
@@ -157,10 +175,11 @@ std::shared_ptr<const SolvedMotion> MotionBench::solve(const Document& document,
   key.add(solving.options.starts);
   key.add(solving.options.seed);
   const Work work{document, hand, solving, threads, progress, key.take(), from_nothing};
-  const std::shared_ptr<const SolvedMotion> first = base(work);
+  const Base& unedited = base(work);
+  const std::shared_ptr<const SolvedMotion> first = unedited.solved;
   if (document.timed.empty()) return first;
   auto solved = std::make_shared<SolvedMotion>(*first);
-  const Laid& as_laid = laid(work);
+  const Laid& as_laid = *unedited.laid;
   layAtTimes(
       {document, hand, *object_O_, as_laid.motion, grasp_, as_laid.laid, solving.options.fade},
       progress, solved->problem);
@@ -178,7 +197,7 @@ std::shared_ptr<const SolvedMotion> MotionBench::solve(const Document& document,
   return solved;
 }
 
-const MotionBench::Laid& MotionBench::laid(const Work& work) {
+std::shared_ptr<const MotionBench::Laid> MotionBench::laid(const Work& work, bool anew) {
   FieldWriter writer;
   writer.add(work.document.hand);
   writer.add(work.document.transfer);
@@ -187,7 +206,10 @@ const MotionBench::Laid& MotionBench::laid(const Work& work) {
     writer.add(patch.direction_O.value_or(Eigen::Vector3d::Zero()));
   }
   std::string key = writer.take();
-  if (laid_ && key == laid_->key) return *laid_;
+  std::shared_ptr<const Laid> before;
+  if (!anew && !bases_.empty() && bases_.front().laid->hand == work.document.hand)
+    before = bases_.front().laid;
+  if (before && key == before->key) return before;
   const MotionLayer layer(work.document, work.hand, *object_O_, *motion_);
   // Roots and directions that were edited for all of the motion.
   const std::vector<std::string> names = patchNames(*motion_);
@@ -217,48 +239,61 @@ const MotionBench::Laid& MotionBench::laid(const Work& work) {
         patch_key.patch = movedOver(*object_O_, patch_key.patch, shift);
     }
   }
+  if (before) {
+    for (std::size_t t = 0; t < edited.tracks.size(); ++t)
+      for (std::size_t i = 0; i < edited.tracks[t].keys.size(); ++i)
+        edited.tracks[t].keys[i].placement = before->motion.tracks[t].keys[i].placement;
+  } else {
+    MotionPlaces(work.document, work.hand, *object_O_, edited).deal(edited);
+  }
   LaidMotion as_laid = layer.lay(edited, work.progress);
-  return laid_.emplace(Laid{std::move(key), std::move(edited), std::move(as_laid)});
+  return std::make_shared<const Laid>(
+      Laid{std::move(key), work.document.hand, std::move(edited), std::move(as_laid)});
 }
 
-std::shared_ptr<const SolvedMotion> MotionBench::base(const Work& work) {
+std::vector<manipulation::PairTrack> MotionBench::weighed(const Document& document,
+                                                          const LaidMotion& laid) const {
+  // The document's switches and weights, which it has by the patches' names.
+  const std::vector<std::string> names = patchNames(*motion_);
+  std::map<std::string, double> factors;
+  for (std::size_t i = 0; i < names.size() && i < document.patches.size(); ++i)
+    factors[names[i]] = shareOf(document.patches[i], grasp_.patches[i].weight);
+  std::vector<manipulation::PairTrack> tracks = laid.tracks;
+  bool any = false;
+  for (std::size_t t = 0; t < tracks.size(); ++t) {
+    const std::string& name = motion_->tracks[static_cast<std::size_t>(laid.track_of[t])].name;
+    const auto found = factors.find(name);
+    const double factor = found == factors.end() ? 1.0 : found->second;
+    any = any || factor > 0.0;
+    if (factor == 1.0) continue;
+    for (PairSpan& span : tracks[t].spans)
+      for (optimize::PointPair& pair : span.pairs)
+        pair.weight *= factor;
+  }
+  if (!any) rejectInput("all patches of motion {} are switched off", quoted(motion_->name));
+  return tracks;
+}
+
+const MotionBench::Base& MotionBench::base(const Work& work) {
   const auto known = std::find_if(bases_.begin(), bases_.end(), [&](const Base& one) {
     return one.key == work.base_key;
   });
   if (known != bases_.end()) {
     bases_.splice(bases_.begin(), bases_, known);
-    return bases_.front().solved;
+    return bases_.front();
   }
   const Document& document = work.document;
   auto made = std::make_shared<SolvedMotion>();
   SolvedMotion& solved = *made;
   solved.solving = work.solving;
   solved.problem = motionProblemOf(document, work.hand, motion_->time_s, work.solving);
-  const LaidMotion& laid_motion = laid(work).laid;
-  solved.problem.tracks = laid_motion.tracks;
-  solved.track_of = laid_motion.track_of;
-  solved.notes = remarksOn(*motion_);
-  solved.notes.insert(solved.notes.end(), laid_motion.notes.begin(), laid_motion.notes.end());
-
-  // === The document's switches and weights, which it has by the patches' names
-  const std::vector<std::string> names = patchNames(*motion_);
-  std::map<std::string, double> factors;
-  for (std::size_t i = 0; i < names.size() && i < document.patches.size(); ++i)
-    factors[names[i]] = shareOf(document.patches[i], grasp_.patches[i].weight);
-  bool any = false;
-  for (std::size_t t = 0; t < solved.problem.tracks.size(); ++t) {
-    const std::string& name =
-        motion_->tracks[static_cast<std::size_t>(solved.track_of[t])].name;
-    const auto found = factors.find(name);
-    const double factor = found == factors.end() ? 1.0 : found->second;
-    any = any || factor > 0.0;
-    if (factor == 1.0) continue;
-    for (PairSpan& span : solved.problem.tracks[t].spans)
-      for (optimize::PointPair& pair : span.pairs)
-        pair.weight *= factor;
-  }
-  if (!any) rejectInput("all patches of motion {} are switched off", quoted(motion_->name));
-
+  const SolvedMotion* before = bases_.empty() ? nullptr : bases_.front().solved.get();
+  const bool goes_on = !work.from_nothing && before != nullptr &&
+                       before->solving.causal == work.solving.causal &&
+                       before->problem.model == solved.problem.model;
+  std::shared_ptr<const Laid> as_laid = laid(work, !goes_on);
+  solved.problem.tracks = weighed(document, as_laid->laid);
+  solved.track_of = as_laid->laid.track_of;
   holdThroughout(document, work.solving.options.fade, solved.problem);
   if (document.solving.avoids()) {
     solved.problem.avoidance = avoidanceOf(work.hand.model, work.hand.skin, object_O_,
@@ -266,28 +301,65 @@ std::shared_ptr<const SolvedMotion> MotionBench::base(const Work& work) {
   }
   const manipulation::MotionOptions& options = work.solving.options;
   const int count = solved.problem.frameCount();
-  const SolvedMotion* before = bases_.empty() ? nullptr : bases_.front().solved.get();
   if (work.solving.causal) {
     solved.trajectory = solveCausal(solved.problem, options, work.progress);
-  } else if (!work.from_nothing && before != nullptr && !before->solving.causal &&
-             before->problem.model == solved.problem.model) {
+  } else if (goes_on) {
     solved.trajectory = before->trajectory;
     solved.trajectory.notes.clear();
     solveAgain(solved.problem, options, 0, count, work.progress, solved.trajectory);
   } else {
     solved.trajectory = solveOffline(solved.problem, options, work.progress);
+    slide(work, as_laid, solved);
   }
+  solved.notes = remarksOn(*motion_);
+  solved.notes.insert(solved.notes.end(), as_laid->laid.notes.begin(),
+                      as_laid->laid.notes.end());
   solved.notes.insert(solved.notes.end(), solved.trajectory.notes.begin(),
                       solved.trajectory.notes.end());
   solved.depth_m.assign(static_cast<std::size_t>(count), 0.0);
   measureDepths(work.hand, object_O_, {0, count}, work.threads, work.progress, solved);
-  bases_.push_front({work.base_key, made});
+  bases_.push_front({work.base_key, std::move(as_laid), made});
   std::size_t frames = 0;
   for (auto base = std::next(bases_.begin()); base != bases_.end();) {
     frames += base->solved->trajectory.poses.size();
     base = frames > kFramesKept ? bases_.erase(base) : std::next(base);
   }
-  return made;
+  return bases_.front();
+}
+
+void MotionBench::slide(const Work& work,
+                        std::shared_ptr<const Laid>& laid,
+                        SolvedMotion& solved) const {
+  const MotionPlaces places(work.document, work.hand, *object_O_, laid->motion);
+  // Four fifths of the time go into exact charts: on the way quick ones do.
+  Document quick = work.document;
+  if (quick.transfer.method == geometry::LogMapMethod::kAuto)
+    quick.transfer.method = geometry::LogMapMethod::kFast;
+  const MotionLayer layer(quick, work.hand, *object_O_, laid->motion);
+  const manipulation::MotionOptions& options = work.solving.options;
+  const int count = solved.problem.frameCount();
+  Laid slid = *laid;
+  MotionProblem problem = solved.problem;
+  manipulation::Trajectory trajectory = solved.trajectory;
+  bool any = false;
+  for (int i = 0; i < kSlides && places.slide(trajectory.poses, slid.motion); ++i) {
+    any = true;
+    slid.laid = layer.lay(slid.motion, work.progress);
+    problem.tracks = weighed(work.document, slid.laid);
+    stepOn(problem, options, work.progress, trajectory);
+  }
+  if (!any) return;
+  slid.laid = MotionLayer(work.document, work.hand, *object_O_, slid.motion)
+                  .lay(slid.motion, work.progress);
+  problem.tracks = weighed(work.document, slid.laid);
+  solveAgain(problem, options, 0, count, work.progress, trajectory);
+  if (!(costOf(problem, options.fade, trajectory) <
+        costOf(solved.problem, options.fade, solved.trajectory)))
+    return;
+  solved.track_of = slid.laid.track_of;
+  solved.problem = std::move(problem);
+  solved.trajectory = std::move(trajectory);
+  laid = std::make_shared<const Laid>(std::move(slid));
 }
 
 void MotionBench::solveStretches(const Work& work,

@@ -57,9 +57,18 @@ class MotionBench {
   static constexpr double kMargin_s = 0.5;
 
  private:
+  /// The motion with what was edited for all of it, and its patches on the hand.
+  struct Laid {
+    std::string key;
+    std::string hand;
+    manipulation::Motion motion;
+    manipulation::LaidMotion laid;
+  };
+
   /// An answer without edits at times, and what it answers.
   struct Base {
     std::string key;
+    std::shared_ptr<const Laid> laid;
     std::shared_ptr<const SolvedMotion> solved;
   };
 
@@ -71,23 +80,22 @@ class MotionBench {
     std::vector<double> depth_m;
   };
 
-  /// The motion with what was edited for all of it, and its patches on the hand.
-  struct Laid {
-    std::string key;
-    manipulation::Motion motion;
-    manipulation::LaidMotion laid;
-  };
-
   struct Work;  ///< what one solve is about
 
-  const Laid& laid(const Work& work);
-  std::shared_ptr<const SolvedMotion> base(const Work& work);
+  /// Where the base before has the patches, if there is one; else where the motion has them.
+  std::shared_ptr<const Laid> laid(const Work& work, bool anew);
+  const Base& base(const Work& work);
+  /// Pairs of patches that are laid, as the document weighs them.
+  std::vector<manipulation::PairTrack> weighed(const Document& document,
+                                               const manipulation::LaidMotion& laid) const;
+  /// Slides patches on the hand to where the answer shows them and solves again, as long as
+  /// that makes it better.
+  void slide(const Work& work, std::shared_ptr<const Laid>& laid, SolvedMotion& solved) const;
   void solveStretches(const Work& work, SolvedMotion& solved, const OnStretch& on_stretch);
 
   std::shared_ptr<const manipulation::Motion> motion_;
   std::shared_ptr<const geometry::TriangleMesh> object_O_;
   contact::ContactSet grasp_;     ///< that stands for it
-  std::optional<Laid> laid_;      ///< the last
   std::list<Base> bases_;         ///< the last used first
   std::list<Stretch> stretches_;  ///< likewise
 };

@@ -160,8 +160,7 @@ std::vector<optimize::PointPair> MotionLayer::layKey(const Motion& motion,
 }
 
 std::optional<transfer::Placement> MotionLayer::placementOf(const PatchKey& key) const {
-  return manipulation::placementOf(key.patch, surfaces_, *hand_.model, hand_.sites,
-                                   coordinates_);
+  return manipulation::placementOf(key, surfaces_, *hand_.model, hand_.sites, coordinates_);
 }
 
 }  // namespace handgraft::session

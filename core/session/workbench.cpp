@@ -14,6 +14,7 @@
 #include "core/session/open_roots.h"
 #include "core/session/patch_matching.h"
 #include "core/session/place_matching.h"
+#include "core/session/place_slider.h"
 #include "core/session/posture_finding.h"
 #include "core/session/solids.h"
 
@@ -26,10 +27,6 @@ using optimize::PoseProblem;
 constexpr int kPlacingStarts = 12;
 constexpr double kSameRoot_m = 0.001;
 constexpr double kSameDirection = std::numbers::pi / 180.0;
-constexpr double kSameTurn = 5.0 * std::numbers::pi / 180.0;
-
-// Of a contact on the hand from the finger's bone, in a slide.
-constexpr double kMostTurn = std::numbers::pi / 4.0;
 
 transfer::Surfaces surfacesOf(const Models& models) {
   transfer::Surfaces surfaces;
@@ -276,43 +273,23 @@ bool Workbench::takeRootsByLength() {
   return moved;
 }
 
-bool Workbench::takeRootFrom(const hand::LinkPoses& X_SW, SessionPatch& item) {
-  const geometry::TriangleMesh& skin_S = models_.hand->skin->mesh();
-  const Pose& X_WO = document_.X_WO;
-  const auto root_S = rootShownBy(*skin_faces_, X_SW, linksOf(item.site),
-                                  X_WO * positionOf(*models_.object_O, item.patch.root),
-                                  X_WO.linear() * normalOf(*models_.object_O, item.patch.root));
-  if (!root_S) return false;
-  const double way =
-      (positionOf(skin_S, *root_S) - positionOf(skin_S, item.placement->root_S)).norm();
-  if (way < kSameRoot_m) return false;
-  item.placement = movedTo(skin_S, *item.placement, *root_S);
-  return true;
-}
-
-bool Workbench::takeTurnFrom(const hand::LinkPoses& X_SW, SessionPatch& item) {
-  // One that is open on the object is found there.
-  if (item.direction_is_open || !item.patch.direction_O) return false;
-  const auto bone_S = coordinates().towardsWrist(item.placement->root_S);
-  if (!bone_S) return false;
-  const auto direction_S =
-      skinDirectionShownBy(*models_.hand->skin, X_SW, item.placement->root_S, *bone_S,
-                           document_.X_WO.linear() * *item.patch.direction_O, kMostTurn);
-  if (!direction_S) return false;
-  if (direction_S->dot(item.placement->direction_S) > std::cos(kSameTurn)) return false;
-  item.placement->direction_S = *direction_S;
-  return true;
-}
-
 bool Workbench::takePlacesFrom(const hand::HandPose& pose) {
   if (skin_faces_ == nullptr) skin_faces_ = facesOf(models_.hand->skin);
   const hand::LinkPoses X_SW = models_.hand->skin->fromWorld(*models_.hand->model, pose);
+  const Pose& X_WO = document_.X_WO;
   bool any_moved = false;
   for (SessionPatch& item : patches_) {
     if (!item.placement || !item.root_is_open) continue;
-    const bool is_elsewhere = takeRootFrom(X_SW, item);
-    const bool is_turned = takeTurnFrom(X_SW, item);
-    if (!is_elsewhere && !is_turned) continue;
+    ContactAt contact;
+    contact.p_W = X_WO * positionOf(*models_.object_O, item.patch.root);
+    contact.n_W = X_WO.linear() * normalOf(*models_.object_O, item.patch.root);
+    // One that is open on the object is found there.
+    if (item.patch.direction_O && !item.direction_is_open)
+      contact.d_W = X_WO.linear() * *item.patch.direction_O;
+    const auto slid = slidPlace(*skin_faces_, coordinates(), X_SW, linksOf(item.site), contact,
+                                *item.placement);
+    if (!slid) continue;
+    item.placement = slid;
     item.up_to_date = false;
     any_moved = true;
   }

@@ -117,13 +117,8 @@ class Workbench {
   void layPatches(const Progress& progress);
   /// Sets the open directions as `pose` shows them; true if one turned by more than a degree.
   bool takeDirectionsFrom(const hand::HandPose& pose);
-  /// Slides a patch's place on the hand to where a pose (X_SW: Skin::fromWorld of it) shows its
-  /// root on the object; true if it moved by more than a face or so.
-  bool takeRootFrom(const hand::LinkPoses& X_SW, SessionPatch& item);
-  /// Turns it there as the pose shows its direction on the object, by an eighth of a turn from
-  /// the bone at most; true if it turned.
-  bool takeTurnFrom(const hand::LinkPoses& X_SW, SessionPatch& item);
-  /// Both, of all open places, and sets the open directions; true if one moved or turned.
+  /// Slides open places on the hand to where `pose` shows their contacts (place_slider.h), and
+  /// sets the open directions; true if one moved or turned.
   bool takePlacesFrom(const hand::HandPose& pose);
   /// The links that a patch on that site may slide on, a flag a link.
   const std::vector<char>& linksOf(const std::string& site);

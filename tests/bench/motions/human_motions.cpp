@@ -14,6 +14,8 @@
 #include "core/io/motion_import.h"
 #include "core/optimize/diagnosis.h"
 #include "core/optimize/solve_report.h"
+#include "core/session/motion_layer.h"
+#include "core/session/motion_places.h"
 #include "core/session/motion_solving.h"
 #include "core/session/posed_hand_motion.h"
 #include "core/session/session.h"
@@ -189,7 +191,7 @@ double facingOf(const manipulation::MotionProblem& problem, const Poses& poses) 
 void printRow(const HumanSequence& sequence,
               const session::Hand& hand,
               const manipulation::MotionProblem& problem,
-              const char* way,
+              const std::string& way,
               const Poses& poses,
               double ms) {
   const manipulation::FrameFit fit =
@@ -204,10 +206,28 @@ void printRow(const HumanSequence& sequence,
     past += depth > 2e-3 ? 1 : 0;
   }
   std::printf("| %s | %s | %s | %.2f | %.1f | %.2f | %d | %.0f | %.3f | %.2f |\n",
-              sequence.name.c_str(), hand.model->name().c_str(), way, fit.mean_mm,
+              sequence.name.c_str(), hand.model->name().c_str(), way.c_str(), fit.mean_mm,
               facingOf(problem, poses), 1e3 * deepest, past, smoothness.rms_jerk,
               smoothness.max_step, ms);
   std::fflush(stdout);
+}
+
+/// The problem with patches slid on the hand to where `poses` show them, as ours were to where
+/// our poses do.
+manipulation::MotionProblem shownBy(const Poses& poses,
+                                    const HumanSequence& sequence,
+                                    const session::Document& document,
+                                    const session::Hand& hand,
+                                    manipulation::MotionProblem problem) {
+  constexpr int kSlides = 8;
+  manipulation::Motion motion = sequence.motion;
+  const session::MotionPlaces places(document, hand, *sequence.object_O, motion);
+  places.deal(motion);
+  for (int i = 0; i < kSlides && places.slide(poses, motion); ++i) {
+  }
+  const session::MotionLayer layer(document, hand, *sequence.object_O, motion);
+  problem.tracks = layer.lay(motion, Progress()).tracks;
+  return problem;
 }
 
 /// Poses in O, each from the one before.
@@ -243,11 +263,13 @@ void follow(const HumanSequence& sequence,
     std::printf("%s: %s\n", hand.model->name().c_str(), note.c_str());
   printRow(sequence, hand, solved.problem, "contacts", solved.trajectory.poses, ms);
   const Fingertips tips = fingertipsOf(hand);
-  const auto baseline = [&](const char* way, const auto& solve) {
+  const auto baseline = [&](const std::string& way, const auto& solve) {
     const double before = threadMilliseconds();
     const Poses poses = fromFrameToFrame(sequence, human, human_tips, solve);
-    printRow(sequence, hand, solved.problem, way, poses,
-             (threadMilliseconds() - before) / count);
+    const double ms_frame = (threadMilliseconds() - before) / count;
+    printRow(sequence, hand, solved.problem, way, poses, ms_frame);
+    printRow(sequence, hand, shownBy(poses, sequence, session.document(), hand, solved.problem),
+             way + ", places as it shows them", poses, ms_frame);
   };
   baseline("fingertips", [&](const FingertipPose& target, const hand::HandPose* before) {
     return fingertipKinematics(hand, tips, target, before);
