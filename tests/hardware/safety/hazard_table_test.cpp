@@ -19,7 +19,7 @@ namespace handgraft::safety {
 namespace {
 
 namespace fs = std::filesystem;
-using test::sourceDirectory;
+using handgraft::test::sourceDirectory;  // there is safety::test, too
 
 std::string textOf(const fs::path& path) {
   std::ifstream file(path);
