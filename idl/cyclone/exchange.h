@@ -38,10 +38,11 @@ struct Requester::Impl {
   void hear(const v1::Progress& message);
   void hear(const v1::Reply& message);
   void hear(const v1::EditReply& message);
-  /// True of the answer of a server that was not asked: it says so to every repeat, and counts
-  /// for nothing while the one that was asked may still answer.
-  template <class Reply>
-  bool isStrangers(const Reply& reply);
+  /// True of the answer of a server that was not meant: it says so to every repeat, and counts
+  /// for nothing while the one that was meant may still answer, or where the next repeat will
+  /// be meant for this one.
+  template <class AnyCall, class Reply>
+  bool isStrangers(const Calls<AnyCall>& calls, std::uint64_t id, const Reply& reply);
   /// Tells calls whose server is gone, and those that could not be sent.
   void endLostCalls();
   template <class AnyCall>

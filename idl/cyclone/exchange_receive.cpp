@@ -92,21 +92,25 @@ void Requester::Impl::hear(const v1::Progress& message) {
   if (tell) tell(message.stage(), message.fraction());
 }
 
-template <class Reply>
-bool Requester::Impl::isStrangers(const Reply& reply) {
+template <class AnyCall, class Reply>
+bool Requester::Impl::isStrangers(const Calls<AnyCall>& calls,
+                                  std::uint64_t id,
+                                  const Reply& reply) {
   if (reply.error() != v1::ERROR_OTHER_SERVER) return false;
   const std::lock_guard lock(mutex);
-  return !server.isIt(reply.server_id());
+  if (!server.isIt(reply.server_id())) return true;
+  const auto found = calls.find(id);
+  return found != calls.end() && !found->second->of_one_server;
 }
 
 void Requester::Impl::hear(const v1::Reply& message) {
-  if (isStrangers(message)) return;
+  if (isStrangers(request_calls, message.request_id(), message)) return;
   if (const auto call = extract(request_calls, message.request_id(), message.server_id()))
     call->on_reply(outcomeOf<v1::ReplyBody>(message, message.body()));
 }
 
 void Requester::Impl::hear(const v1::EditReply& message) {
-  if (isStrangers(message)) return;
+  if (isStrangers(edit_calls, message.edit_id(), message)) return;
   if (const auto call = extract(edit_calls, message.edit_id(), message.server_id()))
     call->on_reply(outcomeOf<v1::EditReply>(message, message));
 }

@@ -1,4 +1,7 @@
+#include <chrono>
 #include <csignal>
+#include <future>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -109,15 +112,32 @@ TEST(Server, StopsCleanlyOnSigterm) {
 }
 
 TEST(Server, StopsCleanlyInTheMiddleOfWork) {
+  constexpr std::chrono::seconds kPatience(60);
+  std::promise<void> at_work;
+  std::promise<void> ended;
   Service service;
   const idl::cyclone::Participant participant(service.network());
-  idl::cyclone::Reader<v1::Progress> at_work(participant, idl::kProgressTopic);
-  const auto client = service.start(
-      "handgraft", {"grasp", "--hand", "human20", "--object", "box", "--contacts", "box_5"});
-  ASSERT_TRUE(at_work.wait(std::chrono::seconds(60))) << client->err();
+  idl::cyclone::Requester requester(participant);
+  ASSERT_TRUE(requester.waitForServer(kPatience));
+  v1::OpenSessionRequest request;
+  request.hand("human20");
+  request.object("box");
+  request.contacts("box_5");
+  v1::RequestBody body;
+  body.open_session(request);
+  requester.begin(
+      body,
+      [&](const auto&) {
+        ended.set_value();
+      },
+      [&, is_told = false](const std::string&, double) mutable {
+        if (!std::exchange(is_told, true)) at_work.set_value();
+      });
+  ASSERT_EQ(at_work.get_future().wait_for(kPatience), std::future_status::ready);
   service.server().send(SIGTERM);
   EXPECT_EQ(service.server().wait(), 0) << service.server().err();
-  EXPECT_EQ(client->wait(), 1) << "the client must notice that its server is gone";
+  EXPECT_EQ(ended.get_future().wait_for(kPatience), std::future_status::ready)
+      << "the client must notice that its server is gone";
 }
 
 }  // namespace
