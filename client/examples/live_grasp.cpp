@@ -11,7 +11,9 @@
 
 using namespace handgraft;
 
-int main(int argc, char** argv) try {
+namespace {
+
+int run(int argc, char** argv) {
   client::ClientOptions options;
   options.network.domain = argc > 1 ? std::atoi(argv[1]) : 0;
   options.absence = client::Absence::kStartPrivate;
@@ -50,8 +52,15 @@ int main(int argc, char** argv) try {
               static_cast<unsigned long long>(pose->revision()), pose->terms().objective(),
               samples.load());
   return 0;
+}
 
-} catch (const std::exception& error) {
-  std::fprintf(stderr, "%s\n", error.what());
-  return 1;
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
 }

@@ -33,7 +33,9 @@ optimize::PoseProblem problemThatReaches(std::shared_ptr<const hand::HandModel> 
 
 }  // namespace
 
-int main(int argc, char** argv) try {
+namespace {
+
+int run(int argc, char** argv) {
   if (argc != 3) {
     std::fprintf(stderr, "usage: %s HAND.urdf OBJECT.obj\n", argv[0]);
     return 2;
@@ -60,8 +62,15 @@ int main(int argc, char** argv) try {
   std::printf("%zu vertices within 20 mm, the last at %.1f mm\n", map.vertices.size(),
               1e3 * map.r[map.vertices.back()]);
   return report.patches.at(0).mean_mm < 0.1 ? 0 : 1;
+}
 
-} catch (const std::exception& error) {
-  std::fprintf(stderr, "%s\n", error.what());
-  return 1;
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
 }
