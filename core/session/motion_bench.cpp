@@ -15,6 +15,7 @@
 #include "core/session/motion_layer.h"
 #include "core/session/motion_places.h"
 #include "core/session/motion_times.h"
+#include "core/session/place_slider.h"
 #include "core/session/solids.h"
 #include "core/session/timed_edit.h"
 
@@ -30,7 +31,6 @@ using manipulation::PatchKey;
 using manipulation::PatchTrack;
 
 constexpr int kSlides = 10;
-constexpr double kLost_m = 0.01;
 constexpr std::size_t kFramesKept = 20000;  // of bases beside the last one, and of stretches
 
 }  // namespace
@@ -331,7 +331,7 @@ void MotionBench::slide(const Work& work,
                         std::shared_ptr<const Laid>& laid,
                         SolvedMotion& solved) const {
   const MotionPlaces places(work.document, work.hand, *object_O_, laid->motion);
-  // Four fifths of the time go into exact charts: on the way quick ones do.
+  // Exact charts are dear (transfer/staged_transfer.h): on the way quick ones do.
   Document quick = work.document;
   if (quick.transfer.method == geometry::LogMapMethod::kAuto)
     quick.transfer.method = geometry::LogMapMethod::kFast;

@@ -12,6 +12,9 @@
 
 namespace handgraft::session {
 
+/// A point that a slide loses at the skin's rim costs as if it were so far off.
+inline constexpr double kLost_m = 0.01;
+
 /// A contact as an object has it, in W.
 struct ContactAt {
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();

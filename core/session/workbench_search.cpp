@@ -10,6 +10,7 @@
 #include "core/optimize/minima.h"
 #include "core/optimize/pose_solver.h"
 #include "core/session/hand_placement.h"
+#include "core/session/place_slider.h"
 #include "core/session/solids.h"
 #include "core/session/workbench.h"
 
@@ -27,9 +28,6 @@ constexpr int kRefinements = 2;
 constexpr int kSlides = 12;
 constexpr int kWorseSlides = 3;      // in a row
 constexpr double kSmallGain = 0.01;  // of the cost: taken, but as good as none
-
-// A point that a slide loses at the skin's rim costs as if it were so far off.
-constexpr double kLost_m = 0.01;
 
 // A patch that is missed weighs so many times as much for a moment; where that does not help,
 // so many times as much again.

@@ -48,7 +48,7 @@ function circle(page, x, y) {
           const turns = (performance.now() - begun) / 2000;
           if (turns >= 1) {
             clearInterval(timer);
-            done(moves);
+            done({ moves, circling_ms: performance.now() - begun });
             return;
           }
           if (performance.now() - begun < (1000 * moves) / perSecond) return;
@@ -84,14 +84,16 @@ async function drag(address, patch) {
     const begun = Date.now();
     const took = () => (Date.now() - begun) / 1000;
     let moves = 0;
+    let dragged_s = 0; // without the time between two drags
     while (took() < Number(seconds)) {
       await page.mouse.move(x, y);
       await page.mouse.down();
-      moves += await circle(page, x, y);
+      const round = await circle(page, x, y);
+      moves += round.moves;
+      dragged_s += round.circling_ms / 1000;
       await page.mouse.up();
       if (took() > 120 * heap.length) heap.push(await heap_MB(page));
     }
-    const dragged_s = took();
     await page.mouse.up().catch(() => undefined);
     await rest(page);
     heap.push(await heap_MB(page));

@@ -55,6 +55,8 @@ TEST(Session, SlidesRootsOfFoundSitesToWhereTheyFit) {
     Solving solving;
     solving.avoid_penetration = avoids;
     const Solution solution = session.solve(solving, {}, Progress());
+    for (const SessionPatch& patch : solution.patches)
+      EXPECT_FALSE(patch.transferred.is_draft);
     for (const optimize::PatchFit& fit : solution.report.patches) {
       EXPECT_EQ(fit.point_count, 25);
       // Roots lie in the middle of faces of 2 mm; 0.4 mm more are kept free.
