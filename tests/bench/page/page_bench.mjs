@@ -54,7 +54,7 @@ function circle(page, x, y) {
           if (performance.now() - begun < (1000 * moves) / perSecond) return;
           ++moves;
           const angle = 2 * Math.PI * turns;
-          const at = { clientX: centerX + 14 * Math.sin(angle), clientY: centerY + 5 * (1 - Math.cos(angle)) };
+          const at = { clientX: centerX + 7 * Math.sin(angle), clientY: centerY + 3 * (1 - Math.cos(angle)) };
           const event = { ...at, bubbles: true, pointerId: 1, pointerType: 'mouse', isPrimary: true, button: -1, buttons: 1 };
           document.querySelector('canvas').dispatchEvent(new PointerEvent('pointermove', event));
         }, 4);
