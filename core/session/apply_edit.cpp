@@ -20,8 +20,8 @@ namespace {
 /// One edit on its way into a document.
 class Editing {
  public:
-  Editing(Workbench& bench, ModelShelf& shelf, const Progress& progress)
-      : edited{bench.document(), ""}, bench_(bench), shelf_(shelf), progress_(progress) {}
+  Editing(DerivedState& derived, ModelShelf& shelf, const Progress& progress)
+      : edited{derived.document(), ""}, derived_(derived), shelf_(shelf), progress_(progress) {}
 
   void apply(const ObjectPoseEdit& edit) {
     requireRigid(edit.X_WO, "the object's pose");
@@ -95,7 +95,7 @@ class Editing {
     dropUnfitting();
   }
 
-  void apply(const TimedEdit& edit) { addTimed(edit, bench_.models(), edited.document); }
+  void apply(const TimedEdit& edit) { addTimed(edit, derived_.models(), edited.document); }
 
   void apply(const TakeBackEdit& edit) {
     std::vector<TimedEdit>& timed = edited.document.timed;
@@ -112,7 +112,7 @@ class Editing {
   Edited edited;
 
  private:
-  [[nodiscard]] const Hand& hand() const { return *bench_.models().hand; }
+  [[nodiscard]] const Hand& hand() const { return *derived_.models().hand; }
 
   /// Edits at times that name what the new model does not have.
   void dropUnfitting() {
@@ -154,7 +154,7 @@ class Editing {
     edited.document.start_is_known = true;
   }
 
-  Workbench& bench_;
+  DerivedState& derived_;
   ModelShelf& shelf_;
   const Progress& progress_;
 };
@@ -163,7 +163,7 @@ void Editing::apply(const PatchRootEdit& edit) {
   DocumentPatch& patch = patchNamed(edit.patch);
   const std::string what = "root of patch " + quoted(edit.patch);
   if (edit.side == Side::kObject) {
-    const geometry::TriangleMesh& object_O = *bench_.models().object_O;
+    const geometry::TriangleMesh& object_O = *derived_.models().object_O;
     validate(object_O, edit.root, what.c_str());
     if (patch.direction_is_open) {
       patch.direction_O.reset();
@@ -198,13 +198,13 @@ void Editing::apply(const PatchDirectionEdit& edit) {
   }
   std::optional<Eigen::Vector3d> direction_O = patch.direction_O;
   if (!direction_O) {
-    bench_.findOpenDirections(progress_);
+    derived_.findOpenDirections(progress_);
     const auto index = static_cast<std::size_t>(&patch - edited.document.patches.data());
-    direction_O = bench_.patches()[index].patch.direction_O;
+    direction_O = derived_.patches()[index].patch.direction_O;
     HANDGRAFT_REQUIRE(direction_O.has_value());
   }
   patch.direction_O =
-      tangentTurned(*bench_.models().object_O, patch.root_O, *direction_O, edit.angle_rad);
+      tangentTurned(*derived_.models().object_O, patch.root_O, *direction_O, edit.angle_rad);
   patch.direction_is_open = false;
 }
 
@@ -241,9 +241,9 @@ void Editing::apply(const DragEdit& edit) {
     requireRigid(X, "the target's rotation");
   }
   requireWithin(edit.weight, 0.0, contact::kLargestWeight, "weight of a drag");
-  bench_.transfer(progress_);
+  derived_.transfer(progress_);
   const optimize::DragResult result =
-      optimize::drag(bench_.problem(Solving()), target, {}, progress_);
+      optimize::drag(derived_.problem(Solving()), target, {}, progress_);
   takePose(result.pose);
   letGo(edited.document, edit.link);
   if (edit.weight > 0.0) {
@@ -342,10 +342,10 @@ void validate(const DocumentPatch& patch, const Models& models) {
 }  // namespace
 
 Edited applied(const Edit& edit,
-               Workbench& bench,
+               DerivedState& derived,
                ModelShelf& shelf,
                const Progress& progress) {
-  Editing editing(bench, shelf, progress);
+  Editing editing(derived, shelf, progress);
   std::visit(
       [&](const auto& one) {
         editing.apply(one);

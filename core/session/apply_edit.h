@@ -3,10 +3,10 @@
 #include <string>
 
 #include "core/base/progress.h"
+#include "core/session/derived_state.h"
 #include "core/session/document.h"
 #include "core/session/edit.h"
 #include "core/session/models.h"
-#include "core/session/workbench.h"
 
 namespace handgraft::session {
 
@@ -16,13 +16,16 @@ struct Edited {
   std::string message;  ///< "2 mm short of its target", what a swap dropped; often empty
 };
 
-/// The document that `bench` follows, edited: a function of the document, the edit and the
-/// models alone. `bench` is asked for what follows from the document (directions that nobody
+/// The document that `derived` follows, edited: a function of the document, the edit and the
+/// models alone. `derived` is asked for what follows from the document (directions that nobody
 /// gave, patches for a drag) and stays on it.
 ///
 /// Errors: InvalidInput naming the patch, joint or value; BrokenContract for edits that move
 /// through the history, and for a choice without its pose. Cancelled on wish.
-Edited applied(const Edit& edit, Workbench& bench, ModelShelf& shelf, const Progress& progress);
+Edited applied(const Edit& edit,
+               DerivedState& derived,
+               ModelShelf& shelf,
+               const Progress& progress);
 
 /// Everything a document promises about itself and its models, so that no file can make a
 /// session that edits could not have made: sizes, ranges, places on their meshes, unit

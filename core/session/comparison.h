@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "core/session/derived_state.h"
 #include "core/session/document.h"
-#include "core/session/workbench.h"
 
 namespace handgraft::session {
 

@@ -58,11 +58,11 @@ Session::Session(SessionModels models,
                  const Pose& X_WO,
                  const optimize::Weights& weights,
                  const transfer::TransferOptions& transfer_options)
-    : shelf_(std::make_shared<ModelShelf>(std::move(models))), bench_(shelf_) {
+    : shelf_(std::make_shared<ModelShelf>(std::move(models))), derived_(shelf_) {
   requireRigid(X_WO, "the object's pose");
   validateWeights(weights);
   history_ = History(firstDocument(*shelf_, X_WO, weights, transfer_options, Progress()));
-  bench_.follow(document(), Progress());
+  derived_.follow(document(), Progress());
   log_ = Log({history_, revision_});
 }
 
@@ -79,13 +79,13 @@ Session::Session(Hand hand,
 
 Session::Session(SessionModels models, SavedSession saved)
     : shelf_(std::make_shared<ModelShelf>(std::move(models))),
-      bench_(shelf_),
+      derived_(shelf_),
       history_(std::move(saved.history)),
       log_(std::move(saved.first), saved.log),
       revision_(saved.revision) {
   validateHistory(history_, *shelf_);
   validateHistory(log_.first().history, *shelf_);
-  bench_.follow(document(), Progress());
+  derived_.follow(document(), Progress());
 }
 
 Session::~Session() = default;
@@ -108,17 +108,17 @@ EditResult Session::apply(const Edit& edit, const Progress& progress, const Keep
   if (isOfHistory(logged)) {
     result.message = travel(logged, next);
   } else {
-    Edited edited = applied(logged, bench_, *shelf_, progress);
+    Edited edited = applied(logged, derived_, *shelf_, progress);
     result.message = std::move(edited.message);
     next.edit(std::move(edited.document), describe(logged));
   }
-  bench_.follow(next.present(), progress);
+  derived_.follow(next.present(), progress);
   result.revision = revision_ + 1;
   if (keep) {
     try {
       keep(logged, result);
     } catch (...) {
-      bench_.follow(document(), Progress());
+      derived_.follow(document(), Progress());
       throw;
     }
   }
@@ -175,7 +175,7 @@ std::vector<Difference> Session::compare(const std::string& a,
     result.document = name.empty() ? &document() : &history_.snapshot(name).document;
     result.joints = shelf_->hand(result.document->hand, progress).model->dofNames();
     // Beside the session's own, whose charts stay for what is edited next.
-    Workbench aside(shelf_);
+    DerivedState aside(shelf_);
     aside.follow(*result.document, progress);
     try {
       result.solution = aside.judge(progress);
@@ -194,11 +194,11 @@ std::vector<Difference> Session::compare(const std::string& a,
 // === Solves
 
 void Session::transferPatches(const Progress& progress) {
-  bench_.transfer(progress);
+  derived_.transfer(progress);
 }
 
 Solution Session::solve(const Solving& solving, const SolveRun& run, const Progress& progress) {
-  Solution solution = bench_.solve(solving, run, progress);
+  Solution solution = derived_.solve(solving, run, progress);
   solution.revision = revision_;
   return solution;
 }
@@ -210,8 +210,8 @@ std::shared_ptr<const CommittedSolve> Session::commit(Solution solution) {
   entry->objective = solution.report.terms.objective;
   entry->change = changeBetween(document(), solution.document);
   history_.commit(std::move(solution.document));
-  bench_.adopt(std::move(solution.patches));
-  bench_.follow(document(), Progress());
+  derived_.adopt(std::move(solution.patches));
+  derived_.follow(document(), Progress());
   minima_ = std::move(solution.report.minima);
   chosen_minimum_ = 0;
   solved_ = std::move(solution.problem);
@@ -222,7 +222,7 @@ std::shared_ptr<const CommittedSolve> Session::commit(Solution solution) {
 void Session::commit(const CommittedSolve& solve) {
   Document after = applyTo(document(), solve.change);
   validateDocument(after, *shelf_);
-  bench_.follow(after, Progress());
+  derived_.follow(after, Progress());
   history_.commit(std::move(after));
   minima_.clear();
   chosen_minimum_ = 0;
@@ -238,7 +238,7 @@ void Session::noteFollowed(const FollowedMotion& motion) {
 }
 
 Solution Session::standing(const Progress& progress) {
-  Solution solution = bench_.judge(progress);
+  Solution solution = derived_.judge(progress);
   solution.revision = revision_;
   for (const optimize::Minimum& minimum : minima_) {
     const bool is_start = minimum.pose.q == document().start.q &&
@@ -272,7 +272,7 @@ optimize::SolveReport Session::optimize(const optimize::SolveOptions& options,
 // === What follows from the document
 
 optimize::PoseProblem Session::problem() const {
-  return bench_.problem(document().solving);
+  return derived_.problem(document().solving);
 }
 
 std::vector<transfer::Suggestion> Session::suggest(const std::string& patch,
@@ -285,7 +285,7 @@ std::vector<transfer::Suggestion> Session::suggest(const std::string& patch,
     names.push_back(item.name);
     if (item.name != patch) continue;
     if (!item.placement) rejectInput("patch {} is dropped: {}", quoted(patch), item.dropped);
-    return bench_.suggest(i, options, progress);
+    return derived_.suggest(i, options, progress);
   }
   rejectInput("there is no patch {}; there are {}", quoted(patch), fmt::join(names, ", "));
 }

@@ -10,12 +10,12 @@
 #include "core/contact/contact_set.h"
 #include "core/optimize/solver.h"
 #include "core/session/comparison.h"
+#include "core/session/derived_state.h"
 #include "core/session/document.h"
 #include "core/session/edit.h"
 #include "core/session/history.h"
 #include "core/session/log.h"
 #include "core/session/models.h"
-#include "core/session/workbench.h"
 
 namespace handgraft::session {
 
@@ -176,16 +176,16 @@ class Session {
                                             const transfer::SuggestOptions& options,
                                             const Progress& progress);
 
-  [[nodiscard]] const std::vector<SessionPatch>& patches() const { return bench_.patches(); }
+  [[nodiscard]] const std::vector<SessionPatch>& patches() const { return derived_.patches(); }
 
-  [[nodiscard]] const Hand& hand() const { return *bench_.models().hand; }
+  [[nodiscard]] const Hand& hand() const { return *derived_.models().hand; }
 
   [[nodiscard]] const geometry::TriangleMesh& object() const {
-    return *bench_.models().object_O;
+    return *derived_.models().object_O;
   }
 
   [[nodiscard]] const std::shared_ptr<const geometry::TriangleMesh>& sharedObject() const {
-    return bench_.models().object_O;
+    return derived_.models().object_O;
   }
 
   /// Shared, for fingerprints and swaps.
@@ -209,7 +209,7 @@ class Session {
   std::string travel(const Edit& edit, History& history) const;
 
   std::shared_ptr<ModelShelf> shelf_;
-  Workbench bench_;
+  DerivedState derived_;
   History history_;
   Log log_;
   unsigned long long revision_ = 0;

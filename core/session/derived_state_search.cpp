@@ -1,4 +1,4 @@
-// How the workbench solves: the paper's solve, and what is found anew about it.
+// How a document is solved: the paper's solve, and what is found anew about it.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,10 +9,10 @@
 #include "core/optimize/diagnosis.h"
 #include "core/optimize/minima.h"
 #include "core/optimize/pose_solver.h"
+#include "core/session/derived_state.h"
 #include "core/session/hand_placement.h"
 #include "core/session/place_slider.h"
 #include "core/session/solids.h"
-#include "core/session/workbench.h"
 
 namespace handgraft::session {
 namespace {
@@ -58,8 +58,8 @@ double costOf(const PoseProblem& posed, const SolveReport& solved) {
 }  // namespace
 
 /// Brings the patches and the start back to what the document says, unless told to keep them.
-struct Workbench::Search {
-  explicit Search(Workbench& owner)
+struct DerivedState::Search {
+  explicit Search(DerivedState& owner)
       : bench(owner),
         patches(owner.patches_),
         start(owner.start_),
@@ -81,26 +81,26 @@ struct Workbench::Search {
     start_is_known = bench.start_is_known_;
   }
 
-  Workbench& bench;
+  DerivedState& bench;
   std::vector<SessionPatch> patches;
   hand::HandPose start;
   bool start_is_known;
 };
 
 /// While it lives, patches are laid as drafts: half of a slide's time went into exact charts.
-struct Workbench::Drafts {
-  explicit Drafts(Workbench& owner) : bench(owner) { bench.lays_drafts_ = true; }
+struct DerivedState::Drafts {
+  explicit Drafts(DerivedState& owner) : bench(owner) { bench.lays_drafts_ = true; }
 
   ~Drafts() { bench.lays_drafts_ = false; }
 
   Drafts(const Drafts&) = delete;
   Drafts& operator=(const Drafts&) = delete;
 
-  Workbench& bench;
+  DerivedState& bench;
 };
 
-void Workbench::choosePlacement(const std::vector<HandPlacement>& placements,
-                                const Progress& progress) {
+void DerivedState::choosePlacement(const std::vector<HandPlacement>& placements,
+                                   const Progress& progress) {
   SolveOptions options;
   options.starts = 1;
   options.max_evaluations = kTrialEvaluations;
@@ -131,9 +131,9 @@ void Workbench::choosePlacement(const std::vector<HandPlacement>& placements,
   outcome.keep();
 }
 
-Solution Workbench::solve(const Solving& solving,
-                          const SolveRun& run,
-                          const Progress& progress) {
+Solution DerivedState::solve(const Solving& solving,
+                             const SolveRun& run,
+                             const Progress& progress) {
   validate(solving);
   transfer(progress);
   requirePoints();
@@ -161,15 +161,16 @@ Solution Workbench::solve(const Solving& solving,
   return answered(std::move(report), solving);
 }
 
-Workbench::Worth Workbench::worthOf(const SolveReport& report, const Solving& solving) const {
+DerivedState::Worth DerivedState::worthOf(const SolveReport& report,
+                                          const Solving& solving) const {
   const PoseProblem posed = problem(solving);
   return {std::ssize(optimize::missedPatches(posed, report)), costOf(posed, report)};
 }
 
-bool Workbench::takeBetter(const Worth& of_other,
-                           SolveReport& other,
-                           Worth& worth,
-                           SolveReport& report) {
+bool DerivedState::takeBetter(const Worth& of_other,
+                              SolveReport& other,
+                              Worth& worth,
+                              SolveReport& report) {
   if (!(of_other < worth)) return false;
   worth = of_other;
   other.evaluations += report.evaluations;
@@ -177,7 +178,7 @@ bool Workbench::takeBetter(const Worth& of_other,
   return true;
 }
 
-void Workbench::weigh(const std::vector<int>& patches, double factor) {
+void DerivedState::weigh(const std::vector<int>& patches, double factor) {
   for (const int k : patches) {
     SessionPatch& item = patches_[static_cast<std::size_t>(k)];
     item.patch.weight *= factor;
@@ -186,10 +187,10 @@ void Workbench::weigh(const std::vector<int>& patches, double factor) {
   }
 }
 
-void Workbench::reachForMissed(SolveReport& report,
-                               const Solving& solving,
-                               const SolveOptions& options,
-                               const Progress& progress) {
+void DerivedState::reachForMissed(SolveReport& report,
+                                  const Solving& solving,
+                                  const SolveOptions& options,
+                                  const Progress& progress) {
   const SolveOptions step = stepOf(options);
   Worth worth = worthOf(report, solving);
   Search best(*this);
@@ -217,10 +218,10 @@ void Workbench::reachForMissed(SolveReport& report,
   }
 }
 
-Workbench::Worth Workbench::searchAbout(SolveReport& report,
-                                        const Solving& solving,
-                                        SolveOptions options,
-                                        const Progress& progress) {
+DerivedState::Worth DerivedState::searchAbout(SolveReport& report,
+                                              const Solving& solving,
+                                              SolveOptions options,
+                                              const Progress& progress) {
   transfer(progress);
   std::vector<Minimum> found;
   {
@@ -243,10 +244,10 @@ Workbench::Worth Workbench::searchAbout(SolveReport& report,
   return worthOf(report, solving);
 }
 
-void Workbench::layDraftsInFull(SolveReport& report,
-                                const Solving& solving,
-                                SolveOptions options,
-                                const Progress& progress) {
+void DerivedState::layDraftsInFull(SolveReport& report,
+                                   const Solving& solving,
+                                   SolveOptions options,
+                                   const Progress& progress) {
   bool any = false;
   for (SessionPatch& item : patches_) {
     if (!item.placement || !item.transferred.is_draft) continue;
@@ -266,7 +267,7 @@ void Workbench::layDraftsInFull(SolveReport& report,
   goOn(report, solving, options, progress);
 }
 
-Solution Workbench::answered(SolveReport report, const Solving& solving) const {
+Solution DerivedState::answered(SolveReport report, const Solving& solving) const {
   Solution solution;
   solution.problem = problem(solving);
   solution.solving = solving;
@@ -285,7 +286,7 @@ Solution Workbench::answered(SolveReport report, const Solving& solving) const {
   return solution;
 }
 
-Solution Workbench::judge(const Progress& progress) {
+Solution DerivedState::judge(const Progress& progress) {
   transfer(progress);
   requirePoints();
   if (document_.solving.avoids()) makeSolids(*models_.hand, models_.object_O, progress);
@@ -310,10 +311,10 @@ Solution Workbench::judge(const Progress& progress) {
   return solution;
 }
 
-void Workbench::goOn(SolveReport& report,
-                     const Solving& solving,
-                     SolveOptions options,
-                     const Progress& progress) {
+void DerivedState::goOn(SolveReport& report,
+                        const Solving& solving,
+                        SolveOptions options,
+                        const Progress& progress) {
   if (report.outcome != optimize::Outcome::kEvaluationLimit) return;
   const Search as_it_was(*this);
   options.starts = 1;
@@ -322,11 +323,11 @@ void Workbench::goOn(SolveReport& report,
   if (last.terms.objective <= report.terms.objective) report = std::move(last);
 }
 
-void Workbench::keepMinima(const std::vector<Minimum>& found,
-                           SolveReport& report,
-                           const Solving& solving,
-                           const SolveOptions& options,
-                           const Progress& progress) {
+void DerivedState::keepMinima(const std::vector<Minimum>& found,
+                              SolveReport& report,
+                              const Solving& solving,
+                              const SolveOptions& options,
+                              const Progress& progress) {
   const Search as_it_was(*this);
   std::vector<Minimum> all = report.minima;
   Worth worth = worthOf(report, solving);
@@ -349,10 +350,10 @@ void Workbench::keepMinima(const std::vector<Minimum>& found,
   report.minima = std::move(all);
 }
 
-bool Workbench::refineDirections(SolveReport& report,
-                                 const Solving& solving,
-                                 const SolveOptions& options,
-                                 const Progress& progress) {
+bool DerivedState::refineDirections(SolveReport& report,
+                                    const Solving& solving,
+                                    const SolveOptions& options,
+                                    const Progress& progress) {
   Search outcome(*this);
   if (!takeDirectionsFrom(report.pose)) return false;
   transfer(progress);
@@ -364,7 +365,9 @@ bool Workbench::refineDirections(SolveReport& report,
   return true;
 }
 
-void Workbench::slideFreely(Solving solving, SolveOptions options, const Progress& progress) {
+void DerivedState::slideFreely(Solving solving,
+                               SolveOptions options,
+                               const Progress& progress) {
   const bool any_open = std::any_of(patches_.begin(), patches_.end(), [](const auto& item) {
     return item.placement && item.root_is_open;
   });
@@ -375,10 +378,10 @@ void Workbench::slideFreely(Solving solving, SolveOptions options, const Progres
   slideRoots(report, solving, options, progress);
 }
 
-void Workbench::slideRoots(SolveReport& report,
-                           const Solving& solving,
-                           SolveOptions options,
-                           const Progress& progress) {
+void DerivedState::slideRoots(SolveReport& report,
+                              const Solving& solving,
+                              SolveOptions options,
+                              const Progress& progress) {
   // A slide is a step from where the hand is: it needs no other start.
   options.starts = 1;
   Search best(*this);

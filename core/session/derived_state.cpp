@@ -1,4 +1,4 @@
-#include "core/session/workbench.h"
+#include "core/session/derived_state.h"
 
 #include <algorithm>
 #include <cmath>
@@ -66,13 +66,13 @@ std::string foundBy(Document document) {
 
 }  // namespace
 
-Workbench::Workbench(std::shared_ptr<ModelShelf> shelf) : shelf_(std::move(shelf)) {}
+DerivedState::DerivedState(std::shared_ptr<ModelShelf> shelf) : shelf_(std::move(shelf)) {}
 
-Workbench::~Workbench() = default;
-Workbench::Workbench(Workbench&&) noexcept = default;
-Workbench& Workbench::operator=(Workbench&&) noexcept = default;
+DerivedState::~DerivedState() = default;
+DerivedState::DerivedState(DerivedState&&) noexcept = default;
+DerivedState& DerivedState::operator=(DerivedState&&) noexcept = default;
 
-void Workbench::follow(const Document& document, const Progress& progress) {
+void DerivedState::follow(const Document& document, const Progress& progress) {
   const Models models = shelf_->find(document.hand, document.object, progress);
   const bool same_models = models.hand == models_.hand && models.object_O == models_.object_O &&
                            models.contacts == models_.contacts &&
@@ -119,7 +119,9 @@ void Workbench::follow(const Document& document, const Progress& progress) {
   document_ = document;
 }
 
-void Workbench::followPatch(std::size_t index, const DocumentPatch& patch, bool keeps_found) {
+void DerivedState::followPatch(std::size_t index,
+                               const DocumentPatch& patch,
+                               bool keeps_found) {
   SessionPatch& item = patches_[index];
   if (item.patch.name != patch.name) item = {patchOf(models_, patch), {}, {}, {}, {}, {}};
   if (!sameRoots(item, patch)) {
@@ -148,7 +150,7 @@ void Workbench::followPatch(std::size_t index, const DocumentPatch& patch, bool 
     pair.weight = item.patch.weight;
 }
 
-void Workbench::adopt(std::vector<SessionPatch> patches) {
+void DerivedState::adopt(std::vector<SessionPatch> patches) {
   HANDGRAFT_REQUIRE(patches.size() == patches_.size());
   patches_ = std::move(patches);
   found_for_.clear();
@@ -156,13 +158,13 @@ void Workbench::adopt(std::vector<SessionPatch> patches) {
 
 // === Laying patches
 
-void Workbench::transfer(const Progress& progress) {
+void DerivedState::transfer(const Progress& progress) {
   findOpenDirections(progress);
   layPatches(progress);
   progress.report("laying patches onto the skin", 1.0);
 }
 
-void Workbench::layPatches(const Progress& progress) {
+void DerivedState::layPatches(const Progress& progress) {
   for (std::size_t i = 0; i < patches_.size(); ++i) {
     SessionPatch& item = patches_[i];
     if (!item.placement || item.up_to_date) continue;
@@ -177,9 +179,9 @@ void Workbench::layPatches(const Progress& progress) {
   }
 }
 
-std::vector<transfer::Suggestion> Workbench::suggest(std::size_t patch,
-                                                     const transfer::SuggestOptions& options,
-                                                     const Progress& progress) {
+std::vector<transfer::Suggestion> DerivedState::suggest(std::size_t patch,
+                                                        const transfer::SuggestOptions& options,
+                                                        const Progress& progress) {
   transfer(progress);
   const SessionPatch& item = patches_.at(patch);
   HANDGRAFT_REQUIRE(item.placement.has_value());
@@ -189,7 +191,7 @@ std::vector<transfer::Suggestion> Workbench::suggest(std::size_t patch,
 
 // === What nobody gave
 
-const HandPlacer& Workbench::placer() {
+const HandPlacer& DerivedState::placer() {
   if (!placer_) {
     placer_ = std::make_unique<HandPlacer>(models_.hand->model, *models_.hand->skin,
                                            models_.object_O);
@@ -197,7 +199,7 @@ const HandPlacer& Workbench::placer() {
   return *placer_;
 }
 
-void Workbench::findOpenDirections(const Progress& progress) {
+void DerivedState::findOpenDirections(const Progress& progress) {
   bool any_missing = false;
   std::vector<Anchor> anchors;
   for (const SessionPatch& item : patches_) {
@@ -219,7 +221,7 @@ void Workbench::findOpenDirections(const Progress& progress) {
   found_for_ = foundBy(document_);
 }
 
-bool Workbench::takeDirectionsFrom(const hand::HandPose& pose) {
+bool DerivedState::takeDirectionsFrom(const hand::HandPose& pose) {
   bool turned = false;
   for (SessionPatch& item : patches_) {
     if (!item.placement || !item.direction_is_open) continue;
@@ -238,7 +240,7 @@ bool Workbench::takeDirectionsFrom(const hand::HandPose& pose) {
   return turned;
 }
 
-const hand::FingerCoordinates& Workbench::coordinates() {
+const hand::FingerCoordinates& DerivedState::coordinates() {
   if (!coordinates_) {
     const Hand& hand = *models_.hand;
     coordinates_ =
@@ -247,12 +249,12 @@ const hand::FingerCoordinates& Workbench::coordinates() {
   return *coordinates_;
 }
 
-const std::vector<char>& Workbench::linksOf(const std::string& site) {
+const std::vector<char>& DerivedState::linksOf(const std::string& site) {
   if (const auto known = links_of_.find(site); known != links_of_.end()) return known->second;
   return links_of_.emplace(site, linksOfSite(*models_.hand, coordinates(), site)).first->second;
 }
 
-bool Workbench::takeRootsByLength() {
+bool DerivedState::takeRootsByLength() {
   const geometry::TriangleMesh& skin_S = models_.hand->skin->mesh();
   bool moved = false;
   for (SessionPatch& item : patches_) {
@@ -273,7 +275,7 @@ bool Workbench::takeRootsByLength() {
   return moved;
 }
 
-bool Workbench::takePlacesFrom(const hand::HandPose& pose) {
+bool DerivedState::takePlacesFrom(const hand::HandPose& pose) {
   if (skin_faces_ == nullptr) skin_faces_ = facesOf(models_.hand->skin);
   const hand::LinkPoses X_SW = models_.hand->skin->fromWorld(*models_.hand->model, pose);
   const Pose& X_WO = document_.X_WO;
@@ -299,11 +301,11 @@ bool Workbench::takePlacesFrom(const hand::HandPose& pose) {
 
 // === The problem
 
-bool Workbench::holdsPosture(const Solving& solving) const {
+bool DerivedState::holdsPosture(const Solving& solving) const {
   return !solving.paper && !document_.start_is_known && document_.prior_shares.posture > 0.0;
 }
 
-void Workbench::holdPosture(PoseProblem& problem) const {
+void DerivedState::holdPosture(PoseProblem& problem) const {
   if (posture_ == nullptr)
     posture_ = std::make_unique<const Posture>(postureFor(*models_.hand, *models_.contacts));
   const double share = document_.prior_shares.posture * posture_->sureness;
@@ -315,7 +317,7 @@ void Workbench::holdPosture(PoseProblem& problem) const {
   problem.prior_weights.head<3>() *= share;
 }
 
-PoseProblem Workbench::problem(const Solving& solving) const {
+PoseProblem DerivedState::problem(const Solving& solving) const {
   PoseProblem problem = optimize::makeProblem(models_.hand->model);
   problem.weights = document_.weights;
   problem.normal_form = solving.normal_form;
@@ -362,7 +364,7 @@ PoseProblem Workbench::problem(const Solving& solving) const {
   return problem;
 }
 
-void Workbench::requirePoints() const {
+void DerivedState::requirePoints() const {
   std::string lost;
   for (const SessionPatch& item : patches_) {
     if (!item.placement) continue;

@@ -64,12 +64,12 @@ struct Solution {
 /// All that follows from a document and is dear to make: charts, laid patches, directions and
 /// starts that were found. What it answers depends on the document alone, never on what was
 /// asked before.
-class Workbench {
+class DerivedState {
  public:
-  explicit Workbench(std::shared_ptr<ModelShelf> shelf);
-  ~Workbench();
-  Workbench(Workbench&&) noexcept;
-  Workbench& operator=(Workbench&&) noexcept;
+  explicit DerivedState(std::shared_ptr<ModelShelf> shelf);
+  ~DerivedState();
+  DerivedState(DerivedState&&) noexcept;
+  DerivedState& operator=(DerivedState&&) noexcept;
 
   /// Works on `document` from now on; what still holds is kept.
   /// Errors: InvalidInput if a model cannot be found; then it works on what it did.
