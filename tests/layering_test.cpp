@@ -23,9 +23,10 @@ struct Layer {
 };
 
 const std::vector<std::string> kCore = {
-    "core/base",    "core/geometry", "core/cloud",    "core/hand",
-    "core/contact", "core/transfer", "core/optimize", "core/manipulation",
-    "core/quality", "core/session",  "core/io"};
+    "core/base",        "core/geometry",  "core/cloud",         "core/hand",
+    "core/contact",     "core/transfer",  "core/optimize",      "core/manipulation",
+    "core/quality",     "core/placement", "core/demonstration", "core/session",
+    "core/retargeting", "core/verdict",   "core/sweep",         "core/io"};
 
 const std::vector<Layer> kLayers = {
     {"core/base", {}, {"eigen", "fmt"}},
@@ -46,9 +47,29 @@ const std::vector<Layer> kLayers = {
      {"core/base", "core/geometry", "core/hand", "core/contact", "core/transfer",
       "core/optimize"},
      {"eigen", "fmt"}},
+    {"core/placement",
+     {"core/base", "core/geometry", "core/hand", "core/contact", "core/transfer",
+      "core/optimize", "core/quality"},
+     {"eigen", "fmt"}},
+    {"core/demonstration",
+     {"core/base", "core/geometry", "core/hand", "core/contact", "core/manipulation",
+      "core/placement"},
+     {"eigen", "fmt"}},
     {"core/session",
      {"core/base", "core/geometry", "core/hand", "core/contact", "core/transfer",
-      "core/optimize", "core/manipulation", "core/quality"},
+      "core/optimize", "core/manipulation", "core/placement"},
+     {"eigen", "fmt"}},
+    {"core/retargeting",
+     {"core/base", "core/geometry", "core/hand", "core/contact", "core/transfer",
+      "core/optimize", "core/manipulation", "core/placement", "core/session"},
+     {"eigen", "fmt"}},
+    {"core/verdict",
+     {"core/base", "core/geometry", "core/optimize", "core/placement", "core/quality",
+      "core/session"},
+     {"eigen", "fmt"}},
+    {"core/sweep",
+     {"core/base", "core/geometry", "core/hand", "core/contact", "core/transfer",
+      "core/optimize", "core/placement", "core/session"},
      {"eigen", "fmt"}},
     {"core/io", kCore, {"eigen", "fmt"}},
     {"core/include", kCore, {}},  // handgraft/core.h

@@ -66,12 +66,12 @@ struct PatchAt {
 };
 
 std::vector<PatchAt> patchesAt(const HandTrajectory& trajectory,
-                               const session::MotionFits& fits,
+                               const retargeting::MotionFits& fits,
                                std::size_t patch_count,
                                int frame) {
   std::vector<PatchAt> patches(patch_count);
   const manipulation::Motion& motion = *trajectory.contacts;
-  for (const session::PatchFrameFit& fit : fits.at(frame)) {
+  for (const retargeting::PatchFrameFit& fit : fits.at(frame)) {
     PatchAt& patch = patches[static_cast<std::size_t>(fit.patch)];
     if (patch.presence >= fit.presence) continue;  // the same patch, on its way out
     const manipulation::PatchTrack& track = motion.tracks[static_cast<std::size_t>(fit.track)];
@@ -103,20 +103,20 @@ std::string yamlNumbers(const Eigen::Ref<const Eigen::VectorXd>& values) {
 
 std::string trajectoryJson(const HandTrajectory& trajectory) {
   const TrajectoryRows rows = rowsOf(trajectory);
-  const session::MotionFits fits(*trajectory.contacts, *trajectory.solved);
+  const retargeting::MotionFits fits(*trajectory.contacts, *trajectory.solved);
   const auto joints = static_cast<Eigen::Index>(rows.joint_names.size());
   json document = {{"format", "handgraft-trajectory/1"},
                    {"hand", trajectory.hand},
                    {"object", trajectory.object},
                    {"motion", trajectory.motion},
                    {"joint_names", rows.joint_names},
-                   {"patches", session::patchNames(*trajectory.contacts)},
+                   {"patches", retargeting::patchNames(*trajectory.contacts)},
                    {"notes", trajectory.solved->notes}};
   json frames = json::array();
   for (Eigen::Index k = 0; k < rows.qpos.cols(); ++k) {
     const auto at = static_cast<std::size_t>(k);
     json patches = json::array();
-    for (const session::PatchFrameFit& fit : fits.at(static_cast<int>(k))) {
+    for (const retargeting::PatchFrameFit& fit : fits.at(static_cast<int>(k))) {
       patches.push_back({{"patch", fit.patch},
                          {"presence", fit.presence},
                          {"mean_mm", fit.mean_mm},
@@ -157,8 +157,8 @@ std::string trajectoryCsv(const HandTrajectory& trajectory) {
 
 std::string trajectoryNpz(const HandTrajectory& trajectory) {
   const TrajectoryRows rows = rowsOf(trajectory);
-  const std::vector<std::string> names = session::patchNames(*trajectory.contacts);
-  const session::MotionFits fits(*trajectory.contacts, *trajectory.solved);
+  const std::vector<std::string> names = retargeting::patchNames(*trajectory.contacts);
+  const retargeting::MotionFits fits(*trajectory.contacts, *trajectory.solved);
   const auto frames = static_cast<std::size_t>(rows.qpos.cols());
   const auto patches = names.size();
   std::vector<double> contact;

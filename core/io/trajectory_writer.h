@@ -5,7 +5,7 @@
 
 #include "core/geometry/triangle_mesh.h"
 #include "core/manipulation/motion.h"
-#include "core/session/motion_solving.h"
+#include "core/retargeting/motion_solving.h"
 
 /// A hand that follows a motion, for other programs (FORMATS.md).
 namespace handgraft::io {
@@ -17,7 +17,7 @@ struct HandTrajectory {
   std::shared_ptr<const hand::HandModel> model;
   std::shared_ptr<const geometry::TriangleMesh> object_O;
   std::shared_ptr<const manipulation::Motion> contacts;
-  std::shared_ptr<const session::SolvedMotion> solved;  ///< of that hand and motion
+  std::shared_ptr<const retargeting::SolvedMotion> solved;  ///< of that hand and motion
 };
 
 /// `handgraft-trajectory/1`. Cost of all of these: O(frames).

@@ -112,7 +112,7 @@ class Editing {
   Edited edited;
 
  private:
-  [[nodiscard]] const Hand& hand() const { return *derived_.models().hand; }
+  [[nodiscard]] const hand::Hand& hand() const { return *derived_.models().hand; }
 
   /// Edits at times that name what the new model does not have.
   void dropUnfitting() {

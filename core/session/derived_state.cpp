@@ -8,15 +8,15 @@
 #include "core/base/error.h"
 #include "core/geometry/tangent.h"
 #include "core/hand/finger_coordinates.h"
-#include "core/session/hand_placement.h"
+#include "core/placement/hand_placement.h"
+#include "core/placement/open_directions.h"
+#include "core/placement/open_roots.h"
+#include "core/placement/place_slider.h"
+#include "core/placement/posture_finding.h"
+#include "core/placement/solids.h"
 #include "core/session/held_places.h"
-#include "core/session/open_directions.h"
-#include "core/session/open_roots.h"
 #include "core/session/patch_matching.h"
 #include "core/session/place_matching.h"
-#include "core/session/place_slider.h"
-#include "core/session/posture_finding.h"
-#include "core/session/solids.h"
 
 namespace handgraft::session {
 namespace {
@@ -191,24 +191,24 @@ std::vector<transfer::Suggestion> DerivedState::suggest(std::size_t patch,
 
 // === What nobody gave
 
-const HandPlacer& DerivedState::placer() {
+const placement::HandPlacer& DerivedState::placer() {
   if (!placer_) {
-    placer_ = std::make_unique<HandPlacer>(models_.hand->model, *models_.hand->skin,
-                                           models_.object_O);
+    placer_ = std::make_unique<placement::HandPlacer>(models_.hand->model, *models_.hand->skin,
+                                                      models_.object_O);
   }
   return *placer_;
 }
 
 void DerivedState::findOpenDirections(const Progress& progress) {
   bool any_missing = false;
-  std::vector<Anchor> anchors;
+  std::vector<placement::Anchor> anchors;
   for (const SessionPatch& item : patches_) {
     if (!item.placement) continue;
     any_missing = any_missing || !item.patch.direction_O;
     if (item.patch.weight == 0.0) continue;
-    if (const auto anchor = anchorAt(*models_.hand->skin, *item.placement)) {
-      anchors.push_back(
-          withObjectSide(*anchor, item.patch, *models_.object_O, !item.direction_is_open));
+    if (const auto anchor = placement::anchorAt(*models_.hand->skin, *item.placement)) {
+      anchors.push_back(placement::withObjectSide(*anchor, item.patch, *models_.object_O,
+                                                  !item.direction_is_open));
     }
   }
   if (!any_missing) return;
@@ -225,10 +225,10 @@ bool DerivedState::takeDirectionsFrom(const hand::HandPose& pose) {
   bool turned = false;
   for (SessionPatch& item : patches_) {
     if (!item.placement || !item.direction_is_open) continue;
-    const auto anchor = anchorAt(*models_.hand->skin, *item.placement);
+    const auto anchor = placement::anchorAt(*models_.hand->skin, *item.placement);
     const Eigen::Vector3d direction_O =
-        anchor ? directionShownBy(*models_.hand->model, pose, *anchor, *models_.object_O,
-                                  item.patch.root, document_.X_WO)
+        anchor ? placement::directionShownBy(*models_.hand->model, pose, *anchor,
+                                             *models_.object_O, item.patch.root, document_.X_WO)
                : anyTangentAt(*models_.object_O, item.patch.root);
     const bool is_same = item.patch.direction_O &&
                          direction_O.dot(*item.patch.direction_O) > std::cos(kSameDirection);
@@ -242,7 +242,7 @@ bool DerivedState::takeDirectionsFrom(const hand::HandPose& pose) {
 
 const hand::FingerCoordinates& DerivedState::coordinates() {
   if (!coordinates_) {
-    const Hand& hand = *models_.hand;
+    const hand::Hand& hand = *models_.hand;
     coordinates_ =
         std::make_unique<hand::FingerCoordinates>(*hand.model, *hand.skin, hand.sites);
   }
@@ -276,20 +276,20 @@ bool DerivedState::takeRootsByLength() {
 }
 
 bool DerivedState::takePlacesFrom(const hand::HandPose& pose) {
-  if (skin_faces_ == nullptr) skin_faces_ = facesOf(models_.hand->skin);
+  if (skin_faces_ == nullptr) skin_faces_ = placement::facesOf(models_.hand->skin);
   const hand::LinkPoses X_SW = models_.hand->skin->fromWorld(*models_.hand->model, pose);
   const Pose& X_WO = document_.X_WO;
   bool any_moved = false;
   for (SessionPatch& item : patches_) {
     if (!item.placement || !item.root_is_open) continue;
-    ContactAt contact;
+    placement::ContactAt contact;
     contact.p_W = X_WO * positionOf(*models_.object_O, item.patch.root);
     contact.n_W = X_WO.linear() * normalOf(*models_.object_O, item.patch.root);
     // One that is open on the object is found there.
     if (item.patch.direction_O && !item.direction_is_open)
       contact.d_W = X_WO.linear() * *item.patch.direction_O;
-    const auto slid = slidPlace(*skin_faces_, coordinates(), X_SW, linksOf(item.site), contact,
-                                *item.placement);
+    const auto slid = placement::slidPlace(*skin_faces_, coordinates(), X_SW,
+                                           linksOf(item.site), contact, *item.placement);
     if (!slid) continue;
     item.placement = slid;
     item.up_to_date = false;
@@ -307,7 +307,8 @@ bool DerivedState::holdsPosture(const Solving& solving) const {
 
 void DerivedState::holdPosture(PoseProblem& problem) const {
   if (posture_ == nullptr)
-    posture_ = std::make_unique<const Posture>(postureFor(*models_.hand, *models_.contacts));
+    posture_ = std::make_unique<const placement::Posture>(
+        placement::postureFor(*models_.hand, *models_.contacts));
   const double share = document_.prior_shares.posture * posture_->sureness;
   problem.prior.q = posture_->q;
   problem.prior_weights = Eigen::VectorXd::Ones(problem.dofCount());
@@ -322,8 +323,8 @@ PoseProblem DerivedState::problem(const Solving& solving) const {
   problem.weights = document_.weights;
   problem.normal_form = solving.normal_form;
   if (solving.avoids()) {
-    problem.avoidance = avoidanceOf(models_.hand->model, models_.hand->skin, models_.object_O,
-                                    document_.X_WO, Progress());
+    problem.avoidance = placement::avoidanceOf(models_.hand->model, models_.hand->skin,
+                                               models_.object_O, document_.X_WO, Progress());
   }
   problem.start = start_;
   problem.prior = document_.prior;

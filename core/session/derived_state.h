@@ -19,12 +19,14 @@ namespace handgraft::hand {
 class FingerCoordinates;
 }  // namespace handgraft::hand
 
-namespace handgraft::session {
-
+namespace handgraft::placement {
 class HandPlacer;
 class SkinFaces;
 struct HandPlacement;
 struct Posture;
+}  // namespace handgraft::placement
+
+namespace handgraft::session {
 
 /// One patch of a session: where it is on the object, where on the hand, what came of it.
 struct SessionPatch {
@@ -109,11 +111,12 @@ class DerivedState {
   struct Drafts;
 
   void followPatch(std::size_t index, const DocumentPatch& patch, bool keeps_found);
-  [[nodiscard]] const HandPlacer& placer();
+  [[nodiscard]] const placement::HandPlacer& placer();
   [[nodiscard]] const hand::FingerCoordinates& coordinates();
   /// Takes start and directions from the placement that a full transfer and a short solve like
   /// best.
-  void choosePlacement(const std::vector<HandPlacement>& placements, const Progress& progress);
+  void choosePlacement(const std::vector<placement::HandPlacement>& placements,
+                       const Progress& progress);
   void layPatches(const Progress& progress);
   /// Sets the open directions as `pose` shows them; true if one turned by more than a degree.
   bool takeDirectionsFrom(const hand::HandPose& pose);
@@ -198,11 +201,11 @@ class DerivedState {
   hand::HandPose start_;              ///< the document's, or one that was found
   bool start_is_known_ = false;
   std::string found_for_;  ///< what the found directions and start depend on, as bytes
-  std::unique_ptr<HandPlacer> placer_;                    ///< made when first needed
-  std::unique_ptr<hand::FingerCoordinates> coordinates_;  ///< likewise
-  std::shared_ptr<const SkinFaces> skin_faces_;           ///< likewise
-  std::map<std::string, std::vector<char>> links_of_;     ///< answers of linksOf
-  mutable std::unique_ptr<const Posture> posture_;        ///< likewise
+  std::unique_ptr<placement::HandPlacer> placer_;              ///< made when first needed
+  std::unique_ptr<hand::FingerCoordinates> coordinates_;       ///< likewise
+  std::shared_ptr<const placement::SkinFaces> skin_faces_;     ///< likewise
+  std::map<std::string, std::vector<char>> links_of_;          ///< answers of linksOf
+  mutable std::unique_ptr<const placement::Posture> posture_;  ///< likewise
 };
 
 }  // namespace handgraft::session

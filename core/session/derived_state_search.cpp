@@ -9,10 +9,10 @@
 #include "core/optimize/diagnosis.h"
 #include "core/optimize/minima.h"
 #include "core/optimize/pose_solver.h"
+#include "core/placement/hand_placement.h"
+#include "core/placement/place_slider.h"
+#include "core/placement/solids.h"
 #include "core/session/derived_state.h"
-#include "core/session/hand_placement.h"
-#include "core/session/place_slider.h"
-#include "core/session/solids.h"
 
 namespace handgraft::session {
 namespace {
@@ -51,8 +51,9 @@ bool searchesWidely(const Solving& solving, const SolveOptions& options) {
 
 /// A point that is lost no longer counts: that alone makes nothing better.
 double costOf(const PoseProblem& posed, const SolveReport& solved) {
-  return solved.terms.objective -
-         kLost_m * kLost_m * posed.weights.distance * static_cast<double>(posed.pairs.size());
+  return solved.terms.objective - placement::kLost_m * placement::kLost_m *
+                                      posed.weights.distance *
+                                      static_cast<double>(posed.pairs.size());
 }
 
 }  // namespace
@@ -99,7 +100,7 @@ struct DerivedState::Drafts {
   DerivedState& bench;
 };
 
-void DerivedState::choosePlacement(const std::vector<HandPlacement>& placements,
+void DerivedState::choosePlacement(const std::vector<placement::HandPlacement>& placements,
                                    const Progress& progress) {
   SolveOptions options;
   options.starts = 1;
@@ -137,7 +138,7 @@ Solution DerivedState::solve(const Solving& solving,
   validate(solving);
   transfer(progress);
   requirePoints();
-  if (solving.avoids()) makeSolids(*models_.hand, models_.object_O, progress);
+  if (solving.avoids()) placement::makeSolids(*models_.hand, models_.object_O, progress);
   const Search as_it_was(*this);
   SolveOptions options = solveOptions(solving);
   options.threads = run.threads;
@@ -289,7 +290,8 @@ Solution DerivedState::answered(SolveReport report, const Solving& solving) cons
 Solution DerivedState::judge(const Progress& progress) {
   transfer(progress);
   requirePoints();
-  if (document_.solving.avoids()) makeSolids(*models_.hand, models_.object_O, progress);
+  if (document_.solving.avoids())
+    placement::makeSolids(*models_.hand, models_.object_O, progress);
   Solution solution;
   solution.solving = document_.solving;
   solution.problem = problem(document_.solving);

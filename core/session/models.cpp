@@ -24,7 +24,7 @@ void addMesh(ContentHash& hash, const geometry::TriangleMesh& mesh) {
 }
 
 /// All of a hand that poses and patches depend on.
-std::string hashOf(const Hand& hand) {
+std::string hashOf(const hand::Hand& hand) {
   ContentHash hash;
   const hand::HandModel& model = *hand.model;
   for (const hand::Link& link : model.links())
@@ -93,7 +93,7 @@ ModelShelf::ModelShelf(SessionModels models) : first_(std::move(models)) {
   carried_[first_.object_name] = first_.contacts;
 }
 
-const Hand& ModelShelf::hand(const std::string& name, const Progress& progress) {
+const hand::Hand& ModelShelf::hand(const std::string& name, const Progress& progress) {
   const auto known = hands_.find(name);
   if (known != hands_.end()) return known->second;
   if (first_.source == nullptr) {
@@ -102,7 +102,7 @@ const Hand& ModelShelf::hand(const std::string& name, const Progress& progress) 
   }
   if (hands_.size() >= kMostModels)
     rejectInput("hand {}: a session may know {} hands", quoted(name), kMostModels);
-  Hand hand = first_.source->hand(name, progress);
+  hand::Hand hand = first_.source->hand(name, progress);
   HANDGRAFT_REQUIRE(hand.model != nullptr && hand.skin != nullptr);
   validate(*hand.model, hand.sites);
   return hands_.emplace(name, std::move(hand)).first->second;

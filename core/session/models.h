@@ -7,26 +7,10 @@
 
 #include "core/base/progress.h"
 #include "core/contact/contact_set.h"
-#include "core/geometry/log_mapper.h"
 #include "core/geometry/triangle_mesh.h"
-#include "core/hand/contact_site.h"
-#include "core/hand/hand_model.h"
-#include "core/hand/skin.h"
+#include "core/hand/hand.h"
 
 namespace handgraft::session {
-
-/// A hand ready for use; shared by all sessions.
-struct Hand {
-  std::shared_ptr<const hand::HandModel> model;
-  std::shared_ptr<const hand::Skin> skin;
-  std::vector<hand::ContactSite> sites;
-  /// Log maps of the skin, so that sessions share what those keep; a session makes its own
-  /// where it is missing.
-  std::shared_ptr<const geometry::LogMapper> skin_maps = nullptr;
-  /// Nobody chose the sites: they say which finger, and where on it only roughly. Patches on
-  /// them may slide.
-  bool sites_are_found = false;
-};
 
 /// Where sessions find models by name when an edit, an undo or a file asks for them.
 class ModelSource {
@@ -34,7 +18,7 @@ class ModelSource {
   virtual ~ModelSource() = default;
 
   /// Errors: InvalidInput or the owner's own if there is none of that name. May take long.
-  virtual Hand hand(const std::string& name, const Progress& progress) = 0;
+  virtual hand::Hand hand(const std::string& name, const Progress& progress) = 0;
   virtual std::shared_ptr<const geometry::TriangleMesh> object(const std::string& name,
                                                                const Progress& progress) = 0;
 };
@@ -42,7 +26,7 @@ class ModelSource {
 /// What a session is opened with.
 struct SessionModels {
   std::string hand_name;
-  Hand hand;
+  hand::Hand hand;
   std::string object_name;
   std::shared_ptr<const geometry::TriangleMesh> object_O;
   std::string contacts_name;
@@ -52,7 +36,7 @@ struct SessionModels {
 
 /// What a document's names stand for.
 struct Models {
-  const Hand* hand = nullptr;
+  const hand::Hand* hand = nullptr;
   std::shared_ptr<const geometry::TriangleMesh> object_O;
   /// On that mesh: carried there where the set was made for another one.
   std::shared_ptr<const contact::ContactSet> contacts;
@@ -66,7 +50,7 @@ class ModelShelf {
   explicit ModelShelf(SessionModels models);
 
   /// Errors: InvalidInput if nobody knows the name, or more than kMostModels were asked for.
-  const Hand& hand(const std::string& name, const Progress& progress);
+  const hand::Hand& hand(const std::string& name, const Progress& progress);
   std::shared_ptr<const geometry::TriangleMesh> object(const std::string& name,
                                                        const Progress& progress);
 
@@ -86,7 +70,7 @@ class ModelShelf {
 
  private:
   SessionModels first_;
-  std::map<std::string, Hand> hands_;
+  std::map<std::string, hand::Hand> hands_;
   std::map<std::string, std::shared_ptr<const geometry::TriangleMesh>> objects_;
   std::map<std::string, std::shared_ptr<const contact::ContactSet>> carried_;  ///< by object
   std::map<std::string, std::string> hashes_;

@@ -6,30 +6,30 @@
 
 #include "core/base/error.h"
 #include "core/geometry/tangent.h"
-#include "core/session/hand_placement.h"
+#include "core/placement/hand_placement.h"
+#include "core/placement/site_assignment.h"
 #include "core/session/patch_names.h"
 #include "core/session/place_matching.h"
-#include "core/session/site_assignment.h"
 
 namespace handgraft::session {
 namespace {
 
 /// The placement at a site, with a direction that is a tangent of the skin.
-transfer::Placement soundPlacementAt(const Hand& hand, const hand::ContactSite& site) {
+transfer::Placement soundPlacementAt(const hand::Hand& hand, const hand::ContactSite& site) {
   transfer::Placement placement = transfer::placementAt(*hand.model, *hand.skin, site);
   placement.direction_S = tangentAt(hand.skin->mesh(), placement.root_S, placement.direction_S)
                               .value_or(anyTangentAt(hand.skin->mesh(), placement.root_S));
   return placement;
 }
 
-void lay(const Hand& hand, const hand::ContactSite& site, DocumentPatch& patch) {
+void lay(const hand::Hand& hand, const hand::ContactSite& site, DocumentPatch& patch) {
   patch.site = site.name;
   patch.placement = soundPlacementAt(hand, site);
   patch.root_is_open = hand.sites_are_found;
   patch.dropped.clear();
 }
 
-void matchByName(const Hand& hand, Document& document) {
+void matchByName(const hand::Hand& hand, Document& document) {
   for (DocumentPatch& patch : document.patches) {
     if (patch.placement) continue;
     if (!patch.dropped.empty()) continue;
@@ -39,35 +39,37 @@ void matchByName(const Hand& hand, Document& document) {
   }
 }
 
-Anchor objectSideOf(Anchor anchor, const DocumentPatch& patch, const Models& models) {
+placement::Anchor objectSideOf(placement::Anchor anchor,
+                               const DocumentPatch& patch,
+                               const Models& models) {
   contact::Patch place;
   place.root = patch.root_O;
   place.direction_O = patch.direction_O;
-  return withObjectSide(anchor, place, *models.object_O, !patch.direction_is_open);
+  return placement::withObjectSide(anchor, place, *models.object_O, !patch.direction_is_open);
 }
 
 void matchByGeometry(const Models& models, Document& document, const Progress& progress) {
-  const Hand& hand = *models.hand;
+  const hand::Hand& hand = *models.hand;
   // === Who is left: patches and sites where at least one of the two has no finger's name
   std::vector<DocumentPatch*> patches;
-  std::vector<Anchor> patch_anchors;
-  std::vector<Anchor> fixed;
+  std::vector<placement::Anchor> patch_anchors;
+  std::vector<placement::Anchor> fixed;
   for (DocumentPatch& patch : document.patches) {
     if (!patch.placement) {
       patches.push_back(&patch);
       patch_anchors.push_back(objectSideOf({}, patch, models));
-    } else if (auto anchor = anchorAt(*hand.skin, *patch.placement)) {
+    } else if (auto anchor = placement::anchorAt(*hand.skin, *patch.placement)) {
       fixed.push_back(objectSideOf(*anchor, patch, models));
     }
   }
   std::vector<const hand::ContactSite*> sites;
-  std::vector<Anchor> site_anchors;
+  std::vector<placement::Anchor> site_anchors;
   for (const hand::ContactSite& site : hand.sites) {
     const bool is_taken =
         std::any_of(document.patches.begin(), document.patches.end(), [&](const auto& patch) {
           return patch.placement && patch.site == site.name;
         });
-    const auto anchor = anchorAt(*hand.skin, soundPlacementAt(hand, site));
+    const auto anchor = placement::anchorAt(*hand.skin, soundPlacementAt(hand, site));
     if (is_taken || !anchor) continue;
     sites.push_back(&site);
     site_anchors.push_back(*anchor);
@@ -86,9 +88,9 @@ void matchByGeometry(const Models& models, Document& document, const Progress& p
   // === Their places, and who goes without
   std::vector<int> answer(patches.size(), -1);
   if (any) {
-    const HandPlacer placer(hand.model, *hand.skin, models.object_O);
-    answer = assignSites(placer, hand.model, fixed, patch_anchors, site_anchors, permitted,
-                         document.X_WO, progress);
+    const placement::HandPlacer placer(hand.model, *hand.skin, models.object_O);
+    answer = placement::assignSites(placer, hand.model, fixed, patch_anchors, site_anchors,
+                                    permitted, document.X_WO, progress);
   }
   for (std::size_t i = 0; i < patches.size(); ++i) {
     DocumentPatch& patch = *patches[i];

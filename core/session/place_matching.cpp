@@ -13,7 +13,7 @@
 #include <fmt/ranges.h>
 
 #include "core/hand/hand_parts.h"
-#include "core/session/hand_placement.h"
+#include "core/placement/hand_placement.h"
 #include "core/session/patch_names.h"
 
 namespace handgraft::session {
@@ -93,17 +93,18 @@ std::optional<transfer::Placement> placementIn(const hand::FingerCoordinates& co
 
 /// How well a dealing reaches: less is better.
 double costOf(const Models& models,
-              const HandPlacer& placer,
+              const placement::HandPlacer& placer,
               const hand::FingerCoordinates& coordinates,
               const std::vector<Placed>& placed,
               const Dealing& dealing,
               const Pose& X_WO,
               const Progress& progress) {
-  std::vector<Anchor> anchors;
+  std::vector<placement::Anchor> anchors;
   double dropped = 0.0;
   for (const Placed& one : placed) {
     const auto placement = placementIn(coordinates, one.place, dealing);
-    auto anchor = placement ? anchorAt(*models.hand->skin, *placement) : std::nullopt;
+    auto anchor =
+        placement ? placement::anchorAt(*models.hand->skin, *placement) : std::nullopt;
     if (!anchor) {
       dropped += kDropped;
       continue;
@@ -111,8 +112,8 @@ double costOf(const Models& models,
     contact::Patch side;
     side.root = one.patch->root_O;
     side.direction_O = one.patch->direction_O;
-    anchors.push_back(
-        withObjectSide(*anchor, side, *models.object_O, side.direction_O.has_value()));
+    anchors.push_back(placement::withObjectSide(*anchor, side, *models.object_O,
+                                                side.direction_O.has_value()));
   }
   if (anchors.empty()) return std::numeric_limits<double>::infinity();
   return placer.place(anchors, X_WO, kStartsEach, progress).front().score + dropped;
@@ -159,7 +160,7 @@ Dealing deal(const Models& models,
   for (Dealing& way : ways)
     way.insert(kept.begin(), kept.end());
   if (ways.empty()) ways = {same};
-  const HandPlacer placer(models.hand->model, *models.hand->skin, models.object_O);
+  const placement::HandPlacer placer(models.hand->model, *models.hand->skin, models.object_O);
   Dealing best = ways.front();
   double least = std::numeric_limits<double>::infinity();
   for (const Dealing& way : ways) {
@@ -180,7 +181,7 @@ Dealing deal(const Models& models,
   return best;
 }
 
-bool isSiteOf(const Hand& hand, const std::string& name) {
+bool isSiteOf(const hand::Hand& hand, const std::string& name) {
   return std::any_of(hand.sites.begin(), hand.sites.end(), [&](const auto& site) {
     return site.name == name;
   });
@@ -230,7 +231,7 @@ void matchByPlace(const Models& models,
   }
 }
 
-std::vector<char> linksOfSite(const Hand& hand,
+std::vector<char> linksOfSite(const hand::Hand& hand,
                               const hand::FingerCoordinates& coordinates,
                               const std::string& site) {
   std::vector<char> links(coordinates.parts().size(), 0);

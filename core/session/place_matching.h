@@ -22,7 +22,7 @@ void matchByPlace(const Models& models,
 /// The links that a patch laid on `site` may slide on, a flag a link: of the palm, or of the
 /// digit whose segment or site it is. Longer fingers meet an object elsewhere on their
 /// segments.
-std::vector<char> linksOfSite(const Hand& hand,
+std::vector<char> linksOfSite(const hand::Hand& hand,
                               const hand::FingerCoordinates& coordinates,
                               const std::string& site);
 

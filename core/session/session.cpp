@@ -10,7 +10,7 @@
 namespace handgraft::session {
 namespace {
 
-SessionModels modelsOf(Hand hand,
+SessionModels modelsOf(hand::Hand hand,
                        std::shared_ptr<const geometry::TriangleMesh> object_O,
                        const contact::ContactSet& contacts) {
   HANDGRAFT_REQUIRE(hand.model != nullptr);
@@ -66,7 +66,7 @@ Session::Session(SessionModels models,
   log_ = Log({history_, revision_});
 }
 
-Session::Session(Hand hand,
+Session::Session(hand::Hand hand,
                  std::shared_ptr<const geometry::TriangleMesh> object_O,
                  const contact::ContactSet& contacts,
                  const Pose& X_WO,

@@ -57,7 +57,7 @@ class Session {
           const transfer::TransferOptions& transfer_options = {});
 
   /// The same with the models' own names and no others to swap to.
-  Session(Hand hand,
+  Session(hand::Hand hand,
           std::shared_ptr<const geometry::TriangleMesh> object_O,
           const contact::ContactSet& contacts,
           const Pose& X_WO,
@@ -178,7 +178,7 @@ class Session {
 
   [[nodiscard]] const std::vector<SessionPatch>& patches() const { return derived_.patches(); }
 
-  [[nodiscard]] const Hand& hand() const { return *derived_.models().hand; }
+  [[nodiscard]] const hand::Hand& hand() const { return *derived_.models().hand; }
 
   [[nodiscard]] const geometry::TriangleMesh& object() const {
     return *derived_.models().object_O;

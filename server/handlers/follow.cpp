@@ -42,7 +42,7 @@ manipulation::DemonstratedFrame demonstratedFrom(const v1::DemonstratorFrame& me
 
 v1::PoseSolution answerOf(LiveSession& live,
                           const v1::DemonstratorFrame& frame,
-                          const session::LiveFollower::Answer& answer) {
+                          const retargeting::LiveFollower::Answer& answer) {
   v1::PoseSolution solution;
   solution.is_final(true);
   solution.solver("causal");
@@ -58,11 +58,11 @@ v1::PoseSolution answerOf(LiveSession& live,
 }
 
 /// Of the session as it stands: an edit makes another one, which begins anew.
-session::LiveFollower& followerOf(LiveSession& live) {
+retargeting::LiveFollower& followerOf(LiveSession& live) {
   session::Session& session = live.session();
   Following& following = live.following;
   if (!following.follower || following.revision != session.revision()) {
-    following.follower = std::make_shared<session::LiveFollower>(
+    following.follower = std::make_shared<retargeting::LiveFollower>(
         session.document(), session.hand(), session.sharedObject(), live.solves());
     following.revision = session.revision();
   }

@@ -7,7 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/hand/kinematics.h"
-#include "core/session/motion_solving.h"
+#include "core/retargeting/motion_solving.h"
 #include "core/session/timed_edit.h"
 #include "server/admission/rejection.h"
 #include "server/handlers/motions.h"

@@ -11,7 +11,7 @@
 #include "core/hand/kinematics.h"
 #include "core/io/session_file.h"
 #include "core/io/trajectory_writer.h"
-#include "core/session/motion_solving.h"
+#include "core/retargeting/motion_solving.h"
 #include "core/session/timed_edit.h"
 #include "idl/fields.h"
 #include "server/admission/rejection.h"
@@ -27,10 +27,10 @@ constexpr std::size_t kMostBytesSent = 8u << 20;
 constexpr double kJointAtLimit = 1e-6;  // rad or m, as manipulation::jointsAtLimits
 
 /// Zeros stand for defaults.
-session::MotionSolving motionSolvingFrom(const v1::SolveMotionRequest& request) {
-  if (request.options().empty()) return session::motionSolving(false);
+retargeting::MotionSolving motionSolvingFrom(const v1::SolveMotionRequest& request) {
+  if (request.options().empty()) return retargeting::motionSolving(false);
   const v1::MotionOptions& options = request.options().front();
-  session::MotionSolving solving = session::motionSolving(options.causal());
+  retargeting::MotionSolving solving = retargeting::motionSolving(options.causal());
   if (options.smoothness() > 0.0) solving.options.smoothness = options.smoothness();
   if (options.fade_s() > 0.0) solving.options.fade.seconds = options.fade_s();
   if (options.solving().starts() > 0)
@@ -40,7 +40,7 @@ session::MotionSolving motionSolvingFrom(const v1::SolveMotionRequest& request) 
   return solving;
 }
 
-v1::MotionOptions motionMessage(const session::MotionSolving& solving) {
+v1::MotionOptions motionMessage(const retargeting::MotionSolving& solving) {
   v1::MotionOptions options;
   options.causal(solving.causal);
   options.smoothness(solving.options.smoothness);
@@ -55,7 +55,7 @@ v1::MotionSummary summaryOf(const LiveSession& live,
                             const LiveMotion& motion,
                             const Progress& progress) {
   constexpr int kToldEvery = 256;  // frames: a long motion takes seconds
-  const session::SolvedMotion& solved = *motion.solved;
+  const retargeting::SolvedMotion& solved = *motion.solved;
   const std::vector<hand::HandPose>& poses = solved.trajectory.poses;
   v1::MotionSummary summary;
   summary.session_id(live.id());
@@ -73,15 +73,15 @@ v1::MotionSummary summaryOf(const LiveSession& live,
   summary.max_velocity(smoothness.max_velocity);
   summary.max_acceleration(smoothness.max_acceleration);
   summary.rms_jerk(smoothness.rms_jerk);
-  const session::MotionFits fits(*motion.motion, solved);
+  const retargeting::MotionFits fits(*motion.motion, solved);
   std::uint32_t reached = 0;
   for (int k = 0; k < static_cast<int>(poses.size()); ++k) {
     if (k % kToldEvery == 0)
       progress.report("judging frames",
                       static_cast<double>(k) / static_cast<double>(poses.size()));
-    const std::vector<session::PatchFrameFit> patches = fits.at(k);
+    const std::vector<retargeting::PatchFrameFit> patches = fits.at(k);
     reached += std::all_of(patches.begin(), patches.end(),
-                           [](const session::PatchFrameFit& patch) {
+                           [](const retargeting::PatchFrameFit& patch) {
                              return patch.reached || patch.presence < 1.0;
                            })
                    ? 1
@@ -111,7 +111,7 @@ enum class Detail { kNumbers, kLinks, kShapes };
 
 /// A patch as it lies in a frame, edited as it may be: as many of its correspondences as an
 /// outline has points.
-void putShape(const session::SolvedMotion& solved,
+void putShape(const retargeting::SolvedMotion& solved,
               const manipulation::PatchTrack& track,
               int motion_track,
               int frame,
@@ -137,8 +137,8 @@ void putShape(const session::SolvedMotion& solved,
 }
 
 v1::MotionFrame frameMessage(const LiveMotion& motion,
-                             const session::SolvedMotion& solved,
-                             const session::MotionFits& fits,
+                             const retargeting::SolvedMotion& solved,
+                             const retargeting::MotionFits& fits,
                              int frame,
                              Detail detail) {
   const auto at = static_cast<std::size_t>(frame);
@@ -157,7 +157,7 @@ v1::MotionFrame frameMessage(const LiveMotion& motion,
   hand::LinkPoses links_W;
   if (detail != Detail::kNumbers)
     links_W = hand::forwardKinematics(*solved.problem.model, {X_WH, pose.q});
-  for (const session::PatchFrameFit& fit : fits.at(frame)) {
+  for (const retargeting::PatchFrameFit& fit : fits.at(frame)) {
     v1::FramePatch patch;
     patch.patch(static_cast<std::uint32_t>(fit.patch));
     patch.presence(fit.presence);
@@ -196,7 +196,7 @@ LiveMotion& motionOf(LiveSession& live) {
   rejectInput("session {} holds contacts, no motion", live.id());
 }
 
-const session::SolvedMotion& solvedOf(LiveSession& live) {
+const retargeting::SolvedMotion& solvedOf(LiveSession& live) {
   const LiveMotion& motion = motionOf(live);
   if (motion.solved) return *motion.solved;
   rejectInput("the motion of session {} has no answer yet; solve it first", live.id());
@@ -205,7 +205,7 @@ const session::SolvedMotion& solvedOf(LiveSession& live) {
 namespace {
 
 /// How a motion was solved, as the session's log has it.
-session::FollowedMotion followedBy(const session::MotionSolving& solving) {
+session::FollowedMotion followedBy(const retargeting::MotionSolving& solving) {
   return {solving.causal,
           solving.options.smoothness,
           solving.options.fade.seconds,
@@ -217,13 +217,13 @@ session::FollowedMotion followedBy(const session::MotionSolving& solving) {
 /// Solves the session's motion as it stands; the answer is kept.
 void follow(LiveSession& live,
             LiveMotion& motion,
-            const session::MotionSolving& solving,
+            const retargeting::MotionSolving& solving,
             Workshop& workshop,
             const Progress& told,
-            const session::MotionBench::OnStretch& on_stretch = {}) {
+            const retargeting::EditedMotion::OnStretch& on_stretch = {}) {
   session::Session& session = live.session();
   if (!motion.bench)
-    motion.bench = std::make_shared<session::MotionBench>(motion.motion, motion.object_O);
+    motion.bench = std::make_shared<retargeting::EditedMotion>(motion.motion, motion.object_O);
   told.checkpoint();
   const auto begin = std::chrono::steady_clock::now();
   const Workshop::Share share(workshop);
@@ -242,10 +242,10 @@ class FramesTold {
       : live_(live), motion_(motion), before_(motion.solved) {}
 
   /// Those that differ from what was told before, in `range`.
-  void tell(const session::SolvedMotion& solved, session::FrameRange range) {
+  void tell(const retargeting::SolvedMotion& solved, retargeting::FrameRange range) {
     constexpr std::size_t kFramesAtOnce = 256;
     if (told_.empty()) told_.assign(solved.trajectory.poses.size(), false);
-    const session::MotionFits fits(*motion_.motion, solved);
+    const retargeting::MotionFits fits(*motion_.motion, solved);
     v1::MotionFrames frames = begun(solved);
     for (int k = range.first; k < range.end; ++k) {
       const auto at = static_cast<std::size_t>(k);
@@ -260,7 +260,7 @@ class FramesTold {
   }
 
   /// Of long motions the changed frames are asked for.
-  void end(const session::SolvedMotion& solved) {
+  void end(const retargeting::SolvedMotion& solved) {
     constexpr int kMostTold = 4096;
     const auto count = static_cast<int>(solved.trajectory.poses.size());
     if (count <= kMostTold) tell(solved, {0, count});
@@ -270,14 +270,14 @@ class FramesTold {
   }
 
  private:
-  [[nodiscard]] v1::MotionFrames begun(const session::SolvedMotion& solved) const {
+  [[nodiscard]] v1::MotionFrames begun(const retargeting::SolvedMotion& solved) const {
     v1::MotionFrames frames;
     frames.revision(live_.session().revision());
     frames.frame_count(static_cast<std::uint32_t>(solved.trajectory.poses.size()));
     return frames;
   }
 
-  [[nodiscard]] bool isAsBefore(const session::SolvedMotion& solved, std::size_t at) const {
+  [[nodiscard]] bool isAsBefore(const retargeting::SolvedMotion& solved, std::size_t at) const {
     if (!before_ || before_->trajectory.poses.size() != solved.trajectory.poses.size())
       return false;
     const hand::HandPose& a = before_->trajectory.poses[at];
@@ -287,7 +287,7 @@ class FramesTold {
 
   LiveSession& live_;
   LiveMotion& motion_;
-  std::shared_ptr<const session::SolvedMotion> before_;
+  std::shared_ptr<const retargeting::SolvedMotion> before_;
   std::vector<bool> told_;
 };
 
@@ -306,9 +306,9 @@ v1::MotionSummary solveMotion(LiveSession& live,
                               const Progress& progress) {
   LiveMotion& motion = motionOf(live);
   requireOwnObject(live, motion);
-  const session::MotionSolving solving = request.options().empty() && motion.solving
-                                             ? *motion.solving
-                                             : motionSolvingFrom(request);
+  const retargeting::MotionSolving solving = request.options().empty() && motion.solving
+                                                 ? *motion.solving
+                                                 : motionSolvingFrom(request);
   FramesTold told_frames(live, motion);
   const SolveEnd end = runInPhase(live, v1::PHASE_OPTIMIZING, Patience::kUnhurried, progress,
                                   [&](SolveCycle::Run&, const Progress& told) {
@@ -330,7 +330,8 @@ bool followsEdits(LiveSession& live) {
 SolveEnd solveMotionAfterEdit(LiveSession& live, Workshop& workshop, const Progress& progress) {
   LiveMotion& motion = motionOf(live);
   FramesTold told_frames(live, motion);
-  const auto tell = [&](const session::SolvedMotion& as_far, session::FrameRange range) {
+  const auto tell = [&](const retargeting::SolvedMotion& as_far,
+                        retargeting::FrameRange range) {
     told_frames.tell(as_far, range);
   };
   const SolveEnd end = runInPhase(live, v1::PHASE_OPTIMIZING, Patience::kAnswer, progress,
@@ -345,7 +346,7 @@ SolveEnd solveMotionAfterEdit(LiveSession& live, Workshop& workshop, const Progr
 void resumeFollowing(LiveSession& live, const session::FollowedMotion& followed) {
   LiveMotion* motion = live.motion();
   if (motion == nullptr) return;
-  session::MotionSolving solving = session::motionSolving(followed.causal);
+  retargeting::MotionSolving solving = retargeting::motionSolving(followed.causal);
   solving.options.smoothness = followed.smoothness;
   solving.options.fade.seconds = followed.fade_s;
   solving.options.starts = followed.starts;
@@ -355,7 +356,7 @@ void resumeFollowing(LiveSession& live, const session::FollowedMotion& followed)
 }
 
 v1::MotionFrames motionFrames(LiveSession& live, const v1::MotionFramesRequest& request) {
-  const session::SolvedMotion& solved = solvedOf(live);
+  const retargeting::SolvedMotion& solved = solvedOf(live);
   const LiveMotion& motion = *live.motion();
   const std::size_t count = solved.trajectory.poses.size();
   if (request.first() >= count) {
@@ -366,7 +367,7 @@ v1::MotionFrames motionFrames(LiveSession& live, const v1::MotionFramesRequest& 
       kMostBytesSent / bytesOfFrame(motion, request.with_shapes()), 1, kMostFramesSent);
   const std::size_t most =
       request.count() == 0 ? fitting : std::min<std::size_t>(fitting, request.count());
-  const session::MotionFits fits(*motion.motion, solved);
+  const retargeting::MotionFits fits(*motion.motion, solved);
   const Detail detail = request.with_shapes() ? Detail::kShapes : Detail::kNumbers;
   v1::MotionFrames reply;
   reply.session_id(live.id());
@@ -382,7 +383,7 @@ v1::MotionFrames motionFrames(LiveSession& live, const v1::MotionFramesRequest& 
 }
 
 std::string motionExport(LiveSession& live, v1::ExportFormat format) {
-  const session::SolvedMotion& solved = solvedOf(live);
+  const retargeting::SolvedMotion& solved = solvedOf(live);
   const LiveMotion& motion = *live.motion();
   const session::Document& document = live.session().document();
   io::HandTrajectory trajectory;

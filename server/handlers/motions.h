@@ -10,7 +10,7 @@ namespace handgraft::server {
 
 /// Errors: InvalidInput if the session holds no motion; where it has no answer yet.
 LiveMotion& motionOf(LiveSession& live);
-const session::SolvedMotion& solvedOf(LiveSession& live);
+const retargeting::SolvedMotion& solvedOf(LiveSession& live);
 
 /// Has the session's hand follow its motion, and keeps the answer. Edits wait for its end;
 /// anybody may stop it. Of the session's strand.

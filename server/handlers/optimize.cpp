@@ -11,7 +11,7 @@
 
 #include "core/base/error.h"
 #include "core/io/session_file.h"
-#include "core/session/solids.h"
+#include "core/placement/solids.h"
 #include "server/handlers/kept_sessions.h"
 #include "server/handlers/motions.h"
 #include "server/handlers/solving_phase.h"
@@ -45,7 +45,7 @@ double msSince(Clock::time_point begin) {
 /// Hand and object as solids, which the report needs; how long they were waited for, ms.
 double awaitSolids(const session::Session& session, const Progress& progress) {
   const Clock::time_point begin = Clock::now();
-  session::makeSolids(session.hand(), session.sharedObject(), progress);
+  placement::makeSolids(session.hand(), session.sharedObject(), progress);
   return msSince(begin);
 }
 

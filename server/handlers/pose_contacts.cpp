@@ -9,8 +9,8 @@
 
 #include "core/base/content_hash.h"
 #include "core/base/error.h"
+#include "core/demonstration/posed_hand_contacts.h"
 #include "core/hand/floating_base.h"
-#include "core/session/posed_hand_contacts.h"
 #include "server/handlers/enter_model.h"
 #include "server/messages/convert.h"
 #include "server/messages/load_messages.h"
@@ -162,8 +162,8 @@ v1::ModelList contactsOfPose(const v1::PoseContactsRequest& request,
   const contact::SegmentationOptions segmentation = segmentationOf(request);
   AskedPose asked = askedPoseFrom(request, *hand);
 
-  const session::Hand ready = hand->hand->get(progress);
-  session::PosedContacts posed = session::contactsOfPosedHand(
+  const hand::Hand ready = hand->hand->get(progress);
+  demonstration::PosedContacts posed = demonstration::contactsOfPosedHand(
       ready, asked.pose, object->file->mesh, X_WO, reach, segmentation, progress);
 
   StoredContacts contacts;

@@ -6,7 +6,7 @@
 
 namespace handgraft::server {
 
-/// Solves every grasp with every combination of values (core/session/sweep.h). No session is
+/// Solves every grasp with every combination of values (core/sweep/sweep.h). No session is
 /// opened. The hand's skin is made if need be.
 ///
 /// Errors: InvalidInput as session::sweep, and for contacts of another mesh than the object's;

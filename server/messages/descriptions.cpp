@@ -12,7 +12,7 @@
 #include "core/io/motion_file.h"
 #include "core/io/sites_file.h"
 #include "core/io/urdf_writer.h"
-#include "core/session/motion_solving.h"
+#include "core/retargeting/motion_solving.h"
 #include "server/admission/rejection.h"
 #include "server/messages/convert.h"
 
@@ -50,7 +50,7 @@ v1::SegmentInfo segmentInfo(const hand::HandModel& model,
 }
 
 /// What its names and its shape say of a hand's fingers, and what they do not.
-void addFingers(v1::HandDescription& message, const session::Hand& hand) {
+void addFingers(v1::HandDescription& message, const hand::Hand& hand) {
   hand::LinkPoses X_SL;
   forwardKinematics(*hand.model, Pose::Identity(), hand.skin->qReference(), X_SL);
   const hand::Anatomy anatomy = anatomyOf(*hand.model, X_SL, hand.sites);
@@ -332,7 +332,7 @@ v1::MotionDescription describe(const StoredMotion& stored, bool with_file) {
   message.object(stored.object_name);
   message.duration_s(motion.duration());
   message.frame_count(static_cast<std::uint32_t>(motion.frameCount()));
-  message.patches(session::patchNames(motion));
+  message.patches(retargeting::patchNames(motion));
   for (const manipulation::PatchTrack& track : motion.tracks) {
     v1::PresenceInfo presence;
     presence.patch(track.name);

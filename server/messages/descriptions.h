@@ -15,7 +15,7 @@ inline constexpr std::size_t kMostMeshBytes = 256u << 20;
 
 /// A hand's skin and how it was made.
 struct SkinnedHand {
-  session::Hand hand;
+  hand::Hand hand;
   hand::SkinReport report;
 };
 

@@ -3,8 +3,7 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/session/solids.h"
-#include "core/session/verdicts.h"
+#include "core/verdict/verdicts.h"
 #include "server/messages/convert.h"
 
 namespace handgraft::server {
@@ -47,7 +46,7 @@ v1::Penetration penetrationMessage(const session::Session& session,
   const auto nameOf = [&model](int link) {
     return model.links()[static_cast<std::size_t>(link)].name;
   };
-  const quality::Penetration found = session::penetrationOf(session, pose, progress);
+  const quality::Penetration found = verdict::penetrationOf(session, pose, progress);
   v1::Penetration message;
   message.max_depth_m(found.max_depth_m);
   message.mean_depth_m(found.mean_depth_m);
@@ -71,14 +70,14 @@ v1::Penetration penetrationMessage(const session::Session& session,
 void diagnose(const session::Session& session,
               const optimize::PoseProblem& problem,
               const optimize::SolveReport& report,
-              session::FitCheck& check,
+              verdict::FitCheck& check,
               v1::PoseSolution& message,
               const Progress& progress) {
   message.penetration({penetrationMessage(session, report.pose, progress)});
   progress.checkpoint();
-  const session::FitFindings& findings = check.of(session, problem, &report);
+  const verdict::FitFindings& findings = check.of(session, problem, &report);
   progress.checkpoint();
-  const session::Verdicts verdicts = verdictsOf(session, problem, report, findings, progress);
+  const verdict::Verdicts verdicts = verdictsOf(session, problem, report, findings, progress);
   const hand::HandModel& model = *problem.model;
   const auto& patches = verdicts.diagnosis.patches;
   HANDGRAFT_REQUIRE(patches.size() <= message.patches().size());
@@ -99,7 +98,7 @@ void diagnose(const session::Session& session,
   message.too_large(verdicts.too_large);
 }
 
-std::string foretell(const session::Session& session, session::FitCheck& check) {
+std::string foretell(const session::Session& session, verdict::FitCheck& check) {
   return lineOf(session, check.of(session, session.problem()));
 }
 

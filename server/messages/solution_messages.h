@@ -4,8 +4,8 @@
 
 #include "core/base/progress.h"
 #include "core/optimize/solve_report.h"
-#include "core/session/fit_check.h"
 #include "core/session/session.h"
+#include "core/verdict/fit_check.h"
 #include "idl/sessions.h"
 
 /// What a solution says of itself on the wire.
@@ -19,12 +19,12 @@ namespace handgraft::server {
 void diagnose(const session::Session& session,
               const optimize::PoseProblem& problem,
               const optimize::SolveReport& report,
-              session::FitCheck& check,
+              verdict::FitCheck& check,
               v1::PoseSolution& message,
               const Progress& progress);
 
 /// What is known of sizes before a search: the line for people, empty if all may fit.
 /// Transfer first. Cost: as session::FitCheck.
-std::string foretell(const session::Session& session, session::FitCheck& check);
+std::string foretell(const session::Session& session, verdict::FitCheck& check);
 
 }  // namespace handgraft::server

@@ -25,11 +25,11 @@ hand::HandChange changeFrom(const v1::HandChange& change) {
   return {propertyFrom(change.property()), change.target(), change.value()};
 }
 
-session::SweepAxis axisFrom(const v1::SweepAxis& axis) {
+sweep::SweepAxis axisFrom(const v1::SweepAxis& axis) {
   return {propertyFrom(axis.property()), axis.target(), axis.values()};
 }
 
-v1::SweepRow toMessage(const session::SweepRow& row) {
+v1::SweepRow toMessage(const sweep::SweepRow& row) {
   v1::SweepRow message;
   message.grasp(static_cast<std::uint32_t>(row.grasp));
   message.values(row.values);
@@ -42,7 +42,7 @@ v1::SweepRow toMessage(const session::SweepRow& row) {
   message.normal_deg(row.normal_deg);
   message.patch_count(static_cast<std::uint32_t>(row.patch_count));
   message.reached_count(static_cast<std::uint32_t>(row.reached_count));
-  for (const session::LimitedJoint& limit : row.joints_at_limit)
+  for (const sweep::LimitedJoint& limit : row.joints_at_limit)
     message.joints_at_limit().push_back(limitOf(limit.joint, limit.upper));
   message.joint_positions({row.q.data(), row.q.data() + row.q.size()});
   message.solve_ms(row.solve_ms);

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/hand/variant.h"
-#include "core/session/sweep.h"
+#include "core/sweep/sweep.h"
 #include "idl/studies.h"
 
 /// Variants and sweeps, from messages to core types and back; as convert.h, and checked as
@@ -12,10 +12,10 @@ namespace handgraft::server {
 
 hand::HandProperty propertyFrom(v1::HandProperty property);
 hand::HandChange changeFrom(const v1::HandChange& change);
-session::SweepAxis axisFrom(const v1::SweepAxis& axis);
+sweep::SweepAxis axisFrom(const v1::SweepAxis& axis);
 
 // === To the wire
 
-v1::SweepRow toMessage(const session::SweepRow& row);
+v1::SweepRow toMessage(const sweep::SweepRow& row);
 
 }  // namespace handgraft::server

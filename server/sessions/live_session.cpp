@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/base/error.h"
-#include "core/session/solids.h"
+#include "core/placement/solids.h"
 #include "server/messages/convert.h"
 
 namespace handgraft::server {
@@ -173,7 +173,7 @@ void LiveSession::advance(std::string_view stage, double fraction) {
 }
 
 void LiveSession::prepareSolids(const std::shared_ptr<LiveSession>& self, StrandPool& pool) {
-  const session::Hand& hand = session_.hand();
+  const hand::Hand& hand = session_.hand();
   const std::shared_ptr<const geometry::TriangleMesh>& object_O = session_.sharedObject();
   if (begun_hand_.lock() == hand.model && begun_object_.lock() == object_O) return;
   begun_hand_ = hand.model;
@@ -181,8 +181,8 @@ void LiveSession::prepareSolids(const std::shared_ptr<LiveSession>& self, Strand
   const bool is_taken = pool.post([self, hand, object_O] {
     try {
       // The object first: a session that comes to wait begins with the hand.
-      static_cast<void>(session::solidOf(object_O, self->solves()));
-      session::makeSolids(hand, object_O, self->solves());
+      static_cast<void>(placement::solidOf(object_O, self->solves()));
+      placement::makeSolids(hand, object_O, self->solves());
     } catch (const std::exception&) {  // who needs them tries again, and tells
     }
   });

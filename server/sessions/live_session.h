@@ -11,11 +11,11 @@
 
 #include "core/base/progress.h"
 #include "core/manipulation/motion.h"
-#include "core/session/fit_check.h"
-#include "core/session/live_follower.h"
-#include "core/session/motion_bench.h"
-#include "core/session/motion_solving.h"
+#include "core/retargeting/edited_motion.h"
+#include "core/retargeting/live_follower.h"
+#include "core/retargeting/motion_solving.h"
 #include "core/session/session.h"
+#include "core/verdict/fit_check.h"
 #include "idl/motions.h"
 #include "idl/sensor_msgs.h"
 #include "idl/sessions.h"
@@ -52,13 +52,13 @@ struct LiveMotion {
   std::shared_ptr<const manipulation::Motion> motion;
   std::shared_ptr<const geometry::TriangleMesh> object_O;  ///< that it lies on
   /// The last answer, and the revision of the edits that it answers; null before.
-  std::shared_ptr<const session::SolvedMotion> solved{};
+  std::shared_ptr<const retargeting::SolvedMotion> solved{};
   unsigned long long solved_revision = 0;
   double solve_ms = 0.0;
   /// How it was asked to be solved last: so it is after each edit. Nothing: nobody asked yet.
-  std::optional<session::MotionSolving> solving{};
+  std::optional<retargeting::MotionSolving> solving{};
   /// Made with the first solve.
-  std::shared_ptr<session::MotionBench> bench{};
+  std::shared_ptr<retargeting::EditedMotion> bench{};
   std::uint64_t frames_sequence = 0;  ///< of what is published of its frames
   v1::MotionClock clock{};            ///< that all watchers share
 };
@@ -72,7 +72,7 @@ struct StagesTook {
 
 /// Who follows a demonstrator, as the session stood at that revision.
 struct Following {
-  std::shared_ptr<session::LiveFollower> follower;  ///< null before the first frame
+  std::shared_ptr<retargeting::LiveFollower> follower;  ///< null before the first frame
   unsigned long long revision = 0;
   std::string trouble;  ///< why the last frame was refused; empty: it was not
 };
@@ -187,7 +187,7 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
   bool is_asleep = false;
   Following following;
   StagesTook took;
-  session::FitCheck fit_check;  ///< remembers which sizes fit
+  verdict::FitCheck fit_check;  ///< remembers which sizes fit
 
  private:
   /// The session as it stands, into a state that is being changed; of the strand.

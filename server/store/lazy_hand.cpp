@@ -21,7 +21,7 @@ LazyHand::Maker wrapping(std::shared_ptr<const hand::HandModel> model,
                          const hand::SkinOptions& options) {
   return [model = std::move(model), sites = std::move(sites), options](
              const Progress& progress, hand::SkinReport& report) {
-    session::Hand made;
+    hand::Hand made;
     made.model = model;
     made.skin =
         std::make_shared<const hand::Skin>(hand::SkinCache::fromEnvironment(builtInSkins())
@@ -44,7 +44,7 @@ LazyHand::LazyHand(std::shared_ptr<const hand::HandModel> model,
                    Maker maker)
     : model_(std::move(model)), own_sites_(std::move(sites)), maker_(std::move(maker)) {}
 
-std::optional<session::Hand> LazyHand::ready() const {
+std::optional<hand::Hand> LazyHand::ready() const {
   const std::lock_guard lock(mutex_);
   return hand_;
 }
@@ -55,7 +55,7 @@ std::vector<std::string> LazyHand::skinNotes() const {
 }
 
 hand::SkinReport LazyHand::skinReport(const Progress& progress) {
-  const session::Hand made = get(progress);
+  const hand::Hand made = get(progress);
   std::unique_lock lock(mutex_);
   while (being_measured_) {
     lock.unlock();
@@ -84,7 +84,7 @@ hand::SkinReport LazyHand::skinReport(const Progress& progress) {
   return report;
 }
 
-session::Hand LazyHand::get(const Progress& progress) {
+hand::Hand LazyHand::get(const Progress& progress) {
   std::unique_lock lock(mutex_);
   while (!hand_) {
     if (failure_) std::rethrow_exception(failure_);
@@ -102,7 +102,7 @@ session::Hand LazyHand::get(const Progress& progress) {
     }
     being_made_ = true;
     lock.unlock();
-    std::optional<session::Hand> made;
+    std::optional<hand::Hand> made;
     hand::SkinReport report;
     std::exception_ptr failure;
     bool cancelled = false;
@@ -144,10 +144,10 @@ std::shared_ptr<LazyHand> variantOf(std::shared_ptr<LazyHand> parent,
       model, sites,
       [parent = std::move(parent), variant = std::move(variant), model](
           const Progress& progress, hand::SkinReport& report) {
-        const session::Hand original = parent->get(progress);
+        const hand::Hand original = parent->get(progress);
         progress.report("bending the skin along", 0.9);
         const auto begin = std::chrono::steady_clock::now();
-        session::Hand made;
+        hand::Hand made;
         made.model = model;
         made.skin = hand::SkinBending(original.model, original.skin).bent(*variant);
         made.sites = hand::sitesOfVariant(*variant, original.sites);

@@ -22,7 +22,7 @@ namespace handgraft::server {
 class LazyHand {
  public:
   /// Makes the hand, and says how its skin was made.
-  using Maker = std::function<session::Hand(const Progress&, hand::SkinReport&)>;
+  using Maker = std::function<hand::Hand(const Progress&, hand::SkinReport&)>;
 
   /// `sites` missing: found on the skin.
   LazyHand(std::shared_ptr<const hand::HandModel> model,
@@ -36,10 +36,10 @@ class LazyHand {
   /// The hand, made by the first caller while the others wait and see its progress. Whoever
   /// made it and is cancelled leaves the work to the next. Errors: InvalidInput if no skin can
   /// be made (remembered); Cancelled for this caller alone.
-  session::Hand get(const Progress& progress);
+  hand::Hand get(const Progress& progress);
 
   /// The hand if it is made already; its sites are known before that if the model brings them.
-  [[nodiscard]] std::optional<session::Hand> ready() const;
+  [[nodiscard]] std::optional<hand::Hand> ready() const;
 
   /// What there is to say of the skin once it is made: its maker's notes, also where it came
   /// from a cache. Empty before.
@@ -62,7 +62,7 @@ class LazyHand {
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::optional<session::Hand> hand_;
+  std::optional<hand::Hand> hand_;
   hand::SkinReport report_;  ///< of `hand_`
   bool is_measured_ = false;
   bool being_measured_ = false;

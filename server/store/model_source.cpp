@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "core/session/motion_solving.h"
+#include "core/retargeting/motion_solving.h"
 
 namespace handgraft::server {
 
@@ -13,7 +13,7 @@ class StoreSource final : public session::ModelSource {
   explicit StoreSource(std::shared_ptr<const NamedModels> models)
       : models_(std::move(models)) {}
 
-  session::Hand hand(const std::string& name, const Progress& progress) override {
+  hand::Hand hand(const std::string& name, const Progress& progress) override {
     return models_->hand(name)->hand->get(progress);
   }
 
@@ -81,7 +81,7 @@ session::SessionModels motionModels(const std::string& hand,
   made.object_O = meshOf(stored_object);
   made.contacts_name = motion;
   made.contacts = std::make_shared<const contact::ContactSet>(
-      session::graspOf(*stored_motion->motion, stored_object->file->mesh));
+      retargeting::graspOf(*stored_motion->motion, stored_object->file->mesh));
   made.source = std::move(source);
   return made;
 }

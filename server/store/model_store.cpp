@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/base/error.h"
-#include "core/session/motion_solving.h"
+#include "core/retargeting/motion_solving.h"
 #include "idl/fields.h"
 #include "server/admission/rejection.h"
 
@@ -356,10 +356,10 @@ v1::ModelSummary summaryOf(const StoredContacts& contacts) {
 
 v1::ModelSummary summaryOf(const StoredMotion& motion) {
   const manipulation::Motion& frames = *motion.motion;
-  return summary(
-      v1::MODEL_MOTION, motion.name, motion.origin,
-      fmt::format("{} frames in {:.2f} s, {} patches on {}", frames.frameCount(),
-                  frames.duration(), session::patchNames(frames).size(), motion.object_name));
+  return summary(v1::MODEL_MOTION, motion.name, motion.origin,
+                 fmt::format("{} frames in {:.2f} s, {} patches on {}", frames.frameCount(),
+                             frames.duration(), retargeting::patchNames(frames).size(),
+                             motion.object_name));
 }
 
 }  // namespace handgraft::server

@@ -166,7 +166,7 @@ void run(const ChainArguments& arguments) {
   const std::vector<ScannedGrasp> grasps = graspsOf(arguments);
   std::vector<ChainOutcome> outcomes;
   for (const std::string& urdf : handsOf(arguments)) {
-    const session::Hand hand = readHand(urdf, arguments.cache);
+    const hand::Hand hand = readHand(urdf, arguments.cache);
     for (const ScannedGrasp& grasp : grasps)
       outcomes.push_back(graspWith(hand, grasp, !arguments.touch_only));
   }

@@ -10,8 +10,9 @@
 #include "core/io/contact_file.h"
 #include "core/io/mesh_file.h"
 #include "core/io/urdf_file.h"
-#include "core/session/hand_placement.h"
-#include "core/session/solids.h"
+#include "core/placement/hand_placement.h"
+#include "core/placement/solids.h"
+#include "core/verdict/verdicts.h"
 
 #include "tests/bench/recorded_joints.h"
 #include "tests/bench/timing.h"
@@ -29,8 +30,8 @@ ScannedGrasp readGrasp(const std::string& name,
           io::readContacts(contacts, file, options)};
 }
 
-session::Hand readHand(const std::filesystem::path& urdf, const std::filesystem::path& cache) {
-  session::Hand hand;
+hand::Hand readHand(const std::filesystem::path& urdf, const std::filesystem::path& cache) {
+  hand::Hand hand;
   hand.model = std::make_shared<const hand::HandModel>(io::readUrdf(urdf).model);
   hand.skin = std::make_shared<const hand::Skin>(
       hand::SkinCache(cache).get(*hand.model, hand::SkinOptions(), Progress()));
@@ -62,7 +63,7 @@ const PatchOutcome* ChainOutcome::worst() const {
   return worst;
 }
 
-ChainOutcome graspWith(const session::Hand& hand,
+ChainOutcome graspWith(const hand::Hand& hand,
                        const ScannedGrasp& grasp,
                        bool avoid_penetration) {
   ChainOutcome outcome;
@@ -76,7 +77,7 @@ ChainOutcome graspWith(const session::Hand& hand,
     outcome.ms_transfer = laid - begin;
     // The solids are made once for each hand and object.
     const auto measure = [&](const hand::HandPose& pose) {
-      return session::penetrationOf(session, pose, Progress());
+      return verdict::penetrationOf(session, pose, Progress());
     };
     outcome.penetration = measure({Pose::Identity(), hand.model->restPose()});
     session::Solving solving;
@@ -108,7 +109,7 @@ ChainOutcome graspWith(const session::Hand& hand,
     }
     outcome.mean_mm /= std::max(1, outcome.points());
     outcome.normal_deg /= std::max(1, outcome.points());
-    const session::HandPlacer placer(hand.model, *hand.skin, grasp.object_O);
+    const placement::HandPlacer placer(hand.model, *hand.skin, grasp.object_O);
     outcome.depth_mm =
         1e3 * std::sqrt(placer.meanSquareDepth(report.pose, session.objectPose()));
     outcome.objective = report.terms.objective;

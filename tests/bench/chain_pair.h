@@ -29,7 +29,7 @@ ScannedGrasp readGrasp(const std::string& name,
 /// A hand as the server makes it of a URDF alone: default skin, sites found. Sites and skins
 /// come from nothing that a user wrote. `cache` holds skins made before. Errors: as
 /// io::readUrdf and hand::buildSkin; InvalidInput if no site is found.
-session::Hand readHand(const std::filesystem::path& urdf, const std::filesystem::path& cache);
+hand::Hand readHand(const std::filesystem::path& urdf, const std::filesystem::path& cache);
 
 /// What became of one patch.
 struct PatchOutcome {
@@ -70,7 +70,7 @@ struct ChainOutcome {
 
 /// Opens a session, lays the patches and solves, as `handgraft grasp` does without options or
 /// with `--touch-only`.
-ChainOutcome graspWith(const session::Hand& hand,
+ChainOutcome graspWith(const hand::Hand& hand,
                        const ScannedGrasp& grasp,
                        bool avoid_penetration);
 

@@ -71,7 +71,7 @@ optimize::SolveReport answered(Session& session, int starts) {
 
 class Dragging {
  public:
-  Dragging(const session::Hand& hand, const ScannedGrasp& grasp, std::mt19937& random)
+  Dragging(const hand::Hand& hand, const ScannedGrasp& grasp, std::mt19937& random)
       : session_(hand, grasp.object_O, grasp.contacts, Pose::Identity(), {}),
         distance_(*grasp.object_O),
         random_(random) {
@@ -186,8 +186,8 @@ class Dragging {
   optimize::SolveReport start_;
 };
 
-std::vector<std::pair<session::Hand, ScannedGrasp>> casesOf(const Arguments& arguments) {
-  std::vector<std::pair<session::Hand, ScannedGrasp>> cases;
+std::vector<std::pair<hand::Hand, ScannedGrasp>> casesOf(const Arguments& arguments) {
+  std::vector<std::pair<hand::Hand, ScannedGrasp>> cases;
   // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody writes the environment.
   const char* shared = std::getenv("HANDGRAFT_SHARED_DATA");
   if (shared == nullptr) {

@@ -15,7 +15,7 @@ namespace handgraft::bench {
 struct FiledHand {
   std::string name;
   std::filesystem::path urdf;  ///< absolute
-  session::Hand hand;
+  hand::Hand hand;
 };
 
 /// The hands of server/models, and four that others made where $HANDGRAFT_SHARED_DATA is set;

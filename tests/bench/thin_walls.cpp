@@ -101,8 +101,8 @@ ScannedGrasp onSheet() {
   return grasp;
 }
 
-std::vector<std::pair<session::Hand, ScannedGrasp>> casesOf(const Arguments& arguments) {
-  std::vector<std::pair<session::Hand, ScannedGrasp>> cases;
+std::vector<std::pair<hand::Hand, ScannedGrasp>> casesOf(const Arguments& arguments) {
+  std::vector<std::pair<hand::Hand, ScannedGrasp>> cases;
   const ScannedGrasp glass = builtInGrasp(arguments.models, "wine_glass", "wine_glass_4");
   const ScannedGrasp carton =
       cutOpen("box without a lid", builtInGrasp(arguments.models, "box", "box_5"), 2, 0.98);
@@ -131,7 +131,7 @@ std::vector<std::pair<session::Hand, ScannedGrasp>> casesOf(const Arguments& arg
   return cases;
 }
 
-std::string deepest(const session::Hand& hand, const ChainOutcome& outcome) {
+std::string deepest(const hand::Hand& hand, const ChainOutcome& outcome) {
   const quality::Penetration& found = outcome.penetration;
   if (found.links.empty()) return "0.0";
   return fmt::format("{:.1f} {}", 1e3 * found.max_depth_m,

@@ -325,7 +325,7 @@ TEST_P(BuiltInContacts, KeepsItsPatchesApart) {
 INSTANTIATE_TEST_SUITE_P(Library, BuiltInContacts, testing::ValuesIn(allSets()), NameOfCase{});
 
 // === Grasps: every set on every hand, through the whole core
-session::Hand readyHand(const std::string& name) {
+hand::Hand readyHand(const std::string& name) {
   LoadedHand loaded = loadHand(name);
   auto model = std::make_shared<const hand::HandModel>(std::move(loaded.file.model));
   auto skin = std::make_shared<const hand::Skin>(
@@ -340,7 +340,7 @@ struct GraspOutcome {
 
 enum class Depth { kAvoided, kAllowed };
 
-GraspOutcome grasp(const session::Hand& hand,
+GraspOutcome grasp(const hand::Hand& hand,
                    const SetFacts& facts,
                    Depth depth = Depth::kAvoided) {
   const LoadedSet set = loadSet(facts);
@@ -366,7 +366,7 @@ double meanOf(const GraspOutcome& outcome) {
 }
 
 TEST(BuiltInGrasp, HumanHandReachesEveryPatchThatItLeft) {
-  const session::Hand hand = readyHand("human20");
+  const hand::Hand hand = readyHand("human20");
   for (const SetFacts& facts : humanSets()) {
     // 0.4 mm of it are kept free between hand and object.
     EXPECT_LT(meanOf(grasp(hand, facts)), 4.2) << facts.name;
@@ -381,7 +381,7 @@ TEST(BuiltInGrasp, HumanHandReachesEveryPatchThatItLeft) {
 }
 
 TEST(BuiltInGrasp, ProsthesisFollowsTheHumanHand) {
-  const session::Hand hand = readyHand("tendon16");
+  const hand::Hand hand = readyHand("tendon16");
   for (const SetFacts& facts : humanSets()) {
     const GraspOutcome outcome = grasp(hand, facts);
     EXPECT_TRUE(outcome.dropped.empty()) << facts.name;
@@ -390,7 +390,7 @@ TEST(BuiltInGrasp, ProsthesisFollowsTheHumanHand) {
 }
 
 TEST(BuiltInGrasp, AllegroHandDropsTheLittleFingerAndReachesTheRest) {
-  const session::Hand hand = readyHand("allegro16");
+  const hand::Hand hand = readyHand("allegro16");
   for (const SetFacts& facts : humanSets()) {
     const GraspOutcome outcome = grasp(hand, facts, Depth::kAllowed);
     const bool asks_little = facts.name == "box_5" || facts.name == "lemon_6";

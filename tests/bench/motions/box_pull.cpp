@@ -17,7 +17,7 @@
 #include "core/manipulation/offline_solver.h"
 #include "core/manipulation/patch_path.h"
 #include "core/manipulation/two_grasps.h"
-#include "core/session/solids.h"
+#include "core/placement/solids.h"
 
 #include "tests/bench/chain_pair.h"
 #include "tests/bench/timing.h"
@@ -148,7 +148,7 @@ void runBoxPull(const std::filesystem::path& models,
       "jerk "
       "| ms a frame |\n|---|---|---|---|---|---|---|---|---|\n");
   for (const std::string name : {"human20", "tendon16"}) {
-    const session::Hand hand = readHand(models / "hands" / name / (name + ".urdf"), cache);
+    const hand::Hand hand = readHand(models / "hands" / name / (name + ".urdf"), cache);
     const hand::FingerCoordinates coordinates(*hand.model, *hand.skin, hand.sites);
     const manipulation::LaidMotion laid =
         manipulation::layPatches(motion, transfer::borrowedSurfaces(*box_O, *hand.skin),
@@ -157,7 +157,7 @@ void runBoxPull(const std::filesystem::path& models,
         manipulation::makeMotionProblem(hand.model, motion.time_s);
     problem.tracks = laid.tracks;
     problem.avoidance =
-        session::avoidanceOf(hand.model, hand.skin, box_O, Pose::Identity(), Progress());
+        placement::avoidanceOf(hand.model, hand.skin, box_O, Pose::Identity(), Progress());
     const double before = threadMilliseconds();
     const manipulation::Trajectory trajectory =
         manipulation::solveOffline(problem, options, Progress());
@@ -168,8 +168,8 @@ void runBoxPull(const std::filesystem::path& models,
         manipulation::measureSmoothness(problem, trajectory.poses);
     double depth = 0.0;
     for (const hand::HandPose& pose : trajectory.poses) {
-      depth = std::max(depth, session::penetrationOf(hand.model, hand.skin, box_O,
-                                                     Pose::Identity(), pose, {}, Progress())
+      depth = std::max(depth, placement::penetrationOf(hand.model, hand.skin, box_O,
+                                                       Pose::Identity(), pose, {}, Progress())
                                   .max_depth_m);
     }
     std::printf("| %s | %d | %.2f | %.1f | %.2f | %.4f | %.2f | %.0f | %.2f |\n", name.c_str(),

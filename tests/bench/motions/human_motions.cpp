@@ -9,17 +9,17 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/demonstration/posed_hand_motion.h"
 #include "core/hand/skin_cache.h"
 #include "core/io/mesh_file.h"
 #include "core/io/motion_import.h"
 #include "core/optimize/diagnosis.h"
 #include "core/optimize/solve_report.h"
-#include "core/session/motion_layer.h"
-#include "core/session/motion_places.h"
-#include "core/session/motion_solving.h"
-#include "core/session/posed_hand_motion.h"
+#include "core/placement/solids.h"
+#include "core/retargeting/motion_layer.h"
+#include "core/retargeting/motion_places.h"
+#include "core/retargeting/motion_solving.h"
 #include "core/session/session.h"
-#include "core/session/solids.h"
 
 #include "tests/bench/chain_pair.h"
 #include "tests/bench/motions/mjcf_hand.h"
@@ -37,7 +37,7 @@ using Poses = std::vector<hand::HandPose>;
 struct HumanSequence {
   std::string name;
   std::shared_ptr<const geometry::TriangleMesh> object_O;
-  std::vector<session::PosedFrame> frames;
+  std::vector<demonstration::PosedFrame> frames;
   manipulation::Motion motion;
 };
 
@@ -86,8 +86,8 @@ Eigen::Matrix2Xd rangesRecorded(const fs::path& folder) {
   return ranges;
 }
 
-session::Hand readHuman(const fs::path& folder, const fs::path& cache) {
-  session::Hand hand;
+hand::Hand readHuman(const fs::path& folder, const fs::path& cache) {
+  hand::Hand hand;
   hand.model = std::make_shared<const hand::HandModel>(
       readManoMjcf(folder / "hands", rangesRecorded(folder)));
   hand.skin = std::make_shared<const hand::Skin>(
@@ -99,7 +99,7 @@ session::Hand readHuman(const fs::path& folder, const fs::path& cache) {
 
 /// How far the recording's own points are off where its splines put them, mm.
 double recordedResidual(const fs::path& folder,
-                        const session::Hand& human,
+                        const hand::Hand& human,
                         const HumanSequence& sequence) {
   const manipulation::Motion points =
       io::readContactSequence(folder / ("MANO_" + sequence.name + ".json"), *sequence.object_O,
@@ -108,7 +108,7 @@ double recordedResidual(const fs::path& folder,
   double count = 0.0;
   for (const manipulation::PatchTrack& track : points.tracks) {
     for (int k = track.begin(); k < track.end; ++k) {
-      const session::PosedFrame& frame = sequence.frames[static_cast<std::size_t>(k)];
+      const demonstration::PosedFrame& frame = sequence.frames[static_cast<std::size_t>(k)];
       const hand::LinkPoses X_WL = hand::forwardKinematics(*human.model, frame.pose);
       const manipulation::PatchKey& key = track.keyAt(k);
       for (std::size_t i = 0; i < key.hand_points.size(); ++i) {
@@ -126,7 +126,7 @@ double recordedResidual(const fs::path& folder,
 }
 
 HumanSequence readSequence(const fs::path& data,
-                           const session::Hand& human,
+                           const hand::Hand& human,
                            const std::string& name,
                            const std::string& object) {
   const fs::path folder = data / "contacts/grab_sequences";
@@ -143,7 +143,7 @@ HumanSequence readSequence(const fs::path& data,
   const int last = points.frameCount() - 1;
   for (int k = 0; k <= last; ++k) {
     const Eigen::VectorXd x = of_hand.at(static_cast<double>(k) / last);
-    session::PosedFrame frame;
+    demonstration::PosedFrame frame;
     frame.time_s = points.time_s[static_cast<std::size_t>(k)];
     frame.X_WO = points.X_WO[static_cast<std::size_t>(k)];
     frame.pose.X_WH = io::poseFromSpline(x);
@@ -151,8 +151,8 @@ HumanSequence readSequence(const fs::path& data,
     HANDGRAFT_REQUIRE(frame.pose.q.size() == human.model->dofCount());
     sequence.frames.push_back(std::move(frame));
   }
-  sequence.motion =
-      session::motionOfPosedHand(human, sequence.frames, *sequence.object_O, {}, Progress());
+  sequence.motion = demonstration::motionOfPosedHand(human, sequence.frames, *sequence.object_O,
+                                                     {}, Progress());
   sequence.motion.name = name;
   std::size_t cuts = 0;
   for (const manipulation::PatchTrack& track : sequence.motion.tracks)
@@ -189,7 +189,7 @@ double facingOf(const manipulation::MotionProblem& problem, const Poses& poses) 
 }
 
 void printRow(const HumanSequence& sequence,
-              const session::Hand& hand,
+              const hand::Hand& hand,
               const manipulation::MotionProblem& problem,
               const std::string& way,
               const Poses& poses,
@@ -201,7 +201,7 @@ void printRow(const HumanSequence& sequence,
   int past = 0;
   for (const hand::HandPose& pose : poses) {
     const double depth =
-        session::deepestOf(hand.model, hand.skin, sequence.object_O, pose, Progress());
+        placement::deepestOf(hand.model, hand.skin, sequence.object_O, pose, Progress());
     deepest = std::max(deepest, depth);
     past += depth > 2e-3 ? 1 : 0;
   }
@@ -217,15 +217,15 @@ void printRow(const HumanSequence& sequence,
 manipulation::MotionProblem shownBy(const Poses& poses,
                                     const HumanSequence& sequence,
                                     const session::Document& document,
-                                    const session::Hand& hand,
+                                    const hand::Hand& hand,
                                     manipulation::MotionProblem problem) {
   constexpr int kSlides = 8;
   manipulation::Motion motion = sequence.motion;
-  const session::MotionPlaces places(document, hand, *sequence.object_O, motion);
+  const retargeting::MotionPlaces places(document, hand, *sequence.object_O, motion);
   places.deal(motion);
   for (int i = 0; i < kSlides && places.slide(poses, motion); ++i) {
   }
-  const session::MotionLayer layer(document, hand, *sequence.object_O, motion);
+  const retargeting::MotionLayer layer(document, hand, *sequence.object_O, motion);
   problem.tracks = layer.lay(motion, Progress()).tracks;
   return problem;
 }
@@ -233,11 +233,11 @@ manipulation::MotionProblem shownBy(const Poses& poses,
 /// Poses in O, each from the one before.
 template <class Solve>
 Poses fromFrameToFrame(const HumanSequence& sequence,
-                       const session::Hand& human,
+                       const hand::Hand& human,
                        const Fingertips& fingertips,
                        const Solve& solve) {
   Poses poses;
-  for (const session::PosedFrame& frame : sequence.frames) {
+  for (const demonstration::PosedFrame& frame : sequence.frames) {
     hand::HandPose pose_O = frame.pose;
     pose_O.X_WH = inverse(frame.X_WO) * frame.pose.X_WH;
     poses.push_back(solve(posed(*human.model, fingertips, pose_O),
@@ -247,17 +247,17 @@ Poses fromFrameToFrame(const HumanSequence& sequence,
 }
 
 void follow(const HumanSequence& sequence,
-            const session::Hand& human,
+            const hand::Hand& human,
             const Fingertips& human_tips,
-            const session::Hand& hand) {
+            const hand::Hand& hand) {
   const session::Session session(hand, sequence.object_O,
-                                 session::graspOf(sequence.motion, *sequence.object_O),
+                                 retargeting::graspOf(sequence.motion, *sequence.object_O),
                                  Pose::Identity(), {});
   const double count = sequence.motion.frameCount();
   const double begin = threadMilliseconds();
-  const session::SolvedMotion solved =
-      session::solveMotion(session.document(), hand, sequence.object_O, sequence.motion,
-                           session::motionSolving(false), 1, Progress());
+  const retargeting::SolvedMotion solved =
+      retargeting::solveMotion(session.document(), hand, sequence.object_O, sequence.motion,
+                               retargeting::motionSolving(false), 1, Progress());
   const double ms = (threadMilliseconds() - begin) / count;
   for (const std::string& note : solved.notes)
     std::printf("%s: %s\n", hand.model->name().c_str(), note.c_str());
@@ -282,9 +282,9 @@ void follow(const HumanSequence& sequence,
 }  // namespace
 
 void runHumanMotions(const fs::path& data, const fs::path& library, const fs::path& cache) {
-  const session::Hand human = readHuman(data / "contacts/grab_sequences", cache);
+  const hand::Hand human = readHuman(data / "contacts/grab_sequences", cache);
   const Fingertips tips = fingertipsOf(human);
-  std::vector<session::Hand> hands;
+  std::vector<hand::Hand> hands;
   for (const char* urdf : {"hands/allegro_right/allegro_hand_right.urdf",
                            "hands/shadow_right/shadow_hand_right.urdf"})
     hands.push_back(readHand(data / urdf, cache));
@@ -298,7 +298,7 @@ void runHumanMotions(const fs::path& data, const fs::path& library, const fs::pa
       "| "
       "largest step rad | ms a frame |\n|---|---|---|---|---|---|---|---|---|---|\n");
   for (const HumanSequence& sequence : sequences)
-    for (const session::Hand& hand : hands)
+    for (const hand::Hand& hand : hands)
       follow(sequence, human, tips, hand);
 }
 

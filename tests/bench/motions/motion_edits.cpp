@@ -7,7 +7,7 @@
 #include "core/io/contact_file.h"
 #include "core/io/mesh_file.h"
 #include "core/manipulation/two_grasps.h"
-#include "core/session/motion_bench.h"
+#include "core/retargeting/edited_motion.h"
 #include "core/session/session.h"
 #include "core/session/timed_edit.h"
 
@@ -44,18 +44,18 @@ void runMotionEdits(const std::filesystem::path& models, const std::filesystem::
       manipulation::joinGrasps(*box_O, grasp, grasp, longPath(), options));
   std::printf("| hand | edit | frames anew | ms of the thread |\n|---|---|---|---|\n");
   for (const std::string name : {"human20", "tendon16"}) {
-    const session::Hand hand = readHand(models / "hands" / name / (name + ".urdf"), cache);
-    session::Session opened(hand, box_O, session::graspOf(*motion, *box_O), Pose::Identity(),
-                            optimize::Weights());
-    session::MotionBench bench(motion, box_O);
+    const hand::Hand hand = readHand(models / "hands" / name / (name + ".urdf"), cache);
+    session::Session opened(hand, box_O, retargeting::graspOf(*motion, *box_O),
+                            Pose::Identity(), optimize::Weights());
+    retargeting::EditedMotion bench(motion, box_O);
     const session::Models known{&hand, box_O, nullptr};
     session::Document document = opened.document();
     const auto solve = [&](const char* what) {
       int anew = 0;
       const double before = threadMilliseconds();
       const auto solved =
-          bench.solve(document, hand, session::motionSolving(false), 1, Progress(),
-                      [&](const session::SolvedMotion&, session::FrameRange range) {
+          bench.solve(document, hand, retargeting::motionSolving(false), 1, Progress(),
+                      [&](const retargeting::SolvedMotion&, retargeting::FrameRange range) {
                         anew += range.end - range.first;
                       });
       std::printf("| %s | %s | %d of %d | %.0f |\n", name.c_str(), what, anew,

@@ -17,8 +17,8 @@
 #include "core/manipulation/causal_solver.h"
 #include "core/manipulation/lay_points.h"
 #include "core/manipulation/offline_solver.h"
+#include "core/placement/solids.h"
 #include "core/quality/penetration.h"
-#include "core/session/solids.h"
 
 #include "tests/bench/motions/box_pull.h"
 #include "tests/bench/motions/human_motions.h"
@@ -97,7 +97,7 @@ Sequence readSequence(const MotionsArguments& arguments,
   sequence.problem = manipulation::makeMotionProblem(hand.model, sequence.motion.time_s);
   sequence.problem.tracks =
       manipulation::layPoints(sequence.motion, *sequence.object_O, *hand.model);
-  auto avoidance = std::make_shared<optimize::Avoidance>(*session::avoidanceOf(
+  auto avoidance = std::make_shared<optimize::Avoidance>(*placement::avoidanceOf(
       hand.model, hand.skin, sequence.object_O, Pose::Identity(), Progress()));
   avoidance->weight *= arguments.depth_weight;
   avoidance->margin_m = arguments.margin_m;
@@ -150,7 +150,7 @@ void printRow(const Sequence& sequence,
   int beyond = 0;
   int outside = 0;
   for (std::size_t k = 0; k < poses.size(); ++k) {
-    const quality::Penetration penetration = session::penetrationOf(
+    const quality::Penetration penetration = placement::penetrationOf(
         hand.model, hand.skin, sequence.object_O, Pose::Identity(), poses[k], {}, Progress());
     depth = std::max(depth, penetration.max_depth_m);
     self = std::max(self, penetration.self_depth_m);

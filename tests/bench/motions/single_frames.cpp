@@ -10,7 +10,7 @@
 #include "core/hand/kinematics.h"
 #include "core/manipulation/trajectory.h"
 #include "core/optimize/solver.h"
-#include "core/session/solids.h"
+#include "core/placement/solids.h"
 
 namespace handgraft::bench {
 
@@ -103,7 +103,7 @@ void printSingleFrames(const MotionProblem& problem,
         sum += 1e3 * distance;
         count += 1.0;
       }
-      const quality::Penetration penetration = session::penetrationOf(
+      const quality::Penetration penetration = placement::penetrationOf(
           problem.model, skin, object_O, Pose::Identity(), pose, {}, Progress());
       deepest = std::max(deepest, penetration.max_depth_m);
       self = std::max(self, penetration.self_depth_m);

@@ -13,9 +13,9 @@
 
 #include "core/base/error.h"
 #include "core/base/progress.h"
+#include "core/demonstration/posed_hand_contacts.h"
 #include "core/hand/floating_base.h"
 #include "core/io/mesh_file.h"
-#include "core/session/posed_hand_contacts.h"
 
 #include "tests/bench/retargeting/exact_penetration.h"
 
@@ -129,7 +129,7 @@ std::vector<DemonstrationFile::Entry> DemonstrationFile::draw(int per_object,
 }
 
 Demonstration DemonstrationFile::read(const Entry& entry,
-                                      const session::Hand& hand,
+                                      const hand::Hand& hand,
                                       const hand::HandModel* carrier) const {
   if (entry.qpos.size() != joints_.size()) {
     rejectInput("grasp {}: {} values for {} joints", entry.name(), entry.qpos.size(),
@@ -156,8 +156,8 @@ Demonstration DemonstrationFile::read(const Entry& entry,
   const Pose X_WH = carrier == nullptr ? Pose::Identity() : hand::carriedPose(*carrier, q_root);
   demonstration.pose.X_WH = inverse(entry.X_WO) * X_WH;
   demonstration.contacts =
-      session::contactsOfPosedHand(hand, demonstration.pose, *entry.object->mesh_O,
-                                   Pose::Identity(), {}, {}, Progress())
+      demonstration::contactsOfPosedHand(hand, demonstration.pose, *entry.object->mesh_O,
+                                         Pose::Identity(), {}, {}, Progress())
           .set;
   demonstration.contacts.name = entry.name();
   std::set<std::string> digits;

@@ -66,7 +66,7 @@ class DemonstrationFile {
   /// Poses the hand and takes what it touches. `carrier`: the joints that place it, cut off.
   /// Errors: InvalidInput if a joint is unknown or the hand touches nothing.
   [[nodiscard]] Demonstration read(const Entry& entry,
-                                   const session::Hand& hand,
+                                   const hand::Hand& hand,
                                    const hand::HandModel* carrier) const;
 
  private:

@@ -84,7 +84,7 @@ struct Problem {
   }
 };
 
-Problem problemOf(const session::Hand& hand,
+Problem problemOf(const hand::Hand& hand,
                   const Fingertips& fingertips,
                   const FingertipPose& human,
                   std::vector<Vector3d>& targets_W) {
@@ -138,7 +138,7 @@ double descend(const Problem& problem,
 
 }  // namespace
 
-hand::HandPose dexPilot(const session::Hand& hand,
+hand::HandPose dexPilot(const hand::Hand& hand,
                         const Fingertips& fingertips,
                         const FingertipPose& human,
                         const hand::HandPose* before) {

@@ -22,7 +22,7 @@ using Eigen::Vector3d;
 constexpr double kJointWeight = 0.1;
 
 /// The pad that somebody chose or that was found on the digit's last links.
-std::optional<hand::ContactSite> padOf(const session::Hand& hand, const hand::Digit& digit) {
+std::optional<hand::ContactSite> padOf(const hand::Hand& hand, const hand::Digit& digit) {
   for (const hand::ContactSite& site : hand.sites) {
     const int link = hand.model->linkIndex(site.link);
     if (std::find(digit.tip_links.begin(), digit.tip_links.end(), link) !=
@@ -45,7 +45,7 @@ std::vector<std::string> inOrder(std::vector<std::string> names) {
   return names;
 }
 
-void findPalm(const session::Hand& hand,
+void findPalm(const hand::Hand& hand,
               const hand::Digits& digits,
               const std::vector<std::string>& names,
               const hand::LinkPoses& X_SL,
@@ -81,7 +81,7 @@ void findPalm(const session::Hand& hand,
 
 }  // namespace
 
-Fingertips fingertipsOf(const session::Hand& hand) {
+Fingertips fingertipsOf(const hand::Hand& hand) {
   const hand::LinkPoses X_SL =
       hand::forwardKinematics(*hand.model, {Pose::Identity(), hand.skin->qReference()});
   hand::Digits digits = hand::findDigits(*hand.model, X_SL);
@@ -118,7 +118,7 @@ FingertipPose posed(const hand::HandModel& model,
   return result;
 }
 
-hand::HandPose fingertipKinematics(const session::Hand& hand,
+hand::HandPose fingertipKinematics(const hand::Hand& hand,
                                    const Fingertips& fingertips,
                                    const FingertipPose& human,
                                    const hand::HandPose* before) {

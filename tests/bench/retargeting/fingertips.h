@@ -27,7 +27,7 @@ struct Fingertips {
   bool has_palm = false;  ///< two fingers beside the thumb, at least
 };
 
-Fingertips fingertipsOf(const session::Hand& hand);
+Fingertips fingertipsOf(const hand::Hand& hand);
 
 /// A human's fingertips and palm, where a pose puts them.
 struct FingertipPose {
@@ -52,7 +52,7 @@ FingertipPose posed(const hand::HandModel& model,
 /// weight the last joints on the last joints, which tells how a finger stands. Our solver, all
 /// its starts, or from `before` alone: the answer to the frame before, in a motion.
 /// Errors: InvalidInput if fewer than two digits have a name in common.
-hand::HandPose fingertipKinematics(const session::Hand& hand,
+hand::HandPose fingertipKinematics(const hand::Hand& hand,
                                    const Fingertips& fingertips,
                                    const FingertipPose& human,
                                    const hand::HandPose* before = nullptr);
@@ -63,7 +63,7 @@ hand::HandPose fingertipKinematics(const session::Hand& hand,
 /// object is as large for both hands; the root goes where tips and palm fit the human's best.
 /// Errors: as above; also if a palm has fewer than two fingers.
 /// Source: Handa et al. 2020, "DexPilot", equations 3 to 6.
-hand::HandPose dexPilot(const session::Hand& hand,
+hand::HandPose dexPilot(const hand::Hand& hand,
                         const Fingertips& fingertips,
                         const FingertipPose& human,
                         const hand::HandPose* before = nullptr);

@@ -6,8 +6,9 @@
 #include "core/base/progress.h"
 #include "core/hand/hand_parts.h"
 #include "core/io/urdf_file.h"
+#include "core/placement/solids.h"
 #include "core/session/session.h"
-#include "core/session/solids.h"
+#include "core/verdict/verdicts.h"
 
 #include "tests/bench/chain_pair.h"
 #include "tests/bench/timing.h"
@@ -56,7 +57,7 @@ void graft(const MeasuredHand& hand,
            RetargetedGrasp& row,
            optimize::PoseProblem& problem) {
   const auto& object_O = demonstration.object->mesh_O;
-  session::makeSolids(hand.hand, object_O, Progress());  // once for a hand and an object
+  placement::makeSolids(hand.hand, object_O, Progress());  // once for a hand and an object
   const double begin = threadMilliseconds();
   session::Session session(hand.hand, object_O, demonstration.contacts, Pose::Identity(), {});
   session.transferPatches(Progress());
@@ -70,7 +71,7 @@ void graft(const MeasuredHand& hand,
     row.patches.push_back({patch.patch.name, patch.site, patch.dropped});
     row.asked += patch.dropped.empty() ? 1 : 0;
   }
-  const quality::Penetration told = session::penetrationOf(session, row.ours.pose, Progress());
+  const quality::Penetration told = verdict::penetrationOf(session, row.ours.pose, Progress());
   row.told_depth_m = told.max_depth_m;
   row.told_self_m = told.self_depth_m;
   problem = solution.problem;

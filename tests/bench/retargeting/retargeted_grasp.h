@@ -18,7 +18,7 @@ namespace handgraft::bench {
 /// A hand with all that measuring needs of it.
 struct MeasuredHand {
   std::string name;  ///< of its URDF
-  session::Hand hand;
+  hand::Hand hand;
   std::shared_ptr<const hand::HandModel> carrier;  ///< joints that place it, cut off; or null
   std::shared_ptr<const ExactHand> exact;
   std::vector<std::string> parts;  ///< the finger of each link

@@ -7,7 +7,7 @@ import { join } from 'node:path';
 import { distance, dotOf, downloads, dragBy, factsOf, handgraft, kWaiting, picture, runTests, sleep, startView, still, stop, typed, waitText } from './browser.mjs';
 import { framesOf, openMotion, openMotionPage, point, timeOf } from './motions.mjs';
 
-const kMargin_s = 0.5; // on both sides of what an edit reaches, frames are solved anew (core/session/motion_bench.h)
+const kMargin_s = 0.5; // on both sides of what an edit reaches, frames are solved anew (core/retargeting/edited_motion.h)
 
 const settingsOf = (page) => page.evaluate(() => globalThis.handgraft.session.settings);
 const revisionOf = (page) => page.evaluate(() => globalThis.handgraft.session.state.revision);

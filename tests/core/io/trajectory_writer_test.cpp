@@ -30,7 +30,7 @@ HandTrajectory turning(int frames) {
   trajectory.object_O =
       std::make_shared<const geometry::TriangleMesh>(geometry::makeSphere(0.03, 2));
   auto motion = std::make_shared<manipulation::Motion>();
-  auto solved = std::make_shared<session::SolvedMotion>();
+  auto solved = std::make_shared<retargeting::SolvedMotion>();
   for (int k = 0; k < frames; ++k) {
     const double share = frames == 1 ? 0.0 : static_cast<double>(k) / (frames - 1);
     motion->time_s.push_back(2.0 + share);

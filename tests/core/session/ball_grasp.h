@@ -49,7 +49,7 @@ struct BallGrasp {
     return ball;
   }
 
-  [[nodiscard]] session::Hand hand() const { return {small.model, small.skin, small.sites}; }
+  [[nodiscard]] hand::Hand hand() const { return {small.model, small.skin, small.sites}; }
 
   [[nodiscard]] session::Session open(const Pose& X_WO = Pose::Identity()) const {
     return {hand(), ball, contacts, X_WO, {}};

@@ -7,9 +7,10 @@
 #include "core/io/sites_file.h"
 #include "core/io/urdf_file.h"
 #include "core/optimize/diagnosis.h"
-#include "core/session/hand_placement.h"
+#include "core/placement/hand_placement.h"
+#include "core/placement/solids.h"
 #include "core/session/session.h"
-#include "core/session/solids.h"
+#include "core/verdict/verdicts.h"
 
 #include "tests/support/shared_data.h"
 
@@ -20,9 +21,9 @@ std::filesystem::path modelPath(const std::string& relative) {
   return test::sourceDirectory() / "server/models" / relative;
 }
 
-const Hand& tendonHand() {
-  static const Hand kHand = [] {
-    Hand hand;
+const hand::Hand& tendonHand() {
+  static const hand::Hand kHand = [] {
+    hand::Hand hand;
     hand.model = std::make_shared<const hand::HandModel>(
         io::readUrdf(modelPath("hands/tendon16/tendon16.urdf")).model);
     hand.skin =
@@ -48,7 +49,7 @@ TEST(BuiltInGrasp, ReachesEveryPatchOfTheBoxFromOutside) {
   for (const optimize::PatchFit& fit : report.patches) {
     EXPECT_LT(fit.mean_mm, 5.0) << session.patches()[fit.patch].patch.name;
   }
-  const HandPlacer placer(tendonHand().model, *tendonHand().skin, box.mesh);
+  const placement::HandPlacer placer(tendonHand().model, *tendonHand().skin, box.mesh);
   EXPECT_LT(std::sqrt(placer.meanSquareDepth(report.pose, Pose::Identity())), 0.002);
 }
 
@@ -65,8 +66,8 @@ TEST(BuiltInGrasp, WithoutDirectionsIsNearlyAsGood) {
 }
 
 TEST(BuiltInGrasp, ReachesForThePatchThatAnEvenShareMisses) {
-  const Hand hand = [] {
-    Hand allegro;
+  const hand::Hand hand = [] {
+    hand::Hand allegro;
     allegro.model = std::make_shared<const hand::HandModel>(
         io::readUrdf(modelPath("hands/allegro16/allegro16.urdf")).model);
     allegro.skin =
@@ -97,7 +98,7 @@ TEST(BuiltInGrasp, StaysOutOfTheObjectIfAskedTo) {
     EXPECT_EQ(solution.problem.avoidance != nullptr, avoid);
     session.commit(std::move(solution));
     return std::pair(session.document().start,
-                     penetrationOf(session, session.document().start, Progress()));
+                     verdict::penetrationOf(session, session.document().start, Progress()));
   };
   const auto [off_pose, off] = solved(false);
   const auto [on_pose, on] = solved(true);

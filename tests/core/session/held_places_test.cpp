@@ -9,7 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/session/session.h"
-#include "core/session/solids.h"
+#include "core/verdict/verdicts.h"
 
 #include "tests/core/session/ball_grasp.h"
 #include "tests/core/session/lemon_models.h"
@@ -146,11 +146,11 @@ TEST(HeldPlace, StaysOutOfTheObjectAllTheSame) {
   const Vector3d target_W = placeOf(session, "index_tip", kTip_L) + 0.01 * inwards;
   session.apply(DragEdit{"index_tip", kTip_L, target_W});
   const double pulled_m =
-      penetrationOf(session, session.document().start, Progress()).max_depth_m;
+      verdict::penetrationOf(session, session.document().start, Progress()).max_depth_m;
   ASSERT_GT(pulled_m, 0.006);
   answered(session);
   // Who holds it there presses it in, but not as far.
-  EXPECT_LT(penetrationOf(session, session.document().start, Progress()).max_depth_m,
+  EXPECT_LT(verdict::penetrationOf(session, session.document().start, Progress()).max_depth_m,
             0.5 * pulled_m);
 }
 
@@ -170,8 +170,8 @@ TEST(HeldPlace, EndsWhereItIsDraggedToWhereverTheHandReaches) {
   double farthest = 0.0;
   for (const char* name : {"human20", "tendon16", "allegro16"}) {
     const std::string folder = std::string("hands/") + name;
-    const Hand hand = test::handOf(test::modelPath(folder + "/" + name + ".urdf"),
-                                   test::modelPath(folder + "/sites.yaml"));
+    const hand::Hand hand = test::handOf(test::modelPath(folder + "/" + name + ".urdf"),
+                                         test::modelPath(folder + "/sites.yaml"));
     for (int k = 0; k < 34; ++k) {
       Session session(test::lemonModels(hand), Pose::Identity(), {});
       // Half of these targets lie inside the lemon or the hand, where neither may be.

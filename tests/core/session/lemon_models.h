@@ -20,16 +20,16 @@ inline std::filesystem::path modelPath(const std::string& relative) {
 }
 
 /// A hand on the built-in lemon, with its six patches, and others to swap to.
-inline session::SessionModels lemonModels(const session::Hand& hand) {
+inline session::SessionModels lemonModels(const hand::Hand& hand) {
   const io::MeshFile file = io::readMesh(modelPath("objects/lemon.obj"));
   return withOthers(hand, std::make_shared<const geometry::TriangleMesh>(file.mesh),
                     io::readContactSet(modelPath("contacts/lemon_6.json"), file));
 }
 
 /// A hand of a file with its own sites, or with those that are found.
-inline session::Hand handOf(const std::filesystem::path& urdf,
-                            const std::filesystem::path& sites) {
-  session::Hand hand;
+inline hand::Hand handOf(const std::filesystem::path& urdf,
+                         const std::filesystem::path& sites) {
+  hand::Hand hand;
   hand.model = std::make_shared<const hand::HandModel>(io::readUrdf(urdf).model);
   hand.skin = std::make_shared<const hand::Skin>(
       hand::SkinCache::fromEnvironment().get(*hand.model, {}, Progress()));

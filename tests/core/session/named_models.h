@@ -12,7 +12,7 @@ namespace handgraft::test {
 /// Models by name, for sessions that swap them.
 class NamedModels : public session::ModelSource {
  public:
-  session::Hand hand(const std::string& name, const Progress& /*progress*/) override {
+  hand::Hand hand(const std::string& name, const Progress& /*progress*/) override {
     if (hands.count(name) == 0) rejectInput("there is no hand {}", quoted(name));
     return hands[name];
   }
@@ -23,7 +23,7 @@ class NamedModels : public session::ModelSource {
     return objects[name];
   }
 
-  std::map<std::string, session::Hand> hands;
+  std::map<std::string, hand::Hand> hands;
   std::map<std::string, std::shared_ptr<const geometry::TriangleMesh>> objects;
 };
 
@@ -31,15 +31,15 @@ class NamedModels : public session::ModelSource {
 /// whose sites were found ("found"), the object on another mesh ("shaved"), and one that is far
 /// too small for the contacts ("speck").
 inline session::SessionModels withOthers(
-    const session::Hand& hand,
+    const hand::Hand& hand,
     const std::shared_ptr<const geometry::TriangleMesh>& object_O,
     const contact::ContactSet& contacts) {
   auto others = std::make_shared<NamedModels>();
-  session::Hand bent = hand;
+  hand::Hand bent = hand;
   bent.model = std::make_shared<const hand::HandModel>(
       hand.model->withRestPose(0.8 * hand.model->restPose() +
                                0.2 * (0.5 * (hand.model->lower() + hand.model->upper()))));
-  session::Hand found = hand;
+  hand::Hand found = hand;
   found.sites_are_found = true;
   others->hands = {{"bent", bent}, {"found", found}};
   // Cut a little smaller, so that triangles are others' and patches still find their places.

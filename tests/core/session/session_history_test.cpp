@@ -237,7 +237,7 @@ TEST(SessionSolve, ThePriorIsRestThenTheOptimumThenThePoseThatWasEdited) {
 
 TEST(SessionSolve, InThePapersWayLeavesRootsWhereTheyAre) {
   const BallGrasp grasp;
-  Hand hand = grasp.hand();
+  hand::Hand hand = grasp.hand();
   hand.sites_are_found = true;
   Session session(hand, grasp.ball, grasp.contacts, Pose::Identity(), {});
   Solving paper;
@@ -450,7 +450,7 @@ TEST(SessionSwap, OfTheHandNotesWhatIsDropped) {
     joint.upper = 1.0;
     joints.push_back(joint);
   }
-  Hand fewer;
+  hand::Hand fewer;
   fewer.model = std::make_shared<const hand::HandModel>("fewer", links, joints);
   fewer.skin = std::make_shared<const hand::Skin>(
       *fewer.model, geometry::makeBox({0.1, 0.06, 0.05}), fewer.model->restPose(), 0.03);

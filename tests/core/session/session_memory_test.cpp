@@ -8,7 +8,7 @@
 #include <malloc.h>
 
 #include "core/base/error.h"
-#include "core/session/fit_check.h"
+#include "core/verdict/fit_check.h"
 
 #include "tests/core/session/lemon_models.h"
 #include "tests/core/session/random_edits.h"
@@ -27,7 +27,7 @@ double inUse_kB() {
 double editedAtRandom(const SessionModels& models, unsigned seed, int count) {
   const double before_kB = inUse_kB();
   Session session(models, Pose::Identity(), {});
-  FitCheck check;
+  verdict::FitCheck check;
   SolveRun after_edit;
   after_edit.places_stay = true;
   Solving quick;

@@ -17,7 +17,7 @@ struct TwoPlates {
   std::shared_ptr<const geometry::TriangleMesh> plate =
       std::make_shared<const geometry::TriangleMesh>(makePlate(100, 100, 0.001));
   contact::ContactSet contacts;
-  session::Hand hand;
+  hand::Hand hand;
 
   TwoPlates() {
     hand.model = makeRigidHand(*plate);

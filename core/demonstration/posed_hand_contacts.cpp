@@ -1,0 +1,196 @@
+#include "core/demonstration/posed_hand_contacts.h"
+
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "core/base/error.h"
+#include "core/contact/carry.h"
+#include "core/geometry/tangent.h"
+#include "core/hand/finger_coordinates.h"
+#include "core/hand/hand_parts.h"
+#include "core/placement/open_roots.h"
+
+namespace handgraft::demonstration {
+
+namespace {
+
+/// A hand in its pose, seen from the object.
+struct PosedHand {
+  const hand::Hand& hand;
+  const hand::FingerCoordinates& coordinates;
+  const hand::HandParts& parts;
+  const placement::SkinFaces& skin_faces;
+  hand::LinkPoses X_OL;
+  hand::LinkPoses X_SO;  ///< Skin::fromWorld, seen from the object
+};
+
+/// The part of each link: a segment's, or what HandParts calls it.
+std::vector<std::string> partsOf(const PosedHand& posed) {
+  std::vector<std::string> names;
+  for (std::size_t link = 0; link < posed.parts.names().size(); ++link) {
+    const auto& [digit, segment] = posed.coordinates.parts()[link];
+    names.push_back(digit.empty() ? posed.parts.names()[link] : hand::partName(digit, segment));
+  }
+  return names;
+}
+
+/// How its segments and its palm are turned.
+std::vector<contact::PartDirection> postureShownBy(const PosedHand& posed) {
+  std::vector<contact::PartDirection> posture;
+  const auto note = [&](const std::string& part, int link, const Eigen::Vector3d& outward_S,
+                        const Eigen::Vector3d& palmar_S) {
+    const Eigen::Matrix3d R_OS =
+        posed.X_SO[static_cast<std::size_t>(link)].linear().transpose();
+    posture.push_back({part, R_OS * outward_S, R_OS * palmar_S});
+  };
+  const hand::Anatomy& anatomy = posed.coordinates.anatomy();
+  for (const hand::NamedDigit& digit : anatomy.digits)
+    for (const hand::Segment& segment : digit.segments)
+      note(hand::partName(digit.name, segment.name), segment.links.back(), segment.bone_S(),
+           segment.palmar_S);
+  if (anatomy.palm)
+    note(hand::kPalmPart, anatomy.palm->links.front(), anatomy.palm->outward_S,
+         anatomy.palm->facing_S);
+  return posture;
+}
+
+/// Gives a patch on `mesh_O` its place on the hand and its direction towards the wrist; returns
+/// how far from its root that place is (m), infinite where none looks at it.
+double findPlace(const PosedHand& posed,
+                 const geometry::TriangleMesh& mesh_O,
+                 const std::vector<char>& links,
+                 contact::Patch& patch) {
+  const hand::Skin& skin = *posed.hand.skin;
+  const Eigen::Vector3d n_O = geometry::normalOf(mesh_O, patch.root);
+  const auto root_S = placement::rootShownBy(posed.skin_faces, posed.X_SO, links,
+                                             geometry::positionOf(mesh_O, patch.root), n_O);
+  if (!root_S) return std::numeric_limits<double>::infinity();
+  patch.place = posed.coordinates.placeOf(*root_S);
+  const int link = skin.faceLinks()[static_cast<std::size_t>(root_S->face)];
+  const auto L = static_cast<std::size_t>(link);
+  const Pose X_OS = inverse(posed.X_SO[L]);
+  std::optional<Eigen::Vector3d> direction_O;
+  if (const auto direction_S = posed.coordinates.towardsWrist(*root_S)) {
+    direction_O = X_OS.linear() * *direction_S;
+  } else if (const Pose& X_OL = posed.X_OL[L]; const auto d_L = posed.parts.towardsWrist(
+                                                   link, -(X_OL.linear().transpose() * n_O))) {
+    direction_O = X_OL.linear() * *d_L;
+  }
+  if (direction_O) patch.direction_O = tangentAt(mesh_O, patch.root, *direction_O);
+  const Eigen::Vector3d p_O = X_OS * geometry::positionOf(skin.mesh(), *root_S);
+  return (p_O - geometry::positionOf(mesh_O, patch.root)).norm();
+}
+
+/// Takes patches out that the hand's surface is too far from: an object's far side, felt
+/// through a wall or beyond an edge. The last patch of a digit stays.
+void dropUnmet(const std::vector<double>& away_m,
+               double reach_m,
+               std::map<std::string, int>& patches_of_digit,
+               contact::ContactSet& set) {
+  std::vector<contact::Patch> kept;
+  for (std::size_t i = 0; i < set.patches.size(); ++i) {
+    contact::Patch& patch = set.patches[i];
+    const auto place = hand::placeNamed(patch.name);
+    int& left = patches_of_digit[place ? place->digit : patch.name];
+    if (away_m[i] <= reach_m || left == 1) {
+      kept.push_back(std::move(patch));
+      continue;
+    }
+    --left;
+    set.notes.push_back(
+        std::isfinite(away_m[i])
+            ? fmt::format("{} dropped: what of the hand looks at it is {:.0f} mm away",
+                          quoted(patch.name), 1e3 * away_m[i])
+            : fmt::format("{} dropped: nothing of the hand looks at it", quoted(patch.name)));
+  }
+  set.patches = std::move(kept);
+}
+
+}  // namespace
+
+std::vector<contact::PosedSurface> posedSurfaces(const hand::HandModel& model,
+                                                 const hand::HandPose& pose,
+                                                 const Pose& X_WO) {
+  const hand::LinkPoses X_WL = hand::forwardKinematics(model, pose);
+  const Pose X_OW = X_WO.inverse();
+  std::vector<contact::PosedSurface> parts;
+  for (std::size_t i = 0; i < X_WL.size(); ++i) {
+    const hand::Link& link = model.links()[i];
+    if (link.surface().empty()) continue;
+    const Eigen::Affine3d X_OL(Eigen::Isometry3d(X_OW * X_WL[i]));
+    std::vector<geometry::TriangleMesh> shapes_O;
+    for (const hand::Shape& shape : link.surface())
+      shapes_O.push_back(geometry::transformed(shape.mesh_L, X_OL));
+    parts.push_back({link.name, geometry::merged(shapes_O)});
+  }
+  return parts;
+}
+
+PosedContacts contactsOfPosedHand(const hand::Hand& hand,
+                                  const hand::HandPose& pose,
+                                  const geometry::TriangleMesh& object_O,
+                                  const Pose& X_WO,
+                                  const contact::PoseContactOptions& reach,
+                                  const contact::SegmentationOptions& segmentation,
+                                  const Progress& progress) {
+  HANDGRAFT_REQUIRE(hand.model != nullptr && hand.skin != nullptr);
+  const hand::HandModel& model = *hand.model;
+  const hand::FingerCoordinates coordinates(model, *hand.skin, hand.sites);
+  const hand::HandParts parts(model, hand.sites);
+  const placement::SkinFaces skin_faces(*hand.skin);
+  const hand::HandPose pose_O{X_WO.inverse() * pose.X_WH, pose.q};
+  const PosedHand posed{hand,
+                        coordinates,
+                        parts,
+                        skin_faces,
+                        forwardKinematics(model, pose_O),
+                        hand.skin->fromWorld(model, pose_O)};
+  const std::vector<std::string> part_of_link = partsOf(posed);
+
+  // === The map, and its patches by segments
+  const std::vector<contact::PosedSurface> surfaces_O = posedSurfaces(model, pose, X_WO);
+  PosedContacts result;
+  contact::ContactMap& map = result.map;
+  map = contact::contactsFromPose(object_O, surfaces_O, reach, progress);
+  for (const contact::PosedSurface& surface : surfaces_O) {
+    const std::string& part =
+        part_of_link[static_cast<std::size_t>(model.linkIndex(surface.name))];
+    map.segment_parts.push_back(part.empty() ? contact::fingerOfSegment(surface.name) : part);
+  }
+  result.set = contact::segment(map, segmentation);
+  result.set.posture = postureShownBy(posed);
+
+  // === Where on the hand each of them was
+  std::map<std::string, int> patches_of_digit;
+  std::vector<double> away_m;
+  for (contact::Patch& patch : result.set.patches) {
+    const auto place = hand::placeNamed(patch.name);
+    const std::string part = place ? hand::partName(place->digit, place->segment) : patch.name;
+    std::vector<char> links;
+    for (const std::string& one : part_of_link)
+      links.push_back(one == part ? 1 : 0);
+    away_m.push_back(findPlace(posed, map.mesh_O, links, patch));
+    ++patches_of_digit[place ? place->digit : patch.name];
+  }
+  dropUnmet(away_m, reach.reach_m, patches_of_digit, result.set);
+  std::vector<std::string> idle;
+  for (const hand::NamedDigit& digit : coordinates.anatomy().digits)
+    if (!patches_of_digit.contains(digit.name)) idle.push_back(digit.name);
+  if (!idle.empty())
+    result.set.notes.push_back(fmt::format("touches nothing: {}", fmt::join(idle, ", ")));
+
+  const bool is_refined = map.mesh_O.vertexCount() != object_O.vertexCount() ||
+                          map.mesh_O.faces() != object_O.faces();
+  if (is_refined) result.set = contact::carry(result.set, map.mesh_O, object_O);
+  return result;
+}
+
+}  // namespace handgraft::demonstration

@@ -1,0 +1,132 @@
+#include "core/placement/posture_finding.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+
+#include "core/hand/anatomy.h"
+#include "core/hand/hand_place.h"
+#include "core/hand/kinematics.h"
+#include "core/hand/posture.h"
+#include "core/optimize/pose_solver.h"
+#include "core/optimize/problem_options.h"
+
+namespace handgraft::placement {
+
+namespace {
+
+using contact::PartDirection;
+using Eigen::Vector3d;
+
+constexpr double kPalmarWeight = 0.5;  // of a bone's
+constexpr double kPalmWeight = 3.0;    // it carries all others
+
+// A radian off the relaxed posture, of the bones' |difference|^2: chooses where they do not.
+constexpr double kRelaxing = 0.01;
+
+// A hand that can stand as the demonstrator's did is held to it more, as the square of how near
+// it comes: a hand's own grasp comes back, and others are as free as their build asks for.
+constexpr double kUsualMisfit = 0.13;  // rad: a human hand of other proportions
+constexpr double kMostSure = 8.0;
+
+constexpr int kPostureStarts = 8;
+constexpr int kPostureEvaluations = 100;
+
+/// A part of this hand.
+struct Part {
+  int link = 0;
+  Vector3d outward_L = Vector3d::Zero();
+  Vector3d palmar_L = Vector3d::Zero();
+};
+
+std::map<std::string, Part> partsOf(const hand::Hand& hand, const hand::LinkPoses& X_SL) {
+  std::map<std::string, Part> parts;
+  const auto note = [&](const std::string& name, int link, const Vector3d& outward_S,
+                        const Vector3d& palmar_S) {
+    const Eigen::Matrix3d R_LS = X_SL[static_cast<std::size_t>(link)].linear().transpose();
+    parts[name] = {link, R_LS * outward_S, R_LS * palmar_S};
+  };
+  const hand::Anatomy anatomy = anatomyOf(*hand.model, X_SL, hand.sites);
+  for (const hand::NamedDigit& digit : anatomy.digits)
+    for (const hand::Segment& segment : digit.segments)
+      note(hand::partName(digit.name, segment.name), segment.links.back(), segment.bone_S(),
+           segment.palmar_S);
+  if (anatomy.palm)
+    note(hand::kPalmPart, anatomy.palm->links.front(), anatomy.palm->outward_S,
+         anatomy.palm->facing_S);
+  return parts;
+}
+
+/// Two directions that are to be one.
+void align(int link,
+           const Vector3d& d_L,
+           const Vector3d& d_O,
+           double weight,
+           optimize::PoseProblem& problem) {
+  if (!(d_L.norm() > 0.5) || !(d_O.norm() > 0.5)) return;
+  optimize::PointPair pair;
+  pair.link = link;
+  pair.n_L = d_L.normalized();
+  pair.n_W = -d_O.normalized();
+  pair.weight = weight;
+  problem.pairs.push_back(pair);
+}
+
+/// The angle that directions are off in `pose`, root mean square; rad.
+double misfitOf(const optimize::PoseProblem& problem, const hand::HandPose& pose) {
+  hand::LinkPoses X_WL;
+  forwardKinematics(*problem.model, pose.X_WH, pose.q, X_WL);
+  double sum = 0.0;
+  for (const optimize::PointPair& pair : problem.pairs) {
+    const Vector3d is_W = X_WL[static_cast<std::size_t>(pair.link)].linear() * pair.n_L;
+    const double angle = std::atan2(is_W.cross(pair.n_W).norm(), -is_W.dot(pair.n_W));
+    sum += angle * angle;
+  }
+  return std::sqrt(sum / static_cast<double>(problem.pairs.size()));
+}
+
+}  // namespace
+
+Posture postureFor(const hand::Hand& hand, const contact::ContactSet& contacts) {
+  const Eigen::VectorXd q_straight = hand.skin->qReference();
+  Posture posture;
+  posture.q = hand::relaxedPosture(*hand.model, q_straight);
+  if (contacts.posture.empty()) return posture;
+
+  hand::LinkPoses X_SL;
+  forwardKinematics(*hand.model, Pose::Identity(), q_straight, X_SL);
+  const std::map<std::string, Part> parts = partsOf(hand, X_SL);
+  // Directions alone: the root's place plays no part.
+  optimize::PoseProblem problem = optimize::makeProblem(hand.model);
+  problem.weights = {0.0, 1.0, kRelaxing};
+  problem.normal_form = optimize::NormalForm::kSum;
+  problem.start.q = posture.q;
+  problem.prior.q = posture.q;
+  problem.prior_weights = Eigen::VectorXd::Ones(problem.dofCount());
+  problem.prior_weights.head<6>().setZero();
+  for (int i = 3; i < 6; ++i)
+    optimize::lock(i, problem);
+  for (const PartDirection& was : contacts.posture) {
+    const auto part = parts.find(was.part);
+    if (part == parts.end()) continue;
+    const double weight = was.part == hand::kPalmPart ? kPalmWeight : 1.0;
+    align(part->second.link, part->second.outward_L, was.outward_O, weight, problem);
+    align(part->second.link, part->second.palmar_L, was.palmar_O, kPalmarWeight * weight,
+          problem);
+  }
+  // Fewer leave the hand free to turn.
+  if (problem.pairs.size() < 2) return posture;
+  optimize::SolveOptions options;
+  options.starts = kPostureStarts;
+  options.max_evaluations = kPostureEvaluations;
+  const optimize::SolveReport report =
+      optimize::PoseSolver(problem).search(options, Progress());
+  posture.q = report.pose.q;
+  posture.R_OH = report.pose.X_WH.linear();
+  const double fit = kUsualMisfit / std::max(misfitOf(problem, report.pose), 1e-6);
+  posture.sureness = std::clamp(fit * fit, 1.0, kMostSure);
+  return posture;
+}
+
+}  // namespace handgraft::placement

@@ -1,0 +1,79 @@
+#include "core/placement/solids.h"
+
+#include "core/base/error.h"
+#include "core/base/made_once.h"
+
+namespace handgraft::placement {
+
+std::shared_ptr<const hand::HandSolid> solidOf(
+    const std::shared_ptr<const hand::HandModel>& model,
+    const std::shared_ptr<const hand::Skin>& skin,
+    const Progress& progress) {
+  HANDGRAFT_REQUIRE(model != nullptr && skin != nullptr);
+  // By the model, since its rest pose counts, too; it comes with one skin.
+  static MadeOnce<hand::HandModel, hand::HandSolid> memory;
+  return memory.get(model, progress, [&] {
+    return std::make_shared<const hand::HandSolid>(*model, *skin, progress);
+  });
+}
+
+std::shared_ptr<const geometry::Solid> solidOf(
+    const std::shared_ptr<const geometry::TriangleMesh>& object_O, const Progress& progress) {
+  HANDGRAFT_REQUIRE(object_O != nullptr);
+  static MadeOnce<geometry::TriangleMesh, geometry::Solid> memory;
+  return memory.get(object_O, progress, [&] {
+    return std::make_shared<const geometry::Solid>(*object_O, progress);
+  });
+}
+
+std::shared_ptr<const geometry::SurfaceLocator> locatorOf(
+    const std::shared_ptr<const geometry::TriangleMesh>& object_O) {
+  HANDGRAFT_REQUIRE(object_O != nullptr);
+  static MadeOnce<geometry::TriangleMesh, geometry::SurfaceLocator> memory;
+  return memory.get(object_O, Progress(), [&] {
+    return std::make_shared<const geometry::SurfaceLocator>(*object_O);
+  });
+}
+
+void makeSolids(const hand::Hand& hand,
+                const std::shared_ptr<const geometry::TriangleMesh>& object_O,
+                const Progress& progress) {
+  static_cast<void>(solidOf(hand.model, hand.skin, progress));
+  static_cast<void>(solidOf(object_O, progress));
+}
+
+std::shared_ptr<const optimize::Avoidance> avoidanceOf(
+    const std::shared_ptr<const hand::HandModel>& model,
+    const std::shared_ptr<const hand::Skin>& skin,
+    const std::shared_ptr<const geometry::TriangleMesh>& object_O,
+    const Pose& X_WO,
+    const Progress& progress) {
+  auto avoidance = std::make_shared<optimize::Avoidance>();
+  avoidance->hand = solidOf(model, skin, progress);
+  avoidance->object_O = solidOf(object_O, progress);
+  avoidance->X_WO = X_WO;
+  return avoidance;
+}
+
+quality::Penetration penetrationOf(
+    const std::shared_ptr<const hand::HandModel>& model,
+    const std::shared_ptr<const hand::Skin>& skin,
+    const std::shared_ptr<const geometry::TriangleMesh>& object_O,
+    const Pose& X_WO,
+    const hand::HandPose& pose,
+    const std::vector<quality::ContactSide>& sides,
+    const Progress& progress) {
+  return quality::measurePenetration(*model, *solidOf(model, skin, progress),
+                                     *solidOf(object_O, progress), X_WO, pose, sides, progress);
+}
+
+double deepestOf(const std::shared_ptr<const hand::HandModel>& model,
+                 const std::shared_ptr<const hand::Skin>& skin,
+                 const std::shared_ptr<const geometry::TriangleMesh>& object_O,
+                 const hand::HandPose& X_OH,
+                 const Progress& progress) {
+  return quality::measureDepth(*model, *solidOf(model, skin, progress),
+                               *solidOf(object_O, progress), X_OH, progress);
+}
+
+}  // namespace handgraft::placement

@@ -1,0 +1,425 @@
+#include "core/retargeting/edited_motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <map>
+#include <thread>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/geometry/tangent.h"
+#include "core/manipulation/causal_solver.h"
+#include "core/manipulation/offline_solver.h"
+#include "core/placement/place_slider.h"
+#include "core/placement/solids.h"
+#include "core/retargeting/motion_layer.h"
+#include "core/retargeting/motion_places.h"
+#include "core/retargeting/motion_times.h"
+#include "core/session/field_bytes.h"
+#include "core/session/timed_edit.h"
+
+namespace handgraft::retargeting {
+
+namespace {
+
+using manipulation::LaidMotion;
+using manipulation::Motion;
+using manipulation::MotionProblem;
+using manipulation::PairSpan;
+using manipulation::PatchKey;
+using manipulation::PatchTrack;
+
+constexpr int kSlides = 10;
+constexpr std::size_t kFramesKept = 20000;  // of bases beside the last one, and of stretches
+
+}  // namespace
+
+struct EditedMotion::Work {
+  const session::Document& document;
+  const hand::Hand& hand;
+  const MotionSolving& solving;
+  int threads;
+  const Progress& progress;
+  std::string base_key;
+  bool from_nothing;
+};
+
+namespace {
+
+/// Frames are independent: each thread takes every so-manyth.
+void measureDepths(const hand::Hand& hand,
+                   const std::shared_ptr<const geometry::TriangleMesh>& object_O,
+                   FrameRange range,
+                   int threads,
+                   const Progress& progress,
+                   SolvedMotion& solved) {
+  const std::vector<hand::HandPose>& poses = solved.trajectory.poses;
+  placement::makeSolids(hand, object_O, progress);
+  const auto step = static_cast<std::size_t>(std::max(1, threads));
+  const auto first_frame = static_cast<std::size_t>(range.first);
+  const auto end = static_cast<std::size_t>(range.end);
+  std::vector<std::exception_ptr> errors(step);
+  const auto measure = [&](std::size_t first) {
+    try {
+      for (std::size_t k = first_frame + first; k < end; k += step) {
+        progress.checkpoint();
+        if (first == 0) {
+          progress.report("measuring depths",
+                          static_cast<double>(k) / static_cast<double>(poses.size()));
+        }
+        solved.depth_m[k] =
+            placement::deepestOf(hand.model, hand.skin, object_O, poses[k], progress);
+      }
+    } catch (...) {
+      errors[first] = std::current_exception();
+    }
+  };
+  std::vector<std::thread> others;
+  for (std::size_t i = 1; i < step; ++i)
+    others.emplace_back(measure, i);
+  measure(0);
+  for (std::thread& other : others)
+    other.join();
+  for (const std::exception_ptr& error : errors)
+    if (error) std::rethrow_exception(error);
+}
+
+/// Eq. 2 of all frames. A point that is lost no longer counts: as if it were kLost_m off.
+double costOf(const MotionProblem& problem,
+              const manipulation::Fade& fade,
+              const manipulation::Trajectory& trajectory) {
+  double cost = 0.0;
+  const manipulation::FrameProblems frames(problem, fade);
+  for (std::size_t k = 0; k < trajectory.poses.size(); ++k) {
+    cost += trajectory.objective[k];
+    for (const optimize::PointPair& pair :
+         frames.at(static_cast<int>(k), trajectory.poses[k]).pairs)
+      cost -= problem.weights.distance * pair.weight * placement::kLost_m * placement::kLost_m;
+  }
+  return cost;
+}
+
+bool arePosesSame(const hand::HandPose& a, const hand::HandPose& b) {
+  return a.q == b.q && a.X_WH.matrix() == b.X_WH.matrix();
+}
+
+/// Joins ranges that touch; sorted.
+std::vector<FrameRange> joined(std::vector<FrameRange> ranges) {
+  std::sort(ranges.begin(), ranges.end(), [](const FrameRange& a, const FrameRange& b) {
+    return a.first < b.first;
+  });
+  std::vector<FrameRange> result;
+  for (const FrameRange& range : ranges) {
+    if (!result.empty() && range.first <= result.back().end)
+      result.back().end = std::max(result.back().end, range.end);
+    else
+      result.push_back(range);
+  }
+  return result;
+}
+
+/// The frames of an edit and those that smoothness couples to them.
+FrameRange stretchOf(const session::TimedEdit& edit, const std::vector<double>& time_s) {
+  const std::map<int, double> influences = session::influencesOf(edit, time_s);
+  const auto timeAt = [&](int frame) {
+    return time_s[static_cast<std::size_t>(frame)];
+  };
+  FrameRange range{influences.begin()->first, influences.rbegin()->first + 1};
+  const double from = timeAt(range.first) - EditedMotion::kMargin_s;
+  const double to = timeAt(range.end - 1) + EditedMotion::kMargin_s;
+  while (range.first > 0 && timeAt(range.first - 1) >= from)
+    --range.first;
+  while (range.end < static_cast<int>(time_s.size()) && timeAt(range.end) <= to)
+    ++range.end;
+  return range;
+}
+
+}  // namespace
+
+EditedMotion::EditedMotion(std::shared_ptr<const Motion> motion,
+                           std::shared_ptr<const geometry::TriangleMesh> object_O)
+    : motion_(std::move(motion)),
+      object_O_(std::move(object_O)),
+      grasp_(graspOf(*motion_, *object_O_)) {}
+
+std::shared_ptr<const SolvedMotion> EditedMotion::solve(const session::Document& document,
+                                                        const hand::Hand& hand,
+                                                        MotionSolving solving,
+                                                        int threads,
+                                                        const Progress& progress,
+                                                        const OnStretch& on_stretch,
+                                                        bool from_nothing) {
+  solving.options.threads = threads;
+  session::FieldWriter key;
+  key.add(document.hand);
+  for (const session::DocumentPatch& patch : document.patches) {
+    key.add(patch.name);
+    key.add(patch.effectiveWeight());
+    key.add(patch.root_O);
+    key.add(patch.direction_O.value_or(Eigen::Vector3d::Zero()));
+  }
+  key.add(document.joints);
+  for (std::size_t i = 0; i < document.joints.size(); ++i)
+    key.add(document.joints[i].locked ? document.start.q[static_cast<Eigen::Index>(i)] : 0.0);
+  key.add(document.held);
+  key.add(document.X_WO);
+  key.add(document.prior.q);
+  key.add(document.weights);
+  key.add(document.solving.normal_form);
+  key.add(document.solving.avoids());
+  key.add(document.transfer);
+  key.add(solving.causal);
+  key.add(solving.acceleration_limit);
+  key.add(solving.options.smoothness);
+  key.add(solving.options.fade.seconds);
+  key.add(solving.options.starts);
+  key.add(solving.options.seed);
+  const Work work{document, hand, solving, threads, progress, key.take(), from_nothing};
+  const Base& unedited = base(work);
+  const std::shared_ptr<const SolvedMotion> first = unedited.solved;
+  if (document.timed.empty()) return first;
+  auto solved = std::make_shared<SolvedMotion>(*first);
+  const Laid& as_laid = *unedited.laid;
+  layAtTimes(
+      {document, hand, *object_O_, as_laid.motion, grasp_, as_laid.laid, solving.options.fade},
+      progress, solved->problem);
+  if (!solving.causal) {
+    solveStretches(work, *solved, on_stretch);
+    return solved;
+  }
+  solved->trajectory = solveCausal(solved->problem, solving.options, progress);
+  const int count = solved->problem.frameCount();
+  int same = 0;
+  while (same < count && arePosesSame(solved->trajectory.poses[static_cast<std::size_t>(same)],
+                                      first->trajectory.poses[static_cast<std::size_t>(same)]))
+    ++same;
+  measureDepths(hand, object_O_, {same, count}, threads, progress, *solved);
+  return solved;
+}
+
+std::shared_ptr<const EditedMotion::Laid> EditedMotion::laid(const Work& work, bool anew) {
+  session::FieldWriter writer;
+  writer.add(work.document.hand);
+  writer.add(work.document.transfer);
+  for (const session::DocumentPatch& patch : work.document.patches) {
+    writer.add(patch.root_O);
+    writer.add(patch.direction_O.value_or(Eigen::Vector3d::Zero()));
+  }
+  std::string key = writer.take();
+  std::shared_ptr<const Laid> before;
+  if (!anew && !bases_.empty() && bases_.front().laid->hand == work.document.hand)
+    before = bases_.front().laid;
+  if (before && key == before->key) return before;
+  const MotionLayer layer(work.document, work.hand, *object_O_, *motion_);
+  // Roots and directions that were edited for all of the motion.
+  const std::vector<std::string> names = patchNames(*motion_);
+  Motion edited = *motion_;
+  for (std::size_t i = 0; i < names.size() && i < work.document.patches.size(); ++i) {
+    const session::DocumentPatch& now = work.document.patches[i];
+    const contact::Patch before = withDirection(*object_O_, grasp_.patches[i]);
+    Shift shift;
+    const auto same = [&] {
+      return now.root_O.face == before.root.face &&
+             now.root_O.barycentric == before.root.barycentric;
+    };
+    if (!same())
+      shift.way_T = wayTo(*object_O_, before.root, *before.direction_O, now.root_O, now.name);
+    if (now.direction_O && !now.direction_is_open) {
+      const Eigen::Vector3d carried =
+          tangentCarried(*object_O_, before.root, now.root_O, *before.direction_O);
+      const Eigen::Vector3d n = normalOf(*object_O_, now.root_O);
+      const double turn =
+          std::atan2(n.dot(carried.cross(*now.direction_O)), carried.dot(*now.direction_O));
+      if (std::abs(turn) > 1e-9) shift.turn_rad = turn;
+    }
+    if (shift.isNone()) continue;
+    for (PatchTrack& track : edited.tracks) {
+      if (track.name != names[i]) continue;
+      for (PatchKey& patch_key : track.keys)
+        patch_key.patch = movedOver(*object_O_, patch_key.patch, shift);
+    }
+  }
+  if (before) {
+    for (std::size_t t = 0; t < edited.tracks.size(); ++t)
+      for (std::size_t i = 0; i < edited.tracks[t].keys.size(); ++i)
+        edited.tracks[t].keys[i].placement = before->motion.tracks[t].keys[i].placement;
+  } else {
+    MotionPlaces(work.document, work.hand, *object_O_, edited).deal(edited);
+  }
+  LaidMotion as_laid = layer.lay(edited, work.progress);
+  return std::make_shared<const Laid>(
+      Laid{std::move(key), work.document.hand, std::move(edited), std::move(as_laid)});
+}
+
+std::vector<manipulation::PairTrack> EditedMotion::weighed(const session::Document& document,
+                                                           const LaidMotion& laid) const {
+  // The document's switches and weights, which it has by the patches' names.
+  const std::vector<std::string> names = patchNames(*motion_);
+  std::map<std::string, double> factors;
+  for (std::size_t i = 0; i < names.size() && i < document.patches.size(); ++i)
+    factors[names[i]] = shareOf(document.patches[i], grasp_.patches[i].weight);
+  std::vector<manipulation::PairTrack> tracks = laid.tracks;
+  bool any = false;
+  for (std::size_t t = 0; t < tracks.size(); ++t) {
+    const std::string& name = motion_->tracks[static_cast<std::size_t>(laid.track_of[t])].name;
+    const auto found = factors.find(name);
+    const double factor = found == factors.end() ? 1.0 : found->second;
+    any = any || factor > 0.0;
+    if (factor == 1.0) continue;
+    for (PairSpan& span : tracks[t].spans)
+      for (optimize::PointPair& pair : span.pairs)
+        pair.weight *= factor;
+  }
+  if (!any) rejectInput("all patches of motion {} are switched off", quoted(motion_->name));
+  return tracks;
+}
+
+const EditedMotion::Base& EditedMotion::base(const Work& work) {
+  const auto known = std::find_if(bases_.begin(), bases_.end(), [&](const Base& one) {
+    return one.key == work.base_key;
+  });
+  if (known != bases_.end()) {
+    bases_.splice(bases_.begin(), bases_, known);
+    return bases_.front();
+  }
+  const session::Document& document = work.document;
+  auto made = std::make_shared<SolvedMotion>();
+  SolvedMotion& solved = *made;
+  solved.solving = work.solving;
+  solved.problem = motionProblemOf(document, work.hand, motion_->time_s, work.solving);
+  const SolvedMotion* before = bases_.empty() ? nullptr : bases_.front().solved.get();
+  const bool goes_on = !work.from_nothing && before != nullptr &&
+                       before->solving.causal == work.solving.causal &&
+                       before->problem.model == solved.problem.model;
+  std::shared_ptr<const Laid> as_laid = laid(work, !goes_on);
+  solved.problem.tracks = weighed(document, as_laid->laid);
+  solved.track_of = as_laid->laid.track_of;
+  holdThroughout(document, work.solving.options.fade, solved.problem);
+  if (document.solving.avoids()) {
+    solved.problem.avoidance = placement::avoidanceOf(
+        work.hand.model, work.hand.skin, object_O_, Pose::Identity(), work.progress);
+  }
+  const manipulation::MotionOptions& options = work.solving.options;
+  const int count = solved.problem.frameCount();
+  if (work.solving.causal) {
+    solved.trajectory = solveCausal(solved.problem, options, work.progress);
+  } else if (goes_on) {
+    solved.trajectory = before->trajectory;
+    solved.trajectory.notes.clear();
+    solveAgain(solved.problem, options, 0, count, work.progress, solved.trajectory);
+  } else {
+    solved.trajectory = solveOffline(solved.problem, options, work.progress);
+    slide(work, as_laid, solved);
+  }
+  solved.notes = remarksOn(*motion_);
+  solved.notes.insert(solved.notes.end(), as_laid->laid.notes.begin(),
+                      as_laid->laid.notes.end());
+  solved.notes.insert(solved.notes.end(), solved.trajectory.notes.begin(),
+                      solved.trajectory.notes.end());
+  solved.depth_m.assign(static_cast<std::size_t>(count), 0.0);
+  measureDepths(work.hand, object_O_, {0, count}, work.threads, work.progress, solved);
+  bases_.push_front({work.base_key, std::move(as_laid), made});
+  std::size_t frames = 0;
+  for (auto base = std::next(bases_.begin()); base != bases_.end();) {
+    frames += base->solved->trajectory.poses.size();
+    base = frames > kFramesKept ? bases_.erase(base) : std::next(base);
+  }
+  return bases_.front();
+}
+
+void EditedMotion::slide(const Work& work,
+                         std::shared_ptr<const Laid>& laid,
+                         SolvedMotion& solved) const {
+  const MotionPlaces places(work.document, work.hand, *object_O_, laid->motion);
+  // Exact charts are dear (transfer/staged_transfer.h): on the way quick ones do.
+  session::Document quick = work.document;
+  if (quick.transfer.method == geometry::LogMapMethod::kAuto)
+    quick.transfer.method = geometry::LogMapMethod::kFast;
+  const MotionLayer layer(quick, work.hand, *object_O_, laid->motion);
+  const manipulation::MotionOptions& options = work.solving.options;
+  const int count = solved.problem.frameCount();
+  Laid slid = *laid;
+  MotionProblem problem = solved.problem;
+  manipulation::Trajectory trajectory = solved.trajectory;
+  bool any = false;
+  for (int i = 0; i < kSlides && places.slide(trajectory.poses, slid.motion); ++i) {
+    any = true;
+    slid.laid = layer.lay(slid.motion, work.progress);
+    problem.tracks = weighed(work.document, slid.laid);
+    stepOn(problem, options, work.progress, trajectory);
+  }
+  if (!any) return;
+  slid.laid = MotionLayer(work.document, work.hand, *object_O_, slid.motion)
+                  .lay(slid.motion, work.progress);
+  problem.tracks = weighed(work.document, slid.laid);
+  solveAgain(problem, options, 0, count, work.progress, trajectory);
+  if (!(costOf(problem, options.fade, trajectory) <
+        costOf(solved.problem, options.fade, solved.trajectory)))
+    return;
+  solved.track_of = slid.laid.track_of;
+  solved.problem = std::move(problem);
+  solved.trajectory = std::move(trajectory);
+  laid = std::make_shared<const Laid>(std::move(slid));
+}
+
+void EditedMotion::solveStretches(const Work& work,
+                                  SolvedMotion& solved,
+                                  const OnStretch& on_stretch) {
+  const std::vector<session::TimedEdit>& timed = work.document.timed;
+  std::vector<FrameRange> ranges;
+  for (const session::TimedEdit& edit : timed)
+    ranges.push_back(stretchOf(edit, solved.problem.time_s));
+
+  struct Open {
+    FrameRange range;
+    std::string key;
+  };
+
+  std::vector<Open> open;
+  for (const FrameRange& range : joined(ranges)) {
+    session::FieldWriter writer;
+    writer.add(work.base_key);
+    for (std::size_t i = 0; i < timed.size(); ++i)
+      if (ranges[i].first >= range.first && ranges[i].end <= range.end) writer.add(timed[i]);
+    std::string key = writer.take();
+    const auto known =
+        std::find_if(stretches_.begin(), stretches_.end(), [&](const Stretch& one) {
+          return one.key == key;
+        });
+    if (known == stretches_.end()) {
+      open.push_back({range, std::move(key)});
+      continue;
+    }
+    stretches_.splice(stretches_.begin(), stretches_, known);
+    std::copy(known->poses.begin(), known->poses.end(),
+              solved.trajectory.poses.begin() + range.first);
+    std::copy(known->objective.begin(), known->objective.end(),
+              solved.trajectory.objective.begin() + range.first);
+    std::copy(known->depth_m.begin(), known->depth_m.end(),
+              solved.depth_m.begin() + range.first);
+  }
+  for (Open& one : open) {
+    const FrameRange range = one.range;
+    solveAgain(solved.problem, work.solving.options, range.first, range.end, work.progress,
+               solved.trajectory);
+    measureDepths(work.hand, object_O_, range, work.threads, work.progress, solved);
+    Stretch stretch;
+    stretch.key = std::move(one.key);
+    const auto part = [&](const auto& list) {
+      return std::decay_t<decltype(list)>(list.begin() + range.first, list.begin() + range.end);
+    };
+    stretch.poses = part(solved.trajectory.poses);
+    stretch.objective = part(solved.trajectory.objective);
+    stretch.depth_m = part(solved.depth_m);
+    stretches_.push_front(std::move(stretch));
+    if (on_stretch) on_stretch(solved, range);
+  }
+  std::size_t kept = 0;
+  for (auto stretch = stretches_.begin(); stretch != stretches_.end();) {
+    kept += stretch->poses.size();
+    stretch = kept > kFramesKept ? stretches_.erase(stretch) : std::next(stretch);
+  }
+}
+
+}  // namespace handgraft::retargeting

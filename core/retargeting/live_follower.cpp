@@ -1,0 +1,134 @@
+#include "core/retargeting/live_follower.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/base/error.h"
+#include "core/contact/patch.h"
+#include "core/optimize/solver.h"
+#include "core/placement/solids.h"
+
+namespace handgraft::retargeting {
+
+namespace {
+
+constexpr double kLivePause_s = 0.25;
+constexpr int kTouchesToBegin = 3;
+constexpr int kLiveStarts = 16;
+constexpr double kAngleStep_rad = std::numbers::pi / 36.0;  // of places kept for later frames
+
+}  // namespace
+
+LiveFollower::LiveFollower(const session::Document& document,
+                           const hand::Hand& hand,
+                           std::shared_ptr<const geometry::TriangleMesh> object_O,
+                           const Progress& progress)
+    : hand_(hand),
+      object_O_(std::move(object_O)),
+      coordinates_(*hand_.model, *hand_.skin, hand_.sites),
+      problem_(motionProblemOf(document, hand, {0.0}, motionSolving(true))),
+      options_(motionSolving(true).options),
+      tracker_(*object_O_),
+      solver_(problem_, options_),
+      parts_(manipulation::TouchTracker::partNames().size()) {
+  if (!document.solving.avoids()) return;
+  problem_.avoidance =
+      placement::avoidanceOf(hand_.model, hand_.skin, object_O_, Pose::Identity(), progress);
+}
+
+std::optional<hand::LinkPoint> LiveFollower::spotOf(const manipulation::Touch& touch) {
+  const int angle = static_cast<int>(std::lround(touch.place.around_rad / kAngleStep_rad));
+  const auto known = spots_.find({touch.part, angle});
+  if (known != spots_.end()) return known->second;
+  hand::HandPlace place = touch.place;
+  place.around_rad = angle * kAngleStep_rad;
+  std::optional<hand::LinkPoint> spot;
+  if (const auto found = coordinates_.spotAt(place)) spot = hand_.skin->project(found->root_S);
+  spots_[{touch.part, angle}] = spot;
+  return spot;
+}
+
+std::vector<optimize::PointPair> LiveFollower::pairsOf(const manipulation::Touch& touch) {
+  const std::optional<hand::LinkPoint> spot = spotOf(touch);
+  if (!spot) return {};
+  optimize::PointPair pair;
+  pair.link = spot->link;
+  pair.p_L = spot->p_L;
+  pair.n_L = spot->n_L;
+  pair.p_W = positionOf(*object_O_, touch.point_O);
+  pair.n_W = normalOf(*object_O_, touch.point_O);
+  pair.weight = contact::kDefaultInterpolationCount;  // it stands for a region
+  pair.patch = touch.part;
+  return {pair};
+}
+
+optimize::PoseProblem LiveFollower::problemNow() const {
+  hand::HandPose start;
+  start.q = problem_.prior.cwiseMax(problem_.lower).cwiseMin(problem_.upper);
+  if (last_O_) start = *last_O_;
+  const manipulation::FrameProblems frames(problem_, options_.fade);
+  optimize::PoseProblem single = frames.at(0, start);
+  for (const PartPair& part : parts_) {
+    for (const optimize::PointPair& pair : part.pairs) {
+      if (part.presence <= 0.0) continue;
+      single.pairs.push_back(pair);
+      single.pairs.back().weight *= part.presence;
+    }
+  }
+  return single;
+}
+
+std::optional<LiveFollower::Answer> LiveFollower::follow(
+    const manipulation::DemonstratedFrame& frame, const Progress& progress) {
+  if (!std::isfinite(frame.time_s))
+    rejectInput("a frame's time {} s is not finite", frame.time_s);
+  const double step_s = last_s_ ? frame.time_s - *last_s_ : 0.0;
+  if (last_s_ && step_s <= 0.0 && step_s > -kLivePause_s) {
+    rejectInput("a frame at {} s does not lie behind the one before it, {} s", frame.time_s,
+                *last_s_);
+  }
+  const std::vector<manipulation::Touch> touches = tracker_.see(frame);
+  const bool paused = last_s_ && (step_s > kLivePause_s || step_s <= 0.0);
+  last_s_ = frame.time_s;
+
+  // === Parts come and go
+  const double fade = options_.fade.seconds > 0.0 && !paused
+                          ? std::max(0.0, step_s) / options_.fade.seconds
+                          : 1.0;
+  std::vector<char> is_there(parts_.size(), 0);
+  for (const manipulation::Touch& touch : touches) {
+    const auto at = static_cast<std::size_t>(touch.part);
+    is_there[at] = 1;
+    parts_[at].pairs = pairsOf(touch);
+  }
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const double goal = is_there[i];
+    parts_[i].presence += std::clamp(goal - parts_[i].presence, -fade, fade);
+  }
+
+  // === The pose
+  if (!last_O_) {
+    if (static_cast<int>(touches.size()) < kTouchesToBegin) return std::nullopt;
+    for (std::size_t i = 0; i < parts_.size(); ++i)
+      parts_[i].presence = is_there[i];
+    optimize::SolveOptions solving;
+    solving.starts = kLiveStarts;
+    const optimize::PoseProblem first = problemNow();
+    if (first.pairs.empty()) return std::nullopt;
+    last_O_ = optimize::solve(first, solving, progress).pose;
+    solver_.begin(*last_O_);
+  } else if (paused) {
+    solver_.begin(*last_O_);
+  }
+  const manipulation::CausalSolver::Step step = solver_.follow(frame.time_s, problemNow());
+  last_O_ = step.pose;
+  Answer answer;
+  answer.pose = {frame.X_WO * step.pose.X_WH, step.pose.q};
+  answer.touches = static_cast<int>(touches.size());
+  answer.objective = step.objective;
+  answer.evaluations = step.evaluations;
+  return answer;
+}
+
+}  // namespace handgraft::retargeting

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/hand/finger_coordinates.h"
+#include "core/manipulation/causal_solver.h"
+#include "core/manipulation/touch_tracker.h"
+#include "core/retargeting/motion_solving.h"
+#include "core/session/document.h"
+#include "core/session/models.h"
+
+namespace handgraft::retargeting {
+
+/// A hand that follows a demonstrator's, frame by frame as they come: where parts of the
+/// demonstrator's hand touch the object, the same parts of this hand do (TouchTracker), by the
+/// causal solver, within limits and out of the object. Touches come and go within 60 ms.
+///
+/// It begins with the first frame that touches with three parts: the best pose of that frame
+/// alone, from many starts. After a pause of 0.25 s, or where time has run backwards by as
+/// much, it goes on from where the hand is, at rest.
+/// Deterministic. Cost: some tenths of a millisecond a frame, tens of milliseconds once.
+class LiveFollower {
+ public:
+  /// What counts of the document: as in solveMotion, but for what it says of patches.
+  /// Errors: Cancelled on wish.
+  LiveFollower(const session::Document& document,
+               const hand::Hand& hand,
+               std::shared_ptr<const geometry::TriangleMesh> object_O,
+               const Progress& progress);
+  LiveFollower(const LiveFollower&) = delete;  // its solver refers to its problem
+  LiveFollower& operator=(const LiveFollower&) = delete;
+
+  struct Answer {
+    hand::HandPose pose;  ///< in W: the hand's base where the object is now
+    int touches = 0;      ///< of the demonstrator
+    double objective = 0.0;
+    int evaluations = 0;
+  };
+
+  /// Nothing before it has begun. Errors: InvalidInput, and nothing changes, for a time that
+  /// does not lie behind the last one's and for what is not finite.
+  std::optional<Answer> follow(const manipulation::DemonstratedFrame& frame,
+                               const Progress& progress);
+
+ private:
+  struct PartPair {
+    double presence = 0.0;
+    std::vector<optimize::PointPair> pairs;  // none: this part has no place on the hand
+  };
+
+  std::vector<optimize::PointPair> pairsOf(const manipulation::Touch& touch);
+  std::optional<hand::LinkPoint> spotOf(const manipulation::Touch& touch);
+  optimize::PoseProblem problemNow() const;
+
+  hand::Hand hand_;
+  std::shared_ptr<const geometry::TriangleMesh> object_O_;
+  hand::FingerCoordinates coordinates_;
+  manipulation::MotionProblem problem_;
+  manipulation::MotionOptions options_;
+  manipulation::TouchTracker tracker_;
+  manipulation::CausalSolver solver_;
+  std::vector<PartPair> parts_;
+  std::map<std::pair<int, int>, std::optional<hand::LinkPoint>> spots_;  // by part and angle
+  std::optional<double> last_s_;
+  std::optional<hand::HandPose> last_O_;  // once it has begun
+};
+
+}  // namespace handgraft::retargeting

@@ -1,0 +1,166 @@
+#include "core/retargeting/motion_layer.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/geometry/log_map.h"
+#include "core/geometry/tangent.h"
+#include "core/manipulation/lay_points.h"
+#include "core/manipulation/patch_path.h"
+
+namespace handgraft::retargeting {
+
+namespace {
+
+using manipulation::LaidMotion;
+using manipulation::Motion;
+using manipulation::PatchKey;
+using manipulation::PatchTrack;
+
+bool holdsRecordedPoints(const PatchKey& key) {
+  return key.patch.interpolation_boundary.size() <
+         static_cast<std::size_t>(contact::kFewestInterpolationPoints);
+}
+
+/// Every point of the motion says where it lies on links that this hand has.
+bool liesOnLinksOf(const hand::HandModel& model, const Motion& motion) {
+  for (const PatchTrack& track : motion.tracks)
+    for (const PatchKey& key : track.keys)
+      for (const manipulation::HandPoint& point : key.hand_points)
+        if (model.maybeLinkIndex(point.link)) return true;
+  return false;
+}
+
+}  // namespace
+
+contact::Patch withDirection(const geometry::TriangleMesh& mesh, contact::Patch patch) {
+  if (!patch.direction_O) patch.direction_O = anyTangentAt(mesh, patch.root);
+  return patch;
+}
+
+/// Log coordinates of `to` about `from`, x along `direction`.
+Eigen::Vector2d wayTo(const geometry::TriangleMesh& mesh,
+                      const geometry::SurfacePoint& from,
+                      const Eigen::Vector3d& direction,
+                      const geometry::SurfacePoint& to,
+                      const std::string& patch) {
+  const double apart = (positionOf(mesh, to) - positionOf(mesh, from)).norm();
+  if (apart == 0.0) return Eigen::Vector2d::Zero();
+  const geometry::LogMap map =
+      geometry::computeLogMap(mesh, from, direction, std::numeric_limits<double>::infinity(),
+                              geometry::LogMapMethod::kFast);
+  const Eigen::Vector2d way = logCoordinates(mesh, map, to);
+  if (!way.allFinite())
+    rejectInput("patch {}: no way over the surface leads to its new root", quoted(patch));
+  return way;
+}
+
+/// A key's patch, moved over the object.
+contact::Patch movedOver(const geometry::TriangleMesh& object_O,
+                         const contact::Patch& patch,
+                         const Shift& shift) {
+  if (shift.isNone()) return patch;
+  contact::Patch result =
+      manipulation::slid(object_O, withDirection(object_O, patch), shift.way_T);
+  if (shift.turn_rad == 0.0) return result;
+  const geometry::TriangleMesh& mesh = object_O;
+  // The outline turns with the direction: its points keep their coordinates.
+  const Eigen::Vector3d before = *result.direction_O;
+  const Eigen::Vector3d root = positionOf(mesh, result.root);
+  const Eigen::Vector3d n = normalOf(mesh, result.root);
+  const Eigen::AngleAxisd turn(shift.turn_rad, n);
+  const geometry::SurfaceLocator locator(mesh);
+  result.direction_O = tangentTurned(mesh, result.root, before, shift.turn_rad);
+  for (geometry::SurfacePoint& point : result.interpolation_boundary)
+    point = locator.nearest(root + turn * (positionOf(mesh, point) - root)).point;
+  return result;
+}
+
+MotionLayer::MotionLayer(const session::Document& document,
+                         const hand::Hand& hand,
+                         const geometry::TriangleMesh& object_O,
+                         const Motion& motion)
+    : document_(document),
+      hand_(hand),
+      object_O_(object_O),
+      coordinates_(*hand.model, *hand.skin, hand.sites),
+      surfaces_(transfer::borrowedSurfaces(object_O, *hand.skin)),
+      lies_on_links_(liesOnLinksOf(*hand.model, motion)),
+      has_points_(
+          std::any_of(motion.tracks.begin(), motion.tracks.end(), [](const PatchTrack& track) {
+            return holdsRecordedPoints(track.keys.front());
+          })) {}
+
+LaidMotion MotionLayer::lay(const Motion& motion,
+                            const Progress& progress,
+                            const manipulation::MovePlacement& move) const {
+  LaidMotion laid;
+  if (lies_on_links_) {
+    laid.tracks = layPoints(motion, object_O_, *hand_.model);
+    for (std::size_t t = 0; t < motion.tracks.size(); ++t) {
+      const auto& keys = motion.tracks[t].keys;
+      const bool is_laid = std::any_of(keys.begin(), keys.end(), [&](const PatchKey& key) {
+        return std::any_of(key.hand_points.begin(), key.hand_points.end(),
+                           [&](const manipulation::HandPoint& point) {
+                             return hand_.model->maybeLinkIndex(point.link).has_value();
+                           });
+      });
+      if (is_laid) laid.track_of.push_back(static_cast<int>(t));
+    }
+    HANDGRAFT_REQUIRE(laid.track_of.size() == laid.tracks.size());
+    return laid;
+  }
+  if (has_points_) {
+    return layPointsByPlace(motion, object_O_, *hand_.model, *hand_.skin, coordinates_,
+                            progress);
+  }
+  return layPatches(motion, surfaces_, *hand_.model, hand_.sites, coordinates_,
+                    document_.transfer, progress, move);
+}
+
+std::vector<optimize::PointPair> MotionLayer::layKey(const Motion& motion,
+                                                     int track,
+                                                     const PatchKey& key,
+                                                     const Shifts& shifts,
+                                                     const Progress& progress) const {
+  if (!shifts.on_hand.isNone() && (lies_on_links_ || has_points_)) {
+    rejectInput(
+        "patch {}: a recorded point has no outline on the hand; its root there cannot be "
+        "moved",
+        quoted(motion.tracks[static_cast<std::size_t>(track)].name));
+  }
+  Motion alone;
+  alone.name = motion.name;
+  alone.hand = motion.hand;
+  alone.time_s = {0.0};
+  alone.X_WO = {Pose::Identity()};
+  PatchTrack one = motion.tracks[static_cast<std::size_t>(track)];
+  one.keys = {key};
+  one.keys[0].frame = 0;
+  one.keys[0].patch = movedOver(object_O_, key.patch, shifts.on_object);
+  one.end = 1;
+  alone.tracks = {std::move(one)};
+  const geometry::TriangleMesh& skin_S = hand_.skin->mesh();
+  const LaidMotion laid =
+      lay(alone, progress, [&](const transfer::Placement& placement) -> transfer::Placement {
+        if (shifts.on_hand.isNone()) return placement;
+        const geometry::LogMap map = geometry::computeLogMap(
+            skin_S, placement.root_S, placement.direction_S,
+            std::max(1e-3, 1.5 * shifts.on_hand.way_T.norm()), geometry::LogMapMethod::kAuto);
+        const auto place = geometry::LogMapInverse(skin_S, map).at(shifts.on_hand.way_T);
+        if (!place.point.valid()) {
+          rejectInput("patch {}: no skin {:.1f} mm from its root on the hand",
+                      quoted(alone.tracks[0].name), 1e3 * shifts.on_hand.way_T.norm());
+        }
+        return turned(skin_S, movedTo(skin_S, placement, place.point), shifts.on_hand.turn_rad);
+      });
+  return laid.tracks.front().spans.front().pairs;
+}
+
+std::optional<transfer::Placement> MotionLayer::placementOf(const PatchKey& key) const {
+  return manipulation::placementOf(key, surfaces_, *hand_.model, hand_.sites, coordinates_);
+}
+
+}  // namespace handgraft::retargeting

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/base/progress.h"
+#include "core/contact/contact_set.h"
+#include "core/geometry/triangle_mesh.h"
+#include "core/hand/variant.h"
+#include "core/optimize/solve_report.h"
+#include "core/session/session.h"
+#include "core/session/solving.h"
+
+namespace handgraft::sweep {
+
+/// One grasp of a study: contacts on an object, whose frame is the world.
+struct SweepGrasp {
+  std::shared_ptr<const geometry::TriangleMesh> object_O;
+  contact::ContactSet contacts;
+};
+
+/// One property of the hand and the values that it takes.
+struct SweepAxis {
+  hand::HandProperty property = hand::HandProperty::kUpper;
+  std::string target;          ///< joint or link; empty: the whole hand's size
+  std::vector<double> values;  ///< rad or m, or factors
+};
+
+struct SweepOptions {
+  session::Solving solving;
+  optimize::Weights weights;
+  transfer::TransferOptions transfer;
+  int threads = 1;
+};
+
+/// A joint that stands at one of its limits.
+struct LimitedJoint {
+  std::string joint;
+  bool upper = false;
+
+  bool operator==(const LimitedJoint&) const = default;
+};
+
+/// One grasp by one variant of the hand.
+struct SweepRow {
+  int grasp = 0;               ///< index into those asked for
+  std::vector<double> values;  ///< one per axis
+  std::string error;           ///< why there is no answer; the rest is 0 then
+  optimize::Outcome outcome = optimize::Outcome::kStalled;
+  optimize::Terms terms;
+  int point_count = 0;
+  double mean_mm = 0.0;  ///< over all points of patches that count
+  double max_mm = 0.0;
+  double normal_deg = 0.0;
+  int patch_count = 0;    ///< of those that have a place on the hand and count
+  int reached_count = 0;  ///< of those, as optimize/diagnosis.h has it
+  std::vector<LimitedJoint> joints_at_limit;
+  Eigen::VectorXd q;
+  double solve_ms = 0.0;  ///< not part of the promise below
+};
+
+inline constexpr std::size_t kMostSweepRows = 100'000;
+
+/// Solves every grasp with every combination of values; rows by combination, the first axis
+/// slowest, grasps fastest.
+///
+/// Each grasp is first solved on the hand as it is. Where its patches lie on the skin, and
+/// which way, stays: a variant with other limits keeps the correspondences, one of another
+/// shape has the patches laid at the same places of its bent skin (hand/skin_bending.h), on
+/// charts of the object that are kept. Every row starts from that first pose (and from the
+/// starts of `solving`), with the prior that a fresh session has. So a row depends on its grasp
+/// and values alone: it is the same in every sweep, in any order, on any number of threads.
+///
+/// An InvalidInput of one row (limits that cross) or grasp is told in its rows' `error`.
+/// Errors: InvalidInput for no grasp, an axis without values, with values out of range or
+///   without such a joint or link, one varied twice, more than kMostSweepRows rows, options out
+///   of range. Cancelled on wish.
+/// Cost: a session's solve a grasp, then one solve a row (1-10 ms); 50 ms a variant of another
+///   shape, and about a millisecond a patch laid on it.
+std::vector<SweepRow> sweep(const hand::Hand& hand,
+                            const std::vector<SweepGrasp>& grasps,
+                            const std::vector<SweepAxis>& axes,
+                            const SweepOptions& options,
+                            const Progress& progress);
+
+}  // namespace handgraft::sweep

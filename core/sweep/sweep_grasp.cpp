@@ -1,0 +1,108 @@
+#include "core/sweep/sweep_grasp.h"
+
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/geometry/tangent.h"
+#include "core/transfer/staged_transfer.h"
+
+namespace handgraft::sweep {
+namespace {
+
+using optimize::PointPair;
+
+/// `direction_S` of a place on one mesh, as the same face of another mesh has it.
+Eigen::Vector3d directionOn(const geometry::TriangleMesh& to,
+                            const geometry::TriangleMesh& from,
+                            const geometry::SurfacePoint& place,
+                            const Eigen::Vector3d& direction) {
+  const auto edgesOf = [&](const geometry::TriangleMesh& mesh) {
+    const Eigen::Vector3i face = mesh.face(place.face);
+    Eigen::Matrix<double, 3, 2> edges;
+    edges.col(0) = mesh.vertex(face[1]) - mesh.vertex(face[0]);
+    edges.col(1) = mesh.vertex(face[2]) - mesh.vertex(face[0]);
+    return edges;
+  };
+  const Eigen::Vector2d along = edgesOf(from).colPivHouseholderQr().solve(direction);
+  return tangentAt(to, place, edgesOf(to) * along).value_or(anyTangentAt(to, place));
+}
+
+void append(const std::vector<transfer::Correspondence>& correspondences,
+            int patch,
+            std::vector<PointPair>& pairs) {
+  for (const transfer::Correspondence& one : correspondences) {
+    PointPair pair;
+    pair.link = one.link;
+    pair.p_L = one.p_L;
+    pair.n_L = one.n_L;
+    pair.p_W = one.p_O;  // the object's frame is the world
+    pair.n_W = one.n_O;
+    pair.weight = one.weight;
+    pair.patch = patch;
+    pairs.push_back(pair);
+  }
+}
+
+}  // namespace
+
+SweepBase solveBase(const hand::Hand& hand,
+                    const SweepGrasp& grasp,
+                    const SweepOptions& options,
+                    int threads,
+                    const Progress& progress) {
+  SweepBase base;
+  try {
+    session::Session session(hand, grasp.object_O, grasp.contacts, Pose::Identity(),
+                             options.weights, options.transfer);
+    session::SolveRun run;
+    run.threads = threads;
+    session::Solution solution = session.solve(options.solving, run, progress);
+    base.solved = solution.report.pose;
+    base.patches = std::move(solution.patches);
+    base.prior = solution.problem.prior;
+    base.prior_weights = solution.problem.prior_weights;
+    for (const session::SessionPatch& item : base.patches) {
+      if (!item.placement) continue;
+      const auto& chart = item.stages.patchChart();
+      base.object_O = {chart, &chart->object()};
+    }
+  } catch (const InvalidInput& error) {
+    base.error = error.what();
+  }
+  return base;
+}
+
+LaidGrasp layGrasp(const SweepBase& base,
+                   const hand::Skin& original,
+                   const transfer::Surfaces* bent,
+                   const transfer::TransferOptions& options,
+                   const Progress& progress) {
+  LaidGrasp laid;
+  laid.error = base.error;
+  if (!base.error.empty()) return laid;
+  try {
+    for (std::size_t i = 0; i < base.patches.size(); ++i) {
+      const session::SessionPatch& item = base.patches[i];
+      if (!item.placement) continue;
+      progress.checkpoint();
+      if (bent == nullptr) {
+        append(item.transferred.correspondences, static_cast<int>(i), laid.pairs);
+        continue;
+      }
+      transfer::StagedTransfer stages = item.stages;  // with the object's chart
+      transfer::Surfaces surfaces = *bent;
+      surfaces.object_O = base.object_O;
+      const transfer::Placement placement{
+          item.placement->root_S,
+          directionOn(bent->skin->mesh(), original.mesh(), item.placement->root_S,
+                      item.placement->direction_S)};
+      append(stages.lay(surfaces, item.patch, placement, options).correspondences,
+             static_cast<int>(i), laid.pairs);
+    }
+  } catch (const InvalidInput& error) {
+    laid.error = error.what();
+  }
+  return laid;
+}
+
+}  // namespace handgraft::sweep

@@ -1,0 +1,179 @@
+#include "core/verdict/verdicts.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "core/base/error.h"
+#include "core/placement/solids.h"
+
+namespace handgraft::verdict {
+
+namespace {
+
+using optimize::LimitRelief;
+using optimize::PatchDiagnosis;
+using optimize::Verdict;
+
+constexpr double kHardlyAny = 0.05;  // mm; what is printed as 0.0
+
+const std::string& nameOfPatch(const session::Session& session, int patch) {
+  const auto index = static_cast<std::size_t>(patch);
+  HANDGRAFT_REQUIRE(patch >= 0 && index < session.patches().size());
+  return session.patches()[index].patch.name;
+}
+
+std::string reliefText(const hand::HandModel& model, const LimitRelief& relief) {
+  const bool slides = model.dofJoint(relief.dof).type == hand::JointType::kPrismatic;
+  const std::string given = slides ? fmt::format("{:.1f} mm", 1e3 * relief.relief)
+                                   : fmt::format("{:.2f} rad", relief.relief);
+  return fmt::format("{} by {}: {:.1f} mm nearer", nameOf(model, relief), given,
+                     relief.gain_mm);
+}
+
+std::string atLimitText(const hand::HandModel& model,
+                        const PatchDiagnosis& patch,
+                        double mean_mm) {
+  std::string text = fmt::format("{:.1f} mm off, {:.1f} too far; joint limits keep it away",
+                                 mean_mm, patch.miss_mm);
+  for (const LimitRelief& relief : patch.reliefs) {
+    if (relief.gain_mm < kHardlyAny) continue;
+    text += "; " + reliefText(model, relief);
+  }
+  return text;
+}
+
+std::string outOfReachText(const PatchDiagnosis& patch, double mean_mm) {
+  const std::string text = fmt::format("{:.1f} mm off, {:.1f} too far", mean_mm, patch.miss_mm);
+  if (patch.miss_mm + patch.alone_mm <= mean_mm) {
+    return fmt::format("{}; alone it would come to {:.1f} mm: the other patches keep it away",
+                       text, patch.alone_mm);
+  }
+  return fmt::format("{}; even alone {:.1f} mm would remain", text, patch.alone_mm);
+}
+
+std::string textOf(const hand::HandModel& model, const PatchDiagnosis& patch, double mean_mm) {
+  switch (patch.verdict) {
+    case Verdict::kNone:
+      return "switched off";
+    case Verdict::kReached:
+      return fmt::format("{:.1f} mm off on average", mean_mm);
+    case Verdict::kAtLimit:
+      return atLimitText(model, patch, mean_mm);
+    case Verdict::kOutOfReach:
+      return outOfReachText(patch, mean_mm);
+    case Verdict::kFacingWrong:
+      return fmt::format("near, {:.1f} mm off, but turned away by {:.0f} degrees", mean_mm,
+                         patch.facing_deg);
+  }
+  throw BrokenContract("a verdict that does not exist");
+}
+
+std::string roomText(double lack_m) {
+  return fmt::format("no room: the finger is too thick by at least {:.1f} mm", 1e3 * lack_m);
+}
+
+// Patches that are asked for and laid, none of whose points came onto the hand: nothing of the
+// problem knows them. Those that this hand has no place for (`dropped`) are not asked of it.
+std::vector<std::string> patchesWithoutPoints(const session::Session& session,
+                                              const optimize::Diagnosis& diagnosis) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < session.patches().size(); ++i) {
+    const session::SessionPatch& patch = session.patches()[i];
+    if (!patch.placement || patch.patch.weight == 0.0) continue;
+    const bool is_judged = std::any_of(diagnosis.patches.begin(), diagnosis.patches.end(),
+                                       [&](const PatchDiagnosis& judged) {
+                                         return judged.patch == static_cast<int>(i);
+                                       });
+    if (!is_judged) names.push_back(patch.patch.name);
+  }
+  return names;
+}
+
+std::string spanText(const session::Session& session, const optimize::SpanMisfit& span) {
+  return fmt::format("{} and {}: {:.0f} mm apart, the hand's places {} {:.0f}",
+                     nameOfPatch(session, span.patch_a), nameOfPatch(session, span.patch_b),
+                     1e3 * span.object_m, span.lack_m() > 0.0 ? "at most" : "at least",
+                     1e3 * span.hand_m);
+}
+
+}  // namespace
+
+std::string nameOf(const hand::HandModel& model, const LimitRelief& relief) {
+  return model.dofJoint(relief.dof).name + (relief.upper ? " upper" : " lower");
+}
+
+std::string lineOf(const session::Session& session, const FitFindings& findings) {
+  std::string large;
+  std::string small;
+  const auto add = [](std::string& list, const std::string& item) {
+    list += (list.empty() ? "" : ", ") + item;
+  };
+  for (const RoomLack& room : findings.rooms) {
+    add(large,
+        fmt::format("{} (by {:.1f} mm)", nameOfPatch(session, room.patch), 1e3 * room.lack_m));
+  }
+  for (const optimize::SpanMisfit& span : findings.spans)
+    add(span.lack_m() > 0.0 ? small : large, spanText(session, span));
+  std::string line;
+  if (!large.empty()) line = "too large for " + large;
+  if (!small.empty()) line += (line.empty() ? "" : "; ") + ("too small for " + small);
+  return line;
+}
+
+Verdicts verdictsOf(const session::Session& session,
+                    const optimize::PoseProblem& problem,
+                    const optimize::SolveReport& report,
+                    const FitFindings& findings,
+                    const Progress& progress) {
+  Verdicts verdicts;
+  verdicts.diagnosis = diagnose(problem, report, {}, progress);
+  verdicts.too_large = findings.tooLarge();
+  int asked = 0;
+  int reached = 0;
+  for (std::size_t k = 0; k < verdicts.diagnosis.patches.size(); ++k) {
+    PatchDiagnosis& patch = verdicts.diagnosis.patches[k];
+    const auto room =
+        std::find_if(findings.rooms.begin(), findings.rooms.end(), [&](const RoomLack& one) {
+          return one.patch == patch.patch;
+        });
+    std::string text = textOf(*problem.model, patch, report.patches[k].mean_mm);
+    if (room != findings.rooms.end() && patch.verdict != Verdict::kNone) {
+      patch.verdict = Verdict::kOutOfReach;
+      patch.miss_mm = std::max(patch.miss_mm, 1e3 * room->lack_m);
+      text = roomText(room->lack_m);
+    }
+    verdicts.texts.push_back(std::move(text));
+    if (patch.verdict != Verdict::kNone) ++asked;
+    if (patch.verdict == Verdict::kReached) ++reached;
+  }
+  const std::vector<std::string> pointless = patchesWithoutPoints(session, verdicts.diagnosis);
+  asked += static_cast<int>(pointless.size());
+  verdicts.line = report.outcome == optimize::Outcome::kInfeasible
+                      ? "joint limits contradict each other"
+                      : fmt::format("{} of {} patches reached", reached, asked);
+  if (!pointless.empty()) {
+    verdicts.line += fmt::format("; {} {} no point on the hand", fmt::join(pointless, ", "),
+                                 pointless.size() == 1 ? "has" : "have");
+  }
+  const std::string sizes = lineOf(session, findings);
+  if (!sizes.empty()) verdicts.line += "; " + sizes;
+  return verdicts;
+}
+
+quality::Penetration penetrationOf(const session::Session& session,
+                                   const hand::HandPose& pose,
+                                   const Progress& progress) {
+  std::vector<quality::ContactSide> sides;
+  for (const session::SessionPatch& item : session.patches()) {
+    if (!item.placement || item.patch.weight == 0.0) continue;
+    for (const transfer::Correspondence& pair : item.transferred.correspondences)
+      sides.push_back({pair.link, pair.p_O, pair.n_O});
+  }
+  return placement::penetrationOf(session.hand().model, session.hand().skin,
+                                  session.sharedObject(), session.objectPose(), pose, sides,
+                                  progress);
+}
+
+}  // namespace handgraft::verdict

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/optimize/diagnosis.h"
+#include "core/quality/penetration.h"
+#include "core/verdict/fit_check.h"
+
+namespace handgraft::verdict {
+
+/// What a solution says of itself (DESIGN 3.4): the diagnosis of its pose together with what
+/// was known of sizes before, and both in words.
+struct Verdicts {
+  optimize::Diagnosis diagnosis;
+  std::vector<std::string> texts;  ///< a line per patch of the diagnosis
+  std::string line;                ///< "4 of 5 patches reached; too large for ring (by 1.1 mm)"
+  bool too_large = false;
+};
+
+/// A patch without room is out of reach whatever the pose says: the pose enters the object. One
+/// that is asked for but has no point on the hand counts as not reached, and the line names it.
+///
+/// Errors: BrokenContract unless the report is the problem's and the problem the session's.
+/// Cancelled on wish.
+/// Cost: as optimize::diagnose.
+Verdicts verdictsOf(const session::Session& session,
+                    const optimize::PoseProblem& problem,
+                    const optimize::SolveReport& report,
+                    const FitFindings& findings,
+                    const Progress& progress = Progress());
+
+/// What is known before a search: "too large for ...", "too small for ..."; empty if nothing
+/// is.
+std::string lineOf(const session::Session& session, const FitFindings& findings);
+
+/// How deep a pose of the session's hand lies inside the object, its laid patches telling the
+/// sides. Cancelled on wish. Cost: below a millisecond once the solids are there.
+quality::Penetration penetrationOf(const session::Session& session,
+                                   const hand::HandPose& pose,
+                                   const Progress& progress);
+
+/// "thumb_mcp upper".
+std::string nameOf(const hand::HandModel& model, const optimize::LimitRelief& relief);
+
+}  // namespace handgraft::verdict

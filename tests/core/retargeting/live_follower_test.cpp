@@ -1,0 +1,91 @@
+#include "core/retargeting/live_follower.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+#include "core/session/session.h"
+
+#include "tests/core/session/ball_grasp.h"
+
+namespace handgraft::retargeting {
+namespace {
+
+using manipulation::DemonstratedFrame;
+
+/// A hand whose fingers, more and more bent, have the ball between them and the palm.
+DemonstratedFrame grip(double time_s, double bend_rad, double away_m = 0.0) {
+  Eigen::Matrix<double, hand::kManoPoseSize, 1> pose;
+  pose.setZero();
+  for (int joint = 0; joint < 12; ++joint)
+    pose[3 + 3 * joint + 2] = bend_rad;
+  DemonstratedFrame frame;
+  frame.time_s = time_s;
+  frame.joints_W = hand::manoJointPlaces(pose, Eigen::Vector3d::Zero(), hand::HandSide::kRight);
+  // The ball's middle lies before the knuckles, below the palm.
+  frame.X_WO.translation() = Eigen::Vector3d(-0.01, -0.045 - away_m, -0.01);
+  return frame;
+}
+
+class LiveFollowing : public testing::Test {
+ protected:
+  LiveFollowing() : session_(grasp_.open()) {}
+
+  std::unique_ptr<LiveFollower> follower() {
+    return std::make_unique<LiveFollower>(session_.document(), grasp_.hand(), grasp_.ball,
+                                          Progress());
+  }
+
+  test::BallGrasp grasp_;
+  session::Session session_;
+};
+
+TEST_F(LiveFollowing, BeginsWithTheFirstTouchAndIsTheSameAgain) {
+  std::vector<Eigen::VectorXd> ways[2];
+  for (std::vector<Eigen::VectorXd>& way : ways) {
+    const auto follower = this->follower();
+    EXPECT_FALSE(follower->follow(grip(0.0, 0.6, 1.0), Progress())) << "nothing is touched";
+    for (int k = 1; k < 30; ++k) {
+      const auto answer = follower->follow(grip(k / 60.0, 0.6 + 0.005 * k), Progress());
+      if (!answer) continue;
+      EXPECT_TRUE(answer->pose.q.allFinite());
+      EXPECT_GT(answer->touches, 0);
+      if (!way.empty()) {
+        EXPECT_LT((answer->pose.q - way.back()).cwiseAbs().maxCoeff(), 0.3);
+      }
+      way.push_back(answer->pose.q);
+    }
+  }
+  ASSERT_GT(ways[0].size(), 10u);
+  EXPECT_EQ(ways[0], ways[1]);
+}
+
+TEST_F(LiveFollowing, AWrongFrameChangesNothing) {
+  const auto follower = this->follower();
+  const auto before = follower->follow(grip(1.0, 0.8), Progress());
+  DemonstratedFrame nothing = grip(1.02, 0.8);
+  nothing.joints_W(0, 3) = std::nan("");
+  EXPECT_THROW(follower->follow(nothing, Progress()), InvalidInput);
+  EXPECT_THROW(follower->follow(grip(0.9, 0.8), Progress()), InvalidInput);
+  EXPECT_THROW(follower->follow(grip(1.0, 0.8), Progress()), InvalidInput);
+  const auto after = follower->follow(grip(1.03, 0.8), Progress());
+  ASSERT_EQ(before.has_value(), after.has_value());
+  if (before) {
+    EXPECT_LT((after->pose.q - before->pose.q).cwiseAbs().maxCoeff(), 0.2);
+  }
+}
+
+TEST_F(LiveFollowing, GoesOnAfterAPauseAndWhenTimeBeginsAnew) {
+  const auto follower = this->follower();
+  const auto before = follower->follow(grip(10.0, 0.8), Progress());
+  ASSERT_TRUE(before);
+  for (const double time_s : {20.0, 0.0, 0.02}) {
+    const auto after = follower->follow(grip(time_s, 0.8), Progress());
+    ASSERT_TRUE(after);
+    EXPECT_LT((after->pose.q - before->pose.q).cwiseAbs().maxCoeff(), 0.2) << time_s;
+  }
+}
+
+}  // namespace
+}  // namespace handgraft::retargeting

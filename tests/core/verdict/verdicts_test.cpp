@@ -1,0 +1,140 @@
+// What a solution says in words, on a ball that three fingers hold.
+
+#include "core/verdict/verdicts.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/core/session/ball_grasp.h"
+
+namespace handgraft::verdict {
+namespace {
+
+using optimize::Verdict;
+using testing::HasSubstr;
+
+Verdicts solvedAndJudged(session::Session& session) {
+  const optimize::SolveReport report = session.optimize({}, Progress());
+  FitCheck check;
+  return verdictsOf(session, *session.solvedProblem(), report,
+                    check.of(session, *session.solvedProblem()));
+}
+
+TEST(Verdicts, AllReachedIsSaidInOneLine) {
+  const test::BallGrasp grasp;
+  session::Session session = grasp.open();
+  const Verdicts verdicts = solvedAndJudged(session);
+  EXPECT_EQ(verdicts.line, "3 of 3 patches reached");
+  EXPECT_FALSE(verdicts.too_large);
+  ASSERT_EQ(verdicts.texts.size(), 3U);
+  EXPECT_THAT(verdicts.texts[0], HasSubstr("mm off on average"));
+}
+
+TEST(Verdicts, NameTheLimitsThatKeepAFingerOpen) {
+  const test::BallGrasp grasp;
+  session::Session session = grasp.open();
+  for (const char* joint : {"index_1", "index_2", "thumb_1", "thumb_2", "middle_1", "middle_2"})
+    session.apply(session::JointLimitEdit{joint, -0.5, -0.3});
+  const Verdicts verdicts = solvedAndJudged(session);
+  EXPECT_THAT(verdicts.line, Not(HasSubstr("3 of 3")));
+  ASSERT_FALSE(verdicts.diagnosis.reliefs.empty());
+  const std::string relief = nameOf(*session.hand().model, verdicts.diagnosis.reliefs[0]);
+  EXPECT_THAT(relief, HasSubstr(" upper"));
+  for (const optimize::LimitRelief& one : verdicts.diagnosis.reliefs) {
+    EXPECT_GT(one.gain, 0.0);
+    EXPECT_NEAR(one.limit, -0.3, 1e-12);
+  }
+}
+
+TEST(Verdicts, ASwitchedOffPatchIsNotCounted) {
+  const test::BallGrasp grasp;
+  session::Session session = grasp.open();
+  session.apply(session::PatchWeightEdit{"middle", 0.0});
+  const Verdicts verdicts = solvedAndJudged(session);
+  EXPECT_THAT(verdicts.line, HasSubstr("of 2 patches"));
+}
+
+TEST(Verdicts, APatchWithoutAPointOnTheHandIsNotReachedAndNamed) {
+  const test::BallGrasp grasp;
+  session::Session session = grasp.open();
+  // Seen from the ball's other side the patch lies farther away than the finger is long.
+  const geometry::TriangleMesh& ball = *grasp.ball;
+  const geometry::SurfacePoint root = grasp.contacts.patches[2].root;
+  const Eigen::Vector3d away = -positionOf(ball, root).normalized();
+  geometry::SurfacePoint opposite{0, Eigen::Vector3d::Constant(1.0 / 3.0)};
+  for (int face = 0; face < ball.faceCount(); ++face) {
+    const geometry::SurfacePoint middle{face, Eigen::Vector3d::Constant(1.0 / 3.0)};
+    if (positionOf(ball, middle).dot(away) > positionOf(ball, opposite).dot(away))
+      opposite = middle;
+  }
+  session.apply(session::PatchRootEdit{"middle", session::Side::kObject, opposite});
+  const Verdicts verdicts = solvedAndJudged(session);
+  EXPECT_THAT(verdicts.line,
+              HasSubstr(" of 3 patches reached; middle has no point on the hand"));
+  EXPECT_EQ(verdicts.diagnosis.patches.size(), 2U);
+  session.apply(session::PatchEnabledEdit{"middle", false});
+  EXPECT_THAT(solvedAndJudged(session).line, Not(HasSubstr("middle")));
+}
+
+TEST(Verdicts, TellWhatIsKnownOfSizesBeforeASearch) {
+  const test::BallGrasp grasp;
+  session::Session session = grasp.open();
+  session.transferPatches(Progress());
+  FitFindings findings;
+  EXPECT_EQ(lineOf(session, findings), "");
+  findings.rooms.push_back({1, 0.0011});
+  findings.spans.push_back({0, 2, 0.06, 0.04});
+  EXPECT_TRUE(findings.tooLarge());
+  EXPECT_TRUE(findings.tooSmall());
+  EXPECT_EQ(lineOf(session, findings),
+            "too large for index (by 1.1 mm); too small for thumb and middle: 60 mm apart, the "
+            "hand's places at most 40");
+}
+
+TEST(Verdicts, APatchWithoutRoomIsOutOfReachWhateverThePoseSays) {
+  const test::BallGrasp grasp;
+  session::Session session = grasp.open();
+  const optimize::SolveReport report = session.optimize({}, Progress());
+  FitFindings findings;
+  findings.rooms.push_back({1, 0.0011});
+  const Verdicts verdicts = verdictsOf(session, *session.solvedProblem(), report, findings);
+  EXPECT_EQ(verdicts.diagnosis.patches.at(1).verdict, Verdict::kOutOfReach);
+  EXPECT_NEAR(verdicts.diagnosis.patches[1].miss_mm, 1.1, 1e-9);
+  EXPECT_THAT(verdicts.texts[1], HasSubstr("too thick by at least 1.1 mm"));
+  EXPECT_EQ(verdicts.line, "2 of 3 patches reached; too large for index (by 1.1 mm)");
+  EXPECT_TRUE(verdicts.too_large);
+}
+
+TEST(FitCheck, FindsABallTooLargeOnlyWhenTheHandCannotOpen) {
+  const test::BallGrasp grasp;
+  session::Session session = grasp.open();
+  session.transferPatches(Progress());
+  FitCheck check;
+  EXPECT_TRUE(check.of(session, session.problem()).spans.empty());
+  for (const char* joint : {"index_1", "index_2", "thumb_1", "thumb_2", "middle_1", "middle_2"})
+    session.apply(session::JointLimitEdit{joint, 1.1, 1.2});
+  session.transferPatches(Progress());
+  const FitFindings findings = check.of(session, session.problem());
+  EXPECT_FALSE(findings.spans.empty());
+  EXPECT_TRUE(findings.tooSmall());
+}
+
+TEST(FitCheck, StandsWhereTheObjectIsMoved) {
+  const test::BallGrasp grasp;
+  session::Session session = grasp.open();
+  for (const char* joint : {"index_1", "index_2", "thumb_1", "thumb_2", "middle_1", "middle_2"})
+    session.apply(session::JointLimitEdit{joint, 1.1, 1.2});
+  session.transferPatches(Progress());
+  FitCheck kept;
+  const std::size_t before = kept.of(session, session.problem()).spans.size();
+  Pose X_WO = Pose::Identity();
+  X_WO.translation() = Eigen::Vector3d(0.3, -0.2, 0.1);
+  session.apply(session::ObjectPoseEdit{X_WO});
+  session.transferPatches(Progress());
+  EXPECT_EQ(kept.of(session, session.problem()).spans.size(), before);
+  FitCheck fresh;
+  EXPECT_EQ(fresh.of(session, session.problem()).spans.size(), before);
+}
+
+}  // namespace
+}  // namespace handgraft::verdict
