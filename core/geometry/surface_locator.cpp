@@ -141,10 +141,18 @@ SurfaceLocator::SurfaceLocator(SurfaceLocator&&) noexcept = default;
 SurfaceLocator& SurfaceLocator::operator=(SurfaceLocator&&) noexcept = default;
 
 SurfaceLocator::Hit SurfaceLocator::nearest(const Eigen::Vector3d& p) const {
+  const auto hit = nearest(p, std::numeric_limits<double>::infinity());
+  if (!hit) rejectInput("query point is ({}, {}, {}), too far from the mesh", p[0], p[1], p[2]);
+  return *hit;
+}
+
+std::optional<SurfaceLocator::Hit> SurfaceLocator::nearest(const Eigen::Vector3d& p,
+                                                           double reach) const {
   if (!p.allFinite()) {
     rejectInput("query point is ({}, {}, {}), coordinates must be finite", p[0], p[1], p[2]);
   }
   Nearest best;
+  best.distance_squared = reach * reach;
   int best_face = -1;
 
   // Depth first, the nearer child first. Each level leaves one node waiting: 64 hold any mesh.
@@ -164,7 +172,8 @@ SurfaceLocator::Hit SurfaceLocator::nearest(const Eigen::Vector3d& p) const {
                                             tree_->mesh.vertex(face[2])};
         const Nearest candidate = nearestOnTriangle(corners, p);
         if (candidate.distance_squared < best.distance_squared ||
-            (candidate.distance_squared == best.distance_squared && f < best_face)) {
+            (candidate.distance_squared == best.distance_squared &&
+             (best_face < 0 || f < best_face))) {
           best = candidate;
           best_face = f;
         }
@@ -181,10 +190,28 @@ SurfaceLocator::Hit SurfaceLocator::nearest(const Eigen::Vector3d& p) const {
         left_first ? std::pair(left_bound, left) : std::pair(right_bound, node.right);
   }
   // Coordinates so far away that their squares overflow leave every face equally near.
-  if (best_face < 0) {
-    rejectInput("query point is ({}, {}, {}), too far from the mesh", p[0], p[1], p[2]);
+  if (best_face < 0 || !std::isfinite(best.distance_squared)) return std::nullopt;
+  return Hit{{best_face, best.barycentric}, best.position, std::sqrt(best.distance_squared)};
+}
+
+void SurfaceLocator::facesTouching(const Eigen::AlignedBox3d& box,
+                                   std::vector<int>& faces) const {
+  faces.clear();
+  int waiting[64];
+  int waiting_count = 0;
+  waiting[waiting_count++] = 0;
+  while (waiting_count > 0) {
+    const int index = waiting[--waiting_count];
+    const Node& node = tree_->nodes[index];
+    if (!node.box.intersects(box)) continue;
+    if (!node.isLeaf()) {
+      waiting[waiting_count++] = node.right;
+      waiting[waiting_count++] = index + 1;
+      continue;
+    }
+    for (int i = node.begin; i < node.end; ++i)
+      if (tree_->boxOf(tree_->order[i]).intersects(box)) faces.push_back(tree_->order[i]);
   }
-  return {{best_face, best.barycentric}, best.position, std::sqrt(best.distance_squared)};
 }
 
 const TriangleMesh& SurfaceLocator::mesh() const {

@@ -1,6 +1,10 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Geometry>
 
 #include "core/geometry/surface_point.h"
 
@@ -28,6 +32,13 @@ class SurfaceLocator {
   /// Frames: `p` in the mesh's own frame. Errors: InvalidInput if `p` is not finite.
   /// Cost: O(log F) for points near the surface.
   [[nodiscard]] Hit nearest(const Eigen::Vector3d& p) const;
+
+  /// The same, or nothing beyond `reach`, and sooner. Errors: InvalidInput if `p` is not
+  /// finite.
+  [[nodiscard]] std::optional<Hit> nearest(const Eigen::Vector3d& p, double reach) const;
+
+  /// Fills `faces` with those whose own boxes touch `box`, in no particular order.
+  void facesTouching(const Eigen::AlignedBox3d& box, std::vector<int>& faces) const;
 
   [[nodiscard]] const TriangleMesh& mesh() const;
 

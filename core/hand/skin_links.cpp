@@ -191,10 +191,10 @@ std::optional<LinkLocators::Hit> LinkLocators::nearestOf(int link,
   const auto i = static_cast<std::size_t>(link);
   HANDGRAFT_REQUIRE(i < locators_.size());
   if (!locators_[i] || !(boxes_S_[i].exteriorDistance(p_S) <= reach_m)) return std::nullopt;
-  const geometry::SurfaceLocator::Hit hit = locators_[i]->nearest(p_S);
-  if (!(hit.distance <= reach_m)) return std::nullopt;
-  return Hit{link, hit.position, locators_[i]->mesh().faceNormals().col(hit.point.face),
-             hit.distance};
+  const auto hit = locators_[i]->nearest(p_S, reach_m);
+  if (!hit) return std::nullopt;
+  return Hit{link, hit->position, locators_[i]->mesh().faceNormals().col(hit->point.face),
+             hit->distance};
 }
 
 std::optional<LinkLocators::Hit> LinkLocators::nearest(const Eigen::Vector3d& p_S,

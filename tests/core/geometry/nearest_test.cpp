@@ -100,6 +100,46 @@ TEST(SurfaceLocator, TakesFacesWithoutAreaAsSegments) {
   EXPECT_DOUBLE_EQ(hit.distance, 1.0);
 }
 
+TEST(SurfaceLocator, FindsNothingBeyondItsReach) {
+  const SurfaceLocator locator(makeSphere(1.0, 3));
+  std::mt19937 random(3);
+  for (int i = 0; i < 500; ++i) {
+    const Eigen::Vector3d p = randomPoint(random);
+    const SurfaceLocator::Hit hit = locator.nearest(p);
+    EXPECT_FALSE(locator.nearest(p, 0.999 * hit.distance));
+    const auto within = locator.nearest(p, 1.001 * hit.distance);
+    ASSERT_TRUE(within);
+    EXPECT_EQ(within->point.face, hit.point.face);
+    EXPECT_EQ(within->position, hit.position);
+  }
+  const SurfaceLocator box(makeBox({2, 2, 2}));
+  EXPECT_TRUE(box.nearest({0.0, 0.0, 3.0}, 2.0));
+  EXPECT_FALSE(box.nearest({0.0, 0.0, 3.0}, std::nan("")));
+  EXPECT_THROW(static_cast<void>(box.nearest({0, std::nan(""), 0}, 1.0)), InvalidInput);
+}
+
+TEST(SurfaceLocator, ListsTheFacesThatABoxMayTouch) {
+  const TriangleMesh ball = makeSphere(1.0, 3);
+  const SurfaceLocator locator(ball);
+  std::mt19937 random(4);
+  std::vector<int> faces;
+  for (int i = 0; i < 100; ++i) {
+    const Eigen::Vector3d a = randomPoint(random);
+    Eigen::AlignedBox3d box(a);
+    box.extend(Eigen::Vector3d(a + 0.2 * randomPoint(random)));
+    std::vector<int> expected;
+    for (int f = 0; f < ball.faceCount(); ++f) {
+      Eigen::AlignedBox3d face;
+      for (int c = 0; c < 3; ++c)
+        face.extend(ball.vertex(ball.face(f)[c]));
+      if (face.intersects(box)) expected.push_back(f);
+    }
+    locator.facesTouching(box, faces);
+    std::sort(faces.begin(), faces.end());
+    EXPECT_EQ(faces, expected);
+  }
+}
+
 TEST(SurfaceLocator, RefusesAnEmptyMeshAndPointsThatAreNotFinite) {
   EXPECT_THROW(SurfaceLocator{TriangleMesh()}, InvalidInput);
   const SurfaceLocator box(makeBox({1, 1, 1}));
