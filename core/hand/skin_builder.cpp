@@ -20,7 +20,8 @@ namespace {
 /// Every rung bridges gaps half as wide again as the one before.
 constexpr double kLadderStep = 1.5;
 constexpr int kLadderRungs = 6;
-/// A wrap that has less of its area within epsilon of a link hides the hand: better in pieces.
+/// A wrap that has less of its area within epsilon of a link or sheet hides the hand: better in
+/// pieces.
 constexpr double kCoveringShare = 0.8;
 /// Smaller pieces are loose screws and stray triangles, and are dropped.
 constexpr double kPieceShare = 0.03;
@@ -104,9 +105,9 @@ int vertexCountOf(const std::vector<geometry::TriangleMesh>& pieces) {
   return count;
 }
 
-/// Share of the area whose faces' middles lie within epsilon of a link.
+/// Share of the area whose faces' middles lie within epsilon of what was wrapped.
 double coveringShareOf(const std::vector<geometry::TriangleMesh>& pieces,
-                       const geometry::SurfaceLocator& links,
+                       const geometry::SurfaceLocator& wrapped,
                        double epsilon_m) {
   double near = 0.0;
   double total = 0.0;
@@ -115,11 +116,9 @@ double coveringShareOf(const std::vector<geometry::TriangleMesh>& pieces,
       const Eigen::Vector3i face = piece.face(f);
       const double area = areaOf(piece, f);
       total += area;
-      if (links
-              .nearest((piece.vertex(face[0]) + piece.vertex(face[1]) + piece.vertex(face[2])) /
-                       3.0)
-              .distance <= epsilon_m)
-        near += area;
+      const Eigen::Vector3d middle =
+          (piece.vertex(face[0]) + piece.vertex(face[1]) + piece.vertex(face[2])) / 3.0;
+      if (wrapped.nearest(middle, epsilon_m)) near += area;
     }
   }
   return total > 0.0 ? near / total : 0.0;
@@ -149,13 +148,14 @@ class Builder {
           const SkinOptions& options,
           const Progress& progress,
           SkinReport& report)
-      : links_S_(std::move(links_S)),
-        links_locator_(links_S_),
+      : triangles_S_(std::move(links_S)),
         options_(options),
         progress_(progress),
         report_(report) {}
 
   geometry::TriangleMesh build() {
+    shutTunnelsAhead();
+    locator_.emplace(triangles_S_);
     Wrap wrap = wrapInOnePiece();
     shutTunnels(wrap);
     return evenOut(wrap);
@@ -184,9 +184,29 @@ class Builder {
     step.vertices = vertexCountOf(wrap.pieces);
     step.pieces = static_cast<int>(wrap.pieces.size());
     step.genus = genusOf(wrap.pieces);
-    step.covering_share = coveringShareOf(wrap.pieces, links_locator_, options_.epsilon_m);
+    step.covering_share = coveringShareOf(wrap.pieces, *locator_, options_.epsilon_m);
     step.time_s += watch.seconds();
     return wrap;
+  }
+
+  /// Spans sheets over the through-holes that the first wrap would have.
+  void shutTunnelsAhead() {
+    progress_.checkpoint();
+    progress_.report("looking for through-holes", 0.05);
+    const Stopwatch watch;
+    const TunnelPlugs plugs = findTunnelPlugsOfWrap(triangles_S_, options_.alpha_m,
+                                                    options_.offset_m, 0.5 * options_.alpha_m);
+    if (plugs.sheets_S.faceCount() == 0) return;
+    SkinStep step;
+    step.action = "span sheets";
+    step.sheets = plugs.count;
+    step.sheets_area_m2 = plugs.area_m2;
+    step.time_s = watch.seconds();
+    step.verdict = "spanned";
+    report_.steps.push_back(step);
+    triangles_S_ = geometry::merged({triangles_S_, plugs.sheets_S});
+    sheets_ = plugs.count;
+    sheets_area_m2_ = plugs.area_m2;
   }
 
   /// Climbs the ladder to the first wrap of one piece: the tightest keeps the most detail. Else
@@ -198,7 +218,7 @@ class Builder {
     for (int rung = 0; rung < kLadderRungs; ++rung, alpha *= kLadderStep) {
       SkinStep step;
       step.action = "wrap";
-      Wrap wrap = wrapOf(links_S_, alpha, step,
+      Wrap wrap = wrapOf(triangles_S_, alpha, step,
                          rung == 0 ? "wrapping the skin" : "wrapping the skin more loosely",
                          0.1 + 0.4 * rung / kLadderRungs, 0.4 / kLadderRungs);
       const bool hides = step.covering_share < kCoveringShare;
@@ -225,11 +245,8 @@ class Builder {
     return std::move(*best);
   }
 
-  /// Spans sheets over the through-holes until none is left.
+  /// Spans sheets over the through-holes that the wrap has all the same, until none is left.
   void shutTunnels(Wrap& wrap) {
-    const geometry::TriangleMesh original = geometry::merged(wrap.pieces);
-    double sheets_area = 0.0;
-    int sheets = 0;
     for (int round = 0; round < kTunnelRounds && genusOf(wrap.pieces) > 0; ++round) {
       const Stopwatch watch;
       SkinStep step;
@@ -251,16 +268,19 @@ class Builder {
       report_.steps.push_back(step);
       if (!is_better) continue;
       wrap = std::move(shut);
-      sheets += step.sheets;
-      sheets_area += step.sheets_area_m2;
+      sheets_ += step.sheets;
+      sheets_area_m2_ += step.sheets_area_m2;
     }
     if (const int genus = genusOf(wrap.pieces); genus > 0)
       report_.notes.push_back(fmt::format("the skin keeps {} handles", genus));
-    const double share = 2.0 * sheets_area / (original.area() + 2.0 * sheets_area);
+    double area_m2 = 0.0;
+    for (const geometry::TriangleMesh& piece : wrap.pieces)
+      area_m2 += piece.area();
+    const double share = 2.0 * sheets_area_m2_ / area_m2;
     if (share > kNotableSheets)
       report_.notes.push_back(
           fmt::format("{} sheets shut through-holes; they are about {:.0f} % of the skin",
-                      sheets, 100.0 * share));
+                      sheets_, 100.0 * share));
   }
 
   /// Even triangles, which log maps are the better for; the wrap's own where they would cross.
@@ -294,8 +314,10 @@ class Builder {
     return raw;
   }
 
-  geometry::TriangleMesh links_S_;
-  geometry::SurfaceLocator links_locator_;
+  geometry::TriangleMesh triangles_S_;  ///< what is wrapped: the links' and those of sheets
+  std::optional<geometry::SurfaceLocator> locator_;  ///< of these
+  int sheets_ = 0;
+  double sheets_area_m2_ = 0.0;
   const SkinOptions& options_;
   const Progress& progress_;
   SkinReport& report_;

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Raise it with every change of the method or the file, and old files are made anew.
-constexpr std::string_view kFormat = "handgraft-skin/1\n";
+constexpr std::string_view kFormat = "handgraft-skin/2\n";
 constexpr const char* kFolder = "handgraft/skins";
 constexpr std::size_t kDigits = 64;
 constexpr std::uintmax_t kLargestFile = 1U << 30U;

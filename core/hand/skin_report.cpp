@@ -58,13 +58,17 @@ void measure(const Skin& skin, SkinReport& report) {
 std::string describe(const SkinReport& report) {
   std::string text;
   for (const SkinStep& step : report.steps) {
-    text += fmt::format("{:<18} alpha {:.2f} mm, offset {:.2f} mm", step.action,
-                        1e3 * step.alpha_m, 1e3 * step.offset_m);
+    text += fmt::format("{:<18}", step.action);
+    if (step.alpha_m > 0.0)
+      text += fmt::format(" alpha {:.2f} mm, offset {:.2f} mm", 1e3 * step.alpha_m,
+                          1e3 * step.offset_m);
     if (step.edge_m > 0.0) text += fmt::format(", edge {:.2f} mm", 1e3 * step.edge_m);
     if (step.sheets > 0)
-      text += fmt::format(", {} sheets of {:.0f} mm2", step.sheets, 1e6 * step.sheets_area_m2);
-    text += fmt::format(": {} vertices, {} {}, genus {}", step.vertices, step.pieces,
-                        step.pieces == 1 ? "piece" : "pieces", step.genus);
+      text += fmt::format("{} {} sheets of {:.0f} mm2", step.alpha_m > 0.0 ? "," : "",
+                          step.sheets, 1e6 * step.sheets_area_m2);
+    if (step.vertices > 0)
+      text += fmt::format(": {} vertices, {} {}, genus {}", step.vertices, step.pieces,
+                          step.pieces == 1 ? "piece" : "pieces", step.genus);
     if (step.crossing_faces > 0) text += fmt::format(", {} faces cross", step.crossing_faces);
     text += fmt::format(", {:.2f} s: {}\n", step.time_s, step.verdict);
   }

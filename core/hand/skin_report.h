@@ -9,7 +9,7 @@ namespace handgraft::hand {
 
 /// One thing tried while a skin was made, in order.
 struct SkinStep {
-  std::string action;  ///< "wrap", "shut tunnels", "even out triangles"
+  std::string action;  ///< "span sheets", "wrap", "shut tunnels", "even out triangles"
   double alpha_m = 0.0;
   double offset_m = 0.0;
   double edge_m = 0.0;  ///< 0 where the step has none
@@ -17,11 +17,11 @@ struct SkinStep {
   int vertices = 0;
   int pieces = 0;               ///< of 3 % of the area or more
   int genus = 0;                ///< of all these pieces together
-  double covering_share = 0.0;  ///< of the area, within epsilon of a link; wraps alone
+  double covering_share = 0.0;  ///< of the area, within epsilon of a link or sheet; wraps alone
   int sheets = 0;               ///< that shut tunnels
   double sheets_area_m2 = 0.0;  ///< one side
   int crossing_faces = 0;       ///< faces that pierce others
-  std::string verdict;          ///< "kept", or why not
+  std::string verdict;          ///< "kept", "spanned", or why not
 };
 
 /// How a skin was made and how good it is.

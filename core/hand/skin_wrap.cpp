@@ -12,6 +12,7 @@
 #include <CGAL/alpha_wrap_3.h>
 
 #include "core/base/error.h"
+#include "core/hand/wrap_queries.h"
 
 namespace handgraft::hand {
 
@@ -37,14 +38,89 @@ struct Checkpoint : CGAL::Alpha_wraps_3::internal::Wrapping_default_visitor {
   unsigned steps = 0;
 };
 
+namespace AW3 = CGAL::Alpha_wraps_3::internal;
+
+Eigen::Vector3d fromCgal(const Kernel::Point_3& p) {
+  return {p.x(), p.y(), p.z()};
+}
+
+Kernel::Point_3 toCgal(const Eigen::Vector3d& p) {
+  return {p.x(), p.y(), p.z()};
+}
+
+/// The triangles, as CGAL's wrapping asks for them. Its own oracle takes two thirds of a wrap's
+/// time: a set of those seen each query, and ten queries a step along a Voronoi edge.
+class Oracle {
+ public:
+  using Geom_traits = AW3::Alpha_wrap_AABB_traits<Kernel>;
+
+  explicit Oracle(const geometry::TriangleMesh& triangles) : queries_(triangles) {}
+
+  [[nodiscard]] const Geom_traits& geom_traits() const { return traits_; }
+
+  [[nodiscard]] CGAL::Bbox_3 bbox() const {
+    Eigen::AlignedBox3d box;
+    for (const int v : queries_.triangles().faces().reshaped())
+      box.extend(queries_.triangles().vertex(v));
+    return {box.min().x(), box.min().y(), box.min().z(),
+            box.max().x(), box.max().y(), box.max().z()};
+  }
+
+  [[nodiscard]] bool do_intersect(const Geom_traits::Ball_3& ball) const {
+    const double distance = queries_.nearest(fromCgal(ball.boundary().center())).distance;
+    return distance * distance <= ball.boundary().squared_radius();
+  }
+
+  template <class Traits>
+  [[nodiscard]] bool do_intersect(
+      const AW3::Tetrahedron_with_outside_info<Traits>& cell) const {
+    const auto corner = [&](int i) {
+      return fromCgal(cell.m_tet.vertex(i));
+    };
+    const Touch touch =
+        queries_.touches({corner(0), corner(1), corner(2), corner(3)}, unclear_);
+    if (touch != Touch::kTooCloseToTell) return touch == Touch::kYes;
+    const auto do_intersect = traits_.do_intersect_3_object();
+    return std::any_of(unclear_.begin(), unclear_.end(), [&](int f) {
+      const geometry::TriangleMesh& mesh = queries_.triangles();
+      const Eigen::Vector3i face = mesh.face(f);
+      return do_intersect(
+          cell, Kernel::Triangle_3(toCgal(mesh.vertex(face[0])), toCgal(mesh.vertex(face[1])),
+                                   toCgal(mesh.vertex(face[2]))));
+    });
+  }
+
+  [[nodiscard]] Kernel::Point_3 closest_point(const Kernel::Point_3& p) const {
+    return toCgal(queries_.nearest(fromCgal(p)).position);
+  }
+
+  [[nodiscard]] double squared_distance(const Kernel::Point_3& p) const {
+    const double distance = queries_.nearest(fromCgal(p)).distance;
+    return distance * distance;
+  }
+
+  bool first_intersection(const Kernel::Point_3& p,
+                          const Kernel::Point_3& q,
+                          Kernel::Point_3& found,
+                          double offset_m) const {
+    const auto place = queries_.firstWithin(offset_m, fromCgal(p), fromCgal(q));
+    if (place) found = toCgal(*place);
+    return place.has_value();
+  }
+
+ private:
+  Geom_traits traits_;
+  WrapQueries queries_;
+  mutable std::vector<int> unclear_;
+};
+
 WrapMesh toCgal(const geometry::TriangleMesh& mesh) {
   WrapMesh result;
   result.reserve(static_cast<unsigned>(mesh.vertexCount()),
                  static_cast<unsigned>(mesh.faceCount() * 3 / 2),
                  static_cast<unsigned>(mesh.faceCount()));
   for (int v = 0; v < mesh.vertexCount(); ++v) {
-    const Eigen::Vector3d p = mesh.vertex(v);
-    result.add_vertex(Kernel::Point_3(p.x(), p.y(), p.z()));
+    result.add_vertex(toCgal(mesh.vertex(v)));
   }
   using Vertex = WrapMesh::Vertex_index;
   for (int f = 0; f < mesh.faceCount(); ++f) {
@@ -63,8 +139,7 @@ geometry::TriangleMesh fromCgal(const WrapMesh& mesh) {
   std::vector<int> index(mesh.num_vertices(), -1);
   int count = 0;
   for (const auto v : mesh.vertices()) {
-    const Kernel::Point_3& p = mesh.point(v);
-    vertices.col(count) << p.x(), p.y(), p.z();
+    vertices.col(count) = fromCgal(mesh.point(v));
     index[v.idx()] = count++;
   }
   int face = 0;
@@ -83,25 +158,16 @@ geometry::TriangleMesh wrapped(const geometry::TriangleMesh& triangles,
                                double alpha_m,
                                double offset_m,
                                const Progress& progress) {
-  std::vector<Kernel::Point_3> points;
-  std::vector<std::array<std::size_t, 3>> faces;
-  points.reserve(static_cast<std::size_t>(triangles.vertexCount()));
-  for (int v = 0; v < triangles.vertexCount(); ++v) {
-    const Eigen::Vector3d p = triangles.vertex(v);
-    points.emplace_back(p.x(), p.y(), p.z());
-  }
-  for (int f = 0; f < triangles.faceCount(); ++f) {
-    if (triangles.faceNormals().col(f).isZero()) continue;
-    const Eigen::Vector3i face = triangles.face(f);
-    faces.push_back({static_cast<std::size_t>(face[0]), static_cast<std::size_t>(face[1]),
-                     static_cast<std::size_t>(face[2])});
-  }
+  std::vector<int> faces;
+  for (int f = 0; f < triangles.faceCount(); ++f)
+    if (!triangles.faceNormals().col(f).isZero()) faces.push_back(f);
   if (faces.empty()) rejectInput("skin: there is no triangle with an area to wrap");
+  const Oracle oracle(
+      geometry::TriangleMesh(triangles.vertices(), triangles.faces()(Eigen::all, faces)));
+  AW3::Alpha_wrap_3<Oracle> wrapping(oracle);
   WrapMesh wrap;
   Checkpoint checkpoint(progress);
-  // Of the two lists of options it is the second that the wrapping sees.
-  CGAL::alpha_wrap_3(points, faces, alpha_m, offset_m, wrap, CGAL::parameters::default_values(),
-                     CGAL::parameters::visitor(checkpoint));
+  wrapping(alpha_m, offset_m, wrap, CGAL::parameters::visitor(checkpoint));
   progress.checkpoint();
   return fromCgal(wrap);
 }

@@ -22,4 +22,13 @@ struct TunnelPlugs {
 /// Deterministic. Cost: about 1 s for a hand.
 TunnelPlugs findTunnelPlugs(const geometry::TriangleMesh& surface_S, double step_m);
 
+/// The same ahead of wrapping `triangles_S` (with `wrapped`, skin_wrap.h): finds the tunnels
+/// that the wrap would have, by a ball that rolls around the triangles. May find some that it
+/// would not have, whose sheets then lie inside it, and miss narrow ones. None where the
+/// triangles are of several pieces that no ball of that size would join.
+TunnelPlugs findTunnelPlugsOfWrap(const geometry::TriangleMesh& triangles_S,
+                                  double alpha_m,
+                                  double offset_m,
+                                  double step_m);
+
 }  // namespace handgraft::hand

@@ -152,16 +152,19 @@ bool isSimple(std::uint32_t solid) {
 
 VoxelGrid gridAround(const geometry::TriangleMesh& mesh_S,
                      double step_m,
-                     std::size_t max_voxels) {
+                     std::size_t max_voxels,
+                     double margin_m) {
   HANDGRAFT_REQUIRE(step_m > 0.0 && mesh_S.vertexCount() > 0);
   const Eigen::Vector3d low = mesh_S.vertices().rowwise().minCoeff();
   const Eigen::Vector3d extent = mesh_S.vertices().rowwise().maxCoeff() - low;
   VoxelGrid grid;
+  int layers = kFreeLayers;
   for (grid.step_m = step_m;; grid.step_m *= 1.1) {
-    grid.size = (extent / grid.step_m).array().ceil().cast<int>() + 2 * kFreeLayers + 1;
+    layers = kFreeLayers + static_cast<int>(std::ceil(margin_m / grid.step_m));
+    grid.size = (extent / grid.step_m).array().ceil().cast<int>() + 2 * layers + 1;
     if (grid.count() <= max_voxels) break;
   }
-  grid.origin_S = low - grid.step_m * (Eigen::Vector3d::Constant(kFreeLayers) + kShift);
+  grid.origin_S = low - grid.step_m * (Eigen::Vector3d::Constant(layers) + kShift);
   return grid;
 }
 
@@ -204,6 +207,98 @@ VoxelSet voxelsInside(const geometry::TriangleMesh& mesh_S, const VoxelGrid& gri
     }
   }
   return solid;
+}
+
+VoxelSet voxelsOutOfReach(const geometry::TriangleMesh& triangles_S,
+                          const VoxelGrid& grid,
+                          double ball_radius_m) {
+  // === Voxels on the triangles, by samples half a voxel apart
+  VoxelSet touched(grid.count(), 0);
+  for (int f = 0; f < triangles_S.faceCount(); ++f) {
+    std::array<Eigen::Vector3d, 3> p;
+    for (int c = 0; c < 3; ++c)
+      p[static_cast<std::size_t>(c)] =
+          (triangles_S.vertex(triangles_S.face(f)[c]) - grid.origin_S) / grid.step_m;
+    // From the corner where the shortest side begins: a sliver is then walked along once.
+    std::size_t first = 0;
+    const auto length = [&](std::size_t c) {
+      return (p[(c + 1) % 3] - p[c % 3]).norm();
+    };
+    for (std::size_t c = 1; c < 3; ++c)
+      if (length(c) < length(first)) first = c;
+    const Eigen::Vector3d& a = p[first];
+    const Eigen::Vector3d ab = p[(first + 1) % 3] - a;
+    const Eigen::Vector3d ac = p[(first + 2) % 3] - a;
+    const double n_b = std::max(1.0, std::ceil(2.0 * ab.norm()));
+    const double n_c = std::max(1.0, std::ceil(2.0 * ac.norm()));
+    for (double b = 0.0; b <= n_b; ++b) {
+      for (double c = 0.0; c <= n_c * (1.0 - b / n_b) + 1.0; ++c) {
+        const double along = std::min(c / n_c, 1.0 - b / n_b);
+        const Eigen::Vector3i cell =
+            (a + b / n_b * ab + along * ac).array().round().cast<int>();
+        touched[grid.index(cell.x(), cell.y(), cell.z())] = 1;
+      }
+    }
+  }
+  // === Where the ball's middle may be: flooded from a corner, without touching
+  const auto reach = static_cast<float>(ball_radius_m / grid.step_m);
+  VoxelSet middles(grid.count(), 0);
+  {
+    const std::vector<float> squared = squaredDistances(touched, grid);
+    std::vector<std::size_t> waiting{0};
+    HANDGRAFT_REQUIRE(squared[0] >= reach * reach);
+    middles[0] = 1;
+    while (!waiting.empty()) {
+      const Eigen::Vector3i c = grid.cell(waiting.back());
+      waiting.pop_back();
+      for (int axis = 0; axis < 3; ++axis) {
+        for (const int way : {-1, 1}) {
+          Eigen::Vector3i next = c;
+          next[axis] += way;
+          if (next[axis] < 0 || next[axis] >= grid.size[axis]) continue;
+          const std::size_t at = grid.index(next.x(), next.y(), next.z());
+          if (middles[at] != 0 || squared[at] < reach * reach) continue;
+          middles[at] = 1;
+          waiting.push_back(at);
+        }
+      }
+    }
+  }
+  // === What the ball does not reach from there
+  const std::vector<float> squared = squaredDistances(middles, grid);
+  VoxelSet solid(grid.count());
+  for (std::size_t i = 0; i < solid.size(); ++i)
+    solid[i] = squared[i] >= reach * reach ? 1 : 0;
+  return solid;
+}
+
+std::pair<VoxelSet, double> largestPiece(const VoxelSet& solid, const VoxelGrid& grid) {
+  VoxelSet waiting_set = solid;
+  std::vector<std::size_t> largest;
+  std::size_t all = 0;
+  for (std::size_t start = 0; start < solid.size(); ++start) {
+    if (waiting_set[start] == 0) continue;
+    std::vector<std::size_t> piece{start};
+    waiting_set[start] = 0;
+    for (std::size_t i = 0; i < piece.size(); ++i) {
+      const Eigen::Vector3i c = grid.cell(piece[i]);
+      for (int k = 0; k < 27; ++k) {
+        const Eigen::Vector3i next = c + Eigen::Vector3i(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+        if ((next.array() < 0).any() || (next.array() >= grid.size.array()).any()) continue;
+        const std::size_t at = grid.index(next.x(), next.y(), next.z());
+        if (waiting_set[at] == 0) continue;
+        waiting_set[at] = 0;
+        piece.push_back(at);
+      }
+    }
+    all += piece.size();
+    if (piece.size() > largest.size()) largest = std::move(piece);
+  }
+  VoxelSet kept(solid.size(), 0);
+  for (const std::size_t i : largest)
+    kept[i] = 1;
+  return {std::move(kept),
+          all == 0 ? 0.0 : static_cast<double>(largest.size()) / static_cast<double>(all)};
 }
 
 VoxelSet shrinkWrapped(const VoxelSet& solid, const VoxelGrid& grid) {

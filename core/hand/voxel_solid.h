@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -42,15 +43,27 @@ struct VoxelGrid {
 /// One byte a voxel, nonzero inside.
 using VoxelSet = std::vector<std::uint8_t>;
 
-/// A grid around the mesh with two free voxels on every side, of at most `max_voxels`: its step
-/// is `step_m` or, where that would be too many, larger.
+/// A grid around the mesh with two free voxels on every side and at least `margin_m`, of at
+/// most `max_voxels`: its step is `step_m` or, where that would be too many, larger.
 VoxelGrid gridAround(const geometry::TriangleMesh& mesh_S,
                      double step_m,
-                     std::size_t max_voxels);
+                     std::size_t max_voxels,
+                     double margin_m = 0.0);
 
 /// The voxels inside a closed, oriented surface that does not cross itself.
 /// Cost: linear in the voxels and in the columns that triangles cover.
 VoxelSet voxelsInside(const geometry::TriangleMesh& mesh_S, const VoxelGrid& grid);
+
+/// What a ball that rolls around the triangles, which may be open, crossing and turned, cannot
+/// reach: to about a voxel. The grid must leave the ball room around them.
+/// Cost: linear in the voxels and in the triangles' area.
+VoxelSet voxelsOutOfReach(const geometry::TriangleMesh& triangles_S,
+                          const VoxelGrid& grid,
+                          double ball_radius_m);
+
+/// The largest of the pieces that hang together by 26 neighbours, and its share of the voxels;
+/// 0 where there are none.
+std::pair<VoxelSet, double> largestPiece(const VoxelSet& solid, const VoxelGrid& grid);
 
 /// The smallest ball-like voxel set that holds `solid`: shrinks the whole grid voxel by voxel,
 /// the farthest from the solid first, and takes away only what changes no topology. What is

@@ -79,6 +79,36 @@ TEST(ShrinkWrapped, MakesABallOfAFrame) {
     ASSERT_LE(inside[i], shut[i]);
 }
 
+TEST(VoxelsOutOfReach, AreABoxAndWhatNoBallGetsInto) {
+  // Two plates 4 mm apart, without their rims: a ball of 3 mm stays out, one of 1.5 goes in.
+  const geometry::TriangleMesh plates =
+      geometry::merged({boxAt({0.04, 0.04, 0.002}, {0.0, 0.0, 0.003}),
+                        boxAt({0.04, 0.04, 0.002}, {0.0, 0.0, -0.003})});
+  const VoxelGrid grid = gridAround(plates, 0.0005, 4'000'000, 0.003);
+  const auto isSolid = [&](double ball_radius_m, const Eigen::Vector3d& p) {
+    const Eigen::Vector3i c = ((p - grid.origin_S) / grid.step_m).array().round().cast<int>();
+    return voxelsOutOfReach(plates, grid, ball_radius_m)[grid.index(c.x(), c.y(), c.z())] != 0;
+  };
+  EXPECT_TRUE(isSolid(0.003, {0.0, 0.0, 0.003}));
+  EXPECT_TRUE(isSolid(0.003, {0.0, 0.0, 0.0}));
+  EXPECT_FALSE(isSolid(0.003, {0.0, 0.0, 0.0055}));
+  EXPECT_TRUE(isSolid(0.0015, {0.0, 0.0, 0.003}));
+  EXPECT_FALSE(isSolid(0.0015, {0.0, 0.0, 0.0}));
+}
+
+TEST(LargestPiece, LeavesOutTheOthers) {
+  const geometry::TriangleMesh boxes =
+      geometry::merged({boxAt({0.02, 0.01, 0.01}, {0.0, 0.0, 0.0}),
+                        boxAt({0.01, 0.01, 0.01}, {0.05, 0.0, 0.0})});
+  const VoxelGrid grid = gridAround(boxes, 0.001, 1'000'000);
+  const VoxelSet both = voxelsInside(boxes, grid);
+  const auto [one, share] = largestPiece(both, grid);
+  EXPECT_NEAR(share, 2.0 / 3.0, 0.05);
+  for (std::size_t i = 0; i < one.size(); ++i)
+    EXPECT_EQ(one[i], grid.middle(i).x() < 0.03 ? both[i] : 0);
+  EXPECT_EQ(largestPiece(VoxelSet(grid.count(), 0), grid).second, 0.0);
+}
+
 TEST(Wrapping, GoesOnAudiblyAndStopsInTheMidst) {
   int reports = 0;
   Progress* running = nullptr;
@@ -105,6 +135,23 @@ TEST(TunnelPlugs, SpanEachHoleOnce) {
   const geometry::TriangleMesh shut =
       wrapped(geometry::merged({makeFrame(), plugs.sheets_S}), 0.003, 0.0008, Progress());
   EXPECT_EQ(shut.eulerCharacteristic(), 2);
+}
+
+TEST(TunnelPlugs, AreFoundAheadOfTheWrap) {
+  const TunnelPlugs plugs = findTunnelPlugsOfWrap(makeFrame(), 0.003, 0.0008, 0.0015);
+  EXPECT_EQ(plugs.count, 2);
+  EXPECT_NEAR(plugs.area_m2, 2.0 * 0.02 * 0.02, 0.3 * 2.0 * 0.02 * 0.02);
+  EXPECT_LT(plugs.sheets_S.vertices().row(2).cwiseAbs().maxCoeff(), 0.0048);
+  const geometry::TriangleMesh shut =
+      wrapped(geometry::merged({makeFrame(), plugs.sheets_S}), 0.003, 0.0008, Progress());
+  EXPECT_EQ(shut.eulerCharacteristic(), 2);
+}
+
+TEST(TunnelPlugs, JoinNoPiecesAheadOfTheWrap) {
+  // A frame and a box beside it: what shuts the frame's holes would also reach for the box.
+  const geometry::TriangleMesh apart =
+      geometry::merged({makeFrame(), boxAt({0.03, 0.03, 0.03}, {0.2, 0.0, 0.0})});
+  EXPECT_EQ(findTunnelPlugsOfWrap(apart, 0.003, 0.0008, 0.0015).count, 0);
 }
 
 TEST(TunnelPlugs, AreNoneForABall) {
