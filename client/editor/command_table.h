@@ -4,8 +4,8 @@
 #include <string_view>
 #include <vector>
 
+#include "client/editor/edit_context.h"
 #include "client/editor/grammar.h"
-#include "client/editor/scene.h"
 #include "idl/edits.h"
 
 /// Every command of the editor, in one place.
@@ -34,7 +34,7 @@ enum class Action {
 };
 
 /// From a command's values to the edit that it asks for. Errors: InvalidInput.
-using MakeEdit = v1::EditBody (*)(const Match& match, Scene& scene);
+using MakeEdit = v1::EditBody (*)(const Match& match, EditContext& context);
 
 struct Command {
   std::string_view pattern;

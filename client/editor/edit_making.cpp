@@ -47,18 +47,18 @@ v1::EditBody enabledEdit(const std::string& patch, bool enabled) {
 
 // === Joints
 
-const v1::JointInfo& jointNamed(Scene& scene, const std::string& name) {
-  for (const v1::JointInfo& joint : scene.hand().joints()) {
+const v1::JointInfo& jointNamed(EditContext& context, const std::string& name) {
+  for (const v1::JointInfo& joint : context.hand().joints()) {
     if (joint.name() == name) return joint;
   }
   rejectInput("the hand has no joint {}", quoted(name));
 }
 
 // In the joint's own unit.
-double jointNumber(const Match& match, std::size_t index, Scene& scene) {
+double jointNumber(const Match& match, std::size_t index, EditContext& context) {
   const std::string& joint = word(match, 0);
   const Value& value = match.values.at(index);
-  const bool slides = jointNamed(scene, joint).kind() == v1::JOINT_PRISMATIC;
+  const bool slides = jointNamed(context, joint).kind() == v1::JOINT_PRISMATIC;
   if (value.unit == (slides ? Unit::kAngle : Unit::kLength)) {
     rejectInput("joint {} {}: {} is no {}", quoted(joint), slides ? "slides" : "turns",
                 value.text, slides ? "length" : "angle");
@@ -66,8 +66,8 @@ double jointNumber(const Match& match, std::size_t index, Scene& scene) {
   return value.number;
 }
 
-v1::JointSetting settingOf(Scene& scene, const std::string& joint) {
-  for (const v1::JointSetting& setting : scene.settings().joints()) {
+v1::JointSetting settingOf(EditContext& context, const std::string& joint) {
+  for (const v1::JointSetting& setting : context.settings().joints()) {
     if (setting.name() == joint) return setting;
   }
   rejectInput("the session has no joint {}", quoted(joint));
@@ -95,12 +95,11 @@ v1::EditBody softEdit(const std::string& joint, double value, double weight) {
   edit.weight(weight);
   return bodyOf(&v1::EditBody::joint_soft, edit);
 }
-}  // namespace
 
 // === Patches
 
-v1::EditBody rootOnSite(const Match& match, Scene& scene) {
-  const v1::HandDescription& hand = scene.handWithMeshes();
+v1::EditBody rootOnSite(const Match& match, EditContext& context) {
+  const v1::HandDescription& hand = context.handWithMeshes();
   const v1::SiteInfo* site = siteNamed(hand, word(match, 1));
   if (site == nullptr) rejectInput("the hand has no site {}", quoted(word(match, 1)));
   const std::size_t link = linkIndex(hand, site->link());
@@ -110,7 +109,7 @@ v1::EditBody rootOnSite(const Match& match, Scene& scene) {
   return rootEdit(word(match, 0), v1::SIDE_HAND, nearestPoint(hand.skin_S(), p_S));
 }
 
-v1::EditBody rootOnFace(const Match& match, Scene& /*scene*/) {
+v1::EditBody rootOnFace(const Match& match, EditContext& /*context*/) {
   constexpr double kTolerance = 1e-3;  // as typed
   const Value& face = match.values.at(2);
   if (face.count > 0x7fffffffU) rejectInput("face {}: there is none of that number", face.text);
@@ -126,10 +125,10 @@ v1::EditBody rootOnFace(const Match& match, Scene& /*scene*/) {
   return rootEdit(word(match, 0), sideOf(word(match, 1)), root);
 }
 
-v1::EditBody rootNearPoint(const Match& match, Scene& scene) {
+v1::EditBody rootNearPoint(const Match& match, EditContext& context) {
   const v1::PatchSide side = sideOf(word(match, 1));
   const v1::Mesh& mesh =
-      side == v1::SIDE_OBJECT ? scene.object().mesh_O() : scene.handWithMeshes().skin_S();
+      side == v1::SIDE_OBJECT ? context.object().mesh_O() : context.handWithMeshes().skin_S();
   const Eigen::Vector3d p = vectorAt(match, 2);
   const v1::SurfacePoint root = nearestPoint(mesh, p);
   const double distance = (positionOf(mesh, root) - p).norm();
@@ -142,23 +141,23 @@ v1::EditBody rootNearPoint(const Match& match, Scene& scene) {
   return rootEdit(word(match, 0), side, root);
 }
 
-v1::EditBody turn(const Match& match, Scene& /*scene*/) {
+v1::EditBody turn(const Match& match, EditContext& /*context*/) {
   return turnEdit(word(match, 0), v1::SIDE_HAND, number(match, 1));
 }
 
-v1::EditBody turnOnSide(const Match& match, Scene& /*scene*/) {
+v1::EditBody turnOnSide(const Match& match, EditContext& /*context*/) {
   return turnEdit(word(match, 0), sideOf(word(match, 1)), number(match, 2));
 }
 
-v1::EditBody enable(const Match& match, Scene& /*scene*/) {
+v1::EditBody enable(const Match& match, EditContext& /*context*/) {
   return enabledEdit(word(match, 0), true);
 }
 
-v1::EditBody disable(const Match& match, Scene& /*scene*/) {
+v1::EditBody disable(const Match& match, EditContext& /*context*/) {
   return enabledEdit(word(match, 0), false);
 }
 
-v1::EditBody patchWeight(const Match& match, Scene& /*scene*/) {
+v1::EditBody patchWeight(const Match& match, EditContext& /*context*/) {
   v1::PatchWeightEdit edit;
   edit.patch(word(match, 0));
   edit.weight(number(match, 1));
@@ -169,7 +168,7 @@ v1::EditBody patchWeight(const Match& match, Scene& /*scene*/) {
   return bodyOf(&v1::EditBody::patch_weight, edit);
 }
 
-v1::EditBody weights(const Match& match, Scene& /*scene*/) {
+v1::EditBody weights(const Match& match, EditContext& /*context*/) {
   v1::Weights edit;
   edit.distance(number(match, 0));
   edit.normal(number(match, 1));
@@ -182,46 +181,85 @@ v1::EditBody weights(const Match& match, Scene& /*scene*/) {
 
 // === Joints
 
-v1::EditBody jointValue(const Match& match, Scene& scene) {
+v1::EditBody jointValue(const Match& match, EditContext& context) {
   v1::PriorEdit edit;
   edit.joints().push_back(word(match, 0));
-  edit.joint_positions().push_back(jointNumber(match, 1, scene));
+  edit.joint_positions().push_back(jointNumber(match, 1, context));
   return bodyOf(&v1::EditBody::prior, edit);
 }
 
-v1::EditBody lock(const Match& match, Scene& /*scene*/) {
+v1::EditBody lock(const Match& match, EditContext& /*context*/) {
   return lockEdit(word(match, 0), true);
 }
 
-v1::EditBody unlock(const Match& match, Scene& /*scene*/) {
+v1::EditBody unlock(const Match& match, EditContext& /*context*/) {
   return lockEdit(word(match, 0), false);
 }
 
-v1::EditBody soft(const Match& match, Scene& scene) {
-  return softEdit(word(match, 0), jointNumber(match, 1, scene), number(match, 2));
+v1::EditBody soft(const Match& match, EditContext& context) {
+  return softEdit(word(match, 0), jointNumber(match, 1, context), number(match, 2));
 }
 
-v1::EditBody softOff(const Match& match, Scene& /*scene*/) {
+v1::EditBody softOff(const Match& match, EditContext& /*context*/) {
   return softEdit(word(match, 0), 0.0, 0.0);
 }
 
-v1::EditBody limitLower(const Match& match, Scene& scene) {
-  const double lower = jointNumber(match, 1, scene);
-  return limitEdit(word(match, 0), lower, settingOf(scene, word(match, 0)).upper());
+v1::EditBody limitLower(const Match& match, EditContext& context) {
+  const double lower = jointNumber(match, 1, context);
+  return limitEdit(word(match, 0), lower, settingOf(context, word(match, 0)).upper());
 }
 
-v1::EditBody limitUpper(const Match& match, Scene& scene) {
-  const double upper = jointNumber(match, 1, scene);
-  return limitEdit(word(match, 0), settingOf(scene, word(match, 0)).lower(), upper);
+v1::EditBody limitUpper(const Match& match, EditContext& context) {
+  const double upper = jointNumber(match, 1, context);
+  return limitEdit(word(match, 0), settingOf(context, word(match, 0)).lower(), upper);
 }
 
-v1::EditBody limitRange(const Match& match, Scene& scene) {
-  return limitEdit(word(match, 0), jointNumber(match, 1, scene), jointNumber(match, 2, scene));
+v1::EditBody limitRange(const Match& match, EditContext& context) {
+  return limitEdit(word(match, 0), jointNumber(match, 1, context),
+                   jointNumber(match, 2, context));
 }
 
-v1::EditBody limitReset(const Match& match, Scene& scene) {
-  const v1::JointSetting setting = settingOf(scene, word(match, 0));
+v1::EditBody limitReset(const Match& match, EditContext& context) {
+  const v1::JointSetting setting = settingOf(context, word(match, 0));
   return limitEdit(word(match, 0), setting.model_lower(), setting.model_upper());
+}
+
+}  // namespace
+
+// === What is typed for them, in the order of help
+
+std::span<const Command> patchCommands() {
+  // clang-format off
+  static constexpr Command kRows[] = {
+      {"root PATCH hand pick SITE", "put a patch's root on a site of the hand", Action::kEdit, rootOnSite},
+      {"root PATCH SIDE face COUNT NUMBER NUMBER NUMBER", "on a face of the object's mesh or the hand's skin, by three weights that sum to 1", Action::kEdit, rootOnFace},
+      {"root PATCH SIDE at LENGTH LENGTH LENGTH", "on the surface's place nearest to a point, in the frame of the object or of the skin", Action::kEdit, rootNearPoint},
+      {"dir PATCH ANGLE", "turn a patch on the hand, counter-clockwise as seen from outside", Action::kEdit, turn},
+      {"dir PATCH SIDE ANGLE", "likewise on the side named", Action::kEdit, turnOnSide},
+      {"enable PATCH", "have a patch count", Action::kEdit, enable},
+      {"disable PATCH", "have it not count", Action::kEdit, disable},
+      {"weight PATCH NUMBER", "how much a patch counts; 1 is usual", Action::kEdit, patchWeight},
+      {"weights NUMBER NUMBER NUMBER", "of distance (1/m2), normal and prior in the objective", Action::kEdit, weights},
+  };
+  // clang-format on
+  return kRows;
+}
+
+std::span<const Command> jointCommands() {
+  // clang-format off
+  static constexpr Command kRows[] = {
+      {"joint JOINT VALUE", "bend a joint: the pose becomes prior and start", Action::kEdit, jointValue},
+      {"lock JOINT", "hold a joint where it is", Action::kEdit, lock},
+      {"unlock JOINT", "let it move again", Action::kEdit, unlock},
+      {"soft JOINT VALUE NUMBER", "hold a joint near a value, so many times as firmly as the prior does", Action::kEdit, soft},
+      {"soft JOINT off", "let it go", Action::kEdit, softOff},
+      {"limit JOINT lower VALUE", "set a joint's lower limit", Action::kEdit, limitLower},
+      {"limit JOINT upper VALUE", "its upper limit", Action::kEdit, limitUpper},
+      {"limit JOINT range VALUE VALUE", "both", Action::kEdit, limitRange},
+      {"limit JOINT reset", "both as the hand's model has them", Action::kEdit, limitReset},
+  };
+  // clang-format on
+  return kRows;
 }
 
 }  // namespace handgraft::client::editor

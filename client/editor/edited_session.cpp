@@ -250,9 +250,9 @@ const v1::PoseSolution& EditedSession::awaitDiagnosed(std::uint64_t revision,
   return pose;
 }
 
-void EditedSession::explainLater() {
+void EditedSession::diagnoseLater() {
   const v1::PoseSolution* last = session_.solution();
-  if (last != nullptr && !last->is_diagnosed()) owed_explanation_ = last->revision();
+  if (last != nullptr && !last->is_diagnosed()) owed_diagnosis_ = last->revision();
 }
 
 const v1::PoseSolution& EditedSession::solve(const std::optional<v1::SolveOptions>& options) {
@@ -293,12 +293,11 @@ std::vector<std::string> EditedSession::news() {
     end_was_told_ = true;
     lines.push_back(fmt::format("session {} has ended with its server", id()));
   }
-  if (owed_explanation_ && last != nullptr && last->revision() > *owed_explanation_) {
-    owed_explanation_.reset();  // an edit came first
-  } else if (owed_explanation_ && last != nullptr && last->is_diagnosed()) {
-    lines.push_back(
-        fmt::format("revision {}: {}", *owed_explanation_, text::explanation(*last)));
-    owed_explanation_.reset();
+  if (owed_diagnosis_ && last != nullptr && last->revision() > *owed_diagnosis_) {
+    owed_diagnosis_.reset();  // an edit came first
+  } else if (owed_diagnosis_ && last != nullptr && last->is_diagnosed()) {
+    lines.push_back(fmt::format("revision {}: {}", *owed_diagnosis_, text::explanation(*last)));
+    owed_diagnosis_.reset();
   }
   if (state().phase() == v1::PHASE_CLOSED && !end_was_told_) {
     end_was_told_ = true;

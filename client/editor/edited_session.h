@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "client/editor/edit_context.h"
 #include "client/editor/grammar.h"
-#include "client/editor/scene.h"
 #include "client/link/client.h"
 #include "client/link/session.h"
 
@@ -29,7 +29,7 @@ struct MotionNews {
 };
 
 /// Errors of every call: those of Session.
-class EditedSession : public Scene {
+class EditedSession : public EditContext {
  public:
   EditedSession(Client& server, const v1::SessionState& state);
 
@@ -47,7 +47,7 @@ class EditedSession : public Scene {
 
   [[nodiscard]] const v1::SessionState& state() const { return session_.state(); }
 
-  // === Scene
+  // === EditContext
   const v1::SessionSettings& settings() override;
   const v1::HandDescription& hand() override;
   const v1::HandDescription& handWithMeshes() override;
@@ -86,8 +86,8 @@ class EditedSession : public Scene {
   const v1::PoseSolution* awaitFinal(std::uint64_t revision, const OnSample& on_sample);
   const v1::PoseSolution& awaitDiagnosed(std::uint64_t revision, Patience longest);
 
-  /// The last pose was shown without its explanation, if it has none: `news` brings that.
-  void explainLater();
+  /// The last pose was shown without its diagnosis, if it has none: `news` brings that.
+  void diagnoseLater();
 
   const v1::PoseSolution& solve(const std::optional<v1::SolveOptions>& options);
 
@@ -113,8 +113,8 @@ class EditedSession : public Scene {
   std::uint64_t shown_ = 0;
   std::optional<v1::EditTime> when_;
   bool end_was_told_ = false;
-  bool server_answers_ = true;                     ///< as was told
-  std::optional<std::uint64_t> owed_explanation_;  ///< of this revision's pose
+  bool server_answers_ = true;                   ///< as was told
+  std::optional<std::uint64_t> owed_diagnosis_;  ///< of this revision's pose
   std::optional<v1::SessionSettings> settings_;
   std::uint64_t settings_sequence_ = 0;  ///< of the solution they were asked after
   std::optional<v1::HandDescription> hand_;

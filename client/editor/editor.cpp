@@ -214,12 +214,14 @@ Told Editor::execute(const Parsed& command) {
 
 Told Editor::edit(const Parsed& command) {
   Match match = command.match;
+  const std::string_view pattern = command.command->pattern;
+  const std::string_view verb = pattern.substr(0, pattern.find(' '));
   // Models may be files, as everywhere on the command line.
-  if (command.command->make == editor::hand || command.command->make == editor::object) {
+  if (verb == "hand" || verb == "object") {
     const std::string named = match.values.at(0).text;
     std::optional<ModelFiles> files;
     if (isPath(named)) {
-      files = command.command->make == editor::hand ? handFiles(named, {}) : objectFiles(named);
+      files = verb == "hand" ? handFiles(named, {}) : objectFiles(named);
     }
     ModelSender sender(server_, interruption_, false);
     match.values[0].text = nameOnServer(sender, named, files);
@@ -229,16 +231,16 @@ Told Editor::edit(const Parsed& command) {
   std::vector<std::string> taken;
   if (steps) taken = stepsOf(body, session_->settings());
   Told told = publish(body);
-  if (command.command->make == jointValue) told.text += movedAgain(match);
+  if (verb == "joint") told.text += movedAgain(match);
   if (body._d() == v1::EDIT_DRAG) told.text += endedAt(body.drag());
   if (steps) {
-    const char* verb = body._d() == v1::EDIT_UNDO ? "undone" : "redone";
+    const char* done = body._d() == v1::EDIT_UNDO ? "undone" : "redone";
     // A single one is in the server's message already.
     if (taken.size() > 1) {
       told.text +=
-          fmt::format("{}: {}\n", verb, text::plain(fmt::format("{}", fmt::join(taken, "; "))));
+          fmt::format("{}: {}\n", done, text::plain(fmt::format("{}", fmt::join(taken, "; "))));
     }
-    told.data[verb] = taken;
+    told.data[done] = taken;
   }
   return told;
 }
@@ -385,7 +387,7 @@ Told Editor::tellPose(const std::string& before) {
   } else if (last->revision() == pose.revision()) {
     const std::string explanation = text::explanation(*last);
     told.text = (explanation.empty() ? "" : "; " + explanation) + "\n";
-    session_->explainLater();
+    session_->diagnoseLater();
   } else {
     told.text = "\n";
   }

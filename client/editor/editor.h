@@ -32,7 +32,7 @@ class Editor {
   /// True once the session has been closed by `close`.
   [[nodiscard]] bool closed() const { return closed_; }
 
-  /// From now on poses are shown before they are explained, as it pleases who types. Scripts
+  /// From now on poses are shown before they are diagnosed, as it pleases who types. Scripts
   /// and programs wait for both.
   void showPosesAtOnce() { at_once_ = true; }
 
@@ -67,8 +67,8 @@ class Editor {
   /// The pose that follows an edit; nullptr if none does. Ctrl-C stops its solve.
   /// Errors: CommandFailed if it was stopped; those of EditedSession::awaitFinal.
   const v1::PoseSolution* awaitPose(std::uint64_t revision);
-  /// Tells the last pose, behind `before`, once it is explained; where poses are shown at once,
-  /// the explanation may come as news.
+  /// Tells the last pose, behind `before`, once it is diagnosed; where poses are shown at once,
+  /// the diagnosis may come as news.
   Told tellPose(const std::string& before);
   /// That the search moved a joint which was just bent, if it did.
   std::string movedAgain(const Match& bend);
@@ -88,7 +88,7 @@ class Editor {
   Told help(const Match& match);
   /// Errors: InvalidInput if there is none.
   const v1::PoseSolution& requirePose();
-  /// Waits until it is explained, or will not be. Errors likewise.
+  /// Waits until it is diagnosed, or will not be. Errors likewise.
   const v1::PoseSolution& requireSolution();
   void goOnIn(const v1::SessionState& state);
   /// What becomes of the session with id `left` when another one is taken, with a separator;

@@ -37,8 +37,8 @@ struct HandPoint {
 };
 
 // A site; the furthest vertex of a site's link away from the wrist; a link's origin.
-HandPoint pointNamed(Scene& scene, const std::string& name) {
-  const v1::HandDescription& hand = scene.hand();
+HandPoint pointNamed(EditContext& context, const std::string& name) {
+  const v1::HandDescription& hand = context.hand();
   if (const v1::SiteInfo* site = siteNamed(hand, name)) {
     return {site->link(), vectorOf(site->p_L_m())};
   }
@@ -50,7 +50,7 @@ HandPoint pointNamed(Scene& scene, const std::string& name) {
   if (!is_link && name.size() > kTip.size()) {
     const v1::SiteInfo* site = siteNamed(hand, name.substr(0, name.size() - kTip.size()));
     if (site != nullptr) {
-      const v1::HandDescription& shown = scene.handWithMeshes();
+      const v1::HandDescription& shown = context.handWithMeshes();
       const v1::Mesh& surface_L = shown.links().at(linkIndex(shown, site->link())).surface_L();
       return {site->link(), furthestVertex(surface_L, -vectorOf(site->direction_L()))};
     }
@@ -68,9 +68,9 @@ v1::DragEdit dragEdit(const HandPoint& point, const Eigen::Vector3d& target_W) {
 }
 
 // The palm's site; on a hand without one, its root link.
-HandPoint palmOf(Scene& scene) {
-  const v1::HandDescription& hand = scene.hand();
-  if (siteNamed(hand, "palm") != nullptr) return pointNamed(scene, "palm");
+HandPoint palmOf(EditContext& context) {
+  const v1::HandDescription& hand = context.hand();
+  if (siteNamed(hand, "palm") != nullptr) return pointNamed(context, "palm");
   if (hand.links().empty()) rejectInput("the hand has no links");
   return {hand.links().front().name(), Eigen::Vector3d::Zero()};
 }
@@ -117,48 +117,47 @@ v1::EditBody modelEdit(v1::EditKind kind, const std::string& name) {
   body._d(kind);
   return body;
 }
-}  // namespace
 
 // === Pose
 
-v1::EditBody drag(const Match& match, Scene& scene) {
-  v1::DragEdit edit = dragEdit(pointNamed(scene, word(match, 0)), vectorAt(match, 1));
+v1::EditBody drag(const Match& match, EditContext& context) {
+  v1::DragEdit edit = dragEdit(pointNamed(context, word(match, 0)), vectorAt(match, 1));
   const auto weight = match.options.find("--weight");
   if (weight != match.options.end()) edit.weight(weight->second.number);
   return bodyOf(&v1::EditBody::drag, edit);
 }
 
-v1::EditBody release(const Match& match, Scene& scene) {
+v1::EditBody release(const Match& match, EditContext& context) {
   v1::ReleaseEdit edit;
-  edit.link(pointNamed(scene, word(match, 0)).link);
+  edit.link(pointNamed(context, word(match, 0)).link);
   return bodyOf(&v1::EditBody::release, edit);
 }
 
-v1::EditBody releaseAll(const Match& /*match*/, Scene& /*scene*/) {
+v1::EditBody releaseAll(const Match& /*match*/, EditContext& /*context*/) {
   return bodyOf(&v1::EditBody::release, v1::ReleaseEdit());
 }
 
-v1::EditBody palm(const Match& match, Scene& scene) {
-  return bodyOf(&v1::EditBody::drag, dragEdit(palmOf(scene), vectorAt(match, 0)));
+v1::EditBody palm(const Match& match, EditContext& context) {
+  return bodyOf(&v1::EditBody::drag, dragEdit(palmOf(context), vectorAt(match, 0)));
 }
 
-v1::EditBody palmTurned(const Match& match, Scene& scene) {
-  v1::DragEdit edit = dragEdit(palmOf(scene), vectorAt(match, 0));
+v1::EditBody palmTurned(const Match& match, EditContext& context) {
+  v1::DragEdit edit = dragEdit(palmOf(context), vectorAt(match, 0));
   const std::array<double, 4> q = wxyzOf(rotationAt(match, 3));
   edit.target_q_wxyz().assign(q.begin(), q.end());
   return bodyOf(&v1::EditBody::drag, edit);
 }
 
-v1::EditBody place(const Match& match, Scene& scene) {
-  return placeEdit(vectorAt(match, 0), scene.settings().X_WO().q_wxyz());
+v1::EditBody place(const Match& match, EditContext& context) {
+  return placeEdit(vectorAt(match, 0), context.settings().X_WO().q_wxyz());
 }
 
-v1::EditBody placeTurned(const Match& match, Scene& /*scene*/) {
+v1::EditBody placeTurned(const Match& match, EditContext& /*context*/) {
   return placeEdit(vectorAt(match, 0), wxyzOf(rotationAt(match, 3)));
 }
 
-v1::EditBody priorRest(const Match& /*match*/, Scene& scene) {
-  const v1::HandDescription& hand = scene.hand();
+v1::EditBody priorRest(const Match& /*match*/, EditContext& context) {
+  const v1::HandDescription& hand = context.hand();
   v1::PriorEdit edit;
   for (std::size_t i = 0; i < std::min(hand.joints().size(), hand.rest_positions().size());
        ++i) {
@@ -168,12 +167,12 @@ v1::EditBody priorRest(const Match& /*match*/, Scene& scene) {
   return bodyOf(&v1::EditBody::prior, edit);
 }
 
-v1::EditBody priorHere(const Match& /*match*/, Scene& scene) {
-  const v1::PoseSolution* solution = scene.solution();
+v1::EditBody priorHere(const Match& /*match*/, EditContext& context) {
+  const v1::PoseSolution* solution = context.solution();
   if (solution == nullptr) rejectInput("there is no solution yet; solve makes one");
   v1::PriorEdit edit;
   edit.X_WH().push_back(solution->X_WH());
-  for (const v1::JointInfo& joint : scene.hand().joints())
+  for (const v1::JointInfo& joint : context.hand().joints())
     edit.joints().push_back(joint.name());
   edit.joint_positions(solution->joint_positions());
   if (edit.joints().size() != edit.joint_positions().size()) {
@@ -182,7 +181,7 @@ v1::EditBody priorHere(const Match& /*match*/, Scene& scene) {
   return bodyOf(&v1::EditBody::prior, edit);
 }
 
-v1::EditBody priorPose(const Match& match, Scene& /*scene*/) {
+v1::EditBody priorPose(const Match& match, EditContext& /*context*/) {
   const PoseFile pose = readPose(word(match, 0));
   v1::PriorEdit edit;
   edit.joints(pose.joints);
@@ -191,29 +190,87 @@ v1::EditBody priorPose(const Match& match, Scene& /*scene*/) {
   return bodyOf(&v1::EditBody::prior, edit);
 }
 
-v1::EditBody priorShares(const Match& match, Scene& scene) {
-  v1::PriorShares shares = scene.settings().prior_shares();
+v1::EditBody priorShares(const Match& match, EditContext& context) {
+  v1::PriorShares shares = context.settings().prior_shares();
   shares.root_rotation(number(match, 0));
   shares.root_translation(number(match, 1));
   shares.joints(number(match, 2));
   return bodyOf(&v1::EditBody::prior_shares, shares);
 }
 
-v1::EditBody priorPosture(const Match& match, Scene& scene) {
-  v1::PriorShares shares = scene.settings().prior_shares();
+v1::EditBody priorPosture(const Match& match, EditContext& context) {
+  v1::PriorShares shares = context.settings().prior_shares();
   shares.posture(number(match, 0));
   return bodyOf(&v1::EditBody::prior_shares, shares);
 }
 
 // === Models and search
 
-v1::EditBody hand(const Match& match, Scene& /*scene*/) {
+v1::EditBody hand(const Match& match, EditContext& /*context*/) {
   return modelEdit(v1::EDIT_HAND, word(match, 0));
 }
 
-v1::EditBody object(const Match& match, Scene& /*scene*/) {
+v1::EditBody object(const Match& match, EditContext& /*context*/) {
   return modelEdit(v1::EDIT_OBJECT, word(match, 0));
 }
+
+v1::EditBody solver(const Match& match, EditContext& context) {
+  Match named = match;
+  named.options.emplace("--solver", match.values.at(0));
+  return bodyOf(&v1::EditBody::solving, solvingWith(context.settings().solving(), named));
+}
+
+v1::EditBody solverOfPaper(const Match& match, EditContext& context) {
+  Match named = match;
+  named.options.emplace("--paper", Value());
+  return bodyOf(&v1::EditBody::solving, solvingWith(context.settings().solving(), named));
+}
+
+v1::EditBody takeBack(const Match& match, EditContext& context) {
+  const std::uint32_t number = smallCount(match.values.at(0), "take back");
+  const std::size_t most = context.settings().timed().size();
+  if (number == 0 || number > most) {
+    rejectInput("take back {}: {}; show times lists them", number,
+                most == 0 ? std::string("nothing was edited at a time")
+                          : fmt::format("edits at times count from 1 to {}", most));
+  }
+  v1::TakeBackEdit edit;
+  edit.index(number - 1);
+  return bodyOf(&v1::EditBody::take_back, edit);
+}
+
+v1::EditBody choose(const Match& match, EditContext& context) {
+  const std::uint32_t number = smallCount(match.values.at(0), "choose");
+  const v1::PoseSolution* solution = context.solution();
+  const std::size_t most = solution == nullptr ? 0 : solution->minima().size();
+  if (number == 0 || (most > 0 && number > most)) {
+    rejectInput("choose {}: minima count from 1{}; show minima lists them", number,
+                most == 0 ? std::string() : fmt::format(" to {}", most));
+  }
+  v1::ChoiceEdit edit;
+  edit.rank(number - 1);
+  return bodyOf(&v1::EditBody::choice, edit);
+}
+
+// === History
+
+v1::EditBody undo(const Match& match, EditContext& /*context*/) {
+  return stepsEdit(v1::EDIT_UNDO, match);
+}
+
+v1::EditBody redo(const Match& match, EditContext& /*context*/) {
+  return stepsEdit(v1::EDIT_REDO, match);
+}
+
+v1::EditBody snapshot(const Match& match, EditContext& /*context*/) {
+  return snapshotEdit(v1::EDIT_SNAPSHOT, word(match, 0));
+}
+
+v1::EditBody restore(const Match& match, EditContext& /*context*/) {
+  return snapshotEdit(v1::EDIT_RESTORE, word(match, 0));
+}
+
+}  // namespace
 
 v1::SolveOptions solvingWith(v1::SolveOptions solving, const Match& match) {
   const auto given = [&](const char* option) -> const Value* {
@@ -252,60 +309,68 @@ v1::SolveOptions solvingWith(v1::SolveOptions solving, const Match& match) {
   return solving;
 }
 
-v1::EditBody solver(const Match& match, Scene& scene) {
-  Match named = match;
-  named.options.emplace("--solver", match.values.at(0));
-  return bodyOf(&v1::EditBody::solving, solvingWith(scene.settings().solving(), named));
+// === What is typed for them, in the order of help
+
+std::span<const Command> poseCommands() {
+  // clang-format off
+  static constexpr Command kRows[] = {
+      {"drag POINT to LENGTH LENGTH LENGTH --weight NUMBER", "move a site, a site's _tip or a link's origin to a point of the world and hold it there, 20 times as firmly as all patches together unless weighed otherwise; 0: not held", Action::kEdit, drag},
+      {"release POINT", "let go the link of what was dragged", Action::kEdit, release},
+      {"release", "let go all that was dragged, the palm too", Action::kEdit, releaseAll},
+      {"palm to LENGTH LENGTH LENGTH", "move the palm to a point of the world and hold it there", Action::kEdit, palm},
+      {"palm to LENGTH LENGTH LENGTH rpy ANGLE ANGLE ANGLE", "and turn its link: roll, pitch and yaw about the world's axes", Action::kEdit, palmTurned},
+      {"place object LENGTH LENGTH LENGTH", "put the object's origin there; it keeps its rotation", Action::kEdit, place},
+      {"place object LENGTH LENGTH LENGTH rpy ANGLE ANGLE ANGLE", "and turn it: roll, pitch and yaw about the world's axes", Action::kEdit, placeTurned},
+      {"prior rest", "the hand's rest pose becomes prior and start; the palm stays", Action::kEdit, priorRest},
+      {"prior here", "the last solution does", Action::kEdit, priorHere},
+      {"prior pose FILE", "a pose from a file does: of `grasp --out`, or written by hand", Action::kEdit, priorPose},
+      {"prior shares NUMBER NUMBER NUMBER", "how firmly the prior holds the palm's rotation, its place and the joints; 1 1 1 is the paper's", Action::kEdit, priorShares},
+      {"prior posture NUMBER", "how firmly a first solve holds the hand's posture; 0: not at all", Action::kEdit, priorPosture},
+  };
+  // clang-format on
+  return kRows;
 }
 
-v1::EditBody solverOfPaper(const Match& match, Scene& scene) {
-  Match named = match;
-  named.options.emplace("--paper", Value());
-  return bodyOf(&v1::EditBody::solving, solvingWith(scene.settings().solving(), named));
+std::span<const Command> motionCommands() {
+  // clang-format off
+  static constexpr Command kRows[] = {
+      {"at NUMBER", "edits from now on are of the motion's frame at that time (s)", Action::kTime},
+      {"at NUMBER NUMBER", "and fade over so many seconds before and after it", Action::kTime},
+      {"at all", "of all of the motion again", Action::kTime},
+      {"take back COUNT", "an edit at a time of `show times`, which counts from 1, whatever was edited since", Action::kEdit, takeBack},
+  };
+  // clang-format on
+  return kRows;
 }
 
-v1::EditBody takeBack(const Match& match, Scene& scene) {
-  const std::uint32_t number = smallCount(match.values.at(0), "take back");
-  const std::size_t most = scene.settings().timed().size();
-  if (number == 0 || number > most) {
-    rejectInput("take back {}: {}; show times lists them", number,
-                most == 0 ? std::string("nothing was edited at a time")
-                          : fmt::format("edits at times count from 1 to {}", most));
-  }
-  v1::TakeBackEdit edit;
-  edit.index(number - 1);
-  return bodyOf(&v1::EditBody::take_back, edit);
+std::span<const Command> modelCommands() {
+  // clang-format off
+  static constexpr Command kRows[] = {
+      {"hand HAND", "take another hand; what still fits is kept", Action::kEdit, hand},
+      {"object OBJECT", "take another object, likewise", Action::kEdit, object},
+      {"solver paper --normal-form FORM --avoid-penetration --touch-only", "search as the paper does from now on: one start, the prior, by mma", Action::kEdit, solverOfPaper},
+      {"solver SOLVER --starts COUNT --seed COUNT --max-evaluations COUNT --normal-form FORM --avoid-penetration --touch-only", "search so from now on, also after edits; what is not named stays", Action::kEdit, solver},
+      {"solve --solver SOLVER --starts COUNT --seed COUNT --max-evaluations COUNT --normal-form FORM --paper --avoid-penetration --touch-only", "search the pose, so for this once; Ctrl-C cancels", Action::kSolve},
+      {"choose COUNT", "another minimum of `show minima`, which counts from 1, becomes prior and start", Action::kEdit, choose},
+  };
+  // clang-format on
+  return kRows;
 }
 
-v1::EditBody choose(const Match& match, Scene& scene) {
-  const std::uint32_t number = smallCount(match.values.at(0), "choose");
-  const v1::PoseSolution* solution = scene.solution();
-  const std::size_t most = solution == nullptr ? 0 : solution->minima().size();
-  if (number == 0 || (most > 0 && number > most)) {
-    rejectInput("choose {}: minima count from 1{}; show minima lists them", number,
-                most == 0 ? std::string() : fmt::format(" to {}", most));
-  }
-  v1::ChoiceEdit edit;
-  edit.rank(number - 1);
-  return bodyOf(&v1::EditBody::choice, edit);
-}
-
-// === History
-
-v1::EditBody undo(const Match& match, Scene& /*scene*/) {
-  return stepsEdit(v1::EDIT_UNDO, match);
-}
-
-v1::EditBody redo(const Match& match, Scene& /*scene*/) {
-  return stepsEdit(v1::EDIT_REDO, match);
-}
-
-v1::EditBody snapshot(const Match& match, Scene& /*scene*/) {
-  return snapshotEdit(v1::EDIT_SNAPSHOT, word(match, 0));
-}
-
-v1::EditBody restore(const Match& match, Scene& /*scene*/) {
-  return snapshotEdit(v1::EDIT_RESTORE, word(match, 0));
+std::span<const Command> historyCommands() {
+  // clang-format off
+  static constexpr Command kRows[] = {
+      {"undo", "take back the last edit", Action::kEdit, undo},
+      {"undo COUNT", "so many", Action::kEdit, undo},
+      {"redo", "make what was undone again", Action::kEdit, redo},
+      {"redo COUNT", "so many", Action::kEdit, redo},
+      {"snapshot NAME", "remember the session as it is under a name", Action::kEdit, snapshot},
+      {"restore SNAPSHOT", "make it as it was", Action::kEdit, restore},
+      {"compare SNAPSHOT", "what differs between a snapshot and now", Action::kCompare},
+      {"compare SNAPSHOT SNAPSHOT", "or between two", Action::kCompare},
+  };
+  // clang-format on
+  return kRows;
 }
 
 }  // namespace handgraft::client::editor

@@ -13,13 +13,13 @@ namespace handgraft::client::editor {
 /// Names of patches that do not count.
 using Off = std::set<std::string>;
 
-/// Of a solution that is explained.
+/// Of a solution that is diagnosed.
 Off offIn(const v1::PoseSolution& solution);
 
 /// Objective, mean distance, worst patch: what is known of a pose at once.
 std::string poseLine(const v1::PoseSolution& solution, const Off& off);
 
-/// The same, and what is known once a pose is explained.
+/// The same, and what is known once a pose is diagnosed.
 std::string statusLine(const v1::PoseSolution& solution, const Off& off);
 json::Json status(const v1::PoseSolution& solution, const Off& off);
 

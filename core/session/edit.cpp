@@ -1,5 +1,8 @@
 #include "core/session/edit.h"
 
+#include <algorithm>
+#include <type_traits>
+
 #include "core/base/error.h"
 
 namespace handgraft::session {
@@ -17,6 +20,19 @@ std::string shortened(const std::string& name) {
   const std::string shown = quoted(name);
   const std::string bare = shown.substr(1, shown.size() - 2);
   return bare.size() <= kMost ? bare : bare.substr(0, kMost) + "...";
+}
+
+/// Of kinds without a text of their own below: "snapshot before".
+template <class OneEdit>
+std::string text(const OneEdit& edit) {
+  std::string out(OneEdit::kKind);
+  std::replace(out.begin(), out.end(), '_', ' ');
+  OneEdit::fields(edit, [&](const char* /*name*/, const auto& value) {
+    using Value = std::decay_t<decltype(value)>;
+    if constexpr (std::is_same_v<Value, std::string>) out += " " + shortened(value);
+    if constexpr (std::is_arithmetic_v<Value>) out += fmt::format(" {:.6g}", double(value));
+  });
+  return out;
 }
 
 std::string text(const ObjectPoseEdit& /*edit*/) {
@@ -95,28 +111,12 @@ std::string text(const ChoiceEdit& edit) {
   return fmt::format("choose minimum {}", edit.rank);
 }
 
-std::string text(const HandEdit& edit) {
-  return fmt::format("hand {}", shortened(edit.name));
-}
-
-std::string text(const ObjectEdit& edit) {
-  return fmt::format("object {}", shortened(edit.name));
-}
-
 std::string text(const UndoEdit& edit) {
   return edit.count == 1 ? std::string("undo") : fmt::format("undo {}", edit.count);
 }
 
 std::string text(const RedoEdit& edit) {
   return edit.count == 1 ? std::string("redo") : fmt::format("redo {}", edit.count);
-}
-
-std::string text(const SnapshotEdit& edit) {
-  return fmt::format("snapshot {}", shortened(edit.name));
-}
-
-std::string text(const RestoreEdit& edit) {
-  return fmt::format("restore {}", shortened(edit.name));
 }
 
 std::string text(const DragWay& way) {

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -16,39 +17,82 @@
 
 namespace handgraft::session {
 
-// === What a user may change (idl/edits.idl says the same on the wire)
+// === What a user may change (idl/edits.idl says the same on the wire). Each kind has the name
+// by which files spell it, and lists its fields once: bytes, files and texts are made of both.
 enum class Side { kObject, kHand };
 
 struct ObjectPoseEdit {
   Pose X_WO;
+
+  static constexpr std::string_view kKind = "object_pose";
+
+  static void fields(auto& edit, auto&& visit) { visit("X_WO", edit.X_WO); }
 };
 
 struct PatchWeightEdit {
   std::string patch;
   double weight;
+
+  static constexpr std::string_view kKind = "patch_weight";
+
+  static void fields(auto& edit, auto&& visit) {
+    visit("patch", edit.patch);
+    visit("weight", edit.weight);
+  }
 };
 
 struct PatchEnabledEdit {
   std::string patch;
   bool enabled;
+
+  static constexpr std::string_view kKind = "patch_enabled";
+
+  static void fields(auto& edit, auto&& visit) {
+    visit("patch", edit.patch);
+    visit("enabled", edit.enabled);
+  }
 };
 
 struct PatchRootEdit {
   std::string patch;
   Side side;
   geometry::SurfacePoint root;
+
+  static constexpr std::string_view kKind = "patch_root";
+
+  static void fields(auto& edit, auto&& visit) {
+    visit("patch", edit.patch);
+    visit("side", edit.side);
+    visit("root", edit.root);
+  }
 };
 
 struct PatchDirectionEdit {
   std::string patch;
   Side side;
   double angle_rad;  ///< about the outward normal, counter-clockwise
+
+  static constexpr std::string_view kKind = "patch_direction";
+
+  static void fields(auto& edit, auto&& visit) {
+    visit("patch", edit.patch);
+    visit("side", edit.side);
+    visit("angle_rad", edit.angle_rad);
+  }
 };
 
 struct JointLimitEdit {
   std::string joint;
   double lower;
   double upper;
+
+  static constexpr std::string_view kKind = "joint_limit";
+
+  static void fields(auto& edit, auto&& visit) {
+    visit("joint", edit.joint);
+    visit("lower", edit.lower);
+    visit("upper", edit.upper);
+  }
 };
 
 // A locked joint stays where the start has it.
@@ -58,6 +102,14 @@ struct JointLockEdit {
   /// Of an edit at a time: where it is held. Who applies the edit fills it in from the motion's
   /// answer, so that its log needs none.
   std::optional<double> value{};
+
+  static constexpr std::string_view kKind = "joint_lock";
+
+  static void fields(auto& edit, auto&& visit) {
+    visit("joint", edit.joint);
+    visit("locked", edit.locked);
+    visit("value", edit.value);
+  }
 };
 
 // Holds a joint near a value: the prior moves there and weighs `weight` times as much. Weight 0
@@ -66,6 +118,14 @@ struct JointSoftEdit {
   std::string joint;
   double value;
   double weight;
+
+  static constexpr std::string_view kKind = "joint_soft";
+
+  static void fields(auto& edit, auto&& visit) {
+    visit("joint", edit.joint);
+    visit("value", edit.value);
+    visit("weight", edit.weight);
+  }
 };
 
 // Sets the prior and the start; what is not named stays as it was.
@@ -73,18 +133,38 @@ struct PriorEdit {
   std::optional<Pose> X_WH;
   std::vector<std::string> joints;
   std::vector<double> q;
+
+  static constexpr std::string_view kKind = "prior";
+
+  static void fields(auto& edit, auto&& visit) {
+    visit("X_WH", edit.X_WH);
+    visit("joints", edit.joints);
+    visit("q", edit.q);
+  }
 };
 
 struct PriorSharesEdit {
   optimize::PriorShares shares;
+
+  static constexpr std::string_view kKind = "prior_shares";
+
+  static void fields(auto& edit, auto&& visit) { visit("shares", edit.shares); }
 };
 
 struct WeightsEdit {
   optimize::Weights weights;
+
+  static constexpr std::string_view kKind = "weights";
+
+  static void fields(auto& edit, auto&& visit) { visit("weights", edit.weights); }
 };
 
 struct SolvingEdit {
   Solving solving;
+
+  static constexpr std::string_view kKind = "solving";
+
+  static void fields(auto& edit, auto&& visit) { visit("solving", edit.solving); }
 };
 
 // Moves a point of a link to a place, the other contacts held softly; the pose becomes prior
@@ -98,11 +178,25 @@ struct DragEdit {
   /// How firmly: 1 is twenty times as firm as all patches together. 0: not at all, so that the
   /// next search may take it back.
   double weight = 1.0;
+
+  static constexpr std::string_view kKind = "drag";
+
+  static void fields(auto& edit, auto&& visit) {
+    visit("link", edit.link);
+    visit("p_L", edit.p_L);
+    visit("target_W", edit.target_W);
+    visit("target_R_WL", edit.target_R_WL);
+    visit("weight", edit.weight);
+  }
 };
 
 // Lets go what was dragged.
 struct ReleaseEdit {
   std::string link;  ///< empty: all
+
+  static constexpr std::string_view kKind = "release";
+
+  static void fields(auto& edit, auto&& visit) { visit("link", edit.link); }
 };
 
 // One of the minima that the last committed solution ranked becomes prior and start. The pose
@@ -110,16 +204,31 @@ struct ReleaseEdit {
 struct ChoiceEdit {
   int rank = 0;  ///< 0: the best
   std::optional<hand::HandPose> pose;
+
+  static constexpr std::string_view kKind = "choice";
+
+  static void fields(auto& edit, auto&& visit) {
+    visit("rank", edit.rank);
+    visit("pose", edit.pose);
+  }
 };
 
 // Another hand; places, limits and values that still fit are kept.
 struct HandEdit {
   std::string name;
+
+  static constexpr std::string_view kKind = "hand";
+
+  static void fields(auto& edit, auto&& visit) { visit("name", edit.name); }
 };
 
 // Another object; patches that lie on it, too, are carried along.
 struct ObjectEdit {
   std::string name;
+
+  static constexpr std::string_view kKind = "object";
+
+  static void fields(auto& edit, auto&& visit) { visit("name", edit.name); }
 };
 
 // === About one time of a motion
@@ -137,6 +246,16 @@ struct DragWay {
   double weight = 1.0;  ///< as DragEdit's; fades as the edit does
   int first_frame = 0;
   std::vector<Eigen::Vector3d> targets_O{};  ///< of each frame from the first on
+
+  static constexpr std::string_view kKind = "drag_way";
+
+  static void fields(auto& edit, auto&& visit) {
+    visit("link", edit.link);
+    visit("p_L", edit.p_L);
+    visit("weight", edit.weight);
+    visit("first_frame", edit.first_frame);
+    visit("targets_O", edit.targets_O);
+  }
 };
 
 /// What may be edited at a time.
@@ -154,28 +273,56 @@ using TimedChange = std::variant<PatchWeightEdit,
 struct TimedEdit {
   EditTime when;
   TimedChange change;
+
+  static constexpr std::string_view kKind = "timed";
+
+  static void fields(auto& edit, auto&& visit) {
+    visit("time_s", edit.when.time_s);
+    visit("falloff_s", edit.when.falloff_s);
+    visit("change", edit.change);
+  }
 };
 
 // Takes one edit at a time back, whatever was edited since.
 struct TakeBackEdit {
   int index = 0;  ///< of those of the document
+
+  static constexpr std::string_view kKind = "take_back";
+
+  static void fields(auto& edit, auto&& visit) { visit("index", edit.index); }
 };
 
 // === What moves through the history
 struct UndoEdit {
   int count = 1;
+
+  static constexpr std::string_view kKind = "undo";
+
+  static void fields(auto& edit, auto&& visit) { visit("count", edit.count); }
 };
 
 struct RedoEdit {
   int count = 1;
+
+  static constexpr std::string_view kKind = "redo";
+
+  static void fields(auto& edit, auto&& visit) { visit("count", edit.count); }
 };
 
 struct SnapshotEdit {
   std::string name;  ///< one of that name is replaced
+
+  static constexpr std::string_view kKind = "snapshot";
+
+  static void fields(auto& edit, auto&& visit) { visit("name", edit.name); }
 };
 
 struct RestoreEdit {
   std::string name;
+
+  static constexpr std::string_view kKind = "restore";
+
+  static void fields(auto& edit, auto&& visit) { visit("name", edit.name); }
 };
 
 using Edit = std::variant<ObjectPoseEdit,

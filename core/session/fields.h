@@ -152,138 +152,30 @@ void visitFields(Maybe<FollowedMotion> auto& motion, auto&& visit) {
   visit("seed", motion.seed);
 }
 
+// === Edits: each lists its own (edit.h)
+
+template <class T>
+concept IsEdit = requires {
+  T::kKind;
+};
+
+template <class T>
+requires IsEdit<std::remove_const_t<T>>
+
+void visitFields(T& edit, auto&& visit) {
+  std::remove_const_t<T>::fields(edit, visit);
+}
+
+template <class... Edits>
+constexpr std::array<std::string_view, sizeof...(Edits)> kindsOf(
+    std::type_identity<std::variant<Edits...>> /*edits*/) {
+  return {Edits::kKind...};
+}
+
 /// The kinds of edits by their place in `Edit`, as files spell them.
-inline constexpr std::array<std::string_view, std::variant_size_v<Edit>> kEditKinds = {
-    "object_pose",  "patch_weight", "patch_root", "patch_direction", "joint_limit",
-    "joint_lock",   "prior",        "weights",    "patch_enabled",   "joint_soft",
-    "prior_shares", "solving",      "drag",       "choice",          "hand",
-    "object",       "undo",         "redo",       "snapshot",        "restore",
-    "release",      "timed",        "take_back"};
+inline constexpr auto kEditKinds = kindsOf(std::type_identity<Edit>());
 
 /// Likewise of what is edited at a time.
-inline constexpr std::array<std::string_view, std::variant_size_v<TimedChange>> kTimedKinds = {
-    "patch_weight", "patch_enabled", "patch_root", "patch_direction", "joint_limit",
-    "joint_lock",   "joint_soft",    "drag_way",   "release"};
-
-void visitFields(Maybe<ObjectPoseEdit> auto& edit, auto&& visit) {
-  visit("X_WO", edit.X_WO);
-}
-
-void visitFields(Maybe<PatchWeightEdit> auto& edit, auto&& visit) {
-  visit("patch", edit.patch);
-  visit("weight", edit.weight);
-}
-
-void visitFields(Maybe<PatchEnabledEdit> auto& edit, auto&& visit) {
-  visit("patch", edit.patch);
-  visit("enabled", edit.enabled);
-}
-
-void visitFields(Maybe<PatchRootEdit> auto& edit, auto&& visit) {
-  visit("patch", edit.patch);
-  visit("side", edit.side);
-  visit("root", edit.root);
-}
-
-void visitFields(Maybe<PatchDirectionEdit> auto& edit, auto&& visit) {
-  visit("patch", edit.patch);
-  visit("side", edit.side);
-  visit("angle_rad", edit.angle_rad);
-}
-
-void visitFields(Maybe<JointLimitEdit> auto& edit, auto&& visit) {
-  visit("joint", edit.joint);
-  visit("lower", edit.lower);
-  visit("upper", edit.upper);
-}
-
-void visitFields(Maybe<JointLockEdit> auto& edit, auto&& visit) {
-  visit("joint", edit.joint);
-  visit("locked", edit.locked);
-  visit("value", edit.value);
-}
-
-void visitFields(Maybe<JointSoftEdit> auto& edit, auto&& visit) {
-  visit("joint", edit.joint);
-  visit("value", edit.value);
-  visit("weight", edit.weight);
-}
-
-void visitFields(Maybe<PriorEdit> auto& edit, auto&& visit) {
-  visit("X_WH", edit.X_WH);
-  visit("joints", edit.joints);
-  visit("q", edit.q);
-}
-
-void visitFields(Maybe<PriorSharesEdit> auto& edit, auto&& visit) {
-  visit("shares", edit.shares);
-}
-
-void visitFields(Maybe<WeightsEdit> auto& edit, auto&& visit) {
-  visit("weights", edit.weights);
-}
-
-void visitFields(Maybe<SolvingEdit> auto& edit, auto&& visit) {
-  visit("solving", edit.solving);
-}
-
-void visitFields(Maybe<DragEdit> auto& edit, auto&& visit) {
-  visit("link", edit.link);
-  visit("p_L", edit.p_L);
-  visit("target_W", edit.target_W);
-  visit("target_R_WL", edit.target_R_WL);
-  visit("weight", edit.weight);
-}
-
-void visitFields(Maybe<ReleaseEdit> auto& edit, auto&& visit) {
-  visit("link", edit.link);
-}
-
-void visitFields(Maybe<DragWay> auto& way, auto&& visit) {
-  visit("link", way.link);
-  visit("p_L", way.p_L);
-  visit("weight", way.weight);
-  visit("first_frame", way.first_frame);
-  visit("targets_O", way.targets_O);
-}
-
-void visitFields(Maybe<TimedEdit> auto& edit, auto&& visit) {
-  visit("time_s", edit.when.time_s);
-  visit("falloff_s", edit.when.falloff_s);
-  visit("change", edit.change);
-}
-
-void visitFields(Maybe<TakeBackEdit> auto& edit, auto&& visit) {
-  visit("index", edit.index);
-}
-
-void visitFields(Maybe<ChoiceEdit> auto& edit, auto&& visit) {
-  visit("rank", edit.rank);
-  visit("pose", edit.pose);
-}
-
-void visitFields(Maybe<HandEdit> auto& edit, auto&& visit) {
-  visit("name", edit.name);
-}
-
-void visitFields(Maybe<ObjectEdit> auto& edit, auto&& visit) {
-  visit("name", edit.name);
-}
-
-void visitFields(Maybe<UndoEdit> auto& edit, auto&& visit) {
-  visit("count", edit.count);
-}
-
-void visitFields(Maybe<RedoEdit> auto& edit, auto&& visit) {
-  visit("count", edit.count);
-}
-
-void visitFields(Maybe<SnapshotEdit> auto& edit, auto&& visit) {
-  visit("name", edit.name);
-}
-
-void visitFields(Maybe<RestoreEdit> auto& edit, auto&& visit) {
-  visit("name", edit.name);
-}
+inline constexpr auto kTimedKinds = kindsOf(std::type_identity<TimedChange>());
 
 }  // namespace handgraft::session

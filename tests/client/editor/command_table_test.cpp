@@ -9,7 +9,7 @@
 
 #include "core/base/error.h"
 
-#include "tests/client/editor/small_scene.h"
+#include "tests/client/editor/small_context.h"
 #include "tests/support/shared_data.h"
 
 namespace handgraft::client::editor {

@@ -179,7 +179,7 @@ TEST_F(EditorTest, AScriptWaitsForTheExplanation) {
     while (desk_.edits().empty())
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     std::this_thread::sleep_for(std::chrono::milliseconds(500));  // longer than a prompt waits
-    desk_.explain();
+    desk_.diagnose();
   });
   editor_.showPosesAtOnce();  // which is for those who type
   EXPECT_EQ(failureOfScript("lock bend\n").exit_code, 0);
@@ -188,7 +188,7 @@ TEST_F(EditorTest, AScriptWaitsForTheExplanation) {
                                  "2 of 2 patches reached\n"));
 }
 
-TEST_F(EditorTest, ANewerRevisionAnswersForOneThatIsNotExplained) {
+TEST_F(EditorTest, ANewerRevisionAnswersForOneThatIsNotDiagnosed) {
   desk_.hold_explanations = true;
   std::thread other([this] {
     while (desk_.edits().empty())
@@ -209,7 +209,7 @@ TEST_F(EditorTest, AtThePromptPosesComeAtOnceAndExplanationsAsNews) {
   EXPECT_EQ(told("unlock bend"),
             "revision 2: objective 12, mean 2.50 mm, worst index 3.00 mm\n");
   EXPECT_TRUE(editor_.session().news().empty());
-  desk_.explain();
+  desk_.diagnose();
   std::vector<std::string> news;
   for (int i = 0; i < 500 && news.empty(); ++i) {
     news = editor_.session().news();
@@ -225,7 +225,7 @@ TEST_F(EditorTest, ShowWaitsForTheExplanation) {
   EXPECT_THAT(told("lock bend"), Not(HasSubstr("reached")));
   std::thread server([this] {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
-    desk_.explain();
+    desk_.diagnose();
   });
   EXPECT_THAT(told("show"), HasSubstr("2 of 2 patches reached"));
   server.join();
@@ -250,7 +250,7 @@ TEST(Solutions, LeaveOutPatchesThatDoNotCount) {
   EXPECT_EQ(status(solution, {"palm"})["mean_mm"], 2.0);
 }
 
-TEST_F(EditorTest, APatchThatIsSwitchedOffBeforeItIsExplainedIsLeftOut) {
+TEST_F(EditorTest, APatchThatIsSwitchedOffBeforeItIsDiagnosedIsLeftOut) {
   editor_.showPosesAtOnce();
   desk_.hold_explanations = true;
   desk_.switchOff("index");  // as the settings tell

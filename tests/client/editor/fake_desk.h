@@ -14,13 +14,13 @@
 #include "idl/edits.h"
 #include "idl/fields.h"
 
-#include "tests/client/editor/small_scene.h"
+#include "tests/client/editor/small_context.h"
 #include "tests/client/fake_server.h"
 
 namespace handgraft::test {
 
-/// A server of one session, 7, on the small scene: edits count revisions, are refused when they
-/// are stale, and are followed by a state, a final pose, and the same pose explained.
+/// A server of one session, 7, on the small context: edits count revisions, are refused when
+/// they are stale, and are followed by a state, a final pose, and the same pose diagnosed.
 class FakeDesk {
  public:
   explicit FakeDesk(const Network& network)
@@ -62,7 +62,7 @@ class FakeDesk {
   }
 
   /// What `hold_explanations` held back.
-  void explain() {
+  void diagnose() {
     const std::lock_guard lock(mutex_);
     states_.write(stateNow());
     solutions_.write(solutionNow(true));
@@ -118,7 +118,7 @@ class FakeDesk {
     return state;
   }
 
-  v1::PoseSolution solutionNow(bool is_explained) {
+  v1::PoseSolution solutionNow(bool is_diagnosed) {
     v1::PoseSolution solution;
     solution.session_id(7);
     solution.revision(revision_);
@@ -136,8 +136,8 @@ class FakeDesk {
     index.point_count(30);
     index.mean_mm(3.0);
     solution.patches({thumb, index});
-    solution.is_diagnosed(is_explained);
-    if (!is_explained) return solution;
+    solution.is_diagnosed(is_diagnosed);
+    if (!is_diagnosed) return solution;
     solution.verdict("2 of 2 patches reached");
     for (v1::PatchFit& patch : solution.patches())
       patch.diagnosis().verdict(v1::VERDICT_REACHED);
@@ -153,7 +153,7 @@ class FakeDesk {
         body.session(stateNow());
         break;
       case v1::OP_SESSION_SETTINGS: {
-        v1::SessionSettings settings = scene_.settings();
+        v1::SessionSettings settings = context_.settings();
         settings.state(stateNow());
         settings.snapshots({"before"});
         for (const char* name : {"thumb", "index"}) {
@@ -168,8 +168,8 @@ class FakeDesk {
       case v1::OP_DESCRIBE_MODEL: {
         v1::ModelDescription description;
         const v1::ModelKind kind = request.body().describe_model().model().kind();
-        if (kind == v1::MODEL_HAND) description.hand(scene_.hand());
-        if (kind == v1::MODEL_OBJECT) description.object(scene_.object());
+        if (kind == v1::MODEL_HAND) description.hand(context_.hand());
+        if (kind == v1::MODEL_OBJECT) description.object(context_.object());
         if (kind == v1::MODEL_CONTACTS) {
           v1::ContactsDescription contacts;
           contacts.patches().resize(2);
@@ -282,7 +282,7 @@ class FakeDesk {
     if (!hold_explanations) solutions_.write(solutionNow(true));
   }
 
-  SmallScene scene_;
+  SmallContext context_;
   mutable std::mutex mutex_;
   std::uint64_t revision_ = 0;
   std::uint64_t sequence_ = 0;

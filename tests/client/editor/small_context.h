@@ -1,16 +1,16 @@
 #pragma once
 
+#include "client/editor/edit_context.h"
 #include "client/editor/grammar.h"
-#include "client/editor/scene.h"
 
 namespace handgraft::test {
 
 /// A session on a hand of two links and two joints, one of which slides. The finger's link is a
 /// tetrahedron whose tip is at (0, 0, 0.05) in its own frame; in the skin's frame the link
 /// stands 0.1 m along x. Skin and object are a square of 1 m in the plane z = 0, in two faces.
-class SmallScene : public client::editor::Scene {
+class SmallContext : public client::editor::EditContext {
  public:
-  SmallScene() {
+  SmallContext() {
     v1::Mesh square;
     square.vertices_m({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0});
     square.triangles({0, 1, 2, 0, 2, 3});

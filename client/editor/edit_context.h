@@ -7,12 +7,12 @@ namespace handgraft::client::editor {
 
 /// What a command may look up while it becomes an edit. Asked for only when it is needed:
 /// behind it may be a server.
-class Scene {
+class EditContext {
  public:
-  Scene() = default;
-  virtual ~Scene() = default;
-  Scene(const Scene&) = delete;
-  Scene& operator=(const Scene&) = delete;
+  EditContext() = default;
+  virtual ~EditContext() = default;
+  EditContext(const EditContext&) = delete;
+  EditContext& operator=(const EditContext&) = delete;
 
   virtual const v1::SessionSettings& settings() = 0;
   /// Without meshes.
