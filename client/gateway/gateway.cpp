@@ -292,7 +292,7 @@ void Gateway::Impl::tellMeasured() {
 
 Gateway::Gateway(Client& client, const WebOptions& options, WebFiles files)
     : impl_(std::make_shared<Impl>(client)) {
-  const std::lock_guard lock(impl_->mutex);  // nobody is heeded before there is a web server
+  const std::lock_guard lock(impl_->mutex);  // nobody is served before there is a web server
   impl_->web = std::make_unique<WebServer>(options, std::move(files), *impl_);
 }
 

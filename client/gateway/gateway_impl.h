@@ -78,7 +78,7 @@ struct Gateway::Impl : Audience, std::enable_shared_from_this<Gateway::Impl> {
   void gave(PageId page, const std::string& frame) override;
   void left(PageId page) override;
 
-  void heed(PageId page, std::uint64_t request, const Json& message);
+  void handle(PageId page, std::uint64_t request, const Json& message);
   void follow(PageId page,
               std::uint64_t request,
               std::uint64_t session,

@@ -131,13 +131,13 @@ void Gateway::Impl::said(PageId page, const std::string& text) {
     const Json message = Json::parse(text, nullptr, false);
     if (!message.is_object()) rejectInput("a message is one JSON object");
     request = numberIn(message, "id");
-    heed(page, request, message);
+    handle(page, request, message);
   } catch (...) {
     refuse(page, request, errorJson(std::current_exception()));
   }
 }
 
-void Gateway::Impl::heed(PageId page, std::uint64_t request, const Json& message) {
+void Gateway::Impl::handle(PageId page, std::uint64_t request, const Json& message) {
   const std::string what = textIn(message, "do");
   if (what == "follow" || what == "show")
     return follow(page, request, numberIn(message, "session"), what == "show");

@@ -53,12 +53,12 @@ class Pending {
       lock.unlock();
       const Clock::time_point now = Clock::now();
       if (state_->finishes) {
-        stop = heed(progress, now > patient_until);
+        stop = reasonToStop(progress, now > patient_until);
         lock.lock();
         if (!stop || state_->outcome) continue;
         std::rethrow_exception(state_->unfinished ? state_->unfinished : stop);
       } else if (!stop) {
-        stop = heed(progress, true);
+        stop = reasonToStop(progress, true);
         if (stop) {
           cancel();
           patient_until = now + kGrace;
@@ -156,8 +156,8 @@ class Pending {
   static constexpr std::chrono::milliseconds kGrace{2000};
 
   /// Why the wait is to end; nothing if it is not, or if nobody is asked.
-  std::exception_ptr heed(const std::optional<std::pair<std::string, double>>& progress,
-                          bool asks) {
+  std::exception_ptr reasonToStop(const std::optional<std::pair<std::string, double>>& progress,
+                                  bool asks) {
     if (!state_->waiting) return nullptr;
     try {
       if (progress && state_->waiting->on_progress) {

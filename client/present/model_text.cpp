@@ -171,8 +171,8 @@ std::string hand(const v1::HandDescription& hand) {
       out += fmt::format("mimic {}\n", formula(mimic));
   }
   if (!hand.free_root_joints().empty()) {
-    out +=
-        fmt::format("\nfree root of the file, cut off: {}\n", listed(hand.free_root_joints()));
+    out += fmt::format("\nfloating base of the file, cut off: {}\n",
+                       listed(hand.free_root_joints()));
   }
   std::vector<std::string> poses;
   for (const v1::NamedPose& pose : hand.poses())

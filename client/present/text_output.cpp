@@ -199,14 +199,14 @@ std::string verdicts(const v1::PoseSolution& solution) {
   std::string lines;
   if (!solution.verdict().empty()) lines = wrapped(solution.verdict());
   lines += shortfalls(solution);
-  for (const v1::LimitSensitivity& relief : solution.sensitivities()) {
+  for (const v1::LimitSensitivity& sensitivity : solution.sensitivities()) {
     constexpr double kWorthTelling_mm = 0.005;
-    lines += fmt::format("relief: {} {} by {:.2f} (rad or m): objective {:.3g} less",
-                         plain(relief.limit().joint()), nameOf(relief.limit().side()),
-                         relief.given(), relief.gain());
-    if (std::abs(relief.gain_mm()) >= kWorthTelling_mm) {
-      lines += fmt::format(", {:.2f} mm {}", std::abs(relief.gain_mm()),
-                           relief.gain_mm() > 0.0 ? "nearer" : "farther");
+    lines += fmt::format("sensitivity: {} {} by {:.2f} (rad or m): objective {:.3g} less",
+                         plain(sensitivity.limit().joint()), nameOf(sensitivity.limit().side()),
+                         sensitivity.given(), sensitivity.gain());
+    if (std::abs(sensitivity.gain_mm()) >= kWorthTelling_mm) {
+      lines += fmt::format(", {:.2f} mm {}", std::abs(sensitivity.gain_mm()),
+                           sensitivity.gain_mm() > 0.0 ? "nearer" : "farther");
     }
     lines += "\n";
   }

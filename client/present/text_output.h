@@ -22,9 +22,9 @@ std::string grasp(const GraspResult& result);
 /// One line each, without a line break.
 std::string stateLine(const v1::SessionState& state);
 /// "on the way" while the solve goes on, "pose" once it ended, "solution" once that is
-/// explained.
+/// diagnosed.
 std::string solutionLine(const v1::PoseSolution& solution);
-/// Verdict and depth, without a line break: what is known once a pose is explained; may be
+/// Verdict and depth, without a line break: what is known once a pose is diagnosed; may be
 /// empty.
 std::string explanation(const v1::PoseSolution& solution);
 

@@ -31,7 +31,7 @@ using namespace py::literals;
 namespace {
 
 /// Lets Ctrl-C end a wait: what Python's handler raises goes through it.
-void heedSignals() {
+void checkSignals() {
   const py::gil_scoped_acquire gil;
   if (PyErr_CheckSignals() != 0) throw py::error_already_set();
 }
@@ -66,7 +66,7 @@ std::shared_ptr<client::Client> connect(int domain,
   options.network.server = server;
   options.network.identity = identity;
   options.absence = start ? client::Absence::kStartPrivate : client::Absence::kFail;
-  options.waiting.checkpoint = heedSignals;
+  options.waiting.checkpoint = checkSignals;
   options.on_notice = [](const std::string& /*line*/) {};
   const py::gil_scoped_release released;
   return std::make_shared<client::Client>(std::move(options));

@@ -38,12 +38,12 @@ class DiskFlood {
 
   LogMap spreadFrom(const std::vector<int>& source_faces) {
     for (const int f : source_faces)
-      meet(f);
+      reach(f);
     for (std::size_t i = 0; i < waiting_.size(); ++i) {
       const int f = waiting_[i];
       if (!takeFace(f, i < source_faces.size())) continue;
       for (int h = 3 * f; h < 3 * f + 3; ++h) {
-        if (mesh_.twin(h) >= 0) meet(TriangleMesh::faceOf(mesh_.twin(h)));
+        if (mesh_.twin(h) >= 0) reach(TriangleMesh::faceOf(mesh_.twin(h)));
       }
     }
     sortAll();
@@ -51,7 +51,7 @@ class DiskFlood {
   }
 
  private:
-  void meet(int f) {
+  void reach(int f) {
     if (met_[f]) return;
     met_[f] = 1;
     waiting_.push_back(f);

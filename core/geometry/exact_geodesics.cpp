@@ -48,7 +48,7 @@ ExactGeodesics::ExactGeodesics(const TriangleMesh& mesh,
                                double radius)
     : faces_(mesh), radius_(radius), limit_(kInfinity) {
   for (const int f : source.faces)
-    faces_.meet(f);
+    faces_.add(f);
   queue_ = BucketQueue(kStep * std::min(faces_.longestSide(), mesh.meanEdgeLength()));
   seed(source);
 }
@@ -131,9 +131,9 @@ bool ExactGeodesics::isOneFan(int vertex) const {
 
 void ExactGeodesics::seed(const SourceLayout& source) {
   planes_.push_back({0.0, 0.0, 1.0});  // T itself
-  if (source.vertex >= 0) faces_.meetVertex(source.vertex);
+  if (source.vertex >= 0) faces_.addVertex(source.vertex);
   for (const SourceNeighbour& n : source.neighbours)
-    faces_.meetVertex(n.vertex);
+    faces_.addVertex(n.vertex);
   takeNodes();
   const auto nodeAt = [&](int vertex) {
     return faces_.vertices().find(vertex);

@@ -11,7 +11,7 @@ constexpr double kShortest = 1e-150;  // m; whose inverse and square stay finite
 
 }  // namespace
 
-int FlatFaces::meet(int f) {
+int FlatFaces::add(int f) {
   const auto [number, is_new] = faces_.add(f);
   const int first = 3 * number;
   if (!is_new) return first;
@@ -20,7 +20,7 @@ int FlatFaces::meet(int f) {
   for (int c = 0; c < 3; ++c) {
     const int from = mesh_.faces()(c, f);
     edges[c] = mesh_.vertex(mesh_.faces()((c + 1) % 3, f)) - mesh_.vertex(from);
-    numbers[c] = meetVertex(from);
+    numbers[c] = addVertex(from);
   }
   for (int c = 0; c < 3; ++c) {
     Side side;
@@ -40,7 +40,7 @@ int FlatFaces::meet(int f) {
 
 int FlatFaces::cross(int s) {
   const int twin = mesh_.twin(halfedgeOf(s));
-  const int other = meet(TriangleMesh::faceOf(twin)) + twin % 3;
+  const int other = add(TriangleMesh::faceOf(twin)) + twin % 3;
   sides_[s].across = other;
   sides_[other].across = s;
   return other;

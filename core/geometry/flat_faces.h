@@ -37,7 +37,7 @@ class FlatFaces {
   explicit FlatFaces(const TriangleMesh& mesh) : mesh_(mesh) { sides_.reserve(3 * 512); }
 
   /// First side of a face of the mesh. Invalidates references to sides.
-  int meet(int face);
+  int add(int face);
 
   /// The side through which the next face is entered, or kNoFace on the surface's edge.
   /// Invalidates references to sides.
@@ -67,7 +67,7 @@ class FlatFaces {
   [[nodiscard]] int halfedgeOf(int s) const { return 3 * faces_.keyOf(s / 3) + s % 3; }
 
   [[nodiscard]] int sideOf(int halfedge) {
-    return meet(TriangleMesh::faceOf(halfedge)) + halfedge % 3;
+    return add(TriangleMesh::faceOf(halfedge)) + halfedge % 3;
   }
 
   [[nodiscard]] double longestSide() const { return longest_side_; }
@@ -76,7 +76,7 @@ class FlatFaces {
   [[nodiscard]] const Numbering& vertices() const { return vertices_; }
 
   /// Number of a vertex of the mesh, a new one if need be.
-  int meetVertex(int vertex) { return vertices_.add(vertex).first; }
+  int addVertex(int vertex) { return vertices_.add(vertex).first; }
 
   [[nodiscard]] const TriangleMesh& mesh() const { return mesh_; }
 

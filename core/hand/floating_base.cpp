@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kFreedoms = 6;
 /// Below this share of the largest singular value two freedoms are one (rad and m alike: the
-/// joints of a free root stand in one point).
+/// joints of a floating base stand in one point).
 constexpr double kRankTolerance = 1e-6;
 
 /// The only child of each link, as a node index; -1 where there is none or there are several.
@@ -39,7 +39,7 @@ int freedomsOf(const HandModel& model, int link) {
 }
 
 /// Link in which a chain of empty links first has all freedoms, or -1.
-int endOfFreeRoot(const HandModel& model, const std::set<std::string>& solid_links) {
+int endOfFloatingBase(const HandModel& model, const std::set<std::string>& solid_links) {
   const std::vector<int> only_child = onlyChildren(model);
   int link = 0;
   int movable = 0;
@@ -56,8 +56,8 @@ int endOfFreeRoot(const HandModel& model, const std::set<std::string>& solid_lin
 
 }  // namespace
 
-RootedHand cutFreeRoot(const HandModel& model, const std::set<std::string>& solid_links) {
-  const int end = endOfFreeRoot(model, solid_links);
+RootedHand cutFloatingBase(const HandModel& model, const std::set<std::string>& solid_links) {
+  const int end = endOfFloatingBase(model, solid_links);
   if (end < 0) return {model, std::nullopt};
 
   // The chain is what links are before its end; links are sorted depth first.

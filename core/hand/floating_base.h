@@ -12,17 +12,17 @@ namespace handgraft::hand {
 struct RootedHand {
   HandModel hand;
   /// From the file's root link to the hand's, which is its last link. Missing where the file
-  /// brings no free root.
+  /// brings no floating base.
   std::optional<HandModel> carrier;
 };
 
 /// Cuts off the joints that move a whole hand freely: a chain of links without a surface, from
-/// the root on, whose joints span all six freedoms. Poses carry the free root as X_WH already;
-/// a second one on top would leave the optimiser a valley without a floor.
+/// the root on, whose joints span all six freedoms. Poses carry the floating base as X_WH
+/// already; a second one on top would leave the optimiser a valley without a floor.
 ///
 /// `solid_links` names the links that have a surface. Chains that span fewer freedoms, and
 /// those that a joint of the hand mimics, stay. Cost: O(links).
-RootedHand cutFreeRoot(const HandModel& model, const std::set<std::string>& solid_links);
+RootedHand cutFloatingBase(const HandModel& model, const std::set<std::string>& solid_links);
 
 /// Pose of the hand's root link in the frame of the file's root link. Shapes: q of
 /// carrier.dofCount() entries.

@@ -198,10 +198,10 @@ HandSolid::HandSolid(const HandModel& model,
     fillSolid(skin, X_SL[index], options.nodes_per_link, progress, solid);
     links_.push_back(std::move(solid));
   }
-  findStrangers(model);
+  findCollisionPairs(model);
 }
 
-void HandSolid::findStrangers(const HandModel& model) {
+void HandSolid::findCollisionPairs(const HandModel& model) {
   LinkPoses X_HL;
   forwardKinematics(model, Pose::Identity(), model.restPose(), X_HL);
   const int count = static_cast<int>(links_.size());
@@ -213,7 +213,7 @@ void HandSolid::findStrangers(const HandModel& model) {
       const Pose X_BA = inverse(X_HL[static_cast<std::size_t>(b.link)]) *
                         X_HL[static_cast<std::size_t>(a.link)];
       if (depthOf(a, b, X_BA) > kTouch || depthOf(b, a, inverse(X_BA)) > kTouch) continue;
-      strangers_.push_back({i, j});
+      collision_pairs_.push_back({i, j});
     }
   }
 }

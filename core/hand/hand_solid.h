@@ -86,13 +86,15 @@ class HandSolid {
   /// Pairs of entries of `links` that may not meet: not neighbours (one movable joint apart,
   /// none, or several within a centimetre, as at the base of a thumb), and apart at the rest
   /// pose by all but half a millimetre.
-  [[nodiscard]] const std::vector<std::array<int, 2>>& strangers() const { return strangers_; }
+  [[nodiscard]] const std::vector<std::array<int, 2>>& collisionPairs() const {
+    return collision_pairs_;
+  }
 
  private:
-  void findStrangers(const HandModel& model);
+  void findCollisionPairs(const HandModel& model);
 
   std::vector<LinkSolid> links_;
-  std::vector<std::array<int, 2>> strangers_;
+  std::vector<std::array<int, 2>> collision_pairs_;
 };
 
 /// How deep the deepest fine sample of `a` lies inside `b`, 0 if none does.

@@ -273,10 +273,10 @@ UrdfFile readUrdf(const fs::path& path, const ResourceFinder& find, double mesh_
     UrdfText prepared = prepareUrdf(text, true);
     ShapeReader shapes(find, mesh_unit_m, prepared.notes);
     hand::RootedHand rooted =
-        hand::cutFreeRoot(readModel(prepared, &shapes), prepared.solid_links);
+        hand::cutFloatingBase(readModel(prepared, &shapes), prepared.solid_links);
     if (rooted.carrier)
       prepared.notes.push_back(fmt::format(
-          "joints {} place the whole hand: they are its free root, not joints of the hand",
+          "joints {} place the whole hand: they are its floating base, not joints of the hand",
           fmt::join(rooted.carrier->dofNames(), ", ")));
     return {std::move(rooted.hand), std::move(rooted.carrier), std::move(text),
             std::move(prepared.notes)};
@@ -290,7 +290,7 @@ hand::HandModel readUrdfKinematics(const fs::path& path, FloatingBase floating_b
     const UrdfText prepared = prepareUrdf(readText(path), false);
     hand::HandModel model = readModel(prepared, nullptr);
     if (floating_base == FloatingBase::kKept) return model;
-    return hand::cutFreeRoot(model, prepared.solid_links).hand;
+    return hand::cutFloatingBase(model, prepared.solid_links).hand;
   } catch (const InvalidInput& error) {
     rejectInput("{}: {}", handgraft::quoted(path.string()), error.what());
   }

@@ -41,15 +41,15 @@ double AvoidanceTerm::evaluate(const Vector3d& p_WH, const std::vector<BodyPlace
     place.b_W = place.arm_W + place.R_WL.lazyProduct(solids[k].capsule_L.b);
   }
   if (care_.share == 0.0) return 0.0;
-  meetObject(p_WH);
-  meetItself();
+  chargeObject(p_WH);
+  chargeItself();
   double sum = 0.0;
   for (const Touch& touch : touches_)
     sum += touch.weight * touch.depth * touch.depth;
   return sum;
 }
 
-void AvoidanceTerm::meetObject(const Vector3d& p_WH) {
+void AvoidanceTerm::chargeObject(const Vector3d& p_WH) {
   const geometry::DistanceGrid& object_O = avoidance_.object_O->grid();
   const auto& solids = avoidance_.hand->links();
   const Matrix3d R_OW = X_OW_.linear();
@@ -81,11 +81,11 @@ void AvoidanceTerm::meetObject(const Vector3d& p_WH) {
                               R_OW.transpose() * slope_O, depth,
                               sample.area_m2 / Avoidance::kPointArea});
         });
-    meetWalls(k, X_OL);
+    chargeWalls(k, X_OL);
   }
 }
 
-void AvoidanceTerm::meetWalls(std::size_t link, const Pose& X_OL) {
+void AvoidanceTerm::chargeWalls(std::size_t link, const Pose& X_OL) {
   const Place& place = places_[link];
   const LinkSolid& solid = avoidance_.hand->links()[link];
   const Matrix3d R_LO = X_OL.linear().transpose();
@@ -107,9 +107,9 @@ void AvoidanceTerm::meetWalls(std::size_t link, const Pose& X_OL) {
       });
 }
 
-void AvoidanceTerm::meetItself() {
+void AvoidanceTerm::chargeItself() {
   const auto& solids = avoidance_.hand->links();
-  for (const auto& [i, j] : avoidance_.hand->strangers()) {
+  for (const auto& [i, j] : avoidance_.hand->collisionPairs()) {
     const LinkSolid& a = solids[static_cast<std::size_t>(i)];
     const LinkSolid& b = solids[static_cast<std::size_t>(j)];
     const Place& place_a = places_[static_cast<std::size_t>(i)];
@@ -120,12 +120,12 @@ void AvoidanceTerm::meetItself() {
     if (geometry::squaredDistance(place_a.a_W, place_a.b_W, place_b.a_W, place_b.b_W) >
         bones * bones)
       continue;
-    meet(i, j);
-    meet(j, i);
+    charge(i, j);
+    charge(j, i);
   }
 }
 
-void AvoidanceTerm::meet(int a, int b) {
+void AvoidanceTerm::charge(int a, int b) {
   const LinkSolid& solid = avoidance_.hand->links()[static_cast<std::size_t>(a)];
   const LinkSolid& other = avoidance_.hand->links()[static_cast<std::size_t>(b)];
   const Place& place = places_[static_cast<std::size_t>(a)];

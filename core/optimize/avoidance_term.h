@@ -44,10 +44,10 @@ class AvoidanceTerm {
     return care_.fine ? solid.fine : solid.coarse;
   }
 
-  void meetObject(const Eigen::Vector3d& p_WH);
-  void meetWalls(std::size_t link, const Pose& X_OL);
-  void meetItself();
-  void meet(int a, int b);
+  void chargeObject(const Eigen::Vector3d& p_WH);
+  void chargeWalls(std::size_t link, const Pose& X_OL);
+  void chargeItself();
+  void charge(int a, int b);
 
   /// A link's pose from the root's origin, in W.
   struct Place {

@@ -22,10 +22,10 @@ constexpr int kGlance = 10;            // of a patch alone that is reached with 
 constexpr int kLongSearch = 40;        // of a pose that has a way to go
 constexpr double kHeadStart = 0.1;     // damping; a tenth of what a search begins with far off
 constexpr double kPromise = 1e-6;      // share of the objective that a step must promise
-constexpr double kOpened = 5.0;        // reliefs, of all limits at once
+constexpr double kOpened = 5.0;        // steps, of all limits at once
 constexpr double kHalf = 0.5;          // of a miss that limits must explain
 constexpr double kWorthNaming = 0.02;  // mm
-constexpr std::size_t kMostReliefs = 8;
+constexpr std::size_t kMostSensitivities = 8;
 constexpr std::size_t kMostOfPatch = 3;
 
 /// Mean distances at a pose, mm: of each patch of a report, and over all points.
@@ -99,15 +99,15 @@ class Relaxer {
     return {search_.pose(), search_.terms().objective};
   }
 
-  /// Moves a limit out by `relief`; false if nothing can move there.
-  bool open(const ActiveLimit& limit, double relief) {
+  /// Moves a limit out by `step`; false if nothing can move there.
+  bool open(const ActiveLimit& limit, double step) {
     const auto at = std::find(space_.dofs.begin(), space_.dofs.end(), 6 + limit.dof);
     if (at == space_.dofs.end()) return false;
     const auto entry = at - space_.dofs.begin();
     if (limit.upper) {
-      space_.upper[entry] += relief;
+      space_.upper[entry] += step;
     } else {
-      space_.lower[entry] -= relief;
+      space_.lower[entry] -= step;
     }
     return true;
   }
@@ -133,11 +133,11 @@ class Relaxer {
   NewtonSearch search_;
 };
 
-double reliefOf(const PoseProblem& problem,
-                const ActiveLimit& limit,
-                const DiagnosisOptions& options) {
+double stepOf(const PoseProblem& problem,
+              const ActiveLimit& limit,
+              const DiagnosisOptions& options) {
   const bool slides = problem.model->dofJoint(limit.dof).type == hand::JointType::kPrismatic;
-  return slides ? options.relief_m : options.relief_rad;
+  return slides ? options.step_m : options.step_rad;
 }
 
 /// The mean distance that a patch reaches when nothing else is asked for, mm.
@@ -165,9 +165,9 @@ double reachedAlone(const PoseProblem& problem,
   return std::min(near, meanFrom(aligned, kLongSearch));
 }
 
-/// What one open limit brings: its relief over all points, and the change of each patch.
+/// What one open limit brings: its sensitivity over all points, and the change of each patch.
 struct Opening {
-  LimitRelief relief;
+  LimitSensitivity sensitivity;
   std::vector<double> patches_mm;
 };
 
@@ -185,23 +185,25 @@ std::vector<Opening> openEach(const PoseProblem& problem,
   for (const ActiveLimit& limit : activeLimits(problem, pose)) {
     progress.checkpoint();
     const double slope = (limit.upper ? -1.0 : 1.0) * gradient[6 + limit.dof];
-    const double relief = reliefOf(problem, limit, options);
+    const double step = stepOf(problem, limit, options);
     // A convex fall is no steeper than at its begin: too little even then.
-    if (!(slope * relief > options.least_gain * objective)) continue;
-    if (!relaxer.open(limit, relief)) continue;
+    if (!(slope * step > options.least_gain * objective)) continue;
+    if (!relaxer.open(limit, step)) continue;
     const auto [opened, lower] = relaxer.searchFrom(pose, kShortSearch, kHeadStart);
     relaxer.close();
     Opening opening;
-    opening.relief.dof = limit.dof;
-    opening.relief.upper = limit.upper;
-    opening.relief.limit = limit.upper ? problem.upper[limit.dof] : problem.lower[limit.dof];
-    opening.relief.slope = slope;
-    opening.relief.relief = std::clamp(
-        (limit.upper ? 1.0 : -1.0) * (opened.q[limit.dof] - opening.relief.limit), 0.0, relief);
-    opening.relief.gain = objective - lower;
-    if (opening.relief.gain < options.least_gain * objective) continue;
+    opening.sensitivity.dof = limit.dof;
+    opening.sensitivity.upper = limit.upper;
+    opening.sensitivity.limit =
+        limit.upper ? problem.upper[limit.dof] : problem.lower[limit.dof];
+    opening.sensitivity.slope = slope;
+    opening.sensitivity.given = std::clamp(
+        (limit.upper ? 1.0 : -1.0) * (opened.q[limit.dof] - opening.sensitivity.limit), 0.0,
+        step);
+    opening.sensitivity.gain = objective - lower;
+    if (opening.sensitivity.gain < options.least_gain * objective) continue;
     const Means after = meter.at(opened);
-    opening.relief.gain_mm = means.all - after.all;
+    opening.sensitivity.gain_mm = means.all - after.all;
     for (std::size_t k = 0; k < means.patches.size(); ++k)
       opening.patches_mm.push_back(means.patches[k] - after.patches[k]);
     openings.push_back(std::move(opening));
@@ -209,19 +211,20 @@ std::vector<Opening> openEach(const PoseProblem& problem,
   return openings;
 }
 
-std::vector<LimitRelief> reliefsOfPatch(const std::vector<Opening>& openings,
-                                        std::size_t index) {
-  std::vector<LimitRelief> reliefs;
+std::vector<LimitSensitivity> sensitivitiesOfPatch(const std::vector<Opening>& openings,
+                                                   std::size_t index) {
+  std::vector<LimitSensitivity> sensitivities;
   for (const Opening& opening : openings) {
     if (opening.patches_mm[index] < kWorthNaming) continue;
-    reliefs.push_back(opening.relief);
-    reliefs.back().gain_mm = opening.patches_mm[index];
+    sensitivities.push_back(opening.sensitivity);
+    sensitivities.back().gain_mm = opening.patches_mm[index];
   }
-  std::stable_sort(reliefs.begin(), reliefs.end(), [](const auto& a, const auto& b) {
-    return a.gain_mm > b.gain_mm;
-  });
-  if (reliefs.size() > kMostOfPatch) reliefs.resize(kMostOfPatch);
-  return reliefs;
+  std::stable_sort(sensitivities.begin(), sensitivities.end(),
+                   [](const auto& a, const auto& b) {
+                     return a.gain_mm > b.gain_mm;
+                   });
+  if (sensitivities.size() > kMostOfPatch) sensitivities.resize(kMostOfPatch);
+  return sensitivities;
 }
 
 /// Mean distances with all limits that hold the pose moved far out.
@@ -231,7 +234,7 @@ Means openAll(const PoseProblem& problem,
               const DistanceMeter& meter,
               Relaxer& relaxer) {
   for (const ActiveLimit& limit : report.active_limits)
-    relaxer.open(limit, kOpened * reliefOf(problem, limit, options));
+    relaxer.open(limit, kOpened * stepOf(problem, limit, options));
   const hand::HandPose opened = relaxer.searchFrom(report.pose, kLongSearch, 0.0).first;
   relaxer.close();
   return meter.at(opened);
@@ -324,12 +327,13 @@ Diagnosis diagnose(const PoseProblem& problem,
   std::vector<Opening> openings;
   if (is_finished) openings = openEach(problem, report, options, meter, relaxer, progress);
   for (const Opening& opening : openings)
-    diagnosis.reliefs.push_back(opening.relief);
-  std::stable_sort(diagnosis.reliefs.begin(), diagnosis.reliefs.end(),
+    diagnosis.sensitivities.push_back(opening.sensitivity);
+  std::stable_sort(diagnosis.sensitivities.begin(), diagnosis.sensitivities.end(),
                    [](const auto& a, const auto& b) {
                      return a.gain > b.gain;
                    });
-  if (diagnosis.reliefs.size() > kMostReliefs) diagnosis.reliefs.resize(kMostReliefs);
+  if (diagnosis.sensitivities.size() > kMostSensitivities)
+    diagnosis.sensitivities.resize(kMostSensitivities);
 
   const std::vector<double> facing = facingAngles(problem, report);
   Means open;  // made when first needed
@@ -343,7 +347,7 @@ Diagnosis diagnose(const PoseProblem& problem,
       one.miss_mm = std::max(0.0, fit.mean_mm - options.reached_mm);
       one.alone_mm =
           std::min(fit.mean_mm, reachedAlone(problem, report, k, options.reached_mm));
-      one.reliefs = reliefsOfPatch(openings, k);
+      one.sensitivities = sensitivitiesOfPatch(openings, k);
       if (!isNear(fit, options)) {
         if (open.patches.empty()) open = openAll(problem, report, options, meter, relaxer);
         const double left = std::max(0.0, open.patches[k] - options.reached_mm);

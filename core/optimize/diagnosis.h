@@ -26,20 +26,20 @@ struct DiagnosisOptions {
   /// be off: measured over real grasps (README).
   double reached_mm = 6.0;
   double facing_deg = 60.0;
-  /// What a limit is thought to give.
-  double relief_rad = 0.1;
-  double relief_m = 0.002;  ///< of a sliding joint
+  /// How far a limit is moved out.
+  double step_rad = 0.1;
+  double step_m = 0.002;  ///< of a sliding joint
   /// A limit is worth naming from so much on: share of the objective.
   double least_gain = 1e-4;
 };
 
-/// What it would bring to let one joint limit give way.
-struct LimitRelief {
+/// What it would bring to move one joint limit out.
+struct LimitSensitivity {
   int dof = 0;  ///< of the hand
   bool upper = false;
   double limit = 0.0;    ///< as it stands; rad, m
   double slope = 0.0;    ///< fall of the objective per rad or m given: the multiplier, >= 0
-  double relief = 0.0;   ///< given: the options', or less where the gain ends before
+  double given = 0.0;    ///< moved out by: the options', or less where the gain ends before
   double gain = 0.0;     ///< fall of the objective
   double gain_mm = 0.0;  ///< fall of the mean distance: of the patch, or over all points
 };
@@ -51,20 +51,20 @@ struct PatchDiagnosis {
   double miss_mm = 0.0;     ///< mean distance beyond what counts as reached
   double alone_mm = 0.0;    ///< mean distance if this patch alone had to be reached
   /// Those that bring it nearer, largest `gain_mm` first; at most three.
-  std::vector<LimitRelief> reliefs;
+  std::vector<LimitSensitivity> sensitivities;
 };
 
 struct Diagnosis {
-  std::vector<PatchDiagnosis> patches;  ///< in the order of the report's
-  std::vector<LimitRelief> reliefs;     ///< largest gain first; at most eight
+  std::vector<PatchDiagnosis> patches;          ///< in the order of the report's
+  std::vector<LimitSensitivity> sensitivities;  ///< largest gain first; at most eight
 };
 
 /// Says why each patch is where it is.
 ///
 /// A limit's slope is its multiplier at the pose. Its gain is that of a short search from the
-/// pose with that limit alone moved out by the relief. Multiplier and curvature alone promise
+/// pose with that limit alone moved out by a step. Multiplier and curvature alone promise
 /// too much or too little (other limits come into the way, or lose their hold). A patch that is
-/// not reached is at its limits if a search with all active limits moved out by five reliefs
+/// not reached is at its limits if a search with all active limits moved out by five steps
 /// takes away half of its miss; else it is out of reach. The pose stays what it is.
 ///
 /// Errors: BrokenContract unless the report is the problem's and has been judged. Cancelled on

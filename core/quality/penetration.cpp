@@ -99,7 +99,7 @@ double sharedVolume(const LinkSolid& solid, const DistanceGrid& object_O, const 
 void measureItself(const hand::HandSolid& hand,
                    const hand::LinkPoses& X_OL,
                    Penetration& result) {
-  for (const auto& [i, j] : hand.strangers()) {
+  for (const auto& [i, j] : hand.collisionPairs()) {
     const LinkSolid& a = hand.links()[static_cast<std::size_t>(i)];
     const LinkSolid& b = hand.links()[static_cast<std::size_t>(j)];
     const Pose& X_OA = X_OL[static_cast<std::size_t>(a.link)];

@@ -121,8 +121,8 @@ SolvedMotion solveMotion(const session::Document& document,
                          MotionSolving solving,
                          int threads,
                          const Progress& progress) {
-  EditedMotion bench(std::make_shared<const Motion>(motion), object_O);
-  return *bench.solve(document, hand, std::move(solving), threads, progress);
+  EditedMotion edited(std::make_shared<const Motion>(motion), object_O);
+  return *edited.solve(document, hand, std::move(solving), threads, progress);
 }
 
 MotionFits::MotionFits(const Motion& motion, const SolvedMotion& solved)

@@ -61,15 +61,15 @@ double costOf(const PoseProblem& posed, const SolveReport& solved) {
 /// Brings the patches and the start back to what the document says, unless told to keep them.
 struct DerivedState::Search {
   explicit Search(DerivedState& owner)
-      : bench(owner),
+      : derived(owner),
         patches(owner.patches_),
         start(owner.start_),
         start_is_known(owner.start_is_known_) {}
 
   ~Search() {
-    bench.patches_ = std::move(patches);
-    bench.start_ = std::move(start);
-    bench.start_is_known_ = start_is_known;
+    derived.patches_ = std::move(patches);
+    derived.start_ = std::move(start);
+    derived.start_is_known_ = start_is_known;
   }
 
   Search(const Search&) = delete;
@@ -77,12 +77,12 @@ struct DerivedState::Search {
 
   /// As it stands from now on.
   void keep() {
-    patches = bench.patches_;
-    start = bench.start_;
-    start_is_known = bench.start_is_known_;
+    patches = derived.patches_;
+    start = derived.start_;
+    start_is_known = derived.start_is_known_;
   }
 
-  DerivedState& bench;
+  DerivedState& derived;
   std::vector<SessionPatch> patches;
   hand::HandPose start;
   bool start_is_known;
@@ -90,14 +90,14 @@ struct DerivedState::Search {
 
 /// While it lives, patches are laid as drafts: half of a slide's time went into exact charts.
 struct DerivedState::Drafts {
-  explicit Drafts(DerivedState& owner) : bench(owner) { bench.lays_drafts_ = true; }
+  explicit Drafts(DerivedState& owner) : derived(owner) { derived.lays_drafts_ = true; }
 
-  ~Drafts() { bench.lays_drafts_ = false; }
+  ~Drafts() { derived.lays_drafts_ = false; }
 
   Drafts(const Drafts&) = delete;
   Drafts& operator=(const Drafts&) = delete;
 
-  DerivedState& bench;
+  DerivedState& derived;
 };
 
 void DerivedState::choosePlacement(const std::vector<placement::HandPlacement>& placements,

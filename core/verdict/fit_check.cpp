@@ -14,7 +14,7 @@ namespace {
 /// A found root slides a little with every solve; the body behind it stays the same.
 constexpr double kSameRoot = 0.002;  // m
 
-/// What the room at one patch rests on.
+/// What the clearance at one patch rests on.
 struct RoomKey {
   geometry::SurfacePoint root_O;
   std::optional<Eigen::Vector3d> direction_O;
@@ -33,9 +33,9 @@ struct RoomKey {
   }
 };
 
-struct Room {
+struct Clearance {
   RoomKey key;
-  double lack_m = 0.0;
+  double missing_m = 0.0;
 };
 
 bool reachesAll(const optimize::SolveReport& answer) {
@@ -71,7 +71,7 @@ std::vector<double> spanKey(const optimize::PoseProblem& problem, const Pose& X_
 }  // namespace
 
 bool FitFindings::tooLarge() const {
-  return !rooms.empty() || std::any_of(spans.begin(), spans.end(), [](const auto& span) {
+  return !clearances.empty() || std::any_of(spans.begin(), spans.end(), [](const auto& span) {
     return span.lack_m() < 0.0;
   });
 }
@@ -86,7 +86,7 @@ struct FitCheck::Memory {
   std::shared_ptr<const hand::Skin> skin;
   const geometry::TriangleMesh* object = nullptr;
   std::shared_ptr<const geometry::SurfaceLocator> object_O;
-  std::vector<std::optional<Room>> rooms;  ///< per patch of the session
+  std::vector<std::optional<Clearance>> clearances;  ///< per patch of the session
   std::vector<double> span_key;
   std::vector<geometry::SurfacePoint> roots_O;  ///< outlines follow them
   FitFindings findings;
@@ -99,10 +99,11 @@ struct FitCheck::Memory {
     object_O = placement::locatorOf(session.sharedObject());
   }
 
-  [[nodiscard]] double lackAt(const session::SessionPatch& item) const {
+  [[nodiscard]] double missingAt(const session::SessionPatch& item) const {
     const quality::ContactPlace place = placeOf(item);
     if (quality::isOpen(*object_O, place)) return 0.0;
-    return quality::lackOfRoom(*object_O, quality::bodyBehind(*skin, *item.placement), place);
+    return quality::missingClearance(*object_O, quality::bodyBehind(*skin, *item.placement),
+                                     place);
   }
 
   [[nodiscard]] quality::ContactPlace placeOf(const session::SessionPatch& item) const {
@@ -114,22 +115,22 @@ struct FitCheck::Memory {
     return place;
   }
 
-  void checkRooms(const session::Session& session) {
+  void checkClearances(const session::Session& session) {
     const std::vector<session::SessionPatch>& patches = session.patches();
-    rooms.resize(patches.size());
-    findings.rooms.clear();
+    clearances.resize(patches.size());
+    findings.clearances.clear();
     for (std::size_t i = 0; i < patches.size(); ++i) {
       const session::SessionPatch& item = patches[i];
       if (!item.placement || item.patch.weight == 0.0) continue;
       RoomKey key{item.patch.root, placeOf(item).direction_O,
                   positionOf(skin->mesh(), item.placement->root_S),
                   item.placement->direction_S};
-      if (!rooms[i] || !rooms[i]->key.holdsFor(key)) {
-        const double lack_m = lackAt(item);
-        rooms[i] = Room{std::move(key), lack_m};
+      if (!clearances[i] || !clearances[i]->key.holdsFor(key)) {
+        const double missing_m = missingAt(item);
+        clearances[i] = Clearance{std::move(key), missing_m};
       }
-      if (rooms[i]->lack_m >= quality::kToldLack)
-        findings.rooms.push_back({static_cast<int>(i), rooms[i]->lack_m});
+      if (clearances[i]->missing_m >= quality::kToldMissing_m)
+        findings.clearances.push_back({static_cast<int>(i), clearances[i]->missing_m});
     }
   }
 
@@ -171,7 +172,7 @@ const FitFindings& FitCheck::of(const session::Session& session,
                                 const optimize::PoseProblem& problem,
                                 const optimize::SolveReport* answer) {
   memory_->follow(session);
-  memory_->checkRooms(session);
+  memory_->checkClearances(session);
   if (answer != nullptr && reachesAll(*answer)) {
     memory_->forgetSpans();
   } else {

@@ -5,20 +5,20 @@
 
 #include "core/geometry/surface_locator.h"
 #include "core/optimize/reach.h"
-#include "core/quality/room.h"
+#include "core/quality/clearance.h"
 #include "core/session/session.h"
 
 namespace handgraft::verdict {
 
 /// A patch whose finger is too thick for the place.
-struct RoomLack {
+struct MissingClearance {
   int patch = -1;
-  double lack_m = 0.0;  ///< by which it would have to enter the object
+  double missing_m = 0.0;  ///< by which it would have to enter the object
 };
 
 /// Why no pose can bring a hand's places onto an object's patches: known before any search.
 struct FitFindings {
-  std::vector<RoomLack> rooms;
+  std::vector<MissingClearance> clearances;
   std::vector<optimize::SpanMisfit> spans;
 
   /// Some finger is too thick, or two patches lie closer than the hand can bring its places.

@@ -12,7 +12,7 @@ namespace handgraft::verdict {
 
 namespace {
 
-using optimize::LimitRelief;
+using optimize::LimitSensitivity;
 using optimize::PatchDiagnosis;
 using optimize::Verdict;
 
@@ -24,12 +24,12 @@ const std::string& nameOfPatch(const session::Session& session, int patch) {
   return session.patches()[index].patch.name;
 }
 
-std::string reliefText(const hand::HandModel& model, const LimitRelief& relief) {
-  const bool slides = model.dofJoint(relief.dof).type == hand::JointType::kPrismatic;
-  const std::string given = slides ? fmt::format("{:.1f} mm", 1e3 * relief.relief)
-                                   : fmt::format("{:.2f} rad", relief.relief);
-  return fmt::format("{} by {}: {:.1f} mm nearer", nameOf(model, relief), given,
-                     relief.gain_mm);
+std::string sensitivityText(const hand::HandModel& model, const LimitSensitivity& sensitivity) {
+  const bool slides = model.dofJoint(sensitivity.dof).type == hand::JointType::kPrismatic;
+  const std::string given = slides ? fmt::format("{:.1f} mm", 1e3 * sensitivity.given)
+                                   : fmt::format("{:.2f} rad", sensitivity.given);
+  return fmt::format("{} by {}: {:.1f} mm nearer", nameOf(model, sensitivity), given,
+                     sensitivity.gain_mm);
 }
 
 std::string atLimitText(const hand::HandModel& model,
@@ -37,9 +37,9 @@ std::string atLimitText(const hand::HandModel& model,
                         double mean_mm) {
   std::string text = fmt::format("{:.1f} mm off, {:.1f} too far; joint limits keep it away",
                                  mean_mm, patch.miss_mm);
-  for (const LimitRelief& relief : patch.reliefs) {
-    if (relief.gain_mm < kHardlyAny) continue;
-    text += "; " + reliefText(model, relief);
+  for (const LimitSensitivity& sensitivity : patch.sensitivities) {
+    if (sensitivity.gain_mm < kHardlyAny) continue;
+    text += "; " + sensitivityText(model, sensitivity);
   }
   return text;
 }
@@ -70,8 +70,9 @@ std::string textOf(const hand::HandModel& model, const PatchDiagnosis& patch, do
   throw BrokenContract("a verdict that does not exist");
 }
 
-std::string roomText(double lack_m) {
-  return fmt::format("no room: the finger is too thick by at least {:.1f} mm", 1e3 * lack_m);
+std::string clearanceText(double missing_m) {
+  return fmt::format("no clearance: the finger is too thick by at least {:.1f} mm",
+                     1e3 * missing_m);
 }
 
 // Patches that are asked for and laid, none of whose points came onto the hand: nothing of the
@@ -100,8 +101,8 @@ std::string spanText(const session::Session& session, const optimize::SpanMisfit
 
 }  // namespace
 
-std::string nameOf(const hand::HandModel& model, const LimitRelief& relief) {
-  return model.dofJoint(relief.dof).name + (relief.upper ? " upper" : " lower");
+std::string nameOf(const hand::HandModel& model, const LimitSensitivity& sensitivity) {
+  return model.dofJoint(sensitivity.dof).name + (sensitivity.upper ? " upper" : " lower");
 }
 
 std::string lineOf(const session::Session& session, const FitFindings& findings) {
@@ -110,9 +111,9 @@ std::string lineOf(const session::Session& session, const FitFindings& findings)
   const auto add = [](std::string& list, const std::string& item) {
     list += (list.empty() ? "" : ", ") + item;
   };
-  for (const RoomLack& room : findings.rooms) {
-    add(large,
-        fmt::format("{} (by {:.1f} mm)", nameOfPatch(session, room.patch), 1e3 * room.lack_m));
+  for (const MissingClearance& clearance : findings.clearances) {
+    add(large, fmt::format("{} (by {:.1f} mm)", nameOfPatch(session, clearance.patch),
+                           1e3 * clearance.missing_m));
   }
   for (const optimize::SpanMisfit& span : findings.spans)
     add(span.lack_m() > 0.0 ? small : large, spanText(session, span));
@@ -134,15 +135,15 @@ Verdicts verdictsOf(const session::Session& session,
   int reached = 0;
   for (std::size_t k = 0; k < verdicts.diagnosis.patches.size(); ++k) {
     PatchDiagnosis& patch = verdicts.diagnosis.patches[k];
-    const auto room =
-        std::find_if(findings.rooms.begin(), findings.rooms.end(), [&](const RoomLack& one) {
-          return one.patch == patch.patch;
-        });
+    const auto clearance = std::find_if(findings.clearances.begin(), findings.clearances.end(),
+                                        [&](const MissingClearance& one) {
+                                          return one.patch == patch.patch;
+                                        });
     std::string text = textOf(*problem.model, patch, report.patches[k].mean_mm);
-    if (room != findings.rooms.end() && patch.verdict != Verdict::kNone) {
+    if (clearance != findings.clearances.end() && patch.verdict != Verdict::kNone) {
       patch.verdict = Verdict::kOutOfReach;
-      patch.miss_mm = std::max(patch.miss_mm, 1e3 * room->lack_m);
-      text = roomText(room->lack_m);
+      patch.miss_mm = std::max(patch.miss_mm, 1e3 * clearance->missing_m);
+      text = clearanceText(clearance->missing_m);
     }
     verdicts.texts.push_back(std::move(text));
     if (patch.verdict != Verdict::kNone) ++asked;

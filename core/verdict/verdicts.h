@@ -18,8 +18,9 @@ struct Verdicts {
   bool too_large = false;
 };
 
-/// A patch without room is out of reach whatever the pose says: the pose enters the object. One
-/// that is asked for but has no point on the hand counts as not reached, and the line names it.
+/// A patch without clearance is out of reach whatever the pose says: the pose enters the
+/// object. One that is asked for but has no point on the hand counts as not reached, and the
+/// line names it.
 ///
 /// Errors: BrokenContract unless the report is the problem's and the problem the session's.
 /// Cancelled on wish.
@@ -41,6 +42,6 @@ quality::Penetration penetrationOf(const session::Session& session,
                                    const Progress& progress);
 
 /// "thumb_mcp upper".
-std::string nameOf(const hand::HandModel& model, const optimize::LimitRelief& relief);
+std::string nameOf(const hand::HandModel& model, const optimize::LimitSensitivity& sensitivity);
 
 }  // namespace handgraft::verdict

@@ -75,7 +75,7 @@ struct Bridge::Impl {
     motion.reset();  // brakes, and frees the wire
     const MakeDevice make = [start_rad, this](const config::HandConfig& asked) {
       DeviceStack stack = makeDevice(asked, Clock::now, start_rad);
-      stack.device->heed([this] {
+      stack.device->stopWhen([this] {
         return estop.load();
       });
       return stack;
@@ -425,7 +425,7 @@ struct Bridge::Impl {
   bool has_armed_itself = false;
   bool arrived = false;                     // at the newest pose, and said so
   std::uint64_t offered = 0;                // number of the pose that was handed over last
-  std::uint64_t pose_number = 0;            // of the newest pose, before it was explained
+  std::uint64_t pose_number = 0;            // of the newest pose, before it was diagnosed
   std::optional<StreamFeed::Pose> waiting;  // for its hand's description
   Clock::time_point waiting_since{};
   std::uint64_t offered_stream = 0;  // of the pose that was handed over last, and when it came

@@ -20,7 +20,7 @@ namespace handgraft::bridge {
 class MotionThread {
  public:
   /// `estop_flag` has to live as long as this: whenever it is found set, it is cleared and the
-  /// hand stopped. A device that heeds the same flag is stopped also while it is switched on.
+  /// hand stopped. A device that watches the same flag is stopped also while it is switched on.
   /// Errors: as of Motion.
   MotionThread(std::unique_ptr<Motion> motion, std::atomic<bool>& estop_flag);
   /// Brakes, switches the motors off and ends; takes up to the braking time and 1 s.

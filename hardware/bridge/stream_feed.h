@@ -21,7 +21,7 @@ class StreamFeed {
   struct Pose {
     std::uint64_t stream = 0;
     /// The joints are those of the pose before in this stream: a final pose comes again once it
-    /// is explained, which is nothing new for a hand.
+    /// is diagnosed, which is nothing new for a hand.
     bool is_repeat = false;
     FollowedPose pose;
   };

@@ -99,7 +99,7 @@ class Device {
   /// Motors on, each with the place where it stands as its target; the device's watchdog on,
   /// and proved to be: by reading it back, or by silence that it ends, once after each `open`.
   /// Errors: DeviceError with a fault latched, if the device does not do as told, or if a stop
-  /// is asked for meanwhile (`heed`); the motors are off then.
+  /// is asked for meanwhile (`stopWhen`); the motors are off then.
   void arm();
 
   /// Takes the measured state; motors that did not answer keep what they said before. False if
@@ -124,7 +124,7 @@ class Device {
   /// Whether somebody waits for a stop: `is_asked` is called between the steps of `arm`, which
   /// gives up then, by the device's own stop. Without it arming goes through. It may be called
   /// from whatever thread arms, and must not block.
-  void heed(std::function<bool()> is_asked) { is_stop_asked_ = std::move(is_asked); }
+  void stopWhen(std::function<bool()> is_asked) { is_stop_asked_ = std::move(is_asked); }
 
   /// Lets a motor count from elsewhere: where it stands, its encoder tells `encoder_rad` from
   /// now on, until it restarts. Only while disarmed. False if the device cannot, or did not.

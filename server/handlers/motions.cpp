@@ -222,13 +222,13 @@ void follow(LiveSession& live,
             const Progress& told,
             const retargeting::EditedMotion::OnStretch& on_stretch = {}) {
   session::Session& session = live.session();
-  if (!motion.bench)
-    motion.bench = std::make_shared<retargeting::EditedMotion>(motion.motion, motion.object_O);
+  if (!motion.edited)
+    motion.edited = std::make_shared<retargeting::EditedMotion>(motion.motion, motion.object_O);
   told.checkpoint();
   const auto begin = std::chrono::steady_clock::now();
   const Workshop::Share share(workshop);
-  motion.solved = motion.bench->solve(session.document(), session.hand(), solving,
-                                      share.threads(), told, on_stretch, !on_stretch);
+  motion.solved = motion.edited->solve(session.document(), session.hand(), solving,
+                                       share.threads(), told, on_stretch, !on_stretch);
   motion.solved_revision = session.revision();
   motion.solve_ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin)

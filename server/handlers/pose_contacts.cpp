@@ -41,7 +41,7 @@ Eigen::VectorXd startOf(const v1::PoseContactsRequest& request, const StoredHand
               handgraft::quoted(request.start_pose()), names.empty() ? "none" : names);
 }
 
-/// The dof of the hand's free root that is called so; -1 if there is none.
+/// The dof of the hand's floating base that is called so; -1 if there is none.
 int freeRootDof(const StoredHand& hand, const std::string& joint) {
   if (!hand.floating_base) return -1;
   const std::vector<std::string> names = hand.floating_base->dofNames();

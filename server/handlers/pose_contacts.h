@@ -11,8 +11,8 @@ namespace handgraft::server {
 /// Values beyond a joint's limits are taken and noted: recorded poses of people exceed them.
 /// The hand's skin is made if need be, since its sites tell directions.
 /// Errors: InvalidInput for joints that are unknown, follow others, are named twice or not
-/// finite, for X_WH beside joints of the free root, a reach outside 0.1-100 mm, and a hand that
-/// touches nothing (how far it is); Rejection as for loaded models; Cancelled.
+/// finite, for X_WH beside joints of the floating base, a reach outside 0.1-100 mm, and a hand
+/// that touches nothing (how far it is); Rejection as for loaded models; Cancelled.
 v1::ModelList contactsOfPose(const v1::PoseContactsRequest& request,
                              Workshop& workshop,
                              const Mark& by,

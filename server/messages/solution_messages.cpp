@@ -27,15 +27,15 @@ v1::Verdict toMessage(optimize::Verdict verdict) {
 }
 
 v1::LimitSensitivity toMessage(const hand::HandModel& model,
-                               const optimize::LimitRelief& relief) {
+                               const optimize::LimitSensitivity& sensitivity) {
   v1::LimitSensitivity message;
-  message.limit(limitOf(model.dofJoint(relief.dof).name, relief.upper));
-  message.kind(kindOf(model.dofJoint(relief.dof)));
-  message.position(relief.limit);
-  message.slope(relief.slope);
-  message.given(relief.relief);
-  message.gain(relief.gain);
-  message.gain_mm(relief.gain_mm);
+  message.limit(limitOf(model.dofJoint(sensitivity.dof).name, sensitivity.upper));
+  message.kind(kindOf(model.dofJoint(sensitivity.dof)));
+  message.position(sensitivity.limit);
+  message.slope(sensitivity.slope);
+  message.given(sensitivity.given);
+  message.gain(sensitivity.gain);
+  message.gain_mm(sensitivity.gain_mm);
   return message;
 }
 
@@ -86,13 +86,13 @@ void diagnose(const session::Session& session,
     one.verdict(toMessage(patches[k].verdict));
     one.miss_m(1e-3 * patches[k].miss_mm);
     one.alone_mm(patches[k].alone_mm);
-    for (const optimize::LimitRelief& relief : patches[k].reliefs)
-      one.sensitivities().push_back(toMessage(model, relief));
+    for (const optimize::LimitSensitivity& sensitivity : patches[k].sensitivities)
+      one.sensitivities().push_back(toMessage(model, sensitivity));
     one.text(verdicts.texts[k]);
     message.patches()[k].diagnosis(std::move(one));
   }
-  for (const optimize::LimitRelief& relief : verdicts.diagnosis.reliefs)
-    message.sensitivities().push_back(toMessage(model, relief));
+  for (const optimize::LimitSensitivity& sensitivity : verdicts.diagnosis.sensitivities)
+    message.sensitivities().push_back(toMessage(model, sensitivity));
   message.is_diagnosed(true);
   message.verdict(verdicts.line);
   message.too_large(verdicts.too_large);

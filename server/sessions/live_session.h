@@ -58,7 +58,7 @@ struct LiveMotion {
   /// How it was asked to be solved last: so it is after each edit. Nothing: nobody asked yet.
   std::optional<retargeting::MotionSolving> solving{};
   /// Made with the first solve.
-  std::shared_ptr<retargeting::EditedMotion> bench{};
+  std::shared_ptr<retargeting::EditedMotion> edited{};
   std::uint64_t frames_sequence = 0;  ///< of what is published of its frames
   v1::MotionClock clock{};            ///< that all watchers share
 };

@@ -22,7 +22,7 @@ void addWatch(CLI::App& app, CommandOptions& chosen) {
   addSessionId(*command, parsed->session_id);
   command
       ->add_option("--count", parsed->count,
-                   "Stop after so many solutions that are explained; 0: never")
+                   "Stop after so many solutions that are diagnosed; 0: never")
       ->check(objectionToCount);
   command->callback([parsed, &chosen] {
     chosen = *parsed;

@@ -151,7 +151,7 @@ export class LiveLink implements Link {
     socket.binaryType = 'arraybuffer';
     socket.onmessage = (event) => {
       this.heard_ms = performance.now();
-      this.heed(event.data as string | ArrayBuffer);
+      this.handle(event.data as string | ArrayBuffer);
     };
     socket.onclose = () => this.closed(socket);
     this.socket = socket;
@@ -162,7 +162,7 @@ export class LiveLink implements Link {
       [`follow ${early.session}`, 'hand', 'object', 'patches'].forEach((what, i) => this.early.set(what, i + 1));
       this.last = this.early.size;
     }
-    for (const data of early.heard) this.heed(data);
+    for (const data of early.heard) this.handle(data);
   }
 
   private closed(socket: WebSocket): void {
@@ -239,7 +239,7 @@ export class LiveLink implements Link {
     else if ([...this.early.values()].includes(id)) this.earlyReplies.set(id, settle);
   }
 
-  private heed(data: string | ArrayBuffer): void {
+  private handle(data: string | ArrayBuffer): void {
     if (typeof data !== 'string') {
       const model = readModel(data);
       this.settle(model.request, (one) => one.resolve(model));

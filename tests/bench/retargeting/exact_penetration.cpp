@@ -107,10 +107,10 @@ ExactHand::ExactHand(std::shared_ptr<const hand::HandModel> model, const fs::pat
     link.cells_L = link.solid_L->cells(ExactPenetration::kCell_m);
     links_.push_back(std::move(link));
   }
-  findStrangers();
+  findCollisionPairs();
 }
 
-void ExactHand::findStrangers() {
+void ExactHand::findCollisionPairs() {
   const hand::LinkPoses X_HL =
       hand::forwardKinematics(*model_, {Pose::Identity(), model_->restPose()});
   for (int i = 0; i < std::ssize(links_); ++i) {
@@ -118,7 +118,7 @@ void ExactHand::findStrangers() {
       const Link& a = links_[static_cast<std::size_t>(i)];
       const Link& b = links_[static_cast<std::size_t>(j)];
       if (areJoined(*model_, X_HL, a.link, b.link)) continue;
-      if (depthOfPair(a, b, X_HL) <= kMadeToMeet_m) strangers_.push_back({i, j});
+      if (depthOfPair(a, b, X_HL) <= kMadeToMeet_m) collision_pairs_.push_back({i, j});
     }
   }
 }
@@ -152,7 +152,7 @@ ExactPenetration measureExactly(const ExactHand& hand,
   constexpr double kCellVolume =
       ExactPenetration::kCell_m * ExactPenetration::kCell_m * ExactPenetration::kCell_m;
   result.volume_m3 = static_cast<double>(cells) * kCellVolume;
-  for (const auto& [i, j] : hand.strangers()) {
+  for (const auto& [i, j] : hand.collisionPairs()) {
     const ExactHand::Link& a = hand.links()[static_cast<std::size_t>(i)];
     const ExactHand::Link& b = hand.links()[static_cast<std::size_t>(j)];
     const double depth = depthOfPair(a, b, X_WL);

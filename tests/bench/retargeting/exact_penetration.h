@@ -34,14 +34,16 @@ class ExactHand {
 
   /// Pairs of entries of `links` that may not meet: at least two movable joints apart that are
   /// not in one place (10 mm), and not inside one another by 0.5 mm at the rest pose.
-  [[nodiscard]] const std::vector<std::array<int, 2>>& strangers() const { return strangers_; }
+  [[nodiscard]] const std::vector<std::array<int, 2>>& collisionPairs() const {
+    return collision_pairs_;
+  }
 
  private:
-  void findStrangers();
+  void findCollisionPairs();
 
   std::shared_ptr<const hand::HandModel> model_;
   std::vector<Link> links_;
-  std::vector<std::array<int, 2>> strangers_;
+  std::vector<std::array<int, 2>> collision_pairs_;
 };
 
 /// How far a posed hand lies inside an object and in itself, by samples 1 mm apart (object) and

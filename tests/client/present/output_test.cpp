@@ -212,7 +212,7 @@ TEST(TextOutput, WrapsLongTextsAndLosesNothing) {
   EXPECT_EQ(out.find('\x1b'), std::string::npos);
 }
 
-TEST(WatchText, TellsPosesFromWhatExplainsThem) {
+TEST(WatchText, TellsPosesFromTheirDiagnosis) {
   v1::PoseSolution solution = example().solution;
   solution.is_final(false);
   solution.verdict("");

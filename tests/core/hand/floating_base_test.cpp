@@ -46,7 +46,7 @@ struct Chain {
 
 TEST(FloatingBase, IsCutOffAndStillPlacesTheHand) {
   const HandModel whole = Chain().model();
-  const RootedHand rooted = cutFreeRoot(whole, {"palm"});
+  const RootedHand rooted = cutFloatingBase(whole, {"palm"});
   ASSERT_TRUE(rooted.carrier.has_value());
   EXPECT_EQ(rooted.hand.dofNames(), std::vector<std::string>{"knuckle"});
   EXPECT_EQ(rooted.hand.links()[0].name, "palm");
@@ -64,22 +64,22 @@ TEST(FloatingBase, IsCutOffAndStillPlacesTheHand) {
 }
 
 TEST(FloatingBase, StaysWhereALinkOnTheWayHasASurface) {
-  EXPECT_FALSE(cutFreeRoot(Chain().model(), {"ry", "palm"}).carrier.has_value());
+  EXPECT_FALSE(cutFloatingBase(Chain().model(), {"ry", "palm"}).carrier.has_value());
 }
 
 TEST(FloatingBase, StaysWhereAFreedomIsMissing) {
   Chain wrist;
   wrist.joints[2].axis_J = Eigen::Vector3d::UnitY();  // z never moves
-  EXPECT_FALSE(cutFreeRoot(wrist.model(), {"palm"}).carrier.has_value());
+  EXPECT_FALSE(cutFloatingBase(wrist.model(), {"palm"}).carrier.has_value());
   Chain fixed;
   fixed.joints[0].type = JointType::kFixed;
-  EXPECT_FALSE(cutFreeRoot(fixed.model(), {"palm"}).carrier.has_value());
+  EXPECT_FALSE(cutFloatingBase(fixed.model(), {"palm"}).carrier.has_value());
 }
 
 TEST(FloatingBase, StaysWhereAJointOfTheHandFollowsIt) {
   Chain coupled;
   coupled.joints[6].mimic = Mimic{"jrz", 1.0, 0.0};
-  EXPECT_FALSE(cutFreeRoot(coupled.model(), {"palm"}).carrier.has_value());
+  EXPECT_FALSE(cutFloatingBase(coupled.model(), {"palm"}).carrier.has_value());
 }
 
 TEST(FloatingBase, StaysWhereTheChainBranches) {
@@ -87,7 +87,7 @@ TEST(FloatingBase, StaysWhereTheChainBranches) {
   branched.links.push_back({"stand", {}, {}});
   branched.joints.push_back(
       joint("post", JointType::kFixed, Eigen::Vector3d::UnitX(), "z", "stand"));
-  EXPECT_FALSE(cutFreeRoot(branched.model(), {"palm", "stand"}).carrier.has_value());
+  EXPECT_FALSE(cutFloatingBase(branched.model(), {"palm", "stand"}).carrier.has_value());
 }
 
 }  // namespace

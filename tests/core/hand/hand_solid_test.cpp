@@ -114,12 +114,12 @@ TEST(HandSolid, LeavesOutNeighboursAndWhatTouchesAtRest) {
   const test::BallHand hand = chainOfBalls();
   const HandSolid solid(*hand.model, *hand.skin, Progress());
   const std::vector<std::array<int, 2>> expected = {{0, 2}, {0, 3}, {1, 3}};
-  EXPECT_EQ(solid.strangers(), expected);
+  EXPECT_EQ(solid.collisionPairs(), expected);
 
   // Folded so that balls 0 and 3 meet at rest.
   const HandModel folded = hand.model->withRestPose(Vector3d::Constant(1.9));
   const std::vector<std::array<int, 2>> fewer = {{0, 2}, {1, 3}};
-  EXPECT_EQ(HandSolid(folded, *hand.skin, Progress()).strangers(), fewer);
+  EXPECT_EQ(HandSolid(folded, *hand.skin, Progress()).collisionPairs(), fewer);
 }
 
 TEST(HandSolid, TakesJointsInOnePlaceForOne) {
@@ -130,7 +130,7 @@ TEST(HandSolid, TakesJointsInOnePlaceForOne) {
   const test::BallHand near =
       test::withBalls(HandModel("near", far.model->links(), joints), kRadius);
   const std::vector<std::array<int, 2>> strangers =
-      HandSolid(*near.model, *near.skin, Progress()).strangers();
+      HandSolid(*near.model, *near.skin, Progress()).collisionPairs();
   EXPECT_THAT(strangers, testing::Not(testing::Contains(std::array<int, 2>{0, 2})));
   EXPECT_THAT(strangers, testing::Contains(std::array<int, 2>{0, 3}));
 }

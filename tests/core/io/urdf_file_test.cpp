@@ -178,7 +178,7 @@ TEST(UrdfFile, TakesAFloatingRootAsTheHandsOwn) {
   EXPECT_THAT(file.model.dofNames(), ::testing::ElementsAre("k"));
   ASSERT_TRUE(file.floating_base.has_value());
   EXPECT_EQ(file.floating_base->dofCount(), 6);
-  EXPECT_THAT(file.notes.back(), AllOf(HasSubstr("free root"), HasSubstr("j_roll")));
+  EXPECT_THAT(file.notes.back(), AllOf(HasSubstr("floating base"), HasSubstr("j_roll")));
   // Between two links with surfaces it is a joint of the hand.
   const UrdfFile inner = readUrdf(written(
       "<link name='a'><visual><geometry><sphere radius='1'/></geometry></visual></link>"

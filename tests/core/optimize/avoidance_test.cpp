@@ -114,7 +114,7 @@ double sumOverSamples(const Scene& scene, const hand::HandPose& pose, bool itsel
   for (const Depth& one : depthsInObject(scene, pose))
     sum += one.area_m2 / 1e-5 * one.depth * one.depth;
   if (!itself) return sum;
-  for (const auto& [i, j] : scene.avoidance->hand->strangers()) {
+  for (const auto& [i, j] : scene.avoidance->hand->collisionPairs()) {
     for (const auto& [a, b] : {std::pair(i, j), std::pair(j, i)}) {
       const hand::LinkSolid& own = links[static_cast<std::size_t>(a)];
       const hand::LinkSolid& other = links[static_cast<std::size_t>(b)];

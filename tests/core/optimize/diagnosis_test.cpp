@@ -62,31 +62,32 @@ TEST(Diagnosis, KnowsSlopeAndGainOfALimitInClosedForm) {
   for (const double side : {1.0, -1.0}) {
     const double angle = 0.9;
     const Diagnosis diagnosis = diagnosed(armAgainst(side * angle, kArm));
-    ASSERT_EQ(diagnosis.reliefs.size(), 1U);
-    const LimitRelief& relief = diagnosis.reliefs[0];
-    EXPECT_EQ(relief.upper, side > 0.0);
-    EXPECT_NEAR(relief.limit, side * kLimit, 1e-12);
-    EXPECT_NEAR(relief.slope, kWeight * kArm * kArm * 2.0 * std::sin(angle - kLimit), 1e-6);
-    EXPECT_NEAR(relief.relief, 0.1, 1e-9);
-    EXPECT_NEAR(relief.gain, objectiveAt(kLimit, angle) - objectiveAt(kLimit + 0.1, angle),
+    ASSERT_EQ(diagnosis.sensitivities.size(), 1U);
+    const LimitSensitivity& sensitivity = diagnosis.sensitivities[0];
+    EXPECT_EQ(sensitivity.upper, side > 0.0);
+    EXPECT_NEAR(sensitivity.limit, side * kLimit, 1e-12);
+    EXPECT_NEAR(sensitivity.slope, kWeight * kArm * kArm * 2.0 * std::sin(angle - kLimit),
+                1e-6);
+    EXPECT_NEAR(sensitivity.given, 0.1, 1e-9);
+    EXPECT_NEAR(sensitivity.gain, objectiveAt(kLimit, angle) - objectiveAt(kLimit + 0.1, angle),
                 1e-6);
     // The chord to the target shrinks from 2 L sin(a/2).
     const double chord = 2.0 * kArm * std::sin(0.5 * (angle - kLimit));
     const double after = 2.0 * kArm * std::sin(0.5 * (angle - kLimit - 0.1));
-    EXPECT_NEAR(relief.gain_mm, 1e3 * (chord - after), 1e-6);
+    EXPECT_NEAR(sensitivity.gain_mm, 1e3 * (chord - after), 1e-6);
   }
 }
 
 TEST(Diagnosis, GivesNoMoreThanIsOfUse) {
   const double angle = kLimit + 0.04;
   const Diagnosis diagnosis = diagnosed(armAgainst(angle, kArm));
-  ASSERT_EQ(diagnosis.reliefs.size(), 1U);
-  EXPECT_NEAR(diagnosis.reliefs[0].relief, 0.04, 1e-4);
-  EXPECT_NEAR(diagnosis.reliefs[0].gain, objectiveAt(kLimit, angle), 1e-6);
+  ASSERT_EQ(diagnosis.sensitivities.size(), 1U);
+  EXPECT_NEAR(diagnosis.sensitivities[0].given, 0.04, 1e-4);
+  EXPECT_NEAR(diagnosis.sensitivities[0].gain, objectiveAt(kLimit, angle), 1e-6);
 }
 
 TEST(Diagnosis, NamesNoLimitThatDoesNotHold) {
-  EXPECT_TRUE(diagnosed(armAgainst(0.2, kArm)).reliefs.empty());
+  EXPECT_TRUE(diagnosed(armAgainst(0.2, kArm)).sensitivities.empty());
 }
 
 TEST(Diagnosis, TellsAPatchAtALimit) {
@@ -96,8 +97,8 @@ TEST(Diagnosis, TellsAPatchAtALimit) {
   EXPECT_EQ(patch.patch, 3);
   EXPECT_EQ(patch.verdict, Verdict::kAtLimit);
   EXPECT_NEAR(patch.miss_mm, 2e3 * kArm * std::sin(0.15) - DiagnosisOptions().reached_mm, 1e-3);
-  ASSERT_EQ(patch.reliefs.size(), 1U);
-  EXPECT_GT(patch.reliefs[0].gain_mm, 5.0);
+  ASSERT_EQ(patch.sensitivities.size(), 1U);
+  EXPECT_GT(patch.sensitivities[0].gain_mm, 5.0);
 }
 
 TEST(Diagnosis, TellsAPatchOutOfReach) {
@@ -105,7 +106,7 @@ TEST(Diagnosis, TellsAPatchOutOfReach) {
   ASSERT_EQ(diagnosis.patches.size(), 1U);
   EXPECT_EQ(diagnosis.patches[0].verdict, Verdict::kOutOfReach);
   EXPECT_NEAR(diagnosis.patches[0].alone_mm, 20.0, 1e-3);
-  EXPECT_TRUE(diagnosis.patches[0].reliefs.empty());
+  EXPECT_TRUE(diagnosis.patches[0].sensitivities.empty());
 }
 
 TEST(Diagnosis, TellsReachedAndFacingAway) {
@@ -173,11 +174,11 @@ double gainBySolving(const PoseProblem& problem,
   PoseProblem again = problem;
   again.start = report.pose;
   const double before = solve(again, options, Progress()).terms.objective;
-  const double relief = DiagnosisOptions().relief_rad;
+  const double step = DiagnosisOptions().step_rad;
   if (limit.upper) {
-    again.upper[limit.dof] += relief;
+    again.upper[limit.dof] += step;
   } else {
-    again.lower[limit.dof] -= relief;
+    again.lower[limit.dof] -= step;
   }
   return before - solve(again, options, Progress()).terms.objective;
 }
@@ -197,13 +198,14 @@ TEST(Diagnosis, IsTrueToSolvingAgainOnRealProblems) {
     std::vector<Checked> here;
     for (const ActiveLimit& limit : report.active_limits) {
       const double solved = gainBySolving(problem, report, limit);
-      const auto relief = std::find_if(
-          diagnosis.reliefs.begin(), diagnosis.reliefs.end(), [&](const LimitRelief& one) {
-            return one.dof == limit.dof && one.upper == limit.upper;
-          });
-      if (relief != diagnosis.reliefs.end()) {
-        here.push_back({relief->gain, solved});
-      } else if (diagnosis.reliefs.size() < 8) {
+      const auto sensitivity =
+          std::find_if(diagnosis.sensitivities.begin(), diagnosis.sensitivities.end(),
+                       [&](const LimitSensitivity& one) {
+                         return one.dof == limit.dof && one.upper == limit.upper;
+                       });
+      if (sensitivity != diagnosis.sensitivities.end()) {
+        here.push_back({sensitivity->gain, solved});
+      } else if (diagnosis.sensitivities.size() < 8) {
         ++unnamed;
         EXPECT_LT(solved, 1e-3 * report.terms.objective) << name << ' ' << limit.dof;
       }
@@ -229,7 +231,7 @@ TEST(Diagnosis, IsTrueToSolvingAgainOnRealProblems) {
   EXPECT_GE(static_cast<double>(within(2.0)), 0.97 * count);
   EXPECT_LE(swapped, compared / 50);
   std::printf(
-      "%zu reliefs: %td within 10 %%, %td within a factor of 2; %d unnamed; %d of %d "
+      "%zu sensitivities: %td within 10 %%, %td within a factor of 2; %d unnamed; %d of %d "
       "ranked otherwise\n",
       checked.size(), within(1.1), within(2.0), unnamed, swapped, compared);
 }

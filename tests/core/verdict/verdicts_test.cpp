@@ -37,10 +37,10 @@ TEST(Verdicts, NameTheLimitsThatKeepAFingerOpen) {
     session.apply(session::JointLimitEdit{joint, -0.5, -0.3});
   const Verdicts verdicts = solvedAndJudged(session);
   EXPECT_THAT(verdicts.line, Not(HasSubstr("3 of 3")));
-  ASSERT_FALSE(verdicts.diagnosis.reliefs.empty());
-  const std::string relief = nameOf(*session.hand().model, verdicts.diagnosis.reliefs[0]);
-  EXPECT_THAT(relief, HasSubstr(" upper"));
-  for (const optimize::LimitRelief& one : verdicts.diagnosis.reliefs) {
+  ASSERT_FALSE(verdicts.diagnosis.sensitivities.empty());
+  const std::string limit = nameOf(*session.hand().model, verdicts.diagnosis.sensitivities[0]);
+  EXPECT_THAT(limit, HasSubstr(" upper"));
+  for (const optimize::LimitSensitivity& one : verdicts.diagnosis.sensitivities) {
     EXPECT_GT(one.gain, 0.0);
     EXPECT_NEAR(one.limit, -0.3, 1e-12);
   }
@@ -82,7 +82,7 @@ TEST(Verdicts, TellWhatIsKnownOfSizesBeforeASearch) {
   session.transferPatches(Progress());
   FitFindings findings;
   EXPECT_EQ(lineOf(session, findings), "");
-  findings.rooms.push_back({1, 0.0011});
+  findings.clearances.push_back({1, 0.0011});
   findings.spans.push_back({0, 2, 0.06, 0.04});
   EXPECT_TRUE(findings.tooLarge());
   EXPECT_TRUE(findings.tooSmall());
@@ -96,7 +96,7 @@ TEST(Verdicts, APatchWithoutRoomIsOutOfReachWhateverThePoseSays) {
   session::Session session = grasp.open();
   const optimize::SolveReport report = session.optimize({}, Progress());
   FitFindings findings;
-  findings.rooms.push_back({1, 0.0011});
+  findings.clearances.push_back({1, 0.0011});
   const Verdicts verdicts = verdictsOf(session, *session.solvedProblem(), report, findings);
   EXPECT_EQ(verdicts.diagnosis.patches.at(1).verdict, Verdict::kOutOfReach);
   EXPECT_NEAR(verdicts.diagnosis.patches[1].miss_mm, 1.1, 1e-9);

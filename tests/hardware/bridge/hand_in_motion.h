@@ -39,7 +39,7 @@ class HandInMotion {
             config,
             [this](const config::HandConfig& asked) {
               DeviceStack stack = makeDeviceOn(rig_->wire().channel(), asked, clock_);
-              stack.device->heed([this] {
+              stack.device->stopWhen([this] {
                 return stop_asked_at && clock_() >= *stop_asked_at;
               });
               return stack;

@@ -134,19 +134,19 @@ TEST_P(EveryHandInMotion, MotorsStartWhereTheyStand) {
   }
 }
 
-// A final pose comes again once it is explained: the same joints under a new number.
-TEST_P(EveryHandInMotion, AnExplainedPoseChangesNothingOnTheWay) {
+// A final pose comes again once it is diagnosed: the same joints under a new number.
+TEST_P(EveryHandInMotion, ADiagnosedPoseChangesNothingOnTheWay) {
   std::vector<std::vector<double>> ways[2];
-  for (const bool is_explained : {false, true}) {
+  for (const bool is_diagnosed : {false, true}) {
     HandInMotion hand(exampleReady(GetParam()));
     ASSERT_TRUE(hand.start(0.9)) << describe(hand.state());
     for (int k = 0; k < 300; ++k) {
-      if (is_explained && k == 70) hand.offer(0.9);
+      if (is_diagnosed && k == 70) hand.offer(0.9);
       hand.turn();
-      ways[is_explained ? 1 : 0].push_back(hand.state().command);
+      ways[is_diagnosed ? 1 : 0].push_back(hand.state().command);
     }
     EXPECT_EQ(hand.state().state, GovernorState::kArmed) << describe(hand.state());
-    EXPECT_EQ(hand.state().poses_accepted, is_explained ? 2u : 1u);
+    EXPECT_EQ(hand.state().poses_accepted, is_diagnosed ? 2u : 1u);
     EXPECT_EQ(hand.state().poses_refused, 0u);
   }
   EXPECT_NE(ways[0].front(), ways[0].back()) << "it hardly moved";

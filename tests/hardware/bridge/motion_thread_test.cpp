@@ -31,7 +31,7 @@ class MotionThreadTest : public ::testing::Test {
     config_.governor.overruns_in_a_row = 100'000;
     const auto make = [this](const config::HandConfig& asked) {
       DeviceStack stack = makeDevice(asked, Clock::now);
-      stack.device->heed([this] {
+      stack.device->stopWhen([this] {
         return estop_flag_.load();
       });
       return stack;

@@ -86,8 +86,8 @@ TEST_F(StreamFeedTest, NumbersThatRunBackwardsAreAnotherStream) {
   EXPECT_NE(second, first);
 }
 
-// A final pose comes at once, and again with the next number once it is explained.
-TEST_F(StreamFeedTest, AnExplainedPoseIsTheSameStreamAndARepeat) {
+// A final pose comes at once, and again with the next number once it is diagnosed.
+TEST_F(StreamFeedTest, ADiagnosedPoseIsTheSameStreamAndARepeat) {
   feed_.serverIsThere(true);
   feed_.see(sessionState(3, "hand", {"a"}));
   v1::PoseSolution pose = solution(3, 7, {0.25});
@@ -96,9 +96,9 @@ TEST_F(StreamFeedTest, AnExplainedPoseIsTheSameStreamAndARepeat) {
   const auto first = feed_.take();
   ASSERT_TRUE(first);
   EXPECT_FALSE(first->is_repeat);
-  v1::PoseSolution explained = solution(3, 8, {0.25});
-  explained.is_diagnosed(true);
-  feed_.see(explained);
+  v1::PoseSolution diagnosed = solution(3, 8, {0.25});
+  diagnosed.is_diagnosed(true);
+  feed_.see(diagnosed);
   const auto second = feed_.take();
   ASSERT_TRUE(second);
   EXPECT_TRUE(second->is_repeat);

@@ -180,7 +180,7 @@ TEST_F(ODriveHandTest, AnAxisThatMayHaveRestartedProvesItsWatchdogAnew) {
 
 TEST_F(ODriveHandTest, AnotherErrorWhileTheWatchdogIsProvedIsNotCleared) {
   make().open();
-  hand_->heed([this] {
+  hand_->stopWhen([this] {
     // Asked between the steps: here, once the loops are closed.
     if (bus_.axis(5).state == odrive::AxisState::kClosedLoop)
       test::ODriveEmulator::fail(bus_.axis(5), 0x400);
@@ -194,7 +194,7 @@ TEST_F(ODriveHandTest, AnotherErrorWhileTheWatchdogIsProvedIsNotCleared) {
 TEST_F(ODriveHandTest, AStopIsHeededWhileTheWatchdogIsProved) {
   make().open();
   bool has_power = false;
-  hand_->heed([&] {
+  hand_->stopWhen([&] {
     has_power = has_power || bus_.axis(0).state == odrive::AxisState::kClosedLoop;
     return has_power;
   });

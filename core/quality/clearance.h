@@ -49,7 +49,7 @@ struct ContactPlace {
   std::optional<Eigen::Vector3d> direction_O;
 };
 
-/// A ball of 3 cm radius touches there and nowhere else: room for any finger. Cost: 20 us.
+/// A ball of 3 cm radius touches there and nowhere else: clearance for any finger. Cost: 20 us.
 bool isOpen(const geometry::SurfaceLocator& object_O, const ContactPlace& place);
 
 /// How far a body has to enter the object wherever, within the slack of a contact, it touches.
@@ -59,14 +59,14 @@ bool isOpen(const geometry::SurfaceLocator& object_O, const ContactPlace& place)
 /// 1 mm. The least depth over all of it, m; 0 where it is no more than 0.1 mm.
 ///
 /// A necessary condition for a grasp without penetration, of this contact alone: a hand that
-/// has room at each may still find no pose.
-/// Cost: 0.1 ms where there is room at once, up to 10 ms where there is none.
-double lackOfRoom(const geometry::SurfaceLocator& object_O,
-                  const ContactBody& body,
-                  const ContactPlace& place);
+/// has clearance at each may still find no pose.
+/// Cost: 0.1 ms where there is clearance at once, up to 10 ms where there is none.
+double missingClearance(const geometry::SurfaceLocator& object_O,
+                        const ContactBody& body,
+                        const ContactPlace& place);
 
-/// From so much on a lack of room is told: what meshes of the usual fineness may be off by. A
-/// lack is what a body enters at the least, so that it errs on the side of silence.
-inline constexpr double kToldLack = 0.0002;  // m
+/// So much of missing clearance is told: what meshes of the usual fineness may be off by. A
+/// body misses what it enters at the least, so that it errs on the side of silence.
+inline constexpr double kToldMissing_m = 0.0002;  // m
 
 }  // namespace handgraft::quality

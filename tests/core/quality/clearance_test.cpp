@@ -1,6 +1,6 @@
 // Balls in tubes and between walls, and a round fingertip in holes of both sides of its size.
 
-#include "core/quality/room.h"
+#include "core/quality/clearance.h"
 
 #include <gtest/gtest.h>
 
@@ -56,7 +56,7 @@ struct Fingertip {
   [[nodiscard]] double lackIn(double tube_radius, bool knows_direction = true) const {
     ContactPlace place{{tube_radius, 0, 0}, -Vector3d::UnitX(), std::nullopt};
     if (knows_direction) place.direction_O = Vector3d::UnitZ();
-    return lackOfRoom(tube(tube_radius), body, place);
+    return missingClearance(tube(tube_radius), body, place);
   }
 };
 
@@ -82,8 +82,9 @@ TEST(LackOfRoom, IsWhatTheFingerEntersTheFarWall) {
 }
 
 TEST(LackOfRoom, IsNoneForAnEmptyBody) {
-  EXPECT_EQ(lackOfRoom(tube(0.005), {}, {{0.005, 0, 0}, -Vector3d::UnitX(), std::nullopt}),
-            0.0);
+  EXPECT_EQ(
+      missingClearance(tube(0.005), {}, {{0.005, 0, 0}, -Vector3d::UnitX(), std::nullopt}),
+      0.0);
 }
 
 TEST(LackOfRoom, PlacesOutsideAreOpenAndInHolesAreNot) {

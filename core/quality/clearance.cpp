@@ -1,4 +1,4 @@
-#include "core/quality/room.h"
+#include "core/quality/clearance.h"
 
 #include <algorithm>
 #include <array>
@@ -18,10 +18,10 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kLift = 0.0005;             // m; facets of skins and scans
-constexpr double kClear = 0.0001;            // m; a depth that counts as none
-constexpr double kThickest = 0.03;           // m; radius beyond which room is never short
-constexpr std::size_t kMostBalls = 16;       // more change no answer by 0.1 mm
+constexpr double kLift = 0.0005;        // m; facets of skins and scans
+constexpr double kClear = 0.0001;       // m; a depth that counts as none
+constexpr double kThickest = 0.03;      // m; radius beyond which clearance is never missing
+constexpr std::size_t kMostBalls = 16;  // more change no answer by 0.1 mm
 constexpr std::size_t kMostCandidates = 60;  // places on a link that balls are made at
 constexpr double kSlide = 0.002;             // m
 constexpr double kStandOff = 0.001;          // m
@@ -175,9 +175,9 @@ bool isOpen(const geometry::SurfaceLocator& object_O, const ContactPlace& place)
   return ball.radius >= kThickest;
 }
 
-double lackOfRoom(const geometry::SurfaceLocator& object_O,
-                  const ContactBody& body,
-                  const ContactPlace& place) {
+double missingClearance(const geometry::SurfaceLocator& object_O,
+                        const ContactBody& body,
+                        const ContactPlace& place) {
   if (body.empty()) return 0.0;
   const Vector3d along = place.direction_O.value_or(place.n_O.unitOrthogonal());
   const Matrix3d R_OC = contactFrame(along, place.n_O);
