@@ -5,67 +5,25 @@
 #include <sstream>
 
 #include <gtest/gtest.h>
-#include <yaml-cpp/yaml.h>
 
 #include "core/base/error.h"
-#include "hardware/config/calibration_file.h"
 #include "hardware/config/device_section.h"
 #include "hardware/config/hand_config_file.h"
-#include "hardware/config/text_file.h"
 #include "hardware/safety/governor.h"
 
-#include "tests/support/shared_data.h"
+#include "tests/hardware/config/config_texts.h"
 
 namespace handgraft::config {
 namespace {
 
 namespace fs = std::filesystem;
-
-const std::vector<std::string> kExamples{"leap", "ability_hand", "printed_tendon_hand",
-                                         "inspire_rh56", "allegro"};
-
-fs::path examplePath(const std::string& name) {
-  return test::sourceDirectory() / "hardware" / "config" / "examples" / (name + ".yaml");
-}
-
-std::string exampleText(const std::string& name) {
-  return readText(examplePath(name));
-}
-
-/// What is said of a config that is wrong; empty if nothing is.
-std::string objectionTo(const std::string& text) {
-  try {
-    parseHandConfig(text);
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "";
-}
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
-/// A hand of one finger, as small as a config may be.
-const char* const kSmall = R"(
-format: handgraft-hardware/1
-hand: small
-device: {kind: simulated}
-motion: {velocity_rad_s: 2, acceleration_rad_s2: 20, jerk_rad_s3: 400}
-joints:
-  - {name: a, lower_rad: 0, upper_rad: 1.5}
-  - {name: b, lower_rad: -0.5, upper_rad: 1}
-motors:
-  - {name: m, lower_rad: 0, upper_rad: 1.5, velocity_rad_s: 2}
-  - {name: n, lower_rad: -0.5, upper_rad: 1, velocity_rad_s: 2}
-)";
-
-std::string smallWith(const std::string& old_text, const std::string& new_text) {
-  std::string text = kSmall;
-  const auto at = text.find(old_text);
-  EXPECT_NE(at, std::string::npos) << old_text;
-  return text.replace(at, old_text.size(), new_text);
-}
+using texts::contains;
+using texts::examplePath;
+using texts::exampleText;
+using texts::kExamples;
+using texts::kSmall;
+using texts::objectionTo;
+using texts::smallWith;
 
 // === Examples
 
@@ -129,101 +87,6 @@ TEST(HandConfig, ReadsEmergencyStopsOfBothKinds) {
   EXPECT_EQ(parseHandConfig(kSmall).governor.stop_mode, safety::StopMode::kBrake);
   const HandConfig cut = parseHandConfig(std::string(kSmall) + "emergency_stop: {mode: cut}\n");
   EXPECT_EQ(cut.governor.stop_mode, safety::StopMode::kCut);
-}
-
-// === Every key of every example
-
-/// Applies `change` to one place of the tree after another, and tells each resulting text and
-/// the path of the place.
-template <class Change, class Judge>
-void forEachPlace(const YAML::Node& node,
-                  const std::string& path,
-                  const YAML::Node& root,
-                  const Change& change,
-                  const Judge& judge) {
-  if (node.IsMap()) {
-    std::vector<std::string> keys;
-    for (const auto& entry : node)
-      keys.push_back(entry.first.Scalar());
-    for (const std::string& key : keys) {
-      YAML::Node map = node;  // nodes are handles: this changes the tree
-      const std::string here = path.empty() ? key : path + "." + key;
-      const YAML::Node kept = YAML::Clone(map[key]);
-      if (change(map, key)) {
-        std::ostringstream text;
-        text << root;
-        judge(here, text.str());
-      }
-      map.remove("misspelt");
-      map[key] = kept;
-      forEachPlace(map[key], here, root, change, judge);
-    }
-  } else if (node.IsSequence()) {
-    // The first and the last stand for those between.
-    for (std::size_t i = 0; i < node.size(); i += std::max<std::size_t>(1, node.size() - 1))
-      forEachPlace(node[i], path + "[" + std::to_string(i) + "]", root, change, judge);
-  }
-}
-
-TEST(HandConfig, NamesEveryMisspeltKey) {
-  int tried = 0;
-  for (const std::string& name : kExamples) {
-    const YAML::Node root = YAML::Load(exampleText(name));
-    forEachPlace(
-        root, "", root,
-        [](YAML::Node& map, const std::string& key) {
-          map["misspelt"] = YAML::Clone(map[key]);
-          map.remove(key);
-          return true;
-        },
-        [&](const std::string& place, const std::string& text) {
-          const std::string objection = objectionTo(text);
-          const auto dot = place.rfind('.');
-          const std::string where =
-              (dot == std::string::npos ? "" : place.substr(0, dot + 1)) + "misspelt";
-          EXPECT_TRUE(contains(objection, where + ": unknown key"))
-              << name << " " << place << ": " << objection;
-          ++tried;
-        });
-  }
-  EXPECT_GT(tried, 150);
-}
-
-TEST(HandConfig, NamesEveryValueThatIsNone) {
-  int tried = 0;
-  for (const std::string& name : kExamples) {
-    for (const char* const bad : {"1e99", ".nan", "[1, {a: b}]", "-.inf"}) {
-      const YAML::Node root = YAML::Load(exampleText(name));
-      forEachPlace(
-          root, "", root,
-          [&](YAML::Node& map, const std::string& key) {
-            const bool may_be_any_text =
-                (key == "name" || key == "hand" || key == "port") && bad[0] != '[';
-            map[key] = YAML::Load(bad);
-            return !may_be_any_text;
-          },
-          [&](const std::string& place, const std::string& text) {
-            const std::string objection = objectionTo(text);
-            EXPECT_TRUE(contains(objection, place))
-                << name << " " << place << " = " << bad << ": " << objection;
-            ++tried;
-          });
-    }
-  }
-  EXPECT_GT(tried, 500);
-}
-
-TEST(HandConfig, SurvivesEveryTruncation) {
-  for (const std::string& name : kExamples) {
-    const std::string text = exampleText(name);
-    for (std::size_t length = 0; length < text.size(); length += 7) {
-      try {
-        parseHandConfig(text.substr(0, length));
-      } catch (const InvalidInput&) {
-        continue;
-      }
-    }
-  }
 }
 
 // === Single rules
@@ -482,80 +345,6 @@ TEST(HandConfig, NamesTheFileThatIsWrong) {
     EXPECT_TRUE(contains(error.what(), "line 1")) << error.what();
   }
   EXPECT_THROW(readHandConfig("/nonexistent/hand.yaml"), InvalidInput);
-}
-
-// === Calibration
-
-TEST(Calibration, ComesBackBitForBit) {
-  HandConfig config = readHandConfig(examplePath("printed_tendon_hand"));
-  config.motors[0].zero_rad = 0.1 + 0.2;
-  config.motors[1].zero_rad = -std::nextafter(1.0, 2.0);
-  config.motors[1].direction = -1;
-  const fs::path path = test::scratchDirectory() / "calibration.yaml";
-  writeCalibration(path, config);
-  HandConfig again = readHandConfig(examplePath("printed_tendon_hand"));
-  readCalibration(path, again);
-  for (std::size_t i = 0; i < config.motors.size(); ++i) {
-    EXPECT_EQ(again.motors[i].zero_rad, config.motors[i].zero_rad);
-    EXPECT_EQ(again.motors[i].direction, config.motors[i].direction);
-  }
-}
-
-TEST(Calibration, IsReadWithTheConfigThatNamesIt) {
-  const fs::path folder = test::scratchDirectory();
-  HandConfig config = parseHandConfig(kSmall);
-  config.motors[1].zero_rad = 0.25;
-  writeCalibration(folder / "zeros.yaml", config);
-  writeText(folder / "small.yaml", std::string(kSmall) + "calibration: zeros.yaml\n");
-  EXPECT_EQ(readHandConfig(folder / "small.yaml").motors[1].zero_rad, 0.25);
-}
-
-TEST(Calibration, AFileThatIsNotThereMeansThatZerosAreNotKnown) {
-  const fs::path folder = test::scratchDirectory();
-  writeText(folder / "never_checked.yaml", std::string(kSmall) + "calibration: nowhere.yaml\n");
-  EXPECT_FALSE(readHandConfig(folder / "never_checked.yaml").is_calibrated);
-  const std::string tendons = exampleText("printed_tendon_hand");
-  writeText(folder / "to_be_homed.yaml", tendons + "calibration: later.yaml\n");
-  HandConfig config = readHandConfig(folder / "to_be_homed.yaml");
-  EXPECT_FALSE(config.is_calibrated);
-  EXPECT_EQ(config.calibration, folder / "later.yaml") << "where homing puts what it finds";
-  config.motors[2].zero_rad = 1.5;
-  writeCalibration(config.calibration, config);
-  const HandConfig homed = readHandConfig(folder / "to_be_homed.yaml");
-  EXPECT_TRUE(homed.is_calibrated);
-  EXPECT_EQ(homed.motors[2].zero_rad, 1.5);
-  writeText(folder / "later.yaml", "format: handgraft-calibration/1\nhand: other\n");
-  EXPECT_THROW(readHandConfig(folder / "to_be_homed.yaml"), InvalidInput)
-      << "one that is wrong is no reason to home, but to look";
-}
-
-TEST(Calibration, RefusesOtherHandsAndMissingMotors) {
-  const auto objection = [](const std::string& text) -> std::string {
-    HandConfig config = parseHandConfig(kSmall);
-    try {
-      parseCalibration(text, config);
-    } catch (const InvalidInput& error) {
-      EXPECT_EQ(config.motors[0].zero_rad, 0) << "nothing changed";
-      return error.what();
-    }
-    return "";
-  };
-  const std::string head = "format: handgraft-calibration/1\nhand: small\nmotors:\n";
-  const std::string m = "  - {name: m, zero_rad: 0.5, direction: 1}\n";
-  const std::string n = "  - {name: n, zero_rad: 0.5, direction: -1}\n";
-  EXPECT_EQ(objection(head + n), objection(head + n));
-  EXPECT_TRUE(contains(objection(head + m), "'n' is missing"));
-  EXPECT_TRUE(contains(objection(head + m + n + m), "there twice"));
-  EXPECT_TRUE(contains(objection(head + m + "  - {name: n, zero_rad: .nan, direction: 1}\n"),
-                       "motors[1].zero_rad"));
-  EXPECT_TRUE(contains(objection(head + m + "  - {name: n, zero_rad: 0, direction: 2}\n"),
-                       "motors[1].direction"));
-  EXPECT_TRUE(
-      contains(objection("format: handgraft-calibration/1\nhand: big\nmotors:\n" + m + n),
-               "'big' is not 'small'"));
-  HandConfig config = parseHandConfig(kSmall);
-  parseCalibration(head + m + n, config);
-  EXPECT_EQ(config.motors[1].direction, -1);
 }
 
 }  // namespace
