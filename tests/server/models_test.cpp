@@ -14,6 +14,7 @@
 #include <gtest/gtest.h>
 
 #include "core/geometry/log_map.h"
+#include "core/hand/skin_cache.h"
 #include "core/io/contact_file.h"
 #include "core/io/sites_file.h"
 #include "core/io/urdf_file.h"
@@ -131,7 +132,8 @@ TEST_P(BuiltInHand, BendsItsFingersTowardsThePalmsSide) {
 
 TEST_P(BuiltInHand, HasAClosedSkinThatCarriesItsSites) {
   const LoadedHand hand = loadHand(GetParam().name);
-  const hand::Skin skin = hand::buildSkin(hand.file.model, hand::SkinOptions{}, Progress{});
+  const hand::Skin skin =
+      hand::SkinCache::fromEnvironment().get(hand.file.model, hand::SkinOptions{}, Progress{});
   EXPECT_TRUE(skin.mesh().isClosed());
   EXPECT_EQ(skin.mesh().eulerCharacteristic(), 2);
   EXPECT_EQ(skin.mesh().components().second, 1);
@@ -329,7 +331,7 @@ hand::Hand readyHand(const std::string& name) {
   LoadedHand loaded = loadHand(name);
   auto model = std::make_shared<const hand::HandModel>(std::move(loaded.file.model));
   auto skin = std::make_shared<const hand::Skin>(
-      hand::buildSkin(*model, hand::SkinOptions{}, Progress{}));
+      hand::SkinCache::fromEnvironment().get(*model, hand::SkinOptions{}, Progress{}));
   return {model, skin, std::move(loaded.sites)};
 }
 

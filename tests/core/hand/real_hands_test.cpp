@@ -15,6 +15,7 @@
 #include "core/io/urdf_file.h"
 
 #include "tests/support/shared_data.h"
+#include "tests/support/wrapping.h"
 
 namespace handgraft::hand {
 namespace {
@@ -44,6 +45,7 @@ const std::vector<std::string> kThreeFingers{"thumb", "index", "middle", "palm"}
 class RealHands : public ::testing::TestWithParam<RealHand> {};
 
 TEST_P(RealHands, GetAClosedSkinAndTheirSites) {
+  HANDGRAFT_NEEDS_CGAL();
   const RealHand& hand = GetParam();
   if (hand.shared) HANDGRAFT_NEEDS_SHARED_DATA(hand.path);
   const HandModel model = io::readUrdf(pathOf(hand)).model;
@@ -138,6 +140,7 @@ TEST_P(RealHands, CloseTowardsTheirPads) {
 /// A left hand has the sites of the right one, reflected: the finder favours no side. The skins
 /// are wrapped anew and differ a little.
 TEST_P(RealHands, HaveMirroredSitesWhenMirrored) {
+  HANDGRAFT_NEEDS_CGAL();
   const RealHand& hand = GetParam();
   if (hand.shared) HANDGRAFT_NEEDS_SHARED_DATA(hand.path);
   const HandModel model = io::readUrdf(pathOf(hand)).model;

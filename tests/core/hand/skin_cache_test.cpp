@@ -12,6 +12,8 @@
 #include "core/base/content_hash.h"
 #include "core/base/error.h"
 
+#include "tests/support/wrapping.h"
+
 namespace handgraft::hand {
 namespace {
 
@@ -98,6 +100,7 @@ TEST(StoredSkin, IsNothingIfWronglyMade) {
 }
 
 TEST_F(SkinCacheTest, KeepsASkinAndGivesItBack) {
+  HANDGRAFT_NEEDS_CGAL();
   const SkinCache cache(folder_);
   SkinReport first;
   const Skin made = cache.get(makeBall(0.02), {}, Progress(), &first);
@@ -115,6 +118,7 @@ TEST_F(SkinCacheTest, KeepsASkinAndGivesItBack) {
 }
 
 TEST_F(SkinCacheTest, LooksFirstAtWhatCameWithTheProgram) {
+  HANDGRAFT_NEEDS_CGAL();
   const fs::path shipped = folder_ / "shipped";
   const Skin made = SkinCache(shipped).get(makeBall(0.02), {}, Progress());
   const fs::path own = folder_ / "own";
@@ -132,6 +136,7 @@ TEST_F(SkinCacheTest, LooksFirstAtWhatCameWithTheProgram) {
 }
 
 TEST_F(SkinCacheTest, MakesADamagedFileAnew) {
+  HANDGRAFT_NEEDS_CGAL();
   const SkinCache cache(folder_);
   (void)cache.get(makeBall(0.02), {}, Progress());
   ASSERT_EQ(files().size(), 1u);
@@ -170,6 +175,7 @@ class Variable {
 };
 
 TEST_F(SkinCacheTest, IsAtHomeWhereTheSystemKeepsCaches) {
+  HANDGRAFT_NEEDS_CGAL();
   const Variable home("HOME", folder_.c_str());
   {
     const Variable none("XDG_CACHE_HOME", nullptr);
@@ -184,6 +190,7 @@ TEST_F(SkinCacheTest, IsAtHomeWhereTheSystemKeepsCaches) {
 }
 
 TEST_F(SkinCacheTest, WorksWhereNothingCanBeKept) {
+  HANDGRAFT_NEEDS_CGAL();
   std::ofstream(folder_) << "a file where the folder should be";
   EXPECT_TRUE(SkinCache(folder_).get(makeBall(0.02), {}, Progress()).mesh().isClosed());
   EXPECT_TRUE(SkinCache().get(makeBall(0.02), {}, Progress()).mesh().isClosed());

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/hand/skin_cache.h"
 #include "core/io/contact_file.h"
 #include "core/io/sites_file.h"
 #include "core/io/urdf_file.h"
@@ -26,8 +27,8 @@ const hand::Hand& tendonHand() {
     hand::Hand hand;
     hand.model = std::make_shared<const hand::HandModel>(
         io::readUrdf(modelPath("hands/tendon16/tendon16.urdf")).model);
-    hand.skin =
-        std::make_shared<const hand::Skin>(hand::buildSkin(*hand.model, {}, Progress()));
+    hand.skin = std::make_shared<const hand::Skin>(
+        hand::SkinCache::fromEnvironment().get(*hand.model, {}, Progress()));
     hand.sites = io::readSites(modelPath("hands/tendon16/sites.yaml"), *hand.model);
     return hand;
   }();
@@ -70,8 +71,8 @@ TEST(BuiltInGrasp, ReachesForThePatchThatAnEvenShareMisses) {
     hand::Hand allegro;
     allegro.model = std::make_shared<const hand::HandModel>(
         io::readUrdf(modelPath("hands/allegro16/allegro16.urdf")).model);
-    allegro.skin =
-        std::make_shared<const hand::Skin>(hand::buildSkin(*allegro.model, {}, Progress()));
+    allegro.skin = std::make_shared<const hand::Skin>(
+        hand::SkinCache::fromEnvironment().get(*allegro.model, {}, Progress()));
     allegro.sites = io::readSites(modelPath("hands/allegro16/sites.yaml"), *allegro.model);
     allegro.sites_are_found = true;
     return allegro;
