@@ -38,6 +38,21 @@ sanitized() { # PRESET REGEX
 
 step lint ./dev lint
 step alone alone
+# Without CGAL: all of it builds, and works on the skins that the other build has made.
+without_cgal() {
+  cmake --preset release -B build/without_cgal -DHANDGRAFT_WITH_CGAL=OFF
+  cmake --build build/without_cgal -j "$jobs"
+  mkdir -p build/without_cgal/tests
+  cp -r build/release/tests/cache build/without_cgal/tests/ 2>/dev/null || true
+  ctest --test-dir build/without_cgal --output-on-failure -j "$jobs" -L unit
+}
+step without_cgal without_cgal
+# The Debian packages in a clean Debian; where no chroot can be made it says so, and that is no failure.
+installed() {
+  ./dev package
+  tests/package/chroot_test.sh build/release/packages . || [ $? -eq 77 ]
+}
+step installed installed
 step lives env HANDGRAFT_ALL_LIVES=1 build/dev/tests/hardware_bridge_test --gtest_filter='*RandomLives*'
 # Kept in the last line: killed how often, lost, twice, how soon clients go on.
 lost() {

@@ -51,5 +51,5 @@ def web_folder() -> str:
         page = folder / "share" / "handgraft" / "web"
         if (page / "index.html").is_file():
             return str(page)
-    raise InvalidInput(f"there is no page in share/handgraft/web above {here.parent}: it is built with Handgraft where "
-                       "nodejs and npm are installed")
+    raise InvalidInput(f"there is no page in share/handgraft/web above {here.parent}: Debian's package handgraft brings it, "
+                       "and a build where nodejs and npm are installed")
