@@ -52,6 +52,11 @@ double inDegrees(double rad) {
   return rad * 180.0 / std::numbers::pi;
 }
 
+/// 0 where one of them has no length.
+double angleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
 }  // namespace
 
 MotionSolving motionSolving(bool causal) {
@@ -138,8 +143,15 @@ std::vector<PatchFrameFit> MotionFits::at(int frame) const {
   const hand::HandPose& pose = solved_.trajectory.poses.at(static_cast<std::size_t>(frame));
   const optimize::PoseProblem single = frames_.at(frame, pose);
   const hand::LinkPoses X_OL = hand::forwardKinematics(*solved_.problem.model, pose);
+
+  struct Normals {
+    int count = 0;
+    Eigen::Vector3d hand_O = Eigen::Vector3d::Zero();
+    Eigen::Vector3d object_O = Eigen::Vector3d::Zero();
+  };
+
   std::map<int, PatchFrameFit> fits;  // by the problem's track
-  std::map<int, int> normals;
+  std::map<int, Normals> normals;     // likewise
   for (const manipulation::FrameProblems::Present& present : frames_.presentAt(frame)) {
     PatchFrameFit& fit = fits[present.track];
     fit.track = solved_.track_of[static_cast<std::size_t>(present.track)];
@@ -153,17 +165,22 @@ std::vector<PatchFrameFit> MotionFits::at(int frame) const {
     fit.mean_mm += 1e3 * (X * pair.p_L - pair.p_W).norm();
     ++fit.points;
     if (!pair.has_normals) continue;
-    const double cosine = -(X.linear() * pair.n_L).dot(pair.n_W);
-    fit.normal_deg += inDegrees(std::acos(std::clamp(cosine, -1.0, 1.0)));
-    ++normals[pair.patch];
+    const Eigen::Vector3d n_O = X.linear() * pair.n_L;
+    fit.normal_deg += inDegrees(angleBetween(n_O, -pair.n_W));
+    Normals& sums = normals[pair.patch];
+    ++sums.count;
+    sums.hand_O += n_O;
+    sums.object_O -= pair.n_W;
   }
   const optimize::DiagnosisOptions reached;
   std::vector<PatchFrameFit> result;
   for (auto& [track, fit] : fits) {
     if (fit.points == 0) continue;
     fit.mean_mm /= fit.points;
-    if (normals[track] > 0) fit.normal_deg /= normals[track];
-    fit.reached = fit.mean_mm <= reached.reached_mm && fit.normal_deg <= reached.facing_deg;
+    const Normals& sums = normals[track];
+    if (sums.count > 0) fit.normal_deg /= sums.count;
+    const double facing_deg = inDegrees(angleBetween(sums.hand_O, sums.object_O));
+    fit.reached = fit.mean_mm <= reached.reached_mm && facing_deg <= reached.facing_deg;
     result.push_back(fit);
   }
   return result;

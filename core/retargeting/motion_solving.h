@@ -31,6 +31,8 @@ struct SolvedMotion {
   std::vector<int> track_of;  ///< of each of the problem's tracks: which of the motion's it is
   manipulation::Trajectory trajectory;  ///< poses in O
   std::vector<double> depth_m;          ///< of each frame's deepest point in the object
+  /// The motion with what was edited for all of it, its patches where they lie on the hand.
+  std::shared_ptr<const manipulation::Motion> laid;
   std::vector<std::string> notes;
 };
 
@@ -71,8 +73,8 @@ struct PatchFrameFit {
   double presence = 1.0;
   int points = 0;
   double mean_mm = 0.0;
-  double normal_deg = 0.0;
-  bool reached = false;  ///< as optimize::diagnose has it by default
+  double normal_deg = 0.0;  ///< mean angle between the normals of both sides
+  bool reached = false;     ///< as optimize::diagnose has it by default
 };
 
 /// Of the patches that are there, fading ones too.
