@@ -33,17 +33,23 @@ LaidMotion layPatches(const Motion& motion,
                       const hand::FingerCoordinates& coordinates,
                       const transfer::TransferOptions& options,
                       const Progress& progress,
-                      const MovePlacement& move) {
+                      const MovePlacement& move,
+                      MotionCharts* charts) {
   LaidMotion laid;
   int lost = 0;
+  if (charts != nullptr) charts->stages.resize(motion.tracks.size());
   for (std::size_t t = 0; t < motion.tracks.size(); ++t) {
     const PatchTrack& track = motion.tracks[t];
     PairTrack pairs;
     pairs.end = track.end;
-    transfer::StagedTransfer stages;
+    transfer::StagedTransfer from_key_to_key;
     std::string fault;
     std::size_t points = 0;
-    for (const PatchKey& key : track.keys) {
+    if (charts != nullptr) charts->stages[t].resize(track.keys.size());
+    for (std::size_t i = 0; i < track.keys.size(); ++i) {
+      const PatchKey& key = track.keys[i];
+      transfer::StagedTransfer& stages =
+          charts != nullptr ? charts->stages[t][i] : from_key_to_key;
       progress.checkpoint();
       progress.report("laying patches",
                       static_cast<double>(t) / static_cast<double>(motion.tracks.size()));
@@ -55,7 +61,8 @@ LaidMotion layPatches(const Motion& motion,
         fault = "this hand has no such place";
       } else {
         const transfer::PatchTransfer transferred =
-            stages.lay(surfaces, key.patch, move ? move(*placement) : *placement, options);
+            stages.lay(surfaces, key.patch, move ? move(*placement) : *placement, options,
+                       charts != nullptr && charts->lays_drafts);
         lost += static_cast<int>(transferred.lost.size());
         for (const transfer::Correspondence& one : transferred.correspondences) {
           optimize::PointPair pair;

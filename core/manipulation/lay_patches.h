@@ -33,12 +33,19 @@ std::optional<transfer::Placement> placementOf(const PatchKey& key,
 /// Another place on the hand than a key's own.
 using MovePlacement = std::function<transfer::Placement(const transfer::Placement&)>;
 
+/// Charts of a motion whose patches are laid again and again while they move on the hand: those
+/// that still hold are not made anew.
+struct MotionCharts {
+  std::vector<std::vector<transfer::StagedTransfer>> stages;  ///< by track and key
+  bool lays_drafts = false;                                   ///< StagedTransfer::lay
+};
+
 /// Lays each key of each track: at the place on the hand that it tells, else at the site or in
 /// the middle of the segment that its name tells; as transfer::transferPatch does. Patches
 /// without a direction, or without a place on this hand, are left out and noted.
 ///
-/// Errors: InvalidInput if none is left; Cancelled on wish. Cost: a log map on either side a
-/// key whose roots moved.
+/// `charts`, if given, are those of the last time, and become this one's. Errors: InvalidInput
+/// if none is left; Cancelled on wish. Cost: a log map on either side a key whose roots moved.
 LaidMotion layPatches(const Motion& motion,
                       const transfer::Surfaces& surfaces,
                       const hand::HandModel& model,
@@ -46,6 +53,7 @@ LaidMotion layPatches(const Motion& motion,
                       const hand::FingerCoordinates& coordinates,
                       const transfer::TransferOptions& options,
                       const Progress& progress,
-                      const MovePlacement& move = MovePlacement());
+                      const MovePlacement& move = MovePlacement(),
+                      MotionCharts* charts = nullptr);
 
 }  // namespace handgraft::manipulation

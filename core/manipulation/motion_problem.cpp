@@ -173,8 +173,13 @@ FrameProblems::FrameProblems(const MotionProblem& problem, const Fade& fade)
   for (std::size_t t = 0; t < problem.tracks.size(); ++t) {
     const PairTrack& track = problem.tracks[t];
     const auto note = [&](int frame) {
-      const double presence = presenceAt(problem, track, frame, fade);
+      double presence = presenceAt(problem, track, frame, fade);
       if (presence <= 0.0) return false;
+      if (const auto own = problem.own.find(frame); own != problem.own.end())
+        if (const auto faded = own->second.fades.find(static_cast<int>(t));
+            faded != own->second.fades.end())
+          presence *= faded->second;
+      if (presence <= 0.0) return true;
       present_[static_cast<std::size_t>(frame)].push_back({static_cast<int>(t), presence});
       return true;
     };

@@ -33,6 +33,7 @@ struct FrameOwn {
   Eigen::VectorXd lower;  ///< of the joints; empty: as throughout, likewise the upper
   Eigen::VectorXd upper;
   std::map<int, double> shares;  ///< by track: its pairs weigh that many times as much
+  std::map<int, double> fades;   ///< by track, in [0, 1]: so much of its presence is left
   std::vector<optimize::PointPair> pairs;  ///< of no track (`patch` is -1): places held
   std::vector<double> soft_values;         ///< of each joint, where `soft_weights` is above 0
   std::vector<double> soft_weights;        ///< beside the prior's; empty: none is held softly

@@ -26,12 +26,6 @@ struct Candidate {
   double objective = 0.0;
 };
 
-/// Where a way through all frames sets out.
-struct Setting {
-  int frame = 0;
-  hand::HandPose pose;
-};
-
 struct Anchor {
   int frame = 0;
   std::vector<Candidate> candidates;
@@ -228,7 +222,7 @@ void fillBetween(const MotionProblem& problem,
 double follow(const MotionProblem& problem,
               const FrameProblems& frames,
               const MotionOptions& options,
-              const Setting& setting,
+              const FramePose& setting,
               int stride,
               double most,
               const Progress& progress,
@@ -287,7 +281,8 @@ std::vector<int> fullFrames(const MotionProblem& problem, const FrameProblems& f
 
 std::vector<hand::HandPose> followedMinima(const MotionProblem& problem,
                                            const MotionOptions& options,
-                                           const Progress& progress) {
+                                           const Progress& progress,
+                                           const std::vector<FramePose>& known) {
   constexpr int kStride = 16;
   constexpr int kFewestStarts = 16;
   constexpr int kClosely = 2;  // of the best one; what lies between is solved next, with all
@@ -296,7 +291,7 @@ std::vector<hand::HandPose> followedMinima(const MotionProblem& problem,
   following.smoothness = std::min(options.smoothness, kFollowedSmoothness);
   hand::HandPose rest;
   rest.q = problem.prior.cwiseMax(problem.lower).cwiseMin(problem.upper);
-  std::vector<Setting> settings = {{0, rest}};
+  std::vector<FramePose> settings = {{0, rest}};
   if (!frames.presentAt(fullestBegin(problem, frames)).empty()) {
     settings.clear();
     // Four frames tell four times what the motion's basins are.
@@ -309,10 +304,15 @@ std::vector<hand::HandPose> followedMinima(const MotionProblem& problem,
         settings.push_back({frame, minimum.pose});
     }
   }
+  for (FramePose one : known) {
+    one.pose.q =
+        one.pose.q.cwiseMax(problem.lowerAt(one.frame)).cwiseMin(problem.upperAt(one.frame));
+    settings.push_back(std::move(one));
+  }
   std::vector<hand::HandPose> poses;
-  const Setting* best = &settings.front();
+  const FramePose* best = &settings.front();
   double least = std::numeric_limits<double>::infinity();
-  for (const Setting& setting : settings) {
+  for (const FramePose& setting : settings) {
     const double sum =
         follow(problem, frames, following, setting, kStride, least, progress, poses);
     if (sum >= least) continue;

@@ -367,17 +367,20 @@ void solveParts(const MotionProblem& problem,
 Trajectory solveOffline(const MotionProblem& problem,
                         const MotionOptions& options,
                         const Progress& progress,
-                        const std::vector<hand::HandPose>& start) {
+                        const std::vector<hand::HandPose>& start,
+                        const std::vector<FramePose>& known) {
   validate(problem);
   validate(options);
   HANDGRAFT_REQUIRE(start.empty() || start.size() == problem.time_s.size());
+  for (const FramePose& one : known)
+    HANDGRAFT_REQUIRE(one.frame >= 0 && one.frame < problem.frameCount());
   Trajectory trajectory;
   trajectory.time_s = problem.time_s;
   trajectory.poses = start;
   if (trajectory.poses.empty()) {
     trajectory.poses = problem.avoidance == nullptr
                            ? joinedMinima(problem, options, progress)
-                           : followedMinima(problem, options, progress);
+                           : followedMinima(problem, options, progress, known);
   }
   trajectory.objective.assign(trajectory.poses.size(), 0.0);
   solveParts(problem, options, problem.avoidance == nullptr ? kTouchingStages : kAvoidingStages,

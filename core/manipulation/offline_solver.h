@@ -12,8 +12,9 @@ namespace handgraft::manipulation {
 /// joints within their limits by an active set; limits of velocity and acceleration are charged
 /// from 2 % before them on, more and more.
 ///
-/// Starts from single frames' minima joined so that no finger jumps (motion_starts.h), or from
-/// `start`, a pose a frame; where penetration is charged it should lie out of the object.
+/// Starts from single frames' minima joined so that no finger jumps (motion_starts.h), out
+/// of an object also from poses that somebody knows, `known`; or from `start`, a pose a frame;
+/// where penetration is charged it should lie out of the object.
 ///
 /// Motions of more than `frames_at_once` in parts: the last frames of one are solved anew with
 /// the next, from its last two on, so that nothing shows where they meet.
@@ -24,7 +25,8 @@ namespace handgraft::manipulation {
 Trajectory solveOffline(const MotionProblem& problem,
                         const MotionOptions& options,
                         const Progress& progress,
-                        const std::vector<hand::HandPose>& start = {});
+                        const std::vector<hand::HandPose>& start = {},
+                        const std::vector<FramePose>& known = {});
 
 /// Frames `first` to `end` of an answer anew, from the poses that it has, after the problem
 /// changed there; the others stay to the byte, and the way stays smooth where they meet.

@@ -20,6 +20,12 @@ struct Trajectory {
   int evaluations = 0;  ///< of single frames, all in all
 };
 
+/// A pose that a frame of a motion might have, in O.
+struct FramePose {
+  int frame = 0;
+  hand::HandPose pose;
+};
+
 /// How fast a trajectory goes, of its joints alone: rad or m, over time.
 struct Smoothness {
   double max_step = 0.0;  ///< from one frame to the next

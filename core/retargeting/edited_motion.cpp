@@ -13,6 +13,7 @@
 #include "core/manipulation/offline_solver.h"
 #include "core/placement/place_slider.h"
 #include "core/placement/solids.h"
+#include "core/retargeting/motion_grasps.h"
 #include "core/retargeting/motion_layer.h"
 #include "core/retargeting/motion_places.h"
 #include "core/retargeting/motion_times.h"
@@ -240,16 +241,26 @@ std::shared_ptr<const EditedMotion::Laid> EditedMotion::laid(const Work& work, b
         patch_key.patch = movedOver(*object_O_, patch_key.patch, shift);
     }
   }
+  std::vector<manipulation::FramePose> known;
   if (before) {
     for (std::size_t t = 0; t < edited.tracks.size(); ++t)
       for (std::size_t i = 0; i < edited.tracks[t].keys.size(); ++i)
         edited.tracks[t].keys[i].placement = before->motion.tracks[t].keys[i].placement;
   } else {
-    MotionPlaces(work.document, work.hand, *object_O_, edited).deal(edited);
+    MotionPlaces places(work.document, work.hand, *object_O_, edited);
+    places.deal(edited);
+    if (!work.solving.causal && places.any()) {
+      const std::vector<FrameGrasp> grasps = graspFrames(
+          work.document, work.hand, object_O_, grasp_, edited, work.threads, work.progress);
+      placeAsGrasped(grasps, edited);
+      for (const FrameGrasp& grasp : grasps)
+        known.push_back({grasp.frame, grasp.pose_O});
+    }
   }
   LaidMotion as_laid = layer.lay(edited, work.progress);
-  return std::make_shared<const Laid>(
-      Laid{std::move(key), work.document.hand, std::move(edited), std::move(as_laid)});
+  return std::make_shared<const Laid>(Laid{std::move(key), work.document.hand,
+                                           std::move(edited), std::move(as_laid),
+                                           std::move(known)});
 }
 
 std::vector<manipulation::PairTrack> EditedMotion::weighed(const session::Document& document,
@@ -309,7 +320,8 @@ const EditedMotion::Base& EditedMotion::base(const Work& work) {
     solved.trajectory.notes.clear();
     solveAgain(solved.problem, options, 0, count, work.progress, solved.trajectory);
   } else {
-    solved.trajectory = solveOffline(solved.problem, options, work.progress);
+    solved.trajectory =
+        solveOffline(solved.problem, options, work.progress, {}, as_laid->known);
     slide(work, as_laid, solved);
   }
   solved.notes = remarksOn(*motion_);
@@ -317,6 +329,7 @@ const EditedMotion::Base& EditedMotion::base(const Work& work) {
                       as_laid->laid.notes.end());
   solved.notes.insert(solved.notes.end(), solved.trajectory.notes.begin(),
                       solved.trajectory.notes.end());
+  solved.laid = {as_laid, &as_laid->motion};
   solved.depth_m.assign(static_cast<std::size_t>(count), 0.0);
   measureDepths(work.hand, object_O_, {0, count}, work.threads, work.progress, solved);
   bases_.push_front({work.base_key, std::move(as_laid), made});
@@ -332,11 +345,8 @@ void EditedMotion::slide(const Work& work,
                          std::shared_ptr<const Laid>& laid,
                          SolvedMotion& solved) const {
   const MotionPlaces places(work.document, work.hand, *object_O_, laid->motion);
-  // Exact charts are dear (transfer/staged_transfer.h): on the way quick ones do.
-  session::Document quick = work.document;
-  if (quick.transfer.method == geometry::LogMapMethod::kAuto)
-    quick.transfer.method = geometry::LogMapMethod::kFast;
-  const MotionLayer layer(quick, work.hand, *object_O_, laid->motion);
+  const MotionLayer layer(work.document, work.hand, *object_O_, laid->motion);
+  manipulation::MotionCharts charts;
   const manipulation::MotionOptions& options = work.solving.options;
   const int count = solved.problem.frameCount();
   Laid slid = *laid;
@@ -345,13 +355,14 @@ void EditedMotion::slide(const Work& work,
   bool any = false;
   for (int i = 0; i < kSlides && places.slide(trajectory.poses, slid.motion); ++i) {
     any = true;
-    slid.laid = layer.lay(slid.motion, work.progress);
+    charts.lays_drafts = true;
+    slid.laid = layer.lay(slid.motion, work.progress, {}, &charts);
     problem.tracks = weighed(work.document, slid.laid);
     stepOn(problem, options, work.progress, trajectory);
   }
   if (!any) return;
-  slid.laid = MotionLayer(work.document, work.hand, *object_O_, slid.motion)
-                  .lay(slid.motion, work.progress);
+  charts.lays_drafts = false;
+  slid.laid = layer.lay(slid.motion, work.progress, {}, &charts);
   problem.tracks = weighed(work.document, slid.laid);
   solveAgain(problem, options, 0, count, work.progress, trajectory);
   if (!(costOf(problem, options.fade, trajectory) <

@@ -9,6 +9,7 @@
 
 #include "core/base/progress.h"
 #include "core/manipulation/lay_patches.h"
+#include "core/manipulation/trajectory.h"
 #include "core/retargeting/motion_solving.h"
 #include "core/session/document.h"
 #include "core/session/models.h"
@@ -63,6 +64,7 @@ class EditedMotion {
     std::string hand;
     manipulation::Motion motion;
     manipulation::LaidMotion laid;
+    std::vector<manipulation::FramePose> known;  ///< to set out from
   };
 
   /// An answer without edits at times, and what it answers.

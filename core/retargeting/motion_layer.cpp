@@ -95,7 +95,8 @@ MotionLayer::MotionLayer(const session::Document& document,
 
 LaidMotion MotionLayer::lay(const Motion& motion,
                             const Progress& progress,
-                            const manipulation::MovePlacement& move) const {
+                            const manipulation::MovePlacement& move,
+                            manipulation::MotionCharts* charts) const {
   LaidMotion laid;
   if (lies_on_links_) {
     laid.tracks = layPoints(motion, object_O_, *hand_.model);
@@ -117,7 +118,7 @@ LaidMotion MotionLayer::lay(const Motion& motion,
                             progress);
   }
   return layPatches(motion, surfaces_, *hand_.model, hand_.sites, coordinates_,
-                    document_.transfer, progress, move);
+                    document_.transfer, progress, move, charts);
 }
 
 std::vector<optimize::PointPair> MotionLayer::layKey(const Motion& motion,

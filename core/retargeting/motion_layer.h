@@ -72,7 +72,8 @@ class MotionLayer {
   [[nodiscard]] manipulation::LaidMotion lay(
       const manipulation::Motion& motion,
       const Progress& progress,
-      const manipulation::MovePlacement& move = {}) const;
+      const manipulation::MovePlacement& move = {},
+      manipulation::MotionCharts* charts = nullptr) const;
 
   /// The pairs of one key of a track, its patch moved on both sides.
   /// Errors: InvalidInput naming the patch if it cannot be moved so on the hand.

@@ -30,6 +30,12 @@ MotionPlaces::MotionPlaces(const session::Document& document,
   }
 }
 
+bool MotionPlaces::any() const {
+  return std::any_of(patches_.begin(), patches_.end(), [](const Patch& patch) {
+    return patch.placement.has_value();
+  });
+}
+
 void MotionPlaces::deal(manipulation::Motion& motion) const {
   for (std::size_t t = 0; t < patches_.size(); ++t) {
     const Patch& patch = patches_[t];

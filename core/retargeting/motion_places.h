@@ -26,6 +26,9 @@ class MotionPlaces {
                const geometry::TriangleMesh& object_O,
                const manipulation::Motion& motion);
 
+  /// Whether any patch may slide.
+  [[nodiscard]] bool any() const;
+
   /// Every key's place: its own coordinates, on the finger that the document's matching dealt
   /// to the patch.
   void deal(manipulation::Motion& motion) const;

@@ -28,6 +28,8 @@ using manipulation::PatchTrack;
 using Pairs = std::vector<optimize::PointPair>;
 
 constexpr int kShares = 12;  // steps in which a patch goes to an edited root
+// Farther on the hand it fades out and in: halfway between two fingers there is none.
+constexpr double kFarOnHand_m = 0.025;
 
 /// Pairs of what is held at a place, as firm as it is among what one frame has.
 void holdAt(const optimize::DragTarget& target,
@@ -104,9 +106,16 @@ class EditsAtTimes {
   [[nodiscard]] Shift rootShift(const session::PatchRootEdit& edit,
                                 const PatchKey& there,
                                 const MotionLayer& layer) const;
-  [[nodiscard]] std::map<int, Shifts> shiftsOf(std::size_t patch,
-                                               const PatchTrack& track,
-                                               const MotionLayer& layer) const;
+
+  /// How far a patch is moved at a frame, and how much of it is there.
+  struct Move {
+    Shifts shifts;
+    double fade = 1.0;
+  };
+
+  [[nodiscard]] std::map<int, Move> movesOf(std::size_t patch,
+                                            const PatchTrack& track,
+                                            const MotionLayer& layer) const;
   void moveTrack(int track, std::size_t patch, const MotionLayer& layer);
 
   const LaidOut& at_;
@@ -245,10 +254,10 @@ Shift EditsAtTimes::rootShift(const session::PatchRootEdit& edit,
 }
 
 /// Of a track's frames that edits move, in a few steps: each is laid onto the hand.
-std::map<int, Shifts> EditsAtTimes::shiftsOf(std::size_t patch,
-                                             const PatchTrack& track,
-                                             const MotionLayer& layer) const {
-  std::map<int, Shifts> shifts;
+std::map<int, EditsAtTimes::Move> EditsAtTimes::movesOf(std::size_t patch,
+                                                        const PatchTrack& track,
+                                                        const MotionLayer& layer) const {
+  std::map<int, Move> moves;
   for (const session::TimedEdit& edit : at_.document.timed) {
     const std::string* name = movedPatchOf(edit);
     if (name == nullptr || *name != this->patch(patch).name) continue;
@@ -258,22 +267,28 @@ std::map<int, Shifts> EditsAtTimes::shiftsOf(std::size_t patch,
     const Shift to = root != nullptr ? rootShift(*root, track.keyAt(at), layer) : Shift();
     for (const auto& [frame, influence] : influencesOf(edit)) {
       if (frame < track.begin() || frame >= track.end) continue;
-      const double share = std::round(kShares * influence) / kShares;
-      Shifts& both = shifts[frame];
-      Shift& shift = sideOf(edit) == session::Side::kObject ? both.on_object : both.on_hand;
+      Move& move = moves[frame];
+      Shift& shift =
+          sideOf(edit) == session::Side::kObject ? move.shifts.on_object : move.shifts.on_hand;
+      double share = std::round(kShares * influence) / kShares;
+      if (root != nullptr && root->side == session::Side::kHand &&
+          (to.way_T - shift.way_T).norm() > kFarOnHand_m) {
+        move.fade *= std::abs(2.0 * influence - 1.0);
+        share = influence >= 0.5 ? 1.0 : 0.0;
+      }
       if (root != nullptr)
         shift.way_T += share * (to.way_T - shift.way_T);
       else
         shift.turn_rad += share * std::get<session::PatchDirectionEdit>(edit.change).angle_rad;
     }
   }
-  return shifts;
+  return moves;
 }
 
 void EditsAtTimes::moveTrack(int index, std::size_t patch, const MotionLayer& layer) {
   const int motion_track = at_.laid.track_of[static_cast<std::size_t>(index)];
   const PatchTrack& track = at_.motion.tracks[static_cast<std::size_t>(motion_track)];
-  const std::map<int, Shifts> shifts = shiftsOf(patch, track, layer);
+  const std::map<int, Move> moves = movesOf(patch, track, layer);
   const double factor = shareOf(this->patch(patch), ownWeight(patch));
   PairTrack& laid = problem_.tracks[static_cast<std::size_t>(index)];
   const std::vector<PairSpan> before = std::move(laid.spans);
@@ -287,8 +302,10 @@ void EditsAtTimes::moveTrack(int index, std::size_t patch, const MotionLayer& la
   for (const PairSpan& span : before)
     spans[span.begin] = span.pairs;
   std::map<std::pair<const PatchKey*, Shifts>, Pairs> known;
-  for (const auto& [frame, shift] : shifts) {
+  for (const auto& [frame, move] : moves) {
     progress_.checkpoint();
+    const Shifts& shift = move.shifts;
+    if (move.fade < 1.0) problem_.own[frame].fades[index] = move.fade;
     if (shift.isNone()) {
       spans[frame] = pairsBefore(frame);
     } else {
@@ -304,7 +321,7 @@ void EditsAtTimes::moveTrack(int index, std::size_t patch, const MotionLayer& la
       }
       spans[frame] = found->second;
     }
-    if (shifts.count(frame + 1) == 0 && frame + 1 < laid.end && spans.count(frame + 1) == 0)
+    if (moves.count(frame + 1) == 0 && frame + 1 < laid.end && spans.count(frame + 1) == 0)
       spans[frame + 1] = pairsBefore(frame + 1);
   }
   laid.spans.clear();

@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "core/retargeting/edited_motion.h"
+#include "core/retargeting/motion_grasps.h"
+#include "core/retargeting/motion_layer.h"
+#include "core/session/timed_edit.h"
 
 #include "tests/core/session/two_plates.h"
 
@@ -94,6 +97,116 @@ TEST_F(MotionOfPlates, LeavesPatchesWhereTheySlidAfterAnEdit) {
   EXPECT_EQ(placesOf(*after), placesOf(*before));
   EXPECT_NE(after->problem.tracks[0].spans[0].pairs[0].weight,
             before->problem.tracks[0].spans[0].pairs[0].weight);
+}
+
+TEST_F(MotionOfPlates, ItsFramesAreGraspedAsASessionDoes) {
+  const TwoPlates plates;
+  auto motion = std::make_shared<manipulation::Motion>(*heldTo(plates));
+  motion->tracks[1].keys.resize(1);
+  motion->tracks[1].end = 10;
+  const session::Document document = touching(plates);
+  const std::vector<FrameGrasp> grasps =
+      graspFrames(document, plates.hand, plates.plate, graspOf(*motion, *plates.plate), *motion,
+                  1, Progress());
+  // The middle of what has most patches in each third: 0 to 9, 13 to 25, 26 to 39.
+  ASSERT_EQ(grasps.size(), 3u);
+  EXPECT_EQ(grasps[0].frame, 5);
+  EXPECT_EQ(grasps[1].frame, 19);
+  EXPECT_EQ(grasps[2].frame, 33);
+  session::Session session = plates.open();
+  session::Solving solving;
+  solving.avoid_penetration = false;
+  const session::Solution solution = session.solve(solving, {}, Progress());
+  for (std::size_t t = 0; t < 2; ++t) {
+    ASSERT_TRUE(grasps[0].placements[t].has_value());
+    EXPECT_EQ(grasps[0].placements[t]->root_S.face, solution.patches[t].placement->root_S.face);
+    EXPECT_EQ(grasps[0].placements[t]->direction_S, solution.patches[t].placement->direction_S);
+  }
+  EXPECT_EQ(grasps[0].pose_O.X_WH.matrix(), solution.report.pose.X_WH.matrix());
+  EXPECT_TRUE(grasps[1].placements[0].has_value());
+  EXPECT_FALSE(grasps[1].placements[1].has_value()) << "it has gone";
+
+  placeAsGrasped(grasps, *motion);
+  const auto faceOf = [&](const manipulation::PatchKey& key) {
+    return key.placement->root_S.face;
+  };
+  EXPECT_EQ(faceOf(motion->tracks[0].keys[0]), grasps[0].placements[0]->root_S.face);
+  EXPECT_EQ(faceOf(motion->tracks[0].keys[1]), grasps[1].placements[0]->root_S.face);
+  EXPECT_EQ(faceOf(motion->tracks[1].keys[0]), grasps[0].placements[1]->root_S.face);
+}
+
+TEST_F(MotionOfPlates, ChartsThatAreKeptLayThePatchesAlike) {
+  const TwoPlates plates;
+  manipulation::Motion motion = *heldTo(plates);
+  const session::Document document = touching(plates);
+  const MotionLayer layer(document, plates.hand, *plates.plate, motion);
+  MotionPlaces(document, plates.hand, *plates.plate, motion).deal(motion);
+  manipulation::MotionCharts charts;
+  charts.lays_drafts = true;
+  (void)layer.lay(motion, Progress(), {}, &charts);
+  // Another place, then in full: what was kept must not show.
+  const geometry::TriangleMesh& skin_S = plates.hand.skin->mesh();
+  auto& placement = *motion.tracks[0].keys[0].placement;
+  placement = transfer::movedTo(
+      skin_S, placement,
+      plates.hand.skin->locator()
+          .nearest(positionOf(skin_S, placement.root_S) + Eigen::Vector3d(0.003, 0.0, 0.0))
+          .point);
+  charts.lays_drafts = false;
+  const manipulation::LaidMotion kept = layer.lay(motion, Progress(), {}, &charts);
+  const manipulation::LaidMotion anew = layer.lay(motion, Progress());
+  ASSERT_EQ(kept.tracks.size(), anew.tracks.size());
+  for (std::size_t t = 0; t < anew.tracks.size(); ++t)
+    for (std::size_t i = 0; i < anew.tracks[t].spans.size(); ++i) {
+      const auto& a = anew.tracks[t].spans[i].pairs;
+      const auto& b = kept.tracks[t].spans[i].pairs;
+      ASSERT_EQ(a.size(), b.size());
+      for (std::size_t p = 0; p < a.size(); ++p)
+        EXPECT_EQ(a[p].p_L, b[p].p_L);
+    }
+}
+
+// Halfway between two fingers there is no finger: a patch goes from one and comes to the other.
+TEST_F(MotionOfPlates, ARootFarAwayOnTheHandFadesOutAndIn) {
+  TwoPlates plates;
+  plates.hand.sites_are_found = false;  // nothing slides
+  EditedMotion bench(heldTo(plates), plates.plate);
+  session::Document document = touching(plates);
+  const geometry::TriangleMesh& skin_S = plates.hand.skin->mesh();
+  const Eigen::Vector3d old_S = positionOf(skin_S, document.patches[1].placement->root_S);
+  const Eigen::Vector3d new_S = old_S + Eigen::Vector3d(0.0, 0.03, 0.0);
+  session::Models models;
+  models.hand = &plates.hand;
+  models.object_O = plates.plate;
+  const session::PatchRootEdit far{"index", session::Side::kHand,
+                                   plates.hand.skin->locator().nearest(new_S).point};
+  constexpr int kAt = 20;
+  session::addTimed({{kAt / 120.0, 0.1}, far}, models, document);
+  const auto solved = solve(bench, plates, document);
+  const manipulation::FrameProblems frames(solved->problem, solved->solving.options.fade);
+  const auto motion = heldTo(plates);
+  const MotionFits fits(*motion, *solved);
+  double least = 1.0;
+  for (int k = 0; k < kFrames; ++k) {
+    Eigen::Vector3d middle_S = Eigen::Vector3d::Zero();
+    int count = 0;
+    for (const optimize::PointPair& pair :
+         frames.at(k, solved->trajectory.poses[static_cast<std::size_t>(k)]).pairs) {
+      if (pair.patch != 1) continue;
+      middle_S += pair.p_L;  // the rigid plate's link is its skin
+      ++count;
+    }
+    double presence = 0.0;
+    for (const PatchFrameFit& fit : fits.at(k))
+      if (fit.patch == 1) presence = fit.presence;
+    least = std::min(least, presence);
+    if (count == 0) continue;
+    middle_S /= count;
+    const double off = std::min((middle_S - old_S).norm(), (middle_S - new_S).norm());
+    EXPECT_LT(off, 3e-3) << "frame " << k;
+    EXPECT_TRUE(k != kAt || (middle_S - new_S).norm() < 3e-3);
+  }
+  EXPECT_LT(least, 0.3);
 }
 
 TEST_F(MotionOfPlates, HasTheSameBytesOnTwoThreads) {
