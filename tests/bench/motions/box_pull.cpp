@@ -1,15 +1,11 @@
 #include "tests/bench/motions/box_pull.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <memory>
+#include <string>
 #include <vector>
 
-#include <fmt/format.h>
-
-#include "client/present/render/png_file.h"
-#include "client/present/render/two_views.h"
 #include "core/hand/finger_coordinates.h"
 #include "core/io/contact_file.h"
 #include "core/io/mesh_file.h"
@@ -25,21 +21,6 @@
 namespace handgraft::bench {
 
 namespace {
-
-namespace render = client::render;
-using render::Color;
-
-constexpr Color kHandColor{222, 190, 160};
-constexpr Color kBoxColor{150, 170, 190};
-constexpr std::array<Color, 6> kColors{{{214, 39, 40},
-                                        {31, 119, 180},
-                                        {44, 160, 44},
-                                        {255, 127, 14},
-                                        {148, 103, 189},
-                                        {23, 190, 207}}};
-constexpr int kWidth = 1200;
-constexpr int kHeight = 560;  // of a frame
-constexpr int kShown = 6;     // frames of a strip
 
 /// Pulled 25 cm off the shelf, turned, put down lower.
 std::vector<manipulation::ObjectKey> pathOfBox() {
@@ -66,77 +47,10 @@ contact::ContactSet lastGrasp(const geometry::TriangleMesh& box_O,
   return last;
 }
 
-render::SurfaceMesh surfaceOf(const geometry::TriangleMesh& mesh, const Pose& X, Color color) {
-  render::SurfaceMesh result;
-  result.color = color;
-  for (int v = 0; v < mesh.vertexCount(); ++v)
-    result.vertices_W.emplace_back((X * mesh.vertex(v)).cast<float>());
-  for (int f = 0; f < mesh.faceCount(); ++f) {
-    const Eigen::Vector3i face = mesh.face(f);
-    result.triangles.push_back({static_cast<std::uint32_t>(face[0]),
-                                static_cast<std::uint32_t>(face[1]),
-                                static_cast<std::uint32_t>(face[2])});
-  }
-  return result;
-}
-
-/// The hand at a frame, seen from the box, which therefore stands still.
-render::Scene sceneAt(const hand::HandModel& model,
-                      const hand::HandPose& pose,
-                      const geometry::TriangleMesh& box_O,
-                      const manipulation::Motion& motion,
-                      int frame) {
-  render::Layer hand_layer{0.86, {}, {}};
-  const hand::LinkPoses X_OL = hand::forwardKinematics(model, pose);
-  for (std::size_t i = 0; i < X_OL.size(); ++i)
-    for (const hand::Shape& shape : model.links()[i].surface())
-      hand_layer.meshes.push_back(surfaceOf(shape.mesh_L, X_OL[i], kHandColor));
-  render::Layer box_layer{0.66, {surfaceOf(box_O, Pose::Identity(), kBoxColor)}, {}};
-  for (std::size_t t = 0; t < motion.tracks.size(); ++t) {
-    const manipulation::PatchTrack& track = motion.tracks[t];
-    if (frame < track.begin() || frame >= track.end) continue;
-    std::vector<Eigen::Vector3f> loop;
-    for (const auto& point : track.keyAt(frame).patch.interpolation_boundary)
-      loop.emplace_back(positionOf(box_O, point).cast<float>());
-    box_layer.decals.push_back({loop, 0.006F, kColors[t % kColors.size()]});
-  }
-  render::Scene scene;
-  scene.layers = {box_layer, hand_layer};
-  return scene;
-}
-
-void drawStrip(const std::string& file,
-               const hand::HandModel& model,
-               const geometry::TriangleMesh& box_O,
-               const manipulation::Motion& motion,
-               const manipulation::Trajectory& trajectory,
-               const std::vector<manipulation::FrameFit>& fits) {
-  constexpr int kColumns = 2;
-  render::Image whole(kColumns * kWidth, kShown / kColumns * kHeight);
-  const auto views =
-      render::viewsAllAround(sceneAt(model, trajectory.poses.front(), box_O, motion, 0));
-  for (int i = 0; i < kShown; ++i) {
-    const int frame = i * (motion.frameCount() - 1) / (kShown - 1);
-    const auto index = static_cast<std::size_t>(frame);
-    render::Caption caption;
-    caption.title = fmt::format("{:.2f} s", motion.time_s[index]);
-    caption.subtitle = fmt::format("{} points, {:.1f} mm, {:.0f} deg", fits[index].points,
-                                   fits[index].mean_mm, fits[index].normal_deg);
-    const render::Image part =
-        render::renderTwoViews(sceneAt(model, trajectory.poses[index], box_O, motion, frame),
-                               caption, views, {kWidth, kHeight});
-    for (int y = 0; y < kHeight; ++y)
-      for (int x = 0; x < kWidth; ++x)
-        whole.at(i % kColumns * kWidth + x, i / kColumns * kHeight + y) = part.at(x, y);
-  }
-  render::writePng(file, whole);
-}
-
 }  // namespace
 
 void runBoxPull(const std::filesystem::path& models,
                 const std::filesystem::path& cache,
-                const std::string& picture,
                 const manipulation::MotionOptions& options) {
   const io::MeshFile file = io::readMesh(models / "objects/box.obj");
   const auto box_O = std::make_shared<const geometry::TriangleMesh>(file.mesh);
@@ -162,8 +76,8 @@ void runBoxPull(const std::filesystem::path& models,
     const manipulation::Trajectory trajectory =
         manipulation::solveOffline(problem, options, Progress());
     const double ms = (threadMilliseconds() - before) / motion.frameCount();
-    const auto fits = manipulation::fitFrames(problem, trajectory.poses);
-    const manipulation::FrameFit fit = manipulation::meanFit(fits);
+    const manipulation::FrameFit fit =
+        manipulation::meanFit(manipulation::fitFrames(problem, trajectory.poses));
     const manipulation::Smoothness smoothness =
         manipulation::measureSmoothness(problem, trajectory.poses);
     double depth = 0.0;
@@ -177,10 +91,6 @@ void runBoxPull(const std::filesystem::path& models,
                 smoothness.max_step, smoothness.max_velocity, smoothness.rms_jerk, ms);
     for (const std::string& note : laid.notes)
       std::printf("%s: %s\n", name.c_str(), note.c_str());
-    if (picture.empty()) continue;
-    std::filesystem::path strip = picture;
-    strip.replace_filename(strip.stem().string() + "_" + name + ".png");
-    drawStrip(strip.string(), *hand.model, *box_O, motion, trajectory, fits);
   }
 }
 

@@ -47,7 +47,6 @@ struct MotionsArguments {
   double margin_m = optimize::Avoidance{}.margin_m;
   int repeat = 0;
   std::string library;
-  std::string picture;
   bool edits = false;
   int single = 0;
   bool offline_only = false;
@@ -329,7 +328,7 @@ void runMotions(const MotionsArguments& arguments) {
     MotionOptions options;
     options.smoothness = arguments.smoothness;
     options.fade.seconds = arguments.fade_s;
-    runBoxPull(arguments.library, arguments.cache, arguments.picture, options);
+    runBoxPull(arguments.library, arguments.cache, options);
     if (arguments.edits) runMotionEdits(arguments.library, arguments.cache);
   }
   if (arguments.data.empty()) return;
@@ -368,7 +367,6 @@ void addMotionsCommand(CLI::App& app) {
   command->add_option("data", arguments->data, "Folder of contacts, hands and objects");
   command->add_option("--library", arguments->library,
                       "The built-in models: a box is pulled off a shelf");
-  command->add_option("--png", arguments->picture, "Strips of that, a file a hand");
   command->add_option("--cache", arguments->cache, "Folder that keeps the skins")
       ->capture_default_str();
   command->add_option("--smoothness", arguments->smoothness, "Offline")->capture_default_str();

@@ -23,6 +23,7 @@ struct Way {
   const char* name;
   std::function<void(optimize::PoseProblem&)> change;
   int rounds = 0;  ///< of weights by 1 / distance: towards the least mean distance
+  int starts = optimize::kDefaultStarts;
 };
 
 std::vector<double> residuals(const optimize::PoseProblem& problem,
@@ -41,10 +42,11 @@ void printSingleFrames(const MotionProblem& problem,
                        const std::shared_ptr<const hand::Skin>& skin,
                        const std::shared_ptr<const geometry::TriangleMesh>& object_O,
                        std::size_t stride) {
-  const auto inside = [](double margin_m) {
-    return [margin_m](optimize::PoseProblem& single) {
+  const auto inside = [](double margin_m, double firmness = 1.0) {
+    return [margin_m, firmness](optimize::PoseProblem& single) {
       auto avoidance = std::make_shared<optimize::Avoidance>(*single.avoidance);
       avoidance->margin_m = margin_m;
+      avoidance->weight *= firmness;
       single.avoidance = std::move(avoidance);
     };
   };
@@ -64,6 +66,8 @@ void printSingleFrames(const MotionProblem& problem,
       {"out, least mean distance", [](optimize::PoseProblem&) {}, 6},
       {"1.5 mm inside, least mean distance", inside(-0.0015), 6},
       {"1.8 mm inside, least mean distance", inside(-0.0018), 6},
+      // A bound: what no single frame can do within 2 mm, no motion can.
+      {"1.9 mm inside, firmly, least mean distance", inside(-0.0019, 16.0), 12, 256},
   };
   const manipulation::FrameProblems frames(problem, {0.0, true});
   std::printf(
@@ -78,7 +82,9 @@ void printSingleFrames(const MotionProblem& problem,
       optimize::PoseProblem single = frames.at(static_cast<int>(k), starts[k]);
       way.change(single);
       const std::vector<optimize::PointPair> pairs = single.pairs;
-      const optimize::SolveReport report = optimize::solve(single, {}, Progress());
+      optimize::SolveOptions searching;
+      searching.starts = way.starts;
+      const optimize::SolveReport report = optimize::solve(single, searching, Progress());
       hand::HandPose pose = report.pose;
       double least = std::numeric_limits<double>::infinity();
       for (const optimize::Minimum& minimum : report.minima) {
