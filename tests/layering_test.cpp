@@ -69,7 +69,8 @@ const std::vector<Layer> kLayers = {
      {"eigen", "fmt"}},
     {"core/sweep",
      {"core/base", "core/geometry", "core/hand", "core/contact", "core/transfer",
-      "core/optimize", "core/placement", "core/session"},
+      "core/optimize", "core/manipulation", "core/placement", "core/session",
+      "core/retargeting"},
      {"eigen", "fmt"}},
     {"core/io", kCore, {"eigen", "fmt"}},
     {"core/include", kCore, {}},  // handgraft/core.h

@@ -16,6 +16,7 @@
 #include "core/optimize/worker_pool.h"
 #include "core/placement/solids.h"
 #include "core/sweep/sweep_grasp.h"
+#include "core/sweep/sweep_motion.h"
 
 namespace handgraft::sweep {
 namespace {
@@ -175,9 +176,13 @@ class Sweep {
  private:
   void solveBases() {
     bases_.resize(grasps_.size());
+    motions_.resize(grasps_.size());
     const auto solveOne = [&](std::size_t i) {
       const int threads = grasps_.size() == 1 ? options_.threads : 1;
-      bases_[i] = solveBase(hand_, grasps_[i], options_, threads, quiet_);
+      if (grasps_[i].motion)
+        motions_[i] = solveMotionBase(hand_, grasps_[i], options_, threads, quiet_);
+      else
+        bases_[i] = solveBase(hand_, grasps_[i], options_, threads, quiet_);
       tell("solving the grasps on the hand as it is", grasps_.size());
     };
     forEach(grasps_.size() == 1 ? nullptr : &pool_, grasps_.size(), solveOne);
@@ -203,15 +208,20 @@ class Sweep {
     if (options_.solving.avoids() && solid == nullptr)
       solid = placement::solidOf(hand_.model, hand_.skin, quiet_);
     std::vector<LaidGrasp> laid(grasps_.size());
+    std::vector<LaidSweepMotion> laid_motions(grasps_.size());
     forEach(pool, grasps_.size(), [&](std::size_t i) {
-      laid[i] =
-          layGrasp(bases_[i], *hand_.skin, bent ? &*bent : nullptr, options_.transfer, quiet_);
+      const transfer::Surfaces* onto = bent ? &*bent : nullptr;
+      if (grasps_[i].motion)
+        laid_motions[i] = layMotion(motions_[i], hand_, *grasps_[i].object_O, onto,
+                                    options_.transfer, quiet_);
+      else
+        laid[i] = layGrasp(bases_[i], *hand_.skin, onto, options_.transfer, quiet_);
     });
     forEach(pool, combinations.size() * grasps_.size(), [&](std::size_t i) {
       const std::size_t combination = combinations[i / grasps_.size()];
       const std::size_t grasp = i % grasps_.size();
       rows_[combination * grasps_.size() + grasp] =
-          solveRow(combination, grasp, laid[grasp], solid);
+          solveRow(combination, grasp, laid[grasp], laid_motions[grasp], solid);
       tell("sweeping", rows_.size());
     });
   }
@@ -229,48 +239,58 @@ class Sweep {
   SweepRow solveRow(std::size_t combination,
                     std::size_t grasp,
                     const LaidGrasp& laid,
+                    const LaidSweepMotion& laid_motion,
                     const std::shared_ptr<const hand::HandSolid>& solid) {
     progress_.checkpoint();
     SweepRow row;
     row.grasp = static_cast<int>(grasp);
     for (std::size_t a = 0; a < axes_.size(); ++a)
       row.values.push_back(axes_[a].values[combinations_[combination][a]]);
-    row.error = laid.error;
+    const bool is_motion = grasps_[grasp].motion != nullptr;
+    row.error = is_motion ? laid_motion.error : laid.error;
     if (!row.error.empty()) return row;
-    const SweepBase& base = bases_[grasp];
     try {
-      if (laid.pairs.empty()) rejectInput("no patch has a point on the hand");
-      hand::HandVariant variant =
+      const hand::HandVariant variant =
           hand::makeVariant(*hand_.model, hand_.model->name(),
                             changesOf(axes_, combinations_[combination], Which::kAll),
                             hand::VariantSurfaces::kLeftOut);
-      const Eigen::VectorXd q_start = hand::poseOfVariant(variant, base.solved.q);
-      PoseProblem problem = optimize::makeProblem(
-          std::make_shared<const hand::HandModel>(std::move(variant.model)));
-      problem.pairs = laid.pairs;
-      problem.weights = options_.weights;
-      problem.normal_form = options_.solving.normal_form;
-      problem.start = {base.solved.X_WH, q_start};
-      problem.prior = base.prior;  // also beyond a row's limits: all rows are pulled alike
-      problem.prior_weights = base.prior_weights;
+      std::shared_ptr<optimize::Avoidance> avoidance;
       if (solid != nullptr) {
-        auto avoidance = std::make_shared<optimize::Avoidance>();
+        avoidance = std::make_shared<optimize::Avoidance>();
         avoidance->hand = solid;
         avoidance->object_O = placement::solidOf(grasps_[grasp].object_O, quiet_);
-        problem.avoidance = std::move(avoidance);
       }
-
       const auto begin = std::chrono::steady_clock::now();
-      const optimize::SolveReport report =
-          optimize::solve(problem, session::solveOptions(options_.solving), quiet_);
+      if (is_motion)
+        solveMotionRow(motions_[grasp], laid_motion, variant, avoidance, quiet_, row);
+      else
+        solveGrasp(bases_[grasp], laid, variant, avoidance, row);
       const std::chrono::duration<double, std::milli> spent =
           std::chrono::steady_clock::now() - begin;
       row.solve_ms = spent.count();
-      fill(problem, base.patches, report, row);
     } catch (const InvalidInput& error) {
       row.error = error.what();
     }
     return row;
+  }
+
+  void solveGrasp(const SweepBase& base,
+                  const LaidGrasp& laid,
+                  const hand::HandVariant& variant,
+                  std::shared_ptr<const optimize::Avoidance> avoidance,
+                  SweepRow& row) {
+    if (laid.pairs.empty()) rejectInput("no patch has a point on the hand");
+    PoseProblem problem =
+        optimize::makeProblem(std::make_shared<const hand::HandModel>(variant.model));
+    problem.pairs = laid.pairs;
+    problem.weights = options_.weights;
+    problem.normal_form = options_.solving.normal_form;
+    problem.start = {base.solved.X_WH, hand::poseOfVariant(variant, base.solved.q)};
+    problem.prior = base.prior;  // also beyond a row's limits: all rows are pulled alike
+    problem.prior_weights = base.prior_weights;
+    problem.avoidance = std::move(avoidance);
+    fill(problem, base.patches,
+         optimize::solve(problem, solveOptions(options_.solving), quiet_), row);
   }
 
   /// One more of `count` is done.
@@ -289,6 +309,7 @@ class Sweep {
   std::vector<Combination> combinations_;
   std::vector<SweepRow> rows_;
   std::vector<SweepBase> bases_;
+  std::vector<SweepMotionBase> motions_;
   std::optional<hand::SkinBending> bending_;
   std::mutex mutex_;
   std::size_t told_ = 0;

@@ -10,16 +10,18 @@
 #include "core/contact/contact_set.h"
 #include "core/geometry/triangle_mesh.h"
 #include "core/hand/variant.h"
+#include "core/manipulation/motion.h"
 #include "core/optimize/solve_report.h"
 #include "core/session/session.h"
 #include "core/session/solving.h"
 
 namespace handgraft::sweep {
 
-/// One grasp of a study: contacts on an object, whose frame is the world.
+/// One grasp of a study: contacts on an object, whose frame is the world; or a motion.
 struct SweepGrasp {
   std::shared_ptr<const geometry::TriangleMesh> object_O;
   contact::ContactSet contacts;
+  std::shared_ptr<const manipulation::Motion> motion = nullptr;  ///< instead of contacts
 };
 
 /// One property of the hand and the values that it takes.
@@ -44,7 +46,19 @@ struct LimitedJoint {
   bool operator==(const LimitedJoint&) const = default;
 };
 
-/// One grasp by one variant of the hand.
+/// In how many frames of a motion a patch is there, by half at least, and in how many of these
+/// it is reached.
+struct SweepPatch {
+  std::string name;
+  int frames = 0;
+  int reached = 0;
+  int point_count = 0;  ///< over all these frames, likewise the means
+  double mean_mm = 0.0;
+  double max_mm = 0.0;  ///< largest mean of a frame
+  double normal_deg = 0.0;
+};
+
+/// One grasp, or motion, by one variant of the hand.
 struct SweepRow {
   int grasp = 0;               ///< index into those asked for
   std::vector<double> values;  ///< one per axis
@@ -56,10 +70,13 @@ struct SweepRow {
   double max_mm = 0.0;
   double normal_deg = 0.0;
   int patch_count = 0;    ///< of those that have a place on the hand and count
-  int reached_count = 0;  ///< of those, as optimize/diagnosis.h has it
-  std::vector<LimitedJoint> joints_at_limit;
-  Eigen::VectorXd q;
-  double solve_ms = 0.0;  ///< not part of the promise below
+  int reached_count = 0;  ///< of those, as optimize/diagnosis.h has it; in all their frames
+  std::vector<LimitedJoint> joints_at_limit;  ///< in half of a motion's frames at least
+  Eigen::VectorXd q;                          ///< of a grasp
+  std::vector<SweepPatch> patches;            ///< of a motion, in the order of patchNames
+  int frame_count = 0;     ///< of a motion: those in which a patch is there, by half at least
+  int frames_reached = 0;  ///< of those: in which all that are there are reached
+  double solve_ms = 0.0;   ///< not part of the promise below
 };
 
 inline constexpr std::size_t kMostSweepRows = 100'000;
@@ -74,12 +91,15 @@ inline constexpr std::size_t kMostSweepRows = 100'000;
 /// starts of `solving`), with the prior that a fresh session has. So a row depends on its grasp
 /// and values alone: it is the same in every sweep, in any order, on any number of threads.
 ///
+/// A motion is followed offline, from what its base does and from nothing; the better of both.
+/// Distances of a motion are means over all its frames, `terms` the sum's objective alone.
+///
 /// An InvalidInput of one row (limits that cross) or grasp is told in its rows' `error`.
 /// Errors: InvalidInput for no grasp, an axis without values, with values out of range or
 ///   without such a joint or link, one varied twice, more than kMostSweepRows rows, options out
 ///   of range. Cancelled on wish.
-/// Cost: a session's solve a grasp, then one solve a row (1-10 ms); 50 ms a variant of another
-///   shape, and about a millisecond a patch laid on it.
+/// Cost: a session's solve a grasp, then one solve a row (1-10 ms; of a motion 5 ms a frame);
+///   50 ms a variant of another shape, and about a millisecond a patch laid on it.
 std::vector<SweepRow> sweep(const hand::Hand& hand,
                             const std::vector<SweepGrasp>& grasps,
                             const std::vector<SweepAxis>& axes,

@@ -3,29 +3,13 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/geometry/tangent.h"
+#include "core/sweep/sweep_places.h"
 #include "core/transfer/staged_transfer.h"
 
 namespace handgraft::sweep {
 namespace {
 
 using optimize::PointPair;
-
-/// `direction_S` of a place on one mesh, as the same face of another mesh has it.
-Eigen::Vector3d directionOn(const geometry::TriangleMesh& to,
-                            const geometry::TriangleMesh& from,
-                            const geometry::SurfacePoint& place,
-                            const Eigen::Vector3d& direction) {
-  const auto edgesOf = [&](const geometry::TriangleMesh& mesh) {
-    const Eigen::Vector3i face = mesh.face(place.face);
-    Eigen::Matrix<double, 3, 2> edges;
-    edges.col(0) = mesh.vertex(face[1]) - mesh.vertex(face[0]);
-    edges.col(1) = mesh.vertex(face[2]) - mesh.vertex(face[0]);
-    return edges;
-  };
-  const Eigen::Vector2d along = edgesOf(from).colPivHouseholderQr().solve(direction);
-  return tangentAt(to, place, edgesOf(to) * along).value_or(anyTangentAt(to, place));
-}
 
 void append(const std::vector<transfer::Correspondence>& correspondences,
             int patch,
@@ -92,11 +76,10 @@ LaidGrasp layGrasp(const SweepBase& base,
       transfer::StagedTransfer stages = item.stages;  // with the object's chart
       transfer::Surfaces surfaces = *bent;
       surfaces.object_O = base.object_O;
-      const transfer::Placement placement{
-          item.placement->root_S,
-          directionOn(bent->skin->mesh(), original.mesh(), item.placement->root_S,
-                      item.placement->direction_S)};
-      append(stages.lay(surfaces, item.patch, placement, options).correspondences,
+      append(stages
+                 .lay(surfaces, item.patch,
+                      carriedAlong(original, *bent->skin, *item.placement), options)
+                 .correspondences,
              static_cast<int>(i), laid.pairs);
     }
   } catch (const InvalidInput& error) {
