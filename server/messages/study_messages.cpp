@@ -1,5 +1,7 @@
 #include "server/messages/study_messages.h"
 
+#include <algorithm>
+
 #include "core/base/error.h"
 #include "server/messages/convert.h"
 
@@ -46,6 +48,25 @@ v1::SweepRow toMessage(const sweep::SweepRow& row) {
     message.joints_at_limit().push_back(limitOf(limit.joint, limit.upper));
   message.joint_positions({row.q.data(), row.q.data() + row.q.size()});
   message.solve_ms(row.solve_ms);
+  return message;
+}
+
+v1::SweepRow toMessage(const sweep::SweepRow& row, const std::string& patch) {
+  v1::SweepRow message = toMessage(row);
+  message.patch_count(static_cast<std::uint32_t>(row.frame_count));
+  message.reached_count(static_cast<std::uint32_t>(row.frames_reached));
+  if (patch.empty()) return message;
+  const auto found =
+      std::find_if(row.patches.begin(), row.patches.end(), [&](const sweep::SweepPatch& one) {
+        return one.name == patch;
+      });
+  const sweep::SweepPatch fit = found == row.patches.end() ? sweep::SweepPatch() : *found;
+  message.patch_count(static_cast<std::uint32_t>(fit.frames));
+  message.reached_count(static_cast<std::uint32_t>(fit.reached));
+  message.point_count(static_cast<std::uint32_t>(fit.point_count));
+  message.mean_mm(fit.mean_mm);
+  message.max_mm(fit.max_mm);
+  message.normal_deg(fit.normal_deg);
   return message;
 }
 

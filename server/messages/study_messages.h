@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "core/hand/variant.h"
 #include "core/sweep/sweep.h"
 #include "idl/studies.h"
@@ -17,5 +19,8 @@ sweep::SweepAxis axisFrom(const v1::SweepAxis& axis);
 // === To the wire
 
 v1::SweepRow toMessage(const sweep::SweepRow& row);
+
+/// Of a motion: what it says of one of its patches; without one, of all of them.
+v1::SweepRow toMessage(const sweep::SweepRow& row, const std::string& patch);
 
 }  // namespace handgraft::server

@@ -74,6 +74,53 @@ TEST(Sweep, OfTheBuiltInGraspsGivesATableAndAPicture) {
   EXPECT_EQ(std::string(std::istreambuf_iterator<char>(png), {}).substr(1, 3), "PNG");
 }
 
+TEST(Sweep, OfAMotionTellsInHowManyFramesEachPatchIsReached) {
+  const SharedSkins skins;
+  const Service service;
+  const auto scratch = scratchDirectory();
+  const std::string path = (scratch / "path.csv").string();
+  std::ofstream(path)
+      << "time_s,x,y,z,qw,qx,qy,qz\n0,0,0,0.3,1,0,0,0\n0.5,-0.05,0,0.3,1,0,0,0\n";
+  const std::string file = (scratch / "pull.json").string();
+  (void)service.ask({"motion", "join", "box_5", "box_5", "--path", path, "--rate", "30",
+                     "--name", "pull", "--out", file});
+  const auto table = scratch / "motion.csv";
+  const std::vector<std::string> words = {"sweep",
+                                          "--hand",
+                                          kHand,
+                                          "--motion",
+                                          file,
+                                          "--vary",
+                                          "index_middle_crease.upper=0.1,1.4",
+                                          "--out",
+                                          table.string(),
+                                          "--png",
+                                          (scratch / "motion.png").string()};
+  const json sweep = service.ask(words);
+  ASSERT_EQ(sweep.at("grasps").size(), 6u) << "the motion and its five patches";
+  ASSERT_EQ(sweep.at("rows").size(), 12u);
+  for (const json& row : sweep.at("rows")) {
+    EXPECT_EQ(row.at("error"), "");
+    EXPECT_EQ(row.at("patch_count"), 16) << "frames";
+    EXPECT_TRUE(row.at("joint_positions").empty());
+  }
+  EXPECT_EQ(sweep.at("grasps").at(1).at("patch"), "thumb");
+  const auto rows = tableIn(table);
+  ASSERT_EQ(rows.size(), 12u);
+  EXPECT_EQ(rows[1].at("grasp"), "pull/thumb");
+  // The motion that the server has by now is as good, beside a folder of grasps.
+  const json both =
+      service.ask({"sweep", "--hand", kHand, "--contacts-dir", builtInSets(), "--motion",
+                   "pull", "--vary", "index_middle_crease.upper=1.4"});
+  ASSERT_EQ(both.at("rows").size(), 11u);
+  EXPECT_EQ(both.at("rows").at(6).at("reached_count"),
+            sweep.at("rows").at(7).at("reached_count"));
+  const Finished other = service.client(
+      {"sweep", "--hand", kHand, "--motion", "nowhere", "--vary", "hand.size=1"});
+  EXPECT_NE(other.exit_code, 0);
+  EXPECT_THAT(other.err, HasSubstr("nowhere"));
+}
+
 TEST(Sweep, ARowAloneIsThatOfTheWholeSweep) {
   const SharedSkins skins;
   const Service service;

@@ -21,13 +21,18 @@ namespace {
 
 /// The files of each grasp, found before a server is asked.
 struct GraspFiles {
-  std::optional<ModelFiles> object;  ///< nothing: the server has it
-  std::optional<ModelFiles> contacts;
+  std::optional<ModelFiles> object;    ///< nothing: the server has it
+  std::optional<ModelFiles> contacts;  ///< of a grasp
+  std::optional<ModelFiles> motion;    ///< nothing: a grasp, or the server has it
 };
 
 GraspFiles filesOf(const StudyGrasp& grasp, const SweepOptions& options) {
   GraspFiles files;
   if (isPath(grasp.object)) files.object = objectFiles(grasp.object, options.units);
+  if (grasp.isMotion()) {
+    if (isPath(grasp.motion)) files.motion = motionFiles(grasp.motion, "");
+    return files;
+  }
   const bool is_map = grasp.contacts.extension() != ".json";
   files.contacts =
       contactFiles(grasp.contacts, "", is_map ? options.contact_reading : ContactReading(),
@@ -59,21 +64,41 @@ v1::SweepRequest requestOf(const SweepOptions& options) {
   return request;
 }
 
-/// Sends each file once.
-std::vector<v1::SweepGrasp> send(ModelSender& sender,
+/// Sends each file once, and asks the server for each motion's object and patches; of all that
+/// a row is asked for, with `result` told which.
+std::vector<v1::SweepGrasp> send(Client& server,
+                                 ModelSender& sender,
                                  const std::vector<StudyGrasp>& grasps,
-                                 std::vector<GraspFiles>& files) {
+                                 std::vector<GraspFiles>& files,
+                                 SweepResult& result) {
   std::map<std::string, std::string> sent;  // objects by path
   std::vector<v1::SweepGrasp> request;
   for (std::size_t i = 0; i < grasps.size(); ++i) {
     v1::SweepGrasp grasp;
-    const auto known = sent.find(grasps[i].object);
-    grasp.object(known != sent.end() ? known->second
-                                     : nameOnServer(sender, grasps[i].object, files[i].object));
-    sent[grasps[i].object] = grasp.object();
-    files[i].contacts->object = grasp.object();
-    grasp.contacts(nameOnServer(sender, grasps[i].contacts.string(), files[i].contacts));
-    request.push_back(std::move(grasp));
+    if (!grasps[i].object.empty()) {
+      const auto known = sent.find(grasps[i].object);
+      grasp.object(known != sent.end()
+                       ? known->second
+                       : nameOnServer(sender, grasps[i].object, files[i].object));
+      sent[grasps[i].object] = grasp.object();
+    }
+    if (!grasps[i].isMotion()) {
+      files[i].contacts->object = grasp.object();
+      grasp.contacts(nameOnServer(sender, grasps[i].contacts.string(), files[i].contacts));
+      request.push_back(std::move(grasp));
+      result.grasps.push_back(grasps[i]);
+      continue;
+    }
+    if (files[i].motion) files[i].motion->object = grasp.object();
+    grasp.motion(nameOnServer(sender, grasps[i].motion, files[i].motion));
+    const v1::MotionDescription motion =
+        server.describe(v1::MODEL_MOTION, grasp.motion(), false).get().motion();
+    if (grasp.object().empty()) grasp.object(motion.object());
+    for (const StudyGrasp& row : withPatches(grasps[i], motion.patches())) {
+      grasp.contacts(row.patch);
+      request.push_back(grasp);
+      result.grasps.push_back(row);
+    }
   }
   return request;
 }
@@ -103,7 +128,7 @@ int run(const SweepOptions& options, const CommonOptions& common, Interruption& 
   // === Everything that can be wrong before a server is asked
   const FoundGrasps found = findGrasps(options.folders);
   for (const std::filesystem::path& path : found.skipped)
-    fmt::print(stderr, "skipped {}: no contact set\n", quoted(path.string()));
+    fmt::print(stderr, "skipped {}: no contact set and no motion\n", quoted(path.string()));
   std::optional<ModelFiles> hand;
   if (isPath(options.hand)) hand = handFiles(options.hand, options.hand_reading);
   std::vector<NamedFile> read = inputsOf(hand, "--hand");
@@ -111,7 +136,8 @@ int run(const SweepOptions& options, const CommonOptions& common, Interruption& 
   for (const StudyGrasp& grasp : found.grasps) {
     files.push_back(filesOf(grasp, options));
     for (const auto& more : {inputsOf(files.back().object, "--object"),
-                             inputsOf(files.back().contacts, "--contacts-dir")})
+                             inputsOf(files.back().contacts, "--contacts-dir"),
+                             inputsOf(files.back().motion, "--motion")})
       read.insert(read.end(), more.begin(), more.end());
   }
   requireSafe({{"--out", options.out}, {"--png", options.png}}, read);
@@ -124,11 +150,10 @@ int run(const SweepOptions& options, const CommonOptions& common, Interruption& 
 
   SweepResult result;
   result.hand = request.hand();
-  result.grasps = found.grasps;
   result.axes = options.axes;
   result.units = unitsOf(options.axes,
                          server.describe(v1::MODEL_HAND, request.hand(), false).get().hand());
-  request.grasps(send(sender, found.grasps, files));
+  request.grasps(send(server, sender, found.grasps, files, result));
   result.reply = server.sweep(request).get();
   requireConsistent(result);
 

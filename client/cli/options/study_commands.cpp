@@ -39,6 +39,7 @@ struct ParsedSweep {
   SweepOptions sweep;
   std::string contacts;
   std::string objects;
+  std::vector<std::string> motions;
   std::vector<std::string> axes;
   std::vector<double> weights;
   std::string out;
@@ -61,6 +62,11 @@ SweepOptions sweepOf(const ParsedSweep& parsed) {
     }
   }
   sweep.folders.contacts = parsed.contacts;
+  sweep.folders.motions = parsed.motions;
+  for (const std::string& motion : parsed.motions)
+    requireModel(motion, "--motion");
+  if (parsed.contacts.empty() && parsed.motions.empty())
+    rejectInput("neither --contacts-dir nor --motion says what to solve");
   sweep.folders.objects = parsed.objects;
   for (const std::string& text : parsed.axes) {
     sweep.axes.push_back(axisFrom(text));
@@ -110,9 +116,11 @@ void addStudyCommands(CLI::App& app, CommandOptions& chosen) {
   const auto parsed = std::make_shared<ParsedSweep>();
   SweepOptions& sweep = parsed->sweep;
   CLI::App* command = app.add_subcommand(
-      "sweep", "Solve a folder of grasps for many values of a hand's limits, lengths or sizes");
+      "sweep", "Solve grasps and motions for many values of a hand's limits, lengths or sizes");
   command->add_option("--hand", sweep.hand, "Model name, or path of a URDF")->required();
-  command->add_option("--contacts-dir", parsed->contacts, "Folder of contact sets")->required();
+  command->add_option("--contacts-dir", parsed->contacts, "Folder of contact sets and motions");
+  command->add_option("--motion", parsed->motions,
+                      "Model name, or path of a motion; once or more");
   command->add_option("--object-dir", parsed->objects,
                       "Folder of the objects they name; default: beside them, then the server");
   command->add_option("--object", sweep.folders.object,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include "client/present/json_output.h"
 #include "core/base/error.h"
@@ -33,18 +34,22 @@ std::vector<fs::path> filesIn(const fs::path& folder, const char* option) {
   return files;
 }
 
-/// A contact set as far as it matters here.
+/// A contact set or a motion as far as it matters here.
 struct SetHead {
   bool is_set = false;
+  bool is_motion = false;
   std::string object;  ///< empty: it does not say
 };
 
 SetHead headOf(const fs::path& path) {
   const json::Json document = json::Json::parse(readFile(path), nullptr, false);
-  if (!document.is_object() || !document.contains("patches")) return {};
+  SetHead head;
+  if (!document.is_object()) return head;
+  head.is_set = document.contains("patches");
+  head.is_motion = document.contains("tracks");
   const auto object = document.find("object");
-  const bool is_named = object != document.end() && object->is_string();
-  return {true, is_named ? object->get<std::string>() : ""};
+  if (object != document.end() && object->is_string()) head.object = object->get<std::string>();
+  return head;
 }
 
 /// The mesh of that name; of several the first by its ending. Empty if there is none.
@@ -68,10 +73,23 @@ std::string meshBeginning(const std::string& name, const std::vector<fs::path>& 
   return best;
 }
 
+/// Of a set or motion in a file: the mesh that it names, else what the server calls so.
+std::string objectOf(const fs::path& file,
+                     const SetHead& head,
+                     const std::vector<fs::path>& objects) {
+  if (head.object.empty())
+    rejectInput("{}: it does not say which object it lies on; --object names one",
+                quoted(file.string()));
+  const std::string mesh = meshNamed(head.object, objects);
+  return mesh.empty() ? head.object : mesh;
+}
+
 }  // namespace
 
 FoundGrasps findGrasps(const StudyFolders& folders) {
-  const std::vector<fs::path> files = filesIn(folders.contacts, "--contacts-dir");
+  const std::vector<fs::path> files = folders.contacts.empty()
+                                          ? std::vector<fs::path>()
+                                          : filesIn(folders.contacts, "--contacts-dir");
   const std::vector<fs::path> objects =
       folders.objects.empty() ? files : filesIn(folders.objects, "--object-dir");
   const bool with_maps = !folders.objects.empty() || !folders.object.empty();
@@ -82,15 +100,12 @@ FoundGrasps findGrasps(const StudyFolders& folders) {
     StudyGrasp grasp{file.stem().string(), file, folders.object};
     if (is_set) {
       const SetHead head = headOf(file);
-      if (!head.is_set) {
+      if (!head.is_set && !head.is_motion) {
         found.skipped.push_back(file);
         continue;
       }
-      if (grasp.object.empty() && head.object.empty())
-        rejectInput("{}: it does not say which object it lies on; --object names one",
-                    quoted(file.string()));
-      if (grasp.object.empty()) grasp.object = meshNamed(head.object, objects);
-      if (grasp.object.empty()) grasp.object = head.object;
+      if (grasp.object.empty()) grasp.object = objectOf(file, head, objects);
+      if (head.is_motion) grasp.motion = std::exchange(grasp.contacts, {}).string();
     } else if (grasp.object.empty()) {
       grasp.object = meshBeginning(grasp.label, objects);
       if (grasp.object.empty())
@@ -99,8 +114,20 @@ FoundGrasps findGrasps(const StudyFolders& folders) {
     }
     found.grasps.push_back(std::move(grasp));
   }
+  for (const std::string& motion : folders.motions) {
+    StudyGrasp grasp{motion, {}, folders.object, motion};
+    if (isPath(motion)) {
+      const fs::path file = motion;
+      const SetHead head = headOf(file);
+      if (!head.is_motion)
+        rejectInput("--motion {}: it is no motion (handgraft-motion/1)", quoted(motion));
+      grasp.label = file.stem().string();
+      if (grasp.object.empty()) grasp.object = objectOf(file, head, objects);
+    }
+    found.grasps.push_back(std::move(grasp));
+  }
   if (found.grasps.empty())
-    rejectInput("--contacts-dir {}: it holds no contact set (*.json){}",
+    rejectInput("--contacts-dir {}: it holds no contact set and no motion (*.json){}",
                 quoted(folders.contacts.string()),
                 with_maps ? " and no contact map (*.ply)"
                           : "; contact maps (*.ply) count with --object or --object-dir");

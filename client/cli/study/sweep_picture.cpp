@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -15,6 +16,8 @@ namespace {
 
 /// More lines than this are one crowd: grey, and without names.
 constexpr std::size_t kMostNamed = 20;
+/// That have a panel of their own.
+constexpr std::size_t kMostMotions = 3;
 constexpr render::Color kCrowd{176, 182, 191};
 constexpr render::Color kMean{24, 28, 34};
 
@@ -22,8 +25,7 @@ std::string titleOf(const SweepResult& result) {
   std::string axes;
   for (const StudyAxis& axis : result.axes)
     axes += (axes.empty() ? "" : " and ") + axis.name;
-  return fmt::format("{}: {} over {} grasp{}", result.hand, axes, result.grasps.size(),
-                     result.grasps.size() == 1 ? "" : "s");
+  return fmt::format("{}: {} over {}", result.hand, axes, studiedText(result));
 }
 
 std::string bestText(const SweepResult& result, const std::vector<SweepPoint>& points) {
@@ -35,7 +37,43 @@ std::string bestText(const SweepResult& result, const std::vector<SweepPoint>& p
         fmt::format("{}{:.4g}{}", a == 0 ? "" : ", ", result.axes[a].shown(best.values[a]),
                     result.units[a].empty() ? "" : " " + result.units[a]);
   return fmt::format("best at {}: mean distance {:.2f} mm, {} of {} patches reached", values,
-                     best.mean_mm, best.reached, best.patches);
+                     best.mean_mm, countText(best.reached), best.patches);
+}
+
+/// A line over the values, of one entry's rows.
+template <class Value>
+render::PlotLine lineOf(const SweepResult& result,
+                        std::size_t grasp,
+                        const std::vector<std::size_t>& order,
+                        const Value& value) {
+  render::PlotLine line;
+  for (const std::size_t i : order) {
+    const v1::SweepRow& row = result.reply.rows()[i * result.grasps.size() + grasp];
+    line.x.push_back(result.axes[0].shown(row.values()[0]));
+    line.y.push_back(row.error().empty() ? value(row)
+                                         : std::numeric_limits<double>::quiet_NaN());
+  }
+  return line;
+}
+
+/// In how many of a motion's frames each of its patches is reached. Colours are others than
+/// those of the `used` lines before.
+render::PlotPanel motionPanel(const SweepResult& result,
+                              std::size_t motion,
+                              const std::vector<std::size_t>& order,
+                              std::size_t used) {
+  render::PlotPanel panel;
+  panel.label = result.grasps[motion].label + ": frames reached (%)";
+  panel.range = {0.0, 100.0};
+  for (std::size_t g = motion + 1; g < result.grasps.size(); ++g) {
+    if (result.grasps[g].patch.empty()) break;
+    render::PlotLine line = lineOf(result, g, order, percentReached);
+    line.color = render::plotColor(used + g - motion - 1);
+    line.name = result.grasps[g].patch;
+    line.dots = true;
+    panel.lines.push_back(std::move(line));
+  }
+  return panel;
 }
 
 render::Image curves(const SweepResult& result) {
@@ -54,26 +92,24 @@ render::Image curves(const SweepResult& result) {
   share.label = "patches reached (%)";
   share.range = {0.0, 100.0};
   const double nothing = std::numeric_limits<double>::quiet_NaN();
+  const auto studied = static_cast<std::size_t>(studiedCount(result));
+  const bool is_named = studied <= kMostNamed;
+  std::size_t drawn = 0;
   for (std::size_t g = 0; g < count; ++g) {
-    render::PlotLine line;
-    line.width = 1.6;
-    const bool is_named = count <= kMostNamed;
-    line.color = is_named ? render::blend(render::plotColor(g), {255, 255, 255}, 0.25) : kCrowd;
-    if (is_named) line.name = result.grasps[g].label;
-    render::PlotLine reached = line;
-    for (const std::size_t i : order) {
-      const v1::SweepRow& row = result.reply.rows()[i * count + g];
-      const double x = result.axes[0].shown(points[i].values[0]);
-      const bool has_answer = row.error().empty();
-      line.x.push_back(x);
-      line.y.push_back(has_answer ? row.mean_mm() : nothing);
-      reached.x.push_back(x);
-      reached.y.push_back(has_answer && row.patch_count() > 0
-                              ? 100.0 * row.reached_count() / row.patch_count()
-                              : nothing);
-    }
-    distance.lines.push_back(std::move(line));
-    share.lines.push_back(std::move(reached));
+    if (!result.grasps[g].patch.empty()) continue;
+    const auto add = [&](render::PlotPanel& panel, const auto& value) {
+      render::PlotLine line = lineOf(result, g, order, value);
+      line.width = 1.6;
+      line.color =
+          is_named ? render::blend(render::plotColor(drawn), {255, 255, 255}, 0.25) : kCrowd;
+      if (is_named) line.name = result.grasps[g].label;
+      panel.lines.push_back(std::move(line));
+    };
+    add(distance, [](const v1::SweepRow& row) {
+      return row.mean_mm();
+    });
+    add(share, percentReached);
+    ++drawn;
   }
   render::PlotLine mean;
   mean.color = kMean;
@@ -89,18 +125,25 @@ render::Image curves(const SweepResult& result) {
     mean_share.y.push_back(points[i].patches > 0 ? 100.0 * points[i].reached / points[i].patches
                                                  : nothing);
   }
-  if (count > 1) {
+  if (studied > 1) {
     distance.lines.push_back(mean);
     share.lines.push_back(mean_share);
   }
+  std::vector<render::PlotPanel> panels = {distance, share};
   // Distances begin at nothing: half as high is half as far.
   double highest = 0.0;
   for (const render::PlotLine& line : distance.lines)
     for (const double y : line.y)
       if (std::isfinite(y)) highest = std::max(highest, y);
-  distance.range = {0.0, highest > 0.0 ? highest : 1.0};
+  panels[0].range = {0.0, highest > 0.0 ? highest : 1.0};
+  std::size_t motions = 0;
+  for (std::size_t g = 0; g < count && motions < kMostMotions; ++g) {
+    if (!result.grasps[g].isMotion() || !result.grasps[g].patch.empty()) continue;
+    panels.push_back(motionPanel(result, g, order, studied));
+    ++motions;
+  }
   return render::drawPlot(
-      {titleOf(result), bestText(result, points), axisLabel(result, 0), {distance, share}});
+      {titleOf(result), bestText(result, points), axisLabel(result, 0), std::move(panels)});
 }
 
 render::Image heatMap(const SweepResult& result) {

@@ -16,15 +16,71 @@ void requireConsistent(const SweepResult& result) {
   bool fits = result.reply.rows().size() == rows;
   for (std::size_t i = 0; fits && i < rows; ++i) {
     const v1::SweepRow& row = result.reply.rows()[i];
-    fits = row.grasp() == i % result.grasps.size() &&
-           row.values().size() == result.axes.size() &&
-           (!row.error().empty() ||
-            row.joint_positions().size() == result.reply.joint_names().size());
+    fits =
+        row.grasp() == i % result.grasps.size() && row.values().size() == result.axes.size() &&
+        (!row.error().empty() ||
+         row.joint_positions().size() ==
+             (result.grasps[row.grasp()].isMotion() ? 0 : result.reply.joint_names().size()));
+    fits = fits && row.reached_count() <= row.patch_count();
   }
   if (!fits) {
     throw TransportError(
         fmt::format("the server's answer to a sweep of {} rows does not fit it", rows));
   }
+}
+
+std::vector<StudyGrasp> withPatches(const StudyGrasp& motion,
+                                    const std::vector<std::string>& patches) {
+  std::vector<StudyGrasp> all = {motion};
+  for (const std::string& patch : patches) {
+    all.push_back(motion);
+    all.back().label += "/" + patch;
+    all.back().patch = patch;
+  }
+  return all;
+}
+
+int studiedCount(const SweepResult& result) {
+  return static_cast<int>(
+      std::count_if(result.grasps.begin(), result.grasps.end(), [](const StudyGrasp& grasp) {
+        return grasp.patch.empty();
+      }));
+}
+
+double patchesOf(const StudyGrasp& grasp, const v1::SweepRow& row) {
+  if (!grasp.isMotion()) return row.patch_count();
+  return grasp.patch.empty() || row.patch_count() == 0 ? 0.0 : 1.0;
+}
+
+double reachedBy(const StudyGrasp& grasp, const v1::SweepRow& row) {
+  if (!grasp.isMotion()) return row.reached_count();
+  return patchesOf(grasp, row) == 0.0
+             ? 0.0
+             : static_cast<double>(row.reached_count()) / row.patch_count();
+}
+
+std::string countText(double count) {
+  const double whole = std::round(count);
+  return std::abs(count - whole) < 1e-6 ? fmt::format("{:.0f}", whole)
+                                        : fmt::format("{:.1f}", count);
+}
+
+std::string studiedText(const SweepResult& result) {
+  int motions = 0;
+  for (const StudyGrasp& grasp : result.grasps)
+    motions += grasp.isMotion() && grasp.patch.empty() ? 1 : 0;
+  const auto counted = [](int count, const char* what) {
+    return count == 0 ? std::string()
+                      : fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+  };
+  const std::string grasps = counted(studiedCount(result) - motions, "grasp");
+  const std::string moving = counted(motions, "motion");
+  return grasps + (grasps.empty() || moving.empty() ? "" : " and ") + moving;
+}
+
+double percentReached(const v1::SweepRow& row) {
+  return row.patch_count() > 0 ? 100.0 * row.reached_count() / row.patch_count()
+                               : std::numeric_limits<double>::quiet_NaN();
 }
 
 std::vector<SweepPoint> pointsOf(const SweepResult& result) {
@@ -35,11 +91,13 @@ std::vector<SweepPoint> pointsOf(const SweepResult& result) {
     point.values = rows[first].values();
     for (std::size_t i = first; i < first + result.grasps.size(); ++i) {
       if (!rows[i].error().empty()) continue;
+      const StudyGrasp& grasp = result.grasps[rows[i].grasp()];
+      point.patches += static_cast<int>(patchesOf(grasp, rows[i]));
+      point.reached += reachedBy(grasp, rows[i]);
+      if (!grasp.patch.empty()) continue;
       ++point.solved;
       point.mean_mm += rows[i].mean_mm();
       point.worst_mm = std::max(point.worst_mm, rows[i].mean_mm());
-      point.patches += static_cast<int>(rows[i].patch_count());
-      point.reached += static_cast<int>(rows[i].reached_count());
     }
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     point.mean_mm = point.solved > 0 ? point.mean_mm / point.solved : kNone;
@@ -67,8 +125,9 @@ FirstLoss firstLossOf(const std::vector<SweepPoint>& points, std::size_t best) {
     return points[a].values.front() < points[b].values.front();
   });
   const auto at = std::find(order.begin(), order.end(), best);
+  constexpr double kLost = 0.5;  // of a patch
   const auto loses = [&](std::size_t i) {
-    return points[i].reached < points[best].reached;
+    return points[i].reached <= points[best].reached - kLost;
   };
   FirstLoss loss;
   const auto above = std::find_if(at, order.end(), loses);

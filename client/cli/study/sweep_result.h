@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,22 +15,44 @@ namespace handgraft::client {
 
 struct SweepResult {
   std::string hand;
-  std::vector<StudyGrasp> grasps;
+  std::vector<StudyGrasp> grasps;  ///< a motion is followed by its patches
   std::vector<StudyAxis> axes;
   /// Unit of each axis for people: rad, deg, m, or none for factors.
   std::vector<std::string> units;
   v1::SweepReply reply;
 };
 
-/// One combination of values, all grasps together.
+/// A motion, and behind it each of its patches.
+std::vector<StudyGrasp> withPatches(const StudyGrasp& motion,
+                                    const std::vector<std::string>& patches);
+
+/// One combination of values, all grasps and motions together.
 struct SweepPoint {
   std::vector<double> values;  ///< one per axis, as in the reply
-  int solved = 0;              ///< grasps with an answer; the rest counts these alone
-  double mean_mm = 0.0;        ///< mean over grasps
-  double worst_mm = 0.0;       ///< largest mean of a grasp
+  int solved = 0;         ///< grasps and motions with an answer; the rest counts these alone
+  double mean_mm = 0.0;   ///< mean over grasps
+  double worst_mm = 0.0;  ///< largest mean of a grasp
   int patches = 0;
-  int reached = 0;
+  /// Of a motion's patches the shares of the frames in which they are reached.
+  double reached = 0.0;
 };
+
+/// Grasps and motions: the entries that are no patch of a motion.
+int studiedCount(const SweepResult& result);
+
+/// Patches that a row speaks of, and reaches: of a motion's patch 1, if it is there at all, and
+/// the share of its frames; of a motion's other row none.
+double patchesOf(const StudyGrasp& grasp, const v1::SweepRow& row);
+double reachedBy(const StudyGrasp& grasp, const v1::SweepRow& row);
+
+/// `12`, or `12.4`.
+std::string countText(double count);
+
+/// `3 grasps and 1 motion`.
+std::string studiedText(const SweepResult& result);
+
+/// Patches that a row reaches of those that it has; of a motion frames. NaN if it has none.
+double percentReached(const v1::SweepRow& row);
 
 /// Checks that the reply answers what was asked. Errors: TransportError.
 void requireConsistent(const SweepResult& result);
@@ -40,7 +63,8 @@ std::vector<SweepPoint> pointsOf(const SweepResult& result);
 /// Of the points with the most answers, the one of least mean distance; the first of equals.
 std::size_t bestOf(const std::vector<SweepPoint>& points);
 
-/// Where fewer patches are reached than at the best point, next to it on either side. One axis
+/// Where a patch fewer is reached than at the best point (of motions: one in half of its
+/// frames), next to it on either side. One axis
 /// alone; its values need not be in order.
 struct FirstLoss {
   std::optional<std::size_t> below;  ///< index of a point
@@ -64,7 +88,8 @@ std::string sweep(const SweepResult& result, int indent = 2);
 /// Comma-separated, a header and a row a grasp and combination; COMMANDS.md names the columns.
 std::string csvOf(const SweepResult& result);
 
-/// One axis: a curve a grasp, thin, and their mean; two: a map of the mean.
+/// One axis: a curve a grasp, thin, and their mean, and of each of the first motions in how
+/// many frames its patches are reached; two: a map of the mean.
 /// Errors: InvalidInput for another number of axes.
 render::Image pictureOf(const SweepResult& result);
 

@@ -63,6 +63,8 @@ std::string csvOf(const SweepResult& result) {
         row.solve_ms());
     for (const double q : row.joint_positions())
       out += fmt::format(",{:.10g}", q);
+    if (row.joint_positions().empty())
+      out += std::string(result.reply.joint_names().size(), ',');
     out += "\n";
   }
   return out;
@@ -79,7 +81,9 @@ std::string sweep(const SweepResult& result, int indent) {
   for (const StudyGrasp& grasp : result.grasps)
     document["grasps"].push_back({{"name", grasp.label},
                                   {"contacts", grasp.contacts.string()},
-                                  {"object", grasp.object}});
+                                  {"object", grasp.object},
+                                  {"motion", grasp.motion},
+                                  {"patch", grasp.patch}});
   document["axes"] = Json::array();
   for (const StudyAxis& axis : result.axes)
     document["axes"].push_back({{"name", axis.name}, {"values", axis.axis.values()}});

@@ -39,10 +39,11 @@ std::string losersAt(const SweepResult& result, std::size_t point, std::size_t b
   for (std::size_t g = 0; g < count; ++g) {
     const v1::SweepRow& there = result.reply.rows()[point * count + g];
     const v1::SweepRow& before = result.reply.rows()[best * count + g];
+    const StudyGrasp& grasp = result.grasps[g];
     if (there.reached_count() >= before.reached_count()) continue;
-    names += fmt::format("{}{} {} of {}", names.empty() ? "" : ", ",
-                         text::plain(result.grasps[g].label), there.reached_count(),
-                         there.patch_count());
+    names += fmt::format("{}{} {} of {}{}", names.empty() ? "" : ", ", text::plain(grasp.label),
+                         there.reached_count(), there.patch_count(),
+                         grasp.isMotion() ? " frames" : "");
   }
   return names;
 }
@@ -62,6 +63,40 @@ std::string lossText(const SweepResult& result,
   return out.empty() ? "no patch is lost on either side\n" : out;
 }
 
+/// Of each combination shown in how much of a motion's frames each of its patches is reached,
+/// and all that are there. `motion` is followed by its patches.
+std::string motionText(const SweepResult& result,
+                       std::size_t motion,
+                       const std::vector<SweepPoint>& points,
+                       const std::vector<std::size_t>& order) {
+  const std::size_t count = result.grasps.size();
+  std::size_t end = motion + 1;
+  while (end < count && !result.grasps[end].patch.empty())
+    ++end;
+  std::vector<std::vector<std::string>> rows(1);
+  for (std::size_t a = 0; a < result.axes.size(); ++a)
+    rows[0].push_back(text::plain(axisLabel(result, a)));
+  rows[0].push_back("all");
+  for (std::size_t g = motion + 1; g < end; ++g)
+    rows[0].push_back(text::plain(result.grasps[g].patch));
+  for (const std::size_t i : order) {
+    const auto rowAt = [&](std::size_t g) -> const v1::SweepRow& {
+      return result.reply.rows()[i * count + g];
+    };
+    if (!rowAt(motion).error().empty()) continue;
+    std::vector<std::string>& line = rows.emplace_back();
+    for (std::size_t a = 0; a < result.axes.size(); ++a)
+      line.push_back(valueText(result, a, points[i].values[a]));
+    for (std::size_t g = motion; g < end; ++g) {
+      const double percent = percentReached(rowAt(g));
+      line.push_back(std::isfinite(percent) ? fmt::format("{:.0f} %", percent) : "-");
+    }
+  }
+  if (rows.size() == 1) return "";
+  return fmt::format("\n{}: in how many of its frames each patch is reached\n{}",
+                     text::plain(result.grasps[motion].label), text::table(rows, "r"));
+}
+
 }  // namespace
 
 namespace text {
@@ -69,9 +104,9 @@ namespace text {
 std::string sweep(const SweepResult& result) {
   const std::vector<SweepPoint> points = pointsOf(result);
   const std::size_t best = bestOf(points);
-  std::string out = fmt::format("{}: {} grasps, {} rows in {:.2f} s\n\n", plain(result.hand),
-                                result.grasps.size(), result.reply.rows().size(),
-                                1e-3 * result.reply.total_ms());
+  std::string out =
+      fmt::format("{}: {}, {} rows in {:.2f} s\n\n", plain(result.hand), studiedText(result),
+                  result.reply.rows().size(), 1e-3 * result.reply.total_ms());
 
   // === A line a combination; of many the best
   std::vector<std::size_t> order(points.size());
@@ -94,12 +129,16 @@ std::string sweep(const SweepResult& result) {
     for (std::size_t a = 0; a < result.axes.size(); ++a)
       row.push_back(valueText(result, a, point.values[a]));
     row.insert(row.end(), {millimetres(point.mean_mm), millimetres(point.worst_mm),
-                           fmt::format("{} of {}", point.reached, point.patches),
-                           fmt::format("{} of {}", point.solved, result.grasps.size())});
+                           fmt::format("{} of {}", countText(point.reached), point.patches),
+                           fmt::format("{} of {}", point.solved, studiedCount(result))});
   }
   out += table(rows, "r");
   if (order.size() < points.size())
     out += fmt::format("... the best {} of {}\n", order.size(), points.size());
+
+  for (std::size_t g = 0; g < result.grasps.size(); ++g)
+    if (result.grasps[g].isMotion() && result.grasps[g].patch.empty())
+      out += motionText(result, g, points, order);
 
   // === What it says
   if (points[best].solved == 0) {

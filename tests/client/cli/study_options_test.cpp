@@ -189,6 +189,24 @@ TEST_F(StudyFilesTest, FindTheObjectThatEachSetNames) {
   EXPECT_THAT(found.skipped, ElementsAre(folder / "notes.json"));
 }
 
+TEST_F(StudyFilesTest, TakeMotionsBesideSets) {
+  write("a.json", R"({"object": "cup", "patches": []})");
+  write("b.json", R"({"format": "handgraft-motion/1", "object": "cup", "tracks": []})");
+  write("cup.stl", "solid");
+  StudyFolders folders{folder, "", ""};
+  folders.motions = {"pull", (folder / "b.json").string()};
+  const FoundGrasps found = findGrasps(folders);
+  ASSERT_EQ(found.grasps.size(), 4u);
+  EXPECT_FALSE(found.grasps[0].isMotion());
+  EXPECT_EQ(found.grasps[1].label, "b");
+  EXPECT_EQ(found.grasps[1].motion, (folder / "b.json").string());
+  EXPECT_EQ(found.grasps[1].object, (folder / "cup.stl").string());
+  EXPECT_TRUE(found.grasps[1].contacts.empty());
+  EXPECT_EQ(found.grasps[2].motion, "pull");
+  EXPECT_EQ(found.grasps[2].object, "") << "the server's motion tells it";
+  EXPECT_EQ(found.grasps[3].object, (folder / "cup.stl").string());
+}
+
 TEST_F(StudyFilesTest, TakeMapsWhereTheirObjectsAre) {
   write("mug_large_grasp0.ply", "ply");
   write("objects/mug.obj", "v 0 0 0");
@@ -213,6 +231,9 @@ TEST_F(StudyFilesTest, NameWhatIsMissing) {
   fs::remove(folder / "map.ply");
   write("a.json", R"({"patches": []})");
   EXPECT_THAT(objection({folder, "", ""}), AllOf(HasSubstr("a.json"), HasSubstr("--object")));
+  StudyFolders motion;
+  motion.motions = {(folder / "a.json").string()};
+  EXPECT_THAT(objection(motion), AllOf(HasSubstr("--motion"), HasSubstr("no motion")));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // What a sweep's reply becomes: points, table, lines, document.
 #include "client/cli/study/sweep_result.h"
 
+#include <array>
 #include <sstream>
 
 #include <gmock/gmock.h>
@@ -108,6 +109,69 @@ TEST(SweepResult, WritesATableThatReadsBack) {
   std::getline(csv, line);
   EXPECT_EQ(line, "\"box, red\",0.1,\"lower, \"\"above\"\" upper\",,,,,,,,,,,,,,,");
   EXPECT_FALSE(std::getline(csv, line));
+}
+
+/// A motion beside the grasps, and its patches thumb and ring: of each value in how many of its
+/// ten frames these are reached, and both.
+void addMotion(SweepResult& result, const std::vector<std::array<unsigned, 3>>& reached) {
+  const std::size_t grasps = result.grasps.size();
+  for (const StudyGrasp& one : withPatches({"pull", {}, "box", "pull.json"}, {"thumb", "ring"}))
+    result.grasps.push_back(one);
+  std::vector<v1::SweepRow> rows;
+  for (std::size_t i = 0; i < reached.size(); ++i) {
+    for (std::size_t g = 0; g < grasps; ++g)
+      rows.push_back(result.reply.rows()[grasps * i + g]);
+    for (const std::size_t which : {2U, 0U, 1U}) {
+      v1::SweepRow row;
+      row.grasp(static_cast<std::uint32_t>(rows.size() % result.grasps.size()));
+      row.values(result.reply.rows()[grasps * i].values());
+      row.mean_mm(2.0);
+      row.patch_count(10);
+      row.reached_count(reached[i][which]);
+      rows.push_back(row);
+    }
+  }
+  result.reply.rows(rows);
+}
+
+TEST(SweepResult, AMotionCountsByTheShareOfItsFrames) {
+  SweepResult result = resultOf({{0.1, 1, 1, 3, 3}, {0.2, 2, 2, 3, 3}, {0.3, 3, 3, 3, 3}});
+  addMotion(result, {{10, 10, 10}, {10, 8, 8}, {10, 3, 2}});
+  requireConsistent(result);
+  const std::vector<SweepPoint> points = pointsOf(result);
+  EXPECT_EQ(points[0].patches, 8);
+  EXPECT_EQ(points[0].solved, 3) << "two grasps and a motion";
+  EXPECT_NEAR(points[0].mean_mm, (1.0 + 1.0 + 2.0) / 3.0, 1e-12) << "a patch is no grasp";
+  EXPECT_NEAR(points[0].reached, 8.0, 1e-12);
+  EXPECT_NEAR(points[1].reached, 7.8, 1e-12);
+  EXPECT_EQ(firstLossOf(points, 0).above, 2u) << "a fifth of a motion is no patch";
+  const std::string text = text::sweep(result);
+  EXPECT_THAT(text, HasSubstr("hand: 2 grasps and 1 motion, 15 rows"));
+  EXPECT_THAT(text, HasSubstr("7.8 of 8"));
+  EXPECT_THAT(text, HasSubstr("3 of 3"));
+  EXPECT_THAT(text, HasSubstr("pull: in how many of its frames each patch is reached"));
+  EXPECT_THAT(text, testing::ContainsRegex("0\\.3 +20 % +100 % +30 %"));
+  EXPECT_THAT(text, HasSubstr("the first patch is lost at thumb.upper = 0.3 rad (pull 2 of 10 "
+                              "frames, pull/ring 3 of 10 frames)"));
+  EXPECT_THAT(csvOf(result), HasSubstr("pull/ring,0.2,,converged,2,0,0,10,8,0,0,0,0,0,,0,,"));
+  const nlohmann::json document = nlohmann::json::parse(json::sweep(result));
+  EXPECT_EQ(document.at("grasps").at(2).at("motion"), "pull.json");
+  EXPECT_EQ(document.at("grasps").at(4).at("patch"), "ring");
+  EXPECT_EQ(document.at("rows").at(14).at("reached_count"), 3);
+}
+
+TEST(SweepResult, DrawsAPanelOfEachMotion) {
+  SweepResult result = resultOf({{0.1, 1, 1, 3, 3}, {0.2, 2, 2, 3, 3}});
+  const render::Image without = pictureOf(result);
+  addMotion(result, {{10, 10, 10}, {0, 8, 0}});
+  const render::Image with = pictureOf(result);
+  EXPECT_NE(with.pixels(), without.pixels());
+}
+
+TEST(SweepResult, RefusesPatchesThatAreReachedMoreOftenThanThere) {
+  SweepResult result = resultOf({{0.1, 1, 1, 3, 3}});
+  addMotion(result, {{11, 10, 10}});
+  EXPECT_THROW(requireConsistent(result), TransportError);
 }
 
 TEST(SweepResult, IsOneDocument) {
