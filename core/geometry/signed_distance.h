@@ -49,6 +49,11 @@ class SignedDistance {
     return locator_.nearest(p).distance;
   }
 
+  /// Whether the surface is that near, and sooner.
+  [[nodiscard]] bool isWithin(const Eigen::Vector3d& p, double reach) const {
+    return locator_.nearest(p, reach).has_value();
+  }
+
   /// The surface with its holes shut: faces of solids first, then those of sheets.
   [[nodiscard]] const TriangleMesh& surface() const { return locator_.mesh(); }
 

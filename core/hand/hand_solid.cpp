@@ -25,11 +25,22 @@ constexpr double kOnePlace = 0.01;  // m
 // Random packings with a least distance r hold about 0.8 points an area of r^2.
 constexpr double kPacking = 0.8;
 
+// A link's own mesh is a solid's if it holds so much of what its skin holds more than
+// `kBeneath` beneath itself; that is looked at in so many places along each side of its box.
+constexpr double kHeldShare = 0.95;
+constexpr double kBeneath = 0.001;  // m
+constexpr int kLattice = 6;
+
+// What of a link's own surface is farther from its part of the skin lies beneath other links.
+constexpr double kHidden = 0.0015;        // m
+constexpr double kHiddenSpacing = 0.003;  // m, before samples are spread: as those of reports
+
 /// A face of the skin, as its link has it.
 struct Facet {
   int link = -1;
   Vector3d p_S = Vector3d::Zero();
   Vector3d p_L = Vector3d::Zero();
+  Vector3d n_L = Vector3d::Zero();
   double area_m2 = 0.0;
   double offset = 0.0;  ///< of the skin above the link
 };
@@ -76,21 +87,22 @@ void arrange(SampleSet& set) {
     set.samples[i] = before[static_cast<std::size_t>(order[i])];
 }
 
-/// About `count` samples of the hand, by link.
-std::vector<SampleSet> spread(const std::vector<Facet>& facets, int links, int count) {
+/// Samples of the hand, by link, so far apart that `count` of them would fill the skin.
+std::vector<SampleSet> spread(const std::vector<Facet>& facets,
+                              double skin_area,
+                              int links,
+                              int count) {
   Eigen::Matrix3Xd points(3, std::ssize(facets));
   std::vector<int> groups;
-  double area = 0.0;
   for (Eigen::Index i = 0; i < points.cols(); ++i) {
     const Facet& facet = facets[static_cast<std::size_t>(i)];
     points.col(i) = facet.p_S;
     groups.push_back(facet.link);
-    area += facet.area_m2;
   }
   std::vector<SampleSet> sets(static_cast<std::size_t>(links));
-  if (!(area > 0.0)) return sets;
+  if (!(skin_area > 0.0)) return sets;
   const geometry::Thinned thinned =
-      geometry::thinOut(points, groups, std::sqrt(kPacking * area / count));
+      geometry::thinOut(points, groups, std::sqrt(kPacking * skin_area / count));
   std::vector<double> areas(thinned.kept.size(), 0.0);
   for (std::size_t i = 0; i < facets.size(); ++i)
     areas[static_cast<std::size_t>(thinned.nearest[i])] += facets[i].area_m2;
@@ -131,12 +143,119 @@ geometry::TriangleMesh partOf(const Skin& skin, int link, const Pose& X_SL) {
   return {std::move(columns), std::move(triples)};
 }
 
-void fillSolid(const Skin& skin,
+/// A link's own surface in its frame; nothing if it has none.
+std::shared_ptr<const geometry::SignedDistance> ownSurface(const Skin& skin,
+                                                           int link,
+                                                           const Pose& X_SL) {
+  const geometry::TriangleMesh* mesh_S = skin.links().surfaceOf(link);
+  if (mesh_S == nullptr) return nullptr;
+  const Pose X_LS = inverse(X_SL);
+  Eigen::Matrix3Xd vertices =
+      (X_LS.linear() * mesh_S->vertices()).colwise() + X_LS.translation();
+  return std::make_shared<const geometry::SignedDistance>(
+      geometry::TriangleMesh(std::move(vertices), mesh_S->faces()));
+}
+
+/// Whether one solid has what another one has within `margin` of its surface, by places on a
+/// lattice.
+bool holds(const geometry::SignedDistance& own,
+           const geometry::SignedDistance& other,
+           double margin) {
+  const Eigen::Matrix3Xd& vertices = other.surface().vertices();
+  const Vector3d low = vertices.rowwise().minCoeff();
+  const Vector3d step = (vertices.rowwise().maxCoeff() - low) / kLattice;
+  int inside = 0;
+  int held = 0;
+  for (int i = 0; i < kLattice * kLattice * kLattice; ++i) {
+    const Eigen::Array3d cell(i % kLattice, (i / kLattice) % kLattice,
+                              i / (kLattice * kLattice));
+    const Vector3d p = low + step.cwiseProduct((cell + 0.5).matrix());
+    if (other.isWithin(p, margin) || !other.contains(p)) continue;
+    ++inside;
+    if (own.contains(p)) ++held;
+  }
+  return inside > 0 && held >= kHeldShare * inside;
+}
+
+/// Points all over a mesh, no farther apart than `kHiddenSpacing` or so, with their shares of
+/// its area.
+std::vector<Facet> facetsAllOver(const geometry::TriangleMesh& mesh_L) {
+  std::vector<Facet> facets;
+  for (int f = 0; f < mesh_L.faceCount(); ++f) {
+    const Eigen::Vector3i face = mesh_L.face(f);
+    const Vector3d a = mesh_L.vertex(face[0]);
+    const Vector3d u = mesh_L.vertex(face[1]) - a;
+    const Vector3d v = mesh_L.vertex(face[2]) - a;
+    const double longest = std::max({u.norm(), v.norm(), (u - v).norm()});
+    const int cuts = std::clamp(static_cast<int>(std::ceil(longest / kHiddenSpacing)), 1, 64);
+    Facet facet;
+    facet.n_L = mesh_L.faceNormals().col(f);
+    facet.area_m2 = 0.5 * u.cross(v).norm() / (cuts * cuts);
+    // The middles of the triangles that parallels to the sides cut out of it, both ways up.
+    for (int i = 0; i < cuts; ++i) {
+      for (int j = 0; i + j < cuts; ++j) {
+        facet.p_L = a + ((i + 1.0 / 3.0) * u + (j + 1.0 / 3.0) * v) / cuts;
+        facets.push_back(facet);
+        if (i + j + 1 >= cuts) continue;
+        facet.p_L = a + ((i + 2.0 / 3.0) * u + (j + 2.0 / 3.0) * v) / cuts;
+        facets.push_back(facet);
+      }
+    }
+  }
+  return facets;
+}
+
+/// What of a solid link's own surface lies beneath other links, where the skin does not show
+/// it.
+void addHidden(const geometry::SignedDistance& own,
+               const geometry::SignedDistance& part,
+               int link,
                const Pose& X_SL,
+               std::vector<Facet>& facets) {
+  const std::vector<Facet> all = facetsAllOver(own.surface());
+  Eigen::Matrix3Xd points(3, std::ssize(all));
+  for (Eigen::Index i = 0; i < points.cols(); ++i)
+    points.col(i) = all[static_cast<std::size_t>(i)].p_L;
+  const geometry::Thinned thinned =
+      geometry::thinOut(points, std::vector<int>(all.size(), 0), kHiddenSpacing);
+  std::vector<double> areas(thinned.kept.size(), 0.0);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    areas[static_cast<std::size_t>(thinned.nearest[i])] += all[i].area_m2;
+  for (std::size_t k = 0; k < thinned.kept.size(); ++k) {
+    Facet facet = all[static_cast<std::size_t>(thinned.kept[k])];
+    if (part.isWithin(facet.p_L, kHidden)) continue;
+    // A wall within the solid borders nothing.
+    const Vector3d off = 0.5 * kHidden * facet.n_L;
+    if (own.contains(facet.p_L + off) && own.contains(facet.p_L - off)) continue;
+    facet.link = link;
+    facet.p_S = X_SL * facet.p_L;
+    facet.area_m2 = areas[k];
+    facets.push_back(facet);
+  }
+}
+
+/// What bounds a link: its own surface if it is a solid's, else its part of the skin.
+struct Bounds {
+  std::shared_ptr<const geometry::SignedDistance> exact_L;
+  bool is_own = false;
+};
+
+Bounds boundsOf(const Skin& skin,
+                int link,
+                double skin_offset,
+                const Pose& X_SL,
+                std::vector<Facet>& facets) {
+  auto part = std::make_shared<const geometry::SignedDistance>(partOf(skin, link, X_SL));
+  auto own = ownSurface(skin, link, X_SL);
+  if (own == nullptr || !holds(*own, *part, skin_offset + kBeneath)) return {part, false};
+  addHidden(*own, *part, link, X_SL, facets);
+  return {own, true};
+}
+
+void fillSolid(std::shared_ptr<const geometry::SignedDistance> exact,
                int most_nodes,
                const Progress& progress,
                LinkSolid& solid) {
-  auto exact = std::make_shared<const geometry::SignedDistance>(partOf(skin, solid.link, X_SL));
   const Eigen::Matrix3Xd& vertices = exact->surface().vertices();
   solid.centre_L = 0.5 * (vertices.rowwise().minCoeff() + vertices.rowwise().maxCoeff());
   solid.radius = (vertices.colwise() - solid.centre_L).colwise().norm().maxCoeff();
@@ -179,23 +298,35 @@ HandSolid::HandSolid(const HandModel& model,
   progress.checkpoint();
   project(skin, X_SL, facets);
   progress.checkpoint();
-  std::vector<SampleSet> coarse = spread(facets, model.linkCount(), options.coarse_samples);
-  std::vector<SampleSet> fine = spread(facets, model.linkCount(), options.fine_samples);
-  for (int link = 0; link < model.linkCount(); ++link) {
-    const auto index = static_cast<std::size_t>(link);
-    if (coarse[index].samples.empty()) continue;
+  const auto link_count = static_cast<std::size_t>(model.linkCount());
+  std::vector<double> areas(link_count, 0.0);
+  std::vector<double> offsets(link_count, 0.0);
+  for (const Facet& facet : facets) {
+    areas[static_cast<std::size_t>(facet.link)] += facet.area_m2;
+    offsets[static_cast<std::size_t>(facet.link)] += facet.area_m2 * facet.offset;
+  }
+  const double skin_area = std::accumulate(areas.begin(), areas.end(), 0.0);
+  for (std::size_t i = 0; i < link_count; ++i)
+    offsets[i] = areas[i] > 0.0 ? offsets[i] / areas[i] : 0.0;
+
+  std::vector<Bounds> bounds(link_count);
+  for (std::size_t i = 0; i < link_count; ++i) {
+    progress.checkpoint();
+    if (areas[i] > 0.0)
+      bounds[i] = boundsOf(skin, static_cast<int>(i), offsets[i], X_SL[i], facets);
+  }
+  std::vector<SampleSet> coarse =
+      spread(facets, skin_area, model.linkCount(), options.coarse_samples);
+  std::vector<SampleSet> fine =
+      spread(facets, skin_area, model.linkCount(), options.fine_samples);
+  for (std::size_t i = 0; i < link_count; ++i) {
+    if (coarse[i].samples.empty()) continue;
     LinkSolid solid;
-    solid.link = link;
-    solid.coarse = std::move(coarse[index]);
-    solid.fine = std::move(fine[index]);
-    double area = 0.0;
-    for (const Facet& facet : facets) {
-      if (facet.link != link) continue;
-      solid.skin_offset += facet.area_m2 * facet.offset;
-      area += facet.area_m2;
-    }
-    if (area > 0.0) solid.skin_offset /= area;
-    fillSolid(skin, X_SL[index], options.nodes_per_link, progress, solid);
+    solid.link = static_cast<int>(i);
+    solid.coarse = std::move(coarse[i]);
+    solid.fine = std::move(fine[i]);
+    solid.skin_offset = bounds[i].is_own ? 0.0 : offsets[i];
+    fillSolid(std::move(bounds[i].exact_L), options.nodes_per_link, progress, solid);
     links_.push_back(std::move(solid));
   }
   findCollisionPairs(model);

@@ -44,8 +44,8 @@ struct LinkSolid {
   Eigen::Vector3d centre_L = Eigen::Vector3d::Zero();  ///< of a ball around all of it
   double radius = 0.0;
   geometry::Capsule capsule_L;  ///< around all of it, too
-  /// Distance to the link's part of the skin, its cuts shut; the skin stands `skin_offset` off
-  /// the link.
+  /// Distance to the link's own surface where that is a solid's; else to its part of the skin,
+  /// its cuts shut, which stands `skin_offset` off the link.
   std::unique_ptr<const geometry::DistanceGrid> grid_L;
   double skin_offset = 0.0;
   std::vector<geometry::DistanceGrid::Cell> cells_L;  ///< of the link itself
@@ -68,10 +68,12 @@ struct HandSolidOptions {
 
 /// The hand as a solid: evenly spread samples of its surface, and a distance field a link.
 ///
-/// Both come from the skin, which is closed and looks outwards where the links' own meshes may
-/// be shells, soups or full of screws; samples are moved onto the links' own surfaces. What of
-/// the skin belongs to no link (sheets over holes) counts for nothing. Deterministic. Const and
-/// safe from several threads.
+/// Samples come from the skin, which looks outwards, and are moved onto the links' own surfaces.
+/// So do fields where a link's own mesh holds what its skin does: the skin has nothing of a palm
+/// beneath the thumb, nor of knuckles between each other. Where it does not (shells, soups,
+/// frames full of screws), the field is that of the skin's part. What of the skin belongs to no
+/// link (sheets over holes) counts for nothing. Deterministic. Const and safe from several
+/// threads.
 class HandSolid {
  public:
   /// `skin` of this `model`. Errors: Cancelled on wish. Cost: some 0.3 s.

@@ -185,6 +185,12 @@ LinkLocators::LinkLocators(const LinkSurfaces& surfaces_S, int link_count)
   }
 }
 
+const geometry::TriangleMesh* LinkLocators::surfaceOf(int link) const {
+  const auto i = static_cast<std::size_t>(link);
+  HANDGRAFT_REQUIRE(i < locators_.size());
+  return locators_[i] ? &locators_[i]->mesh() : nullptr;
+}
+
 std::optional<LinkLocators::Hit> LinkLocators::nearestOf(int link,
                                                          const Eigen::Vector3d& p_S,
                                                          double reach_m) const {

@@ -27,6 +27,9 @@ class LinkLocators {
     double distance_m = 0.0;
   };
 
+  /// A link's own surface; null if it has no face.
+  [[nodiscard]] const geometry::TriangleMesh* surfaceOf(int link) const;
+
   /// The nearest place of one link, or nothing beyond `reach_m`.
   [[nodiscard]] std::optional<Hit> nearestOf(int link,
                                              const Eigen::Vector3d& p_S,

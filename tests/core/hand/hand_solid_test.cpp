@@ -110,6 +110,56 @@ TEST(HandSolid, KnowsWhatALinkTakesUp) {
   }
 }
 
+/// The same hand, its skin without what looks along x: other links might lie there.
+std::shared_ptr<const Skin> skinWithGaps(const test::BallHand& hand) {
+  const geometry::TriangleMesh& mesh_S = hand.skin->mesh();
+  std::vector<int> links = hand.skin->faceLinks();
+  for (int f = 0; f < mesh_S.faceCount(); ++f)
+    if (mesh_S.faceNormals()(0, f) > 0.0) links[static_cast<std::size_t>(f)] = -1;
+  return std::make_shared<const Skin>(*hand.model, mesh_S, hand.skin->qReference(),
+                                      hand.skin->epsilon(), SurfaceSource::kVisuals, links);
+}
+
+TEST(HandSolid, KnowsWhatOfALinkLiesBeneathOthers) {
+  const test::BallHand hand = chainOfBalls();
+  const HandSolid solid(*hand.model, *skinWithGaps(hand), Progress());
+  ASSERT_EQ(solid.links().size(), 4u);
+  for (const LinkSolid& link : solid.links()) {
+    EXPECT_NEAR(link.distance({0.6 * kRadius, 0, 0}), -0.4 * kRadius, 3e-4);
+    for (const SampleSet* set : {&link.coarse, &link.fine}) {
+      double area = 0.0;
+      Vector3d middle = Vector3d::Zero();
+      for (const SurfaceSample& sample : set->samples) {
+        EXPECT_NEAR(sample.p_L.norm(), kRadius, 1e-4);
+        area += sample.area_m2;
+        middle += sample.area_m2 * sample.p_L;
+      }
+      // Some near the gap's rim may count twice, or not at all.
+      EXPECT_NEAR(area, kBallArea, 0.1 * kBallArea);
+      EXPECT_LT((middle / area).norm(), 0.1 * kRadius);
+    }
+  }
+}
+
+TEST(HandSolid, TakesTheSkinWhereALinkIsAShell) {
+  const test::BallHand balls = chainOfBalls();
+  std::vector<Link> links = balls.model->links();
+  const geometry::TriangleMesh ball = links[0].visuals[0].mesh_L;
+  // Turned inside out, it borders the hollow.
+  const geometry::TriangleMesh hollow =
+      geometry::transformed(ball, Eigen::Affine3d(Eigen::Scaling(-0.9, 0.9, 0.9)));
+  Eigen::Matrix3Xi faces = hollow.faces();
+  if (hollow.faceNormals().col(0).dot(hollow.vertex(hollow.face(0)[0])) > 0.0)
+    faces.row(1).swap(faces.row(2));
+  for (Link& link : links)
+    link.visuals[0].mesh_L =
+        geometry::merged({ball, geometry::TriangleMesh(hollow.vertices(), faces)});
+  const HandModel model("shells", links, balls.model->joints());
+  const HandSolid solid(model, *balls.skin, Progress());
+  for (const LinkSolid& link : solid.links())
+    EXPECT_NEAR(link.distance({0.004, 0, 0}), -0.006, 3e-4);
+}
+
 TEST(HandSolid, LeavesOutNeighboursAndWhatTouchesAtRest) {
   const test::BallHand hand = chainOfBalls();
   const HandSolid solid(*hand.model, *hand.skin, Progress());
