@@ -57,7 +57,7 @@ std::size_t editsBetween(const std::string& a, const std::string& b) {
       near = name;
     }
   }
-  rejectInput("{} is no command{} (help lists them)", quoted(word),
+  rejectInput("{} is no command{} (help lists them)", handgraft::quoted(word),
               near.empty() ? "" : fmt::format("; did you mean {}?", near));
 }
 
@@ -107,10 +107,11 @@ std::string listed(const std::vector<Slot>& slots, const Names& names) {
     rejectInput("{}: there must follow {}", begun, listed(expected, names));
   }
   if (expected.empty()) {
-    rejectInput("{}: nothing may follow, but there is {}", begun, quoted(words[furthest]));
+    rejectInput("{}: nothing may follow, but there is {}", begun,
+                handgraft::quoted(words[furthest]));
   }
   if (expected.size() == 1 && !objection.empty()) rejectInput("{}: {}", begun, objection);
-  rejectInput("{}: {} may not stand here, but {}", begun, quoted(words[furthest]),
+  rejectInput("{}: {} may not stand here, but {}", begun, handgraft::quoted(words[furthest]),
               listed(expected, names));
 }
 

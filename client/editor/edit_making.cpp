@@ -51,7 +51,7 @@ const v1::JointInfo& jointNamed(EditContext& context, const std::string& name) {
   for (const v1::JointInfo& joint : context.hand().joints()) {
     if (joint.name() == name) return joint;
   }
-  rejectInput("the hand has no joint {}", quoted(name));
+  rejectInput("the hand has no joint {}", handgraft::quoted(name));
 }
 
 // In the joint's own unit.
@@ -60,8 +60,8 @@ double jointNumber(const Match& match, std::size_t index, EditContext& context) 
   const Value& value = match.values.at(index);
   const bool slides = jointNamed(context, joint).kind() == v1::JOINT_PRISMATIC;
   if (value.unit == (slides ? Unit::kAngle : Unit::kLength)) {
-    rejectInput("joint {} {}: {} is no {}", quoted(joint), slides ? "slides" : "turns",
-                value.text, slides ? "length" : "angle");
+    rejectInput("joint {} {}: {} is no {}", handgraft::quoted(joint),
+                slides ? "slides" : "turns", value.text, slides ? "length" : "angle");
   }
   return value.number;
 }
@@ -70,7 +70,7 @@ v1::JointSetting settingOf(EditContext& context, const std::string& joint) {
   for (const v1::JointSetting& setting : context.settings().joints()) {
     if (setting.name() == joint) return setting;
   }
-  rejectInput("the session has no joint {}", quoted(joint));
+  rejectInput("the session has no joint {}", handgraft::quoted(joint));
 }
 
 v1::EditBody limitEdit(const std::string& joint, double lower, double upper) {
@@ -101,7 +101,8 @@ v1::EditBody softEdit(const std::string& joint, double value, double weight) {
 v1::EditBody rootOnSite(const Match& match, EditContext& context) {
   const v1::HandDescription& hand = context.handWithMeshes();
   const v1::SiteInfo* site = siteNamed(hand, word(match, 1));
-  if (site == nullptr) rejectInput("the hand has no site {}", quoted(word(match, 1)));
+  if (site == nullptr)
+    rejectInput("the hand has no site {}", handgraft::quoted(word(match, 1)));
   const std::size_t link = linkIndex(hand, site->link());
   if (link >= hand.X_SL().size())
     rejectInput("the hand's skin does not say where its links are");
@@ -135,8 +136,9 @@ v1::EditBody rootNearPoint(const Match& match, EditContext& context) {
   if (!(distance <= kFarthestRoot_m)) {
     rejectInput(
         "root of patch {}: {} {} {} is {:.0f} mm from the {}; it may be at most {:.0f} mm",
-        quoted(word(match, 0)), word(match, 2), word(match, 3), word(match, 4), 1e3 * distance,
-        side == v1::SIDE_OBJECT ? "object's surface" : "hand's skin", 1e3 * kFarthestRoot_m);
+        handgraft::quoted(word(match, 0)), word(match, 2), word(match, 3), word(match, 4),
+        1e3 * distance, side == v1::SIDE_OBJECT ? "object's surface" : "hand's skin",
+        1e3 * kFarthestRoot_m);
   }
   return rootEdit(word(match, 0), side, root);
 }
@@ -162,8 +164,8 @@ v1::EditBody patchWeight(const Match& match, EditContext& /*context*/) {
   edit.patch(word(match, 0));
   edit.weight(number(match, 1));
   if (!(edit.weight() >= 0.0)) {
-    rejectInput("weight of patch {}: {}: it must not be negative", quoted(edit.patch()),
-                word(match, 1));
+    rejectInput("weight of patch {}: {}: it must not be negative",
+                handgraft::quoted(edit.patch()), word(match, 1));
   }
   return bodyOf(&v1::EditBody::patch_weight, edit);
 }

@@ -18,7 +18,8 @@ namespace fs = std::filesystem;
 Told Editor::save(const fs::path& path) {
   requireWritable({"save", path});
   writeFile(path, server_.saveSession(session_->id()).get());
-  return {fmt::format("wrote {}\n", quoted(path.string())), {{"file", path.string()}}};
+  return {fmt::format("wrote {}\n", handgraft::quoted(path.string())),
+          {{"file", path.string()}}};
 }
 
 Told Editor::load(const fs::path& path) {
@@ -39,9 +40,9 @@ Told Editor::replay(const fs::path& path) {
     return server_.replay(text).get();
   });
   if (!reply.same()) {
-    throw CommandFailed(
-        {1, fmt::format("{}: {} entries played, and it ends differently: {}",
-                        quoted(path.string()), reply.entries(), text::plain(reply.message()))});
+    throw CommandFailed({1, fmt::format("{}: {} entries played, and it ends differently: {}",
+                                        handgraft::quoted(path.string()), reply.entries(),
+                                        text::plain(reply.message()))});
   }
   return {fmt::format("{} entries played; it ends the same\n", reply.entries()),
           {{"entries", reply.entries()}, {"same", true}}};
@@ -49,7 +50,7 @@ Told Editor::replay(const fs::path& path) {
 
 Told Editor::exportTo(const std::string& format, const fs::path& path) {
   exportSession(server_, session_->id(), format, {"export", path});
-  return {fmt::format("wrote {}\n", quoted(path.string())),
+  return {fmt::format("wrote {}\n", handgraft::quoted(path.string())),
           {{"format", format}, {"file", path.string()}}};
 }
 
@@ -61,14 +62,16 @@ Told Editor::drawTo(const fs::path& path) {
   result.transfer = server_.transfer(session_->id()).get();
   result.hand = session_->handWithMeshes();
   writePicture(server_, path, result);
-  return {fmt::format("wrote {}\n", quoted(path.string())), {{"file", path.string()}}};
+  return {fmt::format("wrote {}\n", handgraft::quoted(path.string())),
+          {{"file", path.string()}}};
 }
 
 Told Editor::script(const std::string& path) {
   std::error_code error;
-  if (fs::is_directory(path, error)) rejectInput("{}: that is a folder", quoted(path));
+  if (fs::is_directory(path, error))
+    rejectInput("{}: that is a folder", handgraft::quoted(path));
   std::ifstream in(path);
-  if (!in) rejectInput("{}: cannot be read", quoted(path));
+  if (!in) rejectInput("{}: cannot be read", handgraft::quoted(path));
   runScript(
       [&]() -> std::optional<std::string> {
         std::string line;

@@ -79,11 +79,11 @@ std::string listed(const std::vector<std::string>& names) {
 std::string read(const Slot& slot, const std::string& word, const Names& names, Value& value) {
   value.text = word;
   const auto no = [&] {
-    return fmt::format("{} is no {}", quoted(word), infoOf(slot.kind).what);
+    return fmt::format("{} is no {}", handgraft::quoted(word), infoOf(slot.kind).what);
   };
   switch (slot.kind) {
     case Kind::kLiteral:
-      return word == slot.literal ? "" : quoted(word);
+      return word == slot.literal ? "" : handgraft::quoted(word);
     case Kind::kCount:
     case Kind::kSession: {
       const auto count = countOf(word);

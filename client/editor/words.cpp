@@ -62,7 +62,7 @@ std::vector<Words> commandsOf(const std::string& line) {
   Scan all = scan(line);
   if (all.quote != 0) {
     rejectInput("the quote at column {} is not closed: {}", all.quote_place + 1,
-                quoted(line.substr(all.quote_place)));
+                handgraft::quoted(line.substr(all.quote_place)));
   }
   all.endWord();
   std::vector<Words> commands;
