@@ -120,7 +120,6 @@ class FastBus final : public Bus {
         is_secured_(identity.has_value()),
         acquaintances_(identity),
         node_(network, identity, &acquaintances_),
-        lookout_(network, identity),
         is_paced_(!validate(network).loopback),
         replies_(node_.own(), idl::kReplyTopic, is_paced_),
         progresses_(node_.own(), idl::kProgressTopic),
@@ -157,7 +156,7 @@ class FastBus final : public Bus {
           listener.onDemonstrator(std::move(frame), sender);
         });
     heard_ = std::make_unique<FastReader<v1::ServerStatus>>(
-        lookout_.endpoints(), idl::kStatusTopic,
+        node_.endpoints(), idl::kStatusTopic,
         [&listener](v1::ServerStatus&& status, const Sender&) {
           listener.onStatus(status);
         });
@@ -242,7 +241,6 @@ class FastBus final : public Bus {
           "this server any more\"");
     // All that they say is left out: after a lease they are gone for DDS, too.
     node_.filter().refuse(news->revoked);
-    lookout_.filter().refuse(news->revoked);
     spdlog::info("event=revocations_read count={}", news->revoked.size());
   }
 
@@ -287,9 +285,6 @@ class FastBus final : public Bus {
   std::optional<idl::security::Revocations> revocations_;
   Acquaintances acquaintances_;
   Node node_;
-  /// Reads the topic that `node_` writes: a Fast DDS participant knows a topic by one type
-  /// support only, and the hardened one that reading needs cannot write.
-  Node lookout_;
   bool is_paced_;
   OnTheirWay on_their_way_;
   AddressedWriter<v1::Reply> replies_;

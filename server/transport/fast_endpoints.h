@@ -67,14 +67,14 @@ template <> struct SupportOf<sensor_msgs::msg::dds_::JointState_> { using type =
 
 /// A message as taken from the wire, and whether it decoded.
 template <class Message>
-struct Taken {
-  Message message;
+struct Taken : Message {
   bool sound = false;
 };
 
-/// Decodes into Taken<Message>, and survives every payload: the generated code lets exceptions
-/// (bad_alloc, bad discriminators) escape into DDS threads, and a sample that failed would be
-/// offered again.
+/// Encodes a Message, decodes into a Taken, and survives every payload: the generated code lets
+/// exceptions (bad_alloc, bad discriminators) escape into DDS threads, and a sample that failed
+/// would be offered again. What Fast DDS carries as void* is a Message*, of a Taken where it is
+/// read; so a participant, which knows a topic by one type support, may write and read it.
 template <class Message>
 class HardenedType final : public SupportOf<Message>::type {
   using Base = typename SupportOf<Message>::type;
@@ -82,20 +82,25 @@ class HardenedType final : public SupportOf<Message>::type {
  public:
   bool deserialize(eprosima::fastrtps::rtps::SerializedPayload_t* payload,
                    void* data) override {
-    auto* taken = static_cast<Taken<Message>*>(data);
-    taken->sound = false;
+    auto& taken = takenOf(data);
+    taken.sound = false;
     if (payload->length > idl::kLargestRequest) return true;
     try {
-      taken->sound = Base::deserialize(payload, &taken->message);
+      taken.sound = Base::deserialize(payload, data);
     } catch (...) {
-      taken->sound = false;
+      taken.sound = false;
     }
     return true;
   }
 
-  void* createData() override { return new Taken<Message>(); }
+  void* createData() override { return static_cast<Message*>(new Taken<Message>()); }
 
-  void deleteData(void* data) override { delete static_cast<Taken<Message>*>(data); }
+  void deleteData(void* data) override { delete &takenOf(data); }
+
+ private:
+  static Taken<Message>& takenOf(void* data) {
+    return static_cast<Taken<Message>&>(*static_cast<Message*>(data));
+  }
 };
 
 template <class EntityQos>
@@ -117,15 +122,18 @@ void apply(idl::Qos profile, int depth, EntityQos& qos) {
   qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::DYNAMIC_RESERVE_MEMORY_MODE;
 }
 
-/// Registers the type, once, and makes or finds the topic.
-template <class Message, class Support>
+/// Registers the type, once, and makes or finds the topic: who is the last to use it deletes
+/// it, since Fast DDS refuses that before.
+template <class Message>
 eprosima::fastdds::dds::Topic* topicFor(const Endpoints& endpoints,
                                         const idl::Topic<Message>& topic) {
   namespace dds = eprosima::fastdds::dds;
-  const dds::TypeSupport type(new Support());
+  const dds::TypeSupport type(new HardenedType<Message>());
   if (endpoints.participant->find_type(type.get_type_name()).empty()) {
     type.register_type(endpoints.participant);
   }
+  if (auto* known = endpoints.participant->lookup_topicdescription(topic.name))
+    return static_cast<dds::Topic*>(known);  // there are no filtered ones
   auto* made = endpoints.participant->create_topic(topic.name, type.get_type_name(),
                                                    dds::TOPIC_QOS_DEFAULT);
   if (made == nullptr) throw TransportError(fmt::format("{}: no topic", topic.name));
@@ -143,8 +151,7 @@ class FastWriter {
              const idl::Topic<Message>& topic,
              bool is_paced = false,
              Heartbeats heartbeats = Heartbeats::kWithSamples)
-      : endpoints_(endpoints),
-        topic_(topicFor<Message, typename SupportOf<Message>::type>(endpoints, topic)) {
+      : endpoints_(endpoints), topic_(topicFor(endpoints, topic)) {
     namespace dds = eprosima::fastdds::dds;
     dds::DataWriterQos qos = dds::DATAWRITER_QOS_DEFAULT;
     apply(topic.qos, idl::depthOf(topic.qos).writer, qos);
@@ -214,7 +221,7 @@ class FastReader : private eprosima::fastdds::dds::DataReaderListener {
       : endpoints_(endpoints),
         use_(std::move(use)),
         is_kept_(idl::isKept(topic.qos)),
-        topic_(topicFor<Message, HardenedType<Message>>(endpoints, topic)) {
+        topic_(topicFor(endpoints, topic)) {
     namespace dds = eprosima::fastdds::dds;
     dds::DataReaderQos qos = dds::DATAREADER_QOS_DEFAULT;
     apply(topic.qos, idl::depthOf(topic.qos).reader, qos);
@@ -237,7 +244,9 @@ class FastReader : private eprosima::fastdds::dds::DataReaderListener {
     while (true) {
       Taken<Message> taken;
       eprosima::fastdds::dds::SampleInfo info;
-      if (reader->take_next_sample(&taken, &info) != ReturnCode_t::RETCODE_OK) return;
+      if (reader->take_next_sample(static_cast<Message*>(&taken), &info) !=
+          ReturnCode_t::RETCODE_OK)
+        return;
       if (!info.valid_data || isOfBefore(info)) continue;
       if (!taken.sound) {
         spdlog::warn("topic={} event=dropped reason=\"does not decode\"", topic_->get_name());
@@ -246,7 +255,7 @@ class FastReader : private eprosima::fastdds::dds::DataReaderListener {
       Sender sender{};
       const auto& prefix = info.sample_identity.writer_guid().guidPrefix.value;
       std::copy(std::begin(prefix), std::end(prefix), sender.begin());
-      use_(std::move(taken.message), sender);
+      use_(std::move(static_cast<Message&>(taken)), sender);
     }
   }
 
