@@ -17,12 +17,14 @@
 
 #include "idl/datagrams/datagram_filter.h"
 #include "server/transport/fair_queue.h"
+#include "server/transport/insistence.h"
 
 namespace handgraft::server {
 
 /// What comes through another transport goes through the filter first, on the thread that reads
 /// the socket and does nothing else, and then by turns of its senders to Fast DDS, which does
-/// all that follows on the thread that brings it a datagram. What is sent does not.
+/// all that follows on the thread that brings it a datagram. What is sent does not, but that
+/// who is silent is not asked all the time.
 class FilteredTransport final : public eprosima::fastdds::rtps::ChainingTransport {
  public:
   using ChainingTransport = eprosima::fastdds::rtps::ChainingTransport;
@@ -41,6 +43,7 @@ class FilteredTransport final : public eprosima::fastdds::rtps::ChainingTranspor
             eprosima::fastrtps::rtps::LocatorsIterator* begin,
             eprosima::fastrtps::rtps::LocatorsIterator* end,
             const std::chrono::steady_clock::time_point& until) override {
+    if (!insistence_.maySend({bytes, size})) return true;
     return low->send(bytes, size, begin, end, until);
   }
 
@@ -71,6 +74,7 @@ class FilteredTransport final : public eprosima::fastdds::rtps::ChainingTranspor
     thread_local std::vector<std::uint8_t> kept;
     const auto passed = filter_->pass({bytes, size}, kept);
     if (passed.empty()) return;
+    insistence_.hear(passed);
     FairQueue::Sender sender{{}, remote.port};
     std::copy(std::begin(remote.address), std::end(remote.address), sender.address.begin());
     const std::lock_guard lock(mutex_);
@@ -128,6 +132,7 @@ class FilteredTransport final : public eprosima::fastdds::rtps::ChainingTranspor
 
   std::shared_ptr<idl::DatagramFilter> filter_;
   std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> low_;
+  Insistence insistence_;
   std::mutex mutex_;
   std::list<Lane> lanes_;
 };
