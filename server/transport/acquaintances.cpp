@@ -5,6 +5,7 @@
 #include <string>
 
 #include <fastdds/rtps/participant/ParticipantDiscoveryInfo.h>
+#include <fastdds/rtps/reader/ReaderDiscoveryInfo.h>
 
 #include "core/base/error.h"
 
@@ -40,6 +41,30 @@ void Acquaintances::hear(security::GuidBegin begin, std::string_view pem) {
     const std::lock_guard lock(mutex_);
     known_[begin] = named;
   } catch (const InvalidInput&) {  // none that `handgraft keys` makes
+  }
+}
+
+bool Acquaintances::isRead(const std::string& topic) const {
+  const std::lock_guard lock(mutex_);
+  return read_.count(topic) != 0;
+}
+
+void Acquaintances::on_subscriber_discovery(
+    eprosima::fastdds::dds::DomainParticipant* /*self*/,
+    eprosima::fastrtps::rtps::ReaderDiscoveryInfo&& found) {
+  using Info = eprosima::fastrtps::rtps::ReaderDiscoveryInfo;
+  constexpr std::string_view kBegin = "rt/handgraft/";
+  constexpr std::size_t kMost = 4096;  // topics; anybody may say that he reads some
+  const std::string topic = found.info.topicName().c_str();
+  if (topic.compare(0, kBegin.size(), kBegin) != 0) return;
+  const std::lock_guard lock(mutex_);
+  if (found.status == Info::REMOVED_READER) {
+    const auto at = read_.find(topic);
+    if (at == read_.end()) return;
+    at->second.erase(found.info.guid());
+    if (at->second.empty()) read_.erase(at);
+  } else if (read_.size() < kMost || read_.count(topic) != 0) {
+    read_[topic].insert(found.info.guid());
   }
 }
 

@@ -3,6 +3,8 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
+#include <string>
 #include <string_view>
 
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
@@ -28,6 +30,9 @@ class Acquaintances final : public eprosima::fastdds::dds::DomainParticipantList
   /// In the name of a GUID that begins so. From anybody.
   void hear(idl::security::GuidBegin begin, std::string_view pem);
 
+  /// True where somebody reads that topic, of sessions' own topics (rt/handgraft/...).
+  [[nodiscard]] bool isRead(const std::string& topic) const;
+
   /// From now on hears who is gone; null: nobody does. No call is running once this returned.
   void tell(BusListener* listener);
 
@@ -36,10 +41,15 @@ class Acquaintances final : public eprosima::fastdds::dds::DomainParticipantList
       eprosima::fastdds::dds::DomainParticipant* self,
       eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& found) override;
 
+  void on_subscriber_discovery(eprosima::fastdds::dds::DomainParticipant* self,
+                               eprosima::fastrtps::rtps::ReaderDiscoveryInfo&& found) override;
+
   std::optional<idl::security::Certificate> authority_;
   std::mutex listener_mutex_;
   BusListener* listener_ = nullptr;
   mutable std::mutex mutex_;
+  /// Sessions' own topics and who reads them.
+  std::map<std::string, std::set<eprosima::fastrtps::rtps::GUID_t>> read_;
   /// Of all that were ever shown: as many as the authority signed.
   std::map<idl::security::GuidBegin, idl::security::Named> known_;
 };

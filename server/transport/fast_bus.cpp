@@ -4,6 +4,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -203,6 +204,7 @@ class FastBus final : public Bus {
     clocks_.close(state.session_id());
     const std::lock_guard lock(commands_mutex_);
     commands_.erase(state.session_id());
+    unannounced_.erase(state.session_id());
   }
 
   void publish(const v1::MotionFrames& frames) override { frames_.write(frames); }
@@ -212,15 +214,7 @@ class FastBus final : public Bus {
   void publishJointCommand(std::uint64_t session_id,
                            const sensor_msgs::msg::dds_::JointState_& command) override {
     const std::lock_guard lock(commands_mutex_);
-    auto& writer = commands_[session_id];
-    if (writer == nullptr) {
-      const std::string name = "rt/handgraft/" + (server_.empty() ? "" : server_ + "/") +
-                               std::to_string(session_id) + "/joint_command";
-      writer = std::make_unique<FastWriter<sensor_msgs::msg::dds_::JointState_>>(
-          node_.endpoints(),
-          idl::Topic<sensor_msgs::msg::dds_::JointState_>{name.c_str(), idl::Qos::kTelemetry});
-    }
-    writer->write(command);
+    if (const auto writer = commandsOf(session_id)) writer->write(command);
   }
 
   [[nodiscard]] std::optional<idl::security::Named> whoIs(const Sender& sender) const override {
@@ -229,6 +223,7 @@ class FastBus final : public Bus {
   }
 
   void lookAround() override {
+    announceWhatIsRead();
     const auto news = revocations_ ? revocations_->look() : std::nullopt;
     if (!news) return;
     if (!news->trouble.empty()) {
@@ -278,7 +273,42 @@ class FastBus final : public Bus {
     return false;
   }
 
+  using CommandWriter = FastWriter<sensor_msgs::msg::dds_::JointState_>;
+
+  [[nodiscard]] std::string commandTopicOf(std::uint64_t session_id) const {
+    return "rt/handgraft/" + (server_.empty() ? "" : server_ + "/") +
+           std::to_string(session_id) + "/joint_command";
+  }
+
+  /// Null where there are many and nobody reads this one's: a writer is told of to everybody,
+  /// and everybody answers. Beside a hundred clients that come and go with a session each that
+  /// was most of what there was to say. `commands_mutex_` held.
+  std::shared_ptr<CommandWriter> commandsOf(std::uint64_t session_id) {
+    const auto found = commands_.find(session_id);
+    if (found != commands_.end()) return found->second;
+    const std::string name = commandTopicOf(session_id);
+    if (commands_.size() >= kAnnouncedCommands && !acquaintances_.isRead(name)) {
+      unannounced_.insert(session_id);
+      return nullptr;
+    }
+    unannounced_.erase(session_id);
+    return commands_[session_id] = std::make_shared<CommandWriter>(
+               node_.endpoints(), idl::Topic<sensor_msgs::msg::dds_::JointState_>{
+                                      name.c_str(), idl::Qos::kTelemetry});
+  }
+
+  /// So that who reads one has met its writer when the next command comes.
+  void announceWhatIsRead() {
+    const std::lock_guard lock(commands_mutex_);
+    const auto sessions = unannounced_;
+    for (const std::uint64_t session_id : sessions)
+      commandsOf(session_id);
+  }
+
   static constexpr std::size_t kLarge = 65'536;  // bytes of an answer
+  /// Sessions whose joint commands have a writer before anybody reads them, so that ROS 2 lists
+  /// their topics.
+  static constexpr std::size_t kAnnouncedCommands = 16;
 
   std::string server_;
   bool is_secured_;
@@ -296,8 +326,8 @@ class FastBus final : public Bus {
   FastWriter<v1::MotionFrames> frames_;
   SessionTopic<v1::MotionClock> clocks_;
   std::mutex commands_mutex_;
-  std::map<std::uint64_t, std::unique_ptr<FastWriter<sensor_msgs::msg::dds_::JointState_>>>
-      commands_;
+  std::map<std::uint64_t, std::shared_ptr<CommandWriter>> commands_;
+  std::set<std::uint64_t> unannounced_;  ///< sessions without such a writer
   std::vector<std::unique_ptr<FastReader<v1::Request>>> requests_;
   std::unique_ptr<FastReader<v1::Edit>> edits_;
   std::unique_ptr<FastReader<v1::DemonstratorFrame>> demonstrators_;
