@@ -28,6 +28,11 @@ class Pace {
 
   [[nodiscard]] Clock::time_point next() const { return next_; }
 
+  [[nodiscard]] Clock::duration interval() const { return interval_; }
+
+  /// Said before, and not answered in time.
+  [[nodiscard]] bool isRepeat() const { return count_ > 1; }
+
   void sent(Clock::time_point now) {
     if (++count_ % kRepeatsBeforeSlowing == 0) {
       interval_ = std::max(interval_, std::min(2 * interval_, kSlowRepeat));

@@ -14,6 +14,7 @@
 #include "idl/cyclone/calls.h"
 #include "idl/cyclone/known_server.h"
 #include "idl/cyclone/requester_wires.h"
+#include "idl/cyclone/window.h"
 
 namespace handgraft::idl::cyclone {
 
@@ -43,7 +44,8 @@ struct Requester::Impl {
   /// be meant for this one.
   template <class AnyCall, class Reply>
   bool isStrangers(const Calls<AnyCall>& calls, std::uint64_t id, const Reply& reply);
-  /// Tells calls whose server is gone, and those that could not be sent.
+  /// Tells those that could not be sent and, `kLook` after it did so last, calls whose server
+  /// is gone.
   void endLostCalls();
   template <class AnyCall>
   void collectLost(Calls<AnyCall>& calls, std::vector<std::function<void()>>& ends);
@@ -100,6 +102,10 @@ struct Requester::Impl {
 
   Writer<v1::Edit>& writerOf(const EditCall& /*call*/) { return wires.writerOfEdits(); }
 
+  // The server remembers the answers of a client's last 512 edits (server/README), and never
+  // begins one that is older than a forgotten one.
+  static constexpr std::size_t kMostEdits = 384;
+
   Participant participant;
   const v1::ClientId client = randomClient();
 
@@ -115,7 +121,9 @@ struct Requester::Impl {
   Calls<RequestCall> waiting;  ///< not sent yet
   Calls<EditCall> edit_calls;
   Calls<EditCall> waiting_edits;                ///< likewise
+  Window edit_window{kMostEdits};               ///< of edits under way
   std::vector<std::function<void()>> failures;  ///< to be told
+  Clock::time_point looked;                     ///< for lost calls
   KnownServer server;
 
   // Its listeners touch all of the above: made last, gone first.

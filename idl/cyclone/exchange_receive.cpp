@@ -111,8 +111,17 @@ void Requester::Impl::hear(const v1::Reply& message) {
 
 void Requester::Impl::hear(const v1::EditReply& message) {
   if (isStrangers(edit_calls, message.edit_id(), message)) return;
-  if (const auto call = extract(edit_calls, message.edit_id(), message.server_id()))
-    call->on_reply(outcomeOf<v1::EditReply>(message, message));
+  const auto call = extract(edit_calls, message.edit_id(), message.server_id());
+  if (!call) return;
+  {
+    const std::lock_guard lock(mutex);
+    if (message.error() == v1::ERROR_OVERLOADED)
+      edit_window.repeated(Clock::now(), kLook);
+    else
+      edit_window.answered();
+  }
+  to_send.notify_all();  // more may go
+  call->on_reply(outcomeOf<v1::EditReply>(message, message));
 }
 
 template <class AnyCall>
@@ -137,10 +146,14 @@ void Requester::Impl::endLostCalls() {
     const std::lock_guard lock(mutex);
     server.succeed();
     ends.swap(failures);
-    collectLost(request_calls, ends);
-    collectLost(waiting, ends);
-    collectLost(edit_calls, ends);
-    collectLost(waiting_edits, ends);
+    const Clock::time_point now = Clock::now();
+    if (now - looked >= kLook) {
+      looked = now;
+      collectLost(request_calls, ends);
+      collectLost(waiting, ends);
+      collectLost(edit_calls, ends);
+      collectLost(waiting_edits, ends);
+    }
   }
   for (const auto& end : ends)
     end();

@@ -13,13 +13,16 @@ namespace {
 // answers of a client's last 64 requests (server/README), and never begins one that is older
 // than a forgotten one.
 constexpr std::uint64_t kWindow = 48;
-constexpr std::uint64_t kEditWindow = 384;  // likewise, of 512
 
-/// One whose time has come, else nullptr; `next` becomes the earliest time of another.
+/// One of the `most` oldest whose time has come, else nullptr; `next` becomes the earliest time
+/// of another.
 template <class AnyCall>
-std::shared_ptr<AnyCall> nextDue(const Calls<AnyCall>& calls, Pace::Clock::time_point& next) {
+std::shared_ptr<AnyCall> nextDue(const Calls<AnyCall>& calls,
+                                 std::size_t most,
+                                 Pace::Clock::time_point& next) {
   const Pace::Clock::time_point now = Pace::Clock::now();
   for (const auto& [id, call] : calls) {
+    if (most-- == 0) break;
     if (call->pace.next() <= now) {
       call->pace.sent(now);
       return call;
@@ -44,8 +47,10 @@ void Requester::Impl::repeat() {
   while (!stopping) {
     admit();
     Clock::time_point next = Clock::now() + std::chrono::hours(1);
-    const auto request = nextDue(request_calls, next);
-    const auto edit = nextDue(edit_calls, next);
+    const auto request = nextDue(request_calls, request_calls.size(), next);
+    const auto edit = nextDue(edit_calls, edit_window.size(), next);
+    if (edit && edit->pace.isRepeat())
+      edit_window.repeated(Clock::now(), edit->pace.interval());
     if (!request && !edit) {
       to_send.wait_until(lock, next);
       continue;
@@ -74,7 +79,7 @@ bool Requester::Impl::mayGo(std::uint64_t id) const {
 }
 
 bool Requester::Impl::mayEdit(std::uint64_t id) const {
-  return edit_calls.empty() || id < edit_calls.begin()->first + kEditWindow;
+  return edit_calls.empty() || id < edit_calls.begin()->first + edit_window.size();
 }
 
 template <class AnyCall>

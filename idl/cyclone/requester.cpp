@@ -15,6 +15,16 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr std::size_t kMiB = 1024 * 1024;
+// Of requests, and of edits, that wait to be sent for the first time; more are refused.
+constexpr std::size_t kMostWaiting = 10'000;
+
+std::exception_ptr tooMany(const char* what) {
+  return std::make_exception_ptr(Refused(
+      v1::ERROR_OVERLOADED,
+      fmt::format("not sent: {} {} of this program wait already until the server has answered "
+                  "earlier ones",
+                  kMostWaiting, what)));
+}
 
 }  // namespace
 
@@ -101,6 +111,13 @@ Requester::CallId Requester::begin(const v1::RequestBody& body,
     });
     return id;
   }
+  if (impl_->waiting.size() >= kMostWaiting) {
+    lock.unlock();
+    impl_->fail([on_reply = std::move(on_reply)] {
+      on_reply(tooMany("requests"));
+    });
+    return id;
+  }
   request.request_id(id);
   const auto call =
       std::make_shared<RequestCall>(std::move(request), bytes, std::move(on_reply));
@@ -133,6 +150,12 @@ void Requester::beginEdit(std::uint64_t session_id,
   edit.body(body);
   std::unique_lock lock(impl_->mutex);
   if (impl_->server.status()) edit.server_id(impl_->server.status()->server_id());
+  if (impl_->waiting_edits.size() >= kMostWaiting) {
+    lock.unlock();
+    return impl_->fail([on_reply = std::move(on_reply)] {
+      on_reply(tooMany("edits"));
+    });
+  }
   const std::uint64_t id = impl_->next_edit++;
   edit.edit_id(id);
   const std::size_t bytes = v1::EditBody::getCdrSerializedSize(body);
