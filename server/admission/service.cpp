@@ -19,8 +19,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kMostQuickWaiting = 256;   // chunks of files among them
-constexpr std::chrono::seconds kIdleInNeed(10);  // of sessions where others find no room
+constexpr std::size_t kMostQuickWaiting = 256;  // chunks of files among them
 // A client that waits repeats what it asks every 2 s at least, and gives up after 30 s of
 // silence (idl/cyclone/requester).
 constexpr std::chrono::seconds kAnswersKept(120);
@@ -188,13 +187,10 @@ void Service::expireIdleSessions() {
   constexpr std::chrono::minutes kLongestWarning(10);
   const Clock::duration limit = options_.session_idle;
   const Clock::duration warning = std::min<Clock::duration>(limit / 10, kLongestWarning);
+  if (options_.state != nullptr) return putIdleSessionsToSleep();
   for (const auto& live : sessions_.all()) {
     const Clock::duration idle = live->idle();
-    if (options_.state != nullptr) {
-      const bool is_full = 10 * sessions_.size() > 9 * options_.most_sessions;
-      if (idle >= (is_full ? std::min<Clock::duration>(limit, kIdleInNeed) : limit))
-        putToSleepAfter(live, std::chrono::duration_cast<std::chrono::seconds>(idle));
-    } else if (idle < limit - warning) {
+    if (idle < limit - warning) {
       live->warn("");
     } else if (idle < limit) {
       live->warn(fmt::format("idle; closes within {} unless it is used", inWords(warning)));

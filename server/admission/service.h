@@ -129,6 +129,8 @@ class Service final : private BusListener, private SessionAudience {
   /// which it was asked for. Else `otherwise`, with what was in the way. Both return soon.
   void whenOpen(std::uint64_t id, WithSession then, WithoutSession otherwise);
   void wake(std::uint64_t id);
+  /// Those of which nothing was asked for long, and so many more as others need the room.
+  void putIdleSessionsToSleep();
   /// On its strand, where nothing was asked of it for so long.
   void putToSleepAfter(const std::shared_ptr<LiveSession>& live, std::chrono::seconds idle);
   void listKeptSessions();
@@ -191,7 +193,7 @@ class Service final : private BusListener, private SessionAudience {
   Requests requests_;
   /// Small answers; a client that could not be heard for a while has many edits under way.
   Edits edits_{{.answers_per_client = 512}};
-  /// Other servers of this domain, and when each was last told of; on the bus' thread.
+  /// Other servers of this domain, and when each was last told of; on the bus' one thread.
   std::map<std::uint64_t, std::chrono::steady_clock::time_point> rivals_;
   mutable std::mutex running_mutex_;
   std::map<Key, JobPtr> running_;

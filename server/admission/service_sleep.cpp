@@ -1,6 +1,8 @@
 // How the service lists the sessions that a store keeps, opens them when they are asked for,
 // and puts them to sleep.
+#include <algorithm>
 #include <utility>
+#include <vector>
 
 #include <spdlog/spdlog.h>
 
@@ -16,7 +18,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kMostWaking = 256;  // that wait for one session to open
+constexpr std::size_t kMostWaking = 256;         // that wait for one session to open
+constexpr std::chrono::seconds kIdleInNeed(10);  // of sessions where others find no room
 // Those that were in use when the server before this one ended.
 constexpr std::chrono::minutes kInUse(10);
 constexpr std::size_t kMostInUse = 16;
@@ -113,12 +116,38 @@ void Service::wake(std::uint64_t id) {
   }
 }
 
+void Service::putIdleSessionsToSleep() {
+  // Room is made before there is none, by those that were idle longest; so many a second, since
+  // each takes a place in the pool, where others' edits wait, too.
+  constexpr std::size_t kMostAtOnce = 16;
+  const std::size_t wanted = options_.most_sessions * 9 / 10;
+  std::vector<std::pair<Clock::duration, std::shared_ptr<LiveSession>>> idle;
+  for (const auto& live : sessions_.all())
+    idle.emplace_back(live->idle(), live);
+  std::sort(idle.begin(), idle.end(), [](const auto& a, const auto& b) {
+    return a.first > b.first;
+  });
+  std::size_t excess = idle.size() - std::min(idle.size(), wanted);
+  if (idle.size() > kMostAtOnce) idle.resize(kMostAtOnce);
+  for (const auto& [time, live] : idle) {
+    const bool is_in_the_way = excess > 0 && time >= kIdleInNeed;
+    if (!is_in_the_way && time < options_.session_idle) return;
+    putToSleepAfter(live, std::chrono::duration_cast<std::chrono::seconds>(time));
+    if (excess > 0) --excess;
+  }
+}
+
 void Service::putToSleepAfter(const std::shared_ptr<LiveSession>& live,
                               std::chrono::seconds idle) {
   const bool is_taken = live->strand().post([this, live, idle] {
-    if (live->idle() < idle || live->is_asleep || live->isClosed()) return;
+    const auto is_wanted = [&] {
+      return live->idle() < idle || live->is_asleep || live->isClosed();
+    };
+    if (is_wanted()) return;
     try {
+      keepText(*live);  // takes its time, in which others' sessions are asked for
       const std::lock_guard lock(waking_mutex_);  // who asks now finds it, or finds it asleep
+      if (is_wanted()) return;
       putToSleep(*live, workshop_);
       spdlog::info("event=session_sleeps session={}", live->id());
     } catch (const std::exception& error) {

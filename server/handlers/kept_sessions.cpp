@@ -140,7 +140,6 @@ void keepText(LiveSession& live) {
 }
 
 void putToSleep(LiveSession& live, Workshop& workshop) {
-  keepText(live);
   workshop.sessions.sleep(live.state());
   live.is_asleep = true;
   live.journal = nullptr;

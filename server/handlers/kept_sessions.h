@@ -34,8 +34,8 @@ void keepState(LiveSession& live);
 /// Its text, whatever came since. Of the strand. Errors: StorageError.
 void keepText(LiveSession& live);
 
-/// Takes it out of memory. Of the strand; the session does nothing afterwards. Errors:
-/// StorageError, and it stays.
+/// Takes it out of memory, once its text is kept. Of the strand; the session does nothing
+/// afterwards.
 void putToSleep(LiveSession& live, Workshop& workshop);
 
 }  // namespace handgraft::server
