@@ -15,6 +15,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "server/supervisor/starvation.h"
+
 namespace handgraft::server {
 
 namespace {
@@ -25,6 +27,8 @@ using std::chrono::milliseconds;
 constexpr milliseconds kLook(100);
 constexpr milliseconds kHeldUp(300);      // beyond the time to look
 constexpr milliseconds kSilence(2000);    // a status comes once a second
+constexpr milliseconds kUsual(1200);      // between two of them
+constexpr milliseconds kForgiven(2000);   // of a silence, at most, where there is no processor
 constexpr milliseconds kStart(60'000);    // to the first answer; a store may be large
 constexpr milliseconds kEnd(12'000);      // it ends itself within 10 s (main.cpp)
 constexpr milliseconds kFirstPause(100);  // before it is started again
@@ -179,8 +183,9 @@ Life watch(Twin& server, const std::vector<std::string>& arguments) {
   bool is_asked_again = false;
   bool is_watched = true;
   const Clock::time_point begin = Clock::now();
-  Clock::time_point last = begin;  // answer, or a new asker
+  Silence silence(kForgiven, begin);  // since an answer, or a new asker
   Clock::time_point silent_since = begin;
+  std::optional<Starvation> starvation;
   while (true) {
     const Clock::time_point before = Clock::now();
     const Asker::Heard heard = asker->hear(kLook);
@@ -192,17 +197,23 @@ Life watch(Twin& server, const std::vector<std::string>& arguments) {
     if (server.hasEnded()) return life;
     // What was not heard while this process itself stood still is nobody's silence.
     if (now - before > kLook + kHeldUp) {
-      last += now - before;
+      silence.standStill(now - before);
       silent_since += now - before;
     }
     // What another asker finds at first may have waited for it.
     if (heard.answered || (heard.found && !life.is_up)) {
       life.is_up = true;
       is_asked_again = false;
-      last = silent_since = now;
+      silence.begin(now);
+      silent_since = now;
+      starvation.reset();
       continue;
     }
-    if (!is_watched || now - last < (life.is_up ? kSilence : kStart)) continue;
+    if (now - silent_since > kUsual) {
+      if (!starvation) starvation.emplace(server.pid());
+      silence.forgive(std::min<Clock::duration>(starvation->sinceLast(), now - before));
+    }
+    if (!is_watched || silence.lasts(now) < (life.is_up ? kSilence : kStart)) continue;
     if (asker->isUnfit()) {
       spdlog::warn(
           "event=not_asked reason=\"this server's identity may not ask; it is started "
@@ -216,7 +227,7 @@ Life watch(Twin& server, const std::vector<std::string>& arguments) {
       asker.reset();
       asker.emplace(arguments, server.pid());
       is_asked_again = true;
-      last = Clock::now();
+      silence.begin(Clock::now());
       continue;
     }
     spdlog::error("event=server_deaf process={} silent_s={:.1f}", server.pid(),
