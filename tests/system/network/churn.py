@@ -14,8 +14,12 @@ import time
 
 
 def memory_mb(pid):
-    with open(f'/proc/{pid}/status', encoding='utf8') as status:
-        return int(re.search(r'VmRSS:\s+(\d+)', status.read()).group(1)) / 1024
+    """Of a process; 0 once it is gone."""
+    try:
+        with open(f'/proc/{pid}/status', encoding='utf8') as status:
+            return int(re.search(r'VmRSS:\s+(\d+)', status.read()).group(1)) / 1024
+    except OSError:
+        return 0.0
 
 
 def main():
@@ -72,6 +76,8 @@ def main():
         told = json.loads(stays.communicate(timeout=150)[0] or '{}')
         again = len(re.findall(r'event=supervising', said())) - 1
         now_mb = memory_mb(serving) if again == 0 else None
+        for line in re.findall(r'.*event=(?:server_deaf|server_died|server_waits).*', said()):
+            print(line)
         print(f'{killed} clients killed, {left} left by themselves in {seconds:.0f} s; the server started again {again} times')
         print(f'server: {half_mb:.1f} MB at the half, {now_mb or 0:.1f} MB at the end')
         print('who stayed:', json.dumps(told))
