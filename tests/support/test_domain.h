@@ -1,9 +1,15 @@
 #pragma once
 
+#include <istream>
+
 namespace handgraft::test {
 
+/// True where one of a domain's ports is in this table of sockets (/proc/net/udp).
+bool isHeard(int domain, std::istream& table);
+
 /// A DDS domain that no other test process of this machine uses while this one lives, so that
-/// tests run side by side. Domains 1-100; 0 is left to people.
+/// tests run side by side, and that no other program had joined before. Domains 1-100; 0 is
+/// left to people.
 ///
 /// Held by a lock on a file in the temporary folder, which the kernel drops with the process.
 class TestDomain {
