@@ -154,6 +154,9 @@ SolveReport solveAvoiding(const PoseProblem& problem,
   const bool is_step = options.starts == 1 && options.solver != Solver::kAll;
   if (is_step && !boundsContradict(problem)) {
     report.starts = 1;
+  } else if (!options.found.empty() && !boundsContradict(problem)) {
+    report.starts = static_cast<int>(std::ssize(options.found));
+    report.minima = options.found;
   } else {
     report = judge.search(rough, progress);
   }

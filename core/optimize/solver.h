@@ -46,6 +46,9 @@ struct SolveOptions {
   /// How closely all starts look for penetration, where the problem charges it. `solve` goes on
   /// from what they find with more and more care, up to all of it; PoseSolver alone does not.
   AvoidanceCare care;
+  /// What a search of this problem, or of one much like it, found without the charge for
+  /// penetration: it is not searched again.
+  std::vector<Minimum> found;
   /// Called from the solving threads, one at a time, with each better pose. What it throws ends
   /// the solve and is thrown from there.
   std::function<void(const hand::HandPose&, const Terms&)> on_improvement;

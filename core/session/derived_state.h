@@ -173,7 +173,9 @@ class DerivedState {
                         const Progress& progress);
   /// Slides the open roots to where the hand would touch best if nothing kept it out: what
   /// pushes it out lets it move little.
-  void slideFreely(Solving solving, optimize::SolveOptions options, const Progress& progress);
+  std::vector<optimize::Minimum> slideFreely(Solving solving,
+                                             optimize::SolveOptions options,
+                                             const Progress& progress);
   /// Solves after each of a few slides of the open roots; keeps the best of them, or what there
   /// was. Points that it loses count as if they were far off.
   void slideRoots(optimize::SolveReport& report,

@@ -227,9 +227,11 @@ DerivedState::Worth DerivedState::searchAbout(SolveReport& report,
   std::vector<Minimum> found;
   {
     const Drafts drafts(*this);
-    if (searchesWidely(solving, options)) slideFreely(solving, options, progress);
+    if (searchesWidely(solving, options))
+      options.found = slideFreely(solving, options, progress);
     report = optimize::solve(problem(solving), options, progress);
     options.on_improvement = nullptr;
+    options.found.clear();
     found = report.minima;
     const SolveOptions step = solving.avoids() ? stepOf(options) : options;
     for (int i = 0; i < kRefinements && refineDirections(report, solving, step, progress);
@@ -367,17 +369,21 @@ bool DerivedState::refineDirections(SolveReport& report,
   return true;
 }
 
-void DerivedState::slideFreely(Solving solving,
-                               SolveOptions options,
-                               const Progress& progress) {
+std::vector<Minimum> DerivedState::slideFreely(Solving solving,
+                                               SolveOptions options,
+                                               const Progress& progress) {
   const bool any_open = std::any_of(patches_.begin(), patches_.end(), [](const auto& item) {
     return item.placement && item.root_is_open;
   });
-  if (!any_open) return;
+  if (!any_open) return {};
   solving.avoid_penetration = false;
   options.on_improvement = nullptr;
   SolveReport report = optimize::solve(problem(solving), options, progress);
+  std::vector<Minimum> found = std::move(report.minima);
   slideRoots(report, solving, options, progress);
+  // The best has gone on with the patches since.
+  found.front().pose = report.pose;
+  return found;
 }
 
 void DerivedState::slideRoots(SolveReport& report,

@@ -314,6 +314,24 @@ TEST(Avoidance, GivesTheSameBytesOnTwoThreads) {
   EXPECT_EQ(one.terms.objective, two.terms.objective);
 }
 
+TEST(Avoidance, GoesOnFromWhatASearchWithoutTheChargeFound) {
+  std::mt19937 random(9);
+  for (int k = 0; k < 3; ++k) {
+    const PoseProblem problem = drawnInside(random);
+    PoseProblem bare = problem;
+    bare.avoidance = nullptr;
+    SolveOptions options;
+    options.starts = 12;
+    const SolveReport whole = solve(problem, options, Progress());
+    options.found = solve(bare, options, Progress()).minima;
+    const SolveReport gone_on = solve(problem, options, Progress());
+    EXPECT_TRUE(gone_on.pose.X_WH.matrix() == whole.pose.X_WH.matrix());
+    EXPECT_TRUE(gone_on.pose.q == whole.pose.q);
+    EXPECT_EQ(gone_on.terms.objective, whole.terms.objective);
+    EXPECT_LT(gone_on.evaluations, whole.evaluations);
+  }
+}
+
 TEST(Avoidance, IsRefusedWithoutSense) {
   std::mt19937 random(8);
   PoseProblem problem = scene().problem(random);
