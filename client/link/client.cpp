@@ -23,7 +23,7 @@ constexpr milliseconds kStartPatience(20000);
 /// How long to look for a server before one is started: on this machine alone it is met within
 /// 0.2 s, on a busy one, too; elsewhere it says once a second that it lives.
 milliseconds lookOn(const Network& network) {
-  constexpr milliseconds kHere(700);
+  constexpr milliseconds kHere(500);
   constexpr milliseconds kElsewhere(2000);
   return network.peers.empty() && validate(network).loopback ? kHere : kElsewhere;
 }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/side_by_side.h"
 #include "core/geometry/sample_thinning.h"
 #include "core/hand/kinematics.h"
 
@@ -310,25 +311,31 @@ HandSolid::HandSolid(const HandModel& model,
     offsets[i] = areas[i] > 0.0 ? offsets[i] / areas[i] : 0.0;
 
   std::vector<Bounds> bounds(link_count);
-  for (std::size_t i = 0; i < link_count; ++i) {
+  std::vector<std::vector<Facet>> hidden(link_count);
+  sideBySide(model.linkCount(), [&](int link) {
     progress.checkpoint();
-    if (areas[i] > 0.0)
-      bounds[i] = boundsOf(skin, static_cast<int>(i), offsets[i], X_SL[i], facets);
-  }
+    const auto i = static_cast<std::size_t>(link);
+    if (areas[i] > 0.0) bounds[i] = boundsOf(skin, link, offsets[i], X_SL[i], hidden[i]);
+  });
+  for (const std::vector<Facet>& of_link : hidden)
+    facets.insert(facets.end(), of_link.begin(), of_link.end());
   std::vector<SampleSet> coarse =
       spread(facets, skin_area, model.linkCount(), options.coarse_samples);
   std::vector<SampleSet> fine =
       spread(facets, skin_area, model.linkCount(), options.fine_samples);
   for (std::size_t i = 0; i < link_count; ++i) {
     if (coarse[i].samples.empty()) continue;
-    LinkSolid solid;
+    LinkSolid& solid = links_.emplace_back();
     solid.link = static_cast<int>(i);
     solid.coarse = std::move(coarse[i]);
     solid.fine = std::move(fine[i]);
     solid.skin_offset = bounds[i].is_own ? 0.0 : offsets[i];
-    fillSolid(std::move(bounds[i].exact_L), options.nodes_per_link, progress, solid);
-    links_.push_back(std::move(solid));
   }
+  sideBySide(static_cast<int>(links_.size()), [&](int k) {
+    LinkSolid& solid = links_[static_cast<std::size_t>(k)];
+    fillSolid(std::move(bounds[static_cast<std::size_t>(solid.link)].exact_L),
+              options.nodes_per_link, progress, solid);
+  });
   findCollisionPairs(model);
 }
 
