@@ -13,6 +13,7 @@
 #include "server/reading/units.h"
 
 #include "tests/server/files_to_read.h"
+#include "tests/support/wrapping.h"
 
 namespace handgraft::server {
 namespace {
@@ -101,6 +102,7 @@ TEST(Units, TakesAMapToLieOnItsObject) {
 }
 
 TEST(ReadModel, ScalesObjectsAndClouds) {
+  HANDGRAFT_NEEDS_CGAL();
   for (const bool points_alone : {false, true}) {
     const auto metres =
         requestFor(ReadKind::kObject, written("m.ply", ballPly(0.04, 1.0, points_alone)));
@@ -121,6 +123,7 @@ TEST(ReadModel, ScalesObjectsAndClouds) {
 }
 
 TEST(ReadModel, ScalesMapsWithTheirObjects) {
+  HANDGRAFT_NEEDS_CGAL();
   auto object = requestFor(ReadKind::kObject, written("o.ply", ballPly(0.04, 1000.0)));
   object.units = "mm";
   const auto in_metres = requestFor(ReadKind::kObject, written("o_m.ply", ballPly(0.04, 1.0)));

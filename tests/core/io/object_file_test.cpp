@@ -12,6 +12,7 @@
 #include "core/io/contact_file.h"
 
 #include "tests/support/shared_data.h"
+#include "tests/support/wrapping.h"
 
 namespace handgraft::io {
 namespace {
@@ -44,6 +45,7 @@ std::string plySphere(const std::string& extra_property) {
 }
 
 TEST(ObjectFile, LaysASurfaceThroughPoints) {
+  HANDGRAFT_NEEDS_CGAL();
   const MeshFile object = readObject(write("cloud.ply", plySphere("")));
   EXPECT_TRUE(object.mesh.isClosed());
   EXPECT_EQ(object.cloud_O.cols(), 2562);
@@ -52,6 +54,7 @@ TEST(ObjectFile, LaysASurfaceThroughPoints) {
 }
 
 TEST(ObjectFile, CarriesAMapOfPointsOntoTheirSurface) {
+  HANDGRAFT_NEEDS_CGAL();
   const MeshFile object = readObject(write("cloud.ply", plySphere("")));
   const contact::ContactSet set =
       readContacts(write("map.ply", plySphere("property double contact\n")), object);
@@ -68,6 +71,7 @@ const std::string kSet =
       [{{"name": "thumb", "root": {{"vertex": {}}}, "boundary": [{}, {}, {}]}}]}})";
 
 TEST(ObjectFile, PlacesContactSetsByPointsOfTheCloud) {
+  HANDGRAFT_NEEDS_CGAL();
   const MeshFile object = readObject(write("cloud.ply", plySphere("")));
   const auto near = geometry::KdTree(object.cloud_O).nearestFew(object.cloud_O.col(12), 4);
   const auto setWithRoot = [&](int root) {

@@ -20,6 +20,7 @@
 #include "core/io/hand_joints_file.h"
 
 #include "tests/support/shared_data.h"
+#include "tests/support/wrapping.h"
 
 namespace handgraft::io {
 namespace {
@@ -181,6 +182,7 @@ std::map<std::string, double> areasOf(const contact::ContactMap& map) {
 
 // Shows 7: patches as they were measured, however coarse the mesh that the picture is for.
 TEST(TextureMap, GivesACoarseMeshThePatchesOfTheFineOne) {
+  HANDGRAFT_NEEDS_CGAL();
   HANDGRAFT_NEEDS_SHARED_DATA("contacts/contactpose");
   const contact::ContactMap fine =
       readTextureMap(test::sharedData(kBulb), test::sharedData(kPicture), colorMap("inferno"));
