@@ -34,6 +34,10 @@ export const framesOf = (page) => page.evaluate(() => globalThis.handgraft.sessi
 
 /** By a real pointer, at that share of the bars. */
 export async function point(page, share) {
-  const lane = await (await page.$('.bars .lane')).boundingBox();
+  // Asked for at once: bars are drawn anew while frames come.
+  const lane = await page.$eval('.bars .lane', (bar) => {
+    const { x, y, width, height } = bar.getBoundingClientRect();
+    return { x, y, width, height };
+  });
   await page.mouse.click(lane.x + 1 + share * (lane.width - 2), lane.y + lane.height / 2);
 }
