@@ -60,7 +60,7 @@ void Insistence::hear(std::span<const std::uint8_t> datagram, Clock::time_point 
   std::copy_n(datagram.begin() + kSourceAt, source.size(), source.begin());
   const std::lock_guard lock(mutex_);
   tidy(now);
-  Peer& peer = peers_[source];
+  Peer& peer = peers_.try_emplace(source, Peer{now, now, {}}).first->second;
   peer.heard = now;
   for (auto& [writer, asked] : peer.asked)
     asked.period = kFirstPeriod;
@@ -74,9 +74,13 @@ bool Insistence::maySend(std::span<const std::uint8_t> datagram, Clock::time_poi
   if (found == peers_.end()) return true;
   Asked& asked = found->second.asked[question->writer];
   const bool is_silent = now - found->second.heard >= kSilent;
-  const Clock::duration period = is_silent         ? asked.period
-                                 : lively_ <= kFew ? Clock::duration::zero()
-                                                   : lively_ * kPeriodOfFew / kFew;
+  // Discovery's writers ask once and wait a second for an answer: who has just come would not
+  // know of the server until then, nor of what it says, if others' turns came first.
+  const bool is_discovery = (question->writer & wire::kBuiltin) == wire::kBuiltin;
+  const bool goes_first = is_discovery || now - found->second.met < kNew || lively_ <= kFew;
+  const Clock::duration period = is_silent    ? asked.period
+                                 : goes_first ? Clock::duration::zero()
+                                              : lively_ * kPeriodOfFew / kFew;
   if (now - asked.last < period) return false;
   asked.last = now;
   if (is_silent) asked.period = std::min<Clock::duration>(2 * period, kLongestPeriod);

@@ -28,9 +28,11 @@ class Insistence {
   /// Who is silent is asked again after so long, by each writer, then after twice as long.
   static constexpr std::chrono::milliseconds kFirstPeriod{500};
   static constexpr std::chrono::milliseconds kLongestPeriod{4000};
-  /// Of who is not, so many are asked as often as writers want; more of them share that.
+  /// Of who is not, so many are asked as often as writers want; more of them share that, but
+  /// for what discovery's writers ask, and for all that who has just come is asked.
   static constexpr std::size_t kFew = 10;
   static constexpr std::chrono::milliseconds kPeriodOfFew{10};
+  static constexpr std::chrono::milliseconds kNew{300};
 
   /// A datagram came.
   void hear(std::span<const std::uint8_t> datagram, Clock::time_point now = Clock::now());
@@ -45,6 +47,7 @@ class Insistence {
   };
 
   struct Peer {
+    Clock::time_point met;
     Clock::time_point heard;
     std::map<std::uint32_t, Asked> asked;  ///< by which writer
   };

@@ -33,13 +33,13 @@ void add(Bytes& bytes, std::uint8_t kind, const Bytes& body) {
 }
 
 /// As Fast DDS sends them: for one reader's participant, with its own statistics behind.
-Bytes heartbeat(std::uint8_t whom, std::uint8_t writer = kWriter) {
+Bytes heartbeat(std::uint8_t whom, std::uint8_t writer = kWriter, std::uint8_t kind = 0x03) {
   Bytes bytes = header(kServer);
   add(bytes, 0x0e, prefix(whom));
   Bytes body(28);
   body[4] = 0;
   body[6] = writer;
-  body[7] = 0x03;
+  body[7] = kind;
   add(bytes, 0x07, body);
   add(bytes, 0x80, Bytes(56));
   return bytes;
@@ -95,6 +95,20 @@ TEST_F(InsistenceTest, AHundredWhoAnswerShareWhatTenAreAsked) {
   all_speak();
   EXPECT_EQ(sent(milliseconds(400), heartbeat(kClient)), 4);
   EXPECT_EQ(sent(milliseconds(400), withSample(kClient)), 40);
+  all_speak();
+  // Discovery's writers ask seldom of themselves.
+  EXPECT_EQ(sent(milliseconds(400), heartbeat(kClient, kWriter, 0xc2)), 40);
+}
+
+TEST_F(InsistenceTest, WhoHasJustComeIsAskedAsOftenAsTheWriterWants) {
+  for (std::uint8_t who = 0; who < 100; ++who)
+    peers.hear(header(static_cast<std::uint8_t>(100 + who)), now);
+  now += std::chrono::seconds(1);
+  for (std::uint8_t who = 0; who < 100; ++who)
+    peers.hear(header(static_cast<std::uint8_t>(100 + who)), now);
+  peers.hear(header(kClient), now);
+  EXPECT_EQ(sent(milliseconds(300), heartbeat(kClient)), 30);
+  EXPECT_LT(sent(milliseconds(200), heartbeat(kClient)), 5);
 }
 
 TEST_F(InsistenceTest, HoldsNothingElseBack) {
