@@ -29,6 +29,7 @@ constexpr double kPacking = 0.8;
 // A link's own mesh is a solid's if it holds so much of what its skin holds more than
 // `kBeneath` beneath itself; that is looked at in so many places along each side of its box.
 constexpr double kHeldShare = 0.95;
+constexpr double kDepthShare = 0.5;
 constexpr double kBeneath = 0.001;  // m
 constexpr int kLattice = 6;
 
@@ -157,8 +158,9 @@ std::shared_ptr<const geometry::SignedDistance> ownSurface(const Skin& skin,
       geometry::TriangleMesh(std::move(vertices), mesh_S->faces()));
 }
 
-/// Whether one solid has what another one has within `margin` of its surface, by places on a
-/// lattice.
+/// Whether one solid has what another one has more than `margin` beneath its surface, as deep,
+/// by places on a lattice. Where meshes overlap, walls stand within them: what is near one
+/// seems to be near a way out.
 bool holds(const geometry::SignedDistance& own,
            const geometry::SignedDistance& other,
            double margin) {
@@ -173,7 +175,7 @@ bool holds(const geometry::SignedDistance& own,
     const Vector3d p = low + step.cwiseProduct((cell + 0.5).matrix());
     if (other.isWithin(p, margin) || !other.contains(p)) continue;
     ++inside;
-    if (own.contains(p)) ++held;
+    if (own.contains(p) && own.distance(p) > kDepthShare * (other.distance(p) - margin)) ++held;
   }
   return inside > 0 && held >= kHeldShare * inside;
 }

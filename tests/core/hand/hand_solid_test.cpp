@@ -160,6 +160,21 @@ TEST(HandSolid, TakesTheSkinWhereALinkIsAShell) {
     EXPECT_NEAR(link.distance({0.004, 0, 0}), -0.006, 3e-4);
 }
 
+TEST(HandSolid, TakesTheSkinWhereWallsStandWithinALink) {
+  const test::BallHand balls = chainOfBalls();
+  std::vector<Link> links = balls.model->links();
+  const geometry::TriangleMesh ball = links[0].visuals[0].mesh_L;
+  std::vector<geometry::TriangleMesh> shells = {ball};
+  for (const double share : {0.8, 0.6, 0.4, 0.2})
+    shells.push_back(geometry::transformed(ball, Eigen::Affine3d(Eigen::Scaling(share))));
+  for (Link& link : links)
+    link.visuals[0].mesh_L = geometry::merged(shells);
+  const HandModel model("walls", links, balls.model->joints());
+  const HandSolid solid(model, *balls.skin, Progress());
+  for (const LinkSolid& link : solid.links())
+    EXPECT_NEAR(link.distance({0.004, 0, 0}), -0.006, 3e-4) << "a wall within is a way out";
+}
+
 TEST(HandSolid, LeavesOutNeighboursAndWhatTouchesAtRest) {
   const test::BallHand hand = chainOfBalls();
   const HandSolid solid(*hand.model, *hand.skin, Progress());
