@@ -71,12 +71,12 @@ struct HandSolidOptions {
 /// Samples come from the skin, which looks outwards, and are moved onto the links' own
 /// surfaces. So do fields where a link's own mesh holds what its skin does: the skin has
 /// nothing of a palm beneath the thumb, nor of knuckles between each other. Where it does not
-/// (shells, soups, frames full of screws), the field is that of the skin's part. What of the
-/// skin belongs to no link (sheets over holes) counts for nothing. Deterministic. Const and
-/// safe from several threads.
+/// (shells, soups, frames full of screws, walls within), the field is that of the skin's part.
+/// What of the skin belongs to no link (sheets over holes) counts for nothing. Deterministic.
+/// Const and safe from several threads.
 class HandSolid {
  public:
-  /// `skin` of this `model`. Errors: Cancelled on wish. Cost: some 0.3 s.
+  /// `skin` of this `model`. Errors: Cancelled on wish. Cost: some 0.6 s on two cores.
   HandSolid(const HandModel& model,
             const Skin& skin,
             const Progress& progress,
