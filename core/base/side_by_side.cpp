@@ -11,11 +11,11 @@ namespace handgraft {
 
 namespace {
 
-constexpr int kMostThreads = 4;
+constexpr int kMostUnasked = 4;
 
 }  // namespace
 
-void sideBySide(int count, const std::function<void(int)>& work) {
+void sideBySide(int count, const std::function<void(int)>& work, int threads) {
   std::atomic<int> next = 0;
   std::mutex mutex;
   int failed = count;  // the lowest that did
@@ -37,9 +37,10 @@ void sideBySide(int count, const std::function<void(int)>& work) {
     }
   };
   {
-    const int processors = static_cast<int>(std::thread::hardware_concurrency());
+    if (threads == 0)
+      threads = std::min(static_cast<int>(std::thread::hardware_concurrency()), kMostUnasked);
     std::vector<std::jthread> others;
-    for (int k = 1; k < std::min({count, processors, kMostThreads}); ++k)
+    for (int k = 1; k < std::min(count, threads); ++k)
       others.emplace_back(run);
     run();
   }

@@ -4,12 +4,13 @@
 
 namespace handgraft {
 
-/// Calls `work(0)` to `work(count - 1)`, each once, on as many threads as there are processors,
-/// but four at most; returns when all are done.
+/// Calls `work(0)` to `work(count - 1)`, each once, on several threads; returns when all are
+/// done.
 ///
 /// For what is done once and long: threads are made for the call. The calls must not depend on
 /// one another; then results do not depend on the number of threads. Errors: what the call of
 /// the lowest number threw; none of a higher one begins after that.
-void sideBySide(int count, const std::function<void(int)>& work);
+/// `threads`: at most, this one among them; 0: as many as there are processors, four at most.
+void sideBySide(int count, const std::function<void(int)>& work, int threads = 0);
 
 }  // namespace handgraft

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
 #include <map>
 #include <thread>
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/side_by_side.h"
 #include "core/geometry/tangent.h"
 #include "core/manipulation/causal_solver.h"
 #include "core/manipulation/offline_solver.h"
@@ -48,7 +48,6 @@ struct EditedMotion::Work {
 
 namespace {
 
-/// Frames are independent: each thread takes every so-manyth.
 void measureDepths(const hand::Hand& hand,
                    const std::shared_ptr<const geometry::TriangleMesh>& object_O,
                    FrameRange range,
@@ -57,33 +56,18 @@ void measureDepths(const hand::Hand& hand,
                    SolvedMotion& solved) {
   const std::vector<hand::HandPose>& poses = solved.trajectory.poses;
   placement::makeSolids(hand, object_O, progress);
-  const auto step = static_cast<std::size_t>(std::max(1, threads));
-  const auto first_frame = static_cast<std::size_t>(range.first);
-  const auto end = static_cast<std::size_t>(range.end);
-  std::vector<std::exception_ptr> errors(step);
-  const auto measure = [&](std::size_t first) {
-    try {
-      for (std::size_t k = first_frame + first; k < end; k += step) {
-        progress.checkpoint();
-        if (first == 0) {
-          progress.report("measuring depths",
-                          static_cast<double>(k) / static_cast<double>(poses.size()));
-        }
-        solved.depth_m[k] =
-            placement::deepestOf(hand.model, hand.skin, object_O, poses[k], progress);
-      }
-    } catch (...) {
-      errors[first] = std::current_exception();
+  const std::thread::id listener = std::this_thread::get_id();
+  const auto measure = [&](int i) {
+    progress.checkpoint();
+    const auto k = static_cast<std::size_t>(range.first + i);
+    if (std::this_thread::get_id() == listener) {
+      progress.report("measuring depths",
+                      static_cast<double>(k) / static_cast<double>(poses.size()));
     }
+    solved.depth_m[k] =
+        placement::deepestOf(hand.model, hand.skin, object_O, poses[k], progress);
   };
-  std::vector<std::thread> others;
-  for (std::size_t i = 1; i < step; ++i)
-    others.emplace_back(measure, i);
-  measure(0);
-  for (std::thread& other : others)
-    other.join();
-  for (const std::exception_ptr& error : errors)
-    if (error) std::rethrow_exception(error);
+  sideBySide(range.end - range.first, measure, std::max(1, threads));
 }
 
 /// Eq. 2 of all frames. A point that is lost no longer counts: as if it were kLost_m off.

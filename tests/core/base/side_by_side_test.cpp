@@ -12,11 +12,16 @@ namespace {
 
 TEST(SideBySide, CallsEachOnce) {
   for (const int count : {0, 1, 2, 3, 1000}) {
-    std::vector<int> calls(static_cast<std::size_t>(count), 0);
-    sideBySide(count, [&](int i) {
-      ++calls.at(static_cast<std::size_t>(i));
-    });
-    EXPECT_EQ(calls, std::vector<int>(static_cast<std::size_t>(count), 1));
+    for (const int threads : {0, 1, 2, 7}) {
+      std::vector<int> calls(static_cast<std::size_t>(count), 0);
+      sideBySide(
+          count,
+          [&](int i) {
+            ++calls.at(static_cast<std::size_t>(i));
+          },
+          threads);
+      EXPECT_EQ(calls, std::vector<int>(static_cast<std::size_t>(count), 1));
+    }
   }
 }
 
