@@ -149,7 +149,8 @@ class FailingDisk : public NothingLost {
   }
 
   void SetUp() override {
-    if (kIsSanitized) GTEST_SKIP() << "built with a sanitizer";
+    if (kIsSanitized)
+      GTEST_SKIP() << "a sanitizer's library has to be loaded before the failing disk's";
   }
 
   void enterEnvironment() const {

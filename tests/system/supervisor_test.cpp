@@ -133,7 +133,8 @@ TEST_F(Supervised, AServerThatDiesIsReplaced) {
 }
 
 TEST_F(Supervised, AServerThatDoesNotHearIsReplaced) {
-  if (kIsInstrumented) GTEST_SKIP() << "built with a sanitizer";
+  if (kIsInstrumented)
+    GTEST_SKIP() << "a sanitizer's library has to be loaded before the one that deafens";
   startFragile();
   Worker worker(service->network());
   const pid_t first = serving();
@@ -170,7 +171,8 @@ TEST_F(Supervised, WhatCannotStartIsNotStartedAgain) {
 }
 
 TEST_F(Supervised, AServerThatDoesNotHearEndsBySIGTERMWithin10s) {
-  if (kIsInstrumented) GTEST_SKIP() << "built with a sanitizer";
+  if (kIsInstrumented)
+    GTEST_SKIP() << "a sanitizer's library has to be loaded before the one that deafens";
   startFragile({});
   Worker worker(service->network());
   deafen(static_cast<pid_t>(worker.requester.status().process_id()));
