@@ -148,7 +148,7 @@ SolveReport solveAvoiding(const PoseProblem& problem,
   SolveOptions rough = options;
   rough.on_improvement = nullptr;
   rough.care.share = 0.0;
-  PoseSolver judge(problem);
+  validate(problem);
   SolveReport report;
   // A lone start is a step from where the hand is: without the charge it would only go in.
   const bool is_step = options.starts == 1 && options.solver != Solver::kAll;
@@ -158,10 +158,10 @@ SolveReport solveAvoiding(const PoseProblem& problem,
     report.starts = static_cast<int>(std::ssize(options.found));
     report.minima = options.found;
   } else {
-    report = judge.search(rough, progress);
+    report = PoseSolver(problem).search(rough, progress);
   }
   if (report.outcome == Outcome::kInfeasible) {
-    judge.judge(report);
+    judge(problem, report);
     return report;
   }
 
@@ -243,7 +243,7 @@ SolveReport solveAvoiding(const PoseProblem& problem,
   report.solver = answer.solver;
   report.pose = answer.pose;
   report.best_start = answer.start;
-  judge.judge(report);
+  judge(problem, report);
   if (options.on_improvement) options.on_improvement(report.pose, report.terms);
   return report;
 }

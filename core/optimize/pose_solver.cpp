@@ -235,10 +235,10 @@ SolveReport PoseSolver::search(const SolveOptions& options, const Progress& prog
   return report;
 }
 
-void PoseSolver::judge(SolveReport& report) const {
-  report.terms = sumOverPoints(problem(), report.pose);
-  report.patches = fitPatches(problem(), report.pose);
-  report.active_limits = activeLimits(problem(), report.pose);
+void judge(const PoseProblem& problem, SolveReport& report) {
+  report.terms = sumOverPoints(problem, report.pose);
+  report.patches = fitPatches(problem, report.pose);
+  report.active_limits = activeLimits(problem, report.pose);
 }
 
 }  // namespace handgraft::optimize

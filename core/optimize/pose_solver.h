@@ -23,14 +23,15 @@ class PoseSolver {
   /// moments, patches and limits are empty. Cost: independent of the number of pairs.
   SolveReport search(const SolveOptions& options, const Progress& progress);
 
-  /// Fills what `search` left out. Cost: O(pairs).
-  void judge(SolveReport& report) const;
-
   [[nodiscard]] const PoseProblem& problem() const;
 
  private:
   struct Parts;
   std::unique_ptr<Parts> parts_;
 };
+
+/// Fills what `search` left out of a report of this problem: sums over the points, patches,
+/// limits. Cost: O(pairs).
+void judge(const PoseProblem& problem, SolveReport& report);
 
 }  // namespace handgraft::optimize

@@ -65,7 +65,7 @@ SolveReport solve(const PoseProblem& problem,
   }
   PoseSolver solver(problem);
   SolveReport report = solver.search(options, progress);
-  solver.judge(report);
+  judge(problem, report);
   return report;
 }
 

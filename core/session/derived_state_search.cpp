@@ -304,8 +304,8 @@ Solution DerivedState::judge(const Progress& progress) {
       document_.is_solved ? optimize::Outcome::kConverged : optimize::Outcome::kStalled;
   report.solver = "standing";
   report.pose = solution.problem.start;
-  const optimize::PoseSolver solver(solution.problem);
-  solver.judge(report);
+  optimize::validate(solution.problem);
+  optimize::judge(solution.problem, report);
   optimize::Minimum only;
   only.pose = report.pose;
   only.terms = report.terms;

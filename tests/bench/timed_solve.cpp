@@ -49,7 +49,7 @@ TimedSolve timedSolve(optimize::PoseSolver& solver, const SolveSettings& setting
   run.ms_median = quantile(times, 0.5);
   run.ms_most = quantile(times, 1.0);
   const double judging = now();
-  solver.judge(run.report);
+  judge(solver.problem(), run.report);
   run.ms_report = now() - judging;
   return run;
 }
