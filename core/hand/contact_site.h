@@ -23,6 +23,8 @@ struct ContactSite {
   /// towards the wrist). A patch's direction on the object means the same, so the two are laid
   /// onto each other.
   Eigen::Vector3d direction_L = Eigen::Vector3d::Zero();
+
+  friend bool operator==(const ContactSite&, const ContactSite&) = default;
 };
 
 /// Checks names, links, unit vectors, and that a site is within 20 mm of the box around its

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "core/base/error.h"
+#include "core/base/made_once.h"
 
 namespace handgraft::hand {
 
@@ -374,6 +375,24 @@ std::optional<Eigen::Vector3d> FingerCoordinates::towardsWrist(
       tubes_[static_cast<std::size_t>(digit_of_link_[static_cast<std::size_t>(link)])]
             [static_cast<std::size_t>(segment_of_link_[static_cast<std::size_t>(link)])];
   return spotOf(point_S, rayAt(tube, place->along, place->around_rad).to_wrist_S).direction_S;
+}
+
+std::shared_ptr<const FingerCoordinates> coordinatesOf(const Hand& hand) {
+  struct Made {
+    std::shared_ptr<const HandModel> model;
+    std::vector<ContactSite> sites;
+    FingerCoordinates coordinates;
+  };
+
+  const auto make = [&] {
+    return std::make_shared<const Made>(
+        Made{hand.model, hand.sites, FingerCoordinates(*hand.model, *hand.skin, hand.sites)});
+  };
+  static MadeOnce<Skin, Made> memory;
+  std::shared_ptr<const Made> made = memory.get(hand.skin, Progress(), make);
+  // Another session's sites may be others.
+  if (made->model != hand.model || made->sites != hand.sites) made = make();
+  return {made, &made->coordinates};
 }
 
 }  // namespace handgraft::hand

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -8,6 +9,7 @@
 
 #include "core/geometry/surface_point.h"
 #include "core/hand/anatomy.h"
+#include "core/hand/hand.h"
 #include "core/hand/hand_place.h"
 #include "core/hand/skin.h"
 
@@ -113,5 +115,8 @@ class FingerCoordinates {
   double palm_width_ = 0.0;   ///< m, between the first knuckle and the last
   double palm_height_ = 0.0;  ///< m, from the knuckles to the wrist
 };
+
+/// Those of a hand, shared by all who ask for the same sites; they must not outlive its skin.
+std::shared_ptr<const FingerCoordinates> coordinatesOf(const Hand& hand);
 
 }  // namespace handgraft::hand

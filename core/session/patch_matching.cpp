@@ -120,11 +120,7 @@ void matchPatches(const Models& models, Document& document, const Progress& prog
                   [](const contact::Patch& patch) {
                     return patch.place || hand::placeNamed(patch.name);
                   });
-  if (has_places) {
-    const hand::FingerCoordinates coordinates(*models.hand->model, *models.hand->skin,
-                                              models.hand->sites);
-    matchByPlace(models, coordinates, document, progress);
-  }
+  if (has_places) matchByPlace(models, *hand::coordinatesOf(*models.hand), document, progress);
   matchByName(*models.hand, document);
   matchByGeometry(models, document, progress);
   const auto isPlaced = [](const DocumentPatch& patch) {

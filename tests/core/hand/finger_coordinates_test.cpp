@@ -169,6 +169,20 @@ TEST(FingerCoordinates, KnowNoPlaceOnADigitThatIsMissing) {
   EXPECT_TRUE(hand.coordinates.spotAt({"ring", "distal", 3}).has_value());
 }
 
+TEST(FingerCoordinates, AreSharedByWhoAsksForTheSameSites) {
+  handgraft::hand::Hand hand;
+  hand.model = std::make_shared<const HandModel>(builtIn("allegro16"));
+  hand.skin = std::make_shared<const Skin>(
+      SkinCache::fromEnvironment().get(*hand.model, {}, Progress()));
+  hand.sites = findContactSites(*hand.model, *hand.skin);
+  const auto first = coordinatesOf(hand);
+  handgraft::hand::Hand other = hand;
+  EXPECT_EQ(coordinatesOf(other), first);
+  other.sites.pop_back();
+  EXPECT_NE(coordinatesOf(other), first);
+  EXPECT_EQ(coordinatesOf(hand), first);
+}
+
 TEST(HandPlaces, AreReadFromNames) {
   const auto place = placeNamed("index_proximal_2");
   ASSERT_TRUE(place.has_value());
