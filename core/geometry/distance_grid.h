@@ -64,8 +64,8 @@ class DistanceGrid {
 
  private:
   /// Spacings by which a node's value may differ from the distance at the places next to it:
-  /// 0.87 for the way there, and as much for what is blended far from the surface.
-  static constexpr double kDoubt = 2.0;
+  /// 0.87 for the way there, the rest for what is blended far from the surface.
+  static constexpr double kDoubt = 1.5;
 
   void fill(const Progress& progress);
   void fillCoarse(const Progress& progress);
@@ -78,7 +78,7 @@ class DistanceGrid {
   /// What `take(stencil, weights of x, y, z)` makes of the nodes about p; outside the box a
   /// lower bound of the distance.
   template <class Take>
-  double look(const Eigen::Vector3d& p, const Take& take) const;
+  inline double look(const Eigen::Vector3d& p, const Take& take) const;
 
   [[nodiscard]] std::size_t indexOf(const Eigen::Vector3i& node) const {
     return (static_cast<std::size_t>(node[2]) * static_cast<std::size_t>(counts_[1]) +

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -55,6 +56,8 @@ class Objective {
   /// The same with moments collected before, to share them among threads.
   Objective(const PoseProblem& problem, std::shared_ptr<const MomentTree> tree);
 
+  /// Asked again for the pose evaluated last, it answers at once: searches begin where others
+  /// have just looked.
   [[nodiscard]] Terms evaluate(const hand::HandPose& pose);
 
   /// Also the gradient, ordered as in QuadraticModel.
@@ -69,11 +72,15 @@ class Objective {
 
   /// Another form of the normal term than the problem's from now on; the next `evaluate`
   /// follows it.
-  void setNormalForm(NormalForm form) { form_ = form; }
+  void setNormalForm(NormalForm form) {
+    form_ = form;
+    last_.reset();
+  }
 
   /// How penetration is looked for from now on, where the problem charges it; as above.
   void care(const AvoidanceCare& care) {
     if (avoidance_ != nullptr) avoidance_->care(care);
+    last_.reset();
   }
 
   [[nodiscard]] const MomentTree& tree() const { return *tree_; }
@@ -110,6 +117,7 @@ class Objective {
 
   // === Of the pose evaluated last
   hand::HandPose pose_;
+  std::optional<Terms> last_;  ///< nothing before the first, and where what counts has changed
   Eigen::Vector3d turn_W_ = Eigen::Vector3d::Zero();  ///< from the prior's rotation
   std::vector<BodyPlace> bodies_;
   std::vector<BodyTerms> terms_;  ///< per entry of the tree's moments

@@ -156,6 +156,28 @@ TEST_P(AvoidanceOf, ChargesAreasTimesSquaredDepths) {
   EXPECT_GT(in_itself, 10);
 }
 
+TEST_P(AvoidanceOf, AnswersAgainByTheCareOfTheMoment) {
+  const Scene& scene = GetParam()();
+  std::mt19937 random(1);
+  const PoseProblem problem = scene.problem(random);
+  PoseProblem bare = problem;
+  bare.avoidance = nullptr;
+  Objective objective(problem);
+  Objective bare_objective(bare);
+  int charged = 0;
+  for (int k = 0; k < 20; ++k) {
+    const hand::HandPose pose = scene.poseInside(random);
+    const Terms first = objective.evaluate(pose);
+    EXPECT_EQ(objective.evaluate(pose).objective, first.objective);
+    objective.care({true, 0.0});
+    EXPECT_EQ(objective.evaluate(pose).objective, bare_objective.evaluate(pose).objective);
+    objective.care({true, 1.0});
+    EXPECT_EQ(objective.evaluate(pose).objective, first.objective);
+    charged += first.penetration > 0.0 ? 1 : 0;
+  }
+  EXPECT_GT(charged, 5);
+}
+
 TEST_P(AvoidanceOf, HasTheGradientOfCentralDifferences) {
   const Scene& scene = GetParam()();
   std::mt19937 random(2);
