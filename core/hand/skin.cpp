@@ -118,4 +118,9 @@ Eigen::Vector3d Skin::directionInSkin(int link, const Eigen::Vector3d& d_L) cons
   return X_SL_[static_cast<std::size_t>(link)].linear() * d_L;
 }
 
+Eigen::Vector3d Skin::directionInLink(int link, const Eigen::Vector3d& d_S) const {
+  HANDGRAFT_REQUIRE(link >= 0 && static_cast<std::size_t>(link) < X_SL_.size());
+  return X_SL_[static_cast<std::size_t>(link)].linear().transpose() * d_S;
+}
+
 }  // namespace handgraft::hand

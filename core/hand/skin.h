@@ -98,8 +98,9 @@ class Skin {
 
   /// Where a link's own point (in L) lies on the skin.
   [[nodiscard]] geometry::SurfacePoint skinPointOf(int link, const Eigen::Vector3d& p_L) const;
-  /// A direction of link L turned into S, at the reference pose.
+  /// A direction of link L turned into S, at the reference pose, and back.
   [[nodiscard]] Eigen::Vector3d directionInSkin(int link, const Eigen::Vector3d& d_L) const;
+  [[nodiscard]] Eigen::Vector3d directionInLink(int link, const Eigen::Vector3d& d_S) const;
 
  private:
   /// The place of the links that a point next to face `face` belongs to.

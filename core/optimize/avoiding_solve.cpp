@@ -172,6 +172,7 @@ SolveReport solveAvoiding(const PoseProblem& problem,
   };
   const LocalSearch::Observer nobody;
   search.attend(nobody, keep_going);
+  search.endBelow(options.least_promise);
 
   CrossedFingers crossed(problem, *prepared.tree);
   const std::vector<Minimum> found = std::move(report.minima);

@@ -58,6 +58,9 @@ class LocalSearch {
   /// before have another objective: `begin` them anew.
   void care(const AvoidanceCare& care) { objective_.care(care); }
 
+  /// From now on; of `lm` alone (SolveOptions::least_promise).
+  void endBelow(double promise) { newton_.settings.promise = promise; }
+
   /// The start's joints are moved into their bounds. Costs an evaluation, which is all of it
   /// unless `warm_up` more may be spent on |n_h + n_o|^2 in place of Eq. 4: a slope where that
   /// has none, as in a flipped hand.

@@ -57,6 +57,9 @@ void validate(const SolveOptions& options) {
   if (options.max_evaluations < 1) {
     rejectInput("evaluations: {} must be at least 1", options.max_evaluations);
   }
+  if (!(options.least_promise >= 0.0 && options.least_promise < 1.0)) {
+    rejectInput("least promise: {} must lie in 0 to 1", options.least_promise);
+  }
 }
 
 /// Hears all workers, and lets the user's listeners hear one at a time.
@@ -154,6 +157,7 @@ void PoseSolver::Parts::searchAll(const SolveOptions& options,
   for (const auto& search : searches) {
     search->attend(observer, keep_going);
     search->care(options.care);
+    search->endBelow(options.least_promise);
   }
 
   Finalists finalists(*problem.model);

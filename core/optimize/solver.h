@@ -33,6 +33,8 @@ inline constexpr Solver kDefaultSolver = Solver::kLm;
 inline constexpr int kDefaultStarts = 64;
 inline constexpr int kDefaultEvaluations = 1000;  ///< a start; the paper's cap
 
+inline constexpr double kLeastPromise = 1e-9;
+
 struct SolveOptions {
   Solver solver = kDefaultSolver;
   /// Start 0 is the problem's own; the next ones its joints, the prior's and the rest pose's
@@ -41,6 +43,8 @@ struct SolveOptions {
   int threads = 1;
   unsigned seed = 0;
   int max_evaluations = kDefaultEvaluations;  ///< a start
+  /// Of `lm`: share of the objective; a search whose next step promises less has ended.
+  double least_promise = kLeastPromise;
   /// Start 0 is the prior instead of the problem's start.
   bool from_prior = false;
   /// How closely all starts look for penetration, where the problem charges it. `solve` goes on

@@ -32,6 +32,7 @@ transfer::Surfaces surfacesOf(const Models& models) {
   transfer::Surfaces surfaces;
   surfaces.object_O = std::make_shared<const geometry::LogMapper>(models.object_O);
   surfaces.skin = models.hand->skin;
+  surfaces.planes_S = hand::planesOf(surfaces.skin);
   surfaces.skin_S = models.hand->skin_maps;
   if (!surfaces.skin_S) {
     surfaces.skin_S = std::make_shared<const geometry::LogMapper>(
@@ -241,11 +242,7 @@ bool DerivedState::takeDirectionsFrom(const hand::HandPose& pose) {
 }
 
 const hand::FingerCoordinates& DerivedState::coordinates() {
-  if (!coordinates_) {
-    const hand::Hand& hand = *models_.hand;
-    coordinates_ =
-        std::make_unique<hand::FingerCoordinates>(*hand.model, *hand.skin, hand.sites);
-  }
+  if (!coordinates_) coordinates_ = hand::coordinatesOf(*models_.hand);
   return *coordinates_;
 }
 

@@ -130,11 +130,11 @@ class DerivedState {
   using Worth = std::pair<std::ptrdiff_t, double>;
 
   /// A whole search about the patches as they are laid: open roots and directions are found
-  /// anew, and stay as the answer has them.
-  Worth searchAbout(optimize::SolveReport& report,
-                    const Solving& solving,
-                    optimize::SolveOptions options,
-                    const Progress& progress);
+  /// anew, and stay as the answer has them. Gives the minima from which it went on.
+  std::vector<optimize::Minimum> searchAbout(optimize::SolveReport& report,
+                                             const Solving& solving,
+                                             optimize::SolveOptions options,
+                                             const Progress& progress);
   [[nodiscard]] Worth worthOf(const optimize::SolveReport& report,
                               const Solving& solving) const;
   /// True if the other one is better: `worth` and `report` are its, then.
@@ -176,12 +176,14 @@ class DerivedState {
   std::vector<optimize::Minimum> slideFreely(Solving solving,
                                              optimize::SolveOptions options,
                                              const Progress& progress);
-  /// Solves after each of a few slides of the open roots; keeps the best of them, or what there
-  /// was. Points that it loses count as if they were far off.
+  /// Solves after each of a few slides of the open roots, until so many in a row gain nothing;
+  /// keeps the best of them, or what there was. Points that it loses count as if they were far
+  /// off.
   void slideRoots(optimize::SolveReport& report,
                   const Solving& solving,
                   optimize::SolveOptions options,
-                  const Progress& progress);
+                  const Progress& progress,
+                  int worse_at_most);
   /// Lays drafts as the document asks, and solves on from there.
   void layDraftsInFull(optimize::SolveReport& report,
                        const Solving& solving,
@@ -203,11 +205,11 @@ class DerivedState {
   hand::HandPose start_;              ///< the document's, or one that was found
   bool start_is_known_ = false;
   std::string found_for_;  ///< what the found directions and start depend on, as bytes
-  std::unique_ptr<placement::HandPlacer> placer_;              ///< made when first needed
-  std::unique_ptr<hand::FingerCoordinates> coordinates_;       ///< likewise
-  std::shared_ptr<const placement::SkinFaces> skin_faces_;     ///< likewise
-  std::map<std::string, std::vector<char>> links_of_;          ///< answers of linksOf
-  mutable std::unique_ptr<const placement::Posture> posture_;  ///< likewise
+  std::unique_ptr<placement::HandPlacer> placer_;               ///< made when first needed
+  std::shared_ptr<const hand::FingerCoordinates> coordinates_;  ///< likewise
+  std::shared_ptr<const placement::SkinFaces> skin_faces_;      ///< likewise
+  std::map<std::string, std::vector<char>> links_of_;           ///< answers of linksOf
+  mutable std::unique_ptr<const placement::Posture> posture_;   ///< likewise
 };
 
 }  // namespace handgraft::session

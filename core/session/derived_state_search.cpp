@@ -27,12 +27,17 @@ constexpr int kTrialEvaluations = 300;
 constexpr int kRefinements = 2;
 constexpr int kSlides = 12;
 constexpr int kWorseSlides = 3;      // in a row
+constexpr int kWorseReaches = 2;     // in a row, while reaching for what is missed
 constexpr double kSmallGain = 0.01;  // of the cost: taken, but as good as none
 
 // A patch that is missed weighs so many times as much for a moment; where that does not help,
 // so many times as much again.
 constexpr double kReachingWeight = 4.0;
 constexpr int kReaches = 3;
+
+// Drafts are laid in full once they are chosen: until then, steps that promise less than this
+// share of the objective are not worth their while.
+constexpr double kDraftPromise = 1e-4;
 
 // Of each stage of a step on the way that is not the last one (optimize/avoiding_solve.h).
 constexpr int kStepEvaluations = 8;
@@ -145,20 +150,37 @@ Solution DerivedState::solve(const Solving& solving,
   options.on_improvement = run.on_improvement;
   if (solving.paper || run.places_stay)
     return answered(optimize::solve(problem(solving), options, progress), solving);
+  transfer(progress);
   SolveReport report;
-  Worth worth = searchAbout(report, solving, options, progress);
-  if (worth.first > 0 && searchesWidely(solving, options)) {
-    // Where the slides end depends on where they began.
+  std::vector<Minimum> found;
+  {
+    const Drafts drafts(*this);
+    options.least_promise = kDraftPromise;
+    found = searchAbout(report, solving, options, progress);
     options.on_improvement = nullptr;
-    Search best(*this);
-    patches_ = as_it_was.patches;
-    start_ = as_it_was.start;
-    start_is_known_ = as_it_was.start_is_known;
-    SolveReport other;
-    if (takeRootsByLength() &&
-        takeBetter(searchAbout(other, solving, options, progress), other, worth, report))
-      best.keep();
+    Worth worth = worthOf(report, solving);
+    if (worth.first > 0 && searchesWidely(solving, options)) {
+      // Where the slides end depends on where they began.
+      Search best(*this);
+      patches_ = as_it_was.patches;
+      start_ = as_it_was.start;
+      start_is_known_ = as_it_was.start_is_known;
+      SolveReport other;
+      if (takeRootsByLength()) {
+        transfer(progress);
+        std::vector<Minimum> others = searchAbout(other, solving, options, progress);
+        if (takeBetter(worthOf(other, solving), other, worth, report)) {
+          found = std::move(others);
+          best.keep();
+        }
+      }
+    }
+    if (searchesWidely(solving, options)) reachForMissed(report, solving, options, progress);
   }
+  options.least_promise = optimize::kLeastPromise;
+  layDraftsInFull(report, solving, options, progress);
+  if (solving.avoids() && report.minima.size() < found.size())
+    keepMinima(found, report, solving, options, progress);
   return answered(std::move(report), solving);
 }
 
@@ -202,11 +224,11 @@ void DerivedState::reachForMissed(SolveReport& report,
     const std::vector<int> missed = optimize::missedPatches(problem(solving), report);
     weigh(missed, factor);
     SolveReport other = optimize::solve(problem(solving), step, progress);
-    slideRoots(other, solving, step, progress);
+    slideRoots(other, solving, step, progress, kWorseReaches);
     weigh(missed, 1.0 / factor);
     start_ = other.pose;
     other = optimize::solve(problem(solving), step, progress);
-    slideRoots(other, solving, step, progress);
+    slideRoots(other, solving, step, progress, kWorseReaches);
     // What is reached on the way counts if it is at the end.
     if (worthOf(other, solving) < worth) goOn(other, solving, options, progress);
     other.best_start = report.best_start;
@@ -219,32 +241,21 @@ void DerivedState::reachForMissed(SolveReport& report,
   }
 }
 
-DerivedState::Worth DerivedState::searchAbout(SolveReport& report,
-                                              const Solving& solving,
-                                              SolveOptions options,
-                                              const Progress& progress) {
-  transfer(progress);
-  std::vector<Minimum> found;
-  {
-    const Drafts drafts(*this);
-    if (searchesWidely(solving, options))
-      options.found = slideFreely(solving, options, progress);
-    report = optimize::solve(problem(solving), options, progress);
-    options.on_improvement = nullptr;
-    options.found.clear();
-    found = report.minima;
-    const SolveOptions step = solving.avoids() ? stepOf(options) : options;
-    for (int i = 0; i < kRefinements && refineDirections(report, solving, step, progress);
-         ++i) {
-    }
-    slideRoots(report, solving, step, progress);
-    goOn(report, solving, options, progress);
-    if (searchesWidely(solving, options)) reachForMissed(report, solving, options, progress);
+std::vector<Minimum> DerivedState::searchAbout(SolveReport& report,
+                                               const Solving& solving,
+                                               SolveOptions options,
+                                               const Progress& progress) {
+  if (searchesWidely(solving, options)) options.found = slideFreely(solving, options, progress);
+  report = optimize::solve(problem(solving), options, progress);
+  options.on_improvement = nullptr;
+  options.found.clear();
+  std::vector<Minimum> found = report.minima;
+  const SolveOptions step = solving.avoids() ? stepOf(options) : options;
+  for (int i = 0; i < kRefinements && refineDirections(report, solving, step, progress); ++i) {
   }
-  layDraftsInFull(report, solving, options, progress);
-  if (solving.avoids() && report.minima.size() < found.size())
-    keepMinima(found, report, solving, options, progress);
-  return worthOf(report, solving);
+  slideRoots(report, solving, step, progress, kWorseSlides);
+  goOn(report, solving, options, progress);
+  return found;
 }
 
 void DerivedState::layDraftsInFull(SolveReport& report,
@@ -380,7 +391,7 @@ std::vector<Minimum> DerivedState::slideFreely(Solving solving,
   options.on_improvement = nullptr;
   SolveReport report = optimize::solve(problem(solving), options, progress);
   std::vector<Minimum> found = std::move(report.minima);
-  slideRoots(report, solving, options, progress);
+  slideRoots(report, solving, options, progress, kWorseSlides);
   // The best has gone on with the patches since.
   found.front().pose = report.pose;
   return found;
@@ -389,14 +400,15 @@ std::vector<Minimum> DerivedState::slideFreely(Solving solving,
 void DerivedState::slideRoots(SolveReport& report,
                               const Solving& solving,
                               SolveOptions options,
-                              const Progress& progress) {
+                              const Progress& progress,
+                              int worse_at_most) {
   // A slide is a step from where the hand is: it needs no other start.
   options.starts = 1;
   Search best(*this);
   double least = costOf(problem(solving), report);
   SolveReport present = report;
   // A step that moves all roots at once may first make things worse, so a few in a row may.
-  for (int i = 0, worse = 0; i < kSlides && worse < kWorseSlides; ++i) {
+  for (int i = 0, worse = 0; i < kSlides && worse < worse_at_most; ++i) {
     if (!takePlacesFrom(present.pose)) break;
     transfer(progress);
     start_ = present.pose;

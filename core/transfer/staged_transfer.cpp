@@ -66,8 +66,13 @@ class Layer {
 /// Turns points into correspondences, or says why not.
 class Collector {
  public:
-  Collector(const hand::Skin& skin, const Layer& layer, double weight, PatchTransfer& transfer)
-      : skin_(skin), layer_(layer), weight_(weight), transfer_(transfer) {}
+  /// `planes_S`: null where the skin itself says where its links are.
+  Collector(const hand::Skin& skin,
+            const hand::SkinPlanes* planes_S,
+            const Layer& layer,
+            double weight,
+            PatchTransfer& transfer)
+      : skin_(skin), planes_S_(planes_S), layer_(layer), weight_(weight), transfer_(transfer) {}
 
   void add(const ChartPoint& point, int index, int ring) {
     std::string reason;
@@ -78,7 +83,8 @@ class Collector {
       return;
     }
     const Eigen::Vector3d p_S = positionOf(skin_.mesh(), place_S);
-    const auto on_link = skin_.project(place_S);
+    const auto on_link =
+        planes_S_ != nullptr ? planes_S_->project(place_S) : skin_.project(place_S);
     if (!on_link) {
       transfer_.lost.push_back(
           {index, ring,
@@ -105,6 +111,7 @@ class Collector {
 
  private:
   const hand::Skin& skin_;
+  const hand::SkinPlanes* planes_S_;
   const Layer& layer_;
   double weight_;
   PatchTransfer& transfer_;
@@ -166,7 +173,8 @@ PatchTransfer StagedTransfer::lay(const Surfaces& surfaces,
   const Layer layer(skin, *chart, direction_angle, *skin_chart, placement);
   transfer.is_draft = is_draft;
   if (!is_draft) transfer.fidelity = shapeKept(*chart, layer);
-  Collector collector(skin, layer, patch.weight, transfer);
+  Collector collector(skin, is_draft ? surfaces.planes_S.get() : nullptr, layer, patch.weight,
+                      transfer);
   for (std::size_t i = 0; i < chart->boundary().size(); ++i)
     collector.add(chart->boundary()[i], static_cast<int>(i), 0);
   transfer.boundary_count = static_cast<int>(transfer.correspondences.size());

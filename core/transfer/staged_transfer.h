@@ -5,6 +5,7 @@
 #include "core/contact/patch.h"
 #include "core/geometry/log_mapper.h"
 #include "core/hand/skin.h"
+#include "core/hand/skin_planes.h"
 #include "core/transfer/patch_chart.h"
 #include "core/transfer/patch_transfer.h"
 #include "core/transfer/skin_chart.h"
@@ -16,6 +17,8 @@ struct Surfaces {
   std::shared_ptr<const geometry::LogMapper> object_O;
   std::shared_ptr<const geometry::LogMapper> skin_S;  ///< of the skin's mesh
   std::shared_ptr<const hand::Skin> skin;
+  /// Of that skin, by which drafts are projected; null: they are as others are.
+  std::shared_ptr<const hand::SkinPlanes> planes_S = nullptr;
 };
 
 /// Borrows both, for as long as the result and charts made with it live.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.h"
+#include "core/hand/skin_planes.h"
 #include "core/hand/skin_report.h"
 
 namespace handgraft::hand {
@@ -70,6 +71,33 @@ TEST(Skin, ProjectsAPlaceOfItsOwnAsWhatIsThere) {
     EXPECT_EQ(known->link, found->link);
     EXPECT_LT((known->p_L - found->p_L).norm(), 1e-12);
   }
+}
+
+TEST(SkinPlanes, SayNearlyWhatTheSkinSays) {
+  const Skin skin = buildSkin(makeFinger(), {}, Progress());
+  const SkinPlanes planes(skin);
+  int near = 0;
+  int asked = 0;
+  for (int f = 0; f < skin.mesh().faceCount(); ++f) {
+    const geometry::SurfacePoint middle{f, Eigen::Vector3d::Constant(1.0 / 3.0)};
+    const auto exact = skin.project(middle);
+    const auto plane = planes.project(middle);
+    ASSERT_EQ(exact.has_value(), plane.has_value());
+    if (!exact) continue;
+    EXPECT_EQ(exact->link, plane->link);
+    EXPECT_LT((exact->p_L - plane->p_L).norm(), 1e-12);
+    EXPECT_LT((exact->n_L - plane->n_L).norm(), 1e-12);
+    const geometry::SurfacePoint aside{f, {0.3, 0.5, 0.2}};
+    const auto exact_aside = skin.project(aside);
+    const auto plane_aside = planes.project(aside);
+    if (!exact_aside) continue;
+    ++asked;
+    if (exact_aside->link == plane_aside->link &&
+        (exact_aside->p_L - plane_aside->p_L).norm() < 2e-4)
+      ++near;
+  }
+  EXPECT_GT(asked, 100);
+  EXPECT_GT(near, 0.8 * asked);
 }
 
 TEST(Skin, TakesPlacesInTheWorldToWhereEachLinkHasItsSkin) {
