@@ -30,19 +30,40 @@ std::string typeOf(const v1::JointInfo& joint) {
   return std::isinf(joint.lower()) && std::isinf(joint.upper()) ? "continuous" : "revolute";
 }
 
+/// All numbers of a joint, as the contract lists them; 0 of what a model need not say is "-".
+std::vector<const idl::Field*> jointNumbers() {
+  std::vector<const idl::Field*> numbers;
+  for (const idl::Field& field : idl::typeOf<v1::JointInfo>().fields)
+    if (field.type->kind == idl::Kind::kDouble) numbers.push_back(&field);
+  return numbers;
+}
+
 std::string joints(const v1::HandDescription& hand) {
-  Rows rows = {{"joint", "type", "parent > child", "lower", "upper", "velocity", "rest", ""}};
-  for (std::size_t i = 0; i < hand.joints().size(); ++i) {
-    const v1::JointInfo& joint = hand.joints()[i];
-    const double velocity = joint.velocity_limit();
-    rows.push_back({plain(joint.name()), typeOf(joint),
-                    plain(joint.parent_link()) + " > " + plain(joint.child_link()),
-                    number(joint.lower()), number(joint.upper()),
-                    velocity > 0.0 ? fmt::format("{:.3g}", velocity) : "-",
-                    i < hand.rest_positions().size() ? number(hand.rest_positions()[i]) : "",
-                    joint.kind() == v1::JOINT_PRISMATIC ? "m" : "rad"});
+  const std::vector<const idl::Field*> numbers = jointNumbers();
+  std::vector<std::string> heading = {"joint", "type", "parent > child"};
+  for (const idl::Field* field : numbers) {
+    std::string words = field->name;
+    std::replace(words.begin(), words.end(), '_', ' ');
+    heading.push_back(std::move(words));
   }
-  return table(rows, "lllrrrrl");
+  heading.insert(heading.end(), {"rest", ""});
+  Rows rows = {heading};
+  for (std::size_t i = 0; i < hand.joints().size(); ++i) {
+    v1::JointInfo joint = hand.joints()[i];
+    std::vector<std::string> row = {
+        plain(joint.name()), typeOf(joint),
+        plain(joint.parent_link()) + " > " + plain(joint.child_link())};
+    for (const idl::Field* field : numbers) {
+      const double value = *static_cast<const double*>(field->in(&joint));
+      row.push_back(field->infinite ? number(value)
+                    : value > 0.0   ? fmt::format("{:.3g}", value)
+                                    : "-");
+    }
+    row.push_back(i < hand.rest_positions().size() ? number(hand.rest_positions()[i]) : "");
+    row.emplace_back(joint.kind() == v1::JOINT_PRISMATIC ? "m" : "rad");
+    rows.push_back(std::move(row));
+  }
+  return table(rows, "lll" + std::string(numbers.size() + 1, 'r') + "l");
 }
 
 // "ip = 0.5 * mcp + 0.1"

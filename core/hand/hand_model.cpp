@@ -58,8 +58,11 @@ void checkNumbers(Joint& joint) {
       joint.upper == -std::numeric_limits<double>::infinity())
     rejectInput("joint {}: its lower limit {} is above its upper limit {}", name, joint.lower,
                 joint.upper);
-  if (std::isnan(joint.velocity_limit) || joint.velocity_limit < 0.0)
-    rejectInput("joint {}: velocity limit {} must not be negative", name, joint.velocity_limit);
+  for (const JointNumber& number : kJointNumbers) {
+    const double value = joint.*number.value;
+    if (number.urdf_element != nullptr && !(std::isfinite(value) && value >= 0.0))
+      rejectInput("joint {}: {} {} must be finite and not negative", name, number.name, value);
+  }
   if (joint.mimic &&
       !(std::isfinite(joint.mimic->multiplier) && std::isfinite(joint.mimic->offset)))
     rejectInput("joint {}: its mimic multiplier and offset must be finite", name);

@@ -157,9 +157,8 @@ class Draft {
     };
     for (Joint& joint : joints) {
       const double scale = joint.type == JointType::kPrismatic ? factor : 1.0;
-      joint.lower *= scale;
-      joint.upper *= scale;
-      joint.velocity_limit *= scale;
+      for (const JointNumber& number : kJointNumbers)
+        if (number.scales_with_slider) joint.*number.value *= scale;
       if (!joint.mimic) continue;
       joint.mimic->multiplier *= scale / scaleOf(joint.mimic->source_joint);
       joint.mimic->offset *= scale;

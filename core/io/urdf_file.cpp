@@ -88,7 +88,6 @@ hand::Joint jointOf(const urdf::Joint& source, const hand::Joint& outline, bool 
   joint.X_PJ = poseOf(source.parent_to_joint_origin_transform);
   if (joint.type == hand::JointType::kFixed) return joint;
   joint.axis_J << source.axis.x, source.axis.y, source.axis.z;
-  if (source.limits) joint.velocity_limit = source.limits->velocity;
   if (source.type == urdf::Joint::REVOLUTE && unlimited) {
     joint.lower = -std::numbers::pi;
     joint.upper = std::numbers::pi;

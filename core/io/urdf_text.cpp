@@ -2,6 +2,8 @@
 
 #include <cstdio>
 #include <cstring>
+#include <locale>
+#include <sstream>
 
 #include <tinyxml2.h>
 
@@ -110,6 +112,20 @@ bool amendLimit(const std::string& name,
     amended = true;
   }
   return amended;
+}
+
+void readNumbers(const XMLElement& source, hand::Joint& joint) {
+  for (const hand::JointNumber& number : hand::kJointNumbers) {
+    if (number.urdf_element == nullptr) continue;
+    const XMLElement* element = source.FirstChildElement(number.urdf_element);
+    const std::string text = attributeOf(element, number.urdf_attribute);
+    if (text.empty()) continue;
+    std::istringstream words(text);
+    words.imbue(std::locale::classic());
+    if (!(words >> joint.*number.value) || !(words >> std::ws).eof())
+      rejectInput("joint {}: {} {} is no number", handgraft::quoted(joint.name),
+                  number.urdf_attribute, handgraft::quoted(text));
+  }
 }
 
 // === Joints of several freedoms, as chains of joints of one each
@@ -232,6 +248,7 @@ bool copyJoint(const XMLElement& joint, XMLElement& robot, UrdfText& result) {
   copyChildren(joint, *copy, {"origin", "parent", "child", "axis", "limit"});
   if (outline.type != hand::JointType::kFixed) copyChildren(joint, *copy, {"mimic"});
   const bool amended = amendLimit(outline.name, type, *copy, result);
+  if (outline.type != hand::JointType::kFixed) readNumbers(joint, outline);
   result.joints.push_back(std::move(outline));
   return amended;
 }

@@ -14,7 +14,8 @@ struct UrdfText {
   std::string robot_name;
   /// In the order of the file, which urdfdom forgets.
   std::vector<std::string> links;
-  /// Names, types, parents and children alone; the rest is urdfdom's to read.
+  /// Names, types, parents, children and hand::kJointNumbers but the range; the rest is
+  /// urdfdom's to read.
   std::vector<hand::Joint> joints;
   std::vector<std::string> unlimited_joints;  ///< movable, but the file gives no range
   std::set<std::string> solid_links;          ///< those with a visual or a collision
@@ -30,8 +31,8 @@ struct UrdfText {
 ///
 /// Entities that the file defines itself are not expanded; nesting is bounded by tinyxml2.
 /// Errors: InvalidInput for XML that is not well-formed, unnamed links and joints, unknown
-/// joint types, a planar or floating joint that mimics, more than kMostUrdfLinks links or
-/// joints, names longer than kLongestUrdfName.
+/// joint types, one of hand::kJointNumbers that is no number, a planar or floating joint that
+/// mimics, more than kMostUrdfLinks links or joints, names longer than kLongestUrdfName.
 UrdfText prepareUrdf(const std::string& text, bool with_shapes);
 
 /// A humanoid has a few hundred; some of what is asked of a hand costs their square.

@@ -1,6 +1,7 @@
 #include "core/io/urdf_writer.h"
 
 #include <cmath>
+#include <map>
 
 #include <Eigen/Geometry>
 
@@ -57,6 +58,29 @@ const char* typeOf(const hand::Joint& joint) {
   throw BrokenContract("a joint type that does not exist");
 }
 
+/// The attributes of each element that says numbers of a joint, <limit> among them.
+std::map<std::string, std::string> numberElements(const hand::Joint& joint) {
+  std::map<std::string, std::string> attributes;
+  const bool is_limited = std::isfinite(joint.lower) && std::isfinite(joint.upper);
+  // A slider without a range is one without a limit.
+  if (is_limited || joint.type == hand::JointType::kRevolute) {
+    attributes["limit"] =
+        is_limited ? fmt::format(" lower=\"{}\" upper=\"{}\"", joint.lower, joint.upper) : "";
+  }
+  for (const hand::JointNumber& number : hand::kJointNumbers) {
+    if (number.urdf_element == nullptr) continue;
+    if (number.urdf_element == std::string_view("limit") && !attributes.contains("limit"))
+      continue;
+    attributes[number.urdf_element] +=
+        fmt::format(" {}=\"{}\"", number.urdf_attribute, joint.*number.value);
+  }
+  // URDF demands it.
+  if (const auto limit = attributes.find("limit");
+      limit != attributes.end() && limit->second.find(" effort=") == std::string::npos)
+    limit->second += " effort=\"0\"";
+  return attributes;
+}
+
 std::string jointText(const hand::Joint& joint) {
   const Eigen::Vector3d p = joint.X_PJ.translation();
   const Eigen::Vector3d rpy = rollPitchYaw(joint.X_PJ.linear());
@@ -68,14 +92,8 @@ std::string jointText(const hand::Joint& joint) {
   if (joint.type != hand::JointType::kFixed) {
     out += fmt::format("    <axis xyz=\"{} {} {}\"/>\n", joint.axis_J.x(), joint.axis_J.y(),
                        joint.axis_J.z());
-    const bool is_limited = std::isfinite(joint.lower) && std::isfinite(joint.upper);
-    const std::string range =
-        is_limited ? fmt::format("lower=\"{}\" upper=\"{}\" ", joint.lower, joint.upper) : "";
-    // A slider without a range is one without a limit.
-    if (is_limited || joint.type == hand::JointType::kRevolute) {
-      out += fmt::format("    <limit {}velocity=\"{}\" effort=\"0\"/>\n", range,
-                         joint.velocity_limit);
-    }
+    for (const auto& [element, attributes] : numberElements(joint))
+      out += fmt::format("    <{}{}/>\n", element, attributes);
   }
   if (joint.mimic) {
     out += fmt::format("    <mimic joint=\"{}\" multiplier=\"{}\" offset=\"{}\"/>\n",

@@ -128,9 +128,14 @@ v1::JointInfo jointInfo(const hand::HandModel& model, int dof) {
   info.parent_link(joint.parent_link);
   info.child_link(joint.child_link);
   info.kind(kindOf(joint));
+  for (const hand::JointNumber& number : hand::kJointNumbers) {
+    const idl::Field* field = idl::fieldOf(idl::typeOf<v1::JointInfo>(), number.name);
+    HANDGRAFT_REQUIRE(field != nullptr && field->type->kind == idl::Kind::kDouble);
+    *static_cast<double*>(field->in(&info)) = joint.*number.value;
+  }
+  // Followers narrow the range.
   info.lower(model.lower()[dof]);
   info.upper(model.upper()[dof]);
-  info.velocity_limit(joint.velocity_limit);
   return info;
 }
 

@@ -56,9 +56,8 @@ void put(ByteWriter& out, const hand::Joint& joint) {
   const Eigen::Matrix<double, 3, 4> X_PJ = joint.X_PJ.matrix().topRows<3>();
   out.numbers(X_PJ.data(), 12);
   out.numbers(joint.axis_J.data(), 3);
-  out.number(joint.lower);
-  out.number(joint.upper);
-  out.number(joint.velocity_limit);
+  for (const hand::JointNumber& number : hand::kJointNumbers)
+    out.number(joint.*number.value);
   out.number(static_cast<std::uint8_t>(joint.mimic.has_value()));
   if (!joint.mimic) return;
   out.text(joint.mimic->source_joint);
@@ -77,9 +76,8 @@ hand::Joint takeJoint(ByteReader& in) {
   in.numbers(X_PJ.data(), 12);
   joint.X_PJ.matrix().topRows<3>() = X_PJ;
   in.numbers(joint.axis_J.data(), 3);
-  joint.lower = in.number<double>();
-  joint.upper = in.number<double>();
-  joint.velocity_limit = in.finite();
+  for (const hand::JointNumber& number : hand::kJointNumbers)
+    joint.*number.value = in.number<double>();
   if (!in.flag()) return joint;
   hand::Mimic mimic;
   mimic.source_joint = in.text();

@@ -84,6 +84,16 @@ TEST(HandModel, RefusesWhatIsNoModel) {
   EXPECT_THAT(faultOf(linksNamed({"a", "b"}), {joint}), HasSubstr("lower limit 2"));
   joint.lower = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(faultOf(linksNamed({"a", "b"}), {joint}), HasSubstr("not a number"));
+  for (const JointNumber& number : kJointNumbers) {
+    if (number.urdf_element == nullptr) continue;
+    for (const double wrong : {-1.0, std::numeric_limits<double>::infinity(),
+                               std::numeric_limits<double>::quiet_NaN()}) {
+      joint = hinge("j", "a", "b");
+      joint.*number.value = wrong;
+      EXPECT_THAT(faultOf(linksNamed({"a", "b"}), {joint}),
+                  AllOf(HasSubstr("'j'"), HasSubstr(number.name)));
+    }
+  }
 }
 
 TEST(HandModel, ComposesMimicsOfMimics) {

@@ -121,6 +121,8 @@ TEST(UrdfFile, NamesWhatIsWrongOnOneLine) {
                     "</visual></link>"),
               AllOf(HasSubstr("'a'"), HasSubstr("gone.stl")));
   EXPECT_THAT(fault(kLinks + joint("revolute", "<axis xyz='0 0 x'/>")), HasSubstr("urdfdom"));
+  EXPECT_THAT(fault(kLinks + joint("revolute", "<limit velocity='2 rad' effort='1'/>")),
+              AllOf(HasSubstr("'j'"), HasSubstr("velocity '2 rad' is no number")));
   EXPECT_THAT(fault(kLinks + joint("revolute", "<axis xyz='0 0 0'/>")), HasSubstr("'j'"));
   EXPECT_THAT(fault("<link name='a'><visual><geometry><box size='1 1 -1'/></geometry></visual>"
                     "</link>"),

@@ -50,8 +50,11 @@ void expectSameHand(const hand::HandModel& model) {
   EXPECT_EQ(read.lower(), model.lower());
   EXPECT_EQ(read.upper(), model.upper());
   EXPECT_EQ(read.mimicCount(), model.mimicCount());
-  for (int dof = 0; dof < model.dofCount(); ++dof)
-    EXPECT_EQ(read.dofJoint(dof).velocity_limit, model.dofJoint(dof).velocity_limit);
+  for (int dof = 0; dof < model.dofCount(); ++dof) {
+    for (const hand::JointNumber& number : hand::kJointNumbers)
+      EXPECT_EQ(read.dofJoint(dof).*number.value, model.dofJoint(dof).*number.value)
+          << number.name;
+  }
   EXPECT_LT(differenceOf(model, read), 1e-12);
 }
 
@@ -90,7 +93,8 @@ TEST(KinematicUrdf, KeepsJointsOfAllKindsAtAllAngles) {
     if (joints.size() > 2) {
       joint.lower = -0.1 / 3.0;
       joint.upper = 0.2;
-      joint.velocity_limit = 1.7;
+      for (const hand::JointNumber& number : hand::kJointNumbers)
+        if (number.urdf_element != nullptr) joint.*number.value = 1.7;
     }
     links.push_back({joint.child_link, {}, {}});
     joints.push_back(joint);
