@@ -250,14 +250,14 @@ int jog(const BringUp& told) {
 int check(const BringUp& told) {
   config::HandConfig config = configOf(told);
   bringup::Terminal terminal;
-  bringup::Companion companion;
-  companion.say = [&](const std::string& line) {
+  bringup::Operator person;
+  person.say = [&](const std::string& line) {
     terminal.say(line);
   };
-  companion.ask = [&](const std::string& question) {
+  person.ask = [&](const std::string& question) {
     return terminal.ask(question);
   };
-  companion.is_held = [&] {
+  person.is_held = [&] {
     return !stop_requested && terminal.isHeld();
   };
   const bringup::Findings findings = bringup::check(
@@ -265,7 +265,7 @@ int check(const BringUp& told) {
       [](devices::TimePoint time) {
         std::this_thread::sleep_until(time);
       },
-      companion);
+      person);
   const std::string report = bringup::reportText(config, findings);
   fmt::print("{}", report);
   if (!told.report.empty()) config::writeText(told.report, report);

@@ -13,8 +13,8 @@ namespace handgraft::server {
 
 namespace fs = std::filesystem;
 
-Belongings usualBelongings() {
-  Belongings usual;
+PermittedPaths usualPaths() {
+  PermittedPaths usual;
   usual.read = {"/usr",
                 "/lib",
                 "/lib64",
@@ -42,13 +42,13 @@ Belongings usualBelongings() {
   return usual;
 }
 
-std::string lockDown(const Belongings& belongings) {
+std::string lockDown(const PermittedPaths& permitted) {
   if (kIsSanitized) return "nothing";
   std::string done;
   Landlock files;
-  for (const fs::path& path : belongings.read)
+  for (const fs::path& path : permitted.read)
     files.allow(path, Landlock::May::kReadBelow);
-  for (const fs::path& path : belongings.written)
+  for (const fs::path& path : permitted.written)
     files.allow(path, Landlock::May::kWriteBelow);
   files.allow("/dev/null", Landlock::May::kWriteFile);
   try {

@@ -188,7 +188,7 @@ void ask(const Options& options) {
 
 /// Gives up what a server of these options need not have.
 std::string lockDown(const Options& options) {
-  server::Belongings all = server::usualBelongings();
+  server::PermittedPaths all = server::usualPaths();
   if (!options.models.empty()) all.read.push_back(options.models);
   if (!options.network.identity.empty()) all.read.push_back(options.network.identity);
   const server::StateFile state = server::stateFile(options.state, options.network);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <regex>
 #include <set>
@@ -174,7 +175,7 @@ const std::map<std::string, std::set<std::string>> kAlone = {
     {"pybind11",
      {"client/python/module.cpp", "client/python/python_message.cpp",
       "client/python/python_message.h"}},
-    {"png", {"client/present/render/png_file.cpp", "core/io/png_file.cpp"}},
+    {"png", {"client/present/png_file.cpp", "core/io/png_file.cpp"}},
     {"editline", {"client/editor/prompt.cpp"}},
     {"cli11",
      {"server/main.cpp", "client/cli/command_line.cpp",
@@ -297,6 +298,53 @@ TEST(Layering, FoldersIncludeOnlyWhatTheTablePermits) {
     EXPECT_EQ(reason, "") << include.path << ":" << include.line << " includes "
                           << include.header;
   }
+}
+
+/// Folders that include one another in a circle, "a > b > a"; empty if there are none.
+std::string circleIn(const std::vector<Include>& includes) {
+  std::map<std::string, std::set<std::string>> used;
+  for (const Include& include : includes) {
+    const std::string from = fs::path(include.path).parent_path().string();
+    const std::string to = fs::path(include.header).parent_path().string();
+    if (include.quoted && from != to) used[from].insert(to);
+  }
+  std::set<std::string> done;
+  std::vector<std::string> way;
+  const std::function<std::string(const std::string&)> follow =
+      [&](const std::string& folder) -> std::string {
+    const auto met = std::find(way.begin(), way.end(), folder);
+    if (met != way.end()) {
+      std::string circle;
+      for (auto at = met; at != way.end(); ++at)
+        circle += *at + " > ";
+      return circle + folder;
+    }
+    way.push_back(folder);
+    if (const auto next = used.find(folder); done.insert(folder).second && next != used.end()) {
+      for (const std::string& each : next->second)
+        if (std::string circle = follow(each); !circle.empty()) return circle;
+    }
+    way.pop_back();
+    return "";
+  };
+  for (const auto& [folder, others] : used)
+    if (std::string circle = follow(folder); !circle.empty()) return circle;
+  return "";
+}
+
+TEST(Layering, NoFoldersIncludeOneAnotherInACircle) {
+  EXPECT_EQ(circleIn(includesBelow(HANDGRAFT_SOURCE_DIR)), "");
+}
+
+TEST(Layering, ACircleIsFound) {
+  const std::vector<Include> chain = {{"a/x.h", 1, "b/y.h", true},
+                                      {"b/y.h", 1, "c/z.h", true},
+                                      {"a/x.h", 2, "c/z.h", true},
+                                      {"c/z.h", 1, "c/w.h", true}};
+  EXPECT_EQ(circleIn(chain), "");
+  std::vector<Include> circle = chain;
+  circle.push_back({"c/w.cpp", 1, "b/other.h", true});
+  EXPECT_EQ(circleIn(circle), "b > c > b");
 }
 
 TEST(Layering, EveryFileNamedAloneExists) {

@@ -5,8 +5,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "client/cli/commands/version.h"
 #include "client/cli/options/command_options.h"
-#include "client/cli/version.h"
 #include "core/base/error.h"
 
 namespace handgraft::client {

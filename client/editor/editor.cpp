@@ -160,7 +160,7 @@ void Editor::runScript(const NextLine& next_line, const std::string& name) {
   }
 }
 
-Told Editor::execute(const Parsed& command) {
+CommandOutput Editor::execute(const Parsed& command) {
   const Match& match = command.match;
   const auto file = [&](std::size_t index) {
     return fs::path(match.values.at(index).text);
@@ -212,7 +212,7 @@ Told Editor::execute(const Parsed& command) {
 
 // === Edits and solves
 
-Told Editor::edit(const Parsed& command) {
+CommandOutput Editor::edit(const Parsed& command) {
   Match match = command.match;
   const std::string_view pattern = command.command->pattern;
   const std::string_view verb = pattern.substr(0, pattern.find(' '));
@@ -230,19 +230,19 @@ Told Editor::edit(const Parsed& command) {
   const bool steps = body._d() == v1::EDIT_UNDO || body._d() == v1::EDIT_REDO;
   std::vector<std::string> taken;
   if (steps) taken = stepsOf(body, session_->settings());
-  Told told = publish(body);
-  if (verb == "joint") told.text += movedAgain(match);
-  if (body._d() == v1::EDIT_DRAG) told.text += endedAt(body.drag());
+  CommandOutput output = publish(body);
+  if (verb == "joint") output.text += movedAgain(match);
+  if (body._d() == v1::EDIT_DRAG) output.text += endedAt(body.drag());
   if (steps) {
     const char* done = body._d() == v1::EDIT_UNDO ? "undone" : "redone";
     // A single one is in the server's message already.
     if (taken.size() > 1) {
-      told.text +=
+      output.text +=
           fmt::format("{}: {}\n", done, text::plain(fmt::format("{}", fmt::join(taken, "; "))));
     }
-    told.data[done] = taken;
+    output.data[done] = taken;
   }
-  return told;
+  return output;
 }
 
 std::string Editor::endedAt(const v1::DragEdit& drag) {
@@ -274,7 +274,7 @@ std::string Editor::movedAgain(const Match& bend) {
       bend.values.at(0).text, value);
 }
 
-Told Editor::editAt(const Match& match) {
+CommandOutput Editor::editAt(const Match& match) {
   std::optional<v1::EditTime> when;
   if (!match.values.empty()) {
     when.emplace();
@@ -282,67 +282,67 @@ Told Editor::editAt(const Match& match) {
     if (match.values.size() > 1) when->falloff_s(match.values[1].number);
   }
   session_->editAt(when);
-  Told told;
+  CommandOutput output;
   if (!when) {
-    told.text = "edits are of all of the motion\n";
-    told.data = {{"at_s", nullptr}};
-    return told;
+    output.text = "edits are of all of the motion\n";
+    output.data = {{"at_s", nullptr}};
+    return output;
   }
-  told.text = fmt::format("edits are at {:.6g} s of the motion{}\n", when->time_s(),
-                          when->falloff_s() > 0.0
-                              ? fmt::format(", fading over {:.6g} s", when->falloff_s())
-                              : ", of that frame alone");
-  told.data = {{"at_s", when->time_s()}, {"falloff_s", when->falloff_s()}};
-  return told;
+  output.text = fmt::format("edits are at {:.6g} s of the motion{}\n", when->time_s(),
+                            when->falloff_s() > 0.0
+                                ? fmt::format(", fading over {:.6g} s", when->falloff_s())
+                                : ", of that frame alone");
+  output.data = {{"at_s", when->time_s()}, {"falloff_s", when->falloff_s()}};
+  return output;
 }
 
-Told Editor::tellMotion(std::uint64_t revision) {
+CommandOutput Editor::tellMotion(std::uint64_t revision) {
   const MotionNews news = session_->awaitMotion(revision);
-  Told told;
-  if (!news.is_complete) return told;
-  told.data = {{"frames_changed", news.changed}, {"frame_count", news.frame_count}};
-  told.text = news.changed == 0
-                  ? fmt::format("revision {}: no frame of the motion changed\n", revision)
-                  : fmt::format(
-                        "revision {}: {} of {} frames changed, {:.3f} to {:.3f} s, at most "
-                        "{:.2f} mm inside\n",
-                        revision, news.changed, news.frame_count, news.first_s, news.last_s,
-                        1e3 * news.max_depth_m);
+  CommandOutput output;
+  if (!news.is_complete) return output;
+  output.data = {{"frames_changed", news.changed}, {"frame_count", news.frame_count}};
+  output.text = news.changed == 0
+                    ? fmt::format("revision {}: no frame of the motion changed\n", revision)
+                    : fmt::format(
+                          "revision {}: {} of {} frames changed, {:.3f} to {:.3f} s, at most "
+                          "{:.2f} mm inside\n",
+                          revision, news.changed, news.frame_count, news.first_s, news.last_s,
+                          1e3 * news.max_depth_m);
   if (news.changed > 0) {
-    told.data["first_s"] = news.first_s;
-    told.data["last_s"] = news.last_s;
-    told.data["max_depth_m"] = news.max_depth_m;
+    output.data["first_s"] = news.first_s;
+    output.data["last_s"] = news.last_s;
+    output.data["max_depth_m"] = news.max_depth_m;
   }
-  return told;
+  return output;
 }
 
-Told Editor::publish(const v1::EditBody& body) {
+CommandOutput Editor::publish(const v1::EditBody& body) {
   const v1::EditReply reply = session_->edit(body);
-  Told told;
-  told.data = {{"revision", reply.revision()}, {"message", reply.message()}};
-  if (!reply.message().empty()) told.text = text::plain(reply.message()) + "\n";
+  CommandOutput output;
+  output.data = {{"revision", reply.revision()}, {"message", reply.message()}};
+  if (!reply.message().empty()) output.text = text::plain(reply.message()) + "\n";
   if (!isAnswered(body)) {
-    told.text += fmt::format("revision {}\n", reply.revision());
-    return told;
+    output.text += fmt::format("revision {}\n", reply.revision());
+    return output;
   }
   const v1::PoseSolution* solution = awaitPose(reply.revision());
   if (solution == nullptr) {
-    told.text += fmt::format("revision {}: no new solution\n", reply.revision());
-    return told;
+    output.text += fmt::format("revision {}: no new solution\n", reply.revision());
+    return output;
   }
   if (!session_->state().motion().empty()) {
-    const Told motion = tellMotion(reply.revision());
-    told.text += motion.text;
+    const CommandOutput motion = tellMotion(reply.revision());
+    output.text += motion.text;
     if (!motion.data.empty()) {
       // The grasp that stands for the motion says nothing of it.
-      told.data["motion"] = motion.data;
-      return told;
+      output.data["motion"] = motion.data;
+      return output;
     }
   }
-  const Told pose = tellPose(told.text);
-  told.text = pose.text;
-  told.data.update(pose.data);
-  return told;
+  const CommandOutput pose = tellPose(output.text);
+  output.text = pose.text;
+  output.data.update(pose.data);
+  return output;
 }
 
 const v1::PoseSolution* Editor::awaitPose(std::uint64_t revision) {
@@ -362,7 +362,7 @@ const v1::PoseSolution* Editor::awaitPose(std::uint64_t revision) {
                                       revision)});
 }
 
-Told Editor::tellPose(const std::string& before) {
+CommandOutput Editor::tellPose(const std::string& before) {
   constexpr EditedSession::Patience kSoon(250);  // usual explanations take milliseconds
   const bool at_once = at_once_ && depth_ == 0 && !sink_.isJson();
   const v1::PoseSolution pose = *session_->solution();
@@ -380,28 +380,28 @@ Told Editor::tellPose(const std::string& before) {
     throw;
   }
   const Off& off = session_->patchesOff();
-  Told told;
-  told.data = {{"solution", status(*last, off)}};
+  CommandOutput output;
+  output.data = {{"solution", status(*last, off)}};
   if (!shown) {
-    told.text = before + statusLine(*last, off) + "\n";
+    output.text = before + statusLine(*last, off) + "\n";
   } else if (last->revision() == pose.revision()) {
     const std::string explanation = text::explanation(*last);
-    told.text = (explanation.empty() ? "" : "; " + explanation) + "\n";
+    output.text = (explanation.empty() ? "" : "; " + explanation) + "\n";
     session_->diagnoseLater();
   } else {
-    told.text = "\n";
+    output.text = "\n";
   }
-  return told;
+  return output;
 }
 
-Told Editor::solve(const std::optional<v1::SolveOptions>& options) {
+CommandOutput Editor::solve(const std::optional<v1::SolveOptions>& options) {
   const std::uint64_t revision = session_->solve(options).revision();
-  Told told = tellPose("");
-  told.data["revision"] = revision;
-  return told;
+  CommandOutput output = tellPose("");
+  output.data["revision"] = revision;
+  return output;
 }
 
-Told Editor::suggest(const Match& match) {
+CommandOutput Editor::suggest(const Match& match) {
   constexpr double kLeastReach_m = 1e-4;  // idl/sessions.idl
   constexpr double kMostReach_m = 0.1;
   v1::SuggestRequest request;
@@ -419,33 +419,33 @@ Told Editor::suggest(const Match& match) {
     request.count(static_cast<std::uint32_t>(count->count));
   }
   const v1::SuggestReply reply = server_.suggest(request).get();
-  Told told;
-  told.text = text::suggestions(reply);
-  told.data = json::suggestions(reply, std::nullopt);
+  CommandOutput output;
+  output.text = text::suggestions(reply);
+  output.data = json::suggestions(reply, std::nullopt);
   const Value* apply = optionOf(match, "--apply");
-  if (apply == nullptr) return told;
+  if (apply == nullptr) return output;
   if (apply->count < 1 || apply->count > reply.suggestions().size()) {
     rejectInput("--apply {}: there are {} suggestions", apply->text,
                 reply.suggestions().size());
   }
   const v1::PlacementSuggestion& chosen = reply.suggestions()[apply->count - 1];
-  Told last = publish(rootEdit(reply.patch(), chosen.root_S()));
+  CommandOutput last = publish(rootEdit(reply.patch(), chosen.root_S()));
   if (chosen.turned_rad() != 0.0)
     last = publish(directionEdit(reply.patch(), chosen.turned_rad()));
-  told.text += last.text;
-  told.data["applied"] = apply->count;
-  told.data.update(last.data);
-  return told;
+  output.text += last.text;
+  output.data["applied"] = apply->count;
+  output.data.update(last.data);
+  return output;
 }
 
 // === Sessions
 
-Told Editor::sessions() {
+CommandOutput Editor::sessions() {
   const v1::SessionList list = server_.listSessions().get();
   return {text::sessions(list), json::jsonOf(list)};
 }
 
-Told Editor::join(const Match& match) {
+CommandOutput Editor::join(const Match& match) {
   if (match.values.empty() && before_ == 0)
     rejectInput("join: there was no session before {}; `sessions` lists all", session_->id());
   const std::uint64_t session_id =
@@ -453,11 +453,11 @@ Told Editor::join(const Match& match) {
   const std::uint64_t left = session_->id();
   const bool has_ended = session_->hasEnded();
   goOnIn(server_.describeSession(session_id).get());
-  Told told;
+  CommandOutput output;
   const std::string before = farewell(left, has_ended);
-  if (!before.empty()) told.text = fmt::format("session {}{}\n", session_id, before);
-  told.data = {{"session_id", session_id}, {"revision", session_->state().revision()}};
-  return told;
+  if (!before.empty()) output.text = fmt::format("session {}{}\n", session_id, before);
+  output.data = {{"session_id", session_id}, {"revision", session_->state().revision()}};
+  return output;
 }
 
 std::string Editor::farewell(std::uint64_t left, bool has_ended) const {
@@ -465,7 +465,7 @@ std::string Editor::farewell(std::uint64_t left, bool has_ended) const {
   return left == session_->id() ? "" : fmt::format("; session {} stays open", left);
 }
 
-Told Editor::close() {
+CommandOutput Editor::close() {
   server_.closeSession(session_->id()).get();
   finished_ = true;
   closed_ = true;

@@ -7,10 +7,10 @@
 #include <optional>
 #include <string>
 
+#include "client/editor/command_output.h"
 #include "client/editor/command_table.h"
 #include "client/editor/edited_session.h"
 #include "client/editor/sink.h"
-#include "client/editor/told.h"
 #include "client/link/client.h"
 #include "client/present/interruption.h"
 
@@ -51,41 +51,41 @@ class Editor {
   void runScript(const NextLine& next_line, const std::string& name);
 
   /// As the command `solve` does.
-  Told solve(const std::optional<v1::SolveOptions>& options);
+  CommandOutput solve(const std::optional<v1::SolveOptions>& options);
 
  private:
   void runCommand(const Words& words);
   Parsed read(const Words& words);
   /// Goes on in the same session where the server was not heard for a while.
   void reachServer();
-  Told execute(const Parsed& parsed);
-  Told edit(const Parsed& parsed);
-  Told publish(const v1::EditBody& body);
-  Told editAt(const Match& match);
+  CommandOutput execute(const Parsed& parsed);
+  CommandOutput edit(const Parsed& parsed);
+  CommandOutput publish(const v1::EditBody& body);
+  CommandOutput editAt(const Match& match);
   /// What an edit changed of the motion; nothing where it is not solved.
-  Told tellMotion(std::uint64_t revision);
+  CommandOutput tellMotion(std::uint64_t revision);
   /// The pose that follows an edit; nullptr if none does. Ctrl-C stops its solve.
   /// Errors: CommandFailed if it was stopped; those of EditedSession::awaitFinal.
   const v1::PoseSolution* awaitPose(std::uint64_t revision);
   /// Tells the last pose, behind `before`, once it is diagnosed; where poses are shown at once,
   /// the diagnosis may come as news.
-  Told tellPose(const std::string& before);
+  CommandOutput tellPose(const std::string& before);
   /// That the search moved a joint which was just bent, if it did.
   std::string movedAgain(const Match& bend);
-  Told suggest(const Match& match);
-  Told show(const Match& match);
-  Told compare(const Match& match);
-  Told save(const std::filesystem::path& path);
-  Told load(const std::filesystem::path& path);
-  Told replay(const std::filesystem::path& path);
-  Told exportTo(const std::string& format, const std::filesystem::path& path);
-  Told drawTo(const std::filesystem::path& path);
-  Told watch(const Match& match);
-  Told sessions();
-  Told join(const Match& match);
-  Told close();
-  Told script(const std::string& path);
-  Told help(const Match& match);
+  CommandOutput suggest(const Match& match);
+  CommandOutput show(const Match& match);
+  CommandOutput compare(const Match& match);
+  CommandOutput save(const std::filesystem::path& path);
+  CommandOutput load(const std::filesystem::path& path);
+  CommandOutput replay(const std::filesystem::path& path);
+  CommandOutput exportTo(const std::string& format, const std::filesystem::path& path);
+  CommandOutput drawTo(const std::filesystem::path& path);
+  CommandOutput watch(const Match& match);
+  CommandOutput sessions();
+  CommandOutput join(const Match& match);
+  CommandOutput close();
+  CommandOutput script(const std::string& path);
+  CommandOutput help(const Match& match);
   /// Errors: InvalidInput if there is none.
   const v1::PoseSolution& requirePose();
   /// Waits until it is diagnosed, or will not be. Errors likewise.

@@ -15,14 +15,14 @@ namespace handgraft::client::editor {
 
 namespace fs = std::filesystem;
 
-Told Editor::save(const fs::path& path) {
+CommandOutput Editor::save(const fs::path& path) {
   requireWritable({"save", path});
   writeFile(path, server_.saveSession(session_->id()).get());
   return {fmt::format("wrote {}\n", handgraft::quoted(path.string())),
           {{"file", path.string()}}};
 }
 
-Told Editor::load(const fs::path& path) {
+CommandOutput Editor::load(const fs::path& path) {
   const std::uint64_t left = session_->id();
   const bool has_ended = session_->hasEnded();
   const std::string text = readSessionText(path);
@@ -34,7 +34,7 @@ Told Editor::load(const fs::path& path) {
           {{"session_id", session_->id()}, {"revision", session_->state().revision()}}};
 }
 
-Told Editor::replay(const fs::path& path) {
+CommandOutput Editor::replay(const fs::path& path) {
   const std::string text = readSessionText(path);
   const v1::ReplayReply reply = askAbout(path, [&] {
     return server_.replay(text).get();
@@ -48,13 +48,13 @@ Told Editor::replay(const fs::path& path) {
           {{"entries", reply.entries()}, {"same", true}}};
 }
 
-Told Editor::exportTo(const std::string& format, const fs::path& path) {
+CommandOutput Editor::exportTo(const std::string& format, const fs::path& path) {
   exportSession(server_, session_->id(), format, {"export", path});
   return {fmt::format("wrote {}\n", handgraft::quoted(path.string())),
           {{"format", format}, {"file", path.string()}}};
 }
 
-Told Editor::drawTo(const fs::path& path) {
+CommandOutput Editor::drawTo(const fs::path& path) {
   requireWritable({"png", path});
   GraspResult result;
   result.solution = requireSolution();
@@ -66,7 +66,7 @@ Told Editor::drawTo(const fs::path& path) {
           {{"file", path.string()}}};
 }
 
-Told Editor::script(const std::string& path) {
+CommandOutput Editor::script(const std::string& path) {
   std::error_code error;
   if (fs::is_directory(path, error))
     rejectInput("{}: that is a folder", handgraft::quoted(path));

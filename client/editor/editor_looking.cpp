@@ -23,18 +23,19 @@ const v1::PoseSolution& Editor::requireSolution() {
   return session_->awaitDiagnosed(requirePose().revision(), EditedSession::kEndless);
 }
 
-Told Editor::show(const Match& match) {
+CommandOutput Editor::show(const Match& match) {
   if (match.values.empty()) {
     const v1::PoseSolution& solution = requireSolution();
-    Told told = tellSolution(solution, session_->patchesOff());
+    CommandOutput output = tellSolution(solution, session_->patchesOff());
     const v1::SessionState& state = session_->state();
     if (state.phase() == v1::PHASE_FAILED && solution.revision() < state.revision()) {
-      told.text +=
+      output.text +=
           fmt::format("revision {} was not solved: {}; the figures are of revision {}\n",
                       state.revision(), text::plain(state.message()), solution.revision());
-      told.data["not_solved"] = {{"revision", state.revision()}, {"message", state.message()}};
+      output.data["not_solved"] = {{"revision", state.revision()},
+                                   {"message", state.message()}};
     }
-    return told;
+    return output;
   }
   const std::string& topic = match.values[0].text;
   if (topic == "minima") return tellMinima(requirePose(), session_->hand());
@@ -52,7 +53,7 @@ Told Editor::show(const Match& match) {
   return tellSession(settings, server_.id());
 }
 
-Told Editor::compare(const Match& match) {
+CommandOutput Editor::compare(const Match& match) {
   v1::CompareRequest request;
   request.session_id(session_->id());
   request.a(match.values.at(0).text);
@@ -60,7 +61,7 @@ Told Editor::compare(const Match& match) {
   return tellDifferences(server_.compare(request).get());
 }
 
-Told Editor::watch(const Match& match) {
+CommandOutput Editor::watch(const Match& match) {
   using Clock = std::chrono::steady_clock;
   constexpr double kLongest_s = 1e6;
   double seconds = kLongest_s;
@@ -83,17 +84,17 @@ Told Editor::watch(const Match& match) {
           sink_.event(text::stateLine(state), json::stateEvent(state));
         });
   }
-  Told told;
-  told.data = {{"solutions", count}};
-  return told;
+  CommandOutput output;
+  output.data = {{"solutions", count}};
+  return output;
 }
 
-Told Editor::help(const Match& match) {
+CommandOutput Editor::help(const Match& match) {
   const Words begun = match.values.empty() ? Words() : Words{match.values[0].text};
-  Told told;
-  told.text = helpFor(begun, {});
-  told.data = {{"help", told.text}};
-  return told;
+  CommandOutput output;
+  output.text = helpFor(begun, {});
+  output.data = {{"help", output.text}};
+  return output;
 }
 
 }  // namespace handgraft::client::editor

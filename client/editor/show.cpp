@@ -69,10 +69,10 @@ std::string nameOf(const v1::ClientId& client, const v1::ClientId& own) {
                      client[3]);
 }
 
-Told tellSession(const v1::SessionSettings& settings, const v1::ClientId& own) {
+CommandOutput tellSession(const v1::SessionSettings& settings, const v1::ClientId& own) {
   const v1::SessionState& state = settings.state();
-  Told told;
-  told.text = text::table(
+  CommandOutput output;
+  output.text = text::table(
       {{"session", std::to_string(state.session_id())},
        {"revision", std::to_string(state.revision())},
        {"phase", nameOf(state.phase())},
@@ -86,14 +86,14 @@ Told tellSession(const v1::SessionSettings& settings, const v1::ClientId& own) {
        {"history",
         fmt::format("{} to undo, {} to redo", state.undo_count(), state.redo_count())}},
       "l");
-  if (!state.message().empty()) told.text += plain(state.message()) + "\n";
-  told.text += text::notes(settings.notes());
-  told.data = {{"session", json::jsonOf(state)}, {"notes", settings.notes()}};
-  return told;
+  if (!state.message().empty()) output.text += plain(state.message()) + "\n";
+  output.text += text::notes(settings.notes());
+  output.data = {{"session", json::jsonOf(state)}, {"notes", settings.notes()}};
+  return output;
 }
 
-Told tellPatches(const v1::SessionSettings& settings) {
-  Told told;
+CommandOutput tellPatches(const v1::SessionSettings& settings) {
+  CommandOutput output;
   Rows rows = {{"patch", "on", "weight", "site", "root on hand", "direction on hand",
                 "root on object", "direction on object"}};
   Json patches = Json::array();
@@ -109,13 +109,13 @@ Told tellPatches(const v1::SessionSettings& settings) {
          root(patch.root_O()), turned(patch.direction_O(), false)});
     patches.push_back(json::jsonOf(patch));
   }
-  told.text = text::table(rows, "llrl");
-  told.data = {{"patches", patches}};
-  return told;
+  output.text = text::table(rows, "llrl");
+  output.data = {{"patches", patches}};
+  return output;
 }
 
-Told tellJoints(const v1::SessionSettings& settings) {
-  Told told;
+CommandOutput tellJoints(const v1::SessionSettings& settings) {
+  CommandOutput output;
   Rows rows = {{"joint", "value", "prior", "lower", "upper", "model", "held"}};
   Json joints = Json::array();
   for (const v1::JointSetting& joint : settings.joints()) {
@@ -134,17 +134,17 @@ Told tellJoints(const v1::SessionSettings& settings) {
          held});
     joints.push_back(json::jsonOf(joint));
   }
-  told.text = text::table(rows, "lrrrrll");
-  told.data = {{"joints", joints}};
-  return told;
+  output.text = text::table(rows, "lrrrrll");
+  output.data = {{"joints", joints}};
+  return output;
 }
 
-Told tellSettings(const v1::SessionSettings& settings) {
+CommandOutput tellSettings(const v1::SessionSettings& settings) {
   const v1::Weights& weights = settings.weights();
   const v1::PriorShares& shares = settings.prior_shares();
   const v1::TransferOptions& transfer = settings.transfer();
-  Told told;
-  told.text = text::table(
+  CommandOutput output;
+  output.text = text::table(
       {{"object X_WO", place(settings.X_WO())},
        {"start X_WH", place(settings.X_WH())},
        {"prior X_WH", place(settings.prior_X_WH())},
@@ -158,39 +158,39 @@ Told tellSettings(const v1::SessionSettings& settings) {
        {"log maps", fmt::format("{}, {} interior rings", nameOf(transfer.method()),
                                 transfer.interior_rings())}},
       "l");
-  told.data = {{"X_WO", json::jsonOf(settings.X_WO())},
-               {"X_WH", json::jsonOf(settings.X_WH())},
-               {"prior_X_WH", json::jsonOf(settings.prior_X_WH())},
-               {"weights", json::jsonOf(weights)},
-               {"prior_shares", json::jsonOf(shares)},
-               {"solving", json::jsonOf(settings.solving())},
-               {"transfer", json::jsonOf(transfer)}};
-  return told;
+  output.data = {{"X_WO", json::jsonOf(settings.X_WO())},
+                 {"X_WH", json::jsonOf(settings.X_WH())},
+                 {"prior_X_WH", json::jsonOf(settings.prior_X_WH())},
+                 {"weights", json::jsonOf(weights)},
+                 {"prior_shares", json::jsonOf(shares)},
+                 {"solving", json::jsonOf(settings.solving())},
+                 {"transfer", json::jsonOf(transfer)}};
+  return output;
 }
 
-Told tellHistory(const v1::SessionSettings& settings) {
-  Told told;
+CommandOutput tellHistory(const v1::SessionSettings& settings) {
+  CommandOutput output;
   // Oldest first, the present in the middle, as a page is read.
   for (auto edit = settings.undo().rbegin(); edit != settings.undo().rend(); ++edit)
-    told.text += fmt::format("  {}\n", plain(*edit));
-  told.text += fmt::format("* revision {}\n", settings.state().revision());
+    output.text += fmt::format("  {}\n", plain(*edit));
+  output.text += fmt::format("* revision {}\n", settings.state().revision());
   for (const std::string& edit : settings.redo())
-    told.text += fmt::format("  {} (undone)\n", plain(edit));
-  told.data = {{"undo", settings.undo()}, {"redo", settings.redo()}};
-  return told;
+    output.text += fmt::format("  {} (undone)\n", plain(edit));
+  output.data = {{"undo", settings.undo()}, {"redo", settings.redo()}};
+  return output;
 }
 
-Told tellSnapshots(const v1::SessionSettings& settings) {
-  Told told;
+CommandOutput tellSnapshots(const v1::SessionSettings& settings) {
+  CommandOutput output;
   for (const std::string& name : settings.snapshots())
-    told.text += plain(name) + "\n";
-  if (settings.snapshots().empty()) told.text = "no snapshots\n";
-  told.data = {{"snapshots", settings.snapshots()}};
-  return told;
+    output.text += plain(name) + "\n";
+  if (settings.snapshots().empty()) output.text = "no snapshots\n";
+  output.data = {{"snapshots", settings.snapshots()}};
+  return output;
 }
 
-Told tellTimes(const v1::SessionSettings& settings) {
-  Told told;
+CommandOutput tellTimes(const v1::SessionSettings& settings) {
+  CommandOutput output;
   Rows rows;
   Json times = Json::array();
   for (const v1::TimedState& timed : settings.timed()) {
@@ -200,20 +200,20 @@ Told tellTimes(const v1::SessionSettings& settings) {
          plain(timed.text())});
     times.push_back(json::jsonOf(timed));
   }
-  told.text = rows.empty() ? "nothing was edited at a time\n" : text::table(rows, "rrrl");
-  told.data = {{"times", times}};
-  return told;
+  output.text = rows.empty() ? "nothing was edited at a time\n" : text::table(rows, "rrrl");
+  output.data = {{"times", times}};
+  return output;
 }
 
-Told tellDifferences(const v1::CompareReply& reply) {
-  Told told;
+CommandOutput tellDifferences(const v1::CompareReply& reply) {
+  CommandOutput output;
   Rows rows;
   for (const v1::Difference& difference : reply.differences()) {
     rows.push_back({plain(difference.what()), plain(difference.a()), plain(difference.b())});
   }
-  told.text = rows.empty() ? "no difference\n" : text::table(rows, "lrr");
-  told.data = json::jsonOf(reply);
-  return told;
+  output.text = rows.empty() ? "no difference\n" : text::table(rows, "lrr");
+  output.data = json::jsonOf(reply);
+  return output;
 }
 
 }  // namespace handgraft::client::editor

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "client/editor/told.h"
+#include "client/editor/command_output.h"
 #include "idl/sessions.h"
 
 /// What the editor says about what a session is made of: the topics of `show`.
@@ -12,15 +12,15 @@ namespace handgraft::client::editor {
 std::string nameOf(const v1::ClientId& client, const v1::ClientId& own);
 
 /// `own`: of this program.
-Told tellSession(const v1::SessionSettings& settings, const v1::ClientId& own);
-Told tellPatches(const v1::SessionSettings& settings);
-Told tellJoints(const v1::SessionSettings& settings);
-Told tellSettings(const v1::SessionSettings& settings);
-Told tellHistory(const v1::SessionSettings& settings);
-Told tellSnapshots(const v1::SessionSettings& settings);
+CommandOutput tellSession(const v1::SessionSettings& settings, const v1::ClientId& own);
+CommandOutput tellPatches(const v1::SessionSettings& settings);
+CommandOutput tellJoints(const v1::SessionSettings& settings);
+CommandOutput tellSettings(const v1::SessionSettings& settings);
+CommandOutput tellHistory(const v1::SessionSettings& settings);
+CommandOutput tellSnapshots(const v1::SessionSettings& settings);
 /// What was edited at times of a motion.
-Told tellTimes(const v1::SessionSettings& settings);
+CommandOutput tellTimes(const v1::SessionSettings& settings);
 
-Told tellDifferences(const v1::CompareReply& reply);
+CommandOutput tellDifferences(const v1::CompareReply& reply);
 
 }  // namespace handgraft::client::editor

@@ -82,8 +82,8 @@ Json status(const v1::PoseSolution& solution, const Off& off) {
   return all;
 }
 
-Told tellSolution(const v1::PoseSolution& solution, const Off& off) {
-  Told told;
+CommandOutput tellSolution(const v1::PoseSolution& solution, const Off& off) {
+  CommandOutput output;
   Rows rows = {{"patch", "mean mm", "max mm", "normal deg", "in 5 mm", "points", "verdict"}};
   for (const v1::PatchFit& patch : solution.patches()) {
     rows.push_back({plain(patch.name()), fmt::format("{:.2f}", patch.mean_mm()),
@@ -94,33 +94,33 @@ Told tellSolution(const v1::PoseSolution& solution, const Off& off) {
                     solution.is_diagnosed() ? nameOf(patch.diagnosis().verdict()) : ""});
   }
   const v1::Terms& terms = solution.terms();
-  told.text = text::table(rows, "lrrrrrl") + "\n" + text::shortfalls(solution);
-  told.text += fmt::format(
+  output.text = text::table(rows, "lrrrrrl") + "\n" + text::shortfalls(solution);
+  output.text += fmt::format(
       "distance {:.4g} m2, normal {:.4g}, prior {:.4g}, by {} after {} "
       "evaluations\n",
       terms.distance_m2(), terms.normal(), terms.prior(), plain(solution.solver()),
       solution.evaluations());
   for (const v1::HeldPlace& place : solution.held()) {
-    told.text += fmt::format("held: {}, {:.1f} mm off its place, weight {:.4g}\n",
-                             plain(place.link()), 1e3 * place.miss_m(), place.weight());
+    output.text += fmt::format("held: {}, {:.1f} mm off its place, weight {:.4g}\n",
+                               plain(place.link()), 1e3 * place.miss_m(), place.weight());
   }
   if (!solution.joints_at_limit().empty()) {
-    told.text += fmt::format("joints at limits: {}\n",
-                             text::listed(text::limitNames(solution.joints_at_limit())));
+    output.text += fmt::format("joints at limits: {}\n",
+                               text::listed(text::limitNames(solution.joints_at_limit())));
   }
-  told.text += statusLine(solution, off) + "\n";
-  told.data = json::jsonOf(solution);
-  told.data["solution"] = status(solution, off);
-  return told;
+  output.text += statusLine(solution, off) + "\n";
+  output.data = json::jsonOf(solution);
+  output.data["solution"] = status(solution, off);
+  return output;
 }
 
-Told tellMinima(const v1::PoseSolution& solution, const v1::HandDescription& hand) {
-  Told told;
-  told.text = text::minima(solution, hand);
-  if (told.text.empty()) told.text = "the last solution brought no list of minima\n";
-  told.data = {{"minima", json::jsonOf(solution)["minima"]},
-               {"chosen", solution.chosen_minimum() + 1}};
-  return told;
+CommandOutput tellMinima(const v1::PoseSolution& solution, const v1::HandDescription& hand) {
+  CommandOutput output;
+  output.text = text::minima(solution, hand);
+  if (output.text.empty()) output.text = "the last solution brought no list of minima\n";
+  output.data = {{"minima", json::jsonOf(solution)["minima"]},
+                 {"chosen", solution.chosen_minimum() + 1}};
+  return output;
 }
 
 }  // namespace handgraft::client::editor

@@ -3,7 +3,7 @@
 #include <set>
 #include <string>
 
-#include "client/editor/told.h"
+#include "client/editor/command_output.h"
 #include "idl/models.h"
 #include "idl/sessions.h"
 
@@ -24,9 +24,9 @@ std::string statusLine(const v1::PoseSolution& solution, const Off& off);
 json::Json status(const v1::PoseSolution& solution, const Off& off);
 
 /// Patch by patch how a solution fits.
-Told tellSolution(const v1::PoseSolution& solution, const Off& off);
+CommandOutput tellSolution(const v1::PoseSolution& solution, const Off& off);
 
 /// Where its searches ended, ranked.
-Told tellMinima(const v1::PoseSolution& solution, const v1::HandDescription& hand);
+CommandOutput tellMinima(const v1::PoseSolution& solution, const v1::HandDescription& hand);
 
 }  // namespace handgraft::client::editor

@@ -23,13 +23,13 @@ void Sink::begin(const std::string& text) const {
   if (!isJson()) print(text);
 }
 
-void Sink::done(const std::string& command, const Told& told) const {
+void Sink::done(const std::string& command, const CommandOutput& output) const {
   if (!isJson()) {
-    print(told.text);
+    print(output.text);
     return;
   }
   json::Json line = {{"command", command}, {"ok", true}};
-  line.update(told.data);
+  line.update(output.data);
   print(json::written(line, -1) + "\n");
 }
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "client/editor/told.h"
+#include "client/editor/command_output.h"
 #include "client/present/failure.h"
 #include "client/present/progress_line.h"
 
@@ -26,7 +26,7 @@ class Sink {
   /// What is known of a command's answer before all of it is: the beginning of its text.
   /// Nothing in JSON.
   void begin(const std::string& text) const;
-  void done(const std::string& command, const Told& told) const;
+  void done(const std::string& command, const CommandOutput& output) const;
   /// In text, on standard error.
   void failed(const std::string& command, const Failure& failure) const;
   /// Something that happens while a command runs, or between two. `json` is one object on a

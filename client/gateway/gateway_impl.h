@@ -98,7 +98,7 @@ struct Gateway::Impl : Audience, std::enable_shared_from_this<Gateway::Impl> {
   /// one is told apart by its content, as the command line does.
   void sendModel(PageId page,
                  std::uint64_t request,
-                 const std::shared_ptr<const Gift>& gift,
+                 const std::shared_ptr<const FileGroup>& group,
                  const ModelFiles& model,
                  bool is_apart);
 

@@ -117,7 +117,7 @@ void Gateway::Impl::gave(PageId page, const std::string& frame) {
     if (textIn(head, "do") != "put") rejectInput("frames of bytes are parts of files: put");
     require(page, Rights::kEdit);
     const std::lock_guard lock(mutex);
-    given.put(page, {numberIn(head, "gift"), textIn(head, "path"),
+    given.put(page, {numberIn(head, "group"), textIn(head, "path"),
                      numberIn(head, "total_bytes"), numberIn(head, "offset"), bytes});
     web->send(page, textOf({{"reply", request}}));
   } catch (...) {
@@ -144,7 +144,7 @@ void Gateway::Impl::handle(PageId page, std::uint64_t request, const Json& messa
   if (what == "ping") return web->send(page, textOf({{"reply", request}}));
   if (what == "drop") {
     const std::lock_guard lock(mutex);
-    given.drop(page, numberIn(message, "gift"));
+    given.drop(page, numberIn(message, "group"));
     return web->send(page, textOf({{"reply", request}}));
   }
   {
@@ -309,39 +309,39 @@ void Gateway::Impl::describe(PageId page,
 void Gateway::Impl::load(PageId page, std::uint64_t request, const Json& message) {
   require(page, Rights::kEdit);
   const auto kind = v1::enumeratorFrom<v1::ModelKind>(textIn(message, "kind"), "kind");
-  std::shared_ptr<const Gift> gift;
+  std::shared_ptr<const FileGroup> group;
   {
     const std::lock_guard lock(mutex);
-    gift = given.find(page, numberIn(message, "gift"));
+    group = given.find(page, numberIn(message, "group"));
   }
-  sendModel(page, request, gift,
-            gift->model(kind, textIn(message, "main"), textIn(message, "object"),
-                        textIn(message, "units")),
+  sendModel(page, request, group,
+            group->model(kind, textIn(message, "main"), textIn(message, "object"),
+                         textIn(message, "units")),
             false);
 }
 
 void Gateway::Impl::sendModel(PageId page,
                               std::uint64_t request,
-                              const std::shared_ptr<const Gift>& gift,
+                              const std::shared_ptr<const FileGroup>& group,
                               const ModelFiles& model,
                               bool is_apart) {
   whenDone(client.load(model),
-           [this, page, request, gift, model, is_apart](Outcome<v1::ModelSummary> outcome) {
+           [this, page, request, group, model, is_apart](Outcome<v1::ModelSummary> outcome) {
              if (const auto* summary = std::get_if<v1::ModelSummary>(&outcome)) {
                return answer(page, request, {{"model", idl::jsonOf(*summary)}});
              }
              const auto& error = std::get<std::exception_ptr>(outcome);
              if (is_apart || !isConflict(error)) {
                Json told = errorJson(error);
-               told["message"] = gift->inPagesWords(told["message"]);
+               told["message"] = group->inPagesWords(told["message"]);
                return answer(page, request, {{"error", told}});
              }
              const std::lock_guard lock(mutex);
-             work.push_back([this, page, request, gift, model] {
+             work.push_back([this, page, request, group, model] {
                try {
                  ModelFiles apart = model;
                  apart.name = nameApart(model);
-                 sendModel(page, request, gift, apart, true);
+                 sendModel(page, request, group, apart, true);
                } catch (...) {
                  answer(page, request, {{"error", errorJson(std::current_exception())}});
                }

@@ -32,10 +32,10 @@ void replaceAll(std::string& text, const std::string& what, const std::string& w
 
 // === Files that belong together
 
-ModelFiles Gift::model(v1::ModelKind kind,
-                       const std::string& main,
-                       const std::string& object,
-                       const std::string& units) const {
+ModelFiles FileGroup::model(v1::ModelKind kind,
+                            const std::string& main,
+                            const std::string& object,
+                            const std::string& units) const {
   if (files_.count(main) == 0) {
     rejectInput("{}: it is not among the files that were given", quoted(main));
   }
@@ -64,7 +64,7 @@ ModelFiles Gift::model(v1::ModelKind kind,
   rejectInput("kind: pages load hands, objects and contacts");
 }
 
-std::string Gift::inPagesWords(std::string message) const {
+std::string FileGroup::inPagesWords(std::string message) const {
   replaceAll(message, folder_.string() + "/", "");
   replaceAll(message, folder_.string(), ".");
   return message;
@@ -90,14 +90,14 @@ void GivenFiles::requirePath(const std::string& path) const {
   }
 }
 
-void GivenFiles::requireRoom(PageId page, const Gift& gift, const Chunk& chunk) const {
-  if (gift.files_.size() >= limits_.files_per_gift) {
+void GivenFiles::requireRoom(PageId page, const FileGroup& group, const Chunk& chunk) const {
+  if (group.files_.size() >= limits_.files_per_group) {
     refuseRoom(fmt::format("{}: too many files; {} may be given at once", quoted(chunk.path),
-                           limits_.files_per_gift));
+                           limits_.files_per_group));
   }
   std::uint64_t all = 0;
   std::uint64_t its = 0;
-  for (const auto& [key, other] : gifts_) {
+  for (const auto& [key, other] : groups_) {
     all += other->bytes_;
     if (key.first == page) its += other->bytes_;
   }
@@ -111,34 +111,35 @@ void GivenFiles::requireRoom(PageId page, const Gift& gift, const Chunk& chunk) 
   }
 }
 
-Gift& GivenFiles::giftFor(PageId page, std::uint64_t number) {
-  const auto found = gifts_.find({page, number});
-  if (found != gifts_.end()) return *found->second;
-  const auto its = std::count_if(gifts_.begin(), gifts_.end(), [&](const auto& one) {
+FileGroup& GivenFiles::groupFor(PageId page, std::uint64_t number) {
+  const auto found = groups_.find({page, number});
+  if (found != groups_.end()) return *found->second;
+  const auto its = std::count_if(groups_.begin(), groups_.end(), [&](const auto& one) {
     return one.first.first == page;
   });
-  if (static_cast<std::size_t>(its) >= limits_.gifts_per_page) {
-    refuseRoom(fmt::format("a page keeps at most {} folders of files", limits_.gifts_per_page));
+  if (static_cast<std::size_t>(its) >= limits_.groups_per_page) {
+    refuseRoom(
+        fmt::format("a page keeps at most {} folders of files", limits_.groups_per_page));
   }
-  return *gifts_.emplace(std::pair(page, number), std::make_shared<Gift>()).first->second;
+  return *groups_.emplace(std::pair(page, number), std::make_shared<FileGroup>()).first->second;
 }
 
 void GivenFiles::put(PageId page, const Chunk& chunk) {
   requirePath(chunk.path);
-  Gift& gift = giftFor(page, chunk.gift);
-  const fs::path path = gift.folder_ / chunk.path;
-  auto found = gift.files_.find(chunk.path);
-  if (found == gift.files_.end()) {
-    requireRoom(page, gift, chunk);
+  FileGroup& group = groupFor(page, chunk.group);
+  const fs::path path = group.folder_ / chunk.path;
+  auto found = group.files_.find(chunk.path);
+  if (found == group.files_.end()) {
+    requireRoom(page, group, chunk);
     std::error_code error;
     fs::create_directories(path.parent_path(), error);
     if (error || fs::exists(path)) {
       rejectInput("{}: a file and a folder of that name were given", quoted(chunk.path));
     }
-    found = gift.files_.emplace(chunk.path, Gift::File{chunk.total_bytes, 0}).first;
-    gift.bytes_ += chunk.total_bytes;
+    found = group.files_.emplace(chunk.path, FileGroup::File{chunk.total_bytes, 0}).first;
+    group.bytes_ += chunk.total_bytes;
   }
-  Gift::File& file = found->second;
+  FileGroup::File& file = found->second;
   if (chunk.offset != file.received || chunk.total_bytes != file.total ||
       chunk.bytes.size() > file.total - file.received) {
     rejectInput("{}: bytes {} to {} of {} do not follow the {} that came before",
@@ -152,9 +153,9 @@ void GivenFiles::put(PageId page, const Chunk& chunk) {
   file.received += chunk.bytes.size();
 }
 
-std::shared_ptr<const Gift> GivenFiles::find(PageId page, std::uint64_t gift) const {
-  const auto found = gifts_.find({page, gift});
-  if (found == gifts_.end()) rejectInput("files {}: there are none of that number", gift);
+std::shared_ptr<const FileGroup> GivenFiles::find(PageId page, std::uint64_t group) const {
+  const auto found = groups_.find({page, group});
+  if (found == groups_.end()) rejectInput("files {}: there are none of that number", group);
   for (const auto& [path, file] : found->second->files_) {
     if (file.received < file.total) {
       rejectInput("{}: {} of its {} bytes came", quoted(path), file.received, file.total);
@@ -163,12 +164,12 @@ std::shared_ptr<const Gift> GivenFiles::find(PageId page, std::uint64_t gift) co
   return found->second;
 }
 
-void GivenFiles::drop(PageId page, std::uint64_t gift) {
-  gifts_.erase({page, gift});
+void GivenFiles::drop(PageId page, std::uint64_t group) {
+  groups_.erase({page, group});
 }
 
 void GivenFiles::drop(PageId page) {
-  gifts_.erase(gifts_.lower_bound({page, 0}), gifts_.lower_bound({page + 1, 0}));
+  groups_.erase(groups_.lower_bound({page, 0}), groups_.lower_bound({page + 1, 0}));
 }
 
 }  // namespace handgraft::client::gateway

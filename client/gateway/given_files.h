@@ -17,19 +17,19 @@ namespace handgraft::client::gateway {
 struct GivenLimits {
   std::uint64_t bytes_per_page = 256ULL << 20U;  ///< as announced; the server takes no more
   std::uint64_t bytes = 512ULL << 20U;           ///< of all pages
-  std::size_t files_per_gift = 2000;
-  std::size_t gifts_per_page = 8;
+  std::size_t files_per_group = 2000;
+  std::size_t groups_per_page = 8;
   std::size_t path_bytes = 1024;
   std::size_t path_parts = 32;
 };
 
 /// Files that belong together, as a page gave them: a private folder that goes with this.
-class Gift {
+class FileGroup {
  public:
   /// Errors: std::filesystem_error.
-  Gift() = default;
-  Gift(const Gift&) = delete;
-  Gift& operator=(const Gift&) = delete;
+  FileGroup() = default;
+  FileGroup(const FileGroup&) = delete;
+  FileGroup& operator=(const FileGroup&) = delete;
 
   /// What the server is to be sent of them, by the rules that hold for every client
   /// (client/link/model_files.h), and nothing from elsewhere. `object` is what contacts lie on.
@@ -66,8 +66,8 @@ class GivenFiles {
   explicit GivenFiles(GivenLimits limits = {}) : limits_(limits) {}
 
   struct Chunk {
-    std::uint64_t gift = 0;  ///< the page's number for it
-    std::string path;        ///< within it: "hand/meshes/palm.stl"
+    std::uint64_t group = 0;  ///< the page's number for it
+    std::string path;         ///< within it: "hand/meshes/palm.stl"
     std::uint64_t total_bytes = 0;
     std::uint64_t offset = 0;
     std::string_view bytes;
@@ -78,19 +78,19 @@ class GivenFiles {
   void put(PageId page, const Chunk& chunk);
 
   /// Errors: InvalidInput if there is none, or a file of it is not complete.
-  [[nodiscard]] std::shared_ptr<const Gift> find(PageId page, std::uint64_t gift) const;
+  [[nodiscard]] std::shared_ptr<const FileGroup> find(PageId page, std::uint64_t group) const;
 
-  void drop(PageId page, std::uint64_t gift);
+  void drop(PageId page, std::uint64_t group);
   /// All of the page's.
   void drop(PageId page);
 
  private:
-  Gift& giftFor(PageId page, std::uint64_t number);
+  FileGroup& groupFor(PageId page, std::uint64_t number);
   void requirePath(const std::string& path) const;
-  void requireRoom(PageId page, const Gift& gift, const Chunk& chunk) const;
+  void requireRoom(PageId page, const FileGroup& group, const Chunk& chunk) const;
 
   const GivenLimits limits_;
-  std::map<std::pair<PageId, std::uint64_t>, std::shared_ptr<Gift>> gifts_;
+  std::map<std::pair<PageId, std::uint64_t>, std::shared_ptr<FileGroup>> groups_;
 };
 
 }  // namespace handgraft::client::gateway

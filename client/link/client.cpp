@@ -68,8 +68,7 @@ v1::ModelSummary summaryIn(const v1::ModelList& list,
 struct Client::Impl {
   struct Connection {
     explicit Connection(const Network& network)
-        : participant(
-              std::make_shared<Participant>(network, idl::cyclone::Company::kNoClients)),
+        : participant(std::make_shared<Participant>(network, idl::cyclone::Peers::kNoClients)),
           requester(*participant) {}
 
     std::shared_ptr<Participant> participant;

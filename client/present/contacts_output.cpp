@@ -3,7 +3,7 @@
 #include "client/present/json_output.h"
 #include "client/present/model_text.h"
 #include "client/present/output_file.h"
-#include "client/present/render/png_file.h"
+#include "client/present/png_file.h"
 #include "core/base/error.h"
 
 namespace handgraft::client {
@@ -25,8 +25,7 @@ std::string outputOf(Client& server,
     const v1::ModelDescription object =
         server.describe(v1::MODEL_OBJECT, set.object(), true).get();
     const ContactsPicture picture = pictureOf(set, object.object(), hand);
-    render::writePng(output.png,
-                     render::renderTwoViews(picture.scene, picture.caption, picture.views));
+    writePng(output.png, render::renderTwoViews(picture.scene, picture.caption, picture.views));
   }
   return output.json ? json::written(json::description(description)) + "\n"
                      : text::description(description);

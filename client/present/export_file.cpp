@@ -4,7 +4,7 @@
 
 #include "client/link/model_files.h"
 #include "client/present/grasp_picture.h"
-#include "client/present/render/png_file.h"
+#include "client/present/png_file.h"
 #include "core/base/error.h"
 #include "idl/fields.h"
 
@@ -32,7 +32,7 @@ void writePicture(Client& server, const fs::path& png, const GraspResult& result
   const v1::ModelDescription contacts =
       server.describe(v1::MODEL_CONTACTS, session.contacts(), false).get();
   const GraspPicture picture = pictureOf(result, object.object(), contacts.contacts());
-  render::writePng(png, render::renderTwoViews(picture.scene, picture.caption));
+  writePng(png, render::renderTwoViews(picture.scene, picture.caption));
 }
 
 fs::path writeHand(const v1::HandDescription& hand,

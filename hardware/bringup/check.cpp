@@ -26,12 +26,12 @@ class Walk {
        const bridge::MakeDevice& make_device,
        const devices::Clock& clock,
        const std::function<void(devices::TimePoint)>& sleep_until,
-       const Companion& companion)
+       const Operator& person)
       : config_(config),
         make_device_(make_device),
         clock_(clock),
         sleep_until_(sleep_until),
-        companion_(companion) {}
+        person_(person) {}
 
   Findings run() {
     try {
@@ -55,7 +55,7 @@ class Walk {
 
  private:
   std::string ask(const std::string& question) {
-    const std::optional<std::string> answer = companion_.ask(question);
+    const std::optional<std::string> answer = person_.ask(question);
     if (!answer) throw Left{};
     return *answer;
   }
@@ -65,7 +65,7 @@ class Walk {
       const std::string answer = ask(question + " [y/n]");
       if (answer == "y" || answer == "yes") return true;
       if (answer == "n" || answer == "no") return false;
-      companion_.say("y or n, please");
+      person_.say("y or n, please");
     }
   }
 
@@ -76,7 +76,7 @@ class Walk {
       try {
         return act();
       } catch (const DeviceError& error) {
-        companion_.say(error.what());
+        person_.say(error.what());
         if (!agrees("Once more?")) throw;
       }
     }
@@ -108,21 +108,21 @@ class Walk {
   }
 
   void turnHeldFor(std::size_t i, double step_rad) {
-    companion_.say(fmt::format("{}: hold the space bar (or type 'hold'): it turns by {} rad",
-                               nameOf(i), step_rad));
+    person_.say(fmt::format("{}: hold the space bar (or type 'hold'): it turns by {} rad",
+                            nameOf(i), step_rad));
     const auto is_let_go = [&] {
       return tried([&] {
-        return jogger(i).turn(step_rad, companion_.is_held).was_let_go;
+        return jogger(i).turn(step_rad, person_.is_held).was_let_go;
       });
     };
     while (is_let_go())
-      companion_.say("it was let go; once more: hold the space bar");
+      person_.say("it was let go; once more: hold the space bar");
   }
 
   void walkMotor(std::size_t i) {
     config::MotorConfig& motor = config_.motors[i];
-    companion_.say(fmt::format("--- {} of {}: {}, id {}", i + 1, config_.motors.size(),
-                               nameOf(i), motor.id));
+    person_.say(fmt::format("--- {} of {}: {}, id {}", i + 1, config_.motors.size(), nameOf(i),
+                            motor.id));
     MotorFinding finding;
     finding.motor = motor.name;
     if (config::traitsOf(config_.device.kind).has_zeros) return walkKnownMotor(i, finding);
@@ -157,7 +157,7 @@ class Walk {
           finding.lowest_rad, finding.highest_rad, motor.range_rad.lower,
           motor.range_rad.upper);
     }
-    companion_.say(finding.objection.empty() ? nameOf(i) + ": fine" : finding.objection);
+    person_.say(finding.objection.empty() ? nameOf(i) + ": fine" : finding.objection);
     findings_.motors.push_back(finding);
   }
 
@@ -178,7 +178,7 @@ class Walk {
                            nameOf(i), has_room ? "positive" : "negative"));
     if (!finding.is_direction_right)
       finding.objection = "its motor turned another joint, or the other way";
-    companion_.say(finding.objection.empty() ? nameOf(i) + ": fine" : finding.objection);
+    person_.say(finding.objection.empty() ? nameOf(i) + ": fine" : finding.objection);
     findings_.motors.push_back(finding);
   }
 
@@ -193,7 +193,7 @@ class Walk {
   void walkWatchdog() {
     if (!config::traitsOf(config_.device.kind).has_watchdog) {
       findings_.lacks_watchdog = true;
-      companion_.say("this device has no watchdog, which the config accepts");
+      person_.say("this device has no watchdog, which the config accepts");
       return;
     }
     ask("Next the motors hold, and then this program falls silent: the device itself has to "
@@ -211,8 +211,8 @@ class Walk {
           agrees("It does not tell whether its watchdog stopped it. Did it let go by itself?");
     } else {
       findings_.has_watchdog = static_cast<bool>(fault);
-      companion_.say(fault ? "the watchdog stopped them: " + nameOf(fault)
-                           : "the motors hold on: the watchdog did not stop them");
+      person_.say(fault ? "the watchdog stopped them: " + nameOf(fault)
+                        : "the motors hold on: the watchdog did not stop them");
     }
     stack.device->stop();
     clear(stack);
@@ -240,7 +240,7 @@ class Walk {
   const bridge::MakeDevice& make_device_;
   const devices::Clock& clock_;
   const std::function<void(devices::TimePoint)>& sleep_until_;
-  const Companion& companion_;
+  const Operator& person_;
   Findings findings_;
 };
 
@@ -257,8 +257,8 @@ Findings check(config::HandConfig& config,
                const bridge::MakeDevice& make_device,
                const devices::Clock& clock,
                const std::function<void(devices::TimePoint)>& sleep_until,
-               const Companion& companion) {
-  return Walk(config, make_device, clock, sleep_until, companion).run();
+               const Operator& person) {
+  return Walk(config, make_device, clock, sleep_until, person).run();
 }
 
 std::string reportText(const config::HandConfig& config, const Findings& findings) {

@@ -10,7 +10,7 @@
 namespace handgraft::bringup {
 
 /// Who walks along: is asked, and answers.
-struct Companion {
+struct Operator {
   std::function<void(const std::string& line)> say;
   /// A line, without its end; nothing when there is nobody any more.
   std::function<std::optional<std::string>(const std::string& question)> ask;
@@ -41,13 +41,13 @@ struct Findings {
 /// found. A hand that knows its zeros is not moved by hand: each motor turns, and that is all.
 ///
 /// Nothing turns but a jog of 0.1 rad that is held for, and motors that hold where they stand.
-/// What fails at the device is told, and tried again if the companion agrees. A companion who
+/// What fails at the device is told, and tried again if the person agrees. A person who
 /// leaves or does not agree ends the walk (`trouble`), with what was found until then.
 Findings check(config::HandConfig& config,
                const bridge::MakeDevice& make_device,
                const devices::Clock& clock,
                const std::function<void(devices::TimePoint)>& sleep_until,
-               const Companion& companion);
+               const Operator& person);
 
 /// To keep.
 std::string reportText(const config::HandConfig& config, const Findings& findings);

@@ -23,13 +23,13 @@ std::optional<std::size_t> fingerOf(const CanFrame& frame, Command command, std:
   return told - first;
 }
 
-std::optional<Told> numbersOf(const CanFrame& frame, Command command) {
+std::optional<FingerNumbers> numbersOf(const CanFrame& frame, Command command) {
   const auto finger = fingerOf(frame, command, 8);
   if (!finger) return std::nullopt;
-  Told told{*finger, {}};
-  for (std::size_t i = 0; i < told.numbers.size(); ++i)
-    told.numbers[i] = numberAt<std::int16_t>(frame.bytes(), 2 * i);
-  return told;
+  FingerNumbers read{*finger, {}};
+  for (std::size_t i = 0; i < read.numbers.size(); ++i)
+    read.numbers[i] = numberAt<std::int16_t>(frame.bytes(), 2 * i);
+  return read;
 }
 
 }  // namespace
@@ -59,21 +59,21 @@ CanFrame setTorque(std::size_t finger, const Numbers& pwm) {
   return make(Command::kSetTorque, finger, pwm);
 }
 
-std::optional<Told> poseOf(const CanFrame& frame) {
+std::optional<FingerNumbers> poseOf(const CanFrame& frame) {
   return numbersOf(frame, Command::kFingerPose);
 }
 
-std::optional<Told> torqueOf(const CanFrame& frame) {
+std::optional<FingerNumbers> torqueOf(const CanFrame& frame) {
   return numbersOf(frame, Command::kSetTorque);
 }
 
-std::optional<Told> temperatureOf(const CanFrame& frame) {
+std::optional<FingerNumbers> temperatureOf(const CanFrame& frame) {
   const auto finger = fingerOf(frame, Command::kTemperature, 4);
   if (!finger) return std::nullopt;
-  Told told{*finger, {}};
-  for (std::size_t i = 0; i < told.numbers.size(); ++i)
-    told.numbers[i] = frame.bytes()[i];
-  return told;
+  FingerNumbers read{*finger, {}};
+  for (std::size_t i = 0; i < read.numbers.size(); ++i)
+    read.numbers[i] = frame.bytes()[i];
+  return read;
 }
 
 CanFrame makePose(std::size_t finger, const Numbers& counts) {

@@ -41,15 +41,15 @@ CanFrame systemOff();
 CanFrame askFor(Command command, std::size_t finger);
 CanFrame setTorque(std::size_t finger, const Numbers& pwm);
 
-struct Told {
+struct FingerNumbers {
   std::size_t finger = 0;
   Numbers numbers{};
 };
 
 /// None for a frame of another command, a remote frame, or too few bytes.
-std::optional<Told> poseOf(const CanFrame& frame);
-std::optional<Told> temperatureOf(const CanFrame& frame);
-std::optional<Told> torqueOf(const CanFrame& frame);
+std::optional<FingerNumbers> poseOf(const CanFrame& frame);
+std::optional<FingerNumbers> temperatureOf(const CanFrame& frame);
+std::optional<FingerNumbers> torqueOf(const CanFrame& frame);
 
 // === What the hand sends, for emulators
 

@@ -30,13 +30,13 @@ constexpr const char* kTiming =
     "<NackDelay>20ms</NackDelay><WriterLingerDuration>50ms</WriterLingerDuration>";
 
 // A server announces itself five times a second: who was not heard is heard by its answer.
-constexpr const char* announcementsOf(Company company) {
-  return company == Company::kAll ? "500ms" : "2s";
+constexpr const char* announcementsOf(Peers peers) {
+  return peers == Peers::kAll ? "500ms" : "2s";
 }
 
 std::string configurationOf(const Network& network,
                             const NetworkInterface& interface,
-                            Company company) {
+                            Peers peers) {
   // 65 kB datagrams and 4 MB buffers carry an 8 MB mesh in 12 ms on loopback. Elsewhere a
   // datagram is one frame: of 45 fragments each would have to arrive. A kernel that grants a
   // smaller buffer makes it slower, not impossible, hence `max`. Names of interfaces may hold
@@ -71,7 +71,7 @@ std::string configurationOf(const Network& network,
       "<Internal><SocketReceiveBufferSize max=\"4MB\"/>{}</Internal>"
       "</Domain></CycloneDDS>",
       name, interface.loopback ? "false" : "spdp", interface.loopback ? "65500B" : "1400B",
-      interface.loopback ? "65000B" : "1200B", kLease_s, announcementsOf(company), peers,
+      interface.loopback ? "65000B" : "1200B", kLease_s, announcementsOf(peers), peers,
       kTiming);
 }
 
@@ -93,7 +93,7 @@ std::map<int, JoinedDomain>& joinedDomains() {
 
 }  // namespace
 
-Domain::Domain(const Network& network, Company company) : id_(network.domain) {
+Domain::Domain(const Network& network, Peers peers) : id_(network.domain) {
   const NetworkInterface interface = validate(network);
   const std::lock_guard lock(joining());
   JoinedDomain& shared = joinedDomains()[id_];
@@ -111,12 +111,12 @@ Domain::Domain(const Network& network, Company company) : id_(network.domain) {
     }
     shared.handle =
         checked(dds_create_domain(static_cast<dds_domainid_t>(id_),
-                                  configurationOf(network, interface, company).c_str()),
+                                  configurationOf(network, interface, peers).c_str()),
                 "the domain cannot be joined", describe(network));
     shared.how = how;
   }
-  if (shared.users == 0 || company == Company::kAll)
-    passOverClients(id_, company == Company::kNoClients);
+  if (shared.users == 0 || peers == Peers::kAll)
+    passOverClients(id_, peers == Peers::kNoClients);
   ++shared.users;
 }
 

@@ -41,8 +41,8 @@ namespace {
 /// As a server of a secured domain calls itself to all who discover it (server/transport).
 constexpr const char* kSecuredServer = "handgraft-server, secured";
 
-std::string nameOf(Company company) {
-  return company == Company::kNoClients ? std::string(DatagramFilter::kClient) : std::string();
+std::string nameOf(Peers peers) {
+  return peers == Peers::kNoClients ? std::string(DatagramFilter::kClient) : std::string();
 }
 
 /// A server's GUIDs are for Fast DDS alone (makeCommonName).
@@ -149,12 +149,12 @@ const dds_topic_descriptor_t* descriptorOf();
 // === Participant
 
 struct Participant::Impl {
-  Impl(const Network& where, Company company)
+  Impl(const Network& where, Peers peers)
       : network(where),
         identity(identityOf(where)),
-        domain(where, company),
+        domain(where, peers),
         entity(dds_create_participant(static_cast<dds_domainid_t>(where.domain),
-                                      participantQos(identity, nameOf(company)).get(),
+                                      participantQos(identity, nameOf(peers)).get(),
                                       nullptr),
                "no participant",
                describe(where)) {}
@@ -165,8 +165,8 @@ struct Participant::Impl {
   Entity entity;
 };
 
-Participant::Participant(const Network& network, Company company)
-    : impl_(std::make_shared<Impl>(network, company)) {}
+Participant::Participant(const Network& network, Peers peers)
+    : impl_(std::make_shared<Impl>(network, peers)) {}
 
 Participant::~Participant() = default;
 

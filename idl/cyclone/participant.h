@@ -35,7 +35,7 @@ using handgraft::validate;
 /// otherwise).
 class Participant {
  public:
-  explicit Participant(const Network& network, Company company = Company::kAll);
+  explicit Participant(const Network& network, Peers peers = Peers::kAll);
   ~Participant();
 
   [[nodiscard]] const Network& network() const;

@@ -7,7 +7,7 @@
 
 #include "core/base/error.h"
 #include "idl/check.h"
-#include "server/admission/rejection.h"
+#include "server/base/rejection.h"
 #include "server/store/database.h"
 
 namespace handgraft::server {

@@ -7,7 +7,7 @@
 #include "core/base/error.h"
 #include "idl/fields.h"
 #include "idl/json.h"
-#include "server/admission/rejection.h"
+#include "server/base/rejection.h"
 #include "server/handlers/export.h"
 #include "server/handlers/load_model.h"
 #include "server/handlers/models.h"
@@ -68,53 +68,53 @@ constexpr Rule kRules[] = {
     {v1::OP_STOP_SOLVING, Lane::kAtOnce, Leaves::kNothing, kNothing},
 
     {v1::OP_PUT_FILE, Lane::kQuick, Leaves::kNothing, kDone<[](const Call& c, Body&) {
-       putFile(c.body().put_file(), c.sender, c.workshop);
+       putFile(c.body().put_file(), c.sender, c.context);
      }>},
     {v1::OP_LOAD_MODEL, Lane::kPool, Leaves::kModel, kDone<[](const Call& c, Body& reply) {
-       reply.models(loadModel(c.body().load_model(), c.sender, c.workshop, c.mark(), c.progress));
+       reply.models(loadModel(c.body().load_model(), c.sender, c.context, c.mark(), c.progress));
      }>},
     {v1::OP_LIST_MODELS, Lane::kQuick, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
-       reply.models(listModels(c.workshop));
+       reply.models(listModels(c.context));
      }>},
     {v1::OP_DESCRIBE_MODEL, Lane::kPool, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
-       reply.model(describeModel(c.body().describe_model(), c.workshop, c.progress));
+       reply.model(describeModel(c.body().describe_model(), c.context, c.progress));
      }>},
     {v1::OP_UNLOAD_MODEL, Lane::kQuick, Leaves::kItsEnd, kDone<[](const Call& c, Body&) {
-       unloadModel(c.body().unload_model(), c.workshop, c.mark());
+       unloadModel(c.body().unload_model(), c.context, c.mark());
      }>},
     {v1::OP_POSE_CONTACTS, Lane::kPool, Leaves::kModel, kDone<[](const Call& c, Body& reply) {
-       reply.models(contactsOfPose(c.body().pose_contacts(), c.workshop, c.mark(), c.progress));
+       reply.models(contactsOfPose(c.body().pose_contacts(), c.context, c.mark(), c.progress));
      }>},
     {v1::OP_MAKE_VARIANT, Lane::kPool, Leaves::kModel, kDone<[](const Call& c, Body& reply) {
-       reply.models(makeVariant(c.body().variant(), c.workshop, c.mark()));
+       reply.models(makeVariant(c.body().variant(), c.context, c.mark()));
      }>},
     {v1::OP_SWEEP, Lane::kPool, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
-       reply.sweep(sweepHand(c.body().sweep(), c.workshop, c.progress));
+       reply.sweep(sweepHand(c.body().sweep(), c.context, c.progress));
      }>},
 
     {v1::OP_OPEN_SESSION, Lane::kPool, Leaves::kSession, kDone<[](const Call& c, Body& reply) {
-       reply.session(openSession(c.body().open_session(), c.workshop, c.mark(), c.progress));
+       reply.session(openSession(c.body().open_session(), c.context, c.mark(), c.progress));
      }>},
     {v1::OP_LOAD_SESSION, Lane::kPool, Leaves::kSession, kDone<[](const Call& c, Body& reply) {
-       reply.session(loadSession(c.body().load_session(), c.workshop, c.mark(), c.progress));
+       reply.session(loadSession(c.body().load_session(), c.context, c.mark(), c.progress));
      }>},
     {v1::OP_REPLAY, Lane::kPool, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
-       reply.replay(replaySession(c.body().replay(), c.workshop, c.progress));
+       reply.replay(replaySession(c.body().replay(), c.context, c.progress));
      }>},
     {v1::OP_DESCRIBE_SESSION, Lane::kQuick, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
-       reply.session(describeSession(c.body().session(), c.workshop));
+       reply.session(describeSession(c.body().session(), c.context));
      }>},
     {v1::OP_LIST_SESSIONS, Lane::kQuick, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
-       reply.sessions(listSessions(c.workshop));
+       reply.sessions(listSessions(c.context));
      }>},
     {v1::OP_CLOSE_SESSION, Lane::kSession, Leaves::kItsEnd, kDone<[](const Call& c, Body&) {
-       closeSession(c.live(), c.workshop, c.mark());
+       closeSession(c.live(), c.context, c.mark());
      }>},
     {v1::OP_SESSION_SETTINGS, Lane::kSession, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
        reply.settings(sessionSettings(c.live()));
      }>},
     {v1::OP_SAVE_SESSION, Lane::kSession, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
-       reply.saved_session(saveSession(c.live(), c.workshop));
+       reply.saved_session(saveSession(c.live(), c.context));
      }>},
 
     {v1::OP_TRANSFER, Lane::kSession, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
@@ -127,16 +127,16 @@ constexpr Rule kRules[] = {
        reply.compare(compareSnapshots(c.live(), c.body().compare(), c.progress));
      }>},
     {v1::OP_OPTIMIZE, Lane::kSession, Leaves::kNothing, [](const Call& c, Body& reply) {
-       return setIfAny(optimizePose(c.live(), c.body().optimize(), c.workshop, c.progress),
+       return setIfAny(optimizePose(c.live(), c.body().optimize(), c.context, c.progress),
                        [&](v1::PoseSolution&& solution) { reply.solution(std::move(solution)); });
      }},
     {v1::OP_EXPORT, Lane::kSession, Leaves::kNothing, [](const Call& c, Body& reply) {
-       return setIfAny(exportSession(c.live(), c.body().export_file(), c.workshop, c.progress),
+       return setIfAny(exportSession(c.live(), c.body().export_file(), c.context, c.progress),
                        [&](v1::ExportReply&& file) { reply.exported_file(std::move(file)); });
      }},
 
     {v1::OP_SOLVE_MOTION, Lane::kSession, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
-       reply.motion(solveMotion(c.live(), c.body().solve_motion(), c.workshop, c.progress));
+       reply.motion(solveMotion(c.live(), c.body().solve_motion(), c.context, c.progress));
      }>},
     {v1::OP_MOTION_FRAMES, Lane::kSession, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
        reply.motion_frames(motionFrames(c.live(), c.body().motion_frames()));
@@ -186,7 +186,7 @@ Mark Call::mark() const {
 }
 
 Who Call::who() const {
-  return workshop.bus == nullptr ? Who() : workshop.bus->whoIs(sender);
+  return context.bus == nullptr ? Who() : context.bus->whoIs(sender);
 }
 
 Mark markOf(const Sender& sender, const v1::ClientId& client, std::uint64_t number) {
@@ -200,18 +200,18 @@ Mark markOf(const Sender& sender, const v1::ClientId& client, std::uint64_t numb
 std::optional<Body> replyBefore(const Call& call) {
   const v1::Operation operation = call.body()._d();
   const Leaves leaves = ruleOf(operation).leaves;
-  if (call.workshop.state == nullptr || leaves == Leaves::kNothing) return std::nullopt;
-  const auto kept = call.workshop.state->request(call.mark());
+  if (call.context.state == nullptr || leaves == Leaves::kNothing) return std::nullopt;
+  const auto kept = call.context.state->request(call.mark());
   if (!kept) return std::nullopt;
   Body reply = emptyBody();
   if (leaves == Leaves::kSession) {
     v1::SessionKey key;
     key.session_id(static_cast<std::uint64_t>(kept->subject));
-    reply.session(describeSession(key, call.workshop));
+    reply.session(describeSession(key, call.context));
   } else if (leaves == Leaves::kModel) {
     v1::ModelList list;
     list.models().push_back(
-        idl::fromJsonText<v1::ModelSummary>(call.workshop.state->model(kept->subject).summary));
+        idl::fromJsonText<v1::ModelSummary>(call.context.state->model(kept->subject).summary));
     reply.models(list);
   }
   reply._d(operation);

@@ -5,7 +5,7 @@
 
 #include "core/base/progress.h"
 #include "idl/service.h"
-#include "server/admission/workshop.h"
+#include "server/handlers/handler_context.h"
 #include "server/sessions/live_session.h"
 #include "server/store/state_store.h"
 #include "server/transport/bus.h"
@@ -24,7 +24,7 @@ Lane laneOf(v1::Operation operation);
 struct Call {
   const v1::Request& request;
   const Sender& sender;
-  Workshop& workshop;
+  HandlerContext& context;
   const Progress& progress;
   LiveSession* session = nullptr;  ///< of operations of `Lane::kSession`
 

@@ -54,8 +54,8 @@ Service::Service(Bus& bus, ModelStore& models, const ServiceOptions& options)
                        : nullptr),
       quick_(1, kMostQuickWaiting),
       pool_(options.workers, options.most_waiting, options.patience, options.reserves),
-      workshop_{models,        uploads_,           reader_, sessions_, *this, pool_,
-                options.state, kept_models_.get(), &bus_} {
+      context_{models,        uploads_,           reader_, sessions_, *this, pool_,
+               options.state, kept_models_.get(), &bus_} {
   if (options.state == nullptr) return;
   kept_models_->listIn(models);
   listKeptSessions();
@@ -88,7 +88,7 @@ void Service::stop() {
   for (const auto& live : sessions_.all()) {
     try {
       if (live->journal == nullptr) {
-        closeSession(*live, workshop_, {});
+        closeSession(*live, context_, {});
       } else if (live->journal->entriesSinceText() > 0) {
         keepText(*live);
       }
@@ -114,7 +114,7 @@ v1::ServerStatus Service::status() const {
   message.host(hostName());
   message.process_id(static_cast<std::uint32_t>(getpid()));
   message.uptime_s(std::chrono::duration<double>(Clock::now() - started_).count());
-  message.model_count(static_cast<std::uint32_t>(workshop_.models.size()));
+  message.model_count(static_cast<std::uint32_t>(context_.models.size()));
   message.session_count(static_cast<std::uint32_t>(sessions_.countAll()));
   message.requests_answered(answered_);
   {
@@ -198,7 +198,7 @@ void Service::expireIdleSessions() {
       const bool is_taken = live->strand().post([this, live, limit] {
         if (live->idle() < limit || live->isClosed()) return;
         spdlog::info("event=session_expired session={}", live->id());
-        closeSession(*live, workshop_, {}, "idle for " + inWords(limit));
+        closeSession(*live, context_, {}, "idle for " + inWords(limit));
       });
       if (!is_taken) spdlog::debug("event=expiry_waits session={}", live->id());
     }

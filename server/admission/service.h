@@ -19,7 +19,7 @@
 #include "server/admission/error_reply.h"
 #include "server/admission/operations.h"
 #include "server/admission/request_deduplication.h"
-#include "server/admission/workshop.h"
+#include "server/handlers/handler_context.h"
 #include "server/handlers/kept_models.h"
 #include "server/sessions/live_session.h"
 #include "server/store/upload_reader.h"
@@ -214,7 +214,7 @@ class Service final : private BusListener, private SessionAudience {
   std::vector<std::uint64_t> last_used_;  ///< sessions, when the server began
   StrandPool quick_;
   StrandPool pool_;
-  Workshop workshop_;
+  HandlerContext context_;
 
   std::mutex status_mutex_;
   std::condition_variable status_wake_;

@@ -7,8 +7,8 @@
 #include "core/base/error.h"
 #include "idl/check.h"
 #include "server/admission/error_reply.h"
-#include "server/admission/rejection.h"
 #include "server/admission/service.h"
+#include "server/base/rejection.h"
 #include "server/handlers/edits.h"
 #include "server/handlers/follow.h"
 #include "server/handlers/optimize.h"
@@ -118,7 +118,7 @@ void Service::runEdit(const std::shared_ptr<LiveSession>& live,
     if (live->isClosed()) reject(v1::ERROR_NOT_FOUND, "session {} is not open", live->id());
     idl::check(edit);
     const Mark by = markOf(asker.sender, asker.client, edit.edit_id());
-    reply = applyEdit(*live, edit, workshop_.models, by);
+    reply = applyEdit(*live, edit, context_.models, by);
   } catch (...) {
     refuseEdit(asker, edit, live->session().revision());
     if (!live->cycle().isAwaited()) live->tellRest();
@@ -159,7 +159,7 @@ void Service::queueSolve(const std::shared_ptr<LiveSession>& live) {
     live->cycle().takePending();
     if (live->isClosed() || live->solves().cancelled()) return;
     try {
-      const SolveEnd end = solveAfterEdit(*live, workshop_);
+      const SolveEnd end = solveAfterEdit(*live, context_);
       spdlog::debug("event=solve session={} end={}", live->id(), nameOf(end));
       // Behind the edit: if that is refused, the one before wants its answer.
       if (end == SolveEnd::kCutShort && live->cycle().solveAgain()) queueSolve(live);

@@ -8,9 +8,9 @@
 #include "idl/check.h"
 #include "idl/operations.h"
 #include "server/admission/error_reply.h"
-#include "server/admission/rejection.h"
 #include "server/admission/service.h"
 #include "server/admission/session_rights.h"
+#include "server/base/rejection.h"
 #include "server/handlers/solving_phase.h"
 
 namespace handgraft::server {
@@ -87,7 +87,7 @@ void Service::hearAgain(const Key& key) {
 }
 
 Call Service::callOf(const Job& job, LiveSession* live) {
-  return {job.request, job.asker.sender, workshop_, job.progress, live};
+  return {job.request, job.asker.sender, context_, job.progress, live};
 }
 
 void Service::requireMeant(std::uint64_t server_id) const {

@@ -8,8 +8,8 @@
 
 #include "core/base/error.h"
 #include "idl/json.h"
-#include "server/admission/rejection.h"
 #include "server/admission/service.h"
+#include "server/base/rejection.h"
 #include "server/handlers/kept_sessions.h"
 
 namespace handgraft::server {
@@ -83,7 +83,7 @@ void Service::wake(std::uint64_t id) {
   const Clock::time_point begin = Clock::now();
   try {
     sessions_.requireRoom();
-    live = openKeptSession(id, workshop_, Progress());
+    live = openKeptSession(id, context_, Progress());
     spdlog::info("event=session_opened session={} revision={} ms={:.1f}", id,
                  live->session().revision(),
                  std::chrono::duration<double, std::milli>(Clock::now() - begin).count());
@@ -100,7 +100,7 @@ void Service::wake(std::uint64_t id) {
     sessions_.add(live);
     live->enter(v1::PHASE_OPEN);
     static_cast<void>(live->strand().post([this, live] {
-      resumeKeptSession(*live, workshop_);
+      resumeKeptSession(*live, context_);
     }));
   }
   for (const Waiting& one : waiting) {
@@ -148,7 +148,7 @@ void Service::putToSleepAfter(const std::shared_ptr<LiveSession>& live,
       keepText(*live);  // takes its time, in which others' sessions are asked for
       const std::lock_guard lock(waking_mutex_);  // who asks now finds it, or finds it asleep
       if (is_wanted()) return;
-      putToSleep(*live, workshop_);
+      putToSleep(*live, context_);
       spdlog::info("event=session_sleeps session={}", live->id());
     } catch (const std::exception& error) {
       spdlog::warn("event=store_waits session={} what={}", live->id(),

@@ -5,7 +5,7 @@
 
 #include "core/base/error.h"
 #include "core/io/session_file.h"
-#include "server/admission/rejection.h"
+#include "server/base/rejection.h"
 #include "server/handlers/motion_edits.h"
 #include "server/messages/edit_messages.h"
 

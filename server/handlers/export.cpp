@@ -124,10 +124,10 @@ std::string contentOf(LiveSession& live,
 
 std::optional<v1::ExportReply> exportSession(LiveSession& live,
                                              const v1::ExportRequest& request,
-                                             Workshop& workshop,
+                                             HandlerContext& context,
                                              const Progress& progress) {
   if (isOfPoses(request.format()) && live.motion() == nullptr && live.session().needsSolve()) {
-    const SolveEnd end = solveAsItStands(live, workshop, progress);
+    const SolveEnd end = solveAsItStands(live, context, progress);
     if (end == SolveEnd::kCutShort) return std::nullopt;
     requireDone(end, live);
   }

@@ -4,7 +4,7 @@
 
 #include "core/base/progress.h"
 #include "idl/sessions.h"
-#include "server/admission/workshop.h"
+#include "server/handlers/handler_context.h"
 #include "server/sessions/live_session.h"
 
 namespace handgraft::server {
@@ -17,7 +17,7 @@ namespace handgraft::server {
 /// Errors: InvalidInput for a format that there is not, and where there is no pose yet.
 std::optional<v1::ExportReply> exportSession(LiveSession& live,
                                              const v1::ExportRequest& request,
-                                             Workshop& workshop,
+                                             HandlerContext& context,
                                              const Progress& progress);
 
 }  // namespace handgraft::server

@@ -6,7 +6,7 @@
 
 #include "core/base/error.h"
 #include "idl/json.h"
-#include "server/admission/rejection.h"
+#include "server/base/rejection.h"
 #include "server/handlers/enter_model.h"
 #include "server/handlers/kept_models.h"
 #include "server/handlers/variant.h"
@@ -37,10 +37,11 @@ bool isNamed(const std::string& kind, const std::string& name, const NamedModels
 
 /// A session's own models, whoever has taken their names meanwhile. Where nothing is kept they
 /// go by their names: the file's hashes tell whether another one has it.
-std::shared_ptr<const NamedModels> modelsOf(const LiveSession& live, const Workshop& workshop) {
+std::shared_ptr<const NamedModels> modelsOf(const LiveSession& live,
+                                            const HandlerContext& context) {
   if (live.journal != nullptr)
-    return workshop.kept_models->named(workshop.state->session(live.id()).models);
-  return {std::shared_ptr<const NamedModels>(), &workshop.models};
+    return context.kept_models->named(context.state->session(live.id()).models);
+  return {std::shared_ptr<const NamedModels>(), &context.models};
 }
 
 /// Puts models into a list, what they rest on first.
@@ -57,27 +58,27 @@ class Collecting {
 
  private:
   void add(const std::string& kind, const std::string& name, const Origin& origin) {
-    if (origin.makings == nullptr && origin.row == 0) return;  // built-in
+    if (origin.recipe == nullptr && origin.row == 0) return;  // built-in
     if (!seen_.insert({kind, name}).second) return;
-    Makings makings = makingsOf(origin);
-    if (!makings.base_name.empty()) addBase(kind == "hand" ? "hand" : "object", makings);
-    bytes_ += makings.settings.size() + makings.bytes.size();
+    ModelRecipe recipe = recipeOf(origin);
+    if (!recipe.base_name.empty()) addBase(kind == "hand" ? "hand" : "object", recipe);
+    bytes_ += recipe.settings.size() + recipe.bytes.size();
     if (bytes_ > kMostHeld) return;  // who opens it hears what is lacking
-    held_.push_back({kind, name, origin.content, std::move(makings.form),
-                     std::move(makings.settings), std::move(makings.bytes),
-                     std::move(makings.base_name)});
+    held_.push_back({kind, name, origin.content, std::move(recipe.form),
+                     std::move(recipe.settings), std::move(recipe.bytes),
+                     std::move(recipe.base_name)});
   }
 
-  void addBase(const std::string& kind, const Makings& makings) {
-    if (makings.base_row == 0) return add(kind, makings.base_name);
+  void addBase(const std::string& kind, const ModelRecipe& recipe) {
+    if (recipe.base_row == 0) return add(kind, recipe.base_name);
     Origin origin;
-    origin.row = makings.base_row;
-    origin.content = state_->model(makings.base_row).content;
-    add(kind, makings.base_name, origin);
+    origin.row = recipe.base_row;
+    origin.content = state_->model(recipe.base_row).content;
+    add(kind, recipe.base_name, origin);
   }
 
-  Makings makingsOf(const Origin& origin) const {
-    if (origin.makings != nullptr) return *origin.makings;
+  ModelRecipe recipeOf(const Origin& origin) const {
+    if (origin.recipe != nullptr) return *origin.recipe;
     KeptModel kept = state_->model(origin.row);
     return {std::move(kept.form), std::move(kept.settings), state_->bytesOf(origin.row),
             kept.base, std::move(kept.base_name)};
@@ -97,17 +98,17 @@ Read readOf(const io::HeldModel& held, const io::MeshFile* object = nullptr) {
   return std::get<Read>(std::move(model));
 }
 
-void enter(const io::HeldModel& held, Workshop& workshop) {
+void enter(const io::HeldModel& held, HandlerContext& context) {
   Origin origin;
   origin.content = held.content;
   const auto put = [&](auto model, std::int64_t base_row = 0) {
     // Nobody's request is done by this: the session is what it asks for.
-    enterModel(std::move(model), workshop, Mark(), "load_model", [&] {
-      return Makings{held.form, held.settings, held.bytes, base_row, held.base};
+    enterModel(std::move(model), context, Mark(), "load_model", [&] {
+      return ModelRecipe{held.form, held.settings, held.bytes, base_row, held.base};
     });
   };
   if (held.form == kVariantForm) {
-    const auto parent = workshop.models.hand(held.base);
+    const auto parent = context.models.hand(held.base);
     const auto request = idl::fromJsonText<v1::VariantRequest>(held.settings);
     return put(variantHand(request, *parent), parent->origin.row);
   }
@@ -117,7 +118,7 @@ void enter(const io::HeldModel& held, Workshop& workshop) {
     return put(storedHand(held.name, origin, readOf<ReadHand>(held), how.hand));
   if (held.kind == "object")
     return put(storedObject(held.name, origin, readOf<io::MeshFile>(held), how.units));
-  const auto object = workshop.models.object(held.base);
+  const auto object = context.models.object(held.base);
   if (held.kind == "motion") {
     return put(storedMotion(held.name, origin, readOf<ReadMotion>(held, object->file.get()),
                             object->file, held.base),
@@ -136,9 +137,9 @@ bool isThere(const std::string& model, const ModelStore& models) {
          isNamed(model.substr(0, space), model.substr(space + 1), models);
 }
 
-std::vector<io::HeldModel> heldModels(LiveSession& live, const Workshop& workshop) {
-  const auto models = modelsOf(live, workshop);
-  Collecting held(*models, workshop.state);
+std::vector<io::HeldModel> heldModels(LiveSession& live, const HandlerContext& context) {
+  const auto models = modelsOf(live, context);
+  Collecting held(*models, context.state);
   for (auto [kind, name] : io::modelsNamedIn(live.session())) {
     if (kind == "contacts" && live.motion() != nullptr) kind = "motion";
     if (isNamed(kind, name, *models)) held.add(kind, name);
@@ -146,19 +147,19 @@ std::vector<io::HeldModel> heldModels(LiveSession& live, const Workshop& worksho
   return held.take();
 }
 
-Origin originOfMotion(LiveSession& live, const Workshop& workshop) {
+Origin originOfMotion(LiveSession& live, const HandlerContext& context) {
   HANDGRAFT_REQUIRE(live.motion() != nullptr);
-  return modelsOf(live, workshop)->motion(live.motion()->name)->origin;
+  return modelsOf(live, context)->motion(live.motion()->name)->origin;
 }
 
 void takeUp(const std::vector<io::HeldModel>& models,
-            Workshop& workshop,
+            HandlerContext& context,
             const Progress& progress) {
   for (const io::HeldModel& held : models) {
     progress.checkpoint();
-    if (isNamed(held.kind, held.name, workshop.models)) continue;
+    if (isNamed(held.kind, held.name, context.models)) continue;
     try {
-      enter(held, workshop);
+      enter(held, context);
     } catch (const InvalidInput& error) {
       rejectInput("session: {} {} that it holds: {}", held.kind, quoted(held.name),
                   error.what());

@@ -75,7 +75,7 @@ void KeptModels::listIn(ModelStore& models) {
 
 std::int64_t KeptModels::keep(const v1::ModelSummary& summary,
                               const Origin& origin,
-                              const Makings& makings,
+                              const ModelRecipe& recipe,
                               const Mark& by,
                               const std::string& operation) {
   KeptModel model;
@@ -83,11 +83,11 @@ std::int64_t KeptModels::keep(const v1::ModelSummary& summary,
   model.name = summary.name();
   model.content = origin.content;
   model.summary = idl::jsonText(summary);
-  model.form = makings.form;
-  model.settings = makings.settings;
-  model.base = makings.base_row;
-  model.base_name = makings.base_name;
-  return store_.addModel(model, makings.bytes, by, operation);
+  model.form = recipe.form;
+  model.settings = recipe.settings;
+  model.base = recipe.base_row;
+  model.base_name = recipe.base_name;
+  return store_.addModel(model, recipe.bytes, by, operation);
 }
 
 template <class Model, class Make>

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/store/makings.h"
+#include "server/store/model_recipe.h"
 #include "server/store/model_store.h"
 #include "server/store/state_store.h"
 
@@ -27,7 +27,7 @@ class KeptModels final : public ModelKeeper, public std::enable_shared_from_this
   /// Keeps one: its row. Errors: as StateStore::addModel.
   std::int64_t keep(const v1::ModelSummary& summary,
                     const Origin& origin,
-                    const Makings& makings,
+                    const ModelRecipe& recipe,
                     const Mark& by,
                     const std::string& operation);
 

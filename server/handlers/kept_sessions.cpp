@@ -64,25 +64,25 @@ void play(LiveSession& live,
 }  // namespace
 
 void keepSession(LiveSession& live,
-                 Workshop& workshop,
+                 HandlerContext& context,
                  const Mark& by,
                  const std::string& operation) {
-  if (workshop.state == nullptr) return;
-  live.journal = std::make_unique<SessionJournal>(*workshop.state, live.id(), 0, 0);
+  if (context.state == nullptr) return;
+  live.journal = std::make_unique<SessionJournal>(*context.state, live.id(), 0, 0);
   KeptSession kept;
   kept.text = io::sessionText(live.session());
   if (live.motion() != nullptr) kept.motion = live.motion()->name;
-  kept.models = rowsOf(live, workshop.models);
+  kept.models = rowsOf(live, context.models);
   kept.access = live.access();
-  workshop.state->addSession(live.id(), kept, idl::jsonText(live.state()), by, operation);
+  context.state->addSession(live.id(), kept, idl::jsonText(live.state()), by, operation);
 }
 
 std::shared_ptr<LiveSession> openKeptSession(std::uint64_t id,
-                                             Workshop& workshop,
+                                             HandlerContext& context,
                                              const Progress& progress) {
-  const KeptSession kept = workshop.state->session(id);
+  const KeptSession kept = context.state->session(id);
   const io::SessionFile file = io::readSessionText(kept.text);
-  const auto models = workshop.kept_models->named(kept.models);
+  const auto models = context.kept_models->named(kept.models);
   session::SessionModels made = kept.motion.empty()
                                     ? sessionModels(file.hand, file.object, file.contacts,
                                                     *models, sourceOf(models), progress)
@@ -93,8 +93,8 @@ std::shared_ptr<LiveSession> openKeptSession(std::uint64_t id,
     motion = LiveMotion{kept.motion, models->motion(kept.motion)->motion, made.object_O};
   }
   const auto live = std::make_shared<LiveSession>(
-      id, io::openSession(file, std::move(made), progress), workshop.pool, workshop.audience);
-  live->belongTo(workshop.sessions.serverId());
+      id, io::openSession(file, std::move(made), progress), context.pool, context.audience);
+  live->belongTo(context.sessions.serverId());
   live->grant(kept.access, PublishedState::kSilently);
   if (motion) live->hold(std::move(*motion));
   for (const session::LogEntry& entry : file.session.log)
@@ -102,22 +102,22 @@ std::shared_ptr<LiveSession> openKeptSession(std::uint64_t id,
       resumeFollowing(*live, *followed);
   play(*live, kept.entries, progress);
   live->journal = std::make_unique<SessionJournal>(
-      *workshop.state, id, kept.next + kept.entries.size(), kept.entries.size());
+      *context.state, id, kept.next + kept.entries.size(), kept.entries.size());
   for (const std::int64_t row : kept.models) {
-    const KeptModel model = workshop.state->model(row);
+    const KeptModel model = context.state->model(row);
     live->journal->names(static_cast<v1::ModelKind>(model.kind), model.name);
   }
   // Later than all that any server before this one told of it.
   constexpr unsigned kPerOpening = 32;
-  live->numberFrom(workshop.state->openings() << kPerOpening);
+  live->numberFrom(context.state->openings() << kPerOpening);
   return live;
 }
 
-void resumeKeptSession(LiveSession& live, Workshop& workshop) {
+void resumeKeptSession(LiveSession& live, HandlerContext& context) {
   if (!followsEdits(live) && !live.session().document().start_is_known &&
       !live.session().needsSolve())
     return;
-  solveAfterOpening(live, workshop);
+  solveAfterOpening(live, context);
 }
 
 void keepState(LiveSession& live) {
@@ -139,8 +139,8 @@ void keepText(LiveSession& live) {
                          live.session().revision());
 }
 
-void putToSleep(LiveSession& live, Workshop& workshop) {
-  workshop.sessions.sleep(live.state());
+void putToSleep(LiveSession& live, HandlerContext& context) {
+  context.sessions.sleep(live.state());
   live.is_asleep = true;
   live.journal = nullptr;
   live.cycle().forgetUndiagnosed();

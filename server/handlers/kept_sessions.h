@@ -5,7 +5,7 @@
 #include <string>
 
 #include "core/base/progress.h"
-#include "server/admission/workshop.h"
+#include "server/handlers/handler_context.h"
 
 /// Sessions that outlive the server: written down as they go, opened again when somebody asks
 /// for them. Where the server has no store on disk, none of this does anything.
@@ -13,19 +13,19 @@ namespace handgraft::server {
 
 /// Writes a new session down, before anybody is told of it. Errors: as StateStore::addSession.
 void keepSession(LiveSession& live,
-                 Workshop& workshop,
+                 HandlerContext& context,
                  const Mark& by,
                  const std::string& operation);
 
 /// A session as it was told of last: same id, revision, history and pose, to the byte. It joins
 /// none of the lists, and tells nobody. Errors: StorageError; those of its models.
 std::shared_ptr<LiveSession> openKeptSession(std::uint64_t id,
-                                             Workshop& workshop,
+                                             HandlerContext& context,
                                              const Progress& progress);
 
 /// Has those who watch see the pose that stands; solves what no pose answers yet. Of the
 /// session's strand.
-void resumeKeptSession(LiveSession& live, Workshop& workshop);
+void resumeKeptSession(LiveSession& live, HandlerContext& context);
 
 /// What the session came to, and its text where its history since has grown long. Of the
 /// session's strand, when nothing is in a hurry.
@@ -36,6 +36,6 @@ void keepText(LiveSession& live);
 
 /// Takes it out of memory, once its text is kept. Of the strand; the session does nothing
 /// afterwards.
-void putToSleep(LiveSession& live, Workshop& workshop);
+void putToSleep(LiveSession& live, HandlerContext& context);
 
 }  // namespace handgraft::server

@@ -5,7 +5,7 @@
 
 #include "core/base/content_hash.h"
 #include "core/base/error.h"
-#include "server/admission/rejection.h"
+#include "server/base/rejection.h"
 #include "server/handlers/enter_model.h"
 #include "server/messages/load_messages.h"
 #include "server/reading/packed.h"
@@ -33,12 +33,12 @@ class Loading {
  public:
   Loading(ReadRequest reading,
           std::string of_files,
-          Workshop& workshop,
+          HandlerContext& context,
           const Mark& by,
           const Progress& progress)
       : reading_(std::move(reading)),
         of_files_(std::move(of_files)),
-        workshop_(workshop),
+        context_(context),
         by_(by),
         progress_(progress) {}
 
@@ -60,25 +60,25 @@ class Loading {
  private:
   template <class Model>
   Model read(const ReadRequest& reading) {
-    ReadModel model = workshop_.reader.read(reading, progress_);
+    ReadModel model = context_.reader.read(reading, progress_);
     read_bytes_ = pack(model);
     return std::get<Model>(std::move(model));
   }
 
   template <class Model>
   v1::ModelList enter(Model model, const StoredObject* object = nullptr) {
-    const auto makings = [&] {
+    const auto recipe = [&] {
       ReadRequest how = reading_;
       how.files.clear();
       how.contacts.object.reset();
-      Makings of{kReadForm, pack(how), std::move(read_bytes_)};
+      ModelRecipe of{kReadForm, pack(how), std::move(read_bytes_)};
       if (object != nullptr) {
         of.base_row = object->origin.row;
         of.base_name = object->name;
       }
       return of;
     };
-    return enterModel(std::move(model), workshop_, by_, "load_model", makings);
+    return enterModel(std::move(model), context_, by_, "load_model", recipe);
   }
 
   std::string objectInFile() {
@@ -94,7 +94,7 @@ class Loading {
   }
 
   v1::ModelList loadContacts(std::string object) {
-    const auto stored = workshop_.models.object(object);
+    const auto stored = context_.models.object(object);
     reading_.contacts.object = stored->file;
     reading_.contacts.object_units = stored->units;
     auto read_contacts = read<ReadContacts>(reading_);
@@ -105,7 +105,7 @@ class Loading {
   }
 
   v1::ModelList loadMotion(std::string object) {
-    const auto stored = workshop_.models.object(object);
+    const auto stored = context_.models.object(object);
     reading_.contacts.object = stored->file;
     auto read_motion = read<ReadMotion>(reading_);
     const Origin from = origin(object);
@@ -120,7 +120,7 @@ class Loading {
 
   ReadRequest reading_;
   std::string of_files_;
-  Workshop& workshop_;
+  HandlerContext& context_;
   const Mark& by_;
   const Progress& progress_;
   std::string read_bytes_;  ///< what the reader gave last
@@ -130,14 +130,14 @@ class Loading {
 
 v1::ModelList loadModel(const v1::LoadModelRequest& request,
                         const UploadStore::ClientId& client,
-                        Workshop& workshop,
+                        HandlerContext& context,
                         const Mark& by,
                         const Progress& progress) {
-  const auto files = workshop.uploads.finish(client, request.upload_id());
+  const auto files = context.uploads.finish(client, request.upload_id());
   validateName(request.name());
   try {
     progress.report("reading the model", 0.0);
-    return Loading(readRequestFrom(request, *files), files->contentHash(), workshop, by,
+    return Loading(readRequestFrom(request, *files), files->contentHash(), context, by,
                    progress)
         .load(request.object());
   } catch (const UnitsInDoubt& doubt) {

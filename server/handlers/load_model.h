@@ -2,7 +2,7 @@
 
 #include "core/base/progress.h"
 #include "idl/models.h"
-#include "server/admission/workshop.h"
+#include "server/handlers/handler_context.h"
 
 namespace handgraft::server {
 
@@ -14,7 +14,7 @@ namespace handgraft::server {
 /// out of range, files that were not sent, contacts without an object; as ModelStore::add.
 v1::ModelList loadModel(const v1::LoadModelRequest& request,
                         const UploadStore::ClientId& client,
-                        Workshop& workshop,
+                        HandlerContext& context,
                         const Mark& by,
                         const Progress& progress);
 

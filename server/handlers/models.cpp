@@ -10,24 +10,24 @@ namespace handgraft::server {
 
 void putFile(const v1::PutFileRequest& request,
              const UploadStore::ClientId& client,
-             Workshop& workshop) {
-  workshop.uploads.put(client, request);
+             HandlerContext& context) {
+  context.uploads.put(client, request);
 }
 
-v1::ModelList listModels(const Workshop& workshop) {
+v1::ModelList listModels(const HandlerContext& context) {
   v1::ModelList reply;
-  reply.models(workshop.models.list());
+  reply.models(context.models.list());
   return reply;
 }
 
 v1::ModelDescription describeModel(const v1::DescribeModelRequest& request,
-                                   const Workshop& workshop,
+                                   const HandlerContext& context,
                                    const Progress& progress) {
   v1::ModelDescription reply;
   const std::string& name = request.model().name();
   switch (request.model().kind()) {
     case v1::MODEL_HAND: {
-      const auto hand = workshop.models.hand(name);
+      const auto hand = context.models.hand(name);
       std::optional<SkinnedHand> skinned;
       if (request.with_meshes())
         skinned = {hand->hand->get(progress), hand->hand->skinReport(progress)};
@@ -35,23 +35,23 @@ v1::ModelDescription describeModel(const v1::DescribeModelRequest& request,
       return reply;
     }
     case v1::MODEL_OBJECT:
-      reply.object(describe(*workshop.models.object(name), request.with_meshes()));
+      reply.object(describe(*context.models.object(name), request.with_meshes()));
       return reply;
     case v1::MODEL_CONTACTS:
-      reply.contacts(describe(*workshop.models.contacts(name), request.with_meshes()));
+      reply.contacts(describe(*context.models.contacts(name), request.with_meshes()));
       return reply;
     case v1::MODEL_MOTION:
-      reply.motion(describe(*workshop.models.motion(name), request.with_meshes()));
+      reply.motion(describe(*context.models.motion(name), request.with_meshes()));
       return reply;
   }
   rejectInput("model kind {} does not exist", static_cast<unsigned>(request.model().kind()));
 }
 
-void unloadModel(const v1::ModelKey& key, Workshop& workshop, const Mark& by) {
-  workshop.models.requireRemovable(key.kind(), key.name());
-  if (workshop.state != nullptr)
-    workshop.state->removeModel(static_cast<int>(key.kind()), key.name(), by, "unload_model");
-  workshop.models.remove(key.kind(), key.name());
+void unloadModel(const v1::ModelKey& key, HandlerContext& context, const Mark& by) {
+  context.models.requireRemovable(key.kind(), key.name());
+  if (context.state != nullptr)
+    context.state->removeModel(static_cast<int>(key.kind()), key.name(), by, "unload_model");
+  context.models.remove(key.kind(), key.name());
 }
 
 }  // namespace handgraft::server

@@ -2,25 +2,25 @@
 
 #include "core/base/progress.h"
 #include "idl/models.h"
-#include "server/admission/workshop.h"
+#include "server/handlers/handler_context.h"
 
-/// One file per subject: a request in, a reply out, the workshop or session by reference, no
+/// One file per subject: a request in, a reply out, the context or session by reference, no
 /// transport in sight. Errors are exceptions (InvalidInput, Rejection, Cancelled); the service
 /// turns them into replies.
 namespace handgraft::server {
 
 void putFile(const v1::PutFileRequest& request,
              const UploadStore::ClientId& client,
-             Workshop& workshop);
+             HandlerContext& context);
 
-v1::ModelList listModels(const Workshop& workshop);
+v1::ModelList listModels(const HandlerContext& context);
 
 /// With meshes a hand's skin is made if need be, which takes seconds. Without, the sites of a
 /// hand that brings none are missing until somebody has used it.
 v1::ModelDescription describeModel(const v1::DescribeModelRequest& request,
-                                   const Workshop& workshop,
+                                   const HandlerContext& context,
                                    const Progress& progress);
 
-void unloadModel(const v1::ModelKey& key, Workshop& workshop, const Mark& by);
+void unloadModel(const v1::ModelKey& key, HandlerContext& context, const Mark& by);
 
 }  // namespace handgraft::server

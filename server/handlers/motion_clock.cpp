@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
-#include "server/admission/rejection.h"
+#include "server/base/rejection.h"
 #include "server/handlers/motions.h"
 #include "server/messages/convert.h"
 

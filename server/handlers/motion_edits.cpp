@@ -9,7 +9,7 @@
 #include "core/hand/kinematics.h"
 #include "core/retargeting/motion_solving.h"
 #include "core/session/timed_edit.h"
-#include "server/admission/rejection.h"
+#include "server/base/rejection.h"
 #include "server/handlers/motions.h"
 #include "server/messages/convert.h"
 

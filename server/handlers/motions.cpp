@@ -14,7 +14,7 @@
 #include "core/retargeting/motion_solving.h"
 #include "core/session/timed_edit.h"
 #include "idl/fields.h"
-#include "server/admission/rejection.h"
+#include "server/base/rejection.h"
 #include "server/handlers/solving_phase.h"
 #include "server/messages/convert.h"
 
@@ -218,7 +218,7 @@ session::FollowedMotion followedBy(const retargeting::MotionSolving& solving) {
 void follow(LiveSession& live,
             LiveMotion& motion,
             const retargeting::MotionSolving& solving,
-            Workshop& workshop,
+            HandlerContext& context,
             const Progress& told,
             const retargeting::EditedMotion::OnStretch& on_stretch = {}) {
   session::Session& session = live.session();
@@ -226,7 +226,7 @@ void follow(LiveSession& live,
     motion.edited = std::make_shared<retargeting::EditedMotion>(motion.motion, motion.object_O);
   told.checkpoint();
   const auto begin = std::chrono::steady_clock::now();
-  const Workshop::Share share(workshop);
+  const HandlerContext::Share share(context);
   motion.solved = motion.edited->solve(session.document(), session.hand(), solving,
                                        share.threads(), told, on_stretch, !on_stretch);
   motion.solved_revision = session.revision();
@@ -302,7 +302,7 @@ void requireOwnObject(LiveSession& live, const LiveMotion& motion) {
 
 v1::MotionSummary solveMotion(LiveSession& live,
                               const v1::SolveMotionRequest& request,
-                              Workshop& workshop,
+                              HandlerContext& context,
                               const Progress& progress) {
   LiveMotion& motion = motionOf(live);
   requireOwnObject(live, motion);
@@ -312,7 +312,7 @@ v1::MotionSummary solveMotion(LiveSession& live,
   FramesTold told_frames(live, motion);
   const SolveEnd end = runInPhase(live, v1::PHASE_OPTIMIZING, Patience::kUnhurried, progress,
                                   [&](SolveCycle::Run&, const Progress& told) {
-                                    follow(live, motion, solving, workshop, told);
+                                    follow(live, motion, solving, context, told);
                                   });
   requireDone(end, live);
   motion.solving = solving;
@@ -327,7 +327,9 @@ bool followsEdits(LiveSession& live) {
   return live.motion() != nullptr && live.motion()->solving.has_value();
 }
 
-SolveEnd solveMotionAfterEdit(LiveSession& live, Workshop& workshop, const Progress& progress) {
+SolveEnd solveMotionAfterEdit(LiveSession& live,
+                              HandlerContext& context,
+                              const Progress& progress) {
   LiveMotion& motion = motionOf(live);
   FramesTold told_frames(live, motion);
   const auto tell = [&](const retargeting::SolvedMotion& as_far,
@@ -337,7 +339,7 @@ SolveEnd solveMotionAfterEdit(LiveSession& live, Workshop& workshop, const Progr
   const SolveEnd end = runInPhase(live, v1::PHASE_OPTIMIZING, Patience::kAnswer, progress,
                                   [&](SolveCycle::Run&, const Progress& told) {
                                     requireOwnObject(live, motion);
-                                    follow(live, motion, *motion.solving, workshop, told, tell);
+                                    follow(live, motion, *motion.solving, context, told, tell);
                                   });
   if (end == SolveEnd::kDone) told_frames.end(*motion.solved);
   return end;

@@ -4,7 +4,7 @@
 
 #include "core/base/progress.h"
 #include "idl/motions.h"
-#include "server/admission/workshop.h"
+#include "server/handlers/handler_context.h"
 
 namespace handgraft::server {
 
@@ -17,7 +17,7 @@ const retargeting::SolvedMotion& solvedOf(LiveSession& live);
 /// Errors: InvalidInput if the session holds no motion, and as session::solveMotion.
 v1::MotionSummary solveMotion(LiveSession& live,
                               const v1::SolveMotionRequest& request,
-                              Workshop& workshop,
+                              HandlerContext& context,
                               const Progress& progress);
 
 /// The session's motion was solved, and is to be solved again after each edit.
@@ -26,7 +26,9 @@ bool followsEdits(LiveSession& live);
 /// Solves the motion once more as it was asked for last, after edits, which cut it short; what
 /// changed is published, the frames about edits at times first. Of the session's strand.
 /// Errors: as above.
-SolveEnd solveMotionAfterEdit(LiveSession& live, Workshop& workshop, const Progress& progress);
+SolveEnd solveMotionAfterEdit(LiveSession& live,
+                              HandlerContext& context,
+                              const Progress& progress);
 
 /// As the log of an opened session has it: its motion is to be solved so.
 void resumeFollowing(LiveSession& live, const session::FollowedMotion& followed);

@@ -134,7 +134,7 @@ void diagnoseLater(LiveSession& live) {
 void solveAndTake(LiveSession& live,
                   const session::Solving& solving,
                   bool places_stay,
-                  Workshop& workshop,
+                  HandlerContext& context,
                   SolveCycle::Run& solve,
                   const Progress& told) {
   session::Session& session = live.session();
@@ -158,7 +158,7 @@ void solveAndTake(LiveSession& live,
     live.publish(std::move(on_the_way));
   };
   session::Solution solution = [&] {
-    const Workshop::Share share(workshop);
+    const HandlerContext::Share share(context);
     run.threads = share.threads();
     return session.solve(solving, run, told);
   }();
@@ -177,14 +177,14 @@ void solveAndTake(LiveSession& live,
 SolveEnd solve(LiveSession& live,
                const session::Solving& solving,
                bool places_stay,
-               Workshop& workshop,
+               HandlerContext& context,
                const Progress& progress) {
   bool has_begun = false;
   const SolveEnd end =
       runInPhase(live, v1::PHASE_OPTIMIZING, Patience::kAnswer, progress,
                  [&](SolveCycle::Run& run, const Progress& told) {
                    has_begun = true;
-                   solveAndTake(live, solving, places_stay, workshop, run, told);
+                   solveAndTake(live, solving, places_stay, context, run, told);
                  });
   if (end == SolveEnd::kDone || !has_begun) return end;
   live.session().noteCancelledSolve();
@@ -214,7 +214,7 @@ SolveEnd publishStanding(LiveSession& live, const Progress& progress) {
 
 std::optional<v1::PoseSolution> optimizePose(LiveSession& live,
                                              const v1::OptimizeRequest& request,
-                                             Workshop& workshop,
+                                             HandlerContext& context,
                                              const Progress& progress) {
   // A minimum that was chosen stands until somebody asks for another search.
   const bool stands = request.options().empty() && live.session().chosenMinimum() > 0 &&
@@ -223,7 +223,7 @@ std::optional<v1::PoseSolution> optimizePose(LiveSession& live,
     const session::Solving solving = request.options().empty()
                                          ? live.session().document().solving
                                          : solvingFrom(request.options().front());
-    return solve(live, solving, false, workshop, progress);
+    return solve(live, solving, false, context, progress);
   };
   const SolveEnd end = stands ? publishStanding(live, progress) : solveAsAsked();
   if (end == SolveEnd::kCutShort) return std::nullopt;
@@ -231,7 +231,7 @@ std::optional<v1::PoseSolution> optimizePose(LiveSession& live,
   return diagnoseNow(live, progress);
 }
 
-SolveEnd solveAsItStands(LiveSession& live, Workshop& workshop, const Progress& progress) {
+SolveEnd solveAsItStands(LiveSession& live, HandlerContext& context, const Progress& progress) {
   const session::Session& session = live.session();
   // Beside a motion that follows edits, the grasp that stands for it is shown as it is: a
   // search would move the prior of the motion, too.
@@ -241,7 +241,7 @@ SolveEnd solveAsItStands(LiveSession& live, Workshop& workshop, const Progress& 
     if (follows && solving.starts == optimize::kDefaultStarts && !solving.paper) {
       solving.starts = kStartsAfterEdit;
     }
-    return solve(live, solving, follows, workshop, progress);
+    return solve(live, solving, follows, context, progress);
   };
   const SolveEnd end = !session.needsSolve() || followsEdits(live)
                            ? publishStanding(live, progress)
@@ -250,16 +250,16 @@ SolveEnd solveAsItStands(LiveSession& live, Workshop& workshop, const Progress& 
   return end;
 }
 
-SolveEnd solveAfterEdit(LiveSession& live, Workshop& workshop) {
-  const SolveEnd end = solveAsItStands(live, workshop, live.solves());
+SolveEnd solveAfterEdit(LiveSession& live, HandlerContext& context) {
+  const SolveEnd end = solveAsItStands(live, context, live.solves());
   if (end != SolveEnd::kDone || !followsEdits(live)) return end;
-  return solveMotionAfterEdit(live, workshop, live.solves());
+  return solveMotionAfterEdit(live, context, live.solves());
 }
 
-void solveAfterOpening(LiveSession& live, Workshop& workshop) {
+void solveAfterOpening(LiveSession& live, HandlerContext& context) {
   live.cycle().workFor(live.cycle().asked());
   try {
-    static_cast<void>(solveAfterEdit(live, workshop));
+    static_cast<void>(solveAfterEdit(live, context));
   } catch (const std::exception& error) {  // the session's state says so
     spdlog::debug("event=resume session={} message={}", live.id(),
                   handgraft::quoted(error.what()));

@@ -6,7 +6,7 @@
 #include "core/optimize/pose_problem.h"
 #include "core/optimize/solver.h"
 #include "idl/sessions.h"
-#include "server/admission/workshop.h"
+#include "server/handlers/handler_context.h"
 #include "server/sessions/live_session.h"
 
 namespace handgraft::server {
@@ -31,7 +31,7 @@ struct UndiagnosedPose {
 /// Rejection (ERROR_CANCELLED) if somebody stopped it; Cancelled on wish.
 std::optional<v1::PoseSolution> optimizePose(LiveSession& live,
                                              const v1::OptimizeRequest& request,
-                                             Workshop& workshop,
+                                             HandlerContext& context,
                                              const Progress& progress);
 
 /// The pose of the session as it stands: what stands, after undo and the like; else the
@@ -39,13 +39,13 @@ std::optional<v1::PoseSolution> optimizePose(LiveSession& live,
 /// with two, and with roots and directions where they are, so that it follows a drag. Diagnosed
 /// by an idle task of the strand: what other sessions have to do comes first. Errors: those of
 /// solving.
-SolveEnd solveAsItStands(LiveSession& live, Workshop& workshop, const Progress& progress);
+SolveEnd solveAsItStands(LiveSession& live, HandlerContext& context, const Progress& progress);
 
 /// The same as the answer to edits; where the session follows a motion, its frames then.
-SolveEnd solveAfterEdit(LiveSession& live, Workshop& workshop);
+SolveEnd solveAfterEdit(LiveSession& live, HandlerContext& context);
 
 /// As above for a session that was opened with a pose, so that those who watch see it; if not
 /// now, after the next edit. The session's state says what went wrong.
-void solveAfterOpening(LiveSession& live, Workshop& workshop);
+void solveAfterOpening(LiveSession& live, HandlerContext& context);
 
 }  // namespace handgraft::server

@@ -151,12 +151,12 @@ std::string contentOf(const v1::PoseContactsRequest& request,
 }  // namespace
 
 v1::ModelList contactsOfPose(const v1::PoseContactsRequest& request,
-                             Workshop& workshop,
+                             HandlerContext& context,
                              const Mark& by,
                              const Progress& progress) {
   validateName(request.name());
-  const auto hand = workshop.models.hand(request.hand());
-  const auto object = workshop.models.object(request.object());
+  const auto hand = context.models.hand(request.hand());
+  const auto object = context.models.object(request.object());
   const Pose X_WO = poseFrom(request.X_WO(), "X_WO");
   const contact::PoseContactOptions reach = reachFrom(request);
   const contact::SegmentationOptions segmentation = segmentationOf(request);
@@ -184,16 +184,16 @@ v1::ModelList contactsOfPose(const v1::PoseContactsRequest& request,
   contacts.threshold = contact::thresholdOf(posed.map, segmentation);
   contacts.map = std::make_shared<const contact::ContactMap>(std::move(posed.map));
 
-  const auto makings = [&] {
+  const auto recipe = [&] {
     ReadRequest how;
     how.kind = ReadKind::kContacts;
     how.name = contacts.name;
-    return Makings{
+    return ModelRecipe{
         kReadForm, pack(how),
         pack(ReadModel(ReadContacts{contacts.set, *contacts.map, contacts.threshold})),
         object->origin.row, object->name};
   };
-  return enterModel(contacts, workshop, by, "pose_contacts", makings);
+  return enterModel(contacts, context, by, "pose_contacts", recipe);
 }
 
 }  // namespace handgraft::server

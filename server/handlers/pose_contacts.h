@@ -2,7 +2,7 @@
 
 #include "core/base/progress.h"
 #include "idl/models.h"
-#include "server/admission/workshop.h"
+#include "server/handlers/handler_context.h"
 
 namespace handgraft::server {
 
@@ -14,7 +14,7 @@ namespace handgraft::server {
 /// finite, for X_WH beside joints of the floating base, a reach outside 0.1-100 mm, and a hand
 /// that touches nothing (how far it is); Rejection as for loaded models; Cancelled.
 v1::ModelList contactsOfPose(const v1::PoseContactsRequest& request,
-                             Workshop& workshop,
+                             HandlerContext& context,
                              const Mark& by,
                              const Progress& progress);
 

@@ -7,7 +7,7 @@
 #include "core/base/error.h"
 #include "core/io/session_file.h"
 #include "core/session/replay.h"
-#include "server/admission/rejection.h"
+#include "server/base/rejection.h"
 #include "server/handlers/held_models.h"
 #include "server/handlers/motions.h"
 #include "server/handlers/optimize.h"
@@ -35,21 +35,21 @@ void requireThere(const io::SessionFile& file, const ModelStore& models) {
 }
 
 session::SessionModels modelsOf(const io::SessionFile& file,
-                                Workshop& workshop,
+                                HandlerContext& context,
                                 const Progress& progress) {
-  takeUp(file.held, workshop, progress);
-  requireThere(file, workshop.models);
+  takeUp(file.held, context, progress);
+  requireThere(file, context.models);
   if (!file.motion.name.empty()) {
-    const auto motion = workshop.models.motion(file.motion.name);
+    const auto motion = context.models.motion(file.motion.name);
     if (motion->origin.content != file.motion.content) {
       rejectInput("session: motion {} is another one than it was saved with",
                   handgraft::quoted(file.motion.name));
     }
-    return motionModels(file.hand, file.object, file.motion.name, workshop.models,
-                        sourceOf(workshop.models), progress);
+    return motionModels(file.hand, file.object, file.motion.name, context.models,
+                        sourceOf(context.models), progress);
   }
-  return sessionModels(file.hand, file.object, file.contacts, workshop.models,
-                       sourceOf(workshop.models), progress);
+  return sessionModels(file.hand, file.object, file.contacts, context.models,
+                       sourceOf(context.models), progress);
 }
 
 }  // namespace
@@ -57,53 +57,53 @@ session::SessionModels modelsOf(const io::SessionFile& file,
 namespace {
 
 /// The motion as it was when the session was opened, whoever has its name by now.
-io::MotionOfSession motionToSave(LiveSession& live, const Workshop& workshop) {
+io::MotionOfSession motionToSave(LiveSession& live, const HandlerContext& context) {
   if (live.motion() == nullptr) return {};
-  return {live.motion()->name, originOfMotion(live, workshop).content};
+  return {live.motion()->name, originOfMotion(live, context).content};
 }
 
 }  // namespace
 
-v1::SaveSessionReply saveSession(LiveSession& live, const Workshop& workshop) {
+v1::SaveSessionReply saveSession(LiveSession& live, const HandlerContext& context) {
   v1::SaveSessionReply reply;
-  reply.text(io::sessionText(live.session(), heldModels(live, workshop),
-                             motionToSave(live, workshop)));
+  reply.text(
+      io::sessionText(live.session(), heldModels(live, context), motionToSave(live, context)));
   return reply;
 }
 
 v1::SessionState loadSession(const v1::LoadSessionRequest& request,
-                             Workshop& workshop,
+                             HandlerContext& context,
                              const Mark& by,
                              const Progress& progress) {
   const io::SessionFile file = io::readSessionText(request.text());
   const auto begin = std::chrono::steady_clock::now();
-  session::SessionModels models = modelsOf(file, workshop, progress);
+  session::SessionModels models = modelsOf(file, context, progress);
   const std::chrono::duration<double, std::milli> skin =
       std::chrono::steady_clock::now() - begin;
   std::optional<LiveMotion> motion;
   if (!file.motion.name.empty()) {
-    motion = LiveMotion{file.motion.name, workshop.models.motion(file.motion.name)->motion,
+    motion = LiveMotion{file.motion.name, context.models.motion(file.motion.name)->motion,
                         models.object_O};
   }
   const auto live =
-      enterSession(io::openSession(file, std::move(models), progress), skin.count(), workshop,
+      enterSession(io::openSession(file, std::move(models), progress), skin.count(), context,
                    by, "load_session", progress, std::move(motion));
   for (const session::LogEntry& entry : file.session.log)
     if (const auto* followed = std::get_if<session::FollowedMotion>(&entry))
       resumeFollowing(*live, *followed);
   // Those who watch see the pose that was saved; if not now, after the next edit.
-  static_cast<void>(live->strand().post([live, &workshop] {
+  static_cast<void>(live->strand().post([live, &context] {
     if (!followsEdits(*live) && !live->session().document().start_is_known) return;
-    solveAfterOpening(*live, workshop);
+    solveAfterOpening(*live, context);
   }));
   return live->state();
 }
 
 v1::ReplayReply replaySession(const v1::ReplayRequest& request,
-                              Workshop& workshop,
+                              HandlerContext& context,
                               const Progress& progress) {
   const io::SessionFile file = io::readSessionText(request.text());
-  const session::SessionModels models = modelsOf(file, workshop, progress);
+  const session::SessionModels models = modelsOf(file, context, progress);
   io::requireSameModels(file, models, progress);
   session::Replay replay = session::replay(models, file.session, false, progress);
   v1::ReplayReply reply;

@@ -13,7 +13,7 @@
 namespace handgraft::server {
 
 v1::SessionState openSession(const v1::OpenSessionRequest& request,
-                             Workshop& workshop,
+                             HandlerContext& context,
                              const Mark& by,
                              const Progress& progress) {
   const Pose X_WO = poseFrom(request.X_WO(), "X_WO");
@@ -28,60 +28,60 @@ v1::SessionState openSession(const v1::OpenSessionRequest& request,
   std::optional<LiveMotion> motion;
   if (!request.motion().empty()) {
     motion =
-        LiveMotion{request.motion(), workshop.models.motion(request.motion())->motion, nullptr};
+        LiveMotion{request.motion(), context.models.motion(request.motion())->motion, nullptr};
   }
   session::SessionModels models =
-      motion ? motionModels(request.hand(), request.object(), request.motion(), workshop.models,
-                            sourceOf(workshop.models), progress)
+      motion ? motionModels(request.hand(), request.object(), request.motion(), context.models,
+                            sourceOf(context.models), progress)
              : sessionModels(request.hand(), request.object(), request.contacts(),
-                             workshop.models, sourceOf(workshop.models), progress);
+                             context.models, sourceOf(context.models), progress);
   const std::chrono::duration<double, std::milli> skin =
       std::chrono::steady_clock::now() - begin;
   if (motion) motion->object_O = models.object_O;
   return enterSession(session::Session(std::move(models), X_WO, weights, transfer),
-                      skin.count(), workshop, by, "open_session", progress, std::move(motion))
+                      skin.count(), context, by, "open_session", progress, std::move(motion))
       ->state();
 }
 
 std::shared_ptr<LiveSession> enterSession(session::Session session,
                                           double skin_ms,
-                                          Workshop& workshop,
+                                          HandlerContext& context,
                                           const Mark& by,
                                           const std::string& operation,
                                           const Progress& progress,
                                           std::optional<LiveMotion> motion) {
   progress.checkpoint();
   const auto live = std::make_shared<LiveSession>(
-      workshop.sessions.reserve(), std::move(session), workshop.pool, workshop.audience);
-  live->belongTo(workshop.sessions.serverId());
+      context.sessions.reserve(), std::move(session), context.pool, context.audience);
+  live->belongTo(context.sessions.serverId());
   live->grant(accessOfNew(by.who), PublishedState::kSilently);
   if (motion) live->hold(std::move(*motion));
   live->took.skin_ms = skin_ms;
-  keepSession(*live, workshop, by, operation);
-  live->prepareSolids(live, workshop.pool);
-  workshop.sessions.add(live);
+  keepSession(*live, context, by, operation);
+  live->prepareSolids(live, context.pool);
+  context.sessions.add(live);
   live->enter(v1::PHASE_OPEN);
   return live;
 }
 
-v1::SessionState describeSession(const v1::SessionKey& key, const Workshop& workshop) {
-  if (auto state = workshop.sessions.asleep(key.session_id())) return *std::move(state);
-  return workshop.sessions.find(key.session_id())->state();
+v1::SessionState describeSession(const v1::SessionKey& key, const HandlerContext& context) {
+  if (auto state = context.sessions.asleep(key.session_id())) return *std::move(state);
+  return context.sessions.find(key.session_id())->state();
 }
 
-v1::SessionList listSessions(const Workshop& workshop) {
+v1::SessionList listSessions(const HandlerContext& context) {
   v1::SessionList reply;
-  reply.sessions(workshop.sessions.states());
+  reply.sessions(context.sessions.states());
   return reply;
 }
 
 void closeSession(LiveSession& live,
-                  Workshop& workshop,
+                  HandlerContext& context,
                   const Mark& by,
                   const std::string& why) {
   if (live.journal) live.journal->store().removeSession(live.id(), by, "close_session");
   live.journal = nullptr;
-  workshop.sessions.remove(live.id());
+  context.sessions.remove(live.id());
   live.enter(v1::PHASE_CLOSED, why);
 }
 

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "idl/sessions.h"
-#include "server/admission/workshop.h"
-#include "server/sessions/session_access.h"
+#include "server/base/session_access.h"
+#include "server/handlers/handler_context.h"
 
 namespace handgraft::server {
 

@@ -2,7 +2,7 @@
 
 #include <exception>
 
-#include "server/admission/rejection.h"
+#include "server/base/rejection.h"
 
 namespace handgraft::server {
 

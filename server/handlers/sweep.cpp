@@ -32,13 +32,13 @@ struct Asked {
 /// for.
 class Studied {
  public:
-  Studied(const v1::SweepRequest& request, const Workshop& workshop) {
+  Studied(const v1::SweepRequest& request, const HandlerContext& context) {
     for (const v1::SweepGrasp& grasp : request.grasps()) {
-      const auto object = workshop.models.object(grasp.object());
+      const auto object = context.models.object(grasp.object());
       if (grasp.motion().empty())
-        addContacts(*workshop.models.contacts(grasp.contacts()), object);
+        addContacts(*context.models.contacts(grasp.contacts()), object);
       else
-        addMotion(*workshop.models.motion(grasp.motion()), object, grasp.contacts());
+        addMotion(*context.models.motion(grasp.motion()), object, grasp.contacts());
     }
   }
 
@@ -76,10 +76,10 @@ class Studied {
 }  // namespace
 
 v1::SweepReply sweepHand(const v1::SweepRequest& request,
-                         Workshop& workshop,
+                         HandlerContext& context,
                          const Progress& progress) {
-  const auto hand = workshop.models.hand(request.hand());
-  const Studied studied(request, workshop);
+  const auto hand = context.models.hand(request.hand());
+  const Studied studied(request, context);
   std::vector<sweep::SweepAxis> axes;
   for (const v1::SweepAxis& axis : request.axes())
     axes.push_back(axisFrom(axis));
@@ -98,7 +98,7 @@ v1::SweepReply sweepHand(const v1::SweepRequest& request,
         studied.asked().size(), asked, sweep::kMostSweepRows);
 
   const hand::Hand ready = hand->hand->get(progress);
-  const Workshop::Share share(workshop);
+  const HandlerContext::Share share(context);
   options.threads = share.threads();
   const auto begin = std::chrono::steady_clock::now();
   const std::vector<sweep::SweepRow> rows =

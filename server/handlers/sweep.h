@@ -2,7 +2,7 @@
 
 #include "core/base/progress.h"
 #include "idl/studies.h"
-#include "server/admission/workshop.h"
+#include "server/handlers/handler_context.h"
 
 namespace handgraft::server {
 
@@ -12,7 +12,7 @@ namespace handgraft::server {
 /// Errors: InvalidInput as sweep::sweep, and for contacts of another mesh than the object's;
 /// Rejection for unknown models; Cancelled.
 v1::SweepReply sweepHand(const v1::SweepRequest& request,
-                         Workshop& workshop,
+                         HandlerContext& context,
                          const Progress& progress);
 
 }  // namespace handgraft::server

@@ -68,11 +68,12 @@ StoredHand variantHand(const v1::VariantRequest& request, const StoredHand& pare
 }
 
 v1::ModelList makeVariant(const v1::VariantRequest& request,
-                          Workshop& workshop,
+                          HandlerContext& context,
                           const Mark& by) {
-  const auto parent = workshop.models.hand(request.hand());
-  return enterModel(variantHand(request, *parent), workshop, by, "make_variant", [&] {
-    return Makings{kVariantForm, idl::jsonText(request), "", parent->origin.row, parent->name};
+  const auto parent = context.models.hand(request.hand());
+  return enterModel(variantHand(request, *parent), context, by, "make_variant", [&] {
+    return ModelRecipe{kVariantForm, idl::jsonText(request), "", parent->origin.row,
+                       parent->name};
   });
 }
 

@@ -2,7 +2,7 @@
 
 #include "core/base/progress.h"
 #include "idl/studies.h"
-#include "server/admission/workshop.h"
+#include "server/handlers/handler_context.h"
 
 namespace handgraft::server {
 
@@ -11,7 +11,7 @@ namespace handgraft::server {
 ///
 /// Errors: InvalidInput as hand::makeVariant; Rejection as for loaded models.
 v1::ModelList makeVariant(const v1::VariantRequest& request,
-                          Workshop& workshop,
+                          HandlerContext& context,
                           const Mark& by);
 
 /// The variant alone.

@@ -13,7 +13,7 @@
 #include "core/io/sites_file.h"
 #include "core/io/urdf_writer.h"
 #include "core/retargeting/motion_solving.h"
-#include "server/admission/rejection.h"
+#include "server/base/rejection.h"
 #include "server/messages/convert.h"
 
 namespace handgraft::server {

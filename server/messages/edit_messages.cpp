@@ -5,7 +5,7 @@
 
 #include "core/base/error.h"
 #include "idl/fields.h"
-#include "server/admission/rejection.h"
+#include "server/base/rejection.h"
 #include "server/messages/convert.h"
 
 namespace handgraft::server {

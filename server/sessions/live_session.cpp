@@ -75,7 +75,7 @@ SessionAccess LiveSession::access() const {
   return access_;
 }
 
-void LiveSession::grant(SessionAccess access, Telling telling) {
+void LiveSession::grant(SessionAccess access, PublishPolicy telling) {
   const auto tell = [&access](v1::SessionState& state) {
     state.owner(access.owner);
     state.access(access.access);
@@ -117,7 +117,7 @@ v1::SessionPhase LiveSession::restingPhase() const {
   return cycle_.undiagnosed() ? v1::PHASE_OPTIMIZING : resting_phase_;
 }
 
-Telling LiveSession::unlessEditsWait() const {
+PublishPolicy LiveSession::unlessEditsWait() const {
   return cycle_.editsQueued() > 0 ? PublishedState::kSilently : PublishedState::kAtOnce;
 }
 
@@ -129,7 +129,7 @@ void LiveSession::enter(v1::SessionPhase phase, const std::string& message, doub
 }
 
 void LiveSession::enterSoon(v1::SessionPhase phase) {
-  constexpr Telling kSoon{std::chrono::milliseconds(2)};
+  constexpr PublishPolicy kSoon{std::chrono::milliseconds(2)};
   const auto change = [&](v1::SessionState& state) {
     describeSession(state);
     setPhase(state, phase, "");
@@ -164,7 +164,7 @@ void LiveSession::tellEnd(SolveEnd end) {
 }
 
 void LiveSession::advance(std::string_view stage, double fraction) {
-  constexpr Telling kNowAndThen{std::chrono::milliseconds(100)};
+  constexpr PublishPolicy kNowAndThen{std::chrono::milliseconds(100)};
   const auto change = [&](v1::SessionState& state) {
     state.message(std::string(stage));
     state.progress(std::clamp(fraction, 0.0, 1.0));

@@ -19,9 +19,9 @@
 #include "idl/motions.h"
 #include "idl/sensor_msgs.h"
 #include "idl/sessions.h"
-#include "server/admission/strand_pool.h"
+#include "server/base/session_access.h"
+#include "server/base/strand_pool.h"
 #include "server/sessions/published_state.h"
-#include "server/sessions/session_access.h"
 #include "server/sessions/session_journal.h"
 #include "server/sessions/solve_cycle.h"
 
@@ -130,7 +130,7 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
   [[nodiscard]] SessionAccess access() const;
 
   /// Tells it; before anybody knows of the session, silently.
-  void grant(SessionAccess access, Telling telling = PublishedState::kAtOnce);
+  void grant(SessionAccess access, PublishPolicy telling = PublishedState::kAtOnce);
 
   // === Idleness
 
@@ -201,7 +201,7 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
   /// diagnosis; as above, of the strand.
   [[nodiscard]] v1::SessionPhase restingPhase() const;
   /// Silent where an edit waits.
-  [[nodiscard]] Telling unlessEditsWait() const;
+  [[nodiscard]] PublishPolicy unlessEditsWait() const;
 
   const std::uint64_t id_;
   const SolveCycle::Now now_;

@@ -12,7 +12,7 @@ bool PublishedState::isClosed() const {
   return state_.phase() == v1::PHASE_CLOSED;
 }
 
-void PublishedState::change(const Change& change, Telling telling) {
+void PublishedState::change(const Change& change, PublishPolicy telling) {
   {
     const std::lock_guard lock(mutex_);
     if (state_.phase() == v1::PHASE_CLOSED) return;

@@ -13,7 +13,7 @@ namespace handgraft::server {
 
 /// How soon a change is told: at once; or not before so much time has passed since the last
 /// telling; or never by itself. What is not told goes with the next that is.
-struct Telling {
+struct PublishPolicy {
   std::optional<std::chrono::milliseconds> least_period;
 };
 
@@ -29,8 +29,8 @@ class PublishedState {
   using Publish = std::function<void(const v1::SessionState&)>;
   using Change = std::function<void(v1::SessionState&)>;
 
-  static constexpr Telling kAtOnce{std::chrono::milliseconds(0)};
-  static constexpr Telling kSilently{std::nullopt};
+  static constexpr PublishPolicy kAtOnce{std::chrono::milliseconds(0)};
+  static constexpr PublishPolicy kSilently{std::nullopt};
 
   PublishedState(Publish publish, Now now)
       : publish_(std::move(publish)), now_(std::move(now)) {}
@@ -39,7 +39,7 @@ class PublishedState {
   [[nodiscard]] bool isClosed() const;
 
   /// `change` runs with the lock held. Nothing follows PHASE_CLOSED.
-  void change(const Change& change, Telling telling = kAtOnce);
+  void change(const Change& change, PublishPolicy telling = kAtOnce);
 
  private:
   /// Publishes what waits.

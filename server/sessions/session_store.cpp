@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "core/base/random_id.h"
-#include "server/admission/rejection.h"
+#include "server/base/rejection.h"
 
 namespace handgraft::server {
 

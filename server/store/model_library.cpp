@@ -18,7 +18,7 @@
 #include "core/hand/skin_cache.h"
 #include "core/io/contact_file.h"
 #include "core/io/file_bytes.h"
-#include "server/admission/rejection.h"
+#include "server/base/rejection.h"
 #include "server/reading/read_model.h"
 
 namespace handgraft::server {

@@ -9,7 +9,7 @@
 #include "core/base/error.h"
 #include "core/retargeting/motion_solving.h"
 #include "idl/fields.h"
-#include "server/admission/rejection.h"
+#include "server/base/rejection.h"
 
 namespace handgraft::server {
 

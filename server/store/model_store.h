@@ -13,7 +13,7 @@
 #include "idl/models.h"
 #include "server/reading/read_model.h"
 #include "server/store/lazy_hand.h"
-#include "server/store/makings.h"
+#include "server/store/model_recipe.h"
 
 namespace handgraft::server {
 
@@ -25,7 +25,7 @@ struct Origin {
   /// Of the state store that keeps it; 0: none does.
   std::int64_t row = 0;
   /// Where no store keeps it; null for built-in ones.
-  std::shared_ptr<const Makings> makings = {};
+  std::shared_ptr<const ModelRecipe> recipe = {};
 };
 
 struct StoredHand {

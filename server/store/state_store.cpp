@@ -13,7 +13,7 @@
 
 #include "core/base/error.h"
 #include "core/base/random_id.h"
-#include "server/admission/rejection.h"
+#include "server/base/rejection.h"
 #include "server/store/state_schema.h"
 
 namespace handgraft::server {

@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-#include "server/sessions/session_access.h"
+#include "server/base/session_access.h"
 #include "server/store/database.h"
 
 namespace handgraft::server {

@@ -17,7 +17,7 @@
 #include <unistd.h>
 
 #include "core/base/error.h"
-#include "server/admission/rejection.h"
+#include "server/base/rejection.h"
 #include "server/reading/frames.h"
 #include "server/reading/packed.h"
 #include "server/reading/units.h"

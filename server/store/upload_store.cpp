@@ -10,7 +10,7 @@
 
 #include "core/base/content_hash.h"
 #include "core/base/error.h"
-#include "server/admission/rejection.h"
+#include "server/base/rejection.h"
 
 namespace handgraft::server {
 

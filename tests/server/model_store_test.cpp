@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.h"
-#include "server/admission/rejection.h"
+#include "server/base/rejection.h"
 #include "server/store/model_library.h"
 
 #include "tests/server/small_grasp.h"

@@ -1,4 +1,4 @@
-#include "server/admission/strand_pool.h"
+#include "server/base/strand_pool.h"
 
 #include <algorithm>
 #include <array>

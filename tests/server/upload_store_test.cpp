@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.h"
-#include "server/admission/rejection.h"
+#include "server/base/rejection.h"
 
 namespace handgraft::server {
 namespace {

@@ -10,7 +10,7 @@
 #include "client/cli/commands/commands.h"
 #include "client/present/interruption.h"
 #include "client/present/output_file.h"
-#include "client/present/render/png_file.h"
+#include "client/present/png_file.h"
 #include "core/base/error.h"
 #include "idl/topics.h"
 
@@ -60,7 +60,7 @@ int run(const BridgeRecordOptions& options,
   }
   if (run.size() == 0) throw TransportError(fmt::format("bridge {} told nothing", id));
   writeFile(options.out, toCsv(run));
-  if (!options.png.empty()) render::writePng(options.png, drawRun(run));
+  if (!options.png.empty()) writePng(options.png, drawRun(run));
   say(run, common, options.out.string());
   return 0;
 }
@@ -83,7 +83,7 @@ int run(const BridgePlotOptions& options,
     fmt::print(stderr, "handgraft: {}: line {} is cut off, and left out\n",
                quoted(options.run.string()), recorded.cut_line);
   }
-  render::writePng(options.out, drawRun(recorded));
+  writePng(options.out, drawRun(recorded));
   say(recorded, common, "");
   return 0;
 }

@@ -2,7 +2,7 @@
 #include <fmt/ranges.h>
 
 #include "client/cli/commands/commands.h"
-#include "client/cli/input_files.h"
+#include "client/cli/commands/input_files.h"
 #include "client/link/pose_file.h"
 #include "client/link/wire_pose.h"
 #include "client/present/attended.h"

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "client/cli/commands/commands.h"
-#include "client/cli/input_files.h"
+#include "client/cli/commands/input_files.h"
 #include "client/present/attended.h"
 #include "client/present/contacts_output.h"
 #include "client/present/output_file.h"

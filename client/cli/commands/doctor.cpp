@@ -6,7 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "client/cli/commands/commands.h"
-#include "client/cli/version.h"
+#include "client/cli/commands/version.h"
 #include "client/link/client.h"
 #include "client/present/attended.h"
 #include "client/present/interruption.h"

@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #include "client/cli/commands/commands.h"
-#include "client/cli/grasp_session.h"
+#include "client/cli/commands/grasp_session.h"
 #include "client/editor/editor.h"
 #include "client/editor/prompt.h"
 #include "client/link/client.h"

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include "client/cli/commands/commands.h"
-#include "client/cli/grasp_session.h"
-#include "client/cli/kept_session.h"
+#include "client/cli/commands/grasp_session.h"
+#include "client/cli/commands/kept_session.h"
 #include "client/link/client.h"
 #include "client/link/grasp_result.h"
 #include "client/present/attended.h"

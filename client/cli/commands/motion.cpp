@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "client/cli/commands/commands.h"
-#include "client/cli/input_files.h"
+#include "client/cli/commands/input_files.h"
 #include "client/link/client.h"
 #include "client/present/attended.h"
 #include "client/present/json_output.h"

@@ -6,16 +6,16 @@
 #include <fmt/format.h>
 
 #include "client/cli/commands/commands.h"
-#include "client/cli/input_files.h"
-#include "client/cli/kept_session.h"
+#include "client/cli/commands/input_files.h"
+#include "client/cli/commands/kept_session.h"
 #include "client/link/client.h"
 #include "client/present/attended.h"
 #include "client/present/export_file.h"
 #include "client/present/motion_output.h"
 #include "client/present/motion_picture.h"
 #include "client/present/output_file.h"
+#include "client/present/png_file.h"
 #include "client/present/progress_line.h"
-#include "client/present/render/png_file.h"
 #include "client/present/send_model.h"
 #include "core/base/error.h"
 
@@ -111,7 +111,7 @@ void writeMotionPicture(Client& server,
       server.describe(v1::MODEL_HAND, result.session.hand(), true).get();
   const v1::ModelDescription object =
       server.describe(v1::MODEL_OBJECT, result.session.object(), true).get();
-  render::writePng(options.png, motionPicture(result, shown, hand.hand(), object.object()));
+  writePng(options.png, motionPicture(result, shown, hand.hand(), object.object()));
 }
 
 }  // namespace

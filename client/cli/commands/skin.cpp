@@ -1,14 +1,14 @@
 #include <fmt/format.h>
 
 #include "client/cli/commands/commands.h"
-#include "client/cli/input_files.h"
+#include "client/cli/commands/input_files.h"
 #include "client/present/attended.h"
 #include "client/present/hand_picture.h"
 #include "client/present/json_output.h"
 #include "client/present/model_text.h"
 #include "client/present/output_file.h"
+#include "client/present/png_file.h"
 #include "client/present/progress_line.h"
-#include "client/present/render/png_file.h"
 #include "client/present/send_model.h"
 #include "client/present/skin_file.h"
 #include "client/present/text_output.h"
@@ -34,8 +34,8 @@ int run(const SkinOptions& options, const CommonOptions& common, Interruption& i
   writeFile(options.out, skinPly(hand));
   if (!options.png.empty()) {
     const HandPicture picture = pictureOfSkin(hand);
-    render::writePng(options.png,
-                     render::renderTwoViews(picture.scene, picture.caption, picture.views));
+    writePng(options.png,
+             render::renderTwoViews(picture.scene, picture.caption, picture.views));
   }
   progress.clear();
   if (common.json) {

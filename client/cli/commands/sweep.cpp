@@ -4,13 +4,13 @@
 #include <fmt/format.h>
 
 #include "client/cli/commands/commands.h"
-#include "client/cli/input_files.h"
+#include "client/cli/commands/input_files.h"
 #include "client/cli/study/sweep_result.h"
 #include "client/link/client.h"
 #include "client/present/attended.h"
 #include "client/present/output_file.h"
+#include "client/present/png_file.h"
 #include "client/present/progress_line.h"
-#include "client/present/render/png_file.h"
 #include "client/present/send_model.h"
 #include "core/base/error.h"
 #include "idl/fields.h"
@@ -159,7 +159,7 @@ int run(const SweepOptions& options, const CommonOptions& common, Interruption& 
 
   // === Results
   if (!options.out.empty()) writeFile(options.out, csvOf(result));
-  if (!options.png.empty()) render::writePng(options.png, pictureOf(result));
+  if (!options.png.empty()) writePng(options.png, pictureOf(result));
   progress.clear();
   fmt::print("{}", common.json ? json::sweep(result) + "\n" : text::sweep(result));
   return 0;

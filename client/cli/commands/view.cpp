@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #include "client/cli/commands/commands.h"
-#include "client/cli/grasp_session.h"
+#include "client/cli/commands/grasp_session.h"
 #include "client/gateway/gateway.h"
 #include "client/gateway/web_request.h"
 #include "client/link/session_id.h"

@@ -49,10 +49,10 @@ export interface Link {
   describe<Description>(kind: string, name: string): Promise<Model<Description>>;
   follow(session: number): Promise<SessionState>;
   /** A file of those that belong together, by its path among them. */
-  give(gift: number, path: string, file: Blob, sent: (bytes: number) => void): Promise<void>;
+  give(group: number, path: string, file: Blob, sent: (bytes: number) => void): Promise<void>;
   /** Has the server read a model of what was given. */
-  load(gift: number, kind: string, main: string, object: string, units: string): Promise<ModelSummary>;
-  forget(gift: number): void;
+  load(group: number, kind: string, main: string, object: string, units: string): Promise<ModelSummary>;
+  forget(group: number): void;
 }
 
 interface Waiting {
@@ -124,11 +124,11 @@ export class LiveLink implements Link {
     return reply.session;
   }
 
-  async give(gift: number, path: string, file: Blob, sent: (bytes: number) => void): Promise<void> {
+  async give(group: number, path: string, file: Blob, sent: (bytes: number) => void): Promise<void> {
     for (let offset = 0; offset === 0 || offset < file.size; offset += kPart) {
       const begun = performance.now();
       const bytes = await file.slice(offset, offset + kPart).arrayBuffer();
-      const head = { do: 'put', gift, path, total_bytes: file.size, offset };
+      const head = { do: 'put', group, path, total_bytes: file.size, offset };
       await this.send(head, new Uint8Array(bytes));
       sent(Math.min(file.size, offset + kPart));
       const rest = kPace_ms - (performance.now() - begun);
@@ -136,12 +136,12 @@ export class LiveLink implements Link {
     }
   }
 
-  async load(gift: number, kind: string, main: string, object: string, units: string): Promise<ModelSummary> {
-    return ((await this.send({ do: 'load', gift, kind, main, object, units })) as { model: ModelSummary }).model;
+  async load(group: number, kind: string, main: string, object: string, units: string): Promise<ModelSummary> {
+    return ((await this.send({ do: 'load', group, kind, main, object, units })) as { model: ModelSummary }).model;
   }
 
-  forget(gift: number): void {
-    this.send({ do: 'drop', gift }).catch(() => undefined); // with the connection it goes anyway
+  forget(group: number): void {
+    this.send({ do: 'drop', group }).catch(() => undefined); // with the connection it goes anyway
   }
 
   private open(): void {

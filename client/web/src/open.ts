@@ -19,7 +19,7 @@ const kFirst = { hand: 'human20', object: 'lemon', contacts: 'lemon_6' };
 /** Contacts of an object that suit a hand better than the others. */
 const kSuited: Record<string, string> = { 'barrett8 lemon': 'lemon_3' };
 
-let lastGift = 0;
+let lastGroup = 0;
 
 /** A hand, an object or contacts: chosen among those that the server has, or given as files. */
 class Part {
@@ -38,7 +38,7 @@ class Part {
     h('button', { type: 'button', class: 'small', onclick: () => void this.load(this.units.value) }, 'Yes'),
   );
   private given: Given | null = null;
-  private gift = 0;
+  private group = 0;
   private turn = 0; // what was given last counts
 
   constructor(
@@ -90,9 +90,9 @@ class Part {
   async give(given: Given): Promise<void> {
     this.forget();
     const turn = ++this.turn;
-    const gift = ++lastGift;
+    const group = ++lastGroup;
     this.given = given;
-    this.gift = gift;
+    this.group = group;
     this.mains.replaceChildren(...given.mains.map((path) => h('option', { value: path }, path)));
     this.mainLine.hidden = given.mains.length < 2;
     this.unitsLine.hidden = true;
@@ -101,7 +101,7 @@ class Part {
       const total = given.files.reduce((sum, { file }) => sum + file.size, 0);
       let before = 0;
       for (const { path, file } of given.files) {
-        await this.session.link.give(gift, path, file, (bytes) => {
+        await this.session.link.give(group, path, file, (bytes) => {
           this.tell(`Sending ${path}: ${Math.round((100 * (before + bytes)) / Math.max(1, total))} %`);
         });
         if (turn !== this.turn) return;
@@ -130,8 +130,8 @@ class Part {
   }
 
   forget(): void {
-    if (this.gift !== 0) this.session.link.forget(this.gift);
-    this.gift = 0;
+    if (this.group !== 0) this.session.link.forget(this.group);
+    this.group = 0;
     this.given = null;
   }
 
@@ -153,7 +153,7 @@ class Part {
     this.setBusy(true);
     this.tell(`The server reads ${main}…`);
     try {
-      const model = await this.session.link.load(this.gift, this.kind, main, this.kind === 'contacts' ? this.objectOf() : '', units);
+      const model = await this.session.link.load(this.group, this.kind, main, this.kind === 'contacts' ? this.objectOf() : '', units);
       if (turn !== this.turn) return;
       if (![...this.select.options].some((option) => option.value === model.name)) {
         this.select.append(h('option', { value: model.name, title: model.text }, model.name));

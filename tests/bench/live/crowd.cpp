@@ -25,11 +25,11 @@ struct CrowdFates {
   std::map<std::string, long> refused;
 };
 
-CrowdFates fatesOf(EditDesk& desk, const std::vector<std::uint64_t>& sessions) {
+CrowdFates fatesOf(EditClient& client, const std::vector<std::uint64_t>& sessions) {
   CrowdFates all;
   for (const std::uint64_t session : sessions) {
     std::vector<double> mine;
-    for (const EditFate& fate : desk.fates(session)) {
+    for (const EditFate& fate : client.fates(session)) {
       if (!fate.answered) ++all.unanswered;
       if (fate.error != v1::ERROR_NONE) ++all.refused[fate.message];
       if (fate.answered) all.replies_ms.push_back(fate.reply_ms);
@@ -70,15 +70,15 @@ void crowd(const LiveOptions& options) {
         begin + std::chrono::duration_cast<Clock::duration>(
                     std::chrono::duration<double>(static_cast<double>(i) * step_s)));
     const auto at = static_cast<std::size_t>(i % options.sessions);
-    room.desk().send(sessions[at], random[at].next());
+    room.client().send(sessions[at], random[at].next());
   }
   const double took_s = std::chrono::duration<double>(Clock::now() - begin).count();
   std::this_thread::sleep_for(std::chrono::seconds(3));
   const double edited_kb = room.memoryKb();
   const double processor_s = room.processorSeconds() - processor_before;
-  const CrowdFates fates = fatesOf(room.desk(), sessions);
+  const CrowdFates fates = fatesOf(room.client(), sessions);
   for (const std::uint64_t session : sessions)
-    room.desk().ofSession(v1::OP_CLOSE_SESSION, session);
+    room.client().ofSession(v1::OP_CLOSE_SESSION, session);
   const double closed_kb = room.memoryKb();
 
   LiveReport report("crowd");

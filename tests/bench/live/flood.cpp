@@ -16,8 +16,8 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 void pour(const LiveOptions& options) {
-  EditDesk desk(Network{options.domain, "lo"});
-  if (!desk.requester().waitForServer(seconds(60))) throw std::runtime_error("no server");
+  EditClient client(Network{options.domain, "lo"});
+  if (!client.requester().waitForServer(seconds(60))) throw std::runtime_error("no server");
   std::this_thread::sleep_for(seconds(1));  // for the edits' own discovery
   v1::EditBody body;
   v1::PatchWeightEdit edit;
@@ -32,7 +32,7 @@ void pour(const LiveOptions& options) {
       edit.weight(1.0 + 1e-5 * static_cast<double>(sent % 50'000));  // each is another one
       body.patch_weight(edit);
       try {
-        desk.send(options.session, body);
+        client.send(options.session, body);
       } catch (const idl::cyclone::WriteTimeout&) {
         ++timeouts;
       }
@@ -42,7 +42,7 @@ void pour(const LiveOptions& options) {
   const double took_s = std::chrono::duration<double>(Clock::now() - begin).count();
   std::this_thread::sleep_for(seconds(2));
   std::map<std::string, long> fates;
-  for (const EditFate& fate : desk.fates(options.session)) {
+  for (const EditFate& fate : client.fates(options.session)) {
     ++fates[!fate.answered                 ? "unanswered"
             : fate.error != v1::ERROR_NONE ? "refused: " + fate.message
             : fate.shared                  ? "applied, solved with a later one"
@@ -67,8 +67,8 @@ void flood(const LiveOptions& options) {
   const auto calmly = [&](int count) {
     std::vector<double> times;
     for (int i = 0; i < count; ++i) {
-      const auto edit = room.desk().send(calm, calm_edits.next());
-      const EditFate fate = room.desk().await(calm, edit, seconds(5));
+      const auto edit = room.client().send(calm, calm_edits.next());
+      const EditFate fate = room.client().await(calm, edit, seconds(5));
       if (fate.solved) times.push_back(fate.solution_ms);
       if (!fate.answered || (fate.error == v1::ERROR_NONE && !fate.solved)) ++lost;
       std::this_thread::sleep_for(milliseconds(100));

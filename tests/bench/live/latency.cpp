@@ -19,8 +19,8 @@ void latency(const LiveOptions& options) {
   int lost = 0;
   for (int i = 0; i < options.edits; ++i) {
     const v1::EditBody body = random.next();
-    const std::uint64_t edit = room.desk().send(session, body);
-    const EditFate fate = room.desk().await(session, edit, std::chrono::seconds(5));
+    const std::uint64_t edit = room.client().send(session, body);
+    const EditFate fate = room.client().await(session, edit, std::chrono::seconds(5));
     if (fate.error != v1::ERROR_NONE) {
       ++refused[fate.message];
       continue;

@@ -26,8 +26,8 @@ Room::Room(const LiveOptions& options) {
   if (std::find(given.begin(), given.end(), "--state") == given.end())
     arguments.insert(arguments.end(), {"--state", ":memory:"});
   server_ = std::make_unique<test::Process>(binary("handgraft-server"), arguments);
-  desk_ = std::make_unique<EditDesk>(network());
-  if (!desk_->requester().waitForServer(std::chrono::seconds(60)))
+  client_ = std::make_unique<EditClient>(network());
+  if (!client_->requester().waitForServer(std::chrono::seconds(60)))
     throw std::runtime_error("no server: " + server_->err());
   load({"hand", options.hand, "--name", "bench_hand"});
   load({"object", options.object, "--name", "bench_object"});
@@ -42,7 +42,7 @@ std::uint64_t Room::open() {
   request.hand("bench_hand");
   request.object("bench_object");
   request.contacts("bench_contacts");
-  return desk_->open(request).session_id();
+  return client_->open(request).session_id();
 }
 
 void Room::solve(std::uint64_t session) {
@@ -50,7 +50,7 @@ void Room::solve(std::uint64_t session) {
   optimize.session_id(session);
   v1::RequestBody body;
   body.optimize(optimize);
-  desk_->requester().ask(body);
+  client_->requester().ask(body);
 }
 
 std::uint64_t Room::openSolved() {
@@ -60,13 +60,13 @@ std::uint64_t Room::openSolved() {
 }
 
 RandomEdits Room::edits(std::uint64_t session, unsigned seed) {
-  return {seed,           desk_->ofSession(v1::OP_TRANSFER, session).transfer().patches(),
+  return {seed,           client_->ofSession(v1::OP_TRANSFER, session).transfer().patches(),
           contacts_,      object_.mesh_O(),
           hand_.skin_S(), hand_.joints()};
 }
 
 std::string Room::placedPatch(std::uint64_t session) {
-  const v1::ReplyBody laid = desk_->ofSession(v1::OP_TRANSFER, session);
+  const v1::ReplyBody laid = client_->ofSession(v1::OP_TRANSFER, session);
   for (const v1::PatchReport& patch : laid.transfer().patches())
     if (patch.placed()) return patch.name();
   throw std::runtime_error("no patch lies on the hand");
@@ -112,11 +112,11 @@ v1::ModelDescription Room::describe(v1::ModelKind kind, const std::string& name)
   request.with_meshes(true);
   v1::RequestBody body;
   body.describe_model(request);
-  return desk_->requester().ask(body).model();
+  return client_->requester().ask(body).model();
 }
 
 std::string Room::pid() {
-  return std::to_string(desk_->requester().status().process_id());
+  return std::to_string(client_->requester().status().process_id());
 }
 
 }  // namespace handgraft::bench

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/live/edit_desk.h"
+#include "tests/bench/live/edit_client.h"
 #include "tests/bench/live/random_edits.h"
 #include "tests/support/process.h"
 #include "tests/support/shared_data.h"
@@ -38,7 +38,7 @@ class Room {
  public:
   explicit Room(const LiveOptions& options);
 
-  EditDesk& desk() { return *desk_; }
+  EditClient& client() { return *client_; }
 
   [[nodiscard]] Network network() const { return {domain_.number(), "lo"}; }
 
@@ -63,7 +63,7 @@ class Room {
 
   test::TestDomain domain_;
   std::unique_ptr<test::Process> server_;
-  std::unique_ptr<EditDesk> desk_;
+  std::unique_ptr<EditClient> client_;
   v1::HandDescription hand_;
   v1::ObjectDescription object_;
   v1::ContactsDescription contacts_;

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "client/present/render/png_file.h"
+#include "client/present/png_file.h"
 #include "client/present/render/two_views.h"
 #include "core/geometry/surface_point.h"
 
@@ -110,7 +110,7 @@ void drawGrasp(const std::filesystem::path& file,
       whole.at(x, y) = halves[static_cast<std::size_t>(y / kHeight)].at(x, y % kHeight);
   }
   std::filesystem::create_directories(file.parent_path());
-  render::writePng(file, whole);
+  writePng(file, whole);
 }
 
 }  // namespace handgraft::bench

@@ -17,7 +17,7 @@
 #include "core/base/error.h"
 #include "core/base/progress.h"
 
-#include "tests/client/editor/fake_desk.h"
+#include "tests/client/editor/fake_edit_server.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/test_domain.h"
 
@@ -32,11 +32,11 @@ class EditorTest : public testing::Test {
  protected:
   EditorTest()
       : network_{domain_.number(), "lo"},
-        desk_(network_),
+        edit_server_(network_),
         server_(attended(network_, Absence::kFail, interruption_)),
-        editor_(server_, interruption_, sink_, desk_.state()) {}
+        editor_(server_, interruption_, sink_, edit_server_.state()) {}
 
-  std::string told(const std::string& line) {
+  std::string output(const std::string& line) {
     testing::internal::CaptureStdout();
     try {
       editor_.run(line);
@@ -68,7 +68,7 @@ class EditorTest : public testing::Test {
 
   test::TestDomain domain_;
   Network network_;
-  test::FakeDesk desk_;
+  test::FakeEditServer edit_server_;
   Interruption interruption_;
   Client server_;
   ProgressLine progress_;
@@ -78,25 +78,25 @@ class EditorTest : public testing::Test {
 };
 
 TEST_F(EditorTest, TellsASolutionForEveryEdit) {
-  EXPECT_EQ(told("lock bend"),
+  EXPECT_EQ(output("lock bend"),
             "revision 1: objective 11, mean 2.50 mm, worst index 3.00 mm; 2 of 2 patches "
             "reached\n");
-  EXPECT_THAT(told("weight thumb 0.2; unlock bend"),
+  EXPECT_THAT(output("weight thumb 0.2; unlock bend"),
               AllOf(HasSubstr("revision 2: objective 12"), HasSubstr("revision 3: ")));
-  ASSERT_EQ(desk_.edits().size(), 3U);
-  EXPECT_EQ(desk_.edits()[0].body()._d(), v1::EDIT_JOINT_LOCK);
-  EXPECT_EQ(desk_.edits()[1].base_revision(), 1U);
-  EXPECT_EQ(desk_.edits()[2].base_revision(), 2U);
+  ASSERT_EQ(edit_server_.edits().size(), 3U);
+  EXPECT_EQ(edit_server_.edits()[0].body()._d(), v1::EDIT_JOINT_LOCK);
+  EXPECT_EQ(edit_server_.edits()[1].base_revision(), 1U);
+  EXPECT_EQ(edit_server_.edits()[2].base_revision(), 2U);
 }
 
 TEST_F(EditorTest, ANewSnapshotWaitsForNoSolution) {
-  EXPECT_EQ(told("snapshot before"), "revision 1\n");
+  EXPECT_EQ(output("snapshot before"), "revision 1\n");
 }
 
 TEST_F(EditorTest, TellsWhyASolveFailed) {
-  desk_.fail = true;
+  edit_server_.fail = true;
   try {
-    told("disable thumb");
+    output("disable thumb");
     FAIL() << "a failed solve was taken for a solution";
   } catch (const SolveFailed& failed) {
     EXPECT_STREQ(failed.what(), "the hand has no point left");
@@ -104,10 +104,10 @@ TEST_F(EditorTest, TellsWhyASolveFailed) {
 }
 
 TEST_F(EditorTest, AStaleEditIsRefusedWithWhatCameBefore) {
-  told("lock bend");
-  desk_.editByOther("limit bend upper 0.6", false);
+  output("lock bend");
+  edit_server_.editByOther("limit bend upper 0.6", false);
   try {
-    told("unlock bend");
+    output("unlock bend");
     FAIL() << "a stale edit was applied";
   } catch (const Refused& refused) {
     EXPECT_EQ(refused.code(), v1::ERROR_CONFLICT);
@@ -115,13 +115,13 @@ TEST_F(EditorTest, AStaleEditIsRefusedWithWhatCameBefore) {
                                       HasSubstr("limit bend upper 0.6")));
     EXPECT_EQ(failureOf(refused).exit_code, 2);
   }
-  EXPECT_EQ(desk_.edits().size(), 1U);
-  EXPECT_THAT(told("unlock bend"), HasSubstr("revision 3"));  // now it has been shown
+  EXPECT_EQ(edit_server_.edits().size(), 1U);
+  EXPECT_THAT(output("unlock bend"), HasSubstr("revision 3"));  // now it has been shown
 }
 
 TEST_F(EditorTest, WhatOthersDoIsNewsOnce) {
-  told("lock bend");
-  desk_.editByOther("lock slide", true);
+  output("lock bend");
+  edit_server_.editByOther("lock slide", true);
   std::vector<std::string> news;
   for (int i = 0; i < 500 && news.empty(); ++i) {
     news = editor_.session().news();
@@ -130,34 +130,34 @@ TEST_F(EditorTest, WhatOthersDoIsNewsOnce) {
   ASSERT_EQ(news.size(), 1U);
   EXPECT_THAT(news[0], AllOf(HasSubstr("revision 2"), HasSubstr("lock slide")));
   EXPECT_TRUE(editor_.session().news().empty());
-  EXPECT_THAT(told("unlock bend"), HasSubstr("revision 3"));
+  EXPECT_THAT(output("unlock bend"), HasSubstr("revision 3"));
 }
 
 TEST_F(EditorTest, CtrlCCancelsASolveAndNothingElse) {
-  desk_.hang = true;
+  edit_server_.hang = true;
   std::thread user([this] {
-    while (!desk_.hanging)
+    while (!edit_server_.hanging)
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     raise(SIGINT);
   });
-  EXPECT_THROW(told("solve"), Cancelled);
+  EXPECT_THROW(output("solve"), Cancelled);
   user.join();
   interruption_.reset();
-  desk_.hang = false;
-  EXPECT_THAT(told("lock bend"), HasSubstr("revision 1: objective 11"));
-  EXPECT_THAT(told("solve"), HasSubstr("objective 11"));
-  EXPECT_THAT(desk_.operations(), Not(testing::Contains(v1::OP_CLOSE_SESSION)));
+  edit_server_.hang = false;
+  EXPECT_THAT(output("lock bend"), HasSubstr("revision 1: objective 11"));
+  EXPECT_THAT(output("solve"), HasSubstr("objective 11"));
+  EXPECT_THAT(edit_server_.operations(), Not(testing::Contains(v1::OP_CLOSE_SESSION)));
 }
 
 TEST_F(EditorTest, CtrlCStopsTheSolveThatFollowsAnEdit) {
-  desk_.hold_poses = true;
+  edit_server_.hold_poses = true;
   std::thread user([this] {
-    while (desk_.edits().empty())
+    while (edit_server_.edits().empty())
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     raise(SIGINT);
   });
   try {
-    told("lock bend");
+    output("lock bend");
     FAIL() << "there was no pose to tell of";
   } catch (const CommandFailed& failed) {
     EXPECT_EQ(failed.exitCode(), 1);
@@ -165,21 +165,21 @@ TEST_F(EditorTest, CtrlCStopsTheSolveThatFollowsAnEdit) {
   }
   user.join();
   interruption_.reset();
-  EXPECT_THAT(desk_.operations(), AllOf(testing::Contains(v1::OP_STOP_SOLVING),
-                                        Not(testing::Contains(v1::OP_CLOSE_SESSION))));
-  desk_.hold_poses = false;
-  EXPECT_THAT(told("unlock bend"), HasSubstr("revision 2: objective 12"));
+  EXPECT_THAT(edit_server_.operations(), AllOf(testing::Contains(v1::OP_STOP_SOLVING),
+                                               Not(testing::Contains(v1::OP_CLOSE_SESSION))));
+  edit_server_.hold_poses = false;
+  EXPECT_THAT(output("unlock bend"), HasSubstr("revision 2: objective 12"));
 }
 
 // === Poses and their explanations
 
 TEST_F(EditorTest, AScriptWaitsForTheExplanation) {
-  desk_.hold_explanations = true;
+  edit_server_.hold_explanations = true;
   std::thread server([this] {
-    while (desk_.edits().empty())
+    while (edit_server_.edits().empty())
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     std::this_thread::sleep_for(std::chrono::milliseconds(500));  // longer than a prompt waits
-    desk_.diagnose();
+    edit_server_.diagnose();
   });
   editor_.showPosesAtOnce();  // which is for those who type
   EXPECT_EQ(failureOfScript("lock bend\n").exit_code, 0);
@@ -189,14 +189,14 @@ TEST_F(EditorTest, AScriptWaitsForTheExplanation) {
 }
 
 TEST_F(EditorTest, ANewerRevisionAnswersForOneThatIsNotDiagnosed) {
-  desk_.hold_explanations = true;
+  edit_server_.hold_explanations = true;
   std::thread other([this] {
-    while (desk_.edits().empty())
+    while (edit_server_.edits().empty())
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
-    desk_.editByOther("lock slide", true);
+    edit_server_.editByOther("lock slide", true);
   });
-  EXPECT_EQ(told("lock bend"),
+  EXPECT_EQ(output("lock bend"),
             "revision 2: objective 12, mean 2.50 mm, worst index 3.00 mm; 2 of 2 patches "
             "reached\n");
   other.join();
@@ -204,12 +204,12 @@ TEST_F(EditorTest, ANewerRevisionAnswersForOneThatIsNotDiagnosed) {
 
 TEST_F(EditorTest, AtThePromptPosesComeAtOnceAndExplanationsAsNews) {
   editor_.showPosesAtOnce();
-  EXPECT_THAT(told("lock bend"), HasSubstr("worst index 3.00 mm; 2 of 2 patches reached\n"));
-  desk_.hold_explanations = true;
-  EXPECT_EQ(told("unlock bend"),
+  EXPECT_THAT(output("lock bend"), HasSubstr("worst index 3.00 mm; 2 of 2 patches reached\n"));
+  edit_server_.hold_explanations = true;
+  EXPECT_EQ(output("unlock bend"),
             "revision 2: objective 12, mean 2.50 mm, worst index 3.00 mm\n");
   EXPECT_TRUE(editor_.session().news().empty());
-  desk_.diagnose();
+  edit_server_.diagnose();
   std::vector<std::string> news;
   for (int i = 0; i < 500 && news.empty(); ++i) {
     news = editor_.session().news();
@@ -221,13 +221,13 @@ TEST_F(EditorTest, AtThePromptPosesComeAtOnceAndExplanationsAsNews) {
 
 TEST_F(EditorTest, ShowWaitsForTheExplanation) {
   editor_.showPosesAtOnce();
-  desk_.hold_explanations = true;
-  EXPECT_THAT(told("lock bend"), Not(HasSubstr("reached")));
+  edit_server_.hold_explanations = true;
+  EXPECT_THAT(output("lock bend"), Not(HasSubstr("reached")));
   std::thread server([this] {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
-    desk_.diagnose();
+    edit_server_.diagnose();
   });
-  EXPECT_THAT(told("show"), HasSubstr("2 of 2 patches reached"));
+  EXPECT_THAT(output("show"), HasSubstr("2 of 2 patches reached"));
   server.join();
 }
 
@@ -252,14 +252,14 @@ TEST(Solutions, LeaveOutPatchesThatDoNotCount) {
 
 TEST_F(EditorTest, APatchThatIsSwitchedOffBeforeItIsDiagnosedIsLeftOut) {
   editor_.showPosesAtOnce();
-  desk_.hold_explanations = true;
-  desk_.switchOff("index");  // as the settings tell
-  EXPECT_THAT(told("disable index"), HasSubstr("mean 1.00 mm, worst thumb 1.00 mm\n"));
+  edit_server_.hold_explanations = true;
+  edit_server_.switchOff("index");  // as the settings tell
+  EXPECT_THAT(output("disable index"), HasSubstr("mean 1.00 mm, worst thumb 1.00 mm\n"));
 }
 
 TEST_F(EditorTest, StatesThatAreOverChangeNothing) {
-  told("lock bend");
-  desk_.repeatOldState();
+  output("lock bend");
+  edit_server_.repeatOldState();
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
   EXPECT_TRUE(editor_.session().news().empty());
   EXPECT_EQ(editor_.session().state().revision(), 1U);
@@ -272,7 +272,7 @@ TEST_F(EditorTest, AScriptEchoesAndStopsAtItsFirstFailure) {
   EXPECT_THAT(failure.message, AllOf(testing::StartsWith("test.hg:4: "), HasSubstr("'bent'")));
   EXPECT_THAT(echoed_, AllOf(testing::StartsWith("> lock bend\nrevision 1"),
                              HasSubstr("> lock bent"), Not(HasSubstr("> unlock"))));
-  EXPECT_EQ(desk_.edits().size(), 1U);
+  EXPECT_EQ(edit_server_.edits().size(), 1U);
 }
 
 TEST_F(EditorTest, ScriptsRunScripts) {
@@ -281,7 +281,7 @@ TEST_F(EditorTest, ScriptsRunScripts) {
   const Failure failure = failureOfScript("!script " + inner.string() + "\n");
   EXPECT_THAT(failure.message,
               testing::StartsWith("test.hg:1: " + inner.string() + ":2: lock: 'nothing'"));
-  EXPECT_EQ(desk_.edits().size(), 1U);
+  EXPECT_EQ(edit_server_.edits().size(), 1U);
 
   const auto endless = test::scratchDirectory() / "endless.hg";
   std::ofstream(endless) << "!script " << endless.string() << "\n";
@@ -291,7 +291,7 @@ TEST_F(EditorTest, ScriptsRunScripts) {
 TEST_F(EditorTest, AFolderIsNoScript) {
   const std::string folder = test::scratchDirectory().string();
   try {
-    told("!script " + folder);
+    output("!script " + folder);
     FAIL() << "a folder was taken for an empty script";
   } catch (const InvalidInput& error) {
     EXPECT_THAT(error.what(), AllOf(HasSubstr(folder), HasSubstr("folder")));
@@ -299,17 +299,17 @@ TEST_F(EditorTest, AFolderIsNoScript) {
 }
 
 TEST_F(EditorTest, SaysThatTheSearchMovesAJointThatIsNotLocked) {
-  EXPECT_THAT(told("joint bend 0.3"), HasSubstr("moved bend on to 0.5"));
-  EXPECT_THAT(told("joint bend 0.5"), Not(HasSubstr("moved")));  // where the search leaves it
+  EXPECT_THAT(output("joint bend 0.3"), HasSubstr("moved bend on to 0.5"));
+  EXPECT_THAT(output("joint bend 0.5"), Not(HasSubstr("moved")));  // where the search leaves it
 }
 
 TEST_F(EditorTest, SaysWhoseTheLastEditWas) {
-  told("lock bend");
-  EXPECT_THAT(told("show session"), HasSubstr("an edit (by you)"));
-  desk_.editByOther("lock slide", true);
+  output("lock bend");
+  EXPECT_THAT(output("show session"), HasSubstr("an edit (by you)"));
+  edit_server_.editByOther("lock slide", true);
   std::string shown;
   for (int i = 0; i < 500 && shown.find("slide") == std::string::npos; ++i) {
-    shown = told("show session");
+    shown = output("show session");
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   EXPECT_THAT(shown, HasSubstr("lock slide (by client abababab)"));
@@ -319,29 +319,29 @@ TEST_F(EditorTest, QuitEndsAScript) {
   EXPECT_EQ(failureOfScript("quit\nlock bend\n").exit_code, 0);
   EXPECT_TRUE(editor_.finished());
   EXPECT_FALSE(editor_.closed());
-  EXPECT_TRUE(desk_.edits().empty());
+  EXPECT_TRUE(edit_server_.edits().empty());
 }
 
 TEST_F(EditorTest, CloseEndsTheSession) {
-  EXPECT_EQ(told("close; lock bend"), "closed session 7\n");
+  EXPECT_EQ(output("close; lock bend"), "closed session 7\n");
   EXPECT_TRUE(editor_.closed());
-  EXPECT_THAT(desk_.operations(), testing::Contains(v1::OP_CLOSE_SESSION));
+  EXPECT_THAT(edit_server_.operations(), testing::Contains(v1::OP_CLOSE_SESSION));
 }
 
 TEST_F(EditorTest, JoinsASessionByItsId) {
-  EXPECT_EQ(told("join 7"), "");  // it is there already: nothing is left behind
-  EXPECT_THAT(desk_.operations(), testing::Contains(v1::OP_DESCRIBE_SESSION));
-  EXPECT_THROW(told("join"), InvalidInput) << "there was no session before this one";
+  EXPECT_EQ(output("join 7"), "");  // it is there already: nothing is left behind
+  EXPECT_THAT(edit_server_.operations(), testing::Contains(v1::OP_DESCRIBE_SESSION));
+  EXPECT_THROW(output("join"), InvalidInput) << "there was no session before this one";
 }
 
 TEST_F(EditorTest, WritesFiles) {
   const std::string folder = test::scratchDirectory().string();
-  told("save " + folder + "/session.json; export csv " + folder + "/pose.csv");
+  output("save " + folder + "/session.json; export csv " + folder + "/pose.csv");
   EXPECT_EQ(readFile(folder + "/session.json"), "the session");
   EXPECT_EQ(readFile(folder + "/pose.csv"), "csv of 7");
-  EXPECT_THROW(told("save /no/such/folder/session.json"), InvalidInput);
+  EXPECT_THROW(output("save /no/such/folder/session.json"), InvalidInput);
   try {
-    told("export glb /no/such/folder/hand.glb");
+    output("export glb /no/such/folder/hand.glb");
     FAIL() << "a file was written where there is no folder";
   } catch (const InvalidInput& error) {
     EXPECT_THAT(error.what(), testing::StartsWith("export '/no/such/folder/hand.glb'"));
@@ -354,23 +354,23 @@ TEST_F(EditorTest, AFileThatNoRequestCarriesIsRefusedWithItsSize) {
   std::filesystem::resize_file(file, 17U << 20U);
   for (const char* command : {"load ", "replay "}) {
     try {
-      told(command + file.string());
+      output(command + file.string());
       FAIL() << "17 MiB were sent";
     } catch (const InvalidInput& error) {
       EXPECT_THAT(error.what(), AllOf(HasSubstr("large.json"), HasSubstr("17.0 MiB"),
                                       HasSubstr("at most 16 MiB")));
     }
   }
-  EXPECT_THAT(desk_.operations(), Not(testing::Contains(v1::OP_LOAD_SESSION)));
+  EXPECT_THAT(edit_server_.operations(), Not(testing::Contains(v1::OP_LOAD_SESSION)));
 }
 
 TEST_F(EditorTest, AReplayThatDiffersFails) {
   const std::string file = (test::scratchDirectory() / "log.json").string();
   std::ofstream(file) << "{}";
-  EXPECT_EQ(told("replay " + file), "3 entries played; it ends the same\n");
-  desk_.same = false;
+  EXPECT_EQ(output("replay " + file), "3 entries played; it ends the same\n");
+  edit_server_.same = false;
   try {
-    told("replay " + file);
+    output("replay " + file);
     FAIL() << "a difference was taken for success";
   } catch (const CommandFailed& failed) {
     EXPECT_EQ(failed.exitCode(), 1);
@@ -379,14 +379,14 @@ TEST_F(EditorTest, AReplayThatDiffersFails) {
 }
 
 TEST_F(EditorTest, ShowsWhatASessionIsMadeOf) {
-  EXPECT_THROW(told("show"), InvalidInput);  // nothing is solved yet
-  told("solve");
-  EXPECT_THAT(told("show"), AllOf(HasSubstr("thumb"), HasSubstr("3.00")));
-  EXPECT_THAT(told("show joints"), AllOf(HasSubstr("bend"), HasSubstr("-0.5")));
-  EXPECT_THAT(told("show settings"), HasSubstr("slsqp, 8 starts"));
-  EXPECT_THAT(told("show session"), HasSubstr("plate_2"));
-  EXPECT_EQ(told("show snapshots"), "before\n");
-  EXPECT_THAT(told("show history"), HasSubstr("* revision 0"));
+  EXPECT_THROW(output("show"), InvalidInput);  // nothing is solved yet
+  output("solve");
+  EXPECT_THAT(output("show"), AllOf(HasSubstr("thumb"), HasSubstr("3.00")));
+  EXPECT_THAT(output("show joints"), AllOf(HasSubstr("bend"), HasSubstr("-0.5")));
+  EXPECT_THAT(output("show settings"), HasSubstr("slsqp, 8 starts"));
+  EXPECT_THAT(output("show session"), HasSubstr("plate_2"));
+  EXPECT_EQ(output("show snapshots"), "before\n");
+  EXPECT_THAT(output("show history"), HasSubstr("* revision 0"));
 }
 
 TEST_F(EditorTest, KnowsAllNamesForCompletion) {
@@ -403,12 +403,12 @@ TEST_F(EditorTest, KnowsAllNamesForCompletion) {
 TEST(EditorInJson, PrintsOneObjectALine) {
   const test::TestDomain domain;
   const Network network{domain.number(), "lo"};
-  test::FakeDesk desk(network);
+  test::FakeEditServer edit_server(network);
   Interruption interruption;
   Client server(attended(network, Absence::kFail, interruption));
   ProgressLine progress;
   const Sink sink(Sink::Form::kJson, progress);
-  Editor editor(server, interruption, sink, desk.state());
+  Editor editor(server, interruption, sink, edit_server.state());
   testing::internal::CaptureStdout();
   EXPECT_THROW(editor.run("lock bend; show joints; lock bent; solve"), InvalidInput);
   std::istringstream lines(testing::internal::GetCapturedStdout());

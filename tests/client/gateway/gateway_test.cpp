@@ -141,7 +141,7 @@ TEST_F(GatewayTest, TakesFilesInParts) {
   const auto put = [&](const char* path) {
     return give(
         *page,
-        fmt::format(R"({{"do": "put", "gift": 1, "path": "{}", "total_bytes": 3}})", path),
+        fmt::format(R"({{"do": "put", "group": 1, "path": "{}", "total_bytes": 3}})", path),
         "v 1");
   };
   EXPECT_FALSE(put("cube.obj").contains("error"));
@@ -152,24 +152,24 @@ TEST_F(GatewayTest, TakesFilesInParts) {
   EXPECT_EQ(answerTo(*page)["error"]["code"], "invalid_input");
 
   // What the server says of it comes back: this one knows no files.
-  const std::string load = R"({"id": 8, "do": "load", "gift": 1, "kind": "object", )"
+  const std::string load = R"({"id": 8, "do": "load", "group": 1, "kind": "object", )"
                            R"("object": "", "units": "", "main": )";
   EXPECT_EQ(ask(*page, load + R"("cube.obj"})")["error"]["code"], "not_found");
   EXPECT_EQ(ask(*page, load + R"("sphere.obj"})")["error"]["code"], "invalid_input");
   EXPECT_EQ(server_.operations(), std::vector<v1::Operation>{v1::OP_PUT_FILE});
-  EXPECT_FALSE(ask(*page, R"({"do": "drop", "gift": 1})").contains("error"));
+  EXPECT_FALSE(ask(*page, R"({"do": "drop", "group": 1})").contains("error"));
   EXPECT_EQ(ask(*page, load + R"("cube.obj"})")["error"]["code"], "invalid_input");
 }
 
 TEST_F(GatewayTest, TakesNoFilesOfThoseWhoLook) {
   serve(true);
   const auto page = join();
-  EXPECT_EQ(give(*page, R"({"do": "put", "gift": 1, "path": "a.obj", "total_bytes": 1})",
+  EXPECT_EQ(give(*page, R"({"do": "put", "group": 1, "path": "a.obj", "total_bytes": 1})",
                  "v")["error"]["code"],
             "not_permitted");
   EXPECT_EQ(
       ask(*page,
-          R"({"do": "load", "gift": 1, "kind": "object", "main": "a.obj"})")["error"]["code"],
+          R"({"do": "load", "group": 1, "kind": "object", "main": "a.obj"})")["error"]["code"],
       "not_permitted");
   EXPECT_EQ(server_.operations(), std::vector<v1::Operation>());
 }

@@ -111,8 +111,8 @@ TEST_F(GivenFilesTest, HaveRoomForSoMuchAndNotForMore) {
   GivenLimits limits;
   limits.bytes_per_page = 100;
   limits.bytes = 150;
-  limits.files_per_gift = 2;
-  limits.gifts_per_page = 2;
+  limits.files_per_group = 2;
+  limits.groups_per_page = 2;
   GivenFiles given(limits);
   given.put(1, {1, "a", 60, 0, ""});
   EXPECT_THROW(given.put(1, {1, "b", 41, 0, ""}), Refused);

@@ -171,13 +171,13 @@ TEST_P(BringUpOf, JogsNoMotorThatKnowsItsZeroBeyondItsRange) {
 }
 
 /// Somebody who does as he is asked, and tells what he sees.
-class GoodCompanion {
+class GoodOperator {
  public:
   /// Joint i is at 0 where motor i is at `zero_rad`; joint 1 counts the other way.
-  GoodCompanion(Bench& bench, double zero_rad) : bench_(bench), zero_rad_(zero_rad) {}
+  GoodOperator(Bench& bench, double zero_rad) : bench_(bench), zero_rad_(zero_rad) {}
 
-  Companion companion() {
-    Companion told;
+  Operator person() {
+    Operator told;
     told.say = [this](const std::string& line) {
       said += line + "\n";
       if (line.find(": hold the space bar") != std::string::npos) before_ = bench_.angles();
@@ -232,10 +232,10 @@ class GoodCompanion {
 TEST_P(BringUpOf, TheWalkFindsZerosAndDirectionsAndEndsWell) {
   Bench bench(made());
   const bool has_zeros = GetParam().has_zeros;
-  GoodCompanion good(bench, 0.3);
+  GoodOperator good(bench, 0.3);
   config::HandConfig found = bench.config_;
   const Findings findings =
-      check(found, bench.maker(), bench.clock(), bench.sleeper(), good.companion());
+      check(found, bench.maker(), bench.clock(), bench.sleeper(), good.person());
   EXPECT_TRUE(findings.isFine()) << findings.trouble << "\n"
                                  << reportText(found, findings) << good.asked << good.said;
   EXPECT_EQ(findings.lacks_watchdog, !GetParam().has_watchdog);

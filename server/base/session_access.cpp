@@ -1,9 +1,9 @@
-#include "server/sessions/session_access.h"
+#include "server/base/session_access.h"
 
 #include <algorithm>
 
 #include "core/base/error.h"
-#include "server/admission/rejection.h"
+#include "server/base/rejection.h"
 
 namespace handgraft::server {
 

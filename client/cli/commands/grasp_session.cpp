@@ -1,6 +1,6 @@
-#include "client/cli/grasp_session.h"
+#include "client/cli/commands/grasp_session.h"
 
-#include "client/cli/input_files.h"
+#include "client/cli/commands/input_files.h"
 #include "client/link/wire_pose.h"
 #include "core/base/error.h"
 #include "idl/fields.h"

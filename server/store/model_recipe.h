@@ -6,7 +6,7 @@
 namespace handgraft::server {
 
 /// What a model is made of, so that it can be made again: in a store, or elsewhere.
-struct Makings {
+struct ModelRecipe {
   std::string form;  ///< kReadForm, kVariantForm
   std::string settings;
   std::string bytes;

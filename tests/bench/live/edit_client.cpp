@@ -1,4 +1,4 @@
-#include "tests/bench/live/edit_desk.h"
+#include "tests/bench/live/edit_client.h"
 
 #include "idl/client_id.h"
 
@@ -12,7 +12,7 @@ double msSince(Clock::time_point begin) {
 
 }  // namespace
 
-EditDesk::EditDesk(const Network& network)
+EditClient::EditClient(const Network& network)
     : participant_(network),
       requester_(participant_),
       client_(idl::randomClient()),
@@ -26,13 +26,13 @@ EditDesk::EditDesk(const Network& network)
         takeSolutions();
       }) {}
 
-v1::SessionState EditDesk::open(const v1::OpenSessionRequest& request) {
+v1::SessionState EditClient::open(const v1::OpenSessionRequest& request) {
   v1::RequestBody body;
   body.open_session(request);
   return requester_.ask(body).session();
 }
 
-v1::ReplyBody EditDesk::ofSession(v1::Operation operation, std::uint64_t session) {
+v1::ReplyBody EditClient::ofSession(v1::Operation operation, std::uint64_t session) {
   v1::SessionKey key;
   key.session_id(session);
   v1::RequestBody body;
@@ -41,7 +41,7 @@ v1::ReplyBody EditDesk::ofSession(v1::Operation operation, std::uint64_t session
   return requester_.ask(body);
 }
 
-std::uint64_t EditDesk::send(std::uint64_t session, const v1::EditBody& body) {
+std::uint64_t EditClient::send(std::uint64_t session, const v1::EditBody& body) {
   v1::Edit edit;
   edit.client(client_);
   edit.edit_id(++last_edit_);
@@ -55,7 +55,7 @@ std::uint64_t EditDesk::send(std::uint64_t session, const v1::EditBody& body) {
   return edit.edit_id();
 }
 
-void EditDesk::takeReplies() {
+void EditClient::takeReplies() {
   replies_.take([this](const v1::EditReply& reply) {
     if (reply.client() != client_) return;
     const std::lock_guard lock(mutex_);
@@ -76,7 +76,7 @@ void EditDesk::takeReplies() {
   news_.notify_all();
 }
 
-void EditDesk::takeSolutions() {
+void EditClient::takeSolutions() {
   solutions_.take([this](const v1::PoseSolution& solution) {
     if (!solution.is_final()) return;
     const auto now_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -101,7 +101,7 @@ void EditDesk::takeSolutions() {
   news_.notify_all();
 }
 
-void EditDesk::takeAnswer(const Final& latest, Sent& sent) {
+void EditClient::takeAnswer(const Final& latest, Sent& sent) {
   EditFate& fate = sent.fate;
   if (!fate.answered || fate.error != v1::ERROR_NONE || fate.solved) return;
   if (fate.revision > latest.revision || latest.at < sent.at) return;
@@ -112,7 +112,7 @@ void EditDesk::takeAnswer(const Final& latest, Sent& sent) {
   fate.stages_ms = latest.stages_ms;
 }
 
-EditFate EditDesk::await(std::uint64_t session, std::uint64_t edit, Clock::duration timeout) {
+EditFate EditClient::await(std::uint64_t session, std::uint64_t edit, Clock::duration timeout) {
   std::unique_lock lock(mutex_);
   news_.wait_for(lock, timeout, [&] {
     return isOver(sent_[session][edit].fate);
@@ -120,7 +120,7 @@ EditFate EditDesk::await(std::uint64_t session, std::uint64_t edit, Clock::durat
   return sent_[session][edit].fate;
 }
 
-std::vector<EditFate> EditDesk::fates(std::uint64_t session) {
+std::vector<EditFate> EditClient::fates(std::uint64_t session) {
   const std::lock_guard lock(mutex_);
   std::vector<EditFate> list;
   for (const auto& [id, sent] : sent_[session])
@@ -128,7 +128,7 @@ std::vector<EditFate> EditDesk::fates(std::uint64_t session) {
   return list;
 }
 
-void EditDesk::forget() {
+void EditClient::forget() {
   const std::lock_guard lock(mutex_);
   sent_.clear();
 }

@@ -34,9 +34,9 @@ struct EditFate {
 
 /// An editor of many sessions at once, over Cyclone DDS: publishes edits without waiting and
 /// notes when replies and final solutions arrive. Threads: one user; listens on Cyclone's.
-class EditDesk {
+class EditClient {
  public:
-  explicit EditDesk(const Network& network);
+  explicit EditClient(const Network& network);
 
   [[nodiscard]] idl::cyclone::Requester& requester() { return requester_; }
 

@@ -1,4 +1,4 @@
-#include "client/cli/kept_session.h"
+#include "client/cli/commands/kept_session.h"
 
 #include <cstdio>
 

@@ -4,7 +4,7 @@
 #include <atomic>
 #include <thread>
 
-#include "server/admission/strand_pool.h"
+#include "server/base/strand_pool.h"
 #include "server/sessions/session_store.h"
 #include "server/store/model_store.h"
 #include "server/store/upload_reader.h"
@@ -18,7 +18,7 @@ class StateStore;  // store/state_store.h
 struct Mark;
 
 /// What handlers work with. Outlives every request.
-struct Workshop {
+struct HandlerContext {
   ModelStore& models;
   UploadStore& uploads;
   const UploadReader& reader;
@@ -36,9 +36,9 @@ struct Workshop {
   /// Counts one solve for as long as it lives.
   class Share {
    public:
-    explicit Share(Workshop& workshop) : workshop_(workshop), others_(workshop.solving++) {}
+    explicit Share(HandlerContext& context) : context_(context), others_(context.solving++) {}
 
-    ~Share() { --workshop_.solving; }
+    ~Share() { --context_.solving; }
 
     Share(const Share&) = delete;
     Share& operator=(const Share&) = delete;
@@ -50,7 +50,7 @@ struct Workshop {
     }
 
    private:
-    Workshop& workshop_;
+    HandlerContext& context_;
     int others_;
   };
 };

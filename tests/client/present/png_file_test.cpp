@@ -1,4 +1,4 @@
-#include "client/present/render/png_file.h"
+#include "client/present/png_file.h"
 
 #include <cstring>
 
@@ -9,8 +9,10 @@
 
 #include "tests/support/shared_data.h"
 
-namespace handgraft::client::render {
+namespace handgraft::client {
 namespace {
+
+using render::Image;
 
 namespace fs = std::filesystem;
 
@@ -70,4 +72,4 @@ TEST(Image, RefusesSizesThatAreNone) {
 }
 
 }  // namespace
-}  // namespace handgraft::client::render
+}  // namespace handgraft::client

@@ -21,9 +21,9 @@ namespace handgraft::test {
 
 /// A server of one session, 7, on the small context: edits count revisions, are refused when
 /// they are stale, and are followed by a state, a final pose, and the same pose diagnosed.
-class FakeDesk {
+class FakeEditServer {
  public:
-  explicit FakeDesk(const Network& network)
+  explicit FakeEditServer(const Network& network)
       : server_(network,
                 [this](const v1::Request& request, v1::Reply& reply) {
                   return answer(request, reply);
@@ -37,26 +37,26 @@ class FakeDesk {
           serve();
         }) {}
 
-  ~FakeDesk() {
+  ~FakeEditServer() {
     stopping_ = true;
     thread_.join();
   }
 
-  FakeDesk(const FakeDesk&) = delete;
-  FakeDesk& operator=(const FakeDesk&) = delete;
+  FakeEditServer(const FakeEditServer&) = delete;
+  FakeEditServer& operator=(const FakeEditServer&) = delete;
 
   [[nodiscard]] v1::SessionState state() const {
     const std::lock_guard lock(mutex_);
     return stateNow();
   }
 
-  /// Somebody else's edit; published only if `told`.
-  void editByOther(const std::string& text, bool told) {
+  /// Somebody else's edit; published only if `published`.
+  void editByOther(const std::string& text, bool published) {
     const std::lock_guard lock(mutex_);
     ++revision_;
     last_edit_ = text;
     last_client_.fill(0xab);
-    if (!told) return;
+    if (!published) return;
     states_.write(stateNow());
     solutions_.write(solutionNow(true));
   }

@@ -1,4 +1,4 @@
-#include "client/present/render/png_file.h"
+#include "client/present/png_file.h"
 
 #include <csetjmp>
 #include <cstdio>
@@ -11,13 +11,13 @@
 #include "client/present/output_file.h"
 #include "core/base/error.h"
 
-namespace handgraft::client::render {
+namespace handgraft::client {
 
 namespace {
 
 // libpng reports errors by a long jump, which skips C++ destructors: nothing that owns memory
 // may be created between setjmp and the end of this function.
-bool encode(std::FILE* file, const Image& image, std::vector<png_const_bytep>& rows) {
+bool encode(std::FILE* file, const render::Image& image, std::vector<png_const_bytep>& rows) {
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr,
                                             [](png_structp, png_const_charp) {});
   if (png == nullptr) return false;
@@ -41,7 +41,7 @@ bool encode(std::FILE* file, const Image& image, std::vector<png_const_bytep>& r
 
 }  // namespace
 
-void writePng(const std::filesystem::path& path, const Image& image) {
+void writePng(const std::filesystem::path& path, const render::Image& image) {
   static_assert(sizeof(Color) == 3, "rows are handed to libpng as they lie in memory");
   std::vector<png_const_bytep> rows;
   for (int y = 0; y < image.height(); ++y)
@@ -59,4 +59,4 @@ void writePng(const std::filesystem::path& path, const Image& image) {
   writeFile(path, {bytes, size});
 }
 
-}  // namespace handgraft::client::render
+}  // namespace handgraft::client

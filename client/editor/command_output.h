@@ -7,7 +7,7 @@
 namespace handgraft::client::editor {
 
 /// Of what a command has to say: lines for people, each ended, and an object for programs.
-struct Told {
+struct CommandOutput {
   std::string text;
   json::Json data = json::Json::object();
 };

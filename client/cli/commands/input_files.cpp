@@ -1,4 +1,4 @@
-#include "client/cli/input_files.h"
+#include "client/cli/commands/input_files.h"
 
 namespace handgraft::client {
 
