@@ -45,20 +45,11 @@ std::vector<std::string> partsOf(const PosedHand& posed) {
 /// How its segments and its palm are turned.
 std::vector<contact::PartDirection> postureShownBy(const PosedHand& posed) {
   std::vector<contact::PartDirection> posture;
-  const auto note = [&](const std::string& part, int link, const Eigen::Vector3d& outward_S,
-                        const Eigen::Vector3d& palmar_S) {
+  for (const hand::TurnedPart& part : turnedParts(posed.coordinates.anatomy())) {
     const Eigen::Matrix3d R_OS =
-        posed.X_SO[static_cast<std::size_t>(link)].linear().transpose();
-    posture.push_back({part, R_OS * outward_S, R_OS * palmar_S});
-  };
-  const hand::Anatomy& anatomy = posed.coordinates.anatomy();
-  for (const hand::NamedDigit& digit : anatomy.digits)
-    for (const hand::Segment& segment : digit.segments)
-      note(hand::partName(digit.name, segment.name), segment.links.back(), segment.bone_S(),
-           segment.palmar_S);
-  if (anatomy.palm)
-    note(hand::kPalmPart, anatomy.palm->links.front(), anatomy.palm->outward_S,
-         anatomy.palm->facing_S);
+        posed.X_SO[static_cast<std::size_t>(part.link)].linear().transpose();
+    posture.push_back({part.name, R_OS * part.outward_S, R_OS * part.palmar_S});
+  }
   return posture;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <string>
+#include <utility>
 
 #include "core/hand/anatomy.h"
 #include "core/hand/hand_place.h"
@@ -32,31 +33,6 @@ constexpr double kMostSure = 8.0;
 
 constexpr int kPostureStarts = 8;
 constexpr int kPostureEvaluations = 100;
-
-/// A part of this hand.
-struct Part {
-  int link = 0;
-  Vector3d outward_L = Vector3d::Zero();
-  Vector3d palmar_L = Vector3d::Zero();
-};
-
-std::map<std::string, Part> partsOf(const hand::Hand& hand, const hand::LinkPoses& X_SL) {
-  std::map<std::string, Part> parts;
-  const auto note = [&](const std::string& name, int link, const Vector3d& outward_S,
-                        const Vector3d& palmar_S) {
-    const Eigen::Matrix3d R_LS = X_SL[static_cast<std::size_t>(link)].linear().transpose();
-    parts[name] = {link, R_LS * outward_S, R_LS * palmar_S};
-  };
-  const hand::Anatomy anatomy = anatomyOf(*hand.model, X_SL, hand.sites);
-  for (const hand::NamedDigit& digit : anatomy.digits)
-    for (const hand::Segment& segment : digit.segments)
-      note(hand::partName(digit.name, segment.name), segment.links.back(), segment.bone_S(),
-           segment.palmar_S);
-  if (anatomy.palm)
-    note(hand::kPalmPart, anatomy.palm->links.front(), anatomy.palm->outward_S,
-         anatomy.palm->facing_S);
-  return parts;
-}
 
 /// Two directions that are to be one.
 void align(int link,
@@ -96,7 +72,9 @@ Posture postureFor(const hand::Hand& hand, const contact::ContactSet& contacts) 
 
   hand::LinkPoses X_SL;
   forwardKinematics(*hand.model, Pose::Identity(), q_straight, X_SL);
-  const std::map<std::string, Part> parts = partsOf(hand, X_SL);
+  std::map<std::string, hand::TurnedPart> parts;
+  for (hand::TurnedPart& part : turnedParts(anatomyOf(*hand.model, X_SL, hand.sites)))
+    parts[part.name] = std::move(part);
   // Directions alone: the root's place plays no part.
   optimize::PoseProblem problem = optimize::makeProblem(hand.model);
   problem.weights = {0.0, 1.0, kRelaxing};
@@ -111,9 +89,10 @@ Posture postureFor(const hand::Hand& hand, const contact::ContactSet& contacts) 
     const auto part = parts.find(was.part);
     if (part == parts.end()) continue;
     const double weight = was.part == hand::kPalmPart ? kPalmWeight : 1.0;
-    align(part->second.link, part->second.outward_L, was.outward_O, weight, problem);
-    align(part->second.link, part->second.palmar_L, was.palmar_O, kPalmarWeight * weight,
-          problem);
+    const int link = part->second.link;
+    const Eigen::Matrix3d R_LS = X_SL[static_cast<std::size_t>(link)].linear().transpose();
+    align(link, R_LS * part->second.outward_S, was.outward_O, weight, problem);
+    align(link, R_LS * part->second.palmar_S, was.palmar_O, kPalmarWeight * weight, problem);
   }
   // Fewer leave the hand free to turn.
   if (problem.pairs.size() < 2) return posture;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "hardware/devices/stream_replies.h"
 
 namespace handgraft::devices {
 
@@ -46,11 +47,7 @@ std::size_t AbilityHandDevice::motorCount() const {
 }
 
 DeviceCounters AbilityHandDevice::counters() const {
-  DeviceCounters counters = counters_;
-  counters.frames = reader_.counters().frames;
-  counters.damaged = reader_.counters().damaged;
-  counters.garbage_bytes = reader_.counters().garbage_bytes;
-  return counters;
+  return withFramesOf(reader_, counters_);
 }
 
 std::span<const double> AbilityHandDevice::touch() const {
@@ -173,29 +170,14 @@ void AbilityHandDevice::askForState() {
 
 bool AbilityHandDevice::takeReply() {
   is_owed_ = false;
-  const TimePoint deadline = clock_() + config_.reply_timeout;
-  bool has_come = false;
-  const auto look = [&](protocols::Bytes content) {
-    const auto state = ah::stateOf(content);
-    if (has_come || !state || state->reply != config_.reply) {
-      ++counters_.stray;
-      return;
-    }
-    last_ = *state;
-    time_ = clock_();
-    has_come = true;
-  };
-  std::array<std::uint8_t, 256> chunk;
-  while (!has_come) {
-    const std::size_t count = bytes_.receive(chunk, deadline);
-    if (count == 0) {
-      reader_.settle(look);
-      break;
-    }
-    reader_.feed({chunk.data(), count}, look);
-  }
-  if (!has_come) ++counters_.missed;
-  return has_come;
+  return awaitReply(bytes_, reader_, clock_() + config_.reply_timeout, counters_,
+                    [&](protocols::Bytes content) {
+                      const auto state = ah::stateOf(content);
+                      if (!state || state->reply != config_.reply) return false;
+                      last_ = *state;
+                      time_ = clock_();
+                      return true;
+                    });
 }
 
 void AbilityHandDevice::askSurely() {

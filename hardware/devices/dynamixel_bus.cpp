@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "hardware/devices/stream_replies.h"
 
 namespace handgraft::devices {
 
@@ -94,9 +95,7 @@ void DynamixelBus::wait(Duration time) {
 }
 
 const DeviceCounters& DynamixelBus::counters() {
-  counters_.frames = reader_.counters().frames;
-  counters_.damaged = reader_.counters().damaged;
-  counters_.garbage_bytes = reader_.counters().garbage_bytes;
+  counters_ = withFramesOf(reader_, counters_);
   return counters_;
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "hardware/devices/stream_replies.h"
 
 namespace handgraft::devices {
 
@@ -47,11 +48,7 @@ InspireHand::InspireHand(InspireConfig config, ByteChannel& bytes, Clock clock)
 }
 
 DeviceCounters InspireHand::counters() const {
-  DeviceCounters counters = counters_;
-  counters.frames = reader_.counters().frames;
-  counters.damaged = reader_.counters().damaged;
-  counters.garbage_bytes = reader_.counters().garbage_bytes;
-  return counters;
+  return withFramesOf(reader_, counters_);
 }
 
 std::string InspireHand::meaningOf(std::uint32_t code) const {
@@ -217,32 +214,18 @@ void InspireHand::ask() {
 }
 
 bool InspireHand::take(std::uint8_t function, std::span<std::uint16_t> into) {
-  const TimePoint deadline = clock_() + config_.reply_timeout;
-  bool has_come = false;
-  const auto look = [&](protocols::Bytes content) {
-    const auto reply = modbus::replyOf(content);
-    const bool fits =
-        reply && reply->device == config_.address && reply->function == function &&
-        (function != modbus::kReadRegisters || reply->values.size() == 2 * into.size());
-    if (has_come || !fits) {
-      ++counters_.stray;
-      return;
-    }
-    has_come = true;
-    for (std::size_t i = 0; i < into.size(); ++i)
-      into[i] = modbus::registerAt(reply->values, i);
-  };
-  std::array<std::uint8_t, 128> chunk;
-  while (!has_come) {
-    const std::size_t count = bytes_.receive(chunk, deadline);
-    if (count == 0) {
-      reader_.settle(look);
-      break;
-    }
-    reader_.feed({chunk.data(), count}, look);
-  }
-  if (!has_come) ++counters_.missed;
-  return has_come;
+  return awaitReply(bytes_, reader_, clock_() + config_.reply_timeout, counters_,
+                    [&](protocols::Bytes content) {
+                      const auto reply = modbus::replyOf(content);
+                      const bool fits = reply && reply->device == config_.address &&
+                                        reply->function == function &&
+                                        (function != modbus::kReadRegisters ||
+                                         reply->values.size() == 2 * into.size());
+                      if (!fits) return false;
+                      for (std::size_t i = 0; i < into.size(); ++i)
+                        into[i] = modbus::registerAt(reply->values, i);
+                      return true;
+                    });
 }
 
 bool InspireHand::read(std::uint16_t address, std::span<std::uint16_t> into) {

@@ -26,6 +26,25 @@ class StoreSource final : public session::ModelSource {
   std::shared_ptr<const NamedModels> models_;
 };
 
+session::SessionModels modelsOn(const std::string& hand,
+                                const NamedModels& models,
+                                const std::string& object,
+                                const std::shared_ptr<const StoredObject>& stored_object,
+                                const std::string& contacts,
+                                std::shared_ptr<const contact::ContactSet> set,
+                                std::shared_ptr<session::ModelSource> source,
+                                const Progress& progress) {
+  session::SessionModels made;
+  made.hand_name = hand;
+  made.hand = models.hand(hand)->hand->get(progress);
+  made.object_name = object;
+  made.object_O = meshOf(stored_object);
+  made.contacts_name = contacts;
+  made.contacts = std::move(set);
+  made.source = std::move(source);
+  return made;
+}
+
 }  // namespace
 
 std::shared_ptr<session::ModelSource> sourceOf(std::shared_ptr<const NamedModels> models) {
@@ -49,19 +68,11 @@ session::SessionModels sessionModels(const std::string& hand,
                                      const NamedModels& models,
                                      std::shared_ptr<session::ModelSource> source,
                                      const Progress& progress) {
-  const auto stored_hand = models.hand(hand);
   const auto stored_object = models.object(object);
-  const auto stored_contacts = models.contacts(contacts);
-  requireSameMesh(*stored_contacts, *stored_object);
-  session::SessionModels made;
-  made.hand_name = hand;
-  made.hand = stored_hand->hand->get(progress);
-  made.object_name = object;
-  made.object_O = meshOf(stored_object);
-  made.contacts_name = contacts;
-  made.contacts = {stored_contacts, &stored_contacts->set};
-  made.source = std::move(source);
-  return made;
+  const auto stored = models.contacts(contacts);
+  requireSameMesh(*stored, *stored_object);
+  return modelsOn(hand, models, object, stored_object, contacts, {stored, &stored->set},
+                  std::move(source), progress);
 }
 
 session::SessionModels motionModels(const std::string& hand,
@@ -70,20 +81,13 @@ session::SessionModels motionModels(const std::string& hand,
                                     const NamedModels& models,
                                     std::shared_ptr<session::ModelSource> source,
                                     const Progress& progress) {
-  const auto stored_hand = models.hand(hand);
   const auto stored_object = models.object(object);
-  const auto stored_motion = models.motion(motion);
-  requireSameMesh(*stored_motion, *stored_object);
-  session::SessionModels made;
-  made.hand_name = hand;
-  made.hand = stored_hand->hand->get(progress);
-  made.object_name = object;
-  made.object_O = meshOf(stored_object);
-  made.contacts_name = motion;
-  made.contacts = std::make_shared<const contact::ContactSet>(
-      retargeting::graspOf(*stored_motion->motion, stored_object->file->mesh));
-  made.source = std::move(source);
-  return made;
+  const auto stored = models.motion(motion);
+  requireSameMesh(*stored, *stored_object);
+  auto grasp = std::make_shared<const contact::ContactSet>(
+      retargeting::graspOf(*stored->motion, stored_object->file->mesh));
+  return modelsOn(hand, models, object, stored_object, motion, std::move(grasp),
+                  std::move(source), progress);
 }
 
 }  // namespace handgraft::server

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "hardware/devices/stream_replies.h"
+
 namespace handgraft::devices {
 
 namespace {
@@ -89,32 +91,16 @@ void LineWire::sayTargets(const LineUnits& units) {
 }
 
 bool LineWire::hear() {
-  bool has_come = false;
-  const auto look = [&](protocols::Bytes frame) {
-    if (has_come || !told_.parse(textOf(frame))) {
-      ++counters_.stray;
-      return;
-    }
-    time_ = clock_();
-    has_come = true;
-  };
-  const TimePoint deadline = clock_() + reply_timeout_;
-  std::array<std::uint8_t, LineFraming::kLongest> chunk;
-  while (!has_come) {
-    const std::size_t count = bytes_.receive(chunk, deadline);
-    if (count == 0) break;
-    reader_.feed({chunk.data(), count}, look);
-  }
-  if (!has_come) ++counters_.missed;
-  return has_come;
+  return awaitReply(bytes_, reader_, clock_() + reply_timeout_, counters_,
+                    [&](protocols::Bytes frame) {
+                      if (!told_.parse(textOf(frame))) return false;
+                      time_ = clock_();
+                      return true;
+                    });
 }
 
 DeviceCounters LineWire::counters() const {
-  DeviceCounters counters = counters_;
-  counters.frames = reader_.counters().frames;
-  counters.damaged = reader_.counters().damaged;
-  counters.garbage_bytes = reader_.counters().garbage_bytes;
-  return counters;
+  return withFramesOf(reader_, counters_);
 }
 
 }  // namespace handgraft::devices
