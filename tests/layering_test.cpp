@@ -24,13 +24,16 @@ struct Layer {
 };
 
 const std::vector<std::string> kCore = {
-    "core/base",        "core/geometry",  "core/cloud",         "core/hand",
-    "core/contact",     "core/transfer",  "core/optimize",      "core/manipulation",
-    "core/quality",     "core/placement", "core/demonstration", "core/session",
-    "core/retargeting", "core/verdict",   "core/sweep",         "core/io"};
+    "core/base",     "core/formats",     "core/geometry",
+    "core/cloud",    "core/hand",        "core/contact",
+    "core/transfer", "core/optimize",    "core/manipulation",
+    "core/quality",  "core/placement",   "core/demonstration",
+    "core/session",  "core/retargeting", "core/verdict",
+    "core/sweep",    "core/io"};
 
 const std::vector<Layer> kLayers = {
     {"core/base", {}, {"eigen", "fmt"}},
+    {"core/formats", {"core/base"}, {"eigen", "fmt"}},
     {"core/geometry", {"core/base"}, {"eigen", "fmt"}},
     {"core/cloud", {"core/base", "core/geometry"}, {"eigen", "fmt"}},
     {"core/hand", {"core/base", "core/geometry"}, {"eigen", "fmt"}},
@@ -87,7 +90,9 @@ const std::vector<Layer> kLayers = {
     {"server/transport",
      {"core/base", "idl", "idl/datagrams", "idl/security"},
      {"fmt", "spdlog", "fastdds"}},
-    {"client/link", {"core/base", "idl", "idl/cyclone", "idl/security"}, {"eigen", "fmt"}},
+    {"client/link",
+     {"core/base", "core/formats", "idl", "idl/cyclone", "idl/security"},
+     {"eigen", "fmt"}},
     {"client/include", {"core/base", "client/link", "idl"}, {}},  // handgraft/client.h
     {"client/examples", {}, {"handgraft"}},
     {"client/python", {"core/base", "client/gateway", "client/link", "idl"}, {"fmt"}},
@@ -140,8 +145,10 @@ const std::map<std::string, std::set<std::string>> kAlone = {
       "core/io/glb_writer.cpp",
       "core/io/grasp_writer.cpp",
       "core/io/hand_joints_file.cpp",
-      "core/io/json_keys.cpp",
-      "core/io/json_keys.h",
+      "core/formats/demonstration_text.cpp",
+      "core/formats/demonstration_text.h",
+      "core/formats/json_keys.cpp",
+      "core/formats/json_keys.h",
       "core/io/motion_file.cpp",
       "core/io/motion_import.cpp",
       "core/io/motion_plan.cpp",
@@ -153,7 +160,6 @@ const std::map<std::string, std::set<std::string>> kAlone = {
       "core/io/session_writer.h",
       "core/io/trajectory_writer.cpp",
       "client/present/json_output.h",
-      "client/link/demonstration.cpp",
       "client/link/pose_file.cpp",
       "idl/grasp_file.cpp",
       "hardware/bridge/report_line.cpp",

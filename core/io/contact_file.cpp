@@ -12,8 +12,8 @@
 
 #include "core/base/error.h"
 #include "core/contact/carry.h"
+#include "core/formats/json_keys.h"
 #include "core/io/indexed_object.h"
-#include "core/io/json_keys.h"
 #include "core/io/object_file.h"
 
 namespace handgraft::io {
@@ -38,7 +38,7 @@ const json& fieldOf(const json& object, const char* name) {
 
 double numberFrom(const json& value, const char* name) {
   if (!value.is_number())
-    rejectInput("field '{}' is {}; it must be a number", name, shown(value));
+    rejectInput("field '{}' is {}; it must be a number", name, formats::shown(value));
   return value.get<double>();
 }
 
@@ -46,13 +46,14 @@ int integerFrom(const json& value, const char* name) {
   constexpr int kMost = std::numeric_limits<int>::max();
   const bool fits = (value.is_number_unsigned() && value.get<std::uint64_t>() <= kMost);
   if (!fits)
-    rejectInput("field '{}' is {}; it must be a whole number from 0", name, shown(value));
+    rejectInput("field '{}' is {}; it must be a whole number from 0", name,
+                formats::shown(value));
   return value.get<int>();
 }
 
 std::string stringFrom(const json& value, const char* name) {
   if (!value.is_string())
-    rejectInput("field '{}' is {}; it must be a string", name, shown(value));
+    rejectInput("field '{}' is {}; it must be a string", name, formats::shown(value));
   return value.get<std::string>();
 }
 
@@ -77,7 +78,7 @@ Eigen::Vector3d vectorFrom(const json& value, const char* name) {
 }
 
 void requireKnownKeys(const json& object, std::initializer_list<const char*> permitted) {
-  if (const auto fault = unknownKeyIn(object, permitted)) rejectInput("{}", *fault);
+  if (const auto fault = formats::unknownKeyIn(object, permitted)) rejectInput("{}", *fault);
 }
 
 // === Places, by the file's own indices
@@ -139,7 +140,8 @@ SurfacePoint surfacePointFrom(const json& value,
                               const char* name,
                               const IndexedObject& object) {
   if (!value.is_object()) rejectInput("field '{}' is no object", name);
-  if (const auto fault = unknownKeyIn(value, {"vertex", "face", "triangle", "barycentric"}))
+  if (const auto fault =
+          formats::unknownKeyIn(value, {"vertex", "face", "triangle", "barycentric"}))
     rejectInput("field '{}': {}", name, *fault);
   if (object.isCloud()) {
     const auto vertex = value.find("vertex");

@@ -10,8 +10,6 @@
 
 namespace handgraft::io {
 
-inline constexpr const char* kDemonstrationFormat = "handgraft-demonstration/1";
-
 /// Reads a posed human hand over time, `handgraft-demonstration/1` (FORMATS.md): 21 joints a
 /// frame or MANO's parameters, and the object's pose; or the same as NumPy's `.npz`, by these
 /// names or those that MANO sequences go by.

@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
+#include "core/formats/json_keys.h"
 #include "core/geometry/surface_locator.h"
 #include "core/io/file_bytes.h"
-#include "core/io/json_keys.h"
 
 namespace handgraft::io {
 namespace {
@@ -34,7 +34,7 @@ class Fields {
   Fields(const json& object, const char* what, std::initializer_list<const char*> permitted)
       : object_(object) {
     if (!object.is_object()) rejectInput("{} is no object", what);
-    if (const auto fault = unknownKeyIn(object, permitted)) rejectInput("{}", *fault);
+    if (const auto fault = formats::unknownKeyIn(object, permitted)) rejectInput("{}", *fault);
   }
 
   [[nodiscard]] bool has(const char* name) const { return object_.contains(name); }
@@ -55,7 +55,7 @@ class Fields {
     if (!has(name)) return "";
     const json& value = at(name);
     if (!value.is_string())
-      rejectInput("field '{}' is {}; it must be a text", name, shown(value));
+      rejectInput("field '{}' is {}; it must be a text", name, formats::shown(value));
     return value.get<std::string>();
   }
 
@@ -64,7 +64,8 @@ class Fields {
     if (!value.is_number_unsigned() ||
         value.get<std::uint64_t>() >
             static_cast<std::uint64_t>(std::numeric_limits<int>::max())) {
-      rejectInput("field '{}' is {}; it must be a whole number from 0", name, shown(value));
+      rejectInput("field '{}' is {}; it must be a whole number from 0", name,
+                  formats::shown(value));
     }
     return value.get<int>();
   }
@@ -73,7 +74,7 @@ class Fields {
     if (!has(name)) return otherwise;
     const json& value = at(name);
     if (!value.is_number())
-      rejectInput("field '{}' is {}; it must be a number", name, shown(value));
+      rejectInput("field '{}' is {}; it must be a number", name, formats::shown(value));
     return value.get<double>();
   }
 
@@ -89,7 +90,7 @@ Eigen::Matrix<double, count, 1> numbersFrom(const json& value, const char* name)
   for (int i = 0; i < count; ++i) {
     const json& number = value[static_cast<std::size_t>(i)];
     if (!number.is_number())
-      rejectInput("field '{}' has {}; it must have numbers", name, shown(number));
+      rejectInput("field '{}' has {}; it must have numbers", name, formats::shown(number));
     numbers[i] = number.get<double>();
   }
   return numbers;
@@ -182,7 +183,7 @@ Motion motionFrom(const json& root, const geometry::TriangleMesh& mesh_O) {
   for (const json& time : fields.list("time_s")) {
     if (!time.is_number())
       rejectInput("frame {}: field 'time_s' has {}; it must have numbers", motion.time_s.size(),
-                  shown(time));
+                  formats::shown(time));
     motion.time_s.push_back(time.get<double>());
   }
   for (const json& pose : fields.list("object_pose")) {

@@ -13,9 +13,9 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
+#include "core/formats/json_keys.h"
 #include "core/geometry/surface_locator.h"
 #include "core/io/file_bytes.h"
-#include "core/io/json_keys.h"
 
 namespace handgraft::io {
 namespace {
@@ -35,7 +35,7 @@ const json& memberOf(const json& object, const char* name) {
 
 double finiteFrom(const json& value, const char* name) {
   if (!value.is_number() || !std::isfinite(value.get<double>()))
-    rejectInput("field '{}' is {}; it must be a finite number", name, shown(value));
+    rejectInput("field '{}' is {}; it must be a finite number", name, formats::shown(value));
   return value.get<double>();
 }
 
@@ -225,7 +225,7 @@ Motion sequenceFrom(const json& root,
     const json& number = memberOf(frame, "frame");
     if (!number.is_number_unsigned() ||
         number.get<std::uint64_t>() >= static_cast<std::uint64_t>(manipulation::kMostFrames))
-      rejectInput("field 'frame' is {}; permitted are 0 to {}", shown(number),
+      rejectInput("field 'frame' is {}; permitted are 0 to {}", formats::shown(number),
                   manipulation::kMostFrames - 1);
     return number.get<int>();
   };

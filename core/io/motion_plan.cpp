@@ -9,10 +9,11 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
+#include "core/formats/demonstration_text.h"
+#include "core/formats/json_keys.h"
 #include "core/io/contact_file.h"
 #include "core/io/demonstration_file.h"
 #include "core/io/file_bytes.h"
-#include "core/io/json_keys.h"
 #include "core/io/motion_file.h"
 #include "core/io/motion_import.h"
 #include "core/io/npz_file.h"
@@ -43,7 +44,7 @@ std::string textIn(const json& root, const char* name) {
   const auto field = root.find(name);
   if (field == root.end()) return "";
   if (!field->is_string())
-    rejectInput("field '{}' is {}; it must be a text", name, shown(*field));
+    rejectInput("field '{}' is {}; it must be a text", name, formats::shown(*field));
   return field->get<std::string>();
 }
 
@@ -51,12 +52,12 @@ double numberIn(const json& root, const char* name, double otherwise) {
   const auto field = root.find(name);
   if (field == root.end()) return otherwise;
   if (!field->is_number())
-    rejectInput("field '{}' is {}; it must be a number", name, shown(*field));
+    rejectInput("field '{}' is {}; it must be a number", name, formats::shown(*field));
   return field->get<double>();
 }
 
 Motion joinedFrom(const json& root, const MeshFile& object, const FileOf& fileOf) {
-  if (const auto fault = unknownKeyIn(
+  if (const auto fault = formats::unknownKeyIn(
           root, {"format", "name", "object", "first", "last", "path", "rate_hz",
                  "slide_begin_share", "slide_end_share", "vanish_share", "appear_share"}))
     rejectInput("{}", *fault);
@@ -83,7 +84,7 @@ Motion plannedFrom(const json& root, const MeshFile& object, const FileOf& fileO
   const std::string recording = textIn(root, "recording");
   if (recording.empty()) return joinedFrom(root, object, fileOf);
   if (const auto fault =
-          unknownKeyIn(root, {"format", "name", "object", "recording", "object_path"}))
+          formats::unknownKeyIn(root, {"format", "name", "object", "recording", "object_path"}))
     rejectInput("{}", *fault);
   const std::string object_path = textIn(root, "object_path");
   return readContactSequence(fileOf(recording), object.mesh,
@@ -99,7 +100,7 @@ Motion readMotionFrom(const std::filesystem::path& path,
   const json root = rootOf(path);
   if (root.contains("frames")) return readContactSequence(path, object.mesh, "");
   const auto format = root.find("format");
-  if (format != root.end() && *format == kDemonstrationFormat)
+  if (format != root.end() && *format == formats::kDemonstrationFormat)
     return readDemonstratedMotion(path, object.mesh);
   if (format == root.end() || *format != kPlanFormat) return readMotion(path, object.mesh);
   std::string name;

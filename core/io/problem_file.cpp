@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
-#include "core/io/json_keys.h"
+#include "core/formats/json_keys.h"
 #include "core/io/urdf_file.h"
 
 namespace handgraft::io {
@@ -39,7 +39,7 @@ class Field {
 
   /// Itself, if it has no other keys.
   const Field& withOnly(std::initializer_list<const char*> permitted) const {
-    if (const auto fault = unknownKeyIn(value_, permitted)) reject("{}", *fault);
+    if (const auto fault = formats::unknownKeyIn(value_, permitted)) reject("{}", *fault);
     return *this;
   }
 

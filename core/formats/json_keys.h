@@ -6,7 +6,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-namespace handgraft::io {
+namespace handgraft::formats {
 
 /// What is wrong with an object's first key that is not `permitted`: a misspelt optional field
 /// must not count as an absent one. Nothing if all are, or if `value` is no object.
@@ -17,4 +17,4 @@ std::optional<std::string> unknownKeyIn(const nlohmann::json& value,
 /// object" else, which may be nested deeper than the stack.
 std::string shown(const nlohmann::json& value);
 
-}  // namespace handgraft::io
+}  // namespace handgraft::formats

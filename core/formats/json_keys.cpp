@@ -1,4 +1,4 @@
-#include "core/io/json_keys.h"
+#include "core/formats/json_keys.h"
 
 #include <algorithm>
 
@@ -7,7 +7,7 @@
 
 #include "core/base/error.h"
 
-namespace handgraft::io {
+namespace handgraft::formats {
 
 std::optional<std::string> unknownKeyIn(const nlohmann::json& value,
                                         std::initializer_list<const char*> permitted) {
@@ -25,4 +25,4 @@ std::string shown(const nlohmann::json& value) {
   return handgraft::quoted(value.dump());
 }
 
-}  // namespace handgraft::io
+}  // namespace handgraft::formats

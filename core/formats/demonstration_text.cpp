@@ -1,0 +1,128 @@
+#include "core/formats/demonstration_text.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "core/base/error.h"
+#include "core/formats/json_keys.h"
+
+namespace handgraft::formats {
+
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kJoints = 21;
+constexpr std::size_t kManoPose = 48;
+
+const json& listIn(const json& object, const char* name) {
+  const auto found = object.find(name);
+  if (found == object.end()) rejectInput("field '{}' is missing", name);
+  if (!found->is_array()) rejectInput("field '{}' is no list", name);
+  return *found;
+}
+
+const json& rowIn(const json& list, const char* name, std::size_t index) {
+  if (index >= list.size())
+    rejectInput("field '{}' has {} frames, fewer than 'time_s'", name, list.size());
+  return list[index];
+}
+
+/// A list of `count` finite numbers, behind those in `numbers`.
+void append(const json& row,
+            const char* name,
+            std::size_t frame,
+            std::size_t count,
+            std::vector<double>& numbers) {
+  if (!row.is_array() || row.size() != count)
+    rejectInput("field '{}', frame {}: it must be a list of {} numbers", name, frame, count);
+  for (const json& number : row) {
+    if (!number.is_number() || !std::isfinite(number.get<double>()))
+      rejectInput("field '{}', frame {}: {} is no finite number", name, frame, shown(number));
+    numbers.push_back(number.get<double>());
+  }
+}
+
+void appendPlaces(const json& row,
+                  const char* name,
+                  std::size_t frame,
+                  std::vector<double>& numbers) {
+  if (!row.is_array() || row.size() != kJoints)
+    rejectInput("field '{}', frame {}: it must be a list of {} places", name, frame, kJoints);
+  for (const json& place : row)
+    append(place, name, frame, 3, numbers);
+}
+
+std::vector<double> timesIn(const json& root) {
+  std::vector<double> times;
+  for (const json& time : listIn(root, "time_s")) {
+    if (!time.is_number() || !std::isfinite(time.get<double>()))
+      rejectInput("field 'time_s', frame {}: {} is no finite number", times.size(),
+                  shown(time));
+    times.push_back(time.get<double>());
+    const std::size_t count = times.size();
+    if (count > 1 && times[count - 1] <= times[count - 2])
+      rejectInput("field 'time_s', frame {}: {} s does not lie behind the one before",
+                  count - 1, times.back());
+  }
+  if (times.empty()) rejectInput("field 'time_s' has no frames");
+  return times;
+}
+
+bool isLeftIn(const json& root) {
+  const std::string side = root.value("side", std::string("right"));
+  if (side != "right" && side != "left")
+    rejectInput("field 'side' is {}; it is right or left", quoted(side));
+  return side == "left";
+}
+
+}  // namespace
+
+Demonstration demonstrationFrom(const json& root) {
+  if (!root.is_object() || root.value("format", json()) != kDemonstrationFormat)
+    rejectInput("field 'format' must be '{}'", kDemonstrationFormat);
+  if (const auto fault =
+          unknownKeyIn(root, {"format", "object", "side", "time_s", "object_pose", "joints_W_m",
+                              "mano_pose_rad", "mano_translation_m"}))
+    rejectInput("{}", *fault);
+  Demonstration demonstration;
+  demonstration.is_left = isLeftIn(root);
+  demonstration.is_mano = root.contains("mano_pose_rad");
+  if (demonstration.is_mano == root.contains("joints_W_m"))
+    rejectInput("one of the fields 'joints_W_m' and 'mano_pose_rad' must be there");
+  // One pose: the object stands still.
+  const json& objects = listIn(root, "object_pose");
+  for (const double time_s : timesIn(root)) {
+    const std::size_t k = demonstration.frames.size();
+    DemonstrationFrame frame;
+    frame.time_s = time_s;
+    std::vector<double> pose;
+    append(rowIn(objects, "object_pose", objects.size() == 1 ? 0 : k), "object_pose", k, 7,
+           pose);
+    std::copy(pose.begin(), pose.end(), frame.object_pose.begin());
+    if (demonstration.is_mano) {
+      for (const auto& [name, count] : {std::pair("mano_pose_rad", kManoPose),
+                                        std::pair("mano_translation_m", std::size_t{3})})
+        append(rowIn(listIn(root, name), name, k), name, k, count, frame.values);
+    } else {
+      constexpr const char* kPlaces = "joints_W_m";
+      appendPlaces(rowIn(listIn(root, kPlaces), kPlaces, k), kPlaces, k, frame.values);
+    }
+    demonstration.frames.push_back(std::move(frame));
+  }
+  return demonstration;
+}
+
+Demonstration parseDemonstration(std::string_view text) {
+  try {
+    return demonstrationFrom(json::parse(text));
+  } catch (const json::exception& error) {
+    rejectInput("{}", error.what());
+  }
+}
+
+}  // namespace handgraft::formats

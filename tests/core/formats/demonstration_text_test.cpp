@@ -1,0 +1,96 @@
+#include "core/formats/demonstration_text.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/base/error.h"
+
+namespace handgraft::formats {
+namespace {
+
+using nlohmann::json;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+/// Two frames of 21 joints, the i-th number of which is i, then 100 + i; the object stands
+/// still.
+json jointsOverTime() {
+  json frames = json::array();
+  for (const int first : {0, 100}) {
+    json places = json::array();
+    for (int i = first; i < first + 63; i += 3)
+      places.push_back({i, i + 1, i + 2});
+    frames.push_back(places);
+  }
+  return {{"format", kDemonstrationFormat},
+          {"time_s", {0.0, 0.5}},
+          {"joints_W_m", frames},
+          {"object_pose", {{1, 2, 3, 1, 0, 0, 0}}}};
+}
+
+std::string faultOf(const json& root) {
+  try {
+    (void)parseDemonstration(root.dump());
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "none";
+}
+
+TEST(DemonstrationText, ReadsJointsInTheOrderOfTheFile) {
+  const Demonstration read = parseDemonstration(jointsOverTime().dump());
+  EXPECT_FALSE(read.is_left);
+  EXPECT_FALSE(read.is_mano);
+  ASSERT_EQ(read.frames.size(), 2u);
+  EXPECT_EQ(read.frames[1].time_s, 0.5);
+  for (std::size_t i = 0; i < 63; ++i) {
+    EXPECT_EQ(read.frames[0].values[i], static_cast<double>(i));
+    EXPECT_EQ(read.frames[1].values[i], static_cast<double>(100 + i));
+  }
+  for (const DemonstrationFrame& frame : read.frames)
+    EXPECT_THAT(frame.object_pose, ElementsAre(1, 2, 3, 1, 0, 0, 0));
+}
+
+TEST(DemonstrationText, ReadsManosPoseBeforeItsTranslation) {
+  json root = jointsOverTime();
+  root.erase("joints_W_m");
+  root["side"] = "left";
+  root["mano_pose_rad"] = {std::vector<double>(48, 0.25), std::vector<double>(48, 0.5)};
+  root["mano_translation_m"] = {{1, 2, 3}, {4, 5, 6}};
+  const Demonstration read = parseDemonstration(root.dump());
+  EXPECT_TRUE(read.is_left);
+  EXPECT_TRUE(read.is_mano);
+  ASSERT_EQ(read.frames[1].values.size(), 51u);
+  EXPECT_EQ(read.frames[1].values[47], 0.5);
+  EXPECT_EQ(read.frames[1].values[48], 4.0);
+}
+
+TEST(DemonstrationText, NamesTheFieldAndTheFrame) {
+  const auto with = [](const char* field, const json& value) {
+    json root = jointsOverTime();
+    root[field] = value;
+    return faultOf(root);
+  };
+  EXPECT_EQ(faultOf(jointsOverTime()), "none");
+  EXPECT_THAT(with("format", "handgraft-grasp/1"), HasSubstr("'format'"));
+  EXPECT_THAT(with("sides", "left"), HasSubstr("'sides' is unknown"));
+  EXPECT_THAT(with("side", "top"), HasSubstr("right or left"));
+  EXPECT_THAT(with("time_s", json::array()), HasSubstr("no frames"));
+  EXPECT_THAT(with("time_s", {0.0, 0.0}),
+              AllOf(HasSubstr("frame 1"), HasSubstr("does not lie behind")));
+  EXPECT_THAT(with("time_s", {0.0, 1.0, 2.0}), HasSubstr("fewer than 'time_s'"));
+  EXPECT_THAT(with("object_pose", {{1, 2, 3}}), HasSubstr("a list of 7 numbers"));
+  EXPECT_THAT(with("object_pose", {{1, 2, 3, 1, 0, 0, "x"}}), HasSubstr("no finite number"));
+  json both = jointsOverTime();
+  both["mano_pose_rad"] = json::array();
+  EXPECT_THAT(faultOf(both), HasSubstr("one of the fields"));
+  json short_of_a_joint = jointsOverTime();
+  short_of_a_joint["joints_W_m"][1].erase(0);
+  EXPECT_THAT(faultOf(short_of_a_joint), AllOf(HasSubstr("frame 1"), HasSubstr("21 places")));
+  EXPECT_THROW((void)parseDemonstration("{"), InvalidInput);
+}
+
+}  // namespace
+}  // namespace handgraft::formats
