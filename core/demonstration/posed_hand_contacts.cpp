@@ -16,6 +16,7 @@
 #include "core/geometry/tangent.h"
 #include "core/hand/finger_coordinates.h"
 #include "core/hand/hand_parts.h"
+#include "core/hand/turned_parts.h"
 #include "core/placement/open_roots.h"
 
 namespace handgraft::demonstration {

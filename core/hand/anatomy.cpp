@@ -9,7 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "core/hand/hand_place.h"
 #include "core/hand/part_words.h"
 
 namespace handgraft::hand {
@@ -290,18 +289,6 @@ Anatomy anatomyOf(const HandModel& model,
   }
   if (anatomy.chirality == Chirality::kUnknown) anatomy.chirality = told;
   return anatomy;
-}
-
-std::vector<TurnedPart> turnedParts(const Anatomy& anatomy) {
-  std::vector<TurnedPart> parts;
-  for (const NamedDigit& digit : anatomy.digits)
-    for (const Segment& segment : digit.segments)
-      parts.push_back({partName(digit.name, segment.name), segment.links.back(),
-                       segment.bone_S(), segment.palmar_S});
-  if (anatomy.palm)
-    parts.push_back({kPalmPart, anatomy.palm->links.front(), anatomy.palm->outward_S,
-                     anatomy.palm->facing_S});
-  return parts;
 }
 
 }  // namespace handgraft::hand

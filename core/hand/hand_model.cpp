@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/base/error.h"
+#include "core/hand/joint_numbers.h"
 
 namespace handgraft::hand {
 

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "core/base/error.h"
+#include "core/hand/joint_numbers.h"
 
 namespace handgraft::hand {
 

@@ -10,6 +10,7 @@
 #include "core/hand/hand_place.h"
 #include "core/hand/kinematics.h"
 #include "core/hand/posture.h"
+#include "core/hand/turned_parts.h"
 #include "core/optimize/pose_solver.h"
 #include "core/optimize/problem_options.h"
 

@@ -7,6 +7,7 @@
 #include "core/base/error.h"
 #include "core/hand/anatomy.h"
 #include "core/hand/hand_place.h"
+#include "core/hand/joint_numbers.h"
 #include "core/hand/kinematics.h"
 #include "core/io/contact_file.h"
 #include "core/io/motion_file.h"

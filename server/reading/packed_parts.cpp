@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/hand/joint_numbers.h"
 #include "core/io/srdf_file.h"
 #include "server/reading/read_model.h"
 

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.h"
+#include "core/hand/joint_numbers.h"
 
 namespace handgraft::hand {
 namespace {

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/hand/joint_numbers.h"
 #include "core/hand/kinematics.h"
 #include "core/hand/mirror.h"
 #include "core/io/urdf_file.h"
