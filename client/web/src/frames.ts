@@ -43,10 +43,10 @@ export class Frames {
       } else {
         void this.fetchAgain();
       }
-      session.look();
+      session.lookup.soon();
     }
     this.miss();
-    session.timeEdits(news.revision);
+    session.editing.answered(news.revision);
     this.show(motion);
     for (const wait of this.waiting.splice(0)) wait();
   }
@@ -83,7 +83,7 @@ export class Frames {
       session.motion = motion;
       this.miss();
       session.tell('motion');
-      session.look();
+      session.lookup.soon();
       this.rest();
     } catch (error) {
       if (this.fetched === key) this.fetched = '';

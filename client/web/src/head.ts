@@ -44,8 +44,8 @@ export class Head {
     stage: Stage,
     told: HeadTold,
   ) {
-    this.undo = button('undo', 'Undo (Ctrl+Z)', () => void session.undo());
-    this.redo = button('redo', 'Redo (Ctrl+Y)', () => void session.redo());
+    this.undo = button('undo', 'Undo (Ctrl+Z)', () => void session.editing.undo());
+    this.redo = button('redo', 'Redo (Ctrl+Y)', () => void session.editing.redo());
     this.openButton = h('button', { onclick: () => told.onOpen() }, 'Open…');
     const items = kFormats.map(([format, text]) => {
       const isHere = format === 'png' || session.link.isLive;
@@ -103,7 +103,7 @@ export class Head {
     const last = state !== null && state.last_edit !== '' && session.editor !== '' ? saidBy(session.editor, state.last_edit) : '';
     people.textContent = [others.length > 0 ? `${others.length + 1} pages here` : '', last].filter((text) => text !== '').join(' · ');
     people.title = others.map((one) => session.nameOf(one.page)).join(', ');
-    this.undo.disabled = !session.mayUndo;
+    this.undo.disabled = !session.editing.mayUndo;
     this.redo.disabled = !session.mayEdit || (state?.redo_count ?? 0) === 0;
     this.openButton.hidden = !session.link.isLive;
   }

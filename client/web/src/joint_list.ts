@@ -69,7 +69,7 @@ export class JointList {
       step: 'any',
       'aria-label': `${name}, in ${unit === '°' ? 'degrees' : 'mm'}`,
       oninput: () => {
-        drag ??= this.session.drag();
+        drag ??= this.session.editing.drag();
         drag.move(edits.hold(name, Number(slider.value) / scale, kHold));
         value.textContent = `${Number(slider.value).toFixed(unit === '°' ? 0 : 1)}${unit}`;
       },
@@ -85,13 +85,13 @@ export class JointList {
         title: 'Lock: it stays as it is',
         'aria-label': `lock ${name}`,
         'aria-pressed': 'false',
-        onclick: () => void this.session.edit(edits.lock(name, lock.getAttribute('aria-pressed') !== 'true')),
+        onclick: () => void this.session.editing.edit(edits.lock(name, lock.getAttribute('aria-pressed') !== 'true')),
       },
       icon(kLockIcon),
     );
     const free = h(
       'button',
-      { class: 'small', title: 'It was held by its slider; let it go', onclick: () => void this.session.edit(edits.hold(name, 0, 0)) },
+      { class: 'small', title: 'It was held by its slider; let it go', onclick: () => void this.session.editing.edit(edits.hold(name, 0, 0)) },
       'let go',
     );
     const limit = (title: string) =>
@@ -111,7 +111,7 @@ export class JointList {
         title: 'The limits of the hand’s model',
         onclick: () => {
           const now = this.session.settings?.joints.find((one) => one.name === name);
-          if (now !== undefined) void this.session.edit(edits.limit(name, now.model_lower, now.model_upper));
+          if (now !== undefined) void this.session.editing.edit(edits.limit(name, now.model_lower, now.model_upper));
         },
       },
       'reset',
@@ -128,7 +128,7 @@ export class JointList {
 
   private setLimits(joint: string, lower: string, upper: string, scale: number): void {
     const of = (text: string, otherwise: string) => (text.trim() === '' ? otherwise : Number(text) / scale);
-    void this.session.edit(edits.limit(joint, of(lower, '-inf'), of(upper, 'inf')));
+    void this.session.editing.edit(edits.limit(joint, of(lower, '-inf'), of(upper, 'inf')));
   }
 
   private fill(row: JointRow, joint: JointSetting, position: number, limit: 'lower' | 'upper' | undefined): void {

@@ -174,7 +174,7 @@ function setMode(mode: Mode): void {
   view.update();
 }
 // What was put somewhere and stays there.
-const letGo = h('button', { class: 'held', hidden: true, onclick: () => void session.edit(edits.release('')) });
+const letGo = h('button', { class: 'held', hidden: true, onclick: () => void session.editing.edit(edits.release('')) });
 // Keys do the same; who has none presses these.
 const ways = h(
   'div',
@@ -351,8 +351,8 @@ window.addEventListener('keydown', (event) => {
   if (target.matches('input:not([type=checkbox]):not([type=range]), select, textarea') || dialog.element.open) return;
   const withControl = event.ctrlKey || event.metaKey;
   const key = event.key.toLowerCase();
-  if (withControl && key === 'z') void (event.shiftKey ? session.redo() : session.undo());
-  else if (withControl && key === 'y') void session.redo();
+  if (withControl && key === 'z') void (event.shiftKey ? session.editing.redo() : session.editing.undo());
+  else if (withControl && key === 'y') void session.editing.redo();
   else if (withControl || event.altKey) return;
   else if (/^[1-4]$/.test(key)) {
     const mode = modes[Number(key) - 1]![0];

@@ -84,7 +84,7 @@ export class Panel {
             class: rank === solution.chosen_minimum ? 'choice wide chosen' : 'choice wide',
             disabled: !this.session.mayEdit || undefined,
             title: 'Take this pose',
-            onclick: () => void this.session.edit(edits.choose(rank)),
+            onclick: () => void this.session.editing.edit(edits.choose(rank)),
           },
           h('span', { class: 'rank' }, String(rank + 1)),
           h('span', {}, `objective ${minimum.terms.objective.toPrecision(4)}`),
@@ -136,7 +136,7 @@ export class Panel {
             {
               class: 'small',
               disabled: !this.session.mayEdit || undefined,
-              onclick: () => void this.session.edit(edits.restore(name)),
+              onclick: () => void this.session.editing.edit(edits.restore(name)),
             },
             'go back to it',
           ),
@@ -153,7 +153,7 @@ export class Panel {
           while (names.includes(`state-${number}`)) ++number;
           const name = `state-${number}`;
           this.told.onKeep(name);
-          void this.session.edit(edits.snapshot(name)).then(() => this.session.notify(`Kept as “${name}”.`));
+          void this.session.editing.edit(edits.snapshot(name)).then(() => this.session.notify(`Kept as “${name}”.`));
         },
       },
       'Keep this state',
@@ -198,7 +198,7 @@ export class Panel {
           step: 'any',
           value: String(weights[name]),
           disabled: !this.session.mayEdit || undefined,
-          onchange: () => void this.session.edit(edits.weights({ ...weights, [name]: Number(input.value) })),
+          onchange: () => void this.session.editing.edit(edits.weights({ ...weights, [name]: Number(input.value) })),
         });
         return h('label', { class: 'line' }, text, input);
       }),

@@ -94,7 +94,7 @@ export class PatchList {
       role: 'switch',
       title: 'Have this patch count, or not',
       'aria-label': `${name} counts`,
-      onchange: () => void this.session.edit(edits.enable(name, enabled.checked)),
+      onchange: () => void this.session.editing.edit(edits.enable(name, enabled.checked)),
     });
     const weight = h('input', {
       type: 'range',
@@ -102,10 +102,10 @@ export class PatchList {
       max: '1',
       step: '0.05',
       'aria-label': `weight of ${name}`,
-      onchange: () => void this.session.edit(edits.patchWeight(name, Number((10 ** Number(weight.value)).toPrecision(2)))),
+      onchange: () => void this.session.editing.edit(edits.patchWeight(name, Number((10 ** Number(weight.value)).toPrecision(2)))),
     });
     const turn = (label: string, title: string, side: 'object' | 'hand', degrees: number) =>
-      h('button', { class: 'small', title, onclick: () => void this.session.edit(edits.turn(name, side, degrees / kDegrees)) }, label);
+      h('button', { class: 'small', title, onclick: () => void this.session.editing.edit(edits.turn(name, side, degrees / kDegrees)) }, label);
     const suggest = h('button', { class: 'small', title: 'A place nearby on the hand that suits it better', onclick: () => void this.suggest(name) }, 'Better place');
     const details = h(
       'div',
@@ -165,8 +165,8 @@ export class PatchList {
     row.bar.dataset['tone'] = row.verdict.dataset['tone'];
     row.element.classList.toggle('off', !counts);
     // Not from settings that are older than the last press of it.
-    const { settings, state: now, underWay } = this.session;
-    if (underWay === 0 && (settings === null || settings.state.revision === now?.revision)) row.enabled.checked = isOn;
+    const { settings, state: now, editing } = this.session;
+    if (editing.underWay === 0 && (settings === null || settings.state.revision === now?.revision)) row.enabled.checked = isOn;
     row.enabled.disabled = !this.session.mayEdit || !state.placed;
     const report = this.session.reports.find((one) => one.name === state.name);
     const lost = report?.lost.length ?? 0;
@@ -197,8 +197,8 @@ export class PatchList {
         this.session.notify('There is no better place nearby.');
         return;
       }
-      await this.session.edit(edits.root(patch, 'hand', best.root_S));
-      if (best.turned_rad !== 0) await this.session.edit(edits.turn(patch, 'hand', best.turned_rad));
+      await this.session.editing.edit(edits.root(patch, 'hand', best.root_S));
+      if (best.turned_rad !== 0) await this.session.editing.edit(edits.turn(patch, 'hand', best.turned_rad));
       this.session.notify(`Moved by ${(1e3 * best.moved_m).toFixed(1)} mm.`);
     } catch (error) {
       this.session.failed(error);

@@ -1,24 +1,22 @@
-// The session that the page shows: what is known of it, what is done to it.
+// The session that the page shows: what is known of it. What is done to it: editing.ts.
 
-import { aimed, editedAt } from './aim';
-import { Drag } from './drag';
+import { editedAt } from './aim';
+import { Editing } from './editing';
 import { Frames } from './frames';
 import { FileLink, Refusal, type Link, type Listener, type Measured, type PageInfo } from './link';
+import { Lookup } from './lookup';
 import type { Motion } from './motion';
-import {
-  edits,
-  type EditBody,
-  type EditTime,
-  type FramesNews,
-  type HandDescription,
-  type Model,
-  type MotionClock,
-  type PatchInfo,
-  type PatchReport,
-  type Pose,
-  type PoseSolution,
-  type SessionSettings,
-  type SessionState,
+import type {
+  FramesNews,
+  HandDescription,
+  Model,
+  MotionClock,
+  PatchInfo,
+  PatchReport,
+  Pose,
+  PoseSolution,
+  SessionSettings,
+  SessionState,
 } from './wire';
 import { saidBy } from './words';
 
@@ -42,10 +40,7 @@ export interface Past {
   solution: PoseSolution;
 }
 
-const kMostInFlight = 3; // of one drag, before the first of them is answered
-const kLookAgain_ms = 250; // settings, while edits follow each other
 const kLongestPast = 400;
-const kMove_ms = 5000; // until a session that its server lost has another number
 
 export class Session implements Listener {
   id = 0;
@@ -70,25 +65,16 @@ export class Session implements Listener {
   measured: { hand: Measured; at_ms: number } | null = null;
   /** Who made the last edit: "you", "guest 2", "another program". */
   editor = '';
-  /** Drags and edits that are not answered yet. */
-  underWay = 0;
   readonly past: Past[] = [];
-  /** From an edit's sending to its pose, in ms. */
-  readonly delays_ms: number[] = [];
 
-  private readonly frames = new Frames(this);
+  readonly editing = new Editing(this);
+  readonly lookup = new Lookup(this);
+  readonly frames = new Frames(this);
+
   private readonly watchers: ((change: Change) => void)[] = [];
   private readonly notices: ((notice: Notice) => void)[] = [];
-  private loaded = '';
   private mayEditAny = false;
-  private lookAgain = false; // asked for while the last answer was on its way
   private countsAnew = false; // revisions, of a session that was opened again
-  private lookTimer = 0;
-  private looking = 0; // at which session
-  private begun = 0; // steps that were there before the first edit
-  /** Edits that were made as one: a drag. Undone as one, too. */
-  private readonly groups: { from: number; to: number }[] = [];
-  private readonly sent: { revision: number; at_ms: number }[] = [];
 
   constructor(readonly link: Link) {}
 
@@ -118,7 +104,7 @@ export class Session implements Listener {
     return this.mayEditAny && this.link.isLive;
   }
 
-  private get isOfMotion(): boolean {
+  get isOfMotion(): boolean {
     return (this.state?.motion ?? '') !== '';
   }
 
@@ -129,8 +115,8 @@ export class Session implements Listener {
     this.id = session;
     this.state = this.solution = this.settings = this.motion = this.clock = this.measured = null;
     this.frames.forget();
-    this.begun = 0;
-    this.past.length = this.groups.length = 0;
+    this.editing.forget();
+    this.past.length = 0;
     this.tell('none');
     if (session === 0) return;
     try {
@@ -193,80 +179,6 @@ export class Session implements Listener {
     return this.settings?.patches.find((one) => one.name === patch)?.enabled ?? true;
   }
 
-  /** Takes an edit at a time back; refused where another edit came between. */
-  async takeBack(index: number): Promise<void> {
-    const base = this.settings?.state.revision ?? 0;
-    if (!this.mayEdit || this.settings?.timed[index] === undefined) return;
-    ++this.underWay;
-    try {
-      await this.link.edit(this.id, edits.takeBack(index), null, base);
-    } catch (error) {
-      this.failed(error);
-    } finally {
-      --this.underWay;
-    }
-    this.look();
-  }
-
-  /** One edit; refusals are told. */
-  async edit(body: EditBody): Promise<boolean> {
-    ++this.underWay;
-    try {
-      await this.send(...aimed(this, body, this.time_s));
-      this.look(); // snapshots make no revision
-      return true;
-    } catch (error) {
-      this.failed(error);
-      return false;
-    } finally {
-      --this.underWay;
-    }
-  }
-
-  /** The solve that a session begins with is no edit: without it the hand is far off. */
-  get mayUndo(): boolean {
-    return this.mayEdit && (this.state?.undo_count ?? 0) > this.begun;
-  }
-
-  async undo(): Promise<void> {
-    if (!this.mayUndo) return;
-    const last = this.groups.at(-1);
-    const revision = this.state?.revision ?? 0;
-    if (last !== undefined && last.to === revision) {
-      this.groups.pop();
-      await this.edit(edits.undo(last.to - last.from));
-    } else {
-      await this.edit(edits.undo(1));
-    }
-  }
-
-  redo(): Promise<boolean> {
-    return this.edit(edits.redo(1));
-  }
-
-  /** A stream of edits from one drag: the newest wins. Of a motion, all of them at one time. */
-  drag(): Drag {
-    ++this.underWay;
-    this.tell('grip');
-    const { time_s } = this;
-    const isOfMotion = this.motion !== null;
-    const send = async (body: EditBody) => {
-      const revision = await this.send(...aimed(this, body, time_s));
-      if (isOfMotion) await this.frames.of(revision);
-      return revision;
-    };
-    return new Drag(
-      send,
-      isOfMotion ? 1 : kMostInFlight,
-      (from, to) => {
-        --this.underWay;
-        if (to > from + 1) this.groups.push({ from, to });
-        this.look();
-      },
-      (error) => this.failed(error),
-    );
-  }
-
   failed(error: unknown): void {
     const code = error instanceof Refusal ? error.code : '';
     if (code === 'no_link' || code === 'no_server') return; // the banner says so
@@ -306,7 +218,7 @@ export class Session implements Listener {
     const isNew = this.countsAnew || state.revision !== this.state?.revision;
     this.countsAnew = false;
     this.state = state;
-    if (state.revision === 0) this.begun = state.undo_count;
+    if (state.revision === 0) this.editing.beginAt(state.undo_count);
     if (state.last_edit !== '' && page >= 0) {
       this.editor = this.nameOf(isOurs ? page || this.page : 0);
       if (isNew && this.editor !== 'you') this.notify(saidBy(this.editor, state.last_edit));
@@ -318,12 +230,12 @@ export class Session implements Listener {
       return;
     }
     if (state.phase === 'failed') this.notify(state.message, 'wrong');
-    void this.load();
+    void this.lookup.models();
     if (this.isOfMotion) {
       void this.frames.fetch(state);
       this.frames.miss();
     }
-    if (isNew) this.look();
+    if (isNew) this.lookup.soon();
   }
 
   onPose(session: number, solution: PoseSolution): void {
@@ -336,13 +248,13 @@ export class Session implements Listener {
     const again = this.solution?.sequence_number === solution.sequence_number - 1 &&
       this.solution.revision === solution.revision;
     this.solution = solution;
-    this.timeEdits(solution.revision);
+    this.editing.answered(solution.revision);
     const past: Past = { revision: solution.revision, edit: this.state?.last_edit ?? '', solution };
     if (again || this.past.at(-1)?.revision === solution.revision) this.past.pop();
     this.past.push(past);
     if (this.past.length > kLongestPast) this.past.shift();
     this.tell('pose');
-    this.look();
+    this.lookup.soon();
   }
 
   onFrames(session: number, news: FramesNews): void {
@@ -363,14 +275,13 @@ export class Session implements Listener {
   onMoved(from: number, to: number): void {
     if (from !== this.id) return;
     this.id = to;
-    this.begun = 0;
     if (this.motion === null) this.solution = null;
     this.frames.outdate();
     this.countsAnew = true;
-    this.groups.length = this.sent.length = 0;
+    this.editing.restart();
     this.tell('link');
     this.notify('The server is back; the session goes on where it stood.');
-    this.look();
+    this.lookup.soon();
   }
 
   onLost(session: number, message: string): void {
@@ -383,18 +294,6 @@ export class Session implements Listener {
     this.measured = { hand, at_ms: performance.now() };
     this.tell('measured');
   }
-
-  /** What was shown now answers the edits up to that revision. */
-  timeEdits(revision: number): void {
-    const now = performance.now();
-    while (this.sent.length > 0 && this.sent[0]!.revision <= revision) {
-      const one = this.sent.shift()!;
-      // Those that a later edit overtook have no pose of their own.
-      if (this.sent.length === 0 || this.sent[0]!.revision > revision) this.delays_ms.push(now - one.at_ms);
-    }
-  }
-
-  // === Looking up
 
   private async resume(): Promise<void> {
     try {
@@ -409,90 +308,6 @@ export class Session implements Listener {
       this.failed(error);
       this.tell('none');
     }
-  }
-
-  /** The session's models, when they are others than before. */
-  private async load(): Promise<void> {
-    const state = this.state;
-    if (state === null) return;
-    const key = `${state.hand}\n${state.object}\n${state.contacts}\n${state.motion}`;
-    if (key === this.loaded) return;
-    this.loaded = key;
-    try {
-      const [hand, object, contacts] = await Promise.all([
-        this.link.describe<HandDescription>('hand', state.hand),
-        this.link.describe<{ name: string }>('object', state.object),
-        this.isOfMotion
-          ? this.frames.patchesOf(state.motion)
-          : this.link.describe<{ name: string; patches: PatchInfo[] }>('contacts', state.contacts),
-      ]);
-      if (this.loaded !== key) return;
-      this.models = { hand, object, contacts };
-      this.tell('models');
-      this.look();
-    } catch (error) {
-      this.loaded = '';
-      this.failed(error);
-    }
-  }
-
-  /** Has the settings asked for, soon, and again while edits come. */
-  look(): void {
-    if (this.isOfMotion && this.motion === null) return;
-    this.lookAgain = this.looking === this.id;
-    if (this.lookTimer !== 0 || this.lookAgain) return;
-    this.lookTimer = window.setTimeout(() => void this.lookNow(), this.settings === null ? 0 : kLookAgain_ms);
-  }
-
-  private async lookNow(): Promise<void> {
-    this.lookTimer = 0;
-    this.lookAgain = false;
-    const key = this.id;
-    this.looking = key;
-    const seen = this.solution?.sequence_number;
-    try {
-      const session = { session_id: key };
-      const [settings, transfer] = await Promise.all([
-        this.link.ask<SessionSettings>({ kind: 'session_settings', session }),
-        // Of a motion its frames tell more.
-        this.isOfMotion ? { patches: [] } : this.link.ask<{ patches: PatchReport[] }>({ kind: 'transfer', session }),
-      ]);
-      // A session that has moved meanwhile is looked at under its new number.
-      if (key !== this.id) return;
-      this.settings = settings;
-      this.reports = transfer.patches;
-      this.tell('settings');
-    } catch (error) {
-      if (key !== this.id) return;
-      this.failed(error);
-    } finally {
-      if (this.looking === key) this.looking = 0;
-    }
-    if (this.motion !== null) {
-      const isOld = this.settings !== null && this.settings.state.revision < (this.state?.revision ?? 0);
-      if (this.lookAgain || isOld) this.look();
-      return;
-    }
-    if (this.lookAgain || seen !== this.solution?.sequence_number) this.look();
-  }
-
-  private async send(body: EditBody, when: EditTime | null): Promise<number> {
-    const at_ms = performance.now();
-    const id = this.id;
-    const reply = await this.link.edit(id, body, when).catch(async (error: unknown) => {
-      // A server that has just come back opens the session anew, under another number.
-      const isGone = error instanceof Refusal && error.code === 'not_found' && error.message.startsWith(`session ${id} `);
-      for (let waited = 0; isGone && this.id === id && waited < kMove_ms; waited += 100) await new Promise((resolve) => setTimeout(resolve, 100));
-      if (!isGone || this.id === id) throw error;
-      return this.link.edit(this.id, body, when);
-    });
-    if ((this.solution?.revision ?? -1) >= reply.revision) {
-      this.delays_ms.push(performance.now() - at_ms);
-    } else {
-      this.sent.push({ revision: reply.revision, at_ms });
-    }
-    if (reply.message !== '') this.notify(reply.message);
-    return reply.revision;
   }
 
   tell(change: Change): void {

@@ -207,7 +207,7 @@ export class Timeline {
               if (event.key !== 'Delete' && event.key !== 'Backspace') return;
               event.preventDefault();
               event.stopPropagation();
-              void session.takeBack(index);
+              void session.editing.takeBack(index);
             },
           },
         ),
@@ -220,7 +220,7 @@ export class Timeline {
           'div',
           { class: 'line', role: 'listitem' },
           h('button', { class: 'choice wide', title: 'Go there', onclick: () => this.goTo(one.time_s) }, h('span', {}, said(one.text)), h('span', { class: 'note' }, `${one.time_s.toFixed(2)} s, ${held(one)}`)),
-          h('button', { class: 'small', disabled: !session.mayEdit || undefined, 'aria-label': `take back: ${said(one.text)} at ${one.time_s.toFixed(2)} s`, onclick: () => void session.takeBack(index) }, 'take back'),
+          h('button', { class: 'small', disabled: !session.mayEdit || undefined, 'aria-label': `take back: ${said(one.text)} at ${one.time_s.toFixed(2)} s`, onclick: () => void session.editing.takeBack(index) }, 'take back'),
         ),
       ),
     );

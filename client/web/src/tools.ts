@@ -96,7 +96,7 @@ export class Tools {
       const isDragging = event.value as boolean;
       stage.controls.enabled = !isDragging;
       if (isDragging) {
-        this.placing = this.session.drag();
+        this.placing = this.session.editing.drag();
         if (this.mode === 'palm') this.told.onGrip(true);
       } else {
         this.placing?.end();
@@ -157,7 +157,7 @@ export class Tools {
     } else {
       this.proxy.position.addScaledVector(axis(column), sign * kKeyStep_m);
     }
-    const drag = this.session.drag();
+    const drag = this.session.editing.drag();
     this.place(drag);
     drag.end();
     this.stage.redraw();
@@ -185,7 +185,7 @@ export class Tools {
     const to = body.nearest(at.p_W.clone().add(step_W));
     if (to === null) return;
     at.p_W.copy(to.p_W);
-    void this.session.edit(edits.root(patch, side, to.root));
+    void this.session.editing.edit(edits.root(patch, side, to.root));
   }
 
   // === Pointers
@@ -273,7 +273,7 @@ export class Tools {
 
   private holdRoot(event: PointerEvent, handle: Handle): Held {
     const { patch, side } = handle;
-    const drag = this.session.drag();
+    const drag = this.session.editing.drag();
     const { object, hand } = this.scenery!;
     // The hand moves while it is dragged on, so that the pointer goes over it as it was.
     const posed = hand.poses();
@@ -298,7 +298,7 @@ export class Tools {
 
   private holdDirection(event: PointerEvent, handle: Handle): Held {
     const { patch, side } = handle;
-    const drag = this.session.drag();
+    const drag = this.session.editing.drag();
     const root = this.scenery!.marks.handles.find((one) => one.patch === patch && one.side === side && one.kind === 'root')!;
     const plane = new Plane().setFromNormalAndCoplanarPoint(root.n_W, root.p_W);
     const center = root.p_W.clone();
@@ -332,7 +332,7 @@ export class Tools {
   private holdFinger(event: PointerEvent, x: number, y: number): Held | null {
     const grip = this.scenery?.hand.pickLink(this.stage.rayAt(x, y));
     if (!grip) return null;
-    const drag = this.session.drag();
+    const drag = this.session.editing.drag();
     const link: LinkBody = grip.link;
     const p_L = grip.p_L.toArray();
     const plane = new Plane().setFromNormalAndCoplanarPoint(

@@ -80,7 +80,7 @@ async function drag(address, patch) {
     const box = await (await page.$('canvas')).boundingBox();
     const [x, y] = [box.x + dot.x, box.y + dot.y];
     const heap = [await heap_MB(page)];
-    await page.evaluate(() => (globalThis.handgraft.session.delays_ms.length = 0));
+    await page.evaluate(() => (globalThis.handgraft.session.editing.delays_ms.length = 0));
     const begun = Date.now();
     const took = () => (Date.now() - begun) / 1000;
     let moves = 0;
@@ -97,7 +97,7 @@ async function drag(address, patch) {
     await page.mouse.up().catch(() => undefined);
     await rest(page);
     heap.push(await heap_MB(page));
-    const delays = await page.evaluate(() => globalThis.handgraft.session.delays_ms);
+    const delays = await page.evaluate(() => globalThis.handgraft.session.editing.delays_ms);
     return {
       patch: dot.patch,
       moves_per_s: moves / dragged_s,

@@ -130,7 +130,7 @@ export async function rest(page) {
       const { session, tools } = globalThis.handgraft;
       const { state, solution, settings } = session;
       return (
-        !tools.isBusy && session.underWay === 0 && state?.phase === 'ready' && solution?.is_diagnosed &&
+        !tools.isBusy && session.editing.underWay === 0 && state?.phase === 'ready' && solution?.is_diagnosed &&
         solution.revision === state.revision && settings.state.revision === state.revision
       );
     },
@@ -232,7 +232,7 @@ export async function runTests(tests) {
         console.log(`FAILED  ${name}: ${error.stack ?? error}`);
         for (const one of (await browser.pages()).slice(1)) {
           await picture(one, `failed_${failed}`).catch(() => undefined);
-          console.log(await one.evaluate(() => { const { session, tools } = globalThis.handgraft; return JSON.stringify({ state: session.state, solution: session.solution?.revision, diagnosed: session.solution?.is_diagnosed, settings: session.settings?.state.revision, underWay: session.underWay, busy: tools.isBusy, toasts: [...document.querySelectorAll('.toasts p')].map((p) => p.textContent) }); }).catch(String));
+          console.log(await one.evaluate(() => { const { session, tools } = globalThis.handgraft; return JSON.stringify({ state: session.state, solution: session.solution?.revision, diagnosed: session.solution?.is_diagnosed, settings: session.settings?.state.revision, underWay: session.editing.underWay, busy: tools.isBusy, toasts: [...document.querySelectorAll('.toasts p')].map((p) => p.textContent) }); }).catch(String));
         }
       }
       for (const one of (await browser.pages()).slice(1)) await one.close();
