@@ -5,9 +5,9 @@
 #include <thread>
 
 #include "hardware/bridge/motion.h"
-#include "hardware/bridge/newest.h"
 #include "hardware/bridge/periodic.h"
 #include "hardware/bridge/request_ring.h"
+#include "hardware/bridge/triple_buffer.h"
 
 namespace handgraft::bridge {
 
@@ -63,10 +63,10 @@ class MotionThread {
   std::atomic<bool> is_ending_{false};
   bool is_realtime_ = false;
   RequestRing requests_;
-  Newest<StreamPose> poses_;
+  TripleBuffer<StreamPose> poses_;
   TimedPoseRing samples_;
-  Newest<Renewal> renewals_;
-  Newest<MotionState> states_;
+  TripleBuffer<Renewal> renewals_;
+  TripleBuffer<MotionState> states_;
   std::thread thread_;
 };
 

@@ -5,8 +5,8 @@
 #include "client/cli/commands/input_files.h"
 #include "client/link/pose_file.h"
 #include "client/link/wire_pose.h"
-#include "client/present/attended.h"
 #include "client/present/contacts_output.h"
+#include "client/present/interactive_client.h"
 #include "client/present/output_file.h"
 #include "client/present/progress_line.h"
 #include "client/present/send_model.h"
@@ -82,7 +82,8 @@ int run(const PoseContactsOptions& options,
   v1::PoseContactsRequest request = requestOf(options, pose);
 
   ProgressLine progress;
-  Client server(attended(common.network, Absence::kStartPrivate, interruption, &progress));
+  Client server(
+      interactiveClient(common.network, Absence::kStartPrivate, interruption, &progress));
   ModelSender sender(server, interruption, !common.json);
   request.hand(nameOnServer(sender, options.hand, hand));
   request.object(nameOnServer(sender, options.object, object));

@@ -2,8 +2,8 @@
 
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/input_files.h"
-#include "client/present/attended.h"
 #include "client/present/contacts_output.h"
+#include "client/present/interactive_client.h"
 #include "client/present/output_file.h"
 #include "client/present/progress_line.h"
 #include "client/present/send_model.h"
@@ -21,7 +21,8 @@ int run(const ImportOptions& options, const CommonOptions& common, Interruption&
   requireSafe({{"--out", options.out}, {"--png", options.png}}, inputs);
 
   ProgressLine progress;
-  Client server(attended(common.network, Absence::kStartPrivate, interruption, &progress));
+  Client server(
+      interactiveClient(common.network, Absence::kStartPrivate, interruption, &progress));
   ModelSender sender(server, interruption, !common.json);
   map->object = nameOnServer(sender, options.object, object);
   // A scan and its contact map come in the same units.

@@ -8,7 +8,7 @@
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/version.h"
 #include "client/link/client.h"
-#include "client/present/attended.h"
+#include "client/present/interactive_client.h"
 #include "client/present/interruption.h"
 #include "client/present/json_output.h"
 #include "client/present/text_output.h"
@@ -88,7 +88,7 @@ int run(const DoctorOptions& /*options*/,
   report.address = validate(common.network).address;
   try {
     const Clock::time_point begin = Clock::now();
-    Client server(attended(common.network, Absence::kFail, interruption));
+    Client server(interactiveClient(common.network, Absence::kFail, interruption));
     report.found_ms = millisecondsSince(begin);
     if (server.onlyLooks())
       report.advice =

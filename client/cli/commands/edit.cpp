@@ -13,8 +13,8 @@
 #include "client/editor/prompt.h"
 #include "client/link/client.h"
 #include "client/link/session_id.h"
-#include "client/present/attended.h"
 #include "client/present/failure.h"
+#include "client/present/interactive_client.h"
 #include "client/present/json_output.h"
 #include "client/present/progress_line.h"
 #include "client/present/send_model.h"
@@ -146,8 +146,9 @@ int run(const EditOptions& options, const CommonOptions& common, Interruption& i
   LineReader lines(options.script, interruption);
 
   ProgressLine progress;
-  Client server(attended(common.network, opens ? Absence::kStartPrivate : Absence::kFail,
-                         interruption, &progress));
+  Client server(interactiveClient(common.network,
+                                  opens ? Absence::kStartPrivate : Absence::kFail, interruption,
+                                  &progress));
   const Sink sink(common.json ? Sink::Form::kJson : Sink::Form::kText, progress);
 
   // === The session

@@ -4,8 +4,8 @@
 #include "client/gateway/page_file.h"
 #include "client/link/client.h"
 #include "client/link/session_id.h"
-#include "client/present/attended.h"
 #include "client/present/export_file.h"
+#include "client/present/interactive_client.h"
 #include "client/present/json_output.h"
 #include "client/present/output_file.h"
 #include "core/base/error.h"
@@ -22,7 +22,7 @@ int run(const ExportOptions& options, const CommonOptions& common, Interruption&
   requireWritable({"--out", options.out});
   gateway::WebFiles page;
   if (options.format == kHtml) page = gateway::readWebFiles(gateway::webFolder());
-  Client server(attended(common.network, Absence::kFail, interruption));
+  Client server(interactiveClient(common.network, Absence::kFail, interruption));
   const std::uint64_t session_id = sessionMeant(server, options.session_id);
   if (options.format == kHtml) {
     writeFile(options.out, gateway::pageFile(server, session_id, page));

@@ -8,8 +8,8 @@
 #include "client/cli/commands/kept_session.h"
 #include "client/link/client.h"
 #include "client/link/grasp_result.h"
-#include "client/present/attended.h"
 #include "client/present/export_file.h"
+#include "client/present/interactive_client.h"
 #include "client/present/interruption.h"
 #include "client/present/json_output.h"
 #include "client/present/minima_text.h"
@@ -90,8 +90,8 @@ int run(const GraspOptions& options, const CommonOptions& common, Interruption& 
   v1::OpenSessionRequest request = sessionRequest(options);
 
   ProgressLine progress;
-  Client server(attended(common.network, absenceFor(options.keep, common.network), interruption,
-                         &progress));
+  Client server(interactiveClient(common.network, absenceFor(options.keep, common.network),
+                                  interruption, &progress));
   const Clock::time_point begin = Clock::now();
 
   // === Models, session, transfer, solve

@@ -2,8 +2,8 @@
 
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/input_files.h"
-#include "client/present/attended.h"
 #include "client/present/hand_picture.h"
+#include "client/present/interactive_client.h"
 #include "client/present/json_output.h"
 #include "client/present/model_text.h"
 #include "client/present/output_file.h"
@@ -22,7 +22,8 @@ int run(const InspectOptions& options,
   requireSafe({{"--png", options.png}, {"--sites", options.sites}}, inputsOf(files, "hand"));
 
   ProgressLine progress;
-  Client server(attended(common.network, Absence::kStartPrivate, interruption, &progress));
+  Client server(
+      interactiveClient(common.network, Absence::kStartPrivate, interruption, &progress));
   ModelSender sender(server, interruption, !common.json);
   const std::string name = nameOnServer(sender, options.hand, files);
   // With its meshes, since sites are found on the skin.

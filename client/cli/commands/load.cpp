@@ -2,7 +2,7 @@
 
 #include "client/cli/commands/commands.h"
 #include "client/link/client.h"
-#include "client/present/attended.h"
+#include "client/present/interactive_client.h"
 #include "client/present/json_output.h"
 #include "client/present/progress_line.h"
 #include "client/present/send_model.h"
@@ -33,7 +33,7 @@ int run(const LoadOptions& options, const CommonOptions& common, Interruption& i
   ModelFiles model = filesOf(options);
   if (!options.name.empty()) model.name = options.name;
   ProgressLine progress;
-  Client server(attended(common.network, Absence::kFail, interruption, &progress));
+  Client server(interactiveClient(common.network, Absence::kFail, interruption, &progress));
   const v1::ModelSummary summary = ModelSender(server, interruption, !common.json).load(model);
   // What reading it brought to light: for a point cloud, how true its surface is.
   std::vector<std::string> notes;

@@ -2,7 +2,7 @@
 
 #include "client/cli/commands/commands.h"
 #include "client/link/client.h"
-#include "client/present/attended.h"
+#include "client/present/interactive_client.h"
 #include "client/present/json_output.h"
 #include "client/present/model_text.h"
 #include "client/present/text_output.h"
@@ -10,7 +10,7 @@
 namespace handgraft::client {
 
 int run(const ModelsOptions& options, const CommonOptions& common, Interruption& interruption) {
-  Client server(attended(common.network, Absence::kFail, interruption));
+  Client server(interactiveClient(common.network, Absence::kFail, interruption));
   if (!options.show) {
     const v1::ModelList list = server.listModels().get();
     fmt::print("{}", common.json ? json::document(list) + "\n" : text::models(list));

@@ -7,7 +7,7 @@
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/input_files.h"
 #include "client/link/client.h"
-#include "client/present/attended.h"
+#include "client/present/interactive_client.h"
 #include "client/present/json_output.h"
 #include "client/present/motion_output.h"
 #include "client/present/output_file.h"
@@ -113,7 +113,7 @@ int run(const MotionShowOptions& options,
   if (isPath(options.object)) object = objectFiles(options.object, options.units);
   ProgressLine progress;
   const Absence absence = motion ? Absence::kStartPrivate : Absence::kFail;
-  Client server(attended(common.network, absence, interruption, &progress));
+  Client server(interactiveClient(common.network, absence, interruption, &progress));
   ModelSender sender(server, interruption, !common.json);
   if (motion && !options.object.empty())
     motion->object = nameOnServer(sender, options.object, object);
@@ -135,7 +135,8 @@ int run(const MotionImportOptions& options,
   requireSafe({{"--out", options.out}}, inputs);
 
   ProgressLine progress;
-  Client server(attended(common.network, Absence::kStartPrivate, interruption, &progress));
+  Client server(
+      interactiveClient(common.network, Absence::kStartPrivate, interruption, &progress));
   ModelSender sender(server, interruption, !common.json);
   ModelFiles files =
       options.recording.empty() ? joinedFiles(server, options) : recordedFiles(options);

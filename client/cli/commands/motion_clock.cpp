@@ -4,7 +4,7 @@
 #include "client/cli/commands/commands.h"
 #include "client/link/client.h"
 #include "client/link/session_id.h"
-#include "client/present/attended.h"
+#include "client/present/interactive_client.h"
 #include "client/present/interruption.h"
 #include "client/present/json_output.h"
 
@@ -13,7 +13,7 @@ namespace handgraft::client {
 int run(const MotionClockOptions& options,
         const CommonOptions& common,
         Interruption& interruption) {
-  Client server(attended(common.network, Absence::kFail, interruption));
+  Client server(interactiveClient(common.network, Absence::kFail, interruption));
   v1::ClockRequest request;
   request.session_id(sessionMeant(server, options.session_id));
   request.action(options.action);

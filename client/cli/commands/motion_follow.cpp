@@ -16,7 +16,7 @@
 #include "client/link/demonstration.h"
 #include "client/link/following.h"
 #include "client/link/session_id.h"
-#include "client/present/attended.h"
+#include "client/present/interactive_client.h"
 #include "client/present/interruption.h"
 #include "client/present/json_output.h"
 #include "core/base/error.h"
@@ -97,7 +97,7 @@ int run(const MotionFollowOptions& options,
         const CommonOptions& common,
         Interruption& interruption) {
   std::vector<v1::DemonstratorFrame> frames = readDemonstration(options.demonstration);
-  Client server(attended(common.network, Absence::kFail, interruption));
+  Client server(interactiveClient(common.network, Absence::kFail, interruption));
   const std::uint64_t session_id = sessionMeant(server, options.session_id);
   static_cast<void>(server.describeSession(session_id).get());
   Answers answers;

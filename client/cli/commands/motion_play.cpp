@@ -13,7 +13,7 @@
 #include "client/link/client.h"
 #include "client/link/motion_player.h"
 #include "client/link/session_id.h"
-#include "client/present/attended.h"
+#include "client/present/interactive_client.h"
 #include "client/present/interruption.h"
 #include "client/present/json_output.h"
 #include "client/present/motion_result.h"
@@ -110,7 +110,7 @@ void waitForListeners(const SampleWriter& writer, const Interruption& interrupti
 int run(const MotionPlayOptions& options,
         const CommonOptions& common,
         Interruption& interruption) {
-  Client server(attended(common.network, Absence::kFail, interruption));
+  Client server(interactiveClient(common.network, Absence::kFail, interruption));
   const std::uint64_t session_id = sessionMeant(server, options.session_id);
   const v1::SessionState session = server.describeSession(session_id).get();
   const JointWay way(framesOf(server, session_id));

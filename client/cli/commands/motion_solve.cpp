@@ -9,8 +9,8 @@
 #include "client/cli/commands/input_files.h"
 #include "client/cli/commands/kept_session.h"
 #include "client/link/client.h"
-#include "client/present/attended.h"
 #include "client/present/export_file.h"
+#include "client/present/interactive_client.h"
 #include "client/present/motion_output.h"
 #include "client/present/motion_picture.h"
 #include "client/present/output_file.h"
@@ -123,8 +123,8 @@ int run(const MotionSolveOptions& options,
   checkFiles(options, inputs);
 
   ProgressLine progress;
-  Client server(attended(common.network, absenceFor(options.keep, common.network), interruption,
-                         &progress));
+  Client server(interactiveClient(common.network, absenceFor(options.keep, common.network),
+                                  interruption, &progress));
   const Clock::time_point begin = Clock::now();
   ModelSender sender(server, interruption, !common.json);
   MotionResult result;

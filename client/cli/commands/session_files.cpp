@@ -4,8 +4,8 @@
 #include "client/link/client.h"
 #include "client/link/session_id.h"
 #include "client/link/session_text.h"
-#include "client/present/attended.h"
 #include "client/present/failure.h"
+#include "client/present/interactive_client.h"
 #include "client/present/json_output.h"
 #include "client/present/output_file.h"
 #include "client/present/text_output.h"
@@ -24,7 +24,7 @@ void tell(const CommonOptions& common, const json::Json& document, const std::st
 
 int run(const SaveOptions& options, const CommonOptions& common, Interruption& interruption) {
   requireWritable({"FILE", options.path});
-  Client server(attended(common.network, Absence::kFail, interruption));
+  Client server(interactiveClient(common.network, Absence::kFail, interruption));
   const std::uint64_t session_id = sessionMeant(server, options.session_id);
   writeFile(options.path, server.saveSession(session_id).get());
   tell(common, {{"session_id", session_id}, {"file", options.path.string()}},
@@ -36,7 +36,7 @@ int run(const OpenFileOptions& options,
         const CommonOptions& common,
         Interruption& interruption) {
   const std::string text = readSessionText(options.path);
-  Client server(attended(common.network, Absence::kFail, interruption));
+  Client server(interactiveClient(common.network, Absence::kFail, interruption));
   const v1::SessionState state = askAbout(options.path, [&] {
     return server.loadSession(text).get();
   });
@@ -51,7 +51,7 @@ int run(const ReplayOptions& options, const CommonOptions& common, Interruption&
   if (!options.out.empty()) {
     requireSafe({{"--out", options.out}}, {{"FILE", options.path}});
   }
-  Client server(attended(common.network, Absence::kFail, interruption));
+  Client server(interactiveClient(common.network, Absence::kFail, interruption));
   const v1::ReplayReply reply = askAbout(options.path, [&] {
     return server.replay(text).get();
   });

@@ -5,7 +5,7 @@
 #include "client/cli/commands/commands.h"
 #include "client/link/client.h"
 #include "client/link/session_id.h"
-#include "client/present/attended.h"
+#include "client/present/interactive_client.h"
 #include "client/present/json_output.h"
 #include "client/present/text_output.h"
 #include "core/base/error.h"
@@ -36,7 +36,7 @@ v1::ShareRequest requestOf(const ShareOptions& options) {
 
 int run(const ShareOptions& options, const CommonOptions& common, Interruption& interruption) {
   v1::ShareRequest request = requestOf(options);
-  Client server(attended(common.network, Absence::kFail, interruption));
+  Client server(interactiveClient(common.network, Absence::kFail, interruption));
   request.session_id(sessionMeant(server, options.session_id));
   const v1::SessionState state = server.shareSession(request).get();
   if (common.json) {

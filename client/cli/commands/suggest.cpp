@@ -4,7 +4,7 @@
 #include "client/link/client.h"
 #include "client/link/hand_side_edits.h"
 #include "client/link/session_id.h"
-#include "client/present/attended.h"
+#include "client/present/interactive_client.h"
 #include "client/present/json_output.h"
 #include "client/present/progress_line.h"
 #include "client/present/transfer_text.h"
@@ -44,7 +44,7 @@ int run(const SuggestOptions& options,
         const CommonOptions& common,
         Interruption& interruption) {
   ProgressLine progress;
-  Client server(attended(common.network, Absence::kFail, interruption, &progress));
+  Client server(interactiveClient(common.network, Absence::kFail, interruption, &progress));
   const std::uint64_t session_id = sessionMeant(server, options.session_id);
   v1::SuggestRequest request;
   request.session_id(session_id);

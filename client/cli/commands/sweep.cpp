@@ -7,7 +7,7 @@
 #include "client/cli/commands/input_files.h"
 #include "client/cli/study/sweep_result.h"
 #include "client/link/client.h"
-#include "client/present/attended.h"
+#include "client/present/interactive_client.h"
 #include "client/present/output_file.h"
 #include "client/present/png_file.h"
 #include "client/present/progress_line.h"
@@ -144,7 +144,8 @@ int run(const SweepOptions& options, const CommonOptions& common, Interruption& 
   v1::SweepRequest request = requestOf(options);
 
   ProgressLine progress;
-  Client server(attended(common.network, Absence::kStartPrivate, interruption, &progress));
+  Client server(
+      interactiveClient(common.network, Absence::kStartPrivate, interruption, &progress));
   ModelSender sender(server, interruption, !common.json);
   request.hand(nameOnServer(sender, options.hand, hand));
 

@@ -3,7 +3,7 @@
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/input_files.h"
 #include "client/link/client.h"
-#include "client/present/attended.h"
+#include "client/present/interactive_client.h"
 #include "client/present/json_output.h"
 #include "client/present/model_text.h"
 #include "client/present/output_file.h"
@@ -20,7 +20,7 @@ int run(const VaryOptions& options, const CommonOptions& common, Interruption& i
   // A server of this command's own would take the variant along when it ends; its URDF stays.
   const Absence absence = options.urdf.empty() ? Absence::kFail : Absence::kStartPrivate;
   ProgressLine progress;
-  Client server(attended(common.network, absence, interruption, &progress));
+  Client server(interactiveClient(common.network, absence, interruption, &progress));
   ModelSender sender(server, interruption, !common.json);
   v1::VariantRequest request;
   request.hand(nameOnServer(sender, options.hand, files));

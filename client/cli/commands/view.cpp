@@ -14,7 +14,7 @@
 #include "client/gateway/web_request.h"
 #include "client/link/session_id.h"
 #include "client/link/session_text.h"
-#include "client/present/attended.h"
+#include "client/present/interactive_client.h"
 #include "client/present/json_output.h"
 #include "client/present/progress_line.h"
 #include "core/base/error.h"
@@ -95,9 +95,9 @@ int run(const ViewOptions& options, const CommonOptions& common, Interruption& i
 
   // === The session
   ProgressLine progress;
-  Client server(attended(common.network,
-                         options.session_id == 0 ? Absence::kStartPrivate : Absence::kFail,
-                         interruption, &progress));
+  Client server(interactiveClient(
+      common.network, options.session_id == 0 ? Absence::kStartPrivate : Absence::kFail,
+      interruption, &progress));
   web.read_only = web.read_only || server.onlyLooks();
   const std::uint64_t session = openAsked(options, inputs, saved, server, interruption);
   if (session != 0) {

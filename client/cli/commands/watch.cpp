@@ -6,7 +6,7 @@
 #include "client/cli/commands/commands.h"
 #include "client/link/session_id.h"
 #include "client/link/session_stream.h"
-#include "client/present/attended.h"
+#include "client/present/interactive_client.h"
 #include "client/present/interruption.h"
 #include "client/present/json_output.h"
 #include "client/present/text_output.h"
@@ -25,7 +25,7 @@ void printLine(const std::string& line) {
 }  // namespace
 
 int run(const WatchOptions& options, const CommonOptions& common, Interruption& interruption) {
-  Client server(attended(common.network, Absence::kFail, interruption));
+  Client server(interactiveClient(common.network, Absence::kFail, interruption));
   const std::uint64_t session_id = sessionMeant(server, options.session_id);
   const v1::SessionState now =
       server.describeSession(session_id).get();  // it is known to exist

@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/link/client.h"
-#include "client/present/attended.h"
+#include "client/present/interactive_client.h"
 #include "client/present/output_file.h"
 #include "core/base/error.h"
 #include "core/base/progress.h"
@@ -229,7 +229,7 @@ TEST_F(CommandsTest, SendsLargeFilesInOrderAndWhole) {
   for (std::size_t i = 0; i < bytes.size(); ++i)
     bytes[i] = static_cast<char>(i * 31 >> 3);
   const ModelFiles model = objectFiles(write("big.obj", bytes));
-  Client link(attended(network_, Absence::kFail, interruption_));
+  Client link(interactiveClient(network_, Absence::kFail, interruption_));
   link.load(model).get();
   EXPECT_EQ(script_.last_upload["big.obj"], bytes);
   EXPECT_EQ(script_.total_bytes, bytes.size());
@@ -440,7 +440,7 @@ TEST(CommandsAlone, SaysWhereNoServerAnswers) {
   const test::TestDomain domain;
   Interruption interruption;
   try {
-    Client link(attended({domain.number(), "lo"}, Absence::kFail, interruption));
+    Client link(interactiveClient({domain.number(), "lo"}, Absence::kFail, interruption));
     FAIL() << "must throw";
   } catch (const NoServer& error) {
     EXPECT_THAT(error.what(), HasSubstr("domain " + std::to_string(domain.number())));

@@ -12,8 +12,8 @@
 
 #include "client/editor/show_solution.h"
 #include "client/link/model_files.h"
-#include "client/present/attended.h"
 #include "client/present/failure.h"
+#include "client/present/interactive_client.h"
 #include "core/base/error.h"
 #include "core/base/progress.h"
 
@@ -33,7 +33,7 @@ class EditorTest : public testing::Test {
   EditorTest()
       : network_{domain_.number(), "lo"},
         edit_server_(network_),
-        server_(attended(network_, Absence::kFail, interruption_)),
+        server_(interactiveClient(network_, Absence::kFail, interruption_)),
         editor_(server_, interruption_, sink_, edit_server_.state()) {}
 
   std::string output(const std::string& line) {
@@ -405,7 +405,7 @@ TEST(EditorInJson, PrintsOneObjectALine) {
   const Network network{domain.number(), "lo"};
   test::FakeEditServer edit_server(network);
   Interruption interruption;
-  Client server(attended(network, Absence::kFail, interruption));
+  Client server(interactiveClient(network, Absence::kFail, interruption));
   ProgressLine progress;
   const Sink sink(Sink::Form::kJson, progress);
   Editor editor(server, interruption, sink, edit_server.state());

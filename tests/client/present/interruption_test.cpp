@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/present/attended.h"
+#include "client/present/interactive_client.h"
 #include "core/base/error.h"
 
 namespace handgraft::client {
@@ -73,7 +73,7 @@ TEST(Interruption, LeavesTheHandlersAsTheyWere) {
 
 TEST(Attended, EndsAWaitWhereASignalCame) {
   const Interruption interruption;
-  const ClientOptions options = attended({}, Absence::kFail, interruption);
+  const ClientOptions options = interactiveClient({}, Absence::kFail, interruption);
   EXPECT_NO_THROW(options.waiting.checkpoint());
   raise(SIGINT);
   EXPECT_THROW(options.waiting.checkpoint(), Cancelled);

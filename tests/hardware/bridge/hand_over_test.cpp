@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 
 #include "hardware/bridge/command_filter.h"
-#include "hardware/bridge/newest.h"
 #include "hardware/bridge/periodic.h"
 #include "hardware/bridge/request_ring.h"
+#include "hardware/bridge/triple_buffer.h"
 
 #include "tests/hardware/bridge/messages.h"
 
@@ -16,8 +16,8 @@ namespace {
 
 using std::chrono::milliseconds;
 
-TEST(Newest, TheNewestWinsAndIsTakenOnce) {
-  Newest<int> value(0);
+TEST(TripleBuffer, TheNewestWinsAndIsTakenOnce) {
+  TripleBuffer<int> value(0);
   EXPECT_EQ(value.take(), nullptr);
   for (const int i : {1, 2, 3}) {
     value.draft() = i;
@@ -29,9 +29,9 @@ TEST(Newest, TheNewestWinsAndIsTakenOnce) {
   EXPECT_EQ(value.last(), 3);
 }
 
-TEST(Newest, NothingIsTornBetweenThreads) {
+TEST(TripleBuffer, NothingIsTornBetweenThreads) {
   using Pair = std::array<std::uint64_t, 32>;
-  Newest<Pair> value(Pair{});
+  TripleBuffer<Pair> value(Pair{});
   constexpr std::uint64_t kLast = 200'000;
   std::thread writer([&] {
     for (std::uint64_t i = 1; i <= kLast; ++i) {

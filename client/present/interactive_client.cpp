@@ -1,11 +1,11 @@
-#include "client/present/attended.h"
+#include "client/present/interactive_client.h"
 
 namespace handgraft::client {
 
-ClientOptions attended(const Network& network,
-                       Absence absence,
-                       const Interruption& interruption,
-                       ProgressLine* progress) {
+ClientOptions interactiveClient(const Network& network,
+                                Absence absence,
+                                const Interruption& interruption,
+                                ProgressLine* progress) {
   ClientOptions options;
   options.network = network;
   options.absence = absence;

@@ -11,12 +11,12 @@ namespace handgraft::bridge {
 /// Three slots: the writer's draft, the reader's, and the one in between that they swap theirs
 /// with.
 template <class T>
-class Newest {
+class TripleBuffer {
  public:
-  explicit Newest(const T& initial = T()) : slots_{initial, initial, initial} {}
+  explicit TripleBuffer(const T& initial = T()) : slots_{initial, initial, initial} {}
 
-  Newest(const Newest&) = delete;
-  Newest& operator=(const Newest&) = delete;
+  TripleBuffer(const TripleBuffer&) = delete;
+  TripleBuffer& operator=(const TripleBuffer&) = delete;
 
   /// Writer: what the next `publish` hands over. Holds an older value until it is written.
   T& draft() { return slots_[draft_]; }

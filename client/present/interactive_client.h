@@ -8,10 +8,10 @@ namespace handgraft::client {
 
 /// How a client waits while a person looks on: Ctrl-C cancels what it waits for (Cancelled),
 /// and `progress`, if there is one, shows what goes on. Both outlive the client.
-ClientOptions attended(const Network& network,
-                       Absence absence,
-                       const Interruption& interruption,
-                       ProgressLine* progress = nullptr);
+ClientOptions interactiveClient(const Network& network,
+                                Absence absence,
+                                const Interruption& interruption,
+                                ProgressLine* progress = nullptr);
 
 /// Of a command that leaves a session open: who names hosts means a server there, not one that
 /// ends with the command.
