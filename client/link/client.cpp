@@ -68,7 +68,8 @@ v1::ModelSummary summaryIn(const v1::ModelList& list,
 struct Client::Impl {
   struct Connection {
     explicit Connection(const Network& network)
-        : participant(std::make_shared<Participant>(network, idl::cyclone::Peers::kNoClients)),
+        : participant(
+              std::make_shared<Participant>(network, idl::cyclone::Discovers::kNoClients)),
           requester(*participant) {}
 
     std::shared_ptr<Participant> participant;

@@ -30,13 +30,13 @@ constexpr const char* kTiming =
     "<NackDelay>20ms</NackDelay><WriterLingerDuration>50ms</WriterLingerDuration>";
 
 // A server announces itself five times a second: who was not heard is heard by its answer.
-constexpr const char* announcementsOf(Peers peers) {
-  return peers == Peers::kAll ? "500ms" : "2s";
+constexpr const char* announcementsOf(Discovers discovers) {
+  return discovers == Discovers::kAll ? "500ms" : "2s";
 }
 
 std::string configurationOf(const Network& network,
                             const NetworkInterface& interface,
-                            Peers peers) {
+                            Discovers discovers) {
   // 65 kB datagrams and 4 MB buffers carry an 8 MB mesh in 12 ms on loopback. Elsewhere a
   // datagram is one frame: of 45 fragments each would have to arrive. A kernel that grants a
   // smaller buffer makes it slower, not impossible, hence `max`. Names of interfaces may hold
@@ -71,7 +71,7 @@ std::string configurationOf(const Network& network,
       "<Internal><SocketReceiveBufferSize max=\"4MB\"/>{}</Internal>"
       "</Domain></CycloneDDS>",
       name, interface.loopback ? "false" : "spdp", interface.loopback ? "65500B" : "1400B",
-      interface.loopback ? "65000B" : "1200B", kLease_s, announcementsOf(peers), peers,
+      interface.loopback ? "65000B" : "1200B", kLease_s, announcementsOf(discovers), peers,
       kTiming);
 }
 
@@ -93,7 +93,7 @@ std::map<int, JoinedDomain>& joinedDomains() {
 
 }  // namespace
 
-Domain::Domain(const Network& network, Peers peers) : id_(network.domain) {
+Domain::Domain(const Network& network, Discovers discovers) : id_(network.domain) {
   const NetworkInterface interface = validate(network);
   const std::lock_guard lock(joining());
   JoinedDomain& shared = joinedDomains()[id_];
@@ -111,12 +111,12 @@ Domain::Domain(const Network& network, Peers peers) : id_(network.domain) {
     }
     shared.handle =
         checked(dds_create_domain(static_cast<dds_domainid_t>(id_),
-                                  configurationOf(network, interface, peers).c_str()),
+                                  configurationOf(network, interface, discovers).c_str()),
                 "the domain cannot be joined", describe(network));
     shared.how = how;
   }
-  if (shared.users == 0 || peers == Peers::kAll)
-    passOverClients(id_, peers == Peers::kNoClients);
+  if (shared.users == 0 || discovers == Discovers::kAll)
+    passOverClients(id_, discovers == Discovers::kNoClients);
   ++shared.users;
 }
 

@@ -8,7 +8,7 @@ namespace handgraft::idl::cyclone {
 inline constexpr int kLease_s = 20;
 
 /// Whom a program meets. Discovery, and in a secured domain handshakes, are of each with each.
-enum class Peers {
+enum class Discovers {
   kAll,
   kNoClients,  ///< a client, which says nothing to others of its kind
 };
@@ -20,7 +20,7 @@ class Domain {
   /// All are met as soon as one of its participants meets all.
   /// Errors: InvalidInput for a network that is none, or other settings than those with which
   /// this process is on that domain already; TransportError.
-  Domain(const Network& network, Peers peers);
+  Domain(const Network& network, Discovers discovers);
   ~Domain();
   Domain(const Domain&) = delete;
   Domain& operator=(const Domain&) = delete;

@@ -41,8 +41,9 @@ namespace {
 /// As a server of a secured domain calls itself to all who discover it (server/transport).
 constexpr const char* kSecuredServer = "handgraft-server, secured";
 
-std::string nameOf(Peers peers) {
-  return peers == Peers::kNoClients ? std::string(DatagramFilter::kClient) : std::string();
+std::string nameOf(Discovers discovers) {
+  return discovers == Discovers::kNoClients ? std::string(DatagramFilter::kClient)
+                                            : std::string();
 }
 
 /// A server's GUIDs are for Fast DDS alone (makeCommonName).
@@ -149,12 +150,12 @@ const dds_topic_descriptor_t* descriptorOf();
 // === Participant
 
 struct Participant::Impl {
-  Impl(const Network& where, Peers peers)
+  Impl(const Network& where, Discovers discovers)
       : network(where),
         identity(identityOf(where)),
-        domain(where, peers),
+        domain(where, discovers),
         entity(dds_create_participant(static_cast<dds_domainid_t>(where.domain),
-                                      participantQos(identity, nameOf(peers)).get(),
+                                      participantQos(identity, nameOf(discovers)).get(),
                                       nullptr),
                "no participant",
                describe(where)) {}
@@ -165,8 +166,8 @@ struct Participant::Impl {
   Entity entity;
 };
 
-Participant::Participant(const Network& network, Peers peers)
-    : impl_(std::make_shared<Impl>(network, peers)) {}
+Participant::Participant(const Network& network, Discovers discovers)
+    : impl_(std::make_shared<Impl>(network, discovers)) {}
 
 Participant::~Participant() = default;
 

@@ -35,7 +35,7 @@ using handgraft::validate;
 /// otherwise).
 class Participant {
  public:
-  explicit Participant(const Network& network, Peers peers = Peers::kAll);
+  explicit Participant(const Network& network, Discovers discovers = Discovers::kAll);
   ~Participant();
 
   [[nodiscard]] const Network& network() const;

@@ -24,7 +24,7 @@ constexpr std::chrono::seconds kSilent(3);  // thirty statuses missed
 BridgeLink::BridgeLink(const Network& network, Interruption& interruption)
     : network_(network),
       interruption_(interruption),
-      participant_(network, idl::cyclone::Peers::kNoClients),
+      participant_(network, idl::cyclone::Discovers::kNoClients),
       statuses_(participant_, idl::kBridgeStatusTopic),
       commands_(participant_, idl::kHandCommandTopic) {
   // Soon, so that bridges listen when a command comes; others still may look.

@@ -328,7 +328,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   CLI11_PARSE(app, argc, argv);
   try {
-    const Participant participant(network, idl::cyclone::Peers::kNoClients);
+    const Participant participant(network, idl::cyclone::Discovers::kNoClients);
     Requester requester(participant);
     if (!requester.waitForServer(std::chrono::seconds(60))) throw TransportError("no server");
     if (*much)
