@@ -110,7 +110,7 @@ void drawGrasp(const std::filesystem::path& file,
       whole.at(x, y) = halves[static_cast<std::size_t>(y / kHeight)].at(x, y % kHeight);
   }
   std::filesystem::create_directories(file.parent_path());
-  writePng(file, whole);
+  client::writePng(file, whole);
 }
 
 }  // namespace handgraft::bench
