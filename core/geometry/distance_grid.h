@@ -64,8 +64,8 @@ class DistanceGrid {
 
  private:
   /// Spacings by which a node's value may differ from the distance at the places next to it:
-  /// 0.87 for the way there, the rest for what is blended far from the surface.
-  static constexpr double kDoubt = 1.5;
+  /// 0.87 for the way there, and as much for what is blended far from the surface.
+  static constexpr double kDoubt = 2.0;
 
   void fill(const Progress& progress);
   void fillCoarse(const Progress& progress);

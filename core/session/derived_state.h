@@ -184,8 +184,12 @@ class DerivedState {
                   optimize::SolveOptions options,
                   const Progress& progress,
                   int worse_at_most);
-  /// Lays drafts as the document asks, and solves on from there.
+  /// Whether any patch may slide on the hand.
+  [[nodiscard]] bool slides() const;
+  /// Lays drafts as the document asks, and solves on from there; also where there are none, if
+  /// the search has been a rough one.
   void layDraftsInFull(optimize::SolveReport& report,
+                       bool is_rough,
                        const Solving& solving,
                        optimize::SolveOptions options,
                        const Progress& progress);

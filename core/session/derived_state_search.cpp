@@ -155,7 +155,7 @@ Solution DerivedState::solve(const Solving& solving,
   std::vector<Minimum> found;
   {
     const Drafts drafts(*this);
-    options.least_promise = kDraftPromise;
+    if (searchesWidely(solving, options) && slides()) options.least_promise = kDraftPromise;
     found = searchAbout(report, solving, options, progress);
     options.on_improvement = nullptr;
     Worth worth = worthOf(report, solving);
@@ -177,8 +177,9 @@ Solution DerivedState::solve(const Solving& solving,
     }
     if (searchesWidely(solving, options)) reachForMissed(report, solving, options, progress);
   }
+  const bool is_rough = options.least_promise > optimize::kLeastPromise;
   options.least_promise = optimize::kLeastPromise;
-  layDraftsInFull(report, solving, options, progress);
+  layDraftsInFull(report, is_rough, solving, options, progress);
   if (solving.avoids() && report.minima.size() < found.size())
     keepMinima(found, report, solving, options, progress);
   return answered(std::move(report), solving);
@@ -258,7 +259,14 @@ std::vector<Minimum> DerivedState::searchAbout(SolveReport& report,
   return found;
 }
 
+bool DerivedState::slides() const {
+  return std::any_of(patches_.begin(), patches_.end(), [](const SessionPatch& item) {
+    return item.placement && item.root_is_open;
+  });
+}
+
 void DerivedState::layDraftsInFull(SolveReport& report,
+                                   bool is_rough,
                                    const Solving& solving,
                                    SolveOptions options,
                                    const Progress& progress) {
@@ -268,7 +276,7 @@ void DerivedState::layDraftsInFull(SolveReport& report,
     item.up_to_date = false;
     any = true;
   }
-  if (!any) return;
+  if (!any && !is_rough) return;
   transfer(progress);
   start_ = report.pose;
   options.starts = 1;
@@ -383,10 +391,7 @@ bool DerivedState::refineDirections(SolveReport& report,
 std::vector<Minimum> DerivedState::slideFreely(Solving solving,
                                                SolveOptions options,
                                                const Progress& progress) {
-  const bool any_open = std::any_of(patches_.begin(), patches_.end(), [](const auto& item) {
-    return item.placement && item.root_is_open;
-  });
-  if (!any_open) return {};
+  if (!slides()) return {};
   solving.avoid_penetration = false;
   options.on_improvement = nullptr;
   SolveReport report = optimize::solve(problem(solving), options, progress);
