@@ -27,7 +27,7 @@ class StoreSource final : public session::ModelSource {
 };
 
 session::SessionModels modelsOn(const std::string& hand,
-                                const NamedModels& models,
+                                const std::shared_ptr<const StoredHand>& stored_hand,
                                 const std::string& object,
                                 const std::shared_ptr<const StoredObject>& stored_object,
                                 const std::string& contacts,
@@ -36,7 +36,7 @@ session::SessionModels modelsOn(const std::string& hand,
                                 const Progress& progress) {
   session::SessionModels made;
   made.hand_name = hand;
-  made.hand = models.hand(hand)->hand->get(progress);
+  made.hand = stored_hand->hand->get(progress);
   made.object_name = object;
   made.object_O = meshOf(stored_object);
   made.contacts_name = contacts;
@@ -68,10 +68,11 @@ session::SessionModels sessionModels(const std::string& hand,
                                      const NamedModels& models,
                                      std::shared_ptr<session::ModelSource> source,
                                      const Progress& progress) {
+  const auto stored_hand = models.hand(hand);
   const auto stored_object = models.object(object);
   const auto stored = models.contacts(contacts);
   requireSameMesh(*stored, *stored_object);
-  return modelsOn(hand, models, object, stored_object, contacts, {stored, &stored->set},
+  return modelsOn(hand, stored_hand, object, stored_object, contacts, {stored, &stored->set},
                   std::move(source), progress);
 }
 
@@ -81,12 +82,13 @@ session::SessionModels motionModels(const std::string& hand,
                                     const NamedModels& models,
                                     std::shared_ptr<session::ModelSource> source,
                                     const Progress& progress) {
+  const auto stored_hand = models.hand(hand);
   const auto stored_object = models.object(object);
   const auto stored = models.motion(motion);
   requireSameMesh(*stored, *stored_object);
   auto grasp = std::make_shared<const contact::ContactSet>(
       retargeting::graspOf(*stored->motion, stored_object->file->mesh));
-  return modelsOn(hand, models, object, stored_object, motion, std::move(grasp),
+  return modelsOn(hand, stored_hand, object, stored_object, motion, std::move(grasp),
                   std::move(source), progress);
 }
 
