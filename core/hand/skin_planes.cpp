@@ -1,20 +1,30 @@
 #include "core/hand/skin_planes.h"
 
-#include <utility>
+#include <algorithm>
 
 #include "core/base/made_once.h"
+#include "core/base/side_by_side.h"
 
 namespace handgraft::hand {
+
+namespace {
+
+constexpr int kAtOnce = 1000;  // faces
+
+}  // namespace
 
 SkinPlanes::SkinPlanes(const Skin& skin) : skin_(skin) {
   const int count = skin.mesh().faceCount();
   planes_.resize(static_cast<std::size_t>(count));
-  for (int f = 0; f < count; ++f) {
-    const geometry::SurfacePoint middle{f, Eigen::Vector3d::Constant(1.0 / 3.0)};
-    const std::optional<LinkPoint> point = skin.project(middle);
-    if (!point) continue;
-    planes_[static_cast<std::size_t>(f)] = {*point, positionOf(skin.mesh(), middle)};
-  }
+  sideBySide((count + kAtOnce - 1) / kAtOnce, [&](int part) {
+    const int end = std::min(count, (part + 1) * kAtOnce);
+    for (int f = part * kAtOnce; f < end; ++f) {
+      const geometry::SurfacePoint middle{f, Eigen::Vector3d::Constant(1.0 / 3.0)};
+      const std::optional<LinkPoint> point = skin.project(middle);
+      if (!point) continue;
+      planes_[static_cast<std::size_t>(f)] = {*point, positionOf(skin.mesh(), middle)};
+    }
+  });
 }
 
 std::optional<LinkPoint> SkinPlanes::project(const geometry::SurfacePoint& place_S) const {

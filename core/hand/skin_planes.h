@@ -8,22 +8,23 @@
 
 namespace handgraft::hand {
 
-/// Skin::project in a hundredth of its time, for searches: each face of the skin keeps the
-/// plane of the link's surface beneath its middle.
+/// Skin::project in less than a tenth of its time, for searches: each face of the skin keeps
+/// the plane of the link's surface beneath its middle.
 ///
-/// On flat and on evenly curved parts it is off by hundredths of a millimetre; across an edge
-/// of the link by as much as the face is wide, and along a border between links the face's
-/// middle decides for all of it. Const, safe from several threads.
+/// On the built-in hands nine places of ten are off by less than 0.1 mm, 99 of 100 by less than
+/// 0.25; across an edge of a link by as much as the face is wide (3.7 mm at worst), and along a
+/// border between links the face's middle decides for all of it (1 face of 150). Const, safe
+/// from several threads.
 class SkinPlanes {
  public:
-  /// Keeps `skin` by reference. Cost: some microseconds a face.
+  /// Keeps `skin` by reference. Cost: 1 to 3 us a face, on several threads.
   explicit SkinPlanes(const Skin& skin);
 
   /// Of a place of the skin; nothing where its face's middle is of no link.
   [[nodiscard]] std::optional<LinkPoint> project(const geometry::SurfacePoint& place_S) const;
 
  private:
-  /// Points of a skin's face go straight onto a plane of the link, which is turned into L then.
+  /// Through the link's point beneath a face's middle, along the link's surface there.
   struct Plane {
     LinkPoint point;  ///< of the face's middle; no link: none
     Eigen::Vector3d p_S = Eigen::Vector3d::Zero();

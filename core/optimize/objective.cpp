@@ -53,6 +53,7 @@ double Objective::prior() const {
 Terms Objective::evaluate(const hand::HandPose& pose) {
   HANDGRAFT_REQUIRE(pose.q.size() == problem_.model->dofCount());
   if (last_ && pose.q == pose_.q && pose.X_WH.matrix() == pose_.X_WH.matrix()) return *last_;
+  last_.reset();
   pose_ = pose;
   placeBodies(*tree_, pose.X_WH.linear(), pose.q, bodies_);
   const Vector3d root_W = pose.X_WH.translation();

@@ -129,14 +129,18 @@ double sumOverSamples(const Scene& scene, const hand::HandPose& pose, bool itsel
   return sum;
 }
 
+PoseProblem withoutTheCharge(PoseProblem problem) {
+  problem.avoidance = nullptr;
+  return problem;
+}
+
 class AvoidanceOf : public testing::TestWithParam<const Scene& (*)()> {};
 
 TEST_P(AvoidanceOf, ChargesAreasTimesSquaredDepths) {
   const Scene& scene = GetParam()();
   std::mt19937 random(1);
   const PoseProblem problem = scene.problem(random);
-  PoseProblem bare = problem;
-  bare.avoidance = nullptr;
+  const PoseProblem bare = withoutTheCharge(problem);
   Objective objective(problem);
   Objective bare_objective(bare);
   int inside = 0;
@@ -160,8 +164,7 @@ TEST_P(AvoidanceOf, AnswersAgainByTheCareOfTheMoment) {
   const Scene& scene = GetParam()();
   std::mt19937 random(1);
   const PoseProblem problem = scene.problem(random);
-  PoseProblem bare = problem;
-  bare.avoidance = nullptr;
+  const PoseProblem bare = withoutTheCharge(problem);
   Objective objective(problem);
   Objective bare_objective(bare);
   int charged = 0;
