@@ -8,7 +8,9 @@
 #include "core/base/error.h"
 #include "hardware/bridge/calibration_keeper.h"
 #include "hardware/bridge/command_filter.h"
+#include "hardware/bridge/doorbell.h"
 #include "hardware/bridge/hand_choice.h"
+#include "hardware/bridge/inbox.h"
 #include "hardware/bridge/motion_thread.h"
 #include "hardware/bridge/own_refusal.h"
 #include "hardware/bridge/publisher.h"
@@ -23,7 +25,6 @@ namespace handgraft::bridge {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using idl::cyclone::Reader;
 using safety::GovernorState;
 using safety::HoldCause;
 
@@ -33,6 +34,9 @@ constexpr std::chrono::milliseconds kServerPatience(1500);  // the absence is sa
 constexpr double kArrived = 2e-3;
 // For the first pose of samples to be taken by the motion thread; refused, it is offered again.
 constexpr std::chrono::milliseconds kBeginPatience(200);
+// What comes and each period's end ring; the rest (patience that ends, a stop) may wait so
+// long.
+constexpr std::chrono::milliseconds kNap(20);
 
 }  // namespace
 
@@ -52,14 +56,18 @@ struct Bridge::Impl {
              !told.config && told.arms_itself,
              told.config ? told.config->hand : ""),
         choice(participant),
-        trajectories(participant),
-        statuses(participant, idl::kStatusTopic),
-        commands(participant, idl::kHandCommandTopic),
-        heard_statuses(participant, idl::kBridgeStatusTopic),
+        trajectories(participant, bell),
+        statuses(participant, idl::kStatusTopic, bell),
+        commands(participant, idl::kHandCommandTopic, bell),
+        heard_statuses(participant, idl::kBridgeStatusTopic, bell),
         publisher(
-            participant, told.ros_namespace, told.bridge_id, [this](v1::HandCommandKind kind) {
+            participant,
+            told.ros_namespace,
+            told.bridge_id,
+            [this](v1::HandCommandKind kind) {
               obey(kind);
-            }) {
+            },
+            bell) {
     is_willing = !options.config && options.arms_itself;
     identity.bridge_id = options.bridge_id;
     identity.config = options.config_name;
@@ -88,7 +96,7 @@ struct Bridge::Impl {
       }
     };
     motion = std::make_unique<MotionThread>(
-        std::make_unique<Motion>(config, make, Clock::now, keep), estop);
+        std::make_unique<Motion>(config, make, Clock::now, keep), estop, bell);
     identity.hand = config.hand;
     identity.device = nameOf(config.device);
     identity.joints = config.governor.names;
@@ -173,8 +181,8 @@ struct Bridge::Impl {
     // What was streamed before comes again to a reader that joins: poses answer edits, and the
     // next edit may be far away.
     if (is_there && !server_is_there && has_met_server) {
-      sessions.emplace(participant, idl::kSessionTopic);
-      solutions.emplace(participant, idl::kSolutionTopic);
+      sessions.emplace(participant, idl::kSessionTopic, bell);
+      solutions.emplace(participant, idl::kSolutionTopic, bell);
     }
     server_is_there = is_there;
     has_met_server = has_met_server || is_there;
@@ -205,8 +213,8 @@ struct Bridge::Impl {
     endStream();
     feed.serverIsThere(false);
     feed.serverIsThere(is_there);
-    sessions.emplace(participant, idl::kSessionTopic);
-    solutions.emplace(participant, idl::kSolutionTopic);
+    sessions.emplace(participant, idl::kSessionTopic, bell);
+    solutions.emplace(participant, idl::kSolutionTopic, bell);
   }
 
   // What comes after a gap may be from anywhere: it moves nothing before somebody says so.
@@ -393,13 +401,9 @@ struct Bridge::Impl {
 
   void run(const std::atomic<bool>& stop) {
     start = Clock::now();
-    const auto period = std::chrono::duration_cast<Clock::duration>(
-        std::chrono::duration<double>(identity.period_s / 2));
-    const auto nap = std::clamp(std::chrono::floor<std::chrono::milliseconds>(period),
-                                std::chrono::milliseconds(1), std::chrono::milliseconds(5));
     while (!stop) {
       turn(Clock::now());
-      trajectories.wait(nap);
+      bell->wait(kNap);
     }
     overruns = state().overruns;
     motion.reset();
@@ -409,6 +413,7 @@ struct Bridge::Impl {
   BridgeOptions options;
   std::atomic<bool>& estop;
   Report report;
+  const std::shared_ptr<Doorbell> bell = std::make_shared<Doorbell>();
   CommandFilter filter;
   RivalWatch rivals;
   StreamFeed feed;
@@ -438,13 +443,13 @@ struct Bridge::Impl {
   std::string last_said, told_reason;
   std::uint64_t told_refusals = 0, overruns = 0;
 
-  Reader<v1::ServerStatus> statuses;
-  std::optional<Reader<v1::SessionState>> sessions{std::in_place, participant,
-                                                   idl::kSessionTopic};
-  std::optional<Reader<v1::PoseSolution>> solutions{std::in_place, participant,
-                                                    idl::kSolutionTopic};
-  Reader<v1::HandCommand> commands;
-  Reader<v1::BridgeStatus> heard_statuses;
+  Inbox<v1::ServerStatus> statuses;
+  std::optional<Inbox<v1::SessionState>> sessions{std::in_place, participant,
+                                                  idl::kSessionTopic, bell};
+  std::optional<Inbox<v1::PoseSolution>> solutions{std::in_place, participant,
+                                                   idl::kSolutionTopic, bell};
+  Inbox<v1::HandCommand> commands;
+  Inbox<v1::BridgeStatus> heard_statuses;
   Publisher publisher;
 
   // Last, so that it ends first: it uses what stands above.

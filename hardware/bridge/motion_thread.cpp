@@ -12,10 +12,13 @@ constexpr std::chrono::seconds kEndPatience(1);  // beyond the braking time
 
 }  // namespace
 
-MotionThread::MotionThread(std::unique_ptr<Motion> motion, std::atomic<bool>& estop_flag)
+MotionThread::MotionThread(std::unique_ptr<Motion> motion,
+                           std::atomic<bool>& estop_flag,
+                           std::shared_ptr<Doorbell> bell)
     : motion_(std::move(motion)),
       config_(motion_->config()),
       estop_flag_(estop_flag),
+      bell_(std::move(bell)),
       samples_(config_.jointCount()),
       states_(motion_->state()),
       thread_([this] {
@@ -57,6 +60,7 @@ void MotionThread::turn(Periodic& periodic) {
   told.worst_lateness = periodic.worstLateness();
   told.is_realtime = is_realtime_;
   states_.publish();
+  bell_->ring();
 }
 
 void MotionThread::run() {

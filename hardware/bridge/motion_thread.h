@@ -4,6 +4,7 @@
 #include <memory>
 #include <thread>
 
+#include "hardware/bridge/doorbell.h"
 #include "hardware/bridge/motion.h"
 #include "hardware/bridge/periodic.h"
 #include "hardware/bridge/request_ring.h"
@@ -21,8 +22,10 @@ class MotionThread {
  public:
   /// `estop_flag` has to live as long as this: whenever it is found set, it is cleared and the
   /// hand stopped. A device that watches the same flag is stopped also while it is switched on.
-  /// Errors: as of Motion.
-  MotionThread(std::unique_ptr<Motion> motion, std::atomic<bool>& estop_flag);
+  /// `bell` rings after each period. Errors: as of Motion.
+  MotionThread(std::unique_ptr<Motion> motion,
+               std::atomic<bool>& estop_flag,
+               std::shared_ptr<Doorbell> bell);
   /// Brakes, switches the motors off and ends; takes up to the braking time and 1 s.
   ~MotionThread();
   MotionThread(const MotionThread&) = delete;
@@ -60,6 +63,7 @@ class MotionThread {
   std::unique_ptr<Motion> motion_;
   config::HandConfig config_;
   std::atomic<bool>& estop_flag_;
+  const std::shared_ptr<Doorbell> bell_;
   std::atomic<bool> is_ending_{false};
   bool is_realtime_ = false;
   RequestRing requests_;

@@ -29,10 +29,11 @@ std::chrono::nanoseconds systemTimeOf(Publisher::Clock::time_point moment) {
 Publisher::Publisher(const idl::cyclone::Participant& participant,
                      const std::string& ros_namespace,
                      std::uint32_t bridge_id,
-                     RosNode::Obey obey)
+                     RosNode::Obey obey,
+                     const std::shared_ptr<Doorbell>& bell)
     : joint_states_(participant, idl::kJointStateTopic),
       statuses_(participant, idl::kBridgeStatusTopic),
-      ros_(participant, ros_namespace, bridge_id, std::move(obey)) {}
+      ros_(participant, ros_namespace, bridge_id, std::move(obey), bell) {}
 
 bool Publisher::isDue(const v1::BridgeStatus& status, Clock::time_point now) const {
   return isNews(status, last_status_) || now >= status_due_;

@@ -2,8 +2,10 @@
 
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <string>
 
+#include "hardware/bridge/doorbell.h"
 #include "hardware/bridge/motion_state.h"
 #include "hardware/bridge/ros_node.h"
 #include "hardware/bridge/telemetry.h"
@@ -17,11 +19,13 @@ class Publisher {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Errors: InvalidInput for a bad namespace; TransportError.
+  /// `bell` rings when ROS asks for something. Errors: InvalidInput for a bad namespace;
+  /// TransportError.
   Publisher(const idl::cyclone::Participant& participant,
             const std::string& ros_namespace,
             std::uint32_t bridge_id,
-            RosNode::Obey obey);
+            RosNode::Obey obey,
+            const std::shared_ptr<Doorbell>& bell);
 
   /// Whether `publish` would tell this status now.
   [[nodiscard]] bool isDue(const v1::BridgeStatus& status, Clock::time_point now) const;

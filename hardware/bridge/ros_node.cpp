@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/base/error.h"
+#include "hardware/bridge/inbox.h"
 #include "idl/fields.h"
 #include "idl/topics.h"
 
@@ -19,7 +20,6 @@ using Clock = std::chrono::steady_clock;
 using Request = std_srvs::srv::dds_::Trigger_Request_;
 using Response = std_srvs::srv::dds_::Trigger_Response_;
 using idl::cyclone::Participant;
-using idl::cyclone::Reader;
 using idl::cyclone::Writer;
 
 constexpr std::chrono::seconds kPatience(10);
@@ -72,12 +72,16 @@ std::uint8_t levelOf(const v1::BridgeStatus& status) {
 /// One Trigger service: its two topics, and who waits for an answer.
 class Service {
  public:
-  Service(const Participant& participant, const std::string& node, const Verb& verb)
+  Service(const Participant& participant,
+          const std::string& node,
+          const Verb& verb,
+          const std::shared_ptr<Doorbell>& bell)
       : verb_(verb),
         request_name_(fmt::format("rq/{}/{}Request", node, verb.name)),
         reply_name_(fmt::format("rr/{}/{}Reply", node, verb.name)),
         requests_(participant,
-                  {request_name_.c_str(), idl::Qos::kService, idl::kRosTriggerHash}),
+                  {request_name_.c_str(), idl::Qos::kService, idl::kRosTriggerHash},
+                  bell),
         replies_(participant, {reply_name_.c_str(), idl::Qos::kService, idl::kRosTriggerHash}) {
   }
 
@@ -129,7 +133,7 @@ class Service {
 
   Verb verb_;
   std::string request_name_, reply_name_;
-  Reader<Request> requests_;
+  Inbox<Request> requests_;
   Writer<Response> replies_;
   std::vector<Waiting> waiting_;
 };
@@ -240,7 +244,8 @@ struct RosNode::Impl {
   Impl(const Participant& participant,
        const std::string& ros_namespace,
        std::uint32_t bridge_id,
-       Obey told)
+       Obey told,
+       const std::shared_ptr<Doorbell>& bell)
       : obey(std::move(told)),
         prefix(ros_namespace.empty() ? "" : rosNamespace(ros_namespace) + "/"),
         name(prefix + (bridge_id == 1 ? "handgraft_bridge"
@@ -251,7 +256,7 @@ struct RosNode::Impl {
         trajectories(participant, named(idl::kRosTrajectoryTopic, trajectory_name)),
         diagnostics(participant, idl::kRosDiagnosticsTopic) {
     for (const Verb& verb : kVerbs)
-      services.push_back(std::make_unique<Service>(participant, name, verb));
+      services.push_back(std::make_unique<Service>(participant, name, verb, bell));
   }
 
   template <class Message>
@@ -272,8 +277,10 @@ struct RosNode::Impl {
 RosNode::RosNode(const Participant& participant,
                  const std::string& ros_namespace,
                  std::uint32_t bridge_id,
-                 Obey obey)
-    : impl_(std::make_unique<Impl>(participant, ros_namespace, bridge_id, std::move(obey))) {}
+                 Obey obey,
+                 const std::shared_ptr<Doorbell>& bell)
+    : impl_(std::make_unique<Impl>(
+          participant, ros_namespace, bridge_id, std::move(obey), bell)) {}
 
 RosNode::~RosNode() = default;
 

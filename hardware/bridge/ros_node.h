@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "hardware/bridge/doorbell.h"
 #include "hardware/bridge/motion_state.h"
 #include "hardware/bridge/telemetry.h"
 #include "idl/cyclone/participant.h"
@@ -44,11 +45,13 @@ class RosNode {
   using Obey = std::function<void(v1::HandCommandKind)>;
 
   /// `bridge_id` other than 1 is part of the node's name: handgraft_bridge_2.
-  /// Errors: InvalidInput for a bad namespace; TransportError.
+  /// `bell` rings when a service is asked for. Errors: InvalidInput for a bad namespace;
+  /// TransportError.
   RosNode(const idl::cyclone::Participant& participant,
           const std::string& ros_namespace,
           std::uint32_t bridge_id,
-          Obey obey);
+          Obey obey,
+          const std::shared_ptr<Doorbell>& bell);
   ~RosNode();
 
   /// Takes requests and obeys them, and answers those that are settled by `status`.

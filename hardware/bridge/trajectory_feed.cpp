@@ -1,9 +1,6 @@
 #include "hardware/bridge/trajectory_feed.h"
 
 #include <algorithm>
-#include <chrono>
-#include <condition_variable>
-#include <mutex>
 
 #include <fmt/format.h>
 
@@ -71,21 +68,6 @@ ReadTrajectory readTrajectory(const trajectory_msgs::msg::dds_::JointTrajectory_
   return read;
 }
 
-/// Rung by any reader.
-struct TrajectoryFeed::Bell {
-  std::mutex mutex;
-  std::condition_variable rung;
-  bool is_rung = false;
-
-  void ring() {
-    {
-      const std::lock_guard lock(mutex);
-      is_rung = true;
-    }
-    rung.notify_one();
-  }
-};
-
 void TrajectoryFeed::see(const v1::SessionState& session) {
   const std::uint64_t id = session.session_id();
   if (session.phase() == v1::PHASE_CLOSED) {
@@ -99,16 +81,12 @@ void TrajectoryFeed::see(const v1::SessionState& session) {
                                         return a.second.since < b.second.since;
                                       }));
   }
-  if (!bell_) bell_ = std::make_shared<Bell>();
   Listener& listener = listeners_[id];
   listener.since = ++listener_count_;
   listener.topic = idl::sampleTopicName(id);
   idl::Topic<Message> topic = idl::kRosSamplesTopic;
   topic.name = listener.topic.c_str();
-  listener.reader =
-      std::make_unique<idl::cyclone::Reader<Message>>(participant_, topic, [bell = bell_] {
-        bell->ring();
-      });
+  listener.reader = std::make_unique<Inbox<Message>>(participant_, topic, bell_);
 }
 
 void TrajectoryFeed::take(const Use& use) {
@@ -117,15 +95,6 @@ void TrajectoryFeed::take(const Use& use) {
       use(session, message);
     });
   }
-}
-
-void TrajectoryFeed::wait(std::chrono::milliseconds nap) {
-  if (!bell_) bell_ = std::make_shared<Bell>();
-  std::unique_lock lock(bell_->mutex);
-  bell_->rung.wait_for(lock, nap, [this] {
-    return bell_->is_rung;
-  });
-  bell_->is_rung = false;
 }
 
 }  // namespace handgraft::bridge

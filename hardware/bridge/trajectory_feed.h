@@ -6,8 +6,11 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "hardware/bridge/doorbell.h"
+#include "hardware/bridge/inbox.h"
 #include "hardware/bridge/timed_pose_ring.h"
 #include "idl/cyclone/participant.h"
 #include "idl/ros2.h"
@@ -35,8 +38,9 @@ class TrajectoryFeed {
   using Message = trajectory_msgs::msg::dds_::JointTrajectory_;
   using Use = std::function<void(std::uint64_t session, const Message&)>;
 
-  explicit TrajectoryFeed(const idl::cyclone::Participant& participant)
-      : participant_(participant) {}
+  /// `bell` rings when a sample has come.
+  TrajectoryFeed(const idl::cyclone::Participant& participant, std::shared_ptr<Doorbell> bell)
+      : participant_(participant), bell_(std::move(bell)) {}
 
   /// Listens to a session's samples while it is open; to the newest 32 at most.
   void see(const v1::SessionState& session);
@@ -44,22 +48,17 @@ class TrajectoryFeed {
   /// Hands over what came, session by session. Errors: as of `use`.
   void take(const Use& use);
 
-  /// Waits until something has come, for `nap` at most.
-  void wait(std::chrono::milliseconds nap);
-
  private:
   struct Listener {
     std::uint64_t since = 0;  // counts listeners
     std::string topic;
-    std::unique_ptr<idl::cyclone::Reader<Message>> reader;
+    std::unique_ptr<Inbox<Message>> reader;
   };
-
-  struct Bell;
 
   idl::cyclone::Participant participant_;
   std::map<std::uint64_t, Listener> listeners_;
   std::uint64_t listener_count_ = 0;
-  std::shared_ptr<Bell> bell_;
+  std::shared_ptr<Doorbell> bell_;
 };
 
 }  // namespace handgraft::bridge

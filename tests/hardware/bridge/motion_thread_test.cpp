@@ -37,7 +37,7 @@ class MotionThreadTest : public ::testing::Test {
       return stack;
     };
     thread_ = std::make_unique<MotionThread>(
-        std::make_unique<Motion>(config_, make, Clock::now), estop_flag_);
+        std::make_unique<Motion>(config_, make, Clock::now), estop_flag_, bell_);
   }
 
   /// Keeps the stream alive until `wanted` holds; false after a minute.
@@ -76,10 +76,19 @@ class MotionThreadTest : public ::testing::Test {
   }
 
   std::atomic<bool> estop_flag_{false};
+  const std::shared_ptr<Doorbell> bell_ = std::make_shared<Doorbell>();
   config::HandConfig config_;
   std::uint64_t sequence_ = 0;
   std::unique_ptr<MotionThread> thread_;
 };
+
+TEST_F(MotionThreadTest, RingsAfterEachPeriod) {
+  for (int periods = 0; periods < 5;) {
+    bell_->wait(std::chrono::minutes(1));
+    if (thread_->take() == nullptr) continue;
+    ++periods;
+  }
+}
 
 TEST_F(MotionThreadTest, TheNewestPoseWins) {
   ASSERT_TRUE(start());

@@ -68,7 +68,8 @@ TEST(ReadTrajectory, SaysWhatIsWrong) {
 TEST(TrajectoryFeed, HearsOpenSessionsAlone) {
   const handgraft::test::TestDomain domain;
   const idl::cyclone::Participant participant({domain.number(), "lo"});
-  TrajectoryFeed feed(participant);
+  const auto bell = std::make_shared<Doorbell>();
+  TrajectoryFeed feed(participant, bell);
   feed.see(test::sessionState(7, "hand", kNames));
   const std::string name = idl::sampleTopicName(7);
   idl::Topic<TrajectoryFeed::Message> topic = idl::kRosSamplesTopic;
@@ -80,7 +81,7 @@ TEST(TrajectoryFeed, HearsOpenSessionsAlone) {
   writer.write(trajectory(kNames, {{1, 2}}, 3));
   std::vector<std::uint64_t> heard;
   for (int i = 0; i < 600 && heard.empty(); ++i) {
-    feed.wait(std::chrono::milliseconds(10));
+    bell->wait(std::chrono::milliseconds(10));
     feed.take([&](std::uint64_t session, const TrajectoryFeed::Message&) {
       heard.push_back(session);
     });

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+
+#include "hardware/bridge/doorbell.h"
+#include "idl/cyclone/participant.h"
+
+namespace handgraft::bridge {
+
+/// A reader that rings when something comes, and is looked into only then: asking DDS costs
+/// some microseconds, and a bridge has forty readers. Threads: one.
+template <class Message>
+class Inbox {
+ public:
+  /// `bell`: none to be taken from now and then.
+  Inbox(const idl::cyclone::Participant& participant,
+        const idl::Topic<Message>& topic,
+        const std::shared_ptr<Doorbell>& bell)
+      : has_come_(std::make_shared<std::atomic<bool>>(true)),
+        reader_(participant, topic, [has_come = has_come_, bell] {
+          *has_come = true;
+          if (bell) bell->ring();
+        }) {}
+
+  /// Hands over what came; how many. Errors: as of `use`; the rest comes at the next call.
+  int take(const std::function<void(const Message&)>& use) {
+    if (!has_come_->exchange(false)) return 0;
+    try {
+      return reader_.take(use);
+    } catch (...) {
+      *has_come_ = true;
+      throw;
+    }
+  }
+
+ private:
+  std::shared_ptr<std::atomic<bool>> has_come_;
+  idl::cyclone::Reader<Message> reader_;
+};
+
+}  // namespace handgraft::bridge
