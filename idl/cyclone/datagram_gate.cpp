@@ -8,6 +8,7 @@
 #include <mutex>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <arpa/inet.h>
@@ -42,6 +43,12 @@ class Filters {
     const std::lock_guard lock(mutex_);
     DatagramFilter* const filter = known_.at(static_cast<std::size_t>(domain)).filter;
     if (filter != nullptr) filter->passOverClients(are_passed_over);
+  }
+
+  void refuse(int domain, std::set<DatagramFilter::GuidBegin> whom) {
+    const std::lock_guard lock(mutex_);
+    DatagramFilter* const filter = known_.at(static_cast<std::size_t>(domain)).filter;
+    if (filter != nullptr) filter->refuse(std::move(whom));
   }
 
   /// Of the domain whose port that is, RTPS 2.3, 9.6.1.1; else one of an open domain.
@@ -247,6 +254,10 @@ bool gateDatagrams(int domain, DatagramFilter::Domain kind) {
 
 void passOverClients(int domain, bool are_passed_over) {
   filters().passOverClients(domain, are_passed_over);
+}
+
+void refuse(int domain, std::set<DatagramFilter::GuidBegin> whom) {
+  filters().refuse(domain, std::move(whom));
 }
 
 }  // namespace handgraft::idl::cyclone

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <set>
+
 #include "idl/datagrams/datagram_filter.h"
 
 namespace handgraft::idl::cyclone {
@@ -19,5 +21,8 @@ bool gateDatagrams(int domain, DatagramFilter::Domain kind);
 
 /// Of a gate that is there: whether clients are met.
 void passOverClients(int domain, bool are_passed_over);
+
+/// Of a gate that is there: whose identities were revoked; nothing that they say goes on.
+void refuse(int domain, std::set<DatagramFilter::GuidBegin> whom);
 
 }  // namespace handgraft::idl::cyclone

@@ -25,6 +25,7 @@
 #include "idl/cyclone/domain.h"
 #include "idl/cyclone/entity.h"
 #include "idl/cyclone/quality.h"
+#include "idl/cyclone/revocation_watch.h"
 #include "idl/datagrams/datagram_filter.h"
 #include "idl/edits.h"
 #include "idl/hardware.h"
@@ -154,6 +155,8 @@ struct Participant::Impl {
       : network(where),
         identity(identityOf(where)),
         domain(where, discovers),
+        revocations(identity ? std::make_unique<RevocationWatch>(where.domain, *identity)
+                             : nullptr),
         entity(dds_create_participant(static_cast<dds_domainid_t>(where.domain),
                                       participantQos(identity, nameOf(discovers)).get(),
                                       nullptr),
@@ -163,6 +166,7 @@ struct Participant::Impl {
   Network network;
   const std::optional<security::Identity> identity;
   Domain domain;
+  const std::unique_ptr<RevocationWatch> revocations;
   Entity entity;
 };
 

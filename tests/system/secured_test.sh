@@ -27,6 +27,7 @@ for role in server operator editor viewer hand; do
   "$bin/handgraft" keys add "a-$role" --role "$role" --dir "$keys" >"$scratch/said"
 done
 "$bin/handgraft" keys add b-editor --role editor --dir "$keys" >"$scratch/said"
+"$bin/handgraft" keys add b-operator --role operator --dir "$keys" >"$scratch/said"
 "$bin/handgraft" keys add gone --role editor --dir "$keys" >"$scratch/said"
 cp -r "$keys/gone" "$scratch/late" # its owner never hears that it was revoked
 "$bin/handgraft" keys revoke gone --dir "$keys" >"$scratch/said"
@@ -34,7 +35,7 @@ mkdir "$scratch/others"
 "$bin/handgraft" keys init "$scratch/others/keys" >"$scratch/said"
 "$bin/handgraft" keys add a-editor --role editor --dir "$scratch/others/keys" >"$scratch/said"
 "$bin/handgraft" keys show --dir "$keys" --json >"$scratch/show"
-if [ "$(grep -c '"state": "valid"' "$scratch/show")" != 6 ] || ! grep -q '"state": "revoked"' "$scratch/show"; then
+if [ "$(grep -c '"state": "valid"' "$scratch/show")" != 7 ] || ! grep -q '"state": "revoked"' "$scratch/show"; then
   cat "$scratch/show"
   fail "keys show"
 fi
@@ -161,6 +162,19 @@ echo 'weight palm 0.75' >&9
 HANDGRAFT_IDENTITY=$scratch/taken says 'no handgraft-server' timeout 60 "$bin/handgraft" models
 [ "$(revision)" = "$before" ] || { cat "$scratch/editing"; fail "one who was revoked edits on"; }
 as a-editor edit "$session" --script "$scratch/turn" >"$scratch/edit" 2>&1 || { cat "$scratch/edit"; fail "others are not let in any more"; }
+
+# === The hand and clients that run hear of it, too
+cp -r "$keys/b-operator" "$scratch/stolen"
+HANDGRAFT_IDENTITY=$scratch/stolen timeout 60 "$bin/handgraft" bridge disarm >"$scratch/said" 2>&1 || { cat "$scratch/said"; fail "the hand does not obey a second operator"; }
+as a-operator bridge arm >"$scratch/said" 2>&1 || { cat "$scratch/said"; fail "the hand does not obey an operator any more"; }
+"$bin/handgraft" keys revoke b-operator --dir "$keys" >"$scratch/said"
+await 'event=revocations_read count=3' "$scratch/server.log"
+for _ in 1 2 3; do # the hand looks once a second
+  HANDGRAFT_IDENTITY=$scratch/stolen timeout 60 "$bin/handgraft" bridge disarm >"$scratch/said" 2>&1 && as a-operator bridge arm >"$scratch/arm" 2>&1
+done
+HANDGRAFT_IDENTITY=$scratch/stolen says 'no handgraft-bridge' timeout 60 "$bin/handgraft" bridge disarm
+[ "$(state)" = armed ] || fail "the hand obeyed an operator who was revoked"
+as a-operator bridge disarm >"$scratch/said" 2>&1 || { cat "$scratch/said"; fail "the hand does not obey who is left"; }
 as a-editor close "$session" >"$scratch/said" 2>&1 || { cat "$scratch/said"; fail "the session is not there"; }
 
 # === Several servers, and motors off the loopback: the same as in an open domain
