@@ -38,7 +38,7 @@ void Upload::cancel() {
 void Upload::next() {
   try {
     v1::RequestBody body;
-    const bool is_last = !nextChunk(body);
+    const bool is_last = !nextChunk(body) && !nextCheck(body);
     send(is_last ? loadRequest() : body, is_last);
   } catch (...) {
     state_->settle(std::current_exception());
@@ -79,8 +79,44 @@ bool Upload::nextChunk(v1::RequestBody& body) {
             static_cast<std::streamsize>(request.bytes().size()));
   if (!*in_) rejectInput("{}: changed while it was read", quoted(file.path.string()));
   offset_ += request.bytes().size();
+  if (first_bytes_ == 0) {
+    first_bytes_ = total_;
+    first_file_ = file_;
+  }
   state_->report("sending " + name, static_cast<double>(offset_) / static_cast<double>(total_));
   body.put_file(std::move(request));
+  return true;
+}
+
+bool Upload::nextCheck(v1::RequestBody& body) {
+  if (std::exchange(is_checked_, true) || first_bytes_ == 0 || model_.files.size() < 2)
+    return false;
+  v1::PutFileRequest nothing;
+  nothing.upload_id(upload_id_);
+  nothing.uri(model_.files[first_file_].uri);
+  nothing.total_bytes(first_bytes_);
+  nothing.offset(first_bytes_);
+  body.put_file(std::move(nothing));
+  return true;
+}
+
+bool Upload::beginAnew(const std::exception_ptr& error) {
+  try {
+    std::rethrow_exception(error);
+  } catch (const idl::cyclone::Refused& refused) {
+    const bool is_gone =
+        refused.code() == v1::ERROR_UPLOAD_GONE || refused.code() == v1::ERROR_OTHER_SERVER;
+    if (!is_gone || times_ == kMostTimes) return false;
+  } catch (...) {
+    return false;
+  }
+  ++times_;
+  upload_id_ = randomId();
+  file_ = 0;
+  in_.reset();
+  first_bytes_ = 0;
+  is_checked_ = false;
+  next();
   return true;
 }
 
@@ -107,7 +143,7 @@ void Upload::send(const v1::RequestBody& body, bool is_last) {
       [self = shared_from_this(),
        is_last](idl::cyclone::Requester::Outcome<v1::ReplyBody> outcome) {
         if (const auto* error = std::get_if<std::exception_ptr>(&outcome)) {
-          self->state_->settle(asTold(*error));
+          if (!self->beginAnew(*error)) self->state_->settle(asTold(*error));
         } else if (is_last) {
           self->finish(std::get<v1::ReplyBody>(outcome));
         } else {

@@ -170,8 +170,9 @@ UploadStore::File& UploadStore::beginFile(const Key& key,
   const bool again = chunk.offset() == 0 && found != upload.progress.end();
   if (found != upload.progress.end() && !again) return found->second;
   if (chunk.offset() != 0) {
-    rejectInput("file {}: the first chunk is at offset {}, not 0",
-                handgraft::quoted(chunk.uri()), chunk.offset());
+    reject(v1::ERROR_UPLOAD_GONE,
+           "file {}: a chunk at offset {} of a file that is not begun here",
+           handgraft::quoted(chunk.uri()), chunk.offset());
   }
 
   // What is announced counts for its own client, so that a limit shows at a file's first chunk;
@@ -207,7 +208,8 @@ std::shared_ptr<const UploadedFiles> UploadStore::finish(const ClientId& client,
                                                          std::uint64_t upload_id) {
   const std::lock_guard lock(mutex_);
   const auto found = uploads_.find({client, upload_id});
-  if (found == uploads_.end()) rejectInput("upload {}: no file of it was sent", upload_id);
+  if (found == uploads_.end())
+    reject(v1::ERROR_UPLOAD_GONE, "upload {}: no file of it is here", upload_id);
   for (const auto& [uri, file] : found->second.progress) {
     if (file.received == file.total) continue;
     rejectInput("file {}: {} of {} bytes were sent", handgraft::quoted(uri), file.received,

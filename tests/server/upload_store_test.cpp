@@ -64,7 +64,10 @@ TEST(UploadStore, GivesBackWhatAClientThatIsGoneHadBegun) {
   store.put(other, chunk("a.urdf", "abcd", 0, 5));
   store.drop(kClient);
   EXPECT_EQ(store.bytes(), 4u);
-  EXPECT_THROW(store.finish(kClient, 1), InvalidInput);
+  EXPECT_EQ(codeOf([&] {
+              store.finish(kClient, 1);
+            }),
+            v1::ERROR_UPLOAD_GONE);
   store.put(other, chunk("a.urdf", "e", 4, 5));
   EXPECT_NO_THROW(store.finish(other, 1));
 }
@@ -95,13 +98,30 @@ TEST(UploadStore, NeverMakesAPathOfAUri) {
 
 TEST(UploadStore, RefusesChunksThatDoNotContinue) {
   UploadStore store;
-  EXPECT_THROW(store.put(kClient, chunk("a", "x", 5, 10)), InvalidInput);
   store.put(kClient, chunk("a", "abc", 0, 10));
   EXPECT_THROW(store.put(kClient, chunk("a", "x", 4, 10)), InvalidInput);
   EXPECT_THROW(store.put(kClient, chunk("a", "x", 3, 11)), InvalidInput);
   EXPECT_THROW(store.put(kClient, chunk("a", "01234567", 3, 10)), InvalidInput);
   EXPECT_THROW(store.finish(kClient, 1), InvalidInput);
   EXPECT_THROW(store.put(kClient, chunk("", "x", 0, 1)), InvalidInput);
+}
+
+// What was begun with the server before this one.
+TEST(UploadStore, TellsWhatIsNotHereSoThatItIsBegunAnew) {
+  UploadStore store;
+  const auto code_of = [&store](const v1::PutFileRequest& request) {
+    return codeOf([&] {
+      store.put(kClient, request);
+    });
+  };
+  EXPECT_EQ(code_of(chunk("a", "x", 5, 10)), v1::ERROR_UPLOAD_GONE);
+  EXPECT_EQ(codeOf([&] {
+              store.finish(kClient, 2);
+            }),
+            v1::ERROR_UPLOAD_GONE);
+  store.put(kClient, chunk("b", "01", 0, 2));  // its second file
+  EXPECT_EQ(code_of(chunk("a", "", 10, 10)), v1::ERROR_UPLOAD_GONE);
+  EXPECT_EQ(code_of(chunk("b", "", 2, 2)), v1::ERROR_NONE);
 }
 
 TEST(UploadStore, BoundsWhatAClientAndAllClientsUpload) {
@@ -151,7 +171,10 @@ TEST(UploadStore, MakesRoomByDroppingTheLongestIdleUpload) {
   store.put({1}, chunk("a", "xyz", 0, 100));
   store.put({2}, chunk("a", "xyz", 0, 100));
   store.put({3}, chunk("a", "x", 0, 1));
-  EXPECT_THROW(store.finish({1}, 1), InvalidInput);
+  EXPECT_EQ(codeOf([&] {
+              store.finish({1}, 1);
+            }),
+            v1::ERROR_UPLOAD_GONE);
   EXPECT_NO_THROW(store.finish({3}, 1));
 }
 

@@ -31,10 +31,7 @@ enum class Outcome { kDone, kRefused, kAgain };
 
 /// Chunks of an upload do not outlive their server (server/DECISIONS.md): it is sent again.
 bool isForgottenUpload(const Refused& error) {
-  const std::string text = error.what();
-  return error.code() == v1::ERROR_INVALID_INPUT &&
-         (text.find("the first chunk is at offset") != std::string::npos ||
-          text.find("no file of it was sent") != std::string::npos);
+  return error.code() == v1::ERROR_UPLOAD_GONE;
 }
 
 /// `ask`, until it is known what became of it.

@@ -206,6 +206,96 @@ TEST_F(ClientTest, HandsAnAnswerOutOnce) {
   EXPECT_THROW(first.get(), BrokenContract);
 }
 
+/// A server that takes uploads, and loses all of them after so many steps of one.
+class ForgetfulServer {
+ public:
+  using Files = std::map<std::string, std::string>;
+
+  explicit ForgetfulServer(int steps) : steps_(steps) {}
+
+  bool operator()(const v1::Request& request, v1::Reply& reply) {
+    const std::lock_guard lock(mutex_);
+    const v1::Operation operation = request.body()._d();
+    reply.body().nothing(v1::Nothing());
+    if (operation == v1::OP_PUT_FILE) {
+      put(request.body().put_file(), reply);
+    } else if (operation == v1::OP_LOAD_MODEL) {
+      load(request.body().load_model(), reply);
+    }
+    if (++step_ == steps_) uploads_.clear();
+    return true;
+  }
+
+  [[nodiscard]] std::vector<Files> loaded() const {
+    const std::lock_guard lock(mutex_);
+    return loaded_;
+  }
+
+ private:
+  static void refuse(v1::Reply& reply) {
+    reply.error(v1::ERROR_UPLOAD_GONE);
+    reply.message("gone");
+  }
+
+  void put(const v1::PutFileRequest& chunk, v1::Reply& reply) {
+    Files& files = uploads_[chunk.upload_id()];
+    if (chunk.offset() == 0) files[chunk.uri()].clear();
+    if (files.count(chunk.uri()) == 0) return refuse(reply);
+    if (files[chunk.uri()].size() != chunk.offset()) return refuse(reply);
+    files[chunk.uri()].append(chunk.bytes().begin(), chunk.bytes().end());
+  }
+
+  void load(const v1::LoadModelRequest& what, v1::Reply& reply) {
+    if (uploads_.count(what.upload_id()) == 0) return refuse(reply);
+    loaded_.push_back(uploads_[what.upload_id()]);
+    v1::ModelSummary summary;
+    summary.kind(what.kind());
+    summary.name(what.name());
+    v1::ModelList list;
+    list.models().push_back(summary);
+    reply.body().models(list);
+    reply.body()._d(v1::OP_LOAD_MODEL);
+  }
+
+  const int steps_;
+  mutable std::mutex mutex_;
+  int step_ = 0;
+  std::map<std::uint64_t, Files> uploads_;
+  std::vector<Files> loaded_;
+};
+
+TEST(Upload, BeginsAnewWhereItsServerLostWhatWasSent) {
+  constexpr std::size_t kTwoChunks = 600'000;
+  const ForgetfulServer::Files files{{"hand.urdf", "<robot/>"},
+                                     {"palm.stl", std::string(kTwoChunks, 'p')}};
+  ModelFiles model;
+  model.kind = v1::MODEL_HAND;
+  model.name = "mitten";
+  model.main_uri = "hand.urdf";
+  for (const char* uri : {"hand.urdf", "palm.stl"}) {
+    UploadFile file;
+    file.uri = uri;
+    file.text = files.at(uri);
+    model.files.push_back(file);
+  }
+  // Three chunks, and a look at whether the first one is still there, before it is loaded.
+  for (int steps = 1; steps <= 4; ++steps) {
+    const test::TestDomain domain;
+    const Network network{domain.number(), "lo"};
+    ForgetfulServer script(steps);
+    test::FakeServer server(network, [&script](const v1::Request& request, v1::Reply& reply) {
+      return script(request, reply);
+    });
+    ClientOptions options;
+    options.network = network;
+    Client client(options);
+    EXPECT_EQ(client.load(model).get().name(), "mitten") << "lost after step " << steps;
+    const std::vector<ForgetfulServer::Files> loaded = script.loaded();
+    ASSERT_EQ(loaded.size(), 1u) << "lost after step " << steps;
+    EXPECT_EQ(loaded.front(), files) << "lost after step " << steps;
+  }
+}
+
 TEST(ClientWithoutServer, SaysWhereItLooked) {
   const test::TestDomain domain;
   ClientOptions options;
