@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -37,6 +38,8 @@ struct Requester::Impl {
   void receive();
   void takeAll();
   void hear(const v1::Progress& message);
+  /// What concerns all that is under way.
+  void tellAll(const std::string& news);
   void hear(const v1::Reply& message);
   void hear(const v1::EditReply& message);
   /// True of the answer of a server that was not meant: it says so to every repeat, and counts

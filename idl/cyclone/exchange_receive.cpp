@@ -73,9 +73,31 @@ void Requester::Impl::takeAll() {
       if (message.client() == client) hear(message);
     });
   };
-  hearAll(wires.progresses());
+  if (auto* progresses = wires.progresses()) {
+    progresses->take([this](const v1::Progress& message) {
+      if (message.client() == client) hear(message);
+      if (message.client() == v1::ClientId{} && message.request_id() == 0)
+        tellAll(message.stage());
+    });
+  }
   hearAll(wires.replies());
   hearAll(wires.editReplies());
+}
+
+void Requester::Impl::tellAll(const std::string& news) {
+  std::vector<OnProgress> tell;
+  {
+    const std::lock_guard lock(mutex);
+    const auto add = [&tell](const auto& calls) {
+      for (const auto& [id, call] : calls) {
+        if (call->on_progress) tell.push_back(call->on_progress);
+      }
+    };
+    add(request_calls);
+    add(edit_calls);
+  }
+  for (const OnProgress& one : tell)
+    one(news, 0.0);
 }
 
 void Requester::Impl::hear(const v1::Progress& message) {

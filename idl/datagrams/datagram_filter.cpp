@@ -122,8 +122,21 @@ bool DatagramFilter::isWithinShare(const Prefix& source, const Submessage& subme
   const auto now = std::chrono::steady_clock::now();
   const std::lock_guard lock(mutex_);
   if (shares_.size() >= kMostParticipants && shares_.count(source) == 0) shares_.clear();
-  return shares_[source].take(kSamplesPerSecond, kSamplesAtOnce, now) ||
-         shared_.take(kSharedPerSecond, kSharedAtOnce, now);
+  Share& own = shares_[source];
+  if (own.take(kSamplesPerSecond, kSamplesAtOnce, now) ||
+      shared_.take(kSharedPerSecond, kSharedAtOnce, now))
+    return true;
+  own.was_exceeded = true;
+  return false;
+}
+
+std::vector<DatagramFilter::Prefix> DatagramFilter::takeOverShare() {
+  std::vector<Prefix> whose;
+  const std::lock_guard lock(mutex_);
+  for (auto& [source, share] : shares_) {
+    if (std::exchange(share.was_exceeded, false)) whose.push_back(source);
+  }
+  return whose;
 }
 
 bool DatagramFilter::Share::take(double per_second,

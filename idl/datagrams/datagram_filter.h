@@ -83,6 +83,11 @@ class DatagramFilter {
   std::span<const std::uint8_t> pass(std::span<const std::uint8_t> datagram,
                                      std::vector<std::uint8_t>& kept);
 
+  /// How a participant's GUIDs begin.
+  using Prefix = std::array<std::uint8_t, 12>;
+  /// Whose samples were left out since this was last asked, for want of a share. Any thread.
+  std::vector<Prefix> takeOverShare();
+
   /// How the GUIDs of one identity begin (security/guids.h).
   using GuidBegin = std::array<std::uint8_t, 6>;
   /// From now on nothing goes on of what these say, in place of those before. Any thread.
@@ -95,8 +100,6 @@ class DatagramFilter {
   void tellCertificates(OnCertificate hear) { on_certificate_ = std::move(hear); }
 
  private:
-  using Prefix = std::array<std::uint8_t, 12>;
-
   static GuidBegin beginOf(const Prefix& source);
 
   struct Submessage;
@@ -143,6 +146,7 @@ class DatagramFilter {
   /// Samples that may be sent now, of so many a second and at once.
   struct Share {
     double samples = 0.0;
+    bool was_exceeded = false;  ///< since somebody asked
     std::chrono::steady_clock::time_point last{};
 
     bool take(double per_second, double at_once, std::chrono::steady_clock::time_point now);

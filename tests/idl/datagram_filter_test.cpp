@@ -144,6 +144,9 @@ TEST(DatagramFilter, GivesEachParticipantItsShare) {
   Datagram anothers = question;
   anothers[8] ^= 2;
   EXPECT_FALSE(passed(filter, anothers).empty());
+  // Who was held back is known, once.
+  EXPECT_EQ(filter.takeOverShare().size(), 2u);
+  EXPECT_TRUE(filter.takeOverShare().empty());
   // Discovery and what keeps streams whole are not held back.
   EXPECT_FALSE(passed(filter, announcement(20)).empty());
   EXPECT_FALSE(passed(filter, heartbeat(1, 7)).empty());
