@@ -149,6 +149,7 @@ void Service::putToSleepAfter(const std::shared_ptr<LiveSession>& live,
       const std::lock_guard lock(waking_mutex_);  // who asks now finds it, or finds it asleep
       if (is_wanted()) return;
       putToSleep(*live, context_);
+      bus_.rest(live->id());
       spdlog::info("event=session_sleeps session={}", live->id());
     } catch (const std::exception& error) {
       spdlog::warn("event=store_waits session={} what={}", live->id(),

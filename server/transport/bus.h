@@ -70,6 +70,11 @@ class Bus {
   /// PHASE_CLOSED; of closed ones a bounded number.
   virtual void publish(const v1::PoseSolution& solution) = 0;
   virtual void publish(const v1::SessionState& state) = 0;
+
+  /// A session went to sleep: what is kept of it for late joiners may be given back, until it
+  /// speaks again. Of so many that slept last it is kept.
+  virtual void rest(std::uint64_t /*session_id*/) {}
+
   /// Frames of a session's motion as they are solved; for late joiners none are kept.
   virtual void publish(const v1::MotionFrames& frames) = 0;
   /// Kept for late joiners, as states are.

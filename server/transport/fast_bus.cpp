@@ -1,4 +1,5 @@
 // The server on Fast DDS.
+#include <algorithm>
 #include <atomic>
 #include <deque>
 #include <map>
@@ -10,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
 #include "idl/fields.h"
@@ -29,9 +31,9 @@ namespace {
 
 /// A keyed topic whose writer keeps the last value of every session for late joiners.
 ///
-/// Instances cannot be disposed across the vendors (idl/README), so closed sessions are
-/// forgotten now and then by emptying the writer's history and writing what still counts once
-/// more.
+/// Instances cannot be disposed across the vendors (idl/README), so closed sessions, and those
+/// that rest for long, are forgotten now and then by emptying the writer's history and writing
+/// what still counts once more.
 template <class Message>
 class SessionTopic {
  public:
@@ -41,32 +43,54 @@ class SessionTopic {
   void write(const Message& message) {
     const std::lock_guard lock(mutex_);
     last_[message.session_id()] = message;
+    std::erase(resting_, message.session_id());
     writer_.write(message);
   }
 
   /// The session will not speak again.
   void close(std::uint64_t session_id) {
     const std::lock_guard lock(mutex_);
+    std::erase(resting_, session_id);
     closed_.push_back(session_id);
-    if (closed_.size() < kClosedKept + kClosedAtOnce) return;
-    while (closed_.size() > kClosedKept) {
-      last_.erase(closed_.front());
-      closed_.pop_front();
-    }
-    writer_.forgetAll();
-    for (const auto& [id, message] : last_)
-      writer_.write(message);
+    tidy();
+  }
+
+  /// The session will not speak for long, or never again.
+  void rest(std::uint64_t session_id) {
+    const std::lock_guard lock(mutex_);
+    if (last_.count(session_id) == 0) return;
+    std::erase(resting_, session_id);
+    resting_.push_back(session_id);
+    tidy();
   }
 
   void flush() { writer_.flush(); }
 
  private:
   static constexpr std::size_t kClosedKept = 32;  // their news may still be on the way
-  static constexpr std::size_t kClosedAtOnce = 96;
+  static constexpr std::size_t kRestingKept = 128;
+  static constexpr std::size_t kAtOnce = 96;
+
+  void tidy() {
+    const auto excess = [](const auto& ids, std::size_t kept) {
+      return ids.size() - std::min(ids.size(), kept);
+    };
+    if (excess(closed_, kClosedKept) + excess(resting_, kRestingKept) < kAtOnce) return;
+    const auto forget = [&](auto& ids, std::size_t kept) {
+      for (; ids.size() > kept; ids.pop_front())
+        last_.erase(ids.front());
+    };
+    forget(closed_, kClosedKept);
+    forget(resting_, kRestingKept);
+    writer_.forgetAll();
+    for (const auto& [id, message] : last_)
+      writer_.write(message);
+  }
 
   std::mutex mutex_;
   std::map<std::uint64_t, Message> last_;
   std::deque<std::uint64_t> closed_;
+  std::deque<std::uint64_t> resting_;
   FastWriter<Message> writer_;
 };
 
@@ -207,6 +231,12 @@ class FastBus final : public Bus {
     unannounced_.erase(state.session_id());
   }
 
+  void rest(std::uint64_t session_id) override {
+    states_.rest(session_id);
+    solutions_.rest(session_id);
+    clocks_.rest(session_id);
+  }
+
   void publish(const v1::MotionFrames& frames) override { frames_.write(frames); }
 
   void publish(const v1::MotionClock& clock) override { clocks_.write(clock); }
@@ -224,6 +254,7 @@ class FastBus final : public Bus {
 
   void lookAround() override {
     announceWhatIsRead();
+    tellWhoIsOverItsShare();
     const auto news = revocations_ ? revocations_->look() : std::nullopt;
     if (!news) return;
     if (!news->trouble.empty()) {
@@ -247,6 +278,23 @@ class FastBus final : public Bus {
   }
 
  private:
+  /// Of what is left out DDS says nothing: who sent it sees answers that take their time.
+  void tellWhoIsOverItsShare() {
+    using Filter = idl::DatagramFilter;
+    for (const Filter::Prefix& prefix : node_.filter().takeOverShare()) {
+      Sender sender{};
+      std::copy(prefix.begin(), prefix.end(), sender.begin());
+      v1::Progress told;  // of no request: all that it has under way
+      told.stage(
+          fmt::format("over this program's share: {:.0f} messages a second, and {:.0f} "
+                      "more of all programs together; the rest waits",
+                      Filter::kSamplesPerSecond, Filter::kSharedPerSecond));
+      publish(told, sender);
+      spdlog::info("event=over_share participant={}",
+                   fmt::format("{:02x}", fmt::join(prefix, "")));
+    }
+  }
+
   /// Of one privilege's topic, or of all who ask in an open domain: who writes a topic of
   /// privileged requests is known by DDS to hold that privilege, whatever the request says.
   void hearRequests(BusListener& listener, std::optional<idl::Privilege> held) {

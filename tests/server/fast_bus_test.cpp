@@ -3,8 +3,10 @@
 #include <chrono>
 #include <condition_variable>
 #include <functional>
+#include <future>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -85,6 +87,56 @@ TEST(FastBus, CarriesAReplyOfEightMegabytes) {
   bus->stop();
 }
 
+TEST(FastBus, TellsWhoIsOverItsShare) {
+  const test::TestDomain domain;
+  const Network network{domain.number(), "lo"};
+  const auto bus = openFastBus(network);
+
+  /// Answers nothing.
+  class Mute final : public BusListener {
+   public:
+    void onRequest(v1::Request, const Sender&) override {}
+
+    void onEdit(v1::Edit, const Sender&) override {}
+
+    void onStatus(const v1::ServerStatus&) override {}
+  } mute;
+
+  bus->start(mute);
+  const Participant participant(network);
+  Requester client(participant);
+  std::promise<std::string> told;
+  std::atomic<bool> is_told{false};
+  client.begin(
+      test::plain(v1::OP_LIST_MODELS), [](const auto&) {},
+      [&](const std::string& stage, double) {
+        if (!is_told.exchange(true)) told.set_value(stage);
+      });
+  idl::cyclone::Writer<v1::Request> flood(participant, idl::kRequestTopic);
+  v1::Request question;
+  question.body().nothing(v1::Nothing());
+  std::future<std::string> says = told.get_future();
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  v1::ServerStatus alive;
+  alive.server_id(1);
+  alive.protocol_version(v1::PROTOCOL_VERSION);
+  while (!is_told && std::chrono::steady_clock::now() < deadline) {
+    bus->publish(alive);
+    for (int i = 0; i < 3000; ++i) {
+      question.request_id(question.request_id() + 1);
+      try {
+        flood.write(question);
+      } catch (const idl::cyclone::WriteTimeout&) {
+        break;
+      }
+    }
+    bus->lookAround();
+  }
+  ASSERT_TRUE(is_told);
+  EXPECT_THAT(says.get(), testing::HasSubstr("over this program's share: 100 messages"));
+  bus->stop();
+}
+
 TEST(FastBus, ForgetsClosedSessionsAndKeepsOpenOnesForLateJoiners) {
   const test::TestDomain domain;
   const Network network{domain.number(), "lo"};
@@ -112,6 +164,35 @@ TEST(FastBus, ForgetsClosedSessionsAndKeepsOpenOnesForLateJoiners) {
   }
   EXPECT_THAT(open, testing::UnorderedElementsAre(5, 400));
   EXPECT_LE(closed, 128);
+}
+
+TEST(FastBus, KeepsOfSessionsAtRestWhatLateJoinersOfTheLatestHear) {
+  const test::TestDomain domain;
+  const Network network{domain.number(), "lo"};
+  const auto bus = openFastBus(network);
+  v1::SessionState state;
+  state.phase(v1::PHASE_READY);
+  for (std::uint64_t id = 1; id <= 600; ++id) {
+    state.session_id(id);
+    bus->publish(state);
+    if (id != 7) bus->rest(id);
+  }
+  state.session_id(3);  // wakes, and rests again
+  bus->publish(state);
+  bus->rest(3);
+  const Participant participant(network);
+  Reader<v1::SessionState> late(participant, idl::kSessionTopic);
+  std::set<std::uint64_t> heard;
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (heard.count(600) + heard.count(7) + heard.count(3) < 3 &&
+         std::chrono::steady_clock::now() < deadline) {
+    late.wait(std::chrono::milliseconds(100));
+    late.take([&](const v1::SessionState& one) {
+      heard.insert(one.session_id());
+    });
+  }
+  EXPECT_THAT(heard, testing::IsSupersetOf({3, 7, 590, 600}));
+  EXPECT_LE(heard.size(), 128 + 96 + 1);
 }
 
 /// Hears the states of session 1 on Cyclone's thread.
