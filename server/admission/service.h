@@ -18,6 +18,7 @@
 #include "core/base/progress.h"
 #include "server/admission/error_reply.h"
 #include "server/admission/operations.h"
+#include "server/admission/packed_reply.h"
 #include "server/admission/request_deduplication.h"
 #include "server/handlers/handler_context.h"
 #include "server/handlers/kept_models.h"
@@ -85,7 +86,7 @@ class Service final : private BusListener, private SessionAudience {
   };
 
   using Key = std::pair<Asker, std::uint64_t>;
-  using Requests = RequestDeduplication<v1::Reply, Asker>;
+  using Requests = RequestDeduplication<PackedReply, Asker>;
   using Edits = RequestDeduplication<v1::EditReply, Asker>;
 
   /// A request on its way through the server.

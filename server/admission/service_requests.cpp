@@ -61,7 +61,7 @@ void Service::onRequest(v1::Request request, const Sender& sender) {
       });
       return;
     case Requests::Verdict::kAnswered:
-      bus_.publishAgain(*begun.answer, sender);
+      bus_.publishAgain(begun.answer->open(), sender);
       return;
     case Requests::Verdict::kNew:
       break;
@@ -252,14 +252,16 @@ void Service::answer(const Job& job, v1::Reply reply) {
   reply.request_id(id);
   reply.server_id(server_id_);
   const std::size_t bytes = v1::Reply::getCdrSerializedSize(reply);
-  const auto kept = requests_.answer(job.asker, id, std::move(reply), bytes);
+  const PackedReply packed(reply);
+  const auto kept = requests_.answer(job.asker, id, packed, bytes);
+  if (*kept != packed) reply = kept->open();  // a cancellation that overtook it
   {
     const std::lock_guard lock(running_mutex_);
     running_.erase({job.asker, id});
     running_bytes_ -= job.bytes;
   }
   ++answered_;
-  bus_.publish(*kept, job.asker.sender);
+  bus_.publish(reply, job.asker.sender);
 }
 
 void Service::cancel(const Asker& asker, std::uint64_t request_id) {
@@ -279,8 +281,8 @@ void Service::cancel(const Asker& asker, std::uint64_t request_id) {
   reply.server_id(server_id_);
   reply.error(v1::ERROR_CANCELLED);
   reply.message(Cancelled().what());
-  const std::size_t bytes = v1::Reply::getCdrSerializedSize(reply);
-  requests_.answer(asker, request_id, std::move(reply), bytes);
+  requests_.answer(asker, request_id, PackedReply(reply),
+                   v1::Reply::getCdrSerializedSize(reply));
 }
 
 void Service::tell(Job& job, std::string_view stage, double fraction) {
