@@ -43,7 +43,10 @@ def main():
         deadline = time.monotonic() + 60
         while 'event=ready' not in said() and time.monotonic() < deadline:
             time.sleep(0.1)
-        serving = int(re.findall(r'event=supervising process=(\d+)', said())[-1])
+
+        def serving():
+            return int(re.findall(r'event=supervising process=(\d+)', said())[-1])
+
         stays = probe(2, seconds, stdout=subprocess.PIPE)
         random.seed(1)
         others, killed, left, end = [], 0, 0, time.monotonic() + seconds
@@ -65,9 +68,9 @@ def main():
             tenths = int(10 * (1 - (end - time.monotonic()) / seconds))
             if tenths > told_until:
                 told_until = tenths
-                print(f'{tenths}/10: {memory_mb(serving):.1f} MB after {killed + left} clients; load {os.getloadavg()[0]:.0f}', flush=True)
+                print(f'{tenths}/10: {memory_mb(serving()):.1f} MB after {killed + left} clients; load {os.getloadavg()[0]:.0f}', flush=True)
             if half_mb is None and time.monotonic() > end - seconds / 2:
-                half_mb = memory_mb(serving)
+                half_mb = memory_mb(serving())
             time.sleep(0.05)
         for one, _ in others:
             one.kill()
@@ -75,11 +78,11 @@ def main():
         # All that it asked must have been told by now, or soon.
         told = json.loads(stays.communicate(timeout=150)[0] or '{}')
         again = len(re.findall(r'event=supervising', said())) - 1
-        now_mb = memory_mb(serving) if again == 0 else None
+        now_mb = memory_mb(serving())
         for line in re.findall(r'.*event=(?:server_deaf|server_died|server_waits).*', said()):
             print(line)
         print(f'{killed} clients killed, {left} left by themselves in {seconds:.0f} s; the server started again {again} times')
-        print(f'server: {half_mb:.1f} MB at the half, {now_mb or 0:.1f} MB at the end')
+        print(f'server: {half_mb:.1f} MB at the half, {now_mb:.1f} MB at the end')
         print('who stayed:', json.dumps(told))
         late = max(told[kind]['latest_ms'] for kind in ('edits', 'questions')) if told else float('inf')
         sys.exit(stays.returncode != 0 or again != 0 or late > 10_000)
