@@ -177,7 +177,7 @@ const std::map<std::string, std::set<std::string>> kAlone = {
     {"cyclone",
      {"idl/cyclone/domain.cpp", "idl/cyclone/entity.cpp", "idl/cyclone/participant.cpp",
       "idl/cyclone/quality.cpp"}},
-    {"fastcdr", {"idl/cyclone/participant.cpp"}},
+    {"fastcdr", {"idl/cyclone/participant.cpp", "server/admission/packed_reply.cpp"}},
     {"pybind11",
      {"client/python/module.cpp", "client/python/python_message.cpp",
       "client/python/python_message.h"}},
@@ -224,7 +224,7 @@ const std::vector<std::pair<std::string, std::regex>> kLibraries = {
 bool isSystem(const std::string& header) {
   static const std::regex kSystem(
       R"(^[a-z_0-9]+$|^(std|sys|net|arpa|netinet|linux|asm)[a-z_0-9]*(/[a-z_0-9]+)*\.h$|)"
-      R"(^(cxxabi|fcntl|malloc|unistd|poll|signal|spawn|pthread|sched|ifaddrs|termios|dlfcn|link|netdb|errno)\.h$)");
+      R"(^(cxxabi|fcntl|malloc|unistd|poll|signal|spawn|pthread|sched|ifaddrs|termios|dlfcn|link|netdb|errno|semaphore)\.h$)");
   return std::regex_match(header, kSystem);
 }
 
