@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
-# secured_test.sh PROGRAMS DOMAIN: a secured domain as a lab uses it. Each role does what it may, by programs of both
+# secured_test.sh PROGRAMS DOMAIN OTHER_CLOCK: a secured domain as a lab uses it. Each role does what it may, by programs of both
 # vendors and in either order of starts; strangers see nothing of a session, change nothing, and are told why.
 set -euo pipefail
 bin=$(realpath "$1")
 export HANDGRAFT_DOMAIN=$2
+other_clock=$(realpath "$3")
 unset HANDGRAFT_IDENTITY
 # shellcheck source=tests/system/programs.sh
 . "$(dirname "${BASH_SOURCE[0]}")/programs.sh"
@@ -22,7 +23,12 @@ says() { # WORDS COMMAND...: fails, and says so
   grep -q -e "$words" "$scratch/said" || { cat "$scratch/said" >&2; fail "'$*' does not say '$words'"; }
 }
 
-"$bin/handgraft" keys init "$keys" >"$scratch/said"
+five_days_ago() { # COMMAND...: by a clock that is late
+  env LD_PRELOAD="$other_clock" HANDGRAFT_CLOCK_OFFSET_S=-432000 ASAN_OPTIONS="${ASAN_OPTIONS:-}:verify_asan_link_order=0" "$@"
+}
+
+five_days_ago "$bin/handgraft" keys init "$keys" >"$scratch/said"
+five_days_ago "$bin/handgraft" keys add old --role operator --days 2 --dir "$keys" >"$scratch/said"
 for role in server operator editor viewer hand; do
   "$bin/handgraft" keys add "a-$role" --role "$role" --dir "$keys" >"$scratch/said"
 done
@@ -30,12 +36,14 @@ done
 "$bin/handgraft" keys add b-operator --role operator --dir "$keys" >"$scratch/said"
 "$bin/handgraft" keys add gone --role editor --dir "$keys" >"$scratch/said"
 cp -r "$keys/gone" "$scratch/late" # its owner never hears that it was revoked
+cp -r "$keys/old" "$scratch/old" # nor its owner that anything was
 "$bin/handgraft" keys revoke gone --dir "$keys" >"$scratch/said"
 mkdir "$scratch/others"
 "$bin/handgraft" keys init "$scratch/others/keys" >"$scratch/said"
 "$bin/handgraft" keys add a-editor --role editor --dir "$scratch/others/keys" >"$scratch/said"
 "$bin/handgraft" keys show --dir "$keys" --json >"$scratch/show"
-if [ "$(grep -c '"state": "valid"' "$scratch/show")" != 7 ] || ! grep -q '"state": "revoked"' "$scratch/show"; then
+if [ "$(grep -c '"state": "valid"' "$scratch/show")" != 7 ] || ! grep -q '"state": "revoked"' "$scratch/show" ||
+  ! grep -q '"state": "expired"' "$scratch/show"; then
   cat "$scratch/show"
   fail "keys show"
 fi
@@ -118,15 +126,18 @@ as a-operator bridge arm >"$scratch/arm" 2>&1 || { cat "$scratch/arm"; fail "the
 before=$(revision)
 kill "$spy"
 wait "$spy" || true
-stranger() { # COMMAND...: under HANDGRAFT_IDENTITY
-  says 'no handgraft-server' timeout 60 "$bin/handgraft" models
-  says 'no handgraft-server' timeout 60 "$bin/handgraft" close "$session"
-  says 'no handgraft-bridge' timeout 60 "$bin/handgraft" bridge disarm
+stranger() { # [BEFORE]: under HANDGRAFT_IDENTITY
+  says 'no handgraft-server' "$@" timeout 60 "$bin/handgraft" models
+  says 'no handgraft-server' "$@" timeout 60 "$bin/handgraft" close "$session"
+  says 'no handgraft-bridge' "$@" timeout 60 "$bin/handgraft" bridge disarm
 }
 stranger
 HANDGRAFT_IDENTITY=$scratch/others/keys/a-editor stranger
 HANDGRAFT_IDENTITY=$scratch/late stranger
 says 'was revoked on' as gone models
+says 'expired on' as old models
+# Nor does it help him that his own program believes him.
+HANDGRAFT_IDENTITY=$scratch/old stranger five_days_ago
 says 'a secured program is there' "$bin/handgraft" models
 says 'is no folder' as nobody models
 chmod 644 "$scratch/late/key.pem"
