@@ -23,7 +23,8 @@ inline constexpr double kOpening = 0.02;
 /// either way. So the sign changes on faces alone and the distance is continuous, on any mesh;
 /// overlapping solids count as one, cavities whose walls look into them as empty.
 /// Sheets (Holes::kOpenWideOnes) have no inside: there the distance is positive on both sides.
-/// Limits: those of `closedSurface`; walls between overlapping solids still count as surface.
+/// Limits: those of `closedSurface`; walls between overlapping solids still count as surface
+/// (but see `withoutInnerWalls`).
 /// Keeps its own copies. Const and safe from several threads.
 class SignedDistance {
  public:
@@ -57,11 +58,18 @@ class SignedDistance {
   /// The surface with its holes shut: faces of solids first, then those of sheets.
   [[nodiscard]] const TriangleMesh& surface() const { return locator_.mesh(); }
 
+  /// The same solid without faces that border nothing: those with the inside `reach` off them
+  /// on both sides, all over, as where parts of a link stand in each other. What was the way to
+  /// such a wall is now the way out. Frames: the mesh's; `reach` in m, positive. Cost: some 10
+  /// us a face.
+  [[nodiscard]] SignedDistance withoutInnerWalls(double reach) const;
+
   /// A face of `surface` that borders no solid.
   [[nodiscard]] bool isSheet(int face) const { return face >= solid_faces_; }
 
  private:
   explicit SignedDistance(const SolidsAndSheets& parts);
+  SignedDistance(const TriangleMesh& surface, int solid_faces, WindingNumber winding);
 
   SurfaceLocator locator_;
   int solid_faces_ = 0;

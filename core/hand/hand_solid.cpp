@@ -249,8 +249,14 @@ Bounds boundsOf(const Skin& skin,
                 const Pose& X_SL,
                 std::vector<Facet>& facets) {
   auto part = std::make_shared<const geometry::SignedDistance>(partOf(skin, link, X_SL));
+  const double beneath = skin_offset + kBeneath;
   auto own = ownSurface(skin, link, X_SL);
-  if (own == nullptr || !holds(*own, *part, skin_offset + kBeneath)) return {part, false};
+  if (own == nullptr) return {part, false};
+  if (!holds(*own, *part, beneath)) {
+    own =
+        std::make_shared<const geometry::SignedDistance>(own->withoutInnerWalls(0.5 * kHidden));
+    if (!holds(*own, *part, beneath)) return {part, false};
+  }
   addHidden(*own, *part, link, X_SL, facets);
   return {own, true};
 }

@@ -197,6 +197,39 @@ TEST(SignedDistance, TakesOverlappingSolidsForOneAndCavitiesForEmpty) {
   }
 }
 
+TEST(SignedDistance, LeavesOutWallsWithinOverlappingSolids) {
+  const auto ballAt = [](double x) {
+    return transformed(makeSphere(0.04, 4), Eigen::Affine3d(Eigen::Translation3d(x, 0, 0)));
+  };
+  const SignedDistance with_walls(merged({ballAt(-0.015), ballAt(0.015)}));
+  const SignedDistance without = with_walls.withoutInnerWalls(5e-4);
+  // Of two balls, 30 mm apart, the deepest place is as far from the circle where they meet.
+  EXPECT_NEAR(with_walls.at(Vector3d::Zero()).distance, -0.025, 2e-4);
+  EXPECT_NEAR(without.at(Vector3d::Zero()).distance, -std::sqrt(0.04 * 0.04 - 0.015 * 0.015),
+              0.003);  // a facet: those that cross the circle stay
+  std::mt19937 random(7);
+  for (int k = 0; k < 5000; ++k) {
+    const Vector3d p = randomIn(0.07, random);
+    const double before = with_walls.at(p).distance;
+    const double after = without.at(p).distance;
+    EXPECT_EQ(without.contains(p), with_walls.contains(p));
+    if (before > 0.0) {
+      EXPECT_EQ(after, before) << p.transpose();
+    } else {
+      EXPECT_LE(after, before) << p.transpose();
+    }
+  }
+}
+
+TEST(SignedDistance, KeepsWallsOfCavities) {
+  const TriangleMesh inner = makeSphere(0.02, 3);
+  Eigen::Matrix3Xi turned = inner.faces();
+  turned.row(1).swap(turned.row(2));
+  const SignedDistance hollow(
+      merged({makeSphere(0.04, 3), TriangleMesh(inner.vertices(), turned)}));
+  EXPECT_EQ(hollow.withoutInnerWalls(5e-4).surface().faceCount(), hollow.surface().faceCount());
+}
+
 TEST(SignedDistance, IsContinuousOnAMeshWithHolesAndEdgesOfThreeFaces) {
   // Every fifth face is missing, one edge has a fin.
   const TriangleMesh sphere = makeSphere(0.04, 3);
