@@ -1,6 +1,8 @@
 #include "hardware/bridge/trajectory_feed.h"
 
 #include <algorithm>
+#include <iterator>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -14,6 +16,8 @@ namespace handgraft::bridge {
 namespace {
 
 constexpr std::size_t kMostListeners = 32;
+constexpr std::size_t kMostSessions = 4096;
+constexpr char kPrefix[] = "rt/handgraft/";  // of sampleTopicName
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
 std::int64_t nanosecondsOf(std::int32_t sec, std::uint32_t nanosec) {
@@ -68,28 +72,52 @@ ReadTrajectory readTrajectory(const trajectory_msgs::msg::dds_::JointTrajectory_
   return read;
 }
 
+TrajectoryFeed::TrajectoryFeed(const idl::cyclone::Participant& participant,
+                               std::shared_ptr<Doorbell> bell)
+    : participant_(participant),
+      written_(participant,
+               kPrefix,
+               [has_news = has_news_, bell] {
+                 *has_news = true;
+                 bell->ring();
+               }),
+      bell_(std::move(bell)) {}
+
 void TrajectoryFeed::see(const v1::SessionState& session) {
   const std::uint64_t id = session.session_id();
   if (session.phase() == v1::PHASE_CLOSED) {
     listeners_.erase(id);
+    open_.erase(id);
     return;
   }
-  if (id == 0 || listeners_.count(id) != 0) return;
+  if (id == 0 || !open_.insert(id).second) return;
+  // Ids are random: whoever is forgotten is heard again once its session changes.
+  if (open_.size() > kMostSessions)
+    open_.erase(*open_.begin() == id ? std::prev(open_.end()) : open_.begin());
+  *has_news_ = true;
+}
+
+void TrajectoryFeed::listenTo(std::uint64_t session) {
   if (listeners_.size() >= kMostListeners) {
     listeners_.erase(std::min_element(listeners_.begin(), listeners_.end(),
                                       [](const auto& a, const auto& b) {
                                         return a.second.since < b.second.since;
                                       }));
   }
-  Listener& listener = listeners_[id];
+  Listener& listener = listeners_[session];
   listener.since = ++listener_count_;
-  listener.topic = idl::sampleTopicName(id);
+  listener.topic = idl::sampleTopicName(session);
   idl::Topic<Message> topic = idl::kRosSamplesTopic;
   topic.name = listener.topic.c_str();
   listener.reader = std::make_unique<Inbox<Message>>(participant_, topic, bell_);
 }
 
 void TrajectoryFeed::take(const Use& use) {
+  if (has_news_->exchange(false)) {
+    for (const std::uint64_t session : open_)
+      if (listeners_.count(session) == 0 && written_.contains(idl::sampleTopicName(session)))
+        listenTo(session);
+  }
   for (auto& [id, listener] : listeners_) {
     listener.reader->take([&, session = id](const Message& message) {
       use(session, message);

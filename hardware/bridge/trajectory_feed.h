@@ -1,10 +1,12 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,17 +34,18 @@ ReadTrajectory readTrajectory(const trajectory_msgs::msg::dds_::JointTrajectory_
                               const std::vector<std::string>& names,
                               std::int64_t system_ns);
 
-/// Timed samples of all sessions that are open: `rt/handgraft/<session>/joint_trajectory`.
+/// Timed samples of all sessions that are open: `rt/handgraft/<session>/joint_trajectory`. What
+/// nobody writes is not read.
 class TrajectoryFeed {
  public:
   using Message = trajectory_msgs::msg::dds_::JointTrajectory_;
   using Use = std::function<void(std::uint64_t session, const Message&)>;
 
   /// `bell` rings when a sample has come.
-  TrajectoryFeed(const idl::cyclone::Participant& participant, std::shared_ptr<Doorbell> bell)
-      : participant_(participant), bell_(std::move(bell)) {}
+  TrajectoryFeed(const idl::cyclone::Participant& participant, std::shared_ptr<Doorbell> bell);
 
-  /// Listens to a session's samples while it is open; to the newest 32 at most.
+  /// Listens to a session's samples while it is open and somebody writes some; to the 32 that
+  /// were written last at most.
   void see(const v1::SessionState& session);
 
   /// Hands over what came, session by session. Errors: as of `use`.
@@ -55,7 +58,12 @@ class TrajectoryFeed {
     std::unique_ptr<Inbox<Message>> reader;
   };
 
+  void listenTo(std::uint64_t session);
+
   idl::cyclone::Participant participant_;
+  std::set<std::uint64_t> open_;
+  std::shared_ptr<std::atomic<bool>> has_news_ = std::make_shared<std::atomic<bool>>(true);
+  idl::cyclone::WrittenTopics written_;
   std::map<std::uint64_t, Listener> listeners_;
   std::uint64_t listener_count_ = 0;
   std::shared_ptr<Doorbell> bell_;

@@ -114,6 +114,25 @@ class Reader {
   std::unique_ptr<Impl> impl_;
 };
 
+/// Topics that somebody on the bus writes, this program included, among those whose names begin
+/// alike. To read only what is written spares everybody the news of readers that nobody needs.
+/// Threads: one.
+class WrittenTopics {
+ public:
+  /// `on_change` as a Reader's `on_data`.
+  WrittenTopics(const Participant& participant,
+                std::string prefix,
+                std::function<void()> on_change);
+  ~WrittenTopics();
+
+  /// By what was heard until now. Cost: O(log n), and what came since the last call.
+  [[nodiscard]] bool contains(const std::string& topic);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
 /// A writer or reader that is made when it is first used: Cyclone makes no topic that the role
 /// of this program's identity may not write or read. Threads: all methods from any thread.
 template <class Endpoint>

@@ -65,7 +65,7 @@ TEST(ReadTrajectory, SaysWhatIsWrong) {
   EXPECT_THAT(refusal(kNames, {}), HasSubstr("0 points"));
 }
 
-TEST(TrajectoryFeed, HearsOpenSessionsAlone) {
+TEST(TrajectoryFeed, HearsOpenSessionsThatSomebodyWritesFor) {
   const handgraft::test::TestDomain domain;
   const idl::cyclone::Participant participant({domain.number(), "lo"});
   const auto bell = std::make_shared<Doorbell>();
@@ -75,18 +75,28 @@ TEST(TrajectoryFeed, HearsOpenSessionsAlone) {
   idl::Topic<TrajectoryFeed::Message> topic = idl::kRosSamplesTopic;
   topic.name = name.c_str();
   idl::cyclone::Writer<TrajectoryFeed::Message> writer(participant, topic);
-  for (int i = 0; i < 600 && writer.readers() == 0; ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  const std::string others_name = idl::sampleTopicName(8);
+  topic.name = others_name.c_str();
+  const idl::cyclone::Writer<TrajectoryFeed::Message> of_unknown_session(participant, topic);
+  std::vector<std::uint64_t> heard;
+  const auto takeUntil = [&](const auto& is_done) {
+    for (int i = 0; i < 600 && !is_done(); ++i) {
+      bell->wait(std::chrono::milliseconds(10));
+      feed.take([&](std::uint64_t session, const TrajectoryFeed::Message&) {
+        heard.push_back(session);
+      });
+    }
+  };
+  takeUntil([&] {
+    return writer.readers() != 0;
+  });
   ASSERT_EQ(writer.readers(), 1);
   writer.write(trajectory(kNames, {{1, 2}}, 3));
-  std::vector<std::uint64_t> heard;
-  for (int i = 0; i < 600 && heard.empty(); ++i) {
-    bell->wait(std::chrono::milliseconds(10));
-    feed.take([&](std::uint64_t session, const TrajectoryFeed::Message&) {
-      heard.push_back(session);
-    });
-  }
+  takeUntil([&] {
+    return !heard.empty();
+  });
   EXPECT_THAT(heard, ElementsAre(7));
+  EXPECT_EQ(of_unknown_session.readers(), 0);
   feed.see(test::sessionState(7, "hand", kNames, v1::PHASE_CLOSED));
   for (int i = 0; i < 600 && writer.readers() != 0; ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
