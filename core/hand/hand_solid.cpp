@@ -245,6 +245,7 @@ struct Bounds {
 
 Bounds boundsOf(const Skin& skin,
                 int link,
+                bool carries_several,
                 double skin_offset,
                 const Pose& X_SL,
                 std::vector<Facet>& facets) {
@@ -253,6 +254,9 @@ Bounds boundsOf(const Skin& skin,
   auto own = ownSurface(skin, link, X_SL);
   if (own == nullptr) return {part, false};
   if (!holds(*own, *part, beneath)) {
+    // A digit's own parts meet where the skin sees them; at a knuckle a wall is the only way
+    // out along the digit.
+    if (!carries_several) return {part, false};
     own =
         std::make_shared<const geometry::SignedDistance>(own->withoutInnerWalls(0.5 * kHidden));
     if (!holds(*own, *part, beneath)) return {part, false};
@@ -278,6 +282,13 @@ void fillSolid(std::shared_ptr<const geometry::SignedDistance> exact,
     const double share = std::clamp(0.5 - solid.distance(cell.p) / h, 0.0, 1.0);
     if (share > 0.0) solid.cells_L.push_back({cell.p, share});
   }
+}
+
+/// Whether several movable links hang on one, as digits on a palm.
+bool carriesSeveral(const HandModel& model, int link) {
+  return std::count_if(model.nodes().begin(), model.nodes().end(), [&](const auto& node) {
+           return node.parent_link == link && node.type != JointType::kFixed;
+         }) > 1;
 }
 
 /// Whether a link hangs on another one: by one movable joint, none, or several in nearly one
@@ -323,7 +334,9 @@ HandSolid::HandSolid(const HandModel& model,
   sideBySide(model.linkCount(), [&](int link) {
     progress.checkpoint();
     const auto i = static_cast<std::size_t>(link);
-    if (areas[i] > 0.0) bounds[i] = boundsOf(skin, link, offsets[i], X_SL[i], hidden[i]);
+    if (areas[i] > 0.0)
+      bounds[i] =
+          boundsOf(skin, link, carriesSeveral(model, link), offsets[i], X_SL[i], hidden[i]);
   });
   for (const std::vector<Facet>& of_link : hidden)
     facets.insert(facets.end(), of_link.begin(), of_link.end());
