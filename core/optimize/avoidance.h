@@ -26,8 +26,6 @@ struct Avoidance {
   double weight = 5e6;
   /// m; what lies between two samples may be so much deeper than they are.
   double margin_m = 4e-4;
-  /// The same of one link in another: both are narrow, and samples of links lie as far apart.
-  double self_margin_m = 6e-4;
 };
 
 /// How closely a search looks.

@@ -114,9 +114,9 @@ void AvoidanceTerm::chargeItself() {
     const LinkSolid& b = solids[static_cast<std::size_t>(j)];
     const Place& place_a = places_[static_cast<std::size_t>(i)];
     const Place& place_b = places_[static_cast<std::size_t>(j)];
-    const double balls = a.radius + b.radius + avoidance_.self_margin_m;
+    const double balls = a.radius + b.radius + avoidance_.margin_m;
     if ((place_a.centre_W - place_b.centre_W).squaredNorm() > balls * balls) continue;
-    const double bones = a.capsule_L.radius + b.capsule_L.radius + avoidance_.self_margin_m;
+    const double bones = a.capsule_L.radius + b.capsule_L.radius + avoidance_.margin_m;
     if (geometry::squaredDistance(place_a.a_W, place_a.b_W, place_b.a_W, place_b.b_W) >
         bones * bones)
       continue;
@@ -137,13 +137,12 @@ void AvoidanceTerm::charge(int a, int b) {
   const geometry::DistanceGrid& grid_B = *other.grid_L;
   set.visit(
       [&](const Vector3d& centre_A, double radius) {
-        return grid_B.isClear(p_BA + R_BA.lazyProduct(centre_A),
-                              radius + avoidance_.self_margin_m);
+        return grid_B.isClear(p_BA + R_BA.lazyProduct(centre_A), radius + avoidance_.margin_m);
       },
       [&](const SurfaceSample& sample) {
         const Vector3d p_B = p_BA + R_BA.lazyProduct(sample.p_L);
-        if (grid_B.isClear(p_B, avoidance_.self_margin_m)) return;
-        const double depth = avoidance_.self_margin_m - other.distance(p_B);
+        if (grid_B.isClear(p_B, avoidance_.margin_m)) return;
+        const double depth = avoidance_.margin_m - other.distance(p_B);
         if (depth <= 0.0) return;
         Vector3d slope_B;
         static_cast<void>(grid_B.at(p_B, slope_B));

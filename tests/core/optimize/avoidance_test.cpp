@@ -120,7 +120,7 @@ double sumOverSamples(const Scene& scene, const hand::HandPose& pose, bool itsel
       const hand::LinkSolid& other = links[static_cast<std::size_t>(b)];
       for (const hand::SurfaceSample& sample : own.fine.samples) {
         const double depth =
-            scene.avoidance->self_margin_m -
+            scene.avoidance->margin_m -
             other.distance(inverse(poseOf(other)) * (poseOf(own) * sample.p_L));
         if (depth > 0.0) sum += sample.area_m2 / 1e-5 * depth * depth;
       }
