@@ -1,5 +1,6 @@
-// Loaded before others (LD_PRELOAD): a program whose clock of the day is HANDGRAFT_CLOCK_OFFSET_S seconds off, as that of
-// someone is who wants an expired identity to be valid.
+// Loaded before others (LD_PRELOAD): a program whose clock of the day is
+// HANDGRAFT_CLOCK_OFFSET_S seconds off, as that of someone is who wants an expired identity to
+// be valid.
 #include <cstdlib>
 #include <ctime>
 

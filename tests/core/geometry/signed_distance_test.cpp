@@ -214,9 +214,9 @@ TEST(SignedDistance, LeavesOutWallsWithinOverlappingSolids) {
     const double after = without.at(p).distance;
     EXPECT_EQ(without.contains(p), with_walls.contains(p));
     if (before > 0.0) {
-      EXPECT_EQ(after, before) << p.transpose();
+      EXPECT_NEAR(after, before, 4e-4) << p.transpose();  // a piece of a facet
     } else {
-      EXPECT_LE(after, before) << p.transpose();
+      EXPECT_LE(after, before + 1e-12) << p.transpose();
     }
   }
 }
