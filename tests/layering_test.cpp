@@ -176,7 +176,7 @@ const std::map<std::string, std::set<std::string>> kAlone = {
     {"yaml", {"core/io/sites_file.cpp", "hardware/config/yaml_section.h"}},
     {"cyclone",
      {"idl/cyclone/domain.cpp", "idl/cyclone/entity.cpp", "idl/cyclone/participant.cpp",
-      "idl/cyclone/quality.cpp"}},
+      "idl/cyclone/quality.cpp", "idl/cyclone/written_topics.cpp"}},
     {"fastcdr", {"idl/cyclone/participant.cpp", "server/admission/packed_reply.cpp"}},
     {"pybind11",
      {"client/python/module.cpp", "client/python/python_message.cpp",

@@ -284,11 +284,20 @@ void fillSolid(std::shared_ptr<const geometry::SignedDistance> exact,
   }
 }
 
-/// Whether several movable links hang on one, as digits on a palm.
+/// Whether several digits hang on a link, also by way of links that are fixed to it.
 bool carriesSeveral(const HandModel& model, int link) {
-  return std::count_if(model.nodes().begin(), model.nodes().end(), [&](const auto& node) {
-           return node.parent_link == link && node.type != JointType::kFixed;
-         }) > 1;
+  const auto nodeOf = [&](int child) -> const HandModel::Node& {
+    return model.nodes()[static_cast<std::size_t>(child - 1)];
+  };
+  int digits = 0;
+  for (const HandModel::Node& node : model.nodes()) {
+    if (node.type == JointType::kFixed) continue;
+    int carrier = node.parent_link;
+    while (carrier != link && carrier > 0 && nodeOf(carrier).type == JointType::kFixed)
+      carrier = nodeOf(carrier).parent_link;
+    digits += carrier == link ? 1 : 0;
+  }
+  return digits > 1;
 }
 
 /// Whether a link hangs on another one: by one movable joint, none, or several in nearly one

@@ -97,27 +97,26 @@ void TrajectoryFeed::see(const v1::SessionState& session) {
   *has_news_ = true;
 }
 
-void TrajectoryFeed::listenTo(std::uint64_t session) {
-  if (listeners_.size() >= kMostListeners) {
-    listeners_.erase(std::min_element(listeners_.begin(), listeners_.end(),
-                                      [](const auto& a, const auto& b) {
-                                        return a.second.since < b.second.since;
-                                      }));
+void TrajectoryFeed::listenToWritten() {
+  for (const std::uint64_t session : open_) {
+    const std::string name = idl::sampleTopicName(session);
+    if (listeners_.count(session) != 0 || !written_.contains(name)) continue;
+    if (listeners_.size() >= kMostListeners) {
+      std::erase_if(listeners_, [&](const auto& one) {
+        return !written_.contains(one.second.topic);
+      });
+      if (listeners_.size() >= kMostListeners) return;
+    }
+    Listener& listener = listeners_[session];
+    listener.topic = name;
+    idl::Topic<Message> topic = idl::kRosSamplesTopic;
+    topic.name = listener.topic.c_str();
+    listener.reader = std::make_unique<Inbox<Message>>(participant_, topic, bell_);
   }
-  Listener& listener = listeners_[session];
-  listener.since = ++listener_count_;
-  listener.topic = idl::sampleTopicName(session);
-  idl::Topic<Message> topic = idl::kRosSamplesTopic;
-  topic.name = listener.topic.c_str();
-  listener.reader = std::make_unique<Inbox<Message>>(participant_, topic, bell_);
 }
 
 void TrajectoryFeed::take(const Use& use) {
-  if (has_news_->exchange(false)) {
-    for (const std::uint64_t session : open_)
-      if (listeners_.count(session) == 0 && written_.contains(idl::sampleTopicName(session)))
-        listenTo(session);
-  }
+  if (has_news_->exchange(false)) listenToWritten();
   for (auto& [id, listener] : listeners_) {
     listener.reader->take([&, session = id](const Message& message) {
       use(session, message);

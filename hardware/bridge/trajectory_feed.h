@@ -15,6 +15,7 @@
 #include "hardware/bridge/inbox.h"
 #include "hardware/bridge/timed_pose_ring.h"
 #include "idl/cyclone/participant.h"
+#include "idl/cyclone/written_topics.h"
 #include "idl/ros2.h"
 #include "idl/sessions.h"
 
@@ -44,8 +45,8 @@ class TrajectoryFeed {
   /// `bell` rings when a sample has come.
   TrajectoryFeed(const idl::cyclone::Participant& participant, std::shared_ptr<Doorbell> bell);
 
-  /// Listens to a session's samples while it is open and somebody writes some; to the 32 that
-  /// were written last at most.
+  /// Listens to a session's samples once somebody writes some, until it is closed; to 32 at
+  /// most: then others wait until one of them is written no more.
   void see(const v1::SessionState& session);
 
   /// Hands over what came, session by session. Errors: as of `use`.
@@ -53,19 +54,17 @@ class TrajectoryFeed {
 
  private:
   struct Listener {
-    std::uint64_t since = 0;  // counts listeners
     std::string topic;
     std::unique_ptr<Inbox<Message>> reader;
   };
 
-  void listenTo(std::uint64_t session);
+  void listenToWritten();
 
   idl::cyclone::Participant participant_;
   std::set<std::uint64_t> open_;
   std::shared_ptr<std::atomic<bool>> has_news_ = std::make_shared<std::atomic<bool>>(true);
   idl::cyclone::WrittenTopics written_;
   std::map<std::uint64_t, Listener> listeners_;
-  std::uint64_t listener_count_ = 0;
   std::shared_ptr<Doorbell> bell_;
 };
 

@@ -8,18 +8,11 @@
 // This relies on ddsi_* internals of the version above. Nothing outside this file sees them.
 #include "idl/cyclone/participant.h"
 
-#include <algorithm>
-#include <array>
 #include <atomic>
 #include <cstring>
-#include <iterator>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <set>
-#include <string>
-#include <string_view>
 #include <utility>
 
 #include <dds/dds.h>
@@ -190,6 +183,10 @@ const std::optional<security::Identity>& Participant::identity() const {
   return impl_->identity;
 }
 
+std::int32_t Participant::handle() const {
+  return impl_->entity.get();
+}
+
 bool Participant::isKeptOut() const {
   if (impl_->identity) return false;
   const Entity reader(dds_create_reader(impl_->entity.get(), DDS_BUILTIN_TOPIC_DCPSPARTICIPANT,
@@ -333,71 +330,6 @@ int Writer<Message>::readers() const {
   checked(dds_get_publication_matched_status(impl_->writer.get(), &status), "no status",
           impl_->name);
   return static_cast<int>(status.current_count);
-}
-
-// === Written topics
-
-struct WrittenTopics::Impl {
-  Impl(std::shared_ptr<Participant::Impl> owner, std::string begin, std::function<void()> call)
-      : participant(std::move(owner)),
-        prefix(std::move(begin)),
-        on_change(std::move(call)),
-        reader(createReader(), "no reader", "written topics") {}
-
-  dds_entity_t createReader() {
-    const std::unique_ptr<dds_listener_t, void (*)(dds_listener_t*)> listener(
-        dds_create_listener(this), dds_delete_listener);
-    dds_lset_data_available(listener.get(), [](dds_entity_t, void* self) {
-      static_cast<Impl*>(self)->on_change();
-    });
-    return dds_create_reader(participant->entity.get(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION,
-                             nullptr, listener.get());
-  }
-
-  void forget(const std::array<std::uint8_t, 16>& key) {
-    const auto found = of_writers.find(key);
-    if (found == of_writers.end()) return;
-    names.erase(found->second);
-    of_writers.erase(found);
-  }
-
-  void hear() {
-    void* sample = nullptr;
-    dds_sample_info_t info{};
-    while (dds_take(reader.get(), &sample, &info, 1, 1) == 1) {
-      const auto& writer = *static_cast<const dds_builtintopic_endpoint_t*>(sample);
-      std::array<std::uint8_t, 16> key{};
-      std::copy(std::begin(writer.key.v), std::end(writer.key.v), key.begin());
-      if (info.instance_state != DDS_IST_ALIVE) {
-        forget(key);
-      } else if (info.valid_data && std::string_view(writer.topic_name).starts_with(prefix)) {
-        forget(key);
-        of_writers[key] = names.insert(writer.topic_name);
-      }
-      dds_return_loan(reader.get(), &sample, 1);
-      sample = nullptr;
-    }
-  }
-
-  std::shared_ptr<Participant::Impl> participant;
-  std::string prefix;
-  std::function<void()> on_change;
-  std::multiset<std::string> names;
-  std::map<std::array<std::uint8_t, 16>, std::multiset<std::string>::iterator> of_writers;
-  Entity reader;  // deleting it waits for a callback that is running
-};
-
-WrittenTopics::WrittenTopics(const Participant& participant,
-                             std::string prefix,
-                             std::function<void()> on_change)
-    : impl_(std::make_unique<Impl>(
-          participant.impl(), std::move(prefix), std::move(on_change))) {}
-
-WrittenTopics::~WrittenTopics() = default;
-
-bool WrittenTopics::contains(const std::string& topic) {
-  impl_->hear();
-  return impl_->names.count(topic) != 0;
 }
 
 // === Reader

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -46,6 +47,9 @@ class Participant {
   /// True once a program of a secured domain was met that this one, without an identity, is
   /// not let in to.
   [[nodiscard]] bool isKeptOut() const;
+
+  /// Cyclone's own, for this folder.
+  [[nodiscard]] std::int32_t handle() const;
 
   struct Impl;
 
@@ -108,25 +112,6 @@ class Reader {
   /// Number of matched writers.
   [[nodiscard]] int writers() const;
   [[nodiscard]] unsigned rejected() const;
-
- private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
-};
-
-/// Topics that somebody on the bus writes, this program included, among those whose names begin
-/// alike. To read only what is written spares everybody the news of readers that nobody needs.
-/// Threads: one.
-class WrittenTopics {
- public:
-  /// `on_change` as a Reader's `on_data`.
-  WrittenTopics(const Participant& participant,
-                std::string prefix,
-                std::function<void()> on_change);
-  ~WrittenTopics();
-
-  /// By what was heard until now. Cost: O(log n), and what came since the last call.
-  [[nodiscard]] bool contains(const std::string& topic);
 
  private:
   struct Impl;

@@ -25,3 +25,10 @@ await() { # WORDS FILE
 }
 # shellcheck disable=SC2154  # of who sources this
 sessions() { "$bin/handgraft" sessions --json "$@" | grep -o '"session_id"' | wc -l; }
+await_that() { # COMMAND...: until it succeeds, 10 s at most
+  for _ in $(seq 100); do
+    "$@" && return
+    sleep 0.1
+  done
+  return 1
+}

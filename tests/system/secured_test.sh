@@ -159,13 +159,11 @@ cp -r "$keys/b-editor" "$scratch/taken"
 mkfifo "$scratch/line"
 exec 9<>"$scratch/line"
 before=$(revision)
+is_past() { [ "$(revision)" -gt "$1" ]; }
 HANDGRAFT_IDENTITY=$scratch/taken "$bin/handgraft" edit "$session" <"$scratch/line" >"$scratch/editing" 2>&1 &
 pids+=($!)
 echo 'weight palm 0.5' >&9
-for _ in $(seq 100); do
-  [ "$(revision)" -gt "$before" ] && break
-  sleep 0.1
-done
+await_that is_past "$before" || { cat "$scratch/editing"; fail "who is not revoked yet cannot edit"; }
 before=$(revision)
 "$bin/handgraft" keys revoke b-editor --dir "$keys" >"$scratch/said"
 await 'event=revocations_read count=2' "$scratch/server.log"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# replayed.sh PROGRAMS DOMAIN: whoever records a wire and plays it again. An operator arms a hand and edits a session, and takes
-# both back; the whole of it is sent again while all are there, once the operator's programs are gone, and to a server and a
+# replayed.sh PROGRAMS DOMAIN: whoever records a wire and plays it again. An operator arms a hand, disarms it and
+# edits a session; the whole of it is sent again while all are there, once the operator's programs are gone, and to a server and a
 # hand that were started anew. No session changes and no hand moves. Exit code 77 where a wire may not be recorded.
 set -euo pipefail
 bin=$(realpath "$1")
@@ -18,6 +18,7 @@ does() { as_operator "$@" >"$scratch/said" 2>&1 || { cat "$scratch/said"; fail "
 field() { sed -n "s/.*\"$1\": *\"\{0,1\}\([a-z0-9]*\).*/\1/p" "$2" | head -1; }
 state() { does bridge status --json; field state "$scratch/said"; }
 revision() { does sessions --json; field revision "$scratch/said"; }
+is_past() { [ "$(revision)" -gt "$1" ]; }
 
 start recorder python3 "$here/replay.py" record "$scratch/wire" "$HANDGRAFT_DOMAIN"
 recorder=${pids[-1]}
@@ -43,11 +44,7 @@ editor=$!
 pids+=("$editor")
 before=$(revision)
 echo 'weight palm 0.5' >&9
-for _ in $(seq 100); do
-  [ "$(revision)" -gt "$before" ] && break
-  sleep 0.1
-done
-[ "$(revision)" -gt "$before" ] || { cat "$scratch/editing"; fail "no edit to record"; }
+await_that is_past "$before" || { cat "$scratch/editing"; fail "no edit to record"; }
 does bridge arm
 [ "$(state)" = armed ] || fail "no ARM to record"
 does bridge disarm
@@ -67,11 +64,7 @@ unchanged() { # WHEN
 after=$(revision)
 unchanged "while the editor is there"
 echo 'weight palm 0.75' >&9 # it is not cut off either
-for _ in $(seq 100); do
-  [ "$(revision)" -gt "$after" ] && break
-  sleep 0.1
-done
-[ "$(revision)" -gt "$after" ] || { cat "$scratch/editing"; fail "the editor was cut off by its own words"; }
+await_that is_past "$after" || { cat "$scratch/editing"; fail "the editor was cut off by its own words"; }
 after=$(revision)
 kill "$editor"
 wait "$editor" || true
