@@ -30,8 +30,8 @@
 #include "server/store/state_file.h"
 #include "server/store/state_store.h"
 #include "server/supervisor/supervisor.h"
-#include "server/transport/asker.h"
 #include "server/transport/bus.h"
+#include "server/transport/server_probe.h"
 
 namespace {
 
@@ -173,7 +173,7 @@ class StopSignals {
 void ask(const Options& options) {
   bool is_found = false;
   std::atomic<bool> is_read = true;
-  server::askServer(
+  server::probeServer(
       options.network, options.ask_process,
       [&](bool is_answer) {
         if (is_found && !is_answer) return;

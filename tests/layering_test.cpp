@@ -1,5 +1,5 @@
 // Who may include whom. Changing the architecture is one visible line in the table below; the
-// folders' order is the order of dependence, and DESIGN's reasons are in the folders' READMEs.
+// folders' order is the order of dependence, and the reasons are in the folders' READMEs.
 
 #include <algorithm>
 #include <filesystem>

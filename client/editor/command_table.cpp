@@ -1,6 +1,6 @@
 #include "client/editor/command_table.h"
 
-#include "client/editor/edit_making.h"
+#include "client/editor/edit_builders.h"
 
 namespace handgraft::client::editor {
 

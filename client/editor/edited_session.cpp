@@ -200,10 +200,10 @@ v1::EditReply EditedSession::edit(const v1::EditBody& body) {
   }
 }
 
-MotionNews EditedSession::awaitMotion(std::uint64_t revision) {
+MotionUpdate EditedSession::awaitMotion(std::uint64_t revision) {
   constexpr std::chrono::milliseconds kOnTheWay(500);  // once the session rests
   std::optional<std::chrono::steady_clock::time_point> rests;
-  MotionNews news;
+  MotionUpdate news;
   while (!news.is_complete) {
     server_.checkpoint();
     take();
@@ -243,8 +243,7 @@ const v1::PoseSolution* EditedSession::awaitFinal(std::uint64_t revision,
   }
 }
 
-const v1::PoseSolution& EditedSession::awaitDiagnosed(std::uint64_t revision,
-                                                      Patience longest) {
+const v1::PoseSolution& EditedSession::awaitDiagnosed(std::uint64_t revision, Timeout longest) {
   const v1::PoseSolution& pose = session_.awaitDiagnosed(revision, longest);
   learn();
   return pose;

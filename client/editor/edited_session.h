@@ -19,7 +19,7 @@ namespace handgraft::client::editor {
 /// else changed without having seen that.
 ///
 /// What became of a motion by an edit.
-struct MotionNews {
+struct MotionUpdate {
   bool is_complete = false;
   std::uint32_t frame_count = 0;  ///< of the motion
   std::uint32_t changed = 0;
@@ -75,16 +75,16 @@ class EditedSession : public EditContext {
 
   /// Waits for the last of what an edit changed of the motion; nothing comes where the session
   /// rests, as before the first solve.
-  MotionNews awaitMotion(std::uint64_t revision);
+  MotionUpdate awaitMotion(std::uint64_t revision);
 
   using OnSample = Session::OnSolution;
   using OnState = Session::OnState;
-  using Patience = Session::Patience;
-  static constexpr Patience kEndless = Session::kEndless;
+  using Timeout = Session::Timeout;
+  static constexpr Timeout kEndless = Session::kEndless;
 
   /// As of Session; the words of SolveFailed are plain.
   const v1::PoseSolution* awaitFinal(std::uint64_t revision, const OnSample& on_sample);
-  const v1::PoseSolution& awaitDiagnosed(std::uint64_t revision, Patience longest);
+  const v1::PoseSolution& awaitDiagnosed(std::uint64_t revision, Timeout longest);
 
   /// The last pose was shown without its diagnosis, if it has none: `news` brings that.
   void diagnoseLater();

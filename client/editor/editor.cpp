@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "client/editor/edit_making.h"
+#include "client/editor/edit_builders.h"
 #include "client/editor/match_values.h"
 #include "client/editor/show_solution.h"
 #include "client/link/hand_side_edits.h"
@@ -297,7 +297,7 @@ CommandOutput Editor::editAt(const Match& match) {
 }
 
 CommandOutput Editor::tellMotion(std::uint64_t revision) {
-  const MotionNews news = session_->awaitMotion(revision);
+  const MotionUpdate news = session_->awaitMotion(revision);
   CommandOutput output;
   if (!news.is_complete) return output;
   output.data = {{"frames_changed", news.changed}, {"frame_count", news.frame_count}};
@@ -363,7 +363,7 @@ const v1::PoseSolution* Editor::awaitPose(std::uint64_t revision) {
 }
 
 CommandOutput Editor::tellPose(const std::string& before) {
-  constexpr EditedSession::Patience kSoon(250);  // usual explanations take milliseconds
+  constexpr EditedSession::Timeout kSoon(250);  // usual explanations take milliseconds
   const bool at_once = at_once_ && depth_ == 0 && !sink_.isJson();
   const v1::PoseSolution pose = *session_->solution();
   const bool shown = at_once && !pose.is_diagnosed();

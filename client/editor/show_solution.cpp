@@ -100,7 +100,7 @@ CommandOutput tellSolution(const v1::PoseSolution& solution, const Off& off) {
       "evaluations\n",
       terms.distance_m2(), terms.normal(), terms.prior(), plain(solution.solver()),
       solution.evaluations());
-  for (const v1::HeldPlace& place : solution.held()) {
+  for (const v1::PinnedPoint& place : solution.held()) {
     output.text += fmt::format("held: {}, {:.1f} mm off its place, weight {:.4g}\n",
                                plain(place.link()), 1e3 * place.miss_m(), place.weight());
   }

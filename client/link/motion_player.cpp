@@ -84,7 +84,7 @@ void PlayClock::setLooping(bool loops, Time now) {
 
 // === The way
 
-JointWay::JointWay(const std::vector<v1::MotionFrame>& frames) {
+JointInterpolation::JointInterpolation(const std::vector<v1::MotionFrame>& frames) {
   if (frames.empty()) rejectInput("a motion without frames cannot be played");
   for (const v1::MotionFrame& frame : frames) {
     const double time_s = frame.time_s() - frames.front().time_s();
@@ -99,7 +99,7 @@ JointWay::JointWay(const std::vector<v1::MotionFrame>& frames) {
   }
 }
 
-std::vector<double> JointWay::at(double time_s) const {
+std::vector<double> JointInterpolation::at(double time_s) const {
   const auto above = std::upper_bound(time_s_.begin(), time_s_.end(), time_s);
   if (above == time_s_.begin()) return joints_.front();
   if (above == time_s_.end()) return joints_.back();

@@ -56,11 +56,11 @@ class PlayClock {
 };
 
 /// The joints of a motion's frames over time, and between them.
-class JointWay {
+class JointInterpolation {
  public:
   /// Times from the first frame on. Errors: InvalidInput without frames, if times do not rise,
   /// or frames differ in their joints.
-  explicit JointWay(const std::vector<v1::MotionFrame>& frames);
+  explicit JointInterpolation(const std::vector<v1::MotionFrame>& frames);
 
   [[nodiscard]] double duration() const { return time_s_.back(); }
 

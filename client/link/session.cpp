@@ -125,7 +125,7 @@ const v1::PoseSolution* Session::awaitFinal(std::uint64_t revision,
   }
 }
 
-const v1::PoseSolution& Session::awaitDiagnosed(std::uint64_t revision, Patience longest) {
+const v1::PoseSolution& Session::awaitDiagnosed(std::uint64_t revision, Timeout longest) {
   const Clock::time_point begin = Clock::now();
   Rest rest(*this, revision);
   while (true) {

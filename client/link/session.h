@@ -64,8 +64,8 @@ class Session {
 
   using OnSolution = SessionStream::OnSolution;
   using OnState = SessionStream::OnState;
-  using Patience = std::chrono::milliseconds;
-  static constexpr Patience kEndless = std::chrono::hours(1000);
+  using Timeout = std::chrono::milliseconds;
+  static constexpr Timeout kEndless = std::chrono::hours(1000);
 
   /// The last final pose that was heard; nullptr before there is one.
   [[nodiscard]] const v1::PoseSolution* solution() const {
@@ -82,7 +82,7 @@ class Session {
   void take(const OnSolution& on_solution = {}, const OnState& on_state = {});
 
   /// Waits until there may be something to take, or so long.
-  void wait(Patience timeout) { stream_.wait(timeout); }
+  void wait(Timeout timeout) { stream_.wait(timeout); }
 
   /// The pose that a session joined just now has already: waits for it up to 2 s after this was
   /// made.
@@ -97,7 +97,7 @@ class Session {
   /// Waits until the last final pose, of `revision`, is diagnosed. Returns what is the last by
   /// then: it is not diagnosed if an edit came first, the diagnosis was stopped, or `longest`
   /// is over. There must be a final pose. Errors: as for `awaitFinal`, but for SolveFailed.
-  const v1::PoseSolution& awaitDiagnosed(std::uint64_t revision, Patience longest = kEndless);
+  const v1::PoseSolution& awaitDiagnosed(std::uint64_t revision, Timeout longest = kEndless);
 
   /// What was asked for counts as heard, unless the stream has brought a later one.
   const v1::PoseSolution& adopt(const v1::PoseSolution& solution);

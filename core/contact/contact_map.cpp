@@ -4,7 +4,7 @@
 #include <iterator>
 
 #include "core/base/error.h"
-#include "core/hand/hand_place.h"
+#include "core/hand/hand_location.h"
 #include "core/hand/part_words.h"
 
 namespace handgraft::contact {

@@ -189,10 +189,10 @@ void assignFingers(ContactMap& map,
   }
 }
 
-std::optional<hand::HandPlace> placeByJoints(const HandJoints& joints,
-                                             const std::string& part,
-                                             const Eigen::Vector3d& p_O,
-                                             const Eigen::Vector3d& n_O) {
+std::optional<hand::HandLocation> placeByJoints(const HandJoints& joints,
+                                                const std::string& part,
+                                                const Eigen::Vector3d& p_O,
+                                                const Eigen::Vector3d& n_O) {
   auto place = hand::placeNamed(part);
   if (!place) return place;
   const auto joint = [&](int i) -> Eigen::Vector3d {

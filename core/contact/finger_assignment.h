@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 
 #include "core/contact/contact_map.h"
-#include "core/hand/hand_place.h"
+#include "core/hand/hand_location.h"
 
 namespace handgraft::contact {
 
@@ -55,10 +55,10 @@ void assignFingers(ContactMap& map,
 /// Where on the hand a patch of `part` with its root at `p_O` was: along the nearest bone of
 /// that segment, and round it as the object's outward unit normal there was looked at. Nothing
 /// for other parts than segments and the palm. Cost: constant.
-std::optional<hand::HandPlace> placeByJoints(const HandJoints& joints,
-                                             const std::string& part,
-                                             const Eigen::Vector3d& p_O,
-                                             const Eigen::Vector3d& n_O);
+std::optional<hand::HandLocation> placeByJoints(const HandJoints& joints,
+                                                const std::string& part,
+                                                const Eigen::Vector3d& p_O,
+                                                const Eigen::Vector3d& n_O);
 
 /// The tangent at a place with unit normal `n_O` along the finger towards the wrist; missing
 /// where the bones stand on the surface there.

@@ -8,7 +8,7 @@
 
 #include "core/geometry/surface_point.h"
 #include "core/geometry/triangle_mesh.h"
-#include "core/hand/hand_place.h"
+#include "core/hand/hand_location.h"
 
 namespace handgraft::contact {
 
@@ -27,7 +27,7 @@ struct Patch {
   /// 20-30 places at equal arc length along the boundary.
   std::vector<geometry::SurfacePoint> interpolation_boundary;
   /// Where on the hand that touched it was; missing where the source does not tell.
-  std::optional<hand::HandPlace> place;
+  std::optional<hand::HandLocation> place;
   /// Multiplies the patch's part of the objective; 0 switches it off.
   double weight = 1.0;
 };

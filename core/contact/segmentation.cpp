@@ -13,7 +13,7 @@
 #include "core/contact/own_contact.h"
 #include "core/contact/region.h"
 #include "core/contact/threshold.h"
-#include "core/hand/hand_place.h"
+#include "core/hand/hand_location.h"
 
 namespace handgraft::contact {
 namespace {

@@ -12,7 +12,7 @@
 #include <fmt/ranges.h>
 
 #include "core/base/error.h"
-#include "core/contact/carry.h"
+#include "core/contact/reproject.h"
 #include "core/geometry/tangent.h"
 #include "core/hand/finger_coordinates.h"
 #include "core/hand/hand_parts.h"
@@ -181,7 +181,7 @@ PosedContacts contactsOfPosedHand(const hand::Hand& hand,
 
   const bool is_refined = map.mesh_O.vertexCount() != object_O.vertexCount() ||
                           map.mesh_O.faces() != object_O.faces();
-  if (is_refined) result.set = contact::carry(result.set, map.mesh_O, object_O);
+  if (is_refined) result.set = contact::reproject(result.set, map.mesh_O, object_O);
   return result;
 }
 

@@ -94,7 +94,7 @@ void ExactGeodesics::tightenLimit() {
 // === Vertices
 
 void ExactGeodesics::takeNodes() {
-  const Numbering& vertices = faces_.vertices();
+  const IndexMap& vertices = faces_.vertices();
   for (int node = static_cast<int>(nodes_.size()); node < vertices.size(); ++node) {
     nodes_.emplace_back();
     nodes_.back().vertex = vertices.keyOf(node);

@@ -4,7 +4,7 @@
 #include <limits>
 #include <vector>
 
-#include "core/geometry/numbering.h"
+#include "core/geometry/index_map.h"
 #include "core/geometry/triangle_mesh.h"
 
 namespace handgraft::geometry {
@@ -73,7 +73,7 @@ class FlatFaces {
   [[nodiscard]] double longestSide() const { return longest_side_; }
 
   /// Vertices met are numbered from 0 as they come.
-  [[nodiscard]] const Numbering& vertices() const { return vertices_; }
+  [[nodiscard]] const IndexMap& vertices() const { return vertices_; }
 
   /// Number of a vertex of the mesh, a new one if need be.
   int addVertex(int vertex) { return vertices_.add(vertex).first; }
@@ -84,8 +84,8 @@ class FlatFaces {
   int cross(int side);
 
   const TriangleMesh& mesh_;
-  Numbering vertices_;
-  Numbering faces_;
+  IndexMap vertices_;
+  IndexMap faces_;
   std::vector<Side> sides_;
   double longest_side_ = 0.0;
 };

@@ -9,8 +9,8 @@
 #include "core/geometry/dgpc.h"
 #include "core/geometry/exact_geodesics.h"
 #include "core/geometry/heat_log_map.h"
+#include "core/geometry/index_map.h"
 #include "core/geometry/log_map_source.h"
-#include "core/geometry/numbering.h"
 
 namespace handgraft::geometry {
 
@@ -153,7 +153,7 @@ int unsoundFaceCount(const TriangleMesh& mesh, const LogMap& map, int enough) {
   constexpr double kCollapsed = 0.5;
   constexpr double kThinnest = 1e-9;  // of the squared edges: no area that could collapse
   // Places of the disk's vertices, each taken from its polar coordinates once.
-  Numbering numbers(static_cast<int>(map.vertices.size() + map.rim.size()));
+  IndexMap numbers(static_cast<int>(map.vertices.size() + map.rim.size()));
   std::vector<Eigen::Vector2d> places_T;
   for (const int v : map.vertices) {
     numbers.add(v);

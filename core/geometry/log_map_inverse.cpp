@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/geometry/index_map.h"
 #include "core/geometry/log_map.h"
-#include "core/geometry/numbering.h"
 
 namespace handgraft::geometry {
 
@@ -81,7 +81,7 @@ class Corners {
  private:
   const TriangleMesh& mesh_;
   const LogMap& map_;
-  Numbering number_of_;
+  IndexMap number_of_;
   std::vector<Eigen::Vector2d>& places_T_;
 };
 
@@ -123,7 +123,7 @@ LogMapInverse::LogMapInverse(const TriangleMesh& mesh, const LogMap& map)
   sheets_.reserve(face_count);
   places_T_.reserve(map.vertices.size() + map.rim.size());
   Corners corners(mesh, map, places_T_);
-  Numbering covered(static_cast<int>(face_count));
+  IndexMap covered(static_cast<int>(face_count));
   for (const std::vector<int>* faces : {&map.faces, &map.rim_faces}) {
     for (const int f : *faces) {
       const std::array<int, 3> numbers = corners.numbersOf(f);

@@ -8,7 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "core/base/error.h"
-#include "core/base/made_once.h"
+#include "core/base/weak_cache.h"
 
 namespace handgraft::hand {
 
@@ -35,7 +35,7 @@ constexpr const char* kThumb = "thumb";
 
 /// The way to the tip as a share of the digit; where nobody knows, that of a human's place of
 /// that name.
-double fromTip(const HandPlace& place) {
+double fromTip(const HandLocation& place) {
   if (place.from_tip >= 0.0) return place.from_tip;
   const double rest = 1.0 - place.along;
   if (place.segment == "distal") return kHumanDistal * rest;
@@ -196,14 +196,14 @@ double FingerCoordinates::waysOver(const Tube& tube) {
              : tube.length;
 }
 
-std::optional<HandPlace> FingerCoordinates::placeOf(const SurfacePoint& point_S) const {
+std::optional<HandLocation> FingerCoordinates::placeOf(const SurfacePoint& point_S) const {
   const TriangleMesh& mesh = skin_.mesh();
   const int link = skin_.faceLinks()[static_cast<std::size_t>(point_S.face)];
   if (link < 0) return std::nullopt;
   const Eigen::Vector3d p_S = geometry::positionOf(mesh, point_S);
   const Part& part = parts_[static_cast<std::size_t>(link)];
   if (part.digit.empty()) return std::nullopt;
-  HandPlace place;
+  HandLocation place;
   place.digit = part.digit;
   const int digit = digit_of_link_[static_cast<std::size_t>(link)];
 
@@ -263,7 +263,7 @@ SkinSpot FingerCoordinates::spotOf(const SurfacePoint& root_S,
 }
 
 FingerCoordinates::Height FingerCoordinates::heightBySegment(const NamedDigit& digit,
-                                                             const HandPlace& place) {
+                                                             const HandLocation& place) {
   const bool is_alike = place.segment_count == static_cast<int>(digit.segments.size()) ||
                         (place.segment_count == 0 && digit.segments.size() == 3);
   for (std::size_t s = 0; is_alike && s < digit.segments.size(); ++s)
@@ -276,7 +276,7 @@ FingerCoordinates::Height FingerCoordinates::heightBySegment(const NamedDigit& d
 }
 
 FingerCoordinates::Height FingerCoordinates::heightByLength(const NamedDigit& digit,
-                                                            const HandPlace& place) {
+                                                            const HandLocation& place) {
   double from_base =
       (1.0 - fromTip(place)) * (place.digit == kThumb ? kHumanThumb_m : kHumanFinger_m);
   std::size_t s = 0;
@@ -319,7 +319,7 @@ std::optional<SkinSpot> FingerCoordinates::spotOnDigit(std::size_t d,
   return spotOf(*best, ray.to_wrist_S);
 }
 
-std::optional<SkinSpot> FingerCoordinates::spotOnPalm(const HandPlace& place) const {
+std::optional<SkinSpot> FingerCoordinates::spotOnPalm(const HandLocation& place) const {
   if (!anatomy_.palm) return std::nullopt;
   const Palm& palm = *anatomy_.palm;
   const TriangleMesh& mesh = skin_.mesh();
@@ -344,7 +344,7 @@ std::optional<SkinSpot> FingerCoordinates::spotOnPalm(const HandPlace& place) co
   return spotOf(*best, -palm.outward_S);
 }
 
-std::optional<SkinSpot> FingerCoordinates::spotAt(const HandPlace& place) const {
+std::optional<SkinSpot> FingerCoordinates::spotAt(const HandLocation& place) const {
   if (place.digit == kPalmPart) return spotOnPalm(place);
   const int d = digitNamed(place.digit);
   if (d < 0) return std::nullopt;
@@ -352,7 +352,7 @@ std::optional<SkinSpot> FingerCoordinates::spotAt(const HandPlace& place) const 
   return spotOnDigit(at, heightBySegment(anatomy_.digits[at], place), place.around_rad);
 }
 
-std::optional<SkinSpot> FingerCoordinates::spotByLength(const HandPlace& place) const {
+std::optional<SkinSpot> FingerCoordinates::spotByLength(const HandLocation& place) const {
   const int d = digitNamed(place.digit);
   if (d < 0) return std::nullopt;
   const auto at = static_cast<std::size_t>(d);
@@ -388,7 +388,7 @@ std::shared_ptr<const FingerCoordinates> coordinatesOf(const Hand& hand) {
     return std::make_shared<const Made>(
         Made{hand.model, hand.sites, FingerCoordinates(*hand.model, *hand.skin, hand.sites)});
   };
-  static MadeOnce<Skin, Made> memory;
+  static WeakCache<Skin, Made> memory;
   std::shared_ptr<const Made> made = memory.get(hand.skin, Progress(), make);
   // Another session's sites may be others.
   if (made->model != hand.model || made->sites != hand.sites) made = make();

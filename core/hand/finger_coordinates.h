@@ -10,7 +10,7 @@
 #include "core/geometry/surface_point.h"
 #include "core/hand/anatomy.h"
 #include "core/hand/hand.h"
-#include "core/hand/hand_place.h"
+#include "core/hand/hand_location.h"
 #include "core/hand/skin.h"
 
 namespace handgraft::hand {
@@ -46,17 +46,18 @@ class FingerCoordinates {
   [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
 
   /// Nothing on faces of no link, of no digit, or of a palm without axes.
-  [[nodiscard]] std::optional<HandPlace> placeOf(const geometry::SurfacePoint& point_S) const;
+  [[nodiscard]] std::optional<HandLocation> placeOf(
+      const geometry::SurfacePoint& point_S) const;
 
   /// The place with these coordinates: in the segment of that name where the digit has as many
   /// as the place was taken from, else as far from the tip by length. Nothing where the hand
   /// has no such digit, or no skin there.
-  [[nodiscard]] std::optional<SkinSpot> spotAt(const HandPlace& place) const;
+  [[nodiscard]] std::optional<SkinSpot> spotAt(const HandLocation& place) const;
 
   /// The place on a digit as many metres from its first joint as it is on a human's, whatever
   /// segment that is: where a longer finger meets the same object. Nothing for the palm, and
   /// where spotAt has nothing.
-  [[nodiscard]] std::optional<SkinSpot> spotByLength(const HandPlace& place) const;
+  [[nodiscard]] std::optional<SkinSpot> spotByLength(const HandLocation& place) const;
 
   /// Unit tangent towards the wrist at a place of the skin, as spotAt gives it.
   [[nodiscard]] std::optional<Eigen::Vector3d> towardsWrist(
@@ -92,14 +93,16 @@ class FingerCoordinates {
   void measure(std::size_t digit, std::size_t segment, Tube& tube) const;
   void findPalm();
   [[nodiscard]] static Ray rayAt(const Tube& tube, double along, double around_rad);
-  [[nodiscard]] static Height heightBySegment(const NamedDigit& digit, const HandPlace& place);
-  [[nodiscard]] static Height heightByLength(const NamedDigit& digit, const HandPlace& place);
+  [[nodiscard]] static Height heightBySegment(const NamedDigit& digit,
+                                              const HandLocation& place);
+  [[nodiscard]] static Height heightByLength(const NamedDigit& digit,
+                                             const HandLocation& place);
   /// The digit of that name; -1: none.
   [[nodiscard]] int digitNamed(const std::string& name) const;
   [[nodiscard]] std::optional<SkinSpot> spotOnDigit(std::size_t digit,
                                                     const Height& height,
                                                     double around_rad) const;
-  [[nodiscard]] std::optional<SkinSpot> spotOnPalm(const HandPlace& place) const;
+  [[nodiscard]] std::optional<SkinSpot> spotOnPalm(const HandLocation& place) const;
   [[nodiscard]] SkinSpot spotOf(const geometry::SurfacePoint& root_S,
                                 const Eigen::Vector3d& to_wrist_S) const;
   [[nodiscard]] static double waysOver(const Tube& tube);

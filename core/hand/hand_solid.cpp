@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/base/side_by_side.h"
+#include "core/base/parallel_for.h"
 #include "core/geometry/sample_thinning.h"
 #include "core/hand/kinematics.h"
 
@@ -340,7 +340,7 @@ HandSolid::HandSolid(const HandModel& model,
 
   std::vector<Bounds> bounds(link_count);
   std::vector<std::vector<Facet>> hidden(link_count);
-  sideBySide(model.linkCount(), [&](int link) {
+  parallelFor(model.linkCount(), [&](int link) {
     progress.checkpoint();
     const auto i = static_cast<std::size_t>(link);
     if (areas[i] > 0.0)
@@ -361,7 +361,7 @@ HandSolid::HandSolid(const HandModel& model,
     solid.fine = std::move(fine[i]);
     solid.skin_offset = bounds[i].is_own ? 0.0 : offsets[i];
   }
-  sideBySide(static_cast<int>(links_.size()), [&](int k) {
+  parallelFor(static_cast<int>(links_.size()), [&](int k) {
     LinkSolid& solid = links_[static_cast<std::size_t>(k)];
     fillSolid(std::move(bounds[static_cast<std::size_t>(solid.link)].exact_L),
               options.nodes_per_link, progress, solid);

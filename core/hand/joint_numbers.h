@@ -8,7 +8,9 @@ namespace handgraft::hand {
 
 /// A number that a joint has besides its place and its axis. Whatever reads, writes, sends,
 /// checks or scales joints goes through kJointNumbers: a new number is a member of Joint and a
-/// row below, and a field of JointInfo (idl/models.idl) for clients to see it.
+/// row below, and a field of JointInfo (idl/models.idl) for clients to see it. Packed hands
+/// (server/reading) hold these numbers in this order and are kept on disk: with a new one the
+/// form that a store reads rises (server/store/model_recipe.h).
 struct JointNumber {
   const char* name;  ///< of the field of JointInfo as well: "velocity_limit"
   double Joint::*value;

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "core/base/made_once.h"
-#include "core/base/side_by_side.h"
+#include "core/base/parallel_for.h"
+#include "core/base/weak_cache.h"
 
 namespace handgraft::hand {
 
@@ -16,7 +16,7 @@ constexpr int kAtOnce = 1000;  // faces
 SkinPlanes::SkinPlanes(const Skin& skin) : skin_(skin) {
   const int count = skin.mesh().faceCount();
   planes_.resize(static_cast<std::size_t>(count));
-  sideBySide((count + kAtOnce - 1) / kAtOnce, [&](int part) {
+  parallelFor((count + kAtOnce - 1) / kAtOnce, [&](int part) {
     const int end = std::min(count, (part + 1) * kAtOnce);
     for (int f = part * kAtOnce; f < end; ++f) {
       const geometry::SurfacePoint middle{f, Eigen::Vector3d::Constant(1.0 / 3.0)};
@@ -38,7 +38,7 @@ std::optional<LinkPoint> SkinPlanes::project(const geometry::SurfacePoint& place
 }
 
 std::shared_ptr<const SkinPlanes> planesOf(const std::shared_ptr<const Skin>& skin) {
-  static MadeOnce<Skin, SkinPlanes> memory;
+  static WeakCache<Skin, SkinPlanes> memory;
   return memory.get(skin, Progress(), [&] {
     return std::make_shared<const SkinPlanes>(*skin);
   });

@@ -1,6 +1,6 @@
 #include "core/hand/turned_parts.h"
 
-#include "core/hand/hand_place.h"
+#include "core/hand/hand_location.h"
 
 namespace handgraft::hand {
 

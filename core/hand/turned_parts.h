@@ -9,7 +9,7 @@
 
 namespace handgraft::hand {
 
-/// A part of a hand as contacts name it (hand_place.h), and how it is turned.
+/// A part of a hand as contacts name it (hand_location.h), and how it is turned.
 struct TurnedPart {
   std::string name;                                     ///< partName, or kPalmPart
   int link = 0;                                         ///< that it moves with

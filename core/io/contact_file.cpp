@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
-#include "core/contact/carry.h"
+#include "core/contact/reproject.h"
 #include "core/formats/json_keys.h"
 #include "core/io/indexed_object.h"
 #include "core/io/object_file.h"
@@ -179,11 +179,11 @@ double placeNumberFrom(const json& value, const char* field, double otherwise) {
   return number;
 }
 
-hand::HandPlace placeFrom(const json& value) {
+hand::HandLocation placeFrom(const json& value) {
   if (!value.is_object()) rejectInput("field 'place' is no object");
   requireKnownKeys(
       value, {"digit", "segment", "segments", "along", "around_rad", "across", "from_tip"});
-  hand::HandPlace place;
+  hand::HandLocation place;
   place.digit = nameFrom(fieldOf(value, "digit"), "digit");
   if (value.contains("segment")) place.segment = nameFrom(value["segment"], "segment");
   if (value.contains("segments")) {
@@ -397,7 +397,8 @@ ContactSet contactsFromMap(const ContactMap& map,
   const std::vector<std::string> unlisted =
       notesOnUnlistedLinks(map, thresholdOf(on_mesh, options));
   set.notes.insert(set.notes.begin(), unlisted.begin(), unlisted.end());
-  return sameMesh(on_mesh.mesh_O, object.mesh) ? set : carry(set, on_mesh.mesh_O, object.mesh);
+  return sameMesh(on_mesh.mesh_O, object.mesh) ? set
+                                               : reproject(set, on_mesh.mesh_O, object.mesh);
 }
 
 ContactSet readContacts(const std::filesystem::path& path,

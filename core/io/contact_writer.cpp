@@ -28,7 +28,7 @@ json surfacePointJson(const SurfacePoint& point, const IndexedObject& object) {
   return value;
 }
 
-json placeJson(const hand::HandPlace& place) {
+json placeJson(const hand::HandLocation& place) {
   json value = {
       {"digit", place.digit}, {"along", place.along}, {"around_rad", place.around_rad}};
   if (place.digit == hand::kPalmPart) {

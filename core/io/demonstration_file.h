@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/geometry/triangle_mesh.h"
+#include "core/manipulation/contact_tracker.h"
 #include "core/manipulation/motion.h"
-#include "core/manipulation/touch_tracker.h"
 
 namespace handgraft::io {
 

@@ -107,11 +107,11 @@ SurfacePoint onSurface(const json& value, const char* name, const SurfaceLocator
   return hit.point;
 }
 
-hand::HandPlace placeOfMotion(const json& value) {
+hand::HandLocation placeOfMotion(const json& value) {
   const Fields fields(
       value, "field 'place'",
       {"digit", "segment", "segments", "along", "around_rad", "across", "from_tip"});
-  hand::HandPlace place;
+  hand::HandLocation place;
   place.digit = fields.text("digit");
   place.segment = fields.text("segment");
   if (fields.has("segments")) place.segment_count = fields.whole("segments");
@@ -127,7 +127,7 @@ hand::HandPlace placeOfMotion(const json& value) {
   return place;
 }
 
-json placeOfMotionJson(const hand::HandPlace& place) {
+json placeOfMotionJson(const hand::HandLocation& place) {
   return {{"digit", place.digit},
           {"segment", place.segment},
           {"segments", place.segment_count},

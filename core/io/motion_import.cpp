@@ -96,8 +96,8 @@ SplineTrajectory splinesFrom(const json& root) {
 /// Where a point of a link of the right MANO hand is, as on any hand. Its links' frames are
 /// turned alike at rest: fingers to -x, palm to -y, the thumb's side to +z. Bones and lengths
 /// are those of the recordings' own MJCF. Where the thumb's pad is, its frames do not tell.
-std::optional<hand::HandPlace> placeOnMano(const std::string& link,
-                                           const Eigen::Vector3d& p_L) {
+std::optional<hand::HandLocation> placeOnMano(const std::string& link,
+                                              const Eigen::Vector3d& p_L) {
   struct Digit {
     std::string mano;
     const char* name;
@@ -116,7 +116,7 @@ std::optional<hand::HandPlace> placeOnMano(const std::string& link,
   constexpr double kFirst_m = 0.026;     // z of the first knuckle; the last one's is -0.043
   constexpr double kAcross_m = 0.069;
 
-  hand::HandPlace place;
+  hand::HandLocation place;
   if (link == "wrist") {
     place.digit = hand::kPalmPart;
     place.along = std::clamp(1.0 + p_L.x() / kKnuckles_m, 0.0, 1.0);

@@ -17,7 +17,7 @@
 #include "core/io/motion_file.h"
 #include "core/io/motion_import.h"
 #include "core/io/npz_file.h"
-#include "core/manipulation/two_grasps.h"
+#include "core/manipulation/grasp_interpolation.h"
 
 namespace handgraft::io {
 namespace {
@@ -77,7 +77,7 @@ Motion joinedFrom(const json& root, const MeshFile& object, const FileOf& fileOf
     keys.push_back({pose.time_s, pose.X_WO});
   const contact::ContactSet begin = readContactSet(fileOf(first), object);
   const contact::ContactSet end = last.empty() ? begin : readContactSet(fileOf(last), object);
-  return manipulation::joinGrasps(object.mesh, begin, end, keys, options);
+  return manipulation::interpolateGrasps(object.mesh, begin, end, keys, options);
 }
 
 Motion plannedFrom(const json& root, const MeshFile& object, const FileOf& fileOf) {

@@ -21,11 +21,11 @@ std::pair<std::string, std::string> kindAndName(const std::string& model) {
   return {model.substr(0, space), space == std::string::npos ? "" : model.substr(space + 1)};
 }
 
-std::string hashOf(session::ModelShelf& shelf, const std::string& model) {
+std::string hashOf(session::ModelCache& cache, const std::string& model) {
   const auto [kind, name] = kindAndName(model);
-  if (kind == "hand") return shelf.handHash(name);
-  if (kind == "object") return shelf.objectHash(name);
-  if (kind == "contacts" && name == shelf.first().contacts_name) return shelf.contactsHash();
+  if (kind == "hand") return cache.handHash(name);
+  if (kind == "object") return cache.objectHash(name);
+  if (kind == "contacts" && name == cache.first().contacts_name) return cache.contactsHash();
   rejectInput("session: {} is no model of a session", quoted(model));
 }
 
@@ -47,10 +47,10 @@ void addModels(const session::History& history, std::set<std::string>& models) {
 
 /// All models that opening and replaying it asks for.
 std::set<std::string> modelsIn(const session::SavedSession& saved,
-                               const session::ModelShelf& shelf) {
-  std::set<std::string> models = {"contacts " + shelf.first().contacts_name,
-                                  "hand " + shelf.first().hand_name,
-                                  "object " + shelf.first().object_name};
+                               const session::ModelCache& cache) {
+  std::set<std::string> models = {"contacts " + cache.first().contacts_name,
+                                  "hand " + cache.first().hand_name,
+                                  "object " + cache.first().object_name};
   addModels(saved.history, models);
   addModels(saved.first.history, models);
   for (const session::LogEntry& entry : saved.log) {
@@ -67,22 +67,22 @@ std::set<std::string> modelsIn(const session::SavedSession& saved,
 }  // namespace
 
 std::string sessionText(session::Session& session,
-                        const std::vector<HeldModel>& held,
+                        const std::vector<EmbeddedModel>& held,
                         const MotionOfSession& motion) {
-  session::ModelShelf& shelf = session.shelf();
+  session::ModelCache& cache = session.cache();
   ordered_json file;
   file["format"] = kSessionFormat;
-  file["models"] = {{"hand", shelf.first().hand_name},
-                    {"object", shelf.first().object_name},
-                    {"contacts", shelf.first().contacts_name}};
+  file["models"] = {{"hand", cache.first().hand_name},
+                    {"object", cache.first().object_name},
+                    {"contacts", cache.first().contacts_name}};
   if (!motion.name.empty()) {
-    HANDGRAFT_REQUIRE(motion.name == shelf.first().contacts_name);
+    HANDGRAFT_REQUIRE(motion.name == cache.first().contacts_name);
     file["models"]["motion"] = motion.content;
   }
   const session::SavedSession saved = session.saved();
-  for (const std::string& model : modelsIn(saved, shelf))
-    file["models"]["hashes"][model] = hashOf(shelf, model);
-  for (const HeldModel& model : held) {
+  for (const std::string& model : modelsIn(saved, cache))
+    file["models"]["hashes"][model] = hashOf(cache, model);
+  for (const EmbeddedModel& model : held) {
     file["models"]["held"].push_back({{"kind", model.kind},
                                       {"name", model.name},
                                       {"content", model.content},
@@ -103,7 +103,7 @@ std::string sessionText(session::Session& session,
 
 std::set<std::pair<std::string, std::string>> modelsNamedIn(session::Session& session) {
   std::set<std::pair<std::string, std::string>> models;
-  for (const std::string& model : modelsIn(session.saved(), session.shelf()))
+  for (const std::string& model : modelsIn(session.saved(), session.cache()))
     models.insert(kindAndName(model));
   return models;
 }
@@ -120,10 +120,10 @@ void requireSameModels(const SessionFile& file,
     rejectInput("session: it was opened with hand {}, object {} and contacts {}",
                 quoted(file.hand), quoted(file.object), quoted(file.contacts));
   }
-  session::ModelShelf shelf(std::move(models));
+  session::ModelCache cache(std::move(models));
   for (const auto& [model, hash] : file.hashes) {
     progress.checkpoint();
-    if (hashOf(shelf, model) != hash) {
+    if (hashOf(cache, model) != hash) {
       rejectInput("session: {} is another one than the session was saved with", quoted(model));
     }
   }

@@ -12,7 +12,7 @@
 namespace handgraft::io {
 
 /// A model that travels in the file, in a form that servers know: what it is made of.
-struct HeldModel {
+struct EmbeddedModel {
   std::string kind;  ///< hand, object, contacts, motion
   std::string name;
   std::string content;  ///< SHA-256 of what it was made from
@@ -37,7 +37,7 @@ struct SessionFile {
   /// SHA-256 of all models that it knew, by "hand NAME", "object NAME" and "contacts NAME".
   std::map<std::string, std::string> hashes;
   /// Some of them, each after what it rests on.
-  std::vector<HeldModel> held;
+  std::vector<EmbeddedModel> held;
   session::SavedSession session;
 };
 
@@ -45,7 +45,7 @@ struct SessionFile {
 /// that reading gives the same bits.
 /// Cost: milliseconds; models are hashed when they are first saved.
 std::string sessionText(session::Session& session,
-                        const std::vector<HeldModel>& held = {},
+                        const std::vector<EmbeddedModel>& held = {},
                         const MotionOfSession& motion = {});
 
 /// Kind and name of all models that opening and replaying it asks for.

@@ -86,7 +86,7 @@ session::LogEntry entryOf(const Field& field) {
   return std::shared_ptr<const session::CommittedSolve>(std::move(committed));
 }
 
-std::vector<HeldModel> heldIn(const Field& field) {
+std::vector<EmbeddedModel> heldIn(const Field& field) {
   if (field.size() > 2 * session::kMostModels + 1)
     field.reject("has {} models; permitted are {}", field.size(), 2 * session::kMostModels + 1);
   const auto bytesOf = [](const Field& text) {
@@ -97,11 +97,11 @@ std::vector<HeldModel> heldIn(const Field& field) {
       text.reject("{}", error.what());
     }
   };
-  std::vector<HeldModel> held;
+  std::vector<EmbeddedModel> held;
   for (std::size_t i = 0; i < field.size(); ++i) {
     const Field entry = field.at(i);
     entry.requireOnly({"kind", "name", "content", "form", "settings", "bytes", "base"});
-    HeldModel model;
+    EmbeddedModel model;
     entry["kind"].read(model.kind);
     if (model.kind != "hand" && model.kind != "object" && model.kind != "contacts" &&
         model.kind != "motion") {

@@ -8,17 +8,18 @@
 
 namespace handgraft::manipulation {
 
-std::optional<transfer::Placement> placementOf(const PatchKey& key,
-                                               const transfer::Surfaces& surfaces,
-                                               const hand::HandModel& model,
-                                               const std::vector<hand::ContactSite>& sites,
-                                               const hand::FingerCoordinates& coordinates) {
+std::optional<transfer::PatchPlacement> placementOf(
+    const PatchKey& key,
+    const transfer::Surfaces& surfaces,
+    const hand::HandModel& model,
+    const std::vector<hand::ContactSite>& sites,
+    const hand::FingerCoordinates& coordinates) {
   if (key.placement) return key.placement;
   const contact::Patch& patch = key.patch;
   const auto place = patch.place ? patch.place : hand::placeNamed(patch.name);
   if (place)
     if (const auto spot = coordinates.spotAt(*place))
-      return transfer::Placement{spot->root_S, spot->direction_S};
+      return transfer::PatchPlacement{spot->root_S, spot->direction_S};
   const auto site = std::find_if(sites.begin(), sites.end(), [&](const hand::ContactSite& one) {
     return one.name == patch.name;
   });
@@ -26,16 +27,16 @@ std::optional<transfer::Placement> placementOf(const PatchKey& key,
   return transfer::placementAt(model, *surfaces.skin, *site);
 }
 
-LaidMotion layPatches(const Motion& motion,
-                      const transfer::Surfaces& surfaces,
-                      const hand::HandModel& model,
-                      const std::vector<hand::ContactSite>& sites,
-                      const hand::FingerCoordinates& coordinates,
-                      const transfer::TransferOptions& options,
-                      const Progress& progress,
-                      const MovePlacement& move,
-                      MotionCharts* charts) {
-  LaidMotion laid;
+TransferredMotion transferPatches(const Motion& motion,
+                                  const transfer::Surfaces& surfaces,
+                                  const hand::HandModel& model,
+                                  const std::vector<hand::ContactSite>& sites,
+                                  const hand::FingerCoordinates& coordinates,
+                                  const transfer::TransferOptions& options,
+                                  const Progress& progress,
+                                  const MovePlacement& move,
+                                  MotionCharts* charts) {
+  TransferredMotion laid;
   int lost = 0;
   if (charts != nullptr) charts->stages.resize(motion.tracks.size());
   for (std::size_t t = 0; t < motion.tracks.size(); ++t) {
@@ -62,7 +63,7 @@ LaidMotion layPatches(const Motion& motion,
       } else {
         const transfer::PatchTransfer transferred =
             stages.lay(surfaces, key.patch, move ? move(*placement) : *placement, options,
-                       charts != nullptr && charts->lays_drafts);
+                       charts != nullptr && charts->uses_drafts);
         lost += static_cast<int>(transferred.lost.size());
         for (const transfer::Correspondence& one : transferred.correspondences) {
           optimize::PointPair pair;

@@ -19,7 +19,7 @@ double pointWeight(const contact::Patch& patch, std::size_t count) {
 }
 
 /// Where on the links a place of a hand is; nothing if it has none.
-std::optional<hand::LinkPoint> linkPointAt(const std::optional<hand::HandPlace>& place,
+std::optional<hand::LinkPoint> linkPointAt(const std::optional<hand::HandLocation>& place,
                                            const hand::Skin& skin,
                                            const hand::FingerCoordinates& coordinates) {
   if (!place) return std::nullopt;
@@ -70,13 +70,13 @@ std::vector<PairTrack> layPoints(const Motion& motion,
   return tracks;
 }
 
-LaidMotion layPointsByPlace(const Motion& motion,
-                            const geometry::TriangleMesh& object_O,
-                            const hand::HandModel& model,
-                            const hand::Skin& skin,
-                            const hand::FingerCoordinates& coordinates,
-                            const Progress& progress) {
-  LaidMotion laid;
+TransferredMotion layPointsByPlace(const Motion& motion,
+                                   const geometry::TriangleMesh& object_O,
+                                   const hand::HandModel& model,
+                                   const hand::Skin& skin,
+                                   const hand::FingerCoordinates& coordinates,
+                                   const Progress& progress) {
+  TransferredMotion laid;
   std::set<std::string> lacking;
   for (std::size_t t = 0; t < motion.tracks.size(); ++t) {
     progress.checkpoint();

@@ -21,11 +21,11 @@ std::vector<PairTrack> layPoints(const Motion& motion,
 /// the skin's normal there. Keys without a place, or with one that this hand lacks, are left
 /// out and noted. Errors: InvalidInput if no point is left; Cancelled on wish.
 /// Cost: a look at one digit's skin a key.
-LaidMotion layPointsByPlace(const Motion& motion,
-                            const geometry::TriangleMesh& object_O,
-                            const hand::HandModel& model,
-                            const hand::Skin& skin,
-                            const hand::FingerCoordinates& coordinates,
-                            const Progress& progress);
+TransferredMotion layPointsByPlace(const Motion& motion,
+                                   const geometry::TriangleMesh& object_O,
+                                   const hand::HandModel& model,
+                                   const hand::Skin& skin,
+                                   const hand::FingerCoordinates& coordinates,
+                                   const Progress& progress);
 
 }  // namespace handgraft::manipulation

@@ -9,7 +9,7 @@
 #include "core/base/pose.h"
 #include "core/contact/patch.h"
 #include "core/geometry/triangle_mesh.h"
-#include "core/transfer/placement.h"
+#include "core/transfer/patch_placement.h"
 
 namespace handgraft::manipulation {
 
@@ -29,7 +29,7 @@ struct PatchKey {
   std::vector<HandPoint> hand_points;
   /// On the skin of the hand that follows, where that has been found: then the patch is laid
   /// there. No file has it.
-  std::optional<transfer::Placement> placement;
+  std::optional<transfer::PatchPlacement> placement;
 };
 
 /// A patch from where it appears to where it vanishes. One that comes back is another track,

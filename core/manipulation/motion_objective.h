@@ -40,7 +40,7 @@ class MotionObjective {
   using Poses = std::vector<hand::HandPose>;
 
   /// How penetration is looked for from now on.
-  void care(const optimize::AvoidanceCare& care) { care_ = care; }
+  void care(const optimize::AvoidanceLevel& care) { care_ = care; }
 
   /// Shares of smoothness, and of the charge for what lies beyond limits of velocity and
   /// acceleration, from now on: all of it at once is stuck at once.
@@ -90,7 +90,7 @@ class MotionObjective {
   const MotionProblem& problem_;
   std::vector<double> time_s_;  ///< of the frames that count
   optimize::WorkerPool& pool_;
-  optimize::AvoidanceCare care_;
+  optimize::AvoidanceLevel care_;
   double limit_share_ = 1.0;
   /// Frames without their pairs: one for all that have nothing of their own.
   std::vector<std::shared_ptr<const optimize::PoseProblem>> bare_;

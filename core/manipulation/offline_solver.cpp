@@ -32,7 +32,7 @@ constexpr double kShortestShare = 0.01;  // of a step
 /// One part of the way: how closely penetration is looked for, how much of smoothness and of
 /// what lies beyond velocities and accelerations is charged, and for how long.
 struct Stage {
-  optimize::AvoidanceCare care;
+  optimize::AvoidanceLevel care;
   double smoothness;
   double limits;
   int steps;
@@ -296,8 +296,8 @@ class BandSearch {
   VectorXd stiffest_;  ///< of each degree of freedom, over all frames
   std::vector<double> frames_;
   double value_ = 0.0;
-  std::optional<optimize::AvoidanceCare> care_;  ///< of `frames_`
-  bool is_modelled_ = false;                     ///< the objective's models are of `poses_`
+  std::optional<optimize::AvoidanceLevel> care_;  ///< of `frames_`
+  bool is_modelled_ = false;                      ///< the objective's models are of `poses_`
 };
 
 // A second difference joins a frame with the two before it.

@@ -29,7 +29,7 @@ struct Avoidance {
 };
 
 /// How closely a search looks.
-struct AvoidanceCare {
+struct AvoidanceLevel {
   bool fine = true;    ///< by all samples; else by a tenth of the hand's
   double share = 1.0;  ///< of the weight
 };

@@ -44,7 +44,7 @@ double AvoidanceTerm::evaluate(const Vector3d& p_WH, const std::vector<BodyPlace
   chargeObject(p_WH);
   chargeItself();
   double sum = 0.0;
-  for (const Touch& touch : touches_)
+  for (const PenetratingSample& touch : touches_)
     sum += touch.weight * touch.depth * touch.depth;
   return sum;
 }

@@ -11,7 +11,7 @@
 namespace handgraft::optimize {
 
 /// A sample that lies where it should not. Directions in W, places from the root's origin.
-struct Touch {
+struct PenetratingSample {
   int body = 0;
   int other = -1;  ///< the body it lies in; -1: the object
   Eigen::Vector3d arm_W = Eigen::Vector3d::Zero();
@@ -27,14 +27,14 @@ class AvoidanceTerm {
   AvoidanceTerm(const Avoidance& avoidance, const MomentTree& tree);
 
   /// From the next evaluation on.
-  void care(const AvoidanceCare& care) { care_ = care; }
+  void care(const AvoidanceLevel& care) { care_ = care; }
 
   /// The sum, without lambda: m^2. Notes what touches.
   /// Cost: some 3 us where nothing is near, 20-40 us in a grasp; half by few samples.
   double evaluate(const Eigen::Vector3d& p_WH, const std::vector<BodyPlace>& bodies);
 
   /// Of the pose evaluated last.
-  [[nodiscard]] const std::vector<Touch>& touches() const { return touches_; }
+  [[nodiscard]] const std::vector<PenetratingSample>& touches() const { return touches_; }
 
   /// What the objective has of it: lambda times the sum.
   [[nodiscard]] double weight() const { return care_.share * avoidance_.weight; }
@@ -59,12 +59,12 @@ class AvoidanceTerm {
   };
 
   Avoidance avoidance_;
-  AvoidanceCare care_;
+  AvoidanceLevel care_;
   Pose X_OW_;
   std::vector<int> bodies_;  ///< per solid link
   std::vector<Pose> X_BL_;
   std::vector<Place> places_;
-  std::vector<Touch> touches_;
+  std::vector<PenetratingSample> touches_;
 };
 
 }  // namespace handgraft::optimize

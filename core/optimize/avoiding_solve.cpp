@@ -29,28 +29,29 @@ bool isHeld(const PoseProblem& problem, int joint) {
 struct Stage {
   std::size_t searches;
   int evaluations;
-  AvoidanceCare care;
+  AvoidanceLevel care;
 };
 
 /// A search and the start that it came from.
-struct Way {
+struct CandidatePose {
   LocalResult result;
   int start = 0;
 };
 
 /// Of those that stand close together the best alone goes on: they end in the same place.
-void leaveOutAlike(const hand::HandModel& model, std::vector<Way>& ways) {
-  std::vector<Way> kept;
-  for (Way& way : ways) {
-    const bool is_known = std::any_of(kept.begin(), kept.end(), [&](const Way& other) {
-      return liesClose(model, way.result.pose, other.result.pose);
-    });
-    if (!is_known) kept.push_back(std::move(way));
+void leaveOutAlike(const hand::HandModel& model, std::vector<CandidatePose>& candidates) {
+  std::vector<CandidatePose> kept;
+  for (CandidatePose& candidate : candidates) {
+    const bool is_known =
+        std::any_of(kept.begin(), kept.end(), [&](const CandidatePose& other) {
+          return liesClose(model, candidate.result.pose, other.result.pose);
+        });
+    if (!is_known) kept.push_back(std::move(candidate));
   }
-  ways = std::move(kept);
+  candidates = std::move(kept);
 }
 
-bool isBetter(const Way& a, const Way& b) {
+bool isBetter(const CandidatePose& a, const CandidatePose& b) {
   return a.result.terms.objective < b.result.terms.objective;
 }
 
@@ -112,7 +113,7 @@ class CrossedFingers {
     term_.evaluate(pose.X_WH.translation(), bodies_);
     hand::HandPose straight = pose;
     bool is_crossed = false;
-    for (const Touch& touch : term_.touches()) {
+    for (const PenetratingSample& touch : term_.touches()) {
       if (touch.other < 0 || touch.depth < kCrossed_m) continue;
       is_crossed = true;
       for (int a = touch.body, b = touch.other; a != b;)
@@ -179,10 +180,10 @@ SolveReport solveAvoiding(const PoseProblem& problem,
   report.minima.clear();
   // By solver, as they rank what they found.
   for (const Solver solver : singleSolvers()) {
-    std::vector<Way> ways;
+    std::vector<CandidatePose> candidates;
     const auto setOut = [&](const hand::HandPose& pose, int start) {
-      ways.push_back({{}, start});
-      ways.back().result.pose = pose;
+      candidates.push_back({{}, start});
+      candidates.back().result.pose = pose;
     };
     for (const Minimum& minimum : found)
       if (minimum.solver == nameOf(solver)) setOut(minimum.pose, minimum.start);
@@ -191,50 +192,50 @@ SolveReport solveAvoiding(const PoseProblem& problem,
       // As the hand would stand without touching: on the right side of things, mostly.
       if (!is_step) setOut(startPose(problem, *prepared.tree, kPriorsStart, options.seed), 2);
     }
-    if (ways.empty()) continue;
+    if (candidates.empty()) continue;
 
     for (const Stage& stage : options.starts <= kFewStarts ? kShortStages : kStages) {
       search.care(stage.care);
-      for (Way& way : ways) {
-        const int before = way.result.evaluations;
-        way.result = search.begin(std::move(way.result.pose));
-        way.result.evaluations += before;
+      for (CandidatePose& candidate : candidates) {
+        const int before = candidate.result.evaluations;
+        candidate.result = search.begin(std::move(candidate.result.pose));
+        candidate.result.evaluations += before;
       }
       // Which poses are worth the effort shows when they are looked at so closely.
-      std::stable_sort(ways.begin(), ways.end(), isBetter);
-      leaveOutAlike(*problem.model, ways);
-      for (std::size_t i = stage.searches; i < ways.size(); ++i)
-        report.evaluations += ways[i].result.evaluations;
-      ways.resize(std::min(ways.size(), stage.searches));
-      for (Way& way : ways)
+      std::stable_sort(candidates.begin(), candidates.end(), isBetter);
+      leaveOutAlike(*problem.model, candidates);
+      for (std::size_t i = stage.searches; i < candidates.size(); ++i)
+        report.evaluations += candidates[i].result.evaluations;
+      candidates.resize(std::min(candidates.size(), stage.searches));
+      for (CandidatePose& candidate : candidates)
         search.advance(solver, std::min(stage.evaluations, options.max_evaluations),
-                       way.result);
+                       candidate.result);
     }
-    std::stable_sort(ways.begin(), ways.end(), isBetter);
-    if (auto straight = crossed.uncrossed(ways.front().result.pose)) {
-      Way way{{}, ways.front().start};
-      way.result.pose = std::move(*straight);
+    std::stable_sort(candidates.begin(), candidates.end(), isBetter);
+    if (auto straight = crossed.uncrossed(candidates.front().result.pose)) {
+      CandidatePose candidate{{}, candidates.front().start};
+      candidate.result.pose = std::move(*straight);
       for (const Stage& stage : kShortStages) {
         search.care(stage.care);
-        const int before = way.result.evaluations;
-        way.result = search.begin(std::move(way.result.pose));
-        way.result.evaluations += before;
+        const int before = candidate.result.evaluations;
+        candidate.result = search.begin(std::move(candidate.result.pose));
+        candidate.result.evaluations += before;
         search.advance(solver, std::min(stage.evaluations, options.max_evaluations),
-                       way.result);
+                       candidate.result);
       }
-      ways.push_back(std::move(way));
-      std::stable_sort(ways.begin(), ways.end(), isBetter);
+      candidates.push_back(std::move(candidate));
+      std::stable_sort(candidates.begin(), candidates.end(), isBetter);
     }
     if (is_step || options.starts > kFewStarts) {
-      LocalResult& best = ways.front().result;
+      LocalResult& best = candidates.front().result;
       goToTheEnd(search, solver,
                  std::min(kToTheEnd, options.max_evaluations - best.evaluations), best);
     }
     // The others are left a little before their ends, and count all the same.
-    for (const Way& way : ways) {
-      const LocalResult& result = way.result;
-      report.minima.push_back(
-          {result.pose, result.terms, result.outcome, std::string(nameOf(solver)), way.start});
+    for (const CandidatePose& candidate : candidates) {
+      const LocalResult& result = candidate.result;
+      report.minima.push_back({result.pose, result.terms, result.outcome,
+                               std::string(nameOf(solver)), candidate.start});
       report.evaluations += result.evaluations;
     }
   }

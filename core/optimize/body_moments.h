@@ -7,7 +7,7 @@
 
 namespace handgraft::optimize {
 
-/// All point pairs of one rigid body (a link and what is fixed to it), collapsed (DESIGN 3.3):
+/// All point pairs of one rigid body (a link and what is fixed to it), collapsed:
 /// its points move together, so that the sums of Eq. 3 and 4 over them are polynomials in the
 /// body's pose whose coefficients never change.
 ///

@@ -9,7 +9,7 @@
 
 namespace handgraft::optimize {
 
-/// What a solution says of one patch (DESIGN 3.4).
+/// What a solution says of one patch.
 enum class Verdict {
   kNone,         ///< switched off
   kReached,      ///< near enough, facing the right way

@@ -44,7 +44,7 @@ struct QuadraticModel {
 /// Eq. 2-5 of the paper with their exact derivatives. Keeps scratch memory: one per thread.
 ///
 /// The prior of the root's rotation is the geodesic angle |log(R_P^T R)|^2. Differs from the
-/// paper's coordinate difference, which wraps (DESIGN 3.3).
+/// paper's coordinate difference, which wraps.
 /// Cost: O(links) an evaluation, whatever the number of pairs; allocates in the constructor
 /// alone.
 class Objective {
@@ -78,7 +78,7 @@ class Objective {
   }
 
   /// How penetration is looked for from now on, where the problem charges it; as above.
-  void care(const AvoidanceCare& care) {
+  void care(const AvoidanceLevel& care) {
     if (avoidance_ != nullptr) avoidance_->care(care);
     last_.reset();
   }
@@ -108,7 +108,7 @@ class Objective {
   // === Of Avoidance (objective_avoidance.cpp)
   void pushOut();
   void addAvoidanceCurvature(QuadraticModel& model);
-  void addSelfCurvature(const Touch& touch, QuadraticModel& model);
+  void addSelfCurvature(const PenetratingSample& touch, QuadraticModel& model);
 
   const PoseProblem& problem_;
   std::shared_ptr<const MomentTree> tree_;

@@ -15,7 +15,7 @@ using hand::JointType;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 /// How a place's way along a slope follows a turn about the root's origin, and a shift.
-Vector6d wrenchOf(const Touch& touch) {
+Vector6d wrenchOf(const PenetratingSample& touch) {
   Vector6d wrench;
   wrench << touch.arm_W.cross(touch.slope_W), touch.slope_W;
   return wrench;
@@ -36,7 +36,7 @@ Vector6d twistOf(const TreeJoint& joint, const BodyPlace& body) {
 
 void Objective::pushOut() {
   const double two_l = 2.0 * avoidance_->weight();
-  for (const Touch& touch : avoidance_->touches()) {
+  for (const PenetratingSample& touch : avoidance_->touches()) {
     const Vector3d force = -two_l * touch.weight * touch.depth * touch.slope_W;
     Composite& own = composites_[static_cast<std::size_t>(touch.body)];
     own.force += force;
@@ -53,7 +53,7 @@ void Objective::addAvoidanceCurvature(QuadraticModel& model) {
   const double two_l = 2.0 * avoidance_->weight();
   for (auto& stiffness : stiffness_)
     stiffness.setZero();
-  for (const Touch& touch : avoidance_->touches()) {
+  for (const PenetratingSample& touch : avoidance_->touches()) {
     if (touch.other >= 0) {
       addSelfCurvature(touch, model);
       continue;
@@ -83,7 +83,7 @@ void Objective::addAvoidanceCurvature(QuadraticModel& model) {
   }
 }
 
-void Objective::addSelfCurvature(const Touch& touch, QuadraticModel& model) {
+void Objective::addSelfCurvature(const PenetratingSample& touch, QuadraticModel& model) {
   // (a + b)^2 <= 2 a^2 + 2 b^2: each branch for itself, which keeps fingers apart in the
   // matrix.
   const double scale = 4.0 * avoidance_->weight() * touch.weight;

@@ -49,7 +49,7 @@ struct SolveOptions {
   bool from_prior = false;
   /// How closely all starts look for penetration, where the problem charges it. `solve` goes on
   /// from what they find with more and more care, up to all of it; PoseSolver alone does not.
-  AvoidanceCare care;
+  AvoidanceLevel care;
   /// What a search of this problem, or of one much like it, found without the charge for
   /// penetration: it is not searched again.
   std::vector<Minimum> found;

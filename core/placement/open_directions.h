@@ -7,7 +7,7 @@
 #include "core/geometry/surface_point.h"
 #include "core/hand/hand_model.h"
 #include "core/hand/skin.h"
-#include "core/placement/hand_placement.h"
+#include "core/placement/hand_pose_guess.h"
 
 namespace handgraft::placement {
 

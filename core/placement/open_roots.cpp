@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "core/base/made_once.h"
+#include "core/base/weak_cache.h"
 
 namespace handgraft::placement {
 namespace {
@@ -84,7 +84,7 @@ SkinFaces::SkinFaces(const hand::Skin& skin) : skin_(skin) {
 }
 
 std::shared_ptr<const SkinFaces> facesOf(const std::shared_ptr<const hand::Skin>& skin) {
-  static MadeOnce<hand::Skin, SkinFaces> memory;
+  static WeakCache<hand::Skin, SkinFaces> memory;
   return memory.get(skin, Progress(), [&] {
     return std::make_shared<const SkinFaces>(*skin);
   });

@@ -41,7 +41,7 @@ class SkinFaces {
   std::vector<OfLink> links_;
 };
 
-/// Made once for each skin, shared by all who hold it, and forgotten with it (made_once.h).
+/// Made once for each skin, shared by all who hold it, and forgotten with it (weak_cache.h).
 std::shared_ptr<const SkinFaces> facesOf(const std::shared_ptr<const hand::Skin>& skin);
 
 /// The place of the skin that a posed hand shows to a place of an object: the middle of the

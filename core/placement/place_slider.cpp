@@ -17,14 +17,14 @@ constexpr double kMostTurn = std::numbers::pi / 4.0;
 
 }  // namespace
 
-std::optional<transfer::Placement> slidPlace(const SkinFaces& faces,
-                                             const hand::FingerCoordinates& coordinates,
-                                             const hand::LinkPoses& X_SW,
-                                             const std::vector<char>& permitted,
-                                             const ContactAt& contact,
-                                             const transfer::Placement& placement) {
+std::optional<transfer::PatchPlacement> slidPlace(const SkinFaces& faces,
+                                                  const hand::FingerCoordinates& coordinates,
+                                                  const hand::LinkPoses& X_SW,
+                                                  const std::vector<char>& permitted,
+                                                  const ContactAt& contact,
+                                                  const transfer::PatchPlacement& placement) {
   const geometry::TriangleMesh& skin_S = faces.skin().mesh();
-  transfer::Placement slid = placement;
+  transfer::PatchPlacement slid = placement;
   bool any = false;
   const auto root_S = rootShownBy(faces, X_SW, permitted, contact.p_W, contact.n_W);
   if (root_S && (positionOf(skin_S, *root_S) - positionOf(skin_S, placement.root_S)).norm() >=

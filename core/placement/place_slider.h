@@ -8,7 +8,7 @@
 #include "core/hand/finger_coordinates.h"
 #include "core/hand/kinematics.h"
 #include "core/placement/open_roots.h"
-#include "core/transfer/placement.h"
+#include "core/transfer/patch_placement.h"
 
 namespace handgraft::placement {
 
@@ -28,11 +28,11 @@ struct ContactAt {
 ///
 /// `X_SW`: Skin::fromWorld of the pose. `permitted`: links that it may slide on, a flag a link.
 /// Cost: some 20 us.
-std::optional<transfer::Placement> slidPlace(const SkinFaces& faces,
-                                             const hand::FingerCoordinates& coordinates,
-                                             const hand::LinkPoses& X_SW,
-                                             const std::vector<char>& permitted,
-                                             const ContactAt& contact,
-                                             const transfer::Placement& placement);
+std::optional<transfer::PatchPlacement> slidPlace(const SkinFaces& faces,
+                                                  const hand::FingerCoordinates& coordinates,
+                                                  const hand::LinkPoses& X_SW,
+                                                  const std::vector<char>& permitted,
+                                                  const ContactAt& contact,
+                                                  const transfer::PatchPlacement& placement);
 
 }  // namespace handgraft::placement

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/hand/anatomy.h"
-#include "core/hand/hand_place.h"
+#include "core/hand/hand_location.h"
 #include "core/hand/kinematics.h"
 #include "core/hand/posture.h"
 #include "core/hand/turned_parts.h"

@@ -98,7 +98,7 @@ int skippedSites(const Assignment& assignment) {
 
 }  // namespace
 
-std::vector<int> assignSites(const HandPlacer& placer,
+std::vector<int> assignSites(const HandPoseGuesser& placer,
                              const std::shared_ptr<const hand::HandModel>& model,
                              const std::vector<Anchor>& fixed,
                              const std::vector<Anchor>& patches_O,

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/placement/hand_placement.h"
+#include "core/placement/hand_pose_guess.h"
 
 namespace handgraft::placement {
 
@@ -16,7 +16,7 @@ namespace handgraft::placement {
 ///
 /// Shapes: patches_O holds the object sides, sites_L the hand sides; permitted(p, s) row by
 /// row. Cost: about 20 us an assignment plus 50 ms.
-std::vector<int> assignSites(const HandPlacer& placer,
+std::vector<int> assignSites(const HandPoseGuesser& placer,
                              const std::shared_ptr<const hand::HandModel>& model,
                              const std::vector<Anchor>& fixed,
                              const std::vector<Anchor>& patches_O,

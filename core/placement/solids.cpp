@@ -1,7 +1,7 @@
 #include "core/placement/solids.h"
 
 #include "core/base/error.h"
-#include "core/base/made_once.h"
+#include "core/base/weak_cache.h"
 
 namespace handgraft::placement {
 
@@ -11,7 +11,7 @@ std::shared_ptr<const hand::HandSolid> solidOf(
     const Progress& progress) {
   HANDGRAFT_REQUIRE(model != nullptr && skin != nullptr);
   // By the model, since its rest pose counts, too; it comes with one skin.
-  static MadeOnce<hand::HandModel, hand::HandSolid> memory;
+  static WeakCache<hand::HandModel, hand::HandSolid> memory;
   return memory.get(model, progress, [&] {
     return std::make_shared<const hand::HandSolid>(*model, *skin, progress);
   });
@@ -20,7 +20,7 @@ std::shared_ptr<const hand::HandSolid> solidOf(
 std::shared_ptr<const geometry::Solid> solidOf(
     const std::shared_ptr<const geometry::TriangleMesh>& object_O, const Progress& progress) {
   HANDGRAFT_REQUIRE(object_O != nullptr);
-  static MadeOnce<geometry::TriangleMesh, geometry::Solid> memory;
+  static WeakCache<geometry::TriangleMesh, geometry::Solid> memory;
   return memory.get(object_O, progress, [&] {
     return std::make_shared<const geometry::Solid>(*object_O, progress);
   });
@@ -29,7 +29,7 @@ std::shared_ptr<const geometry::Solid> solidOf(
 std::shared_ptr<const geometry::SurfaceLocator> locatorOf(
     const std::shared_ptr<const geometry::TriangleMesh>& object_O) {
   HANDGRAFT_REQUIRE(object_O != nullptr);
-  static MadeOnce<geometry::TriangleMesh, geometry::SurfaceLocator> memory;
+  static WeakCache<geometry::TriangleMesh, geometry::SurfaceLocator> memory;
   return memory.get(object_O, Progress(), [&] {
     return std::make_shared<const geometry::SurfaceLocator>(*object_O);
   });

@@ -11,7 +11,7 @@
 namespace handgraft::placement {
 
 // Hands and objects as solids. They are made once for each skin and each mesh, when first asked
-// for, shared by all who hold these, and forgotten with them (made_once.h).
+// for, shared by all who hold these, and forgotten with them (weak_cache.h).
 
 /// `skin` of this `model`. Errors: Cancelled on wish. Cost: some 0.3 s the first time.
 std::shared_ptr<const hand::HandSolid> solidOf(

@@ -110,7 +110,7 @@ Ball tangentBall(const geometry::SurfaceLocator& surface,
   return {from + radius * n, radius + lift};
 }
 
-ContactBody bodyBehind(const hand::Skin& skin, const transfer::Placement& placement) {
+ContactBody bodyBehind(const hand::Skin& skin, const transfer::PatchPlacement& placement) {
   const geometry::TriangleMesh& mesh_S = skin.mesh();
   const Vector3d root_S = positionOf(mesh_S, placement.root_S);
   const Vector3d n_S = normalOf(mesh_S, placement.root_S);

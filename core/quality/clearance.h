@@ -7,7 +7,7 @@
 
 #include "core/geometry/surface_locator.h"
 #include "core/hand/skin.h"
-#include "core/transfer/placement.h"
+#include "core/transfer/patch_placement.h"
 
 namespace handgraft::quality {
 
@@ -37,7 +37,7 @@ using ContactBody = std::vector<Ball>;
 /// The body behind a placement: balls of the root's link within `kBodyReach` of the root's own
 /// one. Empty where no link lies below the skin.
 /// Cost: some 5 ms: nearest points are hard to tell where many are as near.
-ContactBody bodyBehind(const hand::Skin& skin, const transfer::Placement& placement);
+ContactBody bodyBehind(const hand::Skin& skin, const transfer::PatchPlacement& placement);
 
 inline constexpr double kBodyReach = 0.010;  // m; a pad, and what is rigid with it
 

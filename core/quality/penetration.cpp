@@ -56,11 +56,11 @@ double depthIn(const LinkSolid& solid,
                Inside& inside,
                const Progress& progress) {
   double depth = deepestOf(solid, object_O.grid(), X_OL, inside, progress);
-  const WallInLink wall = wallIn(solid, object_O.walls(), X_OL);
+  const WallPenetration wall = wallPenetration(solid, object_O.walls(), X_OL);
   if (wall.depth_m > kTouch) depth = std::max(depth, wall.depth_m);
   progress.checkpoint();
   if (wall.goes_through) {
-    const double way = wayOut(solid, object_O, X_OL, wall, sides);
+    const double way = wallSeparation(solid, object_O, X_OL, wall, sides);
     if (std::isfinite(way)) depth = std::max(depth, way);
   }
   return depth;

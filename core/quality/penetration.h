@@ -7,7 +7,7 @@
 #include "core/geometry/solid.h"
 #include "core/hand/hand_solid.h"
 #include "core/hand/kinematics.h"
-#include "core/quality/way_out.h"
+#include "core/quality/wall_penetration.h"
 
 namespace handgraft::quality {
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/base/side_by_side.h"
+#include "core/base/parallel_for.h"
 #include "core/geometry/tangent.h"
 #include "core/manipulation/causal_solver.h"
 #include "core/manipulation/offline_solver.h"
@@ -24,12 +24,12 @@ namespace handgraft::retargeting {
 
 namespace {
 
-using manipulation::LaidMotion;
 using manipulation::Motion;
 using manipulation::MotionProblem;
 using manipulation::PairSpan;
 using manipulation::PatchKey;
 using manipulation::PatchTrack;
+using manipulation::TransferredMotion;
 
 constexpr int kSlides = 10;
 constexpr std::size_t kFramesKept = 20000;  // of bases beside the last one, and of stretches
@@ -67,7 +67,7 @@ void measureDepths(const hand::Hand& hand,
     solved.depth_m[k] =
         placement::deepestOf(hand.model, hand.skin, object_O, poses[k], progress);
   };
-  sideBySide(range.end - range.first, measure, std::max(1, threads));
+  parallelFor(range.end - range.first, measure, std::max(1, threads));
 }
 
 /// Eq. 2 of all frames. A point that is lost no longer counts: as if it were kLost_m off.
@@ -241,14 +241,14 @@ std::shared_ptr<const EditedMotion::Laid> EditedMotion::laid(const Work& work, b
         known.push_back({grasp.frame, grasp.pose_O});
     }
   }
-  LaidMotion as_laid = layer.lay(edited, work.progress);
+  TransferredMotion as_laid = layer.lay(edited, work.progress);
   return std::make_shared<const Laid>(Laid{std::move(key), work.document.hand,
                                            std::move(edited), std::move(as_laid),
                                            std::move(known)});
 }
 
-std::vector<manipulation::PairTrack> EditedMotion::weighed(const session::Document& document,
-                                                           const LaidMotion& laid) const {
+std::vector<manipulation::PairTrack> EditedMotion::weighed(
+    const session::Document& document, const TransferredMotion& laid) const {
   // The document's switches and weights, which it has by the patches' names.
   const std::vector<std::string> names = patchNames(*motion_);
   std::map<std::string, double> factors;
@@ -339,13 +339,13 @@ void EditedMotion::slide(const Work& work,
   bool any = false;
   for (int i = 0; i < kSlides && places.slide(trajectory.poses, slid.motion); ++i) {
     any = true;
-    charts.lays_drafts = true;
+    charts.uses_drafts = true;
     slid.laid = layer.lay(slid.motion, work.progress, {}, &charts);
     problem.tracks = weighed(work.document, slid.laid);
     stepOn(problem, options, work.progress, trajectory);
   }
   if (!any) return;
-  charts.lays_drafts = false;
+  charts.uses_drafts = false;
   slid.laid = layer.lay(slid.motion, work.progress, {}, &charts);
   problem.tracks = weighed(work.document, slid.laid);
   solveAgain(problem, options, 0, count, work.progress, trajectory);

@@ -63,7 +63,7 @@ class EditedMotion {
     std::string key;
     std::string hand;
     manipulation::Motion motion;
-    manipulation::LaidMotion laid;
+    manipulation::TransferredMotion laid;
     std::vector<manipulation::FramePose> known;  ///< to set out from
   };
 
@@ -88,8 +88,8 @@ class EditedMotion {
   std::shared_ptr<const Laid> laid(const Work& work, bool anew);
   const Base& base(const Work& work);
   /// Pairs of patches that are laid, as the document weighs them.
-  std::vector<manipulation::PairTrack> weighed(const session::Document& document,
-                                               const manipulation::LaidMotion& laid) const;
+  std::vector<manipulation::PairTrack> weighed(
+      const session::Document& document, const manipulation::TransferredMotion& laid) const;
   /// Slides patches on the hand to where the answer shows them and solves again, as long as
   /// that makes it better.
   void slide(const Work& work, std::shared_ptr<const Laid>& laid, SolvedMotion& solved) const;

@@ -31,17 +31,18 @@ LiveFollower::LiveFollower(const session::Document& document,
       options_(motionSolving(true).options),
       tracker_(*object_O_),
       solver_(problem_, options_),
-      parts_(manipulation::TouchTracker::partNames().size()) {
+      parts_(manipulation::ContactTracker::partNames().size()) {
   if (!document.solving.avoids()) return;
   problem_.avoidance =
       placement::avoidanceOf(hand_.model, hand_.skin, object_O_, Pose::Identity(), progress);
 }
 
-std::optional<hand::LinkPoint> LiveFollower::spotOf(const manipulation::Touch& touch) {
+std::optional<hand::LinkPoint> LiveFollower::spotOf(
+    const manipulation::DetectedContact& touch) {
   const int angle = static_cast<int>(std::lround(touch.place.around_rad / kAngleStep_rad));
   const auto known = spots_.find({touch.part, angle});
   if (known != spots_.end()) return known->second;
-  hand::HandPlace place = touch.place;
+  hand::HandLocation place = touch.place;
   place.around_rad = angle * kAngleStep_rad;
   std::optional<hand::LinkPoint> spot;
   if (const auto found = coordinates_.spotAt(place)) spot = hand_.skin->project(found->root_S);
@@ -49,7 +50,8 @@ std::optional<hand::LinkPoint> LiveFollower::spotOf(const manipulation::Touch& t
   return spot;
 }
 
-std::vector<optimize::PointPair> LiveFollower::pairsOf(const manipulation::Touch& touch) {
+std::vector<optimize::PointPair> LiveFollower::pairsOf(
+    const manipulation::DetectedContact& touch) {
   const std::optional<hand::LinkPoint> spot = spotOf(touch);
   if (!spot) return {};
   optimize::PointPair pair;
@@ -88,7 +90,7 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
     rejectInput("a frame at {} s does not lie behind the one before it, {} s", frame.time_s,
                 *last_s_);
   }
-  const std::vector<manipulation::Touch> touches = tracker_.see(frame);
+  const std::vector<manipulation::DetectedContact> touches = tracker_.see(frame);
   const bool paused = last_s_ && (step_s > kLivePause_s || step_s <= 0.0);
   last_s_ = frame.time_s;
 
@@ -97,7 +99,7 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
                           ? std::max(0.0, step_s) / options_.fade.seconds
                           : 1.0;
   std::vector<char> is_there(parts_.size(), 0);
-  for (const manipulation::Touch& touch : touches) {
+  for (const manipulation::DetectedContact& touch : touches) {
     const auto at = static_cast<std::size_t>(touch.part);
     is_there[at] = 1;
     parts_[at].pairs = pairsOf(touch);

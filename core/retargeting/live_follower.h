@@ -8,7 +8,7 @@
 
 #include "core/hand/finger_coordinates.h"
 #include "core/manipulation/causal_solver.h"
-#include "core/manipulation/touch_tracker.h"
+#include "core/manipulation/contact_tracker.h"
 #include "core/retargeting/motion_solving.h"
 #include "core/session/document.h"
 #include "core/session/models.h"
@@ -16,8 +16,8 @@
 namespace handgraft::retargeting {
 
 /// A hand that follows a demonstrator's, frame by frame as they come: where parts of the
-/// demonstrator's hand touch the object, the same parts of this hand do (TouchTracker), by the
-/// causal solver, within limits and out of the object. Touches come and go within 60 ms.
+/// demonstrator's hand touch the object, the same parts of this hand do (ContactTracker), by
+/// the causal solver, within limits and out of the object. Touches come and go within 60 ms.
 ///
 /// It begins with the first frame that touches with three parts: the best pose of that frame
 /// alone, from many starts. After a pause of 0.25 s, or where time has run backwards by as
@@ -52,8 +52,8 @@ class LiveFollower {
     std::vector<optimize::PointPair> pairs;  // none: this part has no place on the hand
   };
 
-  std::vector<optimize::PointPair> pairsOf(const manipulation::Touch& touch);
-  std::optional<hand::LinkPoint> spotOf(const manipulation::Touch& touch);
+  std::vector<optimize::PointPair> pairsOf(const manipulation::DetectedContact& touch);
+  std::optional<hand::LinkPoint> spotOf(const manipulation::DetectedContact& touch);
   optimize::PoseProblem problemNow() const;
 
   hand::Hand hand_;
@@ -61,7 +61,7 @@ class LiveFollower {
   hand::FingerCoordinates coordinates_;
   manipulation::MotionProblem problem_;
   manipulation::MotionOptions options_;
-  manipulation::TouchTracker tracker_;
+  manipulation::ContactTracker tracker_;
   manipulation::CausalSolver solver_;
   std::vector<PartPair> parts_;
   std::map<std::pair<int, int>, std::optional<hand::LinkPoint>> spots_;  // by part and angle

@@ -102,7 +102,7 @@ std::vector<FrameGrasp> graspFrames(
     models.object_O = object_O;
     models.contacts_name = document.contacts;
     models.contacts = std::move(contacts);
-    session::DerivedState state(std::make_shared<session::ModelShelf>(std::move(models)));
+    session::DerivedState state(std::make_shared<session::ModelCache>(std::move(models)));
     try {
       state.follow(there, progress);
       session::SolveRun run;

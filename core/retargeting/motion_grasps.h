@@ -10,7 +10,7 @@
 #include "core/manipulation/motion.h"
 #include "core/session/document.h"
 #include "core/session/models.h"
-#include "core/transfer/placement.h"
+#include "core/transfer/patch_placement.h"
 
 namespace handgraft::retargeting {
 
@@ -19,7 +19,7 @@ struct FrameGrasp {
   int frame = 0;
   hand::HandPose pose_O;
   /// Of each track of the motion; nothing where it is not there, or has no place on the hand.
-  std::vector<std::optional<transfer::Placement>> placements;
+  std::vector<std::optional<transfer::PatchPlacement>> placements;
 };
 
 /// Searches the fullest frames, one of each part of the motion, as a session searches a grasp:

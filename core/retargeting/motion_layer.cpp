@@ -14,10 +14,10 @@ namespace handgraft::retargeting {
 
 namespace {
 
-using manipulation::LaidMotion;
 using manipulation::Motion;
 using manipulation::PatchKey;
 using manipulation::PatchTrack;
+using manipulation::TransferredMotion;
 
 bool holdsRecordedPoints(const PatchKey& key) {
   return key.patch.interpolation_boundary.size() <
@@ -93,11 +93,11 @@ MotionLayer::MotionLayer(const session::Document& document,
             return holdsRecordedPoints(track.keys.front());
           })) {}
 
-LaidMotion MotionLayer::lay(const Motion& motion,
-                            const Progress& progress,
-                            const manipulation::MovePlacement& move,
-                            manipulation::MotionCharts* charts) const {
-  LaidMotion laid;
+TransferredMotion MotionLayer::lay(const Motion& motion,
+                                   const Progress& progress,
+                                   const manipulation::MovePlacement& move,
+                                   manipulation::MotionCharts* charts) const {
+  TransferredMotion laid;
   if (lies_on_links_) {
     laid.tracks = layPoints(motion, object_O_, *hand_.model);
     for (std::size_t t = 0; t < motion.tracks.size(); ++t) {
@@ -117,8 +117,8 @@ LaidMotion MotionLayer::lay(const Motion& motion,
     return layPointsByPlace(motion, object_O_, *hand_.model, *hand_.skin, coordinates_,
                             progress);
   }
-  return layPatches(motion, surfaces_, *hand_.model, hand_.sites, coordinates_,
-                    document_.transfer, progress, move, charts);
+  return transferPatches(motion, surfaces_, *hand_.model, hand_.sites, coordinates_,
+                         document_.transfer, progress, move, charts);
 }
 
 std::vector<optimize::PointPair> MotionLayer::layKey(const Motion& motion,
@@ -144,8 +144,9 @@ std::vector<optimize::PointPair> MotionLayer::layKey(const Motion& motion,
   one.end = 1;
   alone.tracks = {std::move(one)};
   const geometry::TriangleMesh& skin_S = hand_.skin->mesh();
-  const LaidMotion laid =
-      lay(alone, progress, [&](const transfer::Placement& placement) -> transfer::Placement {
+  const TransferredMotion laid = lay(
+      alone, progress,
+      [&](const transfer::PatchPlacement& placement) -> transfer::PatchPlacement {
         if (shifts.on_hand.isNone()) return placement;
         const geometry::LogMap map = geometry::computeLogMap(
             skin_S, placement.root_S, placement.direction_S,
@@ -160,7 +161,7 @@ std::vector<optimize::PointPair> MotionLayer::layKey(const Motion& motion,
   return laid.tracks.front().spans.front().pairs;
 }
 
-std::optional<transfer::Placement> MotionLayer::placementOf(const PatchKey& key) const {
+std::optional<transfer::PatchPlacement> MotionLayer::placementOf(const PatchKey& key) const {
   return manipulation::placementOf(key, surfaces_, *hand_.model, hand_.sites, coordinates_);
 }
 

@@ -69,7 +69,7 @@ class MotionLayer {
               const geometry::TriangleMesh& object_O,
               const manipulation::Motion& motion);
 
-  [[nodiscard]] manipulation::LaidMotion lay(
+  [[nodiscard]] manipulation::TransferredMotion lay(
       const manipulation::Motion& motion,
       const Progress& progress,
       const manipulation::MovePlacement& move = {},
@@ -84,7 +84,7 @@ class MotionLayer {
                                                         const Progress& progress) const;
 
   /// Where a key's patch goes on the hand as the motion has it.
-  [[nodiscard]] std::optional<transfer::Placement> placementOf(
+  [[nodiscard]] std::optional<transfer::PatchPlacement> placementOf(
       const manipulation::PatchKey& key) const;
 
  private:

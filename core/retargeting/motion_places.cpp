@@ -43,10 +43,10 @@ void MotionPlaces::deal(manipulation::Motion& motion) const {
     for (manipulation::PatchKey& key : motion.tracks[t].keys) {
       key.placement = patch.placement;
       if (!key.patch.place || patch.digit.empty()) continue;
-      hand::HandPlace place = *key.patch.place;
+      hand::HandLocation place = *key.patch.place;
       if (place.digit != hand::kPalmPart) place.digit = patch.digit;
       if (const auto spot = coordinates_.spotAt(place))
-        key.placement = transfer::Placement{spot->root_S, spot->direction_S};
+        key.placement = transfer::PatchPlacement{spot->root_S, spot->direction_S};
     }
   }
 }

@@ -40,9 +40,10 @@ class MotionPlaces {
 
  private:
   struct Patch {
-    std::optional<transfer::Placement> placement;  ///< the document's; missing: it stays put
-    std::string digit;                             ///< that it was dealt to; empty: a site's
-    std::vector<char> permitted;                   ///< links that it may slide on
+    std::optional<transfer::PatchPlacement>
+        placement;                ///< the document's; missing: it stays put
+    std::string digit;            ///< that it was dealt to; empty: a site's
+    std::vector<char> permitted;  ///< links that it may slide on
   };
 
   const hand::Hand& hand_;

@@ -12,7 +12,7 @@
 #include "core/optimize/drag.h"
 #include "core/retargeting/motion_layer.h"
 #include "core/retargeting/motion_solving.h"
-#include "core/session/held_places.h"
+#include "core/session/pinned_points.h"
 #include "core/session/timed_edit.h"
 
 namespace handgraft::retargeting {
@@ -348,7 +348,7 @@ void EditsAtTimes::drag() {
   hand::HandPose rest;
   rest.q = problem_.prior;
   for (const session::TimedEdit& edit : at_.document.timed) {
-    const auto* way = std::get_if<session::DragWay>(&edit.change);
+    const auto* way = std::get_if<session::DragPath>(&edit.change);
     if (way == nullptr) continue;
     const std::map<int, double> influences = influencesOf(edit);
     for (std::size_t i = 0; i < way->targets_O.size(); ++i) {
@@ -390,7 +390,7 @@ void holdThroughout(const session::Document& document,
       own.soft_weights.push_back(joint.soft_weight);
       own.soft_values.push_back(joint.soft_value);
     }
-    for (const session::HeldPlace& place : document.held) {
+    for (const session::PinnedPoint& place : document.held) {
       optimize::DragTarget target;
       target.link = problem.model->linkIndex(place.link);
       target.p_L = place.p_L;

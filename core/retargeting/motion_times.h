@@ -25,7 +25,7 @@ struct LaidOut {
   const geometry::TriangleMesh& object_O;
   const manipulation::Motion& motion;  ///< roots and directions for all of it are edited
   const contact::ContactSet& grasp;    ///< stands for the motion, unedited
-  const manipulation::LaidMotion& laid;
+  const manipulation::TransferredMotion& laid;
   manipulation::Fade fade;
 };
 

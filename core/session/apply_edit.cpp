@@ -3,25 +3,31 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <set>
 
 #include "core/base/error.h"
 #include "core/geometry/tangent.h"
 #include "core/optimize/drag.h"
 #include "core/session/edit_checks.h"
-#include "core/session/held_places.h"
 #include "core/session/model_swap.h"
 #include "core/session/patch_matching.h"
+#include "core/session/pinned_points.h"
 #include "core/session/timed_edit.h"
 
 namespace handgraft::session {
 namespace {
 
+/// Those that Session does itself; named, so that no other kind goes without its `apply`.
+template <class Kind>
+concept OfHistory = std::same_as<Kind, UndoEdit> || std::same_as<Kind, RedoEdit> ||
+                    std::same_as<Kind, SnapshotEdit> || std::same_as<Kind, RestoreEdit>;
+
 /// One edit on its way into a document.
 class Editing {
  public:
-  Editing(DerivedState& derived, ModelShelf& shelf, const Progress& progress)
-      : edited{derived.document(), ""}, derived_(derived), shelf_(shelf), progress_(progress) {}
+  Editing(DerivedState& derived, ModelCache& cache, const Progress& progress)
+      : edited{derived.document(), ""}, derived_(derived), cache_(cache), progress_(progress) {}
 
   void apply(const ObjectPoseEdit& edit) {
     requireRigid(edit.X_WO, "the object's pose");
@@ -76,7 +82,7 @@ class Editing {
     edited.document.weights = edit.weights;
   }
 
-  void apply(const SolvingEdit& edit) {
+  void apply(const SolverSettingsEdit& edit) {
     validate(edit.solving);
     edited.document.solving = edit.solving;
   }
@@ -86,25 +92,25 @@ class Editing {
   void apply(const ChoiceEdit& edit);
 
   void apply(const HandEdit& edit) {
-    edited = withHand(edited.document, edit.name, shelf_, progress_);
+    edited = withHand(edited.document, edit.name, cache_, progress_);
     dropUnfitting();
   }
 
   void apply(const ObjectEdit& edit) {
-    edited = withObject(edited.document, edit.name, shelf_, progress_);
+    edited = withObject(edited.document, edit.name, cache_, progress_);
     dropUnfitting();
   }
 
   void apply(const TimedEdit& edit) { addTimed(edit, derived_.models(), edited.document); }
 
-  void apply(const TakeBackEdit& edit) {
+  void apply(const RemoveTimedEdit& edit) {
     std::vector<TimedEdit>& timed = edited.document.timed;
     if (edit.index < 0 || edit.index >= static_cast<int>(timed.size()))
       rejectInput("edit {} at a time: there are {}", edit.index + 1, timed.size());
     timed.erase(timed.begin() + edit.index);
   }
 
-  template <class HistoryEdit>
+  template <OfHistory HistoryEdit>
   void apply(const HistoryEdit& /*edit*/) {
     HANDGRAFT_REQUIRE(!"an edit of the history");
   }
@@ -118,7 +124,7 @@ class Editing {
   void dropUnfitting() {
     const Document& document = edited.document;
     const int dropped = dropUnfittingTimed(
-        shelf_.find(document.hand, document.object, progress_), edited.document);
+        cache_.find(document.hand, document.object, progress_), edited.document);
     if (dropped == 0) return;
     edited.message += fmt::format("{}{} edits at times do not fit and are gone",
                                   edited.message.empty() ? "" : "; ", dropped);
@@ -155,7 +161,7 @@ class Editing {
   }
 
   DerivedState& derived_;
-  ModelShelf& shelf_;
+  ModelCache& cache_;
   const Progress& progress_;
 };
 
@@ -178,9 +184,9 @@ void Editing::apply(const PatchRootEdit& edit) {
   patch.placement =
       patch.placement
           ? movedTo(skin_S, *patch.placement, edit.root)
-          : transfer::Placement{edit.root,
-                                tangentAt(skin_S, edit.root, -positionOf(skin_S, edit.root))
-                                    .value_or(anyTangentAt(skin_S, edit.root))};
+          : transfer::PatchPlacement{
+                edit.root, tangentAt(skin_S, edit.root, -positionOf(skin_S, edit.root))
+                               .value_or(anyTangentAt(skin_S, edit.root))};
   patch.dropped.clear();
   patch.root_is_open = false;
 }
@@ -243,7 +249,7 @@ void Editing::apply(const DragEdit& edit) {
   requireWithin(edit.weight, 0.0, contact::kLargestWeight, "weight of a drag");
   derived_.transfer(progress_);
   const optimize::DragResult result =
-      optimize::drag(derived_.problem(Solving()), target, {}, progress_);
+      optimize::drag(derived_.problem(SolverSettings()), target, {}, progress_);
   takePose(result.pose);
   letGo(edited.document, edit.link);
   if (edit.weight > 0.0) {
@@ -264,7 +270,7 @@ void Editing::apply(const DragEdit& edit) {
 void Editing::apply(const ReleaseEdit& edit) {
   Document& document = edited.document;
   const auto goes = [&](const TimedEdit& timed) {
-    const auto* way = std::get_if<DragWay>(&timed.change);
+    const auto* way = std::get_if<DragPath>(&timed.change);
     return way != nullptr && (edit.link.empty() || way->link == edit.link);
   };
   if (std::erase_if(document.timed, goes) > 0) {
@@ -343,9 +349,9 @@ void validate(const DocumentPatch& patch, const Models& models) {
 
 Edited applied(const Edit& edit,
                DerivedState& derived,
-               ModelShelf& shelf,
+               ModelCache& cache,
                const Progress& progress) {
-  Editing editing(derived, shelf, progress);
+  Editing editing(derived, cache, progress);
   std::visit(
       [&](const auto& one) {
         editing.apply(one);
@@ -354,7 +360,7 @@ Edited applied(const Edit& edit,
   // A minimum that is chosen answers what the solution answered; what holds at a time of a
   // motion leaves the grasp as it is.
   if (!std::holds_alternative<ChoiceEdit>(edit) && !std::holds_alternative<TimedEdit>(edit) &&
-      !std::holds_alternative<TakeBackEdit>(edit))
+      !std::holds_alternative<RemoveTimedEdit>(edit))
     editing.edited.document.is_solved = false;
   return std::move(editing.edited);
 }
@@ -369,7 +375,7 @@ void validate(const Document& document, const Models& models) {
   const hand::HandModel& model = *models.hand->model;
   if (joints != static_cast<std::size_t>(model.dofCount()))
     rejectInput("{} joints; hand {} has {}", joints, quoted(document.hand), model.dofCount());
-  for (const HeldPlace& place : document.held)
+  for (const PinnedPoint& place : document.held)
     validate(place, model);
   const std::vector<std::string> held = heldLinks(document);
   if (std::set(held.begin(), held.end()).size() != held.size())

@@ -24,7 +24,7 @@ struct Edited {
 /// through the history, and for a choice without its pose. Cancelled on wish.
 Edited applied(const Edit& edit,
                DerivedState& derived,
-               ModelShelf& shelf,
+               ModelCache& cache,
                const Progress& progress);
 
 /// Everything a document promises about itself and its models, so that no file can make a

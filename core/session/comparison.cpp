@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/base/pose.h"
-#include "core/session/held_places.h"
+#include "core/session/pinned_points.h"
 
 namespace handgraft::session {
 namespace {
@@ -160,7 +160,7 @@ void compareJoints(const Document& a,
 
 void compareHeld(const Document& a, const Document& b, Table& table) {
   const auto placeOf = [](const Document& document, const std::string& link) -> std::string {
-    for (const HeldPlace& place : document.held) {
+    for (const PinnedPoint& place : document.held) {
       if (place.link != link) continue;
       return fmt::format("at {:.4g} {:.4g} {:.4g}{}, weight {:.4g}", place.target_W.x(),
                          place.target_W.y(), place.target_W.z(),
@@ -174,7 +174,7 @@ void compareHeld(const Document& a, const Document& b, Table& table) {
     if (placeOf(a, link) == kMissing) table.text("held " + link, kMissing, placeOf(b, link));
 }
 
-std::string solverOf(const Solving& solving) {
+std::string solverOf(const SolverSettings& solving) {
   return solving.paper ? std::string("as in the paper")
                        : fmt::format("{}, {} starts, {} evaluations, seed {}",
                                      optimize::nameOf(solving.solver), solving.starts,

@@ -8,14 +8,14 @@
 #include "core/base/error.h"
 #include "core/geometry/tangent.h"
 #include "core/hand/finger_coordinates.h"
-#include "core/placement/hand_placement.h"
+#include "core/placement/hand_pose_guess.h"
 #include "core/placement/open_directions.h"
 #include "core/placement/open_roots.h"
 #include "core/placement/place_slider.h"
 #include "core/placement/posture_finding.h"
 #include "core/placement/solids.h"
-#include "core/session/held_places.h"
 #include "core/session/patch_matching.h"
+#include "core/session/pinned_points.h"
 #include "core/session/place_matching.h"
 
 namespace handgraft::session {
@@ -45,8 +45,8 @@ bool same(const geometry::SurfacePoint& a, const geometry::SurfacePoint& b) {
   return a.face == b.face && a.barycentric == b.barycentric;
 }
 
-bool same(const std::optional<transfer::Placement>& a,
-          const std::optional<transfer::Placement>& b) {
+bool same(const std::optional<transfer::PatchPlacement>& a,
+          const std::optional<transfer::PatchPlacement>& b) {
   if (a.has_value() != b.has_value()) return false;
   return !a || (same(a->root_S, b->root_S) && a->direction_S == b->direction_S);
 }
@@ -67,14 +67,14 @@ std::string foundBy(Document document) {
 
 }  // namespace
 
-DerivedState::DerivedState(std::shared_ptr<ModelShelf> shelf) : shelf_(std::move(shelf)) {}
+DerivedState::DerivedState(std::shared_ptr<ModelCache> cache) : cache_(std::move(cache)) {}
 
 DerivedState::~DerivedState() = default;
 DerivedState::DerivedState(DerivedState&&) noexcept = default;
 DerivedState& DerivedState::operator=(DerivedState&&) noexcept = default;
 
 void DerivedState::follow(const Document& document, const Progress& progress) {
-  const Models models = shelf_->find(document.hand, document.object, progress);
+  const Models models = cache_->find(document.hand, document.object, progress);
   const bool same_models = models.hand == models_.hand && models.object_O == models_.object_O &&
                            models.contacts == models_.contacts &&
                            patches_.size() == document.patches.size();
@@ -161,11 +161,11 @@ void DerivedState::adopt(std::vector<SessionPatch> patches) {
 
 void DerivedState::transfer(const Progress& progress) {
   findOpenDirections(progress);
-  layPatches(progress);
+  transferPatches(progress);
   progress.report("laying patches onto the skin", 1.0);
 }
 
-void DerivedState::layPatches(const Progress& progress) {
+void DerivedState::transferPatches(const Progress& progress) {
   for (std::size_t i = 0; i < patches_.size(); ++i) {
     SessionPatch& item = patches_[i];
     if (!item.placement || item.up_to_date) continue;
@@ -173,7 +173,7 @@ void DerivedState::layPatches(const Progress& progress) {
     progress.report("laying patches onto the skin",
                     static_cast<double>(i) / static_cast<double>(patches_.size()));
     item.transferred = item.stages.lay(surfaces_, item.patch, *item.placement,
-                                       document_.transfer, lays_drafts_);
+                                       document_.transfer, uses_drafts_);
     for (transfer::Correspondence& pair : item.transferred.correspondences)
       pair.patch = static_cast<int>(i);
     item.up_to_date = true;
@@ -192,10 +192,10 @@ std::vector<transfer::Suggestion> DerivedState::suggest(std::size_t patch,
 
 // === What nobody gave
 
-const placement::HandPlacer& DerivedState::placer() {
+const placement::HandPoseGuesser& DerivedState::placer() {
   if (!placer_) {
-    placer_ = std::make_unique<placement::HandPlacer>(models_.hand->model, *models_.hand->skin,
-                                                      models_.object_O);
+    placer_ = std::make_unique<placement::HandPoseGuesser>(
+        models_.hand->model, *models_.hand->skin, models_.object_O);
   }
   return *placer_;
 }
@@ -258,7 +258,7 @@ bool DerivedState::takeRootsByLength() {
     if (!item.placement || !item.root_is_open || !item.patch.place) continue;
     const auto onto = hand::placeNamed(item.site);
     if (!onto) continue;
-    hand::HandPlace place = *item.patch.place;
+    hand::HandLocation place = *item.patch.place;
     place.digit = onto->digit;
     const auto spot = coordinates().spotByLength(place);
     if (!spot) continue;
@@ -298,7 +298,7 @@ bool DerivedState::takePlacesFrom(const hand::HandPose& pose) {
 
 // === The problem
 
-bool DerivedState::holdsPosture(const Solving& solving) const {
+bool DerivedState::holdsPosture(const SolverSettings& solving) const {
   return !solving.paper && !document_.start_is_known && document_.prior_shares.posture > 0.0;
 }
 
@@ -315,7 +315,7 @@ void DerivedState::holdPosture(PoseProblem& problem) const {
   problem.prior_weights.head<3>() *= share;
 }
 
-PoseProblem DerivedState::problem(const Solving& solving) const {
+PoseProblem DerivedState::problem(const SolverSettings& solving) const {
   PoseProblem problem = optimize::makeProblem(models_.hand->model);
   problem.weights = document_.weights;
   problem.normal_form = solving.normal_form;

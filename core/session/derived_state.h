@@ -20,9 +20,9 @@ class FingerCoordinates;
 }  // namespace handgraft::hand
 
 namespace handgraft::placement {
-class HandPlacer;
+class HandPoseGuesser;
 class SkinFaces;
-struct HandPlacement;
+struct HandPoseGuess;
 struct Posture;
 }  // namespace handgraft::placement
 
@@ -32,7 +32,7 @@ namespace handgraft::session {
 struct SessionPatch {
   contact::Patch patch;  ///< with the document's root, direction and effective weight
   std::string site;
-  std::optional<transfer::Placement> placement;
+  std::optional<transfer::PatchPlacement> placement;
   std::string dropped;
   transfer::PatchTransfer transferred;
   transfer::StagedTransfer stages;  ///< what `transferred` was made with, kept for the next
@@ -55,7 +55,7 @@ struct SolveRun {
 struct Solution {
   optimize::SolveReport report;
   optimize::PoseProblem problem;  ///< that it answers, with the start and prior it had
-  Solving solving;
+  SolverSettings solving;
   /// The document with the pose as start and prior, and the roots and directions found on the
   /// way.
   Document document;
@@ -68,7 +68,7 @@ struct Solution {
 /// asked before.
 class DerivedState {
  public:
-  explicit DerivedState(std::shared_ptr<ModelShelf> shelf);
+  explicit DerivedState(std::shared_ptr<ModelCache> cache);
   ~DerivedState();
   DerivedState(DerivedState&&) noexcept;
   DerivedState& operator=(DerivedState&&) noexcept;
@@ -93,11 +93,11 @@ class DerivedState {
   void findOpenDirections(const Progress& progress);
 
   /// The problem as it stands, in W. Transfer first (BrokenContract).
-  [[nodiscard]] optimize::PoseProblem problem(const Solving& solving) const;
+  [[nodiscard]] optimize::PoseProblem problem(const SolverSettings& solving) const;
 
   /// Searches; the document and the patches stay as they are.
   /// Errors: InvalidInput if no patch has a point on the hand, or all are switched off.
-  Solution solve(const Solving& solving, const SolveRun& run, const Progress& progress);
+  Solution solve(const SolverSettings& solving, const SolveRun& run, const Progress& progress);
 
   /// The document's start as it stands, judged without a search.
   Solution judge(const Progress& progress);
@@ -111,13 +111,13 @@ class DerivedState {
   struct Drafts;
 
   void followPatch(std::size_t index, const DocumentPatch& patch, bool keeps_found);
-  [[nodiscard]] const placement::HandPlacer& placer();
+  [[nodiscard]] const placement::HandPoseGuesser& placer();
   [[nodiscard]] const hand::FingerCoordinates& coordinates();
   /// Takes start and directions from the placement that a full transfer and a short solve like
   /// best.
-  void choosePlacement(const std::vector<placement::HandPlacement>& placements,
+  void choosePlacement(const std::vector<placement::HandPoseGuess>& placements,
                        const Progress& progress);
-  void layPatches(const Progress& progress);
+  void transferPatches(const Progress& progress);
   /// Sets the open directions as `pose` shows them; true if one turned by more than a degree.
   bool takeDirectionsFrom(const hand::HandPose& pose);
   /// Slides open places on the hand to where `pose` shows their contacts (place_slider.h), and
@@ -132,11 +132,11 @@ class DerivedState {
   /// A whole search about the patches as they are laid: open roots and directions are found
   /// anew, and stay as the answer has them. Gives the minima from which it went on.
   std::vector<optimize::Minimum> searchAbout(optimize::SolveReport& report,
-                                             const Solving& solving,
+                                             const SolverSettings& solving,
                                              optimize::SolveOptions options,
                                              const Progress& progress);
   [[nodiscard]] Worth worthOf(const optimize::SolveReport& report,
-                              const Solving& solving) const;
+                              const SolverSettings& solving) const;
   /// True if the other one is better: `worth` and `report` are its, then.
   static bool takeBetter(const Worth& of_other,
                          optimize::SolveReport& other,
@@ -144,10 +144,10 @@ class DerivedState {
                          optimize::SolveReport& report);
   /// For as long as patches are missed: slides with more weight on those, then with everybody's
   /// own again, and takes what is better.
-  void reachForMissed(optimize::SolveReport& report,
-                      const Solving& solving,
-                      const optimize::SolveOptions& options,
-                      const Progress& progress);
+  void reweightMissedPatches(optimize::SolveReport& report,
+                             const SolverSettings& solving,
+                             const optimize::SolveOptions& options,
+                             const Progress& progress);
   /// Multiplies the weights of some patches by `factor`.
   void weigh(const std::vector<int>& patches, double factor);
   /// Moves open roots along their digits to where they are by length instead of by segment;
@@ -155,32 +155,32 @@ class DerivedState {
   bool takeRootsByLength();
   /// A search that ran out of evaluations, from where it stands to its end.
   void goOn(optimize::SolveReport& report,
-            const Solving& solving,
+            const SolverSettings& solving,
             optimize::SolveOptions options,
             const Progress& progress);
   /// Puts the other minima of a search beside the report's, as they are where roots have slid
   /// since; the best of all is the report's pose.
   void keepMinima(const std::vector<optimize::Minimum>& found,
                   optimize::SolveReport& report,
-                  const Solving& solving,
+                  const SolverSettings& solving,
                   const optimize::SolveOptions& options,
                   const Progress& progress);
   /// One more solve with the open directions as the report's pose shows them; kept, and true,
   /// if the objective falls.
   bool refineDirections(optimize::SolveReport& report,
-                        const Solving& solving,
+                        const SolverSettings& solving,
                         const optimize::SolveOptions& options,
                         const Progress& progress);
   /// Slides the open roots to where the hand would touch best if nothing kept it out: what
   /// pushes it out lets it move little.
-  std::vector<optimize::Minimum> slideFreely(Solving solving,
+  std::vector<optimize::Minimum> slideFreely(SolverSettings solving,
                                              optimize::SolveOptions options,
                                              const Progress& progress);
   /// Solves after each of a few slides of the open roots, until so many in a row gain nothing;
   /// keeps the best of them, or what there was. Points that it loses count as if they were far
   /// off.
   void slideRoots(optimize::SolveReport& report,
-                  const Solving& solving,
+                  const SolverSettings& solving,
                   optimize::SolveOptions options,
                   const Progress& progress,
                   int worse_at_most);
@@ -190,26 +190,27 @@ class DerivedState {
   /// the search has been a rough one.
   void layDraftsInFull(optimize::SolveReport& report,
                        bool is_rough,
-                       const Solving& solving,
+                       const SolverSettings& solving,
                        optimize::SolveOptions options,
                        const Progress& progress);
   /// Whether what contacts leave open is decided by a posture: until a pose is known.
-  [[nodiscard]] bool holdsPosture(const Solving& solving) const;
+  [[nodiscard]] bool holdsPosture(const SolverSettings& solving) const;
   void holdPosture(optimize::PoseProblem& problem) const;
-  [[nodiscard]] Solution answered(optimize::SolveReport report, const Solving& solving) const;
+  [[nodiscard]] Solution answered(optimize::SolveReport report,
+                                  const SolverSettings& solving) const;
   void requirePoints() const;
 
-  std::shared_ptr<ModelShelf> shelf_;
+  std::shared_ptr<ModelCache> cache_;
   Models models_;
   Document document_;
   transfer::Surfaces surfaces_;
   std::vector<SessionPatch> patches_;
-  bool lays_drafts_ = false;          ///< while a search goes on
+  bool uses_drafts_ = false;          ///< while a search goes on
   std::vector<SessionPatch> spares_;  ///< as last laid about other roots
   hand::HandPose start_;              ///< the document's, or one that was found
   bool start_is_known_ = false;
   std::string found_for_;  ///< what the found directions and start depend on, as bytes
-  std::unique_ptr<placement::HandPlacer> placer_;               ///< made when first needed
+  std::unique_ptr<placement::HandPoseGuesser> placer_;          ///< made when first needed
   std::shared_ptr<const hand::FingerCoordinates> coordinates_;  ///< likewise
   std::shared_ptr<const placement::SkinFaces> skin_faces_;      ///< likewise
   std::map<std::string, std::vector<char>> links_of_;           ///< answers of linksOf

@@ -9,7 +9,7 @@
 #include "core/optimize/diagnosis.h"
 #include "core/optimize/minima.h"
 #include "core/optimize/pose_solver.h"
-#include "core/placement/hand_placement.h"
+#include "core/placement/hand_pose_guess.h"
 #include "core/placement/place_slider.h"
 #include "core/placement/solids.h"
 #include "core/session/derived_state.h"
@@ -50,7 +50,7 @@ SolveOptions stepOf(SolveOptions options) {
 }
 
 /// A whole search, not what follows an edit.
-bool searchesWidely(const Solving& solving, const SolveOptions& options) {
+bool searchesWidely(const SolverSettings& solving, const SolveOptions& options) {
   return solving.avoids() && options.starts > optimize::kFewStarts;
 }
 
@@ -95,9 +95,9 @@ struct DerivedState::Search {
 
 /// While it lives, patches are laid as drafts: half of a slide's time went into exact charts.
 struct DerivedState::Drafts {
-  explicit Drafts(DerivedState& owner) : derived(owner) { derived.lays_drafts_ = true; }
+  explicit Drafts(DerivedState& owner) : derived(owner) { derived.uses_drafts_ = true; }
 
-  ~Drafts() { derived.lays_drafts_ = false; }
+  ~Drafts() { derived.uses_drafts_ = false; }
 
   Drafts(const Drafts&) = delete;
   Drafts& operator=(const Drafts&) = delete;
@@ -105,7 +105,7 @@ struct DerivedState::Drafts {
   DerivedState& derived;
 };
 
-void DerivedState::choosePlacement(const std::vector<placement::HandPlacement>& placements,
+void DerivedState::choosePlacement(const std::vector<placement::HandPoseGuess>& placements,
                                    const Progress& progress) {
   SolveOptions options;
   options.starts = 1;
@@ -117,8 +117,8 @@ void DerivedState::choosePlacement(const std::vector<placement::HandPlacement>& 
     patches_ = before;
     start_ = placements[i].pose;
     takeDirectionsFrom(start_);
-    layPatches(progress);
-    Solving solving;
+    transferPatches(progress);
+    SolverSettings solving;
     solving.avoid_penetration = document_.solving.avoids();
     const PoseProblem trial = problem(solving);
     if (trial.pairs.empty()) break;
@@ -137,7 +137,7 @@ void DerivedState::choosePlacement(const std::vector<placement::HandPlacement>& 
   outcome.keep();
 }
 
-Solution DerivedState::solve(const Solving& solving,
+Solution DerivedState::solve(const SolverSettings& solving,
                              const SolveRun& run,
                              const Progress& progress) {
   validate(solving);
@@ -175,7 +175,8 @@ Solution DerivedState::solve(const Solving& solving,
         }
       }
     }
-    if (searchesWidely(solving, options)) reachForMissed(report, solving, options, progress);
+    if (searchesWidely(solving, options))
+      reweightMissedPatches(report, solving, options, progress);
   }
   const bool is_rough = options.least_promise > optimize::kLeastPromise;
   options.least_promise = optimize::kLeastPromise;
@@ -186,7 +187,7 @@ Solution DerivedState::solve(const Solving& solving,
 }
 
 DerivedState::Worth DerivedState::worthOf(const SolveReport& report,
-                                          const Solving& solving) const {
+                                          const SolverSettings& solving) const {
   const PoseProblem posed = problem(solving);
   return {std::ssize(optimize::missedPatches(posed, report)), costOf(posed, report)};
 }
@@ -211,10 +212,10 @@ void DerivedState::weigh(const std::vector<int>& patches, double factor) {
   }
 }
 
-void DerivedState::reachForMissed(SolveReport& report,
-                                  const Solving& solving,
-                                  const SolveOptions& options,
-                                  const Progress& progress) {
+void DerivedState::reweightMissedPatches(SolveReport& report,
+                                         const SolverSettings& solving,
+                                         const SolveOptions& options,
+                                         const Progress& progress) {
   const SolveOptions step = stepOf(options);
   Worth worth = worthOf(report, solving);
   Search best(*this);
@@ -243,7 +244,7 @@ void DerivedState::reachForMissed(SolveReport& report,
 }
 
 std::vector<Minimum> DerivedState::searchAbout(SolveReport& report,
-                                               const Solving& solving,
+                                               const SolverSettings& solving,
                                                SolveOptions options,
                                                const Progress& progress) {
   if (searchesWidely(solving, options)) options.found = slideFreely(solving, options, progress);
@@ -267,7 +268,7 @@ bool DerivedState::slides() const {
 
 void DerivedState::layDraftsInFull(SolveReport& report,
                                    bool is_rough,
-                                   const Solving& solving,
+                                   const SolverSettings& solving,
                                    SolveOptions options,
                                    const Progress& progress) {
   bool any = false;
@@ -289,7 +290,7 @@ void DerivedState::layDraftsInFull(SolveReport& report,
   goOn(report, solving, options, progress);
 }
 
-Solution DerivedState::answered(SolveReport report, const Solving& solving) const {
+Solution DerivedState::answered(SolveReport report, const SolverSettings& solving) const {
   Solution solution;
   solution.problem = problem(solving);
   solution.solving = solving;
@@ -335,7 +336,7 @@ Solution DerivedState::judge(const Progress& progress) {
 }
 
 void DerivedState::goOn(SolveReport& report,
-                        const Solving& solving,
+                        const SolverSettings& solving,
                         SolveOptions options,
                         const Progress& progress) {
   if (report.outcome != optimize::Outcome::kEvaluationLimit) return;
@@ -348,7 +349,7 @@ void DerivedState::goOn(SolveReport& report,
 
 void DerivedState::keepMinima(const std::vector<Minimum>& found,
                               SolveReport& report,
-                              const Solving& solving,
+                              const SolverSettings& solving,
                               const SolveOptions& options,
                               const Progress& progress) {
   const Search as_it_was(*this);
@@ -374,7 +375,7 @@ void DerivedState::keepMinima(const std::vector<Minimum>& found,
 }
 
 bool DerivedState::refineDirections(SolveReport& report,
-                                    const Solving& solving,
+                                    const SolverSettings& solving,
                                     const SolveOptions& options,
                                     const Progress& progress) {
   Search outcome(*this);
@@ -388,7 +389,7 @@ bool DerivedState::refineDirections(SolveReport& report,
   return true;
 }
 
-std::vector<Minimum> DerivedState::slideFreely(Solving solving,
+std::vector<Minimum> DerivedState::slideFreely(SolverSettings solving,
                                                SolveOptions options,
                                                const Progress& progress) {
   if (!slides()) return {};
@@ -403,7 +404,7 @@ std::vector<Minimum> DerivedState::slideFreely(Solving solving,
 }
 
 void DerivedState::slideRoots(SolveReport& report,
-                              const Solving& solving,
+                              const SolverSettings& solving,
                               SolveOptions options,
                               const Progress& progress,
                               int worse_at_most) {

@@ -12,9 +12,9 @@
 #include "core/optimize/pose_problem.h"
 #include "core/optimize/problem_options.h"
 #include "core/session/edit.h"
-#include "core/session/solving.h"
+#include "core/session/solver_settings.h"
+#include "core/transfer/patch_placement.h"
 #include "core/transfer/patch_transfer.h"
-#include "core/transfer/placement.h"
 
 namespace handgraft::session {
 
@@ -30,7 +30,7 @@ struct DocumentPatch {
   bool direction_is_open = false;
   std::string site;  ///< it was laid on first; empty if it has none
   /// Missing when the hand has no place for it; `dropped` says why.
-  std::optional<transfer::Placement> placement;
+  std::optional<transfer::PatchPlacement> placement;
   std::string dropped;
   /// Nobody chose the root on the hand: it may slide along its finger with every solve.
   bool root_is_open = false;
@@ -49,7 +49,7 @@ struct DocumentJoint {
 };
 
 /// A place of the hand that was dragged somewhere: a contact of its own, until it is let go.
-struct HeldPlace {
+struct PinnedPoint {
   std::string link;
   Eigen::Vector3d p_L = Eigen::Vector3d::Zero();
   Eigen::Vector3d target_W = Eigen::Vector3d::Zero();
@@ -68,7 +68,7 @@ struct Document {
   Pose X_WO = Pose::Identity();
   std::vector<DocumentPatch> patches;  ///< in the order of the contact set
   std::vector<DocumentJoint> joints;   ///< in the order of the hand's dofs
-  std::vector<HeldPlace> held;         ///< at most one a link, in the order of their drags
+  std::vector<PinnedPoint> held;       ///< at most one a link, in the order of their drags
   hand::HandPose prior;
   hand::HandPose start;
   bool start_is_known = false;  ///< found by a solve or set by the user, not the rest pose
@@ -76,7 +76,7 @@ struct Document {
   bool is_solved = false;
   optimize::Weights weights;
   optimize::PriorShares prior_shares;
-  Solving solving;
+  SolverSettings solving;
   transfer::TransferOptions transfer;
   /// Of a motion's: what holds about one of its times, the later over the earlier.
   std::vector<TimedEdit> timed;
@@ -101,7 +101,7 @@ struct DocumentChange {
   std::vector<std::pair<std::size_t, DocumentPatch>> patches;  ///< by index
   std::optional<std::size_t> joint_count;
   std::vector<std::pair<std::size_t, DocumentJoint>> joints;
-  std::optional<std::vector<HeldPlace>> held;
+  std::optional<std::vector<PinnedPoint>> held;
   std::optional<hand::HandPose> start;
   std::optional<hand::HandPose> prior;
   bool prior_is_start = false;  ///< the second's are the same, and `start` is given
@@ -109,7 +109,7 @@ struct DocumentChange {
   std::optional<bool> is_solved;
   std::optional<optimize::Weights> weights;
   std::optional<optimize::PriorShares> prior_shares;
-  std::optional<Solving> solving;
+  std::optional<SolverSettings> solving;
   std::optional<transfer::TransferOptions> transfer;
   std::optional<std::vector<TimedEdit>> timed;
   std::optional<std::vector<std::string>> notes;

@@ -90,7 +90,7 @@ std::string text(const WeightsEdit& edit) {
                      edit.weights.prior);
 }
 
-std::string text(const SolvingEdit& edit) {
+std::string text(const SolverSettingsEdit& edit) {
   return edit.solving.paper
              ? std::string("solving as in the paper")
              : fmt::format("solving by {} from {} starts",
@@ -119,7 +119,7 @@ std::string text(const RedoEdit& edit) {
   return edit.count == 1 ? std::string("redo") : fmt::format("redo {}", edit.count);
 }
 
-std::string text(const DragWay& way) {
+std::string text(const DragPath& way) {
   return fmt::format("drag {}", shortened(way.link));
 }
 
@@ -130,7 +130,7 @@ std::string text(const TimedEdit& edit) {
                                    : when;
 }
 
-std::string text(const TakeBackEdit& edit) {
+std::string text(const RemoveTimedEdit& edit) {
   return fmt::format("take back {}", edit.index + 1);
 }
 

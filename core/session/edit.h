@@ -13,7 +13,7 @@
 #include "core/hand/kinematics.h"
 #include "core/optimize/pose_problem.h"
 #include "core/optimize/problem_options.h"
-#include "core/session/solving.h"
+#include "core/session/solver_settings.h"
 
 namespace handgraft::session {
 
@@ -159,8 +159,8 @@ struct WeightsEdit {
   static void fields(auto& edit, auto&& visit) { visit("weights", edit.weights); }
 };
 
-struct SolvingEdit {
-  Solving solving;
+struct SolverSettingsEdit {
+  SolverSettings solving;
 
   static constexpr std::string_view kKind = "solving";
 
@@ -240,7 +240,7 @@ struct EditTime {
 };
 
 // A place of a link that goes a way of its own for some frames, as a drag at a time left it.
-struct DragWay {
+struct DragPath {
   std::string link;
   Eigen::Vector3d p_L = Eigen::Vector3d::Zero();
   double weight = 1.0;  ///< as DragEdit's; fades as the edit does
@@ -266,7 +266,7 @@ using TimedChange = std::variant<PatchWeightEdit,
                                  JointLimitEdit,
                                  JointLockEdit,
                                  JointSoftEdit,
-                                 DragWay,
+                                 DragPath,
                                  ReleaseEdit>;
 
 // An edit of a motion about one time; the grasp that stands for the motion stays as it is.
@@ -284,7 +284,7 @@ struct TimedEdit {
 };
 
 // Takes one edit at a time back, whatever was edited since.
-struct TakeBackEdit {
+struct RemoveTimedEdit {
   int index = 0;  ///< of those of the document
 
   static constexpr std::string_view kKind = "take_back";
@@ -336,7 +336,7 @@ using Edit = std::variant<ObjectPoseEdit,
                           PatchEnabledEdit,
                           JointSoftEdit,
                           PriorSharesEdit,
-                          SolvingEdit,
+                          SolverSettingsEdit,
                           DragEdit,
                           ChoiceEdit,
                           HandEdit,
@@ -347,7 +347,7 @@ using Edit = std::variant<ObjectPoseEdit,
                           RestoreEdit,
                           ReleaseEdit,
                           TimedEdit,
-                          TakeBackEdit>;
+                          RemoveTimedEdit>;
 
 /// One line for people, without numbers that say little: "limit thumb_mcp 0 to 0.6 rad", "drag
 /// middle_tip". What it quotes is on one line and cut short.

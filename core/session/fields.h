@@ -23,7 +23,7 @@ void visitFields(Maybe<geometry::SurfacePoint> auto& point, auto&& visit) {
   visit("barycentric", point.barycentric);
 }
 
-void visitFields(Maybe<transfer::Placement> auto& placement, auto&& visit) {
+void visitFields(Maybe<transfer::PatchPlacement> auto& placement, auto&& visit) {
   visit("root_S", placement.root_S);
   visit("direction_S", placement.direction_S);
 }
@@ -46,7 +46,7 @@ void visitFields(Maybe<optimize::PriorShares> auto& shares, auto&& visit) {
   visit("posture", shares.posture);
 }
 
-void visitFields(Maybe<Solving> auto& solving, auto&& visit) {
+void visitFields(Maybe<SolverSettings> auto& solving, auto&& visit) {
   visit("solver", solving.solver);
   visit("starts", solving.starts);
   visit("seed", solving.seed);
@@ -84,7 +84,7 @@ void visitFields(Maybe<DocumentJoint> auto& joint, auto&& visit) {
   visit("soft_value", joint.soft_value);
 }
 
-void visitFields(Maybe<HeldPlace> auto& place, auto&& visit) {
+void visitFields(Maybe<PinnedPoint> auto& place, auto&& visit) {
   visit("link", place.link);
   visit("p_L", place.p_L);
   visit("target_W", place.target_W);

@@ -15,7 +15,7 @@ namespace handgraft::session {
 /// A solve whose answer was taken: the change it made, by value, so that playing the log needs
 /// no clock and no solver, and with what it was asked for, so that it can be solved again.
 struct CommittedSolve {
-  Solving solving;
+  SolverSettings solving;
   double objective = 0.0;
   DocumentChange change;
 };

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/contact/carry.h"
+#include "core/contact/reproject.h"
 #include "core/geometry/tangent.h"
 #include "core/session/patch_matching.h"
 #include "core/session/patch_names.h"
@@ -105,10 +105,10 @@ void addNotes(const std::vector<std::string>& told, Edited& edited) {
 
 Edited withHand(const Document& document,
                 const std::string& name,
-                ModelShelf& shelf,
+                ModelCache& cache,
                 const Progress& progress) {
-  const Models before = shelf.find(document.hand, document.object, progress);
-  const Models after = shelf.find(name, document.object, progress);
+  const Models before = cache.find(document.hand, document.object, progress);
+  const Models after = cache.find(name, document.object, progress);
   Edited edited{document, ""};
   Document& result = edited.document;
   std::vector<std::string> told;
@@ -148,10 +148,10 @@ Edited withHand(const Document& document,
 
 Edited withObject(const Document& document,
                   const std::string& name,
-                  ModelShelf& shelf,
+                  ModelCache& cache,
                   const Progress& progress) {
-  const Models before = shelf.find(document.hand, document.object, progress);
-  const Models after = shelf.find(document.hand, name, progress);
+  const Models before = cache.find(document.hand, document.object, progress);
+  const Models after = cache.find(document.hand, name, progress);
   Edited edited{document, ""};
   Document& result = edited.document;
   std::vector<std::string> told;
@@ -211,7 +211,7 @@ Edited withObject(const Document& document,
     alone.patches = {original};
     try {
       patch.root_O =
-          contact::carry(alone, *before.object_O, *after.object_O).patches.front().root;
+          contact::reproject(alone, *before.object_O, *after.object_O).patches.front().root;
       if (patch.direction_O) {
         patch.direction_O = tangentAt(*after.object_O, patch.root_O, *patch.direction_O)
                                 .value_or(anyTangentAt(*after.object_O, patch.root_O));

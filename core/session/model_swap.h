@@ -17,16 +17,16 @@ namespace handgraft::session {
 /// Errors: InvalidInput if the hand cannot be found or no patch has a site on it.
 Edited withHand(const Document& document,
                 const std::string& name,
-                ModelShelf& shelf,
+                ModelCache& cache,
                 const Progress& progress);
 
-/// The document on another object: patches that the contact set has there (ModelShelf::
+/// The document on another object: patches that the contact set has there (ModelCache::
 /// contactsOn), with roots and directions that were edited carried along where they have a
 /// place there. Everything of the hand stays.
 /// Errors: InvalidInput if the object cannot be found or the contact set does not fit it.
 Edited withObject(const Document& document,
                   const std::string& name,
-                  ModelShelf& shelf,
+                  ModelCache& cache,
                   const Progress& progress);
 
 }  // namespace handgraft::session

@@ -4,7 +4,7 @@
 
 #include "core/base/content_hash.h"
 #include "core/base/error.h"
-#include "core/contact/carry.h"
+#include "core/contact/reproject.h"
 
 namespace handgraft::session {
 namespace {
@@ -67,7 +67,7 @@ std::string hashOf(const contact::ContactSet& set) {
     if (patch.direction_O) hash.addNumbers(patch.direction_O->data(), 3);
     hash.addNumbers(&patch.weight, 1);
     if (!patch.place) continue;
-    const hand::HandPlace& place = *patch.place;
+    const hand::HandLocation& place = *patch.place;
     hash.addText(place.digit);
     hash.addText(place.segment);
     hash.addNumbers(&place.segment_count, 1);
@@ -85,7 +85,7 @@ bool sameMesh(const geometry::TriangleMesh& a, const geometry::TriangleMesh& b) 
 
 }  // namespace
 
-ModelShelf::ModelShelf(SessionModels models) : first_(std::move(models)) {
+ModelCache::ModelCache(SessionModels models) : first_(std::move(models)) {
   HANDGRAFT_REQUIRE(first_.hand.model != nullptr && first_.hand.skin != nullptr);
   HANDGRAFT_REQUIRE(first_.object_O != nullptr && first_.contacts != nullptr);
   hands_[first_.hand_name] = first_.hand;
@@ -93,7 +93,7 @@ ModelShelf::ModelShelf(SessionModels models) : first_(std::move(models)) {
   carried_[first_.object_name] = first_.contacts;
 }
 
-const hand::Hand& ModelShelf::hand(const std::string& name, const Progress& progress) {
+const hand::Hand& ModelCache::hand(const std::string& name, const Progress& progress) {
   const auto known = hands_.find(name);
   if (known != hands_.end()) return known->second;
   if (first_.source == nullptr) {
@@ -108,7 +108,7 @@ const hand::Hand& ModelShelf::hand(const std::string& name, const Progress& prog
   return hands_.emplace(name, std::move(hand)).first->second;
 }
 
-std::shared_ptr<const geometry::TriangleMesh> ModelShelf::object(const std::string& name,
+std::shared_ptr<const geometry::TriangleMesh> ModelCache::object(const std::string& name,
                                                                  const Progress& progress) {
   const auto known = objects_.find(name);
   if (known != objects_.end()) return known->second;
@@ -123,7 +123,7 @@ std::shared_ptr<const geometry::TriangleMesh> ModelShelf::object(const std::stri
   return objects_.emplace(name, std::move(object)).first->second;
 }
 
-std::shared_ptr<const contact::ContactSet> ModelShelf::contactsOn(const std::string& object,
+std::shared_ptr<const contact::ContactSet> ModelCache::contactsOn(const std::string& object,
                                                                   const Progress& progress) {
   const auto known = carried_.find(object);
   if (known != carried_.end()) return known->second;
@@ -131,13 +131,13 @@ std::shared_ptr<const contact::ContactSet> ModelShelf::contactsOn(const std::str
   auto set = first_.contacts;
   if (!sameMesh(*mesh_O, *first_.object_O)) {
     set = std::make_shared<const contact::ContactSet>(
-        contact::carry(*first_.contacts, *first_.object_O, *mesh_O));
+        contact::reproject(*first_.contacts, *first_.object_O, *mesh_O));
   }
   carried_[object] = set;
   return set;
 }
 
-Models ModelShelf::find(const std::string& hand,
+Models ModelCache::find(const std::string& hand,
                         const std::string& object,
                         const Progress& progress) {
   Models models;
@@ -147,19 +147,19 @@ Models ModelShelf::find(const std::string& hand,
   return models;
 }
 
-std::string ModelShelf::handHash(const std::string& name) {
+std::string ModelCache::handHash(const std::string& name) {
   std::string& hash = hashes_["hand " + name];
   if (hash.empty()) hash = hashOf(hand(name, Progress()));
   return hash;
 }
 
-std::string ModelShelf::objectHash(const std::string& name) {
+std::string ModelCache::objectHash(const std::string& name) {
   std::string& hash = hashes_["object " + name];
   if (hash.empty()) hash = hashOf(*object(name, Progress()));
   return hash;
 }
 
-std::string ModelShelf::contactsHash() {
+std::string ModelCache::contactsHash() {
   std::string& hash = hashes_["contacts"];
   if (hash.empty()) hash = hashOf(*first_.contacts);
   return hash;

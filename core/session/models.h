@@ -44,10 +44,10 @@ struct Models {
 
 /// The models of one session by name: those it was opened with, and those that edits brought
 /// in, which stay what they were for as long as the session lives, so that undo finds them.
-class ModelShelf {
+class ModelCache {
  public:
   /// Errors: BrokenContract if a model is missing.
-  explicit ModelShelf(SessionModels models);
+  explicit ModelCache(SessionModels models);
 
   /// Errors: InvalidInput if nobody knows the name, or more than kMostModels were asked for.
   const hand::Hand& hand(const std::string& name, const Progress& progress);

@@ -6,7 +6,7 @@
 
 #include "core/base/error.h"
 #include "core/geometry/tangent.h"
-#include "core/placement/hand_placement.h"
+#include "core/placement/hand_pose_guess.h"
 #include "core/placement/site_assignment.h"
 #include "core/session/patch_names.h"
 #include "core/session/place_matching.h"
@@ -15,8 +15,9 @@ namespace handgraft::session {
 namespace {
 
 /// The placement at a site, with a direction that is a tangent of the skin.
-transfer::Placement soundPlacementAt(const hand::Hand& hand, const hand::ContactSite& site) {
-  transfer::Placement placement = transfer::placementAt(*hand.model, *hand.skin, site);
+transfer::PatchPlacement soundPlacementAt(const hand::Hand& hand,
+                                          const hand::ContactSite& site) {
+  transfer::PatchPlacement placement = transfer::placementAt(*hand.model, *hand.skin, site);
   placement.direction_S = tangentAt(hand.skin->mesh(), placement.root_S, placement.direction_S)
                               .value_or(anyTangentAt(hand.skin->mesh(), placement.root_S));
   return placement;
@@ -88,7 +89,7 @@ void matchByGeometry(const Models& models, Document& document, const Progress& p
   // === Their places, and who goes without
   std::vector<int> answer(patches.size(), -1);
   if (any) {
-    const placement::HandPlacer placer(hand.model, *hand.skin, models.object_O);
+    const placement::HandPoseGuesser placer(hand.model, *hand.skin, models.object_O);
     answer = placement::assignSites(placer, hand.model, fixed, patch_anchors, site_anchors,
                                     permitted, document.X_WO, progress);
   }
@@ -158,13 +159,13 @@ contact::Patch patchOf(const Models& models, const DocumentPatch& patch) {
               quoted(patch.name));
 }
 
-Document firstDocument(ModelShelf& shelf,
+Document firstDocument(ModelCache& cache,
                        const Pose& X_WO,
                        const optimize::Weights& weights,
                        const transfer::TransferOptions& transfer,
                        const Progress& progress) {
-  const SessionModels& first = shelf.first();
-  const Models models = shelf.find(first.hand_name, first.object_name, progress);
+  const SessionModels& first = cache.first();
+  const Models models = cache.find(first.hand_name, first.object_name, progress);
   validate(*models.hand->model, models.hand->sites);
   validateSet(*models.contacts, *models.object_O, models.hand->sites);
   validate(transfer);

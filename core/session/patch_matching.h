@@ -11,7 +11,7 @@ namespace handgraft::session {
 ///
 /// Errors: InvalidInput as Session's constructor. Cost: some milliseconds; of patches without
 /// fingers' names as assignSites.
-Document firstDocument(ModelShelf& shelf,
+Document firstDocument(ModelCache& cache,
                        const Pose& X_WO,
                        const optimize::Weights& weights,
                        const transfer::TransferOptions& transfer,

@@ -6,7 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "core/base/error.h"
-#include "core/hand/hand_place.h"
+#include "core/hand/hand_location.h"
 
 namespace handgraft::session {
 

@@ -13,7 +13,7 @@
 #include <fmt/ranges.h>
 
 #include "core/hand/hand_parts.h"
-#include "core/placement/hand_placement.h"
+#include "core/placement/hand_pose_guess.h"
 #include "core/session/patch_names.h"
 
 namespace handgraft::session {
@@ -34,7 +34,7 @@ using Dealing = std::map<std::string, std::string>;
 
 struct Placed {
   DocumentPatch* patch;
-  hand::HandPlace place;
+  hand::HandLocation place;
 };
 
 /// Ways to choose `count` of `all`, in their order.
@@ -78,9 +78,9 @@ std::vector<Dealing> dealings(const std::vector<std::string>& touching,
   return all;
 }
 
-std::optional<transfer::Placement> placementIn(const hand::FingerCoordinates& coordinates,
-                                               hand::HandPlace place,
-                                               const Dealing& dealing) {
+std::optional<transfer::PatchPlacement> placementIn(const hand::FingerCoordinates& coordinates,
+                                                    hand::HandLocation place,
+                                                    const Dealing& dealing) {
   if (place.digit != hand::kPalmPart) {
     const auto dealt = dealing.find(place.digit);
     if (dealt == dealing.end()) return std::nullopt;
@@ -88,12 +88,12 @@ std::optional<transfer::Placement> placementIn(const hand::FingerCoordinates& co
   }
   const auto spot = coordinates.spotAt(place);
   if (!spot) return std::nullopt;
-  return transfer::Placement{spot->root_S, spot->direction_S};
+  return transfer::PatchPlacement{spot->root_S, spot->direction_S};
 }
 
 /// How well a dealing reaches: less is better.
 double costOf(const Models& models,
-              const placement::HandPlacer& placer,
+              const placement::HandPoseGuesser& placer,
               const hand::FingerCoordinates& coordinates,
               const std::vector<Placed>& placed,
               const Dealing& dealing,
@@ -160,7 +160,8 @@ Dealing deal(const Models& models,
   for (Dealing& way : ways)
     way.insert(kept.begin(), kept.end());
   if (ways.empty()) ways = {same};
-  const placement::HandPlacer placer(models.hand->model, *models.hand->skin, models.object_O);
+  const placement::HandPoseGuesser placer(models.hand->model, *models.hand->skin,
+                                          models.object_O);
   Dealing best = ways.front();
   double least = std::numeric_limits<double>::infinity();
   for (const Dealing& way : ways) {
@@ -201,7 +202,7 @@ void matchByPlace(const Models& models,
                      [&](const contact::Patch& one) {
                        return one.name == patch.name;
                      });
-    std::optional<hand::HandPlace> place;
+    std::optional<hand::HandLocation> place;
     if (outline != models.contacts->patches.end()) place = outline->place;
     if (!place && !isSiteOf(*models.hand, patch.name)) place = hand::placeNamed(patch.name);
     if (place) placed.push_back({&patch, *place});

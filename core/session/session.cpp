@@ -30,26 +30,26 @@ bool isOfHistory(const Edit& edit) {
          std::holds_alternative<RestoreEdit>(edit);
 }
 
-void validateDocument(const Document& document, ModelShelf& shelf) {
-  if (document.contacts != shelf.first().contacts_name) {
+void validateDocument(const Document& document, ModelCache& cache) {
+  if (document.contacts != cache.first().contacts_name) {
     rejectInput("contacts {}; the session was opened with {}", quoted(document.contacts),
-                quoted(shelf.first().contacts_name));
+                quoted(cache.first().contacts_name));
   }
-  validate(document, shelf.find(document.hand, document.object, Progress()));
+  validate(document, cache.find(document.hand, document.object, Progress()));
 }
 
 /// All documents that it leads to.
-void validateHistory(const History& history, ModelShelf& shelf) {
-  validateDocument(history.present(), shelf);
+void validateHistory(const History& history, ModelCache& cache) {
+  validateDocument(history.present(), cache);
   for (const History::Steps* steps : {&history.undoSteps(), &history.redoSteps()}) {
     Document document = history.present();
     for (auto step = steps->rbegin(); step != steps->rend(); ++step) {
       document = applyTo(std::move(document), (*step)->change);
-      validateDocument(document, shelf);
+      validateDocument(document, cache);
     }
   }
   for (const auto& [name, snapshot] : history.snapshots())
-    validateDocument(snapshot->document, shelf);
+    validateDocument(snapshot->document, cache);
 }
 
 }  // namespace
@@ -58,10 +58,10 @@ Session::Session(SessionModels models,
                  const Pose& X_WO,
                  const optimize::Weights& weights,
                  const transfer::TransferOptions& transfer_options)
-    : shelf_(std::make_shared<ModelShelf>(std::move(models))), derived_(shelf_) {
+    : cache_(std::make_shared<ModelCache>(std::move(models))), derived_(cache_) {
   requireRigid(X_WO, "the object's pose");
   validateWeights(weights);
-  history_ = History(firstDocument(*shelf_, X_WO, weights, transfer_options, Progress()));
+  history_ = History(firstDocument(*cache_, X_WO, weights, transfer_options, Progress()));
   derived_.follow(document(), Progress());
   log_ = Log({history_, revision_});
 }
@@ -78,13 +78,13 @@ Session::Session(hand::Hand hand,
               transfer_options) {}
 
 Session::Session(SessionModels models, SavedSession saved)
-    : shelf_(std::make_shared<ModelShelf>(std::move(models))),
-      derived_(shelf_),
+    : cache_(std::make_shared<ModelCache>(std::move(models))),
+      derived_(cache_),
       history_(std::move(saved.history)),
       log_(std::move(saved.first), saved.log),
       revision_(saved.revision) {
-  validateHistory(history_, *shelf_);
-  validateHistory(log_.first().history, *shelf_);
+  validateHistory(history_, *cache_);
+  validateHistory(log_.first().history, *cache_);
   derived_.follow(document(), Progress());
 }
 
@@ -108,7 +108,7 @@ EditResult Session::apply(const Edit& edit, const Progress& progress, const Keep
   if (isOfHistory(logged)) {
     result.message = travel(logged, next);
   } else {
-    Edited edited = applied(logged, derived_, *shelf_, progress);
+    Edited edited = applied(logged, derived_, *cache_, progress);
     result.message = std::move(edited.message);
     next.edit(std::move(edited.document), describe(logged));
   }
@@ -173,9 +173,9 @@ std::vector<Difference> Session::compare(const std::string& a,
   const auto judged = [&](const std::string& name) {
     Judged result;
     result.document = name.empty() ? &document() : &history_.snapshot(name).document;
-    result.joints = shelf_->hand(result.document->hand, progress).model->dofNames();
+    result.joints = cache_->hand(result.document->hand, progress).model->dofNames();
     // Beside the session's own, whose charts stay for what is edited next.
-    DerivedState aside(shelf_);
+    DerivedState aside(cache_);
     aside.follow(*result.document, progress);
     try {
       result.solution = aside.judge(progress);
@@ -197,7 +197,9 @@ void Session::transferPatches(const Progress& progress) {
   derived_.transfer(progress);
 }
 
-Solution Session::solve(const Solving& solving, const SolveRun& run, const Progress& progress) {
+Solution Session::solve(const SolverSettings& solving,
+                        const SolveRun& run,
+                        const Progress& progress) {
   Solution solution = derived_.solve(solving, run, progress);
   solution.revision = revision_;
   return solution;
@@ -221,7 +223,7 @@ std::shared_ptr<const CommittedSolve> Session::commit(Solution solution) {
 
 void Session::commit(const CommittedSolve& solve) {
   Document after = applyTo(document(), solve.change);
-  validateDocument(after, *shelf_);
+  validateDocument(after, *cache_);
   derived_.follow(after, Progress());
   history_.commit(std::move(after));
   minima_.clear();
@@ -254,7 +256,7 @@ bool Session::needsSolve() const {
 
 optimize::SolveReport Session::optimize(const optimize::SolveOptions& options,
                                         const Progress& progress) {
-  Solving solving = document().solving;
+  SolverSettings solving = document().solving;
   solving.paper = options.from_prior;
   if (!solving.paper) {
     solving.solver = options.solver;

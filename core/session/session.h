@@ -117,7 +117,7 @@ class Session {
   /// objective falls; then open roots slide, up to twelve times, and the best of it is kept; in
   /// the paper's way neither. Errors: InvalidInput if no patch has a point on the hand, or all
   /// are switched off.
-  Solution solve(const Solving& solving, const SolveRun& run, const Progress& progress);
+  Solution solve(const SolverSettings& solving, const SolveRun& run, const Progress& progress);
 
   /// Takes a solution of the present revision: its pose becomes prior and start (paper, III-E),
   /// and what it found of roots and directions stays. No edit: the revision stays. Also to be
@@ -189,7 +189,7 @@ class Session {
   }
 
   /// Shared, for fingerprints and swaps.
-  [[nodiscard]] ModelShelf& shelf() { return *shelf_; }
+  [[nodiscard]] ModelCache& cache() { return *cache_; }
 
   // === Shorthands of the document
 
@@ -208,7 +208,7 @@ class Session {
   /// Undo, redo, snapshot or restore; what there is to say about it.
   std::string travel(const Edit& edit, History& history) const;
 
-  std::shared_ptr<ModelShelf> shelf_;
+  std::shared_ptr<ModelCache> cache_;
   DerivedState derived_;
   History history_;
   Log log_;

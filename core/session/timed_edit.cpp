@@ -113,7 +113,7 @@ struct ChangeCheck {
     requireJointValue(edit.value, "joint " + quoted(edit.joint));
   }
 
-  void operator()(const DragWay& way) const {
+  void operator()(const DragPath& way) const {
     (void)models.hand->model->linkIndex(way.link);
     const std::string what = "drag of link " + quoted(way.link);
     requireWithin(way.weight, 0.0, contact::kLargestWeight, "weight of the " + what);
@@ -175,7 +175,7 @@ void validate(const TimedEdit& edit, const Document& document, const Models& mod
 void addTimed(const TimedEdit& edit, const Models& models, Document& document) {
   if (const auto* release = std::get_if<ReleaseEdit>(&edit.change)) {
     const auto letGo = std::erase_if(document.timed, [&](const TimedEdit& held) {
-      const auto* way = std::get_if<DragWay>(&held.change);
+      const auto* way = std::get_if<DragPath>(&held.change);
       return way != nullptr && (release->link.empty() || release->link == way->link) &&
              influenceOf(held, edit.when.time_s) > 0.0;
     });
@@ -214,11 +214,11 @@ int dropUnfittingTimed(const Models& models, Document& document) {
   }));
 }
 
-DragWay dragWayOf(const DragEdit& drag,
-                  const EditTime& when,
-                  const std::vector<double>& time_s,
-                  const Eigen::Vector3d& target_O,
-                  const std::function<Eigen::Vector3d(int frame)>& place_O) {
+DragPath dragWayOf(const DragEdit& drag,
+                   const EditTime& when,
+                   const std::vector<double>& time_s,
+                   const Eigen::Vector3d& target_O,
+                   const std::function<Eigen::Vector3d(int frame)>& place_O) {
   if (drag.target_R_WL)
     rejectInput("drag of link {}: at a time a place is moved; a link is not turned",
                 quoted(drag.link));
@@ -227,7 +227,7 @@ DragWay dragWayOf(const DragEdit& drag,
     rejectInput("drag of link {}: its falloff of {} s takes in {} frames; permitted are {}",
                 quoted(drag.link), when.falloff_s, influences.size(), kMostDragFrames);
   const Eigen::Vector3d way_O = target_O - place_O(frameNearest(time_s, when.time_s));
-  DragWay way;
+  DragPath way;
   way.link = drag.link;
   way.p_L = drag.p_L;
   way.weight = drag.weight > 0.0 ? drag.weight : 1.0;

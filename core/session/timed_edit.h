@@ -38,11 +38,11 @@ int dropUnfittingTimed(const Models& models, Document& document);
 ///
 /// `place_O` tells where the motion has the place, frame by frame. Errors: InvalidInput for
 /// more than kMostDragFrames.
-DragWay dragWayOf(const DragEdit& drag,
-                  const EditTime& when,
-                  const std::vector<double>& time_s,
-                  const Eigen::Vector3d& target_O,
-                  const std::function<Eigen::Vector3d(int frame)>& place_O);
+DragPath dragWayOf(const DragEdit& drag,
+                   const EditTime& when,
+                   const std::vector<double>& time_s,
+                   const Eigen::Vector3d& target_O,
+                   const std::function<Eigen::Vector3d(int frame)>& place_O);
 
 inline constexpr std::size_t kMostTimed = 256;        ///< of a document
 inline constexpr std::size_t kMostDragFrames = 4096;  ///< that one drag holds

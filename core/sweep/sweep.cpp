@@ -207,7 +207,7 @@ class Sweep {
     }
     if (options_.solving.avoids() && solid == nullptr)
       solid = placement::solidOf(hand_.model, hand_.skin, quiet_);
-    std::vector<LaidGrasp> laid(grasps_.size());
+    std::vector<TransferredGrasp> laid(grasps_.size());
     std::vector<LaidSweepMotion> laid_motions(grasps_.size());
     forEach(pool, grasps_.size(), [&](std::size_t i) {
       const transfer::Surfaces* onto = bent ? &*bent : nullptr;
@@ -238,7 +238,7 @@ class Sweep {
   /// `solid`: the hand's, of this shape; null where penetration costs nothing.
   SweepRow solveRow(std::size_t combination,
                     std::size_t grasp,
-                    const LaidGrasp& laid,
+                    const TransferredGrasp& laid,
                     const LaidSweepMotion& laid_motion,
                     const std::shared_ptr<const hand::HandSolid>& solid) {
     progress_.checkpoint();
@@ -275,7 +275,7 @@ class Sweep {
   }
 
   void solveGrasp(const SweepBase& base,
-                  const LaidGrasp& laid,
+                  const TransferredGrasp& laid,
                   const hand::HandVariant& variant,
                   std::shared_ptr<const optimize::Avoidance> avoidance,
                   SweepRow& row) {

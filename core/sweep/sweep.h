@@ -13,7 +13,7 @@
 #include "core/manipulation/motion.h"
 #include "core/optimize/solve_report.h"
 #include "core/session/session.h"
-#include "core/session/solving.h"
+#include "core/session/solver_settings.h"
 
 namespace handgraft::sweep {
 
@@ -32,7 +32,7 @@ struct SweepAxis {
 };
 
 struct SweepOptions {
-  session::Solving solving;
+  session::SolverSettings solving;
   optimize::Weights weights;
   transfer::TransferOptions transfer;
   int threads = 1;

@@ -56,12 +56,12 @@ SweepBase solveBase(const hand::Hand& hand,
   return base;
 }
 
-LaidGrasp layGrasp(const SweepBase& base,
-                   const hand::Skin& original,
-                   const transfer::Surfaces* bent,
-                   const transfer::TransferOptions& options,
-                   const Progress& progress) {
-  LaidGrasp laid;
+TransferredGrasp layGrasp(const SweepBase& base,
+                          const hand::Skin& original,
+                          const transfer::Surfaces* bent,
+                          const transfer::TransferOptions& options,
+                          const Progress& progress) {
+  TransferredGrasp laid;
   laid.error = base.error;
   if (!base.error.empty()) return laid;
   try {

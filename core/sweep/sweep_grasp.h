@@ -31,17 +31,17 @@ SweepBase solveBase(const hand::Hand& hand,
 
 /// Where the points of a grasp's patches lie on one shape of the hand, in pairs as a problem
 /// has them, the object's frame being the world.
-struct LaidGrasp {
+struct TransferredGrasp {
   std::string error;
   std::vector<optimize::PointPair> pairs;
 };
 
 /// The base's places (faces, weights) on a skin that was bent; without one (`bent` null), as
 /// the base has them. `bent` lacks the object, whose charts are the base's.
-LaidGrasp layGrasp(const SweepBase& base,
-                   const hand::Skin& original,
-                   const transfer::Surfaces* bent,
-                   const transfer::TransferOptions& options,
-                   const Progress& progress);
+TransferredGrasp layGrasp(const SweepBase& base,
+                          const hand::Skin& original,
+                          const transfer::Surfaces* bent,
+                          const transfer::TransferOptions& options,
+                          const Progress& progress);
 
 }  // namespace handgraft::sweep

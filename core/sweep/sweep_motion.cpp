@@ -157,8 +157,8 @@ LaidSweepMotion layMotion(const SweepMotionBase& base,
     surfaces.object_O = transfer::borrowedSurfaces(object_O, *bent->skin).object_O;
     // Every key that has a place on the hand tells it; coordinates are for those that do not.
     const hand::FingerCoordinates coordinates(*original.model, *original.skin, original.sites);
-    laid.laid = manipulation::layPatches(motion, surfaces, *original.model, {}, coordinates,
-                                         options, progress);
+    laid.laid = manipulation::transferPatches(motion, surfaces, *original.model, {},
+                                              coordinates, options, progress);
   } catch (const InvalidInput& error) {
     laid.error = error.what();
   }

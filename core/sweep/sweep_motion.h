@@ -30,7 +30,7 @@ SweepMotionBase solveMotionBase(const hand::Hand& hand,
 /// A motion's patches on one shape of the hand.
 struct LaidSweepMotion {
   std::string error;
-  manipulation::LaidMotion laid;
+  manipulation::TransferredMotion laid;
 };
 
 /// The base's places on a skin that was bent; without one (`bent` null), as the base has them.

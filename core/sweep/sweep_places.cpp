@@ -24,9 +24,9 @@ Eigen::Vector3d directionOn(const geometry::TriangleMesh& to,
 
 }  // namespace
 
-transfer::Placement carriedAlong(const hand::Skin& from,
-                                 const hand::Skin& to,
-                                 const transfer::Placement& placement) {
+transfer::PatchPlacement carriedAlong(const hand::Skin& from,
+                                      const hand::Skin& to,
+                                      const transfer::PatchPlacement& placement) {
   return {placement.root_S,
           directionOn(to.mesh(), from.mesh(), placement.root_S, placement.direction_S)};
 }

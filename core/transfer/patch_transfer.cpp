@@ -17,7 +17,7 @@ void validate(const TransferOptions& options) {
 PatchTransfer transferPatch(const geometry::TriangleMesh& object_O,
                             const contact::Patch& patch,
                             const hand::Skin& skin,
-                            const Placement& placement,
+                            const PatchPlacement& placement,
                             const TransferOptions& options) {
   return StagedTransfer().lay(borrowedSurfaces(object_O, skin), patch, placement, options);
 }

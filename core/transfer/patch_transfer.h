@@ -9,7 +9,7 @@
 #include "core/geometry/log_map.h"
 #include "core/hand/skin.h"
 #include "core/transfer/fidelity.h"
-#include "core/transfer/placement.h"
+#include "core/transfer/patch_placement.h"
 
 namespace handgraft::transfer {
 
@@ -76,7 +76,7 @@ struct PatchTransfer {
 PatchTransfer transferPatch(const geometry::TriangleMesh& object_O,
                             const contact::Patch& patch,
                             const hand::Skin& skin,
-                            const Placement& placement,
+                            const PatchPlacement& placement,
                             const TransferOptions& options = {});
 
 }  // namespace handgraft::transfer

@@ -24,7 +24,7 @@ double radiusFor(const LogMapper& skin_S, double reach) {
 }  // namespace
 
 SkinChart::SkinChart(std::shared_ptr<const LogMapper> skin_S,
-                     const Placement& placement,
+                     const PatchPlacement& placement,
                      double reach,
                      LogMapMethod method)
     : skin_S_(std::move(skin_S)),
@@ -39,7 +39,7 @@ SkinChart::SkinChart(std::shared_ptr<const LogMapper> skin_S,
 }
 
 bool SkinChart::answers(const LogMapper& skin_S,
-                        const Placement& placement,
+                        const PatchPlacement& placement,
                         double reach,
                         LogMapMethod method) const {
   return &skin_S == skin_S_.get() && method == asked_ &&

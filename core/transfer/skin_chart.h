@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 
 #include "core/geometry/log_mapper.h"
-#include "core/transfer/placement.h"
+#include "core/transfer/patch_placement.h"
 
 namespace handgraft::transfer {
 
@@ -19,14 +19,14 @@ class SkinChart {
   /// Errors: InvalidInput for a direction along the normal and for heat methods that cannot use
   /// the surface. Cost: a log map.
   SkinChart(std::shared_ptr<const geometry::LogMapper> skin_S,
-            const Placement& placement,
+            const PatchPlacement& placement,
             double reach,
             geometry::LogMapMethod method);
 
   /// Whether this is the chart for that root, too. Charts come in steps of reach, so that a
   /// patch that grows a little keeps its own.
   [[nodiscard]] bool answers(const geometry::LogMapper& skin_S,
-                             const Placement& placement,
+                             const PatchPlacement& placement,
                              double reach,
                              geometry::LogMapMethod method) const;
 

@@ -19,7 +19,7 @@ class Layer {
         const PatchChart& patch,
         double direction_angle,
         const SkinChart& chart,
-        const Placement& placement)
+        const PatchPlacement& placement)
       : skin_(skin), patch_(patch), chart_(chart), placement_(placement) {
     // The hand looks at the object: counter-clockwise becomes clockwise (phi_h = -phi_o).
     const Eigen::Matrix2d mirror = Eigen::Vector2d(1.0, -1.0).asDiagonal();
@@ -59,7 +59,7 @@ class Layer {
   const hand::Skin& skin_;
   const PatchChart& patch_;
   const SkinChart& chart_;
-  const Placement& placement_;
+  const PatchPlacement& placement_;
   Eigen::Matrix2d turn_;  ///< from the patch chart's coordinates to the skin chart's
 };
 
@@ -141,7 +141,7 @@ Surfaces borrowedSurfaces(const geometry::TriangleMesh& object_O, const hand::Sk
 
 PatchTransfer StagedTransfer::lay(const Surfaces& surfaces,
                                   const contact::Patch& patch,
-                                  const Placement& placement,
+                                  const PatchPlacement& placement,
                                   const TransferOptions& options,
                                   bool is_draft) {
   HANDGRAFT_REQUIRE(patch.direction_O.has_value());

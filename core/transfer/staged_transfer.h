@@ -38,7 +38,7 @@ class StagedTransfer {
   /// by the quick one, and how well the shape is kept is not measured.
   PatchTransfer lay(const Surfaces& surfaces,
                     const contact::Patch& patch,
-                    const Placement& placement,
+                    const PatchPlacement& placement,
                     const TransferOptions& options,
                     bool is_draft = false);
 

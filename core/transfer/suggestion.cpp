@@ -44,7 +44,7 @@ class Search {
   Search(const Surfaces& surfaces,
          StagedTransfer staged,
          const contact::Patch& patch,
-         const Placement& present,
+         const PatchPlacement& present,
          double reach_m,
          const TransferOptions& options)
       : surfaces_(surfaces),
@@ -181,7 +181,7 @@ class Search {
   const Surfaces& surfaces_;
   StagedTransfer staged_;
   const contact::Patch& patch_;
-  const Placement& present_;
+  const PatchPlacement& present_;
   double reach_m_;
   const TransferOptions& options_;
   std::size_t present_lost_;
@@ -205,7 +205,7 @@ void validate(const SuggestOptions& options) {
 std::vector<Suggestion> suggestPlacements(const Surfaces& surfaces,
                                           StagedTransfer staged,
                                           const contact::Patch& patch,
-                                          const Placement& present,
+                                          const PatchPlacement& present,
                                           const SuggestOptions& options,
                                           const TransferOptions& transfer_options,
                                           const Progress& progress) {
@@ -223,7 +223,7 @@ std::vector<Suggestion> suggestPlacements(const Surfaces& surfaces,
 std::vector<Suggestion> suggestPlacements(const geometry::TriangleMesh& object_O,
                                           const contact::Patch& patch,
                                           const hand::Skin& skin,
-                                          const Placement& present,
+                                          const PatchPlacement& present,
                                           const SuggestOptions& options,
                                           const TransferOptions& transfer_options,
                                           const Progress& progress) {

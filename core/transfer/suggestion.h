@@ -18,7 +18,7 @@ void validate(const SuggestOptions& options);
 
 /// One other placement of a patch and what would come of it.
 struct Suggestion {
-  Placement placement;
+  PatchPlacement placement;
   double moved_m = 0.0;  ///< geodesic distance from the present root
   /// Of the direction, after `movedTo` carried it to the new root: turning that by this angle
   /// (`turned`) gives the placement's direction, bit for bit.
@@ -37,7 +37,7 @@ struct Suggestion {
 std::vector<Suggestion> suggestPlacements(const geometry::TriangleMesh& object_O,
                                           const contact::Patch& patch,
                                           const hand::Skin& skin,
-                                          const Placement& present,
+                                          const PatchPlacement& present,
                                           const SuggestOptions& options,
                                           const TransferOptions& transfer_options,
                                           const Progress& progress);
@@ -46,7 +46,7 @@ std::vector<Suggestion> suggestPlacements(const geometry::TriangleMesh& object_O
 std::vector<Suggestion> suggestPlacements(const Surfaces& surfaces,
                                           StagedTransfer staged,
                                           const contact::Patch& patch,
-                                          const Placement& present,
+                                          const PatchPlacement& present,
                                           const SuggestOptions& options,
                                           const TransferOptions& transfer_options,
                                           const Progress& progress);

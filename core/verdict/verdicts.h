@@ -9,7 +9,7 @@
 
 namespace handgraft::verdict {
 
-/// What a solution says of itself (DESIGN 3.4): the diagnosis of its pose together with what
+/// What a solution says of itself: the diagnosis of its pose together with what
 /// was known of sizes before, and both in words.
 struct Verdicts {
   optimize::Diagnosis diagnosis;

@@ -8,16 +8,16 @@
 #include "core/base/error.h"
 #include "hardware/bridge/calibration_keeper.h"
 #include "hardware/bridge/command_filter.h"
-#include "hardware/bridge/doorbell.h"
+#include "hardware/bridge/duplicate_bridge_monitor.h"
 #include "hardware/bridge/hand_choice.h"
 #include "hardware/bridge/inbox.h"
 #include "hardware/bridge/motion_thread.h"
 #include "hardware/bridge/own_refusal.h"
 #include "hardware/bridge/publisher.h"
-#include "hardware/bridge/rival_watch.h"
 #include "hardware/bridge/server_watch.h"
 #include "hardware/bridge/stream_feed.h"
 #include "hardware/bridge/trajectory_feed.h"
+#include "hardware/bridge/wake_event.h"
 #include "idl/topics.h"
 
 namespace handgraft::bridge {
@@ -413,9 +413,9 @@ struct Bridge::Impl {
   BridgeOptions options;
   std::atomic<bool>& estop;
   Report report;
-  const std::shared_ptr<Doorbell> bell = std::make_shared<Doorbell>();
+  const std::shared_ptr<WakeEvent> bell = std::make_shared<WakeEvent>();
   CommandFilter filter;
-  RivalWatch rivals;
+  DuplicateBridgeMonitor rivals;
   StreamFeed feed;
   ServerWatch watch;
   HandChoice choice;

@@ -4,7 +4,7 @@
 #include <functional>
 #include <memory>
 
-#include "hardware/bridge/doorbell.h"
+#include "hardware/bridge/wake_event.h"
 #include "idl/cyclone/participant.h"
 
 namespace handgraft::bridge {
@@ -17,7 +17,7 @@ class Inbox {
   /// `bell`: none to be taken from now and then.
   Inbox(const idl::cyclone::Participant& participant,
         const idl::Topic<Message>& topic,
-        const std::shared_ptr<Doorbell>& bell)
+        const std::shared_ptr<WakeEvent>& bell)
       : has_come_(std::make_shared<std::atomic<bool>>(true)),
         reader_(participant, topic, [has_come = has_come_, bell] {
           *has_come = true;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hardware/bridge/device_factory.h"
+#include "hardware/bridge/encoder_zero_monitor.h"
 #include "hardware/bridge/hand_homing.h"
 #include "hardware/bridge/motion_state.h"
 #include "hardware/bridge/motor_path.h"
@@ -14,7 +15,6 @@
 #include "hardware/bridge/request_ring.h"
 #include "hardware/bridge/sample_path.h"
 #include "hardware/bridge/timed_pose_ring.h"
-#include "hardware/bridge/zero_watch.h"
 #include "hardware/safety/governor.h"
 #include "idl/hardware.h"
 
@@ -110,7 +110,7 @@ class Motion {
   MotorPath path_;
   SamplePath samples_;
   DeviceStack stack_;
-  ZeroWatch zeros_;
+  EncoderZeroMonitor zeros_;
   MotorWatch motors_;
   std::unique_ptr<HandHoming> homing_;
 

@@ -14,7 +14,7 @@ constexpr std::chrono::seconds kEndPatience(1);  // beyond the braking time
 
 MotionThread::MotionThread(std::unique_ptr<Motion> motion,
                            std::atomic<bool>& estop_flag,
-                           std::shared_ptr<Doorbell> bell)
+                           std::shared_ptr<WakeEvent> bell)
     : motion_(std::move(motion)),
       config_(motion_->config()),
       estop_flag_(estop_flag),

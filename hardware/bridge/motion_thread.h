@@ -4,11 +4,11 @@
 #include <memory>
 #include <thread>
 
-#include "hardware/bridge/doorbell.h"
 #include "hardware/bridge/motion.h"
 #include "hardware/bridge/periodic.h"
 #include "hardware/bridge/request_ring.h"
 #include "hardware/bridge/triple_buffer.h"
+#include "hardware/bridge/wake_event.h"
 
 namespace handgraft::bridge {
 
@@ -25,7 +25,7 @@ class MotionThread {
   /// `bell` rings after each period. Errors: as of Motion.
   MotionThread(std::unique_ptr<Motion> motion,
                std::atomic<bool>& estop_flag,
-               std::shared_ptr<Doorbell> bell);
+               std::shared_ptr<WakeEvent> bell);
   /// Brakes, switches the motors off and ends; takes up to the braking time and 1 s.
   ~MotionThread();
   MotionThread(const MotionThread&) = delete;
@@ -63,7 +63,7 @@ class MotionThread {
   std::unique_ptr<Motion> motion_;
   config::HandConfig config_;
   std::atomic<bool>& estop_flag_;
-  const std::shared_ptr<Doorbell> bell_;
+  const std::shared_ptr<WakeEvent> bell_;
   std::atomic<bool> is_ending_{false};
   bool is_realtime_ = false;
   RequestRing requests_;

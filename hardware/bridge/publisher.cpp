@@ -30,7 +30,7 @@ Publisher::Publisher(const idl::cyclone::Participant& participant,
                      const std::string& ros_namespace,
                      std::uint32_t bridge_id,
                      RosNode::Obey obey,
-                     const std::shared_ptr<Doorbell>& bell)
+                     const std::shared_ptr<WakeEvent>& bell)
     : joint_states_(participant, idl::kJointStateTopic),
       statuses_(participant, idl::kBridgeStatusTopic),
       ros_(participant, ros_namespace, bridge_id, std::move(obey), bell) {}

@@ -5,10 +5,10 @@
 #include <memory>
 #include <string>
 
-#include "hardware/bridge/doorbell.h"
 #include "hardware/bridge/motion_state.h"
 #include "hardware/bridge/ros_node.h"
 #include "hardware/bridge/telemetry.h"
+#include "hardware/bridge/wake_event.h"
 #include "idl/cyclone/participant.h"
 
 namespace handgraft::bridge {
@@ -25,7 +25,7 @@ class Publisher {
             const std::string& ros_namespace,
             std::uint32_t bridge_id,
             RosNode::Obey obey,
-            const std::shared_ptr<Doorbell>& bell);
+            const std::shared_ptr<WakeEvent>& bell);
 
   /// Whether `publish` would tell this status now.
   [[nodiscard]] bool isDue(const v1::BridgeStatus& status, Clock::time_point now) const;

@@ -75,7 +75,7 @@ class Service {
   Service(const Participant& participant,
           const std::string& node,
           const Verb& verb,
-          const std::shared_ptr<Doorbell>& bell)
+          const std::shared_ptr<WakeEvent>& bell)
       : verb_(verb),
         request_name_(fmt::format("rq/{}/{}Request", node, verb.name)),
         reply_name_(fmt::format("rr/{}/{}Reply", node, verb.name)),
@@ -245,7 +245,7 @@ struct RosNode::Impl {
        const std::string& ros_namespace,
        std::uint32_t bridge_id,
        Obey told,
-       const std::shared_ptr<Doorbell>& bell)
+       const std::shared_ptr<WakeEvent>& bell)
       : obey(std::move(told)),
         prefix(ros_namespace.empty() ? "" : rosNamespace(ros_namespace) + "/"),
         name(prefix + (bridge_id == 1 ? "handgraft_bridge"
@@ -278,7 +278,7 @@ RosNode::RosNode(const Participant& participant,
                  const std::string& ros_namespace,
                  std::uint32_t bridge_id,
                  Obey obey,
-                 const std::shared_ptr<Doorbell>& bell)
+                 const std::shared_ptr<WakeEvent>& bell)
     : impl_(std::make_unique<Impl>(
           participant, ros_namespace, bridge_id, std::move(obey), bell)) {}
 

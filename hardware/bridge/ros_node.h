@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "hardware/bridge/doorbell.h"
 #include "hardware/bridge/motion_state.h"
 #include "hardware/bridge/telemetry.h"
+#include "hardware/bridge/wake_event.h"
 #include "idl/cyclone/participant.h"
 #include "idl/hardware.h"
 #include "idl/ros2.h"
@@ -51,7 +51,7 @@ class RosNode {
           const std::string& ros_namespace,
           std::uint32_t bridge_id,
           Obey obey,
-          const std::shared_ptr<Doorbell>& bell);
+          const std::shared_ptr<WakeEvent>& bell);
   ~RosNode();
 
   /// Takes requests and obeys them, and answers those that are settled by `status`.

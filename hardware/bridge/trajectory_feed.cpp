@@ -73,7 +73,7 @@ ReadTrajectory readTrajectory(const trajectory_msgs::msg::dds_::JointTrajectory_
 }
 
 TrajectoryFeed::TrajectoryFeed(const idl::cyclone::Participant& participant,
-                               std::shared_ptr<Doorbell> bell)
+                               std::shared_ptr<WakeEvent> bell)
     : participant_(participant),
       written_(participant,
                kPrefix,

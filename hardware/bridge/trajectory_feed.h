@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include "hardware/bridge/doorbell.h"
 #include "hardware/bridge/inbox.h"
 #include "hardware/bridge/timed_pose_ring.h"
+#include "hardware/bridge/wake_event.h"
 #include "idl/cyclone/participant.h"
 #include "idl/cyclone/written_topics.h"
 #include "idl/ros2.h"
@@ -43,7 +43,7 @@ class TrajectoryFeed {
   using Use = std::function<void(std::uint64_t session, const Message&)>;
 
   /// `bell` rings when a sample has come.
-  TrajectoryFeed(const idl::cyclone::Participant& participant, std::shared_ptr<Doorbell> bell);
+  TrajectoryFeed(const idl::cyclone::Participant& participant, std::shared_ptr<WakeEvent> bell);
 
   /// Listens to a session's samples once somebody writes some, until it is closed; to 32 at
   /// most: then others wait until one of them is written no more.
@@ -65,7 +65,7 @@ class TrajectoryFeed {
   std::shared_ptr<std::atomic<bool>> has_news_ = std::make_shared<std::atomic<bool>>(true);
   idl::cyclone::WrittenTopics written_;
   std::map<std::uint64_t, Listener> listeners_;
-  std::shared_ptr<Doorbell> bell_;
+  std::shared_ptr<WakeEvent> bell_;
 };
 
 }  // namespace handgraft::bridge

@@ -71,7 +71,7 @@ constexpr Rule kRules[] = {
        putFile(c.body().put_file(), c.sender, c.context);
      }>},
     {v1::OP_LOAD_MODEL, Lane::kPool, Leaves::kModel, kDone<[](const Call& c, Body& reply) {
-       reply.models(loadModel(c.body().load_model(), c.sender, c.context, c.mark(), c.progress));
+       reply.models(loadModel(c.body().load_model(), c.sender, c.context, c.request_key(), c.progress));
      }>},
     {v1::OP_LIST_MODELS, Lane::kQuick, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
        reply.models(listModels(c.context));
@@ -80,23 +80,23 @@ constexpr Rule kRules[] = {
        reply.model(describeModel(c.body().describe_model(), c.context, c.progress));
      }>},
     {v1::OP_UNLOAD_MODEL, Lane::kQuick, Leaves::kItsEnd, kDone<[](const Call& c, Body&) {
-       unloadModel(c.body().unload_model(), c.context, c.mark());
+       unloadModel(c.body().unload_model(), c.context, c.request_key());
      }>},
     {v1::OP_POSE_CONTACTS, Lane::kPool, Leaves::kModel, kDone<[](const Call& c, Body& reply) {
-       reply.models(contactsOfPose(c.body().pose_contacts(), c.context, c.mark(), c.progress));
+       reply.models(contactsOfPose(c.body().pose_contacts(), c.context, c.request_key(), c.progress));
      }>},
     {v1::OP_MAKE_VARIANT, Lane::kPool, Leaves::kModel, kDone<[](const Call& c, Body& reply) {
-       reply.models(makeVariant(c.body().variant(), c.context, c.mark()));
+       reply.models(makeVariant(c.body().variant(), c.context, c.request_key()));
      }>},
     {v1::OP_SWEEP, Lane::kPool, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
        reply.sweep(sweepHand(c.body().sweep(), c.context, c.progress));
      }>},
 
     {v1::OP_OPEN_SESSION, Lane::kPool, Leaves::kSession, kDone<[](const Call& c, Body& reply) {
-       reply.session(openSession(c.body().open_session(), c.context, c.mark(), c.progress));
+       reply.session(openSession(c.body().open_session(), c.context, c.request_key(), c.progress));
      }>},
     {v1::OP_LOAD_SESSION, Lane::kPool, Leaves::kSession, kDone<[](const Call& c, Body& reply) {
-       reply.session(loadSession(c.body().load_session(), c.context, c.mark(), c.progress));
+       reply.session(loadSession(c.body().load_session(), c.context, c.request_key(), c.progress));
      }>},
     {v1::OP_REPLAY, Lane::kPool, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
        reply.replay(replaySession(c.body().replay(), c.context, c.progress));
@@ -108,7 +108,7 @@ constexpr Rule kRules[] = {
        reply.sessions(listSessions(c.context));
      }>},
     {v1::OP_CLOSE_SESSION, Lane::kSession, Leaves::kItsEnd, kDone<[](const Call& c, Body&) {
-       closeSession(c.live(), c.context, c.mark());
+       closeSession(c.live(), c.context, c.request_key());
      }>},
     {v1::OP_SESSION_SETTINGS, Lane::kSession, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
        reply.settings(sessionSettings(c.live()));
@@ -179,29 +179,29 @@ Lane laneOf(v1::Operation operation) {
   return ruleOf(operation).lane;
 }
 
-Mark Call::mark() const {
-  Mark mark = markOf(sender, request.client(), request.request_id());
-  mark.who = who();
-  return mark;
+RequestKey Call::request_key() const {
+  RequestKey request_key = requestKeyOf(sender, request.client(), request.request_id());
+  request_key.who = who();
+  return request_key;
 }
 
 Who Call::who() const {
   return context.bus == nullptr ? Who() : context.bus->whoIs(sender);
 }
 
-Mark markOf(const Sender& sender, const v1::ClientId& client, std::uint64_t number) {
-  Mark mark;
-  mark.asker.assign(sender.begin(), sender.end());
-  mark.asker.append(client.begin(), client.end());
-  mark.number = number;
-  return mark;
+RequestKey requestKeyOf(const Sender& sender, const v1::ClientId& client, std::uint64_t number) {
+  RequestKey request_key;
+  request_key.asker.assign(sender.begin(), sender.end());
+  request_key.asker.append(client.begin(), client.end());
+  request_key.number = number;
+  return request_key;
 }
 
 std::optional<Body> replyBefore(const Call& call) {
   const v1::Operation operation = call.body()._d();
   const Leaves leaves = ruleOf(operation).leaves;
   if (call.context.state == nullptr || leaves == Leaves::kNothing) return std::nullopt;
-  const auto kept = call.context.state->request(call.mark());
+  const auto kept = call.context.state->request(call.request_key());
   if (!kept) return std::nullopt;
   Body reply = emptyBody();
   if (leaves == Leaves::kSession) {

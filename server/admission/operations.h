@@ -33,7 +33,7 @@ struct Call {
   [[nodiscard]] LiveSession& live() const { return *session; }
 
   /// The request, as the store tells it from others, and who asked.
-  [[nodiscard]] Mark mark() const;
+  [[nodiscard]] RequestKey request_key() const;
 
   [[nodiscard]] Who who() const;
 };
@@ -44,7 +44,7 @@ struct Call {
 std::optional<v1::ReplyBody> perform(const Call& call);
 
 /// A request or an edit, as the store tells it from others.
-Mark markOf(const Sender& sender, const v1::ClientId& client, std::uint64_t number);
+RequestKey requestKeyOf(const Sender& sender, const v1::ClientId& client, std::uint64_t number);
 
 /// What a request that leaves something behind was answered by a server before this one;
 /// nothing if none did it. Errors: Rejection (ERROR_NOT_FOUND) for a session closed since.

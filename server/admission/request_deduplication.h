@@ -30,11 +30,11 @@ struct DeduplicationLimits {
 /// has been silent longest is forgotten as a whole when there are more than `clients`.
 ///
 /// Threads: all methods from any thread. Cost: O(log n).
-/// `Asker`: what tells one client from another.
-template <class Answer, class Asker = std::array<std::uint8_t, 16>>
+/// `RequestOrigin`: what tells one client from another.
+template <class Answer, class RequestOrigin = std::array<std::uint8_t, 16>>
 class RequestDeduplication {
  public:
-  using ClientId = Asker;
+  using ClientId = RequestOrigin;
 
   enum class Verdict {
     kNew,       ///< do it, then `answer`

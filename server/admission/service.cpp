@@ -49,15 +49,16 @@ Service::Service(Bus& bus, ModelStore& models, const ServiceOptions& options)
       started_(Clock::now()),
       reader_(options.reader, options.reader_limits),
       sessions_(server_id_, options.most_sessions),
-      kept_models_(options.state != nullptr
-                       ? std::make_shared<KeptModels>(*options.state, models)
-                       : nullptr),
+      persisted_models_(options.state != nullptr
+                            ? std::make_shared<PersistedModels>(*options.state, models)
+                            : nullptr),
       quick_(1, kMostQuickWaiting),
       pool_(options.workers, options.most_waiting, options.patience, options.reserves),
-      context_{models,        uploads_,           reader_, sessions_, *this, pool_,
-               options.state, kept_models_.get(), &bus_} {
+      context_{models, uploads_, reader_,       sessions_,
+               *this,  pool_,    options.state, persisted_models_.get(),
+               &bus_} {
   if (options.state == nullptr) return;
-  kept_models_->listIn(models);
+  persisted_models_->listIn(models);
   listKeptSessions();
 }
 
@@ -139,7 +140,7 @@ void Service::publishStatusOnceASecond() {
     const Clock::time_point now = Clock::now();
     const Clock::duration held_up = now - std::exchange(last, now) - std::chrono::seconds(1);
     if (held_up > kHeldUp) forgive(held_up);
-    endForsakenAndLong();
+    cancelAbandonedAndOverdue();
     requests_.forgetSilent(kAnswersKept);
     edits_.forgetSilent(kAnswersKept);
     status_wake_.wait_for(lock, std::chrono::seconds(1), [this] {
@@ -155,7 +156,7 @@ void Service::forgive(Clock::duration held_up) {
     job->heard = std::min(now, job->heard + held_up);
 }
 
-void Service::endForsakenAndLong() {
+void Service::cancelAbandonedAndOverdue() {
   const Clock::time_point now = Clock::now();
   {
     const std::lock_guard lock(running_mutex_);

@@ -21,7 +21,7 @@
 #include "server/admission/packed_reply.h"
 #include "server/admission/request_deduplication.h"
 #include "server/handlers/handler_context.h"
-#include "server/handlers/kept_models.h"
+#include "server/handlers/persisted_models.h"
 #include "server/sessions/live_session.h"
 #include "server/store/upload_reader.h"
 #include "server/transport/bus.h"
@@ -78,26 +78,26 @@ class Service final : private BusListener, private SessionAudience {
  private:
   /// A client as it calls itself, of the participant that DDS names: who claims another's name
   /// is not taken for it.
-  struct Asker {
+  struct RequestOrigin {
     Sender sender{};
     v1::ClientId client{};
 
-    auto operator<=>(const Asker&) const = default;
+    auto operator<=>(const RequestOrigin&) const = default;
   };
 
-  using Key = std::pair<Asker, std::uint64_t>;
-  using Requests = RequestDeduplication<PackedReply, Asker>;
-  using Edits = RequestDeduplication<v1::EditReply, Asker>;
+  using Key = std::pair<RequestOrigin, std::uint64_t>;
+  using Requests = RequestDeduplication<PackedReply, RequestOrigin>;
+  using Edits = RequestDeduplication<v1::EditReply, RequestOrigin>;
 
   /// A request on its way through the server.
   struct Job {
     v1::Request request;
-    const Asker asker;
+    const RequestOrigin asker;
     Progress progress;
     std::chrono::steady_clock::time_point told{};
     std::string told_stage;
-    std::size_t bytes = 0;      ///< of the request in memory, once it is admitted
-    SolveCycle::Asked asked{};  ///< of its session, when it came
+    std::size_t bytes = 0;          ///< of the request in memory, once it is admitted
+    SolveCycle::StopEpoch asked{};  ///< of its session, when it came
     // Of `running_mutex_`.
     std::chrono::steady_clock::time_point heard = std::chrono::steady_clock::now();  ///< last
     std::optional<std::chrono::steady_clock::time_point> begun;  ///< computing
@@ -154,25 +154,25 @@ class Service final : private BusListener, private SessionAudience {
   /// an edit cut it short.
   bool answerWith(const JobPtr& job, const std::function<std::optional<v1::ReplyBody>()>& work);
   void refuse(const JobPtr& job, const std::exception_ptr& trouble);
-  void stopSolving(std::uint64_t session_id, const Asker& stopper);
+  void stopSolving(std::uint64_t session_id, const RequestOrigin& stopper);
   void runOfSession(const JobPtr& job, const std::shared_ptr<LiveSession>& live);
   void answer(const Job& job, v1::Reply reply);
-  void cancel(const Asker& asker, std::uint64_t request_id);
+  void cancel(const RequestOrigin& asker, std::uint64_t request_id);
   void tell(Job& job, std::string_view stage, double fraction);
 
   // === Edits
   /// `asked`: when the edit came.
   void runEdit(const std::shared_ptr<LiveSession>& live,
-               const Asker& asker,
+               const RequestOrigin& asker,
                const std::shared_ptr<const v1::Edit>& shared,
-               SolveCycle::Asked asked);
-  void dispatchEdit(const Asker& asker, const std::shared_ptr<const v1::Edit>& edit);
+               SolveCycle::StopEpoch asked);
+  void dispatchEdit(const RequestOrigin& asker, const std::shared_ptr<const v1::Edit>& edit);
   /// What a server before this one answered.
-  [[nodiscard]] std::optional<v1::EditReply> editBefore(const Asker& asker,
+  [[nodiscard]] std::optional<v1::EditReply> editBefore(const RequestOrigin& asker,
                                                         const v1::Edit& edit) const;
   /// Answers with the exception that is being handled.
-  void refuseEdit(const Asker& asker, const v1::Edit& edit, std::uint64_t revision);
-  void answerEdit(const Asker& asker, const v1::Edit& edit, v1::EditReply reply);
+  void refuseEdit(const RequestOrigin& asker, const v1::Edit& edit, std::uint64_t revision);
+  void answerEdit(const RequestOrigin& asker, const v1::Edit& edit, v1::EditReply reply);
   void queueSolve(const std::shared_ptr<LiveSession>& live);
 
   /// It was repeated: somebody still waits for it.
@@ -180,7 +180,7 @@ class Service final : private BusListener, private SessionAudience {
   /// Nobody could be heard for so long.
   void forgive(std::chrono::steady_clock::duration held_up);
   /// Cancels what nobody waits for any more, and what has had its time.
-  void endForsakenAndLong();
+  void cancelAbandonedAndOverdue();
   void publishStatusOnceASecond();
   void expireIdleSessions();
 
@@ -203,7 +203,7 @@ class Service final : private BusListener, private SessionAudience {
   UploadStore uploads_;
   UploadReader reader_;
   SessionStore sessions_;
-  std::shared_ptr<KeptModels> kept_models_;
+  std::shared_ptr<PersistedModels> persisted_models_;
 
   struct Waiting {
     WithSession then;

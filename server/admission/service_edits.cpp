@@ -24,7 +24,7 @@ void Service::onEdit(v1::Edit edit, const Sender& sender) {
         requireMeant(edit.server_id());
       }))
     return;
-  const Asker asker{sender, edit.client()};
+  const RequestOrigin asker{sender, edit.client()};
   const auto begun = edits_.begin(asker, edit.edit_id());
   if (begun.verdict == Edits::Verdict::kAnswered) bus_.publish(*begun.answer, sender);
   if (begun.verdict == Edits::Verdict::kForgotten) {
@@ -50,10 +50,10 @@ void Service::onEdit(v1::Edit edit, const Sender& sender) {
   }
 }
 
-std::optional<v1::EditReply> Service::editBefore(const Asker& asker,
+std::optional<v1::EditReply> Service::editBefore(const RequestOrigin& asker,
                                                  const v1::Edit& edit) const {
   if (options_.state == nullptr) return std::nullopt;
-  const auto kept = options_.state->edit(markOf(asker.sender, asker.client, edit.edit_id()));
+  const auto kept = options_.state->edit(requestKeyOf(asker.sender, asker.client, edit.edit_id()));
   if (!kept) return std::nullopt;
   v1::EditReply reply;
   reply.revision(kept->revision);
@@ -61,7 +61,8 @@ std::optional<v1::EditReply> Service::editBefore(const Asker& asker,
   return reply;
 }
 
-void Service::dispatchEdit(const Asker& asker, const std::shared_ptr<const v1::Edit>& edit) {
+void Service::dispatchEdit(const RequestOrigin& asker,
+                           const std::shared_ptr<const v1::Edit>& edit) {
   whenOpen(
       edit->session_id(),
       [this, asker, edit](const std::shared_ptr<LiveSession>& live) {
@@ -108,16 +109,16 @@ void Service::onDemonstrator(v1::DemonstratorFrame frame, const Sender& sender) 
 }
 
 void Service::runEdit(const std::shared_ptr<LiveSession>& live,
-                      const Asker& asker,
+                      const RequestOrigin& asker,
                       const std::shared_ptr<const v1::Edit>& shared,
-                      SolveCycle::Asked asked) {
+                      SolveCycle::StopEpoch asked) {
   if (live->is_asleep) return dispatchEdit(asker, shared);
   const v1::Edit& edit = *shared;
   v1::EditReply reply;
   try {
     if (live->isClosed()) reject(v1::ERROR_NOT_FOUND, "session {} is not open", live->id());
     idl::check(edit);
-    const Mark by = markOf(asker.sender, asker.client, edit.edit_id());
+    const RequestKey by = requestKeyOf(asker.sender, asker.client, edit.edit_id());
     reply = applyEdit(*live, edit, context_.models, by);
   } catch (...) {
     refuseEdit(asker, edit, live->session().revision());
@@ -132,7 +133,9 @@ void Service::runEdit(const std::shared_ptr<LiveSession>& live,
   if (is_first) queueSolve(live);
 }
 
-void Service::refuseEdit(const Asker& asker, const v1::Edit& edit, std::uint64_t revision) {
+void Service::refuseEdit(const RequestOrigin& asker,
+                         const v1::Edit& edit,
+                         std::uint64_t revision) {
   ErrorReply error = errorReplyOf(std::current_exception());
   v1::EditReply reply;
   reply.revision(revision);
@@ -141,7 +144,9 @@ void Service::refuseEdit(const Asker& asker, const v1::Edit& edit, std::uint64_t
   answerEdit(asker, edit, std::move(reply));
 }
 
-void Service::answerEdit(const Asker& asker, const v1::Edit& edit, v1::EditReply reply) {
+void Service::answerEdit(const RequestOrigin& asker,
+                         const v1::Edit& edit,
+                         v1::EditReply reply) {
   reply.client(edit.client());
   reply.edit_id(edit.edit_id());
   reply.session_id(edit.session_id());

@@ -105,7 +105,7 @@ void Service::admit(const JobPtr& job) {
   const std::lock_guard lock(running_mutex_);
   const Sender& sender = job->asker.sender;
   std::size_t mine = 0;
-  for (auto at = running_.lower_bound({Asker{sender, {}}, 0});
+  for (auto at = running_.lower_bound({RequestOrigin{sender, {}}, 0});
        at != running_.end() && at->first.first.sender == sender; ++at)
     ++mine;
   if (mine >= options_.most_per_client) {
@@ -181,7 +181,7 @@ void Service::dispatchToSession(const JobPtr& job) {
       });
 }
 
-void Service::stopSolving(std::uint64_t session_id, const Asker& stopper) {
+void Service::stopSolving(std::uint64_t session_id, const RequestOrigin& stopper) {
   if (sessions_.asleep(session_id)) return;  // nothing is solved there
   const std::shared_ptr<LiveSession> live = sessions_.find(session_id);
   requireMayDo(v1::OP_STOP_SOLVING, *live, bus_.whoIs(stopper.sender));
@@ -264,7 +264,7 @@ void Service::answer(const Job& job, v1::Reply reply) {
   bus_.publish(reply, job.asker.sender);
 }
 
-void Service::cancel(const Asker& asker, std::uint64_t request_id) {
+void Service::cancel(const RequestOrigin& asker, std::uint64_t request_id) {
   {
     const std::lock_guard lock(running_mutex_);
     const auto found = running_.find({asker, request_id});

@@ -2,7 +2,7 @@
 
 namespace handgraft::server {
 
-bool steersSession(v1::Operation operation) {
+bool modifiesSession(v1::Operation operation) {
   switch (operation) {
     case v1::OP_CLOSE_SESSION:
     case v1::OP_OPTIMIZE:
@@ -16,7 +16,7 @@ bool steersSession(v1::Operation operation) {
 }
 
 void requireMayDo(v1::Operation operation, const LiveSession& live, const Who& who) {
-  if (steersSession(operation)) requireMaySteer(live.access(), who, live.id());
+  if (modifiesSession(operation)) requireMaySteer(live.access(), who, live.id());
 }
 
 }  // namespace handgraft::server

@@ -27,7 +27,7 @@ SessionAccess accessOfNew(const Who& opener) {
   return {opener->name, v1::ACCESS_OWNER, {}};
 }
 
-bool maySteer(const SessionAccess& access, const Who& who) {
+bool mayModify(const SessionAccess& access, const Who& who) {
   if (!who || access.access == v1::ACCESS_ALL) return true;
   if (isOwnerOrOperator(access, *who)) return true;
   return access.access == v1::ACCESS_LISTED && !who->name.empty() &&
@@ -36,7 +36,7 @@ bool maySteer(const SessionAccess& access, const Who& who) {
 }
 
 void requireMaySteer(const SessionAccess& access, const Who& who, std::uint64_t session) {
-  if (maySteer(access, who)) return;
+  if (mayModify(access, who)) return;
   reject(v1::ERROR_NOT_PERMITTED,
          "session {} is {} and not shared with {}: its owner or an operator can, by "
          "`handgraft session share {} {}`",

@@ -25,7 +25,7 @@ struct SessionAccess {
 SessionAccess accessOfNew(const Who& opener);
 
 /// In an open domain everybody may; operators may always.
-bool maySteer(const SessionAccess& access, const Who& who);
+bool mayModify(const SessionAccess& access, const Who& who);
 
 /// Errors: Rejection (ERROR_NOT_PERMITTED), which says whose it is and what to do.
 void requireMaySteer(const SessionAccess& access, const Who& who, std::uint64_t session);

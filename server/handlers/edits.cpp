@@ -47,7 +47,7 @@ void keepEdit(LiveSession& live,
               const session::LogEntry& entry,
               const session::EditResult& outcome,
               const ModelStore& models,
-              const Mark& by) {
+              const RequestKey& by) {
   SessionJournal& journal = *live.journal;
   std::vector<std::int64_t> rows;
   v1::ModelKey key;
@@ -69,7 +69,7 @@ void keepEdit(LiveSession& live,
 v1::EditReply applyEdit(LiveSession& live,
                         const v1::Edit& edit,
                         const ModelStore& models,
-                        const Mark& by) {
+                        const RequestKey& by) {
   session::Session& session = live.session();
   requireBase(live, edit, session.revision());
   session::Edit change = editFrom(edit.body());

@@ -16,6 +16,6 @@ namespace handgraft::server {
 v1::EditReply applyEdit(LiveSession& live,
                         const v1::Edit& edit,
                         const ModelStore& models,
-                        const Mark& by);
+                        const RequestKey& by);
 
 }  // namespace handgraft::server

@@ -6,7 +6,7 @@
 
 #include "idl/models.h"
 #include "server/handlers/handler_context.h"
-#include "server/handlers/kept_models.h"
+#include "server/handlers/persisted_models.h"
 #include "server/store/model_store.h"
 
 namespace handgraft::server {
@@ -17,16 +17,16 @@ namespace handgraft::server {
 template <class Model, class RecipeOf>
 v1::ModelList enterModel(Model model,
                          HandlerContext& context,
-                         const Mark& by,
+                         const RequestKey& by,
                          const std::string& operation,
                          const RecipeOf& recipe) {
   const v1::ModelSummary summary = summaryOf(model);
   v1::ModelList reply;
   reply.models().push_back(summary);
   if (!context.models.lacks(summary.kind(), summary.name(), model.origin.content)) return reply;
-  if (context.kept_models != nullptr) {
+  if (context.persisted_models != nullptr) {
     model.origin.row =
-        context.kept_models->keep(summary, model.origin, recipe(), by, operation);
+        context.persisted_models->keep(summary, model.origin, recipe(), by, operation);
   } else {
     model.origin.recipe = std::make_shared<const ModelRecipe>(recipe());
   }

@@ -62,7 +62,7 @@ Standing standingOf(LiveSession& live, const Progress& progress) {
   standing.grasp.hand = document.hand;
   standing.grasp.object = document.object;
   standing.grasp.model = session.hand().model;
-  standing.grasp.object_O = session.shelf().object(document.object, progress);
+  standing.grasp.object_O = session.cache().object(document.object, progress);
   standing.grasp.pose = standing.solution.report.pose;
   standing.grasp.X_WO = document.X_WO;
   return standing;

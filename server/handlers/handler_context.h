@@ -12,10 +12,10 @@
 
 namespace handgraft::server {
 
-class Bus;         // transport/bus.h
-class KeptModels;  // handlers/kept_models.h
-class StateStore;  // store/state_store.h
-struct Mark;
+class Bus;              // transport/bus.h
+class PersistedModels;  // handlers/persisted_models.h
+class StateStore;       // store/state_store.h
+struct RequestKey;
 
 /// What handlers work with. Outlives every request.
 struct HandlerContext {
@@ -27,7 +27,7 @@ struct HandlerContext {
   StrandPool& pool;  ///< where sessions' strands run
   /// What outlives the server; both null: nothing does.
   StateStore* state = nullptr;
-  KeptModels* kept_models = nullptr;
+  PersistedModels* persisted_models = nullptr;
   const Bus* bus = nullptr;  ///< that knows who asks; null: nobody does
 
   /// Solves going on: they share the processors.

@@ -9,9 +9,9 @@
 #include "core/base/error.h"
 #include "core/io/session_file.h"
 #include "idl/json.h"
-#include "server/handlers/kept_models.h"
 #include "server/handlers/motions.h"
 #include "server/handlers/optimize.h"
+#include "server/handlers/persisted_models.h"
 #include "server/store/model_source.h"
 
 namespace handgraft::server {
@@ -65,7 +65,7 @@ void play(LiveSession& live,
 
 void keepSession(LiveSession& live,
                  HandlerContext& context,
-                 const Mark& by,
+                 const RequestKey& by,
                  const std::string& operation) {
   if (context.state == nullptr) return;
   live.journal = std::make_unique<SessionJournal>(*context.state, live.id(), 0, 0);
@@ -82,7 +82,7 @@ std::shared_ptr<LiveSession> openKeptSession(std::uint64_t id,
                                              const Progress& progress) {
   const KeptSession kept = context.state->session(id);
   const io::SessionFile file = io::readSessionText(kept.text);
-  const auto models = context.kept_models->named(kept.models);
+  const auto models = context.persisted_models->named(kept.models);
   session::SessionModels made = kept.motion.empty()
                                     ? sessionModels(file.hand, file.object, file.contacts,
                                                     *models, sourceOf(models), progress)
@@ -104,7 +104,7 @@ std::shared_ptr<LiveSession> openKeptSession(std::uint64_t id,
   live->journal = std::make_unique<SessionJournal>(
       *context.state, id, kept.next + kept.entries.size(), kept.entries.size());
   for (const std::int64_t row : kept.models) {
-    const KeptModel model = context.state->model(row);
+    const PersistedModel model = context.state->model(row);
     live->journal->names(static_cast<v1::ModelKind>(model.kind), model.name);
   }
   // Later than all that any server before this one told of it.

@@ -14,7 +14,7 @@ namespace handgraft::server {
 /// Writes a new session down, before anybody is told of it. Errors: as StateStore::addSession.
 void keepSession(LiveSession& live,
                  HandlerContext& context,
-                 const Mark& by,
+                 const RequestKey& by,
                  const std::string& operation);
 
 /// A session as it was told of last: same id, revision, history and pose, to the byte. It joins

@@ -34,7 +34,7 @@ class Loading {
   Loading(ReadRequest reading,
           std::string of_files,
           HandlerContext& context,
-          const Mark& by,
+          const RequestKey& by,
           const Progress& progress)
       : reading_(std::move(reading)),
         of_files_(std::move(of_files)),
@@ -121,7 +121,7 @@ class Loading {
   ReadRequest reading_;
   std::string of_files_;
   HandlerContext& context_;
-  const Mark& by_;
+  const RequestKey& by_;
   const Progress& progress_;
   std::string read_bytes_;  ///< what the reader gave last
 };
@@ -131,7 +131,7 @@ class Loading {
 v1::ModelList loadModel(const v1::LoadModelRequest& request,
                         const UploadStore::ClientId& client,
                         HandlerContext& context,
-                        const Mark& by,
+                        const RequestKey& by,
                         const Progress& progress) {
   const auto files = context.uploads.finish(client, request.upload_id());
   validateName(request.name());

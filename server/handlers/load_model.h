@@ -15,7 +15,7 @@ namespace handgraft::server {
 v1::ModelList loadModel(const v1::LoadModelRequest& request,
                         const UploadStore::ClientId& client,
                         HandlerContext& context,
-                        const Mark& by,
+                        const RequestKey& by,
                         const Progress& progress);
 
 }  // namespace handgraft::server

@@ -47,7 +47,7 @@ v1::ModelDescription describeModel(const v1::DescribeModelRequest& request,
   rejectInput("model kind {} does not exist", static_cast<unsigned>(request.model().kind()));
 }
 
-void unloadModel(const v1::ModelKey& key, HandlerContext& context, const Mark& by) {
+void unloadModel(const v1::ModelKey& key, HandlerContext& context, const RequestKey& by) {
   context.models.requireRemovable(key.kind(), key.name());
   if (context.state != nullptr)
     context.state->removeModel(static_cast<int>(key.kind()), key.name(), by, "unload_model");

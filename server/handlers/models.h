@@ -21,6 +21,6 @@ v1::ModelDescription describeModel(const v1::DescribeModelRequest& request,
                                    const HandlerContext& context,
                                    const Progress& progress);
 
-void unloadModel(const v1::ModelKey& key, HandlerContext& context, const Mark& by);
+void unloadModel(const v1::ModelKey& key, HandlerContext& context, const RequestKey& by);
 
 }  // namespace handgraft::server

@@ -310,7 +310,7 @@ v1::MotionSummary solveMotion(LiveSession& live,
                                                  ? *motion.solving
                                                  : motionSolvingFrom(request);
   FramesTold told_frames(live, motion);
-  const SolveEnd end = runInPhase(live, v1::PHASE_OPTIMIZING, Patience::kUnhurried, progress,
+  const SolveEnd end = runInPhase(live, v1::PHASE_OPTIMIZING, Preemption::kUnhurried, progress,
                                   [&](SolveCycle::Run&, const Progress& told) {
                                     follow(live, motion, solving, context, told);
                                   });
@@ -336,7 +336,7 @@ SolveEnd solveMotionAfterEdit(LiveSession& live,
                         retargeting::FrameRange range) {
     told_frames.tell(as_far, range);
   };
-  const SolveEnd end = runInPhase(live, v1::PHASE_OPTIMIZING, Patience::kAnswer, progress,
+  const SolveEnd end = runInPhase(live, v1::PHASE_OPTIMIZING, Preemption::kAnswer, progress,
                                   [&](SolveCycle::Run&, const Progress& told) {
                                     requireOwnObject(live, motion);
                                     follow(live, motion, *motion.solving, context, told, tell);

@@ -14,7 +14,7 @@ const retargeting::SolvedMotion& solvedOf(LiveSession& live);
 
 /// Has the session's hand follow its motion, and keeps the answer. Edits wait for its end;
 /// anybody may stop it. Of the session's strand.
-/// Errors: InvalidInput if the session holds no motion, and as session::solveMotion.
+/// Errors: InvalidInput if the session holds no motion, and as retargeting::solveMotion.
 v1::MotionSummary solveMotion(LiveSession& live,
                               const v1::SolveMotionRequest& request,
                               HandlerContext& context,

@@ -59,7 +59,7 @@ std::vector<v1::StageTime> timesOf(const LiveSession& live,
 
 /// Publishes a pose as soon as it is known, and keeps it for its diagnosis.
 void publishUndiagnosed(LiveSession& live,
-                        const session::Solving& solving,
+                        const session::SolverSettings& solving,
                         UndiagnosedPose pose) {
   pose.transfer_ms = std::exchange(live.took.untold_transfer_ms, 0.0);
   pose.message.options(toMessage(solving));
@@ -96,7 +96,7 @@ v1::PoseSolution diagnoseNow(LiveSession& live, const Progress& progress) {
   });
   SolveEnd end = SolveEnd::kDone;
   try {
-    end = cycle.run(told, Patience::kNone, [&](SolveCycle::Run& run) {
+    end = cycle.run(told, Preemption::kNone, [&](SolveCycle::Run& run) {
       publishDiagnosed(live, *pose, run.progress());
     });
   } catch (const std::exception& error) {
@@ -132,16 +132,16 @@ void diagnoseLater(LiveSession& live) {
 
 /// Solves, publishes better poses on the way, takes the answer and publishes it.
 void solveAndTake(LiveSession& live,
-                  const session::Solving& solving,
+                  const session::SolverSettings& solving,
                   bool places_stay,
                   HandlerContext& context,
                   SolveCycle::Run& solve,
                   const Progress& told) {
   session::Session& session = live.session();
-  bringUpToDate(live, told);
+  updateTransfers(live, told);
   if (!live.cycle().wasSolved()) {
     // Sizes that no pose can help are told before the search.
-    const std::string known = foretell(session, live.fit_check);
+    const std::string known = checkSizesAhead(session, live.fit_check);
     if (!known.empty()) live.enter(v1::PHASE_OPTIMIZING, known);
   }
   const Clock::time_point begin = Clock::now();
@@ -175,13 +175,13 @@ void solveAndTake(LiveSession& live,
 }
 
 SolveEnd solve(LiveSession& live,
-               const session::Solving& solving,
+               const session::SolverSettings& solving,
                bool places_stay,
                HandlerContext& context,
                const Progress& progress) {
   bool has_begun = false;
   const SolveEnd end =
-      runInPhase(live, v1::PHASE_OPTIMIZING, Patience::kAnswer, progress,
+      runInPhase(live, v1::PHASE_OPTIMIZING, Preemption::kAnswer, progress,
                  [&](SolveCycle::Run& run, const Progress& told) {
                    has_begun = true;
                    solveAndTake(live, solving, places_stay, context, run, told);
@@ -193,11 +193,11 @@ SolveEnd solve(LiveSession& live,
 }
 
 /// What stands after an undo, a redo or a restore needs no search.
-SolveEnd publishStanding(LiveSession& live, const Progress& progress) {
-  return runInPhase(live, v1::PHASE_TRANSFERRING, Patience::kUnhurried, progress,
+SolveEnd publishCurrentSolution(LiveSession& live, const Progress& progress) {
+  return runInPhase(live, v1::PHASE_TRANSFERRING, Preemption::kUnhurried, progress,
                     [&](SolveCycle::Run&, const Progress& told) {
                       session::Session& session = live.session();
-                      bringUpToDate(live, told);
+                      updateTransfers(live, told);
                       const Clock::time_point begin = Clock::now();
                       session::Solution standing = session.standing(told);
                       UndiagnosedPose pose;
@@ -220,12 +220,12 @@ std::optional<v1::PoseSolution> optimizePose(LiveSession& live,
   const bool stands = request.options().empty() && live.session().chosenMinimum() > 0 &&
                       !live.session().needsSolve();
   const auto solveAsAsked = [&] {
-    const session::Solving solving = request.options().empty()
-                                         ? live.session().document().solving
-                                         : solvingFrom(request.options().front());
+    const session::SolverSettings solving = request.options().empty()
+                                                ? live.session().document().solving
+                                                : solverSettingsFrom(request.options().front());
     return solve(live, solving, false, context, progress);
   };
-  const SolveEnd end = stands ? publishStanding(live, progress) : solveAsAsked();
+  const SolveEnd end = stands ? publishCurrentSolution(live, progress) : solveAsAsked();
   if (end == SolveEnd::kCutShort) return std::nullopt;
   requireDone(end, live);
   return diagnoseNow(live, progress);
@@ -236,7 +236,7 @@ SolveEnd solveAsItStands(LiveSession& live, HandlerContext& context, const Progr
   // Beside a motion that follows edits, the grasp that stands for it is shown as it is: a
   // search would move the prior of the motion, too.
   const auto solveFromThere = [&] {
-    session::Solving solving = session.document().solving;
+    session::SolverSettings solving = session.document().solving;
     const bool follows = session.document().start_is_known;
     if (follows && solving.starts == optimize::kDefaultStarts && !solving.paper) {
       solving.starts = kStartsAfterEdit;
@@ -244,7 +244,7 @@ SolveEnd solveAsItStands(LiveSession& live, HandlerContext& context, const Progr
     return solve(live, solving, follows, context, progress);
   };
   const SolveEnd end = !session.needsSolve() || followsEdits(live)
-                           ? publishStanding(live, progress)
+                           ? publishCurrentSolution(live, progress)
                            : solveFromThere();
   if (end == SolveEnd::kDone) diagnoseLater(live);
   return end;

@@ -152,7 +152,7 @@ std::string contentOf(const v1::PoseContactsRequest& request,
 
 v1::ModelList contactsOfPose(const v1::PoseContactsRequest& request,
                              HandlerContext& context,
-                             const Mark& by,
+                             const RequestKey& by,
                              const Progress& progress) {
   validateName(request.name());
   const auto hand = context.models.hand(request.hand());

@@ -15,7 +15,7 @@ namespace handgraft::server {
 /// that touches nothing (how far it is); Rejection as for loaded models; Cancelled.
 v1::ModelList contactsOfPose(const v1::PoseContactsRequest& request,
                              HandlerContext& context,
-                             const Mark& by,
+                             const RequestKey& by,
                              const Progress& progress);
 
 }  // namespace handgraft::server

@@ -8,7 +8,7 @@
 #include "core/io/session_file.h"
 #include "core/session/replay.h"
 #include "server/base/rejection.h"
-#include "server/handlers/held_models.h"
+#include "server/handlers/embedded_models.h"
 #include "server/handlers/motions.h"
 #include "server/handlers/optimize.h"
 #include "server/handlers/sessions.h"
@@ -66,14 +66,14 @@ io::MotionOfSession motionToSave(LiveSession& live, const HandlerContext& contex
 
 v1::SaveSessionReply saveSession(LiveSession& live, const HandlerContext& context) {
   v1::SaveSessionReply reply;
-  reply.text(
-      io::sessionText(live.session(), heldModels(live, context), motionToSave(live, context)));
+  reply.text(io::sessionText(live.session(), embeddedModels(live, context),
+                             motionToSave(live, context)));
   return reply;
 }
 
 v1::SessionState loadSession(const v1::LoadSessionRequest& request,
                              HandlerContext& context,
-                             const Mark& by,
+                             const RequestKey& by,
                              const Progress& progress) {
   const io::SessionFile file = io::readSessionText(request.text());
   const auto begin = std::chrono::steady_clock::now();

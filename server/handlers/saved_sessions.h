@@ -17,7 +17,7 @@ v1::SaveSessionReply saveSession(LiveSession& live, const HandlerContext& contex
 /// Rejection (ERROR_NOT_FOUND) for a model that there is not; as for openSession.
 v1::SessionState loadSession(const v1::LoadSessionRequest& request,
                              HandlerContext& context,
-                             const Mark& by,
+                             const RequestKey& by,
                              const Progress& progress);
 
 /// Plays a saved session's log from its first state, beside all open sessions; where it ends,

@@ -14,7 +14,7 @@ namespace handgraft::server {
 
 v1::SessionState openSession(const v1::OpenSessionRequest& request,
                              HandlerContext& context,
-                             const Mark& by,
+                             const RequestKey& by,
                              const Progress& progress) {
   const Pose X_WO = poseFrom(request.X_WO(), "X_WO");
   const optimize::Weights weights = weightsFrom(request.weights());
@@ -46,7 +46,7 @@ v1::SessionState openSession(const v1::OpenSessionRequest& request,
 std::shared_ptr<LiveSession> enterSession(session::Session session,
                                           double skin_ms,
                                           HandlerContext& context,
-                                          const Mark& by,
+                                          const RequestKey& by,
                                           const std::string& operation,
                                           const Progress& progress,
                                           std::optional<LiveMotion> motion) {
@@ -77,7 +77,7 @@ v1::SessionList listSessions(const HandlerContext& context) {
 
 void closeSession(LiveSession& live,
                   HandlerContext& context,
-                  const Mark& by,
+                  const RequestKey& by,
                   const std::string& why) {
   if (live.journal) live.journal->store().removeSession(live.id(), by, "close_session");
   live.journal = nullptr;

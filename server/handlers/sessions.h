@@ -13,7 +13,7 @@ namespace handgraft::server {
 /// Opens a session on models of the store. The first session on a hand makes its skin.
 v1::SessionState openSession(const v1::OpenSessionRequest& request,
                              HandlerContext& context,
-                             const Mark& by,
+                             const RequestKey& by,
                              const Progress& progress);
 
 /// Takes a session into the store and tells of it; `operation` made it, as asked for `by`
@@ -21,7 +21,7 @@ v1::SessionState openSession(const v1::OpenSessionRequest& request,
 std::shared_ptr<LiveSession> enterSession(session::Session session,
                                           double skin_ms,
                                           HandlerContext& context,
-                                          const Mark& by,
+                                          const RequestKey& by,
                                           const std::string& operation,
                                           const Progress& progress,
                                           std::optional<LiveMotion> motion = {});
@@ -34,7 +34,7 @@ v1::SessionList listSessions(const HandlerContext& context);
 /// is the last state's message. Errors: StorageError, and it stays open.
 void closeSession(LiveSession& live,
                   HandlerContext& context,
-                  const Mark& by,
+                  const RequestKey& by,
                   const std::string& why = "");
 
 }  // namespace handgraft::server

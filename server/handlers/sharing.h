@@ -7,7 +7,7 @@
 namespace handgraft::server {
 
 /// Says whom a session lets edit, and tells all who watch it. It is on disk when this returns.
-/// Of its strand. Errors: those of `shared` (sessions/session_access.h); StorageError, and
+/// Of its strand. Errors: those of `shared` (base/session_access.h); StorageError, and
 /// nothing changed.
 v1::SessionState shareSession(LiveSession& live,
                               const v1::ShareRequest& request,

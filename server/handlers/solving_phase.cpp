@@ -8,7 +8,7 @@ namespace handgraft::server {
 
 SolveEnd runInPhase(LiveSession& live,
                     v1::SessionPhase phase,
-                    Patience patience,
+                    Preemption patience,
                     const Progress& progress,
                     const SolvingStep& step) {
   const auto enterAndStep = [&](SolveCycle::Run& run) {

@@ -14,7 +14,7 @@ namespace handgraft::server {
 using SolvingStep = std::function<void(SolveCycle::Run& run, const Progress& told)>;
 SolveEnd runInPhase(LiveSession& live,
                     v1::SessionPhase phase,
-                    Patience patience,
+                    Preemption patience,
                     const Progress& progress,
                     const SolvingStep& step);
 

@@ -9,7 +9,7 @@ v1::SuggestReply suggestPlacements(LiveSession& live,
                                    const v1::SuggestRequest& request,
                                    const Progress& progress) {
   const transfer::SuggestOptions options = suggestOptionsFrom(request);
-  bringUpToDate(live, progress);
+  updateTransfers(live, progress);
   session::Session& session = live.session();
   const auto suggestions = session.suggest(request.patch(), options, progress);
 

@@ -84,7 +84,7 @@ v1::SweepReply sweepHand(const v1::SweepRequest& request,
   for (const v1::SweepAxis& axis : request.axes())
     axes.push_back(axisFrom(axis));
   sweep::SweepOptions options;
-  options.solving = solvingFrom(request.options());
+  options.solving = solverSettingsFrom(request.options());
   options.weights = weightsFrom(request.weights());
   options.transfer = transferOptionsFrom(request.transfer());
 

@@ -7,7 +7,7 @@
 
 namespace handgraft::server {
 
-void bringUpToDate(LiveSession& live, const Progress& progress) {
+void updateTransfers(LiveSession& live, const Progress& progress) {
   const auto& patches = live.session().patches();
   const bool is_stale =
       std::any_of(patches.begin(), patches.end(), [](const session::SessionPatch& patch) {
@@ -29,7 +29,7 @@ v1::TransferReply transferPatches(LiveSession& live, const Progress& progress) {
     progress.report(stage, fraction);
   });
   try {
-    bringUpToDate(live, told);
+    updateTransfers(live, told);
   } catch (const Cancelled&) {
     live.tellEnd(SolveEnd::kCancelled);
     throw;

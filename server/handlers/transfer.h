@@ -8,7 +8,7 @@ namespace handgraft::server {
 
 /// Lays what is not up to date onto the hand, and notes in `live` how long that took. Of the
 /// session's strand.
-void bringUpToDate(LiveSession& live, const Progress& progress);
+void updateTransfers(LiveSession& live, const Progress& progress);
 
 /// As above, in the phase of that name, and told to whoever asked. Of the session's strand.
 v1::TransferReply transferPatches(LiveSession& live, const Progress& progress);

@@ -69,7 +69,7 @@ StoredHand variantHand(const v1::VariantRequest& request, const StoredHand& pare
 
 v1::ModelList makeVariant(const v1::VariantRequest& request,
                           HandlerContext& context,
-                          const Mark& by) {
+                          const RequestKey& by) {
   const auto parent = context.models.hand(request.hand());
   return enterModel(variantHand(request, *parent), context, by, "make_variant", [&] {
     return ModelRecipe{kVariantForm, idl::jsonText(request), "", parent->origin.row,

@@ -12,7 +12,7 @@ namespace handgraft::server {
 /// Errors: InvalidInput as hand::makeVariant; Rejection as for loaded models.
 v1::ModelList makeVariant(const v1::VariantRequest& request,
                           HandlerContext& context,
-                          const Mark& by);
+                          const RequestKey& by);
 
 /// The variant alone.
 StoredHand variantHand(const v1::VariantRequest& request, const StoredHand& parent);

@@ -96,14 +96,14 @@ optimize::Weights weightsFrom(const std::vector<v1::Weights>& weights) {
   return weights.empty() ? optimize::Weights() : weightsFrom(weights.front());
 }
 
-session::Solving solvingFrom(const v1::SolveOptions& message) {
+session::SolverSettings solverSettingsFrom(const v1::SolveOptions& message) {
   const auto asked = [](std::uint32_t value, int usual, int most, const char* name) {
     if (value > static_cast<std::uint32_t>(most)) {
       rejectInput("{}: {} is outside 0-{}", name, value, most);
     }
     return value == 0 ? usual : static_cast<int>(value);
   };
-  session::Solving solving;
+  session::SolverSettings solving;
   // Also a default that is asked for by name does not go with the paper's way.
   if (message.paper() && message.solver() != v1::SOLVER_DEFAULT) {
     rejectInput("solver {}: the paper's way has its own, mma", nameOf(message.solver()));
@@ -179,7 +179,7 @@ v1::JointLimit limitOf(const std::string& joint, bool upper) {
   return limit;
 }
 
-v1::SolveOptions toMessage(const session::Solving& solving) {
+v1::SolveOptions toMessage(const session::SolverSettings& solving) {
   v1::SolveOptions message;
   message.paper(solving.paper);
   if (!solving.paper) {
@@ -268,7 +268,7 @@ v1::PoseSolution solutionMessage(const session::Session& session,
     one.object_W_m(flat(on_object_W));
     message.patches().push_back(std::move(one));
   }
-  for (const session::HeldPlace& place : session.document().held)
+  for (const session::PinnedPoint& place : session.document().held)
     message.held().push_back(heldMessage(place, model, report.pose));
   for (const optimize::ActiveLimit& limit : report.active_limits) {
     message.joints_at_limit().push_back(limitOf(model.dofJoint(limit.dof).name, limit.upper));

@@ -4,7 +4,7 @@
 
 #include "core/optimize/solve_report.h"
 #include "core/session/session.h"
-#include "core/session/solving.h"
+#include "core/session/solver_settings.h"
 #include "idl/models.h"
 #include "idl/sensor_msgs.h"
 #include "idl/service.h"
@@ -25,7 +25,7 @@ optimize::Weights weightsFrom(const v1::Weights& weights);
 Pose poseFrom(const std::vector<v1::Pose>& pose, const char* name);
 /// Zeros and empty names become the defaults. Errors: InvalidInput for what is out of range,
 /// and for a solver or starts beside the paper's way.
-session::Solving solvingFrom(const v1::SolveOptions& message);
+session::SolverSettings solverSettingsFrom(const v1::SolveOptions& message);
 
 // === To the wire
 
@@ -37,7 +37,7 @@ v1::Outcome toMessage(optimize::Outcome outcome);
 v1::JointKind kindOf(const hand::Joint& joint);
 v1::JointLimit limitOf(const std::string& joint, bool upper);
 /// Names what is a default, too.
-v1::SolveOptions toMessage(const session::Solving& solving);
+v1::SolveOptions toMessage(const session::SolverSettings& solving);
 v1::Terms toMessage(const optimize::Terms& terms);
 v1::MinimumInfo toMessage(const optimize::Minimum& minimum);
 

@@ -6,7 +6,7 @@
 
 #include "core/base/error.h"
 #include "core/hand/anatomy.h"
-#include "core/hand/hand_place.h"
+#include "core/hand/hand_location.h"
 #include "core/hand/joint_numbers.h"
 #include "core/hand/kinematics.h"
 #include "core/io/contact_file.h"
@@ -79,8 +79,8 @@ void addFingers(v1::HandDescription& message, const hand::Hand& hand) {
         "no place of its palm is known: patches of a palm are dropped");
 }
 
-v1::HandPlace placeMessage(const hand::HandPlace& place) {
-  v1::HandPlace message;
+v1::HandLocation placeMessage(const hand::HandLocation& place) {
+  v1::HandLocation message;
   message.digit(place.digit);
   message.segment(place.segment);
   // The contract counts on the palm from the wrist and from the little finger's side.

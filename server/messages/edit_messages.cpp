@@ -165,7 +165,7 @@ session::Edit editFrom(const v1::EditBody& body) {
     case v1::EDIT_PRIOR_SHARES:
       return session::PriorSharesEdit{sharesFrom(body.prior_shares())};
     case v1::EDIT_SOLVING:
-      return session::SolvingEdit{solvingFrom(body.solving())};
+      return session::SolverSettingsEdit{solverSettingsFrom(body.solving())};
     case v1::EDIT_DRAG:
       return dragFrom(body.drag());
     case v1::EDIT_CHOICE:
@@ -186,7 +186,7 @@ session::Edit editFrom(const v1::EditBody& body) {
       return session::ReleaseEdit{
           body.release().link().empty() ? "" : name(body.release().link(), "link")};
     case v1::EDIT_TAKE_BACK:
-      return session::TakeBackEdit{static_cast<int>(body.take_back().index())};
+      return session::RemoveTimedEdit{static_cast<int>(body.take_back().index())};
     case v1::EDIT_PATCH_PLACE:
     case v1::EDIT_MOTION:
       reject(v1::ERROR_UNSUPPORTED, "this server does not know edits of kind {} yet",

@@ -1,6 +1,6 @@
 #include "server/messages/session_messages.h"
 
-#include "core/session/held_places.h"
+#include "core/session/pinned_points.h"
 #include "server/messages/convert.h"
 #include "server/messages/transfer_messages.h"
 
@@ -68,10 +68,10 @@ v1::JointSetting jointSetting(const hand::HandModel& model,
 
 }  // namespace
 
-v1::HeldPlace heldMessage(const session::HeldPlace& place,
-                          const hand::HandModel& model,
-                          const hand::HandPose& pose) {
-  v1::HeldPlace message;
+v1::PinnedPoint heldMessage(const session::PinnedPoint& place,
+                            const hand::HandModel& model,
+                            const hand::HandPose& pose) {
+  v1::PinnedPoint message;
   message.link(place.link);
   message.p_L_m(toMessage(place.p_L));
   message.target_W_m(toMessage(place.target_W));
@@ -95,7 +95,7 @@ v1::SessionSettings settingsMessage(const session::Session& session) {
     message.patches().push_back(patchState(patch));
   for (int dof = 0; dof < model.dofCount(); ++dof)
     message.joints().push_back(jointSetting(model, document, dof));
-  for (const session::HeldPlace& place : document.held)
+  for (const session::PinnedPoint& place : document.held)
     message.held().push_back(heldMessage(place, model, document.start));
   message.snapshots(session.history().snapshotNames());
   message.undo(session.history().undoLabels(kMostSteps));

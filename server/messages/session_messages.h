@@ -11,9 +11,9 @@ namespace handgraft::server {
 v1::SessionSettings settingsMessage(const session::Session& session);
 
 /// A place that is held, and how far a pose has it off.
-v1::HeldPlace heldMessage(const session::HeldPlace& place,
-                          const hand::HandModel& model,
-                          const hand::HandPose& pose);
+v1::PinnedPoint heldMessage(const session::PinnedPoint& place,
+                            const hand::HandModel& model,
+                            const hand::HandPose& pose);
 
 v1::CompareReply toMessage(const std::vector<session::Difference>& differences);
 

@@ -98,7 +98,7 @@ void diagnose(const session::Session& session,
   message.too_large(verdicts.too_large);
 }
 
-std::string foretell(const session::Session& session, verdict::FitCheck& check) {
+std::string checkSizesAhead(const session::Session& session, verdict::FitCheck& check) {
   return lineOf(session, check.of(session, session.problem()));
 }
 

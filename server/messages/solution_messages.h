@@ -14,7 +14,7 @@ namespace handgraft::server {
 /// Adds what a final pose says of itself: verdicts, what limits would bring, sizes that do not
 /// fit, how deep the hand lies in the object and in itself. `check` is the session's.
 /// Errors: Cancelled on wish; the message is then to be dropped.
-/// Cost: as session::verdictsOf, and a millisecond; some 0.3 s where hand or object have no
+/// Cost: as verdict::verdictsOf, and a millisecond; some 0.3 s where hand or object have no
 /// solid yet.
 void diagnose(const session::Session& session,
               const optimize::PoseProblem& problem,
@@ -24,7 +24,7 @@ void diagnose(const session::Session& session,
               const Progress& progress);
 
 /// What is known of sizes before a search: the line for people, empty if all may fit.
-/// Transfer first. Cost: as session::FitCheck.
-std::string foretell(const session::Session& session, verdict::FitCheck& check);
+/// Transfer first. Cost: as verdict::FitCheck.
+std::string checkSizesAhead(const session::Session& session, verdict::FitCheck& check);
 
 }  // namespace handgraft::server

@@ -139,7 +139,7 @@ contact::Patch takePatch(ByteReader& in) {
     point = takeSurfacePoint(in);
   patch.weight = in.finite();
   if (!in.flag()) return patch;
-  hand::HandPlace& place = patch.place.emplace();
+  hand::HandLocation& place = patch.place.emplace();
   place.digit = in.text();
   place.segment = in.text();
   place.segment_count = in.number<std::int32_t>();

@@ -13,12 +13,12 @@ void SessionJournal::wrote() {
 }
 
 void SessionJournal::keepEdit(const std::string& entry,
-                              const Mark& mark,
+                              const RequestKey& request_key,
                               const KeptEdit& outcome,
                               const std::vector<std::int64_t>& models) {
   waiting_.push_back(entry);
   try {
-    store_.append(session_, next_, waiting_, &mark, outcome, models);
+    store_.append(session_, next_, waiting_, &request_key, outcome, models);
   } catch (...) {
     waiting_.pop_back();
     throw;

@@ -15,7 +15,7 @@ namespace handgraft::server {
 /// Of the session's strand. Errors of all that write: StorageError, Rejection (ERROR_STORAGE).
 class SessionJournal {
  public:
-  /// `next` is the number of the next entry, `long_ago` how many there are since the text.
+  /// `next` is the number of the next entry, `since` how many there are since the text.
   SessionJournal(StateStore& store,
                  std::uint64_t session,
                  std::uint64_t next,
@@ -24,7 +24,7 @@ class SessionJournal {
 
   /// An edit that is about to stand: it is on disk when this returns, or was not done.
   void keepEdit(const std::string& entry,
-                const Mark& mark,
+                const RequestKey& request_key,
                 const KeptEdit& outcome,
                 const std::vector<std::int64_t>& models);
 

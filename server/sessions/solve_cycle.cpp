@@ -40,8 +40,8 @@ SolveStage SolveCycle::stage() const {
   {
     const std::lock_guard lock(mutex_);
     if (running_ != nullptr) {
-      return running_->patience_ == Patience::kNone ? SolveStage::kDiagnosing
-                                                    : SolveStage::kSolving;
+      return running_->patience_ == Preemption::kNone ? SolveStage::kDiagnosing
+                                                      : SolveStage::kSolving;
     }
   }
   if (is_pending_) return SolveStage::kPending;
@@ -60,7 +60,7 @@ void SolveCycle::editTaken() {
   --edits_queued_;
 }
 
-bool SolveCycle::editApplied(Asked asked) {
+bool SolveCycle::editApplied(StopEpoch asked) {
   // Where the machine is so busy that one edit's solve after the other is cut short, the next
   // gets more time, within bounds.
   cut_short_ = std::min(cut_short_, kMostDoublingsForEdits);
@@ -80,9 +80,9 @@ void SolveCycle::takePending() {
 
 // === Stopping
 
-SolveCycle::Asked SolveCycle::asked() const {
+SolveCycle::StopEpoch SolveCycle::asked() const {
   const std::lock_guard lock(mutex_);
-  return Asked{stops_};
+  return StopEpoch{stops_};
 }
 
 void SolveCycle::stop(const v1::ClientId& stopper) {
@@ -111,20 +111,20 @@ std::string SolveCycle::whoStopped() const {
 
 // === Running
 
-std::chrono::nanoseconds SolveCycle::timeOf(Patience patience) const {
+std::chrono::nanoseconds SolveCycle::timeOf(Preemption patience) const {
   switch (patience) {
-    case Patience::kNone:
+    case Preemption::kNone:
       return std::chrono::nanoseconds(0);
-    case Patience::kAnswer:
+    case Preemption::kAnswer:
       return kLeastSolve * (1 << std::min(cut_short_, kMostDoublings));
-    case Patience::kUnhurried:
+    case Preemption::kUnhurried:
       break;
   }
   return std::chrono::nanoseconds::max();
 }
 
 SolveEnd SolveCycle::run(const Progress& whole,
-                         Patience patience,
+                         Preemption patience,
                          const std::function<void(Run&)>& step) {
   Run run(*this, whole, patience);
   if (run.is_stopped_) return SolveEnd::kStopped;
@@ -134,10 +134,10 @@ SolveEnd SolveCycle::run(const Progress& whole,
   } catch (const Cancelled&) {
     if (run.is_stopped_) return SolveEnd::kStopped;
     if (!run.is_cut_short_) return SolveEnd::kCancelled;
-    if (patience == Patience::kAnswer) ++cut_short_;
+    if (patience == Preemption::kAnswer) ++cut_short_;
     return SolveEnd::kCutShort;
   }
-  if (patience == Patience::kAnswer) cut_short_ = 0;
+  if (patience == Preemption::kAnswer) cut_short_ = 0;
   return SolveEnd::kDone;
 }
 
@@ -147,7 +147,7 @@ void SolveCycle::poseOut(unsigned long long revision, std::shared_ptr<Undiagnose
   undiagnosed_for_ = working_for_;
 }
 
-SolveCycle::Run::Run(SolveCycle& cycle, const Progress& whole, Patience patience)
+SolveCycle::Run::Run(SolveCycle& cycle, const Progress& whole, Preemption patience)
     : cycle_(cycle),
       progress_(whole,
                 [this, &whole](std::string_view stage, double fraction) {
@@ -159,8 +159,8 @@ SolveCycle::Run::Run(SolveCycle& cycle, const Progress& whole, Patience patience
       begin_(cycle.now_()) {
   const std::lock_guard lock(cycle_.mutex_);
   cycle_.running_ = this;
-  const bool diagnoses = patience == Patience::kNone;
-  if (Asked{cycle_.stops_} == (diagnoses ? cycle_.undiagnosed_for_ : cycle_.working_for_))
+  const bool diagnoses = patience == Preemption::kNone;
+  if (StopEpoch{cycle_.stops_} == (diagnoses ? cycle_.undiagnosed_for_ : cycle_.working_for_))
     return;
   is_stopped_ = true;
   progress_.cancel();

@@ -37,7 +37,7 @@ enum class SolveEnd {
 const char* nameOf(SolveEnd end);
 
 /// When an edit may cut a solve short.
-enum class Patience {
+enum class Preemption {
   kNone,       ///< at once: a diagnosis
   kAnswer,     ///< once it had its time, so that a stream of edits sees answers
   kUnhurried,  ///< never: what needs no search
@@ -54,7 +54,7 @@ class SolveCycle {
   using Now = std::function<Clock::time_point()>;
 
   /// A moment among the stops: a stop ends what was asked for before it.
-  enum class Asked : std::uint64_t {};
+  enum class StopEpoch : std::uint64_t {};
 
   class Run;
 
@@ -79,7 +79,7 @@ class SolveCycle {
   // === Stopping
 
   /// Of what is asked for now.
-  [[nodiscard]] Asked asked() const;
+  [[nodiscard]] StopEpoch asked() const;
 
   /// Stops what runs and what was asked for and has not begun, whoever asked for it: also by
   /// edits, which stay.
@@ -93,11 +93,11 @@ class SolveCycle {
   // === Of the strand
 
   /// What runs next was asked for then.
-  void workFor(Asked asked) { working_for_ = asked; }
+  void workFor(StopEpoch asked) { working_for_ = asked; }
 
   /// An edit was applied: the pose that is out is none of its, and a solve has to follow. True
   /// if none was on its way: it is to be put on the strand.
-  [[nodiscard]] bool editApplied(Asked asked);
+  [[nodiscard]] bool editApplied(StopEpoch asked);
   /// The solve that an edit cut short is put on the strand again, behind that edit: refused, it
   /// answers nothing. True as above.
   [[nodiscard]] bool solveAgain();
@@ -115,7 +115,9 @@ class SolveCycle {
   /// Runs `step(run)` as what edits may cut short and anybody may stop; not at all where
   /// somebody stopped what it answers before it began. Cancelled becomes an end; what else
   /// `step` throws passes through. Reports go to `whole`, and its wish to stop is heard.
-  SolveEnd run(const Progress& whole, Patience patience, const std::function<void(Run&)>& step);
+  SolveEnd run(const Progress& whole,
+               Preemption patience,
+               const std::function<void(Run&)>& step);
 
   /// A pose is out, of the session at `revision`, and is to be diagnosed; a stop of what it
   /// answers ends that, too.
@@ -138,7 +140,7 @@ class SolveCycle {
   }
 
  private:
-  [[nodiscard]] std::chrono::nanoseconds timeOf(Patience patience) const;
+  [[nodiscard]] std::chrono::nanoseconds timeOf(Preemption patience) const;
   /// `mutex_` held.
   void stopRunning(std::optional<v1::ClientId> stopper);
 
@@ -151,13 +153,13 @@ class SolveCycle {
   std::optional<v1::ClientId> stopper_;  ///< the last one; nothing: its time was over
 
   // Of the strand.
-  Asked working_for_{};
-  Asked pending_for_{};  ///< as of the last edit that the solve answers
+  StopEpoch working_for_{};
+  StopEpoch pending_for_{};  ///< as of the last edit that the solve answers
   bool is_pending_ = false;
   int requests_waiting_ = 0;
   int cut_short_ = 0;  ///< one after another, since the last that ended by itself
   std::shared_ptr<UndiagnosedPose> undiagnosed_;
-  Asked undiagnosed_for_{};  ///< what it answers was asked for then
+  StopEpoch undiagnosed_for_{};  ///< what it answers was asked for then
   std::optional<unsigned long long> solved_revision_;
 };
 
@@ -175,12 +177,12 @@ class SolveCycle::Run {
 
  private:
   friend class SolveCycle;
-  Run(SolveCycle& cycle, const Progress& whole, Patience patience);
+  Run(SolveCycle& cycle, const Progress& whole, Preemption patience);
   ~Run();
 
   SolveCycle& cycle_;
   Progress progress_;
-  const Patience patience_;
+  const Preemption patience_;
   const std::chrono::nanoseconds time_;  ///< that it has before edits cut it short
   const Clock::time_point begin_;
   std::atomic<bool> is_cut_short_{false};

@@ -28,7 +28,7 @@ session::SessionModels sessionModels(const std::string& hand,
                                      std::shared_ptr<session::ModelSource> source,
                                      const Progress& progress);
 
-/// The same of a motion: its contacts are the grasp that stands for it (session::graspOf).
+/// The same of a motion: its contacts are the grasp that stands for it (retargeting::graspOf).
 session::SessionModels motionModels(const std::string& hand,
                                     const std::string& object,
                                     const std::string& motion,

@@ -50,12 +50,12 @@ bool isSame(const geometry::TriangleMesh& a, const geometry::TriangleMesh& b) {
                       a.faces() == b.faces() && a.vertices() == b.vertices());
 }
 
-template <class Shelf>
-auto find(Shelf& shelf, v1::ModelKind kind, const std::string& name) {
-  const auto found = shelf.find(name);
-  if (found != shelf.end()) return found;
+template <class ModelMap>
+auto find(ModelMap& models, v1::ModelKind kind, const std::string& name) {
+  const auto found = models.find(name);
+  if (found != models.end()) return found;
   std::string names;
-  for (const auto& [other, model] : shelf) {
+  for (const auto& [other, model] : models) {
     names += (names.empty() ? "" : ", ") + other;
     if (names.size() > 400) {
       names += ", ...";
@@ -67,13 +67,13 @@ auto find(Shelf& shelf, v1::ModelKind kind, const std::string& name) {
 }
 
 /// False if it is there already. Errors: Rejection (ERROR_CONFLICT), (ERROR_OVERLOADED).
-template <class Shelf>
-bool finds(Shelf& shelf,
+template <class ModelMap>
+bool finds(ModelMap& models,
            v1::ModelKind kind,
            const std::string& name,
            const std::string& content) {
-  const auto found = shelf.find(name);
-  if (found != shelf.end()) {
+  const auto found = models.find(name);
+  if (found != models.end()) {
     const Origin& there = found->second.origin;
     if (!there.built_in && there.content == content) return false;
     reject(v1::ERROR_CONFLICT, "{} {} exists already, with {}; choose another name{}",
@@ -81,8 +81,8 @@ bool finds(Shelf& shelf,
            there.built_in ? "the server's own content" : "other content",
            there.built_in ? "" : " or unload it");
   }
-  if (shelf.size() >= kMostModels) {
-    reject(v1::ERROR_OVERLOADED, "there are {} models of this kind; unload some", shelf.size());
+  if (models.size() >= kMostModels) {
+    reject(v1::ERROR_OVERLOADED, "there are {} models of this kind; unload some", models.size());
   }
   return true;
 }
@@ -90,7 +90,7 @@ bool finds(Shelf& shelf,
 }  // namespace
 
 template <class Action>
-auto ModelStore::onShelf(v1::ModelKind kind, const Action& action) const {
+auto ModelStore::onModels(v1::ModelKind kind, const Action& action) const {
   switch (kind) {
     case v1::MODEL_HAND:
       return action(hands_);
@@ -105,13 +105,13 @@ auto ModelStore::onShelf(v1::ModelKind kind, const Action& action) const {
 }
 
 template <class Model>
-void ModelStore::put(Shelf<Model>& shelf, Model model, bool replace) {
+void ModelStore::put(ModelMap<Model>& models, Model model, bool replace) {
   validateName(model.name);
   const std::lock_guard lock(mutex_);
-  if (!replace && !finds(shelf, kindOf(model), model.name, model.origin.content)) return;
+  if (!replace && !finds(models, kindOf(model), model.name, model.origin.content)) return;
   const std::string name = model.name;
   const Origin origin = model.origin;
-  shelf[name] = {std::make_shared<const Model>(std::move(model)), origin, {}, nullptr};
+  models[name] = {std::make_shared<const Model>(std::move(model)), origin, {}, nullptr};
 }
 
 bool ModelStore::lacks(v1::ModelKind kind,
@@ -119,8 +119,8 @@ bool ModelStore::lacks(v1::ModelKind kind,
                        const std::string& content) const {
   validateName(name);
   const std::lock_guard lock(mutex_);
-  return onShelf(kind, [&](auto& shelf) {
-    return finds(shelf, kind, name, content);
+  return onModels(kind, [&](auto& models) {
+    return finds(models, kind, name, content);
   });
 }
 
@@ -129,27 +129,27 @@ void ModelStore::addKept(const v1::ModelSummary& summary,
                          std::shared_ptr<ModelKeeper> keeper) {
   validateName(summary.name());
   const std::lock_guard lock(mutex_);
-  onShelf(summary.kind(), [&](auto& shelf) {
+  onModels(summary.kind(), [&](auto& models) {
     // A name that the program's own library has taken since stands for that.
-    if (shelf.count(summary.name()) != 0) return;
-    shelf[summary.name()] = {nullptr, origin, summary, std::move(keeper)};
+    if (models.count(summary.name()) != 0) return;
+    models[summary.name()] = {nullptr, origin, summary, std::move(keeper)};
   });
 }
 
 template <class Model, class Read>
-std::shared_ptr<const Model> ModelStore::get(Shelf<Model>& shelf,
+std::shared_ptr<const Model> ModelStore::get(ModelMap<Model>& models,
                                              v1::ModelKind kind,
                                              const std::string& name,
                                              const Read& read) const {
   std::unique_lock lock(mutex_);
-  const Place<Model> place = find(shelf, kind, name)->second;
+  const Place<Model> place = find(models, kind, name)->second;
   if (place.model != nullptr) return place.model;
   lock.unlock();
   auto model = read(*place.keeper, place.origin.row);
   lock.lock();
   // Unless it was taken out meanwhile.
-  const auto found = shelf.find(name);
-  if (found != shelf.end() && found->second.origin.row == place.origin.row)
+  const auto found = models.find(name);
+  if (found != models.end() && found->second.origin.row == place.origin.row)
     found->second.model = model;
   return model;
 }
@@ -208,8 +208,8 @@ std::shared_ptr<const StoredMotion> ModelStore::motion(const std::string& name) 
 
 void ModelStore::requireRemovable(v1::ModelKind kind, const std::string& name) const {
   const std::lock_guard lock(mutex_);
-  onShelf(kind, [&](auto& shelf) {
-    if (!find(shelf, kind, name)->second.origin.built_in) return;
+  onModels(kind, [&](auto& models) {
+    if (!find(models, kind, name)->second.origin.built_in) return;
     reject(v1::ERROR_CONFLICT, "{} {} is the server's own and stays", nameOf(kind),
            handgraft::quoted(name));
   });
@@ -218,16 +218,16 @@ void ModelStore::requireRemovable(v1::ModelKind kind, const std::string& name) c
 void ModelStore::remove(v1::ModelKind kind, const std::string& name) {
   requireRemovable(kind, name);
   const std::lock_guard lock(mutex_);
-  onShelf(kind, [&](auto& shelf) {
-    shelf.erase(name);
+  onModels(kind, [&](auto& models) {
+    models.erase(name);
   });
 }
 
 std::vector<v1::ModelSummary> ModelStore::list() const {
   const std::lock_guard lock(mutex_);
   std::vector<v1::ModelSummary> all;
-  const auto add = [&](const auto& shelf) {
-    for (const auto& [name, place] : shelf)
+  const auto add = [&](const auto& models) {
+    for (const auto& [name, place] : models)
       all.push_back(place.model != nullptr ? summaryOf(*place.model) : place.summary);
   };
   add(hands_);

@@ -168,25 +168,25 @@ class ModelStore final : public NamedModels {
   };
 
   template <class Model>
-  using Shelf = std::map<std::string, Place<Model>>;
+  using ModelMap = std::map<std::string, Place<Model>>;
 
   template <class Model>
-  void put(Shelf<Model>& shelf, Model model, bool replace);
+  void put(ModelMap<Model>& models, Model model, bool replace);
   template <class Model, class Read>
-  std::shared_ptr<const Model> get(Shelf<Model>& shelf,
+  std::shared_ptr<const Model> get(ModelMap<Model>& models,
                                    v1::ModelKind kind,
                                    const std::string& name,
                                    const Read& read) const;
-  /// `action(shelf)` of that kind. Errors: InvalidInput if there is no such kind.
+  /// `action(models)` of that kind. Errors: InvalidInput if there is no such kind.
   template <class Action>
-  auto onShelf(v1::ModelKind kind, const Action& action) const;
+  auto onModels(v1::ModelKind kind, const Action& action) const;
 
   mutable std::mutex mutex_;
   // What is kept is put into its place by those who ask.
-  mutable Shelf<StoredHand> hands_;
-  mutable Shelf<StoredObject> objects_;
-  mutable Shelf<StoredContacts> contacts_;
-  mutable Shelf<StoredMotion> motions_;
+  mutable ModelMap<StoredHand> hands_;
+  mutable ModelMap<StoredObject> objects_;
+  mutable ModelMap<StoredContacts> contacts_;
+  mutable ModelMap<StoredMotion> motions_;
 };
 
 /// Names are 1-64 letters, digits, `_`, `-` and `.`, and do not begin with a dot: they appear

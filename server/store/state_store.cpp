@@ -139,7 +139,7 @@ void StateStore::requireRoom(std::uint64_t more, std::uint64_t most) const {
          held >> 20, limits_.bytes >> 20, (more >> 10) + 1);
 }
 
-void StateStore::noteRequest(const Mark& by,
+void StateStore::noteRequest(const RequestKey& by,
                              const std::string& operation,
                              std::int64_t subject) {
   if (by.asker.empty()) return;
@@ -158,7 +158,7 @@ void StateStore::noteRequest(const Mark& by,
 void StateStore::addSession(std::uint64_t id,
                             const KeptSession& session,
                             const std::string& state,
-                            const Mark& by,
+                            const RequestKey& by,
                             const std::string& operation) {
   const std::lock_guard lock(mutex_);
   requireRoom(session.text.size(), limits_.bytes);
@@ -189,7 +189,7 @@ void StateStore::addSession(std::uint64_t id,
 void StateStore::appendLocked(std::uint64_t id,
                               std::uint64_t first,
                               const std::vector<std::string>& entries,
-                              const Mark* edit,
+                              const RequestKey* edit,
                               const KeptEdit& outcome) {
   for (const std::string& entry : entries)
     statements_->entry.with(id, first++, entry).run();
@@ -203,7 +203,7 @@ void StateStore::appendLocked(std::uint64_t id,
 void StateStore::append(std::uint64_t id,
                         std::uint64_t first,
                         const std::vector<std::string>& entries,
-                        const Mark* edit,
+                        const RequestKey* edit,
                         const KeptEdit& outcome,
                         const std::vector<std::int64_t>& models) {
   const std::lock_guard lock(mutex_);
@@ -254,7 +254,9 @@ void StateStore::replaceText(std::uint64_t id,
   is_written_ = true;
 }
 
-void StateStore::removeSession(std::uint64_t id, const Mark& by, const std::string& operation) {
+void StateStore::removeSession(std::uint64_t id,
+                               const RequestKey& by,
+                               const std::string& operation) {
   const std::lock_guard lock(mutex_);
   Database::Transaction transaction(*database_);
   Statement(*database_, "DELETE FROM sessions WHERE id = ?").with(id).run();
@@ -309,7 +311,7 @@ KeptSession StateStore::session(std::uint64_t id) const {
 
 // === What was done for whom
 
-std::optional<KeptEdit> StateStore::edit(const Mark& edit) const {
+std::optional<KeptEdit> StateStore::edit(const RequestKey& edit) const {
   if (earlier_askers_.count(edit.asker) == 0) return std::nullopt;
   const std::lock_guard lock(mutex_);
   std::optional<KeptEdit> found;
@@ -321,7 +323,7 @@ std::optional<KeptEdit> StateStore::edit(const Mark& edit) const {
   return found;
 }
 
-std::optional<KeptRequest> StateStore::request(const Mark& request) const {
+std::optional<KeptRequest> StateStore::request(const RequestKey& request) const {
   const std::lock_guard lock(mutex_);
   std::optional<KeptRequest> found;
   statements_->find_request.with(Bytes{request.asker}, request.number);

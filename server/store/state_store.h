@@ -17,8 +17,9 @@
 
 namespace handgraft::server {
 
-/// A request or an edit as its client numbers it: `asker` tells the participant and the client.
-struct Mark {
+/// A request or an edit as its client numbers it: `asker` tells the participant and the
+/// client.
+struct RequestKey {
   std::string asker;
   std::uint64_t number = 0;
   Who who = {};  ///< that is, in a secured domain
@@ -38,7 +39,7 @@ struct KeptRequest {
 };
 
 /// A model, as the store keeps it: what it is made of, and on which others it rests.
-struct KeptModel {
+struct PersistedModel {
   std::int64_t row = 0;
   int kind = 0;
   std::string name;
@@ -103,13 +104,13 @@ class StateStore {
   void addSession(std::uint64_t id,
                   const KeptSession& session,
                   const std::string& state,
-                  const Mark& by,
+                  const RequestKey& by,
                   const std::string& operation);
   /// Adds entries that begin at number `first`, one edit's mark, and models that it brought in.
   void append(std::uint64_t id,
               std::uint64_t first,
               const std::vector<std::string>& entries,
-              const Mark* edit = nullptr,
+              const RequestKey* edit = nullptr,
               const KeptEdit& outcome = {},
               const std::vector<std::int64_t>& models = {});
   /// Entries and the state that they lead to.
@@ -126,7 +127,7 @@ class StateStore {
                    std::uint64_t revision);
   /// `state` tells it, too.
   void keepAccess(std::uint64_t id, const SessionAccess& access, const std::string& state);
-  void removeSession(std::uint64_t id, const Mark& by, const std::string& operation);
+  void removeSession(std::uint64_t id, const RequestKey& by, const std::string& operation);
 
   [[nodiscard]] std::vector<KeptSessionState> sessions() const;
   /// Errors: StorageError, also if there is none.
@@ -134,25 +135,25 @@ class StateStore {
 
   // === What was done for whom: asked for where memory does not know
 
-  [[nodiscard]] std::optional<KeptEdit> edit(const Mark& edit) const;
-  [[nodiscard]] std::optional<KeptRequest> request(const Mark& request) const;
+  [[nodiscard]] std::optional<KeptEdit> edit(const RequestKey& edit) const;
+  [[nodiscard]] std::optional<KeptRequest> request(const RequestKey& request) const;
 
   // === Models
 
   /// Its row. `bytes` are kept once, however many models have the same.
-  std::int64_t addModel(const KeptModel& model,
+  std::int64_t addModel(const PersistedModel& model,
                         std::string_view bytes,
-                        const Mark& by,
+                        const RequestKey& by,
                         const std::string& operation);
   /// Its name is free again; what sessions and other models rest on stays until they are gone.
   void removeModel(int kind,
                    const std::string& name,
-                   const Mark& by,
+                   const RequestKey& by,
                    const std::string& operation);
   /// Those with a name.
-  [[nodiscard]] std::vector<KeptModel> models() const;
+  [[nodiscard]] std::vector<PersistedModel> models() const;
   /// Errors: StorageError, also if there is none, or its bytes are not what they were.
-  [[nodiscard]] KeptModel model(std::int64_t row) const;
+  [[nodiscard]] PersistedModel model(std::int64_t row) const;
   [[nodiscard]] std::string bytesOf(std::int64_t row) const;
 
   // === Upkeep
@@ -171,11 +172,11 @@ class StateStore {
   [[nodiscard]] SessionAccess accessLocked(std::uint64_t id) const;
   void keepAccessLocked(std::uint64_t id, const SessionAccess& access);
   void requireRoom(std::uint64_t more, std::uint64_t most) const;
-  void noteRequest(const Mark& by, const std::string& operation, std::int64_t subject);
+  void noteRequest(const RequestKey& by, const std::string& operation, std::int64_t subject);
   void appendLocked(std::uint64_t id,
                     std::uint64_t first,
                     const std::vector<std::string>& entries,
-                    const Mark* edit,
+                    const RequestKey* edit,
                     const KeptEdit& outcome);
   std::string addBlob(std::string_view bytes);
   void dropModels();

@@ -19,8 +19,8 @@ std::string hashOf(std::string_view bytes) {
   return hash.finish();
 }
 
-KeptModel modelOf(const Statement& row) {
-  KeptModel model;
+PersistedModel modelOf(const Statement& row) {
+  PersistedModel model;
   model.row = row.integer(0);
   model.kind = static_cast<int>(row.integer(1));
   model.name = row.text(2);
@@ -63,9 +63,9 @@ std::string StateStore::addBlob(std::string_view bytes) {
   return hash;
 }
 
-std::int64_t StateStore::addModel(const KeptModel& model,
+std::int64_t StateStore::addModel(const PersistedModel& model,
                                   std::string_view bytes,
-                                  const Mark& by,
+                                  const RequestKey& by,
                                   const std::string& operation) {
   const std::lock_guard one_blob(blob_mutex_);
   const std::string blob = bytes.empty() ? std::string() : addBlob(bytes);
@@ -89,7 +89,7 @@ std::int64_t StateStore::addModel(const KeptModel& model,
 
 void StateStore::removeModel(int kind,
                              const std::string& name,
-                             const Mark& by,
+                             const RequestKey& by,
                              const std::string& operation) {
   const std::lock_guard lock(mutex_);
   Database::Transaction transaction(*database_);
@@ -130,9 +130,9 @@ void StateStore::dropModels() {
   }
 }
 
-std::vector<KeptModel> StateStore::models() const {
+std::vector<PersistedModel> StateStore::models() const {
   const std::lock_guard lock(mutex_);
-  std::vector<KeptModel> list;
+  std::vector<PersistedModel> list;
   Statement rows(*database_,
                  fmt::format("SELECT {} FROM models WHERE listed = 1", kModelColumns));
   while (rows.step())
@@ -140,9 +140,9 @@ std::vector<KeptModel> StateStore::models() const {
   return list;
 }
 
-KeptModel StateStore::model(std::int64_t row) const {
+PersistedModel StateStore::model(std::int64_t row) const {
   const std::lock_guard lock(mutex_);
-  std::optional<KeptModel> found;
+  std::optional<PersistedModel> found;
   Statement rows(*database_, fmt::format("SELECT {} FROM models WHERE id = ?", kModelColumns));
   rows.with(row);
   while (rows.step())

@@ -94,9 +94,9 @@ class Twin {
 };
 
 /// One that asks a server, and writes a byte for each answer (kFoundServer, kAnswered).
-class Asker {
+class ServerProbe {
  public:
-  Asker(std::vector<std::string> arguments, pid_t server) {
+  ServerProbe(std::vector<std::string> arguments, pid_t server) {
     std::array<int, 2> ends{};
     if (pipe2(ends.data(), O_CLOEXEC | O_NONBLOCK) != 0)
       throw std::system_error(errno, std::generic_category(), "pipe");
@@ -106,10 +106,10 @@ class Asker {
     close(ends[1]);
   }
 
-  ~Asker() { close(answers_); }
+  ~ServerProbe() { close(answers_); }
 
-  Asker(const Asker&) = delete;
-  Asker& operator=(const Asker&) = delete;
+  ServerProbe(const ServerProbe&) = delete;
+  ServerProbe& operator=(const ServerProbe&) = delete;
 
   struct Heard {
     bool found = false;  ///< the server, for the first time
@@ -177,7 +177,7 @@ struct Life {
 
 /// Watches the server until it ends, falls silent, or is to end.
 Life watch(Twin& server, const std::vector<std::string>& arguments) {
-  std::optional<Asker> asker;
+  std::optional<ServerProbe> asker;
   asker.emplace(arguments, server.pid());
   Life life;
   bool is_asked_again = false;
@@ -188,7 +188,7 @@ Life watch(Twin& server, const std::vector<std::string>& arguments) {
   std::optional<Starvation> starvation;
   while (true) {
     const Clock::time_point before = Clock::now();
-    const Asker::Heard heard = asker->hear(kLook);
+    const ServerProbe::Heard heard = asker->hear(kLook);
     const Clock::time_point now = Clock::now();
     if ((life.signal = askedToEnd()) > 0) {
       life.fate = Fate::kToEnd;

@@ -6,8 +6,8 @@
 namespace handgraft::server {
 
 /// Keeps a server running: starts this program once more as the server, and again as one that
-/// asks it (transport/asker.h), and starts the server anew, on its store, when it dies or does
-/// not answer.
+/// asks it (transport/server_probe.h), and starts the server anew, on its store, when it dies
+/// or does not answer.
 ///
 /// A server that gives no answer for 2 s is asked by another asker; what that one does not hear
 /// of for as long again is killed, so 4 to 5 s after it fell silent. This process itself speaks

@@ -19,11 +19,11 @@
 #include "idl/security/identity.h"
 #include "idl/security/revocations.h"
 #include "idl/topics.h"
-#include "server/transport/acquaintances.h"
 #include "server/transport/addressed_writer.h"
 #include "server/transport/bus.h"
 #include "server/transport/fast_endpoints.h"
 #include "server/transport/fast_node.h"
+#include "server/transport/participant_directory.h"
 
 namespace handgraft::server {
 
@@ -367,7 +367,7 @@ class FastBus final : public Bus {
   std::string server_;
   bool is_secured_;
   std::optional<idl::security::Revocations> revocations_;
-  Acquaintances acquaintances_;
+  ParticipantDirectory acquaintances_;
   Node node_;
   bool is_paced_;
   OnTheirWay on_their_way_;

@@ -123,7 +123,7 @@ Identity identityOf(const Network& network) {
   return idl::security::readIdentity(network.identity, {idl::security::Role::kServer});
 }
 
-Node::Node(const Network& network, const Identity& identity, Acquaintances* listener)
+Node::Node(const Network& network, const Identity& identity, ParticipantDirectory* listener)
     : filter_(std::make_shared<idl::DatagramFilter>(identity
                                                         ? idl::DatagramFilter::Domain::kSecured
                                                         : idl::DatagramFilter::Domain::kOpen)) {

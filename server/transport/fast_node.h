@@ -6,8 +6,8 @@
 #include "core/base/network.h"
 #include "idl/datagrams/datagram_filter.h"
 #include "idl/security/identity.h"
-#include "server/transport/acquaintances.h"
 #include "server/transport/fast_endpoints.h"
+#include "server/transport/participant_directory.h"
 
 /// This process among others on Fast DDS; private to this folder.
 namespace handgraft::server {
@@ -23,7 +23,9 @@ class Node {
   /// `listener` hears of other participants and what they show, and must outlive the node;
   /// null: nobody does.
   /// Errors: InvalidInput for the network; TransportError if DDS refuses.
-  Node(const Network& network, const Identity& identity, Acquaintances* listener = nullptr);
+  Node(const Network& network,
+       const Identity& identity,
+       ParticipantDirectory* listener = nullptr);
 
   ~Node() { close(); }
 

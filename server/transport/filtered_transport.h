@@ -17,7 +17,7 @@
 
 #include "idl/datagrams/datagram_filter.h"
 #include "server/transport/fair_queue.h"
-#include "server/transport/insistence.h"
+#include "server/transport/heartbeat_throttle.h"
 
 namespace handgraft::server {
 
@@ -132,7 +132,7 @@ class FilteredTransport final : public eprosima::fastdds::rtps::ChainingTranspor
 
   std::shared_ptr<idl::DatagramFilter> filter_;
   std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> low_;
-  Insistence insistence_;
+  HeartbeatThrottle insistence_;
   std::mutex mutex_;
   std::list<Lane> lanes_;
 };

@@ -10,7 +10,7 @@
 #include "core/io/contact_file.h"
 #include "core/io/mesh_file.h"
 #include "core/io/urdf_file.h"
-#include "core/placement/hand_placement.h"
+#include "core/placement/hand_pose_guess.h"
 #include "core/placement/solids.h"
 #include "core/verdict/verdicts.h"
 
@@ -80,7 +80,7 @@ ChainOutcome graspWith(const hand::Hand& hand,
       return verdict::penetrationOf(session, pose, Progress());
     };
     outcome.penetration = measure({Pose::Identity(), hand.model->restPose()});
-    session::Solving solving;
+    session::SolverSettings solving;
     solving.avoid_penetration = avoid_penetration;
     const double ready = threadMilliseconds();
     session::Solution solution = session.solve(solving, {}, Progress());
@@ -109,7 +109,7 @@ ChainOutcome graspWith(const hand::Hand& hand,
     }
     outcome.mean_mm /= std::max(1, outcome.points());
     outcome.normal_deg /= std::max(1, outcome.points());
-    const placement::HandPlacer placer(hand.model, *hand.skin, grasp.object_O);
+    const placement::HandPoseGuesser placer(hand.model, *hand.skin, grasp.object_O);
     outcome.depth_mm =
         1e3 * std::sqrt(placer.meanSquareDepth(report.pose, session.objectPose()));
     outcome.objective = report.terms.objective;

@@ -57,7 +57,7 @@ double middleOf(std::vector<double> values) {
 
 /// As a server answers an edit.
 optimize::SolveReport answered(Session& session, int starts) {
-  session::Solving solving = session.document().solving;
+  session::SolverSettings solving = session.document().solving;
   session::SolveRun run;
   if (starts > 0) {
     solving.starts = starts;

@@ -42,7 +42,7 @@ contact::Patch makePatch(const TriangleMesh& mesh, const SurfacePoint& root, dou
 void goRoundTrip(const TriangleMesh& object_O,
                  const contact::Patch& patch,
                  const hand::Skin& skin,
-                 const transfer::Placement& placement,
+                 const transfer::PatchPlacement& placement,
                  LogMapMethod method,
                  RoundTrip& result) {
   transfer::TransferOptions options;

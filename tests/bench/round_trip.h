@@ -26,7 +26,7 @@ struct RoundTrip {
 void goRoundTrip(const geometry::TriangleMesh& object_O,
                  const contact::Patch& patch,
                  const hand::Skin& skin,
-                 const transfer::Placement& placement,
+                 const transfer::PatchPlacement& placement,
                  geometry::LogMapMethod method,
                  RoundTrip& result);
 

@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "core/contact/carry.h"
+#include "core/contact/reproject.h"
 
 #include "tests/bench/chain_pair.h"
 #include "tests/bench/grasp_problems.h"
@@ -53,7 +53,7 @@ ScannedGrasp cutOpen(const std::string& name,
   ScannedGrasp open;
   open.name = name;
   open.object_O = std::make_shared<const TriangleMesh>(withFaces(mesh, kept));
-  open.contacts = contact::carry(whole.contacts, mesh, *open.object_O);
+  open.contacts = contact::reproject(whole.contacts, mesh, *open.object_O);
   return open;
 }
 

@@ -49,7 +49,7 @@ struct Task {
   std::shared_ptr<const hand::Skin> skin;
   TriangleMesh object_O;
   std::vector<contact::Patch> patches;
-  std::vector<transfer::Placement> placements;
+  std::vector<transfer::PatchPlacement> placements;
 };
 
 struct Stage {
@@ -142,7 +142,7 @@ MethodReport measureMethod(const Task& task, LogMapMethod method, int repeats) {
   }));
   report.stages.push_back(stageOf("skin maps", repeats, [&] {
     for (std::size_t i = 0; i < count; ++i) {
-      const transfer::Placement& placement = task.placements[i];
+      const transfer::PatchPlacement& placement = task.placements[i];
       maps_S[i] =
           computeLogMap(skin_S, placement.root_S, placement.direction_S, reach[i], method);
     }
@@ -181,7 +181,7 @@ MethodReport measureMethod(const Task& task, LogMapMethod method, int repeats) {
   // === What one edit costs: the patch is laid again as the product does, which keeps what did
   // not change; every repeat changes it back or forth
   const transfer::Surfaces surfaces = transfer::borrowedSurfaces(task.object_O, *task.skin);
-  const auto edited = [&](const std::string& name, const transfer::Placement& other) {
+  const auto edited = [&](const std::string& name, const transfer::PatchPlacement& other) {
     transfer::StagedTransfer staged;
     bool moved = false;
     const auto lay = [&] {

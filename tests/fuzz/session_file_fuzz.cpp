@@ -42,7 +42,7 @@ const session::SessionModels& models() {
 const std::string& trueText() {
   static const std::string kText = [] {
     session::Session one(models(), Pose::Identity(), {});
-    session::Solving quick;
+    session::SolverSettings quick;
     quick.starts = 1;
     Pose X_WO = Pose::Identity();
     X_WO.translation().x() = 0.01;
@@ -60,7 +60,7 @@ const std::string& trueText() {
     one.noteCancelledSolve();
     one.apply(session::PriorEdit{Pose::Identity(), {"thumb_1"}, {0.25}});
     one.apply(session::JointSoftEdit{"middle_2", 0.5, 10.0});
-    one.apply(session::SolvingEdit{quick});
+    one.apply(session::SolverSettingsEdit{quick});
     one.apply(session::RestoreEdit{"before"});
     one.apply(session::UndoEdit{2});
     return io::sessionText(one);

@@ -349,7 +349,7 @@ GraspOutcome grasp(const hand::Hand& hand,
   session::Session session(hand,
                            std::make_shared<const geometry::TriangleMesh>(set.object.mesh),
                            set.contacts, Pose::Identity(), optimize::Weights{});
-  session::Solving solving;
+  session::SolverSettings solving;
   solving.avoid_penetration = depth == Depth::kAvoided;
   const session::Solution solution = session.solve(solving, {}, Progress{});
   GraspOutcome outcome;

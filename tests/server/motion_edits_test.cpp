@@ -65,7 +65,7 @@ class MotionEditTest : public MotionTest {
   }
 
   static v1::EditBody takeBack(std::uint32_t index) {
-    v1::TakeBackEdit edit;
+    v1::RemoveTimedEdit edit;
     edit.index(index);
     v1::EditBody body;
     body.take_back(edit);

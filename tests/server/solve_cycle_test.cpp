@@ -28,7 +28,7 @@ class SolveCycleTest : public testing::Test {
   }
 
   /// A solve that takes so long, and looks around itself at its end.
-  SolveEnd solve(milliseconds duration, Patience patience = Patience::kAnswer) {
+  SolveEnd solve(milliseconds duration, Preemption patience = Preemption::kAnswer) {
     return cycle.run(whole, patience, [&](SolveCycle::Run& run) {
       now += duration;
       run.cancelForEdits();
@@ -37,7 +37,7 @@ class SolveCycleTest : public testing::Test {
   }
 
   /// As above, and an edit comes as soon as it has begun.
-  SolveEnd solveUnderAnEdit(milliseconds duration, Patience patience = Patience::kAnswer) {
+  SolveEnd solveUnderAnEdit(milliseconds duration, Preemption patience = Preemption::kAnswer) {
     const SolveEnd end = cycle.run(whole, patience, [&](SolveCycle::Run& run) {
       cycle.editQueued();
       now += duration;
@@ -65,14 +65,14 @@ TEST_F(SolveCycleTest, GoesFromAnEditToADiagnosedPose) {
   EXPECT_EQ(cycle.stage(), SolveStage::kPending);
   EXPECT_TRUE(cycle.isAwaited());
   cycle.takePending();
-  const SolveEnd solved = cycle.run(whole, Patience::kAnswer, [&](SolveCycle::Run&) {
+  const SolveEnd solved = cycle.run(whole, Preemption::kAnswer, [&](SolveCycle::Run&) {
     EXPECT_EQ(cycle.stage(), SolveStage::kSolving);
     poseOut(1);
   });
   EXPECT_EQ(solved, SolveEnd::kDone);
   EXPECT_EQ(cycle.stage(), SolveStage::kUndiagnosed);
   EXPECT_TRUE(cycle.isSolvedAt(1));
-  const SolveEnd diagnosed = cycle.run(whole, Patience::kNone, [&](SolveCycle::Run&) {
+  const SolveEnd diagnosed = cycle.run(whole, Preemption::kNone, [&](SolveCycle::Run&) {
     EXPECT_EQ(cycle.stage(), SolveStage::kDiagnosing);
   });
   EXPECT_EQ(diagnosed, SolveEnd::kDone);
@@ -124,19 +124,19 @@ TEST_F(SolveCycleTest, HasTimeWithoutBoundWhereTheEditsAreRefused) {
 }
 
 TEST_F(SolveCycleTest, NeverCutsShortWhatNeedsNoSearch) {
-  EXPECT_EQ(solveUnderAnEdit(hours(1000), Patience::kUnhurried), SolveEnd::kDone);
+  EXPECT_EQ(solveUnderAnEdit(hours(1000), Preemption::kUnhurried), SolveEnd::kDone);
 }
 
 TEST_F(SolveCycleTest, CutsADiagnosisShortAtOnceAndLeavesItsPose) {
   poseOut();
-  EXPECT_EQ(solveUnderAnEdit(milliseconds(0), Patience::kNone), SolveEnd::kCutShort);
+  EXPECT_EQ(solveUnderAnEdit(milliseconds(0), Preemption::kNone), SolveEnd::kCutShort);
   EXPECT_EQ(cycle.stage(), SolveStage::kUndiagnosed);
   cycle.editQueued();  // before it begins
-  EXPECT_EQ(solve(milliseconds(0), Patience::kNone), SolveEnd::kCutShort);
+  EXPECT_EQ(solve(milliseconds(0), Preemption::kNone), SolveEnd::kCutShort);
 }
 
 TEST_F(SolveCycleTest, IsDoneWhereAnEditCameTooLateToCutItShort) {
-  const SolveEnd end = cycle.run(whole, Patience::kAnswer, [&](SolveCycle::Run& run) {
+  const SolveEnd end = cycle.run(whole, Preemption::kAnswer, [&](SolveCycle::Run& run) {
     cycle.editQueued();
     now += hours(1);
     run.cancelForEdits();  // and nobody looked before the answer was there
@@ -145,16 +145,16 @@ TEST_F(SolveCycleTest, IsDoneWhereAnEditCameTooLateToCutItShort) {
 }
 
 TEST_F(SolveCycleTest, StopsWhatRunsAndWhatWasAskedForBefore) {
-  const SolveCycle::Asked before = cycle.asked();
+  const SolveCycle::StopEpoch before = cycle.asked();
   cycle.workFor(before);
-  const SolveEnd end = cycle.run(whole, Patience::kUnhurried, [&](SolveCycle::Run& run) {
+  const SolveEnd end = cycle.run(whole, Preemption::kUnhurried, [&](SolveCycle::Run& run) {
     cycle.stop(kStopper);
     run.progress().checkpoint();
   });
   EXPECT_EQ(end, SolveEnd::kStopped);
   EXPECT_EQ(cycle.whoStopped(), "stopped by client ab12cd34");
   bool has_run = false;
-  EXPECT_EQ(cycle.run(whole, Patience::kAnswer,
+  EXPECT_EQ(cycle.run(whole, Preemption::kAnswer,
                       [&](SolveCycle::Run&) {
                         has_run = true;
                       }),
@@ -178,11 +178,11 @@ TEST_F(SolveCycleTest, StopsTheDiagnosisOfWhatWasStopped) {
   poseOut();
   cycle.stop(kStopper);
   cycle.workFor(cycle.asked());  // for something else since
-  EXPECT_EQ(solve(milliseconds(1), Patience::kNone), SolveEnd::kStopped);
+  EXPECT_EQ(solve(milliseconds(1), Preemption::kNone), SolveEnd::kStopped);
 }
 
 TEST_F(SolveCycleTest, StopsWhatTakesTooLong) {
-  EXPECT_EQ(cycle.run(whole, Patience::kUnhurried,
+  EXPECT_EQ(cycle.run(whole, Preemption::kUnhurried,
                       [&](SolveCycle::Run& run) {
                         now += milliseconds(1000);
                         cycle.stopLongerThan(std::chrono::seconds(1));
@@ -196,7 +196,7 @@ TEST_F(SolveCycleTest, StopsWhatTakesTooLong) {
 }
 
 TEST_F(SolveCycleTest, PrefersAStopToAnEdit) {
-  const SolveEnd end = cycle.run(whole, Patience::kNone, [&](SolveCycle::Run& run) {
+  const SolveEnd end = cycle.run(whole, Preemption::kNone, [&](SolveCycle::Run& run) {
     cycle.editQueued();
     cycle.stop(kStopper);
     run.progress().checkpoint();
@@ -210,7 +210,7 @@ TEST_F(SolveCycleTest, IsCancelledWithTheWholeThatItIsAPartOf) {
 }
 
 TEST_F(SolveCycleTest, LetsErrorsPassAndRunsAgain) {
-  EXPECT_THROW(cycle.run(whole, Patience::kAnswer,
+  EXPECT_THROW(cycle.run(whole, Preemption::kAnswer,
                          [](SolveCycle::Run&) {
                            throw InvalidInput("no way");
                          }),
@@ -233,7 +233,7 @@ TEST_F(SolveCycleTest, PassesReportsOnAndLooksForEditsAtEach) {
     said = stage;
   });
   cycle.editQueued();
-  const SolveEnd end = cycle.run(listening, Patience::kAnswer, [&](SolveCycle::Run& run) {
+  const SolveEnd end = cycle.run(listening, Preemption::kAnswer, [&](SolveCycle::Run& run) {
     now += milliseconds(9);
     run.progress().report("searching", 0.5);
     run.progress().checkpoint();

@@ -42,8 +42,8 @@ class StateStoreTest : public testing::Test {
     return kept;
   }
 
-  static KeptModel model(const std::string& name, std::int64_t base = 0) {
-    KeptModel kept;
+  static PersistedModel model(const std::string& name, std::int64_t base = 0) {
+    PersistedModel kept;
     kept.kind = 1;
     kept.name = name;
     kept.content = "content of " + name;
@@ -85,7 +85,7 @@ TEST_F(StateStoreTest, GivesBackASessionWithItsHistoryAndItsEdits) {
   {
     StateStore store(path);
     store.addSession(7, session("text"), "state", {"me", 1}, "open");
-    const Mark edit{"me", 41};
+    const RequestKey edit{"me", 41};
     store.append(7, 0, {"a"}, &edit, {7, 1, "2 mm short"});
     store.append(7, 1, {"b", "c"}, "later", 1);
   }
@@ -107,7 +107,7 @@ TEST_F(StateStoreTest, GivesBackASessionWithItsHistoryAndItsEdits) {
 TEST_F(StateStoreTest, TakesAnEditOnce) {
   StateStore store(path);
   store.addSession(7, session("text"), "state", {}, "open");
-  const Mark edit{"me", 41};
+  const RequestKey edit{"me", 41};
   store.append(7, 0, {"a"}, &edit, {7, 1, ""});
   EXPECT_THROW(store.append(7, 1, {"a"}, &edit, {7, 2, ""}), StorageError);
   EXPECT_THAT(store.session(7).entries, ElementsAre("a"));
@@ -128,7 +128,7 @@ TEST_F(StateStoreTest, PutsATextInPlaceOfTheEntriesThatLedToIt) {
 TEST_F(StateStoreTest, ClosingDeletes) {
   StateStore store(path);
   store.addSession(7, session("text"), "state", {}, "open");
-  const Mark edit{"me", 41};
+  const RequestKey edit{"me", 41};
   store.append(7, 0, {"a"}, &edit, {7, 1, ""});
   store.removeSession(7, {"me", 2}, "close");
   EXPECT_THAT(store.sessions(), IsEmpty());
@@ -215,7 +215,7 @@ TEST_F(StateStoreTest, HasEverythingThatWasAcknowledgedWhenItsProcessWasKilled) 
       close(told[0]);
       StateStore store(path);
       for (std::uint64_t i = store.session(7).entries.size();; ++i) {
-        const Mark edit{"me", i};
+        const RequestKey edit{"me", i};
         store.append(7, i, {std::to_string(i)}, &edit, {7, i + 1, ""});
         if (i % 10 == 0)
           store.addModel(model("m" + std::to_string(i)), std::string(100'000, 'm'), {}, "load");

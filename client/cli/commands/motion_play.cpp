@@ -113,7 +113,7 @@ int run(const MotionPlayOptions& options,
   Client server(interactiveClient(common.network, Absence::kFail, interruption));
   const std::uint64_t session_id = sessionMeant(server, options.session_id);
   const v1::SessionState session = server.describeSession(session_id).get();
-  const JointWay way(framesOf(server, session_id));
+  const JointInterpolation way(framesOf(server, session_id));
   SampleWriter writer(*server.participant(),
                       options.topic.empty() ? idl::sampleTopicName(session_id) : options.topic,
                       session.joint_names());

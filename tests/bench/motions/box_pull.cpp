@@ -9,10 +9,10 @@
 #include "core/hand/finger_coordinates.h"
 #include "core/io/contact_file.h"
 #include "core/io/mesh_file.h"
+#include "core/manipulation/grasp_interpolation.h"
 #include "core/manipulation/lay_patches.h"
 #include "core/manipulation/offline_solver.h"
 #include "core/manipulation/patch_path.h"
-#include "core/manipulation/two_grasps.h"
 #include "core/placement/solids.h"
 
 #include "tests/bench/chain_pair.h"
@@ -56,7 +56,7 @@ void runBoxPull(const std::filesystem::path& models,
   const auto box_O = std::make_shared<const geometry::TriangleMesh>(file.mesh);
   const contact::ContactSet first = io::readContacts(models / "contacts/box_5.json", file);
   const manipulation::Motion motion =
-      manipulation::joinGrasps(*box_O, first, lastGrasp(*box_O, first), pathOfBox());
+      manipulation::interpolateGrasps(*box_O, first, lastGrasp(*box_O, first), pathOfBox());
   std::printf(
       "| hand | frames | mean mm | normal deg | deepest mm | largest step rad | velocity | "
       "jerk "
@@ -64,9 +64,9 @@ void runBoxPull(const std::filesystem::path& models,
   for (const std::string name : {"human20", "tendon16"}) {
     const hand::Hand hand = readHand(models / "hands" / name / (name + ".urdf"), cache);
     const hand::FingerCoordinates coordinates(*hand.model, *hand.skin, hand.sites);
-    const manipulation::LaidMotion laid =
-        manipulation::layPatches(motion, transfer::borrowedSurfaces(*box_O, *hand.skin),
-                                 *hand.model, hand.sites, coordinates, {}, Progress());
+    const manipulation::TransferredMotion laid =
+        manipulation::transferPatches(motion, transfer::borrowedSurfaces(*box_O, *hand.skin),
+                                      *hand.model, hand.sites, coordinates, {}, Progress());
     manipulation::MotionProblem problem =
         manipulation::makeMotionProblem(hand.model, motion.time_s);
     problem.tracks = laid.tracks;

@@ -6,7 +6,7 @@
 
 #include "core/io/contact_file.h"
 #include "core/io/mesh_file.h"
-#include "core/manipulation/two_grasps.h"
+#include "core/manipulation/grasp_interpolation.h"
 #include "core/retargeting/edited_motion.h"
 #include "core/session/session.h"
 #include "core/session/timed_edit.h"
@@ -41,7 +41,7 @@ void runMotionEdits(const std::filesystem::path& models, const std::filesystem::
   manipulation::TwoGraspOptions options;
   options.rate = kRate;
   const auto motion = std::make_shared<const manipulation::Motion>(
-      manipulation::joinGrasps(*box_O, grasp, grasp, longPath(), options));
+      manipulation::interpolateGrasps(*box_O, grasp, grasp, longPath(), options));
   std::printf("| hand | edit | frames anew | ms of the thread |\n|---|---|---|---|\n");
   for (const std::string name : {"human20", "tendon16"}) {
     const hand::Hand hand = readHand(models / "hands" / name / (name + ".urdf"), cache);

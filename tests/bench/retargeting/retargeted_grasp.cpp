@@ -62,7 +62,7 @@ void graft(const MeasuredHand& hand,
   session::Session session(hand.hand, object_O, demonstration.contacts, Pose::Identity(), {});
   session.transferPatches(Progress());
   const double laid = threadMilliseconds();
-  const session::Solution solution = session.solve(session::Solving(), {}, Progress());
+  const session::Solution solution = session.solve(session::SolverSettings(), {}, Progress());
   row.ours.ms = threadMilliseconds() - laid;
   row.ms_transfer = laid - begin;
   row.ours.pose = solution.report.pose;

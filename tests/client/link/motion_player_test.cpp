@@ -80,8 +80,9 @@ v1::MotionFrame frame(std::uint32_t index, double time_s, const std::vector<doub
   return made;
 }
 
-TEST(JointWay, IsLinearBetweenFramesAndStandsBeyondThem) {
-  const JointWay way({frame(0, 1.0, {0, 1}), frame(1, 1.5, {1, 3}), frame(2, 2.5, {2, 3})});
+TEST(JointInterpolation, IsLinearBetweenFramesAndStandsBeyondThem) {
+  const JointInterpolation way(
+      {frame(0, 1.0, {0, 1}), frame(1, 1.5, {1, 3}), frame(2, 2.5, {2, 3})});
   EXPECT_EQ(way.duration(), 1.5);
   EXPECT_THAT(way.at(-1), ElementsAre(0, 1));
   EXPECT_THAT(way.at(0.25), ElementsAre(0.5, 2));
@@ -89,10 +90,10 @@ TEST(JointWay, IsLinearBetweenFramesAndStandsBeyondThem) {
   EXPECT_THAT(way.at(9), ElementsAre(2, 3));
 }
 
-TEST(JointWay, WantsFramesThatBelongTogether) {
-  EXPECT_THROW(JointWay({}), InvalidInput);
-  EXPECT_THROW(JointWay({frame(0, 0, {1}), frame(1, 0, {2})}), InvalidInput);
-  EXPECT_THROW(JointWay({frame(0, 0, {1}), frame(1, 1, {2, 3})}), InvalidInput);
+TEST(JointInterpolation, WantsFramesThatBelongTogether) {
+  EXPECT_THROW(JointInterpolation({}), InvalidInput);
+  EXPECT_THROW(JointInterpolation({frame(0, 0, {1}), frame(1, 0, {2})}), InvalidInput);
+  EXPECT_THROW(JointInterpolation({frame(0, 0, {1}), frame(1, 1, {2, 3})}), InvalidInput);
 }
 
 }  // namespace

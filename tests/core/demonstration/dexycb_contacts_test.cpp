@@ -16,7 +16,7 @@
 #include "core/demonstration/posed_hand_contacts.h"
 #include "core/geometry/surface_locator.h"
 #include "core/hand/floating_base.h"
-#include "core/hand/hand_place.h"
+#include "core/hand/hand_location.h"
 #include "core/hand/skin_cache.h"
 #include "core/io/contact_file.h"
 #include "core/io/mesh_file.h"

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/geometry/numbering.h"
+#include "core/geometry/index_map.h"
 
 namespace handgraft::geometry {
 namespace {
@@ -75,9 +75,9 @@ TEST(BucketQueue, TakesWhatIsFarNearerThanTheStepAtHand) {
   EXPECT_EQ(entry.number, 0);
 }
 
-TEST(Numbering, AgreesWithAMap) {
+TEST(IndexMap, AgreesWithAMap) {
   std::mt19937 random(5);
-  Numbering numbering(1);
+  IndexMap numbering(1);
   std::unordered_map<int, int> truth;
   for (int i = 0; i < 5000; ++i) {
     // Neighbours, and keys all over the range of int.

@@ -73,7 +73,7 @@ TEST_P(BuiltInHands, PointBackAlongTheBone) {
   const Hand hand(builtIn(GetParam()));
   for (const NamedDigit& digit : hand.coordinates.anatomy().digits) {
     for (const Segment& segment : digit.segments) {
-      HandPlace place;
+      HandLocation place;
       place.digit = digit.name;
       place.segment = segment.name;
       place.segment_count = static_cast<int>(digit.segments.size());
@@ -99,7 +99,7 @@ TEST_P(BuiltInHands, MirrorTheirPlaces) {
   const Eigen::Vector3d flip(-1.0, 1.0, 1.0);
   for (const NamedDigit& digit : right.coordinates.anatomy().digits) {
     for (const double around : {-0.8, 0.0, 0.8}) {
-      HandPlace place;
+      HandLocation place;
       place.digit = digit.name;
       place.segment = "distal";
       place.segment_count = static_cast<int>(digit.segments.size());
@@ -122,7 +122,7 @@ INSTANTIATE_TEST_SUITE_P(Library,
 
 TEST(FingerCoordinates, CountPositiveTowardsTheThumb) {
   const Hand hand(builtIn("human20"));
-  HandPlace place{"middle", "proximal", 3, 0.5, 1.5, 0.5, -1.0};
+  HandLocation place{"middle", "proximal", 3, 0.5, 1.5, 0.5, -1.0};
   const auto spot = hand.coordinates.spotAt(place);
   ASSERT_TRUE(spot.has_value());
   ASSERT_TRUE(hand.coordinates.anatomy().palm.has_value());
@@ -136,7 +136,7 @@ TEST(FingerCoordinates, GoByLengthFromTheKnuckle) {
   const Hand hand(builtIn("human20"));
   const Hand large(makeVariant(hand.model, "large", {{HandProperty::kSize, "", 2.0}}).model);
   const NamedDigit& digit = *large.coordinates.anatomy().maybeDigit("index");
-  HandPlace place{"index", "middle", 3, 0.5, 0.0, 0.5, 0.4};
+  HandLocation place{"index", "middle", 3, 0.5, 0.0, 0.5, 0.4};
   const auto spot = large.coordinates.spotByLength(place);
   ASSERT_TRUE(spot.has_value());
   const Eigen::Vector3d p_S = geometry::positionOf(large.skin.mesh(), spot->root_S);
@@ -155,7 +155,7 @@ TEST(FingerCoordinates, GoByLengthWhereSegmentsDiffer) {
   const NamedDigit* digit = hand.coordinates.anatomy().maybeDigit("index");
   ASSERT_NE(digit, nullptr);
   ASSERT_EQ(digit->segments.size(), 2U);
-  HandPlace place{"index", "middle", 3, 0.5, 0.0, 0.5, 0.4};
+  HandLocation place{"index", "middle", 3, 0.5, 0.0, 0.5, 0.4};
   const auto spot = hand.coordinates.spotAt(place);
   ASSERT_TRUE(spot.has_value());
   const auto back = hand.coordinates.placeOf(spot->root_S);

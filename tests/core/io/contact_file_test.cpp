@@ -113,8 +113,8 @@ TEST(ContactSetFile, WrittenAndReadAgainIsTheSame) {
 TEST(ContactSetFile, KeepsPlacesOnTheHandThatTouched) {
   const MeshFile object = backwardsPlate();
   ContactSet set = readContactSet(write("two.json", kSquareSet), object);
-  set.patches[0].place = hand::HandPlace{"index", "middle", 3, 0.25, -0.5, 0.5, 0.4};
-  set.patches[1].place = hand::HandPlace{"palm", "", 0, 0.75, 0.125, 0.3, -1.0};
+  set.patches[0].place = hand::HandLocation{"index", "middle", 3, 0.25, -0.5, 0.5, 0.4};
+  set.patches[1].place = hand::HandLocation{"palm", "", 0, 0.75, 0.125, 0.3, -1.0};
   const auto path = test::scratchDirectory() / "places.json";
   writeContactSet(path, set, object);
   const ContactSet again = readContactSet(path, object);

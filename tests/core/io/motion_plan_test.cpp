@@ -100,7 +100,7 @@ TEST_F(MotionPlan, PointsOnTheManoHandGetPlacesOfAnyHand) {
           {"object_point": [0, 0.03, 0], "link": "index3", "hand_point": [-0.016, -0.007, 0]},
           {"object_point": [0, 0.03, 0], "link": "pinky2", "hand_point": [-0.008, -0.004, -0.006]},
           {"object_point": [0, 0.03, 0], "link": "tail", "hand_point": [0, 0, 0]}]}]})");
-  std::map<std::string, std::optional<hand::HandPlace>> places;
+  std::map<std::string, std::optional<hand::HandLocation>> places;
   for (const manipulation::PatchTrack& track : motion.tracks)
     places[track.name] = track.keys.front().patch.place;
   ASSERT_TRUE(places.at("index3"));

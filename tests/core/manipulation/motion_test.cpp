@@ -36,7 +36,7 @@ PatchKey keyAt(int frame, const Eigen::Vector3d& towards) {
        {Eigen::Vector3d(0, 0.1, 0), Eigen::Vector3d(0, -0.1, 0.1), Eigen::Vector3d(0, 0, -0.2)})
     key.patch.interpolation_boundary.push_back(
         locator.nearest(0.05 * (towards.normalized() + aside)).point);
-  key.patch.place = hand::HandPlace{"index", "distal", 3, 0.5, 0.1, 0.5, 0.2};
+  key.patch.place = hand::HandLocation{"index", "distal", 3, 0.5, 0.1, 0.5, 0.2};
   return key;
 }
 

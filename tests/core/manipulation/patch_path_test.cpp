@@ -9,7 +9,7 @@
 #include "core/base/error.h"
 #include "core/contact/edge_refinement.h"
 #include "core/geometry/tangent.h"
-#include "core/manipulation/two_grasps.h"
+#include "core/manipulation/grasp_interpolation.h"
 
 namespace handgraft::manipulation {
 namespace {
@@ -153,7 +153,7 @@ TEST(JoinGrasps, SlidesWhatBothHaveAndFadesTheRest) {
   Pose up = Pose::Identity();
   up.translation().z() = 0.2;
   const Motion motion =
-      joinGrasps(box(), first, last, {{0.0, Pose::Identity()}, {2.0, up}}, {});
+      interpolateGrasps(box(), first, last, {{0.0, Pose::Identity()}, {2.0, up}}, {});
   ASSERT_EQ(motion.frameCount(), 121);
   ASSERT_EQ(motion.tracks.size(), 3u);
   EXPECT_EQ(motion.tracks[0].name, "index");
@@ -176,16 +176,17 @@ TEST(JoinGrasps, NamesWhatIsWrong) {
       "pull", "box", {patchAt(box(), {0, 0, 0.05}, Vector3d::UnitX())}, {}, {}};
   const std::vector<ObjectKey> back = {{1.0, Pose::Identity()}, {0.5, Pose::Identity()}};
   try {
-    joinGrasps(box(), set, set, back);
+    interpolateGrasps(box(), set, set, back);
     FAIL();
   } catch (const InvalidInput& error) {
     EXPECT_THAT(error.what(), HasSubstr("key 1 of the object's path: time 0.5 s"));
   }
   TwoGraspOptions options;
   options.slide_begin = 0.9;
-  EXPECT_THROW(joinGrasps(box(), set, set, {{0.0, Pose::Identity()}}, options), InvalidInput);
+  EXPECT_THROW(interpolateGrasps(box(), set, set, {{0.0, Pose::Identity()}}, options),
+               InvalidInput);
   // One frame is a grasp.
-  EXPECT_EQ(joinGrasps(box(), set, set, {{0.0, Pose::Identity()}}).frameCount(), 1);
+  EXPECT_EQ(interpolateGrasps(box(), set, set, {{0.0, Pose::Identity()}}).frameCount(), 1);
 }
 
 }  // namespace

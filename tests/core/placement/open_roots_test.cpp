@@ -52,7 +52,7 @@ TEST(RootShownBy, FollowsTheJoints) {
 TEST(Session, SlidesRootsOfFoundSitesToWhereTheyFit) {
   for (const bool avoids : {false, true}) {
     session::Session session = TwoPlates().open();
-    session::Solving solving;
+    session::SolverSettings solving;
     solving.avoid_penetration = avoids;
     const session::Solution solution = session.solve(solving, {}, Progress());
     for (const session::SessionPatch& patch : solution.patches)

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/hand/anatomy.h"
-#include "core/hand/hand_place.h"
+#include "core/hand/hand_location.h"
 #include "core/hand/posture.h"
 
 #include "tests/core/session/ball_grasp.h"
@@ -120,7 +120,7 @@ Eigen::Vector2d spareFinger(double share, const std::vector<contact::PartDirecti
   session::PriorSharesEdit shares;
   shares.shares.posture = share;
   session.apply(shares);
-  session::Solving solving;
+  session::SolverSettings solving;
   solving.avoid_penetration = false;
   return session.solve(solving, {}, Progress()).report.pose.q.segment<2>(4);
 }

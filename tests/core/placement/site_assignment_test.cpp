@@ -13,7 +13,7 @@ using test::BallGrasp;
 
 struct Case {
   BallGrasp grasp;
-  HandPlacer placer{grasp.small.model, *grasp.small.skin, grasp.ball};
+  HandPoseGuesser placer{grasp.small.model, *grasp.small.skin, grasp.ball};
   std::vector<Anchor> patches;
   std::vector<Anchor> sites;
 

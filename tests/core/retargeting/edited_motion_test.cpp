@@ -134,7 +134,7 @@ TEST_F(MotionBenchTest, ADragMovesItsPlaceAndThoseNextToIt) {
   drag.link = "index_tip";
   // Away from the ball, where nothing is in the way.
   drag.target_W = there + 0.01 * there.normalized();
-  const session::DragWay way =
+  const session::DragPath way =
       session::dragWayOf(drag, {2.0, 0.3}, held(grasp_).time_s, drag.target_W, [&](int k) {
         return placeIn(*before, k);
       });

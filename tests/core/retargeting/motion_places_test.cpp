@@ -114,7 +114,7 @@ TEST_F(MotionOfPlates, ItsFramesAreGraspedAsASessionDoes) {
   EXPECT_EQ(grasps[1].frame, 19);
   EXPECT_EQ(grasps[2].frame, 33);
   session::Session session = plates.open();
-  session::Solving solving;
+  session::SolverSettings solving;
   solving.avoid_penetration = false;
   const session::Solution solution = session.solve(solving, {}, Progress());
   for (std::size_t t = 0; t < 2; ++t) {
@@ -142,7 +142,7 @@ TEST_F(MotionOfPlates, ChartsThatAreKeptLayThePatchesAlike) {
   const MotionLayer layer(document, plates.hand, *plates.plate, motion);
   MotionPlaces(document, plates.hand, *plates.plate, motion).deal(motion);
   manipulation::MotionCharts charts;
-  charts.lays_drafts = true;
+  charts.uses_drafts = true;
   (void)layer.lay(motion, Progress(), {}, &charts);
   // Another place, then in full: what was kept must not show.
   const geometry::TriangleMesh& skin_S = plates.hand.skin->mesh();
@@ -152,9 +152,9 @@ TEST_F(MotionOfPlates, ChartsThatAreKeptLayThePatchesAlike) {
       plates.hand.skin->locator()
           .nearest(positionOf(skin_S, placement.root_S) + Eigen::Vector3d(0.003, 0.0, 0.0))
           .point);
-  charts.lays_drafts = false;
-  const manipulation::LaidMotion kept = layer.lay(motion, Progress(), {}, &charts);
-  const manipulation::LaidMotion anew = layer.lay(motion, Progress());
+  charts.uses_drafts = false;
+  const manipulation::TransferredMotion kept = layer.lay(motion, Progress(), {}, &charts);
+  const manipulation::TransferredMotion anew = layer.lay(motion, Progress());
   ASSERT_EQ(kept.tracks.size(), anew.tracks.size());
   for (std::size_t t = 0; t < anew.tracks.size(); ++t)
     for (std::size_t i = 0; i < anew.tracks[t].spans.size(); ++i) {

@@ -8,7 +8,7 @@
 #include "core/io/sites_file.h"
 #include "core/io/urdf_file.h"
 #include "core/optimize/diagnosis.h"
-#include "core/placement/hand_placement.h"
+#include "core/placement/hand_pose_guess.h"
 #include "core/placement/solids.h"
 #include "core/session/session.h"
 #include "core/verdict/verdicts.h"
@@ -50,7 +50,7 @@ TEST(BuiltInGrasp, ReachesEveryPatchOfTheBoxFromOutside) {
   for (const optimize::PatchFit& fit : report.patches) {
     EXPECT_LT(fit.mean_mm, 5.0) << session.patches()[fit.patch].patch.name;
   }
-  const placement::HandPlacer placer(tendonHand().model, *tendonHand().skin, box.mesh);
+  const placement::HandPoseGuesser placer(tendonHand().model, *tendonHand().skin, box.mesh);
   EXPECT_LT(std::sqrt(placer.meanSquareDepth(report.pose, Pose::Identity())), 0.002);
 }
 
@@ -82,7 +82,7 @@ TEST(BuiltInGrasp, ReachesForThePatchThatAnEvenShareMisses) {
                   io::readContactSet(modelPath("contacts/lemon_3.json"), file),
                   Pose::Identity(), {});
   // By cost alone one of the three ends 6.9 mm off, the others 3 and 4.
-  const Solution solution = session.solve(Solving(), {}, Progress());
+  const Solution solution = session.solve(SolverSettings(), {}, Progress());
   EXPECT_EQ(optimize::missedPatches(solution.problem, solution.report), std::vector<int>());
   // Nobody's weight was left changed.
   for (const optimize::PointPair& pair : solution.problem.pairs)
@@ -93,7 +93,7 @@ TEST(BuiltInGrasp, StaysOutOfTheObjectIfAskedTo) {
   const Box box;
   const auto solved = [&](bool avoid) {
     Session session(tendonHand(), box.mesh, box.contacts, Pose::Identity(), {});
-    Solving solving;
+    SolverSettings solving;
     solving.avoid_penetration = avoid;
     Solution solution = session.solve(solving, {}, Progress());
     EXPECT_EQ(solution.problem.avoidance != nullptr, avoid);

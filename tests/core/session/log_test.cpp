@@ -24,7 +24,7 @@ hand::HandPose someHand() {
 
 /// One of every kind, every field another value than the one it begins with.
 std::vector<Edit> everyKind() {
-  Solving solving;
+  SolverSettings solving;
   solving.solver = optimize::Solver::kMma;
   solving.starts = 7;
   solving.seed = 4'000'000'000U;
@@ -42,7 +42,7 @@ std::vector<Edit> everyKind() {
           PatchEnabledEdit{"ring", true},
           JointSoftEdit{"j", 0.5, 10.0},
           PriorSharesEdit{{0.0, 2.0, 3.0, 0.25}},
-          SolvingEdit{solving},
+          SolverSettingsEdit{solving},
           DragEdit{"tip", {0.0, 0.1, 0.2}, {1.0, 2.0, 3.0}, R, 0.5},
           ChoiceEdit{3, someHand()},
           HandEdit{"other"},
@@ -52,8 +52,8 @@ std::vector<Edit> everyKind() {
           SnapshotEdit{"before"},
           RestoreEdit{""},
           ReleaseEdit{"tip"},
-          TimedEdit{{1.0, 0.5}, DragWay{"tip", {0.0, 0.1, 0.2}, 0.5, 3, {{1.0, 2.0, 3.0}}}},
-          TakeBackEdit{2}};
+          TimedEdit{{1.0, 0.5}, DragPath{"tip", {0.0, 0.1, 0.2}, 0.5, 3, {{1.0, 2.0, 3.0}}}},
+          RemoveTimedEdit{2}};
 }
 
 std::string bytesOf(const Edit& edit) {
@@ -90,7 +90,8 @@ TEST(Log, GivesBackEveryKindOfEdit) {
   const auto& prior = std::get<PriorEdit>(std::get<Edit>(entries[6]));
   EXPECT_EQ(prior.joints.back().size(), 300u);
   EXPECT_EQ(prior.X_WH->matrix(), somePose().matrix());
-  EXPECT_EQ(std::get<SolvingEdit>(std::get<Edit>(entries[11])).solving.seed, 4'000'000'000U);
+  EXPECT_EQ(std::get<SolverSettingsEdit>(std::get<Edit>(entries[11])).solving.seed,
+            4'000'000'000U);
   EXPECT_EQ(std::get<ChoiceEdit>(std::get<Edit>(entries[13])).pose->q, someHand().q);
   EXPECT_EQ(std::get<ObjectEdit>(std::get<Edit>(entries[15])).name.size(), 12u);
   EXPECT_EQ(std::get<RedoEdit>(std::get<Edit>(entries[17])).count, 16'384);

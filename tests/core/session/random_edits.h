@@ -61,10 +61,10 @@ class RandomEdits {
       case 14:
         return PriorSharesEdit{{uniform(0, 2), uniform(0, 2), uniform(0, 2), uniform(0, 90)}};
       case 15: {
-        Solving solving;
+        SolverSettings solving;
         solving.seed = static_cast<unsigned>(below(100));
         solving.starts = 1 + static_cast<int>(below(4));
-        return SolvingEdit{solving};
+        return SolverSettingsEdit{solving};
       }
       case 16:
       case 17: {

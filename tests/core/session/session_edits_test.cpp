@@ -146,7 +146,7 @@ TEST(SessionEdit, OfARootOnTheHandBringsADroppedPatchBack) {
   Session session = BallGrasp({"thumb", "index", "little"}).open();
   ASSERT_FALSE(session.patches()[2].dropped.empty());
   const hand::ContactSite middle = session.hand().sites[2];
-  const transfer::Placement there =
+  const transfer::PatchPlacement there =
       transfer::placementAt(*session.hand().model, *session.hand().skin, middle);
   session.apply(PatchRootEdit{"little", Side::kHand, there.root_S});
   EXPECT_TRUE(session.patches()[2].dropped.empty());

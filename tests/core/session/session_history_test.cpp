@@ -174,9 +174,9 @@ TEST(SessionHistory, BringsBackTheChartsOfTheRootBefore) {
 TEST(SessionSolve, ChangesNothingUntilItIsCommitted) {
   Session session = opened();
   const Document before = session.document();
-  const Solution solution = session.solve(Solving(), SolveRun(), Progress());
+  const Solution solution = session.solve(SolverSettings(), SolveRun(), Progress());
   EXPECT_TRUE(session.document() == before);
-  const Solution again = session.solve(Solving(), SolveRun(), Progress());
+  const Solution again = session.solve(SolverSettings(), SolveRun(), Progress());
   EXPECT_TRUE(solution.document == again.document);
   session.commit(solution);
   EXPECT_TRUE(session.document() == solution.document);
@@ -186,7 +186,7 @@ TEST(SessionSolve, ChangesNothingUntilItIsCommitted) {
 
 TEST(SessionSolve, OfAnOlderRevisionIsNotTaken) {
   Session session = opened();
-  Solution solution = session.solve(Solving(), SolveRun(), Progress());
+  Solution solution = session.solve(SolverSettings(), SolveRun(), Progress());
   session.apply(PatchWeightEdit{"thumb", 2.0});
   EXPECT_THROW(session.commit(std::move(solution)), BrokenContract);
 }
@@ -196,20 +196,20 @@ TEST(SessionSolve, IsTheSameWhateverWasAskedBefore) {
   Session fresh = grasp.open();
   Session used = grasp.open();
   used.transferPatches(Progress());
-  (void)used.solve(Solving(), SolveRun(), Progress());
+  (void)used.solve(SolverSettings(), SolveRun(), Progress());
   (void)used.suggest("thumb", {}, Progress());
   for (Session* session : {&fresh, &used}) {
     session->apply(ObjectPoseEdit{Pose(Eigen::Translation3d(0.01, 0, 0))});
     session->apply(PatchDirectionEdit{"index", Side::kObject, 0.3});
   }
   EXPECT_TRUE(fresh.document() == used.document());
-  EXPECT_TRUE(fresh.solve(Solving(), SolveRun(), Progress()).document ==
-              used.solve(Solving(), SolveRun(), Progress()).document);
+  EXPECT_TRUE(fresh.solve(SolverSettings(), SolveRun(), Progress()).document ==
+              used.solve(SolverSettings(), SolveRun(), Progress()).document);
 }
 
 TEST(SessionSolve, StandsAsItWasCommitted) {
   Session session = opened();
-  const Solution solution = session.solve(Solving(), SolveRun(), Progress());
+  const Solution solution = session.solve(SolverSettings(), SolveRun(), Progress());
   session.commit(solution);
   const Solution standing = session.standing(Progress());
   EXPECT_EQ(standing.report.pose.q, solution.report.pose.q);
@@ -223,9 +223,9 @@ TEST(SessionSolve, ThePriorIsRestThenTheOptimumThenThePoseThatWasEdited) {
   Session session = opened();
   const Eigen::VectorXd rest = session.hand().model->restPose();
   EXPECT_EQ(session.document().prior.q, rest);
-  (void)session.solve(Solving(), SolveRun(), Progress());
+  (void)session.solve(SolverSettings(), SolveRun(), Progress());
   EXPECT_EQ(session.document().prior.q, rest);
-  const Solution solution = session.solve(Solving(), SolveRun(), Progress());
+  const Solution solution = session.solve(SolverSettings(), SolveRun(), Progress());
   session.commit(solution);
   EXPECT_EQ(session.document().prior.q, solution.report.pose.q);
   session.apply(PriorEdit{std::nullopt, {"thumb_1"}, {0.2}});
@@ -240,7 +240,7 @@ TEST(SessionSolve, InThePapersWayLeavesRootsWhereTheyAre) {
   hand::Hand hand = grasp.hand();
   hand.sites_are_found = true;
   Session session(hand, grasp.ball, grasp.contacts, Pose::Identity(), {});
-  Solving paper;
+  SolverSettings paper;
   paper.paper = true;
   const Solution solution = session.solve(paper, SolveRun(), Progress());
   for (std::size_t i = 0; i < 3; ++i) {
@@ -266,10 +266,10 @@ TEST(SessionEdit, SwitchesAPatchOffAndKeepsItsWeight) {
 TEST(SessionEdit, HoldsAJointSoftly) {
   Session session = opened();
   session.apply(JointSoftEdit{"middle_1", 0.9, 1e9});
-  Solution solution = session.solve(Solving(), SolveRun(), Progress());
+  Solution solution = session.solve(SolverSettings(), SolveRun(), Progress());
   EXPECT_NEAR(solution.report.pose.q[4], 0.9, 1e-3);
   session.apply(JointLimitEdit{"middle_1", 0.0, 0.5});  // beyond its limit: held at that
-  solution = session.solve(Solving(), SolveRun(), Progress());
+  solution = session.solve(SolverSettings(), SolveRun(), Progress());
   EXPECT_NEAR(solution.report.pose.q[4], 0.5, 1e-3);
   expectRefusal(
       [&] {
@@ -329,7 +329,7 @@ TEST(SessionEdit, ChoosesAMinimumOfTheLastSolution) {
         session.apply(ChoiceEdit{1, std::nullopt});
       },
       "no solution");
-  const Solution solution = session.solve(Solving(), SolveRun(), Progress());
+  const Solution solution = session.solve(SolverSettings(), SolveRun(), Progress());
   session.commit(solution);
   ASSERT_GE(solution.report.minima.size(), 2u);
   session.apply(ChoiceEdit{1, std::nullopt});

@@ -30,7 +30,7 @@ double editedAtRandom(const SessionModels& models, unsigned seed, int count) {
   verdict::FitCheck check;
   SolveRun after_edit;
   after_edit.places_stay = true;
-  Solving quick;
+  SolverSettings quick;
   quick.starts = 2;
   quick.avoid_penetration = false;  // solids are shared by all, and what they cost is time
   session.commit(session.solve(quick, SolveRun(), Progress()));

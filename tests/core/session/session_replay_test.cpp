@@ -34,7 +34,7 @@ SessionModels ballModels(bool open) {
 /// 300 random edits, with solves between them that are committed, dropped or cancelled.
 void editAtRandom(Session& session, unsigned seed) {
   RandomEdits edits(seed);
-  Solving quick;
+  SolverSettings quick;
   quick.starts = 2;
   int applied = 0;
   int refused = 0;
@@ -163,7 +163,7 @@ TEST(SessionReplay, SaysWhereALogDiffersFromItsFile) {
 TEST(SessionReplay, NoticesASolveThatEndsElsewhere) {
   const SessionModels models = ballModels(false);
   Session session(models, Pose::Identity(), {});
-  session.commit(session.solve(Solving(), SolveRun(), Progress()));
+  session.commit(session.solve(SolverSettings(), SolveRun(), Progress()));
   SavedSession tampered = session.saved();
   auto solve = std::make_shared<CommittedSolve>(
       *std::get<std::shared_ptr<const CommittedSolve>>(tampered.log[0]));

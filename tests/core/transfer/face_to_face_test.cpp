@@ -1,4 +1,4 @@
-// DESIGN 3.1: contact is face to face, so a patch on the hand is the mirror image of the patch
+// Contact is face to face, so a patch on the hand is the mirror image of the patch
 // on the object. An L between two planes tells the two apart.
 #include <complex>
 
@@ -51,8 +51,8 @@ struct LBetweenPlanes {
   PatchTransfer transfer;
 
   LBetweenPlanes() {
-    const Placement placement = {surfacePointAtVertex(plate, vertexAtCell(2, -1)),
-                                 Eigen::Vector3d(-0.2, 1.0, 0.0)};
+    const PatchPlacement placement = {surfacePointAtVertex(plate, vertexAtCell(2, -1)),
+                                      Eigen::Vector3d(-0.2, 1.0, 0.0)};
     transfer = transferPatch(plate, lShape(plate), skin, placement);
   }
 };

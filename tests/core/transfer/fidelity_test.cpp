@@ -135,7 +135,7 @@ PatchTransfer transferRound(const TriangleMesh& object,
                             const Eigen::Vector3d& root_S) {
   const auto model = test::makeRigidHand(skin_mesh);
   const hand::Skin skin = test::makeRigidSkin(*model, skin_mesh);
-  Placement placement;
+  PatchPlacement placement;
   placement.root_S = skin.locator().nearest(root_S).point;
   placement.direction_S = geometry::anyTangentAt(skin_mesh, placement.root_S);
   return transferPatch(object, roundPatch(object, root, radius), skin, placement);

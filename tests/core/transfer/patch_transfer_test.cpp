@@ -44,9 +44,9 @@ Patch patchThrough(const TriangleMesh& mesh,
   return patch;
 }
 
-Placement placedAt(const TriangleMesh& skin,
-                   const Eigen::Vector3d& root,
-                   const Eigen::Vector3d& direction) {
+PatchPlacement placedAt(const TriangleMesh& skin,
+                        const Eigen::Vector3d& root,
+                        const Eigen::Vector3d& direction) {
   return {surfacePointAtVertex(skin, nearestVertex(skin, root)), direction};
 }
 
@@ -138,7 +138,7 @@ TEST(PatchTransfer, DoesNotDependOnWhereTheObjectIs) {
   for (const Eigen::Vector3d& p : circle(0.012, 9))
     ring.push_back(p + Eigen::Vector3d(0, 0, 0.0275));
   const Patch patch = patchThrough(sphere, {0, 0, 0.03}, {1, 0.2, 0}, ring);
-  const Placement placement = placedAt(hand.plate, {0.002, 0.004, 0}, {0.3, 1, 0});
+  const PatchPlacement placement = placedAt(hand.plate, {0.002, 0.004, 0}, {0.3, 1, 0});
   const PatchTransfer here = transferPatch(sphere, patch, hand.skin, placement);
 
   Eigen::Affine3d X(Eigen::Translation3d(0.4, -1, 2));
@@ -169,7 +169,7 @@ TEST(PatchTransfer, ThereAndBackIsWhereItBegan) {
                    Eigen::Vector3d(0, 0, 0.026));
   }
   const Patch patch = patchThrough(object, {0, 0, 0.03}, {1, 0, 0}, ring);
-  const Placement there = placedAt(other, {0.04, 0, 0}, {0, 0, 1});
+  const PatchPlacement there = placedAt(other, {0.04, 0, 0}, {0, 0, 1});
   const hand::Skin other_skin = test::makeRigidSkin(*other_hand, other);
   const PatchTransfer out = transferPatch(object, patch, other_skin, there);
   ASSERT_EQ(out.points_S.size(), 15u);
@@ -236,10 +236,10 @@ TEST(PatchTransfer, RefusesADirectionAlongTheNormal) {
   const TriangleMesh object = test::makePlate(10, 10, 0.002);
   Patch patch = patchThrough(object, {0, 0, 0}, {0, 0, 1},
                              {{0.004, 0, 0}, {0.004, 0.004, 0}, {0, 0.004, 0}});
-  const Placement good = placedAt(hand.plate, {0, 0, 0}, {1, 0, 0});
+  const PatchPlacement good = placedAt(hand.plate, {0, 0, 0}, {1, 0, 0});
   EXPECT_THROW(transferPatch(object, patch, hand.skin, good), InvalidInput);
   patch.direction_O = Eigen::Vector3d::UnitX();
-  Placement bad = good;
+  PatchPlacement bad = good;
   bad.direction_S = Eigen::Vector3d::UnitZ();
   EXPECT_THROW(transferPatch(object, patch, hand.skin, bad), InvalidInput);
   bad = good;
@@ -249,7 +249,7 @@ TEST(PatchTransfer, RefusesADirectionAlongTheNormal) {
   EXPECT_THROW(transferPatch(object, patch, hand.skin, good), BrokenContract);
 }
 
-TEST(Placement, AtASiteLiesOnTheSkinAndKeepsItsDirection) {
+TEST(PatchPlacement, AtASiteLiesOnTheSkinAndKeepsItsDirection) {
   const PlateHand hand;
   hand::ContactSite site;
   site.name = "thumb";
@@ -257,7 +257,7 @@ TEST(Placement, AtASiteLiesOnTheSkinAndKeepsItsDirection) {
   site.p_L = Eigen::Vector3d(0.011, -0.007, 0.001);
   site.n_L = Eigen::Vector3d::UnitZ();
   site.direction_L = Eigen::Vector3d::UnitY();
-  const Placement placement = placementAt(*hand.model, hand.skin, site);
+  const PatchPlacement placement = placementAt(*hand.model, hand.skin, site);
   EXPECT_LT(
       (positionOf(hand.plate, placement.root_S) - Eigen::Vector3d(0.011, -0.007, 0)).norm(),
       1e-12);

@@ -28,7 +28,7 @@ struct TwoBalls {
   hand::Skin skin = test::makeRigidSkin(*model, skin_mesh);
   Surfaces surfaces = borrowedSurfaces(object, skin);
   contact::Patch patch;
-  Placement placement;
+  PatchPlacement placement;
 
   TwoBalls() {
     patch.name = "thumb";
@@ -125,7 +125,7 @@ TEST(StagedTransfer, TurningADirectionIsLayingTheTurnedPatchAnew) {
   for (const LogMapMethod method : {LogMapMethod::kFast, LogMapMethod::kExact}) {
     const Eigen::Vector3d direction_O =
         tangentTurned(balls.object, balls.patch.root, *balls.patch.direction_O, 0.9);
-    const Placement placement = turned(balls.skin_mesh, balls.placement, -0.6);
+    const PatchPlacement placement = turned(balls.skin_mesh, balls.placement, -0.6);
     balls.patch.direction_O = direction_O;
     const PatchTransfer laid =
         transferPatch(balls.object, balls.patch, balls.skin, placement, {method, 0});

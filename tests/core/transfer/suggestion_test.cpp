@@ -38,11 +38,11 @@ struct RoundPatchOnAPlate {
     }
   }
 
-  [[nodiscard]] Placement at(double x, double y) const {
+  [[nodiscard]] PatchPlacement at(double x, double y) const {
     return {skin.locator().nearest({x, y, 0}).point, Eigen::Vector3d::UnitX()};
   }
 
-  [[nodiscard]] std::vector<Suggestion> suggest(const Placement& present,
+  [[nodiscard]] std::vector<Suggestion> suggest(const PatchPlacement& present,
                                                 const SuggestOptions& options) const {
     return suggestPlacements(plate, patch, skin, present, options, {}, Progress());
   }
@@ -50,7 +50,7 @@ struct RoundPatchOnAPlate {
 
 TEST(SuggestPlacements, BringsAPatchBackThatHangsOverTheEdge) {
   const RoundPatchOnAPlate world;
-  const Placement present = world.at(0.027, 0.003);  // 5 mm over the edge at x = 30 mm
+  const PatchPlacement present = world.at(0.027, 0.003);  // 5 mm over the edge at x = 30 mm
   const PatchTransfer now = transferPatch(world.plate, world.patch, world.skin, present);
   ASSERT_FALSE(now.lost.empty());
 
@@ -70,13 +70,13 @@ TEST(SuggestPlacements, BringsAPatchBackThatHangsOverTheEdge) {
 
 TEST(SuggestPlacements, DeliversWhatItPromises) {
   const RoundPatchOnAPlate world;
-  const Placement present = world.at(0.026, -0.0266);  // over a corner
+  const PatchPlacement present = world.at(0.026, -0.0266);  // over a corner
   const std::size_t lost =
       transferPatch(world.plate, world.patch, world.skin, present).lost.size();
   std::size_t before = 0;
   for (const Suggestion& suggestion : world.suggest(present, {0.008, 10})) {
     // The two edits that make it come true.
-    const Placement placement =
+    const PatchPlacement placement =
         turned(world.plate, movedTo(world.plate, present, suggestion.placement.root_S),
                suggestion.turned_rad);
     EXPECT_EQ(placement.direction_S, suggestion.placement.direction_S);
@@ -126,8 +126,8 @@ TEST(SuggestPlacements, TurnsALongPatchThatFitsOneWayOnly) {
         locator.nearest({0.025 * std::cos(phi), 0.004 * std::sin(phi), 0}).point);
   }
   const double slant = 0.5;
-  const Placement present = {skin.locator().nearest({0, 0, 0}).point,
-                             {std::cos(slant), std::sin(slant), 0}};
+  const PatchPlacement present = {skin.locator().nearest({0, 0, 0}).point,
+                                  {std::cos(slant), std::sin(slant), 0}};
   const auto suggestions =
       suggestPlacements(plate, patch, skin, present, {0.002, 3}, {}, Progress());
   ASSERT_FALSE(suggestions.empty());
@@ -138,7 +138,7 @@ TEST(SuggestPlacements, TurnsALongPatchThatFitsOneWayOnly) {
 
 TEST(SuggestPlacements, StopsOnWishAndRefusesNumbersOutOfRange) {
   const RoundPatchOnAPlate world;
-  const Placement present = world.at(0.027, 0.003);
+  const PatchPlacement present = world.at(0.027, 0.003);
   Progress stopped;
   stopped.cancel();
   EXPECT_THROW(

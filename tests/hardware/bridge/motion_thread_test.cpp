@@ -76,7 +76,7 @@ class MotionThreadTest : public ::testing::Test {
   }
 
   std::atomic<bool> estop_flag_{false};
-  const std::shared_ptr<Doorbell> bell_ = std::make_shared<Doorbell>();
+  const std::shared_ptr<WakeEvent> bell_ = std::make_shared<WakeEvent>();
   config::HandConfig config_;
   std::uint64_t sequence_ = 0;
   std::unique_ptr<MotionThread> thread_;

@@ -68,7 +68,7 @@ TEST(ReadTrajectory, SaysWhatIsWrong) {
 TEST(TrajectoryFeed, HearsOpenSessionsThatSomebodyWritesFor) {
   const handgraft::test::TestDomain domain;
   const idl::cyclone::Participant participant({domain.number(), "lo"});
-  const auto bell = std::make_shared<Doorbell>();
+  const auto bell = std::make_shared<WakeEvent>();
   TrajectoryFeed feed(participant, bell);
   feed.see(test::sessionState(7, "hand", kNames));
   const std::string name = idl::sampleTopicName(7);

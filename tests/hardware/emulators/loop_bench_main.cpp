@@ -115,7 +115,7 @@ void measure(config::HandConfig config, double rate_hz, double seconds) {
   double late_ms = 0;
   {
     bridge::MotionThread motion(std::make_unique<bridge::Motion>(config, make, Clock::now),
-                                estop, std::make_shared<bridge::Doorbell>());
+                                estop, std::make_shared<bridge::WakeEvent>());
     const auto end = Clock::now() + std::chrono::duration<double>(seconds + 4);
     std::uint64_t number = 0;
     while (Clock::now() < end) {

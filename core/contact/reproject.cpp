@@ -1,0 +1,92 @@
+#include "core/contact/reproject.h"
+
+#include <optional>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/geometry/surface_locator.h"
+
+namespace handgraft::contact {
+namespace {
+
+using geometry::SurfaceLocator;
+using geometry::SurfacePoint;
+using geometry::TriangleMesh;
+
+/// Places of `from` on `to`.
+class Carrier {
+ public:
+  Carrier(const TriangleMesh& from, const TriangleMesh& to, double reach_m)
+      : from_(from), to_(to), reach_m_(reach_m) {
+    for (const Eigen::Vector3d p : to.vertices().colwise())
+      box_.extend(p);
+  }
+
+  [[nodiscard]] std::optional<SurfacePoint> operator()(const SurfacePoint& point) const {
+    const Eigen::Vector3d p = geometry::positionOf(from_, point);
+    // Seen from afar, all faces are equally near, and the search would visit every one.
+    if (!(box_.squaredExteriorDistance(p) <= reach_m_ * reach_m_)) return std::nullopt;
+    const Eigen::Vector3d n = geometry::normalOf(from_, point);
+    // Where walls are thin, the nearest place may be on their other side: then look from a
+    // little outside.
+    for (const double height : {0.0, 0.5 * reach_m_, reach_m_}) {
+      const SurfaceLocator::Hit hit = to_.nearest(p + height * n);
+      const bool faces_the_same_way = geometry::normalOf(to_.mesh(), hit.point).dot(n) > 0.0;
+      if (faces_the_same_way && (hit.position - p).norm() <= reach_m_) return hit.point;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  const TriangleMesh& from_;
+  SurfaceLocator to_;
+  double reach_m_;
+  Eigen::AlignedBox3d box_;  ///< of the mesh that is carried to
+};
+
+}  // namespace
+
+ContactSet reproject(const ContactSet& set,
+                     const TriangleMesh& from_O,
+                     const TriangleMesh& to_O,
+                     double reach_m) {
+  if (!(reach_m > 0.0)) rejectInput("reach is {} m; it must be above 0", reach_m);
+  const Carrier carried(from_O, to_O, reach_m);
+  ContactSet result = set;
+  result.patches.clear();
+  for (const Patch& patch : set.patches) {
+    Patch moved = patch;
+    moved.boundary.clear();
+    moved.interpolation_boundary.clear();
+    for (const SurfacePoint& point : patch.interpolation_boundary) {
+      if (const auto place = carried(point)) moved.interpolation_boundary.push_back(*place);
+    }
+    const auto root = carried(patch.root);
+    const std::size_t kept = moved.interpolation_boundary.size();
+    if (!root || kept < kFewestInterpolationPoints ||
+        2 * kept < patch.interpolation_boundary.size()) {
+      result.notes.push_back(fmt::format(
+          "{} dropped: no place within {:.1f} mm of the object's surface faces the same way",
+          quoted(patch.name), reach_m * 1e3));
+      continue;
+    }
+    if (kept < patch.interpolation_boundary.size()) {
+      result.notes.push_back(fmt::format(
+          "{}: {} of {} points left out: no place within {:.1f} mm that faces the same way",
+          quoted(patch.name), patch.interpolation_boundary.size() - kept,
+          patch.interpolation_boundary.size(), reach_m * 1e3));
+    }
+    moved.root = *root;
+    result.patches.push_back(std::move(moved));
+  }
+  if (2 * result.patches.size() < set.patches.size() || result.patches.empty()) {
+    rejectInput(
+        "contacts do not fit the object: {} of {} patches have no place within {:.1f} mm of "
+        "its "
+        "surface that faces the same way; is it another object, another frame, or inside out?",
+        set.patches.size() - result.patches.size(), set.patches.size(), reach_m * 1e3);
+  }
+  return result;
+}
+
+}  // namespace handgraft::contact

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "core/contact/contact_set.h"
+#include "core/geometry/triangle_mesh.h"
+
+namespace handgraft::contact {
+
+/// The same patches on another mesh of the same object: roots, axes and interpolation
+/// boundaries go to the nearest places of its surface, to a place that faces the same way where
+/// there is one near.
+///
+/// Boundaries are left empty, since they are edges of the first mesh; directions stay. A patch
+/// whose root or more than half of whose points have no place within `reach_m` is dropped, with
+/// a note; so are single points. Frames: both meshes in O, metres. Errors:
+/// InvalidInput if more than half of the patches are dropped: another object or frame. Cost:
+/// O((F + points) log F).
+ContactSet reproject(const ContactSet& set,
+                     const geometry::TriangleMesh& from_O,
+                     const geometry::TriangleMesh& to_O,
+                     double reach_m = 0.005);
+
+}  // namespace handgraft::contact

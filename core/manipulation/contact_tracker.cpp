@@ -1,0 +1,213 @@
+#include "core/manipulation/contact_tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "core/base/error.h"
+
+namespace handgraft::manipulation {
+
+namespace {
+
+constexpr double kMovedTouch_m = 0.001;
+constexpr double kShortestTouch_s = 0.04;
+constexpr double kPalmFlesh_m = 0.015;
+
+struct Part {
+  int digit = -1;       // 0 thumb to 4 little; -1: the palm
+  int segment = 0;      // 0 proximal to 2 distal
+  double along = 0.5;   // of the segment, or from the knuckles to the wrist
+  double across = 0.5;  // of the palm
+  double flesh_m = 0.0;
+  std::string name;
+};
+
+constexpr std::array<const char*, 5> kDigitNames{"thumb", "index", "middle", "ring", "little"};
+constexpr std::array<const char*, 3> kSegmentNames{"proximal", "middle", "distal"};
+
+// Half a mean hand's thickness, at the middle of each segment and at the tip.
+constexpr std::array<double, 4> kThumbFlesh_m{0.013, 0.011, 0.010, 0.008};
+constexpr std::array<double, 4> kFingerFlesh_m{0.010, 0.009, 0.008, 0.007};
+
+std::vector<Part> makeParts() {
+  std::vector<Part> parts;
+  for (int digit = 0; digit < 5; ++digit) {
+    const auto& flesh_m = digit == 0 ? kThumbFlesh_m : kFingerFlesh_m;
+    const std::string name = kDigitNames[static_cast<std::size_t>(digit)];
+    for (int segment = 0; segment < 3; ++segment) {
+      const auto at = static_cast<std::size_t>(segment);
+      parts.push_back(
+          {digit, segment, 0.5, 0.5, flesh_m[at], hand::partName(name, kSegmentNames[at])});
+    }
+    parts.push_back({digit, 2, 0.9, 0.5, flesh_m[3], name + "_tip"});
+  }
+  parts.push_back({-1, 0, 0.1, 0.2, kPalmFlesh_m, "palm_1"});
+  parts.push_back({-1, 0, 0.1, 0.8, kPalmFlesh_m, "palm_2"});
+  parts.push_back({-1, 0, 0.75, 0.6, kPalmFlesh_m, "palm_3"});
+  return parts;
+}
+
+const std::vector<Part>& touchParts() {
+  static const std::vector<Part> kParts = makeParts();
+  return kParts;
+}
+
+/// A hand's joints about which places are told.
+struct Frame {
+  explicit Frame(const DemonstratedFrame& frame)
+      : joints_O(frame.X_WO.inverse() * frame.joints_W.colwise().homogeneous()),
+        thumbward_O((joints_O.col(5) - joints_O.col(17)).normalized()),
+        palmar_sign(frame.side == hand::HandSide::kRight ? 1.0 : -1.0) {}
+
+  hand::JointPlaces joints_O;
+  Eigen::Vector3d thumbward_O;  // along the row of knuckles
+  double palmar_sign;
+
+  [[nodiscard]] Eigen::Vector3d middleOf(const Part& part) const {
+    if (part.digit < 0) {
+      const Eigen::Vector3d knuckle =
+          (1.0 - part.across) * joints_O.col(5) + part.across * joints_O.col(17);
+      return (1.0 - part.along) * knuckle + part.along * joints_O.col(0);
+    }
+    const int base = 1 + 4 * part.digit + part.segment;
+    return (1.0 - part.along) * joints_O.col(base) + part.along * joints_O.col(base + 1);
+  }
+
+  [[nodiscard]] hand::HandLocation placeOf(const Part& part, const Eigen::Vector3d& p_O) const {
+    hand::HandLocation place;
+    place.along = part.along;
+    if (part.digit < 0) {
+      place.digit = hand::kPalmPart;
+      place.across = part.across;
+      return place;
+    }
+    place.digit = kDigitNames[static_cast<std::size_t>(part.digit)];
+    place.segment = kSegmentNames[static_cast<std::size_t>(part.segment)];
+    place.segment_count = 3;
+    if (part.digit == 0) return place;
+    // Fingers bend about the row of knuckles: palmar turns with the bone.
+    const int base = 1 + 4 * part.digit + part.segment;
+    const Eigen::Vector3d bone = (joints_O.col(base + 1) - joints_O.col(base)).normalized();
+    const Eigen::Vector3d side = (thumbward_O - thumbward_O.dot(bone) * bone).normalized();
+    const Eigen::Vector3d palmar = palmar_sign * side.cross(bone);
+    const Eigen::Vector3d out = p_O - middleOf(part);
+    if (side.allFinite() && palmar.allFinite())
+      place.around_rad = std::atan2(out.dot(side), out.dot(palmar));
+    return place;
+  }
+};
+
+void requireFinite(const DemonstratedFrame& frame) {
+  if (!frame.joints_W.allFinite())
+    rejectInput("frame at {} s: a joint's place is not finite", frame.time_s);
+  if (!frame.X_WO.matrix().allFinite())
+    rejectInput("frame at {} s: the object's pose is not finite", frame.time_s);
+}
+
+}  // namespace
+
+ContactTracker::ContactTracker(const geometry::TriangleMesh& object_O)
+    : object_O_(object_O), locator_(object_O), touches_(touchParts().size(), 0) {}
+
+const std::vector<std::string>& ContactTracker::partNames() {
+  static const std::vector<std::string> kNames = [] {
+    std::vector<std::string> names;
+    for (const Part& part : touchParts())
+      names.push_back(part.name);
+    return names;
+  }();
+  return kNames;
+}
+
+std::vector<DetectedContact> ContactTracker::see(const DemonstratedFrame& told) {
+  requireFinite(told);
+  const Frame frame(told);
+  std::vector<DetectedContact> touches;
+  for (std::size_t i = 0; i < touches_.size(); ++i) {
+    const Part& part = touchParts()[i];
+    const auto hit = locator_.nearest(frame.middleOf(part));
+    const double reach = part.flesh_m + (touches_[i] != 0 ? kEnd_m : kBegin_m);
+    touches_[i] = hit.distance <= reach ? 1 : 0;
+    if (touches_[i] == 0) continue;
+    touches.push_back({static_cast<int>(i),
+                       frame.placeOf(part, positionOf(object_O_, hit.point)), hit.point});
+  }
+  return touches;
+}
+
+Motion motionOfDemonstration(const std::vector<DemonstratedFrame>& frames,
+                             const geometry::TriangleMesh& object_O) {
+  if (frames.empty()) rejectInput("a demonstration without frames is no motion");
+  if (frames.size() > static_cast<std::size_t>(kMostFrames))
+    rejectInput("{} frames are more than the {} permitted", frames.size(), kMostFrames);
+  Motion motion;
+  ContactTracker tracker(object_O);
+  const std::vector<std::string>& names = ContactTracker::partNames();
+  std::vector<std::optional<PatchTrack>> open(names.size());
+  std::vector<Eigen::Vector3d> last_O(names.size());
+  int fleeting = 0;
+  const auto close = [&](std::size_t part, int end) {
+    PatchTrack track = *std::exchange(open[part], std::nullopt);
+    track.end = end;
+    const double lasted_s = motion.time_s[static_cast<std::size_t>(end - 1)] -
+                            motion.time_s[static_cast<std::size_t>(track.begin())];
+    if (lasted_s < kShortestTouch_s && track.begin() > 0 &&
+        end < static_cast<int>(frames.size())) {
+      ++fleeting;
+    } else {
+      motion.tracks.push_back(std::move(track));
+    }
+  };
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    const DemonstratedFrame& frame = frames[k];
+    if (!std::isfinite(frame.time_s) || (k > 0 && frame.time_s <= frames[k - 1].time_s))
+      rejectInput("frame {}: its time {} s does not lie behind the one before", k,
+                  frame.time_s);
+    motion.time_s.push_back(frame.time_s);
+    motion.X_WO.push_back(frame.X_WO);
+    std::vector<char> touches(names.size(), 0);
+    for (const DetectedContact& touch : tracker.see(frame)) {
+      const auto part = static_cast<std::size_t>(touch.part);
+      touches[part] = 1;
+      const Eigen::Vector3d p_O = positionOf(object_O, touch.point_O);
+      if (open[part] && (p_O - last_O[part]).norm() < kMovedTouch_m) continue;
+      if (!open[part]) open[part].emplace().name = names[part];
+      PatchKey key;
+      key.frame = static_cast<int>(k);
+      key.patch.name = names[part];
+      key.patch.root = touch.point_O;
+      key.patch.interpolation_boundary = {touch.point_O};
+      key.patch.place = touch.place;
+      open[part]->keys.push_back(std::move(key));
+      last_O[part] = p_O;
+    }
+    for (std::size_t part = 0; part < open.size(); ++part)
+      if (open[part] && touches[part] == 0) close(part, static_cast<int>(k));
+  }
+  for (std::size_t part = 0; part < open.size(); ++part)
+    if (open[part]) close(part, static_cast<int>(frames.size()));
+  if (motion.tracks.empty()) {
+    double nearest = std::numeric_limits<double>::infinity();
+    const geometry::SurfaceLocator locator(object_O);
+    for (const DemonstratedFrame& frame : frames) {
+      const hand::JointPlaces joints_O = Frame(frame).joints_O;
+      for (int joint = 0; joint < joints_O.cols(); ++joint)
+        nearest = std::min(nearest, locator.nearest(joints_O.col(joint)).distance);
+    }
+    rejectInput("the hand touches nothing: its joints come no nearer than {:.1f} mm",
+                1e3 * nearest);
+  }
+  std::stable_sort(motion.tracks.begin(), motion.tracks.end(),
+                   [](const PatchTrack& a, const PatchTrack& b) {
+                     return a.begin() < b.begin();
+                   });
+  if (fleeting > 0)
+    motion.notes.push_back(fmt::format("left out {} touches that last less than {:.0f} ms",
+                                       fleeting, 1e3 * kShortestTouch_s));
+  validate(object_O, motion);
+  return motion;
+}
+
+}  // namespace handgraft::manipulation

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "core/base/pose.h"
+#include "core/geometry/surface_locator.h"
+#include "core/geometry/triangle_mesh.h"
+#include "core/hand/demonstrated_joints.h"
+#include "core/hand/hand_location.h"
+#include "core/manipulation/motion.h"
+
+namespace handgraft::manipulation {
+
+/// What a demonstrator does at a time.
+struct DemonstratedFrame {
+  double time_s = 0.0;
+  hand::HandSide side = hand::HandSide::kRight;
+  hand::JointPlaces joints_W;
+  Pose X_WO = Pose::Identity();
+};
+
+/// Where a part of the demonstrator's hand touches the object.
+struct DetectedContact {
+  int part = 0;              ///< index into ContactTracker::partNames
+  hand::HandLocation place;  ///< on the demonstrator's hand
+  geometry::SurfacePoint point_O;
+};
+
+/// Finds which parts of a hand, of which only the joints are known, touch an object, frame by
+/// frame: segments of the digits, their tips, and the palm.
+///
+/// A part touches once the object is within its flesh and `kBegin_m`, and until it is farther
+/// than its flesh and `kEnd_m`, so that what is measured with noise does not come and go. Flesh
+/// is that of a mean hand. Which way round the digit the object lies is told for all digits
+/// but the thumb, which counts as palmar: its joints do not tell where its pad is.
+///
+/// Deterministic. Cost: one nearest place of the mesh a part and frame.
+class ContactTracker {
+ public:
+  static constexpr double kBegin_m = 0.006;
+  static constexpr double kEnd_m = 0.012;
+
+  /// Keeps a reference.
+  explicit ContactTracker(const geometry::TriangleMesh& object_O);
+
+  /// `index_distal`, `index_tip`, `palm_1`, ...: unique.
+  [[nodiscard]] static const std::vector<std::string>& partNames();
+
+  /// The touches of the next frame, by rising part.
+  /// Errors: InvalidInput, and nothing changes, if a joint or the object's pose is not finite.
+  std::vector<DetectedContact> see(const DemonstratedFrame& frame);
+
+ private:
+  const geometry::TriangleMesh& object_O_;
+  geometry::SurfaceLocator locator_;
+  std::vector<char> touches_;
+};
+
+/// The motion of a demonstration: a track from where a part begins to touch until it ends, a
+/// key where the touch has moved by a millimetre. Touches that last less than 40 ms are left
+/// out, and noted.
+/// Errors: InvalidInput for no frames, times that do not rise, what is not finite, and if
+/// nothing ever touches: how near it came.
+Motion motionOfDemonstration(const std::vector<DemonstratedFrame>& frames,
+                             const geometry::TriangleMesh& object_O);
+
+}  // namespace handgraft::manipulation
