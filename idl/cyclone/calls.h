@@ -1,7 +1,5 @@
 #pragma once
 
-#include <algorithm>
-#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <map>
@@ -12,59 +10,18 @@
 #include <utility>
 #include <variant>
 
+#include "idl/cyclone/pace.h"
 #include "idl/cyclone/requester.h"
 
 /// What a requester has under way.
 namespace handgraft::idl::cyclone {
 
-/// When to say it again: at once while discovery settles, ever slower when the server is at
-/// work, and never so fast that a large body floods the wire.
-class Pace {
- public:
-  using Clock = std::chrono::steady_clock;
-
-  explicit Pace(std::size_t bytes)
-      : interval_(kRepeat + milliseconds(static_cast<long>(bytes / kBytesPerMillisecond))) {}
-
-  [[nodiscard]] Clock::time_point next() const { return next_; }
-
-  [[nodiscard]] Clock::duration interval() const { return interval_; }
-
-  /// Said before, and not answered in time.
-  [[nodiscard]] bool isRepeat() const { return count_ > 1; }
-
-  void sent(Clock::time_point now) {
-    if (++count_ % kRepeatsBeforeSlowing == 0) {
-      interval_ = std::max(interval_, std::min(2 * interval_, kSlowRepeat));
-    }
-    next_ = now + interval_;
-  }
-
-  void slowDown() { interval_ = std::max(interval_, kSlowRepeat); }
-
-  void hurry() { next_ = Clock::time_point{}; }
-
- private:
-  using milliseconds = std::chrono::milliseconds;
-
-  // idl/README: measured to lose nothing.
-  static constexpr milliseconds kRepeat{50};
-  static constexpr milliseconds kSlowRepeat{1000};  // once the server is known to work on it
-  static constexpr int kRepeatsBeforeSlowing = 10;
-  static constexpr std::size_t kBytesPerMillisecond =
-      10'000;  // far below what loopback carries
-
-  milliseconds interval_;
-  Clock::time_point next_{};
-  int count_ = 0;
-};
-
 /// A request or an edit under way. What is sent does not change; the rest is guarded by the
 /// requester's mutex.
 template <class Message, class OnReply>
 struct Call {
-  Call(Message what, std::size_t bytes, OnReply done)
-      : message(std::move(what)), pace(bytes), on_reply(std::move(done)) {}
+  Call(Message what, Pace when, OnReply done)
+      : message(std::move(what)), pace(when), on_reply(std::move(done)) {}
 
   const Message message;
   const Pace::Clock::time_point begun = Pace::Clock::now();

@@ -61,7 +61,11 @@ struct Requester::Impl {
     const std::lock_guard lock(mutex);
     const auto found = calls.find(id);
     if (found == calls.end()) return nullptr;
-    if (server.isIt(server_id)) server.hearAnswer();
+    if (server.isIt(server_id)) {
+      server.hearAnswer();
+      // What it works on takes its time, which says nothing of the way there.
+      if (!found->second->heard) answer_time.add(Clock::now() - found->second->begun);
+    }
     auto call = calls.extract(found).mapped();
     to_send.notify_all();  // one that waits may go
     return call;
@@ -83,6 +87,10 @@ struct Requester::Impl {
   /// may still be once it is heard again: its outcome is asked for until it is known, or until
   /// it is over with that server.
   std::exception_ptr lossOf(EditCall& call, std::vector<std::function<void()>>& tell) const;
+
+  /// Where another server, or the same one after a start, is the one to ask, all that is under
+  /// way is said to it at once.
+  void sayAnewTo(std::uint64_t start);
 
   // === Sending
 
@@ -128,6 +136,8 @@ struct Requester::Impl {
   std::vector<std::function<void()>> failures;  ///< to be told
   Clock::time_point looked;                     ///< for lost calls
   KnownServer server;
+  std::uint64_t said_to = 0;  ///< the server's start, as it counts them
+  AnswerTime answer_time;
 
   // Its listeners touch all of the above: made last, gone first.
   RequesterWires wires;

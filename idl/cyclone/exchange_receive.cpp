@@ -167,6 +167,7 @@ void Requester::Impl::endLostCalls() {
   {
     const std::lock_guard lock(mutex);
     server.succeed();
+    sayAnewTo(server.start());
     ends.swap(failures);
     const Clock::time_point now = Clock::now();
     if (now - looked >= kLook) {
@@ -179,6 +180,16 @@ void Requester::Impl::endLostCalls() {
   }
   for (const auto& end : ends)
     end();
+}
+
+void Requester::Impl::sayAnewTo(std::uint64_t start) {
+  if (std::exchange(said_to, start) == start) return;
+  answer_time.forget();
+  for (const auto& [id, call] : request_calls)
+    call->pace.beginAnew();
+  for (const auto& [id, call] : edit_calls)
+    call->pace.beginAnew();
+  to_send.notify_all();
 }
 
 std::exception_ptr Requester::Impl::lossOf(const RequestCall& call,

@@ -35,6 +35,8 @@ void KnownServer::hear(const v1::ServerStatus& message) {
   if (status_ && !isIt(message.server_id())) {
     if (!message.stopping()) successor_.emplace(message, now_());
   } else {
+    // One on its store is the same one, started again.
+    if (!status_ || message.uptime_s() < status_->uptime_s()) ++start_;
     status_ = message;
     seen_ = now_();
   }
@@ -51,6 +53,7 @@ void KnownServer::succeed() {
   if (now_() - heard >= kLost) return;
   status_ = std::move(next);
   seen_ = heard;
+  ++start_;
 }
 
 bool KnownServer::isAlive() const {

@@ -41,6 +41,9 @@ class KnownServer {
   /// Nothing: none was heard yet.
   [[nodiscard]] const std::optional<v1::ServerStatus>& status() const { return status_; }
 
+  /// Rises with each start of a server that is the one to ask; 0: none was heard yet.
+  [[nodiscard]] std::uint64_t start() const { return start_; }
+
   [[nodiscard]] bool isIt(std::uint64_t server_id) const {
     return status_ && status_->server_id() == server_id;
   }
@@ -68,6 +71,7 @@ class KnownServer {
   const std::string name_;
   const Now now_;
   std::optional<v1::ServerStatus> status_;
+  std::uint64_t start_ = 0;
   Clock::time_point seen_{};
   /// Another server and when it was heard; the one to ask once the first is gone.
   std::optional<std::pair<v1::ServerStatus, Clock::time_point>> successor_;

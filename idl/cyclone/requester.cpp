@@ -119,8 +119,8 @@ Requester::CallId Requester::begin(const v1::RequestBody& body,
     return id;
   }
   request.request_id(id);
-  const auto call =
-      std::make_shared<RequestCall>(std::move(request), bytes, std::move(on_reply));
+  const auto call = std::make_shared<RequestCall>(
+      std::move(request), Pace(bytes, impl_->answer_time.lateAfter()), std::move(on_reply));
   call->on_progress = std::move(on_progress);
   call->of_one_server = traitsOf(body._d()).answered_by == AnsweredBy::kOneServer;
   if (!impl_->waiting.empty() || !impl_->mayGo(id)) {
@@ -159,7 +159,8 @@ void Requester::beginEdit(std::uint64_t session_id,
   const std::uint64_t id = impl_->next_edit++;
   edit.edit_id(id);
   const std::size_t bytes = v1::EditBody::getCdrSerializedSize(body);
-  const auto call = std::make_shared<EditCall>(std::move(edit), bytes, std::move(on_reply));
+  const auto call = std::make_shared<EditCall>(
+      std::move(edit), Pace(bytes, impl_->answer_time.lateAfter()), std::move(on_reply));
   call->on_progress = std::move(on_progress);
   if (!impl_->waiting_edits.empty() || !impl_->mayEdit(id)) {
     impl_->waiting_edits.emplace(id, call);

@@ -1,11 +1,16 @@
 #include "server/transport/fair_queue.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
+
+#include "server/transport/sender_state.h"
 
 namespace handgraft::server {
 
 namespace {
+
+constexpr unsigned kTurnsAHeartbeat = 4;
 
 /// What a datagram takes beside its bytes: many empty ones are not for nothing.
 constexpr std::size_t kOverhead = 64;
@@ -14,57 +19,74 @@ constexpr std::size_t kOverhead = 64;
 
 bool FairQueue::push(const Sender& sender, std::span<const std::uint8_t> bytes) {
   const std::size_t taken = bytes.size() + kOverhead;
-  bool was_empty = false;
+  SenderState state = senderStateOf(bytes);
   {
     const std::lock_guard lock(mutex_);
     if (is_shut_) return false;
-    const auto [at, is_new] = waiting_.try_emplace(sender);
+    const auto at = waiting_.try_emplace(sender).first;
     Waiting& mine = at->second;
-    if (!is_new && taken + mine.bytes > most_bytes_of_one_) return false;
-    was_empty = turns_.empty();
-    if (is_new) turns_.push_back(sender);
-    mine.datagrams.emplace_back(bytes.begin(), bytes.end());
+    Line& line = state.is_heartbeat ? mine.heartbeats : mine.others;
+    auto& turns = state.is_heartbeat ? turns_of_heartbeats_ : turns_;
+    const bool has_turn = !line.empty();
+    if (const auto before = mine.states.find(state.key); before != mine.states.end())
+      take(mine, line, before->second);
+    if (mine.bytes > 0 && taken + mine.bytes > most_bytes_of_one_) {
+      tidy(at);
+      return false;
+    }
+    if (!has_turn) turns.push_back(sender);
+    line.push_back({{bytes.begin(), bytes.end()}, std::move(state.key)});
+    const auto newest = std::prev(line.end());
+    if (!newest->state.empty()) mine.states[newest->state] = newest;
     mine.bytes += taken;
     bytes_ += taken;
     while (bytes_ > most_bytes_) {
-      take(std::max_element(waiting_.begin(), waiting_.end(),
-                            [](const auto& a, const auto& b) {
-                              return a.second.bytes < b.second.bytes;
-                            }),
-           true);
+      const auto most =
+          std::max_element(waiting_.begin(), waiting_.end(), [](const auto& a, const auto& b) {
+            return a.second.bytes < b.second.bytes;
+          });
+      Line& longest =
+          most->second.others.empty() ? most->second.heartbeats : most->second.others;
+      take(most->second, longest, std::prev(longest.end()));
+      tidy(most);
     }
   }
-  if (was_empty) changed_.notify_one();
+  changed_.notify_one();
   return true;
 }
 
 std::optional<FairQueue::Datagram> FairQueue::pop() {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] {
-    return is_shut_ || !turns_.empty();
+    return is_shut_ || !waiting_.empty();
   });
   if (is_shut_) return std::nullopt;
+  const bool is_heartbeats_turn =
+      turns_.empty() || (++taken_ % kTurnsAHeartbeat == 0 && !turns_of_heartbeats_.empty());
+  auto& turns = is_heartbeats_turn ? turns_of_heartbeats_ : turns_;
   // Behind all others, if more of it waits.
-  turns_.splice(turns_.end(), turns_, turns_.begin());
-  const Sender sender = turns_.back();
-  return Datagram{sender, take(waiting_.find(sender), false)};
+  turns.splice(turns.end(), turns, turns.begin());
+  const auto whose = waiting_.find(turns.back());
+  Line& line = is_heartbeats_turn ? whose->second.heartbeats : whose->second.others;
+  Datagram next{whose->first, take(whose->second, line, line.begin())};
+  tidy(whose);
+  return next;
 }
 
-std::vector<std::uint8_t> FairQueue::take(AllWaiting::iterator whose, bool newest) {
-  Waiting& waiting = whose->second;
-  auto& datagrams = waiting.datagrams;
-  std::vector<std::uint8_t> bytes = std::move(newest ? datagrams.back() : datagrams.front());
-  if (newest)
-    datagrams.pop_back();
-  else
-    datagrams.pop_front();
+std::vector<std::uint8_t> FairQueue::take(Waiting& waiting, Line& line, Line::iterator which) {
+  std::vector<std::uint8_t> bytes = std::move(which->bytes);
+  if (!which->state.empty()) waiting.states.erase(which->state);
+  line.erase(which);
   waiting.bytes -= bytes.size() + kOverhead;
   bytes_ -= bytes.size() + kOverhead;
-  if (datagrams.empty()) {
-    turns_.remove(whose->first);
-    waiting_.erase(whose);
-  }
   return bytes;
+}
+
+void FairQueue::tidy(AllWaiting::iterator whose) {
+  const Sender sender = whose->first;
+  if (whose->second.others.empty()) turns_.remove(sender);
+  if (whose->second.heartbeats.empty()) turns_of_heartbeats_.remove(sender);
+  if (whose->second.others.empty() && whose->second.heartbeats.empty()) waiting_.erase(whose);
 }
 
 std::size_t FairQueue::bytes() const {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "idl/datagrams/rtps.h"
 
@@ -17,15 +18,16 @@ constexpr std::size_t kSourceAt = 8;
 constexpr std::uint8_t kVendorsOwn = 0x80;
 
 struct Question {
-  HeartbeatThrottle::Prefix whom{};
+  std::optional<HeartbeatThrottle::Prefix> whom;  ///< nothing: all
   std::uint32_t writer = 0;
+  std::int64_t newest = 0;  ///< sample that it has
 };
 
-/// Of a datagram of Fast DDS: INFO_DST and HEARTBEAT, and nothing that anybody needs.
+/// Of a datagram of Fast DDS: HEARTBEAT, perhaps behind INFO_DST, and nothing that anybody
+/// needs.
 std::optional<Question> questionOf(wire::Bytes datagram) {
   if (datagram.size() < wire::kMessageHeader) return std::nullopt;
   Question question;
-  bool is_for_one = false;
   bool asks = false;
   for (wire::Bytes rest = datagram.subspan(wire::kMessageHeader);
        rest.size() >= wire::kSubmessageHeader;) {
@@ -37,18 +39,20 @@ std::optional<Question> questionOf(wire::Bytes datagram) {
         told == 0 ? rest.size() - wire::kSubmessageHeader : std::size_t{told};
     const wire::Piece body = piece.from(wire::kSubmessageHeader);
     if (!body.fits(0, length)) return std::nullopt;
-    if (kind == wire::kInfoDestination && length >= question.whom.size() && !is_for_one) {
-      std::copy_n(body.bytes.begin(), question.whom.size(), question.whom.begin());
-      is_for_one = true;
-    } else if (kind == wire::kHeartbeat && length >= 8 && !asks) {
+    if (kind == wire::kInfoDestination && length >= sizeof(HeartbeatThrottle::Prefix) &&
+        !question.whom && !asks) {
+      question.whom.emplace();
+      std::copy_n(body.bytes.begin(), question.whom->size(), question.whom->begin());
+    } else if (kind == wire::kHeartbeat && length >= 24 && !asks) {
       question.writer = body.entity(4);
+      question.newest = body.sequence(16);
       asks = true;
     } else if (kind < kVendorsOwn) {
       return std::nullopt;
     }
     rest = rest.subspan(wire::kSubmessageHeader + length);
   }
-  if (!is_for_one || !asks) return std::nullopt;
+  if (!asks) return std::nullopt;
   return question;
 }
 
@@ -70,7 +74,15 @@ bool HeartbeatThrottle::maySend(std::span<const std::uint8_t> datagram, Clock::t
   const auto question = questionOf(datagram);
   if (!question) return true;
   const std::lock_guard lock(mutex_);
-  const auto found = peers_.find(question->whom);
+  const Clock::duration turn = lively_ * kPeriodOfFew / kFew;
+  if (!question->whom) {
+    Announced& announced = announced_[question->writer];
+    const bool is_news = std::exchange(announced.newest, question->newest) != question->newest;
+    if (!is_news && lively_ > kFew && now - announced.last < turn) return false;
+    announced.last = now;
+    return true;
+  }
+  const auto found = peers_.find(*question->whom);
   if (found == peers_.end()) return true;
   Probe& asked = found->second.asked[question->writer];
   const bool is_silent = now - found->second.heard >= kSilent;
@@ -80,7 +92,7 @@ bool HeartbeatThrottle::maySend(std::span<const std::uint8_t> datagram, Clock::t
   const bool goes_first = is_discovery || now - found->second.met < kNew || lively_ <= kFew;
   const Clock::duration period = is_silent    ? asked.period
                                  : goes_first ? Clock::duration::zero()
-                                              : lively_ * kPeriodOfFew / kFew;
+                                              : turn;
   if (now - asked.last < period) return false;
   asked.last = now;
   if (is_silent) asked.period = std::min<Clock::duration>(2 * period, kLongestPeriod);

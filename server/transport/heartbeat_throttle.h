@@ -37,7 +37,10 @@ class HeartbeatThrottle {
   /// A datagram came.
   void hear(std::span<const std::uint8_t> datagram, Clock::time_point now = Clock::now());
 
-  /// True but of heartbeats for one participant, and nothing else, that would come too soon.
+  /// True but of heartbeats, and nothing else, that would come too soon: for one participant,
+  /// or for all of many and without a sample that was not told of before. Discovery's writers
+  /// tell all whenever one comes, a hundred times a second where that many do, and are answered
+  /// by each.
   bool maySend(std::span<const std::uint8_t> datagram, Clock::time_point now = Clock::now());
 
  private:
@@ -52,11 +55,18 @@ class HeartbeatThrottle {
     std::map<std::uint32_t, Probe> asked;  ///< by which writer
   };
 
+  /// What a writer said to all last.
+  struct Announced {
+    Clock::time_point last;
+    std::int64_t newest = 0;
+  };
+
   /// Forgets who was not heard for longer than any lease, and counts; `mutex_` held.
   void tidy(Clock::time_point now);
 
   std::mutex mutex_;
   std::map<Prefix, Peer> peers_;
+  std::map<std::uint32_t, Announced> announced_;  ///< by writers
   Clock::time_point tidied_{};
   std::size_t lively_ = 0;  ///< heard not long before that
 };

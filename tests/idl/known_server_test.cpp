@@ -107,5 +107,24 @@ TEST_F(KnownServerTest, HasToSpeakOurProtocol) {
   EXPECT_THROW(server.requireSameVersion(), Refused);
 }
 
+TEST_F(KnownServerTest, CountsItsStarts) {
+  EXPECT_EQ(server.start(), 0u);
+  const auto say = [this](double uptime_s) {
+    v1::ServerStatus status;
+    status.server_id(5);
+    status.name("lab");
+    status.uptime_s(uptime_s);
+    status.protocol_version(v1::PROTOCOL_VERSION);
+    server.hear(status);
+  };
+  say(10.0);
+  say(11.0);
+  EXPECT_EQ(server.start(), 1u);
+  say(0.2);  // on its store it is the same one
+  EXPECT_EQ(server.start(), 2u);
+  say(1.2);
+  EXPECT_EQ(server.start(), 2u);
+}
+
 }  // namespace
 }  // namespace handgraft::idl::cyclone

@@ -53,7 +53,7 @@ Bytes withSample(std::uint8_t whom) {
   return bytes;
 }
 
-class InsistenceTest : public testing::Test {
+class HeartbeatThrottleTest : public testing::Test {
  protected:
   /// Heartbeats that go out in so long, one tried every 10 ms.
   int sent(milliseconds time, const Bytes& datagram) {
@@ -67,14 +67,14 @@ class InsistenceTest : public testing::Test {
   HeartbeatThrottle::Clock::time_point now{std::chrono::hours(1)};
 };
 
-TEST_F(InsistenceTest, WhoAnswersIsAskedAsOftenAsTheWriterWants) {
+TEST_F(HeartbeatThrottleTest, WhoAnswersIsAskedAsOftenAsTheWriterWants) {
   peers.hear(header(kClient), now);
   EXPECT_EQ(sent(milliseconds(400), heartbeat(kClient)), 40);
   peers.hear(header(kClient), now);
   EXPECT_EQ(sent(milliseconds(400), heartbeat(kClient)), 40);
 }
 
-TEST_F(InsistenceTest, WhoIsSilentIsAskedEverMoreSeldomByEachWriter) {
+TEST_F(HeartbeatThrottleTest, WhoIsSilentIsAskedEverMoreSeldomByEachWriter) {
   peers.hear(header(kClient), now);
   now += std::chrono::seconds(1);
   // At once, after 1, 3 and 7 s, and every 4 s from then on.
@@ -84,7 +84,7 @@ TEST_F(InsistenceTest, WhoIsSilentIsAskedEverMoreSeldomByEachWriter) {
   EXPECT_EQ(sent(milliseconds(100), heartbeat(kClient)), 10);
 }
 
-TEST_F(InsistenceTest, AHundredWhoAnswerShareWhatTenAreAsked) {
+TEST_F(HeartbeatThrottleTest, AHundredWhoAnswerShareWhatTenAreAsked) {
   constexpr std::uint8_t kMany = 100;
   const auto all_speak = [&] {
     for (std::uint8_t who = 0; who < kMany; ++who)
@@ -100,7 +100,7 @@ TEST_F(InsistenceTest, AHundredWhoAnswerShareWhatTenAreAsked) {
   EXPECT_EQ(sent(milliseconds(400), heartbeat(kClient, kWriter, 0xc2)), 40);
 }
 
-TEST_F(InsistenceTest, WhoHasJustComeIsAskedAsOftenAsTheWriterWants) {
+TEST_F(HeartbeatThrottleTest, WhoHasJustComeIsAskedAsOftenAsTheWriterWants) {
   for (std::uint8_t who = 0; who < 100; ++who)
     peers.hear(header(static_cast<std::uint8_t>(100 + who)), now);
   now += std::chrono::seconds(1);
@@ -112,7 +112,7 @@ TEST_F(InsistenceTest, WhoHasJustComeIsAskedAsOftenAsTheWriterWants) {
   EXPECT_EQ(sent(milliseconds(200), heartbeat(kClient)), 2);
 }
 
-TEST_F(InsistenceTest, HoldsNothingElseBack) {
+TEST_F(HeartbeatThrottleTest, HoldsNothingElseBack) {
   peers.hear(header(kClient), now);
   now += std::chrono::seconds(1);
   EXPECT_EQ(sent(std::chrono::seconds(1), withSample(kClient)), 100);
@@ -120,8 +120,31 @@ TEST_F(InsistenceTest, HoldsNothingElseBack) {
   EXPECT_EQ(sent(std::chrono::seconds(1), Bytes{1, 2, 3}), 100);
 }
 
-TEST_F(InsistenceTest, WhomItHasNotHeardYetIsAskedAsOftenAsTheWriterWants) {
+TEST_F(HeartbeatThrottleTest, WhomItHasNotHeardYetIsAskedAsOftenAsTheWriterWants) {
   EXPECT_EQ(sent(std::chrono::seconds(1), heartbeat(kClient)), 100);
+}
+
+/// Without INFO_DST: of a writer of discovery, for everybody.
+Bytes heartbeatForAll(std::uint8_t newest) {
+  Bytes bytes = header(kServer);
+  Bytes body(28);
+  body[6] = 0x03;
+  body[7] = 0xc2;
+  body[20] = newest;
+  add(bytes, 0x07, body);
+  add(bytes, 0x80, Bytes(56));
+  return bytes;
+}
+
+TEST_F(HeartbeatThrottleTest, ManyAreToldTogetherOnceATurnUnlessThereIsNews) {
+  EXPECT_EQ(sent(milliseconds(1000), heartbeatForAll(7)), 100) << "few may be told at will";
+  for (std::uint8_t who = 10; who < 110; ++who)
+    peers.hear(header(who), now);
+  now += milliseconds(1100);
+  peers.hear(header(10), now);  // counts who lives
+  EXPECT_LE(sent(milliseconds(1000), heartbeatForAll(7)), 11);
+  for (std::uint8_t newest = 8; newest < 28; ++newest)
+    EXPECT_TRUE(peers.maySend(heartbeatForAll(newest), now));
 }
 
 }  // namespace
