@@ -23,11 +23,11 @@ step() { # NAME COMMAND...
   fi
 }
 
-# Without groups: each source must include what it uses, and no name may hide another.
+# Without groups: each source and each header must include what it uses, and no name may hide another.
 alone() {
-  cmake --preset dev -DHANDGRAFT_UNITY=OFF
-  cmake --build --preset dev -j "$jobs"
-  cmake --build --preset dev -j "$jobs" --target all_verify_interface_header_sets
+  cmake --preset dev -B build/alone -DHANDGRAFT_UNITY=OFF
+  cmake --build build/alone -j "$jobs" --target idl_generated
+  python3 .ci/each_source.py build/alone alone
 }
 
 sanitized() { # PRESET REGEX
@@ -36,6 +36,8 @@ sanitized() { # PRESET REGEX
   ctest --preset "$1" -j "$jobs" -R "$2"
 }
 
+# What the steps below run.
+step built ./dev build release
 step lint ./dev lint
 step alone alone
 # Without CGAL: all of it builds, and works on the skins that the other build has made.
@@ -53,11 +55,11 @@ installed() {
   tests/package/chroot_test.sh build/release/packages . || [ $? -eq 77 ]
 }
 step installed installed
-step lives env HANDGRAFT_ALL_LIVES=1 build/dev/tests/hardware_bridge_test --gtest_filter='*RandomLives*'
+step lives env HANDGRAFT_ALL_LIVES=1 build/release/tests/hardware_bridge_test --gtest_filter='*RandomLives*'
 # Kept in the last line: killed how often, lost, twice, how soon clients go on.
 lost() {
-  HANDGRAFT_KILLS=200 HANDGRAFT_EDITS=2000 HANDGRAFT_SESSIONS=1000 XDG_CACHE_HOME=$PWD/build/dev/tests/cache \
-    build/dev/tests/nothing_lost_test --gtest_filter='*HoweverOften*:FailingDisk.*:*ManySessions*' | tee build/check/lost.txt
+  HANDGRAFT_KILLS=200 HANDGRAFT_EDITS=2000 HANDGRAFT_SESSIONS=1000 XDG_CACHE_HOME=$PWD/build/release/tests/cache \
+    build/release/tests/nothing_lost_test --gtest_filter='*HoweverOften*:FailingDisk.*:*ManySessions*' | tee build/check/lost.txt
   grep '^kills' build/check/lost.txt
 }
 step lost lost
