@@ -7,7 +7,6 @@ table, each header of the folder is named somewhere in the README.
 """
 import pathlib
 import re
-import subprocess
 import sys
 
 
@@ -29,10 +28,8 @@ def tables(text):
 
 def main():
     root = pathlib.Path(sys.argv[1])
-    files = [pathlib.Path(name) for name in
-             subprocess.run(['git', 'ls-files'], cwd=root, check=True, capture_output=True,
-                            text=True).stdout.splitlines()] if (root / '.git').exists() else \
-            [path.relative_to(root) for path in root.rglob('*') if 'build' not in path.parts]
+    files = [path.relative_to(root) for path in root.rglob('*')
+             if not {'build', '.git', 'node_modules', '__pycache__'} & set(path.relative_to(root).parts)]
     wrong = []
     for readme in files:
         if readme.name != 'README.md' or not (root / readme).exists():
