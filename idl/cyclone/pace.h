@@ -20,7 +20,7 @@ class AnswerTime {
   using Duration = std::chrono::duration<double>;
 
   static constexpr std::chrono::milliseconds kLeast{50};  // measured to lose nothing
-  static constexpr std::chrono::milliseconds kMost{2000};
+  static constexpr std::chrono::milliseconds kMost{1000};
 
   /// One came so long after it was asked for first. That of a repeat is taken for the first's:
   /// too long rather than too short.
