@@ -21,7 +21,7 @@ namespace {
 /// Those that Session does itself; named, so that no other kind goes without its `apply`.
 template <class Kind>
 concept OfHistory = std::same_as<Kind, UndoEdit> || std::same_as<Kind, RedoEdit> ||
-                    std::same_as<Kind, SnapshotEdit> || std::same_as<Kind, RestoreEdit>;
+    std::same_as<Kind, SnapshotEdit> || std::same_as<Kind, RestoreEdit>;
 
 /// One edit on its way into a document.
 class Editing {

@@ -189,7 +189,9 @@ Who Call::who() const {
   return context.bus == nullptr ? Who() : context.bus->whoIs(sender);
 }
 
-RequestKey requestKeyOf(const Sender& sender, const v1::ClientId& client, std::uint64_t number) {
+RequestKey requestKeyOf(const Sender& sender,
+                        const v1::ClientId& client,
+                        std::uint64_t number) {
   RequestKey request_key;
   request_key.asker.assign(sender.begin(), sender.end());
   request_key.asker.append(client.begin(), client.end());

@@ -53,7 +53,8 @@ void Service::onEdit(v1::Edit edit, const Sender& sender) {
 std::optional<v1::EditReply> Service::editBefore(const RequestOrigin& asker,
                                                  const v1::Edit& edit) const {
   if (options_.state == nullptr) return std::nullopt;
-  const auto kept = options_.state->edit(requestKeyOf(asker.sender, asker.client, edit.edit_id()));
+  const auto kept =
+      options_.state->edit(requestKeyOf(asker.sender, asker.client, edit.edit_id()));
   if (!kept) return std::nullopt;
   v1::EditReply reply;
   reply.revision(kept->revision);

@@ -82,7 +82,8 @@ bool finds(ModelMap& models,
            there.built_in ? "" : " or unload it");
   }
   if (models.size() >= kMostModels) {
-    reject(v1::ERROR_OVERLOADED, "there are {} models of this kind; unload some", models.size());
+    reject(v1::ERROR_OVERLOADED, "there are {} models of this kind; unload some",
+           models.size());
   }
   return true;
 }
