@@ -17,9 +17,14 @@ constexpr std::size_t kOverhead = 64;
 
 }  // namespace
 
+std::size_t FairQueue::costOf(const Kept& one) {
+  return one.bytes.size() + 2 * one.state.size() + kOverhead;
+}
+
 bool FairQueue::push(const Sender& sender, std::span<const std::uint8_t> bytes) {
-  const std::size_t taken = bytes.size() + kOverhead;
   SenderState state = senderStateOf(bytes);
+  Kept newest{{bytes.begin(), bytes.end()}, std::move(state.key)};
+  const std::size_t taken = costOf(newest);
   {
     const std::lock_guard lock(mutex_);
     if (is_shut_) return false;
@@ -28,16 +33,16 @@ bool FairQueue::push(const Sender& sender, std::span<const std::uint8_t> bytes) 
     Line& line = state.is_heartbeat ? mine.heartbeats : mine.others;
     auto& turns = state.is_heartbeat ? turns_of_heartbeats_ : turns_;
     const bool has_turn = !line.empty();
-    if (const auto before = mine.states.find(state.key); before != mine.states.end())
+    if (const auto before = mine.states.find(newest.state); before != mine.states.end())
       take(mine, line, before->second);
     if (mine.bytes > 0 && taken + mine.bytes > most_bytes_of_one_) {
       tidy(at);
       return false;
     }
     if (!has_turn) turns.push_back(sender);
-    line.push_back({{bytes.begin(), bytes.end()}, std::move(state.key)});
-    const auto newest = std::prev(line.end());
-    if (!newest->state.empty()) mine.states[newest->state] = newest;
+    line.push_back(std::move(newest));
+    const auto last = std::prev(line.end());
+    if (!last->state.empty()) mine.states[last->state] = last;
     mine.bytes += taken;
     bytes_ += taken;
     while (bytes_ > most_bytes_) {
@@ -64,21 +69,25 @@ std::optional<FairQueue::Datagram> FairQueue::pop() {
   const bool is_heartbeats_turn =
       turns_.empty() || (++taken_ % kTurnsAHeartbeat == 0 && !turns_of_heartbeats_.empty());
   auto& turns = is_heartbeats_turn ? turns_of_heartbeats_ : turns_;
-  // Behind all others, if more of it waits.
-  turns.splice(turns.end(), turns, turns.begin());
-  const auto whose = waiting_.find(turns.back());
+  const auto whose = waiting_.find(turns.front());
   Line& line = is_heartbeats_turn ? whose->second.heartbeats : whose->second.others;
   Datagram next{whose->first, take(whose->second, line, line.begin())};
-  tidy(whose);
+  // Behind all others, if more of it waits.
+  if (line.empty())
+    turns.pop_front();
+  else
+    turns.splice(turns.end(), turns, turns.begin());
+  if (whose->second.bytes == 0) waiting_.erase(whose);
   return next;
 }
 
 std::vector<std::uint8_t> FairQueue::take(Waiting& waiting, Line& line, Line::iterator which) {
+  const std::size_t cost = costOf(*which);
   std::vector<std::uint8_t> bytes = std::move(which->bytes);
   if (!which->state.empty()) waiting.states.erase(which->state);
   line.erase(which);
-  waiting.bytes -= bytes.size() + kOverhead;
-  bytes_ -= bytes.size() + kOverhead;
+  waiting.bytes -= cost;
+  bytes_ -= cost;
   return bytes;
 }
 

@@ -80,6 +80,8 @@ class FairQueue {
 
   using AllWaiting = std::map<Sender, Waiting>;
 
+  /// Of memory.
+  static std::size_t costOf(const Kept& one);
   /// One of a sender's; `mutex_` held.
   std::vector<std::uint8_t> take(Waiting& waiting, Line& line, Line::iterator which);
   /// Of a sender of whom nothing waits any more; likewise.

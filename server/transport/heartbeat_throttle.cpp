@@ -109,6 +109,10 @@ void HeartbeatThrottle::tidy(Clock::time_point now) {
   std::erase_if(peers_, [&](const auto& one) {
     return now - one.second.heard > kForgotten;
   });
+  // Writers come and go with sessions.
+  std::erase_if(announced_, [&](const auto& one) {
+    return now - one.second.last > kForgotten;
+  });
   if (peers_.size() >= kMost) peers_.clear();
   lively_ = static_cast<std::size_t>(
       std::count_if(peers_.begin(), peers_.end(), [&](const auto& one) {

@@ -28,7 +28,7 @@ SenderState senderStateOf(std::span<const std::uint8_t> datagram) {
     const wire::Piece body = piece.from(wire::kSubmessageHeader);
     if (!body.fits(0, length)) return {};
     std::size_t part = 0;
-    if (rest[0] == wire::kInfoDestination) {
+    if (rest[0] == wire::kInfoDestination && length == wire::kMessageHeader - kSourceAt) {
       part = length;
     } else if (rest[0] == wire::kHeartbeat && length >= kEntities) {
       part = kEntities;
