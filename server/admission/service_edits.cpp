@@ -71,7 +71,7 @@ void Service::dispatchEdit(const RequestOrigin& asker,
         live->touch();
         live->cycle().editQueued();
         const bool is_taken =
-            live->strand().post([this, edit, asker, live, asked = live->cycle().asked()] {
+            live->strand().postShort([this, edit, asker, live, asked = live->cycle().asked()] {
               live->cycle().editTaken();
               runEdit(live, asker, edit, asked);
             });
@@ -102,7 +102,7 @@ void Service::onDemonstrator(v1::DemonstratorFrame frame, const Sender& sender) 
   }
   live->touch();
   if (!live->putFrame(std::move(frame))) return;
-  const bool is_taken = live->strand().post([live] {
+  const bool is_taken = live->strand().postShort([live] {
     const std::optional<v1::DemonstratorFrame> newest = live->takeFrame();
     if (newest && !live->isClosed()) followFrame(*live, *newest);
   });
@@ -161,7 +161,7 @@ void Service::answerEdit(const RequestOrigin& asker,
 }
 
 void Service::queueSolve(const std::shared_ptr<LiveSession>& live) {
-  live->strand().postFromTask([this, live] {
+  live->strand().postBehindShortFromTask([this, live] {
     live->cycle().takePending();
     if (live->isClosed() || live->solves().cancelled()) return;
     try {

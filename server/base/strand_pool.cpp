@@ -1,5 +1,6 @@
 #include "server/base/strand_pool.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "core/base/error.h"
@@ -28,23 +29,25 @@ StrandPool::~StrandPool() {
 }
 
 bool StrandPool::post(std::function<void()> task) {
+  return post(std::move(task), Kind::kOther);
+}
+
+bool StrandPool::post(std::function<void()> task, Kind kind) {
   {
     const std::lock_guard lock(mutex_);
-    if (shut_ || tasks_.size() >= most_waiting_) return false;
-    tasks_.push_back(std::move(task));
+    if (shut_ || short_.size() + others_.size() >= most_waiting_) return false;
+    queueOf(kind).push_back(std::move(task));
   }
-  changed_.notify_one();
-  reserve_.notify_one();
+  wakeOne();
   return true;
 }
 
-void StrandPool::postAlways(std::function<void()> task) {
+void StrandPool::postAlways(std::function<void()> task, Kind kind) {
   {
     const std::lock_guard lock(mutex_);
-    tasks_.push_back(std::move(task));
+    queueOf(kind).push_back(std::move(task));
   }
-  changed_.notify_one();
-  reserve_.notify_one();
+  wakeOne();
 }
 
 void StrandPool::postIdle(std::function<void()> task) {
@@ -52,8 +55,20 @@ void StrandPool::postIdle(std::function<void()> task) {
     const std::lock_guard lock(mutex_);
     idle_.push_back({Clock::now(), std::move(task)});
   }
+  wakeOne();
+}
+
+void StrandPool::wakeOne() {
   changed_.notify_one();
   reserve_.notify_one();
+}
+
+std::deque<std::function<void()>>& StrandPool::queueOf(Kind kind) {
+  return kind == Kind::kShort ? short_ : others_;
+}
+
+bool StrandPool::nothingWaits() const {
+  return short_.empty() && others_.empty() && idle_.empty();
 }
 
 void StrandPool::shut() {
@@ -72,39 +87,40 @@ void StrandPool::run() {
   std::unique_lock lock(mutex_);
   while (true) {
     changed_.wait(lock, [this] {
-      return shut_ || !tasks_.empty() || !idle_.empty();
+      return shut_ || !nothingWaits();
     });
-    if (tasks_.empty() && idle_.empty()) return;
+    if (nothingWaits()) return;
     runNext(lock);
   }
 }
 
 void StrandPool::runNext(std::unique_lock<std::mutex>& lock) {
-  std::function<void()> task = take();
-  const auto since = at_work_since_.insert(Clock::now());
+  Next next = take();
+  const Clock::time_point begin = Clock::now();
+  const auto since = at_work_since_.insert(begin);
   lock.unlock();
-  task();
-  task = nullptr;  // what it held goes without the lock
+  next.run();
+  next.run = nullptr;  // what it held goes without the lock
   lock.lock();
   at_work_since_.erase(since);
+  const Clock::duration took = Clock::now() - begin;
+  short_ahead_ += next.kind == Kind::kShort ? took : -took;
+  short_ahead_ = std::clamp<Clock::duration>(short_ahead_, -kMostAhead, kMostAhead);
 }
 
 void StrandPool::runInReserve() {
   constexpr std::chrono::milliseconds kLook(10);
-  const auto nothing_waits = [this] {
-    return tasks_.empty() && idle_.empty();
-  };
   std::unique_lock lock(mutex_);
   while (true) {
-    reserve_.wait(lock, [&] {
-      return shut_ || (!nothing_waits() && !reserve_looks_);
+    reserve_.wait(lock, [this] {
+      return shut_ || (!nothingWaits() && !reserve_looks_);
     });
     reserve_looks_ = true;
-    while (!shut_ && !nothing_waits() && !allAreLongAtWork())
+    while (!shut_ && !nothingWaits() && !allAreLongAtWork())
       reserve_.wait_for(lock, kLook);
     reserve_looks_ = false;
     if (shut_) return;
-    if (nothing_waits()) continue;
+    if (nothingWaits()) continue;
     reserve_.notify_one();
     runNext(lock);
   }
@@ -114,84 +130,130 @@ bool StrandPool::allAreLongAtWork() const {
   return at_work_since_.size() >= workers_ && Clock::now() - *at_work_since_.rbegin() >= kLong;
 }
 
-std::function<void()> StrandPool::take() {
-  std::function<void()> task;
-  const bool is_patient = idle_.empty() || Clock::now() - idle_.front().posted < patience_;
-  if (!tasks_.empty() && is_patient) {
-    task = std::move(tasks_.front());
-    tasks_.pop_front();
-  } else {
-    task = std::move(idle_.front().run);
-    idle_.pop_front();
-  }
-  return task;
+StrandPool::Next StrandPool::take() {
+  const auto takeFrom = [](std::deque<std::function<void()>>& queue) {
+    std::function<void()> task = std::move(queue.front());
+    queue.pop_front();
+    return task;
+  };
+  const bool is_idle_due = !idle_.empty() && Clock::now() - idle_.front().posted >= patience_;
+  const bool others_wait = !others_.empty() || is_idle_due;
+  if (!short_.empty() && (!others_wait || short_ahead_ <= Clock::duration::zero()))
+    return {Kind::kShort, takeFrom(short_)};
+  if (!others_.empty() && !is_idle_due) return {Kind::kOther, takeFrom(others_)};
+  Next next{Kind::kOther, std::move(idle_.front().run)};
+  idle_.pop_front();
+  return next;
+}
+
+// === Strands
+
+bool& Strand::State::placeOf(Kind kind) {
+  return kind == Kind::kShort ? waits_as_short : waits_as_other;
+}
+
+bool Strand::State::takePlace(Kind kind) {
+  return !std::exchange(placeOf(kind), true);
 }
 
 Strand::Strand(StrandPool& pool, std::size_t most_waiting)
     : pool_(pool), most_waiting_(most_waiting), state_(std::make_shared<State>()) {}
 
 bool Strand::post(std::function<void()> task) {
+  return post(std::move(task), Kind::kOther);
+}
+
+bool Strand::postShort(std::function<void()> task) {
+  return post(std::move(task), Kind::kShort);
+}
+
+bool Strand::post(std::function<void()> task, Kind kind) {
+  Kind turn = kind;
+  std::size_t begun = 0;
   {
     const std::lock_guard lock(state_->mutex);
-    if (state_->tasks.size() >= most_waiting_) return false;
-    state_->tasks.push_back(std::move(task));
-    if (state_->scheduled) return true;
-    state_->scheduled = true;
+    std::deque<Task>& tasks = state_->tasks;
+    if (tasks.size() >= most_waiting_) return false;
+    const bool passes =
+        kind == Kind::kShort && !tasks.empty() && tasks.back().lets_short_pass;
+    tasks.insert(passes ? tasks.end() - 1 : tasks.end(), Task{std::move(task), kind});
+    turn = tasks.front().kind;
+    if (state_->is_running || !state_->takePlace(turn)) return true;
+    begun = state_->begun;
   }
-  if (pool_.post([&pool = pool_, state = state_] {
-        runOne(pool, state);
-      }))
-    return true;
-  // Nobody else scheduled meanwhile: `scheduled` was ours. Others may have queued behind us,
-  // and would wait for ever if we only took our own task back.
-  const std::lock_guard lock(state_->mutex);
-  if (state_->tasks.size() == 1) {
-    state_->tasks.pop_back();
-    state_->scheduled = false;
-    return false;
+  if (pool_.post(turnOf(pool_, state_, turn), turn)) return true;
+  {
+    const std::lock_guard lock(state_->mutex);
+    if (state_->tasks.size() == 1 && state_->begun == begun) {  // ours, and nobody sees to it
+      state_->tasks.pop_back();
+      state_->placeOf(turn) = false;
+      return false;
+    }
   }
-  pool_.postAlways([&pool = pool_, state = state_] {
-    runOne(pool, state);
-  });
+  // Others have queued behind us, and would wait for ever if we only took our own task back.
+  pool_.postAlways(turnOf(pool_, state_, turn), turn);
   return true;
 }
 
-void Strand::postFromTask(std::function<void()> task) {
+void Strand::append(Task task) {
   const std::lock_guard lock(state_->mutex);
-  HANDGRAFT_REQUIRE(state_->scheduled);
+  HANDGRAFT_REQUIRE(state_->is_running);
   state_->tasks.push_back(std::move(task));
+}
+
+void Strand::postFromTask(std::function<void()> task) {
+  append({std::move(task)});
+}
+
+void Strand::postBehindShortFromTask(std::function<void()> task) {
+  append({std::move(task), Kind::kOther, true});
 }
 
 void Strand::postIdleFromTask(std::function<void()> task) {
   pool_.postIdle([&pool = pool_, state = state_, task = std::move(task)]() mutable {
     {
       const std::lock_guard lock(state->mutex);
-      state->tasks.push_back(std::move(task));
-      if (state->scheduled) return;
-      state->scheduled = true;
+      state->tasks.push_back({std::move(task)});
+      if (state->is_running || state->waits_as_short || !state->takePlace(Kind::kOther)) return;
     }
-    runOne(pool, state);
+    runTurn(pool, state, Kind::kOther);
   });
 }
 
-void Strand::runOne(StrandPool& pool, const std::shared_ptr<State>& state) {
-  std::function<void()> task;
-  {
-    const std::lock_guard lock(state->mutex);
-    task = std::move(state->tasks.front());
+std::function<void()> Strand::turnOf(StrandPool& pool,
+                                     const std::shared_ptr<State>& state,
+                                     Kind kind) {
+  return [&pool, state, kind] {
+    runTurn(pool, state, kind);
+  };
+}
+
+void Strand::runTurn(StrandPool& pool, const std::shared_ptr<State>& state, Kind kind) {
+  std::unique_lock lock(state->mutex);
+  state->placeOf(kind) = false;
+  if (state->is_running) return;  // who runs it sees to what it leaves
+  state->is_running = true;
+  const auto end = StrandPool::Clock::now() + kTurn;
+  bool may_go_on = true;
+  while (may_go_on && !state->tasks.empty()) {
+    const bool is_short = state->tasks.front().kind == Kind::kShort;
+    if (!is_short && kind == Kind::kShort) break;
+    Task task = std::move(state->tasks.front());
     state->tasks.pop_front();
+    ++state->begun;
+    lock.unlock();
+    task.run();
+    task.run = nullptr;  // what it held goes before the next one begins
+    may_go_on = is_short && StrandPool::Clock::now() < end;
+    lock.lock();
   }
-  task();
-  task = nullptr;  // what it held goes before the next one begins
-  const std::lock_guard lock(state->mutex);
-  if (state->tasks.empty()) {
-    state->scheduled = false;
-    return;
-  }
-  // Its place is ours already: never refused, also while the pool is being shut.
-  pool.postAlways([&pool, state] {
-    runOne(pool, state);
-  });
+  state->is_running = false;
+  if (state->tasks.empty()) return;
+  const Kind next = state->tasks.front().kind;
+  if (!state->takePlace(next)) return;
+  lock.unlock();
+  // It was taken once: never refused now, also while the pool is being shut.
+  pool.postAlways(turnOf(pool, state, next), next);
 }
 
 }  // namespace handgraft::server

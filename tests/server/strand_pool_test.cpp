@@ -9,9 +9,12 @@
 #include <memory>
 #include <mutex>
 #include <set>
+#include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace handgraft::server {
@@ -145,6 +148,176 @@ TEST(Strand, GivesItsTaskBackWhenThePoolIsFull) {
   gate.set_value();
   pool.shut();
   EXPECT_FALSE(ran);
+}
+
+// === Short tasks
+
+/// A pool of one worker that is at work until it is told to go on.
+struct BusyPool {
+  explicit BusyPool(std::size_t most_waiting = 1000) : pool(1, most_waiting) {
+    std::promise<void> begun;
+    EXPECT_TRUE(pool.post([&, open = gate.get_future().share()] {
+      begun.set_value();
+      open.wait();
+    }));
+    begun.get_future().wait();
+  }
+
+  ~BusyPool() { goOn(); }
+
+  BusyPool(const BusyPool&) = delete;
+  BusyPool& operator=(const BusyPool&) = delete;
+
+  void open() {
+    if (std::exchange(is_busy, false)) gate.set_value();
+  }
+
+  /// Until all is done.
+  void goOn() {
+    open();
+    pool.shut();
+  }
+
+  bool is_busy = true;
+  std::promise<void> gate;
+  std::vector<std::string> order;
+  StrandPool pool;
+
+  std::function<void()> write(const std::string& what) {
+    return [this, what] {
+      order.push_back(what);
+    };
+  }
+};
+
+TEST(ShortTasks, RunBeforeOtherStrandsLongerOnes) {
+  BusyPool busy;
+  Strand solving(busy.pool, 10);
+  Strand edited(busy.pool, 10);
+  ASSERT_TRUE(solving.post(busy.write("solve")));
+  ASSERT_TRUE(edited.postShort(busy.write("edit")));
+  busy.goOn();
+  EXPECT_THAT(busy.order, testing::ElementsAre("edit", "solve"));
+}
+
+TEST(ShortTasks, ShareATurnSoThatManyDoNotWaitForAsManyTurnsOfAll) {
+  BusyPool busy;
+  Strand other(busy.pool, 100);
+  Strand edited(busy.pool, 100);
+  ASSERT_TRUE(edited.postShort(busy.write("a")));
+  ASSERT_TRUE(other.postShort(busy.write("other")));
+  ASSERT_TRUE(edited.postShort(busy.write("b")));
+  ASSERT_TRUE(edited.post(busy.write("request")));
+  busy.goOn();
+  EXPECT_THAT(busy.order, testing::ElementsAre("a", "b", "other", "request"));
+}
+
+TEST(ShortTasks, PassTheirStrandsLastTaskWhereThatLetsThem) {
+  BusyPool busy;
+  Strand strand(busy.pool, 100);
+  ASSERT_TRUE(strand.postShort([&] {
+    busy.order.push_back("edit 1");
+    strand.postBehindShortFromTask(busy.write("solve 1 and 2"));
+    ASSERT_TRUE(strand.postShort(busy.write("edit 2")));
+    ASSERT_TRUE(strand.post([&] {
+      busy.order.push_back("request");
+      strand.postFromTask(busy.write("what it left"));
+      ASSERT_TRUE(strand.postShort(busy.write("edit 4")));
+    }));
+    ASSERT_TRUE(strand.postShort(busy.write("edit 3")));
+  }));
+  busy.goOn();
+  EXPECT_THAT(busy.order,
+              testing::ElementsAre("edit 1", "edit 2", "solve 1 and 2", "request", "edit 3",
+                                   "what it left", "edit 4"));
+}
+
+TEST(ShortTasks, PassALastTaskThatWaitsForItsTurnAlready) {
+  BusyPool busy;
+  Strand solving(busy.pool, 10);
+  Strand edited(busy.pool, 10);
+  ASSERT_TRUE(edited.postShort([&] {
+    edited.postBehindShortFromTask(busy.write("solve"));
+  }));
+  ASSERT_TRUE(solving.post([&] {  // before that solve has its turn
+    ASSERT_TRUE(edited.postShort(busy.write("edit")));
+  }));
+  busy.goOn();
+  EXPECT_THAT(busy.order, testing::ElementsAre("edit", "solve"));
+}
+
+TEST(ShortTasks, LeaveOthersHalfOfTheTime) {
+  BusyPool busy;
+  std::vector<std::unique_ptr<Strand>> edited;
+  const auto spend = [] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  };
+  constexpr int kShort = 60;
+  for (int i = 0; i < kShort; ++i) {
+    edited.push_back(std::make_unique<Strand>(busy.pool, 10));
+    ASSERT_TRUE(edited.back()->postShort([&, spend] {
+      spend();
+      busy.order.push_back("edit");
+    }));
+  }
+  for (int i = 0; i < 5; ++i)
+    ASSERT_TRUE(busy.pool.post([&, spend] {
+      spend();
+      busy.order.push_back("solve");
+    }));
+  busy.goOn();
+  // 600 ms of edits, of which 200 at most come before the solves have as much.
+  const auto last_solve = std::find(busy.order.rbegin(), busy.order.rend(), "solve");
+  EXPECT_GT(std::count(busy.order.rbegin(), last_solve, "edit"), kShort / 4);
+}
+
+TEST(ShortTasks, AreGivenBackOnlyWhereNobodyElseSeesToThem) {
+  BusyPool busy(2);
+  Strand strand(busy.pool, 10);
+  bool is_refused = false;
+  std::promise<void> posted;
+  ASSERT_TRUE(strand.post([&] {
+    strand.postBehindShortFromTask(busy.write("solve"));
+  }));
+  ASSERT_TRUE(busy.pool.post([&] {  // the solve waits already, as this does no more
+    ASSERT_TRUE(busy.pool.post([] {}));
+    EXPECT_TRUE(strand.postShort(busy.write("edit")));  // no place of its own is left
+    Strand other(busy.pool, 10);
+    is_refused = !other.postShort(busy.write("nobody's"));
+    posted.set_value();
+  }));
+  busy.open();
+  posted.get_future().wait();
+  busy.goOn();
+  EXPECT_TRUE(is_refused);
+  EXPECT_THAT(busy.order, testing::ElementsAre("edit", "solve"));
+}
+
+TEST(ShortTasks, NeverOverlapWithTheirStrandAndAllRun) {
+  StrandPool pool(4, 100'000, std::chrono::milliseconds(1));
+  Strand strand(pool, 100'000);
+  std::atomic<int> inside{0};
+  std::atomic<bool> overlapped{false};
+  std::atomic<int> done{0};
+  const auto work = [&] {
+    if (inside++ != 0) overlapped = true;
+    ++done;
+    --inside;
+  };
+  constexpr int kRounds = 2000;
+  for (int i = 0; i < kRounds; ++i) {
+    ASSERT_TRUE(strand.postShort([&, work] {
+      work();
+      strand.postBehindShortFromTask([&, work] {
+        work();
+        strand.postIdleFromTask(work);
+      });
+    }));
+    ASSERT_TRUE(strand.post(work));
+  }
+  pool.shut();
+  EXPECT_FALSE(overlapped);
+  EXPECT_EQ(done, 4 * kRounds);
 }
 
 // === Idle tasks
