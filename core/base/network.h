@@ -23,6 +23,9 @@ struct Network {
 };
 
 inline constexpr int kHighestDomain = 100;
+/// Programs of a domain on one machine: as many as its 250 ports have room for (RTPS 9.6.1.4,
+/// two each from the tenth on).
+inline constexpr int kMostProgramsOfAMachine = 120;
 inline constexpr std::size_t kLongestServerName = 32;
 inline constexpr std::size_t kMostPeers = 32;
 

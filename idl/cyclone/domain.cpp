@@ -67,12 +67,18 @@ std::string configurationOf(const Network& network,
       "<MaxMessageSize>{}</MaxMessageSize><FragmentSize>{}</FragmentSize></General>"
       "<Discovery><LeaseDuration>{}s</LeaseDuration><SPDPInterval>{}</SPDPInterval>"
       "<ParticipantIndex>auto</ParticipantIndex>"
-      "<MaxAutoParticipantIndex>100</MaxAutoParticipantIndex>{}</Discovery>"
+      "<MaxAutoParticipantIndex>{}</MaxAutoParticipantIndex>{}</Discovery>"
       "<Internal><SocketReceiveBufferSize max=\"4MB\"/>{}</Internal>"
       "</Domain></CycloneDDS>",
       name, interface.loopback ? "false" : "spdp", interface.loopback ? "65500B" : "1400B",
-      interface.loopback ? "65000B" : "1200B", kLease_s, announcementsOf(discovers), peers,
-      kTiming);
+      interface.loopback ? "65000B" : "1200B", kLease_s, announcementsOf(discovers),
+      kMostProgramsOfAMachine - 1, peers, kTiming);
+}
+
+std::string notJoined() {
+  return fmt::format("the domain cannot be joined; its ports are enough for {} programs of a "
+                     "machine",
+                     kMostProgramsOfAMachine);
 }
 
 struct JoinedDomain {
@@ -112,7 +118,7 @@ Domain::Domain(const Network& network, Discovers discovers) : id_(network.domain
     shared.handle =
         checked(dds_create_domain(static_cast<dds_domainid_t>(id_),
                                   configurationOf(network, interface, discovers).c_str()),
-                "the domain cannot be joined", describe(network));
+                notJoined().c_str(), describe(network));
     shared.how = how;
   }
   if (shared.users == 0 || discovers == Discovers::kAll)

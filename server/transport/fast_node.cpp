@@ -36,7 +36,6 @@ constexpr std::uint32_t kHandshake = 12'000;
 // buffers on the way.
 constexpr std::int32_t kBurst = 50'000;
 constexpr std::uint64_t kBurstPeriod_ms = 2;
-constexpr std::uint32_t kPeersOfThisMachine = 101;  // Cyclone's participant indices, 0-100
 
 /// Fast DDS' own plugins, told who this is.
 void secure(const idl::security::Identity& identity, dds::DomainParticipantQos& qos) {
@@ -96,7 +95,7 @@ dds::DomainParticipantQos participantQos(const Network& network,
     return made;
   };
   const std::vector<std::string> peers = unicastAddresses(network, interface);
-  udp->maxInitialPeersRange = kPeersOfThisMachine;
+  udp->maxInitialPeersRange = kMostProgramsOfAMachine;
   for (const std::string& address : peers)
     protocol.builtin.initialPeersList.push_back(locator(address, 0));
   if (interface.loopback) {

@@ -24,7 +24,7 @@ const std::vector<std::string> kJoints{"a", "b", "c"};
 constexpr const char* kLoopback =
     "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name=\"lo\"/></Interfaces>"
     "<AllowMulticast>false</AllowMulticast></General><Discovery>"
-    "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>100</"
+    "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>119</"
     "MaxAutoParticipantIndex>"
     "<Peers><Peer Address=\"127.0.0.1\"/></Peers></Discovery></Domain></CycloneDDS>";
 
