@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/base/progress.h"
-#include "core/manipulation/lay_patches.h"
 #include "core/manipulation/trajectory.h"
+#include "core/manipulation/transfer_patches.h"
 #include "core/retargeting/motion_solving.h"
 #include "core/session/document.h"
 #include "core/session/models.h"

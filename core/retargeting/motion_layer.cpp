@@ -7,8 +7,8 @@
 #include "core/base/error.h"
 #include "core/geometry/log_map.h"
 #include "core/geometry/tangent.h"
-#include "core/manipulation/lay_points.h"
 #include "core/manipulation/patch_path.h"
+#include "core/manipulation/transfer_points.h"
 
 namespace handgraft::retargeting {
 
@@ -99,7 +99,7 @@ TransferredMotion MotionLayer::lay(const Motion& motion,
                                    manipulation::MotionCharts* charts) const {
   TransferredMotion laid;
   if (lies_on_links_) {
-    laid.tracks = layPoints(motion, object_O_, *hand_.model);
+    laid.tracks = transferPoints(motion, object_O_, *hand_.model);
     for (std::size_t t = 0; t < motion.tracks.size(); ++t) {
       const auto& keys = motion.tracks[t].keys;
       const bool is_laid = std::any_of(keys.begin(), keys.end(), [&](const PatchKey& key) {
@@ -114,8 +114,8 @@ TransferredMotion MotionLayer::lay(const Motion& motion,
     return laid;
   }
   if (has_points_) {
-    return layPointsByPlace(motion, object_O_, *hand_.model, *hand_.skin, coordinates_,
-                            progress);
+    return transferPointsByPlace(motion, object_O_, *hand_.model, *hand_.skin, coordinates_,
+                                 progress);
   }
   return transferPatches(motion, surfaces_, *hand_.model, hand_.sites, coordinates_,
                          document_.transfer, progress, move, charts);

@@ -10,7 +10,7 @@
 
 #include "core/base/progress.h"
 #include "core/hand/finger_coordinates.h"
-#include "core/manipulation/lay_patches.h"
+#include "core/manipulation/transfer_patches.h"
 #include "core/session/document.h"
 #include "core/session/models.h"
 

@@ -2,8 +2,8 @@
 
 #include "core/base/progress.h"
 #include "core/contact/contact_set.h"
-#include "core/manipulation/lay_patches.h"
 #include "core/manipulation/motion_problem.h"
+#include "core/manipulation/transfer_patches.h"
 #include "core/session/document.h"
 #include "core/session/models.h"
 

@@ -5,7 +5,7 @@
 
 #include "core/base/progress.h"
 #include "core/hand/variant.h"
-#include "core/manipulation/lay_patches.h"
+#include "core/manipulation/transfer_patches.h"
 #include "core/retargeting/motion_solving.h"
 #include "core/sweep/sweep.h"
 

@@ -76,9 +76,10 @@ std::string configurationOf(const Network& network,
 }
 
 std::string notJoined() {
-  return fmt::format("the domain cannot be joined; its ports are enough for {} programs of a "
-                     "machine",
-                     kMostProgramsOfAMachine);
+  return fmt::format(
+      "the domain cannot be joined; its ports are enough for {} programs of a "
+      "machine",
+      kMostProgramsOfAMachine);
 }
 
 struct JoinedDomain {

@@ -174,8 +174,7 @@ bool Strand::post(std::function<void()> task, Kind kind) {
     const std::lock_guard lock(state_->mutex);
     std::deque<Task>& tasks = state_->tasks;
     if (tasks.size() >= most_waiting_) return false;
-    const bool passes =
-        kind == Kind::kShort && !tasks.empty() && tasks.back().lets_short_pass;
+    const bool passes = kind == Kind::kShort && !tasks.empty() && tasks.back().lets_short_pass;
     tasks.insert(passes ? tasks.end() - 1 : tasks.end(), Task{std::move(task), kind});
     turn = tasks.front().kind;
     if (state_->is_running || !state_->takePlace(turn)) return true;

@@ -227,9 +227,8 @@ TEST(ShortTasks, PassTheirStrandsLastTaskWhereThatLetsThem) {
     ASSERT_TRUE(strand.postShort(busy.write("edit 3")));
   }));
   busy.goOn();
-  EXPECT_THAT(busy.order,
-              testing::ElementsAre("edit 1", "edit 2", "solve 1 and 2", "request", "edit 3",
-                                   "what it left", "edit 4"));
+  EXPECT_THAT(busy.order, testing::ElementsAre("edit 1", "edit 2", "solve 1 and 2", "request",
+                                               "edit 3", "what it left", "edit 4"));
 }
 
 TEST(ShortTasks, PassALastTaskThatWaitsForItsTurnAlready) {

@@ -10,9 +10,9 @@
 #include "core/io/contact_file.h"
 #include "core/io/mesh_file.h"
 #include "core/manipulation/grasp_interpolation.h"
-#include "core/manipulation/lay_patches.h"
 #include "core/manipulation/offline_solver.h"
 #include "core/manipulation/patch_path.h"
+#include "core/manipulation/transfer_patches.h"
 #include "core/placement/solids.h"
 
 #include "tests/bench/chain_pair.h"

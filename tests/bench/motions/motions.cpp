@@ -15,8 +15,8 @@
 #include "core/io/mesh_file.h"
 #include "core/io/motion_import.h"
 #include "core/manipulation/causal_solver.h"
-#include "core/manipulation/lay_points.h"
 #include "core/manipulation/offline_solver.h"
+#include "core/manipulation/transfer_points.h"
 #include "core/placement/solids.h"
 #include "core/quality/penetration.h"
 
@@ -95,7 +95,7 @@ Sequence readSequence(const MotionsArguments& arguments,
   });
   sequence.problem = manipulation::makeMotionProblem(hand.model, sequence.motion.time_s);
   sequence.problem.tracks =
-      manipulation::layPoints(sequence.motion, *sequence.object_O, *hand.model);
+      manipulation::transferPoints(sequence.motion, *sequence.object_O, *hand.model);
   auto avoidance = std::make_shared<optimize::Avoidance>(*placement::avoidanceOf(
       hand.model, hand.skin, sequence.object_O, Pose::Identity(), Progress()));
   avoidance->weight *= arguments.depth_weight;

@@ -1,4 +1,4 @@
-#include "core/manipulation/lay_patches.h"
+#include "core/manipulation/transfer_patches.h"
 
 #include <algorithm>
 #include <optional>

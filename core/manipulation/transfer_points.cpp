@@ -1,4 +1,4 @@
-#include "core/manipulation/lay_points.h"
+#include "core/manipulation/transfer_points.h"
 
 #include <algorithm>
 #include <optional>
@@ -30,9 +30,9 @@ std::optional<hand::LinkPoint> linkPointAt(const std::optional<hand::HandLocatio
 
 }  // namespace
 
-std::vector<PairTrack> layPoints(const Motion& motion,
-                                 const geometry::TriangleMesh& object_O,
-                                 const hand::HandModel& model) {
+std::vector<PairTrack> transferPoints(const Motion& motion,
+                                      const geometry::TriangleMesh& object_O,
+                                      const hand::HandModel& model) {
   std::vector<PairTrack> tracks;
   std::string unknown;
   for (const PatchTrack& track : motion.tracks) {
@@ -70,12 +70,12 @@ std::vector<PairTrack> layPoints(const Motion& motion,
   return tracks;
 }
 
-TransferredMotion layPointsByPlace(const Motion& motion,
-                                   const geometry::TriangleMesh& object_O,
-                                   const hand::HandModel& model,
-                                   const hand::Skin& skin,
-                                   const hand::FingerCoordinates& coordinates,
-                                   const Progress& progress) {
+TransferredMotion transferPointsByPlace(const Motion& motion,
+                                        const geometry::TriangleMesh& object_O,
+                                        const hand::HandModel& model,
+                                        const hand::Skin& skin,
+                                        const hand::FingerCoordinates& coordinates,
+                                        const Progress& progress) {
   TransferredMotion laid;
   std::set<std::string> lacking;
   for (std::size_t t = 0; t < motion.tracks.size(); ++t) {
