@@ -29,6 +29,9 @@ constexpr const char* kTiming =
     "<HeartbeatInterval min=\"5ms\" minsched=\"10ms\" max=\"8s\">20ms</HeartbeatInterval>"
     "<NackDelay>20ms</NackDelay><WriterLingerDuration>50ms</WriterLingerDuration>";
 
+// A participant has two ports, from the tenth of its domain's 250 on (RTPS 9.6.1.4).
+static_assert(10 + 2 * kMostProgramsOfAMachine <= 250);
+
 // A server announces itself five times a second: who was not heard is heard by its answer.
 constexpr const char* announcementsOf(Discovers discovers) {
   return discovers == Discovers::kAll ? "500ms" : "2s";
