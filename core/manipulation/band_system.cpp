@@ -16,18 +16,18 @@ BandSystem::BandSystem(std::size_t frames, int dofs)
     : own(frames, Eigen::MatrixXd::Zero(dofs, dofs)),
       next(frames, Coupling(dofs)),
       after_next(frames, Coupling(dofs)),
-      right(frames, Eigen::VectorXd::Zero(dofs)),
-      dofs_(dofs),
-      factors_(frames),
-      by_next_(frames),
-      by_after_next_(frames) {}
+      right(frames, Eigen::VectorXd::Zero(dofs)) {}
 
-bool BandSystem::solve(std::vector<Eigen::VectorXd>& solution) {
-  const std::size_t frames = own.size();
-  solution = right;
+bool BandCholesky::solve(const BandSystem& system, std::vector<Eigen::VectorXd>& solution) {
+  const std::size_t frames = system.own.size();
+  factors_.resize(frames);
+  by_next_.resize(frames);
+  by_after_next_.resize(frames);
+  solution = system.right;
   for (std::size_t k = 0; k < frames; ++k) {
     // === A_kk = sum of L_kj L_kj^T over j = k - 2, k - 1, k
-    block_ = own[k];
+    block_ = system.own[k];
+    const Eigen::Index dofs = block_.rows();
     if (k >= 1) {
       block_.selfadjointView<Eigen::Lower>().rankUpdate(by_next_[k - 1], -1.0);
       solution[k].noalias() -= by_next_[k - 1] * solution[k - 1];
@@ -42,15 +42,15 @@ bool BandSystem::solve(std::vector<Eigen::VectorXd>& solution) {
     lower.solveInPlace(solution[k]);
     if (k + 1 < frames) {
       Eigen::MatrixXd& below = by_next_[k];
-      below.setZero(dofs_, dofs_);
+      below.setZero(dofs, dofs);
       if (k >= 1) below.noalias() = -by_after_next_[k - 1] * by_next_[k - 1].transpose();
-      addTo(below, next[k]);
+      addTo(below, system.next[k]);
       lower.transpose().solveInPlace<Eigen::OnTheRight>(below);
     }
     if (k + 2 < frames) {
       Eigen::MatrixXd& below = by_after_next_[k];
-      below.setZero(dofs_, dofs_);
-      addTo(below, after_next[k]);
+      below.setZero(dofs, dofs);
+      addTo(below, system.after_next[k]);
       lower.transpose().solveInPlace<Eigen::OnTheRight>(below);
     }
   }

@@ -23,23 +23,24 @@ struct Coupling {
 };
 
 /// A symmetric system in which each frame meets the next two: blocks of `dofs` rows a frame.
-///
-/// Solved by a block Cholesky factorisation. Cost: about 6 dofs^3 multiplications a frame, and
-/// memory for 3 blocks of dofs^2; both linear in the frames.
-class BandSystem {
- public:
+struct BandSystem {
   BandSystem(std::size_t frames, int dofs);
 
   std::vector<Eigen::MatrixXd> own;    ///< of each frame, both triangles
   std::vector<Coupling> next;          ///< entry k: frame k + 1 by frame k
   std::vector<Coupling> after_next;    ///< entry k: frame k + 2 by frame k
   std::vector<Eigen::VectorXd> right;  ///< what it is to equal
+};
 
-  /// False unless it is positive definite. `solution` has an entry a frame.
-  [[nodiscard]] bool solve(std::vector<Eigen::VectorXd>& solution);
+/// Solves such systems by a block Cholesky factorisation, and keeps its scratch memory.
+/// Cost: about 6 dofs^3 multiplications a frame, and memory for 3 blocks of dofs^2; both linear
+/// in the frames.
+class BandCholesky {
+ public:
+  /// False unless `system` is positive definite. `solution` has an entry a frame.
+  [[nodiscard]] bool solve(const BandSystem& system, std::vector<Eigen::VectorXd>& solution);
 
  private:
-  int dofs_;
   std::vector<Eigen::LLT<Eigen::MatrixXd>> factors_;
   std::vector<Eigen::MatrixXd> by_next_;        ///< L_{k+1,k}
   std::vector<Eigen::MatrixXd> by_after_next_;  ///< L_{k+2,k}

@@ -191,7 +191,7 @@ class BandSearch {
       }
     }
     for (int pass = 0; pass < kPasses; ++pass) {
-      if (!system_.solve(steps_)) {
+      if (!cholesky_.solve(system_, steps_)) {
         for (double& damping : damping_)
           damping = std::min(kMostDamping, 10.0 * damping);
         return propose();
@@ -289,6 +289,7 @@ class BandSearch {
   Held held_;
   BandSystem system_;
   BandSystem undamped_;
+  BandCholesky cholesky_;
   Poses poses_;
   Poses trial_;
   std::vector<VectorXd> steps_;
