@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -48,6 +49,22 @@ class DistanceGrid {
     const Eigen::Vector3i nearest = (u.array() + 0.5).cast<int>();
     return values_[indexOf(nearest)] > radius + kDoubt * spacing_;
   }
+
+  /// How far p can move at least before `at` says less than `least`: below 0 where it does so
+  /// at p. Cost: one node where p is far, else `at`.
+  [[nodiscard]] double clearance(const Eigen::Vector3d& p, double least) const {
+    const Eigen::Vector3d u = (p - origin_) * per_spacing_;
+    for (int a = 0; a < 3; ++a)
+      if (!(u[a] > 0.0 && u[a] < counts_[a] - 1)) return at(p) - kDoubt * spacing_ - least;
+    const Eigen::Vector3i nearest = (u.array() + 0.5).cast<int>();
+    const double bound = values_[indexOf(nearest)] - kDoubt * spacing_ - least;
+    if (bound > kDoubt * spacing_) return bound;
+    return std::max(bound, (at(p) - least) / kSteepest);
+  }
+
+  /// No gradient of `at` is longer than that: of a distance it is 1; the spline's was 1.28 at
+  /// most, beside edges, where nodes are blended.
+  static constexpr double kSteepest = 1.4;
 
   [[nodiscard]] double spacing() const { return spacing_; }
 

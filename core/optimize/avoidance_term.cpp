@@ -1,5 +1,7 @@
 #include "core/optimize/avoidance_term.h"
 
+#include <algorithm>
+
 #include "core/base/error.h"
 
 namespace handgraft::optimize {
@@ -9,7 +11,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using hand::LinkSolid;
-using hand::SampleSet;
 using hand::SurfaceSample;
 
 }  // namespace
@@ -26,6 +27,21 @@ AvoidanceTerm::AvoidanceTerm(const Avoidance& avoidance, const MomentTree& tree)
   }
   places_.resize(bodies_.size());
   touches_.reserve(2 * samples);
+  near_object_.resize(bodies_.size());
+  near_walls_.resize(bodies_.size());
+  near_links_.resize(avoidance_.hand->collisionPairs().size());
+}
+
+void AvoidanceTerm::care(const AvoidanceLevel& care) {
+  if (care.fine != care_.fine) {
+    for (NearSamples& near : near_object_)
+      near.forget();
+    for (auto& [a, b] : near_links_) {
+      a.forget();
+      b.forget();
+    }
+  }
+  care_ = care;
 }
 
 double AvoidanceTerm::evaluate(const Vector3d& p_WH, const std::vector<BodyPlace>& bodies) {
@@ -54,7 +70,6 @@ void AvoidanceTerm::chargeObject(const Vector3d& p_WH) {
   const auto& solids = avoidance_.hand->links();
   const Matrix3d R_OW = X_OW_.linear();
   const Vector3d p_OH = X_OW_ * p_WH;
-  const double margin = avoidance_.margin_m;
   for (std::size_t k = 0; k < places_.size(); ++k) {
     const Place& place = places_[k];
     const LinkSolid& solid = solids[k];
@@ -62,23 +77,17 @@ void AvoidanceTerm::chargeObject(const Vector3d& p_WH) {
     Pose X_OL;
     X_OL.linear() = R_OW * place.R_WL;
     X_OL.translation() = p_OH + R_OW * place.arm_W;
-    const SampleSet& set = samplesOf(solid);
-    const Matrix3d R_OL = X_OL.linear();
-    const Vector3d p_OL = X_OL.translation();
-    set.visit(
-        [&](const Vector3d& centre_L, double radius) {
-          return object_O.isClear(p_OL + R_OL.lazyProduct(centre_L), radius);
+    near_object_[k].visit(
+        {object_O, avoidance_.margin_m, solid.centre_L, solid.radius}, X_OL,
+        [&](const auto& passes, const auto& take) {
+          samplesOf(solid).visit(passes, [&](const SurfaceSample& sample) {
+            take(sample.p_L, sample.area_m2);
+          });
         },
-        [&](const SurfaceSample& sample) {
-          const Vector3d p_O = p_OL + R_OL.lazyProduct(sample.p_L);
-          // Most that are near do not touch: their slopes would be for nothing.
-          if (object_O.isClear(p_O, 0.0)) return;
-          const double depth = margin - object_O.at(p_O);
-          if (depth <= 0.0) return;
-          Vector3d slope_O;
-          static_cast<void>(object_O.at(p_O, slope_O));
-          touches_.push_back({bodies_[k], -1, place.arm_W + place.R_WL * sample.p_L,
-                              R_OW.transpose() * slope_O, depth,
+        [&](const NearSamples::Sample& sample, const Vector3d&, double distance,
+            const Vector3d& slope_O) {
+          touches_.push_back({bodies_[k], -1, place.arm_W + place.R_WL * sample.p_A,
+                              R_OW.transpose() * slope_O, avoidance_.margin_m - distance,
                               sample.area_m2 / Avoidance::kPointArea});
         });
     chargeWalls(k, X_OL);
@@ -88,28 +97,32 @@ void AvoidanceTerm::chargeObject(const Vector3d& p_WH) {
 void AvoidanceTerm::chargeWalls(std::size_t link, const Pose& X_OL) {
   const Place& place = places_[link];
   const LinkSolid& solid = avoidance_.hand->links()[link];
-  const Matrix3d R_LO = X_OL.linear().transpose();
-  const Vector3d p_LO = -(R_LO * X_OL.translation());
-  avoidance_.object_O->walls().visit(
-      [&](const Vector3d& centre_O, double radius) {
-        return solid.grid_L->isClear(p_LO + R_LO.lazyProduct(centre_O), radius);
+  const Pose X_LO = inverse(X_OL);
+  // What of the walls is in the link lies in the link's ball, wherever that was in the object.
+  near_walls_[link].visit(
+      {*solid.grid_L, avoidance_.margin_m - solid.skin_offset, X_OL * solid.centre_L,
+       solid.radius + solid.grid_L->spacing()},
+      X_LO,
+      [&](const auto& passes, const auto& take) {
+        avoidance_.object_O->walls().visit(passes, [&](const geometry::WallSample& sample) {
+          take(sample.p, sample.area_m2);
+        });
       },
-      [&](const geometry::WallSample& sample) {
-        const Vector3d p_L = p_LO + R_LO.lazyProduct(sample.p);
-        if (solid.grid_L->isClear(p_L, 0.0)) return;
-        Vector3d slope_L;
-        const double distance = solid.distance(p_L, slope_L) - avoidance_.margin_m;
-        if (distance >= 0.0) return;
+      [&](const NearSamples::Sample& sample, const Vector3d& p_L, double distance,
+          const Vector3d& slope_L) {
         // It is the link that moves, and the sample in it the other way.
         touches_.push_back({bodies_[link], -1, place.arm_W + place.R_WL * p_L,
-                            -(place.R_WL * slope_L), -distance,
+                            -(place.R_WL * slope_L),
+                            avoidance_.margin_m - (distance + solid.skin_offset),
                             sample.area_m2 / Avoidance::kPointArea});
       });
 }
 
 void AvoidanceTerm::chargeItself() {
   const auto& solids = avoidance_.hand->links();
-  for (const auto& [i, j] : avoidance_.hand->collisionPairs()) {
+  const auto& pairs = avoidance_.hand->collisionPairs();
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const auto& [i, j] = pairs[k];
     const LinkSolid& a = solids[static_cast<std::size_t>(i)];
     const LinkSolid& b = solids[static_cast<std::size_t>(j)];
     const Place& place_a = places_[static_cast<std::size_t>(i)];
@@ -120,36 +133,40 @@ void AvoidanceTerm::chargeItself() {
     if (geometry::squaredDistance(place_a.a_W, place_a.b_W, place_b.a_W, place_b.b_W) >
         bones * bones)
       continue;
-    charge(i, j);
-    charge(j, i);
+    charge(i, j, near_links_[k][0]);
+    charge(j, i, near_links_[k][1]);
   }
 }
 
-void AvoidanceTerm::charge(int a, int b) {
+void AvoidanceTerm::charge(int a, int b, NearSamples& near) {
   const LinkSolid& solid = avoidance_.hand->links()[static_cast<std::size_t>(a)];
   const LinkSolid& other = avoidance_.hand->links()[static_cast<std::size_t>(b)];
   const Place& place = places_[static_cast<std::size_t>(a)];
   const Place& other_place = places_[static_cast<std::size_t>(b)];
-  const SampleSet& set = samplesOf(solid);
-  const Matrix3d R_BA = other_place.R_WL.transpose().lazyProduct(place.R_WL);
-  const Vector3d p_BA =
+  Pose X_BA;
+  X_BA.linear() = other_place.R_WL.transpose().lazyProduct(place.R_WL);
+  X_BA.translation() =
       other_place.R_WL.transpose().lazyProduct(place.arm_W - other_place.arm_W);
-  const geometry::DistanceGrid& grid_B = *other.grid_L;
-  set.visit(
-      [&](const Vector3d& centre_A, double radius) {
-        return grid_B.isClear(p_BA + R_BA.lazyProduct(centre_A), radius + avoidance_.margin_m);
+  // What touches lies in the balls of both.
+  const bool is_smaller = solid.radius < other.radius;
+  const Vector3d centre_A =
+      is_smaller ? solid.centre_L : Vector3d(inverse(X_BA) * other.centre_L);
+  near.visit(
+      {*other.grid_L, avoidance_.margin_m - other.skin_offset, centre_A,
+       std::min(solid.radius, other.radius) + other.grid_L->spacing()},
+      X_BA,
+      [&](const auto& passes, const auto& take) {
+        samplesOf(solid).visit(passes, [&](const SurfaceSample& sample) {
+          take(sample.p_L, sample.area_m2);
+        });
       },
-      [&](const SurfaceSample& sample) {
-        const Vector3d p_B = p_BA + R_BA.lazyProduct(sample.p_L);
-        if (grid_B.isClear(p_B, avoidance_.margin_m)) return;
-        const double depth = avoidance_.margin_m - other.distance(p_B);
-        if (depth <= 0.0) return;
-        Vector3d slope_B;
-        static_cast<void>(grid_B.at(p_B, slope_B));
+      [&](const NearSamples::Sample& sample, const Vector3d&, double distance,
+          const Vector3d& slope_B) {
         touches_.push_back({bodies_[static_cast<std::size_t>(a)],
                             bodies_[static_cast<std::size_t>(b)],
-                            place.arm_W + place.R_WL * sample.p_L, other_place.R_WL * slope_B,
-                            depth, sample.area_m2 / Avoidance::kPointArea});
+                            place.arm_W + place.R_WL * sample.p_A, other_place.R_WL * slope_B,
+                            avoidance_.margin_m - (distance + other.skin_offset),
+                            sample.area_m2 / Avoidance::kPointArea});
       });
 }
 

@@ -33,7 +33,8 @@ void validatePair(const PoseProblem& problem, std::size_t index) {
                 links - 1);
   }
   if (pair.patch < -1) rejectInput("pair {}: patch {} must be at least -1", index, pair.patch);
-  requireWeight(pair.weight, fmt::format("pair {}: weight", index));
+  if (!(std::isfinite(pair.weight) && pair.weight >= 0.0))
+    requireWeight(pair.weight, fmt::format("pair {}: weight", index));
   if (!pair.p_L.allFinite() || !pair.p_W.allFinite()) {
     rejectInput("pair {}: its points must be finite", index);
   }

@@ -45,6 +45,26 @@ TEST(DistanceGrid, IsNearTheExactDistance) {
   }
 }
 
+TEST(DistanceGrid, TellsHowFarAPlaceMayMove) {
+  for (const TriangleMesh& mesh : {makeSphere(0.04, 4), makeTorus(0.05, 0.02, 60, 30),
+                                   makeBox({0.1, 0.06, 0.03}), makeBox({0.12, 0.003, 0.1})}) {
+    const DistanceGrid grid = gridOf(mesh);
+    std::mt19937 random(4);
+    std::uniform_real_distribution<double> least(-0.002, 0.002);
+    for (int k = 0; k < 20000; ++k) {
+      const Vector3d p = randomIn(0.07, random);
+      Vector3d gradient;
+      static_cast<void>(grid.at(p, gradient));
+      EXPECT_LE(gradient.norm(), DistanceGrid::kSteepest) << p.transpose();
+      const double wanted = least(random);
+      const double clearance = grid.clearance(p, wanted);
+      if (clearance <= 0.0) continue;
+      const Vector3d there = p + clearance * randomIn(1.0, random).normalized();
+      EXPECT_GE(grid.at(there), wanted - 1e-12) << p.transpose();
+    }
+  }
+}
+
 TEST(DistanceGrid, IsNearlyExactOnSmoothSurfaces) {
   const DistanceGrid grid = gridOf(makeSphere(0.04, 5), 300000);
   std::mt19937 random(2);

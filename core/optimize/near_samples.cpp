@@ -1,0 +1,16 @@
+#include "core/optimize/near_samples.h"
+
+#include <numbers>
+
+namespace handgraft::optimize {
+
+double motionOf(const Pose& from,
+                const Pose& to,
+                const Eigen::Vector3d& centre,
+                double radius) {
+  // A rotation's difference from another one has two equal singular values and no third.
+  const double turn = (to.linear() - from.linear()).norm() / std::numbers::sqrt2;
+  return (to * centre - from * centre).norm() + turn * radius;
+}
+
+}  // namespace handgraft::optimize
