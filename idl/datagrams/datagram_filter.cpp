@@ -69,7 +69,8 @@ bool DatagramFilter::isHandshakeOrAnnouncement(const Prefix& source,
   if (!isHandshake(payload)) return false;
   if (on_certificate_) {
     const auto shown = shownCertificate(payload.bytes, payload.little);
-    if (!shown.empty()) on_certificate_(beginOf(source), shown);
+    if (!shown) return false;
+    if (!shown->empty() && !on_certificate_(beginOf(source), *shown)) return false;
   }
   return true;
 }

@@ -93,11 +93,13 @@ class DatagramFilter {
   /// From now on nothing goes on of what these say, in place of those before. Any thread.
   void refuse(std::set<GuidBegin> whom);
 
-  /// In a secured domain: what a handshake shows, and in whose name it came, unchecked.
-  using OnCertificate = std::function<void(GuidBegin source, std::string_view pem)>;
+  /// In a secured domain: what a handshake shows, and in whose name it came, unchecked. False
+  /// where the handshake may not go on.
+  using OnCertificate = std::function<bool(GuidBegin source, std::string_view pem)>;
 
-  /// Called on the thread of `pass`. To be set before the first datagram.
-  void tellCertificates(OnCertificate hear) { on_certificate_ = std::move(hear); }
+  /// Called on the thread of `pass`. To be set before the first datagram. From then on a
+  /// handshake that shows two certificates does not go on either.
+  void askAboutCertificates(OnCertificate ask) { on_certificate_ = std::move(ask); }
 
  private:
   static GuidBegin beginOf(const Prefix& source);

@@ -2,20 +2,22 @@
 
 namespace handgraft::idl {
 
-std::string_view shownCertificate(std::span<const std::uint8_t> payload, bool is_little) {
+std::optional<std::string_view> shownCertificate(std::span<const std::uint8_t> payload,
+                                                 bool is_little) {
   using namespace std::string_view_literals;
   constexpr std::string_view kName = "c.id\0"sv;
   // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): bytes, to be searched
   const std::string_view bytes(reinterpret_cast<const char*>(payload.data()), payload.size());
   const std::size_t at = bytes.find(kName);
-  if (at == std::string_view::npos) return {};
+  if (at == std::string_view::npos) return "";
+  if (bytes.find(kName, at + 1) != std::string_view::npos) return std::nullopt;
   // A name, then a length at a multiple of four, then the value.
   const std::size_t length_at = (at + kName.size() + 3) & ~std::size_t{3};
-  if (length_at + 4 > payload.size()) return {};
+  if (length_at + 4 > payload.size()) return "";
   std::size_t length = 0;
   for (std::size_t i = 0; i < 4; ++i)
     length |= std::size_t{payload[length_at + i]} << (8 * (is_little ? i : 3 - i));
-  if (length > payload.size() - length_at - 4) return {};
+  if (length > payload.size() - length_at - 4) return "";
   return bytes.substr(length_at + 4, length);
 }
 

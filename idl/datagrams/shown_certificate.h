@@ -1,13 +1,16 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 
 namespace handgraft::idl {
 
 /// The certificate, in PEM, that the payload of a handshake message shows (`c.id` of DDS
-/// Security 1.1, 9.3.2.5); empty if none. Whoever sent it: nothing is checked here.
-std::string_view shownCertificate(std::span<const std::uint8_t> payload, bool is_little);
+/// Security 1.1, 9.3.2.5); empty if none, nothing if there are two, of which others might see
+/// another one. Whoever sent it: nothing is checked here.
+std::optional<std::string_view> shownCertificate(std::span<const std::uint8_t> payload,
+                                                 bool is_little);
 
 }  // namespace handgraft::idl

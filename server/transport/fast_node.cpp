@@ -128,9 +128,9 @@ Node::Node(const Network& network, const Identity& identity, ParticipantDirector
                                                         : idl::DatagramFilter::Domain::kOpen)) {
   const NetworkInterface interface = validate(network);
   if (listener != nullptr) {
-    filter_->tellCertificates(
+    filter_->askAboutCertificates(
         [listener](idl::security::GuidBegin begin, std::string_view shown) {
-          listener->hear(begin, shown);
+          return listener->admits(begin, shown);
         });
   }
   const auto heard_before = portsHeard(network.domain);

@@ -1,6 +1,8 @@
 #include "server/transport/participant_directory.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <ctime>
 #include <iterator>
 #include <string>
 
@@ -12,6 +14,14 @@
 namespace handgraft::server {
 
 namespace security = idl::security;
+
+namespace {
+
+bool isWithin(const security::Lifetime& lifetime, std::int64_t now_s) {
+  return lifetime.not_before_s <= now_s && now_s <= lifetime.not_after_s;
+}
+
+}  // namespace
 
 ParticipantDirectory::ParticipantDirectory(const std::optional<security::Identity>& own) {
   if (!own) return;
@@ -25,22 +35,29 @@ std::optional<security::Named> ParticipantDirectory::whoIs(const Sender& sender)
   const std::lock_guard lock(mutex_);
   const auto found = known_.find(begin);
   if (found == known_.end()) return std::nullopt;
-  return found->second;
+  return found->second.named;
 }
 
-void ParticipantDirectory::hear(security::GuidBegin begin, std::string_view pem) {
+bool ParticipantDirectory::admits(security::GuidBegin begin, std::string_view pem) {
+  if (!authority_) return true;
+  const std::int64_t now_s = std::time(nullptr);
   {
     const std::lock_guard lock(mutex_);
-    if (!authority_ || known_.count(begin) != 0) return;
+    const auto known = known_.find(begin);
+    if (known != known_.end() && known->second.pem == pem)
+      return isWithin(known->second.lifetime, now_s);
   }
   try {
     const auto shown = security::Certificate::read(std::string(pem), "");
     const std::string subject = shown.commonName();
-    if (security::guidBeginOf(subject) != begin || !shown.isSignedBy(*authority_)) return;
+    if (security::guidBeginOf(subject) != begin || !shown.isSignedBy(*authority_)) return false;
     const security::Named named = security::readCommonName(subject, "");
+    const security::Lifetime lifetime = shown.lifetime();
     const std::lock_guard lock(mutex_);
-    known_[begin] = named;
+    known_[begin] = {named, std::string(pem), lifetime};
+    return isWithin(lifetime, now_s);
   } catch (const InvalidInput&) {  // none that `handgraft keys` makes
+    return false;
   }
 }
 

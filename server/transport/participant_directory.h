@@ -9,6 +9,7 @@
 
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
 
+#include "idl/security/certificates.h"
 #include "idl/security/guids.h"
 #include "idl/security/identity.h"
 #include "server/transport/bus.h"
@@ -27,8 +28,11 @@ class ParticipantDirectory final : public eprosima::fastdds::dds::DomainParticip
 
   [[nodiscard]] std::optional<idl::security::Named> whoIs(const Sender& sender) const;
 
-  /// In the name of a GUID that begins so. From anybody.
-  void hear(idl::security::GuidBegin begin, std::string_view pem);
+  /// Whether a handshake may go on that shows this certificate in the name of a GUID that
+  /// begins so. From anybody: Fast DDS 2.9.1 gives back nothing of a certificate that it
+  /// refuses
+  /// (`PKIDH::begin_handshake_reply`: 4 kB each), so it sees those of our authority alone.
+  [[nodiscard]] bool admits(idl::security::GuidBegin begin, std::string_view pem);
 
   /// True where somebody reads that topic, of sessions' own topics (rt/handgraft/...).
   [[nodiscard]] bool isRead(const std::string& topic) const;
@@ -50,8 +54,15 @@ class ParticipantDirectory final : public eprosima::fastdds::dds::DomainParticip
   mutable std::mutex mutex_;
   /// Sessions' own topics and who reads them.
   std::map<std::string, std::set<eprosima::fastrtps::rtps::GUID_t>> read_;
+
+  struct Known {
+    idl::security::Named named;
+    std::string pem;  ///< as it was shown
+    idl::security::Lifetime lifetime;
+  };
+
   /// Of all that were ever shown: as many as the authority signed.
-  std::map<idl::security::GuidBegin, idl::security::Named> known_;
+  std::map<idl::security::GuidBegin, Known> known_;
 };
 
 }  // namespace handgraft::server

@@ -187,17 +187,22 @@ TEST(SecuredDatagramFilter, PassesNothingOfWhoIsRefusedWhoeverBringsIt) {
 TEST(SecuredDatagramFilter, TellsWhichCertificateAHandshakeShows) {
   std::vector<std::pair<DatagramFilter::GuidBegin, std::string>> told;
   DatagramFilter filter(DatagramFilter::Domain::kSecured);
-  filter.tellCertificates([&](DatagramFilter::GuidBegin source, std::string_view shown) {
+  bool is_ours = true;
+  filter.askAboutCertificates([&](DatagramFilter::GuidBegin source, std::string_view shown) {
     told.emplace_back(source, shown);
+    return is_ours;
   });
   std::vector<std::uint8_t> kept;
-  filter.pass(handshake(), kept);
+  EXPECT_FALSE(filter.pass(handshake(), kept).empty());
   ASSERT_EQ(told.size(), 1U);
   EXPECT_EQ(told[0].first[0], 0xa0);
   EXPECT_EQ(told[0].second, "what it is");
   filter.pass(encrypted(), kept);
   filter.pass(handshake(100), kept);
   EXPECT_EQ(told.size(), 1U) << "of what is malformed";
+  is_ours = false;
+  EXPECT_TRUE(filter.pass(handshake(), kept).empty()) << "a stranger's handshake";
+  EXPECT_FALSE(filter.pass(encrypted(), kept).empty());
 
   // Of any bytes it looks no further than their end.
   const std::vector<std::uint8_t> shown{'c', '.', 'i', 'd', 0,   0,   0,  0,
@@ -206,6 +211,9 @@ TEST(SecuredDatagramFilter, TellsWhichCertificateAHandshakeShows) {
   for (std::size_t size = 0; size < shown.size(); ++size)
     EXPECT_EQ(shownCertificate(std::span(shown).first(size), true), "");
   EXPECT_EQ(shownCertificate(shown, false), "");
+  std::vector<std::uint8_t> two = shown;
+  two.insert(two.end(), shown.begin(), shown.end());
+  EXPECT_EQ(shownCertificate(two, true), std::nullopt);
 }
 
 TEST(SecuredDatagramFilter, CutsOutWhatIsPlain) {
