@@ -34,7 +34,7 @@ Datagram token(std::uint32_t count = 1) {
   for (int kind = 0; kind < 2; ++kind) {
     bytes.resize((bytes.size() + 3) / 4 * 4);
     add(bytes, count);
-    addText(bytes, std::string("c.id\0", 5));
+    addText(bytes, std::string(kind == 0 ? "what\0" : "c.id\0", 5));
     addText(bytes, "what it is");
   }
   return bytes;
