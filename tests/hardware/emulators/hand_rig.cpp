@@ -212,6 +212,7 @@ class AllegroHandRig final : public HandRig {
   AllegroHandRig(const HandConfig& config, bool on_pty)
       : config_(config), emulator_(bus_), wire_(makeWire(emulator_, config, on_pty)) {
     // Each joint somewhere inside its range.
+    const auto lock = wire_->hold();
     for (const MotorConfig& motor : config.motors) {
       const double angle =
           motor.range_rad.lower + 0.3 * (motor.range_rad.upper - motor.range_rad.lower);
