@@ -144,7 +144,7 @@ class FastBus final : public Bus {
       : server_(network.server),
         is_secured_(identity.has_value()),
         acquaintances_(identity),
-        node_(network, identity, &acquaintances_),
+        node_(network, identity, acquaintances_),
         is_paced_(!validate(network).loopback),
         replies_(node_.own(), idl::kReplyTopic, is_paced_),
         progresses_(node_.own(), idl::kProgressTopic),

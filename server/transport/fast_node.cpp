@@ -122,22 +122,21 @@ Identity identityOf(const Network& network) {
   return idl::security::readIdentity(network.identity, {idl::security::Role::kServer});
 }
 
-Node::Node(const Network& network, const Identity& identity, ParticipantDirectory* listener)
+Node::Node(const Network& network, const Identity& identity, ParticipantDirectory& participants)
     : filter_(std::make_shared<idl::DatagramFilter>(identity
                                                         ? idl::DatagramFilter::Domain::kSecured
                                                         : idl::DatagramFilter::Domain::kOpen)) {
   const NetworkInterface interface = validate(network);
-  if (listener != nullptr) {
-    filter_->askAboutCertificates(
-        [listener](idl::security::GuidBegin begin, std::string_view shown) {
-          return listener->admits(begin, shown);
-        });
-  }
+  filter_->askAboutCertificates(
+      [&participants](idl::security::GuidBegin begin, std::string_view shown) {
+        return participants.admits(begin, shown);
+      });
   const auto heard_before = portsHeard(network.domain);
   auto* factory = dds::DomainParticipantFactory::get_instance();
-  participant_ = factory->create_participant(
-      static_cast<dds::DomainId_t>(network.domain),
-      participantQos(network, interface, identity, filter_), listener, dds::StatusMask::none());
+  participant_ =
+      factory->create_participant(static_cast<dds::DomainId_t>(network.domain),
+                                  participantQos(network, interface, identity, filter_),
+                                  &participants, dds::StatusMask::none());
   // Fast DDS goes on without any port where all are taken, and hears nobody.
   constexpr std::size_t kPortsOfOne = 2;
   const auto heard = portsHeard(network.domain);

@@ -20,12 +20,9 @@ Identity identityOf(const Network& network);
 /// The participant and all that lives in it, taken down in order.
 class Node {
  public:
-  /// `listener` hears of other participants and what they show, and must outlive the node;
-  /// null: nobody does.
-  /// Errors: InvalidInput for the network; TransportError if DDS refuses.
-  Node(const Network& network,
-       const Identity& identity,
-       ParticipantDirectory* listener = nullptr);
+  /// `participants` hears of others and is asked about what they show; it must outlive the
+  /// node. Errors: InvalidInput for the network; TransportError if DDS refuses.
+  Node(const Network& network, const Identity& identity, ParticipantDirectory& participants);
 
   ~Node() { close(); }
 

@@ -10,6 +10,7 @@
 #include "idl/security/rights.h"
 #include "server/transport/fast_endpoints.h"
 #include "server/transport/fast_node.h"
+#include "server/transport/participant_directory.h"
 
 namespace handgraft::server {
 
@@ -53,7 +54,8 @@ void probeServer(const Network& network,
   std::vector<std::string> without_address;
   const Network reached = idl::withPeerAddresses(network, &without_address);
   const Identity identity = identityOf(network);
-  const Node node(reached, identity);
+  ParticipantDirectory participants(identity);
+  const Node node(reached, identity, participants);
   std::optional<FastWriter<v1::Request>> requests;
   try {
     requests.emplace(node.own(), identity ? idl::kLookTopic : idl::kRequestTopic);
