@@ -30,8 +30,8 @@ class ParticipantDirectory final : public eprosima::fastdds::dds::DomainParticip
 
   /// Whether a handshake may go on that shows this certificate in the name of a GUID that
   /// begins so. From anybody: Fast DDS 2.9.1 gives back nothing of a certificate that it
-  /// refuses
-  /// (`PKIDH::begin_handshake_reply`: 4 kB each), so it sees those of our authority alone.
+  /// refuses (`PKIDH::begin_handshake_reply`: 4 kB each), so it sees those of our authority
+  /// alone.
   [[nodiscard]] bool admits(idl::security::GuidBegin begin, std::string_view pem);
 
   /// True where somebody reads that topic, of sessions' own topics (rt/handgraft/...).

@@ -208,9 +208,13 @@ TEST(SecuredDatagramFilter, TellsWhichCertificateAHandshakeShows) {
   const std::vector<std::uint8_t> shown{'c', '.', 'i', 'd', 0,   0,   0,  0,
                                         3,   0,   0,   0,   'P', 'E', 'M'};
   EXPECT_EQ(shownCertificate(shown, true), "PEM");
-  for (std::size_t size = 0; size < shown.size(); ++size)
+  for (std::size_t size = 0; size < 5; ++size)
     EXPECT_EQ(shownCertificate(std::span(shown).first(size), true), "");
-  EXPECT_EQ(shownCertificate(shown, false), "");
+  for (std::size_t size = 5; size < shown.size(); ++size)
+    EXPECT_EQ(shownCertificate(std::span(shown).first(size), true), std::nullopt);
+  EXPECT_EQ(shownCertificate(shown, false), std::nullopt);
+  const std::vector<std::uint8_t> endless{4, 0, 0, 0, 'c', '.', 'i', 'd', 3, 0, 0, 0, 'P'};
+  EXPECT_EQ(shownCertificate(endless, true), std::nullopt);
   std::vector<std::uint8_t> two = shown;
   two.insert(two.end(), shown.begin(), shown.end());
   EXPECT_EQ(shownCertificate(two, true), std::nullopt);
