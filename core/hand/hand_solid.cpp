@@ -37,6 +37,13 @@ constexpr int kLattice = 6;
 constexpr double kHidden = 0.0015;        // m
 constexpr double kHiddenSpacing = 0.003;  // m, before samples are spread: as those of reports
 
+// Faces that meet at more than that, outwards, make an edge; where three edges meet, a corner.
+constexpr double kSharp = 0.5;           // rad
+constexpr double kEdgeSpacing = 0.0015;  // m, before samples are spread
+constexpr int kCorner = 3;
+
+constexpr double kThinnest = 0.003;  // m; for how far samples stand apart
+
 /// A face of the skin, as its link has it.
 struct Facet {
   int link = -1;
@@ -45,6 +52,7 @@ struct Facet {
   Vector3d n_L = Vector3d::Zero();
   double area_m2 = 0.0;
   double offset = 0.0;  ///< of the skin above the link
+  bool is_sharp = false;
 };
 
 std::vector<Facet> facetsOf(const Skin& skin, const LinkPoses& X_SL) {
@@ -89,32 +97,48 @@ void arrange(SampleSet& set) {
     set.samples[i] = before[static_cast<std::size_t>(order[i])];
 }
 
-/// Samples of the hand, by link, so far apart that `count` of them would fill the skin.
-std::vector<SampleSet> spread(const std::vector<Facet>& facets,
-                              double skin_area,
-                              int links,
-                              int count) {
+/// Samples of a link, none within `spacing` of another one; of its facets the first ones stay.
+SampleSet spread(const std::vector<Facet>& facets, double spacing) {
   Eigen::Matrix3Xd points(3, std::ssize(facets));
-  std::vector<int> groups;
-  for (Eigen::Index i = 0; i < points.cols(); ++i) {
-    const Facet& facet = facets[static_cast<std::size_t>(i)];
-    points.col(i) = facet.p_S;
-    groups.push_back(facet.link);
-  }
-  std::vector<SampleSet> sets(static_cast<std::size_t>(links));
-  if (!(skin_area > 0.0)) return sets;
+  for (Eigen::Index i = 0; i < points.cols(); ++i)
+    points.col(i) = facets[static_cast<std::size_t>(i)].p_S;
   const geometry::Thinned thinned =
-      geometry::thinOut(points, groups, std::sqrt(kPacking * skin_area / count));
-  std::vector<double> areas(thinned.kept.size(), 0.0);
-  for (std::size_t i = 0; i < facets.size(); ++i)
-    areas[static_cast<std::size_t>(thinned.nearest[i])] += facets[i].area_m2;
-  for (std::size_t k = 0; k < thinned.kept.size(); ++k) {
-    const Facet& facet = facets[static_cast<std::size_t>(thinned.kept[k])];
-    sets[static_cast<std::size_t>(facet.link)].samples.push_back({facet.p_L, areas[k]});
+      geometry::thinOut(points, std::vector<int>(facets.size(), 0), spacing);
+  SampleSet set;
+  for (const int kept : thinned.kept) {
+    const Facet& facet = facets[static_cast<std::size_t>(kept)];
+    // A corner has little area about it, and is the first to be in something.
+    set.samples.push_back({facet.p_L, facet.is_sharp ? spacing * spacing / kPacking : 0.0});
   }
-  for (SampleSet& set : sets)
-    arrange(set);
-  return sets;
+  for (std::size_t i = 0; i < facets.size(); ++i) {
+    const auto nearest = static_cast<std::size_t>(thinned.nearest[i]);
+    if (!facets[static_cast<std::size_t>(thinned.kept[nearest])].is_sharp)
+      set.samples[nearest].area_m2 += facets[i].area_m2;
+  }
+  arrange(set);
+  return set;
+}
+
+/// How far apart samples of each link stand if there are `count` in all: what bulges between
+/// two of them is as the square of that by the link's thickness, and the same on all links.
+std::vector<double> spacingsOf(const std::vector<double>& areas,
+                               const std::vector<double>& thicknesses,
+                               int count) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < areas.size(); ++i)
+    if (areas[i] > 0.0) sum += areas[i] / thicknesses[i];
+  std::vector<double> spacings;
+  for (const double thickness : thicknesses)
+    spacings.push_back(std::sqrt(kPacking * sum / count * thickness));
+  return spacings;
+}
+
+/// Of what lies around a link's longest axis.
+double thicknessOf(const std::vector<Facet>& facets) {
+  Eigen::Matrix3Xd points(3, std::ssize(facets));
+  for (Eigen::Index i = 0; i < points.cols(); ++i)
+    points.col(i) = facets[static_cast<std::size_t>(i)].p_S;
+  return geometry::capsuleAround(points).radius;
 }
 
 /// The part of the skin that belongs to a link, in its frame.
@@ -237,6 +261,52 @@ void addHidden(const geometry::SignedDistance& own,
   }
 }
 
+/// Where a link's own surface is sharp outwards, corners before edges: what stands out between
+/// samples a few millimetres apart, and from a grid and a skin, which round it. Of what other
+/// links hide, where the link is `is_solid`.
+void addSharp(const geometry::SignedDistance& own,
+              const geometry::SignedDistance& part,
+              bool is_solid,
+              double beneath,
+              int link,
+              const Pose& X_SL,
+              std::vector<Facet>& facets) {
+  const geometry::TriangleMesh& mesh_L = own.surface();
+  std::vector<Facet> corners;
+  std::vector<Facet> edges;
+  std::vector<int> sharp_at(static_cast<std::size_t>(mesh_L.vertexCount()), 0);
+  const auto add = [&](const Vector3d& p_L, const Vector3d& n_L, std::vector<Facet>& to) {
+    if (!is_solid && !part.isWithin(p_L, beneath)) return;
+    if (own.contains(p_L + 0.5 * kHidden * n_L)) return;
+    Facet facet;
+    facet.link = link;
+    facet.p_L = p_L;
+    facet.p_S = X_SL * p_L;
+    facet.n_L = n_L;
+    facet.is_sharp = true;
+    to.push_back(facet);
+  };
+  for (int h = 0; h < 3 * mesh_L.faceCount(); ++h) {
+    const int twin = mesh_L.twin(h);
+    if (twin < h) continue;  // of both halves one
+    const Vector3d n = mesh_L.faceNormals().col(geometry::TriangleMesh::faceOf(h));
+    const Vector3d other = mesh_L.faceNormals().col(geometry::TriangleMesh::faceOf(twin));
+    const Vector3d a = mesh_L.vertex(mesh_L.from(h));
+    const Vector3d b = mesh_L.vertex(mesh_L.to(h));
+    if (n.dot(other) > std::cos(kSharp) || n.cross(other).dot(b - a) <= 0.0) continue;
+    const Vector3d n_L = (n + other).normalized();
+    for (const int v : {mesh_L.from(h), mesh_L.to(h)})
+      if (++sharp_at[static_cast<std::size_t>(v)] == kCorner)
+        add(mesh_L.vertex(v), n_L, corners);
+    const int cuts = std::max(1, static_cast<int>(std::ceil((b - a).norm() / kEdgeSpacing)));
+    for (int i = 0; i <= cuts; ++i)
+      add(a + (b - a) * i / cuts, n_L, edges);
+  }
+  // Samples are what comes first.
+  corners.insert(corners.end(), edges.begin(), edges.end());
+  facets.insert(facets.begin(), corners.begin(), corners.end());
+}
+
 /// What bounds a link: its own surface if it is a solid's, else its part of the skin.
 struct Bounds {
   std::shared_ptr<const geometry::SignedDistance> exact_L;
@@ -256,11 +326,18 @@ Bounds boundsOf(const Skin& skin,
   if (!holds(*own, *part, beneath)) {
     // A digit's own parts meet where the skin sees them; at a knuckle a wall is the only way
     // out along the digit.
-    if (!carries_several) return {part, false};
-    own =
-        std::make_shared<const geometry::SignedDistance>(own->withoutInnerWalls(0.5 * kHidden));
-    if (!holds(*own, *part, beneath)) return {part, false};
+    std::shared_ptr<const geometry::SignedDistance> open;
+    if (carries_several) {
+      open = std::make_shared<const geometry::SignedDistance>(
+          own->withoutInnerWalls(0.5 * kHidden));
+    }
+    if (open == nullptr || !holds(*open, *part, beneath)) {
+      addSharp(*own, *part, false, skin_offset + kHidden, link, X_SL, facets);
+      return {part, false};
+    }
+    own = open;
   }
+  addSharp(*own, *part, true, 0.0, link, X_SL, facets);
   addHidden(*own, *part, link, X_SL, facets);
   return {own, true};
 }
@@ -334,31 +411,30 @@ HandSolid::HandSolid(const HandModel& model,
     areas[static_cast<std::size_t>(facet.link)] += facet.area_m2;
     offsets[static_cast<std::size_t>(facet.link)] += facet.area_m2 * facet.offset;
   }
-  const double skin_area = std::accumulate(areas.begin(), areas.end(), 0.0);
   for (std::size_t i = 0; i < link_count; ++i)
     offsets[i] = areas[i] > 0.0 ? offsets[i] / areas[i] : 0.0;
 
+  std::vector<std::vector<Facet>> of_links(link_count);
+  for (const Facet& facet : facets)
+    of_links[static_cast<std::size_t>(facet.link)].push_back(facet);
+  std::vector<double> thicknesses(link_count, kThinnest);
   std::vector<Bounds> bounds(link_count);
-  std::vector<std::vector<Facet>> hidden(link_count);
   parallelFor(model.linkCount(), [&](int link) {
     progress.checkpoint();
     const auto i = static_cast<std::size_t>(link);
-    if (areas[i] > 0.0)
-      bounds[i] =
-          boundsOf(skin, link, carriesSeveral(model, link), offsets[i], X_SL[i], hidden[i]);
+    if (!(areas[i] > 0.0)) return;
+    thicknesses[i] = std::max(kThinnest, thicknessOf(of_links[i]));
+    bounds[i] =
+        boundsOf(skin, link, carriesSeveral(model, link), offsets[i], X_SL[i], of_links[i]);
   });
-  for (const std::vector<Facet>& of_link : hidden)
-    facets.insert(facets.end(), of_link.begin(), of_link.end());
-  std::vector<SampleSet> coarse =
-      spread(facets, skin_area, model.linkCount(), options.coarse_samples);
-  std::vector<SampleSet> fine =
-      spread(facets, skin_area, model.linkCount(), options.fine_samples);
+  const std::vector<double> coarse = spacingsOf(areas, thicknesses, options.coarse_samples);
+  const std::vector<double> fine = spacingsOf(areas, thicknesses, options.fine_samples);
   for (std::size_t i = 0; i < link_count; ++i) {
-    if (coarse[i].samples.empty()) continue;
+    if (!(areas[i] > 0.0)) continue;
     LinkSolid& solid = links_.emplace_back();
     solid.link = static_cast<int>(i);
-    solid.coarse = std::move(coarse[i]);
-    solid.fine = std::move(fine[i]);
+    solid.coarse = spread(of_links[i], coarse[i]);
+    solid.fine = spread(of_links[i], fine[i]);
     solid.skin_offset = bounds[i].is_own ? 0.0 : offsets[i];
   }
   parallelFor(static_cast<int>(links_.size()), [&](int k) {

@@ -117,6 +117,7 @@ MotionObjective::MotionObjective(const MotionProblem& problem,
   frames_.assign(trees_.size(), 0.0);
   models_.resize(trees_.size());
   seen_.resize(trees_.size());
+  near_.resize(trees_.size());
 }
 
 void MotionObjective::join(double smoothness, double limits) {
@@ -137,9 +138,11 @@ double MotionObjective::evaluate(const Poses& poses, bool to_expand) {
   pool_.run(static_cast<int>(poses.size()), [&](int, int k) {
     const auto index = static_cast<std::size_t>(k);
     optimize::Objective objective(*bare_[index], trees_[index]);
-    objective.care(care_);
+    objective.level(level_);
+    objective.swapNear(near_[index]);
     frames_[index] = objective.evaluate(poses[index]).objective;
     if (to_expand) modelFrame(objective, seen_[index]);
+    objective.swapNear(near_[index]);
   });
   double sum = joining(poses);
   for (const double frame : frames_)

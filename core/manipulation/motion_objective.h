@@ -40,7 +40,7 @@ class MotionObjective {
   using Poses = std::vector<hand::HandPose>;
 
   /// How penetration is looked for from now on.
-  void care(const optimize::AvoidanceLevel& care) { care_ = care; }
+  void level(const optimize::AvoidanceLevel& level) { level_ = level; }
 
   /// Shares of smoothness, and of the charge for what lies beyond limits of velocity and
   /// acceleration, from now on: all of it at once is stuck at once.
@@ -90,7 +90,7 @@ class MotionObjective {
   const MotionProblem& problem_;
   std::vector<double> time_s_;  ///< of the frames that count
   optimize::WorkerPool& pool_;
-  optimize::AvoidanceLevel care_;
+  optimize::AvoidanceLevel level_;
   double limit_share_ = 1.0;
   /// Frames without their pairs: one for all that have nothing of their own.
   std::vector<std::shared_ptr<const optimize::PoseProblem>> bare_;
@@ -100,6 +100,7 @@ class MotionObjective {
   std::vector<double> frames_;
   std::vector<FrameModel> models_;
   std::vector<FrameModel> seen_;  ///< by evaluateToExpand
+  std::vector<optimize::NearLists> near_;
 };
 
 /// A step of each frame from `first` on: the root's turn by exp(w) R, all else added, joints

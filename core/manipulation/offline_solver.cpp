@@ -32,29 +32,33 @@ constexpr double kShortestShare = 0.01;  // of a step
 /// One part of the way: how closely penetration is looked for, how much of smoothness and of
 /// what lies beyond velocities and accelerations is charged, and for how long.
 struct Stage {
-  optimize::AvoidanceLevel care;
+  optimize::AvoidanceLevel level;
   double smoothness;
   double limits;
   int steps;
   double enough = kEnough;  ///< share of the objective that a step has to gain for another
 };
 
+constexpr optimize::AvoidanceLevel kTouch = {false, 0.0};
+constexpr optimize::AvoidanceLevel kClosely = {true, 1.0};
+constexpr optimize::AvoidanceLevel kFirmly = {true, 16.0};
+
 // From soft to hard: what is stiff at once is stuck at once.
 const std::vector<Stage> kTouchingStages = {
-    {{false, 0.0}, 1.0, 1e-4, 40}, {{false, 0.0}, 1.0, 1e-2, 40}, {{false, 0.0}, 1.0, 1.0, 60}};
+    {kTouch, 1.0, 1e-4, 40}, {kTouch, 1.0, 1e-2, 40}, {kTouch, 1.0, 1.0, 60}};
 // Out of the object already, and to stay there while the way grows smooth.
-const std::vector<Stage> kAvoidingStages = {{{true, 1.0}, 0.05, 1e-3, 4, kNearlyEnough},
-                                            {{true, 1.0}, 1.0, 1.0, 16, kNearlyEnough},
-                                            {{true, 16.0}, 1.0, 1.0, 10, kNearlyEnough}};
+const std::vector<Stage> kAvoidingStages = {{kClosely, 0.05, 1e-3, 4, kNearlyEnough},
+                                            {kClosely, 1.0, 1.0, 16, kNearlyEnough},
+                                            {kFirmly, 1.0, 1.0, 10, kNearlyEnough}};
 
 // From an answer that stands already, beside what was edited.
-const std::vector<Stage> kTouchingAgain = {{{false, 0.0}, 1.0, 1.0, 60}};
-const std::vector<Stage> kAvoidingAgain = {{{true, 1.0}, 1.0, 1.0, 12, kNearlyEnough},
-                                           {{true, 16.0}, 1.0, 1.0, 10, kNearlyEnough}};
+const std::vector<Stage> kTouchingAgain = {{kTouch, 1.0, 1.0, 60}};
+const std::vector<Stage> kAvoidingAgain = {{kClosely, 1.0, 1.0, 12, kNearlyEnough},
+                                           {kFirmly, 1.0, 1.0, 10, kNearlyEnough}};
 
 // Of a step among others.
-const std::vector<Stage> kTouchingStep = {{{false, 0.0}, 1.0, 1.0, 6}};
-const std::vector<Stage> kAvoidingStep = {{{true, 1.0}, 1.0, 1.0, 4, kNearlyEnough}};
+const std::vector<Stage> kTouchingStep = {{kTouch, 1.0, 1.0, 6}};
+const std::vector<Stage> kAvoidingStep = {{kClosely, 1.0, 1.0, 4, kNearlyEnough}};
 
 /// Frames that stay as they are, at both ends of a part.
 struct Held {
@@ -84,14 +88,14 @@ class BandSearch {
   /// Up to `steps` trials. Counts evaluations of frames.
   void descend(const Stage& stage, const Progress& progress, int& evaluations) {
     objective_.join(stage.smoothness, stage.limits);
-    if (care_ && care_->fine == stage.care.fine && care_->share == stage.care.share) {
+    if (level_ && *level_ == stage.level) {
       // Each frame alone costs what it did.
       value_ = objective_.joining(poses_);
       for (const double frame : frames_)
         value_ += frame;
     } else {
-      objective_.care(stage.care);
-      care_ = stage.care;
+      objective_.level(stage.level);
+      level_ = stage.level;
       value_ = objective_.evaluateToExpand(poses_);
       evaluations += static_cast<int>(poses_.size());
       frames_ = objective_.frames();
@@ -297,8 +301,8 @@ class BandSearch {
   VectorXd stiffest_;  ///< of each degree of freedom, over all frames
   std::vector<double> frames_;
   double value_ = 0.0;
-  std::optional<optimize::AvoidanceLevel> care_;  ///< of `frames_`
-  bool is_modelled_ = false;                      ///< the objective's models are of `poses_`
+  std::optional<optimize::AvoidanceLevel> level_;  ///< of `frames_`
+  bool is_modelled_ = false;                       ///< the objective's models are of `poses_`
 };
 
 // A second difference joins a frame with the two before it.

@@ -25,13 +25,16 @@ struct Avoidance {
   /// to be millimetres inside stays out but for tenths.
   double weight = 5e6;
   /// m; what lies between two samples may be so much deeper than they are.
-  double margin_m = 4e-4;
+  double margin_m = 2e-4;
+  double self_margin_m = 5e-4;  ///< of one link in another: both are sampled, both are rounded
 };
 
 /// How closely a search looks.
 struct AvoidanceLevel {
   bool fine = true;    ///< by all samples; else by a tenth of the hand's
   double share = 1.0;  ///< of the weight
+
+  bool operator==(const AvoidanceLevel&) const = default;
 };
 
 }  // namespace handgraft::optimize

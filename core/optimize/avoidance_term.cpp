@@ -27,21 +27,6 @@ AvoidanceTerm::AvoidanceTerm(const Avoidance& avoidance, const MomentTree& tree)
   }
   places_.resize(bodies_.size());
   touches_.reserve(2 * samples);
-  near_object_.resize(bodies_.size());
-  near_walls_.resize(bodies_.size());
-  near_links_.resize(avoidance_.hand->collisionPairs().size());
-}
-
-void AvoidanceTerm::care(const AvoidanceLevel& care) {
-  if (care.fine != care_.fine) {
-    for (NearSamples& near : near_object_)
-      near.forget();
-    for (auto& [a, b] : near_links_) {
-      a.forget();
-      b.forget();
-    }
-  }
-  care_ = care;
 }
 
 double AvoidanceTerm::evaluate(const Vector3d& p_WH, const std::vector<BodyPlace>& bodies) {
@@ -56,7 +41,12 @@ double AvoidanceTerm::evaluate(const Vector3d& p_WH, const std::vector<BodyPlace
     place.a_W = place.arm_W + place.R_WL.lazyProduct(solids[k].capsule_L.a);
     place.b_W = place.arm_W + place.R_WL.lazyProduct(solids[k].capsule_L.b);
   }
-  if (care_.share == 0.0) return 0.0;
+  if (level_.share == 0.0) return 0.0;
+  if (near_.fine != level_.fine) near_.forget();
+  near_.fine = level_.fine;
+  near_.in_object.resize(places_.size());
+  near_.of_walls.resize(places_.size());
+  near_.of_pairs.resize(avoidance_.hand->collisionPairs().size());
   chargeObject(p_WH);
   chargeItself();
   double sum = 0.0;
@@ -77,7 +67,7 @@ void AvoidanceTerm::chargeObject(const Vector3d& p_WH) {
     Pose X_OL;
     X_OL.linear() = R_OW * place.R_WL;
     X_OL.translation() = p_OH + R_OW * place.arm_W;
-    near_object_[k].visit(
+    near_.in_object[k].visit(
         {object_O, avoidance_.margin_m, solid.centre_L, solid.radius}, X_OL,
         [&](const auto& passes, const auto& take) {
           samplesOf(solid).visit(passes, [&](const SurfaceSample& sample) {
@@ -99,7 +89,7 @@ void AvoidanceTerm::chargeWalls(std::size_t link, const Pose& X_OL) {
   const LinkSolid& solid = avoidance_.hand->links()[link];
   const Pose X_LO = inverse(X_OL);
   // What of the walls is in the link lies in the link's ball, wherever that was in the object.
-  near_walls_[link].visit(
+  near_.of_walls[link].visit(
       {*solid.grid_L, avoidance_.margin_m - solid.skin_offset, X_OL * solid.centre_L,
        solid.radius + solid.grid_L->spacing()},
       X_LO,
@@ -127,14 +117,16 @@ void AvoidanceTerm::chargeItself() {
     const LinkSolid& b = solids[static_cast<std::size_t>(j)];
     const Place& place_a = places_[static_cast<std::size_t>(i)];
     const Place& place_b = places_[static_cast<std::size_t>(j)];
-    const double balls = a.radius + b.radius + avoidance_.margin_m;
+    const double balls = a.radius + b.radius + avoidance_.self_margin_m;
     if ((place_a.centre_W - place_b.centre_W).squaredNorm() > balls * balls) continue;
-    const double bones = a.capsule_L.radius + b.capsule_L.radius + avoidance_.margin_m;
+    const double bones = a.capsule_L.radius + b.capsule_L.radius + avoidance_.self_margin_m;
     if (geometry::squaredDistance(place_a.a_W, place_a.b_W, place_b.a_W, place_b.b_W) >
         bones * bones)
       continue;
-    charge(i, j, near_links_[k][0]);
-    charge(j, i, near_links_[k][1]);
+    if (near_.of_pairs[k] == nullptr)
+      near_.of_pairs[k] = std::make_unique<std::array<NearSamples, 2>>();
+    charge(i, j, (*near_.of_pairs[k])[0]);
+    charge(j, i, (*near_.of_pairs[k])[1]);
   }
 }
 
@@ -152,7 +144,7 @@ void AvoidanceTerm::charge(int a, int b, NearSamples& near) {
   const Vector3d centre_A =
       is_smaller ? solid.centre_L : Vector3d(inverse(X_BA) * other.centre_L);
   near.visit(
-      {*other.grid_L, avoidance_.margin_m - other.skin_offset, centre_A,
+      {*other.grid_L, avoidance_.self_margin_m - other.skin_offset, centre_A,
        std::min(solid.radius, other.radius) + other.grid_L->spacing()},
       X_BA,
       [&](const auto& passes, const auto& take) {
@@ -165,7 +157,7 @@ void AvoidanceTerm::charge(int a, int b, NearSamples& near) {
         touches_.push_back({bodies_[static_cast<std::size_t>(a)],
                             bodies_[static_cast<std::size_t>(b)],
                             place.arm_W + place.R_WL * sample.p_A, other_place.R_WL * slope_B,
-                            avoidance_.margin_m - (distance + other.skin_offset),
+                            avoidance_.self_margin_m - (distance + other.skin_offset),
                             sample.area_m2 / Avoidance::kPointArea});
       });
 }

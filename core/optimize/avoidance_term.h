@@ -29,22 +29,26 @@ class AvoidanceTerm {
   AvoidanceTerm(const Avoidance& avoidance, const MomentTree& tree);
 
   /// From the next evaluation on.
-  void care(const AvoidanceLevel& care);
+  void level(const AvoidanceLevel& level) { level_ = level; }
 
   /// The sum, without lambda: m^2. Notes what touches.
   /// Cost: some 3 us where nothing is near; some 15 us a grasp in small steps, twice that
   /// after a leap; half by few samples.
   double evaluate(const Eigen::Vector3d& p_WH, const std::vector<BodyPlace>& bodies);
 
+  /// Puts in what another term of the same hand and object has listed, or nothing, and takes
+  /// out what this one has: for who evaluates many poses in turns. Values stay the same.
+  void swapNear(NearLists& near) { std::swap(near_, near); }
+
   /// Of the pose evaluated last.
   [[nodiscard]] const std::vector<PenetratingSample>& touches() const { return touches_; }
 
   /// What the objective has of it: lambda times the sum.
-  [[nodiscard]] double weight() const { return care_.share * avoidance_.weight; }
+  [[nodiscard]] double weight() const { return level_.share * avoidance_.weight; }
 
  private:
   [[nodiscard]] const hand::SampleSet& samplesOf(const hand::LinkSolid& solid) const {
-    return care_.fine ? solid.fine : solid.coarse;
+    return level_.fine ? solid.fine : solid.coarse;
   }
 
   void chargeObject(const Eigen::Vector3d& p_WH);
@@ -62,15 +66,13 @@ class AvoidanceTerm {
   };
 
   Avoidance avoidance_;
-  AvoidanceLevel care_;
+  AvoidanceLevel level_;
   Pose X_OW_;
   std::vector<int> bodies_;  ///< per solid link
   std::vector<Pose> X_BL_;
   std::vector<Place> places_;
   std::vector<PenetratingSample> touches_;
-  std::vector<NearSamples> near_object_;                ///< a link's
-  std::vector<NearSamples> near_walls_;                 ///< the object's, a link
-  std::vector<std::array<NearSamples, 2>> near_links_;  ///< each one's in the other, a pair
+  NearLists near_;
 };
 
 }  // namespace handgraft::optimize

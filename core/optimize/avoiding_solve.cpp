@@ -25,11 +25,11 @@ bool isHeld(const PoseProblem& problem, int joint) {
   return !problem.locked.empty() && problem.locked[static_cast<std::size_t>(6 + joint)];
 }
 
-/// One part of the way out: so many of the best searches go on, with such a care.
+/// One part of the way out: so many of the best searches go on, looking so closely.
 struct Stage {
   std::size_t searches;
   int evaluations;
-  AvoidanceLevel care;
+  AvoidanceLevel level;
 };
 
 /// A search and the start that it came from.
@@ -148,7 +148,7 @@ SolveReport solveAvoiding(const PoseProblem& problem,
   // Poses on the way there lie where they may not stay.
   SolveOptions rough = options;
   rough.on_improvement = nullptr;
-  rough.care.share = 0.0;
+  rough.level.share = 0.0;
   validate(problem);
   SolveReport report;
   // A lone start is a step from where the hand is: without the charge it would only go in.
@@ -195,7 +195,7 @@ SolveReport solveAvoiding(const PoseProblem& problem,
     if (candidates.empty()) continue;
 
     for (const Stage& stage : options.starts <= kFewStarts ? kShortStages : kStages) {
-      search.care(stage.care);
+      search.level(stage.level);
       for (CandidatePose& candidate : candidates) {
         const int before = candidate.result.evaluations;
         candidate.result = search.begin(std::move(candidate.result.pose));
@@ -216,7 +216,7 @@ SolveReport solveAvoiding(const PoseProblem& problem,
       CandidatePose candidate{{}, candidates.front().start};
       candidate.result.pose = std::move(*straight);
       for (const Stage& stage : kShortStages) {
-        search.care(stage.care);
+        search.level(stage.level);
         const int before = candidate.result.evaluations;
         candidate.result = search.begin(std::move(candidate.result.pose));
         candidate.result.evaluations += before;

@@ -56,7 +56,7 @@ class LocalSearch {
 
   /// How closely penetration is looked for, where the problem charges it. Results of searches
   /// before have another objective: `begin` them anew.
-  void care(const AvoidanceLevel& care) { objective_.care(care); }
+  void level(const AvoidanceLevel& level) { objective_.level(level); }
 
   /// From now on; of `lm` alone (SolveOptions::least_promise).
   void endBelow(double promise) { newton_.settings.promise = promise; }

@@ -13,4 +13,12 @@ double motionOf(const Pose& from,
   return (to * centre - from * centre).norm() + turn * radius;
 }
 
+void NearLists::forget() {
+  for (std::vector<NearSamples>* lists : {&in_object, &of_walls})
+    for (NearSamples& near : *lists)
+      near.forget();
+  for (auto& pair : of_pairs)
+    pair.reset();
+}
+
 }  // namespace handgraft::optimize

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
@@ -98,5 +100,16 @@ void NearSamples::visit(const Query& query,
     if (distance < query.threshold) visit(sample, p_B, distance, slope_B);
   }
 }
+
+/// All lists of a hand in an object and in itself, of one that moves little.
+struct NearLists {
+  std::vector<NearSamples> in_object;  ///< a link's samples
+  std::vector<NearSamples> of_walls;   ///< the object's, a link
+  /// Each one's in the other, a pair of links; none yet for those that have always been apart.
+  std::vector<std::unique_ptr<std::array<NearSamples, 2>>> of_pairs;
+  bool fine = true;  ///< of all samples
+
+  void forget();
+};
 
 }  // namespace handgraft::optimize

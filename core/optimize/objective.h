@@ -78,9 +78,14 @@ class Objective {
   }
 
   /// How penetration is looked for from now on, where the problem charges it; as above.
-  void care(const AvoidanceLevel& care) {
-    if (avoidance_ != nullptr) avoidance_->care(care);
+  void level(const AvoidanceLevel& level) {
+    if (avoidance_ != nullptr) avoidance_->level(level);
     last_.reset();
+  }
+
+  /// As AvoidanceTerm::swapNear; nothing where penetration is not charged.
+  void swapNear(NearLists& near) {
+    if (avoidance_ != nullptr) avoidance_->swapNear(near);
   }
 
   [[nodiscard]] const MomentTree& tree() const { return *tree_; }

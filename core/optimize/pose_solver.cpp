@@ -156,7 +156,7 @@ void PoseSolver::Parts::searchAll(const SolveOptions& options,
   };
   for (const auto& search : searches) {
     search->attend(observer, keep_going);
-    search->care(options.care);
+    search->level(options.level);
     search->endBelow(options.least_promise);
   }
 

@@ -48,8 +48,8 @@ struct SolveOptions {
   /// Start 0 is the prior instead of the problem's start.
   bool from_prior = false;
   /// How closely all starts look for penetration, where the problem charges it. `solve` goes on
-  /// from what they find with more and more care, up to all of it; PoseSolver alone does not.
-  AvoidanceLevel care;
+  /// from what they find, closer and closer, up to all of it; PoseSolver alone does not.
+  AvoidanceLevel level;
   /// What a search of this problem, or of one much like it, found without the charge for
   /// penetration: it is not searched again.
   std::vector<Minimum> found;

@@ -217,6 +217,82 @@ TEST(HandSolid, KnowsAPalmWhosePartsStandInEachOther) {
   expectSpreadOverBall(palm.fine, 0.1);
 }
 
+/// A hand of one link, whose skin is its own mesh.
+HandSolid solidOf(const geometry::TriangleMesh& mesh, const HandSolidOptions& options = {}) {
+  Link link;
+  link.name = "link";
+  link.visuals = {{mesh, "mesh"}};
+  const HandModel model("hand", {link}, {});
+  const Skin skin(model, mesh, model.restPose(), 0.004);
+  return HandSolid(model, skin, Progress(), options);
+}
+
+double nearestSample(const SampleSet& set, const Vector3d& p_L) {
+  double nearest = 1.0;
+  for (const SurfaceSample& sample : set.samples)
+    nearest = std::min(nearest, (sample.p_L - p_L).norm());
+  return nearest;
+}
+
+TEST(HandSolid, SamplesCornersAndEdgesFirst) {
+  // What stands out is the first to be in something, and grids round it.
+  const geometry::TriangleMesh box = geometry::makeBox({0.02, 0.02, 0.02});
+  HandSolidOptions options;
+  options.fine_samples = 300;
+  const HandSolid solid = solidOf(box, options);
+  const SampleSet& fine = solid.links().at(0).fine;
+  const double spacing = std::sqrt(0.8 * 6 * 0.02 * 0.02 / options.fine_samples);
+  for (int v = 0; v < box.vertexCount(); ++v)
+    EXPECT_LT(nearestSample(fine, box.vertex(v)), 1e-9) << "a corner is no sample";
+  for (int i = 0; i <= 20; ++i) {
+    const Vector3d edge(0.01, -0.01, -0.01 + 0.001 * i);
+    EXPECT_LT(nearestSample(fine, edge), spacing);
+  }
+  for (const SurfaceSample& sample : fine.samples)
+    EXPECT_GT(sample.area_m2, 0.0) << "a sample without weight";
+}
+
+TEST(HandSolid, LeavesHollowEdgesToWhatIsAround) {
+  // The inner edge of an L is no place that stands out.
+  const geometry::TriangleMesh upright = geometry::transformed(
+      geometry::makeBox({0.01, 0.01, 0.03}), Eigen::Affine3d(Eigen::Translation3d(0, 0, 0.01)));
+  const geometry::TriangleMesh lying = geometry::transformed(
+      geometry::makeBox({0.03, 0.01, 0.01}), Eigen::Affine3d(Eigen::Translation3d(0.01, 0, 0)));
+  const HandSolid solid = solidOf(geometry::merged({upright, lying}));
+  // A corner of each box that the other one holds.
+  const SampleSet& fine = solid.links().at(0).fine;
+  EXPECT_GT(nearestSample(fine, {0.0049, 0, 0}), 0.001);
+  EXPECT_LT(nearestSample(fine, {0.025, 0.005, 0.005}), 1e-9);
+}
+
+TEST(HandSolid, SamplesThinLinksMoreDensely) {
+  // A forearm's area is not to be paid for by fingertips.
+  std::vector<Link> links(2);
+  links[0].name = "forearm";
+  links[0].visuals = {{geometry::makeSphere(0.04, 5), "ball"}};
+  links[1].name = "tip";
+  links[1].visuals = {{geometry::makeSphere(0.01, 5), "ball"}};
+  Joint joint;
+  joint.name = "joint";
+  joint.type = JointType::kRevolute;
+  joint.parent_link = "forearm";
+  joint.child_link = "tip";
+  joint.X_PJ.translation() = Vector3d(0.1, 0, 0);
+  joint.axis_J = Vector3d::UnitZ();
+  const HandModel model("hand", links, {joint});
+  const geometry::TriangleMesh skin = geometry::merged(
+      {links[0].visuals[0].mesh_L,
+       geometry::transformed(links[1].visuals[0].mesh_L,
+                             Eigen::Affine3d(Eigen::Translation3d(0.1, 0, 0)))});
+  const HandSolid solid(model, Skin(model, skin, model.restPose(), 0.004), Progress(),
+                        {200, 1000});
+  const auto density = [&](std::size_t k, double radius) {
+    return static_cast<double>(solid.links().at(k).fine.samples.size()) / (radius * radius);
+  };
+  // What bulges between samples is as their distance squared by the radius.
+  EXPECT_NEAR(density(1, 0.01) / density(0, 0.04), 4.0, 1.0);
+}
+
 TEST(HandSolid, LeavesOutNeighboursAndWhatTouchesAtRest) {
   const test::BallHand hand = chainOfBalls();
   const HandSolid solid(*hand.model, *hand.skin, Progress());
