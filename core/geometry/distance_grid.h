@@ -51,14 +51,15 @@ class DistanceGrid {
   }
 
   /// How far p can move at least before `at` says less than `least`: below 0 where it does so
-  /// at p. Cost: one node where p is far, else `at`.
-  [[nodiscard]] double clearance(const Eigen::Vector3d& p, double least) const {
+  /// at p. Who is told more than `enough` is told some of it only. Cost: one node where p is
+  /// far, else `at`.
+  [[nodiscard]] double clearance(const Eigen::Vector3d& p, double least, double enough) const {
     const Eigen::Vector3d u = (p - origin_) * per_spacing_;
     for (int a = 0; a < 3; ++a)
       if (!(u[a] > 0.0 && u[a] < counts_[a] - 1)) return at(p) - kDoubt * spacing_ - least;
     const Eigen::Vector3i nearest = (u.array() + 0.5).cast<int>();
     const double bound = values_[indexOf(nearest)] - kDoubt * spacing_ - least;
-    if (bound > kDoubt * spacing_) return bound;
+    if (bound > enough) return bound;
     return std::max(bound, (at(p) - least) / kSteepest);
   }
 

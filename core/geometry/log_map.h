@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -116,6 +117,9 @@ class LogMapInverse {
   /// the source to `uv_T` last leaves the disk. Coordinates that are not finite are beyond the
   /// radius. Cost: O(1) expected; O(border) without a place.
   [[nodiscard]] Place at(const Eigen::Vector2d& uv_T) const;
+
+  /// Log coordinates of a face's corners; nothing of faces that are no place. Cost: O(F).
+  [[nodiscard]] std::optional<Eigen::Matrix<double, 2, 3>> cornersOf(int face) const;
 
  private:
   // Sessions keep an inverse a patch and side: what can be computed again is not kept.

@@ -165,6 +165,15 @@ Eigen::Matrix<double, 2, 3> LogMapInverse::cornersOf(const Sheet& sheet) const {
   return cornersAt(places_T_, sheet.corners);
 }
 
+std::optional<Eigen::Matrix<double, 2, 3>> LogMapInverse::cornersOf(int face) const {
+  const auto end = sheets_.begin() + static_cast<std::ptrdiff_t>(turned_over_);
+  const auto found = std::find_if(sheets_.begin(), end, [face](const Sheet& sheet) {
+    return sheet.face == face;
+  });
+  if (found == end) return std::nullopt;
+  return cornersOf(*found);
+}
+
 int LogMapInverse::columnOf(double x) const {
   return cellAt((x - low_T_.x()) / cell_size_.x(), columns_);
 }

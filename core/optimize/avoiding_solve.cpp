@@ -57,9 +57,9 @@ bool isBetter(const CandidatePose& a, const CandidatePose& b) {
 
 // From soft and roughly to hard and closely: what is stiff at once is stuck at once.
 const std::vector<Stage> kStages = {
-    {8, 10, {false, 0.02}},
-    {4, 15, {true, 0.1}},
-    {3, 25, {true, 1.0}},
+    {6, 8, {false, 0.02}},
+    {3, 12, {true, 0.1}},
+    {2, 20, {true, 1.0}},
 };
 
 constexpr int kPriorsStart = 2;  // starts.h
@@ -108,9 +108,14 @@ class CrossedFingers {
         bodies_(static_cast<std::size_t>(tree.bodyCount())) {}
 
   /// The pose with their joints as at rest; nothing if none cross.
-  std::optional<hand::HandPose> uncrossed(const hand::HandPose& pose) {
+  std::optional<hand::HandPose> uncrossed(const hand::HandPose& pose, LocalSearch& search) {
     placeBodies(tree_, pose.X_WH.linear(), pose.q, bodies_);
+    NearLists lent;  // where the search has just been
+    search.swapNear(lent);
+    term_.swapNear(lent);
     term_.evaluate(pose.X_WH.translation(), bodies_);
+    term_.swapNear(lent);
+    search.swapNear(lent);
     hand::HandPose straight = pose;
     bool is_crossed = false;
     for (const PenetratingSample& touch : term_.touches()) {
@@ -212,7 +217,7 @@ SolveReport solveAvoiding(const PoseProblem& problem,
                        candidate.result);
     }
     std::stable_sort(candidates.begin(), candidates.end(), isBetter);
-    if (auto straight = crossed.uncrossed(candidates.front().result.pose)) {
+    if (auto straight = crossed.uncrossed(candidates.front().result.pose, search)) {
       CandidatePose candidate{{}, candidates.front().start};
       candidate.result.pose = std::move(*straight);
       for (const Stage& stage : kShortStages) {
@@ -245,7 +250,7 @@ SolveReport solveAvoiding(const PoseProblem& problem,
   report.solver = answer.solver;
   report.pose = answer.pose;
   report.best_start = answer.start;
-  judge(problem, report);
+  judge(problem, answer.terms, report);
   if (options.on_improvement) options.on_improvement(report.pose, report.terms);
   return report;
 }

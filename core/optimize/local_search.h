@@ -58,6 +58,9 @@ class LocalSearch {
   /// before have another objective: `begin` them anew.
   void level(const AvoidanceLevel& level) { objective_.level(level); }
 
+  /// As AvoidanceTerm::swapNear.
+  void swapNear(NearLists& near) { objective_.swapNear(near); }
+
   /// From now on; of `lm` alone (SolveOptions::least_promise).
   void endBelow(double promise) { newton_.settings.promise = promise; }
 

@@ -86,7 +86,7 @@ void NearSamples::visit(const Query& query,
         },
         [&](const Eigen::Vector3d& p_A, double area_m2) {
           const double clearance =
-              grid_B.clearance(p_BA + R_BA.lazyProduct(p_A), query.threshold);
+              grid_B.clearance(p_BA + R_BA.lazyProduct(p_A), query.threshold, reach_);
           if (clearance <= reach_) near_.push_back({p_A, area_m2, clearance});
         });
   }

@@ -240,7 +240,13 @@ SolveReport PoseSolver::search(const SolveOptions& options, const Progress& prog
 }
 
 void judge(const PoseProblem& problem, SolveReport& report) {
-  report.terms = sumOverPoints(problem, report.pose);
+  PoseProblem bare = problem;
+  bare.pairs.clear();
+  judge(problem, Objective(bare).evaluate(report.pose), report);
+}
+
+void judge(const PoseProblem& problem, const Terms& terms, SolveReport& report) {
+  report.terms = sumOverPoints(problem, report.pose, terms);
   report.patches = fitPatches(problem, report.pose);
   report.active_limits = activeLimits(problem, report.pose);
 }

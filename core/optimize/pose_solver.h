@@ -31,7 +31,11 @@ class PoseSolver {
 };
 
 /// Fills what `search` left out of a report of this problem: sums over the points, patches,
-/// limits. Cost: O(pairs).
+/// limits. Cost: O(pairs), and an evaluation.
 void judge(const PoseProblem& problem, SolveReport& report);
+
+/// The same of a pose that was evaluated as closely as can be: `terms` are the objective's
+/// there.
+void judge(const PoseProblem& problem, const Terms& terms, SolveReport& report);
 
 }  // namespace handgraft::optimize

@@ -68,10 +68,15 @@ std::vector<PatchFit> fitPatches(const PoseProblem& problem, const hand::HandPos
 }
 
 Terms sumOverPoints(const PoseProblem& problem, const hand::HandPose& pose) {
-  const hand::LinkPoses X_WL = forwardKinematics(*problem.model, pose);
   PoseProblem bare = problem;
   bare.pairs.clear();
-  Terms terms = Objective(bare).evaluate(pose);
+  return sumOverPoints(problem, pose, Objective(bare).evaluate(pose));
+}
+
+Terms sumOverPoints(const PoseProblem& problem, const hand::HandPose& pose, Terms terms) {
+  const hand::LinkPoses X_WL = forwardKinematics(*problem.model, pose);
+  terms.distance = 0.0;
+  terms.normal = 0.0;
   for (const PointPair& pair : problem.pairs) {
     const Pose& X = X_WL[static_cast<std::size_t>(pair.link)];
     const Eigen::Vector3d n_W = X.linear() * pair.n_L;

@@ -68,8 +68,11 @@ struct SolveReport {
 /// problem is not valid; BrokenContract on a pose of another hand.
 std::vector<PatchFit> fitPatches(const PoseProblem& problem, const hand::HandPose& pose);
 
-/// Eq. 2-5 at `pose`, pair by pair: no digits are lost near a perfect fit.
-/// Cost: O(pairs).
+/// Eq. 2-5 at `pose`, pair by pair: no digits are lost near a perfect fit. What is no sum over
+/// pairs, prior and penetration, is that of `terms` there. Cost: O(pairs).
+Terms sumOverPoints(const PoseProblem& problem, const hand::HandPose& pose, Terms terms);
+
+/// The same where nobody has evaluated that pose. Cost: as Objective::evaluate, too.
 Terms sumOverPoints(const PoseProblem& problem, const hand::HandPose& pose);
 
 /// The joints of `pose` at their limits, locked ones left out, in the order of the dofs.

@@ -65,7 +65,11 @@ SolveReport solve(const PoseProblem& problem,
   }
   PoseSolver solver(problem);
   SolveReport report = solver.search(options, progress);
-  judge(problem, report);
+  if (report.outcome == Outcome::kInfeasible) {
+    judge(problem, report);
+  } else {
+    judge(problem, report.terms, report);
+  }
   return report;
 }
 

@@ -33,6 +33,7 @@ transfer::Surfaces surfacesOf(const Models& models) {
   surfaces.object_O = std::make_shared<const geometry::LogMapper>(models.object_O);
   surfaces.skin = models.hand->skin;
   surfaces.planes_S = hand::planesOf(surfaces.skin);
+  surfaces.drafts_S = transfer::draftChartsOf(surfaces.skin);
   surfaces.skin_S = models.hand->skin_maps;
   if (!surfaces.skin_S) {
     surfaces.skin_S = std::make_shared<const geometry::LogMapper>(

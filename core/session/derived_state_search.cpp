@@ -33,7 +33,7 @@ constexpr double kSmallGain = 0.01;  // of the cost: taken, but as good as none
 // A patch that is missed weighs so many times as much for a moment; where that does not help,
 // so many times as much again.
 constexpr double kReachingWeight = 4.0;
-constexpr int kReaches = 3;
+constexpr int kReaches = 2;
 
 // Drafts are laid in full once they are chosen: until then, steps that promise less than this
 // share of the objective are not worth their while.

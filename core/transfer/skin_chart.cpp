@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/error.h"
 #include "core/geometry/reference_axis.h"
 
 namespace handgraft::transfer {
@@ -50,8 +51,27 @@ bool SkinChart::answers(const LogMapper& skin_S,
              axis_S_;
 }
 
-double SkinChart::directionAngle(const Eigen::Vector3d& direction_S) const {
-  return geometry::referenceAxis(skin_S_->mesh(), root_S_, direction_S).angle;
+std::optional<SkinChart::View> SkinChart::viewFrom(const PatchPlacement& placement) const {
+  const geometry::TriangleMesh& mesh_S = skin_S_->mesh();
+  const geometry::SurfacePoint& root_S = placement.root_S;
+  if (root_S.face == root_S_.face && root_S.barycentric == root_S_.barycentric) {
+    return View{Eigen::Vector2d::Zero(),
+                geometry::referenceAxis(mesh_S, root_S_, placement.direction_S).angle};
+  }
+  const auto corners_T = inverse_->cornersOf(root_S.face);
+  if (!corners_T) return std::nullopt;
+  // The face's two sides on the surface and in the chart tell how a tangent lies there.
+  const Eigen::Vector3i face = mesh_S.face(root_S.face);
+  Eigen::Matrix<double, 3, 2> sides_S;
+  Eigen::Matrix2d sides_T;
+  for (int k = 0; k < 2; ++k) {
+    sides_S.col(k) = mesh_S.vertex(face[k + 1]) - mesh_S.vertex(face[0]);
+    sides_T.col(k) = corners_T->col(k + 1) - corners_T->col(0);
+  }
+  const Eigen::Matrix2d gram = sides_S.transpose() * sides_S;
+  const Eigen::Vector2d along_T =
+      sides_T * gram.ldlt().solve(sides_S.transpose() * placement.direction_S);
+  return View{*corners_T * root_S.barycentric, std::atan2(along_T.y(), along_T.x())};
 }
 
 }  // namespace handgraft::transfer

@@ -30,8 +30,15 @@ class SkinChart {
                              double reach,
                              geometry::LogMapMethod method) const;
 
-  /// Angle of `direction_S` at the root against the chart's x axis, counter-clockwise.
-  [[nodiscard]] double directionAngle(const Eigen::Vector3d& direction_S) const;
+  /// A root in the chart, and the angle of its direction against the chart's x axis,
+  /// counter-clockwise.
+  struct View {
+    Eigen::Vector2d root_T = Eigen::Vector2d::Zero();
+    double direction_angle = 0.0;
+  };
+
+  /// Of the chart's own root, or of a place near it; nothing where the chart has none.
+  [[nodiscard]] std::optional<View> viewFrom(const PatchPlacement& placement) const;
 
   /// The place at log coordinates about the chart's x axis.
   [[nodiscard]] geometry::LogMapInverse::Place at(const Eigen::Vector2d& uv_T) const {

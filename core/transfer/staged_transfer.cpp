@@ -23,8 +23,9 @@ class Layer {
       : skin_(skin), patch_(patch), chart_(chart), placement_(placement) {
     // The hand looks at the object: counter-clockwise becomes clockwise (phi_h = -phi_o).
     const Eigen::Matrix2d mirror = Eigen::Vector2d(1.0, -1.0).asDiagonal();
-    const double angle_S = chart.directionAngle(placement.direction_S);
-    turn_ = Eigen::Rotation2Dd(angle_S).toRotationMatrix() * mirror *
+    const SkinChart::View view = *chart.viewFrom(placement);
+    root_T_ = view.root_T;
+    turn_ = Eigen::Rotation2Dd(view.direction_angle).toRotationMatrix() * mirror *
             Eigen::Rotation2Dd(-direction_angle).toRotationMatrix();
   }
 
@@ -34,7 +35,7 @@ class Layer {
       reason = "not reached from the patch's root on the object";
       return {};
     }
-    const LogMapInverse::Place place = chart_.at(turn_ * point.uv_T);
+    const LogMapInverse::Place place = chart_.at(root_T_ + turn_ * point.uv_T);
     if (!place.point.valid())
       reason = fmt::format("on the skin: {}", geometry::reasonOf(place.reason));
     folded = place.folded;
@@ -60,7 +61,8 @@ class Layer {
   const PatchChart& patch_;
   const SkinChart& chart_;
   const PatchPlacement& placement_;
-  Eigen::Matrix2d turn_;  ///< from the patch chart's coordinates to the skin chart's
+  Eigen::Vector2d root_T_;  ///< in the skin chart
+  Eigen::Matrix2d turn_;    ///< from the patch chart's coordinates to the skin chart's
 };
 
 /// Turns points into correspondences, or says why not.
@@ -158,11 +160,16 @@ PatchTransfer StagedTransfer::lay(const Surfaces& surfaces,
   const bool is_quick = is_draft && options.method == geometry::LogMapMethod::kAuto;
   const geometry::LogMapMethod method_S =
       is_quick ? geometry::LogMapMethod::kFast : options.method;
-  std::shared_ptr<const SkinChart> skin_chart = skin_chart_;
-  if (!skin_chart ||
-      !skin_chart->answers(*surfaces.skin_S, placement, chart->reach(), method_S)) {
-    skin_chart =
-        std::make_shared<const SkinChart>(surfaces.skin_S, placement, chart->reach(), method_S);
+  std::shared_ptr<const SkinChart> skin_chart;
+  if (is_quick && surfaces.drafts_S != nullptr)
+    skin_chart = surfaces.drafts_S->about(placement.root_S, chart->reach());
+  if (!skin_chart || !skin_chart->viewFrom(placement)) {
+    skin_chart = skin_chart_;
+    if (!skin_chart ||
+        !skin_chart->answers(*surfaces.skin_S, placement, chart->reach(), method_S)) {
+      skin_chart = std::make_shared<const SkinChart>(surfaces.skin_S, placement, chart->reach(),
+                                                     method_S);
+    }
   }
 
   // === Points

@@ -6,6 +6,7 @@
 #include "core/geometry/log_mapper.h"
 #include "core/hand/skin.h"
 #include "core/hand/skin_planes.h"
+#include "core/transfer/draft_charts.h"
 #include "core/transfer/patch_chart.h"
 #include "core/transfer/patch_transfer.h"
 #include "core/transfer/skin_chart.h"
@@ -19,6 +20,8 @@ struct Surfaces {
   std::shared_ptr<const hand::Skin> skin;
   /// Of that skin, by which drafts are projected; null: they are as others are.
   std::shared_ptr<const hand::SkinPlanes> planes_S = nullptr;
+  /// Of that skin, on which drafts are laid; null: each has its own chart.
+  std::shared_ptr<const DraftCharts> drafts_S = nullptr;
 };
 
 /// Borrows both, for as long as the result and charts made with it live.
@@ -35,7 +38,7 @@ class StagedTransfer {
  public:
   /// Errors, frames: as `transferPatch`; an error leaves the charts as they were.
   /// A draft is for a search: where the options leave the method open, the skin's chart is made
-  /// by the quick one, and how well the shape is kept is not measured.
+  /// by the quick one or shared, and how well the shape is kept is not measured.
   PatchTransfer lay(const Surfaces& surfaces,
                     const contact::Patch& patch,
                     const PatchPlacement& placement,

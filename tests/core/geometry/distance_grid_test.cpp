@@ -57,7 +57,9 @@ TEST(DistanceGrid, TellsHowFarAPlaceMayMove) {
       static_cast<void>(grid.at(p, gradient));
       EXPECT_LE(gradient.norm(), DistanceGrid::kSteepest) << p.transpose();
       const double wanted = least(random);
-      const double clearance = grid.clearance(p, wanted);
+      const double enough = std::abs(least(random));
+      const double clearance = grid.clearance(p, wanted, k % 2 == 0 ? enough : 1.0);
+      EXPECT_EQ(clearance > enough, grid.clearance(p, wanted, enough) > enough);
       if (clearance <= 0.0) continue;
       const Vector3d there = p + clearance * randomIn(1.0, random).normalized();
       EXPECT_GE(grid.at(there), wanted - 1e-12) << p.transpose();

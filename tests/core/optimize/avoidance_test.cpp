@@ -160,7 +160,7 @@ TEST_P(AvoidanceOf, ChargesAreasTimesSquaredDepths) {
   EXPECT_GT(in_itself, 10);
 }
 
-TEST_P(AvoidanceOf, AnswersAgainByTheCareOfTheMoment) {
+TEST_P(AvoidanceOf, AnswersAgainByTheLevelOfTheMoment) {
   const Scene& scene = GetParam()();
   std::mt19937 random(1);
   const PoseProblem problem = scene.problem(random);
@@ -179,6 +179,32 @@ TEST_P(AvoidanceOf, AnswersAgainByTheCareOfTheMoment) {
     charged += first.penetration > 0.0 ? 1 : 0;
   }
   EXPECT_GT(charged, 5);
+}
+
+TEST_P(AvoidanceOf, SaysTheSameBySomebodyElsesLists) {
+  // As the frames of a motion: each has its lists, and one objective serves all in turns.
+  const Scene& scene = GetParam()();
+  std::mt19937 random(8);
+  const PoseProblem problem = scene.problem(random);
+  Objective turns(problem);
+  std::vector<NearLists> lists(5);
+  std::vector<hand::HandPose> poses;
+  for (std::size_t k = 0; k < lists.size(); ++k)
+    poses.push_back(scene.poseInside(random));
+  for (int step = 0; step < 20; ++step) {
+    for (std::size_t k = 0; k < lists.size(); ++k) {
+      poses[k].X_WH.translation() += 0.0005 * test::randomUnit(random);
+      const bool fine = step % 5 != 4;
+      Objective alone(problem);
+      alone.level({fine, 1.0});
+      turns.level({fine, 1.0});
+      turns.swapNear(lists[k]);
+      const Terms terms = turns.evaluate(poses[k]);
+      turns.swapNear(lists[k]);
+      EXPECT_EQ(terms.penetration, alone.evaluate(poses[k]).penetration)
+          << "pose " << k << ", step " << step;
+    }
+  }
 }
 
 TEST_P(AvoidanceOf, HasTheGradientOfCentralDifferences) {
@@ -298,6 +324,19 @@ TEST(Avoidance, KeepsAHandOut) {
                     problem.weights.normal * with.terms.normal +
                     problem.weights.prior * with.terms.prior + 1e5 * with.terms.penetration,
                 1e-9 * with.terms.objective);
+  }
+}
+
+TEST(Avoidance, ReportsWhatAFreshLookSays) {
+  std::mt19937 random(9);
+  const PoseProblem problem = drawnInside(random);
+  for (const int starts : {1, 2, 16}) {
+    SolveOptions options;
+    options.starts = starts;
+    const SolveReport report = solve(problem, options, Progress());
+    const Terms fresh = sumOverPoints(problem, report.pose);
+    EXPECT_EQ(report.terms.objective, fresh.objective) << starts;
+    EXPECT_EQ(report.terms.penetration, fresh.penetration) << starts;
   }
 }
 

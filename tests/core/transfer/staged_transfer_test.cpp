@@ -209,6 +209,47 @@ TEST(StagedTransfer, DraftsAreLaidByTheQuickMethodAndMeasureNothing) {
             LogMapMethod::kExact);
 }
 
+/// The placement with its root at another place of the same ball.
+PatchPlacement rootedAt(const TwoBalls& balls, int face) {
+  return movedTo(balls.skin_mesh, balls.placement, {face, {0.6, 0.3, 0.1}});
+}
+
+TEST(StagedTransfer, DraftsShareChartsAndLieNearlyWhereOthersDo) {
+  TwoBalls balls;
+  balls.surfaces.drafts_S = std::make_shared<const DraftCharts>(balls.skin);
+  StagedTransfer staged;
+  StagedTransfer exact;
+  double worst = 0.0;
+  for (int face = 0; face < balls.skin_mesh.faceCount(); face += 97) {
+    const PatchPlacement placement = rootedAt(balls, face);
+    const PatchTransfer draft = staged.lay(balls.surfaces, balls.patch, placement, {}, true);
+    const PatchTransfer full = exact.lay(balls.surfaces, balls.patch, placement, {});
+    ASSERT_EQ(draft.points_S.size(), full.points_S.size());
+    for (std::size_t i = 0; i < draft.points_S.size(); ++i)
+      worst = std::max(worst, (draft.points_S[i] - full.points_S[i]).norm());
+  }
+  // On a ball of radius R, two ways of s to a place at r, d apart at their ends, disagree by
+  // some d r s / (2 R^2).
+  EXPECT_LT(worst, 0.0008);
+  EXPECT_GT(worst, 1e-6) << "nothing was shared";
+}
+
+TEST(StagedTransfer, DraftsAreTheSameWhoeverAskedFirst) {
+  TwoBalls one;
+  TwoBalls other;
+  one.surfaces.drafts_S = std::make_shared<const DraftCharts>(one.skin);
+  other.surfaces.drafts_S = std::make_shared<const DraftCharts>(other.skin);
+  const std::vector<int> faces = {77, 78, 300, 79, 301, 76};
+  std::vector<PatchTransfer> forth;
+  for (const int face : faces)
+    forth.push_back(
+        StagedTransfer().lay(one.surfaces, one.patch, rootedAt(one, face), {}, true));
+  for (std::size_t i = faces.size(); i-- > 0;)
+    expectSame(
+        StagedTransfer().lay(other.surfaces, other.patch, rootedAt(other, faces[i]), {}, true),
+        forth[i]);
+}
+
 TEST(StagedTransfer, RefusesRingsOutOfRange) {
   const TwoBalls balls;
   for (const int rings : {-1, 17}) {
