@@ -57,9 +57,9 @@ bool isBetter(const CandidatePose& a, const CandidatePose& b) {
 
 // From soft and roughly to hard and closely: what is stiff at once is stuck at once.
 const std::vector<Stage> kStages = {
-    {6, 8, {false, 0.02}},
-    {3, 12, {true, 0.1}},
-    {2, 20, {true, 1.0}},
+    {8, 8, {false, 0.02}},
+    {4, 12, {true, 0.1}},
+    {3, 20, {true, 1.0}},
 };
 
 constexpr int kPriorsStart = 2;  // starts.h
