@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "core/base/error.h"
@@ -41,6 +40,8 @@ constexpr double kHiddenSpacing = 0.003;  // m, before samples are spread: as th
 constexpr double kSharp = 0.5;           // rad
 constexpr double kEdgeSpacing = 0.0015;  // m, before samples are spread
 constexpr int kCorner = 3;
+constexpr int kMostCuts = 64;  // of an edge
+constexpr std::size_t kMostSharp = 20000;
 
 constexpr double kThinnest = 0.003;  // m; for how far samples stand apart
 
@@ -261,6 +262,18 @@ void addHidden(const geometry::SignedDistance& own,
   }
 }
 
+/// Leaves out what is within `spacing` of one before it.
+void thinOut(double spacing, std::vector<Facet>& facets) {
+  Eigen::Matrix3Xd points(3, std::ssize(facets));
+  for (Eigen::Index i = 0; i < points.cols(); ++i)
+    points.col(i) = facets[static_cast<std::size_t>(i)].p_L;
+  std::vector<Facet> kept;
+  for (const int k :
+       geometry::thinOut(points, std::vector<int>(facets.size(), 0), spacing).kept)
+    kept.push_back(facets[static_cast<std::size_t>(k)]);
+  facets = std::move(kept);
+}
+
 /// Where a link's own surface is sharp outwards, corners before edges: what stands out between
 /// samples a few millimetres apart, and from a grid and a skin, which round it. Of what other
 /// links hide, where the link is `is_solid`.
@@ -276,8 +289,6 @@ void addSharp(const geometry::SignedDistance& own,
   std::vector<Facet> edges;
   std::vector<int> sharp_at(static_cast<std::size_t>(mesh_L.vertexCount()), 0);
   const auto add = [&](const Vector3d& p_L, const Vector3d& n_L, std::vector<Facet>& to) {
-    if (!is_solid && !part.isWithin(p_L, beneath)) return;
-    if (own.contains(p_L + 0.5 * kHidden * n_L)) return;
     Facet facet;
     facet.link = link;
     facet.p_L = p_L;
@@ -298,12 +309,19 @@ void addSharp(const geometry::SignedDistance& own,
     for (const int v : {mesh_L.from(h), mesh_L.to(h)})
       if (++sharp_at[static_cast<std::size_t>(v)] == kCorner)
         add(mesh_L.vertex(v), n_L, corners);
-    const int cuts = std::max(1, static_cast<int>(std::ceil((b - a).norm() / kEdgeSpacing)));
+    const int cuts =
+        std::clamp(static_cast<int>(std::ceil((b - a).norm() / kEdgeSpacing)), 1, kMostCuts);
     for (int i = 0; i <= cuts; ++i)
       add(a + (b - a) * i / cuts, n_L, edges);
   }
-  // Samples are what comes first.
   corners.insert(corners.end(), edges.begin(), edges.end());
+  // Screw threads and scans are all edges, and a look inside is dear.
+  if (corners.size() > kMostSharp) thinOut(kEdgeSpacing, corners);
+  std::erase_if(corners, [&](const Facet& facet) {
+    return (!is_solid && !part.isWithin(facet.p_L, beneath)) ||
+           own.contains(facet.p_L + 0.5 * kHidden * facet.n_L);
+  });
+  // Samples are what comes first.
   facets.insert(facets.begin(), corners.begin(), corners.end());
 }
 

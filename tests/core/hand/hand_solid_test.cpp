@@ -265,6 +265,23 @@ TEST(HandSolid, LeavesHollowEdgesToWhatIsAround) {
   EXPECT_LT(nearestSample(fine, {0.025, 0.005, 0.005}), 1e-9);
 }
 
+TEST(HandSolid, HasEnoughOfALinkThatIsAllEdges) {
+  // As a noisy scan: 82,000 faces, each turned from the next.
+  geometry::TriangleMesh ball = geometry::makeSphere(0.02, 6);
+  Eigen::Matrix3Xd rough = ball.vertices();
+  for (Eigen::Index i = 0; i < rough.cols(); ++i)
+    rough.col(i) *= i % 2 == 0 ? 1.0 : 0.98;
+  ball = geometry::TriangleMesh(rough, ball.faces());
+  HandSolidOptions options;
+  options.fine_samples = 500;
+  const HandSolid solid = solidOf(ball, options);
+  const SampleSet& fine = solid.links().at(0).fine;
+  EXPECT_GT(fine.samples.size(), 200u);
+  EXPECT_LT(fine.samples.size(), 1000u);
+  for (const Vector3d& way : {Vector3d(1, 2, 3), Vector3d(-1, 0, 0.1), Vector3d(0, -1, -1)})
+    EXPECT_LT(nearestSample(fine, 0.02 * way.normalized()), 0.004);
+}
+
 TEST(HandSolid, SamplesThinLinksMoreDensely) {
   // A forearm's area is not to be paid for by fingertips.
   std::vector<Link> links(2);
