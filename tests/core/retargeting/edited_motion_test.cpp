@@ -81,7 +81,7 @@ TEST_F(MotionBenchTest, AnEditAtATimeChangesTheFramesAboutItAlone) {
   ASSERT_EQ(told.size(), 1u);
   EXPECT_GT(told[0].first, 70);
   EXPECT_LT(told[0].end, 170);
-  EXPECT_DOUBLE_EQ(after->trajectory.poses[120].q[dof], *lock.value);
+  EXPECT_EQ(after->trajectory.poses[120].q[dof], *lock.value);
   for (int k = 0; k < kFrames; ++k) {
     const auto at = static_cast<std::size_t>(k);
     const bool is_told = k >= told[0].first && k < told[0].end;
