@@ -59,7 +59,7 @@ session::Side sideOf(const session::TimedEdit& edit) {
 /// A share of the way from one number to another; from no limit or to none at its middle.
 void go(double& value, double to, double share) {
   if (std::isfinite(value) && std::isfinite(to))
-    value += share * (to - value);
+    value = std::lerp(value, to, share);  // with all of it there, to the bit
   else if (share >= 0.5)
     value = to;
 }

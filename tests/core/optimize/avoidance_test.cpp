@@ -39,6 +39,8 @@ struct Scene {
     avoidance->X_WO.linear() = rotationFromVector({0.3, -0.5, 0.2});
     avoidance->X_WO.translation() = Vector3d(0.1, -0.05, 0.02);
     avoidance->weight = 1e5;
+    avoidance->margin_m = 4e-4;
+    avoidance->self_margin_m = 4e-4;
   }
 
   /// Pairs, weights and prior at random; the object counts.

@@ -90,7 +90,7 @@ TEST(SweepMotion, AHandTooSmallForTheBallLosesItsPatches) {
 
 TEST(SweepMotion, RowsKeepTheirLimitsAndNameJointsThatStandThere) {
   const std::vector<SweepRow> rows =
-      sweepOf({carried(BallGrasp())}, {{HandProperty::kUpper, "thumb_1", {-0.3}}});
+      sweepOf({carried(BallGrasp())}, {{HandProperty::kUpper, "thumb_1", {-0.5}}});
   ASSERT_EQ(rows[0].error, "");
   const LimitedJoint thumb{"thumb_1", true};
   EXPECT_THAT(rows[0].joints_at_limit, ::testing::Contains(thumb));
