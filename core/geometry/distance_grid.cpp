@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/geometry/wide.h"
 
 namespace handgraft::geometry {
 
@@ -18,18 +19,7 @@ constexpr double kBand = 2.0;
 // Spacings between the mesh's box and the grid's border.
 constexpr double kMargin = 3.0;
 
-// Compiled twice, and chosen when the program starts: four doubles at once take one instruction
-// of AVX2 and two without. No fused multiplication, so that both say the same to the last bit.
-// Sanitizers are not ready yet when that choice is made.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define HANDGRAFT_WIDE [[gnu::target_clones("avx2", "default")]]
-#else
-#define HANDGRAFT_WIDE
-#endif
-
 /// Four nodes side by side. A spline takes three of them: the last one's weight is 0.
-using Lanes = double __attribute__((vector_size(32)));
 using FloatLanes = float __attribute__((vector_size(16)));
 
 /// Of a quadratic B-spline at t in [-1/2, 1/2] from its middle node.

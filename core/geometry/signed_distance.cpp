@@ -1,9 +1,11 @@
 #include "core/geometry/signed_distance.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
-#include <vector>
+
+#include "core/base/parallel_for.h"
 
 namespace handgraft::geometry {
 
@@ -44,53 +46,55 @@ SignedDistance::Sample SignedDistance::at(const Eigen::Vector3d& p) const {
   return sample;
 }
 
-SignedDistance SignedDistance::withoutInnerWalls(double reach) const {
+void SignedDistance::keepUnlessWall(int face, double reach, Corners& kept) const {
   // Faces that are walls in part are cut into so many pieces along each side: what is left of a
   // wall beside the true surface is as wide as one of them.
   constexpr int kPieces = 8;
   constexpr double kNearCorner = 0.9;
-  std::vector<Eigen::Vector3d> corners;
-  const auto keep = [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                        const Eigen::Vector3d& c) {
-    corners.insert(corners.end(), {a, b, c});
+  const Eigen::Vector3i vertices = surface().face(face);
+  const Eigen::Vector3d a = surface().vertex(vertices[0]);
+  const Eigen::Vector3d b = surface().vertex(vertices[1]);
+  const Eigen::Vector3d c = surface().vertex(vertices[2]);
+  const Eigen::Vector3d off = reach * surface().faceNormals().col(face);
+  const auto isWall = [&](const Eigen::Vector3d& p) {
+    return contains(p + off) && contains(p - off);
   };
-  std::size_t solid_corners = 0;
-  for (int f = 0; f < surface().faceCount(); ++f) {
-    const Eigen::Vector3i face = surface().face(f);
-    const Eigen::Vector3d a = surface().vertex(face[0]);
-    const Eigen::Vector3d b = surface().vertex(face[1]);
-    const Eigen::Vector3d c = surface().vertex(face[2]);
-    if (isSheet(f)) {
-      keep(a, b, c);
-      continue;
+  const Eigen::Vector3d middle = (a + b + c) / 3.0;
+  int walls = isWall(middle) ? 1 : 0;
+  for (const Eigen::Vector3d& corner : {a, b, c})
+    walls += isWall(middle + kNearCorner * (corner - middle)) ? 1 : 0;
+  if (walls == 0) kept.insert(kept.end(), {a, b, c});
+  if (walls == 0 || walls == 4) return;
+  const Eigen::Vector3d u = (b - a) / kPieces;
+  const Eigen::Vector3d v = (c - a) / kPieces;
+  const auto keep = [&](const Eigen::Vector3d& p, const Eigen::Vector3d& q,
+                        const Eigen::Vector3d& r) {
+    if (!isWall((p + q + r) / 3.0)) kept.insert(kept.end(), {p, q, r});
+  };
+  for (int i = 0; i < kPieces; ++i) {
+    for (int j = 0; i + j < kPieces; ++j) {
+      const Eigen::Vector3d p = a + i * u + j * v;
+      keep(p, p + u, p + v);
+      if (i + j + 1 < kPieces) keep(p + u, p + u + v, p + v);
     }
-    const Eigen::Vector3d off = reach * surface().faceNormals().col(f);
-    const auto isWall = [&](const Eigen::Vector3d& p) {
-      return contains(p + off) && contains(p - off);
-    };
-    const Eigen::Vector3d middle = (a + b + c) / 3.0;
-    int walls = isWall(middle) ? 1 : 0;
-    for (const Eigen::Vector3d& corner : {a, b, c})
-      walls += isWall(middle + kNearCorner * (corner - middle)) ? 1 : 0;
-    if (walls == 0) {
-      keep(a, b, c);
-    } else if (walls < 4) {
-      const Eigen::Vector3d u = (b - a) / kPieces;
-      const Eigen::Vector3d v = (c - a) / kPieces;
-      const auto keepUnlessWall = [&](const Eigen::Vector3d& p, const Eigen::Vector3d& q,
-                                      const Eigen::Vector3d& r) {
-        if (!isWall((p + q + r) / 3.0)) keep(p, q, r);
-      };
-      for (int i = 0; i < kPieces; ++i) {
-        for (int j = 0; i + j < kPieces; ++j) {
-          const Eigen::Vector3d p = a + i * u + j * v;
-          keepUnlessWall(p, p + u, p + v);
-          if (i + j + 1 < kPieces) keepUnlessWall(p + u, p + u + v, p + v);
-        }
-      }
-    }
-    solid_corners = corners.size();
   }
+}
+
+SignedDistance SignedDistance::withoutInnerWalls(double reach) const {
+  constexpr int kAtOnce = 256;  // faces
+  std::vector<Corners> parts(static_cast<std::size_t>((solid_faces_ + kAtOnce - 1) / kAtOnce));
+  parallelFor(static_cast<int>(parts.size()), [&](int part) {
+    const int end = std::min((part + 1) * kAtOnce, solid_faces_);
+    for (int f = part * kAtOnce; f < end; ++f)
+      keepUnlessWall(f, reach, parts[static_cast<std::size_t>(part)]);
+  });
+  Corners corners;
+  for (const Corners& part : parts)
+    corners.insert(corners.end(), part.begin(), part.end());
+  const std::size_t solid_corners = corners.size();
+  for (int f = solid_faces_; f < surface().faceCount(); ++f)
+    for (const int v : surface().face(f))
+      corners.emplace_back(surface().vertex(v));
   Eigen::Matrix3Xd vertices(3, std::ssize(corners));
   Eigen::Matrix3Xi faces(3, std::ssize(corners) / 3);
   for (Eigen::Index i = 0; i < vertices.cols(); ++i) {
