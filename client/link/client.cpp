@@ -14,6 +14,7 @@ namespace handgraft::client {
 
 namespace {
 
+using idl::cyclone::Discovers;
 using idl::cyclone::Participant;
 using idl::cyclone::Requester;
 using std::chrono::milliseconds;
@@ -67,9 +68,8 @@ v1::ModelSummary summaryIn(const v1::ModelList& list,
 
 struct Client::Impl {
   struct Connection {
-    explicit Connection(const Network& network)
-        : participant(
-              std::make_shared<Participant>(network, idl::cyclone::Discovers::kNoClients)),
+    explicit Connection(const Network& network, Discovers discovers = Discovers::kNoClients)
+        : participant(std::make_shared<Participant>(network, discovers)),
           requester(*participant) {}
 
     std::shared_ptr<Participant> participant;
@@ -110,6 +110,8 @@ struct Client::Impl {
     options.on_notice(fmt::format("no server answers on {}: started one for this command",
                                   handgraft::describe(network)));
     private_server = std::make_unique<PrivateServer>(*program, network);
+    connection.reset();  // first: how often it announces itself is a matter of the domain
+    connection = std::make_shared<Connection>(network, Discovers::kStartingServer);
     const auto until = std::chrono::steady_clock::now() + kStartPatience;
     while (!connection->requester.waitForServer(milliseconds(200))) {
       checkpoint();

@@ -34,7 +34,15 @@ static_assert(10 + 2 * kMostProgramsOfAMachine <= 250);
 
 // A server announces itself five times a second: who was not heard is heard by its answer.
 constexpr const char* announcementsOf(Discovers discovers) {
-  return discovers == Discovers::kAll ? "500ms" : "2s";
+  switch (discovers) {
+    case Discovers::kNoClients:
+      return "2s";
+    case Discovers::kStartingServer:
+      return "250ms";
+    case Discovers::kAll:
+      break;
+  }
+  return "500ms";
 }
 
 std::string configurationOf(const Network& network,
@@ -126,7 +134,7 @@ Domain::Domain(const Network& network, Discovers discovers) : id_(network.domain
     shared.how = how;
   }
   if (shared.users == 0 || discovers == Discovers::kAll)
-    passOverClients(id_, discovers == Discovers::kNoClients);
+    passOverClients(id_, discovers != Discovers::kAll);
   ++shared.users;
 }
 

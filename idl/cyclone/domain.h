@@ -10,7 +10,8 @@ inline constexpr int kLease_s = 20;
 /// Whom a program meets. Discovery, and in a secured domain handshakes, are of each with each.
 enum class Discovers {
   kAll,
-  kNoClients,  ///< a client, which says nothing to others of its kind
+  kNoClients,       ///< a client, which says nothing to others of its kind
+  kStartingServer,  ///< as that; a server that misses some while it starts hears of it soon
 };
 
 /// This process' share of a domain, which is configured once however many participants join it;

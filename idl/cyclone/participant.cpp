@@ -43,8 +43,7 @@ namespace {
 constexpr const char* kSecuredServer = "handgraft-server, secured";
 
 std::string nameOf(Discovers discovers) {
-  return discovers == Discovers::kNoClients ? std::string(DatagramFilter::kClient)
-                                            : std::string();
+  return discovers == Discovers::kAll ? std::string() : std::string(DatagramFilter::kClient);
 }
 
 /// A server's GUIDs are for Fast DDS alone (makeCommonName).
