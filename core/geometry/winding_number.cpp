@@ -103,12 +103,15 @@ std::vector<WindingNumber::Piece> WindingNumber::piecesOf(const TriangleMesh& me
   return pieces;
 }
 
-int WindingNumber::buildPieces(std::vector<Piece>& pieces, int begin, int end, Corners& all) {
-  const auto first = static_cast<int>(all.size());
+int WindingNumber::buildPieces(std::vector<Piece>& pieces,
+                               int begin,
+                               int end,
+                               Corners& corners) {
+  const auto first = static_cast<int>(corners.size());
   if (end - begin == 1) {
     const Piece& piece = pieces[begin];
-    all.insert(all.end(), piece.corners.begin(), piece.corners.end());
-    const int index = build(first, static_cast<int>(all.size()), all);
+    corners.insert(corners.end(), piece.corners.begin(), piece.corners.end());
+    const int index = build(first, static_cast<int>(corners.size()), corners);
     nodes_[index].is_closed = piece.is_closed;
     nodes_[index].box = piece.box;
     return index;
@@ -125,12 +128,12 @@ int WindingNumber::buildPieces(std::vector<Piece>& pieces, int begin, int end, C
                    });
   const int index = static_cast<int>(nodes_.size());
   nodes_.emplace_back();
-  const int left = buildPieces(pieces, begin, middle, all);
+  const int left = buildPieces(pieces, begin, middle, corners);
   Node node;
-  node.right = buildPieces(pieces, middle, end, all);
+  node.right = buildPieces(pieces, middle, end, corners);
   node.begin = first;
-  node.end = static_cast<int>(all.size());
-  measure(all, node);
+  node.end = static_cast<int>(corners.size());
+  measure(corners, node);
   node.is_closed = nodes_[left].is_closed && nodes_[node.right].is_closed;
   node.box = nodes_[left].box.merged(nodes_[node.right].box);
   nodes_[index] = node;
@@ -179,21 +182,25 @@ int WindingNumber::build(int begin, int end, Corners& corners) {
   return index;
 }
 
+WindingNumber::Four WindingNumber::fourOf(const Corners& corners, int begin, int end) {
+  Four four;
+  for (int lane = 0; lane < 4; ++lane) {
+    // What fills up the last ones is one point and has no angle.
+    const bool fills = begin + lane >= end;
+    const Eigen::Matrix3d& face = corners[fills ? begin : begin + lane];
+    for (int corner = 0; corner < 3; ++corner)
+      for (int axis = 0; axis < 3; ++axis)
+        four.at[corner][axis][lane] = face(axis, fills ? 0 : corner);
+  }
+  return four;
+}
+
 void WindingNumber::pack(const Corners& corners) {
   for (Node& node : nodes_) {
     if (node.right >= 0) continue;
     const auto first = static_cast<int>(fours_.size());
-    for (int f = node.begin; f < node.end; f += 4) {
-      Four& four = fours_.emplace_back();
-      for (int lane = 0; lane < 4; ++lane) {
-        // What fills up the last ones is one point and has no angle.
-        const bool fills = f + lane >= node.end;
-        const Eigen::Matrix3d& face = corners[fills ? f : f + lane];
-        for (int corner = 0; corner < 3; ++corner)
-          for (int axis = 0; axis < 3; ++axis)
-            four.at[corner][axis][lane] = face(axis, fills ? 0 : corner);
-      }
-    }
+    for (int f = node.begin; f < node.end; f += 4)
+      fours_.push_back(fourOf(corners, f, node.end));
     node.begin = first;
     node.end = static_cast<int>(fours_.size());
   }

@@ -57,6 +57,7 @@ class WindingNumber {
   int buildPieces(std::vector<Piece>& pieces, int begin, int end, Corners& corners);
   int build(int begin, int end, Corners& corners);
   static void measure(const Corners& corners, Node& node);
+  static Four fourOf(const Corners& corners, int begin, int end);
   void pack(const Corners& corners);
   static void addHalves(const Four* begin,
                         const Four* end,
