@@ -30,21 +30,25 @@ std::optional<hand::LinkPoint> linkPointAt(const std::optional<hand::HandLocatio
 
 }  // namespace
 
-std::vector<PairTrack> transferPoints(const Motion& motion,
-                                      const geometry::TriangleMesh& object_O,
-                                      const hand::HandModel& model) {
-  std::vector<PairTrack> tracks;
+TransferredMotion transferPoints(const Motion& motion,
+                                 const geometry::TriangleMesh& object_O,
+                                 const hand::HandModel& model) {
+  TransferredMotion laid;
   std::string unknown;
-  for (const PatchTrack& track : motion.tracks) {
-    PairTrack laid;
-    laid.end = track.end;
+  std::set<std::string> lacking;
+  for (std::size_t t = 0; t < motion.tracks.size(); ++t) {
+    const PatchTrack& track = motion.tracks[t];
+    PairTrack pairs;
+    pairs.end = track.end;
     bool any = false;
     for (const PatchKey& key : track.keys) {
       PairSpan span{key.frame, {}};
+      if (key.hand_points.empty()) lacking.insert(track.name);
       for (std::size_t i = 0; i < key.hand_points.size(); ++i) {
         const auto link = model.maybeLinkIndex(key.hand_points[i].link);
         if (!link) {
           unknown = key.hand_points[i].link;
+          lacking.insert(track.name);
           continue;
         }
         optimize::PointPair pair;
@@ -53,21 +57,29 @@ std::vector<PairTrack> transferPoints(const Motion& motion,
         pair.p_W = positionOf(object_O, key.patch.interpolation_boundary[i]);
         pair.n_W = normalOf(object_O, key.patch.interpolation_boundary[i]);
         pair.weight = pointWeight(key.patch, key.hand_points.size());
-        pair.patch = static_cast<int>(tracks.size());
+        pair.patch = static_cast<int>(laid.tracks.size());
         pair.n_L = Eigen::Vector3d::UnitZ();  // a unit vector that counts for nothing
         pair.has_normals = false;
         span.pairs.push_back(pair);
         any = true;
       }
-      laid.spans.push_back(std::move(span));
+      pairs.spans.push_back(std::move(span));
     }
-    if (any) tracks.push_back(std::move(laid));
+    if (!any) continue;
+    laid.tracks.push_back(std::move(pairs));
+    laid.track_of.push_back(static_cast<int>(t));
   }
-  if (tracks.empty()) {
+  if (laid.tracks.empty()) {
     rejectInput("motion '{}' has no point on a link of hand '{}'{}", motion.name, model.name(),
                 unknown.empty() ? "" : "; one lies on " + quoted(unknown));
   }
-  return tracks;
+  for (const std::string& name : lacking) {
+    laid.notes.push_back(
+        fmt::format("points of {} left out in part or whole: they lie on links that this hand "
+                    "does not have",
+                    quoted(name)));
+  }
+  return laid;
 }
 
 TransferredMotion transferPointsByPlace(const Motion& motion,

@@ -12,10 +12,10 @@ namespace handgraft::manipulation {
 /// The pairs of a motion's points that lie on links of this very hand (PatchKey::hand_points),
 /// without normals on the hand's side. A recorded point stands for a region: those of a key
 /// weigh as much together as an outline's. Keys without such points, and points on links that
-/// the hand does not have, are left out. Errors: InvalidInput if no point is left.
-std::vector<PairTrack> transferPoints(const Motion& motion,
-                                      const geometry::TriangleMesh& object_O,
-                                      const hand::HandModel& model);
+/// the hand does not have, are left out and noted. Errors: InvalidInput if no point is left.
+TransferredMotion transferPoints(const Motion& motion,
+                                 const geometry::TriangleMesh& object_O,
+                                 const hand::HandModel& model);
 
 /// The same of any hand: each point at the place that its patch tells (PatchKey::patch), with
 /// the skin's normal there. Keys without a place, or with one that this hand lacks, are left

@@ -24,13 +24,21 @@ bool holdsRecordedPoints(const PatchKey& key) {
          static_cast<std::size_t>(contact::kFewestInterpolationPoints);
 }
 
-/// Every point of the motion says where it lies on links that this hand has.
+/// Whether the motion's points are of this very hand: all lie on links that it has. A name that
+/// two hands have by chance (`wrist`) makes them no points of it, unless nothing else tells
+/// where they belong.
 bool liesOnLinksOf(const hand::HandModel& model, const Motion& motion) {
-  for (const PatchTrack& track : motion.tracks)
-    for (const PatchKey& key : track.keys)
+  bool has_one = false;
+  bool lacks_one = false;
+  bool has_places = false;
+  for (const PatchTrack& track : motion.tracks) {
+    for (const PatchKey& key : track.keys) {
+      has_places = has_places || key.patch.place.has_value();
       for (const manipulation::HandPoint& point : key.hand_points)
-        if (model.maybeLinkIndex(point.link)) return true;
-  return false;
+        (model.maybeLinkIndex(point.link) ? has_one : lacks_one) = true;
+    }
+  }
+  return has_one && !(lacks_one && has_places);
 }
 
 }  // namespace
@@ -97,22 +105,7 @@ TransferredMotion MotionLayer::lay(const Motion& motion,
                                    const Progress& progress,
                                    const manipulation::MovePlacement& move,
                                    manipulation::MotionCharts* charts) const {
-  TransferredMotion laid;
-  if (lies_on_links_) {
-    laid.tracks = transferPoints(motion, object_O_, *hand_.model);
-    for (std::size_t t = 0; t < motion.tracks.size(); ++t) {
-      const auto& keys = motion.tracks[t].keys;
-      const bool is_laid = std::any_of(keys.begin(), keys.end(), [&](const PatchKey& key) {
-        return std::any_of(key.hand_points.begin(), key.hand_points.end(),
-                           [&](const manipulation::HandPoint& point) {
-                             return hand_.model->maybeLinkIndex(point.link).has_value();
-                           });
-      });
-      if (is_laid) laid.track_of.push_back(static_cast<int>(t));
-    }
-    HANDGRAFT_REQUIRE(laid.track_of.size() == laid.tracks.size());
-    return laid;
-  }
+  if (lies_on_links_) return transferPoints(motion, object_O_, *hand_.model);
   if (has_points_) {
     return transferPointsByPlace(motion, object_O_, *hand_.model, *hand_.skin, coordinates_,
                                  progress);

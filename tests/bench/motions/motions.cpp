@@ -95,7 +95,7 @@ Sequence readSequence(const MotionsArguments& arguments,
   });
   sequence.problem = manipulation::makeMotionProblem(hand.model, sequence.motion.time_s);
   sequence.problem.tracks =
-      manipulation::transferPoints(sequence.motion, *sequence.object_O, *hand.model);
+      manipulation::transferPoints(sequence.motion, *sequence.object_O, *hand.model).tracks;
   auto avoidance = std::make_shared<optimize::Avoidance>(*placement::avoidanceOf(
       hand.model, hand.skin, sequence.object_O, Pose::Identity(), Progress()));
   avoidance->weight *= arguments.depth_weight;

@@ -166,6 +166,42 @@ TEST_F(MotionOfPlates, ChartsThatAreKeptLayThePatchesAlike) {
     }
 }
 
+// `wrist` is a link of many hands: one that coincides says nothing of the others.
+TEST_F(MotionOfPlates, PointsOfAnotherHandAreNotThisOnesForOneLinksName) {
+  const TwoPlates plates;
+  manipulation::Motion motion = *heldTo(plates);
+  const char* const kLinks[] = {"plate", "index_tip_of_another_hand"};
+  for (std::size_t t = 0; t < 2; ++t)
+    for (manipulation::PatchKey& key : motion.tracks[t].keys)
+      key.hand_points.assign(key.patch.interpolation_boundary.size(),
+                             {kLinks[t], Eigen::Vector3d::Zero()});
+  const session::Document document = touching(plates);
+  const auto lay = [&] {
+    return MotionLayer(document, plates.hand, *plates.plate, motion).lay(motion, Progress());
+  };
+
+  // Nothing else tells where they belong: what is known counts, and the rest is told.
+  const manipulation::TransferredMotion laid = lay();
+  EXPECT_EQ(laid.track_of, std::vector<int>{0});
+  ASSERT_EQ(laid.notes.size(), 1U);
+  EXPECT_NE(laid.notes[0].find("'index'"), std::string::npos) << laid.notes[0];
+
+  // With places all are laid as another hand's patches are.
+  for (manipulation::PatchTrack& track : motion.tracks)
+    for (manipulation::PatchKey& key : track.keys)
+      key.patch.place = hand::placeNamed("index_distal");
+  EXPECT_EQ(lay().track_of, (std::vector<int>{0, 1}));
+  EXPECT_TRUE(lay().tracks[0].spans[0].pairs[0].has_normals) << "of the skin";
+
+  // All are this hand's: then its links say it, whatever the places.
+  for (manipulation::PatchTrack& track : motion.tracks)
+    for (manipulation::PatchKey& key : track.keys)
+      for (manipulation::HandPoint& point : key.hand_points)
+        point.link = "plate";
+  EXPECT_EQ(lay().track_of, (std::vector<int>{0, 1}));
+  EXPECT_FALSE(lay().tracks[0].spans[0].pairs[0].has_normals);
+}
+
 // Halfway between two fingers there is no finger: a patch goes from one and comes to the other.
 TEST_F(MotionOfPlates, ARootFarAwayOnTheHandFadesOutAndIn) {
   TwoPlates plates;
