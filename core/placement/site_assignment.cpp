@@ -11,8 +11,9 @@
 namespace handgraft::placement {
 namespace {
 
-constexpr int kShortList = 12;  // assignments that are worth a solve
-constexpr int kStartsEach = 3;  // of each of them
+constexpr std::size_t kLookedAt = 240;  // assignments that are worth a solve
+constexpr std::size_t kShortList = 24;  // and several
+constexpr int kStartsEach = 3;          // of each of these
 constexpr double kSkippedSite =
     0.05;  // charge for a site passed over; hands use thumb, index first
 
@@ -111,25 +112,33 @@ std::vector<int> assignSites(const HandPoseGuesser& placer,
   std::vector<int> answer(patches_O.size(), -1);
   const std::vector<Assignment> all = Enumeration(patches, sites, permitted).run();
 
-  // === Rank by a rigid hand, then solve for the most promising
+  // === Rank by a rigid hand, which knows nothing of a thumb that is opposed, then by a solve
   std::vector<std::pair<double, std::size_t>> ranking;
+  const auto rankBy = [&](std::size_t most, const auto& score) {
+    for (auto& [value, i] : ranking) {
+      progress.checkpoint();
+      value = score(anchorsOf(all[i], fixed, patches_O, sites_L)) +
+              kSkippedSite * skippedSites(all[i]);
+    }
+    std::sort(ranking.begin(), ranking.end());
+    ranking.resize(std::min(ranking.size(), most));
+  };
   for (std::size_t i = 0; i < all.size(); ++i) {
-    progress.checkpoint();
-    const std::vector<Anchor> anchors = anchorsOf(all[i], fixed, patches_O, sites_L);
-    if (anchors.empty()) return answer;
-    ranking.emplace_back(rigidResidual(model, anchors, X_WO), i);
+    if (anchorsOf(all[i], fixed, patches_O, sites_L).empty()) return answer;
+    ranking.emplace_back(0.0, i);
   }
-  std::sort(ranking.begin(), ranking.end());
-  ranking.resize(std::min<std::size_t>(ranking.size(), kShortList));
-
-  double best = std::numeric_limits<double>::infinity();
-  for (const auto& [residual, i] : ranking) {
-    const std::vector<Anchor> anchors = anchorsOf(all[i], fixed, patches_O, sites_L);
-    const double score = placer.place(anchors, X_WO, kStartsEach, progress).front().score +
-                         kSkippedSite * skippedSites(all[i]);
-    if (score >= best) continue;
-    best = score;
-    std::copy(all[i].begin(), all[i].end(), answer.begin());
+  rankBy(kLookedAt, [&](const std::vector<Anchor>& anchors) {
+    return rigidResidual(model, anchors, X_WO);
+  });
+  for (const auto& [most, starts] :
+       {std::pair(kShortList, 1), std::pair(std::size_t{1}, kStartsEach)}) {
+    rankBy(most, [&](const std::vector<Anchor>& anchors) {
+      return placer.place(anchors, X_WO, starts, progress).front().score;
+    });
+  }
+  if (!ranking.empty()) {
+    const Assignment& best = all[ranking.front().second];
+    std::copy(best.begin(), best.end(), answer.begin());
   }
   return answer;
 }

@@ -13,6 +13,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/contact/segmentation.h"
 #include "core/geometry/log_map.h"
 #include "core/hand/skin_cache.h"
 #include "core/io/contact_file.h"
@@ -416,6 +417,38 @@ TEST(BuiltInGrasp, BarrettHandTakesFourPatchesOfTheLemon) {
   EXPECT_EQ(outcome.dropped, (std::set<std::string>{"ring", "little"}));
   EXPECT_EQ(outcome.fits.size(), 4U);
   EXPECT_LT(meanOf(outcome), 12.0);
+}
+
+/// A rod 10 mm thick, touched from below in its middle and from above on both sides of it.
+contact::ContactMap pinchedRod() {
+  contact::ContactMap map;
+  map.mesh_O = transformed(geometry::makeSphere(1.0, 5),
+                           Eigen::Affine3d(Eigen::Scaling(0.005, 0.005, 0.07)));
+  map.value.setZero(map.mesh_O.vertexCount());
+  for (const Eigen::Vector3d& touched :
+       {Eigen::Vector3d(-0.005, 0, 0), {0.005, 0, 0.012}, {0.005, 0, -0.012}})
+    for (int v = 0; v < map.mesh_O.vertexCount(); ++v)
+      if ((map.mesh_O.vertex(v) - touched).norm() < 0.005) map.value[v] = 1.0;
+  return map;
+}
+
+// A hand at rest or half curled opposes its thumb to nothing so thin.
+TEST(BuiltInGrasp, APinchWithoutNamesIsTheThumbsAgainstTwoFingers) {
+  const contact::ContactMap map = pinchedRod();
+  const contact::ContactSet contacts = contact::segment(map, {});
+  ASSERT_EQ(contacts.patches.size(), 3U);
+  for (const char* const name : {"human20", "allegro16", "tendon16"}) {
+    session::Session session(readyHand(name),
+                             std::make_shared<const geometry::TriangleMesh>(map.mesh_O),
+                             contacts, Pose::Identity(), optimize::Weights{});
+    const session::Solution solution = session.solve({}, {}, Progress{});
+    for (const session::SessionPatch& patch : solution.patches) {
+      const bool is_below = positionOf(map.mesh_O, patch.patch.root).x() < 0.0;
+      EXPECT_EQ(patch.site == "thumb", is_below) << name << " lays it on " << patch.site;
+    }
+    for (const optimize::PatchFit& fit : solution.report.patches)
+      EXPECT_LT(fit.mean_mm, 4.0) << name;
+  }
 }
 
 // === Generator
