@@ -74,26 +74,35 @@ double sharedBy(double a, double b, double c) {
   return a * b + std::min(1.0, std::abs(c)) * (facing - a * b);
 }
 
-/// What the link and the object both fill.
-double sharedVolume(const LinkSolid& solid, const DistanceGrid& object_O, const Pose& X_OL) {
+/// What the link and the object both fill, and how deep in both one place of it lies.
+struct Shared {
+  double volume_m3 = 0.0;
+  double depth_m = 0.0;
+};
+
+Shared sharedWith(const LinkSolid& solid, const DistanceGrid& object_O, const Pose& X_OL) {
   // A plane is shared out over one cell's width, whichever way it lies.
   const double h = solid.grid_L->spacing();
-  double volume = 0.0;
+  Shared shared;
   for (const DistanceGrid::Cell& cell : solid.cells_L) {
     const Vector3d p_O = X_OL * cell.p;
-    const double inside = std::min(1.0, 0.5 - object_O.at(p_O) / h);
+    const double distance = object_O.at(p_O);
+    const double inside = std::min(1.0, 0.5 - distance / h);
     if (inside <= 0.0) continue;
+    if (cell.share == 1.0 && -distance > shared.depth_m)
+      shared.depth_m = std::max(shared.depth_m, std::min(-distance, -solid.distance(cell.p)));
     if (cell.share == 1.0 || inside == 1.0) {
-      volume += cell.share * inside;
+      shared.volume_m3 += cell.share * inside;
       continue;
     }
     Vector3d slope_O;
     Vector3d slope_L;
     static_cast<void>(object_O.at(p_O, slope_O));
     static_cast<void>(solid.grid_L->at(cell.p, slope_L));
-    volume += sharedBy(cell.share, inside, slope_O.dot(X_OL.linear() * slope_L));
+    shared.volume_m3 += sharedBy(cell.share, inside, slope_O.dot(X_OL.linear() * slope_L));
   }
-  return volume * h * h * h;
+  shared.volume_m3 *= h * h * h;
+  return shared;
 }
 
 void measureItself(const hand::HandSolid& hand,
@@ -129,10 +138,13 @@ Penetration measurePenetration(const hand::HandModel& model,
   for (const LinkSolid& solid : hand.links()) {
     const Pose& X = X_OL[static_cast<std::size_t>(solid.link)];
     if (object_O.grid().isClear(X * solid.centre_L, solid.radius)) continue;
-    const double depth = depthIn(solid, object_O, X, sides, inside, progress);
-    if (depth > 0.0) result.links.push_back({solid.link, depth});
+    const double at_surface = depthIn(solid, object_O, X, sides, inside, progress);
     progress.checkpoint();
-    result.volume_m3 += sharedVolume(solid, object_O.grid(), X);
+    const Shared shared = sharedWith(solid, object_O.grid(), X);
+    result.volume_m3 += shared.volume_m3;
+    // An object within a link, where none of the link's surface is in it.
+    const double depth = std::max(at_surface, shared.depth_m);
+    if (depth > 0.0) result.links.push_back({solid.link, depth});
   }
   std::stable_sort(result.links.begin(), result.links.end(),
                    [](const LinkDepth& a, const LinkDepth& b) {

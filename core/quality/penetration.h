@@ -32,7 +32,8 @@ struct Penetration {
 /// Measures two-sided: at the fine samples of the hand (some 6,000, 3-4 mm apart) in the
 /// object, and at samples of the object's thin walls, sheets and edges in the links.
 ///
-/// Depths in the object are exact distances to its surface. A link that goes right through a
+/// Depths in the object are exact distances to its surface. An object that lies within a link
+/// is as deep as one place is in both. A link that goes right through a
 /// wall, or a sheet, which has no inside, is as deep as it has to be moved back; to the side
 /// that `sides` tell, else the shorter way. The volume counts the links' cells (2-3 mm) by how
 /// much of them lies inside the object. Depths of walls in the hand, and of a hand in itself,

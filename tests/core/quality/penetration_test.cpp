@@ -93,6 +93,18 @@ TEST(Penetration, HasTheDepthAndTheVolumeOfALensOfTwoBalls) {
   }
 }
 
+// No place of the link's surface lies in it.
+TEST(Penetration, OfAnObjectWithinALinkIsTold) {
+  const double small = 0.6 * kBall;
+  const auto ball_O = solidOf(geometry::makeSphere(small, 4));
+  const Penetration found = measure(*ball_O, at({0, 0.001, 0}), chain().straight());
+  ASSERT_EQ(found.links.size(), 1u);
+  EXPECT_EQ(found.links[0].link, 0);
+  // Its middle is as deep as it is thick; cells are 1 to 2 mm apart.
+  EXPECT_GT(found.max_depth_m, small - 0.003);
+  EXPECT_LT(found.max_depth_m, small + 1e-4);
+}
+
 TEST(Penetration, HasTheVolumeThatTwoBoxesShare) {
   const Vector3d size(0.05, 0.04, 0.03);
   std::vector<hand::Link> links(1);
