@@ -1,8 +1,11 @@
 #include "core/io/urdf_text.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <locale>
+#include <numbers>
 #include <sstream>
 
 #include <tinyxml2.h>
@@ -80,6 +83,17 @@ hand::JointType typeOf(const std::string& type, const std::string& joint) {
       handgraft::quoted(joint), handgraft::quoted(type));
 }
 
+/// No joint of a hand goes round more than once.
+void noteLimitsInDegrees(const std::string& name, const XMLElement& limit, UrdfText& result) {
+  const double lower = limit.DoubleAttribute("lower", 0.0);
+  const double upper = limit.DoubleAttribute("upper", 0.0);
+  if (std::max(std::abs(lower), std::abs(upper)) <= 2.0 * std::numbers::pi) return;
+  result.notes.push_back(
+      fmt::format("joint {}: its limits, {} to {} rad, are more than a whole turn; URDF's "
+                  "angles are radians, not degrees",
+                  handgraft::quoted(name), lower, upper));
+}
+
 /// Gives urdfdom the limit that it insists on. Returns whether effort or velocity were missing.
 bool amendLimit(const std::string& name,
                 const std::string& type,
@@ -106,6 +120,7 @@ bool amendLimit(const std::string& name,
                                          has_lower ? "upper" : "lower"));
     }
   }
+  if (type == "revolute") noteLimitsInDegrees(name, *limit, result);
   bool amended = false;
   for (const char* field : {"effort", "velocity"}) {
     if (limit->Attribute(field) != nullptr) continue;

@@ -64,6 +64,19 @@ TEST(UrdfFile, NotesMissingLimits) {
   EXPECT_THAT(file.notes[0], AllOf(HasSubstr("'j'"), HasSubstr("no limit")));
 }
 
+TEST(UrdfFile, NotesLimitsThatMustBeDegrees) {
+  const UrdfFile file = readUrdf(
+      written(kLinks + joint("revolute",
+                             R"(<limit lower="-90" upper="180" effort="1" velocity="1"/>)")));
+  ASSERT_EQ(file.notes.size(), 1U);
+  EXPECT_THAT(file.notes[0],
+              AllOf(HasSubstr("'j'"), HasSubstr("-90 to 180 rad"), HasSubstr("degrees")));
+  EXPECT_EQ(file.model.upper()[0], 180.0) << "told, not changed";
+  const UrdfFile slide = readUrdf(written(
+      kLinks + joint("prismatic", R"(<limit lower="0" upper="20" effort="1" velocity="1"/>)")));
+  EXPECT_TRUE(slide.notes.empty());
+}
+
 TEST(UrdfFile, LeavesContinuousJointsUnlimited) {
   const UrdfFile file = readUrdf(written(kLinks + joint("continuous", "")));
   EXPECT_TRUE(std::isinf(file.model.upper()[0]));
