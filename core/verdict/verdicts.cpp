@@ -158,6 +158,11 @@ Verdicts verdictsOf(const session::Session& session,
     verdicts.line += fmt::format("; {} {} no point on the hand", fmt::join(pointless, ", "),
                                  pointless.size() == 1 ? "has" : "have");
   }
+  const auto dropped = std::count_if(session.patches().begin(), session.patches().end(),
+                                     [](const session::SessionPatch& item) {
+                                       return !item.dropped.empty();
+                                     });
+  if (dropped > 0) verdicts.line += fmt::format("; {} more dropped", dropped);
   const std::string sizes = lineOf(session, findings);
   if (!sizes.empty()) verdicts.line += "; " + sizes;
   return verdicts;

@@ -91,6 +91,14 @@ TEST(Verdicts, TellWhatIsKnownOfSizesBeforeASearch) {
             "hand's places at most 40");
 }
 
+TEST(Verdicts, WhatTheHandHasNoPlaceForIsCounted) {
+  test::BallGrasp grasp;
+  grasp.contacts.patches.push_back(grasp.contacts.patches.back());
+  grasp.contacts.patches.back().name = "little";
+  session::Session session = grasp.open();
+  EXPECT_EQ(solvedAndJudged(session).line, "3 of 3 patches reached; 1 more dropped");
+}
+
 TEST(Verdicts, APatchWithoutRoomIsOutOfReachWhateverThePoseSays) {
   const test::BallGrasp grasp;
   session::Session session = grasp.open();
