@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
+#include <charconv>
+#include <string_view>
+#include <system_error>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -16,20 +19,73 @@ namespace {
 
 constexpr float kRim_px = 1.6F;
 
+// As client/web/src/colors.ts has them.
+const std::array<std::pair<std::string_view, Color>, 6> kFingers{{{"thumb", {213, 94, 0}},
+                                                                  {"index", {0, 114, 178}},
+                                                                  {"middle", {0, 158, 115}},
+                                                                  {"ring", {204, 121, 167}},
+                                                                  {"little", {214, 170, 0}},
+                                                                  {"palm", {123, 97, 201}}}};
+constexpr std::array<Color, 6> kOthers{{{184, 134, 11},
+                                        {140, 109, 79},
+                                        {79, 125, 140},
+                                        {176, 65, 122},
+                                        {106, 143, 42},
+                                        {230, 159, 0}}};
+
+/// The words of `index_distal_2`.
+std::vector<std::string> wordsOf(const std::string& name) {
+  std::vector<std::string> words(1);
+  for (const char c : name) {
+    if (c == '_') {
+      words.emplace_back();
+    } else {
+      words.back() += c;
+    }
+  }
+  return words;
+}
+
+/// 0 where `text` is no number.
+int numberOf(const std::string& text) {
+  int number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc() && end == text.data() + text.size() ? std::max(number, 0) : 0;
+}
+
+/// Darker below 0, paler above.
+Color shaded(Color color, double share) {
+  return share < 0.0 ? render::blend(color, {0, 0, 0}, -share)
+                     : render::blend(color, {255, 255, 255}, share);
+}
+
 }  // namespace
 
 render::Color colorOf(const std::string& patch, std::size_t index) {
-  static const std::map<std::string, Color> kFingers = {
-      {"thumb", {213, 74, 0}},  {"index", {0, 114, 178}},  {"middle", {0, 150, 110}},
-      {"ring", {190, 90, 160}}, {"little", {214, 170, 0}}, {"palm", {70, 175, 230}}};
-  if (const auto found = kFingers.find(patch); found != kFingers.end()) return found->second;
-  static const std::array<Color, 6> kOthers = {{{140, 86, 75},
-                                                {148, 103, 189},
-                                                {188, 189, 34},
-                                                {23, 150, 160},
-                                                {214, 39, 120},
-                                                {90, 90, 200}}};
-  return kOthers[index % kOthers.size()];
+  constexpr double kSegmentStep = 0.33;
+  constexpr double kNumberStep = 0.11;  // three patches before the next segment's shade
+  const std::vector<std::string> words = wordsOf(patch);
+  const std::string& digit = words.front();
+  const auto* const finger =
+      std::find_if(kFingers.begin(), kFingers.end(), [&](const auto& known) {
+        return known.first == digit;
+      });
+  // Fingers without a name are f1, f2...
+  const int place = digit.rfind('f', 0) == 0 ? numberOf(digit.substr(1)) : 0;
+  if (finger == kFingers.end() && place == 0) {
+    const std::size_t round = index / kOthers.size() % 3;
+    return shaded(kOthers[index % kOthers.size()],
+                  round == 2 ? kSegmentStep : -kSegmentStep * static_cast<double>(round));
+  }
+  double share = 0.0;
+  if (words.size() > 1 && words[1] == "proximal") share = -kSegmentStep;
+  if (words.size() > 1 && words[1] == "distal") share = kSegmentStep;
+  const int number = words.size() > 1 ? numberOf(words.back()) : 0;
+  share += kNumberStep * (std::max(number, 1) - 1);
+  const Color own = finger != kFingers.end()
+                        ? finger->second
+                        : kOthers[static_cast<std::size_t>(place - 1) % kOthers.size()];
+  return shaded(own, std::min(share, 0.7));
 }
 
 render::SurfaceMesh surface(const v1::Mesh& mesh, const Pose& X_WM, Color color) {

@@ -16,8 +16,9 @@ namespace handgraft::client {
 inline constexpr render::Color kHandColor{196, 203, 214};
 inline constexpr render::Color kObjectColor{240, 214, 150};
 
-/// One colour a finger, told apart also by the colour-blind (Okabe & Ito 2008); fingers beyond
-/// the usual names take turns.
+/// One colour a finger, told apart also by the colour-blind (Okabe & Ito 2008): of its patches
+/// the proximal one's is darker, the distal one's paler (`index_distal_2`). Names without a
+/// finger take turns by `index`.
 render::Color colorOf(const std::string& patch, std::size_t index);
 
 /// `mesh` is in M.

@@ -7,14 +7,33 @@ const kByDigit: Record<string, string> = {
   index: '#0072b2',
   middle: '#009e73',
   ring: '#cc79a7',
-  little: '#56b4e9',
-  palm: '#b8860b',
+  little: '#d6aa00',
+  palm: '#7b61c9',
 };
-const kOthers = ['#7b61c9', '#8c6d4f', '#4f7d8c', '#b0417a', '#6a8f2a', '#e69f00'];
+const kOthers = ['#b8860b', '#8c6d4f', '#4f7d8c', '#b0417a', '#6a8f2a', '#e69f00'];
 
+const kSegmentStep = 0.33;
+const kNumberStep = 0.11; // three patches before the next segment's shade
+
+/** Darker below 0, paler above. */
+function shaded(color: string, share: number): string {
+  const end = share < 0 ? 0 : 255;
+  const parts = [1, 3, 5].map((at) => parseInt(color.slice(at, at + 2), 16));
+  return `#${parts.map((part) => Math.round(part + (end - part) * Math.abs(share)).toString(16).padStart(2, '0')).join('')}`;
+}
+
+/** Its finger's; the proximal patch is darker, the distal one paler, as in client/present/picture_parts.cpp. */
 export function patchColor(name: string, index: number): string {
-  for (const [digit, color] of Object.entries(kByDigit)) if (name.startsWith(digit)) return color;
-  return kOthers[index % kOthers.length]!;
+  const [digit = '', ...rest] = name.split('_');
+  const place = Number(/^f(\d+)$/.exec(digit)?.[1] ?? 0); // fingers without a name are f1, f2...
+  const own = kByDigit[digit] ?? (place > 0 ? kOthers[(place - 1) % kOthers.length]! : undefined);
+  if (own === undefined) {
+    const round = Math.floor(index / kOthers.length) % 3;
+    return shaded(kOthers[index % kOthers.length]!, [0, -kSegmentStep, kSegmentStep][round]!);
+  }
+  const segment = rest[0] === 'proximal' ? -kSegmentStep : rest[0] === 'distal' ? kSegmentStep : 0;
+  const number = /^\d+$/.test(rest.at(-1) ?? '') ? Number(rest.at(-1)) : 1;
+  return shaded(own, Math.min(segment + kNumberStep * (Math.max(number, 1) - 1), 0.7));
 }
 
 /** What is written on its dots: "T", "I", "M"; the shortest beginning that no other shares, or a number. */

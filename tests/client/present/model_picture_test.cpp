@@ -1,3 +1,7 @@
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "client/present/contacts_picture.h"
@@ -24,6 +28,36 @@ int countOf(const Image& image, Color color, bool right) {
       count += image.at(x, y) == color ? 1 : 0;
   }
   return count;
+}
+
+TEST(PatchColor, IsItsFingersAndNoOtherPatchesOfAUsualSet) {
+  std::vector<std::string> names{"palm", "palm_2"};
+  for (const char* finger : {"thumb", "index", "middle", "ring", "little", "f1", "f2"}) {
+    for (const char* segment : {"_proximal", "_middle", "_distal"}) {
+      names.push_back(std::string(finger) + segment);
+      names.push_back(names.back() + "_2");
+    }
+  }
+  std::vector<Color> colors;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const Color color = colorOf(names[i], i);
+    EXPECT_EQ(std::count(colors.begin(), colors.end(), color), 0) << names[i];
+    EXPECT_EQ(color, colorOf(names[i], i + 1)) << names[i];
+    colors.push_back(color);
+  }
+  EXPECT_EQ(colorOf("index_middle", 3), colorOf("index", 0));
+  const Color index = colorOf("index", 0);
+  EXPECT_LT(colorOf("index_proximal", 0).b, index.b);
+  EXPECT_GT(colorOf("index_distal_2", 0).b, index.b);
+}
+
+TEST(PatchColor, TakesTurnsWhereNamesSayNoFinger) {
+  std::vector<Color> colors;
+  for (std::size_t i = 0; i < 18; ++i) {
+    const Color color = colorOf("c" + std::to_string(i + 1), i);
+    EXPECT_EQ(std::count(colors.begin(), colors.end(), color), 0) << i;
+    colors.push_back(color);
+  }
 }
 
 TEST(HandPicture, ShowsEverySiteFromThePalmsSide) {
