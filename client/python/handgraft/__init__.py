@@ -35,18 +35,57 @@ __all__ = [
 ]
 
 
-def connect(domain: int = 0, interface: str = "lo", start: bool = True, *, peers: Sequence[str] = (),
-            server: str = "", identity: str | os.PathLike[str] = "") -> Server:
-    """The server on a DDS domain (0-100) and network interface.
+def connect(domain: int | None = None, interface: str | None = None, start: bool = True, *,
+            peers: Sequence[str] | None = None, server: str | None = None,
+            identity: str | os.PathLike[str] | None = None) -> Server:
+    """The server on a DDS domain (0-100, usually 0) and network interface (usually ``lo``).
 
     ``peers`` are hosts to look for it on where multicast is dropped, ``server`` is its name where a domain
     has several. ``identity`` is the folder of an identity that ``handgraft keys add`` made, for a secured
-    domain; there no server is started.
+    domain; there no server is started. What is None is taken from the environment, as every program of
+    Handgraft takes it: HANDGRAFT_DOMAIN, HANDGRAFT_INTERFACE, HANDGRAFT_PEERS (parted by commas),
+    HANDGRAFT_SERVER, HANDGRAFT_IDENTITY; a bad value there is InvalidInput that names the variable.
 
     Where none answers within 2 s, one is started that ends with this program, unless ``start`` is
     false; then NoServer is raised.
     """
-    return Server(_handgraft.Client(domain, interface, start, list(peers), server, os.fspath(identity)))
+    from_environment = [name for name, value in (("domain", domain), ("interface", interface), ("peers", peers),
+                                                 ("server", server), ("identity", identity)) if value is None]
+    if domain is None:
+        domain = _domain_of_environment()
+    if interface is None:
+        interface = _environment("interface") or "lo"
+    if peers is None:
+        peers = [peer for peer in _environment("peers").split(",") if peer]
+    if server is None:
+        server = _environment("server")
+    if identity is None:
+        identity = _environment("identity")
+    try:
+        client = _handgraft.Client(domain, interface, start, list(peers), server, os.fspath(identity))
+    except InvalidInput as error:
+        name = str(error).partition(":")[0]  # "interface: 'eth7' is not ..."
+        if name in from_environment and _environment(name):
+            raise InvalidInput(f"{_variable(name)}: {error}") from None
+        raise
+    return Server(client)
+
+
+def _variable(option: str) -> str:
+    return f"HANDGRAFT_{option.upper()}"
+
+
+def _environment(option: str) -> str:
+    return os.environ.get(_variable(option), "")
+
+
+def _domain_of_environment() -> int:
+    text = _environment("domain")
+    if not text:
+        return 0
+    if not (text.isascii() and text.isdigit() and int(text) <= 100):
+        raise InvalidInput(f"{_variable('domain')}: {text!r} is no domain; permitted are 0 to 100")
+    return int(text)
 
 
 class Server:

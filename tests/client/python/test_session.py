@@ -21,6 +21,25 @@ def test_no_server_is_an_error_that_says_where(empty_domain):
     assert issubclass(handgraft.NoServer, ConnectionError)
 
 
+def test_where_the_server_is_comes_from_the_environment(server, domain, empty_domain, monkeypatch):
+    monkeypatch.setenv("HANDGRAFT_DOMAIN", str(domain))
+    assert "lemon" in handgraft.connect(start=False).models("object")
+    monkeypatch.setenv("HANDGRAFT_SERVER", "left")
+    with pytest.raises(handgraft.NoServer, match=f"domain {empty_domain}.*left"):  # what is given counts more
+        handgraft.connect(empty_domain, start=False)
+
+
+@pytest.mark.parametrize("option, value, told", [
+    ("DOMAIN", "abc", "'abc'.*0 to 100"), ("DOMAIN", "101", "'101'.*0 to 100"), ("DOMAIN", "-1", "'-1'.*0 to 100"),
+    ("INTERFACE", "nope7", "'nope7'.*there are: .*lo"), ("SERVER", "9", "'9'.*letter"),
+    ("PEERS", "nobody.invalid", "'nobody.invalid'")])
+def test_a_bad_variable_is_named(empty_domain, monkeypatch, option, value, told):
+    monkeypatch.setenv("HANDGRAFT_DOMAIN", str(empty_domain))
+    monkeypatch.setenv(f"HANDGRAFT_{option}", value)
+    with pytest.raises(handgraft.InvalidInput, match=f"HANDGRAFT_{option}: .*{told}"):
+        handgraft.connect(start=False)
+
+
 def test_models_are_listed_and_described(server):
     assert "barrett8" in server.models("hand")
     assert "lemon" not in server.models("hand")
