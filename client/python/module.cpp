@@ -19,6 +19,7 @@
 #include "client/gateway/gateway.h"
 #include "client/gateway/page_file.h"
 #include "client/link/client.h"
+#include "client/link/model_files.h"
 #include "client/link/session.h"
 #include "client/python/python_message.h"
 #include "core/base/error.h"
@@ -420,6 +421,7 @@ void defineSession(py::module_& module) {
 PYBIND11_MODULE(_handgraft, module) {
   module.doc() = "The client library; use the package handgraft.";
   defineErrors();
+  module.def("is_path", &client::isPath, "text"_a);
   defineServer(module);
   defineSession(module);
 }

@@ -18,8 +18,10 @@ the work on the server has been stopped.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import pathlib
+import re
 from typing import Any, Iterator, Mapping, Sequence
 
 import numpy as np
@@ -114,7 +116,9 @@ class Server:
     # === Models
 
     def models(self, kind: str | None = None) -> list[str]:
-        """Names of the models of a kind (hand, object, contacts), or of all."""
+        """Names of the models of a kind (hand, object, contacts, motion), or of all."""
+        if kind is not None and kind not in _KINDS:
+            raise InvalidInput(f"kind {kind!r}: permitted are {', '.join(_KINDS)}")
         return [model["name"] for model in self._client.list_models()["models"]
                 if kind is None or model["kind"] == kind]
 
@@ -132,11 +136,13 @@ class Server:
         """
         folders = {package: os.fspath(folder) for package, folder in (packages or {}).items()}
         options = {"mirrored": mirrored, "rest_pose": rest_pose}
-        return self._client.load_hand(os.fspath(urdf), name, units, folders, options)["name"]
+        with _units_as_arguments():
+            return self._client.load_hand(os.fspath(urdf), name, units, folders, options)["name"]
 
     def load_object(self, mesh: str | os.PathLike[str], name: str = "", *, units: str = "") -> str:
         """Sends a mesh; returns the model's name. ``units``: m, cm, mm or in; metres by default."""
-        return self._client.load_object(os.fspath(mesh), name, units)["name"]
+        with _units_as_arguments():
+            return self._client.load_object(os.fspath(mesh), name, units)["name"]
 
     def load_contacts(self, path: str | os.PathLike[str], object: str, name: str = "", *, units: str = "",
                       **options: Any) -> str:
@@ -144,18 +150,20 @@ class Server:
 
         ``options`` say how patches are found in a map: ContactOptions of idl/models.idl.
         """
-        return self._client.load_contacts(os.fspath(path), object, name, units, options)["name"]
+        with _units_as_arguments():
+            return self._client.load_contacts(os.fspath(path), object, name, units, options)["name"]
 
     # === Grasps
 
     def open(self, hand: str | os.PathLike[str], object: str | os.PathLike[str],
              contacts: str | os.PathLike[str], *, X_WO: np.ndarray | None = None,
-             weights: Sequence[float] | None = None) -> Session:
+             weights: Sequence[float] | None = None, units: str = "") -> Session:
         """A live session. Each model is a name on the server, or the path of a file to send.
 
-        ``weights``: of distance (1/m^2), normals and prior. ``X_WO``: the object's pose, 4x4.
+        ``weights``: of distance (1/m^2), normals and prior. ``X_WO``: the object's pose, 4x4. ``units``
+        are those of the object's and the contacts' files: m, cm, mm or in; metres by default.
         """
-        request = dict(zip(("hand", "object", "contacts"), self._send(hand, object, contacts)))
+        request = dict(zip(("hand", "object", "contacts"), self._send(hand, object, contacts, units)))
         if X_WO is not None:
             request["X_WO"] = message_of(X_WO)
         if weights is not None:
@@ -176,15 +184,19 @@ class Server:
 
     def grasp(self, hand: str | os.PathLike[str], object: str | os.PathLike[str],
               contacts: str | os.PathLike[str], *, X_WO: np.ndarray | None = None,
-              weights: Sequence[float] | None = None, **solving: Any) -> Pose:
+              weights: Sequence[float] | None = None, units: str = "", **solving: Any) -> Pose:
         """Lays the contacts onto the hand and solves its pose; arguments as for `open` and `Session.solve`."""
-        with self.open(hand, object, contacts, X_WO=X_WO, weights=weights) as session:
+        with self.open(hand, object, contacts, X_WO=X_WO, weights=weights, units=units) as session:
             return session.solve(**solving)
 
-    def _send(self, hand: Any, object: Any, contacts: Any) -> tuple[str, str, str]:
-        hand = self.load_hand(hand) if _is_path(hand) else hand
-        object = self.load_object(object) if _is_path(object) else object
-        contacts = self.load_contacts(contacts, object) if _is_path(contacts) else contacts
+    def _send(self, hand: Any, object: Any, contacts: Any, units: str) -> tuple[str, str, str]:
+        is_file = {option: _is_path(model, option)
+                   for option, model in (("hand", hand), ("object", object), ("contacts", contacts))}
+        if units and not (is_file["object"] or is_file["contacts"]):
+            raise InvalidInput(f"units {units!r}: neither object nor contacts is a file")
+        hand = self.load_hand(hand) if is_file["hand"] else hand
+        object = self.load_object(object, units=units) if is_file["object"] else object
+        contacts = self.load_contacts(contacts, object, units=units) if is_file["contacts"] else contacts
         return hand, object, contacts
 
 
@@ -386,7 +398,22 @@ class Session:
         self._session.close()
 
 
-def _is_path(model: Any) -> bool:
+_KINDS = ("hand", "object", "contacts", "motion")
+
+
+@contextlib.contextmanager
+def _units_as_arguments() -> Iterator[None]:
+    """The server's advice names the command's option."""
+    try:
+        yield
+    except Error as error:
+        error.args = (re.sub(r"--units (mm|cm|in|m)\b", r"units='\1'", str(error)),)
+        raise
+
+
+def _is_path(model: Any, option: str) -> bool:
     if isinstance(model, os.PathLike):
         return True
-    return "/" in model or pathlib.Path(model).is_file()
+    if not isinstance(model, str):
+        raise TypeError(f"{option}: {model!r} is neither a model's name nor a file's path")
+    return _handgraft.is_path(model)

@@ -4,6 +4,8 @@ from typing import Any, Mapping
 
 Message = dict[str, Any]
 
+def is_path(text: str) -> bool: ...
+
 class Client:
     def __init__(self, domain: int, interface: str, start: bool, peers: list[str],
                  server: str, identity: str) -> None: ...

@@ -50,6 +50,39 @@ def test_models_are_listed_and_described(server):
     assert lemon["triangles"].max() == len(vertices) - 1
 
 
+def test_a_kind_that_is_none_is_told_those_there_are(server):
+    with pytest.raises(handgraft.InvalidInput, match="'hands': permitted are hand, object, contacts, motion"):
+        server.models("hands")
+
+
+def lemon_in_millimetres(folder):
+    """The path of a lemon.obj whose numbers are a thousand times as large."""
+    path = folder / "lemon_mm.obj"
+    lines = [line.split() for line in (MODELS / "objects" / "lemon.obj").read_text().splitlines()]
+    path.write_text("\n".join(" ".join([words[0], *(str(1e3 * float(word)) for word in words[1:])])
+                              if words[:1] == ["v"] else " ".join(words) for words in lines))
+    return path
+
+
+def test_units_are_asked_for_as_python_takes_them(server, tmp_path):
+    path = lemon_in_millimetres(tmp_path)
+    with pytest.raises(handgraft.Refused, match="say units='mm'$") as refusal:
+        server.grasp("barrett8", path, "lemon_3")
+    assert refusal.value.code == "units"
+    with pytest.raises(handgraft.InvalidInput, match="neither object nor contacts"):
+        server.open("barrett8", "lemon", "lemon_3", units="mm")
+    name = server.load_object(path, units="mm")
+    extent = np.ptp(server.describe("object", name, meshes=True)["mesh_O"]["vertices_m"].reshape(-1, 3), axis=0)
+    assert 0.03 < extent.max() < 0.2
+
+
+def test_models_that_are_none_are_named(server):
+    with pytest.raises(TypeError, match="hand: None is neither"):
+        server.grasp(None, "lemon", "lemon_3")
+    with pytest.raises(handgraft.InvalidInput, match="'nope.urdf': no such file"):
+        server.grasp("nope.urdf", "lemon", "lemon_3")
+
+
 def test_refusals_are_exceptions_with_the_servers_words(server):
     with pytest.raises(handgraft.Refused, match="glove") as refusal:
         server.describe("hand", "glove")
