@@ -46,6 +46,26 @@ UploadFile contactSetOf(Client& server, const std::string& contacts, const char*
   return {uri, {}, set.file()};
 }
 
+/// What a contact set says that it lies on; empty where it does not.
+std::string objectUnder(Client& server, const std::string& contacts) {
+  if (!isPath(contacts))
+    return server.describe(v1::MODEL_CONTACTS, contacts, false).get().contacts().object();
+  const json::Json file = json::Json::parse(readFile(contacts), nullptr, false);
+  if (!file.is_object() || !file.contains("object") || !file["object"].is_string()) return "";
+  return file["object"].get<std::string>();
+}
+
+/// Points of one object mean nothing on another. Whoever names the object himself knows better
+/// than a file.
+void requireOneObject(Client& server, const MotionImportOptions& options) {
+  if (!options.object.empty() && (isPath(options.first) || isPath(options.last))) return;
+  const std::string first = objectUnder(server, options.first);
+  const std::string last = objectUnder(server, options.last);
+  if (first.empty() || last.empty() || first == last) return;
+  rejectInput("contacts {} lie on object {} and {} on {}: a motion is of one object",
+              quoted(options.first), quoted(first), quoted(options.last), quoted(last));
+}
+
 /// The object that is meant where none is named: that of the grasps.
 std::string objectOf(Client& server, const MotionImportOptions& options) {
   for (const std::string& contacts : {options.first, options.last}) {
@@ -138,6 +158,7 @@ int run(const MotionImportOptions& options,
   Client server(
       interactiveClient(common.network, Absence::kStartPrivate, interruption, &progress));
   ModelSender sender(server, interruption, !common.json);
+  if (options.recording.empty()) requireOneObject(server, options);
   ModelFiles files =
       options.recording.empty() ? joinedFiles(server, options) : recordedFiles(options);
   files.object = options.object.empty() ? objectOf(server, options)

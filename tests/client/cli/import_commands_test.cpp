@@ -226,6 +226,22 @@ TEST_F(ImportCommands, DoubtfulUnitsAreAnErrorWhereNobodyCanBeAsked) {
   }
 }
 
+TEST_F(ImportCommands, JoinRefusesGraspsOfTwoObjectsBeforeAnythingIsSent) {
+  MotionImportOptions options;
+  options.name = "joined";
+  options.first = "box_1";
+  options.last = write("last.json", R"({"object": "cup", "patches": []})").string();
+  options.path = write("path.csv", "time_s,x,y,z,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n");
+  try {
+    printed(options);
+    FAIL();
+  } catch (const InvalidInput& error) {
+    EXPECT_THAT(error.what(), testing::MatchesRegex(".*'box_1' lie on object 'box' and "
+                                                    ".*last.json' on 'cup'.*"));
+  }
+  EXPECT_TRUE(script_.loads.empty());
+}
+
 TEST_F(ImportCommands, FromPosePassesTheFileOn) {
   PoseContactsOptions options;
   options.hand = "flat";
