@@ -149,4 +149,16 @@ void writeFile(const fs::path& path, std::string_view bytes) {
   if (reason != 0) rejectInput("{}: cannot be written ({})", label, std::strerror(reason));
 }
 
+void OutputFiles::write(const std::function<void()>& writing) {
+  try {
+    writing();
+  } catch (const InvalidInput& error) {
+    errors_ += (errors_.empty() ? "" : "; ") + std::string(error.what());
+  }
+}
+
+void OutputFiles::requireWritten() const {
+  if (!errors_.empty()) throw InvalidInput(errors_);
+}
+
 }  // namespace handgraft::client

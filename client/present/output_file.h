@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,5 +33,18 @@ void requireSafe(const std::vector<NamedFile>& outputs, const std::vector<NamedF
 /// may be added is written straight into.
 /// Errors: InvalidInput, naming the path and the reason.
 void writeFile(const std::filesystem::path& path, std::string_view bytes);
+
+/// Several files of one command: those that can be written are, whatever becomes of the others.
+class OutputFiles {
+ public:
+  /// Calls `writing`, and keeps its InvalidInput for later; other errors pass.
+  void write(const std::function<void()>& writing);
+
+  /// Once all else is done. Errors: InvalidInput with what was kept, if anything was.
+  void requireWritten() const;
+
+ private:
+  std::string errors_;
+};
 
 }  // namespace handgraft::client

@@ -117,9 +117,16 @@ int run(const GraspOptions& options, const CommonOptions& common, Interruption& 
   requireConsistent(result);
 
   // === Results
-  if (!options.problem.empty()) writeProblem(server, options, inputs, result);
-  if (!options.png.empty()) writePicture(server, options.png, result);
-  if (!options.out.empty()) writeFile(options.out, json::written(json::grasp(result)) + "\n");
+  OutputFiles outputs;
+  outputs.write([&] {
+    if (!options.problem.empty()) writeProblem(server, options, inputs, result);
+  });
+  outputs.write([&] {
+    if (!options.png.empty()) writePicture(server, options.png, result);
+  });
+  outputs.write([&] {
+    if (!options.out.empty()) writeFile(options.out, json::written(json::grasp(result)) + "\n");
+  });
   progress.clear();
   fmt::print("{}",
              common.json ? json::written(json::grasp(result)) + "\n" : text::grasp(result));
@@ -127,6 +134,7 @@ int run(const GraspOptions& options, const CommonOptions& common, Interruption& 
     fmt::print("\n{}", text::minima(result.solution, result.hand));
   }
   if (options.keep) session.keep(result.kept && !common.json);
+  outputs.requireWritten();
   return 0;
 }
 

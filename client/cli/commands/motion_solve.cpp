@@ -139,14 +139,23 @@ int run(const MotionSolveOptions& options,
   result.kept = options.keep && !server.isPrivate();
   requireConsistent(result);
 
-  for (const MotionFile& file : options.out)
-    exportSession(server, session.id(), file.format, {"--out", file.path});
-  if (!options.frames.empty()) writeFile(options.frames, frameTable(result));
-  if (!options.png.empty()) writeMotionPicture(server, options, result);
+  OutputFiles outputs;
+  for (const MotionFile& file : options.out) {
+    outputs.write([&] {
+      exportSession(server, session.id(), file.format, {"--out", file.path});
+    });
+  }
+  outputs.write([&] {
+    if (!options.frames.empty()) writeFile(options.frames, frameTable(result));
+  });
+  outputs.write([&] {
+    if (!options.png.empty()) writeMotionPicture(server, options, result);
+  });
   progress.clear();
   fmt::print("{}",
              common.json ? json::written(json::motion(result)) + "\n" : text::motion(result));
   if (options.keep) session.keep(result.kept && !common.json);
+  outputs.requireWritten();
   return 0;
 }
 

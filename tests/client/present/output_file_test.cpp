@@ -126,5 +126,23 @@ TEST_F(OutputFile, KnowsOneFileByTwoNames) {
   EXPECT_TRUE(same(folder_ / "hard", folder_ / "link"));
 }
 
+TEST_F(OutputFile, KeepsNoOtherFromBeingWritten) {
+  OutputFiles files;
+  for (const fs::path& path :
+       {fs::path("/dev/full"), folder_ / "ok", folder_ / "no" / "file"}) {
+    files.write([&] {
+      writeFile(path, "x");
+    });
+  }
+  EXPECT_EQ(readFile(folder_ / "ok"), "x");
+  try {
+    files.requireWritten();
+    FAIL();
+  } catch (const InvalidInput& error) {
+    EXPECT_THAT(error.what(), testing::MatchesRegex(".*/dev/full.*; .*no/file.*"));
+  }
+  EXPECT_NO_THROW(OutputFiles().requireWritten());
+}
+
 }  // namespace
 }  // namespace handgraft::client
