@@ -162,14 +162,19 @@ Parsed parse(const Words& words, const Names& names) {
 std::string helpFor(const Words& words, const Names& names) {
   Names all = names;
   all.commands = commandNames();
-  std::vector<const Command*> fitting;
+  std::vector<const Entry*> fitting;
   for (const Entry& entry : entries()) {
     const Match so_far = match(entry.pattern, words, all);
-    if (so_far.complete || so_far.place == words.size()) fitting.push_back(entry.command);
+    if (so_far.complete || so_far.place == words.size()) fitting.push_back(&entry);
   }
   std::string text;
-  for (const Command* command : fitting)
-    text += fmt::format("{}\n    {}\n", command->pattern, command->help);
+  for (const Entry* entry : fitting) {
+    text += fmt::format("{}\n    {}\n", entry->command->pattern, entry->command->help);
+    for (const Slot& slot : entry->pattern.slots) {
+      if (slot.kind != Kind::kFormat) continue;
+      text += fmt::format("    FORMAT: {}\n", fmt::join(choices(slot, all), ", "));
+    }
+  }
   return text;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "client/present/export_file.h"
 #include "core/base/error.h"
 #include "idl/fields.h"
 
@@ -203,8 +204,6 @@ std::string nameOf(const Slot& slot) {
 const std::vector<std::string>& choices(const Slot& slot, const Names& names) {
   static const std::vector<std::string> kNone;
   static const std::vector<std::string> kSides = idl::namesOf(idl::typeOf<v1::PatchSide>());
-  static const std::vector<std::string> kFormats =
-      idl::namesOf(idl::typeOf<v1::ExportFormat>());
   static const std::vector<std::string> kTopics = {"session",  "patches",   "joints",
                                                    "settings", "minima",    "history",
                                                    "transfer", "snapshots", "times"};
@@ -234,7 +233,7 @@ const std::vector<std::string>& choices(const Slot& slot, const Names& names) {
     case Kind::kSide:
       return kSides;
     case Kind::kFormat:
-      return kFormats;
+      return exportFormats();
     case Kind::kTopic:
       return kTopics;
     case Kind::kSolver:

@@ -58,6 +58,12 @@ fs::path writeHand(const v1::HandDescription& hand,
               quoted((folder / hashed).string()));
 }
 
+const std::vector<std::string>& exportFormats() {
+  static const std::vector<std::string> kFormats =
+      idl::namesOf(idl::typeOf<v1::ExportFormat>());
+  return kFormats;
+}
+
 void exportSession(Client& server,
                    std::uint64_t session_id,
                    const std::string& format,

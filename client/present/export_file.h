@@ -15,6 +15,9 @@ namespace handgraft::client {
 /// with its meshes.
 void writePicture(Client& server, const std::filesystem::path& png, const GraspResult& result);
 
+/// What a session can be written as by the server, for help and complaints.
+const std::vector<std::string>& exportFormats();
+
 /// Has the server write its session in a format, and keeps that in a file. For `problem`, the
 /// hand's URDF is written beside it (`writeHand`). Complaints name the file by `file.option`.
 /// Errors: InvalidInput for a file that may not be written; Refused for a format that is none.

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <memory>
 
 #include <CLI/CLI.hpp>
@@ -5,6 +6,7 @@
 #include "client/cli/options/command_options.h"
 #include "client/cli/options/grasp_flags.h"
 #include "client/cli/options/option_checks.h"
+#include "client/present/export_file.h"
 #include "core/base/error.h"
 
 namespace handgraft::client {
@@ -79,12 +81,15 @@ void addExport(CLI::App& app, CommandOptions& chosen) {
   CLI::App* command =
       app.add_subcommand("export", "Write a session's last solution for other programs");
   addSessionId(*command, parsed->options.session_id);
-  command
-      ->add_option("--format", parsed->options.format,
-                   "json, csv, obj, glb, isaac_grasp, problem or html")
-      ->required();
+  // The page is the client's own.
+  const std::string formats = fmt::format("{}, html", fmt::join(exportFormats(), ", "));
+  command->add_option("--format", parsed->options.format, formats)->required();
   command->add_option("--out", parsed->out, "The file")->required()->check(objectionToFile);
-  command->callback([parsed, &chosen] {
+  command->callback([parsed, formats, &chosen] {
+    const std::string& format = parsed->options.format;
+    const std::vector<std::string>& known = exportFormats();
+    if (format != "html" && std::find(known.begin(), known.end(), format) == known.end())
+      rejectInput("--format {}: there are {}", quoted(format), formats);
     parsed->options.out = parsed->out;
     chosen = parsed->options;
   });

@@ -22,13 +22,15 @@ constexpr MotionEnding kEndings[] = {{".json", "json"}, {".csv", "csv"},
                                      {".glb", "glb"},   {".npz", "npz"},
                                      {".xml", "mjcf"},  {".yaml", "ros_trajectory"}};
 
-MotionFile motionFileFrom(const std::string& path) {
+/// `more` are endings that the caller knows beside.
+MotionFile motionFileFrom(const std::string& path, const char* more = "") {
   std::string endings;
   for (const MotionEnding& one : kEndings) {
     if (std::filesystem::path(path).extension() == one.ending) return {path, one.format};
     endings += fmt::format("{}{}", endings.empty() ? "" : ", ", one.ending);
   }
-  rejectInput("--out {}: its ending says what it is to be: one of {}", quoted(path), endings);
+  rejectInput("--out {}: its ending says what it is to be: one of {}{}", quoted(path), endings,
+              more);
 }
 
 void requireObject(const std::string& object, const std::string& units) {
@@ -360,7 +362,7 @@ void addMotionExport(CLI::App& motion, CommandOptions& chosen) {
   command->callback([parsed, &chosen] {
     const bool is_page = std::filesystem::path(parsed->out).extension() == ".html";
     const MotionFile file =
-        is_page ? MotionFile{parsed->out, "html"} : motionFileFrom(parsed->out);
+        is_page ? MotionFile{parsed->out, "html"} : motionFileFrom(parsed->out, ", .html");
     chosen = ExportOptions{parsed->session_id, file.format, file.path};
   });
 }

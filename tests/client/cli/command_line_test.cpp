@@ -221,6 +221,10 @@ TEST(CommandLine, ReadsExportsAndSessionFiles) {
             "s.json");
   EXPECT_THAT(objectionTo({"session"}), HasSubstr("save, load, replay"));
   EXPECT_THAT(objectionTo({"export", "7"}), HasSubstr("--format"));
+  EXPECT_THAT(
+      objectionTo({"export", "7", "--format", "GLB", "--out", "a"}),
+      HasSubstr("'GLB': there are json, csv, obj, glb, isaac_grasp, problem, npz, mjcf, "
+                "ros_trajectory, html"));
 }
 
 TEST(CommandLine, NamesTheOptionThatIsWrong) {

@@ -54,6 +54,7 @@ TEST(MotionOptions, JoinIsCalledAfterItsFirstGrasp) {
 }
 
 TEST(MotionOptions, ExportKnowsItsFormatByTheEnding) {
+  EXPECT_EQ(parsedAs<ExportOptions>({"export", "3", "--out", "a.html"}).format, "html");
   EXPECT_EQ(parsedAs<ExportOptions>({"export", "3", "--out", "a.yaml"}).format,
             "ros_trajectory");
 }

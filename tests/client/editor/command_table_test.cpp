@@ -134,6 +134,7 @@ TEST(CommandTable, NamesTheWordThatIsWrongAndWhatIsPermitted) {
 TEST(CommandTable, LeavesModelsToTheServerAndKnowsFormats) {
   EXPECT_EQ(objectionTo("hand somebodys"), "");
   EXPECT_THAT(objectionTo("export stl a.stl"), HasSubstr("there are json, csv, obj, glb"));
+  EXPECT_THAT(helpFor({"export"}, {}), HasSubstr("FORMAT: json, csv, obj, glb"));
   EXPECT_EQ(objectionTo("restore later"), "");
 }
 
