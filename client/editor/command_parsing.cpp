@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "client/editor/command_table.h"
+#include "client/editor/quantity.h"
 #include "core/base/error.h"
 
 namespace handgraft::client::editor {
@@ -81,6 +82,11 @@ std::string listed(const std::vector<Slot>& slots, const Names& names) {
   return line;
 }
 
+/// `30 deg` in place of `30deg`.
+bool isPartedUnit(const std::string& number, const std::string& unit) {
+  return quantityOf(number) && !quantityOf(unit) && quantityOf(number + unit);
+}
+
 // The complaint of the patterns that fit furthest, taken together.
 [[noreturn]] void rejectWords(const Words& words,
                               const std::vector<Match>& matches,
@@ -105,6 +111,11 @@ std::string listed(const std::vector<Slot>& slots, const Names& names) {
     begun += (i == 0 ? "" : " ") + asWord(words[i]);
   if (furthest >= words.size()) {
     rejectInput("{}: there must follow {}", begun, listed(expected, names));
+  }
+  if (furthest > 0 && isPartedUnit(words[furthest - 1], words[furthest])) {
+    const std::string whole = words[furthest - 1] + words[furthest];
+    rejectInput("{}: {} may not stand alone; write {}", begun,
+                handgraft::quoted(words[furthest]), whole);
   }
   if (expected.empty()) {
     rejectInput("{}: nothing may follow, but there is {}", begun,

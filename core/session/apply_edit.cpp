@@ -49,11 +49,14 @@ class Editing {
   void apply(const JointLimitEdit& edit) {
     const std::string joint = "of joint " + quoted(edit.joint);
     DocumentJoint& limits = jointNamed(edit.joint);
-    requireWithin(edit.lower, -kLargestJointValue, kLargestJointValue, "lower limit " + joint);
-    requireWithin(edit.upper, -kLargestJointValue, kLargestJointValue, "upper limit " + joint);
+    const std::string unit = unitOf(edit.joint);
+    requireWithin(edit.lower, -kLargestJointValue, kLargestJointValue, "lower limit " + joint,
+                  unit);
+    requireWithin(edit.upper, -kLargestJointValue, kLargestJointValue, "upper limit " + joint,
+                  unit);
     if (edit.lower > edit.upper) {
-      rejectInput("lower limit {} {} is above its upper limit {}", edit.lower, joint,
-                  edit.upper);
+      rejectInput("lower limit {} {} {} is above its upper limit {} {}", edit.lower, unit,
+                  joint, edit.upper, unit);
     }
     limits.lower = edit.lower;
     limits.upper = edit.upper;
@@ -143,14 +146,22 @@ class Editing {
     return edited.document.joints[static_cast<std::size_t>(hand().model->dofIndex(name))];
   }
 
-  static void requireValue(const DocumentJoint& joint, const std::string& name, double value) {
+  /// Of a joint's values.
+  std::string unitOf(const std::string& joint) const {
+    const hand::HandModel& model = *hand().model;
+    const hand::Joint& moving = model.dofJoint(model.dofIndex(joint));
+    return moving.type == hand::JointType::kPrismatic ? "m" : "rad";
+  }
+
+  void requireValue(const DocumentJoint& joint, const std::string& name, double value) const {
     // The message names the limits themselves.
     if (value >= joint.lower - kBoundTolerance && value <= joint.upper + kBoundTolerance &&
         std::abs(value) <= kLargestJointValue) {
       return;
     }
     requireWithin(value, std::max(joint.lower, -kLargestJointValue),
-                  std::min(joint.upper, kLargestJointValue), "joint " + quoted(name));
+                  std::min(joint.upper, kLargestJointValue), "joint " + quoted(name),
+                  unitOf(name));
   }
 
   /// The user's pose is where the next solve starts, and what it stays close to (paper, III-E).

@@ -22,9 +22,12 @@ void requireRigid(const Pose& X, const char* what) {
   }
 }
 
-void requireWithin(double value, double least, double most, const std::string& what) {
+void requireWithin(
+    double value, double least, double most, const std::string& what, const std::string& unit) {
   if (!(value >= least && value <= most)) {
-    rejectInput("{} is {}; permitted are {} to {}", what, value, least, most);
+    const std::string behind = unit.empty() ? "" : " " + unit;
+    rejectInput("{} is {}{}; permitted are {} to {}{}", what, value, behind, least, most,
+                behind);
   }
 }
 

@@ -17,7 +17,12 @@ inline constexpr double kBoundTolerance = 1e-9;  // solver and optimiser agree o
 
 /// Errors of all: InvalidInput naming the thing, its value and the range.
 void requireRigid(const Pose& X, const char* what);
-void requireWithin(double value, double least, double most, const std::string& what);
+/// `unit` is told behind the numbers; empty: they have none.
+void requireWithin(double value,
+                   double least,
+                   double most,
+                   const std::string& what,
+                   const std::string& unit = {});
 void validateWeights(const optimize::Weights& weights);
 void validateShares(const optimize::PriorShares& shares);
 

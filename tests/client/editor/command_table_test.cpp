@@ -123,6 +123,8 @@ TEST(CommandTable, NamesTheWordThatIsWrongAndWhatIsPermitted) {
   EXPECT_THAT(objectionTo("dir thumb 20mm"), HasSubstr("'20mm'"));
   EXPECT_THAT(objectionTo("weights 1 2"), HasSubstr("NUMBER"));
   EXPECT_THAT(objectionTo("weights 1 2 3 4"), AllOf(HasSubstr("'4'"), HasSubstr("nothing")));
+  EXPECT_THAT(objectionTo("weights 1 2 3 deg"),
+              AllOf(HasSubstr("'deg'"), HasSubstr("write 3deg")));
   EXPECT_THAT(objectionTo("solve --solvr lm"),
               AllOf(HasSubstr("'--solvr'"), HasSubstr("--solver")));
   EXPECT_THAT(objectionTo("solve --paper --paper"), HasSubstr("--paper"));

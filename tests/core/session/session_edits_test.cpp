@@ -63,7 +63,8 @@ TEST(SessionEdit, ThatIsWrongChangesNothing) {
   refuses(PatchRootEdit{"thumb", Side::kHand, {0, {0.7, 0.7, 0.7}}}, "thumb");
   refuses(PatchDirectionEdit{"thumb", Side::kHand, kInfinity}, "inf");
   refuses(JointLimitEdit{"thumb_1", 1.0, 0.5}, "above its upper limit");
-  refuses(JointLimitEdit{"thumb_1", -kInfinity, 0.5}, "-inf");
+  refuses(JointLimitEdit{"thumb_1", -kInfinity, 0.5}, "-inf rad; permitted are");
+  refuses(JointSoftEdit{"thumb_1", 99.0, 1.0}, "'thumb_1' is 99 rad; permitted are");
   refuses(JointLimitEdit{"elbow", 0.0, 0.5}, "elbow");
   refuses(JointLockEdit{"elbow", true}, "elbow");
   refuses(PriorEdit{std::nullopt, {"thumb_1"}, {}}, "1 joints with 0 values");
