@@ -414,6 +414,8 @@ def _units_as_arguments() -> Iterator[None]:
 def _is_path(model: Any, option: str) -> bool:
     if isinstance(model, os.PathLike):
         return True
+    if isinstance(model, os.PathLike):
+        return True
     if not isinstance(model, str):
         raise TypeError(f"{option}: {model!r} is neither a model's name nor a file's path")
     return _handgraft.is_path(model)

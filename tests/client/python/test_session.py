@@ -81,6 +81,8 @@ def test_models_that_are_none_are_named(server):
         server.grasp(None, "lemon", "lemon_3")
     with pytest.raises(handgraft.InvalidInput, match="'nope.urdf': no such file"):
         server.grasp("nope.urdf", "lemon", "lemon_3")
+    with pytest.raises(handgraft.InvalidInput, match="'nope.urdf': no such file"):
+        server.grasp(pathlib.Path("nope.urdf"), "lemon", "lemon_3")
 
 
 def test_refusals_are_exceptions_with_the_servers_words(server):
