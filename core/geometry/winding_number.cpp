@@ -19,38 +19,6 @@ Eigen::Vector3d areaVector(const Eigen::Matrix3d& corners) {
   return 0.5 * (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0));
 }
 
-/// Whether a mesh, as a chain of triangles, has a border, for the component of each vertex.
-std::vector<char> haveBorders(const TriangleMesh& mesh,
-                              const std::vector<int>& component_of,
-                              int count) {
-  struct Side {
-    int low, high, direction;
-  };
-
-  std::vector<Side> sides;
-  sides.reserve(3 * static_cast<std::size_t>(mesh.faceCount()));
-  for (int f = 0; f < mesh.faceCount(); ++f) {
-    const Eigen::Vector3i face = mesh.face(f);
-    for (int i = 0; i < 3; ++i) {
-      const auto [low, high] = std::minmax(face[i], face[(i + 1) % 3]);
-      sides.push_back({low, high, face[i] == low ? 1 : -1});
-    }
-  }
-  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
-    return std::pair(a.low, a.high) < std::pair(b.low, b.high);
-  });
-  std::vector<char> borders(static_cast<std::size_t>(count), 0);
-  for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
-    int balance = 0;
-    for (; end < sides.size() && sides[end].low == sides[begin].low &&
-           sides[end].high == sides[begin].high;
-         ++end)
-      balance += sides[end].direction;
-    if (balance != 0) borders[component_of[sides[begin].low]] = 1;
-  }
-  return borders;
-}
-
 /// Four numbers in memory, moved whole: what is written in halves and read whole just after
 /// waits for both.
 using StoredLanes = double __attribute__((vector_size(32), aligned(8), may_alias));
@@ -82,7 +50,6 @@ WindingNumber::WindingNumber(const TriangleMesh& mesh) {
 
 std::vector<WindingNumber::Piece> WindingNumber::piecesOf(const TriangleMesh& mesh) {
   const auto [component_of, count] = mesh.components();
-  const std::vector<char> borders = haveBorders(mesh, component_of, count);
   std::vector<Piece> pieces(static_cast<std::size_t>(count));
   for (int f = 0; f < mesh.faceCount(); ++f) {
     const Eigen::Vector3i face = mesh.face(f);
@@ -94,7 +61,8 @@ std::vector<WindingNumber::Piece> WindingNumber::piecesOf(const TriangleMesh& me
     for (int i = 0; i < 3; ++i)
       piece.box.extend(corners.col(i));
     piece.corners.push_back(corners);
-    piece.is_closed = borders[component] == 0;
+    for (int h = 3 * f; h < 3 * f + 3; ++h)
+      piece.is_closed = piece.is_closed && mesh.twin(h) >= 0;
   }
   // Vertices without faces.
   std::erase_if(pieces, [](const Piece& piece) {

@@ -40,7 +40,7 @@ class WindingNumber {
   struct Piece {
     std::vector<Eigen::Matrix3d> corners;
     Eigen::AlignedBox3d box;
-    bool is_closed = false;
+    bool is_closed = true;  ///< every edge has two faces that agree
   };
 
   using Corners = std::vector<Eigen::Matrix3d>;  ///< of each face, as columns

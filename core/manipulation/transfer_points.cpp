@@ -75,8 +75,7 @@ TransferredMotion transferPoints(const Motion& motion,
   }
   for (const std::string& name : lacking) {
     laid.notes.push_back(
-        fmt::format("points of {} left out in part or whole: they lie on links that this hand "
-                    "does not have",
+        fmt::format("points of {} left out in part or whole: they are on no link of this hand",
                     quoted(name)));
   }
   return laid;

@@ -48,8 +48,8 @@ def connect(domain: int | None = None, interface: str | None = None, start: bool
     Handgraft takes it: HANDGRAFT_DOMAIN, HANDGRAFT_INTERFACE, HANDGRAFT_PEERS (parted by commas),
     HANDGRAFT_SERVER, HANDGRAFT_IDENTITY; a bad value there is InvalidInput that names the variable.
 
-    Where none answers within 2 s, one is started that ends with this program, unless ``start`` is
-    false; then NoServer is raised.
+    Where none answers within 0.5 s (2 s on other interfaces than ``lo``), one is started that
+    ends with this program, unless ``start`` is false; then NoServer is raised.
     """
     from_environment = [name for name, value in (("domain", domain), ("interface", interface), ("peers", peers),
                                                  ("server", server), ("identity", identity)) if value is None]
