@@ -149,11 +149,16 @@ Verdicts verdictsOf(const session::Session& session,
     if (patch.verdict != Verdict::kNone) ++asked;
     if (patch.verdict == Verdict::kReached) ++reached;
   }
+  std::string without;
+  if (const optimize::PatchLeftOut& one = verdicts.diagnosis.left_out; one.patch >= 0) {
+    without = fmt::format("; without {} {} of {} would be", nameOfPatch(session, one.patch),
+                          one.reached, one.others);
+  }
   const std::vector<std::string> pointless = patchesWithoutPoints(session, verdicts.diagnosis);
   asked += static_cast<int>(pointless.size());
   verdicts.line = report.outcome == optimize::Outcome::kInfeasible
                       ? "joint limits contradict each other"
-                      : fmt::format("{} of {} patches reached", reached, asked);
+                      : fmt::format("{} of {} patches reached", reached, asked) + without;
   if (!pointless.empty()) {
     verdicts.line += fmt::format("; {} {} no point on the hand", fmt::join(pointless, ", "),
                                  pointless.size() == 1 ? "has" : "have");
