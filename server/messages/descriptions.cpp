@@ -14,6 +14,7 @@
 #include "core/io/sites_file.h"
 #include "core/io/urdf_writer.h"
 #include "core/retargeting/motion_solving.h"
+#include "idl/fields.h"
 #include "server/base/rejection.h"
 #include "server/messages/convert.h"
 
