@@ -81,16 +81,6 @@ std::vector<int> anchorFrames(const MotionProblem& problem, const FrameProblems&
 
 }  // namespace
 
-hand::HandPose between(const hand::HandPose& from, const hand::HandPose& to, double share) {
-  hand::HandPose pose = from;
-  pose.q += share * (to.q - from.q);
-  pose.X_WH.translation() += share * (to.X_WH.translation() - from.X_WH.translation());
-  const Eigen::Vector3d turn =
-      vectorFromRotation(to.X_WH.linear() * from.X_WH.linear().transpose());
-  pose.X_WH.linear() = rotationFromVector(share * turn) * from.X_WH.linear();
-  return pose;
-}
-
 std::vector<hand::HandPose> joinedMinima(const MotionProblem& problem,
                                          const MotionOptions& options,
                                          const Progress& progress) {
@@ -153,7 +143,7 @@ std::vector<hand::HandPose> joinedMinima(const MotionProblem& problem,
       for (std::size_t j = 0; j < before.candidates.size(); ++j) {
         const Candidate& other = before.candidates[j];
         const double middle_cost =
-            objective.evaluate(between(other.pose, one.pose, 0.5)).objective;
+            objective.evaluate(poseBetween(other.pose, one.pose, 0.5)).objective;
         // From rest to rest over n frames the squares of second differences sum to 12 way^2 /
         // n^3.
         const double bend = 12.0 * options.smoothness *
@@ -191,8 +181,8 @@ std::vector<hand::HandPose> joinedMinima(const MotionProblem& problem,
     } else {
       const double begin = problem.time_s[static_cast<std::size_t>(anchors[next - 1].frame)];
       const double end = problem.time_s[static_cast<std::size_t>(anchors[next].frame)];
-      poses[k] =
-          between(chosen[next - 1], chosen[next], (problem.time_s[k] - begin) / (end - begin));
+      poses[k] = poseBetween(chosen[next - 1], chosen[next],
+                             (problem.time_s[k] - begin) / (end - begin));
     }
   }
   return poses;
@@ -211,8 +201,8 @@ void fillBetween(const MotionProblem& problem,
   const auto last = static_cast<std::size_t>(std::max(a, b));
   const double whole = problem.time_s[last] - problem.time_s[first];
   for (std::size_t k = first + 1; k < last; ++k) {
-    poses[k] =
-        between(poses[first], poses[last], (problem.time_s[k] - problem.time_s[first]) / whole);
+    poses[k] = poseBetween(poses[first], poses[last],
+                           (problem.time_s[k] - problem.time_s[first]) / whole);
   }
 }
 
@@ -261,6 +251,14 @@ double follow(const MotionProblem& problem,
   return sum;
 }
 
+/// So many frames take so long; one at least.
+int strideOf(const MotionProblem& problem, double seconds) {
+  const int steps = problem.frameCount() - 1;
+  if (steps < 1) return 1;
+  const double step_s = (problem.time_s.back() - problem.time_s.front()) / steps;
+  return std::clamp(static_cast<int>(std::lround(seconds / step_s)), 1, steps);
+}
+
 /// Frames in which as much touches as can be hoped for: the first of them, and those with most
 /// pairs in each part of the motion.
 std::vector<int> fullFrames(const MotionProblem& problem, const FrameProblems& frames) {
@@ -283,9 +281,9 @@ std::vector<hand::HandPose> followedMinima(const MotionProblem& problem,
                                            const MotionOptions& options,
                                            const Progress& progress,
                                            const std::vector<FramePose>& known) {
-  constexpr int kStride = 16;
+  constexpr double kStride_s = 16.0 * kReferenceStep_s;
+  constexpr double kClosely_s = 2.0 * kReferenceStep_s;  // what lies between is solved next
   constexpr int kFewestStarts = 16;
-  constexpr int kClosely = 2;  // of the best one; what lies between is solved next, with all
   const FrameProblems frames(problem, options.fade);
   MotionOptions following = options;
   following.smoothness = std::min(options.smoothness, kFollowedSmoothness);
@@ -313,14 +311,14 @@ std::vector<hand::HandPose> followedMinima(const MotionProblem& problem,
   const FramePose* best = &settings.front();
   double least = std::numeric_limits<double>::infinity();
   for (const FramePose& setting : settings) {
-    const double sum =
-        follow(problem, frames, following, setting, kStride, least, progress, poses);
+    const double sum = follow(problem, frames, following, setting, strideOf(problem, kStride_s),
+                              least, progress, poses);
     if (sum >= least) continue;
     least = sum;
     best = &setting;
   }
-  follow(problem, frames, following, *best, kClosely, std::numeric_limits<double>::infinity(),
-         progress, poses);
+  follow(problem, frames, following, *best, strideOf(problem, kClosely_s),
+         std::numeric_limits<double>::infinity(), progress, poses);
   return poses;
 }
 

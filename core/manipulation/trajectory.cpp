@@ -48,6 +48,16 @@ struct Series {
 
 }  // namespace
 
+hand::HandPose poseBetween(const hand::HandPose& from, const hand::HandPose& to, double share) {
+  hand::HandPose pose = from;
+  pose.q += share * (to.q - from.q);
+  pose.X_WH.translation() += share * (to.X_WH.translation() - from.X_WH.translation());
+  const Eigen::Vector3d turn =
+      vectorFromRotation(to.X_WH.linear() * from.X_WH.linear().transpose());
+  pose.X_WH.linear() = rotationFromVector(share * turn) * from.X_WH.linear();
+  return pose;
+}
+
 Smoothness measureSmoothness(const MotionProblem& problem,
                              const std::vector<hand::HandPose>& poses) {
   HANDGRAFT_REQUIRE(poses.size() == problem.time_s.size());

@@ -26,6 +26,10 @@ struct FramePose {
   hand::HandPose pose;
 };
 
+/// From one pose (share 0) to another (share 1): joints and place along a line, the rotation
+/// about one axis.
+hand::HandPose poseBetween(const hand::HandPose& from, const hand::HandPose& to, double share);
+
 /// How fast a trajectory goes, of its joints alone: rad or m, over time.
 struct Smoothness {
   double max_step = 0.0;  ///< from one frame to the next

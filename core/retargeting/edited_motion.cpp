@@ -11,11 +11,11 @@
 #include "core/geometry/tangent.h"
 #include "core/manipulation/causal_solver.h"
 #include "core/manipulation/offline_solver.h"
-#include "core/placement/place_slider.h"
 #include "core/placement/solids.h"
 #include "core/retargeting/motion_grasps.h"
 #include "core/retargeting/motion_layer.h"
 #include "core/retargeting/motion_places.h"
+#include "core/retargeting/motion_slides.h"
 #include "core/retargeting/motion_times.h"
 #include "core/session/field_bytes.h"
 #include "core/session/timed_edit.h"
@@ -31,7 +31,6 @@ using manipulation::PatchKey;
 using manipulation::PatchTrack;
 using manipulation::TransferredMotion;
 
-constexpr int kSlides = 10;
 constexpr std::size_t kFramesKept = 20000;  // of bases beside the last one, and of stretches
 
 }  // namespace
@@ -68,21 +67,6 @@ void measureDepths(const hand::Hand& hand,
         placement::deepestOf(hand.model, hand.skin, object_O, poses[k], progress);
   };
   parallelFor(range.end - range.first, measure, std::max(1, threads));
-}
-
-/// Eq. 2 of all frames. A point that is lost no longer counts: as if it were kLost_m off.
-double costOf(const MotionProblem& problem,
-              const manipulation::Fade& fade,
-              const manipulation::Trajectory& trajectory) {
-  double cost = 0.0;
-  const manipulation::FrameProblems frames(problem, fade);
-  for (std::size_t k = 0; k < trajectory.poses.size(); ++k) {
-    cost += trajectory.objective[k];
-    for (const optimize::PointPair& pair :
-         frames.at(static_cast<int>(k), trajectory.poses[k]).pairs)
-      cost -= problem.weights.distance * pair.weight * placement::kLost_m * placement::kLost_m;
-  }
-  return cost;
 }
 
 bool arePosesSame(const hand::HandPose& a, const hand::HandPose& b) {
@@ -183,7 +167,8 @@ std::shared_ptr<const SolvedMotion> EditedMotion::solve(const session::Document&
   return solved;
 }
 
-std::shared_ptr<const EditedMotion::Laid> EditedMotion::laid(const Work& work, bool anew) {
+std::shared_ptr<const EditedMotion::Laid> EditedMotion::laid(
+    const Work& work, bool anew, std::vector<hand::HandPose>& start) {
   session::FieldWriter writer;
   writer.add(work.document.hand);
   writer.add(work.document.transfer);
@@ -225,7 +210,7 @@ std::shared_ptr<const EditedMotion::Laid> EditedMotion::laid(const Work& work, b
         patch_key.patch = movedOver(*object_O_, patch_key.patch, shift);
     }
   }
-  std::vector<manipulation::FramePose> known;
+  std::optional<manipulation::MotionCharts> charts;
   if (before) {
     for (std::size_t t = 0; t < edited.tracks.size(); ++t)
       for (std::size_t i = 0; i < edited.tracks[t].keys.size(); ++i)
@@ -237,37 +222,19 @@ std::shared_ptr<const EditedMotion::Laid> EditedMotion::laid(const Work& work, b
       const std::vector<FrameGrasp> grasps = graspFrames(
           work.document, work.hand, object_O_, grasp_, edited, work.threads, work.progress);
       placeAsGrasped(grasps, edited);
+      std::vector<manipulation::FramePose> known;
       for (const FrameGrasp& grasp : grasps)
         known.push_back({grasp.frame, grasp.pose_O});
+      SlidPatches slid =
+          slidePatches({work.document, work.hand, object_O_, grasp_, work.solving}, known,
+                       work.progress, edited);
+      start = std::move(slid.poses_O);
+      charts = std::move(slid.charts);
     }
   }
-  TransferredMotion as_laid = layer.lay(edited, work.progress);
-  return std::make_shared<const Laid>(Laid{std::move(key), work.document.hand,
-                                           std::move(edited), std::move(as_laid),
-                                           std::move(known)});
-}
-
-std::vector<manipulation::PairTrack> EditedMotion::weighed(
-    const session::Document& document, const TransferredMotion& laid) const {
-  // The document's switches and weights, which it has by the patches' names.
-  const std::vector<std::string> names = patchNames(*motion_);
-  std::map<std::string, double> factors;
-  for (std::size_t i = 0; i < names.size() && i < document.patches.size(); ++i)
-    factors[names[i]] = shareOf(document.patches[i], grasp_.patches[i].weight);
-  std::vector<manipulation::PairTrack> tracks = laid.tracks;
-  bool any = false;
-  for (std::size_t t = 0; t < tracks.size(); ++t) {
-    const std::string& name = motion_->tracks[static_cast<std::size_t>(laid.track_of[t])].name;
-    const auto found = factors.find(name);
-    const double factor = found == factors.end() ? 1.0 : found->second;
-    any = any || factor > 0.0;
-    if (factor == 1.0) continue;
-    for (PairSpan& span : tracks[t].spans)
-      for (optimize::PointPair& pair : span.pairs)
-        pair.weight *= factor;
-  }
-  if (!any) rejectInput("all patches of motion {} are switched off", quoted(motion_->name));
-  return tracks;
+  TransferredMotion as_laid = layer.lay(edited, work.progress, {}, charts ? &*charts : nullptr);
+  return std::make_shared<const Laid>(
+      Laid{std::move(key), work.document.hand, std::move(edited), std::move(as_laid)});
 }
 
 const EditedMotion::Base& EditedMotion::base(const Work& work) {
@@ -287,8 +254,9 @@ const EditedMotion::Base& EditedMotion::base(const Work& work) {
   const bool goes_on = !work.from_nothing && before != nullptr &&
                        before->solving.causal == work.solving.causal &&
                        before->problem.model == solved.problem.model;
-  std::shared_ptr<const Laid> as_laid = laid(work, !goes_on);
-  solved.problem.tracks = weighed(document, as_laid->laid);
+  std::vector<hand::HandPose> start;
+  std::shared_ptr<const Laid> as_laid = laid(work, !goes_on, start);
+  solved.problem.tracks = weighed(document, grasp_, as_laid->motion, as_laid->laid);
   solved.track_of = as_laid->laid.track_of;
   holdThroughout(document, work.solving.options.fade, solved.problem);
   if (document.solving.avoids()) {
@@ -304,9 +272,7 @@ const EditedMotion::Base& EditedMotion::base(const Work& work) {
     solved.trajectory.notes.clear();
     solveAgain(solved.problem, options, 0, count, work.progress, solved.trajectory);
   } else {
-    solved.trajectory =
-        solveOffline(solved.problem, options, work.progress, {}, as_laid->known);
-    slide(work, as_laid, solved);
+    solved.trajectory = solveOffline(solved.problem, options, work.progress, start);
   }
   solved.notes = remarksOn(*motion_);
   solved.notes.insert(solved.notes.end(), as_laid->laid.notes.begin(),
@@ -323,39 +289,6 @@ const EditedMotion::Base& EditedMotion::base(const Work& work) {
     base = frames > kFramesKept ? bases_.erase(base) : std::next(base);
   }
   return bases_.front();
-}
-
-void EditedMotion::slide(const Work& work,
-                         std::shared_ptr<const Laid>& laid,
-                         SolvedMotion& solved) const {
-  const MotionPlaces places(work.document, work.hand, *object_O_, laid->motion);
-  const MotionLayer layer(work.document, work.hand, *object_O_, laid->motion);
-  manipulation::MotionCharts charts;
-  const manipulation::MotionOptions& options = work.solving.options;
-  const int count = solved.problem.frameCount();
-  Laid slid = *laid;
-  MotionProblem problem = solved.problem;
-  manipulation::Trajectory trajectory = solved.trajectory;
-  bool any = false;
-  for (int i = 0; i < kSlides && places.slide(trajectory.poses, slid.motion); ++i) {
-    any = true;
-    charts.uses_drafts = true;
-    slid.laid = layer.lay(slid.motion, work.progress, {}, &charts);
-    problem.tracks = weighed(work.document, slid.laid);
-    stepOn(problem, options, work.progress, trajectory);
-  }
-  if (!any) return;
-  charts.uses_drafts = false;
-  slid.laid = layer.lay(slid.motion, work.progress, {}, &charts);
-  problem.tracks = weighed(work.document, slid.laid);
-  solveAgain(problem, options, 0, count, work.progress, trajectory);
-  if (!(costOf(problem, options.fade, trajectory) <
-        costOf(solved.problem, options.fade, solved.trajectory)))
-    return;
-  solved.track_of = slid.laid.track_of;
-  solved.problem = std::move(problem);
-  solved.trajectory = std::move(trajectory);
-  laid = std::make_shared<const Laid>(std::move(slid));
 }
 
 void EditedMotion::solveStretches(const Work& work,

@@ -64,7 +64,6 @@ class EditedMotion {
     std::string hand;
     manipulation::Motion motion;
     manipulation::TransferredMotion laid;
-    std::vector<manipulation::FramePose> known;  ///< to set out from
   };
 
   /// An answer without edits at times, and what it answers.
@@ -84,15 +83,12 @@ class EditedMotion {
 
   struct Work;  ///< what one solve is about
 
-  /// Where the base before has the patches, if there is one; else where the motion has them.
-  std::shared_ptr<const Laid> laid(const Work& work, bool anew);
+  /// Where the base before has the patches, if there is one; else where the motion has them, or
+  /// where they slide to: then `start` is a pose a frame to set out from.
+  std::shared_ptr<const Laid> laid(const Work& work,
+                                   bool anew,
+                                   std::vector<hand::HandPose>& start);
   const Base& base(const Work& work);
-  /// Pairs of patches that are laid, as the document weighs them.
-  std::vector<manipulation::PairTrack> weighed(
-      const session::Document& document, const manipulation::TransferredMotion& laid) const;
-  /// Slides patches on the hand to where the answer shows them and solves again, as long as
-  /// that makes it better.
-  void slide(const Work& work, std::shared_ptr<const Laid>& laid, SolvedMotion& solved) const;
   void solveStretches(const Work& work, SolvedMotion& solved, const OnStretch& on_stretch);
 
   std::shared_ptr<const manipulation::Motion> motion_;

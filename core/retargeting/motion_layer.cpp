@@ -7,8 +7,10 @@
 #include "core/base/error.h"
 #include "core/geometry/log_map.h"
 #include "core/geometry/tangent.h"
+#include "core/hand/skin_planes.h"
 #include "core/manipulation/patch_path.h"
 #include "core/manipulation/transfer_points.h"
+#include "core/transfer/draft_charts.h"
 
 namespace handgraft::retargeting {
 
@@ -99,7 +101,10 @@ MotionLayer::MotionLayer(const session::Document& document,
       has_points_(
           std::any_of(motion.tracks.begin(), motion.tracks.end(), [](const PatchTrack& track) {
             return holdsRecordedPoints(track.keys.front());
-          })) {}
+          })) {
+  surfaces_.planes_S = hand::planesOf(hand.skin);
+  surfaces_.drafts_S = transfer::draftChartsOf(hand.skin);
+}
 
 TransferredMotion MotionLayer::lay(const Motion& motion,
                                    const Progress& progress,

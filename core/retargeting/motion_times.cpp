@@ -371,6 +371,30 @@ double shareOf(const session::DocumentPatch& patch, double own) {
   return own > 0.0 ? patch.effectiveWeight() / own : patch.effectiveWeight();
 }
 
+std::vector<PairTrack> weighed(const session::Document& document,
+                               const contact::ContactSet& grasp,
+                               const manipulation::Motion& motion,
+                               manipulation::TransferredMotion laid) {
+  // The document's switches and weights, which it has by the patches' names.
+  const std::vector<std::string> names = patchNames(motion);
+  std::map<std::string, double> factors;
+  for (std::size_t i = 0; i < names.size() && i < document.patches.size(); ++i)
+    factors[names[i]] = shareOf(document.patches[i], grasp.patches[i].weight);
+  bool any = false;
+  for (std::size_t t = 0; t < laid.tracks.size(); ++t) {
+    const std::string& name = motion.tracks[static_cast<std::size_t>(laid.track_of[t])].name;
+    const auto found = factors.find(name);
+    const double factor = found == factors.end() ? 1.0 : found->second;
+    any = any || factor > 0.0;
+    if (factor == 1.0) continue;
+    for (PairSpan& span : laid.tracks[t].spans)
+      for (optimize::PointPair& pair : span.pairs)
+        pair.weight *= factor;
+  }
+  if (!any) rejectInput("all patches of motion {} are switched off", quoted(motion.name));
+  return std::move(laid.tracks);
+}
+
 void holdThroughout(const session::Document& document,
                     const manipulation::Fade& fade,
                     MotionProblem& problem) {

@@ -13,6 +13,13 @@ namespace handgraft::retargeting {
 /// The document's switches and weights of a patch, as shares of the patch's own.
 double shareOf(const session::DocumentPatch& patch, double own);
 
+/// Pairs of patches that are laid, as the document weighs them. `motion`: the one that was
+/// laid; `grasp` stands for it. Errors: InvalidInput if all patches are switched off.
+std::vector<manipulation::PairTrack> weighed(const session::Document& document,
+                                             const contact::ContactSet& grasp,
+                                             const manipulation::Motion& motion,
+                                             manipulation::TransferredMotion laid);
+
 /// Joints that are held softly and places that were dragged, for all of the motion.
 void holdThroughout(const session::Document& document,
                     const manipulation::Fade& fade,

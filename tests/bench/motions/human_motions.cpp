@@ -249,7 +249,8 @@ Poses fromFrameToFrame(const HumanSequence& sequence,
 void follow(const HumanSequence& sequence,
             const hand::Hand& human,
             const Fingertips& human_tips,
-            const hand::Hand& hand) {
+            const hand::Hand& hand,
+            bool with_baselines) {
   const session::Session session(hand, sequence.object_O,
                                  retargeting::graspOf(sequence.motion, *sequence.object_O),
                                  Pose::Identity(), {});
@@ -262,6 +263,7 @@ void follow(const HumanSequence& sequence,
   for (const std::string& note : solved.notes)
     std::printf("%s: %s\n", hand.model->name().c_str(), note.c_str());
   printRow(sequence, hand, solved.problem, "contacts", solved.trajectory.poses, ms);
+  if (!with_baselines) return;
   const Fingertips tips = fingertipsOf(hand);
   const auto baseline = [&](const std::string& way, const auto& solve) {
     const double before = threadMilliseconds();
@@ -281,7 +283,10 @@ void follow(const HumanSequence& sequence,
 
 }  // namespace
 
-void runHumanMotions(const fs::path& data, const fs::path& library, const fs::path& cache) {
+void runHumanMotions(const fs::path& data,
+                     const fs::path& library,
+                     const fs::path& cache,
+                     bool with_baselines) {
   const hand::Hand human = readHuman(data / "contacts/grab_sequences", cache);
   const Fingertips tips = fingertipsOf(human);
   std::vector<hand::Hand> hands;
@@ -299,7 +304,7 @@ void runHumanMotions(const fs::path& data, const fs::path& library, const fs::pa
       "largest step rad | ms a frame |\n|---|---|---|---|---|---|---|---|---|---|\n");
   for (const HumanSequence& sequence : sequences)
     for (const hand::Hand& hand : hands)
-      follow(sequence, human, tips, hand);
+      follow(sequence, human, tips, hand, with_baselines);
 }
 
 }  // namespace handgraft::bench

@@ -14,6 +14,7 @@ namespace handgraft::bench {
 /// empty: it does not. Errors: InvalidInput naming what cannot be read.
 void runHumanMotions(const std::filesystem::path& data,
                      const std::filesystem::path& library,
-                     const std::filesystem::path& cache);
+                     const std::filesystem::path& cache,
+                     bool with_baselines);
 
 }  // namespace handgraft::bench

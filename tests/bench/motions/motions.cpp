@@ -50,6 +50,7 @@ struct MotionsArguments {
   bool edits = false;
   int single = 0;
   bool offline_only = false;
+  bool no_baselines = false;
   bool human = false;
 };
 
@@ -321,7 +322,8 @@ void runGrowth(const Sequence& sequence, const MotionOptions& options, int most)
 void runMotions(const MotionsArguments& arguments) {
   if (arguments.human) {
     if (arguments.data.empty()) rejectInput("--human: needs the folder of recordings");
-    runHumanMotions(arguments.data, arguments.library, arguments.cache);
+    runHumanMotions(arguments.data, arguments.library, arguments.cache,
+                    !arguments.no_baselines);
     return;
   }
   if (!arguments.library.empty()) {
@@ -384,6 +386,8 @@ void addMotionsCommand(CLI::App& app) {
   command->add_flag("--human", arguments->human,
                     "The human's own contact areas, beside fingertip kinematics and DexPilot, "
                     "and no more");
+  command->add_flag("--no-baselines", arguments->no_baselines,
+                    "With --human: contacts alone, without fingertips and DexPilot");
   command->add_flag("--offline", arguments->offline_only, "All frames at once alone");
   command->add_option(
       "--single", arguments->single,
