@@ -1,6 +1,7 @@
 #include "core/formats/json_keys.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
@@ -23,6 +24,18 @@ std::optional<std::string> unknownKeyIn(const nlohmann::json& value,
 std::string shown(const nlohmann::json& value) {
   if (value.is_structured()) return fmt::format("an {}", value.type_name());
   return handgraft::quoted(value.dump());
+}
+
+const nlohmann::json& memberOf(const nlohmann::json& value, const char* name) {
+  const auto found = value.find(name);  // the end of what is no object
+  if (found == value.end()) rejectInput("field '{}' is missing", name);
+  return *found;
+}
+
+double finiteFrom(const nlohmann::json& value, const char* name) {
+  if (!value.is_number() || !std::isfinite(value.get<double>()))
+    rejectInput("field '{}' is {}; it must be a finite number", name, shown(value));
+  return value.get<double>();
 }
 
 }  // namespace handgraft::formats

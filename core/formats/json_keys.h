@@ -17,4 +17,10 @@ std::optional<std::string> unknownKeyIn(const nlohmann::json& value,
 /// object" else, which may be nested deeper than the stack.
 std::string shown(const nlohmann::json& value);
 
+/// A field that must be there. Errors: InvalidInput naming it, also if `value` is no object.
+const nlohmann::json& memberOf(const nlohmann::json& value, const char* name);
+
+/// Errors: InvalidInput, with `name` as the field's, if it is no finite number.
+double finiteFrom(const nlohmann::json& value, const char* name);
+
 }  // namespace handgraft::formats

@@ -20,6 +20,8 @@
 namespace handgraft::io {
 namespace {
 
+using formats::finiteFrom;
+using formats::memberOf;
 using manipulation::Motion;
 using manipulation::PatchKey;
 using manipulation::PatchTrack;
@@ -27,17 +29,6 @@ using nlohmann::json;
 
 constexpr double kSequenceReach_m = 0.01;
 constexpr double kHighestRate = 1e5;  // frames a second
-
-const json& memberOf(const json& object, const char* name) {
-  if (!object.is_object() || !object.contains(name)) rejectInput("field '{}' is missing", name);
-  return object[name];
-}
-
-double finiteFrom(const json& value, const char* name) {
-  if (!value.is_number() || !std::isfinite(value.get<double>()))
-    rejectInput("field '{}' is {}; it must be a finite number", name, formats::shown(value));
-  return value.get<double>();
-}
 
 Eigen::Vector3d placeIn(const json& object, const char* name) {
   const json& value = memberOf(object, name);

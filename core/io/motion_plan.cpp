@@ -24,7 +24,6 @@ namespace {
 
 using manipulation::Motion;
 using nlohmann::json;
-using FileOf = std::function<std::filesystem::path(const std::string&)>;
 
 constexpr const char* kPlanFormat = "handgraft-motion-plan/1";
 
@@ -48,12 +47,17 @@ std::string textIn(const json& root, const char* name) {
   return field->get<std::string>();
 }
 
-double numberIn(const json& root, const char* name, double otherwise) {
+std::optional<double> numberIn(const json& root, const char* name) {
   const auto field = root.find(name);
-  if (field == root.end()) return otherwise;
+  if (field == root.end()) return std::nullopt;
   if (!field->is_number())
     rejectInput("field '{}' is {}; it must be a number", name, formats::shown(*field));
   return field->get<double>();
+}
+
+bool isPlan(const json& root) {
+  const auto format = root.find("format");
+  return format != root.end() && *format == kPlanFormat;
 }
 
 Motion joinedFrom(const json& root, const MeshFile& object, const FileOf& fileOf) {
@@ -67,11 +71,11 @@ Motion joinedFrom(const json& root, const MeshFile& object, const FileOf& fileOf
   if (first.empty() || path.empty())
     rejectInput("field '{}' is missing", first.empty() ? "first" : "path");
   manipulation::TwoGraspOptions options;
-  options.rate = numberIn(root, "rate_hz", options.rate);
-  options.slide_begin = numberIn(root, "slide_begin_share", options.slide_begin);
-  options.slide_end = numberIn(root, "slide_end_share", options.slide_end);
-  options.vanish = numberIn(root, "vanish_share", options.vanish);
-  options.appear = numberIn(root, "appear_share", options.appear);
+  options.rate = numberIn(root, "rate_hz").value_or(options.rate);
+  options.slide_begin = numberIn(root, "slide_begin_share").value_or(options.slide_begin);
+  options.slide_end = numberIn(root, "slide_end_share").value_or(options.slide_end);
+  options.vanish = numberIn(root, "vanish_share").value_or(options.vanish);
+  options.appear = numberIn(root, "appear_share").value_or(options.appear);
   std::vector<manipulation::ObjectKey> keys;
   for (const TimedPose& pose : readKeyframes(fileOf(path)))
     keys.push_back({pose.time_s, pose.X_WO});
@@ -98,11 +102,14 @@ Motion readMotionFrom(const std::filesystem::path& path,
                       const FileOf& fileOf) {
   if (isNpz(readFileBytes(path))) return readDemonstratedMotion(path, object.mesh);
   const json root = rootOf(path);
+  if (root.value("format", json()) == kTrajectoryFormat)
+    rejectInput("{}: is what a hand did; it takes that hand to tell what it touched",
+                quoted(path.string()));
   if (root.contains("frames")) return readContactSequence(path, object.mesh, "");
   const auto format = root.find("format");
   if (format != root.end() && *format == formats::kDemonstrationFormat)
     return readDemonstratedMotion(path, object.mesh);
-  if (format == root.end() || *format != kPlanFormat) return readMotion(path, object.mesh);
+  if (!isPlan(root)) return readMotion(path, object.mesh);
   std::string name;
   Motion motion = [&] {
     try {
@@ -114,6 +121,31 @@ Motion readMotionFrom(const std::filesystem::path& path,
   }();
   if (!name.empty()) motion.name = name;
   return motion;
+}
+
+std::optional<HandTrajectoryPlan> readHandTrajectoryPlan(const std::filesystem::path& path,
+                                                         const FileOf& fileOf) {
+  if (isNpz(readFileBytes(path))) return std::nullopt;
+  const json root = rootOf(path);
+  if (!isPlan(root) || !root.contains("hand_trajectory")) return std::nullopt;
+  HandTrajectoryPlan plan;
+  std::string trajectory;
+  try {
+    if (const auto fault = formats::unknownKeyIn(
+            root,
+            {"format", "name", "object", "hand", "hand_trajectory", "reach_m", "every_s"}))
+      rejectInput("{}", *fault);
+    plan.name = textIn(root, "name");
+    plan.hand = textIn(root, "hand");
+    if (plan.hand.empty()) rejectInput("field 'hand' is missing");
+    trajectory = textIn(root, "hand_trajectory");
+    plan.reach_m = numberIn(root, "reach_m");
+    plan.every_s = numberIn(root, "every_s");
+  } catch (const InvalidInput& error) {
+    rejectInput("{}: {}", quoted(path.string()), error.what());
+  }
+  plan.trajectory = readHandTrajectory(fileOf(trajectory));
+  return plan;
 }
 
 std::string objectOfMotion(const std::filesystem::path& path) {

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
+#include "core/io/hand_trajectory_file.h"
 #include "core/io/npz_file.h"
 #include "core/io/trajectory_rows.h"
 
@@ -105,7 +106,7 @@ std::string trajectoryJson(const HandTrajectory& trajectory) {
   const TrajectoryRows rows = rowsOf(trajectory);
   const retargeting::MotionFits fits(*trajectory.contacts, *trajectory.solved);
   const auto joints = static_cast<Eigen::Index>(rows.joint_names.size());
-  json document = {{"format", "handgraft-trajectory/1"},
+  json document = {{"format", kTrajectoryFormat},
                    {"hand", trajectory.hand},
                    {"object", trajectory.object},
                    {"motion", trajectory.motion},

@@ -7,6 +7,7 @@
 #include "core/base/error.h"
 #include "server/base/rejection.h"
 #include "server/handlers/enter_model.h"
+#include "server/handlers/hand_trajectory.h"
 #include "server/messages/load_messages.h"
 #include "server/reading/packed.h"
 #include "server/reading/units.h"
@@ -26,6 +27,14 @@ std::string contentOf(ReadRequest reading,
   hash.addText(of_files);
   hash.addText(pack(reading));
   hash.addText(object);
+  return hash.finish();
+}
+
+/// Of files that mean something with a hand alone.
+std::string contentOfBoth(const std::string& of_files, const std::string& of_hand) {
+  ContentHash hash;
+  hash.addText(of_files);
+  hash.addText(of_hand);
   return hash.finish();
 }
 
@@ -107,8 +116,15 @@ class Loading {
   v1::ModelList loadMotion(std::string object) {
     const auto stored = context_.models.object(object);
     reading_.contacts.object = stored->file;
-    auto read_motion = read<ReadMotion>(reading_);
-    const Origin from = origin(object);
+    ReadModel model = context_.reader.read(reading_, progress_);
+    Origin from = origin(object);
+    if (const auto* what = std::get_if<ReadHandTrajectory>(&model)) {
+      const auto hand = context_.models.hand(what->plan.hand);
+      from.content = contentOfBoth(from.content, hand->origin.content);
+      model = ReadMotion{motionOfTrajectory(what->plan, *hand, stored->file->mesh, progress_)};
+    }
+    read_bytes_ = pack(model);
+    auto read_motion = std::get<ReadMotion>(std::move(model));
     return enter(storedMotion(reading_.name, from, std::move(read_motion), stored->file,
                               std::move(object)),
                  stored.get());

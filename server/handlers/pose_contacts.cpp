@@ -1,8 +1,5 @@
 #include "server/handlers/pose_contacts.h"
 
-#include <algorithm>
-#include <cmath>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,8 +7,8 @@
 #include "core/base/content_hash.h"
 #include "core/base/error.h"
 #include "core/demonstration/posed_hand_contacts.h"
-#include "core/hand/floating_base.h"
 #include "server/handlers/enter_model.h"
+#include "server/handlers/named_joints.h"
 #include "server/messages/convert.h"
 #include "server/messages/load_messages.h"
 #include "server/reading/packed.h"
@@ -19,10 +16,6 @@
 namespace handgraft::server {
 
 namespace {
-
-constexpr double kShortestReach_m = 1e-4;
-constexpr double kLongestReach_m = 0.1;
-constexpr double kLimitTolerance = 1e-6;  // rad or m; what files round away
 
 /// The pose as far as the request and the hand say it.
 struct AskedPose {
@@ -41,77 +34,19 @@ Eigen::VectorXd startOf(const v1::PoseContactsRequest& request, const StoredHand
               handgraft::quoted(request.start_pose()), names.empty() ? "none" : names);
 }
 
-/// The dof of the hand's floating base that is called so; -1 if there is none.
-int freeRootDof(const StoredHand& hand, const std::string& joint) {
-  if (!hand.floating_base) return -1;
-  const std::vector<std::string> names = hand.floating_base->dofNames();
-  const auto at = std::find(names.begin(), names.end(), joint);
-  return at == names.end() ? -1 : static_cast<int>(at - names.begin());
-}
-
-void noteLimits(const hand::HandModel& model,
-                const Eigen::VectorXd& q,
-                std::vector<std::string>& notes) {
-  for (int dof = 0; dof < model.dofCount(); ++dof) {
-    const double lower = model.lower()[dof];
-    const double upper = model.upper()[dof];
-    if (q[dof] >= lower - kLimitTolerance && q[dof] <= upper + kLimitTolerance) continue;
-    notes.push_back(
-        fmt::format("joint {}: {:.4g} is beyond its limits {:.4g} to {:.4g}; taken "
-                    "as it is",
-                    handgraft::quoted(model.dofJoint(dof).name), q[dof], lower, upper));
-  }
-}
-
 AskedPose askedPoseFrom(const v1::PoseContactsRequest& request, const StoredHand& hand) {
-  if (request.joints().size() != request.joint_positions().size()) {
-    rejectInput("pose: {} joints but {} values", request.joints().size(),
-                request.joint_positions().size());
+  const std::vector<double>& values = request.joint_positions();
+  if (request.joints().size() != values.size()) {
+    rejectInput("pose: {} joints but {} values", request.joints().size(), values.size());
   }
-  const hand::HandModel& model = hand.hand->model();
+  const NamedJoints joints(hand, request.joints(), NamedJoints::Followers::kRefused);
   AskedPose asked;
-  Eigen::VectorXd& q = asked.pose.q;
-  q = startOf(request, hand);
-  Eigen::VectorXd q_root;
-  if (hand.floating_base) q_root = hand.floating_base->restPose();
-
-  std::set<std::string> named;
-  std::string of_root;
-  for (std::size_t i = 0; i < request.joints().size(); ++i) {
-    const std::string& joint = request.joints()[i];
-    const double value = request.joint_positions()[i];
-    if (!std::isfinite(value)) {
-      rejectInput("joint {}: {} is not finite", handgraft::quoted(joint), value);
-    }
-    if (!named.insert(joint).second) {
-      rejectInput("joint {} is named twice", handgraft::quoted(joint));
-    }
-    if (const int dof = freeRootDof(hand, joint); dof >= 0) {
-      q_root[dof] = value;
-      of_root = joint;
-    } else {
-      q[model.dofIndex(joint)] = value;
-    }
-  }
-  if (!of_root.empty() && !request.X_WH().empty()) {
-    rejectInput("the pose of the hand's root is given twice: by X_WH and by joint {}",
-                handgraft::quoted(of_root));
-  }
-  asked.pose.X_WH = of_root.empty() ? server::poseFrom(request.X_WH(), "X_WH")
-                                    : hand::carriedPose(*hand.floating_base, q_root);
-  noteLimits(model, q, asked.notes);
+  asked.pose = joints.poseAt(
+      Eigen::VectorXd::Map(values.data(), static_cast<Eigen::Index>(values.size())),
+      startOf(request, hand), server::poseFrom(request.X_WH(), "X_WH"),
+      !request.X_WH().empty());
+  asked.notes = beyondLimits(hand.hand->model(), {asked.pose});
   return asked;
-}
-
-contact::PoseContactOptions reachFrom(const v1::PoseContactsRequest& request) {
-  contact::PoseContactOptions options;
-  if (request.reach_m() == 0.0) return options;
-  if (!(request.reach_m() >= kShortestReach_m && request.reach_m() <= kLongestReach_m)) {
-    rejectInput("reach is {} m; permitted are {} to {}", request.reach_m(), kShortestReach_m,
-                kLongestReach_m);
-  }
-  options.reach_m = request.reach_m();
-  return options;
 }
 
 contact::SegmentationOptions segmentationOf(const v1::PoseContactsRequest& request) {
@@ -150,6 +85,19 @@ std::string contentOf(const v1::PoseContactsRequest& request,
 
 }  // namespace
 
+contact::PoseContactOptions reachFrom(double reach_m) {
+  constexpr double kShortestReach_m = 1e-4;
+  constexpr double kLongestReach_m = 0.1;
+  contact::PoseContactOptions options;
+  if (reach_m == 0.0) return options;
+  if (!(reach_m >= kShortestReach_m && reach_m <= kLongestReach_m)) {
+    rejectInput("reach is {} m; permitted are {} to {}", reach_m, kShortestReach_m,
+                kLongestReach_m);
+  }
+  options.reach_m = reach_m;
+  return options;
+}
+
 v1::ModelList contactsOfPose(const v1::PoseContactsRequest& request,
                              HandlerContext& context,
                              const RequestKey& by,
@@ -158,7 +106,7 @@ v1::ModelList contactsOfPose(const v1::PoseContactsRequest& request,
   const auto hand = context.models.hand(request.hand());
   const auto object = context.models.object(request.object());
   const Pose X_WO = poseFrom(request.X_WO(), "X_WO");
-  const contact::PoseContactOptions reach = reachFrom(request);
+  const contact::PoseContactOptions reach = reachFrom(request.reach_m());
   const contact::SegmentationOptions segmentation = segmentationOf(request);
   AskedPose asked = askedPoseFrom(request, *hand);
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/base/progress.h"
+#include "core/contact/pose_contacts.h"
 #include "idl/models.h"
 #include "server/handlers/handler_context.h"
 
@@ -17,5 +18,8 @@ v1::ModelList contactsOfPose(const v1::PoseContactsRequest& request,
                              HandlerContext& context,
                              const RequestKey& by,
                              const Progress& progress);
+
+/// The distance at which contact ends; 0: the default. Errors: InvalidInput outside 0.1-100 mm.
+contact::PoseContactOptions reachFrom(double reach_m);
 
 }  // namespace handgraft::server

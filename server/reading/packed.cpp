@@ -141,6 +141,10 @@ ReadMotion takeMotionOn(ByteReader& in, const io::MeshFile* object) {
   return {takeMotion(in, object->mesh)};
 }
 
+void putModel(ByteWriter& out, const ReadHandTrajectory& read) {
+  put(out, read.plan);
+}
+
 }  // namespace
 
 std::string pack(const ReadRequest& request) {
@@ -191,7 +195,7 @@ std::string pack(const ReadModel& model) {
 ReadModel unpackModel(std::string_view bytes, const io::MeshFile* object) {
   ByteReader in(bytes);
   const auto take = [&]() -> ReadModel {
-    switch (in.one(ReadKind::kMotion)) {
+    switch (in.one(ReadKind::kHandTrajectory)) {
       case ReadKind::kHand:
         return takeHand(in);
       case ReadKind::kObject:
@@ -202,6 +206,8 @@ ReadModel unpackModel(std::string_view bytes, const io::MeshFile* object) {
         return ObjectName{in.text(kLongestName)};
       case ReadKind::kMotion:
         return takeMotionOn(in, object);
+      case ReadKind::kHandTrajectory:
+        return ReadHandTrajectory{takeHandTrajectoryPlan(in)};
     }
     throw BrokenContract("a kind of model that does not exist");
   };

@@ -187,12 +187,15 @@ ReadContacts readContacts(const ReadRequest& request) {
 
 // === Motions
 
-ReadMotion readMotion(const ReadRequest& request) {
+ReadModel readMotion(const ReadRequest& request) {
   HANDGRAFT_REQUIRE(request.contacts.object != nullptr);
-  return {io::readMotionFrom(fileOf(request, request.main_uri), *request.contacts.object,
-                             [&](const std::string& uri) {
-                               return fileOf(request, uri);
-                             })};
+  const std::filesystem::path path = fileOf(request, request.main_uri);
+  const io::FileOf named = [&](const std::string& uri) {
+    return fileOf(request, uri);
+  };
+  if (auto plan = io::readHandTrajectoryPlan(path, named))
+    return ReadHandTrajectory{std::move(*plan)};
+  return ReadMotion{io::readMotionFrom(path, *request.contacts.object, named)};
 }
 
 }  // namespace
@@ -203,6 +206,11 @@ std::vector<std::filesystem::path> filesOf(const ReadRequest& request) {
   for (const auto& [uri, file] : request.files)
     files.push_back(file);
   return files;
+}
+
+bool answers(const ReadModel& model, ReadKind asked) {
+  const auto kind = static_cast<ReadKind>(model.index());
+  return kind == asked || (asked == ReadKind::kMotion && kind == ReadKind::kHandTrajectory);
 }
 
 ReadModel readModel(const ReadRequest& request, const Progress& progress) {
@@ -219,6 +227,8 @@ ReadModel readModel(const ReadRequest& request, const Progress& progress) {
       return ObjectName{io::objectNameIn(fileOf(request, request.main_uri))};
     case ReadKind::kMotion:
       return readMotion(request);
+    case ReadKind::kHandTrajectory:
+      break;
   }
   throw BrokenContract("a kind of model that does not exist");
 }

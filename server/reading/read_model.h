@@ -17,6 +17,7 @@
 #include "core/hand/skin.h"
 #include "core/io/contact_map_file.h"
 #include "core/io/mesh_file.h"
+#include "core/io/motion_plan.h"
 #include "core/manipulation/motion.h"
 
 /// From the files of an upload to a model: plain structs in and out, no message, no server, so
@@ -49,6 +50,7 @@ enum class ReadKind {
   kContacts,
   kObjectName,  ///< of contacts and motions: which object they say they lie on, nothing else
   kMotion,
+  kHandTrajectory,  ///< nobody asks for it: what reading a motion may bring instead
 };
 
 struct ReadRequest {
@@ -93,8 +95,17 @@ struct ReadMotion {
   manipulation::Motion motion;
 };
 
-/// The kind of the request, in its order.
-using ReadModel = std::variant<ReadHand, io::MeshFile, ReadContacts, ObjectName, ReadMotion>;
+/// What a hand of the server did: it is yet to be told what that hand touched.
+struct ReadHandTrajectory {
+  io::HandTrajectoryPlan plan;
+};
+
+/// In the order of ReadKind.
+using ReadModel = std::
+    variant<ReadHand, io::MeshFile, ReadContacts, ObjectName, ReadMotion, ReadHandTrajectory>;
+
+/// Whether reading what was asked for may bring such a model.
+bool answers(const ReadModel& model, ReadKind asked);
 
 /// Reads what is asked for.
 ///

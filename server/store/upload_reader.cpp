@@ -217,7 +217,7 @@ ReadModel UploadReader::read(const ReadRequest& request, const Progress& progres
   std::string fault;
   try {
     ReadModel model = unpackModel(answer->payload, request.contacts.object.get());
-    if (model.index() == static_cast<std::size_t>(request.kind)) return model;
+    if (answers(model, request.kind)) return model;
     fault = "another kind of model";
   } catch (const InvalidInput& error) {
     fault = fmt::format("a model that is none ({})", error.what());

@@ -30,6 +30,48 @@ TEST_F(MotionTest, AMotionIsAModelAsAnyOther) {
   EXPECT_EQ(bus.ask(test::unloadModel(v1::MODEL_MOTION, "again")).error(), v1::ERROR_NOT_FOUND);
 }
 
+TEST_F(MotionTest, WhatAHandDidIsWhatItTouched) {
+  const std::uint64_t session = open();
+  ASSERT_EQ(bus.ask(solveMotion(session)).error(), v1::ERROR_NONE);
+  const std::vector<std::uint8_t> exported =
+      bus.ask(exportAs(session, v1::EXPORT_JSON)).body().exported_file().content();
+  const std::string done(exported.begin(), exported.end());
+  std::uint64_t upload = 60;
+  const auto loadDone = [&](const std::string& name, const std::string& plan) {
+    ++upload;
+    bus.ask(test::putFile(upload, "plan.json", plan));
+    bus.ask(test::putFile(upload, "done.json", done));
+    return bus.ask(test::loadModel(upload, v1::MODEL_MOTION, name, "plan.json", "fruit"));
+  };
+  const auto planOf = [](const std::string& more) {
+    return R"({"format": "handgraft-motion-plan/1", "hand_trajectory": "done.json")" + more +
+           "}";
+  };
+  const v1::Reply loaded = loadDone("done", planOf(R"(, "hand": "clamp")"));
+  ASSERT_EQ(loaded.error(), v1::ERROR_NONE) << loaded.message();
+  const v1::MotionDescription motion =
+      bus.ask(test::describeModel(v1::MODEL_MOTION, "done", true)).body().model().motion();
+  EXPECT_EQ(motion.frame_count(), 16u);
+  EXPECT_EQ(motion.object(), "fruit");
+  EXPECT_FALSE(motion.patches().empty());
+  ASSERT_FALSE(motion.notes().empty());
+  EXPECT_THAT(motion.notes()[0], HasSubstr("what hand 'clamp' touches on its way"));
+
+  // The same once more changes nothing; of another reach it is another motion.
+  EXPECT_EQ(loadDone("done", planOf(R"(, "hand": "clamp")")).error(), v1::ERROR_NONE);
+  EXPECT_EQ(loadDone("done", planOf(R"(, "hand": "clamp", "reach_m": 0.012)")).error(),
+            v1::ERROR_CONFLICT);
+
+  const v1::Reply of_nobody = loadDone("other", planOf(R"(, "hand": "glove")"));
+  EXPECT_EQ(of_nobody.error(), v1::ERROR_NOT_FOUND);
+  EXPECT_THAT(of_nobody.message(), HasSubstr("glove"));
+  const v1::Reply far = loadDone("other", planOf(R"(, "hand": "clamp", "reach_m": 3)"));
+  EXPECT_EQ(far.error(), v1::ERROR_INVALID_INPUT);
+  EXPECT_THAT(far.message(), HasSubstr("reach is 3 m; permitted are 0.0001 to 0.1"));
+  const v1::Reply seldom = loadDone("other", planOf(R"(, "hand": "clamp", "every_s": -1)"));
+  EXPECT_THAT(seldom.message(), HasSubstr("every -1 s; permitted are 0.001 to 10"));
+}
+
 /// A server that has no models but its own.
 struct BareServer {
   BareServer() { service.start(); }

@@ -184,6 +184,37 @@ ReadMotion smallMotion(const ReadRequest& map) {
   return {motion};
 }
 
+/// Two frames of a hand with one joint.
+ReadHandTrajectory smallTrajectory() {
+  ReadHandTrajectory read;
+  read.plan.name = "small";
+  read.plan.hand = "clamp";
+  read.plan.every_s = 0.02;
+  read.plan.trajectory.joints = {"close"};
+  read.plan.trajectory.tells_root = true;
+  read.plan.trajectory.frames.resize(2);
+  for (io::HandTrajectoryFile::Frame& frame : read.plan.trajectory.frames)
+    frame.q = Eigen::VectorXd::Constant(1, 0.25);
+  read.plan.trajectory.frames[1].time_s = 0.5;
+  read.plan.trajectory.frames[1].X_WO.translation().x() = 0.1;
+  return read;
+}
+
+TEST(Packed, AHandsTrajectoryComesBack) {
+  const ReadHandTrajectory before = smallTrajectory();
+  const auto after = std::get<ReadHandTrajectory>(unpackModel(pack(ReadModel(before))));
+  EXPECT_EQ(after.plan.name, "small");
+  EXPECT_EQ(after.plan.hand, "clamp");
+  EXPECT_EQ(after.plan.reach_m, std::nullopt);
+  EXPECT_EQ(after.plan.every_s, 0.02);
+  EXPECT_EQ(after.plan.trajectory.joints, before.plan.trajectory.joints);
+  EXPECT_TRUE(after.plan.trajectory.tells_root);
+  ASSERT_EQ(after.plan.trajectory.frames.size(), 2u);
+  EXPECT_EQ(after.plan.trajectory.frames[1].time_s, 0.5);
+  EXPECT_EQ(after.plan.trajectory.frames[1].q[0], 0.25);
+  EXPECT_EQ(after.plan.trajectory.frames[1].X_WO.translation().x(), 0.1);
+}
+
 /// A small model of each kind, its bytes, and the object it lies on.
 std::vector<std::pair<std::string, std::shared_ptr<const io::MeshFile>>> smallModels() {
   ReadRequest hand = clampRequest();
@@ -194,7 +225,8 @@ std::vector<std::pair<std::string, std::shared_ptr<const io::MeshFile>>> smallMo
           {pack(readModel(object, Progress())), nullptr},
           {pack(readModel(map, Progress())), map.contacts.object},
           {pack(ReadModel(ObjectName{"lemon"})), nullptr},
-          {pack(ReadModel(smallMotion(map))), map.contacts.object}};
+          {pack(ReadModel(smallMotion(map))), map.contacts.object},
+          {pack(ReadModel(smallTrajectory())), nullptr}};
 }
 
 TEST(Packed, RefusesWhatIsCutShortOrTooLong) {

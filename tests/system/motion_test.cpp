@@ -127,6 +127,39 @@ TEST(Motion, ADemonstratorIsImportedAndFollowedLive) {
   EXPECT_EQ(followed.at("message"), "");
 }
 
+// A hand given its own way comes back to it, and another hand follows the same areas.
+TEST(Motion, WhatAHandDidIsAMotionForAnyHand) {
+  const SharedSkins skins;
+  const Service service;
+  const auto scratch = scratchDirectory();
+  const json joined =
+      service.ask({"motion", "join", "box_5", "box_5", "--path", written("pull.csv", kPull),
+                   "--rate", "30", "--name", "pull"});
+  const std::string done = (scratch / "done.json").string();
+  const std::string table = (scratch / "done.csv").string();
+  const json first = service.ask({"motion", "solve", "--hand", "human20", "--motion", "pull",
+                                  "--out", done, "--out", table});
+  const std::string areas = (scratch / "areas.json").string();
+  const json motion = service.ask(
+      {"motion", "import", done, "--hand", "human20", "--every", "100", "--out", areas});
+  EXPECT_EQ(motion.at("frame_count"), joined.at("frame_count"));
+  EXPECT_EQ(motion.at("object"), "box");
+  EXPECT_GE(motion.at("patches").size(), first.at("patches").size());
+  // A table names no object.
+  const Finished of_nothing = service.client({"motion", "import", table, "--hand", "human20"});
+  EXPECT_NE(of_nothing.exit_code, 0);
+  EXPECT_THAT(of_nothing.err, HasSubstr("which object they lie on"));
+  const json from_table = service.ask(
+      {"motion", "import", table, "--hand", "human20", "--every", "100", "--object", "box"});
+  EXPECT_EQ(from_table.at("patches"), motion.at("patches"));
+
+  for (const char* hand : {"human20", "tendon16"}) {
+    const json solved = service.ask({"motion", "solve", "--hand", hand, "--motion", areas});
+    EXPECT_LT(solved.at("mean_mm"), 4.0) << hand;
+    EXPECT_LT(solved.at("max_depth_m"), 0.002) << hand;
+  }
+}
+
 /// What edits changed of a motion, as one who watches is told.
 struct Told {
   std::uint64_t revision = 0;

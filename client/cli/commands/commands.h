@@ -151,11 +151,15 @@ struct MotionShowOptions {
   std::string units;   ///< of the object
 };
 
-/// A motion of a recording, or of two grasps and the object's path.
+/// A motion of a recording, of what a hand did, or of two grasps and the object's path.
 struct MotionImportOptions {
   std::filesystem::path recording;    ///< empty: two grasps
   std::filesystem::path object_path;  ///< of a recording; empty: the object stands still
-  std::string first;  ///< contacts: a model's name, or a path; likewise the next
+  std::string hand;  ///< that did what is recorded: a model's name, or a path; empty: not so
+  HandReading hand_reading;
+  std::optional<double> reach_m;  ///< of that hand: distance at which contact ends
+  std::optional<double> every_s;  ///< likewise: how often contacts are cut
+  std::string first;              ///< contacts: a model's name, or a path; likewise the next
   std::string last;
   std::filesystem::path path;  ///< of the object
   std::optional<double> rate_hz;

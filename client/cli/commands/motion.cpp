@@ -24,6 +24,7 @@ constexpr const char* kLastUri = "last.json";
 constexpr const char* kPathUri = "path.csv";
 constexpr const char* kRecordingUri = "recording.json";
 constexpr const char* kObjectPathUri = "object.smexp";
+constexpr const char* kTrajectoryUri = "hand_trajectory";
 
 v1::MotionDescription describedMotion(Client& server, const std::string& name, bool with_file) {
   return server.describe(v1::MODEL_MOTION, name, with_file).get().motion();
@@ -46,13 +47,17 @@ UploadFile contactSetOf(Client& server, const std::string& contacts, const char*
   return {uri, {}, set.file()};
 }
 
-/// What a contact set says that it lies on; empty where it does not.
-std::string objectUnder(Client& server, const std::string& contacts) {
-  if (!isPath(contacts))
-    return server.describe(v1::MODEL_CONTACTS, contacts, false).get().contacts().object();
-  const json::Json file = json::Json::parse(readFile(contacts), nullptr, false);
+/// The object that a file names; empty where it does not.
+std::string objectIn(const std::filesystem::path& path) {
+  const json::Json file = json::Json::parse(readFile(path), nullptr, false);
   if (!file.is_object() || !file.contains("object") || !file["object"].is_string()) return "";
   return file["object"].get<std::string>();
+}
+
+/// What a contact set says that it lies on; empty where it does not.
+std::string objectUnder(Client& server, const std::string& contacts) {
+  if (isPath(contacts)) return objectIn(contacts);
+  return server.describe(v1::MODEL_CONTACTS, contacts, false).get().contacts().object();
 }
 
 /// Points of one object mean nothing on another. Whoever names the object himself knows better
@@ -66,8 +71,9 @@ void requireOneObject(Client& server, const MotionImportOptions& options) {
               quoted(options.first), quoted(first), quoted(options.last), quoted(last));
 }
 
-/// The object that is meant where none is named: that of the grasps.
+/// The object that is meant where none is named: that of the grasps, or of what a hand did.
 std::string objectOf(Client& server, const MotionImportOptions& options) {
+  if (!options.hand.empty()) return objectIn(options.recording);
   for (const std::string& contacts : {options.first, options.last}) {
     if (contacts.empty() || isPath(contacts)) continue;
     return server.describe(v1::MODEL_CONTACTS, contacts, false).get().contacts().object();
@@ -112,6 +118,17 @@ ModelFiles recordedFiles(const MotionImportOptions& options) {
       {{kRecordingUri, options.recording}, {kObjectPathUri, options.object_path}});
 }
 
+ModelFiles trajectoryFiles(const MotionImportOptions& options, const std::string& hand) {
+  json::Json plan = {{"format", "handgraft-motion-plan/1"},
+                     {"name", options.name},
+                     {"hand", hand},
+                     {"hand_trajectory", kTrajectoryUri}};
+  if (options.reach_m) plan["reach_m"] = *options.reach_m;
+  if (options.every_s) plan["every_s"] = *options.every_s;
+  return plannedMotion(options.name, json::written(plan),
+                       {{kTrajectoryUri, options.recording}});
+}
+
 std::vector<NamedFile> inputsOf(const MotionImportOptions& options) {
   std::vector<NamedFile> inputs;
   if (!options.recording.empty()) inputs.push_back({"recording", options.recording});
@@ -149,9 +166,11 @@ int run(const MotionImportOptions& options,
         Interruption& interruption) {
   std::optional<ModelFiles> object;
   if (isPath(options.object)) object = objectFiles(options.object, options.units);
+  std::optional<ModelFiles> hand;
+  if (isPath(options.hand)) hand = handFiles(options.hand, options.hand_reading);
   std::vector<NamedFile> inputs = inputsOf(options);
-  const std::vector<NamedFile> more = inputsOf(object, "--object");
-  inputs.insert(inputs.end(), more.begin(), more.end());
+  for (const auto& more : {inputsOf(object, "--object"), inputsOf(hand, "--hand")})
+    inputs.insert(inputs.end(), more.begin(), more.end());
   requireSafe({{"--out", options.out}}, inputs);
 
   ProgressLine progress;
@@ -159,8 +178,10 @@ int run(const MotionImportOptions& options,
       interactiveClient(common.network, Absence::kStartPrivate, interruption, &progress));
   ModelSender sender(server, interruption, !common.json);
   if (options.recording.empty()) requireOneObject(server, options);
-  ModelFiles files =
-      options.recording.empty() ? joinedFiles(server, options) : recordedFiles(options);
+  ModelFiles files = options.recording.empty() ? joinedFiles(server, options)
+                     : options.hand.empty()
+                         ? recordedFiles(options)
+                         : trajectoryFiles(options, nameOnServer(sender, options.hand, hand));
   files.object = options.object.empty() ? objectOf(server, options)
                                         : nameOnServer(sender, options.object, object);
   const std::string name = options.is_named ? sender.load(files).name() : sender.send(files);

@@ -67,6 +67,9 @@ struct ParsedMotion {
   MotionImportOptions options;
   std::string recording;
   std::string object_path;
+  HandFlags hand_flags;
+  std::optional<double> reach_mm;
+  std::optional<double> every_ms;
   std::string path;
   std::string out;
   std::vector<double> slide;
@@ -96,19 +99,48 @@ struct ParsedMotion {
   }
 };
 
+/// A recording of a hand of the server, if one is named.
+void checkHand(ParsedMotion& parsed) {
+  MotionImportOptions& given = parsed.options;
+  if (given.hand.empty()) {
+    if (parsed.reach_mm || parsed.every_ms)
+      rejectInput("{} is of what a hand did: it needs --hand",
+                  parsed.reach_mm ? "--reach" : "--every");
+    parsed.hand_flags.requireUnused("--hand");
+    return;
+  }
+  requireModel(given.hand, "--hand");
+  parsed.hand_flags.requirePath(given.hand, "--hand");
+  if (!parsed.object_path.empty())
+    rejectInput("--object-path and --hand: what a hand did says itself where the object was");
+  given.hand_reading = parsed.hand_flags.reading();
+  if (parsed.reach_mm) given.reach_m = scaled(parsed.reach_mm, "--reach", 0.1, 100.0, 1e-3);
+  if (parsed.every_ms) given.every_s = scaled(parsed.every_ms, "--every", 1.0, 10'000.0, 1e-3);
+}
+
 void addMotionImport(CLI::App& motion, CommandOptions& chosen) {
   const auto parsed = std::make_shared<ParsedMotion>();
   CLI::App* command = motion.add_subcommand(
-      "import", "Read a motion, or recorded contact points, and write it as a motion");
+      "import", "Read a motion, or what a hand did, and write it as a motion");
   command
       ->add_option("recording", parsed->recording,
-                   "JSON: handgraft-motion/1, or contact points a frame")
+                   "A motion, contact points a frame, a human hand over time; with --hand what "
+                   "that hand did (JSON or CSV, as motion solve --out writes it)")
       ->required();
   command->add_option("--object-path", parsed->object_path,
                       "A .smexp: the splines that the object follows");
+  command->add_option("--hand", parsed->options.hand,
+                      "The hand that did it, model name or path of a URDF: the areas that it "
+                      "touches become the motion's contacts");
+  command->add_option("--reach", parsed->reach_mm,
+                      "How far from that hand contact ends: 0.1-100 mm, default 10");
+  command->add_option("--every", parsed->every_ms,
+                      "How often its contacts are cut: 1-10000 ms, default 50");
+  parsed->hand_flags.addTo(*command);
   parsed->addTo(*command);
   command->fallthrough();
   command->callback([parsed, &chosen] {
+    checkHand(*parsed);
     chosen = parsed->checked(parsed->recording);
   });
 }

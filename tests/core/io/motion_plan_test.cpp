@@ -87,6 +87,42 @@ TEST_F(MotionPlan, NamesWhatIsWrong) {
   EXPECT_THAT(objectionTo("[1, 2"), HasSubstr("is no JSON"));
 }
 
+TEST_F(MotionPlan, WhatAHandDidNeedsThatHand) {
+  constexpr const char* kDone =
+      R"({"format": "handgraft-trajectory/1", "object": "box", "joint_names": ["close"],
+          "frames": [{"time_s": 0, "joints": [0.5]}]})";
+  EXPECT_THAT(objectionTo(kDone), HasSubstr("it takes that hand to tell what it touched"));
+  write("done.json", kDone);
+  const auto planned = [this](const std::string& more) {
+    return readHandTrajectoryPlan(
+        write("plan.json", R"({"format": "handgraft-motion-plan/1", "name": "done",
+                               "hand_trajectory": "done.json")" +
+                               more + "}"),
+        [this](const std::string& uri) {
+          return files_.at(uri);
+        });
+  };
+  const auto plan = planned(R"(, "hand": "clamp", "every_s": 0.02)");
+  ASSERT_TRUE(plan.has_value());
+  EXPECT_EQ(plan->name, "done");
+  EXPECT_EQ(plan->hand, "clamp");
+  EXPECT_EQ(plan->every_s, 0.02);
+  EXPECT_EQ(plan->reach_m, std::nullopt);
+  EXPECT_EQ(plan->trajectory.object, "box");
+  const auto objection = [&](const std::string& more) -> std::string {
+    try {
+      static_cast<void>(planned(more));
+    } catch (const InvalidInput& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(objection(""), AllOf(HasSubstr("plan.json"), HasSubstr("'hand' is missing")));
+  EXPECT_THAT(objection(R"(, "hand": "clamp", "reach": 3)"), HasSubstr("reach"));
+  EXPECT_THAT(objection(R"(, "hand": "clamp", "reach_m": "3 mm")"), HasSubstr("'reach_m'"));
+  EXPECT_FALSE(readHandTrajectoryPlan(write("pull.json", kPull), {}).has_value());
+}
+
 TEST_F(MotionPlan, TimesThatRunBackwardsAreRefused) {
   write("path.csv", "time_s,x,y,z,qw,qx,qy,qz\n1,0,0,0,1,0,0,0\n0.5,0,0,0,1,0,0,0\n");
   EXPECT_THAT(objectionTo(kPull), AllOf(HasSubstr("line 3"), HasSubstr("0.5")));

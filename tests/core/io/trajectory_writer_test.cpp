@@ -1,6 +1,7 @@
 #include "core/io/trajectory_writer.h"
 
 #include <cstring>
+#include <fstream>
 #include <sstream>
 
 #include <gmock/gmock.h>
@@ -9,9 +10,11 @@
 #include <yaml-cpp/yaml.h>
 
 #include "core/geometry/triangle_mesh.h"
+#include "core/io/hand_trajectory_file.h"
 #include "core/io/npz_file.h"
 #include "core/io/trajectory_rows.h"
 
+#include "tests/support/shared_data.h"
 #include "tests/support/small_hand.h"
 
 namespace handgraft::io {
@@ -69,6 +72,29 @@ TEST(TrajectoryRows, HaveTheVelocitiesOfWhatTheyShow) {
 
 TEST(TrajectoryRows, OfOneFrameStandStill) {
   EXPECT_EQ(rowsOf(turning(1)).qvel.norm(), 0.0);
+}
+
+TEST(TrajectoryWriter, TextsAreReadBack) {
+  const HandTrajectory trajectory = turning(11);
+  const TrajectoryRows rows = rowsOf(trajectory);
+  const auto joints = static_cast<Eigen::Index>(rows.joint_names.size());
+  for (const std::string& text : {trajectoryJson(trajectory), trajectoryCsv(trajectory)}) {
+    const std::filesystem::path path = test::scratchDirectory() / "what_a_hand_did";
+    std::ofstream(path, std::ios::binary) << text;
+    const HandTrajectoryFile file = readHandTrajectory(path);
+    EXPECT_EQ(file.joints, rows.joint_names);
+    ASSERT_EQ(file.frames.size(), 11u);
+    for (const Eigen::Index k : {Eigen::Index{0}, Eigen::Index{5}, Eigen::Index{10}}) {
+      const HandTrajectoryFile::Frame& frame = file.frames[static_cast<std::size_t>(k)];
+      EXPECT_NEAR(frame.time_s, rows.time_s[static_cast<std::size_t>(k)], 1e-9);
+      EXPECT_LT((frame.q - rows.qpos.col(k).segment(7, joints)).norm(), 1e-8);
+      const Pose& X_WO = trajectory.contacts->X_WO[static_cast<std::size_t>(k)];
+      const hand::HandPose& pose_O =
+          trajectory.solved->trajectory.poses[static_cast<std::size_t>(k)];
+      EXPECT_TRUE(frame.X_WO.isApprox(X_WO, 1e-8));
+      EXPECT_TRUE(frame.X_WH.isApprox(X_WO * pose_O.X_WH, 1e-8));
+    }
+  }
 }
 
 TEST(TrajectoryWriter, TextsSayTheSame) {

@@ -1,0 +1,63 @@
+#include "server/handlers/hand_trajectory.h"
+
+#include <iterator>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "core/base/error.h"
+#include "core/demonstration/posed_hand_motion.h"
+#include "server/handlers/named_joints.h"
+#include "server/handlers/pose_contacts.h"
+
+namespace handgraft::server {
+
+namespace {
+
+constexpr double kMostOften_s = 1e-3;
+constexpr double kLeastOften_s = 10.0;
+
+demonstration::PosedMotionOptions optionsFrom(const io::HandTrajectoryPlan& plan) {
+  demonstration::PosedMotionOptions options;
+  if (plan.reach_m) options.reach = reachFrom(*plan.reach_m);
+  if (!plan.every_s) return options;
+  if (!(*plan.every_s >= kMostOften_s && *plan.every_s <= kLeastOften_s)) {
+    rejectInput("contacts are cut every {} s; permitted are {} to {}", *plan.every_s,
+                kMostOften_s, kLeastOften_s);
+  }
+  options.every_s = *plan.every_s;
+  return options;
+}
+
+}  // namespace
+
+manipulation::Motion motionOfTrajectory(const io::HandTrajectoryPlan& plan,
+                                        const StoredHand& hand,
+                                        const geometry::TriangleMesh& object_O,
+                                        const Progress& progress) {
+  const demonstration::PosedMotionOptions options = optionsFrom(plan);
+  const io::HandTrajectoryFile& file = plan.trajectory;
+  const NamedJoints joints(hand, file.joints, NamedJoints::Followers::kLeftOut);
+  const Eigen::VectorXd rest = hand.hand->model().restPose();
+  std::vector<demonstration::PosedFrame> frames;
+  std::vector<hand::HandPose> poses;
+  for (const io::HandTrajectoryFile::Frame& from : file.frames) {
+    poses.push_back(joints.poseAt(from.q, rest, from.X_WH, file.tells_root));
+    frames.push_back({from.time_s, poses.back(), from.X_WO});
+  }
+  const hand::Hand ready = hand.hand->get(progress);
+  manipulation::Motion motion =
+      demonstration::motionOfPosedHand(ready, frames, object_O, options, progress);
+  motion.name = plan.name;
+  std::vector<std::string> notes = {fmt::format(
+      "what hand {} touches on its way, by distance up to {:.3g} mm, every {:.3g} ms",
+      handgraft::quoted(hand.name), 1e3 * options.reach.reach_m, 1e3 * options.every_s)};
+  for (std::string& note : beyondLimits(hand.hand->model(), poses))
+    notes.push_back(std::move(note));
+  motion.notes.insert(motion.notes.begin(), std::make_move_iterator(notes.begin()),
+                      std::make_move_iterator(notes.end()));
+  return motion;
+}
+
+}  // namespace handgraft::server
