@@ -205,13 +205,15 @@ CommandOutput tellTimes(const v1::SessionSettings& settings) {
   return output;
 }
 
-CommandOutput tellDifferences(const v1::CompareReply& reply) {
+CommandOutput tellDifferences(const v1::CompareReply& reply,
+                              const std::string& a,
+                              const std::string& b) {
   CommandOutput output;
-  Rows rows;
+  Rows rows = {{"", plain(a), b.empty() ? "now" : plain(b)}};
   for (const v1::Difference& difference : reply.differences()) {
     rows.push_back({plain(difference.what()), plain(difference.a()), plain(difference.b())});
   }
-  output.text = rows.empty() ? "no difference\n" : text::table(rows, "lrr");
+  output.text = reply.differences().empty() ? "no difference\n" : text::table(rows, "lrr");
   output.data = json::jsonOf(reply);
   return output;
 }

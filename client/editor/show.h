@@ -21,6 +21,9 @@ CommandOutput tellSnapshots(const v1::SessionSettings& settings);
 /// What was edited at times of a motion.
 CommandOutput tellTimes(const v1::SessionSettings& settings);
 
-CommandOutput tellDifferences(const v1::CompareReply& reply);
+/// Of the snapshots `a` and `b`; an empty `b` is the session as it is now.
+CommandOutput tellDifferences(const v1::CompareReply& reply,
+                              const std::string& a,
+                              const std::string& b);
 
 }  // namespace handgraft::client::editor

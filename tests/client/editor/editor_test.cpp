@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "client/editor/show.h"
 #include "client/editor/show_solution.h"
 #include "client/link/model_files.h"
 #include "client/present/failure.h"
@@ -398,6 +399,20 @@ TEST_F(EditorTest, KnowsAllNamesForCompletion) {
   EXPECT_THAT(names.hands, ElementsAre("a_hand_with_a_long_name", "claw"));
   EXPECT_THAT(names.sessions, ElementsAre("7"));
   EXPECT_THAT(names.snapshots, ElementsAre("before"));
+}
+
+TEST(Differences, StandBelowTheNamesOfWhatDiffers) {
+  v1::Difference difference;
+  difference.what("joint bend");
+  difference.a("0.1 rad");
+  difference.b("0.25 rad");
+  v1::CompareReply reply;
+  reply.differences().push_back(difference);
+  EXPECT_EQ(tellDifferences(reply, "start", "wide").text,
+            "              start      wide\n"
+            "joint bend  0.1 rad  0.25 rad\n");
+  EXPECT_THAT(tellDifferences(reply, "start", "").text, HasSubstr("start       now\n"));
+  EXPECT_EQ(tellDifferences({}, "start", "").text, "no difference\n");
 }
 
 TEST(EditorInJson, PrintsOneObjectALine) {
