@@ -47,7 +47,7 @@ bool PlayClock::isPlaying(Time now) const {
 
 void PlayClock::settle(Time now) {
   time_s_ = at(now);
-  since_ = now;
+  since_ = std::max(since_, now);
 }
 
 void PlayClock::play(Time now) {

@@ -23,7 +23,8 @@ class PlayClock {
 
   // === What may be asked of it at `now`
 
-  /// From the end on it plays from the beginning.
+  /// From the end on it plays from the beginning. `now` may lie ahead of what is asked next:
+  /// until then it stands where it is.
   void play(Time now);
   void pause(Time now);
   /// Errors: InvalidInput outside [0, duration].

@@ -84,6 +84,9 @@ TEST(Motion, ABoxIsPulledOffAShelfAndTurned) {
   EXPECT_LE(played.at("samples"), 40);
   EXPECT_GE(played.at("spent_s"), 0.3);
 
+  const Finished told = service.client({"motion", "play", session, "--speed", "10"});
+  EXPECT_TRUE(told.out.starts_with("playing at 0.00 of 1.00 s")) << told.out;
+
   // A file of a motion is as good, on another hand and frame by frame.
   const json causal =
       service.ask({"motion", "solve", "--hand", "tendon16", "--motion", file, "--causal"});

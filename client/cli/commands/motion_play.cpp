@@ -129,19 +129,16 @@ int run(const MotionPlayOptions& options,
   clock.setSpeed(options.speed, now);
   clock.setLooping(options.loops, now);
   clock.seek(options.from_s, now);
+  if (!options.paused) clock.play(begin + lead_in);
   tell(clock, now, common.json);
 
   StandardInput input;
   std::uint64_t samples = 0;
-  bool leads_in = true;  // the hand goes to where the motion begins
   bool goes_on = true;
   bool was_playing = true;
   while (goes_on && !interruption.requested()) {
     now = std::chrono::steady_clock::now();
-    if (leads_in && now - begin >= lead_in) {
-      leads_in = false;
-      if (!options.paused) clock.play(now);
-    }
+    const bool leads_in = now - begin < lead_in;  // the hand goes to where the motion begins
     for (std::string line; goes_on && input.line(line);) {
       try {
         goes_on = obey(line, clock, now);

@@ -27,6 +27,18 @@ TEST(PlayClock, StandsUntilItIsPlayedAndEndsAtTheEnd) {
   EXPECT_NEAR(clock.at(at(10.5)), 0.5, 1e-9) << "from the end on it begins anew";
 }
 
+TEST(PlayClock, PlaysFromATimeThatIsStillToCome) {
+  PlayClock clock(2.0);
+  clock.play(at(0.5));
+  EXPECT_TRUE(clock.isPlaying(at(0)));
+  EXPECT_EQ(clock.at(at(0.25)), 0.0);
+  clock.setSpeed(2.0, at(0.25));
+  EXPECT_EQ(clock.at(at(0.5)), 0.0) << "it does not set out earlier for that";
+  EXPECT_NEAR(clock.at(at(0.75)), 0.5, 1e-9);
+  clock.pause(at(0.25));
+  EXPECT_FALSE(clock.isPlaying(at(0.75)));
+}
+
 TEST(PlayClock, GoesOnFromWhereItWasPaused) {
   PlayClock clock(2.0);
   clock.play(at(0));
