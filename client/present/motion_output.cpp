@@ -17,14 +17,16 @@ namespace {
 
 using Rows = std::vector<std::vector<std::string>>;
 
-/// "0.00-1.25, 1.90-2.50"; what is more than three is counted.
+/// "0.00-1.25, 1.90", or "never"; what is more than three is counted.
 std::string spansText(const std::vector<MotionSpan>& spans) {
   constexpr std::size_t kMostShown = 3;
-  if (spans.empty()) return "-";
+  if (spans.empty()) return "never";
   std::string text;
-  for (std::size_t i = 0; i < std::min(spans.size(), kMostShown); ++i)
-    text +=
-        fmt::format("{}{:.2f}-{:.2f}", i == 0 ? "" : ", ", spans[i].begin_s, spans[i].end_s);
+  for (std::size_t i = 0; i < std::min(spans.size(), kMostShown); ++i) {
+    const std::string begin = fmt::format("{:.2f}", spans[i].begin_s);
+    const std::string end = fmt::format("{:.2f}", spans[i].end_s);
+    text += fmt::format("{}{}{}", i == 0 ? "" : ", ", begin, begin == end ? "" : "-" + end);
+  }
   if (spans.size() > kMostShown) text += fmt::format(", {} more", spans.size() - kMostShown);
   return text;
 }
@@ -72,6 +74,14 @@ std::string limitsText(const MotionResult& result) {
   return line + " of the frames\n";
 }
 
+/// When a patch is there, by the motion itself.
+std::vector<MotionSpan> spansOf(const v1::MotionDescription& motion, const std::string& patch) {
+  std::vector<MotionSpan> spans;
+  for (const v1::PresenceInfo& presence : motion.presence())
+    if (presence.patch() == patch) spans.push_back({presence.begin_s(), presence.end_s()});
+  return spans;
+}
+
 /// When a patch is there, as a bar of so many letters over the whole time.
 std::string barText(const v1::MotionDescription& motion, const std::string& patch) {
   constexpr std::size_t kLetters = 50;
@@ -115,12 +125,8 @@ std::string motion(const v1::MotionDescription& motion) {
     out += fmt::format(", {:.4g} a second", (frames - 1.0) / motion.duration_s());
   out += "\n\n";
   Rows rows = {{"patch", "there s", fmt::format("0 to {:.2f} s", motion.duration_s())}};
-  for (const std::string& patch : motion.patches()) {
-    std::vector<MotionSpan> spans;
-    for (const v1::PresenceInfo& presence : motion.presence())
-      if (presence.patch() == patch) spans.push_back({presence.begin_s(), presence.end_s()});
-    rows.push_back({plain(patch), spansText(spans), barText(motion, patch)});
-  }
+  for (const std::string& patch : motion.patches())
+    rows.push_back({plain(patch), spansText(spansOf(motion, patch)), barText(motion, patch)});
   return out + table(rows, "l") + notes(motion.notes());
 }
 
@@ -133,8 +139,9 @@ std::string motion(const MotionResult& result) {
   Rows rows = {
       {"patch", "mean mm", "worst mm", "normal deg", "reached", "there s", "reached s"}};
   for (const PatchOverTime& patch : patchesOf(result)) {
-    if (patch.frames == 0) {
-      rows.push_back({plain(patch.name), "-", "-", "-", "-", "-", "-"});
+    if (patch.frames == 0) {  // left out of the hand's frames, or not in the motion either
+      rows.push_back({plain(patch.name), "-", "-", "-", "-",
+                      spansText(spansOf(result.motion, patch.name)), spansText({})});
       continue;
     }
     rows.push_back({plain(patch.name), fmt::format("{:.2f}", patch.mean_mm),

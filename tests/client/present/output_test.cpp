@@ -2,6 +2,7 @@
 #include <iterator>
 #include <limits>
 #include <sstream>
+#include <tuple>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,6 +12,7 @@
 #include "client/present/grasp_picture.h"
 #include "client/present/json_output.h"
 #include "client/present/minima_text.h"
+#include "client/present/motion_output.h"
 #include "client/present/text_output.h"
 #include "client/present/transfer_text.h"
 #include "core/base/error.h"
@@ -19,6 +21,7 @@ namespace handgraft::client {
 namespace {
 
 using nlohmann::json;
+using testing::AllOf;
 using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
@@ -453,6 +456,48 @@ TEST(GraspPicture, RefusesAHostileMesh) {
   const GraspPicture picture = pictureOf(example(), object, {});
   EXPECT_THROW(render::renderTwoViews(picture.scene, picture.caption, {300, 250}),
                InvalidInput);
+}
+
+// === Motions
+
+TEST(MotionText, SaysWhatIsNeverThereOrReached) {
+  MotionResult result;
+  result.motion.patches({"thumb", "index", "ring", "little"});
+  result.motion.frame_count(3);
+  result.motion.duration_s(2.0);
+  for (const auto& [patch, begin, end] :
+       {std::tuple("thumb", 0U, 2U), std::tuple("index", 1U, 1U), std::tuple("ring", 0U, 2U)}) {
+    v1::PresenceInfo presence;
+    presence.patch(patch);
+    presence.begin(begin);
+    presence.end(end + 1);
+    presence.begin_s(begin);
+    presence.end_s(end);
+    result.motion.presence().push_back(presence);
+  }
+  EXPECT_THAT(text::motion(result.motion),
+              AllOf(ContainsRegex("thumb +0.00-2.00 +#"), ContainsRegex("index +1.00 +[.]+#"),
+                    ContainsRegex("little +never +[.]+\n")));
+
+  // The hand has no place for the ring finger's.
+  for (std::uint32_t k = 0; k < 3; ++k) {
+    v1::MotionFrame frame;
+    frame.index(k);
+    frame.time_s(k);
+    for (const std::uint32_t patch : {0U, 1U}) {
+      v1::FramePatch fit;
+      fit.patch(patch);
+      fit.presence(1.0);
+      fit.point_count(25);
+      fit.reached(patch == 1U && k == 1U);
+      if (patch == 0U || k == 1U) frame.patches().push_back(fit);
+    }
+    result.frames.push_back(frame);
+  }
+  EXPECT_THAT(text::motion(result), AllOf(ContainsRegex("thumb .* 0 % +0.00-2.00 +never\n"),
+                                          ContainsRegex("index .* 100 % +1.00 +1.00\n"),
+                                          ContainsRegex("ring .* - +0.00-2.00 +never\n"),
+                                          ContainsRegex("little .* - +never +never\n")));
 }
 
 }  // namespace
