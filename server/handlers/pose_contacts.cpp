@@ -23,15 +23,18 @@ struct AskedPose {
   std::vector<std::string> notes;
 };
 
+/// A pose of the hand's own may be called like the one that every hand has.
 Eigen::VectorXd startOf(const v1::PoseContactsRequest& request, const StoredHand& hand) {
-  if (request.start_pose().empty()) return hand.hand->model().restPose();
-  std::string names;
+  constexpr const char* kRest = "rest";
+  std::string names = handgraft::quoted(kRest);
   for (const hand::NamedPose& pose : hand.poses) {
     if (pose.name == request.start_pose()) return pose.q;
-    names += (names.empty() ? "" : ", ") + handgraft::quoted(pose.name);
+    if (pose.name != kRest) names += ", " + handgraft::quoted(pose.name);
   }
+  if (request.start_pose().empty() || request.start_pose() == kRest)
+    return hand.hand->model().restPose();
   rejectInput("hand {} has no pose {}; its poses are: {}", handgraft::quoted(hand.name),
-              handgraft::quoted(request.start_pose()), names.empty() ? "none" : names);
+              handgraft::quoted(request.start_pose()), names);
 }
 
 AskedPose askedPoseFrom(const v1::PoseContactsRequest& request, const StoredHand& hand) {

@@ -243,6 +243,29 @@ TEST_F(ImportTest, TakesTheSamePoseAgainButNotAnotherUnderItsName) {
   EXPECT_EQ(bus.ask(weaker).error(), v1::ERROR_CONFLICT);
 }
 
+TEST_F(ImportTest, TheRestPoseIsCalledRestUnlessTheHandHasAnotherOfThatName) {
+  loadSmallGrasp();
+  ASSERT_EQ(bus.ask(clampOnLemon("touched")).error(), v1::ERROR_NONE);
+  v1::RequestBody at_rest = clampOnLemon("touched");
+  at_rest.pose_contacts().start_pose("rest");
+  EXPECT_EQ(bus.ask(at_rest).error(), v1::ERROR_NONE) << "the same pose";
+
+  bus.ask(test::putFile(7, "clamp.urdf", test::kClampUrdf));
+  bus.ask(test::putFile(7, "sites.yaml", test::kClampSites));
+  bus.ask(test::putFile(7, "clamp.srdf",
+                        "<robot name='clamp'><group_state name='rest' group='g'>"
+                        "<joint name='hinge' value='0.9'/></group_state></robot>"));
+  v1::RequestBody hand = test::loadModel(7, v1::MODEL_HAND, "own", "clamp.urdf");
+  hand.load_model().hand().emplace_back();
+  hand.load_model().hand()[0].srdf_uri("clamp.srdf");
+  ASSERT_EQ(bus.ask(hand).error(), v1::ERROR_NONE);
+  v1::RequestBody own = clampOnLemon("own");
+  own.pose_contacts().hand("own");
+  ASSERT_EQ(bus.ask(own).error(), v1::ERROR_NONE);
+  own.pose_contacts().start_pose("rest");
+  EXPECT_EQ(bus.ask(own).error(), v1::ERROR_CONFLICT) << "another pose of its name";
+}
+
 TEST_F(ImportTest, SaysHowFarAPosedHandIsThatTouchesNothing) {
   loadSmallGrasp();
   const v1::Reply reply = bus.ask(clampOnLemon("air", 0.05));
@@ -279,7 +302,7 @@ TEST_F(ImportTest, RefusesPosesThatMakeNoSense) {
   expectRefused(bad, "1 joints but 0 values");
   bad = good;
   bad.pose_contacts().start_pose("fist");
-  expectRefused(bad, "no pose 'fist'; its poses are: none");
+  expectRefused(bad, "no pose 'fist'; its poses are: 'rest'");
   bad = good;
   bad.pose_contacts().X_WO()[0].q_wxyz({0.0, 0.0, 0.0, 0.0});
   expectRefused(bad, "X_WO");

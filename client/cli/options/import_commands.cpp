@@ -145,8 +145,9 @@ void addFromPose(CLI::App& app, CommandOptions& chosen) {
       app.add_subcommand("from-pose", "Find what a posed hand touches of an object");
   command->add_option("--hand", parsed->hand, "Model name, or path of a URDF")->required();
   command
-      ->add_option("--pose", parsed->pose,
-                   "A result of grasp --out, a file of joints, or a named pose of the hand")
+      ->add_option(
+          "--pose", parsed->pose,
+          "A result of grasp --out, a file of joints, a named pose of the hand, or rest")
       ->required();
   command
       ->add_option("--place", parsed->place,
