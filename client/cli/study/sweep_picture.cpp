@@ -29,15 +29,18 @@ std::string titleOf(const SweepResult& result) {
 }
 
 std::string bestText(const SweepResult& result, const std::vector<SweepPoint>& points) {
-  const SweepPoint& best = points[bestOf(points)];
+  const std::size_t at = bestOf(points);
+  const SweepPoint& best = points[at];
   if (best.solved == 0) return "no grasp has an answer";
   std::string values;
   for (std::size_t a = 0; a < result.axes.size(); ++a)
     values +=
         fmt::format("{}{:.4g}{}", a == 0 ? "" : ", ", result.axes[a].shown(best.values[a]),
                     result.units[a].empty() ? "" : " " + result.units[a]);
-  return fmt::format("best at {}: mean distance {:.2f} mm, {} of {} patches reached", values,
-                     best.mean_mm, countText(best.reached), best.patches);
+  const std::size_t ties = asGoodAs(at, points).size();
+  return fmt::format("best at {}{}: mean distance {} mm, {} of {} patches reached", values,
+                     ties == 0 ? "" : fmt::format(" (and {} more)", ties),
+                     millimetresText(best.mean_mm), countText(best.reached), best.patches);
 }
 
 /// A line over the values, of one entry's rows.

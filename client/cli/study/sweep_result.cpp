@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <tuple>
 
 #include "core/base/error.h"
 
@@ -65,6 +66,10 @@ std::string countText(double count) {
                                         : fmt::format("{:.1f}", count);
 }
 
+std::string millimetresText(double value_mm) {
+  return std::isfinite(value_mm) ? fmt::format("{:.2f}", value_mm) : "-";
+}
+
 std::string studiedText(const SweepResult& result) {
   int motions = 0;
   for (const StudyGrasp& grasp : result.grasps)
@@ -116,6 +121,17 @@ std::size_t bestOf(const std::vector<SweepPoint>& points) {
     if (is_better) best = i;
   }
   return best;
+}
+
+std::vector<std::size_t> asGoodAs(std::size_t best, const std::vector<SweepPoint>& points) {
+  const auto shown = [&](std::size_t i) {
+    return std::tuple(points[i].solved, millimetresText(points[i].mean_mm),
+                      countText(points[i].reached));
+  };
+  std::vector<std::size_t> others;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (i != best && shown(i) == shown(best)) others.push_back(i);
+  return others;
 }
 
 FirstLoss firstLossOf(const std::vector<SweepPoint>& points, std::size_t best) {

@@ -48,6 +48,9 @@ double reachedBy(const StudyGrasp& grasp, const v1::SweepRow& row);
 /// `12`, or `12.4`.
 std::string countText(double count);
 
+/// `3.92`, or `-` for none.
+std::string millimetresText(double value_mm);
+
 /// `3 grasps and 1 motion`.
 std::string studiedText(const SweepResult& result);
 
@@ -62,6 +65,10 @@ std::vector<SweepPoint> pointsOf(const SweepResult& result);
 
 /// Of the points with the most answers, the one of least mean distance; the first of equals.
 std::size_t bestOf(const std::vector<SweepPoint>& points);
+
+/// The other points that cannot be told from the best one by what people are shown: answers,
+/// mean distance and patches reached.
+std::vector<std::size_t> asGoodAs(std::size_t best, const std::vector<SweepPoint>& points);
 
 /// Where a patch fewer is reached than at the best point (of motions: one in half of its
 /// frames), next to it on either side. One axis

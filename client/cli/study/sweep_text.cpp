@@ -13,10 +13,6 @@ namespace {
 /// Points shown of a sweep over several axes, best first.
 constexpr std::size_t kShownPoints = 12;
 
-std::string millimetres(double value) {
-  return std::isfinite(value) ? fmt::format("{:.2f}", value) : "-";
-}
-
 std::string valueText(const SweepResult& result, std::size_t axis, double value) {
   return fmt::format("{:.5g}", result.axes[axis].shown(value));
 }
@@ -30,6 +26,18 @@ std::string placeText(const SweepResult& result, const SweepPoint& point) {
                         result.units[a].empty() ? "" : " " + result.units[a]);
   }
   return text;
+}
+
+std::string tiesText(const SweepResult& result,
+                     const std::vector<SweepPoint>& points,
+                     const std::vector<std::size_t>& ties) {
+  constexpr std::size_t kMostShown = 4;
+  if (ties.empty()) return "";
+  std::string out = "as good:";
+  for (std::size_t i = 0; i < std::min(ties.size(), kMostShown); ++i)
+    out += fmt::format("{} {}", i == 0 ? "" : ";", placeText(result, points[ties[i]]));
+  if (ties.size() > kMostShown) out += fmt::format("; {} more", ties.size() - kMostShown);
+  return out + "\n";
 }
 
 /// Which grasps reach fewer patches at one point than at another.
@@ -128,7 +136,7 @@ std::string sweep(const SweepResult& result) {
     std::vector<std::string>& row = rows.emplace_back();
     for (std::size_t a = 0; a < result.axes.size(); ++a)
       row.push_back(valueText(result, a, point.values[a]));
-    row.insert(row.end(), {millimetres(point.mean_mm), millimetres(point.worst_mm),
+    row.insert(row.end(), {millimetresText(point.mean_mm), millimetresText(point.worst_mm),
                            fmt::format("{} of {}", countText(point.reached), point.patches),
                            fmt::format("{} of {}", point.solved, studiedCount(result))});
   }
@@ -145,7 +153,8 @@ std::string sweep(const SweepResult& result) {
     out += "\nno grasp has an answer\n";
   } else {
     out += fmt::format("\nbest: {}, mean {} mm\n", placeText(result, points[best]),
-                       millimetres(points[best].mean_mm));
+                       millimetresText(points[best].mean_mm));
+    out += tiesText(result, points, asGoodAs(best, points));
     if (result.axes.size() == 1 && points.size() > 1) out += lossText(result, points, best);
   }
   std::string last;

@@ -95,6 +95,22 @@ TEST(SweepResult, FindsWhereTheFirstPatchIsLost) {
                               "(box, red 2 of 3)"));
 }
 
+TEST(SweepResult, TellsWhatIsAsGoodAsTheBest) {
+  const SweepResult result = resultOf({{0.1, 1.0, 1.0, 3, 3},
+                                       {0.2, 1.002, 1.004, 3, 3},
+                                       {0.3, 1.0, 1.0, 3, 2},
+                                       {0.4, 1.1, 1.1, 3, 3}});
+  EXPECT_THAT(asGoodAs(0, pointsOf(result)), ElementsAre(1u));
+  EXPECT_THAT(text::sweep(result), HasSubstr("best: thumb.upper = 0.1 rad, mean 1.00 mm\n"
+                                             "as good: thumb.upper = 0.2 rad\n"));
+
+  const SweepResult many = resultOf(std::vector<Answer>(7, {0.5, 1.0, 1.0, 3, 3}));
+  EXPECT_THAT(text::sweep(many), HasSubstr("thumb.upper = 0.5 rad; 2 more\n"));
+
+  const SweepResult clear = resultOf({{0.1, 1.0, 1.0, 3, 3}, {0.2, 2.0, 2.0, 3, 3}});
+  EXPECT_THAT(text::sweep(clear), testing::Not(HasSubstr("as good")));
+}
+
 TEST(SweepResult, WritesATableThatReadsBack) {
   SweepResult result = resultOf({{0.1, 4.0, 6.0, 2, 3}});
   result.reply.rows()[1].error("lower, \"above\" upper");
