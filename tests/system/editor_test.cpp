@@ -138,6 +138,31 @@ TEST(Editor, FailsWithTheLineOfAScript) {
   EXPECT_EQ(finished.out.find("> weight palm 1"), std::string::npos);
 }
 
+TEST(Editor, SaysWhichSessionAScriptLeavesOpenAndHowToEndIt) {
+  const SharedSkins skins;
+  const Service service;
+  const fs::path script = scratchDirectory() / "leaves.hg";
+  for (const bool fails : {false, true}) {
+    std::ofstream(script) << (fails ? "weight palm 0.5\nlock no_such_joint\n"
+                                    : "weight palm 0.5\n");
+    const Finished finished =
+        service.client({"edit", "--hand", "barrett8", "--object", "lemon", "--contacts",
+                        "lemon_6", "--script", script.string()});
+    EXPECT_EQ(finished.exit_code, fails ? 2 : 0) << finished.err;
+    const auto sessions = service.ask({"sessions"})["sessions"];
+    ASSERT_EQ(sessions.size(), 1U);
+    const std::string id = std::to_string(sessions[0]["session_id"].get<std::uint64_t>());
+    EXPECT_THAT(finished.out, HasSubstr("session " + id + " stays open"));
+    EXPECT_THAT(finished.out, HasSubstr("handgraft close " + id + " --domain "));
+    EXPECT_EQ(service.client({"close", id}).exit_code, 0);
+  }
+  std::ofstream(script) << "close\n";
+  const Finished closed =
+      service.client({"edit", "--hand", "barrett8", "--object", "lemon", "--contacts",
+                      "lemon_6", "--script", script.string()});
+  EXPECT_EQ(closed.out.find("stays open"), std::string::npos) << closed.out;
+}
+
 TEST(Editor, KnowsThePoseOfASessionThatItJoins) {
   const SharedSkins skins;
   const Service service;

@@ -135,6 +135,22 @@ void solveFirst(Editor& editor,
   }
 }
 
+// What becomes of the session, and how to go on in it or to end it.
+std::string farewell(const Client& server,
+                     const editor::EditedSession& session,
+                     const Network& network) {
+  const std::uint64_t id = session.id();
+  if (session.hasEnded()) return fmt::format("session {} has ended with its server", id);
+  if (!server.alive())
+    return fmt::format("the server does not answer; session {} lives as long as it does", id);
+  if (server.isPrivate())
+    return fmt::format("session {} ends with the server that this command started", id);
+  const std::string there = text::networkOptions(network);
+  return fmt::format(
+      "session {0} stays open: handgraft edit {0}{1} (handgraft close {0}{1} ends it)", id,
+      there);
+}
+
 }  // namespace
 
 int run(const EditOptions& options, const CommonOptions& common, Interruption& interruption) {
@@ -167,32 +183,28 @@ int run(const EditOptions& options, const CommonOptions& common, Interruption& i
                   text::plain(state.motion().empty() ? state.contacts() : state.motion()),
                   state.revision()),
       json::stateEvent(state));
-  if (opens) solveFirst(editor, sink, options.grasp, interruption);
-  if (options.at_s) editor.run(fmt::format("at {} {}", *options.at_s, options.falloff_s));
 
   // === Commands
-  if (typed) {
-    converse(editor, sink, interruption);
-  } else {
-    editor.runScript(
-        [&] {
-          return lines.next();
-        },
-        options.script.empty() ? "standard input" : options.script.string());
+  const auto leave = [&] {
+    if (!editor.closed()) sink.note(farewell(server, editor.session(), common.network));
+  };
+  try {
+    if (opens) solveFirst(editor, sink, options.grasp, interruption);
+    if (options.at_s) editor.run(fmt::format("at {} {}", *options.at_s, options.falloff_s));
+    if (typed) {
+      converse(editor, sink, interruption);
+    } else {
+      editor.runScript(
+          [&] {
+            return lines.next();
+          },
+          options.script.empty() ? "standard input" : options.script.string());
+    }
+  } catch (...) {
+    leave();  // the session stays, however a script ends
+    throw;
   }
-  if (editor.closed()) return 0;
-  const std::uint64_t id = editor.session().id();
-  if (editor.session().hasEnded()) {
-    sink.note(fmt::format("session {} has ended with its server", id));
-  } else if (!server.alive()) {
-    sink.note(
-        fmt::format("the server does not answer; session {} lives as long as it does", id));
-  } else if (server.isPrivate()) {
-    sink.note(fmt::format("session {} ends with the server that this command started", id));
-  } else {
-    sink.note(fmt::format("session {} stays open: handgraft edit {}{}", id, id,
-                          text::networkOptions(common.network)));
-  }
+  leave();
   return 0;
 }
 
