@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <numbers>
 #include <utility>
 
 #include "core/base/error.h"
@@ -43,6 +45,7 @@ constexpr int kCorner = 3;
 constexpr int kMostCuts = 64;  // of an edge
 constexpr std::size_t kMostSharp = 20000;
 
+constexpr double kConeHeight = 0.7;  // of the radius of a cut
 constexpr double kThinnest = 0.003;  // m; for how far samples stand apart
 
 /// A face of the skin, as its link has it.
@@ -168,6 +171,46 @@ geometry::TriangleMesh partOf(const Skin& skin, int link, const Pose& X_SL) {
   for (Eigen::Index i = 0; i < triples.cols(); ++i)
     triples.col(i) = faces[static_cast<std::size_t>(i)];
   return {std::move(columns), std::move(triples)};
+}
+
+/// The part with a cone over each cut, so steep as to end where a knuckle's ball does: the link
+/// goes on in there, under its neighbour's skin. With flat cuts a rim that stood between two
+/// links was hardly in either.
+geometry::TriangleMesh withConesOnCuts(const geometry::TriangleMesh& part) {
+  std::map<int, int> behind;  // along the border, as the faces at it go
+  for (int h = 0; h < 3 * part.faceCount(); ++h)
+    if (part.twin(h) < 0) behind[part.from(h)] = part.to(h);
+  std::vector<Vector3d> tips;
+  std::vector<Eigen::Vector3i> cones;
+  while (!behind.empty()) {
+    std::vector<int> rim;
+    for (auto at = behind.begin(); at != behind.end(); at = behind.find(rim.back())) {
+      if (rim.empty()) rim.push_back(at->first);
+      rim.push_back(at->second);
+      behind.erase(at);
+    }
+    Vector3d middle = Vector3d::Zero();
+    for (std::size_t i = 1; i < rim.size(); ++i)
+      middle += part.vertex(rim[i]) / static_cast<double>(rim.size() - 1);
+    Vector3d area = Vector3d::Zero();
+    for (std::size_t i = 1; i < rim.size(); ++i)
+      area += 0.5 * (part.vertex(rim[i - 1]) - middle).cross(part.vertex(rim[i]) - middle);
+    if (rim.front() != rim.back() || !(area.norm() > 0.0)) continue;
+    const int tip = part.vertexCount() + static_cast<int>(tips.size());
+    tips.push_back(middle -
+                   kConeHeight * std::sqrt(area.norm() / std::numbers::pi) * area.normalized());
+    for (std::size_t i = 1; i < rim.size(); ++i)
+      cones.emplace_back(rim[i], rim[i - 1], tip);
+  }
+  Eigen::Matrix3Xd vertices(3, part.vertexCount() + std::ssize(tips));
+  vertices.leftCols(part.vertexCount()) = part.vertices();
+  for (std::size_t i = 0; i < tips.size(); ++i)
+    vertices.col(part.vertexCount() + static_cast<Eigen::Index>(i)) = tips[i];
+  Eigen::Matrix3Xi faces(3, part.faceCount() + std::ssize(cones));
+  faces.leftCols(part.faceCount()) = part.faces();
+  for (std::size_t i = 0; i < cones.size(); ++i)
+    faces.col(part.faceCount() + static_cast<Eigen::Index>(i)) = cones[i];
+  return {std::move(vertices), std::move(faces)};
 }
 
 /// A link's own surface in its frame; nothing if it has none.
@@ -329,6 +372,7 @@ void addSharp(const geometry::SignedDistance& own,
 struct Bounds {
   std::shared_ptr<const geometry::SignedDistance> exact_L;
   bool is_own = false;
+  std::shared_ptr<const geometry::SignedDistance> for_objects_L = nullptr;  ///< if not the same
 };
 
 Bounds boundsOf(const Skin& skin,
@@ -337,10 +381,15 @@ Bounds boundsOf(const Skin& skin,
                 double skin_offset,
                 const Pose& X_SL,
                 std::vector<Facet>& facets) {
-  auto part = std::make_shared<const geometry::SignedDistance>(partOf(skin, link, X_SL));
+  const geometry::TriangleMesh of_skin = partOf(skin, link, X_SL);
+  const auto part = std::make_shared<const geometry::SignedDistance>(of_skin);
+  const auto asOfSkin = [&]() -> Bounds {
+    return {part, false,
+            std::make_shared<const geometry::SignedDistance>(withConesOnCuts(of_skin))};
+  };
   const double beneath = skin_offset + kBeneath;
   auto own = ownSurface(skin, link, X_SL);
-  if (own == nullptr) return {part, false};
+  if (own == nullptr) return asOfSkin();
   if (!holds(*own, *part, beneath)) {
     // A digit's own parts meet where the skin sees them; at a knuckle a wall is the only way
     // out along the digit.
@@ -351,7 +400,7 @@ Bounds boundsOf(const Skin& skin,
     }
     if (open == nullptr || !holds(*open, *part, beneath)) {
       addSharp(*own, *part, false, skin_offset + kHidden, link, X_SL, facets);
-      return {part, false};
+      return asOfSkin();
     }
     own = open;
   }
@@ -360,21 +409,26 @@ Bounds boundsOf(const Skin& skin,
   return {own, true};
 }
 
-void fillSolid(std::shared_ptr<const geometry::SignedDistance> exact,
+void fillSolid(const Bounds& bounds,
                int most_nodes,
                const Progress& progress,
                LinkSolid& solid) {
-  const Eigen::Matrix3Xd& vertices = exact->surface().vertices();
+  const auto& outermost = bounds.for_objects_L ? bounds.for_objects_L : bounds.exact_L;
+  const Eigen::Matrix3Xd& vertices = outermost->surface().vertices();
   solid.centre_L = 0.5 * (vertices.rowwise().minCoeff() + vertices.rowwise().maxCoeff());
   solid.radius = (vertices.colwise() - solid.centre_L).colwise().norm().maxCoeff();
   solid.capsule_L = geometry::capsuleAround(vertices);
   geometry::DistanceGridOptions options;
   options.most_nodes = most_nodes;
-  solid.grid_L =
-      std::make_unique<const geometry::DistanceGrid>(std::move(exact), options, progress);
-  const double h = solid.grid_L->spacing();
-  for (const geometry::DistanceGrid::Cell& cell : solid.grid_L->solidCells()) {
-    const double share = std::clamp(0.5 - solid.distance(cell.p) / h, 0.0, 1.0);
+  const auto gridOf = [&](const std::shared_ptr<const geometry::SignedDistance>& exact) {
+    return std::make_shared<const geometry::DistanceGrid>(exact, options, progress);
+  };
+  solid.for_links_L = gridOf(bounds.exact_L);
+  solid.grid_L = bounds.for_objects_L ? gridOf(bounds.for_objects_L) : solid.for_links_L;
+  const double h = solid.for_links_L->spacing();
+  for (const geometry::DistanceGrid::Cell& cell : solid.for_links_L->solidCells()) {
+    const double distance = solid.for_links_L->at(cell.p) + solid.skin_offset;
+    const double share = std::clamp(0.5 - distance / h, 0.0, 1.0);
     if (share > 0.0) solid.cells_L.push_back({cell.p, share});
   }
 }
@@ -457,8 +511,8 @@ HandSolid::HandSolid(const HandModel& model,
   }
   parallelFor(static_cast<int>(links_.size()), [&](int k) {
     LinkSolid& solid = links_[static_cast<std::size_t>(k)];
-    fillSolid(std::move(bounds[static_cast<std::size_t>(solid.link)].exact_L),
-              options.nodes_per_link, progress, solid);
+    fillSolid(bounds[static_cast<std::size_t>(solid.link)], options.nodes_per_link, progress,
+              solid);
   });
   findCollisionPairs(model);
 }
@@ -485,10 +539,10 @@ double depthOf(const LinkSolid& a, const LinkSolid& b, const Pose& X_BA) {
   if ((X_BA * a.centre_L - b.centre_L).norm() > a.radius + b.radius) return depth;
   a.fine.visit(
       [&](const Vector3d& centre_A, double radius) {
-        return b.grid_L->isClear(X_BA * centre_A, radius);
+        return b.for_links_L->isClear(X_BA * centre_A, radius);
       },
       [&](const SurfaceSample& sample) {
-        depth = std::max(depth, -b.distance(X_BA * sample.p_L));
+        depth = std::max(depth, -b.for_links_L->at(X_BA * sample.p_L) - b.skin_offset);
       });
   return depth;
 }

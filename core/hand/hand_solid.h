@@ -45,12 +45,15 @@ struct LinkSolid {
   double radius = 0.0;
   geometry::Capsule capsule_L;  ///< around all of it, too
   /// Distance to the link's own surface where that is a solid's; else to its part of the skin,
-  /// its cuts shut, which stands `skin_offset` off the link.
-  std::unique_ptr<const geometry::DistanceGrid> grid_L;
+  /// which stands `skin_offset` off the link, with cones over its cuts: the link goes on in
+  /// there, under its neighbours' skin. For objects.
+  std::shared_ptr<const geometry::DistanceGrid> grid_L;
+  /// The same with flat cuts, since cones stand in the neighbours. For other links.
+  std::shared_ptr<const geometry::DistanceGrid> for_links_L;
   double skin_offset = 0.0;
   std::vector<geometry::DistanceGrid::Cell> cells_L;  ///< of the link itself
 
-  /// Negative inside the link.
+  /// To an object's point, negative inside the link.
   [[nodiscard]] double distance(const Eigen::Vector3d& p_L) const {
     return grid_L->at(p_L) + skin_offset;
   }

@@ -144,8 +144,8 @@ void AvoidanceTerm::charge(int a, int b, NearSamples& near) {
   const Vector3d centre_A =
       is_smaller ? solid.centre_L : Vector3d(inverse(X_BA) * other.centre_L);
   near.visit(
-      {*other.grid_L, avoidance_.self_margin_m - other.skin_offset, centre_A,
-       std::min(solid.radius, other.radius) + other.grid_L->spacing()},
+      {*other.for_links_L, avoidance_.self_margin_m - other.skin_offset, centre_A,
+       std::min(solid.radius, other.radius) + other.for_links_L->spacing()},
       X_BA,
       [&](const auto& passes, const auto& take) {
         samplesOf(solid).visit(passes, [&](const SurfaceSample& sample) {

@@ -78,7 +78,11 @@ WallPenetration wallPenetration(const LinkSolid& link,
     const Vector3d p_L = X_LO * sample.p;
     if (link.grid_L->isClear(p_L, 0.0)) return;
     Vector3d slope_L;
-    const double depth = -link.distance(p_L, slope_L);
+    double depth = -link.distance(p_L, slope_L);
+    // The grid rounds the corners of links: it only has to find what may be deepest.
+    const double rounding = link.grid_L->spacing();
+    if (depth > found.depth_m - rounding && depth > -rounding)
+      depth = -link.grid_L->exact().at(p_L).distance - link.skin_offset;
     if (depth > found.depth_m) {
       found.depth_m = depth;
       // The link goes the other way.

@@ -171,6 +171,50 @@ TEST(HandSolid, TakesTheSkinWhereWallsStandWithinALink) {
     EXPECT_NEAR(link.distance({0.004, 0, 0}), -0.006, 3e-4) << "a wall within is a way out";
 }
 
+/// One ball, its halves two links hinged in its middle; shells within are no solids of their
+/// own.
+HandSolid halvesOfABall() {
+  const geometry::TriangleMesh ball = geometry::makeSphere(kRadius, 4);
+  std::vector<geometry::TriangleMesh> shells = {ball};
+  for (const double share : {0.8, 0.6, 0.4, 0.2})
+    shells.push_back(geometry::transformed(ball, Eigen::Affine3d(Eigen::Scaling(share))));
+  std::vector<Link> links(2);
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    links[i].name = "half" + std::to_string(i);
+    links[i].visuals = {{geometry::merged(shells), "shells"}};
+  }
+  Joint joint;
+  joint.name = "hinge";
+  joint.type = JointType::kRevolute;
+  joint.parent_link = links[0].name;
+  joint.child_link = links[1].name;
+  joint.axis_J = Vector3d::UnitZ();
+  joint.lower = -3.0;
+  joint.upper = 3.0;
+  const HandModel model("halves", links, {joint});
+  std::vector<int> halves;
+  for (int f = 0; f < ball.faceCount(); ++f)
+    halves.push_back(ball.faceNormals()(0, f) < 0.0 ? 0 : 1);
+  const Skin skin(model, ball, model.restPose(), 0.004, SurfaceSource::kVisuals, halves);
+  return HandSolid(model, skin, Progress());
+}
+
+TEST(HandSolid, GoesOnWhereItsSkinIsCutOffForObjectsAlone) {
+  const HandSolid solid = halvesOfABall();
+  ASSERT_EQ(solid.links().size(), 2u);
+  for (const LinkSolid& link : solid.links()) {
+    const double side = link.link == 0 ? -1.0 : 1.0;
+    const Vector3d p_L(side * 0.0005, 0, 0);  // just within the cut
+    EXPECT_NEAR(link.for_links_L->at(p_L) + link.skin_offset, -0.0005, 5e-4);
+    // A cone 0.7 radii high, seen from its axis.
+    const double height = 0.7 * kRadius;
+    const double expected = (height + 0.0005) * std::sin(std::atan2(kRadius, height));
+    EXPECT_NEAR(link.distance(p_L), -expected, 1e-3);  // the rim is jagged by a face
+    EXPECT_GT(link.distance(-side * Vector3d(0.9 * kRadius, 0, 0)), 0.0);
+    EXPECT_NEAR(link.distance(side * Vector3d(0.7 * kRadius, 0, 0)), -0.3 * kRadius, 5e-4);
+  }
+}
+
 /// A palm and two balls on it, by a hinge each, one of them by way of a link fixed to it; the
 /// palm's mesh has further balls within.
 test::BallHand palmOfParts() {
