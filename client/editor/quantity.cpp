@@ -2,20 +2,24 @@
 
 #include <charconv>
 #include <cmath>
-#include <map>
 #include <numbers>
+#include <string_view>
+
+#include "core/base/length_unit.h"
 
 namespace handgraft::client::editor {
 
 namespace {
 
-const std::map<std::string, Quantity> kUnits = {
-    {"", {1.0, Unit::kNone}},
-    {"rad", {1.0, Unit::kAngle}},
-    {"deg", {std::numbers::pi / 180.0, Unit::kAngle}},
-    {"m", {1.0, Unit::kLength}},
-    {"cm", {0.01, Unit::kLength}},
-    {"mm", {0.001, Unit::kLength}}};
+/// What a number is to be multiplied with, and what it is then.
+std::optional<Quantity> unitCalled(std::string_view name) {
+  if (name.empty()) return Quantity{1.0, Unit::kNone};
+  if (name == "rad") return Quantity{1.0, Unit::kAngle};
+  if (name == "deg") return Quantity{std::numbers::pi / 180.0, Unit::kAngle};
+  if (const LengthUnit* length = lengthUnitCalled(name))
+    return Quantity{length->metres, Unit::kLength};
+  return std::nullopt;
+}
 
 }  // namespace
 
@@ -29,9 +33,9 @@ std::optional<Quantity> quantityOf(const std::string& text) {
   double number = 0.0;
   const auto [rest, error] = std::from_chars(begin, end, number);
   if (error != std::errc() || !std::isfinite(number)) return std::nullopt;
-  const auto unit = kUnits.find(std::string(rest, end));
-  if (unit == kUnits.end()) return std::nullopt;
-  return Quantity{number * unit->second.value, unit->second.unit};
+  const auto unit = unitCalled({rest, static_cast<std::size_t>(end - rest)});
+  if (!unit) return std::nullopt;
+  return Quantity{number * unit->value, unit->unit};
 }
 
 std::optional<std::uint64_t> countOf(const std::string& text) {

@@ -14,7 +14,8 @@ struct Quantity {
   Unit unit = Unit::kNone;
 };
 
-/// Units: rad, deg, m, cm, mm. Nothing if `text` is no finite number with one of them or none.
+/// Units: rad, deg, and kLengthUnits. Nothing if `text` is no finite number with one of them or
+/// none.
 std::optional<Quantity> quantityOf(const std::string& text);
 
 /// A whole number from 0 to 2^64 - 1.

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "core/base/error.h"
+#include "core/base/length_unit.h"
 #include "core/base/progress.h"
 
 namespace handgraft::client {
@@ -15,13 +16,6 @@ namespace handgraft::client {
 namespace {
 
 constexpr int kPatience_ms = 100;  // between looks at whether the user wants to stop
-
-std::string unitName(const std::string& units) {
-  if (units == "mm") return "millimetres";
-  if (units == "cm") return "centimetres";
-  if (units == "in") return "inches";
-  return "metres";
-}
 
 // One line of standard input, without its break; nothing at its end.
 std::optional<std::string> readLine(Interruption& interruption) {
@@ -40,10 +34,14 @@ std::optional<std::string> readLine(Interruption& interruption) {
 
 }  // namespace
 
-std::string unitsIn(const std::string& refusal) {
-  static const std::regex kUnits(R"(--units (mm|cm|in|m)\b)");
-  std::smatch found;
-  return std::regex_search(refusal, found, kUnits) ? found[1].str() : "";
+std::vector<std::string> unitsIn(const std::string& refusal) {
+  static const std::regex kUnits(R"(--units (\w+))");
+  std::vector<std::string> units;
+  for (std::sregex_iterator found(refusal.begin(), refusal.end(), kUnits), end; found != end;
+       ++found) {
+    if (lengthUnitCalled((*found)[1].str()) != nullptr) units.push_back((*found)[1]);
+  }
+  return units;
 }
 
 ModelSender::ModelSender(Client& server, Interruption& interruption, bool may_ask)
@@ -51,22 +49,26 @@ ModelSender::ModelSender(Client& server, Interruption& interruption, bool may_as
       interruption_(interruption),
       may_ask_(may_ask && isatty(STDIN_FILENO) != 0 && isatty(STDERR_FILENO) != 0) {}
 
-bool ModelSender::agreed(const std::string& refusal, const std::string& units) {
+std::string ModelSender::agreedUnits(const std::string& refusal) {
   const std::string text = quoted(refusal.substr(0, refusal.find(": say --units")));
-  fmt::print(stderr, "\r\x1b[K{}\nIs it in {}? [Y/n] ", text.substr(1, text.size() - 2),
-             unitName(units));
-  std::fflush(stderr);
-  const auto answer = readLine(interruption_);
-  return answer && (answer->empty() || *answer == "y" || *answer == "Y" || *answer == "yes");
+  fmt::print(stderr, "\r\x1b[K{}\n", text.substr(1, text.size() - 2));
+  for (const std::string& units : unitsIn(refusal)) {
+    fmt::print(stderr, "Is it in {}? [Y/n] ", lengthUnitCalled(units)->plural);
+    std::fflush(stderr);
+    const auto answer = readLine(interruption_);
+    if (!answer) break;
+    if (answer->empty() || *answer == "y" || *answer == "Y" || *answer == "yes") return units;
+  }
+  return "";
 }
 
 v1::ModelSummary ModelSender::load(ModelFiles& model) {
   try {
     return server_.load(model).get();
   } catch (const Refused& refused) {
-    const std::string units = unitsIn(refused.what());
-    if (refused.code() != v1::ERROR_UNITS || !may_ask_ || units.empty()) throw;
-    if (!agreed(refused.what(), units)) throw;
+    if (refused.code() != v1::ERROR_UNITS || !may_ask_) throw;
+    const std::string units = agreedUnits(refused.what());
+    if (units.empty()) throw;
     model.units = units;
   }
   return server_.load(model).get();

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "client/link/client.h"
 #include "client/link/model_files.h"
@@ -9,9 +10,9 @@
 
 namespace handgraft::client {
 
-/// The units that a refusal (ERROR_UNITS) recommends: what follows `--units` in it; empty if
-/// nothing does.
-std::string unitsIn(const std::string& refusal);
+/// The units that a refusal (ERROR_UNITS) recommends, the likeliest first: what follows each
+/// `--units` in it.
+std::vector<std::string> unitsIn(const std::string& refusal);
 
 /// Sends models to the server.
 class ModelSender {
@@ -30,8 +31,8 @@ class ModelSender {
   std::string send(ModelFiles& model);
 
  private:
-  /// True if the user agrees.
-  bool agreed(const std::string& refusal, const std::string& units);
+  /// Asks for one unit after the other; empty if the user agrees to none.
+  std::string agreedUnits(const std::string& refusal);
 
   Client& server_;
   Interruption& interruption_;

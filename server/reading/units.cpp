@@ -1,21 +1,20 @@
 #include "server/reading/units.h"
 
 #include <array>
-#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fmt/ranges.h>
+
+#include "core/base/length_unit.h"
 
 namespace handgraft::server {
 
 namespace {
 
-struct Unit {
-  const char* name;
-  const char* words;
-  double metres;
-};
-
-/// In the order of likelihood, metres apart.
-constexpr std::array<Unit, 3> kOthers{
-    {{"mm", "millimetres", 1e-3}, {"cm", "centimetres", 1e-2}, {"in", "inches", 0.0254}}};
+/// By likelihood, metres apart.
+constexpr std::array<std::string_view, 3> kOthers{"mm", "cm", "in"};
 
 constexpr double kSmallestObject_m = 0.001;
 constexpr double kLargestObject_m = 10.0;
@@ -25,34 +24,43 @@ std::string lengthText(double length_m) {
                         : fmt::format("{:.4g} m", length_m);
 }
 
-/// The unit that makes an object of a hand's size of it, or at least one that it could be.
-const Unit* likelyUnit(double size) {
+/// The units that make an object of a hand's size of it, or at least one that it could be.
+std::vector<LengthUnit> likelyUnits(double size) {
+  std::vector<LengthUnit> likely;
   for (const auto& [least_m, most_m] : {std::pair(0.02, 0.6), std::pair(0.005, 3.0)}) {
-    for (const Unit& unit : kOthers) {
-      if (size * unit.metres >= least_m && size * unit.metres <= most_m) return &unit;
+    for (const std::string_view name : kOthers) {
+      const LengthUnit& unit = *lengthUnitCalled(name);
+      if (size * unit.metres >= least_m && size * unit.metres <= most_m) likely.push_back(unit);
     }
+    if (!likely.empty()) break;
   }
-  return nullptr;
+  return likely;
 }
 
 /// Throws UnitsInDoubt if other units would make sense.
 void doubt(double size, const std::string& name) {
-  const Unit* likely = likelyUnit(size);
-  if (likely == nullptr) return;
-  throw UnitsInDoubt(fmt::format("{}: {} across as metres; as {} {}: say --units {}", name,
-                                 lengthText(size), likely->words,
-                                 lengthText(size * likely->metres), likely->name));
+  std::string sizes;
+  std::string options;
+  for (const LengthUnit& unit : likelyUnits(size)) {
+    sizes += fmt::format("{}as {} {}", sizes.empty() ? "" : ", ", unit.plural,
+                         lengthText(size * unit.metres));
+    options += fmt::format("{}--units {}", options.empty() ? "" : " or ", unit.name);
+  }
+  if (sizes.empty()) return;
+  throw UnitsInDoubt(fmt::format("{}: {} across as metres; {}: say {}", name, lengthText(size),
+                                 sizes, options));
 }
 
 }  // namespace
 
 double metresPer(const std::string& units) {
-  if (units.empty() || units == "m") return 1.0;
-  for (const Unit& unit : kOthers) {
-    if (units == unit.name) return unit.metres;
-  }
-  rejectInput("units {} are not known; permitted are m, cm, mm and in",
-              handgraft::quoted(units));
+  if (units.empty()) return 1.0;
+  if (const LengthUnit* unit = lengthUnitCalled(units)) return unit->metres;
+  std::vector<std::string_view> names;
+  for (const LengthUnit& unit : kLengthUnits)
+    names.push_back(unit.name);
+  rejectInput("units {} are not known; permitted are {}", handgraft::quoted(units),
+              fmt::join(names, ", "));
 }
 
 double objectScale(double size, const std::string& units, const std::string& name) {

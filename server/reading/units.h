@@ -7,13 +7,13 @@
 namespace handgraft::server {
 
 /// The size of a mesh says that it is in other units than metres, and nobody said which. The
-/// message names the size and what to say.
+/// message names the size and what to say of the units that would make sense.
 class UnitsInDoubt : public InvalidInput {
  public:
   using InvalidInput::InvalidInput;
 };
 
-/// Metres per m, cm, mm, in; 1 for empty. Errors: InvalidInput naming others.
+/// Metres per unit; 1 for empty. Errors: InvalidInput naming those that are no kLengthUnits.
 double metresPer(const std::string& units);
 
 /// What an object's lengths are to be multiplied with: by its units where they are given, else

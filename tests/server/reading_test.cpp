@@ -48,6 +48,7 @@ TEST(Units, AsksWhereMetresMakeNoSense) {
                                    {61.0, "--units mm"},
                                    {15.2, "--units cm"},
                                    {3.5, "--units cm"},
+                                   {6.0, "--units in"},
                                    {1500.0, "--units mm"}}) {
     try {
       objectScale(size, "", "object 'cup'");
@@ -61,6 +62,14 @@ TEST(Units, AsksWhereMetresMakeNoSense) {
   } catch (const UnitsInDoubt& doubt) {
     EXPECT_STREQ(doubt.what(),
                  "object 'cup': 152 m across as metres; as millimetres 152 mm: say --units mm");
+  }
+  try {
+    objectScale(5.0, "", "object 'cup'");
+    FAIL() << "5 m are no cup";
+  } catch (const UnitsInDoubt& doubt) {
+    EXPECT_STREQ(doubt.what(),
+                 "object 'cup': 5 m across as metres; as centimetres 50 mm, as inches 127 mm: "
+                 "say --units cm or --units in");
   }
 }
 

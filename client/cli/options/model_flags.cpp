@@ -3,9 +3,11 @@
 #include <cmath>
 
 #include <CLI/CLI.hpp>
+#include <fmt/ranges.h>
 
 #include "client/cli/options/option_checks.h"
 #include "core/base/error.h"
+#include "core/base/length_unit.h"
 
 namespace handgraft::client {
 
@@ -176,11 +178,14 @@ void ContactFlags::requireUnused(const char* whom) const {
 }
 
 void addUnits(CLI::App& command, std::string& units, const std::string& whose) {
+  std::vector<std::string> names;
+  for (const LengthUnit& unit : kLengthUnits)
+    names.emplace_back(unit.name);
   command
-      .add_option(
-          "--units", units,
-          "Units of " + whose + ": m, cm, mm, in; default: m unless its size says otherwise")
-      ->check(CLI::IsMember({"m", "cm", "mm", "in"}));
+      .add_option("--units", units,
+                  fmt::format("Units of {}: {}; default: m unless its size says otherwise",
+                              whose, fmt::join(names, ", ")))
+      ->check(CLI::IsMember(names));
 }
 
 }  // namespace handgraft::client

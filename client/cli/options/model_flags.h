@@ -73,7 +73,7 @@ class ContactFlags {
   std::uint32_t interpolation_count_ = 0;
 };
 
-/// `--units`, which may be m, cm, mm or in; `whose` they are stands in the help.
+/// `--units`, one of kLengthUnits; `whose` they are stands in the help.
 void addUnits(CLI::App& command, std::string& units, const std::string& whose);
 
 }  // namespace handgraft::client

@@ -407,7 +407,7 @@ def _units_as_arguments() -> Iterator[None]:
     try:
         yield
     except Error as error:
-        error.args = (re.sub(r"--units (mm|cm|in|m)\b", r"units='\1'", str(error)),)
+        error.args = (re.sub(r"--units (\w+)", r"units='\1'", str(error)),)
         raise
 
 

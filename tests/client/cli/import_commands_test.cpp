@@ -292,11 +292,11 @@ TEST_F(ImportCommands, FromPoseTellsPosesOfOneHandApart) {
 }
 
 TEST(Units, AreWhatARefusalRecommends) {
-  EXPECT_EQ(unitsIn("bottle: 152 m across; say --units mm"), "mm");
-  EXPECT_EQ(unitsIn("say --units cm or --units mm"), "cm");
-  EXPECT_EQ(unitsIn("say --units m"), "m");
-  EXPECT_EQ(unitsIn("no such file"), "");
-  EXPECT_EQ(unitsIn("--units mmm"), "");
+  EXPECT_THAT(unitsIn("bottle: 152 m across; say --units mm"), ElementsAre("mm"));
+  EXPECT_THAT(unitsIn("say --units cm or --units in"), ElementsAre("cm", "in"));
+  EXPECT_THAT(unitsIn("say --units m"), ElementsAre("m"));
+  EXPECT_THAT(unitsIn("no such file"), testing::IsEmpty());
+  EXPECT_THAT(unitsIn("--units mmm"), testing::IsEmpty());
 }
 
 }  // namespace

@@ -72,6 +72,8 @@ TEST(Quantity, ReadsUnits) {
   EXPECT_EQ(quantityOf("20mm")->unit, Unit::kLength);
   EXPECT_EQ(quantityOf("2cm")->value, 0.02);
   EXPECT_EQ(quantityOf("2m")->value, 2.0);
+  EXPECT_NEAR(quantityOf("-0.5in")->value, -0.0127, 1e-12);
+  EXPECT_EQ(quantityOf("1in")->unit, Unit::kLength);
 }
 
 TEST(Quantity, RefusesWhatIsNone) {
