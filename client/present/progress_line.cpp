@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "core/base/error.h"
+#include "core/base/utf8.h"
 
 namespace handgraft::client {
 
@@ -20,9 +20,8 @@ ProgressLine::~ProgressLine() {
 void ProgressLine::show(const std::string& stage, double fraction) {
   if (!terminal_) return;
   const double share = std::isfinite(fraction) ? std::clamp(fraction, 0.0, 1.0) : 0.0;
-  const std::string line = quoted(stage);
-  fmt::print(stderr, "\r\x1b[K{} {:.0f} %",
-             line.substr(1, std::min<std::size_t>(line.size() - 2, 60)), 100.0 * share);
+  constexpr std::size_t kLongest = 60;
+  fmt::print(stderr, "\r\x1b[K{} {:.0f} %", onOneLine(stage, kLongest), 100.0 * share);
   std::fflush(stderr);
   shown_ = true;
 }

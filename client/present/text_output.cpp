@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,6 +12,7 @@
 #include "client/link/client.h"
 #include "client/present/transfer_text.h"
 #include "core/base/error.h"
+#include "core/base/utf8.h"
 #include "idl/fields.h"
 
 namespace handgraft::client::text {
@@ -39,21 +41,21 @@ std::string wrapped(const std::string& text) {
   const auto endWord = [&] {
     if (word.empty()) return;
     if (line.find_first_not_of(' ') != std::string::npos) {
-      if (line.size() + 1 + word.size() <= kWidth) {
+      if (columnsOf(line) + 1 + columnsOf(word) <= kWidth) {
         line += ' ';
       } else {
         out += line + "\n";
         line = indent;
       }
     }
-    line += std::exchange(word, "");
+    line += onOneLine(std::exchange(word, ""));
   };
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte <= 0x20 || byte == 0x7f) {
+  for (std::string_view rest = text; !rest.empty();) {
+    const Character next = takeCharacter(rest);
+    if (next.code == ' ' || isControl(next.code)) {
       endWord();
     } else {
-      word += c;
+      word += next.bytes;
     }
   }
   endWord();
@@ -96,7 +98,7 @@ std::string table(const Rows& rows, const std::string& alignment) {
   for (const auto& row : rows) {
     widths.resize(std::max(widths.size(), row.size()), 0);
     for (std::size_t k = 0; k < row.size(); ++k)
-      widths[k] = std::max(widths[k], row[k].size());
+      widths[k] = std::max(widths[k], columnsOf(row[k]));
   }
   std::string out;
   for (const auto& row : rows) {
@@ -105,8 +107,8 @@ std::string table(const Rows& rows, const std::string& alignment) {
       if (k > 0) line += "  ";
       const bool right =
           !alignment.empty() && alignment[std::min(k, alignment.size() - 1)] == 'r';
-      line += right ? fmt::format("{:>{}}", row[k], widths[k])
-                    : fmt::format("{:<{}}", row[k], widths[k]);
+      const std::string padding(widths[k] - columnsOf(row[k]), ' ');
+      line += right ? padding + row[k] : row[k] + padding;
     }
     line.erase(line.find_last_not_of(' ') + 1);
     out += line + "\n";
@@ -291,13 +293,7 @@ std::string stateLine(const v1::SessionState& state) {
 }
 
 std::string explanation(const v1::PoseSolution& solution) {
-  std::string line = solution.verdict();  // all of it, however long
-  std::replace_if(
-      line.begin(), line.end(),
-      [](unsigned char byte) {
-        return byte < 0x20 || byte == 0x7f;
-      },
-      '?');
+  std::string line = onOneLine(solution.verdict());  // all of it, however long
   if (!solution.penetration().empty() && solution.penetration()[0].max_depth_m() > 0.0) {
     line += fmt::format("{}{:.1f} mm deep", line.empty() ? "" : ", ",
                         1e3 * solution.penetration()[0].max_depth_m());

@@ -37,8 +37,8 @@ std::vector<std::string> limitNames(const std::vector<v1::JointLimit>& limits);
 /// The same of several, with commas between them.
 std::string listed(const std::vector<std::string>& items);
 
-/// A text from the wire in lines of at most 100 bytes, each ended, all but the first indented:
-/// none of it is left out. A longer word has a line of its own.
+/// A text from the wire in lines of at most 100 columns, each ended, all but the first
+/// indented: none of it is left out. A longer word has a line of its own.
 std::string wrapped(const std::string& text);
 
 /// What keeps patches away: a paragraph each of those that are not reached.
@@ -47,8 +47,8 @@ std::string shortfalls(const v1::PoseSolution& solution);
 /// A line each: `note: ...`.
 std::string notes(const std::vector<std::string>& notes);
 
-/// Rows in columns as wide as they need. `alignment` has a letter a column, `l` or `r`, the
-/// last one for all that follow.
+/// Rows in columns as wide as they need on a terminal. `alignment` has a letter a column, `l`
+/// or `r`, the last one for all that follow.
 std::string table(const std::vector<std::vector<std::string>>& rows,
                   const std::string& alignment);
 

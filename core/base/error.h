@@ -44,8 +44,8 @@ template <class... Args>
   throw InvalidInput(fmt::format(format, std::forward<Args>(args)...));
 }
 
-/// `text` on one line, control characters shown as `?`, cut at 200 characters: what comes from
-/// a file or the wire may be anything, and error messages quote it.
+/// `text` as onOneLine (utf8.h) has it, of 200 characters at most: what comes from a file or
+/// the wire may be anything, and error messages quote it.
 std::string quoted(const std::string& text);
 
 namespace detail {

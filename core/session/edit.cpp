@@ -4,6 +4,7 @@
 #include <type_traits>
 
 #include "core/base/error.h"
+#include "core/base/utf8.h"
 
 namespace handgraft::session {
 namespace {
@@ -17,9 +18,7 @@ const char* nameOf(Side side) {
 /// A name of somebody's, cut so that a history stays small.
 std::string shortened(const std::string& name) {
   constexpr std::size_t kMost = 48;
-  const std::string shown = quoted(name);
-  const std::string bare = shown.substr(1, shown.size() - 2);
-  return bare.size() <= kMost ? bare : bare.substr(0, kMost) + "...";
+  return onOneLine(name, kMost);
 }
 
 /// Of kinds without a text of their own below: "snapshot before".

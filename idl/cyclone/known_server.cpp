@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/base/utf8.h"
+
 namespace handgraft::idl::cyclone {
 
 namespace {
@@ -15,12 +17,7 @@ constexpr std::size_t kMostOthers = 64;     // servers of other names that are r
 /// What came over the wire, for a message of one line.
 std::string plainName(const std::string& name) {
   constexpr std::size_t kLongest = 64;
-  std::string plain = name.substr(0, kLongest);
-  const auto is_odd = [](char c) {
-    return c < ' ' || c > '~';
-  };
-  std::replace_if(plain.begin(), plain.end(), is_odd, '?');
-  return plain;
+  return onOneLine(name, kLongest);
 }
 
 }  // namespace

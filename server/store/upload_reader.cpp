@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include "core/base/error.h"
+#include "core/base/utf8.h"
 #include "server/base/rejection.h"
 #include "server/reading/frames.h"
 #include "server/reading/packed.h"
@@ -138,19 +139,8 @@ std::string wayOfEnd(End end, int status, const ReaderLimits& limits) {
   return fmt::format("ended by signal {} ({})", signal, sigdescr_np(signal));
 }
 
-/// What a process said that nobody vouches for, fit for logs and terminals.
-std::string oneLine(std::string text) {
-  constexpr std::size_t kLongest = 2000;
-  text.resize(std::min(text.size(), kLongest));
-  std::replace_if(
-      text.begin(), text.end(),
-      [](char c) {
-        const auto byte = static_cast<unsigned char>(c);
-        return byte < 0x20 || byte == 0x7f;
-      },
-      '?');
-  return text;
-}
+/// Nobody vouches for what the process says.
+constexpr std::size_t kLongestWords = 2000;
 
 }  // namespace
 
@@ -204,15 +194,15 @@ ReadModel UploadReader::read(const ReadRequest& request, const Progress& progres
     case FrameKind::kModel:
       break;
     case FrameKind::kUnits:
-      throw UnitsInDoubt(oneLine(answer->payload));
+      throw UnitsInDoubt(onOneLine(answer->payload, kLongestWords));
     case FrameKind::kMemory:
       reject_logged(memoryText(limits_));
       break;
     case FrameKind::kMistake:
-      throw std::runtime_error(oneLine(answer->payload));
+      throw std::runtime_error(onOneLine(answer->payload, kLongestWords));
     case FrameKind::kWrong:
     case FrameKind::kProgress:
-      throw InvalidInput(oneLine(answer->payload));
+      throw InvalidInput(onOneLine(answer->payload, kLongestWords));
   }
   std::string fault;
   try {

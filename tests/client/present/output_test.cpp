@@ -458,6 +458,34 @@ TEST(GraspPicture, RefusesAHostileMesh) {
                InvalidInput);
 }
 
+// === Names of the world
+
+TEST(Table, ColumnsOfAllScriptsStandBelowOneAnother) {
+  EXPECT_EQ(text::table({{"name", "mm"}, {"Größe", "1"}, {"杯子", "12"}}, "lr"),
+            "name   mm\n"
+            "Größe   1\n"
+            "杯子   12\n");
+}
+
+TEST(Wrapped, CountsCharactersAndLosesNone) {
+  std::string umlauts;
+  for (int k = 0; k < 48; ++k)
+    umlauts += "ö";
+  EXPECT_EQ(text::wrapped(umlauts + " " + umlauts), umlauts + " " + umlauts + "\n");
+  EXPECT_EQ(text::wrapped("Gr\xf6\n杯子\u009b"), "Gr? 杯子\n");
+}
+
+TEST(SolutionLine, NamesAreShownAsTheyAre) {
+  v1::PoseSolution solution;
+  solution.is_final(true);
+  v1::PatchFit fit;
+  fit.name("Größe");
+  solution.patches().push_back(fit);
+  solution.verdict("杯子 is reached");
+  EXPECT_THAT(text::solutionLine(solution),
+              AllOf(HasSubstr("Größe 0.0 mm"), HasSubstr("杯子 is reached")));
+}
+
 // === Motions
 
 TEST(MotionText, SaysWhatIsNeverThereOrReached) {

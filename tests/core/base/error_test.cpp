@@ -17,6 +17,11 @@ TEST(Quoted, CutsLongTexts) {
   EXPECT_EQ(line.size(), 200u + 2u + 3u);
 }
 
+TEST(Quoted, CutsBetweenCharacters) {
+  const std::string half(199, 'x');
+  EXPECT_EQ(quoted(half + "öö"), "'" + half + "ö...'");
+}
+
 TEST(Require, ThrowsWithThePlaceAndTheCondition) {
   try {
     HANDGRAFT_REQUIRE(1 + 1 == 3);
