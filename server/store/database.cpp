@@ -1,11 +1,53 @@
 #include "server/store/database.h"
 
+#include <cerrno>
 #include <utility>
 
 #include <fmt/format.h>
 #include <sqlite3.h>
 
 namespace handgraft::server {
+
+namespace {
+
+/// What an error means for who keeps the store, and what to do; null where SQLite's own words
+/// have to do. `code` is SQLite's, extended or not, `os` the system's.
+const char* adviceOn(int code, int os) {
+  constexpr int kPrimary = 0xff;
+  const bool has_no_room = os == ENOSPC || os == EDQUOT;
+  const bool may_not = os == EACCES || os == EPERM || os == EROFS;
+  switch (code & kPrimary) {
+    case SQLITE_IOERR:
+    case SQLITE_CANTOPEN:
+      if (!has_no_room && !may_not) return nullptr;
+      break;
+    case SQLITE_FULL:
+    case SQLITE_READONLY:
+      break;
+    case SQLITE_CORRUPT:
+    case SQLITE_NOTADB:
+      return "it is damaged, or no store; move it away and put a copy (--backup) in its place, "
+             "or start without one; --check lists what is wrong";
+    default:
+      return nullptr;
+  }
+  const bool is_full = (code & kPrimary) == SQLITE_FULL || has_no_room;
+  return is_full ? "the disk is full; make room on it, or choose another folder by --state"
+                 : "it is read-only; let the server's user write to the file and its folder, "
+                   "or choose another folder by --state";
+}
+
+std::string complaint(const std::string& path, const std::string& what, sqlite3* handle) {
+  const int code = sqlite3_extended_errcode(handle);
+  const int os = sqlite3_system_errno(handle);
+  const char* advice = adviceOn(code, os);
+  return advice != nullptr ? fmt::format("store {}: {} ({}: SQLite {}, system {})", path,
+                                         advice, what, code, os)
+                           : fmt::format("store {}: {} failed: {} (SQLite {}, system {})", path,
+                                         what, sqlite3_errmsg(handle), code, os);
+}
+
+}  // namespace
 
 // === Statement
 
@@ -94,9 +136,10 @@ Database::Database(const std::string& path) : path_(path) {
       SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE;
   constexpr int kPatienceMs = 5000;  // of two connections for each other
   if (sqlite3_open_v2(path.c_str(), &handle_, kHowOpened, nullptr) != SQLITE_OK) {
-    const std::string why = handle_ != nullptr ? sqlite3_errmsg(handle_) : "no memory";
+    const std::string why = handle_ != nullptr ? complaint(path, "open", handle_)
+                                               : fmt::format("store {}: no memory", path);
     sqlite3_close(handle_);
-    throw StorageError(fmt::format("store {}: cannot be opened: {}", path, why));
+    throw StorageError(why);
   }
   try {
     sqlite3_busy_timeout(handle_, kPatienceMs);
@@ -116,11 +159,7 @@ Database::~Database() {
 }
 
 void Database::fail(const std::string& what) const {
-  const int code = sqlite3_errcode(handle_);
-  const char* why = sqlite3_errmsg(handle_);
-  const int os = sqlite3_system_errno(handle_);
-  throw StorageError(fmt::format("store {}: {} failed: {} (SQLite {}, system {})", path_, what,
-                                 why, code, os));
+  throw StorageError(complaint(path_, what, handle_));
 }
 
 void Database::execute(const char* sql) {

@@ -13,6 +13,8 @@ struct sqlite3_stmt;
 namespace handgraft::server {
 
 /// The disk did not take, or not give, what was asked of it; nothing of the change was made.
+/// The message names the file, and what to do where the disk is full, or the file read-only or
+/// damaged.
 class StorageError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -63,7 +63,8 @@ StateStore::StateStore(const std::string& path, StateLimits limits)
     lock_ = ::open((path + ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
     if (lock_ < 0) {
       throw StorageError(
-          fmt::format("store {}: cannot be opened ({})", path, std::strerror(errno)));
+          fmt::format("store {}: cannot be opened ({}); choose another folder by --state", path,
+                      std::strerror(errno)));
     }
     if (flock(lock_, LOCK_EX | LOCK_NB) != 0) {
       close(lock_);

@@ -4,6 +4,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <string>
 #include <thread>
 
@@ -14,6 +15,7 @@
 
 #include "core/base/error.h"
 #include "server/base/rejection.h"
+#include "server/store/database.h"
 #include "server/store/state_schema.h"
 
 namespace handgraft::server {
@@ -79,6 +81,55 @@ TEST_F(StateStoreTest, IsOpenInOneServerAtATime) {
   } catch (const InvalidInput& error) {
     EXPECT_THAT(error.what(), HasSubstr("another handgraft-server has it open"));
   }
+}
+
+// === What the disk refuses
+
+std::string complaintOf(const std::function<void()>& writes) {
+  try {
+    writes();
+  } catch (const StorageError& error) {
+    return error.what();
+  }
+  return "it was written";
+}
+
+TEST_F(StateStoreTest, AFullDiskIsToldWithTheFileAndWhatToDo) {
+  Database database(path);
+  database.execute("CREATE TABLE things(thing BLOB)");
+  database.execute("PRAGMA max_page_count=8");
+  EXPECT_THAT(
+      complaintOf([&] {
+        database.execute("INSERT INTO things VALUES(zeroblob(1000000))");
+      }),
+      testing::AllOf(HasSubstr(path), HasSubstr("the disk is full"), HasSubstr("--state")));
+}
+
+TEST_F(StateStoreTest, AReadOnlyFileIsToldWithWhatToDo) {
+  Database database(path);
+  database.execute("PRAGMA query_only=ON");
+  EXPECT_THAT(complaintOf([&] {
+                database.execute("CREATE TABLE things(thing BLOB)");
+              }),
+              testing::AllOf(HasSubstr(path), HasSubstr("it is read-only"),
+                             HasSubstr("let the server's user write")));
+}
+
+TEST_F(StateStoreTest, ADamagedFileIsToldWithWhatToDo) {
+  std::ofstream(path) << std::string(8192, 'x');
+  EXPECT_THAT(complaintOf([&] {
+                StateStore store(path);
+              }),
+              testing::AllOf(HasSubstr(path), HasSubstr("it is damaged"), HasSubstr("--backup"),
+                             HasSubstr("--check")));
+}
+
+TEST_F(StateStoreTest, OtherFaultsAreToldInSqlitesWords) {
+  Database database(path);
+  EXPECT_THAT(complaintOf([&] {
+                database.execute("INSERT INTO nowhere VALUES(1)");
+              }),
+              testing::AllOf(HasSubstr(path), HasSubstr("no such table: nowhere")));
 }
 
 TEST_F(StateStoreTest, GivesBackASessionWithItsHistoryAndItsEdits) {
