@@ -151,6 +151,7 @@ const std::map<std::string, std::set<std::string>> kAlone = {
       "core/formats/json_keys.h",
       "core/io/motion_file.cpp",
       "core/io/motion_import.cpp",
+      "core/io/hand_trajectory_file.cpp",
       "core/io/motion_plan.cpp",
       "core/io/problem_file.cpp",
       "core/io/session_field.h",

@@ -45,7 +45,7 @@ constexpr int kCorner = 3;
 constexpr int kMostCuts = 64;  // of an edge
 constexpr std::size_t kMostSharp = 20000;
 
-constexpr double kConeHeight = 0.7;  // of the radius of a cut
+constexpr double kDomeHeight = 0.8;  // of the radius of a cut
 constexpr double kThinnest = 0.003;  // m; for how far samples stand apart
 
 /// A face of the skin, as its link has it.
@@ -145,6 +145,17 @@ double thicknessOf(const std::vector<Facet>& facets) {
   return geometry::capsuleAround(points).radius;
 }
 
+geometry::TriangleMesh meshOf(const std::vector<Vector3d>& vertices,
+                              const std::vector<Eigen::Vector3i>& faces) {
+  Eigen::Matrix3Xd columns(3, std::ssize(vertices));
+  for (Eigen::Index i = 0; i < columns.cols(); ++i)
+    columns.col(i) = vertices[static_cast<std::size_t>(i)];
+  Eigen::Matrix3Xi triples(3, std::ssize(faces));
+  for (Eigen::Index i = 0; i < triples.cols(); ++i)
+    triples.col(i) = faces[static_cast<std::size_t>(i)];
+  return {std::move(columns), std::move(triples)};
+}
+
 /// The part of the skin that belongs to a link, in its frame.
 geometry::TriangleMesh partOf(const Skin& skin, int link, const Pose& X_SL) {
   const geometry::TriangleMesh& mesh_S = skin.mesh();
@@ -164,24 +175,21 @@ geometry::TriangleMesh partOf(const Skin& skin, int link, const Pose& X_SL) {
     }
     faces.push_back(face);
   }
-  Eigen::Matrix3Xd columns(3, std::ssize(vertices));
-  for (Eigen::Index i = 0; i < columns.cols(); ++i)
-    columns.col(i) = vertices[static_cast<std::size_t>(i)];
-  Eigen::Matrix3Xi triples(3, std::ssize(faces));
-  for (Eigen::Index i = 0; i < triples.cols(); ++i)
-    triples.col(i) = faces[static_cast<std::size_t>(i)];
-  return {std::move(columns), std::move(triples)};
+  return meshOf(vertices, faces);
 }
 
-/// The part with a cone over each cut, so steep as to end where a knuckle's ball does: the link
-/// goes on in there, under its neighbour's skin. With flat cuts a rim that stood between two
-/// links was hardly in either.
-geometry::TriangleMesh withConesOnCuts(const geometry::TriangleMesh& part) {
+/// The part with a dome over each cut, as a knuckle ends: the link goes on in there, under its
+/// neighbour's skin. With flat cuts a rim that stood between two links was hardly in either.
+geometry::TriangleMesh withDomesOnCuts(const geometry::TriangleMesh& part) {
   std::map<int, int> behind;  // along the border, as the faces at it go
   for (int h = 0; h < 3 * part.faceCount(); ++h)
     if (part.twin(h) < 0) behind[part.from(h)] = part.to(h);
-  std::vector<Vector3d> tips;
-  std::vector<Eigen::Vector3i> cones;
+  std::vector<Vector3d> vertices;
+  std::vector<Eigen::Vector3i> faces;
+  for (int v = 0; v < part.vertexCount(); ++v)
+    vertices.emplace_back(part.vertex(v));
+  for (int f = 0; f < part.faceCount(); ++f)
+    faces.emplace_back(part.face(f));
   while (!behind.empty()) {
     std::vector<int> rim;
     for (auto at = behind.begin(); at != behind.end(); at = behind.find(rim.back())) {
@@ -189,28 +197,39 @@ geometry::TriangleMesh withConesOnCuts(const geometry::TriangleMesh& part) {
       rim.push_back(at->second);
       behind.erase(at);
     }
+    if (rim.front() != rim.back()) continue;
+    rim.pop_back();
+    const std::size_t count = rim.size();
     Vector3d middle = Vector3d::Zero();
-    for (std::size_t i = 1; i < rim.size(); ++i)
-      middle += part.vertex(rim[i]) / static_cast<double>(rim.size() - 1);
+    for (const int v : rim)
+      middle += vertices[static_cast<std::size_t>(v)] / static_cast<double>(count);
     Vector3d area = Vector3d::Zero();
-    for (std::size_t i = 1; i < rim.size(); ++i)
-      area += 0.5 * (part.vertex(rim[i - 1]) - middle).cross(part.vertex(rim[i]) - middle);
-    if (rim.front() != rim.back() || !(area.norm() > 0.0)) continue;
-    const int tip = part.vertexCount() + static_cast<int>(tips.size());
-    tips.push_back(middle -
-                   kConeHeight * std::sqrt(area.norm() / std::numbers::pi) * area.normalized());
-    for (std::size_t i = 1; i < rim.size(); ++i)
-      cones.emplace_back(rim[i], rim[i - 1], tip);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Vector3d a = vertices[static_cast<std::size_t>(rim[i])] - middle;
+      const Vector3d b = vertices[static_cast<std::size_t>(rim[(i + 1) % count])] - middle;
+      area += 0.5 * a.cross(b);
+    }
+    if (!(area.norm() > 0.0)) continue;
+    const Vector3d height =
+        -kDomeHeight * std::sqrt(area.norm() / std::numbers::pi) * area.normalized();
+    // A ring half way up, and the top.
+    const auto first = static_cast<int>(vertices.size());
+    for (const int v : rim) {
+      const Vector3d p = vertices[static_cast<std::size_t>(v)];
+      vertices.emplace_back(middle + std::numbers::sqrt2 / 2.0 * (p - middle + height));
+    }
+    const int top = static_cast<int>(vertices.size());
+    vertices.emplace_back(middle + height);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t after = (i + 1) % count;
+      const int above = first + static_cast<int>(i);
+      const int above_after = first + static_cast<int>(after);
+      faces.emplace_back(rim[after], rim[i], above);
+      faces.emplace_back(rim[after], above, above_after);
+      faces.emplace_back(above_after, above, top);
+    }
   }
-  Eigen::Matrix3Xd vertices(3, part.vertexCount() + std::ssize(tips));
-  vertices.leftCols(part.vertexCount()) = part.vertices();
-  for (std::size_t i = 0; i < tips.size(); ++i)
-    vertices.col(part.vertexCount() + static_cast<Eigen::Index>(i)) = tips[i];
-  Eigen::Matrix3Xi faces(3, part.faceCount() + std::ssize(cones));
-  faces.leftCols(part.faceCount()) = part.faces();
-  for (std::size_t i = 0; i < cones.size(); ++i)
-    faces.col(part.faceCount() + static_cast<Eigen::Index>(i)) = cones[i];
-  return {std::move(vertices), std::move(faces)};
+  return meshOf(vertices, faces);
 }
 
 /// A link's own surface in its frame; nothing if it has none.
@@ -385,7 +404,7 @@ Bounds boundsOf(const Skin& skin,
   const auto part = std::make_shared<const geometry::SignedDistance>(of_skin);
   const auto asOfSkin = [&]() -> Bounds {
     return {part, false,
-            std::make_shared<const geometry::SignedDistance>(withConesOnCuts(of_skin))};
+            std::make_shared<const geometry::SignedDistance>(withDomesOnCuts(of_skin))};
   };
   const double beneath = skin_offset + kBeneath;
   auto own = ownSurface(skin, link, X_SL);

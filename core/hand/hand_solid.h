@@ -45,10 +45,10 @@ struct LinkSolid {
   double radius = 0.0;
   geometry::Capsule capsule_L;  ///< around all of it, too
   /// Distance to the link's own surface where that is a solid's; else to its part of the skin,
-  /// which stands `skin_offset` off the link, with cones over its cuts: the link goes on in
+  /// which stands `skin_offset` off the link, with domes over its cuts: the link goes on in
   /// there, under its neighbours' skin. For objects.
   std::shared_ptr<const geometry::DistanceGrid> grid_L;
-  /// The same with flat cuts, since cones stand in the neighbours. For other links.
+  /// The same with flat cuts, since domes stand in the neighbours. For other links.
   std::shared_ptr<const geometry::DistanceGrid> for_links_L;
   double skin_offset = 0.0;
   std::vector<geometry::DistanceGrid::Cell> cells_L;  ///< of the link itself

@@ -206,10 +206,10 @@ TEST(HandSolid, GoesOnWhereItsSkinIsCutOffForObjectsAlone) {
     const double side = link.link == 0 ? -1.0 : 1.0;
     const Vector3d p_L(side * 0.0005, 0, 0);  // just within the cut
     EXPECT_NEAR(link.for_links_L->at(p_L) + link.skin_offset, -0.0005, 5e-4);
-    // A cone 0.7 radii high, seen from its axis.
-    const double height = 0.7 * kRadius;
-    const double expected = (height + 0.0005) * std::sin(std::atan2(kRadius, height));
-    EXPECT_NEAR(link.distance(p_L), -expected, 1e-3);  // the rim is jagged by a face
+    // A dome 0.8 radii high: from its middle its top is the nearest.
+    EXPECT_NEAR(link.distance(p_L), -0.8 * kRadius, 1e-3);
+    // Beside the rim its first face is.
+    EXPECT_NEAR(link.distance(side * Vector3d(0, 0.7 * kRadius, 0)), -0.267 * kRadius, 6e-4);
     EXPECT_GT(link.distance(-side * Vector3d(0.9 * kRadius, 0, 0)), 0.0);
     EXPECT_NEAR(link.distance(side * Vector3d(0.7 * kRadius, 0, 0)), -0.3 * kRadius, 5e-4);
   }
