@@ -26,7 +26,7 @@ struct Avoidance {
   double weight = 5e6;
   /// m; what lies between two samples may be so much deeper than they are.
   double margin_m = 2e-4;
-  double self_margin_m = 6e-4;  ///< of one link in another: both are sampled, both are rounded
+  double self_margin_m = 7e-4;  ///< of one link in another: both are sampled, both are rounded
 };
 
 /// How closely a search looks.

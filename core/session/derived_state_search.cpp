@@ -34,6 +34,7 @@ constexpr double kSmallGain = 0.01;  // of the cost: taken, but as good as none
 // so many times as much again.
 constexpr double kReachingWeight = 4.0;
 constexpr int kReaches = 2;
+constexpr int kAgainFewer = 4;  // starts, of a search that goes where one has been
 
 // Drafts are laid in full once they are chosen: until then, steps that promise less than this
 // share of the objective are not worth their while.
@@ -168,7 +169,9 @@ Solution DerivedState::solve(const SolverSettings& solving,
       SolveReport other;
       if (takeRootsByLength()) {
         transfer(progress);
-        std::vector<Minimum> others = searchAbout(other, solving, options, progress);
+        SolveOptions again = options;
+        again.starts = std::max(optimize::kFewStarts + 1, options.starts / kAgainFewer);
+        std::vector<Minimum> others = searchAbout(other, solving, again, progress);
         if (takeBetter(worthOf(other, solving), other, worth, report)) {
           found = std::move(others);
           best.keep();
