@@ -1,5 +1,6 @@
 #include "client/present/failure.h"
 
+#include "client/present/typed_words.h"
 #include "core/base/error.h"
 #include "idl/cyclone/requester.h"
 
@@ -23,7 +24,7 @@ Failure failureOf(const std::exception& error) {
     return {failed->exitCode(), failed->what()};
   }
   if (const auto* refused = dynamic_cast<const idl::cyclone::Refused*>(&error)) {
-    return {isWrongInput(refused->code()) ? kWrongInput : kFailed, refused->what()};
+    return {isWrongInput(refused->code()) ? kWrongInput : kFailed, asTyped(refused->what())};
   }
   return {kFailed, error.what()};
 }

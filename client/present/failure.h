@@ -24,7 +24,8 @@ class CommandFailed : public std::runtime_error {
   int exit_code_;
 };
 
-/// The server's refusals that the user can do something about are wrong input, too.
+/// The server's refusals that the user can do something about are wrong input, too, told in the
+/// words that are typed.
 Failure failureOf(const std::exception& error);
 
 }  // namespace handgraft::client
