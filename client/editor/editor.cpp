@@ -12,6 +12,7 @@
 #include "client/link/session_id.h"
 #include "client/link/wire_pose.h"
 #include "client/present/failure.h"
+#include "client/present/joint_unit.h"
 #include "client/present/json_output.h"
 #include "client/present/progress_line.h"
 #include "client/present/send_model.h"
@@ -269,9 +270,10 @@ std::string Editor::movedAgain(const Match& bend) {
   if (index >= pose->joint_positions().size()) return "";
   const double value = pose->joint_positions()[index];
   if (std::abs(value - bend.values.at(1).number) < kNoticed) return "";
+  const JointUnit unit = unitOf(session_->hand().joints().at(index).kind());
   return fmt::format(
-      "the search moved {} on to {:.4g}; lock it first, and it stays where it is put\n",
-      bend.values.at(0).text, value);
+      "the search moved {} on to {:.4g} {}; lock it first, and it stays where it is put\n",
+      bend.values.at(0).text, unit.scale * value, unit.name);
 }
 
 CommandOutput Editor::editAt(const Match& match) {

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "client/present/joint_unit.h"
 #include "client/present/text_output.h"
 #include "idl/fields.h"
 
@@ -116,9 +117,13 @@ CommandOutput tellPatches(const v1::SessionSettings& settings) {
 
 CommandOutput tellJoints(const v1::SessionSettings& settings) {
   CommandOutput output;
-  Rows rows = {{"joint", "value", "prior", "lower", "upper", "model", "held"}};
+  Rows rows = {{"joint", "value", "prior", "lower", "upper", "", "model", "held"}};
   Json joints = Json::array();
   for (const v1::JointSetting& joint : settings.joints()) {
+    const JointUnit unit = unitOf(joint.kind());
+    const auto told = [&](double value) {
+      return number(unit.scale * value);
+    };
     const bool as_model =
         joint.lower() == joint.model_lower() && joint.upper() == joint.model_upper();
     std::string held = joint.locked() ? "locked" : "";
@@ -127,14 +132,12 @@ CommandOutput tellJoints(const v1::SessionSettings& settings) {
           fmt::format("{}soft, weight {:.4g}", held.empty() ? "" : ", ", joint.soft_weight());
     }
     rows.push_back(
-        {plain(joint.name()), number(joint.value()), number(joint.prior()),
-         number(joint.lower()), number(joint.upper()),
-         as_model ? ""
-                  : fmt::format("{:.4g} to {:.4g}", joint.model_lower(), joint.model_upper()),
-         held});
+        {plain(joint.name()), told(joint.value()), told(joint.prior()), told(joint.lower()),
+         told(joint.upper()), unit.name,
+         as_model ? "" : told(joint.model_lower()) + " to " + told(joint.model_upper()), held});
     joints.push_back(json::jsonOf(joint));
   }
-  output.text = text::table(rows, "lrrrrll");
+  output.text = text::table(rows, "lrrrrlll");
   output.data = {{"joints", joints}};
   return output;
 }

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "client/link/wire_pose.h"
+#include "client/present/joint_unit.h"
 #include "client/present/text_output.h"
 
 namespace handgraft::client {
@@ -29,10 +30,9 @@ PoseGap gapBetween(const v1::MinimumInfo& a,
   const std::size_t joints =
       std::min({a.joint_positions().size(), b.joint_positions().size(), hand.joints().size()});
   for (std::size_t j = 0; j < joints; ++j) {
-    const double unit =
-        hand.joints()[j].kind() == v1::JOINT_PRISMATIC ? kMillimetres : kDegrees;
     gap.joint =
-        std::max(gap.joint, unit * std::abs(a.joint_positions()[j] - b.joint_positions()[j]));
+        std::max(gap.joint, unitOf(hand.joints()[j].kind()).scale *
+                                std::abs(a.joint_positions()[j] - b.joint_positions()[j]));
   }
   return gap;
 }

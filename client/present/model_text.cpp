@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "client/present/joint_unit.h"
 #include "client/present/motion_output.h"
 #include "client/present/text_output.h"
 
@@ -18,7 +19,7 @@ namespace {
 using Rows = std::vector<std::vector<std::string>>;
 
 std::string number(double value) {
-  return std::isinf(value) ? (value < 0.0 ? "-inf" : "inf") : fmt::format("{:.3f}", value);
+  return std::isinf(value) ? (value < 0.0 ? "-inf" : "inf") : fmt::format("{:.1f}", value);
 }
 
 std::string counted(std::size_t count, const char* what) {
@@ -53,14 +54,16 @@ std::string joints(const v1::HandDescription& hand) {
     std::vector<std::string> row = {
         plain(joint.name()), typeOf(joint),
         plain(joint.parent_link()) + " > " + plain(joint.child_link())};
+    const JointUnit unit = unitOf(joint.kind());
     for (const idl::Field* field : numbers) {
-      const double value = *static_cast<const double*>(field->in(&joint));
+      const double value = unit.scale * *static_cast<const double*>(field->in(&joint));
       row.push_back(field->infinite ? number(value)
-                    : value > 0.0   ? fmt::format("{:.3g}", value)
+                    : value > 0.0   ? fmt::format("{:.4g}", value)
                                     : "-");
     }
-    row.push_back(i < hand.rest_positions().size() ? number(hand.rest_positions()[i]) : "");
-    row.emplace_back(joint.kind() == v1::JOINT_PRISMATIC ? "m" : "rad");
+    row.push_back(
+        i < hand.rest_positions().size() ? number(unit.scale * hand.rest_positions()[i]) : "");
+    row.emplace_back(unit.name);
     rows.push_back(std::move(row));
   }
   return table(rows, "lll" + std::string(numbers.size() + 1, 'r') + "l");

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "client/present/joint_unit.h"
 #include "client/present/text_output.h"
 
 namespace handgraft::client {
@@ -50,6 +51,12 @@ std::string fastestText(const MotionResult& result) {
   if (largest <= 0.0) return "";
   return fmt::format(" ({} at {:.2f} s)", text::plain(result.hand.joints()[joint].name()),
                      time_s);
+}
+
+bool slides(const v1::HandDescription& hand) {
+  return std::any_of(hand.joints().begin(), hand.joints().end(), [](const auto& joint) {
+    return joint.kind() == v1::JOINT_PRISMATIC;
+  });
 }
 
 /// The joints that stand at limits, most often first.
@@ -169,11 +176,14 @@ std::string motion(const MotionResult& result) {
              ? fmt::format("inside the object: {:.2f} mm at {:.2f} s\n",
                            1e3 * summary.max_depth_m(), deepest->time_s())
              : std::string("inside the object: never\n");
+  // The summary does not say which joint its largest numbers are of.
+  const JointUnit unit =
+      slides(result.hand) ? JointUnit{1.0, "rad, m"} : unitOf(v1::JOINT_REVOLUTE);
   out += fmt::format(
-      "joints: largest step {:.4f}{}, velocity {:.3g}, acceleration {:.3g}, RMS jerk {:.3g} "
-      "(rad, m; s)\n",
-      summary.max_step(), fastestText(result), summary.max_velocity(),
-      summary.max_acceleration(), summary.rms_jerk());
+      "joints: largest step {:.3g}{}, velocity {:.3g}, acceleration {:.3g}, RMS jerk {:.3g} "
+      "({}; s)\n",
+      unit.scale * summary.max_step(), fastestText(result), unit.scale * summary.max_velocity(),
+      unit.scale * summary.max_acceleration(), unit.scale * summary.rms_jerk(), unit.name);
   out += limitsText(result);
   out += notes(summary.notes());
   out += fmt::format("time: solve {:.0f} ms, {:.2f} ms a frame; all in all {:.0f} ms\n",

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "client/link/client.h"
+#include "client/present/joint_unit.h"
 #include "client/present/transfer_text.h"
 #include "core/base/error.h"
 #include "core/base/utf8.h"
@@ -197,15 +198,21 @@ std::string sessions(const v1::SessionList& list) {
 namespace {
 
 // What keeps patches away, and what joint limits would bring.
-std::string verdicts(const v1::PoseSolution& solution) {
+std::string verdicts(const v1::PoseSolution& solution, const v1::HandDescription& hand) {
   std::string lines;
   if (!solution.verdict().empty()) lines = wrapped(solution.verdict());
   lines += shortfalls(solution);
   for (const v1::LimitSensitivity& sensitivity : solution.sensitivities()) {
     constexpr double kWorthTelling_mm = 0.005;
-    lines += fmt::format("sensitivity: {} {} by {:.2f} (rad or m): objective {:.3g} less",
+    const auto joint =
+        std::find_if(hand.joints().begin(), hand.joints().end(), [&](const v1::JointInfo& one) {
+          return one.name() == sensitivity.limit().joint();
+        });
+    const JointUnit unit =
+        unitOf(joint == hand.joints().end() ? v1::JOINT_REVOLUTE : joint->kind());
+    lines += fmt::format("sensitivity: {} {} by {:.1f} {}: objective {:.3g} less",
                          plain(sensitivity.limit().joint()), nameOf(sensitivity.limit().side()),
-                         sensitivity.given(), sensitivity.gain());
+                         unit.scale * sensitivity.given(), unit.name, sensitivity.gain());
     if (std::abs(sensitivity.gain_mm()) >= kWorthTelling_mm) {
       lines += fmt::format(", {:.2f} mm {}", std::abs(sensitivity.gain_mm()),
                            sensitivity.gain_mm() > 0.0 ? "nearer" : "farther");
@@ -246,7 +253,7 @@ std::string grasp(const GraspResult& result) {
     out += fmt::format("dropped {}: {}\n", plain(report.name()), plain(report.reason()));
   }
 
-  out += verdicts(solution);
+  out += verdicts(solution, result.hand);
   out += losses(result.transfer.patches(), result.kept ? solution.session_id() : 0);
   out += notes(result.hand.notes());
   out += notes(result.transfer.notes());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -16,6 +17,7 @@ using optimize::LimitSensitivity;
 using optimize::PatchDiagnosis;
 using optimize::Verdict;
 
+constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kHardlyAny = 0.05;  // mm; what is printed as 0.0
 
 const std::string& nameOfPatch(const session::Session& session, int patch) {
@@ -27,7 +29,7 @@ const std::string& nameOfPatch(const session::Session& session, int patch) {
 std::string sensitivityText(const hand::HandModel& model, const LimitSensitivity& sensitivity) {
   const bool slides = model.dofJoint(sensitivity.dof).type == hand::JointType::kPrismatic;
   const std::string given = slides ? fmt::format("{:.1f} mm", 1e3 * sensitivity.given)
-                                   : fmt::format("{:.2f} rad", sensitivity.given);
+                                   : fmt::format("{:.1f} deg", kDegrees * sensitivity.given);
   return fmt::format("{} by {}: {:.1f} mm nearer", nameOf(model, sensitivity), given,
                      sensitivity.gain_mm);
 }

@@ -57,6 +57,7 @@ class SmallContext : public client::editor::EditContext {
     for (const v1::JointInfo& joint : hand_.joints()) {
       v1::JointSetting setting;
       setting.name(joint.name());
+      setting.kind(joint.kind());
       setting.lower(-0.5);
       setting.upper(0.5);
       setting.model_lower(joint.lower());

@@ -16,6 +16,7 @@ namespace handgraft::client {
 namespace {
 
 using nlohmann::json;
+using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -56,6 +57,19 @@ TEST(HandText, TellsMimicsCarrierPosesAndMirroring) {
   EXPECT_THAT(text, HasSubstr("named poses: fist\n"));
   EXPECT_THAT(text, HasSubstr("mirrored"));
   EXPECT_THAT(text, HasSubstr("continuous"));
+}
+
+TEST(HandText, TellsAnglesInDegreesAndSlidesInMillimetres) {
+  v1::HandDescription hand = test::flatHand();
+  for (v1::JointInfo& joint : hand.joints()) {
+    joint.lower(-0.1);
+    joint.upper(0.25);
+    joint.velocity_limit(2.0);
+  }
+  hand.rest_positions({0.05, 0.05});
+  const std::string text = text::hand(hand);
+  EXPECT_THAT(text, ContainsRegex("revolute .* -5.7 +14.3 +114.6 +2.9 +deg\n"));
+  EXPECT_THAT(text, ContainsRegex("prismatic .* -100.0 +250.0 +2000 +50.0 +mm\n"));
 }
 
 TEST(HandText, SaysNothingOfASkinThatIsNotKnown) {

@@ -458,6 +458,23 @@ TEST(GraspPicture, RefusesAHostileMesh) {
                InvalidInput);
 }
 
+TEST(GraspText, TellsAnglesInDegreesAndSlidesInMillimetres) {
+  GraspResult result = example();
+  v1::JointInfo slide;
+  slide.name("slide");
+  slide.kind(v1::JOINT_PRISMATIC);
+  result.hand.joints().push_back(slide);
+  for (const auto& [joint, given] : {std::pair("bend", 0.1), std::pair("slide", 0.01)}) {
+    v1::LimitSensitivity sensitivity;
+    sensitivity.limit().joint(joint);
+    sensitivity.limit().side(v1::LIMIT_UPPER);
+    sensitivity.given(given);
+    result.solution.sensitivities().push_back(sensitivity);
+  }
+  EXPECT_THAT(text::grasp(result), AllOf(HasSubstr("bend upper by 5.7 deg: objective"),
+                                         HasSubstr("slide upper by 10.0 mm: objective")));
+}
+
 // === Names of the world
 
 TEST(Table, ColumnsOfAllScriptsStandBelowOneAnother) {

@@ -40,6 +40,9 @@ TEST(Verdicts, NameTheLimitsThatKeepAFingerOpen) {
   ASSERT_FALSE(verdicts.diagnosis.sensitivities.empty());
   const std::string limit = nameOf(*session.hand().model, verdicts.diagnosis.sensitivities[0]);
   EXPECT_THAT(limit, HasSubstr(" upper"));
+  EXPECT_THAT(
+      verdicts.texts,
+      testing::Contains(testing::ContainsRegex(" upper by [0-9.]+ deg: [0-9.]+ mm nearer")));
   for (const optimize::LimitSensitivity& one : verdicts.diagnosis.sensitivities) {
     EXPECT_GT(one.gain, 0.0);
     EXPECT_NEAR(one.limit, -0.3, 1e-12);
