@@ -17,6 +17,7 @@ using render::Color;
 constexpr Color kDroppedColor{120, 120, 120};
 constexpr Color kLostColor{215, 20, 30};
 constexpr Color kDistanceColor{30, 32, 36};
+constexpr float kFramedAbout_m = 0.12F;  // about the object: a hand without its forearm
 constexpr double kHandOpacity = 0.86;
 constexpr double kObjectOpacity = 0.66;  // patches behind it shine through
 
@@ -116,6 +117,7 @@ GraspPicture pictureOf(const GraspResult& result,
   }
   picture.scene.layers.push_back(std::move(object_layer));
   picture.scene.layers.push_back(std::move(hand_layer));
+  picture.scene.frameAbout(picture.scene.layers.front().meshes.front(), kFramedAbout_m);
 
   picture.caption.title =
       fmt::format("{} grasps {}", result.session.hand(), result.session.object());

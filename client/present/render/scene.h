@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "client/present/render/image.h"
 
@@ -73,6 +74,13 @@ struct Scene {
   /// How far segments and markers are drawn towards the viewer, so that what lies on a surface
   /// is not eaten by it.
   float lift_m = 0.0012F;
+  /// A camera shows what lies in this box, and of the rest what happens to be in sight; an
+  /// empty one: everything.
+  Eigen::AlignedBox3f framed_W{};
+
+  /// Frames a mesh and what is so near it: a grasp, not the forearm behind it. Everything, if
+  /// less than a fifth of some layer would be seen: the hand is not there, then.
+  void frameAbout(const SurfaceMesh& mesh, float reach_m);
 
   /// Every point that a camera should show.
   [[nodiscard]] std::vector<Eigen::Vector3f> points() const;

@@ -65,6 +65,7 @@ render::Scene sceneOf(const hand::HandModel& model,
   }
   render::Scene scene;
   scene.layers = {object_layer, hand_layer};
+  scene.frameAbout(object_layer.meshes.front(), 0.12F);
   return scene;
 }
 

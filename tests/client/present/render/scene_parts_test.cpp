@@ -55,6 +55,22 @@ TEST(Rims, LieBesideTheirLineAndUnderOthers) {
   EXPECT_EQ(image.at(45, 50), kRed) << "the rim covers another line";
 }
 
+TEST(Frame, IsAboutAMeshAndWhatIsNear) {
+  Scene scene;
+  scene.layers.push_back({1.0, {square(0.1F, 0.0F)}, {}});
+  scene.layers.push_back({1.0, {square(0.1F, 0.05F), square(0.1F, 0.9F)}, {}});
+  scene.markers.push_back({{0, 0, 0.02F}, 2.0F, kRed});
+  EXPECT_EQ(scene.points().size(), 13u);
+  scene.frameAbout(scene.layers[0].meshes[0], 0.06F);
+  EXPECT_EQ(scene.points().size(), 9u) << "the square at 0.9 m is in no picture's way";
+  EXPECT_FLOAT_EQ(scene.framed_W.max().x(), 0.16F);
+  // All of the other layer is far: a picture without it would say nothing.
+  scene.layers[1].meshes.erase(scene.layers[1].meshes.begin());
+  scene.frameAbout(scene.layers[0].meshes[0], 0.06F);
+  EXPECT_EQ(scene.points().size(), 9u) << "everything there is";
+  EXPECT_TRUE(scene.framed_W.isEmpty());
+}
+
 TEST(Views, TurnTowardsContactWhereverItIs) {
   for (const Eigen::Vector3f& axis :
        {Eigen::Vector3f(0, 0, -1), Eigen::Vector3f(0, 0, 1), Eigen::Vector3f(1, 0, 0)}) {
