@@ -273,6 +273,36 @@ bool DerivedState::takeRootsByLength() {
   return moved;
 }
 
+bool DerivedState::takeRootsAround(const std::vector<int>& patches, double around_rad) {
+  bool moved = false;
+  for (const int k : patches) {
+    SessionPatch& item = patches_[static_cast<std::size_t>(k)];
+    if (!item.placement || !item.root_is_open || item.patch.place) continue;
+    auto place = hand::placeNamed(item.site);
+    if (!place || place->digit == hand::kPalmPart) continue;
+    place->around_rad = around_rad;
+    const auto spot = coordinates().spotAt(*place);
+    if (!spot) continue;
+    item.placement = {spot->root_S, spot->direction_S};
+    item.up_to_date = false;
+    moved = true;
+  }
+  return moved;
+}
+
+bool DerivedState::turnDirections(const std::vector<int>& patches, double turn_rad) {
+  bool turned = false;
+  for (const int k : patches) {
+    SessionPatch& item = patches_[static_cast<std::size_t>(k)];
+    if (!item.placement || !item.direction_is_open || !item.patch.direction_O) continue;
+    const Eigen::Vector3d n_O = normalOf(*models_.object_O, item.patch.root);
+    item.patch.direction_O = rotationFromVector(turn_rad * n_O) * *item.patch.direction_O;
+    item.up_to_date = false;
+    turned = true;
+  }
+  return turned;
+}
+
 bool DerivedState::takePlacesFrom(const hand::HandPose& pose) {
   if (skin_faces_ == nullptr) skin_faces_ = placement::facesOf(models_.hand->skin);
   const hand::LinkPoses X_SW = models_.hand->skin->fromWorld(*models_.hand->model, pose);

@@ -153,6 +153,11 @@ class DerivedState {
   /// Moves open roots along their digits to where they are by length instead of by segment;
   /// true if one moved by more than a face or so.
   bool takeRootsByLength();
+  /// Moves open roots of patches of which the segment alone is known round it, by `around_rad`
+  /// from the pad; true if any moved.
+  bool takeRootsAround(const std::vector<int>& patches, double around_rad);
+  /// Turns open directions on the object; true if there are any.
+  bool turnDirections(const std::vector<int>& patches, double turn_rad);
   /// A search that ran out of evaluations, from where it stands to its end.
   void goOn(optimize::SolveReport& report,
             const SolverSettings& solving,

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "core/base/error.h"
@@ -35,6 +36,12 @@ constexpr double kSmallGain = 0.01;  // of the cost: taken, but as good as none
 constexpr double kReachingWeight = 4.0;
 constexpr int kReaches = 2;
 constexpr int kAgainFewer = 4;  // starts, of a search that goes where one has been
+
+// Of a patch of which the segment alone is known: so far round it from the pad.
+constexpr double kAside_rad = 1.0;
+// Of one whose direction nobody knows: so far from where the first search began with it.
+constexpr double kTurns_rad[] = {0.5 * std::numbers::pi, -0.5 * std::numbers::pi,
+                                 std::numbers::pi};
 
 // Drafts are laid in full once they are chosen: until then, steps that promise less than this
 // share of the objective are not worth their while.
@@ -160,23 +167,36 @@ Solution DerivedState::solve(const SolverSettings& solving,
     found = searchAbout(report, solving, options, progress);
     options.on_improvement = nullptr;
     Worth worth = worthOf(report, solving);
-    if (worth.first > 0 && searchesWidely(solving, options)) {
-      // Where the slides end depends on where they began.
+    // Where the slides end depends on where they began.
+    const auto beginAgain = [&](const auto& takeRoots) {
+      if (worth.first == 0 || !searchesWidely(solving, options)) return;
       Search best(*this);
+      const std::vector<int> missed = optimize::missedPatches(problem(solving), report);
       patches_ = as_it_was.patches;
       start_ = as_it_was.start;
       start_is_known_ = as_it_was.start_is_known;
+      if (!takeRoots(missed)) return;
+      transfer(progress);
+      SolveOptions again = options;
+      again.starts = std::max(optimize::kFewStarts + 1, options.starts / kAgainFewer);
       SolveReport other;
-      if (takeRootsByLength()) {
-        transfer(progress);
-        SolveOptions again = options;
-        again.starts = std::max(optimize::kFewStarts + 1, options.starts / kAgainFewer);
-        std::vector<Minimum> others = searchAbout(other, solving, again, progress);
-        if (takeBetter(worthOf(other, solving), other, worth, report)) {
-          found = std::move(others);
-          best.keep();
-        }
-      }
+      std::vector<Minimum> others = searchAbout(other, solving, again, progress);
+      if (!takeBetter(worthOf(other, solving), other, worth, report)) return;
+      found = std::move(others);
+      best.keep();
+    };
+    beginAgain([&](const std::vector<int>&) {
+      return takeRootsByLength();
+    });
+    for (const double around_rad : {kAside_rad, -kAside_rad}) {
+      beginAgain([&](const std::vector<int>& missed) {
+        return takeRootsAround(missed, around_rad);
+      });
+    }
+    for (const double turn_rad : kTurns_rad) {
+      beginAgain([&](const std::vector<int>& missed) {
+        return turnDirections(missed, turn_rad);
+      });
     }
     if (searchesWidely(solving, options))
       reweightMissedPatches(report, solving, options, progress);
