@@ -17,6 +17,11 @@ struct GraspResult {
   v1::PoseSolution solution;
   double total_ms = 0.0;  ///< from the first request to the last reply
   bool kept = false;      ///< the session lives on
+
+  // === What else was waited for
+  double server_ms = 0.0;  ///< until a server answered that was looked for, or started
+  double models_ms = 0.0;  ///< until the session was open, with the hand's skin; in total_ms
+  double files_ms = 0.0;   ///< of what was read before and written afterwards
 };
 
 /// What `handgraft doctor` found.

@@ -53,8 +53,8 @@ std::vector<v1::StageTime> timesOf(const LiveSession& live,
                                    const UndiagnosedPose& pose,
                                    double solids_ms) {
   return {stageTime("skin", live.took.skin_ms), stageTime("transfer", pose.transfer_ms),
-          stageTime("optimize", pose.optimize_ms), stageTime("solids", solids_ms),
-          stageTime("report", pose.report_ms)};
+          stageTime("sizes", pose.sizes_ms),    stageTime("optimize", pose.optimize_ms),
+          stageTime("solids", solids_ms),       stageTime("report", pose.report_ms)};
 }
 
 /// Publishes a pose as soon as it is known, and keeps it for its diagnosis.
@@ -139,6 +139,7 @@ void solveAndTake(LiveSession& live,
                   const Progress& told) {
   session::Session& session = live.session();
   updateTransfers(live, told);
+  const Clock::time_point transferred = Clock::now();
   if (!live.cycle().wasSolved()) {
     // Sizes that no pose can help are told before the search.
     const std::string known = checkSizesAhead(session, live.fit_check);
@@ -164,6 +165,7 @@ void solveAndTake(LiveSession& live,
   }();
   const Clock::time_point solved = Clock::now();
   UndiagnosedPose pose;
+  pose.sizes_ms = std::chrono::duration<double, std::milli>(begin - transferred).count();
   pose.optimize_ms = std::chrono::duration<double, std::milli>(solved - begin).count();
   pose.report = solution.report;
   const session::LogEntry committed = session.commit(std::move(solution));

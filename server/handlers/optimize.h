@@ -18,6 +18,7 @@ struct UndiagnosedPose {
   optimize::SolveReport report;
   // What the stages took.
   double transfer_ms = 0.0;
+  double sizes_ms = 0.0;  ///< of looking, before the first search, whether the hand fits
   double optimize_ms = 0.0;
   double report_ms = 0.0;
 };

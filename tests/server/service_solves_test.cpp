@@ -47,6 +47,16 @@ TEST_F(ServiceTest, SolvesAndPublishesOneFinalPose) {
   EXPECT_EQ(bus.states.back().phase(), v1::PHASE_READY);
 }
 
+TEST_F(ServiceTest, TellsWhatEachStageOfAFirstSolveTook) {
+  const v1::Reply reply = bus.ask(test::optimize(openSmallSession()));
+  ASSERT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
+  std::vector<std::string> stages;
+  for (const v1::StageTime& time : reply.body().solution().times())
+    stages.push_back(time.stage());
+  EXPECT_THAT(stages, testing::ElementsAre("skin", "transfer", "sizes", "optimize", "solids",
+                                           "report"));
+}
+
 TEST_F(ServiceTest, RanksWhereTheSearchesEnded) {
   const v1::Reply reply = bus.ask(test::optimize(openSmallSession(), v1::SOLVER_ALL));
   ASSERT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();

@@ -27,6 +27,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+double msBetween(Clock::time_point begin, Clock::time_point end) {
+  return std::chrono::duration<double, std::milli>(end - begin).count();
+}
+
 // Long work must not end in a file that cannot be written, nor in one that replaces another.
 void checkFiles(const GraspOptions& options, const GraspInputs& inputs) {
   requireSafe({{"--out", options.out}, {"--png", options.png}, {"--problem", options.problem}},
@@ -85,11 +89,13 @@ v1::PoseSolution chosenOf(Client& server,
 
 int run(const GraspOptions& options, const CommonOptions& common, Interruption& interruption) {
   // === Everything that can be wrong before a server is asked
+  const Clock::time_point start = Clock::now();
   GraspInputs inputs = collectInputs(options);
   checkFiles(options, inputs);
   v1::OpenSessionRequest request = sessionRequest(options);
 
   ProgressLine progress;
+  const Clock::time_point ready = Clock::now();
   Client server(interactiveClient(common.network, absenceFor(options.keep, common.network),
                                   interruption, &progress));
   const Clock::time_point begin = Clock::now();
@@ -99,6 +105,8 @@ int run(const GraspOptions& options, const CommonOptions& common, Interruption& 
   KeptSession session(server, openSession(server, sender, options, inputs, request));
 
   GraspResult result;
+  result.server_ms = msBetween(ready, begin);
+  result.models_ms = msBetween(begin, Clock::now());
   result.session = session.state();
   result.transfer = server.transfer(session.id()).get();
   v1::OptimizeRequest optimize;
@@ -112,7 +120,8 @@ int run(const GraspOptions& options, const CommonOptions& common, Interruption& 
   result.transfer.transfer_ms(transfer_ms);
   result.hand =
       server.describe(v1::MODEL_HAND, request.hand(), !options.png.empty()).get().hand();
-  result.total_ms = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+  const Clock::time_point end = Clock::now();
+  result.total_ms = msBetween(begin, end);
   result.kept = options.keep && !server.isPrivate();
   requireConsistent(result);
 
@@ -127,6 +136,7 @@ int run(const GraspOptions& options, const CommonOptions& common, Interruption& 
   outputs.write([&] {
     if (!options.out.empty()) writeFile(options.out, json::written(json::grasp(result)) + "\n");
   });
+  result.files_ms = msBetween(start, ready) + msBetween(end, Clock::now());
   progress.clear();
   fmt::print("{}",
              common.json ? json::written(json::grasp(result)) + "\n" : text::grasp(result));

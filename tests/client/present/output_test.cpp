@@ -475,6 +475,24 @@ TEST(GraspText, TellsAnglesInDegreesAndSlidesInMillimetres) {
                                          HasSubstr("slide upper by 10.0 mm: objective")));
 }
 
+TEST(GraspText, TellsAllThatWasWaitedForByParts) {
+  GraspResult result = example();
+  v1::StageTime skin;
+  skin.stage("skin");
+  skin.duration_ms(300.0);
+  v1::StageTime optimize;
+  optimize.stage("optimize");
+  optimize.duration_ms(12.0);
+  result.solution.times() = {skin, optimize};
+  result.server_ms = 1200.0;
+  result.models_ms = 340.0;  // the skin's 300 with it
+  result.total_ms = 360.0;
+  result.files_ms = 25.0;
+  EXPECT_THAT(text::grasp(result),
+              HasSubstr("time: server 1.20 s, models 40 ms, skin 300 ms, optimize 12 ms, files "
+                        "25 ms, other 8.0 ms; all in all 1.58 s\n"));
+}
+
 // === Names of the world
 
 TEST(Table, ColumnsOfAllScriptsStandBelowOneAnother) {
