@@ -55,6 +55,7 @@ double deepestOf(const std::shared_ptr<const hand::HandModel>& model,
                  const std::shared_ptr<const hand::Skin>& skin,
                  const std::shared_ptr<const geometry::TriangleMesh>& object_O,
                  const hand::HandPose& X_OH,
-                 const Progress& progress);
+                 const Progress& progress,
+                 const std::vector<quality::ContactSide>& sides = {});
 
 }  // namespace handgraft::placement

@@ -160,7 +160,8 @@ double measureDepth(const hand::HandModel& model,
                     const hand::HandSolid& hand,
                     const geometry::Solid& object_O,
                     const hand::HandPose& X_OH,
-                    const Progress& progress) {
+                    const Progress& progress,
+                    const std::vector<ContactSide>& sides) {
   hand::LinkPoses X_OL;
   hand::forwardKinematics(model, X_OH.X_WH, X_OH.q, X_OL);
   Inside inside;
@@ -168,7 +169,7 @@ double measureDepth(const hand::HandModel& model,
   for (const LinkSolid& solid : hand.links()) {
     const Pose& X = X_OL[static_cast<std::size_t>(solid.link)];
     if (object_O.grid().isClear(X * solid.centre_L, solid.radius)) continue;
-    deepest = std::max(deepest, depthIn(solid, object_O, X, {}, inside, progress));
+    deepest = std::max(deepest, depthIn(solid, object_O, X, sides, inside, progress));
   }
   return deepest;
 }

@@ -49,12 +49,13 @@ Penetration measurePenetration(const hand::HandModel& model,
                                const std::vector<ContactSide>& sides = {},
                                const Progress& progress = Progress());
 
-/// The deepest point alone, of a pose in O: `max_depth_m` without sides, for less: neither
-/// volumes nor what the hand does to itself.
+/// The deepest point alone, of a pose in O: `max_depth_m` for less: neither volumes nor what
+/// the hand does to itself, nor objects within a link.
 double measureDepth(const hand::HandModel& model,
                     const hand::HandSolid& hand,
                     const geometry::Solid& object_O,
                     const hand::HandPose& X_OH,
-                    const Progress& progress);
+                    const Progress& progress,
+                    const std::vector<ContactSide>& sides = {});
 
 }  // namespace handgraft::quality

@@ -68,6 +68,16 @@ std::string foundBy(Document document) {
 
 }  // namespace
 
+std::vector<quality::ContactSide> contactSides(const std::vector<SessionPatch>& patches) {
+  std::vector<quality::ContactSide> sides;
+  for (const SessionPatch& item : patches) {
+    if (!item.placement || item.patch.weight == 0.0) continue;
+    for (const transfer::Correspondence& pair : item.transferred.correspondences)
+      sides.push_back({pair.link, pair.p_O, pair.n_O});
+  }
+  return sides;
+}
+
 DerivedState::DerivedState(std::shared_ptr<ModelCache> cache) : cache_(std::move(cache)) {}
 
 DerivedState::~DerivedState() = default;

@@ -26,6 +26,10 @@ struct HandPoseGuess;
 struct Posture;
 }  // namespace handgraft::placement
 
+namespace handgraft::quality {
+struct ContactSide;
+}  // namespace handgraft::quality
+
 namespace handgraft::session {
 
 /// One patch of a session: where it is on the object, where on the hand, what came of it.
@@ -40,6 +44,9 @@ struct SessionPatch {
   bool direction_is_open = false;
   bool root_is_open = false;
 };
+
+/// From which side each point of the patches that are laid and count is to be touched.
+std::vector<quality::ContactSide> contactSides(const std::vector<SessionPatch>& patches);
 
 /// How a solve runs, beyond what the session's way of solving says.
 struct SolveRun {
@@ -137,6 +144,9 @@ class DerivedState {
                                              const Progress& progress);
   [[nodiscard]] Worth worthOf(const optimize::SolveReport& report,
                               const SolverSettings& solving) const;
+  /// How deep a pose lies inside, m; on the wrong side of a wall, how far it has to go back.
+  [[nodiscard]] double depthOf(const optimize::SolveReport& report,
+                               const Progress& progress) const;
   /// True if the other one is better: `worth` and `report` are its, then.
   static bool takeBetter(const Worth& of_other,
                          optimize::SolveReport& other,

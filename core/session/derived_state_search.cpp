@@ -43,6 +43,9 @@ constexpr double kAside_rad = 1.0;
 constexpr double kTurns_rad[] = {0.5 * std::numbers::pi, -0.5 * std::numbers::pi,
                                  std::numbers::pi};
 
+// An answer of another beginning must not be deeper inside than this, unless the first one is.
+constexpr double kDeep_m = 0.0015;
+
 // Drafts are laid in full once they are chosen: until then, steps that promise less than this
 // share of the objective are not worth their while.
 constexpr double kDraftPromise = 1e-4;
@@ -171,6 +174,7 @@ Solution DerivedState::solve(const SolverSettings& solving,
     const auto beginAgain = [&](const auto& takeRoots) {
       if (worth.first == 0 || !searchesWidely(solving, options)) return;
       Search best(*this);
+      const double depth = depthOf(report, progress);
       const std::vector<int> missed = optimize::missedPatches(problem(solving), report);
       patches_ = as_it_was.patches;
       start_ = as_it_was.start;
@@ -181,6 +185,8 @@ Solution DerivedState::solve(const SolverSettings& solving,
       again.starts = std::max(optimize::kFewStarts + 1, options.starts / kAgainFewer);
       SolveReport other;
       std::vector<Minimum> others = searchAbout(other, solving, again, progress);
+      // A finger on the wrong side of a sheet costs the objective little.
+      if (depthOf(other, progress) > std::max(kDeep_m, depth)) return;
       if (!takeBetter(worthOf(other, solving), other, worth, report)) return;
       found = std::move(others);
       best.keep();
@@ -213,6 +219,13 @@ DerivedState::Worth DerivedState::worthOf(const SolveReport& report,
                                           const SolverSettings& solving) const {
   const PoseProblem posed = problem(solving);
   return {std::ssize(optimize::missedPatches(posed, report)), costOf(posed, report)};
+}
+
+double DerivedState::depthOf(const SolveReport& report, const Progress& progress) const {
+  hand::HandPose pose_O = report.pose;
+  pose_O.X_WH = inverse(document_.X_WO) * report.pose.X_WH;
+  return placement::deepestOf(models_.hand->model, models_.hand->skin, models_.object_O, pose_O,
+                              progress, contactSides(patches_));
 }
 
 bool DerivedState::takeBetter(const Worth& of_other,

@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/placement/solids.h"
+#include "core/session/derived_state.h"
 
 namespace handgraft::verdict {
 
@@ -178,15 +179,9 @@ Verdicts verdictsOf(const session::Session& session,
 quality::Penetration penetrationOf(const session::Session& session,
                                    const hand::HandPose& pose,
                                    const Progress& progress) {
-  std::vector<quality::ContactSide> sides;
-  for (const session::SessionPatch& item : session.patches()) {
-    if (!item.placement || item.patch.weight == 0.0) continue;
-    for (const transfer::Correspondence& pair : item.transferred.correspondences)
-      sides.push_back({pair.link, pair.p_O, pair.n_O});
-  }
   return placement::penetrationOf(session.hand().model, session.hand().skin,
-                                  session.sharedObject(), session.objectPose(), pose, sides,
-                                  progress);
+                                  session.sharedObject(), session.objectPose(), pose,
+                                  session::contactSides(session.patches()), progress);
 }
 
 }  // namespace handgraft::verdict
