@@ -145,7 +145,9 @@ class DerivedState {
   [[nodiscard]] Worth worthOf(const optimize::SolveReport& report,
                               const SolverSettings& solving) const;
   /// How deep a pose lies inside, m; on the wrong side of a wall, how far it has to go back.
+  /// `patches`: those that it answers.
   [[nodiscard]] double depthOf(const optimize::SolveReport& report,
+                               const std::vector<SessionPatch>& patches,
                                const Progress& progress) const;
   /// True if the other one is better: `worth` and `report` are its, then.
   static bool takeBetter(const Worth& of_other,

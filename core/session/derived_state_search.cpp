@@ -174,7 +174,6 @@ Solution DerivedState::solve(const SolverSettings& solving,
     const auto beginAgain = [&](const auto& takeRoots) {
       if (worth.first == 0 || !searchesWidely(solving, options)) return;
       Search best(*this);
-      const double depth = depthOf(report, progress);
       const std::vector<int> missed = optimize::missedPatches(problem(solving), report);
       patches_ = as_it_was.patches;
       start_ = as_it_was.start;
@@ -186,7 +185,8 @@ Solution DerivedState::solve(const SolverSettings& solving,
       SolveReport other;
       std::vector<Minimum> others = searchAbout(other, solving, again, progress);
       // A finger on the wrong side of a sheet costs the objective little.
-      if (depthOf(other, progress) > std::max(kDeep_m, depth)) return;
+      const double depth = depthOf(other, patches_, progress);
+      if (depth > kDeep_m && depth > depthOf(report, best.patches, progress)) return;
       if (!takeBetter(worthOf(other, solving), other, worth, report)) return;
       found = std::move(others);
       best.keep();
@@ -221,11 +221,13 @@ DerivedState::Worth DerivedState::worthOf(const SolveReport& report,
   return {std::ssize(optimize::missedPatches(posed, report)), costOf(posed, report)};
 }
 
-double DerivedState::depthOf(const SolveReport& report, const Progress& progress) const {
+double DerivedState::depthOf(const SolveReport& report,
+                             const std::vector<SessionPatch>& patches,
+                             const Progress& progress) const {
   hand::HandPose pose_O = report.pose;
   pose_O.X_WH = inverse(document_.X_WO) * report.pose.X_WH;
   return placement::deepestOf(models_.hand->model, models_.hand->skin, models_.object_O, pose_O,
-                              progress, contactSides(patches_));
+                              progress, contactSides(patches));
 }
 
 bool DerivedState::takeBetter(const Worth& of_other,
