@@ -187,17 +187,18 @@ std::shared_ptr<const EditedMotion::Laid> EditedMotion::laid(
   Motion edited = *motion_;
   for (std::size_t i = 0; i < names.size() && i < work.document.patches.size(); ++i) {
     const session::DocumentPatch& now = work.document.patches[i];
-    const contact::Patch before = withDirection(*object_O_, grasp_.patches[i]);
+    const contact::Patch unedited = withDirection(*object_O_, grasp_.patches[i]);
     Shift shift;
     const auto same = [&] {
-      return now.root_O.face == before.root.face &&
-             now.root_O.barycentric == before.root.barycentric;
+      return now.root_O.face == unedited.root.face &&
+             now.root_O.barycentric == unedited.root.barycentric;
     };
     if (!same())
-      shift.way_T = wayTo(*object_O_, before.root, *before.direction_O, now.root_O, now.name);
+      shift.way_T =
+          wayTo(*object_O_, unedited.root, *unedited.direction_O, now.root_O, now.name);
     if (now.direction_O && !now.direction_is_open) {
       const Eigen::Vector3d carried =
-          tangentCarried(*object_O_, before.root, now.root_O, *before.direction_O);
+          tangentCarried(*object_O_, unedited.root, now.root_O, *unedited.direction_O);
       const Eigen::Vector3d n = normalOf(*object_O_, now.root_O);
       const double turn =
           std::atan2(n.dot(carried.cross(*now.direction_O)), carried.dot(*now.direction_O));
