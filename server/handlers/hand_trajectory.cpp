@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "core/base/error.h"
 #include "core/demonstration/posed_hand_motion.h"
@@ -34,6 +35,7 @@ demonstration::PosedMotionOptions optionsFrom(const io::HandTrajectoryPlan& plan
 
 manipulation::Motion motionOfTrajectory(const io::HandTrajectoryPlan& plan,
                                         const StoredHand& hand,
+                                        const std::string& object,
                                         const geometry::TriangleMesh& object_O,
                                         const Progress& progress) {
   const demonstration::PosedMotionOptions options = optionsFrom(plan);
@@ -53,6 +55,12 @@ manipulation::Motion motionOfTrajectory(const io::HandTrajectoryPlan& plan,
   std::vector<std::string> notes = {fmt::format(
       "what hand {} touches on its way, by distance up to {:.3g} mm, every {:.3g} ms",
       handgraft::quoted(hand.name), 1e3 * options.reach.reach_m, 1e3 * options.every_s)};
+  if (const std::vector<std::string> missing = joints.missing(); !missing.empty())
+    notes.push_back(fmt::format("joints that the file does not name stay at rest: {}",
+                                fmt::join(missing, ", ")));
+  if (!file.object.empty() && file.object != object)
+    notes.push_back(fmt::format("the file says that it was about object {}",
+                                handgraft::quoted(file.object)));
   for (std::string& note : beyondLimits(hand.hand->model(), poses))
     notes.push_back(std::move(note));
   motion.notes.insert(motion.notes.begin(), std::make_move_iterator(notes.begin()),

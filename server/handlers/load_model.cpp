@@ -121,7 +121,8 @@ class Loading {
     if (const auto* what = std::get_if<ReadHandTrajectory>(&model)) {
       const auto hand = context_.models.hand(what->plan.hand);
       from.content = contentOfBoth(from.content, hand->origin.content);
-      model = ReadMotion{motionOfTrajectory(what->plan, *hand, stored->file->mesh, progress_)};
+      model = ReadMotion{
+          motionOfTrajectory(what->plan, *hand, object, stored->file->mesh, progress_)};
     }
     read_bytes_ = pack(model);
     auto read_motion = std::get<ReadMotion>(std::move(model));

@@ -45,6 +45,14 @@ NamedJoints::NamedJoints(const StoredHand& hand,
   }
 }
 
+std::vector<std::string> NamedJoints::missing() const {
+  std::vector<std::string> names = hand_.hand->model().dofNames();
+  std::erase_if(names, [&](const std::string& name) {
+    return std::find(names_.begin(), names_.end(), name) != names_.end();
+  });
+  return names;
+}
+
 hand::HandPose NamedJoints::poseAt(const Eigen::Ref<const Eigen::VectorXd>& values,
                                    const Eigen::VectorXd& start,
                                    const Pose& X_WH,

@@ -26,6 +26,9 @@ class NamedJoints {
   /// Whether the floating base's joints are among them.
   [[nodiscard]] bool tellRoot() const { return !of_root_.empty(); }
 
+  /// Joints of the hand that are not among them, by name.
+  [[nodiscard]] std::vector<std::string> missing() const;
+
   /// `values` in their order (rad, m); joints not named as in `start`, the root at `X_WH`
   /// unless joints tell it. Errors: InvalidInput for a value that is not finite, naming the
   /// joint, and for a root that is told twice (`root_is_given`).

@@ -57,10 +57,21 @@ TEST_F(MotionTest, WhatAHandDidIsWhatItTouched) {
   ASSERT_FALSE(motion.notes().empty());
   EXPECT_THAT(motion.notes()[0], HasSubstr("what hand 'clamp' touches on its way"));
 
+  EXPECT_EQ(motion.notes().size(), 1u) << "all joints are named";
+
   // The same once more changes nothing; of another reach it is another motion.
   EXPECT_EQ(loadDone("done", planOf(R"(, "hand": "clamp")")).error(), v1::ERROR_NONE);
   EXPECT_EQ(loadDone("done", planOf(R"(, "hand": "clamp", "reach_m": 0.012)")).error(),
             v1::ERROR_CONFLICT);
+
+  bus.ask(test::putFile(59, "plan.json", planOf(R"(, "hand": "clamp")")));
+  const std::string nothing =
+      R"({"format": "handgraft-trajectory/1", "object": "pear", "joint_names": ["nail"],
+          "frames": [{"time_s": 0, "joints": [0]}]})";
+  bus.ask(test::putFile(59, "done.json", nothing));
+  const v1::Reply unknown =
+      bus.ask(test::loadModel(59, v1::MODEL_MOTION, "other", "plan.json", "fruit"));
+  EXPECT_THAT(unknown.message(), HasSubstr("'nail'"));
 
   const v1::Reply of_nobody = loadDone("other", planOf(R"(, "hand": "glove")"));
   EXPECT_EQ(of_nobody.error(), v1::ERROR_NOT_FOUND);

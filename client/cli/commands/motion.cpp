@@ -24,7 +24,6 @@ constexpr const char* kLastUri = "last.json";
 constexpr const char* kPathUri = "path.csv";
 constexpr const char* kRecordingUri = "recording.json";
 constexpr const char* kObjectPathUri = "object.smexp";
-constexpr const char* kTrajectoryUri = "hand_trajectory";
 
 v1::MotionDescription describedMotion(Client& server, const std::string& name, bool with_file) {
   return server.describe(v1::MODEL_MOTION, name, with_file).get().motion();
@@ -119,14 +118,15 @@ ModelFiles recordedFiles(const MotionImportOptions& options) {
 }
 
 ModelFiles trajectoryFiles(const MotionImportOptions& options, const std::string& hand) {
+  // By its own name, which complaints tell; the plan has one, too.
+  const std::string uri = "did/" + options.recording.filename().string();
   json::Json plan = {{"format", "handgraft-motion-plan/1"},
                      {"name", options.name},
                      {"hand", hand},
-                     {"hand_trajectory", kTrajectoryUri}};
+                     {"hand_trajectory", uri}};
   if (options.reach_m) plan["reach_m"] = *options.reach_m;
   if (options.every_s) plan["every_s"] = *options.every_s;
-  return plannedMotion(options.name, json::written(plan),
-                       {{kTrajectoryUri, options.recording}});
+  return plannedMotion(options.name, json::written(plan), {{uri, options.recording}});
 }
 
 std::vector<NamedFile> inputsOf(const MotionImportOptions& options) {
