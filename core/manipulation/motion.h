@@ -38,6 +38,8 @@ struct PatchTrack {
   std::string name;
   int end = 0;                 ///< the first frame without it
   std::vector<PatchKey> keys;  ///< by rising frame; the first one is where it appears
+  /// Why it is not asked of the hand that follows; empty: it is. No file has it.
+  std::string dropped;
 
   [[nodiscard]] int begin() const { return keys.front().frame; }
 

@@ -35,6 +35,7 @@ ThinnedMotion thinned(const Motion& motion, int stride) {
   for (const PatchTrack& whole : motion.tracks) {
     PatchTrack track;
     track.name = whole.name;
+    track.dropped = whole.dropped;
     track.end = keptFrom(whole.end);
     std::vector<int> keys;
     for (std::size_t i = 0; i < whole.keys.size(); ++i) {

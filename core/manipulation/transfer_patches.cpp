@@ -56,7 +56,9 @@ TransferredMotion transferPatches(const Motion& motion,
                       static_cast<double>(t) / static_cast<double>(motion.tracks.size()));
       PairSpan span{key.frame, {}};
       const auto placement = placementOf(key, surfaces, model, sites, coordinates);
-      if (!key.patch.direction_O) {
+      if (!track.dropped.empty()) {
+        fault = track.dropped;
+      } else if (!key.patch.direction_O) {
         fault = "it has no direction";
       } else if (!placement) {
         fault = "this hand has no such place";

@@ -187,6 +187,8 @@ std::shared_ptr<const EditedMotion::Laid> EditedMotion::laid(
   Motion edited = *motion_;
   for (std::size_t i = 0; i < names.size() && i < work.document.patches.size(); ++i) {
     const session::DocumentPatch& now = work.document.patches[i];
+    for (PatchTrack& track : edited.tracks)
+      if (track.name == names[i]) track.dropped = now.dropped;
     const contact::Patch unedited = withDirection(*object_O_, grasp_.patches[i]);
     Shift shift;
     const auto same = [&] {

@@ -1,5 +1,7 @@
 #include "core/retargeting/motion_places.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "core/retargeting/edited_motion.h"
@@ -85,6 +87,19 @@ TEST_F(MotionOfPlates, LeavesPatchesOnSitesThatSomebodyChose) {
   EditedMotion bench(heldTo(plates), plates.plate);
   const auto solved = solve(bench, plates, touching(plates));
   EXPECT_NEAR(worstOf(plates, *solved), 5.0, 0.5);
+}
+
+TEST_F(MotionOfPlates, LeavesOutWhatTheHandHasNoFingerFor) {
+  const TwoPlates plates;
+  EditedMotion bench(heldTo(plates), plates.plate);
+  session::Document document = touching(plates);
+  document.patches[1].placement.reset();
+  document.patches[1].dropped = "it goes without";
+  const auto solved = solve(bench, plates, document);
+  ASSERT_EQ(solved->track_of, std::vector<int>{0});
+  EXPECT_TRUE(std::any_of(solved->notes.begin(), solved->notes.end(), [](const auto& note) {
+    return note.find("it goes without") != std::string::npos;
+  }));
 }
 
 TEST_F(MotionOfPlates, LeavesPatchesWhereTheySlidAfterAnEdit) {
