@@ -74,9 +74,9 @@ struct Diagnosis {
 /// pose with that limit alone moved out by a step. Multiplier and curvature alone promise
 /// too much or too little (other limits come into the way, or lose their hold). A patch that is
 /// not reached is at its limits if a search with all active limits moved out by five steps
-/// takes away half of its miss; else it is out of reach. Where two and more are missed, a search
-/// from the pose without each one patch shows which of them keeps the others away. The pose
-/// stays what it is.
+/// takes away half of its miss; else it is out of reach. Where two and more are missed, a
+/// search from the pose without each one patch shows which of them keeps the others away. The
+/// pose stays what it is.
 ///
 /// Errors: BrokenContract unless the report is the problem's and has been judged. Cancelled on
 /// wish, within one of those searches.
