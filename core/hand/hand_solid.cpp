@@ -403,8 +403,9 @@ Bounds boundsOf(const Skin& skin,
   const geometry::TriangleMesh of_skin = partOf(skin, link, X_SL);
   const auto part = std::make_shared<const geometry::SignedDistance>(of_skin);
   const auto asOfSkin = [&]() -> Bounds {
-    return {part, false,
-            std::make_shared<const geometry::SignedDistance>(withDomesOnCuts(of_skin))};
+    const geometry::TriangleMesh domed = withDomesOnCuts(of_skin);
+    if (domed.faceCount() == of_skin.faceCount()) return {part, false};  // it is nowhere cut
+    return {part, false, std::make_shared<const geometry::SignedDistance>(domed)};
   };
   const double beneath = skin_offset + kBeneath;
   auto own = ownSurface(skin, link, X_SL);

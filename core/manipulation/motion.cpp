@@ -94,6 +94,13 @@ const PatchKey& PatchTrack::keyAt(int frame) const {
   return *(behind - 1);
 }
 
+int strideOf(const std::vector<double>& time_s, double seconds) {
+  const auto steps = static_cast<int>(time_s.size()) - 1;
+  if (steps < 1) return 1;
+  const double step_s = (time_s.back() - time_s.front()) / steps;
+  return std::clamp(static_cast<int>(std::lround(seconds / step_s)), 1, steps);
+}
+
 void validate(const geometry::TriangleMesh& object_O, const Motion& motion) {
   requireTimes(motion);
   requirePoses(motion);

@@ -47,6 +47,9 @@ struct PatchTrack {
   [[nodiscard]] const PatchKey& keyAt(int frame) const;
 };
 
+/// So many frames of a motion take so long, on average; one at least. Cost: O(1).
+int strideOf(const std::vector<double>& time_s, double seconds);
+
 /// Contacts and object over time: what a hand did, as far as another hand can do the same.
 struct Motion {
   std::string name;

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/manipulation/causal_solver.h"
+#include "core/manipulation/motion.h"
 #include "core/optimize/objective.h"
 #include "core/optimize/solver.h"
 
@@ -251,14 +252,6 @@ double follow(const MotionProblem& problem,
   return sum;
 }
 
-/// So many frames take so long; one at least.
-int strideOf(const MotionProblem& problem, double seconds) {
-  const int steps = problem.frameCount() - 1;
-  if (steps < 1) return 1;
-  const double step_s = (problem.time_s.back() - problem.time_s.front()) / steps;
-  return std::clamp(static_cast<int>(std::lround(seconds / step_s)), 1, steps);
-}
-
 /// Frames in which as much touches as can be hoped for: the first of them, and those with most
 /// pairs in each part of the motion.
 std::vector<int> fullFrames(const MotionProblem& problem, const FrameProblems& frames) {
@@ -311,13 +304,13 @@ std::vector<hand::HandPose> followedMinima(const MotionProblem& problem,
   const FramePose* best = &settings.front();
   double least = std::numeric_limits<double>::infinity();
   for (const FramePose& setting : settings) {
-    const double sum = follow(problem, frames, following, setting, strideOf(problem, kStride_s),
-                              least, progress, poses);
+    const double sum = follow(problem, frames, following, setting,
+                              strideOf(problem.time_s, kStride_s), least, progress, poses);
     if (sum >= least) continue;
     least = sum;
     best = &setting;
   }
-  follow(problem, frames, following, *best, strideOf(problem, kClosely_s),
+  follow(problem, frames, following, *best, strideOf(problem.time_s, kClosely_s),
          std::numeric_limits<double>::infinity(), progress, poses);
   return poses;
 }

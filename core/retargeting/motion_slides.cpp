@@ -1,7 +1,6 @@
 #include "core/retargeting/motion_slides.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -23,13 +22,6 @@ using manipulation::ThinnedMotion;
 constexpr int kSlides = 10;
 constexpr int kFewer = 4;
 constexpr double kEvery_s = 0.05;
-
-int strideOf(const manipulation::Motion& motion) {
-  const int count = motion.frameCount();
-  if (count < 2) return 1;
-  const double step_s = (motion.time_s.back() - motion.time_s.front()) / (count - 1);
-  return std::clamp(static_cast<int>(std::lround(kEvery_s / step_s)), 1, count);
-}
 
 /// Eq. 2 of all frames. A point that is lost no longer counts: as if it were kLost_m off.
 double costOf(const MotionProblem& problem,
@@ -147,7 +139,8 @@ SlidPatches slidePatches(const MotionScene& scene,
                          const std::vector<manipulation::FramePose>& known,
                          const Progress& progress,
                          manipulation::Motion& motion) {
-  ThinnedMotion thin = manipulation::thinned(motion, strideOf(motion));
+  ThinnedMotion thin =
+      manipulation::thinned(motion, manipulation::strideOf(motion.time_s, kEvery_s));
   Sliding sliding(scene, thin, progress);
   sliding.begin(known);
   sliding.slide(kSlides);
