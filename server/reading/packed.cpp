@@ -4,6 +4,7 @@
 
 #include "core/base/error.h"
 #include "server/reading/packed_parts.h"
+#include "server/reading/packed_trajectory.h"
 
 namespace handgraft::server {
 

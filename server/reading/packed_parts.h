@@ -12,7 +12,6 @@
 #include "core/hand/hand_model.h"
 #include "core/hand/named_pose.h"
 #include "core/io/mesh_file.h"
-#include "core/io/motion_plan.h"
 #include "core/manipulation/motion.h"
 #include "server/reading/byte_stream.h"
 
@@ -31,7 +30,6 @@ void put(ByteWriter& out, const io::MeshFile& file);
 void put(ByteWriter& out, const contact::ContactSet& set);
 void put(ByteWriter& out, const contact::ContactMap& map);
 void put(ByteWriter& out, const manipulation::Motion& motion);
-void put(ByteWriter& out, const io::HandTrajectoryPlan& plan);
 
 std::vector<std::string> takeTexts(ByteReader& in);
 Eigen::VectorXd takeVector(ByteReader& in, std::size_t most);
@@ -46,7 +44,6 @@ contact::ContactSet takeContactSet(ByteReader& in, const geometry::TriangleMesh&
 contact::ContactMap takeContactMap(ByteReader& in);
 /// On `mesh_O`.
 manipulation::Motion takeMotion(ByteReader& in, const geometry::TriangleMesh& mesh_O);
-io::HandTrajectoryPlan takeHandTrajectoryPlan(ByteReader& in);
 
 /// Most links, shapes, joints, notes or texts of one list: what files of the permitted sizes
 /// can hold, and little enough that a claim of so many takes no memory to speak of.
