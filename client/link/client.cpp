@@ -2,7 +2,10 @@
 
 #include <cstdio>
 #include <mutex>
+#include <random>
 #include <utility>
+
+#include <unistd.h>
 
 #include "client/link/cancellation.h"
 #include "client/link/private_server.h"
@@ -27,6 +30,12 @@ milliseconds lookOn(const Network& network) {
   constexpr milliseconds kHere(500);
   constexpr milliseconds kElsewhere(2000);
   return network.peers.empty() && validate(network).loopback ? kHere : kElsewhere;
+}
+
+/// A name that no other client of the domain gives: processes of other machines and containers
+/// have the same numbers.
+std::string nameOfOwn() {
+  return fmt::format("own_{}_{:08x}", getpid(), std::random_device{}());
 }
 
 v1::RequestBody plainBody(v1::Operation operation) {
@@ -98,7 +107,7 @@ struct Client::Impl {
 
   void startPrivateServer() {
     checkpoint();
-    const Network& network = options.network;
+    Network& network = options.network;
     const auto program = findServerProgram();
     if (!program) {
       throw NoServer(
@@ -109,6 +118,10 @@ struct Client::Impl {
     }
     options.on_notice(fmt::format("no server answers on {}: started one for this command",
                                   handgraft::describe(network)));
+    // Two commands at once: without a name each might ask the other's server, which ends first.
+    if (options.absence == Absence::kStartPrivate && network.server.empty()) {
+      network.server = nameOfOwn();
+    }
     private_server = std::make_unique<PrivateServer>(*program, network);
     connection.reset();  // first: how often it announces itself is a matter of the domain
     connection = std::make_shared<Connection>(network, Discovers::kStartingServer);

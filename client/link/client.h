@@ -17,10 +17,11 @@ namespace handgraft::client {
 using idl::cyclone::NoServer;
 using idl::cyclone::Refused;
 
-/// What to do when no server answers.
+/// What to do when no server answers. None is started in a secured domain: NoServer there.
 enum class Absence {
   kFail,          ///< NoServer within 2 s
-  kStartPrivate,  ///< start one that ends with the client; in an open domain alone
+  kStartPrivate,  ///< start one that ends with the client and that no other meets
+  kStartShared,   ///< start one that ends with the client; until then others meet it, too
 };
 
 struct ClientOptions {
@@ -50,6 +51,7 @@ class Client {
 
   // === The connection
 
+  /// True of a server that ends with this client.
   [[nodiscard]] bool isPrivate() const;
   [[nodiscard]] const Network& network() const;
   [[nodiscard]] v1::ServerStatus status() const;

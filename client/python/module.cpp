@@ -66,7 +66,7 @@ std::shared_ptr<client::Client> connect(int domain,
   options.network.peers = std::move(peers);
   options.network.server = server;
   options.network.identity = identity;
-  options.absence = start ? client::Absence::kStartPrivate : client::Absence::kFail;
+  options.absence = start ? client::Absence::kStartShared : client::Absence::kFail;
   options.waiting.checkpoint = checkSignals;
   options.on_notice = [](const std::string& /*line*/) {};
   const py::gil_scoped_release released;

@@ -1,4 +1,7 @@
 #include <csignal>
+#include <future>
+#include <thread>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -63,6 +66,30 @@ TEST(MissingServer, IsStartedPrivatelyByGraspAndEndsWithIt) {
   EXPECT_NE(finished.err.find("started"), std::string::npos) << finished.err;
   EXPECT_EQ(run(program("handgraft"), {"doctor", "--domain", id}).exit_code, 1)
       << "the private server outlived its command";
+}
+
+/// Each with a server of its own: one that asked another's would lose it with that command's
+/// end.
+TEST(MissingServer, IsStartedByEachOfSeveralCommandsAtOnce) {
+  const TestDomain domain;
+  const std::vector<std::string> words = {
+      "grasp",    "--hand",   "barrett8",
+      "--object", "lemon",    "--contacts",
+      "lemon_6",  "--domain", std::to_string(domain.number())};
+  std::vector<std::future<Finished>> commands;
+  commands.reserve(3);
+  for (int i = 0; i < 3; ++i) {
+    commands.push_back(std::async(std::launch::async, [&words, i] {
+      // Within the time in which each one's server is up and not yet gone.
+      std::this_thread::sleep_for(std::chrono::milliseconds(600 * i));
+      return run(program("handgraft"), words);
+    }));
+  }
+  for (auto& command : commands) {
+    const Finished finished = command.get();
+    EXPECT_EQ(finished.exit_code, 0) << finished.err;
+    EXPECT_NE(finished.err.find("started"), std::string::npos) << finished.err;
+  }
 }
 
 TEST(MissingServer, IsNoticedWhenItDiesInTheMiddleOfARequest) {

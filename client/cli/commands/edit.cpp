@@ -163,7 +163,7 @@ int run(const EditOptions& options, const CommonOptions& common, Interruption& i
 
   ProgressLine progress;
   Client server(interactiveClient(common.network,
-                                  opens ? Absence::kStartPrivate : Absence::kFail, interruption,
+                                  opens ? Absence::kStartShared : Absence::kFail, interruption,
                                   &progress));
   const Sink sink(common.json ? Sink::Form::kJson : Sink::Form::kText, progress);
 

@@ -96,7 +96,7 @@ int run(const ViewOptions& options, const CommonOptions& common, Interruption& i
   // === The session
   ProgressLine progress;
   Client server(interactiveClient(
-      common.network, options.session_id == 0 ? Absence::kStartPrivate : Absence::kFail,
+      common.network, options.session_id == 0 ? Absence::kStartShared : Absence::kFail,
       interruption, &progress));
   web.read_only = web.read_only || server.onlyLooks();
   const std::uint64_t session = openAsked(options, inputs, saved, server, interruption);
