@@ -250,6 +250,28 @@ std::string waitedText(const GraspResult& result) {
                      milliseconds(std::max(0.0, all_ms - told_ms)), milliseconds(all_ms));
 }
 
+/// The segment of the hand that a patch was laid on; empty if it is not known.
+std::string segmentOf(const v1::PatchReport* report) {
+  if (report == nullptr || report->place().empty()) return "";
+  const v1::HandLocation& place = report->place().front();
+  return plain(place.digit()) + (place.segment().empty() ? "" : "_" + plain(place.segment()));
+}
+
+/// A last column of the segments that patches lie on, where any lies on another than its name
+/// says: `index_middle_2` lies on the middle one of an index finger.
+void addSegments(const GraspResult& result, Rows& rows) {
+  std::vector<std::string> segments{"on"};
+  bool tells = false;
+  for (const v1::PatchFit& patch : result.solution.patches()) {
+    const std::string& segment =
+        segments.emplace_back(segmentOf(reportOf(result, patch.name())));
+    tells = tells || (!segment.empty() && !plain(patch.name()).starts_with(segment));
+  }
+  if (!tells) return;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    rows[i].push_back(segments[i]);
+}
+
 }  // namespace
 
 std::string grasp(const GraspResult& result) {
@@ -275,7 +297,8 @@ std::string grasp(const GraspResult& result) {
          fmt::format("{:.1f}", f.angle_mean_rad() * 180.0 / std::numbers::pi),
          fmt::format("{:.3f}", f.area_ratio()), nameOf(patch.diagnosis().verdict())});
   }
-  out += table(rows, "lrrrrrrrrrrl") + "\n";
+  addSegments(result, rows);
+  out += table(rows, "lrrrrrrrrrrll") + "\n";
   for (const v1::PatchReport& report : result.transfer.patches()) {
     if (report.placed()) continue;
     out += fmt::format("dropped {}: {}\n", plain(report.name()), plain(report.reason()));

@@ -188,6 +188,19 @@ bool isSiteOf(const hand::Hand& hand, const std::string& name) {
   });
 }
 
+/// Whether two segments of a digit are the same or one follows the other.
+bool areNeighbours(const hand::NamedDigit& digit, const std::string& a, const std::string& b) {
+  const auto rank = [&](const std::string& name) {
+    return std::find_if(digit.segments.begin(), digit.segments.end(),
+                        [&](const hand::Segment& segment) {
+                          return segment.name == name;
+                        }) -
+           digit.segments.begin();
+  };
+  if (rank(a) == std::ssize(digit.segments)) return true;  // the digit alone is known
+  return std::abs(rank(a) - rank(b)) <= 1;
+}
+
 }  // namespace
 
 void matchByPlace(const Models& models,
@@ -235,18 +248,27 @@ void matchByPlace(const Models& models,
 std::vector<char> linksOfSite(const hand::Hand& hand,
                               const hand::FingerCoordinates& coordinates,
                               const std::string& site) {
-  std::vector<char> links(coordinates.parts().size(), 0);
-  const auto place = hand::placeNamed(site);
-  std::string digit = place ? place->digit : "";
-  for (const hand::ContactSite& candidate : hand.sites)
-    if (candidate.name == site)
-      digit =
-          coordinates.parts()[static_cast<std::size_t>(hand.model->linkIndex(candidate.link))]
-              .digit;
+  const auto& parts = coordinates.parts();
+  std::string digit;
+  std::string segment;
+  if (const auto place = hand::placeNamed(site)) {
+    digit = place->digit;
+    segment = place->segment;
+  }
+  for (const hand::ContactSite& candidate : hand.sites) {
+    if (candidate.name != site) continue;
+    const auto& part = parts[static_cast<std::size_t>(hand.model->linkIndex(candidate.link))];
+    digit = part.digit;
+    segment = part.segment;
+  }
+  const hand::NamedDigit* named = coordinates.anatomy().maybeDigit(digit);
+  std::vector<char> links(parts.size(), 0);
   for (std::size_t link = 0; link < links.size(); ++link) {
-    const auto& part = coordinates.parts()[link];
+    const auto& part = parts[link];
     if (part.digit.empty()) continue;
-    links[link] = part.digit == digit || hand::partName(part.digit, part.segment) == site;
+    links[link] = hand::partName(part.digit, part.segment) == site ||
+                  (part.digit == digit &&
+                   (named == nullptr || areNeighbours(*named, segment, part.segment)));
   }
   return links;
 }

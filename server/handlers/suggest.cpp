@@ -18,7 +18,8 @@ v1::SuggestReply suggestPlacements(LiveSession& live,
   reply.revision(session.revision());
   reply.patch(request.patch());
   for (const session::SessionPatch& patch : session.patches()) {
-    if (patch.patch.name == request.patch()) reply.present(patchReport(patch));
+    if (patch.patch.name != request.patch()) continue;
+    reply.present(patchReport(patch, *hand::coordinatesOf(session.hand())));
   }
   for (const transfer::Suggestion& suggestion : suggestions) {
     reply.suggestions().push_back(toMessage(suggestion, session.hand().skin->mesh()));

@@ -303,4 +303,17 @@ sensor_msgs::msg::dds_::JointState_ jointCommand(const hand::HandModel& model,
   return command;
 }
 
+v1::HandLocation toMessage(const hand::HandLocation& place) {
+  v1::HandLocation message;
+  message.digit(place.digit);
+  message.segment(place.segment);
+  // The contract counts on the palm from the wrist and from the little finger's side.
+  const bool is_palm = place.digit == hand::kPalmPart;
+  const double along = std::clamp(place.along, 0.0, 1.0);
+  message.along(is_palm ? 1.0 - along : along);
+  message.around_rad(place.around_rad);
+  message.across(is_palm ? 1.0 - std::clamp(place.across, 0.0, 1.0) : 0.0);
+  return message;
+}
+
 }  // namespace handgraft::server

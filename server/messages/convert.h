@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 
+#include "core/hand/hand_location.h"
 #include "core/optimize/solve_report.h"
 #include "core/session/session.h"
 #include "core/session/solver_settings.h"
@@ -31,6 +32,7 @@ session::SolverSettings solverSettingsFrom(const v1::SolveOptions& message);
 
 v1::Pose toMessage(const Pose& X);
 v1::SurfacePoint toMessage(const geometry::SurfacePoint& point);
+v1::HandLocation toMessage(const hand::HandLocation& place);
 std::array<double, 3> toMessage(const Eigen::Vector3d& v);
 v1::Mesh toMessage(const geometry::TriangleMesh& mesh);
 v1::Outcome toMessage(optimize::Outcome outcome);

@@ -80,19 +80,6 @@ void addFingers(v1::HandDescription& message, const hand::Hand& hand) {
         "no place of its palm is known: patches of a palm are dropped");
 }
 
-v1::HandLocation placeMessage(const hand::HandLocation& place) {
-  v1::HandLocation message;
-  message.digit(place.digit);
-  message.segment(place.segment);
-  // The contract counts on the palm from the wrist and from the little finger's side.
-  const bool is_palm = place.digit == hand::kPalmPart;
-  const double along = std::clamp(place.along, 0.0, 1.0);
-  message.along(is_palm ? 1.0 - along : along);
-  message.around_rad(place.around_rad);
-  message.across(is_palm ? 1.0 - std::clamp(place.across, 0.0, 1.0) : 0.0);
-  return message;
-}
-
 std::vector<double> entries(const Eigen::VectorXd& values) {
   return {values.data(), values.data() + values.size()};
 }
@@ -314,7 +301,7 @@ v1::ContactsDescription describe(const StoredContacts& contacts, bool with_meshe
     info.point_count(static_cast<std::uint32_t>(patch.interpolation_boundary.size()));
     info.outline_O_m(positionsOf(mesh, patch.interpolation_boundary));
     info.weight(patch.weight);
-    if (patch.place) info.place().push_back(placeMessage(*patch.place));
+    if (patch.place) info.place().push_back(toMessage(*patch.place));
     message.patches().push_back(std::move(info));
   }
   // A cloud's surface has no indices in the object's file that a set could name.

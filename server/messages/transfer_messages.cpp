@@ -90,7 +90,8 @@ v1::Fidelity toMessage(const transfer::Fidelity& fidelity) {
   return message;
 }
 
-v1::PatchReport patchReport(const session::SessionPatch& patch) {
+v1::PatchReport patchReport(const session::SessionPatch& patch,
+                            const hand::FingerCoordinates& on) {
   v1::PatchReport report;
   report.name(patch.patch.name);
   report.placed(patch.placement.has_value());
@@ -99,6 +100,8 @@ v1::PatchReport patchReport(const session::SessionPatch& patch) {
   const transfer::PatchTransfer& transferred = patch.transferred;
   report.root_S(toMessage(patch.placement->root_S));
   report.direction_S(toMessage(patch.placement->direction_S));
+  if (const auto place = on.placeOf(patch.placement->root_S))
+    report.place().push_back(toMessage(*place));
   report.point_count(static_cast<std::uint32_t>(transferred.correspondences.size()));
   report.boundary_count(static_cast<std::uint32_t>(transferred.boundary_count));
   for (const transfer::LostPoint& lost : transferred.lost)
@@ -111,9 +114,10 @@ v1::PatchReport patchReport(const session::SessionPatch& patch) {
 }
 
 std::vector<v1::PatchReport> patchReports(const session::Session& session) {
+  const auto coordinates = hand::coordinatesOf(session.hand());
   std::vector<v1::PatchReport> reports;
   for (const session::SessionPatch& patch : session.patches())
-    reports.push_back(patchReport(patch));
+    reports.push_back(patchReport(patch, *coordinates));
   return reports;
 }
 

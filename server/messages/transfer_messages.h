@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "core/hand/finger_coordinates.h"
 #include "core/session/session.h"
 #include "idl/sessions.h"
 
@@ -21,7 +22,9 @@ transfer::SuggestOptions suggestOptionsFrom(const v1::SuggestRequest& request);
 
 v1::TransferOptions toMessage(const transfer::TransferOptions& options);
 v1::Fidelity toMessage(const transfer::Fidelity& fidelity);
-v1::PatchReport patchReport(const session::SessionPatch& patch);
+/// `on`: where places of that hand lie.
+v1::PatchReport patchReport(const session::SessionPatch& patch,
+                            const hand::FingerCoordinates& on);
 std::vector<v1::PatchReport> patchReports(const session::Session& session);
 v1::PlacementSuggestion toMessage(const transfer::Suggestion& suggestion,
                                   const geometry::TriangleMesh& skin_S);
