@@ -106,6 +106,10 @@ class DerivedState {
   /// Errors: InvalidInput if no patch has a point on the hand, or all are switched off.
   Solution solve(const SolverSettings& solving, const SolveRun& run, const Progress& progress);
 
+  /// What a short search comes to: patches are laid as drafts, and nothing is begun again.
+  /// Errors: as `solve`.
+  Solution solveRoughly(const SolverSettings& solving, const Progress& progress);
+
   /// The document's start as it stands, judged without a search.
   Solution judge(const Progress& progress);
 

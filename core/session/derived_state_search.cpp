@@ -215,6 +215,20 @@ Solution DerivedState::solve(const SolverSettings& solving,
   return answered(std::move(report), solving);
 }
 
+Solution DerivedState::solveRoughly(const SolverSettings& solving, const Progress& progress) {
+  validate(solving);
+  const Search as_it_was(*this);
+  const Drafts drafts(*this);
+  transfer(progress);
+  requirePoints();
+  if (solving.avoids()) placement::makeSolids(*models_.hand, models_.object_O, progress);
+  SolveOptions options = solveOptions(solving);
+  options.least_promise = kDraftPromise;
+  SolveReport report;
+  searchAbout(report, solving, options, progress);
+  return answered(std::move(report), solving);
+}
+
 DerivedState::Worth DerivedState::worthOf(const SolveReport& report,
                                           const SolverSettings& solving) const {
   const PoseProblem posed = problem(solving);

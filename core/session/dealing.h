@@ -1,0 +1,35 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/hand/finger_coordinates.h"
+#include "core/session/document.h"
+#include "core/session/models.h"
+
+namespace handgraft::session {
+
+/// The demonstrator's digits, each on one of this hand's; what is missing goes without.
+using Dealing = std::map<std::string, std::string>;
+
+/// Where on the hand that touched each patch of a document was; nothing: it is not known.
+using PlacesOfPatches = std::vector<std::optional<hand::HandLocation>>;
+
+/// Which of this hand's fingers takes the patches of which of the demonstrator's.
+///
+/// Each goes to the one of its name. Where the hand lacks one that touched, its thumb stays a
+/// thumb and the others are dealt out anew in their order across the palm, so that least of
+/// the patches is dropped or missed when it is solved; the document's notes tell it.
+/// `document`: its patches without a placement are to be laid by `places`.
+/// Deterministic. Cost: where a finger is missing, 10 to 20 ms for each way to deal, and where
+/// none of them reaches all patches as much as a solve for those in doubt: 0.3 s at most of ten.
+Dealing dealFingers(const Models& models,
+                    const hand::FingerCoordinates& coordinates,
+                    const PlacesOfPatches& places,
+                    Document& document,
+                    const Progress& progress);
+
+}  // namespace handgraft::session
