@@ -1,12 +1,25 @@
 #include "server/handlers/models.h"
 
+#include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "core/base/error.h"
 #include "server/messages/descriptions.h"
 #include "server/store/state_store.h"
 
 namespace handgraft::server {
+
+namespace {
+
+bool isInASession(const std::string& hand, const SessionStore& sessions) {
+  const std::vector<v1::SessionState> states = sessions.states();
+  return std::any_of(states.begin(), states.end(), [&](const v1::SessionState& state) {
+    return state.hand() == hand;
+  });
+}
+
+}  // namespace
 
 void putFile(const v1::PutFileRequest& request,
              const UploadStore::ClientId& client,
@@ -29,8 +42,12 @@ v1::ModelDescription describeModel(const v1::DescribeModelRequest& request,
     case v1::MODEL_HAND: {
       const auto hand = context.models.hand(name);
       std::optional<SkinnedHand> skinned;
-      if (request.with_meshes())
+      if (request.with_meshes()) {
         skinned = {hand->hand->get(progress), hand->hand->skinReport(progress)};
+      } else if (isInASession(name, context.sessions)) {
+        // The session opened with its skin and sites, perhaps in the server before this one.
+        static_cast<void>(hand->hand->get(progress));
+      }
       reply.hand(describe(*hand, skinned));
       return reply;
     }
