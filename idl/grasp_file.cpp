@@ -1,10 +1,29 @@
 #include "idl/grasp_file.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
 namespace handgraft::idl {
+
+namespace {
+
+/// The patches with what became of them, then those that were dropped.
+Json patchesWithReports(Json patches, const std::vector<v1::PatchReport>& reports) {
+  for (Json& patch : patches) {
+    const auto report =
+        std::find_if(reports.begin(), reports.end(), [&](const v1::PatchReport& one) {
+          return one.name() == patch["name"].get<std::string>();
+        });
+    if (report != reports.end()) patch.update(jsonOf(*report));
+  }
+  for (const v1::PatchReport& report : reports)
+    if (!report.placed()) patches.push_back(jsonOf(report));
+  return patches;
+}
+
+}  // namespace
 
 Json byName(const std::vector<std::string>& names, const Json& values) {
   Json all = Json::object();
@@ -13,7 +32,9 @@ Json byName(const std::vector<std::string>& names, const Json& values) {
   return all;
 }
 
-Json graspFile(const GraspNames& names, const v1::PoseSolution& solution) {
+Json graspFile(const GraspNames& names,
+               const v1::PoseSolution& solution,
+               const std::vector<v1::PatchReport>& reports) {
   Json said = jsonOf(solution);
   Json file = {{"format", "handgraft-grasp/1"},
                {"hand", names.hand},
@@ -27,11 +48,14 @@ Json graspFile(const GraspNames& names, const v1::PoseSolution& solution) {
   }
   for (const auto& [key, value] : said.items())
     if (key != "joint_positions" && key != "X_WL") file[key] = value;
+  file["patches"] = patchesWithReports(std::move(file["patches"]), reports);
   return file;
 }
 
-std::string graspText(const GraspNames& names, const v1::PoseSolution& solution) {
-  return textOf(graspFile(names, solution), 2) + "\n";
+std::string graspText(const GraspNames& names,
+                      const v1::PoseSolution& solution,
+                      const std::vector<v1::PatchReport>& reports) {
+  return textOf(graspFile(names, solution, reports), 2) + "\n";
 }
 
 }  // namespace handgraft::idl

@@ -24,10 +24,15 @@ Json byName(const std::vector<std::string>& names, const Json& values);
 
 /// `format`, `hand`, `object`, `contacts`; `joints` (positions by name) and `links_X_WL` (poses
 /// by name) instead of `joint_positions` and `X_WL`; then every other key of PoseSolution as
-/// idl/json.h writes it. Of minima, `joints` likewise.
-Json graspFile(const GraspNames& names, const v1::PoseSolution& solution);
+/// idl/json.h writes it. Of minima, `joints` likewise; of patches, their reports' fields, too,
+/// and after them those that were dropped.
+Json graspFile(const GraspNames& names,
+               const v1::PoseSolution& solution,
+               const std::vector<v1::PatchReport>& reports);
 
 /// The same as text.
-std::string graspText(const GraspNames& names, const v1::PoseSolution& solution);
+std::string graspText(const GraspNames& names,
+                      const v1::PoseSolution& solution,
+                      const std::vector<v1::PatchReport>& reports);
 
 }  // namespace handgraft::idl

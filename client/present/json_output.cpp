@@ -16,17 +16,6 @@ std::vector<std::string> namesOf(const std::vector<Named>& all) {
   return names;
 }
 
-/// The patches with what became of them, then those that were dropped.
-Json patchesWithReports(Json patches, const GraspResult& result) {
-  for (Json& patch : patches) {
-    if (const v1::PatchReport* report = reportOf(result, patch["name"].get<std::string>()))
-      patch.update(jsonOf(*report));
-  }
-  for (const v1::PatchReport& report : result.transfer.patches())
-    if (!report.placed()) patches.push_back(jsonOf(report));
-  return patches;
-}
-
 }  // namespace
 
 Json doctor(const DoctorReport& report) {
@@ -80,9 +69,8 @@ Json grasp(const GraspResult& result) {
   const v1::SessionState& session = result.session;
   Json document = idl::graspFile({session.hand(), session.object(), session.contacts(),
                                   namesOf(result.hand.joints()), namesOf(result.hand.links())},
-                                 result.solution);
+                                 result.solution, result.transfer.patches());
   if (!result.kept) document["session_id"] = nullptr;
-  document["patches"] = patchesWithReports(std::move(document["patches"]), result);
   const auto& minima = result.solution.minima();
   for (std::size_t i = 0; i < minima.size(); ++i) {
     const PoseGap gap = gapBetween(minima.front(), minima[i], result.hand);

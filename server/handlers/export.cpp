@@ -16,6 +16,8 @@
 #include "server/handlers/optimize.h"
 #include "server/handlers/solving_phase.h"
 #include "server/messages/convert.h"
+#include "server/messages/solution_messages.h"
+#include "server/messages/transfer_messages.h"
 
 namespace handgraft::server {
 
@@ -68,7 +70,7 @@ Standing standingOf(LiveSession& live, const Progress& progress) {
   return standing;
 }
 
-std::string jsonOf(LiveSession& live, const Standing& standing) {
+std::string jsonOf(LiveSession& live, const Standing& standing, const Progress& progress) {
   const session::Session& session = live.session();
   const hand::HandModel& model = *standing.grasp.model;
   idl::GraspNames names{
@@ -81,7 +83,11 @@ std::string jsonOf(LiveSession& live, const Standing& standing) {
       solutionMessage(session, standing.solution.problem, standing.solution.report);
   solution.session_id(live.id());
   solution.revision(session.revision());
-  return idl::graspText(names, solution);
+  solution.options(toMessage(session.document().solving));
+  solution.chosen_minimum(static_cast<std::uint32_t>(session.chosenMinimum()));
+  diagnose(session, standing.solution.problem, standing.solution.report, live.fit_check,
+           solution, progress);
+  return idl::graspText(names, solution, patchReports(session));
 }
 
 /// It shows the pose that answers the last edit.
@@ -96,7 +102,7 @@ std::string contentOf(LiveSession& live,
   if (live.motion() != nullptr) return motionExport(live, request.format());
   switch (request.format()) {
     case v1::EXPORT_JSON:
-      return jsonOf(live, standingOf(live, progress));
+      return jsonOf(live, standingOf(live, progress), progress);
     case v1::EXPORT_CSV:
       return io::jointCsv(standingOf(live, progress).grasp);
     case v1::EXPORT_OBJ:

@@ -20,8 +20,8 @@ v1::PoseSolution solved() {
 }
 
 TEST(GraspFile, IsAPoseThatGivesTheSameBitsBack) {
-  const auto file = nlohmann::json::parse(
-      idl::graspText({"claw", "ball", "marks", {"bend", "slide"}, {"palm", "tip"}}, solved()));
+  const auto file = nlohmann::json::parse(idl::graspText(
+      {"claw", "ball", "marks", {"bend", "slide"}, {"palm", "tip"}}, solved(), {}));
   EXPECT_EQ(file["format"], "handgraft-grasp/1");
   EXPECT_EQ(file["hand"], "claw");
   EXPECT_EQ(file["object"], "ball");
@@ -33,7 +33,7 @@ TEST(GraspFile, IsAPoseThatGivesTheSameBitsBack) {
 
 TEST(GraspFile, TellsAllElseOfTheSolution) {
   const idl::Json file =
-      idl::graspFile({"claw", "ball", "marks", {"bend", "slide"}, {}}, solved());
+      idl::graspFile({"claw", "ball", "marks", {"bend", "slide"}, {}}, solved(), {});
   EXPECT_EQ(file["outcome"], "converged");
   EXPECT_EQ(file["terms"]["objective"], 1.25);
   for (const idl::Field& field : idl::typeOf<v1::PoseSolution>().fields) {
@@ -41,6 +41,24 @@ TEST(GraspFile, TellsAllElseOfTheSolution) {
                          std::string_view(field.name) == "X_WL";
     EXPECT_EQ(file.contains(field.name), !by_name) << field.name;
   }
+}
+
+TEST(GraspFile, TellsWhatBecameOfEachPatchDroppedOnesToo) {
+  v1::PoseSolution solution = solved();
+  solution.patches().resize(1);
+  solution.patches()[0].name("thumb");
+  solution.patches()[0].diagnosis().text("too far");
+  std::vector<v1::PatchReport> reports(2);
+  reports[0].name("thumb");
+  reports[0].placed(true);
+  reports[0].boundary_count(7);
+  reports[1].name("ring");
+  reports[1].reason("the hand has no ring finger");
+  const idl::Json patches = idl::graspFile({}, solution, reports)["patches"];
+  ASSERT_EQ(patches.size(), 2U);
+  EXPECT_EQ(patches[0]["diagnosis"]["text"], "too far");
+  EXPECT_EQ(patches[0]["boundary_count"], 7);
+  EXPECT_EQ(patches[1]["reason"], "the hand has no ring finger");
 }
 
 }  // namespace

@@ -3,7 +3,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
+#include "idl/json.h"
 #include "server/store/state_store.h"
 
 #include "tests/server/live_edits.h"
@@ -45,6 +47,36 @@ TEST_F(LiveEdits, ExportWhatTheyCameTo) {
   EXPECT_THAT(text(v1::EXPORT_GLB), StartsWith("glTF"));
   EXPECT_THAT(text(v1::EXPORT_ISAAC_GRASP), StartsWith("format: isaac_grasp\n"));
   EXPECT_THAT(exported(static_cast<v1::ExportFormat>(99)).message(), HasSubstr("isaac_grasp"));
+}
+
+TEST_F(LiveEdits, ExportTheDiagnosisWithThePose) {
+  const std::uint64_t session = open();
+  const v1::Reply solved = bus.ask(test::optimize(session));
+  ASSERT_EQ(solved.error(), v1::ERROR_NONE) << solved.message();
+  const v1::PoseSolution& solution = solved.body().solution();
+  ASSERT_TRUE(solution.is_diagnosed());
+  v1::ExportRequest request;
+  request.session_id(session);
+  request.format(v1::EXPORT_JSON);
+  v1::RequestBody body;
+  body.export_file(request);
+  const v1::Reply reply = bus.ask(body);
+  ASSERT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
+  const auto& content = reply.body().exported_file().content();
+  const idl::Json file = idl::Json::parse(content.begin(), content.end());
+  EXPECT_EQ(file["is_diagnosed"], true);
+  EXPECT_EQ(file["verdict"], solution.verdict());
+  EXPECT_EQ(file["penetration"], idl::jsonOf(solution)["penetration"]);
+  EXPECT_EQ(file["options"], idl::jsonOf(solution)["options"]);
+  ASSERT_FALSE(solution.patches().empty());
+  for (std::size_t i = 0; i < solution.patches().size(); ++i) {
+    const v1::PatchDiagnosis& diagnosis = solution.patches()[i].diagnosis();
+    const idl::Json& told = file["patches"][i]["diagnosis"];
+    EXPECT_EQ(told["verdict"], nameOf(diagnosis.verdict()));
+    EXPECT_EQ(told["text"], diagnosis.text());
+    EXPECT_EQ(told["sensitivities"].size(), diagnosis.sensitivities().size());
+  }
+  EXPECT_GT(file["patches"].size(), solution.patches().size()) << "dropped ones";
 }
 
 v1::RequestBody loadSession(const std::string& text) {
