@@ -225,7 +225,13 @@ CommandOutput Editor::edit(const Parsed& command) {
       files = verb == "hand" ? handFiles(named, {}) : objectFiles(named);
     }
     ModelSender sender(server_, interruption_, false);
-    match.values[0].text = nameOnServer(sender, named, files);
+    try {
+      match.values[0].text = nameOnServer(sender, named, files);
+    } catch (const Refused& refused) {
+      if (refused.code() != v1::ERROR_UNITS) throw;
+      // Edits have no options; loaded, the model is known by its name.
+      rejectInput("{} to handgraft load {} {}", refused.what(), verb, quoted(named));
+    }
   }
   const v1::EditBody body = command.command->make(match, *session_);
   const bool steps = body._d() == v1::EDIT_UNDO || body._d() == v1::EDIT_REDO;

@@ -91,7 +91,7 @@ std::string listed(const std::vector<std::string>& items) {
 std::string notes(const std::vector<std::string>& notes) {
   std::string lines;
   for (const std::string& note : notes)
-    lines += fmt::format("note: {}\n", plain(note));
+    lines += fmt::format("note: {}\n", onOneLine(note));  // all of it: advice comes last
   return lines;
 }
 

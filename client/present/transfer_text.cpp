@@ -144,8 +144,7 @@ std::string transfer(const v1::TransferReply& reply) {
     }
   }
   out += losses(reply.patches(), reply.session_id());
-  for (const std::string& note : reply.notes())
-    out += fmt::format("note: {}\n", plain(note));
+  out += notes(reply.notes());
   return out + fmt::format("time: {:.1f} ms\n", reply.transfer_ms());
 }
 

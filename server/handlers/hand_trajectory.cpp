@@ -49,8 +49,10 @@ manipulation::Motion motionOfTrajectory(const io::HandTrajectoryPlan& plan,
     frames.push_back({from.time_s, poses.back(), from.X_WO});
   }
   const hand::Hand ready = hand.hand->get(progress);
-  manipulation::Motion motion =
-      demonstration::motionOfPosedHand(ready, frames, object_O, options, progress);
+  std::vector<std::string> beyond = beyondLimits(hand.hand->model(), poses);
+  manipulation::Motion motion = tellingWhatIsBeyond(beyond, [&] {
+    return demonstration::motionOfPosedHand(ready, frames, object_O, options, progress);
+  });
   motion.name = plan.name;
   std::vector<std::string> notes = {fmt::format(
       "what hand {} touches on its way, by distance up to {:.3g} mm, every {:.3g} ms",
@@ -61,8 +63,8 @@ manipulation::Motion motionOfTrajectory(const io::HandTrajectoryPlan& plan,
   if (!file.object.empty() && file.object != object)
     notes.push_back(fmt::format("the file says that it was about object {}",
                                 handgraft::quoted(file.object)));
-  for (std::string& note : beyondLimits(hand.hand->model(), poses))
-    notes.push_back(std::move(note));
+  notes.insert(notes.end(), std::make_move_iterator(beyond.begin()),
+               std::make_move_iterator(beyond.end()));
   motion.notes.insert(motion.notes.begin(), std::make_move_iterator(notes.begin()),
                       std::make_move_iterator(notes.end()));
   return motion;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <set>
 
 #include <fmt/format.h>
@@ -91,10 +92,13 @@ std::vector<std::string> beyondLimits(const hand::HandModel& model,
       value = pose.q[dof];
     }
     if (farthest == kLimitTolerance) continue;
+    // No joint of a hand goes round more than once.
+    const bool is_turns = model.dofJoint(dof).type != hand::JointType::kPrismatic &&
+                          std::abs(value) > 2.0 * std::numbers::pi;
     notes.push_back(
-        fmt::format("joint {}: {:.4g} is beyond its limits {:.4g} to {:.4g}; taken "
-                    "as it is",
-                    handgraft::quoted(model.dofJoint(dof).name), value, lower, upper));
+        fmt::format("joint {}: {:.4g} is beyond its limits {:.4g} to {:.4g}; taken as it is{}",
+                    handgraft::quoted(model.dofJoint(dof).name), value, lower, upper,
+                    is_turns ? "; angles are radians, not degrees" : ""));
   }
   return notes;
 }

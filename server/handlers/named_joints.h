@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "core/base/error.h"
 #include "core/hand/kinematics.h"
 #include "server/store/model_store.h"
 
@@ -55,5 +56,17 @@ class NamedJoints {
 /// is farthest out. `poses`: of one hand.
 std::vector<std::string> beyondLimits(const hand::HandModel& model,
                                       const std::vector<hand::HandPose>& poses);
+
+/// What `make` makes of joints of which `beyond` was noted. Errors: its own; of an InvalidInput
+/// the first of the notes is told, too, since it may be why.
+template <class Make>
+auto tellingWhatIsBeyond(const std::vector<std::string>& beyond, const Make& make) {
+  try {
+    return make();
+  } catch (const InvalidInput& error) {
+    if (beyond.empty()) throw;
+    rejectInput("{}; {}", error.what(), beyond.front());
+  }
+}
 
 }  // namespace handgraft::server

@@ -114,8 +114,10 @@ v1::ModelList contactsOfPose(const v1::PoseContactsRequest& request,
   AskedPose asked = askedPoseFrom(request, *hand);
 
   const hand::Hand ready = hand->hand->get(progress);
-  demonstration::PosedContacts posed = demonstration::contactsOfPosedHand(
-      ready, asked.pose, object->file->mesh, X_WO, reach, segmentation, progress);
+  demonstration::PosedContacts posed = tellingWhatIsBeyond(asked.notes, [&] {
+    return demonstration::contactsOfPosedHand(ready, asked.pose, object->file->mesh, X_WO,
+                                              reach, segmentation, progress);
+  });
 
   StoredContacts contacts;
   contacts.name = request.name();

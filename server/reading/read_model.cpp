@@ -63,8 +63,8 @@ void requireMetres(const hand::HandModel& model) {
     if (!(size > kLargestUnasked_m) || kPrimitives.count(shape.source) != 0) return;
     rejectInput(
         "link {}: mesh {} is {:.4g} m across, and a URDF is in metres; write "
-        "scale=\"0.001 0.001 0.001\" at the mesh if its file is in millimetres, or say --units "
-        "mm if all of the hand's are",
+        "scale=\"0.001 0.001 0.001\" at the mesh if its file is in millimetres, or load the "
+        "hand with --units mm if all of its meshes are",
         handgraft::quoted(link.name), handgraft::quoted(shape.source), size);
   };
   for (const hand::Link& link : model.links()) {

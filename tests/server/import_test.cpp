@@ -285,6 +285,17 @@ TEST_F(ImportTest, NotesJointsBeyondTheirLimits) {
               testing::Not(testing::Contains(HasSubstr("beyond"))));
 }
 
+TEST_F(ImportTest, SaysThatAnglesAreRadiansWhereTheyAreMoreThanATurn) {
+  loadSmallGrasp();
+  ASSERT_EQ(bus.ask(withJoint(clampOnLemon("bent"), "hinge", 40.0)).error(), v1::ERROR_NONE);
+  EXPECT_THAT(describeContacts("bent", false).notes(),
+              testing::Contains(HasSubstr("radians, not degrees")));
+  const v1::Reply air = bus.ask(withJoint(clampOnLemon("air", 0.05), "hinge", 40.0));
+  EXPECT_EQ(air.error(), v1::ERROR_INVALID_INPUT);
+  EXPECT_THAT(air.message(), HasSubstr("touches nothing"));
+  EXPECT_THAT(air.message(), HasSubstr("radians, not degrees"));
+}
+
 TEST_F(ImportTest, RefusesPosesThatMakeNoSense) {
   loadSmallGrasp();
   const auto expectRefused = [&](const v1::RequestBody& body, const std::string& why) {

@@ -73,6 +73,16 @@ TEST_F(MotionTest, WhatAHandDidIsWhatItTouched) {
       bus.ask(test::loadModel(59, v1::MODEL_MOTION, "other", "plan.json", "fruit"));
   EXPECT_THAT(unknown.message(), HasSubstr("'nail'"));
 
+  bus.ask(test::putFile(58, "plan.json", planOf(R"(, "hand": "clamp")")));
+  bus.ask(test::putFile(58, "done.json",
+                        R"({"format": "handgraft-trajectory/1", "joint_names": ["hinge"],
+          "frames": [{"time_s": 0, "joints": [40], "X_WH": {"p_m": [9, 0, 0], "q_wxyz": [1, 0, 0, 0]}},
+                     {"time_s": 1, "joints": [41], "X_WH": {"p_m": [9, 0, 0], "q_wxyz": [1, 0, 0, 0]}}]})"));
+  const v1::Reply degrees =
+      bus.ask(test::loadModel(58, v1::MODEL_MOTION, "other", "plan.json", "fruit"));
+  EXPECT_THAT(degrees.message(), HasSubstr("touches nothing"));
+  EXPECT_THAT(degrees.message(), HasSubstr("radians, not degrees"));
+
   const v1::Reply of_nobody = loadDone("other", planOf(R"(, "hand": "glove")"));
   EXPECT_EQ(of_nobody.error(), v1::ERROR_NOT_FOUND);
   EXPECT_THAT(of_nobody.message(), HasSubstr("glove"));

@@ -162,7 +162,8 @@ TEST(ReadModel, NamesAMeshOfAHandThatIsNotInMetres) {
   ReadRequest request = requestFor(ReadKind::kHand, written("large.urdf", urdf));
   request.files["meshes/palm.ply"] = written("palm.ply", ballPly(0.04, 1000.0));
   EXPECT_THAT(faultOf(request), AllOf(HasSubstr("'meshes/palm.ply'"), HasSubstr("138.6 m"),
-                                      HasSubstr("scale=\"0.001 0.001 0.001\"")));
+                                      HasSubstr("scale=\"0.001 0.001 0.001\""),
+                                      HasSubstr("load the hand with --units mm")));
   request.units = "mm";
   const auto read = std::get<ReadHand>(readModel(request, Progress()));
   EXPECT_NEAR(read.model.links()[0].visuals[0].mesh_L.diagonal(), 0.1386, 1e-4);

@@ -104,6 +104,18 @@ TEST_F(EditorTest, TellsWhyASolveFailed) {
   }
 }
 
+TEST_F(EditorTest, UnitsInDoubtAreToldToTheCommandThatTakesThem) {
+  const std::string path = (test::scratchDirectory() / "bulb.obj").string();
+  std::ofstream(path) << "v 0 0 0";
+  try {
+    output("object " + path);
+    FAIL() << "an object 152 m across was taken";
+  } catch (const InvalidInput& error) {
+    EXPECT_EQ(std::string(error.what()),
+              "152 m across: say --units mm to handgraft load object '" + path + "'");
+  }
+}
+
 TEST_F(EditorTest, AStaleEditIsRefusedWithWhatCameBefore) {
   output("lock bend");
   edit_server_.editByOther("limit bend upper 0.6", false);

@@ -180,6 +180,10 @@ class FakeEditServer {
         body.model(description);
         break;
       }
+      case v1::OP_LOAD_MODEL:
+        reply.error(v1::ERROR_UNITS);
+        reply.message("152 m across: say --units mm");
+        return true;
       case v1::OP_LIST_MODELS: {
         v1::ModelList list;
         for (const char* name : {"a_hand_with_a_long_name", "claw"}) {

@@ -215,6 +215,11 @@ TEST(TextOutput, WrapsLongTextsAndLosesNothing) {
   EXPECT_EQ(out.find('\x1b'), std::string::npos);
 }
 
+TEST(TextOutput, TellsNotesInFull) {
+  const std::string note = std::string(300, 'x') + " say --units mm";
+  EXPECT_EQ(client::text::notes({note, "b\x1b"}), "note: " + note + "\nnote: b?\n");
+}
+
 TEST(WatchText, TellsPosesFromTheirDiagnosis) {
   v1::PoseSolution solution = example().solution;
   solution.is_final(false);
