@@ -108,6 +108,16 @@ std::string sites(const v1::HandDescription& hand) {
   return table(rows, "llrrr");
 }
 
+/// What gave a digit its name. A site counts before the names of links and joints.
+std::string namedBy(const v1::DigitInfo& digit, const v1::HandDescription& hand) {
+  const bool has_site =
+      std::any_of(hand.sites().begin(), hand.sites().end(), [&](const v1::SiteInfo& site) {
+        return site.name() == digit.name();
+      });
+  if (has_site && !hand.sites_found()) return "its site";
+  return digit.named_by_file() ? "names in its file" : "its shape";
+}
+
 std::string digits(const v1::HandDescription& hand) {
   Rows rows = {{"digit", "named by", "segments, mm"}};
   for (const v1::DigitInfo& digit : hand.digits()) {
@@ -117,8 +127,7 @@ std::string digits(const v1::HandDescription& hand) {
           fmt::format("{}{} {:.0f} ({})", segments.empty() ? "" : ", ", plain(segment.name()),
                       1e3 * segment.length_m(), plain(segment.link()));
     }
-    rows.push_back(
-        {plain(digit.name()), digit.named_by_file() ? "the file" : "its shape", segments});
+    rows.push_back({plain(digit.name()), namedBy(digit, hand), segments});
   }
   return table(rows, "lll");
 }

@@ -264,7 +264,8 @@ Anatomy anatomyOf(const HandModel& model,
   for (std::size_t i = 0; i < found.digits.size(); ++i) {
     NamedDigit digit;
     digit.name = names.names[i];
-    digit.named_by_file = by_site[i] != 0 || names.from_file[i] != 0;
+    digit.named_by_site = by_site[i] != 0;
+    digit.named_by_parts = names.from_file[i] != 0;
     digit.digit = found.digits[i];
     digit.segments =
         segmentsOf(model, X_SL, digit.digit, digit.name == "thumb", anatomy.palm_links);

@@ -59,7 +59,8 @@ void addFingers(v1::HandDescription& message, const hand::Hand& hand) {
   for (const hand::NamedDigit& digit : anatomy.digits) {
     v1::DigitInfo info;
     info.name(digit.name);
-    info.named_by_file(digit.named_by_file);
+    // A site that was found has the name that the digit had.
+    info.named_by_file(digit.named_by_parts || (digit.named_by_site && !hand.sites_are_found));
     for (const hand::Segment& segment : digit.segments)
       info.segments().push_back(segmentInfo(*hand.model, X_SL, segment));
     message.digits().push_back(std::move(info));

@@ -126,6 +126,23 @@ TEST_F(ImportTest, TellsSitesOnceTheyAreFound) {
   EXPECT_THAT(after.sites_file(), HasSubstr("handgraft-sites/1"));
 }
 
+TEST_F(ImportTest, TellsWhatNamedADigit) {
+  loadSmallGrasp();
+  bus.ask(test::putFile(1, "bare.urdf", test::kClampUrdf));
+  bus.ask(test::loadModel(1, v1::MODEL_HAND, "bare", "bare.urdf"));
+  std::string named = test::kClampUrdf;
+  for (std::size_t at = 0; (at = named.find("jaw", at)) != std::string::npos; at += 5)
+    named.replace(at, 3, "index");
+  bus.ask(test::putFile(2, "named.urdf", named));
+  bus.ask(test::loadModel(2, v1::MODEL_HAND, "named", "named.urdf"));
+  for (const auto& [hand, by_file] :
+       {std::pair("clamp", true), std::pair("bare", false), std::pair("named", true)}) {
+    const v1::HandDescription told = describeHand(hand, true);
+    ASSERT_EQ(told.digits().size(), 1u) << hand;
+    EXPECT_EQ(told.digits()[0].named_by_file(), by_file) << hand;
+  }
+}
+
 TEST_F(ImportTest, DescribesAMirroredHandByAUrdfOfItsOwn) {
   // The hinge off the mirror, so that the other hand is another one.
   std::string urdf = test::kClampUrdf;

@@ -72,6 +72,20 @@ TEST(HandText, TellsAnglesInDegreesAndSlidesInMillimetres) {
   EXPECT_THAT(text, ContainsRegex("prismatic .* -100.0 +250.0 +2000 +50.0 +mm\n"));
 }
 
+TEST(HandText, TellsWhatNamedEachDigit) {
+  v1::HandDescription hand = test::flatHand();
+  hand.digits().resize(3);
+  for (const auto& [i, name] :
+       {std::pair(0, "thumb"), std::pair(1, "index"), std::pair(2, "f1")})
+    hand.digits()[i].name(name);
+  hand.digits()[1].named_by_file(true);
+  EXPECT_THAT(text::hand(hand), ContainsRegex("thumb +its shape"));
+  EXPECT_THAT(text::hand(hand), ContainsRegex("index +names in its file"));
+  hand.sites_found(false);
+  EXPECT_THAT(text::hand(hand), ContainsRegex("thumb +its site"));
+  EXPECT_THAT(text::hand(hand), ContainsRegex("f1 +its shape"));
+}
+
 TEST(HandText, SaysNothingOfASkinThatIsNotKnown) {
   v1::HandDescription hand = test::flatHand();
   hand.skin_report().clear();
