@@ -127,8 +127,8 @@ std::vector<std::string> unitsOf(const std::vector<StudyAxis>& axes,
 int run(const SweepOptions& options, const CommonOptions& common, Interruption& interruption) {
   // === Everything that can be wrong before a server is asked
   const FoundGrasps found = findGrasps(options.folders);
-  for (const std::filesystem::path& path : found.skipped)
-    fmt::print(stderr, "skipped {}: no contact set and no motion\n", quoted(path.string()));
+  for (const SkippedFile& skipped : found.skipped)
+    fmt::print(stderr, "skipped {}: {}\n", quoted(skipped.path.string()), skipped.reason);
   std::optional<ModelFiles> hand;
   if (isPath(options.hand)) hand = handFiles(options.hand, options.hand_reading);
   std::vector<NamedFile> read = inputsOf(hand, "--hand");

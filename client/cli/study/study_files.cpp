@@ -4,6 +4,8 @@
 #include <set>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "client/present/json_output.h"
 #include "core/base/error.h"
 
@@ -38,17 +40,34 @@ std::vector<fs::path> filesIn(const fs::path& folder, const char* option) {
 struct SetHead {
   bool is_set = false;
   bool is_motion = false;
-  std::string object;  ///< empty: it does not say
+  std::string object;      ///< empty: it does not say
+  std::string is_neither;  ///< why, where it is none of both
 };
 
+std::string textIn(const json::Json& document, const char* key) {
+  const auto value = document.find(key);
+  return value != document.end() && value->is_string() ? value->get<std::string>() : "";
+}
+
 SetHead headOf(const fs::path& path) {
-  const json::Json document = json::Json::parse(readFile(path), nullptr, false);
   SetHead head;
+  json::Json document;
+  try {
+    document = json::Json::parse(readFile(path));
+  } catch (const json::Json::exception& error) {
+    head.is_neither = fmt::format("it is damaged, or no JSON: {}", error.what());
+    return head;
+  }
+  head.is_neither = "no contact set and no motion";
   if (!document.is_object()) return head;
-  head.is_set = document.contains("patches");
-  head.is_motion = document.contains("tracks");
-  const auto object = document.find("object");
-  if (object != document.end() && object->is_string()) head.object = object->get<std::string>();
+  const std::string format = textIn(document, "format");
+  // Grasps have patches, too: where a file says its format, that counts.
+  head.is_set =
+      format.empty() ? document.contains("patches") : format.starts_with("handgraft-contacts/");
+  head.is_motion =
+      format.empty() ? document.contains("tracks") : format.starts_with("handgraft-motion/");
+  if (!format.empty()) head.is_neither += fmt::format(" but {}", quoted(format));
+  head.object = textIn(document, "object");
   return head;
 }
 
@@ -101,7 +120,7 @@ FoundGrasps findGrasps(const StudyFolders& folders) {
     if (is_set) {
       const SetHead head = headOf(file);
       if (!head.is_set && !head.is_motion) {
-        found.skipped.push_back(file);
+        found.skipped.push_back({file, head.is_neither});
         continue;
       }
       if (grasp.object.empty()) grasp.object = objectOf(file, head, objects);

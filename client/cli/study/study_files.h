@@ -28,9 +28,15 @@ struct StudyFolders {
   std::vector<std::string> motions = {};  ///< models' names, or paths, beside the folder's
 };
 
+/// A JSON file that is left out.
+struct SkippedFile {
+  std::filesystem::path path;
+  std::string reason;  ///< what it is instead, or what is wrong with it
+};
+
 struct FoundGrasps {
   std::vector<StudyGrasp> grasps;
-  std::vector<std::filesystem::path> skipped;  ///< JSON files that hold no patches
+  std::vector<SkippedFile> skipped;
 };
 
 /// All contact sets and motions of the folder, in the order of their names, then `motions`. The

@@ -186,7 +186,23 @@ TEST_F(StudyFilesTest, FindTheObjectThatEachSetNames) {
   EXPECT_EQ(found.grasps[0].label, "a");
   EXPECT_EQ(found.grasps[0].object, "lemon") << "the server's";
   EXPECT_EQ(found.grasps[1].object, (folder / "cup.stl").string());
-  EXPECT_THAT(found.skipped, ElementsAre(folder / "notes.json"));
+  ASSERT_EQ(found.skipped.size(), 1u);
+  EXPECT_EQ(found.skipped[0].path, folder / "notes.json");
+  EXPECT_EQ(found.skipped[0].reason, "no contact set and no motion");
+}
+
+TEST_F(StudyFilesTest, LeaveOutWhatIsOfAnotherKindOrDamaged) {
+  write("a.json", R"({"format": "handgraft-contacts/1", "object": "cup", "patches": []})");
+  write("cut.json", R"({"format": "handgraft-contacts/1", "obj)");
+  write("grasp.json", R"({"format": "handgraft-grasp/1", "object": "cup", "patches": []})");
+  const FoundGrasps found = findGrasps({folder, "", ""});
+  ASSERT_EQ(found.grasps.size(), 1u);
+  EXPECT_EQ(found.grasps[0].label, "a");
+  ASSERT_EQ(found.skipped.size(), 2u);
+  EXPECT_EQ(found.skipped[0].path, folder / "cut.json");
+  EXPECT_THAT(found.skipped[0].reason, HasSubstr("line 1"));
+  EXPECT_EQ(found.skipped[1].path, folder / "grasp.json");
+  EXPECT_THAT(found.skipped[1].reason, HasSubstr("handgraft-grasp/1"));
 }
 
 TEST_F(StudyFilesTest, TakeMotionsBesideSets) {
