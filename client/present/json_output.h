@@ -32,7 +32,7 @@ std::string document(const Message& message) {
 
 Json doctor(const DoctorReport& report);
 
-/// A summary, with the notes of an object.
+/// A summary, with what was noted when the model was read.
 Json loaded(const v1::ModelSummary& summary, const std::vector<std::string>& notes);
 
 /// `kind` and what describes it, but for meshes: of those, how large they are.

@@ -184,12 +184,18 @@ std::string sessions(const v1::SessionList& list) {
       std::any_of(list.sessions().begin(), list.sessions().end(), [](const auto& state) {
         return !state.owner().empty();
       });
-  Rows rows = {{"session", "phase", "revision", "hand", "object", "contacts"}};
+  const bool hold_motions =
+      std::any_of(list.sessions().begin(), list.sessions().end(), [](const auto& state) {
+        return !state.motion().empty();
+      });
+  Rows rows = {{"session", "phase", "revision", "hand", "object",
+                hold_motions ? "contacts or motion" : "contacts"}};
   if (are_owned) rows.front().insert(rows.front().end(), {"owner", "edited by"});
   for (const v1::SessionState& state : list.sessions()) {
-    rows.push_back({std::to_string(state.session_id()), nameOf(state.phase()),
-                    std::to_string(state.revision()), plain(state.hand()),
-                    plain(state.object()), plain(state.contacts())});
+    rows.push_back(
+        {std::to_string(state.session_id()), nameOf(state.phase()),
+         std::to_string(state.revision()), plain(state.hand()), plain(state.object()),
+         state.motion().empty() ? plain(state.contacts()) : "motion " + plain(state.motion())});
     if (are_owned)
       rows.back().insert(rows.back().end(), {plain(state.owner()), editors(state)});
   }

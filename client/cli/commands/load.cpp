@@ -6,6 +6,7 @@
 #include "client/present/json_output.h"
 #include "client/present/progress_line.h"
 #include "client/present/send_model.h"
+#include "client/present/text_output.h"
 #include "core/base/error.h"
 #include "idl/fields.h"
 
@@ -27,6 +28,29 @@ ModelFiles filesOf(const LoadOptions& options) {
   rejectInput("kind {}: hand, object, contacts or motion", static_cast<int>(options.kind));
 }
 
+/// What reading a model brought to light: for a point cloud, how true its surface is.
+std::vector<std::string> notesOf(const v1::ModelDescription& model) {
+  switch (model._d()) {
+    case v1::MODEL_HAND: {
+      std::vector<std::string> notes = model.hand().notes();
+      // A hand's skin takes seconds, and is made when somebody needs it.
+      if (model.hand().sites_found() && model.hand().sites().empty())
+        notes.emplace_back(
+            "it brings no contact sites: they are found on its skin when it is first used; "
+            "hand "
+            "inspect shows them, and what names its fingers");
+      return notes;
+    }
+    case v1::MODEL_OBJECT:
+      return model.object().notes();
+    case v1::MODEL_CONTACTS:
+      return model.contacts().notes();
+    case v1::MODEL_MOTION:
+      return model.motion().notes();
+  }
+  return {};
+}
+
 }  // namespace
 
 int run(const LoadOptions& options, const CommonOptions& common, Interruption& interruption) {
@@ -35,17 +59,14 @@ int run(const LoadOptions& options, const CommonOptions& common, Interruption& i
   ProgressLine progress;
   Client server(interactiveClient(common.network, Absence::kFail, interruption, &progress));
   const v1::ModelSummary summary = ModelSender(server, interruption, !common.json).load(model);
-  // What reading it brought to light: for a point cloud, how true its surface is.
-  std::vector<std::string> notes;
-  if (options.kind == v1::MODEL_OBJECT)
-    notes = server.describe(v1::MODEL_OBJECT, summary.name(), false).get().object().notes();
+  const std::vector<std::string> notes =
+      notesOf(server.describe(options.kind, summary.name(), false).get());
   progress.clear();
   if (common.json) {
     fmt::print("{}\n", json::written(json::loaded(summary, notes)));
   } else {
     fmt::print("loaded {} {}: {}\n", nameOf(summary.kind()), summary.name(), summary.text());
-    for (const std::string& note : notes)
-      fmt::print("note: {}\n", quoted(note));
+    fmt::print("{}", text::notes(notes));
   }
   return 0;
 }

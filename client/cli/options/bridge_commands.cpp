@@ -47,7 +47,7 @@ void addRecord(CLI::App& bridge, CommandOptions& chosen) {
       ->check(objectionToFile);
   command->add_option("--seconds", parsed->options.seconds, "How long; 0: until Ctrl-C")
       ->capture_default_str();
-  command->add_option("--png", parsed->png, "Draw it as well")->check(objectionToFile);
+  command->add_option("--png", parsed->png, "Draw it as well")->check(objectionToPng);
   command->fallthrough();
   command->callback([parsed, &chosen] {
     requireFinite({parsed->options.seconds}, "--seconds", 0.0);
@@ -66,7 +66,7 @@ void addPlot(CLI::App& bridge, CommandOptions& chosen) {
   CLI::App* command =
       bridge.add_subcommand("plot", "Draw a recorded run: measured against commanded");
   command->add_option("run", parsed->run, "What `bridge record` wrote")->required();
-  command->add_option("--out", parsed->out, "PNG")->required()->check(objectionToFile);
+  command->add_option("--out", parsed->out, "PNG")->required()->check(objectionToPng);
   command->fallthrough();
   command->callback([parsed, &chosen] {
     BridgePlotOptions options;

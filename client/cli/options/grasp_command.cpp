@@ -47,7 +47,7 @@ void addGraspCommand(CLI::App& app, CommandOptions& chosen) {
   parsed->flags.addTo(*command);
   command->add_option("--out", parsed->out, "Write the result as JSON")->check(objectionToFile);
   command->add_option("--png", parsed->png, "Write a picture from two sides")
-      ->check(objectionToFile);
+      ->check(objectionToPng);
   command
       ->add_option("--problem", parsed->problem, "Write what was solved as handgraft-problem/1")
       ->check(objectionToFile);

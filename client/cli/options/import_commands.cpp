@@ -21,7 +21,7 @@ struct ParsedHand {
 
   void addTo(CLI::App& command) {
     command.add_option("hand", hand, "Model name, or path of a URDF")->required();
-    command.add_option("--png", png, "Write a picture from two sides")->check(objectionToFile);
+    command.add_option("--png", png, "Write a picture from two sides")->check(objectionToPng);
     addUnits(command, units, "the meshes");
     flags.addTo(command);
   }
@@ -88,7 +88,7 @@ struct ParsedContacts {
     command.add_option("--name", name, "What to call the contacts");
     command.add_option("--out", out, "Write them as a contact set, for editing")
         ->check(objectionToFile);
-    command.add_option("--png", png, "Write a picture from two sides")->check(objectionToFile);
+    command.add_option("--png", png, "Write a picture from two sides")->check(objectionToPng);
   }
 
   void check() const {

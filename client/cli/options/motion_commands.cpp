@@ -251,7 +251,7 @@ void addSolve(CLI::App& motion, CommandOptions& chosen) {
   command->add_option("--frames", parsed->frames, "Write fit and speeds of each frame as CSV")
       ->check(objectionToFile);
   command->add_option("--png", parsed->png, "Draw a strip of frames and a plot over time")
-      ->check(objectionToFile);
+      ->check(objectionToPng);
   command->add_flag("--keep", solve.keep, "Leave the session open");
   addUnits(*command, solve.units, "the object");
   parsed->hand.addTo(*command);

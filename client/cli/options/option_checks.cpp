@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <map>
 
@@ -40,6 +42,15 @@ std::string objectionToSmallCount(const std::string& text) {
 
 std::string objectionToFile(const std::string& name) {
   return name.empty() ? "the file's name is empty" : "";
+}
+
+std::string objectionToPng(const std::string& name) {
+  std::string ending = std::filesystem::path(name).extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) {
+    return static_cast<char>(std::tolower(c));
+  });
+  if (ending.empty() || ending == ".png") return objectionToFile(name);
+  return fmt::format("{} is to be a PNG; its ending must be .png", quoted(name));
 }
 
 std::string objectionToSolver(const std::string& name) {

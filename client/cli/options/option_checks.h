@@ -16,6 +16,8 @@ std::string objectionToCount(const std::string& text);
 /// The same of numbers that are sent as 32 bits.
 std::string objectionToSmallCount(const std::string& text);
 std::string objectionToFile(const std::string& name);
+/// A file's name whose ending, if it has one, is a PNG's.
+std::string objectionToPng(const std::string& name);
 std::string objectionToSolver(const std::string& name);
 
 v1::ModelKind kindOf(const std::string& name);

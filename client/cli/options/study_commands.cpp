@@ -145,7 +145,7 @@ void addStudyCommands(CLI::App& app, CommandOptions& chosen) {
   command->add_option("--out", parsed->out, "Write a row a grasp and value as CSV")
       ->check(objectionToFile);
   command->add_option("--png", parsed->png, "Draw the distances over the values")
-      ->check(objectionToFile);
+      ->check(objectionToPng);
   addUnits(*command, sweep.units, "objects and contact maps");
   parsed->hand.addTo(*command);
   parsed->contact_flags.addSourceTo(*command);

@@ -271,6 +271,15 @@ TEST(CommandLine, RefusesCountsThatAreNoneAndEmptyNames) {
   }
 }
 
+TEST(CommandLine, RefusesPicturesWhoseNamesSayThatTheyAreNoPng) {
+  EXPECT_THAT(objectionTo(grasp({"--png", "grasp.jpg"})),
+              AllOf(HasSubstr("--png"), HasSubstr("'grasp.jpg'"), HasSubstr(".png")));
+  EXPECT_THAT(objectionTo({"bridge", "plot", "run.csv", "--out", "run.svg"}),
+              HasSubstr(".png"));
+  for (const char* name : {"a.png", "a.PNG", "/dev/stdout"})
+    EXPECT_EQ(objectionTo(grasp({"--png", name})), "") << name;
+}
+
 TEST(CommandLine, ReadsWhatToCloseAndUnload) {
   EXPECT_EQ(std::get<CloseOptions>(invocation({"close", "42"}).command).session_id, 42U);
   const Invocation unload = invocation({"unload", "object", "bowl", "--json"});

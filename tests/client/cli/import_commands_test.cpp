@@ -65,11 +65,11 @@ struct ImportingServer {
     return list;
   }
 
-  static v1::ModelDescription describe(const v1::DescribeModelRequest& request) {
+  [[nodiscard]] v1::ModelDescription describe(const v1::DescribeModelRequest& request) const {
     v1::ModelDescription description;
     switch (request.model().kind()) {
       case v1::MODEL_HAND:
-        description.hand(test::flatHand());
+        description.hand(hand);
         break;
       case v1::MODEL_OBJECT:
         description.object(test::boxObject());
@@ -83,6 +83,7 @@ struct ImportingServer {
     return description;
   }
 
+  v1::HandDescription hand = test::flatHand();
   std::string taken;     // a name
   std::string doubtful;  // a file whose units must be told
   std::vector<v1::LoadModelRequest> loads;
@@ -210,6 +211,20 @@ TEST_F(ImportCommands, ImportTellsMapsReadInDifferentWaysApart) {
   EXPECT_NE(script_.loads[1].name(), script_.loads[3].name());
   options.name = "scan";  // asked for: nobody may be surprised by another
   EXPECT_THROW(printed(options), Refused);
+}
+
+TEST_F(ImportCommands, LoadTellsWhatWasNoted) {
+  LoadOptions options;
+  options.path = write("claw.urdf", "<robot name='claw'/>");
+  script_.hand.notes().emplace_back("its joints have no limits");
+  EXPECT_THAT(printed(options), HasSubstr("note: its joints have no limits\n"));
+  EXPECT_THAT(printed(options), testing::Not(HasSubstr("no contact sites")));
+  script_.hand.sites().clear();
+  EXPECT_THAT(printed(options), HasSubstr("it brings no contact sites"));
+  options.kind = v1::MODEL_CONTACTS;
+  options.path = write("set.json", "{}");
+  options.object = "box";
+  EXPECT_THAT(printed(options), HasSubstr("note: dropped nothing\n"));
 }
 
 TEST_F(ImportCommands, DoubtfulUnitsAreAnErrorWhereNobodyCanBeAsked) {

@@ -384,6 +384,18 @@ TEST(SuggestJson, SaysWhatTheReadmePromises) {
   EXPECT_EQ(applied["applied"]["report"]["name"], "thumb");
 }
 
+TEST(SessionsText, SaysWhichMotionASessionHolds) {
+  v1::SessionList list;
+  list.sessions().resize(1);
+  list.sessions()[0].contacts("lemon_6");
+  EXPECT_THAT(client::text::sessions(list), HasSubstr("contacts\n"));
+  EXPECT_THAT(client::text::sessions(list), HasSubstr("lemon_6\n"));
+  list.sessions().resize(2);
+  list.sessions()[1].motion("box_pull");
+  EXPECT_THAT(client::text::sessions(list), HasSubstr("contacts or motion\n"));
+  EXPECT_THAT(client::text::sessions(list), HasSubstr("motion box_pull\n"));
+}
+
 TEST(Table, AlignsItsColumns) {
   EXPECT_EQ(text::table({{"a", "long head"}, {"name", "1"}}, "lr"),
             "a     long head\nname          1\n");
