@@ -28,11 +28,11 @@ import numpy as np
 
 from . import _handgraft
 from .errors import Cancelled, Error, InvalidInput, NoServer, Refused, SolveFailed, TransportError
-from .poses import Patch, Pose, matrix_of, message_of
+from .poses import Depth, Patch, Pose, matrix_of, message_of
 from .view import View, web_folder
 
 __all__ = [
-    "connect", "Server", "Session", "Pose", "Patch", "View", "Error", "InvalidInput", "Refused", "NoServer",
+    "connect", "Server", "Session", "Pose", "Patch", "Depth", "View", "Error", "InvalidInput", "Refused", "NoServer",
     "SolveFailed", "Cancelled", "TransportError",
 ]
 

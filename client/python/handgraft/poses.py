@@ -76,6 +76,23 @@ class Patch:
         return f"Patch({self.name!r}, {self.mean_mm:.2f} mm, {self.verdict})"
 
 
+class Depth:
+    """How deep a posed hand is in the object, and in itself."""
+
+    def __init__(self, message: Mapping[str, Any]):
+        self.message = message  #: the whole Penetration of idl/sessions.idl
+        self.max_m: float = message["max_depth_m"]  #: of the deepest point in the object; 0: none is
+        self.links: dict[str, float] = {one["link"]: one["depth_m"] for one in message["links"]}  #: m, deepest first
+        self.link: str | None = next(iter(self.links), None)  #: the deepest; None: none is in the object
+        self.volume_m3: float = message["volume_m3"]  #: that hand and object share
+        self.self_m: float = message["self_depth_m"]  #: of one link in another; 0: none is
+        self.self_links: tuple[str, ...] = tuple(message["self_links"])  #: those two, or none
+
+    def __repr__(self) -> str:
+        where = f" at {self.link}" if self.link else ""
+        return f"Depth({1e3 * self.max_m:.1f} mm{where}, {1e3 * self.self_m:.1f} mm in itself)"
+
+
 class Pose:
     """One pose of a hand that answers a session's edits."""
 
@@ -106,6 +123,12 @@ class Pose:
         """Poses of all links in the world, L x 4 x 4, in the order of the hand's description."""
         poses = [matrix_of(X) for X in self.message["X_WL"]]
         return np.array(poses) if poses else np.empty((0, 4, 4))
+
+    @property
+    def depth(self) -> Depth | None:
+        """How deep the hand is in the object and in itself; None until `is_diagnosed`."""
+        told = self.message["penetration"]
+        return None if told is None else Depth(told)
 
     @property
     def minima(self) -> list[dict[str, Any]]:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from handgraft.poses import matrix_of, message_of
+from handgraft.poses import Pose, matrix_of, message_of
 
 
 def rotation(axis, angle):
@@ -33,3 +33,25 @@ def test_a_quaternion_says_its_turn():
 def test_what_is_no_pose_is_refused(X):
     with pytest.raises(ValueError, match="rotation"):
         message_of(X)
+
+
+def posed(penetration):
+    return Pose({"joint_positions": np.zeros(1), "revision": 1, "is_final": True, "outcome": "converged",
+                 "is_diagnosed": penetration is not None, "verdict": "", "terms": {"objective": 1.0},
+                 "patches": [], "penetration": penetration}, ["bend"])
+
+
+def test_a_pose_says_how_deep_it_is():
+    assert posed(None).depth is None
+    depth = posed({"max_depth_m": 0.004, "mean_depth_m": 0.001, "volume_m3": 2e-7,
+                   "links": [{"link": "tip", "depth_m": 0.004}, {"link": "palm", "depth_m": 0.001}],
+                   "self_depth_m": 0.002, "self_links": ["tip", "thumb"]}).depth
+    assert (depth.max_m, depth.link, depth.volume_m3) == (0.004, "tip", 2e-7)
+    assert depth.links == {"tip": 0.004, "palm": 0.001}
+    assert (depth.self_m, depth.self_links) == (0.002, ("tip", "thumb"))
+
+
+def test_a_pose_may_be_nowhere_inside():
+    depth = posed({"max_depth_m": 0.0, "mean_depth_m": 0.0, "volume_m3": 0.0, "links": [],
+                   "self_depth_m": 0.0, "self_links": []}).depth
+    assert depth.link is None and depth.links == {} and depth.self_links == ()

@@ -102,6 +102,7 @@ def test_a_grasp_is_numpy_arrays(server):
             assert 1e3 * patch.residuals.mean() == pytest.approx(patch.mean_mm, rel=1e-6)
             assert 1e3 * patch.residuals.max() == pytest.approx(patch.max_mm, rel=1e-6)
     assert pose.is_diagnosed and pose.verdict
+    assert pose.depth.max_m == max(pose.depth.links.values(), default=0.0)
 
 
 def test_files_are_sent(server, tmp_path):
