@@ -58,7 +58,8 @@ CommandOutput Editor::compare(const Match& match) {
   request.session_id(session_->id());
   request.a(match.values.at(0).text);
   if (match.values.size() > 1) request.b(match.values[1].text);
-  return tellDifferences(server_.compare(request).get(), request.a(), request.b());
+  return tellDifferences(server_.compare(request).get(), request.a(), request.b(),
+                         session_->hand());
 }
 
 CommandOutput Editor::watch(const Match& match) {

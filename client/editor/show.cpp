@@ -1,6 +1,7 @@
 #include "client/editor/show.h"
 
 #include <algorithm>
+#include <charconv>
 
 #include <fmt/format.h>
 
@@ -54,6 +55,23 @@ std::string solvingText(const v1::SolveOptions& solving) {
   line += solving.normal_form() == v1::NORMAL_SUM ? ", normals by sum" : ", normals by cosine";
   line += isAvoided(solving) ? ", penetration avoided" : ", penetration reported";
   return line;
+}
+
+/// Of the joint that `what` is about; an angle's where the hand has no such joint.
+JointUnit unitIn(const std::string& what, const v1::HandDescription& hand) {
+  for (const v1::JointInfo& joint : hand.joints()) {
+    for (const char* property : {"", " lower", " upper", " soft value"})
+      if (what == "joint " + joint.name() + property) return unitOf(joint.kind());
+  }
+  return unitOf(v1::JOINT_REVOLUTE);
+}
+
+/// A joint's value of a message, which has "rad" behind all of them; other texts as they are.
+std::string inUnit(const std::string& text, const JointUnit& unit) {
+  double value = 0.0;
+  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool is_joints = error == std::errc() && text.substr(rest - text.data()) == " rad";
+  return is_joints ? fmt::format("{:.6g} {}", unit.scale * value, unit.name) : plain(text);
 }
 
 }  // namespace
@@ -210,11 +228,14 @@ CommandOutput tellTimes(const v1::SessionSettings& settings) {
 
 CommandOutput tellDifferences(const v1::CompareReply& reply,
                               const std::string& a,
-                              const std::string& b) {
+                              const std::string& b,
+                              const v1::HandDescription& hand) {
   CommandOutput output;
   Rows rows = {{"", plain(a), b.empty() ? "now" : plain(b)}};
   for (const v1::Difference& difference : reply.differences()) {
-    rows.push_back({plain(difference.what()), plain(difference.a()), plain(difference.b())});
+    const JointUnit unit = unitIn(difference.what(), hand);
+    rows.push_back(
+        {plain(difference.what()), inUnit(difference.a(), unit), inUnit(difference.b(), unit)});
   }
   output.text = reply.differences().empty() ? "no difference\n" : text::table(rows, "lrr");
   output.data = json::jsonOf(reply);

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "client/editor/command_output.h"
+#include "idl/models.h"
 #include "idl/sessions.h"
 
 /// What the editor says about what a session is made of: the topics of `show`.
@@ -21,9 +22,11 @@ CommandOutput tellSnapshots(const v1::SessionSettings& settings);
 /// What was edited at times of a motion.
 CommandOutput tellTimes(const v1::SessionSettings& settings);
 
-/// Of the snapshots `a` and `b`; an empty `b` is the session as it is now.
+/// Of the snapshots `a` and `b`; an empty `b` is the session as it is now. `hand` says which of
+/// its joints slide.
 CommandOutput tellDifferences(const v1::CompareReply& reply,
                               const std::string& a,
-                              const std::string& b);
+                              const std::string& b,
+                              const v1::HandDescription& hand);
 
 }  // namespace handgraft::client::editor

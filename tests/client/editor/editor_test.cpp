@@ -422,11 +422,30 @@ TEST(Differences, StandBelowTheNamesOfWhatDiffers) {
   difference.b("0.25 rad");
   v1::CompareReply reply;
   reply.differences().push_back(difference);
-  EXPECT_EQ(tellDifferences(reply, "start", "wide").text,
-            "              start      wide\n"
-            "joint bend  0.1 rad  0.25 rad\n");
-  EXPECT_THAT(tellDifferences(reply, "start", "").text, HasSubstr("start       now\n"));
-  EXPECT_EQ(tellDifferences({}, "start", "").text, "no difference\n");
+  EXPECT_EQ(tellDifferences(reply, "start", "wide", {}).text,
+            "                  start         wide\n"
+            "joint bend  5.72958 deg  14.3239 deg\n");
+  EXPECT_THAT(tellDifferences(reply, "start", "", {}).text, HasSubstr("start          now\n"));
+  EXPECT_EQ(tellDifferences({}, "start", "", {}).text, "no difference\n");
+  EXPECT_EQ(tellDifferences(reply, "start", "wide", {}).data["differences"][0]["a"], "0.1 rad");
+}
+
+TEST(Differences, OfJointsThatSlideAreInMillimetres) {
+  v1::HandDescription hand;
+  hand.joints().resize(2);
+  hand.joints()[0].name("rail");
+  hand.joints()[0].kind(v1::JOINT_PRISMATIC);
+  hand.joints()[1].name("rail 2");
+  v1::CompareReply reply;
+  for (const char* what : {"joint rail", "joint rail upper", "joint rail 2 lower"}) {
+    reply.differences().emplace_back().what(what);
+    reply.differences().back().a("0.02 rad");
+    reply.differences().back().b("inf rad");
+  }
+  const std::string text = tellDifferences(reply, "start", "wide", hand).text;
+  EXPECT_THAT(text, testing::ContainsRegex("joint rail +20 mm +inf mm\n"));
+  EXPECT_THAT(text, testing::ContainsRegex("joint rail upper +20 mm +inf mm\n"));
+  EXPECT_THAT(text, testing::ContainsRegex("joint rail 2 lower +1.14592 deg +inf deg\n"));
 }
 
 TEST(EditorInJson, PrintsOneObjectALine) {
