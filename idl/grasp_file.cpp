@@ -1,6 +1,7 @@
 #include "idl/grasp_file.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -25,6 +26,14 @@ Json patchesWithReports(Json patches, const std::vector<v1::PatchReport>& report
 
 }  // namespace
 
+double penetrationCharge(const v1::Terms& terms, const v1::Weights& weights) {
+  constexpr double kRounding = 1e-12;  // of the objective
+  const double others = weights.distance() * terms.distance_m2() +
+                        weights.normal() * terms.normal() + weights.prior() * terms.prior();
+  const double charge = terms.objective() - others;
+  return charge < kRounding * std::abs(terms.objective()) ? 0.0 : charge;
+}
+
 Json byName(const std::vector<std::string>& names, const Json& values) {
   Json all = Json::object();
   for (std::size_t i = 0; i < std::min(names.size(), values.size()); ++i)
@@ -42,6 +51,13 @@ Json graspFile(const GraspNames& names,
                {"contacts", names.contacts},
                {"joints", byName(names.joints, said["joint_positions"])},
                {"links_X_WL", byName(names.links, said["X_WL"])}};
+  if (names.weights) {
+    said["terms"]["penetration"] = penetrationCharge(solution.terms(), *names.weights);
+    for (std::size_t i = 0; i < solution.minima().size(); ++i)
+      said["minima"][i]["terms"]["penetration"] =
+          penetrationCharge(solution.minima()[i].terms(), *names.weights);
+    file["weights"] = jsonOf(*names.weights);
+  }
   for (Json& minimum : said["minima"]) {
     minimum["joints"] = byName(names.joints, minimum["joint_positions"]);
     minimum.erase("joint_positions");

@@ -26,7 +26,11 @@ const v1::PoseSolution& Editor::requireSolution() {
 CommandOutput Editor::show(const Match& match) {
   if (match.values.empty()) {
     const v1::PoseSolution& solution = requireSolution();
-    CommandOutput output = tellSolution(solution, session_->patchesOff());
+    std::optional<v1::Weights> weights;
+    if (const v1::SessionSettings& settings = session_->settings();
+        settings.state().revision() == solution.revision())
+      weights = settings.weights();
+    CommandOutput output = tellSolution(solution, session_->patchesOff(), weights);
     const v1::SessionState& state = session_->state();
     if (state.phase() == v1::PHASE_FAILED && solution.revision() < state.revision()) {
       output.text +=

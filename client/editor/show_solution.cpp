@@ -5,6 +5,7 @@
 #include "client/present/minima_text.h"
 #include "client/present/text_output.h"
 #include "idl/fields.h"
+#include "idl/grasp_file.h"
 
 namespace handgraft::client::editor {
 
@@ -82,7 +83,9 @@ Json status(const v1::PoseSolution& solution, const Off& off) {
   return all;
 }
 
-CommandOutput tellSolution(const v1::PoseSolution& solution, const Off& off) {
+CommandOutput tellSolution(const v1::PoseSolution& solution,
+                           const Off& off,
+                           const std::optional<v1::Weights>& weights) {
   CommandOutput output;
   Rows rows = {{"patch", "mean mm", "max mm", "normal deg", "in 5 mm", "points", "verdict"}};
   for (const v1::PatchFit& patch : solution.patches()) {
@@ -93,13 +96,10 @@ CommandOutput tellSolution(const v1::PoseSolution& solution, const Off& off) {
                     std::to_string(patch.point_count()),
                     solution.is_diagnosed() ? nameOf(patch.diagnosis().verdict()) : ""});
   }
-  const v1::Terms& terms = solution.terms();
   output.text = text::table(rows, "lrrrrrl") + "\n" + text::shortfalls(solution);
-  output.text += fmt::format(
-      "distance {:.4g} m2, normal {:.4g}, prior {:.4g}, by {} after {} "
-      "evaluations\n",
-      terms.distance_m2(), terms.normal(), terms.prior(), plain(solution.solver()),
-      solution.evaluations());
+  output.text +=
+      fmt::format("{}, by {} after {} evaluations\n", text::terms(solution.terms(), weights),
+                  plain(solution.solver()), solution.evaluations());
   for (const v1::PinnedPoint& place : solution.held()) {
     output.text += fmt::format("held: {}, {:.1f} mm off its place, weight {:.4g}\n",
                                plain(place.link()), 1e3 * place.miss_m(), place.weight());
@@ -110,6 +110,8 @@ CommandOutput tellSolution(const v1::PoseSolution& solution, const Off& off) {
   }
   output.text += statusLine(solution, off) + "\n";
   output.data = json::jsonOf(solution);
+  if (weights)
+    output.data["terms"]["penetration"] = idl::penetrationCharge(solution.terms(), *weights);
   output.data["solution"] = status(solution, off);
   return output;
 }

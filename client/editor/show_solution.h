@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <set>
 #include <string>
 
@@ -23,8 +24,10 @@ std::string poseLine(const v1::PoseSolution& solution, const Off& off);
 std::string statusLine(const v1::PoseSolution& solution, const Off& off);
 json::Json status(const v1::PoseSolution& solution, const Off& off);
 
-/// Patch by patch how a solution fits.
-CommandOutput tellSolution(const v1::PoseSolution& solution, const Off& off);
+/// Patch by patch how a solution fits; `weights` that it was solved with, if they are known.
+CommandOutput tellSolution(const v1::PoseSolution& solution,
+                           const Off& off,
+                           const std::optional<v1::Weights>& weights);
 
 /// Where its searches ended, ranked.
 CommandOutput tellMinima(const v1::PoseSolution& solution, const v1::HandDescription& hand);

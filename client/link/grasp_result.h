@@ -15,8 +15,9 @@ struct GraspResult {
   v1::HandDescription hand;
   v1::TransferReply transfer;
   v1::PoseSolution solution;
-  double total_ms = 0.0;  ///< from the first request to the last reply
-  bool kept = false;      ///< the session lives on
+  std::optional<v1::Weights> weights;  ///< that it was solved with; empty: not known
+  double total_ms = 0.0;               ///< from the first request to the last reply
+  bool kept = false;                   ///< the session lives on
 
   // === What else was waited for
   double server_ms = 0.0;  ///< until a server answered that was looked for, or started

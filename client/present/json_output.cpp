@@ -67,9 +67,10 @@ Json description(v1::ModelDescription description) {
 
 Json grasp(const GraspResult& result) {
   const v1::SessionState& session = result.session;
-  Json document = idl::graspFile({session.hand(), session.object(), session.contacts(),
-                                  namesOf(result.hand.joints()), namesOf(result.hand.links())},
-                                 result.solution, result.transfer.patches());
+  Json document = idl::graspFile(
+      {session.hand(), session.object(), session.contacts(), namesOf(result.hand.joints()),
+       namesOf(result.hand.links()), result.weights},
+      result.solution, result.transfer.patches());
   if (!result.kept) document["session_id"] = nullptr;
   const auto& minima = result.solution.minima();
   for (std::size_t i = 0; i < minima.size(); ++i) {

@@ -15,6 +15,7 @@
 #include "core/base/error.h"
 #include "core/base/utf8.h"
 #include "idl/fields.h"
+#include "idl/grasp_file.h"
 
 namespace handgraft::client::text {
 
@@ -93,6 +94,20 @@ std::string notes(const std::vector<std::string>& notes) {
   for (const std::string& note : notes)
     lines += fmt::format("note: {}\n", onOneLine(note));  // all of it: advice comes last
   return lines;
+}
+
+std::string terms(const v1::Terms& terms, const std::optional<v1::Weights>& weights) {
+  if (!weights) {
+    return fmt::format("distance {:.4g} m2, normal {:.4g}, prior {:.4g}", terms.distance_m2(),
+                       terms.normal(), terms.prior());
+  }
+  std::string line =
+      fmt::format("distance {:g} x {:.4g} m2, normal {:g} x {:.4g}, prior {:g} x {:.4g}",
+                  weights->distance(), terms.distance_m2(), weights->normal(), terms.normal(),
+                  weights->prior(), terms.prior());
+  if (const double charge = idl::penetrationCharge(terms, *weights); charge > 0.0)
+    line += fmt::format(", penetration {:.4g}", charge);
+  return line;
 }
 
 std::string table(const Rows& rows, const std::string& alignment) {
@@ -315,12 +330,10 @@ std::string grasp(const GraspResult& result) {
   out += notes(result.hand.notes());
   out += notes(result.transfer.notes());
 
-  const v1::Terms& terms = solution.terms();
-  out += fmt::format(
-      "objective {:.6g} (distance {:.4g} m2, normal {:.4g}, prior {:.4g}), {} by "
-      "{} after {} evaluations\n",
-      terms.objective(), terms.distance_m2(), terms.normal(), terms.prior(),
-      nameOf(solution.outcome()), plain(solution.solver()), solution.evaluations());
+  out +=
+      fmt::format("objective {:.6g} ({}), {} by {} after {} evaluations\n",
+                  solution.terms().objective(), terms(solution.terms(), result.weights),
+                  nameOf(solution.outcome()), plain(solution.solver()), solution.evaluations());
   out += fmt::format("joints at limits: {}\n",
                      solution.joints_at_limit().empty()
                          ? "none"

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,9 @@ std::string shortfalls(const v1::PoseSolution& solution);
 
 /// A line each: `note: ...`.
 std::string notes(const std::vector<std::string>& notes);
+
+/// The terms of an objective; with the weights, all that it is the sum of.
+std::string terms(const v1::Terms& terms, const std::optional<v1::Weights>& weights);
 
 /// Rows in columns as wide as they need on a terminal. `alignment` has a letter a column, `l`
 /// or `r`, the last one for all that follow.

@@ -16,6 +16,7 @@
 #include "server/handlers/optimize.h"
 #include "server/handlers/solving_phase.h"
 #include "server/messages/convert.h"
+#include "server/messages/session_messages.h"
 #include "server/messages/solution_messages.h"
 #include "server/messages/transfer_messages.h"
 
@@ -73,8 +74,12 @@ Standing standingOf(LiveSession& live, const Progress& progress) {
 std::string jsonOf(LiveSession& live, const Standing& standing, const Progress& progress) {
   const session::Session& session = live.session();
   const hand::HandModel& model = *standing.grasp.model;
-  idl::GraspNames names{
-      standing.grasp.hand, standing.grasp.object, session.document().contacts, {}, {}};
+  idl::GraspNames names{standing.grasp.hand,
+                        standing.grasp.object,
+                        session.document().contacts,
+                        {},
+                        {},
+                        weightsMessage(session.document().weights)};
   for (int dof = 0; dof < model.dofCount(); ++dof)
     names.joints.push_back(model.dofJoint(dof).name);
   for (const hand::Link& link : model.links())

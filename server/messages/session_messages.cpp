@@ -10,14 +10,6 @@ namespace {
 
 constexpr std::size_t kMostSteps = 20;  // shown of what can be undone
 
-v1::Weights weightsMessage(const optimize::Weights& weights) {
-  v1::Weights message;
-  message.distance(weights.distance);
-  message.normal(weights.normal);
-  message.prior(weights.prior);
-  return message;
-}
-
 v1::PriorShares sharesMessage(const optimize::PriorShares& shares) {
   v1::PriorShares message;
   message.root_rotation(shares.root_rotation);
@@ -67,6 +59,14 @@ v1::JointSetting jointSetting(const hand::HandModel& model,
 }
 
 }  // namespace
+
+v1::Weights weightsMessage(const optimize::Weights& weights) {
+  v1::Weights message;
+  message.distance(weights.distance);
+  message.normal(weights.normal);
+  message.prior(weights.prior);
+  return message;
+}
 
 v1::PinnedPoint heldMessage(const session::PinnedPoint& place,
                             const hand::HandModel& model,

@@ -10,6 +10,8 @@ namespace handgraft::server {
 /// own.
 v1::SessionSettings settingsMessage(const session::Session& session);
 
+v1::Weights weightsMessage(const optimize::Weights& weights);
+
 /// A place that is held, and how far a pose has it off.
 v1::PinnedPoint heldMessage(const session::PinnedPoint& place,
                             const hand::HandModel& model,

@@ -43,6 +43,28 @@ TEST(GraspFile, TellsAllElseOfTheSolution) {
   }
 }
 
+TEST(GraspFile, HasTermsThatAddUpToTheObjective) {
+  v1::PoseSolution solution = solved();
+  v1::Terms terms;
+  terms.distance_m2(0.01);
+  terms.normal(2.0);
+  terms.prior(250.0);
+  terms.objective(103.0);  // 0.75 of it for depth
+  solution.terms(terms);
+  solution.minima()[0].terms(terms);
+  v1::Weights weights;
+  weights.distance(1e4);
+  weights.normal(1.0);
+  weights.prior(1e-3);
+  const idl::Json file = idl::graspFile({"", "", "", {}, {}, weights}, solution, {});
+  EXPECT_NEAR(file["terms"]["penetration"].get<double>(), 0.75, 1e-12);
+  EXPECT_NEAR(file["minima"][0]["terms"]["penetration"].get<double>(), 0.75, 1e-12);
+  EXPECT_EQ(file["weights"]["distance"], 1e4);
+  terms.objective(102.25 * (1.0 + 1e-15));  // rounding is no depth
+  EXPECT_EQ(idl::penetrationCharge(terms, weights), 0.0);
+  EXPECT_FALSE(idl::graspFile({}, solution, {})["terms"].contains("penetration"));
+}
+
 TEST(GraspFile, TellsWhatBecameOfEachPatchDroppedOnesToo) {
   v1::PoseSolution solution = solved();
   solution.patches().resize(1);

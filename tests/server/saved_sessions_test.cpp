@@ -67,6 +67,8 @@ TEST_F(LiveEdits, ExportTheDiagnosisWithThePose) {
   EXPECT_EQ(file["is_diagnosed"], true);
   EXPECT_EQ(file["verdict"], solution.verdict());
   EXPECT_EQ(file["penetration"], idl::jsonOf(solution)["penetration"]);
+  EXPECT_GE(file["terms"]["penetration"].get<double>(), 0.0);
+  EXPECT_GT(file["weights"]["distance"].get<double>(), 0.0);
   EXPECT_EQ(file["options"], idl::jsonOf(solution)["options"]);
   ASSERT_FALSE(solution.patches().empty());
   for (std::size_t i = 0; i < solution.patches().size(); ++i) {

@@ -118,6 +118,10 @@ int run(const GraspOptions& options, const CommonOptions& common, Interruption& 
   const double transfer_ms = result.transfer.transfer_ms();
   result.transfer = server.transfer(session.id()).get();
   result.transfer.transfer_ms(transfer_ms);
+  const v1::SessionSettings settings = server.settings(session.id()).get();
+  // Others may have edited a session that is kept.
+  if (settings.state().revision() == result.solution.revision())
+    result.weights = settings.weights();
   result.hand =
       server.describe(v1::MODEL_HAND, request.hand(), !options.png.empty()).get().hand();
   const Clock::time_point end = Clock::now();

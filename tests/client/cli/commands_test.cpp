@@ -101,6 +101,9 @@ class ScriptedServer {
         body.solution(solution());
         break;
       }
+      case v1::OP_SESSION_SETTINGS:
+        body.settings(v1::SessionSettings());
+        break;
       case v1::OP_EXPORT: {
         const v1::ExportRequest& ask = request.body().export_file();
         std::string text = ask.urdf_path();
@@ -257,9 +260,10 @@ TEST_F(CommandsTest, GraspClosesItsSession) {
   options.object = "plate";
   options.contacts = "plate_2";
   EXPECT_THAT(grasp(options), HasSubstr("claw grasps plate by plate_2"));
-  EXPECT_THAT(server_.operations(),
-              ElementsAre(v1::OP_OPEN_SESSION, v1::OP_TRANSFER, v1::OP_OPTIMIZE,
-                          v1::OP_TRANSFER, v1::OP_DESCRIBE_MODEL, v1::OP_CLOSE_SESSION));
+  EXPECT_THAT(
+      server_.operations(),
+      ElementsAre(v1::OP_OPEN_SESSION, v1::OP_TRANSFER, v1::OP_OPTIMIZE, v1::OP_TRANSFER,
+                  v1::OP_SESSION_SETTINGS, v1::OP_DESCRIBE_MODEL, v1::OP_CLOSE_SESSION));
 }
 
 TEST_F(CommandsTest, GraspLeavesASessionThatIsKept) {

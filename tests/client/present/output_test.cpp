@@ -281,6 +281,26 @@ TEST(GraspText, ShowsEachPatchWhatWasDroppedAndTheLimits) {
   EXPECT_THAT(text, HasSubstr("solve 12 ms"));
 }
 
+TEST(GraspText, TellsAllThatTheObjectiveIsTheSumOf) {
+  GraspResult result = example();
+  v1::Terms& terms = result.solution.terms();
+  terms.distance_m2(0.01);
+  terms.normal(2.0);
+  terms.prior(250.0);
+  terms.objective(103.0);
+  EXPECT_THAT(text::grasp(result),
+              HasSubstr("objective 103 (distance 0.01 m2, normal 2, prior 250), "));
+  result.weights.emplace();
+  result.weights->distance(1e4);
+  result.weights->normal(1.0);
+  result.weights->prior(1e-3);
+  EXPECT_THAT(text::grasp(result),
+              HasSubstr("objective 103 (distance 10000 x 0.01 m2, normal 1 x 2, prior "
+                        "0.001 x 250, penetration 0.75), "));
+  terms.objective(102.25);
+  EXPECT_THAT(text::grasp(result), HasSubstr("prior 0.001 x 250), "));
+}
+
 TEST(GraspText, CountsLostPointsByReasonAndNamesTheCommandThatHelps) {
   GraspResult result = example();
   EXPECT_THAT(text::grasp(result), HasSubstr("thumb lost 1 of 4 points: off the surface 1\n"));
