@@ -27,10 +27,11 @@ constexpr double kPalmWeight = 3.0;    // it carries all others
 // A radian off the relaxed posture, of the bones' |difference|^2: chooses where they do not.
 constexpr double kRelaxing = 0.01;
 
-// A hand that can stand as the demonstrator's did is held to it more, as the square of how near
-// it comes: a hand's own grasp comes back, and others are as free as their build asks for.
+// A hand that can stand as the demonstrator's did is held to it more, as the fourth power of
+// how near it comes: a hand's own grasp comes back, and others are as free as their build asks
+// for.
 constexpr double kUsualMisfit = 0.13;  // rad: a human hand of other proportions
-constexpr double kMostSure = 8.0;
+constexpr double kMostSure = 64.0;
 
 constexpr int kPostureStarts = 8;
 constexpr int kPostureEvaluations = 100;
@@ -105,7 +106,7 @@ Posture postureFor(const hand::Hand& hand, const contact::ContactSet& contacts) 
   posture.q = report.pose.q;
   posture.R_OH = report.pose.X_WH.linear();
   const double fit = kUsualMisfit / std::max(misfitOf(problem, report.pose), 1e-6);
-  posture.sureness = std::clamp(fit * fit, 1.0, kMostSure);
+  posture.sureness = std::clamp(std::pow(fit, 4.0), 1.0, kMostSure);
   return posture;
 }
 

@@ -13,7 +13,7 @@ namespace handgraft::placement {
 struct Posture {
   Eigen::VectorXd q;                    ///< a value per dof, within the limits
   std::optional<Eigen::Matrix3d> R_OH;  ///< missing where nobody knows how the hand was held
-  double sureness = 1.0;  ///< of weights: 1 to 8, for a hand that comes near to it
+  double sureness = 1.0;  ///< of weights: 1 to 64, for a hand that comes near to it
 };
 
 /// The posture of `hand` that has its parts turned most like those of the hand that touched:
