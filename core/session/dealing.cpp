@@ -12,7 +12,6 @@
 
 #include "core/base/error.h"
 #include "core/hand/hand_location.h"
-#include "core/optimize/diagnosis.h"
 #include "core/session/derived_state.h"
 #include "core/session/place_matching.h"
 
@@ -117,7 +116,7 @@ Lack lackOf(const Solution& solution) {
       std::count_if(patches.begin(), patches.end(), [](const DocumentPatch& patch) {
         return !patch.placement;
       });
-  return {dropped + std::ssize(optimize::missedPatches(solution.problem, solution.report)),
+  return {dropped + failedPatches(solution.problem, solution.report),
           solution.report.terms.objective};
 }
 
@@ -130,7 +129,7 @@ void judge(std::vector<Way>& ways, std::size_t count, const Solve& solve) {
     try {
       const Solution solution = solve(way->document);
       way->lack = lackOf(solution);
-      way->reaches_all = optimize::missedPatches(solution.problem, solution.report).empty();
+      way->reaches_all = failedPatches(solution.problem, solution.report) == 0;
     } catch (const InvalidInput&) {
       way->lack = {std::ssize(way->document.patches), std::numeric_limits<double>::infinity()};
     }

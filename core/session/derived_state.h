@@ -70,6 +70,10 @@ struct Solution {
   unsigned long long revision = 0;    ///< of the session that was solved
 };
 
+/// Patches that an answer misses: all of them where the hand is inside the object.
+std::ptrdiff_t failedPatches(const optimize::PoseProblem& posed,
+                             const optimize::SolveReport& solved);
+
 /// All that follows from a document and is dear to make: charts, laid patches, directions and
 /// starts that were found. What it answers depends on the document alone, never on what was
 /// asked before.
@@ -136,8 +140,8 @@ class DerivedState {
   bool takePlacesFrom(const hand::HandPose& pose);
   /// The links that a patch on that site may slide on, a flag a link.
   const std::vector<char>& linksOf(const std::string& site);
-  /// Patches that an answer misses, then its objective; points that are lost count as if they
-  /// were far off. Less is better.
+  /// Patches that an answer misses (failedPatches), then its objective; points that are lost
+  /// count as if they were far off. Less is better.
   using Worth = std::pair<std::ptrdiff_t, double>;
 
   /// A whole search about the patches as they are laid: open roots and directions are found

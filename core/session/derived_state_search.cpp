@@ -46,6 +46,10 @@ constexpr double kTurns_rad[] = {0.5 * std::numbers::pi, -0.5 * std::numbers::pi
 // An answer of another beginning must not be deeper inside than this, unless the first one is.
 constexpr double kDeep_m = 0.0015;
 
+// Square root of the charged sum of squared depths. A hand that only presses on comes to less;
+// a finger through a wall, or a hand on its wrong side, to 2.4 mm and more.
+constexpr double kInside_m = 0.002;
+
 // Drafts are laid in full once they are chosen: until then, steps that promise less than this
 // share of the objective are not worth their while.
 constexpr double kDraftPromise = 1e-4;
@@ -73,6 +77,12 @@ double costOf(const PoseProblem& posed, const SolveReport& solved) {
 }
 
 }  // namespace
+
+std::ptrdiff_t failedPatches(const PoseProblem& posed, const SolveReport& solved) {
+  const auto all = std::ssize(solved.patches);
+  if (solved.terms.penetration > kInside_m * kInside_m) return all;
+  return std::ssize(optimize::missedPatches(posed, solved));
+}
 
 /// Brings the patches and the start back to what the document says, unless told to keep them.
 struct DerivedState::Search {
@@ -232,7 +242,7 @@ Solution DerivedState::solveRoughly(const SolverSettings& solving, const Progres
 DerivedState::Worth DerivedState::worthOf(const SolveReport& report,
                                           const SolverSettings& solving) const {
   const PoseProblem posed = problem(solving);
-  return {std::ssize(optimize::missedPatches(posed, report)), costOf(posed, report)};
+  return {failedPatches(posed, report), costOf(posed, report)};
 }
 
 double DerivedState::depthOf(const SolveReport& report,

@@ -171,6 +171,19 @@ TEST(Session, FindsOpenDirectionsThatServeAsWellAsGivenOnes) {
   }
 }
 
+/// What lies near its patches through a wall reaches none of them.
+TEST(Session, CountsAHandInsideAsOneThatReachesNothing) {
+  Session session = BallGrasp().open();
+  Solution solution = session.solve(SolverSettings(), {}, Progress());
+  ASSERT_GT(solution.report.patches.size(), 0u);
+  EXPECT_EQ(failedPatches(solution.problem, solution.report), 0);
+  solution.report.terms.penetration = 1e-6;  // m^2: pressed on
+  EXPECT_EQ(failedPatches(solution.problem, solution.report), 0);
+  solution.report.terms.penetration = 6e-6;
+  EXPECT_EQ(failedPatches(solution.problem, solution.report),
+            std::ssize(solution.report.patches));
+}
+
 TEST(Session, FindsTheFingersOfAnonymousPatches) {
   Session session = BallGrasp({"c1", "c2", "c3"}, true).open();
   // One patch is opposed to the two others: that one is the thumb's.
