@@ -86,7 +86,7 @@ TEST_F(PostureOfASmallHand, LeavesOtherDigitsRelaxed) {
 
 TEST_F(PostureOfASmallHand, IsSurerTheNearerTheHandComes) {
   contact::ContactSet set = shown();
-  EXPECT_EQ(postureFor(hand_, set).sureness, 8.0);
+  EXPECT_EQ(postureFor(hand_, set).sureness, 64.0);
   EXPECT_EQ(postureFor(hand_, {}).sureness, 1.0);
   // Bones that no joint of this hand can follow: each to the other side.
   const auto bentBy = [&](double angle) {
