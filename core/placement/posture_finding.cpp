@@ -30,7 +30,7 @@ constexpr double kRelaxing = 0.01;
 // A hand that can stand as the demonstrator's did is held to it more, as the fourth power of
 // how near it comes: a hand's own grasp comes back, and others are as free as their build asks
 // for.
-constexpr double kUsualMisfit = 0.13;  // rad: a human hand of other proportions
+constexpr double kUsualMisfit = 0.17;  // rad: a human hand of other proportions
 constexpr double kMostSure = 64.0;
 
 constexpr int kPostureStarts = 8;
