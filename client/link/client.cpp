@@ -2,10 +2,7 @@
 
 #include <cstdio>
 #include <mutex>
-#include <random>
 #include <utility>
-
-#include <unistd.h>
 
 #include "client/link/cancellation.h"
 #include "client/link/private_server.h"
@@ -30,12 +27,6 @@ milliseconds lookOn(const Network& network) {
   constexpr milliseconds kHere(500);
   constexpr milliseconds kElsewhere(2000);
   return network.peers.empty() && validate(network).loopback ? kHere : kElsewhere;
-}
-
-/// A name that no other client of the domain gives: processes of other machines and containers
-/// have the same numbers.
-std::string nameOfOwn() {
-  return fmt::format("own_{}_{:08x}", getpid(), std::random_device{}());
 }
 
 v1::RequestBody plainBody(v1::Operation operation) {
@@ -120,7 +111,7 @@ struct Client::Impl {
                                   handgraft::describe(network)));
     // Two commands at once: without a name each might ask the other's server, which ends first.
     if (options.absence == Absence::kStartPrivate && network.server.empty()) {
-      network.server = nameOfOwn();
+      network.server = ownServerName();
     }
     private_server = std::make_unique<PrivateServer>(*program, network);
     connection.reset();  // first: how often it announces itself is a matter of the domain

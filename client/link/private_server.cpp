@@ -6,6 +6,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <random>
 #include <sstream>
 #include <thread>
 #include <vector>
@@ -47,6 +48,11 @@ std::optional<fs::path> findServerProgram() {
     }
   }
   return std::nullopt;
+}
+
+std::string ownServerName() {
+  // Processes of other machines and containers have the same numbers.
+  return fmt::format("own_{}_{:08x}", getpid(), std::random_device{}());
 }
 
 PrivateServer::PrivateServer(const fs::path& program, const Network& network) {

@@ -13,6 +13,9 @@ namespace handgraft::client {
 /// `handgraft-server` beside this program, else on PATH; nothing if there is none.
 std::optional<std::filesystem::path> findServerProgram();
 
+/// A name for it that no other client of the domain gives.
+std::string ownServerName();
+
 /// A server of our own, for one command. It gets its own process group, so that Ctrl-C at the
 /// terminal reaches the client alone, which then asks it to stop; it dies with the client
 /// however the client ends.

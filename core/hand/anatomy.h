@@ -32,9 +32,9 @@ struct Segment {
 /// A digit with its name and its segments, from the palm outwards.
 struct NamedDigit {
   std::string name;
-  bool named_by_site = false;  ///< that lies on it, whatever else would
-  bool named_by_parts =
-      false;  ///< its links or joints say so; if no site does either: its shape
+  // Neither: by the hand's shape.
+  bool named_by_site = false;   ///< that lies on it, whatever else would
+  bool named_by_parts = false;  ///< its links or joints say so
   Digit digit;
   std::vector<Segment> segments;
 

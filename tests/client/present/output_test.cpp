@@ -14,8 +14,9 @@
 #include "client/present/minima_text.h"
 #include "client/present/motion_output.h"
 #include "client/present/text_output.h"
-#include "client/present/transfer_text.h"
 #include "core/base/error.h"
+
+#include "tests/client/present/example_grasp.h"
 
 namespace handgraft::client {
 namespace {
@@ -26,92 +27,13 @@ using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
 
-v1::Pose poseAt(double x) {
-  v1::Pose X;
-  X.p_m() = {x, 0.0, 0.0};
-  X.q_wxyz() = {1.0, 0.0, 0.0, 0.0};
-  return X;
-}
-
-v1::Mesh triangle() {
-  v1::Mesh mesh;
-  mesh.vertices_m() = {0, 0, 0, 0.1F, 0, 0, 0, 0.1F, 0};
-  mesh.triangles() = {0, 1, 2};
-  return mesh;
-}
-
-// One joint, two links, a patch that was placed and one that was dropped.
-GraspResult example() {
-  GraspResult result;
-  result.session.hand("claw");
-  result.session.object("plate");
-  result.session.contacts("plate_2");
-  v1::JointInfo joint;
-  joint.name("bend");
-  result.hand.joints().push_back(joint);
-  for (const char* name : {"base", "tip"}) {
-    v1::LinkInfo link;
-    link.name(name);
-    link.surface_L() = triangle();
-    result.hand.links().push_back(link);
-  }
-  v1::PatchReport placed;
-  placed.name("thumb");
-  placed.placed(true);
-  v1::LostPoint lost;
-  lost.index(3);
-  lost.reason("off the surface");
-  placed.lost().push_back(lost);
-  placed.point_count(3);
-  placed.boundary_count(3);
-  placed.fidelity().distance_mean(0.031);
-  placed.fidelity().angle_mean_rad(0.1);
-  placed.fidelity().area_ratio(0.95);
-  placed.method_O(v1::LOG_MAP_EXACT);
-  placed.method_S(v1::LOG_MAP_FAST);
-  v1::PatchReport dropped;
-  dropped.name("ring");
-  dropped.placed(false);
-  dropped.reason("the hand has no finger 'ring'");
-  result.transfer.patches() = {placed, dropped};
-  v1::PatchFit fit;
-  fit.name("thumb");
-  fit.point_count(3);
-  fit.mean_mm(1.25);
-  fit.diagnosis().verdict(v1::VERDICT_AT_LIMIT);
-  fit.max_mm(2.5);
-  fit.normal_deg(4.0);
-  fit.within_2mm(0.5);
-  fit.within_5mm(1.0);
-  fit.object_W_m() = {0, 0, 0, 0.01, 0, 0, 0, 0.01, 0};
-  fit.hand_W_m() = {0, 0, 0.001, 0.01, 0, 0.001, 0, 0.01, 0.001};
-  v1::PoseSolution& solution = result.solution;
-  solution.session_id(9);
-  solution.is_final(true);
-  solution.solver("mma");
-  solution.X_WH() = poseAt(0.1);
-  solution.X_WO() = poseAt(0.2);
-  solution.joint_positions() = {0.5};
-  solution.X_WL() = {poseAt(0.1), poseAt(0.3)};
-  solution.patches() = {fit};
-  solution.joints_at_limit().emplace_back();
-  solution.joints_at_limit().back().joint("bend");
-  solution.joints_at_limit().back().side(v1::LIMIT_UPPER);
-  solution.terms().objective(0.25);
-  v1::StageTime stage;
-  stage.stage("solve");
-  stage.duration_ms(12.0);
-  solution.times() = {stage};
-  return result;
-}
-
 /// What a program reads.
 json printed(const client::json::Json& document) {
   return json::parse(client::json::written(document));
 }
 
 TEST(GraspJson, SaysWhatTheReadmePromises) {
-  const json document = printed(client::json::grasp(example()));
+  const json document = printed(client::json::grasp(exampleGrasp()));
   EXPECT_EQ(document["format"], "handgraft-grasp/1");
   EXPECT_EQ(document["hand"], "claw");
   EXPECT_EQ(document["object"], "plate");
@@ -162,14 +84,14 @@ v1::PoseSolution ranked() {
 }
 
 TEST(RankedMinima, SayHowFarEachIsFromTheBestAndWhichOneIsTaken) {
-  const std::string shown = text::minima(ranked(), example().hand);
+  const std::string shown = text::minima(ranked(), exampleGrasp().hand);
   EXPECT_THAT(shown, ContainsRegex("1 +lm +1.5 +40 +0 +0.0 +0.0 +0.0\n"));
   EXPECT_THAT(shown, ContainsRegex("2 +mma +2 +2 +7 +3.0 +90.0 +5.7 +taken\n"));
-  EXPECT_EQ(text::minima(v1::PoseSolution(), example().hand), "");
+  EXPECT_EQ(text::minima(v1::PoseSolution(), exampleGrasp().hand), "");
 }
 
 TEST(RankedMinima, AreInTheDocumentWithTheirPoses) {
-  GraspResult result = example();
+  GraspResult result = exampleGrasp();
   result.solution.minima() = ranked().minima();
   result.solution.chosen_minimum(1);
   const json minima = printed(client::json::grasp(result))["minima"];
@@ -184,13 +106,13 @@ TEST(RankedMinima, AreInTheDocumentWithTheirPoses) {
 }
 
 TEST(GraspJson, NamesTheSessionThatIsKept) {
-  GraspResult result = example();
+  GraspResult result = exampleGrasp();
   result.kept = true;
   EXPECT_EQ(printed(client::json::grasp(result))["session_id"], 9);
 }
 
 TEST(GraspJson, StaysJsonWhateverTheServerSends) {
-  GraspResult result = example();
+  GraspResult result = exampleGrasp();
   result.session.hand("\xff\"\n");
   result.solution.terms().objective(std::numeric_limits<double>::quiet_NaN());
   const json document = printed(client::json::grasp(result));
@@ -221,7 +143,7 @@ TEST(TextOutput, TellsNotesInFull) {
 }
 
 TEST(WatchText, TellsPosesFromTheirDiagnosis) {
-  v1::PoseSolution solution = example().solution;
+  v1::PoseSolution solution = exampleGrasp().solution;
   solution.is_final(false);
   solution.verdict("");
   solution.penetration().clear();
@@ -240,7 +162,7 @@ TEST(WatchText, TellsPosesFromTheirDiagnosis) {
 }
 
 TEST(WatchJson, PutsEachEventOnOneLine) {
-  const std::string solution = client::json::solutionEvent(example().solution, {"bend"});
+  const std::string solution = client::json::solutionEvent(exampleGrasp().solution, {"bend"});
   EXPECT_EQ(solution.find('\n'), std::string::npos);
   EXPECT_EQ(json::parse(solution)["event"], "solution");
   EXPECT_EQ(json::parse(solution)["joints"]["bend"], 0.5);
@@ -272,7 +194,7 @@ TEST(DoctorJson, HasANullServerAndAdviceWhenNoneAnswers) {
 }
 
 TEST(GraspText, ShowsEachPatchWhatWasDroppedAndTheLimits) {
-  const std::string text = text::grasp(example());
+  const std::string text = text::grasp(exampleGrasp());
   EXPECT_THAT(text,
               HasSubstr("thumb     1.25    2.50         4.0     50 %    100 %       3     1"
                         "   3.1 %        5.7  0.950  at_limit\n"));
@@ -282,7 +204,7 @@ TEST(GraspText, ShowsEachPatchWhatWasDroppedAndTheLimits) {
 }
 
 TEST(GraspText, TellsAllThatTheObjectiveIsTheSumOf) {
-  GraspResult result = example();
+  GraspResult result = exampleGrasp();
   v1::Terms& terms = result.solution.terms();
   terms.distance_m2(0.01);
   terms.normal(2.0);
@@ -302,7 +224,7 @@ TEST(GraspText, TellsAllThatTheObjectiveIsTheSumOf) {
 }
 
 TEST(GraspText, CountsLostPointsByReasonAndNamesTheCommandThatHelps) {
-  GraspResult result = example();
+  GraspResult result = exampleGrasp();
   EXPECT_THAT(text::grasp(result), HasSubstr("thumb lost 1 of 4 points: off the surface 1\n"));
   EXPECT_THAT(text::grasp(result), HasSubstr("with --keep"));
   result.kept = true;
@@ -310,98 +232,6 @@ TEST(GraspText, CountsLostPointsByReasonAndNamesTheCommandThatHelps) {
   result.transfer.patches()[0].lost().clear();
   EXPECT_THAT(text::grasp(result), Not(HasSubstr("lost 1 of")));
   EXPECT_THAT(text::grasp(result), Not(HasSubstr("hint")));
-}
-
-v1::TransferReply exampleTransfer() {
-  v1::TransferReply reply = example().transfer;
-  reply.session_id(9);
-  reply.revision(2);
-  reply.options().method(v1::LOG_MAP_AUTO);
-  reply.options().interior_rings(1);
-  return reply;
-}
-
-TEST(TransferText, ShowsFidelityMethodsLossesAndWhatWasDropped) {
-  const std::string text = text::transfer(exampleTransfer());
-  EXPECT_THAT(text, HasSubstr("session 9 revision 2: log maps auto, 1 interior rings"));
-  EXPECT_THAT(text, testing::ContainsRegex("thumb +3 +1 +3.1 % +0.0 % +5.7 +0.0 +0.950 +0.00 "
-                                           "+0.00 +exact/fast\n"));
-  EXPECT_THAT(text, HasSubstr("dropped ring: the hand has no finger 'ring'"));
-  EXPECT_THAT(text, HasSubstr("handgraft suggest 9 thumb"));
-  EXPECT_THAT(text, Not(HasSubstr("sheets")));
-}
-
-TEST(TransferText, ShowsNoShapeWhereNothingWasReached) {
-  v1::TransferReply reply = exampleTransfer();
-  reply.patches()[0].point_count(0);
-  EXPECT_THAT(text::transfer(reply), testing::ContainsRegex("thumb +0 +1 +- +- +- +-"));
-}
-
-TEST(TransferText, SaysWhatIsFolded) {
-  v1::TransferReply reply = exampleTransfer();
-  reply.patches()[0].folded(2);
-  EXPECT_THAT(text::transfer(reply), HasSubstr("thumb: 2 places lie under several sheets"));
-}
-
-TEST(TransferJson, SaysWhatTheReadmePromises) {
-  const json document = json::parse(client::json::document(exampleTransfer()));
-  EXPECT_EQ(document["session_id"], 9);
-  EXPECT_EQ(document["revision"], 2);
-  EXPECT_EQ(document["options"]["method"], "auto");
-  EXPECT_EQ(document["options"]["interior_rings"], 1);
-  ASSERT_EQ(document["patches"].size(), 2U);
-  EXPECT_EQ(document["patches"][0]["boundary_count"], 3);
-  EXPECT_EQ(document["patches"][0]["lost"][0]["reason"], "off the surface");
-  EXPECT_EQ(document["patches"][0]["fidelity"]["area_ratio"], 0.95);
-  EXPECT_EQ(document["patches"][1]["placed"], false);
-}
-
-v1::SuggestReply exampleSuggestion() {
-  v1::SuggestReply reply;
-  reply.session_id(9);
-  reply.revision(2);
-  reply.patch("thumb");
-  reply.present(example().transfer.patches()[0]);
-  v1::PlacementSuggestion one;
-  one.root_S().face(7);
-  one.moved_m(0.0032);
-  one.turned_rad(-0.5);
-  one.point_count(4);
-  one.fidelity().distance_mean(0.02);
-  one.fidelity().area_ratio(1.0);
-  reply.suggestions().push_back(one);
-  return reply;
-}
-
-TEST(SuggestText, PutsThePresentAndTheSuggestionsInOneTable) {
-  const std::string text = text::suggestions(exampleSuggestion());
-  EXPECT_THAT(text, testing::ContainsRegex("present +3 +1 +3.1 %"));
-  EXPECT_THAT(text, testing::ContainsRegex("\n1 +3.20 +-28.6 +4 +0 +2.0 %"));
-  EXPECT_THAT(text, HasSubstr("present loses: off the surface 1"));
-}
-
-TEST(SuggestText, SaysWhyItSuggestsNothing) {
-  v1::SuggestReply reply = exampleSuggestion();
-  reply.suggestions().clear();
-  EXPECT_THAT(text::suggestions(reply), HasSubstr("no place within reach loses fewer"));
-  reply.present().lost().clear();
-  EXPECT_THAT(text::suggestions(reply), HasSubstr("nothing to better"));
-}
-
-TEST(SuggestJson, SaysWhatTheReadmePromises) {
-  const v1::SuggestReply reply = exampleSuggestion();
-  const json plain = printed(client::json::suggestions(reply, {}));
-  EXPECT_EQ(plain["patch"], "thumb");
-  EXPECT_EQ(plain["present"]["point_count"], 3);
-  EXPECT_EQ(plain["suggestions"][0]["root_S"]["face"], 7);
-  EXPECT_EQ(plain["suggestions"][0]["turned_rad"], -0.5);
-  EXPECT_EQ(plain["suggestions"][0]["lost_count"], 0);
-  EXPECT_TRUE(plain["applied"].is_null());
-  const json applied =
-      printed(client::json::suggestions(reply, client::json::Applied{1, 4, reply.present()}));
-  EXPECT_EQ(applied["applied"]["suggestion"], 1);
-  EXPECT_EQ(applied["applied"]["revision"], 4);
-  EXPECT_EQ(applied["applied"]["report"]["name"], "thumb");
 }
 
 TEST(SessionsText, SaysWhichMotionASessionHolds) {
@@ -424,17 +254,17 @@ TEST(Table, AlignsItsColumns) {
 }
 
 TEST(GraspResult, IsRefusedWhenItDoesNotFitTheHand) {
-  EXPECT_NO_THROW(requireConsistent(example()));
-  GraspResult result = example();
+  EXPECT_NO_THROW(requireConsistent(exampleGrasp()));
+  GraspResult result = exampleGrasp();
   result.solution.joint_positions().push_back(0.0);
   EXPECT_THROW(requireConsistent(result), TransportError);
-  result = example();
+  result = exampleGrasp();
   result.solution.X_WL().pop_back();
   EXPECT_THROW(requireConsistent(result), TransportError);
-  result = example();
+  result = exampleGrasp();
   result.solution.joint_positions()[0] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(requireConsistent(result), TransportError);
-  result = example();
+  result = exampleGrasp();
   result.solution.patches()[0].hand_W_m().pop_back();
   EXPECT_THROW(requireConsistent(result), TransportError);
 }
@@ -442,7 +272,7 @@ TEST(GraspResult, IsRefusedWhenItDoesNotFitTheHand) {
 TEST(GraspPicture, PosesTheLinksAndDrawsEveryPair) {
   v1::ObjectDescription object;
   object.mesh_O() = triangle();
-  const GraspPicture picture = pictureOf(example(), object, {});
+  const GraspPicture picture = pictureOf(exampleGrasp(), object, {});
   ASSERT_EQ(picture.scene.layers.size(), 2U);
   const auto& object_layer = picture.scene.layers[0];
   const auto& hand_layer = picture.scene.layers[1];
@@ -466,8 +296,8 @@ TEST(GraspPicture, MarksLostPoints) {
   patch.outline_O_m() = {0, 0, 0, 0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.05};
   v1::ContactsDescription contacts;
   contacts.patches().push_back(patch);
-  const GraspPicture plain = pictureOf(example(), object, {});
-  const GraspPicture picture = pictureOf(example(), object, contacts);
+  const GraspPicture plain = pictureOf(exampleGrasp(), object, {});
+  const GraspPicture picture = pictureOf(exampleGrasp(), object, contacts);
   ASSERT_EQ(picture.scene.markers.size(), plain.scene.markers.size() + 1);
   // Point 3 of the outline, placed with the object.
   EXPECT_TRUE(picture.scene.markers.back().center_W.isApprox(Eigen::Vector3f(0.2F, 0, 0.05F)));
@@ -477,7 +307,7 @@ TEST(GraspPicture, MarksLostPoints) {
 TEST(GraspPicture, KeepsInteriorPointsOutOfTheOutline) {
   v1::ObjectDescription object;
   object.mesh_O() = triangle();
-  GraspResult result = example();
+  GraspResult result = exampleGrasp();
   v1::PatchFit& fit = result.solution.patches()[0];
   for (std::vector<double>* points : {&fit.hand_W_m(), &fit.object_W_m()})
     points->insert(points->end(), {0.003, 0.003, 0.0});
@@ -490,13 +320,13 @@ TEST(GraspPicture, RefusesAHostileMesh) {
   v1::ObjectDescription object;
   object.mesh_O() = triangle();
   object.mesh_O().triangles()[1] = 4000000000U;
-  const GraspPicture picture = pictureOf(example(), object, {});
+  const GraspPicture picture = pictureOf(exampleGrasp(), object, {});
   EXPECT_THROW(render::renderTwoViews(picture.scene, picture.caption, {300, 250}),
                InvalidInput);
 }
 
 TEST(GraspText, TellsAnglesInDegreesAndSlidesInMillimetres) {
-  GraspResult result = example();
+  GraspResult result = exampleGrasp();
   v1::JointInfo slide;
   slide.name("slide");
   slide.kind(v1::JOINT_PRISMATIC);
@@ -513,7 +343,7 @@ TEST(GraspText, TellsAnglesInDegreesAndSlidesInMillimetres) {
 }
 
 TEST(GraspText, TellsAllThatWasWaitedForByParts) {
-  GraspResult result = example();
+  GraspResult result = exampleGrasp();
   v1::StageTime skin;
   skin.stage("skin");
   skin.duration_ms(300.0);

@@ -1,48 +1,33 @@
 // Sessions on the built-in library, with real skins.
-#include <filesystem>
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "core/hand/skin_cache.h"
 #include "core/io/contact_file.h"
-#include "core/io/sites_file.h"
-#include "core/io/urdf_file.h"
 #include "core/optimize/diagnosis.h"
 #include "core/placement/hand_pose_guess.h"
 #include "core/placement/solids.h"
 #include "core/session/session.h"
 #include "core/verdict/verdicts.h"
 
-#include "tests/support/shared_data.h"
+#include "tests/core/session/library_models.h"
 
 namespace handgraft::session {
 namespace {
 
-std::filesystem::path modelPath(const std::string& relative) {
-  return test::sourceDirectory() / "server/models" / relative;
-}
-
-hand::Hand builtIn(const std::string& name) {
-  hand::Hand hand;
-  hand.model = std::make_shared<const hand::HandModel>(
-      io::readUrdf(modelPath("hands/" + name + "/" + name + ".urdf")).model);
-  hand.skin = std::make_shared<const hand::Skin>(
-      hand::SkinCache::fromEnvironment().get(*hand.model, {}, Progress()));
-  hand.sites = io::readSites(modelPath("hands/" + name + "/sites.yaml"), *hand.model);
-  return hand;
-}
+using test::handOfLibrary;
+using test::libraryPath;
 
 const hand::Hand& tendonHand() {
-  static const hand::Hand kHand = builtIn("tendon16");
+  static const hand::Hand kHand = handOfLibrary("tendon16");
   return kHand;
 }
 
 struct Box {
-  io::MeshFile file = io::readMesh(modelPath("objects/box.obj"));
+  io::MeshFile file = io::readMesh(libraryPath("objects/box.obj"));
   std::shared_ptr<const geometry::TriangleMesh> mesh =
       std::make_shared<const geometry::TriangleMesh>(file.mesh);
-  contact::ContactSet contacts = io::readContactSet(modelPath("contacts/box_5.json"), file);
+  contact::ContactSet contacts = io::readContactSet(libraryPath("contacts/box_5.json"), file);
 };
 
 TEST(BuiltInGrasp, ReachesEveryPatchOfTheBoxFromOutside) {
@@ -70,11 +55,11 @@ TEST(BuiltInGrasp, WithoutDirectionsIsNearlyAsGood) {
 }
 
 TEST(BuiltInGrasp, TurnsTheOpenDirectionsOfWhatItMisses) {
-  const io::MeshFile file = io::readMesh(modelPath("objects/scissors.obj"));
-  contact::ContactSet open = io::readContactSet(modelPath("contacts/scissors_3.json"), file);
+  const io::MeshFile file = io::readMesh(libraryPath("objects/scissors.obj"));
+  contact::ContactSet open = io::readContactSet(libraryPath("contacts/scissors_3.json"), file);
   for (contact::Patch& patch : open.patches)
     patch.direction_O.reset();
-  Session session(builtIn("allegro16"),
+  Session session(handOfLibrary("allegro16"),
                   std::make_shared<const geometry::TriangleMesh>(file.mesh), open,
                   Pose::Identity(), {});
   // Its fingers are too thick for the rings. As they were first laid the sum ended at 161.
@@ -84,11 +69,11 @@ TEST(BuiltInGrasp, TurnsTheOpenDirectionsOfWhatItMisses) {
 }
 
 TEST(BuiltInGrasp, ReachesForThePatchThatAnEvenShareMisses) {
-  hand::Hand hand = builtIn("allegro16");
+  hand::Hand hand = handOfLibrary("allegro16");
   hand.sites_are_found = true;
-  const io::MeshFile file = io::readMesh(modelPath("objects/lemon.obj"));
+  const io::MeshFile file = io::readMesh(libraryPath("objects/lemon.obj"));
   Session session(hand, std::make_shared<const geometry::TriangleMesh>(file.mesh),
-                  io::readContactSet(modelPath("contacts/lemon_3.json"), file),
+                  io::readContactSet(libraryPath("contacts/lemon_3.json"), file),
                   Pose::Identity(), {});
   // By cost alone one of the three ends 6.9 mm off, the others 3 and 4.
   const Solution solution = session.solve(SolverSettings(), {}, Progress());

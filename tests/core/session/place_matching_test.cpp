@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -11,31 +10,17 @@
 
 #include "core/base/progress.h"
 #include "core/hand/finger_coordinates.h"
-#include "core/hand/skin_cache.h"
 #include "core/io/contact_file.h"
-#include "core/io/sites_file.h"
-#include "core/io/urdf_file.h"
 #include "core/optimize/diagnosis.h"
 #include "core/session/session.h"
 
-#include "tests/support/shared_data.h"
+#include "tests/core/session/library_models.h"
 
 namespace handgraft::session {
 namespace {
 
-std::filesystem::path libraryPath(const std::string& relative) {
-  return test::sourceDirectory() / "server/models" / relative;
-}
-
-hand::Hand handOfLibrary(const std::string& name) {
-  hand::Hand hand;
-  hand.model = std::make_shared<const hand::HandModel>(
-      io::readUrdf(libraryPath("hands/" + name + "/" + name + ".urdf")).model);
-  hand.skin = std::make_shared<const hand::Skin>(
-      hand::SkinCache::fromEnvironment().get(*hand.model, {}, Progress()));
-  hand.sites = io::readSites(libraryPath("hands/" + name + "/sites.yaml"), *hand.model);
-  return hand;
-}
+using test::handOfLibrary;
+using test::libraryPath;
 
 /// A lemon in a whole hand, as a map with labels tells it.
 struct LabelledLemon {
