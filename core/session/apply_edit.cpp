@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <concepts>
+#include <numbers>
 #include <set>
 
 #include "core/base/error.h"
@@ -60,6 +61,7 @@ class Editing {
     }
     limits.lower = edit.lower;
     limits.upper = edit.upper;
+    tellWhatIsNoAngle(edit);
   }
 
   void apply(const JointLockEdit& edit) { jointNamed(edit.joint).locked = edit.locked; }
@@ -151,6 +153,22 @@ class Editing {
     const hand::HandModel& model = *hand().model;
     const hand::Joint& moving = model.dofJoint(model.dofIndex(joint));
     return moving.type == hand::JointType::kPrismatic ? "m" : "rad";
+  }
+
+  /// No joint of a hand goes round more than once, unless its file says so.
+  void tellWhatIsNoAngle(const JointLimitEdit& edit) {
+    constexpr double kTurn = 2.0 * std::numbers::pi;
+    const hand::HandModel& model = *hand().model;
+    const int dof = model.dofIndex(edit.joint);
+    if (model.dofJoint(dof).type == hand::JointType::kPrismatic) return;
+    if (edit.lower >= std::min(-kTurn, model.lower()[dof]) &&
+        edit.upper <= std::max(kTurn, model.upper()[dof])) {
+      return;
+    }
+    edited.message = fmt::format(
+        "limits {:.4g} to {:.4g} rad of joint {} go round more than once; angles are radians, "
+        "not degrees",
+        edit.lower, edit.upper, quoted(edit.joint));
   }
 
   void requireValue(const DocumentJoint& joint, const std::string& name, double value) const {

@@ -42,6 +42,14 @@ TEST(SessionEdit, CountsTheRevision) {
   EXPECT_EQ(session.revision(), 2u);
 }
 
+TEST(SessionEdit, TellsLimitsInDegrees) {
+  Session session = BallGrasp().open();
+  EXPECT_EQ(session.apply(JointLimitEdit{"thumb_1", -0.4, 1.2}).message, "");
+  EXPECT_THAT(session.apply(JointLimitEdit{"thumb_1", 30.0, 60.0}).message,
+              HasSubstr("angles are radians, not degrees"));
+  EXPECT_EQ(session.document().joints[0].upper, 60.0) << "taken all the same";
+}
+
 TEST(SessionEdit, ThatIsWrongChangesNothing) {
   Session session = transferred();
   const auto refuses = [&](const Edit& edit, const char* text) {
