@@ -1,6 +1,8 @@
 #include "core/session/patch_matching.h"
 
 #include <algorithm>
+#include <set>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -30,10 +32,22 @@ void lay(const hand::Hand& hand, const hand::ContactSite& site, DocumentPatch& p
   patch.dropped.clear();
 }
 
-void matchByName(const hand::Hand& hand, Document& document) {
+/// The patches that know their place on the hand that touched.
+std::set<std::string> namesWithPlaces(const contact::ContactSet& contacts) {
+  std::set<std::string> names;
+  for (const contact::Patch& patch : contacts.patches)
+    if (patch.place) names.insert(patch.name);
+  return names;
+}
+
+/// Lays patches on the sites of their names, but for `others`.
+void matchByName(const hand::Hand& hand,
+                 const std::set<std::string>& others,
+                 Document& document) {
   for (DocumentPatch& patch : document.patches) {
     if (patch.placement) continue;
     if (!patch.dropped.empty()) continue;
+    if (others.contains(patch.name)) continue;
     for (const hand::ContactSite& site : hand.sites) {
       if (site.name == patch.name) lay(hand, site, patch);
     }
@@ -121,8 +135,12 @@ void matchPatches(const Models& models, Document& document, const Progress& prog
                   [](const contact::Patch& patch) {
                     return patch.place || hand::placeNamed(patch.name);
                   });
-  if (has_places) matchByPlace(models, *hand::coordinatesOf(*models.hand), document, progress);
-  matchByName(*models.hand, document);
+  if (has_places) {
+    // Which finger takes whose patches depends on what else is to be reached.
+    matchByName(*models.hand, namesWithPlaces(*models.contacts), document);
+    matchByPlace(models, *hand::coordinatesOf(*models.hand), document, progress);
+  }
+  matchByName(*models.hand, {}, document);
   matchByGeometry(models, document, progress);
   const auto isPlaced = [](const DocumentPatch& patch) {
     return patch.placement.has_value();
