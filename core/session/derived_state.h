@@ -162,6 +162,11 @@ class DerivedState {
                          optimize::SolveReport& other,
                          Worth& worth,
                          optimize::SolveReport& report);
+  /// From where the hand has let go of the object, for one that ended inside of it.
+  void approachAnew(optimize::SolveReport& report,
+                    const SolverSettings& solving,
+                    const optimize::SolveOptions& options,
+                    const Progress& progress);
   /// For as long as patches are missed: slides with more weight on those, then with everybody's
   /// own again, and takes what is better.
   void reweightMissedPatches(optimize::SolveReport& report,

@@ -54,6 +54,11 @@ constexpr double kInside_m = 0.002;
 // share of the objective are not worth their while.
 constexpr double kDraftPromise = 1e-4;
 
+// A hand that ends inside the object begins again so far from it, its fingers so far on the
+// way to rest.
+constexpr double kBacks_m[] = {0.0, 0.03, 0.06, 0.1};
+constexpr double kOpenings[] = {0.0, 0.5, 1.0};
+
 // Of each stage of a step on the way that is not the last one (optimize/avoiding_solve.h).
 constexpr int kStepEvaluations = 8;
 
@@ -69,6 +74,18 @@ bool searchesWidely(const SolverSettings& solving, const SolveOptions& options) 
   return solving.avoids() && options.starts > optimize::kFewStarts;
 }
 
+/// Deep inside the object, or through a wall of it.
+bool isInside(const SolveReport& solved) {
+  return solved.terms.penetration > kInside_m * kInside_m;
+}
+
+Eigen::Vector3d centreOf(const std::vector<optimize::PointPair>& pairs) {
+  Eigen::Vector3d centre_W = Eigen::Vector3d::Zero();
+  for (const optimize::PointPair& pair : pairs)
+    centre_W += pair.p_W / static_cast<double>(pairs.size());
+  return centre_W;
+}
+
 /// A point that is lost no longer counts: that alone makes nothing better.
 double costOf(const PoseProblem& posed, const SolveReport& solved) {
   return solved.terms.objective - placement::kLost_m * placement::kLost_m *
@@ -80,7 +97,7 @@ double costOf(const PoseProblem& posed, const SolveReport& solved) {
 
 std::ptrdiff_t failedPatches(const PoseProblem& posed, const SolveReport& solved) {
   const auto all = std::ssize(solved.patches);
-  if (solved.terms.penetration > kInside_m * kInside_m) return all;
+  if (isInside(solved)) return all;
   return std::ssize(optimize::missedPatches(posed, solved));
 }
 
@@ -214,6 +231,8 @@ Solution DerivedState::solve(const SolverSettings& solving,
         return turnDirections(missed, turn_rad);
       });
     }
+    if (searchesWidely(solving, options) && isInside(report))
+      approachAnew(report, solving, options, progress);
     if (searchesWidely(solving, options))
       reweightMissedPatches(report, solving, options, progress);
   }
@@ -263,6 +282,35 @@ bool DerivedState::takeBetter(const Worth& of_other,
   other.evaluations += report.evaluations;
   report = std::move(other);
   return true;
+}
+
+void DerivedState::approachAnew(SolveReport& report,
+                                const SolverSettings& solving,
+                                const SolveOptions& options,
+                                const Progress& progress) {
+  const SolveOptions step = stepOf(options);
+  Worth worth = worthOf(report, solving);
+  Search best(*this);
+  const std::vector<SessionPatch> patches = patches_;
+  const hand::HandPose from = report.pose;
+  const PoseProblem posed = problem(solving);
+  const Eigen::VectorXd open =
+      posed.model->restPose().cwiseMax(posed.lower).cwiseMin(posed.upper);
+  const Eigen::Vector3d away_W = (from.X_WH.translation() - centreOf(posed.pairs)).normalized();
+  for (const double back_m : kBacks_m) {
+    for (const double opening : kOpenings) {
+      patches_ = patches;
+      start_ = from;
+      start_.X_WH.translation() += back_m * away_W;
+      start_.q += opening * (open - start_.q);
+      SolveReport other = optimize::solve(problem(solving), step, progress);
+      slideRoots(other, solving, step, progress, kWorseSlides);
+      goOn(other, solving, options, progress);
+      other.best_start = report.best_start;
+      other.solver = report.solver;
+      if (takeBetter(worthOf(other, solving), other, worth, report)) best.keep();
+    }
+  }
 }
 
 void DerivedState::weigh(const std::vector<int>& patches, double factor) {

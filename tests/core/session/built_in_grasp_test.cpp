@@ -10,6 +10,7 @@
 #include "core/session/session.h"
 #include "core/verdict/verdicts.h"
 
+#include "tests/core/session/cup_grasp.h"
 #include "tests/core/session/library_models.h"
 
 namespace handgraft::session {
@@ -41,6 +42,20 @@ TEST(BuiltInGrasp, ReachesEveryPatchOfTheBoxFromOutside) {
   const placement::HandPoseGuesser placer(tendonHand().model, *tendonHand().skin, box.mesh);
   EXPECT_LT(std::sqrt(placer.meanSquareDepth(report.pose, Pose::Identity())), 0.002);
 }
+
+class CupGraspTest : public ::testing::TestWithParam<const char*> {};
+
+/// What no hand can do is done from outside, as far as it goes.
+TEST_P(CupGraspTest, NoFingerStaysInTheWallThatTheRecordedOneWentThrough) {
+  const test::CupGrasp cup;
+  Session session(handOfLibrary(GetParam()), cup.mesh, cup.contacts, Pose::Identity(), {});
+  const optimize::SolveReport report = session.optimize({}, Progress());
+  EXPECT_LT(std::sqrt(report.terms.penetration), 0.002);
+}
+
+INSTANTIATE_TEST_SUITE_P(Hands,
+                         CupGraspTest,
+                         ::testing::Values("human20", "tendon16", "allegro16", "barrett8"));
 
 TEST(BuiltInGrasp, WithoutDirectionsIsNearlyAsGood) {
   const Box box;
