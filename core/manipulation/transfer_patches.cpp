@@ -16,15 +16,18 @@ std::optional<transfer::PatchPlacement> placementOf(
     const hand::FingerCoordinates& coordinates) {
   if (key.placement) return key.placement;
   const contact::Patch& patch = key.patch;
-  const auto place = patch.place ? patch.place : hand::placeNamed(patch.name);
-  if (place)
-    if (const auto spot = coordinates.spotAt(*place))
-      return transfer::PatchPlacement{spot->root_S, spot->direction_S};
+  const auto at = [&](const std::optional<hand::HandLocation>& place)
+      -> std::optional<transfer::PatchPlacement> {
+    const auto spot = place ? coordinates.spotAt(*place) : std::nullopt;
+    if (!spot) return std::nullopt;
+    return transfer::PatchPlacement{spot->root_S, spot->direction_S};
+  };
+  if (const auto placement = at(patch.place)) return placement;
   const auto site = std::find_if(sites.begin(), sites.end(), [&](const hand::ContactSite& one) {
     return one.name == patch.name;
   });
-  if (site == sites.end()) return std::nullopt;
-  return transfer::placementAt(model, *surfaces.skin, *site);
+  if (site != sites.end()) return transfer::placementAt(model, *surfaces.skin, *site);
+  return at(hand::placeNamed(patch.name));
 }
 
 TransferredMotion transferPatches(const Motion& motion,

@@ -33,6 +33,19 @@ using manipulation::TransferredMotion;
 
 constexpr std::size_t kFramesKept = 20000;  // of bases beside the last one, and of stretches
 
+/// Where a patch was put; one that slides has a place on the hand of its own.
+void addPlaces(const session::DocumentPatch& patch, session::FieldWriter& writer) {
+  writer.add(patch.root_O);
+  writer.add(patch.direction_O.value_or(Eigen::Vector3d::Zero()));
+  writer.add(patch.root_is_open ? std::nullopt : patch.placement);
+}
+
+bool isOfPoints(const Motion& motion) {
+  return std::any_of(motion.tracks.begin(), motion.tracks.end(), [](const PatchTrack& track) {
+    return std::any_of(track.keys.begin(), track.keys.end(), isRecorded);
+  });
+}
+
 }  // namespace
 
 struct EditedMotion::Work {
@@ -125,8 +138,7 @@ std::shared_ptr<const SolvedMotion> EditedMotion::solve(const session::Document&
   for (const session::DocumentPatch& patch : document.patches) {
     key.add(patch.name);
     key.add(patch.effectiveWeight());
-    key.add(patch.root_O);
-    key.add(patch.direction_O.value_or(Eigen::Vector3d::Zero()));
+    addPlaces(patch, key);
   }
   key.add(document.joints);
   for (std::size_t i = 0; i < document.joints.size(); ++i)
@@ -172,10 +184,8 @@ std::shared_ptr<const EditedMotion::Laid> EditedMotion::laid(
   session::FieldWriter writer;
   writer.add(work.document.hand);
   writer.add(work.document.transfer);
-  for (const session::DocumentPatch& patch : work.document.patches) {
-    writer.add(patch.root_O);
-    writer.add(patch.direction_O.value_or(Eigen::Vector3d::Zero()));
-  }
+  for (const session::DocumentPatch& patch : work.document.patches)
+    addPlaces(patch, writer);
   std::string key = writer.take();
   std::shared_ptr<const Laid> before;
   if (!anew && !bases_.empty() && bases_.front().laid->hand == work.document.hand)
@@ -214,23 +224,21 @@ std::shared_ptr<const EditedMotion::Laid> EditedMotion::laid(
     }
   }
   std::optional<manipulation::MotionCharts> charts;
+  const MotionPlaces places(work.document, work.hand, *object_O_, edited);
   if (before) {
     for (std::size_t t = 0; t < edited.tracks.size(); ++t)
       for (std::size_t i = 0; i < edited.tracks[t].keys.size(); ++i)
         edited.tracks[t].keys[i].placement = before->motion.tracks[t].keys[i].placement;
+    places.settle(edited);
   } else {
-    MotionPlaces places(work.document, work.hand, *object_O_, edited);
     places.deal(edited);
     if (!work.solving.causal && places.any()) {
       const std::vector<FrameGrasp> grasps = graspFrames(
           work.document, work.hand, object_O_, grasp_, edited, work.threads, work.progress);
       placeAsGrasped(grasps, edited);
-      std::vector<manipulation::FramePose> known;
-      for (const FrameGrasp& grasp : grasps)
-        known.push_back({grasp.frame, grasp.pose_O});
       SlidPatches slid =
-          slidePatches({work.document, work.hand, object_O_, grasp_, work.solving}, known,
-                       work.progress, edited);
+          slidePatches({work.document, work.hand, object_O_, grasp_, work.solving},
+                       posesOf(grasps), work.progress, edited);
       start = std::move(slid.poses_O);
       charts = std::move(slid.charts);
     }
@@ -275,7 +283,12 @@ const EditedMotion::Base& EditedMotion::base(const Work& work) {
     solved.trajectory.notes.clear();
     solveAgain(solved.problem, options, 0, count, work.progress, solved.trajectory);
   } else {
-    solved.trajectory = solveOffline(solved.problem, options, work.progress, start);
+    std::vector<manipulation::FramePose> known;
+    if (start.empty() && document.solving.avoids() && !isOfPoints(*motion_)) {
+      known = posesOf(graspFrames(document, work.hand, object_O_, grasp_, as_laid->motion,
+                                  work.threads, work.progress));
+    }
+    solved.trajectory = solveOffline(solved.problem, options, work.progress, start, known);
   }
   solved.notes = remarksOn(*motion_);
   solved.notes.insert(solved.notes.end(), as_laid->laid.notes.begin(),

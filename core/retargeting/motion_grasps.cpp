@@ -127,6 +127,13 @@ std::vector<FrameGrasp> graspFrames(
   return grasps;
 }
 
+std::vector<manipulation::FramePose> posesOf(const std::vector<FrameGrasp>& grasps) {
+  std::vector<manipulation::FramePose> poses_O;
+  for (const FrameGrasp& grasp : grasps)
+    poses_O.push_back({grasp.frame, grasp.pose_O});
+  return poses_O;
+}
+
 void placeAsGrasped(const std::vector<FrameGrasp>& grasps, Motion& motion) {
   for (std::size_t t = 0; t < motion.tracks.size(); ++t) {
     for (PatchKey& key : motion.tracks[t].keys) {

@@ -39,6 +39,9 @@ std::vector<FrameGrasp> graspFrames(
     int threads,
     const Progress& progress);
 
+/// To set out from.
+std::vector<manipulation::FramePose> posesOf(const std::vector<FrameGrasp>& grasps);
+
 /// Places of keys where the nearest grasp of their track has them; keys without one stay.
 void placeAsGrasped(const std::vector<FrameGrasp>& grasps, manipulation::Motion& motion);
 

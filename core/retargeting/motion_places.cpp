@@ -23,8 +23,10 @@ MotionPlaces::MotionPlaces(const session::Document& document,
     Patch& patch = patches_.emplace_back();
     if (index >= document.patches.size()) continue;
     const session::DocumentPatch& of_document = document.patches[index];
-    if (!of_document.placement || !of_document.root_is_open) continue;
+    if (!of_document.placement) continue;
     patch.placement = of_document.placement;
+    patch.slides = of_document.root_is_open;
+    if (!patch.slides) continue;
     if (const auto onto = hand::placeNamed(of_document.site)) patch.digit = onto->digit;
     patch.permitted = session::linksOfSite(hand, coordinates_, of_document.site);
   }
@@ -32,14 +34,23 @@ MotionPlaces::MotionPlaces(const session::Document& document,
 
 bool MotionPlaces::any() const {
   return std::any_of(patches_.begin(), patches_.end(), [](const Patch& patch) {
-    return patch.placement.has_value();
+    return patch.slides;
   });
 }
 
+void MotionPlaces::settle(manipulation::Motion& motion) const {
+  for (std::size_t t = 0; t < patches_.size(); ++t) {
+    if (!patches_[t].placement || patches_[t].slides) continue;
+    for (manipulation::PatchKey& key : motion.tracks[t].keys)
+      key.placement = patches_[t].placement;
+  }
+}
+
 void MotionPlaces::deal(manipulation::Motion& motion) const {
+  settle(motion);
   for (std::size_t t = 0; t < patches_.size(); ++t) {
     const Patch& patch = patches_[t];
-    if (!patch.placement) continue;
+    if (!patch.slides) continue;
     for (manipulation::PatchKey& key : motion.tracks[t].keys) {
       key.placement = patch.placement;
       if (!key.patch.place || patch.digit.empty()) continue;
@@ -55,7 +66,7 @@ bool MotionPlaces::slide(const std::vector<hand::HandPose>& poses_O,
                          manipulation::Motion& motion) const {
   bool any = false;
   for (std::size_t t = 0; t < patches_.size(); ++t) {
-    if (!patches_[t].placement) continue;
+    if (!patches_[t].slides) continue;
     manipulation::PatchTrack& track = motion.tracks[t];
     for (std::size_t i = 0; i < track.keys.size(); ++i) {
       manipulation::PatchKey& key = track.keys[i];

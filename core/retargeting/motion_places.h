@@ -29,8 +29,11 @@ class MotionPlaces {
   /// Whether any patch may slide.
   [[nodiscard]] bool any() const;
 
-  /// Every key's place: its own coordinates, on the finger that the document's matching dealt
-  /// to the patch.
+  /// What may not slide lies where the document has it, on a site or where somebody put it.
+  void settle(manipulation::Motion& motion) const;
+
+  /// That, and every other key's place: its own coordinates, on the finger that the document's
+  /// matching dealt to the patch.
   void deal(manipulation::Motion& motion) const;
 
   /// Slides each key's patch along its finger to where the hand shows it in the middle of the
@@ -40,8 +43,8 @@ class MotionPlaces {
 
  private:
   struct Patch {
-    std::optional<transfer::PatchPlacement>
-        placement;                ///< the document's; missing: it stays put
+    std::optional<transfer::PatchPlacement> placement;  ///< the document's
+    bool slides = false;
     std::string digit;            ///< that it was dealt to; empty: a site's
     std::vector<char> permitted;  ///< links that it may slide on
   };

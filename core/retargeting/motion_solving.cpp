@@ -43,11 +43,6 @@ contact::Patch diskAbout(const geometry::TriangleMesh& object_O,
   return disk;
 }
 
-bool isRecorded(const PatchKey& key) {
-  return key.patch.interpolation_boundary.size() <
-         static_cast<std::size_t>(contact::kFewestInterpolationPoints);
-}
-
 double inDegrees(double rad) {
   return rad * 180.0 / std::numbers::pi;
 }
@@ -58,6 +53,11 @@ double angleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 }
 
 }  // namespace
+
+bool isRecorded(const PatchKey& key) {
+  return key.patch.interpolation_boundary.size() <
+         static_cast<std::size_t>(contact::kFewestInterpolationPoints);
+}
 
 MotionSolving motionSolving(bool causal) {
   MotionSolving solving;

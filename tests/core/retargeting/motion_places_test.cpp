@@ -4,11 +4,16 @@
 
 #include <gtest/gtest.h>
 
+#include "core/geometry/surface_locator.h"
+#include "core/io/contact_file.h"
+#include "core/manipulation/grasp_interpolation.h"
 #include "core/retargeting/edited_motion.h"
 #include "core/retargeting/motion_grasps.h"
 #include "core/retargeting/motion_layer.h"
+#include "core/session/session.h"
 #include "core/session/timed_edit.h"
 
+#include "tests/core/session/library_models.h"
 #include "tests/core/session/two_plates.h"
 
 namespace handgraft::retargeting {
@@ -87,6 +92,45 @@ TEST_F(MotionOfPlates, LeavesPatchesOnSitesThatSomebodyChose) {
   EditedMotion bench(heldTo(plates), plates.plate);
   const auto solved = solve(bench, plates, touching(plates));
   EXPECT_NEAR(worstOf(plates, *solved), 5.0, 0.5);
+}
+
+TEST_F(MotionOfPlates, APatchThatSomebodyPutElsewhereLiesThereThroughout) {
+  TwoPlates plates;
+  plates.hand.sites_are_found = false;
+  EditedMotion bench(heldTo(plates), plates.plate);
+  session::Document document = touching(plates);
+  solve(bench, plates, document);
+  const auto onTheSkin = [&](double x) {
+    return geometry::SurfaceLocator(plates.hand.skin->mesh()).nearest({x, 0.0, 0.0}).point;
+  };
+  // As far apart as on the object.
+  document.patches[0].placement->root_S = onTheSkin(0.025);
+  document.patches[1].placement->root_S = onTheSkin(-0.025);
+  EXPECT_LT(worstOf(plates, *solve(bench, plates, document)), 1.0);
+}
+
+/// A hand's own site goes before where a hand of its build has such a place, in motions as in
+/// grasps.
+TEST(MotionOfAGrasp, ThatStaysIsHeldAsTheGraspIs) {
+  const hand::Hand hand = test::handOfLibrary("human20");
+  const io::MeshFile file = io::readMesh(test::libraryPath("objects/lemon.obj"));
+  const auto mesh = std::make_shared<const geometry::TriangleMesh>(file.mesh);
+  const contact::ContactSet contacts =
+      io::readContactSet(test::libraryPath("contacts/lemon_6.json"), file);
+  session::Session grasp(hand, mesh, contacts, Pose::Identity(), {});
+  const session::Solution held = grasp.solve(session::SolverSettings(), {}, Progress());
+
+  const auto motion =
+      std::make_shared<const manipulation::Motion>(manipulation::interpolateGrasps(
+          *mesh, contacts, contacts, {{0.0, Pose::Identity()}, {0.2, Pose::Identity()}}));
+  session::Session standing(hand, mesh, graspOf(*motion, *mesh), Pose::Identity(), {});
+  EditedMotion bench(motion, mesh);
+  const auto solved =
+      bench.solve(standing.document(), hand, motionSolving(false), 1, Progress());
+  const std::vector<PatchFrameFit> fits = MotionFits(*motion, *solved).at(6);
+  ASSERT_EQ(fits.size(), held.report.patches.size());
+  for (std::size_t i = 0; i < fits.size(); ++i)
+    EXPECT_NEAR(fits[i].mean_mm, held.report.patches[i].mean_mm, 1.0) << i;
 }
 
 TEST_F(MotionOfPlates, LeavesOutWhatTheHandHasNoFingerFor) {
