@@ -1,7 +1,7 @@
 #include "core/session/patch_matching.h"
 
 #include <algorithm>
-#include <set>
+#include <cstddef>
 #include <string>
 
 #include <fmt/format.h>
@@ -16,15 +16,6 @@
 namespace handgraft::session {
 namespace {
 
-/// The placement at a site, with a direction that is a tangent of the skin.
-transfer::PatchPlacement soundPlacementAt(const hand::Hand& hand,
-                                          const hand::ContactSite& site) {
-  transfer::PatchPlacement placement = transfer::placementAt(*hand.model, *hand.skin, site);
-  placement.direction_S = tangentAt(hand.skin->mesh(), placement.root_S, placement.direction_S)
-                              .value_or(anyTangentAt(hand.skin->mesh(), placement.root_S));
-  return placement;
-}
-
 void lay(const hand::Hand& hand, const hand::ContactSite& site, DocumentPatch& patch) {
   patch.site = site.name;
   patch.placement = soundPlacementAt(hand, site);
@@ -32,22 +23,12 @@ void lay(const hand::Hand& hand, const hand::ContactSite& site, DocumentPatch& p
   patch.dropped.clear();
 }
 
-/// The patches that know their place on the hand that touched.
-std::set<std::string> namesWithPlaces(const contact::ContactSet& contacts) {
-  std::set<std::string> names;
-  for (const contact::Patch& patch : contacts.patches)
-    if (patch.place) names.insert(patch.name);
-  return names;
-}
-
-/// Lays patches on the sites of their names, but for `others`.
-void matchByName(const hand::Hand& hand,
-                 const std::set<std::string>& others,
-                 Document& document) {
-  for (DocumentPatch& patch : document.patches) {
-    if (patch.placement) continue;
-    if (!patch.dropped.empty()) continue;
-    if (others.contains(patch.name)) continue;
+/// Lays patches on the sites of their names, but for those that have a place.
+void matchByName(const hand::Hand& hand, const PlacesOfPatches& places, Document& document) {
+  for (std::size_t i = 0; i < document.patches.size(); ++i) {
+    DocumentPatch& patch = document.patches[i];
+    if (patch.placement || !patch.dropped.empty()) continue;
+    if (i < places.size() && places[i]) continue;
     for (const hand::ContactSite& site : hand.sites) {
       if (site.name == patch.name) lay(hand, site, patch);
     }
@@ -130,16 +111,11 @@ void matchByGeometry(const Models& models, Document& document, const Progress& p
 void matchPatches(const Models& models, Document& document, const Progress& progress) {
   for (DocumentPatch& patch : document.patches)
     if (!patch.placement) patch.dropped.clear();
-  const bool has_places =
-      std::any_of(models.contacts->patches.begin(), models.contacts->patches.end(),
-                  [](const contact::Patch& patch) {
-                    return patch.place || hand::placeNamed(patch.name);
-                  });
-  if (has_places) {
-    // Which finger takes whose patches depends on what else is to be reached.
-    matchByName(*models.hand, namesWithPlaces(*models.contacts), document);
-    matchByPlace(models, *hand::coordinatesOf(*models.hand), document, progress);
-  }
+  const auto coordinates = hand::coordinatesOf(*models.hand);
+  const PlacesOfPatches places = placesIn(models, *coordinates, document);
+  // Which finger takes whose patches depends on what else is to be reached.
+  matchByName(*models.hand, places, document);
+  matchByPlace(models, *coordinates, places, document, progress);
   matchByName(*models.hand, {}, document);
   matchByGeometry(models, document, progress);
   const auto isPlaced = [](const DocumentPatch& patch) {

@@ -20,12 +20,6 @@ bool isAnonymous(const std::string& name, char letter) {
          });
 }
 
-bool isFinger(const std::string& name) {
-  static const std::vector<std::string> kNames = {"thumb", "index",  "middle",
-                                                  "ring",  "little", "palm"};
-  return std::find(kNames.begin(), kNames.end(), name) != kNames.end();
-}
-
 }  // namespace
 
 bool isAnonymousPatch(const std::string& name) {
@@ -34,6 +28,11 @@ bool isAnonymousPatch(const std::string& name) {
 
 bool isAnonymousSite(const std::string& name) {
   return isAnonymous(name, 'f');
+}
+
+bool isFinger(const std::string& name) {
+  static const std::vector<std::string> kNames = {"thumb", "index", "middle", "ring", "little"};
+  return std::find(kNames.begin(), kNames.end(), name) != kNames.end();
 }
 
 std::string namesOf(const std::vector<hand::ContactSite>& sites) {

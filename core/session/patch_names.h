@@ -13,6 +13,9 @@ namespace handgraft::session {
 bool isAnonymousPatch(const std::string& name);
 bool isAnonymousSite(const std::string& name);
 
+/// `thumb`, `index`, `middle`, `ring`, `little`: as people's are called.
+bool isFinger(const std::string& name);
+
 /// The names, for messages.
 std::string namesOf(const std::vector<hand::ContactSite>& sites);
 

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "core/geometry/tangent.h"
 #include "core/hand/hand_parts.h"
 #include "core/session/dealing.h"
 #include "core/session/patch_names.h"
@@ -28,27 +29,29 @@ std::optional<transfer::PatchPlacement> placementIn(const hand::FingerCoordinate
   return transfer::PatchPlacement{spot->root_S, spot->direction_S};
 }
 
-bool isSiteOf(const hand::Hand& hand, const std::string& name) {
-  return std::any_of(hand.sites.begin(), hand.sites.end(), [&](const auto& site) {
-    return site.name == name;
-  });
+bool isOfFingerAlone(const hand::HandLocation& place) {
+  return place.digit != hand::kPalmPart && place.segment.empty();
 }
 
-/// Where each patch of a document that is to be laid by its place was; nothing for the others.
-PlacesOfPatches placesIn(const Models& models, const Document& document) {
-  PlacesOfPatches places;
-  for (const DocumentPatch& patch : document.patches) {
-    std::optional<hand::HandLocation>& place = places.emplace_back();
-    if (patch.placement) continue;
-    const auto outline =
-        std::find_if(models.contacts->patches.begin(), models.contacts->patches.end(),
-                     [&](const contact::Patch& one) {
-                       return one.name == patch.name;
-                     });
-    if (outline != models.contacts->patches.end()) place = outline->place;
-    if (!place && !isSiteOf(*models.hand, patch.name)) place = hand::placeNamed(patch.name);
-  }
-  return places;
+const hand::ContactSite* siteNamed(const hand::Hand& hand, const std::string& name) {
+  const auto site = std::find_if(hand.sites.begin(), hand.sites.end(), [&](const auto& one) {
+    return one.name == name;
+  });
+  return site == hand.sites.end() ? nullptr : &*site;
+}
+
+/// Whether a hand has fingers that are called as people's are, and lacks one that touched.
+bool lacksFinger(const hand::FingerCoordinates& coordinates, const Document& document) {
+  const hand::Anatomy& anatomy = coordinates.anatomy();
+  const bool names_them =
+      std::any_of(anatomy.digits.begin(), anatomy.digits.end(), [](const auto& digit) {
+        return digit.name != "thumb" && isFinger(digit.name);
+      });
+  return names_them && std::any_of(document.patches.begin(), document.patches.end(),
+                                   [&](const DocumentPatch& patch) {
+                                     return isFinger(patch.name) &&
+                                            anatomy.maybeDigit(patch.name) == nullptr;
+                                   });
 }
 
 /// Whether two segments of a digit are the same or one follows the other.
@@ -66,6 +69,38 @@ bool areNeighbours(const hand::NamedDigit& digit, const std::string& a, const st
 
 }  // namespace
 
+transfer::PatchPlacement soundPlacementAt(const hand::Hand& hand,
+                                          const hand::ContactSite& site) {
+  transfer::PatchPlacement placement = transfer::placementAt(*hand.model, *hand.skin, site);
+  placement.direction_S = tangentAt(hand.skin->mesh(), placement.root_S, placement.direction_S)
+                              .value_or(anyTangentAt(hand.skin->mesh(), placement.root_S));
+  return placement;
+}
+
+PlacesOfPatches placesIn(const Models& models,
+                         const hand::FingerCoordinates& coordinates,
+                         const Document& document) {
+  const bool deals_fingers = lacksFinger(coordinates, document);
+  PlacesOfPatches places;
+  for (const DocumentPatch& patch : document.patches) {
+    std::optional<hand::HandLocation>& place = places.emplace_back();
+    if (patch.placement) continue;
+    const auto outline =
+        std::find_if(models.contacts->patches.begin(), models.contacts->patches.end(),
+                     [&](const contact::Patch& one) {
+                       return one.name == patch.name;
+                     });
+    if (outline != models.contacts->patches.end()) place = outline->place;
+    if (!place && deals_fingers && isFinger(patch.name)) {
+      place.emplace();
+      place->digit = patch.name;
+    }
+    if (!place && siteNamed(*models.hand, patch.name) == nullptr)
+      place = hand::placeNamed(patch.name);
+  }
+  return places;
+}
+
 void layDealt(const Models& models,
               const hand::FingerCoordinates& coordinates,
               const PlacesOfPatches& places,
@@ -74,6 +109,16 @@ void layDealt(const Models& models,
   for (std::size_t i = 0; i < places.size(); ++i) {
     if (!places[i]) continue;
     DocumentPatch& patch = document.patches[i];
+    const auto dealt = dealing.find(places[i]->digit);
+    if (isOfFingerAlone(*places[i]) && dealt != dealing.end()) {
+      const hand::ContactSite* site = siteNamed(*models.hand, dealt->second);
+      if (site == nullptr) continue;  // the hand's other sites may do
+      patch.placement = soundPlacementAt(*models.hand, *site);
+      patch.site = site->name;
+      patch.root_is_open = models.hand->sites_are_found;
+      patch.dropped.clear();
+      continue;
+    }
     patch.placement = placementIn(coordinates, *places[i], dealing);
     if (patch.placement) {
       const auto link =
@@ -97,9 +142,9 @@ void layDealt(const Models& models,
 
 void matchByPlace(const Models& models,
                   const hand::FingerCoordinates& coordinates,
+                  const PlacesOfPatches& places,
                   Document& document,
                   const Progress& progress) {
-  const PlacesOfPatches places = placesIn(models, document);
   if (std::none_of(places.begin(), places.end(), [](const auto& place) {
         return place.has_value();
       }))

@@ -8,14 +8,26 @@
 
 namespace handgraft::session {
 
-/// Lays the patches that say where on a hand they were (contact::Patch::place, or the segment
-/// in their name), and are on no site by name, at the same coordinates of this hand, fingers as
-/// they are dealt out (dealing.h). What goes without is dropped and says why.
-/// Deterministic. Cost: some milliseconds, and that of the dealing.
+/// Where on a hand the patches of a document were that have no placement: what they say
+/// (contact::Patch::place), or the segment in their name, or the finger in it where this hand
+/// has fingers of such names and lacks one of them. Nothing for those that lie on a site by
+/// name.
+PlacesOfPatches placesIn(const Models& models,
+                         const hand::FingerCoordinates& coordinates,
+                         const Document& document);
+
+/// Lays them at the same coordinates of this hand, or on the site of their finger where that
+/// alone is known, fingers as they are dealt out (dealing.h). What goes without is dropped and
+/// says why. Deterministic. Cost: some milliseconds, and that of the dealing.
 void matchByPlace(const Models& models,
                   const hand::FingerCoordinates& coordinates,
+                  const PlacesOfPatches& places,
                   Document& document,
                   const Progress& progress);
+
+/// The placement at a site, with a direction that is a tangent of the skin.
+transfer::PatchPlacement soundPlacementAt(const hand::Hand& hand,
+                                          const hand::ContactSite& site);
 
 /// Lays the patches that have a place in `places` as a dealing has their fingers, or says why
 /// they are dropped.

@@ -15,12 +15,14 @@ struct BallGrasp {
   std::shared_ptr<const geometry::TriangleMesh> ball = sharedBall();
   contact::ContactSet contacts;
 
-  /// `names`: of the patches at thumb, index, middle; directions (to the hand's root, -z) are
-  /// set unless `open`.
+  /// `names`: of the patches at thumb, index, middle, and between those two; directions (to the
+  /// hand's root, -z) are set unless `open`.
   explicit BallGrasp(const std::vector<std::string>& names = {"thumb", "index", "middle"},
                      bool open = false) {
-    const std::vector<Eigen::Vector3d> roots = {
-        {-1, 0, 0}, {std::cos(0.55), std::sin(0.55), 0}, {std::cos(0.55), -std::sin(0.55), 0}};
+    const std::vector<Eigen::Vector3d> roots = {{-1, 0, 0},
+                                                {std::cos(0.55), std::sin(0.55), 0},
+                                                {std::cos(0.55), -std::sin(0.55), 0},
+                                                {1, 0, 0}};
     for (std::size_t i = 0; i < names.size(); ++i) {
       contact::ContactMap map;
       map.mesh_O = *ball;

@@ -152,15 +152,21 @@ TEST(SessionEdit, OfBothDirectionsByOppositeAnglesChangesNoOutline) {
 }
 
 TEST(SessionEdit, OfARootOnTheHandBringsADroppedPatchBack) {
-  Session session = BallGrasp({"thumb", "index", "little"}).open();
-  ASSERT_FALSE(session.patches()[2].dropped.empty());
+  Session session = BallGrasp({"thumb", "index", "middle", "little"}).open();
+  const auto dropped = std::find_if(session.patches().begin(), session.patches().end(),
+                                    [](const SessionPatch& patch) {
+                                      return !patch.dropped.empty();
+                                    });
+  ASSERT_NE(dropped, session.patches().end());
+  const std::string name = dropped->patch.name;
   const hand::ContactSite middle = session.hand().sites[2];
   const transfer::PatchPlacement there =
       transfer::placementAt(*session.hand().model, *session.hand().skin, middle);
-  session.apply(PatchRootEdit{"little", Side::kHand, there.root_S});
-  EXPECT_TRUE(session.patches()[2].dropped.empty());
+  session.apply(PatchRootEdit{name, Side::kHand, there.root_S});
+  for (const SessionPatch& patch : session.patches())
+    EXPECT_TRUE(patch.dropped.empty()) << patch.patch.name;
   const optimize::SolveReport report = session.optimize({}, Progress());
-  EXPECT_EQ(report.patches.size(), 3u);
+  EXPECT_EQ(report.patches.size(), 4u);
 }
 
 TEST(SessionEdit, OfLimitsMovesTheStartInside) {

@@ -463,7 +463,7 @@ TEST(SessionSwap, OfTheHandNotesWhatIsDropped) {
   const EditResult result = session.apply(HandEdit{"fewer"});
   EXPECT_THAT(result.message, HasSubstr("limits of 'index_1' were dropped"));
   EXPECT_THAT(result.message, HasSubstr("settings of joint 'middle_2' were dropped"));
-  EXPECT_THAT(result.message, HasSubstr("hand has no 'middle'"));
+  EXPECT_THAT(result.message, HasSubstr("'middle' goes without one"));
   EXPECT_EQ(session.document().joints.size(), 4u);
   EXPECT_FALSE(session.document().patches[1].enabled);
   EXPECT_FALSE(session.document().patches[2].placement.has_value());

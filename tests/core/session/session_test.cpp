@@ -54,12 +54,31 @@ TEST(Session, LaysEveryPatchOnTheSiteOfItsName) {
 }
 
 TEST(Session, DropsAFingerThatTheHandLacks) {
-  Session session = BallGrasp({"thumb", "index", "little"}).open();
-  EXPECT_FALSE(session.patches()[2].placement.has_value());
-  EXPECT_THAT(session.patches()[2].dropped,
-              AllOf(HasSubstr("hand has no 'little'"), HasSubstr("thumb, index, middle")));
+  Session session = BallGrasp({"thumb", "index", "ring", "little"}).open();
+  std::vector<std::string> sites;
+  for (const SessionPatch& patch : session.patches()) {
+    if (patch.placement) {
+      sites.push_back(patch.site);
+    } else {
+      EXPECT_THAT(patch.dropped, AllOf(HasSubstr("hand has fewer fingers than touched"),
+                                       HasSubstr(patch.patch.name)));
+    }
+  }
+  EXPECT_EQ(sites, (std::vector<std::string>{"thumb", "index", "middle"}));
   const optimize::SolveReport report = session.optimize({}, Progress());
-  EXPECT_EQ(report.patches.size(), 2u);
+  EXPECT_EQ(report.patches.size(), 3u);
+}
+
+TEST(Session, GivesALackingFingersPatchToOneThatIsFree) {
+  const Session session = BallGrasp({"thumb", "index", "little"}).open();
+  const SessionPatch& little = session.patches()[2];
+  EXPECT_EQ(little.site, "middle");
+  const hand::Hand& hand = session.hand();
+  EXPECT_EQ(little.placement->root_S.face,
+            transfer::placementAt(*hand.model, *hand.skin, hand.sites[2]).root_S.face);
+  EXPECT_FALSE(little.root_is_open) << "the hand's own site";
+  EXPECT_THAT(session.notes(),
+              Contains(HasSubstr("little's contacts go to the hand's middle")));
 }
 
 TEST(Session, RefusesNamesThatAreNoSite) {
@@ -82,13 +101,14 @@ TEST(Session, RefusesANameThatComesTwice) {
 }
 
 TEST(Session, RefusesASetWithoutAnySiteOnTheHand) {
-  const BallGrasp grasp({"ring", "little"});
+  BallGrasp grasp({"ring", "little"});
+  grasp.small.sites.resize(1);
   EXPECT_THAT(
       [&] {
         (void)grasp.open();
       },
       ThrowsMessage<InvalidInput>(
-          AllOf(HasSubstr("ring, little"), HasSubstr("thumb, index, middle"))));
+          AllOf(HasSubstr("ring, little"), HasSubstr("its sites are thumb"))));
 }
 
 TEST(Session, RefusesPatchesOfAnotherMesh) {

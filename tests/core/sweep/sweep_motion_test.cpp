@@ -140,13 +140,13 @@ TEST(SweepMotion, TellsOfAMotionThatFindsNoPlaceInItsOwnRows) {
   const BallGrasp grasp;
   manipulation::Motion motion = test::ballMotion(grasp);
   for (manipulation::PatchTrack& track : motion.tracks) {
-    track.name = "little";
-    track.keys[0].patch.name = "little";
+    track.name = "heel";
+    track.keys[0].patch.name = "heel";
   }
   const SweepGrasp lost{grasp.ball, {}, std::make_shared<const manipulation::Motion>(motion)};
   const std::vector<SweepRow> rows = sweepOf({lost, {grasp.ball, grasp.contacts}},
                                              {{HandProperty::kUpper, "thumb_1", {0.5, 1.0}}});
-  EXPECT_THAT(rows[0].error, HasSubstr("little"));
+  EXPECT_THAT(rows[0].error, HasSubstr("heel"));
   EXPECT_EQ(rows[1].error, "");
   EXPECT_EQ(rows[3].error, "");
 }
