@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <concepts>
-#include <numbers>
 #include <set>
 
 #include "core/base/error.h"
+#include "core/base/limit_note.h"
 #include "core/geometry/tangent.h"
 #include "core/optimize/drag.h"
 #include "core/session/edit_checks.h"
@@ -61,7 +61,11 @@ class Editing {
     }
     limits.lower = edit.lower;
     limits.upper = edit.upper;
-    tellWhatIsNoAngle(edit);
+    const hand::HandModel& model = *hand().model;
+    const int dof = model.dofIndex(edit.joint);
+    edited.message =
+        limitNote(edit.joint, model.dofJoint(dof).type == hand::JointType::kPrismatic,
+                  {edit.lower, edit.upper}, {model.lower()[dof], model.upper()[dof]});
   }
 
   void apply(const JointLockEdit& edit) { jointNamed(edit.joint).locked = edit.locked; }
@@ -153,22 +157,6 @@ class Editing {
     const hand::HandModel& model = *hand().model;
     const hand::Joint& moving = model.dofJoint(model.dofIndex(joint));
     return moving.type == hand::JointType::kPrismatic ? "m" : "rad";
-  }
-
-  /// No joint of a hand goes round more than once, unless its file says so.
-  void tellWhatIsNoAngle(const JointLimitEdit& edit) {
-    constexpr double kTurn = 2.0 * std::numbers::pi;
-    const hand::HandModel& model = *hand().model;
-    const int dof = model.dofIndex(edit.joint);
-    if (model.dofJoint(dof).type == hand::JointType::kPrismatic) return;
-    if (edit.lower >= std::min(-kTurn, model.lower()[dof]) &&
-        edit.upper <= std::max(kTurn, model.upper()[dof])) {
-      return;
-    }
-    edited.message = fmt::format(
-        "limits {:.4g} to {:.4g} rad of joint {} go round more than once; angles are radians, "
-        "not degrees",
-        edit.lower, edit.upper, quoted(edit.joint));
   }
 
   void requireValue(const DocumentJoint& joint, const std::string& name, double value) const {

@@ -1,10 +1,12 @@
 #include "server/handlers/variant.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <utility>
 #include <vector>
 
 #include "core/base/content_hash.h"
+#include "core/base/limit_note.h"
 #include "core/hand/variant.h"
 #include "core/io/urdf_writer.h"
 #include "idl/json.h"
@@ -34,6 +36,27 @@ std::string textOf(const hand::HandChange& change) {
                      hand::nameOf(change.property), change.value);
 }
 
+/// On limits that were changed and are hardly meant.
+std::vector<std::string> notesOnLimits(const hand::HandModel& parent,
+                                       const std::vector<hand::HandChange>& changes,
+                                       const hand::HandModel& variant) {
+  std::vector<std::string> notes;
+  for (int dof = 0; dof < parent.dofCount(); ++dof) {
+    const std::string& joint = parent.dofJoint(dof).name;
+    const bool is_set =
+        std::any_of(changes.begin(), changes.end(), [&](const hand::HandChange& change) {
+          return change.target == joint && !hand::changesShape(change.property);
+        });
+    if (!is_set) continue;
+    const bool slides = parent.dofJoint(dof).type == hand::JointType::kPrismatic;
+    const std::string note =
+        limitNote(joint, slides, {variant.lower()[dof], variant.upper()[dof]},
+                  {parent.lower()[dof], parent.upper()[dof]});
+    if (!note.empty()) notes.push_back(note);
+  }
+  return notes;
+}
+
 }  // namespace
 
 StoredHand variantHand(const v1::VariantRequest& request, const StoredHand& parent) {
@@ -59,6 +82,8 @@ StoredHand variantHand(const v1::VariantRequest& request, const StoredHand& pare
       fmt::format("a variant of hand {}{}{}; its skin is that hand's{}",
                   handgraft::quoted(parent.name), text.empty() ? "" : ": ", text,
                   variant->shape_changed ? ", bent along, and no new one was wrapped" : ""));
+  for (const std::string& note : notesOnLimits(parent.hand->model(), changes, variant->model))
+    stored.notes.push_back(note);
   stored.mirrored = parent.mirrored;
   for (const hand::NamedPose& pose : parent.poses)
     stored.poses.push_back({pose.name, hand::poseOfVariant(*variant, pose.q)});

@@ -115,6 +115,22 @@ TEST_F(StudyTest, AVariantOfAVariantHasBothChanges) {
   EXPECT_NEAR(told.body().model().hand().sites()[0].p_L_m()[0], 0.0075, 1e-12);
 }
 
+TEST_F(StudyTest, AVariantTellsLimitsInDegrees) {
+  const auto notesOf = [&](const char* name, double upper) {
+    EXPECT_EQ(
+        bus.ask(variant("clamp", name, {change(v1::PROPERTY_UPPER, "hinge", upper)})).error(),
+        v1::ERROR_NONE);
+    return bus.ask(test::describeModel(v1::MODEL_HAND, name, false))
+        .body()
+        .model()
+        .hand()
+        .notes();
+  };
+  const auto told = testing::Contains(HasSubstr("radians, not degrees"));
+  EXPECT_THAT(notesOf("wide", 0.9), testing::Not(told));
+  EXPECT_THAT(notesOf("mistaken", 60.0), told);
+}
+
 TEST_F(StudyTest, TheSameVariantTwiceIsNoConflict) {
   const auto body = variant("clamp", "wide", {change(v1::PROPERTY_UPPER, "hinge", 0.9)});
   EXPECT_EQ(bus.ask(body).error(), v1::ERROR_NONE);

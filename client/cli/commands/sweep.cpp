@@ -152,8 +152,10 @@ int run(const SweepOptions& options, const CommonOptions& common, Interruption& 
   SweepResult result;
   result.hand = request.hand();
   result.axes = options.axes;
-  result.units = unitsOf(options.axes,
-                         server.describe(v1::MODEL_HAND, request.hand(), false).get().hand());
+  const v1::HandDescription described =
+      server.describe(v1::MODEL_HAND, request.hand(), false).get().hand();
+  result.units = unitsOf(options.axes, described);
+  result.notes = notesOn(options.axes, described);
   request.grasps(send(server, sender, found.grasps, files, result));
   result.reply = server.sweep(request).get();
   requireConsistent(result);

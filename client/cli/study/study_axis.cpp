@@ -1,12 +1,13 @@
 #include "client/cli/study/study_axis.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <numbers>
 #include <optional>
-#include <vector>
 
 #include "core/base/error.h"
+#include "core/base/limit_note.h"
 
 namespace handgraft::client {
 
@@ -153,6 +154,26 @@ v1::HandChange changeFrom(const std::string& text) {
   change.target(named.target);
   change.value(inRadians(numberIn(named.values, named, text)));
   return change;
+}
+
+std::vector<std::string> notesOn(const std::vector<StudyAxis>& axes,
+                                 const v1::HandDescription& hand) {
+  std::vector<std::string> notes;
+  for (const StudyAxis& axis : axes) {
+    const bool is_upper = axis.axis.property() == v1::PROPERTY_UPPER;
+    if (!is_upper && axis.axis.property() != v1::PROPERTY_LOWER) continue;
+    const auto [least, most] =
+        std::minmax_element(axis.axis.values().begin(), axis.axis.values().end());
+    for (const v1::JointInfo& joint : hand.joints()) {
+      if (joint.name() != axis.axis.target()) continue;
+      const JointRange own{joint.lower(), joint.upper()};
+      const JointRange limits{is_upper ? own.lower : *least, is_upper ? *most : own.upper};
+      const bool slides = joint.kind() == v1::JOINT_PRISMATIC;
+      const std::string note = limitNote(joint.name(), slides, limits, own);
+      if (!note.empty()) notes.push_back(note);
+    }
+  }
+  return notes;
 }
 
 }  // namespace handgraft::client

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "idl/models.h"
 #include "idl/studies.h"
 
 /// What `--vary` and `--set` say. Errors everywhere: InvalidInput naming the option's text,
@@ -25,5 +27,9 @@ StudyAxis axisFrom(const std::string& text);
 
 /// `NAME.PROPERTY=VALUE`.
 v1::HandChange changeFrom(const std::string& text);
+
+/// A line for each axis whose limits are hardly meant: degrees taken for radians, or mm for m.
+std::vector<std::string> notesOn(const std::vector<StudyAxis>& axes,
+                                 const v1::HandDescription& hand);
 
 }  // namespace handgraft::client

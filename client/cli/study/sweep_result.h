@@ -19,6 +19,7 @@ struct SweepResult {
   std::vector<StudyAxis> axes;
   /// Unit of each axis for people: rad, deg, m, or none for factors.
   std::vector<std::string> units;
+  std::vector<std::string> notes;  ///< on the axes
   v1::SweepReply reply;
 };
 

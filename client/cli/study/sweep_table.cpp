@@ -95,6 +95,7 @@ std::string sweep(const SweepResult& result, int indent) {
                         {"patch_count", best.patches},
                         {"reached_count", best.reached}};
   }
+  document["notes"] = result.notes;
   document["rows"] = Json::array();
   for (const v1::SweepRow& row : result.reply.rows())
     document["rows"].push_back(rowOf(result, row));

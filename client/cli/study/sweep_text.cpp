@@ -164,6 +164,7 @@ std::string sweep(const SweepResult& result) {
     out += fmt::format("no answer for {}: {}\n", plain(result.grasps[row.grasp()].label),
                        plain(row.error()));
   }
+  out += notes(result.notes);
   return out;
 }
 

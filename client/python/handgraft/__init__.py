@@ -22,6 +22,7 @@ import contextlib
 import os
 import pathlib
 import re
+import warnings
 from typing import Any, Iterator, Mapping, Sequence
 
 import numpy as np
@@ -323,8 +324,10 @@ class Session:
         self.edit("joint_lock", "joint_lock", {"joint": joint, "locked": locked})
 
     def limit(self, joint: str, lower: float, upper: float) -> None:
-        """A joint's range, rad or m."""
-        self.edit("joint_limit", "joint_limit", {"joint": joint, "lower": lower, "upper": upper})
+        """A joint's range, rad or m; warns where angles seem to be degrees, or metres millimetres."""
+        said = self.edit("joint_limit", "joint_limit", {"joint": joint, "lower": lower, "upper": upper})
+        if said:
+            warnings.warn(said, stacklevel=2)
 
     def hold(self, joint: str, value: float, weight: float = 1.0) -> None:
         """Holds a joint near a value by so many times the prior's weight; 0 lets it go."""

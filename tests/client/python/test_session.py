@@ -137,6 +137,11 @@ def test_edits_are_answered_by_poses(session):
     assert session.settings()["joints"][0]["upper"] == pytest.approx(joint["model_upper"])
 
 
+def test_limits_in_degrees_are_warned_of(session):
+    with pytest.warns(UserWarning, match="angles are radians, not degrees"):
+        session.limit(session.joint_names[1], 10, 60)
+
+
 def test_an_edit_of_nothing_is_refused(session):
     with pytest.raises(handgraft.Refused, match="no_such_joint"):
         session.lock("no_such_joint")

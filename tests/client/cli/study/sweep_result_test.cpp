@@ -190,6 +190,24 @@ TEST(SweepResult, RefusesPatchesThatAreReachedMoreOftenThanThere) {
   EXPECT_THROW(requireConsistent(result), TransportError);
 }
 
+TEST(SweepResult, TellsAxesInDegrees) {
+  SweepResult result = resultOf({{10.0, 4, 6, 2, 3}, {60.0, 1, 2, 3, 3}});
+  StudyAxis& axis = result.axes[0];
+  axis.axis.property(v1::PROPERTY_UPPER);
+  axis.axis.target("thumb");
+  v1::JointInfo joint;
+  joint.name("thumb");
+  joint.kind(v1::JOINT_REVOLUTE);
+  joint.upper(1.2);
+  v1::HandDescription hand;
+  hand.joints({joint});
+  result.notes = notesOn(result.axes, hand);
+  EXPECT_THAT(text::sweep(result), HasSubstr("note: limits 0 to 60 rad of joint 'thumb'"));
+  EXPECT_THAT(nlohmann::json::parse(json::sweep(result)).at("notes"), testing::SizeIs(1));
+  axis.axis.values() = {0.2, 0.6};
+  EXPECT_THAT(notesOn(result.axes, hand), testing::IsEmpty());
+}
+
 TEST(SweepResult, IsOneDocument) {
   const nlohmann::json document =
       nlohmann::json::parse(json::sweep(resultOf({{0.1, 4, 6, 2, 3}, {0.2, 1, 2, 3, 3}})));

@@ -1,0 +1,30 @@
+#include "core/base/limit_note.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include "core/base/error.h"
+
+namespace handgraft {
+
+std::string limitNote(const std::string& joint,
+                      bool slides,
+                      const JointRange& limits,
+                      const JointRange& own) {
+  // No joint of a hand goes round more than once, and none slides as far as this.
+  constexpr double kTurn_rad = 2.0 * std::numbers::pi;
+  constexpr double kLongestTravel_m = 1.0;
+  const double most = slides ? kLongestTravel_m : kTurn_rad;
+  if (limits.lower >= std::min(-most, own.lower) && limits.upper <= std::max(most, own.upper))
+    return "";
+  return slides ? fmt::format(
+                      "limits {:.4g} to {:.4g} m of joint {} are beyond {:.4g} m; sliders are "
+                      "in metres, not millimetres",
+                      limits.lower, limits.upper, quoted(joint), most)
+                : fmt::format(
+                      "limits {:.4g} to {:.4g} rad of joint {} go round more than once; angles "
+                      "are radians, not degrees",
+                      limits.lower, limits.upper, quoted(joint));
+}
+
+}  // namespace handgraft
