@@ -1,6 +1,8 @@
 #include "core/transfer/patch_chart.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "core/base/error.h"
@@ -65,6 +67,23 @@ bool PatchChart::answers(const geometry::LogMapper& object_O,
 
 double PatchChart::directionAngle(const Eigen::Vector3d& direction_O) const {
   return geometry::referenceAxis(object_O_->mesh(), root_, direction_O).angle;
+}
+
+bool PatchChart::surroundsRoot() const {
+  std::vector<Eigen::Vector2d> loop_T;
+  for (const ChartPoint& point : boundary_)
+    if (point.reached) loop_T.push_back(point.uv_T);
+  constexpr std::size_t kFewest = 3;
+  if (loop_T.size() < kFewest) return true;  // nothing is known
+  double turned = 0.0;
+  for (std::size_t i = 0; i < loop_T.size(); ++i) {
+    const Eigen::Vector2d& a = loop_T[i];
+    const Eigen::Vector2d& b = loop_T[(i + 1) % loop_T.size()];
+    turned += std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
+  }
+  // A whole turn inside, none outside; a root on the boundary itself has half of one.
+  constexpr double kQuarter = std::numbers::pi / 2.0;
+  return std::abs(turned) > kQuarter;
 }
 
 void PatchChart::measure(const LogMap& map) {

@@ -58,6 +58,9 @@ class PatchChart {
 
   [[nodiscard]] const std::vector<ChartRing>& interiorRings() const { return interior_rings_; }
 
+  /// False where the boundary does not go round the root.
+  [[nodiscard]] bool surroundsRoot() const;
+
   /// Distance of the farthest boundary point that is reached.
   [[nodiscard]] double reach() const { return reach_; }
 

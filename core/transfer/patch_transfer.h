@@ -57,7 +57,8 @@ struct PatchTransfer {
   /// Transferred points whose coordinates several sheets of a surface cover; the nearest sheet
   /// was taken.
   int folded = 0;
-  bool is_draft = false;  ///< of a search (staged_transfer.h)
+  bool root_is_outside = false;  ///< the patch's boundary does not go round its root
+  bool is_draft = false;         ///< of a search (staged_transfer.h)
   /// That made the log maps, never kAuto.
   geometry::LogMapMethod method_O = geometry::LogMapMethod::kFast;
   geometry::LogMapMethod method_S = geometry::LogMapMethod::kFast;

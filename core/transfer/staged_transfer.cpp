@@ -178,6 +178,7 @@ PatchTransfer StagedTransfer::lay(const Surfaces& surfaces,
   transfer.method_O = chart->method();
   transfer.method_S = skin_chart->method();
   const Layer layer(skin, *chart, direction_angle, *skin_chart, placement);
+  transfer.root_is_outside = !chart->surroundsRoot();
   transfer.is_draft = is_draft;
   if (!is_draft) transfer.fidelity = shapeKept(*chart, layer);
   Collector collector(skin, is_draft ? surfaces.planes_S.get() : nullptr, layer, patch.weight,

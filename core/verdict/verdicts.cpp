@@ -95,6 +95,27 @@ std::vector<std::string> patchesWithoutPoints(const session::Session& session,
   return names;
 }
 
+/// Less of a patch's points than this is no account of it.
+constexpr double kFewPoints = 0.25;
+
+/// What is to be known of a patch beside how near it comes: the rest of its points counts for
+/// nothing, and a root beside it lays it elsewhere. Empty: nothing.
+std::string remarkOn(const session::SessionPatch& patch) {
+  const transfer::PatchTransfer& laid = patch.transferred;
+  const std::size_t points = laid.correspondences.size();
+  const std::size_t all = points + laid.lost.size();
+  std::string remark;
+  if (static_cast<double>(points) < kFewPoints * static_cast<double>(all)) {
+    remark = fmt::format("only {} of its {} points {} on the hand", points, all,
+                         points == 1 ? "lies" : "lie");
+  }
+  if (laid.root_is_outside) {
+    remark +=
+        fmt::format("{}its root lies outside of its boundary", remark.empty() ? "" : ", and ");
+  }
+  return remark;
+}
+
 std::string spanText(const session::Session& session, const optimize::SpanMisfit& span) {
   return fmt::format("{} and {}: {:.0f} mm apart, the hand's places {} {:.0f}",
                      nameOfPatch(session, span.patch_a), nameOfPatch(session, span.patch_b),
@@ -136,6 +157,7 @@ Verdicts verdictsOf(const session::Session& session,
   verdicts.too_large = findings.tooLarge();
   int asked = 0;
   int reached = 0;
+  std::string remarks;
   for (std::size_t k = 0; k < verdicts.diagnosis.patches.size(); ++k) {
     PatchDiagnosis& patch = verdicts.diagnosis.patches[k];
     const auto clearance = std::find_if(findings.clearances.begin(), findings.clearances.end(),
@@ -147,6 +169,15 @@ Verdicts verdictsOf(const session::Session& session,
       patch.verdict = Verdict::kOutOfReach;
       patch.miss_mm = std::max(patch.miss_mm, 1e3 * clearance->missing_m);
       text = clearanceText(clearance->missing_m);
+    }
+    if (patch.verdict != Verdict::kNone) {
+      const auto index = static_cast<std::size_t>(patch.patch);
+      const std::string& name = nameOfPatch(session, patch.patch);
+      const std::string remark = remarkOn(session.patches()[index]);
+      if (!remark.empty()) {
+        text += "; " + remark;
+        remarks += fmt::format("; {}: {}", name, remark);
+      }
     }
     verdicts.texts.push_back(std::move(text));
     if (patch.verdict != Verdict::kNone) ++asked;
@@ -171,6 +202,7 @@ Verdicts verdictsOf(const session::Session& session,
                                        return !item.dropped.empty();
                                      });
   if (dropped > 0) verdicts.line += fmt::format("; {} more dropped", dropped);
+  verdicts.line += remarks;
   const std::string sizes = lineOf(session, findings);
   if (!sizes.empty()) verdicts.line += "; " + sizes;
   return verdicts;

@@ -20,7 +20,8 @@ struct Verdicts {
 
 /// A patch without clearance is out of reach whatever the pose says: the pose enters the
 /// object. One that is asked for but has no point on the hand counts as not reached, and the
-/// line names it.
+/// line names it. One with less than a quarter of its points on the hand, or its root outside
+/// of its boundary, is judged as any other; text and line say so.
 ///
 /// Errors: BrokenContract unless the report is the problem's and the problem the session's.
 /// Cancelled on wish.

@@ -203,6 +203,21 @@ TEST(PatchTransfer, ReportsPointsBeyondTheEdgeOfTheSkin) {
   EXPECT_THAT(transfer.lost[0].reason, HasSubstr("edge"));
 }
 
+TEST(PatchTransfer, SaysWhetherTheBoundaryGoesRoundTheRoot) {
+  const PlateHand hand;
+  const TriangleMesh object = test::makePlate(40, 40, 0.002);
+  const auto isOutside = [&](const Eigen::Vector3d& root) {
+    const Patch patch = patchThrough(object, root, Eigen::Vector3d::UnitX(), circle(0.01, 12));
+    return transferPatch(object, patch, hand.skin,
+                         placedAt(hand.plate, {0, 0, 0}, Eigen::Vector3d::UnitX()))
+        .root_is_outside;
+  };
+  EXPECT_FALSE(isOutside({0, 0, 0}));
+  EXPECT_FALSE(isOutside({0.006, 0.004, 0}));
+  EXPECT_FALSE(isOutside({0.01, 0, 0})) << "on the boundary";
+  EXPECT_TRUE(isOutside({0.02, 0, 0}));
+}
+
 TEST(PatchTransfer, ReportsPointsWhereTheSkinHasNoLink) {
   const TriangleMesh skin_mesh = test::makePlate(30, 30, 0.002);
   const auto model = test::makeRigidHand(test::makePlate(10, 10, 0.002));

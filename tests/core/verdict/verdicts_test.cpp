@@ -20,6 +20,18 @@ Verdicts solvedAndJudged(session::Session& session) {
                     check.of(session, *session.solvedProblem()));
 }
 
+/// The middle of the ball's face that lies farthest in a direction.
+geometry::SurfacePoint facePointTowards(const geometry::TriangleMesh& ball,
+                                        const Eigen::Vector3d& direction) {
+  geometry::SurfacePoint farthest{0, Eigen::Vector3d::Constant(1.0 / 3.0)};
+  for (int face = 0; face < ball.faceCount(); ++face) {
+    const geometry::SurfacePoint middle{face, Eigen::Vector3d::Constant(1.0 / 3.0)};
+    if (positionOf(ball, middle).dot(direction) > positionOf(ball, farthest).dot(direction))
+      farthest = middle;
+  }
+  return farthest;
+}
+
 TEST(Verdicts, AllReachedIsSaidInOneLine) {
   const test::BallGrasp grasp;
   session::Session session = grasp.open();
@@ -63,13 +75,7 @@ TEST(Verdicts, APatchWithoutAPointOnTheHandIsNotReachedAndNamed) {
   // Seen from the ball's other side the patch lies farther away than the finger is long.
   const geometry::TriangleMesh& ball = *grasp.ball;
   const geometry::SurfacePoint root = grasp.contacts.patches[2].root;
-  const Eigen::Vector3d away = -positionOf(ball, root).normalized();
-  geometry::SurfacePoint opposite{0, Eigen::Vector3d::Constant(1.0 / 3.0)};
-  for (int face = 0; face < ball.faceCount(); ++face) {
-    const geometry::SurfacePoint middle{face, Eigen::Vector3d::Constant(1.0 / 3.0)};
-    if (positionOf(ball, middle).dot(away) > positionOf(ball, opposite).dot(away))
-      opposite = middle;
-  }
+  const geometry::SurfacePoint opposite = facePointTowards(ball, -positionOf(ball, root));
   session.apply(session::PatchRootEdit{"middle", session::Side::kObject, opposite});
   const Verdicts verdicts = solvedAndJudged(session);
   EXPECT_THAT(verdicts.line,
@@ -77,6 +83,33 @@ TEST(Verdicts, APatchWithoutAPointOnTheHandIsNotReachedAndNamed) {
   EXPECT_EQ(verdicts.diagnosis.patches.size(), 2U);
   session.apply(session::PatchEnabledEdit{"middle", false});
   EXPECT_THAT(solvedAndJudged(session).line, Not(HasSubstr("middle")));
+}
+
+TEST(Verdicts, TellOfHowFewPointsAPatchIsReached) {
+  test::BallGrasp grasp;
+  std::vector<geometry::SurfacePoint>& points =
+      grasp.contacts.patches[2].interpolation_boundary;
+  const Eigen::Vector3d away = -positionOf(*grasp.ball, points[0]).normalized();
+  for (std::size_t i = 4; i < points.size(); ++i)
+    points[i] = facePointTowards(*grasp.ball, away);
+  session::Session session = grasp.open();
+  const Verdicts verdicts = solvedAndJudged(session);
+  EXPECT_THAT(verdicts.line, testing::ContainsRegex(
+                                 "; middle: only [1-5] of its 25 points lies? on the hand"));
+  EXPECT_THAT(verdicts.texts.at(2), HasSubstr("only "));
+  EXPECT_THAT(verdicts.texts.at(1), Not(HasSubstr("only ")));
+}
+
+TEST(Verdicts, TellThatARootLiesOutsideOfItsBoundary) {
+  const test::BallGrasp grasp;
+  session::Session session = grasp.open();
+  // The patch's radius is 7 mm.
+  const Eigen::Vector3d root = positionOf(*grasp.ball, grasp.contacts.patches[2].root);
+  session.apply(session::PatchRootEdit{
+      "middle", session::Side::kObject,
+      facePointTowards(*grasp.ball, root + Eigen::Vector3d(0.0, 0.0, -0.015))});
+  const Verdicts verdicts = solvedAndJudged(session);
+  EXPECT_THAT(verdicts.line, HasSubstr("; middle: its root lies outside of its boundary"));
 }
 
 TEST(Verdicts, TellWhatIsKnownOfSizesBeforeASearch) {
