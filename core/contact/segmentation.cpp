@@ -119,6 +119,8 @@ class Segmenter {
   ContactSet run() {
     if (options_.rule == ThresholdRule::kOtsu)
       note("threshold by Otsu's rule: {:.3g}", threshold_);
+    else
+      tellAnotherScale();
     if (options_.joints_O && !namesFingers()) {
       const Group all = groupOf("", [](int) {
         return true;
@@ -141,6 +143,17 @@ class Segmenter {
   template <class... Args>
   void note(fmt::format_string<Args...> format, Args&&... args) {
     set_.notes.push_back(fmt::format(format, std::forward<Args>(args)...));
+  }
+
+  /// Contact is a share, 0 to 1, for most who write it; bytes and forces are other scales.
+  void tellAnotherScale() {
+    constexpr double kNoShare = 1.5;  // leaves room for shares that are not quite
+    const double most = map_.value.size() > 0 ? map_.value.maxCoeff() : 0.0;
+    if (most < kNoShare || threshold_ >= 1.0) return;
+    note(
+        "contact up to {:.4g} is no share from 0 to 1, and all above the threshold {:.3g} "
+        "counts; as a share of the largest that would be a threshold of {:.3g}",
+        most, threshold_, threshold_ * most);
   }
 
   [[nodiscard]] bool touches(int v) const { return map_.value[v] > threshold_; }

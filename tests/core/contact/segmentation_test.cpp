@@ -210,6 +210,19 @@ TEST(Segment, TakesNamelessLabelsApart) {
   EXPECT_THAT(namesOf(segment(map, {})), ElementsAre("c1", "c2"));
 }
 
+TEST(Segment, TellsContactOnAnotherScale) {
+  ContactMap map = emptyMap();
+  touchDisk(map, 0.0, 0.0, 0.012);
+  EXPECT_THAT(segment(map, {}).notes, testing::IsEmpty());
+  map.value *= 255.0;
+  EXPECT_THAT(segment(map, {}).notes,
+              ElementsAre(testing::AllOf(HasSubstr("up to 255"), HasSubstr("threshold 0.4"),
+                                         HasSubstr("a threshold of 102"))));
+  SegmentationOptions options;
+  options.threshold = 102.0;
+  EXPECT_THAT(segment(map, options).notes, testing::IsEmpty());
+}
+
 TEST(Segment, SaysWhatThereWasWhenNothingIsLeft) {
   ContactMap map = emptyMap();
   touchDisk(map, 0.0, 0.0, 0.002);
