@@ -285,6 +285,12 @@ std::string Editor::movedAgain(const Match& bend) {
 CommandOutput Editor::editAt(const Match& match) {
   std::optional<v1::EditTime> when;
   if (!match.values.empty()) {
+    if (session_->state().motion().empty()) {
+      rejectInput(
+          "at {:.6g} s: session {} holds a grasp, no motion, and has no times; edits hold as "
+          "they are",
+          match.values[0].number, session_->id());
+    }
     when.emplace();
     when->time_s(match.values[0].number);
     if (match.values.size() > 1) when->falloff_s(match.values[1].number);

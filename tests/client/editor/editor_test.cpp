@@ -328,6 +328,18 @@ TEST_F(EditorTest, SaysWhoseTheLastEditWas) {
   EXPECT_THAT(shown, HasSubstr("lock slide (by client abababab)"));
 }
 
+TEST_F(EditorTest, AGraspHasNoTimes) {
+  try {
+    output("at 1");
+    FAIL() << "a time was taken";
+  } catch (const InvalidInput& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("at 1 s"), HasSubstr("no motion")));
+  }
+  EXPECT_THAT(output("lock bend"), HasSubstr("revision 1")) << "edits go on";
+  ASSERT_EQ(edit_server_.edits().size(), 1U);
+  EXPECT_TRUE(edit_server_.edits()[0].when().empty());
+}
+
 TEST_F(EditorTest, QuitEndsAScript) {
   EXPECT_EQ(failureOfScript("quit\nlock bend\n").exit_code, 0);
   EXPECT_TRUE(editor_.finished());
