@@ -13,6 +13,7 @@
 
 #include "core/base/error.h"
 #include "core/contact/reproject.h"
+#include "core/contact/threshold.h"
 #include "core/geometry/tangent.h"
 #include "core/hand/finger_coordinates.h"
 #include "core/hand/hand_parts.h"
@@ -106,6 +107,48 @@ void dropUnmet(const std::vector<double>& away_m,
   set.patches = std::move(kept);
 }
 
+/// Of each digit, all of its segments together, in contact above the threshold; m^2.
+std::map<std::string, double> touchedAreas(const contact::ContactMap& map,
+                                           const contact::SegmentationOptions& segmentation) {
+  const double threshold = contact::thresholdOf(map, segmentation);
+  const Eigen::VectorXd areas = contact::vertexAreas(map.mesh_O);
+  std::map<std::string, double> touched;
+  for (int v = 0; v < map.mesh_O.vertexCount(); ++v) {
+    const int label = map.label[static_cast<std::size_t>(v)];
+    if (label < 0 || !(map.value[v] > threshold)) continue;
+    const std::string& part = map.segment_parts[static_cast<std::size_t>(label)];
+    const auto place = hand::placeNamed(part);
+    touched[place ? place->digit : part] += areas[v];
+  }
+  return touched;
+}
+
+/// Which digits touch nothing, and which too little for a patch.
+std::vector<std::string> notesOnIdle(const std::vector<std::string>& idle,
+                                     const contact::ContactMap& map,
+                                     const contact::SegmentationOptions& segmentation) {
+  constexpr double kSquareMillimetres = 1e6;
+  if (idle.empty()) return {};
+  const std::map<std::string, double> touched = touchedAreas(map, segmentation);
+  std::vector<std::string> notes;
+  std::vector<std::string> apart;
+  for (const std::string& digit : idle) {
+    const auto area = touched.find(digit);
+    if (area == touched.end()) {
+      apart.push_back(digit);
+      continue;
+    }
+    notes.push_back(fmt::format(
+        "{} touches too little: {:.1f} mm2 in all; a patch has {:.1f} mm2 in one piece at "
+        "least",
+        quoted(digit), kSquareMillimetres * area->second,
+        kSquareMillimetres * segmentation.minimum_area_m2));
+  }
+  if (!apart.empty())
+    notes.push_back(fmt::format("touches nothing: {}", fmt::join(apart, ", ")));
+  return notes;
+}
+
 }  // namespace
 
 std::vector<contact::PosedSurface> posedSurfaces(const hand::HandModel& model,
@@ -176,8 +219,8 @@ PosedContacts contactsOfPosedHand(const hand::Hand& hand,
   std::vector<std::string> idle;
   for (const hand::NamedDigit& digit : coordinates.anatomy().digits)
     if (!patches_of_digit.contains(digit.name)) idle.push_back(digit.name);
-  if (!idle.empty())
-    result.set.notes.push_back(fmt::format("touches nothing: {}", fmt::join(idle, ", ")));
+  for (const std::string& note : notesOnIdle(idle, map, segmentation))
+    result.set.notes.push_back(note);
 
   const bool is_refined = map.mesh_O.vertexCount() != object_O.vertexCount() ||
                           map.mesh_O.faces() != object_O.faces();

@@ -29,7 +29,7 @@ struct PosedContacts {
 /// Where a posed hand touches an object, as patches: of each segment of a digit and of the palm
 /// as contact::segment makes them, with its place on the hand and its direction along the bone
 /// towards the wrist (hand/finger_coordinates.h), and how all its parts are turned. Digits that
-/// touch nothing are noted.
+/// touch nothing, or too little for a patch, are noted.
 ///
 /// Frames: pose in W, object and result in O. Errors: InvalidInput as contactsFromPose (the
 /// hand touches nothing: how far it is) and segment. Cancelled on wish. Cost: that of

@@ -157,6 +157,21 @@ TEST_F(SmallHandAboutABox, NamesPatchesLikeTheSitesOfTheirFingers) {
                                           "middle_distal", "f7_proximal", "f7_distal"));
 }
 
+TEST_F(SmallHandAboutABox, TellsFingersThatTouchTooLittle) {
+  contact::SegmentationOptions segmentation;
+  segmentation.minimum_area_m2 = 5e-5;
+  const auto notesAt = [&](double opening) {
+    pose_.q[2] = -opening;  // index_1
+    return contactsOfPosedHand(hand(), pose_, box_O_, X_WO_, {}, segmentation, Progress())
+        .set.notes;
+  };
+  EXPECT_THAT(notesAt(0.125), testing::Contains(testing::ContainsRegex(
+                                  "'index' touches too little: [0-9.]+ mm2 in all; a patch has "
+                                  "50.0 mm2")));
+  EXPECT_THAT(notesAt(0.125), testing::Not(testing::Contains("touches nothing: index")));
+  EXPECT_THAT(notesAt(0.2), testing::Contains("touches nothing: index"));
+}
+
 TEST_F(SmallHandAboutABox, KeepsTheMapItWasFoundIn) {
   const contact::ContactMap map = contacts().map;
   EXPECT_NO_THROW(contact::validate(map));
