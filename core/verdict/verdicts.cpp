@@ -185,8 +185,9 @@ Verdicts verdictsOf(const session::Session& session,
   }
   std::string without;
   if (const optimize::PatchLeftOut& one = verdicts.diagnosis.left_out; one.patch >= 0) {
-    without = fmt::format("; without {} {} of {} would be", nameOfPatch(session, one.patch),
-                          one.reached, one.others);
+    // What follows an edit is a short search, which may not come as far.
+    without = fmt::format("; solved without {} {} of {} would be",
+                          nameOfPatch(session, one.patch), one.reached, one.others);
   }
   const std::vector<std::string> pointless = patchesWithoutPoints(session, verdicts.diagnosis);
   asked += static_cast<int>(pointless.size());

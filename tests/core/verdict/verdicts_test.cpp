@@ -112,6 +112,18 @@ TEST(Verdicts, TellThatARootLiesOutsideOfItsBoundary) {
   EXPECT_THAT(verdicts.line, HasSubstr("; middle: its root lies outside of its boundary"));
 }
 
+TEST(Verdicts, PromiseOfASolveWhatAPatchLeftOutWouldBring) {
+  const test::BallGrasp grasp;
+  session::Session session = grasp.open();
+  // Too far round the ball for its finger, and heavy: it turns the hand away from the others.
+  session.apply(
+      session::PatchRootEdit{"middle", session::Side::kObject,
+                             facePointTowards(*grasp.ball, Eigen::Vector3d(0.5, -1.0, -0.5))});
+  session.apply(session::PatchWeightEdit{"middle", 1e3});
+  EXPECT_THAT(solvedAndJudged(session).line,
+              HasSubstr("; solved without middle 2 of 2 would be"));
+}
+
 TEST(Verdicts, TellWhatIsKnownOfSizesBeforeASearch) {
   const test::BallGrasp grasp;
   session::Session session = grasp.open();
