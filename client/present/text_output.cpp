@@ -65,6 +65,26 @@ std::string wrapped(const std::string& text) {
   return out + line + "\n";
 }
 
+namespace {
+
+/// Which angle the verdicts judge, where the table's could be taken for it.
+std::string normalsLegend(const v1::PoseSolution& solution) {
+  constexpr double kFacing_deg = 60.0;  // what a verdict permits (core/optimize/diagnosis.h)
+  const bool puzzles = std::any_of(
+      solution.patches().begin(), solution.patches().end(), [](const v1::PatchFit& patch) {
+        const v1::Verdict verdict = patch.diagnosis().verdict();
+        return verdict == v1::VERDICT_NORMALS_IN_CONFLICT ||
+               (verdict == v1::VERDICT_REACHED && patch.normal_deg() > kFacing_deg);
+      });
+  if (!puzzles) return "";
+  return fmt::format(
+      "normal deg is the mean over a patch's points; judged is the angle between the mean "
+      "normals of both sides, at most {:.0f} deg\n",
+      kFacing_deg);
+}
+
+}  // namespace
+
 std::string shortfalls(const v1::PoseSolution& solution) {
   std::string lines;
   for (const v1::PatchFit& patch : solution.patches()) {
@@ -72,7 +92,7 @@ std::string shortfalls(const v1::PoseSolution& solution) {
     if (diagnosis.verdict() == v1::VERDICT_REACHED || diagnosis.text().empty()) continue;
     lines += wrapped(fmt::format("{}: {}", patch.name(), diagnosis.text()));
   }
-  return lines;
+  return lines + normalsLegend(solution);
 }
 
 std::vector<std::string> limitNames(const std::vector<v1::JointLimit>& limits) {

@@ -42,7 +42,8 @@ std::string listed(const std::vector<std::string>& items);
 /// indented: none of it is left out. A longer word has a line of its own.
 std::string wrapped(const std::string& text);
 
-/// What keeps patches away: a paragraph each of those that are not reached.
+/// What keeps patches away: a paragraph each of those that are not reached; and which angle is
+/// judged, where the tables' could be taken for it.
 std::string shortfalls(const v1::PoseSolution& solution);
 
 /// A line each: `note: ...`.

@@ -61,7 +61,8 @@ std::string textOf(const hand::HandModel& model, const PatchDiagnosis& patch, do
     case Verdict::kNone:
       return "switched off";
     case Verdict::kReached:
-      return fmt::format("{:.1f} mm off on average", mean_mm);
+      return fmt::format("{:.1f} mm off on average, mean normals {:.0f} degrees apart", mean_mm,
+                         patch.facing_deg);
     case Verdict::kAtLimit:
       return atLimitText(model, patch, mean_mm);
     case Verdict::kOutOfReach:

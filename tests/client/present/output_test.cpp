@@ -203,6 +203,16 @@ TEST(GraspText, ShowsEachPatchWhatWasDroppedAndTheLimits) {
   EXPECT_THAT(text, HasSubstr("solve 12 ms"));
 }
 
+TEST(GraspText, TellsWhichAngleIsJudgedWhereTheTableMisleads) {
+  GraspResult result = exampleGrasp();
+  v1::PatchFit& patch = result.solution.patches()[0];
+  patch.diagnosis().verdict(v1::VERDICT_REACHED);
+  patch.normal_deg(58.0);
+  EXPECT_THAT(text::grasp(result), testing::Not(HasSubstr("judged")));
+  patch.normal_deg(62.0);
+  EXPECT_THAT(text::grasp(result), HasSubstr("judged is the angle between the mean normals"));
+}
+
 TEST(GraspText, TellsAllThatTheObjectiveIsTheSumOf) {
   GraspResult result = exampleGrasp();
   v1::Terms& terms = result.solution.terms();

@@ -2,6 +2,7 @@
 
 #include "core/verdict/verdicts.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -40,6 +41,9 @@ TEST(Verdicts, AllReachedIsSaidInOneLine) {
   EXPECT_FALSE(verdicts.too_large);
   ASSERT_EQ(verdicts.texts.size(), 3U);
   EXPECT_THAT(verdicts.texts[0], HasSubstr("mm off on average"));
+  EXPECT_THAT(verdicts.texts[0],
+              HasSubstr(fmt::format("mean normals {:.0f} degrees apart",
+                                    verdicts.diagnosis.patches[0].facing_deg)));
 }
 
 TEST(Verdicts, NameTheLimitsThatKeepAFingerOpen) {
