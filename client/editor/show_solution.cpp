@@ -97,9 +97,8 @@ CommandOutput tellSolution(const v1::PoseSolution& solution,
                     solution.is_diagnosed() ? nameOf(patch.diagnosis().verdict()) : ""});
   }
   output.text = text::table(rows, "lrrrrrl") + "\n" + text::shortfalls(solution);
-  output.text +=
-      fmt::format("{}, by {} after {} evaluations\n", text::terms(solution.terms(), weights),
-                  plain(solution.solver()), solution.evaluations());
+  output.text += fmt::format("{}, by {} after {} evaluations\n", text::terms(solution, weights),
+                             plain(solution.solver()), solution.evaluations());
   for (const v1::PinnedPoint& place : solution.held()) {
     output.text += fmt::format("held: {}, {:.1f} mm off its place, weight {:.4g}\n",
                                plain(place.link()), 1e3 * place.miss_m(), place.weight());

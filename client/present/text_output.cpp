@@ -116,7 +116,21 @@ std::string notes(const std::vector<std::string>& notes) {
   return lines;
 }
 
-std::string terms(const v1::Terms& terms, const std::optional<v1::Weights>& weights) {
+namespace {
+
+/// What penetration is charged for in a pose that is not seen to enter the object.
+std::string chargedFor(const v1::PoseSolution& solution) {
+  if (solution.penetration().empty() || solution.penetration()[0].max_depth_m() > 0.0)
+    return "";
+  return solution.penetration()[0].self_depth_m() > 0.0
+             ? " for links in each other, and for margins"
+             : " for margins: a hand that touches is kept a little off";
+}
+
+}  // namespace
+
+std::string terms(const v1::PoseSolution& solution, const std::optional<v1::Weights>& weights) {
+  const v1::Terms& terms = solution.terms();
   if (!weights) {
     return fmt::format("distance {:.4g} m2, normal {:.4g}, prior {:.4g}", terms.distance_m2(),
                        terms.normal(), terms.prior());
@@ -126,7 +140,7 @@ std::string terms(const v1::Terms& terms, const std::optional<v1::Weights>& weig
                   weights->distance(), terms.distance_m2(), weights->normal(), terms.normal(),
                   weights->prior(), terms.prior());
   if (const double charge = idl::penetrationCharge(terms, *weights); charge > 0.0)
-    line += fmt::format(", penetration {:.4g}", charge);
+    line += fmt::format(", penetration {:.4g}{}", charge, chargedFor(solution));
   return line;
 }
 
@@ -352,7 +366,7 @@ std::string grasp(const GraspResult& result) {
 
   out +=
       fmt::format("objective {:.6g} ({}), {} by {} after {} evaluations\n",
-                  solution.terms().objective(), terms(solution.terms(), result.weights),
+                  solution.terms().objective(), terms(solution, result.weights),
                   nameOf(solution.outcome()), plain(solution.solver()), solution.evaluations());
   out += fmt::format("joints at limits: {}\n",
                      solution.joints_at_limit().empty()

@@ -49,8 +49,9 @@ std::string shortfalls(const v1::PoseSolution& solution);
 /// A line each: `note: ...`.
 std::string notes(const std::vector<std::string>& notes);
 
-/// The terms of an objective; with the weights, all that it is the sum of.
-std::string terms(const v1::Terms& terms, const std::optional<v1::Weights>& weights);
+/// The terms of a solution's objective; with the weights, all that it is the sum of, and what
+/// penetration is charged for where none is seen in the object.
+std::string terms(const v1::PoseSolution& solution, const std::optional<v1::Weights>& weights);
 
 /// Rows in columns as wide as they need on a terminal. `alignment` has a letter a column, `l`
 /// or `r`, the last one for all that follow.

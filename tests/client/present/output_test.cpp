@@ -229,6 +229,13 @@ TEST(GraspText, TellsAllThatTheObjectiveIsTheSumOf) {
   EXPECT_THAT(text::grasp(result),
               HasSubstr("objective 103 (distance 10000 x 0.01 m2, normal 1 x 2, prior "
                         "0.001 x 250, penetration 0.75), "));
+  // What is charged is explained where nothing is in the object.
+  v1::Penetration& depth = result.solution.penetration().emplace_back();
+  EXPECT_THAT(text::grasp(result), HasSubstr("penetration 0.75 for margins"));
+  depth.self_depth_m(0.001);
+  EXPECT_THAT(text::grasp(result), HasSubstr("penetration 0.75 for links in each other"));
+  depth.max_depth_m(0.002);
+  EXPECT_THAT(text::grasp(result), HasSubstr("penetration 0.75), "));
   terms.objective(102.25);
   EXPECT_THAT(text::grasp(result), HasSubstr("prior 0.001 x 250), "));
 }
