@@ -41,6 +41,20 @@ std::string begins(const std::filesystem::path& path, std::size_t count) {
   return bytes;
 }
 
+TEST(Motion, OfAGraspIsNotExported) {
+  const SharedSkins skins;
+  const Service service;
+  const json grasp = service.ask(
+      {"grasp", "--hand", "human20", "--object", "lemon", "--contacts", "lemon_6", "--keep"});
+  const std::string session = std::to_string(grasp.at("session_id").get<std::uint64_t>());
+  const auto file = scratchDirectory() / "grasp.json";
+  const Finished refused =
+      service.client({"motion", "export", session, "--out", file.string()});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("no motion"), HasSubstr("handgraft export")));
+  EXPECT_FALSE(std::filesystem::exists(file));
+}
+
 TEST(Motion, ABoxIsPulledOffAShelfAndTurned) {
   const SharedSkins skins;
   const Service service;

@@ -237,6 +237,7 @@ struct ExportOptions {
   std::uint64_t session_id = 0;
   std::string format;
   std::filesystem::path out;
+  bool is_of_motion = false;  ///< asked for by `motion export`
 };
 
 struct SaveOptions {

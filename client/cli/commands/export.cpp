@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "client/cli/commands/commands.h"
 #include "client/gateway/page_file.h"
@@ -24,6 +25,10 @@ int run(const ExportOptions& options, const CommonOptions& common, Interruption&
   if (options.format == kHtml) page = gateway::readWebFiles(gateway::webFolder());
   Client server(interactiveClient(common.network, Absence::kFail, interruption));
   const std::uint64_t session_id = sessionMeant(server, options.session_id);
+  if (options.is_of_motion && server.describeSession(session_id).get().motion().empty()) {
+    rejectInput("session {} holds a grasp, no motion; handgraft export writes it: {}",
+                session_id, fmt::join(exportFormats(), ", "));
+  }
   if (options.format == kHtml) {
     writeFile(options.out, gateway::pageFile(server, session_id, page));
   } else {

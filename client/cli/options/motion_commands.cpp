@@ -395,7 +395,7 @@ void addMotionExport(CLI::App& motion, CommandOptions& chosen) {
     const bool is_page = std::filesystem::path(parsed->out).extension() == ".html";
     const MotionFile file =
         is_page ? MotionFile{parsed->out, "html"} : motionFileFrom(parsed->out, ", .html");
-    chosen = ExportOptions{parsed->session_id, file.format, file.path};
+    chosen = ExportOptions{parsed->session_id, file.format, file.path, true};
   });
 }
 

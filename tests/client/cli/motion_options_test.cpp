@@ -57,6 +57,7 @@ TEST(MotionOptions, ExportKnowsItsFormatByTheEnding) {
   EXPECT_EQ(parsedAs<ExportOptions>({"export", "3", "--out", "a.html"}).format, "html");
   EXPECT_EQ(parsedAs<ExportOptions>({"export", "3", "--out", "a.yaml"}).format,
             "ros_trajectory");
+  EXPECT_TRUE(parsedAs<ExportOptions>({"export", "3", "--out", "a.json"}).is_of_motion);
 }
 
 TEST(MotionOptions, SayWhatIsWrong) {
