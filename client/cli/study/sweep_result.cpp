@@ -112,14 +112,19 @@ std::vector<SweepPoint> pointsOf(const SweepResult& result) {
   return points;
 }
 
+bool isBetter(const SweepPoint& a, const SweepPoint& b) {
+  if (a.solved != b.solved) return a.solved > b.solved;
+  const auto tenths = [](const SweepPoint& point) {
+    return std::lround(10.0 * point.reached);  // shares of a motion's frames: as countText
+  };
+  if (tenths(a) != tenths(b)) return tenths(a) > tenths(b);
+  return a.mean_mm < b.mean_mm;
+}
+
 std::size_t bestOf(const std::vector<SweepPoint>& points) {
   std::size_t best = 0;
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    const bool is_better =
-        points[i].solved > points[best].solved ||
-        (points[i].solved == points[best].solved && points[i].mean_mm < points[best].mean_mm);
-    if (is_better) best = i;
-  }
+  for (std::size_t i = 1; i < points.size(); ++i)
+    if (isBetter(points[i], points[best])) best = i;
   return best;
 }
 

@@ -64,7 +64,11 @@ void requireConsistent(const SweepResult& result);
 /// In the order of the combinations. NaN distances where no grasp has an answer.
 std::vector<SweepPoint> pointsOf(const SweepResult& result);
 
-/// Of the points with the most answers, the one of least mean distance; the first of equals.
+/// Whether a point stands before another: by its answers, then by the patches that it reaches
+/// as people are shown them, then by its mean distance.
+bool isBetter(const SweepPoint& a, const SweepPoint& b);
+
+/// The one that no other is better than; the first of equals.
 std::size_t bestOf(const std::vector<SweepPoint>& points);
 
 /// The other points that cannot be told from the best one by what people are shown: answers,

@@ -122,8 +122,7 @@ std::string sweep(const SweepResult& result) {
     order[i] = i;
   if (result.axes.size() > 1) {
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-      return points[a].solved != points[b].solved ? points[a].solved > points[b].solved
-                                                  : points[a].mean_mm < points[b].mean_mm;
+      return isBetter(points[a], points[b]);
     });
     order.resize(std::min(order.size(), kShownPoints));
   }

@@ -77,6 +77,13 @@ TEST(SweepResult, APointWithoutAllGraspsIsNoBest) {
   EXPECT_EQ(bestOf(pointsOf(result)), 1u);
 }
 
+TEST(SweepResult, ReachingAPatchMoreIsBetterThanLyingNearer) {
+  const SweepResult result =
+      resultOf({{0.1, 1.0, 1.0, 2, 3}, {0.2, 3.0, 3.0, 3, 3}, {0.3, 2.5, 2.5, 3, 3}});
+  EXPECT_EQ(bestOf(pointsOf(result)), 2u);
+  EXPECT_THAT(text::sweep(result), HasSubstr("best: thumb.upper = 0.3 rad, mean 2.50 mm"));
+}
+
 TEST(SweepResult, FindsWhereTheFirstPatchIsLost) {
   // Not in the order of the values, which are 0.1 to 0.5.
   const SweepResult result = resultOf({{0.5, 3, 3, 3, 3},
