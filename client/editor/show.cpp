@@ -83,7 +83,7 @@ std::string nameOf(const v1::ClientId& client, const v1::ClientId& own) {
   const bool is_nobody = std::all_of(client.begin(), client.end(), [](std::uint8_t byte) {
     return byte == 0;
   });
-  if (is_nobody) return "nobody";
+  if (is_nobody) return "an earlier client";  // of a server before this one
   return fmt::format("client {:02x}{:02x}{:02x}{:02x}", client[0], client[1], client[2],
                      client[3]);
 }

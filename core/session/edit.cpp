@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "core/base/utf8.h"
+#include "core/hand/hand_model.h"
 
 namespace handgraft::session {
 namespace {
@@ -55,24 +56,25 @@ std::string text(const PatchDirectionEdit& edit) {
                      edit.angle_rad / kDegree);
 }
 
-std::string text(const JointLimitEdit& edit) {
-  return fmt::format("limit {} {:.6g} to {:.6g}", shortened(edit.joint), edit.lower,
-                     edit.upper);
+std::string text(const JointLimitEdit& edit, const std::string& unit = "") {
+  return fmt::format("limit {} {:.6g} to {:.6g}{}", shortened(edit.joint), edit.lower,
+                     edit.upper, unit);
 }
 
 std::string text(const JointLockEdit& edit) {
   return fmt::format("{} {}", edit.locked ? "lock" : "unlock", shortened(edit.joint));
 }
 
-std::string text(const JointSoftEdit& edit) {
-  return edit.weight > 0.0 ? fmt::format("soft {} {:.6g} weight {:.6g}", shortened(edit.joint),
-                                         edit.value, edit.weight)
+std::string text(const JointSoftEdit& edit, const std::string& unit = "") {
+  return edit.weight > 0.0 ? fmt::format("soft {} {:.6g}{} weight {:.6g}",
+                                         shortened(edit.joint), edit.value, unit, edit.weight)
                            : fmt::format("soft {} off", shortened(edit.joint));
 }
 
-std::string text(const PriorEdit& edit) {
+std::string text(const PriorEdit& edit, const std::string& unit = "") {
   if (edit.joints.size() == 1 && edit.q.size() == 1 && !edit.X_WH) {
-    return fmt::format("joint {} {:.6g}", shortened(edit.joints.front()), edit.q.front());
+    return fmt::format("joint {} {:.6g}{}", shortened(edit.joints.front()), edit.q.front(),
+                       unit);
   }
   return edit.X_WH ? fmt::format("pose of the hand and {} joints", edit.joints.size())
                    : fmt::format("pose of {} joints", edit.joints.size());
@@ -133,7 +135,26 @@ std::string text(const RemoveTimedEdit& edit) {
   return fmt::format("take back {}", edit.index + 1);
 }
 
+/// Of a joint's values, with a space before; empty for joints that the hand does not have.
+std::string unitBehind(const hand::HandModel& model, const std::string& joint) {
+  for (int dof = 0; dof < model.dofCount(); ++dof)
+    if (model.dofJoint(dof).name == joint)
+      return model.dofJoint(dof).type == hand::JointType::kPrismatic ? " m" : " rad";
+  return "";
+}
+
 }  // namespace
+
+std::string describe(const Edit& edit, const hand::HandModel& model) {
+  if (const auto* limit = std::get_if<JointLimitEdit>(&edit))
+    return text(*limit, unitBehind(model, limit->joint));
+  if (const auto* soft = std::get_if<JointSoftEdit>(&edit))
+    return text(*soft, unitBehind(model, soft->joint));
+  const auto* prior = std::get_if<PriorEdit>(&edit);
+  if (prior != nullptr && prior->joints.size() == 1)
+    return text(*prior, unitBehind(model, prior->joints.front()));
+  return describe(edit);
+}
 
 std::string describe(const Edit& edit) {
   return std::visit(

@@ -353,6 +353,10 @@ using Edit = std::variant<ObjectPoseEdit,
 /// middle_tip". What it quotes is on one line and cut short.
 std::string describe(const Edit& edit);
 
+/// The same with the units of a joint's values, as this hand has it: "limit thumb_mcp 0 to 0.6
+/// rad".
+std::string describe(const Edit& edit, const hand::HandModel& model);
+
 /// What is edited at a time, without the time.
 std::string describe(const TimedChange& change);
 

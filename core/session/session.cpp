@@ -108,9 +108,10 @@ EditResult Session::apply(const Edit& edit, const Progress& progress, const Keep
   if (isOfHistory(logged)) {
     result.message = travel(logged, next);
   } else {
+    std::string label = describe(logged, *hand().model);
     Edited edited = applied(logged, derived_, *cache_, progress);
     result.message = std::move(edited.message);
-    next.edit(std::move(edited.document), describe(logged));
+    next.edit(std::move(edited.document), std::move(label));
   }
   derived_.follow(next.present(), progress);
   result.revision = revision_ + 1;

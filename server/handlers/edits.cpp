@@ -82,7 +82,8 @@ v1::EditReply applyEdit(LiveSession& live,
     };
   }
   session::EditResult result = session.apply(change, live.solves(), keep);
-  live.noteEdit({result.revision, session::describe(change), edit.client()});
+  live.noteEdit(
+      {result.revision, session::describe(change, *session.hand().model), edit.client()});
   v1::EditReply reply;
   reply.revision(result.revision);
   reply.message(std::move(result.message));

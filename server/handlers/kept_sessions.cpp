@@ -48,7 +48,7 @@ void play(LiveSession& live,
     const session::LogEntry entry = io::readEntryText(text);
     if (const auto* edit = std::get_if<session::Edit>(&entry)) {
       const session::EditResult result = session.apply(*edit, progress);
-      live.noteEdit({result.revision, session::describe(*edit), {}});
+      live.noteEdit({result.revision, session::describe(*edit, *session.hand().model), {}});
     } else if (const auto* solve =
                    std::get_if<std::shared_ptr<const session::CommittedSolve>>(&entry)) {
       session.commit(**solve);

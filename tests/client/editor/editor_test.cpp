@@ -328,6 +328,13 @@ TEST_F(EditorTest, SaysWhoseTheLastEditWas) {
   EXPECT_THAT(shown, HasSubstr("lock slide (by client abababab)"));
 }
 
+TEST(Clients, ThatAServerBeforeKnewHaveNoNames) {
+  v1::ClientId own{};
+  own.fill(0xab);
+  EXPECT_EQ(nameOf(own, own), "you");
+  EXPECT_EQ(nameOf(v1::ClientId{}, own), "an earlier client");
+}
+
 TEST_F(EditorTest, AGraspHasNoTimes) {
   try {
     output("at 1");

@@ -88,7 +88,7 @@ TEST(SessionHistory, UndoesAndRedoesEditsWithTheSolvesThatAnsweredThem) {
   const Document weighted = session.document();
 
   EXPECT_THAT(session.history().undoLabels(20),
-              ElementsAre("weight thumb 3", "limit index_1 0 to 0.7"));
+              ElementsAre("weight thumb 3", "limit index_1 0 to 0.7 rad"));
   EXPECT_EQ(session.apply(UndoEdit{}).message, "undone: weight thumb 3");
   EXPECT_TRUE(session.document() == limited);
   EXPECT_FALSE(session.needsSolve());
