@@ -367,6 +367,7 @@ TEST_F(Typing, LeavesThoughTheServerIsSilent) {
   expect("the server stopped answering");
   terminal_.type("quit\r");
   expect("the server does not answer");
+  expect("handgraft edit ");
   EXPECT_EQ(terminal_.wait(), 0);
 }
 

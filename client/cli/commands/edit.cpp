@@ -141,11 +141,15 @@ std::string farewell(const Client& server,
                      const Network& network) {
   const std::uint64_t id = session.id();
   if (session.hasEnded()) return fmt::format("session {} has ended with its server", id);
-  if (!server.alive())
-    return fmt::format("the server does not answer; session {} lives as long as it does", id);
   if (server.isPrivate())
     return fmt::format("session {} ends with the server that this command started", id);
   const std::string there = text::networkOptions(network);
+  if (!server.alive()) {
+    return fmt::format(
+        "the server does not answer; started again on what it kept, it has the session still: "
+        "handgraft edit {}{}",
+        id, there);
+  }
   return fmt::format(
       "session {0} stays open: handgraft edit {0}{1} (handgraft close {0}{1} ends it)", id,
       there);
@@ -162,9 +166,8 @@ int run(const EditOptions& options, const CommonOptions& common, Interruption& i
   LineReader lines(options.script, interruption);
 
   ProgressLine progress;
-  Client server(interactiveClient(common.network,
-                                  opens ? Absence::kStartShared : Absence::kFail, interruption,
-                                  &progress));
+  Client server(interactiveClient(
+      common.network, opens ? Absence::kStartShared : Absence::kFail, interruption, &progress));
   const Sink sink(common.json ? Sink::Form::kJson : Sink::Form::kText, progress);
 
   // === The session
