@@ -273,6 +273,23 @@ ModelFiles plannedMotion(const std::string& name,
   return model;
 }
 
+std::string byGivenPaths(std::string complaint, const ModelFiles& model) {
+  const auto replace = [&](const std::string& text, const std::string& by) {
+    for (std::size_t at = complaint.find(text); at != std::string::npos;
+         at = complaint.find(text, at + by.size()))
+      complaint.replace(at, text.size(), by);
+  };
+  for (const UploadFile& file : model.files) {
+    const bool is_spelt_by_a_file = file.uri.find("://") != std::string::npos;
+    if (is_spelt_by_a_file || file.uri == file.path.filename()) continue;
+    if (!file.text)
+      replace(quoted(file.uri), quoted(file.path.string()));
+    else if (file.uri == model.main_uri)
+      replace(quoted(file.uri) + ": ", "");
+  }
+  return complaint;
+}
+
 std::string nameApart(const ModelFiles& model) {
   ContentHash hash;
   hash.addText(model.object);

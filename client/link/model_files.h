@@ -97,6 +97,10 @@ ModelFiles plannedMotion(const std::string& name,
                          std::string plan,
                          std::vector<UploadFile> files);
 
+/// A server's complaint about the model with the files' paths as they were given in place of
+/// the URIs under which they were sent, and without a main file that nobody gave.
+std::string byGivenPaths(std::string complaint, const ModelFiles& model);
+
 /// A name that tells the model apart from others of its name: that, and a hash of all bytes,
 /// URIs, units and options. Errors: InvalidInput if a file cannot be read.
 std::string nameApart(const ModelFiles& model);

@@ -64,14 +64,22 @@ std::string ModelSender::agreedUnits(const std::string& refusal) {
 
 v1::ModelSummary ModelSender::load(ModelFiles& model) {
   try {
-    return server_.load(model).get();
+    return loadOnce(model);
   } catch (const Refused& refused) {
     if (refused.code() != v1::ERROR_UNITS || !may_ask_) throw;
     const std::string units = agreedUnits(refused.what());
     if (units.empty()) throw;
     model.units = units;
   }
-  return server_.load(model).get();
+  return loadOnce(model);
+}
+
+v1::ModelSummary ModelSender::loadOnce(const ModelFiles& model) {
+  try {
+    return server_.load(model).get();
+  } catch (const Refused& refused) {
+    throw Refused(refused.code(), byGivenPaths(refused.what(), model));
+  }
 }
 
 std::string ModelSender::send(ModelFiles& model) {

@@ -31,6 +31,8 @@ class ModelSender {
   std::string send(ModelFiles& model);
 
  private:
+  /// Complaints name files by the paths that were given.
+  v1::ModelSummary loadOnce(const ModelFiles& model);
   /// Asks for one unit after the other; empty if the user agrees to none.
   std::string agreedUnits(const std::string& refusal);
 

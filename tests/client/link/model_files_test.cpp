@@ -125,6 +125,20 @@ TEST_F(ModelFilesTest, SendsWhatOptionsOfAContactMapName) {
   EXPECT_EQ(model.units, "mm");
 }
 
+TEST_F(ModelFilesTest, ComplaintsNameFilesAsTheyWereGiven) {
+  write("pull.csv", "time_s");
+  write("hand.json", "[]");
+  const ModelFiles plan = plannedMotion(
+      "pull", "{}", {{"path.csv", root_ / "pull.csv"}, {"did/hand.json", root_ / "hand.json"}});
+  EXPECT_EQ(byGivenPaths("'plan.json': 'path.csv': line 3 is short", plan),
+            quoted((root_ / "pull.csv").string()) + ": line 3 is short");
+  EXPECT_EQ(byGivenPaths("'did/hand.json': no joints", plan),
+            quoted((root_ / "hand.json").string()) + ": no joints");
+  write("map.ply", "ply");
+  const ModelFiles map = contactFiles(root_ / "map.ply", "bulb");
+  EXPECT_EQ(byGivenPaths("'map.ply': no faces", map), "'map.ply': no faces");
+}
+
 TEST_F(ModelFilesTest, LooksForPackagesInTheWorkspaceLast) {
   const fs::path share = root_.parent_path() / "prefix" / "share" / "installed";
   fs::create_directories(share);
