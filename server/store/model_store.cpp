@@ -278,6 +278,13 @@ StoredContacts storedContacts(std::string name,
   contacts.origin = origin;
   contacts.object = std::move(object);
   contacts.set = std::move(read.set);
+  // An object sent under another name may be the same; its numbers of faces say nothing else.
+  const std::string& meant = contacts.set.object;
+  if (!meant.empty() && !object_name.starts_with(meant)) {
+    contacts.set.notes.push_back(fmt::format(
+        "the set says that it lies on object {}; its faces and vertices were taken of {}",
+        handgraft::quoted(meant), handgraft::quoted(object_name)));
+  }
   contacts.set.object = std::move(object_name);
   if (read.map)
     contacts.map = std::make_shared<const contact::ContactMap>(std::move(*read.map));

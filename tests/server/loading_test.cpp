@@ -76,6 +76,28 @@ TEST_F(LoadingTest, RefusesOptionsOfAnotherKindOrOutOfRange) {
   EXPECT_THAT(load(hand, "clamp.urdf", test::kClampUrdf).message(), HasSubstr("'shut'"));
 }
 
+TEST_F(LoadingTest, TellsASetThatSaysItLiesOnAnotherObject) {
+  for (const v1::RequestBody& body : test::smallGrasp())
+    ASSERT_EQ(bus.ask(body).error(), v1::ERROR_NONE);
+  const auto notesOf = [&](const std::string& set) {
+    const v1::Reply told = bus.ask(test::describeModel(v1::MODEL_CONTACTS, set, false));
+    EXPECT_EQ(told.error(), v1::ERROR_NONE) << told.message();
+    return told.body().model().contacts().notes();
+  };
+  const auto tells = testing::Contains(AllOf(HasSubstr("'lemon'"), HasSubstr("'fruit'")));
+  EXPECT_THAT(notesOf("marks"), tells);
+
+  // A lemon by a longer name is one.
+  bus.ask(test::putFile(8, "lemon.obj", test::builtIn("objects/lemon.obj")));
+  ASSERT_EQ(bus.ask(test::loadModel(8, v1::MODEL_OBJECT, "lemon-2", "lemon.obj")).error(),
+            v1::ERROR_NONE);
+  bus.ask(test::putFile(9, "lemon_6.json", test::builtIn("contacts/lemon_6.json")));
+  ASSERT_EQ(
+      bus.ask(test::loadModel(9, v1::MODEL_CONTACTS, "own", "lemon_6.json", "lemon-2")).error(),
+      v1::ERROR_NONE);
+  EXPECT_THAT(notesOf("own"), testing::Each(testing::Not(HasSubstr("lies on object"))));
+}
+
 TEST_F(LoadingTest, LoadsAMirroredHandThatRestsInANamedPose) {
   v1::RequestBody hand = test::loadModel(1, v1::MODEL_HAND, "clamp", "clamp.urdf");
   hand.load_model().hand().emplace_back();
