@@ -71,19 +71,17 @@ Standing standingOf(LiveSession& live, const Progress& progress) {
   return standing;
 }
 
-std::string jsonOf(LiveSession& live, const Standing& standing, const Progress& progress) {
+/// The pose that answers the session, with the terms of its search; judged anew where nobody
+/// knows them any more.
+v1::PoseSolution diagnosedPose(LiveSession& live, const Progress& progress) {
+  if (const v1::PoseSolution* diagnosed = live.diagnosed()) return *diagnosed;
   const session::Session& session = live.session();
-  const hand::HandModel& model = *standing.grasp.model;
-  idl::GraspNames names{standing.grasp.hand,
-                        standing.grasp.object,
-                        session.document().contacts,
-                        {},
-                        {},
-                        weightsMessage(session.document().weights)};
-  for (int dof = 0; dof < model.dofCount(); ++dof)
-    names.joints.push_back(model.dofJoint(dof).name);
-  for (const hand::Link& link : model.links())
-    names.links.push_back(link.name);
+  if (const auto pose = live.cycle().undiagnosed()) {
+    v1::PoseSolution solution = pose->message;
+    diagnose(session, pose->problem, pose->report, live.fit_check, solution, progress);
+    return solution;
+  }
+  const Standing standing = standingOf(live, progress);
   v1::PoseSolution solution =
       solutionMessage(session, standing.solution.problem, standing.solution.report);
   solution.session_id(live.id());
@@ -92,6 +90,24 @@ std::string jsonOf(LiveSession& live, const Standing& standing, const Progress& 
   solution.chosen_minimum(static_cast<std::uint32_t>(session.chosenMinimum()));
   diagnose(session, standing.solution.problem, standing.solution.report, live.fit_check,
            solution, progress);
+  return solution;
+}
+
+std::string jsonOf(LiveSession& live, const Progress& progress) {
+  const session::Session& session = live.session();
+  const hand::HandModel& model = *session.hand().model;
+  const session::Document& document = session.document();
+  idl::GraspNames names{document.hand,
+                        document.object,
+                        document.contacts,
+                        {},
+                        {},
+                        weightsMessage(document.weights)};
+  for (int dof = 0; dof < model.dofCount(); ++dof)
+    names.joints.push_back(model.dofJoint(dof).name);
+  for (const hand::Link& link : model.links())
+    names.links.push_back(link.name);
+  const v1::PoseSolution solution = diagnosedPose(live, progress);
   return idl::graspText(names, solution, patchReports(session));
 }
 
@@ -107,7 +123,7 @@ std::string contentOf(LiveSession& live,
   if (live.motion() != nullptr) return motionExport(live, request.format());
   switch (request.format()) {
     case v1::EXPORT_JSON:
-      return jsonOf(live, standingOf(live, progress), progress);
+      return jsonOf(live, progress);
     case v1::EXPORT_CSV:
       return io::jointCsv(standingOf(live, progress).grasp);
     case v1::EXPORT_OBJ:

@@ -268,8 +268,15 @@ v1::PoseSolution LiveSession::publish(v1::PoseSolution solution) {
         solution.joint_positions().data(),
         static_cast<Eigen::Index>(solution.joint_positions().size()));
     audience_.onJointCommand(id_, jointCommand(*session_.hand().model, q, solution.stamp_ns()));
+    diagnosed_.reset();
   }
+  if (solution.is_final() && solution.is_diagnosed()) diagnosed_ = solution;
   return solution;
+}
+
+const v1::PoseSolution* LiveSession::diagnosed() const {
+  const bool is_present = diagnosed_ && diagnosed_->revision() == session_.revision();
+  return is_present ? &*diagnosed_ : nullptr;
 }
 
 }  // namespace handgraft::server

@@ -171,6 +171,9 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
   /// goes out as a joint command, before it is diagnosed.
   v1::PoseSolution publish(v1::PoseSolution solution);
 
+  /// The final pose of this revision as it was published diagnosed; null: there is none yet.
+  [[nodiscard]] const v1::PoseSolution* diagnosed() const;
+
   /// Begins to make the solids of hand and object on `pool`, unless that was done; the next
   /// final solution waits for what is left of it. Ends with the session.
   void prepareSolids(const std::shared_ptr<LiveSession>& self, StrandPool& pool);
@@ -212,7 +215,8 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
   SolveCycle cycle_;
   Progress solves_;
   std::uint64_t sequence_number_ = 0;
-  std::deque<AppliedEdit> edits_;  ///< the last ones
+  std::optional<v1::PoseSolution> diagnosed_;  ///< the last final pose, once it is
+  std::deque<AppliedEdit> edits_;              ///< the last ones
   // Whose solids were begun.
   std::weak_ptr<const hand::HandModel> begun_hand_;
   std::weak_ptr<const geometry::TriangleMesh> begun_object_;

@@ -66,6 +66,9 @@ TEST_F(LiveEdits, ExportTheDiagnosisWithThePose) {
   const idl::Json file = idl::Json::parse(content.begin(), content.end());
   EXPECT_EQ(file["is_diagnosed"], true);
   EXPECT_EQ(file["verdict"], solution.verdict());
+  EXPECT_GT(solution.evaluations(), 0U);
+  EXPECT_EQ(file["evaluations"], solution.evaluations()) << "of the search that found it";
+  EXPECT_EQ(file["terms"]["prior"], solution.terms().prior());
   EXPECT_EQ(file["penetration"], idl::jsonOf(solution)["penetration"]);
   EXPECT_GE(file["terms"]["penetration"].get<double>(), 0.0);
   EXPECT_GT(file["weights"]["distance"].get<double>(), 0.0);
