@@ -70,8 +70,8 @@ SolveOptions stepOf(SolveOptions options) {
 }
 
 /// A whole search, not what follows an edit.
-bool searchesWidely(const SolverSettings& solving, const SolveOptions& options) {
-  return solving.avoids() && options.starts > optimize::kFewStarts;
+bool searchesWidely(const SolveOptions& options) {
+  return options.starts > optimize::kFewStarts;
 }
 
 /// Deep inside the object, or through a wall of it.
@@ -193,13 +193,13 @@ Solution DerivedState::solve(const SolverSettings& solving,
   std::vector<Minimum> found;
   {
     const Drafts drafts(*this);
-    if (searchesWidely(solving, options) && slides()) options.least_promise = kDraftPromise;
+    if (searchesWidely(options) && slides()) options.least_promise = kDraftPromise;
     found = searchAbout(report, solving, options, progress);
     options.on_improvement = nullptr;
     Worth worth = worthOf(report, solving);
     // Where the slides end depends on where they began.
     const auto beginAgain = [&](const auto& takeRoots) {
-      if (worth.first == 0 || !searchesWidely(solving, options)) return;
+      if (worth.first == 0 || !searchesWidely(options)) return;
       Search best(*this);
       const std::vector<int> missed = optimize::missedPatches(problem(solving), report);
       patches_ = as_it_was.patches;
@@ -212,7 +212,7 @@ Solution DerivedState::solve(const SolverSettings& solving,
       SolveReport other;
       std::vector<Minimum> others = searchAbout(other, solving, again, progress);
       // A finger on the wrong side of a sheet costs the objective little.
-      const double depth = depthOf(other, patches_, progress);
+      const double depth = solving.avoids() ? depthOf(other, patches_, progress) : 0.0;
       if (depth > kDeep_m && depth > depthOf(report, best.patches, progress)) return;
       if (!takeBetter(worthOf(other, solving), other, worth, report)) return;
       found = std::move(others);
@@ -231,10 +231,9 @@ Solution DerivedState::solve(const SolverSettings& solving,
         return turnDirections(missed, turn_rad);
       });
     }
-    if (searchesWidely(solving, options) && isInside(report))
+    if (searchesWidely(options) && isInside(report))
       approachAnew(report, solving, options, progress);
-    if (searchesWidely(solving, options))
-      reweightMissedPatches(report, solving, options, progress);
+    if (searchesWidely(options)) reweightMissedPatches(report, solving, options, progress);
   }
   const bool is_rough = options.least_promise > optimize::kLeastPromise;
   options.least_promise = optimize::kLeastPromise;
@@ -357,7 +356,8 @@ std::vector<Minimum> DerivedState::searchAbout(SolveReport& report,
                                                const SolverSettings& solving,
                                                SolveOptions options,
                                                const Progress& progress) {
-  if (searchesWidely(solving, options)) options.found = slideFreely(solving, options, progress);
+  if (solving.avoids() && searchesWidely(options))
+    options.found = slideFreely(solving, options, progress);
   report = optimize::solve(problem(solving), options, progress);
   options.on_improvement = nullptr;
   options.found.clear();

@@ -75,15 +75,20 @@ bool PatchChart::surroundsRoot() const {
     if (point.reached) loop_T.push_back(point.uv_T);
   constexpr std::size_t kFewest = 3;
   if (loop_T.size() < kFewest) return true;  // nothing is known
+  // A slender patch has its root on the outline itself, and few points cut its corners.
+  constexpr double kOnIt_m = 0.003;
   double turned = 0.0;
   for (std::size_t i = 0; i < loop_T.size(); ++i) {
     const Eigen::Vector2d& a = loop_T[i];
     const Eigen::Vector2d& b = loop_T[(i + 1) % loop_T.size()];
+    const Eigen::Vector2d way = b - a;
+    const double share =
+        way.squaredNorm() > 0.0 ? std::clamp(-a.dot(way) / way.squaredNorm(), 0.0, 1.0) : 0.0;
+    if ((a + share * way).norm() < kOnIt_m) return true;
     turned += std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
   }
-  // A whole turn inside, none outside; a root on the boundary itself has half of one.
-  constexpr double kQuarter = std::numbers::pi / 2.0;
-  return std::abs(turned) > kQuarter;
+  // A whole turn inside, none outside.
+  return std::abs(turned) > std::numbers::pi;
 }
 
 void PatchChart::measure(const LogMap& map) {
