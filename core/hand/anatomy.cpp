@@ -143,8 +143,8 @@ std::optional<Palm> palmOf(const Anatomy& anatomy) {
     if (&digit != thumb) fingers.push_back(&digit);
   if (fingers.size() < 2) return std::nullopt;
   for (const NamedDigit* finger : fingers) {
-    palm.facing_S += finger->digit.closing / static_cast<double>(fingers.size());
-    palm.outward_S += finger->digit.outward / static_cast<double>(fingers.size());
+    palm.facing_S += finger->digit.bone_closing / static_cast<double>(fingers.size());
+    palm.outward_S += finger->digit.bone_outward / static_cast<double>(fingers.size());
   }
   if (palm.outward_S.norm() < kSideBySide || palm.facing_S.norm() < kSideBySide)
     return std::nullopt;

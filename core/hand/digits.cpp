@@ -17,6 +17,9 @@ constexpr double kEquallyFar = 1e-3;
 /// Share of the range by which one side must outweigh the other to call it the closing side.
 constexpr double kClearAsymmetry = 0.1;
 
+/// Joints that are nearer each other are one knuckle.
+constexpr double kShortBone_m = 0.005;
+
 const HandModel::Node& nodeOf(const HandModel& model, int link) {
   return model.nodes()[static_cast<std::size_t>(link - 1)];
 }
@@ -162,6 +165,7 @@ Digit makeDigit(const HandModel& model,
 /// The axis of the last revolute joint, turned so that it closes; returns how clear that is.
 double orientFlexion(const HandModel& model, const LinkPoses& X_SL, Digit& digit) {
   double asymmetry = 0.0;
+  std::vector<Eigen::Vector3d> bends{digit.tip};  // from there inwards
   for (auto node_index = digit.nodes.rbegin(); node_index != digit.nodes.rend(); ++node_index) {
     const HandModel::Node& node = model.nodes()[static_cast<std::size_t>(*node_index)];
     if (node.type != JointType::kRevolute) continue;
@@ -172,10 +176,18 @@ double orientFlexion(const HandModel& model, const LinkPoses& X_SL, Digit& digit
     if (std::abs(cosine) <= kParallelCosine) continue;
     asymmetry += (cosine > 0.0 ? 1.0 : -1.0) * asymmetryOf(model, node);
     digit.knuckle = X_SL[static_cast<std::size_t>(node.link)].translation();
+    bends.push_back(digit.knuckle);
   }
   if (asymmetry < 0.0) digit.flexion_axis = -digit.flexion_axis;
   const Eigen::Vector3d motion = digit.flexion_axis.cross(digit.outward);
   if (motion.norm() > 1e-6) digit.closing = motion.normalized();
+  const auto next = std::find_if(bends.rbegin(), bends.rend(), [&](const auto& bend) {
+    return (bend - digit.knuckle).norm() > kShortBone_m;
+  });
+  digit.bone_outward =
+      next != bends.rend() ? (*next - digit.knuckle).normalized() : digit.outward;
+  const Eigen::Vector3d bone_motion = digit.flexion_axis.cross(digit.bone_outward);
+  digit.bone_closing = bone_motion.norm() > 1e-6 ? bone_motion.normalized() : digit.closing;
   return std::abs(asymmetry);
 }
 
@@ -227,6 +239,7 @@ Digits findDigits(const HandModel& model, const LinkPoses& X_SL) {
     Digit& digit = result.digits[i];
     if (digit.closing.dot(consensus) >= 0.0) continue;
     digit.closing = -digit.closing;
+    digit.bone_closing = -digit.bone_closing;
     digit.flexion_axis = -digit.flexion_axis;
   }
   return result;

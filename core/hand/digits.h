@@ -27,6 +27,10 @@ struct Digit {
   /// the direction in which the tip moves then.
   Eigen::Vector3d flexion_axis = Eigen::Vector3d::Zero();
   Eigen::Vector3d closing = Eigen::Vector3d::Zero();
+  /// The same of its first bone, from the knuckle to the next joint: what faces an object with
+  /// the palm, also where the last joint is bent in the reference pose.
+  Eigen::Vector3d bone_outward = Eigen::Vector3d::Zero();
+  Eigen::Vector3d bone_closing = Eigen::Vector3d::Zero();
   /// `thumb`, `index`, ... as most names of its links and joints say (part_words.h), the ones
   /// nearer to the tip where they are as many; empty if none says any.
   std::string hint;

@@ -132,6 +132,9 @@ std::optional<ContactSite> findPad(const HandModel& model,
 
 // === The palm
 
+// Share of unit vectors' lengths that is left in their sum.
+constexpr double kAgreeing = 0.5;
+
 std::optional<ContactSite> findPalm(const HandModel& model,
                                     const Skin& skin,
                                     const LinkPoses& X_SL,
@@ -139,6 +142,8 @@ std::optional<ContactSite> findPalm(const HandModel& model,
                                     const std::vector<std::string>& names) {
   Eigen::Vector3d facing = Eigen::Vector3d::Zero();
   Eigen::Vector3d outward = Eigen::Vector3d::Zero();
+  Eigen::Vector3d closing = Eigen::Vector3d::Zero();
+  Eigen::Vector3d along = Eigen::Vector3d::Zero();
   Eigen::Vector3d bases = Eigen::Vector3d::Zero();
   Eigen::Vector3d thumb_base = Eigen::Vector3d::Zero();
   double count = 0.0;
@@ -151,12 +156,19 @@ std::optional<ContactSite> findPalm(const HandModel& model,
     if (is_thumb && !is_surrounded) continue;
     const double weight =
         is_thumb ? std::max(1.0, static_cast<double>(found.digits.size()) - 1.0) : 1.0;
-    facing += weight * digit.closing;
-    outward += weight * digit.outward;
+    facing += weight * digit.bone_closing;
+    outward += weight * digit.bone_outward;
+    closing += digit.bone_closing;
+    along += digit.bone_outward;
     bases += weight * (is_surrounded ? digit.knuckle : digit.base);
     count += weight;
   }
-  if (count == 0.0 || facing.norm() < 0.1 * count) return std::nullopt;
+  // Fingers that stand around the palm close against each other: it looks along them.
+  const double digits = static_cast<double>(found.digits.size());
+  if (is_surrounded && closing.norm() < kAgreeing * digits && along.norm() > kAgreeing * digits)
+    facing = along;
+  const double least = is_surrounded ? 0.1 : kAgreeing;
+  if (count == 0.0 || facing.norm() < least * count) return std::nullopt;
   facing.normalize();
   bases /= count;
   Eigen::Vector3d wristwards = -outward / count;

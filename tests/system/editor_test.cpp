@@ -192,7 +192,7 @@ TEST(Editor, ShowSaysThatTheLastSolveFailed) {
     return service.client({"edit", id, "--script", script.string()});
   };
   ASSERT_EQ(show("disable palm\ndisable thumb\ndisable index\n").exit_code, 0);
-  EXPECT_EQ(show("disable middle\n").exit_code, 1);
+  EXPECT_EQ(show("disable ring\n").exit_code, 1);
   const Finished shown = show("show\n");
   EXPECT_EQ(shown.exit_code, 0) << shown.err;
   EXPECT_THAT(shown.out, HasSubstr("revision 4 was not solved: "));

@@ -1,0 +1,123 @@
+// Where hands that nobody had tuned to have their palms, and where these look.
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "core/base/progress.h"
+#include "core/hand/anatomy.h"
+#include "core/hand/contact_site.h"
+#include "core/hand/skin.h"
+#include "core/hand/skin_cache.h"
+#include "core/io/urdf_file.h"
+
+#include "tests/support/shared_data.h"
+
+namespace handgraft::hand {
+namespace {
+
+HandModel handOf(const std::string& name, const std::string& links) {
+  const auto path = std::filesystem::temp_directory_path() / fmt::format("palm_{}.urdf", name);
+  std::ofstream(path) << fmt::format("<robot name='{}'>{}</robot>", name, links);
+  HandModel model = io::readUrdf(path).model;
+  std::filesystem::remove(path);
+  return model;
+}
+
+std::string box(const std::string& link, const std::string& size, const std::string& at) {
+  return fmt::format(
+      "<link name='{}'><visual><origin xyz='{}'/><geometry><box size='{}'/></geometry>"
+      "</visual></link>",
+      link, at, size);
+}
+
+/// `more`: of the joint, beside where it is and how it turns.
+std::string hinge(const std::string& joint,
+                  const std::string& parent,
+                  const std::string& child,
+                  const std::string& origin,
+                  const std::string& axis,
+                  const std::string& more = "") {
+  return fmt::format(
+      "<joint name='{}' type='revolute'><parent link='{}'/><child link='{}'/><origin {}/>"
+      "<axis xyz='{}'/><limit lower='0' upper='1.6' effort='1' velocity='1'/>{}</joint>",
+      joint, parent, child, origin, axis, more);
+}
+
+/// Fingers to +z that close to +x, their last joints coupled and bent by 1 rad where the first
+/// are straight, and a thumb beside them.
+HandModel coupledHand() {
+  std::string links = box("palm", "0.03 0.08 0.1", "0 0 -0.05");
+  for (int i = 0; i < 4; ++i) {
+    const std::string name = i == 0 ? "index" : i == 1 ? "middle" : i == 2 ? "ring" : "little";
+    links += box(name + "_1", "0.012 0.014 0.038", "0 0 0.02");
+    links += box(name + "_2", "0.012 0.014 0.038", "0 0 0.02");
+    links += hinge(name + "_a", "palm", name + "_1",
+                   fmt::format("xyz='0 {} 0'", 0.03 - 0.02 * i), "0 1 0");
+    links += hinge(name + "_b", name + "_1", name + "_2", "xyz='0 0 0.04'", "0 1 0",
+                   fmt::format("<mimic joint='{}_a' multiplier='1' offset='1.0'/>", name));
+  }
+  links += box("thumb_1", "0.014 0.038 0.014", "0 0.02 0");
+  links += hinge("thumb_a", "palm", "thumb_1", "xyz='0 0.045 -0.06'", "0 0 -1");
+  return handOf("coupled", links);
+}
+
+/// Three like fingers about a base's axis, +z, that close towards it.
+HandModel handOfThree() {
+  std::string links = box("base", "0.09 0.09 0.03", "0 0 -0.015");
+  for (int i = 0; i < 3; ++i) {
+    const std::string name = fmt::format("finger_{}", i);
+    const double turn = 2.0 * 3.14159265358979 * i / 3.0;
+    links += box(name + "_1", "0.014 0.014 0.048", "0 0 0.025");
+    links += box(name + "_2", "0.014 0.014 0.048", "0 0 0.025");
+    links += hinge(name + "_a", "base", name + "_1",
+                   fmt::format("xyz='{} {} 0' rpy='0 0 {}'", 0.04 * std::cos(turn),
+                               0.04 * std::sin(turn), turn),
+                   "0 -1 0");
+    links += hinge(name + "_b", name + "_1", name + "_2", "xyz='0 0 0.05'", "0 -1 0");
+  }
+  return handOf("three", links);
+}
+
+const ContactSite* palmIn(const std::vector<ContactSite>& sites) {
+  for (const ContactSite& site : sites)
+    if (site.name == "palm") return &site;
+  return nullptr;
+}
+
+std::vector<ContactSite> sitesOf(const HandModel& model) {
+  return findContactSites(model, SkinCache::fromEnvironment().get(model, {}, Progress()));
+}
+
+TEST(Palm, LooksWhereTheFingersFirstBonesCloseTo) {
+  const HandModel model = coupledHand();
+  const auto sites = sitesOf(model);
+  const ContactSite* palm = palmIn(sites);
+  ASSERT_NE(palm, nullptr);
+  EXPECT_EQ(palm->link, "palm");
+  EXPECT_GT(palm->n_L.x(), 0.95) << palm->n_L.transpose();
+  EXPECT_LT(palm->direction_L.z(), -0.95) << palm->direction_L.transpose();
+  EXPECT_LT(palm->p_L.z(), -0.01) << "within the palm's face, not on its edge";
+
+  LinkPoses X_SL;
+  forwardKinematics(model, Pose::Identity(), skinReferencePose(model), X_SL);
+  const Anatomy anatomy = anatomyOf(model, X_SL, {});
+  ASSERT_TRUE(anatomy.palm.has_value());
+  EXPECT_GT(anatomy.palm->facing_S.x(), 0.99);
+  EXPECT_GT(anatomy.palm->outward_S.z(), 0.99);
+}
+
+TEST(Palm, OfFingersAllAroundItLooksAlongThem) {
+  const auto sites = sitesOf(handOfThree());
+  const ContactSite* palm = palmIn(sites);
+  ASSERT_NE(palm, nullptr);
+  EXPECT_EQ(palm->link, "base");
+  EXPECT_GT(palm->n_L.z(), 0.95) << palm->n_L.transpose();
+  EXPECT_LT(palm->p_L.head<2>().norm(), 0.03);
+}
+
+}  // namespace
+}  // namespace handgraft::hand
