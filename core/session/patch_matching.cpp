@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/base/error.h"
+#include "core/contact/touching_side.h"
 #include "core/geometry/tangent.h"
 #include "core/placement/hand_pose_guess.h"
 #include "core/placement/site_assignment.h"
@@ -51,7 +52,10 @@ void matchByGeometry(const Models& models, Document& document, const Progress& p
   std::vector<placement::Anchor> patch_anchors;
   std::vector<placement::Anchor> fixed;
   for (DocumentPatch& patch : document.patches) {
-    if (!patch.placement) {
+    if (!patch.placement && !patch.dropped.empty()) {
+      // Its finger has been dealt with: part of it on another one would be worse than none.
+      document.notes.push_back(patch.dropped);
+    } else if (!patch.placement) {
       patches.push_back(&patch);
       patch_anchors.push_back(objectSideOf({}, patch, models));
     } else if (auto anchor = placement::anchorAt(*hand.skin, *patch.placement)) {
@@ -94,8 +98,6 @@ void matchByGeometry(const Models& models, Document& document, const Progress& p
       lay(hand, *sites[static_cast<std::size_t>(answer[i])], patch);
       document.notes.push_back(fmt::format("{} laid on site '{}', the best assignment found",
                                            quoted(patch.name), patch.site));
-    } else if (!patch.dropped.empty()) {
-      document.notes.push_back(patch.dropped);
     } else if (isAnonymousPatch(patch.name)) {
       patch.dropped = fmt::format("no site is left for {}; the hand's sites are {}",
                                   quoted(patch.name), namesOf(hand.sites));
@@ -106,12 +108,25 @@ void matchByGeometry(const Models& models, Document& document, const Progress& p
   }
 }
 
+void noteTheOtherSide(const Models& models, hand::Chirality of_hand, Document& document) {
+  const hand::Chirality touched = contact::touchingSide(*models.contacts, *models.object_O);
+  using hand::Chirality;
+  if (touched == Chirality::kUnknown || of_hand == Chirality::kUnknown || touched == of_hand)
+    return;
+  const bool is_right = touched == Chirality::kRight;
+  document.notes.push_back(
+      fmt::format("a {} hand touched, and this is a {} one, which reaches little of that: its "
+                  "mirror does (--mirror)",
+                  is_right ? "right" : "left", is_right ? "left" : "right"));
+}
+
 }  // namespace
 
 void matchPatches(const Models& models, Document& document, const Progress& progress) {
   for (DocumentPatch& patch : document.patches)
     if (!patch.placement) patch.dropped.clear();
   const auto coordinates = hand::coordinatesOf(*models.hand);
+  noteTheOtherSide(models, coordinates->anatomy().chirality, document);
   const PlacesOfPatches places = placesIn(models, *coordinates, document);
   // Which finger takes whose patches depends on what else is to be reached.
   matchByName(*models.hand, places, document);

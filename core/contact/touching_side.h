@@ -1,0 +1,15 @@
+#pragma once
+
+#include "core/contact/contact_set.h"
+#include "core/geometry/triangle_mesh.h"
+#include "core/hand/digits.h"
+
+namespace handgraft::contact {
+
+/// Whether a right or a left hand touched: by where its fingers' contacts follow each other,
+/// seen along the way that its palm faced. Unknown without the palm's posture, with fewer than
+/// two fingers that touched beside the thumb, and where their contacts lie across each other.
+hand::Chirality touchingSide(const ContactSet& contacts,
+                             const geometry::TriangleMesh& object_O);
+
+}  // namespace handgraft::contact
