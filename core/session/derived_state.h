@@ -162,8 +162,9 @@ class DerivedState {
                          optimize::SolveReport& other,
                          Worth& worth,
                          optimize::SolveReport& report);
-  /// From where the hand has let go of the object, for one that ended inside of it.
-  void approachAnew(optimize::SolveReport& report,
+  /// From where the hand has let go of the object, and from `first`, for one that ended inside.
+  void approachAnew(const hand::HandPose& first,
+                    optimize::SolveReport& report,
                     const SolverSettings& solving,
                     const optimize::SolveOptions& options,
                     const Progress& progress);

@@ -232,7 +232,7 @@ Solution DerivedState::solve(const SolverSettings& solving,
       });
     }
     if (searchesWidely(options) && isInside(report))
-      approachAnew(report, solving, options, progress);
+      approachAnew(as_it_was.start, report, solving, options, progress);
     if (searchesWidely(options)) reweightMissedPatches(report, solving, options, progress);
   }
   const bool is_rough = options.least_promise > optimize::kLeastPromise;
@@ -283,11 +283,14 @@ bool DerivedState::takeBetter(const Worth& of_other,
   return true;
 }
 
-void DerivedState::approachAnew(SolveReport& report,
+void DerivedState::approachAnew(const hand::HandPose& first,
+                                SolveReport& report,
                                 const SolverSettings& solving,
                                 const SolveOptions& options,
                                 const Progress& progress) {
   const SolveOptions step = stepOf(options);
+  SolveOptions whole = options;
+  whole.starts = 1;
   Worth worth = worthOf(report, solving);
   Search best(*this);
   const std::vector<SessionPatch> patches = patches_;
@@ -296,19 +299,23 @@ void DerivedState::approachAnew(SolveReport& report,
   const Eigen::VectorXd open =
       posed.model->restPose().cwiseMax(posed.lower).cwiseMin(posed.upper);
   const Eigen::Vector3d away_W = (from.X_WH.translation() - centreOf(posed.pairs)).normalized();
+  std::vector<hand::HandPose> beginnings{first};
   for (const double back_m : kBacks_m) {
     for (const double opening : kOpenings) {
-      patches_ = patches;
-      start_ = from;
-      start_.X_WH.translation() += back_m * away_W;
-      start_.q += opening * (open - start_.q);
-      SolveReport other = optimize::solve(problem(solving), step, progress);
-      slideRoots(other, solving, step, progress, kWorseSlides);
-      goOn(other, solving, options, progress);
-      other.best_start = report.best_start;
-      other.solver = report.solver;
-      if (takeBetter(worthOf(other, solving), other, worth, report)) best.keep();
+      hand::HandPose& beginning = beginnings.emplace_back(from);
+      beginning.X_WH.translation() += back_m * away_W;
+      beginning.q += opening * (open - beginning.q);
     }
+  }
+  for (const hand::HandPose& beginning : beginnings) {
+    patches_ = patches;
+    start_ = beginning;
+    SolveReport other = optimize::solve(problem(solving), whole, progress);
+    slideRoots(other, solving, step, progress, kWorseSlides);
+    goOn(other, solving, options, progress);
+    other.best_start = report.best_start;
+    other.solver = report.solver;
+    if (takeBetter(worthOf(other, solving), other, worth, report)) best.keep();
   }
 }
 
