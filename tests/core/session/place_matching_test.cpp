@@ -92,6 +92,25 @@ TEST(DealingFingers, TakesTheWayThatReachesMost) {
   EXPECT_EQ(reachedOf(hand, lemon, lemon.contacts), most);
 }
 
+/// Fingers without human names: what no finger takes is not laid on one piece by piece.
+TEST(DealingFingers, KeepsAFingersPatchesTogetherWhereFingersHaveNamesOfTheirOwn) {
+  hand::Hand hand = handOfLibrary("barrett8");
+  for (hand::ContactSite& site : hand.sites)
+    if (site.name != "thumb" && site.name != "palm")
+      site.name = site.name == "index" ? "f1" : "f2";
+  const LabelledLemon lemon;
+  const Session session(hand, lemon.mesh, lemon.contacts, Pose::Identity(), {});
+  std::size_t laid = 0;
+  for (const SessionPatch& patch : session.patches()) {
+    if (!patch.placement) {
+      EXPECT_NE(patch.dropped.find("goes without"), std::string::npos) << patch.dropped;
+      continue;
+    }
+    ++laid;
+  }
+  EXPECT_EQ(laid, 4u) << "palm, thumb and a finger's each";
+}
+
 TEST(DealingFingers, KeepsTheirOrderAndTheThumbAndTellsIt) {
   const hand::Hand hand = handOfLibrary("barrett8");
   const LabelledLemon lemon;
