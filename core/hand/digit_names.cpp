@@ -159,8 +159,21 @@ DigitNames nameDigits(const std::vector<Digit>& digits) {
     result.notes.push_back(fmt::format("names of several digits say {}: their shape decides",
                                        fmt::join(twice, ", ")));
 
-  // === The rest by shape, about the thumb that the names tell
   const int shape_thumb = findThumb(digits);
+  // `middle` alone, of the one that stands against the others, means where it stands.
+  if (named_thumb < 0 && shape_thumb >= 0 && digits.size() >= 3 &&
+      std::count(result.from_file.begin(), result.from_file.end(), 1) == 1 &&
+      result.from_file[static_cast<std::size_t>(shape_thumb)] == 1) {
+    const auto one = static_cast<std::size_t>(shape_thumb);
+    result.notes.push_back(
+        fmt::format("only one of its fingers is called {}, and it stands against the others: "
+                    "the thumb, by its shape",
+                    result.names[one]));
+    result.names[one].clear();
+    result.from_file[one] = 0;
+  }
+
+  // === The rest by shape, about the thumb that the names tell
   int thumb = named_thumb;
   if (thumb < 0 && shape_thumb >= 0 &&
       result.from_file[static_cast<std::size_t>(shape_thumb)] == 0) {

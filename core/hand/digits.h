@@ -63,9 +63,10 @@ struct DigitNames {
   std::vector<std::string> notes;  ///< what was left to the shape, or contradicts it
 };
 
-/// Names digits: as their own names say, where no other digit's say the same; the rest by
-/// shape: `thumb` for the one without which the others close most alike, and `index`, `middle`,
-/// `ring`, `little` from its side across the palm; `f1`, `f2`, ... where that does not fit.
+/// Names digits: as their own names say, where no other digit's say the same, and not of one
+/// alone that stands against the others; the rest by shape: `thumb` for the one without which
+/// the others close most alike, and `index`, `middle`, `ring`, `little` from its side across
+/// the palm; `f1`, `f2`, ... where that does not fit.
 DigitNames nameDigits(const std::vector<Digit>& digits);
 
 }  // namespace handgraft::hand

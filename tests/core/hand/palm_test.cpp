@@ -1,4 +1,5 @@
 // Where hands that nobody had tuned to have their palms, and where these look.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -82,6 +83,23 @@ HandModel handOfThree() {
   return handOf("three", links);
 }
 
+/// Two fingers side by side and one against them, which alone has a finger's name.
+HandModel gripperOfThree() {
+  std::string links = box("base", "0.09 0.09 0.03", "0 0 -0.015");
+  const auto add = [&](const std::string& name, const std::string& origin,
+                       const std::string& axis) {
+    links += box(name + "_link_1", "0.014 0.014 0.048", "0 0 0.025");
+    links += box(name + "_link_2", "0.014 0.014 0.048", "0 0 0.025");
+    links += hinge(name + "_joint_1", "base", name + "_link_1", origin, axis);
+    links +=
+        hinge(name + "_joint_2", name + "_link_1", name + "_link_2", "xyz='0 0 0.05'", axis);
+  };
+  add("finger_1", "xyz='-0.04 0.03 0'", "0 1 0");
+  add("finger_2", "xyz='-0.04 -0.03 0'", "0 1 0");
+  add("finger_middle", "xyz='0.04 0 0'", "0 -1 0");
+  return handOf("gripper", links);
+}
+
 const ContactSite* palmIn(const std::vector<ContactSite>& sites) {
   for (const ContactSite& site : sites)
     if (site.name == "palm") return &site;
@@ -117,6 +135,20 @@ TEST(Palm, OfFingersAllAroundItLooksAlongThem) {
   EXPECT_EQ(palm->link, "base");
   EXPECT_GT(palm->n_L.z(), 0.95) << palm->n_L.transpose();
   EXPECT_LT(palm->p_L.head<2>().norm(), 0.03);
+}
+
+TEST(Thumb, IsWhatStandsAgainstTheOthersThoughItAloneIsCalledMiddle) {
+  const HandModel model = gripperOfThree();
+  LinkPoses X_SL;
+  forwardKinematics(model, Pose::Identity(), skinReferencePose(model), X_SL);
+  const Anatomy anatomy = anatomyOf(model, X_SL, {});
+  const NamedDigit* thumb = anatomy.maybeDigit("thumb");
+  ASSERT_NE(thumb, nullptr);
+  const int tip = thumb->digit.tip_links.front();
+  EXPECT_EQ(model.links()[static_cast<std::size_t>(tip)].name, "finger_middle_link_2");
+  EXPECT_TRUE(std::any_of(anatomy.notes.begin(), anatomy.notes.end(), [](const auto& note) {
+    return note.find("stands against the others") != std::string::npos;
+  }));
 }
 
 }  // namespace
