@@ -285,8 +285,8 @@ Anatomy anatomyOf(const HandModel& model,
   const Chirality told = sideByNames(model);
   if (told != Chirality::kUnknown && anatomy.chirality != Chirality::kUnknown &&
       told != anatomy.chirality) {
-    anatomy.notes.push_back(fmt::format("its names say a {} hand; its palm is a {} one's",
-                                        wordFor(told), wordFor(anatomy.chirality)));
+    anatomy.side_note = fmt::format("its names say a {} hand; its palm is a {} one's",
+                                    wordFor(told), wordFor(anatomy.chirality));
   }
   if (anatomy.chirality == Chirality::kUnknown) anatomy.chirality = told;
   return anatomy;

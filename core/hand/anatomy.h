@@ -62,6 +62,8 @@ struct Anatomy {
   std::vector<int> palm_links;  ///< also where `palm` is missing
   Chirality chirality = Chirality::kUnknown;
   std::vector<std::string> notes;  ///< what names do not say or contradict
+  /// Where names say the other side than the palm does; a mirrored hand's do.
+  std::string side_note;
 
   [[nodiscard]] const NamedDigit* maybeDigit(const std::string& name) const;
 };

@@ -52,7 +52,7 @@ v1::SegmentInfo segmentInfo(const hand::HandModel& model,
 }
 
 /// What its names and its shape say of a hand's fingers, and what they do not.
-void addFingers(v1::HandDescription& message, const hand::Hand& hand) {
+void addFingers(v1::HandDescription& message, const hand::Hand& hand, bool is_mirrored) {
   hand::LinkPoses X_SL;
   forwardKinematics(*hand.model, Pose::Identity(), hand.skin->qReference(), X_SL);
   const hand::Anatomy anatomy = anatomyOf(*hand.model, X_SL, hand.sites);
@@ -67,6 +67,7 @@ void addFingers(v1::HandDescription& message, const hand::Hand& hand) {
   }
   for (const std::string& note : anatomy.notes)
     message.notes().push_back(note);
+  if (!is_mirrored && !anatomy.side_note.empty()) message.notes().push_back(anatomy.side_note);
   if (anatomy.chirality != hand::Chirality::kUnknown) {
     const bool is_right = anatomy.chirality == hand::Chirality::kRight;
     message.chirality(is_right ? v1::CHIRALITY_RIGHT : v1::CHIRALITY_LEFT);
@@ -273,7 +274,7 @@ v1::HandDescription describe(const StoredHand& hand,
   if (hand.mirrored) message.notes().emplace_back("mirrored: the other hand of its file");
   for (const std::string& note : hand.hand->skinNotes())
     message.notes().push_back(note);
-  if (const auto ready = hand.hand->ready()) addFingers(message, *ready);
+  if (const auto ready = hand.hand->ready()) addFingers(message, *ready, hand.mirrored);
   return message;
 }
 

@@ -203,7 +203,8 @@ TEST(NamingStyles, AMirroredHandIsALeftOneAndContradictsItsNames) {
   const Anatomy anatomy = anatomyOfHand(left);
   expectDigits(style, kAsTheyAre, anatomy, left);
   EXPECT_EQ(anatomy.chirality, Chirality::kLeft);
-  EXPECT_THAT(anatomy.notes, ElementsAre(HasSubstr("its names say a right hand")));
+  EXPECT_THAT(anatomy.side_note, HasSubstr("its names say a right hand"));
+  EXPECT_THAT(anatomy.notes, IsEmpty());
 }
 
 TEST(NamingStyles, SegmentsCloseToWherePalmsFace) {
