@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "core/base/progress.h"
 #include "core/hand/anatomy.h"
@@ -21,7 +22,8 @@ namespace handgraft::hand {
 namespace {
 
 HandModel handOf(const std::string& name, const std::string& links) {
-  const auto path = std::filesystem::temp_directory_path() / fmt::format("palm_{}.urdf", name);
+  const auto path =
+      std::filesystem::temp_directory_path() / fmt::format("palm_{}_{}.urdf", name, getpid());
   std::ofstream(path) << fmt::format("<robot name='{}'>{}</robot>", name, links);
   HandModel model = io::readUrdf(path).model;
   std::filesystem::remove(path);
