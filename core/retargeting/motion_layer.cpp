@@ -10,6 +10,7 @@
 #include "core/hand/skin_planes.h"
 #include "core/manipulation/patch_path.h"
 #include "core/manipulation/transfer_points.h"
+#include "core/retargeting/motion_solving.h"
 #include "core/transfer/draft_charts.h"
 
 namespace handgraft::retargeting {
@@ -20,11 +21,6 @@ using manipulation::Motion;
 using manipulation::PatchKey;
 using manipulation::PatchTrack;
 using manipulation::TransferredMotion;
-
-bool holdsRecordedPoints(const PatchKey& key) {
-  return key.patch.interpolation_boundary.size() <
-         static_cast<std::size_t>(contact::kFewestInterpolationPoints);
-}
 
 /// Whether the motion's points are of this very hand: all lie on links that it has. A name that
 /// two hands have by chance (`wrist`) makes them no points of it, unless nothing else tells
@@ -100,7 +96,7 @@ MotionLayer::MotionLayer(const session::Document& document,
       lies_on_links_(liesOnLinksOf(*hand.model, motion)),
       has_points_(
           std::any_of(motion.tracks.begin(), motion.tracks.end(), [](const PatchTrack& track) {
-            return holdsRecordedPoints(track.keys.front());
+            return isRecorded(track.keys.front());
           })) {
   surfaces_.planes_S = hand::planesOf(hand.skin);
   surfaces_.drafts_S = transfer::draftChartsOf(hand.skin);

@@ -1,4 +1,6 @@
 // How a document is solved: the paper's solve, and what is found anew about it.
+#include "core/session/derived_state_search.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,7 +15,6 @@
 #include "core/placement/hand_pose_guess.h"
 #include "core/placement/place_slider.h"
 #include "core/placement/solids.h"
-#include "core/session/derived_state.h"
 
 namespace handgraft::session {
 namespace {
@@ -27,14 +28,8 @@ constexpr std::size_t kTriedPlacements = 4;  // laid out and solved in full
 constexpr int kTrialEvaluations = 300;
 constexpr int kRefinements = 2;
 constexpr int kSlides = 12;
-constexpr int kWorseSlides = 3;      // in a row
-constexpr int kWorseReaches = 2;     // in a row, while reaching for what is missed
 constexpr double kSmallGain = 0.01;  // of the cost: taken, but as good as none
 
-// A patch that is missed weighs so many times as much for a moment; where that does not help,
-// so many times as much again.
-constexpr double kReachingWeight = 4.0;
-constexpr int kReaches = 2;
 constexpr int kAgainFewer = 4;  // starts, of a search that goes where one has been
 
 // Of a patch of which the segment alone is known: so far round it from the pad.
@@ -46,44 +41,20 @@ constexpr double kTurns_rad[] = {0.5 * std::numbers::pi, -0.5 * std::numbers::pi
 // An answer of another beginning must not be deeper inside than this, unless the first one is.
 constexpr double kDeep_m = 0.0015;
 
-// Square root of the charged sum of squared depths. A hand that only presses on comes to less;
-// a finger through a wall, or a hand on its wrong side, to 2.4 mm and more.
-constexpr double kInside_m = 0.002;
-
 // Drafts are laid in full once they are chosen: until then, steps that promise less than this
 // share of the objective are not worth their while.
 constexpr double kDraftPromise = 1e-4;
 
-// A hand that ends inside the object begins again so far from it, its fingers so far on the
-// way to rest.
-constexpr double kBacks_m[] = {0.0, 0.03, 0.06, 0.1};
-constexpr double kOpenings[] = {0.0, 0.5, 1.0};
+// Square root of the charged sum of squared depths. A hand that only presses on comes to less;
+// a finger through a wall, or a hand on its wrong side, to 2.4 mm and more.
+constexpr double kInside_m = 0.002;
 
 // Of each stage of a step on the way that is not the last one (optimize/avoiding_solve.h).
 constexpr int kStepEvaluations = 8;
 
-/// Small steps from a pose that is out of the object stay where they are out of it.
-SolveOptions stepOf(SolveOptions options) {
-  options.starts = 1;
-  options.max_evaluations = std::min(options.max_evaluations, kStepEvaluations);
-  return options;
-}
-
 /// A whole search, not what follows an edit.
 bool searchesWidely(const SolveOptions& options) {
   return options.starts > optimize::kFewStarts;
-}
-
-/// Deep inside the object, or through a wall of it.
-bool isInside(const SolveReport& solved) {
-  return solved.terms.penetration > kInside_m * kInside_m;
-}
-
-Eigen::Vector3d centreOf(const std::vector<optimize::PointPair>& pairs) {
-  Eigen::Vector3d centre_W = Eigen::Vector3d::Zero();
-  for (const optimize::PointPair& pair : pairs)
-    centre_W += pair.p_W / static_cast<double>(pairs.size());
-  return centre_W;
 }
 
 /// A point that is lost no longer counts: that alone makes nothing better.
@@ -95,41 +66,21 @@ double costOf(const PoseProblem& posed, const SolveReport& solved) {
 
 }  // namespace
 
+SolveOptions stepOf(SolveOptions options) {
+  options.starts = 1;
+  options.max_evaluations = std::min(options.max_evaluations, kStepEvaluations);
+  return options;
+}
+
+bool isInside(const SolveReport& solved) {
+  return solved.terms.penetration > kInside_m * kInside_m;
+}
+
 std::ptrdiff_t failedPatches(const PoseProblem& posed, const SolveReport& solved) {
   const auto all = std::ssize(solved.patches);
   if (isInside(solved)) return all;
   return std::ssize(optimize::missedPatches(posed, solved));
 }
-
-/// Brings the patches and the start back to what the document says, unless told to keep them.
-struct DerivedState::Search {
-  explicit Search(DerivedState& owner)
-      : derived(owner),
-        patches(owner.patches_),
-        start(owner.start_),
-        start_is_known(owner.start_is_known_) {}
-
-  ~Search() {
-    derived.patches_ = std::move(patches);
-    derived.start_ = std::move(start);
-    derived.start_is_known_ = start_is_known;
-  }
-
-  Search(const Search&) = delete;
-  Search& operator=(const Search&) = delete;
-
-  /// As it stands from now on.
-  void keep() {
-    patches = derived.patches_;
-    start = derived.start_;
-    start_is_known = derived.start_is_known_;
-  }
-
-  DerivedState& derived;
-  std::vector<SessionPatch> patches;
-  hand::HandPose start;
-  bool start_is_known;
-};
 
 /// While it lives, patches are laid as drafts: half of a slide's time went into exact charts.
 struct DerivedState::Drafts {
@@ -281,82 +232,6 @@ bool DerivedState::takeBetter(const Worth& of_other,
   other.evaluations += report.evaluations;
   report = std::move(other);
   return true;
-}
-
-void DerivedState::approachAnew(const hand::HandPose& first,
-                                SolveReport& report,
-                                const SolverSettings& solving,
-                                const SolveOptions& options,
-                                const Progress& progress) {
-  const SolveOptions step = stepOf(options);
-  SolveOptions whole = options;
-  whole.starts = 1;
-  Worth worth = worthOf(report, solving);
-  Search best(*this);
-  const std::vector<SessionPatch> patches = patches_;
-  const hand::HandPose from = report.pose;
-  const PoseProblem posed = problem(solving);
-  const Eigen::VectorXd open =
-      posed.model->restPose().cwiseMax(posed.lower).cwiseMin(posed.upper);
-  const Eigen::Vector3d away_W = (from.X_WH.translation() - centreOf(posed.pairs)).normalized();
-  std::vector<hand::HandPose> beginnings{first};
-  for (const double back_m : kBacks_m) {
-    for (const double opening : kOpenings) {
-      hand::HandPose& beginning = beginnings.emplace_back(from);
-      beginning.X_WH.translation() += back_m * away_W;
-      beginning.q += opening * (open - beginning.q);
-    }
-  }
-  for (const hand::HandPose& beginning : beginnings) {
-    patches_ = patches;
-    start_ = beginning;
-    SolveReport other = optimize::solve(problem(solving), whole, progress);
-    slideRoots(other, solving, step, progress, kWorseSlides);
-    goOn(other, solving, options, progress);
-    other.best_start = report.best_start;
-    other.solver = report.solver;
-    if (takeBetter(worthOf(other, solving), other, worth, report)) best.keep();
-  }
-}
-
-void DerivedState::weigh(const std::vector<int>& patches, double factor) {
-  for (const int k : patches) {
-    SessionPatch& item = patches_[static_cast<std::size_t>(k)];
-    item.patch.weight *= factor;
-    for (transfer::Correspondence& pair : item.transferred.correspondences)
-      pair.weight = item.patch.weight;
-  }
-}
-
-void DerivedState::reweightMissedPatches(SolveReport& report,
-                                         const SolverSettings& solving,
-                                         const SolveOptions& options,
-                                         const Progress& progress) {
-  const SolveOptions step = stepOf(options);
-  Worth worth = worthOf(report, solving);
-  Search best(*this);
-  double factor = kReachingWeight;
-  for (int i = 0; i < kReaches && worth.first > 0; ++i) {
-    patches_ = best.patches;
-    start_ = report.pose;
-    const std::vector<int> missed = optimize::missedPatches(problem(solving), report);
-    weigh(missed, factor);
-    SolveReport other = optimize::solve(problem(solving), step, progress);
-    slideRoots(other, solving, step, progress, kWorseReaches);
-    weigh(missed, 1.0 / factor);
-    start_ = other.pose;
-    other = optimize::solve(problem(solving), step, progress);
-    slideRoots(other, solving, step, progress, kWorseReaches);
-    // What is reached on the way counts if it is at the end.
-    if (worthOf(other, solving) < worth) goOn(other, solving, options, progress);
-    other.best_start = report.best_start;
-    other.solver = report.solver;
-    if (takeBetter(worthOf(other, solving), other, worth, report)) {
-      best.keep();
-    } else {
-      factor *= kReachingWeight;
-    }
-  }
 }
 
 std::vector<Minimum> DerivedState::searchAbout(SolveReport& report,
