@@ -49,6 +49,9 @@ constexpr double kThinnest = 0.003;  // m; for how far samples stand apart
 // told.
 constexpr double kWidest = 0.004;
 
+constexpr double kCoarsestGrid = 0.0015;  // m, a cell of the box around a link
+constexpr double kMostNodes = 128000.0;
+
 /// A face of the skin, as its link has it.
 struct Facet {
   int link = -1;
@@ -353,7 +356,11 @@ void fillSolid(const Bounds& bounds,
   solid.radius = (vertices.colwise() - solid.centre_L).colwise().norm().maxCoeff();
   solid.capsule_L = geometry::capsuleAround(vertices);
   geometry::DistanceGridOptions options;
-  options.most_nodes = most_nodes;
+  // A large link takes more nodes than most: coarse ones let an apple's stem 1.3 mm into a
+  // palm's edge, which they rounded, and told 0.02.
+  const Vector3d size = vertices.rowwise().maxCoeff() - vertices.rowwise().minCoeff();
+  const double nodes = (size / kCoarsestGrid).array().prod();
+  options.most_nodes = static_cast<int>(std::clamp<double>(nodes, most_nodes, kMostNodes));
   const auto gridOf = [&](const std::shared_ptr<const geometry::SignedDistance>& exact) {
     return std::make_shared<const geometry::DistanceGrid>(exact, options, progress);
   };

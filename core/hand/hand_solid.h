@@ -66,7 +66,7 @@ struct LinkSolid {
 struct HandSolidOptions {
   int coarse_samples = 600;
   int fine_samples = 6000;
-  int nodes_per_link = 16000;
+  int nodes_per_link = 16000;  ///< at least; larger links have them 1.5 mm apart or so
 };
 
 /// The hand as a solid: samples of its surface, and a distance field a link.

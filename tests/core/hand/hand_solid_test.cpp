@@ -296,6 +296,17 @@ TEST(HandSolid, SamplesCornersAndEdgesFirst) {
     EXPECT_GT(sample.area_m2, 0.0) << "a sample without weight";
 }
 
+TEST(HandSolid, KnowsTheEdgesOfALargeLinkAsThoseOfASmallOne) {
+  // A forearm or a robot's palm: what its grid rounds, thin things poke into unseen.
+  const HandSolid solid = solidOf(geometry::makeBox({0.1, 0.08, 0.04}));
+  const LinkSolid& palm = solid.links().at(0);
+  for (const double depth : {0.0007, 0.001, 0.002}) {
+    const Vector3d p(0.05 - depth, 0.0113, 0.02 - depth);
+    EXPECT_NEAR(palm.distance(p), -depth, 6e-4) << "at an edge";
+  }
+  EXPECT_NEAR(palm.distance({0.011, 0.0113, 0.0195}), -5e-4, 1e-4) << "on a face";
+}
+
 TEST(HandSolid, LeavesHollowEdgesToWhatIsAround) {
   // The inner edge of an L is no place that stands out.
   const geometry::TriangleMesh upright = geometry::transformed(
