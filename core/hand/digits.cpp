@@ -20,6 +20,15 @@ constexpr double kClearAsymmetry = 0.1;
 /// Joints that are nearer each other are one knuckle.
 constexpr double kShortBone_m = 0.005;
 
+/// Sine of the least angle between where a jaw slides and where it points.
+constexpr double kAcross = 0.6;
+/// m; jaws nearer than that in the direction of their slide do not say to which side they
+/// close.
+constexpr double kJawsApart_m = 1e-3;
+
+/// m; a bar of a mechanism lies so near the plane in which its finger moves.
+constexpr double kInPlane_m = 0.008;
+
 const HandModel::Node& nodeOf(const HandModel& model, int link) {
   return model.nodes()[static_cast<std::size_t>(link - 1)];
 }
@@ -165,6 +174,7 @@ Digit makeDigit(const HandModel& model,
 /// The axis of the last revolute joint, turned so that it closes; returns how clear that is.
 double orientFlexion(const HandModel& model, const LinkPoses& X_SL, Digit& digit) {
   double asymmetry = 0.0;
+  double of_first = 0.0;
   std::vector<Eigen::Vector3d> bends{digit.tip};  // from there inwards
   for (auto node_index = digit.nodes.rbegin(); node_index != digit.nodes.rend(); ++node_index) {
     const HandModel::Node& node = model.nodes()[static_cast<std::size_t>(*node_index)];
@@ -174,10 +184,14 @@ double orientFlexion(const HandModel& model, const LinkPoses& X_SL, Digit& digit
     if (digit.flexion_axis.isZero()) digit.flexion_axis = axis;
     const double cosine = axis.dot(digit.flexion_axis);
     if (std::abs(cosine) <= kParallelCosine) continue;
-    asymmetry += (cosine > 0.0 ? 1.0 : -1.0) * asymmetryOf(model, node);
+    of_first = (cosine > 0.0 ? 1.0 : -1.0) * asymmetryOf(model, node);
+    asymmetry += of_first;
     digit.knuckle = X_SL[static_cast<std::size_t>(node.link)].translation();
     bends.push_back(digit.knuckle);
   }
+  // Joints that undo each other's turn keep a gripper's pads parallel: the first one moves
+  // them.
+  if (std::abs(asymmetry) < kClearAsymmetry) asymmetry = of_first;
   if (asymmetry < 0.0) digit.flexion_axis = -digit.flexion_axis;
   const Eigen::Vector3d motion = digit.flexion_axis.cross(digit.outward);
   if (motion.norm() > 1e-6) digit.closing = motion.normalized();
@@ -189,6 +203,62 @@ double orientFlexion(const HandModel& model, const LinkPoses& X_SL, Digit& digit
   const Eigen::Vector3d bone_motion = digit.flexion_axis.cross(digit.bone_outward);
   digit.bone_closing = bone_motion.norm() > 1e-6 ? bone_motion.normalized() : digit.closing;
   return std::abs(asymmetry);
+}
+
+/// Where a digit slides, if it does so across the way it points; zero else.
+Eigen::Vector3d slideOf(const HandModel& model, const LinkPoses& X_SL, const Digit& digit) {
+  for (auto index = digit.nodes.rbegin(); index != digit.nodes.rend(); ++index) {
+    const HandModel::Node& node = model.nodes()[static_cast<std::size_t>(*index)];
+    if (node.type != JointType::kPrismatic) continue;
+    const Eigen::Vector3d slide =
+        X_SL[static_cast<std::size_t>(node.link)].linear() * node.axis_J;
+    if (slide.cross(digit.outward).norm() > kAcross) return slide;
+  }
+  return Eigen::Vector3d::Zero();
+}
+
+/// Jaws close towards the other digits; false for one that does not tell.
+bool orientJaw(const Eigen::Vector3d& slide, const Eigen::Vector3d& to_others, Digit& digit) {
+  const double way = slide.dot(to_others);
+  if (std::abs(way) < kJawsApart_m) return false;
+  const Eigen::Vector3d closing = way > 0.0 ? slide : Eigen::Vector3d(-slide);
+  digit.closing = (closing - closing.dot(digit.outward) * digit.outward).normalized();
+  digit.flexion_axis = digit.outward.cross(digit.closing);
+  digit.knuckle = digit.last_joint;
+  digit.bone_outward = digit.outward;
+  digit.bone_closing = digit.closing;
+  return true;
+}
+
+/// Whether a chain of one joint is a bar that guides a finger, as the inner knuckles of
+/// grippers with parallel jaws: it moves beside the finger in one plane, by the same motor and
+/// to the same side, and ends before it does.
+bool isBarOf(const HandModel& model, const Digit& bar, const Digit& finger) {
+  const auto dofOf = [&](const Digit& digit) {
+    return model.nodes()[static_cast<std::size_t>(digit.nodes.front())].dof;
+  };
+  if (bar.nodes.size() != 1 || finger.nodes.size() < 2 || dofOf(bar) != dofOf(finger))
+    return false;
+  const Eigen::Vector3d& axis = finger.flexion_axis;
+  return std::abs(bar.flexion_axis.dot(axis)) > kParallelCosine &&
+         bar.closing.dot(finger.closing) > 0.0 &&
+         std::abs((bar.base - finger.base).dot(axis)) < kInPlane_m &&
+         std::abs((bar.tip - finger.tip).dot(axis)) < kInPlane_m &&
+         (bar.tip - bar.base).norm() < (finger.tip - finger.base).norm();
+}
+
+void orientJaws(const HandModel& model, const LinkPoses& X_SL, std::vector<Digit>& digits) {
+  std::vector<std::size_t> still;
+  for (std::size_t i = 0; i < digits.size(); ++i) {
+    if (!digits[i].closing.isZero()) continue;
+    const Eigen::Vector3d slide = slideOf(model, X_SL, digits[i]);
+    Eigen::Vector3d to_others = Eigen::Vector3d::Zero();
+    for (std::size_t j = 0; j < digits.size(); ++j)
+      if (j != i) to_others += digits[j].tip - digits[i].tip;
+    if (slide.isZero() || !orientJaw(slide, to_others, digits[i])) still.push_back(i);
+  }
+  for (auto i = still.rbegin(); i != still.rend(); ++i)
+    digits.erase(digits.begin() + static_cast<std::ptrdiff_t>(*i));
 }
 
 }  // namespace
@@ -226,8 +296,8 @@ Digits findDigits(const HandModel& model, const LinkPoses& X_SL) {
   for (const int link : last_links) {
     Digit digit = makeDigit(model, X_SL, link, result.palm_link, users);
     const double clarity = orientFlexion(model, X_SL, digit);
-    if (digit.closing.isZero()) continue;  // a slider, or turning about its own length
-    if (clarity < kClearAsymmetry) unclear.push_back(result.digits.size());
+    if (!digit.closing.isZero() && clarity < kClearAsymmetry)
+      unclear.push_back(result.digits.size());
     result.digits.push_back(std::move(digit));
   }
 
@@ -242,6 +312,13 @@ Digits findDigits(const HandModel& model, const LinkPoses& X_SL) {
     digit.bone_closing = -digit.bone_closing;
     digit.flexion_axis = -digit.flexion_axis;
   }
+  orientJaws(model, X_SL, result.digits);
+  const std::vector<Digit> all = result.digits;
+  std::erase_if(result.digits, [&](const Digit& digit) {
+    return std::any_of(all.begin(), all.end(), [&](const Digit& finger) {
+      return isBarOf(model, digit, finger);
+    });
+  });
   return result;
 }
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -149,11 +150,13 @@ Eigen::VectorXd skinReferencePose(const HandModel& model) {
   double best = costOf(q);
   for (int sweep = 0; sweep < kSweeps && best > 0.0; ++sweep) {
     for (int i = 0; i < model.dofCount(); ++i) {
-      // A joint that slides changes the hand's size; it stays.
-      if (model.dofJoint(i).type != JointType::kRevolute) continue;
-      const double lower = std::max(model.lower()[i], rest[i] - kWidestMove_rad);
-      const double upper = std::min(model.upper()[i], rest[i] + kWidestMove_rad);
-      if (!(lower < upper)) continue;
+      // Jaws that slide are apart by their whole way; at rest they may touch.
+      const double widest = model.dofJoint(i).type == JointType::kRevolute
+                                ? kWidestMove_rad
+                                : std::numeric_limits<double>::max();
+      const double lower = std::max(model.lower()[i], rest[i] - widest);
+      const double upper = std::min(model.upper()[i], rest[i] + widest);
+      if (!(lower < upper) || !std::isfinite(upper - lower)) continue;
       const double before = q[i];
       double best_value = before;
       for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0}) {

@@ -1,0 +1,170 @@
+// Grippers: which of their links are jaws, and where these touch.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "core/base/progress.h"
+#include "core/hand/contact_site.h"
+#include "core/hand/digits.h"
+#include "core/hand/skin.h"
+#include "core/hand/skin_cache.h"
+#include "core/io/urdf_file.h"
+
+namespace handgraft::hand {
+namespace {
+
+HandModel gripperOf(const std::string& name, const std::string& links) {
+  const auto path = std::filesystem::temp_directory_path() /
+                    fmt::format("gripper_{}_{}.urdf", name, getpid());
+  std::ofstream(path) << fmt::format("<robot name='{}'>{}</robot>", name, links);
+  HandModel model = io::readUrdf(path).model;
+  std::filesystem::remove(path);
+  return model;
+}
+
+std::string plate(const std::string& link, const std::string& size, const std::string& at) {
+  return fmt::format(
+      "<link name='{}'><visual><origin xyz='{}'/><geometry><box size='{}'/></geometry>"
+      "</visual></link>",
+      link, at, size);
+}
+
+struct JointText {
+  std::string name;
+  std::string type = "revolute";
+  std::string parent;
+  std::string child;
+  std::string origin;  ///< xyz and rpy
+  std::string axis;
+  std::string upper = "0.8";
+  double multiplier = 0.0;  ///< of `drive`; 0: is it
+};
+
+std::string joint(const JointText& text) {
+  const std::string mimic =
+      text.multiplier == 0.0
+          ? ""
+          : fmt::format("<mimic joint='drive' multiplier='{}'/>", text.multiplier);
+  return fmt::format(
+      "<joint name='{}' type='{}'><parent link='{}'/><child link='{}'/><origin {}/><axis "
+      "xyz='{}'/><limit lower='0' upper='{}' effort='1' velocity='1'/>{}</joint>",
+      text.name, text.type, text.parent, text.child, text.origin, text.axis, text.upper, mimic);
+}
+
+/// Two jaws along z that close towards each other along x: a bar that is driven, a pad that
+/// turns back as much, so that it stays parallel, and, if it `has_guides`, a second bar beside
+/// the first.
+HandModel parallelGripper(bool has_guides) {
+  std::string links = plate("base", "0.07 0.05 0.06", "0 0 -0.03");
+  for (const bool is_left : {true, false}) {
+    const std::string side = is_left ? "left" : "right";
+    const std::string turn = is_left ? "0 0 0" : "0 0 3.14159265358979";
+    const double x = is_left ? 1.0 : -1.0;
+    links += plate(side + "_bar", "0.012 0.02 0.05", "0 0 0.025");
+    links += plate(side + "_pad", "0.012 0.02 0.045", "0 0 0.0225");
+    links += joint({is_left ? "drive" : side + "_drive", "revolute", "base", side + "_bar",
+                    fmt::format("xyz='{} 0 0' rpy='{}'", 0.045 * x, turn), "0 -1 0", "0.8",
+                    is_left ? 0.0 : 1.0});
+    links += joint({side + "_back", "revolute", side + "_bar", side + "_pad", "xyz='0 0 0.052'",
+                    "0 1 0", "0.8", 1.0});
+    if (!has_guides) continue;
+    links += plate(side + "_guide", "0.008 0.018 0.05", "0 0 0.025");
+    links += joint({side + "_guide_joint", "revolute", "base", side + "_guide",
+                    fmt::format("xyz='{} 0 0.004' rpy='{}'", 0.028 * x, turn), "0 -1 0", "0.8",
+                    1.0});
+  }
+  return gripperOf(has_guides ? "guided" : "parallel", links);
+}
+
+/// Two jaws along z that slide apart along y, and touch where they are at rest.
+HandModel slidingGripper() {
+  std::string links = plate("base", "0.04 0.12 0.05", "0 0 -0.025");
+  links += plate("jaw_1", "0.02 0.014 0.05", "0 0.007 0.027");
+  links += plate("jaw_2", "0.02 0.014 0.05", "0 -0.007 0.027");
+  links += joint({"drive", "prismatic", "base", "jaw_1", "xyz='0 0 0'", "0 1 0", "0.04", 0.0});
+  links +=
+      joint({"drive_2", "prismatic", "base", "jaw_2", "xyz='0 0 0'", "0 -1 0", "0.04", 1.0});
+  return gripperOf("sliding", links);
+}
+
+Digits digitsOf(const HandModel& model) {
+  LinkPoses X_SL;
+  forwardKinematics(model, Pose::Identity(), skinReferencePose(model), X_SL);
+  return findDigits(model, X_SL);
+}
+
+/// Of jaws, on this link, that look to the middle along axis `i`; and that the palm looks out
+/// between them.
+void expectJaws(const HandModel& model, const std::vector<std::string>& links, int i) {
+  const Skin skin = SkinCache::fromEnvironment().get(model, {}, Progress());
+  LinkPoses X_SL;
+  forwardKinematics(model, Pose::Identity(), skin.qReference(), X_SL);
+  const auto sites = findContactSites(model, skin);
+  ASSERT_EQ(sites.size(), 3U);
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_EQ(sites[k].name, k == 0 ? "thumb" : "index");
+    EXPECT_NE(std::find(links.begin(), links.end(), sites[k].link), links.end())
+        << sites[k].link;
+    const Pose& X = X_SL[static_cast<std::size_t>(model.linkIndex(sites[k].link))];
+    const Eigen::Vector3d p_S = X * sites[k].p_L;
+    const Eigen::Vector3d n_S = X.linear() * sites[k].n_L;
+    EXPECT_LT(n_S[i] * p_S[i], 0.0) << "looks away from the other jaw";
+    EXPECT_GT(std::abs(n_S[i]), 0.95) << n_S.transpose();
+  }
+  EXPECT_NE(sites[0].link, sites[1].link);
+  EXPECT_EQ(sites[2].name, "palm");
+  EXPECT_EQ(sites[2].link, "base");
+  EXPECT_GT(sites[2].n_L.z(), 0.95);
+}
+
+TEST(Gripper, HasParallelJawsThatCloseAsTheirFirstJointTurns) {
+  const HandModel model = parallelGripper(false);
+  ASSERT_EQ(digitsOf(model).digits.size(), 2U);
+  expectJaws(model, {"left_pad", "right_pad"}, 0);
+}
+
+TEST(Gripper, HasBarsThatGuideItsJawsAndAreNone) {
+  const HandModel model = parallelGripper(true);
+  const Digits found = digitsOf(model);
+  ASSERT_EQ(found.digits.size(), 2U);
+  for (const Digit& digit : found.digits)
+    EXPECT_EQ(digit.nodes.size(), 2U);
+  expectJaws(model, {"left_pad", "right_pad"}, 0);
+}
+
+TEST(Gripper, HasJawsThatSlide) {
+  const HandModel model = slidingGripper();
+  // Where they touch there is no skin between them.
+  EXPECT_GT(skinReferencePose(model)[0], 0.004);
+  const Digits found = digitsOf(model);
+  ASSERT_EQ(found.digits.size(), 2U);
+  for (const Digit& digit : found.digits) {
+    EXPECT_GT(digit.outward.z(), 0.95);
+    EXPECT_LT(digit.closing.y() * digit.tip.y(), 0.0);
+    EXPECT_NEAR(digit.flexion_axis.cross(digit.outward).dot(digit.closing), 1.0, 1e-9);
+  }
+  expectJaws(model, {"jaw_1", "jaw_2"}, 1);
+}
+
+TEST(Gripper, KeepsAJawOfOneJointThatStandsAgainstALongerOne) {
+  // As a bar it is short, driven by the same motor and in the same plane.
+  std::string links = plate("base", "0.07 0.05 0.06", "0 0 -0.03");
+  links += plate("short", "0.012 0.02 0.05", "0 0 0.025");
+  links += plate("long_1", "0.012 0.02 0.05", "0 0 0.025");
+  links += plate("long_2", "0.012 0.02 0.045", "0 0 0.0225");
+  links += joint({"drive", "revolute", "base", "long_1", "xyz='0.04 0 0'", "0 -1 0"});
+  links +=
+      joint({"a", "revolute", "long_1", "long_2", "xyz='0 0 0.052'", "0 -1 0", "0.8", 0.5});
+  links += joint({"b", "revolute", "base", "short", "xyz='-0.04 0 0'", "0 1 0", "0.8", 1.0});
+  EXPECT_EQ(digitsOf(gripperOf("unequal", links)).digits.size(), 2U);
+}
+
+}  // namespace
+}  // namespace handgraft::hand
