@@ -24,6 +24,8 @@ constexpr double kParallelCosine = 0.7;
 constexpr double kLever = 0.5;
 /// Mean of the fingers' directions from which on they stand side by side.
 constexpr double kSideBySide = 0.7;
+/// Cosine; palms that are found look no farther away from where the fingers close.
+constexpr double kPalmFacing = 0.5;
 
 constexpr std::array<const char*, 5> kOrder{"thumb", "index", "middle", "ring", "little"};
 
@@ -135,7 +137,25 @@ void turnThumbToFingers(const HandModel& model, const LinkPoses& X_SL, Anatomy& 
   }
 }
 
-std::optional<Palm> palmOf(const Anatomy& anatomy) {
+/// Which way a palm looks, and the way to its fingers, as a site of that name has them.
+struct ToldPalm {
+  Eigen::Vector3d facing_S;
+  Eigen::Vector3d outward_S;
+};
+
+std::optional<ToldPalm> palmIn(const std::vector<ContactSite>& sites,
+                               const HandModel& model,
+                               const LinkPoses& X_SL) {
+  for (const ContactSite& site : sites) {
+    if (site.name != "palm") continue;
+    const Eigen::Matrix3d& R_SL =
+        X_SL[static_cast<std::size_t>(model.linkIndex(site.link))].linear();
+    return ToldPalm{R_SL * site.n_L, -(R_SL * site.direction_L)};
+  }
+  return std::nullopt;
+}
+
+std::optional<Palm> palmOf(const Anatomy& anatomy, const std::optional<ToldPalm>& told) {
   Palm palm;
   std::vector<const NamedDigit*> fingers;
   const NamedDigit* thumb = anatomy.maybeDigit("thumb");
@@ -148,6 +168,11 @@ std::optional<Palm> palmOf(const Anatomy& anatomy) {
   }
   if (palm.outward_S.norm() < kSideBySide || palm.facing_S.norm() < kSideBySide)
     return std::nullopt;
+  // A site that looks elsewhere than the fingers close is somebody's own word.
+  if (told && told->facing_S.dot(palm.facing_S.normalized()) < kPalmFacing) {
+    palm.facing_S = told->facing_S;
+    palm.outward_S = told->outward_S;
+  }
   palm.outward_S.normalize();
   palm.facing_S -= palm.facing_S.dot(palm.outward_S) * palm.outward_S;
   palm.facing_S.normalize();
@@ -279,7 +304,7 @@ Anatomy anatomyOf(const HandModel& model,
                      };
                      return rank(a) < rank(b);
                    });
-  anatomy.palm = palmOf(anatomy);
+  anatomy.palm = palmOf(anatomy, palmIn(sites, model, X_SL));
   if (anatomy.palm) turnThumbToFingers(model, X_SL, anatomy);
 
   const Chirality told = sideByNames(model);

@@ -12,6 +12,7 @@
 #include "core/base/progress.h"
 #include "core/hand/anatomy.h"
 #include "core/hand/contact_site.h"
+#include "core/hand/finger_coordinates.h"
 #include "core/hand/skin.h"
 #include "core/hand/skin_cache.h"
 #include "core/io/urdf_file.h"
@@ -128,6 +129,31 @@ TEST(Palm, LooksWhereTheFingersFirstBonesCloseTo) {
   ASSERT_TRUE(anatomy.palm.has_value());
   EXPECT_GT(anatomy.palm->facing_S.x(), 0.99);
   EXPECT_GT(anatomy.palm->outward_S.z(), 0.99);
+}
+
+TEST(Palm, IsWhereItsOwnSitePutsIt) {
+  // What the fingers' joints say is wrong on some hands; its sites.yaml is to put that right.
+  const HandModel model = coupledHand();
+  ContactSite site;
+  site.name = "palm";
+  site.link = "palm";
+  site.p_L = {-0.015, 0.0, -0.04};
+  site.n_L = {-1.0, 0.0, 0.0};
+  site.direction_L = {0.0, 0.0, -1.0};
+  LinkPoses X_SL;
+  forwardKinematics(model, Pose::Identity(), skinReferencePose(model), X_SL);
+  const Anatomy anatomy = anatomyOf(model, X_SL, {site});
+  ASSERT_TRUE(anatomy.palm.has_value());
+  EXPECT_LT(anatomy.palm->facing_S.x(), -0.99);
+  EXPECT_GT(anatomy.palm->outward_S.z(), 0.99);
+
+  const Skin skin = SkinCache::fromEnvironment().get(model, {}, Progress());
+  HandLocation middle;
+  middle.digit = kPalmPart;
+  middle.along = middle.across = 0.5;
+  const auto spot = FingerCoordinates(model, skin, {site}).spotAt(middle);
+  ASSERT_TRUE(spot.has_value());
+  EXPECT_LT(geometry::positionOf(skin.mesh(), spot->root_S).x(), -0.014) << "on its back";
 }
 
 TEST(Palm, OfFingersAllAroundItLooksAlongThem) {
