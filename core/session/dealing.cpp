@@ -55,7 +55,11 @@ std::vector<std::vector<std::string>> waysToChoose(const std::vector<std::string
   return ways;
 }
 
-/// The order-keeping ways to give `touching` fingers to those of the hand.
+/// Two fingers and a thumb are a claw: it may stand the other way round.
+constexpr std::size_t kClaw = 2;
+
+/// The ways to give `touching` fingers to those of the hand that keep their order; a claw's the
+/// other way round, too.
 std::vector<Dealing> dealings(const std::vector<std::string>& touching,
                               const std::vector<std::string>& fingers) {
   std::vector<Dealing> all;
@@ -65,6 +69,9 @@ std::vector<Dealing> dealings(const std::vector<std::string>& touching,
       Dealing dealing;
       for (std::size_t i = 0; i < count; ++i)
         dealing[from[i]] = to[i];
+      all.push_back(dealing);
+      if (fingers.size() != kClaw || count != kClaw) continue;
+      std::swap(dealing[from[0]], dealing[from[1]]);
       all.push_back(std::move(dealing));
     }
   }
@@ -190,12 +197,14 @@ Dealing dealFingers(const Models& models,
       missing.push_back(digit);
     }
   }
-  if (missing.empty()) return same;
-
-  // === A thumb stays a thumb where there is one; the others are dealt out anew
   std::vector<std::string> fingers;
   for (const hand::NamedDigit& digit : coordinates.anatomy().digits)
     fingers.push_back(digit.name);
+  const bool is_claw = fingers.size() == kClaw + 1 && touching.size() == fingers.size() &&
+                       same.contains("thumb");
+  if (missing.empty() && !is_claw) return same;
+
+  // === A thumb stays a thumb where there is one; the others are dealt out anew
   Dealing kept;
   if (same.contains("thumb")) {
     kept["thumb"] = "thumb";
@@ -210,9 +219,9 @@ Dealing dealFingers(const Models& models,
       bestOf(models, waysToLay(models, coordinates, places, ways, document), progress);
   for (const auto& [from, to] : best) {
     if (from == to) continue;
-    document.notes.push_back(
-        fmt::format("{}'s contacts go to the hand's {}: it has no {}, and so it reaches most",
-                    from, to, fmt::join(missing, ", ")));
+    document.notes.push_back(fmt::format(
+        "{}'s contacts go to the hand's {}: {}so it reaches most", from, to,
+        missing.empty() ? "" : fmt::format("it has no {}, and ", fmt::join(missing, ", "))));
   }
   return best;
 }

@@ -30,6 +30,9 @@ constexpr int kRefinements = 2;
 constexpr int kSlides = 12;
 constexpr double kSmallGain = 0.01;  // of the cost: taken, but as good as none
 
+// Of searches that are begun again where none of the patches is reached.
+constexpr int kStartsAnew[] = {8, 32};
+
 constexpr int kAgainFewer = 4;  // starts, of a search that goes where one has been
 
 // Of a patch of which the segment alone is known: so far round it from the pad.
@@ -149,7 +152,7 @@ Solution DerivedState::solve(const SolverSettings& solving,
     options.on_improvement = nullptr;
     Worth worth = worthOf(report, solving);
     // Where the slides end depends on where they began.
-    const auto beginAgain = [&](const auto& takeRoots) {
+    const auto beginAgain = [&](const auto& takeRoots, int starts) {
       if (worth.first == 0 || !searchesWidely(options)) return;
       Search best(*this);
       const std::vector<int> missed = optimize::missedPatches(problem(solving), report);
@@ -159,7 +162,7 @@ Solution DerivedState::solve(const SolverSettings& solving,
       if (!takeRoots(missed)) return;
       transfer(progress);
       SolveOptions again = options;
-      again.starts = std::max(optimize::kFewStarts + 1, options.starts / kAgainFewer);
+      again.starts = starts;
       SolveReport other;
       std::vector<Minimum> others = searchAbout(other, solving, again, progress);
       // A finger on the wrong side of a sheet costs the objective little.
@@ -169,18 +172,38 @@ Solution DerivedState::solve(const SolverSettings& solving,
       found = std::move(others);
       best.keep();
     };
-    beginAgain([&](const std::vector<int>&) {
-      return takeRootsByLength();
-    });
-    for (const double around_rad : {kAside_rad, -kAside_rad}) {
-      beginAgain([&](const std::vector<int>& missed) {
-        return takeRootsAround(missed, around_rad);
-      });
-    }
-    for (const double turn_rad : kTurns_rad) {
-      beginAgain([&](const std::vector<int>& missed) {
-        return turnDirections(missed, turn_rad);
-      });
+    const auto beginElsewhere = [&](int starts) {
+      beginAgain(
+          [&](const std::vector<int>&) {
+            return takeRootsByLength();
+          },
+          starts);
+      for (const double around_rad : {kAside_rad, -kAside_rad}) {
+        beginAgain(
+            [&](const std::vector<int>& missed) {
+              return takeRootsAround(missed, around_rad);
+            },
+            starts);
+      }
+      for (const double turn_rad : kTurns_rad) {
+        beginAgain(
+            [&](const std::vector<int>& missed) {
+              return turnDirections(missed, turn_rad);
+            },
+            starts);
+      }
+    };
+    beginElsewhere(std::max(optimize::kFewStarts + 1, options.starts / kAgainFewer));
+    // Among many starts those that touch through walls crowd out others: fewer find what more
+    // have lost.
+    for (const int starts : kStartsAnew) {
+      if (worth.first < std::ssize(report.patches)) break;
+      beginAgain(
+          [](const std::vector<int>&) {
+            return true;
+          },
+          starts);
+      beginElsewhere(starts);
     }
     if (searchesWidely(options) && isInside(report))
       approachAnew(as_it_was.start, report, solving, options, progress);

@@ -111,6 +111,26 @@ TEST(DealingFingers, KeepsAFingersPatchesTogetherWhereFingersHaveNamesOfTheirOwn
   EXPECT_EQ(laid, 4u) << "palm, thumb and a finger's each";
 }
 
+/// A thumb and two fingers may stand the other way round: which of these is called what decides
+/// nothing.
+TEST(DealingFingers, TurnsAClawRoundWhereThatReachesMore) {
+  hand::Hand hand = handOfLibrary("barrett8");
+  const LabelledLemon lemon;
+  const std::ptrdiff_t as_named = reachedOf(hand, lemon, lemon.contacts);
+  for (hand::ContactSite& site : hand.sites)
+    if (site.name == "index" || site.name == "middle")
+      site.name = site.name == "index" ? "middle" : "index";
+  EXPECT_EQ(reachedOf(hand, lemon, lemon.contacts), as_named);
+
+  // All that touched are there, too.
+  contact::ContactSet three = lemon.contacts;
+  std::erase_if(three.patches, [](const contact::Patch& patch) {
+    return patch.name == "ring_distal" || patch.name == "little_distal";
+  });
+  const std::ptrdiff_t exchanged = reachedOf(hand, lemon, three);
+  EXPECT_EQ(reachedOf(handOfLibrary("barrett8"), lemon, three), exchanged);
+}
+
 TEST(DealingFingers, KeepsTheirOrderAndTheThumbAndTellsIt) {
   const hand::Hand hand = handOfLibrary("barrett8");
   const LabelledLemon lemon;
