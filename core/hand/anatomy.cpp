@@ -24,6 +24,8 @@ constexpr double kParallelCosine = 0.7;
 constexpr double kLever = 0.5;
 /// Mean of the fingers' directions from which on they stand side by side.
 constexpr double kSideBySide = 0.7;
+/// Of a thumb's length: what is shorter and comes before three segments is none.
+constexpr double kStubShare = 0.25;
 /// Cosine; palms that are found look no farther away from where the fingers close.
 constexpr double kPalmFacing = 0.5;
 
@@ -55,6 +57,22 @@ bool bends(const HandModel& model,
   return bone.norm() > 0.0 && axis.cross(bone.normalized()).norm() > kLever;
 }
 
+/// Whether a joint bends and nothing of the hand lies between it and the next one that does:
+/// the halves of a joint that rolls.
+bool isHalfAJoint(const HandModel& model,
+                  const LinkPoses& X_SL,
+                  const Digit& digit,
+                  std::size_t i,
+                  bool is_thumb) {
+  if (!bends(model, X_SL, digit, i, is_thumb)) return false;
+  for (; i + 1 < digit.nodes.size(); ++i) {
+    for (const int link : rigidGroupOf(model, digit.nodes[i] + 1))
+      if (!model.links()[static_cast<std::size_t>(link)].surface().empty()) return false;
+    if (bends(model, X_SL, digit, i + 1, is_thumb)) return true;
+  }
+  return false;
+}
+
 Eigen::Vector3d palmarOf(const Digit& digit, const Eigen::Vector3d& bone) {
   Eigen::Vector3d palmar = digit.flexion_axis.cross(bone);
   // A bone along the last joint's axis: the side to which the tip closes.
@@ -74,7 +92,9 @@ std::vector<Segment> segmentsOf(const HandModel& model,
   const double shortest = std::max(kShortest_m, kShortestShare * whole);
   std::vector<std::size_t> starts;
   for (std::size_t i = 0; i < digit.nodes.size(); ++i) {
-    if (!bends(model, X_SL, digit, i, is_thumb)) continue;
+    if (!bends(model, X_SL, digit, i, is_thumb) ||
+        isHalfAJoint(model, X_SL, digit, i, is_thumb))
+      continue;
     const Eigen::Vector3d here = originOf(X_SL, digit.nodes[i]);
     if (!starts.empty() &&
         (here - originOf(X_SL, digit.nodes[starts.back()])).norm() < shortest)
@@ -87,6 +107,12 @@ std::vector<Segment> segmentsOf(const HandModel& model,
   constexpr std::size_t kPhalanges = 3;
   if (!is_thumb && starts.size() > kPhalanges)
     starts.erase(starts.begin(), starts.end() - kPhalanges);
+  // A thumb's metacarpal moves with it, but not as a stub before it.
+  while (
+      is_thumb && starts.size() > kPhalanges &&
+      (originOf(X_SL, digit.nodes[starts[1]]) - originOf(X_SL, digit.nodes[starts[0]])).norm() <
+          kStubShare * whole)
+    starts.erase(starts.begin());
 
   // === Their links; a side joint before the first bend goes with it, unless it is long
   std::vector<Segment> segments(starts.size());
@@ -97,8 +123,12 @@ std::vector<Segment> segmentsOf(const HandModel& model,
     const Eigen::Vector3d before =
         originOf(X_SL, digit.nodes[starts.front()]) - originOf(X_SL, digit.nodes[i]);
     const bool is_metacarpal = next == 0 && !is_thumb && before.norm() > kMetacarpal_m;
-    std::vector<int>& links =
-        is_metacarpal ? metacarpals : segments[std::max<std::size_t>(next, 1) - 1].links;
+    // What half a joint carries turns with what comes behind it rather than with what is
+    // before.
+    const bool is_of_next =
+        next > 0 && next < starts.size() && isHalfAJoint(model, X_SL, digit, i, is_thumb);
+    const std::size_t segment = is_of_next ? next : std::max<std::size_t>(next, 1) - 1;
+    std::vector<int>& links = is_metacarpal ? metacarpals : segments[segment].links;
     links.insert(links.end(), group.begin(), group.end());
   }
   const std::vector<std::string> names = segmentNames(segments.size());
