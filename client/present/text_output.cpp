@@ -362,7 +362,16 @@ std::string grasp(const GraspResult& result) {
   out += verdicts(solution, result.hand);
   out += losses(result.transfer.patches(), result.kept ? solution.session_id() : 0);
   out += notes(result.hand.notes());
-  out += notes(result.transfer.notes());
+  std::vector<std::string> further;  // what is dropped is told already
+  for (const std::string& note : result.transfer.notes()) {
+    const bool is_told =
+        std::any_of(result.transfer.patches().begin(), result.transfer.patches().end(),
+                    [&](const v1::PatchReport& report) {
+                      return !report.placed() && report.reason() == note;
+                    });
+    if (!is_told) further.push_back(note);
+  }
+  out += notes(further);
 
   out +=
       fmt::format("objective {:.6g} ({}), {} by {} after {} evaluations\n",

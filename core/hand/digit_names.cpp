@@ -195,7 +195,7 @@ DigitNames nameDigits(const std::vector<Digit>& digits) {
   // === Where names and shape disagree, names win
   const std::vector<std::string> shape =
       namesByShape(orderFingers(digits, shape_thumb), shape_thumb, digits.size());
-  if (shape_thumb < 0 || digits.size() < 3) return result;
+  if (shape_thumb < 0 || digits.size() <= kClawDigits) return result;
   for (std::size_t i = 0; i < digits.size(); ++i) {
     if (result.from_file[i] == 0 || shape[i] == result.names[i]) continue;
     const bool is_order = shape[i].starts_with('f');  // by number: nothing to contradict

@@ -53,6 +53,9 @@ std::vector<int> rigidGroupOf(const HandModel& model, int link);
 /// that guide a gripper's fingers are none. Deterministic. Cost: linear in the vertices.
 Digits findDigits(const HandModel& model, const LinkPoses& X_SL);
 
+/// A thumb and two fingers: a claw, which takes what either hand touched.
+inline constexpr std::size_t kClawDigits = 3;
+
 enum class Chirality { kUnknown, kRight, kLeft };
 
 /// What the digits of a hand are called, and how that is known.

@@ -55,8 +55,8 @@ std::vector<std::vector<std::string>> waysToChoose(const std::vector<std::string
   return ways;
 }
 
-/// Two fingers and a thumb are a claw: it may stand the other way round.
-constexpr std::size_t kClaw = 2;
+/// Fingers of a claw beside its thumb: it may stand the other way round.
+constexpr std::size_t kClaw = hand::kClawDigits - 1;
 
 /// The ways to give `touching` fingers to those of the hand that keep their order; a claw's the
 /// other way round, too.

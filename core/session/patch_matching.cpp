@@ -126,7 +126,9 @@ void matchPatches(const Models& models, Document& document, const Progress& prog
   for (DocumentPatch& patch : document.patches)
     if (!patch.placement) patch.dropped.clear();
   const auto coordinates = hand::coordinatesOf(*models.hand);
-  noteTheOtherSide(models, coordinates->anatomy().chirality, document);
+  // A claw takes what either hand touched.
+  if (coordinates->anatomy().digits.size() > hand::kClawDigits)
+    noteTheOtherSide(models, coordinates->anatomy().chirality, document);
   const PlacesOfPatches places = placesIn(models, *coordinates, document);
   // Which finger takes whose patches depends on what else is to be reached.
   matchByName(*models.hand, places, document);

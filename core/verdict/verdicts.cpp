@@ -124,6 +124,33 @@ std::string spanText(const session::Session& session, const optimize::SpanMisfit
                      1e3 * span.hand_m);
 }
 
+// Dry skin and rubber hold so much across for what they press.
+constexpr double kFriction = 0.5;
+
+/// Whether the patches that are reached all press to one side: then no forces within their
+/// friction cones add up to none, and what they touch is pushed away.
+bool pressToOneSide(const optimize::PoseProblem& problem,
+                    const optimize::Diagnosis& diagnosis) {
+  std::vector<Eigen::Vector3d> normals_W;
+  for (const PatchDiagnosis& patch : diagnosis.patches) {
+    if (patch.verdict != Verdict::kReached) continue;
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const optimize::PointPair& pair : problem.pairs)
+      if (pair.patch == patch.patch && pair.has_normals) sum += pair.n_W;
+    if (sum.isZero()) return false;  // nobody knows
+    normals_W.push_back(sum.normalized());
+  }
+  if (normals_W.size() < 2) return false;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& n_W : normals_W)
+    mean += n_W;
+  mean.normalize();
+  const double cone = std::sin(std::atan(kFriction));
+  return std::all_of(normals_W.begin(), normals_W.end(), [&](const Eigen::Vector3d& n_W) {
+    return n_W.dot(mean) > cone;
+  });
+}
+
 }  // namespace
 
 std::string nameOf(const hand::HandModel& model, const LimitSensitivity& sensitivity) {
@@ -204,6 +231,8 @@ Verdicts verdictsOf(const session::Session& session,
                                        return !item.dropped.empty();
                                      });
   if (dropped > 0) verdicts.line += fmt::format("; {} more dropped", dropped);
+  if (pressToOneSide(problem, verdicts.diagnosis))
+    verdicts.line += "; what is reached presses to one side: nothing holds the object there";
   verdicts.line += remarks;
   const std::string sizes = lineOf(session, findings);
   if (!sizes.empty()) verdicts.line += "; " + sizes;

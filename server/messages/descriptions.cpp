@@ -68,7 +68,8 @@ void addFingers(v1::HandDescription& message, const hand::Hand& hand, bool is_mi
   for (const std::string& note : anatomy.notes)
     message.notes().push_back(note);
   if (!is_mirrored && !anatomy.side_note.empty()) message.notes().push_back(anatomy.side_note);
-  if (anatomy.chirality != hand::Chirality::kUnknown) {
+  if (anatomy.chirality != hand::Chirality::kUnknown &&
+      anatomy.digits.size() > hand::kClawDigits) {
     const bool is_right = anatomy.chirality == hand::Chirality::kRight;
     message.chirality(is_right ? v1::CHIRALITY_RIGHT : v1::CHIRALITY_LEFT);
     message.notes().emplace_back(is_right ? "a right hand" : "a left hand");

@@ -73,6 +73,18 @@ TEST(Verdicts, ASwitchedOffPatchIsNotCounted) {
   EXPECT_THAT(verdicts.line, HasSubstr("of 2 patches"));
 }
 
+TEST(Verdicts, TellThatNothingHoldsWhatIsPressedFromOneSide) {
+  const test::BallGrasp grasp;
+  session::Session session = grasp.open();
+  EXPECT_THAT(solvedAndJudged(session).line, Not(HasSubstr("one side")));
+  // The thumb stands against the two fingers.
+  session.apply(session::PatchWeightEdit{"thumb", 0.0});
+  EXPECT_THAT(solvedAndJudged(session).line,
+              HasSubstr("2 of 2 patches reached; what is reached presses to one side"));
+  session.apply(session::PatchWeightEdit{"middle", 0.0});
+  EXPECT_THAT(solvedAndJudged(session).line, Not(HasSubstr("one side"))) << "a touch";
+}
+
 TEST(Verdicts, APatchWithoutAPointOnTheHandIsNotReachedAndNamed) {
   const test::BallGrasp grasp;
   session::Session session = grasp.open();
