@@ -6,6 +6,7 @@
 #include <set>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "core/base/error.h"
 #include "core/hand/floating_base.h"
@@ -79,28 +80,43 @@ hand::HandPose NamedJoints::poseAt(const Eigen::Ref<const Eigen::VectorXd>& valu
 
 std::vector<std::string> beyondLimits(const hand::HandModel& model,
                                       const std::vector<hand::HandPose>& poses) {
-  std::vector<std::string> notes;
-  for (int dof = 0; dof < model.dofCount(); ++dof) {
-    const double lower = model.lower()[dof];
-    const double upper = model.upper()[dof];
-    double farthest = kLimitTolerance;
+  struct Beyond {
+    int dof = 0;
+    double by = 0.0;
     double value = 0.0;
+  };
+
+  std::vector<Beyond> found;
+  for (int dof = 0; dof < model.dofCount(); ++dof) {
+    Beyond one{dof, kLimitTolerance, 0.0};
     for (const hand::HandPose& pose : poses) {
-      const double beyond = std::max(lower - pose.q[dof], pose.q[dof] - upper);
-      if (!(beyond > farthest)) continue;
-      farthest = beyond;
-      value = pose.q[dof];
+      const double q = pose.q[dof];
+      const double by = std::max(model.lower()[dof] - q, q - model.upper()[dof]);
+      if (by > one.by) one = {dof, by, q};
     }
-    if (farthest == kLimitTolerance) continue;
-    // No joint of a hand goes round more than once.
-    const bool is_turns = model.dofJoint(dof).type != hand::JointType::kPrismatic &&
-                          std::abs(value) > 2.0 * std::numbers::pi;
-    notes.push_back(
-        fmt::format("joint {}: {:.4g} is beyond its limits {:.4g} to {:.4g}; taken as it is{}",
-                    handgraft::quoted(model.dofJoint(dof).name), value, lower, upper,
-                    is_turns ? "; angles are radians, not degrees" : ""));
+    if (one.by > kLimitTolerance) found.push_back(one);
   }
-  return notes;
+  if (found.empty()) return {};
+  // One line, however many there are: a person's joints are often beyond a model's.
+  std::stable_sort(found.begin(), found.end(), [](const Beyond& a, const Beyond& b) {
+    return a.by > b.by;
+  });
+  const auto nameOf = [&](const Beyond& one) {
+    return handgraft::quoted(model.dofJoint(one.dof).name);
+  };
+  const Beyond& most = found.front();
+  // No joint of a hand goes round more than once.
+  const bool is_turns = model.dofJoint(most.dof).type != hand::JointType::kPrismatic &&
+                        std::abs(most.value) > 2.0 * std::numbers::pi;
+  std::string note =
+      fmt::format("joint {}: {:.4g} is beyond its limits {:.4g} to {:.4g}; taken as it is{}",
+                  nameOf(most), most.value, model.lower()[most.dof], model.upper()[most.dof],
+                  is_turns ? "; angles are radians, not degrees" : "");
+  std::vector<std::string> others;
+  for (std::size_t i = 1; i < found.size(); ++i)
+    others.push_back(nameOf(found[i]));
+  if (!others.empty()) note += fmt::format("; so are {}", fmt::join(others, ", "));
+  return {note};
 }
 
 }  // namespace handgraft::server

@@ -52,8 +52,9 @@ class NamedJoints {
   std::string of_root_;  ///< the last one of the floating base; empty: none
 };
 
-/// Of each joint that leaves its limits by more than what files round away, at the value that
-/// is farthest out. `poses`: of one hand.
+/// One line, of the joints that leave their limits by more than what files round away: the one
+/// that goes farthest beyond, at the value that
+/// is farthest out, and the names of the others. Empty if none does. `poses`: of one hand.
 std::vector<std::string> beyondLimits(const hand::HandModel& model,
                                       const std::vector<hand::HandPose>& poses);
 
