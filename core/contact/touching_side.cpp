@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,6 +17,10 @@ namespace {
 
 // Of recorded right hands the mean cosine is -0.82 to -0.64.
 constexpr double kClear = 0.4;
+constexpr double kClearAlone = 0.5;  // without the palm's posture
+
+// Length of the mean of directions that agree.
+constexpr double kAgreeing = 0.6;
 
 constexpr std::array<const char*, 4> kAcross{"index", "middle", "ring", "little"};
 
@@ -25,15 +30,37 @@ std::string fingerOf(const Patch& patch) {
   return place ? place->digit : patch.name;
 }
 
+/// How a palm stood, as its own posture tells, else as the fingers' contacts do: they lead away
+/// from the wrist, and their pads face what they touch. Nothing where neither does.
+std::optional<PartDirection> palmOver(const ContactSet& contacts,
+                                      const geometry::TriangleMesh& object_O) {
+  for (const PartDirection& part : contacts.posture)
+    if (part.part == hand::kPalmPart) return part;
+  PartDirection palm{std::string(hand::kPalmPart), Eigen::Vector3d::Zero(),
+                     Eigen::Vector3d::Zero()};
+  double count = 0.0;
+  for (const Patch& patch : contacts.patches) {
+    if (!patch.direction_O) continue;
+    if (std::find(kAcross.begin(), kAcross.end(), fingerOf(patch)) == kAcross.end()) continue;
+    palm.outward_O -= *patch.direction_O;
+    palm.palmar_O -= normalOf(object_O, patch.root);
+    count += 1.0;
+  }
+  if (palm.outward_O.norm() < kAgreeing * count || palm.palmar_O.norm() < kAgreeing * count)
+    return std::nullopt;
+  palm.outward_O.normalize();
+  palm.palmar_O -= palm.palmar_O.dot(palm.outward_O) * palm.outward_O;
+  if (palm.palmar_O.norm() < kAgreeing) return std::nullopt;
+  palm.palmar_O.normalize();
+  return palm;
+}
+
 }  // namespace
 
 hand::Chirality touchingSide(const ContactSet& contacts,
                              const geometry::TriangleMesh& object_O) {
-  const auto palm = std::find_if(contacts.posture.begin(), contacts.posture.end(),
-                                 [](const PartDirection& part) {
-                                   return part.part == hand::kPalmPart;
-                                 });
-  if (palm == contacts.posture.end()) return hand::Chirality::kUnknown;
+  const std::optional<PartDirection> palm = palmOver(contacts, object_O);
+  if (!palm) return hand::Chirality::kUnknown;
   const Eigen::Vector3d across_O = palm->outward_O.cross(palm->palmar_O);
   std::vector<std::pair<std::ptrdiff_t, Eigen::Vector3d>> touches;
   for (const Patch& patch : contacts.patches) {
@@ -50,7 +77,8 @@ hand::Chirality touchingSide(const ContactSet& contacts,
       whole += (to_O - from_O).norm();
     }
   }
-  if (whole <= 0.0 || std::abs(along) < kClear * whole) return hand::Chirality::kUnknown;
+  const double clear = contacts.posture.empty() ? kClearAlone : kClear;
+  if (whole <= 0.0 || std::abs(along) < clear * whole) return hand::Chirality::kUnknown;
   return along < 0.0 ? hand::Chirality::kRight : hand::Chirality::kLeft;
 }
 

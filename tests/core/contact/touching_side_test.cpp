@@ -43,12 +43,30 @@ TEST(TouchingSide, IsThatOfTheHandWhoseFingersFollowEachOtherSo) {
   EXPECT_EQ(touchingSide(rowOfTouches(ball_O, names, -y), ball_O), Chirality::kLeft);
 }
 
+TEST(TouchingSide, IsToldByDirectionsWhereNobodyKnowsThePalm) {
+  const geometry::TriangleMesh ball_O = geometry::makeSphere(0.03, 4);
+  for (const double side : {1.0, -1.0}) {
+    ContactSet set = rowOfTouches(ball_O, {"index_distal", "middle_distal", "ring_distal"},
+                                  side * Eigen::Vector3d::UnitY());
+    set.posture.clear();
+    for (Patch& patch : set.patches) {
+      const Eigen::Vector3d n_O = normalOf(ball_O, patch.root);
+      const Eigen::Vector3d down_O = -Eigen::Vector3d::UnitZ();
+      patch.direction_O = (down_O - down_O.dot(n_O) * n_O).normalized();
+    }
+    EXPECT_EQ(touchingSide(set, ball_O), side > 0.0 ? Chirality::kRight : Chirality::kLeft);
+    // Fingers that lead to all sides stood around it.
+    set.patches[0].direction_O = -*set.patches[0].direction_O;
+    EXPECT_EQ(touchingSide(set, ball_O), Chirality::kUnknown);
+  }
+}
+
 TEST(TouchingSide, IsUnknownWhereNothingTells) {
   const geometry::TriangleMesh ball_O = geometry::makeSphere(0.03, 4);
   const Eigen::Vector3d y = Eigen::Vector3d::UnitY();
   ContactSet set = rowOfTouches(ball_O, {"index", "ring"}, y);
   set.posture.clear();
-  EXPECT_EQ(touchingSide(set, ball_O), Chirality::kUnknown) << "no palm";
+  EXPECT_EQ(touchingSide(set, ball_O), Chirality::kUnknown) << "no palm, no directions";
   EXPECT_EQ(touchingSide(rowOfTouches(ball_O, {"thumb", "ring"}, y), ball_O),
             Chirality::kUnknown)
       << "one finger";
