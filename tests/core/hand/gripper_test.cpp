@@ -1,40 +1,25 @@
 // Grippers: which of their links are jaws, and where these touch.
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "core/base/progress.h"
 #include "core/hand/contact_site.h"
 #include "core/hand/digits.h"
 #include "core/hand/skin.h"
 #include "core/hand/skin_cache.h"
-#include "core/io/urdf_file.h"
+
+#include "tests/core/hand/urdf_text.h"
 
 namespace handgraft::hand {
 namespace {
 
-HandModel gripperOf(const std::string& name, const std::string& links) {
-  const auto path = std::filesystem::temp_directory_path() /
-                    fmt::format("gripper_{}_{}.urdf", name, getpid());
-  std::ofstream(path) << fmt::format("<robot name='{}'>{}</robot>", name, links);
-  HandModel model = io::readUrdf(path).model;
-  std::filesystem::remove(path);
-  return model;
-}
-
-std::string plate(const std::string& link, const std::string& size, const std::string& at) {
-  return fmt::format(
-      "<link name='{}'><visual><origin xyz='{}'/><geometry><box size='{}'/></geometry>"
-      "</visual></link>",
-      link, at, size);
-}
+using test::boxLink;
+using test::handOfText;
 
 struct JointText {
   std::string name;
@@ -62,36 +47,36 @@ std::string joint(const JointText& text) {
 /// turns back as much, so that it stays parallel, and, if it `has_guides`, a second bar beside
 /// the first.
 HandModel parallelGripper(bool has_guides) {
-  std::string links = plate("base", "0.07 0.05 0.06", "0 0 -0.03");
+  std::string links = boxLink("base", "0.07 0.05 0.06", "0 0 -0.03");
   for (const bool is_left : {true, false}) {
     const std::string side = is_left ? "left" : "right";
     const std::string turn = is_left ? "0 0 0" : "0 0 3.14159265358979";
     const double x = is_left ? 1.0 : -1.0;
-    links += plate(side + "_bar", "0.012 0.02 0.05", "0 0 0.025");
-    links += plate(side + "_pad", "0.012 0.02 0.045", "0 0 0.0225");
+    links += boxLink(side + "_bar", "0.012 0.02 0.05", "0 0 0.025");
+    links += boxLink(side + "_pad", "0.012 0.02 0.045", "0 0 0.0225");
     links += joint({is_left ? "drive" : side + "_drive", "revolute", "base", side + "_bar",
                     fmt::format("xyz='{} 0 0' rpy='{}'", 0.045 * x, turn), "0 -1 0", "0.8",
                     is_left ? 0.0 : 1.0});
     links += joint({side + "_back", "revolute", side + "_bar", side + "_pad", "xyz='0 0 0.052'",
                     "0 1 0", "0.8", 1.0});
     if (!has_guides) continue;
-    links += plate(side + "_guide", "0.008 0.018 0.05", "0 0 0.025");
+    links += boxLink(side + "_guide", "0.008 0.018 0.05", "0 0 0.025");
     links += joint({side + "_guide_joint", "revolute", "base", side + "_guide",
                     fmt::format("xyz='{} 0 0.004' rpy='{}'", 0.028 * x, turn), "0 -1 0", "0.8",
                     1.0});
   }
-  return gripperOf(has_guides ? "guided" : "parallel", links);
+  return handOfText(has_guides ? "guided" : "parallel", links);
 }
 
 /// Two jaws along z that slide apart along y, and touch where they are at rest.
 HandModel slidingGripper() {
-  std::string links = plate("base", "0.04 0.12 0.05", "0 0 -0.025");
-  links += plate("jaw_1", "0.02 0.014 0.05", "0 0.007 0.027");
-  links += plate("jaw_2", "0.02 0.014 0.05", "0 -0.007 0.027");
+  std::string links = boxLink("base", "0.04 0.12 0.05", "0 0 -0.025");
+  links += boxLink("jaw_1", "0.02 0.014 0.05", "0 0.007 0.027");
+  links += boxLink("jaw_2", "0.02 0.014 0.05", "0 -0.007 0.027");
   links += joint({"drive", "prismatic", "base", "jaw_1", "xyz='0 0 0'", "0 1 0", "0.04", 0.0});
   links +=
       joint({"drive_2", "prismatic", "base", "jaw_2", "xyz='0 0 0'", "0 -1 0", "0.04", 1.0});
-  return gripperOf("sliding", links);
+  return handOfText("sliding", links);
 }
 
 Digits digitsOf(const HandModel& model) {
@@ -155,15 +140,15 @@ TEST(Gripper, HasJawsThatSlide) {
 
 TEST(Gripper, KeepsAJawOfOneJointThatStandsAgainstALongerOne) {
   // As a bar it is short, driven by the same motor and in the same plane.
-  std::string links = plate("base", "0.07 0.05 0.06", "0 0 -0.03");
-  links += plate("short", "0.012 0.02 0.05", "0 0 0.025");
-  links += plate("long_1", "0.012 0.02 0.05", "0 0 0.025");
-  links += plate("long_2", "0.012 0.02 0.045", "0 0 0.0225");
+  std::string links = boxLink("base", "0.07 0.05 0.06", "0 0 -0.03");
+  links += boxLink("short", "0.012 0.02 0.05", "0 0 0.025");
+  links += boxLink("long_1", "0.012 0.02 0.05", "0 0 0.025");
+  links += boxLink("long_2", "0.012 0.02 0.045", "0 0 0.0225");
   links += joint({"drive", "revolute", "base", "long_1", "xyz='0.04 0 0'", "0 -1 0"});
   links +=
       joint({"a", "revolute", "long_1", "long_2", "xyz='0 0 0.052'", "0 -1 0", "0.8", 0.5});
   links += joint({"b", "revolute", "base", "short", "xyz='-0.04 0 0'", "0 1 0", "0.8", 1.0});
-  EXPECT_EQ(digitsOf(gripperOf("unequal", links)).digits.size(), 2U);
+  EXPECT_EQ(digitsOf(handOfText("unequal", links)).digits.size(), 2U);
 }
 
 }  // namespace

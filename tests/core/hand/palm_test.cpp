@@ -1,13 +1,10 @@
 // Where hands that nobody had tuned to have their palms, and where these look.
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <string>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "core/base/progress.h"
 #include "core/hand/anatomy.h"
@@ -15,28 +12,14 @@
 #include "core/hand/finger_coordinates.h"
 #include "core/hand/skin.h"
 #include "core/hand/skin_cache.h"
-#include "core/io/urdf_file.h"
 
-#include "tests/support/shared_data.h"
+#include "tests/core/hand/urdf_text.h"
 
 namespace handgraft::hand {
 namespace {
 
-HandModel handOf(const std::string& name, const std::string& links) {
-  const auto path =
-      std::filesystem::temp_directory_path() / fmt::format("palm_{}_{}.urdf", name, getpid());
-  std::ofstream(path) << fmt::format("<robot name='{}'>{}</robot>", name, links);
-  HandModel model = io::readUrdf(path).model;
-  std::filesystem::remove(path);
-  return model;
-}
-
-std::string box(const std::string& link, const std::string& size, const std::string& at) {
-  return fmt::format(
-      "<link name='{}'><visual><origin xyz='{}'/><geometry><box size='{}'/></geometry>"
-      "</visual></link>",
-      link, at, size);
-}
+using test::boxLink;
+using test::handOfText;
 
 /// `more`: of the joint, beside where it is and how it turns.
 std::string hinge(const std::string& joint,
@@ -54,45 +37,45 @@ std::string hinge(const std::string& joint,
 /// Fingers to +z that close to +x, their last joints coupled and bent by 1 rad where the first
 /// are straight, and a thumb beside them.
 HandModel coupledHand() {
-  std::string links = box("palm", "0.03 0.08 0.1", "0 0 -0.05");
+  std::string links = boxLink("palm", "0.03 0.08 0.1", "0 0 -0.05");
   for (int i = 0; i < 4; ++i) {
     const std::string name = i == 0 ? "index" : i == 1 ? "middle" : i == 2 ? "ring" : "little";
-    links += box(name + "_1", "0.012 0.014 0.038", "0 0 0.02");
-    links += box(name + "_2", "0.012 0.014 0.038", "0 0 0.02");
+    links += boxLink(name + "_1", "0.012 0.014 0.038", "0 0 0.02");
+    links += boxLink(name + "_2", "0.012 0.014 0.038", "0 0 0.02");
     links += hinge(name + "_a", "palm", name + "_1",
                    fmt::format("xyz='0 {} 0'", 0.03 - 0.02 * i), "0 1 0");
     links += hinge(name + "_b", name + "_1", name + "_2", "xyz='0 0 0.04'", "0 1 0",
                    fmt::format("<mimic joint='{}_a' multiplier='1' offset='1.0'/>", name));
   }
-  links += box("thumb_1", "0.014 0.038 0.014", "0 0.02 0");
+  links += boxLink("thumb_1", "0.014 0.038 0.014", "0 0.02 0");
   links += hinge("thumb_a", "palm", "thumb_1", "xyz='0 0.045 -0.06'", "0 0 -1");
-  return handOf("coupled", links);
+  return handOfText("coupled", links);
 }
 
 /// Three like fingers about a base's axis, +z, that close towards it.
 HandModel handOfThree() {
-  std::string links = box("base", "0.09 0.09 0.03", "0 0 -0.015");
+  std::string links = boxLink("base", "0.09 0.09 0.03", "0 0 -0.015");
   for (int i = 0; i < 3; ++i) {
     const std::string name = fmt::format("finger_{}", i);
     const double turn = 2.0 * 3.14159265358979 * i / 3.0;
-    links += box(name + "_1", "0.014 0.014 0.048", "0 0 0.025");
-    links += box(name + "_2", "0.014 0.014 0.048", "0 0 0.025");
+    links += boxLink(name + "_1", "0.014 0.014 0.048", "0 0 0.025");
+    links += boxLink(name + "_2", "0.014 0.014 0.048", "0 0 0.025");
     links += hinge(name + "_a", "base", name + "_1",
                    fmt::format("xyz='{} {} 0' rpy='0 0 {}'", 0.04 * std::cos(turn),
                                0.04 * std::sin(turn), turn),
                    "0 -1 0");
     links += hinge(name + "_b", name + "_1", name + "_2", "xyz='0 0 0.05'", "0 -1 0");
   }
-  return handOf("three", links);
+  return handOfText("three", links);
 }
 
 /// Two fingers side by side and one against them, which alone has a finger's name.
 HandModel gripperOfThree() {
-  std::string links = box("base", "0.09 0.09 0.03", "0 0 -0.015");
+  std::string links = boxLink("base", "0.09 0.09 0.03", "0 0 -0.015");
   const auto add = [&](const std::string& name, const std::string& origin,
                        const std::string& axis) {
-    links += box(name + "_link_1", "0.014 0.014 0.048", "0 0 0.025");
-    links += box(name + "_link_2", "0.014 0.014 0.048", "0 0 0.025");
+    links += boxLink(name + "_link_1", "0.014 0.014 0.048", "0 0 0.025");
+    links += boxLink(name + "_link_2", "0.014 0.014 0.048", "0 0 0.025");
     links += hinge(name + "_joint_1", "base", name + "_link_1", origin, axis);
     links +=
         hinge(name + "_joint_2", name + "_link_1", name + "_link_2", "xyz='0 0 0.05'", axis);
@@ -100,7 +83,7 @@ HandModel gripperOfThree() {
   add("finger_1", "xyz='-0.04 0.03 0'", "0 1 0");
   add("finger_2", "xyz='-0.04 -0.03 0'", "0 1 0");
   add("finger_middle", "xyz='0.04 0 0'", "0 -1 0");
-  return handOf("gripper", links);
+  return handOfText("gripper", links);
 }
 
 const ContactSite* palmIn(const std::vector<ContactSite>& sites) {

@@ -1,17 +1,15 @@
 // Segments of digits whose joints are not one hinge a bone.
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "core/hand/anatomy.h"
 #include "core/hand/kinematics.h"
 #include "core/hand/skin.h"
-#include "core/io/urdf_file.h"
+
+#include "tests/core/hand/urdf_text.h"
 
 namespace handgraft::hand {
 namespace {
@@ -51,16 +49,10 @@ std::string chain(const std::string& digit, double y, const std::vector<Bone>& b
 std::vector<Segment> segmentsIn(const std::string& digit,
                                 const std::vector<Bone>& finger,
                                 const std::vector<Bone>& thumb) {
-  std::string urdf =
-      "<robot name='hand'><link name='palm'><visual><origin xyz='0 0 -0.05'/><geometry><box "
-      "size='0.03 0.08 0.1'/></geometry></visual></link>";
-  urdf += chain("index", 0.02, finger) + chain("middle", 0.0, finger) +
-          chain("ring", -0.02, finger) + chain("thumb", 0.05, thumb) + "</robot>";
-  const auto path =
-      std::filesystem::temp_directory_path() / fmt::format("segments_{}.urdf", getpid());
-  std::ofstream(path) << urdf;
-  const HandModel model = io::readUrdf(path).model;
-  std::filesystem::remove(path);
+  const HandModel model = test::handOfText(
+      "segments", test::boxLink("palm", "0.03 0.08 0.1", "0 0 -0.05") +
+                      chain("index", 0.02, finger) + chain("middle", 0.0, finger) +
+                      chain("ring", -0.02, finger) + chain("thumb", 0.05, thumb));
   LinkPoses X_SL;
   forwardKinematics(model, Pose::Identity(), skinReferencePose(model), X_SL);
   const Anatomy anatomy = anatomyOf(model, X_SL, {});
