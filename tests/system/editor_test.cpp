@@ -326,6 +326,7 @@ TEST_F(Typing, OutlivesItsServerAndGoesOnWithAnother) {
   expect(", revision 1; the session " + id + " before has ended with its server");
   terminal_.type("undo\r");
   expect("revision 2: objective");
+  expect("human20 2> ");  // what is typed between two prompts is the terminal's
   terminal_.type("\x04");
   expect("stays open");
   EXPECT_EQ(terminal_.wait(), 0);
