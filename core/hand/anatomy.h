@@ -77,10 +77,9 @@ std::vector<std::string> segmentNames(std::size_t count);
 /// A segment begins at each joint that bends the digit as its last joint does (a thumb: at any
 /// that moves its bone), unless it would be shorter than 8 mm or a tenth of the digit; what
 /// turns sideways before belongs to the first, or, from 20 mm on, to the palm.
-/// Halves of a rolling joint, with nothing to see between them, are one. A thumb has three behind
-/// what is shorter than a quarter of it.
-/// A palm looks where its fingers close, or, if one of `sites` is called `palm` and looks more
-/// than 60 degrees elsewhere, where that looks.
+/// Halves of a rolling joint, with nothing to see between them, are one. A thumb has three
+/// behind what is shorter than a quarter of it. A palm looks where its fingers close, or, if
+/// one of `sites` is called `palm` and looks more than 60 degrees elsewhere, where that looks.
 /// Sides that the names tell (right, left) are checked against the palm. Deterministic.
 Anatomy anatomyOf(const HandModel& model,
                   const LinkPoses& X_SL,

@@ -49,8 +49,8 @@ std::vector<int> rigidGroupOf(const HandModel& model, int link);
 /// Finds the digits of a hand: chains of movable joints that end in a link with a surface.
 ///
 /// A joint closes towards its limit of larger magnitude; where the joints of a digit are
-/// symmetric, it closes as most of the others do. Jaws that slide close towards each other. Bars
-/// that guide a gripper's fingers are none. Deterministic. Cost: linear in the vertices.
+/// symmetric, it closes as most of the others do. Jaws that slide close towards each other.
+/// Bars that guide a gripper's fingers are none. Deterministic. Cost: linear in the vertices.
 Digits findDigits(const HandModel& model, const LinkPoses& X_SL);
 
 /// A thumb and two fingers: a claw, which takes what either hand touched.

@@ -22,8 +22,8 @@ struct Verdicts {
 /// object. One that is asked for but has no point on the hand counts as not reached, and the
 /// line names it. One with less than a quarter of its points on the hand, or its root outside
 /// of its boundary, is judged as any other; text and line say so. The line also tells where two
-/// and more are reached and press to one side, so that no forces within their friction cones (of
-/// a coefficient of 0.5) hold the object.
+/// and more are reached and press to one side, so that no forces within their friction cones
+/// (of a coefficient of 0.5) hold the object.
 ///
 /// Errors: BrokenContract unless the report is the problem's and the problem the session's.
 /// Cancelled on wish.
