@@ -30,12 +30,17 @@ std::string fingerOf(const Patch& patch) {
   return place ? place->digit : patch.name;
 }
 
-/// How a palm stood, as its own posture tells, else as the fingers' contacts do: they lead away
-/// from the wrist, and their pads face what they touch. Nothing where neither does.
-std::optional<PartDirection> palmOver(const ContactSet& contacts,
-                                      const geometry::TriangleMesh& object_O) {
+/// How a palm stood, as its posture tells.
+std::optional<PartDirection> palmIn(const ContactSet& contacts) {
   for (const PartDirection& part : contacts.posture)
     if (part.part == hand::kPalmPart) return part;
+  return std::nullopt;
+}
+
+/// How it stood by the fingers' contacts: they lead away from the wrist, and their pads face
+/// what they touch. Nothing where they do not agree.
+std::optional<PartDirection> palmOver(const ContactSet& contacts,
+                                      const geometry::TriangleMesh& object_O) {
   PartDirection palm{std::string(hand::kPalmPart), Eigen::Vector3d::Zero(),
                      Eigen::Vector3d::Zero()};
   double count = 0.0;
@@ -59,7 +64,8 @@ std::optional<PartDirection> palmOver(const ContactSet& contacts,
 
 hand::Chirality touchingSide(const ContactSet& contacts,
                              const geometry::TriangleMesh& object_O) {
-  const std::optional<PartDirection> palm = palmOver(contacts, object_O);
+  const std::optional<PartDirection> own = palmIn(contacts);
+  const std::optional<PartDirection> palm = own ? own : palmOver(contacts, object_O);
   if (!palm) return hand::Chirality::kUnknown;
   const Eigen::Vector3d across_O = palm->outward_O.cross(palm->palmar_O);
   std::vector<std::pair<std::ptrdiff_t, Eigen::Vector3d>> touches;
@@ -77,7 +83,7 @@ hand::Chirality touchingSide(const ContactSet& contacts,
       whole += (to_O - from_O).norm();
     }
   }
-  const double clear = contacts.posture.empty() ? kClearAlone : kClear;
+  const double clear = own ? kClear : kClearAlone;
   if (whole <= 0.0 || std::abs(along) < clear * whole) return hand::Chirality::kUnknown;
   return along < 0.0 ? hand::Chirality::kRight : hand::Chirality::kLeft;
 }

@@ -107,7 +107,7 @@ std::vector<Segment> segmentsOf(const HandModel& model,
   constexpr std::size_t kPhalanges = 3;
   if (!is_thumb && starts.size() > kPhalanges)
     starts.erase(starts.begin(), starts.end() - kPhalanges);
-  // A thumb's metacarpal moves with it, but not as a stub before it.
+  // What is short before a thumb's three segments is none of its own.
   while (
       is_thumb && starts.size() > kPhalanges &&
       (originOf(X_SL, digit.nodes[starts[1]]) - originOf(X_SL, digit.nodes[starts[0]])).norm() <
@@ -198,7 +198,8 @@ std::optional<Palm> palmOf(const Anatomy& anatomy, const std::optional<ToldPalm>
   }
   if (palm.outward_S.norm() < kSideBySide || palm.facing_S.norm() < kSideBySide)
     return std::nullopt;
-  // A site that looks elsewhere than the fingers close is somebody's own word.
+  // A site that looks elsewhere than the fingers close is somebody's own word, or that of a
+  // claw, whose palm looks along its fingers.
   if (told && told->facing_S.dot(palm.facing_S.normalized()) < kPalmFacing) {
     palm.facing_S = told->facing_S;
     palm.outward_S = told->outward_S;

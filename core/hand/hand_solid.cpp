@@ -360,7 +360,7 @@ void fillSolid(const Bounds& bounds,
   // palm's edge, which they rounded, and told 0.02.
   const Vector3d size = vertices.rowwise().maxCoeff() - vertices.rowwise().minCoeff();
   const double nodes = (size / kCoarsestGrid).array().prod();
-  options.most_nodes = static_cast<int>(std::clamp<double>(nodes, most_nodes, kMostNodes));
+  options.most_nodes = std::max(most_nodes, static_cast<int>(std::min(nodes, kMostNodes)));
   const auto gridOf = [&](const std::shared_ptr<const geometry::SignedDistance>& exact) {
     return std::make_shared<const geometry::DistanceGrid>(exact, options, progress);
   };

@@ -35,12 +35,11 @@ struct Penetration {
 /// Depths in the object are exact distances to its surface. An object that lies within a link
 /// is as deep as one place is in both. A link that goes right through a
 /// wall, or a sheet, which has no inside, is as deep as it has to be moved back; to the side
-/// that `sides` tell, else the shorter way. The volume counts the links' cells (2-3 mm) by how
-/// much of them lies inside the object. Depths of walls in the hand, and of a hand in itself,
-/// come from the links' grids, good to half a millimetre.
-/// Frames: `object_O` in O; `pose` and X_WO in W.
-/// Errors: BrokenContract on a pose of another hand. Cancelled on wish, within some 0.1 ms.
-/// Cost: 1-3 ms, the more the deeper.
+/// that `sides` tell, else the shorter way. The volume counts the links' cells (1.5-3 mm) by
+/// how much of them lies inside the object. Depths of walls in the hand, and of a hand in
+/// itself, come from the links' grids, good to half a millimetre. Frames: `object_O` in O;
+/// `pose` and X_WO in W. Errors: BrokenContract on a pose of another hand. Cancelled on wish,
+/// within some 0.1 ms. Cost: 1-3 ms, the more the deeper.
 Penetration measurePenetration(const hand::HandModel& model,
                                const hand::HandSolid& hand,
                                const geometry::Solid& object_O,

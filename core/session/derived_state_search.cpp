@@ -198,6 +198,7 @@ Solution DerivedState::solve(const SolverSettings& solving,
     // have lost.
     for (const int starts : kStartsAnew) {
       if (worth.first < std::ssize(report.patches)) break;
+      if (starts >= options.starts) continue;
       beginAgain(
           [](const std::vector<int>&) {
             return true;

@@ -53,8 +53,8 @@ class NamedJoints {
 };
 
 /// One line, of the joints that leave their limits by more than what files round away: the one
-/// that goes farthest beyond, at the value that
-/// is farthest out, and the names of the others. Empty if none does. `poses`: of one hand.
+/// that goes farthest beyond, with its value there, and the names of the others. Empty if none
+/// does. `poses`: of one hand.
 std::vector<std::string> beyondLimits(const hand::HandModel& model,
                                       const std::vector<hand::HandPose>& poses);
 

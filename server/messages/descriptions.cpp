@@ -262,9 +262,8 @@ v1::HandDescription describe(const StoredHand& hand,
   if (const auto ready = hand.hand->ready()) sites = ready->sites;
   if (sites && sites->empty())
     message.notes().emplace_back(
-        "no contact site was found, so no patch can be laid on this hand: one whose fingers "
-        "are "
-        "not found by their joints needs a sites.yaml beside the URDF");
+        "no contact site was found, so no patch can be laid on this hand: fingers that are not "
+        "found by their joints need a sites.yaml beside the URDF");
   if (sites) {
     for (const hand::ContactSite& site : *sites)
       message.sites().push_back(siteInfo(site));

@@ -87,11 +87,11 @@ TEST(Segments, AThumbHasThreeBehindAStub) {
   ASSERT_EQ(segments.size(), 3U);
   EXPECT_EQ(segments[0].name, "proximal");
   EXPECT_NEAR(segments[0].length(), 0.03, 1e-9);
-  EXPECT_EQ(segments[0].links.size(), 2U) << "the stub moves with it";
+  EXPECT_EQ(segments[0].links.size(), 2U) << "the short link moves with it";
 
   std::vector<Bone> long_ones = stubbed;
   long_ones[0].length = 0.035;
-  EXPECT_EQ(segmentsIn("thumb", kHinges, long_ones).size(), 4U) << "no stub";
+  EXPECT_EQ(segmentsIn("thumb", kHinges, long_ones).size(), 4U) << "a long link is a segment";
 }
 
 }  // namespace
