@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
 """unity_groups.py MOST FILE...: one group number a line, for the sources of one target.
 
-Sources of a group are compiled as one, which reads shared headers once. What C++ keeps apart by
+Sources of a group are compiled as one, which reads shared headers once: so those that see the same
+libraries come together, and what such a library makes anew in each compile is made in few. What C++ keeps apart by
 file, names in anonymous namespaces, would then clash: so no two sources of a group declare the
 same name there. Names are read off the layout that clang-format gives (declarations of a namespace
 begin in column 0); a name missed is a compile error, never a silent change.
 """
+import functools
+import os
 import re
 import sys
 
@@ -69,10 +72,26 @@ def hidden_names(path):
     return names, uses
 
 
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+
+
+@functools.lru_cache(maxsize=None)
+def libraries_of(path):
+    """Others' libraries that a file sees, by itself or through our headers: {'CLI', 'fmt', ...}."""
+    try:
+        text = open(path, encoding='utf-8').read()
+    except OSError:
+        return frozenset()  # generated: not there yet
+    found = {name for name in re.findall(r'^#include <(\w+)/', text, re.M) if name != 'sys'}
+    for header in re.findall(r'^#include "([\w/]+\.h)"', text, re.M):
+        found |= libraries_of(os.path.join(ROOT, header))
+    return frozenset(found)
+
+
 def groups_of(files, most):
     groups = []  # (files, names, uses)
-    numbers = []
-    for path in files:
+    numbers = {}
+    for path in sorted(files, key=lambda path: sorted(libraries_of(path))):
         names, uses = hidden_names(path)
         for number, (count, taken, used) in enumerate(groups):
             clash = names & taken or names & used.keys() or taken & uses.keys()
@@ -83,8 +102,8 @@ def groups_of(files, most):
         else:
             number = len(groups)
             groups.append((1, names, dict(uses)))
-        numbers.append(number)
-    return numbers
+        numbers[path] = number
+    return [numbers[path] for path in files]
 
 
 if __name__ == '__main__':

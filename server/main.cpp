@@ -16,8 +16,6 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <malloc.h>
-#include <spdlog/sinks/stdout_sinks.h>
-#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include "core/base/error.h"
@@ -25,6 +23,7 @@
 #include "idl/security/identity.h"
 #include "server/admission/service.h"
 #include "server/lockdown.h"
+#include "server/log/log.h"
 #include "server/reading/sandbox.h"
 #include "server/store/model_library.h"
 #include "server/store/state_file.h"
@@ -69,7 +68,7 @@ std::unique_ptr<server::StateStore> openState(const Options& options) {
   constexpr unsigned kMb = 20;
   const server::StateFile file = server::stateFile(options.state, options.network);
   if (!file.why.empty())
-    spdlog::warn("event=state_in_memory reason={}", handgraft::quoted(file.why));
+    server::log::warn("event=state_in_memory reason={}", handgraft::quoted(file.why));
   if (file.path == ":memory:") return nullptr;
   server::StateLimits limits;
   limits.bytes = static_cast<std::uint64_t>(options.state_mb) << kMb;
@@ -132,8 +131,8 @@ class StopSignals {
       }
       came_.notify_all();
       sigtimedwait(&signals, nullptr, &kPatience);
-      spdlog::error("event=ended_by_force reason=\"it did not stop by itself\"");
-      spdlog::default_logger()->flush();
+      server::log::error("event=ended_by_force reason=\"it did not stop by itself\"");
+      server::log::flush();
       _exit(kFailed);
     }).detach();
   }
@@ -226,7 +225,7 @@ bool serve(const Options& options) {
   service_options.state = state.get();
   server::Service service(*bus, models, service_options);
   service.start();
-  spdlog::info(
+  server::log::info(
       "event=ready version={}{} domain={} interface={} models={} sessions={} left_out={} "
       "workers={} state={} given_up={} readers_kept_from={} identity={}",
       HANDGRAFT_VERSION,
@@ -237,7 +236,7 @@ bool serve(const Options& options) {
       handgraft::quoted(server::sandboxOfThisKernel()),
       options.network.identity.empty() ? "none" : handgraft::quoted(options.network.identity));
   if (options.network.identity.empty() && !interface.loopback) {
-    spdlog::warn(
+    server::log::warn(
         "event=open interface={} reason=\"anybody on this network may read, edit, close and "
         "unload what is here: --identity keeps strangers out (handgraft keys)\"",
         handgraft::quoted(interface.name));
@@ -245,19 +244,19 @@ bool serve(const Options& options) {
 
   int signal = stop_signals.wait();
   while (signal == 0 && state == nullptr) {
-    spdlog::warn(
+    server::log::warn(
         "event=stood_still reason=\"clients of before may not find this server again; "
         "with --state it would start anew\"");
     signal = stop_signals.wait();
   }
   if (signal == 0) {
-    spdlog::warn(
+    server::log::warn(
         "event=stood_still reason=\"clients took this server for gone: it starts anew\"");
   } else {
-    spdlog::info("event=stopping signal={}", signal);
+    server::log::info("event=stopping signal={}", signal);
   }
   service.stop();
-  if (signal != 0) spdlog::info("event=stopped");
+  if (signal != 0) server::log::info("event=stopped");
   return signal != 0;
 }
 
@@ -347,9 +346,7 @@ int main(int argc, char** argv) {
   }
 
   options.reader.time = std::chrono::seconds(reader_seconds);
-  spdlog::set_default_logger(spdlog::stderr_logger_mt("handgraft"));
-  spdlog::set_pattern("time=%Y-%m-%dT%H:%M:%S.%eZ level=%l %v", spdlog::pattern_time_type::utc);
-  spdlog::set_level(spdlog::level::from_str(options.log_level));
+  server::log::begin(options.log_level);
   try {
     if (!options.make_skins.empty()) {
       server::makeSkins(options.make_skins);

@@ -36,7 +36,7 @@ const json& fieldOf(const json& object, const char* name) {
   return *field;
 }
 
-double numberFrom(const json& value, const char* name) {
+double doubleFrom(const json& value, const char* name) {
   if (!value.is_number())
     rejectInput("field '{}' is {}; it must be a number", name, formats::shown(value));
   return value.get<double>();
@@ -74,7 +74,7 @@ Eigen::Vector3d vectorFrom(const json& value, const char* name) {
   if (!value.is_array() || value.size() != 3) {
     rejectInput("field '{}' must be an array of 3 numbers", name);
   }
-  return {numberFrom(value[0], name), numberFrom(value[1], name), numberFrom(value[2], name)};
+  return {doubleFrom(value[0], name), doubleFrom(value[1], name), doubleFrom(value[2], name)};
 }
 
 void requireKnownKeys(const json& object, std::initializer_list<const char*> permitted) {
@@ -172,7 +172,7 @@ constexpr double kFarthestPlace = 100.0;
 double placeNumberFrom(const json& value, const char* field, double otherwise) {
   const auto found = value.find(field);
   if (found == value.end()) return otherwise;
-  const double number = numberFrom(*found, field);
+  const double number = doubleFrom(*found, field);
   if (!(std::abs(number) <= kFarthestPlace))
     rejectInput("field '{}' is {}; permitted are {} to {}", field, number, -kFarthestPlace,
                 kFarthestPlace);
@@ -236,7 +236,7 @@ Patch patchFrom(const json& value, const IndexedObject& object, bool may_have_pl
     patch.direction_O = vectorFrom(*direction, "direction");
   }
   if (const auto weight = value.find("weight"); weight != value.end()) {
-    patch.weight = numberFrom(*weight, "weight");
+    patch.weight = doubleFrom(*weight, "weight");
   }
   if (const auto place = value.find("place"); place != value.end())
     patch.place = placeFrom(*place);

@@ -3,11 +3,11 @@
 #include <new>
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include "core/base/error.h"
 #include "idl/check.h"
 #include "server/base/rejection.h"
+#include "server/log/log.h"
 #include "server/store/database.h"
 
 namespace handgraft::server {
@@ -24,15 +24,15 @@ ErrorReply errorReplyOf(const std::exception_ptr& error) {
   } catch (const Cancelled& cancelled) {
     return {v1::ERROR_CANCELLED, cancelled.what(), ""};
   } catch (const StorageError& failure) {
-    spdlog::error("event=storage_error what={}", handgraft::quoted(failure.what()));
+    log::error("event=storage_error what={}", handgraft::quoted(failure.what()));
     return {v1::ERROR_STORAGE, failure.what(), ""};
   } catch (const std::bad_alloc&) {
     return {v1::ERROR_OVERLOADED, "the server has not enough memory for this", ""};
   } catch (const std::exception& mistake) {
-    spdlog::error("event=internal_error what={}", handgraft::quoted(mistake.what()));
+    log::error("event=internal_error what={}", handgraft::quoted(mistake.what()));
     return {v1::ERROR_INTERNAL, fmt::format("internal error: {}", mistake.what()), ""};
   } catch (...) {
-    spdlog::error("event=internal_error what=unknown");
+    log::error("event=internal_error what=unknown");
     return {v1::ERROR_INTERNAL, "internal error", ""};
   }
 }

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include "core/base/error.h"
@@ -12,6 +11,7 @@
 #include "server/admission/error_reply.h"
 #include "server/handlers/kept_sessions.h"
 #include "server/handlers/sessions.h"
+#include "server/log/log.h"
 
 namespace handgraft::server {
 
@@ -94,8 +94,8 @@ void Service::stop() {
         keepText(*live);
       }
     } catch (const std::exception& error) {  // its history is there, as far as it was told
-      spdlog::warn("event=store_waits session={} what={}", live->id(),
-                   handgraft::quoted(error.what()));
+      log::warn("event=store_waits session={} what={}", live->id(),
+                handgraft::quoted(error.what()));
     }
   }
   {
@@ -198,10 +198,10 @@ void Service::expireIdleSessions() {
     } else {
       const bool is_taken = live->strand().post([this, live, limit] {
         if (live->idle() < limit || live->isClosed()) return;
-        spdlog::info("event=session_expired session={}", live->id());
+        log::info("event=session_expired session={}", live->id());
         closeSession(*live, context_, {}, "idle for " + inWords(limit));
       });
-      if (!is_taken) spdlog::debug("event=expiry_waits session={}", live->id());
+      if (!is_taken) log::debug("event=expiry_waits session={}", live->id());
     }
   }
 }
@@ -226,7 +226,7 @@ void Service::onStatus(const v1::ServerStatus& status) {
   // Anybody may say that he is a server: that ends nothing here, and fills nothing.
   if (rivals_.size() >= kMostRivals || !rivals_.try_emplace(status.server_id(), now).second)
     return;
-  spdlog::warn(
+  log::warn(
       "event=another_server id={} host={} process={} reason=\"another server answers on this "
       "domain, too; clients stay with the one they met first: stop one of them, or give it a "
       "--name\"",

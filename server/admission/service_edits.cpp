@@ -2,8 +2,6 @@
 // solve for all that were applied meanwhile; one that comes while a solve runs cuts it short.
 #include <utility>
 
-#include <spdlog/spdlog.h>
-
 #include "core/base/error.h"
 #include "idl/check.h"
 #include "server/admission/error_reply.h"
@@ -12,6 +10,7 @@
 #include "server/handlers/edits.h"
 #include "server/handlers/follow.h"
 #include "server/handlers/optimize.h"
+#include "server/log/log.h"
 
 namespace handgraft::server {
 
@@ -152,9 +151,9 @@ void Service::answerEdit(const RequestOrigin& asker,
   reply.edit_id(edit.edit_id());
   reply.session_id(edit.session_id());
   reply.server_id(server_id_);
-  spdlog::debug("event=edit client={} id={} session={} revision={} error={} message={}",
-                shortName(edit.client()), edit.edit_id(), edit.session_id(), reply.revision(),
-                static_cast<unsigned>(reply.error()), handgraft::quoted(reply.message()));
+  log::debug("event=edit client={} id={} session={} revision={} error={} message={}",
+             shortName(edit.client()), edit.edit_id(), edit.session_id(), reply.revision(),
+             static_cast<unsigned>(reply.error()), handgraft::quoted(reply.message()));
   const std::size_t bytes = v1::EditReply::getCdrSerializedSize(reply);
   const auto kept = edits_.answer(asker, edit.edit_id(), std::move(reply), bytes);
   bus_.publish(*kept, asker.sender);
@@ -166,13 +165,13 @@ void Service::queueSolve(const std::shared_ptr<LiveSession>& live) {
     if (live->isClosed() || live->solves().cancelled()) return;
     try {
       const SolveEnd end = solveAfterEdit(*live, context_);
-      spdlog::debug("event=solve session={} end={}", live->id(), nameOf(end));
+      log::debug("event=solve session={} end={}", live->id(), nameOf(end));
       // Behind the edit: if that is refused, the one before wants its answer.
       if (end == SolveEnd::kCutShort && live->cycle().solveAgain()) queueSolve(live);
     } catch (...) {  // the session's state says so already; nobody waits for a reply
       const ErrorReply error = errorReplyOf(std::current_exception());
-      spdlog::info("event=solve session={} error={} message={}", live->id(),
-                   static_cast<unsigned>(error.code), handgraft::quoted(error.message));
+      log::info("event=solve session={} error={} message={}", live->id(),
+                static_cast<unsigned>(error.code), handgraft::quoted(error.message));
     }
   });
 }

@@ -2,7 +2,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include "core/base/error.h"
 #include "idl/check.h"
@@ -12,6 +11,7 @@
 #include "server/admission/session_rights.h"
 #include "server/base/rejection.h"
 #include "server/handlers/solving_phase.h"
+#include "server/log/log.h"
 
 namespace handgraft::server {
 
@@ -219,11 +219,11 @@ bool Service::answerWith(const JobPtr& job,
     reply.field(std::move(error.field));
   }
   const v1::Request& request = job->request;
-  spdlog::log(reply.error() == v1::ERROR_NONE ? spdlog::level::debug : spdlog::level::info,
-              "event=request client={} id={} operation={} ms={:.3f} error={} message={}",
-              shortName(request.client()), request.request_id(), nameOf(request.body()._d()),
-              std::chrono::duration<double, std::milli>(Clock::now() - begin).count(),
-              static_cast<unsigned>(reply.error()), handgraft::quoted(reply.message()));
+  log::at(reply.error() == v1::ERROR_NONE ? log::Level::kDebug : log::Level::kInfo,
+          "event=request client={} id={} operation={} ms={:.3f} error={} message={}",
+          shortName(request.client()), request.request_id(), nameOf(request.body()._d()),
+          std::chrono::duration<double, std::milli>(Clock::now() - begin).count(),
+          static_cast<unsigned>(reply.error()), handgraft::quoted(reply.message()));
   answer(*job, std::move(reply));
   return true;
 }

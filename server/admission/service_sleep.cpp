@@ -4,13 +4,12 @@
 #include <utility>
 #include <vector>
 
-#include <spdlog/spdlog.h>
-
 #include "core/base/error.h"
 #include "idl/json.h"
 #include "server/admission/service.h"
 #include "server/base/rejection.h"
 #include "server/handlers/kept_sessions.h"
+#include "server/log/log.h"
 
 namespace handgraft::server {
 
@@ -34,8 +33,8 @@ void Service::listKeptSessions() {
     try {
       state = idl::fromJsonText<v1::SessionState>(kept.state);
     } catch (const std::exception& error) {  // a list with less in it
-      spdlog::warn("event=kept_state session={} what={}", kept.id,
-                   handgraft::quoted(error.what()));
+      log::warn("event=kept_state session={} what={}", kept.id,
+                handgraft::quoted(error.what()));
     }
     state.session_id(kept.id);
     state.server_id(server_id_);
@@ -84,12 +83,12 @@ void Service::wake(std::uint64_t id) {
   try {
     sessions_.requireRoom();
     live = openKeptSession(id, context_, Progress());
-    spdlog::info("event=session_opened session={} revision={} ms={:.1f}", id,
-                 live->session().revision(),
-                 std::chrono::duration<double, std::milli>(Clock::now() - begin).count());
+    log::info("event=session_opened session={} revision={} ms={:.1f}", id,
+              live->session().revision(),
+              std::chrono::duration<double, std::milli>(Clock::now() - begin).count());
   } catch (const std::exception& error) {
-    spdlog::warn("event=session_stays_closed session={} what={}", id,
-                 handgraft::quoted(error.what()));
+    log::warn("event=session_stays_closed session={} what={}", id,
+              handgraft::quoted(error.what()));
     trouble = std::current_exception();
   }
   const std::lock_guard lock(waking_mutex_);
@@ -150,13 +149,13 @@ void Service::putToSleepAfter(const std::shared_ptr<LiveSession>& live,
       if (is_wanted()) return;
       putToSleep(*live, context_);
       bus_.rest(live->id());
-      spdlog::info("event=session_sleeps session={}", live->id());
+      log::info("event=session_sleeps session={}", live->id());
     } catch (const std::exception& error) {
-      spdlog::warn("event=store_waits session={} what={}", live->id(),
-                   handgraft::quoted(error.what()));
+      log::warn("event=store_waits session={} what={}", live->id(),
+                handgraft::quoted(error.what()));
     }
   });
-  if (!is_taken) spdlog::debug("event=sleep_waits session={}", live->id());
+  if (!is_taken) log::debug("event=sleep_waits session={}", live->id());
 }
 
 }  // namespace handgraft::server

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include "core/base/error.h"
 #include "core/io/session_file.h"
@@ -12,6 +11,7 @@
 #include "server/handlers/motions.h"
 #include "server/handlers/optimize.h"
 #include "server/handlers/persisted_models.h"
+#include "server/log/log.h"
 #include "server/store/model_source.h"
 
 namespace handgraft::server {
@@ -128,8 +128,8 @@ void keepState(LiveSession& live) {
   try {
     keepText(live);
   } catch (const std::exception& error) {  // the next time, then
-    spdlog::warn("event=store_waits session={} what={}", live.id(),
-                 handgraft::quoted(error.what()));
+    log::warn("event=store_waits session={} what={}", live.id(),
+              handgraft::quoted(error.what()));
   }
 }
 

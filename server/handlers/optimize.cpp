@@ -7,7 +7,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include "core/base/error.h"
 #include "core/io/session_file.h"
@@ -16,6 +15,7 @@
 #include "server/handlers/motions.h"
 #include "server/handlers/solving_phase.h"
 #include "server/handlers/transfer.h"
+#include "server/log/log.h"
 #include "server/messages/convert.h"
 #include "server/messages/solution_messages.h"
 
@@ -123,8 +123,8 @@ void diagnoseLater(LiveSession& live) {
     try {
       diagnoseNow(*self, self->solves());
     } catch (const std::exception& error) {  // nobody waits for a reply
-      spdlog::info("event=diagnose session={} message={}", self->id(),
-                   handgraft::quoted(error.what()));
+      log::info("event=diagnose session={} message={}", self->id(),
+                handgraft::quoted(error.what()));
     }
   };
   live.strand().postIdleFromTask(diagnoseIt);
@@ -263,8 +263,8 @@ void solveAfterOpening(LiveSession& live, HandlerContext& context) {
   try {
     static_cast<void>(solveAfterEdit(live, context));
   } catch (const std::exception& error) {  // the session's state says so
-    spdlog::debug("event=resume session={} message={}", live.id(),
-                  handgraft::quoted(error.what()));
+    log::debug("event=resume session={} message={}", live.id(),
+               handgraft::quoted(error.what()));
   }
 }
 

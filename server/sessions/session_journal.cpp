@@ -1,8 +1,7 @@
 #include "server/sessions/session_journal.h"
 
-#include <spdlog/spdlog.h>
-
 #include "core/base/error.h"
+#include "server/log/log.h"
 
 namespace handgraft::server {
 
@@ -32,8 +31,8 @@ void SessionJournal::keep(const std::string& entry) {
     store_.append(session_, next_, waiting_);
     wrote();
   } catch (const std::exception& error) {
-    spdlog::warn("event=store_waits session={} entries={} what={}", session_, waiting_.size(),
-                 handgraft::quoted(error.what()));
+    log::warn("event=store_waits session={} entries={} what={}", session_, waiting_.size(),
+              handgraft::quoted(error.what()));
   }
 }
 
@@ -42,8 +41,8 @@ void SessionJournal::keepState(const std::string& state, std::uint64_t revision)
     store_.append(session_, next_, waiting_, state, revision);
     wrote();
   } catch (const std::exception& error) {
-    spdlog::warn("event=store_waits session={} entries={} what={}", session_, waiting_.size(),
-                 handgraft::quoted(error.what()));
+    log::warn("event=store_waits session={} entries={} what={}", session_, waiting_.size(),
+              handgraft::quoted(error.what()));
   }
 }
 

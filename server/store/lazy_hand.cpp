@@ -3,11 +3,10 @@
 #include <chrono>
 #include <utility>
 
-#include <spdlog/spdlog.h>
-
 #include "core/base/error.h"
 #include "core/hand/skin_bending.h"
 #include "core/hand/skin_cache.h"
+#include "server/log/log.h"
 #include "server/store/model_library.h"
 
 namespace handgraft::server {
@@ -117,7 +116,7 @@ hand::Hand LazyHand::get(const Progress& progress) {
       });
       made = maker_(shared, report);
       for (const std::string& note : report.notes)
-        spdlog::warn("event=skin hand={} note={}", quoted(model_->name()), quoted(note));
+        log::warn("event=skin hand={} note={}", quoted(model_->name()), quoted(note));
     } catch (const Cancelled&) {
       cancelled = true;
     } catch (...) {

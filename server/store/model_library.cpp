@@ -10,8 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include <spdlog/spdlog.h>
-
 #include "core/base/error.h"
 #include "core/base/progress.h"
 #include "core/base/resource_uri.h"
@@ -19,6 +17,7 @@
 #include "core/io/contact_file.h"
 #include "core/io/file_bytes.h"
 #include "server/base/rejection.h"
+#include "server/log/log.h"
 #include "server/reading/read_model.h"
 
 namespace handgraft::server {
@@ -108,8 +107,8 @@ int attempt(const char* kind, const fs::path& path, const std::function<void()>&
     read();
     return 0;
   } catch (const std::exception& error) {
-    spdlog::warn("event=model_left_out kind={} path={} reason={}", kind, path.string(),
-                 handgraft::quoted(error.what()));
+    log::warn("event=model_left_out kind={} path={} reason={}", kind, path.string(),
+              handgraft::quoted(error.what()));
     return 1;
   }
 }

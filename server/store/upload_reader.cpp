@@ -12,13 +12,13 @@
 
 #include <fmt/format.h>
 #include <poll.h>
-#include <spdlog/spdlog.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "core/base/error.h"
 #include "core/base/utf8.h"
 #include "server/base/rejection.h"
+#include "server/log/log.h"
 #include "server/reading/frames.h"
 #include "server/reading/packed.h"
 #include "server/reading/units.h"
@@ -178,14 +178,14 @@ ReadModel UploadReader::read(const ReadRequest& request, const Progress& progres
     complaint = conversation.complaint();
     status = child.status();
   } catch (const std::system_error& error) {
-    spdlog::error("event=reader_not_started what={}", handgraft::quoted(error.what()));
+    log::error("event=reader_not_started what={}", handgraft::quoted(error.what()));
     reject(v1::ERROR_OVERLOADED, "no process could be started to read the file: {}",
            error.code().message());
   }
   const auto reject_logged = [&](const std::string& how) {
-    spdlog::warn("event=reader_failed model={} file={} how={} said={}",
-                 handgraft::quoted(request.name), handgraft::quoted(request.main_uri),
-                 handgraft::quoted(how), handgraft::quoted(complaint));
+    log::warn("event=reader_failed model={} file={} how={} said={}",
+              handgraft::quoted(request.name), handgraft::quoted(request.main_uri),
+              handgraft::quoted(how), handgraft::quoted(complaint));
     rejectInput("reading {} {}; the file is damaged or beyond what is supported",
                 handgraft::quoted(request.main_uri), how);
   };

@@ -10,11 +10,11 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <spdlog/spdlog.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "server/log/log.h"
 #include "server/supervisor/starvation.h"
 
 namespace handgraft::server {
@@ -163,7 +163,7 @@ int end(Twin& server, int signal) {
     poll(nullptr, 0, static_cast<int>(kLook.count()));
   }
   if (server.hasEnded()) return server.exitCode().value_or(1);
-  spdlog::error("event=server_killed process={} reason=\"it did not end\"", server.pid());
+  log::error("event=server_killed process={} reason=\"it did not end\"", server.pid());
   return 1;
 }
 
@@ -215,7 +215,7 @@ Life watch(Twin& server, const std::vector<std::string>& arguments) {
     }
     if (!is_watched || silence.lasts(now) < (life.is_up ? kSilence : kStart)) continue;
     if (asker->isUnfit()) {
-      spdlog::warn(
+      log::warn(
           "event=not_asked reason=\"this server's identity may not ask; it is started "
           "again when it dies, not when it is silent: handgraft keys add makes one "
           "that may\"");
@@ -230,8 +230,8 @@ Life watch(Twin& server, const std::vector<std::string>& arguments) {
       silence.begin(Clock::now());
       continue;
     }
-    spdlog::error("event=server_deaf process={} silent_s={:.1f}", server.pid(),
-                  std::chrono::duration<double>(now - silent_since).count());
+    log::error("event=server_deaf process={} silent_s={:.1f}", server.pid(),
+               std::chrono::duration<double>(now - silent_since).count());
     life.fate = Fate::kDeaf;
     return life;
   }
@@ -244,7 +244,7 @@ int supervise(const std::vector<std::string>& arguments) {
   for (bool was_up = false;;) {
     const Clock::time_point begin = Clock::now();
     Twin server(arguments);
-    spdlog::info("event=supervising process={}", server.pid());
+    log::info("event=supervising process={}", server.pid());
     const Life life = watch(server, arguments);
     was_up = was_up || life.is_up;
     switch (life.fate) {
@@ -253,8 +253,8 @@ int supervise(const std::vector<std::string>& arguments) {
       case Fate::kEnded: {
         const std::optional<int> code = server.exitCode();
         if (code == 0 || code == kWrongInput) return *code;
-        spdlog::error("event=server_died process={} {}={}", server.pid(),
-                      code ? "code" : "signal", code ? *code : server.endingSignal());
+        log::error("event=server_died process={} {}={}", server.pid(), code ? "code" : "signal",
+                   code ? *code : server.endingSignal());
         if (!was_up && code) return *code;
         break;
       }

@@ -12,13 +12,13 @@
 #include <vector>
 
 #include <fmt/ranges.h>
-#include <spdlog/spdlog.h>
 
 #include "idl/fields.h"
 #include "idl/peer_names.h"
 #include "idl/security/identity.h"
 #include "idl/security/revocations.h"
 #include "idl/topics.h"
+#include "server/log/log.h"
 #include "server/transport/addressed_writer.h"
 #include "server/transport/bus.h"
 #include "server/transport/fast_endpoints.h"
@@ -258,16 +258,16 @@ class FastBus final : public Bus {
     const auto news = revocations_ ? revocations_->look() : std::nullopt;
     if (!news) return;
     if (!news->trouble.empty()) {
-      spdlog::error("event=revocations_not_read reason={}", handgraft::quoted(news->trouble));
+      log::error("event=revocations_not_read reason={}", handgraft::quoted(news->trouble));
       return;
     }
     if (news->is_own)
-      spdlog::error(
+      log::error(
           "event=own_identity_revoked reason=\"programs that know of it do not meet "
           "this server any more\"");
     // All that they say is left out: after a lease they are gone for DDS, too.
     node_.filter().refuse(news->revoked);
-    spdlog::info("event=revocations_read count={}", news->revoked.size());
+    log::info("event=revocations_read count={}", news->revoked.size());
   }
 
   void flush() override {
@@ -290,8 +290,8 @@ class FastBus final : public Bus {
                       "more of all programs together; the rest waits",
                       Filter::kSamplesPerSecond, Filter::kSharedPerSecond));
       publish(told, sender);
-      spdlog::info("event=over_share participant={}",
-                   fmt::format("{:02x}", fmt::join(prefix, "")));
+      log::info("event=over_share participant={}",
+                fmt::format("{:02x}", fmt::join(prefix, "")));
     }
   }
 
@@ -398,7 +398,7 @@ std::unique_ptr<Bus> openFastBus(const Network& network) {
   std::vector<std::string> without_address;
   const Network reached = idl::withPeerAddresses(network, &without_address);
   for (const std::string& peer : without_address)
-    spdlog::warn("event=peer_without_address peer={}", handgraft::quoted(peer));
+    log::warn("event=peer_without_address peer={}", handgraft::quoted(peer));
   return std::make_unique<FastBus>(reached, identityOf(network));
 }
 

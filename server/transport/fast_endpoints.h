@@ -20,7 +20,6 @@
 #include <fastdds/dds/topic/Topic.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include "core/base/error.h"
 #include "idl/editsPubSubTypes.h"
@@ -29,6 +28,7 @@
 #include "idl/servicePubSubTypes.h"
 #include "idl/sessionsPubSubTypes.h"
 #include "idl/topics.h"
+#include "server/log/log.h"
 #include "server/transport/bus.h"
 #include "server/transport/delivery.h"
 
@@ -186,7 +186,7 @@ class FastWriter {
   void write(const Message& message) {
     // Fast DDS takes void* and reads it only.
     if (!writer_->write(const_cast<Message*>(&message))) {
-      spdlog::warn("topic={} event=not_written", topic_->get_name());
+      log::warn("topic={} event=not_written", topic_->get_name());
     }
   }
 
@@ -249,7 +249,7 @@ class FastReader : private eprosima::fastdds::dds::DataReaderListener {
         return;
       if (!info.valid_data || isOfBefore(info)) continue;
       if (!taken.sound) {
-        spdlog::warn("topic={} event=dropped reason=\"does not decode\"", topic_->get_name());
+        log::warn("topic={} event=dropped reason=\"does not decode\"", topic_->get_name());
         continue;
       }
       Sender sender{};
@@ -267,8 +267,8 @@ class FastReader : private eprosima::fastdds::dds::DataReaderListener {
     if (is_kept_ || std::chrono::system_clock::now() > begin_ + kYoung) return false;
     const std::chrono::nanoseconds written(info.source_timestamp.to_ns());
     if (written.count() <= 0 || written >= begin_.time_since_epoch()) return false;
-    spdlog::debug("topic={} event=dropped reason=\"written to a server before this one\"",
-                  topic_->get_name());
+    log::debug("topic={} event=dropped reason=\"written to a server before this one\"",
+               topic_->get_name());
     return true;
   }
 

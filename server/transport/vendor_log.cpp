@@ -4,8 +4,8 @@
 #include <string>
 
 #include <fastdds/dds/log/Log.hpp>
-#include <spdlog/spdlog.h>
 
+#include "server/log/log.h"
 #include "server/transport/fast_endpoints.h"
 
 namespace handgraft::server {
@@ -21,9 +21,9 @@ class ToOurLog final : public dds::LogConsumer {
         entry.context.category == nullptr ? "" : entry.context.category;
     if (category.rfind("SECURITY", 0) == 0) return consumeSecurity(entry.message);
     const auto level =
-        entry.kind == dds::Log::Kind::Error ? spdlog::level::err : spdlog::level::warn;
-    spdlog::log(level, "component=fastdds category={} message={}", category,
-                handgraft::quoted(entry.message));
+        entry.kind == dds::Log::Kind::Error ? log::Level::kError : log::Level::kWarning;
+    log::at(level, "component=fastdds category={} message={}", category,
+            handgraft::quoted(entry.message));
   }
 
  private:
@@ -35,8 +35,7 @@ class ToOurLog final : public dds::LogConsumer {
       ++left_out_;
       return;
     }
-    spdlog::warn("event=kept_out message={} left_out={}", handgraft::quoted(message),
-                 left_out_);
+    log::warn("event=kept_out message={} left_out={}", handgraft::quoted(message), left_out_);
     next_ = now + kPause;
     left_out_ = 0;
   }
