@@ -172,7 +172,7 @@ void declareBringUp(CLI::App& app, BringUp& told) {
   jog->add_option("motor", told.motor, "its name in the config")->required();
   jog->add_option("step", told.step_rad, "rad")
       ->required()
-      ->check(CLI::Range(-bringup::kLargestJog_rad, bringup::kLargestJog_rad));
+      ->check(CLI::Range(-bringup::kLargestJog, bringup::kLargestJog));
   add_config(jog);
 
   CLI::App* check =

@@ -43,7 +43,7 @@ constexpr int kWrongInput = 2;
 constexpr std::chrono::seconds kForsaken{10};
 constexpr std::size_t kReserves = 16;
 // Who is not heard for 20 s is dropped by the other side (idl/DECISIONS.md).
-constexpr double kMissed_s = 16.0;
+constexpr double kMissed = 16.0;
 
 struct Options {
   Network network;
@@ -155,7 +155,7 @@ class StopSignals {
           }))
         return signal_;
       const double now_s = secondsWithSleep();
-      if (now_s - std::exchange(last_s, now_s) > kMissed_s) return 0;
+      if (now_s - std::exchange(last_s, now_s) > kMissed) return 0;
 #ifdef __GLIBC__
       if (i % kPeriodsBetweenTrims == 0) malloc_trim(0);
 #endif

@@ -12,7 +12,7 @@ namespace handgraft::client::editor {
 namespace {
 
 // Whoever points at a surface is not farther from it: numbers in another unit or frame are.
-constexpr double kFarthestRoot_m = 0.05;
+constexpr double kFarthestRoot = 0.05;
 
 v1::PatchSide sideOf(const std::string& side) {
   return side == "object" ? v1::SIDE_OBJECT : v1::SIDE_HAND;
@@ -133,12 +133,12 @@ v1::EditBody rootNearPoint(const Match& match, EditContext& context) {
   const Eigen::Vector3d p = vectorAt(match, 2);
   const v1::SurfacePoint root = nearestPoint(mesh, p);
   const double distance = (positionOf(mesh, root) - p).norm();
-  if (!(distance <= kFarthestRoot_m)) {
+  if (!(distance <= kFarthestRoot)) {
     rejectInput(
         "root of patch {}: {} {} {} is {:.0f} mm from the {}; it may be at most {:.0f} mm",
         handgraft::quoted(word(match, 0)), word(match, 2), word(match, 3), word(match, 4),
         1e3 * distance, side == v1::SIDE_OBJECT ? "object's surface" : "hand's skin",
-        1e3 * kFarthestRoot_m);
+        1e3 * kFarthestRoot);
   }
   return rootEdit(word(match, 0), side, root);
 }

@@ -253,7 +253,7 @@ CommandOutput Editor::edit(const Parsed& command) {
 }
 
 std::string Editor::endedAt(const v1::DragEdit& drag) {
-  constexpr double kNoticed_m = 0.002;  // what a person means by another place
+  constexpr double kNoticed = 0.002;  // what a person means by another place
   if (drag.weight() == 0.0) return "";
   const v1::PoseSolution* pose = session_->solution();
   if (pose == nullptr) return "";
@@ -261,7 +261,7 @@ std::string Editor::endedAt(const v1::DragEdit& drag) {
   if (link >= pose->X_WL().size()) return "";
   const Eigen::Vector3d p_W = poseOf(pose->X_WL()[link]) * vectorOf(drag.p_L_m());
   const double off = (p_W - vectorOf(drag.target_W_m())).norm();
-  if (off < kNoticed_m) return "";
+  if (off < kNoticed) return "";
   return fmt::format("held {:.0f} mm off its target, as near as limits and patches let it\n",
                      1e3 * off);
 }
@@ -416,13 +416,13 @@ CommandOutput Editor::solve(const std::optional<v1::SolveOptions>& options) {
 }
 
 CommandOutput Editor::suggest(const Match& match) {
-  constexpr double kLeastReach_m = 1e-4;  // idl/sessions.idl
-  constexpr double kMostReach_m = 0.1;
+  constexpr double kLeastReach = 1e-4;  // idl/sessions.idl
+  constexpr double kMostReach = 0.1;
   v1::SuggestRequest request;
   request.session_id(session_->id());
   request.patch(match.values.at(0).text);
   if (const Value* reach = optionOf(match, "--reach")) {
-    if (!(reach->number >= kLeastReach_m && reach->number <= kMostReach_m)) {
+    if (!(reach->number >= kLeastReach && reach->number <= kMostReach)) {
       rejectInput("--reach {}: it must be 0.1mm to 100mm", reach->text);
     }
     request.reach_m(reach->number);

@@ -68,11 +68,11 @@ CommandOutput Editor::compare(const Match& match) {
 
 CommandOutput Editor::watch(const Match& match) {
   using Clock = std::chrono::steady_clock;
-  constexpr double kLongest_s = 1e6;
-  double seconds = kLongest_s;
+  constexpr double kLongest = 1e6;
+  double seconds = kLongest;
   if (!match.values.empty()) {
     seconds = match.values[0].number;
-    if (!(seconds >= 0.0 && seconds <= kLongest_s))
+    if (!(seconds >= 0.0 && seconds <= kLongest))
       rejectInput("watch {}: it must be 0 to 1e6 seconds", match.values[0].text);
   }
   const auto until = Clock::now() + std::chrono::duration<double>(seconds);

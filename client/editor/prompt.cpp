@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int kHistoryLines = 1000;
-constexpr int kLook_ms = 50;  // between looks at Ctrl-C and at what others do
+constexpr int kLookMs = 50;  // between looks at Ctrl-C and at what others do
 constexpr std::size_t kWidth = 96;
 
 // What all candidates begin with.
@@ -114,7 +114,7 @@ struct Prompt::Impl {
     std::mbstate_t state{};
     while (true) {
       pollfd input{STDIN_FILENO, POLLIN, 0};
-      const int ready = poll(&input, 1, kLook_ms);
+      const int ready = poll(&input, 1, kLookMs);
       // Before what came after Ctrl-C is read: that belongs to the next line.
       if (self.interruption.requested()) {
         self.interrupted = true;

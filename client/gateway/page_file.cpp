@@ -75,22 +75,22 @@ v1::MotionFrames framesShown(Client& client, std::uint64_t session_id) {
 std::string pageFile(Client& client, std::uint64_t session_id, const WebFiles& files) {
   const v1::SessionState state = client.describeSession(session_id).get();
   Session session(client, state);
-  const auto modelOf = [&](v1::ModelKind kind, const std::string& name) {
+  const auto model_of = [&](v1::ModelKind kind, const std::string& name) {
     return base64Of(modelFrame(0, client.describe(kind, name, true).get()));
   };
   idl::Json data = {{"state", idl::jsonOf(state)},
                     {"settings", idl::jsonOf(session.settings().get())},
                     {"models",
-                     {{"hand", modelOf(v1::MODEL_HAND, state.hand())},
-                      {"object", modelOf(v1::MODEL_OBJECT, state.object())}}}};
+                     {{"hand", model_of(v1::MODEL_HAND, state.hand())},
+                      {"object", model_of(v1::MODEL_OBJECT, state.object())}}}};
   if (!state.motion().empty()) {
-    data["models"]["motion"] = modelOf(v1::MODEL_MOTION, state.motion());
+    data["models"]["motion"] = model_of(v1::MODEL_MOTION, state.motion());
     data["solution"] = nullptr;
     data["motion_frames"] = idl::jsonOf(framesShown(client, session_id));
   } else {
     const v1::PoseSolution* solution = session.joinedSolution();
     if (solution == nullptr) rejectInput("session {} has no pose yet", session_id);
-    data["models"]["contacts"] = modelOf(v1::MODEL_CONTACTS, state.contacts());
+    data["models"]["contacts"] = model_of(v1::MODEL_CONTACTS, state.contacts());
     data["solution"] = idl::jsonOf(*solution);
     data["transfer"] = idl::jsonOf(session.transfer().get());
   }

@@ -320,14 +320,14 @@ PackageMap packagesWithin(const fs::path& within, const fs::path& urdf) {
     const auto holds = [&](const fs::path& one) {
       return fs::is_regular_file(one / file);
     };
-    const auto isNamed = [&](const fs::path& one) {
+    const auto is_named = [&](const fs::path& one) {
       return one != within && one.filename() == name;
     };
     auto found = std::find_if(folders.begin(), folders.end(), [&](const fs::path& one) {
-      return isNamed(one) && holds(one);
+      return is_named(one) && holds(one);
     });
     if (found == folders.end()) found = std::find_if(folders.begin(), folders.end(), holds);
-    if (found == folders.end()) found = std::find_if(folders.begin(), folders.end(), isNamed);
+    if (found == folders.end()) found = std::find_if(folders.begin(), folders.end(), is_named);
     if (found != folders.end()) packages.emplace(name, *found);
   }
   return packages;

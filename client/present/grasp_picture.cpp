@@ -17,7 +17,7 @@ using render::Color;
 constexpr Color kDroppedColor{120, 120, 120};
 constexpr Color kLostColor{215, 20, 30};
 constexpr Color kDistanceColor{30, 32, 36};
-constexpr float kFramedAbout_m = 0.12F;  // about the object: a hand without its forearm
+constexpr float kFramedAbout = 0.12F;  // about the object: a hand without its forearm
 constexpr double kHandOpacity = 0.86;
 constexpr double kObjectOpacity = 0.66;  // patches behind it shine through
 
@@ -40,14 +40,14 @@ void addFit(GraspPicture& picture,
   const std::size_t outline_count =
       report == nullptr ? on_hand.size()
                         : std::min<std::size_t>(report->boundary_count(), on_hand.size());
-  const auto outlineOf = [&](const std::vector<Eigen::Vector3f>& points) {
+  const auto outline_of = [&](const std::vector<Eigen::Vector3f>& points) {
     return std::vector<Eigen::Vector3f>(
         points.begin(), points.begin() + static_cast<std::ptrdiff_t>(outline_count));
   };
-  hand.decals.push_back({outlineOf(on_hand), 0.006F, color});
-  object.decals.push_back({outlineOf(on_object), 0.006F, color});
-  addOutline(scene, outlineOf(on_hand), render::blend(color, {255, 255, 255}, 0.35));
-  addOutline(scene, outlineOf(on_object), render::blend(color, {0, 0, 0}, 0.25));
+  hand.decals.push_back({outline_of(on_hand), 0.006F, color});
+  object.decals.push_back({outline_of(on_object), 0.006F, color});
+  addOutline(scene, outline_of(on_hand), render::blend(color, {255, 255, 255}, 0.35));
+  addOutline(scene, outline_of(on_object), render::blend(color, {0, 0, 0}, 0.25));
   for (std::size_t i = 0; i < std::min(on_hand.size(), on_object.size()); ++i) {
     scene.segments.push_back({on_hand[i], on_object[i], 1.2F, kDistanceColor});
     scene.markers.push_back({on_object[i], 2.2F, render::blend(color, {0, 0, 0}, 0.35)});
@@ -117,7 +117,7 @@ GraspPicture pictureOf(const GraspResult& result,
   }
   picture.scene.layers.push_back(std::move(object_layer));
   picture.scene.layers.push_back(std::move(hand_layer));
-  picture.scene.frameAbout(picture.scene.layers.front().meshes.front(), kFramedAbout_m);
+  picture.scene.frameAbout(picture.scene.layers.front().meshes.front(), kFramedAbout);
 
   picture.caption.title =
       fmt::format("{} grasps {}", result.session.hand(), result.session.object());

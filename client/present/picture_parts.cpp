@@ -17,7 +17,7 @@ using render::Color;
 
 namespace {
 
-constexpr float kRim_px = 1.6F;
+constexpr float kRimPixels = 1.6F;
 
 // As client/web/src/colors.ts has them.
 const std::array<std::pair<std::string_view, Color>, 6> kFingers{{{"thumb", {213, 94, 0}},
@@ -116,7 +116,7 @@ void addCasedLine(render::Scene& scene,
                   const Eigen::Vector3f& to_W,
                   float width_px,
                   Color color) {
-  scene.segments.push_back({from_W, to_W, width_px, color, kRim_px});
+  scene.segments.push_back({from_W, to_W, width_px, color, kRimPixels});
 }
 
 void addArrow(render::Scene& scene,
@@ -134,7 +134,7 @@ void addArrow(render::Scene& scene,
 }
 
 void addDot(render::Scene& scene, const Eigen::Vector3f& at_W, float radius_px, Color color) {
-  scene.markers.push_back({at_W, radius_px, color, kRim_px});
+  scene.markers.push_back({at_W, radius_px, color, kRimPixels});
 }
 
 MeshPlace placeOn(const v1::Mesh& mesh, const v1::SurfacePoint& point) {

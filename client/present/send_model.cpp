@@ -15,7 +15,7 @@ namespace handgraft::client {
 
 namespace {
 
-constexpr int kPatience_ms = 100;  // between looks at whether the user wants to stop
+constexpr int kPatienceMs = 100;  // between looks at whether the user wants to stop
 
 // One line of standard input, without its break; nothing at its end.
 std::optional<std::string> readLine(Interruption& interruption) {
@@ -23,7 +23,7 @@ std::optional<std::string> readLine(Interruption& interruption) {
   for (;;) {
     interruption.checkpoint();
     pollfd input{STDIN_FILENO, POLLIN, 0};
-    if (poll(&input, 1, kPatience_ms) <= 0) continue;
+    if (poll(&input, 1, kPatienceMs) <= 0) continue;
     char c = 0;
     const ssize_t count = read(STDIN_FILENO, &c, 1);
     if (count <= 0) return std::nullopt;

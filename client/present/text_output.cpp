@@ -41,7 +41,7 @@ std::string wrapped(const std::string& text) {
   std::string out;
   std::string line;
   std::string word;
-  const auto endWord = [&] {
+  const auto end_word = [&] {
     if (word.empty()) return;
     if (line.find_first_not_of(' ') != std::string::npos) {
       if (columnsOf(line) + 1 + columnsOf(word) <= kWidth) {
@@ -56,12 +56,12 @@ std::string wrapped(const std::string& text) {
   for (std::string_view rest = text; !rest.empty();) {
     const Character next = takeCharacter(rest);
     if (next.code == ' ' || isControl(next.code)) {
-      endWord();
+      end_word();
     } else {
       word += next.bytes;
     }
   }
-  endWord();
+  end_word();
   return out + line + "\n";
 }
 
@@ -69,18 +69,18 @@ namespace {
 
 /// Which angle the verdicts judge, where the table's could be taken for it.
 std::string normalsLegend(const v1::PoseSolution& solution) {
-  constexpr double kFacing_deg = 60.0;  // what a verdict permits (core/optimize/diagnosis.h)
+  constexpr double kFacingDeg = 60.0;  // what a verdict permits (core/optimize/diagnosis.h)
   const bool puzzles = std::any_of(
       solution.patches().begin(), solution.patches().end(), [](const v1::PatchFit& patch) {
         const v1::Verdict verdict = patch.diagnosis().verdict();
         return verdict == v1::VERDICT_NORMALS_IN_CONFLICT ||
-               (verdict == v1::VERDICT_REACHED && patch.normal_deg() > kFacing_deg);
+               (verdict == v1::VERDICT_REACHED && patch.normal_deg() > kFacingDeg);
       });
   if (!puzzles) return "";
   return fmt::format(
       "normal deg is the mean over a patch's points; judged is the angle between the mean "
       "normals of both sides, at most {:.0f} deg\n",
-      kFacing_deg);
+      kFacingDeg);
 }
 
 }  // namespace
@@ -259,7 +259,7 @@ std::string verdicts(const v1::PoseSolution& solution, const v1::HandDescription
   if (!solution.verdict().empty()) lines = wrapped(solution.verdict());
   lines += shortfalls(solution);
   for (const v1::LimitSensitivity& sensitivity : solution.sensitivities()) {
-    constexpr double kWorthTelling_mm = 0.005;
+    constexpr double kWorthTellingMm = 0.005;
     const auto joint =
         std::find_if(hand.joints().begin(), hand.joints().end(), [&](const v1::JointInfo& one) {
           return one.name() == sensitivity.limit().joint();
@@ -269,7 +269,7 @@ std::string verdicts(const v1::PoseSolution& solution, const v1::HandDescription
     lines += fmt::format("sensitivity: {} {} by {:.1f} {}: objective {:.3g} less",
                          plain(sensitivity.limit().joint()), nameOf(sensitivity.limit().side()),
                          unit.scale * sensitivity.given(), unit.name, sensitivity.gain());
-    if (std::abs(sensitivity.gain_mm()) >= kWorthTelling_mm) {
+    if (std::abs(sensitivity.gain_mm()) >= kWorthTellingMm) {
       lines += fmt::format(", {:.2f} mm {}", std::abs(sensitivity.gain_mm()),
                            sensitivity.gain_mm() > 0.0 ? "nearer" : "farther");
     }

@@ -12,9 +12,9 @@ std::string limitNote(const std::string& joint,
                       const JointRange& limits,
                       const JointRange& own) {
   // No joint of a hand goes round more than once, and none slides as far as this.
-  constexpr double kTurn_rad = 2.0 * std::numbers::pi;
-  constexpr double kLongestTravel_m = 1.0;
-  const double most = slides ? kLongestTravel_m : kTurn_rad;
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  constexpr double kLongestTravel = 1.0;
+  const double most = slides ? kLongestTravel : kTurn;
   if (limits.lower >= std::min(-most, own.lower) && limits.upper <= std::max(most, own.upper))
     return "";
   return slides ? fmt::format(

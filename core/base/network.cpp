@@ -51,12 +51,12 @@ std::vector<NetworkInterface> interfacesOfThisMachine() {
 
 /// What may be part of a topic's name in ROS 2.
 bool isServerName(const std::string& name) {
-  const auto isLetter = [](char c) {
+  const auto is_letter = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
   };
-  return name.size() <= kLongestServerName && isLetter(name.front()) &&
+  return name.size() <= kLongestServerName && is_letter(name.front()) &&
          std::all_of(name.begin(), name.end(), [&](char c) {
-           return isLetter(c) || (c >= '0' && c <= '9') || c == '_';
+           return is_letter(c) || (c >= '0' && c <= '9') || c == '_';
          });
 }
 

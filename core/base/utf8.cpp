@@ -42,10 +42,10 @@ bool isIn(const std::array<Range, count>& ranges, char32_t code) {
 }  // namespace
 
 Character takeCharacter(std::string_view& rest) {
-  const auto byteAt = [&](std::size_t k) {
+  const auto byte_at = [&](std::size_t k) {
     return static_cast<unsigned char>(rest[k]);
   };
-  const unsigned char first = byteAt(0);
+  const unsigned char first = byte_at(0);
   std::size_t size = 1;
   char32_t least = 0;  // a code written longer than it need be is none
   char32_t code = first;
@@ -66,8 +66,8 @@ Character takeCharacter(std::string_view& rest) {
   }
   bool is_valid = code != kNone && size <= rest.size();
   for (std::size_t k = 1; is_valid && k < size; ++k) {
-    is_valid = (byteAt(k) & 0xC0U) == 0x80;
-    code = code << 6U | (byteAt(k) & 0x3FU);
+    is_valid = (byte_at(k) & 0xC0U) == 0x80;
+    code = code << 6U | (byte_at(k) & 0x3FU);
   }
   const bool is_surrogate = code >= 0xD800 && code <= 0xDFFF;
   if (!is_valid || code < least || code > 0x10FFFF || is_surrogate) {

@@ -76,7 +76,7 @@ std::vector<std::vector<int>> borderLoops(const TriangleMesh& mesh) {
   std::vector<char> used(static_cast<std::size_t>(3 * mesh.faceCount()), 0);
   std::vector<int> place(static_cast<std::size_t>(mesh.vertexCount()), -1);  // on `path`
   std::vector<int> path;
-  const auto unusedFrom = [&](int v) {
+  const auto unused_from = [&](int v) {
     const auto h = std::find_if(mesh.outgoingBegin(v), mesh.outgoingEnd(v), [&](int candidate) {
       return mesh.twin(candidate) < 0 && used[candidate] == 0;
     });
@@ -86,7 +86,7 @@ std::vector<std::vector<int>> borderLoops(const TriangleMesh& mesh) {
     if (mesh.twin(first) >= 0 || used[first] != 0) continue;
     path.assign(1, mesh.from(first));
     place[path.front()] = 0;
-    for (int h = first; h >= 0; h = unusedFrom(path.back())) {
+    for (int h = first; h >= 0; h = unused_from(path.back())) {
       used[h] = 1;
       const int v = mesh.to(h);
       if (place[v] < 0) {

@@ -52,6 +52,7 @@ struct OrientedPoint {
   bool operator==(const OrientedPoint& other) const { return index == other.index; }
 };
 
+// NOLINTBEGIN(readability-identifier-naming): names that CGAL asks for
 struct PointMap {
   using key_type = OrientedPoint;
   using value_type = Point;
@@ -71,6 +72,8 @@ struct NormalMap {
 
   friend void put(NormalMap, OrientedPoint& p, const Vector& normal) { p.normal = normal; }
 };
+
+// NOLINTEND(readability-identifier-naming)
 
 Point pointFrom(const Eigen::Vector3d& p) {
   return {p.x(), p.y(), p.z()};
@@ -93,12 +96,15 @@ void makeRepeatable() {
 template <class Base>
 struct Stamped : Base {
   using Base::Base;
+  // NOLINTBEGIN(readability-identifier-naming): names that CGAL asks for
   using Has_timestamp = CGAL::Tag_true;
 
   template <class Structure>
   struct Rebind_TDS {
     using Other = Stamped<typename Base::template Rebind_TDS<Structure>::Other>;
   };
+
+  // NOLINTEND(readability-identifier-naming)
 
   Stamped() = default;
 
@@ -110,9 +116,12 @@ struct Stamped : Base {
     return *this;
   }
 
+  // NOLINTBEGIN(readability-identifier-naming): names that CGAL asks for
   [[nodiscard]] std::size_t time_stamp() const { return stamp; }
 
   void set_time_stamp(std::size_t value) { stamp = value; }
+
+  // NOLINTEND(readability-identifier-naming)
 
   std::size_t stamp = std::numeric_limits<std::size_t>::max();  // CGAL's word for none
 };
@@ -140,7 +149,10 @@ struct Budget {
 struct Checkpoint {
   Budget* budget;
 
+  // NOLINTBEGIN(readability-identifier-naming): names that CGAL asks for
   void before_insertion() const { budget->step(); }
+
+  // NOLINTEND(readability-identifier-naming)
 };
 
 using Poisson = CGAL::Poisson_reconstruction_function<Kernel>;
@@ -211,6 +223,7 @@ template <class Base>
 struct FrontVertex : Base {
   using Base::Base;
 
+  // NOLINTBEGIN(readability-identifier-naming): names that CGAL asks for
   template <class Structure>
   struct Rebind_TDS {
     using Other = FrontVertex<typename Base::template Rebind_TDS<Structure>::Other>;
@@ -227,6 +240,8 @@ struct FrontVertex : Base {
 
     std::size_t turn;
   };
+
+  // NOLINTEND(readability-identifier-naming)
 };
 
 using FrontTriangulation = CGAL::Delaunay_triangulation_3<
@@ -322,7 +337,7 @@ TriangleMesh poissonSurface(const Eigen::Matrix3Xd& points,
   // The mesher looks along segments that end on a sphere around the whole.
   const Point inside = function.get_inner_point();
   const double radius = 5.0 * std::sqrt(function.bounding_sphere().squared_radius());
-  constexpr double kSmallestAngle_deg = 20.0;   // CGAL's recommendation: below 30
+  constexpr double kSmallestAngleDeg = 20.0;    // CGAL's recommendation: below 30
   constexpr double kDistanceOfSpacing = 0.1;    // facet to surface, in spacings
   constexpr double kDichotomyOfSpacing = 1e-3;  // vertex to surface, in spacings
   const CGAL::Implicit_surface_3<Kernel, Field> surface(
@@ -331,7 +346,7 @@ TriangleMesh poissonSurface(const Eigen::Matrix3Xd& points,
   // A Delaunay facet of circumradius r has edges of about r times the square root of 3, of
   // which meshing to the bound leaves three quarters.
   const CGAL::Surface_mesh_default_criteria_3<SurfaceTriangulation> criteria(
-      kSmallestAngle_deg, edge / 1.3, kDistanceOfSpacing * spacing);
+      kSmallestAngleDeg, edge / 1.3, kDistanceOfSpacing * spacing);
   SurfaceTriangulation triangulation;
   SurfaceComplex complex(triangulation);
   try {

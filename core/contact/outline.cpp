@@ -98,7 +98,7 @@ Region outlined(const TriangleMesh& mesh,
   const std::vector<int> vertices = verticesOf(mesh, region);
   const double top = topOf(vertices, value, areas);
   const double level = options.share * topOf(vertices, even, areas);
-  const auto isInside = [&](int v) {
+  const auto is_inside = [&](int v) {
     return even[v] > level || value[v] >= top;
   };
   std::vector<char> marked(static_cast<std::size_t>(mesh.faceCount()), 0);
@@ -106,7 +106,7 @@ Region outlined(const TriangleMesh& mesh,
   std::vector<Facing> facings;
   for (const int f : region) {
     const Eigen::Vector3i face = mesh.face(f);
-    if (!(isInside(face[0]) && isInside(face[1]) && isInside(face[2]))) continue;
+    if (!(is_inside(face[0]) && is_inside(face[1]) && is_inside(face[2]))) continue;
     const Eigen::Vector3d a = mesh.vertex(face[0]);
     const Eigen::Vector3d twice = (mesh.vertex(face[1]) - a).cross(mesh.vertex(face[2]) - a);
     const double contact = (value[face[0]] + value[face[1]] + value[face[2]]) / 3.0;

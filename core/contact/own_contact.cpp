@@ -56,7 +56,7 @@ std::vector<std::string> keepOwnContact(ContactMap& map,
         std::any_of(others.begin(), others.end(), [&](const HandJoints& other) {
           return meanDistance(other, map.mesh_O, touching) < distance;
         });
-    if (!is_others && distance <= kFarthestBone_m) {
+    if (!is_others && distance <= kFarthestBone) {
       ++kept;
       continue;
     }
@@ -70,7 +70,7 @@ std::vector<std::string> keepOwnContact(ContactMap& map,
         "{:.0f} "
         "mm: are they of another object, hand or frame?",
         1e3 * nearest_left_out, of_others > 0 ? " and nearer to another hand's" : "",
-        1e3 * kFarthestBone_m);
+        1e3 * kFarthestBone);
   }
   for (const int v : cleared)
     map.value[v] = std::min(threshold, 0.0);
@@ -83,7 +83,7 @@ std::vector<std::string> keepOwnContact(ContactMap& map,
   if (of_none > 0) {
     notes.push_back(fmt::format(
         "regions in contact farther than {:.0f} mm from the hand's joints, left out: {}",
-        1e3 * kFarthestBone_m, of_none));
+        1e3 * kFarthestBone, of_none));
   }
   return notes;
 }

@@ -160,7 +160,7 @@ std::vector<Region> connectedRegions(const TriangleMesh& mesh,
 
 OuterBoundary outerBoundary(const TriangleMesh& mesh, const Region& region) {
   const std::unordered_set<int> faces(region.begin(), region.end());
-  const auto leadsOut = [&](int h) {
+  const auto leads_out = [&](int h) {
     return mesh.twin(h) < 0 || faces.count(TriangleMesh::faceOf(mesh.twin(h))) == 0;
   };
 
@@ -168,13 +168,13 @@ OuterBoundary outerBoundary(const TriangleMesh& mesh, const Region& region) {
   std::unordered_set<int> walked;
   for (const int f : region) {
     for (int h = 3 * f; h < 3 * f + 3; ++h) {
-      if (!leadsOut(h) || walked.count(h) != 0) continue;
+      if (!leads_out(h) || walked.count(h) != 0) continue;
       std::vector<int> walk;
       for (int at = h; walked.insert(at).second;) {
         walk.push_back(mesh.from(at));
         // Turn about the edge's end, inside the region, until an edge leads out of it again.
         at = TriangleMesh::next(at);
-        while (!leadsOut(at))
+        while (!leads_out(at))
           at = TriangleMesh::next(mesh.twin(at));
       }
       splitIntoSimpleLoops(walk, loops);

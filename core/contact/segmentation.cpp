@@ -29,9 +29,9 @@ struct Group {
 /// Share of a digit's region in one piece below which a segment's part is but a border.
 constexpr double kSliver = 0.15;
 /// A segment's vertices along the border of another's region make no contact of their own.
-constexpr double kNoise_m2 = 5e-6;
+constexpr double kNoise = 5e-6;
 // Of one segment of a finger; a thumb's pad has some 600 mm2.
-constexpr double kLargestTouch_m2 = 8e-4;
+constexpr double kLargestTouch = 8e-4;
 
 /// `index` and `proximal` of `index_proximal_2`; `index` and nothing of `index`.
 std::pair<std::string, std::string> splitPart(const std::string& part) {
@@ -246,7 +246,7 @@ class Segmenter {
     std::set<std::string> digits;
     for (const auto& [one, part] : part_of)
       if (!splitPart(part).second.empty()) digits.insert(splitPart(part).first);
-    const auto partAt = [&](int v) -> const std::string* {
+    const auto part_at = [&](int v) -> const std::string* {
       const auto found = part_of.find(label[static_cast<std::size_t>(v)]);
       return touches(v) && found != part_of.end() ? &found->second : nullptr;
     };
@@ -255,7 +255,7 @@ class Segmenter {
       for (int f = 0; f < mesh.faceCount(); ++f) {
         const Eigen::Vector3i face = mesh.face(f);
         marked[static_cast<std::size_t>(f)] = std::all_of(face.begin(), face.end(), [&](int v) {
-          const std::string* part = partAt(v);
+          const std::string* part = part_at(v);
           return part != nullptr && splitPart(*part).first == digit;
         });
       }
@@ -293,7 +293,7 @@ class Segmenter {
     if (best == components.end() || best->area < options_.minimum_area_m2) {
       components = componentsOf(map_, group, 1);
       best = mostContact(components);
-      const bool is_noise = best == components.end() || best->area < kNoise_m2;
+      const bool is_noise = best == components.end() || best->area < kNoise;
       if (is_noise && !splitPart(group.name).second.empty()) return;  // its neighbours have it
       if (best == components.end() || best->area < options_.minimum_area_m2) {
         note("'{}' dropped: its contact covers {:.0f} mm2 at most, below {:.0f} mm2",
@@ -360,7 +360,7 @@ class Segmenter {
       const std::string name = fmt::format("c{}", count + 1);
       if (!addPatch(name, component)) continue;
       ++count;
-      if (component.area > kLargestTouch_m2) {
+      if (component.area > kLargestTouch) {
         note(
             "'{}' covers {:.0f} mm2, more than one finger touches: where the joints of the "
             "hand that touched are known, they part it",

@@ -32,11 +32,11 @@ Capsule capsuleAround(const Eigen::Matrix3Xd& points) {
   }
   // A flat one is a ball, whose caps both ask for room.
   if (low > high) low = high = 0.5 * (low + high);
-  const auto onAxis = [&](double along) -> Vector3d {
+  const auto on_axis = [&](double along) -> Vector3d {
     return mean + axes.eigenvectors() * Vector3d(middle[0], middle[1], along);
   };
-  capsule.a = onAxis(low);
-  capsule.b = onAxis(high);
+  capsule.a = on_axis(low);
+  capsule.b = on_axis(high);
   for (Eigen::Index i = 0; i < points.cols(); ++i) {
     const Vector3d p = points.col(i);
     capsule.radius =

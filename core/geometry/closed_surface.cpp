@@ -68,7 +68,7 @@ void orient(Soup& soup) {
     forEdges(soup.faces[f], [&](const Edge& edge, bool) {
       faces_at[edge].push_back(f);
     });
-  const auto isForward = [&soup](int f, const Edge& wanted) {
+  const auto is_forward = [&soup](int f, const Edge& wanted) {
     bool result = false;
     forEdges(soup.faces[f], [&](const Edge& edge, bool forward) {
       if (edge == wanted) result = forward;
@@ -92,7 +92,7 @@ void orient(Soup& soup) {
         if (both.size() != 2) return;
         const int other = both[0] == f ? both[1] : both[0];
         if (turned[other] != kUnseen) return;
-        const bool agree = isForward(other, edge) != forward;
+        const bool agree = is_forward(other, edge) != forward;
         turned[other] = static_cast<char>(agree ? turned[f] : 1 - turned[f]);
         component.push_back(other);
       });
@@ -132,11 +132,11 @@ std::vector<int> shutHoles(double widest, Soup& soup) {
     if (surplus != 0) parents[rootOf(parents, edge.first)] = rootOf(parents, edge.second);
 
   std::map<int, Rim> rims;
-  const auto forBorder = [&](const auto& visit) {
+  const auto for_border = [&](const auto& visit) {
     for (const auto& [edge, surplus] : balance)
       if (surplus != 0) visit(edge, surplus, rims[rootOf(parents, edge.first)]);
   };
-  forBorder([&](const Edge& edge, int, Rim& rim) {
+  for_border([&](const Edge& edge, int, Rim& rim) {
     const Eigen::Vector3d a = soup.vertices[edge.first];
     const Eigen::Vector3d b = soup.vertices[edge.second];
     rim.sum += 0.5 * (b - a).norm() * (a + b);
@@ -147,7 +147,7 @@ std::vector<int> shutHoles(double widest, Soup& soup) {
     // Welded vertices differ, but their distance may round to nothing.
     rim.sum = rim.length > 0.0 ? Eigen::Vector3d(rim.sum / rim.length) : soup.vertices[root];
   }
-  forBorder([&](const Edge& edge, int, Rim& rim) {
+  for_border([&](const Edge& edge, int, Rim& rim) {
     const Eigen::Vector3d a = soup.vertices[edge.first] - rim.sum;
     rim.area += 0.5 * a.cross(soup.vertices[edge.second] - rim.sum).norm();
   });
@@ -160,7 +160,7 @@ std::vector<int> shutHoles(double widest, Soup& soup) {
     rim.tip = static_cast<int>(soup.vertices.size());
     soup.vertices.push_back(rim.sum);
   }
-  forBorder([&](const Edge& edge, int surplus, const Rim& rim) {
+  for_border([&](const Edge& edge, int surplus, const Rim& rim) {
     if (rim.tip < 0) return;
     // Against the direction of the surplus.
     const Eigen::Vector3i face = surplus > 0

@@ -100,14 +100,14 @@ class DiskFlood {
     std::sort(map_.vertices.begin(), map_.vertices.end(), [&](int a, int b) {
       return std::pair(map_.r[a], a) < std::pair(map_.r[b], b);
     });
-    const auto byVertex = [](const LogMap::RimVertex& a, const LogMap::RimVertex& b) {
+    const auto by_vertex = [](const LogMap::RimVertex& a, const LogMap::RimVertex& b) {
       return a.vertex < b.vertex;
     };
-    const auto sameVertex = [](const LogMap::RimVertex& a, const LogMap::RimVertex& b) {
+    const auto same_vertex = [](const LogMap::RimVertex& a, const LogMap::RimVertex& b) {
       return a.vertex == b.vertex;
     };
-    std::sort(map_.rim.begin(), map_.rim.end(), byVertex);
-    map_.rim.erase(std::unique(map_.rim.begin(), map_.rim.end(), sameVertex), map_.rim.end());
+    std::sort(map_.rim.begin(), map_.rim.end(), by_vertex);
+    map_.rim.erase(std::unique(map_.rim.begin(), map_.rim.end(), same_vertex), map_.rim.end());
     std::sort(map_.faces.begin(), map_.faces.end());
     std::sort(map_.rim_faces.begin(), map_.rim_faces.end());
   }

@@ -126,18 +126,18 @@ void Dgpc::spreadInto(const Node& from, int halfedge) {
 
   // An end that may still improve asks its windows when it has. Offers may move the nodes,
   // hence copies.
-  const auto isSettled = [](const Node* node) {
+  const auto is_settled = [](const Node* node) {
     return node && node->settled;
   };
-  if (const Node* at = nodeOf(right); isSettled(at)) {
+  if (const Node* at = nodeOf(right); is_settled(at)) {
     throughWindow(halfedge, from, Node(*at), {left, to_right, to_left, across});
   }
-  if (const Node* at = nodeOf(left); isSettled(at)) {
+  if (const Node* at = nodeOf(left); is_settled(at)) {
     throughWindow(back, Node(*at), from, {right, to_left, across, to_right});
   }
   const Node* at_right = nodeOf(right);
   const Node* at_left = nodeOf(left);
-  if (isSettled(at_right) && isSettled(at_left) && at_right->exact && at_left->exact) {
+  if (is_settled(at_right) && is_settled(at_left) && at_right->exact && at_left->exact) {
     static_cast<void>(throughSheet(side, Node(*at_right), Node(*at_left), across));
   }
 

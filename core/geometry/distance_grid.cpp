@@ -103,7 +103,7 @@ DistanceGrid::DistanceGrid(std::shared_ptr<const SignedDistance> exact,
   const Eigen::Matrix3Xd& vertices = exact_->surface().vertices();
   const Eigen::Vector3d low = vertices.rowwise().minCoeff();
   const Eigen::Vector3d size = vertices.rowwise().maxCoeff() - low;
-  const auto countsAt = [&](double spacing) {
+  const auto counts_at = [&](double spacing) {
     Eigen::Vector3i counts;
     for (int a = 0; a < 3; ++a) {
       const int cells = static_cast<int>(std::ceil(size[a] / spacing + 2.0 * kMargin));
@@ -113,9 +113,9 @@ DistanceGrid::DistanceGrid(std::shared_ptr<const SignedDistance> exact,
   };
   // No grid is larger than its longest side lets it be; coarser by steps of 2 %.
   spacing_ = std::max(options.least_spacing_m, size.maxCoeff() / options.most_nodes);
-  while (countsAt(spacing_).cast<double>().prod() > options.most_nodes)
+  while (counts_at(spacing_).cast<double>().prod() > options.most_nodes)
     spacing_ *= 1.02;
-  counts_ = countsAt(spacing_);
+  counts_ = counts_at(spacing_);
   per_spacing_ = 1.0 / spacing_;
   origin_ = low + 0.5 * (size - spacing_ * (counts_.array() - 1).matrix().cast<double>());
   // Half a spacing inside the outermost nodes; a little more, for rounding.

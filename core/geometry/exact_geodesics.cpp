@@ -135,17 +135,17 @@ void ExactGeodesics::seed(const SourceLayout& source) {
   for (const SourceNeighbour& n : source.neighbours)
     faces_.addVertex(n.vertex);
   takeNodes();
-  const auto nodeAt = [&](int vertex) {
+  const auto node_at = [&](int vertex) {
     return faces_.vertices().find(vertex);
   };
-  if (source.vertex >= 0) reach(nodeAt(source.vertex), 0.0, 0, Eigen::Vector2d::UnitX());
+  if (source.vertex >= 0) reach(node_at(source.vertex), 0.0, 0, Eigen::Vector2d::UnitX());
   for (const SourceNeighbour& n : source.neighbours)
-    reach(nodeAt(n.vertex), n.r, 0, n.direction_T);
+    reach(node_at(n.vertex), n.r, 0, n.direction_T);
 
   const TriangleMesh& mesh = faces_.mesh();
   for (const int f : source.faces) {
     for (int h = 3 * f; h < 3 * f + 3; ++h) {
-      const int node = nodeAt(mesh.from(h));
+      const int node = node_at(mesh.from(h));
       nodes_[node].is_wanted = true;
       if (mesh.from(h) == source.vertex || nodes_[node].arrival_side >= 0) continue;
       const Eigen::Vector3d p = mesh.vertex(mesh.from(h));
@@ -161,7 +161,7 @@ void ExactGeodesics::seed(const SourceLayout& source) {
     planes_.push_back({0.0, wedge.base, wedge.scale});
     open({wedge.to, edge / length, wedge.to.normalized(), wedge.from.normalized(),
           faces_.sideOf(wedge.halfedge), static_cast<int>(planes_.size()) - 1,
-          nodeAt(mesh.to(wedge.halfedge)), nodeAt(mesh.from(wedge.halfedge))});
+          node_at(mesh.to(wedge.halfedge)), node_at(mesh.from(wedge.halfedge))});
   }
 }
 

@@ -38,7 +38,7 @@ struct HeatLogMap::Parts {
   LogMap solve(const SurfacePoint& source,
                const Eigen::Vector3d& direction,
                double radius,
-               const Solve& coordinatesFrom) const;
+               const Solve& coordinates_from) const;
 };
 
 HeatLogMap::Parts::Parts(const TriangleMesh& whole) : mesh(whole) {
@@ -97,7 +97,7 @@ template <class Solve>
 LogMap HeatLogMap::Parts::solve(const SurfacePoint& source,
                                 const Eigen::Vector3d& direction,
                                 double radius,
-                                const Solve& coordinatesFrom) const {
+                                const Solve& coordinates_from) const {
   validate(mesh, source, "log map source");
   if (!(radius > 0.0)) rejectInput("log map radius is {} m, it must be positive", radius);
   const SourceLayout layout = layOutSource(mesh, source, direction);
@@ -106,7 +106,7 @@ LogMap HeatLogMap::Parts::solve(const SurfacePoint& source,
   if (!piece.flow) throw InvalidInput(piece.refusal);
   const SurfacePoint source_in_piece{face_in_piece[source.face], source.barycentric};
   const SourceLayout layout_in_piece = layOutSource(piece.mesh, source_in_piece, direction);
-  const Eigen::Matrix2Xd p_T = coordinatesFrom(piece, source_in_piece, layout_in_piece);
+  const Eigen::Matrix2Xd p_T = coordinates_from(piece, source_in_piece, layout_in_piece);
 
   Eigen::Matrix2Xd whole_T = Eigen::Matrix2Xd::Constant(
       2, mesh.vertexCount(), std::numeric_limits<double>::quiet_NaN());
@@ -128,14 +128,14 @@ HeatLogMap& HeatLogMap::operator=(HeatLogMap&&) noexcept = default;
 LogMap HeatLogMap::smooth(const SurfacePoint& source,
                           const Eigen::Vector3d& direction,
                           double radius) const {
-  const auto coordinatesFrom = [&](const Piece& piece, const SurfacePoint& source_in_piece,
-                                   const SourceLayout& layout) {
+  const auto coordinates_from = [&](const Piece& piece, const SurfacePoint& source_in_piece,
+                                    const SourceLayout& layout) {
     const HeatFlow& flow = *piece.flow;
     return flow.affineLog(
         roundSeeds(piece.mesh, flow.surface(), source_in_piece, layout, flow.unitLength()),
         layout.origin, radius);
   };
-  LogMap map = parts_->solve(source, direction, radius, coordinatesFrom);
+  LogMap map = parts_->solve(source, direction, radius, coordinates_from);
   map.method = LogMapMethod::kSmooth;
   return map;
 }
@@ -143,13 +143,13 @@ LogMap HeatLogMap::smooth(const SurfacePoint& source,
 LogMap HeatLogMap::heat(const SurfacePoint& source,
                         const Eigen::Vector3d& direction,
                         double radius) const {
-  const auto coordinatesFrom = [](const Piece& piece, const SurfacePoint& source_in_piece,
-                                  const SourceLayout& layout) {
+  const auto coordinates_from = [](const Piece& piece, const SurfacePoint& source_in_piece,
+                                   const SourceLayout& layout) {
     // Each seed costs two solutions of its own here, and half an edge is off anyway.
     return piece.flow->vectorLog(
         cornerSeeds(piece.mesh, piece.flow->surface(), source_in_piece, layout));
   };
-  LogMap map = parts_->solve(source, direction, radius, coordinatesFrom);
+  LogMap map = parts_->solve(source, direction, radius, coordinates_from);
   map.method = LogMapMethod::kHeat;
   return map;
 }

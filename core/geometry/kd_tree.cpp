@@ -37,6 +37,7 @@ void requireFinite(const Eigen::Vector3d& p) {
 struct Points {
   Eigen::Matrix3Xd columns;
 
+  // NOLINTBEGIN(readability-identifier-naming): names that nanoflann asks for
   [[nodiscard]] std::size_t kdtree_get_point_count() const {
     return static_cast<std::size_t>(columns.cols());
   }
@@ -53,6 +54,8 @@ struct Points {
     }
     return true;
   }
+
+  // NOLINTEND(readability-identifier-naming)
 };
 
 /// The nearest point, the lowest index among equals. nanoflann offers only points strictly

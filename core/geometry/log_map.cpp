@@ -59,14 +59,14 @@ class DiskBuilder {
         }
       }
     }
-    const auto byVertex = [](const LogMap::RimVertex& a, const LogMap::RimVertex& b) {
+    const auto by_vertex = [](const LogMap::RimVertex& a, const LogMap::RimVertex& b) {
       return a.vertex < b.vertex;
     };
-    std::sort(map_.rim.begin(), map_.rim.end(), byVertex);
-    const auto sameVertex = [](const LogMap::RimVertex& a, const LogMap::RimVertex& b) {
+    std::sort(map_.rim.begin(), map_.rim.end(), by_vertex);
+    const auto same_vertex = [](const LogMap::RimVertex& a, const LogMap::RimVertex& b) {
       return a.vertex == b.vertex;
     };
-    map_.rim.erase(std::unique(map_.rim.begin(), map_.rim.end(), sameVertex), map_.rim.end());
+    map_.rim.erase(std::unique(map_.rim.begin(), map_.rim.end(), same_vertex), map_.rim.end());
     std::sort(map_.faces.begin(), map_.faces.end());
     std::sort(map_.rim_faces.begin(), map_.rim_faces.end());
   }

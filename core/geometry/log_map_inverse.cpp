@@ -239,12 +239,12 @@ void LogMapInverse::buildGrid() {
   const Eigen::Vector2d extent = high_T_ - low_T_;
   const double side =
       std::sqrt(kFacesPerCell * extent.x() * extent.y() / static_cast<double>(sheets_.size()));
-  const auto cellsAlong = [&](double length) {
+  const auto cells_along = [&](double length) {
     const double cells = std::ceil(length / side);
     return cells > 1.0 ? static_cast<int>(std::min(cells, kMostCells)) : 1;  // NaN: one
   };
-  columns_ = cellsAlong(extent.x());
-  rows_ = cellsAlong(extent.y());
+  columns_ = cells_along(extent.x());
+  rows_ = cells_along(extent.y());
   cell_size_ = {extent.x() / columns_, extent.y() / rows_};
 
   // Counted first, then filled in the order of the sheets.

@@ -47,15 +47,15 @@ ReferenceAxis referenceAxis(const TriangleMesh& mesh,
   axis.direction = (mesh.vertex(neighbour->vertex) - layout.origin).stableNormalized();
   const SourceLayout reference = layOutSource(mesh, source, axis.direction);
   // phi against the reference less phi against the wanted direction, the same for all.
-  const auto turnOf = [&](std::size_t i) {
+  const auto turn_of = [&](std::size_t i) {
     const Eigen::Vector2d& a = layout.neighbours[i].direction_T;
     const Eigen::Vector2d& b = reference.neighbours[i].direction_T;
     return std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
   };
-  axis.angle = turnOf(static_cast<std::size_t>(neighbour - layout.neighbours.data()));
+  axis.angle = turn_of(static_cast<std::size_t>(neighbour - layout.neighbours.data()));
   for (std::size_t i = 0; i < layout.neighbours.size(); ++i) {
     if (!(layout.neighbours[i].r > 0.0)) continue;
-    if (std::abs(std::remainder(turnOf(i) - axis.angle, 2.0 * std::numbers::pi)) > kOneTurn)
+    if (std::abs(std::remainder(turn_of(i) - axis.angle, 2.0 * std::numbers::pi)) > kOneTurn)
       return none;
   }
   return axis;

@@ -65,7 +65,7 @@ Thinned thinOut(const Eigen::Matrix3Xd& points,
   Thinned thinned;
   Cells cells(points.cols());  // of entries of `kept`
   // The nearest kept point of the group, if any is within a cell or so.
-  const auto nearestTo = [&](Eigen::Index i, double& distance) {
+  const auto nearest_to = [&](Eigen::Index i, double& distance) {
     int best = -1;
     distance = std::numeric_limits<double>::infinity();
     const Cell middle = cellOf(points.col(i), spacing);
@@ -87,14 +87,14 @@ Thinned thinOut(const Eigen::Matrix3Xd& points,
 
   for (Eigen::Index i = 0; i < points.cols(); ++i) {
     double distance = 0.0;
-    nearestTo(i, distance);
+    nearest_to(i, distance);
     if (distance < spacing) continue;
     cells.add(cellOf(points.col(i), spacing), static_cast<int>(thinned.kept.size()));
     thinned.kept.push_back(static_cast<int>(i));
   }
   for (Eigen::Index i = 0; i < points.cols(); ++i) {
     double distance = 0.0;
-    thinned.nearest.push_back(nearestTo(i, distance));
+    thinned.nearest.push_back(nearest_to(i, distance));
   }
   return thinned;
 }

@@ -56,20 +56,20 @@ void SignedDistance::keepUnlessWall(int face, double reach, Corners& kept) const
   const Eigen::Vector3d b = surface().vertex(vertices[1]);
   const Eigen::Vector3d c = surface().vertex(vertices[2]);
   const Eigen::Vector3d off = reach * surface().faceNormals().col(face);
-  const auto isWall = [&](const Eigen::Vector3d& p) {
+  const auto is_wall = [&](const Eigen::Vector3d& p) {
     return contains(p + off) && contains(p - off);
   };
   const Eigen::Vector3d middle = (a + b + c) / 3.0;
-  int walls = isWall(middle) ? 1 : 0;
+  int walls = is_wall(middle) ? 1 : 0;
   for (const Eigen::Vector3d& corner : {a, b, c})
-    walls += isWall(middle + kNearCorner * (corner - middle)) ? 1 : 0;
+    walls += is_wall(middle + kNearCorner * (corner - middle)) ? 1 : 0;
   if (walls == 0) kept.insert(kept.end(), {a, b, c});
   if (walls == 0 || walls == 4) return;
   const Eigen::Vector3d u = (b - a) / kPieces;
   const Eigen::Vector3d v = (c - a) / kPieces;
   const auto keep = [&](const Eigen::Vector3d& p, const Eigen::Vector3d& q,
                         const Eigen::Vector3d& r) {
-    if (!isWall((p + q + r) / 3.0)) kept.insert(kept.end(), {p, q, r});
+    if (!is_wall((p + q + r) / 3.0)) kept.insert(kept.end(), {p, q, r});
   };
   for (int i = 0; i < kPieces; ++i) {
     for (int j = 0; i + j < kPieces; ++j) {

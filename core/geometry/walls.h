@@ -51,11 +51,11 @@ class Walls {
   /// The same for all samples within `radius` of `centre`, and some more.
   template <class Visit>
   void visitNear(const Eigen::Vector3d& centre, double radius, const Visit& visit) const {
-    const auto isFar = [&](const Eigen::Vector3d& ball, double ball_radius) {
+    const auto is_far = [&](const Eigen::Vector3d& ball, double ball_radius) {
       const double reach = ball_radius + radius;
       return (ball - centre).squaredNorm() > reach * reach;
     };
-    this->visit(isFar, visit);
+    this->visit(is_far, visit);
   }
 
  private:

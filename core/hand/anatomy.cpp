@@ -15,10 +15,10 @@ namespace handgraft::hand {
 
 namespace {
 
-constexpr double kShortest_m = 0.008;
+constexpr double kShortest = 0.008;
 constexpr double kShortestShare = 0.1;  // of the digit
 /// Links before the first bend that are longer are metacarpals: part of the palm.
-constexpr double kMetacarpal_m = 0.02;
+constexpr double kMetacarpal = 0.02;
 constexpr double kParallelCosine = 0.7;
 /// Sine between a joint's axis and a bone that it moves.
 constexpr double kLever = 0.5;
@@ -89,7 +89,7 @@ std::vector<Segment> segmentsOf(const HandModel& model,
                                 std::vector<int>& metacarpals) {
   // === Which nodes begin a segment
   const double whole = (digit.tip - digit.knuckle).norm();
-  const double shortest = std::max(kShortest_m, kShortestShare * whole);
+  const double shortest = std::max(kShortest, kShortestShare * whole);
   std::vector<std::size_t> starts;
   for (std::size_t i = 0; i < digit.nodes.size(); ++i) {
     if (!bends(model, X_SL, digit, i, is_thumb) ||
@@ -122,7 +122,7 @@ std::vector<Segment> segmentsOf(const HandModel& model,
     const std::vector<int> group = rigidGroupOf(model, digit.nodes[i] + 1);
     const Eigen::Vector3d before =
         originOf(X_SL, digit.nodes[starts.front()]) - originOf(X_SL, digit.nodes[i]);
-    const bool is_metacarpal = next == 0 && !is_thumb && before.norm() > kMetacarpal_m;
+    const bool is_metacarpal = next == 0 && !is_thumb && before.norm() > kMetacarpal;
     // What half a joint carries turns with what comes behind it rather than with what is
     // before.
     const bool is_of_next =
@@ -138,7 +138,7 @@ std::vector<Segment> segmentsOf(const HandModel& model,
     segment.base_S = originOf(X_SL, digit.nodes[starts[s]]);
     segment.end_S =
         s + 1 < segments.size() ? originOf(X_SL, digit.nodes[starts[s + 1]]) : digit.tip;
-    segment.palmar_S = palmarOf(digit, segment.bone_S());
+    segment.palmar_S = palmarOf(digit, segment.boneInSkin());
   }
   return segments;
 }
@@ -159,7 +159,7 @@ void turnThumbToFingers(const HandModel& model, const LinkPoses& X_SL, Anatomy& 
   for (NamedDigit& digit : anatomy.digits) {
     if (digit.name != "thumb" || !endsInABall(model, X_SL, digit.digit)) continue;
     for (Segment& segment : digit.segments) {
-      const Eigen::Vector3d bone = segment.bone_S();
+      const Eigen::Vector3d bone = segment.boneInSkin();
       Eigen::Vector3d side = -anatomy.palm->thumb_side_S;
       side -= side.dot(bone) * bone;
       if (side.norm() > kLever) segment.palmar_S = side.normalized();
@@ -211,10 +211,10 @@ std::optional<Palm> palmOf(const Anatomy& anatomy, const std::optional<ToldPalm>
   const auto across = [&](const NamedDigit* finger) {
     return finger->digit.knuckle.dot(side);
   };
-  const auto byPlace = [&](const NamedDigit* a, const NamedDigit* b) {
+  const auto by_place = [&](const NamedDigit* a, const NamedDigit* b) {
     return across(a) < across(b);
   };
-  const auto [low, high] = std::minmax_element(fingers.begin(), fingers.end(), byPlace);
+  const auto [low, high] = std::minmax_element(fingers.begin(), fingers.end(), by_place);
   const double middle = 0.5 * (across(*low) + across(*high));
   const bool is_low =
       thumb != nullptr
@@ -303,16 +303,16 @@ Anatomy anatomyOf(const HandModel& model,
   int number = 0;
   for (std::size_t i = 0; i < names.names.size(); ++i) {
     // A name that a site took from another digit.
-    const auto isTaken = [&](const std::string& name) {
+    const auto is_taken = [&](const std::string& name) {
       return std::count(names.names.begin(), names.names.end(), name) > 1 ||
              std::any_of(sites.begin(), sites.end(), [&](const ContactSite& site) {
                return site.name == name;
              });
     };
-    if (by_site[i] != 0 || !isTaken(names.names[i])) continue;
+    if (by_site[i] != 0 || !is_taken(names.names[i])) continue;
     do {
       names.names[i] = fmt::format("f{}", ++number);
-    } while (isTaken(names.names[i]));
+    } while (is_taken(names.names[i]));
   }
 
   // === Segments and the palm

@@ -24,7 +24,7 @@ struct Segment {
   /// Unit, at right angles to the bone: where the digit closes to.
   Eigen::Vector3d palmar_S = Eigen::Vector3d::Zero();
 
-  [[nodiscard]] Eigen::Vector3d bone_S() const { return (end_S - base_S).normalized(); }
+  [[nodiscard]] Eigen::Vector3d boneInSkin() const { return (end_S - base_S).normalized(); }
 
   [[nodiscard]] double length() const { return (end_S - base_S).norm(); }
 };

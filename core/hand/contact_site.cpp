@@ -23,7 +23,7 @@ void checkUnit(const ContactSite& site, const Eigen::Vector3d& v, const char* wh
 
 /// Farthest that a site may lie from the box around its link: sites are slid onto the skin, and
 /// coordinates in millimetres are a common slip.
-constexpr double kFarthestOff_m = 0.02;
+constexpr double kFarthestOff = 0.02;
 
 /// From a place to the box around the surface of its link; 0 where the link has none.
 double distanceToBox(const Link& link, const Eigen::Vector3d& p_L) {
@@ -48,10 +48,10 @@ void validate(const HandModel& model, const std::vector<ContactSite>& sites) {
     if (!site.p_L.allFinite())
       rejectInput("site {}: its point is not finite", quoted(site.name));
     const double off = distanceToBox(model.links()[model.linkIndex(site.link)], site.p_L);
-    if (!(off <= kFarthestOff_m))
+    if (!(off <= kFarthestOff))
       rejectInput("site {}: its point ({} {} {}) lies {} m off link {}; permitted are {} m",
                   quoted(site.name), site.p_L.x(), site.p_L.y(), site.p_L.z(), off,
-                  quoted(site.link), kFarthestOff_m);
+                  quoted(site.link), kFarthestOff);
     checkUnit(site, site.n_L, "normal");
     checkUnit(site, site.direction_L, "direction");
     if (!(std::abs(site.n_L.dot(site.direction_L)) <= kUnitTolerance))

@@ -64,14 +64,14 @@ Row orderFingers(const std::vector<Digit>& digits, int thumb) {
   for (int i = 0; i < static_cast<int>(digits.size()); ++i)
     if (i != thumb) row.fingers.push_back(i);
   const auto count = static_cast<double>(row.fingers.size());
-  const auto knuckleOf = [&](int i) {
+  const auto knuckle_of = [&](int i) {
     return digits[static_cast<std::size_t>(i)].knuckle;
   };
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   for (const int i : row.fingers) {
     row.outward += digits[static_cast<std::size_t>(i)].outward / count;
     row.closing += digits[static_cast<std::size_t>(i)].closing / count;
-    centre += knuckleOf(i) / count;
+    centre += knuckle_of(i) / count;
   }
   const auto beside = [&](const Eigen::Vector3d& d) -> Eigen::Vector3d {
     if (row.outward.norm() < kSideBySide) return d;
@@ -80,7 +80,7 @@ Row orderFingers(const std::vector<Digit>& digits, int thumb) {
   };
   for (const int a : row.fingers) {
     for (const int b : row.fingers) {
-      const Eigen::Vector3d way = beside(knuckleOf(b) - knuckleOf(a));
+      const Eigen::Vector3d way = beside(knuckle_of(b) - knuckle_of(a));
       if (way.norm() > row.across.norm() + 1e-9) row.across = way;
     }
   }
@@ -93,7 +93,7 @@ Row orderFingers(const std::vector<Digit>& digits, int thumb) {
     if (row.is_sided && side > 0.0) row.across = -row.across;
   }
   std::stable_sort(row.fingers.begin(), row.fingers.end(), [&](int a, int b) {
-    return knuckleOf(a).dot(row.across) < knuckleOf(b).dot(row.across) - 1e-12;
+    return knuckle_of(a).dot(row.across) < knuckle_of(b).dot(row.across) - 1e-12;
   });
   return row;
 }

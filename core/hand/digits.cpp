@@ -18,16 +18,16 @@ constexpr double kEquallyFar = 1e-3;
 constexpr double kClearAsymmetry = 0.1;
 
 /// Joints that are nearer each other are one knuckle.
-constexpr double kShortBone_m = 0.005;
+constexpr double kShortBone = 0.005;
 
 /// Sine of the least angle between where a jaw slides and where it points.
 constexpr double kAcross = 0.6;
 /// m; jaws nearer than that in the direction of their slide do not say to which side they
 /// close.
-constexpr double kJawsApart_m = 1e-3;
+constexpr double kJawsApart = 1e-3;
 
 /// m; a bar of a mechanism lies so near the plane in which its finger moves.
-constexpr double kInPlane_m = 0.008;
+constexpr double kInPlane = 0.008;
 
 const HandModel::Node& nodeOf(const HandModel& model, int link) {
   return model.nodes()[static_cast<std::size_t>(link - 1)];
@@ -196,7 +196,7 @@ double orientFlexion(const HandModel& model, const LinkPoses& X_SL, Digit& digit
   const Eigen::Vector3d motion = digit.flexion_axis.cross(digit.outward);
   if (motion.norm() > 1e-6) digit.closing = motion.normalized();
   const auto next = std::find_if(bends.rbegin(), bends.rend(), [&](const auto& bend) {
-    return (bend - digit.knuckle).norm() > kShortBone_m;
+    return (bend - digit.knuckle).norm() > kShortBone;
   });
   digit.bone_outward =
       next != bends.rend() ? (*next - digit.knuckle).normalized() : digit.outward;
@@ -220,7 +220,7 @@ Eigen::Vector3d slideOf(const HandModel& model, const LinkPoses& X_SL, const Dig
 /// Jaws close towards the other digits; false for one that does not tell.
 bool orientJaw(const Eigen::Vector3d& slide, const Eigen::Vector3d& to_others, Digit& digit) {
   const double way = slide.dot(to_others);
-  if (std::abs(way) < kJawsApart_m) return false;
+  if (std::abs(way) < kJawsApart) return false;
   const Eigen::Vector3d closing = way > 0.0 ? slide : Eigen::Vector3d(-slide);
   digit.closing = (closing - closing.dot(digit.outward) * digit.outward).normalized();
   digit.flexion_axis = digit.outward.cross(digit.closing);
@@ -234,16 +234,16 @@ bool orientJaw(const Eigen::Vector3d& slide, const Eigen::Vector3d& to_others, D
 /// grippers with parallel jaws: it moves beside the finger in one plane, by the same motor and
 /// to the same side, and ends before it does.
 bool isBarOf(const HandModel& model, const Digit& bar, const Digit& finger) {
-  const auto dofOf = [&](const Digit& digit) {
+  const auto dof_of = [&](const Digit& digit) {
     return model.nodes()[static_cast<std::size_t>(digit.nodes.front())].dof;
   };
-  if (bar.nodes.size() != 1 || finger.nodes.size() < 2 || dofOf(bar) != dofOf(finger))
+  if (bar.nodes.size() != 1 || finger.nodes.size() < 2 || dof_of(bar) != dof_of(finger))
     return false;
   const Eigen::Vector3d& axis = finger.flexion_axis;
   return std::abs(bar.flexion_axis.dot(axis)) > kParallelCosine &&
          bar.closing.dot(finger.closing) > 0.0 &&
-         std::abs((bar.base - finger.base).dot(axis)) < kInPlane_m &&
-         std::abs((bar.tip - finger.tip).dot(axis)) < kInPlane_m &&
+         std::abs((bar.base - finger.base).dot(axis)) < kInPlane &&
+         std::abs((bar.tip - finger.tip).dot(axis)) < kInPlane &&
          (bar.tip - bar.base).norm() < (finger.tip - finger.base).norm();
 }
 

@@ -20,7 +20,7 @@ using geometry::TriangleMesh;
 /// A place must face along its ray by this cosine; others are inner walls and edges.
 constexpr double kFacing = 0.1;
 /// What turning away by 90 degrees costs on the palm, against metres.
-constexpr double kPalmTurn_m = 0.03;
+constexpr double kPalmTurn = 0.03;
 /// A wrist is at most this many palm widths from the knuckles: beyond is a forearm.
 constexpr double kLongestPalm = 1.7;
 /// Lengths of the segments of a human finger, from the tip, as shares: where a place from a
@@ -29,8 +29,8 @@ constexpr double kHumanDistal = 0.27;
 constexpr double kHumanMiddle = 0.27;
 
 /// From the first joint to the tip, of an adult.
-constexpr double kHumanFinger_m = 0.09;
-constexpr double kHumanThumb_m = 0.1;
+constexpr double kHumanFinger = 0.09;
+constexpr double kHumanThumb = 0.1;
 constexpr const char* kThumb = "thumb";
 
 /// The way to the tip as a share of the digit; where nobody knows, that of a human's place of
@@ -131,7 +131,7 @@ void FingerCoordinates::measure(std::size_t d, std::size_t s, Tube& tube) const 
   const NamedDigit& digit = anatomy_.digits[d];
   const Segment& segment = digit.segments[s];
   const TriangleMesh& mesh = skin_.mesh();
-  tube.bone_S = segment.bone_S();
+  tube.bone_S = segment.boneInSkin();
   tube.palmar_S = segment.palmar_S;
   tube.length = segment.length();
 
@@ -142,12 +142,12 @@ void FingerCoordinates::measure(std::size_t d, std::size_t s, Tube& tube) const 
 
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double area = 0.0;
-  const auto isOwn = [&](int f) {
+  const auto is_own = [&](int f) {
     const int link = skin_.faceLinks()[static_cast<std::size_t>(f)];
     return segment_of_link_[static_cast<std::size_t>(link)] == static_cast<int>(s);
   };
   for (const int f : faces_[d]) {
-    if (!isOwn(f)) continue;
+    if (!is_own(f)) continue;
     const double share = sizeOf(mesh, f);
     sum += share * centreOf(mesh, f);
     area += share;
@@ -160,7 +160,7 @@ void FingerCoordinates::measure(std::size_t d, std::size_t s, Tube& tube) const 
   double radii = 0.0;
   double counted = 0.0;
   for (const int f : faces_[d]) {
-    if (!isOwn(f)) continue;
+    if (!is_own(f)) continue;
     const Eigen::Vector3d p = centreOf(mesh, f) - tube.base_S;
     const double height = p.dot(tube.bone_S);
     if (height < 0.2 * tube.length || height > 0.8 * tube.length) continue;
@@ -278,7 +278,7 @@ FingerCoordinates::Height FingerCoordinates::heightBySegment(const NamedDigit& d
 FingerCoordinates::Height FingerCoordinates::heightByLength(const NamedDigit& digit,
                                                             const HandLocation& place) {
   double from_base =
-      (1.0 - fromTip(place)) * (place.digit == kThumb ? kHumanThumb_m : kHumanFinger_m);
+      (1.0 - fromTip(place)) * (place.digit == kThumb ? kHumanThumb : kHumanFinger);
   std::size_t s = 0;
   while (s + 1 < digit.segments.size() && from_base > digit.segments[s].length())
     from_base -= digit.segments[s++].length();
@@ -335,7 +335,7 @@ std::optional<SkinSpot> FingerCoordinates::spotOnPalm(const HandLocation& place)
         -(p - palm.first_knuckle_S).dot(palm.thumb_side_S) - place.across * palm_width_;
     const double cosine = mesh.faceNormals().col(f).dot(facing);
     const double cost =
-        along * along + across * across + kPalmTurn_m * kPalmTurn_m * (1.0 - cosine);
+        along * along + across * across + kPalmTurn * kPalmTurn * (1.0 - cosine);
     if (cost >= least) continue;
     least = cost;
     best = middleOf(f);

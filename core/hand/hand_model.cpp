@@ -99,21 +99,21 @@ std::vector<int> findCarriers(const std::vector<Link>& links,
                              const NameIndex& link_index,
                              const std::vector<int>& carrier) {
   std::vector<char> seen(carrier.size(), 0);
-  const auto parentOf = [&](int child) {
+  const auto parent_of = [&](int child) {
     return link_index.at(
         joints[static_cast<std::size_t>(carrier[static_cast<std::size_t>(child)])].parent_link);
   };
   // Walking towards the parents must end in the loop; from there once around it.
   while (seen[static_cast<std::size_t>(link)] == 0) {
     seen[static_cast<std::size_t>(link)] = 1;
-    link = parentOf(link);
+    link = parent_of(link);
   }
   std::vector<std::string> names;
   int walker = link;
   do {
     names.push_back(
         joints[static_cast<std::size_t>(carrier[static_cast<std::size_t>(walker)])].name);
-    walker = parentOf(walker);
+    walker = parent_of(walker);
   } while (walker != link);
   rejectInput("joints {} form a loop: a hand is a tree, without loops", listed(names));
 }

@@ -19,7 +19,7 @@ constexpr int kCarrier = -1;  // of the palm, or beside it
 constexpr int kPalm = -2;
 constexpr int kFirstLoose = -3;  // chains that are no digits: -3, -4, ...
 
-constexpr double kShortestBone_m = 1e-3;
+constexpr double kShortestBone = 1e-3;
 /// Cosine between a pad's normal and another beyond which that looks from the link's back.
 constexpr double kBackCosine = -0.7;
 /// Sine between a bone and a normal below which its tangent is mostly noise: 30 degrees.
@@ -62,11 +62,11 @@ Eigen::Vector3d boneOf(const Digit& digit, const LinkPoses& X_SL, int body) {
   for (const int node : digit.nodes) {
     const int link = node + 1;
     const Eigen::Vector3d along = X_SL[static_cast<std::size_t>(link)].translation() - from;
-    if (is_beyond && along.norm() > kShortestBone_m) return along.normalized();
+    if (is_beyond && along.norm() > kShortestBone) return along.normalized();
     is_beyond = is_beyond || link == body;
   }
   const Eigen::Vector3d along = digit.tip - from;
-  return along.norm() > kShortestBone_m ? along.normalized() : Eigen::Vector3d::Zero();
+  return along.norm() > kShortestBone ? along.normalized() : Eigen::Vector3d::Zero();
 }
 
 }  // namespace

@@ -319,14 +319,14 @@ Bounds boundsOf(const Skin& skin,
                 std::vector<Facet>& facets) {
   const geometry::TriangleMesh of_skin = partOf(skin, link, X_SL);
   const auto part = std::make_shared<const geometry::SignedDistance>(of_skin);
-  const auto asOfSkin = [&]() -> Bounds {
+  const auto as_of_skin = [&]() -> Bounds {
     const geometry::TriangleMesh domed = withDomesOnCuts(of_skin);
     if (domed.faceCount() == of_skin.faceCount()) return {part, false};  // it is nowhere cut
     return {part, false, std::make_shared<const geometry::SignedDistance>(domed)};
   };
   const double beneath = skin_offset + kBeneath;
   auto own = ownSurface(skin, link, X_SL);
-  if (own == nullptr) return asOfSkin();
+  if (own == nullptr) return as_of_skin();
   if (!holds(*own, *part, beneath)) {
     // A digit's own parts meet where the skin sees them; at a knuckle a wall is the only way
     // out along the digit.
@@ -337,7 +337,7 @@ Bounds boundsOf(const Skin& skin,
     }
     if (open == nullptr || !holds(*open, *part, beneath)) {
       addSharp(*own, *part, false, skin_offset + kHidden, link, X_SL, facets);
-      return asOfSkin();
+      return as_of_skin();
     }
     own = open;
   }
@@ -361,11 +361,11 @@ void fillSolid(const Bounds& bounds,
   const Vector3d size = vertices.rowwise().maxCoeff() - vertices.rowwise().minCoeff();
   const double nodes = (size / kCoarsestGrid).array().prod();
   options.most_nodes = std::max(most_nodes, static_cast<int>(std::min(nodes, kMostNodes)));
-  const auto gridOf = [&](const std::shared_ptr<const geometry::SignedDistance>& exact) {
+  const auto grid_of = [&](const std::shared_ptr<const geometry::SignedDistance>& exact) {
     return std::make_shared<const geometry::DistanceGrid>(exact, options, progress);
   };
-  solid.for_links_L = gridOf(bounds.exact_L);
-  solid.grid_L = bounds.for_objects_L ? gridOf(bounds.for_objects_L) : solid.for_links_L;
+  solid.for_links_L = grid_of(bounds.exact_L);
+  solid.grid_L = bounds.for_objects_L ? grid_of(bounds.for_objects_L) : solid.for_links_L;
   const double h = solid.for_links_L->spacing();
   for (const geometry::DistanceGrid::Cell& cell : solid.for_links_L->solidCells()) {
     const double distance = solid.for_links_L->at(cell.p) + solid.skin_offset;
@@ -376,15 +376,15 @@ void fillSolid(const Bounds& bounds,
 
 /// Whether several digits hang on a link, also by way of links that are fixed to it.
 bool carriesSeveral(const HandModel& model, int link) {
-  const auto nodeOf = [&](int child) -> const HandModel::Node& {
+  const auto node_of = [&](int child) -> const HandModel::Node& {
     return model.nodes()[static_cast<std::size_t>(child - 1)];
   };
   int digits = 0;
   for (const HandModel::Node& node : model.nodes()) {
     if (node.type == JointType::kFixed) continue;
     int carrier = node.parent_link;
-    while (carrier != link && carrier > 0 && nodeOf(carrier).type == JointType::kFixed)
-      carrier = nodeOf(carrier).parent_link;
+    while (carrier != link && carrier > 0 && node_of(carrier).type == JointType::kFixed)
+      carrier = node_of(carrier).parent_link;
     digits += carrier == link ? 1 : 0;
   }
   return digits > 1;

@@ -32,9 +32,9 @@ constexpr double kEdgeShares[] = {1.0, 0.7, 0.5};
 /// Sheets that are this share of the skin's area are worth a word.
 constexpr double kNotableSheets = 0.05;
 /// Sizes of a hand; outside them a mesh is in other units than its file says.
-constexpr double kSmallestHand_m = 0.01;
-constexpr double kLargestHand_m = 2.0;
-constexpr double kLargestAlpha_m = 0.05;
+constexpr double kSmallestHand = 0.01;
+constexpr double kLargestHand = 2.0;
+constexpr double kLargestAlpha = 0.05;
 constexpr double kMostAlphas = 600.0;  // across a hand: a wrap then takes a gigabyte
 
 class Stopwatch {
@@ -60,11 +60,11 @@ std::vector<geometry::TriangleMesh> piecesOf(const geometry::TriangleMesh& mesh)
   if (count == 1) return {mesh};
   std::vector<double> area(static_cast<std::size_t>(count), 0.0);
   double total = 0.0;
-  const auto componentOf = [&component = component, &mesh](int f) {
+  const auto component_of = [&component = component, &mesh](int f) {
     return static_cast<std::size_t>(component[static_cast<std::size_t>(mesh.face(f)[0])]);
   };
   for (int f = 0; f < mesh.faceCount(); ++f) {
-    area[componentOf(f)] += areaOf(mesh, f);
+    area[component_of(f)] += areaOf(mesh, f);
     total += areaOf(mesh, f);
   }
   std::vector<geometry::TriangleMesh> pieces;
@@ -81,7 +81,7 @@ std::vector<geometry::TriangleMesh> piecesOf(const geometry::TriangleMesh& mesh)
     Eigen::Matrix3Xi faces(3, mesh.faceCount());
     int face_count = 0;
     for (int f = 0; f < mesh.faceCount(); ++f) {
-      if (componentOf(f) != kept) continue;
+      if (component_of(f) != kept) continue;
       for (int c = 0; c < 3; ++c)
         faces(c, face_count) = index[static_cast<std::size_t>(mesh.face(f)[c])];
       ++face_count;
@@ -129,7 +129,7 @@ void validate(const SkinOptions& options) {
     if (!(value >= low && value <= high))
       rejectInput("skin: {} {} m lies outside {} to {} m", name, value, low, high);
   };
-  check(options.alpha_m, "alpha", 5e-4, kLargestAlpha_m);
+  check(options.alpha_m, "alpha", 5e-4, kLargestAlpha);
   check(options.offset_m, "offset", 5e-5, 0.01);
   check(options.edge_m, "edge", 5e-4, 0.05);
   check(options.epsilon_m, "epsilon", 1e-4, 0.1);
@@ -339,13 +339,12 @@ Skin buildSkin(const HandModel& model,
   if (!(links.mesh_A.area() > 0.0))
     rejectInput("hand {}: none of its links has a surface", quoted(model.name()));
   const double size = links.mesh_A.diagonal();
-  if (!(size >= kSmallestHand_m && size <= kLargestHand_m))
+  if (!(size >= kSmallestHand && size <= kLargestHand))
     rejectInput("hand {}: {} m across, outside {} to {} m; are its meshes in another unit?",
-                quoted(model.name()), size, kSmallestHand_m, kLargestHand_m);
+                quoted(model.name()), size, kSmallestHand, kLargestHand);
   if (options.alpha_m < size / kMostAlphas)
     rejectInput("skin: alpha {} m is too fine for hand {}, {} m across; permitted are {} to {}",
-                options.alpha_m, quoted(model.name()), size, size / kMostAlphas,
-                kLargestAlpha_m);
+                options.alpha_m, quoted(model.name()), size, size / kMostAlphas, kLargestAlpha);
 
   SkinReport steps;
   geometry::TriangleMesh mesh =

@@ -13,9 +13,9 @@ namespace {
 
 constexpr int kRounds = 10;
 /// What a neighbour of another link counts, against the distance to a link.
-constexpr double kDisagreement_m = 0.0003;
+constexpr double kDisagreement = 0.0003;
 /// A piece of a link's area that is smaller than both, and not its largest, is a splinter.
-constexpr double kSplinter_m2 = 50e-6;
+constexpr double kSplinter = 50e-6;
 constexpr double kSplinterShare = 0.1;
 
 struct Choice {
@@ -73,7 +73,7 @@ void agree(const geometry::TriangleMesh& skin_S,
         double cost = choice.cost_m;
         for (const int other : neighboursOf(skin_S, f))
           if (other >= 0 && labels[static_cast<std::size_t>(other)] != choice.link)
-            cost += kDisagreement_m;
+            cost += kDisagreement;
         if (cost < best_cost) {
           best_cost = cost;
           best = choice.link;
@@ -126,7 +126,7 @@ void absorbSplinters(const geometry::TriangleMesh& skin_S,
   for (const Piece& piece : pieces)
     largest[piece.link] = std::max(largest[piece.link], piece.area_m2);
   for (const Piece& piece : pieces) {
-    if (piece.link < 0 || piece.area_m2 >= kSplinter_m2 ||
+    if (piece.link < 0 || piece.area_m2 >= kSplinter ||
         piece.area_m2 >= kSplinterShare * largest[piece.link])
       continue;
     std::map<int, int> rim;

@@ -12,11 +12,11 @@ namespace handgraft::hand {
 namespace {
 
 /// Gaps wider than this stay open in the wrap; more distance gains nothing.
-constexpr double kWantedGap_m = 0.010;
+constexpr double kWantedGap = 0.010;
 constexpr int kSamplesPerLink = 40;
 constexpr int kSweeps = 2;
 /// Fingers stay nearly straight: strong bends crease the skin.
-constexpr double kWidestMove_rad = 0.35;
+constexpr double kWidestMove = 0.35;
 /// What leaving the rest position by the joint's whole range costs, against a squared share of
 /// the wanted gap per sample: only real crowding is worth moving a joint.
 constexpr double kRestWeight = 0.5;
@@ -97,11 +97,11 @@ class Crowding {
     }
     double sum = 0.0;
     for (const auto& [a, b] : pairs_) {
-      if (boxes_[a].exteriorDistance(boxes_[b]) >= kWantedGap_m) continue;
+      if (boxes_[a].exteriorDistance(boxes_[b]) >= kWantedGap) continue;
       for (Eigen::Index i = 0; i < points_H_[a].cols(); ++i) {
         const double nearest = std::sqrt(
             (points_H_[b].colwise() - points_H_[a].col(i)).colwise().squaredNorm().minCoeff());
-        const double lack = std::max(0.0, 1.0 - nearest / kWantedGap_m);
+        const double lack = std::max(0.0, 1.0 - nearest / kWantedGap);
         sum += lack * lack;
       }
     }
@@ -139,7 +139,7 @@ Eigen::VectorXd skinReferencePose(const HandModel& model) {
 
   // Coordinate descent over a few values per joint. Exactly repeatable, and good enough: the
   // wrap needs gaps, not the widest ones.
-  const auto costOf = [&](const Eigen::VectorXd& candidate) {
+  const auto cost_of = [&](const Eigen::VectorXd& candidate) {
     double cost = crowding.at(candidate);
     for (int i = 0; i < model.dofCount(); ++i) {
       const double range = std::min(model.upper()[i] - model.lower()[i], 2.0);
@@ -147,12 +147,12 @@ Eigen::VectorXd skinReferencePose(const HandModel& model) {
     }
     return cost;
   };
-  double best = costOf(q);
+  double best = cost_of(q);
   for (int sweep = 0; sweep < kSweeps && best > 0.0; ++sweep) {
     for (int i = 0; i < model.dofCount(); ++i) {
       // Jaws that slide are apart by their whole way; at rest they may touch.
       const double widest = model.dofJoint(i).type == JointType::kRevolute
-                                ? kWidestMove_rad
+                                ? kWidestMove
                                 : std::numeric_limits<double>::max();
       const double lower = std::max(model.lower()[i], rest[i] - widest);
       const double upper = std::min(model.upper()[i], rest[i] + widest);
@@ -162,7 +162,7 @@ Eigen::VectorXd skinReferencePose(const HandModel& model) {
       for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0}) {
         Eigen::VectorXd candidate = q;
         candidate[i] = lower + share * (upper - lower);
-        const double cost = costOf(candidate);
+        const double cost = cost_of(candidate);
         if (cost < best) {
           best = cost;
           best_value = candidate[i];

@@ -52,6 +52,7 @@ Kernel::Point_3 toCgal(const Eigen::Vector3d& p) {
 /// time: a set of those seen each query, and ten queries a step along a Voronoi edge.
 class Oracle {
  public:
+  // NOLINTBEGIN(readability-identifier-naming): names that CGAL asks for
   using Geom_traits = AW3::Alpha_wrap_AABB_traits<Kernel>;
 
   explicit Oracle(const geometry::TriangleMesh& triangles) : queries_(triangles) {}
@@ -107,6 +108,8 @@ class Oracle {
     if (place) found = toCgal(*place);
     return place.has_value();
   }
+
+  // NOLINTEND(readability-identifier-naming)
 
  private:
   Geom_traits traits_;

@@ -9,7 +9,7 @@ std::vector<TurnedPart> turnedParts(const Anatomy& anatomy) {
   for (const NamedDigit& digit : anatomy.digits)
     for (const Segment& segment : digit.segments)
       parts.push_back({partName(digit.name, segment.name), segment.links.back(),
-                       segment.bone_S(), segment.palmar_S});
+                       segment.boneInSkin(), segment.palmar_S});
   if (anatomy.palm)
     parts.push_back({kPalmPart, anatomy.palm->links.front(), anatomy.palm->outward_S,
                      anatomy.palm->facing_S});

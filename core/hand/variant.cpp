@@ -15,7 +15,7 @@ namespace handgraft::hand {
 namespace {
 
 /// A link shorter than this has no length to speak of: its joints meet in one place.
-constexpr double kShortestLength_m = 1e-3;
+constexpr double kShortestLength = 1e-3;
 /// Room for a follower's limit beyond what its source permits: the division by its multiplier
 /// rounds.
 constexpr double kRoundOff = 1e-12;
@@ -151,7 +151,7 @@ class Draft {
     for (int link = 0; link < model_.linkCount(); ++link)
       stretch(link, factor * Eigen::Matrix3d::Identity(), factor);
     // A slider's travel is a length of the hand, too; what turns is not.
-    const auto scaleOf = [&](const std::string& name) {
+    const auto scale_of = [&](const std::string& name) {
       for (const Joint& joint : joints)
         if (joint.name == name) return joint.type == JointType::kPrismatic ? factor : 1.0;
       return 1.0;
@@ -161,7 +161,7 @@ class Draft {
       for (const JointNumber& number : kJointNumbers)
         if (number.scales_with_slider) joint.*number.value *= scale;
       if (!joint.mimic) continue;
-      joint.mimic->multiplier *= scale / scaleOf(joint.mimic->source_joint);
+      joint.mimic->multiplier *= scale / scale_of(joint.mimic->source_joint);
       joint.mimic->offset *= scale;
     }
     for (int dof = 0; dof < model_.dofCount(); ++dof) {
@@ -195,12 +195,12 @@ class Draft {
       ++count;
     }
     if (count > 0) way /= count;
-    if (way.norm() < kShortestLength_m) {
+    if (way.norm() < kShortestLength) {
       const auto middle = middleOf(one);
       way = middle ? Eigen::Vector3d(stretch_L[static_cast<std::size_t>(link)] * *middle)
                    : Eigen::Vector3d::Zero();
     }
-    if (way.norm() < kShortestLength_m) return std::nullopt;
+    if (way.norm() < kShortestLength) return std::nullopt;
     return way.normalized();
   }
 };
@@ -208,7 +208,7 @@ class Draft {
 /// The joints with the limits that were set, and followers that leave them their range.
 std::vector<Joint> jointsWithLimits(const HandModel& model, const Draft& draft) {
   std::vector<Joint> joints = draft.joints;
-  const auto jointNamed = [&](const std::string& name) -> Joint& {
+  const auto joint_named = [&](const std::string& name) -> Joint& {
     const auto found = std::find_if(joints.begin(), joints.end(), [&](const Joint& joint) {
       return joint.name == name;
     });
@@ -224,11 +224,11 @@ std::vector<Joint> jointsWithLimits(const HandModel& model, const Draft& draft) 
     for (const bool is_upper : {false, true}) {
       if (!draft.limit_set[static_cast<std::size_t>(2 * dof + (is_upper ? 1 : 0))]) continue;
       const double value = (is_upper ? draft.upper : draft.lower)[dof];
-      Joint& source = jointNamed(model.dofJoint(dof).name);
+      Joint& source = joint_named(model.dofJoint(dof).name);
       (is_upper ? source.upper : source.lower) = value;
       for (const HandModel::Node& node : coupled.nodes()) {
         if (node.dof != dof || node.joint_name == source.name) continue;
-        Joint& follower = jointNamed(node.joint_name);
+        Joint& follower = joint_named(node.joint_name);
         const double followed = node.multiplier * value + node.offset;
         const double room = kRoundOff * (1.0 + std::abs(followed));
         follower.lower = std::min(follower.lower, followed - room);

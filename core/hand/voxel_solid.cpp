@@ -313,13 +313,13 @@ VoxelSet shrinkWrapped(const VoxelSet& solid, const VoxelGrid& grid) {
   // Buckets of a quarter voxel; first come, first served within one, so that fronts that meet
   // in a tunnel have come equally far.
   const std::vector<float> squared = squaredDistances(solid, grid);
-  const auto bucketOf = [&](std::size_t i) {
+  const auto bucket_of = [&](std::size_t i) {
     return static_cast<std::size_t>(4.0F * std::sqrt(squared[i]));
   };
   std::size_t farthest = 0;
   for (std::size_t i = 0; i < solid.size(); ++i) {
     HANDGRAFT_REQUIRE(std::isfinite(squared[i]));
-    farthest = std::max(farthest, bucketOf(i));
+    farthest = std::max(farthest, bucket_of(i));
   }
   std::vector<std::vector<std::size_t>> buckets(farthest + 1);
   std::vector<std::size_t> heads(farthest + 1, 0);
@@ -330,17 +330,17 @@ VoxelSet shrinkWrapped(const VoxelSet& solid, const VoxelGrid& grid) {
   const auto wait = [&](std::size_t i) {
     if (kept[i] != 1 || solid[i] != 0) return;
     kept[i] = 2;
-    const std::size_t bucket = bucketOf(i);
+    const std::size_t bucket = bucket_of(i);
     buckets[bucket].push_back(i);
     current = std::max(current, bucket);
   };
-  const auto layerOf = [&](const Eigen::Vector3i& c) {
+  const auto layer_of = [&](const Eigen::Vector3i& c) {
     return std::min(c.minCoeff(), (grid.size - c).minCoeff() - 1);
   };
   for (std::size_t i = 0; i < kept.size(); ++i)
-    if (layerOf(grid.cell(i)) == 0) kept[i] = 0;
+    if (layer_of(grid.cell(i)) == 0) kept[i] = 0;
   for (std::size_t i = 0; i < kept.size(); ++i)
-    if (layerOf(grid.cell(i)) == 1) wait(i);
+    if (layer_of(grid.cell(i)) == 1) wait(i);
 
   while (true) {
     while (current > 0 && heads[current] == buckets[current].size()) {

@@ -56,7 +56,7 @@ std::vector<std::array<int, 3>> cutPolygon(const Eigen::Matrix3Xd& corners) {
   // Polygons that cross themselves may have no ear for long; 16 looks at every pair of corners
   // are plenty for others.
   long looks_left = 16L * n * n;
-  const auto isEar = [&](const std::array<int, 3>& t) {
+  const auto is_ear = [&](const std::array<int, 3>& t) {
     looks_left -= std::ssize(rest);
     if (!(turn(flat.col(t[0]), flat.col(t[1]), flat.col(t[2])) > 0.0)) return false;
     for (const int other : rest) {
@@ -76,7 +76,7 @@ std::vector<std::array<int, 3>> cutPolygon(const Eigen::Matrix3Xd& corners) {
     at %= count;
     for (std::size_t k = 0; looks_left > 0 && k < count; ++k) {
       const std::size_t i = (at + k) % count;
-      if (isEar({rest[(i + count - 1) % count], rest[i], rest[(i + 1) % count]})) {
+      if (is_ear({rest[(i + count - 1) % count], rest[i], rest[(i + 1) % count]})) {
         at = i;
         break;
       }

@@ -60,15 +60,15 @@ std::string isaacGraspYaml(const PosedGrasp& grasp, double confidence) {
   fmt::format_to(out, "    position: [{:.12f}, {:.12f}, {:.12f}]\n", p[0], p[1], p[2]);
   fmt::format_to(out, "    orientation: {{w: {:.12f}, xyz: [{:.12f}, {:.12f}, {:.12f}]}}\n",
                  q[0], q[1], q[2], q[3]);
-  const auto addJoints = [&](const char* key, const Eigen::VectorXd& values) {
+  const auto add_joints = [&](const char* key, const Eigen::VectorXd& values) {
     fmt::format_to(out, "    {}:{}\n", key, model.dofCount() == 0 ? " {}" : "");
     for (int dof = 0; dof < model.dofCount(); ++dof) {
       fmt::format_to(out, "      {}: {:.12f}\n", quotedName(model.dofJoint(dof).name),
                      values[dof]);
     }
   };
-  addJoints("cspace_position", grasp.pose.q);
-  addJoints("pregrasp_cspace_position", model.restPose());
+  add_joints("cspace_position", grasp.pose.q);
+  add_joints("pregrasp_cspace_position", model.restPose());
   return text;
 }
 

@@ -7,7 +7,7 @@
 namespace handgraft::io {
 namespace {
 
-constexpr double kCloudReach_m = 0.005;  // from a point to the surface laid through it
+constexpr double kCloudReach = 0.005;  // from a point to the surface laid through it
 
 }  // namespace
 
@@ -42,11 +42,11 @@ geometry::SurfacePoint IndexedObject::nearest(const Eigen::Vector3d& p_O,
                                               const char* field) const {
   HANDGRAFT_REQUIRE(isCloud());
   const auto hit = surface_->nearest(p_O);
-  if (hit.distance > kCloudReach_m) {
+  if (hit.distance > kCloudReach) {
     rejectInput(
         "field '{}': a point lies {:.1f} mm from the object's surface, at most {:.1f} "
         "mm are permitted; was it left out of the surface?",
-        field, 1e3 * hit.distance, 1e3 * kCloudReach_m);
+        field, 1e3 * hit.distance, 1e3 * kCloudReach);
   }
   return hit.point;
 }

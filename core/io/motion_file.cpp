@@ -100,9 +100,9 @@ SurfacePoint onSurface(const json& value, const char* name, const SurfaceLocator
   const Eigen::Vector3d p_O = numbersFrom<3>(value, name);
   if (!p_O.allFinite()) rejectInput("field '{}' is not finite", name);
   const SurfaceLocator::Hit hit = object_O.nearest(p_O);
-  if (hit.distance > kMotionReach_m) {
+  if (hit.distance > kMotionReach) {
     rejectInput("field '{}': a point lies {:.1f} mm off the object; permitted are {:.1f} mm",
-                name, 1e3 * hit.distance, 1e3 * kMotionReach_m);
+                name, 1e3 * hit.distance, 1e3 * kMotionReach);
   }
   return hit.point;
 }

@@ -27,7 +27,7 @@ using manipulation::PatchKey;
 using manipulation::PatchTrack;
 using nlohmann::json;
 
-constexpr double kSequenceReach_m = 0.01;
+constexpr double kSequenceReach = 0.01;
 constexpr double kHighestRate = 1e5;  // frames a second
 
 Eigen::Vector3d placeIn(const json& object, const char* name) {
@@ -103,15 +103,15 @@ std::optional<hand::HandLocation> placeOnMano(const std::string& link,
        {"ring", "ring", {-0.0235, -0.0017, -0.0076}, {0.029, 0.025, 0.025}},
        {"pinky", "little", {-0.0159, -0.0007, -0.0103}, {0.021, 0.019, 0.020}}}};
   static constexpr std::array<const char*, 3> kSegments{"proximal", "middle", "distal"};
-  constexpr double kKnuckles_m = 0.088;  // from the wrist
-  constexpr double kFirst_m = 0.026;     // z of the first knuckle; the last one's is -0.043
-  constexpr double kAcross_m = 0.069;
+  constexpr double kKnuckles = 0.088;  // from the wrist
+  constexpr double kFirst = 0.026;     // z of the first knuckle; the last one's is -0.043
+  constexpr double kAcross = 0.069;
 
   hand::HandLocation place;
   if (link == "wrist") {
     place.digit = hand::kPalmPart;
-    place.along = std::clamp(1.0 + p_L.x() / kKnuckles_m, 0.0, 1.0);
-    place.across = std::clamp((kFirst_m - p_L.z()) / kAcross_m, 0.0, 1.0);
+    place.along = std::clamp(1.0 + p_L.x() / kKnuckles, 0.0, 1.0);
+    place.across = std::clamp((kFirst - p_L.z()) / kAcross, 0.0, 1.0);
     return place;
   }
   for (const Digit& digit : kDigits) {
@@ -157,7 +157,7 @@ class LinkTracks {
             (points[i].p_O - open_[t].p_O).norm() +
             (points[i].key.hand_points[0].p_L - open_[t].track.keys.back().hand_points[0].p_L)
                 .norm();
-        if (distance <= kSamePoint_m) matches.push_back({distance, i, t});
+        if (distance <= kSamePoint) matches.push_back({distance, i, t});
       }
     }
     std::stable_sort(matches.begin(), matches.end(), [](const Match& a, const Match& b) {
@@ -188,7 +188,7 @@ class LinkTracks {
   }
 
  private:
-  static constexpr double kSamePoint_m = 0.03;
+  static constexpr double kSamePoint = 0.03;
 
   struct Open {
     PatchTrack track;
@@ -212,7 +212,7 @@ Motion sequenceFrom(const json& root,
     rejectInput("field 'fps' is {}; permitted are above 0 to {}", rate, kHighestRate);
   const json& frames = memberOf(root, "frames");
   if (!frames.is_array() || frames.empty()) rejectInput("field 'frames' is no list of frames");
-  const auto intOf = [](const json& frame) {
+  const auto int_of = [](const json& frame) {
     const json& number = memberOf(frame, "frame");
     if (!number.is_number_unsigned() ||
         number.get<std::uint64_t>() >= static_cast<std::uint64_t>(manipulation::kMostFrames))
@@ -220,7 +220,7 @@ Motion sequenceFrom(const json& root,
                   manipulation::kMostFrames - 1);
     return number.get<int>();
   };
-  int count = intOf(frames.back()) + 1;
+  int count = int_of(frames.back()) + 1;
   if (root.contains("n_frames") && root["n_frames"].is_number_unsigned())
     count = std::max(count, std::min(root["n_frames"].get<int>(), manipulation::kMostFrames));
 
@@ -246,7 +246,7 @@ Motion sequenceFrom(const json& root,
   int far = 0;
   int before = -1;
   for (const json& value : frames) {
-    const int frame = intOf(value);
+    const int frame = int_of(value);
     if (frame <= before) rejectInput("frame {} does not lie behind frame {}", frame, before);
     before = frame;
     std::map<std::string, std::vector<LinkPoint>> seen;
@@ -265,7 +265,7 @@ Motion sequenceFrom(const json& root,
         rejectInput("frame {}: {}", frame, error.what());
       }
       const auto hit = object_O.nearest(p_O);
-      if (hit.distance > kSequenceReach_m) {
+      if (hit.distance > kSequenceReach) {
         ++far;
         continue;
       }
@@ -287,9 +287,8 @@ Motion sequenceFrom(const json& root,
                      return a.begin() < b.begin();
                    });
   if (far > 0)
-    motion.notes.push_back(
-        fmt::format("left out {} points farther than {:.0f} mm off the object", far,
-                    1e3 * kSequenceReach_m));
+    motion.notes.push_back(fmt::format(
+        "left out {} points farther than {:.0f} mm off the object", far, 1e3 * kSequenceReach));
   validate(mesh_O, motion);
   return motion;
 }

@@ -60,7 +60,7 @@ bool isPlan(const json& root) {
   return format != root.end() && *format == kPlanFormat;
 }
 
-Motion joinedFrom(const json& root, const MeshFile& object, const FileOf& fileOf) {
+Motion joinedFrom(const json& root, const MeshFile& object, const FileOf& file_of) {
   if (const auto fault = formats::unknownKeyIn(
           root, {"format", "name", "object", "first", "last", "path", "rate_hz",
                  "slide_begin_share", "slide_end_share", "vanish_share", "appear_share"}))
@@ -77,29 +77,29 @@ Motion joinedFrom(const json& root, const MeshFile& object, const FileOf& fileOf
   options.vanish = numberIn(root, "vanish_share").value_or(options.vanish);
   options.appear = numberIn(root, "appear_share").value_or(options.appear);
   std::vector<manipulation::ObjectKey> keys;
-  for (const TimedPose& pose : readKeyframes(fileOf(path)))
+  for (const TimedPose& pose : readKeyframes(file_of(path)))
     keys.push_back({pose.time_s, pose.X_WO});
-  const contact::ContactSet begin = readContactSet(fileOf(first), object);
-  const contact::ContactSet end = last.empty() ? begin : readContactSet(fileOf(last), object);
+  const contact::ContactSet begin = readContactSet(file_of(first), object);
+  const contact::ContactSet end = last.empty() ? begin : readContactSet(file_of(last), object);
   return manipulation::interpolateGrasps(object.mesh, begin, end, keys, options);
 }
 
-Motion plannedFrom(const json& root, const MeshFile& object, const FileOf& fileOf) {
+Motion plannedFrom(const json& root, const MeshFile& object, const FileOf& file_of) {
   const std::string recording = textIn(root, "recording");
-  if (recording.empty()) return joinedFrom(root, object, fileOf);
+  if (recording.empty()) return joinedFrom(root, object, file_of);
   if (const auto fault =
           formats::unknownKeyIn(root, {"format", "name", "object", "recording", "object_path"}))
     rejectInput("{}", *fault);
   const std::string object_path = textIn(root, "object_path");
-  return readContactSequence(fileOf(recording), object.mesh,
-                             object_path.empty() ? "" : fileOf(object_path));
+  return readContactSequence(file_of(recording), object.mesh,
+                             object_path.empty() ? "" : file_of(object_path));
 }
 
 }  // namespace
 
 Motion readMotionFrom(const std::filesystem::path& path,
                       const MeshFile& object,
-                      const FileOf& fileOf) {
+                      const FileOf& file_of) {
   if (isNpz(readFileBytes(path))) return readDemonstratedMotion(path, object.mesh);
   const json root = rootOf(path);
   if (root.value("format", json()) == kTrajectoryFormat)
@@ -114,7 +114,7 @@ Motion readMotionFrom(const std::filesystem::path& path,
   Motion motion = [&] {
     try {
       name = textIn(root, "name");
-      return plannedFrom(root, object, fileOf);
+      return plannedFrom(root, object, file_of);
     } catch (const InvalidInput& error) {
       rejectInput("{}: {}", quoted(path.string()), error.what());
     }
@@ -124,7 +124,7 @@ Motion readMotionFrom(const std::filesystem::path& path,
 }
 
 std::optional<HandTrajectoryPlan> readHandTrajectoryPlan(const std::filesystem::path& path,
-                                                         const FileOf& fileOf) {
+                                                         const FileOf& file_of) {
   if (isNpz(readFileBytes(path))) return std::nullopt;
   const json root = rootOf(path);
   if (!isPlan(root) || !root.contains("hand_trajectory")) return std::nullopt;
@@ -144,7 +144,7 @@ std::optional<HandTrajectoryPlan> readHandTrajectoryPlan(const std::filesystem::
   } catch (const InvalidInput& error) {
     rejectInput("{}: {}", quoted(path.string()), error.what());
   }
-  plan.trajectory = readHandTrajectory(fileOf(trajectory));
+  plan.trajectory = readHandTrajectory(file_of(trajectory));
   return plan;
 }
 

@@ -22,7 +22,7 @@ using FileOf = std::function<std::filesystem::path(const std::string& uri)>;
 /// the field, and what those files' readers say; for a plan of a hand's trajectory (below).
 manipulation::Motion readMotionFrom(const std::filesystem::path& path,
                                     const MeshFile& object,
-                                    const FileOf& fileOf);
+                                    const FileOf& file_of);
 
 /// A plan whose contacts are those of a hand of known joints: whoever has that hand cuts them
 /// (core/demonstration).
@@ -36,7 +36,7 @@ struct HandTrajectoryPlan {
 
 /// Nothing if the file is not such a plan. Errors: as above.
 std::optional<HandTrajectoryPlan> readHandTrajectoryPlan(const std::filesystem::path& path,
-                                                         const FileOf& fileOf);
+                                                         const FileOf& file_of);
 
 /// The object that such a file names; empty where it does not say.
 std::string objectOfMotion(const std::filesystem::path& path);

@@ -14,7 +14,7 @@ namespace handgraft::io {
 
 namespace {
 
-constexpr double kReach_m = 0.005;  // from a point to the surface laid through it
+constexpr double kReach = 0.005;  // from a point to the surface laid through it
 
 bool isNamedPly(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
@@ -122,9 +122,9 @@ contact::ContactMap onSurface(const contact::ContactMap& points,
 
 contact::ContactMap onFaces(contact::ContactMap map, const MeshFile& object) {
   if (map.mesh_O.faceCount() > 0) return map;
-  if (object.cloud_O.cols() > 0) return onSurface(map, object.mesh, kReach_m);
+  if (object.cloud_O.cols() > 0) return onSurface(map, object.mesh, kReach);
   const cloud::CloudSurface surface = cloud::surfaceOf({map.mesh_O.vertices(), {}});
-  return onSurface(map, surface.mesh_O, kReach_m);
+  return onSurface(map, surface.mesh_O, kReach);
 }
 
 }  // namespace handgraft::io

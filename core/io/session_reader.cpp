@@ -47,7 +47,7 @@ session::History::Steps stepsOf(const Field& field) {
     entry.requireOnly({"label", "change"});
     entry["label"].read(step->label);
     entry["change"].read(step->change);
-    steps.push_back(std::move(step));
+    steps.pushBack(std::move(step));
   }
   return steps;
 }
@@ -89,7 +89,7 @@ session::LogEntry entryOf(const Field& field) {
 std::vector<EmbeddedModel> heldIn(const Field& field) {
   if (field.size() > 2 * session::kMostModels + 1)
     field.reject("has {} models; permitted are {}", field.size(), 2 * session::kMostModels + 1);
-  const auto bytesOf = [](const Field& text) {
+  const auto bytes_of = [](const Field& text) {
     const std::string coded = text.text(kMostBytes);
     try {
       return bytesOfBase64(coded);
@@ -112,8 +112,8 @@ std::vector<EmbeddedModel> heldIn(const Field& field) {
     entry["content"].read(model.content);
     entry["form"].read(model.form);
     entry["base"].read(model.base);
-    model.settings = bytesOf(entry["settings"]);
-    model.bytes = bytesOf(entry["bytes"]);
+    model.settings = bytes_of(entry["settings"]);
+    model.bytes = bytes_of(entry["bytes"]);
     held.push_back(std::move(model));
   }
   return held;

@@ -55,7 +55,7 @@ FileMesh readBinary(std::string_view bytes, const std::string& file) {
 
 FileMesh readText(std::string_view bytes, const std::string& file) {
   std::size_t cursor = 0;
-  const auto nextWord = [&]() {
+  const auto next_word = [&]() {
     constexpr std::string_view kBlank = " \t\r\n\v\f";
     const std::size_t begin = bytes.find_first_not_of(kBlank, cursor);
     if (begin == std::string_view::npos) return std::string_view();
@@ -65,11 +65,11 @@ FileMesh readText(std::string_view bytes, const std::string& file) {
   FileMesh mesh;
   std::size_t facet_begin = 0;
   bool ended = false;
-  for (std::string_view word = nextWord(); !word.empty(); word = nextWord()) {
+  for (std::string_view word = next_word(); !word.empty(); word = next_word()) {
     if (word == "vertex") {
       Eigen::Vector3d p;
       for (int axis = 0; axis < 3; ++axis) {
-        const std::string_view number = nextWord();
+        const std::string_view number = next_word();
         bool is_number = false;
         p[axis] = numberFrom(number, is_number);
         if (!is_number) {

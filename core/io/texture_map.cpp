@@ -24,7 +24,7 @@ constexpr int kMostRows = 32;
 /// pixels. Each face has one at least.
 constexpr double kMostSamples = 4e6;
 /// A fingertip's patch is 5 to 15 mm across.
-constexpr double kFineEdge_m = 0.0025;
+constexpr double kFineEdge = 0.0025;
 
 /// The pixel at a texture coordinate: u to the right, v upwards from the lower edge, repeated
 /// outside [0, 1].
@@ -167,7 +167,7 @@ std::vector<PaintedFace> paintedFaces(const geometry::TriangleMesh& fine,
 double longestEdge(const geometry::TriangleMesh& mesh) {
   constexpr double kFaceShare = 0.3;  // of the square of the longest edge, as faces are cut
   constexpr double kMostFaces = 4e5;
-  return std::max(kFineEdge_m, std::sqrt(mesh.area() / (kFaceShare * kMostFaces)));
+  return std::max(kFineEdge, std::sqrt(mesh.area() / (kFaceShare * kMostFaces)));
 }
 
 }  // namespace

@@ -45,9 +45,10 @@ hand::HandPose CausalSolver::ahead(double step_s) const {
   if (!before_) return pose;
   const double share = kMomentum * step_s / (last_->time_s - before_->time_s);
   const Pose& X = last_->pose.X_WH;
-  const Pose& X_before = before_->pose.X_WH;
-  pose.X_WH.translation() += share * (X.translation() - X_before.translation());
-  const Eigen::Vector3d turn = vectorFromRotation(X.linear() * X_before.linear().transpose());
+  const Pose& pose_before = before_->pose.X_WH;
+  pose.X_WH.translation() += share * (X.translation() - pose_before.translation());
+  const Eigen::Vector3d turn =
+      vectorFromRotation(X.linear() * pose_before.linear().transpose());
   pose.X_WH.linear() = rotationFromVector(share * turn) * X.linear();
   pose.q += share * (last_->pose.q - before_->pose.q);
   return pose;
@@ -80,7 +81,7 @@ void CausalSolver::narrow(double step_s, optimize::PoseProblem& single) const {
 
 CausalSolver::Step CausalSolver::follow(double time_s, optimize::PoseProblem single) {
   HANDGRAFT_REQUIRE(last_.has_value());
-  if (waits_) last_->time_s = time_s - kReferenceStep_s;
+  if (waits_) last_->time_s = time_s - kReferenceStep;
   waits_ = false;
   const double step_s = time_s - last_->time_s;
   if (!std::isfinite(time_s) || !(step_s > 0.0)) {
@@ -90,7 +91,7 @@ CausalSolver::Step CausalSolver::follow(double time_s, optimize::PoseProblem sin
 
   // === Two quadratics a coordinate, the prior's and that of what is smooth, are one
   const hand::HandPose target = ahead(step_s);
-  const double rate = kReferenceStep_s / step_s;
+  const double rate = kReferenceStep / step_s;
   const double smoothness = options_.smoothness * rate * rate * rate * rate;
   const int dofs = single.dofCount();
   const double prior_weight = single.weights.prior;

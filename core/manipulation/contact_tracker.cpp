@@ -11,9 +11,9 @@ namespace handgraft::manipulation {
 
 namespace {
 
-constexpr double kMovedTouch_m = 0.001;
-constexpr double kShortestTouch_s = 0.04;
-constexpr double kPalmFlesh_m = 0.015;
+constexpr double kMovedTouch = 0.001;
+constexpr double kShortestTouch = 0.04;
+constexpr double kPalmFlesh = 0.015;
 
 struct Part {
   int digit = -1;       // 0 thumb to 4 little; -1: the palm
@@ -28,13 +28,13 @@ constexpr std::array<const char*, 5> kDigitNames{"thumb", "index", "middle", "ri
 constexpr std::array<const char*, 3> kSegmentNames{"proximal", "middle", "distal"};
 
 // Half a mean hand's thickness, at the middle of each segment and at the tip.
-constexpr std::array<double, 4> kThumbFlesh_m{0.013, 0.011, 0.010, 0.008};
-constexpr std::array<double, 4> kFingerFlesh_m{0.010, 0.009, 0.008, 0.007};
+constexpr std::array<double, 4> kThumbFlesh{0.013, 0.011, 0.010, 0.008};
+constexpr std::array<double, 4> kFingerFlesh{0.010, 0.009, 0.008, 0.007};
 
 std::vector<Part> makeParts() {
   std::vector<Part> parts;
   for (int digit = 0; digit < 5; ++digit) {
-    const auto& flesh_m = digit == 0 ? kThumbFlesh_m : kFingerFlesh_m;
+    const auto& flesh_m = digit == 0 ? kThumbFlesh : kFingerFlesh;
     const std::string name = kDigitNames[static_cast<std::size_t>(digit)];
     for (int segment = 0; segment < 3; ++segment) {
       const auto at = static_cast<std::size_t>(segment);
@@ -43,9 +43,9 @@ std::vector<Part> makeParts() {
     }
     parts.push_back({digit, 2, 0.9, 0.5, flesh_m[3], name + "_tip"});
   }
-  parts.push_back({-1, 0, 0.1, 0.2, kPalmFlesh_m, "palm_1"});
-  parts.push_back({-1, 0, 0.1, 0.8, kPalmFlesh_m, "palm_2"});
-  parts.push_back({-1, 0, 0.75, 0.6, kPalmFlesh_m, "palm_3"});
+  parts.push_back({-1, 0, 0.1, 0.2, kPalmFlesh, "palm_1"});
+  parts.push_back({-1, 0, 0.1, 0.8, kPalmFlesh, "palm_2"});
+  parts.push_back({-1, 0, 0.75, 0.6, kPalmFlesh, "palm_3"});
   return parts;
 }
 
@@ -128,7 +128,7 @@ std::vector<DetectedContact> ContactTracker::see(const DemonstratedFrame& told) 
   for (std::size_t i = 0; i < touches_.size(); ++i) {
     const Part& part = touchParts()[i];
     const auto hit = locator_.nearest(frame.middleOf(part));
-    const double reach = part.flesh_m + (touches_[i] != 0 ? kEnd_m : kBegin_m);
+    const double reach = part.flesh_m + (touches_[i] != 0 ? kEnd : kBegin);
     touches_[i] = hit.distance <= reach ? 1 : 0;
     if (touches_[i] == 0) continue;
     touches.push_back({static_cast<int>(i),
@@ -153,7 +153,7 @@ Motion motionOfDemonstration(const std::vector<DemonstratedFrame>& frames,
     track.end = end;
     const double lasted_s = motion.time_s[static_cast<std::size_t>(end - 1)] -
                             motion.time_s[static_cast<std::size_t>(track.begin())];
-    if (lasted_s < kShortestTouch_s && track.begin() > 0 &&
+    if (lasted_s < kShortestTouch && track.begin() > 0 &&
         end < static_cast<int>(frames.size())) {
       ++fleeting;
     } else {
@@ -172,7 +172,7 @@ Motion motionOfDemonstration(const std::vector<DemonstratedFrame>& frames,
       const auto part = static_cast<std::size_t>(touch.part);
       touches[part] = 1;
       const Eigen::Vector3d p_O = positionOf(object_O, touch.point_O);
-      if (open[part] && (p_O - last_O[part]).norm() < kMovedTouch_m) continue;
+      if (open[part] && (p_O - last_O[part]).norm() < kMovedTouch) continue;
       if (!open[part]) open[part].emplace().name = names[part];
       PatchKey key;
       key.frame = static_cast<int>(k);
@@ -205,7 +205,7 @@ Motion motionOfDemonstration(const std::vector<DemonstratedFrame>& frames,
                    });
   if (fleeting > 0)
     motion.notes.push_back(fmt::format("left out {} touches that last less than {:.0f} ms",
-                                       fleeting, 1e3 * kShortestTouch_s));
+                                       fleeting, 1e3 * kShortestTouch));
   validate(object_O, motion);
   return motion;
 }

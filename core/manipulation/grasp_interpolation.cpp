@@ -106,14 +106,14 @@ Motion interpolateGrasps(const geometry::TriangleMesh& object_O,
     motion.time_s.push_back(path.front().time_s + k / options.rate);
     motion.X_WO.push_back(poseAt(path, motion.time_s.back()));
   }
-  const auto frameAt = [frames](double share) {
+  const auto frame_at = [frames](double share) {
     return std::clamp(static_cast<int>(std::lround(share * (frames - 1))), 1,
                       std::max(1, frames - 1));
   };
   for (const Patch& patch : first.patches) {
     const Patch* other = patchNamed(last, patch.name);
     if (other == nullptr) {
-      motion.tracks.push_back(still(patch, 0, std::min(frames, frameAt(options.vanish))));
+      motion.tracks.push_back(still(patch, 0, std::min(frames, frame_at(options.vanish))));
       continue;
     }
     const PatchPath way(object_O, patch, *other);
@@ -134,7 +134,7 @@ Motion interpolateGrasps(const geometry::TriangleMesh& object_O,
   }
   for (const Patch& patch : last.patches)
     if (patchNamed(first, patch.name) == nullptr && frames > 1)
-      motion.tracks.push_back(still(patch, frameAt(options.appear), frames));
+      motion.tracks.push_back(still(patch, frame_at(options.appear), frames));
   std::stable_sort(motion.tracks.begin(), motion.tracks.end(),
                    [](const PatchTrack& a, const PatchTrack& b) {
                      return a.begin() < b.begin();

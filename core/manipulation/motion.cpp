@@ -133,7 +133,7 @@ std::vector<std::string> remarksOn(const Motion& motion) {
   for (std::size_t k = 1; k < motion.X_WO.size(); ++k) {
     const Pose step = motion.X_WO[k] * inverse(motion.X_WO[k - 1]);
     const double way = (motion.X_WO[k].translation() - motion.X_WO[k - 1].translation()).norm();
-    if (way <= kJump_m && vectorFromRotation(step.linear()).norm() <= kJump_rad) continue;
+    if (way <= kJumpWay && vectorFromRotation(step.linear()).norm() <= kJumpTurn) continue;
     if (jumps == 0) first_jump = static_cast<int>(k);
     ++jumps;
   }

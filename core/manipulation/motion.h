@@ -77,10 +77,10 @@ inline constexpr std::size_t kMostMotionPoints = 20'000'000;
 void validate(const geometry::TriangleMesh& object_O, const Motion& motion);
 
 /// What a user should know of it though nothing is wrong: an object that jumps from one frame
-/// to the next (more than kJump_m or kJump_rad), gaps in time, frames without any contact.
+/// to the next (more than kJumpWay or kJumpTurn), gaps in time, frames without any contact.
 std::vector<std::string> remarksOn(const Motion& motion);
 
-inline constexpr double kJump_m = 0.1;
-inline constexpr double kJump_rad = 0.5;
+inline constexpr double kJumpWay = 0.1;
+inline constexpr double kJumpTurn = 0.5;
 
 }  // namespace handgraft::manipulation

@@ -28,14 +28,14 @@ struct Difference {
 Difference differenceAt(const std::vector<double>& time_s, std::size_t middle) {
   const double first = time_s[middle] - time_s[middle - 1];
   const double second = time_s[middle + 1] - time_s[middle];
-  const double scale = 2.0 * kReferenceStep_s * kReferenceStep_s / (first + second);
+  const double scale = 2.0 * kReferenceStep * kReferenceStep / (first + second);
   return {scale / first, scale / second};
 }
 
 /// Of |first difference|^2, beside that of second differences: what nothing holds comes to rest
 /// in about this time, as minima of |x''|^2 + |x'|^2 / tau^2 do.
 constexpr double settlingShare() {
-  constexpr double kFrames = kSettling_s / kReferenceStep_s;
+  constexpr double kFrames = kSettling / kReferenceStep;
   return 1.0 / (kFrames * kFrames);
 }
 
@@ -74,7 +74,7 @@ MotionObjective::MotionObjective(const MotionProblem& problem,
   hand::HandPose rest;
   rest.q = problem.prior;
   // The same contacts as in the frame before: the same moments.
-  const auto isSame = [&](int frame) {
+  const auto is_same = [&](int frame) {
     if (problem.own.count(frame) + problem.own.count(frame - 1) != 0) return false;
     const auto& now = frames.presentAt(frame);
     const auto& before = frames.presentAt(frame - 1);
@@ -89,11 +89,11 @@ MotionObjective::MotionObjective(const MotionProblem& problem,
   };
   for (std::size_t k = 0; k < trees_.size(); ++k) {
     const auto frame = static_cast<int>(first + k);
-    trees_[k] = k > 0 && isSame(frame) ? trees_[k - 1]
-                                       : std::make_shared<const optimize::MomentTree>(
-                                             makeMomentTree(frames.at(frame, rest)));
+    trees_[k] = k > 0 && is_same(frame) ? trees_[k - 1]
+                                        : std::make_shared<const optimize::MomentTree>(
+                                              makeMomentTree(frames.at(frame, rest)));
   }
-  const auto bareAt = [&](std::size_t k) {
+  const auto bare_at = [&](std::size_t k) {
     optimize::PoseProblem bare = frames.at(static_cast<int>(first + k), rest);
     bare.pairs.clear();
     return std::make_shared<const optimize::PoseProblem>(std::move(bare));
@@ -101,9 +101,9 @@ MotionObjective::MotionObjective(const MotionProblem& problem,
   std::shared_ptr<const optimize::PoseProblem> plain;
   for (std::size_t k = 0; k < count; ++k) {
     if (problem.own.count(static_cast<int>(first + k)) != 0) {
-      bare_[k] = bareAt(k);
+      bare_[k] = bare_at(k);
     } else {
-      if (!plain) plain = bareAt(k);
+      if (!plain) plain = bare_at(k);
       bare_[k] = plain;
     }
   }
@@ -182,7 +182,7 @@ double MotionObjective::joining(const Poses& poses) const {
   double sum = 0.0;
   for (std::size_t k = 1; k < poses.size(); ++k) {
     const double step = time_s[k] - time_s[k - 1];
-    const double rate = kReferenceStep_s / step;
+    const double rate = kReferenceStep / step;
     const hand::HandPose& a = poses[k - 1];
     const hand::HandPose& b = poses[k];
     sum += rate * rate * settling *
@@ -192,10 +192,10 @@ double MotionObjective::joining(const Poses& poses) const {
     for (Eigen::Index i = 0; i < poses[k].q.size(); ++i) {
       const double limit = kLimitShare * problem_.velocity_limit[i];
       const double excess = beyond((poses[k].q[i] - poses[k - 1].q[i]) / step, limit);
-      sum += limit_weight * excess * excess * kReferenceStep_s * kReferenceStep_s;
+      sum += limit_weight * excess * excess * kReferenceStep * kReferenceStep;
     }
   }
-  const double square = kReferenceStep_s * kReferenceStep_s;
+  const double square = kReferenceStep * kReferenceStep;
   for (std::size_t k = 1; k + 1 < poses.size(); ++k) {
     const Difference d = differenceAt(time_s, k);
     const hand::HandPose& a = poses[k - 1];
@@ -219,8 +219,8 @@ void MotionObjective::addJoining(const Poses& poses, BandSystem& system) const {
   const double limit_weight = limit_share_ * kLimitWeight;
   const double settling = settlingShare();
   // Residual r = sum of share * x over frames; weight r^2.
-  const auto addLinear = [&system](std::size_t first, Eigen::Index dof, const double* shares,
-                                   int count, double residual, double weight) {
+  const auto add_linear = [&system](std::size_t first, Eigen::Index dof, const double* shares,
+                                    int count, double residual, double weight) {
     for (int i = 0; i < count; ++i) {
       const std::size_t a = first + static_cast<std::size_t>(i);
       system.right[a][dof] -= 2.0 * weight * shares[i] * residual;
@@ -232,13 +232,13 @@ void MotionObjective::addJoining(const Poses& poses, BandSystem& system) const {
     }
   };
   for (std::size_t k = 1; k < poses.size(); ++k) {
-    const double rate = kReferenceStep_s / (time_s[k] - time_s[k - 1]);
+    const double rate = kReferenceStep / (time_s[k] - time_s[k - 1]);
     const double shares[2] = {-rate, rate};
     const hand::HandPose& a = poses[k - 1];
     const hand::HandPose& b = poses[k];
     for (int i = 0; i < 3; ++i) {
       const double way = rate * (b.X_WH.translation()[i] - a.X_WH.translation()[i]);
-      addLinear(k - 1, 3 + i, shares, 2, way, settling * smoothness_[3 + i]);
+      add_linear(k - 1, 3 + i, shares, 2, way, settling * smoothness_[3 + i]);
     }
     const Vector3d turn = rate * turnBetween(a, b);
     const Matrix3d J = rate * leftJacobianInverse(turnBetween(a, b));
@@ -251,12 +251,12 @@ void MotionObjective::addJoining(const Poses& poses, BandSystem& system) const {
     for (Eigen::Index i = 0; i < poses[k].q.size(); ++i) {
       const double way = rate * (poses[k].q[i] - poses[k - 1].q[i]);
       const double excess =
-          beyond(way, kLimitShare * problem_.velocity_limit[i] * kReferenceStep_s);
-      addLinear(k - 1, 6 + i, shares, 2, way, settling * smoothness_[6 + i]);
-      if (excess != 0.0) addLinear(k - 1, 6 + i, shares, 2, excess, limit_weight);
+          beyond(way, kLimitShare * problem_.velocity_limit[i] * kReferenceStep);
+      add_linear(k - 1, 6 + i, shares, 2, way, settling * smoothness_[6 + i]);
+      if (excess != 0.0) add_linear(k - 1, 6 + i, shares, 2, excess, limit_weight);
     }
   }
-  const double square = kReferenceStep_s * kReferenceStep_s;
+  const double square = kReferenceStep * kReferenceStep;
   for (std::size_t k = 1; k + 1 < poses.size(); ++k) {
     const Difference d = differenceAt(time_s, k);
     const double shares[3] = {d.before, -d.before - d.behind, d.behind};
@@ -267,23 +267,23 @@ void MotionObjective::addJoining(const Poses& poses, BandSystem& system) const {
       const double bend = shares[0] * a.X_WH.translation()[i] +
                           shares[1] * b.X_WH.translation()[i] +
                           shares[2] * c.X_WH.translation()[i];
-      addLinear(k - 1, 3 + i, shares, 3, bend, smoothness_[3 + i]);
+      add_linear(k - 1, 3 + i, shares, 3, bend, smoothness_[3 + i]);
     }
     for (Eigen::Index i = 0; i < b.q.size(); ++i) {
       const double bend = shares[0] * a.q[i] + shares[1] * b.q[i] + shares[2] * c.q[i];
-      addLinear(k - 1, 6 + i, shares, 3, bend, smoothness_[6 + i]);
+      add_linear(k - 1, 6 + i, shares, 3, bend, smoothness_[6 + i]);
       const double excess = beyond(bend, kLimitShare * problem_.acceleration_limit[i] * square);
-      if (excess != 0.0) addLinear(k - 1, 6 + i, shares, 3, excess, limit_weight);
+      if (excess != 0.0) add_linear(k - 1, 6 + i, shares, 3, excess, limit_weight);
     }
     // log(R_b R_a^T) follows turns w_a, w_b by J^-1 w_b - J^-T w_a, J its left Jacobian.
     const Vector3d first = turnBetween(a, b);
     const Vector3d second = turnBetween(b, c);
-    const Matrix3d J_first = leftJacobianInverse(first);
-    const Matrix3d J_second = leftJacobianInverse(second);
+    const Matrix3d first_jacobian = leftJacobianInverse(first);
+    const Matrix3d second_jacobian = leftJacobianInverse(second);
     const Vector3d turn = d.behind * second - d.before * first;
-    const Matrix3d by[3] = {d.before * J_first.transpose(),
-                            -d.behind * J_second.transpose() - d.before * J_first,
-                            d.behind * J_second};
+    const Matrix3d by[3] = {d.before * first_jacobian.transpose(),
+                            -d.behind * second_jacobian.transpose() - d.before * first_jacobian,
+                            d.behind * second_jacobian};
     const double two_w = 2.0 * smoothness_[0];
     for (std::size_t i = 0; i < 3; ++i) {
       const std::size_t frame = k - 1 + i;

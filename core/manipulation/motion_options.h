@@ -32,9 +32,9 @@ inline constexpr double kCausalSmoothness = 1e4;
 inline constexpr double kTurnScale = 4.0;      ///< 1/rad^2: as if at 10 cm
 inline constexpr double kShiftScale = 400.0;   ///< 1/m^2
 inline constexpr double kSliderScale = 400.0;  ///< 1/m^2, joints that slide
-inline constexpr double kReferenceStep_s = 1.0 / 120.0;
+inline constexpr double kReferenceStep = 1.0 / 120.0;
 /// In which a hand that nothing holds comes to rest over the object, offline.
-inline constexpr double kSettling_s = 0.25;
+inline constexpr double kSettling = 0.25;
 
 /// Errors: InvalidInput names the value and its range.
 void validate(const MotionOptions& options);

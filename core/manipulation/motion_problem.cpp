@@ -86,17 +86,17 @@ void validate(const MotionProblem& problem) {
                   problem.time_s[k], problem.time_s[k - 1]);
     }
   }
-  const auto requireJoints = [&](const char* name, const Eigen::VectorXd& values) {
+  const auto require_joints = [&](const char* name, const Eigen::VectorXd& values) {
     if (values.size() != problem.model->dofCount())
       rejectInput("{} has {} entries; the hand has {} joints", name, values.size(),
                   problem.model->dofCount());
     if (values.array().isNaN().any()) rejectInput("{} is not a number", name);
   };
-  requireJoints("prior", problem.prior);
-  requireJoints("lower limit", problem.lower);
-  requireJoints("upper limit", problem.upper);
-  requireJoints("velocity limit", problem.velocity_limit);
-  requireJoints("acceleration limit", problem.acceleration_limit);
+  require_joints("prior", problem.prior);
+  require_joints("lower limit", problem.lower);
+  require_joints("upper limit", problem.upper);
+  require_joints("velocity limit", problem.velocity_limit);
+  require_joints("acceleration limit", problem.acceleration_limit);
   for (int i = 0; i < problem.model->dofCount(); ++i) {
     if (problem.lower[i] > problem.upper[i])
       rejectInput("joint '{}': lower limit {} lies above its upper one {}",
@@ -109,8 +109,8 @@ void validate(const MotionProblem& problem) {
   for (const auto& [frame, own] : problem.own) {
     HANDGRAFT_REQUIRE(frame >= 0 && frame < problem.frameCount());
     HANDGRAFT_REQUIRE(own.soft_weights.size() == own.soft_values.size());
-    requireJoints("lower limit at a frame", problem.lowerAt(frame));
-    requireJoints("upper limit at a frame", problem.upperAt(frame));
+    require_joints("lower limit at a frame", problem.lowerAt(frame));
+    require_joints("upper limit at a frame", problem.upperAt(frame));
     for (int i = 0; i < problem.model->dofCount(); ++i)
       if (problem.lowerAt(frame)[i] > problem.upperAt(frame)[i])
         rejectInput("joint '{}', frame {}: lower limit {} lies above its upper one {}",
@@ -147,23 +147,23 @@ double presenceAt(const MotionProblem& problem,
                   const Fade& fade) {
   const bool there = frame >= track.begin() && frame < track.end;
   if (!(fade.seconds > 0.0)) return there ? 1.0 : 0.0;
-  const auto timeOf = [&](int k) {
+  const auto time_of = [&](int k) {
     return problem.time_s[static_cast<std::size_t>(k)];
   };
   // A change lies half way between two frames.
-  const auto changeBefore = [&](int k) {
-    return 0.5 * (timeOf(k - 1) + timeOf(k));
+  const auto change_before = [&](int k) {
+    return 0.5 * (time_of(k - 1) + time_of(k));
   };
-  const double now = timeOf(frame);
+  const double now = time_of(frame);
   const double lead = fade.looks_ahead ? 0.5 * fade.seconds : 0.0;
   double presence = 1.0;
   if (track.begin() > 0) {
     presence = std::min(presence,
-                        smoothStep((now - changeBefore(track.begin()) + lead) / fade.seconds));
+                        smoothStep((now - change_before(track.begin()) + lead) / fade.seconds));
   }
   if (track.end < problem.frameCount()) {
     presence = std::min(
-        presence, smoothStep(1.0 - (now - changeBefore(track.end) + lead) / fade.seconds));
+        presence, smoothStep(1.0 - (now - change_before(track.end) + lead) / fade.seconds));
   }
   return presence;
 }

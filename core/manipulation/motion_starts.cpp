@@ -13,7 +13,7 @@ namespace handgraft::manipulation {
 
 namespace {
 
-constexpr double kChangesApart_s = 0.25;
+constexpr double kChangesApart = 0.25;
 constexpr std::size_t kMostAnchors = 64;
 constexpr std::size_t kMostCandidates = 5;
 // Evaluations of a search that goes on from a neighbour's minimum.
@@ -68,7 +68,7 @@ void keepBest(const MotionProblem& problem, std::vector<Candidate>& candidates) 
 }
 
 std::vector<int> anchorFrames(const MotionProblem& problem, const FrameProblems& frames) {
-  double apart = kChangesApart_s;
+  double apart = kChangesApart;
   std::vector<int> changes = contactChanges(problem, apart);
   while (changes.size() > kMostAnchors) {
     apart *= 1.5;
@@ -98,7 +98,7 @@ std::vector<hand::HandPose> joinedMinima(const MotionProblem& problem,
   if (anchors.empty()) return poses;
 
   // === Candidates: the best of each frame, and what follows from the neighbours'
-  const auto searchFrom = [&](const Anchor& anchor, const hand::HandPose& start) {
+  const auto search_from = [&](const Anchor& anchor, const hand::HandPose& start) {
     optimize::SolveOptions solving;
     solving.starts = 1;
     solving.max_evaluations = kFollowing;
@@ -118,7 +118,7 @@ std::vector<hand::HandPose> joinedMinima(const MotionProblem& problem,
   const auto spread = [&](std::size_t from, std::size_t to) {
     std::vector<Candidate> all = anchors[to].candidates;
     for (const Candidate& one : anchors[from].candidates)
-      all.push_back(searchFrom(anchors[to], one.pose));
+      all.push_back(search_from(anchors[to], one.pose));
     keepBest(problem, all);
     anchors[to].candidates = std::move(all);
   };
@@ -274,8 +274,8 @@ std::vector<hand::HandPose> followedMinima(const MotionProblem& problem,
                                            const MotionOptions& options,
                                            const Progress& progress,
                                            const std::vector<FramePose>& known) {
-  constexpr double kStride_s = 16.0 * kReferenceStep_s;
-  constexpr double kClosely_s = 2.0 * kReferenceStep_s;  // what lies between is solved next
+  constexpr double kStride = 16.0 * kReferenceStep;
+  constexpr double kClosely = 2.0 * kReferenceStep;  // what lies between is solved next
   constexpr int kFewestStarts = 16;
   const FrameProblems frames(problem, options.fade);
   MotionOptions following = options;
@@ -305,12 +305,12 @@ std::vector<hand::HandPose> followedMinima(const MotionProblem& problem,
   double least = std::numeric_limits<double>::infinity();
   for (const FramePose& setting : settings) {
     const double sum = follow(problem, frames, following, setting,
-                              strideOf(problem.time_s, kStride_s), least, progress, poses);
+                              strideOf(problem.time_s, kStride), least, progress, poses);
     if (sum >= least) continue;
     least = sum;
     best = &setting;
   }
-  follow(problem, frames, following, *best, strideOf(problem.time_s, kClosely_s),
+  follow(problem, frames, following, *best, strideOf(problem.time_s, kClosely),
          std::numeric_limits<double>::infinity(), progress, poses);
   return poses;
 }

@@ -223,14 +223,14 @@ class BandSearch {
     border[k][i] = way;
     if (way != 0.0) {
       system_.right[k] -= way * system_.own[k].col(i);
-      const auto toOther = [&](std::size_t other, double entry) {
+      const auto to_other = [&](std::size_t other, double entry) {
         if (border[other][i] == kFree) system_.right[other][i] -= way * entry;
       };
       const std::size_t frames = poses_.size();
-      if (k + 1 < frames) toOther(k + 1, system_.next[k].others[i - 3]);
-      if (k + 2 < frames) toOther(k + 2, system_.after_next[k].others[i - 3]);
-      if (k >= 1) toOther(k - 1, system_.next[k - 1].others[i - 3]);
-      if (k >= 2) toOther(k - 2, system_.after_next[k - 2].others[i - 3]);
+      if (k + 1 < frames) to_other(k + 1, system_.next[k].others[i - 3]);
+      if (k + 2 < frames) to_other(k + 2, system_.after_next[k].others[i - 3]);
+      if (k >= 1) to_other(k - 1, system_.next[k - 1].others[i - 3]);
+      if (k >= 2) to_other(k - 2, system_.after_next[k - 2].others[i - 3]);
       // Those held in this frame before go their own way.
       for (Eigen::Index j = 6; j < border[k].size(); ++j)
         if (j != i && border[k][j] != kFree) system_.right[k][j] = border[k][j];

@@ -17,7 +17,7 @@ using geometry::SurfacePoint;
 
 constexpr int kWayPlaces = 65;
 constexpr double kReachShare = 1.2;  // of a patch's own reach: how far its log map goes
-constexpr double kLeastReach_m = 1e-3;
+constexpr double kLeastReach = 1e-3;
 
 Eigen::Vector3d directionOf(const Patch& patch) {
   if (!patch.direction_O)
@@ -27,7 +27,7 @@ Eigen::Vector3d directionOf(const Patch& patch) {
 
 double reachOf(const geometry::TriangleMesh& mesh, const Patch& patch) {
   const Eigen::Vector3d root = positionOf(mesh, patch.root);
-  double reach = kLeastReach_m;
+  double reach = kLeastReach;
   for (const SurfacePoint& point : patch.interpolation_boundary)
     reach = std::max(reach, (positionOf(mesh, point) - root).norm());
   return reach;
@@ -60,7 +60,7 @@ void layOutline(const geometry::TriangleMesh& mesh,
                 Patch& patch) {
   const double reach = outline_T.cols() == 0 ? 0.0 : outline_T.colwise().norm().maxCoeff();
   const geometry::LogMap map = geometry::computeLogMap(
-      mesh, patch.root, *patch.direction_O, std::max(kLeastReach_m, kReachShare * reach),
+      mesh, patch.root, *patch.direction_O, std::max(kLeastReach, kReachShare * reach),
       geometry::LogMapMethod::kAuto);
   const geometry::LogMapInverse inverse_map(mesh, map);
   const Eigen::Vector3d n = normalOf(mesh, patch.root);
@@ -186,7 +186,7 @@ Patch slid(const geometry::TriangleMesh& mesh,
   own.direction_O = direction;
   const Eigen::Matrix2Xd outline_T = outlineOf(mesh, own);
   const geometry::LogMap map = geometry::computeLogMap(
-      mesh, own.root, *direction, std::max(kLeastReach_m, kReachShare * shift_T.norm()),
+      mesh, own.root, *direction, std::max(kLeastReach, kReachShare * shift_T.norm()),
       geometry::LogMapMethod::kAuto);
   const geometry::LogMapInverse inverse_map(mesh, map);
   const auto place = inverse_map.at(shift_T);

@@ -28,7 +28,7 @@ ThinnedMotion thinned(const Motion& motion, int stride) {
     thin.motion.X_WO.push_back(motion.X_WO[static_cast<std::size_t>(k)]);
   }
   // The first frame that is kept and not before `k`.
-  const auto keptFrom = [&](int k) {
+  const auto kept_from = [&](int k) {
     return static_cast<int>(std::lower_bound(thin.frames.begin(), thin.frames.end(), k) -
                             thin.frames.begin());
   };
@@ -36,10 +36,10 @@ ThinnedMotion thinned(const Motion& motion, int stride) {
     PatchTrack track;
     track.name = whole.name;
     track.dropped = whole.dropped;
-    track.end = keptFrom(whole.end);
+    track.end = kept_from(whole.end);
     std::vector<int> keys;
     for (std::size_t i = 0; i < whole.keys.size(); ++i) {
-      const int frame = keptFrom(whole.keys[i].frame);
+      const int frame = kept_from(whole.keys[i].frame);
       if (frame >= track.end) break;
       if (!track.keys.empty() && track.keys.back().frame == frame) {
         track.keys.pop_back();

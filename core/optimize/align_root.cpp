@@ -45,7 +45,7 @@ Pose alignRoot(const PoseProblem& problem,
   HANDGRAFT_REQUIRE(q.size() == problem.model->dofCount());
   std::vector<BodyPlace> places(static_cast<std::size_t>(tree.bodyCount()));
   placeBodies(tree, Eigen::Matrix3d::Identity(), q, places);
-  const auto centroidOf = [&places](const BodyMoments& moments) -> Eigen::Vector3d {
+  const auto centroid_of = [&places](const BodyMoments& moments) -> Eigen::Vector3d {
     const BodyPlace& place = places[static_cast<std::size_t>(moments.body)];
     return place.p_HB_W + place.R_WB * moments.p_B;
   };
@@ -56,7 +56,7 @@ Pose alignRoot(const PoseProblem& problem,
   Eigen::Vector3d center_W = Eigen::Vector3d::Zero();
   for (const BodyMoments& moments : tree.moments) {
     weight += moments.weight;
-    center_H += moments.weight * centroidOf(moments);
+    center_H += moments.weight * centroid_of(moments);
     center_W += moments.weight * moments.x_W;
   }
   Pose X_WH = problem.start.X_WH;
@@ -70,7 +70,7 @@ Pose alignRoot(const PoseProblem& problem,
     Eigen::Matrix3d B = Eigen::Matrix3d::Zero();
     for (const BodyMoments& moments : tree.moments) {
       const Eigen::Matrix3d& R_HB = places[static_cast<std::size_t>(moments.body)].R_WB;
-      const Eigen::Vector3d arm_H = centroidOf(moments) - center_H;
+      const Eigen::Vector3d arm_H = centroid_of(moments) - center_H;
       B += moments.weight * (moments.x_W - center_W) * arm_H.transpose();
       B += (moments.cross - normal_weight * moments.normal) * R_HB.transpose();
     }

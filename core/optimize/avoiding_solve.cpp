@@ -65,7 +65,7 @@ const std::vector<Stage> kStages = {
 constexpr int kPriorsStart = 2;  // starts.h
 
 // Deeper in one another than this, fingers have run through each other.
-constexpr double kCrossed_m = 1.5e-3;
+constexpr double kCrossed = 1.5e-3;
 
 // The best of a whole search goes to its end, and a lone start as far as it is told to. Few
 // starts follow an edit, and the answer must be there before the next one is.
@@ -119,7 +119,7 @@ class CrossedFingers {
     hand::HandPose straight = pose;
     bool is_crossed = false;
     for (const PenetratingSample& touch : term_.touches()) {
-      if (touch.other < 0 || touch.depth < kCrossed_m) continue;
+      if (touch.other < 0 || touch.depth < kCrossed) continue;
       is_crossed = true;
       for (int a = touch.body, b = touch.other; a != b;)
         straighten(a > b ? a : b, straight.q);
@@ -186,16 +186,16 @@ SolveReport solveAvoiding(const PoseProblem& problem,
   // By solver, as they rank what they found.
   for (const Solver solver : singleSolvers()) {
     std::vector<CandidatePose> candidates;
-    const auto setOut = [&](const hand::HandPose& pose, int start) {
+    const auto set_out = [&](const hand::HandPose& pose, int start) {
       candidates.push_back({{}, start});
       candidates.back().result.pose = pose;
     };
     for (const Minimum& minimum : found)
-      if (minimum.solver == nameOf(solver)) setOut(minimum.pose, minimum.start);
+      if (minimum.solver == nameOf(solver)) set_out(minimum.pose, minimum.start);
     if (options.solver == solver) {
-      setOut(problem.start, 0);
+      set_out(problem.start, 0);
       // As the hand would stand without touching: on the right side of things, mostly.
-      if (!is_step) setOut(startPose(problem, *prepared.tree, kPriorsStart, options.seed), 2);
+      if (!is_step) set_out(startPose(problem, *prepared.tree, kPriorsStart, options.seed), 2);
     }
     if (candidates.empty()) continue;
 

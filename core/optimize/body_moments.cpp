@@ -24,9 +24,9 @@ Matrix3d cosineInertia(const BodyMoments& moments, const Matrix3d& R) {
     const Eigen::Vector3d r = R.col(j);
     turns.block<3, 3>(3 * j, 0) << 0.0, r.z(), -r.y(), -r.z(), 0.0, r.x(), r.y(), -r.x(), 0.0;
   }
-  Eigen::Matrix<double, 9, 3> K_turns;
-  K_turns.noalias() = moments.normal_normal.lazyProduct(turns);
-  return turns.transpose().lazyProduct(K_turns);
+  Eigen::Matrix<double, 9, 3> turn_stiffness;
+  turn_stiffness.noalias() = moments.normal_normal.lazyProduct(turns);
+  return turns.transpose().lazyProduct(turn_stiffness);
 }
 
 }  // namespace

@@ -153,16 +153,16 @@ double reachedAlone(const PoseProblem& problem,
   });
   Relaxer search(alone);
   const DistanceMeter meter(alone, report);
-  const auto meanFrom = [&](const hand::HandPose& pose, int evaluations) {
+  const auto mean_from = [&](const hand::HandPose& pose, int evaluations) {
     return meter.at(search.searchFrom(pose, evaluations, 0.0).first).patches[index];
   };
   const bool is_reached = report.patches[index].mean_mm <= reached_mm;
-  const double near = meanFrom(report.pose, is_reached ? kGlance : kLongSearch);
+  const double near = mean_from(report.pose, is_reached ? kGlance : kLongSearch);
   if (near <= reached_mm) return near;
   // The root is free: another start, where the closed form wants it, may do better.
   hand::HandPose aligned = report.pose;
   aligned.X_WH = alignRoot(alone, search.tree(), aligned.q);
-  return std::min(near, meanFrom(aligned, kLongSearch));
+  return std::min(near, mean_from(aligned, kLongSearch));
 }
 
 /// What one open limit brings: its sensitivity over all points, and the change of each patch.

@@ -20,10 +20,10 @@ constexpr double kJoint = 1e-2;     // 1/rad^2, or 1/m^2 of sliding joints times
 constexpr double kRootShift = 1e3;  // 1/m^2
 constexpr double kRootTurn = 10.0;  // 1/rad^2
 
-constexpr double kReached_m = 1e-4;
-constexpr double kReached_rad = 1e-3;
-constexpr double kTurnArm_m = 0.05;  // a turn by 1 rad weighs as a miss by as much
-constexpr double kFarthest_m = 10.0;
+constexpr double kReachedPoint = 1e-4;
+constexpr double kReachedTurn = 1e-3;
+constexpr double kTurnArm = 0.05;  // a turn by 1 rad weighs as a miss by as much
+constexpr double kFarthest = 10.0;
 constexpr int kEvaluations = 100;  // a solve
 
 /// Which degrees of freedom belong to the finger of a link.
@@ -106,15 +106,15 @@ PointPair pairAt(int link,
 /// The points of other fingers' patches, where the start has them.
 void addHolds(const PoseProblem& source, const Finger& finger, PoseProblem& problem) {
   const hand::LinkPoses X_WL = forwardKinematics(*source.model, source.start);
-  const auto isHeld = [&](const PointPair& pair) {
+  const auto is_held = [&](const PointPair& pair) {
     return pair.weight > 0.0 && finger.links[static_cast<std::size_t>(pair.link)] == 0;
   };
   std::map<int, int> counts;
   for (const PointPair& pair : source.pairs) {
-    if (isHeld(pair)) ++counts[pair.patch];
+    if (is_held(pair)) ++counts[pair.patch];
   }
   for (const PointPair& pair : source.pairs) {
-    if (!isHeld(pair)) continue;
+    if (!is_held(pair)) continue;
     problem.pairs.push_back(pairAt(pair.link, pair.p_L,
                                    X_WL[static_cast<std::size_t>(pair.link)] * pair.p_L,
                                    kHold / counts[pair.patch]));
@@ -167,7 +167,7 @@ void measure(const PoseProblem& problem, const DragTarget& target, DragResult& r
 }
 
 bool reached(const DragResult& result) {
-  return result.short_m <= kReached_m && result.short_rad <= kReached_rad;
+  return result.short_m <= kReachedPoint && result.short_rad <= kReachedTurn;
 }
 
 /// The whole hand, the root no farther than the options allow.
@@ -203,7 +203,7 @@ std::vector<PointPair> pairsOf(const DragTarget& target, double weight) {
   // Opposite points about the place: their mean is the place, their spread the rotation.
   std::vector<PointPair> pairs;
   for (int axis = 0; axis < 3; ++axis) {
-    for (const double arm : {-kTurnArm_m, kTurnArm_m}) {
+    for (const double arm : {-kTurnArm, kTurnArm}) {
       const Eigen::Vector3d offset = arm * Eigen::Vector3d::Unit(axis);
       pairs.push_back(pairAt(target.link, target.p_L + offset,
                              target.target_W + *target.R_WL * offset, weight / 6.0));
@@ -223,8 +223,8 @@ DragResult drag(const PoseProblem& problem,
     rejectInput("drag: its point and its target must be finite");
   }
   const double distance = std::max(target.p_L.norm(), target.target_W.norm());
-  if (distance > kFarthest_m) {
-    rejectInput("drag: {:.6g} m from the origin; permitted are {} m", distance, kFarthest_m);
+  if (distance > kFarthest) {
+    rejectInput("drag: {:.6g} m from the origin; permitted are {} m", distance, kFarthest);
   }
   DragResult result;
   PoseProblem still = stillProblem(problem);
@@ -255,8 +255,8 @@ DragResult drag(const PoseProblem& problem,
       movedAsAWhole(still, !finger.carries_fingers, options, progress, whole.evaluations);
   whole.root_moved = true;
   measure(problem, target, whole);
-  if (finger.carries_fingers || whole.short_m + kTurnArm_m * whole.short_rad <
-                                    result.short_m + kTurnArm_m * result.short_rad)
+  if (finger.carries_fingers ||
+      whole.short_m + kTurnArm * whole.short_rad < result.short_m + kTurnArm * result.short_rad)
     return whole;
   result.evaluations = whole.evaluations;
   return result;

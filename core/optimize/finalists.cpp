@@ -14,20 +14,20 @@ std::vector<int> Finalists::choose(const std::vector<LocalResult>& results,
                                    int most) {
   std::vector<int> order(static_cast<std::size_t>(explored));
   std::iota(order.begin(), order.end(), 0);
-  const auto resultOf = [&results](int start) -> const LocalResult& {
+  const auto result_of = [&results](int start) -> const LocalResult& {
     return results[static_cast<std::size_t>(start)];
   };
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-    return resultOf(a).terms.objective < resultOf(b).terms.objective;
+    return result_of(a).terms.objective < result_of(b).terms.objective;
   });
   std::vector<int> now;
   for (const int start : order) {
     if (static_cast<int>(chosen_.size()) >= most) break;
-    const auto isItself = [start](const Finalist& other) {
+    const auto is_itself = [start](const Finalist& other) {
       return other.start == start;
     };
-    if (std::any_of(chosen_.begin(), chosen_.end(), isItself)) continue;
-    const hand::HandPose& pose = resultOf(start).pose;
+    if (std::any_of(chosen_.begin(), chosen_.end(), is_itself)) continue;
+    const hand::HandPose& pose = result_of(start).pose;
     const auto known = std::find_if(chosen_.begin(), chosen_.end(), [&](const Finalist& other) {
       return liesClose(model_, pose, other.explored);
     });
@@ -59,16 +59,16 @@ std::vector<hand::HandPose> Finalists::best(const std::vector<LocalResult>& resu
 bool Finalists::agree(const std::vector<LocalResult>& results) const {
   constexpr double kSame = 1e-3;  // share of the objective, as minima.h has it
   constexpr int kEnough = 3;
-  const auto objectiveOf = [&results](const Finalist& finalist) {
+  const auto objective_of = [&results](const Finalist& finalist) {
     return results[static_cast<std::size_t>(finalist.start)].terms.objective;
   };
   double best = std::numeric_limits<double>::infinity();
   for (const Finalist& finalist : chosen_)
-    best = std::min(best, objectiveOf(finalist));
+    best = std::min(best, objective_of(finalist));
   int agreeing = 0;
   int alike = 0;
   for (const Finalist& finalist : chosen_) {
-    if (objectiveOf(finalist) > (1.0 + kSame) * best) continue;
+    if (objective_of(finalist) > (1.0 + kSame) * best) continue;
     ++agreeing;
     alike += finalist.alike;
   }

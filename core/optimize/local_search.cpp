@@ -138,10 +138,10 @@ void LocalSearch::advanceByNewton(int evaluations, LocalResult& result) {
 Stop LocalSearch::runOnce(Solver solver, int evaluations, LocalResult& result) {
   // === The chart about the best pose
   // Locks hold coordinates of the rotation vector itself: then it has to be the variable.
-  Eigen::Matrix3d R_base = result.pose.X_WH.linear();
-  if (space_.rotation_partly_locked) R_base.setIdentity();
+  Eigen::Matrix3d base_R_W = result.pose.X_WH.linear();
+  if (space_.rotation_partly_locked) base_R_W.setIdentity();
   Eigen::VectorXd theta(problem_.dofCount());
-  theta << vectorFromRotation(result.pose.X_WH.linear() * R_base.transpose()),
+  theta << vectorFromRotation(result.pose.X_WH.linear() * base_R_W.transpose()),
       result.pose.X_WH.translation(), result.pose.q;
   const Eigen::VectorXd center = theta(space_.dofs);
   const SearchChart chart = makeSearchChart(
@@ -166,7 +166,7 @@ Stop LocalSearch::runOnce(Solver solver, int evaluations, LocalResult& result) {
     free_theta = free_theta.cwiseMax(space_.lower).cwiseMin(space_.upper);
     theta(space_.dofs) = free_theta;
     const Eigen::Vector3d w = theta.head<3>();
-    pose.X_WH.linear() = rotationFromVector(w) * R_base;
+    pose.X_WH.linear() = rotationFromVector(w) * base_R_W;
     pose.X_WH.translation() = theta.segment<3>(3);
     pose.q = theta.tail(pose.q.size());
     const Terms terms = objective_.evaluate(pose, gradient_);

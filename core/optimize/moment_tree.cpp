@@ -114,13 +114,13 @@ MomentTree makeMomentTree(const PoseProblem& problem) {
 
   // === Moments: centroids first, then the rest about them
   std::vector<BodyMoments> by_body(static_cast<std::size_t>(tree.bodyCount()));
-  const auto momentsOf = [&](const PointPair& pair) -> BodyMoments& {
+  const auto moments_of = [&](const PointPair& pair) -> BodyMoments& {
     const int body = places[static_cast<std::size_t>(pair.link)].body;
     return by_body[static_cast<std::size_t>(body)];
   };
   for (const PointPair& pair : problem.pairs) {
     if (!(pair.weight > 0.0)) continue;
-    BodyMoments& m = momentsOf(pair);
+    BodyMoments& m = moments_of(pair);
     m.weight += pair.weight;
     m.p_B += pair.weight * (places[static_cast<std::size_t>(pair.link)].X_BL * pair.p_L);
     m.x_W += pair.weight * pair.p_W;
@@ -134,7 +134,7 @@ MomentTree makeMomentTree(const PoseProblem& problem) {
   }
   for (const PointPair& pair : problem.pairs) {
     if (!(pair.weight > 0.0)) continue;
-    addAboutCentroids(pair, places[static_cast<std::size_t>(pair.link)].X_BL, momentsOf(pair));
+    addAboutCentroids(pair, places[static_cast<std::size_t>(pair.link)].X_BL, moments_of(pair));
   }
   for (BodyMoments& m : by_body) {
     if (m.weight > 0.0) tree.moments.push_back(m);

@@ -67,15 +67,15 @@ void NearSamples::visit(const Query& query,
                         const Gather& gather,
                         const Visit& visit) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const auto motionSince = [&](const Pose& before) {
+  const auto motion_since = [&](const Pose& before) {
     return motionOf(before, X_BA, query.centre_A, query.radius);
   };
-  double moved = reach_ < 0.0 ? kInfinity : motionSince(reference_);
+  double moved = reach_ < 0.0 ? kInfinity : motion_since(reference_);
   const Eigen::Matrix3d R_BA = X_BA.linear();
   const Eigen::Vector3d p_BA = X_BA.translation();
   const geometry::DistanceGrid& grid_B = query.grid_B;
   if (!(moved <= reach_)) {
-    reach_ = is_known_ && motionSince(last_) > kReach ? 0.0 : kReach;
+    reach_ = is_known_ && motion_since(last_) > kReach ? 0.0 : kReach;
     reference_ = X_BA;
     moved = 0.0;
     near_.clear();

@@ -88,18 +88,18 @@ void Objective::addSelfCurvature(const PenetratingSample& touch, QuadraticModel&
   // matrix.
   const double scale = 4.0 * avoidance_->weight() * touch.weight;
   const Vector6d wrench = wrenchOf(touch);
-  const auto parentOf = [this](int body) {
+  const auto parent_of = [this](int body) {
     return tree_->joints[static_cast<std::size_t>(body - 1)].parent_body;
   };
   // Parents have lower numbers than their children: the higher one is never above the other.
   int meeting = touch.body;
   for (int other = touch.other; meeting != other;)
-    (meeting > other ? meeting : other) = parentOf(std::max(meeting, other));
+    (meeting > other ? meeting : other) = parent_of(std::max(meeting, other));
 
   // Each joint's slope once: there are hundreds of touches where fingers meet.
   for (const int tip : {touch.body, touch.other}) {
     chain_.clear();
-    for (int a = tip; a != meeting; a = parentOf(a)) {
+    for (int a = tip; a != meeting; a = parent_of(a)) {
       const auto row = static_cast<std::size_t>(a);
       const TreeJoint& joint = tree_->joints[row - 1];
       chain_.emplace_back(6 + joint.dof, twistOf(joint, bodies_[row]).dot(wrench));

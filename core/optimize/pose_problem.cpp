@@ -38,7 +38,7 @@ void validatePair(const PoseProblem& problem, std::size_t index) {
   if (!pair.p_L.allFinite() || !pair.p_W.allFinite()) {
     rejectInput("pair {}: its points must be finite", index);
   }
-  const auto requireUnit = [index](const Eigen::Vector3d& n, const char* side) {
+  const auto require_unit = [index](const Eigen::Vector3d& n, const char* side) {
     const double norm = n.norm();
     // Written so that a NaN fails, too.
     if (!(std::abs(norm - 1.0) <= kUnitTolerance)) {
@@ -46,8 +46,8 @@ void validatePair(const PoseProblem& problem, std::size_t index) {
                   side, norm, kUnitTolerance);
     }
   };
-  requireUnit(pair.n_L, "hand");
-  requireUnit(pair.n_W, "object");
+  require_unit(pair.n_L, "hand");
+  require_unit(pair.n_W, "object");
 }
 
 void validatePose(const hand::HandPose& pose, Eigen::Index joints, const char* name) {

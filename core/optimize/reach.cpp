@@ -81,8 +81,8 @@ SpanMisfit spanOf(const PoseProblem& problem, int a, int b, double allowance_m) 
     const Centres of_b = centresOf(two.pairs, b, X_WL);
     const SpanMisfit found{a, b, (of_a.object_W - of_b.object_W).norm(),
                            (of_a.hand_W - of_b.hand_W).norm()};
-    if (index == 0 || std::abs(found.lack_m()) < std::abs(best.lack_m())) best = found;
-    if (std::abs(best.lack_m()) <= allowance_m) break;
+    if (index == 0 || std::abs(found.lack()) < std::abs(best.lack())) best = found;
+    if (std::abs(best.lack()) <= allowance_m) break;
   }
   return best;
 }
@@ -99,11 +99,11 @@ std::vector<SpanMisfit> findSpanMisfits(const PoseProblem& problem, double allow
   for (auto a = patches.begin(); a != patches.end(); ++a) {
     for (auto b = std::next(a); b != patches.end(); ++b) {
       const SpanMisfit found = spanOf(problem, a->first, b->first, allowance_m);
-      if (std::abs(found.lack_m()) > allowance_m) misfits.push_back(found);
+      if (std::abs(found.lack()) > allowance_m) misfits.push_back(found);
     }
   }
   std::stable_sort(misfits.begin(), misfits.end(), [](const auto& x, const auto& y) {
-    return std::abs(x.lack_m()) > std::abs(y.lack_m());
+    return std::abs(x.lack()) > std::abs(y.lack());
   });
   return misfits;
 }

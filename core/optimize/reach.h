@@ -14,7 +14,7 @@ struct SpanMisfit {
   double hand_m = 0.0;    ///< the nearest that the hand's places come to it, within the limits
 
   /// By so much the hand is too small, if positive; too large, if negative.
-  [[nodiscard]] double lack_m() const { return object_m - hand_m; }
+  [[nodiscard]] double lack() const { return object_m - hand_m; }
 };
 
 /// For each pair of patches: can the hand hold their two places as far apart as they lie on the

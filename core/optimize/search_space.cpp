@@ -35,7 +35,7 @@ SearchSpace makeSearchSpace(const PoseProblem& problem, const MomentTree& tree) 
   upper.segment<3>(3) = problem.root_upper;
   lower.tail(dofs - 6) = problem.lower;
   upper.tail(dofs - 6) = problem.upper;
-  const auto isFree = [&](int dof) {
+  const auto is_free = [&](int dof) {
     const bool locked =
         !problem.locked.empty() && problem.locked[static_cast<std::size_t>(dof)];
     return !locked && lower[dof] < upper[dof];
@@ -45,7 +45,7 @@ SearchSpace makeSearchSpace(const PoseProblem& problem, const MomentTree& tree) 
   std::vector<int> order;
   std::vector<char> listed(static_cast<std::size_t>(dofs), 0);
   const auto list = [&](int dof) {
-    if (listed[static_cast<std::size_t>(dof)] != 0 || !isFree(dof)) return;
+    if (listed[static_cast<std::size_t>(dof)] != 0 || !is_free(dof)) return;
     listed[static_cast<std::size_t>(dof)] = 1;
     order.push_back(dof);
   };

@@ -9,7 +9,7 @@ namespace handgraft::placement {
 
 namespace {
 
-constexpr double kSamePlace_m = 0.001;
+constexpr double kSamePlace = 0.001;
 constexpr double kSameTurn = 5.0 * std::numbers::pi / 180.0;
 
 // Of a contact on the hand from the finger's bone.
@@ -28,7 +28,7 @@ std::optional<transfer::PatchPlacement> slidPlace(const SkinFaces& faces,
   bool any = false;
   const auto root_S = rootShownBy(faces, X_SW, permitted, contact.p_W, contact.n_W);
   if (root_S && (positionOf(skin_S, *root_S) - positionOf(skin_S, placement.root_S)).norm() >=
-                    kSamePlace_m) {
+                    kSamePlace) {
     slid = movedTo(skin_S, placement, *root_S);
     any = true;
   }

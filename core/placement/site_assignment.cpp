@@ -114,7 +114,7 @@ std::vector<int> assignSites(const HandPoseGuesser& placer,
 
   // === Rank by a rigid hand, which knows nothing of a thumb that is opposed, then by a solve
   std::vector<std::pair<double, std::size_t>> ranking;
-  const auto rankBy = [&](std::size_t most, const auto& score) {
+  const auto rank_by = [&](std::size_t most, const auto& score) {
     for (auto& [value, i] : ranking) {
       progress.checkpoint();
       value = score(anchorsOf(all[i], fixed, patches_O, sites_L)) +
@@ -127,12 +127,12 @@ std::vector<int> assignSites(const HandPoseGuesser& placer,
     if (anchorsOf(all[i], fixed, patches_O, sites_L).empty()) return answer;
     ranking.emplace_back(0.0, i);
   }
-  rankBy(kLookedAt, [&](const std::vector<Anchor>& anchors) {
+  rank_by(kLookedAt, [&](const std::vector<Anchor>& anchors) {
     return rigidResidual(model, anchors, X_WO);
   });
   for (const auto& [most, starts] :
        {std::pair(kShortList, 1), std::pair(std::size_t{1}, kStartsEach)}) {
-    rankBy(most, [&](const std::vector<Anchor>& anchors) {
+    rank_by(most, [&](const std::vector<Anchor>& anchors) {
       return placer.place(anchors, X_WO, starts, progress).front().score;
     });
   }

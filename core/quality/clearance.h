@@ -67,6 +67,6 @@ double missingClearance(const geometry::SurfaceLocator& object_O,
 
 /// So much of missing clearance is told: what meshes of the usual fineness may be off by. A
 /// body misses what it enters at the least, so that it errs on the side of silence.
-inline constexpr double kToldMissing_m = 0.0002;  // m
+inline constexpr double kToldMissing = 0.0002;  // m
 
 }  // namespace handgraft::quality

@@ -104,15 +104,15 @@ std::vector<FrameRange> joined(std::vector<FrameRange> ranges) {
 /// The frames of an edit and those that smoothness couples to them.
 FrameRange stretchOf(const session::TimedEdit& edit, const std::vector<double>& time_s) {
   const std::map<int, double> influences = session::influencesOf(edit, time_s);
-  const auto timeAt = [&](int frame) {
+  const auto time_at = [&](int frame) {
     return time_s[static_cast<std::size_t>(frame)];
   };
   FrameRange range{influences.begin()->first, influences.rbegin()->first + 1};
-  const double from = timeAt(range.first) - EditedMotion::kMargin_s;
-  const double to = timeAt(range.end - 1) + EditedMotion::kMargin_s;
-  while (range.first > 0 && timeAt(range.first - 1) >= from)
+  const double from = time_at(range.first) - EditedMotion::kMargin;
+  const double to = time_at(range.end - 1) + EditedMotion::kMargin;
+  while (range.first > 0 && time_at(range.first - 1) >= from)
     --range.first;
-  while (range.end < static_cast<int>(time_s.size()) && timeAt(range.end) <= to)
+  while (range.end < static_cast<int>(time_s.size()) && time_at(range.end) <= to)
     ++range.end;
   return range;
 }

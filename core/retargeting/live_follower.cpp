@@ -13,10 +13,10 @@ namespace handgraft::retargeting {
 
 namespace {
 
-constexpr double kLivePause_s = 0.25;
+constexpr double kLivePause = 0.25;
 constexpr int kTouchesToBegin = 3;
 constexpr int kLiveStarts = 16;
-constexpr double kAngleStep_rad = std::numbers::pi / 36.0;  // of places kept for later frames
+constexpr double kAngleStep = std::numbers::pi / 36.0;  // of places kept for later frames
 
 }  // namespace
 
@@ -39,11 +39,11 @@ LiveFollower::LiveFollower(const session::Document& document,
 
 std::optional<hand::LinkPoint> LiveFollower::spotOf(
     const manipulation::DetectedContact& touch) {
-  const int angle = static_cast<int>(std::lround(touch.place.around_rad / kAngleStep_rad));
+  const int angle = static_cast<int>(std::lround(touch.place.around_rad / kAngleStep));
   const auto known = spots_.find({touch.part, angle});
   if (known != spots_.end()) return known->second;
   hand::HandLocation place = touch.place;
-  place.around_rad = angle * kAngleStep_rad;
+  place.around_rad = angle * kAngleStep;
   std::optional<hand::LinkPoint> spot;
   if (const auto found = coordinates_.spotAt(place)) spot = hand_.skin->project(found->root_S);
   spots_[{touch.part, angle}] = spot;
@@ -86,12 +86,12 @@ std::optional<LiveFollower::Answer> LiveFollower::follow(
   if (!std::isfinite(frame.time_s))
     rejectInput("a frame's time {} s is not finite", frame.time_s);
   const double step_s = last_s_ ? frame.time_s - *last_s_ : 0.0;
-  if (last_s_ && step_s <= 0.0 && step_s > -kLivePause_s) {
+  if (last_s_ && step_s <= 0.0 && step_s > -kLivePause) {
     rejectInput("a frame at {} s does not lie behind the one before it, {} s", frame.time_s,
                 *last_s_);
   }
   const std::vector<manipulation::DetectedContact> touches = tracker_.see(frame);
-  const bool paused = last_s_ && (step_s > kLivePause_s || step_s <= 0.0);
+  const bool paused = last_s_ && (step_s > kLivePause || step_s <= 0.0);
   last_s_ = frame.time_s;
 
   // === Parts come and go

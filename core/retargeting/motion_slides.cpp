@@ -21,7 +21,7 @@ using manipulation::ThinnedMotion;
 
 constexpr int kSlides = 10;
 constexpr int kFewer = 4;
-constexpr double kEvery_s = 0.05;
+constexpr double kEvery = 0.05;
 
 /// Eq. 2 of all frames. A point that is lost no longer counts: as if it were kLost_m off.
 double costOf(const MotionProblem& problem,
@@ -33,7 +33,7 @@ double costOf(const MotionProblem& problem,
     cost += trajectory.objective[k];
     for (const optimize::PointPair& pair :
          frames.at(static_cast<int>(k), trajectory.poses[k]).pairs)
-      cost -= problem.weights.distance * pair.weight * placement::kLost_m * placement::kLost_m;
+      cost -= problem.weights.distance * pair.weight * placement::kLost * placement::kLost;
   }
   return cost;
 }
@@ -140,7 +140,7 @@ SlidPatches slidePatches(const MotionScene& scene,
                          const Progress& progress,
                          manipulation::Motion& motion) {
   ThinnedMotion thin =
-      manipulation::thinned(motion, manipulation::strideOf(motion.time_s, kEvery_s));
+      manipulation::thinned(motion, manipulation::strideOf(motion.time_s, kEvery));
   Sliding sliding(scene, thin, progress);
   sliding.begin(known);
   sliding.slide(kSlides);

@@ -25,7 +25,7 @@ using manipulation::PatchTrack;
 contact::Patch diskAbout(const geometry::TriangleMesh& object_O,
                          const geometry::SurfaceLocator& locator,
                          const contact::Patch& point) {
-  constexpr double kRadius_m = 0.005;
+  constexpr double kRadius = 0.005;
   constexpr int kPoints = 12;
   contact::Patch disk = point;
   const Eigen::Vector3d p_O = positionOf(object_O, point.root);
@@ -35,10 +35,9 @@ contact::Patch diskAbout(const geometry::TriangleMesh& object_O,
   disk.interpolation_boundary.clear();
   for (int i = 0; i < kPoints; ++i) {
     const double angle = 2.0 * std::numbers::pi * i / kPoints;
-    disk.interpolation_boundary.push_back(locator
-                                              .nearest(p_O + kRadius_m * std::cos(angle) * x_O +
-                                                       kRadius_m * std::sin(angle) * y_O)
-                                              .point);
+    disk.interpolation_boundary.push_back(
+        locator.nearest(p_O + kRadius * std::cos(angle) * x_O + kRadius * std::sin(angle) * y_O)
+            .point);
   }
   return disk;
 }

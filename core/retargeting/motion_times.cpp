@@ -29,7 +29,7 @@ using Pairs = std::vector<optimize::PointPair>;
 
 constexpr int kShares = 12;  // steps in which a patch goes to an edited root
 // Farther on the hand it fades out and in: halfway between two fingers there is none.
-constexpr double kFarOnHand_m = 0.025;
+constexpr double kFarOnHand = 0.025;
 
 /// Pairs of what is held at a place, as firm as it is among what one frame has.
 void holdAt(const optimize::DragTarget& target,
@@ -272,7 +272,7 @@ std::map<int, EditsAtTimes::Move> EditsAtTimes::movesOf(std::size_t patch,
           sideOf(edit) == session::Side::kObject ? move.shifts.on_object : move.shifts.on_hand;
       double share = std::round(kShares * influence) / kShares;
       if (root != nullptr && root->side == session::Side::kHand &&
-          (to.way_T - shift.way_T).norm() > kFarOnHand_m) {
+          (to.way_T - shift.way_T).norm() > kFarOnHand) {
         move.fade *= std::abs(2.0 * influence - 1.0);
         share = influence >= 0.5 ? 1.0 : 0.0;
       }
@@ -292,7 +292,7 @@ void EditsAtTimes::moveTrack(int index, std::size_t patch, const MotionLayer& la
   const double factor = shareOf(this->patch(patch), ownWeight(patch));
   PairTrack& laid = problem_.tracks[static_cast<std::size_t>(index)];
   const std::vector<PairSpan> before = std::move(laid.spans);
-  const auto pairsBefore = [&](int frame) -> const Pairs& {
+  const auto pairs_before = [&](int frame) -> const Pairs& {
     const auto span = std::find_if(before.rbegin(), before.rend(), [&](const PairSpan& one) {
       return one.begin <= frame;
     });
@@ -307,7 +307,7 @@ void EditsAtTimes::moveTrack(int index, std::size_t patch, const MotionLayer& la
     const Shifts& shift = move.shifts;
     if (move.fade < 1.0) problem_.own[frame].fades[index] = move.fade;
     if (shift.isNone()) {
-      spans[frame] = pairsBefore(frame);
+      spans[frame] = pairs_before(frame);
     } else {
       const PatchKey& key = track.keyAt(frame);
       auto found = known.find({&key, shift});
@@ -322,7 +322,7 @@ void EditsAtTimes::moveTrack(int index, std::size_t patch, const MotionLayer& la
       spans[frame] = found->second;
     }
     if (moves.count(frame + 1) == 0 && frame + 1 < laid.end && spans.count(frame + 1) == 0)
-      spans[frame + 1] = pairsBefore(frame + 1);
+      spans[frame + 1] = pairs_before(frame + 1);
   }
   laid.spans.clear();
   for (auto& [begin, pairs] : spans)

@@ -273,11 +273,11 @@ void Editing::apply(const DragEdit& edit) {
     edited.document.held.push_back(
         {edit.link, edit.p_L, edit.target_W, edit.target_R_WL, edit.weight});
   }
-  constexpr double kTold_m = 1e-4;
-  constexpr double kTold_rad = 1e-3;
-  if (result.short_m > kTold_m)
+  constexpr double kToldShort = 1e-4;
+  constexpr double kToldTurn = 1e-3;
+  if (result.short_m > kToldShort)
     edited.message = fmt::format("{:.1f} mm short of its target", result.short_m * 1e3);
-  if (result.short_rad > kTold_rad) {
+  if (result.short_rad > kToldTurn) {
     edited.message +=
         fmt::format("{}{:.1f} deg short of its rotation", edited.message.empty() ? "" : ", ",
                     result.short_rad * 57.29577951308232);

@@ -98,24 +98,24 @@ void comparePatches(const Document& a, const Document& b, Table& table) {
     table.number(what + " weight", of_a.weight, of_b->weight, "");
     table.flag(what + " placed", of_a.placement.has_value(), of_b->placement.has_value());
     table.text(what + " site", of_a.site, of_b->site);
-    const auto placeOf = [](const geometry::SurfacePoint& point) {
+    const auto place_of = [](const geometry::SurfacePoint& point) {
       return fmt::format("face {} ({:.3g}, {:.3g}, {:.3g})", point.face, point.barycentric[0],
                          point.barycentric[1], point.barycentric[2]);
     };
-    table.text(what + " root on the object", placeOf(of_a.root_O), placeOf(of_b->root_O));
+    table.text(what + " root on the object", place_of(of_a.root_O), place_of(of_b->root_O));
     if (of_a.placement && of_b->placement) {
-      table.text(what + " root on the hand", placeOf(of_a.placement->root_S),
-                 placeOf(of_b->placement->root_S));
+      table.text(what + " root on the hand", place_of(of_a.placement->root_S),
+                 place_of(of_b->placement->root_S));
       const double cosine = of_a.placement->direction_S.dot(of_b->placement->direction_S);
       const bool same_root =
-          placeOf(of_a.placement->root_S) == placeOf(of_b->placement->root_S);
+          place_of(of_a.placement->root_S) == place_of(of_b->placement->root_S);
       if (same_root && of_a.placement->direction_S != of_b->placement->direction_S) {
         table.number(what + " turn on the hand", 0.0,
                      std::acos(std::clamp(cosine, -1.0, 1.0)) * kDegrees, "deg");
       }
     }
     const bool turned = of_a.direction_O && of_b->direction_O &&
-                        placeOf(of_a.root_O) == placeOf(of_b->root_O) &&
+                        place_of(of_a.root_O) == place_of(of_b->root_O) &&
                         *of_a.direction_O != *of_b->direction_O;
     if (turned) {
       const double cosine = of_a.direction_O->dot(*of_b->direction_O);
@@ -159,7 +159,7 @@ void compareJoints(const Document& a,
 }
 
 void compareHeld(const Document& a, const Document& b, Table& table) {
-  const auto placeOf = [](const Document& document, const std::string& link) -> std::string {
+  const auto place_of = [](const Document& document, const std::string& link) -> std::string {
     for (const PinnedPoint& place : document.held) {
       if (place.link != link) continue;
       return fmt::format("at {:.4g} {:.4g} {:.4g}{}, weight {:.4g}", place.target_W.x(),
@@ -169,9 +169,9 @@ void compareHeld(const Document& a, const Document& b, Table& table) {
     return kMissing;
   };
   for (const std::string& link : heldLinks(a))
-    table.text("held " + link, placeOf(a, link), placeOf(b, link));
+    table.text("held " + link, place_of(a, link), place_of(b, link));
   for (const std::string& link : heldLinks(b))
-    if (placeOf(a, link) == kMissing) table.text("held " + link, kMissing, placeOf(b, link));
+    if (place_of(a, link) == kMissing) table.text("held " + link, kMissing, place_of(b, link));
 }
 
 std::string solverOf(const SolverSettings& solving) {

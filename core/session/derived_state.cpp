@@ -25,7 +25,7 @@ using optimize::PointPair;
 using optimize::PoseProblem;
 
 constexpr int kPlacingStarts = 12;
-constexpr double kSameRoot_m = 0.001;
+constexpr double kSameRoot = 0.001;
 constexpr double kSameDirection = std::numbers::pi / 180.0;
 
 transfer::Surfaces surfacesOf(const Models& models) {
@@ -275,7 +275,7 @@ bool DerivedState::takeRootsByLength() {
     if (!spot) continue;
     const double way =
         (positionOf(skin_S, spot->root_S) - positionOf(skin_S, item.placement->root_S)).norm();
-    if (way < kSameRoot_m) continue;
+    if (way < kSameRoot) continue;
     item.placement = {spot->root_S, spot->direction_S};
     item.up_to_date = false;
     moved = true;

@@ -20,7 +20,7 @@ constexpr int kWorseReaches = 2;  // slides in a row, while reaching for what is
 
 // A hand that ends inside the object begins again so far from it, its fingers so far on the
 // way to rest.
-constexpr double kBacks_m[] = {0.0, 0.03, 0.06, 0.1};
+constexpr double kBacks[] = {0.0, 0.03, 0.06, 0.1};
 constexpr double kOpenings[] = {0.0, 0.5, 1.0};
 
 Eigen::Vector3d centreOf(const std::vector<optimize::PointPair>& pairs) {
@@ -49,7 +49,7 @@ void DerivedState::approachAnew(const hand::HandPose& first,
       posed.model->restPose().cwiseMax(posed.lower).cwiseMin(posed.upper);
   const Eigen::Vector3d away_W = (from.X_WH.translation() - centreOf(posed.pairs)).normalized();
   std::vector<hand::HandPose> beginnings{first};
-  for (const double back_m : kBacks_m) {
+  for (const double back_m : kBacks) {
     for (const double opening : kOpenings) {
       hand::HandPose& beginning = beginnings.emplace_back(from);
       beginning.X_WH.translation() += back_m * away_W;

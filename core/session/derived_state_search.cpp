@@ -36,13 +36,12 @@ constexpr int kStartsAnew[] = {8, 32};
 constexpr int kAgainFewer = 4;  // starts, of a search that goes where one has been
 
 // Of a patch of which the segment alone is known: so far round it from the pad.
-constexpr double kAside_rad = 1.0;
+constexpr double kAside = 1.0;
 // Of one whose direction nobody knows: so far from where the first search began with it.
-constexpr double kTurns_rad[] = {0.5 * std::numbers::pi, -0.5 * std::numbers::pi,
-                                 std::numbers::pi};
+constexpr double kTurns[] = {0.5 * std::numbers::pi, -0.5 * std::numbers::pi, std::numbers::pi};
 
 // An answer of another beginning must not be deeper inside than this, unless the first one is.
-constexpr double kDeep_m = 0.0015;
+constexpr double kDeep = 0.0015;
 
 // Drafts are laid in full once they are chosen: until then, steps that promise less than this
 // share of the objective are not worth their while.
@@ -50,7 +49,7 @@ constexpr double kDraftPromise = 1e-4;
 
 // Square root of the charged sum of squared depths. A hand that only presses on comes to less;
 // a finger through a wall, or a hand on its wrong side, to 2.4 mm and more.
-constexpr double kInside_m = 0.002;
+constexpr double kInside = 0.002;
 
 // Of each stage of a step on the way that is not the last one (optimize/avoiding_solve.h).
 constexpr int kStepEvaluations = 8;
@@ -62,8 +61,7 @@ bool searchesWidely(const SolveOptions& options) {
 
 /// A point that is lost no longer counts: that alone makes nothing better.
 double costOf(const PoseProblem& posed, const SolveReport& solved) {
-  return solved.terms.objective - placement::kLost_m * placement::kLost_m *
-                                      posed.weights.distance *
+  return solved.terms.objective - placement::kLost * placement::kLost * posed.weights.distance *
                                       static_cast<double>(posed.pairs.size());
 }
 
@@ -76,7 +74,7 @@ SolveOptions stepOf(SolveOptions options) {
 }
 
 bool isInside(const SolveReport& solved) {
-  return solved.terms.penetration > kInside_m * kInside_m;
+  return solved.terms.penetration > kInside * kInside;
 }
 
 std::ptrdiff_t failedPatches(const PoseProblem& posed, const SolveReport& solved) {
@@ -152,14 +150,14 @@ Solution DerivedState::solve(const SolverSettings& solving,
     options.on_improvement = nullptr;
     Worth worth = worthOf(report, solving);
     // Where the slides end depends on where they began.
-    const auto beginAgain = [&](const auto& takeRoots, int starts) {
+    const auto begin_again = [&](const auto& take_roots, int starts) {
       if (worth.first == 0 || !searchesWidely(options)) return;
       Search best(*this);
       const std::vector<int> missed = optimize::missedPatches(problem(solving), report);
       patches_ = as_it_was.patches;
       start_ = as_it_was.start;
       start_is_known_ = as_it_was.start_is_known;
-      if (!takeRoots(missed)) return;
+      if (!take_roots(missed)) return;
       transfer(progress);
       SolveOptions again = options;
       again.starts = starts;
@@ -167,44 +165,44 @@ Solution DerivedState::solve(const SolverSettings& solving,
       std::vector<Minimum> others = searchAbout(other, solving, again, progress);
       // A finger on the wrong side of a sheet costs the objective little.
       const double depth = solving.avoids() ? depthOf(other, patches_, progress) : 0.0;
-      if (depth > kDeep_m && depth > depthOf(report, best.patches, progress)) return;
+      if (depth > kDeep && depth > depthOf(report, best.patches, progress)) return;
       if (!takeBetter(worthOf(other, solving), other, worth, report)) return;
       found = std::move(others);
       best.keep();
     };
-    const auto beginElsewhere = [&](int starts) {
-      beginAgain(
+    const auto begin_elsewhere = [&](int starts) {
+      begin_again(
           [&](const std::vector<int>&) {
             return takeRootsByLength();
           },
           starts);
-      for (const double around_rad : {kAside_rad, -kAside_rad}) {
-        beginAgain(
+      for (const double around_rad : {kAside, -kAside}) {
+        begin_again(
             [&](const std::vector<int>& missed) {
               return takeRootsAround(missed, around_rad);
             },
             starts);
       }
-      for (const double turn_rad : kTurns_rad) {
-        beginAgain(
+      for (const double turn_rad : kTurns) {
+        begin_again(
             [&](const std::vector<int>& missed) {
               return turnDirections(missed, turn_rad);
             },
             starts);
       }
     };
-    beginElsewhere(std::max(optimize::kFewStarts + 1, options.starts / kAgainFewer));
+    begin_elsewhere(std::max(optimize::kFewStarts + 1, options.starts / kAgainFewer));
     // Among many starts those that touch through walls crowd out others: fewer find what more
     // have lost.
     for (const int starts : kStartsAnew) {
       if (worth.first < std::ssize(report.patches)) break;
       if (starts >= options.starts) continue;
-      beginAgain(
+      begin_again(
           [](const std::vector<int>&) {
             return true;
           },
           starts);
-      beginElsewhere(starts);
+      begin_elsewhere(starts);
     }
     if (searchesWidely(options) && isInside(report))
       approachAnew(as_it_was.start, report, solving, options, progress);

@@ -20,8 +20,8 @@ HistoryStep stepTo(const Document& from, const Document& to, std::string label) 
 void rebase(History::Steps& steps, const Document& before, const Document& after) {
   if (steps.empty()) return;
   const auto next = steps.back();
-  steps.pop_back();
-  steps.push_back(stepTo(after, applyTo(before, next->change), next->label));
+  steps.popBack();
+  steps.pushBack(stepTo(after, applyTo(before, next->change), next->label));
 }
 
 std::vector<std::string> labelsOf(const History::Steps& steps, std::size_t most) {
@@ -52,15 +52,15 @@ void validateName(const std::string& name) {
 }  // namespace
 
 void History::edit(Document document, std::string label) {
-  undo_.push_back(stepTo(document, present_, std::move(label)));
-  if (undo_.size() > kMostSteps) undo_.pop_front();
+  undo_.pushBack(stepTo(document, present_, std::move(label)));
+  if (undo_.size() > kMostSteps) undo_.popFront();
   redo_.clear();
   present_ = std::move(document);
 }
 
 void History::commit(Document document) {
   if (undo_.empty()) {
-    undo_.push_back(stepTo(document, present_, kSolveLabel));
+    undo_.pushBack(stepTo(document, present_, kSolveLabel));
   } else {
     rebase(undo_, present_, document);
   }
@@ -71,8 +71,8 @@ void History::commit(Document document) {
 void History::step(Steps& from, Steps& to) {
   const auto next = from.back();
   Document document = applyTo(present_, next->change);
-  from.pop_back();
-  to.push_back(stepTo(document, present_, next->label));
+  from.popBack();
+  to.pushBack(stepTo(document, present_, next->label));
   present_ = std::move(document);
 }
 

@@ -135,10 +135,10 @@ void matchPatches(const Models& models, Document& document, const Progress& prog
   matchByPlace(models, *coordinates, places, document, progress);
   matchByName(*models.hand, {}, document);
   matchByGeometry(models, document, progress);
-  const auto isPlaced = [](const DocumentPatch& patch) {
+  const auto is_placed = [](const DocumentPatch& patch) {
     return patch.placement.has_value();
   };
-  if (std::none_of(document.patches.begin(), document.patches.end(), isPlaced)) {
+  if (std::none_of(document.patches.begin(), document.patches.end(), is_placed)) {
     std::vector<std::string> names;
     for (const DocumentPatch& patch : document.patches)
       names.push_back(patch.name);

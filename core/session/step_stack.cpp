@@ -12,7 +12,7 @@ StepStack::value_type StepStack::at(std::size_t place) const {
   return step;
 }
 
-void StepStack::push_back(const HistoryStep& step) {
+void StepStack::pushBack(const HistoryStep& step) {
   FieldWriter bytes;
   bytes.add(step.label);
   bytes.add(step.change);

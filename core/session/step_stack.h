@@ -21,16 +21,20 @@ struct HistoryStep {
 /// share the bytes.
 class StepStack {
  public:
-  using value_type = std::shared_ptr<const HistoryStep>;
+  using value_type = std::shared_ptr<
+      const HistoryStep>;  // NOLINT(readability-identifier-naming): the library's
 
   /// Makes a step of its bytes at every look.
   class Iterator {
    public:
+    // NOLINTBEGIN(readability-identifier-naming): the library's names
     using iterator_category = std::bidirectional_iterator_tag;
     using value_type = StepStack::value_type;
     using difference_type = std::ptrdiff_t;
     using pointer = const value_type*;
-    using reference = value_type;  // NOLINT(readability-identifier-naming): the library's
+    using reference = value_type;
+
+    // NOLINTEND(readability-identifier-naming)
 
     Iterator(const StepStack& stack, std::size_t place) : stack_(&stack), place_(place) {}
 
@@ -69,13 +73,13 @@ class StepStack {
 
   [[nodiscard]] value_type back() const { return at(size() - 1); }
 
-  void push_back(const HistoryStep& step);
+  void pushBack(const HistoryStep& step);
 
-  void push_back(const value_type& step) { push_back(*step); }
+  void pushBack(const value_type& step) { pushBack(*step); }
 
-  void pop_back() { steps_.pop_back(); }
+  void popBack() { steps_.pop_back(); }
 
-  void pop_front() { steps_.pop_front(); }
+  void popFront() { steps_.pop_front(); }
 
   void clear() { steps_.clear(); }
 

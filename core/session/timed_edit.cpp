@@ -15,7 +15,7 @@ namespace handgraft::session {
 
 namespace {
 
-constexpr double kMostTime_s = 1e9;
+constexpr double kMostTime = 1e9;
 
 template <class... Cases>
 struct Overloaded : Cases... {
@@ -167,19 +167,19 @@ std::map<int, double> influencesOf(const TimedEdit& edit, const std::vector<doub
 }
 
 void validate(const TimedEdit& edit, const Document& document, const Models& models) {
-  requireWithin(edit.when.time_s, -kMostTime_s, kMostTime_s, "time of an edit");
-  requireWithin(edit.when.falloff_s, 0.0, kLongestFalloff_s, "falloff of an edit");
+  requireWithin(edit.when.time_s, -kMostTime, kMostTime, "time of an edit");
+  requireWithin(edit.when.falloff_s, 0.0, kLongestFalloff, "falloff of an edit");
   std::visit(ChangeCheck{document, models}, edit.change);
 }
 
 void addTimed(const TimedEdit& edit, const Models& models, Document& document) {
   if (const auto* release = std::get_if<ReleaseEdit>(&edit.change)) {
-    const auto letGo = std::erase_if(document.timed, [&](const TimedEdit& held) {
+    const auto let_go = std::erase_if(document.timed, [&](const TimedEdit& held) {
       const auto* way = std::get_if<DragPath>(&held.change);
       return way != nullptr && (release->link.empty() || release->link == way->link) &&
              influenceOf(held, edit.when.time_s) > 0.0;
     });
-    if (letGo == 0)
+    if (let_go == 0)
       rejectInput("{} is not held at {} s",
                   release->link.empty() ? "nothing" : "link " + quoted(release->link),
                   edit.when.time_s);

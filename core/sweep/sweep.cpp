@@ -177,7 +177,7 @@ class Sweep {
   void solveBases() {
     bases_.resize(grasps_.size());
     motions_.resize(grasps_.size());
-    const auto solveOne = [&](std::size_t i) {
+    const auto solve_one = [&](std::size_t i) {
       const int threads = grasps_.size() == 1 ? options_.threads : 1;
       if (grasps_[i].motion)
         motions_[i] = solveMotionBase(hand_, grasps_[i], options_, threads, quiet_);
@@ -185,7 +185,7 @@ class Sweep {
         bases_[i] = solveBase(hand_, grasps_[i], options_, threads, quiet_);
       tell("solving the grasps on the hand as it is", grasps_.size());
     };
-    forEach(grasps_.size() == 1 ? nullptr : &pool_, grasps_.size(), solveOne);
+    forEach(grasps_.size() == 1 ? nullptr : &pool_, grasps_.size(), solve_one);
     told_ = 0;
   }
 

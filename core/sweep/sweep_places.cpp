@@ -11,15 +11,15 @@ Eigen::Vector3d directionOn(const geometry::TriangleMesh& to,
                             const geometry::TriangleMesh& from,
                             const geometry::SurfacePoint& place,
                             const Eigen::Vector3d& direction) {
-  const auto edgesOf = [&](const geometry::TriangleMesh& mesh) {
+  const auto edges_of = [&](const geometry::TriangleMesh& mesh) {
     const Eigen::Vector3i face = mesh.face(place.face);
     Eigen::Matrix<double, 3, 2> edges;
     edges.col(0) = mesh.vertex(face[1]) - mesh.vertex(face[0]);
     edges.col(1) = mesh.vertex(face[2]) - mesh.vertex(face[0]);
     return edges;
   };
-  const Eigen::Vector2d along = edgesOf(from).colPivHouseholderQr().solve(direction);
-  return tangentAt(to, place, edgesOf(to) * along).value_or(anyTangentAt(to, place));
+  const Eigen::Vector2d along = edges_of(from).colPivHouseholderQr().solve(direction);
+  return tangentAt(to, place, edges_of(to) * along).value_or(anyTangentAt(to, place));
 }
 
 }  // namespace

@@ -76,7 +76,7 @@ bool PatchChart::surroundsRoot() const {
   constexpr std::size_t kFewest = 3;
   if (loop_T.size() < kFewest) return true;  // nothing is known
   // A slender patch has its root on the outline itself, and few points cut its corners.
-  constexpr double kOnIt_m = 0.003;
+  constexpr double kOnIt = 0.003;
   double turned = 0.0;
   for (std::size_t i = 0; i < loop_T.size(); ++i) {
     const Eigen::Vector2d& a = loop_T[i];
@@ -84,7 +84,7 @@ bool PatchChart::surroundsRoot() const {
     const Eigen::Vector2d way = b - a;
     const double share =
         way.squaredNorm() > 0.0 ? std::clamp(-a.dot(way) / way.squaredNorm(), 0.0, 1.0) : 0.0;
-    if ((a + share * way).norm() < kOnIt_m) return true;
+    if ((a + share * way).norm() < kOnIt) return true;
     turned += std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
   }
   // A whole turn inside, none outside.

@@ -72,13 +72,13 @@ std::vector<double> spanKey(const optimize::PoseProblem& problem, const Pose& X_
 
 bool FitFindings::tooLarge() const {
   return !clearances.empty() || std::any_of(spans.begin(), spans.end(), [](const auto& span) {
-    return span.lack_m() < 0.0;
+    return span.lack() < 0.0;
   });
 }
 
 bool FitFindings::tooSmall() const {
   return std::any_of(spans.begin(), spans.end(), [](const auto& span) {
-    return span.lack_m() > 0.0;
+    return span.lack() > 0.0;
   });
 }
 
@@ -129,7 +129,7 @@ struct FitCheck::Memory {
         const double missing_m = missingAt(item);
         clearances[i] = Clearance{std::move(key), missing_m};
       }
-      if (clearances[i]->missing_m >= quality::kToldMissing_m)
+      if (clearances[i]->missing_m >= quality::kToldMissing)
         findings.clearances.push_back({static_cast<int>(i), clearances[i]->missing_m});
     }
   }
@@ -144,11 +144,11 @@ struct FitCheck::Memory {
     std::vector<geometry::SurfacePoint> roots;
     for (const session::SessionPatch& item : session.patches())
       roots.push_back(item.patch.root);
-    const auto isSame = [](const auto& a, const auto& b) {
+    const auto is_same = [](const auto& a, const auto& b) {
       return a.face == b.face && a.barycentric == b.barycentric;
     };
     if (key == span_key &&
-        std::equal(roots.begin(), roots.end(), roots_O.begin(), roots_O.end(), isSame))
+        std::equal(roots.begin(), roots.end(), roots_O.begin(), roots_O.end(), is_same))
       return;
     findings.spans = optimize::findSpanMisfits(problem);
     // A root that nobody chose slides to where it fits.

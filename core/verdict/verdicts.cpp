@@ -120,7 +120,7 @@ std::string remarkOn(const session::SessionPatch& patch) {
 std::string spanText(const session::Session& session, const optimize::SpanMisfit& span) {
   return fmt::format("{} and {}: {:.0f} mm apart, the hand's places {} {:.0f}",
                      nameOfPatch(session, span.patch_a), nameOfPatch(session, span.patch_b),
-                     1e3 * span.object_m, span.lack_m() > 0.0 ? "at most" : "at least",
+                     1e3 * span.object_m, span.lack() > 0.0 ? "at most" : "at least",
                      1e3 * span.hand_m);
 }
 
@@ -168,7 +168,7 @@ std::string lineOf(const session::Session& session, const FitFindings& findings)
                            1e3 * clearance.missing_m));
   }
   for (const optimize::SpanMisfit& span : findings.spans)
-    add(span.lack_m() > 0.0 ? small : large, spanText(session, span));
+    add(span.lack() > 0.0 ? small : large, spanText(session, span));
   std::string line;
   if (!large.empty()) line = "too large for " + large;
   if (!small.empty()) line += (line.empty() ? "" : "; ") + ("too small for " + small);

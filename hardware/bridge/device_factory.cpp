@@ -41,7 +41,7 @@ MotorScale scaleOf(const MotorConfig& motor, double rad_per_unit) {
 devices::Duration patienceOf(const HandConfig& config) {
   return config.device.reply_timeout +
          std::chrono::duration_cast<devices::Duration>(
-             std::chrono::duration<double>(config::cycleTime_s(config)));
+             std::chrono::duration<double>(config::cycleTime(config)));
 }
 
 std::unique_ptr<devices::Device> makeDynamixel(const HandConfig& config,
@@ -52,8 +52,8 @@ std::unique_ptr<devices::Device> makeDynamixel(const HandConfig& config,
     devices::DynamixelMotor each;
     each.id = static_cast<std::uint8_t>(motor.id);
     each.scale = scaleOf(motor, protocols::dynamixel::kRadPerCount);
-    const double limit_mA = std::clamp(std::round(1000 * motor.current_A), 0.0, 32000.0);
-    each.current_limit_mA = static_cast<int>(limit_mA);
+    const double limit_milliamp = std::clamp(std::round(1000 * motor.current_A), 0.0, 32000.0);
+    each.current_limit_milliamp = static_cast<int>(limit_milliamp);
     each.velocity_limit_rad_s = kHeadroom * motor.velocity_rad_s * motor.gear;
     if (motor.gains) {
       each.gains = devices::DynamixelGains{static_cast<std::uint16_t>(motor.gains->p),
@@ -149,9 +149,9 @@ std::unique_ptr<devices::Device> makeAllegro(const HandConfig& config,
     told.order[i] = place;
     told.scales[place] = scaleOf(config.motors[i], protocols::allegro::kRadPerCount);
   }
-  told.stiffness_Nm_rad = config.device.stiffness_Nm_rad;
-  told.damping_Nm_s_rad = config.device.damping_Nm_s_rad;
-  told.torque_Nm = config.device.torque_Nm;
+  told.stiffness = config.device.stiffness;
+  told.damping = config.device.damping;
+  told.torque = config.device.torque;
   told.reply_timeout = config.device.reply_timeout;
   told.tolerated_misses = config.device.tolerated_misses;
   return std::make_unique<devices::AllegroHand>(std::move(told), can, clock);

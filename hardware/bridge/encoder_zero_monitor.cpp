@@ -15,7 +15,7 @@ namespace {
 // No device of ours restarts in less.
 constexpr std::chrono::milliseconds kRestart(300);
 // Half the least way that a marked encoder counts from 0: nothing else is so far off.
-constexpr double kRestarted_rad = kLeastMark_turns * std::numbers::pi;
+constexpr double kRestarted = kLeastMarkTurns * std::numbers::pi;
 
 }  // namespace
 
@@ -53,7 +53,7 @@ void EncoderZeroMonitor::see(const config::HandConfig& config,
     if (motor.encoder != config::Encoder::kIncremental) continue;
     const double at = measured.position[i];
     const double beyond = std::max(motor.range_rad.lower - at, at - motor.range_rad.upper);
-    if (motor.is_marked && beyond > kRestarted_rad / motor.gear) {
+    if (motor.is_marked && beyond > kRestarted / motor.gear) {
       loseFor(motor.name, "restarted since it was homed");
     } else if (!motor.is_marked && was_away_) {
       loseFor(motor.name, "cannot say whether it restarted since it was homed");

@@ -24,7 +24,7 @@ constexpr double kTurn = 2 * std::numbers::pi;
 double requestKeyOf(devices::TimePoint now, std::size_t motor) {
   const auto seed = static_cast<std::uint64_t>(now.time_since_epoch().count()) + 7919 * motor;
   const std::uint64_t mixed = (seed * 0x9E3779B97F4A7C15U) >> 40;
-  return kLeastMark_turns + static_cast<double>(mixed % 4096) / 64;
+  return kLeastMarkTurns + static_cast<double>(mixed % 4096) / 64;
 }
 
 }  // namespace

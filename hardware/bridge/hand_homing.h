@@ -11,7 +11,7 @@
 namespace handgraft::bridge {
 
 /// Turns from 0 that a marked encoder is at least told to count from; at most three times that.
-inline constexpr double kLeastMark_turns = 32;
+inline constexpr double kLeastMarkTurns = 32;
 
 /// Finds the zeros of a hand: one motor after the other runs gently to its stop (HomingRun),
 /// the others hold where they stand. Each step is made on a device of its own, whose range is

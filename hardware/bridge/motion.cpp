@@ -23,7 +23,7 @@ constexpr std::chrono::seconds kReopen(1);
 // What the governor is told of a fault; the kind itself is kept beside.
 constexpr std::uint32_t kGuardCode = 0x100;
 constexpr double kFollowable = 0.95;  // of a joint's speed, so that it can catch up
-constexpr double kToldBehind_s = 0.05;
+constexpr double kToldBehind = 0.05;
 constexpr double kFastestSamples = 2.0;  // times real time: no joint is in the way
 
 bool allFinite(std::span<const double> numbers) {
@@ -431,7 +431,7 @@ void Motion::tellSamples(Time now) {
   state_.is_guided = samples_.isPlaying(now);
   state_.samples_skipped = samples_.skipped();
   state_.behind_s = state_.is_guided ? samples_.behind() : 0.0;
-  const bool is_slower = state_.is_guided && state_.behind_s > kToldBehind_s;
+  const bool is_slower = state_.is_guided && state_.behind_s > kToldBehind;
   state_.slower.set("");
   if (is_slower) state_.slower.set(config_.governor.names[slow_joint_]);
 }

@@ -12,7 +12,7 @@ namespace {
 
 using safety::JointLimits;
 
-constexpr double kMoment_s = 1e-3;      // for velocities; small against any bend of a map
+constexpr double kMoment = 1e-3;        // for velocities; small against any bend of a map
 constexpr double kNoDifference = 1e-9;  // rad: rounding of a map there and back
 constexpr double kFarthest = 1e4;       // rad
 // Full speed after 0.1 s, full acceleration after 0.05 s, as when a motor is homed.
@@ -79,7 +79,7 @@ void MotorPath::measure(std::span<const double> motor_rad,
   map_->measure(motor_rad, joint_rad);
   bool is_told = true;
   for (std::size_t i = 0; i < moved_.size(); ++i) {
-    moved_[i] = motor_rad[i] + kMoment_s * motor_rad_s[i];
+    moved_[i] = motor_rad[i] + kMoment * motor_rad_s[i];
     is_told = is_told && std::isfinite(moved_[i]);
   }
   if (!is_told) {
@@ -88,7 +88,7 @@ void MotorPath::measure(std::span<const double> motor_rad,
   }
   map_->measure(moved_, moved_joints_);
   for (std::size_t i = 0; i < joint_rad.size(); ++i)
-    joint_rad_s[i] = (moved_joints_[i] - joint_rad[i]) / kMoment_s;
+    joint_rad_s[i] = (moved_joints_[i] - joint_rad[i]) / kMoment;
 }
 
 void MotorPath::reset(std::span<const double> motor_rad) {

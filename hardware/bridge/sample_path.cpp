@@ -12,11 +12,11 @@ namespace {
 using safety::SampleVerdict;
 using safety::Time;
 
-constexpr std::int64_t kSilence_ns = 250'000'000;  // from here on samples have paused
-constexpr std::int64_t kMostBehind_ns = 1'000'000'000;
-constexpr std::int64_t kFirstInterval_ns = 10'000'000;  // until the interval is known
-constexpr double kSlew_s = 0.1;                         // in which a delay is made up for
-constexpr double kFastest = 1.5;                        // times real time, on the way
+constexpr std::int64_t kSilenceNs = 250'000'000;  // from here on samples have paused
+constexpr std::int64_t kMostBehindNs = 1'000'000'000;
+constexpr std::int64_t kFirstIntervalNs = 10'000'000;  // until the interval is known
+constexpr double kSlew = 0.1;                          // in which a delay is made up for
+constexpr double kFastest = 1.5;                       // times real time, on the way
 constexpr double kSlowest = 0.5;
 // Of the last 64: three in a hundred may come later than the clock allows for.
 constexpr std::size_t kLateRank = 2;
@@ -100,10 +100,10 @@ SampleVerdict SamplePath::add(std::int64_t source_ns,
   }
   const bool is_first = count_ == 0;
   const bool paused =
-      !is_first && !continues && nanoseconds(arrived) - nanoseconds(arrived_) > kSilence_ns;
+      !is_first && !continues && nanoseconds(arrived) - nanoseconds(arrived_) > kSilenceNs;
   if (!is_first && !paused) {
     const std::int64_t gap = source_ns - timeOf(count_ - 1);
-    if (gap < -kSilence_ns) return SampleVerdict::kBackwards;
+    if (gap < -kSilenceNs) return SampleVerdict::kBackwards;
     if (gap <= 0) {
       // Out of order, but not yet passed: it takes its place.
       std::size_t index = count_;
@@ -115,7 +115,7 @@ SampleVerdict SamplePath::add(std::int64_t source_ns,
       arrived_ = arrived;
       return SampleVerdict::kAccepted;
     }
-    if (continues || gap <= kSilence_ns) {
+    if (continues || gap <= kSilenceNs) {
       if (!continues) learn(gap, source_ns, arrived);
       append(source_ns, joint_rad);
       arrived_ = arrived;
@@ -133,7 +133,7 @@ SampleVerdict SamplePath::add(std::int64_t source_ns,
 void SamplePath::restart(std::int64_t source_ns, Time arrived) {
   const bool has_pose = count_ > 0;
   first_ = count_ = learnt_ = 0;
-  clock_ns_ = source_ns - kFirstInterval_ns;
+  clock_ns_ = source_ns - kFirstIntervalNs;
   shift_ns_ = nanoseconds(arrived) - clock_ns_;
   if (has_pose) append(clock_ns_, pose_);
 }
@@ -165,11 +165,11 @@ std::span<const double> SamplePath::advance(Time now, double most_rate) {
   const std::int64_t meant_ns = nanoseconds(now) - shift_ns_;
   const double ahead_s = seconds(meant_ns - clock_ns_) - passed_s;
   const double rate =
-      std::min(std::clamp(1.0 + ahead_s / kSlew_s, kSlowest, kFastest), most_rate);
+      std::min(std::clamp(1.0 + ahead_s / kSlew, kSlowest, kFastest), most_rate);
   clock_ns_ += static_cast<std::int64_t>(1e9 * rate * passed_s);
   // Where there is no next sample yet, the last one holds.
   clock_ns_ = std::min(clock_ns_, newest_ns);
-  if (std::min(meant_ns, newest_ns) - clock_ns_ > kMostBehind_ns) {
+  if (std::min(meant_ns, newest_ns) - clock_ns_ > kMostBehindNs) {
     clock_ns_ = std::min(meant_ns, newest_ns);
     for (std::size_t i = 1; i < count_ && timeOf(i) < clock_ns_; ++i)
       ++skipped_;
@@ -199,7 +199,7 @@ void SamplePath::interpolate() {
 
 bool SamplePath::isPlaying(Time now) const {
   if (count_ == 0) return false;
-  const bool comes = nanoseconds(now) - nanoseconds(arrived_) <= kSilence_ns;
+  const bool comes = nanoseconds(now) - nanoseconds(arrived_) <= kSilenceNs;
   return comes || count_ > 1;
 }
 

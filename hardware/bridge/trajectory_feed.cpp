@@ -18,10 +18,10 @@ namespace {
 constexpr std::size_t kMostListeners = 32;
 constexpr std::size_t kMostSessions = 4096;
 constexpr char kPrefix[] = "rt/handgraft/";  // of sampleTopicName
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
+constexpr std::int64_t kSecondNs = 1'000'000'000;
 
 std::int64_t nanosecondsOf(std::int32_t sec, std::uint32_t nanosec) {
-  return kSecond_ns * sec + nanosec;
+  return kSecondNs * sec + nanosec;
 }
 
 }  // namespace

@@ -29,10 +29,10 @@ class WakeEvent {
   void wait(std::chrono::nanoseconds most) {
     timespec until{};
     clock_gettime(CLOCK_MONOTONIC, &until);
-    constexpr long kSecond_ns = 1'000'000'000;
-    const long end_ns = until.tv_nsec + static_cast<long>(most.count() % kSecond_ns);
-    until.tv_sec += static_cast<std::time_t>(most.count() / kSecond_ns + end_ns / kSecond_ns);
-    until.tv_nsec = end_ns % kSecond_ns;
+    constexpr long kSecondNs = 1'000'000'000;
+    const long end_ns = until.tv_nsec + static_cast<long>(most.count() % kSecondNs);
+    until.tv_sec += static_cast<std::time_t>(most.count() / kSecondNs + end_ns / kSecondNs);
+    until.tv_nsec = end_ns % kSecondNs;
     while (sem_clockwait(&rung_, CLOCK_MONOTONIC, &until) != 0 && errno == EINTR) {
     }
     is_rung_.exchange(false);  // and see what was written before it rang

@@ -13,7 +13,7 @@ namespace handgraft::bringup {
 
 namespace {
 
-constexpr double kStep_rad = 0.1;
+constexpr double kStep = 0.1;
 constexpr double kReached = 0.05;  // rad: a hand at its end is not held more exactly
 constexpr std::chrono::milliseconds kStopped(500);
 
@@ -127,7 +127,7 @@ class Walk {
     finding.motor = motor.name;
     if (config::traitsOf(config_.device.kind).has_zeros) return walkKnownMotor(i, finding);
     motor.zero_rad = finding.zero_rad = placed(i, "to its zero, as the model has it");
-    turnHeldFor(i, kStep_rad);
+    turnHeldFor(i, kStep);
     if (!agrees(fmt::format("Did {}, and no other, turn the way that its model calls positive?",
                             nameOf(i)))) {
       if (!agrees("Was it the right joint, the other way?")) {
@@ -170,8 +170,8 @@ class Walk {
     const double start = tried([&] {
       return jogger(i).look().motor_rad;
     });
-    const bool has_room = start + kStep_rad < motor.range_rad.upper;
-    const double step_rad = has_room ? kStep_rad : -kStep_rad;
+    const bool has_room = start + kStep < motor.range_rad.upper;
+    const double step_rad = has_room ? kStep : -kStep;
     turnHeldFor(i, step_rad);
     finding.is_direction_right =
         agrees(fmt::format("Did {}, and no other, turn the way that its model calls {}?",

@@ -61,7 +61,7 @@ Jogger::Jogger(config::HandConfig config,
       clock_(std::move(clock)),
       sleep_until_(std::move(sleep_until)) {
   config::MotorConfig& ours = config_.motors[index_];
-  ours.velocity_rad_s = std::min(ours.velocity_rad_s, kJogSpeed_rad_s);
+  ours.velocity_rad_s = std::min(ours.velocity_rad_s, kJogSpeed);
 }
 
 Jogger::Place Jogger::placeOf(double motor_rad) const {
@@ -81,9 +81,9 @@ Jogger::Place Jogger::look() {
 }
 
 Jogger::Turn Jogger::turn(double step_rad, const IsHeld& is_held) {
-  if (!(std::abs(step_rad) <= kLargestJog_rad) || step_rad == 0) {
-    rejectInput("step {} rad is not in [-{}, {}], and not 0", step_rad, kLargestJog_rad,
-                kLargestJog_rad);
+  if (!(std::abs(step_rad) <= kLargestJog) || step_rad == 0) {
+    rejectInput("step {} rad is not in [-{}, {}], and not 0", step_rad, kLargestJog,
+                kLargestJog);
   }
   Turn told;
   told.from = told.to = look();

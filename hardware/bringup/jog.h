@@ -56,7 +56,7 @@ class Jogger {
   std::function<void(devices::TimePoint)> sleep_until_;
 };
 
-inline constexpr double kJogSpeed_rad_s = 0.3;
-inline constexpr double kLargestJog_rad = 0.5;
+inline constexpr double kJogSpeed = 0.3;
+inline constexpr double kLargestJog = 0.5;
 
 }  // namespace handgraft::bringup

@@ -26,9 +26,9 @@ struct Joint {
 };
 
 constexpr double kVelocity = 1.0;  // rad/s: slow enough to watch
-constexpr int kUsualRate_Hz = 50;
-constexpr int kLeastRate_Hz = 10;     // of any loop
-constexpr int kTorqueRate_Hz = 333;   // of a position loop that is ours
+constexpr int kUsualRate = 50;
+constexpr int kLeastRate = 10;        // of any loop
+constexpr int kTorqueRate = 333;      // of a position loop that is ours
 constexpr int kFactoryBaud = 57'600;  // of Dynamixels
 
 std::string attribute(const tinyxml2::XMLElement& element, const char* name) {
@@ -105,23 +105,23 @@ int rateOf(const ConfigPlan& plan, std::size_t motor_count) {
   config.motors.resize(motor_count);
   const config::DeviceTraits& traits = config::traitsOf(config.device.kind);
   const bool is_can = traits.wire == config::DeviceWire::kCan;
-  const int usual_Hz = traits.has_own_loop ? kUsualRate_Hz : kTorqueRate_Hz;
-  config.governor.period_s = 1.0 / usual_Hz;
-  const double cycle_s = config::cycleTime_s(config);
-  if (cycle_s * usual_Hz <= config::kWireShare) return usual_Hz;
-  const int rate_Hz = static_cast<int>(config::kWireShare / cycle_s);
-  const int least_Hz = traits.has_own_loop ? kLeastRate_Hz : config::kLeastTorqueRate_Hz;
-  if (rate_Hz < least_Hz) {
+  const int usual_rate = traits.has_own_loop ? kUsualRate : kTorqueRate;
+  config.governor.period_s = 1.0 / usual_rate;
+  const double cycle_s = config::cycleTime(config);
+  if (cycle_s * usual_rate <= config::kWireShare) return usual_rate;
+  const int rate = static_cast<int>(config::kWireShare / cycle_s);
+  const int least_rate = traits.has_own_loop ? kLeastRate : config::kLeastTorqueRate;
+  if (rate < least_rate) {
     rejectInput(
         "{}: {} motors take {:.0f} ms a cycle, which leaves {} Hz; at least {} Hz are "
         "permitted: give {} a higher rate, and tell it by {}",
         is_can ? fmt::format("can_bitrate {}", config.device.can_bitrate)
                : fmt::format("baud {}", config.device.baud),
-        motor_count, 1000 * cycle_s, rate_Hz, least_Hz,
+        motor_count, 1000 * cycle_s, rate, least_rate,
         is_can ? "the bus, or its adapter," : "the motors",
         is_can ? "--can-bitrate, or --baud" : "--baud");
   }
-  return rate_Hz;
+  return rate;
 }
 
 /// Errors: InvalidInput for ids that motors of this kind cannot have, or that are there twice.
@@ -143,13 +143,13 @@ std::vector<int> idsOf(const ConfigPlan& plan,
   return ids;
 }
 
-std::string deviceText(const ConfigPlan& plan, int rate_Hz) {
+std::string deviceText(const ConfigPlan& plan, int rate) {
   const config::DeviceConfig device = deviceOf(plan);
   const config::DeviceTraits& traits = config::traitsOf(device.kind);
   std::string text = fmt::format("device:\n  kind: {}\n", plan.kind);
   if (traits.wire == config::DeviceWire::kNone) return text + "  watchdog_ms: 200\n";
   text += fmt::format("  port: {}\n", inQuotes(plan.port));
-  const bool is_slow = rate_Hz < kUsualRate_Hz;
+  const bool is_slow = rate < kUsualRate;
   if (traits.wire == config::DeviceWire::kCan) {
     text += fmt::format("  carrier: {}\n  can_bitrate: {}\n",
                         device.carrier == config::CanCarrier::kSlcan ? "slcan" : "socketcan",
@@ -196,9 +196,9 @@ std::string deviceText(const ConfigPlan& plan, int rate_Hz) {
 }
 
 /// How long the loop may be late: as long as the device's watchdog, and the task, bear.
-int longestGap_ms(int rate_Hz) {
-  if (rate_Hz > kUsualRate_Hz) return 30;
-  return rate_Hz < kUsualRate_Hz ? 350 : 150;
+int longestGapMs(int rate) {
+  if (rate > kUsualRate) return 30;
+  return rate < kUsualRate ? 350 : 150;
 }
 
 /// What the config says of a motor beyond its joint's limits.
@@ -239,7 +239,7 @@ std::string makeConfig(const std::filesystem::path& urdf, const ConfigPlan& plan
     rejectInput("{}: {} of its joints turn by themselves; a hand of kind {} has {} motors",
                 handgraft::quoted(urdf.string()), motor_count, plan.kind, own);
   }
-  const int rate_Hz = rateOf(plan, motor_count);
+  const int rate = rateOf(plan, motor_count);
   const std::vector<int> ids = idsOf(plan, traits, motor_count);
   std::string text = fmt::format(
       "# Of {}, to be filled in: FILL IN marks what only the hand itself knows.\n"
@@ -247,13 +247,12 @@ std::string makeConfig(const std::filesystem::path& urdf, const ConfigPlan& plan
       "in\n"
       "# the calibration file.\n"
       "format: handgraft-hardware/1\nhand: {}          # as the server calls it\n\n{}\n",
-      urdf.filename().string(), inQuotes(attribute(*robot, "name")), deviceText(plan, rate_Hz));
+      urdf.filename().string(), inQuotes(attribute(*robot, "name")), deviceText(plan, rate));
   text += fmt::format("calibration: {}  # `check` writes it\n",
                       inQuotes(urdf.stem().string() + "_calibration.yaml"));
-  text += fmt::format("loop: {{rate_hz: {}, longest_gap_ms: {}}}\n", rate_Hz,
-                      longestGap_ms(rate_Hz));
+  text += fmt::format("loop: {{rate_hz: {}, longest_gap_ms: {}}}\n", rate, longestGapMs(rate));
   // Slow answers are bearable for some periods, too.
-  if (rate_Hz < kUsualRate_Hz) text += "watch: {silent_ms: 400}\n";
+  if (rate < kUsualRate) text += "watch: {silent_ms: 400}\n";
   text +=
       "stream: {stale_ms: 500, hold_ms: 1000}\nemergency_stop: {mode: brake, brake_ms: 500}\n";
   text += fmt::format(

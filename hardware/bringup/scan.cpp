@@ -72,11 +72,11 @@ void findDynamixels(const std::string& port, int baud, std::vector<Found>& found
     if (!status || status->data.size() != 3) return;
     const auto number = protocols::numberAt<std::uint16_t>(status->data, 0);
     const auto model = dxl::modelNumbered(number);
-    found.push_back({"dynamixel", baud, 0, status->id,
-                     model
-                         ? fmt::format("{}{}", model->name,
-                                       model->current_unit_mA > 0 ? "" : ", no current control")
-                         : fmt::format("model {}, not supported", number)});
+    found.push_back(
+        {"dynamixel", baud, 0, status->id,
+         model ? fmt::format("{}{}", model->name,
+                             model->current_unit_milliamp > 0 ? "" : ", no current control")
+               : fmt::format("model {}, not supported", number)});
   });
 }
 

@@ -50,10 +50,9 @@ DeviceConfig readDevice(Section section) {
     device.force_N = section.number("force_N", 0.1, 9.8, device.force_N);
   }
   if (device.kind == DeviceKind::kAllegro) {
-    device.stiffness_Nm_rad =
-        section.number("stiffness_Nm_rad", 0.01, 10, device.stiffness_Nm_rad);
-    device.damping_Nm_s_rad = section.number("damping_Nm_s_rad", 0, 1, device.damping_Nm_s_rad);
-    device.torque_Nm = section.number("torque_Nm", 0.001, 1, device.torque_Nm);
+    device.stiffness = section.number("stiffness_Nm_rad", 0.01, 10, device.stiffness);
+    device.damping = section.number("damping_Nm_s_rad", 0, 1, device.damping);
+    device.torque = section.number("torque_Nm", 0.001, 1, device.torque);
   }
   if (traits.has_watchdog) {
     device.watchdog =

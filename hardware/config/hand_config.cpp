@@ -99,11 +99,11 @@ void checkDeadmen(const HandConfig& config, Problems& problems) {
   const auto watchdog_ms = static_cast<double>(config.device.watchdog.count());
   const DeviceTraits& traits = traitsOf(config.device.kind);
   const bool has_watchdog = traits.has_watchdog;
-  if (!traits.has_own_loop && !(period_ms <= 1000.0 / kLeastTorqueRate_Hz)) {
+  if (!traits.has_own_loop && !(period_ms <= 1000.0 / kLeastTorqueRate)) {
     problems.push_back(
         fmt::format("loop.rate_hz: {:.4g}; the position loop of such a hand is ours: at least "
                     "{}",
-                    1000 / period_ms, kLeastTorqueRate_Hz));
+                    1000 / period_ms, kLeastTorqueRate));
   }
   if (has_watchdog && !(watchdog_ms >= 3 * period_ms)) {
     problems.push_back(
@@ -189,7 +189,7 @@ void checkMotorJoints(const HandConfig& config, const Soundness& is_sound, Probl
 void checkWire(const HandConfig& config, Problems& problems) {
   const DeviceConfig& device = config.device;
   const double period_ms = 1000 * config.governor.period_s;
-  const double cycle_ms = 1000 * cycleTime_s(config);
+  const double cycle_ms = 1000 * cycleTime(config);
   if (cycle_ms <= kWireShare * period_ms) return;
   problems.push_back(
       fmt::format("device.baud: at {} a cycle of {} motors takes {:.3g} ms on the wire, more "

@@ -30,11 +30,11 @@ struct DeviceConfig {
   ODriveFirmware firmware = ODriveFirmware::k06;
   int address = 0x50;  ///< of an Ability Hand
   std::chrono::milliseconds watchdog{
-      100};                       ///< the device's own deadman, of those that have one
-  double force_N = 3;             ///< of an Inspire hand: where a finger stops
-  double stiffness_Nm_rad = 0.6;  ///< of an Allegro's position loop, which is ours
-  double damping_Nm_s_rad = 0.02;
-  double torque_Nm = 0.3;  ///< the most of each of its motors
+      100};                ///< the device's own deadman, of those that have one
+  double force_N = 3;      ///< of an Inspire hand: where a finger stops
+  double stiffness = 0.6;  ///< of an Allegro's position loop, which is ours
+  double damping = 0.02;
+  double torque = 0.3;  ///< the most of each of its motors
   /// Of the device itself: what bytes take on a tty at its rate comes on top.
   std::chrono::milliseconds reply_timeout{5};
   int tolerated_misses = 3;  ///< answers in a row

@@ -48,7 +48,7 @@ ODriveFrames odriveFrames(double axes, double period_s) {
 
 }  // namespace
 
-double cycleTime_s(const HandConfig& config) {
+double cycleTime(const HandConfig& config) {
   const DeviceConfig& device = config.device;
   const auto motors = static_cast<double>(config.motors.size());
   const auto on_tty = [&](double bytes) {

@@ -13,6 +13,6 @@ inline constexpr double kWireShare = 0.8;
 ///
 /// Source: the protocols' frames (hardware/protocols). A CAN frame of n bytes is taken for
 /// 47 + 8 n bits and one stuffed bit in five.
-double cycleTime_s(const HandConfig& config);
+double cycleTime(const HandConfig& config);
 
 }  // namespace handgraft::config

@@ -29,13 +29,13 @@ AllegroHand::AllegroHand(AllegroConfig config, CanChannel& can, Clock clock)
   for (std::size_t i = 0; i < sorted.size(); ++i) {
     if (sorted[i] != i) rejectInput("Allegro order: motor {} is not there once", i);
   }
-  if (!(config_.stiffness_Nm_rad > 0) || !(config_.stiffness_Nm_rad <= 10) ||
-      !(config_.damping_Nm_s_rad >= 0) || !(config_.damping_Nm_s_rad <= 1)) {
+  if (!(config_.stiffness > 0) || !(config_.stiffness <= 10) || !(config_.damping >= 0) ||
+      !(config_.damping <= 1)) {
     rejectInput("Allegro stiffness {} Nm/rad or damping {} Nm s/rad is outside (0, 10], [0, 1]",
-                config_.stiffness_Nm_rad, config_.damping_Nm_s_rad);
+                config_.stiffness, config_.damping);
   }
-  if (!(config_.torque_Nm > 0) || !(config_.torque_Nm <= 1))
-    rejectInput("Allegro torque {} Nm is outside (0, 1]", config_.torque_Nm);
+  if (!(config_.torque > 0) || !(config_.torque <= 1))
+    rejectInput("Allegro torque {} Nm is outside (0, 1]", config_.torque);
   if (config_.reply_timeout <= Duration::zero() || config_.tolerated_misses < 0)
     rejectInput("Allegro timings have to be positive");
 }
@@ -93,9 +93,9 @@ void AllegroHand::doWrite(std::span<const double> targets) {
     const std::size_t i = config_.order[ours];
     const MotorScale& scale = config_.scales[i];
     const double target = std::clamp(targets[ours], scale.lower, scale.upper);
-    const double wanted = config_.stiffness_Nm_rad * (target - angles_[i]) -
-                          config_.damping_Nm_s_rad * velocities_[i];
-    const double torque = std::clamp(wanted, -config_.torque_Nm, config_.torque_Nm);
+    const double wanted =
+        config_.stiffness * (target - angles_[i]) - config_.damping * velocities_[i];
+    const double torque = std::clamp(wanted, -config_.torque, config_.torque);
     pwm_[i] = static_cast<std::int16_t>(
         std::clamp(std::round(scale.direction * torque * allegro::kPwmPerNm),
                    -double{allegro::kHighestPwm}, double{allegro::kHighestPwm}));

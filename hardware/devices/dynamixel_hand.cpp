@@ -15,9 +15,9 @@ namespace {
 
 constexpr int kAttempts = 3;
 constexpr std::chrono::milliseconds kRebootTime(500);
-constexpr int kLongestReturnDelay_us = 508;
-constexpr int kHighestCurrent_mA = 6000;   // of the strongest model
-constexpr double kHighestProfile = 32767;  // register 112
+constexpr int kLongestReturnDelayUs = 508;
+constexpr int kHighestCurrentMilliamp = 6000;  // of the strongest model
+constexpr double kHighestProfile = 32767;      // register 112
 
 // The bytes that each cycle reads, and where they lie among the indirect data.
 constexpr std::array<std::uint8_t, 14> kBlockBytes = {126, 127, 128, 129, 130, 131, 132,
@@ -47,9 +47,10 @@ void validateMotors(const std::vector<DynamixelMotor>& motors) {
       rejectInput("motor {} is outside 0 to {}", name, dxl::kHighestId);
     if (std::exchange(is_taken[motor.id], true)) rejectInput("motor {} is there twice", name);
     validate(motor.scale, name, -dxl::kFarthestGoal, dxl::kFarthestGoal);
-    if (motor.current_limit_mA < 1 || motor.current_limit_mA > kHighestCurrent_mA) {
+    if (motor.current_limit_milliamp < 1 ||
+        motor.current_limit_milliamp > kHighestCurrentMilliamp) {
       rejectInput("motor {}: current limit {} mA is outside 1 to {}", name,
-                  motor.current_limit_mA, kHighestCurrent_mA);
+                  motor.current_limit_milliamp, kHighestCurrentMilliamp);
     }
   }
 }
@@ -61,24 +62,24 @@ DynamixelHand::DynamixelHand(DynamixelConfig config, ByteChannel& bytes, Clock c
       clock_(clock),
       bytes_(bytes),
       bus_(bytes, std::move(clock), config_.reply_timeout),
-      watchdog_units_(static_cast<int>((config_.watchdog.count() + dxl::kWatchdogUnit_ms - 1) /
-                                       dxl::kWatchdogUnit_ms)) {
+      watchdog_units_(static_cast<int>((config_.watchdog.count() + dxl::kWatchdogUnitMs - 1) /
+                                       dxl::kWatchdogUnitMs)) {
   validateMotors(config_.motors);
   if (watchdog_units_ < 1 || watchdog_units_ > dxl::kLongestWatchdog) {
     rejectInput("Dynamixel watchdog of {} ms is outside 20 to {}", config_.watchdog.count(),
-                dxl::kLongestWatchdog * dxl::kWatchdogUnit_ms);
+                dxl::kLongestWatchdog * dxl::kWatchdogUnitMs);
   }
   if (config_.reply_timeout <= Duration::zero() || config_.tolerated_misses < 0)
     rejectInput("Dynamixel reply timeout and tolerated misses have to be positive");
-  if (config_.return_delay_us < 0 || config_.return_delay_us > kLongestReturnDelay_us) {
+  if (config_.return_delay_us < 0 || config_.return_delay_us > kLongestReturnDelayUs) {
     rejectInput("Dynamixel return delay of {} us is outside 0 to {}", config_.return_delay_us,
-                kLongestReturnDelay_us);
+                kLongestReturnDelayUs);
   }
   for (const DynamixelMotor& motor : config_.motors)
     ids_.push_back(motor.id);
   blocks_.resize(ids_.size());
   goals_.resize(ids_.size());
-  current_units_mA_.resize(ids_.size(), 1.0);
+  current_units_milliamp_.resize(ids_.size(), 1.0);
 }
 
 void DynamixelHand::doOpen() {
@@ -105,7 +106,7 @@ void DynamixelHand::setUp(std::size_t index) {
     throw DeviceError(
         fmt::format("Dynamixel motor {}: model {} is not supported", motor.id, *number));
   }
-  if (model->current_unit_mA == 0) {
+  if (model->current_unit_milliamp == 0) {
     throw DeviceError(fmt::format(
         "Dynamixel motor {}: {} does not limit its current, so nothing bounds its force",
         motor.id, model->name));
@@ -117,12 +118,13 @@ void DynamixelHand::setUp(std::size_t index) {
         motor.id, model->name, config_.motors[0].id));
   }
   indirect_data_ = model->indirect_data;
-  current_units_mA_[index] = model->current_unit_mA;
+  current_units_milliamp_[index] = model->current_unit_milliamp;
   const std::int64_t current = currentLimit(index);
   if (model->highest_current > 0 && current > model->highest_current) {
     throw DeviceError(fmt::format(
         "Dynamixel motor {}: {} bears at most {:.0f} mA, not {}", motor.id, model->name,
-        std::floor(model->highest_current * model->current_unit_mA), motor.current_limit_mA));
+        std::floor(model->highest_current * model->current_unit_milliamp),
+        motor.current_limit_milliamp));
   }
   const auto ensure = [&](const char* name, std::int64_t value) {
     bus_.ensure(motor.id, dxl::registerNamed(name), value);
@@ -157,7 +159,8 @@ void DynamixelHand::setUp(std::size_t index) {
 }
 
 std::int64_t DynamixelHand::currentLimit(std::size_t index) const {
-  const double counts = config_.motors[index].current_limit_mA / current_units_mA_[index];
+  const double counts =
+      config_.motors[index].current_limit_milliamp / current_units_milliamp_[index];
   return std::max<std::int64_t>(1, static_cast<std::int64_t>(counts));
 }
 
@@ -194,7 +197,7 @@ void DynamixelHand::doRead(DeviceState& state) {
     state.time = std::min(state.time, block.time);
     state.position[i] = scale.angle(block.position);
     state.velocity[i] = scale.direction * dxl::kVelocityUnit * block.velocity;
-    state.current[i] = scale.direction * 1e-3 * current_units_mA_[i] * block.current;
+    state.current[i] = scale.direction * 1e-3 * current_units_milliamp_[i] * block.current;
     state.temperature[i] = block.temperature;
   }
   findFaults();

@@ -15,7 +15,7 @@ struct DynamixelGains {
 struct DynamixelMotor {
   std::uint8_t id = 1;
   MotorScale scale{protocols::dynamixel::kRadPerCount};
-  int current_limit_mA = 350;  ///< also what it may use to reach its target
+  int current_limit_milliamp = 350;  ///< also what it may use to reach its target
   /// Of the motor's own profile: it bounds how fast a goal is run to; 0: it does not.
   double velocity_limit_rad_s = 0;
   std::optional<DynamixelGains> gains = std::nullopt;  ///< those of the motor unless told
@@ -91,7 +91,7 @@ class DynamixelHand final : public Device {
   ByteChannel& bytes_;
   DynamixelBus bus_;
   std::vector<std::uint8_t> ids_;
-  std::vector<double> current_units_mA_;  // of each motor's model
+  std::vector<double> current_units_milliamp_;  // of each motor's model
   std::uint16_t indirect_data_ = protocols::dynamixel::kIndirectData;
   std::vector<Block> blocks_;
   std::vector<std::int32_t> goals_;

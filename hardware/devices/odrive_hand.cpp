@@ -19,7 +19,7 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr int kAttempts = 3;
 constexpr std::chrono::milliseconds kRepeat(20);  // of orders that wait to be obeyed
-constexpr double kFarthest_rev = 1e5;             // a float there still tells 0.01 rev
+constexpr double kFarthestRevolutions = 1e5;      // a float there still tells 0.01 rev
 constexpr int kLongestBacklog = 1024;             // frames; 2 s of three axes
 constexpr std::uint32_t kWatchdogExpired05 = 0x800;
 constexpr std::chrono::milliseconds kHeartbeatDelay(200);  // twice their period
@@ -39,7 +39,7 @@ ODriveHand::ODriveHand(ODriveConfig config, CanChannel& can, Clock clock)
       rejectInput("motor {} is outside 0 to {}", name, odrive::kHighestNode);
     if (std::exchange(is_taken[static_cast<std::size_t>(axis.node)], true))
       rejectInput("motor {} is there twice", name);
-    validate(axis.scale, name, -kFarthest_rev, kFarthest_rev);
+    validate(axis.scale, name, -kFarthestRevolutions, kFarthestRevolutions);
     for (const double limit : {axis.velocity_limit_rev_s, axis.current_limit_A}) {
       if (!(limit > 0.0) || !(limit < 1e4))
         rejectInput("motor {}: limit {} is outside 0 to 10000", name, limit);

@@ -32,7 +32,7 @@ struct ModelFacts {
   std::string_view name;
   std::uint16_t number;  ///< register 0, and in a ping's reply
   /// Of registers 38, 102 and 126; 0: the motor measures no current and cannot limit it.
-  double current_unit_mA;
+  double current_unit_milliamp;
   std::int16_t
       highest_current;  ///< of register 38, in that unit; 0: the motor itself refuses more
   std::uint8_t shutdown_errors;  ///< register 63: hardware errors that cut the torque
@@ -51,7 +51,7 @@ inline constexpr double kPi = 3.14159265358979323846;
 inline constexpr int kCountsPerRevolution = 4096;
 inline constexpr double kRadPerCount = 2.0 * kPi / kCountsPerRevolution;
 inline constexpr double kVelocityUnit = 0.229 * 2.0 * kPi / 60.0;  ///< rad/s
-inline constexpr int kWatchdogUnit_ms = 20;
+inline constexpr int kWatchdogUnitMs = 20;
 inline constexpr int kLongestWatchdog = 127;  ///< in `kWatchdogUnit_ms`
 /// Goal positions of the modes over several turns, either way.
 inline constexpr std::int32_t kFarthestGoal = 1048575;

@@ -22,9 +22,9 @@ void seal(ByteBuffer& out) {
 
 /// Cuts a frame whose whole size `sizeOf` tells once it is known: kNoFrame if none begins here.
 template <class SizeOf>
-Cut cutBySize(Bytes window, ByteBuffer& frame, std::size_t least, SizeOf&& sizeOf) {
+Cut cutBySize(Bytes window, ByteBuffer& frame, std::size_t least, SizeOf&& size_of) {
   if (window.size() < least) return {Cut::Kind::kIncomplete, 0};
-  const std::size_t size = sizeOf(window);
+  const std::size_t size = size_of(window);
   if (size == kNoFrame) return {Cut::Kind::kGarbage, 1};
   if (window.size() < size) return {Cut::Kind::kIncomplete, 0};
   const Bytes content = window.first(size - kCrc);

@@ -67,23 +67,20 @@ CanFrame setControllerMode(int node, ControlMode control, InputMode input) {
               static_cast<std::uint32_t>(input));
 }
 
-CanFrame setInputPosition(int node,
-                          float position_rev,
-                          double velocity_rev_s,
-                          double torque_Nm) {
+CanFrame setInputPosition(int node, float position_rev, double velocity_rev_s, double torque) {
   HANDGRAFT_REQUIRE(std::isfinite(position_rev));
   return make(node, Command::kSetInputPosition, position_rev, feedForward(velocity_rev_s),
-              feedForward(torque_Nm));
+              feedForward(torque));
 }
 
-CanFrame setInputVelocity(int node, float velocity_rev_s, float torque_Nm) {
-  HANDGRAFT_REQUIRE(std::isfinite(velocity_rev_s) && std::isfinite(torque_Nm));
-  return make(node, Command::kSetInputVelocity, velocity_rev_s, torque_Nm);
+CanFrame setInputVelocity(int node, float velocity_rev_s, float torque) {
+  HANDGRAFT_REQUIRE(std::isfinite(velocity_rev_s) && std::isfinite(torque));
+  return make(node, Command::kSetInputVelocity, velocity_rev_s, torque);
 }
 
-CanFrame setInputTorque(int node, float torque_Nm) {
-  HANDGRAFT_REQUIRE(std::isfinite(torque_Nm));
-  return make(node, Command::kSetInputTorque, torque_Nm, 0U);
+CanFrame setInputTorque(int node, float torque) {
+  HANDGRAFT_REQUIRE(std::isfinite(torque));
+  return make(node, Command::kSetInputTorque, torque, 0U);
 }
 
 CanFrame setLimits(int node, float velocity_rev_s, float current_A) {

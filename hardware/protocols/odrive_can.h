@@ -84,9 +84,9 @@ CanFrame setControllerMode(int node, ControlMode control, InputMode input);
 CanFrame setInputPosition(int node,
                           float position_rev,
                           double velocity_rev_s = 0.0,
-                          double torque_Nm = 0.0);
-CanFrame setInputVelocity(int node, float velocity_rev_s, float torque_Nm);
-CanFrame setInputTorque(int node, float torque_Nm);
+                          double torque = 0.0);
+CanFrame setInputVelocity(int node, float velocity_rev_s, float torque);
+CanFrame setInputTorque(int node, float torque);
 CanFrame setLimits(int node, float velocity_rev_s, float current_A);
 CanFrame clearErrors(int node);
 /// Firmware 0.6: the encoder tells `position_rev` where it stands, until the axis restarts.
@@ -154,7 +154,7 @@ std::optional<ControllerMode> controllerModeOf(const CanFrame& frame);
 struct InputPosition {
   float position_rev = 0;
   double velocity_rev_s = 0;
-  double torque_Nm = 0;
+  double torque = 0;
 };
 
 std::optional<InputPosition> inputPositionOf(const CanFrame& frame);

@@ -16,8 +16,8 @@ constexpr double kJerkPerSpeed = 200;         // 1/s^2
 // A motor that still creeps at a quarter of its speed is slowed, not stopped.
 constexpr double kStandingShare = 0.25;
 // What a soft position loop may lag behind while it pushes.
-constexpr double kLeash_s = 0.5;
-constexpr double kLeash_rad = 0.1;
+constexpr double kLeashTime = 0.5;
+constexpr double kLeash = 0.1;
 
 JointLimits limitsOf(const HomingStep& step, double start_rad) {
   const auto positive = [](double value) {
@@ -65,7 +65,7 @@ double HomingRun::tick(double position_rad, double current_A, Time now) {
     largest_A_ = std::max(largest_A_, std::abs(current_A));
   }
   if (runs && state_ != State::kFailed) seek(position_rad, current_A, now);
-  const double leash = kLeash_rad + kLeash_s * step_.speed_rad_s;
+  const double leash = kLeash + kLeashTime * step_.speed_rad_s;
   const bool is_ahead = runs && std::abs(limiter_.positions()[0] - position_rad) > leash;
   const double sent = is_ahead ? limiter_.positions()[0] : limiter_.step()[0];
   if (state_ == State::kBackingOff && limiter_.atRest()) state_ = State::kDone;

@@ -50,13 +50,13 @@ Extension::Value Extension::at(double q) const {
   }
   const double ab = a_ * b_;
   const double g = c_ - q;
-  const auto lengthAt = [&](double angle) {
+  const auto length_at = [&](double angle) {
     return std::sqrt(std::max(0.0, a_ * a_ + b_ * b_ - 2 * ab * std::cos(angle)));
   };
-  const double length = lengthAt(g);
+  const double length = length_at(g);
   const double slope = ab * std::sin(g) / length;  // -dl/dq, since dg/dq = -1
   // d/dq of A B sin g / l = (-A B cos g + r^2) / l, with dl/dq = -r.
-  return {lengthAt(c_) - length, slope, (slope * slope - ab * std::cos(g)) / length};
+  return {length_at(c_) - length, slope, (slope * slope - ab * std::cos(g)) / length};
 }
 
 Range Extension::slopes(const Range& range) const {

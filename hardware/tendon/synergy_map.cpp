@@ -13,14 +13,14 @@ SynergyMap::SynergyMap(Eigen::MatrixXd S,
                        Eigen::VectorXd offset_rad,
                        Eigen::VectorXd weights,
                        std::vector<Range> motors)
-    : S_(std::move(S)), offset_(std::move(offset_rad)), motors_(std::move(motors)) {
-  const Eigen::Index n = S_.rows(), m = S_.cols();
+    : synergies_(std::move(S)), offset_(std::move(offset_rad)), motors_(std::move(motors)) {
+  const Eigen::Index n = synergies_.rows(), m = synergies_.cols();
   if (n == 0 || m == 0 || offset_.size() != n || weights.size() != n ||
       motors_.size() != static_cast<std::size_t>(m)) {
     rejectInput("a synergy of {} joints and {} motors has {} offsets, {} weights, {} ranges", n,
                 m, offset_.size(), weights.size(), motors_.size());
   }
-  if (!S_.allFinite() || !offset_.allFinite() || !weights.allFinite())
+  if (!synergies_.allFinite() || !offset_.allFinite() || !weights.allFinite())
     rejectInput("synergies, offsets and weights must be finite");
   if (!(weights.minCoeff() >= 0))
     rejectInput("synergy weight {} is not in [0, inf)", weights.minCoeff());
@@ -29,7 +29,7 @@ SynergyMap::SynergyMap(Eigen::MatrixXd S,
       rejectInput("motor range [{}, {}] rad is empty", range.lower, range.upper);
   }
   const Eigen::VectorXd root = weights.cwiseSqrt();
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> decomposed(root.asDiagonal() * S_);
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> decomposed(root.asDiagonal() * synergies_);
   decomposed.setThreshold(1e-9);
   if (decomposed.rank() < m) {
     rejectInput("{} synergies move {} joints in {} ways only", m, n, decomposed.rank());
@@ -48,7 +48,7 @@ void SynergyMap::command(std::span<const double> joint_rad,
                          std::span<double> residual_rad) {
   HANDGRAFT_REQUIRE(joint_rad.size() == jointCount() && residual_rad.size() == jointCount() &&
                     motor_rad.size() == motorCount());
-  const Eigen::Map<const Eigen::VectorXd> wanted(joint_rad.data(), S_.rows());
+  const Eigen::Map<const Eigen::VectorXd> wanted(joint_rad.data(), synergies_.rows());
   q_ = wanted - offset_;
   s_.noalias() = inverse_ * q_;
   for (std::size_t i = 0; i < motorCount(); ++i) {
@@ -56,24 +56,24 @@ void SynergyMap::command(std::span<const double> joint_rad,
     s = std::clamp(s, motors_[i].lower, motors_[i].upper);
     motor_rad[i] = s;
   }
-  q_.noalias() -= S_ * s_;
+  q_.noalias() -= synergies_ * s_;
   std::copy(q_.begin(), q_.end(), residual_rad.begin());
 }
 
 void SynergyMap::measure(std::span<const double> motor_rad, std::span<double> joint_rad) {
   HANDGRAFT_REQUIRE(joint_rad.size() == jointCount() && motor_rad.size() == motorCount());
-  const Eigen::Map<const Eigen::VectorXd> s(motor_rad.data(), S_.cols());
+  const Eigen::Map<const Eigen::VectorXd> s(motor_rad.data(), synergies_.cols());
   q_ = offset_;
-  q_.noalias() += S_ * s;
+  q_.noalias() += synergies_ * s;
   std::copy(q_.begin(), q_.end(), joint_rad.begin());
 }
 
 std::vector<Range> SynergyMap::motorRanges(std::span<const Range> joints) const {
   HANDGRAFT_REQUIRE(joints.size() == jointCount());
   std::vector<Range> ranges;
-  for (Eigen::Index i = 0; i < S_.cols(); ++i) {
+  for (Eigen::Index i = 0; i < synergies_.cols(); ++i) {
     Range sum;
-    for (Eigen::Index j = 0; j < S_.rows(); ++j) {
+    for (Eigen::Index j = 0; j < synergies_.rows(); ++j) {
       if (inverse_(i, j) == 0) continue;  // and its range may be infinite
       const Range& range = joints[static_cast<std::size_t>(j)];
       const double a = inverse_(i, j) * (range.lower - offset_[j]);
@@ -91,8 +91,8 @@ std::vector<double> SynergyMap::motorSpeeds(std::span<const Range> joints,
                                             std::span<const double> joint_speeds) const {
   HANDGRAFT_REQUIRE(joints.size() == jointCount() && joint_speeds.size() == jointCount());
   std::vector<double> speeds(motorCount());
-  for (Eigen::Index i = 0; i < S_.cols(); ++i) {
-    for (Eigen::Index j = 0; j < S_.rows(); ++j)
+  for (Eigen::Index i = 0; i < synergies_.cols(); ++i) {
+    for (Eigen::Index j = 0; j < synergies_.rows(); ++j)
       speeds[static_cast<std::size_t>(i)] +=
           std::abs(inverse_(i, j)) * joint_speeds[static_cast<std::size_t>(j)];
   }

@@ -27,11 +27,11 @@ class SynergyMap final : public MotorMap {
   static SynergyMap direct(const std::vector<Range>& joints);
 
   [[nodiscard]] std::size_t jointCount() const override {
-    return static_cast<std::size_t>(S_.rows());
+    return static_cast<std::size_t>(synergies_.rows());
   }
 
   [[nodiscard]] std::size_t motorCount() const override {
-    return static_cast<std::size_t>(S_.cols());
+    return static_cast<std::size_t>(synergies_.cols());
   }
 
   void command(std::span<const double> joint_rad,
@@ -43,7 +43,7 @@ class SynergyMap final : public MotorMap {
       std::span<const Range> joints, std::span<const double> joint_speeds) const override;
 
  private:
-  Eigen::MatrixXd S_, inverse_;
+  Eigen::MatrixXd synergies_, inverse_;
   Eigen::VectorXd offset_;
   std::vector<Range> motors_;
   Eigen::VectorXd q_, s_;

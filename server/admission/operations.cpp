@@ -71,7 +71,7 @@ constexpr Rule kRules[] = {
        putFile(c.body().put_file(), c.sender, c.context);
      }>},
     {v1::OP_LOAD_MODEL, Lane::kPool, Leaves::kModel, kDone<[](const Call& c, Body& reply) {
-       reply.models(loadModel(c.body().load_model(), c.sender, c.context, c.request_key(), c.progress));
+       reply.models(loadModel(c.body().load_model(), c.sender, c.context, c.requestKey(), c.progress));
      }>},
     {v1::OP_LIST_MODELS, Lane::kQuick, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
        reply.models(listModels(c.context));
@@ -80,23 +80,23 @@ constexpr Rule kRules[] = {
        reply.model(describeModel(c.body().describe_model(), c.context, c.progress));
      }>},
     {v1::OP_UNLOAD_MODEL, Lane::kQuick, Leaves::kItsEnd, kDone<[](const Call& c, Body&) {
-       unloadModel(c.body().unload_model(), c.context, c.request_key());
+       unloadModel(c.body().unload_model(), c.context, c.requestKey());
      }>},
     {v1::OP_POSE_CONTACTS, Lane::kPool, Leaves::kModel, kDone<[](const Call& c, Body& reply) {
-       reply.models(contactsOfPose(c.body().pose_contacts(), c.context, c.request_key(), c.progress));
+       reply.models(contactsOfPose(c.body().pose_contacts(), c.context, c.requestKey(), c.progress));
      }>},
     {v1::OP_MAKE_VARIANT, Lane::kPool, Leaves::kModel, kDone<[](const Call& c, Body& reply) {
-       reply.models(makeVariant(c.body().variant(), c.context, c.request_key()));
+       reply.models(makeVariant(c.body().variant(), c.context, c.requestKey()));
      }>},
     {v1::OP_SWEEP, Lane::kPool, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
        reply.sweep(sweepHand(c.body().sweep(), c.context, c.progress));
      }>},
 
     {v1::OP_OPEN_SESSION, Lane::kPool, Leaves::kSession, kDone<[](const Call& c, Body& reply) {
-       reply.session(openSession(c.body().open_session(), c.context, c.request_key(), c.progress));
+       reply.session(openSession(c.body().open_session(), c.context, c.requestKey(), c.progress));
      }>},
     {v1::OP_LOAD_SESSION, Lane::kPool, Leaves::kSession, kDone<[](const Call& c, Body& reply) {
-       reply.session(loadSession(c.body().load_session(), c.context, c.request_key(), c.progress));
+       reply.session(loadSession(c.body().load_session(), c.context, c.requestKey(), c.progress));
      }>},
     {v1::OP_REPLAY, Lane::kPool, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
        reply.replay(replaySession(c.body().replay(), c.context, c.progress));
@@ -108,7 +108,7 @@ constexpr Rule kRules[] = {
        reply.sessions(listSessions(c.context));
      }>},
     {v1::OP_CLOSE_SESSION, Lane::kSession, Leaves::kItsEnd, kDone<[](const Call& c, Body&) {
-       closeSession(c.live(), c.context, c.request_key());
+       closeSession(c.live(), c.context, c.requestKey());
      }>},
     {v1::OP_SESSION_SETTINGS, Lane::kSession, Leaves::kNothing, kDone<[](const Call& c, Body& reply) {
        reply.settings(sessionSettings(c.live()));
@@ -179,7 +179,7 @@ Lane laneOf(v1::Operation operation) {
   return ruleOf(operation).lane;
 }
 
-RequestKey Call::request_key() const {
+RequestKey Call::requestKey() const {
   RequestKey request_key = requestKeyOf(sender, request.client(), request.request_id());
   request_key.who = who();
   return request_key;
@@ -203,7 +203,7 @@ std::optional<Body> replyBefore(const Call& call) {
   const v1::Operation operation = call.body()._d();
   const Leaves leaves = ruleOf(operation).leaves;
   if (call.context.state == nullptr || leaves == Leaves::kNothing) return std::nullopt;
-  const auto kept = call.context.state->request(call.request_key());
+  const auto kept = call.context.state->request(call.requestKey());
   if (!kept) return std::nullopt;
   Body reply = emptyBody();
   if (leaves == Leaves::kSession) {

@@ -33,7 +33,7 @@ struct Call {
   [[nodiscard]] LiveSession& live() const { return *session; }
 
   /// The request, as the store tells it from others, and who asked.
-  [[nodiscard]] RequestKey request_key() const;
+  [[nodiscard]] RequestKey requestKey() const;
 
   [[nodiscard]] Who who() const;
 };

@@ -131,7 +131,7 @@ bool StrandPool::allAreLongAtWork() const {
 }
 
 StrandPool::Next StrandPool::take() {
-  const auto takeFrom = [](std::deque<std::function<void()>>& queue) {
+  const auto take_from = [](std::deque<std::function<void()>>& queue) {
     std::function<void()> task = std::move(queue.front());
     queue.pop_front();
     return task;
@@ -139,8 +139,8 @@ StrandPool::Next StrandPool::take() {
   const bool is_idle_due = !idle_.empty() && Clock::now() - idle_.front().posted >= patience_;
   const bool others_wait = !others_.empty() || is_idle_due;
   if (!short_.empty() && (!others_wait || short_ahead_ <= Clock::duration::zero()))
-    return {Kind::kShort, takeFrom(short_)};
-  if (!others_.empty() && !is_idle_due) return {Kind::kOther, takeFrom(others_)};
+    return {Kind::kShort, take_from(short_)};
+  if (!others_.empty() && !is_idle_due) return {Kind::kOther, take_from(others_)};
   Next next{Kind::kOther, std::move(idle_.front().run)};
   idle_.pop_front();
   return next;

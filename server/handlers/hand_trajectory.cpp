@@ -16,16 +16,16 @@ namespace handgraft::server {
 
 namespace {
 
-constexpr double kMostOften_s = 1e-3;
-constexpr double kLeastOften_s = 10.0;
+constexpr double kMostOften = 1e-3;
+constexpr double kLeastOften = 10.0;
 
 demonstration::PosedMotionOptions optionsFrom(const io::HandTrajectoryPlan& plan) {
   demonstration::PosedMotionOptions options;
   if (plan.reach_m) options.reach = reachFrom(*plan.reach_m);
   if (!plan.every_s) return options;
-  if (!(*plan.every_s >= kMostOften_s && *plan.every_s <= kLeastOften_s)) {
+  if (!(*plan.every_s >= kMostOften && *plan.every_s <= kLeastOften)) {
     rejectInput("contacts are cut every {} s; permitted are {} to {}", *plan.every_s,
-                kMostOften_s, kLeastOften_s);
+                kMostOften, kLeastOften);
   }
   options.every_s = *plan.every_s;
   return options;

@@ -60,12 +60,12 @@ session::TimedEdit timedEdit(LiveSession& live,
   if (!(when.time_s() >= 0.0 && when.time_s() <= end_s))
     rejectInput("time of the edit: {} s; motion {} has 0 to {:.6g} s", when.time_s(),
                 handgraft::quoted(motion.name), end_s);
-  if (!(when.falloff_s() >= 0.0 && when.falloff_s() <= session::kLongestFalloff_s))
+  if (!(when.falloff_s() >= 0.0 && when.falloff_s() <= session::kLongestFalloff))
     rejectInput("falloff of the edit: {} s; permitted are 0 to {} s", when.falloff_s(),
-                session::kLongestFalloff_s);
+                session::kLongestFalloff);
   const std::vector<double>& time_s = motion.motion->time_s;
   const int frame = session::frameNearest(time_s, timed.when.time_s);
-  const auto answerAt = [&](int k) -> const hand::HandPose& {
+  const auto answer_at = [&](int k) -> const hand::HandPose& {
     return solvedOf(live).trajectory.poses[static_cast<std::size_t>(k)];
   };
   const hand::HandModel& model = *live.session().hand().model;
@@ -75,12 +75,12 @@ session::TimedEdit timedEdit(LiveSession& live,
         inverse(motion.motion->X_WO[static_cast<std::size_t>(frame)]) * drag->target_W;
     timed.change =
         session::dragWayOf(*drag, timed.when, time_s, target_O, [&](int k) -> Eigen::Vector3d {
-          return hand::forwardKinematics(model, answerAt(k))[static_cast<std::size_t>(link)] *
+          return hand::forwardKinematics(model, answer_at(k))[static_cast<std::size_t>(link)] *
                  drag->p_L;
         });
   } else if (const auto* lock = std::get_if<session::JointLockEdit>(&edit)) {
     session::JointLockEdit held = *lock;
-    if (held.locked) held.value = answerAt(frame).q[model.dofIndex(held.joint)];
+    if (held.locked) held.value = answer_at(frame).q[model.dofIndex(held.joint)];
     timed.change = held;
   } else if (!takeChange(edit, timed.change)) {
     rejectInput(
@@ -100,7 +100,7 @@ std::optional<v1::EditTime> timeOfWholeEdit(LiveSession& live, const session::Ed
     if (track.name != *patch) continue;
     v1::EditTime when;
     when.time_s(motion.time_s[static_cast<std::size_t>(track.begin())] - motion.time_s.front());
-    when.falloff_s(session::kLongestFalloff_s);
+    when.falloff_s(session::kLongestFalloff);
     return when;
   }
   return std::nullopt;

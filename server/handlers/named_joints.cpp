@@ -101,7 +101,7 @@ std::vector<std::string> beyondLimits(const hand::HandModel& model,
   std::stable_sort(found.begin(), found.end(), [](const Beyond& a, const Beyond& b) {
     return a.by > b.by;
   });
-  const auto nameOf = [&](const Beyond& one) {
+  const auto name_of = [&](const Beyond& one) {
     return handgraft::quoted(model.dofJoint(one.dof).name);
   };
   const Beyond& most = found.front();
@@ -110,11 +110,11 @@ std::vector<std::string> beyondLimits(const hand::HandModel& model,
                         std::abs(most.value) > 2.0 * std::numbers::pi;
   std::string note =
       fmt::format("joint {}: {:.4g} is beyond its limits {:.4g} to {:.4g}; taken as it is{}",
-                  nameOf(most), most.value, model.lower()[most.dof], model.upper()[most.dof],
+                  name_of(most), most.value, model.lower()[most.dof], model.upper()[most.dof],
                   is_turns ? "; angles are radians, not degrees" : "");
   std::vector<std::string> others;
   for (std::size_t i = 1; i < found.size(); ++i)
-    others.push_back(nameOf(found[i]));
+    others.push_back(name_of(found[i]));
   if (!others.empty()) note += fmt::format("; so are {}", fmt::join(others, ", "));
   return {note};
 }

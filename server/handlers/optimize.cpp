@@ -116,8 +116,8 @@ v1::PoseSolution diagnoseNow(LiveSession& live, const Progress& progress) {
 
 /// Unless the pose is outdated by then.
 void diagnoseLater(LiveSession& live) {
-  const auto diagnoseIt = [self = live.shared_from_this(),
-                           pose = std::weak_ptr<UndiagnosedPose>(live.cycle().undiagnosed())] {
+  const auto diagnose_it = [self = live.shared_from_this(),
+                            pose = std::weak_ptr<UndiagnosedPose>(live.cycle().undiagnosed())] {
     const auto mine = pose.lock();
     if (!mine || mine != self->cycle().undiagnosed() || self->isClosed()) return;
     try {
@@ -127,7 +127,7 @@ void diagnoseLater(LiveSession& live) {
                 handgraft::quoted(error.what()));
     }
   };
-  live.strand().postIdleFromTask(diagnoseIt);
+  live.strand().postIdleFromTask(diagnose_it);
 }
 
 /// Solves, publishes better poses on the way, takes the answer and publishes it.
@@ -221,13 +221,13 @@ std::optional<v1::PoseSolution> optimizePose(LiveSession& live,
   // A minimum that was chosen stands until somebody asks for another search.
   const bool stands = request.options().empty() && live.session().chosenMinimum() > 0 &&
                       !live.session().needsSolve();
-  const auto solveAsAsked = [&] {
+  const auto solve_as_asked = [&] {
     const session::SolverSettings solving = request.options().empty()
                                                 ? live.session().document().solving
                                                 : solverSettingsFrom(request.options().front());
     return solve(live, solving, false, context, progress);
   };
-  const SolveEnd end = stands ? publishCurrentSolution(live, progress) : solveAsAsked();
+  const SolveEnd end = stands ? publishCurrentSolution(live, progress) : solve_as_asked();
   if (end == SolveEnd::kCutShort) return std::nullopt;
   requireDone(end, live);
   return diagnoseNow(live, progress);
@@ -237,7 +237,7 @@ SolveEnd solveAsItStands(LiveSession& live, HandlerContext& context, const Progr
   const session::Session& session = live.session();
   // Beside a motion that follows edits, the grasp that stands for it is shown as it is: a
   // search would move the prior of the motion, too.
-  const auto solveFromThere = [&] {
+  const auto solve_from_there = [&] {
     session::SolverSettings solving = session.document().solving;
     const bool follows = session.document().start_is_known;
     if (follows && solving.starts == optimize::kDefaultStarts && !solving.paper) {
@@ -247,7 +247,7 @@ SolveEnd solveAsItStands(LiveSession& live, HandlerContext& context, const Progr
   };
   const SolveEnd end = !session.needsSolve() || followsEdits(live)
                            ? publishCurrentSolution(live, progress)
-                           : solveFromThere();
+                           : solve_from_there();
   if (end == SolveEnd::kDone) diagnoseLater(live);
   return end;
 }

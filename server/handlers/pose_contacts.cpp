@@ -89,13 +89,13 @@ std::string contentOf(const v1::PoseContactsRequest& request,
 }  // namespace
 
 contact::PoseContactOptions reachFrom(double reach_m) {
-  constexpr double kShortestReach_m = 1e-4;
-  constexpr double kLongestReach_m = 0.1;
+  constexpr double kShortestReach = 1e-4;
+  constexpr double kLongestReach = 0.1;
   contact::PoseContactOptions options;
   if (reach_m == 0.0) return options;
-  if (!(reach_m >= kShortestReach_m && reach_m <= kLongestReach_m)) {
-    rejectInput("reach is {} m; permitted are {} to {}", reach_m, kShortestReach_m,
-                kLongestReach_m);
+  if (!(reach_m >= kShortestReach && reach_m <= kLongestReach)) {
+    rejectInput("reach is {} m; permitted are {} to {}", reach_m, kShortestReach,
+                kLongestReach);
   }
   options.reach_m = reach_m;
   return options;

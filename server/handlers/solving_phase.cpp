@@ -11,7 +11,7 @@ SolveEnd runInPhase(LiveSession& live,
                     Preemption patience,
                     const Progress& progress,
                     const SolvingStep& step) {
-  const auto enterAndStep = [&](SolveCycle::Run& run) {
+  const auto enter_and_step = [&](SolveCycle::Run& run) {
     live.enter(phase);
     const Progress told(run.progress(), [&](std::string_view stage, double fraction) {
       live.advance(stage, fraction);
@@ -21,7 +21,7 @@ SolveEnd runInPhase(LiveSession& live,
   };
   SolveEnd end = SolveEnd::kDone;
   try {
-    end = live.cycle().run(progress, patience, enterAndStep);
+    end = live.cycle().run(progress, patience, enter_and_step);
   } catch (const std::exception& error) {
     live.enter(v1::PHASE_FAILED, error.what());
     throw;

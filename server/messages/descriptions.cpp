@@ -320,7 +320,7 @@ v1::ContactsDescription describe(const StoredContacts& contacts, bool with_meshe
 
 v1::MotionDescription describe(const StoredMotion& stored, bool with_file) {
   const manipulation::Motion& motion = *stored.motion;
-  const auto sinceBegin = [&](int frame) {
+  const auto since_begin = [&](int frame) {
     return motion.time_s[static_cast<std::size_t>(std::min(frame, motion.frameCount() - 1))] -
            motion.time_s.front();
   };
@@ -335,8 +335,8 @@ v1::MotionDescription describe(const StoredMotion& stored, bool with_file) {
     presence.patch(track.name);
     presence.begin(static_cast<std::uint32_t>(track.begin()));
     presence.end(static_cast<std::uint32_t>(track.end));
-    presence.begin_s(sinceBegin(track.begin()));
-    presence.end_s(sinceBegin(track.end));
+    presence.begin_s(since_begin(track.begin()));
+    presence.end_s(since_begin(track.end));
     message.presence().push_back(std::move(presence));
   }
   if (with_file) {

@@ -43,7 +43,7 @@ v1::Penetration penetrationMessage(const session::Session& session,
                                    const hand::HandPose& pose,
                                    const Progress& progress) {
   const hand::HandModel& model = *session.hand().model;
-  const auto nameOf = [&model](int link) {
+  const auto name_of = [&model](int link) {
     return model.links()[static_cast<std::size_t>(link)].name;
   };
   const quality::Penetration found = verdict::penetrationOf(session, pose, progress);
@@ -53,14 +53,14 @@ v1::Penetration penetrationMessage(const session::Session& session,
   message.volume_m3(found.volume_m3);
   for (const quality::LinkDepth& depth : found.links) {
     v1::LinkDepth one;
-    one.link(nameOf(depth.link));
+    one.link(name_of(depth.link));
     one.depth_m(depth.depth_m);
     message.links().push_back(one);
   }
   message.self_depth_m(found.self_depth_m);
   if (found.self_depth_m > 0.0) {
     for (const int link : found.self_links)
-      message.self_links().push_back(nameOf(link));
+      message.self_links().push_back(name_of(link));
   }
   return message;
 }

@@ -4,6 +4,8 @@
 #include <set>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "core/base/error.h"
 #include "core/contact/threshold.h"
 #include "core/hand/mirror.h"
@@ -60,7 +62,7 @@ void requireMetres(const hand::HandModel& model) {
   static const std::set<std::string> kPrimitives = {"box", "cylinder", "sphere"};
   const auto require = [](const hand::Link& link, const hand::Shape& shape) {
     const double size = shape.mesh_L.diagonal();
-    if (!(size > kLargestUnasked_m) || kPrimitives.count(shape.source) != 0) return;
+    if (!(size > kLargestUnasked) || kPrimitives.count(shape.source) != 0) return;
     rejectInput(
         "link {}: mesh {} is {:.4g} m across, and a URDF is in metres; write "
         "scale=\"0.001 0.001 0.001\" at the mesh if its file is in millimetres, or load the "
@@ -182,6 +184,12 @@ ReadContacts readContacts(const ReadRequest& request) {
   }
   ReadContacts read;
   read.set = io::readContactSet(path, *how.object);
+  if (!how.joints_uri.empty()) {
+    read.set.notes.push_back(fmt::format(
+        "the hand's joints ({}) are not used: they name the areas of a map, and {} is a set, "
+        "whose patches have their names",
+        handgraft::quoted(how.joints_uri), handgraft::quoted(request.main_uri)));
+  }
   return read;
 }
 

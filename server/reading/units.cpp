@@ -16,8 +16,8 @@ namespace {
 /// By likelihood, metres apart.
 constexpr std::array<std::string_view, 3> kOthers{"mm", "cm", "in"};
 
-constexpr double kSmallestObject_m = 0.001;
-constexpr double kLargestObject_m = 10.0;
+constexpr double kSmallestObject = 0.001;
+constexpr double kLargestObject = 10.0;
 
 std::string lengthText(double length_m) {
   return length_m < 1.0 ? fmt::format("{:.3g} mm", 1e3 * length_m)
@@ -65,12 +65,12 @@ double metresPer(const std::string& units) {
 
 double objectScale(double size, const std::string& units, const std::string& name) {
   const double scale = metresPer(units);
-  if (units.empty() && size > kLargestUnasked_m) doubt(size, name);
+  if (units.empty() && size > kLargestUnasked) doubt(size, name);
   const double size_m = scale * size;
-  if (!(size_m >= kSmallestObject_m && size_m <= kLargestObject_m)) {
+  if (!(size_m >= kSmallestObject && size_m <= kLargestObject)) {
     rejectInput("{}: {} across{}; permitted are {} to {}", name, lengthText(size_m),
                 units.empty() ? " as metres" : " in the units given, " + units,
-                lengthText(kSmallestObject_m), lengthText(kLargestObject_m));
+                lengthText(kSmallestObject), lengthText(kLargestObject));
   }
   return scale;
 }
@@ -94,7 +94,7 @@ MapScale mapScale(double size,
                              lengthText(object_m))};
   }
   if (!units.empty()) return {own, ""};
-  if (size > kLargestUnasked_m) doubt(size, name);
+  if (size > kLargestUnasked) doubt(size, name);
   return {1.0, ""};
 }
 

@@ -69,11 +69,11 @@ class Conversation {
 
  private:
   void wait(bool ended) {
-    constexpr int kGlance_ms = 50;
-    constexpr int kShort_ms = 5;  // its end is no event of the pipes, if others hold them
+    constexpr int kGlanceMs = 50;
+    constexpr int kShortMs = 5;  // its end is no event of the pipes, if others hold them
     std::array<pollfd, 2> pipes{{{out_open_ ? child_.out().get() : -1, POLLIN, 0},
                                  {err_open_ ? child_.err().get() : -1, POLLIN, 0}}};
-    poll(pipes.data(), pipes.size(), ended ? 0 : (out_open_ ? kGlance_ms : kShort_ms));
+    poll(pipes.data(), pipes.size(), ended ? 0 : (out_open_ ? kGlanceMs : kShortMs));
   }
 
   std::optional<Frame> hear() {

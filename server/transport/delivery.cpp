@@ -17,6 +17,7 @@ namespace eprosima::fastrtps::rtps {
 /// As src/cpp/rtps/RTPSDomainImpl.hpp of 2.9.1 has it.
 class RTPSDomainImpl {
  public:
+  // NOLINTNEXTLINE(readability-identifier-naming): Fast DDS' name
   static RTPSWriter* find_local_writer(const GUID_t& writer_guid);
 };
 

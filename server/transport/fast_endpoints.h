@@ -50,18 +50,18 @@ template <class Message>
 struct SupportOf;
 
 // clang-format off
-template <> struct SupportOf<v1::Request> { using type = v1::RequestPubSubType; };
-template <> struct SupportOf<v1::Reply> { using type = v1::ReplyPubSubType; };
-template <> struct SupportOf<v1::Progress> { using type = v1::ProgressPubSubType; };
-template <> struct SupportOf<v1::Edit> { using type = v1::EditPubSubType; };
-template <> struct SupportOf<v1::DemonstratorFrame> { using type = v1::DemonstratorFramePubSubType; };
-template <> struct SupportOf<v1::MotionFrames> { using type = v1::MotionFramesPubSubType; };
-template <> struct SupportOf<v1::MotionClock> { using type = v1::MotionClockPubSubType; };
-template <> struct SupportOf<v1::EditReply> { using type = v1::EditReplyPubSubType; };
-template <> struct SupportOf<v1::PoseSolution> { using type = v1::PoseSolutionPubSubType; };
-template <> struct SupportOf<v1::SessionState> { using type = v1::SessionStatePubSubType; };
-template <> struct SupportOf<v1::ServerStatus> { using type = v1::ServerStatusPubSubType; };
-template <> struct SupportOf<sensor_msgs::msg::dds_::JointState_> { using type = sensor_msgs::msg::dds_::JointState_PubSubType; };
+template <> struct SupportOf<v1::Request> { using Type = v1::RequestPubSubType; };
+template <> struct SupportOf<v1::Reply> { using Type = v1::ReplyPubSubType; };
+template <> struct SupportOf<v1::Progress> { using Type = v1::ProgressPubSubType; };
+template <> struct SupportOf<v1::Edit> { using Type = v1::EditPubSubType; };
+template <> struct SupportOf<v1::DemonstratorFrame> { using Type = v1::DemonstratorFramePubSubType; };
+template <> struct SupportOf<v1::MotionFrames> { using Type = v1::MotionFramesPubSubType; };
+template <> struct SupportOf<v1::MotionClock> { using Type = v1::MotionClockPubSubType; };
+template <> struct SupportOf<v1::EditReply> { using Type = v1::EditReplyPubSubType; };
+template <> struct SupportOf<v1::PoseSolution> { using Type = v1::PoseSolutionPubSubType; };
+template <> struct SupportOf<v1::SessionState> { using Type = v1::SessionStatePubSubType; };
+template <> struct SupportOf<v1::ServerStatus> { using Type = v1::ServerStatusPubSubType; };
+template <> struct SupportOf<sensor_msgs::msg::dds_::JointState_> { using Type = sensor_msgs::msg::dds_::JointState_PubSubType; };
 
 // clang-format on
 
@@ -76,8 +76,8 @@ struct Taken : Message {
 /// would be offered again. What Fast DDS carries as void* is a Message*, of a Taken where it is
 /// read; so a participant, which knows a topic by one type support, may write and read it.
 template <class Message>
-class HardenedType final : public SupportOf<Message>::type {
-  using Base = typename SupportOf<Message>::type;
+class HardenedType final : public SupportOf<Message>::Type {
+  using Base = typename SupportOf<Message>::Type;
 
  public:
   bool deserialize(eprosima::fastrtps::rtps::SerializedPayload_t* payload,

@@ -35,7 +35,7 @@ constexpr std::uint32_t kHandshake = 12'000;
 // So much goes out at once there, and every so often: more than a gigabit carries is lost in
 // buffers on the way.
 constexpr std::int32_t kBurst = 50'000;
-constexpr std::uint64_t kBurstPeriod_ms = 2;
+constexpr std::uint64_t kBurstPeriodMs = 2;
 
 /// Fast DDS' own plugins, told who this is.
 void secure(const idl::security::Identity& identity, dds::DomainParticipantQos& qos) {
@@ -78,7 +78,7 @@ dds::DomainParticipantQos participantQos(const Network& network,
     const auto pace = std::make_shared<eprosima::fastdds::rtps::FlowControllerDescriptor>();
     pace->name = kPace;
     pace->max_bytes_per_period = kBurst;
-    pace->period_ms = kBurstPeriod_ms;
+    pace->period_ms = kBurstPeriodMs;
     qos.flow_controllers().push_back(pace);
   }
   auto& protocol = qos.wire_protocol();

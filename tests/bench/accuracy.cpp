@@ -19,7 +19,7 @@ using geometry::LogMapMethod;
 using geometry::SurfacePoint;
 using geometry::TriangleMesh;
 
-constexpr double kAtSource_m = 1e-9;
+constexpr double kAtSource = 1e-9;
 
 /// Sums up what Accuracy holds means of.
 class Sum {
@@ -30,7 +30,7 @@ class Sum {
     std::vector<double> turns;
     std::complex<double> heading;
     for (int v = 0; v < truth.r.size(); ++v) {
-      if (truth.r[v] < kAtSource_m || truth.r[v] > radius) continue;
+      if (truth.r[v] < kAtSource || truth.r[v] > radius) continue;
       if (std::isnan(map.r[v])) {
         // What lies on the rim may be outside by rounding.
         accuracy_.missing += truth.r[v] < (1.0 - kRim) * radius ? 1 : 0;

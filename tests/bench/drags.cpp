@@ -28,11 +28,11 @@ namespace fs = std::filesystem;
 using Eigen::Vector3d;
 using session::Session;
 
-constexpr double kTurn = 0.25;          // rad, of a finger's joints either way
-constexpr double kLeast_m = 0.003;      // of a drag
-constexpr double kClearance_m = 0.003;  // of the pad's place from the object: it is pulled off
-constexpr double kHeld_m = 0.002;       // off its target at most
-constexpr int kStartsAfterEdit = 2;     // as the server's (handlers/optimize.cpp)
+constexpr double kTurn = 0.25;        // rad, of a finger's joints either way
+constexpr double kLeast = 0.003;      // of a drag
+constexpr double kClearance = 0.003;  // of the pad's place from the object: it is pulled off
+constexpr double kHeld = 0.002;       // off its target at most
+constexpr int kStartsAfterEdit = 2;   // as the server's (handlers/optimize.cpp)
 constexpr int kTriesForATarget = 200;
 
 struct Arguments {
@@ -132,8 +132,8 @@ class Dragging {
       }
       pose.q = pose.q.cwiseMax(model.lower()).cwiseMin(model.upper());
       const Vector3d p_W = placeOf(tip, pose);
-      if ((p_W - before_W).norm() < kLeast_m) continue;
-      if (distance_.at(p_W).distance < kClearance_m) continue;
+      if ((p_W - before_W).norm() < kLeast) continue;
+      if (distance_.at(p_W).distance < kClearance) continue;
       return p_W;
     }
     return std::nullopt;
@@ -230,7 +230,7 @@ void run(const Arguments& arguments) {
     }
     const auto beyond = [](const std::vector<double>& values) {
       return std::count_if(values.begin(), values.end(), [](double value) {
-        return value > kHeld_m;
+        return value > kHeld;
       });
     };
     const auto most = [](const std::vector<double>& values) {

@@ -29,7 +29,7 @@ using geometry::SurfacePoint;
 using geometry::TriangleMesh;
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kPatch_m = 0.02;
+constexpr double kPatch = 0.02;
 constexpr double kSphereRadius = 0.2 * kPi;  // of the disk on the unit sphere
 constexpr double kDiskVertices = 1000.0;     // where the disk is the same on every mesh
 constexpr LogMapMethod kDirect[] = {LogMapMethod::kFast, LogMapMethod::kExact};
@@ -101,7 +101,7 @@ void measureHand(const SpeedOptions& options, SpeedReport& report) {
   const hand::HandModel model = io::readUrdf(options.hand).model;
   const hand::Skin skin = skinOfSize(model, options.vertices, options.cache);
   DiskTask task{"skin of " + model.name(), &skin.mesh(), rootsOn(model, skin, options.roots),
-                kPatch_m, options.repeats};
+                kPatch, options.repeats};
   for (const LogMapMethod method : kAll)
     report.disks.push_back(measureDisk(task, method));
   report.disks.push_back(measureCgalCut(task));
@@ -130,7 +130,7 @@ void measureSpheres(const SpeedOptions& options, SpeedReport& report) {
   std::vector<TriangleMesh> spheres;
   for (int n = std::max(1, options.subdivisions - 3); n <= options.subdivisions; ++n)
     spheres.push_back(geometry::makeSphere(1.0, n));
-  const auto taskOn = [&](const TriangleMesh& sphere, double radius) {
+  const auto task_on = [&](const TriangleMesh& sphere, double radius) {
     return DiskTask{"unit sphere", &sphere, drawRoots(sphere, std::min(options.roots, 10)),
                     radius, options.repeats};
   };
@@ -138,16 +138,16 @@ void measureSpheres(const SpeedOptions& options, SpeedReport& report) {
     std::vector<DiskSpeed> same_radius;
     std::vector<DiskSpeed> same_disk;
     for (const TriangleMesh& sphere : spheres) {
-      same_radius.push_back(measureDisk(taskOn(sphere, kSphereRadius), method));
+      same_radius.push_back(measureDisk(task_on(sphere, kSphereRadius), method));
       // A cap's area is 2 pi (1 - cos r) of 4 pi.
       const double share = std::min(0.2, kDiskVertices / sphere.vertexCount());
-      same_disk.push_back(measureDisk(taskOn(sphere, std::acos(1.0 - 2.0 * share)), method));
+      same_disk.push_back(measureDisk(task_on(sphere, std::acos(1.0 - 2.0 * share)), method));
     }
     report.disks.push_back(same_radius.back());
     report.growths.push_back(growthOf("vertices, 0.2 pi", same_radius, verticesOf));
     report.growths.push_back(growthOf("vertices, equal disks", same_disk, verticesOf));
   }
-  DiskTask few = taskOn(spheres.back(), kSphereRadius);
+  DiskTask few = task_on(spheres.back(), kSphereRadius);
   few.roots.resize(static_cast<std::size_t>(std::min(options.roots, options.whole_roots)));
   few.repeats = 1;
   report.disks.push_back(measureCgalCut(few));

@@ -25,10 +25,10 @@ constexpr double kTie = 1e-9;      // of the way round: both ways are right, phi
 constexpr double kShake = 0.3;     // of an edge
 constexpr double kStretch = 10.0;  // of an anisotropic cell
 constexpr int kSides = 24;         // of prism and pyramid; even
-constexpr double kPlaneSide_m = 1.0;
-constexpr double kPrismHeight_m = 3.0;  // its corners stand 1 m off the axis
-constexpr double kSlant_m = 1.5;        // of the pyramid's ridges
-constexpr double kConeSine = 0.6;       // of half the angle at its apex
+constexpr double kPlaneSide = 1.0;
+constexpr double kPrismHeight = 3.0;  // its corners stand 1 m off the axis
+constexpr double kSlant = 1.5;        // of the pyramid's ridges
+constexpr double kConeSine = 0.6;     // of half the angle at its apex
 
 // === Grids that become developable polyhedra
 
@@ -53,7 +53,7 @@ Grid makeGrid(int columns,
   Grid grid{columns, rows, {}, {}};
   const bool apex = apex_angle > 0.0;
   const int per_row = wrap ? columns : columns + 1;
-  const auto vertexAt = [&](int column, int row) {
+  const auto vertex_at = [&](int column, int row) {
     if (wrap) column %= columns;
     return apex ? std::max(0, 1 + (row - 1) * per_row + column * (row > 0 ? 1 : 0))
                 : row * per_row + column;
@@ -77,10 +77,10 @@ Grid makeGrid(int columns,
   }
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
-      const int a = vertexAt(column, row);
-      const int b = vertexAt(column + 1, row);
-      const int c = vertexAt(column + 1, row + 1);
-      const int d = vertexAt(column, row + 1);
+      const int a = vertex_at(column, row);
+      const int b = vertex_at(column + 1, row);
+      const int c = vertex_at(column + 1, row + 1);
+      const int d = vertex_at(column, row + 1);
       // The longer diagonal of a slanted cell leaves two obtuse faces.
       const bool rising = version == "obtuse" ? column % 2 == 0 : (random() & 1U) != 0;
       if (a == b) {
@@ -235,10 +235,10 @@ MeasuredSurface measured(std::string surface,
 }
 
 MeasuredSurface makePlane(int vertex_count, const std::string& version) {
-  const auto [columns, rows] = cellsOf(vertex_count, kPlaneSide_m, kPlaneSide_m, 2, version);
+  const auto [columns, rows] = cellsOf(vertex_count, kPlaneSide, kPlaneSide, 2, version);
   const Grid grid = makeGrid(columns, rows, columns, false, 0.0, version);
-  const double width = kPlaneSide_m / columns;
-  const double height = kPlaneSide_m / rows;
+  const double width = kPlaneSide / columns;
+  const double height = kPlaneSide / rows;
   const auto flatten = [=](const Eigen::Vector2d& p) {
     return Eigen::Vector2d(p.x() * width, p.y() * height);
   };
@@ -252,9 +252,9 @@ MeasuredSurface makePlane(int vertex_count, const std::string& version) {
 
 MeasuredSurface makePrism(int vertex_count, const std::string& version) {
   const double period = 2.0 * kSides * std::sin(kPi / kSides);
-  const auto [columns, rows] = cellsOf(vertex_count, period, kPrismHeight_m, kSides, version);
+  const auto [columns, rows] = cellsOf(vertex_count, period, kPrismHeight, kSides, version);
   const int per_side = columns / kSides;
-  const double height = kPrismHeight_m / rows;
+  const double height = kPrismHeight / rows;
   const auto ridge = [](int k) {
     const double angle = 2.0 * kPi * (k % kSides) / kSides;
     return Eigen::Vector2d(std::cos(angle), std::sin(angle));
@@ -286,17 +286,17 @@ MeasuredSurface makePyramid(int vertex_count,
   const double side_angle = 2.0 * std::asin(kConeSine * std::sin(kPi / kSides));
   const double period = kSides * side_angle;
   const auto [columns, rows] =
-      cellsOf(vertex_count, 0.5 * period * kSlant_m, kSlant_m, kSides, version);
+      cellsOf(vertex_count, 0.5 * period * kSlant, kSlant, kSides, version);
   const int per_side = columns / kSides;
   const auto ridge = [](int k) {
     const double angle = 2.0 * kPi * (k % kSides) / kSides;
     return Eigen::Vector3d(kConeSine * std::cos(angle), kConeSine * std::sin(angle),
                            std::sqrt(1.0 - kConeSine * kConeSine));
   };
-  const auto flatten = [=, height = kSlant_m / rows](const Eigen::Vector2d& p) {
+  const auto flatten = [=, height = kSlant / rows](const Eigen::Vector2d& p) {
     return Eigen::Vector2d(p.x() * period / columns, p.y() * height);
   };
-  const auto bend = [=, height = kSlant_m / rows](const Eigen::Vector2d& p) {
+  const auto bend = [=, height = kSlant / rows](const Eigen::Vector2d& p) {
     const auto [k, t] = sideAt(p.x(), per_side);
     const Eigen::Vector3d middle = (ridge(k) + ridge(k + 1)).normalized();
     const Eigen::Vector3d across = (ridge(k + 1) - ridge(k)).normalized();
@@ -309,7 +309,7 @@ MeasuredSurface makePyramid(int vertex_count,
       develop(grid, Chart::kSector, period, flatten, bend, version));
   MeasuredSurface pyramid = measured(std::move(name), version, sheet);
   pyramid.may_start = [](const Eigen::Vector3d& p) {
-    return p.norm() > 0.4 * kSlant_m && p.norm() < 0.8 * kSlant_m;
+    return p.norm() > 0.4 * kSlant && p.norm() < 0.8 * kSlant;
   };
   pyramid.radius = [sheet, share](const SurfacePoint& source) {
     return share * positionOf(sheet->mesh, source).norm();

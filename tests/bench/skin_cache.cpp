@@ -16,8 +16,8 @@ namespace {
 
 constexpr double kCloseEnough = 0.03;  // share of the vertices
 constexpr int kTries = 6;
-constexpr double kShortestEdge_m = 5e-4;  // permitted by SkinOptions
-constexpr double kLongestEdge_m = 0.05;
+constexpr double kShortestEdge = 5e-4;  // permitted by SkinOptions
+constexpr double kLongestEdge = 0.05;
 
 }  // namespace
 
@@ -37,11 +37,10 @@ hand::Skin skinOfSize(const hand::HandModel& model, int vertex_count, const fs::
     const double ratio = static_cast<double>(skin.mesh().vertexCount()) / vertex_count;
     if (std::abs(ratio - 1.0) <= kCloseEnough) return skin;
     // Vertices go with the inverse square of the edge.
-    options.edge_m =
-        std::clamp(options.edge_m * std::sqrt(ratio), kShortestEdge_m, kLongestEdge_m);
+    options.edge_m = std::clamp(options.edge_m * std::sqrt(ratio), kShortestEdge, kLongestEdge);
   }
   rejectInput("hand {}: no edge length from {} to {} m gives its skin {} vertices",
-              quoted(model.name()), kShortestEdge_m, kLongestEdge_m, vertex_count);
+              quoted(model.name()), kShortestEdge, kLongestEdge, vertex_count);
 }
 
 }  // namespace handgraft::bench

@@ -82,20 +82,20 @@ PoseProblem placed(const PoseProblem& problem,
                    const RestingHand& resting,
                    int placement,
                    bool poor) {
-  constexpr double kBefore_m = 0.05;
-  constexpr double kBehind_m = 0.15;
-  constexpr double kMoved_m = 0.03;
+  constexpr double kBefore = 0.05;
+  constexpr double kBehind = 0.15;
+  constexpr double kMoved = 0.03;
   constexpr double kTurned = std::numbers::pi / 9.0;
   std::mt19937 random(static_cast<unsigned>(placement + 1));
   const Eigen::Matrix3d turn =
       rotationFromVector(uniform(random, 0.0, kTurned) * randomUnit(random));
   const Eigen::Vector3d way =
-      kBefore_m * resting.n_H + uniform(random, 0.0, kMoved_m) * randomUnit(random);
+      kBefore * resting.n_H + uniform(random, 0.0, kMoved) * randomUnit(random);
   Pose X_WV = shiftedBy(way) * turnedAbout(resting.p_H, turn) * resting.X_WH.inverse();
   if (poor) {
     const Eigen::Vector3d across = randomUnit(random).cross(resting.n_H).normalized();
     const Eigen::Vector3d center = resting.p_H + way;
-    X_WV = shiftedBy(resting.p_H - kBehind_m * resting.n_H - center) *
+    X_WV = shiftedBy(resting.p_H - kBehind * resting.n_H - center) *
            turnedAbout(center, rotationFromVector(std::numbers::pi * across)) * X_WV;
   }
   return moved(problem, X_WV);

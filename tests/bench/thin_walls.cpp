@@ -61,17 +61,17 @@ ScannedGrasp cutOpen(const std::string& name,
 ScannedGrasp onSheet() {
   constexpr int kCells = 80;
   constexpr double kCell = 0.0025;  // m
-  const auto numberOf = [](int i, int j) {
+  const auto number_of = [](int i, int j) {
     return i * (kCells + 1) + j;
   };
   Eigen::Matrix3Xd vertices(3, (kCells + 1) * (kCells + 1));
   std::vector<Eigen::Vector3i> faces;
   for (int i = 0; i <= kCells; ++i) {
     for (int j = 0; j <= kCells; ++j) {
-      vertices.col(numberOf(i, j)) << kCell * (i - kCells / 2), kCell * (j - kCells / 2), 0.0;
+      vertices.col(number_of(i, j)) << kCell * (i - kCells / 2), kCell * (j - kCells / 2), 0.0;
       if (i == kCells || j == kCells) continue;
-      faces.emplace_back(numberOf(i, j), numberOf(i + 1, j), numberOf(i + 1, j + 1));
-      faces.emplace_back(numberOf(i, j), numberOf(i + 1, j + 1), numberOf(i, j + 1));
+      faces.emplace_back(number_of(i, j), number_of(i + 1, j), number_of(i + 1, j + 1));
+      faces.emplace_back(number_of(i, j), number_of(i + 1, j + 1), number_of(i, j + 1));
     }
   }
   ScannedGrasp grasp;
@@ -86,13 +86,13 @@ ScannedGrasp onSheet() {
     const int j = kCells / 2 + y;
     // A square of five cells about the root, on edges of the mesh.
     for (int k = -2; k < 2; ++k)
-      patch.boundary.push_back(numberOf(i + k, j - 2));
+      patch.boundary.push_back(number_of(i + k, j - 2));
     for (int k = -2; k < 2; ++k)
-      patch.boundary.push_back(numberOf(i + 2, j + k));
+      patch.boundary.push_back(number_of(i + 2, j + k));
     for (int k = 2; k > -2; --k)
-      patch.boundary.push_back(numberOf(i + k, j + 2));
+      patch.boundary.push_back(number_of(i + k, j + 2));
     for (int k = 2; k > -2; --k)
-      patch.boundary.push_back(numberOf(i - 2, j + k));
+      patch.boundary.push_back(number_of(i - 2, j + k));
     patch.root.face = 2 * (i * kCells + j);
     patch.root.barycentric = {1.0, 0.0, 0.0};
     patch.interpolation_boundary = contact::sampleLoop(*grasp.object_O, patch.boundary);
@@ -109,15 +109,15 @@ std::vector<std::pair<hand::Hand, ScannedGrasp>> casesOf(const Arguments& argume
   const ScannedGrasp bowl = cutOpen(
       "half a lemon's skin", builtInGrasp(arguments.models, "lemon", "lemon_6"), 2, 0.75);
   const ScannedGrasp sheet = onSheet();
-  const auto builtIn = [&](const std::string& name) {
+  const auto built_in = [&](const std::string& name) {
     return builtInHand(arguments.models, name, arguments.cache).hand;
   };
   for (const char* name : {"human20", "tendon16", "allegro16", "barrett8"})
-    cases.emplace_back(builtIn(name), glass);
+    cases.emplace_back(built_in(name), glass);
   for (const char* name : {"human20", "allegro16"}) {
-    cases.emplace_back(builtIn(name), carton);
-    cases.emplace_back(builtIn(name), bowl);
-    cases.emplace_back(builtIn(name), sheet);
+    cases.emplace_back(built_in(name), carton);
+    cases.emplace_back(built_in(name), bowl);
+    cases.emplace_back(built_in(name), sheet);
   }
   // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody writes the environment.
   const char* shared = std::getenv("HANDGRAFT_SHARED_DATA");

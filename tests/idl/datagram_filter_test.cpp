@@ -221,16 +221,16 @@ Datagram announcementOf(const std::string& name) {
 TEST(DatagramFilter, PassesOverClientsWhereThatIsWished) {
   const std::string client(DatagramFilter::kClient);
   for (const auto domain : {DatagramFilter::Domain::kOpen, DatagramFilter::Domain::kSecured}) {
-    const auto isPassed = [domain](const std::string& name, bool are_passed_over) {
+    const auto is_passed = [domain](const std::string& name, bool are_passed_over) {
       DatagramFilter filter(domain, DatagramFilter::Reader::kCyclone);
       filter.passOverClients(are_passed_over);
       return !passed(filter, announcementOf(name)).empty();
     };
-    EXPECT_TRUE(isPassed(client, false));
-    EXPECT_FALSE(isPassed(client, true));
+    EXPECT_TRUE(is_passed(client, false));
+    EXPECT_FALSE(is_passed(client, true));
     for (const std::string& other :
          {std::string("handgraft-server"), client + "s", client.substr(1), std::string()})
-      EXPECT_TRUE(isPassed(other, true)) << other;
+      EXPECT_TRUE(is_passed(other, true)) << other;
   }
 }
 

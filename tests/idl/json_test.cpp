@@ -150,6 +150,7 @@ struct Case {
   void (*survives)(unsigned seed) = nullptr;
   int (*damage)(unsigned seed) = nullptr;
 
+  // NOLINTNEXTLINE(readability-identifier-naming): GoogleTest's name
   friend void PrintTo(const Case& one, std::ostream* out) { *out << one.name; }
 };
 

@@ -157,7 +157,7 @@ TEST(SamplePieces, KeepsSoManyAndForgetsTheOldest) {
 }
 
 TEST(SecuredDatagramFilter, PassesNothingOfWhoIsRefusedWhoeverBringsIt) {
-  const auto beginOf = [](std::uint8_t first) {
+  const auto begin_of = [](std::uint8_t first) {
     DatagramFilter::GuidBegin begin;
     for (std::uint8_t i = 0; i < begin.size(); ++i)
       begin[i] = static_cast<std::uint8_t>(first + i);
@@ -166,13 +166,13 @@ TEST(SecuredDatagramFilter, PassesNothingOfWhoIsRefusedWhoeverBringsIt) {
   DatagramFilter filter(DatagramFilter::Domain::kSecured);
   std::vector<std::uint8_t> kept;
   ASSERT_FALSE(filter.pass(encrypted(), kept).empty());
-  filter.refuse({beginOf(0xb0)});
+  filter.refuse({begin_of(0xb0)});
   EXPECT_FALSE(filter.pass(encrypted(), kept).empty()) << "another one was refused";
-  filter.refuse({beginOf(0xa0), beginOf(0xb0)});
+  filter.refuse({begin_of(0xa0), begin_of(0xb0)});
   for (const Datagram& said : {encrypted(), securedAnnouncement(1), handshake()})
     EXPECT_TRUE(filter.pass(said, kept).empty());
   // What a participant brings for another one that is refused.
-  DatagramFilter::GuidBegin other = beginOf(0xa0);
+  DatagramFilter::GuidBegin other = begin_of(0xa0);
   other[0] = 0x11;
   filter.refuse({other});
   Datagram several = encrypted();

@@ -25,13 +25,13 @@ class Keys : public testing::Test {
  protected:
   Keys() {
     std::string pattern = (fs::temp_directory_path() / "handgraft_keys_XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
+    folder = mkdtemp(pattern.data());
   }
 
-  ~Keys() override { fs::remove_all(folder_); }
+  ~Keys() override { fs::remove_all(folder); }
 
   Authority authority(const std::string& name = "ca") const {
-    return Authority::make(folder_ / name);
+    return Authority::make(folder / name);
   }
 
   static unsigned modeOf(const fs::path& path) {
@@ -70,7 +70,7 @@ class Keys : public testing::Test {
     return text.find(part) != std::string::npos;
   }
 
-  fs::path folder_;
+  fs::path folder;
 };
 
 TEST_F(Keys, MakesIdentitiesOfEveryRoleForTheirOwnersAlone) {
@@ -111,8 +111,8 @@ TEST_F(Keys, WritesNothingOver) {
                   }),
                   "'anna' is taken"));
   EXPECT_EQ(readIdentity(ca.folder() / "anna", {Role::kEditor}).role, Role::kEditor);
-  fs::create_directory(folder_ / "full");
-  std::ofstream(folder_ / "full" / "thesis.tex") << "text";
+  fs::create_directory(folder / "full");
+  std::ofstream(folder / "full" / "thesis.tex") << "text";
   EXPECT_TRUE(has(refusalOf([&] {
                     authority("full");
                   }),
@@ -142,7 +142,7 @@ TEST_F(Keys, NamesWhatIsWrongWithAnIdentity) {
   Authority other = authority("other");
   const fs::path stranger = other.add("anna", Role::kEditor, 30).folder;
   EXPECT_EQ(refusal(anna), "");
-  EXPECT_TRUE(has(refusal(folder_ / "nowhere"), "nowhere"));
+  EXPECT_TRUE(has(refusal(folder / "nowhere"), "nowhere"));
   EXPECT_TRUE(has(refusal(anna, {Role::kServer}), "is of role editor"));
   EXPECT_TRUE(has(refusal(anna, {Role::kEditor}, nowInSeconds() + 31 * kDay), "expired on"));
   EXPECT_TRUE(
@@ -153,7 +153,7 @@ TEST_F(Keys, NamesWhatIsWrongWithAnIdentity) {
   chmod((anna / kKeyFile).c_str(), 0600);
 
   const auto with = [&](const fs::path& from, const char* file) {
-    const fs::path mixed = folder_ / "mixed";
+    const fs::path mixed = folder / "mixed";
     fs::remove_all(mixed);
     fs::copy(anna, mixed);
     fs::copy_file(from / file, mixed / file, fs::copy_options::overwrite_existing);
@@ -168,7 +168,7 @@ TEST_F(Keys, NamesWhatIsWrongWithAnIdentity) {
   EXPECT_TRUE(has(with(stranger, kRevokedFile), "crl.pem: was not signed by"));
   for (const char* file : {kAuthorityFile, kCertificateFile, kKeyFile, kGovernanceFile,
                            kPermissionsFile, kRevokedFile}) {
-    const fs::path less = folder_ / "less";
+    const fs::path less = folder / "less";
     fs::remove_all(less);
     fs::copy(anna, less);
     fs::remove(less / file);

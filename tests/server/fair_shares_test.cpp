@@ -30,10 +30,10 @@ constexpr const char* kBudgetText = "after 0.2 s";
 /// A server of one worker.
 class FairShares : public testing::Test {
  protected:
-  explicit FairShares(ServiceOptions options = {}) : service_(bus_, models_, alone(options)) {
-    service_.start();
+  explicit FairShares(ServiceOptions options = {}) : service(bus, models, alone(options)) {
+    service.start();
     for (const v1::RequestBody& body : test::smallGrasp())
-      EXPECT_EQ(bus_.ask(body).error(), v1::ERROR_NONE);
+      EXPECT_EQ(bus.ask(body).error(), v1::ERROR_NONE);
   }
 
   static ServiceOptions alone(ServiceOptions options) {
@@ -42,7 +42,7 @@ class FairShares : public testing::Test {
   }
 
   std::uint64_t open() {
-    return bus_.ask(test::openSession("clamp", "fruit", "marks")).body().session().session_id();
+    return bus.ask(test::openSession("clamp", "fruit", "marks")).body().session().session_id();
   }
 
   /// Would take hours.
@@ -53,8 +53,8 @@ class FairShares : public testing::Test {
   }
 
   v1::Reply awaitReply(std::uint64_t id) {
-    return bus_
-        .await<v1::Reply>(bus_.replies,
+    return bus
+        .await<v1::Reply>(bus.replies,
                           [&](const v1::Reply& one) {
                             return one.request_id() == id;
                           })
@@ -67,18 +67,18 @@ class FairShares : public testing::Test {
     message.edit_id(id);
     message.session_id(session);
     message.body(body);
-    bus_.send(message);
-    return bus_
-        .await<v1::EditReply>(bus_.edit_replies,
+    bus.send(message);
+    return bus
+        .await<v1::EditReply>(bus.edit_replies,
                               [&](const v1::EditReply& one) {
                                 return one.edit_id() == id;
                               })
         ->error();
   }
 
-  test::RecordingBus bus_;
-  ModelStore models_;
-  Service service_;
+  test::RecordingBus bus;
+  ModelStore models;
+  Service service;
 };
 
 class Forsaken : public FairShares {
@@ -97,7 +97,7 @@ TEST_F(Forsaken, SolvesEndAndRepeatedOnesGoOn) {
   constexpr std::uint64_t kTurns = 12;
   const auto send = [&](std::uint64_t session, std::uint64_t first) {
     for (std::uint64_t id = first; id < first + kTurns; ++id)
-      bus_.send(id, longSolve(session));
+      bus.send(id, longSolve(session));
   };
   const std::uint64_t session = open();
   const std::uint64_t kept = open();
@@ -113,9 +113,9 @@ TEST_F(Forsaken, SolvesEndAndRepeatedOnesGoOn) {
     send(kept, kFirst);
     std::this_thread::sleep_for(kPause);
   }
-  for (const v1::Reply& one : bus_.copyOf(bus_.replies))
+  for (const v1::Reply& one : bus.copyOf(bus.replies))
     EXPECT_NE(one.request_id(), kLastKept) << one.message();
-  EXPECT_EQ(bus_.ask(test::cancel(kLastKept)).error(), v1::ERROR_NONE);
+  EXPECT_EQ(bus.ask(test::cancel(kLastKept)).error(), v1::ERROR_NONE);
 }
 
 class Budget : public FairShares {
@@ -130,7 +130,7 @@ class Budget : public FairShares {
 };
 
 TEST_F(Budget, EndsASolveThatWasAskedFor) {
-  bus_.send(1, longSolve(open()));
+  bus.send(1, longSolve(open()));
   const v1::Reply reply = awaitReply(1);
   EXPECT_EQ(reply.error(), v1::ERROR_OUT_OF_TIME) << reply.message();
   EXPECT_THAT(reply.message(), HasSubstr(kBudgetText));
@@ -143,7 +143,7 @@ TEST_F(Budget, MayBeLessByRequest) {
   request.protocol_version(v1::PROTOCOL_VERSION);
   request.budget_s(0.1);
   request.body(longSolve(open()));
-  bus_.send(request);
+  bus.send(request);
   EXPECT_THAT(awaitReply(1).message(), HasSubstr("0.1 s"));
 }
 
@@ -156,7 +156,7 @@ TEST_F(Budget, EndsASolveThatFollowsAnEdit) {
   v1::EditBody body;
   body.solving(solving);
   ASSERT_EQ(edit(1, session, body), v1::ERROR_NONE);
-  EXPECT_TRUE(bus_.await<v1::SessionState>(bus_.states, [&](const v1::SessionState& state) {
+  EXPECT_TRUE(bus.await<v1::SessionState>(bus.states, [&](const v1::SessionState& state) {
     return state.session_id() == session && state.revision() == 1 &&
            state.message() == "stopped";
   }));
@@ -175,15 +175,15 @@ class Reserves : public FairShares {
 
 TEST_F(Reserves, AnswerEditsBesideTwoLongSolves) {
   const std::uint64_t mine = open();
-  bus_.send(1, longSolve(open()), 7);
-  bus_.send(2, longSolve(open()), 7);
+  bus.send(1, longSolve(open()), 7);
+  bus.send(2, longSolve(open()), 7);
   v1::PatchWeightEdit weight;
   weight.patch("palm");
   weight.weight(0.5);
   v1::EditBody body;
   body.patch_weight(weight);
   EXPECT_EQ(edit(1, mine, body), v1::ERROR_NONE);
-  for (const v1::Reply& one : bus_.copyOf(bus_.replies))
+  for (const v1::Reply& one : bus.copyOf(bus.replies))
     EXPECT_GT(one.request_id(), 2u) << "a long solve had ended: nothing was shown";
 }
 

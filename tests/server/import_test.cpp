@@ -160,13 +160,13 @@ TEST_F(ImportTest, DescribesAMirroredHandByAUrdfOfItsOwn) {
   EXPECT_TRUE(hand.mirrored());
   EXPECT_THAT(hand.notes(), testing::Contains(HasSubstr("mirrored")));
 
-  const auto jawOf = [](const std::string& text) {
+  const auto jaw_of = [](const std::string& text) {
     const auto model = io::readUrdfKinematics(written("mirrored.urdf", text));
     return hand::forwardKinematics(model, {Pose::Identity(), Eigen::VectorXd::Constant(1, 0.7)})
         .back();
   };
   const Eigen::Matrix4d S = Eigen::Vector4d(-1.0, 1.0, 1.0, 1.0).asDiagonal();
-  EXPECT_LT((jawOf(hand.urdf()).matrix() - S * jawOf(urdf).matrix() * S).norm(), 1e-12);
+  EXPECT_LT((jaw_of(hand.urdf()).matrix() - S * jaw_of(urdf).matrix() * S).norm(), 1e-12);
 }
 
 // === Contacts of a pose
@@ -315,39 +315,39 @@ TEST_F(ImportTest, SaysThatAnglesAreRadiansWhereTheyAreMoreThanATurn) {
 
 TEST_F(ImportTest, RefusesPosesThatMakeNoSense) {
   loadSmallGrasp();
-  const auto expectRefused = [&](const v1::RequestBody& body, const std::string& why) {
+  const auto expect_refused = [&](const v1::RequestBody& body, const std::string& why) {
     const v1::Reply reply = bus.ask(body);
     EXPECT_EQ(reply.error(), v1::ERROR_INVALID_INPUT) << why;
     EXPECT_THAT(reply.message(), HasSubstr(why));
   };
   const v1::RequestBody good = clampOnLemon("touched");
-  expectRefused(withJoint(good, "hing", 0.0),
-                "no joint 'hing'; its movable joints are 'hinge'");
-  expectRefused(withJoint(good, "hinge", std::nan("")), "joint_positions[0]: nan");
-  expectRefused(withJoint(withJoint(good, "hinge", 0.0), "hinge", 0.0), "named twice");
+  expect_refused(withJoint(good, "hing", 0.0),
+                 "no joint 'hing'; its movable joints are 'hinge'");
+  expect_refused(withJoint(good, "hinge", std::nan("")), "joint_positions[0]: nan");
+  expect_refused(withJoint(withJoint(good, "hinge", 0.0), "hinge", 0.0), "named twice");
   v1::RequestBody bad = good;
   bad.pose_contacts().joints().emplace_back("hinge");
-  expectRefused(bad, "1 joints but 0 values");
+  expect_refused(bad, "1 joints but 0 values");
   bad = good;
   bad.pose_contacts().start_pose("fist");
-  expectRefused(bad, "no pose 'fist'; its poses are: 'rest'");
+  expect_refused(bad, "no pose 'fist'; its poses are: 'rest'");
   bad = good;
   bad.pose_contacts().X_WO()[0].q_wxyz({0.0, 0.0, 0.0, 0.0});
-  expectRefused(bad, "X_WO");
+  expect_refused(bad, "X_WO");
   bad = good;
   bad.pose_contacts().X_WO().resize(2, bad.pose_contacts().X_WO()[0]);
-  expectRefused(bad, "X_WO: 2 entries");
+  expect_refused(bad, "X_WO: 2 entries");
   for (const double reach : {-0.01, 1e-5, 0.2, std::nan("")}) {
     bad = good;
     bad.pose_contacts().reach_m(reach);
-    expectRefused(bad, "reach");
+    expect_refused(bad, "reach");
   }
   bad = good;
   bad.pose_contacts().contacts().resize(2);
-  expectRefused(bad, "contacts: 2 entries");
+  expect_refused(bad, "contacts: 2 entries");
   bad = good;
   bad.pose_contacts().name("a b");
-  expectRefused(bad, "name 'a b'");
+  expect_refused(bad, "name 'a b'");
   bad = good;
   bad.pose_contacts().hand("nobody");
   EXPECT_EQ(bus.ask(bad).error(), v1::ERROR_NOT_FOUND);

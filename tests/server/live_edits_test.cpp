@@ -359,19 +359,19 @@ TEST_F(LiveEdits, SayWhereTheLinksAreForAnyJoints) {
 TEST_F(LiveEdits, SayWhatIsWrongWithJointsWhoseLinksAreAskedFor) {
   const std::uint64_t session = openSolved();
   const v1::Pose X_WH = finalOf(session, 0).X_WH();
-  const auto messageOf = [&](const v1::RequestBody& body) {
+  const auto message_of = [&](const v1::RequestBody& body) {
     const v1::Reply reply = bus.ask(body);
     EXPECT_EQ(reply.error(), v1::ERROR_INVALID_INPUT) << reply.message();
     return reply.message();
   };
-  EXPECT_THAT(messageOf(linkPosesOf(session, X_WH, {})),
+  EXPECT_THAT(message_of(linkPosesOf(session, X_WH, {})),
               HasSubstr("joint_positions: 0 of them; hand 'clamp' has 1 joints"));
-  EXPECT_THAT(messageOf(linkPosesOf(session, X_WH, {0.1, 0.2})), HasSubstr("2 of them"));
+  EXPECT_THAT(message_of(linkPosesOf(session, X_WH, {0.1, 0.2})), HasSubstr("2 of them"));
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(messageOf(linkPosesOf(session, X_WH, {nan})), HasSubstr("joint_positions"));
+  EXPECT_THAT(message_of(linkPosesOf(session, X_WH, {nan})), HasSubstr("joint_positions"));
   v1::Pose flat = X_WH;
   flat.q_wxyz({0.0, 0.0, 0.0, 0.0});
-  EXPECT_THAT(messageOf(linkPosesOf(session, flat, {0.1})), HasSubstr("X_WH"));
+  EXPECT_THAT(message_of(linkPosesOf(session, flat, {0.1})), HasSubstr("X_WH"));
   EXPECT_EQ(bus.ask(linkPosesOf(session + 1, X_WH, {0.1})).error(), v1::ERROR_NOT_FOUND);
 }
 

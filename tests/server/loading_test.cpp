@@ -79,13 +79,13 @@ TEST_F(LoadingTest, RefusesOptionsOfAnotherKindOrOutOfRange) {
 TEST_F(LoadingTest, TellsASetThatSaysItLiesOnAnotherObject) {
   for (const v1::RequestBody& body : test::smallGrasp())
     ASSERT_EQ(bus.ask(body).error(), v1::ERROR_NONE);
-  const auto notesOf = [&](const std::string& set) {
+  const auto notes_of = [&](const std::string& set) {
     const v1::Reply told = bus.ask(test::describeModel(v1::MODEL_CONTACTS, set, false));
     EXPECT_EQ(told.error(), v1::ERROR_NONE) << told.message();
     return told.body().model().contacts().notes();
   };
   const auto tells = testing::Contains(AllOf(HasSubstr("'lemon'"), HasSubstr("'fruit'")));
-  EXPECT_THAT(notesOf("marks"), tells);
+  EXPECT_THAT(notes_of("marks"), tells);
 
   // A lemon by a longer name is one.
   bus.ask(test::putFile(8, "lemon.obj", test::builtIn("objects/lemon.obj")));
@@ -95,7 +95,7 @@ TEST_F(LoadingTest, TellsASetThatSaysItLiesOnAnotherObject) {
   ASSERT_EQ(
       bus.ask(test::loadModel(9, v1::MODEL_CONTACTS, "own", "lemon_6.json", "lemon-2")).error(),
       v1::ERROR_NONE);
-  EXPECT_THAT(notesOf("own"), testing::Each(testing::Not(HasSubstr("lies on object"))));
+  EXPECT_THAT(notes_of("own"), testing::Each(testing::Not(HasSubstr("lies on object"))));
 }
 
 TEST_F(LoadingTest, LoadsAMirroredHandThatRestsInANamedPose) {

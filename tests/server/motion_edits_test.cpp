@@ -18,7 +18,7 @@ class MotionEditTest : public MotionTest {
  protected:
   MotionEditTest() {
     EXPECT_EQ(load("long", kPlan, kLongPath).error(), v1::ERROR_NONE);
-    session_ = bus.ask(openMotion("clamp", "fruit", "long")).body().session().session_id();
+    session = bus.ask(openMotion("clamp", "fruit", "long")).body().session().session_id();
   }
 
   v1::EditReply edit(const v1::EditBody& body,
@@ -27,14 +27,14 @@ class MotionEditTest : public MotionTest {
     v1::Edit edit;
     edit.base_revision(base_revision);
     edit.client({7});
-    edit.edit_id(++edits_);
-    edit.session_id(session_);
+    edit.edit_id(++edits);
+    edit.session_id(session);
     if (when) edit.when().push_back(*when);
     edit.body(body);
     bus.send(edit);
     const auto reply =
         bus.await<v1::EditReply>(bus.edit_replies, [&](const v1::EditReply& one) {
-          return one.edit_id() == edits_;
+          return one.edit_id() == edits;
         });
     return reply.value_or(v1::EditReply());
   }
@@ -74,18 +74,15 @@ class MotionEditTest : public MotionTest {
 
   /// The edits at times that hold.
   std::vector<v1::TimedState> timed() {
-    return bus.ask(test::ofSession(v1::OP_SESSION_SETTINGS, session_))
-        .body()
-        .settings()
-        .timed();
+    return bus.ask(test::ofSession(v1::OP_SESSION_SETTINGS, session)).body().settings().timed();
   }
 
   std::vector<v1::MotionFrame> framesNow() {
-    return bus.ask(framesFrom(session_, 0)).body().motion_frames().frames();
+    return bus.ask(framesFrom(session, 0)).body().motion_frames().frames();
   }
 
   v1::SessionState state() {
-    return bus.ask(test::ofSession(v1::OP_DESCRIBE_SESSION, session_)).body().session();
+    return bus.ask(test::ofSession(v1::OP_DESCRIBE_SESSION, session)).body().session();
   }
 
   /// What was told of a revision's frames, in order; all of it.
@@ -99,12 +96,12 @@ class MotionEditTest : public MotionTest {
     return told;
   }
 
-  std::uint64_t session_ = 0;
-  std::uint64_t edits_ = 0;
+  std::uint64_t session = 0;
+  std::uint64_t edits = 0;
 };
 
 TEST_F(MotionEditTest, ChangesTheFramesAboutItAndUndoesThemToTheByte) {
-  ASSERT_EQ(bus.ask(solveMotion(session_)).error(), v1::ERROR_NONE);
+  ASSERT_EQ(bus.ask(solveMotion(session)).error(), v1::ERROR_NONE);
   const std::vector<v1::MotionFrame> before = framesNow();
   const v1::EditReply reply = edit(lockOfJoint(state()), at(2.0, 0.2));
   ASSERT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
@@ -130,7 +127,7 @@ TEST_F(MotionEditTest, ChangesTheFramesAboutItAndUndoesThemToTheByte) {
 }
 
 TEST_F(MotionEditTest, OfAllOfTheMotionIsAnsweredToo) {
-  ASSERT_EQ(bus.ask(solveMotion(session_)).error(), v1::ERROR_NONE);
+  ASSERT_EQ(bus.ask(solveMotion(session)).error(), v1::ERROR_NONE);
   const std::vector<v1::MotionFrame> before = framesNow();
   const v1::EditReply reply = edit(lockOfJoint(state()));
   ASSERT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
@@ -140,7 +137,7 @@ TEST_F(MotionEditTest, OfAllOfTheMotionIsAnsweredToo) {
 }
 
 TEST_F(MotionEditTest, OnTheHandOfAllOfTheMotionTurnsEveryFrame) {
-  ASSERT_EQ(bus.ask(solveMotion(session_)).error(), v1::ERROR_NONE);
+  ASSERT_EQ(bus.ask(solveMotion(session)).error(), v1::ERROR_NONE);
   const std::vector<v1::MotionFrame> before = framesNow();
   v1::PatchDirectionEdit turn;
   turn.patch("index");
@@ -161,7 +158,7 @@ TEST_F(MotionEditTest, OnTheHandOfAllOfTheMotionTurnsEveryFrame) {
 }
 
 TEST_F(MotionEditTest, IsTakenBackWhateverWasEditedSince) {
-  ASSERT_EQ(bus.ask(solveMotion(session_)).error(), v1::ERROR_NONE);
+  ASSERT_EQ(bus.ask(solveMotion(session)).error(), v1::ERROR_NONE);
   const std::vector<v1::MotionFrame> before = framesNow();
   const v1::EditBody limit = lockOfJoint(state());
   ASSERT_EQ(edit(limit, at(1.0, 0.2)).error(), v1::ERROR_NONE);
@@ -195,7 +192,7 @@ TEST_F(MotionEditTest, IsTakenBackWhateverWasEditedSince) {
 }
 
 TEST_F(MotionEditTest, IsTakenBackByANumberThatThereIs) {
-  ASSERT_EQ(bus.ask(solveMotion(session_)).error(), v1::ERROR_NONE);
+  ASSERT_EQ(bus.ask(solveMotion(session)).error(), v1::ERROR_NONE);
   EXPECT_THAT(edit(takeBack(0)).message(), HasSubstr("edit 1 at a time: there are 0"));
   const v1::EditBody limit = lockOfJoint(state());
   const v1::EditReply first = edit(limit, at(1.0, 0.2));
@@ -217,7 +214,7 @@ TEST_F(MotionEditTest, SaysWhatIsWrong) {
   v1::EditBody body;
   body.drag(drag);
   EXPECT_EQ(edit(body, at(1.0, 0.1)).error(), v1::ERROR_INVALID_INPUT);
-  ASSERT_EQ(bus.ask(solveMotion(session_)).error(), v1::ERROR_NONE);
+  ASSERT_EQ(bus.ask(solveMotion(session)).error(), v1::ERROR_NONE);
   const v1::EditBody limit = lockOfJoint(state());
   EXPECT_THAT(edit(limit, at(9.0, 0.1)).message(), HasSubstr("has 0 to 4 s"));
   EXPECT_THAT(edit(limit, at(1.0, -0.1)).message(), HasSubstr("falloff"));
@@ -240,23 +237,23 @@ v1::RequestBody clock(std::uint64_t session, v1::ClockAction action, double valu
 }
 
 TEST_F(MotionEditTest, OneClockIsSharedByAllWatchers) {
-  v1::MotionClock set = bus.ask(clock(session_, v1::CLOCK_SEEK, 1.5)).body().clock();
+  v1::MotionClock set = bus.ask(clock(session, v1::CLOCK_SEEK, 1.5)).body().clock();
   EXPECT_EQ(set.time_s(), 1.5);
   EXPECT_EQ(set.speed(), 1.0);
   EXPECT_FALSE(set.playing());
-  set = bus.ask(clock(session_, v1::CLOCK_SPEED, 0.01)).body().clock();
-  set = bus.ask(clock(session_, v1::CLOCK_PLAY)).body().clock();
+  set = bus.ask(clock(session, v1::CLOCK_SPEED, 0.01)).body().clock();
+  set = bus.ask(clock(session, v1::CLOCK_PLAY)).body().clock();
   EXPECT_TRUE(set.playing());
   EXPECT_EQ(set.duration_s(), 4.0);
-  const v1::MotionClock later = bus.ask(clock(session_, v1::CLOCK_PAUSE), 2).body().clock();
+  const v1::MotionClock later = bus.ask(clock(session, v1::CLOCK_PAUSE), 2).body().clock();
   EXPECT_NEAR(later.time_s(),
               1.5 + 0.01e-9 * static_cast<double>(later.stamp_ns() - set.stamp_ns()), 1e-9);
   EXPECT_EQ(later.last_client()[0], 2);
   EXPECT_EQ(bus.count(bus.clocks), 4u);
-  EXPECT_THAT(bus.ask(clock(session_, v1::CLOCK_SEEK, 5.0)).message(), HasSubstr("0 to 4 s"));
-  EXPECT_THAT(bus.ask(clock(session_, v1::CLOCK_SPEED, 0.0)).message(), HasSubstr("above 0"));
-  bus.ask(clock(session_, v1::CLOCK_SEEK, 4.0));
-  EXPECT_EQ(bus.ask(clock(session_, v1::CLOCK_PLAY)).body().clock().time_s(), 0.0);
+  EXPECT_THAT(bus.ask(clock(session, v1::CLOCK_SEEK, 5.0)).message(), HasSubstr("0 to 4 s"));
+  EXPECT_THAT(bus.ask(clock(session, v1::CLOCK_SPEED, 0.0)).message(), HasSubstr("above 0"));
+  bus.ask(clock(session, v1::CLOCK_SEEK, 4.0));
+  EXPECT_EQ(bus.ask(clock(session, v1::CLOCK_PLAY)).body().clock().time_s(), 0.0);
 }
 
 }  // namespace

@@ -37,17 +37,17 @@ TEST_F(MotionTest, WhatAHandDidIsWhatItTouched) {
       bus.ask(exportAs(session, v1::EXPORT_JSON)).body().exported_file().content();
   const std::string done(exported.begin(), exported.end());
   std::uint64_t upload = 60;
-  const auto loadDone = [&](const std::string& name, const std::string& plan) {
+  const auto load_done = [&](const std::string& name, const std::string& plan) {
     ++upload;
     bus.ask(test::putFile(upload, "plan.json", plan));
     bus.ask(test::putFile(upload, "done.json", done));
     return bus.ask(test::loadModel(upload, v1::MODEL_MOTION, name, "plan.json", "fruit"));
   };
-  const auto planOf = [](const std::string& more) {
+  const auto plan_of = [](const std::string& more) {
     return R"({"format": "handgraft-motion-plan/1", "hand_trajectory": "done.json")" + more +
            "}";
   };
-  const v1::Reply loaded = loadDone("done", planOf(R"(, "hand": "clamp")"));
+  const v1::Reply loaded = load_done("done", plan_of(R"(, "hand": "clamp")"));
   ASSERT_EQ(loaded.error(), v1::ERROR_NONE) << loaded.message();
   const v1::MotionDescription motion =
       bus.ask(test::describeModel(v1::MODEL_MOTION, "done", true)).body().model().motion();
@@ -60,11 +60,11 @@ TEST_F(MotionTest, WhatAHandDidIsWhatItTouched) {
   EXPECT_EQ(motion.notes().size(), 1u) << "all joints are named";
 
   // The same once more changes nothing; of another reach it is another motion.
-  EXPECT_EQ(loadDone("done", planOf(R"(, "hand": "clamp")")).error(), v1::ERROR_NONE);
-  EXPECT_EQ(loadDone("done", planOf(R"(, "hand": "clamp", "reach_m": 0.012)")).error(),
+  EXPECT_EQ(load_done("done", plan_of(R"(, "hand": "clamp")")).error(), v1::ERROR_NONE);
+  EXPECT_EQ(load_done("done", plan_of(R"(, "hand": "clamp", "reach_m": 0.012)")).error(),
             v1::ERROR_CONFLICT);
 
-  bus.ask(test::putFile(59, "plan.json", planOf(R"(, "hand": "clamp")")));
+  bus.ask(test::putFile(59, "plan.json", plan_of(R"(, "hand": "clamp")")));
   const std::string nothing =
       R"({"format": "handgraft-trajectory/1", "object": "pear", "joint_names": ["nail"],
           "frames": [{"time_s": 0, "joints": [0]}]})";
@@ -73,7 +73,7 @@ TEST_F(MotionTest, WhatAHandDidIsWhatItTouched) {
       bus.ask(test::loadModel(59, v1::MODEL_MOTION, "other", "plan.json", "fruit"));
   EXPECT_THAT(unknown.message(), HasSubstr("'nail'"));
 
-  bus.ask(test::putFile(58, "plan.json", planOf(R"(, "hand": "clamp")")));
+  bus.ask(test::putFile(58, "plan.json", plan_of(R"(, "hand": "clamp")")));
   bus.ask(test::putFile(58, "done.json",
                         R"({"format": "handgraft-trajectory/1", "joint_names": ["hinge"],
           "frames": [{"time_s": 0, "joints": [40], "X_WH": {"p_m": [9, 0, 0], "q_wxyz": [1, 0, 0, 0]}},
@@ -83,13 +83,13 @@ TEST_F(MotionTest, WhatAHandDidIsWhatItTouched) {
   EXPECT_THAT(degrees.message(), HasSubstr("touches nothing"));
   EXPECT_THAT(degrees.message(), HasSubstr("radians, not degrees"));
 
-  const v1::Reply of_nobody = loadDone("other", planOf(R"(, "hand": "glove")"));
+  const v1::Reply of_nobody = load_done("other", plan_of(R"(, "hand": "glove")"));
   EXPECT_EQ(of_nobody.error(), v1::ERROR_NOT_FOUND);
   EXPECT_THAT(of_nobody.message(), HasSubstr("glove"));
-  const v1::Reply far = loadDone("other", planOf(R"(, "hand": "clamp", "reach_m": 3)"));
+  const v1::Reply far = load_done("other", plan_of(R"(, "hand": "clamp", "reach_m": 3)"));
   EXPECT_EQ(far.error(), v1::ERROR_INVALID_INPUT);
   EXPECT_THAT(far.message(), HasSubstr("reach is 3 m; permitted are 0.0001 to 0.1"));
-  const v1::Reply seldom = loadDone("other", planOf(R"(, "hand": "clamp", "every_s": -1)"));
+  const v1::Reply seldom = load_done("other", plan_of(R"(, "hand": "clamp", "every_s": -1)"));
   EXPECT_THAT(seldom.message(), HasSubstr("every -1 s; permitted are 0.001 to 10"));
 }
 

@@ -20,6 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::AllOf;
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
@@ -233,6 +234,16 @@ TEST(ReadModel, HonoursHowAMapIsToBeSplit) {
   EXPECT_THAT(faultOf(request), HasSubstr("'heat'"));
   request.contacts.picture_uri = "x.png";
   EXPECT_THAT(faultOf(request), AllOf(HasSubstr("'x.png'"), HasSubstr("not uploaded")));
+}
+
+TEST(ReadModel, TellsThatASetHasNoUseForJoints) {
+  const fs::path models = test::sourceDirectory() / "server/models";
+  ReadRequest request = mapRequest(models / "contacts/lemon_6.json",
+                                   requestFor(ReadKind::kObject, models / "objects/lemon.obj"));
+  const auto told = Contains(AllOf(HasSubstr("joints/mine.json"), HasSubstr("not used")));
+  EXPECT_THAT(contactsOf(request).set.notes, Not(told));
+  request.contacts.joints_uri = "joints/mine.json";
+  EXPECT_THAT(contactsOf(request).set.notes, told);
 }
 
 TEST(ReadModel, SaysWhichObjectASetLiesOn) {

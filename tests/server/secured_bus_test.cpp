@@ -55,22 +55,22 @@ class SecuredBus : public testing::Test {
   SecuredBus() {
     std::string pattern =
         (std::filesystem::temp_directory_path() / "handgraft_keys_XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
-    auto authority = idl::security::Authority::make(folder_ / "ca");
+    folder = mkdtemp(pattern.data());
+    auto authority = idl::security::Authority::make(folder / "ca");
     for (const Role role : idl::security::kRoles)
       authority.add(nameOf(role), role, 10);
-    bus_ = openFastBus(network(Role::kServer));
-    bus_->start(listener_);
+    bus = openFastBus(network(Role::kServer));
+    bus->start(listener);
   }
 
   ~SecuredBus() override {
-    bus_->stop();
-    std::filesystem::remove_all(folder_);
+    bus->stop();
+    std::filesystem::remove_all(folder);
   }
 
   [[nodiscard]] Network network(Role role) const {
-    Network network{domain_.number(), "lo"};
-    network.identity = (folder_ / "ca" / nameOf(role)).string();
+    Network network{domain.number(), "lo"};
+    network.identity = (folder / "ca" / nameOf(role)).string();
     return network;
   }
 
@@ -96,10 +96,10 @@ class SecuredBus : public testing::Test {
     return true;
   }
 
-  test::TestDomain domain_;
-  std::filesystem::path folder_;
-  Listening listener_;
-  std::unique_ptr<Bus> bus_;
+  test::TestDomain domain;
+  std::filesystem::path folder;
+  Listening listener;
+  std::unique_ptr<Bus> bus;
 };
 
 TEST_F(SecuredBus, RefusesOnATopicWhatTakesMoreThanItsWritersHold) {
@@ -118,15 +118,15 @@ TEST_F(SecuredBus, RefusesOnATopicWhatTakesMoreThanItsWritersHold) {
     }));
     EXPECT_EQ(reply->error(), v1::ERROR_NOT_PERMITTED);
     EXPECT_EQ(reply->message(), "unload_model is for operators");
-    EXPECT_TRUE(listener_.heard().empty());
+    EXPECT_TRUE(listener.heard().empty());
     EXPECT_TRUE(repeat(writer, asking(test::plain(v1::OP_LIST_MODELS)), [&] {
-      return !listener_.heard().empty();
+      return !listener.heard().empty();
     }));
   }
   const Participant op(network(Role::kOperator));
   idl::cyclone::Writer<v1::Request> operating(op, idl::kOperateTopic);
   EXPECT_TRUE(repeat(operating, asking(unload), [&] {
-    const auto heard = listener_.heard();
+    const auto heard = listener.heard();
     return !heard.empty() && heard.back() == v1::OP_UNLOAD_MODEL;
   }));
 }
@@ -164,27 +164,27 @@ TEST_F(SecuredBus, LetsEachRoleWriteAndReadWhatItMay) {
 TEST_F(SecuredBus, ShowsSessionsToViewersAndNothingToStrangers) {
   v1::SessionState state;
   state.session_id(5);
-  const auto isSeen = [&](const Network& by, std::chrono::seconds patience) {
+  const auto is_seen = [&](const Network& by, std::chrono::seconds patience) {
     const Participant participant(by);
     Reader<v1::SessionState> states(participant, idl::kSessionTopic);
-    bool is_seen = false;
+    bool found = false;
     const auto deadline = std::chrono::steady_clock::now() + patience;
-    while (!is_seen && std::chrono::steady_clock::now() < deadline) {
-      bus_->publish(state);
+    while (!found && std::chrono::steady_clock::now() < deadline) {
+      bus->publish(state);
       states.wait(std::chrono::milliseconds(100));
       states.take([&](const v1::SessionState& one) {
-        is_seen = one.session_id() == 5;
+        found = one.session_id() == 5;
       });
     }
-    EXPECT_TRUE(is_seen || participant.identity() || participant.isKeptOut());
-    return is_seen;
+    EXPECT_TRUE(found || participant.identity() || participant.isKeptOut());
+    return found;
   };
-  EXPECT_TRUE(isSeen(network(Role::kViewer), std::chrono::seconds(20)));
-  EXPECT_FALSE(isSeen({domain_.number(), "lo"}, std::chrono::seconds(3)));
-  auto others = idl::security::Authority::make(folder_ / "others");
-  Network stranger{domain_.number(), "lo"};
+  EXPECT_TRUE(is_seen(network(Role::kViewer), std::chrono::seconds(20)));
+  EXPECT_FALSE(is_seen({domain.number(), "lo"}, std::chrono::seconds(3)));
+  auto others = idl::security::Authority::make(folder / "others");
+  Network stranger{domain.number(), "lo"};
   stranger.identity = others.add("editor", Role::kEditor, 10).folder.string();
-  EXPECT_FALSE(isSeen(stranger, std::chrono::seconds(3)));
+  EXPECT_FALSE(is_seen(stranger, std::chrono::seconds(3)));
 }
 
 TEST_F(SecuredBus, IsServedByAServersIdentityAlone) {

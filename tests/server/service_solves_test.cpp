@@ -75,7 +75,7 @@ TEST_F(ServiceTest, RanksWhereTheSearchesEnded) {
 
 TEST_F(ServiceTest, NamesWhatASolveDoesNotTake) {
   const std::uint64_t session = openSmallSession();
-  const auto refusalOf = [&](const auto& change) {
+  const auto refusal_of = [&](const auto& change) {
     v1::RequestBody body = test::optimize(session);
     v1::SolveOptions options;
     change(options);
@@ -84,29 +84,29 @@ TEST_F(ServiceTest, NamesWhatASolveDoesNotTake) {
     EXPECT_EQ(reply.error(), v1::ERROR_INVALID_INPUT);
     return reply.message();
   };
-  EXPECT_THAT(refusalOf([](auto& options) {
+  EXPECT_THAT(refusal_of([](auto& options) {
                 options.starts(10'001);
               }),
               HasSubstr("starts: 10001 is outside 0 to 10000"));
-  EXPECT_THAT(refusalOf([](auto& options) {
+  EXPECT_THAT(refusal_of([](auto& options) {
                 options.max_evaluations(100'001);
               }),
               HasSubstr("max_evaluations: 100001 is outside 0 to 100000"));
-  EXPECT_THAT(refusalOf([](auto& options) {
+  EXPECT_THAT(refusal_of([](auto& options) {
                 options.paper(true);
                 options.solver(v1::SOLVER_LM);
               }),
               HasSubstr("solver lm"));
-  EXPECT_THAT(refusalOf([](auto& options) {
+  EXPECT_THAT(refusal_of([](auto& options) {
                 options.paper(true);
                 options.starts(64);
               }),
               HasSubstr("starts: 64"));
-  EXPECT_THAT(refusalOf([](auto& options) {
+  EXPECT_THAT(refusal_of([](auto& options) {
                 options.normal_form(static_cast<v1::NormalForm>(7));
               }),
               HasSubstr("normal_form: 7"));
-  EXPECT_THAT(refusalOf([](auto& options) {
+  EXPECT_THAT(refusal_of([](auto& options) {
                 options.penetration(static_cast<v1::PenetrationCare>(7));
               }),
               HasSubstr("penetration: 7"));

@@ -116,7 +116,7 @@ TEST_F(StudyTest, AVariantOfAVariantHasBothChanges) {
 }
 
 TEST_F(StudyTest, AVariantTellsLimitsInDegrees) {
-  const auto notesOf = [&](const char* name, double upper) {
+  const auto notes_of = [&](const char* name, double upper) {
     EXPECT_EQ(
         bus.ask(variant("clamp", name, {change(v1::PROPERTY_UPPER, "hinge", upper)})).error(),
         v1::ERROR_NONE);
@@ -127,8 +127,8 @@ TEST_F(StudyTest, AVariantTellsLimitsInDegrees) {
         .notes();
   };
   const auto told = testing::Contains(HasSubstr("radians, not degrees"));
-  EXPECT_THAT(notesOf("wide", 0.9), testing::Not(told));
-  EXPECT_THAT(notesOf("mistaken", 60.0), told);
+  EXPECT_THAT(notes_of("wide", 0.9), testing::Not(told));
+  EXPECT_THAT(notes_of("mistaken", 60.0), told);
 }
 
 TEST_F(StudyTest, TheSameVariantTwiceIsNoConflict) {

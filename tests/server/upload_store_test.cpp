@@ -189,16 +189,16 @@ TEST(UploadStore, CountsEmptyFiles) {
 
 TEST(UploadedFiles, PrintsDependOnNamesAndContentsNotOnOrder) {
   UploadStore store;
-  const auto printOf = [&](std::vector<std::pair<std::string, std::string>> files) {
+  const auto print_of = [&](std::vector<std::pair<std::string, std::string>> files) {
     for (const auto& [uri, bytes] : files) {
       store.put(kClient, chunk(uri, bytes, 0, bytes.size()));
     }
     return store.finish(kClient, 1)->contentHash();
   };
-  const auto print = printOf({{"a", "1"}, {"b", "2"}});
-  EXPECT_EQ(print, printOf({{"b", "2"}, {"a", "1"}}));
-  EXPECT_NE(print, printOf({{"a", "2"}, {"b", "1"}}));
-  EXPECT_NE(print, printOf({{"a", "1"}, {"c", "2"}}));
+  const auto print = print_of({{"a", "1"}, {"b", "2"}});
+  EXPECT_EQ(print, print_of({{"b", "2"}, {"a", "1"}}));
+  EXPECT_NE(print, print_of({{"a", "2"}, {"b", "1"}}));
+  EXPECT_NE(print, print_of({{"a", "1"}, {"c", "2"}}));
 }
 
 TEST(UploadedFiles, SpeakTheClientsWords) {

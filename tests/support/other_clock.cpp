@@ -9,7 +9,7 @@
 
 namespace {
 
-long offset_s() {
+long offset() {
   static const long kOffset_s = [] {
     const char* const text = std::getenv("HANDGRAFT_CLOCK_OFFSET_S");
     return text == nullptr ? 0 : std::strtol(text, nullptr, 10);
@@ -26,7 +26,7 @@ int clock_gettime(clockid_t clock, timespec* now) noexcept {
   static const auto kCall = reinterpret_cast<Call>(dlsym(RTLD_NEXT, "clock_gettime"));
   const int result = kCall(clock, now);
   if (result == 0 && (clock == CLOCK_REALTIME || clock == CLOCK_REALTIME_COARSE))
-    now->tv_sec += offset_s();
+    now->tv_sec += offset();
   return result;
 }
 

@@ -50,7 +50,7 @@ inline SmallHand makeSmallHand() {
   SmallHand small;
   links[0].name = "palm";
   links[0].visuals.push_back({geometry::makeBox({0.1, 0.06, 0.01}), "box"});
-  const auto addFinger = [&](const std::string& name, double x, double y) {
+  const auto add_finger = [&](const std::string& name, double x, double y) {
     const double side = x < 0.0 ? 1.0 : -1.0;  // turns +z towards the hand's middle
     hand::Link lower{name + "_lower", {}, {}};
     lower.visuals.push_back(
@@ -69,9 +69,9 @@ inline SmallHand makeSmallHand() {
     site.direction_L = -Eigen::Vector3d::UnitZ();
     small.sites.push_back(site);
   };
-  addFinger("thumb", -0.04, 0.0);
-  addFinger("index", 0.04, 0.015);
-  addFinger("middle", 0.04, -0.015);
+  add_finger("thumb", -0.04, 0.0);
+  add_finger("index", 0.04, 0.015);
+  add_finger("middle", 0.04, -0.015);
   small.model = std::make_shared<const hand::HandModel>("small", links, joints);
 
   const Eigen::VectorXd q = Eigen::VectorXd::Zero(6);

@@ -33,17 +33,16 @@ class BadInput : public testing::Test {
   /// Runs the client; expects one line on stderr that holds `named`, exit code 2, a live
   /// server.
   void expectRefusal(const std::vector<std::string>& arguments, const std::string& named) {
-    const Finished finished = service_.client(arguments);
+    const Finished finished = service.client(arguments);
     EXPECT_EQ(finished.exit_code, 2) << finished.err;
     EXPECT_EQ(std::count(finished.err.begin(), finished.err.end(), '\n'), 1) << finished.err;
     EXPECT_NE(finished.err.find(named), std::string::npos)
         << "'" << named << "' is not named in: " << finished.err;
-    EXPECT_TRUE(service_.server().running());
-    EXPECT_EQ(service_.client({"doctor"}).exit_code, 0)
-        << "the server does not answer any more";
+    EXPECT_TRUE(service.server().running());
+    EXPECT_EQ(service.client({"doctor"}).exit_code, 0) << "the server does not answer any more";
   }
 
-  Service service_;
+  Service service;
 };
 
 TEST_F(BadInput, TruncatedMesh) {

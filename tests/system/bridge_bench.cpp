@@ -24,7 +24,7 @@ using std::chrono::steady_clock;
 
 constexpr std::chrono::seconds kPatience(60);
 
-std::int64_t now_ns() {
+std::int64_t nowNs() {
   return std::chrono::system_clock::now().time_since_epoch() / std::chrono::nanoseconds(1);
 }
 
@@ -82,17 +82,17 @@ void StandInServer::stream(const std::vector<double>& joint_rad) {
   pose.session_id(kSession);
   pose.revision(state_.revision());
   pose.sequence_number(++number_);
-  pose.stamp_ns(now_ns());
+  pose.stamp_ns(nowNs());
   pose.is_final(true);
   pose.joint_positions(joint_rad);
   solutions_.write(pose);
 }
 
 void StandInServer::sample(const std::vector<double>& joint_rad, std::int64_t stamp_ns) {
-  constexpr std::int64_t kSecond_ns = 1'000'000'000;
+  constexpr std::int64_t kSecondNs = 1'000'000'000;
   trajectory_msgs::msg::dds_::JointTrajectory_ message;
-  message.header().stamp().sec(static_cast<std::int32_t>(stamp_ns / kSecond_ns));
-  message.header().stamp().nanosec(static_cast<std::uint32_t>(stamp_ns % kSecond_ns));
+  message.header().stamp().sec(static_cast<std::int32_t>(stamp_ns / kSecondNs));
+  message.header().stamp().nanosec(static_cast<std::uint32_t>(stamp_ns % kSecondNs));
   message.joint_names(state_.joint_names());
   trajectory_msgs::msg::dds_::JointTrajectoryPoint_ point;
   point.positions(joint_rad);

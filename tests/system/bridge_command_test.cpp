@@ -31,7 +31,7 @@ class BridgeCommand : public testing::Test {
  protected:
   [[nodiscard]] Finished ask(std::vector<std::string> arguments) const {
     arguments.insert(arguments.begin(), "bridge");
-    arguments.insert(arguments.end(), {"--domain", std::to_string(domain_.number())});
+    arguments.insert(arguments.end(), {"--domain", std::to_string(domain.number())});
     return run(program("handgraft"), arguments);
   }
 
@@ -42,31 +42,31 @@ class BridgeCommand : public testing::Test {
   }
 
   void start() {
-    bench_.startBridge();
-    server_->stream({0.0, 0.0, 0.0});
-    ASSERT_TRUE(bench_.status([](const v1::BridgeStatus& told) {
+    bench.startBridge();
+    server->stream({0.0, 0.0, 0.0});
+    ASSERT_TRUE(bench.status([](const v1::BridgeStatus& told) {
       return told.state() == v1::BRIDGE_IDLE && told.poses_accepted() > 0;
-    })) << bench_.told();
+    })) << bench.told();
   }
 
-  TestDomain domain_;
-  Network network_{domain_.number(), "lo"};
-  BridgeBench bench_{network_, directConfig("dynamixel", "three", kJoints, 2.5)};
-  std::unique_ptr<StandInServer> server_ =
-      std::make_unique<StandInServer>(network_, "three", kJoints);
+  TestDomain domain;
+  Network network{domain.number(), "lo"};
+  BridgeBench bench{network, directConfig("dynamixel", "three", kJoints, 2.5)};
+  std::unique_ptr<StandInServer> server =
+      std::make_unique<StandInServer>(network, "three", kJoints);
 };
 
 TEST_F(BridgeCommand, ArmsDisarmsStopsAndResets) {
   start();
   EXPECT_EQ(status().at("state"), "idle");
   const Finished armed = ask({"arm"});
-  ASSERT_EQ(armed.exit_code, 0) << armed.err << bench_.told();
-  EXPECT_TRUE(bench_.rig().isPowered());
+  ASSERT_EQ(armed.exit_code, 0) << armed.err << bench.told();
+  EXPECT_TRUE(bench.rig().isPowered());
   EXPECT_EQ(ask({"disarm"}).exit_code, 0);
-  EXPECT_FALSE(bench_.rig().isPowered());
-  ASSERT_EQ(ask({"arm", "--bridge", "1"}).exit_code, 0) << bench_.told();
+  EXPECT_FALSE(bench.rig().isPowered());
+  ASSERT_EQ(ask({"arm", "--bridge", "1"}).exit_code, 0) << bench.told();
   EXPECT_EQ(ask({"estop"}).exit_code, 0);
-  EXPECT_FALSE(bench_.rig().isPowered());
+  EXPECT_FALSE(bench.rig().isPowered());
   EXPECT_EQ(status().at("state"), "estop");
   const Finished refused = ask({"arm"});
   EXPECT_EQ(refused.exit_code, 1);
@@ -79,14 +79,14 @@ TEST_F(BridgeCommand, ArmsDisarmsStopsAndResets) {
             std::string::npos)
       << home.err;
   EXPECT_NE(status().at("last_refusal"), "");
-  EXPECT_EQ(ask({"arm"}).exit_code, 0) << bench_.told();
+  EXPECT_EQ(ask({"arm"}).exit_code, 0) << bench.told();
   EXPECT_EQ(status().at("last_refusal"), "") << "what was refused before is no news";
 }
 
 TEST_F(BridgeCommand, RecordsARunThatCanBeDrawn) {
   start();
-  ASSERT_EQ(ask({"arm"}).exit_code, 0) << bench_.told();
-  server_->stream({0.5, -0.5, 0.25});
+  ASSERT_EQ(ask({"arm"}).exit_code, 0) << bench.told();
+  server->stream({0.5, -0.5, 0.25});
   const auto folder = scratchDirectory();
   const std::string csv = (folder / "run.csv").string();
   const std::string png = (folder / "run.png").string();
@@ -115,14 +115,14 @@ TEST_F(BridgeCommand, RecordsARunThatCanBeDrawn) {
 }
 
 TEST_F(BridgeCommand, SaysWhichJointKeepsAHandFromBeingArmed) {
-  server_.reset();
-  server_ = std::make_unique<StandInServer>(network_, "three",
-                                            std::vector<std::string>{"a", "b", "tumb"});
-  bench_.startBridge();
-  server_->stream({0.0, 0.0, 0.0});
-  ASSERT_TRUE(bench_.status([](const v1::BridgeStatus& told) {
+  server.reset();
+  server = std::make_unique<StandInServer>(network, "three",
+                                           std::vector<std::string>{"a", "b", "tumb"});
+  bench.startBridge();
+  server->stream({0.0, 0.0, 0.0});
+  ASSERT_TRUE(bench.status([](const v1::BridgeStatus& told) {
     return told.state() == v1::BRIDGE_IDLE && told.poses_refused() > 0;
-  })) << bench_.told();
+  })) << bench.told();
   const std::string why = "wrong joint names: 'c' is missing, 'tumb' is none of its joints";
   EXPECT_EQ(status().at("last_refusal"), "pose refused: " + why);
   const Finished refused = ask({"arm"});
@@ -182,7 +182,7 @@ TEST_F(BridgeCommand, NamesABridgeThatDoesNotAnswerAndSaysWhy) {
        {Case{std::chrono::seconds(60), false, "does not listen to commands"},
         Case{std::chrono::seconds(1), true, "has fallen silent"},
         Case{std::chrono::seconds(60), true, "has not answered within 10 s"}}) {
-    const MuteBridge bridge(network_, one.speaks, one.listens);
+    const MuteBridge bridge(network, one.speaks, one.listens);
     const Finished arm = ask({"arm"});
     EXPECT_NE(arm.exit_code, 0);
     EXPECT_NE(arm.err.find("bridge 5"), std::string::npos) << arm.err;
@@ -200,17 +200,17 @@ TEST_F(BridgeCommand, AnEmergencyStopIsForEveryBridgeThereIs) {
   std::ofstream(path) << text;
   const auto simulated = [&](const char* id) {
     return std::vector<std::string>{"--config", path,       "--bridge-id",
-                                    id,         "--domain", std::to_string(domain_.number())};
+                                    id,         "--domain", std::to_string(domain.number())};
   };
   Process one(program("handgraft-bridge"), simulated("0"));
   Process other(program("handgraft-bridge"), simulated("7"));
   ASSERT_TRUE(one.waitForText("following session")) << one.err();
   ASSERT_TRUE(other.waitForText("following session")) << other.err();
   for (const char* id : {"0", "1", "7"})
-    ASSERT_EQ(ask({"arm", "--bridge", id}).exit_code, 0) << id << bench_.told() << other.err();
+    ASSERT_EQ(ask({"arm", "--bridge", id}).exit_code, 0) << id << bench.told() << other.err();
   const Finished stopped = ask({"estop"});
   EXPECT_EQ(stopped.exit_code, 0) << stopped.err;
-  EXPECT_FALSE(bench_.rig().isPowered());
+  EXPECT_FALSE(bench.rig().isPowered());
   for (const int id : {0, 1, 7})
     EXPECT_EQ(status(id).at("state"), "estop") << id;
 }
@@ -236,7 +236,7 @@ TEST_F(BridgeCommand, SaysWhatIsWrong) {
   std::ofstream(path) << "time_s,state,a measured_rad\n0,idle\n";
   const Finished wrong = ask({"plot", path.string(), "--out", path.string() + ".png"});
   EXPECT_EQ(wrong.exit_code, 2) << wrong.err;
-  EXPECT_FALSE(bench_.rig().isPowered());
+  EXPECT_FALSE(bench.rig().isPowered());
 }
 
 }  // namespace

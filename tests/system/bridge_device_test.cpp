@@ -134,108 +134,108 @@ class BridgeOnADevice : public testing::Test {
  protected:
   /// Armed, and on its way to a pose that is seconds away.
   void moveOn() {
-    bench_.startBridge();
-    server_->stream({0.0, 0.0, 0.0});
-    ASSERT_TRUE(bench_.arm()) << bench_.told();
-    server_->stream({2.4, -2.4, 2.4});
-    ASSERT_TRUE(bench_.status([](const v1::BridgeStatus& status) {
+    bench.startBridge();
+    server->stream({0.0, 0.0, 0.0});
+    ASSERT_TRUE(bench.arm()) << bench.told();
+    server->stream({2.4, -2.4, 2.4});
+    ASSERT_TRUE(bench.status([](const v1::BridgeStatus& status) {
       return status.state() == v1::BRIDGE_ARMED && status.poses_accepted() > 1;
-    })) << bench_.told();
+    })) << bench.told();
   }
 
   std::vector<double> angles() {
-    return {bench_.rig().angle(0), bench_.rig().angle(1), bench_.rig().angle(2)};
+    return {bench.rig().angle(0), bench.rig().angle(1), bench.rig().angle(2)};
   }
 
   /// False if motors are under power after 20 s still.
   bool goesOff() {
-    for (int i = 0; i < 200 && bench_.rig().isPowered(); ++i)
+    for (int i = 0; i < 200 && bench.rig().isPowered(); ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
-    return !bench_.rig().isPowered();
+    return !bench.rig().isPowered();
   }
 
   void expectStandsStill() {
     const std::vector<double> before = angles();
     std::this_thread::sleep_for(std::chrono::milliseconds(700));
-    EXPECT_EQ(angles(), before) << bench_.told();
+    EXPECT_EQ(angles(), before) << bench.told();
   }
 
-  TestDomain domain_;
-  Network network_{domain_.number(), "lo"};
-  BridgeBench bench_{network_, directConfig("dynamixel", "three", kJoints, 2.5)};
-  std::unique_ptr<StandInServer> server_ =
-      std::make_unique<StandInServer>(network_, "three", kJoints);
+  TestDomain domain;
+  Network network{domain.number(), "lo"};
+  BridgeBench bench{network, directConfig("dynamixel", "three", kJoints, 2.5)};
+  std::unique_ptr<StandInServer> server =
+      std::make_unique<StandInServer>(network, "three", kJoints);
 };
 
 TEST_F(BridgeOnADevice, KilledTheDevicesOwnWatchdogStopsTheMotors) {
   moveOn();
-  bench_.bridge().send(SIGKILL);
-  EXPECT_EQ(bench_.bridge().wait(), 128 + SIGKILL);
+  bench.bridge().send(SIGKILL);
+  EXPECT_EQ(bench.bridge().wait(), 128 + SIGKILL);
   EXPECT_TRUE(goesOff());
   expectStandsStill();
 }
 
 TEST_F(BridgeOnADevice, SuspendedItIsAFaultWhenItGoesOn) {
   moveOn();
-  bench_.bridge().send(SIGSTOP);
+  bench.bridge().send(SIGSTOP);
   std::this_thread::sleep_for(std::chrono::seconds(3));
-  EXPECT_FALSE(bench_.rig().isPowered()) << "the device waits for 2.5 s";
-  bench_.bridge().send(SIGCONT);
-  const auto status = bench_.status(v1::BRIDGE_FAULT);
-  ASSERT_TRUE(status.has_value()) << bench_.told();
+  EXPECT_FALSE(bench.rig().isPowered()) << "the device waits for 2.5 s";
+  bench.bridge().send(SIGCONT);
+  const auto status = bench.status(v1::BRIDGE_FAULT);
+  ASSERT_TRUE(status.has_value()) << bench.told();
   EXPECT_TRUE(goesOff());
-  server_->stream({0.1, 0.1, 0.1});
+  server->stream({0.1, 0.1, 0.1});
   expectStandsStill();
 }
 
 TEST_F(BridgeOnADevice, ASignalStopsItForGood) {
   moveOn();
-  bench_.bridge().send(SIGUSR1);
-  const auto status = bench_.status(v1::BRIDGE_ESTOP);
-  ASSERT_TRUE(status.has_value()) << bench_.told();
+  bench.bridge().send(SIGUSR1);
+  const auto status = bench.status(v1::BRIDGE_ESTOP);
+  ASSERT_TRUE(status.has_value()) << bench.told();
   EXPECT_TRUE(goesOff());
-  server_->stream({0.1, 0.1, 0.1});
-  bench_.command(v1::COMMAND_ARM);
+  server->stream({0.1, 0.1, 0.1});
+  bench.command(v1::COMMAND_ARM);
   expectStandsStill();
-  bench_.command(v1::COMMAND_RESET);
-  EXPECT_TRUE(bench_.status(v1::BRIDGE_IDLE)) << bench_.told();
-  EXPECT_FALSE(bench_.rig().isPowered()) << "a reset gives no power";
+  bench.command(v1::COMMAND_RESET);
+  EXPECT_TRUE(bench.status(v1::BRIDGE_IDLE)) << bench.told();
+  EXPECT_FALSE(bench.rig().isPowered()) << "a reset gives no power";
 }
 
 TEST_F(BridgeOnADevice, TerminatedItBrakesAndSwitchesOff) {
   moveOn();
-  bench_.bridge().send(SIGTERM);
-  EXPECT_EQ(bench_.bridge().wait(), 0) << bench_.told();
-  EXPECT_FALSE(bench_.rig().isPowered());
+  bench.bridge().send(SIGTERM);
+  EXPECT_EQ(bench.bridge().wait(), 0) << bench.told();
+  EXPECT_FALSE(bench.rig().isPowered());
 }
 
 TEST_F(BridgeOnADevice, AServerThatStopsMakesItHoldThenGoOff) {
   moveOn();
-  server_.reset();
-  EXPECT_TRUE(goesOff()) << bench_.told();
-  EXPECT_TRUE(bench_.status(v1::BRIDGE_IDLE)) << bench_.told();
-  server_ = std::make_unique<StandInServer>(network_, "three", kJoints);
-  server_->stream({0.1, 0.1, 0.1});
+  server.reset();
+  EXPECT_TRUE(goesOff()) << bench.told();
+  EXPECT_TRUE(bench.status(v1::BRIDGE_IDLE)) << bench.told();
+  server = std::make_unique<StandInServer>(network, "three", kJoints);
+  server->stream({0.1, 0.1, 0.1});
   expectStandsStill();
-  EXPECT_FALSE(bench_.rig().isPowered()) << "a returning stream resumes nothing";
+  EXPECT_FALSE(bench.rig().isPowered()) << "a returning stream resumes nothing";
 }
 
 // Poses answer edits, and after the pause nobody edits.
 TEST_F(BridgeOnADevice, AfterAServersPauseItCanBeArmedWithoutAnEdit) {
   moveOn();
-  server_->pause(true);
-  EXPECT_TRUE(goesOff()) << bench_.told();
-  EXPECT_TRUE(bench_.status(v1::BRIDGE_IDLE)) << bench_.told();
-  server_->pause(false);
+  server->pause(true);
+  EXPECT_TRUE(goesOff()) << bench.told();
+  EXPECT_TRUE(bench.status(v1::BRIDGE_IDLE)) << bench.told();
+  server->pause(false);
   expectStandsStill();
-  EXPECT_TRUE(bench_.arm()) << bench_.told();
+  EXPECT_TRUE(bench.arm()) << bench.told();
 }
 
 TEST_F(BridgeOnADevice, AFaultNamesMotorAndJointAndSaysItInWords) {
   moveOn();
-  bench_.rig().breakDown();
-  const auto status = bench_.status(v1::BRIDGE_FAULT);
-  ASSERT_TRUE(status.has_value()) << bench_.told();
+  bench.rig().breakDown();
+  const auto status = bench.status(v1::BRIDGE_FAULT);
+  ASSERT_TRUE(status.has_value()) << bench.told();
   EXPECT_NE(status->reason().find("motor 'm1' (id 1, joint 'b'): hardware error: overload "
                                   "(code 0x20)"),
             std::string::npos)
@@ -244,58 +244,58 @@ TEST_F(BridgeOnADevice, AFaultNamesMotorAndJointAndSaysItInWords) {
 
 TEST_F(BridgeOnADevice, ClampingIsToldWithWhatWasAskedAndGiven) {
   moveOn();
-  server_->stream({2.4, -2.4, 4.3});
-  const auto status = bench_.status([](const v1::BridgeStatus& told) {
+  server->stream({2.4, -2.4, 4.3});
+  const auto status = bench.status([](const v1::BridgeStatus& told) {
     return !told.clamping().empty();
   });
-  ASSERT_TRUE(status.has_value()) << bench_.told();
+  ASSERT_TRUE(status.has_value()) << bench.told();
   EXPECT_EQ(status->clamping(), "'c' asked for 4.3 rad, given 2.5");
   EXPECT_NEAR(status->clamped_rad(), 1.8, 1e-3);
-  EXPECT_TRUE(bench_.arrive(
+  EXPECT_TRUE(bench.arrive(
       [] {
         return std::vector<double>{2.4, -2.4, 2.5};
       },
       5e-3));
-  EXPECT_TRUE(bench_.bridge().waitForText("reached as far as the limits permit"))
-      << bench_.told();
+  EXPECT_TRUE(bench.bridge().waitForText("reached as far as the limits permit"))
+      << bench.told();
 }
 
 TEST_F(BridgeOnADevice, APoseOfNoNumbersIsRefusedAndNotReached) {
-  bench_.startBridge();
-  server_->stream({0.1, 0.1, 0.1});
-  ASSERT_TRUE(bench_.arm()) << bench_.told();
-  ASSERT_TRUE(bench_.bridge().waitForText("pose 1 reached")) << bench_.told();
-  server_->stream({std::nan(""), 0.1, 0.1});
-  const auto status = bench_.status([](const v1::BridgeStatus& told) {
+  bench.startBridge();
+  server->stream({0.1, 0.1, 0.1});
+  ASSERT_TRUE(bench.arm()) << bench.told();
+  ASSERT_TRUE(bench.bridge().waitForText("pose 1 reached")) << bench.told();
+  server->stream({std::nan(""), 0.1, 0.1});
+  const auto status = bench.status([](const v1::BridgeStatus& told) {
     return told.refusal() == v1::REFUSAL_POSE;
   });
-  ASSERT_TRUE(status.has_value()) << bench_.told();
+  ASSERT_TRUE(status.has_value()) << bench.told();
   EXPECT_EQ(status->last_refusal(), "pose refused: not finite");
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
-  EXPECT_EQ(bench_.told().find("pose 2 reached"), std::string::npos) << bench_.told();
+  EXPECT_EQ(bench.told().find("pose 2 reached"), std::string::npos) << bench.told();
 }
 
 TEST_F(BridgeOnADevice, ALongStepFromRestIsGoneToSlowly) {
-  bench_.startBridge();
-  server_->stream({0.1, 0.1, 0.1});
-  ASSERT_TRUE(bench_.arm()) << bench_.told();
-  ASSERT_TRUE(bench_.bridge().waitForText("pose 1 reached")) << bench_.told();
-  server_->stream({0.1, 2.4, 0.1});
-  EXPECT_TRUE(bench_.status([](const v1::BridgeStatus& told) {
+  bench.startBridge();
+  server->stream({0.1, 0.1, 0.1});
+  ASSERT_TRUE(bench.arm()) << bench.told();
+  ASSERT_TRUE(bench.bridge().waitForText("pose 1 reached")) << bench.told();
+  server->stream({0.1, 2.4, 0.1});
+  EXPECT_TRUE(bench.status([](const v1::BridgeStatus& told) {
     return told.slow() && told.state() == v1::BRIDGE_ARMED;
-  })) << bench_.told();
+  })) << bench.told();
 }
 
 TEST_F(BridgeOnADevice, AnArmingBeforeItsTimeIsNotReplayed) {
-  server_->stream({0.3, 0.3, 0.3});
-  bench_.shout(v1::COMMAND_ARM);
-  bench_.startBridge();
-  ASSERT_TRUE(bench_.status([](const v1::BridgeStatus& status) {
+  server->stream({0.3, 0.3, 0.3});
+  bench.shout(v1::COMMAND_ARM);
+  bench.startBridge();
+  ASSERT_TRUE(bench.status([](const v1::BridgeStatus& status) {
     return status.state() == v1::BRIDGE_IDLE && status.poses_accepted() > 0;
-  })) << bench_.told();
+  })) << bench.told();
   std::this_thread::sleep_for(std::chrono::seconds(1));
-  EXPECT_FALSE(bench_.rig().isPowered());
-  EXPECT_FALSE(bench_
+  EXPECT_FALSE(bench.rig().isPowered());
+  EXPECT_FALSE(bench
                    .status([](const v1::BridgeStatus&) {
                      return true;
                    })
@@ -304,26 +304,26 @@ TEST_F(BridgeOnADevice, AnArmingBeforeItsTimeIsNotReplayed) {
 
 TEST_F(BridgeOnADevice, UnpluggedAndPluggedInAgainItStaysDisarmed) {
   moveOn();
-  bench_.rig().wire().unplug();
-  const auto status = bench_.status(v1::BRIDGE_FAULT);
-  ASSERT_TRUE(status.has_value()) << bench_.told();
+  bench.rig().wire().unplug();
+  const auto status = bench.status(v1::BRIDGE_FAULT);
+  ASSERT_TRUE(status.has_value()) << bench.told();
   EXPECT_EQ(status->fault(), v1::FAULT_WIRE) << status->reason();
-  bench_.rig().wire().plug();
+  bench.rig().wire().plug();
   EXPECT_TRUE(goesOff());
-  bench_.command(v1::COMMAND_RESET);
-  ASSERT_TRUE(bench_.status(v1::BRIDGE_IDLE)) << bench_.told();
+  bench.command(v1::COMMAND_RESET);
+  ASSERT_TRUE(bench.status(v1::BRIDGE_IDLE)) << bench.told();
   expectStandsStill();
-  EXPECT_FALSE(bench_.rig().isPowered());
+  EXPECT_FALSE(bench.rig().isPowered());
 }
 
 TEST_F(BridgeOnADevice, AnotherHandInTheFollowedSessionEndsItsStream) {
   moveOn();
-  server_->take("three_left");
-  server_->stream({-2.4, 2.4, -2.4});
-  EXPECT_TRUE(goesOff()) << bench_.told();
-  EXPECT_TRUE(bench_.status(v1::BRIDGE_IDLE)) << bench_.told();
-  bench_.command(v1::COMMAND_ARM);
-  const auto refused = bench_.status([](const v1::BridgeStatus& told) {
+  server->take("three_left");
+  server->stream({-2.4, 2.4, -2.4});
+  EXPECT_TRUE(goesOff()) << bench.told();
+  EXPECT_TRUE(bench.status(v1::BRIDGE_IDLE)) << bench.told();
+  bench.command(v1::COMMAND_ARM);
+  const auto refused = bench.status([](const v1::BridgeStatus& told) {
     return !told.last_refusal().empty();
   });
   ASSERT_TRUE(refused.has_value());
@@ -331,18 +331,18 @@ TEST_F(BridgeOnADevice, AnotherHandInTheFollowedSessionEndsItsStream) {
   EXPECT_EQ(refused->last_refusal(),
             "ARM refused: no fresh pose: session 11 is of hand 'three_left', this one is "
             "'three': passed over");
-  server_->take("three");
-  server_->stream({0.1, 0.1, 0.1});
+  server->take("three");
+  server->stream({0.1, 0.1, 0.1});
   expectStandsStill();
-  EXPECT_FALSE(bench_.rig().isPowered()) << "an undo resumes nothing";
-  EXPECT_TRUE(bench_.arm()) << bench_.told();
+  EXPECT_FALSE(bench.rig().isPowered()) << "an undo resumes nothing";
+  EXPECT_TRUE(bench.arm()) << bench.told();
 }
 
 TEST_F(BridgeOnADevice, ASecondOneOnTheSamePortDoesNotDisturbIt) {
   moveOn();
-  Process second(program("handgraft-bridge"), bench_.argumentsOf(2));
+  Process second(program("handgraft-bridge"), bench.argumentsOf(2));
   EXPECT_TRUE(second.waitForText("is in use by another process")) << second.err();
-  const auto status = bench_.status([](const v1::BridgeStatus& told) {
+  const auto status = bench.status([](const v1::BridgeStatus& told) {
     return told.bridge_id() == 1;
   });
   ASSERT_TRUE(status.has_value());
@@ -352,46 +352,46 @@ TEST_F(BridgeOnADevice, ASecondOneOnTheSamePortDoesNotDisturbIt) {
 TEST_F(BridgeOnADevice, ASecondOneOfTheSameNumberDoesNotStart) {
   moveOn();
   const Finished second =
-      run(program("handgraft-bridge"), {"--domain", std::to_string(domain_.number())});
+      run(program("handgraft-bridge"), {"--domain", std::to_string(domain.number())});
   EXPECT_EQ(second.exit_code, 1);
   for (const char* part : {"bridge 1 is there already", "dynamixel ", "--bridge-id"})
     EXPECT_NE(second.err.find(part), std::string::npos) << second.err;
-  EXPECT_TRUE(bench_.rig().isPowered());
+  EXPECT_TRUE(bench.rig().isPowered());
 }
 
 // Whoever is suspended is not heard by the one that starts meanwhile.
 TEST_F(BridgeOnADevice, TwoOfTheSameNumberAreNotArmed) {
-  bench_.startBridge();
-  server_->stream({0.0, 0.0, 0.0});
-  ASSERT_TRUE(bench_.status(v1::BRIDGE_IDLE)) << bench_.told();
-  bench_.bridge().send(SIGSTOP);
+  bench.startBridge();
+  server->stream({0.0, 0.0, 0.0});
+  ASSERT_TRUE(bench.status(v1::BRIDGE_IDLE)) << bench.told();
+  bench.bridge().send(SIGSTOP);
   Process second(program("handgraft-bridge"),
-                 {"--disarmed", "--domain", std::to_string(domain_.number())});
+                 {"--disarmed", "--domain", std::to_string(domain.number())});
   ASSERT_TRUE(second.waitForText("no hand yet")) << second.err();
-  bench_.bridge().send(SIGCONT);
+  bench.bridge().send(SIGCONT);
   const auto warned = [](const char* device) {
     return [device](const v1::BridgeStatus& told) {
       return told.device().rfind(device, 0) == 0 &&
              told.reason().find("another bridge 1 is there") != std::string::npos;
     };
   };
-  ASSERT_TRUE(bench_.status(warned("dynamixel"))) << bench_.told();
-  ASSERT_TRUE(bench_.status(warned("simulated"))) << second.err();
-  bench_.command(v1::COMMAND_ARM);
-  const auto refused = bench_.status([](const v1::BridgeStatus& told) {
+  ASSERT_TRUE(bench.status(warned("dynamixel"))) << bench.told();
+  ASSERT_TRUE(bench.status(warned("simulated"))) << second.err();
+  bench.command(v1::COMMAND_ARM);
+  const auto refused = bench.status([](const v1::BridgeStatus& told) {
     return told.device().rfind("dynamixel", 0) == 0 && !told.last_refusal().empty();
   });
-  ASSERT_TRUE(refused.has_value()) << bench_.told();
+  ASSERT_TRUE(refused.has_value()) << bench.told();
   EXPECT_EQ(
       refused->last_refusal().rfind("ARM refused: another bridge 1 is there: simulated", 0), 0)
       << refused->last_refusal();
-  EXPECT_FALSE(bench_.rig().isPowered());
+  EXPECT_FALSE(bench.rig().isPowered());
   second.send(SIGTERM);
   EXPECT_EQ(second.wait(), 0) << second.err();
-  ASSERT_TRUE(bench_.status([](const v1::BridgeStatus& told) {
+  ASSERT_TRUE(bench.status([](const v1::BridgeStatus& told) {
     return told.reason().find("another bridge") == std::string::npos;
-  })) << bench_.told();
-  EXPECT_TRUE(bench_.arm()) << bench_.told();
+  })) << bench.told();
+  EXPECT_TRUE(bench.arm()) << bench.told();
 }
 
 TEST(BridgeConfig, RefusesAPortWithoutAName) {

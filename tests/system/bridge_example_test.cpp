@@ -41,7 +41,7 @@ class ExampleConfig : public testing::Test {
  protected:
   [[nodiscard]] Finished ask(const char* what) const {
     return run(program("handgraft"),
-               {"bridge", what, "--domain", std::to_string(domain_.number())});
+               {"bridge", what, "--domain", std::to_string(domain.number())});
   }
 
   /// Streams a pose, arms by way of the CLI, and waits until the motors are there.
@@ -65,15 +65,15 @@ class ExampleConfig : public testing::Test {
     EXPECT_TRUE(is_there) << share << "\n" << bench.told();
   }
 
-  TestDomain domain_;
-  Network network_{domain_.number(), "lo"};
+  TestDomain domain;
+  Network network{domain.number(), "lo"};
 };
 
 class DirectExample : public ExampleConfig, public testing::WithParamInterface<const char*> {};
 
 TEST_P(DirectExample, MovesItsHandAndStops) {
-  BridgeBench bench(network_, patientExample(GetParam()));
-  StandInServer server(network_, bench.config().hand, jointsOf(bench.config()));
+  BridgeBench bench(network, patientExample(GetParam()));
+  StandInServer server(network, bench.config().hand, jointsOf(bench.config()));
   bench.startBridge();
   const std::vector<double> none(bench.config().motors.size(), 0.0);
   moveTo(bench, server, 0.4, none, 5e-3);
@@ -95,10 +95,10 @@ TEST_F(ExampleConfig, TheTendonHandIsHomedByTheCliThenMovesAndKeepsItsZeros) {
   const auto folder = scratchDirectory();
   const auto calibration = folder / "tendon_calibration.yaml";
   std::filesystem::remove(calibration);
-  BridgeBench bench(network_, patientExample("printed_tendon_hand") +
-                                  "calibration: tendon_calibration.yaml\n");
+  BridgeBench bench(network, patientExample("printed_tendon_hand") +
+                                 "calibration: tendon_calibration.yaml\n");
   const std::vector<double> taut_rad = slackenLines(bench.rig(), bench.config());
-  StandInServer server(network_, bench.config().hand, jointsOf(bench.config()));
+  StandInServer server(network, bench.config().hand, jointsOf(bench.config()));
   bench.startBridge();
   server.stream(poseAt(bench.config(), 0.1));
   ASSERT_TRUE(bench.status(v1::BRIDGE_IDLE)) << bench.told();

@@ -28,9 +28,9 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kFrames_hz = 120.0;
-constexpr double kClosing_s = 1.0;
-constexpr double kAround_s = 3.0;  // for a program to start, and its last frames to arrive
+constexpr double kFrames = 120.0;
+constexpr double kClosing = 1.0;
+constexpr double kAround = 3.0;  // for a program to start, and its last frames to arrive
 constexpr int kAttempts = 3;
 
 /// On demand as a bench: on a quiet machine, at 200 Hz. Else the device waits four times as
@@ -40,7 +40,7 @@ bool isBench() {
 }
 
 /// Seconds that the demonstrator is followed.
-double followed_s() {
+double followedTime() {
   return isBench() ? std::atof(std::getenv("HANDGRAFT_STREAM_SECONDS")) : 5.0;
 }
 
@@ -55,10 +55,10 @@ double quantileOf(std::vector<double> values, double part) {
 /// about.
 std::string demonstration(double seconds) {
   json file = {{"format", "handgraft-demonstration/1"}, {"object", "box"}};
-  for (int k = 0; k < seconds * kFrames_hz; ++k) {
-    const double time_s = k / kFrames_hz;
-    const double closed = std::min(1.0, time_s / kClosing_s);
-    const double since_s = std::max(0.0, time_s - kClosing_s);
+  for (int k = 0; k < seconds * kFrames; ++k) {
+    const double time_s = k / kFrames;
+    const double closed = std::min(1.0, time_s / kClosing);
+    const double since_s = std::max(0.0, time_s - kClosing);
     const double press = 0.04 * std::sin(2.0 * std::numbers::pi * 0.5 * since_s);
     const double way_m = 0.05 * std::sin(2.0 * std::numbers::pi * 0.2 * since_s);
     std::vector<double> pose(48, 0.0);
@@ -129,7 +129,7 @@ TEST(FollowedBridge, ADemonstratorAt120HzMovesAHand) {
 
   // === The demonstrator, as a program of its own. A machine that stands still for a quarter of
   // a second is a fault to the device, and rightly so: then once more.
-  const double seconds = followed_s();
+  const double seconds = followedTime();
   const std::string file = (scratchDirectory() / "shown_long.json").string();
   std::ofstream(file) << demonstration(seconds);
   std::vector<double> stands = begun.joint_positions();
@@ -149,7 +149,7 @@ TEST(FollowedBridge, ADemonstratorAt120HzMovesAHand) {
     const auto demonstrator = service.start(
         "handgraft", {"motion", "follow", std::to_string(session.id()), file, "--json"});
     const auto end =
-        std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds + kAround_s);
+        std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds + kAround);
     while (std::chrono::steady_clock::now() < end) {
       passing.take(bench);
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -199,7 +199,7 @@ TEST(FollowedBridge, ADemonstratorAt120HzMovesAHand) {
       "demonstrator at {} Hz for {} s: {} frames, {} answered, {} obeyed; frame to command p50 "
       "{:.1f} ms, p99 {:.1f} ms; largest step of a period {:.4f} rad; {} poses accepted, {} "
       "refused, {} periods limited\n",
-      kFrames_hz, seconds, passing.sent_ns.size(), passing.answered.size(), obeyed,
+      kFrames, seconds, passing.sent_ns.size(), passing.answered.size(), obeyed,
       quantileOf(latency_ms, 0.5), quantileOf(latency_ms, 0.99), quantileOf(step_rad, 1.0),
       after->poses_accepted() - before->poses_accepted(),
       after->poses_refused() - before->poses_refused(), after->limited() - before->limited());
@@ -210,7 +210,7 @@ TEST(FollowedBridge, ADemonstratorAt120HzMovesAHand) {
   ASSERT_FALSE(passing.answered.empty());
   EXPECT_EQ(passing.answered.back().time_s().front(), passing.sent_ns.rbegin()->first);
   if (isBench()) {
-    EXPECT_GT(static_cast<double>(passing.answered.size()), 0.3 * seconds * kFrames_hz);
+    EXPECT_GT(static_cast<double>(passing.answered.size()), 0.3 * seconds * kFrames);
   }
   EXPECT_GT(static_cast<double>(obeyed), 0.9 * static_cast<double>(passing.answered.size()));
   // What is told may lie two periods apart, at 2 rad/s at most.

@@ -121,7 +121,7 @@ class RosPeer : public testing::TestWithParam<const char*> {
 
   [[nodiscard]] std::vector<std::string> arguments(
       const std::string& prefix, const std::vector<std::string>& verbs) const {
-    std::vector<std::string> all{std::to_string(domain_.number()), prefix};
+    std::vector<std::string> all{std::to_string(domain.number()), prefix};
     all.insert(all.end(), verbs.begin(), verbs.end());
     return all;
   }
@@ -132,11 +132,11 @@ class RosPeer : public testing::TestWithParam<const char*> {
       EXPECT_NE(node.out.find(line), std::string::npos) << line << "\nin\n" << node.out;
   }
 
-  TestDomain domain_;
+  TestDomain domain;
 };
 
 TEST_P(RosPeer, HearsEveryTopicAndCallsEveryService) {
-  RosBench on({domain_.number(), "lo"}, {});
+  RosBench on({domain.number(), "lo"}, {});
   ASSERT_TRUE(on.is_armed) << on.bench.told();
   const Finished node =
       run(program(GetParam()), arguments("", {"disarm", "arm", "estop", "reset", "home"}));
@@ -151,7 +151,7 @@ TEST_P(RosPeer, HearsEveryTopicAndCallsEveryService) {
 }
 
 TEST_P(RosPeer, FindsThemUnderTheirNamespace) {
-  RosBench on({domain_.number(), "lo"}, {"--ros-namespace", "/left/hand"});
+  RosBench on({domain.number(), "lo"}, {"--ros-namespace", "/left/hand"});
   ASSERT_TRUE(on.is_armed) << on.bench.told();
   const Finished node = run(program(GetParam()), arguments("left/hand/", {"home"}));
   expectAll(node, {"joint_states 3 names", "of left/hand/handgraft_bridge: hand",
@@ -164,7 +164,7 @@ TEST_P(RosPeer, OnAnotherHostFindsThemAsItComes) {
   if (!hosts.areThere()) GTEST_SKIP() << "network namespaces cannot be made here";
   asItComes();
   hosts.sitAtTheBridges();
-  RosBench on({domain_.number(), "eth0"}, {"--interface", "eth0", "--open"});
+  RosBench on({domain.number(), "eth0"}, {"--interface", "eth0", "--open"});
   ASSERT_TRUE(on.is_armed) << on.bench.told();
   std::vector<std::string> command{"netns", "exec", hosts.nodeHost(), program(GetParam())};
   for (const std::string& argument : arguments("", {"disarm"}))

@@ -20,8 +20,8 @@ namespace {
 class TendonHandOnATty : public testing::Test {
  protected:
   TendonHandOnATty() {
-    std::filesystem::remove(calibration_);
-    taut_rad_ = slackenLines(bench_.rig(), bench_.config());
+    std::filesystem::remove(calibration);
+    taut_rad = slackenLines(bench.rig(), bench.config());
   }
 
   static std::string configText() {
@@ -38,22 +38,22 @@ class TendonHandOnATty : public testing::Test {
 
   [[nodiscard]] Finished ask(const char* what) const {
     return run(program("handgraft"),
-               {"bridge", what, "--domain", std::to_string(domain_.number())});
+               {"bridge", what, "--domain", std::to_string(domain.number())});
   }
 
   /// Does something to each axis.
   void toAxes(const std::function<void(int node, ODriveEmulator::Axis& axis)>& act) {
-    const auto lock = bench_.rig().wire().hold();
-    for (const config::MotorConfig& motor : bench_.config().motors)
-      act(motor.id, busOf(bench_.rig()).axis(motor.id));
+    const auto lock = bench.rig().wire().hold();
+    for (const config::MotorConfig& motor : bench.config().motors)
+      act(motor.id, busOf(bench.rig()).axis(motor.id));
   }
 
   void start() {
-    bench_.startBridge();
-    server_.stream(openHand());
-    ASSERT_TRUE(bench_.status([](const v1::BridgeStatus& told) {
+    bench.startBridge();
+    server.stream(openHand());
+    ASSERT_TRUE(bench.status([](const v1::BridgeStatus& told) {
       return told.state() == v1::BRIDGE_IDLE && told.poses_accepted() > 0;
-    })) << bench_.told();
+    })) << bench.told();
   }
 
   /// On a busy machine a device may wait for too long, which ends a homing, and rightly so.
@@ -63,20 +63,20 @@ class TendonHandOnATty : public testing::Test {
       static_cast<void>(ask("reset"));
       homed = ask("home");
     }
-    ASSERT_EQ(homed.exit_code, 0) << homed.err << bench_.told();
-    ASSERT_TRUE(std::filesystem::exists(calibration_));
+    ASSERT_EQ(homed.exit_code, 0) << homed.err << bench.told();
+    ASSERT_TRUE(std::filesystem::exists(calibration));
   }
 
   /// The device's own watchdog is what switches it off.
   void awaitPowerOff() {
-    for (int i = 0; i < 200 && bench_.rig().isPowered(); ++i)
+    for (int i = 0; i < 200 && bench.rig().isPowered(); ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
-    EXPECT_FALSE(bench_.rig().isPowered());
+    EXPECT_FALSE(bench.rig().isPowered());
   }
 
   [[nodiscard]] std::vector<double> openHand() const {
     std::vector<double> pose;
-    for (const safety::JointLimits& limits : bench_.config().governor.limits)
+    for (const safety::JointLimits& limits : bench.config().governor.limits)
       pose.push_back(limits.lower);
     return pose;
   }
@@ -92,22 +92,22 @@ class TendonHandOnATty : public testing::Test {
   void expectIsNotArmed(v1::BridgeRefusal code, const std::string& why) {
     const std::vector<double> before = shafts();
     const Finished armed = ask("arm");
-    EXPECT_EQ(armed.exit_code, 1) << bench_.told();
+    EXPECT_EQ(armed.exit_code, 1) << bench.told();
     EXPECT_NE(armed.err.find(why), std::string::npos) << armed.err;
-    const auto told = bench_.status([code](const v1::BridgeStatus& status) {
+    const auto told = bench.status([code](const v1::BridgeStatus& status) {
       return status.refusal() == code;
     });
-    EXPECT_TRUE(told.has_value()) << bench_.told();
-    EXPECT_FALSE(bench_.rig().isPowered());
+    EXPECT_TRUE(told.has_value()) << bench.told();
+    EXPECT_FALSE(bench.rig().isPowered());
     EXPECT_EQ(shafts(), before) << "nothing turned";
   }
 
-  TestDomain domain_;
-  Network network_{domain_.number(), "lo"};
-  std::filesystem::path calibration_ = scratchDirectory() / "tendon_safety_calibration.yaml";
-  BridgeBench bench_{network_, configText()};
-  StandInServer server_{network_, bench_.config().hand, bench_.config().governor.names};
-  std::vector<double> taut_rad_;
+  TestDomain domain;
+  Network network{domain.number(), "lo"};
+  std::filesystem::path calibration = scratchDirectory() / "tendon_safety_calibration.yaml";
+  BridgeBench bench{network, configText()};
+  StandInServer server{network, bench.config().hand, bench.config().governor.names};
+  std::vector<double> taut_rad;
 };
 
 // === 1. Lost zeros
@@ -115,16 +115,16 @@ class TendonHandOnATty : public testing::Test {
 TEST_F(TendonHandOnATty, ThatLostItsPowerIsNotArmedOnItsOldZeros) {
   start();
   home();
-  ASSERT_TRUE(bench_.arm()) << bench_.told();
-  ASSERT_EQ(bench_.stopBridge(), 0) << bench_.told();
+  ASSERT_TRUE(bench.arm()) << bench.told();
+  ASSERT_EQ(bench.stopBridge(), 0) << bench.told();
   toAxes([this](int node, ODriveEmulator::Axis&) {
-    busOf(bench_.rig()).restart(node);
+    busOf(bench.rig()).restart(node);
   });
   start();
-  const auto told = bench_.status([](const v1::BridgeStatus& status) {
+  const auto told = bench.status([](const v1::BridgeStatus& status) {
     return !status.homed() && status.periods() > 10;
   });
-  ASSERT_TRUE(told.has_value()) << bench_.told();
+  ASSERT_TRUE(told.has_value()) << bench.told();
   EXPECT_NE(told->reason().find("motor 'thumb' restarted since it was homed"),
             std::string::npos)
       << told->reason();
@@ -134,7 +134,7 @@ TEST_F(TendonHandOnATty, ThatLostItsPowerIsNotArmedOnItsOldZeros) {
 TEST_F(TendonHandOnATty, WhoseZerosAreWrongIsNotArmedWhereverItsJointsSeemToBe) {
   start();
   home();
-  ASSERT_EQ(bench_.stopBridge(), 0) << bench_.told();
+  ASSERT_EQ(bench.stopBridge(), 0) << bench.told();
   // Its lines were slackened by hand: every joint is measured at rest, no drum is where it may
   // be.
   toAxes([](int, ODriveEmulator::Axis& axis) {
@@ -151,8 +151,8 @@ TEST_F(TendonHandOnATty, ThatCannotSayWhetherItRestartedIsHomedAnew) {
   });
   start();
   home();
-  ASSERT_TRUE(bench_.arm()) << bench_.told();
-  ASSERT_EQ(bench_.stopBridge(), 0) << bench_.told();
+  ASSERT_TRUE(bench.arm()) << bench.told();
+  ASSERT_EQ(bench.stopBridge(), 0) << bench.told();
   start();
   expectIsNotArmed(v1::REFUSAL_NOT_HOMED, "cannot say whether it restarted");
 }
@@ -163,24 +163,24 @@ TEST_F(TendonHandOnATty, WithoutAnAxisWatchdogIsNotArmed) {
   start();
   home();
   {
-    const auto lock = bench_.rig().wire().hold();
-    busOf(bench_.rig()).axis(1).watchdog = Duration::zero();
+    const auto lock = bench.rig().wire().hold();
+    busOf(bench.rig()).axis(1).watchdog = Duration::zero();
   }
-  EXPECT_EQ(ask("arm").exit_code, 1) << bench_.told();
-  const auto told = bench_.status(v1::BRIDGE_FAULT);
-  ASSERT_TRUE(told.has_value()) << bench_.told();
+  EXPECT_EQ(ask("arm").exit_code, 1) << bench.told();
+  const auto told = bench.status(v1::BRIDGE_FAULT);
+  ASSERT_TRUE(told.has_value()) << bench.told();
   EXPECT_EQ(told->fault(), v1::FAULT_NO_WATCHDOG) << told->reason();
   EXPECT_NE(told->reason().find("motor 'index' (id 1)"), std::string::npos) << told->reason();
   EXPECT_NE(told->reason().find("enable_watchdog"), std::string::npos) << told->reason();
-  EXPECT_FALSE(bench_.rig().isPowered());
+  EXPECT_FALSE(bench.rig().isPowered());
 }
 
 TEST_F(TendonHandOnATty, KilledItsOwnWatchdogSwitchesItOff) {
   start();
   home();
-  ASSERT_TRUE(bench_.arm()) << bench_.told();
-  bench_.bridge().send(SIGKILL);
-  EXPECT_EQ(bench_.bridge().wait(), 128 + SIGKILL);
+  ASSERT_TRUE(bench.arm()) << bench.told();
+  bench.bridge().send(SIGKILL);
+  EXPECT_EQ(bench.bridge().wait(), 128 + SIGKILL);
   awaitPowerOff();
 }
 
@@ -196,28 +196,28 @@ TEST_F(TendonHandOnATty, WhoseHomingFailsHasNoZerosAnyMore) {
   EXPECT_EQ(failed.exit_code, 1) << failed.out;
   for (const char* part : {"homing of 'thumb'", "found no stop", "of 5 rad"})
     EXPECT_NE(failed.err.find(part), std::string::npos) << failed.err;
-  EXPECT_FALSE(std::filesystem::exists(calibration_)) << "the old zeros are void";
-  EXPECT_FALSE(bench_.rig().isPowered());
+  EXPECT_FALSE(std::filesystem::exists(calibration)) << "the old zeros are void";
+  EXPECT_FALSE(bench.rig().isPowered());
   expectIsNotArmed(v1::REFUSAL_NOT_HOMED, "found no stop");
 }
 
 TEST_F(TendonHandOnATty, KilledInItsHomingHasNoZerosWhenItComesBack) {
   start();
   home();
-  bench_.command(v1::COMMAND_HOME);
-  ASSERT_TRUE(bench_.status([](const v1::BridgeStatus& told) {
+  bench.command(v1::COMMAND_HOME);
+  ASSERT_TRUE(bench.status([](const v1::BridgeStatus& told) {
     return told.reason() == "homing" && told.powered();
-  })) << bench_.told();
-  bench_.bridge().send(SIGKILL);
-  static_cast<void>(bench_.bridge().wait());
+  })) << bench.told();
+  bench.bridge().send(SIGKILL);
+  static_cast<void>(bench.bridge().wait());
   awaitPowerOff();
-  bench_.startBridge();
-  server_.stream(openHand());
-  ASSERT_TRUE(bench_.status([](const v1::BridgeStatus& told) {
+  bench.startBridge();
+  server.stream(openHand());
+  ASSERT_TRUE(bench.status([](const v1::BridgeStatus& told) {
     return told.state() == v1::BRIDGE_FAULT && told.poses_accepted() > 0;
   })) << "its watchdog fired: "
-      << bench_.told();
-  EXPECT_EQ(ask("reset").exit_code, 0) << bench_.told();
+      << bench.told();
+  EXPECT_EQ(ask("reset").exit_code, 0) << bench.told();
   expectIsNotArmed(v1::REFUSAL_NOT_HOMED, "HOME first");
 }
 
@@ -226,11 +226,11 @@ TEST_F(TendonHandOnATty, KilledInItsHomingHasNoZerosWhenItComesBack) {
 TEST_F(TendonHandOnATty, IsHomedWithTheDevicesOwnLimitsSetAndSetBack) {
   start();
   home();
-  for (std::size_t i = 0; i < bench_.config().homing.size(); ++i) {
-    const auto lock = bench_.rig().wire().hold();
-    const safety::HomingStep& step = bench_.config().homing[i];
-    const config::MotorConfig& motor = bench_.config().motors[step.motor];
-    const ODriveEmulator::Axis& axis = busOf(bench_.rig()).axis(motor.id);
+  for (std::size_t i = 0; i < bench.config().homing.size(); ++i) {
+    const auto lock = bench.rig().wire().hold();
+    const safety::HomingStep& step = bench.config().homing[i];
+    const config::MotorConfig& motor = bench.config().motors[step.motor];
+    const ODriveEmulator::Axis& axis = busOf(bench.rig()).axis(motor.id);
     EXPECT_LE(axis.largest_current_A, 1.25 * step.current_A + 1e-6) << motor.name;
     // Half a second's way and 0.1 rad, in turns.
     EXPECT_LE(axis.largest_lead, (0.5 * step.speed_rad_s + 0.15) / 6.28) << motor.name;
@@ -241,35 +241,35 @@ TEST_F(TendonHandOnATty, IsHomedWithTheDevicesOwnLimitsSetAndSetBack) {
 TEST_F(TendonHandOnATty, WhoseAxisStopsTellingItsCurrentIsNotRunOn) {
   start();
   const auto turns = [this] {
-    const auto lock = bench_.rig().wire().hold();
-    return busOf(bench_.rig()).axis(0).servo.position;
+    const auto lock = bench.rig().wire().hold();
+    return busOf(bench.rig()).axis(0).servo.position;
   };
   const double start_turns = turns();
   // On a busy machine a homing may end before it turns anything, and is asked for again.
   for (int i = 0; i < 6000 && turns() - start_turns < 0.02; ++i) {
     if (i % 500 == 0) {
-      bench_.shout(v1::COMMAND_RESET);
-      bench_.command(v1::COMMAND_HOME);
+      bench.shout(v1::COMMAND_RESET);
+      bench.command(v1::COMMAND_HOME);
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
-  ASSERT_GE(turns() - start_turns, 0.02) << bench_.told();
+  ASSERT_GE(turns() - start_turns, 0.02) << bench.told();
   double told_turns = 0;
   {
-    const auto lock = bench_.rig().wire().hold();
-    ODriveEmulator::Axis& axis = busOf(bench_.rig()).axis(0);
+    const auto lock = bench.rig().wire().hold();
+    ODriveEmulator::Axis& axis = busOf(bench.rig()).axis(0);
     axis.tells_current = false;
     axis.taut.reset();
     told_turns = axis.servo.position;
   }
-  const auto ended = bench_.status([](const v1::BridgeStatus& told) {
+  const auto ended = bench.status([](const v1::BridgeStatus& told) {
     return told.reason() != "homing" && !told.powered() &&
            told.state() != v1::BRIDGE_DISCONNECTED;
   });
-  ASSERT_TRUE(ended.has_value()) << bench_.told();
+  ASSERT_TRUE(ended.has_value()) << bench.told();
   EXPECT_FALSE(ended->homed());
   EXPECT_LT(turns() - told_turns, 0.25) << "turns, of the 0.8 that it was given";
-  EXPECT_FALSE(bench_.rig().isPowered());
+  EXPECT_FALSE(bench.rig().isPowered());
 }
 
 }  // namespace

@@ -22,11 +22,11 @@ using std::chrono::microseconds;
 using std::chrono::steady_clock;
 using std::chrono::system_clock;
 
-constexpr double kRate_hz = 120;
+constexpr double kRate = 120;
 const std::vector<std::string> kJoints{"a", "b", "c"};
 
 /// Seconds that a stream lasts: more on demand, for a bench.
-double duration_s() {
+double durationOf() {
   const char* told = std::getenv("HANDGRAFT_STREAM_SECONDS");
   return told != nullptr ? std::atof(told) : 6;
 }
@@ -39,8 +39,8 @@ double share(std::vector<double> sorted, double part) {
 
 class GuidedBridge : public testing::Test {
  protected:
-  GuidedBridge() : bench_(network(), config()), server_(network(), "three", kJoints) {
-    bench_.startBridge();
+  GuidedBridge() : bench(network(), config()), server(network(), "three", kJoints) {
+    bench.startBridge();
   }
 
   static std::string config() {
@@ -51,7 +51,7 @@ class GuidedBridge : public testing::Test {
     return text;
   }
 
-  [[nodiscard]] Network network() const { return {domain_.number(), "lo"}; }
+  [[nodiscard]] Network network() const { return {domain.number(), "lo"}; }
 
   struct Streamed {
     std::vector<double> latency_ms;  // from a sample to the target that has come to it
@@ -60,8 +60,8 @@ class GuidedBridge : public testing::Test {
     std::string state;
   };
 
-  /// Sends a ramp of the first joint there and back for `seconds`, save what is lost.
-  Streamed stream(double seconds, double loss) {
+  /// Sends a ramp of the first joint there and back for `length` seconds, save what is lost.
+  Streamed stream(double length, double loss) {
     Streamed result;
     std::mt19937 random(11);
     std::uniform_real_distribution<double> chance(0, 1);
@@ -74,21 +74,21 @@ class GuidedBridge : public testing::Test {
     std::vector<Sent> sent;
     std::vector<v1::JointState> told;
     const auto take = [&] {
-      for (v1::JointState& state : bench_.jointStates())
+      for (v1::JointState& state : bench.jointStates())
         told.push_back(std::move(state));
     };
     take();
     told.clear();
     auto due = steady_clock::now();
-    for (int k = 0; k < seconds * kRate_hz; ++k) {
-      due += microseconds(static_cast<int>(1e6 / kRate_hz));
+    for (int k = 0; k < length * kRate; ++k) {
+      due += microseconds(static_cast<int>(1e6 / kRate));
       std::this_thread::sleep_until(due);
-      const double value = 0.3 * (seconds_ += 1 / kRate_hz);
+      const double value = 0.3 * (seconds += 1 / kRate);
       const double folded = 0.5 - std::abs(std::fmod(value, 2.0) - 1.0);
       if (chance(random) >= loss) {
         const std::int64_t now_ns =
             system_clock::now().time_since_epoch() / std::chrono::nanoseconds(1);
-        server_.sample({folded, 0.2 * folded, 0.0}, now_ns);
+        server.sample({folded, 0.2 * folded, 0.0}, now_ns);
         sent.push_back({folded, now_ns});
       }
       take();
@@ -119,70 +119,70 @@ class GuidedBridge : public testing::Test {
     fmt::print(
         "samples at {} Hz, loss {:.0f} %: {} sent, sample to command p50 {:.1f} ms, "
         "p99 {:.1f} ms, largest step {:.4f} rad\n",
-        kRate_hz, 100 * loss, result.sent, share(result.latency_ms, 0.5),
+        kRate, 100 * loss, result.sent, share(result.latency_ms, 0.5),
         share(result.latency_ms, 0.99), share(result.step_rad, 1));
     return result;
   }
 
   /// Where the stream begins, and the hand stands armed.
   bool start() {
-    server_.stream({-0.5, -0.1, 0.0});
-    return bench_.arrive(
+    server.stream({-0.5, -0.1, 0.0});
+    return bench.arrive(
         [] {
           return std::vector<double>{-0.5, -0.1, 0.0};
         },
         0.02);
   }
 
-  TestDomain domain_;
-  BridgeBench bench_;
-  StandInServer server_;
-  double seconds_ = 0;
+  TestDomain domain;
+  BridgeBench bench;
+  StandInServer server;
+  double seconds = 0;
 };
 
 TEST_F(GuidedBridge, FollowsSamplesAt120HzAndBearsTheLossOfOneInTen) {
-  ASSERT_TRUE(start()) << bench_.told();
-  ASSERT_TRUE(server_.isSampled()) << bench_.told();
-  const Streamed all = stream(duration_s(), 0);
+  ASSERT_TRUE(start()) << bench.told();
+  ASSERT_TRUE(server.isSampled()) << bench.told();
+  const Streamed all = stream(durationOf(), 0);
   EXPECT_GT(all.latency_ms.size(), all.sent / 2) << "targets have not come to the samples";
-  const auto status = bench_.status([&](const v1::BridgeStatus& now) {
+  const auto status = bench.status([&](const v1::BridgeStatus& now) {
     return now.poses_accepted() > all.sent;
   });
-  ASSERT_TRUE(status) << "samples were lost: " << bench_.told();
-  EXPECT_EQ(status->state(), v1::BRIDGE_ARMED) << bench_.told();
+  ASSERT_TRUE(status) << "samples were lost: " << bench.told();
+  EXPECT_EQ(status->state(), v1::BRIDGE_ARMED) << bench.told();
   EXPECT_EQ(status->fault(), v1::FAULT_NONE);
 
-  const Streamed some = stream(duration_s(), 0.1);
+  const Streamed some = stream(durationOf(), 0.1);
   EXPECT_GT(some.latency_ms.size(), some.sent / 2);
-  EXPECT_TRUE(bench_.status(v1::BRIDGE_ARMED)) << bench_.told();
+  EXPECT_TRUE(bench.status(v1::BRIDGE_ARMED)) << bench.told();
   // 0.3 rad/s are 0.0015 rad a period; the limit of 2 rad/s would be 0.01.
   EXPECT_LT(share(some.step_rad, 1), 0.006);
 }
 
 TEST_F(GuidedBridge, StandsThroughAPauseAndHoldsWhenTheServerIsGone) {
-  ASSERT_TRUE(start()) << bench_.told();
+  ASSERT_TRUE(start()) << bench.told();
   stream(1, 0);
   std::this_thread::sleep_for(std::chrono::seconds(2));
-  EXPECT_TRUE(bench_.status(v1::BRIDGE_ARMED)) << bench_.told();
+  EXPECT_TRUE(bench.status(v1::BRIDGE_ARMED)) << bench.told();
   stream(1, 0);
-  EXPECT_TRUE(bench_.status(v1::BRIDGE_ARMED)) << bench_.told();
-  bench_.command(v1::COMMAND_ESTOP);
-  EXPECT_TRUE(bench_.status([](const v1::BridgeStatus& status) {
+  EXPECT_TRUE(bench.status(v1::BRIDGE_ARMED)) << bench.told();
+  bench.command(v1::COMMAND_ESTOP);
+  EXPECT_TRUE(bench.status([](const v1::BridgeStatus& status) {
     return status.state() == v1::BRIDGE_ESTOP && !status.powered();
-  })) << bench_.told();
+  })) << bench.told();
   stream(0.5, 0);
-  EXPECT_FALSE(bench_.rig().isPowered());
+  EXPECT_FALSE(bench.rig().isPowered());
 }
 
 TEST_F(GuidedBridge, SamplesOfOtherJointsAreRefusedInWords) {
-  ASSERT_TRUE(start()) << bench_.told();
+  ASSERT_TRUE(start()) << bench.told();
   StandInServer other(network(), "three", {"a", "b", "d"});
   for (int i = 0; i < 100 && !other.isSampled(); ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   other.sample({0.1, 0.1, 0.1}, 5);
-  EXPECT_TRUE(bench_.status([](const v1::BridgeStatus& status) {
+  EXPECT_TRUE(bench.status([](const v1::BridgeStatus& status) {
     return status.last_refusal().find("'c' is missing") != std::string::npos;
-  })) << bench_.told();
+  })) << bench.told();
 }
 
 }  // namespace

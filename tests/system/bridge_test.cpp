@@ -29,16 +29,16 @@ std::optional<Message> await(idl::cyclone::Reader<Message>& reader, const Predic
 
 class Bridge : public testing::Test {
  protected:
-  Service service_;
-  LiveSession session_{service_, "barrett8", "lemon", "lemon_6"};
-  idl::cyclone::Participant participant_{service_.network()};
-  idl::cyclone::Reader<v1::JointState> states_{participant_, idl::kJointStateTopic};
+  Service service;
+  LiveSession session{service, "barrett8", "lemon", "lemon_6"};
+  idl::cyclone::Participant participant{service.network()};
+  idl::cyclone::Reader<v1::JointState> states{participant, idl::kJointStateTopic};
 };
 
 TEST_F(Bridge, MovesItsHandToTheSolution) {
-  const auto bridge = service_.start("handgraft-bridge", {});
-  const v1::PoseSolution solved = session_.optimize();
-  const auto arrived = await(states_, [&](const v1::JointState& state) {
+  const auto bridge = service.start("handgraft-bridge", {});
+  const v1::PoseSolution solved = session.optimize();
+  const auto arrived = await(states, [&](const v1::JointState& state) {
     if (state.position_rad().size() != solved.joint_positions().size()) return false;
     double worst = 0.0;
     for (std::size_t i = 0; i < solved.joint_positions().size(); ++i) {
@@ -47,40 +47,40 @@ TEST_F(Bridge, MovesItsHandToTheSolution) {
     return worst < 5e-3;  // rad; targets keep a margin inside the limits
   });
   ASSERT_TRUE(arrived.has_value()) << bridge->err();
-  EXPECT_EQ(arrived->session_id(), session_.id());
-  EXPECT_EQ(arrived->names(), session_.opened().joint_names());
+  EXPECT_EQ(arrived->session_id(), session.id());
+  EXPECT_EQ(arrived->names(), session.opened().joint_names());
 }
 
 TEST_F(Bridge, GivesRosTheMeasuredJoints) {
-  idl::cyclone::Reader<sensor_msgs::msg::dds_::JointState_> ros(participant_,
+  idl::cyclone::Reader<sensor_msgs::msg::dds_::JointState_> ros(participant,
                                                                 idl::kRosJointStatesTopic);
-  const auto bridge = service_.start("handgraft-bridge", {});
-  session_.optimize();
+  const auto bridge = service.start("handgraft-bridge", {});
+  session.optimize();
   const auto sample = await(ros, [](const auto& message) {
     return !message.name().empty();
   });
   ASSERT_TRUE(sample.has_value()) << bridge->err();
-  EXPECT_EQ(sample->name(), session_.opened().joint_names());
+  EXPECT_EQ(sample->name(), session.opened().joint_names());
   EXPECT_EQ(sample->position().size(), sample->name().size());
   EXPECT_EQ(sample->velocity().size(), sample->name().size());
   EXPECT_GT(sample->header().stamp().sec(), 0);
 }
 
 TEST_F(Bridge, LearnsALateSolutionOnItsOwnStart) {
-  const v1::PoseSolution solved = session_.optimize();
-  const auto bridge = service_.start("handgraft-bridge", {});  // joins late
-  const auto moving = await(states_, [&](const v1::JointState& state) {
-    return state.session_id() == session_.id() && !state.target_rad().empty();
+  const v1::PoseSolution solved = session.optimize();
+  const auto bridge = service.start("handgraft-bridge", {});  // joins late
+  const auto moving = await(states, [&](const v1::JointState& state) {
+    return state.session_id() == session.id() && !state.target_rad().empty();
   });
   ASSERT_TRUE(moving.has_value()) << bridge->err();
   EXPECT_EQ(moving->target_rad().size(), solved.joint_positions().size());
 }
 
 TEST_F(Bridge, StopsForGoodOnAnEstop) {
-  idl::cyclone::Writer<v1::HandCommand> commands(participant_, idl::kHandCommandTopic);
-  const auto bridge = service_.start("handgraft-bridge", {"--bridge-id", "7"});
-  session_.optimize();
-  ASSERT_TRUE(await(states_, [](const auto& s) {
+  idl::cyclone::Writer<v1::HandCommand> commands(participant, idl::kHandCommandTopic);
+  const auto bridge = service.start("handgraft-bridge", {"--bridge-id", "7"});
+  session.optimize();
+  ASSERT_TRUE(await(states, [](const auto& s) {
     return !s.position_rad().empty();
   }));
   v1::HandCommand command;
@@ -88,34 +88,34 @@ TEST_F(Bridge, StopsForGoodOnAnEstop) {
   command.command_id(1);
   command.kind(v1::HandCommandKind::COMMAND_ESTOP);
   commands.write(command);
-  const auto stopped = await(states_, [](const v1::JointState& state) {
+  const auto stopped = await(states, [](const v1::JointState& state) {
     return state.state() == v1::BridgeState::BRIDGE_ESTOP;
   });
   EXPECT_TRUE(stopped.has_value());
 }
 
 TEST_F(Bridge, ArmsItselfNoMoreOnceItsServerWasGone) {
-  idl::cyclone::Writer<v1::HandCommand> commands(participant_, idl::kHandCommandTopic);
-  const auto bridge = service_.start("handgraft-bridge", {});
-  session_.optimize();
+  idl::cyclone::Writer<v1::HandCommand> commands(participant, idl::kHandCommandTopic);
+  const auto bridge = service.start("handgraft-bridge", {});
+  session.optimize();
   const auto armed = [](const v1::JointState& state) {
     return state.state() == v1::BridgeState::BRIDGE_ARMED;
   };
-  ASSERT_TRUE(await(states_, armed)) << bridge->err();
-  service_.server().send(SIGSTOP);
+  ASSERT_TRUE(await(states, armed)) << bridge->err();
+  service.server().send(SIGSTOP);
   ASSERT_TRUE(bridge->waitForText("the server is gone"));
-  ASSERT_TRUE(await(states_, [](const v1::JointState& state) {
+  ASSERT_TRUE(await(states, [](const v1::JointState& state) {
     return state.state() == v1::BridgeState::BRIDGE_IDLE;
   }));
-  service_.server().send(SIGCONT);
+  service.server().send(SIGCONT);
   ASSERT_TRUE(bridge->waitForText("server found"));
-  session_.optimize();
-  EXPECT_TRUE(await(states_, [&](const v1::JointState& state) {
+  session.optimize();
+  EXPECT_TRUE(await(states, [&](const v1::JointState& state) {
     EXPECT_FALSE(armed(state)) << "armed itself";
     return state.state() == v1::BridgeState::BRIDGE_IDLE && !state.target_rad().empty();
   }));
   std::this_thread::sleep_for(std::chrono::seconds(1));
-  states_.take([&](const v1::JointState& state) {
+  states.take([&](const v1::JointState& state) {
     EXPECT_FALSE(armed(state)) << "armed itself";
   });
   // An ARM repeated until it is obeyed: the pose may have been late.
@@ -124,13 +124,13 @@ TEST_F(Bridge, ArmsItselfNoMoreOnceItsServerWasGone) {
   command.kind(v1::HandCommandKind::COMMAND_ARM);
   command.command_id(11);
   commands.write(command);
-  EXPECT_TRUE(await(states_, armed)) << bridge->err();
+  EXPECT_TRUE(await(states, armed)) << bridge->err();
 }
 
 TEST_F(Bridge, EndsCleanlyOnSigterm) {
-  const auto bridge = service_.start("handgraft-bridge", {});
-  session_.optimize();
-  ASSERT_TRUE(await(states_, [](const auto& s) {
+  const auto bridge = service.start("handgraft-bridge", {});
+  session.optimize();
+  ASSERT_TRUE(await(states, [](const auto& s) {
     return !s.position_rad().empty();
   }));
   bridge->send(SIGTERM);

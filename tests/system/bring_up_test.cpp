@@ -77,39 +77,39 @@ class NewcomersHand : public testing::Test {
   NewcomersHand() {
     std::mt19937 random(20260101);
     for (std::size_t i = 0; i < kServos; ++i) {
-      secrets_.push_back(
+      secrets.push_back(
           {random() % 2 == 0 ? 1 : -1, 1200.0 + static_cast<double>(random() % 1600)});
-      auto& servo = emulator_.motor(id(i)).servo;
-      servo.position = servo.goal = secrets_[i].zero_counts;
+      auto& servo = emulator.motor(id(i)).servo;
+      servo.position = servo.goal = secrets[i].zero_counts;
       servo.speed = 4096;
     }
-    wire_ = makePty(emulator_, 57600);
-    std::filesystem::create_directories(folder_);
-    std::ofstream(folder_ / "newcomer.urdf") << urdf();
-    std::filesystem::remove(folder_ / "newcomer_calibration.yaml");
+    wire = makePty(emulator, 57600);
+    std::filesystem::create_directories(folder);
+    std::ofstream(folder / "newcomer.urdf") << urdf();
+    std::filesystem::remove(folder / "newcomer_calibration.yaml");
   }
 
   static std::uint8_t id(std::size_t i) { return static_cast<std::uint8_t>(11 + 3 * i); }
 
   /// Puts joint `i` by hand to an angle of its model; its motor is off.
   void put(std::size_t i, double joint_rad) {
-    const auto lock = wire_->hold();
-    auto& servo = emulator_.motor(id(i)).servo;
-    servo.position = secrets_[i].zero_counts + secrets_[i].direction * joint_rad / kRadPerCount;
+    const auto lock = wire->hold();
+    auto& servo = emulator.motor(id(i)).servo;
+    servo.position = secrets[i].zero_counts + secrets[i].direction * joint_rad / kRadPerCount;
   }
 
   double jointAngle(std::size_t i) {
-    const auto lock = wire_->hold();
-    const double counts = emulator_.motor(id(i)).servo.position - secrets_[i].zero_counts;
-    return secrets_[i].direction * counts * kRadPerCount;
+    const auto lock = wire->hold();
+    const double counts = emulator.motor(id(i)).servo.position - secrets[i].zero_counts;
+    return secrets[i].direction * counts * kRadPerCount;
   }
 
-  [[nodiscard]] std::string port() const { return portOf(*wire_); }
+  [[nodiscard]] std::string port() const { return portOf(*wire); }
 
-  std::vector<Secret> secrets_;
-  DynamixelEmulator emulator_{{11, 14, 17, 20, 23, 26}};
-  std::unique_ptr<Wire> wire_;
-  std::filesystem::path folder_ = scratchDirectory() / "newcomer";
+  std::vector<Secret> secrets;
+  DynamixelEmulator emulator{{11, 14, 17, 20, 23, 26}};
+  std::unique_ptr<Wire> wire;
+  std::filesystem::path folder = scratchDirectory() / "newcomer";
 };
 
 TEST_F(NewcomersHand, ComesFromScanToAFollowedGrasp) {
@@ -123,10 +123,10 @@ TEST_F(NewcomersHand, ComesFromScanToAFollowedGrasp) {
   ASSERT_NE(scanned.out.find("--ids 11,14,17,20,23,26"), std::string::npos) << scanned.out;
 
   // 2. A config to fill in; on a busy machine a patient one.
-  const std::string config = (folder_ / "newcomer.yaml").string();
+  const std::string config = (folder / "newcomer.yaml").string();
   const Finished made =
       run(program("handgraft"),
-          {"bridge", "config", "make", (folder_ / "newcomer.urdf").string(), "--kind",
+          {"bridge", "config", "make", (folder / "newcomer.urdf").string(), "--kind",
            "dynamixel", "--port", port(), "--ids", "11,14,17,20,23,26", "--out", config});
   ASSERT_EQ(made.exit_code, 0) << made.err;
   {
@@ -140,14 +140,14 @@ TEST_F(NewcomersHand, ComesFromScanToAFollowedGrasp) {
   }
 
   // 3. One motor, slowly, while it is held for.
-  const Keyboard keyboard(folder_ / "keys");
+  const Keyboard keyboard(folder / "keys");
   keyboard.type("hold");
   const Finished jogged =
       run("/bin/sh", {"-c", fmt::format("'{}' bridge jog {} 0.2 --config '{}' < '{}'",
                                         program("handgraft").string(), jointName(0), config,
                                         keyboard.path())});
   ASSERT_EQ(jogged.exit_code, 0) << jogged.err << jogged.out;
-  EXPECT_NEAR(jointAngle(0), 0.2 * secrets_[0].direction, 5e-3) << jogged.out;
+  EXPECT_NEAR(jointAngle(0), 0.2 * secrets[0].direction, 5e-3) << jogged.out;
   keyboard.type("let go");
   const Finished let_go =
       run("/bin/sh", {"-c", fmt::format("'{}' bridge jog {} 0.2 --config '{}' < '{}'",
@@ -157,7 +157,7 @@ TEST_F(NewcomersHand, ComesFromScanToAFollowedGrasp) {
   EXPECT_NEAR(jointAngle(1), 0, 5e-3) << "nobody held";
 
   // 4. The walk: each joint to its zero, a turn, its ends; then the watchdog and the stop.
-  const std::string report = (folder_ / "report.txt").string();
+  const std::string report = (folder / "report.txt").string();
   Process check(
       "/bin/sh",
       {"-c", fmt::format("exec '{}' bridge check --config '{}' --report '{}' "
@@ -173,7 +173,7 @@ TEST_F(NewcomersHand, ComesFromScanToAFollowedGrasp) {
     keyboard.type("hold");
     ASSERT_TRUE(check.waitForText(fmt::format("Did {}, and no other", name))) << check.out();
     const bool is_right = jointAngle(i) > 0;
-    EXPECT_EQ(is_right, secrets_[i].direction > 0);
+    EXPECT_EQ(is_right, secrets[i].direction > 0);
     keyboard.type(is_right ? "y" : "n");
     if (!is_right) keyboard.type("y");
     ASSERT_TRUE(check.waitForText("Put " + name + " by hand to its lower end")) << check.out();
@@ -197,8 +197,8 @@ TEST_F(NewcomersHand, ComesFromScanToAFollowedGrasp) {
   const config::HandConfig found = config::readHandConfig(config);
   ASSERT_TRUE(found.is_calibrated);
   for (std::size_t i = 0; i < kServos; ++i) {
-    EXPECT_EQ(found.motors[i].direction, secrets_[i].direction);
-    EXPECT_NEAR(found.motors[i].zero_rad, secrets_[i].zero_counts * kRadPerCount, 2e-3);
+    EXPECT_EQ(found.motors[i].direction, secrets[i].direction);
+    EXPECT_NEAR(found.motors[i].zero_rad, secrets[i].zero_counts * kRadPerCount, 2e-3);
   }
   const TestDomain domain;
   const Network network{domain.number(), "lo"};

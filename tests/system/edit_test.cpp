@@ -30,12 +30,12 @@ v1::EditBody objectPose(double z_m) {
 
 class Edits : public testing::Test {
  protected:
-  Service service_;
-  LiveSession session_{service_, "barrett8", "lemon", "lemon_6"};
+  Service service;
+  LiveSession session{service, "barrett8", "lemon", "lemon_6"};
 };
 
 TEST_F(Edits, AreAnsweredByARevisionAndAFreshSolution) {
-  const v1::PoseSolution before = session_.optimize();
+  const v1::PoseSolution before = session.optimize();
   // Move the busiest joint's limit below where the solve left it.
   const auto& q = before.joint_positions();
   const std::size_t busiest =
@@ -44,8 +44,8 @@ TEST_F(Edits, AreAnsweredByARevisionAndAFreshSolution) {
   ASSERT_GT(upper, 0.05) << "the grasp bends no joint";
 
   const v1::EditReply reply =
-      session_.edit(jointLimit(session_.opened().joint_names()[busiest], 0.0, upper));
-  const auto after = session_.solution([&](const v1::PoseSolution& solution) {
+      session.edit(jointLimit(session.opened().joint_names()[busiest], 0.0, upper));
+  const auto after = session.solution([&](const v1::PoseSolution& solution) {
     return solution.is_final() && solution.revision() == reply.revision();
   });
 
@@ -56,9 +56,9 @@ TEST_F(Edits, AreAnsweredByARevisionAndAFreshSolution) {
 }
 
 TEST_F(Edits, MovingTheObjectMovesTheHandWithIt) {
-  session_.optimize();
-  const v1::EditReply reply = session_.edit(objectPose(0.5));
-  const auto after = session_.solution([&](const v1::PoseSolution& solution) {
+  session.optimize();
+  const v1::EditReply reply = session.edit(objectPose(0.5));
+  const auto after = session.solution([&](const v1::PoseSolution& solution) {
     return solution.is_final() && solution.revision() == reply.revision();
   });
   ASSERT_TRUE(after.has_value());
@@ -68,20 +68,20 @@ TEST_F(Edits, MovingTheObjectMovesTheHandWithIt) {
 
 TEST_F(Edits, ThatAreWrongAreRefusedAndChangeNothing) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const v1::EditReply unknown = session_.edit(jointLimit("no_such_joint", 0.0, 1.0));
-  const v1::EditReply not_a_number = session_.edit(objectPose(nan));
-  const v1::EditReply stale = session_.edit(objectPose(0.1), 41);
+  const v1::EditReply unknown = session.edit(jointLimit("no_such_joint", 0.0, 1.0));
+  const v1::EditReply not_a_number = session.edit(objectPose(nan));
+  const v1::EditReply stale = session.edit(objectPose(0.1), 41);
 
   EXPECT_NE(unknown.error(), v1::ErrorCode::ERROR_NONE);
   EXPECT_NE(unknown.message().find("no_such_joint"), std::string::npos) << unknown.message();
   EXPECT_EQ(not_a_number.error(), v1::ErrorCode::ERROR_INVALID_INPUT);
   EXPECT_EQ(stale.error(), v1::ErrorCode::ERROR_CONFLICT) << stale.message();
-  EXPECT_EQ(session_.edit(objectPose(0.1)).revision(), 1u) << "a refused edit counted";
+  EXPECT_EQ(session.edit(objectPose(0.1)).revision(), 1u) << "a refused edit counted";
 }
 
 TEST_F(Edits, OfAClosedSessionAreRefused) {
-  session_.close();
-  const v1::EditReply reply = session_.edit(objectPose(0.1));
+  session.close();
+  const v1::EditReply reply = session.edit(objectPose(0.1));
   EXPECT_EQ(reply.error(), v1::ErrorCode::ERROR_NOT_FOUND) << reply.message();
 }
 

@@ -128,20 +128,20 @@ class Watcher {
 
 class Editing : public testing::Test {
  protected:
-  Service service_;
-  LiveSession session_{service_, "barrett8", "lemon", "lemon_6"};
+  Service service;
+  LiveSession session{service, "barrett8", "lemon", "lemon_6"};
 };
 
 TEST_F(Editing, TwoEditorsAndAWatcherSeeTheSameRevisionsInOrder) {
-  session_.optimize();
+  session.optimize();
   // One who only watches, and what the two editors see.
-  Watcher watcher(service_, session_.id());
-  Watcher of_a(service_, session_.id());
-  Watcher of_b(service_, session_.id());
+  Watcher watcher(service, session.id());
+  Watcher of_a(service, session.id());
+  Watcher of_b(service, session.id());
   for (Watcher* each : {&watcher, &of_a, &of_b})
     ASSERT_FALSE(each->revisionsUntil(0).empty());
-  Editor a(service_, session_.id());
-  Editor b(service_, session_.id());
+  Editor a(service, session.id());
+  Editor b(service, session.id());
   for (int i = 0; i < 10; ++i) {
     Editor& editor = i % 2 == 0 ? a : b;
     const v1::EditReply reply = editor.edit(palmWeight(1.0 + 0.1 * i));
@@ -155,15 +155,15 @@ TEST_F(Editing, TwoEditorsAndAWatcherSeeTheSameRevisionsInOrder) {
 }
 
 TEST_F(Editing, TwoEditorsWhoHurryAndAWatcherSeeTheSameRevisionsInOrder) {
-  session_.optimize();
-  Watcher watcher(service_, session_.id());
-  Watcher of_a(service_, session_.id());
-  Watcher of_b(service_, session_.id());
+  session.optimize();
+  Watcher watcher(service, session.id());
+  Watcher of_a(service, session.id());
+  Watcher of_b(service, session.id());
   for (Watcher* each : {&watcher, &of_a, &of_b})
     ASSERT_FALSE(each->revisionsUntil(0).empty());
   constexpr std::uint64_t kEach = 100;
   const auto work = [&](double first) {
-    Editor editor(service_, session_.id());
+    Editor editor(service, session.id());
     for (std::uint64_t i = 0; i < kEach; ++i) {
       const v1::EditReply reply =
           editor.edit(palmWeight(first + 0.01 * static_cast<double>(i)));
@@ -183,10 +183,10 @@ TEST_F(Editing, TwoEditorsWhoHurryAndAWatcherSeeTheSameRevisionsInOrder) {
 }
 
 TEST_F(Editing, StoppedByOneEditorKeepsTheEditAndTellsTheOther) {
-  session_.optimize();
-  Watcher watcher(service_, session_.id());
-  Editor a(service_, session_.id());
-  Editor b(service_, session_.id());
+  session.optimize();
+  Watcher watcher(service, session.id());
+  Editor a(service, session.id());
+  Editor b(service, session.id());
   v1::SolveOptions slow;
   slow.solver(v1::SOLVER_ALL);
   slow.starts(10'000);
@@ -197,7 +197,7 @@ TEST_F(Editing, StoppedByOneEditorKeepsTheEditAndTellsTheOther) {
     return state.phase() == v1::PHASE_OPTIMIZING && state.revision() == 1;
   }));
   v1::SessionKey key;
-  key.session_id(session_.id());
+  key.session_id(session.id());
   v1::RequestBody stop;
   stop.session(key);
   stop._d(v1::OP_STOP_SOLVING);
@@ -215,9 +215,9 @@ TEST_F(Editing, StoppedByOneEditorKeepsTheEditAndTellsTheOther) {
 }
 
 TEST_F(Editing, AStaleEditIsToldWhatTheOtherEditorDid) {
-  session_.optimize();
-  Editor a(service_, session_.id());
-  Editor b(service_, session_.id());
+  session.optimize();
+  Editor a(service, session.id());
+  Editor b(service, session.id());
   ASSERT_EQ(a.edit(palmWeight(2.0), 0).revision(), 1u);
   const v1::EditReply stale = b.edit(place(0.1), 0);
   EXPECT_EQ(stale.error(), v1::ERROR_NONE) << "revision 0 means: whatever it is";
@@ -230,10 +230,10 @@ TEST_F(Editing, AStaleEditIsToldWhatTheOtherEditorDid) {
 
 TEST_F(Editing, OutlivesItsClient) {
   // A client that opens, edits and is killed while its solve is on its way.
-  const auto client = service_.start(
+  const auto client = service.start(
       "handgraft", {"grasp", "--hand", "barrett8", "--object", "box", "--contacts", "box_5",
                     "--starts", "10000", "--solver", "all", "--keep"});
-  const idl::cyclone::Participant participant(service_.network());
+  const idl::cyclone::Participant participant(service.network());
   idl::cyclone::Reader<v1::SessionState> states(participant, idl::kSessionTopic);
   std::uint64_t theirs = 0;
   std::string told;  // what was heard instead
@@ -248,19 +248,19 @@ TEST_F(Editing, OutlivesItsClient) {
   ASSERT_NE(theirs, 0u) << told << client->err();
   client->send(SIGKILL);
 
-  Editor heir(service_, theirs);
+  Editor heir(service, theirs);
   const v1::EditReply reply = heir.edit(weightOf("thumb", 2.0));
   EXPECT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
   EXPECT_EQ(reply.revision(), 1u);
   // Others noticed nothing.
-  EXPECT_EQ(session_.optimize().outcome(), v1::OUTCOME_CONVERGED);
+  EXPECT_EQ(session.optimize().outcome(), v1::OUTCOME_CONVERGED);
 }
 
 TEST_F(Editing, FloodOfOneSessionLeavesOthersAlone) {
-  session_.optimize();
-  LiveSession calm(service_, "barrett8", "lemon", "lemon_6");
+  session.optimize();
+  LiveSession calm(service, "barrett8", "lemon", "lemon_6");
   calm.optimize();
-  const idl::cyclone::Participant wild(service_.network());
+  const idl::cyclone::Participant wild(service.network());
   idl::cyclone::Writer<v1::Edit> edits(wild, idl::kEditTopic);
   for (int i = 0; i < 600 && edits.readers() == 0; ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -269,7 +269,7 @@ TEST_F(Editing, FloodOfOneSessionLeavesOthersAlone) {
   std::thread flood([&] {
     v1::Edit edit;
     edit.client({0xF1, 0x00, 0xD0});
-    edit.session_id(session_.id());
+    edit.session_id(session.id());
     for (std::uint64_t id = 1; id <= 20'000 && !stop; ++id) {
       edit.edit_id(id);
       edit.body(palmWeight(1.0 + 1e-5 * static_cast<double>(id)));
@@ -289,28 +289,28 @@ TEST_F(Editing, FloodOfOneSessionLeavesOthersAlone) {
   }
   stop = true;
   flood.join();
-  EXPECT_TRUE(service_.server().running());
-  v1::EditReply after = session_.edit(place(0.2));
+  EXPECT_TRUE(service.server().running());
+  v1::EditReply after = session.edit(place(0.2));
   // Some of the flood may still wait.
   for (int i = 0; i < 600 && after.error() == v1::ERROR_OVERLOADED; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
-    after = session_.edit(place(0.2));
+    after = session.edit(place(0.2));
   }
   ASSERT_EQ(after.error(), v1::ERROR_NONE) << after.message();
-  EXPECT_TRUE(session_.solution([&](const v1::PoseSolution& one) {
+  EXPECT_TRUE(session.solution([&](const v1::PoseSolution& one) {
     return one.is_final() && one.revision() >= after.revision();
   }));
 }
 
 TEST_F(Editing, SlowReadersGetTheNewestPoseNotTheOldestOnes) {
-  session_.optimize();
-  const idl::cyclone::Participant participant(service_.network());
+  session.optimize();
+  const idl::cyclone::Participant participant(service.network());
   idl::cyclone::Reader<v1::PoseSolution> slow(participant, idl::kSolutionTopic);
   ASSERT_TRUE(slow.wait(std::chrono::seconds(60)));
   std::uint64_t revision = 0;
   for (int i = 0; i < 20; ++i)
-    revision = session_.edit(palmWeight(1.0 + 0.1 * i)).revision();
-  ASSERT_TRUE(session_.solution([&](const v1::PoseSolution& one) {
+    revision = session.edit(palmWeight(1.0 + 0.1 * i)).revision();
+  ASSERT_TRUE(session.solution([&](const v1::PoseSolution& one) {
     return one.is_final() && one.revision() == revision;
   }));
   // Until now nobody took anything from `slow`: one sample waits, the last.
@@ -318,7 +318,7 @@ TEST_F(Editing, SlowReadersGetTheNewestPoseNotTheOldestOnes) {
   for (int i = 0; i < 600 && (seen.empty() || seen.back() < revision); ++i) {
     slow.wait(std::chrono::milliseconds(100));
     slow.take([&](const v1::PoseSolution& one) {
-      if (one.session_id() == session_.id()) seen.push_back(one.revision());
+      if (one.session_id() == session.id()) seen.push_back(one.revision());
     });
   }
   ASSERT_FALSE(seen.empty());
@@ -327,15 +327,15 @@ TEST_F(Editing, SlowReadersGetTheNewestPoseNotTheOldestOnes) {
 }
 
 TEST_F(Editing, IsUndoneByWhoeverAsks) {
-  const v1::PoseSolution first = session_.optimize();
-  Editor other(service_, session_.id());
-  ASSERT_EQ(session_.edit(place(0.5)).revision(), 1u);
+  const v1::PoseSolution first = session.optimize();
+  Editor other(service, session.id());
+  ASSERT_EQ(session.edit(place(0.5)).revision(), 1u);
   v1::StepsEdit steps;
   v1::EditBody undo;
   undo.steps(steps);
   undo._d(v1::EDIT_UNDO);
   ASSERT_EQ(other.edit(undo).revision(), 2u);
-  const auto undone = session_.solution([](const v1::PoseSolution& one) {
+  const auto undone = session.solution([](const v1::PoseSolution& one) {
     return one.is_final() && one.revision() == 2;
   });
   ASSERT_TRUE(undone.has_value());

@@ -86,30 +86,30 @@ TEST(Scenarios, ShowEveryCommand) {
 class Scenario : public testing::TestWithParam<std::string> {
  protected:
   Scenario() {
-    fs::create_directories(folder_);
-    std::ofstream(folder_ / "more.hg") << "show session\n";
-    fs::current_path(folder_);  // where the programs write
+    fs::create_directories(folder);
+    std::ofstream(folder / "more.hg") << "show session\n";
+    fs::current_path(folder);  // where the programs write
   }
 
-  ~Scenario() override { fs::current_path(before_); }
+  ~Scenario() override { fs::current_path(before); }
 
-  const fs::path before_ = fs::current_path();
-  const fs::path folder_ = scratchDirectory() / ("scenario_" + GetParam());
-  const SharedSkins skins_;
-  Service service_;
+  const fs::path before = fs::current_path();
+  const fs::path folder = scratchDirectory() / ("scenario_" + GetParam());
+  const SharedSkins skins;
+  Service service;
 };
 
 TEST_P(Scenario, Runs) {
   std::vector<std::string> arguments = argumentsOf(scenario(GetParam()));
   arguments.insert(arguments.end(), {"--script", scenario(GetParam()).string()});
-  const Finished finished = service_.client(arguments);
+  const Finished finished = service.client(arguments);
   EXPECT_EQ(finished.exit_code, 0) << finished.err << finished.out;
 }
 
 TEST_P(Scenario, TellsProgramsAnObjectALine) {
   std::vector<std::string> arguments = argumentsOf(scenario(GetParam()));
   arguments.insert(arguments.end(), {"--script", scenario(GetParam()).string(), "--json"});
-  const Finished finished = service_.client(arguments);
+  const Finished finished = service.client(arguments);
   EXPECT_EQ(finished.exit_code, 0) << finished.err;
   std::istringstream lines(finished.out);
   std::size_t count = 0;
@@ -219,89 +219,89 @@ TEST(Editor, TwoOnOneSessionSeeEachOthersEdits) {
 // A person at a terminal: completion, help, history, Ctrl-C during a solve.
 class Typing : public testing::Test {
  protected:
-  Typing() { EXPECT_TRUE(terminal_.waitFor("human20 0> ")) << terminal_.text(); }
+  Typing() { EXPECT_TRUE(terminal.waitFor("human20 0> ")) << terminal.text(); }
 
   void expect(const std::string& text) {
-    EXPECT_TRUE(terminal_.waitFor(text)) << "waited for '" << text << "' in:\n"
-                                         << terminal_.text();
+    EXPECT_TRUE(terminal.waitFor(text)) << "waited for '" << text << "' in:\n"
+                                        << terminal.text();
   }
 
   /// Of the one session there is.
   [[nodiscard]] std::string session() const {
-    const auto sessions = service_.ask({"sessions"})["sessions"];
+    const auto sessions = service.ask({"sessions"})["sessions"];
     return std::to_string(sessions.at(0)["session_id"].get<std::uint64_t>());
   }
 
-  const SharedSkins skins_;
-  Service service_;
-  fs::path state_ = scratchDirectory() / "state";
-  Terminal terminal_{program("handgraft"),
-                     {"edit", "--hand", "human20", "--object", "lemon", "--contacts", "lemon_6",
-                      "--domain", std::to_string(service_.domain())},
-                     {{"XDG_STATE_HOME", state_.string()}}};
+  const SharedSkins skins;
+  Service service;
+  fs::path state = scratchDirectory() / "state";
+  Terminal terminal{program("handgraft"),
+                    {"edit", "--hand", "human20", "--object", "lemon", "--contacts", "lemon_6",
+                     "--domain", std::to_string(service.domain())},
+                    {{"XDG_STATE_HOME", state.string()}}};
 };
 
 TEST_F(Typing, TabCompletesAndAQuestionMarkExplains) {
-  terminal_.type("lim\t");
+  terminal.type("lim\t");
   expect("limit ");
-  terminal_.type("thumb_m\t");
+  terminal.type("thumb_m\t");
   expect("thumb_mcp_flex ");
-  terminal_.type("?");
+  terminal.type("?");
   expect("limit JOINT upper VALUE");
-  terminal_.type("up\t0.6\r");
+  terminal.type("up\t0.6\r");
   expect("revision 1: objective");
   expect("human20 1> ");
-  terminal_.type("hand \t\t");
+  terminal.type("hand \t\t");
   expect("allegro16");
   expect("human20");
 }
 
 TEST_F(Typing, ArrowsBringLinesBackAlsoOfEarlierEditors) {
-  terminal_.type("weight palm 0.5\r");
+  terminal.type("weight palm 0.5\r");
   expect("human20 1> ");
-  terminal_.type("\x1b[A");
+  terminal.type("\x1b[A");
   expect("weight palm 0.5");
-  terminal_.type("\r");
+  terminal.type("\r");
   expect("human20 2> ");
-  terminal_.type("\x04");
+  terminal.type("\x04");
   expect("stays open");
-  EXPECT_EQ(terminal_.wait(), 0);
+  EXPECT_EQ(terminal.wait(), 0);
 
   Terminal later(program("handgraft"),
-                 {"edit", session(), "--domain", std::to_string(service_.domain())},
-                 {{"XDG_STATE_HOME", state_.string()}});
+                 {"edit", session(), "--domain", std::to_string(service.domain())},
+                 {{"XDG_STATE_HOME", state.string()}});
   ASSERT_TRUE(later.waitFor("human20 2> ")) << later.text();
   later.type("\x1b[A");
   EXPECT_TRUE(later.waitFor("weight palm 0.5")) << later.text();
 }
 
 TEST_F(Typing, CtrlCCancelsASolveAndKeepsTheSession) {
-  terminal_.type("solve --solver all --starts 10000 --max-evaluations 100000\r");
+  terminal.type("solve --solver all --starts 10000 --max-evaluations 100000\r");
   expect("solve ");
   expect("%");  // it is under way
-  terminal_.type("\x03");
+  terminal.type("\x03");
   expect("cancelled");
   expect("human20 0> ");
-  terminal_.type("weight palm 0.5\r");
+  terminal.type("weight palm 0.5\r");
   expect("revision 1: objective");
-  terminal_.type("half a li\x03");
+  terminal.type("half a li\x03");
   expect("^C");
   expect("human20 1> ");
-  terminal_.type("quit\r");
+  terminal.type("quit\r");
   const std::string id = session();
   expect("session " + id + " stays open");
-  EXPECT_EQ(terminal_.wait(), 0);
-  EXPECT_EQ(service_.client({"close", id}).exit_code, 0);
+  EXPECT_EQ(terminal.wait(), 0);
+  EXPECT_EQ(service.client({"close", id}).exit_code, 0);
 }
 
 TEST_F(Typing, CtrlCStopsTheSolveThatFollowsAnEdit) {
-  terminal_.type("solver all --starts 10000 --max-evaluations 100000\r");
+  terminal.type("solver all --starts 10000 --max-evaluations 100000\r");
   // Under way until it is stopped: nothing better is told before the last stage.
   std::this_thread::sleep_for(std::chrono::seconds(2));
-  terminal_.type("\x03");
+  terminal.type("\x03");
   expect("stopped: revision 1 stands");
   expect("human20 1> ");
-  terminal_.type("undo\r");
+  terminal.type("undo\r");
   expect("revision 2: objective");
   expect("human20 2> ");
 }
@@ -309,79 +309,79 @@ TEST_F(Typing, CtrlCStopsTheSolveThatFollowsAnEdit) {
 TEST_F(Typing, OutlivesItsServerAndGoesOnWithAnother) {
   const fs::path file = scratchDirectory() / "kept.json";
   const std::string id = session();
-  terminal_.type("weight palm 0.5; save " + file.string() + "\r");
+  terminal.type("weight palm 0.5; save " + file.string() + "\r");
   expect("wrote ");
   expect("human20 1> ");
-  service_.server().send(SIGKILL);
+  service.server().send(SIGKILL);
   expect("the server stopped answering");
-  terminal_.type("undo\r");
+  terminal.type("undo\r");
   expect("stopped answering");
   expect("human20 1> ");
-  const std::unique_ptr<Process> another = service_.start("handgraft-server", {});
+  const std::unique_ptr<Process> another = service.start("handgraft-server", {});
   expect("a server answers again");
   expect("session " + id + " has ended with its server");
-  terminal_.type("undo\r");
+  terminal.type("undo\r");
   expect("session " + id + " has ended with its server; load opens a saved one");
-  terminal_.type("load " + file.string() + "\r");
+  terminal.type("load " + file.string() + "\r");
   expect(", revision 1; the session " + id + " before has ended with its server");
-  terminal_.type("undo\r");
+  terminal.type("undo\r");
   expect("revision 2: objective");
   expect("human20 2> ");  // what is typed between two prompts is the terminal's
-  terminal_.type("\x04");
+  terminal.type("\x04");
   expect("stays open");
-  EXPECT_EQ(terminal_.wait(), 0);
+  EXPECT_EQ(terminal.wait(), 0);
 }
 
 TEST_F(Typing, CtrlCEndsAnEditThatASilentServerDoesNotAnswer) {
-  terminal_.type("weight palm 0.5\r");
+  terminal.type("weight palm 0.5\r");
   expect("human20 1> ");
-  service_.server().send(SIGSTOP);
+  service.server().send(SIGSTOP);
   std::this_thread::sleep_for(std::chrono::milliseconds(300));  // other threads go on a moment
-  terminal_.type("weight palm 1\r");
+  terminal.type("weight palm 1\r");
   std::this_thread::sleep_for(std::chrono::seconds(3));
-  terminal_.type("\x03");
+  terminal.type("\x03");
   expect("whether the edit was applied is not known");
-  service_.server().send(SIGCONT);
+  service.server().send(SIGCONT);
   // The server had it all the same, and says so.
   expect("revision 2, by you");
 }
 
 TEST_F(Typing, GoesOnAfterAPauseOfItsServer) {
   const std::string id = session();
-  terminal_.type("weight palm 0.5\r");
+  terminal.type("weight palm 0.5\r");
   expect("human20 1> ");
-  service_.server().send(SIGSTOP);
+  service.server().send(SIGSTOP);
   expect("the server stopped answering");  // after 3 s of silence
   std::this_thread::sleep_for(std::chrono::seconds(2));
-  service_.server().send(SIGCONT);
+  service.server().send(SIGCONT);
   expect("a server answers again");
-  terminal_.type("weight palm 1\r");
+  terminal.type("weight palm 1\r");
   expect("revision 2: objective");
-  terminal_.type("quit\r");
+  terminal.type("quit\r");
   expect("session " + id + " stays open: handgraft edit " + id + " --domain " +
-         std::to_string(service_.domain()));
-  EXPECT_EQ(terminal_.wait(), 0);
+         std::to_string(service.domain()));
+  EXPECT_EQ(terminal.wait(), 0);
 }
 
 TEST_F(Typing, LeavesThoughTheServerIsSilent) {
-  service_.server().send(SIGSTOP);
+  service.server().send(SIGSTOP);
   expect("the server stopped answering");
-  terminal_.type("quit\r");
+  terminal.type("quit\r");
   expect("the server does not answer");
   expect("handgraft edit ");
-  EXPECT_EQ(terminal_.wait(), 0);
+  EXPECT_EQ(terminal.wait(), 0);
 }
 
 TEST_F(Typing, ALineThatIsLongerThanTheTerminalIsRead) {
   std::string line = "weight palm 0.5";
   while (line.size() < 250)
     line += "; weight palm 0.5";
-  terminal_.type(line +
-                 "; snapshot gr\xc3\xb6\xc3\x9f"
-                 "er\r");
+  terminal.type(line +
+                "; snapshot gr\xc3\xb6\xc3\x9f"
+                "er\r");
   expect("letters");  // a snapshot's name is plain; the whole line came across
-  terminal_.type("quit\r");
-  EXPECT_EQ(terminal_.wait(), 0);
+  terminal.type("quit\r");
+  EXPECT_EQ(terminal.wait(), 0);
 }
 
 }  // namespace

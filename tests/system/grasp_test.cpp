@@ -117,6 +117,7 @@ struct RealHand {
   std::size_t dofs;
 };
 
+// NOLINTNEXTLINE(readability-identifier-naming): GoogleTest's name
 void PrintTo(const RealHand& hand, std::ostream* out) {
   *out << hand.name;
 }

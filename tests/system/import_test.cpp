@@ -61,18 +61,18 @@ class Import : public testing::Test {
   }
 
   void succeed(const std::vector<std::string>& arguments) const {
-    const Finished finished = service_.client(arguments);
+    const Finished finished = service.client(arguments);
     EXPECT_EQ(finished.exit_code, 0) << finished.err;
   }
 
-  Service service_;
+  Service service;
 };
 
 TEST_F(Import, SitesAreFoundWrittenEditedAndUsed) {
   const fs::path urdf = strangersHand("human20", "stranger");
   const fs::path sites = urdf.parent_path() / "sites.yaml";
   const fs::path picture = scratchDirectory() / "sites.png";
-  const json found = service_.ask(
+  const json found = service.ask(
       {"hand", "inspect", urdf.string(), "--sites", sites.string(), "--png", picture.string()});
   EXPECT_EQ(found.at("sites_found"), true);
   EXPECT_EQ(found.at("sites").size(), 6U);
@@ -93,7 +93,7 @@ TEST_F(Import, SitesAreFoundWrittenEditedAndUsed) {
   text.replace(at, 8, "\"pinky\"");
   std::ofstream(sites) << text;
   succeed({"load", "hand", urdf.string(), "--name", "edited"});
-  const auto edited = sitesOf(service_.ask({"models", "show", "hand", "edited"}));
+  const auto edited = sitesOf(service.ask({"models", "show", "hand", "edited"}));
   EXPECT_EQ(edited.count("pinky"), 1U);
   EXPECT_EQ(edited.count("little"), 0U);
   for (std::size_t k = 0; k < 3; ++k) {  // files have nine digits
@@ -104,8 +104,8 @@ TEST_F(Import, SitesAreFoundWrittenEditedAndUsed) {
 
 TEST_F(Import, AMirroredHandHasMirroredSites) {
   const fs::path urdf = strangersHand("human20", "right");
-  const auto right = sitesOf(service_.ask({"hand", "inspect", urdf.string()}));
-  const json mirrored = service_.ask({"hand", "inspect", urdf.string(), "--mirror"});
+  const auto right = sitesOf(service.ask({"hand", "inspect", urdf.string()}));
+  const json mirrored = service.ask({"hand", "inspect", urdf.string(), "--mirror"});
   EXPECT_EQ(mirrored.at("mirrored"), true);
   EXPECT_NE(mirrored.at("name"), "right") << "it must not pass for the other hand";
   const auto left = sitesOf(mirrored);
@@ -126,8 +126,8 @@ TEST_F(Import, AMirroredHandHasMirroredSites) {
 
 TEST_F(Import, ASkinReadBackIsClosed) {
   const fs::path ply = scratchDirectory() / "skin.ply";
-  const json document = service_.ask({"skin", "barrett8", "--out", ply.string(), "--png",
-                                      (scratchDirectory() / "skin.png").string()});
+  const json document = service.ask({"skin", "barrett8", "--out", ply.string(), "--png",
+                                     (scratchDirectory() / "skin.png").string()});
   const io::MeshFile file = io::readMesh(ply);
   EXPECT_EQ(document.at("skin").at("valid"), true);
   EXPECT_EQ(document.at("skin").at("vertices"), file.mesh.vertexCount());
@@ -154,15 +154,15 @@ TEST_F(Import, UnitsInDoubtAreAskedForAndApplied) {
       }
     }
   }
-  const Finished refused = service_.client({"load", "object", millimetres.string()});
+  const Finished refused = service.client({"load", "object", millimetres.string()});
   EXPECT_EQ(refused.exit_code, 2) << refused.out;
   EXPECT_THAT(refused.err, HasSubstr("--units mm"));
   succeed({"load", "object", millimetres.string(), "--units", "mm"});
-  const json grasp = service_.ask(
+  const json grasp = service.ask(
       {"grasp", "--hand", "barrett8", "--object", "box_in_mm", "--contacts",
        (sourceDirectory() / "server" / "models" / "contacts" / "box_5.json").string()});
   const json plain =
-      service_.ask({"grasp", "--hand", "barrett8", "--object", "box", "--contacts", "box_5"});
+      service.ask({"grasp", "--hand", "barrett8", "--object", "box", "--contacts", "box_5"});
   EXPECT_NEAR(grasp.at("terms").at("objective"), plain.at("terms").at("objective"), 1e-2);
 }
 
@@ -179,12 +179,12 @@ TEST_F(Import, ContactsOfAPosedHandAreOfTheFingersThatItWasPosedBy) {
   const fs::path set = scratchDirectory() / "touched.json";
   succeed({"grasp", "--hand", "human20", "--object", "lemon", "--contacts", "lemon_6", "--out",
            pose.string()});
-  const json contacts = service_.ask({"contacts", "from-pose", "--hand", "human20", "--pose",
-                                      pose.string(), "--object", "lemon", "--out", set.string(),
-                                      "--png", (scratchDirectory() / "touched.png").string()});
+  const json contacts = service.ask({"contacts", "from-pose", "--hand", "human20", "--pose",
+                                     pose.string(), "--object", "lemon", "--out", set.string(),
+                                     "--png", (scratchDirectory() / "touched.png").string()});
   EXPECT_THAT(digitsOf(contacts.at("patches")),
               testing::ElementsAre("index", "little", "middle", "palm", "ring", "thumb"));
-  const json grasp = service_.ask(
+  const json grasp = service.ask(
       {"grasp", "--hand", "human20", "--object", "lemon", "--contacts", set.string()});
   for (const json& patch : grasp.at("patches"))
     EXPECT_TRUE(patch.at("placed")) << patch;
@@ -196,14 +196,14 @@ TEST_F(Import, AnImportedSetGraspsAsItsMapDoes) {
   const std::string mug = sharedData("objects/ycb/025_mug.obj").string();
   const fs::path set = scratchDirectory() / "mug.json";
   const json imported =
-      service_.ask({"contacts", "import", map, "--object", mug, "--out", set.string(), "--png",
-                    (scratchDirectory() / "mug.png").string()});
+      service.ask({"contacts", "import", map, "--object", mug, "--out", set.string(), "--png",
+                   (scratchDirectory() / "mug.png").string()});
   EXPECT_THAT(imported.at("file").get<std::string>(),
               testing::HasSubstr("handgraft-contacts/"));
   const json by_map =
-      service_.ask({"grasp", "--hand", "human20", "--object", mug, "--contacts", map});
+      service.ask({"grasp", "--hand", "human20", "--object", mug, "--contacts", map});
   const json by_set =
-      service_.ask({"grasp", "--hand", "human20", "--object", mug, "--contacts", set.string()});
+      service.ask({"grasp", "--hand", "human20", "--object", mug, "--contacts", set.string()});
   EXPECT_EQ(namesOf(by_map.at("patches")), namesOf(by_set.at("patches")));
   EXPECT_EQ(namesOf(imported.at("patches")).size(), by_map.at("patches").size());
   EXPECT_NEAR(by_set.at("terms").at("objective"), by_map.at("terms").at("objective"),
@@ -214,9 +214,9 @@ TEST_F(Import, JointsTellWhichFingersHeldTheLightBulb) {
   HANDGRAFT_NEEDS_SHARED_DATA("contacts/contactpose/full28_use_light_bulb_contact.ply");
   const fs::path folder = sharedData("contacts/contactpose");
   const std::string map = (folder / "full28_use_light_bulb_contact.ply").string();
-  const json plain = service_.ask({"contacts", "import", map, "--object", map});
-  const json told = service_.ask({"contacts", "import", map, "--object", map, "--joints",
-                                  (folder / "full28_use_light_bulb.json").string()});
+  const json plain = service.ask({"contacts", "import", map, "--object", map});
+  const json told = service.ask({"contacts", "import", map, "--object", map, "--joints",
+                                 (folder / "full28_use_light_bulb.json").string()});
   EXPECT_EQ(namesOf(plain.at("patches"))[0], "c1") << "without joints nobody knows the fingers";
   EXPECT_THAT(digitsOf(told.at("patches")),
               testing::ElementsAre("index", "middle", "ring", "thumb"));

@@ -269,23 +269,23 @@ TEST(Motion, AnEditAtATimeIsSeenByAllWhoWatch) {
 TEST(Motion, WhatIsWrongIsOneLine) {
   const SharedSkins skins;
   const Service service;
-  const auto objectionTo = [&](const std::vector<std::string>& words) {
+  const auto objection_to = [&](const std::vector<std::string>& words) {
     const Finished end = service.client(words);
     EXPECT_EQ(end.exit_code, 2) << end.err;
     return end.err;
   };
-  EXPECT_THAT(objectionTo({"motion", "join", "box_5", "box_5", "--path",
-                           written("back.csv",
-                                   "time_s,x,y,z,qw,qx,qy,qz\n1,0,0,0,1,0,0,0\n"
-                                   "0.5,0,0,0,1,0,0,0\n")}),
+  EXPECT_THAT(objection_to({"motion", "join", "box_5", "box_5", "--path",
+                            written("back.csv",
+                                    "time_s,x,y,z,qw,qx,qy,qz\n1,0,0,0,1,0,0,0\n"
+                                    "0.5,0,0,0,1,0,0,0\n")}),
               AllOf(HasSubstr("line 3"), HasSubstr("does not lie behind")));
-  EXPECT_THAT(objectionTo({"motion", "solve", "--hand", "human20", "--motion", "nowhere"}),
+  EXPECT_THAT(objection_to({"motion", "solve", "--hand", "human20", "--motion", "nowhere"}),
               HasSubstr("motion 'nowhere' is not known"));
-  EXPECT_THAT(objectionTo({"motion", "solve", "--hand", "human20", "--motion", "pull", "--out",
-                           (scratchDirectory() / "pull.bvh").string()}),
+  EXPECT_THAT(objection_to({"motion", "solve", "--hand", "human20", "--motion", "pull", "--out",
+                            (scratchDirectory() / "pull.bvh").string()}),
               AllOf(HasSubstr(".npz"), HasSubstr("--out")));
   EXPECT_THAT(
-      objectionTo({"motion", "export", "7", "--out", (scratchDirectory() / "a.npz").string()}),
+      objection_to({"motion", "export", "7", "--out", (scratchDirectory() / "a.npz").string()}),
       HasSubstr("session 7 is not open"));
 }
 

@@ -126,13 +126,13 @@ v1::EditBody shares(double rotation, double translation, double joints) {
 }
 
 v1::EditBody drag(const std::string& link,
-                  std::array<double, 3> p_L_m,
-                  std::array<double, 3> target_W_m,
+                  std::array<double, 3> p_L,
+                  std::array<double, 3> target_W,
                   const std::vector<double>& q_wxyz = {}) {
   return bodyOf(&v1::EditBody::drag, [&](v1::DragEdit& edit) {
     edit.link(link);
-    edit.p_L_m(p_L_m);
-    edit.target_W_m(target_W_m);
+    edit.p_L_m(p_L);
+    edit.target_W_m(target_W);
     edit.target_q_wxyz(q_wxyz);
   });
 }
@@ -291,13 +291,13 @@ std::vector<Refusal> beyondTheirRange() {
 
 class RoughEdits : public testing::Test {
  protected:
-  RoughEdits() { calm_.optimize(); }
+  RoughEdits() { calm.optimize(); }
 
   void expectRefused(const std::vector<Refusal>& refusals) {
-    const unsigned long long before = session_.edit(patchWeight("palm", 1.0)).revision();
+    const unsigned long long before = session.edit(patchWeight("palm", 1.0)).revision();
     for (const Refusal& refusal : refusals) {
       SCOPED_TRACE(refusal.what);
-      const v1::EditReply reply = session_.edit(refusal.body);
+      const v1::EditReply reply = session.edit(refusal.body);
       EXPECT_TRUE(reply.error() == v1::ERROR_INVALID_INPUT ||
                   reply.error() == v1::ERROR_NOT_FOUND)
           << reply.error() << ": " << reply.message();
@@ -306,24 +306,24 @@ class RoughEdits : public testing::Test {
       EXPECT_THAT(reply.message(), Not(HasSubstr("\n")));
       EXPECT_LT(reply.message().size(), 2000u);
     }
-    EXPECT_EQ(session_.edit(patchWeight("palm", 1.0)).revision(), before + 1)
+    EXPECT_EQ(session.edit(patchWeight("palm", 1.0)).revision(), before + 1)
         << "an edit that was refused counted";
   }
 
   /// Nobody touched it: its first edit is the first, and is solved.
   void expectCalm() {
-    EXPECT_TRUE(service_.server().running());
-    const v1::EditReply reply = calm_.edit(patchWeight("palm", 2.0));
+    EXPECT_TRUE(service.server().running());
+    const v1::EditReply reply = calm.edit(patchWeight("palm", 2.0));
     EXPECT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
     EXPECT_EQ(reply.revision(), 1u);
-    EXPECT_TRUE(calm_.solution([](const v1::PoseSolution& one) {
+    EXPECT_TRUE(calm.solution([](const v1::PoseSolution& one) {
       return one.is_final() && one.revision() == 1;
     }));
   }
 
-  Service service_;
-  LiveSession calm_{service_, "barrett8", "lemon", "lemon_6"};
-  LiveSession session_{service_, "barrett8", "lemon", "lemon_6"};
+  Service service;
+  LiveSession calm{service, "barrett8", "lemon", "lemon_6"};
+  LiveSession session{service, "barrett8", "lemon", "lemon_6"};
 };
 
 TEST_F(RoughEdits, OfNumbersThatAreNoneNameTheThing) {
@@ -334,13 +334,13 @@ TEST_F(RoughEdits, OfNumbersThatAreNoneNameTheThing) {
 }
 
 TEST_F(RoughEdits, OfThingsThatAreNotThereNameThoseThatAre) {
-  session_.optimize();
+  session.optimize();
   expectRefused(withUnknownNames());
   expectCalm();
 }
 
 TEST_F(RoughEdits, BeyondTheirRangeNameIt) {
-  session_.optimize();
+  session.optimize();
   expectRefused(beyondTheirRange());
   expectCalm();
 }
@@ -348,18 +348,18 @@ TEST_F(RoughEdits, BeyondTheirRangeNameIt) {
 TEST_F(RoughEdits, WhoseEnumeratorsDoNotExistAreNotSent) {
   // Cyclone's writers refuse what the contract does not hold; what other vendors let through
   // the server refuses (tests/server).
-  EXPECT_ANY_THROW(session_.edit(root("palm", static_cast<v1::PatchSide>(7), 0, {1, 0, 0})));
-  EXPECT_ANY_THROW(session_.edit(named(static_cast<v1::EditKind>(99), "x")));
+  EXPECT_ANY_THROW(session.edit(root("palm", static_cast<v1::PatchSide>(7), 0, {1, 0, 0})));
+  EXPECT_ANY_THROW(session.edit(named(static_cast<v1::EditKind>(99), "x")));
   expectCalm();
 }
 
 TEST_F(RoughEdits, DragOutOfReachIsAnAnswer) {
-  session_.optimize();
+  session.optimize();
   // Five metres off, and turned: no finger gets there, and the palm moves little.
   const v1::EditReply reply =
-      session_.edit(drag("index_distal", {0, 0, 0.01}, {5.0, 0, 0}, {0, 1, 0, 0}));
+      session.edit(drag("index_distal", {0, 0, 0.01}, {5.0, 0, 0}, {0, 1, 0, 0}));
   EXPECT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
-  const auto solution = session_.solution([&](const v1::PoseSolution& one) {
+  const auto solution = session.solution([&](const v1::PoseSolution& one) {
     return one.is_final() && one.revision() == reply.revision();
   });
   ASSERT_TRUE(solution.has_value());
@@ -369,36 +369,36 @@ TEST_F(RoughEdits, DragOutOfReachIsAnAnswer) {
 }
 
 TEST_F(RoughEdits, OfASessionThatIsClosedAreToldSo) {
-  session_.close();
+  session.close();
   for (int i = 0; i < 3; ++i) {
-    const v1::EditReply reply = session_.edit(patchWeight("palm", 1.0));
+    const v1::EditReply reply = session.edit(patchWeight("palm", 1.0));
     EXPECT_EQ(reply.error(), v1::ERROR_NOT_FOUND);
-    EXPECT_THAT(reply.message(), HasSubstr(fmt::format("session {}", session_.id())));
+    EXPECT_THAT(reply.message(), HasSubstr(fmt::format("session {}", session.id())));
   }
   expectCalm();
 }
 
 TEST_F(RoughEdits, AClientThatIsKilledAmongThemLeavesAWholeSession) {
-  session_.optimize();
+  session.optimize();
   const std::filesystem::path script = scratchDirectory() / "endless.hg";
   std::ofstream file(script);
   for (int i = 0; i < 20'000; ++i)
     file << "weight palm " << 1.0 + 1e-4 * i << "\n";
   file.close();
-  const auto client = service_.start(
-      "handgraft", {"edit", std::to_string(session_.id()), "--script", script.string()});
-  const auto midway = session_.state([](const v1::SessionState& state) {
+  const auto client = service.start(
+      "handgraft", {"edit", std::to_string(session.id()), "--script", script.string()});
+  const auto midway = session.state([](const v1::SessionState& state) {
     return state.revision() >= 20;
   });
   ASSERT_TRUE(midway.has_value()) << client->out() << client->err();
   client->send(SIGKILL);
 
   // Whoever comes next goes on from a whole edit, one revision later.
-  const v1::EditReply next = session_.edit(patchWeight("thumb", 2.0));
+  const v1::EditReply next = session.edit(patchWeight("thumb", 2.0));
   EXPECT_EQ(next.error(), v1::ERROR_NONE) << next.message();
   EXPECT_GE(next.revision(), midway->revision() + 1);
   EXPECT_LT(next.revision(), 20'000u) << "the client was not killed in the middle";
-  EXPECT_TRUE(session_.solution([&](const v1::PoseSolution& one) {
+  EXPECT_TRUE(session.solution([&](const v1::PoseSolution& one) {
     return one.is_final() && one.revision() >= next.revision();
   }));
   expectCalm();

@@ -36,7 +36,7 @@ class Supervised : public testing::Test {
  protected:
   Supervised() {
     std::string name = (fs::temp_directory_path() / "handgraft-supervised-XXXXXX").string();
-    folder_ = mkdtemp(name.data());
+    folder = mkdtemp(name.data());
   }
 
   ~Supervised() override {
@@ -46,11 +46,11 @@ class Supervised : public testing::Test {
     }
     service.reset();
     unsetenv("LD_PRELOAD");
-    fs::remove_all(folder_);
+    fs::remove_all(folder);
   }
 
   void start(std::vector<std::string> arguments = {"--supervised"}) {
-    arguments.insert(arguments.end(), {"--state", (folder_ / "state").string()});
+    arguments.insert(arguments.end(), {"--state", (folder / "state").string()});
     service = std::make_unique<Service>(arguments);
   }
 
@@ -64,7 +64,7 @@ class Supervised : public testing::Test {
 
   void deafen(pid_t process) const { std::ofstream(deaf()) << process; }
 
-  [[nodiscard]] std::string deaf() const { return (folder_ / "deaf").string(); }
+  [[nodiscard]] std::string deaf() const { return (folder / "deaf").string(); }
 
   /// The process that serves: not the one that looks after it.
   [[nodiscard]] pid_t serving() const {
@@ -80,7 +80,7 @@ class Supervised : public testing::Test {
     return secondsSince(begin);
   }
 
-  fs::path folder_;
+  fs::path folder;
   std::unique_ptr<Service> service;
 };
 
@@ -109,7 +109,7 @@ struct Worker {
 };
 
 // Noticed within 5 s; some more for a busy machine.
-constexpr double kNoticed_s = 5.0 + 2.0;
+constexpr double kNoticed = 5.0 + 2.0;
 
 TEST_F(Supervised, AServerThatIsStoppedIsReplacedOnItsStore) {
   start();
@@ -117,7 +117,7 @@ TEST_F(Supervised, AServerThatIsStoppedIsReplacedOnItsStore) {
   const pid_t first = serving();
   kill(first, SIGSTOP);
   const double noticed = waitForAnother(first, Clock::now());
-  EXPECT_LT(noticed, kNoticed_s);
+  EXPECT_LT(noticed, kNoticed);
   EXPECT_THAT(service->server().err(), testing::HasSubstr("event=server_deaf"));
   EXPECT_EQ(worker.edit(), 2u);
   EXPECT_NE(kill(first, 0), 0) << "the first one still runs";
@@ -128,7 +128,7 @@ TEST_F(Supervised, AServerThatDiesIsReplaced) {
   Worker worker(service->network());
   const pid_t first = serving();
   kill(first, SIGKILL);
-  EXPECT_LT(waitForAnother(first, Clock::now()), kNoticed_s);
+  EXPECT_LT(waitForAnother(first, Clock::now()), kNoticed);
   EXPECT_EQ(worker.edit(), 2u);
 }
 
@@ -139,7 +139,7 @@ TEST_F(Supervised, AServerThatDoesNotHearIsReplaced) {
   Worker worker(service->network());
   const pid_t first = serving();
   deafen(first);
-  EXPECT_LT(waitForAnother(first, Clock::now()), kNoticed_s);
+  EXPECT_LT(waitForAnother(first, Clock::now()), kNoticed);
   EXPECT_EQ(worker.edit(), 2u);
 }
 

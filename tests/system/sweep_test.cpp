@@ -124,7 +124,7 @@ TEST(Sweep, OfAMotionTellsInHowManyFramesEachPatchIsReached) {
 TEST(Sweep, ARowAloneIsThatOfTheWholeSweep) {
   const SharedSkins skins;
   const Service service;
-  const auto rowsOf = [&](const std::string& values) {
+  const auto rows_of = [&](const std::string& values) {
     json rows = service
                     .ask({"sweep", "--hand", kHand, "--contacts-dir", builtInSets(), "--vary",
                           "thumb_proximal.length=" + values})
@@ -133,8 +133,8 @@ TEST(Sweep, ARowAloneIsThatOfTheWholeSweep) {
       row.erase("solve_ms");
     return rows;
   };
-  const json all = rowsOf("0.8,1.2");
-  const json alone = rowsOf("1.2");
+  const json all = rows_of("0.8,1.2");
+  const json alone = rows_of("1.2");
   for (std::size_t grasp = 0; grasp < 5; ++grasp)
     EXPECT_EQ(all.at(5 + grasp), alone.at(grasp));
 }

@@ -85,36 +85,36 @@ class PatchNearACorner : public testing::Test {
   }
 
   void write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name) << text;
+    std::ofstream(folder / name) << text;
   }
 
   [[nodiscard]] std::vector<std::string> grasp(const std::vector<std::string>& more) const {
     std::vector<std::string> arguments = {"grasp",
                                           "--hand",
-                                          (folder_ / "slab.urdf").string(),
+                                          (folder / "slab.urdf").string(),
                                           "--object",
-                                          (folder_ / "table.obj").string(),
+                                          (folder / "table.obj").string(),
                                           "--contacts",
-                                          (folder_ / "square.json").string(),
+                                          (folder / "square.json").string(),
                                           "--keep"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;
   }
 
   [[nodiscard]] std::string keptSession() const {
-    return std::to_string(service_.ask(grasp({})).at("session_id").get<std::uint64_t>());
+    return std::to_string(service.ask(grasp({})).at("session_id").get<std::uint64_t>());
   }
 
-  std::filesystem::path folder_ = scratchDirectory();
-  Service service_;
+  std::filesystem::path folder = scratchDirectory();
+  Service service;
 };
 
 TEST_F(PatchNearACorner, LosesFewerPointsOnceASuggestionIsAppliedAsItPromised) {
   const std::string session = keptSession();
-  const json before = service_.ask({"transfer", session}).at("patches").at(0);
+  const json before = service.ask({"transfer", session}).at("patches").at(0);
   ASSERT_GT(before.at("lost").size(), 0u) << "the corner costs nothing: " << before;
 
-  const json asked = service_.ask({"suggest", session, "palm", "--reach", "20"});
+  const json asked = service.ask({"suggest", session, "palm", "--reach", "20"});
   ASSERT_GT(asked.at("suggestions").size(), 0u);
   EXPECT_EQ(asked.at("present"), before) << "asking moved something";
   const json promised = asked.at("suggestions").at(0);
@@ -123,8 +123,8 @@ TEST_F(PatchNearACorner, LosesFewerPointsOnceASuggestionIsAppliedAsItPromised) {
   EXPECT_LE(promised.at("moved_m"), 0.020 + 1e-9);
 
   const json applied =
-      service_.ask({"suggest", session, "palm", "--reach", "20", "--apply", "1"}).at("applied");
-  const json after = service_.ask({"transfer", session});
+      service.ask({"suggest", session, "palm", "--reach", "20", "--apply", "1"}).at("applied");
+  const json after = service.ask({"transfer", session});
   EXPECT_EQ(applied.at("report"), after.at("patches").at(0));
   EXPECT_EQ(applied.at("revision"), after.at("revision"));
   EXPECT_EQ(after.at("patches").at(0).at("root_S"), promised.at("root_S"));
@@ -134,16 +134,16 @@ TEST_F(PatchNearACorner, LosesFewerPointsOnceASuggestionIsAppliedAsItPromised) {
 }
 
 TEST_F(PatchNearACorner, IsToldWithTheCommandThatHelps) {
-  const Finished finished = service_.client(grasp({}));
+  const Finished finished = service.client(grasp({}));
   EXPECT_EQ(finished.exit_code, 0) << finished.err;
   EXPECT_THAT(finished.out, testing::ContainsRegex("palm lost [0-9]+ of 25 points: "));
   EXPECT_THAT(finished.out, testing::ContainsRegex("handgraft suggest [0-9]+ palm"));
 }
 
 TEST_F(PatchNearACorner, HasPointsInsideWhenTheyAreAskedFor) {
-  const json grasped = service_.ask(grasp({"--log-map", "exact", "--interior", "2"}));
+  const json grasped = service.ask(grasp({"--log-map", "exact", "--interior", "2"}));
   const std::string session = std::to_string(grasped.at("session_id").get<std::uint64_t>());
-  const json transfer = service_.ask({"transfer", session});
+  const json transfer = service.ask({"transfer", session});
   EXPECT_EQ(transfer.at("options").at("method"), "exact");
   EXPECT_EQ(transfer.at("options").at("interior_rings"), 2);
   const json patch = transfer.at("patches").at(0);
@@ -155,19 +155,19 @@ TEST_F(PatchNearACorner, HasPointsInsideWhenTheyAreAskedFor) {
 
 TEST_F(PatchNearACorner, RefusesWhatCannotBeSuggested) {
   const std::string session = keptSession();
-  const auto objectionTo = [&](const std::vector<std::string>& arguments) {
-    const Finished finished = service_.client(arguments);
+  const auto objection_to = [&](const std::vector<std::string>& arguments) {
+    const Finished finished = service.client(arguments);
     EXPECT_EQ(finished.exit_code, 2) << finished.out;
     return finished.err;
   };
-  EXPECT_THAT(objectionTo({"suggest", session, "thumb"}), testing::HasSubstr("'thumb'"));
-  EXPECT_THAT(objectionTo({"suggest", session, "palm", "--count", "2", "--apply", "3"}),
+  EXPECT_THAT(objection_to({"suggest", session, "thumb"}), testing::HasSubstr("'thumb'"));
+  EXPECT_THAT(objection_to({"suggest", session, "palm", "--count", "2", "--apply", "3"}),
               testing::HasSubstr("--apply 3: there are"));
-  EXPECT_THAT(objectionTo({"suggest", "999", "palm"}), testing::HasSubstr("session 999"));
-  EXPECT_THAT(objectionTo({"transfer", "999"}), testing::HasSubstr("session 999"));
-  EXPECT_THAT(objectionTo(grasp({"--log-map", "magic"})), testing::HasSubstr("auto"));
-  EXPECT_THAT(objectionTo(grasp({"--interior", "17"})), testing::HasSubstr("0 to 16"));
-  EXPECT_EQ(service_.ask({"transfer", session}).at("revision"), 0) << "a refusal counted";
+  EXPECT_THAT(objection_to({"suggest", "999", "palm"}), testing::HasSubstr("session 999"));
+  EXPECT_THAT(objection_to({"transfer", "999"}), testing::HasSubstr("session 999"));
+  EXPECT_THAT(objection_to(grasp({"--log-map", "magic"})), testing::HasSubstr("auto"));
+  EXPECT_THAT(objection_to(grasp({"--interior", "17"})), testing::HasSubstr("0 to 16"));
+  EXPECT_EQ(service.ask({"transfer", session}).at("revision"), 0) << "a refusal counted";
 }
 
 // === Edits of one patch

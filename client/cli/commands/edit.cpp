@@ -51,7 +51,7 @@ class LineReader {
   LineReader& operator=(const LineReader&) = delete;
 
   std::optional<std::string> next() {
-    constexpr int kLook_ms = 50;
+    constexpr int kLookMs = 50;
     constexpr std::size_t kChunk = 4096;
     while (true) {
       if (const std::size_t end = read_.find('\n'); end != std::string::npos) {
@@ -65,7 +65,7 @@ class LineReader {
       }
       interruption_.checkpoint();
       pollfd input{fd_, POLLIN, 0};
-      if (poll(&input, 1, kLook_ms) <= 0) continue;
+      if (poll(&input, 1, kLookMs) <= 0) continue;
       char bytes[kChunk];
       const ssize_t count = read(fd_, bytes, sizeof bytes);
       if (count < 0 && errno == EINTR) continue;

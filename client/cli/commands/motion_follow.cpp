@@ -142,14 +142,14 @@ int run(const MotionFollowOptions& options,
   const double p99 = answers.latency(0.99);
   const v1::SessionState state = server.describeSession(session_id).get();
   if (common.json) {
-    const auto orNull = [](double value) {
+    const auto or_null = [](double value) {
       return std::isfinite(value) ? json::Json(value) : json::Json();
     };
     fmt::print("{}\n", json::written({{"session_id", session_id},
                                       {"frames", sent},
                                       {"answered", answers.count()},
-                                      {"latency_p50_ms", orNull(p50)},
-                                      {"latency_p99_ms", orNull(p99)},
+                                      {"latency_p50_ms", or_null(p50)},
+                                      {"latency_p99_ms", or_null(p99)},
                                       {"largest_step", answers.largestStep()},
                                       {"message", state.message()}},
                                      2));

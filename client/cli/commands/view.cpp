@@ -29,11 +29,11 @@ constexpr std::chrono::milliseconds kLook(50);
 
 /// A screen that a browser could open a window on.
 bool hasScreen() {
-  const auto isSet = [](const char* name) {
+  const auto is_set = [](const char* name) {
     const char* value = std::getenv(name);
     return value != nullptr && value[0] != '\0';
   };
-  return isSet("DISPLAY") || isSet("WAYLAND_DISPLAY");
+  return is_set("DISPLAY") || is_set("WAYLAND_DISPLAY");
 }
 
 /// Has the desktop open it, and waits for neither it nor the browser.

@@ -104,11 +104,11 @@ GraspOptions GraspFlags::grasp() const {
   if (!normal_form_.empty()) grasp.normal_form = normalFormOf(normal_form_);
   requireSolving(grasp);
   requireFinite(weights_, "--weights", 0.0);
-  const auto isZero = [](double weight) {
+  const auto is_zero = [](double weight) {
     return weight == 0.0;
   };
   if (!weights_.empty()) {
-    if (std::all_of(weights_.begin(), weights_.end(), isZero)) {
+    if (std::all_of(weights_.begin(), weights_.end(), is_zero)) {
       rejectInput("--weights 0 0 0: at least one of them must be positive");
     }
     std::copy_n(weights_.begin(), 3, grasp.weights.emplace().begin());

@@ -6,7 +6,7 @@
 
 #include "client/link/model_files.h"
 
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming): CLI11's
 class App;
 class Option;
 }  // namespace CLI

@@ -88,15 +88,15 @@ std::string motionText(const SweepResult& result,
   for (std::size_t g = motion + 1; g < end; ++g)
     rows[0].push_back(text::plain(result.grasps[g].patch));
   for (const std::size_t i : order) {
-    const auto rowAt = [&](std::size_t g) -> const v1::SweepRow& {
+    const auto row_at = [&](std::size_t g) -> const v1::SweepRow& {
       return result.reply.rows()[i * count + g];
     };
-    if (!rowAt(motion).error().empty()) continue;
+    if (!row_at(motion).error().empty()) continue;
     std::vector<std::string>& line = rows.emplace_back();
     for (std::size_t a = 0; a < result.axes.size(); ++a)
       line.push_back(valueText(result, a, points[i].values[a]));
     for (std::size_t g = motion; g < end; ++g) {
-      const double percent = percentReached(rowAt(g));
+      const double percent = percentReached(row_at(g));
       line.push_back(std::isfinite(percent) ? fmt::format("{:.0f} %", percent) : "-");
     }
   }

@@ -130,13 +130,13 @@ void DepthBuffer::drawSegment(const ScreenPoint& from,
                               std::uint32_t id) {
   if (!isDrawable(from) || !isDrawable(to) || !(width > 0.0F)) return;
   const float radius = 0.5F * std::min(width, 4096.0F);
-  const auto clampTo = [](float value, int limit) {
+  const auto clamp_to = [](float value, int limit) {
     return static_cast<int>(std::clamp(value, 0.0F, static_cast<float>(limit)));
   };
-  const int x_begin = clampTo(std::floor(std::min(from.x, to.x) - radius), width_);
-  const int x_end = clampTo(std::ceil(std::max(from.x, to.x) + radius), width_);
-  const int y_begin = clampTo(std::floor(std::min(from.y, to.y) - radius), height_);
-  const int y_end = clampTo(std::ceil(std::max(from.y, to.y) + radius), height_);
+  const int x_begin = clamp_to(std::floor(std::min(from.x, to.x) - radius), width_);
+  const int x_end = clamp_to(std::ceil(std::max(from.x, to.x) + radius), width_);
+  const int y_begin = clamp_to(std::floor(std::min(from.y, to.y) - radius), height_);
+  const int y_end = clamp_to(std::ceil(std::max(from.y, to.y) + radius), height_);
   const float dx = to.x - from.x;
   const float dy = to.y - from.y;
   const float length_squared = dx * dx + dy * dy;

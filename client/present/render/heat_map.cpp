@@ -109,7 +109,7 @@ Image drawHeatMap(const HeatMap& map, PictureSize size) {
   area.height = size.height - area.top - 2 * text - 34 - kPad;
   const auto columns = static_cast<int>(map.x.size());
   const auto rows = static_cast<int>(map.y.size());
-  const auto cellAt = [&](int i, int j) {
+  const auto cell_at = [&](int i, int j) {
     PlotArea cell;
     cell.left = area.left + area.width * i / columns;
     cell.width = area.left + area.width * (i + 1) / columns - cell.left;
@@ -125,7 +125,7 @@ Image drawHeatMap(const HeatMap& map, PictureSize size) {
     for (int i = 0; i < columns; ++i) {
       const double value = map.values[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)];
       if (!std::isfinite(value)) continue;
-      const PlotArea cell = cellAt(i, j);
+      const PlotArea cell = cell_at(i, j);
       const Color color = colorOf((value - low) / (high - low));
       image.fill(cell.left, cell.top, cell.width, cell.height, color);
       if (has_room)
@@ -143,14 +143,14 @@ Image drawHeatMap(const HeatMap& map, PictureSize size) {
     widest = std::max(widest, textWidth(label, kPlotTextScale) + 16);
   const int x_step = std::max(1, (widest * columns + area.width - 1) / area.width);
   for (int i = 0; i < columns; i += x_step) {
-    const PlotArea cell = cellAt(i, 0);
+    const PlotArea cell = cell_at(i, 0);
     drawCentred(image, cell.left + cell.width / 2, area.bottom() + 12, kPlotFaint,
                 x_labels[static_cast<std::size_t>(i)]);
   }
   const std::vector<std::string> y_labels = tickLabels(map.y);
   const int y_step = std::max(1, ((text + 6) * rows + area.height - 1) / area.height);
   for (int j = 0; j < rows; j += y_step) {
-    const PlotArea cell = cellAt(0, j);
+    const PlotArea cell = cell_at(0, j);
     drawFlushRight(image, area.left - 12, cell.top + (cell.height - text) / 2 + 2, kPlotFaint,
                    y_labels[static_cast<std::size_t>(j)]);
   }

@@ -202,7 +202,7 @@ Image SceneRenderer::draw(const Camera& camera, const Image& background) const {
   const Lights lights(camera);
   Image image = background;
   std::vector<Hit> hits;
-  const auto sampleColor = [&](int x, int y, Color color) {
+  const auto sample_color = [&](int x, int y, Color color) {
     hitsAt(view, x, y, hits);
     for (const Hit& hit : hits) {
       if (hit.layer == scene_.layers.size()) {
@@ -232,8 +232,8 @@ Image SceneRenderer::draw(const Camera& camera, const Image& background) const {
       int g = r;
       int b = r;
       for (int s = 0; s < kCount; ++s) {
-        const Color sample = sampleColor(kSamplesPerSide * x + s % kSamplesPerSide,
-                                         kSamplesPerSide * y + s / kSamplesPerSide, pixel);
+        const Color sample = sample_color(kSamplesPerSide * x + s % kSamplesPerSide,
+                                          kSamplesPerSide * y + s / kSamplesPerSide, pixel);
         r += sample.r;
         g += sample.g;
         b += sample.b;

@@ -19,14 +19,14 @@ namespace handgraft::bench {
 namespace {
 
 constexpr double kRate = 120.0;
-constexpr double kEnd_s = 999.0 / kRate;
+constexpr double kEnd = 999.0 / kRate;
 
 /// Off the shelf, then turned.
 std::vector<manipulation::ObjectKey> longPath() {
   manipulation::ObjectKey begin{0.0, Pose::Identity()};
-  manipulation::ObjectKey middle{0.5 * kEnd_s, Pose::Identity()};
+  manipulation::ObjectKey middle{0.5 * kEnd, Pose::Identity()};
   middle.X_WO.translation() = Eigen::Vector3d(-0.25, 0.0, 0.02);
-  manipulation::ObjectKey end{kEnd_s, Pose::Identity()};
+  manipulation::ObjectKey end{kEnd, Pose::Identity()};
   end.X_WO.linear() = rotationFromVector({0.0, 0.0, 1.0});
   end.X_WO.translation() = Eigen::Vector3d(-0.3, 0.1, -0.1);
   return {begin, middle, end};
@@ -66,7 +66,7 @@ void runMotionEdits(const std::filesystem::path& models, const std::filesystem::
     solve("none: from nothing");
     const session::Document first = document;
     const auto at = [&](double share, session::TimedChange change) {
-      session::addTimed({{share * kEnd_s, 0.3}, std::move(change)}, known, document);
+      session::addTimed({{share * kEnd, 0.3}, std::move(change)}, known, document);
     };
     at(0.5, session::PatchWeightEdit{"index", 30.0});
     solve("a weight at a time, 0.3 s of falloff");

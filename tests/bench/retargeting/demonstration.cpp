@@ -46,7 +46,7 @@ std::shared_ptr<const GraspedObject> readObject(const std::string& name, const f
   object->name = name;
   object->mesh_O = std::make_shared<const geometry::TriangleMesh>(io::readMesh(file).mesh);
   object->solid_O =
-      std::make_shared<const ExactSolid>(*object->mesh_O, ExactPenetration::kObjectSpacing_m);
+      std::make_shared<const ExactSolid>(*object->mesh_O, ExactPenetration::kObjectSpacing);
   return object;
 }
 

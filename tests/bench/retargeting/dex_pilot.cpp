@@ -69,10 +69,10 @@ struct Problem {
     }
     if (slope == nullptr) return sum;
     // Joints that carry the palm move all of it alike.
-    const Eigen::MatrixXd J_palm =
+    const Eigen::MatrixXd palm_jacobian =
         hand::pointJacobian(model, X_HL, palm_link, X_HP.translation());
     for (Eigen::Index i = 0; i < q.size(); ++i) {
-      const bool carries = J_palm.col(i).norm() > 0.0;
+      const bool carries = palm_jacobian.col(i).norm() > 0.0;
       slope[i] = carries ? 2.0 * kRegularisation * q[i] : gradient[i];
     }
     return sum;

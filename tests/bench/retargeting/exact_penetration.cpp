@@ -20,18 +20,18 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Vector3d;
 
-constexpr double kAlpha_m = 0.0015;    // a ball that passes no gap between two plates of a link
-constexpr double kOffset_m = 0.00015;  // of the wrap; taken off again
-constexpr double kMadeToMeet_m = 5e-4;
-constexpr double kOnePlace_m = 0.01;
+constexpr double kAlpha = 0.0015;    // a ball that passes no gap between two plates of a link
+constexpr double kOffset = 0.00015;  // of the wrap; taken off again
+constexpr double kMadeToMeet = 5e-4;
+constexpr double kOnePlace = 0.01;
 
 std::string keyOf(const geometry::TriangleMesh& mesh) {
   ContentHash hash;
   hash.add("exact link 1");
   hash.addNumbers(mesh.vertices().data(), static_cast<std::size_t>(mesh.vertices().size()));
   hash.addNumbers(mesh.faces().data(), static_cast<std::size_t>(mesh.faces().size()));
-  hash.addNumbers(&kAlpha_m, 1);
-  hash.addNumbers(&kOffset_m, 1);
+  hash.addNumbers(&kAlpha, 1);
+  hash.addNumbers(&kOffset, 1);
   return hash.finish();
 }
 
@@ -42,7 +42,7 @@ geometry::TriangleMesh wrapOf(const geometry::TriangleMesh& mesh, const fs::path
     const std::string bytes{std::istreambuf_iterator<char>(in), {}};
     if (auto stored = hand::deserialise(bytes, key)) return std::move(stored->mesh_S);
   }
-  const geometry::TriangleMesh wrap = hand::wrapped(mesh, kAlpha_m, kOffset_m, Progress());
+  const geometry::TriangleMesh wrap = hand::wrapped(mesh, kAlpha, kOffset, Progress());
   std::error_code nobody_cares;
   fs::create_directories(cache, nobody_cares);
   std::ofstream(file, std::ios::binary) << hand::serialise({wrap, {}}, key);
@@ -66,7 +66,7 @@ bool areJoined(const hand::HandModel& model, const hand::LinkPoses& X_HL, int a,
       joints.extend(X_HL[static_cast<std::size_t>(child)].translation());
     child = node.parent_link;
   }
-  return joints.isEmpty() || joints.diagonal().norm() <= kOnePlace_m;
+  return joints.isEmpty() || joints.diagonal().norm() <= kOnePlace;
 }
 
 /// Deepest sample of `a` in `b`.
@@ -102,9 +102,9 @@ ExactHand::ExactHand(std::shared_ptr<const hand::HandModel> model, const fs::pat
     if (mesh.faceCount() == 0) continue;
     Link link;
     link.link = i;
-    link.solid_L = std::make_shared<const ExactSolid>(
-        wrapOf(mesh, cache), ExactPenetration::kHandSpacing_m, kOffset_m);
-    link.cells_L = link.solid_L->cells(ExactPenetration::kCell_m);
+    link.solid_L = std::make_shared<const ExactSolid>(wrapOf(mesh, cache),
+                                                      ExactPenetration::kHandSpacing, kOffset);
+    link.cells_L = link.solid_L->cells(ExactPenetration::kCell);
     links_.push_back(std::move(link));
   }
   findCollisionPairs();
@@ -118,7 +118,7 @@ void ExactHand::findCollisionPairs() {
       const Link& a = links_[static_cast<std::size_t>(i)];
       const Link& b = links_[static_cast<std::size_t>(j)];
       if (areJoined(*model_, X_HL, a.link, b.link)) continue;
-      if (depthOfPair(a, b, X_HL) <= kMadeToMeet_m) collision_pairs_.push_back({i, j});
+      if (depthOfPair(a, b, X_HL) <= kMadeToMeet) collision_pairs_.push_back({i, j});
     }
   }
 }
@@ -150,7 +150,7 @@ ExactPenetration measureExactly(const ExactHand& hand,
     if (result.deepest() > before) result.deepest_link = link.link;
   }
   constexpr double kCellVolume =
-      ExactPenetration::kCell_m * ExactPenetration::kCell_m * ExactPenetration::kCell_m;
+      ExactPenetration::kCell * ExactPenetration::kCell * ExactPenetration::kCell;
   result.volume_m3 = static_cast<double>(cells) * kCellVolume;
   for (const auto& [i, j] : hand.collisionPairs()) {
     const ExactHand::Link& a = hand.links()[static_cast<std::size_t>(i)];

@@ -62,7 +62,7 @@ const ExactHand& balls() {
 }
 
 ExactPenetration measured(const geometry::TriangleMesh& object, double left, double right) {
-  const ExactSolid solid(object, ExactPenetration::kObjectSpacing_m);
+  const ExactSolid solid(object, ExactPenetration::kObjectSpacing);
   return measureExactly(balls(), solid, {Pose::Identity(), Eigen::Vector2d(left, right)});
 }
 
@@ -83,8 +83,7 @@ TEST(ExactPenetration, OfABallInAHalfSpaceIsItsCap) {
     const double cap = std::numbers::pi * depth * depth * (kRadius - depth / 3.0);
     // Cells are counted whole: of the layer that the plane cuts, up to half a cell too many.
     const double base = std::numbers::pi * depth * (2.0 * kRadius - depth);
-    EXPECT_NEAR(found.volume_m3, cap,
-                0.5 * ExactPenetration::kCell_m * base + 0.1 * cap + 1e-8);
+    EXPECT_NEAR(found.volume_m3, cap, 0.5 * ExactPenetration::kCell * base + 0.1 * cap + 1e-8);
     EXPECT_EQ(found.deepest_link, depth > 0.0005 ? 1 : found.deepest_link);
   }
 }

@@ -35,12 +35,12 @@ std::optional<hand::ContactSite> padOf(const hand::Hand& hand, const hand::Digit
 /// Fingers as they stand side by side; others of them by name.
 std::vector<std::string> inOrder(std::vector<std::string> names) {
   std::erase(names, "thumb");
-  const auto rankOf = [](const std::string& name) {
+  const auto rank_of = [](const std::string& name) {
     constexpr std::array<const char*, 4> kOrder{"index", "middle", "ring", "little"};
     return std::find(kOrder.begin(), kOrder.end(), name) - kOrder.begin();
   };
   std::sort(names.begin(), names.end(), [&](const std::string& a, const std::string& b) {
-    return std::pair(rankOf(a), a) < std::pair(rankOf(b), b);
+    return std::pair(rank_of(a), a) < std::pair(rank_of(b), b);
   });
   return names;
 }

@@ -51,7 +51,7 @@ GraspMeasure measureGrasp(const optimize::PoseProblem& problem,
       const std::string& part = parts[static_cast<std::size_t>(pair.link)];
       patch.gap_mm += 1e3 * distanceTo(part, hand, parts, X_WL, pair.p_W) / fit.point_count;
     }
-    patch.reached = patch.mean_mm <= kReached_mm && patch.facing_deg <= kFacing_deg;
+    patch.reached = patch.mean_mm <= kReachedMm && patch.facing_deg <= kFacingDeg;
     measure.reached += patch.reached ? 1 : 0;
     measure.mean_mm += patch.mean_mm * fit.point_count;
     measure.facing_deg += patch.facing_deg * fit.point_count;

@@ -11,8 +11,8 @@
 namespace handgraft::bench {
 
 // What counts as reached: the product's figures as they stood when the first table was made.
-inline constexpr double kReached_mm = 6.0;
-inline constexpr double kFacing_deg = 60.0;
+inline constexpr double kReachedMm = 6.0;
+inline constexpr double kFacingDeg = 60.0;
 
 /// One patch at a pose.
 struct PatchMeasure {

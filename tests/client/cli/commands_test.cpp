@@ -187,19 +187,19 @@ class ScriptedServer {
 class CommandsTest : public testing::Test {
  protected:
   CommandsTest()
-      : network_{domain_.number(), "lo"},
-        server_(network_, [this](const v1::Request& request, v1::Reply& reply) {
-          return script_(request, reply);
+      : network{domain.number(), "lo"},
+        server(network, [this](const v1::Request& request, v1::Reply& reply) {
+          return script(request, reply);
         }) {
-    common_.network = network_;
+    common.network = network;
     static int count = 0;
-    folder_ = test::scratchDirectory() / ("link" + std::to_string(++count));
-    fs::create_directories(folder_);
+    folder = test::scratchDirectory() / ("link" + std::to_string(++count));
+    fs::create_directories(folder);
   }
 
   fs::path write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-    return folder_ / name;
+    std::ofstream(folder / name, std::ios::binary) << text;
+    return folder / name;
   }
 
   std::string grasp(const GraspOptions& options) { return printed(options); }
@@ -209,7 +209,7 @@ class CommandsTest : public testing::Test {
     testing::internal::CaptureStdout();
     int code = -1;
     try {
-      code = run(options, common_, interruption_);
+      code = run(options, common, interruption);
     } catch (...) {
       testing::internal::GetCapturedStdout();
       throw;
@@ -218,13 +218,13 @@ class CommandsTest : public testing::Test {
     return testing::internal::GetCapturedStdout();
   }
 
-  test::TestDomain domain_;
-  Network network_;
-  ScriptedServer script_;
-  test::FakeServer server_;
-  CommonOptions common_;
-  Interruption interruption_;
-  fs::path folder_;
+  test::TestDomain domain;
+  Network network;
+  ScriptedServer script;
+  test::FakeServer server;
+  CommonOptions common;
+  Interruption interruption;
+  fs::path folder;
 };
 
 TEST_F(CommandsTest, SendsLargeFilesInOrderAndWhole) {
@@ -232,12 +232,12 @@ TEST_F(CommandsTest, SendsLargeFilesInOrderAndWhole) {
   for (std::size_t i = 0; i < bytes.size(); ++i)
     bytes[i] = static_cast<char>(i * 31 >> 3);
   const ModelFiles model = objectFiles(write("big.obj", bytes));
-  Client link(interactiveClient(network_, Absence::kFail, interruption_));
+  Client link(interactiveClient(network, Absence::kFail, interruption));
   link.load(model).get();
-  EXPECT_EQ(script_.last_upload["big.obj"], bytes);
-  EXPECT_EQ(script_.total_bytes, bytes.size());
-  EXPECT_THAT(server_.operations(), ElementsAre(v1::OP_PUT_FILE, v1::OP_PUT_FILE,
-                                                v1::OP_PUT_FILE, v1::OP_LOAD_MODEL));
+  EXPECT_EQ(script.last_upload["big.obj"], bytes);
+  EXPECT_EQ(script.total_bytes, bytes.size());
+  EXPECT_THAT(server.operations(), ElementsAre(v1::OP_PUT_FILE, v1::OP_PUT_FILE,
+                                               v1::OP_PUT_FILE, v1::OP_LOAD_MODEL));
 }
 
 TEST_F(CommandsTest, PassesTheServersRefusalOn) {
@@ -261,7 +261,7 @@ TEST_F(CommandsTest, GraspClosesItsSession) {
   options.contacts = "plate_2";
   EXPECT_THAT(grasp(options), HasSubstr("claw grasps plate by plate_2"));
   EXPECT_THAT(
-      server_.operations(),
+      server.operations(),
       ElementsAre(v1::OP_OPEN_SESSION, v1::OP_TRANSFER, v1::OP_OPTIMIZE, v1::OP_TRANSFER,
                   v1::OP_SESSION_SETTINGS, v1::OP_DESCRIBE_MODEL, v1::OP_CLOSE_SESSION));
 }
@@ -273,17 +273,17 @@ TEST_F(CommandsTest, GraspLeavesASessionThatIsKept) {
   options.contacts = "plate_2";
   options.keep = true;
   EXPECT_THAT(grasp(options), HasSubstr("session 42 stays open"));
-  EXPECT_THAT(server_.operations(), testing::Not(testing::Contains(v1::OP_CLOSE_SESSION)));
+  EXPECT_THAT(server.operations(), testing::Not(testing::Contains(v1::OP_CLOSE_SESSION)));
 }
 
 TEST_F(CommandsTest, GraspPrintsAndWritesTheSameDocument) {
-  common_.json = true;
+  common.json = true;
   GraspOptions options;
   options.hand = "claw";
   options.object = "plate";
   options.contacts = "plate_2";
-  options.out = folder_ / "out.json";
-  options.png = folder_ / "out.png";
+  options.out = folder / "out.json";
+  options.png = folder / "out.png";
   const std::string printed = grasp(options);
   EXPECT_EQ(readFile(options.out), printed);
   EXPECT_EQ(nlohmann::json::parse(printed)["joints"]["bend"], 0.5);
@@ -291,18 +291,18 @@ TEST_F(CommandsTest, GraspPrintsAndWritesTheSameDocument) {
 }
 
 TEST_F(CommandsTest, GraspTellsModelsOfOneNameApart) {
-  script_.taken_name = "bowl";
+  script.taken_name = "bowl";
   GraspOptions options;
   options.hand = "claw";
   options.object = write("bowl.obj", "v 0 0 0").string();
   options.contacts = write("rim.json", "{}").string();
   grasp(options);
-  ASSERT_EQ(script_.loaded_names.size(), 3U);
-  EXPECT_EQ(script_.loaded_names[0], "bowl");
-  EXPECT_THAT(script_.loaded_names[1], testing::MatchesRegex("bowl-[0-9a-f]+"));
-  EXPECT_EQ(script_.loaded_names[2], "rim");
-  EXPECT_EQ(script_.loaded_objects[2],
-            script_.loaded_names[1]);  // contacts follow their object
+  ASSERT_EQ(script.loaded_names.size(), 3U);
+  EXPECT_EQ(script.loaded_names[0], "bowl");
+  EXPECT_THAT(script.loaded_names[1], testing::MatchesRegex("bowl-[0-9a-f]+"));
+  EXPECT_EQ(script.loaded_names[2], "rim");
+  EXPECT_EQ(script.loaded_objects[2],
+            script.loaded_names[1]);  // contacts follow their object
 }
 
 TEST_F(CommandsTest, ProblemOfAServersHandComesWithItsUrdf) {
@@ -310,14 +310,14 @@ TEST_F(CommandsTest, ProblemOfAServersHandComesWithItsUrdf) {
   options.hand = "claw";
   options.object = "plate";
   options.contacts = "plate_2";
-  options.problem = folder_ / "problem.json";
+  options.problem = folder / "problem.json";
   grasp(options);
   EXPECT_EQ(readFile(options.problem), "claw.urdf");
-  EXPECT_EQ(readFile(folder_ / "claw.urdf"), "<robot name='claw'/>");
+  EXPECT_EQ(readFile(folder / "claw.urdf"), "<robot name='claw'/>");
 }
 
 TEST_F(CommandsTest, ProblemOfAHandOnDiskPointsToIt) {
-  fs::create_directories(folder_ / "my_pkg");
+  fs::create_directories(folder / "my_pkg");
   write("my_pkg/palm.stl", "solid");
   GraspOptions options;
   options.hand = write("my_pkg/claw.urdf",
@@ -325,11 +325,11 @@ TEST_F(CommandsTest, ProblemOfAHandOnDiskPointsToIt) {
                      .string();
   options.object = "plate";
   options.contacts = "plate_2";
-  fs::create_directories(folder_ / "results");
-  options.problem = folder_ / "results" / "problem.json";
+  fs::create_directories(folder / "results");
+  options.problem = folder / "results" / "problem.json";
   grasp(options);
   EXPECT_EQ(readFile(options.problem),
-            "../my_pkg/claw.urdf|my_pkg=" + (folder_ / "my_pkg").string());
+            "../my_pkg/claw.urdf|my_pkg=" + (folder / "my_pkg").string());
 }
 
 TEST_F(CommandsTest, ChecksItsOutputsBeforeAnyWork) {
@@ -337,9 +337,9 @@ TEST_F(CommandsTest, ChecksItsOutputsBeforeAnyWork) {
   options.hand = "claw";
   options.object = "plate";
   options.contacts = "plate_2";
-  options.png = folder_ / "no such folder" / "a.png";
+  options.png = folder / "no such folder" / "a.png";
   EXPECT_THROW(grasp(options), InvalidInput);
-  EXPECT_TRUE(server_.operations().empty());
+  EXPECT_TRUE(server.operations().empty());
 }
 
 TEST_F(CommandsTest, RefusesOneFileForTwoOptionsBeforeAnyWork) {
@@ -347,16 +347,16 @@ TEST_F(CommandsTest, RefusesOneFileForTwoOptionsBeforeAnyWork) {
   options.hand = "claw";
   options.object = write("bowl.obj", "v 0 0 0").string();
   options.contacts = "plate_2";
-  options.out = options.png = folder_ / "a";
+  options.out = options.png = folder / "a";
   EXPECT_THROW(grasp(options), InvalidInput);
   options.png = options.object;
   EXPECT_THROW(grasp(options), InvalidInput);
-  EXPECT_TRUE(server_.operations().empty());
+  EXPECT_TRUE(server.operations().empty());
   EXPECT_EQ(readFile(options.object), "v 0 0 0");
 }
 
 TEST_F(CommandsTest, GraspShowsTheTransferAsTheSolveLeftIt) {
-  common_.json = true;
+  common.json = true;
   GraspOptions options;
   options.hand = "claw";
   options.object = "plate";
@@ -372,13 +372,13 @@ TEST_F(CommandsTest, ProblemLeavesAnotherHandOfThatNameAlone) {
   options.hand = "claw";
   options.object = "plate";
   options.contacts = "plate_2";
-  options.problem = folder_ / "problem.json";
+  options.problem = folder / "problem.json";
   grasp(options);
-  EXPECT_EQ(readFile(folder_ / "claw.urdf"), "<robot name='mine'/>");
+  EXPECT_EQ(readFile(folder / "claw.urdf"), "<robot name='mine'/>");
   const std::string name = readFile(options.problem);
   EXPECT_THAT(name, testing::MatchesRegex("claw-[0-9a-f]+\\.urdf"));
   EXPECT_EQ(name.size(), std::string("claw-01234567.urdf").size());
-  EXPECT_EQ(readFile(folder_ / name), "<robot name='claw'/>");
+  EXPECT_EQ(readFile(folder / name), "<robot name='claw'/>");
   grasp(options);  // finds its own file again
   EXPECT_EQ(readFile(options.problem), name);
 }
@@ -388,39 +388,39 @@ TEST_F(CommandsTest, ProblemsHandIsNotWrittenWhereTheResultGoes) {
   options.hand = "claw";
   options.object = "plate";
   options.contacts = "plate_2";
-  options.problem = folder_ / "problem.json";
-  options.out = folder_ / "claw.urdf";
+  options.problem = folder / "problem.json";
+  options.out = folder / "claw.urdf";
   grasp(options);
   EXPECT_THAT(readFile(options.out), HasSubstr("handgraft-grasp/1"));
-  EXPECT_EQ(readFile(folder_ / readFile(options.problem)), "<robot name='claw'/>");
+  EXPECT_EQ(readFile(folder / readFile(options.problem)), "<robot name='claw'/>");
 }
 
 TEST_F(CommandsTest, ClosesASession) {
   EXPECT_EQ(printed(CloseOptions{42}), "closed session 42\n");
-  common_.json = true;
+  common.json = true;
   EXPECT_EQ(nlohmann::json::parse(printed(CloseOptions{42}))["closed"], true);
-  EXPECT_THAT(server_.operations(), ElementsAre(v1::OP_CLOSE_SESSION, v1::OP_CLOSE_SESSION));
+  EXPECT_THAT(server.operations(), ElementsAre(v1::OP_CLOSE_SESSION, v1::OP_CLOSE_SESSION));
   EXPECT_THROW(printed(CloseOptions{43}), Refused);
 }
 
 TEST_F(CommandsTest, UnloadsAModel) {
   EXPECT_EQ(printed(UnloadOptions{v1::MODEL_OBJECT, "bowl"}), "unloaded object bowl\n");
-  EXPECT_EQ(script_.unloaded_kind, v1::MODEL_OBJECT);
-  common_.json = true;
+  EXPECT_EQ(script.unloaded_kind, v1::MODEL_OBJECT);
+  common.json = true;
   EXPECT_EQ(nlohmann::json::parse(printed(UnloadOptions{v1::MODEL_OBJECT, "bowl"}))["name"],
             "bowl");
   EXPECT_THROW(printed(UnloadOptions{v1::MODEL_OBJECT, "plate"}), Refused);
 }
 
 TEST_F(CommandsTest, CtrlCCancelsOnTheServerAndClosesTheSession) {
-  script_.hang = true;
+  script.hang = true;
   GraspOptions options;
   options.hand = "claw";
   options.object = "plate";
   options.contacts = "plate_2";
   std::thread user([&] {
     for (int i = 0; i < 2000; ++i) {
-      const auto seen = server_.operations();
+      const auto seen = server.operations();
       if (std::count(seen.begin(), seen.end(), v1::OP_TRANSFER) != 0) break;
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
@@ -428,16 +428,16 @@ TEST_F(CommandsTest, CtrlCCancelsOnTheServerAndClosesTheSession) {
     raise(SIGINT);
     // A real server answers a cancelled request with ERROR_CANCELLED; this one ends it as well.
     for (int i = 0; i < 2000; ++i) {
-      const auto seen = server_.operations();
+      const auto seen = server.operations();
       if (std::count(seen.begin(), seen.end(), v1::OP_CANCEL) != 0) break;
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
-    script_.hang = false;
+    script.hang = false;
   });
   EXPECT_THROW(grasp(options), Cancelled);
   user.join();
-  EXPECT_THAT(server_.operations(), testing::Contains(v1::OP_CANCEL));
-  EXPECT_EQ(server_.operations().back(), v1::OP_CLOSE_SESSION);
+  EXPECT_THAT(server.operations(), testing::Contains(v1::OP_CANCEL));
+  EXPECT_EQ(server.operations().back(), v1::OP_CLOSE_SESSION);
 }
 
 TEST(CommandsAlone, SaysWhereNoServerAnswers) {

@@ -93,25 +93,25 @@ struct ImportingServer {
 class ImportCommands : public testing::Test {
  protected:
   ImportCommands()
-      : server_({domain_.number(), "lo"}, [this](const v1::Request& request, v1::Reply& reply) {
-          return script_(request, reply);
+      : server({domain.number(), "lo"}, [this](const v1::Request& request, v1::Reply& reply) {
+          return script(request, reply);
         }) {
-    common_.network = {domain_.number(), "lo"};
+    common.network = {domain.number(), "lo"};
     static int count = 0;
-    folder_ = test::scratchDirectory() / ("import" + std::to_string(++count));
-    fs::create_directories(folder_);
+    folder = test::scratchDirectory() / ("import" + std::to_string(++count));
+    fs::create_directories(folder);
   }
 
   fs::path write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-    return folder_ / name;
+    std::ofstream(folder / name, std::ios::binary) << text;
+    return folder / name;
   }
 
   template <class Options>
   std::string printed(const Options& options) {
     testing::internal::CaptureStdout();
     try {
-      EXPECT_EQ(run(options, common_, interruption_), 0);
+      EXPECT_EQ(run(options, common, interruption), 0);
     } catch (...) {
       testing::internal::GetCapturedStdout();
       throw;
@@ -119,32 +119,32 @@ class ImportCommands : public testing::Test {
     return testing::internal::GetCapturedStdout();
   }
 
-  test::TestDomain domain_;
-  ImportingServer script_;
-  test::FakeServer server_;
-  CommonOptions common_;
-  Interruption interruption_;
-  fs::path folder_;
+  test::TestDomain domain;
+  ImportingServer script;
+  test::FakeServer server;
+  CommonOptions common;
+  Interruption interruption;
+  fs::path folder;
 };
 
 TEST_F(ImportCommands, InspectWritesTheSitesAndAPicture) {
   InspectOptions options;
   options.hand = write("my.urdf", "<robot/>").string();
   options.reading.options.mirrored(true);
-  options.sites = folder_ / "sites.yaml";
-  options.png = folder_ / "hand.png";
+  options.sites = folder / "sites.yaml";
+  options.png = folder / "hand.png";
   EXPECT_THAT(printed(options), HasSubstr("hand flat: 2 joints"));
   EXPECT_EQ(readFile(options.sites), test::flatHand().sites_file());
   EXPECT_GT(fs::file_size(options.png), 1000U);
-  ASSERT_EQ(script_.loads.size(), 1U);
-  EXPECT_TRUE(script_.loads[0].hand().at(0).mirrored());
+  ASSERT_EQ(script.loads.size(), 1U);
+  EXPECT_TRUE(script.loads[0].hand().at(0).mirrored());
 }
 
 TEST_F(ImportCommands, InspectMayWriteTheSitesThatItRead) {
   write("sites.yaml", "format: handgraft-sites/1\nsites: []\n");
   InspectOptions options;
   options.hand = write("my.urdf", "<robot/>").string();
-  options.sites = folder_ / "sites.yaml";
+  options.sites = folder / "sites.yaml";
   printed(options);
   EXPECT_EQ(readFile(options.sites), test::flatHand().sites_file());
   options.sites = options.hand;
@@ -153,21 +153,21 @@ TEST_F(ImportCommands, InspectMayWriteTheSitesThatItRead) {
 }
 
 TEST_F(ImportCommands, InspectOfAModelOnTheServerLoadsNothing) {
-  common_.json = true;
+  common.json = true;
   InspectOptions options;
   options.hand = "flat";
   EXPECT_EQ(nlohmann::json::parse(printed(options))["skin_report"]["valid"], true);
-  EXPECT_THAT(server_.operations(), ElementsAre(v1::OP_DESCRIBE_MODEL));
+  EXPECT_THAT(server.operations(), ElementsAre(v1::OP_DESCRIBE_MODEL));
 }
 
 TEST_F(ImportCommands, SkinWritesAPly) {
   SkinOptions options;
   options.hand = "flat";
-  options.out = folder_ / "skin.ply";
-  options.png = folder_ / "skin.png";
+  options.out = folder / "skin.ply";
+  options.png = folder / "skin.png";
   EXPECT_THAT(printed(options), HasSubstr("skin is sound"));
   EXPECT_EQ(readFile(options.out).substr(0, 4), "ply\n");
-  common_.json = true;
+  common.json = true;
   EXPECT_EQ(nlohmann::json::parse(printed(options))["hand"], "flat");
 }
 
@@ -177,21 +177,21 @@ TEST_F(ImportCommands, ImportSendsTheObjectAndThenTheMapOnIt) {
   options.object = write("bulb.obj", "v 0 0 0").string();
   options.reading.options.threshold().push_back(0.3);
   options.units = "mm";
-  options.out = folder_ / "set.json";
-  options.png = folder_ / "set.png";
+  options.out = folder / "set.json";
+  options.png = folder / "set.png";
   EXPECT_THAT(printed(options), HasSubstr("1 patch"));
   EXPECT_EQ(readFile(options.out), test::squareOnBox().file());
-  ASSERT_EQ(script_.loads.size(), 2U);
-  EXPECT_EQ(script_.loads[0].name(), "bulb");
-  EXPECT_EQ(script_.loads[0].units(), "mm");
-  EXPECT_TRUE(script_.loads[0].contacts().empty());
-  EXPECT_EQ(script_.loads[1].object(), "bulb");
-  EXPECT_EQ(script_.loads[1].units(), "mm");
-  EXPECT_EQ(script_.loads[1].contacts().at(0).threshold().at(0), 0.3);
+  ASSERT_EQ(script.loads.size(), 2U);
+  EXPECT_EQ(script.loads[0].name(), "bulb");
+  EXPECT_EQ(script.loads[0].units(), "mm");
+  EXPECT_TRUE(script.loads[0].contacts().empty());
+  EXPECT_EQ(script.loads[1].object(), "bulb");
+  EXPECT_EQ(script.loads[1].units(), "mm");
+  EXPECT_EQ(script.loads[1].contacts().at(0).threshold().at(0), 0.3);
 }
 
 TEST_F(ImportCommands, ImportPrintsTheSetAsJson) {
-  common_.json = true;
+  common.json = true;
   ImportOptions options;
   options.map = write("scan.ply", "ply");
   options.object = "box";
@@ -199,16 +199,16 @@ TEST_F(ImportCommands, ImportPrintsTheSetAsJson) {
 }
 
 TEST_F(ImportCommands, ImportTellsMapsReadInDifferentWaysApart) {
-  script_.taken = "scan";
+  script.taken = "scan";
   ImportOptions options;
   options.map = write("scan.ply", "ply");
   options.object = "box";
   printed(options);
   options.reading.options.otsu(true);
   printed(options);
-  ASSERT_EQ(script_.loads.size(), 4U);
-  EXPECT_THAT(script_.loads[1].name(), testing::MatchesRegex("scan-[0-9a-f]+"));
-  EXPECT_NE(script_.loads[1].name(), script_.loads[3].name());
+  ASSERT_EQ(script.loads.size(), 4U);
+  EXPECT_THAT(script.loads[1].name(), testing::MatchesRegex("scan-[0-9a-f]+"));
+  EXPECT_NE(script.loads[1].name(), script.loads[3].name());
   options.name = "scan";  // asked for: nobody may be surprised by another
   EXPECT_THROW(printed(options), Refused);
 }
@@ -216,10 +216,10 @@ TEST_F(ImportCommands, ImportTellsMapsReadInDifferentWaysApart) {
 TEST_F(ImportCommands, LoadTellsWhatWasNoted) {
   LoadOptions options;
   options.path = write("claw.urdf", "<robot name='claw'/>");
-  script_.hand.notes().emplace_back("its joints have no limits");
+  script.hand.notes().emplace_back("its joints have no limits");
   EXPECT_THAT(printed(options), HasSubstr("note: its joints have no limits\n"));
   EXPECT_THAT(printed(options), testing::Not(HasSubstr("no contact sites")));
-  script_.hand.sites().clear();
+  script.hand.sites().clear();
   EXPECT_THAT(printed(options), HasSubstr("it brings no contact sites"));
   options.kind = v1::MODEL_CONTACTS;
   options.path = write("set.json", "{}");
@@ -228,7 +228,7 @@ TEST_F(ImportCommands, LoadTellsWhatWasNoted) {
 }
 
 TEST_F(ImportCommands, DoubtfulUnitsAreAnErrorWhereNobodyCanBeAsked) {
-  script_.doubtful = "bulb.obj";
+  script.doubtful = "bulb.obj";
   ImportOptions options;
   options.map = write("scan.ply", "ply");
   options.object = write("bulb.obj", "v 0 0 0").string();
@@ -254,7 +254,7 @@ TEST_F(ImportCommands, JoinRefusesGraspsOfTwoObjectsBeforeAnythingIsSent) {
     EXPECT_THAT(error.what(), testing::MatchesRegex(".*'box_1' lie on object 'box' and "
                                                     ".*last.json' on 'cup'.*"));
   }
-  EXPECT_TRUE(script_.loads.empty());
+  EXPECT_TRUE(script.loads.empty());
 }
 
 TEST_F(ImportCommands, FromPosePassesTheFileOn) {
@@ -267,8 +267,8 @@ TEST_F(ImportCommands, FromPosePassesTheFileOn) {
   options.reach_mm = 4.0;
   options.contacts.interpolation_count(30);
   EXPECT_THAT(printed(options), HasSubstr("1 patch"));
-  ASSERT_EQ(script_.poses.size(), 1U);
-  const v1::PoseContactsRequest& request = script_.poses[0];
+  ASSERT_EQ(script.poses.size(), 1U);
+  const v1::PoseContactsRequest& request = script.poses[0];
   EXPECT_EQ(request.name(), "box_flat");
   EXPECT_EQ(request.hand(), "flat");
   EXPECT_THAT(request.joints(), ElementsAre("index_mcp"));
@@ -287,14 +287,14 @@ TEST_F(ImportCommands, FromPoseTakesNamedPosesAndThePlaceThatWasTold) {
   options.pose = "fist";
   options.place = Place{0, 0, 0.3, 1, 0, 0, 0};
   printed(options);
-  ASSERT_EQ(script_.poses.size(), 1U);
-  EXPECT_EQ(script_.poses[0].start_pose(), "fist");
-  EXPECT_TRUE(script_.poses[0].X_WH().empty());
-  EXPECT_EQ(script_.poses[0].X_WO().at(0).p_m()[2], 0.3);
+  ASSERT_EQ(script.poses.size(), 1U);
+  EXPECT_EQ(script.poses[0].start_pose(), "fist");
+  EXPECT_TRUE(script.poses[0].X_WH().empty());
+  EXPECT_EQ(script.poses[0].X_WO().at(0).p_m()[2], 0.3);
 }
 
 TEST_F(ImportCommands, FromPoseTellsPosesOfOneHandApart) {
-  script_.taken = "box_flat";
+  script.taken = "box_flat";
   PoseContactsOptions options;
   options.hand = "flat";
   options.object = "box";
@@ -302,8 +302,8 @@ TEST_F(ImportCommands, FromPoseTellsPosesOfOneHandApart) {
   printed(options);
   options.pose = "open";
   printed(options);
-  ASSERT_EQ(script_.poses.size(), 4U);
-  EXPECT_NE(script_.poses[1].name(), script_.poses[3].name());
+  ASSERT_EQ(script.poses.size(), 4U);
+  EXPECT_NE(script.poses[1].name(), script.poses[3].name());
 }
 
 TEST(Units, AreWhatARefusalRecommends) {

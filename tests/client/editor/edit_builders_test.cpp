@@ -28,7 +28,7 @@ class EditMaking : public testing::Test {
  protected:
   v1::EditBody edit(const std::string& line) {
     const Parsed parsed = parse(commandsOf(line).at(0), test::smallNames());
-    return parsed.command->make(parsed.match, context_);
+    return parsed.command->make(parsed.match, context);
   }
 
   std::string objectionTo(const std::string& line) {
@@ -40,7 +40,7 @@ class EditMaking : public testing::Test {
     return "";
   }
 
-  test::SmallContext context_;
+  test::SmallContext context;
 };
 
 TEST_F(EditMaking, PicksTheSkinsPlaceUnderASite) {
@@ -48,14 +48,14 @@ TEST_F(EditMaking, PicksTheSkinsPlaceUnderASite) {
   const v1::EditBody body = edit("root thumb hand pick index");
   EXPECT_EQ(body.patch_root().patch(), "thumb");
   EXPECT_EQ(body.patch_root().side(), v1::SIDE_HAND);
-  const Eigen::Vector3d p = positionOf(context_.hand().skin_S(), body.patch_root().root());
+  const Eigen::Vector3d p = positionOf(context.hand().skin_S(), body.patch_root().root());
   EXPECT_NEAR((p - Eigen::Vector3d(0.1, 0.2, 0.0)).norm(), 0.0, 1e-12);
 }
 
 TEST_F(EditMaking, TakesTheNearestPlaceOfASurface) {
   const v1::EditBody body = edit("root index object at 1.03 0.25 -1cm");
   EXPECT_EQ(body.patch_root().side(), v1::SIDE_OBJECT);
-  const Eigen::Vector3d p = positionOf(context_.object().mesh_O(), body.patch_root().root());
+  const Eigen::Vector3d p = positionOf(context.object().mesh_O(), body.patch_root().root());
   EXPECT_NEAR((p - Eigen::Vector3d(1.0, 0.25, 0.0)).norm(), 0.0, 1e-12);
 }
 
@@ -188,7 +188,7 @@ TEST_F(EditMaking, TakesPriors) {
   v1::PoseSolution solution;
   solution.joint_positions({0.5, 0.02});
   solution.X_WH().p_m({1, 2, 3});
-  context_.solve(solution);
+  context.solve(solution);
   const v1::PriorEdit here = edit("prior here").prior();
   EXPECT_THAT(here.joint_positions(), ElementsAre(0.5, 0.02));
   EXPECT_THAT(here.X_WH().at(0).p_m(), ElementsAre(1, 2, 3));
@@ -250,7 +250,7 @@ TEST_F(EditMaking, GoesBackAndForth) {
 TEST_F(EditMaking, CountsMinimaAsTheyAreShown) {
   v1::PoseSolution solution;
   solution.minima().resize(3);
-  context_.solve(solution);
+  context.solve(solution);
   EXPECT_EQ(edit("choose 3").choice().rank(), 2U);
   EXPECT_THAT(objectionTo("choose 4"), HasSubstr("choose 4: minima count from 1 to 3"));
 }

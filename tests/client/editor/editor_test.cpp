@@ -32,15 +32,15 @@ using testing::Not;
 class EditorTest : public testing::Test {
  protected:
   EditorTest()
-      : network_{domain_.number(), "lo"},
-        edit_server_(network_),
-        server_(interactiveClient(network_, Absence::kFail, interruption_)),
-        editor_(server_, interruption_, sink_, edit_server_.state()) {}
+      : network{domain.number(), "lo"},
+        edit_server(network),
+        server(interactiveClient(network, Absence::kFail, interruption)),
+        editor(server, interruption, sink, edit_server.state()) {}
 
   std::string output(const std::string& line) {
     testing::internal::CaptureStdout();
     try {
-      editor_.run(line);
+      editor.run(line);
     } catch (...) {
       testing::internal::GetCapturedStdout();
       throw;
@@ -53,7 +53,7 @@ class EditorTest : public testing::Test {
     testing::internal::CaptureStdout();
     Failure failure{0, ""};
     try {
-      editor_.runScript(
+      editor.runScript(
           [&]() -> std::optional<std::string> {
             std::string line;
             if (!std::getline(lines, line)) return std::nullopt;
@@ -63,19 +63,19 @@ class EditorTest : public testing::Test {
     } catch (const std::exception& error) {
       failure = failureOf(error);
     }
-    echoed_ = testing::internal::GetCapturedStdout();
+    echoed = testing::internal::GetCapturedStdout();
     return failure;
   }
 
-  test::TestDomain domain_;
-  Network network_;
-  test::FakeEditServer edit_server_;
-  Interruption interruption_;
-  Client server_;
-  ProgressLine progress_;
-  Sink sink_{Sink::Form::kText, progress_};
-  Editor editor_;
-  std::string echoed_;
+  test::TestDomain domain;
+  Network network;
+  test::FakeEditServer edit_server;
+  Interruption interruption;
+  Client server;
+  ProgressLine progress;
+  Sink sink{Sink::Form::kText, progress};
+  Editor editor;
+  std::string echoed;
 };
 
 TEST_F(EditorTest, TellsASolutionForEveryEdit) {
@@ -84,10 +84,10 @@ TEST_F(EditorTest, TellsASolutionForEveryEdit) {
             "reached\n");
   EXPECT_THAT(output("weight thumb 0.2; unlock bend"),
               AllOf(HasSubstr("revision 2: objective 12"), HasSubstr("revision 3: ")));
-  ASSERT_EQ(edit_server_.edits().size(), 3U);
-  EXPECT_EQ(edit_server_.edits()[0].body()._d(), v1::EDIT_JOINT_LOCK);
-  EXPECT_EQ(edit_server_.edits()[1].base_revision(), 1U);
-  EXPECT_EQ(edit_server_.edits()[2].base_revision(), 2U);
+  ASSERT_EQ(edit_server.edits().size(), 3U);
+  EXPECT_EQ(edit_server.edits()[0].body()._d(), v1::EDIT_JOINT_LOCK);
+  EXPECT_EQ(edit_server.edits()[1].base_revision(), 1U);
+  EXPECT_EQ(edit_server.edits()[2].base_revision(), 2U);
 }
 
 TEST_F(EditorTest, ANewSnapshotWaitsForNoSolution) {
@@ -95,7 +95,7 @@ TEST_F(EditorTest, ANewSnapshotWaitsForNoSolution) {
 }
 
 TEST_F(EditorTest, TellsWhyASolveFailed) {
-  edit_server_.fail = true;
+  edit_server.fail = true;
   try {
     output("disable thumb");
     FAIL() << "a failed solve was taken for a solution";
@@ -118,7 +118,7 @@ TEST_F(EditorTest, UnitsInDoubtAreToldToTheCommandThatTakesThem) {
 
 TEST_F(EditorTest, AStaleEditIsRefusedWithWhatCameBefore) {
   output("lock bend");
-  edit_server_.editByOther("limit bend upper 0.6", false);
+  edit_server.editByOther("limit bend upper 0.6", false);
   try {
     output("unlock bend");
     FAIL() << "a stale edit was applied";
@@ -128,44 +128,44 @@ TEST_F(EditorTest, AStaleEditIsRefusedWithWhatCameBefore) {
                                       HasSubstr("limit bend upper 0.6")));
     EXPECT_EQ(failureOf(refused).exit_code, 2);
   }
-  EXPECT_EQ(edit_server_.edits().size(), 1U);
+  EXPECT_EQ(edit_server.edits().size(), 1U);
   EXPECT_THAT(output("unlock bend"), HasSubstr("revision 3"));  // now it has been shown
 }
 
 TEST_F(EditorTest, WhatOthersDoIsNewsOnce) {
   output("lock bend");
-  edit_server_.editByOther("lock slide", true);
+  edit_server.editByOther("lock slide", true);
   std::vector<std::string> news;
   for (int i = 0; i < 500 && news.empty(); ++i) {
-    news = editor_.session().news();
+    news = editor.session().news();
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   ASSERT_EQ(news.size(), 1U);
   EXPECT_THAT(news[0], AllOf(HasSubstr("revision 2"), HasSubstr("lock slide")));
-  EXPECT_TRUE(editor_.session().news().empty());
+  EXPECT_TRUE(editor.session().news().empty());
   EXPECT_THAT(output("unlock bend"), HasSubstr("revision 3"));
 }
 
 TEST_F(EditorTest, CtrlCCancelsASolveAndNothingElse) {
-  edit_server_.hang = true;
+  edit_server.hang = true;
   std::thread user([this] {
-    while (!edit_server_.hanging)
+    while (!edit_server.hanging)
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     raise(SIGINT);
   });
   EXPECT_THROW(output("solve"), Cancelled);
   user.join();
-  interruption_.reset();
-  edit_server_.hang = false;
+  interruption.reset();
+  edit_server.hang = false;
   EXPECT_THAT(output("lock bend"), HasSubstr("revision 1: objective 11"));
   EXPECT_THAT(output("solve"), HasSubstr("objective 11"));
-  EXPECT_THAT(edit_server_.operations(), Not(testing::Contains(v1::OP_CLOSE_SESSION)));
+  EXPECT_THAT(edit_server.operations(), Not(testing::Contains(v1::OP_CLOSE_SESSION)));
 }
 
 TEST_F(EditorTest, CtrlCStopsTheSolveThatFollowsAnEdit) {
-  edit_server_.hold_poses = true;
+  edit_server.hold_poses = true;
   std::thread user([this] {
-    while (edit_server_.edits().empty())
+    while (edit_server.edits().empty())
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     raise(SIGINT);
   });
@@ -177,37 +177,37 @@ TEST_F(EditorTest, CtrlCStopsTheSolveThatFollowsAnEdit) {
     EXPECT_THAT(failed.what(), HasSubstr("stopped: revision 1 stands"));
   }
   user.join();
-  interruption_.reset();
-  EXPECT_THAT(edit_server_.operations(), AllOf(testing::Contains(v1::OP_STOP_SOLVING),
-                                               Not(testing::Contains(v1::OP_CLOSE_SESSION))));
-  edit_server_.hold_poses = false;
+  interruption.reset();
+  EXPECT_THAT(edit_server.operations(), AllOf(testing::Contains(v1::OP_STOP_SOLVING),
+                                              Not(testing::Contains(v1::OP_CLOSE_SESSION))));
+  edit_server.hold_poses = false;
   EXPECT_THAT(output("unlock bend"), HasSubstr("revision 2: objective 12"));
 }
 
 // === Poses and their explanations
 
 TEST_F(EditorTest, AScriptWaitsForTheExplanation) {
-  edit_server_.hold_explanations = true;
-  std::thread server([this] {
-    while (edit_server_.edits().empty())
+  edit_server.hold_explanations = true;
+  std::thread diagnosing([this] {
+    while (edit_server.edits().empty())
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     std::this_thread::sleep_for(std::chrono::milliseconds(500));  // longer than a prompt waits
-    edit_server_.diagnose();
+    edit_server.diagnose();
   });
-  editor_.showPosesAtOnce();  // which is for those who type
+  editor.showPosesAtOnce();  // which is for those who type
   EXPECT_EQ(failureOfScript("lock bend\n").exit_code, 0);
-  server.join();
-  EXPECT_THAT(echoed_, HasSubstr("revision 1: objective 11, mean 2.50 mm, worst index 3.00 mm; "
-                                 "2 of 2 patches reached\n"));
+  diagnosing.join();
+  EXPECT_THAT(echoed, HasSubstr("revision 1: objective 11, mean 2.50 mm, worst index 3.00 mm; "
+                                "2 of 2 patches reached\n"));
 }
 
 TEST_F(EditorTest, ANewerRevisionAnswersForOneThatIsNotDiagnosed) {
-  edit_server_.hold_explanations = true;
+  edit_server.hold_explanations = true;
   std::thread other([this] {
-    while (edit_server_.edits().empty())
+    while (edit_server.edits().empty())
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
-    edit_server_.editByOther("lock slide", true);
+    edit_server.editByOther("lock slide", true);
   });
   EXPECT_EQ(output("lock bend"),
             "revision 2: objective 12, mean 2.50 mm, worst index 3.00 mm; 2 of 2 patches "
@@ -216,32 +216,32 @@ TEST_F(EditorTest, ANewerRevisionAnswersForOneThatIsNotDiagnosed) {
 }
 
 TEST_F(EditorTest, AtThePromptPosesComeAtOnceAndExplanationsAsNews) {
-  editor_.showPosesAtOnce();
+  editor.showPosesAtOnce();
   EXPECT_THAT(output("lock bend"), HasSubstr("worst index 3.00 mm; 2 of 2 patches reached\n"));
-  edit_server_.hold_explanations = true;
+  edit_server.hold_explanations = true;
   EXPECT_EQ(output("unlock bend"),
             "revision 2: objective 12, mean 2.50 mm, worst index 3.00 mm\n");
-  EXPECT_TRUE(editor_.session().news().empty());
-  edit_server_.diagnose();
+  EXPECT_TRUE(editor.session().news().empty());
+  edit_server.diagnose();
   std::vector<std::string> news;
   for (int i = 0; i < 500 && news.empty(); ++i) {
-    news = editor_.session().news();
+    news = editor.session().news();
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   EXPECT_THAT(news, testing::ElementsAre("revision 2: 2 of 2 patches reached"));
-  EXPECT_TRUE(editor_.session().news().empty());
+  EXPECT_TRUE(editor.session().news().empty());
 }
 
 TEST_F(EditorTest, ShowWaitsForTheExplanation) {
-  editor_.showPosesAtOnce();
-  edit_server_.hold_explanations = true;
+  editor.showPosesAtOnce();
+  edit_server.hold_explanations = true;
   EXPECT_THAT(output("lock bend"), Not(HasSubstr("reached")));
-  std::thread server([this] {
+  std::thread diagnosing([this] {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
-    edit_server_.diagnose();
+    edit_server.diagnose();
   });
   EXPECT_THAT(output("show"), HasSubstr("2 of 2 patches reached"));
-  server.join();
+  diagnosing.join();
 }
 
 TEST(Solutions, LeaveOutPatchesThatDoNotCount) {
@@ -264,28 +264,28 @@ TEST(Solutions, LeaveOutPatchesThatDoNotCount) {
 }
 
 TEST_F(EditorTest, APatchThatIsSwitchedOffBeforeItIsDiagnosedIsLeftOut) {
-  editor_.showPosesAtOnce();
-  edit_server_.hold_explanations = true;
-  edit_server_.switchOff("index");  // as the settings tell
+  editor.showPosesAtOnce();
+  edit_server.hold_explanations = true;
+  edit_server.switchOff("index");  // as the settings tell
   EXPECT_THAT(output("disable index"), HasSubstr("mean 1.00 mm, worst thumb 1.00 mm\n"));
 }
 
 TEST_F(EditorTest, StatesThatAreOverChangeNothing) {
   output("lock bend");
-  edit_server_.repeatOldState();
+  edit_server.repeatOldState();
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
-  EXPECT_TRUE(editor_.session().news().empty());
-  EXPECT_EQ(editor_.session().state().revision(), 1U);
-  EXPECT_EQ(editor_.session().state().hand(), "claw");
+  EXPECT_TRUE(editor.session().news().empty());
+  EXPECT_EQ(editor.session().state().revision(), 1U);
+  EXPECT_EQ(editor.session().state().hand(), "claw");
 }
 
 TEST_F(EditorTest, AScriptEchoesAndStopsAtItsFirstFailure) {
   const Failure failure = failureOfScript("# a comment\n\nlock bend\nlock bent\nunlock bend\n");
   EXPECT_EQ(failure.exit_code, 2);
   EXPECT_THAT(failure.message, AllOf(testing::StartsWith("test.hg:4: "), HasSubstr("'bent'")));
-  EXPECT_THAT(echoed_, AllOf(testing::StartsWith("> lock bend\nrevision 1"),
-                             HasSubstr("> lock bent"), Not(HasSubstr("> unlock"))));
-  EXPECT_EQ(edit_server_.edits().size(), 1U);
+  EXPECT_THAT(echoed, AllOf(testing::StartsWith("> lock bend\nrevision 1"),
+                            HasSubstr("> lock bent"), Not(HasSubstr("> unlock"))));
+  EXPECT_EQ(edit_server.edits().size(), 1U);
 }
 
 TEST_F(EditorTest, ScriptsRunScripts) {
@@ -294,7 +294,7 @@ TEST_F(EditorTest, ScriptsRunScripts) {
   const Failure failure = failureOfScript("!script " + inner.string() + "\n");
   EXPECT_THAT(failure.message,
               testing::StartsWith("test.hg:1: " + inner.string() + ":2: lock: 'nothing'"));
-  EXPECT_EQ(edit_server_.edits().size(), 1U);
+  EXPECT_EQ(edit_server.edits().size(), 1U);
 
   const auto endless = test::scratchDirectory() / "endless.hg";
   std::ofstream(endless) << "!script " << endless.string() << "\n";
@@ -319,7 +319,7 @@ TEST_F(EditorTest, SaysThatTheSearchMovesAJointThatIsNotLocked) {
 TEST_F(EditorTest, SaysWhoseTheLastEditWas) {
   output("lock bend");
   EXPECT_THAT(output("show session"), HasSubstr("an edit (by you)"));
-  edit_server_.editByOther("lock slide", true);
+  edit_server.editByOther("lock slide", true);
   std::string shown;
   for (int i = 0; i < 500 && shown.find("slide") == std::string::npos; ++i) {
     shown = output("show session");
@@ -343,26 +343,26 @@ TEST_F(EditorTest, AGraspHasNoTimes) {
     EXPECT_THAT(error.what(), AllOf(HasSubstr("at 1 s"), HasSubstr("no motion")));
   }
   EXPECT_THAT(output("lock bend"), HasSubstr("revision 1")) << "edits go on";
-  ASSERT_EQ(edit_server_.edits().size(), 1U);
-  EXPECT_TRUE(edit_server_.edits()[0].when().empty());
+  ASSERT_EQ(edit_server.edits().size(), 1U);
+  EXPECT_TRUE(edit_server.edits()[0].when().empty());
 }
 
 TEST_F(EditorTest, QuitEndsAScript) {
   EXPECT_EQ(failureOfScript("quit\nlock bend\n").exit_code, 0);
-  EXPECT_TRUE(editor_.finished());
-  EXPECT_FALSE(editor_.closed());
-  EXPECT_TRUE(edit_server_.edits().empty());
+  EXPECT_TRUE(editor.finished());
+  EXPECT_FALSE(editor.closed());
+  EXPECT_TRUE(edit_server.edits().empty());
 }
 
 TEST_F(EditorTest, CloseEndsTheSession) {
   EXPECT_EQ(output("close; lock bend"), "closed session 7\n");
-  EXPECT_TRUE(editor_.closed());
-  EXPECT_THAT(edit_server_.operations(), testing::Contains(v1::OP_CLOSE_SESSION));
+  EXPECT_TRUE(editor.closed());
+  EXPECT_THAT(edit_server.operations(), testing::Contains(v1::OP_CLOSE_SESSION));
 }
 
 TEST_F(EditorTest, JoinsASessionByItsId) {
   EXPECT_EQ(output("join 7"), "");  // it is there already: nothing is left behind
-  EXPECT_THAT(edit_server_.operations(), testing::Contains(v1::OP_DESCRIBE_SESSION));
+  EXPECT_THAT(edit_server.operations(), testing::Contains(v1::OP_DESCRIBE_SESSION));
   EXPECT_THROW(output("join"), InvalidInput) << "there was no session before this one";
 }
 
@@ -393,14 +393,14 @@ TEST_F(EditorTest, AFileThatNoRequestCarriesIsRefusedWithItsSize) {
                                       HasSubstr("at most 16 MiB")));
     }
   }
-  EXPECT_THAT(edit_server_.operations(), Not(testing::Contains(v1::OP_LOAD_SESSION)));
+  EXPECT_THAT(edit_server.operations(), Not(testing::Contains(v1::OP_LOAD_SESSION)));
 }
 
 TEST_F(EditorTest, AReplayThatDiffersFails) {
   const std::string file = (test::scratchDirectory() / "log.json").string();
   std::ofstream(file) << "{}";
   EXPECT_EQ(output("replay " + file), "3 entries played; it ends the same\n");
-  edit_server_.same = false;
+  edit_server.same = false;
   try {
     output("replay " + file);
     FAIL() << "a difference was taken for success";
@@ -425,7 +425,7 @@ TEST_F(EditorTest, ShowsWhatASessionIsMadeOf) {
 
 TEST_F(EditorTest, KnowsAllNamesForCompletion) {
   using testing::ElementsAre;
-  const Names names = editor_.session().allNames();
+  const Names names = editor.session().allNames();
   EXPECT_THAT(names.patches, ElementsAre("thumb", "index"));
   EXPECT_THAT(names.joints, ElementsAre("bend", "slide"));
   EXPECT_THAT(names.points, testing::Contains("index_tip"));

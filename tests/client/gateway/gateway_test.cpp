@@ -48,7 +48,7 @@ class GatewayTest : public testing::Test {
   void serve(bool read_only = false) {
     WebOptions options;
     options.read_only = read_only;
-    gateway_ = std::make_unique<Gateway>(client_, options, WebFiles());
+    gateway = std::make_unique<Gateway>(client, options, WebFiles());
   }
 
   /// What is answered to a message.
@@ -75,15 +75,15 @@ class GatewayTest : public testing::Test {
   }
 
   std::unique_ptr<BarePage> join() {
-    auto page = std::make_unique<BarePage>(gateway_->port());
+    auto page = std::make_unique<BarePage>(gateway->port());
     page->upgrade();
     return page;
   }
 
-  test::TestDomain domain_;
-  test::FakeServer server_{{domain_.number(), "lo"}, answer};
-  Client client_{{{domain_.number(), "lo"}, Absence::kFail, {}, {}}};
-  std::unique_ptr<Gateway> gateway_;
+  test::TestDomain domain;
+  test::FakeServer server{{domain.number(), "lo"}, answer};
+  Client client{{{domain.number(), "lo"}, Absence::kFail, {}, {}}};
+  std::unique_ptr<Gateway> gateway;
 };
 
 TEST_F(GatewayTest, AnswersWhatPagesAsk) {
@@ -120,7 +120,7 @@ TEST_F(GatewayTest, AsksTheServerForNothingThatIsNotForPages) {
               "not_permitted")
         << kind;
   }
-  EXPECT_EQ(server_.operations(), std::vector<v1::Operation>());
+  EXPECT_EQ(server.operations(), std::vector<v1::Operation>());
 }
 
 TEST_F(GatewayTest, ThoseWhoLookDoNotEdit) {
@@ -131,7 +131,7 @@ TEST_F(GatewayTest, ThoseWhoLookDoNotEdit) {
       "not_permitted");
   EXPECT_EQ(ask(*page, R"({"do": "ask", "body": {"kind": "open_session"}})")["error"]["code"],
             "not_permitted");
-  EXPECT_EQ(server_.operations(), std::vector<v1::Operation>());
+  EXPECT_EQ(server.operations(), std::vector<v1::Operation>());
   EXPECT_TRUE(ask(*page, R"({"do": "ask", "body": {"kind": "list_models"}})").contains("body"));
 }
 
@@ -156,7 +156,7 @@ TEST_F(GatewayTest, TakesFilesInParts) {
                            R"("object": "", "units": "", "main": )";
   EXPECT_EQ(ask(*page, load + R"("cube.obj"})")["error"]["code"], "not_found");
   EXPECT_EQ(ask(*page, load + R"("sphere.obj"})")["error"]["code"], "invalid_input");
-  EXPECT_EQ(server_.operations(), std::vector<v1::Operation>{v1::OP_PUT_FILE});
+  EXPECT_EQ(server.operations(), std::vector<v1::Operation>{v1::OP_PUT_FILE});
   EXPECT_FALSE(ask(*page, R"({"do": "drop", "group": 1})").contains("error"));
   EXPECT_EQ(ask(*page, load + R"("cube.obj"})")["error"]["code"], "invalid_input");
 }
@@ -171,7 +171,7 @@ TEST_F(GatewayTest, TakesNoFilesOfThoseWhoLook) {
       ask(*page,
           R"({"do": "load", "group": 1, "kind": "object", "main": "a.obj"})")["error"]["code"],
       "not_permitted");
-  EXPECT_EQ(server_.operations(), std::vector<v1::Operation>());
+  EXPECT_EQ(server.operations(), std::vector<v1::Operation>());
 }
 
 TEST_F(GatewayTest, FollowsSessionsThatThereAre) {

@@ -22,7 +22,7 @@ constexpr PageId kPage = 3;
 class GivenFilesTest : public testing::Test {
  protected:
   void put(const std::string& path, const std::string& text) {
-    given_.put(kPage, {1, path, text.size(), 0, text});
+    given.put(kPage, {1, path, text.size(), 0, text});
   }
 
   ModelFiles hand(const std::string& mesh) {
@@ -30,17 +30,17 @@ class GivenFilesTest : public testing::Test {
         fmt::format(R"(<robot name="r"><link name="l"><mesh filename="{}"/></link></robot>)",
                     mesh));
     put("my_hand/meshes/palm.stl", "solid");
-    return given_.find(kPage, 1)->model(v1::MODEL_HAND, "my_hand/urdf/hand.urdf", "", "");
+    return given.find(kPage, 1)->model(v1::MODEL_HAND, "my_hand/urdf/hand.urdf", "", "");
   }
 
-  GivenFiles given_;
+  GivenFiles given;
 };
 
 TEST_F(GivenFilesTest, MakeAHandWithItsMeshes) {
   for (const char* mesh : {"../meshes/palm.stl", "package://my_hand/meshes/palm.stl",
                            "package://renamed/meshes/palm.stl"}) {
     GivenFiles fresh;
-    given_.drop(kPage);
+    given.drop(kPage);
     const ModelFiles model = hand(mesh);
     ASSERT_EQ(model.files.size(), 2u) << mesh;
     EXPECT_EQ(model.files[1].uri, mesh);
@@ -53,7 +53,7 @@ TEST_F(GivenFilesTest, ReachNothingElseOfThisMachineAndTellNothingOfIt) {
                            "package://etc/passwd", "package://my_hand/../../../../etc/passwd",
                            "package://my_hand/%2e%2e/%2e%2e/%2e%2e/%2e%2e/etc/passwd",
                            "package://other/../../../../../../etc/passwd"}) {
-    given_.drop(kPage);
+    given.drop(kPage);
     EXPECT_THAT(
         [&] {
           hand(mesh);
@@ -94,17 +94,16 @@ TEST_F(GivenFilesTest, AreCalledByPathsThatLeadNowhereElse) {
 }
 
 TEST_F(GivenFilesTest, ComeInOrderAndWhole) {
-  given_.put(kPage, {1, "lemon.obj", 6, 0, "abc"});
-  EXPECT_THROW(given_.find(kPage, 1), InvalidInput);
-  EXPECT_THROW(given_.put(kPage, {1, "lemon.obj", 6, 0, "abc"}), InvalidInput);
-  EXPECT_THROW(given_.put(kPage, {1, "lemon.obj", 6, 3, "defg"}), InvalidInput);
-  given_.put(kPage, {1, "lemon.obj", 6, 3, "def"});
-  const ModelFiles model =
-      given_.find(kPage, 1)->model(v1::MODEL_OBJECT, "lemon.obj", "", "mm");
+  given.put(kPage, {1, "lemon.obj", 6, 0, "abc"});
+  EXPECT_THROW(given.find(kPage, 1), InvalidInput);
+  EXPECT_THROW(given.put(kPage, {1, "lemon.obj", 6, 0, "abc"}), InvalidInput);
+  EXPECT_THROW(given.put(kPage, {1, "lemon.obj", 6, 3, "defg"}), InvalidInput);
+  given.put(kPage, {1, "lemon.obj", 6, 3, "def"});
+  const ModelFiles model = given.find(kPage, 1)->model(v1::MODEL_OBJECT, "lemon.obj", "", "mm");
   EXPECT_EQ(readFile(model.files.at(0).path), "abcdef");
   EXPECT_EQ(model.name, "lemon");
   EXPECT_EQ(model.units, "mm");
-  EXPECT_THROW(given_.find(kPage + 1, 1), InvalidInput) << "pages do not see each other's";
+  EXPECT_THROW(given.find(kPage + 1, 1), InvalidInput) << "pages do not see each other's";
 }
 
 TEST_F(GivenFilesTest, HaveRoomForSoMuchAndNotForMore) {
@@ -113,25 +112,25 @@ TEST_F(GivenFilesTest, HaveRoomForSoMuchAndNotForMore) {
   limits.bytes = 150;
   limits.files_per_group = 2;
   limits.groups_per_page = 2;
-  GivenFiles given(limits);
-  given.put(1, {1, "a", 60, 0, ""});
-  EXPECT_THROW(given.put(1, {1, "b", 41, 0, ""}), Refused);
-  EXPECT_THROW(given.put(1, {1, "b", ~0ULL, 0, ""}), Refused);
-  given.put(1, {1, "b", 40, 0, ""});
-  EXPECT_THROW(given.put(1, {1, "c", 0, 0, ""}), Refused) << "files";
-  EXPECT_THROW(given.put(2, {1, "a", 51, 0, ""}), Refused) << "of all pages";
-  given.put(1, {2, "a", 0, 0, ""});
-  EXPECT_THROW(given.put(1, {3, "a", 0, 0, ""}), Refused) << "folders";
-  given.drop(1);
-  given.put(2, {2, "a", 51, 0, ""});
+  GivenFiles few(limits);
+  few.put(1, {1, "a", 60, 0, ""});
+  EXPECT_THROW(few.put(1, {1, "b", 41, 0, ""}), Refused);
+  EXPECT_THROW(few.put(1, {1, "b", ~0ULL, 0, ""}), Refused);
+  few.put(1, {1, "b", 40, 0, ""});
+  EXPECT_THROW(few.put(1, {1, "c", 0, 0, ""}), Refused) << "files";
+  EXPECT_THROW(few.put(2, {1, "a", 51, 0, ""}), Refused) << "of all pages";
+  few.put(1, {2, "a", 0, 0, ""});
+  EXPECT_THROW(few.put(1, {3, "a", 0, 0, ""}), Refused) << "folders";
+  few.drop(1);
+  few.put(2, {2, "a", 51, 0, ""});
 }
 
 TEST_F(GivenFilesTest, GoFromTheDiskWithTheirPage) {
   put("lemon.obj", "v");
   const auto file =
-      given_.find(kPage, 1)->model(v1::MODEL_OBJECT, "lemon.obj", "", "").files.at(0).path;
+      given.find(kPage, 1)->model(v1::MODEL_OBJECT, "lemon.obj", "", "").files.at(0).path;
   EXPECT_TRUE(std::filesystem::exists(file));
-  given_.drop(kPage);
+  given.drop(kPage);
   EXPECT_FALSE(std::filesystem::exists(file.parent_path()));
 }
 

@@ -111,16 +111,16 @@ WebFiles smallPage() {
 class WebServerTest : public testing::Test {
  protected:
   std::uint16_t serve(const WebOptions& options = {}) {
-    server_ = std::make_unique<WebServer>(options, smallPage(), listener_);
-    return server_->port();
+    server = std::make_unique<WebServer>(options, smallPage(), listener);
+    return server->port();
   }
 
   static WebServer::Shared shared(std::string text) {
     return std::make_shared<const std::string>(std::move(text));
   }
 
-  Listener listener_;
-  std::unique_ptr<WebServer> server_;
+  Listener listener;
+  std::unique_ptr<WebServer> server;
 };
 
 // === Files
@@ -194,12 +194,12 @@ TEST_F(WebServerTest, LetsInByTokenAlone) {
   EXPECT_THAT(BarePage(port).upgrade("/live?token=edit-secrets"), StartsWith("HTTP/1.1 401"));
   BarePage editor(port);
   EXPECT_THAT(editor.upgrade("/live?token=edit-secret"), StartsWith("HTTP/1.1 101"));
-  listener_.awaitPage();
+  listener.awaitPage();
   BarePage looker(port);
   EXPECT_THAT(looker.upgrade("/live?x=1&token=look-secret"), StartsWith("HTTP/1.1 101"));
   looker.say("hello");
-  listener_.awaitText();
-  EXPECT_THAT(listener_.rights(), testing::ElementsAre(Rights::kEdit, Rights::kLook));
+  listener.awaitText();
+  EXPECT_THAT(listener.rights(), testing::ElementsAre(Rights::kEdit, Rights::kLook));
 }
 
 TEST_F(WebServerTest, HearsBySessionsInAddressesWhatToShow) {
@@ -211,12 +211,11 @@ TEST_F(WebServerTest, HearsBySessionsInAddressesWhatToShow) {
     EXPECT_THAT(page.upgrade(nonsense), StartsWith("HTTP/1.1 101"));
     page.say(nonsense);
     said.emplace_back(nonsense);
-    EXPECT_EQ(listener_.awaitTexts(said.size()), said);
+    EXPECT_EQ(listener.awaitTexts(said.size()), said);
   }
   BarePage page(port);
   page.upgrade("/live?token=x&session=7");
-  EXPECT_EQ(listener_.awaitTexts(said.size() + 1).back(),
-            R"({"id":1,"do":"show","session":7})");
+  EXPECT_EQ(listener.awaitTexts(said.size() + 1).back(), R"({"id":1,"do":"show","session":7})");
 }
 
 TEST_F(WebServerTest, ReadOnlyLetsNobodyEdit) {
@@ -224,8 +223,8 @@ TEST_F(WebServerTest, ReadOnlyLetsNobodyEdit) {
   options.read_only = true;
   BarePage page(serve(options));
   page.upgrade();
-  listener_.awaitPage();
-  EXPECT_THAT(listener_.rights(), testing::ElementsAre(Rights::kLook));
+  listener.awaitPage();
+  EXPECT_THAT(listener.rights(), testing::ElementsAre(Rights::kLook));
 }
 
 // === Pages that do too much, while others go on
@@ -239,7 +238,7 @@ TEST_F(WebServerTest, EndsAPageThatSendsTooMuch) {
   BarePage other(port);
   other.upgrade();
   other.say("I am fine");
-  EXPECT_EQ(listener_.awaitText(), "I am fine");
+  EXPECT_EQ(listener.awaitText(), "I am fine");
 }
 
 TEST_F(WebServerTest, EndsAPageThatSendsTooOften) {
@@ -250,14 +249,14 @@ TEST_F(WebServerTest, EndsAPageThatSendsTooOften) {
     many += BarePage::frameHead(2) + "{}";
   page.send(many);
   EXPECT_EQ(page.closingCode(), 1008);
-  listener_.awaitLeaving(1);
+  listener.awaitLeaving(1);
 }
 
 TEST_F(WebServerTest, TellsBytesFromText) {
   BarePage page(serve());
   page.upgrade();
   page.send(BarePage::frameHead(2, 2) + "ab");
-  EXPECT_EQ(listener_.awaitText(), "bytes ab");
+  EXPECT_EQ(listener.awaitText(), "bytes ab");
 }
 
 TEST_F(WebServerTest, HasOnlySoManyConnections) {
@@ -274,19 +273,19 @@ TEST_F(WebServerTest, HasOnlySoManyConnections) {
   }
   EXPECT_EQ(refused, 200 - WebLimits{}.connections);
   pages.clear();
-  listener_.awaitLeaving(WebLimits{}.connections);
+  listener.awaitLeaving(WebLimits{}.connections);
   EXPECT_THAT(BarePage(port).upgrade(), StartsWith("HTTP/1.1 101"));
 }
 
 TEST_F(WebServerTest, TellsASlowPageTheNewestAlone) {
   BarePage page(serve());
   page.upgrade();
-  const PageId id = listener_.awaitPage();
+  const PageId id = listener.awaitPage();
   const std::string filling(1000000, 'x');
   constexpr int kCount = 300;
   for (int i = 0; i < kCount; ++i)
-    server_->sendLatest(id, "pose", shared(std::to_string(i) + " " + filling));
-  server_->send(id, shared("what was asked for"));
+    server->sendLatest(id, "pose", shared(std::to_string(i) + " " + filling));
+  server->send(id, shared("what was asked for"));
   int told = 0;
   std::string last;
   bool is_answered = false;

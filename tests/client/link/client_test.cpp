@@ -74,21 +74,21 @@ class HoldingServer {
 class ClientTest : public testing::Test {
  protected:
   ClientTest()
-      : network_{domain_.number(), "lo"},
-        server_(network_, [this](const v1::Request& request, v1::Reply& reply) {
-          return script_(request, reply);
+      : network{domain.number(), "lo"},
+        server(network, [this](const v1::Request& request, v1::Reply& reply) {
+          return script(request, reply);
         }) {}
 
   [[nodiscard]] ClientOptions options() const {
     ClientOptions options;
-    options.network = network_;
+    options.network = network;
     return options;
   }
 
-  test::TestDomain domain_;
-  Network network_;
-  HoldingServer script_;
-  test::FakeServer server_;
+  test::TestDomain domain;
+  Network network;
+  HoldingServer script;
+  test::FakeServer server;
 };
 
 Pending<v1::ModelDescription> askFor(Client& client, const std::string& hand) {
@@ -97,13 +97,13 @@ Pending<v1::ModelDescription> askFor(Client& client, const std::string& hand) {
 
 TEST_F(ClientTest, AnswersSeveralCallsInWhateverOrderTheServerDoes) {
   Client client(options());
-  script_.hold("first");
+  script.hold("first");
   auto first = askFor(client, "first");
   auto second = askFor(client, "second");
 
   EXPECT_EQ(second.get().hand().name(), "second");
   EXPECT_FALSE(first.ready());
-  script_.release("first");
+  script.release("first");
   EXPECT_EQ(first.get().hand().name(), "first");
 }
 
@@ -121,19 +121,19 @@ TEST_F(ClientTest, GivesEachOfAHundredCallsItsOwnAnswer) {
 TEST_F(ClientTest, KeepsToWhatTheServerRemembersWhileACallIsUnanswered) {
   // The server forgets the answers but the last 64 of a client, and never begins what is older.
   Client client(options());
-  script_.hold("first");
+  script.hold("first");
   auto first = askFor(client, "first");
   std::vector<Pending<v1::ModelDescription>> calls;
   for (int i = 0; i < 100; ++i)
     calls.push_back(askFor(client, "hand" + std::to_string(i)));
   EXPECT_FALSE(calls.back().waitFor(milliseconds(300)));
-  EXPECT_LT(server_.operations().size(), 64u);
+  EXPECT_LT(server.operations().size(), 64u);
 
-  script_.release("first");
+  script.release("first");
   EXPECT_EQ(first.get().hand().name(), "first");
   for (auto& call : calls)
     call.get();
-  EXPECT_EQ(server_.operations().size(), 101u);
+  EXPECT_EQ(server.operations().size(), 101u);
 }
 
 TEST_F(ClientTest, TellsACallbackOnceAndWithTheError) {
@@ -162,15 +162,15 @@ TEST_F(ClientTest, BeginsFurtherCallsFromACallback) {
 
 TEST_F(ClientTest, CancelsOneCallAndNoOther) {
   Client client(options());
-  script_.hold("first");
-  script_.hold("second");
+  script.hold("first");
+  script.hold("second");
   auto first = askFor(client, "first");
   auto second = askFor(client, "second");
   first.cancel();
 
   EXPECT_THROW(first.get(), Cancelled);
   EXPECT_FALSE(second.ready());
-  script_.release("second");
+  script.release("second");
   EXPECT_EQ(second.get().hand().name(), "second");
 }
 
@@ -183,16 +183,16 @@ TEST_F(ClientTest, EndsAWaitByItsCheckpointOnceTheServerHasStopped) {
     if (enough) throw Enough();
   };
   Client client(chosen);
-  script_.hold("first");
+  script.hold("first");
   auto first = askFor(client, "first");
   enough = true;
   EXPECT_THROW(first.get(), Enough);
-  EXPECT_THAT(server_.operations(), testing::Contains(v1::OP_CANCEL));
+  EXPECT_THAT(server.operations(), testing::Contains(v1::OP_CANCEL));
 }
 
 TEST_F(ClientTest, EndsWhatIsUnderWayWhenItGoes) {
   auto client = std::make_unique<Client>(options());
-  script_.hold("first");
+  script.hold("first");
   auto first = askFor(*client, "first");
   client.reset();
   EXPECT_THROW(first.get(), NoServer);
@@ -313,27 +313,27 @@ TEST(ClientWithoutServer, SaysWhereItLooked) {
 class FollowingTest : public ClientTest {
  protected:
   FollowingTest()
-      : participant_(network_),
-        states_(participant_, idl::kSessionTopic),
-        solutions_(participant_, idl::kSolutionTopic) {}
+      : participant(network),
+        states(participant, idl::kSessionTopic),
+        solutions(participant, idl::kSolutionTopic) {}
 
   void publishState(std::uint64_t session, std::uint64_t revision, v1::SessionPhase phase) {
     v1::SessionState state;
     state.session_id(session);
     state.revision(revision);
     state.phase(phase);
-    states_.write(state);
+    states.write(state);
   }
 
   void publishPose(std::uint64_t session, std::uint64_t revision, bool is_final) {
     v1::PoseSolution solution;
     solution.session_id(session);
     solution.revision(revision);
-    solution.sequence_number(++sequence_);
+    solution.sequence_number(++sequence);
     solution.is_final(is_final);
     solution.X_WH().q_wxyz() = {1.0, 0.0, 0.0, 0.0};
     solution.X_WO().q_wxyz() = {1.0, 0.0, 0.0, 0.0};
-    solutions_.write(solution);
+    solutions.write(solution);
   }
 
   static v1::SessionState sessionOf(std::uint64_t id) {
@@ -343,10 +343,10 @@ class FollowingTest : public ClientTest {
     return state;
   }
 
-  idl::cyclone::Participant participant_;
-  idl::cyclone::Writer<v1::SessionState> states_;
-  idl::cyclone::Writer<v1::PoseSolution> solutions_;
-  std::uint64_t sequence_ = 0;
+  idl::cyclone::Participant participant;
+  idl::cyclone::Writer<v1::SessionState> states;
+  idl::cyclone::Writer<v1::PoseSolution> solutions;
+  std::uint64_t sequence = 0;
 };
 
 TEST_F(FollowingTest, TellsWhoComesLateTheLastPoseAndThenTheEnd) {

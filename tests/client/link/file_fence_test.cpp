@@ -21,16 +21,16 @@ class FileFenceTest : public testing::Test {
  protected:
   void SetUp() override {
     static int count = 0;
-    home_ = test::scratchDirectory() / ("home" + std::to_string(++count));
-    model_ = home_ / "downloads" / "hand";
-    fs::create_directories(model_ / "urdf");
-    fs::create_directories(model_ / "meshes");
-    write(model_ / "meshes" / "palm.stl", "solid palm");
-    write(home_ / "secret", "secret");
-    write(home_ / "secret.stl", "solid secret");
-    write(home_ / "secret.bin", "secret");
-    write(home_ / "secret.yaml", "secret: 1");
-    write(home_ / "secret.srdf", "<secret/>");
+    home = test::scratchDirectory() / ("home" + std::to_string(++count));
+    model = home / "downloads" / "hand";
+    fs::create_directories(model / "urdf");
+    fs::create_directories(model / "meshes");
+    write(model / "meshes" / "palm.stl", "solid palm");
+    write(home / "secret", "secret");
+    write(home / "secret.stl", "solid secret");
+    write(home / "secret.bin", "secret");
+    write(home / "secret.yaml", "secret: 1");
+    write(home / "secret.srdf", "<secret/>");
   }
 
   static void write(const fs::path& path, const std::string& text) {
@@ -39,7 +39,7 @@ class FileFenceTest : public testing::Test {
 
   /// What is said of a hand whose one mesh is written so; empty if it is sent.
   std::string objectionTo(const std::string& uri, const PackageMap& packages = {}) const {
-    write(model_ / "urdf" / "hand.urdf", "<robot><mesh filename=\"" + uri + "\"/></robot>");
+    write(model / "urdf" / "hand.urdf", "<robot><mesh filename=\"" + uri + "\"/></robot>");
     return objectionToHand(packages);
   }
 
@@ -47,29 +47,29 @@ class FileFenceTest : public testing::Test {
     try {
       HandReading reading;
       reading.packages = packages;
-      handFiles(model_ / "urdf" / "hand.urdf", reading);
+      handFiles(model / "urdf" / "hand.urdf", reading);
       return "";
     } catch (const InvalidInput& error) {
       return error.what();
     }
   }
 
-  fs::path home_;
-  fs::path model_;
+  fs::path home;
+  fs::path model;
 };
 
 TEST_F(FileFenceTest, RefusesWhatAUrdfNamesOutsideItsFolder) {
-  fs::create_symlink(home_ / "secret.stl", model_ / "meshes" / "link.stl");
-  fs::create_symlink(home_ / "secret", model_ / "meshes" / "plain.stl");
-  fs::create_directory_symlink(home_, model_ / "meshes" / "all");
-  fs::create_directories(home_ / "downloads" / "hand" / "urdf" / "downloads");
-  const std::string home = home_.string();
+  fs::create_symlink(home / "secret.stl", model / "meshes" / "link.stl");
+  fs::create_symlink(home / "secret", model / "meshes" / "plain.stl");
+  fs::create_directory_symlink(home, model / "meshes" / "all");
+  fs::create_directories(home / "downloads" / "hand" / "urdf" / "downloads");
+  const std::string home_path = home.string();
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"file:///etc/passwd", "/etc/passwd"},
       {"/etc/passwd", "/etc/passwd"},
       {"../../../../../../../../../../etc/passwd", "/etc/passwd"},
-      {"file://" + home + "/secret.stl", "secret.stl"},
-      {home + "/secret.stl", "secret.stl"},
+      {"file://" + home_path + "/secret.stl", "secret.stl"},
+      {home_path + "/secret.stl", "secret.stl"},
       {"../../../secret.stl", "secret.stl"},
       {"..%2f..%2f..%2fsecret.stl", "secret.stl"},
       {"../../../secret", "secret"},
@@ -77,7 +77,7 @@ TEST_F(FileFenceTest, RefusesWhatAUrdfNamesOutsideItsFolder) {
       {"../meshes/plain.stl", "secret"},
       {"../meshes/all/secret.stl", "secret.stl"},
       {"package://hand/../../secret.stl", "secret.stl"},
-      {"package://" + home_.filename().string() + "/secret.stl", "secret.stl"},
+      {"package://" + home.filename().string() + "/secret.stl", "secret.stl"},
   };
   for (const auto& [uri, named] : cases) {
     EXPECT_NE(objectionTo(uri), "") << uri;
@@ -86,20 +86,20 @@ TEST_F(FileFenceTest, RefusesWhatAUrdfNamesOutsideItsFolder) {
 }
 
 TEST_F(FileFenceTest, TakesWhatBelongsToTheModel) {
-  const std::string home = home_.string();
-  const fs::path other = home_ / "downloads" / "other_description";
+  const std::string home_path = home.string();
+  const fs::path other = home / "downloads" / "other_description";
   fs::create_directories(other / "meshes");
   write(other / "package.xml", "<package/>");
   write(other / "meshes" / "tip.stl", "solid tip");
-  fs::create_symlink(model_ / "meshes" / "palm.stl", model_ / "meshes" / "same.STL");
+  fs::create_symlink(model / "meshes" / "palm.stl", model / "meshes" / "same.STL");
   for (const std::string uri :
        {"../meshes/palm.stl", "package://hand/meshes/palm.stl", "../meshes/same.STL",
         "package://other_description/meshes/tip.stl"})
     EXPECT_EQ(objectionTo(uri), "") << uri;
-  EXPECT_EQ(objectionTo("file://" + (model_ / "meshes/palm.stl").string()), "");
-  EXPECT_EQ(objectionTo("package://mine/secret.stl", {{"mine", home_}}), "")
+  EXPECT_EQ(objectionTo("file://" + (model / "meshes/palm.stl").string()), "");
+  EXPECT_EQ(objectionTo("package://mine/secret.stl", {{"mine", home}}), "")
       << "the user named that folder";
-  EXPECT_NE(objectionTo("package://mine/secret", {{"mine", home_}}), "");
+  EXPECT_NE(objectionTo("package://mine/secret", {{"mine", home}}), "");
 }
 
 TEST_F(FileFenceTest, RefusesLinksInPlaceOfWhatLiesBesideAUrdf) {
@@ -110,41 +110,41 @@ TEST_F(FileFenceTest, RefusesLinksInPlaceOfWhatLiesBesideAUrdf) {
       {"hand.sites.yaml", "secret"}};
   for (const auto& [beside, secret] : cases) {
     EXPECT_EQ(objectionTo("../meshes/palm.stl"), "");
-    fs::create_symlink(home_ / secret, model_ / "urdf" / beside);
+    fs::create_symlink(home / secret, model / "urdf" / beside);
     EXPECT_THAT(objectionToHand(), HasSubstr(secret)) << beside;
-    fs::remove(model_ / "urdf" / beside);
+    fs::remove(model / "urdf" / beside);
   }
 }
 
 TEST_F(FileFenceTest, RefusesAModelThatIsALinkToSomethingElse) {
-  fs::create_symlink(home_ / "secret", model_ / "urdf" / "hand.urdf");
+  fs::create_symlink(home / "secret", model / "urdf" / "hand.urdf");
   EXPECT_THAT(objectionToHand(), HasSubstr("secret"));
 }
 
 TEST_F(FileFenceTest, RefusesBuffersOfAGltfOutsideItsFolder) {
-  write(model_ / "buffer.bin", "data");
-  fs::create_symlink(home_ / "secret.bin", model_ / "link.bin");
-  const auto objectionToBuffer = [&](const std::string& uri) -> std::string {
-    write(model_ / "cup.gltf", R"({"buffers":[{"uri":")" + uri + R"("}]})");
+  write(model / "buffer.bin", "data");
+  fs::create_symlink(home / "secret.bin", model / "link.bin");
+  const auto objection_to_buffer = [&](const std::string& uri) -> std::string {
+    write(model / "cup.gltf", R"({"buffers":[{"uri":")" + uri + R"("}]})");
     try {
-      objectFiles(model_ / "cup.gltf");
+      objectFiles(model / "cup.gltf");
       return "";
     } catch (const InvalidInput& error) {
       return error.what();
     }
   };
-  EXPECT_EQ(objectionToBuffer("buffer.bin"), "");
+  EXPECT_EQ(objection_to_buffer("buffer.bin"), "");
   for (const std::string& uri : std::vector<std::string>{
            "../../secret.bin", "../../secret", "link.bin", "/etc/passwd", "file:///etc/passwd",
-           "file://" + (home_ / "secret.bin").string()})
-    EXPECT_NE(objectionToBuffer(uri), "") << uri;
+           "file://" + (home / "secret.bin").string()})
+    EXPECT_NE(objection_to_buffer(uri), "") << uri;
 }
 
 TEST_F(FileFenceTest, SendsNoMaterialOrPictureThatAMeshNames) {
-  write(model_ / "cup.obj", "mtllib /etc/passwd\nv 0 0 0\n");
-  EXPECT_EQ(objectFiles(model_ / "cup.obj").files.size(), 1U);
-  write(model_ / "cup.gltf", R"({"images":[{"uri":"../../../secret.png"}]})");
-  EXPECT_EQ(objectFiles(model_ / "cup.gltf").files.size(), 1U);
+  write(model / "cup.obj", "mtllib /etc/passwd\nv 0 0 0\n");
+  EXPECT_EQ(objectFiles(model / "cup.obj").files.size(), 1U);
+  write(model / "cup.gltf", R"({"images":[{"uri":"../../../secret.png"}]})");
+  EXPECT_EQ(objectFiles(model / "cup.gltf").files.size(), 1U);
 }
 
 }  // namespace

@@ -21,20 +21,20 @@ class ModelFilesTest : public testing::Test {
  protected:
   void SetUp() override {
     static int count = 0;
-    root_ = test::scratchDirectory() / ("case" + std::to_string(++count)) / "my_hand";
-    fs::create_directories(root_ / "urdf");
-    fs::create_directories(root_ / "meshes" / "visual");
+    root = test::scratchDirectory() / ("case" + std::to_string(++count)) / "my_hand";
+    fs::create_directories(root / "urdf");
+    fs::create_directories(root / "meshes" / "visual");
     write("meshes/visual/palm.stl", "solid palm");
     write("urdf/tip.obj", "v 0 0 0");
   }
 
   void write(const std::string& path, const std::string& text) const {
-    std::ofstream(root_ / path) << text;
+    std::ofstream(root / path) << text;
   }
 
   fs::path urdf(const std::string& body) const {
     write("urdf/hand.urdf", "<robot>" + body + "</robot>");
-    return root_ / "urdf" / "hand.urdf";
+    return root / "urdf" / "hand.urdf";
   }
 
   static std::vector<std::string> urisOf(const ModelFiles& model) {
@@ -44,7 +44,7 @@ class ModelFilesTest : public testing::Test {
     return uris;
   }
 
-  fs::path root_;
+  fs::path root;
 };
 
 TEST_F(ModelFilesTest, TakesEveryMeshAsTheUrdfSpellsIt) {
@@ -57,8 +57,8 @@ TEST_F(ModelFilesTest, TakesEveryMeshAsTheUrdfSpellsIt) {
   EXPECT_THAT(urisOf(model),
               ElementsAre("hand.urdf", "package://my_hand/meshes/visual/palm.stl",
                           "../meshes/visual/palm.stl", "tip.obj"));
-  EXPECT_TRUE(fs::equivalent(model.files[1].path, root_ / "meshes/visual/palm.stl"));
-  EXPECT_TRUE(fs::equivalent(model.files[2].path, root_ / "meshes/visual/palm.stl"));
+  EXPECT_TRUE(fs::equivalent(model.files[1].path, root / "meshes/visual/palm.stl"));
+  EXPECT_TRUE(fs::equivalent(model.files[2].path, root / "meshes/visual/palm.stl"));
 }
 
 TEST_F(ModelFilesTest, NotesTheFolderOfAPackageThatItFound) {
@@ -66,14 +66,14 @@ TEST_F(ModelFilesTest, NotesTheFolderOfAPackageThatItFound) {
       handFiles(urdf(R"(<mesh filename="package://my_hand/meshes/visual/palm.stl"/>)"), {});
   ASSERT_EQ(model.packages.count("my_hand"), 1U);
   EXPECT_TRUE(model.packages.at("my_hand").is_absolute());
-  EXPECT_TRUE(fs::equivalent(model.packages.at("my_hand"), root_));
+  EXPECT_TRUE(fs::equivalent(model.packages.at("my_hand"), root));
 }
 
 TEST_F(ModelFilesTest, FollowsThePackagesThatTheUserNamed) {
   const ModelFiles model = handFiles(urdf(R"(<mesh filename="package://other/palm.stl"/>)"),
-                                     {{{"other", root_ / "meshes" / "visual"}}, {}, {}});
-  EXPECT_TRUE(fs::equivalent(model.files.at(1).path, root_ / "meshes/visual/palm.stl"));
-  EXPECT_TRUE(fs::equivalent(model.packages.at("other"), root_ / "meshes" / "visual"));
+                                     {{{"other", root / "meshes" / "visual"}}, {}, {}});
+  EXPECT_TRUE(fs::equivalent(model.files.at(1).path, root / "meshes/visual/palm.stl"));
+  EXPECT_TRUE(fs::equivalent(model.packages.at("other"), root / "meshes" / "visual"));
 }
 
 TEST_F(ModelFilesTest, TakesTheSitesBesideTheUrdf) {
@@ -87,7 +87,7 @@ TEST_F(ModelFilesTest, TakesSitesOfTheUrdfsNameBeforeThoseOfTheFolder) {
   write("urdf/hand.sites.yaml", "format: handgraft-sites/1");
   const ModelFiles files = handFiles(file, {});
   EXPECT_THAT(urisOf(files), ElementsAre("hand.urdf", "sites.yaml"));
-  EXPECT_TRUE(fs::equivalent(files.files.back().path, root_ / "urdf/hand.sites.yaml"));
+  EXPECT_TRUE(fs::equivalent(files.files.back().path, root / "urdf/hand.sites.yaml"));
 }
 
 TEST_F(ModelFilesTest, TakesTheSrdfBesideTheUrdfUnlessToldAnother) {
@@ -97,14 +97,14 @@ TEST_F(ModelFilesTest, TakesTheSrdfBesideTheUrdfUnlessToldAnother) {
   write("other.srdf", "<robot name='other'/>");
   const ModelFiles beside = handFiles(file, {});
   ASSERT_TRUE(beside.hand_options.has_value());
-  EXPECT_TRUE(fs::equivalent(beside.files.back().path, root_ / "urdf/hand.srdf"));
+  EXPECT_TRUE(fs::equivalent(beside.files.back().path, root / "urdf/hand.srdf"));
   EXPECT_EQ(beside.files.back().uri, beside.hand_options->srdf_uri());
   HandReading reading;
-  reading.srdf = root_ / "other.srdf";
+  reading.srdf = root / "other.srdf";
   const ModelFiles told = handFiles(file, reading);
-  EXPECT_TRUE(fs::equivalent(told.files.back().path, root_ / "other.srdf"));
+  EXPECT_TRUE(fs::equivalent(told.files.back().path, root / "other.srdf"));
   EXPECT_EQ(told.files.size(), 2U);
-  reading.srdf = root_ / "gone.srdf";
+  reading.srdf = root / "gone.srdf";
   EXPECT_THROW(handFiles(file, reading), InvalidInput);
 }
 
@@ -113,11 +113,11 @@ TEST_F(ModelFilesTest, SendsWhatOptionsOfAContactMapName) {
   write("bulb.png", "png");
   write("hand.json", "[]");
   ContactReading reading;
-  EXPECT_FALSE(contactFiles(root_ / "map.ply", "bulb", reading).contact_options.has_value());
-  reading.picture = root_ / "bulb.png";
-  reading.joints = root_ / "hand.json";
+  EXPECT_FALSE(contactFiles(root / "map.ply", "bulb", reading).contact_options.has_value());
+  reading.picture = root / "bulb.png";
+  reading.joints = root / "hand.json";
   reading.options.color_scale("jet");
-  const ModelFiles model = contactFiles(root_ / "map.ply", "bulb", reading, "mm");
+  const ModelFiles model = contactFiles(root / "map.ply", "bulb", reading, "mm");
   ASSERT_TRUE(model.contact_options.has_value());
   EXPECT_THAT(urisOf(model), ElementsAre("map.ply", model.contact_options->picture_uri(),
                                          model.contact_options->joints_uri()));
@@ -129,31 +129,31 @@ TEST_F(ModelFilesTest, ComplaintsNameFilesAsTheyWereGiven) {
   write("pull.csv", "time_s");
   write("hand.json", "[]");
   const ModelFiles plan = plannedMotion(
-      "pull", "{}", {{"path.csv", root_ / "pull.csv"}, {"did/hand.json", root_ / "hand.json"}});
+      "pull", "{}", {{"path.csv", root / "pull.csv"}, {"did/hand.json", root / "hand.json"}});
   EXPECT_EQ(byGivenPaths("'plan.json': 'path.csv': line 3 is short", plan),
-            quoted((root_ / "pull.csv").string()) + ": line 3 is short");
+            quoted((root / "pull.csv").string()) + ": line 3 is short");
   EXPECT_EQ(byGivenPaths("'did/hand.json': no joints", plan),
-            quoted((root_ / "hand.json").string()) + ": no joints");
+            quoted((root / "hand.json").string()) + ": no joints");
   write("map.ply", "ply");
-  const ModelFiles map = contactFiles(root_ / "map.ply", "bulb");
+  const ModelFiles map = contactFiles(root / "map.ply", "bulb");
   EXPECT_EQ(byGivenPaths("'map.ply': no faces", map), "'map.ply': no faces");
 }
 
 TEST_F(ModelFilesTest, LooksForPackagesInTheWorkspaceLast) {
-  const fs::path share = root_.parent_path() / "prefix" / "share" / "installed";
+  const fs::path share = root.parent_path() / "prefix" / "share" / "installed";
   fs::create_directories(share);
   std::ofstream(share / "palm.stl") << "solid installed";
   const fs::path file = urdf(R"(<mesh filename="package://installed/palm.stl"/>)");
   EXPECT_THROW(handFiles(file, {}), InvalidInput);
-  setenv("AMENT_PREFIX_PATH", (root_.parent_path() / "prefix").c_str(), 1);
+  setenv("AMENT_PREFIX_PATH", (root.parent_path() / "prefix").c_str(), 1);
   const ModelFiles found = handFiles(file, {});
   HandReading reading;
-  reading.packages["installed"] = root_ / "meshes" / "visual";
+  reading.packages["installed"] = root / "meshes" / "visual";
   const ModelFiles told = handFiles(file, reading);
   unsetenv("AMENT_PREFIX_PATH");
   EXPECT_TRUE(fs::equivalent(found.files.back().path, share / "palm.stl"));
   EXPECT_TRUE(fs::equivalent(found.packages.at("installed"), share));
-  EXPECT_TRUE(fs::equivalent(told.files.back().path, root_ / "meshes/visual/palm.stl"));
+  EXPECT_TRUE(fs::equivalent(told.files.back().path, root / "meshes/visual/palm.stl"));
 }
 
 TEST_F(ModelFilesTest, SaysHowToExpandXacro) {
@@ -176,36 +176,34 @@ TEST_F(ModelFilesTest, SaysWhichMeshOfWhichUrdfIsMissing) {
 }
 
 TEST_F(ModelFilesTest, RefusesFilesThatAreNone) {
-  EXPECT_THROW(handFiles(root_ / "no.urdf", {}), InvalidInput);
-  EXPECT_THROW(objectFiles(root_), InvalidInput);
+  EXPECT_THROW(handFiles(root / "no.urdf", {}), InvalidInput);
+  EXPECT_THROW(objectFiles(root), InvalidInput);
   write("empty.obj", "");
-  EXPECT_THROW(objectFiles(root_ / "empty.obj"), InvalidInput);
+  EXPECT_THROW(objectFiles(root / "empty.obj"), InvalidInput);
 }
 
 TEST_F(ModelFilesTest, TakesTheBuffersOfAGltfButNotItsPictures) {
   write("scene.bin", "bytes");
   write("scene.gltf", R"({"buffers":[{"uri":"scene.bin"},{"uri":"data:base64,AA"}],
                           "images":[{"uri":"wood.png"}]})");
-  EXPECT_THAT(urisOf(objectFiles(root_ / "scene.gltf")),
-              ElementsAre("scene.gltf", "scene.bin"));
+  EXPECT_THAT(urisOf(objectFiles(root / "scene.gltf")), ElementsAre("scene.gltf", "scene.bin"));
 }
 
 TEST_F(ModelFilesTest, TakesAGltfWithMillionsOfBytesWrittenIntoIt) {
   write("scene.bin", "bytes");
   write("scene.gltf", R"({"buffers":[{"uri" : "data:base64,)" + std::string(5'000'000, 'A') +
                           R"("},{"uri":"scene.bin"}]})");
-  EXPECT_THAT(urisOf(objectFiles(root_ / "scene.gltf")),
-              ElementsAre("scene.gltf", "scene.bin"));
+  EXPECT_THAT(urisOf(objectFiles(root / "scene.gltf")), ElementsAre("scene.gltf", "scene.bin"));
   write("long.gltf", R"({"buffers":[{"uri":")" + std::string(1'000'000, 'a') + R"("}]})");
-  EXPECT_THROW(objectFiles(root_ / "long.gltf"), InvalidInput);
+  EXPECT_THROW(objectFiles(root / "long.gltf"), InvalidInput);
 }
 
 TEST_F(ModelFilesTest, TellsContentsApart) {
   write("a.obj", "v 1 0 0");
-  const std::string before = nameApart(objectFiles(root_ / "a.obj"));
-  EXPECT_EQ(nameApart(objectFiles(root_ / "a.obj")), before);
+  const std::string before = nameApart(objectFiles(root / "a.obj"));
+  EXPECT_EQ(nameApart(objectFiles(root / "a.obj")), before);
   write("a.obj", "v 2 0 0");
-  EXPECT_NE(nameApart(objectFiles(root_ / "a.obj")), before);
+  EXPECT_NE(nameApart(objectFiles(root / "a.obj")), before);
 }
 
 TEST_F(ModelFilesTest, TellsOneFileReadInDifferentWaysApart) {
@@ -222,14 +220,14 @@ TEST_F(ModelFilesTest, TellsOneFileReadInDifferentWaysApart) {
   write("map.ply", "ply");
   ContactReading strict;
   strict.options.threshold().push_back(0.5);
-  EXPECT_NE(nameApart(contactFiles(root_ / "map.ply", "o", strict)),
-            nameApart(contactFiles(root_ / "map.ply", "o")));
+  EXPECT_NE(nameApart(contactFiles(root / "map.ply", "o", strict)),
+            nameApart(contactFiles(root / "map.ply", "o")));
 }
 
 TEST_F(ModelFilesTest, KnowsPathsFromNames) {
   EXPECT_TRUE(isPath("lemon.obj"));
   EXPECT_TRUE(isPath("./lemon"));
-  EXPECT_TRUE(isPath((root_ / "urdf" / "tip.obj").string()));
+  EXPECT_TRUE(isPath((root / "urdf" / "tip.obj").string()));
   EXPECT_FALSE(isPath("lemon"));
   EXPECT_FALSE(isPath("lemon_6"));
   EXPECT_FALSE(isPath("hand-1.0"));  // a version, no extension

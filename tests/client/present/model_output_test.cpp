@@ -148,14 +148,14 @@ TEST(SkinFile, HoldsEachFaceWithItsLink) {
   const std::size_t body = end + std::strlen("end_header\n");
   constexpr std::size_t kFaceBytes = 1 + 3 * 4 + 4;
   ASSERT_EQ(ply.size(), body + 8 * 12 + 12 * kFaceBytes);
-  const auto linkOf = [&](std::size_t face) {
+  const auto link_of = [&](std::size_t face) {
     std::int32_t link = 0;
     std::memcpy(&link, ply.data() + body + 8 * 12 + face * kFaceBytes + 13, sizeof link);
     return link;
   };
-  EXPECT_EQ(linkOf(0), 0);
-  EXPECT_EQ(linkOf(3), 1);
-  EXPECT_EQ(linkOf(4), -1);
+  EXPECT_EQ(link_of(0), 0);
+  EXPECT_EQ(link_of(3), 1);
+  EXPECT_EQ(link_of(4), -1);
 }
 
 TEST(SkinFile, RefusesWhatContradictsItself) {

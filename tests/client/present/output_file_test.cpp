@@ -22,13 +22,13 @@ class OutputFile : public testing::Test {
  protected:
   void SetUp() override {
     static int count = 0;
-    folder_ = test::scratchDirectory() / ("output" + std::to_string(++count));
-    fs::create_directories(folder_);
+    folder = test::scratchDirectory() / ("output" + std::to_string(++count));
+    fs::create_directories(folder);
   }
 
   [[nodiscard]] std::size_t entries() const {
     return static_cast<std::size_t>(
-        std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+        std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
   }
 
   static std::string objectionTo(const fs::path& path) {
@@ -40,11 +40,11 @@ class OutputFile : public testing::Test {
     return "";
   }
 
-  fs::path folder_;
+  fs::path folder;
 };
 
 TEST_F(OutputFile, ReplacesAFileAndKeepsItsPermissions) {
-  const fs::path file = folder_ / "a.json";
+  const fs::path file = folder / "a.json";
   writeFile(file, "{}, and more\n");
   fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write);
   writeFile(file, "[]\n");
@@ -62,7 +62,7 @@ TEST_F(OutputFile, ReportsADeviceThatTakesNothingAndLeavesIt) {
 }
 
 TEST_F(OutputFile, WritesIntoAPipe) {
-  const fs::path pipe = folder_ / "pipe";
+  const fs::path pipe = folder / "pipe";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   std::string read;
   std::thread reader([&] {
@@ -76,38 +76,38 @@ TEST_F(OutputFile, WritesIntoAPipe) {
 }
 
 TEST_F(OutputFile, FollowsLinksAlsoToWhatIsNotThereYet) {
-  fs::create_directories(folder_ / "far");
-  writeFile(folder_ / "far" / "old", "old");
-  fs::create_symlink("far/old", folder_ / "to_old");
-  fs::create_symlink("far/new", folder_ / "to_new");
-  fs::create_symlink("to_new", folder_ / "twice");
-  writeFile(folder_ / "to_old", "1");
-  writeFile(folder_ / "twice", "2");
-  EXPECT_TRUE(fs::is_symlink(folder_ / "to_old"));
-  EXPECT_TRUE(fs::is_symlink(folder_ / "to_new"));
-  EXPECT_EQ(readFile(folder_ / "far" / "old"), "1");
-  EXPECT_EQ(readFile(folder_ / "far" / "new"), "2");
+  fs::create_directories(folder / "far");
+  writeFile(folder / "far" / "old", "old");
+  fs::create_symlink("far/old", folder / "to_old");
+  fs::create_symlink("far/new", folder / "to_new");
+  fs::create_symlink("to_new", folder / "twice");
+  writeFile(folder / "to_old", "1");
+  writeFile(folder / "twice", "2");
+  EXPECT_TRUE(fs::is_symlink(folder / "to_old"));
+  EXPECT_TRUE(fs::is_symlink(folder / "to_new"));
+  EXPECT_EQ(readFile(folder / "far" / "old"), "1");
+  EXPECT_EQ(readFile(folder / "far" / "new"), "2");
 }
 
 TEST_F(OutputFile, RefusesWhatCannotBeWritten) {
-  const fs::path file = folder_ / "mine.json";
+  const fs::path file = folder / "mine.json";
   writeFile(file, "mine");
   fs::permissions(file, fs::perms::owner_read);
   EXPECT_THAT(objectionTo(file), HasSubstr("mine.json"));
   EXPECT_THROW(writeFile(file, "yours"), InvalidInput);
   EXPECT_EQ(readFile(file), "mine");
   EXPECT_THAT(objectionTo(""), HasSubstr("--out ''"));
-  EXPECT_THAT(objectionTo(folder_), HasSubstr("folder"));
-  EXPECT_THAT(objectionTo(folder_ / "no" / "a"), HasSubstr("no folder"));
+  EXPECT_THAT(objectionTo(folder), HasSubstr("folder"));
+  EXPECT_THAT(objectionTo(folder / "no" / "a"), HasSubstr("no folder"));
   EXPECT_THAT(objectionTo(file / "a"), HasSubstr("--out"));
-  fs::create_symlink("loop", folder_ / "loop");
-  EXPECT_THAT(objectionTo(folder_ / "loop"), HasSubstr("loop"));
-  EXPECT_EQ(objectionTo(folder_ / "new.json"), "");
+  fs::create_symlink("loop", folder / "loop");
+  EXPECT_THAT(objectionTo(folder / "loop"), HasSubstr("loop"));
+  EXPECT_EQ(objectionTo(folder / "new.json"), "");
   EXPECT_EQ(entries(), 2U);  // checks write nothing
 }
 
 TEST_F(OutputFile, KnowsOneFileByTwoNames) {
-  fs::create_symlink("new", folder_ / "link");
+  fs::create_symlink("new", folder / "link");
   const auto same = [&](const fs::path& a, const fs::path& b) {
     try {
       requireDistinct({{"--out", a}, {"--png", b}});
@@ -117,24 +117,23 @@ TEST_F(OutputFile, KnowsOneFileByTwoNames) {
     }
     return false;
   };
-  EXPECT_TRUE(same(folder_ / "new", folder_ / "." / "new"));
-  EXPECT_TRUE(same(folder_ / "link", folder_ / "new"));
+  EXPECT_TRUE(same(folder / "new", folder / "." / "new"));
+  EXPECT_TRUE(same(folder / "link", folder / "new"));
   EXPECT_TRUE(same("relative", fs::absolute("relative")));
-  EXPECT_FALSE(same(folder_ / "new", folder_ / "newer"));
-  writeFile(folder_ / "new", "x");
-  fs::create_hard_link(folder_ / "new", folder_ / "hard");
-  EXPECT_TRUE(same(folder_ / "hard", folder_ / "link"));
+  EXPECT_FALSE(same(folder / "new", folder / "newer"));
+  writeFile(folder / "new", "x");
+  fs::create_hard_link(folder / "new", folder / "hard");
+  EXPECT_TRUE(same(folder / "hard", folder / "link"));
 }
 
 TEST_F(OutputFile, KeepsNoOtherFromBeingWritten) {
   OutputFiles files;
-  for (const fs::path& path :
-       {fs::path("/dev/full"), folder_ / "ok", folder_ / "no" / "file"}) {
+  for (const fs::path& path : {fs::path("/dev/full"), folder / "ok", folder / "no" / "file"}) {
     files.write([&] {
       writeFile(path, "x");
     });
   }
-  EXPECT_EQ(readFile(folder_ / "ok"), "x");
+  EXPECT_EQ(readFile(folder / "ok"), "x");
   try {
     files.requireWritten();
     FAIL();

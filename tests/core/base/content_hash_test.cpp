@@ -9,14 +9,14 @@ namespace {
 
 TEST(ContentHash, IsSha256) {
   // FIPS 180-4's examples, and one of several blocks.
-  const auto hashOf = [](const std::string& text) {
+  const auto hash_of = [](const std::string& text) {
     ContentHash hash;
     hash.add(text);
     return hash.finish();
   };
-  EXPECT_EQ(hashOf(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
-  EXPECT_EQ(hashOf("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-  EXPECT_EQ(hashOf(std::string(1'000'000, 'a')),
+  EXPECT_EQ(hash_of(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  EXPECT_EQ(hash_of("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(hash_of(std::string(1'000'000, 'a')),
             "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
 }
 

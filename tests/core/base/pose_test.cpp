@@ -52,9 +52,9 @@ TEST_P(RotationVectors, LeftJacobianMatchesCentralDifferences) {
     const Eigen::Matrix3d J = leftJacobian(w);
     for (int k = 0; k < 3; ++k) {
       const Eigen::Vector3d dw = h * Eigen::Vector3d::Unit(k);
-      const Eigen::Matrix3d dR =
+      const Eigen::Matrix3d delta_R =
           rotationFromVector(w + dw) * rotationFromVector(w - dw).transpose();
-      const Eigen::Vector3d expected = vectorFromRotation(dR) / (2.0 * h);
+      const Eigen::Vector3d expected = vectorFromRotation(delta_R) / (2.0 * h);
       EXPECT_LT((J.col(k) - expected).norm(), 1e-7) << "w = " << w.transpose();
     }
     if (GetParam() < 6.0) {

@@ -18,48 +18,48 @@ using testing::ElementsAre;
 class ResourceUri : public testing::Test {
  protected:
   void SetUp() override {
-    root_ = test::scratchDirectory() / "ros" / "my_hand";
-    fs::create_directories(root_ / "urdf");
-    fs::create_directories(root_ / "meshes" / "a b");
-    std::ofstream(root_ / "meshes" / "palm.stl") << "solid";
-    std::ofstream(root_ / "meshes" / "a b" / "tip.stl") << "solid";
+    root = test::scratchDirectory() / "ros" / "my_hand";
+    fs::create_directories(root / "urdf");
+    fs::create_directories(root / "meshes" / "a b");
+    std::ofstream(root / "meshes" / "palm.stl") << "solid";
+    std::ofstream(root / "meshes" / "a b" / "tip.stl") << "solid";
   }
 
-  fs::path root_;
+  fs::path root;
 };
 
 TEST_F(ResourceUri, FindsRelativePathsFromTheFileThatNamesThem) {
-  EXPECT_TRUE(fs::equivalent(resolveResource("../meshes/palm.stl", root_ / "urdf", {}),
-                             root_ / "meshes/palm.stl"));
+  EXPECT_TRUE(fs::equivalent(resolveResource("../meshes/palm.stl", root / "urdf", {}),
+                             root / "meshes/palm.stl"));
 }
 
 TEST_F(ResourceUri, FindsAPackageAboveTheFile) {
   EXPECT_TRUE(
-      fs::equivalent(resolveResource("package://my_hand/meshes/palm.stl", root_ / "urdf", {}),
-                     root_ / "meshes/palm.stl"));
+      fs::equivalent(resolveResource("package://my_hand/meshes/palm.stl", root / "urdf", {}),
+                     root / "meshes/palm.stl"));
 }
 
 TEST_F(ResourceUri, PrefersThePackageTheUserNamed) {
-  EXPECT_EQ(resolveResource("package://other/palm.stl", "/", {{"other", root_ / "meshes"}}),
-            root_ / "meshes/palm.stl");
+  EXPECT_EQ(resolveResource("package://other/palm.stl", "/", {{"other", root / "meshes"}}),
+            root / "meshes/palm.stl");
 }
 
 TEST_F(ResourceUri, ReadsFileUrisAndPercentEscapes) {
-  EXPECT_EQ(resolveResource("file://" + (root_ / "meshes/a%20b/tip.stl").string(), "/", {}),
-            root_ / "meshes/a b/tip.stl");
+  EXPECT_EQ(resolveResource("file://" + (root / "meshes/a%20b/tip.stl").string(), "/", {}),
+            root / "meshes/a b/tip.stl");
 }
 
 TEST_F(ResourceUri, SaysWhatIsMissing) {
   try {
-    resolveResource("package://nowhere/palm.stl", root_, {});
+    resolveResource("package://nowhere/palm.stl", root, {});
     FAIL() << "must throw";
   } catch (const InvalidInput& error) {
     EXPECT_NE(std::string(error.what()).find("--package nowhere=DIR"), std::string::npos);
   }
-  EXPECT_THROW(resolveResource("meshes/none.stl", root_, {}), InvalidInput);
-  EXPECT_THROW(resolveResource("https://example.org/palm.stl", root_, {}), InvalidInput);
-  EXPECT_THROW(resolveResource("package://", root_, {}), InvalidInput);
-  EXPECT_THROW(resolveResource("", root_, {}), InvalidInput);
+  EXPECT_THROW(resolveResource("meshes/none.stl", root, {}), InvalidInput);
+  EXPECT_THROW(resolveResource("https://example.org/palm.stl", root, {}), InvalidInput);
+  EXPECT_THROW(resolveResource("package://", root, {}), InvalidInput);
+  EXPECT_THROW(resolveResource("", root, {}), InvalidInput);
 }
 
 TEST(MeshUris, AreFoundOnceAndInOrder) {

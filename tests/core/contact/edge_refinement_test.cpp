@@ -63,7 +63,7 @@ TEST(RefineEdges, NamesTheFaceThatEachOneLiesIn) {
   const TriangleMesh fine = refineEdges(box, 0.004, &parents);
   ASSERT_EQ(parents.size(), static_cast<std::size_t>(fine.faceCount()));
   std::vector<double> areas(static_cast<std::size_t>(box.faceCount()), 0.0);
-  const auto areaOf = [](const TriangleMesh& mesh, int f) {
+  const auto area_of = [](const TriangleMesh& mesh, int f) {
     const Eigen::Vector3i face = mesh.face(f);
     return 0.5 * (mesh.vertex(face[1]) - mesh.vertex(face[0]))
                      .cross(mesh.vertex(face[2]) - mesh.vertex(face[0]))
@@ -71,12 +71,12 @@ TEST(RefineEdges, NamesTheFaceThatEachOneLiesIn) {
   };
   for (int f = 0; f < fine.faceCount(); ++f) {
     const auto parent = static_cast<std::size_t>(parents[static_cast<std::size_t>(f)]);
-    areas[parent] += areaOf(fine, f);
+    areas[parent] += area_of(fine, f);
     EXPECT_TRUE(fine.faceNormals().col(f).isApprox(
         box.faceNormals().col(static_cast<Eigen::Index>(parent)), 1e-9));
   }
   for (int f = 0; f < box.faceCount(); ++f)
-    EXPECT_NEAR(areas[static_cast<std::size_t>(f)], areaOf(box, f), 1e-12);
+    EXPECT_NEAR(areas[static_cast<std::size_t>(f)], area_of(box, f), 1e-12);
 }
 
 TEST(RefineEdges, LeavesAFineMeshAsItIs) {

@@ -102,10 +102,10 @@ TEST(Outline, IsNotCutByDentsThatDeepContactLeaves) {
     return std::abs(x) < 0.5 * kStep ? std::min(contact, 0.6) : contact;
   });
   const Region outline = touched.outlinedWith({});
-  const auto isOnTheLeft = [&](int f) {
+  const auto is_on_the_left = [&](int f) {
     return touched.mesh.vertex(touched.mesh.face(f)[0]).x() < -0.002;
   };
-  const auto left = std::count_if(outline.begin(), outline.end(), isOnTheLeft);
+  const auto left = std::count_if(outline.begin(), outline.end(), is_on_the_left);
   EXPECT_GT(left, 0.3 * static_cast<double>(outline.size()));
   EXPECT_LT(left, 0.7 * static_cast<double>(outline.size()));
 }

@@ -92,7 +92,7 @@ TEST(Segment, EndsAPatchWhereContactFallsBelowAShareOfItsTop) {
   for (int v = 0; v < map.mesh_O.vertexCount(); ++v)
     map.value[v] = std::max(0.0, 1.0 - map.mesh_O.vertex(v).norm() / 0.030);
   SegmentationOptions options;
-  const auto reachOf = [&] {
+  const auto reach_of = [&] {
     double reach = 0.0;
     const Patch patch = segment(map, options).patches.at(0);
     for (const auto& point : patch.interpolation_boundary)
@@ -100,11 +100,11 @@ TEST(Segment, EndsAPatchWhereContactFallsBelowAShareOfItsTop) {
     return reach;
   };
   options.outline_share = 0.0;
-  EXPECT_NEAR(reachOf(), 0.018, 1.5 * kStep);
+  EXPECT_NEAR(reach_of(), 0.018, 1.5 * kStep);
   options.outline_share = 0.75;  // of the 0.866 that 5 % of the 18 mm disk exceed
-  EXPECT_NEAR(reachOf(), 0.0105, 1.5 * kStep);
+  EXPECT_NEAR(reach_of(), 0.0105, 1.5 * kStep);
   map.value *= 0.7;  // fainter contact is no smaller, once it counts
-  EXPECT_GT(reachOf(), 0.007);
+  EXPECT_GT(reach_of(), 0.007);
   options.outline_share = 1.0;
   EXPECT_THAT(
       [&] {

@@ -34,6 +34,7 @@ struct Recorded {
   int grasp;
 };
 
+// NOLINTNEXTLINE(readability-identifier-naming): GoogleTest's name
 void PrintTo(const Recorded& recorded, std::ostream* out) {
   *out << recorded.object << "_grasp" << recorded.grasp;
 }
@@ -42,7 +43,7 @@ class DexYcbContactsTest : public ::testing::TestWithParam<Recorded> {
  protected:
   void SetUp() override {
     HANDGRAFT_NEEDS_SHARED_DATA("contacts/dexycb");
-    given_ = io::readContactMap(
+    given = io::readContactMap(
         test::sharedData(std::string("contacts/dexycb/") + GetParam().object + "_grasp" +
                          std::to_string(GetParam().grasp) + "_contact.ply"));
   }
@@ -61,7 +62,7 @@ class DexYcbContactsTest : public ::testing::TestWithParam<Recorded> {
   }
 
   /// The hand's joints in the recorded grasp.
-  static contact::HandJoints joints_O() {
+  static contact::HandJoints jointsInObject() {
     const nlohmann::json grasp =
         grasps().at("grasps").at(GetParam().object).at(GetParam().grasp);
     const auto places = grasp.at("joints21").get<std::vector<std::vector<double>>>();
@@ -89,7 +90,7 @@ class DexYcbContactsTest : public ::testing::TestWithParam<Recorded> {
     const auto names = data.at("qpos_joint_names").get<std::vector<std::string>>();
     const auto& grasp = data.at("grasps").at(GetParam().object).at(GetParam().grasp);
     const auto values = grasp.at("qpos").get<std::vector<double>>();
-    const auto valuesFor = [&](const hand::HandModel& model) {
+    const auto values_for = [&](const hand::HandModel& model) {
       Eigen::VectorXd q(model.dofCount());
       for (int i = 0; i < q.size(); ++i) {
         const auto found = std::find(names.begin(), names.end(), model.dofJoint(i).name);
@@ -97,17 +98,17 @@ class DexYcbContactsTest : public ::testing::TestWithParam<Recorded> {
       }
       return q;
     };
-    const Pose X_WH = hand::carriedPose(*file.floating_base, valuesFor(*file.floating_base));
-    return {file.model, {X_WH, valuesFor(file.model)}, objectPose(grasp)};
+    const Pose X_WH = hand::carriedPose(*file.floating_base, values_for(*file.floating_base));
+    return {file.model, {X_WH, values_for(file.model)}, objectPose(grasp)};
   }
 
   /// The surfaces of that hand.
-  static std::vector<contact::PosedSurface> hand_O() {
+  static std::vector<contact::PosedSurface> handInObject() {
     const RecordedHand recorded = recordedHand();
     return posedSurfaces(recorded.model, recorded.pose, recorded.X_WO);
   }
 
-  ContactMap given_;
+  ContactMap given;
 };
 
 std::set<std::string> fingersOf(const contact::ContactSet& set) {
@@ -137,8 +138,8 @@ double likenessToABone(const contact::HandJoints& joints,
 }
 
 TEST_P(DexYcbContactsTest, AgreeWithTheGivenMap) {
-  const std::vector<contact::PosedSurface> hand_O = this->hand_O();
-  const ContactMap map = contact::contactsFromPose(given_.mesh_O, hand_O, {.softness_m = 0.0});
+  const std::vector<contact::PosedSurface> hand_O = this->handInObject();
+  const ContactMap map = contact::contactsFromPose(given.mesh_O, hand_O, {.softness_m = 0.0});
   std::vector<geometry::TriangleMesh> parts_O;
   for (const contact::PosedSurface& part : hand_O)
     parts_O.push_back(part.mesh_O);
@@ -153,17 +154,17 @@ TEST_P(DexYcbContactsTest, AgreeWithTheGivenMap) {
   double sum_above = 0.0;
   int compared = 0;
   int other_finger = 0;
-  for (int v = 0; v < given_.mesh_O.vertexCount(); ++v) {  // refined ones come behind
-    if (given_.value[v] <= 0.0 && map.value[v] <= 0.0) continue;
+  for (int v = 0; v < given.mesh_O.vertexCount(); ++v) {  // refined ones come behind
+    if (given.value[v] <= 0.0 && map.value[v] <= 0.0) continue;
     ++compared;
-    const double distance = surface.nearest(given_.mesh_O.vertex(v)).distance;
+    const double distance = surface.nearest(given.mesh_O.vertex(v)).distance;
     const double both_sides = std::max(0.0, 1.0 - distance / 0.010);
     EXPECT_NEAR(map.value[v], map.value[v] == 1.0 ? 1.0 : both_sides, 1e-9);
-    const double above = both_sides - given_.value[v];
+    const double above = both_sides - given.value[v];
     least_above = std::min(least_above, above);
     most_above = std::max(most_above, above);
     sum_above += above;
-    if (given_.value[v] > 0.0 && finger(given_, v) != finger(map, v)) ++other_finger;
+    if (given.value[v] > 0.0 && finger(given, v) != finger(map, v)) ++other_finger;
   }
   RecordProperty("mean_above", std::to_string(sum_above / compared));
   RecordProperty("most_above", std::to_string(most_above));
@@ -177,8 +178,8 @@ TEST_P(DexYcbContactsTest, AgreeWithTheGivenMap) {
 TEST_P(DexYcbContactsTest, TouchWithTheSameFingersOnTheCoarseObject) {
   const io::MeshFile object =
       io::readMesh(test::sharedData(std::string("objects/ycb/") + GetParam().object + ".obj"));
-  const ContactMap map = contact::contactsFromPose(object.mesh, hand_O());
-  EXPECT_EQ(fingersOf(contact::segment(map, {})), fingersOf(contact::segment(given_, {})));
+  const ContactMap map = contact::contactsFromPose(object.mesh, handInObject());
+  EXPECT_EQ(fingersOf(contact::segment(map, {})), fingersOf(contact::segment(given, {})));
 }
 
 TEST_P(DexYcbContactsTest, GiveAContactSetWithTheSameFingersAndTheJointsDirections) {
@@ -191,8 +192,8 @@ TEST_P(DexYcbContactsTest, GiveAContactSetWithTheSameFingersAndTheJointsDirectio
       hand::SkinCache::fromEnvironment().get(recorded.model, {}, Progress()));
   const PosedContacts found =
       contactsOfPosedHand(hand, recorded.pose, object.mesh, recorded.X_WO, {}, {}, Progress());
-  EXPECT_EQ(fingersOf(found.set), fingersOf(contact::segment(given_, {})));
-  const contact::HandJoints joints = joints_O();
+  EXPECT_EQ(fingersOf(found.set), fingersOf(contact::segment(given, {})));
+  const contact::HandJoints joints = jointsInObject();
   for (const contact::Patch& patch : found.set.patches) {
     EXPECT_NO_THROW(contact::validate(object.mesh, patch));
     ASSERT_TRUE(patch.place.has_value()) << patch.name;
@@ -206,19 +207,19 @@ TEST_P(DexYcbContactsTest, GiveAContactSetWithTheSameFingersAndTheJointsDirectio
 }
 
 TEST_P(DexYcbContactsTest, GetTheirFingersFromTheJointsWhereLabelsAreMissing) {
-  ContactMap bare = given_;
+  ContactMap bare = given;
   bare.label.clear();
   bare.segment_names.clear();
   contact::SegmentationOptions options;
-  options.joints_O = joints_O();
+  options.joints_O = jointsInObject();
   const contact::ContactSet by_joints = contact::segment(bare, options);
-  const contact::ContactSet by_labels = contact::segment(given_, {});
+  const contact::ContactSet by_labels = contact::segment(given, {});
   EXPECT_EQ(fingersOf(by_joints), fingersOf(by_labels));
   for (const contact::Patch& patch : by_joints.patches) {
     for (const contact::Patch& labelled : by_labels.patches) {
       if (labelled.name != patch.name) continue;
       const double apart =
-          (positionOf(given_.mesh_O, patch.root) - positionOf(given_.mesh_O, labelled.root))
+          (positionOf(given.mesh_O, patch.root) - positionOf(given.mesh_O, labelled.root))
               .norm();
       EXPECT_LT(apart, 0.010) << patch.name;  // where joints and links part a finger differs
     }

@@ -50,15 +50,15 @@ class SmallHandAboutABox : public testing::Test {
   SmallHandAboutABox() {
     X_WO_.translate(Eigen::Vector3d(0.3, -0.2, 0.1));
     X_WO_.rotate(Eigen::AngleAxisd(1.0, Eigen::Vector3d(1.0, -2.0, 0.5).normalized()));
-    pose_.q = Eigen::VectorXd::Zero(6);
-    pose_.X_WH = X_WO_ * Eigen::Translation3d(0.0, 0.0, -0.06);  // tips at the box's middle
+    pose.q = Eigen::VectorXd::Zero(6);
+    pose.X_WH = X_WO_ * Eigen::Translation3d(0.0, 0.0, -0.06);  // tips at the box's middle
   }
 
   [[nodiscard]] hand::Hand hand() const {
     hand::Hand hand;
-    hand.model = small_.model;
-    hand.skin = small_.skin;
-    hand.sites = small_.sites;
+    hand.model = small.model;
+    hand.skin = small.skin;
+    hand.sites = small.sites;
     return hand;
   }
 
@@ -67,7 +67,7 @@ class SmallHandAboutABox : public testing::Test {
     options.reach_m = reach_m;
     contact::SegmentationOptions segmentation;
     segmentation.outline_share = 0.0;  // patches end at the threshold
-    return contactsOfPosedHand(hand(), pose_, box_O_, X_WO_, options, segmentation, Progress());
+    return contactsOfPosedHand(hand(), pose, box_O_, X_WO_, options, segmentation, Progress());
   }
 
   [[nodiscard]] const contact::Patch& patchOf(const PosedContacts& contacts,
@@ -77,10 +77,10 @@ class SmallHandAboutABox : public testing::Test {
     throw std::runtime_error("no patch " + name);
   }
 
-  test::SmallHand small_ = test::makeSmallHand();
+  test::SmallHand small = test::makeSmallHand();
   geometry::TriangleMesh box_O_ = geometry::makeBox({0.062, 0.08, 0.06});
   Pose X_WO_ = Pose::Identity();
-  hand::HandPose pose_;
+  hand::HandPose pose;
 };
 
 TEST_F(SmallHandAboutABox, LeavesAPatchOfEachFingerWhereItTouches) {
@@ -110,7 +110,7 @@ TEST_F(SmallHandAboutABox, IsFollowedFromWhereItBeginsToTouchUntilItDoesNot) {
   // At 20 Hz: there at frames 3 to 9 but for 6, and once more at frame 14 alone.
   std::vector<PosedFrame> frames;
   for (int k = 0; k < 16; ++k) {
-    PosedFrame frame{0.05 * k, pose_, X_WO_};
+    PosedFrame frame{0.05 * k, pose, X_WO_};
     const bool touches = (k >= 3 && k <= 9 && k != 6) || k == 14;
     if (!touches) frame.pose.X_WH.translation().z() += 0.5;
     frames.push_back(frame);
@@ -139,7 +139,7 @@ TEST_F(SmallHandAboutABox, IsFollowedFromWhereItBeginsToTouchUntilItDoesNot) {
 }
 
 TEST_F(SmallHandAboutABox, ThatNeverTouchesIsNoMotion) {
-  std::vector<PosedFrame> frames{{0.0, pose_, X_WO_}};
+  std::vector<PosedFrame> frames{{0.0, pose, X_WO_}};
   frames[0].pose.X_WH.translation().z() += 0.5;
   EXPECT_THROW((void)motionOfPosedHand(hand(), frames, box_O_, {}, Progress()), InvalidInput);
   frames.push_back(frames[0]);
@@ -148,7 +148,7 @@ TEST_F(SmallHandAboutABox, ThatNeverTouchesIsNoMotion) {
 }
 
 TEST_F(SmallHandAboutABox, NamesPatchesLikeTheSitesOfTheirFingers) {
-  small_.sites[1].name = "f7";
+  small.sites[1].name = "f7";
   const PosedContacts found = contacts();
   std::vector<std::string> names;
   for (const contact::Patch& patch : found.set.patches)
@@ -160,16 +160,17 @@ TEST_F(SmallHandAboutABox, NamesPatchesLikeTheSitesOfTheirFingers) {
 TEST_F(SmallHandAboutABox, TellsFingersThatTouchTooLittle) {
   contact::SegmentationOptions segmentation;
   segmentation.minimum_area_m2 = 5e-5;
-  const auto notesAt = [&](double opening) {
-    pose_.q[2] = -opening;  // index_1
-    return contactsOfPosedHand(hand(), pose_, box_O_, X_WO_, {}, segmentation, Progress())
+  const auto notes_at = [&](double opening) {
+    pose.q[2] = -opening;  // index_1
+    return contactsOfPosedHand(hand(), pose, box_O_, X_WO_, {}, segmentation, Progress())
         .set.notes;
   };
-  EXPECT_THAT(notesAt(0.125), testing::Contains(testing::ContainsRegex(
-                                  "'index' touches too little: [0-9.]+ mm2 in all; a patch has "
-                                  "50.0 mm2")));
-  EXPECT_THAT(notesAt(0.125), testing::Not(testing::Contains("touches nothing: index")));
-  EXPECT_THAT(notesAt(0.2), testing::Contains("touches nothing: index"));
+  EXPECT_THAT(notes_at(0.125),
+              testing::Contains(testing::ContainsRegex(
+                  "'index' touches too little: [0-9.]+ mm2 in all; a patch has "
+                  "50.0 mm2")));
+  EXPECT_THAT(notes_at(0.125), testing::Not(testing::Contains("touches nothing: index")));
+  EXPECT_THAT(notes_at(0.2), testing::Contains("touches nothing: index"));
 }
 
 TEST_F(SmallHandAboutABox, KeepsTheMapItWasFoundIn) {
@@ -209,7 +210,7 @@ TEST_F(SmallHandAboutABox, SaysHowFarAHandIsThatTouchesNothing) {
 TEST_F(SmallHandAboutABox, StopsOnWish) {
   Progress progress;
   progress.cancel();
-  EXPECT_THROW(contactsOfPosedHand(hand(), pose_, box_O_, X_WO_, {}, {}, progress), Cancelled);
+  EXPECT_THROW(contactsOfPosedHand(hand(), pose, box_O_, X_WO_, {}, {}, progress), Cancelled);
 }
 
 }  // namespace

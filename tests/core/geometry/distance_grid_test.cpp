@@ -124,15 +124,15 @@ TEST(DistanceGrid, BoundsTheDistanceFromBelowOutsideItsBox) {
 }
 
 TEST(DistanceGrid, FillsSolidsWithCells) {
-  const auto volumeOf = [](const DistanceGrid& grid) {
+  const auto volume_of = [](const DistanceGrid& grid) {
     double volume = 0.0;
     for (const DistanceGrid::Cell& cell : grid.solidCells())
       volume += cell.share * std::pow(grid.spacing(), 3);
     return volume;
   };
   const double ball = 4.0 / 3.0 * std::numbers::pi * std::pow(0.04, 3);
-  EXPECT_NEAR(volumeOf(gridOf(makeSphere(0.04, 4))), ball, 0.01 * ball);
-  EXPECT_NEAR(volumeOf(gridOf(makeBox({0.1, 0.06, 0.03}))), 1.8e-4, 0.01 * 1.8e-4);
+  EXPECT_NEAR(volume_of(gridOf(makeSphere(0.04, 4))), ball, 0.01 * ball);
+  EXPECT_NEAR(volume_of(gridOf(makeBox({0.1, 0.06, 0.03}))), 1.8e-4, 0.01 * 1.8e-4);
 }
 
 TEST(DistanceGrid, KeepsToItsNodesAndStopsOnWish) {

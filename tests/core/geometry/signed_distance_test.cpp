@@ -176,11 +176,11 @@ TEST(SignedDistance, JoinsFacesThatShareNoVertex) {
 }
 
 TEST(SignedDistance, TakesOverlappingSolidsForOneAndCavitiesForEmpty) {
-  const auto movedBox = [](double x) {
+  const auto moved_box = [](double x) {
     return transformed(makeBox({0.04, 0.04, 0.04}),
                        Eigen::Affine3d(Eigen::Translation3d(x, 0, 0)));
   };
-  const SignedDistance both(merged({movedBox(-0.01), movedBox(0.01)}));
+  const SignedDistance both(merged({moved_box(-0.01), moved_box(0.01)}));
   const TriangleMesh inner = makeBox({0.02, 0.02, 0.02});
   Eigen::Matrix3Xi turned = inner.faces();
   turned.row(1).swap(turned.row(2));
@@ -198,10 +198,10 @@ TEST(SignedDistance, TakesOverlappingSolidsForOneAndCavitiesForEmpty) {
 }
 
 TEST(SignedDistance, LeavesOutWallsWithinOverlappingSolids) {
-  const auto ballAt = [](double x) {
+  const auto ball_at = [](double x) {
     return transformed(makeSphere(0.04, 4), Eigen::Affine3d(Eigen::Translation3d(x, 0, 0)));
   };
-  const SignedDistance with_walls(merged({ballAt(-0.015), ballAt(0.015)}));
+  const SignedDistance with_walls(merged({ball_at(-0.015), ball_at(0.015)}));
   const SignedDistance without = with_walls.withoutInnerWalls(5e-4);
   // Of two balls, 30 mm apart, the deepest place is as far from the circle where they meet.
   EXPECT_NEAR(with_walls.at(Vector3d::Zero()).distance, -0.025, 2e-4);

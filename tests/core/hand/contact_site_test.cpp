@@ -28,24 +28,24 @@ TEST(ContactSite, IsValidWithUnitVectorsAtRightAngles) {
 }
 
 TEST(ContactSite, RefusesWhatNoHandHas) {
-  const auto expectFault = [](auto change) {
+  const auto expect_fault = [](auto change) {
     ContactSite site = makeSite();
     change(site);
     EXPECT_THROW(validate(palm(), {site}), InvalidInput);
   };
-  expectFault([](ContactSite& s) {
+  expect_fault([](ContactSite& s) {
     s.name.clear();
   });
-  expectFault([](ContactSite& s) {
+  expect_fault([](ContactSite& s) {
     s.link = "ghost";
   });
-  expectFault([](ContactSite& s) {
+  expect_fault([](ContactSite& s) {
     s.n_L *= 2.0;
   });
-  expectFault([](ContactSite& s) {
+  expect_fault([](ContactSite& s) {
     s.direction_L = s.n_L;
   });
-  expectFault([](ContactSite& s) {
+  expect_fault([](ContactSite& s) {
     s.p_L.x() = std::numeric_limits<double>::infinity();
   });
   EXPECT_THROW(validate(palm(), {makeSite(), makeSite()}), InvalidInput);

@@ -56,12 +56,12 @@ TEST_P(DartOracle, AgreesOnLinkPosesAndJacobians) {
 
       const Eigen::Vector3d p_L(uniform(random), uniform(random), uniform(random));
       const auto J = pointJacobian(model, X_WL, link, X * p_L);
-      Eigen::MatrixXd J_dart = Eigen::MatrixXd::Zero(6, model.dofCount());
-      const auto J_body = skeleton->getWorldJacobian(body, p_L);
+      Eigen::MatrixXd dart_jacobian = Eigen::MatrixXd::Zero(6, model.dofCount());
+      const auto body_jacobian = skeleton->getWorldJacobian(body, p_L);
       for (int i = 0; i < model.dofCount(); ++i)
-        J_dart.col(i) = J_body.col(static_cast<Eigen::Index>(
+        dart_jacobian.col(i) = body_jacobian.col(static_cast<Eigen::Index>(
             skeleton->getDof(model.dofJoint(i).name)->getIndexInSkeleton()));
-      worst_jacobian = std::max(worst_jacobian, (J - J_dart).cwiseAbs().maxCoeff());
+      worst_jacobian = std::max(worst_jacobian, (J - dart_jacobian).cwiseAbs().maxCoeff());
     }
   }
   EXPECT_LE(worst_pose, 1e-9);

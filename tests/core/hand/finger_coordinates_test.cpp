@@ -81,7 +81,8 @@ TEST_P(BuiltInHands, PointBackAlongTheBone) {
         place.around_rad = around;
         const auto spot = hand.coordinates.spotAt(place);
         ASSERT_TRUE(spot.has_value()) << digit.name << segment.name;
-        EXPECT_LT(spot->direction_S.dot(segment.bone_S()), -0.3) << digit.name << segment.name;
+        EXPECT_LT(spot->direction_S.dot(segment.boneInSkin()), -0.3)
+            << digit.name << segment.name;
         EXPECT_NEAR(spot->direction_S.norm(), 1.0, 1e-9);
         EXPECT_NEAR(spot->direction_S.dot(geometry::normalOf(hand.skin.mesh(), spot->root_S)),
                     0.0, 1e-9);
@@ -142,7 +143,7 @@ TEST(FingerCoordinates, GoByLengthFromTheKnuckle) {
   const Eigen::Vector3d p_S = geometry::positionOf(large.skin.mesh(), spot->root_S);
   const Segment& proximal = digit.segments.front();
   // Of a human finger's 90 mm, six tenths lie before the place.
-  EXPECT_NEAR((p_S - proximal.base_S).dot(proximal.bone_S()), 0.6 * 0.09, 0.004);
+  EXPECT_NEAR((p_S - proximal.base_S).dot(proximal.boneInSkin()), 0.6 * 0.09, 0.004);
   EXPECT_EQ(large.coordinates.placeOf(spot->root_S)->segment, "proximal");
   EXPECT_EQ(large.coordinates.placeOf(large.coordinates.spotAt(place)->root_S)->segment,
             "middle");

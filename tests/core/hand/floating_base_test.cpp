@@ -58,9 +58,9 @@ TEST(FloatingBase, IsCutOffAndStillPlacesTheHand) {
   q << 0.1, -0.2, 0.3, 0.4, -0.5, 0.6, 0.7;
   const LinkPoses X_WL = forwardKinematics(whole, {Pose::Identity(), q});
   const Pose X_WH = carriedPose(*rooted.carrier, q.head(6));
-  const LinkPoses X_WL_cut = forwardKinematics(rooted.hand, {X_WH, q.tail(1)});
-  EXPECT_TRUE(X_WL_cut[0].isApprox(X_WL[6], 1e-14));
-  EXPECT_TRUE(X_WL_cut[1].isApprox(X_WL[7], 1e-14));
+  const LinkPoses cut_X_WL = forwardKinematics(rooted.hand, {X_WH, q.tail(1)});
+  EXPECT_TRUE(cut_X_WL[0].isApprox(X_WL[6], 1e-14));
+  EXPECT_TRUE(cut_X_WL[1].isApprox(X_WL[7], 1e-14));
 }
 
 TEST(FloatingBase, StaysWhereALinkOnTheWayHasASurface) {

@@ -64,11 +64,11 @@ TEST(HandParts, NumberJawsThatSlideAndLeaveTheCarrierNameless) {
 /// -x or x, the wrist lies along -z.
 class HandPartsOfSmallHand : public testing::TestWithParam<bool> {
  protected:
-  test::SmallHand small_ = test::makeSmallHand();
-  HandParts parts_{*small_.model, GetParam() ? small_.sites : std::vector<ContactSite>()};
+  test::SmallHand small = test::makeSmallHand();
+  HandParts parts{*small.model, GetParam() ? small.sites : std::vector<ContactSite>()};
 
   Vector3d towardsWrist(int link, const Vector3d& n_L) const {
-    const auto d_L = parts_.towardsWrist(link, n_L.normalized());
+    const auto d_L = parts.towardsWrist(link, n_L.normalized());
     EXPECT_TRUE(d_L.has_value());
     return d_L.value_or(Vector3d::Zero());
   }
@@ -95,7 +95,7 @@ TEST_P(HandPartsOfSmallHand, PointToThePadWhereTheTipTouches) {
 }
 
 TEST_P(HandPartsOfSmallHand, KnowNoDirectionOnAPalmWithoutASite) {
-  EXPECT_FALSE(parts_.towardsWrist(0, Vector3d::UnitZ()).has_value());
+  EXPECT_FALSE(parts.towardsWrist(0, Vector3d::UnitZ()).has_value());
 }
 
 INSTANTIATE_TEST_SUITE_P(Sites, HandPartsOfSmallHand, testing::Bool());

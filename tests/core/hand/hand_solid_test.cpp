@@ -74,23 +74,23 @@ TEST(HandSolid, FindsAllSamplesOfALinkNearAPlace) {
   for (const LinkSolid& link : solid.links()) {
     for (const double reach : {0.0, 0.005, 0.02, 1.0}) {
       const Vector3d place = link.centre_L + Vector3d(0.6, -0.5, 0.4) * kRadius;
-      const auto isNear = [&](const Vector3d& p_L, double radius) {
+      const auto is_near = [&](const Vector3d& p_L, double radius) {
         return (p_L - place).norm() <= radius + reach;
       };
       std::vector<const SurfaceSample*> visited;
       int near = 0;
       link.fine.visit(
           [&](const Vector3d& centre_L, double radius) {
-            return !isNear(centre_L, radius);
+            return !is_near(centre_L, radius);
           },
           [&](const SurfaceSample& sample) {
             visited.push_back(&sample);
-            near += isNear(sample.p_L, 0.0) ? 1 : 0;
+            near += is_near(sample.p_L, 0.0) ? 1 : 0;
           });
       EXPECT_TRUE(std::is_sorted(visited.begin(), visited.end()));
       EXPECT_EQ(near, std::count_if(link.fine.samples.begin(), link.fine.samples.end(),
                                     [&](const SurfaceSample& sample) {
-                                      return isNear(sample.p_L, 0.0);
+                                      return is_near(sample.p_L, 0.0);
                                     }));
       if (reach == 1.0) {
         EXPECT_EQ(std::ssize(visited), std::ssize(link.fine.samples));

@@ -32,12 +32,13 @@ TEST(Mirror, MovesAsTheReflectionOfTheHand) {
   Eigen::VectorXd q(right.dofCount());
   for (int i = 0; i < q.size(); ++i)
     q[i] = 0.9 - 0.37 * i;
-  const LinkPoses X_right = forwardKinematics(right, {Pose::Identity(), q});
-  const LinkPoses X_left = forwardKinematics(left, {Pose::Identity(), q});
-  for (std::size_t link = 0; link < X_right.size(); ++link) {
-    const Eigen::Matrix3d R = S * X_right[link].linear() * S;
-    EXPECT_TRUE(X_left[link].linear().isApprox(R, 1e-12)) << link;
-    EXPECT_LT((X_left[link].translation() - S * X_right[link].translation()).norm(), 1e-14);
+  const LinkPoses pose_right = forwardKinematics(right, {Pose::Identity(), q});
+  const LinkPoses pose_left = forwardKinematics(left, {Pose::Identity(), q});
+  for (std::size_t link = 0; link < pose_right.size(); ++link) {
+    const Eigen::Matrix3d R = S * pose_right[link].linear() * S;
+    EXPECT_TRUE(pose_left[link].linear().isApprox(R, 1e-12)) << link;
+    EXPECT_LT((pose_left[link].translation() - S * pose_right[link].translation()).norm(),
+              1e-14);
     const auto& shapes_right = right.links()[link].visuals;
     const auto& shapes_left = left.links()[link].visuals;
     ASSERT_EQ(shapes_left.size(), shapes_right.size());

@@ -239,6 +239,7 @@ struct Named {
   std::map<std::string, std::vector<std::string>> links;
 };
 
+// NOLINTNEXTLINE(readability-identifier-naming): GoogleTest's name
 void PrintTo(const Named& hand, std::ostream* out) {
   *out << hand.path;
 }

@@ -29,6 +29,7 @@ struct RealHand {
   std::vector<std::string> links;  ///< that carry these sites, as the file names them
 };
 
+// NOLINTNEXTLINE(readability-identifier-naming): GoogleTest's name
 void PrintTo(const RealHand& hand, std::ostream* out) {
   *out << hand.path;
 }

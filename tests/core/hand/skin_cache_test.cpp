@@ -27,23 +27,23 @@ HandModel makeBall(double radius_m) {
 class SkinCacheTest : public ::testing::Test {
  protected:
   SkinCacheTest()
-      : folder_(fs::path(::testing::TempDir()) /
-                (std::string("skin_cache_") +
-                 ::testing::UnitTest::GetInstance()->current_test_info()->name())) {
-    fs::remove_all(folder_);
+      : folder(fs::path(::testing::TempDir()) /
+               (std::string("skin_cache_") +
+                ::testing::UnitTest::GetInstance()->current_test_info()->name())) {
+    fs::remove_all(folder);
   }
 
-  ~SkinCacheTest() override { fs::remove_all(folder_); }
+  ~SkinCacheTest() override { fs::remove_all(folder); }
 
   [[nodiscard]] std::vector<fs::path> files() const {
     std::vector<fs::path> found;
-    if (!fs::exists(folder_)) return found;
-    for (const auto& entry : fs::directory_iterator(folder_))
+    if (!fs::exists(folder)) return found;
+    for (const auto& entry : fs::directory_iterator(folder))
       found.push_back(entry.path());
     return found;
   }
 
-  fs::path folder_;
+  fs::path folder;
 };
 
 TEST(SkinKey, ChangesWithWhatMakesTheSkin) {
@@ -101,7 +101,7 @@ TEST(StoredSkin, IsNothingIfWronglyMade) {
 
 TEST_F(SkinCacheTest, KeepsASkinAndGivesItBack) {
   HANDGRAFT_NEEDS_CGAL();
-  const SkinCache cache(folder_);
+  const SkinCache cache(folder);
   SkinReport first;
   const Skin made = cache.get(makeBall(0.02), {}, Progress(), &first);
   EXPECT_FALSE(first.from_cache);
@@ -119,9 +119,9 @@ TEST_F(SkinCacheTest, KeepsASkinAndGivesItBack) {
 
 TEST_F(SkinCacheTest, LooksFirstAtWhatCameWithTheProgram) {
   HANDGRAFT_NEEDS_CGAL();
-  const fs::path shipped = folder_ / "shipped";
+  const fs::path shipped = folder / "shipped";
   const Skin made = SkinCache(shipped).get(makeBall(0.02), {}, Progress());
-  const fs::path own = folder_ / "own";
+  const fs::path own = folder / "own";
   SkinReport report;
   const Skin found = SkinCache(own, shipped).get(makeBall(0.02), {}, Progress(), &report);
   EXPECT_TRUE(report.from_cache);
@@ -137,7 +137,7 @@ TEST_F(SkinCacheTest, LooksFirstAtWhatCameWithTheProgram) {
 
 TEST_F(SkinCacheTest, MakesADamagedFileAnew) {
   HANDGRAFT_NEEDS_CGAL();
-  const SkinCache cache(folder_);
+  const SkinCache cache(folder);
   (void)cache.get(makeBall(0.02), {}, Progress());
   ASSERT_EQ(files().size(), 1u);
   fs::resize_file(files().front(), fs::file_size(files().front()) / 2);
@@ -176,30 +176,30 @@ class Variable {
 
 TEST_F(SkinCacheTest, IsAtHomeWhereTheSystemKeepsCaches) {
   HANDGRAFT_NEEDS_CGAL();
-  const Variable home("HOME", folder_.c_str());
+  const Variable home("HOME", folder.c_str());
   {
     const Variable none("XDG_CACHE_HOME", nullptr);
     (void)SkinCache::fromEnvironment().get(makeBall(0.02), {}, Progress());
-    EXPECT_TRUE(fs::exists(folder_ / ".cache" / "handgraft" / "skins"));
+    EXPECT_TRUE(fs::exists(folder / ".cache" / "handgraft" / "skins"));
   }
-  fs::remove_all(folder_);
-  const Variable elsewhere("XDG_CACHE_HOME", (folder_ / "elsewhere").c_str());
+  fs::remove_all(folder);
+  const Variable elsewhere("XDG_CACHE_HOME", (folder / "elsewhere").c_str());
   (void)SkinCache::fromEnvironment().get(makeBall(0.02), {}, Progress());
-  EXPECT_TRUE(fs::exists(folder_ / "elsewhere" / "handgraft" / "skins"));
-  EXPECT_FALSE(fs::exists(folder_ / ".cache"));
+  EXPECT_TRUE(fs::exists(folder / "elsewhere" / "handgraft" / "skins"));
+  EXPECT_FALSE(fs::exists(folder / ".cache"));
 }
 
 TEST_F(SkinCacheTest, WorksWhereNothingCanBeKept) {
   HANDGRAFT_NEEDS_CGAL();
-  std::ofstream(folder_) << "a file where the folder should be";
-  EXPECT_TRUE(SkinCache(folder_).get(makeBall(0.02), {}, Progress()).mesh().isClosed());
+  std::ofstream(folder) << "a file where the folder should be";
+  EXPECT_TRUE(SkinCache(folder).get(makeBall(0.02), {}, Progress()).mesh().isClosed());
   EXPECT_TRUE(SkinCache().get(makeBall(0.02), {}, Progress()).mesh().isClosed());
 }
 
 TEST_F(SkinCacheTest, StopsOnWishAndKeepsNothing) {
   Progress progress;
   progress.cancel();
-  EXPECT_THROW((void)SkinCache(folder_).get(makeBall(0.02), {}, progress), Cancelled);
+  EXPECT_THROW((void)SkinCache(folder).get(makeBall(0.02), {}, progress), Cancelled);
   EXPECT_TRUE(files().empty());
 }
 

@@ -146,7 +146,7 @@ TEST(Skin, StopsOnWish) {
 
 /// Two fingers of 16 mm on a palm, 2 mm apart, which no joint can spread.
 HandModel makePair() {
-  const auto jointTo = [](const std::string& child, double x) {
+  const auto joint_to = [](const std::string& child, double x) {
     Joint joint;
     joint.name = child + "_bend";
     joint.type = JointType::kRevolute;
@@ -161,7 +161,7 @@ HandModel makePair() {
           {boxLink("palm", {0.06, 0.06, 0.02}, Eigen::Vector3d::Zero()),
            boxLink("left", {0.016, 0.016, 0.05}, {0.0, 0.0, 0.025}),
            boxLink("right", {0.016, 0.016, 0.05}, {0.0, 0.0, 0.025})},
-          {jointTo("left", -0.009), jointTo("right", 0.009)}};
+          {joint_to("left", -0.009), joint_to("right", 0.009)}};
 }
 
 TEST(Skin, NeverBindsAFingerToItsNeighbour) {

@@ -85,15 +85,15 @@ TEST(VoxelsOutOfReach, AreABoxAndWhatNoBallGetsInto) {
       geometry::merged({boxAt({0.04, 0.04, 0.002}, {0.0, 0.0, 0.003}),
                         boxAt({0.04, 0.04, 0.002}, {0.0, 0.0, -0.003})});
   const VoxelGrid grid = gridAround(plates, 0.0005, 4'000'000, 0.003);
-  const auto isSolid = [&](double ball_radius_m, const Eigen::Vector3d& p) {
+  const auto is_solid = [&](double ball_radius_m, const Eigen::Vector3d& p) {
     const Eigen::Vector3i c = ((p - grid.origin_S) / grid.step_m).array().round().cast<int>();
     return voxelsOutOfReach(plates, grid, ball_radius_m)[grid.index(c.x(), c.y(), c.z())] != 0;
   };
-  EXPECT_TRUE(isSolid(0.003, {0.0, 0.0, 0.003}));
-  EXPECT_TRUE(isSolid(0.003, {0.0, 0.0, 0.0}));
-  EXPECT_FALSE(isSolid(0.003, {0.0, 0.0, 0.0055}));
-  EXPECT_TRUE(isSolid(0.0015, {0.0, 0.0, 0.003}));
-  EXPECT_FALSE(isSolid(0.0015, {0.0, 0.0, 0.0}));
+  EXPECT_TRUE(is_solid(0.003, {0.0, 0.0, 0.003}));
+  EXPECT_TRUE(is_solid(0.003, {0.0, 0.0, 0.0}));
+  EXPECT_FALSE(is_solid(0.003, {0.0, 0.0, 0.0055}));
+  EXPECT_TRUE(is_solid(0.0015, {0.0, 0.0, 0.003}));
+  EXPECT_FALSE(is_solid(0.0015, {0.0, 0.0, 0.0}));
 }
 
 TEST(LargestPiece, LeavesOutTheOthers) {

@@ -93,10 +93,12 @@ TEST(Variant, OfAnotherSizeMovesAsTheScaledHand) {
     EXPECT_NEAR(q_variant[3], factor * q[3], 1e-15) << "the slider";
     EXPECT_TRUE(variant.model.restPose().isApprox(poseOfVariant(variant, hand.restPose())));
     const LinkPoses X = forwardKinematics(hand, {Pose::Identity(), q});
-    const LinkPoses X_variant = forwardKinematics(variant.model, {Pose::Identity(), q_variant});
+    const LinkPoses pose_of_variant =
+        forwardKinematics(variant.model, {Pose::Identity(), q_variant});
     for (std::size_t link = 0; link < X.size(); ++link) {
-      EXPECT_TRUE(X_variant[link].linear().isApprox(X[link].linear(), 1e-12));
-      EXPECT_LT((X_variant[link].translation() - factor * X[link].translation()).norm(), 1e-15);
+      EXPECT_TRUE(pose_of_variant[link].linear().isApprox(X[link].linear(), 1e-12));
+      EXPECT_LT((pose_of_variant[link].translation() - factor * X[link].translation()).norm(),
+                1e-15);
       EXPECT_LT((variant.model.links()[link].visuals[0].mesh_L.vertices() -
                  factor * hand.links()[link].visuals[0].mesh_L.vertices())
                     .cwiseAbs()

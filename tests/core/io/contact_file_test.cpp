@@ -303,6 +303,7 @@ struct RealMap {
   std::vector<std::string> fingers;
 };
 
+// NOLINTNEXTLINE(readability-identifier-naming): GoogleTest's name
 void PrintTo(const RealMap& real, std::ostream* out) {
   *out << real.map;
 }

@@ -182,7 +182,7 @@ TEST(HostileClaims, PolygonsOfAMillionCornersAreCutAllTheSame) {
 // === Pictures
 
 TEST(HostileClaims, OfHugePicturesAreNotBelieved) {
-  const auto bigEndian = [](std::uint32_t value) {
+  const auto big_endian = [](std::uint32_t value) {
     std::string bytes = raw(value);
     return std::string(bytes.rbegin(), bytes.rend());
   };
@@ -190,11 +190,11 @@ TEST(HostileClaims, OfHugePicturesAreNotBelieved) {
     const std::string both = kind + body;
     const uLong sum =
         crc32(0, reinterpret_cast<const Bytef*>(both.data()), static_cast<uInt>(both.size()));
-    return bigEndian(static_cast<std::uint32_t>(body.size())) + both +
-           bigEndian(static_cast<std::uint32_t>(sum));
+    return big_endian(static_cast<std::uint32_t>(body.size())) + both +
+           big_endian(static_cast<std::uint32_t>(sum));
   };
   for (const std::uint32_t width : {100'000U, 1'000'000U, 0x7fffffffU}) {
-    std::string header = bigEndian(width) + bigEndian(100'000U);
+    std::string header = big_endian(width) + big_endian(100'000U);
     header += std::string("\x10\x06\0\0\0", 5);  // 16 bits, red, green, blue and alpha
     const fs::path path = write("wide.png", "\x89PNG\r\n\x1a\n" + chunk("IHDR", header) +
                                                 chunk("IDAT", "x\x9c") + chunk("IEND", ""));

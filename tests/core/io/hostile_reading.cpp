@@ -34,8 +34,8 @@ void writeAll(int file, const void* bytes, std::size_t size) {
 }
 
 [[noreturn]] void runChild(const std::function<void()>& read, int answer) {
-  constexpr unsigned kLongest_s = 600;
-  alarm(kLongest_s);
+  constexpr unsigned kLongest = 600;
+  alarm(kLongest);
   Reading reading;
   const double before = largestMb();
   try {

@@ -260,7 +260,7 @@ TEST(HostileUrdf, GltfsReachNoFileBeyondTheirFolder) {
            R"(","byteLength":36}],"bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":36}],)"
            R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}]})";
   };
-  const auto wordsOf = [&](const std::string& uri) {
+  const auto words_of = [&](const std::string& uri) {
     try {
       (void)readMesh(write("inside/mesh.gltf", gltf(uri)));
     } catch (const InvalidInput& error) {
@@ -269,12 +269,12 @@ TEST(HostileUrdf, GltfsReachNoFileBeyondTheirFolder) {
     return std::string("it was read");
   };
   // Its own buffer is opened: three vertices in one place, no face with area.
-  EXPECT_THAT(wordsOf("inside.bin"), HasSubstr("no face with area"));
+  EXPECT_THAT(words_of("inside.bin"), HasSubstr("no face with area"));
   for (const std::string& uri :
        {std::string("../outside.bin"), std::string("%2e%2e/outside.bin"),
         std::string("..%2foutside.bin"), std::string("./x/../../outside.bin"), outside.string(),
         "file://" + outside.string()}) {
-    EXPECT_THAT(wordsOf(uri),
+    EXPECT_THAT(words_of(uri),
                 AllOf(HasSubstr("mesh.gltf"), Not(HasSubstr("no face with area"))))
         << uri;
   }

@@ -22,23 +22,23 @@ using testing::HasSubstr;
 class MotionPlan : public testing::Test {
  protected:
   MotionPlan()
-      : models_(test::sourceDirectory() / "server/models"),
-        box_(readMesh(models_ / "objects/box.obj")) {
+      : models(test::sourceDirectory() / "server/models"),
+        box(readMesh(models / "objects/box.obj")) {
     write("path.csv", "time_s,x,y,z,qw,qx,qy,qz\n0,0,0,0.3,1,0,0,0\n1,-0.25,0,0.32,1,0,0,0\n");
-    files_["first.json"] = models_ / "contacts/box_5.json";
+    files["first.json"] = models / "contacts/box_5.json";
   }
 
   fs::path write(const std::string& name, const std::string& text) {
     const fs::path path = test::scratchDirectory() / name;
     std::ofstream(path, std::ios::binary) << text;
-    files_[name] = path;
+    files[name] = path;
     return path;
   }
 
   manipulation::Motion read(const std::string& plan) {
-    return readMotionFrom(write("plan.json", plan), box_, [this](const std::string& uri) {
-      const auto found = files_.find(uri);
-      if (found == files_.end()) rejectInput("{}: this file was not uploaded", quoted(uri));
+    return readMotionFrom(write("plan.json", plan), box, [this](const std::string& uri) {
+      const auto found = files.find(uri);
+      if (found == files.end()) rejectInput("{}: this file was not uploaded", quoted(uri));
       return found->second;
     });
   }
@@ -52,9 +52,9 @@ class MotionPlan : public testing::Test {
     return "";
   }
 
-  fs::path models_;
-  MeshFile box_;
-  std::map<std::string, fs::path> files_;
+  fs::path models;
+  MeshFile box;
+  std::map<std::string, fs::path> files;
 };
 
 constexpr const char* kPull =
@@ -71,7 +71,7 @@ TEST_F(MotionPlan, JoinsAGraspToItselfAlongAPath) {
 
 TEST_F(MotionPlan, ComesBackFromTheFileThatIsMadeOfIt) {
   const manipulation::Motion motion = read(kPull);
-  const manipulation::Motion back = read(motionText(motion, box_.mesh));
+  const manipulation::Motion back = read(motionText(motion, box.mesh));
   ASSERT_EQ(back.tracks.size(), motion.tracks.size());
   EXPECT_EQ(back.time_s, motion.time_s);
 }
@@ -99,7 +99,7 @@ TEST_F(MotionPlan, WhatAHandDidNeedsThatHand) {
                                "hand_trajectory": "done.json")" +
                                more + "}"),
         [this](const std::string& uri) {
-          return files_.at(uri);
+          return files.at(uri);
         });
   };
   const auto plan = planned(R"(, "hand": "clamp", "every_s": 0.02)");
@@ -194,7 +194,7 @@ TEST_F(MotionPlan, AManoSequenceMayBeNumPys) {
   file.add("object_transl", {0.0, -0.026, 0.0}, {1, 3});
   const std::string bytes = file.bytes();
   const fs::path path = write("hand.npz", bytes);
-  const manipulation::Motion motion = readMotionFrom(path, box_, {});
+  const manipulation::Motion motion = readMotionFrom(path, box, {});
   EXPECT_EQ(motion.name, "hand");
   EXPECT_EQ(motion.frameCount(), 3);
   EXPECT_NEAR(motion.time_s[2], 0.2, 1e-12);
@@ -203,7 +203,7 @@ TEST_F(MotionPlan, AManoSequenceMayBeNumPys) {
 
   const auto objection = [&](const std::string& text) -> std::string {
     try {
-      (void)readMotionFrom(write("bad.npz", text), box_, {});
+      (void)readMotionFrom(write("bad.npz", text), box, {});
     } catch (const InvalidInput& error) {
       return error.what();
     }

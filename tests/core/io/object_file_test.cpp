@@ -74,15 +74,15 @@ TEST(ObjectFile, PlacesContactSetsByPointsOfTheCloud) {
   HANDGRAFT_NEEDS_CGAL();
   const MeshFile object = readObject(write("cloud.ply", plySphere("")));
   const auto near = geometry::KdTree(object.cloud_O).nearestFew(object.cloud_O.col(12), 4);
-  const auto setWithRoot = [&](int root) {
+  const auto set_with_root = [&](int root) {
     return fmt::format(fmt::runtime(kSet), root, near[1].index, near[2].index, near[3].index);
   };
-  const contact::ContactSet set = readContactSet(write("set.json", setWithRoot(12)), object);
+  const contact::ContactSet set = readContactSet(write("set.json", set_with_root(12)), object);
   const Eigen::Vector3d root = positionOf(object.mesh, set.patches.front().root);
   EXPECT_LT((root - object.cloud_O.col(12)).norm(), 2e-4);
   EXPECT_EQ(set.patches.front().interpolation_boundary.size(), 25u);
   try {
-    readContactSet(write("bad.json", setWithRoot(2562)), object);
+    readContactSet(write("bad.json", set_with_root(2562)), object);
     FAIL() << "accepted";
   } catch (const InvalidInput& error) {
     EXPECT_THAT(error.what(), HasSubstr("points 0 to 2561"));

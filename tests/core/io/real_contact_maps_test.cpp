@@ -34,6 +34,7 @@ struct RealMap {
   std::vector<std::string> fingers;
 };
 
+// NOLINTNEXTLINE(readability-identifier-naming): GoogleTest's name
 void PrintTo(const RealMap& real, std::ostream* out) {
   *out << real.file;
 }
@@ -60,30 +61,30 @@ class RealContactMap : public ::testing::TestWithParam<RealMap> {
  protected:
   void SetUp() override {
     HANDGRAFT_NEEDS_SHARED_DATA("contacts");
-    map_ = readContactMap(test::sharedData(GetParam().file + "_contact.ply"));
+    map = readContactMap(test::sharedData(GetParam().file + "_contact.ply"));
   }
 
-  ContactMap map_;
+  ContactMap map;
 };
 
 TEST_P(RealContactMap, HasAPatchForEveryFingerThatTouchesByAnySensibleThreshold) {
-  SegmentationOptions options = optionsFor(map_);
+  SegmentationOptions options = optionsFor(map);
   for (const double threshold : {0.3, 0.4, 0.5}) {
     options.threshold = threshold;
-    const ContactSet set = contact::segment(map_, options);
+    const ContactSet set = contact::segment(map, options);
     EXPECT_EQ(namesOf(set), GetParam().fingers) << threshold << fmt::format(" {}", set.notes);
   }
   options.rule = ThresholdRule::kOtsu;
-  EXPECT_EQ(namesOf(contact::segment(map_, options)), GetParam().fingers)
-      << "Otsu " << contact::thresholdOf(map_, options);
+  EXPECT_EQ(namesOf(contact::segment(map, options)), GetParam().fingers)
+      << "Otsu " << contact::thresholdOf(map, options);
 }
 
 TEST_P(RealContactMap, HasThemWithHysteresisAndSmoothing) {
-  SegmentationOptions options = optionsFor(map_);
+  SegmentationOptions options = optionsFor(map);
   for (const int steps : {0, 3}) {
     options.smoothing_steps = steps;
     options.low_share = 0.6;
-    EXPECT_EQ(namesOf(contact::segment(map_, options)), GetParam().fingers) << steps;
+    EXPECT_EQ(namesOf(contact::segment(map, options)), GetParam().fingers) << steps;
   }
 }
 
@@ -102,13 +103,13 @@ double distanceToLoop(const TriangleMesh& mesh,
 }
 
 TEST_P(RealContactMap, HasAsManyPointsOnEachBoundaryAsAskedFor) {
-  SegmentationOptions options = optionsFor(map_);
+  SegmentationOptions options = optionsFor(map);
   for (const int count : {20, 25, 30}) {
     options.interpolation_count = count;
-    for (const Patch& patch : contact::segment(map_, options).patches) {
+    for (const Patch& patch : contact::segment(map, options).patches) {
       ASSERT_EQ(std::ssize(patch.interpolation_boundary), count);
       for (const auto& point : patch.interpolation_boundary) {
-        EXPECT_LT(distanceToLoop(map_.mesh_O, patch.boundary, positionOf(map_.mesh_O, point)),
+        EXPECT_LT(distanceToLoop(map.mesh_O, patch.boundary, positionOf(map.mesh_O, point)),
                   1e-6)
             << patch.name;
       }

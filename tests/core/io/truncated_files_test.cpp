@@ -37,6 +37,7 @@ struct Whole {
   std::size_t optional_end = 0;
 };
 
+// NOLINTNEXTLINE(readability-identifier-naming): GoogleTest's name
 void PrintTo(const Whole& whole, std::ostream* out) {
   *out << whole.name;
 }

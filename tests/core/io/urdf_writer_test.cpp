@@ -32,10 +32,10 @@ double differenceOf(const hand::HandModel& a, const hand::HandModel& b) {
     Eigen::VectorXd q(a.dofCount());
     for (double& value : q)
       value = angle(random);
-    const auto X_a = hand::forwardKinematics(a, {Pose::Identity(), q});
-    const auto X_b = hand::forwardKinematics(b, {Pose::Identity(), q});
-    for (std::size_t i = 0; i < X_a.size(); ++i)
-      most = std::max(most, (X_a[i].matrix() - X_b[i].matrix()).cwiseAbs().maxCoeff());
+    const auto pose_a = hand::forwardKinematics(a, {Pose::Identity(), q});
+    const auto pose_b = hand::forwardKinematics(b, {Pose::Identity(), q});
+    for (std::size_t i = 0; i < pose_a.size(); ++i)
+      most = std::max(most, (pose_a[i].matrix() - pose_b[i].matrix()).cwiseAbs().maxCoeff());
   }
   return most;
 }

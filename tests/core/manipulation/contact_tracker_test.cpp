@@ -130,17 +130,17 @@ TEST(ContactTracker, ALeftHandTouchesWithItsPalmToo) {
 
 TEST(ContactTracker, WhatTouchesStaysUntilItIsClearlyAway) {
   const geometry::TriangleMesh table = slab(0.0);
-  const auto countAt = [&](ContactTracker& tracker, double height_m) {
+  const auto count_at = [&](ContactTracker& tracker, double height_m) {
     DemonstratedFrame frame = frameOf(ManoPose::Zero());
     frame.X_WO.translation().y() = -height_m;
     return tracker.see(frame).size();
   };
   ContactTracker fresh(table), known(table);
-  const std::size_t near = countAt(known, 0.012);
-  const std::size_t begun = countAt(fresh, 0.018);
+  const std::size_t near = count_at(known, 0.012);
+  const std::size_t begun = count_at(fresh, 0.018);
   EXPECT_GT(near, begun);
-  EXPECT_GT(countAt(known, 0.018), begun);
-  EXPECT_EQ(countAt(known, 0.1), 0u);
+  EXPECT_GT(count_at(known, 0.018), begun);
+  EXPECT_EQ(count_at(known, 0.1), 0u);
 }
 
 TEST(ContactTracker, WhatIsNotFiniteIsRefused) {

@@ -148,7 +148,7 @@ TEST(MotionFile, ComesBackAsItWent) {
 
 TEST(MotionFile, NamesTheFieldThatIsWrong) {
   const std::string text = io::motionText(slide(), ball());
-  const auto faultWith = [&](const std::string& what, const std::string& instead) {
+  const auto fault_with = [&](const std::string& what, const std::string& instead) {
     std::string broken = text;
     const std::size_t at = broken.find(what);
     EXPECT_NE(at, std::string::npos) << what;
@@ -160,13 +160,13 @@ TEST(MotionFile, NamesTheFieldThatIsWrong) {
     }
     return std::string();
   };
-  EXPECT_THAT(faultWith("handgraft-motion/1", "handgraft-motion/9"), HasSubstr("'format'"));
-  EXPECT_THAT(faultWith("\"end\":8", "\"end\":-8"), HasSubstr("track 0: field 'end' is '-8'"));
-  EXPECT_THAT(faultWith("\"end\":8", "\"stop\":8"), HasSubstr("stop"));
-  EXPECT_THAT(faultWith("\"time_s\":[0.0", "\"time_s\":[null"),
+  EXPECT_THAT(fault_with("handgraft-motion/1", "handgraft-motion/9"), HasSubstr("'format'"));
+  EXPECT_THAT(fault_with("\"end\":8", "\"end\":-8"), HasSubstr("track 0: field 'end' is '-8'"));
+  EXPECT_THAT(fault_with("\"end\":8", "\"stop\":8"), HasSubstr("stop"));
+  EXPECT_THAT(fault_with("\"time_s\":[0.0", "\"time_s\":[null"),
               HasSubstr("'time_s' has 'null'"));
-  EXPECT_THAT(faultWith("\"root\":[", "\"root\":[1e3,"), HasSubstr("field 'root' must be"));
-  EXPECT_THAT(faultWith("{", "["), HasSubstr("parse error"));
+  EXPECT_THAT(fault_with("\"root\":[", "\"root\":[1e3,"), HasSubstr("field 'root' must be"));
+  EXPECT_THAT(fault_with("{", "["), HasSubstr("parse error"));
 }
 
 TEST(SplineTrajectory, IsAStraightLineWhereItsControlsAre) {

@@ -146,18 +146,18 @@ TEST(MotionObjective, JoinsFramesByTheHessianWhereItsResidualsAreLinear) {
   MotionObjective objective(problem, {}, pool);
   const std::vector<hand::HandPose> poses(5, scene.from);
   BandSystem system(5, objective.dofCount());
-  const auto expandAt = [&](const std::vector<hand::HandPose>& at, BandSystem& into) {
+  const auto expand_at = [&](const std::vector<hand::HandPose>& at, BandSystem& into) {
     static_cast<void>(objective.evaluateToExpand(at));
     objective.takeModels();
     objective.expand(at, into);
   };
-  expandAt(poses, system);
+  expand_at(poses, system);
   BandSystem above(5, objective.dofCount());
   BandSystem below(5, objective.dofCount());
   constexpr double kStep = 1e-4;
   for (int dof = 0; dof < objective.dofCount(); ++dof) {
-    expandAt(moved(poses, 2, dof, kStep), above);
-    expandAt(moved(poses, 2, dof, -kStep), below);
+    expand_at(moved(poses, 2, dof, kStep), above);
+    expand_at(moved(poses, 2, dof, -kStep), below);
     const auto slope = [&](std::size_t frame, int row) {
       return (below.right[frame][row] - above.right[frame][row]) / (2.0 * kStep);
     };
@@ -341,11 +341,11 @@ TEST(OfflineSolver, WhatNothingHoldsComesToRest) {
   MotionOptions options;
   options.smoothness = 1e4;
   const Trajectory trajectory = solveOffline(problem, options, Progress());
-  const auto stepAt = [&](std::size_t k) {
+  const auto step_at = [&](std::size_t k) {
     return distanceOf(trajectory.poses[k], trajectory.poses[k - 1]);
   };
-  EXPECT_GT(stepAt(kTouching - 2), 1e-3);
-  EXPECT_LT(stepAt(239), 0.02 * stepAt(kTouching - 2));
+  EXPECT_GT(step_at(kTouching - 2), 1e-3);
+  EXPECT_LT(step_at(239), 0.02 * step_at(kTouching - 2));
 }
 
 TEST(OfflineSolver, TakesOneFrameAndTwo) {

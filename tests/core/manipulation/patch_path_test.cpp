@@ -162,12 +162,12 @@ TEST(JoinGrasps, SlidesWhatBothHaveAndFadesTheRest) {
   EXPECT_EQ(motion.tracks[1].end, 48);
   EXPECT_EQ(motion.tracks[2].name, "middle");
   EXPECT_EQ(motion.tracks[2].begin(), 72);
-  const auto rootAt = [&](int frame) {
+  const auto root_at = [&](int frame) {
     return positionOf(box(), motion.tracks[0].keyAt(frame).patch.root);
   };
-  EXPECT_LT((rootAt(0) - Vector3d(0.0, -0.05, 0.05)).norm(), 1e-9);
-  EXPECT_LT((rootAt(60) - Vector3d(0.0, -0.035, 0.05)).norm(), 1e-6);
-  EXPECT_LT((rootAt(120) - Vector3d(0.0, -0.02, 0.05)).norm(), 1e-9);
+  EXPECT_LT((root_at(0) - Vector3d(0.0, -0.05, 0.05)).norm(), 1e-9);
+  EXPECT_LT((root_at(60) - Vector3d(0.0, -0.035, 0.05)).norm(), 1e-6);
+  EXPECT_LT((root_at(120) - Vector3d(0.0, -0.02, 0.05)).norm(), 1e-9);
   EXPECT_NEAR(motion.X_WO[60].translation().z(), 0.1, 1e-12);
 }
 

@@ -20,7 +20,7 @@ Motion twoTracks() {
     motion.X_WO.push_back(Pose::Identity());
     motion.X_WO.back().translation().x() = k;
   }
-  const auto trackOf = [](const char* name, std::vector<int> frames, int end) {
+  const auto track_of = [](const char* name, std::vector<int> frames, int end) {
     PatchTrack track;
     track.name = name;
     track.end = end;
@@ -30,7 +30,7 @@ Motion twoTracks() {
     }
     return track;
   };
-  motion.tracks = {trackOf("a", {0, 4, 5, 9}, kFrames), trackOf("b", {7}, 9)};
+  motion.tracks = {track_of("a", {0, 4, 5, 9}, kFrames), track_of("b", {7}, 9)};
   return motion;
 }
 

@@ -16,7 +16,8 @@ thread_local long count = 0;
 
 #if HANDGRAFT_COUNTS_ALLOCATIONS
 // new and Eigen both end in malloc, which glibc lets a program replace.
-extern "C" void* __libc_malloc(std::size_t size);  // NOLINT(bugprone-reserved-identifier)
+extern "C" void* __libc_malloc(
+    std::size_t size);  // NOLINT(bugprone-reserved-identifier,readability-identifier-naming)
 
 extern "C" void* malloc(std::size_t size) {
   ++count;

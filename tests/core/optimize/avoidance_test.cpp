@@ -109,7 +109,7 @@ std::vector<Depth> depthsInObject(const Scene& scene, const hand::HandPose& pose
 double sumOverSamples(const Scene& scene, const hand::HandPose& pose, bool itself) {
   const hand::LinkPoses X_WL = forwardKinematics(*scene.hand.model, pose);
   const auto& links = scene.avoidance->hand->links();
-  const auto poseOf = [&](const hand::LinkSolid& solid) {
+  const auto pose_of = [&](const hand::LinkSolid& solid) {
     return X_WL[static_cast<std::size_t>(solid.link)];
   };
   double sum = 0.0;
@@ -123,7 +123,7 @@ double sumOverSamples(const Scene& scene, const hand::HandPose& pose, bool itsel
       for (const hand::SurfaceSample& sample : own.fine.samples) {
         const double depth =
             scene.avoidance->self_margin_m -
-            other.distance(inverse(poseOf(other)) * (poseOf(own) * sample.p_L));
+            other.distance(inverse(pose_of(other)) * (pose_of(own) * sample.p_L));
         if (depth > 0.0) sum += sample.area_m2 / 1e-5 * depth * depth;
       }
     }

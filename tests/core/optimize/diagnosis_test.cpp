@@ -117,20 +117,20 @@ TEST(Diagnosis, TellsReachedAndFacingAway) {
 }
 
 TEST(Diagnosis, CountsThePatchesThatAreMissed) {
-  const auto missedOf = [](const PoseProblem& problem) {
+  const auto missed_of = [](const PoseProblem& problem) {
     return missedPatches(problem, solve(problem, {}, Progress())).size();
   };
-  EXPECT_EQ(missedOf(armAgainst(0.2, kArm)), 0U);
-  EXPECT_EQ(missedOf(armAgainst(0.2, kArm, 1.2)), 1) << "it faces away";
+  EXPECT_EQ(missed_of(armAgainst(0.2, kArm)), 0U);
+  EXPECT_EQ(missed_of(armAgainst(0.2, kArm, 1.2)), 1) << "it faces away";
   // Of two on one arm, 0.3 rad apart, the heavier one is met.
   PoseProblem both = armAgainst(0.2, kArm);
   both.pairs.push_back(armAgainst(0.5, kArm).pairs[0]);
   both.pairs[1].patch = 4;
-  EXPECT_EQ(missedOf(both), 2) << "in the middle";
+  EXPECT_EQ(missed_of(both), 2) << "in the middle";
   both.pairs[0].weight = 1e3;
-  EXPECT_EQ(missedOf(both), 1);
+  EXPECT_EQ(missed_of(both), 1);
   both.pairs[1].weight = 0.0;
-  EXPECT_EQ(missedOf(both), 0) << "without a weight nobody asks for it";
+  EXPECT_EQ(missed_of(both), 0) << "without a weight nobody asks for it";
 }
 
 TEST(Diagnosis, TellsWhichPatchKeepsTheOthersAway) {

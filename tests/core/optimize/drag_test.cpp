@@ -21,8 +21,8 @@ using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kUpper_m = 0.3;  // of the arm's links
-constexpr double kFore_m = 0.2;
+constexpr double kUpper = 0.3;  // of the arm's links
+constexpr double kFore = 0.2;
 
 /// Two links in the plane z = 0, joints about z, the root's six freedoms locked.
 PoseProblem planarArm(double lower = -kPi, double upper = kPi) {
@@ -40,7 +40,7 @@ PoseProblem planarArm(double lower = -kPi, double upper = kPi) {
     joints[i].lower = lower;
     joints[i].upper = upper;
   }
-  joints[1].X_PJ.translation().x() = kUpper_m;
+  joints[1].X_PJ.translation().x() = kUpper;
   PoseProblem problem =
       makeProblem(std::make_shared<const hand::HandModel>("arm", links, joints));
   problem.start.q << 0.4, 0.8;
@@ -52,7 +52,7 @@ PoseProblem planarArm(double lower = -kPi, double upper = kPi) {
 DragTarget tipTo(const Eigen::Vector3d& target_W) {
   DragTarget target;
   target.link = 2;
-  target.p_L = kFore_m * Eigen::Vector3d::UnitX();
+  target.p_L = kFore * Eigen::Vector3d::UnitX();
   target.target_W = target_W;
   return target;
 }
@@ -76,8 +76,8 @@ TEST(Drag, OfAPlanarArmIsTheLawOfCosines) {
     const DragResult result = drag(problem, target);
     EXPECT_LT((pointOf(problem, result, target) - target.target_W).norm(), 1e-4);
     EXPECT_LT(result.short_m, 1e-4);
-    const double elbow = std::acos((r * r - kUpper_m * kUpper_m - kFore_m * kFore_m) /
-                                   (2.0 * kUpper_m * kFore_m));
+    const double elbow =
+        std::acos((r * r - kUpper * kUpper - kFore * kFore) / (2.0 * kUpper * kFore));
     EXPECT_NEAR(std::abs(std::remainder(result.pose.q[1], 2.0 * kPi)), elbow, 2e-3);
     EXPECT_FALSE(result.root_moved);
   }

@@ -55,17 +55,17 @@ TEST(EnvelopeCholesky, ReadsNothingOutsideTheEnvelope) {
 TEST(EnvelopeCholesky, RefusesWhatIsNotPositiveDefinite) {
   const std::vector<int> first = {0, 0};
   EnvelopeCholesky factor(2);
-  const auto isPositive = [&](const Eigen::Matrix2d& A) {
+  const auto is_positive = [&](const Eigen::Matrix2d& A) {
     return factor.factor(2, first, [&A](int i, int j) {
       return A(i, j);
     });
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_TRUE(isPositive((Eigen::Matrix2d() << 2, 1, 1, 2).finished()));
-  EXPECT_FALSE(isPositive((Eigen::Matrix2d() << 1, 2, 2, 1).finished()));
-  EXPECT_FALSE(isPositive((Eigen::Matrix2d() << 1, 1, 1, 1).finished()));
-  EXPECT_FALSE(isPositive((Eigen::Matrix2d() << 1, 0, 0, 0).finished()));
-  EXPECT_FALSE(isPositive((Eigen::Matrix2d() << 1, 0, 0, nan).finished()));
+  EXPECT_TRUE(is_positive((Eigen::Matrix2d() << 2, 1, 1, 2).finished()));
+  EXPECT_FALSE(is_positive((Eigen::Matrix2d() << 1, 2, 2, 1).finished()));
+  EXPECT_FALSE(is_positive((Eigen::Matrix2d() << 1, 1, 1, 1).finished()));
+  EXPECT_FALSE(is_positive((Eigen::Matrix2d() << 1, 0, 0, 0).finished()));
+  EXPECT_FALSE(is_positive((Eigen::Matrix2d() << 1, 0, 0, nan).finished()));
 }
 
 TEST(EnvelopeCholesky, AnswersAnEmptyMatrix) {

@@ -60,18 +60,18 @@ PointSums sumPoints(const PoseProblem& problem, const hand::HandPose& pose) {
     J.leftCols<6>().setIdentity();
     J.block<3, 3>(3, 0) = -crossMatrix(p_W - pose.X_WH.translation());
     J.rightCols(dofs - 6) = pointJacobian(*problem.model, X_WL, pair.link, p_W);
-    const Eigen::MatrixXd J_m = directionJacobian(J, m_W);
+    const Eigen::MatrixXd jacobian_m = directionJacobian(J, m_W);
     const double d = problem.weights.distance * pair.weight;
     const double n = problem.weights.normal * pair.weight;
     for (int i = 0; i < 3; ++i) {
       const double parts = std::abs(p_W[i]) + std::abs(pair.p_W[i]) + 0.1;
       addResidual(d, p_W[i] - pair.p_W[i], parts, J.row(3 + i), sums);
       if (problem.normal_form == NormalForm::kSum) {
-        addResidual(n, m_W[i] + pair.n_W[i], 2.0, J_m.row(i), sums);
+        addResidual(n, m_W[i] + pair.n_W[i], 2.0, jacobian_m.row(i), sums);
       }
     }
     if (problem.normal_form == NormalForm::kCosine) {
-      addResidual(n, 1.0 + m_W.dot(pair.n_W), 2.0, pair.n_W.transpose() * J_m, sums);
+      addResidual(n, 1.0 + m_W.dot(pair.n_W), 2.0, pair.n_W.transpose() * jacobian_m, sums);
     }
   }
   return sums;

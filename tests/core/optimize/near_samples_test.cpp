@@ -95,7 +95,7 @@ TEST(NearSamples, ForgetsWhenTold) {
   NearSamples near;
   Pose X_BA = Pose::Identity();
   X_BA.translation() = Vector3d(0.045, 0.0, 0.0);
-  const auto countWith = [&](bool any) {
+  const auto count_with = [&](bool any) {
     int count = 0;
     near.visit(
         {grid_B, 0.0, Vector3d::Zero(), kRadius}, X_BA,
@@ -110,11 +110,11 @@ TEST(NearSamples, ForgetsWhenTold) {
         });
     return count;
   };
-  const int all = countWith(true);
+  const int all = count_with(true);
   EXPECT_GT(all, 0);
-  EXPECT_EQ(countWith(false), all);  // the list is kept
+  EXPECT_EQ(count_with(false), all);  // the list is kept
   near.forget();
-  EXPECT_EQ(countWith(false), 0);  // other samples, as of another set
+  EXPECT_EQ(count_with(false), 0);  // other samples, as of another set
 }
 
 TEST(NearSamples, MotionBoundsEveryPointOfTheBall) {

@@ -58,14 +58,14 @@ TEST(SpanMisfit, TellsATooSmallHandAndByHowMuch) {
   ASSERT_EQ(misfits.size(), 1U);
   EXPECT_EQ(misfits[0].patch_a, 4);
   EXPECT_EQ(misfits[0].patch_b, 5);
-  EXPECT_NEAR(misfits[0].lack_m(), 0.02, 1e-5);
+  EXPECT_NEAR(misfits[0].lack(), 0.02, 1e-5);
   EXPECT_NEAR(misfits[0].hand_m, tipsApart(kWide), 1e-5);
 }
 
 TEST(SpanMisfit, TellsATooLargeHandAndByHowMuch) {
   const auto misfits = findSpanMisfits(tongs(tipsApart(kNarrow) - 0.015));
   ASSERT_EQ(misfits.size(), 1U);
-  EXPECT_NEAR(misfits[0].lack_m(), -0.015, 1e-5);
+  EXPECT_NEAR(misfits[0].lack(), -0.015, 1e-5);
 }
 
 TEST(SpanMisfit, ForgivesWhatCountsAsReached) {

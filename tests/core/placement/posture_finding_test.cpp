@@ -16,27 +16,27 @@ namespace {
 class PostureOfASmallHand : public testing::Test {
  protected:
   PostureOfASmallHand() {
-    hand_.model = small_.model;
-    hand_.skin = small_.skin;
-    hand_.sites = small_.sites;
-    pose_.q = Eigen::VectorXd(6);
-    pose_.q << 0.1, 0.3, 0.2, 0.15, -0.1, 0.4;
-    pose_.X_WH.rotate(Eigen::AngleAxisd(1.0, Eigen::Vector3d(1.0, -2.0, 0.5).normalized()));
+    hand.model = small.model;
+    hand.skin = small.skin;
+    hand.sites = small.sites;
+    pose.q = Eigen::VectorXd(6);
+    pose.q << 0.1, 0.3, 0.2, 0.15, -0.1, 0.4;
+    pose.X_WH.rotate(Eigen::AngleAxisd(1.0, Eigen::Vector3d(1.0, -2.0, 0.5).normalized()));
   }
 
   /// The set of a hand that touched in `pose_`, with nothing but its posture.
   [[nodiscard]] contact::ContactSet shown() const {
     contact::ContactSet set;
     hand::LinkPoses X_SL;
-    forwardKinematics(*hand_.model, Pose::Identity(), hand_.skin->qReference(), X_SL);
-    const hand::LinkPoses X_OL = forwardKinematics(*hand_.model, pose_);
-    const hand::Anatomy anatomy = anatomyOf(*hand_.model, X_SL, hand_.sites);
+    forwardKinematics(*hand.model, Pose::Identity(), hand.skin->qReference(), X_SL);
+    const hand::LinkPoses X_OL = forwardKinematics(*hand.model, pose);
+    const hand::Anatomy anatomy = anatomyOf(*hand.model, X_SL, hand.sites);
     for (const hand::NamedDigit& digit : anatomy.digits) {
       for (const hand::Segment& segment : digit.segments) {
         const auto L = static_cast<std::size_t>(segment.links.back());
         const Eigen::Matrix3d R_OS = X_OL[L].linear() * X_SL[L].linear().transpose();
         set.posture.push_back({hand::partName(digit.name, segment.name),
-                               R_OS * segment.bone_S(), R_OS * segment.palmar_S});
+                               R_OS * segment.boneInSkin(), R_OS * segment.palmar_S});
       }
     }
     const auto palm = static_cast<std::size_t>(anatomy.palm_links.front());
@@ -47,27 +47,27 @@ class PostureOfASmallHand : public testing::Test {
     return set;
   }
 
-  const test::SmallHand small_ = test::makeSmallHand();
-  hand::Hand hand_;
-  hand::HandPose pose_;
+  const test::SmallHand small = test::makeSmallHand();
+  hand::Hand hand;
+  hand::HandPose pose;
 };
 
 TEST_F(PostureOfASmallHand, OfAHandLikeItIsTheSame) {
   const contact::ContactSet set = shown();
   ASSERT_EQ(set.posture.size(), 7u);
-  const Posture posture = postureFor(hand_, set);
+  const Posture posture = postureFor(hand, set);
   ASSERT_TRUE(posture.R_OH.has_value());
   // The pull to the relaxed posture moves it a little.
-  EXPECT_LT((posture.q - pose_.q).lpNorm<Eigen::Infinity>(), 0.02);
-  EXPECT_LT((*posture.R_OH - pose_.X_WH.linear()).norm(), 0.02);
+  EXPECT_LT((posture.q - pose.q).lpNorm<Eigen::Infinity>(), 0.02);
+  EXPECT_LT((*posture.R_OH - pose.X_WH.linear()).norm(), 0.02);
 }
 
 TEST_F(PostureOfASmallHand, TurnsWithTheObject) {
   const Eigen::Matrix3d R =
       Eigen::AngleAxisd(2.0, Eigen::Vector3d(0.3, 0.1, -1.0).normalized()).toRotationMatrix();
-  const Posture before = postureFor(hand_, shown());
-  pose_.X_WH.linear() = R * pose_.X_WH.linear();
-  const Posture after = postureFor(hand_, shown());
+  const Posture before = postureFor(hand, shown());
+  pose.X_WH.linear() = R * pose.X_WH.linear();
+  const Posture after = postureFor(hand, shown());
   EXPECT_LT((after.q - before.q).norm(), 1e-4);
   EXPECT_LT((*after.R_OH - R * *before.R_OH).norm(), 1e-4);
 }
@@ -77,36 +77,36 @@ TEST_F(PostureOfASmallHand, LeavesOtherDigitsRelaxed) {
   std::erase_if(set.posture, [](const contact::PartDirection& part) {
     return part.part.starts_with("middle");
   });
-  const Posture posture = postureFor(hand_, set);
-  const Eigen::VectorXd relaxed = hand::relaxedPosture(*hand_.model, hand_.skin->qReference());
-  EXPECT_NEAR(posture.q[0], pose_.q[0], 0.02);
+  const Posture posture = postureFor(hand, set);
+  const Eigen::VectorXd relaxed = hand::relaxedPosture(*hand.model, hand.skin->qReference());
+  EXPECT_NEAR(posture.q[0], pose.q[0], 0.02);
   EXPECT_NEAR(posture.q[4], relaxed[4], 1e-6);
   EXPECT_NEAR(posture.q[5], relaxed[5], 1e-6);
 }
 
 TEST_F(PostureOfASmallHand, IsSurerTheNearerTheHandComes) {
   contact::ContactSet set = shown();
-  EXPECT_EQ(postureFor(hand_, set).sureness, 64.0);
-  EXPECT_EQ(postureFor(hand_, {}).sureness, 1.0);
+  EXPECT_EQ(postureFor(hand, set).sureness, 64.0);
+  EXPECT_EQ(postureFor(hand, {}).sureness, 1.0);
   // Bones that no joint of this hand can follow: each to the other side.
-  const auto bentBy = [&](double angle) {
+  const auto bent_by = [&](double angle) {
     contact::ContactSet bent = set;
     for (std::size_t i = 0; i < bent.posture.size(); ++i) {
       contact::PartDirection& part = bent.posture[i];
       const Eigen::AngleAxisd turn((i % 2 == 0 ? 1.0 : -1.0) * angle, part.palmar_O);
       part.outward_O = turn * part.outward_O;
     }
-    return postureFor(hand_, bent).sureness;
+    return postureFor(hand, bent).sureness;
   };
-  const double nearer = bentBy(0.15);
+  const double nearer = bent_by(0.15);
   EXPECT_GT(nearer, 1.0);
   EXPECT_LT(nearer, 8.0);
-  EXPECT_EQ(bentBy(0.6), 1.0);
+  EXPECT_EQ(bent_by(0.6), 1.0);
 }
 
 TEST_F(PostureOfASmallHand, IsRelaxedWhereNobodyKnows) {
-  const Posture posture = postureFor(hand_, {});
-  EXPECT_EQ(posture.q, hand::relaxedPosture(*hand_.model, hand_.skin->qReference()));
+  const Posture posture = postureFor(hand, {});
+  EXPECT_EQ(posture.q, hand::relaxedPosture(*hand.model, hand.skin->qReference()));
   EXPECT_FALSE(posture.R_OH.has_value());
 }
 

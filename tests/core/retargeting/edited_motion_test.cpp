@@ -43,25 +43,25 @@ class MotionBenchTest : public testing::Test {
   std::shared_ptr<const SolvedMotion> solve(const session::Document& document,
                                             const EditedMotion::OnStretch& told = {},
                                             bool causal = false) {
-    return bench_.solve(document, grasp_.hand(), motionSolving(causal), 1, Progress(), told);
+    return bench.solve(document, grasp.hand(), motionSolving(causal), 1, Progress(), told);
   }
 
   session::Document with(const session::Document& document,
                          double time_s,
                          double falloff_s,
                          session::TimedChange change) {
-    const hand::Hand hand = grasp_.hand();
+    const hand::Hand hand = grasp.hand();
     session::Models models;
     models.hand = &hand;
-    models.object_O = grasp_.ball;
+    models.object_O = grasp.ball;
     session::Document edited = document;
     session::addTimed({{time_s, falloff_s}, std::move(change)}, models, edited);
     return edited;
   }
 
-  const test::BallGrasp grasp_;
-  EditedMotion bench_{std::make_shared<const manipulation::Motion>(held(grasp_)), grasp_.ball};
-  const session::Document first_ = grasp_.open().document();
+  const test::BallGrasp grasp;
+  EditedMotion bench{std::make_shared<const manipulation::Motion>(held(grasp)), grasp.ball};
+  const session::Document first = grasp.open().document();
 };
 
 bool same(const hand::HandPose& a, const hand::HandPose& b) {
@@ -69,13 +69,13 @@ bool same(const hand::HandPose& a, const hand::HandPose& b) {
 }
 
 TEST_F(MotionBenchTest, AnEditAtATimeChangesTheFramesAboutItAlone) {
-  const auto before = solve(first_);
+  const auto before = solve(first);
   session::JointLockEdit lock{"index_1", true};
-  const int dof = grasp_.hand().model->dofIndex("index_1");
+  const int dof = grasp.hand().model->dofIndex("index_1");
   lock.value = before->trajectory.poses[120].q[dof] + 0.05;
   std::vector<FrameRange> told;
   const auto after =
-      solve(with(first_, 2.0, 0.2, lock), [&](const SolvedMotion&, FrameRange range) {
+      solve(with(first, 2.0, 0.2, lock), [&](const SolvedMotion&, FrameRange range) {
         told.push_back(range);
       });
   ASSERT_EQ(told.size(), 1u);
@@ -91,28 +91,28 @@ TEST_F(MotionBenchTest, AnEditAtATimeChangesTheFramesAboutItAlone) {
 }
 
 TEST_F(MotionBenchTest, UndoneAndDoneAgainItIsTheSameToTheByte) {
-  const auto before = solve(first_);
+  const auto before = solve(first);
   const session::Document edited =
-      with(first_, 1.0, 0.3, session::PatchWeightEdit{"index", 20.0});
+      with(first, 1.0, 0.3, session::PatchWeightEdit{"index", 20.0});
   const auto after = solve(edited);
-  session::Document heavier = first_;
+  session::Document heavier = first;
   heavier.patches[0].weight = 3.0;
   const auto other = solve(heavier);
   EXPECT_FALSE(same(before->trajectory.poses[60], other->trajectory.poses[60]));
   for (std::size_t k = 0; k < kFrames; ++k) {
-    EXPECT_TRUE(same(solve(first_)->trajectory.poses[k], before->trajectory.poses[k]));
+    EXPECT_TRUE(same(solve(first)->trajectory.poses[k], before->trajectory.poses[k]));
     EXPECT_TRUE(same(solve(edited)->trajectory.poses[k], after->trajectory.poses[k]));
   }
 }
 
 TEST_F(MotionBenchTest, EditsAtTimesFollowFromTheFirstAnswerAndFromThemselves) {
-  static_cast<void>(solve(first_));
-  const session::Document one = with(first_, 0.5, 0.2, session::PatchWeightEdit{"index", 20.0});
+  static_cast<void>(solve(first));
+  const session::Document one = with(first, 0.5, 0.2, session::PatchWeightEdit{"index", 20.0});
   const session::Document two = with(one, 3.0, 0.2, session::PatchEnabledEdit{"thumb", false});
   static_cast<void>(solve(one));
   const auto step_by_step = solve(two);
-  EditedMotion fresh(std::make_shared<const manipulation::Motion>(held(grasp_)), grasp_.ball);
-  const auto at_once = fresh.solve(two, grasp_.hand(), motionSolving(false), 2, Progress());
+  EditedMotion fresh(std::make_shared<const manipulation::Motion>(held(grasp)), grasp.ball);
+  const auto at_once = fresh.solve(two, grasp.hand(), motionSolving(false), 2, Progress());
   for (std::size_t k = 0; k < kFrames; ++k) {
     EXPECT_TRUE(same(step_by_step->trajectory.poses[k], at_once->trajectory.poses[k])) << k;
     EXPECT_EQ(step_by_step->depth_m[k], at_once->depth_m[k]) << k;
@@ -120,41 +120,41 @@ TEST_F(MotionBenchTest, EditsAtTimesFollowFromTheFirstAnswerAndFromThemselves) {
 }
 
 TEST_F(MotionBenchTest, ADragMovesItsPlaceAndThoseNextToIt) {
-  const auto before = solve(first_);
-  const hand::HandModel& model = *grasp_.hand().model;
+  const auto before = solve(first);
+  const hand::HandModel& model = *grasp.hand().model;
   const int link = model.linkIndex("index_tip");
-  const auto placeIn = [&](const SolvedMotion& solved, int k) -> Eigen::Vector3d {
+  const auto place_in = [&](const SolvedMotion& solved, int k) -> Eigen::Vector3d {
     return hand::forwardKinematics(
                model, solved.trajectory
                           .poses[static_cast<std::size_t>(k)])[static_cast<std::size_t>(link)] *
            Eigen::Vector3d::Zero();
   };
-  const Eigen::Vector3d there = placeIn(*before, 120);
+  const Eigen::Vector3d there = place_in(*before, 120);
   session::DragEdit drag;
   drag.link = "index_tip";
   // Away from the ball, where nothing is in the way.
   drag.target_W = there + 0.01 * there.normalized();
   const session::DragPath way =
-      session::dragWayOf(drag, {2.0, 0.3}, held(grasp_).time_s, drag.target_W, [&](int k) {
-        return placeIn(*before, k);
+      session::dragWayOf(drag, {2.0, 0.3}, held(grasp).time_s, drag.target_W, [&](int k) {
+        return place_in(*before, k);
       });
-  const auto after = solve(with(first_, 2.0, 0.3, way));
-  EXPECT_LT((placeIn(*after, 120) - drag.target_W).norm(), 0.002);
-  const double half = (placeIn(*after, 129) - placeIn(*before, 129)).norm();
+  const auto after = solve(with(first, 2.0, 0.3, way));
+  EXPECT_LT((place_in(*after, 120) - drag.target_W).norm(), 0.002);
+  const double half = (place_in(*after, 129) - place_in(*before, 129)).norm();
   EXPECT_GT(half, 0.002);
   EXPECT_LT(half, 0.008);
-  EXPECT_EQ(placeIn(*after, 20), placeIn(*before, 20));
+  EXPECT_EQ(place_in(*after, 20), place_in(*before, 20));
 }
 
 TEST_F(MotionBenchTest, ARootOnTheObjectGoesThereAndBack) {
-  const auto before = solve(first_);
-  const contact::Patch& patch = grasp_.contacts.patches[1];
+  const auto before = solve(first);
+  const contact::Patch& patch = grasp.contacts.patches[1];
   // A point of its own outline: some millimetres from the root.
   const geometry::SurfacePoint root = patch.interpolation_boundary[0];
   const auto after = solve(
-      with(first_, 2.0, 0.3, session::PatchRootEdit{patch.name, session::Side::kObject, root}));
+      with(first, 2.0, 0.3, session::PatchRootEdit{patch.name, session::Side::kObject, root}));
   const manipulation::FrameProblems frames(after->problem, after->solving.options.fade);
-  const auto middleAt = [&](int k) -> Eigen::Vector3d {
+  const auto middle_at = [&](int k) -> Eigen::Vector3d {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     int count = 0;
     for (const optimize::PointPair& pair :
@@ -166,23 +166,23 @@ TEST_F(MotionBenchTest, ARootOnTheObjectGoesThereAndBack) {
     return sum / count;
   };
   const Eigen::Vector3d way =
-      positionOf(*grasp_.ball, root) - positionOf(*grasp_.ball, patch.root);
-  EXPECT_LT((middleAt(120) - middleAt(10) - way).norm(), 0.4 * way.norm());
-  EXPECT_LT((middleAt(10) - middleAt(230)).norm(), 1e-12);
+      positionOf(*grasp.ball, root) - positionOf(*grasp.ball, patch.root);
+  EXPECT_LT((middle_at(120) - middle_at(10) - way).norm(), 0.4 * way.norm());
+  EXPECT_LT((middle_at(10) - middle_at(230)).norm(), 1e-12);
   EXPECT_FALSE(same(before->trajectory.poses[120], after->trajectory.poses[120]));
   EXPECT_TRUE(same(before->trajectory.poses[10], after->trajectory.poses[10]));
 }
 
 TEST_F(MotionBenchTest, ARootAtATimeLeadsFromWhereItWasPutThroughout) {
-  const contact::Patch& patch = grasp_.contacts.patches[1];
-  session::Document throughout = first_;
+  const contact::Patch& patch = grasp.contacts.patches[1];
+  session::Document throughout = first;
   throughout.patches[1].root_O = patch.interpolation_boundary[0];
   const auto before = solve(throughout);
   // Back to where it came from, at one time.
   const auto after =
       solve(with(throughout, 2.0, 0.3,
                  session::PatchRootEdit{patch.name, session::Side::kObject, patch.root}));
-  const auto rootsApart = [&](const SolvedMotion& a, int k, const SolvedMotion& b, int l) {
+  const auto roots_apart = [&](const SolvedMotion& a, int k, const SolvedMotion& b, int l) {
     const auto middle = [](const SolvedMotion& solved, int frame) -> Eigen::Vector3d {
       const manipulation::FrameProblems frames(solved.problem, solved.solving.options.fade);
       Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -197,36 +197,36 @@ TEST_F(MotionBenchTest, ARootAtATimeLeadsFromWhereItWasPutThroughout) {
     };
     return (middle(a, k) - middle(b, l)).norm();
   };
-  const double way = rootsApart(*solve(first_), 120, *before, 120);
+  const double way = roots_apart(*solve(first), 120, *before, 120);
   EXPECT_GT(way, 0.001);
-  EXPECT_LT(rootsApart(*after, 120, *solve(first_), 120), 0.4 * way) << "there it is back";
-  EXPECT_LT(rootsApart(*after, 10, *before, 10), 1e-12) << "elsewhere it stays";
+  EXPECT_LT(roots_apart(*after, 120, *solve(first), 120), 0.4 * way) << "there it is back";
+  EXPECT_LT(roots_apart(*after, 10, *before, 10), 1e-12) << "elsewhere it stays";
   // Twelve shares of the way, the longest of which is a fifth of it: nowhere a jump.
   for (int k = 95; k < 145; ++k)
-    EXPECT_LT(rootsApart(*after, k, *after, k + 1), 0.3 * way) << k;
+    EXPECT_LT(roots_apart(*after, k, *after, k + 1), 0.3 * way) << k;
 }
 
 TEST_F(MotionBenchTest, AnUndoneEditOfAllLeavesNothingToThoseAtTimes) {
-  session::Document moved = first_;
-  moved.patches[1].root_O = grasp_.contacts.patches[1].interpolation_boundary[0];
-  session::Document off = first_;
+  session::Document moved = first;
+  moved.patches[1].root_O = grasp.contacts.patches[1].interpolation_boundary[0];
+  session::Document off = first;
   off.patches[1].enabled = false;
   const session::Document edited =
       with(off, 2.0, 0.3, session::PatchEnabledEdit{"index", true});
-  static_cast<void>(solve(first_));
+  static_cast<void>(solve(first));
   static_cast<void>(solve(off));
   static_cast<void>(solve(moved));
   const auto after = solve(edited);
-  EditedMotion fresh(std::make_shared<const manipulation::Motion>(held(grasp_)), grasp_.ball);
-  static_cast<void>(fresh.solve(first_, grasp_.hand(), motionSolving(false), 1, Progress()));
-  const auto straight = fresh.solve(edited, grasp_.hand(), motionSolving(false), 1, Progress());
+  EditedMotion fresh(std::make_shared<const manipulation::Motion>(held(grasp)), grasp.ball);
+  static_cast<void>(fresh.solve(first, grasp.hand(), motionSolving(false), 1, Progress()));
+  const auto straight = fresh.solve(edited, grasp.hand(), motionSolving(false), 1, Progress());
   for (std::size_t k = 0; k < kFrames; ++k)
     EXPECT_TRUE(same(after->trajectory.poses[k], straight->trajectory.poses[k])) << k;
 }
 
 TEST_F(MotionBenchTest, ASoftValueAtATimeComesAsTheOneThroughoutGoes) {
-  session::Document soft = first_;
-  const auto dof = static_cast<std::size_t>(grasp_.hand().model->dofIndex("index_1"));
+  session::Document soft = first;
+  const auto dof = static_cast<std::size_t>(grasp.hand().model->dofIndex("index_1"));
   soft.joints[dof].soft_weight = 4.0;
   soft.joints[dof].soft_value = 0.2;
   const auto solved = solve(with(soft, 2.0, 0.3, session::JointSoftEdit{"index_1", 0.6, 8.0}));
@@ -240,15 +240,15 @@ TEST_F(MotionBenchTest, ASoftValueAtATimeComesAsTheOneThroughoutGoes) {
 }
 
 TEST_F(MotionBenchTest, CausalMotionsAreFollowedAnewFromTheEditOn) {
-  const auto before = solve(first_, {}, true);
+  const auto before = solve(first, {}, true);
   const auto after =
-      solve(with(first_, 2.0, 0.2, session::PatchWeightEdit{"index", 50.0}), {}, true);
+      solve(with(first, 2.0, 0.2, session::PatchWeightEdit{"index", 50.0}), {}, true);
   EXPECT_TRUE(same(before->trajectory.poses[100], after->trajectory.poses[100]));
   EXPECT_FALSE(same(before->trajectory.poses[121], after->trajectory.poses[121]));
 }
 
 TEST_F(MotionBenchTest, AnEditOfTheSameAtTheSameTimeTakesTheOthersPlace) {
-  session::Document edited = with(first_, 1.0, 0.3, session::PatchWeightEdit{"index", 20.0});
+  session::Document edited = with(first, 1.0, 0.3, session::PatchWeightEdit{"index", 20.0});
   edited = with(edited, 1.0, 0.1, session::PatchWeightEdit{"index", 2.0});
   edited =
       with(edited, 1.0, 0.1, session::PatchDirectionEdit{"index", session::Side::kObject, 0.2});
@@ -264,7 +264,7 @@ TEST_F(MotionBenchTest, NamesWhatIsWrong) {
   const auto fault = [&](double time_s, double falloff_s,
                          session::TimedChange change) -> std::string {
     try {
-      (void)with(first_, time_s, falloff_s, std::move(change));
+      (void)with(first, time_s, falloff_s, std::move(change));
     } catch (const InvalidInput& error) {
       return error.what();
     }

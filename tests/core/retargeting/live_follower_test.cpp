@@ -30,15 +30,15 @@ DemonstratedFrame grip(double time_s, double bend_rad, double away_m = 0.0) {
 
 class LiveFollowing : public testing::Test {
  protected:
-  LiveFollowing() : session_(grasp_.open()) {}
+  LiveFollowing() : session(grasp.open()) {}
 
   std::unique_ptr<LiveFollower> follower() {
-    return std::make_unique<LiveFollower>(session_.document(), grasp_.hand(), grasp_.ball,
+    return std::make_unique<LiveFollower>(session.document(), grasp.hand(), grasp.ball,
                                           Progress());
   }
 
-  test::BallGrasp grasp_;
-  session::Session session_;
+  test::BallGrasp grasp;
+  session::Session session;
 };
 
 TEST_F(LiveFollowing, BeginsWithTheFirstTouchAndIsTheSameAgain) {

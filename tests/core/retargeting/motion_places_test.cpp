@@ -100,12 +100,12 @@ TEST_F(MotionOfPlates, APatchThatSomebodyPutElsewhereLiesThereThroughout) {
   EditedMotion bench(heldTo(plates), plates.plate);
   session::Document document = touching(plates);
   solve(bench, plates, document);
-  const auto onTheSkin = [&](double x) {
+  const auto on_the_skin = [&](double x) {
     return geometry::SurfaceLocator(plates.hand.skin->mesh()).nearest({x, 0.0, 0.0}).point;
   };
   // As far apart as on the object.
-  document.patches[0].placement->root_S = onTheSkin(0.025);
-  document.patches[1].placement->root_S = onTheSkin(-0.025);
+  document.patches[0].placement->root_S = on_the_skin(0.025);
+  document.patches[1].placement->root_S = on_the_skin(-0.025);
   EXPECT_LT(worstOf(plates, *solve(bench, plates, document)), 1.0);
 }
 
@@ -186,12 +186,12 @@ TEST_F(MotionOfPlates, ItsFramesAreGraspedAsASessionDoes) {
   EXPECT_FALSE(grasps[1].placements[1].has_value()) << "it has gone";
 
   placeAsGrasped(grasps, *motion);
-  const auto faceOf = [&](const manipulation::PatchKey& key) {
+  const auto face_of = [&](const manipulation::PatchKey& key) {
     return key.placement->root_S.face;
   };
-  EXPECT_EQ(faceOf(motion->tracks[0].keys[0]), grasps[0].placements[0]->root_S.face);
-  EXPECT_EQ(faceOf(motion->tracks[0].keys[1]), grasps[1].placements[0]->root_S.face);
-  EXPECT_EQ(faceOf(motion->tracks[1].keys[0]), grasps[0].placements[1]->root_S.face);
+  EXPECT_EQ(face_of(motion->tracks[0].keys[0]), grasps[0].placements[0]->root_S.face);
+  EXPECT_EQ(face_of(motion->tracks[0].keys[1]), grasps[1].placements[0]->root_S.face);
+  EXPECT_EQ(face_of(motion->tracks[1].keys[0]), grasps[0].placements[1]->root_S.face);
 }
 
 TEST_F(MotionOfPlates, ChartsThatAreKeptLayThePatchesAlike) {

@@ -15,27 +15,26 @@ namespace handgraft::test {
 /// A cup with thin walls, and a recording of a finger that stands in one: its tip touches the
 /// wall from within, 40 mm below the rim, and its knuckle the same place from without.
 struct CupGrasp {
-  static constexpr double kRadius_m = 0.035;
-  static constexpr double kWall_m = 0.003;
-  static constexpr double kHeight_m = 0.09;
+  static constexpr double kRadius = 0.035;
+  static constexpr double kWall = 0.003;
+  static constexpr double kHeight = 0.09;
   static constexpr int kAround = 72;
 
   std::shared_ptr<const geometry::TriangleMesh> mesh = makeCup();
   contact::ContactSet contacts;
 
   CupGrasp() {
-    const double inner = kRadius_m - kWall_m;
+    const double inner = kRadius - kWall;
     for (const auto& [name, x] :
-         {std::pair{"thumb_distal", -kRadius_m}, std::pair{"index_distal", inner},
-          std::pair{"index_proximal", kRadius_m}}) {
+         {std::pair{"thumb_distal", -kRadius}, std::pair{"index_distal", inner},
+          std::pair{"index_proximal", kRadius}}) {
       const bool is_within = x == inner;
       contact::ContactMap map;
       map.mesh_O = *mesh;
       map.value.resize(mesh->vertexCount());
       for (int v = 0; v < mesh->vertexCount(); ++v) {
         const Eigen::Vector3d& p = mesh->vertex(v);
-        const bool on_side =
-            (std::hypot(p.x(), p.y()) < kRadius_m - 0.5 * kWall_m) == is_within;
+        const bool on_side = (std::hypot(p.x(), p.y()) < kRadius - 0.5 * kWall) == is_within;
         const Eigen::Vector3d centre(x, 0.0, 0.05);
         map.value[v] = on_side && (p - centre).norm() < 0.007 ? 1.0 : 0.0;
       }
@@ -47,10 +46,10 @@ struct CupGrasp {
  private:
   /// A profile from the bottom's middle without to the bottom's middle within, turned about z.
   static std::shared_ptr<const geometry::TriangleMesh> makeCup() {
-    const double inner = kRadius_m - kWall_m;
+    const double inner = kRadius - kWall;
     const std::array<Eigen::Vector2d, 6> corners{
-        Eigen::Vector2d(0.0, 0.0),         {kRadius_m, 0.0}, {kRadius_m, kHeight_m},
-        Eigen::Vector2d(inner, kHeight_m), {inner, kWall_m}, {0.0, kWall_m}};
+        Eigen::Vector2d(0.0, 0.0),       {kRadius, 0.0}, {kRadius, kHeight},
+        Eigen::Vector2d(inner, kHeight), {inner, kWall}, {0.0, kWall}};
     std::vector<Eigen::Vector2d> profile;
     for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
       const int cuts =
@@ -72,7 +71,7 @@ struct CupGrasp {
     const int without = rings * kAround;
     const int within = without + 1;
     vertices.col(without) = Eigen::Vector3d::Zero();
-    vertices.col(within) = Eigen::Vector3d(0.0, 0.0, kWall_m);
+    vertices.col(within) = Eigen::Vector3d(0.0, 0.0, kWall);
     Eigen::Matrix3Xi faces(3, 2 * kAround * rings);
     int f = 0;
     for (int k = 0; k < kAround; ++k) {

@@ -48,7 +48,7 @@ std::ptrdiff_t reachedOf(const hand::Hand& hand,
 TEST(LinksOfSite, AreThoseOfItsSegmentAndTheOnesBesideIt) {
   const hand::Hand hand = handOfLibrary("human20");
   const auto coordinates = hand::coordinatesOf(hand);
-  const auto segmentsOf = [&](const std::string& site) {
+  const auto segments_of = [&](const std::string& site) {
     std::vector<std::string> segments;
     const std::vector<char> links = linksOfSite(hand, *coordinates, site);
     for (std::size_t link = 0; link < links.size(); ++link) {
@@ -62,11 +62,11 @@ TEST(LinksOfSite, AreThoseOfItsSegmentAndTheOnesBesideIt) {
     return segments;
   };
   using Segments = std::vector<std::string>;
-  EXPECT_EQ(segmentsOf("index_distal"), (Segments{"index_distal", "index_middle"}));
-  EXPECT_EQ(segmentsOf("index"), (Segments{"index_distal", "index_middle"}));
-  EXPECT_EQ(segmentsOf("index_middle"),
+  EXPECT_EQ(segments_of("index_distal"), (Segments{"index_distal", "index_middle"}));
+  EXPECT_EQ(segments_of("index"), (Segments{"index_distal", "index_middle"}));
+  EXPECT_EQ(segments_of("index_middle"),
             (Segments{"index_distal", "index_middle", "index_proximal"}));
-  EXPECT_EQ(segmentsOf("thumb_proximal"), (Segments{"thumb_middle", "thumb_proximal"}));
+  EXPECT_EQ(segments_of("thumb_proximal"), (Segments{"thumb_middle", "thumb_proximal"}));
 }
 
 /// Of every way to leave two fingers out, none reaches more patches than the one that was
@@ -149,14 +149,14 @@ TEST(DealingFingers, KeepsTheirOrderAndTheThumbAndTellsIt) {
   EXPECT_EQ(sites, (std::vector<std::string>{"palm", "thumb_distal", "index_distal",
                                              "middle_distal"}));
   EXPECT_EQ(dropped, 2u);
-  const auto isTold = [&](const std::string& part) {
+  const auto is_told = [&](const std::string& part) {
     return std::any_of(session.notes().begin(), session.notes().end(),
                        [&](const std::string& note) {
                          return note.find(part) != std::string::npos;
                        });
   };
-  EXPECT_TRUE(isTold("it has no ring, little"));
-  EXPECT_FALSE(isTold("thumb's contacts go"));
+  EXPECT_TRUE(is_told("it has no ring, little"));
+  EXPECT_FALSE(is_told("thumb's contacts go"));
 }
 
 }  // namespace

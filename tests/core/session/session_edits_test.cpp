@@ -117,14 +117,14 @@ TEST(SessionEdit, OfARootTakesTheDirectionAlong) {
 
 TEST(SessionEdit, OfADirectionTurnsCounterClockwise) {
   Session session = transferred();
-  const auto directionOf = [&] {
+  const auto direction_of = [&] {
     return *session.patches()[0].patch.direction_O;
   };
   const Eigen::Vector3d n = normalOf(session.object(), session.patches()[0].patch.root);
-  const Eigen::Vector3d before = directionOf();
+  const Eigen::Vector3d before = direction_of();
   session.apply(PatchDirectionEdit{"thumb", Side::kObject, kPi / 2});
   const Eigen::Vector3d tangent = (before - before.dot(n) * n).normalized();
-  EXPECT_GT(directionOf().dot(n.cross(tangent)), 0.999);
+  EXPECT_GT(direction_of().dot(n.cross(tangent)), 0.999);
   EXPECT_FALSE(session.patches()[0].up_to_date);
 }
 

@@ -299,15 +299,15 @@ TEST(SessionEdit, OfADragMovesTheFingerAndSaysHowShortItIs) {
   Session session = opened();
   solveAndCommit(session);
   const auto tip = static_cast<std::size_t>(session.hand().model->linkIndex("index_tip"));
-  const auto placeOf = [&] {
+  const auto place_of = [&] {
     return Eigen::Vector3d(
         forwardKinematics(*session.hand().model, session.document().start)[tip] *
         Eigen::Vector3d(0, 0, 0.02));
   };
-  const Eigen::Vector3d target_W = placeOf() + Eigen::Vector3d(0.002, 0.0, -0.001);
+  const Eigen::Vector3d target_W = place_of() + Eigen::Vector3d(0.002, 0.0, -0.001);
   const EditResult near =
       session.apply(DragEdit{"index_tip", {0, 0, 0.02}, target_W, std::nullopt});
-  EXPECT_LT((placeOf() - target_W).norm(), 1e-4);
+  EXPECT_LT((place_of() - target_W).norm(), 1e-4);
   EXPECT_THAT(near.message, IsEmpty());
   EXPECT_TRUE(session.needsSolve());
   EXPECT_EQ(session.document().prior.q, session.document().start.q);

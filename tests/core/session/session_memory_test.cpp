@@ -16,16 +16,16 @@
 namespace handgraft::session {
 namespace {
 
-constexpr double kMost_kB = 1000.0;
+constexpr double kMostKib = 1000.0;
 
-double inUse_kB() {
+double inUseKib() {
   const struct mallinfo2 info = mallinfo2();
   return 1e-3 * static_cast<double>(info.uordblks + info.hblkhd);
 }
 
 /// Edited, every edit solved, as a server does; returns what it takes, in kB.
 double editedAtRandom(const SessionModels& models, unsigned seed, int count) {
-  const double before_kB = inUse_kB();
+  const double before_kib = inUseKib();
   Session session(models, Pose::Identity(), {});
   verdict::FitCheck check;
   SolveRun after_edit;
@@ -45,7 +45,7 @@ double editedAtRandom(const SessionModels& models, unsigned seed, int count) {
       // Refused, or all patches are off, or off the hand.
     }
   }
-  return inUse_kB() - before_kB;
+  return inUseKib() - before_kib;
 }
 
 void expectSmall(const SessionModels& models) {
@@ -54,13 +54,13 @@ void expectSmall(const SessionModels& models) {
 #endif
   // What all sessions on these models share is made by the first one.
   editedAtRandom(models, 1, 900);
-  const double some_kB = editedAtRandom(models, 1, 300);
-  const double many_kB = editedAtRandom(models, 1, 900);
-  EXPECT_LT(some_kB, kMost_kB);
-  EXPECT_LT(many_kB, kMost_kB) << "what is kept of the past is bounded";
-  EXPECT_GT(some_kB, 50.0) << "nothing was measured";
-  ::testing::Test::RecordProperty("kB_after_300_edits", std::to_string(some_kB));
-  ::testing::Test::RecordProperty("kB_after_900_edits", std::to_string(many_kB));
+  const double some_kib = editedAtRandom(models, 1, 300);
+  const double many_kib = editedAtRandom(models, 1, 900);
+  EXPECT_LT(some_kib, kMostKib);
+  EXPECT_LT(many_kib, kMostKib) << "what is kept of the past is bounded";
+  EXPECT_GT(some_kib, 50.0) << "nothing was measured";
+  ::testing::Test::RecordProperty("kB_after_300_edits", std::to_string(some_kib));
+  ::testing::Test::RecordProperty("kB_after_900_edits", std::to_string(many_kib));
 }
 
 TEST(SessionMemory, OfAHumanHandStaysBelowAMegabyte) {

@@ -206,16 +206,16 @@ TEST(PatchTransfer, ReportsPointsBeyondTheEdgeOfTheSkin) {
 TEST(PatchTransfer, SaysWhetherTheBoundaryGoesRoundTheRoot) {
   const PlateHand hand;
   const TriangleMesh object = test::makePlate(40, 40, 0.002);
-  const auto isOutside = [&](const Eigen::Vector3d& root) {
+  const auto is_outside = [&](const Eigen::Vector3d& root) {
     const Patch patch = patchThrough(object, root, Eigen::Vector3d::UnitX(), circle(0.01, 12));
     return transferPatch(object, patch, hand.skin,
                          placedAt(hand.plate, {0, 0, 0}, Eigen::Vector3d::UnitX()))
         .root_is_outside;
   };
-  EXPECT_FALSE(isOutside({0, 0, 0}));
-  EXPECT_FALSE(isOutside({0.006, 0.004, 0}));
-  EXPECT_FALSE(isOutside({0.01, 0, 0})) << "on the boundary";
-  EXPECT_TRUE(isOutside({0.02, 0, 0}));
+  EXPECT_FALSE(is_outside({0, 0, 0}));
+  EXPECT_FALSE(is_outside({0.006, 0.004, 0}));
+  EXPECT_FALSE(is_outside({0.01, 0, 0})) << "on the boundary";
+  EXPECT_TRUE(is_outside({0.02, 0, 0}));
 }
 
 TEST(PatchTransfer, ReportsPointsWhereTheSkinHasNoLink) {

@@ -26,7 +26,7 @@ using geometry::SurfacePoint;
 using geometry::TriangleMesh;
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kMostMean_m = 1e-4;
+constexpr double kMostMean = 1e-4;
 
 /// An ellipsoid, its icosphere turned by `angle` first: another triangulation of one surface.
 TriangleMesh ellipsoid(const Eigen::Vector3d& semiaxes_m, int subdivisions, double angle) {
@@ -178,7 +178,7 @@ TEST_P(RoundTrip, EndsWhereItBeganOnSmoothSurfaces) {
           ++count;
         }
       }
-      EXPECT_LE(sum / count, kMostMean_m) << object.name << " by way of " << skin.name;
+      EXPECT_LE(sum / count, kMostMean) << object.name << " by way of " << skin.name;
       RecordProperty((object.name + "_" + skin.name + "_mean_um").c_str(),
                      std::to_string(1e6 * sum / count));
       RecordProperty((object.name + "_" + skin.name + "_worst_patch_um").c_str(),
@@ -202,7 +202,7 @@ TEST(RoundTripOnce, EndsWhereItBeganBySmooth) {
   const Pair& skin = pairs()[1];
   const Patch patch = patchOn(object.there->mesh, rootOn(object.there->mesh, 1), 0.015);
   EXPECT_LE(meanError(object, skin, patch, rootOn(skin.there->mesh, 3), LogMapMethod::kSmooth),
-            kMostMean_m);
+            kMostMean);
 }
 
 // The judge itself.
@@ -212,7 +212,7 @@ TEST(RoundTripJudge, SeesATurnOfADegree) {
   const Patch patch = patchOn(object.there->mesh, rootOn(object.there->mesh, 0), 0.020);
   const SurfacePoint root_S = rootOn(skin.there->mesh, 2);
   EXPECT_GT(meanError(object, skin, patch, root_S, LogMapMethod::kExact, kPi / 180.0),
-            2.0 * kMostMean_m);
+            2.0 * kMostMean);
 }
 
 }  // namespace

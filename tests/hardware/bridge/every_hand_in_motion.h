@@ -30,27 +30,27 @@ inline config::HandConfig exampleReady(const std::string& name) {
 /// The example configs in motion, on emulated devices and in virtual time.
 class EveryHandInMotion : public ::testing::TestWithParam<std::string> {
  protected:
-  EveryHandInMotion() : hand_(exampleReady(GetParam())) {}
+  EveryHandInMotion() : hand(exampleReady(GetParam())) {}
 
-  [[nodiscard]] safety::GovernorState state() const { return hand_.state().state; }
+  [[nodiscard]] safety::GovernorState state() const { return hand.state().state; }
 
-  [[nodiscard]] std::string told() const { return describe(hand_.state()); }
+  [[nodiscard]] std::string told() const { return describe(hand.state()); }
 
   [[nodiscard]] const config::DeviceTraits& traits() {
-    return config::traitsOf(hand_.motion().config().device.kind);
+    return config::traitsOf(hand.motion().config().device.kind);
   }
 
   void expectOffForGood() {
-    hand_.rig().wire().pass(std::chrono::milliseconds(500));
-    EXPECT_FALSE(hand_.rig().isPowered());
-    const std::vector<double> before = hand_.angles();
-    hand_.offer(0.9);
-    hand_.motion().request(Request::kArm);
-    hand_.turnFor(0.5);
-    EXPECT_LT(largestDifference(before, hand_.angles()), 1e-9) << "it moved: " << told();
+    hand.rig().wire().pass(std::chrono::milliseconds(500));
+    EXPECT_FALSE(hand.rig().isPowered());
+    const std::vector<double> before = hand.angles();
+    hand.offer(0.9);
+    hand.motion().request(Request::kArm);
+    hand.turnFor(0.5);
+    EXPECT_LT(largestDifference(before, hand.angles()), 1e-9) << "it moved: " << told();
   }
 
-  HandInMotion hand_;
+  HandInMotion hand;
 };
 
 }  // namespace handgraft::bridge::test

@@ -214,83 +214,83 @@ TEST(Homing, ItsFailureVoidsWhatWasKnownAndSaysHowFarItWent) {
 class HomedHand : public ::testing::Test {
  protected:
   void home(bool takes_marks) {
-    handgraft::test::slackenLines(hand_.rig(), config_);
-    for (const config::MotorConfig& motor : config_.motors)
-      busOf(hand_.rig()).axis(motor.id).takes_positions = takes_marks;
-    ASSERT_TRUE(hand_.turnUntil(GovernorState::kIdle)) << describe(hand_.state());
-    hand_.motion().request(Request::kHome);
-    hand_.turn();
-    for (int k = 0; k < 6000 && hand_.state().is_homing; ++k)
-      hand_.turn();
-    ASSERT_TRUE(hand_.state().is_homed) << describe(hand_.state());
-    hand_.turnFor(0.2);
+    handgraft::test::slackenLines(hand.rig(), config);
+    for (const config::MotorConfig& motor : config.motors)
+      busOf(hand.rig()).axis(motor.id).takes_positions = takes_marks;
+    ASSERT_TRUE(hand.turnUntil(GovernorState::kIdle)) << describe(hand.state());
+    hand.motion().request(Request::kHome);
+    hand.turn();
+    for (int k = 0; k < 6000 && hand.state().is_homing; ++k)
+      hand.turn();
+    ASSERT_TRUE(hand.state().is_homed) << describe(hand.state());
+    hand.turnFor(0.2);
   }
 
   void expectIsNotArmed(const char* why) {
-    hand_.offer(0.0);
-    hand_.motion().request(Request::kArm);
-    hand_.turnFor(1);
-    EXPECT_FALSE(hand_.rig().isPowered()) << describe(hand_.state());
-    EXPECT_FALSE(hand_.state().is_homed);
-    EXPECT_NE(hand_.state().last_refusal.view().find(why), std::string_view::npos)
-        << hand_.state().last_refusal.view();
+    hand.offer(0.0);
+    hand.motion().request(Request::kArm);
+    hand.turnFor(1);
+    EXPECT_FALSE(hand.rig().isPowered()) << describe(hand.state());
+    EXPECT_FALSE(hand.state().is_homed);
+    EXPECT_NE(hand.state().last_refusal.view().find(why), std::string_view::npos)
+        << hand.state().last_refusal.view();
   }
 
-  config::HandConfig config_ = test::exampleConfig("printed_tendon_hand");
-  HandInMotion hand_{config_};
+  config::HandConfig config = test::exampleConfig("printed_tendon_hand");
+  HandInMotion hand{config};
 };
 
 TEST_F(HomedHand, WhoseAxisRestartedWhileItWasIdleIsNotArmed) {
   home(true);
-  ASSERT_TRUE(hand_.start(0.5)) << describe(hand_.state());
-  hand_.motion().request(Request::kDisarm);
-  ASSERT_TRUE(hand_.turnUntil(GovernorState::kIdle));
-  busOf(hand_.rig()).restart(1);
-  hand_.turnFor(2);
-  if (hand_.state().state == GovernorState::kFault) hand_.motion().request(Request::kReset);
-  ASSERT_TRUE(hand_.turnUntil(GovernorState::kIdle)) << describe(hand_.state());
-  hand_.turnFor(0.5);
+  ASSERT_TRUE(hand.start(0.5)) << describe(hand.state());
+  hand.motion().request(Request::kDisarm);
+  ASSERT_TRUE(hand.turnUntil(GovernorState::kIdle));
+  busOf(hand.rig()).restart(1);
+  hand.turnFor(2);
+  if (hand.state().state == GovernorState::kFault) hand.motion().request(Request::kReset);
+  ASSERT_TRUE(hand.turnUntil(GovernorState::kIdle)) << describe(hand.state());
+  hand.turnFor(0.5);
   expectIsNotArmed("motor 'index' restarted");
 }
 
 TEST_F(HomedHand, WhoseAxisRestartedUnderPowerIsNotArmedAgain) {
   home(true);
-  ASSERT_TRUE(hand_.start(0.5)) << describe(hand_.state());
-  hand_.turnFor(1);
-  busOf(hand_.rig()).restart(2);
-  ASSERT_TRUE(hand_.turnUntil(GovernorState::kFault));
-  hand_.turnFor(1);
-  hand_.motion().request(Request::kReset);
-  ASSERT_TRUE(hand_.turnUntil(GovernorState::kIdle)) << describe(hand_.state());
-  hand_.turnFor(0.5);
+  ASSERT_TRUE(hand.start(0.5)) << describe(hand.state());
+  hand.turnFor(1);
+  busOf(hand.rig()).restart(2);
+  ASSERT_TRUE(hand.turnUntil(GovernorState::kFault));
+  hand.turnFor(1);
+  hand.motion().request(Request::kReset);
+  ASSERT_TRUE(hand.turnUntil(GovernorState::kIdle)) << describe(hand.state());
+  hand.turnFor(0.5);
   expectIsNotArmed("motor 'others' restarted");
 }
 
 TEST_F(HomedHand, ThatCannotSayWhetherItRestartedIsVoidOnceItWasAway) {
   home(false);
-  ASSERT_TRUE(hand_.start(0.5)) << "it was heard of all the time";
-  hand_.motion().request(Request::kDisarm);
-  ASSERT_TRUE(hand_.turnUntil(GovernorState::kIdle));
-  hand_.rig().wire().unplug();
-  hand_.turnFor(1);
-  hand_.rig().wire().plug();
-  hand_.turnFor(1);
-  hand_.motion().request(Request::kReset);
-  hand_.turnFor(2);
-  ASSERT_TRUE(hand_.turnUntil(GovernorState::kIdle)) << describe(hand_.state());
+  ASSERT_TRUE(hand.start(0.5)) << "it was heard of all the time";
+  hand.motion().request(Request::kDisarm);
+  ASSERT_TRUE(hand.turnUntil(GovernorState::kIdle));
+  hand.rig().wire().unplug();
+  hand.turnFor(1);
+  hand.rig().wire().plug();
+  hand.turnFor(1);
+  hand.motion().request(Request::kReset);
+  hand.turnFor(2);
+  ASSERT_TRUE(hand.turnUntil(GovernorState::kIdle)) << describe(hand.state());
   expectIsNotArmed("motor 'thumb' cannot say whether it restarted");
 }
 
 TEST_F(HomedHand, KeepsItsZerosThroughAnEmergencyStop) {
   home(false);
-  ASSERT_TRUE(hand_.start(0.5));
-  hand_.motion().estop();
-  hand_.turnFor(2);
-  hand_.motion().request(Request::kReset);
-  ASSERT_TRUE(hand_.turnUntil(GovernorState::kIdle)) << describe(hand_.state());
-  hand_.turnFor(0.2);
-  EXPECT_TRUE(hand_.start(0.4)) << describe(hand_.state()) << ", "
-                                << hand_.state().last_refusal.view();
+  ASSERT_TRUE(hand.start(0.5));
+  hand.motion().estop();
+  hand.turnFor(2);
+  hand.motion().request(Request::kReset);
+  ASSERT_TRUE(hand.turnUntil(GovernorState::kIdle)) << describe(hand.state());
+  hand.turnFor(0.2);
+  EXPECT_TRUE(hand.start(0.4)) << describe(hand.state()) << ", "
+                               << hand.state().last_refusal.view();
 }
 
 TEST(Zeros, AMotorOutsideItsOwnRangeIsNotArmedWhateverTheJointsSay) {

@@ -16,10 +16,10 @@ using test::HandInMotion;
 class HeldBack : public ::testing::Test {
  protected:
   handgraft::test::DynamixelEmulator& emulator() {
-    return dynamic_cast<handgraft::test::DynamixelEmulator&>(hand_.rig().emulated());
+    return dynamic_cast<handgraft::test::DynamixelEmulator&>(hand.rig().emulated());
   }
 
-  HandInMotion hand_{[] {
+  HandInMotion hand{[] {
     config::HandConfig config = exampleReady("leap");
     config.stalled_for = milliseconds(2000);
     return config;
@@ -27,34 +27,34 @@ class HeldBack : public ::testing::Test {
 };
 
 TEST_F(HeldBack, AHotMotorHoldsThenGoesOffAndIsNamed) {
-  ASSERT_TRUE(hand_.start(0.5)) << describe(hand_.state());
+  ASSERT_TRUE(hand.start(0.5)) << describe(hand.state());
   emulator().set(5, "temperature", 66);
-  ASSERT_TRUE(hand_.turnUntil(GovernorState::kHolding, 3)) << describe(hand_.state());
-  EXPECT_EQ(hand_.state().hold, HoldCause::kMotorLimited);
-  EXPECT_EQ(describe(hand_.state()),
+  ASSERT_TRUE(hand.turnUntil(GovernorState::kHolding, 3)) << describe(hand.state());
+  EXPECT_EQ(hand.state().hold, HoldCause::kMotorLimited);
+  EXPECT_EQ(describe(hand.state()),
             "motor 'middle_forward' is hot: 66 degrees C; ARM moves on");
-  ASSERT_TRUE(hand_.turnUntil(GovernorState::kIdle, 3));
-  EXPECT_FALSE(hand_.rig().isPowered());
+  ASSERT_TRUE(hand.turnUntil(GovernorState::kIdle, 3));
+  EXPECT_FALSE(hand.rig().isPowered());
 }
 
 TEST_F(HeldBack, AMotorThatPushesInVainForLongHoldsThenGoesOff) {
-  ASSERT_TRUE(hand_.start(0.5)) << describe(hand_.state());
-  hand_.turnFor(1);
+  ASSERT_TRUE(hand.start(0.5)) << describe(hand.state());
+  hand.turnFor(1);
   emulator().set(2, "present_current", 349);  // of 350
-  hand_.turnFor(1.5);
-  EXPECT_EQ(hand_.state().state, GovernorState::kArmed) << "a grasp may be held for a while";
-  ASSERT_TRUE(hand_.turnUntil(GovernorState::kHolding, 4)) << describe(hand_.state());
-  EXPECT_NE(describe(hand_.state()).find("motor 'index_pip' is stalled"), std::string::npos)
-      << describe(hand_.state());
+  hand.turnFor(1.5);
+  EXPECT_EQ(hand.state().state, GovernorState::kArmed) << "a grasp may be held for a while";
+  ASSERT_TRUE(hand.turnUntil(GovernorState::kHolding, 4)) << describe(hand.state());
+  EXPECT_NE(describe(hand.state()).find("motor 'index_pip' is stalled"), std::string::npos)
+      << describe(hand.state());
 }
 
 TEST_F(HeldBack, AMotorThatMovesAndPushesIsNotStalled) {
-  ASSERT_TRUE(hand_.start(0.5)) << describe(hand_.state());
+  ASSERT_TRUE(hand.start(0.5)) << describe(hand.state());
   for (int k = 0; k < 400; ++k) {
     emulator().set(2, "present_current", k % 100 < 95 ? 349 : 100);
-    hand_.turn();
+    hand.turn();
   }
-  EXPECT_EQ(hand_.state().state, GovernorState::kArmed) << describe(hand_.state());
+  EXPECT_EQ(hand.state().state, GovernorState::kArmed) << describe(hand.state());
 }
 
 // The same on ODrive axes, whose firmware would go on up to its own limits.
@@ -84,34 +84,34 @@ TEST(HeldBackODrive, AnAxisThatPushesInVainForLongHoldsThenGoesOff) {
 }
 
 TEST_F(HeldBack, EffortsAreCurrentsTimesTheTorqueConstant) {
-  ASSERT_TRUE(hand_.turnUntil(GovernorState::kIdle));
+  ASSERT_TRUE(hand.turnUntil(GovernorState::kIdle));
   emulator().set(2, "present_current", 200);
-  hand_.turnFor(0.1);
-  EXPECT_NEAR(hand_.state().motor_current[2], 0.2, 1e-9);
-  EXPECT_NEAR(hand_.state().effort[2], 0.2, 1e-9) << "in A where nothing is told";
+  hand.turnFor(0.1);
+  EXPECT_NEAR(hand.state().motor_current[2], 0.2, 1e-9);
+  EXPECT_NEAR(hand.state().effort[2], 0.2, 1e-9) << "in A where nothing is told";
 }
 
 TEST_F(HeldBack, AFaultNamesMotorAndWords) {
-  ASSERT_TRUE(hand_.start(0.5)) << describe(hand_.state());
+  ASSERT_TRUE(hand.start(0.5)) << describe(hand.state());
   emulator().fail(3, protocols::dynamixel::kOverload);
-  ASSERT_TRUE(hand_.turnUntil(GovernorState::kFault, 1));
-  EXPECT_EQ(describe(hand_.state()),
+  ASSERT_TRUE(hand.turnUntil(GovernorState::kFault, 1));
+  EXPECT_EQ(describe(hand.state()),
             "motor 'index_dip' (id 3, joint '3'): hardware error: overload (code 0x20); RESET, "
             "then ARM, to move again");
 }
 
 TEST_F(HeldBack, AClampedPoseIsToldWithWhatWasAskedAndGiven) {
-  ASSERT_TRUE(hand_.turnUntil(GovernorState::kIdle));
+  ASSERT_TRUE(hand.turnUntil(GovernorState::kIdle));
   std::vector<double> pose(16, 0.0);
   pose[2] = 3.685;
   pose[5] = 2.5;
-  hand_.offer(pose);
-  hand_.turn();
-  EXPECT_EQ(hand_.state().clamping.view(),
+  hand.offer(pose);
+  hand.turn();
+  EXPECT_EQ(hand.state().clamping.view(),
             "'2' asked for 3.685 rad, given 1.885; 1 more joints less");
-  EXPECT_NEAR(hand_.state().clamped_rad, 1.8, 1e-3);
-  hand_.offer(0.5);
-  EXPECT_TRUE(hand_.state().clamping.view().empty());
+  EXPECT_NEAR(hand.state().clamped_rad, 1.8, 1e-3);
+  hand.offer(0.5);
+  EXPECT_TRUE(hand.state().clamping.view().empty());
 }
 
 }  // namespace

@@ -368,7 +368,7 @@ TEST_P(RandomLives, MoveNothingUnaskedNothingBeyondItsRangeAndNothingTooFast) {
   for (safety::HomingStep& step : config.homing)
     step.travel_rad = 4;  // not far, so that lives are short
   if (config.device.kind == config::DeviceKind::kAllegro) {
-    config.device.torque_Nm = 0.9;    // strong enough to go faster than it may
+    config.device.torque = 0.9;       // strong enough to go faster than it may
     config.governor.period_s = 0.01;  // an emulated joint is slow, and so are lives at 333 Hz
   }
   Tally tally;

@@ -21,31 +21,31 @@ using Clock = std::chrono::steady_clock;
 class MotionThreadTest : public ::testing::Test {
  protected:
   MotionThreadTest()
-      : config_(config::readHandConfig(handgraft::test::sourceDirectory() / "hardware" /
-                                       "config" / "examples" / "leap.yaml")) {
-    config_.device.kind = config::DeviceKind::kSimulated;
+      : config(config::readHandConfig(handgraft::test::sourceDirectory() / "hardware" /
+                                      "config" / "examples" / "leap.yaml")) {
+    config.device.kind = config::DeviceKind::kSimulated;
     // Patient: the machine may be busy.
-    config_.governor.stale_after = std::chrono::seconds(10);
-    config_.governor.longest_gap = std::chrono::seconds(10);
-    config_.governor.device_silent_after = std::chrono::seconds(10);
-    config_.governor.overruns_in_a_row = 100'000;
+    config.governor.stale_after = std::chrono::seconds(10);
+    config.governor.longest_gap = std::chrono::seconds(10);
+    config.governor.device_silent_after = std::chrono::seconds(10);
+    config.governor.overruns_in_a_row = 100'000;
     const auto make = [this](const config::HandConfig& asked) {
       DeviceStack stack = makeDevice(asked, Clock::now);
       stack.device->stopWhen([this] {
-        return estop_flag_.load();
+        return estop_flag.load();
       });
       return stack;
     };
-    thread_ = std::make_unique<MotionThread>(
-        std::make_unique<Motion>(config_, make, Clock::now), estop_flag_, bell_);
+    thread = std::make_unique<MotionThread>(std::make_unique<Motion>(config, make, Clock::now),
+                                            estop_flag, bell);
   }
 
   /// Keeps the stream alive until `wanted` holds; false after a minute.
   bool waitFor(const std::function<bool(const MotionState&)>& wanted) {
     const auto give_up = Clock::now() + std::chrono::minutes(1);
     while (Clock::now() < give_up) {
-      thread_->renew(1, Clock::now());
-      if (const MotionState* news = thread_->take(); news != nullptr && wanted(*news))
+      thread->renew(1, Clock::now());
+      if (const MotionState* news = thread->take(); news != nullptr && wanted(*news))
         return true;
       std::this_thread::sleep_for(milliseconds(2));
     }
@@ -55,12 +55,12 @@ class MotionThreadTest : public ::testing::Test {
   void offer(double share) {
     StreamPose pose;
     pose.stream = 1;
-    pose.sequence = ++sequence_;
+    pose.sequence = ++sequence;
     pose.arrived = Clock::now();
-    pose.names = config_.governor.names;
-    for (const safety::JointLimits& limits : config_.governor.limits)
+    pose.names = config.governor.names;
+    for (const safety::JointLimits& limits : config.governor.limits)
       pose.joint_rad.push_back(limits.lower + share * (limits.upper - limits.lower));
-    thread_->offer(std::move(pose));
+    thread->offer(std::move(pose));
   }
 
   bool start() {
@@ -69,23 +69,23 @@ class MotionThreadTest : public ::testing::Test {
           return state.state == GovernorState::kIdle && state.poses_accepted > 0;
         }))
       return false;
-    thread_->request(Request::kArm);
+    thread->request(Request::kArm);
     return waitFor([](const MotionState& state) {
       return state.state == GovernorState::kArmed && state.is_powered;
     });
   }
 
-  std::atomic<bool> estop_flag_{false};
-  const std::shared_ptr<WakeEvent> bell_ = std::make_shared<WakeEvent>();
-  config::HandConfig config_;
-  std::uint64_t sequence_ = 0;
-  std::unique_ptr<MotionThread> thread_;
+  std::atomic<bool> estop_flag{false};
+  const std::shared_ptr<WakeEvent> bell = std::make_shared<WakeEvent>();
+  config::HandConfig config;
+  std::uint64_t sequence = 0;
+  std::unique_ptr<MotionThread> thread;
 };
 
 TEST_F(MotionThreadTest, RingsAfterEachPeriod) {
   for (int periods = 0; periods < 5;) {
-    bell_->wait(std::chrono::minutes(1));
-    if (thread_->take() == nullptr) continue;
+    bell->wait(std::chrono::minutes(1));
+    if (thread->take() == nullptr) continue;
     ++periods;
   }
 }
@@ -93,33 +93,33 @@ TEST_F(MotionThreadTest, RingsAfterEachPeriod) {
 TEST_F(MotionThreadTest, TheNewestPoseWins) {
   ASSERT_TRUE(start());
   const double wanted =
-      config_.governor.limits[0].lower +
-      0.6 * (config_.governor.limits[0].upper - config_.governor.limits[0].lower);
+      config.governor.limits[0].lower +
+      0.6 * (config.governor.limits[0].upper - config.governor.limits[0].lower);
   for (int k = 0; k <= 300; ++k)
     offer(0.3 + 0.001 * k);
   EXPECT_TRUE(waitFor([&](const MotionState& state) {
     return std::abs(state.position[0] - wanted) < 1e-3;
   }));
-  EXPECT_EQ(thread_->last().state, GovernorState::kArmed);
-  EXPECT_LE(thread_->last().poses_accepted, 302u);
+  EXPECT_EQ(thread->last().state, GovernorState::kArmed);
+  EXPECT_LE(thread->last().poses_accepted, 302u);
 }
 
 TEST_F(MotionThreadTest, AStopFromAnotherThreadIsLatchedAndItsFlagTaken) {
   ASSERT_TRUE(start());
   offer(0.9);
   std::thread other([this] {
-    thread_->estop();
+    thread->estop();
   });
   other.join();
   EXPECT_TRUE(waitFor([](const MotionState& state) {
     return state.state == GovernorState::kEStop && !state.is_powered;
   }));
-  EXPECT_FALSE(estop_flag_);
-  thread_->request(Request::kArm);
+  EXPECT_FALSE(estop_flag);
+  thread->request(Request::kArm);
   EXPECT_TRUE(waitFor([](const MotionState& state) {
     return !state.last_refusal.view().empty();
   }));
-  EXPECT_EQ(thread_->last().state, GovernorState::kEStop);
+  EXPECT_EQ(thread->last().state, GovernorState::kEStop);
 }
 
 TEST_F(MotionThreadTest, AStopThatWasThereBeforeAnArmingWins) {
@@ -127,8 +127,8 @@ TEST_F(MotionThreadTest, AStopThatWasThereBeforeAnArmingWins) {
   ASSERT_TRUE(waitFor([](const MotionState& state) {
     return state.state == GovernorState::kIdle && state.poses_accepted > 0;
   }));
-  thread_->request(Request::kArm);
-  estop_flag_ = true;  // as a signal would
+  thread->request(Request::kArm);
+  estop_flag = true;  // as a signal would
   EXPECT_TRUE(waitFor([](const MotionState& state) {
     return state.state == GovernorState::kEStop && !state.is_powered;
   }));
@@ -137,7 +137,7 @@ TEST_F(MotionThreadTest, AStopThatWasThereBeforeAnArmingWins) {
 TEST_F(MotionThreadTest, EndsUnderPowerWithinItsBrakingTime) {
   ASSERT_TRUE(start());
   offer(0.9);
-  thread_.reset();  // joins, or this test never ends
+  thread.reset();  // joins, or this test never ends
 }
 
 }  // namespace

@@ -95,10 +95,10 @@ const char* const kGoldenResponse =
 class RosWire : public ::testing::Test {
  protected:
   RosWire()
-      : raw_(dds_create_participant(
-            static_cast<dds_domainid_t>(domain_.number()), nullptr, nullptr)) {}
+      : raw(dds_create_participant(
+            static_cast<dds_domainid_t>(domain.number()), nullptr, nullptr)) {}
 
-  ~RosWire() override { dds_delete(raw_); }
+  ~RosWire() override { dds_delete(raw); }
 
   /// What a reader of Cyclone's own, with idlc's type, gets of `message`; empty if it does not
   /// come.
@@ -106,11 +106,11 @@ class RosWire : public ::testing::Test {
   std::string bytesOf(const idl::Topic<Message>& told,
                       const dds_topic_descriptor_t& type,
                       const Message& message) {
-    idl::cyclone::Writer<Message> writer(participant_, told);
-    const dds_entity_t topic = dds_create_topic(raw_, &type, told.name, nullptr, nullptr);
+    idl::cyclone::Writer<Message> writer(participant, told);
+    const dds_entity_t topic = dds_create_topic(raw, &type, told.name, nullptr, nullptr);
     dds_qos_t* qos = dds_create_qos();
     dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
-    const dds_entity_t reader = dds_create_reader(raw_, topic, qos, nullptr);
+    const dds_entity_t reader = dds_create_reader(raw, topic, qos, nullptr);
     dds_delete_qos(qos);
     for (int i = 0; i < 600 && writer.readers() == 0; ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
@@ -133,9 +133,9 @@ class RosWire : public ::testing::Test {
     return handgraft::test::toHex(handgraft::test::fromHex(text));
   }
 
-  handgraft::test::TestDomain domain_;
-  idl::cyclone::Participant participant_{{domain_.number(), "lo"}};
-  dds_entity_t raw_;  // after ours, whose settings of the domain it shares
+  handgraft::test::TestDomain domain;
+  idl::cyclone::Participant participant{{domain.number(), "lo"}};
+  dds_entity_t raw;  // after ours, whose settings of the domain it shares
 };
 
 TEST_F(RosWire, JointStatesAreTheBytesThatRosExpects) {
@@ -192,9 +192,9 @@ TEST_F(RosWire, ServicesAreTheBytesThatRosExpects) {
 }
 
 TEST_F(RosWire, TheTypeIsNamedAsRosNamesIt) {
-  const idl::cyclone::Writer<RosJointState> writer(participant_, idl::kRosJointStatesTopic);
+  const idl::cyclone::Writer<RosJointState> writer(participant, idl::kRosJointStatesTopic);
   const dds_entity_t reader =
-      dds_create_reader(raw_, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr);
+      dds_create_reader(raw, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr);
   ASSERT_GT(reader, 0) << dds_strretcode(reader);
   std::string type;
   for (int i = 0; i < 600 && type.empty(); ++i) {

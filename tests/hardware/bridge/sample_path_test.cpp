@@ -17,10 +17,10 @@ using safety::Time;
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-constexpr double kPeriod_s = 0.005;
-constexpr double kRate_hz = 120;
+constexpr double kPeriod = 0.005;
+constexpr double kRate = 120;
 constexpr double kAnyRate = std::numeric_limits<double>::infinity();
-constexpr std::int64_t kSenderBegin_ns = 1'700'000'000'000'000'000;  // another clock's
+constexpr std::int64_t kSenderBeginNs = 1'700'000'000'000'000'000;  // another clock's
 
 /// A joint that swings: at 1 rad/s at most.
 double swing(double time_s) {
@@ -39,7 +39,7 @@ struct Sender {
   }
 
   SampleVerdict send(double sample_s, double arrives_s, double value) {
-    return path.add(kSenderBegin_ns + std::llround(1e9 * sample_s), std::vector{value}, false,
+    return path.add(kSenderBeginNs + std::llround(1e9 * sample_s), std::vector{value}, false,
                     at(arrives_s));
   }
 
@@ -53,15 +53,15 @@ struct Sender {
   /// Sends the swing from `from_s` on while `wanted(k)`, and goes along period by period.
   template <class Wanted, class Late>
   void stream(double from_s, double to_s, Wanted wanted, Late late) {
-    int sample = static_cast<int>(std::ceil(from_s * kRate_hz));
-    for (double now = from_s; now < to_s; now += kPeriod_s) {
-      for (; sample / kRate_hz + late(sample) <= now; ++sample) {
-        const double time = sample / kRate_hz;
+    int sample = static_cast<int>(std::ceil(from_s * kRate));
+    for (double now = from_s; now < to_s; now += kPeriod) {
+      for (; sample / kRate + late(sample) <= now; ++sample) {
+        const double time = sample / kRate;
         if (wanted(sample)) send(time, time + late(sample), swing(time));
       }
       advance(now);
       if (now > from_s + 0.5 && !last.empty())
-        worst_off = std::max(worst_off, std::abs(last[0] - swing(now - 1 / kRate_hz)));
+        worst_off = std::max(worst_off, std::abs(last[0] - swing(now - 1 / kRate)));
     }
   }
 };
@@ -79,7 +79,7 @@ TEST(SamplePath, GoesAlongSamplesOneIntervalBehind) {
   sender.stream(0, 4, kAll, kNever);
   // A share of a period of delay, at 1 rad/s.
   EXPECT_LT(sender.worst_off, 0.003);
-  EXPECT_LT(sender.worst_step, 1.2 * kPeriod_s);
+  EXPECT_LT(sender.worst_step, 1.2 * kPeriod);
 }
 
 TEST(SamplePath, BearsALossOfOneInTen) {
@@ -92,7 +92,7 @@ TEST(SamplePath, BearsALossOfOneInTen) {
         return chance(random) > 0.1;
       },
       kNever);
-  EXPECT_LT(sender.worst_step, 2 * kPeriod_s);  // a little faster after each
+  EXPECT_LT(sender.worst_step, 2 * kPeriod);  // a little faster after each
   EXPECT_LT(sender.worst_off, 0.05);
   EXPECT_EQ(sender.path.skipped(), 0u);
 }
@@ -106,7 +106,7 @@ TEST(SamplePath, LearnsHowLateSamplesCome) {
   sender.stream(0, 10, kAll, [&](int sample) {
     return late[static_cast<std::size_t>(sample)];
   });
-  EXPECT_LT(sender.worst_step, 1.6 * kPeriod_s);
+  EXPECT_LT(sender.worst_step, 1.6 * kPeriod);
   EXPECT_LT(sender.worst_off, 0.03);
 }
 
@@ -117,7 +117,7 @@ TEST(SamplePath, SamplesOutOfOrderTakeTheirPlaceOrAreLate) {
   EXPECT_EQ(sender.send(0.01, 0.002, 0.5), SampleVerdict::kAccepted);
   EXPECT_EQ(sender.send(0.01, 0.003, 0.9), SampleVerdict::kRepeated);
   double highest = 0;
-  for (double now = 0; now < 0.2; now += kPeriod_s) {
+  for (double now = 0; now < 0.2; now += kPeriod) {
     sender.advance(now);
     highest = std::max(highest, sender.last[0]);
   }
@@ -132,10 +132,10 @@ TEST(SamplePath, WhatIsNoPoseChangesNothing) {
   sender.send(0.01, 0.01, 0.2);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(sender.send(0.02, 0.02, nan), SampleVerdict::kNotFinite);
-  EXPECT_EQ(sender.path.add(kSenderBegin_ns, std::vector{0.1, 0.2}, false, sender.at(0.02)),
+  EXPECT_EQ(sender.path.add(kSenderBeginNs, std::vector{0.1, 0.2}, false, sender.at(0.02)),
             SampleVerdict::kWrongLength);
   EXPECT_EQ(sender.send(-5, 0.02, 0.7), SampleVerdict::kBackwards);
-  for (double now = 0.02; now < 0.1; now += kPeriod_s)
+  for (double now = 0.02; now < 0.1; now += kPeriod)
     sender.advance(now);
   EXPECT_EQ(sender.last[0], 0.2);
 }
@@ -144,25 +144,25 @@ TEST(SamplePath, HoldsWhileNothingComesAndGoesOnWithoutAStep) {
   Sender sender;
   sender.stream(0, 2, kAll, kNever);
   const double held = sender.last[0];
-  for (double now = 2; now < 2.15; now += kPeriod_s)
+  for (double now = 2; now < 2.15; now += kPeriod)
     sender.advance(now);
   EXPECT_NEAR(sender.last[0], held, 0.02);
   // 150 ms were lost; then it goes on.
   sender.stream(2.15, 4, kAll, kNever);
-  EXPECT_LT(sender.worst_step, 2 * kPeriod_s);
-  EXPECT_NEAR(sender.last[0], swing(4 - 1 / kRate_hz), 0.02);
+  EXPECT_LT(sender.worst_step, 2 * kPeriod);
+  EXPECT_NEAR(sender.last[0], swing(4 - 1 / kRate), 0.02);
 }
 
 TEST(SamplePath, AfterASilenceTimeMayBeAnother) {
   Sender sender;
   sender.stream(0, 1, kAll, kNever);
   EXPECT_TRUE(sender.path.isPlaying(sender.at(1.1)));
-  for (double now = 1; now < 2; now += kPeriod_s)
+  for (double now = 1; now < 2; now += kPeriod)
     sender.advance(now);
   EXPECT_FALSE(sender.path.isPlaying(sender.at(2)));
   // The sender sought back; its clock too.
   EXPECT_EQ(sender.send(-3, 2.0, 0.3), SampleVerdict::kAccepted);
-  for (double now = 2.0; now < 2.1; now += kPeriod_s)
+  for (double now = 2.0; now < 2.1; now += kPeriod)
     sender.advance(now);
   EXPECT_EQ(sender.last[0], 0.3);
   EXPECT_EQ(sender.path.skipped(), 0u);
@@ -171,26 +171,26 @@ TEST(SamplePath, AfterASilenceTimeMayBeAnother) {
 TEST(SamplePath, IsFollowedSlowerWhereNoMoreIsPermittedAndCatchesUp) {
   Sender sender;
   for (int k = 0; k <= 120; ++k)
-    sender.send(k / kRate_hz, 0, 2.0 * k / kRate_hz);  // 2 rad/s for 1 s, sent at once
+    sender.send(k / kRate, 0, 2.0 * k / kRate);  // 2 rad/s for 1 s, sent at once
   double now = 0;
-  for (; now < 1; now += kPeriod_s)
+  for (; now < 1; now += kPeriod)
     sender.advance(now, 0.5);
   EXPECT_NEAR(sender.last[0], 1.0, 0.05);
   EXPECT_NEAR(sender.path.behind(), 0.5, 0.05);
   EXPECT_NEAR(sender.path.velocity()[0], 2.0, 1e-6);
-  for (; now < 2.2; now += kPeriod_s)
+  for (; now < 2.2; now += kPeriod)
     sender.advance(now);
   EXPECT_EQ(sender.last[0], 2.0);
   EXPECT_EQ(sender.path.skipped(), 0u);
-  EXPECT_LT(sender.worst_step, 1.6 * 2.0 * kPeriod_s);
+  EXPECT_LT(sender.worst_step, 1.6 * 2.0 * kPeriod);
 }
 
 TEST(SamplePath, WhatIsASecondBehindIsPassedOver) {
   Sender sender;
   int sample = 0;
-  for (double now = 0; now < 5; now += kPeriod_s) {
-    for (; sample / kRate_hz <= now; ++sample)
-      sender.send(sample / kRate_hz, now, 0.1 * sample / kRate_hz);
+  for (double now = 0; now < 5; now += kPeriod) {
+    for (; sample / kRate <= now; ++sample)
+      sender.send(sample / kRate, now, 0.1 * sample / kRate);
     sender.advance(now, 0.2);
     EXPECT_LE(sender.path.behind(), 1.01);
   }
@@ -200,26 +200,26 @@ TEST(SamplePath, WhatIsASecondBehindIsPassedOver) {
 TEST(SamplePath, AWholeTrajectoryInOneMessageIsFollowedInItsTime) {
   Sender sender;
   const auto add = [&](double time, double value, bool continues) {
-    return sender.path.add(kSenderBegin_ns + std::llround(1e9 * time), std::vector{value},
+    return sender.path.add(kSenderBeginNs + std::llround(1e9 * time), std::vector{value},
                            continues, sender.at(0));
   };
   EXPECT_EQ(add(0, 0, false), SampleVerdict::kAccepted);
   EXPECT_EQ(add(2, 1, true), SampleVerdict::kAccepted);  // sparse, as waypoints are
   EXPECT_EQ(add(3, 0, true), SampleVerdict::kAccepted);
-  for (double now = 0; now < 1.01; now += kPeriod_s)
+  for (double now = 0; now < 1.01; now += kPeriod)
     sender.advance(now);
   EXPECT_NEAR(sender.last[0], 0.5, 0.02);
-  for (double now = 1.01; now < 3.1; now += kPeriod_s)
+  for (double now = 1.01; now < 3.1; now += kPeriod)
     sender.advance(now);
   EXPECT_EQ(sender.last[0], 0.0);
-  EXPECT_LT(sender.worst_step, 1.6 * kPeriod_s);
+  EXPECT_LT(sender.worst_step, 1.6 * kPeriod);
 }
 
 TEST(SamplePath, KeepsTheNewestOfTooMany) {
   Sender sender;
   const int many = static_cast<int>(SamplePath::kMostSamples) + 100;
   for (int k = 0; k < many; ++k)
-    ASSERT_EQ(sender.path.add(kSenderBegin_ns + std::int64_t{1'000'000} * k,
+    ASSERT_EQ(sender.path.add(kSenderBeginNs + std::int64_t{1'000'000} * k,
                               std::vector{1.0 * k}, k > 0, sender.at(0)),
               SampleVerdict::kAccepted);
   EXPECT_EQ(sender.path.skipped(), 100u);

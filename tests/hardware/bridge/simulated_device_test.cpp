@@ -34,7 +34,7 @@ class VirtualClock {
 class SimulatedDeviceTest : public testing::Test {
  protected:
   SimulatedDevice handOf(const std::vector<SimulatedMotor>& motors) {
-    return SimulatedDevice(motors, clock_.reader(), kTau);
+    return SimulatedDevice(motors, clock.reader(), kTau);
   }
 
   devices::DeviceState read(SimulatedDevice& hand) {
@@ -44,7 +44,7 @@ class SimulatedDeviceTest : public testing::Test {
   }
 
   static constexpr double kTau = 0.05;
-  VirtualClock clock_;
+  VirtualClock clock;
 };
 
 TEST_F(SimulatedDeviceTest, ApproachesItsTargetExponentially) {
@@ -53,7 +53,7 @@ TEST_F(SimulatedDeviceTest, ApproachesItsTargetExponentially) {
   hand.arm();
   hand.write(std::vector{0.8});
   for (int k = 1; k <= 20; ++k) {
-    clock_.advance(0.01);
+    clock.advance(0.01);
     const double left = 0.6 * std::exp(-k * 0.01 / kTau);
     EXPECT_NEAR(read(hand).position[0], 0.8 - left, 1e-9);
     EXPECT_NEAR(read(hand).velocity[0], left / kTau, 1e-8);
@@ -65,11 +65,11 @@ TEST_F(SimulatedDeviceTest, NeverExceedsItsTopSpeed) {
   hand.open();
   hand.arm();
   hand.write(std::vector{2.0});
-  clock_.advance(0.5);
+  clock.advance(0.5);
   EXPECT_NEAR(read(hand).position[0], 1.0, 1e-9);
   EXPECT_EQ(read(hand).velocity[0], 2);
   // The straight part ends V tau = 0.1 rad before the target, at 0.95 s.
-  clock_.advance(0.45 + kTau);
+  clock.advance(0.45 + kTau);
   EXPECT_NEAR(read(hand).position[0], 2 - 0.1 * std::exp(-1), 1e-9);
 }
 
@@ -83,7 +83,7 @@ TEST_F(SimulatedDeviceTest, MovesAlikeHoweverOftenItIsAsked) {
   often.write(std::vector{-1.0});
   once.write(std::vector{-1.0});
   for (int k = 0; k < 1000; ++k) {
-    clock_.advance(0.0005);
+    clock.advance(0.0005);
     read(often);
   }
   EXPECT_NEAR(read(often).position[0], read(once).position[0], 1e-9);
@@ -95,7 +95,7 @@ TEST_F(SimulatedDeviceTest, StopsAtItsMechanicalStops) {
   hand.arm();
   EXPECT_EQ(read(hand).position[0], 1.1) << "a start outside is moved onto the stop";
   hand.write(std::vector{-7.0});
-  clock_.advance(100);
+  clock.advance(100);
   EXPECT_DOUBLE_EQ(read(hand).position[0], -0.2);
 }
 
@@ -104,9 +104,9 @@ TEST_F(SimulatedDeviceTest, StaysWhereItIsWithoutPower) {
   hand.open();
   hand.arm();
   hand.write(std::vector{2.0});
-  clock_.advance(0.3);
+  clock.advance(0.3);
   hand.stop();
-  clock_.advance(5);
+  clock.advance(5);
   EXPECT_NEAR(read(hand).position[0], 0.6, 1e-9);
   EXPECT_EQ(read(hand).velocity[0], 0);
 }
@@ -116,9 +116,9 @@ TEST_F(SimulatedDeviceTest, StandsStillWhenTheClockStepsBack) {
   hand.open();
   hand.arm();
   hand.write(std::vector{2.0});
-  clock_.advance(0.3);
+  clock.advance(0.3);
   const double before = read(hand).position[0];
-  clock_.advance(-10);
+  clock.advance(-10);
   EXPECT_EQ(read(hand).position[0], before);
 }
 
@@ -127,11 +127,11 @@ TEST_F(SimulatedDeviceTest, SwitchedOnItHoldsWhereItStands) {
   hand.open();
   hand.arm();
   hand.write(std::vector{2.0});
-  clock_.advance(0.3);
+  clock.advance(0.3);
   hand.stop();
   EXPECT_FALSE(hand.write(std::vector{2.0})) << "without power";
   hand.arm();
-  clock_.advance(1);
+  clock.advance(1);
   EXPECT_NEAR(read(hand).position[0], 0.6, 1e-9) << "not on to a goal of before";
 }
 
@@ -141,7 +141,7 @@ TEST_F(SimulatedDeviceTest, RefusesServosThatCannotBe) {
   EXPECT_THROW(handOf({{-1, 1, kNaN, 0}}), InvalidInput);
   EXPECT_THROW(handOf({{-1, 1, 2, kNaN}}), InvalidInput);
   EXPECT_THROW(handOf({{-kInfinity, kInfinity, 2, kInfinity}}), InvalidInput);
-  EXPECT_THROW(SimulatedDevice({}, clock_.reader(), 0), InvalidInput);
+  EXPECT_THROW(SimulatedDevice({}, clock.reader(), 0), InvalidInput);
 }
 
 }  // namespace

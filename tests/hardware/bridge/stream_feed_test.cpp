@@ -12,41 +12,41 @@ using namespace test;
 class StreamFeedTest : public ::testing::Test {
  protected:
   /// The stream of the pose that comes of it; 0: none.
-  std::uint64_t see(StreamFeed& feed, const v1::PoseSolution& pose) {
-    feed.see(pose);
-    const auto taken = feed.take();
+  std::uint64_t see(StreamFeed& by, const v1::PoseSolution& pose) {
+    by.see(pose);
+    const auto taken = by.take();
     return taken ? taken->stream : 0;
   }
 
-  StreamFeed feed_{std::nullopt, false, false};
+  StreamFeed feed{std::nullopt, false, false};
 };
 
 TEST_F(StreamFeedTest, ASessionIsOneStreamThatLivesWhileItIsOpen) {
-  feed_.serverIsThere(true);
-  EXPECT_FALSE(feed_.alive());
-  feed_.see(sessionState(3, "hand", {"a"}));
-  const std::uint64_t stream = see(feed_, solution(3, 1, {0.1}));
-  EXPECT_EQ(feed_.alive(), stream);
-  EXPECT_EQ(see(feed_, solution(3, 2, {0.2})), stream);
-  feed_.see(sessionState(3, "hand", {"a"}, v1::PHASE_CLOSED));
-  EXPECT_FALSE(feed_.alive());
+  feed.serverIsThere(true);
+  EXPECT_FALSE(feed.alive());
+  feed.see(sessionState(3, "hand", {"a"}));
+  const std::uint64_t stream = see(feed, solution(3, 1, {0.1}));
+  EXPECT_EQ(feed.alive(), stream);
+  EXPECT_EQ(see(feed, solution(3, 2, {0.2})), stream);
+  feed.see(sessionState(3, "hand", {"a"}, v1::PHASE_CLOSED));
+  EXPECT_FALSE(feed.alive());
 }
 
 TEST_F(StreamFeedTest, ASimulatedHandCompletesTheLastPoseOfAClosedSession) {
-  StreamFeed feed(std::nullopt, false, true);
-  feed.serverIsThere(true);
-  feed.see(sessionState(3, "hand", {"a"}));
-  const std::uint64_t stream = see(feed, solution(3, 1, {0.1}));
-  feed.see(sessionState(3, "hand", {"a"}, v1::PHASE_CLOSED));
-  EXPECT_EQ(feed.alive(), stream);
+  StreamFeed simulated(std::nullopt, false, true);
+  simulated.serverIsThere(true);
+  simulated.see(sessionState(3, "hand", {"a"}));
+  const std::uint64_t stream = see(simulated, solution(3, 1, {0.1}));
+  simulated.see(sessionState(3, "hand", {"a"}, v1::PHASE_CLOSED));
+  EXPECT_EQ(simulated.alive(), stream);
 }
 
 TEST_F(StreamFeedTest, AnotherSessionIsAnotherStream) {
-  feed_.serverIsThere(true);
-  feed_.see(sessionState(3, "hand", {"a"}));
-  feed_.see(sessionState(4, "hand", {"a"}));
-  const std::uint64_t first = see(feed_, solution(3, 7, {0.1}));
-  const std::uint64_t second = see(feed_, solution(4, 1, {0.1}));
+  feed.serverIsThere(true);
+  feed.see(sessionState(3, "hand", {"a"}));
+  feed.see(sessionState(4, "hand", {"a"}));
+  const std::uint64_t first = see(feed, solution(3, 7, {0.1}));
+  const std::uint64_t second = see(feed, solution(4, 1, {0.1}));
   EXPECT_NE(first, 0);
   EXPECT_NE(second, 0);
   EXPECT_NE(first, second);
@@ -54,62 +54,62 @@ TEST_F(StreamFeedTest, AnotherSessionIsAnotherStream) {
 
 TEST_F(StreamFeedTest, TellsAPoseOfARestartedServerFromTheNextOne) {
   constexpr std::uint64_t kLife = std::uint64_t{1} << 32;
-  feed_.serverIsThere(true);
-  EXPECT_FALSE(feed_.isAnew(solution(3, 2 * kLife + 1, {0.1}))) << "nothing is followed yet";
-  feed_.see(sessionState(3, "hand", {"a"}));
-  see(feed_, solution(3, 7, {0.1}));
-  EXPECT_FALSE(feed_.isAnew(solution(3, 8, {0.1})));
-  EXPECT_FALSE(feed_.isAnew(solution(4, 2 * kLife + 1, {0.1}))) << "another session's";
-  EXPECT_TRUE(feed_.isAnew(solution(3, 2 * kLife + 1, {0.1})));
+  feed.serverIsThere(true);
+  EXPECT_FALSE(feed.isAnew(solution(3, 2 * kLife + 1, {0.1}))) << "nothing is followed yet";
+  feed.see(sessionState(3, "hand", {"a"}));
+  see(feed, solution(3, 7, {0.1}));
+  EXPECT_FALSE(feed.isAnew(solution(3, 8, {0.1})));
+  EXPECT_FALSE(feed.isAnew(solution(4, 2 * kLife + 1, {0.1}))) << "another session's";
+  EXPECT_TRUE(feed.isAnew(solution(3, 2 * kLife + 1, {0.1})));
 }
 
 TEST_F(StreamFeedTest, AServerThatStartsAnewIsAnotherStream) {
-  feed_.serverIsThere(true);
-  feed_.see(sessionState(3, "hand", {"a"}));
-  const std::uint64_t first = see(feed_, solution(3, 7, {0.1}));
-  feed_.serverIsThere(false);
-  EXPECT_FALSE(feed_.alive());
-  feed_.serverIsThere(true);
-  EXPECT_FALSE(feed_.alive()) << "nothing was said since it is back";
-  feed_.see(sessionState(3, "hand", {"a"}));
-  EXPECT_NE(see(feed_, solution(3, 8, {0.2})), first);
+  feed.serverIsThere(true);
+  feed.see(sessionState(3, "hand", {"a"}));
+  const std::uint64_t first = see(feed, solution(3, 7, {0.1}));
+  feed.serverIsThere(false);
+  EXPECT_FALSE(feed.alive());
+  feed.serverIsThere(true);
+  EXPECT_FALSE(feed.alive()) << "nothing was said since it is back";
+  feed.see(sessionState(3, "hand", {"a"}));
+  EXPECT_NE(see(feed, solution(3, 8, {0.2})), first);
 }
 
 TEST_F(StreamFeedTest, NumbersThatRunBackwardsAreAnotherStream) {
-  feed_.serverIsThere(true);
-  feed_.see(sessionState(3, "hand", {"a"}));
-  const std::uint64_t first = see(feed_, solution(3, 7, {0.1}));
+  feed.serverIsThere(true);
+  feed.see(sessionState(3, "hand", {"a"}));
+  const std::uint64_t first = see(feed, solution(3, 7, {0.1}));
   v1::PoseSolution anew = solution(3, 1, {0.2});
   anew.stamp_ns(solution(3, 7, {}).stamp_ns() + 1);
-  const std::uint64_t second = see(feed_, anew);
+  const std::uint64_t second = see(feed, anew);
   EXPECT_NE(second, 0);
   EXPECT_NE(second, first);
 }
 
 // A final pose comes at once, and again with the next number once it is diagnosed.
 TEST_F(StreamFeedTest, ADiagnosedPoseIsTheSameStreamAndARepeat) {
-  feed_.serverIsThere(true);
-  feed_.see(sessionState(3, "hand", {"a"}));
+  feed.serverIsThere(true);
+  feed.see(sessionState(3, "hand", {"a"}));
   v1::PoseSolution pose = solution(3, 7, {0.25});
   pose.is_diagnosed(false);
-  feed_.see(pose);
-  const auto first = feed_.take();
+  feed.see(pose);
+  const auto first = feed.take();
   ASSERT_TRUE(first);
   EXPECT_FALSE(first->is_repeat);
   v1::PoseSolution diagnosed = solution(3, 8, {0.25});
   diagnosed.is_diagnosed(true);
-  feed_.see(diagnosed);
-  const auto second = feed_.take();
+  feed.see(diagnosed);
+  const auto second = feed.take();
   ASSERT_TRUE(second);
   EXPECT_TRUE(second->is_repeat);
   EXPECT_EQ(second->stream, first->stream);
-  EXPECT_EQ(feed_.alive(), first->stream);
-  feed_.see(solution(3, 9, {0.5}));
-  EXPECT_FALSE(feed_.take()->is_repeat) << "an edit's pose is news";
-  feed_.see(solution(4, 1, {0.5}));
-  feed_.see(sessionState(4, "hand", {"a"}));
-  feed_.see(sessionState(3, "hand", {"a"}, v1::PHASE_CLOSED));
-  EXPECT_FALSE(feed_.take()->is_repeat) << "and so is another session's, be it the same";
+  EXPECT_EQ(feed.alive(), first->stream);
+  feed.see(solution(3, 9, {0.5}));
+  EXPECT_FALSE(feed.take()->is_repeat) << "an edit's pose is news";
+  feed.see(solution(4, 1, {0.5}));
+  feed.see(sessionState(4, "hand", {"a"}));
+  feed.see(sessionState(3, "hand", {"a"}, v1::PHASE_CLOSED));
+  EXPECT_FALSE(feed.take()->is_repeat) << "and so is another session's, be it the same";
 }
 
 TEST_F(StreamFeedTest, SessionsOfAnotherHandArePassedOver) {

@@ -55,13 +55,13 @@ TEST(Telemetry, RosLeavesUnknownVelocitiesOut) {
 }
 
 TEST(Telemetry, RosStampsAreWholeSecondsAndPositiveNanoseconds) {
-  const auto stampOf = [](std::int64_t ns) {
+  const auto stamp_of = [](std::int64_t ns) {
     return rosJointState("hand", kNames, measured(), nanoseconds(ns)).header().stamp();
   };
-  EXPECT_EQ(stampOf(1'700'000'000'123'456'789).sec(), 1'700'000'000);
-  EXPECT_EQ(stampOf(1'700'000'000'123'456'789).nanosec(), 123'456'789U);
-  EXPECT_EQ(stampOf(-1).sec(), -1);
-  EXPECT_EQ(stampOf(-1).nanosec(), 999'999'999U);
+  EXPECT_EQ(stamp_of(1'700'000'000'123'456'789).sec(), 1'700'000'000);
+  EXPECT_EQ(stamp_of(1'700'000'000'123'456'789).nanosec(), 123'456'789U);
+  EXPECT_EQ(stamp_of(-1).sec(), -1);
+  EXPECT_EQ(stamp_of(-1).nanosec(), 999'999'999U);
 }
 
 TEST(Telemetry, EveryFaultOfADeviceIsToldAsItself) {

@@ -79,7 +79,7 @@ TEST(TrajectoryFeed, HearsOpenSessionsThatSomebodyWritesFor) {
   topic.name = others_name.c_str();
   const idl::cyclone::Writer<TrajectoryFeed::Message> of_unknown_session(participant, topic);
   std::vector<std::uint64_t> heard;
-  const auto takeUntil = [&](const auto& is_done) {
+  const auto take_until = [&](const auto& is_done) {
     for (int i = 0; i < 600 && !is_done(); ++i) {
       bell->wait(std::chrono::milliseconds(10));
       feed.take([&](std::uint64_t session, const TrajectoryFeed::Message&) {
@@ -87,12 +87,12 @@ TEST(TrajectoryFeed, HearsOpenSessionsThatSomebodyWritesFor) {
       });
     }
   };
-  takeUntil([&] {
+  take_until([&] {
     return writer.readers() != 0;
   });
   ASSERT_EQ(writer.readers(), 1);
   writer.write(trajectory(kNames, {{1, 2}}, 3));
-  takeUntil([&] {
+  take_until([&] {
     return !heard.empty();
   });
   EXPECT_THAT(heard, ElementsAre(7));

@@ -54,8 +54,8 @@ class BringUpOf : public testing::TestWithParam<DeviceTraits> {
           : is_own   ? 1.6
                      : kUpper);
     }
-    urdf_ = test::scratchDirectory() / fmt::format("every_{}.urdf", GetParam().name);
-    std::ofstream(urdf_) << text + "</robot>\n";
+    urdf = test::scratchDirectory() / fmt::format("every_{}.urdf", GetParam().name);
+    std::ofstream(urdf) << text + "</robot>\n";
   }
 
   static int count() { return GetParam().own_motors > 0 ? GetParam().own_motors : 4; }
@@ -63,19 +63,17 @@ class BringUpOf : public testing::TestWithParam<DeviceTraits> {
   config::HandConfig made() const {
     ConfigPlan plan;
     plan.kind = GetParam().name;
-    return config::parseHandConfig(makeConfig(urdf_, plan));
+    return config::parseHandConfig(makeConfig(urdf, plan));
   }
 
-  std::filesystem::path urdf_;
+  std::filesystem::path urdf;
 };
 
 /// A hand whose config was made, in a time of its own.
 class Bench {
  public:
-  explicit Bench(config::HandConfig config)
-      : config_(std::move(config)),
-        rig_(test::makeHandRig(config_)),
-        clock_(rig_->wire().clock()) {
+  explicit Bench(config::HandConfig of)
+      : config(std::move(of)), rig_(test::makeHandRig(config)), clock_(rig_->wire().clock()) {
     rig_->wire().pass(std::chrono::milliseconds(300));  // it has been on for a while
   }
 
@@ -96,17 +94,17 @@ class Bench {
   }
 
   Jogger jogger(const std::string& motor) {
-    return {config_, motor, maker(), clock_, sleeper()};
+    return {config, motor, maker(), clock_, sleeper()};
   }
 
   std::vector<double> angles() {
     std::vector<double> all;
-    for (std::size_t i = 0; i < config_.motors.size(); ++i)
+    for (std::size_t i = 0; i < config.motors.size(); ++i)
       all.push_back(rig_->angle(i));
     return all;
   }
 
-  config::HandConfig config_;
+  config::HandConfig config;
 
  private:
   std::unique_ptr<HandRig> rig_;
@@ -159,7 +157,7 @@ TEST_P(BringUpOf, NobodyWhoHoldsNothingTurns) {
 TEST_P(BringUpOf, JogsNoMotorThatKnowsItsZeroBeyondItsRange) {
   if (!GetParam().has_zeros) GTEST_SKIP() << "its zero is not known yet: a jog is how to look";
   Bench bench(made());
-  bench.rig().put(0, bench.config_.motors[0].range_rad.lower);
+  bench.rig().put(0, bench.config.motors[0].range_rad.lower);
   const std::vector<double> before = bench.angles();
   const auto held = [] {
     return true;
@@ -195,12 +193,10 @@ class GoodOperator {
   std::string said, asked;
 
  private:
-  [[nodiscard]] int directionOf(std::size_t i) const {
-    return i == 1 && has_secrets() ? -1 : 1;
-  }
+  [[nodiscard]] int directionOf(std::size_t i) const { return i == 1 && hasSecrets() ? -1 : 1; }
 
-  [[nodiscard]] bool has_secrets() const {
-    return !config::traitsOf(bench_.config_.device.kind).has_zeros;
+  [[nodiscard]] bool hasSecrets() const {
+    return !config::traitsOf(bench_.config.device.kind).has_zeros;
   }
 
   std::string answer(const std::string& question) {
@@ -208,7 +204,7 @@ class GoodOperator {
       return question.find(part) != std::string::npos;
     };
     if (has("Once more?")) return "n";
-    for (std::size_t i = 0; i < bench_.config_.motors.size(); ++i) {
+    for (std::size_t i = 0; i < bench_.config.motors.size(); ++i) {
       if (!has(fmt::format("'j{}'", i).c_str())) continue;
       const auto put = [&](double joint_rad) {
         bench_.rig().put(i, zero_rad_ + directionOf(i) * joint_rad);
@@ -233,7 +229,7 @@ TEST_P(BringUpOf, TheWalkFindsZerosAndDirectionsAndEndsWell) {
   Bench bench(made());
   const bool has_zeros = GetParam().has_zeros;
   GoodOperator good(bench, 0.3);
-  config::HandConfig found = bench.config_;
+  config::HandConfig found = bench.config;
   const Findings findings =
       check(found, bench.maker(), bench.clock(), bench.sleeper(), good.person());
   EXPECT_TRUE(findings.isFine()) << findings.trouble << "\n"

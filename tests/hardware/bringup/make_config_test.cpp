@@ -47,10 +47,10 @@ TEST(MakeConfig, OfEachKindReadsAsItIs) {
     const config::HandConfig config = made(joints, plan);
     EXPECT_EQ(config.motors.size(), joints) << traits.name;
     EXPECT_EQ(config.jointCount(), joints + 1) << traits.name;
-    const double rate_Hz = !traits.has_own_loop                            ? 333
-                           : traits.kind == config::DeviceKind::kDynamixel ? 21
-                                                                           : 50;
-    EXPECT_NEAR(1 / config.governor.period_s, rate_Hz, 1e-9) << traits.name;
+    const double rate = !traits.has_own_loop                            ? 333
+                        : traits.kind == config::DeviceKind::kDynamixel ? 21
+                                                                        : 50;
+    EXPECT_NEAR(1 / config.governor.period_s, rate, 1e-9) << traits.name;
   }
 }
 
@@ -152,14 +152,14 @@ TEST(MakeConfig, RunsAsFastAsItsWirePermitsAndNoFaster) {
       plan.baud = baud;
       try {
         const config::HandConfig config = made(joints, plan);
-        const double rate_Hz = 1 / config.governor.period_s;
-        EXPECT_LE(rate_Hz, 50 + 1e-9);
+        const double rate = 1 / config.governor.period_s;
+        EXPECT_LE(rate, 50 + 1e-9);
         // One more a second would be refused.
         std::string text = makeConfig(urdfOf(joints), plan);
-        const std::string told = fmt::format("rate_hz: {:.0f}", rate_Hz);
+        const std::string told = fmt::format("rate_hz: {:.0f}", rate);
         ASSERT_NE(text.find(told), std::string::npos);
-        text.replace(text.find(told), told.size(), fmt::format("rate_hz: {:.0f}", rate_Hz + 1));
-        if (rate_Hz < 49.5) {
+        text.replace(text.find(told), told.size(), fmt::format("rate_hz: {:.0f}", rate + 1));
+        if (rate < 49.5) {
           EXPECT_THROW(config::parseHandConfig(text), InvalidInput) << text;
         }
       } catch (const InvalidInput& error) {

@@ -17,141 +17,141 @@ using std::chrono::milliseconds;
 
 class AbilityHandDeviceTest : public ::testing::Test {
  protected:
-  AbilityHandDeviceTest() : wire_(test::makeVirtualWire(emulator_)), state_(ah::kMotorCount) {}
+  AbilityHandDeviceTest() : wire(test::makeVirtualWire(emulator)), state(ah::kMotorCount) {}
 
   AbilityHandDevice& make(const AbilityHandConfig& config = {}) {
-    hand_ = std::make_unique<AbilityHandDevice>(config, wire_->channel(), wire_->clock());
-    return *hand_;
+    hand = std::make_unique<AbilityHandDevice>(config, wire->channel(), wire->clock());
+    return *hand;
   }
 
   void cycle() {
-    static_cast<void>(hand_->read(state_));
-    static_cast<void>(hand_->write(std::vector<double>{0.3, 0.3, 0.3, 0.3, 0.3, -0.3}));
-    wire_->pass(milliseconds(10));
+    static_cast<void>(hand->read(state));
+    static_cast<void>(hand->write(std::vector<double>{0.3, 0.3, 0.3, 0.3, 0.3, -0.3}));
+    wire->pass(milliseconds(10));
   }
 
-  test::AbilityHandEmulator emulator_;
-  std::unique_ptr<test::Wire> wire_;
-  std::unique_ptr<AbilityHandDevice> hand_;
-  DeviceState state_;
+  test::AbilityHandEmulator emulator;
+  std::unique_ptr<test::Wire> wire;
+  std::unique_ptr<AbilityHandDevice> hand;
+  DeviceState state;
 };
 
 TEST_F(AbilityHandDeviceTest, OpeningAndReadingDoNotTakeTheHandOver) {
   make().open();
   for (int i = 0; i < 20; ++i)
-    EXPECT_TRUE(hand_->read(state_));
-  EXPECT_FALSE(emulator_.is_in_api_mode);
+    EXPECT_TRUE(hand->read(state));
+  EXPECT_FALSE(emulator.is_in_api_mode);
 }
 
 TEST_F(AbilityHandDeviceTest, ACycleTakesOneExchange) {
   make().open();
-  hand_->arm();
+  hand->arm();
   cycle();
-  test::takeSent(*wire_);
+  test::takeSent(*wire);
   for (int i = 0; i < 10; ++i)
     cycle();
-  EXPECT_EQ(test::takeSent(*wire_).size(), 10u);
+  EXPECT_EQ(test::takeSent(*wire).size(), 10u);
 }
 
 TEST_F(AbilityHandDeviceTest, ReadingAloneKeepsItHolding) {
   make().open();
-  hand_->arm();
+  hand->arm();
   for (int i = 0; i < 100; ++i) {
-    ASSERT_TRUE(hand_->read(state_));
-    wire_->pass(milliseconds(10));
+    ASSERT_TRUE(hand->read(state));
+    wire->pass(milliseconds(10));
   }
-  EXPECT_TRUE(emulator_.is_in_api_mode);
+  EXPECT_TRUE(emulator.is_in_api_mode);
 }
 
 TEST_F(AbilityHandDeviceTest, OurOwnSilenceIsAFaultBeforeTheHandGoesItsWay) {
   for (const bool reads : {true, false}) {
     make().open();
-    hand_->arm();
+    hand->arm();
     cycle();
-    wire_->pass(milliseconds(150));
-    ASSERT_TRUE(emulator_.is_in_api_mode);
+    wire->pass(milliseconds(150));
+    ASSERT_TRUE(emulator.is_in_api_mode);
     if (reads) {
-      EXPECT_FALSE(hand_->read(state_));
+      EXPECT_FALSE(hand->read(state));
     } else {
-      EXPECT_FALSE(hand_->write(std::vector<double>(6, 0.0)));
+      EXPECT_FALSE(hand->write(std::vector<double>(6, 0.0)));
     }
-    EXPECT_EQ(hand_->fault().kind, Fault::Kind::kStarved);
-    EXPECT_FALSE(emulator_.is_in_api_mode);
+    EXPECT_EQ(hand->fault().kind, Fault::Kind::kStarved);
+    EXPECT_FALSE(emulator.is_in_api_mode);
   }
 }
 
 TEST_F(AbilityHandDeviceTest, DisarmingExitsInsteadOfFallingSilent) {
   make().open();
-  hand_->arm();
-  const int before = emulator_.exits;
-  EXPECT_TRUE(hand_->disarm());
-  EXPECT_GT(emulator_.exits, before);
-  EXPECT_FALSE(emulator_.is_in_api_mode);
+  hand->arm();
+  const int before = emulator.exits;
+  EXPECT_TRUE(hand->disarm());
+  EXPECT_GT(emulator.exits, before);
+  EXPECT_FALSE(emulator.is_in_api_mode);
 }
 
 TEST_F(AbilityHandDeviceTest, AMotorHeldBackIsToldAtOnceAndAFaultInTheEnd) {
   make().open();
-  hand_->arm();
-  emulator_.limited = 0x21;
+  hand->arm();
+  emulator.limited = 0x21;
   cycle();
   cycle();
-  EXPECT_FALSE(hand_->fault());
-  EXPECT_EQ(state_.limited, (std::vector<std::uint8_t>{1, 0, 0, 0, 0, 1}));
+  EXPECT_FALSE(hand->fault());
+  EXPECT_EQ(state.limited, (std::vector<std::uint8_t>{1, 0, 0, 0, 0, 1}));
   for (int i = 0; i < 40; ++i)
     cycle();
-  EXPECT_FALSE(hand_->fault()) << "before its patience of 500 ms";
+  EXPECT_FALSE(hand->fault()) << "before its patience of 500 ms";
   for (int i = 0; i < 12; ++i)
     cycle();
-  EXPECT_EQ(hand_->fault().kind, Fault::Kind::kHot);
-  EXPECT_EQ(hand_->fault().motor, 0);
-  EXPECT_EQ(hand_->fault().code, 0x21u);
+  EXPECT_EQ(hand->fault().kind, Fault::Kind::kHot);
+  EXPECT_EQ(hand->fault().motor, 0);
+  EXPECT_EQ(hand->fault().code, 0x21u);
 }
 
 TEST_F(AbilityHandDeviceTest, BeingHeldBackNowAndThenIsNoFault) {
   make().open();
-  hand_->arm();
+  hand->arm();
   for (int i = 0; i < 300; ++i) {
-    emulator_.limited = i % 30 == 0 ? 0 : 0x01;
+    emulator.limited = i % 30 == 0 ? 0 : 0x01;
     cycle();
   }
-  EXPECT_FALSE(hand_->fault());
+  EXPECT_FALSE(hand->fault());
 }
 
 TEST_F(AbilityHandDeviceTest, OtherRepliesTellOtherThings) {
-  emulator_.touch.fill(1000);
+  emulator.touch.fill(1000);
   AbilityHandConfig config;
   config.reply = ah::Reply::kTouchCurrent;
   make(config).open();
-  ASSERT_TRUE(hand_->read(state_));
-  EXPECT_TRUE(std::isnan(state_.velocity[0]));
-  EXPECT_EQ(state_.current[0], 0.0);
-  EXPECT_EQ(hand_->touch()[29], ah::touchForce(1000));
-  EXPECT_NEAR(state_.position[0], 2000 * ah::kRadPerCount, 1e-12);
+  ASSERT_TRUE(hand->read(state));
+  EXPECT_TRUE(std::isnan(state.velocity[0]));
+  EXPECT_EQ(state.current[0], 0.0);
+  EXPECT_EQ(hand->touch()[29], ah::touchForce(1000));
+  EXPECT_NEAR(state.position[0], 2000 * ah::kRadPerCount, 1e-12);
 
   config.reply = ah::Reply::kTouchVelocity;
   make(config).open();
-  ASSERT_TRUE(hand_->read(state_));
-  EXPECT_TRUE(std::isnan(state_.current[0]));
-  EXPECT_EQ(state_.velocity[0], 0.0);
+  ASSERT_TRUE(hand->read(state));
+  EXPECT_TRUE(std::isnan(state.current[0]));
+  EXPECT_EQ(state.velocity[0], 0.0);
 
   make().open();
-  ASSERT_TRUE(hand_->read(state_));
-  EXPECT_EQ(hand_->touch().size(), 0u);
+  ASSERT_TRUE(hand->read(state));
+  EXPECT_EQ(hand->touch().size(), 0u);
 }
 
 TEST_F(AbilityHandDeviceTest, AReplyOfAnotherVariantIsNoAnswer) {
   make().open();
-  emulator_.ailments.delay = milliseconds(2);
+  emulator.ailments.delay = milliseconds(2);
   ah::State other;
   other.reply = ah::Reply::kTouchCurrent;
   other.header = 0x10;
   other.position.fill(12345);
-  protocols::ByteBuffer wire;
-  ah::encodeState(other, wire);
-  emulator_.inject(test::vectorOf(wire.bytes()), wire_->clock()() + milliseconds(1));
-  ASSERT_TRUE(hand_->read(state_));
-  EXPECT_NEAR(state_.position[0], 2000 * ah::kRadPerCount, 1e-12);
-  EXPECT_EQ(hand_->counters().stray, 1u);
+  protocols::ByteBuffer packet;
+  ah::encodeState(other, packet);
+  emulator.inject(test::vectorOf(packet.bytes()), wire->clock()() + milliseconds(1));
+  ASSERT_TRUE(hand->read(state));
+  EXPECT_NEAR(state.position[0], 2000 * ah::kRadPerCount, 1e-12);
+  EXPECT_EQ(hand->counters().stray, 1u);
 }
 
 TEST_F(AbilityHandDeviceTest, AnotherAddressDoesNotAnswer) {

@@ -117,60 +117,60 @@ TEST(SlcanChannel, GivesEveryFrameOfABurst) {
 class SocketCan : public ::testing::Test {
  protected:
   SocketCan()
-      : channel_([this] {
+      : channel([this] {
           std::array<int, 2> ends{};
           if (socketpair(AF_UNIX, SOCK_SEQPACKET, 0, ends.data()) != 0)
             throw TransportError("no socket pair");
-          other_ = ends[1];
+          other = ends[1];
           return ends[0];
         }) {
-    channel_.open();
+    channel.open();
   }
 
   ~SocketCan() override { hangUp(); }
 
   void hangUp() {
-    if (other_ >= 0) ::close(other_);
-    other_ = -1;
+    if (other >= 0) ::close(other);
+    other = -1;
   }
 
   void say(const struct can_frame& raw) const {
-    ASSERT_EQ(::send(other_, &raw, sizeof(raw), 0), static_cast<ssize_t>(sizeof(raw)));
+    ASSERT_EQ(::send(other, &raw, sizeof(raw), 0), static_cast<ssize_t>(sizeof(raw)));
   }
 
-  int other_ = -1;
-  SocketCanChannel channel_;
+  int other = -1;
+  SocketCanChannel channel;
 };
 
 TEST_F(SocketCan, CarriesFramesBothWays) {
   const CanFrame there = makeCanFrame(0x2C, ByteVector{1, 2, 3});
-  channel_.send(there);
+  channel.send(there);
 
   struct can_frame raw {};
 
-  ASSERT_EQ(recv(other_, &raw, sizeof(raw), 0), static_cast<ssize_t>(sizeof(raw)));
+  ASSERT_EQ(recv(other, &raw, sizeof(raw), 0), static_cast<ssize_t>(sizeof(raw)));
   EXPECT_EQ(protocols::fromSocketCan(raw).frame, there);
 
   const CanFrame back = makeCanFrame(0x29, ByteVector{9, 8, 7, 6});
   say(protocols::toSocketCan(back));
   CanFrame frame;
-  ASSERT_TRUE(channel_.receive(frame, soon()));
+  ASSERT_TRUE(channel.receive(frame, soon()));
   EXPECT_EQ(frame, back);
 }
 
 TEST_F(SocketCan, ReceivesNothingAtTheDeadlineButWhatCameBefore) {
   CanFrame frame;
-  EXPECT_FALSE(channel_.receive(frame, std::chrono::steady_clock::now() + milliseconds(5)));
+  EXPECT_FALSE(channel.receive(frame, std::chrono::steady_clock::now() + milliseconds(5)));
   say(protocols::toSocketCan(makeCanFrame(1, {})));
-  EXPECT_TRUE(channel_.receive(frame, TimePoint{}));
+  EXPECT_TRUE(channel.receive(frame, TimePoint{}));
 }
 
 TEST_F(SocketCan, ABusThatIsGoneIsATransportError) {
   hangUp();
   CanFrame frame;
-  EXPECT_THROW(channel_.receive(frame, soon()), TransportError);
-  EXPECT_THROW(channel_.send(frame), TransportError);
-  EXPECT_THROW(channel_.receive(frame, soon()), TransportError) << "and stays so";
+  EXPECT_THROW(channel.receive(frame, soon()), TransportError);
+  EXPECT_THROW(channel.send(frame), TransportError);
+  EXPECT_THROW(channel.receive(frame, soon()), TransportError) << "and stays so";
 }
 
 TEST_F(SocketCan, LeavingTheBusIsATransportErrorOtherErrorsAreCounted) {
@@ -180,11 +180,11 @@ TEST_F(SocketCan, LeavingTheBusIsATransportErrorOtherErrorsAreCounted) {
   say(raw);
   say(protocols::toSocketCan(makeCanFrame(1, {})));
   CanFrame frame;
-  EXPECT_TRUE(channel_.receive(frame, soon()));
-  EXPECT_EQ(channel_.damaged(), 1u);
+  EXPECT_TRUE(channel.receive(frame, soon()));
+  EXPECT_EQ(channel.damaged(), 1u);
   raw.can_id = CAN_ERR_FLAG | CAN_ERR_BUSOFF;
   say(raw);
-  EXPECT_THROW(channel_.receive(frame, soon()), TransportError);
+  EXPECT_THROW(channel.receive(frame, soon()), TransportError);
 }
 
 TEST(SocketCanInterface, OpensAnInterfaceOfTheKernel) {

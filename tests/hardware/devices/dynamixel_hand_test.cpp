@@ -24,18 +24,18 @@ DynamixelConfig twoMotors() {
 
 class DynamixelHandTest : public ::testing::Test {
  protected:
-  DynamixelHandTest() : emulator_({3, 1}), wire_(test::makeVirtualWire(emulator_)), state_(2) {}
+  DynamixelHandTest() : emulator({3, 1}), wire(test::makeVirtualWire(emulator)), state(2) {}
 
   /// A driver of `config`, in place of the one before.
   DynamixelHand& make(const DynamixelConfig& config = twoMotors()) {
-    hand_ = std::make_unique<DynamixelHand>(config, wire_->channel(), wire_->clock());
-    return *hand_;
+    hand = std::make_unique<DynamixelHand>(config, wire->channel(), wire->clock());
+    return *hand;
   }
 
   /// What was written to EEPROM since this was last asked.
   int eepromWrites() {
     int count = 0;
-    for (const test::ByteVector& message : test::takeSent(*wire_)) {
+    for (const test::ByteVector& message : test::takeSent(*wire)) {
       protocols::StreamReader<dxl::Framing> reader;
       reader.feed(message, [&](protocols::Bytes frame) {
         const dxl::Packet packet = dxl::packetOf(frame);
@@ -57,31 +57,31 @@ class DynamixelHandTest : public ::testing::Test {
     return "";
   }
 
-  test::DynamixelEmulator emulator_;
-  std::unique_ptr<test::Wire> wire_;
-  std::unique_ptr<DynamixelHand> hand_;
-  DeviceState state_;
+  test::DynamixelEmulator emulator;
+  std::unique_ptr<test::Wire> wire;
+  std::unique_ptr<DynamixelHand> hand;
+  DeviceState state;
 };
 
 TEST_F(DynamixelHandTest, OpeningSetsWhatSafetyRestsOn) {
   for (const std::uint8_t id : {std::uint8_t{3}, std::uint8_t{1}}) {
-    emulator_.set(id, "torque_enable", 1);
-    emulator_.set(id, "drive_mode", 0x0D);
-    emulator_.set(id, "startup_configuration", 3);
-    emulator_.set(id, "shutdown", 0x01);
-    emulator_.set(id, "status_return_level", 0);
-    emulator_.set(id, "profile_velocity", 77);
+    emulator.set(id, "torque_enable", 1);
+    emulator.set(id, "drive_mode", 0x0D);
+    emulator.set(id, "startup_configuration", 3);
+    emulator.set(id, "shutdown", 0x01);
+    emulator.set(id, "status_return_level", 0);
+    emulator.set(id, "profile_velocity", 77);
   }
   make().open();
   for (const std::uint8_t id : {std::uint8_t{3}, std::uint8_t{1}}) {
-    EXPECT_EQ(emulator_.get(id, "torque_enable"), 0);
-    EXPECT_EQ(emulator_.get(id, "drive_mode"), 0);
-    EXPECT_EQ(emulator_.get(id, "operating_mode"), 5);
-    EXPECT_EQ(emulator_.get(id, "startup_configuration"), 0);
-    EXPECT_EQ(emulator_.get(id, "shutdown"), 0x35) << "its own bit kept, the model's added";
-    EXPECT_EQ(emulator_.get(id, "current_limit"), 350);
-    EXPECT_EQ(emulator_.get(id, "return_delay"), 0);
-    EXPECT_EQ(emulator_.get(id, "profile_velocity"), 0);
+    EXPECT_EQ(emulator.get(id, "torque_enable"), 0);
+    EXPECT_EQ(emulator.get(id, "drive_mode"), 0);
+    EXPECT_EQ(emulator.get(id, "operating_mode"), 5);
+    EXPECT_EQ(emulator.get(id, "startup_configuration"), 0);
+    EXPECT_EQ(emulator.get(id, "shutdown"), 0x35) << "its own bit kept, the model's added";
+    EXPECT_EQ(emulator.get(id, "current_limit"), 350);
+    EXPECT_EQ(emulator.get(id, "return_delay"), 0);
+    EXPECT_EQ(emulator.get(id, "profile_velocity"), 0);
   }
 }
 
@@ -95,137 +95,137 @@ TEST_F(DynamixelHandTest, WritesEepromOnlyWhereItDiffers) {
 TEST_F(DynamixelHandTest, ArmingSetsWatchdogAndCurrent) {
   DynamixelConfig config = twoMotors();
   config.watchdog = milliseconds(90);
-  config.motors[1].current_limit_mA = 123;
+  config.motors[1].current_limit_milliamp = 123;
   make(config).open();
-  hand_->arm();
-  EXPECT_EQ(emulator_.get(3, "bus_watchdog"), 5) << "rounded up to 100 ms";
-  EXPECT_EQ(emulator_.get(3, "goal_current"), 350);
-  EXPECT_EQ(emulator_.get(1, "goal_current"), 123);
-  EXPECT_TRUE(hand_->disarm());
-  EXPECT_EQ(emulator_.get(3, "bus_watchdog"), 0);
+  hand->arm();
+  EXPECT_EQ(emulator.get(3, "bus_watchdog"), 5) << "rounded up to 100 ms";
+  EXPECT_EQ(emulator.get(3, "goal_current"), 350);
+  EXPECT_EQ(emulator.get(1, "goal_current"), 123);
+  EXPECT_TRUE(hand->disarm());
+  EXPECT_EQ(emulator.get(3, "bus_watchdog"), 0);
 }
 
 TEST_F(DynamixelHandTest, WritesGainsThatItIsTold) {
   DynamixelConfig config = twoMotors();
   config.motors[0].gains = DynamixelGains{600, 7, 200};
   make(config).open();
-  EXPECT_EQ(emulator_.get(3, "position_p_gain"), 600);
-  EXPECT_EQ(emulator_.get(3, "position_i_gain"), 7);
-  EXPECT_EQ(emulator_.get(3, "position_d_gain"), 200);
-  EXPECT_EQ(emulator_.get(1, "position_p_gain"), 1100) << "its own";
+  EXPECT_EQ(emulator.get(3, "position_p_gain"), 600);
+  EXPECT_EQ(emulator.get(3, "position_i_gain"), 7);
+  EXPECT_EQ(emulator.get(3, "position_d_gain"), 200);
+  EXPECT_EQ(emulator.get(1, "position_p_gain"), 1100) << "its own";
 }
 
 TEST_F(DynamixelHandTest, TellsTemperatureAndCurrent) {
   make().open();
-  emulator_.set(1, "temperature", 61);
-  emulator_.set(1, "present_current", -50);
-  ASSERT_TRUE(hand_->read(state_));
-  EXPECT_EQ(state_.temperature[1], 61.0);
-  EXPECT_DOUBLE_EQ(state_.current[1], -0.05);
+  emulator.set(1, "temperature", 61);
+  emulator.set(1, "present_current", -50);
+  ASSERT_TRUE(hand->read(state));
+  EXPECT_EQ(state.temperature[1], 61.0);
+  EXPECT_DOUBLE_EQ(state.current[1], -0.05);
 }
 
 TEST_F(DynamixelHandTest, AMotorThatSwitchedOffIsAFault) {
   make().open();
-  hand_->arm();
-  emulator_.set(1, "torque_enable", 0);
-  EXPECT_FALSE(hand_->read(state_));
-  EXPECT_EQ(hand_->fault().kind, Fault::Kind::kPowerLost);
-  EXPECT_EQ(hand_->fault().motor, 1);
-  EXPECT_EQ(emulator_.get(3, "torque_enable"), 0) << "the others go off, too";
+  hand->arm();
+  emulator.set(1, "torque_enable", 0);
+  EXPECT_FALSE(hand->read(state));
+  EXPECT_EQ(hand->fault().kind, Fault::Kind::kPowerLost);
+  EXPECT_EQ(hand->fault().motor, 1);
+  EXPECT_EQ(emulator.get(3, "torque_enable"), 0) << "the others go off, too";
 }
 
 TEST_F(DynamixelHandTest, OneSilentMotorIsAFaultOfThatMotor) {
   make().open();
-  hand_->arm();
-  emulator_.motor(1).is_unplugged = true;
+  hand->arm();
+  emulator.motor(1).is_unplugged = true;
   int good = 0;
-  while (hand_->read(state_))
+  while (hand->read(state))
     ++good;
   EXPECT_EQ(good, 3);
-  EXPECT_EQ(hand_->fault().kind, Fault::Kind::kSilent);
-  EXPECT_EQ(hand_->fault().motor, 1);
-  EXPECT_EQ(emulator_.get(3, "torque_enable"), 0);
-  EXPECT_EQ(hand_->counters().missed, 4u);
+  EXPECT_EQ(hand->fault().kind, Fault::Kind::kSilent);
+  EXPECT_EQ(hand->fault().motor, 1);
+  EXPECT_EQ(emulator.get(3, "torque_enable"), 0);
+  EXPECT_EQ(hand->counters().missed, 4u);
 }
 
 TEST_F(DynamixelHandTest, OpeningEndsAWatchdogThatFiredBefore) {
-  emulator_.set(3, "torque_enable", 1);
-  emulator_.set(3, "bus_watchdog", 0xFF);
+  emulator.set(3, "torque_enable", 1);
+  emulator.set(3, "bus_watchdog", 0xFF);
   make().open();
-  EXPECT_EQ(emulator_.get(3, "bus_watchdog"), 0);
-  hand_->arm();
-  EXPECT_TRUE(hand_->read(state_));
+  EXPECT_EQ(emulator.get(3, "bus_watchdog"), 0);
+  hand->arm();
+  EXPECT_TRUE(hand->read(state));
 }
 
 TEST_F(DynamixelHandTest, GoalsAfterAWatchdogAreNotEvenTaken) {
   make().open();
-  hand_->arm();
-  wire_->pass(milliseconds(200));
-  EXPECT_TRUE(hand_->write(std::vector<double>{0.5, 0.5})) << "nobody has told yet";
-  EXPECT_EQ(emulator_.motor(3).refused_goals, 1);
-  EXPECT_FALSE(hand_->read(state_));
-  EXPECT_EQ(hand_->fault().kind, Fault::Kind::kWatchdog);
+  hand->arm();
+  wire->pass(milliseconds(200));
+  EXPECT_TRUE(hand->write(std::vector<double>{0.5, 0.5})) << "nobody has told yet";
+  EXPECT_EQ(emulator.motor(3).refused_goals, 1);
+  EXPECT_FALSE(hand->read(state));
+  EXPECT_EQ(hand->fault().kind, Fault::Kind::kWatchdog);
 }
 
 TEST_F(DynamixelHandTest, AnswersOfOthersChangeNothing) {
   make().open();
   // Between question and answer come: another id, an unknown id, a wrong length, an echo.
-  emulator_.ailments.delay = milliseconds(2);
+  emulator.ailments.delay = milliseconds(2);
   const test::ByteVector block(14, 0x11);
   const test::ByteVector few(3, 0x11);
-  const TimePoint due = wire_->clock()() + milliseconds(1);
+  const TimePoint due = wire->clock()() + milliseconds(1);
   for (const auto& status : {dxl::Status{99, false, dxl::Error::kNone, block},
                              dxl::Status{2, true, dxl::Error::kNone, block},
                              dxl::Status{3, false, dxl::Error::kNone, few}}) {
-    protocols::ByteBuffer wire;
-    dxl::encodeStatus(status, wire);
-    emulator_.inject(test::vectorOf(wire.bytes()), due);
+    protocols::ByteBuffer packet;
+    dxl::encodeStatus(status, packet);
+    emulator.inject(test::vectorOf(packet.bytes()), due);
   }
   protocols::ByteBuffer echo;
   dxl::encodeSyncRead(208, 14, test::ByteVector{3, 1}, echo);
-  emulator_.inject(test::vectorOf(echo.bytes()), due);
-  const std::uint64_t before = hand_->counters().stray;
-  ASSERT_TRUE(hand_->read(state_)) << describe(hand_->fault());
-  EXPECT_EQ(state_.position, (std::vector<double>{0.0, 0.0}));
-  EXPECT_EQ(hand_->counters().stray - before, 4u);
+  emulator.inject(test::vectorOf(echo.bytes()), due);
+  const std::uint64_t before = hand->counters().stray;
+  ASSERT_TRUE(hand->read(state)) << describe(hand->fault());
+  EXPECT_EQ(state.position, (std::vector<double>{0.0, 0.0}));
+  EXPECT_EQ(hand->counters().stray - before, 4u);
 }
 
 TEST_F(DynamixelHandTest, LateAnswersAreForgotten) {
   make().open();
-  hand_->arm();
-  ASSERT_TRUE(hand_->read(state_));
-  emulator_.ailments.delay = milliseconds(7);  // after the patience of 5 ms, before the next
-  emulator_.set(3, "temperature", 44);
+  hand->arm();
+  ASSERT_TRUE(hand->read(state));
+  emulator.ailments.delay = milliseconds(7);  // after the patience of 5 ms, before the next
+  emulator.set(3, "temperature", 44);
   for (int i = 0; i < 3; ++i) {
-    EXPECT_TRUE(hand_->read(state_));
-    wire_->pass(milliseconds(10));
+    EXPECT_TRUE(hand->read(state));
+    wire->pass(milliseconds(10));
   }
-  EXPECT_NE(state_.temperature[0], 44.0);
-  EXPECT_FALSE(hand_->read(state_));
-  EXPECT_EQ(hand_->fault().kind, Fault::Kind::kSilent);
+  EXPECT_NE(state.temperature[0], 44.0);
+  EXPECT_FALSE(hand->read(state));
+  EXPECT_EQ(hand->fault().kind, Fault::Kind::kSilent);
 }
 
 TEST_F(DynamixelHandTest, RestartsMotorsWithAHardwareErrorAlone) {
   make().open();
-  hand_->arm();
-  emulator_.set(3, "led", 1);  // RAM: lost by a restart
-  emulator_.set(1, "led", 1);
-  emulator_.fail(1, dxl::kOverheating);
-  EXPECT_FALSE(hand_->read(state_));
-  EXPECT_EQ(hand_->fault().code, dxl::kOverheating);
-  hand_->reset();
-  EXPECT_EQ(emulator_.get(1, "led"), 0);
-  EXPECT_EQ(emulator_.get(3, "led"), 1);
-  hand_->arm();
-  EXPECT_TRUE(hand_->read(state_));
+  hand->arm();
+  emulator.set(3, "led", 1);  // RAM: lost by a restart
+  emulator.set(1, "led", 1);
+  emulator.fail(1, dxl::kOverheating);
+  EXPECT_FALSE(hand->read(state));
+  EXPECT_EQ(hand->fault().code, dxl::kOverheating);
+  hand->reset();
+  EXPECT_EQ(emulator.get(1, "led"), 0);
+  EXPECT_EQ(emulator.get(3, "led"), 1);
+  hand->arm();
+  EXPECT_TRUE(hand->read(state));
 }
 
 TEST_F(DynamixelHandTest, RefusesMotorsItDoesNotKnow) {
-  emulator_.set(1, "model_number", 4242);
+  emulator.set(1, "model_number", 4242);
   EXPECT_THAT(openError(), ::testing::HasSubstr("motor 1: model 4242"));
-  emulator_.set(1, "model_number", 1200);
+  emulator.set(1, "model_number", 1200);
   DynamixelConfig config = twoMotors();
-  config.motors[1].current_limit_mA = 2000;
+  config.motors[1].current_limit_milliamp = 2000;
   EXPECT_THAT(openError(config), ::testing::HasSubstr("at most 1750 mA"));
 }
 
@@ -233,60 +233,60 @@ TEST_F(DynamixelHandTest, RefusesMotorsItDoesNotKnow) {
 TEST_F(DynamixelHandTest, DrivesTheOtherModelsInTheirOwnUnits) {
   DynamixelConfig config = twoMotors();
   for (DynamixelMotor& motor : config.motors) {
-    emulator_.set(motor.id, "model_number", 1020);
-    motor.current_limit_mA = 500;
+    emulator.set(motor.id, "model_number", 1020);
+    motor.current_limit_milliamp = 500;
     motor.velocity_limit_rad_s = 3;
   }
   make(config).open();
   for (const DynamixelMotor& motor : config.motors) {
-    EXPECT_EQ(emulator_.get(motor.id, "current_limit"), 185) << "500 mA, rounded down";
-    EXPECT_EQ(emulator_.get(motor.id, "goal_current"), 185);
-    EXPECT_EQ(emulator_.get(motor.id, "profile_velocity"), 126) << "3 rad/s, rounded up";
-    emulator_.set(motor.id, "present_current", 100);
+    EXPECT_EQ(emulator.get(motor.id, "current_limit"), 185) << "500 mA, rounded down";
+    EXPECT_EQ(emulator.get(motor.id, "goal_current"), 185);
+    EXPECT_EQ(emulator.get(motor.id, "profile_velocity"), 126) << "3 rad/s, rounded up";
+    emulator.set(motor.id, "present_current", 100);
   }
-  ASSERT_TRUE(hand_->read(state_));
-  EXPECT_NEAR(std::abs(state_.current[0]), 0.269, 1e-9);
+  ASSERT_TRUE(hand->read(state));
+  EXPECT_NEAR(std::abs(state.current[0]), 0.269, 1e-9);
 }
 
 TEST_F(DynamixelHandTest, RefusesMotorsThatCannotLimitTheirCurrentAndMixedOnes) {
-  emulator_.set(1, "model_number", 1060);
+  emulator.set(1, "model_number", 1060);
   EXPECT_THAT(openError(), ::testing::HasSubstr("XL430-W250 does not limit its current"));
-  emulator_.set(1, "model_number", 1020);
+  emulator.set(1, "model_number", 1020);
   EXPECT_THAT(openError(), ::testing::HasSubstr("cannot be read together"));
 }
 
 TEST_F(DynamixelHandTest, AHiccupWithoutPowerIsNoFaultButLongSilenceIs) {
   make().open();
-  emulator_.ailments.is_mute = true;
+  emulator.ailments.is_mute = true;
   for (int i = 0; i < 8; ++i) {
-    static_cast<void>(hand_->read(state_));
-    wire_->pass(std::chrono::milliseconds(5));
+    static_cast<void>(hand->read(state));
+    wire->pass(std::chrono::milliseconds(5));
   }
-  EXPECT_FALSE(hand_->fault());
-  for (int i = 0; i < 300 && !hand_->fault(); ++i) {
-    static_cast<void>(hand_->read(state_));
-    wire_->pass(std::chrono::milliseconds(5));
+  EXPECT_FALSE(hand->fault());
+  for (int i = 0; i < 300 && !hand->fault(); ++i) {
+    static_cast<void>(hand->read(state));
+    wire->pass(std::chrono::milliseconds(5));
   }
-  EXPECT_EQ(hand_->fault().kind, Fault::Kind::kSilent);
+  EXPECT_EQ(hand->fault().kind, Fault::Kind::kSilent);
 }
 
 TEST_F(DynamixelHandTest, SaysErrorsInWords) {
   EXPECT_EQ(make().meaningOf(0x20), "overload");
-  EXPECT_EQ(hand_->meaningOf(0x24), "overheating, overload");
-  EXPECT_EQ(hand_->meaningOf(0x40), "0x40");
+  EXPECT_EQ(hand->meaningOf(0x24), "overheating, overload");
+  EXPECT_EQ(hand->meaningOf(0x40), "0x40");
 }
 
 TEST_F(DynamixelHandTest, SaysWhichMotorIsMissing) {
-  emulator_.motor(1).is_unplugged = true;
+  emulator.motor(1).is_unplugged = true;
   EXPECT_EQ(openError(), "Dynamixel motor 1: no answer");
 }
 
 // Found by tests/fuzz/wire_fuzz: the model's number was read from an answer without data.
 TEST_F(DynamixelHandTest, AnErrorInsteadOfAModelIsNoAnswer) {
-  emulator_.ailments.delay = milliseconds(2);
+  emulator.ailments.delay = milliseconds(2);
   protocols::ByteBuffer error;
   dxl::encodeStatus({3, false, dxl::Error::kResultFail, {}}, error);
-  emulator_.inject(test::vectorOf(error.bytes()), wire_->clock()() + milliseconds(1));
+  emulator.inject(test::vectorOf(error.bytes()), wire->clock()() + milliseconds(1));
   EXPECT_EQ(openError(), "Dynamixel motor 3: no answer");
 }
 
@@ -307,7 +307,7 @@ TEST_F(DynamixelHandTest, ConfigurationsAreChecked) {
   config.motors[0].id = 253;
   refuses(config, "id 253 is outside 0 to 252");
   config = twoMotors();
-  config.motors[0].current_limit_mA = 0;
+  config.motors[0].current_limit_milliamp = 0;
   refuses(config, "current limit 0 mA");
   config = twoMotors();
   config.watchdog = milliseconds(0);

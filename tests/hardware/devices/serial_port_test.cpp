@@ -26,16 +26,16 @@ class SerialPortTest : public ::testing::Test {
   SerialPortTest() {
     int slave = -1;
     std::array<char, 128> name{};
-    if (openpty(&master_, &slave, name.data(), nullptr, nullptr) != 0) return;
+    if (openpty(&master, &slave, name.data(), nullptr, nullptr) != 0) return;
     ::close(slave);
-    path_ = name.data();
+    path = name.data();
   }
 
   ~SerialPortTest() override { hangUp(); }
 
   void hangUp() {
-    if (master_ >= 0) ::close(master_);
-    master_ = -1;
+    if (master >= 0) ::close(master);
+    master = -1;
   }
 
   /// Reads `count` bytes at the other end.
@@ -43,7 +43,7 @@ class SerialPortTest : public ::testing::Test {
     ByteVector bytes(count);
     std::size_t had = 0;
     while (had < count) {
-      const ssize_t part = ::read(master_, bytes.data() + had, count - had);
+      const ssize_t part = ::read(master, bytes.data() + had, count - had);
       if (part <= 0) break;
       had += static_cast<std::size_t>(part);
     }
@@ -64,8 +64,8 @@ class SerialPortTest : public ::testing::Test {
     return bytes;
   }
 
-  int master_ = -1;
-  std::string path_;
+  int master = -1;
+  std::string path;
 };
 
 ByteVector allBytes() {
@@ -77,27 +77,27 @@ ByteVector allBytes() {
 TEST_F(SerialPortTest, CarriesEveryByteUnchangedAtAnyRate) {
   // Standard ones, and some that only a number can tell.
   for (const int rate : {57600, 460800, 1000000, 4000000, 31250, 250000, 470588}) {
-    SerialPort port(path_, rate);
+    SerialPort port(path, rate);
     port.open();
     port.send(allBytes());
     EXPECT_EQ(heard(256), allBytes()) << rate;
-    ASSERT_EQ(::write(master_, allBytes().data(), 256), 256);
+    ASSERT_EQ(::write(master, allBytes().data(), 256), 256);
     EXPECT_EQ(received(port, 256), allBytes()) << rate;
   }
 }
 
 TEST_F(SerialPortTest, EchoesNothing) {
-  SerialPort port(path_, 115200);
+  SerialPort port(path, 115200);
   port.open();
   const ByteVector text = test::bytesOf("\x03\x04\x11\x13\r\n\x7F");
-  ASSERT_EQ(::write(master_, text.data(), text.size()), static_cast<ssize_t>(text.size()));
+  ASSERT_EQ(::write(master, text.data(), text.size()), static_cast<ssize_t>(text.size()));
   EXPECT_EQ(received(port, text.size()), text);
   port.send(ByteVector{0x55});
   EXPECT_EQ(heard(1), ByteVector{0x55}) << "an echo came first";
 }
 
 TEST_F(SerialPortTest, ReturnsNothingAtTheDeadline) {
-  SerialPort port(path_, 115200);
+  SerialPort port(path, 115200);
   port.open();
   ByteVector bytes(10);
   const TimePoint start = std::chrono::steady_clock::now();
@@ -107,24 +107,24 @@ TEST_F(SerialPortTest, ReturnsNothingAtTheDeadline) {
 }
 
 TEST_F(SerialPortTest, ReturnsWhatCameEvenAfterTheDeadline) {
-  SerialPort port(path_, 115200);
+  SerialPort port(path, 115200);
   port.open();
-  ASSERT_EQ(::write(master_, "abc", 3), 3);
+  ASSERT_EQ(::write(master, "abc", 3), 3);
   ByteVector bytes(10);
   EXPECT_EQ(port.receive(bytes, TimePoint{}), 3u);
 }
 
 TEST_F(SerialPortTest, ForgetsWhatIsDiscarded) {
-  SerialPort port(path_, 115200);
+  SerialPort port(path, 115200);
   port.open();
-  ASSERT_EQ(::write(master_, "abc", 3), 3);
+  ASSERT_EQ(::write(master, "abc", 3), 3);
   port.discard();
-  ASSERT_EQ(::write(master_, "d", 1), 1);
+  ASSERT_EQ(::write(master, "d", 1), 1);
   EXPECT_EQ(received(port, 1), test::bytesOf("d"));
 }
 
 TEST_F(SerialPortTest, TheOtherEndsEndIsATransportErrorFromThenOn) {
-  SerialPort port(path_, 115200);
+  SerialPort port(path, 115200);
   port.open();
   hangUp();
   ByteVector bytes(10);
@@ -137,20 +137,20 @@ TEST_F(SerialPortTest, TheOtherEndsEndIsATransportErrorFromThenOn) {
 }
 
 TEST_F(SerialPortTest, WritingToAnEndedPortIsATransportError) {
-  SerialPort port(path_, 115200);
+  SerialPort port(path, 115200);
   port.open();
   hangUp();
   EXPECT_THROW(port.send(ByteVector{1}), TransportError);
 }
 
 TEST_F(SerialPortTest, APortThatNobodyReadsIsATransportErrorInTheEnd) {
-  SerialPort port(path_, 115200);
+  SerialPort port(path, 115200);
   port.open();
   EXPECT_THROW(port.send(ByteVector(1000000)), TransportError);
 }
 
 TEST_F(SerialPortTest, OpensAnew) {
-  SerialPort port(path_, 115200);
+  SerialPort port(path, 115200);
   port.open();
   port.open();
   port.send(ByteVector{7});
@@ -169,10 +169,10 @@ std::string objectionOf(SerialPort& port) {
 
 // Also to root, to whom TIOCEXCL forbids nothing: one that read along would take answers away.
 TEST_F(SerialPortTest, IsOneProgramsAlone) {
-  SerialPort first(path_, 115200);
+  SerialPort first(path, 115200);
   first.open();
-  SerialPort second(path_, 115200);
-  EXPECT_EQ(objectionOf(second), path_ + " is in use by another process");
+  SerialPort second(path, 115200);
+  EXPECT_EQ(objectionOf(second), path + " is in use by another process");
   first.send(ByteVector{7});
   EXPECT_EQ(heard(1), ByteVector{7}) << "and the first one goes on";
   first.close();

@@ -18,7 +18,7 @@ void AllegroEmulator::advance(TimePoint now) {
   time_ = now;
   for (Joint& joint : joints) {
     const double torque = is_on ? joint.pwm / allegro::kPwmPerNm : 0;
-    joint.counts += torque / kOil_Nm_s_rad * seconds / allegro::kRadPerCount;
+    joint.counts += torque / kOil * seconds / allegro::kRadPerCount;
   }
 }
 

@@ -164,8 +164,8 @@ class AllegroRig final : public Rig {
     const double unit = protocols::allegro::kRadPerCount;
     for (std::size_t i = 0; i < config.scales.size(); ++i)
       config.scales[i] = {unit, i % 2 == 0 ? 100.0 : 6000.0, i % 2 == 0 ? 1 : -1, -0.2, 1.4};
-    config.stiffness_Nm_rad = 1.5;
-    config.damping_Nm_s_rad = 0.0;
+    config.stiffness = 1.5;
+    config.damping = 0.0;
     config.reply_timeout = replyTimeout(kind);
     return config;
   }

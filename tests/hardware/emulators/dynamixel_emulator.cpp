@@ -91,7 +91,7 @@ void DynamixelEmulator::advance(TimePoint now) {
     const int watchdog = motor.memory[kWatchdog];
     const bool is_on = motor.memory[kTorque] != 0;
     if (is_on && watchdog >= 1 && watchdog <= dxl::kLongestWatchdog &&
-        now - heard_ > watchdog * std::chrono::milliseconds(dxl::kWatchdogUnit_ms)) {
+        now - heard_ > watchdog * std::chrono::milliseconds(dxl::kWatchdogUnitMs)) {
       motor.memory[kWatchdog] = dxl::kWatchdogTripped;
     }
     motor.servo.goal = numberAt<std::int32_t>(motor.memory, kGoalPosition);

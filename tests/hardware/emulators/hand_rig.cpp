@@ -237,11 +237,11 @@ class AllegroHandRig final : public HandRig {
     const auto lock = wire_->hold();
     const MotorConfig& motor = config_.motors[i];
     const double torque = motor.direction * joint(motor).pwm / protocols::allegro::kPwmPerNm;
-    return here + torque / config_.device.stiffness_Nm_rad;
+    return here + torque / config_.device.stiffness;
   }
 
   double unit(std::size_t /*i*/) const override {
-    return 0.5 / protocols::allegro::kPwmPerNm / config_.device.stiffness_Nm_rad +
+    return 0.5 / protocols::allegro::kPwmPerNm / config_.device.stiffness +
            2 * protocols::allegro::kRadPerCount;
   }
 

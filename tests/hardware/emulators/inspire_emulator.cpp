@@ -56,7 +56,7 @@ std::uint16_t InspireEmulator::registerAt(std::size_t address) const {
   if (isOf(address, inspire::kForceAct, i))
     return static_cast<std::uint16_t>(fingers[i].force_g);
   if (isOf(address, inspire::kCurrentAct, i))
-    return static_cast<std::uint16_t>(fingers[i].current_mA);
+    return static_cast<std::uint16_t>(fingers[i].current_milliamp);
   const auto both = [&](auto field, std::size_t first) {
     return static_cast<std::uint16_t>(fingers[first].*field | fingers[first + 1].*field << 8);
   };

@@ -21,7 +21,7 @@ class InspireEmulator final : public EmulatedDevice {
   struct Finger {
     EmulatedServo servo;  ///< units of the way, 1000 open
     std::uint16_t set = 1000, force = 500, speed = 0;
-    std::int16_t force_g = 0, current_mA = 0;
+    std::int16_t force_g = 0, current_milliamp = 0;
     std::uint8_t error = 0, temperature = 30;
     bool is_broken = false;  ///< its error comes back
   };

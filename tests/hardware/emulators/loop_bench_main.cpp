@@ -33,7 +33,7 @@ namespace {
 using namespace handgraft;
 using Clock = std::chrono::steady_clock;
 
-double cpuOfThread_s() {
+double cpuOfThread() {
   rusage usage{};
   getrusage(RUSAGE_THREAD, &usage);
   const auto seconds = [](const timeval& time) {
@@ -64,12 +64,12 @@ class Probe final : public devices::Device {
   void doArm() override {
     inner_.device->arm();
     log_.reads.clear();
-    log_.first_cpu_s = cpuOfThread_s();
+    log_.first_cpu_s = cpuOfThread();
   }
 
   void doRead(devices::DeviceState& state) override {
     if (log_.reads.size() < log_.reads.capacity()) log_.reads.push_back(Clock::now());
-    log_.last_cpu_s = cpuOfThread_s();
+    log_.last_cpu_s = cpuOfThread();
     static_cast<void>(inner_.device->read(state));
     if (inner_.device->fault()) latch(inner_.device->fault());
   }
@@ -100,7 +100,7 @@ void measure(config::HandConfig config, double rate_hz, double seconds) {
   config.device.reply_timeout = std::chrono::milliseconds(50);
   config.device.tolerated_misses = 50;
   config.homing.clear();
-  const double allowed_hz = config::kWireShare / config::cycleTime_s(config);
+  const double allowed_hz = config::kWireShare / config::cycleTime(config);
   const auto rig = test::makeHandRig(config, true);
   Probe::Log log;
   log.reads.reserve(static_cast<std::size_t>(2 * rate_hz * seconds) + 1000);
@@ -179,7 +179,7 @@ void measureWire(config::HandConfig config, std::size_t motors, int baud) {
   } else {
     config.device.baud = baud;
   }
-  const double permitted_hz = config::kWireShare / config::cycleTime_s(config);
+  const double permitted_hz = config::kWireShare / config::cycleTime(config);
   if (is_can) {  // an emulated bus takes no time
     fmt::print("{:3} motors at {:7}: {:5.0f} Hz permitted\n", motors, baud, permitted_hz);
     return;

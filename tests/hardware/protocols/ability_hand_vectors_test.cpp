@@ -48,14 +48,14 @@ TEST(AbilityHandVectors, CommandsAreEncodedFromTheirMeaning) {
   const auto position = [&](Reply reply, std::array<double, 6> values) {
     return motors(Mode::kPosition, reply, values, kDegree);
   };
-  const auto other = [](auto encodeInto) {
+  const auto other = [](auto encode_into) {
     ByteBuffer out;
-    encodeInto(out);
+    encode_into(out);
     return toHex(out.bytes());
   };
   constexpr Reply kOne = Reply::kTouchCurrent, kTwo = Reply::kTouchVelocity,
                   kThree = Reply::kMotors;
-  const auto readOnly = [&](Reply reply) {
+  const auto read_only = [&](Reply reply) {
     return other([=](ByteBuffer& out) {
       encodeReadOnly(kAt, reply, out);
     });
@@ -82,7 +82,7 @@ TEST(AbilityHandVectors, CommandsAreEncodedFromTheirMeaning) {
               kLargestVoltage)},
       {simple(Simple::kExitApi)},
       {simple(Simple::kUpsampleThumbOn)},
-      {readOnly(kOne), readOnly(kTwo), readOnly(kThree)},
+      {read_only(kOne), read_only(kTwo), read_only(kThree)},
       {other([](ByteBuffer& out) {
          encodeGrip(kAt, 0x01, 0xFF, out);
        }),

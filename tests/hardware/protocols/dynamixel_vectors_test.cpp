@@ -68,7 +68,7 @@ TEST(DynamixelVectors, InstructionsAreEncodedFromTheirMeaning) {
   const auto address = [](const char* name) {
     return registerNamed(name).address;
   };
-  const auto toAll = [&](const char* name, std::uint8_t value) {
+  const auto to_all = [&](const char* name, std::uint8_t value) {
     return [=](ByteBuffer& out) {
       encodeSyncWrite(registerNamed(name).address, 1, sixteen, ByteVector(16, value), out);
     };
@@ -111,10 +111,10 @@ TEST(DynamixelVectors, InstructionsAreEncodedFromTheirMeaning) {
        [](ByteBuffer& out) {
          encodeSyncWrite(116, 4, ByteVector{1, 2}, ByteVector{150, 0, 0, 0, 170, 0, 0, 0}, out);
        }},
-      {"torque on, ids 0..15", toAll("torque_enable", 1)},
-      {"torque off, ids 0..15", toAll("torque_enable", 0)},
-      {"operating mode 5, ids 0..15", toAll("operating_mode", kCurrentBasedPositionMode)},
-      {"bus watchdog 5 (=100 ms), ids 0..15", toAll("bus_watchdog", 100 / kWatchdogUnit_ms)},
+      {"torque on, ids 0..15", to_all("torque_enable", 1)},
+      {"torque off, ids 0..15", to_all("torque_enable", 0)},
+      {"operating mode 5, ids 0..15", to_all("operating_mode", kCurrentBasedPositionMode)},
+      {"bus watchdog 5 (=100 ms), ids 0..15", to_all("bus_watchdog", 100 / kWatchdogUnitMs)},
       {"goal current 350 mA ids 0,1",
        [&](ByteBuffer& out) {
          encodeSyncWrite(address("goal_current"), 2, ByteVector{0, 1},

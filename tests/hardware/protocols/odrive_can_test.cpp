@@ -69,7 +69,7 @@ TEST(ODriveCan, CommandsAreReadBack) {
     ASSERT_TRUE(input);
     EXPECT_EQ(input->position_rev, position);
     EXPECT_NEAR(input->velocity_rev_s, velocity, 0.0005 + 1e-9);
-    EXPECT_NEAR(input->torque_Nm, 0.1, 1e-12);
+    EXPECT_NEAR(input->torque, 0.1, 1e-12);
     EXPECT_EQ(limitsOf(setLimits(node, position, velocity)), (FloatPair{position, velocity}));
   }
   EXPECT_EQ(axisStateOf(setAxisState(3, AxisState::kIdle)), AxisState::kIdle);

@@ -144,12 +144,12 @@ v1::ReplyBody askUntilAnswered(Requester& requester, const v1::RequestBody& body
 std::string sphereOf(std::size_t bytes) {
   // A vertex is three floats, and two triangles of three numbers.
   const auto rings = static_cast<int>(std::sqrt(static_cast<double>(bytes) / 36.0));
-  constexpr double kRadius_m = 0.05;
+  constexpr double kRadius = 0.05;
   std::string text;
   const auto vertex = [&](double polar, double azimuth) {
-    text += fmt::format(
-        "v {:.6f} {:.6f} {:.6f}\n", kRadius_m * std::sin(polar) * std::cos(azimuth),
-        kRadius_m * std::sin(polar) * std::sin(azimuth), kRadius_m * std::cos(polar));
+    text +=
+        fmt::format("v {:.6f} {:.6f} {:.6f}\n", kRadius * std::sin(polar) * std::cos(azimuth),
+                    kRadius * std::sin(polar) * std::sin(azimuth), kRadius * std::cos(polar));
   };
   vertex(0.0, 0.0);
   vertex(std::numbers::pi, 0.0);

@@ -1,0 +1,55 @@
+#!/usr/bin/env python3
+"""each_test.py BUILD REGEX: the tests of a build whose names match, program by program. A program
+whose tests passed is not run again until it changes, or a file that it may read; what starts other
+programs not until any of those does. Ends with 1 if a test failed.
+"""
+import json
+import os
+import subprocess
+import sys
+import time
+
+import passed
+
+
+def ctest(build, *arguments, **keywords):
+    return subprocess.run(['ctest', '--test-dir', build, *arguments], check=False, **keywords)
+
+
+def files_below(folder):
+    return [os.path.join(root, name) for root, _, names in os.walk(folder) for name in names]
+
+
+def main():
+    build, regex = sys.argv[1:3]
+    listed = json.loads(ctest(build, '-R', regex, '--show-only=json-v1', stdout=subprocess.PIPE).stdout)
+    everything = json.loads(ctest(build, '--show-only=json-v1', stdout=subprocess.PIPE).stdout)
+    number = {test['name']: at for at, test in enumerate(everything['tests'], 1)}
+    groups = {}
+    for test in listed['tests']:
+        labels = next((p['value'] for p in test['properties'] if p['name'] == 'LABELS'), [])
+        groups.setdefault((test['command'][0], 'unit' in labels), []).append(test['name'])
+    # What is no source is read as it runs: models, scenarios, golden files.
+    read = subprocess.run(['git', 'ls-files', '--', ':!*.cpp', ':!*.h', ':!*.md'], stdout=subprocess.PIPE,
+                          text=True, check=True).stdout.split('\n')[:-1]
+    started = files_below(os.path.join(build, 'bin'))
+    begun, failed, known = time.monotonic(), [], 0
+    for (program, is_unit), names in sorted(groups.items(), key=lambda group: not group[0][1]):
+        runs = [program] if os.path.isfile(program) else []
+        key = passed.key_of(sorted(names), runs + read + ([] if is_unit else started))
+        label = os.path.basename(program)
+        if passed.has(key):
+            known += len(names)
+            continue
+        numbers = ','.join(str(number[name]) for name in names)
+        if ctest(build, '-I', f'0,0,0,{numbers}', '-j', str(os.cpu_count()), '--output-on-failure').returncode:
+            failed.append(label)
+        else:
+            passed.add(key)
+    print(f'{sum(map(len, groups.values()))} tests of {build}, {known} known from before, '
+          f'{time.monotonic() - begun:.0f} s' + (f', FAILED: {" ".join(failed)}' if failed else ''))
+    return 1 if failed or not groups else 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())
