@@ -57,8 +57,7 @@ Slot slotOf(const std::string& word) {
   for (const KindInfo& info : kKinds) {
     if (word == info.name) return {info.kind, ""};
   }
-  HANDGRAFT_REQUIRE(!"a kind that the grammar knows");
-  return {};
+  throw BrokenContract("a kind that the grammar does not know");
 }
 
 // The server judges these: a model that this program does not know may be one.

@@ -129,7 +129,7 @@ struct Client::Impl {
 
   /// Sends a request; `read` makes the answer of the reply's body, and may throw.
   template <class T, class Read>
-  Pending<T> call(const v1::RequestBody& body, const Read& read, bool can_stop = true) {
+  Pending<T> call(const v1::RequestBody& body, Read read, bool can_stop = true) {
     const auto state = std::make_shared<typename Pending<T>::State>();
     state->waiting = waiting;
     state->finishes = !can_stop;

@@ -206,8 +206,7 @@ std::string_view nameOf(LogMapMethod method) {
     case LogMapMethod::kHeat:
       return "heat";
   }
-  HANDGRAFT_REQUIRE(!"a known log map method");
-  return {};
+  throw BrokenContract("a log map method that is not known");
 }
 
 LogMap computeLogMap(const TriangleMesh& mesh,

@@ -111,8 +111,7 @@ std::string_view reasonOf(Unreachable reason) {
     case Unreachable::kBeyondRadius:
       return "beyond the disk";
   }
-  HANDGRAFT_REQUIRE(!"a known reason");
-  return {};
+  throw BrokenContract("a reason that is not known");
 }
 
 LogMapInverse::LogMapInverse(const TriangleMesh& mesh, const LogMap& map)

@@ -200,7 +200,7 @@ class SessionField {
       read(read_change);
       change = std::move(read_change);
     } else {
-      HANDGRAFT_REQUIRE(!"a kind that is known");
+      throw BrokenContract("a kind of change that is not known");
     }
   }
 

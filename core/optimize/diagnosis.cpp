@@ -81,8 +81,7 @@ class DistanceMeter {
 class Relaxer {
  public:
   explicit Relaxer(const PoseProblem& problem)
-      : problem_(problem),
-        prepared_(problem),
+      : prepared_(problem),
         space_(prepared_.space),
         objective_(problem, prepared_.tree),
         search_(problem, space_, objective_) {
@@ -126,7 +125,6 @@ class Relaxer {
   [[nodiscard]] const MomentTree& tree() const { return *prepared_.tree; }
 
  private:
-  const PoseProblem& problem_;
   PreparedProblem prepared_;
   SearchSpace space_;  ///< the prepared one with limits moved
   Objective objective_;

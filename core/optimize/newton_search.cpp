@@ -31,8 +31,7 @@ double cube(double x) {
 NewtonSearch::NewtonSearch(const PoseProblem& problem,
                            const SearchSpace& space,
                            Objective& objective)
-    : problem_(problem),
-      space_(space),
+    : space_(space),
       objective_(objective),
       pose_(problem.start),
       trial_(problem.start),

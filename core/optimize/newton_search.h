@@ -73,7 +73,6 @@ class NewtonSearch {
     return i >= j ? H(j, i) : H(i, j);
   }
 
-  const PoseProblem& problem_;
   const SearchSpace& space_;
   Objective& objective_;
   hand::HandPose pose_;

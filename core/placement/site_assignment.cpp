@@ -132,7 +132,7 @@ std::vector<int> assignSites(const HandPoseGuesser& placer,
   });
   for (const auto& [most, starts] :
        {std::pair(kShortList, 1), std::pair(std::size_t{1}, kStartsEach)}) {
-    rank_by(most, [&](const std::vector<Anchor>& anchors) {
+    rank_by(most, [&, starts = starts](const std::vector<Anchor>& anchors) {
       return placer.place(anchors, X_WO, starts, progress).front().score;
     });
   }

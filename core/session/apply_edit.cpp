@@ -121,7 +121,7 @@ class Editing {
 
   template <OfHistory HistoryEdit>
   void apply(const HistoryEdit& /*edit*/) {
-    HANDGRAFT_REQUIRE(!"an edit of the history");
+    throw BrokenContract("an edit of the history, which is not applied");
   }
 
   Edited edited;

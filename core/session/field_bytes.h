@@ -28,7 +28,7 @@ class FieldWriter {
       addRaw(&value, sizeof(value));
     } else {
       visitFields(value, [this](const char*, const auto& field) {
-        add(field);
+        this->add(field);
       });
     }
   }
@@ -67,7 +67,7 @@ class FieldWriter {
     addCount(value.index());
     std::visit(
         [this](const auto& one) {
-          add(one);
+          this->add(one);
         },
         value);
   }
@@ -110,7 +110,7 @@ class FieldReader {
       readRaw(&value, sizeof(value));
     } else {
       visitFields(value, [this](const char*, auto& field) {
-        read(field);
+        this->read(field);
       });
     }
   }
@@ -180,7 +180,7 @@ class FieldReader {
       if (index != Index) return readAlternative<Index + 1>(index, value);
       read(value.template emplace<Index>());
     } else {
-      HANDGRAFT_REQUIRE(!"an alternative that is there");
+      throw BrokenContract("an alternative that is not there");
     }
   }
 

@@ -293,7 +293,8 @@ MeasuredSurface makePyramid(int vertex_count,
     return Eigen::Vector3d(kConeSine * std::cos(angle), kConeSine * std::sin(angle),
                            std::sqrt(1.0 - kConeSine * kConeSine));
   };
-  const auto flatten = [=, height = kSlant / rows](const Eigen::Vector2d& p) {
+  const auto flatten = [=, columns = columns,
+                        height = kSlant / rows](const Eigen::Vector2d& p) {
     return Eigen::Vector2d(p.x() * period / columns, p.y() * height);
   };
   const auto bend = [=, height = kSlant / rows](const Eigen::Vector2d& p) {

@@ -183,7 +183,7 @@ TEST_F(StateStoreTest, ClosingDeletes) {
   store.append(7, 0, {"a"}, &edit, {7, 1, ""});
   store.removeSession(7, {"me", 2}, "close");
   EXPECT_THAT(store.sessions(), IsEmpty());
-  EXPECT_THROW(store.session(7), StorageError);
+  EXPECT_THROW((void)store.session(7), StorageError);
   EXPECT_EQ(store.request({"me", 2})->what, "close");
   expectSound(store);
 }
@@ -198,7 +198,7 @@ TEST_F(StateStoreTest, KeepsEqualBytesOnceAndAsLongAsOneModelHasThem) {
   const std::int64_t second = store.addModel(model("b"), bytes, {}, "load");
   EXPECT_LT(store.bytes(), one + 100'000);
   store.removeModel(1, "a", {}, "unload");
-  EXPECT_THROW(store.model(first), StorageError);
+  EXPECT_THROW((void)store.model(first), StorageError);
   EXPECT_EQ(store.bytesOf(second), bytes);
   store.removeModel(1, "b", {}, "unload");
   EXPECT_LT(store.bytes(), 200'000u);
@@ -225,8 +225,8 @@ TEST_F(StateStoreTest, KeepsWhatASessionOrAnotherModelRestsOn) {
   // The name is free for another one meanwhile.
   store.addModel(model("mug"), "another mesh", {}, "load");
   store.removeSession(7, {}, "close");
-  EXPECT_THROW(store.model(contacts), StorageError);
-  EXPECT_THROW(store.model(object), StorageError);
+  EXPECT_THROW((void)store.model(contacts), StorageError);
+  EXPECT_THROW((void)store.model(object), StorageError);
   EXPECT_THAT(store.models(), SizeIs(1));
   expectSound(store);
 }

@@ -388,7 +388,6 @@ TEST(IdleTasks, RunNextOnceTheyWaitedTooLong) {
 TEST(IdleTasks, AreNotStarvedByAPoolThatAlwaysHasWork) {
   StrandPool pool(2, 100, 20ms);
   Strand strand(pool, 100);
-  std::atomic<bool> ran{false};
   std::atomic<bool> is_over{false};
   std::promise<void> done;
   // Four tasks that follow themselves keep two workers busy.

@@ -200,8 +200,10 @@ void draw(const RetargetingArguments& arguments,
           const MeasuredHand& demonstrator,
           const std::vector<Demonstration>& demonstrations,
           const std::vector<RetargetedGrasp>& grasps) {
-  for (const auto& [name, grasp] :
+  for (const auto& chosen :
        chosenForPictures(grasps, arguments.random_pictures, arguments.seed)) {
+    const auto& name = chosen.first;
+    const RetargetedGrasp* const grasp = chosen.second;
     const auto hand = std::find_if(hands.begin(), hands.end(), [&](const MeasuredHand& one) {
       return one.name == grasp->hand;
     });

@@ -95,7 +95,7 @@ TEST_F(GivenFilesTest, AreCalledByPathsThatLeadNowhereElse) {
 
 TEST_F(GivenFilesTest, ComeInOrderAndWhole) {
   given.put(kPage, {1, "lemon.obj", 6, 0, "abc"});
-  EXPECT_THROW(given.find(kPage, 1), InvalidInput);
+  EXPECT_THROW((void)given.find(kPage, 1), InvalidInput);
   EXPECT_THROW(given.put(kPage, {1, "lemon.obj", 6, 0, "abc"}), InvalidInput);
   EXPECT_THROW(given.put(kPage, {1, "lemon.obj", 6, 3, "defg"}), InvalidInput);
   given.put(kPage, {1, "lemon.obj", 6, 3, "def"});
@@ -103,7 +103,7 @@ TEST_F(GivenFilesTest, ComeInOrderAndWhole) {
   EXPECT_EQ(readFile(model.files.at(0).path), "abcdef");
   EXPECT_EQ(model.name, "lemon");
   EXPECT_EQ(model.units, "mm");
-  EXPECT_THROW(given.find(kPage + 1, 1), InvalidInput) << "pages do not see each other's";
+  EXPECT_THROW((void)given.find(kPage + 1, 1), InvalidInput) << "pages do not see each other's";
 }
 
 TEST_F(GivenFilesTest, HaveRoomForSoMuchAndNotForMore) {

@@ -160,7 +160,7 @@ TEST(WrapQueries, SeesTheSameTrianglesAsALookAtAll) {
 }
 
 TEST(WrapQueries, NeedATriangle) {
-  EXPECT_THROW(WrapQueries(geometry::TriangleMesh()), InvalidInput);
+  EXPECT_THROW(WrapQueries{geometry::TriangleMesh()}, InvalidInput);
 }
 
 }  // namespace

@@ -70,7 +70,8 @@ TEST(HandPoseGuesser, StopsWhenAsked) {
   const HandPoseGuesser placer(grasp.small.model, *grasp.small.skin, grasp.ball);
   Progress progress;
   progress.cancel();
-  EXPECT_THROW(placer.place(anchorsOf(grasp, true), Pose::Identity(), 6, progress), Cancelled);
+  EXPECT_THROW((void)placer.place(anchorsOf(grasp, true), Pose::Identity(), 6, progress),
+               Cancelled);
 }
 
 }  // namespace
