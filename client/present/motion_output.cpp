@@ -53,12 +53,6 @@ std::string fastestText(const MotionResult& result) {
                      time_s);
 }
 
-bool slides(const v1::HandDescription& hand) {
-  return std::any_of(hand.joints().begin(), hand.joints().end(), [](const auto& joint) {
-    return joint.kind() == v1::JOINT_PRISMATIC;
-  });
-}
-
 /// The joints that stand at limits, most often first.
 std::string limitsText(const MotionResult& result) {
   constexpr std::size_t kMostShown = 6;
@@ -176,9 +170,7 @@ std::string motion(const MotionResult& result) {
              ? fmt::format("inside the object: {:.2f} mm at {:.2f} s\n",
                            1e3 * summary.max_depth_m(), deepest->time_s())
              : std::string("inside the object: never\n");
-  // The summary does not say which joint its largest numbers are of.
-  const JointUnit unit =
-      slides(result.hand) ? JointUnit{1.0, "rad, m"} : unitOf(v1::JOINT_REVOLUTE);
+  const JointUnit unit = unitOfLargest(result.hand);
   out += fmt::format(
       "joints: largest step {:.3g}{}, velocity {:.3g}, acceleration {:.3g}, RMS jerk {:.3g} "
       "({}; s)\n",

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "client/link/wire_pose.h"
+#include "client/present/joint_unit.h"
 #include "client/present/picture_parts.h"
 #include "client/present/render/plot.h"
 #include "client/present/render/two_views.h"
@@ -199,14 +200,15 @@ render::Image motionPicture(const MotionResult& result,
         at % kColumns * kTile.width, at / kColumns * kTile.height);
   }
   const v1::MotionSummary& summary = result.summary;
+  const JointUnit unit = unitOfLargest(result.hand);
   const render::Plot plot{
       fmt::format("{} follows {} on {}", result.session.hand(), result.motion.name(),
                   result.session.object()),
       fmt::format(
           "{} frames: {:.2f} mm and {:.0f} deg off in the mean, {:.2f} mm deep at most, "
-          "largest step of a joint {:.4f}",
+          "largest step of a joint {:.3g} {}",
           summary.frame_count(), summary.mean_mm(), summary.normal_deg(),
-          1e3 * summary.max_depth_m(), summary.max_step()),
+          1e3 * summary.max_depth_m(), unit.scale * summary.max_step(), unit.name),
       "time (s)", panelsOf(result)};
   copyInto(whole, render::drawPlot(plot, {kColumns * kTile.width, kPlotHeight}), 0,
            rows * kTile.height);
