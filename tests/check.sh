@@ -46,7 +46,7 @@ without_cgal() {
   cmake --build build/without_cgal -j "$jobs"
   mkdir -p build/without_cgal/tests
   cp -r build/release/tests/cache build/without_cgal/tests/ 2>/dev/null || true
-  ctest --test-dir build/without_cgal --output-on-failure -j "$jobs" -L unit
+  python3 .ci/each_test.py build/without_cgal '^unit/'
 }
 step without_cgal without_cgal
 #The Debian packages in a clean Debian; \
