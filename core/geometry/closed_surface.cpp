@@ -61,42 +61,63 @@ void forEdges(const Eigen::Vector3i& face, const Visit& visit) {
   }
 }
 
-/// Turns faces so that neighbours over an edge of two faces pass it in opposite directions.
-void orient(Soup& soup) {
-  std::map<Edge, std::vector<int>> faces_at;
+using FacesAtEdges = std::map<Edge, std::vector<int>>;
+
+FacesAtEdges facesAtEdges(const Soup& soup) {
+  FacesAtEdges faces_at;
   for (int f = 0; f < std::ssize(soup.faces); ++f)
     forEdges(soup.faces[f], [&](const Edge& edge, bool) {
       faces_at[edge].push_back(f);
     });
-  const auto is_forward = [&soup](int f, const Edge& wanted) {
-    bool result = false;
-    forEdges(soup.faces[f], [&](const Edge& edge, bool forward) {
-      if (edge == wanted) result = forward;
-    });
-    return result;
-  };
+  return faces_at;
+}
 
-  constexpr char kUnseen = 2;
-  std::vector<char> turned(soup.faces.size(), kUnseen);
+bool passesForward(const Eigen::Vector3i& face, const Edge& wanted) {
+  bool result = false;
+  forEdges(face, [&](const Edge& edge, bool forward) {
+    if (edge == wanted) result = forward;
+  });
+  return result;
+}
+
+/// Whether a face has to be turned (1) to agree with the first of its component, or not (0).
+using Turns = std::vector<char>;
+constexpr char kUnseen = 2;
+
+/// The faces that hang together with `seed`, each with its turn.
+std::vector<int> componentOf(int seed,
+                             const Soup& soup,
+                             const FacesAtEdges& faces_at,
+                             Turns& turned) {
+  turned[seed] = 0;
+  std::vector<int> component{seed};
+  for (std::size_t next = 0; next < component.size(); ++next) {
+    const int f = component[next];
+    forEdges(soup.faces[f], [&](const Edge& edge, bool forward) {
+      const std::vector<int>& both = faces_at.at(edge);
+      if (both.size() != 2) return;
+      const int other = both[0] == f ? both[1] : both[0];
+      if (turned[other] != kUnseen) return;
+      const bool agree = passesForward(soup.faces[other], edge) != forward;
+      turned[other] = static_cast<char>(agree ? turned[f] : 1 - turned[f]);
+      component.push_back(other);
+    });
+  }
+  return component;
+}
+
+/// Turns faces so that neighbours over an edge of two faces pass it in opposite directions;
+/// those of less area give way.
+void orient(Soup& soup) {
+  const FacesAtEdges faces_at = facesAtEdges(soup);
+  Turns turned(soup.faces.size(), kUnseen);
   for (int seed = 0; seed < std::ssize(soup.faces); ++seed) {
     if (turned[seed] != kUnseen) continue;
-    turned[seed] = 0;
-    std::vector<int> component{seed};
+    const std::vector<int> component = componentOf(seed, soup, faces_at, turned);
     double kept_area = 0.0;
     double turned_area = 0.0;
-    for (std::size_t next = 0; next < component.size(); ++next) {
-      const int f = component[next];
+    for (const int f : component)
       (turned[f] != 0 ? turned_area : kept_area) += areaOf(soup, soup.faces[f]);
-      forEdges(soup.faces[f], [&](const Edge& edge, bool forward) {
-        const std::vector<int>& both = faces_at[edge];
-        if (both.size() != 2) return;
-        const int other = both[0] == f ? both[1] : both[0];
-        if (turned[other] != kUnseen) return;
-        const bool agree = is_forward(other, edge) != forward;
-        turned[other] = static_cast<char>(agree ? turned[f] : 1 - turned[f]);
-        component.push_back(other);
-      });
-    }
     const char wrong = turned_area > kept_area ? 0 : 1;
     for (const int f : component)
       if (turned[f] == wrong) std::swap(soup.faces[f][1], soup.faces[f][2]);

@@ -81,14 +81,28 @@ class Dgpc {
   /// What is seen between two rays from a window's origin, entering a face through its
   /// halfedge; `left` and `right` are the halfedge's ends, the rays may be narrower.
   struct Beam {
-    int halfedge;
+    int halfedge = -1;
     Eigen::Vector2d left;
     Eigen::Vector2d right;
     Eigen::Vector2d along;  ///< unit, from left to right
     Eigen::Vector2d left_ray;
     Eigen::Vector2d right_ray;
-    bool left_known;  ///< its node has this very place
-    bool right_known;
+    bool left_known = false;  ///< its node has this very place
+    bool right_known = false;
+  };
+
+  /// The corner opposite the halfedge through which a beam has come into a face.
+  struct Apex {
+    int vertex = -1;
+    double r = 0.0;
+    Eigen::Vector2d place = Eigen::Vector2d::Zero();
+    Eigen::Vector2d from_left = Eigen::Vector2d::Zero();  ///< from the beam's left end
+    Eigen::Vector2d to_right = Eigen::Vector2d::Zero();   ///< to its right end
+    bool beyond_left = false;                             ///< left of the beam's left ray
+    bool beyond_right = false;
+    bool known = false;  ///< its node has this very place
+
+    [[nodiscard]] bool isSeen() const { return !beyond_left && !beyond_right; }
   };
 
   /// How a candidate is compared with what a vertex has.
@@ -106,6 +120,9 @@ class Dgpc {
                                   const Node& right,
                                   double length);
   void follow(const Window& window, int halfedge);
+  static Apex unfold(const Beam& beam, int vertex, const Eigen::Vector2d& local, double length);
+  [[nodiscard]] bool goesPast(const Apex& apex, const Beam& beam, bool is_first_face) const;
+  void split(const Beam& beam, const Apex& apex);
   static Eigen::Vector2d directionThrough(const Window& window, const Eigen::Vector2d& p);
   [[nodiscard]] bool reachesIn(const Node& a, const Node* b, double length) const;
   [[nodiscard]] bool isBetter(int vertex, double r, Kind kind) const;

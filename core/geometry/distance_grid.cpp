@@ -159,39 +159,40 @@ void DistanceGrid::fillCoarse(const Progress& progress) {
   }
 }
 
+/// Far from the surface the coarse nodes about a node tell its value, near it the surface does.
+double DistanceGrid::fineValueAt(const Eigen::Vector3i& node) const {
+  const Eigen::Vector3i last_cell = ((counts_.array() - 1) / kCoarse - 1).matrix();
+  const Eigen::Vector3i cell = (node / kCoarse).cwiseMin(last_cell);
+  const Eigen::Vector3i corner = kCoarse * cell;
+  const Eigen::Vector3d t = (node - corner).cast<double>() / kCoarse;
+  double bound = 0.0;  // of the distance, from below
+  double blended = 0.0;
+  for (int i = 0; i < 8; ++i) {
+    const Eigen::Vector3i side(i & 1, (i >> 1) & 1, i >> 2);
+    const double value = values_[indexOf(corner + kCoarse * side)];
+    const double way = spacing_ * (node - corner - kCoarse * side).cast<double>().norm();
+    bound = std::max(bound, std::abs(value) - way);
+    double weight = 1.0;
+    for (int a = 0; a < 3; ++a)
+      weight *= side[a] == 1 ? t[a] : 1.0 - t[a];
+    blended += weight * value;
+  }
+  if (bound > kBand * spacing_) return blended;
+  const double distance = exact_->distance(place(node));
+  return signOf(node, distance, 1, values_) * distance;
+}
+
 void DistanceGrid::fill(const Progress& progress) {
   // Rows are read four nodes at a time: one more behind the last.
   values_.assign(static_cast<std::size_t>(counts_.prod()) + 1, 0.0F);
   fillCoarse(progress);
-  const Eigen::Vector3i last_cell = ((counts_.array() - 1) / kCoarse - 1).matrix();
   for (int z = 0; z < counts_[2]; ++z) {
     progress.checkpoint();
     for (int y = 0; y < counts_[1]; ++y) {
       for (int x = 0; x < counts_[0]; ++x) {
         const Eigen::Vector3i node(x, y, z);
         if (x % kCoarse == 0 && y % kCoarse == 0 && z % kCoarse == 0) continue;
-        const Eigen::Vector3i cell = (node / kCoarse).cwiseMin(last_cell);
-        const Eigen::Vector3i corner = kCoarse * cell;
-        const Eigen::Vector3d t = (node - corner).cast<double>() / kCoarse;
-        double bound = 0.0;  // of the distance, from below
-        double blended = 0.0;
-        for (int i = 0; i < 8; ++i) {
-          const Eigen::Vector3i side(i & 1, (i >> 1) & 1, i >> 2);
-          const double value = values_[indexOf(corner + kCoarse * side)];
-          const double way = spacing_ * (node - corner - kCoarse * side).cast<double>().norm();
-          bound = std::max(bound, std::abs(value) - way);
-          double weight = 1.0;
-          for (int a = 0; a < 3; ++a)
-            weight *= side[a] == 1 ? t[a] : 1.0 - t[a];
-          blended += weight * value;
-        }
-        if (bound > kBand * spacing_) {
-          values_[indexOf(node)] = static_cast<float>(blended);
-          continue;
-        }
-        const double distance = exact_->distance(place(node));
-        values_[indexOf(node)] =
-            static_cast<float>(signOf(node, distance, 1, values_) * distance);
+        values_[indexOf(node)] = static_cast<float>(fineValueAt(node));
       }
     }
   }

@@ -74,7 +74,7 @@ class DistanceGrid {
   /// The middle of one cell of the grid, and how much of the cell is solid, in (0, 1].
   struct Cell {
     Eigen::Vector3d p;
-    double share;
+    double share = 0.0;
   };
 
   /// The cells about nodes that are partly or wholly inside, in a fixed order.
@@ -87,6 +87,7 @@ class DistanceGrid {
 
   void fill(const Progress& progress);
   void fillCoarse(const Progress& progress);
+  [[nodiscard]] double fineValueAt(const Eigen::Vector3i& node) const;
   [[nodiscard]] double signOf(const Eigen::Vector3i& node,
                               double distance,
                               int step,

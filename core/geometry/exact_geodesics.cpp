@@ -57,7 +57,7 @@ void ExactGeodesics::run() {
   while (queue_.advance()) {
     if (queue_.nearBegin() > radius_) tightenLimit();
     if (queue_.nearBegin() > limit_) break;
-    BucketQueue::Entry next;
+    BucketQueue::Entry next{};
     while (queue_.take(next)) {
       if (next.number < 0) {
         // Improved since: waiting under its newer distance.
@@ -205,6 +205,14 @@ void ExactGeodesics::wait(const Window& window) {
   queue_.put(window.nearest, index);
 }
 
+/// Whether the corner's own path to `place` is shorter than `known`.
+inline bool ExactGeodesics::comesFirst(const Behind& behind,
+                                       const Eigen::Vector2d& place,
+                                       double known) const {
+  const double gap = known - nodes_[behind.node].r;
+  return gap > 0.0 && (place - behind.place).squaredNorm() < gap * gap;
+}
+
 /// Finds the window's nearest place on the side ahead; false if a corner's own path is shorter
 /// than all of the window's (Xin & Wang 2009, section 3.2: they cross the way from a corner
 /// that comes first to the window's far end).
@@ -230,24 +238,18 @@ bool ExactGeodesics::measure(Window& window, const Behind& behind) const {
     const double known = (offset + left_distance) * (1.0 - kSlack);
     const double at = foot + left_distance * left_cosine;
     if (right_node.r + (length - at) < known) return false;
-    if (behind.node >= 0 && !behind.is_left) {
-      const double gap = known - nodes_[behind.node].r;
-      if (gap > 0.0 &&
-          (left_distance * window.left_ray - behind.place).squaredNorm() < gap * gap)
-        return false;
-    }
+    if (behind.node >= 0 && !behind.is_left &&
+        comesFirst(behind, left_distance * window.left_ray, known))
+      return false;
   }
   if (right_tells) {
     right_distance = depth / right_sine;
     const double known = (offset + right_distance) * (1.0 - kSlack);
     const double at = foot + right_distance * right_cosine;
     if (left_node.r + at < known) return false;
-    if (behind.node >= 0 && behind.is_left) {
-      const double gap = known - nodes_[behind.node].r;
-      if (gap > 0.0 &&
-          (right_distance * window.right_ray - behind.place).squaredNorm() < gap * gap)
-        return false;
-    }
+    if (behind.node >= 0 && behind.is_left &&
+        comesFirst(behind, right_distance * window.right_ray, known))
+      return false;
   }
 
   // === The nearest place: an end, or the foot of the perpendicular between them
@@ -264,6 +266,78 @@ bool ExactGeodesics::measure(Window& window, const Behind& behind) const {
   return window.nearest < kInfinity;
 }
 
+/// Unfolds the face behind `side`, by turning from edge to edge: taking directions from places
+/// instead would blow up their rounding in every sliver on the way.
+inline ExactGeodesics::Apex ExactGeodesics::unfold(const Window& window,
+                                                   const FlatFaces::Side& side) {
+  const Eigen::Vector2d from_left = turned(window.along, side.apex_x, side.apex_y);
+  const Eigen::Vector2d place = window.left + from_left;
+  return {place, from_left, place.squaredNorm(), cross(window.left_ray, place),
+          cross(place, window.right_ray)};
+}
+
+inline bool ExactGeodesics::isSeen(const Apex& apex) {
+  const double seen = kSeen * kSeen * apex.squared;
+  return (apex.beyond_left <= 0.0 || apex.beyond_left * apex.beyond_left <= seen) &&
+         (apex.beyond_right <= 0.0 || apex.beyond_right * apex.beyond_right <= seen);
+}
+
+/// Serves an apex that is seen, and narrows the windows that go on to either side of it.
+inline void ExactGeodesics::serve(const Window& window, int s, const Apex& apex, Split& split) {
+  FlatFaces::Side& side = faces_.side(s);
+  const Eigen::Vector2d& p = apex.place;
+  const double distance = std::sqrt(apex.squared);
+  const double r = planes_[window.plane].offset + distance;
+  const double slope = cross(p, window.along);
+  const double at = slope != 0.0 ? -cross(p, window.left) / slope : 0.0;
+  if (reach(side.apex, r, window.plane, p) && nodes_[side.apex].bends_paths) {
+    arriveAt(side.apex, FlatFaces::previous(s),
+             std::max(0.0, std::atan2(cross(apex.from_left, p), apex.from_left.dot(p))));
+  }
+  // Chen & Han 1990: of the windows that serve an angle only the best one splits.
+  if (r < side.split_distance * (1.0 - kGain)) {
+    side.split_distance = r;
+    side.split_at = at;
+  } else if (at < side.split_at - kSamePlace * side.length) {
+    split.goes_right = false;
+  } else if (at > side.split_at + kSamePlace * side.length) {
+    split.goes_left = false;
+  }
+  const Eigen::Vector2d p_ray = p / distance;
+  if (!(apex.beyond_left > 0.0)) split.right.left_ray = p_ray;
+  if (!(apex.beyond_right > 0.0)) split.left.right_ray = p_ray;
+  split.goes_right = split.goes_right && isWide(split.right);
+  split.goes_left = split.goes_left && isWide(split.left);
+}
+
+/// Makes `right` the part of `window` that leaves the face right of the apex; false if nothing
+/// comes of it.
+inline bool ExactGeodesics::goOnRight(const Window& window,
+                                      int s,
+                                      const Apex& apex,
+                                      Window& right) const {
+  const FlatFaces::Side& side = faces_.side(s);
+  right.side = FlatFaces::next(s);
+  const FlatFaces::Side& ahead = faces_.side(right.side);
+  right.left = apex.place;
+  right.left_node = side.apex;
+  right.along = turned(window.along, (side.length - side.apex_x) * ahead.inverse_length,
+                       -side.apex_y * ahead.inverse_length);
+  return faces_.isOpen(right.side) && measure(right, {window.left_node, true, window.left});
+}
+
+/// The same left of the apex.
+inline bool ExactGeodesics::goOnLeft(const Window& window, int s, Window& left) const {
+  const FlatFaces::Side& side = faces_.side(s);
+  left.side = FlatFaces::previous(s);
+  const FlatFaces::Side& ahead = faces_.side(left.side);
+  left.right_node = side.apex;
+  left.along = turned(window.along, side.apex_x * ahead.inverse_length,
+                      side.apex_y * ahead.inverse_length);
+  return faces_.isOpen(left.side) &&
+         measure(left, {window.right_node, false, window.left + side.length * window.along});
+}
+
 /// Takes a window from face to face, as long as it is one and stays within the step at hand.
 void ExactGeodesics::carry(Window window) {
   while (true) {
@@ -274,72 +348,16 @@ void ExactGeodesics::carry(Window window) {
       cut_short_ = true;
       return;
     }
-    const int apex = side.apex;
-    if (window.nearest <= radius_) nodes_[apex].is_wanted = true;
+    if (window.nearest <= radius_) nodes_[side.apex].is_wanted = true;
 
-    // === Unfold the face, by turning from edge to edge: taking directions from places instead
-    // would blow up their rounding in every sliver on the way.
-    const Eigen::Vector2d to_apex = turned(window.along, side.apex_x, side.apex_y);
-    const Eigen::Vector2d p = window.left + to_apex;
-    const double beyond_left = cross(window.left_ray, p);
-    const double beyond_right = cross(p, window.right_ray);
-    bool goes_left = beyond_left <= 0.0;
-    bool goes_right = beyond_right <= 0.0;
-    const double squared = p.squaredNorm();
-    const double seen = kSeen * kSeen * squared;
-    Window right = window;
-    Window left = window;
-    if ((goes_left || beyond_left * beyond_left <= seen) &&
-        (goes_right || beyond_right * beyond_right <= seen)) {
-      // === Serve the apex, which is seen
-      const double distance = std::sqrt(squared);
-      const double r = planes_[window.plane].offset + distance;
-      const double slope = cross(p, window.along);
-      const double at = slope != 0.0 ? -cross(p, window.left) / slope : 0.0;
-      if (reach(apex, r, window.plane, p) && nodes_[apex].bends_paths) {
-        arriveAt(apex, FlatFaces::previous(s),
-                 std::max(0.0, std::atan2(cross(to_apex, p), to_apex.dot(p))));
-      }
-      // Chen & Han 1990: of the windows that serve an angle only the best one splits.
-      if (r < side.split_distance * (1.0 - kGain)) {
-        side.split_distance = r;
-        side.split_at = at;
-      } else if (at < side.split_at - kSamePlace * side.length) {
-        goes_right = false;
-      } else if (at > side.split_at + kSamePlace * side.length) {
-        goes_left = false;
-      }
-      const Eigen::Vector2d p_ray = p / distance;
-      if (!(beyond_left > 0.0)) right.left_ray = p_ray;
-      if (!(beyond_right > 0.0)) left.right_ray = p_ray;
-      goes_right = goes_right && isWide(right);
-      goes_left = goes_left && isWide(left);
-    }
-
-    // === Go on through the two other sides
-    if (goes_right) {
-      right.side = FlatFaces::next(s);
-      const FlatFaces::Side& ahead = faces_.side(right.side);
-      right.left = p;
-      right.left_node = apex;
-      right.along = turned(window.along, (side.length - side.apex_x) * ahead.inverse_length,
-                           -side.apex_y * ahead.inverse_length);
-      goes_right =
-          faces_.isOpen(right.side) && measure(right, {window.left_node, true, window.left});
-    }
-    if (goes_left) {
-      left.side = FlatFaces::previous(s);
-      const FlatFaces::Side& ahead = faces_.side(left.side);
-      left.right_node = apex;
-      left.along = turned(window.along, side.apex_x * ahead.inverse_length,
-                          side.apex_y * ahead.inverse_length);
-      goes_left =
-          faces_.isOpen(left.side) &&
-          measure(left, {window.right_node, false, window.left + side.length * window.along});
-    }
-    if (goes_left && goes_right) wait(left);
+    const Apex apex = unfold(window, side);
+    Split split{window, window, apex.beyond_left <= 0.0, apex.beyond_right <= 0.0};
+    if (isSeen(apex)) serve(window, s, apex, split);
+    const bool goes_right = split.goes_right && goOnRight(window, s, apex, split.right);
+    const bool goes_left = split.goes_left && goOnLeft(window, s, split.left);
+    if (goes_left && goes_right) wait(split.left);
     if (!goes_left && !goes_right) return;
-    window = goes_right ? right : left;
+    window = goes_right ? split.right : split.left;
     if (window.nearest > queue_.nearEnd()) {
       wait(window);
       return;

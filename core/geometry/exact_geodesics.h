@@ -85,10 +85,10 @@ class ExactGeodesics {
     Eigen::Vector2d along;     ///< unit, from left to right
     Eigen::Vector2d left_ray;  ///< units
     Eigen::Vector2d right_ray;
-    int side;  ///< of the face behind
-    int plane;
-    int left_node;
-    int right_node;
+    int side = -1;  ///< of the face behind
+    int plane = -1;
+    int left_node = -1;
+    int right_node = -1;
     double nearest = 0.0;  ///< least distance of all of its paths' places on the side
   };
 
@@ -97,6 +97,23 @@ class ExactGeodesics {
     int node = -1;  ///< none
     bool is_left = false;
     Eigen::Vector2d place = Eigen::Vector2d::Zero();
+  };
+
+  /// The corner opposite the side through which a window has come into a face.
+  struct Apex {
+    Eigen::Vector2d place;
+    Eigen::Vector2d from_left;  ///< from the side's left end
+    double squared = 0.0;       ///< distance
+    double beyond_left = 0.0;   ///< > 0 left of the window's left ray
+    double beyond_right = 0.0;
+  };
+
+  /// What of a window goes on to the left and to the right of an apex.
+  struct Split {
+    Window left;
+    Window right;
+    bool goes_left = false;
+    bool goes_right = false;
   };
 
   /// Of the face at a vertex, counter-clockwise of `side`, which starts there.
@@ -114,10 +131,18 @@ class ExactGeodesics {
   bool reach(int node, double r, int plane, const Eigen::Vector2d& p);
   void arriveAt(int node, int side, double angle);
 
+  [[nodiscard]] bool comesFirst(const Behind& behind,
+                                const Eigen::Vector2d& place,
+                                double known) const;
   bool measure(Window& window, const Behind& behind) const;
   static bool isWide(const Window& window);
   void open(Window window);
   void wait(const Window& window);
+  static Apex unfold(const Window& window, const FlatFaces::Side& side);
+  static bool isSeen(const Apex& apex);
+  void serve(const Window& window, int s, const Apex& apex, Split& split);
+  bool goOnRight(const Window& window, int s, const Apex& apex, Window& right) const;
+  bool goOnLeft(const Window& window, int s, Window& left) const;
   void carry(Window window);
   void tightenLimit();
 

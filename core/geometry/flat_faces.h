@@ -18,16 +18,16 @@ class FlatFaces {
   /// A side, along x, as one who comes in through it sees the face: from its left end, which is
   /// the halfedge's start, to its right end. One cache line.
   struct alignas(64) Side {
-    double length;
-    double inverse_length;  ///< 0 for a side without length
-    double apex_x;          ///< the opposite corner
-    double apex_y;
+    double length = 0.0;
+    double inverse_length = 0.0;  ///< 0 for a side without length
+    double apex_x = 0.0;          ///< the opposite corner
+    double apex_y = 0.0;
     /// Chen & Han's split: the way through this side that serves the apex best, and where it
     /// crosses the side.
     double split_distance = std::numeric_limits<double>::infinity();
     double split_at = 0.0;
     int across = kNotMet;  ///< the same side of the next face
-    int apex;              ///< number of the opposite corner
+    int apex = -1;         ///< number of the opposite corner
     int passes = 0;        ///< bundles of paths that came in
   };
 

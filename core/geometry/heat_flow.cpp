@@ -38,16 +38,16 @@ Eigen::Matrix2Xd columnsOf(const Eigen::VectorXcd& p, double scale) {
 
 /// Directions and lengths of one edge, seen from both ends.
 struct HeatFlow::Edge {
-  int a;
-  int b;
+  int a = -1;
+  int b = -1;
   Complex from_a;  ///< unit, in a's basis, towards b
   Complex from_b;  ///< unit, in b's basis, towards a
-  double length;
+  double length = 0.0;
   /// Half the cotangents opposite; `conductance` is without the negative ones that obtuse
   /// triangles leave on the surface's edge. Diffusion with it keeps every sign, and planes stay
   /// exact with any symmetric weights.
-  double cotan;
-  double conductance;
+  double cotan = 0.0;
+  double conductance = 0.0;
 
   /// Turns a vector at b into a's basis.
   [[nodiscard]] Complex fromBToA() const { return -from_a * std::conj(from_b); }

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -57,6 +58,14 @@ Lie lieOf(const TriangleMesh& mesh, int f, const Eigen::Matrix<double, 2, 3>& co
   return area < -thinnest ? Lie::kTurnedOver : Lie::kNoArea;
 }
 
+Eigen::Matrix<double, 2, 3> cornersAt(const std::vector<Eigen::Vector2d>& places_T,
+                                      const std::array<int, 3>& numbers) {
+  Eigen::Matrix<double, 2, 3> corners_T;
+  for (int c = 0; c < 3; ++c)
+    corners_T.col(c) = places_T[static_cast<std::size_t>(numbers[static_cast<std::size_t>(c)])];
+  return corners_T;
+}
+
 /// Log coordinates of faces' corners, computed once a vertex.
 class Corners {
  public:
@@ -78,6 +87,8 @@ class Corners {
     return numbers;
   }
 
+  Lie lieOf(int f) { return geometry::lieOf(mesh_, f, cornersAt(places_T_, numbersOf(f))); }
+
  private:
   const TriangleMesh& mesh_;
   const LogMap& map_;
@@ -85,12 +96,16 @@ class Corners {
   std::vector<Eigen::Vector2d>& places_T_;
 };
 
-Eigen::Matrix<double, 2, 3> cornersAt(const std::vector<Eigen::Vector2d>& places_T,
-                                      const std::array<int, 3>& numbers) {
-  Eigen::Matrix<double, 2, 3> corners_T;
-  for (int c = 0; c < 3; ++c)
-    corners_T.col(c) = places_T[static_cast<std::size_t>(numbers[static_cast<std::size_t>(c)])];
-  return corners_T;
+/// Why ways end at the border to the face of `twin`; nothing where they go on.
+std::optional<Unreachable> reasonBeyond(int twin, const IndexMap& covered, Corners& corners) {
+  if (twin < 0) return Unreachable::kSurfaceEdge;
+  const int beyond = TriangleMesh::faceOf(twin);
+  if (covered.find(beyond) >= 0) return std::nullopt;
+  const Lie lie = corners.lieOf(beyond);
+  // A face without area in T leaves no gap: what lies behind it decides for itself.
+  if (lie == Lie::kNoArea) return std::nullopt;
+  return lie == Lie::kUnknown || lie == Lie::kFlat ? Unreachable::kBeyondRadius
+                                                   : Unreachable::kCutLocus;
 }
 
 /// The cell out of `count` that holds `place`, in cells. Coordinates far outside fit no int,
@@ -138,19 +153,11 @@ LogMapInverse::LogMapInverse(const TriangleMesh& mesh, const LogMap& map)
   // === Borders: edges of a sheet without a sheet beyond
   for (const Sheet& sheet : sheets_) {
     for (int c = 0; c < 3; ++c) {
-      const int twin = mesh.twin(3 * sheet.face + c);
-      Unreachable reason = Unreachable::kSurfaceEdge;
-      if (twin >= 0) {
-        const int beyond = TriangleMesh::faceOf(twin);
-        if (covered.find(beyond) >= 0) continue;
-        const Lie lie = lieOf(mesh, beyond, cornersAt(places_T_, corners.numbersOf(beyond)));
-        // A face without area in T leaves no gap: what lies behind it decides for itself.
-        if (lie == Lie::kNoArea) continue;
-        reason = lie == Lie::kUnknown || lie == Lie::kFlat ? Unreachable::kBeyondRadius
-                                                           : Unreachable::kCutLocus;
-      }
+      const std::optional<Unreachable> reason =
+          reasonBeyond(mesh.twin(3 * sheet.face + c), covered, corners);
+      if (!reason) continue;
       borders_.push_back({sheet.corners[static_cast<std::size_t>(c)],
-                          sheet.corners[static_cast<std::size_t>((c + 1) % 3)], reason});
+                          sheet.corners[static_cast<std::size_t>((c + 1) % 3)], *reason});
     }
   }
   sheets_.insert(sheets_.end(), turned_over.begin(), turned_over.end());

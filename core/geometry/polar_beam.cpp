@@ -29,16 +29,11 @@ Eigen::Vector2d leftOf(const Eigen::Vector2d& v) {
   return {-v.y(), v.x()};
 }
 
-/// The third corner of the face behind `halfedge`, in coordinates along it and to its left.
-struct Apex {
-  double x;
-  double y;
-};
-
-Apex apexOf(const Eigen::Vector3d& from,
-            const Eigen::Vector3d& to,
-            const Eigen::Vector3d& apex,
-            double length) {
+/// From `from` to `apex`, in coordinates along the edge to `to` and to its left.
+Eigen::Vector2d placeAlong(const Eigen::Vector3d& from,
+                           const Eigen::Vector3d& to,
+                           const Eigen::Vector3d& apex,
+                           double length) {
   const Eigen::Vector3d along = (to - from) / length;
   const Eigen::Vector3d side = apex - from;
   const double x = side.dot(along);
@@ -83,64 +78,79 @@ void Dgpc::follow(const Window& window, int halfedge) {
   for (int step = 0; !beams_.empty() && step < kLongestBeam; ++step) {
     const Beam beam = beams_.back();
     beams_.pop_back();
-    const int h = beam.halfedge;
-    const int apex = mesh_.to(TriangleMesh::next(h));
-    if (apex == source_vertex_) continue;
-
-    // === Unfold the face, by turning from edge to edge: taking directions from places instead
-    // would blow up their rounding in every sliver on the way.
-    const auto a = mesh_.vertices().col(mesh_.from(h));
-    const auto b = mesh_.vertices().col(mesh_.to(h));
-    const auto c = mesh_.vertices().col(apex);
-    const double length = (b - a).norm();
+    const int vertex = mesh_.to(TriangleMesh::next(beam.halfedge));
+    if (vertex == source_vertex_) continue;
+    const auto left_end = mesh_.vertices().col(mesh_.from(beam.halfedge));
+    const auto right_end = mesh_.vertices().col(mesh_.to(beam.halfedge));
+    const double length = (right_end - left_end).norm();
     if (!(length > 0.0)) continue;
-    const Apex local = apexOf(a, b, c, length);
-    const Eigen::Vector2d to_apex = local.x * beam.along + local.y * leftOf(beam.along);
-    const Eigen::Vector2d p = beam.left + to_apex;
-    const double r = p.norm();
 
-    // === Serve the apex if it is seen
-    const bool beyond_left = cross(beam.left_ray, p) > kRayRounding * r * beam.left_ray.norm();
-    const bool beyond_right =
-        cross(p, beam.right_ray) > kRayRounding * r * beam.right_ray.norm();
-    const bool seen = !beyond_left && !beyond_right;
-    if (seen && r > 0.0 && isBetter(apex, r, Kind::kExact)) {
-      offer(apex, r, directionThrough(window, p), Kind::kExact);
+    Apex apex =
+        unfold(beam, vertex,
+               placeAlong(left_end, right_end, mesh_.vertices().col(vertex), length), length);
+    if (apex.isSeen() && apex.r > 0.0 && isBetter(vertex, apex.r, Kind::kExact)) {
+      offer(vertex, apex.r, directionThrough(window, apex.place), Kind::kExact);
     }
-    const bool apex_known = standsAt(apex, window, p, r);
+    apex.known = standsAt(vertex, window, apex.place, apex.r);
+    if (goesPast(apex, beam, step == 0)) split(beam, apex);
+  }
+}
 
-    // === Go on through the two other edges, unless both ends of one know their way themselves
-    if (apex_known && beam.left_known && beam.right_known) continue;
-    if (!apex_known) {
-      if (!isFlat(apex)) continue;
-      // A vertex that has not spread yet may still find its way; it asks this window again
-      // then.
-      const Node* node = nodeOf(apex);
-      if (step == 0 && (!node || node->visits == 0)) continue;
-    }
-    const auto outrun = [&](int vertex, const Eigen::Vector2d& place) {
-      const Node* node = nodeOf(vertex);
-      return node && node->r < place.norm() * (1.0 - kShorter);
-    };
-    // Past the cut locus for good: all three have shorter ways.
-    if (outrun(apex, p) && outrun(mesh_.from(h), beam.left) &&
-        outrun(mesh_.to(h), beam.right)) {
-      continue;
-    }
-    const int right_edge = mesh_.twin(TriangleMesh::next(h));
-    if (!beyond_right && right_edge >= 0 && !(apex_known && beam.right_known) &&
-        distanceToSegment(p, beam.right) <= radius_ + reach_) {
-      const Eigen::Vector2d rest =
-          (length - local.x) * beam.along - local.y * leftOf(beam.along);
-      beams_.push_back({right_edge, p, beam.right, rest.normalized(), seen ? p : beam.left_ray,
-                        beam.right_ray, apex_known, beam.right_known});
-    }
-    const int left_edge = mesh_.twin(TriangleMesh::previous(h));
-    if (!beyond_left && left_edge >= 0 && !(apex_known && beam.left_known) &&
-        distanceToSegment(beam.left, p) <= radius_ + reach_) {
-      beams_.push_back({left_edge, beam.left, p, to_apex.normalized(), beam.left_ray,
-                        seen ? p : beam.right_ray, beam.left_known, apex_known});
-    }
+/// The apex is at `local` along the beam's halfedge. Unfolds by turning from edge to edge:
+/// taking directions from places instead would blow up their rounding in every sliver on the
+/// way.
+Dgpc::Apex Dgpc::unfold(const Beam& beam,
+                        int vertex,
+                        const Eigen::Vector2d& local,
+                        double length) {
+  Apex apex;
+  apex.vertex = vertex;
+  apex.from_left = local.x() * beam.along + local.y() * leftOf(beam.along);
+  apex.to_right = (length - local.x()) * beam.along - local.y() * leftOf(beam.along);
+  apex.place = beam.left + apex.from_left;
+  apex.r = apex.place.norm();
+  apex.beyond_left =
+      cross(beam.left_ray, apex.place) > kRayRounding * apex.r * beam.left_ray.norm();
+  apex.beyond_right =
+      cross(apex.place, beam.right_ray) > kRayRounding * apex.r * beam.right_ray.norm();
+  return apex;
+}
+
+/// Whether there is anything to serve beyond the apex: not where both ends of all edges know
+/// their way themselves, nor past the cut locus.
+bool Dgpc::goesPast(const Apex& apex, const Beam& beam, bool is_first_face) const {
+  if (apex.known && beam.left_known && beam.right_known) return false;
+  const Node* node = nodeOf(apex.vertex);
+  if (!apex.known) {
+    if (!isFlat(apex.vertex)) return false;
+    // A vertex that has not spread yet may still find its way; it asks this window again then.
+    if (is_first_face && (!node || node->visits == 0)) return false;
+  }
+  const auto is_outrun = [&](int vertex, const Eigen::Vector2d& place) {
+    const Node* reached = nodeOf(vertex);
+    return reached && reached->r < place.norm() * (1.0 - kShorter);
+  };
+  // Past the cut locus for good: all three have shorter ways.
+  return !(is_outrun(apex.vertex, apex.place) &&
+           is_outrun(mesh_.from(beam.halfedge), beam.left) &&
+           is_outrun(mesh_.to(beam.halfedge), beam.right));
+}
+
+/// Goes on through the two other edges, unless both ends of one know their way themselves.
+void Dgpc::split(const Beam& beam, const Apex& apex) {
+  const Eigen::Vector2d& p = apex.place;
+  const int right_edge = mesh_.twin(TriangleMesh::next(beam.halfedge));
+  if (!apex.beyond_right && right_edge >= 0 && !(apex.known && beam.right_known) &&
+      distanceToSegment(p, beam.right) <= radius_ + reach_) {
+    beams_.push_back({right_edge, p, beam.right, apex.to_right.normalized(),
+                      apex.isSeen() ? p : beam.left_ray, beam.right_ray, apex.known,
+                      beam.right_known});
+  }
+  const int left_edge = mesh_.twin(TriangleMesh::previous(beam.halfedge));
+  if (!apex.beyond_left && left_edge >= 0 && !(apex.known && beam.left_known) &&
+      distanceToSegment(beam.left, p) <= radius_ + reach_) {
+    beams_.push_back({left_edge, beam.left, p, apex.from_left.normalized(), beam.left_ray,
+                      apex.isSeen() ? p : beam.right_ray, beam.left_known, apex.known});
   }
 }
 

@@ -35,6 +35,64 @@ TriangleMesh meshOf(const std::vector<Eigen::Vector3d>& points,
   return {std::move(vertices), std::move(faces)};
 }
 
+/// Three golden rectangles, on the unit sphere.
+std::vector<Eigen::Vector3d> icosahedronCorners() {
+  constexpr double kGolden = std::numbers::phi;
+  std::vector<Eigen::Vector3d> points;
+  for (const double a : {-1.0, 1.0}) {
+    for (const double b : {-kGolden, kGolden}) {
+      points.push_back(Eigen::Vector3d(a, b, 0.0).normalized());
+      points.push_back(Eigen::Vector3d(0.0, a, b).normalized());
+      points.push_back(Eigen::Vector3d(b, 0.0, a).normalized());
+    }
+  }
+  return points;
+}
+
+/// The triples of corners at the shortest mutual distance, turned outwards.
+std::vector<Eigen::Vector3i> icosahedronFaces(const std::vector<Eigen::Vector3d>& points) {
+  constexpr double kGolden = std::numbers::phi;
+  const double edge_squared = 4.0 / (1.0 + kGolden * kGolden);
+  const auto adjacent = [&](int a, int b) {
+    return (points[a] - points[b]).squaredNorm() < 1.1 * edge_squared;
+  };
+  std::vector<Eigen::Vector3i> triangles;
+  for (int a = 0; a < 12; ++a) {
+    for (int b = a + 1; b < 12; ++b) {
+      for (int c = b + 1; c < 12; ++c) {
+        if (!adjacent(a, b) || !adjacent(b, c) || !adjacent(c, a)) continue;
+        const bool outward = points[a].dot(points[b].cross(points[c])) > 0.0;
+        triangles.emplace_back(a, outward ? b : c, outward ? c : b);
+      }
+    }
+  }
+  return triangles;
+}
+
+/// Each face becomes four, the new vertices, behind `points`, pushed out to the unit sphere.
+std::vector<Eigen::Vector3i> quartered(const std::vector<Eigen::Vector3i>& triangles,
+                                       std::vector<Eigen::Vector3d>& points) {
+  std::map<std::pair<int, int>, int> middles;
+  const auto middle = [&](int a, int b) {
+    const auto [place, fresh] =
+        middles.try_emplace(std::minmax(a, b), static_cast<int>(points.size()));
+    if (fresh) points.push_back((points[a] + points[b]).normalized());
+    return place->second;
+  };
+  std::vector<Eigen::Vector3i> finer;
+  finer.reserve(4 * triangles.size());
+  for (const Eigen::Vector3i& t : triangles) {
+    const int ab = middle(t[0], t[1]);
+    const int bc = middle(t[1], t[2]);
+    const int ca = middle(t[2], t[0]);
+    finer.emplace_back(t[0], ab, ca);
+    finer.emplace_back(t[1], bc, ab);
+    finer.emplace_back(t[2], ca, bc);
+    finer.emplace_back(ab, bc, ca);
+  }
+  return finer;
+}
+
 }  // namespace
 
 TriangleMesh makeBox(const Eigen::Vector3d& size_m) {
@@ -86,54 +144,10 @@ TriangleMesh makeSphere(double radius_m, int subdivisions) {
   requireLength("sphere radius", radius_m);
   requireCount("sphere subdivisions", subdivisions, 0, 8);
 
-  // === Icosahedron: three golden rectangles
-  constexpr double kGolden = std::numbers::phi;
-  std::vector<Eigen::Vector3d> points;
-  for (const double a : {-1.0, 1.0}) {
-    for (const double b : {-kGolden, kGolden}) {
-      points.push_back(Eigen::Vector3d(a, b, 0.0).normalized());
-      points.push_back(Eigen::Vector3d(0.0, a, b).normalized());
-      points.push_back(Eigen::Vector3d(b, 0.0, a).normalized());
-    }
-  }
-  // Its faces are the triples at the shortest mutual distance, turned outwards.
-  const double edge_squared = 4.0 / (1.0 + kGolden * kGolden);
-  const auto adjacent = [&](int a, int b) {
-    return (points[a] - points[b]).squaredNorm() < 1.1 * edge_squared;
-  };
-  std::vector<Eigen::Vector3i> triangles;
-  for (int a = 0; a < 12; ++a) {
-    for (int b = a + 1; b < 12; ++b) {
-      for (int c = b + 1; c < 12; ++c) {
-        if (!adjacent(a, b) || !adjacent(b, c) || !adjacent(c, a)) continue;
-        const bool outward = points[a].dot(points[b].cross(points[c])) > 0.0;
-        triangles.emplace_back(a, outward ? b : c, outward ? c : b);
-      }
-    }
-  }
-
-  // === Each face becomes four, the new vertices pushed out to the sphere
-  for (int level = 0; level < subdivisions; ++level) {
-    std::map<std::pair<int, int>, int> middles;
-    const auto middle = [&](int a, int b) {
-      const auto [place, fresh] =
-          middles.try_emplace(std::minmax(a, b), static_cast<int>(points.size()));
-      if (fresh) points.push_back((points[a] + points[b]).normalized());
-      return place->second;
-    };
-    std::vector<Eigen::Vector3i> finer;
-    finer.reserve(4 * triangles.size());
-    for (const Eigen::Vector3i& t : triangles) {
-      const int ab = middle(t[0], t[1]);
-      const int bc = middle(t[1], t[2]);
-      const int ca = middle(t[2], t[0]);
-      finer.emplace_back(t[0], ab, ca);
-      finer.emplace_back(t[1], bc, ab);
-      finer.emplace_back(t[2], ca, bc);
-      finer.emplace_back(ab, bc, ca);
-    }
-    triangles = std::move(finer);
-  }
+  std::vector<Eigen::Vector3d> points = icosahedronCorners();
+  std::vector<Eigen::Vector3i> triangles = icosahedronFaces(points);
+  for (int level = 0; level < subdivisions; ++level)
+    triangles = quartered(triangles, points);
   for (Eigen::Vector3d& point : points)
     point *= radius_m;
   return meshOf(points, triangles);

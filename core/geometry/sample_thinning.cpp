@@ -21,7 +21,7 @@ Cell cellOf(const Eigen::Vector3d& p, double spacing) {
 class Cells {
  public:
   explicit Cells(Eigen::Index points)
-      : slots_(std::bit_ceil(static_cast<std::size_t>(2 * points + 2))),
+      : slots_(std::bit_ceil(2 * static_cast<std::size_t>(points) + 2)),
         next_(static_cast<std::size_t>(points), -1) {}
 
   void add(const Cell& cell, int point) {
