@@ -95,6 +95,151 @@ int nearestPart(const HandJoints& joints,
   return best;
 }
 
+std::vector<int> regionVertices(const geometry::TriangleMesh& mesh, const Region& region) {
+  std::vector<int> vertices;
+  for (const int f : region) {
+    for (const int v : mesh.face(f))
+      vertices.push_back(v);
+  }
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  return vertices;
+}
+
+/// The parts that have enough of a region to touch it.
+Accepted acceptedOf(const std::array<double, kPartCount>& area, double least) {
+  Accepted accepted{};
+  for (std::size_t part = 0; part < area.size(); ++part)
+    accepted[part] = area[part] > 0.0 && area[part] >= least;
+  // Nobody has enough of a speck: it goes to whoever has most of it.
+  if (std::none_of(accepted.begin(), accepted.end(), [](bool is) {
+        return is;
+      }))
+    accepted[static_cast<std::size_t>(std::max_element(area.begin(), area.end()) -
+                                      area.begin())] = true;
+  return accepted;
+}
+
+/// Vertices of a region whose part has little of it go to the nearest of those with more.
+void leaveToLargestParts(const Region& region,
+                         const Eigen::VectorXd& areas,
+                         const HandJoints& joints,
+                         double minimum_area_m2,
+                         ContactMap& map) {
+  const std::vector<int> vertices = regionVertices(map.mesh_O, region);
+  std::array<double, kPartCount> area{};
+  double whole = 0.0;
+  for (const int v : vertices) {
+    area[static_cast<std::size_t>(map.label[v])] += areas[v];
+    whole += areas[v];
+  }
+  const Accepted accepted = acceptedOf(area, std::max(minimum_area_m2, kSmallestShare * whole));
+  for (const int v : vertices) {
+    if (!accepted[static_cast<std::size_t>(map.label[v])])
+      map.label[v] = nearestPart(joints, map.mesh_O.vertex(v), accepted);
+  }
+}
+
+// === Places
+
+/// The palm: from the wrist up, from the index across; fingers bend to where it faces.
+struct PalmAxes {
+  Eigen::Vector3d knuckles_O;  ///< their middle
+  Eigen::Vector3d across_O;    ///< as long as the palm is wide
+  Eigen::Vector3d up_O;
+  Eigen::Vector3d facing_O;
+  Eigen::Vector3d thumb_side_O;
+};
+
+PalmAxes palmAxesOf(const HandJoints& joints) {
+  const auto joint = [&](int i) -> Eigen::Vector3d {
+    return joints.p_O.col(i);
+  };
+  const Eigen::Vector3d knuckles = 0.5 * (joint(baseOf(1)) + joint(baseOf(4)));
+  const Eigen::Vector3d across_O = joint(baseOf(4)) - joint(baseOf(1));
+  const Eigen::Vector3d up_O = (knuckles - joint(0)).stableNormalized();
+  Eigen::Vector3d facing_O = up_O.cross(across_O).stableNormalized();
+  double bent = 0.0;
+  for (int finger = 1; finger < kPalm; ++finger)
+    bent += (joint(baseOf(finger) + 3) - joint(baseOf(finger))).dot(facing_O);
+  if (bent < 0.0) facing_O = -facing_O;
+  const Eigen::Vector3d thumb_side_O =
+      -(across_O - across_O.dot(up_O) * up_O).stableNormalized();
+  return {knuckles, across_O, up_O, facing_O, thumb_side_O};
+}
+
+std::optional<hand::HandLocation> placeOnPalm(const HandJoints& joints,
+                                              const PalmAxes& palm,
+                                              hand::HandLocation place,
+                                              const Eigen::Vector3d& p_O,
+                                              const Eigen::Vector3d& looks_O) {
+  const double height = (palm.knuckles_O - joints.p_O.col(0)).norm();
+  const double width = palm.across_O.norm();
+  if (!(height > 0.0) || !(width > 0.0)) return std::nullopt;
+  const Eigen::Vector3d index_O = joints.p_O.col(baseOf(1));
+  place.along = (palm.knuckles_O - p_O).dot(palm.up_O) / height;
+  place.across = (p_O - index_O).dot(-palm.thumb_side_O) / width;
+  place.around_rad = std::atan2(looks_O.dot(palm.thumb_side_O), looks_O.dot(palm.facing_O));
+  return place;
+}
+
+/// The way the inside of a digit's bone, from `from` along `u`, looks, not made a unit: a
+/// finger's as the palm does, turned with the bone; a thumb's to the fingers.
+Eigen::Vector3d palmarSideOf(const HandJoints& joints,
+                             const PalmAxes& palm,
+                             int finger,
+                             const Eigen::Vector3d& from,
+                             const Eigen::Vector3d& u) {
+  Eigen::Vector3d palmar_O =
+      palm.facing_O.dot(palm.up_O.cross(palm.thumb_side_O)) * u.cross(palm.thumb_side_O);
+  if (finger == 0) {
+    palmar_O = Eigen::Vector3d::Zero();
+    for (int other = 1; other < kPalm; ++other)
+      palmar_O += 0.25 * (joints.p_O.col(baseOf(other) + 1) - from);
+  }
+  palmar_O -= palmar_O.dot(u) * u;
+  return palmar_O;
+}
+
+std::optional<hand::HandLocation> placeOnDigit(const HandJoints& joints,
+                                               const PalmAxes& palm,
+                                               hand::HandLocation place,
+                                               const Eigen::Vector3d& p_O,
+                                               const Eigen::Vector3d& looks_O) {
+  const auto joint = [&](int i) -> Eigen::Vector3d {
+    return joints.p_O.col(i);
+  };
+  const auto* at = std::find(std::begin(kHandParts), std::end(kHandParts), place.digit);
+  if (at == std::end(kHandParts)) return std::nullopt;
+  const int finger = static_cast<int>(at - std::begin(kHandParts));
+  const auto* segment = std::find(std::begin(kSegments), std::end(kSegments), place.segment);
+  const int index = static_cast<int>(segment - std::begin(kSegments));
+  const Eigen::Vector3d from = joint(baseOf(finger) + index);
+  const Eigen::Vector3d bone = joint(baseOf(finger) + index + 1) - from;
+  const double length = bone.norm();
+  if (!(length > 0.0)) return std::nullopt;
+  const Eigen::Vector3d u = bone / length;
+  place.segment_count = kBonesOfFinger;
+  place.along = std::clamp((p_O - from).dot(u) / length, 0.0, 1.0);
+
+  Eigen::Vector3d palmar_O = palmarSideOf(joints, palm, finger, from, u);
+  if (palmar_O.norm() < 1e-9) return place;
+  palmar_O.normalize();
+  // As hand/finger_coordinates: a right hand's is the bone cross the palmar side.
+  Eigen::Vector3d thumbward_O = u.cross(palmar_O);
+  if (palm.up_O.cross(palm.facing_O).dot(palm.thumb_side_O) < 0.0) thumbward_O = -thumbward_O;
+  place.around_rad = std::atan2(looks_O.dot(thumbward_O), looks_O.dot(palmar_O));
+  double to_tip = (1.0 - place.along) * length;
+  double whole = 0.0;
+  for (int k = 0; k < kBonesOfFinger; ++k) {
+    const double one = (joint(baseOf(finger) + k + 1) - joint(baseOf(finger) + k)).norm();
+    whole += one;
+    if (k > index) to_tip += one;
+  }
+  place.from_tip = to_tip / whole;
+  return place;
+}
+
 }  // namespace
 
 NearestBone nearestBone(const HandJoints& joints,
@@ -147,37 +292,8 @@ void assignFingers(ContactMap& map,
     const Eigen::Vector3i face = mesh.face(f);
     marked[f] = touches[face[0]] + touches[face[1]] + touches[face[2]] == 3 ? 1 : 0;
   }
-  for (const Region& region : connectedRegions(mesh, marked)) {
-    std::vector<int> vertices;
-    for (const int f : region) {
-      for (const int v : mesh.face(f))
-        vertices.push_back(v);
-    }
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-
-    std::array<double, kPartCount> area{};
-    double whole = 0.0;
-    for (const int v : vertices) {
-      area[static_cast<std::size_t>(map.label[v])] += areas[v];
-      whole += areas[v];
-    }
-    Accepted accepted{};
-    for (std::size_t part = 0; part < area.size(); ++part) {
-      accepted[part] =
-          area[part] > 0.0 && area[part] >= std::max(minimum_area_m2, kSmallestShare * whole);
-    }
-    // Nobody has enough of a speck: it goes to whoever has most of it.
-    if (std::none_of(accepted.begin(), accepted.end(), [](bool is) {
-          return is;
-        }))
-      accepted[static_cast<std::size_t>(std::max_element(area.begin(), area.end()) -
-                                        area.begin())] = true;
-    for (const int v : vertices) {
-      if (!accepted[static_cast<std::size_t>(map.label[v])])
-        map.label[v] = nearestPart(joints, mesh.vertex(v), accepted);
-    }
-  }
+  for (const Region& region : connectedRegions(mesh, marked))
+    leaveToLargestParts(region, areas, joints, minimum_area_m2, map);
 
   // === From parts to their segments
   for (int v = 0; v < mesh.vertexCount(); ++v) {
@@ -193,72 +309,12 @@ std::optional<hand::HandLocation> placeByJoints(const HandJoints& joints,
                                                 const std::string& part,
                                                 const Eigen::Vector3d& p_O,
                                                 const Eigen::Vector3d& n_O) {
-  auto place = hand::placeNamed(part);
+  const auto place = hand::placeNamed(part);
   if (!place) return place;
-  const auto joint = [&](int i) -> Eigen::Vector3d {
-    return joints.p_O.col(i);
-  };
-
-  // === The palm: from the wrist up, from the index across; fingers bend to where it faces
-  const Eigen::Vector3d knuckles = 0.5 * (joint(baseOf(1)) + joint(baseOf(4)));
-  const Eigen::Vector3d across_O = joint(baseOf(4)) - joint(baseOf(1));
-  const Eigen::Vector3d up_O = (knuckles - joint(0)).stableNormalized();
-  Eigen::Vector3d facing_O = up_O.cross(across_O).stableNormalized();
-  double bent = 0.0;
-  for (int finger = 1; finger < kPalm; ++finger)
-    bent += (joint(baseOf(finger) + 3) - joint(baseOf(finger))).dot(facing_O);
-  if (bent < 0.0) facing_O = -facing_O;
-  const Eigen::Vector3d thumb_side_O =
-      -(across_O - across_O.dot(up_O) * up_O).stableNormalized();
   const Eigen::Vector3d looks_O = -n_O;  // contact is face to face
-
-  if (place->digit == hand::kPalmPart) {
-    const double height = (knuckles - joint(0)).norm();
-    const double width = across_O.norm();
-    if (!(height > 0.0) || !(width > 0.0)) return std::nullopt;
-    place->along = (knuckles - p_O).dot(up_O) / height;
-    place->across = (p_O - joint(baseOf(1))).dot(-thumb_side_O) / width;
-    place->around_rad = std::atan2(looks_O.dot(thumb_side_O), looks_O.dot(facing_O));
-    return place;
-  }
-
-  const auto* at = std::find(std::begin(kHandParts), std::end(kHandParts), place->digit);
-  if (at == std::end(kHandParts)) return std::nullopt;
-  const int finger = static_cast<int>(at - std::begin(kHandParts));
-  const auto* segment = std::find(std::begin(kSegments), std::end(kSegments), place->segment);
-  const int index = static_cast<int>(segment - std::begin(kSegments));
-  const Eigen::Vector3d from = joint(baseOf(finger) + index);
-  const Eigen::Vector3d bone = joint(baseOf(finger) + index + 1) - from;
-  const double length = bone.norm();
-  if (!(length > 0.0)) return std::nullopt;
-  const Eigen::Vector3d u = bone / length;
-  place->segment_count = kBonesOfFinger;
-  place->along = std::clamp((p_O - from).dot(u) / length, 0.0, 1.0);
-
-  // The way this bone's inside looks: a finger's as the palm does, turned with the bone; a
-  // thumb's to the fingers.
-  Eigen::Vector3d palmar_O = facing_O.dot(up_O.cross(thumb_side_O)) * u.cross(thumb_side_O);
-  if (finger == 0) {
-    palmar_O = Eigen::Vector3d::Zero();
-    for (int other = 1; other < kPalm; ++other)
-      palmar_O += 0.25 * (joint(baseOf(other) + 1) - from);
-  }
-  palmar_O -= palmar_O.dot(u) * u;
-  if (palmar_O.norm() < 1e-9) return place;
-  palmar_O.normalize();
-  // As hand/finger_coordinates: a right hand's is the bone cross the palmar side.
-  Eigen::Vector3d thumbward_O = u.cross(palmar_O);
-  if (up_O.cross(facing_O).dot(thumb_side_O) < 0.0) thumbward_O = -thumbward_O;
-  place->around_rad = std::atan2(looks_O.dot(thumbward_O), looks_O.dot(palmar_O));
-  double to_tip = (1.0 - place->along) * length;
-  double whole = 0.0;
-  for (int k = 0; k < kBonesOfFinger; ++k) {
-    const double one = (joint(baseOf(finger) + k + 1) - joint(baseOf(finger) + k)).norm();
-    whole += one;
-    if (k > index) to_tip += one;
-  }
-  place->from_tip = to_tip / whole;
-  return place;
+  const PalmAxes palm = palmAxesOf(joints);
+  if (place->digit == hand::kPalmPart) return placeOnPalm(joints, palm, *place, p_O, looks_O);
+  return placeOnDigit(joints, palm, *place, p_O, looks_O);
 }
 
 std::optional<Eigen::Vector3d> directionTowardsWrist(const HandJoints& joints,

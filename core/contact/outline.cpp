@@ -54,8 +54,15 @@ double areaOf(const TriangleMesh& mesh, int f) {
 
 struct Facing {
   Eigen::Vector3d n_O;
-  double weight;  ///< contact integrated over the face
+  double weight = 0.0;  ///< contact integrated over the face
 };
+
+double contactTowards(const Eigen::Vector3d& d, const std::vector<Facing>& faces) {
+  double contact = 0.0;
+  for (const Facing& face : faces)
+    contact += face.weight * std::max(0.0, face.n_O.dot(d));
+  return contact;
+}
 
 /// Where most of the contact looks. Of a rim that is touched on both sides the mean looks
 /// nowhere: so the best of directions all round is taken, and then the mean about it.
@@ -67,9 +74,7 @@ Eigen::Vector3d facingOf(const std::vector<Facing>& faces) {
       for (int z = -1; z <= 1; ++z) {
         if (x == 0 && y == 0 && z == 0) continue;
         const Eigen::Vector3d d = Eigen::Vector3d(x, y, z).normalized();
-        double contact = 0.0;
-        for (const Facing& face : faces)
-          contact += face.weight * std::max(0.0, face.n_O.dot(d));
+        const double contact = contactTowards(d, faces);
         if (contact > most) {
           most = contact;
           best = d;

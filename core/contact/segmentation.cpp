@@ -259,26 +259,29 @@ class Segmenter {
           return part != nullptr && splitPart(*part).first == digit;
         });
       }
-      for (const Region& region : connectedRegions(mesh, marked)) {
-        std::set<int> vertices;
-        for (const int f : region)
-          for (const int v : mesh.face(f))
-            vertices.insert(v);
-        std::map<int, double> area;
-        double whole = 0.0;
-        for (const int v : vertices) {
-          area[label[static_cast<std::size_t>(v)]] += areas_[v];
-          whole += areas_[v];
-        }
-        const auto most = std::max_element(area.begin(), area.end(), [](auto& a, auto& b) {
-          return a.second < b.second;
-        });
-        const double least = std::max(options_.minimum_area_m2, kSliver * whole);
-        for (const int v : vertices)
-          if (area[label[static_cast<std::size_t>(v)]] < least)
-            label[static_cast<std::size_t>(v)] = most->first;
-      }
+      for (const Region& region : connectedRegions(mesh, marked))
+        giveSliversOfRegionAway(region, label);
     }
+  }
+
+  void giveSliversOfRegionAway(const Region& region, std::vector<int>& label) const {
+    std::set<int> vertices;
+    for (const int f : region)
+      for (const int v : map_.mesh_O.face(f))
+        vertices.insert(v);
+    std::map<int, double> area;
+    double whole = 0.0;
+    for (const int v : vertices) {
+      area[label[static_cast<std::size_t>(v)]] += areas_[v];
+      whole += areas_[v];
+    }
+    const auto most = std::max_element(area.begin(), area.end(), [](auto& a, auto& b) {
+      return a.second < b.second;
+    });
+    const double least = std::max(options_.minimum_area_m2, kSliver * whole);
+    for (const int v : vertices)
+      if (area[label[static_cast<std::size_t>(v)]] < least)
+        label[static_cast<std::size_t>(v)] = most->first;
   }
 
   [[nodiscard]] std::string segmentName(int label) const {
@@ -287,23 +290,8 @@ class Segmenter {
   }
 
   void addFinger(const Group& group) {
-    std::vector<Component> components = componentsOf(map_, group, 3);
-    bool is_grown = false;
-    auto best = mostContact(components);
-    if (best == components.end() || best->area < options_.minimum_area_m2) {
-      components = componentsOf(map_, group, 1);
-      best = mostContact(components);
-      const bool is_noise = best == components.end() || best->area < kNoise;
-      if (is_noise && !splitPart(group.name).second.empty()) return;  // its neighbours have it
-      if (best == components.end() || best->area < options_.minimum_area_m2) {
-        note("'{}' dropped: its contact covers {:.0f} mm2 at most, below {:.0f} mm2",
-             group.name, best == components.end() ? 0.0 : mm2(best->area),
-             mm2(options_.minimum_area_m2));
-        return;
-      }
-      is_grown = true;
-      note("'{}' grown to all faces that it touches: the mesh is coarse there", group.name);
-    }
+    std::vector<Component> components = componentsOfFinger(group);
+    if (components.empty()) return;
     const bool is_segment =
         group.name == hand::kPalmPart || !splitPart(group.name).second.empty();
     std::stable_sort(components.begin(), components.end(),
@@ -312,10 +300,9 @@ class Segmenter {
                      });
     double dropped = 0.0;
     int count = 0;
-    for (Component& component : components) {
-      component.is_grown = is_grown;
-      const bool is_patch =
-          count == 0 || (is_segment && !is_grown && component.area >= options_.minimum_area_m2);
+    for (const Component& component : components) {
+      const bool is_patch = count == 0 || (is_segment && !component.is_grown &&
+                                           component.area >= options_.minimum_area_m2);
       const std::string name =
           count == 0 ? group.name : fmt::format("{}_{}", group.name, count + 1);
       if (is_patch && addPatch(name, component)) {
@@ -330,6 +317,28 @@ class Segmenter {
     } else if (dropped > 0.0) {
       note("'{}': specks of {:.0f} mm2 in all dropped", group.name, mm2(dropped));
     }
+  }
+
+  /// Of the faces that touch with all corners; where these are too small, grown. Nothing if
+  /// even so they are no patch.
+  std::vector<Component> componentsOfFinger(const Group& group) {
+    std::vector<Component> components = componentsOf(map_, group, 3);
+    auto best = mostContact(components);
+    if (best != components.end() && best->area >= options_.minimum_area_m2) return components;
+    components = componentsOf(map_, group, 1);
+    best = mostContact(components);
+    const double area = best == components.end() ? 0.0 : best->area;
+    // Its neighbours have it.
+    if (area < kNoise && !splitPart(group.name).second.empty()) return {};
+    if (best == components.end() || area < options_.minimum_area_m2) {
+      note("'{}' dropped: its contact covers {:.0f} mm2 at most, below {:.0f} mm2", group.name,
+           mm2(area), mm2(options_.minimum_area_m2));
+      return {};
+    }
+    note("'{}' grown to all faces that it touches: the mesh is coarse there", group.name);
+    for (Component& component : components)
+      component.is_grown = true;
+    return components;
   }
 
   static std::vector<Component>::iterator mostContact(std::vector<Component>& components) {
