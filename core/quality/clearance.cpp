@@ -88,6 +88,23 @@ std::array<Vector3d, 5> tilts() {
           kTilt * Vector3d::UnitY(), -kTilt * Vector3d::UnitY()};
 }
 
+/// The candidate that reaches farthest out of a body's balls; null if none does.
+const Ball* farthestOut(const std::vector<Ball>& candidates, const ContactBody& body) {
+  double most = kLift;
+  const Ball* best = nullptr;
+  for (const Ball& candidate : candidates) {
+    double outside = candidate.radius;
+    for (const Ball& ball : body) {
+      outside = std::min(
+          outside, (candidate.center - ball.center).norm() + candidate.radius - ball.radius);
+    }
+    if (outside <= most) continue;
+    most = outside;
+    best = &candidate;
+  }
+  return best;
+}
+
 }  // namespace
 
 Ball tangentBall(const geometry::SurfaceLocator& surface,
@@ -149,21 +166,9 @@ ContactBody bodyBehind(const hand::Skin& skin, const transfer::PatchPlacement& p
       candidates.push_back(ball);
   }
 
-  // Those that reach farthest out of the ones taken already.
   ContactBody body = {own};
   while (body.size() < kMostBalls) {
-    double most = kLift;
-    const Ball* best = nullptr;
-    for (const Ball& candidate : candidates) {
-      double outside = candidate.radius;
-      for (const Ball& ball : body) {
-        outside = std::min(
-            outside, (candidate.center - ball.center).norm() + candidate.radius - ball.radius);
-      }
-      if (outside <= most) continue;
-      most = outside;
-      best = &candidate;
-    }
+    const Ball* best = farthestOut(candidates, body);
     if (best == nullptr) break;
     body.push_back(*best);
   }
