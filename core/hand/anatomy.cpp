@@ -32,7 +32,7 @@ constexpr double kPalmFacing = 0.5;
 constexpr std::array<const char*, 5> kOrder{"thumb", "index", "middle", "ring", "little"};
 
 Eigen::Vector3d originOf(const LinkPoses& X_SL, int node) {
-  return X_SL[static_cast<std::size_t>(node + 1)].translation();
+  return X_SL[static_cast<std::size_t>(node) + 1].translation();
 }
 
 /// Where what `digit.nodes[i]` moves ends: at the next joint that is elsewhere, or the tip.
@@ -81,13 +81,11 @@ Eigen::Vector3d palmarOf(const Digit& digit, const Eigen::Vector3d& bone) {
   return palmar.normalized();
 }
 
-/// Splits a digit; gives the links that are rather the palm's to `metacarpals`.
-std::vector<Segment> segmentsOf(const HandModel& model,
-                                const LinkPoses& X_SL,
-                                const Digit& digit,
-                                bool is_thumb,
-                                std::vector<int>& metacarpals) {
-  // === Which nodes begin a segment
+/// Which of a digit's nodes begin a segment.
+std::vector<std::size_t> segmentStarts(const HandModel& model,
+                                       const LinkPoses& X_SL,
+                                       const Digit& digit,
+                                       bool is_thumb) {
   const double whole = (digit.tip - digit.knuckle).norm();
   const double shortest = std::max(kShortest, kShortestShare * whole);
   std::vector<std::size_t> starts;
@@ -113,8 +111,17 @@ std::vector<Segment> segmentsOf(const HandModel& model,
       (originOf(X_SL, digit.nodes[starts[1]]) - originOf(X_SL, digit.nodes[starts[0]])).norm() <
           kStubShare * whole)
     starts.erase(starts.begin());
+  return starts;
+}
 
-  // === Their links; a side joint before the first bend goes with it, unless it is long
+/// Splits a digit; gives the links that are rather the palm's to `metacarpals`.
+std::vector<Segment> segmentsOf(const HandModel& model,
+                                const LinkPoses& X_SL,
+                                const Digit& digit,
+                                bool is_thumb,
+                                std::vector<int>& metacarpals) {
+  const std::vector<std::size_t> starts = segmentStarts(model, X_SL, digit, is_thumb);
+  // A side joint before the first bend goes with it, unless it is long.
   std::vector<Segment> segments(starts.size());
   std::size_t next = 0;
   for (std::size_t i = 0; i < digit.nodes.size(); ++i) {

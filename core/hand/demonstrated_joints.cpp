@@ -7,10 +7,10 @@ namespace handgraft::hand {
 namespace {
 
 struct ManoDigit {
-  int column;                             // of its first joint among the places
-  int entry;                              // of its first joint in the pose
+  int column = 0;                         // of its first joint among the places
+  int entry = 0;                          // of its first joint in the pose
   std::array<Eigen::Vector3d, 3> offset;  // of each joint from the one before, right hand, m
-  double tip_m;                           // length of the last bone
+  double tip_m = 0.0;                     // length of the last bone
 };
 
 // Of the mean hand's wrist, from MANO's origin.

@@ -133,32 +133,49 @@ void nameTheRest(const Row& row, int thumb, std::vector<std::string>& names) {
         nameless.size() <= left.size() ? left[rank] : fmt::format("f{}", ++number);
 }
 
+/// Takes what the file's names say, where they say it once; returns the thumb that they name,
+/// or -1.
+int takeNamesOfFile(const std::vector<Digit>& digits, DigitNames& result) {
+  std::map<std::string, int> hints;
+  for (const Digit& digit : digits)
+    ++hints[digit.hint];
+  std::vector<std::string> twice;
+  for (const auto& [hint, count] : hints)
+    if (!hint.empty() && count > 1) twice.push_back(hint);
+  int thumb = -1;
+  for (std::size_t i = 0; i < digits.size(); ++i) {
+    const std::string& hint = digits[i].hint;
+    if (hint.empty() || hints[hint] > 1) continue;
+    result.names[i] = hint;
+    result.from_file[i] = 1;
+    if (hint == "thumb") thumb = static_cast<int>(i);
+  }
+  if (!twice.empty())
+    result.notes.push_back(fmt::format("names of several digits say {}: their shape decides",
+                                       fmt::join(twice, ", ")));
+  return thumb;
+}
+
+/// Where names and shape disagree, names win.
+void tellContradictions(const std::vector<Digit>& digits, int shape_thumb, DigitNames& result) {
+  const std::vector<std::string> shape =
+      namesByShape(orderFingers(digits, shape_thumb), shape_thumb, digits.size());
+  for (std::size_t i = 0; i < digits.size(); ++i) {
+    if (result.from_file[i] == 0 || shape[i] == result.names[i]) continue;
+    const bool is_order = shape[i].starts_with('f');  // by number: nothing to contradict
+    if (!is_order)
+      result.notes.push_back(fmt::format("the names say {} where the shape has {}: names win",
+                                         result.names[i], shape[i]));
+  }
+}
+
 }  // namespace
 
 DigitNames nameDigits(const std::vector<Digit>& digits) {
   DigitNames result;
   result.names.resize(digits.size());
   result.from_file.assign(digits.size(), 0);
-  std::map<std::string, int> hints;
-  for (const Digit& digit : digits)
-    ++hints[digit.hint];
-
-  // === What the file's names say, where they say it once
-  std::vector<std::string> twice;
-  for (const auto& [hint, count] : hints)
-    if (!hint.empty() && count > 1) twice.push_back(hint);
-  int named_thumb = -1;
-  for (std::size_t i = 0; i < digits.size(); ++i) {
-    const std::string& hint = digits[i].hint;
-    if (hint.empty() || hints[hint] > 1) continue;
-    result.names[i] = hint;
-    result.from_file[i] = 1;
-    if (hint == "thumb") named_thumb = static_cast<int>(i);
-  }
-  if (!twice.empty())
-    result.notes.push_back(fmt::format("names of several digits say {}: their shape decides",
-                                       fmt::join(twice, ", ")));
-
+  const int named_thumb = takeNamesOfFile(digits, result);
   const int shape_thumb = findThumb(digits);
   // `middle` alone, of the one that stands against the others, means where it stands.
   if (named_thumb < 0 && shape_thumb >= 0 && digits.size() >= 3 &&
@@ -192,17 +209,8 @@ DigitNames nameDigits(const std::vector<Digit>& digits) {
         fmt::format("named by the hand's shape, since its names do not say which finger: {}",
                     fmt::join(by_shape, ", ")));
 
-  // === Where names and shape disagree, names win
-  const std::vector<std::string> shape =
-      namesByShape(orderFingers(digits, shape_thumb), shape_thumb, digits.size());
-  if (shape_thumb < 0 || digits.size() <= kClawDigits) return result;
-  for (std::size_t i = 0; i < digits.size(); ++i) {
-    if (result.from_file[i] == 0 || shape[i] == result.names[i]) continue;
-    const bool is_order = shape[i].starts_with('f');  // by number: nothing to contradict
-    if (!is_order)
-      result.notes.push_back(fmt::format("the names say {} where the shape has {}: names win",
-                                         result.names[i], shape[i]));
-  }
+  if (shape_thumb >= 0 && digits.size() > kClawDigits)
+    tellContradictions(digits, shape_thumb, result);
   return result;
 }
 

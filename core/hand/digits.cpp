@@ -142,7 +142,7 @@ Digit makeDigit(const HandModel& model,
     if (link != last_link) named.push_back(link);
   }
   digit.hint = hintIn(model, named);
-  digit.base = X_SL[static_cast<std::size_t>(digit.nodes.front() + 1)].translation();
+  digit.base = X_SL[static_cast<std::size_t>(digit.nodes.front()) + 1].translation();
   digit.last_joint = X_SL[static_cast<std::size_t>(last_link)].translation();
 
   std::vector<Eigen::Vector3d> surface;
@@ -210,8 +210,7 @@ Eigen::Vector3d slideOf(const HandModel& model, const LinkPoses& X_SL, const Dig
   for (auto index = digit.nodes.rbegin(); index != digit.nodes.rend(); ++index) {
     const HandModel::Node& node = model.nodes()[static_cast<std::size_t>(*index)];
     if (node.type != JointType::kPrismatic) continue;
-    const Eigen::Vector3d slide =
-        X_SL[static_cast<std::size_t>(node.link)].linear() * node.axis_J;
+    Eigen::Vector3d slide = X_SL[static_cast<std::size_t>(node.link)].linear() * node.axis_J;
     if (slide.cross(digit.outward).norm() > kAcross) return slide;
   }
   return Eigen::Vector3d::Zero();

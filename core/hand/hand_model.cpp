@@ -190,6 +190,20 @@ Follow resolveMimic(int joint, const std::vector<Joint>& joints, const NameIndex
   return follow;
 }
 
+/// Narrows the limits of what a joint follows to where the joint keeps its own, if any such
+/// place is left.
+void narrowToFollower(const Joint& joint, const Follow& follow, double& lower, double& upper) {
+  double low = (joint.lower - follow.offset) / follow.multiplier;
+  double high = (joint.upper - follow.offset) / follow.multiplier;
+  if (low > high) std::swap(low, high);
+  low = std::max(low, lower);
+  high = std::min(high, upper);
+  if (low < high) {
+    lower = low;
+    upper = high;
+  }
+}
+
 }  // namespace
 
 HandModel::HandModel(std::string name, std::vector<Link> links, std::vector<Joint> joints)
@@ -240,17 +254,8 @@ HandModel::HandModel(std::string name, std::vector<Link> links, std::vector<Join
       node.dof = dof_of_joint[static_cast<std::size_t>(follow.source)];
       node.multiplier = follow.multiplier;
       node.offset = follow.offset;
-      if (joint.mimic && node.multiplier != 0.0) {
-        double low = (joint.lower - node.offset) / node.multiplier;
-        double high = (joint.upper - node.offset) / node.multiplier;
-        if (low > high) std::swap(low, high);
-        low = std::max(low, lower_[node.dof]);
-        high = std::min(high, upper_[node.dof]);
-        if (low < high) {
-          lower_[node.dof] = low;
-          upper_[node.dof] = high;
-        }
-      }
+      if (joint.mimic && node.multiplier != 0.0)
+        narrowToFollower(joint, follow, lower_[node.dof], upper_[node.dof]);
     }
     nodes_.push_back(std::move(node));
   }

@@ -135,6 +135,17 @@ std::optional<ContactSite> findPad(const HandModel& model,
 // Share of unit vectors' lengths that is left in their sum.
 constexpr double kAgreeing = 0.5;
 
+Eigen::AlignedBox3d boxAround(const HandModel& model,
+                              const LinkPoses& X_SL,
+                              const std::vector<int>& links) {
+  Eigen::AlignedBox3d box;
+  for (const int link : links)
+    for (const Shape& shape : model.links()[static_cast<std::size_t>(link)].surface())
+      for (int v = 0; v < shape.mesh_L.vertexCount(); ++v)
+        box.extend(X_SL[static_cast<std::size_t>(link)] * shape.mesh_L.vertex(v));
+  return box;
+}
+
 std::optional<ContactSite> findPalm(const HandModel& model,
                                     const Skin& skin,
                                     const LinkPoses& X_SL,
@@ -177,11 +188,7 @@ std::optional<ContactSite> findPalm(const HandModel& model,
   if (wristwards.norm() < 0.3) wristwards = thumb_base - bases;
 
   const std::vector<int> links = rigidGroupOf(model, found.palm_link);
-  Eigen::AlignedBox3d box;
-  for (const int link : links)
-    for (const Shape& shape : model.links()[static_cast<std::size_t>(link)].surface())
-      for (int v = 0; v < shape.mesh_L.vertexCount(); ++v)
-        box.extend(X_SL[static_cast<std::size_t>(link)] * shape.mesh_L.vertex(v));
+  const Eigen::AlignedBox3d box = boxAround(model, X_SL, links);
   if (box.isEmpty()) return std::nullopt;
 
   for (const double share : {0.5, 0.35, 0.65, 0.2, 0.0, 0.8, 1.0}) {

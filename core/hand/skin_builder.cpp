@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cmath>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -223,9 +224,7 @@ class Builder {
                          0.1 + 0.4 * rung / kLadderRungs, 0.4 / kLadderRungs);
       const bool hides = step.covering_share < kCoveringShare;
       const bool is_better = !best || (!hides && wrap.pieces.size() < best->pieces.size());
-      step.verdict = !is_better ? "not kept" : hides ? "kept for want of a better one" : "kept";
-      if (wrap.pieces.size() > 1) step.verdict += ": in pieces";
-      if (hides) step.verdict += ": hides the links";
+      step.verdict = verdictOn(wrap, is_better, hides);
       report_.steps.push_back(step);
       if (is_better) {
         best = std::move(wrap);
@@ -234,15 +233,29 @@ class Builder {
       if (best->pieces.size() == 1 || hides) break;
     }
     HANDGRAFT_REQUIRE(best && !best->pieces.empty());
-    for (std::size_t i = 0; i < report_.steps.size(); ++i)
-      if (i != best_step && report_.steps[i].verdict.starts_with("kept"))
-        report_.steps[i].verdict = "not kept" + report_.steps[i].verdict.substr(4);
+    takeBackVerdictsBut(best_step);
     if (best->pieces.size() > 1)
       report_.notes.push_back(fmt::format(
           "the links cannot be joined: the skin has {} separate pieces, and no patch reaches "
           "from one to another",
           best->pieces.size()));
     return std::move(*best);
+  }
+
+  static std::string verdictOn(const Wrap& wrap, bool is_better, bool hides) {
+    std::string verdict = !is_better ? "not kept"
+                          : hides    ? "kept for want of a better one"
+                                     : "kept";
+    if (wrap.pieces.size() > 1) verdict += ": in pieces";
+    if (hides) verdict += ": hides the links";
+    return verdict;
+  }
+
+  /// Wraps that were kept until a better one came were not kept in the end.
+  void takeBackVerdictsBut(std::size_t best_step) {
+    for (std::size_t i = 0; i < report_.steps.size(); ++i)
+      if (i != best_step && report_.steps[i].verdict.starts_with("kept"))
+        report_.steps[i].verdict = "not kept" + report_.steps[i].verdict.substr(4);
   }
 
   /// Spans sheets over the through-holes that the wrap has all the same, until none is left.

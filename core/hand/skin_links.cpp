@@ -57,6 +57,25 @@ std::array<int, 3> neighboursOf(const geometry::TriangleMesh& mesh, int f) {
   return neighbours;
 }
 
+/// The link that suits a face best, of whose neighbours the labels are known.
+int bestAmong(const std::vector<Choice>& options,
+              const std::array<int, 3>& neighbours,
+              const std::vector<int>& labels) {
+  int best = -1;
+  double best_cost = std::numeric_limits<double>::infinity();
+  for (const Choice& choice : options) {
+    double cost = choice.cost_m;
+    for (const int other : neighbours)
+      if (other >= 0 && labels[static_cast<std::size_t>(other)] != choice.link)
+        cost += kDisagreement;
+    if (cost < best_cost) {
+      best_cost = cost;
+      best = choice.link;
+    }
+  }
+  return best;
+}
+
 /// Faces change to the link that suits them and their neighbours best, until none does.
 void agree(const geometry::TriangleMesh& skin_S,
            const std::vector<std::vector<Choice>>& choices,
@@ -67,18 +86,7 @@ void agree(const geometry::TriangleMesh& skin_S,
     for (int f = 0; f < skin_S.faceCount(); ++f) {
       const auto& options = choices[static_cast<std::size_t>(f)];
       if (options.size() < 2) continue;
-      int best = -1;
-      double best_cost = std::numeric_limits<double>::infinity();
-      for (const Choice& choice : options) {
-        double cost = choice.cost_m;
-        for (const int other : neighboursOf(skin_S, f))
-          if (other >= 0 && labels[static_cast<std::size_t>(other)] != choice.link)
-            cost += kDisagreement;
-        if (cost < best_cost) {
-          best_cost = cost;
-          best = choice.link;
-        }
-      }
+      const int best = bestAmong(options, neighboursOf(skin_S, f), labels);
       if (best == labels[static_cast<std::size_t>(f)]) continue;
       labels[static_cast<std::size_t>(f)] = best;
       has_changed = true;
@@ -117,6 +125,21 @@ std::vector<Piece> piecesOf(const geometry::TriangleMesh& skin_S,
   return pieces;
 }
 
+/// The link that most of a piece's rim has, or -1.
+int linkAround(const geometry::TriangleMesh& skin_S,
+               const Piece& piece,
+               const std::vector<int>& labels) {
+  std::map<int, int> rim;
+  for (const int f : piece.faces)
+    for (const int other : neighboursOf(skin_S, f))
+      if (other >= 0 && labels[static_cast<std::size_t>(other)] != piece.link)
+        ++rim[labels[static_cast<std::size_t>(other)]];
+  int around = -1;
+  for (const auto& [link, count] : rim)
+    if (link >= 0 && (around < 0 || count > rim[around])) around = link;
+  return around;
+}
+
 /// Gives splinters to the link that most of their rim has, where that is within reach.
 void absorbSplinters(const geometry::TriangleMesh& skin_S,
                      const std::vector<std::vector<Choice>>& choices,
@@ -129,14 +152,7 @@ void absorbSplinters(const geometry::TriangleMesh& skin_S,
     if (piece.link < 0 || piece.area_m2 >= kSplinter ||
         piece.area_m2 >= kSplinterShare * largest[piece.link])
       continue;
-    std::map<int, int> rim;
-    for (const int f : piece.faces)
-      for (const int other : neighboursOf(skin_S, f))
-        if (other >= 0 && labels[static_cast<std::size_t>(other)] != piece.link)
-          ++rim[labels[static_cast<std::size_t>(other)]];
-    int around = -1;
-    for (const auto& [link, count] : rim)
-      if (link >= 0 && (around < 0 || count > rim[around])) around = link;
+    const int around = linkAround(skin_S, piece, labels);
     if (around < 0) continue;
     for (const int f : piece.faces) {
       const auto& options = choices[static_cast<std::size_t>(f)];

@@ -64,31 +64,36 @@ class SheetBuilder {
     return found->second;
   }
 
+  using Seen = std::unordered_map<std::size_t, bool>;
+
   /// 26-connected pieces of the sheet voxels.
   [[nodiscard]] int countPieces() const {
-    std::unordered_map<std::size_t, bool> is_seen;
+    Seen is_seen;
     for (const std::size_t voxel : sheet_)
       is_seen[voxel] = false;
     int pieces = 0;
-    std::vector<std::size_t> waiting;
     for (const std::size_t start : sheet_) {
       if (is_seen[start]) continue;
       ++pieces;
-      is_seen[start] = true;
-      waiting.push_back(start);
-      while (!waiting.empty()) {
-        const Eigen::Vector3i c = grid_.cell(waiting.back());
-        waiting.pop_back();
-        for (int k = 0; k < 27; ++k) {
-          const auto found = is_seen.find(
-              grid_.index(c.x() + k % 3 - 1, c.y() + k / 3 % 3 - 1, c.z() + k / 9 - 1));
-          if (found == is_seen.end() || found->second) continue;
-          found->second = true;
-          waiting.push_back(found->first);
-        }
-      }
+      seePiece(start, is_seen);
     }
     return pieces;
+  }
+
+  void seePiece(std::size_t start, Seen& is_seen) const {
+    is_seen[start] = true;
+    std::vector<std::size_t> waiting{start};
+    while (!waiting.empty()) {
+      const Eigen::Vector3i c = grid_.cell(waiting.back());
+      waiting.pop_back();
+      for (int k = 0; k < 27; ++k) {
+        const auto found = is_seen.find(
+            grid_.index(c.x() + k % 3 - 1, c.y() + k / 3 % 3 - 1, c.z() + k / 9 - 1));
+        if (found == is_seen.end() || found->second) continue;
+        found->second = true;
+        waiting.push_back(found->first);
+      }
+    }
   }
 
   /// Triangles between the middles of any three voxels of a 2 x 2 x 2 block of which one is of
@@ -99,20 +104,29 @@ class SheetBuilder {
       const Eigen::Vector3i c = grid_.cell(voxel);
       for (int block = 0; block < 8; ++block) {
         const Eigen::Vector3i low = c - Eigen::Vector3i(block & 1, block >> 1 & 1, block >> 2);
-        if (std::exchange(is_done[grid_.index(low.x(), low.y(), low.z())], true)) continue;
-        std::vector<std::size_t> cells;
-        for (int k = 0; k < 8; ++k) {
-          const std::size_t cell =
-              grid_.index(low.x() + (k & 1), low.y() + (k >> 1 & 1), low.z() + (k >> 2));
-          if (shut_[cell] != 0) cells.push_back(cell);
-        }
-        for (std::size_t a = 0; a < cells.size(); ++a)
-          for (std::size_t b = a + 1; b < cells.size(); ++b)
-            for (std::size_t d = b + 1; d < cells.size(); ++d)
-              if (isSheet(cells[a]) || isSheet(cells[b]) || isSheet(cells[d]))
-                faces_.emplace_back(vertexOf(cells[a]), vertexOf(cells[b]), vertexOf(cells[d]));
+        if (!std::exchange(is_done[grid_.index(low.x(), low.y(), low.z())], true))
+          spanBlock(shutCellsOf(low));
       }
     }
+  }
+
+  /// The cells of the block whose lowest one is `low` that are of the solid or of a sheet.
+  [[nodiscard]] std::vector<std::size_t> shutCellsOf(const Eigen::Vector3i& low) const {
+    std::vector<std::size_t> cells;
+    for (int k = 0; k < 8; ++k) {
+      const std::size_t cell =
+          grid_.index(low.x() + (k & 1), low.y() + (k >> 1 & 1), low.z() + (k >> 2));
+      if (shut_[cell] != 0) cells.push_back(cell);
+    }
+    return cells;
+  }
+
+  void spanBlock(const std::vector<std::size_t>& cells) {
+    for (std::size_t a = 0; a < cells.size(); ++a)
+      for (std::size_t b = a + 1; b < cells.size(); ++b)
+        for (std::size_t d = b + 1; d < cells.size(); ++d)
+          if (isSheet(cells[a]) || isSheet(cells[b]) || isSheet(cells[d]))
+            faces_.emplace_back(vertexOf(cells[a]), vertexOf(cells[b]), vertexOf(cells[d]));
   }
 
   /// Takes the steps of the grid out of the sheets; what lies in the solid stays.

@@ -103,7 +103,7 @@ class Draft {
       rejectInput("{} limit of joint {}: {} is outside {} to {}", is_upper ? "upper" : "lower",
                   quoted(joint), value, -kLargestLimit, kLargestLimit);
     (is_upper ? upper : lower)[dof] = value;
-    limit_set[static_cast<std::size_t>(2 * dof + (is_upper ? 1 : 0))] = true;
+    limit_set[2 * static_cast<std::size_t>(dof) + (is_upper ? 1 : 0)] = true;
   }
 
   void scaleRange(const std::string& joint, double factor) {
@@ -205,16 +205,33 @@ class Draft {
   }
 };
 
+Joint& jointNamed(std::vector<Joint>& joints, const std::string& name) {
+  const auto found = std::find_if(joints.begin(), joints.end(), [&](const Joint& joint) {
+    return joint.name == name;
+  });
+  HANDGRAFT_REQUIRE(found != joints.end());
+  return *found;
+}
+
+/// Widens the limits of the joints that follow `source` to where they are with it at `value`.
+void leaveRoom(const HandModel& coupled,
+               int dof,
+               const std::string& source,
+               double value,
+               std::vector<Joint>& joints) {
+  for (const HandModel::Node& node : coupled.nodes()) {
+    if (node.dof != dof || node.joint_name == source) continue;
+    Joint& follower = jointNamed(joints, node.joint_name);
+    const double followed = node.multiplier * value + node.offset;
+    const double room = kRoundOff * (1.0 + std::abs(followed));
+    follower.lower = std::min(follower.lower, followed - room);
+    follower.upper = std::max(follower.upper, followed + room);
+  }
+}
+
 /// The joints with the limits that were set, and followers that leave them their range.
 std::vector<Joint> jointsWithLimits(const HandModel& model, const Draft& draft) {
   std::vector<Joint> joints = draft.joints;
-  const auto joint_named = [&](const std::string& name) -> Joint& {
-    const auto found = std::find_if(joints.begin(), joints.end(), [&](const Joint& joint) {
-      return joint.name == name;
-    });
-    HANDGRAFT_REQUIRE(found != joints.end());
-    return *found;
-  };
   // What follows what, and how far, also where sliders were scaled.
   std::vector<Link> bare;
   for (const Link& link : model.links())
@@ -222,18 +239,11 @@ std::vector<Joint> jointsWithLimits(const HandModel& model, const Draft& draft) 
   const HandModel coupled(model.name(), std::move(bare), draft.joints);
   for (int dof = 0; dof < model.dofCount(); ++dof) {
     for (const bool is_upper : {false, true}) {
-      if (!draft.limit_set[static_cast<std::size_t>(2 * dof + (is_upper ? 1 : 0))]) continue;
+      if (!draft.limit_set[2 * static_cast<std::size_t>(dof) + (is_upper ? 1 : 0)]) continue;
       const double value = (is_upper ? draft.upper : draft.lower)[dof];
-      Joint& source = joint_named(model.dofJoint(dof).name);
+      Joint& source = jointNamed(joints, model.dofJoint(dof).name);
       (is_upper ? source.upper : source.lower) = value;
-      for (const HandModel::Node& node : coupled.nodes()) {
-        if (node.dof != dof || node.joint_name == source.name) continue;
-        Joint& follower = joint_named(node.joint_name);
-        const double followed = node.multiplier * value + node.offset;
-        const double room = kRoundOff * (1.0 + std::abs(followed));
-        follower.lower = std::min(follower.lower, followed - room);
-        follower.upper = std::max(follower.upper, followed + room);
-      }
+      leaveRoom(coupled, dof, source.name, value, joints);
     }
   }
   return joints;
