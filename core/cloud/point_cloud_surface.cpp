@@ -253,6 +253,51 @@ void describe(CloudSurface& surface, const PreparedCloud& cloud, double far_m) {
   }
 }
 
+CloudSurface candidateBy(Method method,
+                         const PreparedCloud& cloud,
+                         const KdTree& points,
+                         double far_m,
+                         const Progress& progress) {
+  CloudSurface surface;
+  surface.method = method;
+  surface.point_count = static_cast<int>(cloud.points_O.cols());
+  surface.spacing_m = cloud.spacing_m;
+  surface.notes = cloud.notes;
+  const TriangleMesh mesh = method == Method::kAdvancingFront
+                                ? joined(cloud, progress, surface.notes)
+                                : fitted(cloud, progress, surface.notes);
+  if (mesh.faceCount() == 0) return surface;
+  surface.mesh_O = facingOutward(mesh, cloud, points);
+  progress.report("measuring the surface", method == Method::kPoisson ? 0.8 : 0.3);
+  measure(surface, cloud, points, far_m, progress);
+  return surface;
+}
+
+/// The points joined, where that is true to them and they are not noisy; else a closed surface,
+/// where one is.
+template <class Candidate>
+CloudSurface bestOf(const Candidate& candidate, const PreparedCloud& cloud) {
+  CloudSurface surface;
+  const bool noisy = cloud.roughness_m > kNoisy * cloud.spacing_m;
+  if (!noisy) surface = candidate(Method::kAdvancingFront);
+  if (!isTrue(surface)) {
+    CloudSurface closed = candidate(Method::kPoisson);
+    if (isTrue(closed)) {
+      surface = std::move(closed);
+    } else {
+      if (noisy) surface = candidate(Method::kAdvancingFront);
+      surface.notes.push_back(faultOf(closed));
+    }
+  }
+  if (noisy) {
+    surface.notes.push_back(
+        fmt::format("the points are noisy: {:.3f} mm from where their "
+                    "neighbours put them",
+                    1e3 * cloud.roughness_m));
+  }
+  return surface;
+}
+
 }  // namespace
 
 const char* nameOf(Method method) {
@@ -280,43 +325,10 @@ CloudSurface surfaceOf(const PointCloud& given,
   const double far_m = options.far_spacings * cloud.spacing_m;
 
   const auto candidate = [&](Method method) {
-    CloudSurface surface;
-    surface.method = method;
-    surface.point_count = static_cast<int>(cloud.points_O.cols());
-    surface.spacing_m = cloud.spacing_m;
-    surface.notes = cloud.notes;
-    const TriangleMesh mesh = method == Method::kAdvancingFront
-                                  ? joined(cloud, progress, surface.notes)
-                                  : fitted(cloud, progress, surface.notes);
-    if (mesh.faceCount() == 0) return surface;
-    surface.mesh_O = facingOutward(mesh, cloud, points);
-    progress.report("measuring the surface", method == Method::kPoisson ? 0.8 : 0.3);
-    measure(surface, cloud, points, far_m, progress);
-    return surface;
+    return candidateBy(method, cloud, points, far_m, progress);
   };
-
-  CloudSurface surface;
-  if (options.method != Method::kAuto) {
-    surface = candidate(options.method);
-  } else {
-    const bool noisy = cloud.roughness_m > kNoisy * cloud.spacing_m;
-    if (!noisy) surface = candidate(Method::kAdvancingFront);
-    if (!isTrue(surface)) {
-      CloudSurface closed = candidate(Method::kPoisson);
-      if (isTrue(closed)) {
-        surface = std::move(closed);
-      } else {
-        if (noisy) surface = candidate(Method::kAdvancingFront);
-        surface.notes.push_back(faultOf(closed));
-      }
-    }
-    if (noisy) {
-      surface.notes.push_back(
-          fmt::format("the points are noisy: {:.3f} mm from where their "
-                      "neighbours put them",
-                      1e3 * cloud.roughness_m));
-    }
-  }
+  CloudSurface surface =
+      options.method != Method::kAuto ? candidate(options.method) : bestOf(candidate, cloud);
   if (surface.mesh_O.faceCount() == 0 || surface.lost_share > kMostLeftBehind) {
     rejectInput(
         "point cloud of {} points gives no surface by {} ({:.0f} % of the points would be "

@@ -256,6 +256,53 @@ void turnOutward(const Eigen::Matrix3Xd& points,
   if (outward < 0.0) normals = -normals;
 }
 
+/// Gives points that have no normal the estimated one, turned as their neighbours' ones look;
+/// how many these are.
+Eigen::Index fillGaps(const Eigen::Matrix3Xd& points,
+                      const KdTree& tree,
+                      int neighbours,
+                      const Eigen::Matrix3Xd& estimated,
+                      Eigen::Matrix3Xd& normals) {
+  Eigen::Index missing = 0;
+  for (Eigen::Index i = 0; i < normals.cols(); ++i) {
+    if (!normals.col(i).isZero()) continue;
+    ++missing;
+    Eigen::Vector3d near = Eigen::Vector3d::Zero();
+    for (const KdTree::Hit& hit : tree.nearestFew(points.col(i), neighbours))
+      near += normals.col(hit.index);
+    normals.col(i) = (near.dot(estimated.col(i)) < 0.0 ? -1.0 : 1.0) * estimated.col(i);
+  }
+  return missing;
+}
+
+/// The cloud's own where they agree with each other, else estimated ones; says which in
+/// `prepared`.
+Eigen::Matrix3Xd normalsOf(const PointCloud& cloud,
+                           const KdTree& tree,
+                           const Eigen::VectorXd& reach,
+                           const Progress& progress,
+                           PreparedCloud& prepared) {
+  Eigen::Matrix3Xd normals = normalized(cloud.normals_O);
+  if (normals.cols() > 0) {
+    prepared.normals_given = agreementOf(cloud.points_O, normals, tree) >= kAgreeingShare;
+    if (!prepared.normals_given)
+      prepared.notes.emplace_back("the file's normals do not agree with each other: estimated");
+  }
+  if (prepared.normals_given && !(normals.colwise().squaredNorm().minCoeff() < 0.5))
+    return normals;
+  // Fewer neighbours where there are few points, lest a paraboloid spans half the object.
+  const int fitted =
+      std::clamp(static_cast<int>(cloud.points_O.cols()) / 10, 8, kFittedNeighbours);
+  Eigen::Matrix3Xd estimated = estimateNormals(cloud.points_O, fitted, progress);
+  if (!prepared.normals_given) {
+    turnOutward(cloud.points_O, reach, estimated);
+    return estimated;
+  }
+  const Eigen::Index missing = fillGaps(cloud.points_O, tree, fitted, estimated, normals);
+  prepared.notes.push_back(fmt::format("estimated {} normals that the file lacks", missing));
+  return normals;
+}
+
 }  // namespace
 
 std::vector<Eigen::Index> evenSelection(const Eigen::Matrix3Xd& points,
@@ -301,36 +348,7 @@ PreparedCloud prepare(const PointCloud& given, int most_points, const Progress& 
   prepared.unevenness = spread.unevenness;
 
   progress.report("estimating normals", 0.1);
-  Eigen::Matrix3Xd normals = normalized(cloud.normals_O);
-  if (normals.cols() > 0) {
-    prepared.normals_given = agreementOf(cloud.points_O, normals, tree) >= kAgreeingShare;
-    if (!prepared.normals_given)
-      prepared.notes.emplace_back("the file's normals do not agree with each other: estimated");
-  }
-  const bool complete =
-      prepared.normals_given && !(normals.colwise().squaredNorm().minCoeff() < 0.5);
-  if (!complete) {
-    // Fewer neighbours where there are few points, lest a paraboloid spans half the object.
-    const int fitted =
-        std::clamp(static_cast<int>(cloud.points_O.cols()) / 10, 8, kFittedNeighbours);
-    Eigen::Matrix3Xd estimated = estimateNormals(cloud.points_O, fitted, progress);
-    if (!prepared.normals_given) {
-      turnOutward(cloud.points_O, spread.reach, estimated);
-      normals = std::move(estimated);
-    } else {
-      Eigen::Index missing = 0;
-      for (Eigen::Index i = 0; i < normals.cols(); ++i) {
-        if (!normals.col(i).isZero()) continue;
-        ++missing;
-        Eigen::Vector3d near = Eigen::Vector3d::Zero();
-        for (const KdTree::Hit& hit : tree.nearestFew(cloud.points_O.col(i), fitted))
-          near += normals.col(hit.index);
-        normals.col(i) = (near.dot(estimated.col(i)) < 0.0 ? -1.0 : 1.0) * estimated.col(i);
-      }
-      prepared.notes.push_back(
-          fmt::format("estimated {} normals that the file lacks", missing));
-    }
-  }
+  Eigen::Matrix3Xd normals = normalsOf(cloud, tree, spread.reach, progress, prepared);
   prepared.roughness_m = roughnessOf(cloud.points_O, normals, tree);
   prepared.points_O = std::move(cloud.points_O);
   prepared.normals_O = std::move(normals);

@@ -37,6 +37,13 @@ std::vector<std::array<int, 3>> neighboursOf(const Triangles& triangles) {
   return neighbours;
 }
 
+bool runsAlong(const std::array<int, 3>& triangle, int from, int to) {
+  bool runs = false;
+  for (int c = 0; c < 3; ++c)
+    runs |= triangle[c] == from && triangle[(c + 1) % 3] == to;
+  return runs;
+}
+
 /// Turns every component's triangles to agree with its first one.
 void orient(Triangles& triangles) {
   const std::vector<std::array<int, 3>> neighbours = neighboursOf(triangles);
@@ -54,11 +61,8 @@ void orient(Triangles& triangles) {
       for (int c = 0; c < 3; ++c) {
         const int other = neighbours[t][c];
         if (other < 0 || turned[other] >= 0) continue;
-        const int from = before[t][c];
-        const int to = before[t][(c + 1) % 3];
-        bool same_way = false;  // both run along the edge from `from` to `to`: they disagree
-        for (int d = 0; d < 3; ++d)
-          same_way |= before[other][d] == from && before[other][(d + 1) % 3] == to;
+        // Both run along the edge: they disagree.
+        const bool same_way = runsAlong(before[other], before[t][c], before[t][(c + 1) % 3]);
         turned[other] = static_cast<char>(same_way ? 1 - turned[t] : turned[t]);
         open.push_back(other);
       }
