@@ -106,6 +106,94 @@ void requireFinite(const DemonstratedFrame& frame) {
     rejectInput("frame at {} s: the object's pose is not finite", frame.time_s);
 }
 
+/// Tracks of a demonstration's touches, made frame by frame.
+class TouchTracks {
+ public:
+  TouchTracks(const geometry::TriangleMesh& object_O, std::size_t frames)
+      : object_O_(object_O),
+        frames_(static_cast<int>(frames)),
+        open_(touchParts().size()),
+        last_O_(touchParts().size()) {}
+
+  void append(const DemonstratedFrame& frame, const std::vector<DetectedContact>& touches) {
+    const auto k = static_cast<int>(motion_.time_s.size());
+    motion_.time_s.push_back(frame.time_s);
+    motion_.X_WO.push_back(frame.X_WO);
+    std::vector<char> is_touching(open_.size(), 0);
+    for (const DetectedContact& touch : touches) {
+      is_touching[static_cast<std::size_t>(touch.part)] = 1;
+      follow(touch, k);
+    }
+    for (std::size_t part = 0; part < open_.size(); ++part)
+      if (open_[part] && is_touching[part] == 0) close(part, k);
+  }
+
+  /// Ends what still touches. By rising begin; says what was left out.
+  Motion finish() && {
+    for (std::size_t part = 0; part < open_.size(); ++part)
+      if (open_[part]) close(part, frames_);
+    std::stable_sort(motion_.tracks.begin(), motion_.tracks.end(),
+                     [](const PatchTrack& a, const PatchTrack& b) {
+                       return a.begin() < b.begin();
+                     });
+    if (fleeting_ > 0)
+      motion_.notes.push_back(fmt::format("left out {} touches that last less than {:.0f} ms",
+                                          fleeting_, 1e3 * kShortestTouch));
+    return std::move(motion_);
+  }
+
+ private:
+  /// A key where a touch begins, and one wherever it has moved on.
+  void follow(const DetectedContact& touch, int k) {
+    const auto part = static_cast<std::size_t>(touch.part);
+    const std::string& name = touchParts()[part].name;
+    const Eigen::Vector3d p_O = positionOf(object_O_, touch.point_O);
+    std::optional<PatchTrack>& track = open_[part];
+    if (track && (p_O - last_O_[part]).norm() < kMovedTouch) return;
+    if (!track) track.emplace().name = name;
+    PatchKey key;
+    key.frame = k;
+    key.patch.name = name;
+    key.patch.root = touch.point_O;
+    key.patch.interpolation_boundary = {touch.point_O};
+    key.patch.place = touch.place;
+    track->keys.push_back(std::move(key));
+    last_O_[part] = p_O;
+  }
+
+  void close(std::size_t part, int end) {
+    PatchTrack track = *std::exchange(open_[part], std::nullopt);
+    track.end = end;
+    const double lasted_s = motion_.time_s[static_cast<std::size_t>(end - 1)] -
+                            motion_.time_s[static_cast<std::size_t>(track.begin())];
+    if (lasted_s < kShortestTouch && track.begin() > 0 && end < frames_) {
+      ++fleeting_;
+    } else {
+      motion_.tracks.push_back(std::move(track));
+    }
+  }
+
+  const geometry::TriangleMesh& object_O_;
+  int frames_;
+  Motion motion_;
+  std::vector<std::optional<PatchTrack>> open_;  // by part: the touch that lasts
+  std::vector<Eigen::Vector3d> last_O_;          // by part: where its last key lies
+  int fleeting_ = 0;
+};
+
+[[noreturn]] void rejectUntouched(const std::vector<DemonstratedFrame>& frames,
+                                  const geometry::TriangleMesh& object_O) {
+  double nearest = std::numeric_limits<double>::infinity();
+  const geometry::SurfaceLocator locator(object_O);
+  for (const DemonstratedFrame& frame : frames) {
+    const hand::JointPlaces joints_O = Frame(frame).joints_O;
+    for (int joint = 0; joint < joints_O.cols(); ++joint)
+      nearest = std::min(nearest, locator.nearest(joints_O.col(joint)).distance);
+  }
+  rejectInput("the hand touches nothing: its joints come no nearer than {:.1f} mm",
+              1e3 * nearest);
+}
+
 }  // namespace
 
 ContactTracker::ContactTracker(const geometry::TriangleMesh& object_O)
@@ -142,70 +230,17 @@ Motion motionOfDemonstration(const std::vector<DemonstratedFrame>& frames,
   if (frames.empty()) rejectInput("a demonstration without frames is no motion");
   if (frames.size() > static_cast<std::size_t>(kMostFrames))
     rejectInput("{} frames are more than the {} permitted", frames.size(), kMostFrames);
-  Motion motion;
   ContactTracker tracker(object_O);
-  const std::vector<std::string>& names = ContactTracker::partNames();
-  std::vector<std::optional<PatchTrack>> open(names.size());
-  std::vector<Eigen::Vector3d> last_O(names.size());
-  int fleeting = 0;
-  const auto close = [&](std::size_t part, int end) {
-    PatchTrack track = *std::exchange(open[part], std::nullopt);
-    track.end = end;
-    const double lasted_s = motion.time_s[static_cast<std::size_t>(end - 1)] -
-                            motion.time_s[static_cast<std::size_t>(track.begin())];
-    if (lasted_s < kShortestTouch && track.begin() > 0 &&
-        end < static_cast<int>(frames.size())) {
-      ++fleeting;
-    } else {
-      motion.tracks.push_back(std::move(track));
-    }
-  };
+  TouchTracks tracks(object_O, frames.size());
   for (std::size_t k = 0; k < frames.size(); ++k) {
     const DemonstratedFrame& frame = frames[k];
     if (!std::isfinite(frame.time_s) || (k > 0 && frame.time_s <= frames[k - 1].time_s))
       rejectInput("frame {}: its time {} s does not lie behind the one before", k,
                   frame.time_s);
-    motion.time_s.push_back(frame.time_s);
-    motion.X_WO.push_back(frame.X_WO);
-    std::vector<char> touches(names.size(), 0);
-    for (const DetectedContact& touch : tracker.see(frame)) {
-      const auto part = static_cast<std::size_t>(touch.part);
-      touches[part] = 1;
-      const Eigen::Vector3d p_O = positionOf(object_O, touch.point_O);
-      if (open[part] && (p_O - last_O[part]).norm() < kMovedTouch) continue;
-      if (!open[part]) open[part].emplace().name = names[part];
-      PatchKey key;
-      key.frame = static_cast<int>(k);
-      key.patch.name = names[part];
-      key.patch.root = touch.point_O;
-      key.patch.interpolation_boundary = {touch.point_O};
-      key.patch.place = touch.place;
-      open[part]->keys.push_back(std::move(key));
-      last_O[part] = p_O;
-    }
-    for (std::size_t part = 0; part < open.size(); ++part)
-      if (open[part] && touches[part] == 0) close(part, static_cast<int>(k));
+    tracks.append(frame, tracker.see(frame));
   }
-  for (std::size_t part = 0; part < open.size(); ++part)
-    if (open[part]) close(part, static_cast<int>(frames.size()));
-  if (motion.tracks.empty()) {
-    double nearest = std::numeric_limits<double>::infinity();
-    const geometry::SurfaceLocator locator(object_O);
-    for (const DemonstratedFrame& frame : frames) {
-      const hand::JointPlaces joints_O = Frame(frame).joints_O;
-      for (int joint = 0; joint < joints_O.cols(); ++joint)
-        nearest = std::min(nearest, locator.nearest(joints_O.col(joint)).distance);
-    }
-    rejectInput("the hand touches nothing: its joints come no nearer than {:.1f} mm",
-                1e3 * nearest);
-  }
-  std::stable_sort(motion.tracks.begin(), motion.tracks.end(),
-                   [](const PatchTrack& a, const PatchTrack& b) {
-                     return a.begin() < b.begin();
-                   });
-  if (fleeting > 0)
-    motion.notes.push_back(fmt::format("left out {} touches that last less than {:.0f} ms",
-                                       fleeting, 1e3 * kShortestTouch));
+  Motion motion = std::move(tracks).finish();
+  if (motion.tracks.empty()) rejectUntouched(frames, object_O);
   validate(object_O, motion);
   return motion;
 }

@@ -49,6 +49,41 @@ double beyond(double x, double limit) {
   return x < -limit ? x + limit : 0.0;
 }
 
+/// Whether a frame has the same contacts as the one before: the same moments, then.
+bool hasContactsOfBefore(const MotionProblem& problem, const FrameProblems& frames, int frame) {
+  if (problem.own.count(frame) + problem.own.count(frame - 1) != 0) return false;
+  const auto& now = frames.presentAt(frame);
+  const auto& before = frames.presentAt(frame - 1);
+  if (now.size() != before.size()) return false;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    if (now[i].track != before[i].track || now[i].presence != before[i].presence) return false;
+    for (const PairSpan& span : problem.tracks[static_cast<std::size_t>(now[i].track)].spans)
+      if (span.begin == frame) return false;
+  }
+  return true;
+}
+
+/// Neighbouring frames, and their shares in a difference of what they have: r = sum of
+/// share * x.
+template <int kCount>
+struct FrameDifference {
+  std::size_t first;
+  double shares[kCount];
+
+  /// weight r^2, of one degree of freedom that is no turn.
+  void add(Eigen::Index dof, double residual, double weight, BandSystem& system) const {
+    for (int i = 0; i < kCount; ++i) {
+      const std::size_t a = first + static_cast<std::size_t>(i);
+      system.right[a][dof] -= 2.0 * weight * shares[i] * residual;
+      system.own[a](dof, dof) += 2.0 * weight * shares[i] * shares[i];
+      if (i + 1 < kCount)
+        system.next[a].others[dof - 3] += 2.0 * weight * shares[i] * shares[i + 1];
+      if (i + 2 < kCount)
+        system.after_next[a].others[dof - 3] += 2.0 * weight * shares[i] * shares[i + 2];
+    }
+  }
+};
+
 }  // namespace
 
 MotionObjective::MotionObjective(const MotionProblem& problem,
@@ -73,25 +108,12 @@ MotionObjective::MotionObjective(const MotionProblem& problem,
                  problem.time_s.begin() + static_cast<std::ptrdiff_t>(first + count));
   hand::HandPose rest;
   rest.q = problem.prior;
-  // The same contacts as in the frame before: the same moments.
-  const auto is_same = [&](int frame) {
-    if (problem.own.count(frame) + problem.own.count(frame - 1) != 0) return false;
-    const auto& now = frames.presentAt(frame);
-    const auto& before = frames.presentAt(frame - 1);
-    if (now.size() != before.size()) return false;
-    for (std::size_t i = 0; i < now.size(); ++i) {
-      if (now[i].track != before[i].track || now[i].presence != before[i].presence)
-        return false;
-      for (const PairSpan& span : problem.tracks[static_cast<std::size_t>(now[i].track)].spans)
-        if (span.begin == frame) return false;
-    }
-    return true;
-  };
   for (std::size_t k = 0; k < trees_.size(); ++k) {
     const auto frame = static_cast<int>(first + k);
-    trees_[k] = k > 0 && is_same(frame) ? trees_[k - 1]
-                                        : std::make_shared<const optimize::MomentTree>(
-                                              makeMomentTree(frames.at(frame, rest)));
+    trees_[k] = k > 0 && hasContactsOfBefore(problem, frames, frame)
+                    ? trees_[k - 1]
+                    : std::make_shared<const optimize::MomentTree>(
+                          makeMomentTree(frames.at(frame, rest)));
   }
   const auto bare_at = [&](std::size_t k) {
     optimize::PoseProblem bare = frames.at(static_cast<int>(first + k), rest);
@@ -172,7 +194,8 @@ void MotionObjective::expand(const Poses& poses, BandSystem& system) {
     system.right[k] = -models_[k].gradient;
     system.own[k] = models_[k].hessian;
   }
-  addJoining(poses, system);
+  addFirstDifferences(poses, system);
+  addSecondDifferences(poses, system);
 }
 
 double MotionObjective::joining(const Poses& poses) const {
@@ -214,31 +237,17 @@ double MotionObjective::joining(const Poses& poses) const {
   return sum;
 }
 
-void MotionObjective::addJoining(const Poses& poses, BandSystem& system) const {
-  const auto& time_s = time_s_;
+void MotionObjective::addFirstDifferences(const Poses& poses, BandSystem& system) const {
   const double limit_weight = limit_share_ * kLimitWeight;
   const double settling = settlingShare();
-  // Residual r = sum of share * x over frames; weight r^2.
-  const auto add_linear = [&system](std::size_t first, Eigen::Index dof, const double* shares,
-                                    int count, double residual, double weight) {
-    for (int i = 0; i < count; ++i) {
-      const std::size_t a = first + static_cast<std::size_t>(i);
-      system.right[a][dof] -= 2.0 * weight * shares[i] * residual;
-      system.own[a](dof, dof) += 2.0 * weight * shares[i] * shares[i];
-      if (i + 1 < count)
-        system.next[a].others[dof - 3] += 2.0 * weight * shares[i] * shares[i + 1];
-      if (i + 2 < count)
-        system.after_next[a].others[dof - 3] += 2.0 * weight * shares[i] * shares[i + 2];
-    }
-  };
   for (std::size_t k = 1; k < poses.size(); ++k) {
-    const double rate = kReferenceStep / (time_s[k] - time_s[k - 1]);
-    const double shares[2] = {-rate, rate};
+    const double rate = kReferenceStep / (time_s_[k] - time_s_[k - 1]);
+    const FrameDifference<2> difference{k - 1, {-rate, rate}};
     const hand::HandPose& a = poses[k - 1];
     const hand::HandPose& b = poses[k];
     for (int i = 0; i < 3; ++i) {
       const double way = rate * (b.X_WH.translation()[i] - a.X_WH.translation()[i]);
-      add_linear(k - 1, 3 + i, shares, 2, way, settling * smoothness_[3 + i]);
+      difference.add(3 + i, way, settling * smoothness_[3 + i], system);
     }
     const Vector3d turn = rate * turnBetween(a, b);
     const Matrix3d J = rate * leftJacobianInverse(turnBetween(a, b));
@@ -252,14 +261,19 @@ void MotionObjective::addJoining(const Poses& poses, BandSystem& system) const {
       const double way = rate * (poses[k].q[i] - poses[k - 1].q[i]);
       const double excess =
           beyond(way, kLimitShare * problem_.velocity_limit[i] * kReferenceStep);
-      add_linear(k - 1, 6 + i, shares, 2, way, settling * smoothness_[6 + i]);
-      if (excess != 0.0) add_linear(k - 1, 6 + i, shares, 2, excess, limit_weight);
+      difference.add(6 + i, way, settling * smoothness_[6 + i], system);
+      if (excess != 0.0) difference.add(6 + i, excess, limit_weight, system);
     }
   }
+}
+
+void MotionObjective::addSecondDifferences(const Poses& poses, BandSystem& system) const {
+  const double limit_weight = limit_share_ * kLimitWeight;
   const double square = kReferenceStep * kReferenceStep;
   for (std::size_t k = 1; k + 1 < poses.size(); ++k) {
-    const Difference d = differenceAt(time_s, k);
-    const double shares[3] = {d.before, -d.before - d.behind, d.behind};
+    const Difference d = differenceAt(time_s_, k);
+    const FrameDifference<3> difference{k - 1, {d.before, -d.before - d.behind, d.behind}};
+    const auto& shares = difference.shares;
     const hand::HandPose& a = poses[k - 1];
     const hand::HandPose& b = poses[k];
     const hand::HandPose& c = poses[k + 1];
@@ -267,13 +281,13 @@ void MotionObjective::addJoining(const Poses& poses, BandSystem& system) const {
       const double bend = shares[0] * a.X_WH.translation()[i] +
                           shares[1] * b.X_WH.translation()[i] +
                           shares[2] * c.X_WH.translation()[i];
-      add_linear(k - 1, 3 + i, shares, 3, bend, smoothness_[3 + i]);
+      difference.add(3 + i, bend, smoothness_[3 + i], system);
     }
     for (Eigen::Index i = 0; i < b.q.size(); ++i) {
       const double bend = shares[0] * a.q[i] + shares[1] * b.q[i] + shares[2] * c.q[i];
-      add_linear(k - 1, 6 + i, shares, 3, bend, smoothness_[6 + i]);
+      difference.add(6 + i, bend, smoothness_[6 + i], system);
       const double excess = beyond(bend, kLimitShare * problem_.acceleration_limit[i] * square);
-      if (excess != 0.0) add_linear(k - 1, 6 + i, shares, 3, excess, limit_weight);
+      if (excess != 0.0) difference.add(6 + i, excess, limit_weight, system);
     }
     // log(R_b R_a^T) follows turns w_a, w_b by J^-1 w_b - J^-T w_a, J its left Jacobian.
     const Vector3d first = turnBetween(a, b);

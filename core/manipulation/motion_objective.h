@@ -85,7 +85,8 @@ class MotionObjective {
  private:
   double evaluate(const Poses& poses, bool to_expand);
   void modelFrame(optimize::Objective& objective, FrameModel& own) const;
-  void addJoining(const Poses& poses, BandSystem& system) const;
+  void addFirstDifferences(const Poses& poses, BandSystem& system) const;
+  void addSecondDifferences(const Poses& poses, BandSystem& system) const;
 
   const MotionProblem& problem_;
   std::vector<double> time_s_;  ///< of the frames that count

@@ -29,6 +29,110 @@ const PairSpan& spanAt(const PairTrack& track, int frame) {
   return behind == track.spans.begin() ? *behind : *(behind - 1);
 }
 
+void requireRisingTimes(const std::vector<double>& time_s) {
+  if (time_s.empty()) rejectInput("a motion of 0 frames; 1 at least is needed");
+  for (std::size_t k = 0; k < time_s.size(); ++k) {
+    if (!std::isfinite(time_s[k]))
+      rejectInput("frame {}: time is {} s; it must be finite", k, time_s[k]);
+    if (k > 0 && !(time_s[k] > time_s[k - 1])) {
+      rejectInput("frame {}: time {} s does not lie behind the frame before it, {} s", k,
+                  time_s[k], time_s[k - 1]);
+    }
+  }
+}
+
+/// Of values that each joint of the hand has one of.
+void requireOneForEachJoint(const MotionProblem& problem,
+                            const char* name,
+                            const Eigen::VectorXd& values) {
+  if (values.size() != problem.model->dofCount())
+    rejectInput("{} has {} entries; the hand has {} joints", name, values.size(),
+                problem.model->dofCount());
+  if (values.array().isNaN().any()) rejectInput("{} is not a number", name);
+}
+
+void requireJointLimits(const MotionProblem& problem) {
+  requireOneForEachJoint(problem, "prior", problem.prior);
+  requireOneForEachJoint(problem, "lower limit", problem.lower);
+  requireOneForEachJoint(problem, "upper limit", problem.upper);
+  requireOneForEachJoint(problem, "velocity limit", problem.velocity_limit);
+  requireOneForEachJoint(problem, "acceleration limit", problem.acceleration_limit);
+  for (int i = 0; i < problem.model->dofCount(); ++i) {
+    if (problem.lower[i] > problem.upper[i])
+      rejectInput("joint '{}': lower limit {} lies above its upper one {}",
+                  problem.model->dofJoint(i).name, problem.lower[i], problem.upper[i]);
+    if (!(problem.velocity_limit[i] > 0.0) || !(problem.acceleration_limit[i] > 0.0))
+      rejectInput("joint '{}': limits of velocity {} and acceleration {} must lie above 0",
+                  problem.model->dofJoint(i).name, problem.velocity_limit[i],
+                  problem.acceleration_limit[i]);
+  }
+}
+
+/// What an edit has laid onto one frame.
+void requireOwnOfFrame(const MotionProblem& problem, int frame, const FrameOwn& own) {
+  HANDGRAFT_REQUIRE(frame >= 0 && frame < problem.frameCount());
+  HANDGRAFT_REQUIRE(own.soft_weights.size() == own.soft_values.size());
+  const Eigen::VectorXd& lower = problem.lowerAt(frame);
+  const Eigen::VectorXd& upper = problem.upperAt(frame);
+  requireOneForEachJoint(problem, "lower limit at a frame", lower);
+  requireOneForEachJoint(problem, "upper limit at a frame", upper);
+  for (int i = 0; i < problem.model->dofCount(); ++i)
+    if (lower[i] > upper[i])
+      rejectInput("joint '{}', frame {}: lower limit {} lies above its upper one {}",
+                  problem.model->dofJoint(i).name, frame, lower[i], upper[i]);
+}
+
+void requirePairsOnHand(const hand::HandModel& model, std::size_t track, const PairSpan& span) {
+  for (const optimize::PointPair& pair : span.pairs) {
+    if (pair.link < 0 || pair.link >= model.linkCount())
+      rejectInput("track {}: a pair lies on link {}; the hand has {}", track, pair.link,
+                  model.linkCount());
+    if (!pair.p_L.allFinite() || !pair.p_W.allFinite() || !(pair.weight >= 0.0) ||
+        !std::isfinite(pair.weight))
+      rejectInput("track {}: a pair at frame {} is not finite", track, span.begin);
+  }
+}
+
+void requireSpansWithin(const MotionProblem& problem, std::size_t number) {
+  const PairTrack& track = problem.tracks[number];
+  int before = -1;
+  if (track.spans.empty()) rejectInput("track {} has no span", number);
+  for (const PairSpan& span : track.spans) {
+    if (span.begin <= before || span.begin >= problem.frameCount())
+      rejectInput("track {}: a span begins at frame {}; permitted are {} to {}", number,
+                  span.begin, before + 1, problem.frameCount() - 1);
+    before = span.begin;
+    requirePairsOnHand(*problem.model, number, span);
+  }
+  if (track.end <= before || track.end > problem.frameCount())
+    rejectInput("track {} ends at frame {}; permitted are {} to {}", number, track.end,
+                before + 1, problem.frameCount());
+}
+
+/// Of a track's presence at a frame, where an edit lets it fade there.
+double leftByEdit(const MotionProblem& problem, int frame, int track) {
+  const auto own = problem.own.find(frame);
+  if (own == problem.own.end()) return 1.0;
+  const auto fade = own->second.fades.find(track);
+  return fade == own->second.fades.end() ? 1.0 : fade->second;
+}
+
+/// What a frame has of its own, joined to what it has of the motion.
+void addOwn(const FrameOwn& own, optimize::PoseProblem& single) {
+  single.pairs.insert(single.pairs.end(), own.pairs.begin(), own.pairs.end());
+  // Two quadratics of a joint, the prior's and what holds it softly, are one.
+  for (std::size_t i = 0; i < own.soft_weights.size(); ++i) {
+    const auto joint = static_cast<Eigen::Index>(i);
+    const double soft = own.soft_weights[i];
+    if (!(soft > 0.0)) continue;
+    const double all = single.prior_weights[6 + joint] + soft;
+    single.prior.q[joint] =
+        (single.prior_weights[6 + joint] * single.prior.q[joint] + soft * own.soft_values[i]) /
+        all;
+    single.prior_weights[6 + joint] = all;
+  }
+}
+
 }  // namespace
 
 void validate(const MotionOptions& options) {
@@ -77,68 +181,12 @@ const Eigen::VectorXd& MotionProblem::upperAt(int frame) const {
 
 void validate(const MotionProblem& problem) {
   HANDGRAFT_REQUIRE(problem.model != nullptr);
-  if (problem.time_s.empty()) rejectInput("a motion of 0 frames; 1 at least is needed");
-  for (std::size_t k = 0; k < problem.time_s.size(); ++k) {
-    if (!std::isfinite(problem.time_s[k]))
-      rejectInput("frame {}: time is {} s; it must be finite", k, problem.time_s[k]);
-    if (k > 0 && !(problem.time_s[k] > problem.time_s[k - 1])) {
-      rejectInput("frame {}: time {} s does not lie behind the frame before it, {} s", k,
-                  problem.time_s[k], problem.time_s[k - 1]);
-    }
-  }
-  const auto require_joints = [&](const char* name, const Eigen::VectorXd& values) {
-    if (values.size() != problem.model->dofCount())
-      rejectInput("{} has {} entries; the hand has {} joints", name, values.size(),
-                  problem.model->dofCount());
-    if (values.array().isNaN().any()) rejectInput("{} is not a number", name);
-  };
-  require_joints("prior", problem.prior);
-  require_joints("lower limit", problem.lower);
-  require_joints("upper limit", problem.upper);
-  require_joints("velocity limit", problem.velocity_limit);
-  require_joints("acceleration limit", problem.acceleration_limit);
-  for (int i = 0; i < problem.model->dofCount(); ++i) {
-    if (problem.lower[i] > problem.upper[i])
-      rejectInput("joint '{}': lower limit {} lies above its upper one {}",
-                  problem.model->dofJoint(i).name, problem.lower[i], problem.upper[i]);
-    if (!(problem.velocity_limit[i] > 0.0) || !(problem.acceleration_limit[i] > 0.0))
-      rejectInput("joint '{}': limits of velocity {} and acceleration {} must lie above 0",
-                  problem.model->dofJoint(i).name, problem.velocity_limit[i],
-                  problem.acceleration_limit[i]);
-  }
-  for (const auto& [frame, own] : problem.own) {
-    HANDGRAFT_REQUIRE(frame >= 0 && frame < problem.frameCount());
-    HANDGRAFT_REQUIRE(own.soft_weights.size() == own.soft_values.size());
-    require_joints("lower limit at a frame", problem.lowerAt(frame));
-    require_joints("upper limit at a frame", problem.upperAt(frame));
-    for (int i = 0; i < problem.model->dofCount(); ++i)
-      if (problem.lowerAt(frame)[i] > problem.upperAt(frame)[i])
-        rejectInput("joint '{}', frame {}: lower limit {} lies above its upper one {}",
-                    problem.model->dofJoint(i).name, frame, problem.lowerAt(frame)[i],
-                    problem.upperAt(frame)[i]);
-  }
-  for (std::size_t t = 0; t < problem.tracks.size(); ++t) {
-    const PairTrack& track = problem.tracks[t];
-    int before = -1;
-    if (track.spans.empty()) rejectInput("track {} has no span", t);
-    for (const PairSpan& span : track.spans) {
-      if (span.begin <= before || span.begin >= problem.frameCount())
-        rejectInput("track {}: a span begins at frame {}; permitted are {} to {}", t,
-                    span.begin, before + 1, problem.frameCount() - 1);
-      before = span.begin;
-      for (const optimize::PointPair& pair : span.pairs) {
-        if (pair.link < 0 || pair.link >= problem.model->linkCount())
-          rejectInput("track {}: a pair lies on link {}; the hand has {}", t, pair.link,
-                      problem.model->linkCount());
-        if (!pair.p_L.allFinite() || !pair.p_W.allFinite() || !(pair.weight >= 0.0) ||
-            !std::isfinite(pair.weight))
-          rejectInput("track {}: a pair at frame {} is not finite", t, span.begin);
-      }
-    }
-    if (track.end <= before || track.end > problem.frameCount())
-      rejectInput("track {} ends at frame {}; permitted are {} to {}", t, track.end, before + 1,
-                  problem.frameCount());
-  }
+  requireRisingTimes(problem.time_s);
+  requireJointLimits(problem);
+  for (const auto& [frame, own] : problem.own)
+    requireOwnOfFrame(problem, frame, own);
+  for (std::size_t t = 0; t < problem.tracks.size(); ++t)
+    requireSpansWithin(problem, t);
 }
 
 double presenceAt(const MotionProblem& problem,
@@ -175,10 +223,7 @@ FrameProblems::FrameProblems(const MotionProblem& problem, const Fade& fade)
     const auto note = [&](int frame) {
       double presence = presenceAt(problem, track, frame, fade);
       if (presence <= 0.0) return false;
-      if (const auto own = problem.own.find(frame); own != problem.own.end())
-        if (const auto faded = own->second.fades.find(static_cast<int>(t));
-            faded != own->second.fades.end())
-          presence *= faded->second;
+      presence *= leftByEdit(problem, frame, static_cast<int>(t));
       if (presence <= 0.0) return true;
       present_[static_cast<std::size_t>(frame)].push_back({static_cast<int>(t), presence});
       return true;
@@ -218,20 +263,7 @@ optimize::PoseProblem FrameProblems::at(int frame, const hand::HandPose& start) 
       single.pairs.back().weight *= share;
     }
   }
-  if (own != nullptr) {
-    single.pairs.insert(single.pairs.end(), own->pairs.begin(), own->pairs.end());
-    // Two quadratics of a joint, the prior's and what holds it softly, are one.
-    for (std::size_t i = 0; i < own->soft_weights.size(); ++i) {
-      const auto joint = static_cast<Eigen::Index>(i);
-      const double soft = own->soft_weights[i];
-      if (!(soft > 0.0)) continue;
-      const double all = single.prior_weights[6 + joint] + soft;
-      single.prior.q[joint] = (single.prior_weights[6 + joint] * single.prior.q[joint] +
-                               soft * own->soft_values[i]) /
-                              all;
-      single.prior_weights[6 + joint] = all;
-    }
-  }
+  if (own != nullptr) addOwn(*own, single);
   return single;
 }
 

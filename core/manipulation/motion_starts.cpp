@@ -80,113 +80,158 @@ std::vector<int> anchorFrames(const MotionProblem& problem, const FrameProblems&
   return changes;
 }
 
+/// Joins the minima of frames at which contacts change.
+class JoiningMinima {
+ public:
+  JoiningMinima(const MotionProblem& problem,
+                const MotionOptions& options,
+                const Progress& progress)
+      : touching_(withoutAvoidance(problem)),
+        options_(options),
+        progress_(progress),
+        frames_(touching_, options.fade) {
+    rest_.q = problem.prior.cwiseMax(problem.lower).cwiseMin(problem.upper);
+    for (const int frame : anchorFrames(touching_, frames_))
+      anchors_.push_back({frame, {}});
+  }
+
+  JoiningMinima(const JoiningMinima&) = delete;
+  JoiningMinima& operator=(const JoiningMinima&) = delete;
+
+  /// Of all frames.
+  std::vector<hand::HandPose> poses() {
+    if (anchors_.empty()) return std::vector<hand::HandPose>(touching_.time_s.size(), rest_);
+    findCandidates();
+    for (std::size_t i = 1; i < anchors_.size(); ++i)
+      spread(i - 1, i);
+    for (std::size_t i = anchors_.size() - 1; i-- > 0;)
+      spread(i + 1, i);
+    return posesThrough(cheapestWay());
+  }
+
+ private:
+  /// Penetration comes in later, step by step.
+  static MotionProblem withoutAvoidance(MotionProblem problem) {
+    problem.avoidance = nullptr;
+    return problem;
+  }
+
+  /// The best of each anchor by itself.
+  void findCandidates() {
+    for (std::size_t i = 0; i < anchors_.size(); ++i) {
+      Anchor& anchor = anchors_[i];
+      progress_.checkpoint();
+      progress_.report("finding grasps",
+                       static_cast<double>(i) / static_cast<double>(anchors_.size()));
+      const auto report =
+          solveSingle(touching_, frames_, anchor.frame, rest_, options_, progress_);
+      for (const optimize::Minimum& minimum : report.minima)
+        anchor.candidates.push_back({minimum.pose, minimum.terms.objective});
+      keepBest(touching_, anchor.candidates);
+    }
+  }
+
+  /// To an anchor, what follows there from its neighbour's candidates.
+  void spread(std::size_t from, std::size_t to) {
+    std::vector<Candidate> all = anchors_[to].candidates;
+    for (const Candidate& one : anchors_[from].candidates)
+      all.push_back(searchFrom(anchors_[to], one.pose));
+    keepBest(touching_, all);
+    anchors_[to].candidates = std::move(all);
+  }
+
+  [[nodiscard]] Candidate searchFrom(const Anchor& anchor, const hand::HandPose& start) const {
+    optimize::SolveOptions solving;
+    solving.starts = 1;
+    solving.max_evaluations = kFollowing;
+    const auto report = optimize::solve(frames_.at(anchor.frame, start), solving, progress_);
+    return {report.pose, report.terms.objective};
+  }
+
+  /// One candidate of each anchor: those that are joined at the least cost.
+  [[nodiscard]] std::vector<hand::HandPose> cheapestWay() const {
+    std::vector<std::vector<double>> costs(anchors_.size());
+    std::vector<std::vector<std::size_t>> from(anchors_.size());
+    costs[0].assign(anchors_[0].candidates.size(), 0.0);
+    for (std::size_t i = 1; i < anchors_.size(); ++i) {
+      const Anchor& before = anchors_[i - 1];
+      const Anchor& now = anchors_[i];
+      const double count = now.frame - before.frame;
+      const int middle = (before.frame + now.frame) / 2;
+      const optimize::PoseProblem single = frames_.at(middle, rest_);
+      optimize::Objective objective(single);
+      for (const Candidate& one : now.candidates) {
+        double best = std::numeric_limits<double>::infinity();
+        std::size_t best_from = 0;
+        for (std::size_t j = 0; j < before.candidates.size(); ++j) {
+          const Candidate& other = before.candidates[j];
+          const double middle_cost =
+              objective.evaluate(poseBetween(other.pose, one.pose, 0.5)).objective;
+          // From rest to rest over n frames the squares of second differences sum to
+          // 12 way^2 / n^3.
+          const double bend = 12.0 * options_.smoothness *
+                              squareBetween(touching_, one.pose, other.pose) /
+                              (count * count * count);
+          const double cost =
+              costs[i - 1][j] + bend +
+              count / 6.0 * (other.objective + 4.0 * middle_cost + one.objective);
+          if (cost < best) {
+            best = cost;
+            best_from = j;
+          }
+        }
+        costs[i].push_back(best);
+        from[i].push_back(best_from);
+      }
+    }
+    auto at = static_cast<std::size_t>(
+        std::min_element(costs.back().begin(), costs.back().end()) - costs.back().begin());
+    std::vector<hand::HandPose> chosen(anchors_.size());
+    for (std::size_t i = anchors_.size(); i-- > 0;) {
+      chosen[i] = anchors_[i].candidates[at].pose;
+      if (i > 0) at = from[i][at];
+    }
+    return chosen;
+  }
+
+  /// All frames, given a pose of each anchor.
+  [[nodiscard]] std::vector<hand::HandPose> posesThrough(
+      const std::vector<hand::HandPose>& chosen) const {
+    const std::vector<double>& time_s = touching_.time_s;
+    std::vector<hand::HandPose> poses(time_s.size(), rest_);
+    std::size_t next = 0;
+    for (std::size_t k = 0; k < poses.size(); ++k) {
+      const int frame = static_cast<int>(k);
+      while (next < anchors_.size() && anchors_[next].frame <= frame)
+        ++next;
+      if (next == 0) {
+        poses[k] = chosen.front();
+      } else if (next == anchors_.size()) {
+        poses[k] = chosen.back();
+      } else {
+        const double begin = time_s[static_cast<std::size_t>(anchors_[next - 1].frame)];
+        const double end = time_s[static_cast<std::size_t>(anchors_[next].frame)];
+        poses[k] =
+            poseBetween(chosen[next - 1], chosen[next], (time_s[k] - begin) / (end - begin));
+      }
+    }
+    return poses;
+  }
+
+  MotionProblem touching_;
+  const MotionOptions& options_;
+  const Progress& progress_;
+  FrameProblems frames_;
+  hand::HandPose rest_;
+  std::vector<Anchor> anchors_;
+};
+
 }  // namespace
 
 std::vector<hand::HandPose> joinedMinima(const MotionProblem& problem,
                                          const MotionOptions& options,
                                          const Progress& progress) {
-  // Penetration comes in later, step by step.
-  MotionProblem touching = problem;
-  touching.avoidance = nullptr;
-  const FrameProblems frames(touching, options.fade);
-  hand::HandPose rest;
-  rest.q = problem.prior.cwiseMax(problem.lower).cwiseMin(problem.upper);
-  std::vector<Anchor> anchors;
-  for (const int frame : anchorFrames(touching, frames))
-    anchors.push_back({frame, {}});
-  std::vector<hand::HandPose> poses(problem.time_s.size(), rest);
-  if (anchors.empty()) return poses;
-
-  // === Candidates: the best of each frame, and what follows from the neighbours'
-  const auto search_from = [&](const Anchor& anchor, const hand::HandPose& start) {
-    optimize::SolveOptions solving;
-    solving.starts = 1;
-    solving.max_evaluations = kFollowing;
-    const auto report = optimize::solve(frames.at(anchor.frame, start), solving, progress);
-    return Candidate{report.pose, report.terms.objective};
-  };
-  for (std::size_t i = 0; i < anchors.size(); ++i) {
-    progress.checkpoint();
-    progress.report("finding grasps",
-                    static_cast<double>(i) / static_cast<double>(anchors.size()));
-    const auto report =
-        solveSingle(touching, frames, anchors[i].frame, rest, options, progress);
-    for (const optimize::Minimum& minimum : report.minima)
-      anchors[i].candidates.push_back({minimum.pose, minimum.terms.objective});
-    keepBest(problem, anchors[i].candidates);
-  }
-  const auto spread = [&](std::size_t from, std::size_t to) {
-    std::vector<Candidate> all = anchors[to].candidates;
-    for (const Candidate& one : anchors[from].candidates)
-      all.push_back(search_from(anchors[to], one.pose));
-    keepBest(problem, all);
-    anchors[to].candidates = std::move(all);
-  };
-  for (std::size_t i = 1; i < anchors.size(); ++i)
-    spread(i - 1, i);
-  for (std::size_t i = anchors.size() - 1; i-- > 0;)
-    spread(i + 1, i);
-
-  // === The cheapest way through them
-  std::vector<std::vector<double>> costs(anchors.size());
-  std::vector<std::vector<std::size_t>> from(anchors.size());
-  costs[0].assign(anchors[0].candidates.size(), 0.0);
-  for (std::size_t i = 1; i < anchors.size(); ++i) {
-    const Anchor& before = anchors[i - 1];
-    const Anchor& now = anchors[i];
-    const double count = now.frame - before.frame;
-    const int middle = (before.frame + now.frame) / 2;
-    const optimize::PoseProblem single = frames.at(middle, rest);
-    optimize::Objective objective(single);
-    for (const Candidate& one : now.candidates) {
-      double best = std::numeric_limits<double>::infinity();
-      std::size_t best_from = 0;
-      for (std::size_t j = 0; j < before.candidates.size(); ++j) {
-        const Candidate& other = before.candidates[j];
-        const double middle_cost =
-            objective.evaluate(poseBetween(other.pose, one.pose, 0.5)).objective;
-        // From rest to rest over n frames the squares of second differences sum to 12 way^2 /
-        // n^3.
-        const double bend = 12.0 * options.smoothness *
-                            squareBetween(problem, one.pose, other.pose) /
-                            (count * count * count);
-        const double cost = costs[i - 1][j] + bend +
-                            count / 6.0 * (other.objective + 4.0 * middle_cost + one.objective);
-        if (cost < best) {
-          best = cost;
-          best_from = j;
-        }
-      }
-      costs[i].push_back(best);
-      from[i].push_back(best_from);
-    }
-  }
-  std::size_t at = static_cast<std::size_t>(
-      std::min_element(costs.back().begin(), costs.back().end()) - costs.back().begin());
-  std::vector<hand::HandPose> chosen(anchors.size());
-  for (std::size_t i = anchors.size(); i-- > 0;) {
-    chosen[i] = anchors[i].candidates[at].pose;
-    if (i > 0) at = from[i][at];
-  }
-
-  // === Frames between
-  std::size_t next = 0;
-  for (std::size_t k = 0; k < poses.size(); ++k) {
-    const int frame = static_cast<int>(k);
-    while (next < anchors.size() && anchors[next].frame <= frame)
-      ++next;
-    if (next == 0) {
-      poses[k] = chosen.front();
-    } else if (next == anchors.size()) {
-      poses[k] = chosen.back();
-    } else {
-      const double begin = problem.time_s[static_cast<std::size_t>(anchors[next - 1].frame)];
-      const double end = problem.time_s[static_cast<std::size_t>(anchors[next].frame)];
-      poses[k] = poseBetween(chosen[next - 1], chosen[next],
-                             (problem.time_s[k] - begin) / (end - begin));
-    }
-  }
-  return poses;
+  return JoiningMinima(problem, options, progress).poses();
 }
 
 namespace {

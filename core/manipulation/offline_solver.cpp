@@ -87,6 +87,42 @@ class BandSearch {
 
   /// Up to `steps` trials. Counts evaluations of frames.
   void descend(const Stage& stage, const Progress& progress, int& evaluations) {
+    beginStage(stage, evaluations);
+    bool expanded = false;
+    for (int step = 0; step < stage.steps; ++step) {
+      progress.checkpoint();
+      if (!expanded) expand();
+      expanded = true;
+      const double promise = propose();
+      if (!(promise > kWorthwhile * value_)) return;
+      moveTrial();
+      evaluations += static_cast<int>(poses_.size());
+      double value = objective_.evaluateToExpand(trial_);
+      bool better = value_ - value > kLeastRatio * promise;
+      const bool any = judgeFrames(better);
+      // Else what joins frames bends: limits that the whole step would break.
+      if (!better && !any) better = shorten(promise, value, evaluations);
+      if (better) {
+        const bool is_enough = value_ - value < stage.enough * value_;
+        std::swap(poses_, trial_);
+        value_ = value;
+        frames_ = objective_.frames();
+        expanded = is_modelled_ = false;
+        if (is_enough) return;
+      } else if (!any) {
+        raiseDamping();
+      }
+    }
+  }
+
+  /// Eq. 2 of each frame.
+  [[nodiscard]] const std::vector<double>& frames() const { return frames_; }
+
+  [[nodiscard]] Poses& poses() { return poses_; }
+
+ private:
+  /// What the poses come to by the stage's measure.
+  void beginStage(const Stage& stage, int& evaluations) {
     objective_.join(stage.smoothness, stage.limits);
     if (level_ && *level_ == stage.level) {
       // Each frame alone costs what it did.
@@ -102,50 +138,31 @@ class BandSearch {
       is_modelled_ = false;
     }
     std::fill(damping_.begin(), damping_.end(), kFirstDamping);
-    bool expanded = false;
-    for (int step = 0; step < stage.steps; ++step) {
-      progress.checkpoint();
-      if (!expanded) expand();
-      expanded = true;
-      const double promise = propose();
-      if (!(promise > kWorthwhile * value_)) return;
-      moveTrial();
-      evaluations += static_cast<int>(poses_.size());
-      double value = objective_.evaluateToExpand(trial_);
-      bool better = value_ - value > kLeastRatio * promise;
-      const bool any = judgeFrames(better);
-      // Else what joins frames bends: limits that the whole step would break.
-      double share = 1.0;
-      while (!better && !any && share > kShortestShare) {
-        share *= 0.3;
-        for (VectorXd& part : steps_)
-          part *= 0.3;
-        moveTrial();
-        evaluations += static_cast<int>(poses_.size());
-        value = objective_.evaluate(trial_);
-        better = value_ - value > kLeastRatio * share * promise;
-      }
-      if (better) {
-        if (share < 1.0) value = objective_.evaluateToExpand(trial_);
-        const bool is_enough = value_ - value < stage.enough * value_;
-        std::swap(poses_, trial_);
-        value_ = value;
-        frames_ = objective_.frames();
-        expanded = is_modelled_ = false;
-        if (is_enough) return;
-      } else if (!any) {
-        for (double& damping : damping_)
-          damping = std::min(kMostDamping, 10.0 * damping);
-      }
-    }
   }
 
-  /// Eq. 2 of each frame.
-  [[nodiscard]] const std::vector<double>& frames() const { return frames_; }
+  /// Shortens the steps until they gain some of what they promise; whether they do. `value`
+  /// becomes that of where they lead.
+  bool shorten(double promise, double& value, int& evaluations) {
+    for (double share = 1.0; share > kShortestShare;) {
+      share *= 0.3;
+      for (VectorXd& part : steps_)
+        part *= 0.3;
+      moveTrial();
+      evaluations += static_cast<int>(poses_.size());
+      value = objective_.evaluate(trial_);
+      if (value_ - value > kLeastRatio * share * promise) {
+        value = objective_.evaluateToExpand(trial_);
+        return true;
+      }
+    }
+    return false;
+  }
 
-  [[nodiscard]] Poses& poses() { return poses_; }
+  void raiseDamping() {
+    for (double& damping : damping_)
+      damping = std::min(kMostDamping, 10.0 * damping);
+  }
 
- private:
   /// Where the steps lead; what is held stays to the byte.
   void moveTrial() {
     moveBy(problem_, first_, steps_, poses_, trial_);
@@ -184,6 +201,19 @@ class BandSearch {
       system_.own[k].diagonal() += dampingOf(k);
     std::vector<VectorXd> border(poses_.size(),
                                  VectorXd::Constant(objective_.dofCount(), kFree));
+    holdAtLimits(border);
+    for (int pass = 0; pass < kPasses; ++pass) {
+      if (!cholesky_.solve(system_, steps_)) {
+        raiseDamping();
+        return propose();
+      }
+      if (!holdWhatLeaves(border)) break;
+    }
+    return promiseOf();
+  }
+
+  /// Joints at a limit, where they are pulled beyond it.
+  void holdAtLimits(std::vector<VectorXd>& border) {
     for (std::size_t k = 0; k < poses_.size(); ++k) {
       const VectorXd& lower = problem_.lowerAt(static_cast<int>(first_ + k));
       const VectorXd& upper = problem_.upperAt(static_cast<int>(first_ + k));
@@ -194,28 +224,24 @@ class BandSearch {
         if (stays) hold(k, 6 + i, 0.0, border);
       }
     }
-    for (int pass = 0; pass < kPasses; ++pass) {
-      if (!cholesky_.solve(system_, steps_)) {
-        for (double& damping : damping_)
-          damping = std::min(kMostDamping, 10.0 * damping);
-        return propose();
+  }
+
+  /// Joints that a step takes beyond a limit, at that limit; whether there were any.
+  bool holdWhatLeaves(std::vector<VectorXd>& border) {
+    bool left = false;
+    for (std::size_t k = 0; k < poses_.size(); ++k) {
+      const VectorXd& lower = problem_.lowerAt(static_cast<int>(first_ + k));
+      const VectorXd& upper = problem_.upperAt(static_cast<int>(first_ + k));
+      for (Eigen::Index i = 0; i < poses_[k].q.size(); ++i) {
+        if (border[k][6 + i] != kFree) continue;
+        const double q = poses_[k].q[i];
+        const double inside = std::clamp(q + steps_[k][6 + i], lower[i], upper[i]) - q;
+        if (std::abs(inside - steps_[k][6 + i]) < 1e-12) continue;
+        hold(k, 6 + i, inside, border);
+        left = true;
       }
-      bool left = false;
-      for (std::size_t k = 0; k < poses_.size(); ++k) {
-        const VectorXd& lower = problem_.lowerAt(static_cast<int>(first_ + k));
-        const VectorXd& upper = problem_.upperAt(static_cast<int>(first_ + k));
-        for (Eigen::Index i = 0; i < poses_[k].q.size(); ++i) {
-          if (border[k][6 + i] != kFree) continue;
-          const double q = poses_[k].q[i];
-          const double inside = std::clamp(q + steps_[k][6 + i], lower[i], upper[i]) - q;
-          if (std::abs(inside - steps_[k][6 + i]) < 1e-12) continue;
-          hold(k, 6 + i, inside, border);
-          left = true;
-        }
-      }
-      if (!left) break;
     }
-    return promiseOf();
+    return left;
   }
 
   /// Degree of freedom i of frame k goes `way`, whatever the others do.

@@ -8,6 +8,55 @@
 
 namespace handgraft::manipulation {
 
+namespace {
+
+/// Why a key cannot be laid; empty where it can.
+std::string faultOf(const PatchTrack& track,
+                    const PatchKey& key,
+                    const std::optional<transfer::PatchPlacement>& placement) {
+  if (!track.dropped.empty()) return track.dropped;
+  if (!key.patch.direction_O) return "it has no direction";
+  if (!placement) return "this hand has no such place";
+  return {};
+}
+
+optimize::PointPair pairOf(const transfer::Correspondence& one, int track) {
+  optimize::PointPair pair;
+  pair.link = one.link;
+  pair.p_L = one.p_L;
+  pair.n_L = one.n_L;
+  pair.p_W = one.p_O;
+  pair.n_W = one.n_O;
+  pair.weight = one.weight;
+  pair.patch = track;
+  return pair;
+}
+
+/// How patches are laid onto a hand.
+struct PatchLaying {
+  const transfer::Surfaces& surfaces;
+  const transfer::TransferOptions& options;
+  const MovePlacement& move;
+  bool as_drafts = false;
+  int lost = 0;  ///< points that found no place
+
+  /// Of the track's number in what is laid.
+  std::vector<optimize::PointPair> pairsOf(const contact::Patch& patch,
+                                           const transfer::PatchPlacement& placement,
+                                           int track,
+                                           transfer::StagedTransfer& stages) {
+    const transfer::PatchTransfer transferred =
+        stages.lay(surfaces, patch, move ? move(placement) : placement, options, as_drafts);
+    lost += static_cast<int>(transferred.lost.size());
+    std::vector<optimize::PointPair> pairs;
+    for (const transfer::Correspondence& one : transferred.correspondences)
+      pairs.push_back(pairOf(one, track));
+    return pairs;
+  }
+};
+
+}  // namespace
+
 std::optional<transfer::PatchPlacement> placementOf(
     const PatchKey& key,
     const transfer::Surfaces& surfaces,
@@ -22,7 +71,7 @@ std::optional<transfer::PatchPlacement> placementOf(
     if (!spot) return std::nullopt;
     return transfer::PatchPlacement{spot->root_S, spot->direction_S};
   };
-  if (const auto placement = at(patch.place)) return placement;
+  if (auto placement = at(patch.place)) return placement;
   const auto site = std::find_if(sites.begin(), sites.end(), [&](const hand::ContactSite& one) {
     return one.name == patch.name;
   });
@@ -40,7 +89,7 @@ TransferredMotion transferPatches(const Motion& motion,
                                   const MovePlacement& move,
                                   MotionCharts* charts) {
   TransferredMotion laid;
-  int lost = 0;
+  PatchLaying laying{surfaces, options, move, charts != nullptr && charts->uses_drafts};
   if (charts != nullptr) charts->stages.resize(motion.tracks.size());
   for (std::size_t t = 0; t < motion.tracks.size(); ++t) {
     const PatchTrack& track = motion.tracks[t];
@@ -59,28 +108,11 @@ TransferredMotion transferPatches(const Motion& motion,
                       static_cast<double>(t) / static_cast<double>(motion.tracks.size()));
       PairSpan span{key.frame, {}};
       const auto placement = placementOf(key, surfaces, model, sites, coordinates);
-      if (!track.dropped.empty()) {
-        fault = track.dropped;
-      } else if (!key.patch.direction_O) {
-        fault = "it has no direction";
-      } else if (!placement) {
-        fault = "this hand has no such place";
+      if (std::string why = faultOf(track, key, placement); !why.empty()) {
+        fault = std::move(why);
       } else {
-        const transfer::PatchTransfer transferred =
-            stages.lay(surfaces, key.patch, move ? move(*placement) : *placement, options,
-                       charts != nullptr && charts->uses_drafts);
-        lost += static_cast<int>(transferred.lost.size());
-        for (const transfer::Correspondence& one : transferred.correspondences) {
-          optimize::PointPair pair;
-          pair.link = one.link;
-          pair.p_L = one.p_L;
-          pair.n_L = one.n_L;
-          pair.p_W = one.p_O;
-          pair.n_W = one.n_O;
-          pair.weight = one.weight;
-          pair.patch = static_cast<int>(laid.tracks.size());
-          span.pairs.push_back(pair);
-        }
+        span.pairs =
+            laying.pairsOf(key.patch, *placement, static_cast<int>(laid.tracks.size()), stages);
       }
       points += span.pairs.size();
       pairs.spans.push_back(std::move(span));
@@ -94,7 +126,8 @@ TransferredMotion transferPatches(const Motion& motion,
   }
   if (laid.tracks.empty())
     rejectInput("motion '{}': no patch finds a place on hand '{}'", motion.name, model.name());
-  if (lost > 0) laid.notes.push_back(fmt::format("{} points found no place on the hand", lost));
+  if (laying.lost > 0)
+    laid.notes.push_back(fmt::format("{} points found no place on the hand", laying.lost));
   return laid;
 }
 
