@@ -22,7 +22,7 @@ namespace {
 
 /// Of a joint of the hand, behind the root's six.
 bool isHeld(const PoseProblem& problem, int joint) {
-  return !problem.locked.empty() && problem.locked[static_cast<std::size_t>(6 + joint)];
+  return !problem.locked.empty() && problem.locked[6 + static_cast<std::size_t>(joint)];
 }
 
 /// One part of the way out: so many of the best searches go on, looking so closely.
@@ -144,97 +144,64 @@ class CrossedFingers {
   std::vector<BodyPlace> bodies_;
 };
 
-}  // namespace
+/// A lone start is a step from where the hand is: without the charge it would only go in.
+bool isStep(const SolveOptions& options) {
+  return options.starts == 1 && options.solver != Solver::kAll;
+}
 
-SolveReport solveAvoiding(const PoseProblem& problem,
-                          const SolveOptions& options,
-                          const Progress& progress) {
-  HANDGRAFT_REQUIRE(problem.avoidance != nullptr);
-  // Poses on the way there lie where they may not stay.
-  SolveOptions rough = options;
-  rough.on_improvement = nullptr;
-  rough.level.share = 0.0;
-  validate(problem);
+/// The minima without the charge, from which ways lead out of the object; for a step, none.
+SolveReport searchUncharged(const PoseProblem& problem,
+                            const SolveOptions& options,
+                            const Progress& progress) {
   SolveReport report;
-  // A lone start is a step from where the hand is: without the charge it would only go in.
-  const bool is_step = options.starts == 1 && options.solver != Solver::kAll;
-  if (is_step && !boundsContradict(problem)) {
+  if (isStep(options) && !boundsContradict(problem)) {
     report.starts = 1;
   } else if (!options.found.empty() && !boundsContradict(problem)) {
     report.starts = static_cast<int>(std::ssize(options.found));
     report.minima = options.found;
   } else {
+    // Poses on the way there lie where they may not stay.
+    SolveOptions rough = options;
+    rough.on_improvement = nullptr;
+    rough.level.share = 0.0;
     report = PoseSolver(problem).search(rough, progress);
   }
-  if (report.outcome == Outcome::kInfeasible) {
-    judge(problem, report);
-    return report;
+  return report;
+}
+
+/// Leads poses out of the object, and fingers out of one another.
+class WayOut {
+ public:
+  /// Keeps references.
+  WayOut(const PoseProblem& problem, const SolveOptions& options, const Progress& progress)
+      : problem_(problem),
+        options_(options),
+        prepared_(problem),
+        keep_going_([&progress] {
+          progress.checkpoint();
+        }),
+        search_(prepared_),
+        crossed_(problem, *prepared_.tree) {
+    search_.attend(nobody_, keep_going_);
+    search_.endBelow(options.least_promise);
   }
 
-  const PreparedProblem prepared(problem);
-  LocalSearch search(prepared);
-  const std::function<void()> keep_going = [&progress] {
-    progress.checkpoint();
-  };
-  const LocalSearch::Observer nobody;
-  search.attend(nobody, keep_going);
-  search.endBelow(options.least_promise);
+  WayOut(const WayOut&) = delete;
+  WayOut& operator=(const WayOut&) = delete;
 
-  CrossedFingers crossed(problem, *prepared.tree);
-  const std::vector<Minimum> found = std::move(report.minima);
-  report.minima.clear();
-  // By solver, as they rank what they found.
-  for (const Solver solver : singleSolvers()) {
-    std::vector<CandidatePose> candidates;
-    const auto set_out = [&](const hand::HandPose& pose, int start) {
-      candidates.push_back({{}, start});
-      candidates.back().result.pose = pose;
-    };
-    for (const Minimum& minimum : found)
-      if (minimum.solver == nameOf(solver)) set_out(minimum.pose, minimum.start);
-    if (options.solver == solver) {
-      set_out(problem.start, 0);
-      // As the hand would stand without touching: on the right side of things, mostly.
-      if (!is_step) set_out(startPose(problem, *prepared.tree, kPriorsStart, options.seed), 2);
-    }
-    if (candidates.empty()) continue;
-
-    for (const Stage& stage : options.starts <= kFewStarts ? kShortStages : kStages) {
-      search.level(stage.level);
-      for (CandidatePose& candidate : candidates) {
-        const int before = candidate.result.evaluations;
-        candidate.result = search.begin(std::move(candidate.result.pose));
-        candidate.result.evaluations += before;
-      }
-      // Which poses are worth the effort shows when they are looked at so closely.
-      std::stable_sort(candidates.begin(), candidates.end(), isBetter);
-      leaveOutAlike(*problem.model, candidates);
-      for (std::size_t i = stage.searches; i < candidates.size(); ++i)
-        report.evaluations += candidates[i].result.evaluations;
-      candidates.resize(std::min(candidates.size(), stage.searches));
-      for (CandidatePose& candidate : candidates)
-        search.advance(solver, std::min(stage.evaluations, options.max_evaluations),
-                       candidate.result);
-    }
+  /// From what a solver has found, and from where the problem has it begin. The report gets
+  /// its minima with the charge, unranked.
+  void lead(Solver solver, const std::vector<Minimum>& found, SolveReport& report) {
+    std::vector<CandidatePose> candidates = candidatesOf(solver, found);
+    if (candidates.empty()) return;
+    for (const Stage& stage : options_.starts <= kFewStarts ? kShortStages : kStages)
+      goThrough(stage, solver, candidates, report);
     std::stable_sort(candidates.begin(), candidates.end(), isBetter);
-    if (auto straight = crossed.uncrossed(candidates.front().result.pose, search)) {
-      CandidatePose candidate{{}, candidates.front().start};
-      candidate.result.pose = std::move(*straight);
-      for (const Stage& stage : kShortStages) {
-        search.level(stage.level);
-        const int before = candidate.result.evaluations;
-        candidate.result = search.begin(std::move(candidate.result.pose));
-        candidate.result.evaluations += before;
-        search.advance(solver, std::min(stage.evaluations, options.max_evaluations),
-                       candidate.result);
-      }
-      candidates.push_back(std::move(candidate));
-      std::stable_sort(candidates.begin(), candidates.end(), isBetter);
-    }
-    if (is_step || options.starts > kFewStarts) {
+    tryUncrossed(solver, candidates);
+    if (isStep(options_) || options_.starts > kFewStarts) {
       LocalResult& best = candidates.front().result;
-      goToTheEnd(search, solver,
-                 std::min(kToTheEnd, options.max_evaluations - best.evaluations), best);
+      goToTheEnd(search_, solver,
+                 std::min(kToTheEnd, options_.max_evaluations - best.evaluations), best);
     }
     // The others are left a little before their ends, and count all the same.
     for (const CandidatePose& candidate : candidates) {
@@ -244,6 +211,97 @@ SolveReport solveAvoiding(const PoseProblem& problem,
       report.evaluations += result.evaluations;
     }
   }
+
+ private:
+  [[nodiscard]] std::vector<CandidatePose> candidatesOf(
+      Solver solver, const std::vector<Minimum>& found) const {
+    std::vector<CandidatePose> candidates;
+    const auto set_out = [&](const hand::HandPose& pose, int start) {
+      candidates.push_back({{}, start});
+      candidates.back().result.pose = pose;
+    };
+    for (const Minimum& minimum : found)
+      if (minimum.solver == nameOf(solver)) set_out(minimum.pose, minimum.start);
+    if (options_.solver != solver) return candidates;
+    set_out(problem_.start, 0);
+    // As the hand would stand without touching: on the right side of things, mostly.
+    if (!isStep(options_))
+      set_out(startPose(problem_, *prepared_.tree, kPriorsStart, options_.seed), 2);
+    return candidates;
+  }
+
+  /// Those worth it go on, best first when the stage begins.
+  void goThrough(const Stage& stage,
+                 Solver solver,
+                 std::vector<CandidatePose>& candidates,
+                 SolveReport& report) {
+    search_.level(stage.level);
+    for (CandidatePose& candidate : candidates)
+      judgeAnew(candidate);
+    // Which poses are worth the effort shows when they are looked at so closely.
+    std::stable_sort(candidates.begin(), candidates.end(), isBetter);
+    leaveOutAlike(*problem_.model, candidates);
+    for (std::size_t i = stage.searches; i < candidates.size(); ++i)
+      report.evaluations += candidates[i].result.evaluations;
+    candidates.resize(std::min(candidates.size(), stage.searches));
+    for (CandidatePose& candidate : candidates)
+      advance(stage, solver, candidate);
+  }
+
+  /// Judges a pose as closely as the search looks by now.
+  void judgeAnew(CandidatePose& candidate) {
+    const int before = candidate.result.evaluations;
+    candidate.result = search_.begin(std::move(candidate.result.pose));
+    candidate.result.evaluations += before;
+  }
+
+  void advance(const Stage& stage, Solver solver, CandidatePose& candidate) {
+    search_.advance(solver, std::min(stage.evaluations, options_.max_evaluations),
+                    candidate.result);
+  }
+
+  /// If fingers of the best one cross, one more candidate: the best one with those straight.
+  void tryUncrossed(Solver solver, std::vector<CandidatePose>& candidates) {
+    auto straight = crossed_.uncrossed(candidates.front().result.pose, search_);
+    if (!straight) return;
+    CandidatePose candidate{{}, candidates.front().start};
+    candidate.result.pose = std::move(*straight);
+    for (const Stage& stage : kShortStages) {
+      search_.level(stage.level);
+      judgeAnew(candidate);
+      advance(stage, solver, candidate);
+    }
+    candidates.push_back(std::move(candidate));
+    std::stable_sort(candidates.begin(), candidates.end(), isBetter);
+  }
+
+  const PoseProblem& problem_;
+  const SolveOptions& options_;
+  PreparedProblem prepared_;
+  LocalSearch::Observer nobody_;
+  std::function<void()> keep_going_;
+  LocalSearch search_;
+  CrossedFingers crossed_;
+};
+
+}  // namespace
+
+SolveReport solveAvoiding(const PoseProblem& problem,
+                          const SolveOptions& options,
+                          const Progress& progress) {
+  HANDGRAFT_REQUIRE(problem.avoidance != nullptr);
+  validate(problem);
+  SolveReport report = searchUncharged(problem, options, progress);
+  if (report.outcome == Outcome::kInfeasible) {
+    judge(problem, report);
+    return report;
+  }
+  WayOut way_out(problem, options, progress);
+  const std::vector<Minimum> found = std::move(report.minima);
+  report.minima.clear();
+  // By solver, as they rank what they found.
+  for (const Solver solver : singleSolvers())
+    way_out.lead(solver, found, report);
   rankMinima(*problem.model, {}, "", report.minima);
   const Minimum& answer = report.minima.front();
   report.outcome = answer.outcome;

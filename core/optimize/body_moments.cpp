@@ -20,7 +20,7 @@ Matrix3d inertiaOf(const Matrix3d& A) {
 Matrix3d cosineInertia(const BodyMoments& moments, const Matrix3d& R) {
   // Column i: the change of vec(R) by a turn about axis i.
   Eigen::Matrix<double, 9, 3> turns;
-  for (int j = 0; j < 3; ++j) {
+  for (Eigen::Index j = 0; j < 3; ++j) {
     const Eigen::Vector3d r = R.col(j);
     turns.block<3, 3>(3 * j, 0) << 0.0, r.z(), -r.y(), -r.z(), 0.0, r.x(), r.y(), -r.x(), 0.0;
   }

@@ -33,9 +33,10 @@ struct Finger {
   std::vector<char> dofs;        ///< flags: that move the finger and nothing else
 };
 
-Finger fingerOf(const hand::HandModel& model, int link) {
-  const std::size_t count = static_cast<std::size_t>(model.linkCount());
-  // === How many moving branches leave each link, what is fixed to it included
+/// Flags: links beyond which several moving branches lie, or which these leave.
+std::vector<char> branchedLinks(const hand::HandModel& model) {
+  const auto count = static_cast<std::size_t>(model.linkCount());
+  // How many moving branches leave each link, what is fixed to it included.
   std::vector<int> branches(count, 0);
   for (auto node = model.nodes().rbegin(); node != model.nodes().rend(); ++node) {
     const auto parent = static_cast<std::size_t>(node->parent_link);
@@ -49,15 +50,47 @@ Finger fingerOf(const hand::HandModel& model, int link) {
     if (branched[child] != 0) branched[static_cast<std::size_t>(node->parent_link)] = 1;
   }
   if (branches[0] > 1) branched[0] = 1;
+  return branched;
+}
 
+/// Flags: `base` and all that hangs on it.
+std::vector<char> linksFrom(const hand::HandModel& model, int base) {
+  std::vector<char> links(static_cast<std::size_t>(model.linkCount()), 0);
+  links[static_cast<std::size_t>(base)] = 1;
+  for (const hand::HandModel::Node& node : model.nodes()) {
+    if (links[static_cast<std::size_t>(node.parent_link)] != 0)
+      links[static_cast<std::size_t>(node.link)] = 1;
+  }
+  return links;
+}
+
+/// Flags: degrees of freedom that move some of `links`, and no others.
+std::vector<char> dofsWithin(const hand::HandModel& model, const std::vector<char>& links) {
+  std::vector<char> dofs(static_cast<std::size_t>(model.dofCount()), 0);
+  for (const hand::HandModel::Node& node : model.nodes()) {
+    if (node.dof < 0) continue;
+    if (links[static_cast<std::size_t>(node.link)] != 0)
+      dofs[static_cast<std::size_t>(node.dof)] = 1;
+  }
+  for (const hand::HandModel::Node& node : model.nodes()) {
+    if (node.dof < 0) continue;
+    // A joint that others outside follow would move them, too.
+    if (links[static_cast<std::size_t>(node.link)] == 0)
+      dofs[static_cast<std::size_t>(node.dof)] = 0;
+  }
+  return dofs;
+}
+
+Finger fingerOf(const hand::HandModel& model, int link) {
+  const std::vector<char> branched = branchedLinks(model);
   Finger finger;
-  finger.links.assign(count, 0);
+  finger.links.assign(static_cast<std::size_t>(model.linkCount()), 0);
   finger.dofs.assign(static_cast<std::size_t>(model.dofCount()), 0);
   if (link == 0 || branched[static_cast<std::size_t>(link)] != 0) {
     finger.carries_fingers = true;
     return finger;
   }
-  // === Up to the last link beyond which nothing branches, and all that hangs on it
+  // Up to the last link beyond which nothing branches.
   int base = link;
   for (int next = link; next != 0;) {
     next = model.nodes()[static_cast<std::size_t>(next - 1)].parent_link;
@@ -65,26 +98,12 @@ Finger fingerOf(const hand::HandModel& model, int link) {
     base = next;
   }
   // A finger that is all there is has the root for its base.
-  finger.links[static_cast<std::size_t>(base)] = 1;
-  for (const hand::HandModel::Node& node : model.nodes()) {
-    if (finger.links[static_cast<std::size_t>(node.parent_link)] != 0)
-      finger.links[static_cast<std::size_t>(node.link)] = 1;
-  }
-  bool any = false;
-  for (const hand::HandModel::Node& node : model.nodes()) {
-    if (node.dof < 0) continue;
-    if (finger.links[static_cast<std::size_t>(node.link)] != 0)
-      finger.dofs[static_cast<std::size_t>(node.dof)] = 1;
-  }
-  for (const hand::HandModel::Node& node : model.nodes()) {
-    if (node.dof < 0) continue;
-    // A joint that others outside follow would move them, too.
-    if (finger.links[static_cast<std::size_t>(node.link)] == 0)
-      finger.dofs[static_cast<std::size_t>(node.dof)] = 0;
-  }
-  for (const char flag : finger.dofs)
-    any = any || flag != 0;
-  finger.carries_fingers = !any;  // fixed to the root
+  finger.links = linksFrom(model, base);
+  finger.dofs = dofsWithin(model, finger.links);
+  // Without any it is fixed to the root.
+  finger.carries_fingers = std::none_of(finger.dofs.begin(), finger.dofs.end(), [](char flag) {
+    return flag != 0;
+  });
   return finger;
 }
 

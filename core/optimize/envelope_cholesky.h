@@ -44,7 +44,7 @@ class EnvelopeCholesky {
 
   double* rowOf(int i) { return rows_.data() + static_cast<std::ptrdiff_t>(i) * capacity_; }
 
-  const double* rowOf(int i) const {
+  [[nodiscard]] const double* rowOf(int i) const {
     return rows_.data() + static_cast<std::ptrdiff_t>(i) * capacity_;
   }
 

@@ -101,7 +101,7 @@ std::vector<ActiveLimit> activeLimits(const PoseProblem& problem, const hand::Ha
   constexpr double kAtLimit = 1e-6;  // rad or m; below what a motor or a reader can tell
   std::vector<ActiveLimit> limits;
   for (int j = 0; j < static_cast<int>(pose.q.size()); ++j) {
-    if (!problem.locked.empty() && problem.locked[static_cast<std::size_t>(6 + j)]) continue;
+    if (!problem.locked.empty() && problem.locked[6 + static_cast<std::size_t>(j)]) continue;
     if (pose.q[j] <= problem.lower[j] + kAtLimit) {
       limits.push_back({j, false});
     } else if (pose.q[j] >= problem.upper[j] - kAtLimit) {

@@ -46,7 +46,7 @@ double jointAt(const PoseProblem& problem, int joint, double fraction) {
 }
 
 bool isLocked(const PoseProblem& problem, int joint) {
-  return !problem.locked.empty() && problem.locked[static_cast<std::size_t>(6 + joint)];
+  return !problem.locked.empty() && problem.locked[6 + static_cast<std::size_t>(joint)];
 }
 
 /// Fractions in [0, 1) of the joints' ranges: entry `count` of a low-discrepancy sequence.
