@@ -210,6 +210,7 @@ PosedContacts contactsOfPosedHand(const hand::Hand& hand,
     const auto place = hand::placeNamed(patch.name);
     const std::string part = place ? hand::partName(place->digit, place->segment) : patch.name;
     std::vector<char> links;
+    links.reserve(part_of_link.size());
     for (const std::string& one : part_of_link)
       links.push_back(one == part ? 1 : 0);
     away_m.push_back(findPlace(posed, map.mesh_O, links, patch));

@@ -55,16 +55,8 @@ manipulation::PatchTrack trackOf(const std::string& name,
   return track;
 }
 
-}  // namespace
-
-manipulation::Motion motionOfPosedHand(const hand::Hand& hand,
-                                       const std::vector<PosedFrame>& frames,
-                                       const geometry::TriangleMesh& object_O,
-                                       const PosedMotionOptions& options,
-                                       const Progress& progress) {
-  if (frames.empty()) rejectInput("a posed hand without frames is no motion");
-  if (!(options.every_s > 0.0))
-    rejectInput("contacts are cut every {} s; that must lie above 0", options.every_s);
+/// Times and object poses alone.
+manipulation::Motion motionWithoutTracks(const std::vector<PosedFrame>& frames) {
   manipulation::Motion motion;
   for (const PosedFrame& frame : frames) {
     if (!std::isfinite(frame.time_s) ||
@@ -75,6 +67,20 @@ manipulation::Motion motionOfPosedHand(const hand::Hand& hand,
     motion.time_s.push_back(frame.time_s);
     motion.X_WO.push_back(frame.X_WO);
   }
+  return motion;
+}
+
+}  // namespace
+
+manipulation::Motion motionOfPosedHand(const hand::Hand& hand,
+                                       const std::vector<PosedFrame>& frames,
+                                       const geometry::TriangleMesh& object_O,
+                                       const PosedMotionOptions& options,
+                                       const Progress& progress) {
+  if (frames.empty()) rejectInput("a posed hand without frames is no motion");
+  if (!(options.every_s > 0.0))
+    rejectInput("contacts are cut every {} s; that must lie above 0", options.every_s);
+  manipulation::Motion motion = motionWithoutTracks(frames);
 
   // === What touches at each cut
   const std::vector<int> cuts = cutFrames(frames, options.every_s);

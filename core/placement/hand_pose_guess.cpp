@@ -159,7 +159,8 @@ std::vector<HandPoseGuess> HandPoseGuesser::place(const std::vector<Anchor>& anc
   for (int k = 0; k < starts; ++k) {
     progress.checkpoint();
     // Curls 0, 1/2, 1 in turn, each from the aligned side and from its opposite and quarters.
-    const double angle = 0.5 * std::numbers::pi * (k / 3);
+    const int quarters = k / 3;
+    const double angle = 0.5 * std::numbers::pi * quarters;
     problem.start.q = curledPose(*model_, 0.5 * (k % 3));
     problem.start.X_WH =
         turnedAbout(centre, axis, angle) * optimize::alignRoot(problem, problem.start.q);

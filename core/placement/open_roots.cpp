@@ -62,7 +62,7 @@ SkinFaces::SkinFaces(const hand::Skin& skin) : skin_(skin) {
   const std::vector<int>& owners = skin.faceLinks();
   if (owners.empty()) return;
   const int most = *std::max_element(owners.begin(), owners.end());
-  links_.resize(static_cast<std::size_t>(std::max(most, -1) + 1));
+  links_.resize(static_cast<std::size_t>(std::max(most + 1, 0)));
   for (int f = 0; f < mesh.faceCount(); ++f) {
     const int link = owners[static_cast<std::size_t>(f)];
     if (link < 0) continue;
