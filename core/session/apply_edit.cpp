@@ -153,7 +153,7 @@ class Editing {
   }
 
   /// Of a joint's values.
-  std::string unitOf(const std::string& joint) const {
+  [[nodiscard]] std::string unitOf(const std::string& joint) const {
     const hand::HandModel& model = *hand().model;
     const hand::Joint& moving = model.dofJoint(model.dofIndex(joint));
     return moving.type == hand::JointType::kPrismatic ? "m" : "rad";

@@ -124,6 +124,7 @@ class DerivedState {
  private:
   struct Search;
   struct Drafts;
+  struct NewBeginnings;
 
   void followPatch(std::size_t index, const DocumentPatch& patch, bool keeps_found);
   [[nodiscard]] const placement::HandPoseGuesser& placer();

@@ -95,6 +95,91 @@ struct DerivedState::Drafts {
   DerivedState& derived;
 };
 
+/// The same search from other roots and directions: where the slides end depends on where they
+/// began.
+struct DerivedState::NewBeginnings {
+  DerivedState& derived;
+  const Search& as_it_was;
+  const SolverSettings& solving;
+  const SolveOptions& options;
+  const Progress& progress;
+
+  /// What the best answer by now is worth, itself, and the minima from which it went on.
+  struct Best {
+    Worth worth;
+    SolveReport& report;
+    std::vector<Minimum>& found;
+  };
+
+  /// Puts a better answer, if there is one, in place of the report and what it was found from.
+  void improve(SolveReport& report, std::vector<Minimum>& found) const {
+    Best best{derived.worthOf(report, solving), report, found};
+    beginElsewhere(std::max(optimize::kFewStarts + 1, options.starts / kAgainFewer), best);
+    // Among many starts those that touch through walls crowd out others: fewer find what more
+    // have lost.
+    for (const int starts : kStartsAnew) {
+      if (best.worth.first < std::ssize(report.patches)) break;
+      if (starts >= options.starts) continue;
+      beginAgain(
+          [](const std::vector<int>&) {
+            return true;
+          },
+          starts, best);
+      beginElsewhere(starts, best);
+    }
+  }
+
+ private:
+  void beginElsewhere(int starts, Best& best) const {
+    beginAgain(
+        [&](const std::vector<int>&) {
+          return derived.takeRootsByLength();
+        },
+        starts, best);
+    for (const double around_rad : {kAside, -kAside}) {
+      beginAgain(
+          [&](const std::vector<int>& missed) {
+            return derived.takeRootsAround(missed, around_rad);
+          },
+          starts, best);
+    }
+    for (const double turn_rad : kTurns) {
+      beginAgain(
+          [&](const std::vector<int>& missed) {
+            return derived.turnDirections(missed, turn_rad);
+          },
+          starts, best);
+    }
+  }
+
+  /// Once, while patches are missed. `take_roots` gets those, and moves the roots as they were
+  /// before the first search; false if there are none to move.
+  template <class TakeRoots>
+  void beginAgain(const TakeRoots& take_roots, int starts, Best& best) const {
+    if (best.worth.first == 0) return;
+    Search standing(derived);
+    const std::vector<int> missed =
+        optimize::missedPatches(derived.problem(solving), best.report);
+    derived.patches_ = as_it_was.patches;
+    derived.start_ = as_it_was.start;
+    derived.start_is_known_ = as_it_was.start_is_known;
+    if (!take_roots(missed)) return;
+    derived.transfer(progress);
+    SolveOptions again = options;
+    again.starts = starts;
+    SolveReport other;
+    std::vector<Minimum> others = derived.searchAbout(other, solving, again, progress);
+    // A finger on the wrong side of a sheet costs the objective little.
+    const double depth =
+        solving.avoids() ? derived.depthOf(other, derived.patches_, progress) : 0.0;
+    if (depth > kDeep && depth > derived.depthOf(best.report, standing.patches, progress))
+      return;
+    if (!takeBetter(derived.worthOf(other, solving), other, best.worth, best.report)) return;
+    best.found = std::move(others);
+    standing.keep();
+  }
+};
+
 void DerivedState::choosePlacement(const std::vector<placement::HandPoseGuess>& placements,
                                    const Progress& progress) {
   SolveOptions options;
@@ -148,65 +233,11 @@ Solution DerivedState::solve(const SolverSettings& solving,
     if (searchesWidely(options) && slides()) options.least_promise = kDraftPromise;
     found = searchAbout(report, solving, options, progress);
     options.on_improvement = nullptr;
-    Worth worth = worthOf(report, solving);
-    // Where the slides end depends on where they began.
-    const auto begin_again = [&](const auto& take_roots, int starts) {
-      if (worth.first == 0 || !searchesWidely(options)) return;
-      Search best(*this);
-      const std::vector<int> missed = optimize::missedPatches(problem(solving), report);
-      patches_ = as_it_was.patches;
-      start_ = as_it_was.start;
-      start_is_known_ = as_it_was.start_is_known;
-      if (!take_roots(missed)) return;
-      transfer(progress);
-      SolveOptions again = options;
-      again.starts = starts;
-      SolveReport other;
-      std::vector<Minimum> others = searchAbout(other, solving, again, progress);
-      // A finger on the wrong side of a sheet costs the objective little.
-      const double depth = solving.avoids() ? depthOf(other, patches_, progress) : 0.0;
-      if (depth > kDeep && depth > depthOf(report, best.patches, progress)) return;
-      if (!takeBetter(worthOf(other, solving), other, worth, report)) return;
-      found = std::move(others);
-      best.keep();
-    };
-    const auto begin_elsewhere = [&](int starts) {
-      begin_again(
-          [&](const std::vector<int>&) {
-            return takeRootsByLength();
-          },
-          starts);
-      for (const double around_rad : {kAside, -kAside}) {
-        begin_again(
-            [&](const std::vector<int>& missed) {
-              return takeRootsAround(missed, around_rad);
-            },
-            starts);
-      }
-      for (const double turn_rad : kTurns) {
-        begin_again(
-            [&](const std::vector<int>& missed) {
-              return turnDirections(missed, turn_rad);
-            },
-            starts);
-      }
-    };
-    begin_elsewhere(std::max(optimize::kFewStarts + 1, options.starts / kAgainFewer));
-    // Among many starts those that touch through walls crowd out others: fewer find what more
-    // have lost.
-    for (const int starts : kStartsAnew) {
-      if (worth.first < std::ssize(report.patches)) break;
-      if (starts >= options.starts) continue;
-      begin_again(
-          [](const std::vector<int>&) {
-            return true;
-          },
-          starts);
-      begin_elsewhere(starts);
+    if (searchesWidely(options)) {
+      NewBeginnings{*this, as_it_was, solving, options, progress}.improve(report, found);
+      if (isInside(report)) approachAnew(as_it_was.start, report, solving, options, progress);
+      reweightMissedPatches(report, solving, options, progress);
     }
-    if (searchesWidely(options) && isInside(report))
-      approachAnew(as_it_was.start, report, solving, options, progress);
-    if (searchesWidely(options)) reweightMissedPatches(report, solving, options, progress);
   }
   const bool is_rough = options.least_promise > optimize::kLeastPromise;
   options.least_promise = optimize::kLeastPromise;

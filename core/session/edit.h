@@ -31,7 +31,7 @@ struct ObjectPoseEdit {
 
 struct PatchWeightEdit {
   std::string patch;
-  double weight;
+  double weight = 0.0;
 
   static constexpr std::string_view kKind = "patch_weight";
 
@@ -43,7 +43,7 @@ struct PatchWeightEdit {
 
 struct PatchEnabledEdit {
   std::string patch;
-  bool enabled;
+  bool enabled = false;
 
   static constexpr std::string_view kKind = "patch_enabled";
 
@@ -55,7 +55,7 @@ struct PatchEnabledEdit {
 
 struct PatchRootEdit {
   std::string patch;
-  Side side;
+  Side side = Side::kObject;
   geometry::SurfacePoint root;
 
   static constexpr std::string_view kKind = "patch_root";
@@ -69,8 +69,8 @@ struct PatchRootEdit {
 
 struct PatchDirectionEdit {
   std::string patch;
-  Side side;
-  double angle_rad;  ///< about the outward normal, counter-clockwise
+  Side side = Side::kObject;
+  double angle_rad = 0.0;  ///< about the outward normal, counter-clockwise
 
   static constexpr std::string_view kKind = "patch_direction";
 
@@ -83,8 +83,8 @@ struct PatchDirectionEdit {
 
 struct JointLimitEdit {
   std::string joint;
-  double lower;
-  double upper;
+  double lower = 0.0;
+  double upper = 0.0;
 
   static constexpr std::string_view kKind = "joint_limit";
 
@@ -98,7 +98,7 @@ struct JointLimitEdit {
 // A locked joint stays where the start has it.
 struct JointLockEdit {
   std::string joint;
-  bool locked;
+  bool locked = false;
   /// Of an edit at a time: where it is held. Who applies the edit fills it in from the motion's
   /// answer, so that its log needs none.
   std::optional<double> value{};
@@ -116,8 +116,8 @@ struct JointLockEdit {
 // lets it go.
 struct JointSoftEdit {
   std::string joint;
-  double value;
-  double weight;
+  double value = 0.0;
+  double weight = 0.0;
 
   static constexpr std::string_view kKind = "joint_soft";
 

@@ -13,6 +13,50 @@
 namespace handgraft::session {
 namespace {
 
+/// Of each joint of `after` the one of that name; -1 where there is none.
+std::vector<int> sourcesOf(const hand::HandModel& before, const hand::HandModel& after) {
+  std::vector<int> source(static_cast<std::size_t>(after.dofCount()), -1);
+  for (std::size_t i = 0; i < source.size(); ++i) {
+    for (int dof = 0; dof < before.dofCount(); ++dof) {
+      if (before.dofJoint(dof).name == after.dofJoint(static_cast<int>(i)).name)
+        source[i] = dof;
+    }
+  }
+  return source;
+}
+
+/// Whether a joint's limits are others than the hand's.
+bool hasEditedLimits(const DocumentJoint& joint, const hand::HandModel& model, int dof) {
+  return joint.lower != model.lower()[dof] || joint.upper != model.upper()[dof];
+}
+
+void keepLimits(const DocumentJoint& was,
+                const std::string& name,
+                DocumentJoint& joint,
+                std::vector<std::string>& told) {
+  if (was.lower >= joint.lower && was.upper <= joint.upper) {
+    joint.lower = was.lower;
+    joint.upper = was.upper;
+    return;
+  }
+  told.push_back(
+      fmt::format("limits of {} were dropped: {:.4g} to {:.4g} lie beyond the "
+                  "hand's {:.4g} to {:.4g}",
+                  name, was.lower, was.upper, joint.lower, joint.upper));
+}
+
+void keepSoftValue(const DocumentJoint& was,
+                   const std::string& name,
+                   DocumentJoint& joint,
+                   std::vector<std::string>& told) {
+  if (was.soft_value >= joint.lower && was.soft_value <= joint.upper) {
+    joint.soft_weight = was.soft_weight;
+    joint.soft_value = was.soft_value;
+    return;
+  }
+  told.push_back(fmt::format("{} is no longer held at {:.4g}", name, was.soft_value));
+}
+
 /// The joints and the pose that still fit; says what does not.
 void keepJoints(const Document& old,
                 const hand::HandModel& before,
@@ -20,13 +64,7 @@ void keepJoints(const Document& old,
                 Document& document,
                 std::vector<std::string>& told) {
   document.joints = jointsOf(after);
-  std::vector<int> source(document.joints.size(), -1);
-  for (std::size_t i = 0; i < source.size(); ++i) {
-    for (int dof = 0; dof < before.dofCount(); ++dof) {
-      if (before.dofJoint(dof).name == after.dofJoint(static_cast<int>(i)).name)
-        source[i] = dof;
-    }
-  }
+  const std::vector<int> source = sourcesOf(before, after);
   const bool keeps_pose = std::none_of(source.begin(), source.end(), [](int dof) {
     return dof < 0;
   });
@@ -49,25 +87,9 @@ void keepJoints(const Document& old,
     DocumentJoint& joint = document.joints[i];
     is_kept[static_cast<std::size_t>(source[i])] = 1;
     const std::string name = quoted(after.dofJoint(static_cast<int>(i)).name);
-    const bool was_edited =
-        was.lower != before.lower()[source[i]] || was.upper != before.upper()[source[i]];
-    if (was_edited && was.lower >= joint.lower && was.upper <= joint.upper) {
-      joint.lower = was.lower;
-      joint.upper = was.upper;
-    } else if (was_edited) {
-      told.push_back(
-          fmt::format("limits of {} were dropped: {:.4g} to {:.4g} lie beyond the "
-                      "hand's {:.4g} to {:.4g}",
-                      name, was.lower, was.upper, joint.lower, joint.upper));
-    }
+    if (hasEditedLimits(was, before, source[i])) keepLimits(was, name, joint, told);
     joint.locked = was.locked;
-    const bool soft_fits = was.soft_value >= joint.lower && was.soft_value <= joint.upper;
-    if (was.soft_weight > 0.0 && soft_fits) {
-      joint.soft_weight = was.soft_weight;
-      joint.soft_value = was.soft_value;
-    } else if (was.soft_weight > 0.0) {
-      told.push_back(fmt::format("{} is no longer held at {:.4g}", name, was.soft_value));
-    }
+    if (was.soft_weight > 0.0) keepSoftValue(was, name, joint, told);
     if (!keeps_pose) continue;
     const auto moved = [&](double q) {
       return std::min(std::max(q, joint.lower), joint.upper);
@@ -78,8 +100,8 @@ void keepJoints(const Document& old,
   for (std::size_t i = 0; i < is_kept.size(); ++i) {
     const DocumentJoint& was = old.joints[i];
     const auto dof = static_cast<int>(i);
-    const bool was_set = was.locked || was.soft_weight > 0.0 ||
-                         was.lower != before.lower()[dof] || was.upper != before.upper()[dof];
+    const bool was_set =
+        was.locked || was.soft_weight > 0.0 || hasEditedLimits(was, before, dof);
     if (is_kept[i] == 0 && was_set) {
       told.push_back(
           fmt::format("settings of joint {} were dropped: the hand has no such joint",

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -42,7 +43,8 @@ placement::Anchor objectSideOf(placement::Anchor anchor,
   contact::Patch place;
   place.root = patch.root_O;
   place.direction_O = patch.direction_O;
-  return placement::withObjectSide(anchor, place, *models.object_O, !patch.direction_is_open);
+  return placement::withObjectSide(std::move(anchor), place, *models.object_O,
+                                   !patch.direction_is_open);
 }
 
 void matchByGeometry(const Models& models, Document& document, const Progress& progress) {

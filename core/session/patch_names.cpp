@@ -38,6 +38,7 @@ bool isFinger(const std::string& name) {
 std::string namesOf(const std::vector<hand::ContactSite>& sites) {
   if (sites.empty()) return "none: a sites.yaml beside the URDF gives it some";
   std::vector<std::string> names;
+  names.reserve(sites.size());
   for (const hand::ContactSite& site : sites)
     names.push_back(site.name);
   return fmt::format("{}", fmt::join(names, ", "));

@@ -4,7 +4,7 @@
 
 namespace handgraft::session {
 
-StepStack::value_type StepStack::at(std::size_t place) const {
+StepStack::SharedStep StepStack::at(std::size_t place) const {
   FieldReader bytes(*steps_.at(place));
   auto step = std::make_shared<HistoryStep>();
   bytes.read(step->label);

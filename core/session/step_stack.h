@@ -21,15 +21,14 @@ struct HistoryStep {
 /// share the bytes.
 class StepStack {
  public:
-  using value_type = std::shared_ptr<
-      const HistoryStep>;  // NOLINT(readability-identifier-naming): the library's
+  using SharedStep = std::shared_ptr<const HistoryStep>;
 
   /// Makes a step of its bytes at every look.
   class Iterator {
    public:
     // NOLINTBEGIN(readability-identifier-naming): the library's names
     using iterator_category = std::bidirectional_iterator_tag;
-    using value_type = StepStack::value_type;
+    using value_type = StepStack::SharedStep;
     using difference_type = std::ptrdiff_t;
     using pointer = const value_type*;
     using reference = value_type;
@@ -69,13 +68,13 @@ class StepStack {
 
   [[nodiscard]] auto rend() const { return std::reverse_iterator(begin()); }
 
-  [[nodiscard]] value_type at(std::size_t place) const;
+  [[nodiscard]] SharedStep at(std::size_t place) const;
 
-  [[nodiscard]] value_type back() const { return at(size() - 1); }
+  [[nodiscard]] SharedStep back() const { return at(size() - 1); }
 
   void pushBack(const HistoryStep& step);
 
-  void pushBack(const value_type& step) { pushBack(*step); }
+  void pushBack(const SharedStep& step) { pushBack(*step); }
 
   void popBack() { steps_.pop_back(); }
 
