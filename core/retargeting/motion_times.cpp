@@ -98,6 +98,9 @@ class EditsAtTimes {
 
   [[nodiscard]] std::optional<std::size_t> indexOf(const std::string& name) const;
   [[nodiscard]] std::vector<int> tracksOf(std::size_t patch) const;
+  /// Of the patches that edits weigh or switch, at the frames that they reach.
+  [[nodiscard]] std::map<std::size_t, std::map<int, Counts>> countsAtTimes() const;
+  void weighTrack(int track, std::size_t patch, const std::map<int, Counts>& at_frames);
   void limit(const session::TimedEdit& edit,
              const std::string& joint,
              double lower,
@@ -113,6 +116,10 @@ class EditsAtTimes {
     double fade = 1.0;
   };
 
+  static void moveOn(const session::TimedEdit& edit,
+                     const Shift& to,
+                     double influence,
+                     Move& move);
   [[nodiscard]] std::map<int, Move> movesOf(std::size_t patch,
                                             const PatchTrack& track,
                                             const MotionLayer& layer) const;
@@ -143,8 +150,8 @@ std::vector<int> EditsAtTimes::tracksOf(std::size_t patch) const {
 
 // === Weights, and whether a patch counts
 
-void EditsAtTimes::weigh() {
-  std::map<std::size_t, std::map<int, Counts>> counts;  // by patch, frame
+std::map<std::size_t, std::map<int, EditsAtTimes::Counts>> EditsAtTimes::countsAtTimes() const {
+  std::map<std::size_t, std::map<int, Counts>> counts;
   const auto change = [&](const session::TimedEdit& edit, const std::string& name, auto apply) {
     const auto index = indexOf(name);
     if (!index) return;
@@ -163,24 +170,32 @@ void EditsAtTimes::weigh() {
       });
     }
   }
-  for (const auto& [index, at] : counts) {
-    const double own = ownWeight(index);
-    const double before = shareOf(patch(index), own);
-    for (const int track : tracksOf(index)) {
-      // Switched off throughout, its pairs weigh nothing: as they were laid, off elsewhere.
-      if (before == 0.0) {
-        const auto t = static_cast<std::size_t>(track);
-        problem_.tracks[t] = at_.laid.tracks[t];
-        for (int frame = 0; frame < problem_.frameCount(); ++frame)
-          problem_.own[frame].shares[track] = 0.0;
-      }
-      for (const auto& [frame, now] : at) {
-        const double weight = now.weight * now.enabled;
-        const double share = own > 0.0 ? weight / own : weight;
-        problem_.own[frame].shares[track] = before == 0.0 ? share : share / before;
-      }
-    }
+  return counts;
+}
+
+void EditsAtTimes::weighTrack(int track,
+                              std::size_t patch,
+                              const std::map<int, Counts>& at_frames) {
+  const double own = ownWeight(patch);
+  const double before = shareOf(this->patch(patch), own);
+  // Switched off throughout, its pairs weigh nothing: as they were laid, off elsewhere.
+  if (before == 0.0) {
+    const auto t = static_cast<std::size_t>(track);
+    problem_.tracks[t] = at_.laid.tracks[t];
+    for (int frame = 0; frame < problem_.frameCount(); ++frame)
+      problem_.own[frame].shares[track] = 0.0;
   }
+  for (const auto& [frame, now] : at_frames) {
+    const double weight = now.weight * now.enabled;
+    const double share = own > 0.0 ? weight / own : weight;
+    problem_.own[frame].shares[track] = before == 0.0 ? share : share / before;
+  }
+}
+
+void EditsAtTimes::weigh() {
+  for (const auto& [index, at_frames] : countsAtTimes())
+    for (const int track : tracksOf(index))
+      weighTrack(track, index, at_frames);
 }
 
 // === Limits and what holds joints, frame by frame
@@ -253,6 +268,26 @@ Shift EditsAtTimes::rootShift(const session::PatchRootEdit& edit,
   return to;
 }
 
+/// Moves on by what holds of an edit at a frame: part of the way on which a root goes, `to`, or
+/// part of a direction's turn.
+void EditsAtTimes::moveOn(const session::TimedEdit& edit,
+                          const Shift& to,
+                          double influence,
+                          Move& move) {
+  const bool is_on_object = sideOf(edit) == session::Side::kObject;
+  Shift& shift = is_on_object ? move.shifts.on_object : move.shifts.on_hand;
+  double share = std::round(kShares * influence) / kShares;
+  if (const auto* turn = std::get_if<session::PatchDirectionEdit>(&edit.change)) {
+    shift.turn_rad += share * turn->angle_rad;
+    return;
+  }
+  if (!is_on_object && (to.way_T - shift.way_T).norm() > kFarOnHand) {
+    move.fade *= std::abs(2.0 * influence - 1.0);
+    share = influence >= 0.5 ? 1.0 : 0.0;
+  }
+  shift.way_T += share * (to.way_T - shift.way_T);
+}
+
 /// Of a track's frames that edits move, in a few steps: each is laid onto the hand.
 std::map<int, EditsAtTimes::Move> EditsAtTimes::movesOf(std::size_t patch,
                                                         const PatchTrack& track,
@@ -267,19 +302,7 @@ std::map<int, EditsAtTimes::Move> EditsAtTimes::movesOf(std::size_t patch,
     const Shift to = root != nullptr ? rootShift(*root, track.keyAt(at), layer) : Shift();
     for (const auto& [frame, influence] : influencesOf(edit)) {
       if (frame < track.begin() || frame >= track.end) continue;
-      Move& move = moves[frame];
-      Shift& shift =
-          sideOf(edit) == session::Side::kObject ? move.shifts.on_object : move.shifts.on_hand;
-      double share = std::round(kShares * influence) / kShares;
-      if (root != nullptr && root->side == session::Side::kHand &&
-          (to.way_T - shift.way_T).norm() > kFarOnHand) {
-        move.fade *= std::abs(2.0 * influence - 1.0);
-        share = influence >= 0.5 ? 1.0 : 0.0;
-      }
-      if (root != nullptr)
-        shift.way_T += share * (to.way_T - shift.way_T);
-      else
-        shift.turn_rad += share * std::get<session::PatchDirectionEdit>(edit.change).angle_rad;
+      moveOn(edit, to, influence, moves[frame]);
     }
   }
   return moves;
