@@ -159,6 +159,7 @@ class Sweep {
       by_shape[shape].push_back(c);
     }
     std::vector<std::vector<std::size_t>> shapes;
+    shapes.reserve(by_shape.size());
     for (auto& [shape, combinations] : by_shape)
       shapes.push_back(std::move(combinations));
     if (shapes.size() == 1) {

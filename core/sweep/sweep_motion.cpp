@@ -36,42 +36,35 @@ double objectiveOf(const Trajectory& trajectory) {
   return std::accumulate(trajectory.objective.begin(), trajectory.objective.end(), 0.0);
 }
 
-/// Means over all frames, and which patch is reached in how many of them.
-void fill(const SweepMotionBase& base, const retargeting::SolvedMotion& solved, SweepRow& row) {
-  const retargeting::MotionFits fits(base.motion, solved);
-  for (const std::string& name : retargeting::patchNames(base.motion))
-    row.patches.emplace_back().name = name;
-  const std::vector<hand::HandPose>& poses = solved.trajectory.poses;
+/// Patches that are there at a frame, and how many of them the hand reaches.
+struct PatchCounts {
+  int there = 0;
+  int reached = 0;
+};
+
+/// Adds what a frame's patches come to: sums over points, until they are averaged.
+PatchCounts addFrame(const std::vector<retargeting::PatchFrameFit>& fits, SweepRow& row) {
+  PatchCounts counts;
+  for (const retargeting::PatchFrameFit& fit : fits) {
+    if (fit.presence < kHalfThere) continue;
+    SweepPatch& patch = row.patches[static_cast<std::size_t>(fit.patch)];
+    ++counts.there;
+    ++patch.frames;
+    patch.point_count += fit.points;
+    patch.mean_mm += fit.points * fit.mean_mm;
+    patch.normal_deg += fit.points * fit.normal_deg;
+    patch.max_mm = std::max(patch.max_mm, fit.mean_mm);
+    if (!fit.reached) continue;
+    ++counts.reached;
+    ++patch.reached;
+  }
+  return counts;
+}
+
+/// Makes means of the patches' sums, and those of the whole row.
+void average(SweepRow& row) {
   double sum_mm = 0.0;
   double sum_deg = 0.0;
-  const auto joints = static_cast<std::size_t>(solved.problem.model->dofCount());
-  std::vector<int> at_lower(joints, 0);
-  std::vector<int> at_upper(joints, 0);
-  for (std::size_t k = 0; k < poses.size(); ++k) {
-    int there = 0;
-    int reached = 0;
-    for (const retargeting::PatchFrameFit& fit : fits.at(static_cast<int>(k))) {
-      if (fit.presence < kHalfThere) continue;
-      SweepPatch& patch = row.patches[static_cast<std::size_t>(fit.patch)];
-      ++there;
-      ++patch.frames;
-      patch.point_count += fit.points;
-      patch.mean_mm += fit.points * fit.mean_mm;
-      patch.normal_deg += fit.points * fit.normal_deg;
-      patch.max_mm = std::max(patch.max_mm, fit.mean_mm);
-      if (!fit.reached) continue;
-      ++reached;
-      ++patch.reached;
-    }
-    if (there == 0) continue;
-    ++row.frame_count;
-    row.frames_reached += reached == there ? 1 : 0;
-    for (std::size_t i = 0; i < joints; ++i) {
-      const auto dof = static_cast<Eigen::Index>(i);
-      at_lower[i] += poses[k].q[dof] <= solved.problem.lower[dof] + kAtLimit ? 1 : 0;
-      at_upper[i] += poses[k].q[dof] >= solved.problem.upper[dof] - kAtLimit ? 1 : 0;
-    }
-  }
   for (SweepPatch& patch : row.patches) {
     if (patch.frames == 0) continue;
     ++row.patch_count;
@@ -87,12 +80,57 @@ void fill(const SweepMotionBase& base, const retargeting::SolvedMotion& solved, 
     row.mean_mm = sum_mm / row.point_count;
     row.normal_deg = sum_deg / row.point_count;
   }
-  for (std::size_t i = 0; i < joints; ++i) {
-    const std::string& name = solved.problem.model->dofJoint(static_cast<int>(i)).name;
-    if (row.frame_count == 0) break;
-    if (2 * at_lower[i] >= row.frame_count) row.joints_at_limit.push_back({name, false});
-    if (2 * at_upper[i] >= row.frame_count) row.joints_at_limit.push_back({name, true});
+}
+
+/// In how many frames each joint stands at a limit.
+class LimitCounts {
+ public:
+  /// Keeps a reference.
+  explicit LimitCounts(const manipulation::MotionProblem& problem)
+      : problem_(problem),
+        at_lower_(static_cast<std::size_t>(problem.model->dofCount()), 0),
+        at_upper_(at_lower_) {}
+
+  void add(const Eigen::VectorXd& q) {
+    for (std::size_t i = 0; i < at_lower_.size(); ++i) {
+      const auto dof = static_cast<Eigen::Index>(i);
+      at_lower_[i] += q[dof] <= problem_.lower[dof] + kAtLimit ? 1 : 0;
+      at_upper_[i] += q[dof] >= problem_.upper[dof] - kAtLimit ? 1 : 0;
+    }
   }
+
+  /// Joints that stand there in half of the row's frames.
+  void tell(SweepRow& row) const {
+    if (row.frame_count == 0) return;
+    for (std::size_t i = 0; i < at_lower_.size(); ++i) {
+      const std::string& name = problem_.model->dofJoint(static_cast<int>(i)).name;
+      if (2 * at_lower_[i] >= row.frame_count) row.joints_at_limit.push_back({name, false});
+      if (2 * at_upper_[i] >= row.frame_count) row.joints_at_limit.push_back({name, true});
+    }
+  }
+
+ private:
+  const manipulation::MotionProblem& problem_;
+  std::vector<int> at_lower_;
+  std::vector<int> at_upper_;
+};
+
+/// Means over all frames, and which patch is reached in how many of them.
+void fill(const SweepMotionBase& base, const retargeting::SolvedMotion& solved, SweepRow& row) {
+  const retargeting::MotionFits fits(base.motion, solved);
+  for (const std::string& name : retargeting::patchNames(base.motion))
+    row.patches.emplace_back().name = name;
+  const std::vector<hand::HandPose>& poses = solved.trajectory.poses;
+  LimitCounts at_limits(solved.problem);
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    const PatchCounts counts = addFrame(fits.at(static_cast<int>(k)), row);
+    if (counts.there == 0) continue;
+    ++row.frame_count;
+    row.frames_reached += counts.reached == counts.there ? 1 : 0;
+    at_limits.add(poses[k].q);
+  }
+  average(row);
+  at_limits.tell(row);
   row.terms.objective = objectiveOf(solved.trajectory);
   row.outcome = optimize::Outcome::kConverged;
 }
