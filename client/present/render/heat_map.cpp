@@ -77,12 +77,14 @@ void drawBar(
            kPlotInk, label);
 }
 
-}  // namespace
+/// Of the values, as colours show them.
+struct Range {
+  double low = 0.0;
+  double high = 1.0;
+  double least = 0.0;  ///< the value that is framed; infinite: none
+};
 
-Image drawHeatMap(const HeatMap& map, PictureSize size) {
-  requireSound(map, size);
-  Image image(size.width, size.height);
-  const int head = drawHeading(image, map.title, map.subtitle);
+Range rangeOf(const HeatMap& map) {
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
   for (const auto& row : map.values) {
@@ -92,13 +94,82 @@ Image drawHeatMap(const HeatMap& map, PictureSize size) {
       high = std::max(high, value);
     }
   }
-  const double least = low;
-  if (!(low < high)) {  // one value, or none
-    low = std::isfinite(low) ? low - 0.5 : 0.0;
-    high = low + 1.0;
-  }
+  if (low < high) return {low, high, low};
+  // One value, or none.
+  const double below = std::isfinite(low) ? low - 0.5 : 0.0;
+  return {below, below + 1.0, low};
+}
 
-  // === Where everything goes
+/// Where the cells are; rows rise.
+struct CellGrid {
+  PlotArea area;
+  int columns = 1;
+  int rows = 1;
+
+  [[nodiscard]] PlotArea cellAt(int i, int j) const {
+    PlotArea cell;
+    cell.left = area.left + area.width * i / columns;
+    cell.width = area.left + area.width * (i + 1) / columns - cell.left;
+    cell.top = area.top + area.height * (rows - 1 - j) / rows;
+    cell.height = area.top + area.height * (rows - j) / rows - cell.top;
+    return cell;
+  }
+};
+
+void drawCells(Image& image, const CellGrid& grid, const HeatMap& map, const Range& range) {
+  const int text = textHeight(kPlotTextScale);
+  const bool has_room =
+      grid.area.width / grid.columns >= textWidth("00.00", kPlotTextScale) + 8 &&
+      grid.area.height / grid.rows >= text + 6;
+  for (int j = 0; j < grid.rows; ++j) {
+    for (int i = 0; i < grid.columns; ++i) {
+      const double value = map.values[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)];
+      if (!std::isfinite(value)) continue;
+      const PlotArea cell = grid.cellAt(i, j);
+      const Color color = colorOf((value - range.low) / (range.high - range.low));
+      image.fill(cell.left, cell.top, cell.width, cell.height, color);
+      if (has_room)
+        drawCentred(image, cell.left + cell.width / 2, cell.top + (cell.height - text) / 2 + 2,
+                    inkOn(color), fmt::format("{:.2f}", value));
+      if (value == range.least) frame(image, cell, 4, {255, 255, 255});
+    }
+  }
+}
+
+// As many labels as there is room for.
+void drawColumnLabels(Image& image,
+                      const CellGrid& grid,
+                      const std::vector<std::string>& labels) {
+  int widest = 1;
+  for (const std::string& label : labels)
+    widest = std::max(widest, textWidth(label, kPlotTextScale) + 16);
+  const int step = std::max(1, (widest * grid.columns + grid.area.width - 1) / grid.area.width);
+  for (int i = 0; i < grid.columns; i += step) {
+    const PlotArea cell = grid.cellAt(i, 0);
+    drawCentred(image, cell.left + cell.width / 2, grid.area.bottom() + 12, kPlotFaint,
+                labels[static_cast<std::size_t>(i)]);
+  }
+}
+
+void drawRowLabels(Image& image, const CellGrid& grid, const std::vector<std::string>& labels) {
+  const int text = textHeight(kPlotTextScale);
+  const int step =
+      std::max(1, ((text + 6) * grid.rows + grid.area.height - 1) / grid.area.height);
+  for (int j = 0; j < grid.rows; j += step) {
+    const PlotArea cell = grid.cellAt(0, j);
+    drawFlushRight(image, grid.area.left - 12, cell.top + (cell.height - text) / 2 + 2,
+                   kPlotFaint, labels[static_cast<std::size_t>(j)]);
+  }
+}
+
+}  // namespace
+
+Image drawHeatMap(const HeatMap& map, PictureSize size) {
+  requireSound(map, size);
+  Image image(size.width, size.height);
+  const int head = drawHeading(image, map.title, map.subtitle);
+  const Range range = rangeOf(map);
+
   const int text = textHeight(kPlotTextScale);
   const int bar_room =
       std::max(textWidth(map.value_label, kPlotTextScale), kBarWidth + 110) + 2 * kPad;
@@ -107,58 +178,16 @@ Image drawHeatMap(const HeatMap& map, PictureSize size) {
   area.top = head + text + 16;
   area.width = size.width - area.left - bar_room;
   area.height = size.height - area.top - 2 * text - 34 - kPad;
-  const auto columns = static_cast<int>(map.x.size());
-  const auto rows = static_cast<int>(map.y.size());
-  const auto cell_at = [&](int i, int j) {
-    PlotArea cell;
-    cell.left = area.left + area.width * i / columns;
-    cell.width = area.left + area.width * (i + 1) / columns - cell.left;
-    cell.top = area.top + area.height * (rows - 1 - j) / rows;
-    cell.height = area.top + area.height * (rows - j) / rows - cell.top;
-    return cell;
-  };
-
-  // === Cells
-  const bool has_room = area.width / columns >= textWidth("00.00", kPlotTextScale) + 8 &&
-                        area.height / rows >= text + 6;
-  for (int j = 0; j < rows; ++j) {
-    for (int i = 0; i < columns; ++i) {
-      const double value = map.values[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)];
-      if (!std::isfinite(value)) continue;
-      const PlotArea cell = cell_at(i, j);
-      const Color color = colorOf((value - low) / (high - low));
-      image.fill(cell.left, cell.top, cell.width, cell.height, color);
-      if (has_room)
-        drawCentred(image, cell.left + cell.width / 2, cell.top + (cell.height - text) / 2 + 2,
-                    inkOn(color), fmt::format("{:.2f}", value));
-      if (value == least) frame(image, cell, 4, {255, 255, 255});
-    }
-  }
+  const CellGrid grid{area, static_cast<int>(map.x.size()), static_cast<int>(map.y.size())};
+  drawCells(image, grid, map, range);
   frame(image, {area.left - 2, area.top - 2, area.width + 4, area.height + 4}, 2, kPlotFaint);
-
-  // === Labels of cells, as many as there is room for
-  const std::vector<std::string> x_labels = tickLabels(map.x);
-  int widest = 1;
-  for (const std::string& label : x_labels)
-    widest = std::max(widest, textWidth(label, kPlotTextScale) + 16);
-  const int x_step = std::max(1, (widest * columns + area.width - 1) / area.width);
-  for (int i = 0; i < columns; i += x_step) {
-    const PlotArea cell = cell_at(i, 0);
-    drawCentred(image, cell.left + cell.width / 2, area.bottom() + 12, kPlotFaint,
-                x_labels[static_cast<std::size_t>(i)]);
-  }
-  const std::vector<std::string> y_labels = tickLabels(map.y);
-  const int y_step = std::max(1, ((text + 6) * rows + area.height - 1) / area.height);
-  for (int j = 0; j < rows; j += y_step) {
-    const PlotArea cell = cell_at(0, j);
-    drawFlushRight(image, area.left - 12, cell.top + (cell.height - text) / 2 + 2, kPlotFaint,
-                   y_labels[static_cast<std::size_t>(j)]);
-  }
+  drawColumnLabels(image, grid, tickLabels(map.x));
+  drawRowLabels(image, grid, tickLabels(map.y));
   drawCentred(image, area.left + area.width / 2, area.bottom() + 12 + text + 12, kPlotInk,
               map.x_label);
   drawText(image, area.left, area.top - text - 8, kPlotTextScale, kPlotInk, map.y_label);
   drawBar(image, {area.right() + 2 * kPad, area.top, kBarWidth, area.height}, map.value_label,
-          low, high);
+          range.low, range.high);
   return image;
 }
 

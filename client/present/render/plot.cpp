@@ -253,6 +253,7 @@ std::vector<std::string> tickLabels(const std::vector<double>& ticks) {
   for (double rest = step; decimals < 6; ++decimals, rest *= 10.0)
     if (std::abs(rest - std::round(rest)) < 1e-6) break;
   std::vector<std::string> labels;
+  labels.reserve(ticks.size());
   for (const double tick : ticks)
     labels.push_back(is_plain ? fmt::format("{:.{}f}", tick, decimals)
                               : fmt::format("{:.3g}", tick));
