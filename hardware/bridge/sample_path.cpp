@@ -90,6 +90,18 @@ void SamplePath::append(std::int64_t source_ns, std::span<const double> joint_ra
 
 // === Samples
 
+// Out of order, but not yet passed: it takes its place.
+SampleVerdict SamplePath::insertByTime(std::int64_t source_ns,
+                                       std::span<const double> joint_rad) {
+  std::size_t index = count_;
+  while (index > 0 && timeOf(index - 1) > source_ns)
+    --index;
+  if (index > 0 && timeOf(index - 1) == source_ns) return SampleVerdict::kRepeated;
+  if (index == 0 || source_ns <= clock_ns_) return SampleVerdict::kLate;
+  insert(index, source_ns, joint_rad);
+  return SampleVerdict::kAccepted;
+}
+
 SampleVerdict SamplePath::add(std::int64_t source_ns,
                               std::span<const double> joint_rad,
                               bool continues,
@@ -105,15 +117,9 @@ SampleVerdict SamplePath::add(std::int64_t source_ns,
     const std::int64_t gap = source_ns - timeOf(count_ - 1);
     if (gap < -kSilenceNs) return SampleVerdict::kBackwards;
     if (gap <= 0) {
-      // Out of order, but not yet passed: it takes its place.
-      std::size_t index = count_;
-      while (index > 0 && timeOf(index - 1) > source_ns)
-        --index;
-      if (index > 0 && timeOf(index - 1) == source_ns) return SampleVerdict::kRepeated;
-      if (index == 0 || source_ns <= clock_ns_) return SampleVerdict::kLate;
-      insert(index, source_ns, joint_rad);
-      arrived_ = arrived;
-      return SampleVerdict::kAccepted;
+      const SampleVerdict verdict = insertByTime(source_ns, joint_rad);
+      if (verdict == SampleVerdict::kAccepted) arrived_ = arrived;
+      return verdict;
     }
     if (continues || gap <= kSilenceNs) {
       if (!continues) learn(gap, source_ns, arrived);

@@ -68,6 +68,7 @@ class SamplePath {
   [[nodiscard]] std::int64_t& timeOf(std::size_t index);
   void append(std::int64_t source_ns, std::span<const double> joint_rad);
   void insert(std::size_t index, std::int64_t source_ns, std::span<const double> joint_rad);
+  safety::SampleVerdict insertByTime(std::int64_t source_ns, std::span<const double> joint_rad);
   void dropFirst();
   void restart(std::int64_t source_ns, safety::Time arrived);
   void learn(std::int64_t gap_ns, std::int64_t source_ns, safety::Time arrived);

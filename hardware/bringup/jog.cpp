@@ -80,6 +80,22 @@ Jogger::Place Jogger::look() {
   return placeOf(measured.position[index_]);
 }
 
+tendon::Range Jogger::rangeOfTurn(double start_rad, double step_rad) const {
+  const double way = std::abs(step_rad) + kSlack;
+  const tendon::Range around{start_rad - way, start_rad + way};
+  if (!config::traitsOf(config_.device.kind).has_zeros) return around;
+  const tendon::Range known = config_.motors[index_].range_rad;
+  const tendon::Range range{std::max(around.lower, std::min(known.lower, start_rad)),
+                            std::min(around.upper, std::max(known.upper, start_rad))};
+  const double goal = start_rad + step_rad;
+  if (goal < range.lower || goal > range.upper) {
+    rejectInput("step {} rad: {} stands at {:.3f} rad, its range ends at {:.3f}", step_rad,
+                handgraft::quoted(config_.motors[index_].name), start_rad,
+                step_rad < 0 ? known.lower : known.upper);
+  }
+  return range;
+}
+
 Jogger::Turn Jogger::turn(double step_rad, const IsHeld& is_held) {
   if (!(std::abs(step_rad) <= kLargestJog) || step_rad == 0) {
     rejectInput("step {} rad is not in [-{}, {}], and not 0", step_rad, kLargestJog,
@@ -89,20 +105,7 @@ Jogger::Turn Jogger::turn(double step_rad, const IsHeld& is_held) {
   told.from = told.to = look();
   const double start = told.from.motor_rad;
   config::HandConfig wide = config_;
-  const double way = std::abs(step_rad) + kSlack;
-  tendon::Range& range = wide.motors[index_].range_rad;
-  const tendon::Range known = range;
-  range = {start - way, start + way};
-  if (config::traitsOf(config_.device.kind).has_zeros) {
-    range = {std::max(range.lower, std::min(known.lower, start)),
-             std::min(range.upper, std::max(known.upper, start))};
-    const double goal = start + step_rad;
-    if (goal < range.lower || goal > range.upper) {
-      rejectInput("step {} rad: {} stands at {:.3f} rad, its range ends at {:.3f}", step_rad,
-                  handgraft::quoted(config_.motors[index_].name), start,
-                  step_rad < 0 ? known.lower : known.upper);
-    }
-  }
+  wide.motors[index_].range_rad = rangeOfTurn(start, step_rad);
   bridge::DeviceStack stack = make_device_(wide);
   devices::Device& device = *stack.device;
   device.open();

@@ -48,6 +48,9 @@ class Jogger {
 
  private:
   [[nodiscard]] Place placeOf(double motor_rad) const;
+  /// That bounds a turn by `step_rad` from `start_rad`. Errors: InvalidInput beyond the range
+  /// of a motor that knows its zero.
+  [[nodiscard]] tendon::Range rangeOfTurn(double start_rad, double step_rad) const;
 
   config::HandConfig config_;
   std::size_t index_;
