@@ -287,6 +287,64 @@ bool DatagramFilter::isSound(const Prefix& source, const Submessage& submessage)
   }
 }
 
+DatagramFilter::Passage DatagramFilter::passSecuredFragment(const Prefix& source,
+                                                            const Submessage& fragment,
+                                                            std::vector<std::uint8_t>& kept) {
+  const std::size_t length = fragment.whole.size();
+  const auto whole = wholeHandshake(source, fragment);
+  const auto handshake = whole ? submessageAt(*whole) : std::nullopt;
+  if (!handshake || !isHandshakeOrAnnouncement(source, *handshake)) return {length, false};
+  kept.insert(kept.end(), whole->begin(), whole->end());
+  return {length, true};
+}
+
+std::optional<DatagramFilter::Passage> DatagramFilter::passSecured(
+    const Prefix& source,
+    const Submessage& submessage,
+    Bytes rest,
+    std::vector<std::uint8_t>& kept) {
+  const std::uint8_t kind = submessage.kind;
+  if (kind == kDataFragment) return passSecuredFragment(source, submessage, kept);
+  const auto length = secured(source, submessage, rest);
+  if (!length) return std::nullopt;
+  if (*length == 0) return Passage{submessage.whole.size(), false};
+  const std::size_t at = kept.size();
+  // What belongs to it follows it in the datagram.
+  kept.insert(kept.end(), submessage.whole.begin(), submessage.whole.end());
+  const std::size_t belonging = *length - submessage.whole.size();
+  kept.insert(kept.end(), rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(belonging));
+  if (kind == kData && reader_ == Reader::kCyclone) blankTypes(std::span(kept).subspan(at));
+  return Passage{*length, kind == kData || kind == kSecurePrefix};
+}
+
+std::optional<DatagramFilter::Passage> DatagramFilter::passOpen(
+    const Prefix& source, const Submessage& submessage, std::vector<std::uint8_t>& kept) {
+  const std::uint8_t kind = submessage.kind;
+  const Bytes whole = submessage.whole;
+  if (!isPassed(kind)) return Passage{whole.size(), false};
+  if (!isSound(source, submessage)) return std::nullopt;
+  if (isKeptFrom(submessage) || !isWithinShare(source, submessage))
+    return Passage{whole.size(), false};
+  const std::size_t at = kept.size();
+  kept.insert(kept.end(), whole.begin(), whole.end());
+  const auto added = std::span(kept).subspan(at);
+  if (kind == kAckNack && reader_ == Reader::kFastDds) beginAnew(added);
+  if (kind == kData && reader_ == Reader::kCyclone) blankTypes(added);
+  return Passage{whole.size(), true};
+}
+
+std::optional<DatagramFilter::Passage> DatagramFilter::passOne(
+    const Prefix& source,
+    const Submessage& submessage,
+    Bytes rest,
+    std::vector<std::uint8_t>& kept) {
+  if (submessage.kind == kData && passes_over_clients_ &&
+      announcesAClient(submessage.body(), submessage.flags))
+    return Passage{submessage.whole.size(), false};
+  return domain_ == Domain::kSecured ? passSecured(source, submessage, rest, kept)
+                                     : passOpen(source, submessage, kept);
+}
+
 std::span<const std::uint8_t> DatagramFilter::pass(Bytes datagram,
                                                    std::vector<std::uint8_t>& kept) {
   constexpr std::array<std::uint8_t, 5> kProtocol{'R', 'T', 'P', 'S', 2};
@@ -302,47 +360,16 @@ std::span<const std::uint8_t> DatagramFilter::pass(Bytes datagram,
   for (Bytes rest = datagram.subspan(kMessageHeader); !rest.empty();) {
     const auto submessage = submessageAt(rest);
     if (!submessage) return {};
-    const std::uint8_t kind = submessage->kind;
-    std::size_t length = submessage->whole.size();
-    if (kind == kData && passes_over_clients_ &&
-        announcesAClient(submessage->body(), submessage->flags)) {
-      // Left out.
-    } else if (domain_ == Domain::kSecured && kind == kDataFragment) {
-      const auto whole = wholeHandshake(source, *submessage);
-      const auto handshake = whole ? submessageAt(*whole) : std::nullopt;
-      if (handshake && isHandshakeOrAnnouncement(source, *handshake)) {
-        has_content = true;
-        kept.insert(kept.end(), whole->begin(), whole->end());
-      }
-    } else if (domain_ == Domain::kSecured) {
-      const auto passed = secured(source, *submessage, rest.subspan(length));
-      if (!passed) return {};
-      if (*passed > 0) {
-        length = *passed;
-        has_content = has_content || kind == kData || kind == kSecurePrefix;
-        const std::size_t at = kept.size();
-        kept.insert(kept.end(), rest.begin(),
-                    rest.begin() + static_cast<std::ptrdiff_t>(length));
-        if (kind == kData && reader_ == Reader::kCyclone)
-          blankTypes(std::span(kept).subspan(at));
-      }
-    } else if (isPassed(kind)) {
-      if (!isSound(source, *submessage)) return {};
-      if (!isKeptFrom(*submessage) && isWithinShare(source, *submessage)) {
-        has_content = true;
-        const std::size_t at = kept.size();
-        kept.insert(kept.end(), submessage->whole.begin(), submessage->whole.end());
-        const auto added = std::span(kept).subspan(at);
-        if (kind == kAckNack && reader_ == Reader::kFastDds) beginAnew(added);
-        if (kind == kData && reader_ == Reader::kCyclone) blankTypes(added);
-      }
-    }
+    const Bytes whole = submessage->whole;
+    const auto passage = passOne(source, *submessage, rest.subspan(whole.size()), kept);
+    if (!passage) return {};
+    has_content = has_content || passage->has_content;
     // Cyclone DDS packs what several participants of a process say: the rest is another's.
-    if (kind == kInfoSource && submessage->whole.size() >= source.size()) {
-      std::copy_n(submessage->whole.end() - std::ssize(source), source.size(), source.begin());
+    if (submessage->kind == kInfoSource && whole.size() >= source.size()) {
+      std::copy_n(whole.end() - std::ssize(source), source.size(), source.begin());
       if (isRefused(source)) return {};
     }
-    rest = rest.subspan(length);
+    rest = rest.subspan(passage->length);
   }
   if (!has_content) return {};
   return kept;

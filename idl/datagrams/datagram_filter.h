@@ -117,6 +117,30 @@ class DatagramFilter {
   std::optional<std::size_t> secured(const Prefix& source,
                                      const Submessage& submessage,
                                      std::span<const std::uint8_t> rest);
+
+  /// What became of a submessage.
+  struct Passage {
+    std::size_t length = 0;    ///< of the datagram, with what belongs to it
+    bool has_content = false;  ///< more than of whom and for whom the rest is goes on
+  };
+
+  /// Adds to `kept` what may go on of a submessage. `rest`: what follows it. Nothing if the
+  /// datagram is malformed.
+  std::optional<Passage> passOne(const Prefix& source,
+                                 const Submessage& submessage,
+                                 std::span<const std::uint8_t> rest,
+                                 std::vector<std::uint8_t>& kept);
+  /// The same of an open domain, of a secured one, and of a fragment there.
+  std::optional<Passage> passOpen(const Prefix& source,
+                                  const Submessage& submessage,
+                                  std::vector<std::uint8_t>& kept);
+  std::optional<Passage> passSecured(const Prefix& source,
+                                     const Submessage& submessage,
+                                     std::span<const std::uint8_t> rest,
+                                     std::vector<std::uint8_t>& kept);
+  Passage passSecuredFragment(const Prefix& source,
+                              const Submessage& fragment,
+                              std::vector<std::uint8_t>& kept);
   /// Forgets who was not heard for long; `mutex_` held.
   void forgetSilent(std::chrono::steady_clock::time_point now);
   bool isRefused(const Prefix& source);
