@@ -174,28 +174,51 @@ struct Tables {
   std::uintptr_t protected_end = 0;
 };
 
+/// What the loader was told: a list that ends with DT_NULL.
+void readDynamic(const ElfW(Dyn) * at, Tables& tables) {
+  bool has_addends = true;
+  for (; at->d_tag != DT_NULL; ++at) {
+    const auto* pointer = reinterpret_cast<const void*>(at->d_un.d_ptr);
+    switch (at->d_tag) {
+      case DT_SYMTAB:
+        tables.symbols = static_cast<const ElfW(Sym)*>(pointer);
+        break;
+      case DT_STRTAB:
+        tables.names = static_cast<const char*>(pointer);
+        break;
+      case DT_JMPREL:
+        tables.calls = static_cast<const ElfW(Rela)*>(pointer);
+        break;
+      case DT_PLTRELSZ:
+        tables.calls_bytes = at->d_un.d_val;
+        break;
+      case DT_RELA:
+        tables.others = static_cast<const ElfW(Rela)*>(pointer);
+        break;
+      case DT_RELASZ:
+        tables.others_bytes = at->d_un.d_val;
+        break;
+      case DT_PLTREL:
+        has_addends = at->d_un.d_val == DT_RELA;
+        break;
+      default:
+        break;
+    }
+  }
+  if (!has_addends) tables.calls_bytes = 0;
+}
+
 Tables tablesOf(const dl_phdr_info& library) {
   Tables tables;
   for (int i = 0; i < library.dlpi_phnum; ++i) {
-    if (library.dlpi_phdr[i].p_type == PT_GNU_RELRO) {
-      tables.protected_begin = library.dlpi_addr + library.dlpi_phdr[i].p_vaddr;
-      tables.protected_end = tables.protected_begin + library.dlpi_phdr[i].p_memsz;
+    const auto& segment = library.dlpi_phdr[i];
+    const std::uintptr_t begin = library.dlpi_addr + segment.p_vaddr;
+    if (segment.p_type == PT_GNU_RELRO) {
+      tables.protected_begin = begin;
+      tables.protected_end = begin + segment.p_memsz;
     }
-    if (library.dlpi_phdr[i].p_type != PT_DYNAMIC) continue;
-    const auto* at =
-        reinterpret_cast<const ElfW(Dyn)*>(library.dlpi_addr + library.dlpi_phdr[i].p_vaddr);
-    bool has_addends = true;
-    for (; at->d_tag != DT_NULL; ++at) {
-      const auto* pointer = reinterpret_cast<const void*>(at->d_un.d_ptr);
-      if (at->d_tag == DT_SYMTAB) tables.symbols = static_cast<const ElfW(Sym)*>(pointer);
-      if (at->d_tag == DT_STRTAB) tables.names = static_cast<const char*>(pointer);
-      if (at->d_tag == DT_JMPREL) tables.calls = static_cast<const ElfW(Rela)*>(pointer);
-      if (at->d_tag == DT_PLTRELSZ) tables.calls_bytes = at->d_un.d_val;
-      if (at->d_tag == DT_RELA) tables.others = static_cast<const ElfW(Rela)*>(pointer);
-      if (at->d_tag == DT_RELASZ) tables.others_bytes = at->d_un.d_val;
-      if (at->d_tag == DT_PLTREL) has_addends = at->d_un.d_val == DT_RELA;
-    }
-    if (!has_addends) tables.calls_bytes = 0;
+    if (segment.p_type == PT_DYNAMIC)
+      readDynamic(reinterpret_cast<const ElfW(Dyn)*>(begin), tables);
   }
   return tables;
 }
