@@ -147,6 +147,7 @@ std::string describeColors(const Eigen::Matrix3Xd& rgb) {
     ++bins[key].count;
   }
   std::vector<Bin> ranked;
+  ranked.reserve(bins.size());
   for (const auto& [key, bin] : bins)
     ranked.push_back(bin);
   std::stable_sort(ranked.begin(), ranked.end(), [](const Bin& a, const Bin& b) {

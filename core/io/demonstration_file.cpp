@@ -86,15 +86,27 @@ json posesFrom(const NpzArray& turns, const NpzArray& places) {
   return rows;
 }
 
-/// The same fields as JSON has, from the names that MANO sequences go by.
-json rootFrom(const Arrays& arrays) {
-  json root = {{"format", formats::kDemonstrationFormat}};
-  for (const char* name : {"object", "side"})
-    if (const auto text = arrays.find(name); text != arrays.end() && !text->second.text.empty())
-      root[name] = text->second.text;
-  std::size_t frames = 0;
+/// Rows of a MANO pose whose root and fingers stand in arrays of their own.
+json joinedPoses(const NpzArray& turns, const NpzArray& fingers) {
+  constexpr std::size_t kFingers = hand::kManoPoseSize - 3;
+  const std::size_t frames = turns.values.size() / 3;
+  if (fingers.values.size() != frames * kFingers)
+    rejectInput("'global_orient' has {} rows, 'hand_pose' {}", frames,
+                fingers.values.size() / kFingers);
+  json rows = json::array();
+  for (std::size_t k = 0; k < frames; ++k) {
+    const auto turn = turns.values.begin() + static_cast<std::ptrdiff_t>(3 * k);
+    const auto finger = fingers.values.begin() + static_cast<std::ptrdiff_t>(kFingers * k);
+    std::vector<double> row(turn, turn + 3);
+    row.insert(row.end(), finger, finger + static_cast<std::ptrdiff_t>(kFingers));
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+/// Puts in the hand's joints or poses; of how many frames.
+std::size_t putHand(const Arrays& arrays, json& root) {
   if (const NpzArray* joints = rowsNamed(arrays, {"joints_W_m"}, 63)) {
-    frames = joints->values.size() / 63;
     json rows = json::array();
     for (const json& row : jsonRows(*joints, 63)) {
       json places = json::array();
@@ -103,57 +115,58 @@ json rootFrom(const Arrays& arrays) {
       rows.push_back(std::move(places));
     }
     root["joints_W_m"] = std::move(rows);
-  } else if (const NpzArray* poses = rowsNamed(
-                 arrays, {"mano_pose_rad", "pose", "poses", "fullpose"}, hand::kManoPoseSize)) {
-    frames = poses->values.size() / hand::kManoPoseSize;
-    root["mano_pose_rad"] = jsonRows(*poses, hand::kManoPoseSize);
-  } else {
-    constexpr std::size_t kFingers = hand::kManoPoseSize - 3;
-    const NpzArray* turns = rowsNamed(arrays, {"global_orient"}, 3);
-    const NpzArray* fingers = rowsNamed(arrays, {"hand_pose"}, kFingers);
-    if (turns == nullptr || fingers == nullptr)
-      rejectInput(
-          "neither 'mano_pose_rad' ('pose', 'poses', 'fullpose': 48 numbers a row), nor "
-          "'global_orient' and 'hand_pose', nor 'joints_W_m' is there");
-    frames = turns->values.size() / 3;
-    if (fingers->values.size() != frames * kFingers)
-      rejectInput("'global_orient' has {} rows, 'hand_pose' {}", frames,
-                  fingers->values.size() / kFingers);
-    json rows = json::array();
-    for (std::size_t k = 0; k < frames; ++k) {
-      std::vector<double> row(turns->values.begin() + static_cast<std::ptrdiff_t>(3 * k),
-                              turns->values.begin() + static_cast<std::ptrdiff_t>(3 * k + 3));
-      row.insert(row.end(), fingers->values.begin() + static_cast<std::ptrdiff_t>(kFingers * k),
-                 fingers->values.begin() + static_cast<std::ptrdiff_t>(kFingers * (k + 1)));
-      rows.push_back(std::move(row));
-    }
-    root["mano_pose_rad"] = std::move(rows);
+    return joints->values.size() / 63;
   }
+  if (const NpzArray* poses = rowsNamed(arrays, {"mano_pose_rad", "pose", "poses", "fullpose"},
+                                        hand::kManoPoseSize)) {
+    root["mano_pose_rad"] = jsonRows(*poses, hand::kManoPoseSize);
+    return poses->values.size() / hand::kManoPoseSize;
+  }
+  const NpzArray* turns = rowsNamed(arrays, {"global_orient"}, 3);
+  const NpzArray* fingers = rowsNamed(arrays, {"hand_pose"}, hand::kManoPoseSize - 3);
+  if (turns == nullptr || fingers == nullptr)
+    rejectInput(
+        "neither 'mano_pose_rad' ('pose', 'poses', 'fullpose': 48 numbers a row), nor "
+        "'global_orient' and 'hand_pose', nor 'joints_W_m' is there");
+  root["mano_pose_rad"] = joinedPoses(*turns, *fingers);
+  return turns->values.size() / 3;
+}
+
+json timesFrom(const Arrays& arrays, std::size_t frames) {
+  if (const NpzArray* times = rowsNamed(arrays, {"time_s"}, 1)) return times->values;
+  const NpzArray* rate =
+      rowsNamed(arrays, {"fps", "mocap_framerate", "mocap_frame_rate", "framerate"}, 1);
+  if (rate == nullptr) rejectInput("neither 'time_s' nor 'fps' is there");
+  if (!(rate->values[0] > 0.0) || !std::isfinite(rate->values[0]))
+    rejectInput("frames a second: {}; they must lie above 0", rate->values[0]);
+  json times = json::array();
+  for (std::size_t k = 0; k < frames; ++k)
+    times.push_back(static_cast<double>(k) / rate->values[0]);
+  return times;
+}
+
+json objectPosesFrom(const Arrays& arrays) {
+  if (const NpzArray* poses = rowsNamed(arrays, {"object_pose"}, 7)) return jsonRows(*poses, 7);
+  const NpzArray* turns = rowsNamed(arrays, {"object_global_orient", "object_rot"}, 3);
+  const NpzArray* places = rowsNamed(arrays, {"object_transl", "object_trans"}, 3);
+  if (turns == nullptr || places == nullptr)
+    rejectInput(
+        "neither 'object_pose' (x y z qw qx qy qz) nor 'object_global_orient' with "
+        "'object_transl' is there");
+  return posesFrom(*turns, *places);
+}
+
+/// The same fields as JSON has, from the names that MANO sequences go by.
+json rootFrom(const Arrays& arrays) {
+  json root = {{"format", formats::kDemonstrationFormat}};
+  for (const char* name : {"object", "side"})
+    if (const auto text = arrays.find(name); text != arrays.end() && !text->second.text.empty())
+      root[name] = text->second.text;
+  const std::size_t frames = putHand(arrays, root);
   if (const NpzArray* places = rowsNamed(arrays, {"mano_translation_m", "trans", "transl"}, 3))
     root["mano_translation_m"] = jsonRows(*places, 3);
-  if (const NpzArray* times = rowsNamed(arrays, {"time_s"}, 1)) {
-    root["time_s"] = times->values;
-  } else if (const NpzArray* rate = rowsNamed(
-                 arrays, {"fps", "mocap_framerate", "mocap_frame_rate", "framerate"}, 1)) {
-    if (!(rate->values[0] > 0.0) || !std::isfinite(rate->values[0]))
-      rejectInput("frames a second: {}; they must lie above 0", rate->values[0]);
-    root["time_s"] = json::array();
-    for (std::size_t k = 0; k < frames; ++k)
-      root["time_s"].push_back(static_cast<double>(k) / rate->values[0]);
-  } else {
-    rejectInput("neither 'time_s' nor 'fps' is there");
-  }
-  if (const NpzArray* poses = rowsNamed(arrays, {"object_pose"}, 7)) {
-    root["object_pose"] = jsonRows(*poses, 7);
-  } else {
-    const NpzArray* turns = rowsNamed(arrays, {"object_global_orient", "object_rot"}, 3);
-    const NpzArray* places = rowsNamed(arrays, {"object_transl", "object_trans"}, 3);
-    if (turns == nullptr || places == nullptr)
-      rejectInput(
-          "neither 'object_pose' (x y z qw qx qy qz) nor 'object_global_orient' with "
-          "'object_transl' is there");
-    root["object_pose"] = posesFrom(*turns, *places);
-  }
+  root["time_s"] = timesFrom(arrays, frames);
+  root["object_pose"] = objectPosesFrom(arrays);
   return root;
 }
 

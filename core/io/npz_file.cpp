@@ -41,16 +41,21 @@ void appendNumber(std::string& bytes, std::uint64_t value, int size) {
     bytes += static_cast<char>((value >> (8 * i)) & 0xFFu);
 }
 
+/// How many bytes of UTF-8 follow one that begins a code point; -1 for one that begins none.
+int bytesBehind(unsigned char lead) {
+  if (lead < 0x80) return 0;
+  if ((lead & 0xE0) == 0xC0) return 1;
+  if ((lead & 0xF0) == 0xE0) return 2;
+  if ((lead & 0xF8) == 0xF0) return 3;
+  return -1;
+}
+
 /// The code points of a text.
 std::vector<char32_t> pointsOf(const std::string& text) {
   std::vector<char32_t> points;
   for (std::size_t i = 0; i < text.size();) {
     const auto lead = static_cast<unsigned char>(text[i]);
-    const int more = lead < 0x80             ? 0
-                     : (lead & 0xE0) == 0xC0 ? 1
-                     : (lead & 0xF0) == 0xE0 ? 2
-                     : (lead & 0xF8) == 0xF0 ? 3
-                                             : -1;
+    const int more = bytesBehind(lead);
     bool fine = more >= 0 && i + static_cast<std::size_t>(std::max(more, 0)) < text.size();
     char32_t point = more <= 0 ? lead : lead & (0x3Fu >> more);
     for (int k = 1; fine && k <= more; ++k) {
@@ -207,6 +212,67 @@ std::string_view headerField(std::string_view header, std::string_view key) {
   return header.substr(colon + 1);
 }
 
+/// The sizes in an array's header, as far as they are permitted and one more.
+std::vector<std::size_t> shapeFrom(std::string_view header) {
+  std::string_view text = headerField(header, "'shape'");
+  text = text.substr(0, text.find(')'));
+  const auto is_digit = [](char c) {
+    return c >= '0' && c <= '9';
+  };
+  std::vector<std::size_t> shape;
+  for (std::size_t i = 0; i < text.size();) {
+    if (!is_digit(text[i])) {
+      ++i;
+      continue;
+    }
+    std::size_t size = 0;
+    for (; i < text.size() && is_digit(text[i]); ++i)
+      size = std::min(10 * size + static_cast<std::size_t>(text[i] - '0'), kMostNumbers + 1);
+    shape.push_back(size);
+  }
+  return shape;
+}
+
+/// As far as they are permitted and one more.
+std::size_t countOf(const std::vector<std::size_t>& shape) {
+  std::size_t count = 1;
+  for (const std::size_t size : shape)
+    count = size == 0 ? 0 : std::min(count * size, kMostNumbers + 1);
+  return count;
+}
+
+std::string textFrom(std::string_view raw) {
+  std::string text;
+  for (std::size_t at = 0; at + 4 <= raw.size(); at += 4) {
+    const std::uint64_t point = numberAt(raw, at, 4);
+    if (point != 0) text += point < 0x80 ? static_cast<char>(point) : '?';
+  }
+  return text;
+}
+
+/// `count` numbers of a type of NumPy; nothing if it is none of those that are read.
+std::optional<std::vector<double>> numbersFrom(std::string_view raw,
+                                               std::string_view type,
+                                               std::size_t count) {
+  std::vector<double> values;
+  const auto first_bytes = [&](std::size_t size) {
+    return partAt(raw, 0, count * size);
+  };
+  if (type == "<f8")
+    appendAs<double>(first_bytes(8), values);
+  else if (type == "<f4")
+    appendAs<float>(first_bytes(4), values);
+  else if (type == "<i8")
+    appendAs<std::int64_t>(first_bytes(8), values);
+  else if (type == "<i4")
+    appendAs<std::int32_t>(first_bytes(4), values);
+  else if (type == "|u1" || type == "|b1")
+    appendAs<std::uint8_t>(first_bytes(1), values);
+  else
+    return std::nullopt;
+  return values;
+}
+
 /// An NPY file; nothing if it holds neither numbers nor one text.
 std::optional<NpzArray> arrayFrom(std::string_view bytes, const std::string& name) {
   if (bytes.substr(0, 6) != std::string_view("\x93NUMPY", 6))
@@ -221,44 +287,17 @@ std::optional<NpzArray> arrayFrom(std::string_view bytes, const std::string& nam
   type.remove_prefix(std::min(type.size(), type.find('\'') + 1));
   type = type.substr(0, type.find('\''));
   NpzArray array;
-  std::string_view shape = headerField(header, "'shape'");
-  shape = shape.substr(0, shape.find(')'));
-  std::size_t count = 1;
-  for (std::size_t i = 0; i < shape.size();) {
-    if (shape[i] < '0' || shape[i] > '9') {
-      ++i;
-      continue;
-    }
-    std::size_t size = 0;
-    for (; i < shape.size() && shape[i] >= '0' && shape[i] <= '9'; ++i)
-      size = std::min(10 * size + static_cast<std::size_t>(shape[i] - '0'), kMostNumbers + 1);
-    array.shape.push_back(size);
-    count = size == 0 ? 0 : std::min(count * size, kMostNumbers + 1);
-  }
+  array.shape = shapeFrom(header);
+  const std::size_t count = countOf(array.shape);
   if (count > kMostNumbers)
     rejectInput("npz: array {} holds more than {} numbers", quoted(name), kMostNumbers);
   if (type.substr(0, 2) == "<U" && array.shape.empty()) {
-    for (std::size_t at = 0; at + 4 <= raw.size(); at += 4) {
-      const std::uint64_t point = numberAt(raw, at, 4);
-      if (point != 0) array.text += point < 0x80 ? static_cast<char>(point) : '?';
-    }
+    array.text = textFrom(raw);
     return array;
   }
-  const auto numbers = [&](std::size_t size) {
-    return partAt(raw, 0, count * size);
-  };
-  if (type == "<f8")
-    appendAs<double>(numbers(8), array.values);
-  else if (type == "<f4")
-    appendAs<float>(numbers(4), array.values);
-  else if (type == "<i8")
-    appendAs<std::int64_t>(numbers(8), array.values);
-  else if (type == "<i4")
-    appendAs<std::int32_t>(numbers(4), array.values);
-  else if (type == "|u1" || type == "|b1")
-    appendAs<std::uint8_t>(numbers(1), array.values);
-  else
-    return std::nullopt;
+  auto numbers = numbersFrom(raw, type, count);
+  if (!numbers) return std::nullopt;
+  array.values = std::move(*numbers);
   if (array.shape.size() > 1 &&
       headerField(header, "'fortran_order'").substr(0, 6).find("True") !=
           std::string_view::npos)

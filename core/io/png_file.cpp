@@ -98,6 +98,7 @@ Picture readPng(const std::filesystem::path& path) {
   const bool is_deep = png_get_bit_depth(reader.png, reader.info) == 16;
   std::vector<png_byte> pixels(row_bytes * static_cast<std::size_t>(height));
   std::vector<png_bytep> rows;
+  rows.reserve(static_cast<std::size_t>(height));
   for (long y = 0; y < height; ++y)
     rows.push_back(pixels.data() + static_cast<std::size_t>(y) * row_bytes);
   if (!readRows(reader.png, rows)) reject();

@@ -20,17 +20,29 @@ constexpr std::uintmax_t kLargestFile = 128 << 10;
 constexpr std::size_t kLongestText = 256;
 constexpr const char* kFormat = "handgraft-sites/1";
 
+/// Of a code point in UTF-8, by its first byte; 0 for one that begins none.
+std::size_t utf8Length(unsigned char first) {
+  if (first < 0x80) return 1;
+  if (first < 0xc2) return 0;
+  if (first < 0xe0) return 2;
+  if (first < 0xf0) return 3;
+  return first < 0xf5 ? 4 : 0;
+}
+
+/// Whether Unicode has that code point, and writes it in so many bytes.
+bool isCodePoint(unsigned code, std::size_t length) {
+  const bool is_longer_than_needed =
+      (length == 3 && code < 0x800) || (length == 4 && code < 0x10000);
+  const bool is_surrogate = code >= 0xd800 && code <= 0xdfff;
+  return !is_longer_than_needed && !is_surrogate && code <= 0x10ffff;
+}
+
 /// Other bytes would not be written as they were read.
 bool isUtf8(const std::string& text) {
   std::size_t at = 0;
   while (at < text.size()) {
     const auto first = static_cast<unsigned char>(text[at]);
-    const std::size_t length = first < 0x80   ? 1
-                               : first < 0xc2 ? 0
-                               : first < 0xe0 ? 2
-                               : first < 0xf0 ? 3
-                               : first < 0xf5 ? 4
-                                              : 0;
+    const std::size_t length = utf8Length(first);
     if (length == 0 || at + length > text.size()) return false;
     unsigned code = length == 1 ? first : first & (0x7fU >> length);
     for (std::size_t i = 1; i < length; ++i) {
@@ -38,10 +50,7 @@ bool isUtf8(const std::string& text) {
       if ((next & 0xc0U) != 0x80U) return false;
       code = code << 6U | (next & 0x3fU);
     }
-    const bool is_longer_than_needed =
-        (length == 3 && code < 0x800) || (length == 4 && code < 0x10000);
-    const bool is_surrogate = code >= 0xd800 && code <= 0xdfff;
-    if (is_longer_than_needed || is_surrogate || code > 0x10ffff) return false;
+    if (!isCodePoint(code, length)) return false;
     at += length;
   }
   return true;
@@ -135,6 +144,7 @@ std::vector<hand::ContactSite> parseSites(const std::string& text,
   if (!list || !list.IsSequence()) rejectInput("'sites' must be a list");
 
   std::vector<hand::ContactSite> sites;
+  sites.reserve(list.size());
   for (std::size_t i = 0; i < list.size(); ++i)
     sites.push_back(siteOf(list[i], i));
   if (isMirrored(root) != mirrored) {
