@@ -209,18 +209,18 @@ const std::vector<std::string>& ContactTracker::partNames() {
   return kNames;
 }
 
-std::vector<DetectedContact> ContactTracker::see(const DemonstratedFrame& told) {
-  requireFinite(told);
-  const Frame frame(told);
+std::vector<DetectedContact> ContactTracker::see(const DemonstratedFrame& frame) {
+  requireFinite(frame);
+  const Frame joints(frame);
   std::vector<DetectedContact> touches;
   for (std::size_t i = 0; i < touches_.size(); ++i) {
     const Part& part = touchParts()[i];
-    const auto hit = locator_.nearest(frame.middleOf(part));
+    const auto hit = locator_.nearest(joints.middleOf(part));
     const double reach = part.flesh_m + (touches_[i] != 0 ? kEnd : kBegin);
     touches_[i] = hit.distance <= reach ? 1 : 0;
     if (touches_[i] == 0) continue;
     touches.push_back({static_cast<int>(i),
-                       frame.placeOf(part, positionOf(object_O_, hit.point)), hit.point});
+                       joints.placeOf(part, positionOf(object_O_, hit.point)), hit.point});
   }
   return touches;
 }
