@@ -260,37 +260,31 @@ bool serve(const Options& options) {
   return signal != 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  Options options;
-  CLI::App app("handgraft-server: keeps models and sessions, answers on DDS",
-               "handgraft-server");
-  app.set_version_flag("--version", std::string("handgraft-server ") + HANDGRAFT_VERSION);
-  app.add_option("--domain", options.network.domain, "DDS domain, 0-100")
+void addNetworkOptions(CLI::App& app, Network& network) {
+  app.add_option("--domain", network.domain, "DDS domain, 0-100")
       ->check(CLI::Range(0, kHighestDomain))
       ->envname("HANDGRAFT_DOMAIN")
       ->capture_default_str();
-  app.add_option("--interface", options.network.interface,
+  app.add_option("--interface", network.interface,
                  "network interface to serve on: name, address or auto")
       ->envname("HANDGRAFT_INTERFACE")
       ->capture_default_str();
-  app.add_option("--peers", options.network.peers,
+  app.add_option("--peers", network.peers,
                  "hosts that are told of this server one by one, where multicast is dropped")
       ->envname("HANDGRAFT_PEERS")
       ->delimiter(',')
       ->allow_extra_args(false);
   app.add_option(
-         "--name", options.network.server,
+         "--name", network.server,
          "name by which clients choose this server (--server), where a domain has several")
       ->envname("HANDGRAFT_SERVER");
-  app.add_option("--identity", options.network.identity,
+  app.add_option("--identity", network.identity,
                  "folder of the identity, of role server, by which to serve a secured domain "
                  "(handgraft keys)")
       ->envname("HANDGRAFT_IDENTITY");
-  app.add_option(
-      "--models", options.models,
-      "folder with more hands, objects and contacts; replaces those of the same name");
+}
+
+void addLimitOptions(CLI::App& app, Options& options, unsigned& reader_seconds) {
   app.add_option("--workers", options.workers, "threads for sessions' work, 1-256")
       ->check(CLI::Range(1u, 256u))
       ->capture_default_str();
@@ -298,7 +292,6 @@ int main(int argc, char** argv) {
                  "MB that reading one upload may take, 64-1048576")
       ->check(CLI::Range(64u, 1u << 20))
       ->capture_default_str();
-  unsigned reader_seconds = static_cast<unsigned>(options.reader.time.count());
   app.add_option("--reader-seconds", reader_seconds,
                  "seconds that reading one upload may take, 1-86400")
       ->check(CLI::Range(1u, 86'400u))
@@ -314,6 +307,9 @@ int main(int argc, char** argv) {
   app.add_option("--sessions", options.sessions, "sessions that may be open, 1-4096")
       ->check(CLI::Range(1u, 4096u))
       ->capture_default_str();
+}
+
+void addStateOptions(CLI::App& app, Options& options) {
   app.add_option("--state", options.state,
                  "folder in which models and sessions outlive the server; :memory: for none "
                  "(default: $STATE_DIRECTORY, $XDG_STATE_HOME/handgraft or "
@@ -325,6 +321,22 @@ int main(int argc, char** argv) {
   app.add_flag("--check", options.check, "say what is wrong with the state on disk, and end");
   app.add_option("--backup", options.backup,
                  "copy the state, also one in use, into this new file, and end");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app("handgraft-server: keeps models and sessions, answers on DDS",
+               "handgraft-server");
+  app.set_version_flag("--version", std::string("handgraft-server ") + HANDGRAFT_VERSION);
+  addNetworkOptions(app, options.network);
+  app.add_option(
+      "--models", options.models,
+      "folder with more hands, objects and contacts; replaces those of the same name");
+  unsigned reader_seconds = static_cast<unsigned>(options.reader.time.count());
+  addLimitOptions(app, options, reader_seconds);
+  addStateOptions(app, options);
   app.add_option(
       "--make-skins", options.make_skins,
       "make the built-in hands' skins in this folder and end; done when it is built");

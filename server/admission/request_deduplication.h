@@ -73,7 +73,7 @@ class RequestDeduplication {
     client.running.erase(request);
     const auto [at, fresh] = client.answers.try_emplace(request);
     if (!fresh) return at->second.answer;
-    const auto kept = std::make_shared<const Answer>(std::move(answer));
+    auto kept = std::make_shared<const Answer>(std::move(answer));
     at->second = {kept, bytes};
     client.bytes += bytes;
     bytes_ += bytes;

@@ -128,7 +128,7 @@ class Service final : private BusListener, private SessionAudience {
   using WithoutSession = std::function<void(const std::exception_ptr&)>;
   /// `then` of an open session at once; of one that sleeps once it is open, in the order in
   /// which it was asked for. Else `otherwise`, with what was in the way. Both return soon.
-  void whenOpen(std::uint64_t id, WithSession then, WithoutSession otherwise);
+  void whenOpen(std::uint64_t id, WithSession then, const WithoutSession& otherwise);
   void wake(std::uint64_t id);
   /// Those of which nothing was asked for long, and so many more as others need the room.
   void putIdleSessionsToSleep();

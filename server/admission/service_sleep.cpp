@@ -54,7 +54,7 @@ void Service::wakeTheLastUsed() {
   last_used_.clear();
 }
 
-void Service::whenOpen(std::uint64_t id, WithSession then, WithoutSession otherwise) {
+void Service::whenOpen(std::uint64_t id, WithSession then, const WithoutSession& otherwise) {
   try {
     const std::lock_guard lock(waking_mutex_);
     if (!sessions_.asleep(id)) return then(sessions_.find(id));

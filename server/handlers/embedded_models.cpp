@@ -77,7 +77,7 @@ class Collecting {
     add(kind, recipe.base_name, origin);
   }
 
-  ModelRecipe recipeOf(const Origin& origin) const {
+  [[nodiscard]] ModelRecipe recipeOf(const Origin& origin) const {
     if (origin.recipe != nullptr) return *origin.recipe;
     PersistedModel kept = state_->model(origin.row);
     return {std::move(kept.form), std::move(kept.settings), state_->bytesOf(origin.row),

@@ -92,7 +92,7 @@ std::shared_ptr<LiveSession> openKeptSession(std::uint64_t id,
   if (!kept.motion.empty()) {
     motion = LiveMotion{kept.motion, models->motion(kept.motion)->motion, made.object_O};
   }
-  const auto live = std::make_shared<LiveSession>(
+  auto live = std::make_shared<LiveSession>(
       id, io::openSession(file, std::move(made), progress), context.pool, context.audience);
   live->belongTo(context.sessions.serverId());
   live->grant(kept.access, PublishedState::kSilently);

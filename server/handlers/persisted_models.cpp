@@ -33,22 +33,25 @@ class PersistedModels::OfSession final : public NamedModels {
     }
   }
 
-  std::shared_ptr<const StoredHand> hand(const std::string& name) const override {
+  [[nodiscard]] std::shared_ptr<const StoredHand> hand(const std::string& name) const override {
     const std::int64_t row = rowOf(v1::MODEL_HAND, name);
     return row != 0 ? kept_->hand(row) : kept_->built_in_.hand(name);
   }
 
-  std::shared_ptr<const StoredObject> object(const std::string& name) const override {
+  [[nodiscard]] std::shared_ptr<const StoredObject> object(
+      const std::string& name) const override {
     const std::int64_t row = rowOf(v1::MODEL_OBJECT, name);
     return row != 0 ? kept_->object(row) : kept_->built_in_.object(name);
   }
 
-  std::shared_ptr<const StoredContacts> contacts(const std::string& name) const override {
+  [[nodiscard]] std::shared_ptr<const StoredContacts> contacts(
+      const std::string& name) const override {
     const std::int64_t row = rowOf(v1::MODEL_CONTACTS, name);
     return row != 0 ? kept_->contacts(row) : kept_->built_in_.contacts(name);
   }
 
-  std::shared_ptr<const StoredMotion> motion(const std::string& name) const override {
+  [[nodiscard]] std::shared_ptr<const StoredMotion> motion(
+      const std::string& name) const override {
     const std::int64_t row = rowOf(v1::MODEL_MOTION, name);
     return row != 0 ? kept_->motion(row) : kept_->built_in_.motion(name);
   }

@@ -51,8 +51,8 @@ std::shared_ptr<LiveSession> enterSession(session::Session session,
                                           const Progress& progress,
                                           std::optional<LiveMotion> motion) {
   progress.checkpoint();
-  const auto live = std::make_shared<LiveSession>(
-      context.sessions.reserve(), std::move(session), context.pool, context.audience);
+  auto live = std::make_shared<LiveSession>(context.sessions.reserve(), std::move(session),
+                                            context.pool, context.audience);
   live->belongTo(context.sessions.serverId());
   live->grant(accessOfNew(by.who), PublishedState::kSilently);
   if (motion) live->hold(std::move(*motion));

@@ -26,7 +26,7 @@ v1::HandDescription describe(const StoredHand& hand, const std::optional<Skinned
 v1::ObjectDescription describe(const StoredObject& object, bool with_meshes);
 v1::ContactsDescription describe(const StoredContacts& contacts, bool with_meshes);
 /// Errors: as above, of the file.
-v1::MotionDescription describe(const StoredMotion& motion, bool with_file);
+v1::MotionDescription describe(const StoredMotion& stored, bool with_file);
 
 /// The URDF that describes the hand: its own, or for a mirrored hand one of its links and
 /// joints alone.

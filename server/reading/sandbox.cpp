@@ -83,10 +83,8 @@ scmp_arg_cmp equals(unsigned argument, std::uint64_t value) {
   return {argument, SCMP_CMP_EQ, value, 0};
 }
 
-void forbidOtherCalls() {
-  if (!kernelFiltersCalls()) return;
-  CallFilter filter(SCMP_ACT_ERRNO(ENOSYS));
-  // Memory, time and its end.
+/// Memory, time and its end.
+void allowToRun(CallFilter& filter) {
   filter.allow({SCMP_SYS(brk),
                 SCMP_SYS(mmap),
                 SCMP_SYS(mremap),
@@ -112,7 +110,10 @@ void forbidOtherCalls() {
                 SCMP_SYS(restart_syscall),
                 SCMP_SYS(exit),
                 SCMP_SYS(exit_group)});
-  // Reading. Which files may be opened is not seen here.
+}
+
+/// Which files may be opened is not seen here.
+void allowToRead(CallFilter& filter) {
   filter.allow(
       {SCMP_SYS(read),       SCMP_SYS(readv),      SCMP_SYS(pread64),    SCMP_SYS(preadv),
        SCMP_SYS(lseek),      SCMP_SYS(_llseek),    SCMP_SYS(close),      SCMP_SYS(fstat),
@@ -131,14 +132,20 @@ void forbidOtherCalls() {
   filter.allow(SCMP_SYS(fcntl), {equals(1, F_GETFD)});
   filter.allow(SCMP_SYS(fcntl), {equals(1, F_GETFL)});
   filter.allow(SCMP_SYS(ioctl), {equals(1, TCGETS)});  // whether a stream is a terminal
-  // The answer, and a complaint.
+}
+
+/// The answer, and a complaint.
+void allowToAnswer(CallFilter& filter) {
   for (const auto stream : {STDOUT_FILENO, STDERR_FILENO}) {
     filter.allow(SCMP_SYS(write), {equals(0, static_cast<std::uint64_t>(stream))});
     filter.allow(SCMP_SYS(writev), {equals(0, static_cast<std::uint64_t>(stream))});
   }
   // abort() signals itself.
   filter.allow(SCMP_SYS(tgkill), {equals(0, static_cast<std::uint64_t>(getpid()))});
-  // What only a reader that was taken over tries; all else does not exist for it.
+}
+
+/// What only a reader that was taken over tries.
+void killWhereTakenOver(CallFilter& filter) {
   filter.killAt({SCMP_SYS(socket),
                  SCMP_SYS(socketpair),
                  SCMP_SYS(connect),
@@ -186,6 +193,15 @@ void forbidOtherCalls() {
                  SCMP_SYS(bpf),
                  SCMP_SYS(io_uring_setup),
                  SCMP_SYS(open_by_handle_at)});
+}
+
+void forbidOtherCalls() {
+  if (!kernelFiltersCalls()) return;
+  CallFilter filter(SCMP_ACT_ERRNO(ENOSYS));  // all else does not exist for it
+  allowToRun(filter);
+  allowToRead(filter);
+  allowToAnswer(filter);
+  killWhereTakenOver(filter);
   filter.load();
 }
 

@@ -44,7 +44,7 @@ LiveSession::LiveSession(std::uint64_t id,
           [&audience](const v1::SessionState& state) {
             audience.onState(state);
           },
-          now) {
+          std::move(now)) {
   touch();
   const auto begin = [this](v1::SessionState& state) {
     state.session_id(id_);

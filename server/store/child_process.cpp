@@ -43,6 +43,7 @@ std::vector<std::string> childEnvironment() {
   std::vector<std::string> kept;
   for (const char* name :
        {"LD_LIBRARY_PATH", "ASAN_OPTIONS", "TSAN_OPTIONS", "UBSAN_OPTIONS"}) {
+    // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody writes the environment.
     const char* value = std::getenv(name);
     if (value != nullptr) kept.push_back(std::string(name) + "=" + value);
   }
@@ -51,6 +52,7 @@ std::vector<std::string> childEnvironment() {
 
 std::vector<char*> pointersTo(std::vector<std::string>& texts) {
   std::vector<char*> pointers;
+  pointers.reserve(texts.size() + 1);
   for (std::string& text : texts)
     pointers.push_back(text.data());
   pointers.push_back(nullptr);

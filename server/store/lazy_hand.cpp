@@ -33,8 +33,8 @@ LazyHand::Maker wrapping(std::shared_ptr<const hand::HandModel> model,
 
 }  // namespace
 
-LazyHand::LazyHand(std::shared_ptr<const hand::HandModel> model,
-                   std::optional<std::vector<hand::ContactSite>> sites,
+LazyHand::LazyHand(const std::shared_ptr<const hand::HandModel>& model,
+                   const std::optional<std::vector<hand::ContactSite>>& sites,
                    const hand::SkinOptions& options)
     : LazyHand(model, sites, wrapping(model, sites, options)) {}
 

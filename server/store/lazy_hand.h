@@ -25,8 +25,8 @@ class LazyHand {
   using Maker = std::function<hand::Hand(const Progress&, hand::SkinReport&)>;
 
   /// `sites` missing: found on the skin.
-  LazyHand(std::shared_ptr<const hand::HandModel> model,
-           std::optional<std::vector<hand::ContactSite>> sites,
+  LazyHand(const std::shared_ptr<const hand::HandModel>& model,
+           const std::optional<std::vector<hand::ContactSite>>& sites,
            const hand::SkinOptions& options = {});
   /// `sites` are what is known of them before the hand is made, if anything is.
   LazyHand(std::shared_ptr<const hand::HandModel> model,

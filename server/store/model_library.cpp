@@ -149,8 +149,7 @@ fs::path builtInLibrary() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
   if (!error) {
-    const fs::path installed =
-        program.parent_path().parent_path() / "share" / "handgraft" / "models";
+    fs::path installed = program.parent_path().parent_path() / "share" / "handgraft" / "models";
     if (fs::is_directory(installed, error)) return installed;
   }
   return HANDGRAFT_SOURCE_MODELS;

@@ -17,6 +17,7 @@ namespace {
 
 /// Of the environment; empty: it says nothing.
 std::string variable(const char* name) {
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody writes the environment.
   const char* value = std::getenv(name);
   return value == nullptr ? "" : value;
 }

@@ -2,8 +2,8 @@
 
 #include <cerrno>
 #include <chrono>
-#include <cstring>
 #include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include <fcntl.h>
@@ -64,7 +64,7 @@ StateStore::StateStore(const std::string& path, StateLimits limits)
     if (lock_ < 0) {
       throw StorageError(
           fmt::format("store {}: cannot be opened ({}); choose another folder by --state", path,
-                      std::strerror(errno)));
+                      std::generic_category().message(errno)));
     }
     if (flock(lock_, LOCK_EX | LOCK_NB) != 0) {
       close(lock_);

@@ -39,7 +39,7 @@ constexpr const char* kModelColumns =
 }  // namespace
 
 std::string StateStore::addBlob(std::string_view bytes) {
-  const std::string hash = hashOf(bytes);
+  std::string hash = hashOf(bytes);
   {
     const std::lock_guard lock(mutex_);
     requireRoom(bytes.size(), limits_.bytes);

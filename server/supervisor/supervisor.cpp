@@ -39,9 +39,10 @@ constexpr int kWrongInput = 2;
   prctl(PR_SET_PDEATHSIG, SIGKILL);  // also one that is stopped; its store can bear it
   sigset_t none;
   sigemptyset(&none);
-  sigprocmask(SIG_SETMASK, &none, nullptr);
+  pthread_sigmask(SIG_SETMASK, &none, nullptr);
   if (out >= 0) dup2(out, STDOUT_FILENO);
   std::vector<char*> argv;
+  argv.reserve(words.size() + 1);
   for (const std::string& word : words)
     argv.push_back(const_cast<char*>(word.c_str()));  // execv takes char* and reads it only
   argv.push_back(nullptr);
@@ -153,6 +154,14 @@ int askedToEnd() {
   return std::max(0, sigtimedwait(&ends, nullptr, &kNow));
 }
 
+bool isAskedToEndWithin(milliseconds time) {
+  for (const auto until = Clock::now() + time; Clock::now() < until;) {
+    if (askedToEnd() > 0) return true;
+    poll(nullptr, 0, static_cast<int>(kLook.count()));
+  }
+  return false;
+}
+
 /// Asks the server to end, and sees to it that it does. Returns the exit code.
 int end(Twin& server, int signal) {
   kill(server.pid(), signal);
@@ -175,6 +184,46 @@ struct Life {
   bool is_up = false;  ///< once
 };
 
+/// Since when the server has said nothing, and how much of that counts against it.
+class Unheard {
+ public:
+  Unheard(pid_t server, Clock::time_point now)
+      : server_(server), counted_(kForgiven, now), since_(now) {}
+
+  void hear(Clock::time_point now) {
+    counted_.begin(now);
+    since_ = now;
+    starvation_.reset();
+  }
+
+  /// Another one asks from now on.
+  void askAnew(Clock::time_point now) { counted_.begin(now); }
+
+  /// Nothing came between these.
+  void goOn(Clock::time_point before, Clock::time_point now) {
+    // What was not heard while this process itself stood still is nobody's silence.
+    if (now - before > kLook + kHeldUp) {
+      counted_.standStill(now - before);
+      since_ += now - before;
+    }
+    if (now - since_ <= kUsual) return;
+    if (!starvation_) starvation_.emplace(server_);
+    counted_.forgive(std::min<Clock::duration>(starvation_->sinceLast(), now - before));
+  }
+
+  [[nodiscard]] Clock::duration counts(Clock::time_point now) const {
+    return counted_.lasts(now);
+  }
+
+  [[nodiscard]] Clock::duration lasts(Clock::time_point now) const { return now - since_; }
+
+ private:
+  const pid_t server_;
+  Silence counted_;          ///< since an answer, or a new asker
+  Clock::time_point since_;  ///< an answer
+  std::optional<Starvation> starvation_;
+};
+
 /// Watches the server until it ends, falls silent, or is to end.
 Life watch(Twin& server, const std::vector<std::string>& arguments) {
   std::optional<ServerProbe> asker;
@@ -182,10 +231,7 @@ Life watch(Twin& server, const std::vector<std::string>& arguments) {
   Life life;
   bool is_asked_again = false;
   bool is_watched = true;
-  const Clock::time_point begin = Clock::now();
-  Silence silence(kForgiven, begin);  // since an answer, or a new asker
-  Clock::time_point silent_since = begin;
-  std::optional<Starvation> starvation;
+  Unheard unheard(server.pid(), Clock::now());
   while (true) {
     const Clock::time_point before = Clock::now();
     const ServerProbe::Heard heard = asker->hear(kLook);
@@ -195,25 +241,15 @@ Life watch(Twin& server, const std::vector<std::string>& arguments) {
       return life;
     }
     if (server.hasEnded()) return life;
-    // What was not heard while this process itself stood still is nobody's silence.
-    if (now - before > kLook + kHeldUp) {
-      silence.standStill(now - before);
-      silent_since += now - before;
-    }
     // What another asker finds at first may have waited for it.
     if (heard.answered || (heard.found && !life.is_up)) {
       life.is_up = true;
       is_asked_again = false;
-      silence.begin(now);
-      silent_since = now;
-      starvation.reset();
+      unheard.hear(now);
       continue;
     }
-    if (now - silent_since > kUsual) {
-      if (!starvation) starvation.emplace(server.pid());
-      silence.forgive(std::min<Clock::duration>(starvation->sinceLast(), now - before));
-    }
-    if (!is_watched || silence.lasts(now) < (life.is_up ? kSilence : kStart)) continue;
+    unheard.goOn(before, now);
+    if (!is_watched || unheard.counts(now) < (life.is_up ? kSilence : kStart)) continue;
     if (asker->isUnfit()) {
       log::warn(
           "event=not_asked reason=\"this server's identity may not ask; it is started "
@@ -227,11 +263,11 @@ Life watch(Twin& server, const std::vector<std::string>& arguments) {
       asker.reset();
       asker.emplace(arguments, server.pid());
       is_asked_again = true;
-      silence.begin(Clock::now());
+      unheard.askAnew(Clock::now());
       continue;
     }
     log::error("event=server_deaf process={} silent_s={:.1f}", server.pid(),
-               std::chrono::duration<double>(now - silent_since).count());
+               std::chrono::duration<double>(unheard.lasts(now)).count());
     life.fate = Fate::kDeaf;
     return life;
   }
@@ -265,10 +301,7 @@ int supervise(const std::vector<std::string>& arguments) {
     // One that dies again and again is not started ever faster.
     pause =
         Clock::now() - begin > kLongestPause ? kFirstPause : std::min(2 * pause, kLongestPause);
-    for (const auto until = Clock::now() + pause; Clock::now() < until;) {
-      if (askedToEnd() > 0) return 0;
-      poll(nullptr, 0, static_cast<int>(kLook.count()));
-    }
+    if (isAskedToEndWithin(pause)) return 0;
   }
 }
 
