@@ -106,7 +106,7 @@ class EditedSession : public EditContext {
   void take(const OnSample& on_sample = {}, const OnState& on_state = {});
   /// What the last pose tells of patches that do not count.
   void learn();
-  std::string toldBy(const v1::SessionState& state) const;
+  [[nodiscard]] std::string toldBy(const v1::SessionState& state) const;
 
   Client& server_;
   Session session_;

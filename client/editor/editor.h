@@ -93,7 +93,7 @@ class Editor {
   void goOnIn(const v1::SessionState& state);
   /// What becomes of the session with id `left` when another one is taken, with a separator;
   /// empty if it is the same one.
-  std::string farewell(std::uint64_t left, bool has_ended) const;
+  [[nodiscard]] std::string farewell(std::uint64_t left, bool has_ended) const;
   /// Where a dragged point is after the search, if that is not where it was dragged to.
   std::string endedAt(const v1::DragEdit& drag);
 

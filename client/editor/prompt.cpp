@@ -50,7 +50,9 @@ std::string inLines(const std::vector<std::string>& words) {
 }  // namespace
 
 fs::path historyFile() {
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody writes the environment.
   const char* state = std::getenv("XDG_STATE_HOME");
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody writes the environment.
   const char* home = std::getenv("HOME");
   fs::path folder;
   if (state != nullptr && *state == '/') {

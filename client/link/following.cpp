@@ -10,6 +10,13 @@ namespace {
 
 constexpr std::chrono::milliseconds kLook(20);  // for a wish to stop, and a server that is gone
 
+void tellMotion(SessionStream& stream, const Listener& listener) {
+  for (const v1::MotionFrames& frames : stream.takeMotion())
+    if (listener.on_frames) listener.on_frames(frames);
+  const std::optional<v1::MotionClock> clock = stream.takeClock();
+  if (clock && listener.on_clock) listener.on_clock(*clock);
+}
+
 }  // namespace
 
 Following::Following(Client& client, std::uint64_t session_id, Listener listener)
@@ -43,10 +50,7 @@ void Following::run() {
       closed = closed || state.phase() == v1::PHASE_CLOSED;
       if (listener_.on_state) listener_.on_state(state);
     });
-    for (const v1::MotionFrames& frames : stream_.takeMotion())
-      if (listener_.on_frames) listener_.on_frames(frames);
-    const std::optional<v1::MotionClock> clock = stream_.takeClock();
-    if (clock && listener_.on_clock) listener_.on_clock(*clock);
+    tellMotion(stream_, listener_);
     if (!closed) stream_.wait(kLook);
   }
   if (closed && listener_.on_end) listener_.on_end(nullptr);

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <regex>
+#include <system_error>
 #include <utility>
 
 #include <unistd.h>
@@ -36,7 +36,8 @@ void requireReadable(const fs::path& path) {
   if (!fs::exists(status)) rejectInput("{}: no such file", quoted(path.string()));
   if (!fs::is_regular_file(status)) rejectInput("{}: not a file", quoted(path.string()));
   if (access(path.c_str(), R_OK) != 0) {
-    rejectInput("{}: cannot be read ({})", quoted(path.string()), std::strerror(errno));
+    rejectInput("{}: cannot be read ({})", quoted(path.string()),
+                std::generic_category().message(errno));
   }
   const std::uintmax_t size = fs::file_size(path, error);
   if (error || size == 0) rejectInput("{}: the file is empty", quoted(path.string()));

@@ -5,9 +5,9 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
-#include <cstring>
 #include <random>
 #include <sstream>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -40,6 +40,7 @@ std::optional<fs::path> findServerProgram() {
   std::error_code error;
   const fs::path self = fs::read_symlink("/proc/self/exe", error);
   if (!error && isProgram(self.parent_path() / kProgram)) return self.parent_path() / kProgram;
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody writes the environment.
   const char* path = std::getenv("PATH");
   std::istringstream folders(path == nullptr ? "" : path);
   for (std::string folder; std::getline(folders, folder, ':');) {
@@ -95,8 +96,8 @@ PrivateServer::PrivateServer(const fs::path& program, const Network& network) {
   if (pid_ < 0) {
     const int reason = errno;
     if (log_ >= 0) close(log_);
-    throw TransportError(
-        fmt::format("{}: cannot be started ({})", program.string(), std::strerror(reason)));
+    throw TransportError(fmt::format("{}: cannot be started ({})", program.string(),
+                                     std::generic_category().message(reason)));
   }
 }
 

@@ -1,7 +1,7 @@
 #include "client/present/output_file.h"
 
 #include <cerrno>
-#include <cstring>
+#include <system_error>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -69,13 +69,13 @@ Target targetOf(const fs::path& path, const std::string& label) {
       rejectInput("{}: cannot be written (the file is read-only)", label);
     }
     if (access(path.c_str(), W_OK) != 0) {
-      rejectInput("{}: cannot be written ({})", label, std::strerror(errno));
+      rejectInput("{}: cannot be written ({})", label, std::generic_category().message(errno));
     }
     target.permissions = status.permissions();
   }
   const bool open_folder = access(folder.c_str(), W_OK) == 0;
   if (!target.exists && !open_folder) {
-    rejectInput("{}: cannot be written ({})", label, std::strerror(errno));
+    rejectInput("{}: cannot be written ({})", label, std::generic_category().message(errno));
   }
   target.replaceable = ordinary && open_folder && fs::is_directory(folder, error);
   return target;
@@ -146,7 +146,8 @@ void writeFile(const fs::path& path, std::string_view bytes) {
   const Target target = targetOf(path, label);
   const int reason = target.replaceable ? replace(target, bytes)
                                         : writeAll(target.path, O_TRUNC | O_NOCTTY, bytes);
-  if (reason != 0) rejectInput("{}: cannot be written ({})", label, std::strerror(reason));
+  if (reason != 0)
+    rejectInput("{}: cannot be written ({})", label, std::generic_category().message(reason));
 }
 
 void OutputFiles::write(const std::function<void()>& writing) {

@@ -228,17 +228,11 @@ class Page {
   std::thread thread_;  ///< last: it uses the others
 };
 
-void defineServer(py::module_& module) {
-  using client::Client;
-  py::class_<Client, std::shared_ptr<Client>>(module, "Client")
-      .def(py::init(&connect), "domain"_a, "interface"_a, "start"_a, "peers"_a, "server"_a,
-           "identity"_a)
-      .def_property_readonly("is_private", &Client::isPrivate)
-      .def("alive", &Client::alive)
-      .def("status",
-           [](Client& server) {
-             return dictOf(server.status());
-           })
+using client::Client;
+using ClientClass = py::class_<Client, std::shared_ptr<Client>>;
+
+void defineModels(ClientClass& server) {
+  server
       .def("list_models",
            [](Client& server) {
              return awaitDict(server.listModels());
@@ -288,7 +282,11 @@ void defineServer(py::module_& module) {
           [](Client& server, const std::string& kind, const std::string& name) {
             await(server.unload(kindFrom(kind), name));
           },
-          "kind"_a, "name"_a)
+          "kind"_a, "name"_a);
+}
+
+void defineSessions(ClientClass& server) {
+  server
       .def("list_sessions",
            [](Client& server) {
              return awaitDict(server.listSessions());
@@ -312,7 +310,20 @@ void defineServer(py::module_& module) {
           [](const std::shared_ptr<Client>& server, const std::string& text) {
             return std::make_unique<LiveSession>(server, await(server->loadSession(text)));
           },
-          "text"_a)
+          "text"_a);
+}
+
+void defineServer(py::module_& module) {
+  ClientClass server(module, "Client");
+  server
+      .def(py::init(&connect), "domain"_a, "interface"_a, "start"_a, "peers"_a, "server"_a,
+           "identity"_a)
+      .def_property_readonly("is_private", &Client::isPrivate)
+      .def("alive", &Client::alive)
+      .def("status",
+           [](Client& server) {
+             return dictOf(server.status());
+           })
       .def(
           "ask",
           [](Client& server, const py::dict& body) {
@@ -326,6 +337,8 @@ void defineServer(py::module_& module) {
             return client::gateway::pageFile(server, id, client::gateway::readWebFiles(folder));
           },
           "session_id"_a, "folder"_a);
+  defineModels(server);
+  defineSessions(server);
   py::class_<Page>(module, "Page")
       .def(py::init<std::shared_ptr<Client>, const std::string&>(), "server"_a, "folder"_a)
       .def_property_readonly("address", &Page::address);

@@ -92,6 +92,7 @@ std::vector<std::string> jointsOf(const std::string& heading) {
 
 std::vector<double> columnOf(const std::vector<std::vector<double>>& rows, std::size_t joint) {
   std::vector<double> column;
+  column.reserve(rows.size());
   for (const std::vector<double>& row : rows)
     column.push_back(row[joint]);
   return column;
@@ -195,6 +196,7 @@ render::Image drawRun(const BridgeRun& run, std::size_t most) {
   std::vector<std::size_t> order(run.joints.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::vector<double> spans;
+  spans.reserve(order.size());
   for (const std::size_t i : order)
     spans.push_back(spanOf(columnOf(run.measured, i)));
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {

@@ -23,6 +23,7 @@ int run(const BringUpOptions& options,
   std::vector<std::string> all = options.arguments;
   all.insert(all.begin(), program);
   std::vector<char*> arguments;
+  arguments.reserve(all.size() + 1);
   for (std::string& argument : all)
     arguments.push_back(argument.data());
   arguments.push_back(nullptr);

@@ -1,6 +1,6 @@
 #include <cerrno>
 #include <cstdio>
-#include <cstring>
+#include <system_error>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -40,7 +40,9 @@ class LineReader {
     if (std::filesystem::is_directory(file, error)) {
       rejectInput("--script {}: that is a folder", quoted(file.string()));
     }
-    if (fd_ < 0) rejectInput("{}: cannot be read ({})", quoted(file.string()), strerror(errno));
+    if (fd_ < 0)
+      rejectInput("{}: cannot be read ({})", quoted(file.string()),
+                  std::generic_category().message(errno));
   }
 
   ~LineReader() {

@@ -18,6 +18,7 @@ namespace security = idl::security;
 
 fs::path usualKeys() {
   const auto value = [](const char* name) -> std::string {
+    // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody writes the environment.
     const char* text = std::getenv(name);
     return text == nullptr ? "" : text;
   };

@@ -30,6 +30,7 @@ constexpr std::chrono::milliseconds kLook(50);
 /// A screen that a browser could open a window on.
 bool hasScreen() {
   const auto is_set = [](const char* name) {
+    // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody writes the environment.
     const char* value = std::getenv(name);
     return value != nullptr && value[0] != '\0';
   };

@@ -22,6 +22,39 @@ void printLine(const std::string& line) {
   std::fflush(stdout);
 }
 
+/// Prints what a session publishes, until that is enough.
+class StreamPrinter {
+ public:
+  /// `now`: the session as it is; `most`: solutions that count, 0: any number.
+  StreamPrinter(const v1::SessionState& now, std::uint64_t most, bool as_json)
+      : now_(now), most_(most), as_json_(as_json) {}
+
+  void print(const v1::PoseSolution& solution) {
+    if (hasEnough()) return;
+    if (solution.is_diagnosed()) ++seen_;
+    printLine(as_json_ ? json::solutionEvent(solution, now_.joint_names())
+                       : text::solutionLine(solution));
+  }
+
+  void print(const v1::SessionState& state) {
+    // Who comes late is told older states first.
+    if (hasEnough() || state.revision() < now_.revision()) return;
+    is_closed_ = is_closed_ || state.phase() == v1::PHASE_CLOSED;
+    printLine(as_json_ ? json::stateEvent(state) : text::stateLine(state));
+  }
+
+  [[nodiscard]] bool hasEnough() const { return most_ != 0 && seen_ >= most_; }
+
+  [[nodiscard]] bool isClosed() const { return is_closed_; }
+
+ private:
+  const v1::SessionState& now_;
+  const std::uint64_t most_;
+  const bool as_json_;
+  std::uint64_t seen_ = 0;
+  bool is_closed_ = false;
+};
+
 }  // namespace
 
 int run(const WatchOptions& options, const CommonOptions& common, Interruption& interruption) {
@@ -31,31 +64,21 @@ int run(const WatchOptions& options, const CommonOptions& common, Interruption& 
       server.describeSession(session_id).get();  // it is known to exist
   SessionStream stream(server, session_id);
 
-  bool closed = false;
-  std::uint64_t seen = 0;
-  const auto enough = [&] {
-    return options.count != 0 && seen >= options.count;
-  };
-  while (!closed && !enough() && !interruption.requested()) {
+  StreamPrinter printer(now, options.count, common.json);
+  while (!printer.isClosed() && !printer.hasEnough() && !interruption.requested()) {
     stream.take(
         [&](const v1::PoseSolution& solution) {
-          if (enough()) return;
-          if (solution.is_diagnosed()) ++seen;
-          printLine(common.json ? json::solutionEvent(solution, now.joint_names())
-                                : text::solutionLine(solution));
+          printer.print(solution);
         },
         [&](const v1::SessionState& state) {
-          // Who comes late is told older states first.
-          if (enough() || state.revision() < now.revision()) return;
-          closed = closed || state.phase() == v1::PHASE_CLOSED;
-          printLine(common.json ? json::stateEvent(state) : text::stateLine(state));
+          printer.print(state);
         });
-    if (enough()) break;
+    if (printer.hasEnough()) break;
     if (!server.alive()) {
       throw NoServer(fmt::format("handgraft-server on {} stopped answering",
                                  handgraft::describe(common.network)));
     }
-    if (!closed) stream.wait(std::chrono::milliseconds(20));
+    if (!printer.isClosed()) stream.wait(std::chrono::milliseconds(20));
   }
   return 0;
 }

@@ -179,6 +179,7 @@ void ContactFlags::requireUnused(const char* whom) const {
 
 void addUnits(CLI::App& command, std::string& units, const std::string& whose) {
   std::vector<std::string> names;
+  names.reserve(std::size(kLengthUnits));
   for (const LengthUnit& unit : kLengthUnits)
     names.emplace_back(unit.name);
   command

@@ -292,6 +292,40 @@ void addPlay(CLI::App& motion, CommandOptions& chosen) {
   });
 }
 
+double numberAfter(const std::string& verb, const std::string& text) {
+  std::size_t read = 0;
+  double value = 0.0;
+  try {
+    value = std::stod(text, &read);
+  } catch (const std::exception&) {
+    read = 0;
+  }
+  if (read == 0 || read != text.size())
+    rejectInput("{} {}: a number must follow", verb, handgraft::quoted(text));
+  return value;
+}
+
+/// `verb` and what follows it: play, pause, seek S, speed X, loop on|off.
+void setClockAction(const std::string& verb,
+                    const std::string& value,
+                    MotionClockOptions& options) {
+  if (verb == "play" || verb == "pause") {
+    options.action = verb == "play" ? v1::CLOCK_PLAY : v1::CLOCK_PAUSE;
+    if (!value.empty()) rejectInput("{}: nothing follows it", verb);
+  } else if (verb == "seek" || verb == "speed") {
+    options.action = verb == "seek" ? v1::CLOCK_SEEK : v1::CLOCK_SPEED;
+    options.value = numberAfter(verb, value);
+  } else if (verb == "loop") {
+    if (value != "on" && value != "off")
+      rejectInput("loop {}: on or off", handgraft::quoted(value));
+    options.action = v1::CLOCK_LOOP;
+    options.value = value == "on" ? 1.0 : 0.0;
+  } else {
+    rejectInput("{}: there are play, pause, seek S, speed X, loop on|off",
+                handgraft::quoted(verb));
+  }
+}
+
 void addClock(CLI::App& motion, CommandOptions& chosen) {
   struct Parsed {
     MotionClockOptions options;
@@ -312,37 +346,8 @@ void addClock(CLI::App& motion, CommandOptions& chosen) {
   command->add_option("value", parsed->value, "Of seek (s), speed (times real time) or loop");
   command->fallthrough();
   command->callback([parsed, &chosen] {
-    MotionClockOptions& options = parsed->options;
-    const std::string& verb = parsed->verb;
-    const auto number = [&] {
-      std::size_t read = 0;
-      double value = 0.0;
-      try {
-        value = std::stod(parsed->value, &read);
-      } catch (const std::exception&) {
-        read = 0;
-      }
-      if (read == 0 || read != parsed->value.size())
-        rejectInput("{} {}: a number must follow", verb, handgraft::quoted(parsed->value));
-      return value;
-    };
-    const bool stands_alone = verb == "play" || verb == "pause";
-    if (stands_alone) {
-      options.action = verb == "play" ? v1::CLOCK_PLAY : v1::CLOCK_PAUSE;
-      if (!parsed->value.empty()) rejectInput("{}: nothing follows it", verb);
-    } else if (verb == "seek" || verb == "speed") {
-      options.action = verb == "seek" ? v1::CLOCK_SEEK : v1::CLOCK_SPEED;
-      options.value = number();
-    } else if (verb == "loop") {
-      if (parsed->value != "on" && parsed->value != "off")
-        rejectInput("loop {}: on or off", handgraft::quoted(parsed->value));
-      options.action = v1::CLOCK_LOOP;
-      options.value = parsed->value == "on" ? 1.0 : 0.0;
-    } else {
-      rejectInput("{}: there are play, pause, seek S, speed X, loop on|off",
-                  handgraft::quoted(verb));
-    }
-    chosen = options;
+    setClockAction(parsed->verb, parsed->value, parsed->options);
+    chosen = parsed->options;
   });
 }
 

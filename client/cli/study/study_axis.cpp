@@ -46,7 +46,7 @@ std::vector<std::string> split(const std::string& text, char separator) {
 /// NAME.PROPERTY, and what follows `=`.
 struct Named {
   std::string name;
-  v1::HandProperty property;
+  v1::HandProperty property{};
   std::string target;
   std::string values;
 };

@@ -103,6 +103,48 @@ std::string objectOf(const fs::path& file,
   return mesh.empty() ? head.object : mesh;
 }
 
+/// A JSON file of the folder: what it holds, or why it is left out.
+void addSetOrMotion(const fs::path& file,
+                    const StudyFolders& folders,
+                    const std::vector<fs::path>& objects,
+                    FoundGrasps& found) {
+  const SetHead head = headOf(file);
+  if (!head.is_set && !head.is_motion) {
+    found.skipped.push_back({file, head.is_neither});
+    return;
+  }
+  StudyGrasp grasp{file.stem().string(), file, folders.object};
+  if (grasp.object.empty()) grasp.object = objectOf(file, head, objects);
+  if (head.is_motion) grasp.motion = std::exchange(grasp.contacts, {}).string();
+  found.grasps.push_back(std::move(grasp));
+}
+
+StudyGrasp graspOfMap(const fs::path& file,
+                      const StudyFolders& folders,
+                      const std::vector<fs::path>& objects) {
+  StudyGrasp grasp{file.stem().string(), file, folders.object};
+  if (grasp.object.empty()) grasp.object = meshBeginning(grasp.label, objects);
+  if (grasp.object.empty())
+    rejectInput("{}: no object in {} has a name that begins its own", quoted(file.string()),
+                quoted(folders.objects.string()));
+  return grasp;
+}
+
+/// `motion`: a model's name, or a path.
+StudyGrasp graspOfMotion(const std::string& motion,
+                         const StudyFolders& folders,
+                         const std::vector<fs::path>& objects) {
+  StudyGrasp grasp{motion, {}, folders.object, motion};
+  if (!isPath(motion)) return grasp;
+  const fs::path file = motion;
+  const SetHead head = headOf(file);
+  if (!head.is_motion)
+    rejectInput("--motion {}: it is no motion (handgraft-motion/1)", quoted(motion));
+  grasp.label = file.stem().string();
+  if (grasp.object.empty()) grasp.object = objectOf(file, head, objects);
+  return grasp;
+}
+
 }  // namespace
 
 FoundGrasps findGrasps(const StudyFolders& folders) {
@@ -114,37 +156,14 @@ FoundGrasps findGrasps(const StudyFolders& folders) {
   const bool with_maps = !folders.objects.empty() || !folders.object.empty();
   FoundGrasps found;
   for (const fs::path& file : files) {
-    const bool is_set = extensionOf(file) == ".json";
-    if (!is_set && !(with_maps && extensionOf(file) == ".ply")) continue;
-    StudyGrasp grasp{file.stem().string(), file, folders.object};
-    if (is_set) {
-      const SetHead head = headOf(file);
-      if (!head.is_set && !head.is_motion) {
-        found.skipped.push_back({file, head.is_neither});
-        continue;
-      }
-      if (grasp.object.empty()) grasp.object = objectOf(file, head, objects);
-      if (head.is_motion) grasp.motion = std::exchange(grasp.contacts, {}).string();
-    } else if (grasp.object.empty()) {
-      grasp.object = meshBeginning(grasp.label, objects);
-      if (grasp.object.empty())
-        rejectInput("{}: no object in {} has a name that begins its own", quoted(file.string()),
-                    quoted(folders.objects.string()));
-    }
-    found.grasps.push_back(std::move(grasp));
+    const std::string extension = extensionOf(file);
+    if (extension == ".json")
+      addSetOrMotion(file, folders, objects, found);
+    else if (with_maps && extension == ".ply")
+      found.grasps.push_back(graspOfMap(file, folders, objects));
   }
-  for (const std::string& motion : folders.motions) {
-    StudyGrasp grasp{motion, {}, folders.object, motion};
-    if (isPath(motion)) {
-      const fs::path file = motion;
-      const SetHead head = headOf(file);
-      if (!head.is_motion)
-        rejectInput("--motion {}: it is no motion (handgraft-motion/1)", quoted(motion));
-      grasp.label = file.stem().string();
-      if (grasp.object.empty()) grasp.object = objectOf(file, head, objects);
-    }
-    found.grasps.push_back(std::move(grasp));
-  }
+  for (const std::string& motion : folders.motions)
+    found.grasps.push_back(graspOfMotion(motion, folders, objects));
   if (found.grasps.empty())
     rejectInput("--contacts-dir {}: it holds no contact set and no motion (*.json){}",
                 quoted(folders.contacts.string()),
