@@ -231,9 +231,8 @@ class Page {
 using client::Client;
 using ClientClass = py::class_<Client, std::shared_ptr<Client>>;
 
-void defineModels(ClientClass& server) {
-  server
-      .def("list_models",
+void defineModels(ClientClass& type) {
+  type.def("list_models",
            [](Client& server) {
              return awaitDict(server.listModels());
            })
@@ -285,9 +284,8 @@ void defineModels(ClientClass& server) {
           "kind"_a, "name"_a);
 }
 
-void defineSessions(ClientClass& server) {
-  server
-      .def("list_sessions",
+void defineSessions(ClientClass& type) {
+  type.def("list_sessions",
            [](Client& server) {
              return awaitDict(server.listSessions());
            })
@@ -314,9 +312,8 @@ void defineSessions(ClientClass& server) {
 }
 
 void defineServer(py::module_& module) {
-  ClientClass server(module, "Client");
-  server
-      .def(py::init(&connect), "domain"_a, "interface"_a, "start"_a, "peers"_a, "server"_a,
+  ClientClass type(module, "Client");
+  type.def(py::init(&connect), "domain"_a, "interface"_a, "start"_a, "peers"_a, "server"_a,
            "identity"_a)
       .def_property_readonly("is_private", &Client::isPrivate)
       .def("alive", &Client::alive)
@@ -337,8 +334,8 @@ void defineServer(py::module_& module) {
             return client::gateway::pageFile(server, id, client::gateway::readWebFiles(folder));
           },
           "session_id"_a, "folder"_a);
-  defineModels(server);
-  defineSessions(server);
+  defineModels(type);
+  defineSessions(type);
   py::class_<Page>(module, "Page")
       .def(py::init<std::shared_ptr<Client>, const std::string&>(), "server"_a, "folder"_a)
       .def_property_readonly("address", &Page::address);
