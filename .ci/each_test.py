@@ -2,6 +2,8 @@
 """each_test.py BUILD REGEX: the tests of a build whose names match, program by program. A program
 whose tests passed is not run again until it changes, or a file that it may read; what starts other
 programs not until any of those does. Ends with 1 if a test failed.
+
+What the tests of core read is their own; all others may start the programs that are built.
 """
 import json
 import os
@@ -20,12 +22,22 @@ def ctest(build, *arguments, **keywords):
 
 
 def tracked(*patterns):
-    return subprocess.run(['git', 'ls-files', '--', *patterns], stdout=subprocess.PIPE, text=True,
-                          check=True).stdout.split('\n')[:-1]
+    listed = subprocess.run(['git', 'ls-files', '--', *patterns], stdout=subprocess.PIPE, text=True, check=True)
+    return [path for path in listed.stdout.split('\n')[:-1] if os.path.exists(path)]
 
 
-def files_below(folder):
-    return [os.path.join(root, name) for root, _, names in os.walk(folder) for name in names]
+def programs_of(build):
+    """What tests start: the programs, and their stand-ins beside the tests."""
+    found = [os.path.join(build, folder, name) for folder in ('bin', 'tests')
+             for name in os.listdir(os.path.join(build, folder))]
+    return [path for path in found if os.path.isfile(path) and not path.endswith('_test')]
+
+
+def shared_data():
+    """The data beside the clone, by names and sizes: without it tests are skipped."""
+    folder = os.environ.get('HANDGRAFT_SHARED_DATA', os.path.join(passed.ROOT, '../shared/data'))
+    return [f'{os.path.relpath(path, folder)} {os.path.getsize(path)}'
+            for root, _, names in os.walk(folder) for path in (os.path.join(root, name) for name in names)]
 
 
 def main():
@@ -39,13 +51,14 @@ def main():
         groups.setdefault((test['command'][0], 'unit' in labels), []).append(test['name'])
     # What is no source is read as it runs: models, scenarios, golden files.
     read = tracked(':!*.cpp', ':!*.h', ':!*.md')
-    started = files_below(os.path.join(build, 'bin'))
+    started, data = programs_of(build), shared_data()
     begun, failed, known = time.monotonic(), [], 0
     for (program, is_unit), names in sorted(groups.items(), key=lambda group: not group[0][1]):
         runs = [program] if os.path.isfile(program) else []
         label = os.path.basename(program)
         files = tracked() if label in READ_ALL else read
-        key = passed.key_of(sorted(names), runs + files + ([] if is_unit else started))
+        starts_none = is_unit and label.startswith('core_')
+        key = passed.key_of(sorted(names + data), runs + files + ([] if starts_none else started))
         if passed.has(key):
             known += len(names)
             continue

@@ -2,9 +2,9 @@
 """unity_groups.py MOST FILE...: one group number a line, for the sources of one target.
 
 Sources of a group are compiled as one, which reads shared headers once: so those that see the same
-libraries come together, and what such a library makes anew in each compile is made in few. What C++ keeps apart by
-file, names in anonymous namespaces, would then clash: so no two sources of a group declare the
-same name there. Names are read off the layout that clang-format gives (declarations of a namespace
+libraries come together, and what such a library makes anew in each compile is made in few. What C++
+keeps apart by file, names in anonymous namespaces, would then clash: so no two sources of a group
+declare the same name there. Names are read off the layout that clang-format gives (declarations of a namespace
 begin in column 0); a name missed is a compile error, never a silent change.
 """
 import functools

@@ -54,20 +54,20 @@ void ask(const std::shared_ptr<Answers>& answers,
 std::map<std::string, NameAnswer> addressesOf(const std::vector<std::string>& names,
                                               const NameService& service) {
   const auto answers = std::make_shared<Answers>();
-  const auto isOpen = [&](const std::string& name) {
+  const auto is_open = [&](const std::string& name) {
     return !answers->known[name].is_final;
   };
-  const auto areAllKnown = [&] {
-    return std::none_of(names.begin(), names.end(), isOpen);
+  const auto are_all_known = [&] {
+    return std::none_of(names.begin(), names.end(), is_open);
   };
   const Clock::time_point give_up = Clock::now() + kPatience;
   std::unique_lock lock(answers->mutex);
-  while (!areAllKnown() && Clock::now() < give_up) {
+  while (!are_all_known() && Clock::now() < give_up) {
     for (const std::string& name : names) {
-      if (isOpen(name)) ask(answers, service, name);
+      if (is_open(name)) ask(answers, service, name);
     }
     const Clock::time_point again = std::min(Clock::now() + kAskedAgain, give_up);
-    answers->arrived.wait_until(lock, again, areAllKnown);
+    answers->arrived.wait_until(lock, again, are_all_known);
   }
   return answers->known;
 }

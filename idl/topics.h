@@ -42,12 +42,12 @@ constexpr bool isKept(Qos profile) {
 }
 
 /// Largest message that the server takes, bytes; saved sessions are the largest ones sent.
-inline constexpr std::size_t kLargestRequest = 16 * 1024 * 1024;
+inline constexpr std::size_t kLargestRequest = 16UL * 1024 * 1024;
 
 template <class Message>
 struct Topic {
-  const char* name;
-  Qos qos;
+  const char* name = "";
+  Qos qos{};
   /// Of a ROS 2 topic, RIHS01_...: announced as ROS since Iron expects it, without type
   /// information. Empty: a topic of ours.
   const char* ros_type_hash = "";
@@ -72,6 +72,7 @@ class JointState;
 class BridgeStatus;
 }  // namespace handgraft::v1
 
+// NOLINTBEGIN(readability-identifier-naming): ROS 2's
 namespace sensor_msgs::msg::dds_ {
 class JointState_;
 }  // namespace sensor_msgs::msg::dds_
@@ -88,6 +89,8 @@ namespace std_srvs::srv::dds_ {
 class Trigger_Request_;
 class Trigger_Response_;
 }  // namespace std_srvs::srv::dds_
+
+// NOLINTEND(readability-identifier-naming)
 
 namespace handgraft::idl {
 

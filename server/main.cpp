@@ -43,7 +43,7 @@ constexpr int kWrongInput = 2;
 constexpr std::chrono::seconds kForsaken{10};
 constexpr std::size_t kReserves = 16;
 // Who is not heard for 20 s is dropped by the other side (idl/DECISIONS.md).
-constexpr double kMissed = 16.0;
+constexpr double kMissed = 16.0;  // s
 
 struct Options {
   Network network;

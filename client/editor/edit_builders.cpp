@@ -12,7 +12,7 @@ namespace handgraft::client::editor {
 namespace {
 
 // Whoever points at a surface is not farther from it: numbers in another unit or frame are.
-constexpr double kFarthestRoot = 0.05;
+constexpr double kFarthestRoot = 0.05;  // m
 
 v1::PatchSide sideOf(const std::string& side) {
   return side == "object" ? v1::SIDE_OBJECT : v1::SIDE_HAND;

@@ -253,7 +253,7 @@ CommandOutput Editor::edit(const Parsed& command) {
 }
 
 std::string Editor::endedAt(const v1::DragEdit& drag) {
-  constexpr double kNoticed = 0.002;  // what a person means by another place
+  constexpr double kNoticed = 0.002;  // m; what a person means by another place
   if (drag.weight() == 0.0) return "";
   const v1::PoseSolution* pose = session_->solution();
   if (pose == nullptr) return "";
@@ -267,7 +267,7 @@ std::string Editor::endedAt(const v1::DragEdit& drag) {
 }
 
 std::string Editor::movedAgain(const Match& bend) {
-  constexpr double kNoticed = 0.005;  // rad or m: what a person means by another place
+  constexpr double kNoticed = 0.005;  // m; rad or m: what a person means by another place
   const v1::PoseSolution* pose = session_->solution();
   if (pose == nullptr) return "";
   const std::vector<std::string>& joints = session_->state().joint_names();
@@ -416,8 +416,8 @@ CommandOutput Editor::solve(const std::optional<v1::SolveOptions>& options) {
 }
 
 CommandOutput Editor::suggest(const Match& match) {
-  constexpr double kLeastReach = 1e-4;  // idl/sessions.idl
-  constexpr double kMostReach = 0.1;
+  constexpr double kLeastReach = 1e-4;  // m; idl/sessions.idl
+  constexpr double kMostReach = 0.1;    // m
   v1::SuggestRequest request;
   request.session_id(session_->id());
   request.patch(match.values.at(0).text);

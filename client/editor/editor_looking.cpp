@@ -68,7 +68,7 @@ CommandOutput Editor::compare(const Match& match) {
 
 CommandOutput Editor::watch(const Match& match) {
   using Clock = std::chrono::steady_clock;
-  constexpr double kLongest = 1e6;
+  constexpr double kLongest = 1e6;  // s
   double seconds = kLongest;
   if (!match.values.empty()) {
     seconds = match.values[0].number;

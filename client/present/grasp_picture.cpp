@@ -17,7 +17,7 @@ using render::Color;
 constexpr Color kDroppedColor{120, 120, 120};
 constexpr Color kLostColor{215, 20, 30};
 constexpr Color kDistanceColor{30, 32, 36};
-constexpr float kFramedAbout = 0.12F;  // about the object: a hand without its forearm
+constexpr float kFramedAbout = 0.12F;  // m; about the object: a hand without its forearm
 constexpr double kHandOpacity = 0.86;
 constexpr double kObjectOpacity = 0.66;  // patches behind it shine through
 

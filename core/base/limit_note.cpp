@@ -12,8 +12,8 @@ std::string limitNote(const std::string& joint,
                       const JointRange& limits,
                       const JointRange& own) {
   // No joint of a hand goes round more than once, and none slides as far as this.
-  constexpr double kTurn = 2.0 * std::numbers::pi;
-  constexpr double kLongestTravel = 1.0;
+  constexpr double kTurn = 2.0 * std::numbers::pi;  // rad
+  constexpr double kLongestTravel = 1.0;            // m
   const double most = slides ? kLongestTravel : kTurn;
   if (limits.lower >= std::min(-most, own.lower) && limits.upper <= std::max(most, own.upper))
     return "";

@@ -29,9 +29,9 @@ struct Group {
 /// Share of a digit's region in one piece below which a segment's part is but a border.
 constexpr double kSliver = 0.15;
 /// A segment's vertices along the border of another's region make no contact of their own.
-constexpr double kNoise = 5e-6;
+constexpr double kNoise = 5e-6;  // m^2
 // Of one segment of a finger; a thumb's pad has some 600 mm2.
-constexpr double kLargestTouch = 8e-4;
+constexpr double kLargestTouch = 8e-4;  // m^2
 
 /// `index` and `proximal` of `index_proximal_2`; `index` and nothing of `index`.
 std::pair<std::string, std::string> splitPart(const std::string& part) {

@@ -15,10 +15,10 @@ namespace handgraft::hand {
 
 namespace {
 
-constexpr double kShortest = 0.008;
+constexpr double kShortest = 0.008;     // m
 constexpr double kShortestShare = 0.1;  // of the digit
 /// Links before the first bend that are longer are metacarpals: part of the palm.
-constexpr double kMetacarpal = 0.02;
+constexpr double kMetacarpal = 0.02;  // m
 constexpr double kParallelCosine = 0.7;
 /// Sine between a joint's axis and a bone that it moves.
 constexpr double kLever = 0.5;

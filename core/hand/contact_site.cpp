@@ -23,7 +23,7 @@ void checkUnit(const ContactSite& site, const Eigen::Vector3d& v, const char* wh
 
 /// Farthest that a site may lie from the box around its link: sites are slid onto the skin, and
 /// coordinates in millimetres are a common slip.
-constexpr double kFarthestOff = 0.02;
+constexpr double kFarthestOff = 0.02;  // m
 
 /// From a place to the box around the surface of its link; 0 where the link has none.
 double distanceToBox(const Link& link, const Eigen::Vector3d& p_L) {

@@ -18,16 +18,16 @@ constexpr double kEquallyFar = 1e-3;
 constexpr double kClearAsymmetry = 0.1;
 
 /// Joints that are nearer each other are one knuckle.
-constexpr double kShortBone = 0.005;
+constexpr double kShortBone = 0.005;  // m
 
 /// Sine of the least angle between where a jaw slides and where it points.
 constexpr double kAcross = 0.6;
 /// m; jaws nearer than that in the direction of their slide do not say to which side they
 /// close.
-constexpr double kJawsApart = 1e-3;
+constexpr double kJawsApart = 1e-3;  // m
 
 /// m; a bar of a mechanism lies so near the plane in which its finger moves.
-constexpr double kInPlane = 0.008;
+constexpr double kInPlane = 0.008;  // m
 
 const HandModel::Node& nodeOf(const HandModel& model, int link) {
   return model.nodes()[static_cast<std::size_t>(link - 1)];

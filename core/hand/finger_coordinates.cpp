@@ -20,7 +20,7 @@ using geometry::TriangleMesh;
 /// A place must face along its ray by this cosine; others are inner walls and edges.
 constexpr double kFacing = 0.1;
 /// What turning away by 90 degrees costs on the palm, against metres.
-constexpr double kPalmTurn = 0.03;
+constexpr double kPalmTurn = 0.03;  // m
 /// A wrist is at most this many palm widths from the knuckles: beyond is a forearm.
 constexpr double kLongestPalm = 1.7;
 /// Lengths of the segments of a human finger, from the tip, as shares: where a place from a
@@ -29,8 +29,8 @@ constexpr double kHumanDistal = 0.27;
 constexpr double kHumanMiddle = 0.27;
 
 /// From the first joint to the tip, of an adult.
-constexpr double kHumanFinger = 0.09;
-constexpr double kHumanThumb = 0.1;
+constexpr double kHumanFinger = 0.09;  // m
+constexpr double kHumanThumb = 0.1;    // m
 constexpr const char* kThumb = "thumb";
 
 /// The way to the tip as a share of the digit; where nobody knows, that of a human's place of

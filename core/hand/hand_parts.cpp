@@ -19,7 +19,7 @@ constexpr int kCarrier = -1;  // of the palm, or beside it
 constexpr int kPalm = -2;
 constexpr int kFirstLoose = -3;  // chains that are no digits: -3, -4, ...
 
-constexpr double kShortestBone = 1e-3;
+constexpr double kShortestBone = 1e-3;  // m
 /// Cosine between a pad's normal and another beyond which that looks from the link's back.
 constexpr double kBackCosine = -0.7;
 /// Sine between a bone and a normal below which its tangent is mostly noise: 30 degrees.

@@ -33,10 +33,10 @@ constexpr double kEdgeShares[] = {1.0, 0.7, 0.5};
 /// Sheets that are this share of the skin's area are worth a word.
 constexpr double kNotableSheets = 0.05;
 /// Sizes of a hand; outside them a mesh is in other units than its file says.
-constexpr double kSmallestHand = 0.01;
-constexpr double kLargestHand = 2.0;
-constexpr double kLargestAlpha = 0.05;
-constexpr double kMostAlphas = 600.0;  // across a hand: a wrap then takes a gigabyte
+constexpr double kSmallestHand = 0.01;  // m
+constexpr double kLargestHand = 2.0;    // m
+constexpr double kLargestAlpha = 0.05;  // m
+constexpr double kMostAlphas = 600.0;   // across a hand: a wrap then takes a gigabyte
 
 class Stopwatch {
  public:

@@ -13,9 +13,9 @@ namespace {
 
 constexpr int kRounds = 10;
 /// What a neighbour of another link counts, against the distance to a link.
-constexpr double kDisagreement = 0.0003;
+constexpr double kDisagreement = 0.0003;  // m
 /// A piece of a link's area that is smaller than both, and not its largest, is a splinter.
-constexpr double kSplinter = 50e-6;
+constexpr double kSplinter = 50e-6;  // m^2
 constexpr double kSplinterShare = 0.1;
 
 struct Choice {

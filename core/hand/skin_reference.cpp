@@ -12,11 +12,11 @@ namespace handgraft::hand {
 namespace {
 
 /// Gaps wider than this stay open in the wrap; more distance gains nothing.
-constexpr double kWantedGap = 0.010;
+constexpr double kWantedGap = 0.010;  // m
 constexpr int kSamplesPerLink = 40;
 constexpr int kSweeps = 2;
 /// Fingers stay nearly straight: strong bends crease the skin.
-constexpr double kWidestMove = 0.35;
+constexpr double kWidestMove = 0.35;  // rad
 /// What leaving the rest position by the joint's whole range costs, against a squared share of
 /// the wanted gap per sample: only real crowding is worth moving a joint.
 constexpr double kRestWeight = 0.5;

@@ -15,7 +15,7 @@ namespace handgraft::hand {
 namespace {
 
 /// A link shorter than this has no length to speak of: its joints meet in one place.
-constexpr double kShortestLength = 1e-3;
+constexpr double kShortestLength = 1e-3;  // m
 /// Room for a follower's limit beyond what its source permits: the division by its multiplier
 /// rounds.
 constexpr double kRoundOff = 1e-12;

@@ -7,7 +7,7 @@
 namespace handgraft::io {
 namespace {
 
-constexpr double kCloudReach = 0.005;  // from a point to the surface laid through it
+constexpr double kCloudReach = 0.005;  // m; from a point to the surface laid through it
 
 }  // namespace
 

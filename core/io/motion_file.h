@@ -29,6 +29,6 @@ std::string motionText(const manipulation::Motion& motion,
 /// naming the file if it is no JSON.
 std::string motionObjectIn(const std::filesystem::path& path);
 
-inline constexpr double kMotionReach = 0.01;
+inline constexpr double kMotionReach = 0.01;  // m
 
 }  // namespace handgraft::io

@@ -27,8 +27,8 @@ using manipulation::PatchKey;
 using manipulation::PatchTrack;
 using nlohmann::json;
 
-constexpr double kSequenceReach = 0.01;
-constexpr double kHighestRate = 1e5;  // frames a second
+constexpr double kSequenceReach = 0.01;  // m
+constexpr double kHighestRate = 1e5;     // frames a second
 
 Eigen::Vector3d placeIn(const json& object, const char* name) {
   const json& value = memberOf(object, name);
@@ -103,9 +103,9 @@ std::optional<hand::HandLocation> placeOnMano(const std::string& link,
        {"ring", "ring", {-0.0235, -0.0017, -0.0076}, {0.029, 0.025, 0.025}},
        {"pinky", "little", {-0.0159, -0.0007, -0.0103}, {0.021, 0.019, 0.020}}}};
   static constexpr std::array<const char*, 3> kSegments{"proximal", "middle", "distal"};
-  constexpr double kKnuckles = 0.088;  // from the wrist
-  constexpr double kFirst = 0.026;     // z of the first knuckle; the last one's is -0.043
-  constexpr double kAcross = 0.069;
+  constexpr double kKnuckles = 0.088;  // m; from the wrist
+  constexpr double kFirst = 0.026;     // m; z of the first knuckle; the last one's is -0.043
+  constexpr double kAcross = 0.069;    // m
 
   hand::HandLocation place;
   if (link == "wrist") {
@@ -188,7 +188,7 @@ class LinkTracks {
   }
 
  private:
-  static constexpr double kSamePoint = 0.03;
+  static constexpr double kSamePoint = 0.03;  // m
 
   struct Open {
     PatchTrack track;

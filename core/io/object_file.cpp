@@ -14,7 +14,7 @@ namespace handgraft::io {
 
 namespace {
 
-constexpr double kReach = 0.005;  // from a point to the surface laid through it
+constexpr double kReach = 0.005;  // m; from a point to the surface laid through it
 
 bool isNamedPly(const std::filesystem::path& path) {
   std::string extension = path.extension().string();

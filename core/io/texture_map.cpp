@@ -24,7 +24,7 @@ constexpr int kMostRows = 32;
 /// pixels. Each face has one at least.
 constexpr double kMostSamples = 4e6;
 /// A fingertip's patch is 5 to 15 mm across.
-constexpr double kFineEdge = 0.0025;
+constexpr double kFineEdge = 0.0025;  // m
 
 /// The pixel at a texture coordinate: u to the right, v upwards from the lower edge, repeated
 /// outside [0, 1].

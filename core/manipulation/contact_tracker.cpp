@@ -11,9 +11,9 @@ namespace handgraft::manipulation {
 
 namespace {
 
-constexpr double kMovedTouch = 0.001;
-constexpr double kShortestTouch = 0.04;
-constexpr double kPalmFlesh = 0.015;
+constexpr double kMovedTouch = 0.001;    // m
+constexpr double kShortestTouch = 0.04;  // s
+constexpr double kPalmFlesh = 0.015;     // m
 
 struct Part {
   int digit = -1;       // 0 thumb to 4 little; -1: the palm
@@ -28,8 +28,8 @@ constexpr std::array<const char*, 5> kDigitNames{"thumb", "index", "middle", "ri
 constexpr std::array<const char*, 3> kSegmentNames{"proximal", "middle", "distal"};
 
 // Half a mean hand's thickness, at the middle of each segment and at the tip.
-constexpr std::array<double, 4> kThumbFlesh{0.013, 0.011, 0.010, 0.008};
-constexpr std::array<double, 4> kFingerFlesh{0.010, 0.009, 0.008, 0.007};
+constexpr std::array<double, 4> kThumbFlesh{0.013, 0.011, 0.010, 0.008};   // m
+constexpr std::array<double, 4> kFingerFlesh{0.010, 0.009, 0.008, 0.007};  // m
 
 std::vector<Part> makeParts() {
   std::vector<Part> parts;

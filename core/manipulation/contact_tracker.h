@@ -39,8 +39,8 @@ struct DetectedContact {
 /// Deterministic. Cost: one nearest place of the mesh a part and frame.
 class ContactTracker {
  public:
-  static constexpr double kBegin = 0.006;
-  static constexpr double kEnd = 0.012;
+  static constexpr double kBegin = 0.006;  // m
+  static constexpr double kEnd = 0.012;    // m
 
   /// Keeps a reference.
   explicit ContactTracker(const geometry::TriangleMesh& object_O);

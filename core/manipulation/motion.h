@@ -80,7 +80,7 @@ void validate(const geometry::TriangleMesh& object_O, const Motion& motion);
 /// to the next (more than kJumpWay or kJumpTurn), gaps in time, frames without any contact.
 std::vector<std::string> remarksOn(const Motion& motion);
 
-inline constexpr double kJumpWay = 0.1;
-inline constexpr double kJumpTurn = 0.5;
+inline constexpr double kJumpWay = 0.1;   // m
+inline constexpr double kJumpTurn = 0.5;  // rad
 
 }  // namespace handgraft::manipulation

@@ -29,12 +29,12 @@ inline constexpr double kCausalSmoothness = 1e4;
 
 /// How second differences of a pose weigh against each other: a joint's 1 rad (or m), which
 /// moves a finger by some 5 cm, against the root's.
-inline constexpr double kTurnScale = 4.0;      ///< 1/rad^2: as if at 10 cm
-inline constexpr double kShiftScale = 400.0;   ///< 1/m^2
-inline constexpr double kSliderScale = 400.0;  ///< 1/m^2, joints that slide
-inline constexpr double kReferenceStep = 1.0 / 120.0;
+inline constexpr double kTurnScale = 4.0;              ///< 1/rad^2: as if at 10 cm
+inline constexpr double kShiftScale = 400.0;           ///< 1/m^2
+inline constexpr double kSliderScale = 400.0;          ///< 1/m^2, joints that slide
+inline constexpr double kReferenceStep = 1.0 / 120.0;  // s
 /// In which a hand that nothing holds comes to rest over the object, offline.
-inline constexpr double kSettling = 0.25;
+inline constexpr double kSettling = 0.25;  // s
 
 /// Errors: InvalidInput names the value and its range.
 void validate(const MotionOptions& options);

@@ -13,7 +13,7 @@ namespace handgraft::manipulation {
 
 namespace {
 
-constexpr double kChangesApart = 0.25;
+constexpr double kChangesApart = 0.25;  // s
 constexpr std::size_t kMostAnchors = 64;
 constexpr std::size_t kMostCandidates = 5;
 // Evaluations of a search that goes on from a neighbour's minimum.
@@ -319,8 +319,8 @@ std::vector<hand::HandPose> followedMinima(const MotionProblem& problem,
                                            const MotionOptions& options,
                                            const Progress& progress,
                                            const std::vector<FramePose>& known) {
-  constexpr double kStride = 16.0 * kReferenceStep;
-  constexpr double kClosely = 2.0 * kReferenceStep;  // what lies between is solved next
+  constexpr double kStride = 16.0 * kReferenceStep;  // s
+  constexpr double kClosely = 2.0 * kReferenceStep;  // s; what lies between is solved next
   constexpr int kFewestStarts = 16;
   const FrameProblems frames(problem, options.fade);
   MotionOptions following = options;

@@ -16,8 +16,8 @@ using contact::Patch;
 using geometry::SurfacePoint;
 
 constexpr int kWayPlaces = 65;
-constexpr double kReachShare = 1.2;  // of a patch's own reach: how far its log map goes
-constexpr double kLeastReach = 1e-3;
+constexpr double kReachShare = 1.2;   // of a patch's own reach: how far its log map goes
+constexpr double kLeastReach = 1e-3;  // m
 
 Eigen::Vector3d directionOf(const Patch& patch) {
   if (!patch.direction_O)

@@ -65,7 +65,7 @@ const std::vector<Stage> kStages = {
 constexpr int kPriorsStart = 2;  // starts.h
 
 // Deeper in one another than this, fingers have run through each other.
-constexpr double kCrossed = 1.5e-3;
+constexpr double kCrossed = 1.5e-3;  // m
 
 // The best of a whole search goes to its end, and a lone start as far as it is told to. Few
 // starts follow an edit, and the answer must be there before the next one is.

@@ -20,11 +20,11 @@ constexpr double kJoint = 1e-2;     // 1/rad^2, or 1/m^2 of sliding joints times
 constexpr double kRootShift = 1e3;  // 1/m^2
 constexpr double kRootTurn = 10.0;  // 1/rad^2
 
-constexpr double kReachedPoint = 1e-4;
-constexpr double kReachedTurn = 1e-3;
-constexpr double kTurnArm = 0.05;  // a turn by 1 rad weighs as a miss by as much
-constexpr double kFarthest = 10.0;
-constexpr int kEvaluations = 100;  // a solve
+constexpr double kReachedPoint = 1e-4;  // m
+constexpr double kReachedTurn = 1e-3;   // rad
+constexpr double kTurnArm = 0.05;       // m; a turn by 1 rad weighs as a miss by as much
+constexpr double kFarthest = 10.0;      // m
+constexpr int kEvaluations = 100;       // a solve
 
 /// Which degrees of freedom belong to the finger of a link.
 struct Finger {

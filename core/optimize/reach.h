@@ -13,7 +13,7 @@ struct SpanMisfit {
   double object_m = 0.0;  ///< between their centres on the object
   double hand_m = 0.0;    ///< the nearest that the hand's places come to it, within the limits
 
-  /// By so much the hand is too small, if positive; too large, if negative.
+  /// By so much (m) the hand is too small, if positive; too large, if negative.
   [[nodiscard]] double lack() const { return object_m - hand_m; }
 };
 

@@ -9,7 +9,7 @@ namespace handgraft::placement {
 
 namespace {
 
-constexpr double kSamePlace = 0.001;
+constexpr double kSamePlace = 0.001;  // m
 constexpr double kSameTurn = 5.0 * std::numbers::pi / 180.0;
 
 // Of a contact on the hand from the finger's bone.

@@ -13,7 +13,7 @@
 namespace handgraft::placement {
 
 /// A point that a slide loses at the skin's rim costs as if it were so far off.
-inline constexpr double kLost = 0.01;
+inline constexpr double kLost = 0.01;  // m
 
 /// A contact as an object has it, in W.
 struct ContactAt {

@@ -55,7 +55,7 @@ class EditedMotion {
 
   /// On both sides of what an edit reaches: twice what a hand that nothing holds settles in;
   /// one that touches is coupled over some 0.05 s.
-  static constexpr double kMargin = 0.5;
+  static constexpr double kMargin = 0.5;  // s
 
  private:
   /// The motion with what was edited for all of it, and its patches on the hand.

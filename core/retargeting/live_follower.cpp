@@ -13,10 +13,10 @@ namespace handgraft::retargeting {
 
 namespace {
 
-constexpr double kLivePause = 0.25;
+constexpr double kLivePause = 0.25;  // s
 constexpr int kTouchesToBegin = 3;
 constexpr int kLiveStarts = 16;
-constexpr double kAngleStep = std::numbers::pi / 36.0;  // of places kept for later frames
+constexpr double kAngleStep = std::numbers::pi / 36.0;  // rad; of places kept for later frames
 
 }  // namespace
 

@@ -21,7 +21,7 @@ using manipulation::ThinnedMotion;
 
 constexpr int kSlides = 10;
 constexpr int kFewer = 4;
-constexpr double kEvery = 0.05;
+constexpr double kEvery = 0.05;  // s
 
 /// Eq. 2 of all frames. A point that is lost no longer counts: as if it were kLost_m off.
 double costOf(const MotionProblem& problem,

@@ -25,7 +25,7 @@ using manipulation::PatchTrack;
 contact::Patch diskAbout(const geometry::TriangleMesh& object_O,
                          const geometry::SurfaceLocator& locator,
                          const contact::Patch& point) {
-  constexpr double kRadius = 0.005;
+  constexpr double kRadius = 0.005;  // m
   constexpr int kPoints = 12;
   contact::Patch disk = point;
   const Eigen::Vector3d p_O = positionOf(object_O, point.root);

@@ -29,7 +29,7 @@ using Pairs = std::vector<optimize::PointPair>;
 
 constexpr int kShares = 12;  // steps in which a patch goes to an edited root
 // Farther on the hand it fades out and in: halfway between two fingers there is none.
-constexpr double kFarOnHand = 0.025;
+constexpr double kFarOnHand = 0.025;  // m
 
 /// Pairs of what is held at a place, as firm as it is among what one frame has.
 void holdAt(const optimize::DragTarget& target,

@@ -273,8 +273,8 @@ void Editing::apply(const DragEdit& edit) {
     edited.document.held.push_back(
         {edit.link, edit.p_L, edit.target_W, edit.target_R_WL, edit.weight});
   }
-  constexpr double kToldShort = 1e-4;
-  constexpr double kToldTurn = 1e-3;
+  constexpr double kToldShort = 1e-4;  // m
+  constexpr double kToldTurn = 1e-3;   // rad
   if (result.short_m > kToldShort)
     edited.message = fmt::format("{:.1f} mm short of its target", result.short_m * 1e3);
   if (result.short_rad > kToldTurn) {

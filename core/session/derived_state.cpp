@@ -25,7 +25,7 @@ using optimize::PointPair;
 using optimize::PoseProblem;
 
 constexpr int kPlacingStarts = 12;
-constexpr double kSameRoot = 0.001;
+constexpr double kSameRoot = 0.001;  // m
 constexpr double kSameDirection = std::numbers::pi / 180.0;
 
 transfer::Surfaces surfacesOf(const Models& models) {

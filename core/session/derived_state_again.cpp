@@ -20,7 +20,7 @@ constexpr int kWorseReaches = 2;  // slides in a row, while reaching for what is
 
 // A hand that ends inside the object begins again so far from it, its fingers so far on the
 // way to rest.
-constexpr double kBacks[] = {0.0, 0.03, 0.06, 0.1};
+constexpr double kBacks[] = {0.0, 0.03, 0.06, 0.1};  // m
 constexpr double kOpenings[] = {0.0, 0.5, 1.0};
 
 Eigen::Vector3d centreOf(const std::vector<optimize::PointPair>& pairs) {

@@ -36,12 +36,13 @@ constexpr int kStartsAnew[] = {8, 32};
 constexpr int kAgainFewer = 4;  // starts, of a search that goes where one has been
 
 // Of a patch of which the segment alone is known: so far round it from the pad.
-constexpr double kAside = 1.0;
+constexpr double kAside = 1.0;  // rad
 // Of one whose direction nobody knows: so far from where the first search began with it.
-constexpr double kTurns[] = {0.5 * std::numbers::pi, -0.5 * std::numbers::pi, std::numbers::pi};
+constexpr double kTurns[] = {0.5 * std::numbers::pi, -0.5 * std::numbers::pi,
+                             std::numbers::pi};  // rad
 
 // An answer of another beginning must not be deeper inside than this, unless the first one is.
-constexpr double kDeep = 0.0015;
+constexpr double kDeep = 0.0015;  // m
 
 // Drafts are laid in full once they are chosen: until then, steps that promise less than this
 // share of the objective are not worth their while.
@@ -49,7 +50,7 @@ constexpr double kDraftPromise = 1e-4;
 
 // Square root of the charged sum of squared depths. A hand that only presses on comes to less;
 // a finger through a wall, or a hand on its wrong side, to 2.4 mm and more.
-constexpr double kInside = 0.002;
+constexpr double kInside = 0.002;  // m
 
 // Of each stage of a step on the way that is not the last one (optimize/avoiding_solve.h).
 constexpr int kStepEvaluations = 8;

@@ -15,7 +15,7 @@ namespace handgraft::session {
 
 namespace {
 
-constexpr double kMostTime = 1e9;
+constexpr double kMostTime = 1e9;  // s
 
 template <class... Cases>
 struct Overloaded : Cases... {

@@ -46,6 +46,6 @@ DragPath dragWayOf(const DragEdit& drag,
 
 inline constexpr std::size_t kMostTimed = 256;        ///< of a document
 inline constexpr std::size_t kMostDragFrames = 4096;  ///< that one drag holds
-inline constexpr double kLongestFalloff = 1e6;
+inline constexpr double kLongestFalloff = 1e6;        // s
 
 }  // namespace handgraft::session

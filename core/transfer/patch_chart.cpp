@@ -76,7 +76,7 @@ bool PatchChart::surroundsRoot() const {
   constexpr std::size_t kFewest = 3;
   if (loop_T.size() < kFewest) return true;  // nothing is known
   // A slender patch has its root on the outline itself, and few points cut its corners.
-  constexpr double kOnIt = 0.003;
+  constexpr double kOnIt = 0.003;  // m
   double turned = 0.0;
   for (std::size_t i = 0; i < loop_T.size(); ++i) {
     const Eigen::Vector2d& a = loop_T[i];

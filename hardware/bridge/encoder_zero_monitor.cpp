@@ -15,7 +15,7 @@ namespace {
 // No device of ours restarts in less.
 constexpr std::chrono::milliseconds kRestart(300);
 // Half the least way that a marked encoder counts from 0: nothing else is so far off.
-constexpr double kRestarted = kLeastMarkTurns * std::numbers::pi;
+constexpr double kRestarted = kLeastMarkTurns * std::numbers::pi;  // rad
 
 }  // namespace
 

@@ -22,8 +22,8 @@ using safety::Time;
 constexpr std::chrono::seconds kReopen(1);
 // What the governor is told of a fault; the kind itself is kept beside.
 constexpr std::uint32_t kGuardCode = 0x100;
-constexpr double kFollowable = 0.95;  // of a joint's speed, so that it can catch up
-constexpr double kToldBehind = 0.05;
+constexpr double kFollowable = 0.95;     // of a joint's speed, so that it can catch up
+constexpr double kToldBehind = 0.05;     // s
 constexpr double kFastestSamples = 2.0;  // times real time: no joint is in the way
 
 bool allFinite(std::span<const double> numbers) {

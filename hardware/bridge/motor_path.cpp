@@ -12,7 +12,7 @@ namespace {
 
 using safety::JointLimits;
 
-constexpr double kMoment = 1e-3;        // for velocities; small against any bend of a map
+constexpr double kMoment = 1e-3;        // s; for velocities; small against any bend of a map
 constexpr double kNoDifference = 1e-9;  // rad: rounding of a map there and back
 constexpr double kFarthest = 1e4;       // rad
 // Full speed after 0.1 s, full acceleration after 0.05 s, as when a motor is homed.

@@ -15,7 +15,7 @@ using safety::Time;
 constexpr std::int64_t kSilenceNs = 250'000'000;  // from here on samples have paused
 constexpr std::int64_t kMostBehindNs = 1'000'000'000;
 constexpr std::int64_t kFirstIntervalNs = 10'000'000;  // until the interval is known
-constexpr double kSlew = 0.1;                          // in which a delay is made up for
+constexpr double kSlew = 0.1;                          // s; in which a delay is made up for
 constexpr double kFastest = 1.5;                       // times real time, on the way
 constexpr double kSlowest = 0.5;
 // Of the last 64: three in a hundred may come later than the clock allows for.

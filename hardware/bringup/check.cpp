@@ -13,7 +13,7 @@ namespace handgraft::bringup {
 
 namespace {
 
-constexpr double kStep = 0.1;
+constexpr double kStep = 0.1;      // rad
 constexpr double kReached = 0.05;  // rad: a hand at its end is not held more exactly
 constexpr std::chrono::milliseconds kStopped(500);
 

@@ -59,7 +59,7 @@ class Jogger {
   std::function<void(devices::TimePoint)> sleep_until_;
 };
 
-inline constexpr double kJogSpeed = 0.3;
-inline constexpr double kLargestJog = 0.5;
+inline constexpr double kJogSpeed = 0.3;    // rad/s
+inline constexpr double kLargestJog = 0.5;  // rad
 
 }  // namespace handgraft::bringup

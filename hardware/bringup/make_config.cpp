@@ -25,10 +25,10 @@ struct Joint {
   double ratio = 1, offset = 0;
 };
 
-constexpr double kVelocity = 1.0;  // rad/s: slow enough to watch
-constexpr int kUsualRate = 50;
-constexpr int kLeastRate = 10;        // of any loop
-constexpr int kTorqueRate = 333;      // of a position loop that is ours
+constexpr double kVelocity = 1.0;     // rad/s: slow enough to watch
+constexpr int kUsualRate = 50;        // Hz
+constexpr int kLeastRate = 10;        // Hz; of any loop
+constexpr int kTorqueRate = 333;      // Hz; of a position loop that is ours
 constexpr int kFactoryBaud = 57'600;  // of Dynamixels
 
 std::string attribute(const tinyxml2::XMLElement& element, const char* name) {

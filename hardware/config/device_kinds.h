@@ -24,7 +24,7 @@ struct DeviceTraits {
 };
 
 /// The least rate of a position loop that is ours.
-inline constexpr int kLeastTorqueRate = 100;
+inline constexpr int kLeastTorqueRate = 100;  // Hz
 
 /// All kinds, a line each.
 std::span<const DeviceTraits> deviceKinds();

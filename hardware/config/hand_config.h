@@ -32,9 +32,9 @@ struct DeviceConfig {
   std::chrono::milliseconds watchdog{
       100};                ///< the device's own deadman, of those that have one
   double force_N = 3;      ///< of an Inspire hand: where a finger stops
-  double stiffness = 0.6;  ///< of an Allegro's position loop, which is ours
-  double damping = 0.02;
-  double torque = 0.3;  ///< the most of each of its motors
+  double stiffness = 0.6;  ///< Nm/rad, of an Allegro's position loop, which is ours
+  double damping = 0.02;   ///< Nm s/rad
+  double torque = 0.3;     ///< Nm, the most of each of its motors
   /// Of the device itself: what bytes take on a tty at its rate comes on top.
   std::chrono::milliseconds reply_timeout{5};
   int tolerated_misses = 3;  ///< answers in a row

@@ -14,9 +14,9 @@ struct AllegroConfig {
   std::array<MotorScale, protocols::allegro::kMotorCount> scales;
   std::array<std::size_t, protocols::allegro::kMotorCount> order{0, 1, 2,  3,  4,  5,  6,  7,
                                                                  8, 9, 10, 11, 12, 13, 14, 15};
-  double stiffness = 0.6;
-  double damping = 0.02;
-  double torque = 0.3;                                    ///< the most of each motor, at most 1
+  double stiffness = 0.6;  ///< Nm/rad
+  double damping = 0.02;   ///< Nm s/rad
+  double torque = 0.3;     ///< Nm, the most of each motor, at most 1
   Duration reply_timeout = std::chrono::milliseconds(3);  ///< of all fingers together
   int tolerated_misses = 3;                               ///< answers in a row
 };

@@ -154,7 +154,7 @@ std::optional<ControllerMode> controllerModeOf(const CanFrame& frame);
 struct InputPosition {
   float position_rev = 0;
   double velocity_rev_s = 0;
-  double torque = 0;
+  double torque = 0;  ///< Nm
 };
 
 std::optional<InputPosition> inputPositionOf(const CanFrame& frame);

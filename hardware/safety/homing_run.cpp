@@ -16,8 +16,8 @@ constexpr double kJerkPerSpeed = 200;         // 1/s^2
 // A motor that still creeps at a quarter of its speed is slowed, not stopped.
 constexpr double kStandingShare = 0.25;
 // What a soft position loop may lag behind while it pushes.
-constexpr double kLeashTime = 0.5;
-constexpr double kLeash = 0.1;
+constexpr double kLeashTime = 0.5;  // s
+constexpr double kLeash = 0.1;      // rad
 
 JointLimits limitsOf(const HomingStep& step, double start_rad) {
   const auto positive = [](double value) {

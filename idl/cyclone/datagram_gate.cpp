@@ -107,8 +107,8 @@ class Awakening {
     const double slept = secondsOf(CLOCK_BOOTTIME) - now;  // in all, since the machine's start
     const double idle = now - last_.load();
     const double slept_since = slept - slept_.load();
-    if (last_.load() > 0.0 && idle + slept_since > kHalfALease_s)
-      deaf_until_ = now + (slept_since > kHalfALease_s ? kLease_s + kMoment_s : kMoment_s);
+    if (last_.load() > 0.0 && idle + slept_since > kHalfALease)
+      deaf_until_ = now + (slept_since > kHalfALease ? kLeaseDuration + kMoment : kMoment);
     // In this order, so that no other thread finds neither.
     last_ = now;
     slept_ = slept;
@@ -116,8 +116,8 @@ class Awakening {
   }
 
  private:
-  static constexpr double kHalfALease_s = 0.5 * kLease_s;
-  static constexpr double kMoment_s = 0.5;
+  static constexpr double kHalfALease = 0.5 * kLeaseDuration;  // s
+  static constexpr double kMoment = 0.5;                       // s
 
   std::atomic<double> last_{0.0};  ///< datagram
   std::atomic<double> slept_{0.0};
@@ -178,6 +178,7 @@ struct Tables {
 void readDynamic(const ElfW(Dyn) * at, Tables& tables) {
   bool has_addends = true;
   for (; at->d_tag != DT_NULL; ++at) {
+    // NOLINTNEXTLINE(performance-no-int-to-ptr): the loader tells addresses as numbers.
     const auto* pointer = reinterpret_cast<const void*>(at->d_un.d_ptr);
     switch (at->d_tag) {
       case DT_SYMTAB:
@@ -218,6 +219,7 @@ Tables tablesOf(const dl_phdr_info& library) {
       tables.protected_end = begin + segment.p_memsz;
     }
     if (segment.p_type == PT_DYNAMIC)
+      // NOLINTNEXTLINE(performance-no-int-to-ptr): the loader tells addresses as numbers.
       readDynamic(reinterpret_cast<const ElfW(Dyn)*>(begin), tables);
   }
   return tables;
@@ -226,6 +228,7 @@ Tables tablesOf(const dl_phdr_info& library) {
 bool write(const Tables& tables, void** slot, void* value) {
   const auto size = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
   const std::uintptr_t page = reinterpret_cast<std::uintptr_t>(slot) / size * size;
+  // NOLINTNEXTLINE(performance-no-int-to-ptr): the loader tells addresses as numbers.
   auto* const begin = reinterpret_cast<void*>(page);
   if (mprotect(begin, size, PROT_READ | PROT_WRITE) != 0) return false;
   __atomic_store_n(slot, value, __ATOMIC_RELEASE);
@@ -245,6 +248,7 @@ int replaceIn(const dl_phdr_info& library) {
     for (std::size_t i = 0; entries != nullptr && i < bytes / sizeof *entries; ++i) {
       const auto symbol = symbolOf(entries[i]);
       if (symbol == 0 || kImport != tables.names + tables.symbols[symbol].st_name) continue;
+      // NOLINTNEXTLINE(performance-no-int-to-ptr): the loader tells addresses as numbers.
       auto** slot = reinterpret_cast<void**>(library.dlpi_addr + entries[i].r_offset);
       if (write(tables, slot, reinterpret_cast<void*>(&receive))) ++count;
     }

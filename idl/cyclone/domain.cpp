@@ -82,7 +82,7 @@ std::string configurationOf(const Network& network,
       "<Internal><SocketReceiveBufferSize max=\"4MB\"/>{}</Internal>"
       "</Domain></CycloneDDS>",
       name, interface.loopback ? "false" : "spdp", interface.loopback ? "65500B" : "1400B",
-      interface.loopback ? "65000B" : "1200B", kLease_s, announcementsOf(discovers),
+      interface.loopback ? "65000B" : "1200B", kLeaseDuration, announcementsOf(discovers),
       kMostProgramsOfAMachine - 1, peers, kTiming);
 }
 

@@ -5,7 +5,7 @@
 namespace handgraft::idl::cyclone {
 
 /// Who is not heard for so long is dropped by the others.
-inline constexpr int kLease_s = 20;
+inline constexpr int kLeaseDuration = 20;  // s
 
 /// Whom a program meets. Discovery, and in a secured domain handshakes, are of each with each.
 enum class Discovers {

@@ -66,7 +66,7 @@ void Requester::Impl::takeAll() {
     const std::lock_guard lock(mutex);
     server.hear(message);
   });
-  const auto hearAll = [this](auto* reader) {
+  const auto hear_all = [this](auto* reader) {
     if (reader == nullptr) return;
     reader->take([this](const auto& message) {
       // The server sends to this participant alone, which others may have made requesters on.
@@ -80,8 +80,8 @@ void Requester::Impl::takeAll() {
         tellAll(message.stage());
     });
   }
-  hearAll(wires.replies());
-  hearAll(wires.editReplies());
+  hear_all(wires.replies());
+  hear_all(wires.editReplies());
 }
 
 void Requester::Impl::tellAll(const std::string& news) {
@@ -199,7 +199,7 @@ std::exception_ptr Requester::Impl::lossOf(const RequestCall& call,
 
 std::exception_ptr Requester::Impl::lossOf(EditCall& call,
                                            std::vector<std::function<void()>>& tell) const {
-  const std::exception_ptr lost = server.lossSince(call.begun, serverOf(call), participant);
+  std::exception_ptr lost = server.lossSince(call.begun, serverOf(call), participant);
   const std::optional<v1::ServerStatus>& status = server.status();
   if (!lost || !status || status->protocol_version() != v1::PROTOCOL_VERSION) return lost;
   if (status->server_id() != call.message.server_id() && call.message.server_id() != 0)

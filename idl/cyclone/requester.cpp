@@ -14,7 +14,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr std::size_t kMiB = 1024 * 1024;
+constexpr std::size_t kMiB = 1024UL * 1024;
 // Of requests, and of edits, that wait to be sent for the first time; more are refused.
 constexpr std::size_t kMostWaiting = 10'000;
 

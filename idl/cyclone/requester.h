@@ -98,7 +98,7 @@ class Requester {
   /// Asks the server to stop a request; its outcome then is Refused (ERROR_CANCELLED), or the
   /// reply if the work was done already. Nothing happens to one that is answered. (Not from a
   /// signal handler.)
-  void cancel(CallId call);
+  void cancel(CallId id);
   /// All requests under way.
   void cancel();
 

@@ -69,7 +69,7 @@ class DatagramFilter {
   static constexpr double kSharedPerSecond = 2000.0;
   static constexpr double kSharedAtOnce = 4000.0;
   static constexpr std::uint32_t kLargestSample = 64U << 20U;  ///< bytes
-  static constexpr std::uint32_t kShortestLease_s = 5;
+  static constexpr std::uint32_t kShortestLease = 5;           // s
 
   /// As clients call themselves when they announce themselves.
   static constexpr std::string_view kClient = "handgraft client";

@@ -122,7 +122,7 @@ inline std::optional<std::size_t> setLength(const Piece& body,
   if (!body.fits(at, base_bytes + 4)) return std::nullopt;
   const std::uint32_t bits = body.u32(at + base_bytes);
   if (bits > 256) return std::nullopt;
-  const std::size_t length = base_bytes + 4 + 4 * ((bits + 31) / 32);
+  const std::size_t length = base_bytes + 4 + std::size_t{4} * ((bits + 31) / 32);
   if (!body.fits(at, length)) return std::nullopt;
   return length;
 }

@@ -17,7 +17,7 @@ namespace handgraft::idl {
 /// Memory: kMostAtOnce of kLargest; the one that grew longest ago gives way. Threads: one.
 class SamplePieces {
  public:
-  static constexpr std::size_t kLargest = 32 * 1024;  ///< bytes of a sample
+  static constexpr std::size_t kLargest = 32UL * 1024;  ///< bytes of a sample
   static constexpr std::size_t kMostAtOnce = 64;
   static constexpr std::chrono::seconds kLongest{10};  ///< between its pieces
 

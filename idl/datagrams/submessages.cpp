@@ -17,8 +17,7 @@ bool isAnnouncement(const Piece& list, Bytes source) {
           value.fits(0, 16) && std::equal(source.begin(), source.end(), value.bytes.begin());
       return is_own;
     }
-    if (id == kLease)
-      return value.fits(0, 8) && value.u32(0) >= DatagramFilter::kShortestLease_s;
+    if (id == kLease) return value.fits(0, 8) && value.u32(0) >= DatagramFilter::kShortestLease;
     return true;
   });
   return end && is_own;

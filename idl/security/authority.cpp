@@ -19,13 +19,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::int64_t kDayOfSeconds = 24 * 3600;
+constexpr std::int64_t kDayOfSeconds = 24L * 3600;
 constexpr const char* kAuthorityKeyFile = "ca.key";
 constexpr mode_t kForOwner = 0600;
 constexpr mode_t kForAll = 0644;  // the folder keeps others out
 
 [[noreturn]] void rejectFile(const fs::path& path, const char* what) {
-  rejectInput("{}: {} ({})", path.string(), what, std::strerror(errno));
+  rejectInput("{}: {} ({})", path.string(), what, std::generic_category().message(errno));
 }
 
 void writeAll(int file, const fs::path& path, const std::string& text) {
@@ -152,7 +152,7 @@ Authority Authority::open(const fs::path& folder) {
 
 RevocationList Authority::revocations() const {
   const fs::path path = folder_ / kRevokedFile;
-  const RevocationList list = RevocationList::read(readTextFile(path), path.string());
+  RevocationList list = RevocationList::read(readTextFile(path), path.string());
   if (!list.isSignedBy(certificate_))
     rejectInput("{}: was not signed by the authority in {}", path.string(),
                 (folder_ / kAuthorityFile).string());

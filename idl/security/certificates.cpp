@@ -76,7 +76,7 @@ std::int64_t secondsOf(const ASN1_TIME* time) {
 std::string digitsOf(const ASN1_INTEGER* number) {
   const BigNumber big(ASN1_INTEGER_to_BN(number, nullptr));
   char* text = BN_bn2hex(big.get());
-  const std::string digits = text == nullptr ? "" : text;
+  std::string digits = text == nullptr ? "" : text;
   OPENSSL_free(text);
   return digits;
 }

@@ -10,7 +10,7 @@ namespace handgraft::idl::security {
 
 namespace {
 
-constexpr std::int64_t kDay_s = 24 * 3600;
+constexpr std::int64_t kDay = 24L * 3600;  // s
 
 std::string domainsText() {
   return fmt::format("<domains><id_range><min>0</min><max>{}</max></id_range></domains>",
@@ -88,9 +88,8 @@ std::string permissionsText(const std::string& name,
  </permissions>
 </dds>
 )",
-      name, subject, dateText(not_before_s - kDay_s), dateText(not_after_s + kDay_s),
-      domainsText(), partText("publish", rights.may_write),
-      partText("subscribe", rights.may_read));
+      name, subject, dateText(not_before_s - kDay), dateText(not_after_s + kDay), domainsText(),
+      partText("publish", rights.may_write), partText("subscribe", rights.may_read));
 }
 
 }  // namespace handgraft::idl::security

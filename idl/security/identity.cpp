@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
-#include <cstring>
 #include <fstream>
 #include <sstream>
 #include <system_error>
@@ -28,7 +27,8 @@ void requirePrivate(const fs::path& key) {
   struct stat about {};
 
   if (stat(key.c_str(), &about) != 0)
-    rejectInput("{}: cannot be read ({})", key.string(), std::strerror(errno));
+    rejectInput("{}: cannot be read ({})", key.string(),
+                std::generic_category().message(errno));
   const unsigned mode = about.st_mode & 07777U;
   if ((mode & 077U) == 0) return;
   rejectInput("{}: others than its owner may read or write this key (mode {:04o}): chmod 600",
@@ -95,7 +95,9 @@ std::string readTextFile(const fs::path& path) {
     rejectInput("{}: a file is needed, this is a folder", path.string());
   errno = 0;
   std::ifstream file(path, std::ios::binary);
-  if (!file) rejectInput("{}: cannot be read ({})", path.string(), std::strerror(errno));
+  if (!file)
+    rejectInput("{}: cannot be read ({})", path.string(),
+                std::generic_category().message(errno));
   std::string text(kLargestFile + 1, '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(file.gcount()));
@@ -107,8 +109,7 @@ std::string readTextFile(const fs::path& path) {
 
 std::string makeCommonName(const std::string& name, Role role) {
   while (true) {
-    const std::string common_name =
-        fmt::format("{} {} {:016x}", name, nameOf(role), randomId());
+    std::string common_name = fmt::format("{} {} {:016x}", name, nameOf(role), randomId());
     if (isHigh(guidBeginOf(common_name)) == (role == Role::kServer)) return common_name;
   }
 }

@@ -16,8 +16,8 @@ namespace handgraft::server {
 
 namespace {
 
-constexpr double kMostOften = 1e-3;
-constexpr double kLeastOften = 10.0;
+constexpr double kMostOften = 1e-3;   // s
+constexpr double kLeastOften = 10.0;  // s
 
 demonstration::PosedMotionOptions optionsFrom(const io::HandTrajectoryPlan& plan) {
   demonstration::PosedMotionOptions options;

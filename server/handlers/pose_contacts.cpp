@@ -89,8 +89,8 @@ std::string contentOf(const v1::PoseContactsRequest& request,
 }  // namespace
 
 contact::PoseContactOptions reachFrom(double reach_m) {
-  constexpr double kShortestReach = 1e-4;
-  constexpr double kLongestReach = 0.1;
+  constexpr double kShortestReach = 1e-4;  // m
+  constexpr double kLongestReach = 0.1;    // m
   contact::PoseContactOptions options;
   if (reach_m == 0.0) return options;
   if (!(reach_m >= kShortestReach && reach_m <= kLongestReach)) {

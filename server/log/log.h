@@ -12,8 +12,8 @@ namespace handgraft::server::log {
 
 enum class Level { kDebug, kInfo, kWarning, kError };
 
-/// Lines from `least` on are written: debug, info, warning or error. Once, before the first
-/// line; what is written earlier goes to standard output.
+/// Lines from `least` on are written: trace, debug, info, warning, error; off: none. Once,
+/// before the first line; what is written earlier goes to standard output.
 void begin(std::string_view least);
 /// Whether lines of this level are written: what is not is not formatted, either.
 [[nodiscard]] bool writes(Level level);

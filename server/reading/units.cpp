@@ -16,8 +16,8 @@ namespace {
 /// By likelihood, metres apart.
 constexpr std::array<std::string_view, 3> kOthers{"mm", "cm", "in"};
 
-constexpr double kSmallestObject = 0.001;
-constexpr double kLargestObject = 10.0;
+constexpr double kSmallestObject = 0.001;  // m
+constexpr double kLargestObject = 10.0;    // m
 
 std::string lengthText(double length_m) {
   return length_m < 1.0 ? fmt::format("{:.3g} mm", 1e3 * length_m)

@@ -42,6 +42,6 @@ MapScale mapScale(double size,
                   const std::string& name);
 
 /// Wider objects may be meant, but nobody grasps them: most are in millimetres.
-inline constexpr double kLargestUnasked = 3.0;
+inline constexpr double kLargestUnasked = 3.0;  // m
 
 }  // namespace handgraft::server

@@ -19,7 +19,7 @@ using geometry::LogMapMethod;
 using geometry::SurfacePoint;
 using geometry::TriangleMesh;
 
-constexpr double kAtSource = 1e-9;
+constexpr double kAtSource = 1e-9;  // m
 
 /// Sums up what Accuracy holds means of.
 class Sum {

@@ -29,9 +29,9 @@ using Eigen::Vector3d;
 using session::Session;
 
 constexpr double kTurn = 0.25;        // rad, of a finger's joints either way
-constexpr double kLeast = 0.003;      // of a drag
-constexpr double kClearance = 0.003;  // of the pad's place from the object: it is pulled off
-constexpr double kHeld = 0.002;       // off its target at most
+constexpr double kLeast = 0.003;      // m; of a drag
+constexpr double kClearance = 0.003;  // m; of the pad's place from the object: it is pulled off
+constexpr double kHeld = 0.002;       // m; off its target at most
 constexpr int kStartsAfterEdit = 2;   // as the server's (handlers/optimize.cpp)
 constexpr int kTriesForATarget = 200;
 

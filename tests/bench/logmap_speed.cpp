@@ -29,7 +29,7 @@ using geometry::SurfacePoint;
 using geometry::TriangleMesh;
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kPatch = 0.02;
+constexpr double kPatch = 0.02;              // m
 constexpr double kSphereRadius = 0.2 * kPi;  // of the disk on the unit sphere
 constexpr double kDiskVertices = 1000.0;     // where the disk is the same on every mesh
 constexpr LogMapMethod kDirect[] = {LogMapMethod::kFast, LogMapMethod::kExact};

@@ -21,13 +21,13 @@ using geometry::TriangleMesh;
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kTie = 1e-9;      // of the way round: both ways are right, phi is neither
-constexpr double kShake = 0.3;     // of an edge
-constexpr double kStretch = 10.0;  // of an anisotropic cell
-constexpr int kSides = 24;         // of prism and pyramid; even
-constexpr double kPlaneSide = 1.0;
-constexpr double kPrismHeight = 3.0;  // its corners stand 1 m off the axis
-constexpr double kSlant = 1.5;        // of the pyramid's ridges
+constexpr double kTie = 1e-9;         // of the way round: both ways are right, phi is neither
+constexpr double kShake = 0.3;        // of an edge
+constexpr double kStretch = 10.0;     // of an anisotropic cell
+constexpr int kSides = 24;            // of prism and pyramid; even
+constexpr double kPlaneSide = 1.0;    // m
+constexpr double kPrismHeight = 3.0;  // m; its corners stand 1 m off the axis
+constexpr double kSlant = 1.5;        // m; of the pyramid's ridges
 constexpr double kConeSine = 0.6;     // of half the angle at its apex
 
 // === Grids that become developable polyhedra

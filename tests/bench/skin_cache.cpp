@@ -16,8 +16,8 @@ namespace {
 
 constexpr double kCloseEnough = 0.03;  // share of the vertices
 constexpr int kTries = 6;
-constexpr double kShortestEdge = 5e-4;  // permitted by SkinOptions
-constexpr double kLongestEdge = 0.05;
+constexpr double kShortestEdge = 5e-4;  // m; permitted by SkinOptions
+constexpr double kLongestEdge = 0.05;   // m
 
 }  // namespace
 

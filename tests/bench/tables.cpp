@@ -82,9 +82,9 @@ PoseProblem placed(const PoseProblem& problem,
                    const RestingHand& resting,
                    int placement,
                    bool poor) {
-  constexpr double kBefore = 0.05;
-  constexpr double kBehind = 0.15;
-  constexpr double kMoved = 0.03;
+  constexpr double kBefore = 0.05;  // m
+  constexpr double kBehind = 0.15;  // m
+  constexpr double kMoved = 0.03;   // m
   constexpr double kTurned = std::numbers::pi / 9.0;
   std::mt19937 random(static_cast<unsigned>(placement + 1));
   const Eigen::Matrix3d turn =

@@ -49,9 +49,9 @@ TEST(DatagramFilter, KnowsHowFarAWriterCanBe) {
 }
 
 TEST(DatagramFilter, LetsParticipantsSpeakForThemselvesAlone) {
-  EXPECT_FALSE(passed(announcement(DatagramFilter::kShortestLease_s)).empty());
+  EXPECT_FALSE(passed(announcement(DatagramFilter::kShortestLease)).empty());
   EXPECT_TRUE(passed(announcement(0)).empty());
-  EXPECT_TRUE(passed(announcement(DatagramFilter::kShortestLease_s - 1)).empty());
+  EXPECT_TRUE(passed(announcement(DatagramFilter::kShortestLease - 1)).empty());
   EXPECT_TRUE(passed(announcement(20, 0xb0)).empty());
 }
 

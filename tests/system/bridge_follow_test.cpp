@@ -28,9 +28,9 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kFrames = 120.0;
-constexpr double kClosing = 1.0;
-constexpr double kAround = 3.0;  // for a program to start, and its last frames to arrive
+constexpr double kFrames = 120.0;  // Hz
+constexpr double kClosing = 1.0;   // s
+constexpr double kAround = 3.0;    // s; for a program to start, and its last frames to arrive
 constexpr int kAttempts = 3;
 
 /// On demand as a bench: on a quiet machine, at 200 Hz. Else the device waits four times as

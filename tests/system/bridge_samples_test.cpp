@@ -22,7 +22,7 @@ using std::chrono::microseconds;
 using std::chrono::steady_clock;
 using std::chrono::system_clock;
 
-constexpr double kRate = 120;
+constexpr double kRate = 120;  // Hz
 const std::vector<std::string> kJoints{"a", "b", "c"};
 
 /// Seconds that a stream lasts: more on demand, for a bench.

@@ -109,7 +109,7 @@ struct Worker {
 };
 
 // Noticed within 5 s; some more for a busy machine.
-constexpr double kNoticed = 5.0 + 2.0;
+constexpr double kNoticed = 5.0 + 2.0;  // s
 
 TEST_F(Supervised, AServerThatIsStoppedIsReplacedOnItsStore) {
   start();

@@ -19,7 +19,7 @@ namespace handgraft::bench {
 namespace {
 
 constexpr double kRate = 120.0;
-constexpr double kEnd = 999.0 / kRate;
+constexpr double kEnd = 999.0 / kRate;  // s
 
 /// Off the shelf, then turned.
 std::vector<manipulation::ObjectKey> longPath() {

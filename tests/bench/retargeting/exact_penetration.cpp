@@ -20,10 +20,10 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Vector3d;
 
-constexpr double kAlpha = 0.0015;    // a ball that passes no gap between two plates of a link
-constexpr double kOffset = 0.00015;  // of the wrap; taken off again
-constexpr double kMadeToMeet = 5e-4;
-constexpr double kOnePlace = 0.01;
+constexpr double kAlpha = 0.0015;  // m; a ball that passes no gap between two plates of a link
+constexpr double kOffset = 0.00015;   // m; of the wrap; taken off again
+constexpr double kMadeToMeet = 5e-4;  // m
+constexpr double kOnePlace = 0.01;    // m
 
 std::string keyOf(const geometry::TriangleMesh& mesh) {
   ContentHash hash;

@@ -49,9 +49,9 @@ class ExactHand {
 /// How far a posed hand lies inside an object and in itself, by samples 1 mm apart (object) and
 /// 1.5 mm apart (hand) and exact distances from them.
 struct ExactPenetration {
-  static constexpr double kObjectSpacing = 0.001;
-  static constexpr double kHandSpacing = 0.0015;
-  static constexpr double kCell = 0.002;
+  static constexpr double kObjectSpacing = 0.001;  // m
+  static constexpr double kHandSpacing = 0.0015;   // m
+  static constexpr double kCell = 0.002;           // m
 
   double hand_in_object_m = 0.0;  ///< deepest place of the hand's surface in the object
   /// Deepest place of the object's surface in a link: what tells on walls thinner than a

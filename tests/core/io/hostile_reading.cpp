@@ -34,7 +34,7 @@ void writeAll(int file, const void* bytes, std::size_t size) {
 }
 
 [[noreturn]] void runChild(const std::function<void()>& read, int answer) {
-  constexpr unsigned kLongest = 600;
+  constexpr unsigned kLongest = 600;  // s
   alarm(kLongest);
   Reading reading;
   const double before = largestMb();

@@ -21,8 +21,8 @@ using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kUpper = 0.3;  // of the arm's links
-constexpr double kFore = 0.2;
+constexpr double kUpper = 0.3;  // m; of the arm's links
+constexpr double kFore = 0.2;   // m
 
 /// Two links in the plane z = 0, joints about z, the root's six freedoms locked.
 PoseProblem planarArm(double lower = -kPi, double upper = kPi) {

@@ -15,9 +15,9 @@ namespace handgraft::test {
 /// A cup with thin walls, and a recording of a finger that stands in one: its tip touches the
 /// wall from within, 40 mm below the rim, and its knuckle the same place from without.
 struct CupGrasp {
-  static constexpr double kRadius = 0.035;
-  static constexpr double kWall = 0.003;
-  static constexpr double kHeight = 0.09;
+  static constexpr double kRadius = 0.035;  // m
+  static constexpr double kWall = 0.003;    // m
+  static constexpr double kHeight = 0.09;   // m
   static constexpr int kAround = 72;
 
   std::shared_ptr<const geometry::TriangleMesh> mesh = makeCup();

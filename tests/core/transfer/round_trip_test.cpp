@@ -26,7 +26,7 @@ using geometry::SurfacePoint;
 using geometry::TriangleMesh;
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kMostMean = 1e-4;
+constexpr double kMostMean = 1e-4;  // m
 
 /// An ellipsoid, its icosphere turned by `angle` first: another triangulation of one surface.
 TriangleMesh ellipsoid(const Eigen::Vector3d& semiaxes_m, int subdivisions, double angle) {

@@ -17,7 +17,7 @@ using safety::GovernorState;
 using test::exampleReady;
 using test::HandInMotion;
 
-constexpr double kRate = 120;
+constexpr double kRate = 120;  // Hz
 
 class GuidedHand : public ::testing::Test {
  protected:

@@ -17,8 +17,8 @@ using safety::Time;
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-constexpr double kPeriod = 0.005;
-constexpr double kRate = 120;
+constexpr double kPeriod = 0.005;  // s
+constexpr double kRate = 120;      // Hz
 constexpr double kAnyRate = std::numeric_limits<double>::infinity();
 constexpr std::int64_t kSenderBeginNs = 1'700'000'000'000'000'000;  // another clock's
 

@@ -22,7 +22,7 @@ class AllegroEmulator final : public CanBus {
   /// Its power switch, off and on again: it is off, and has no torques.
   void switchOff();
 
-  static constexpr double kOil = 0.1;
+  static constexpr double kOil = 0.1;  // Nm s/rad
 
   struct Joint {
     double counts = 0;

@@ -144,7 +144,7 @@ v1::ReplyBody askUntilAnswered(Requester& requester, const v1::RequestBody& body
 std::string sphereOf(std::size_t bytes) {
   // A vertex is three floats, and two triangles of three numbers.
   const auto rings = static_cast<int>(std::sqrt(static_cast<double>(bytes) / 36.0));
-  constexpr double kRadius = 0.05;
+  constexpr double kRadius = 0.05;  // m
   std::string text;
   const auto vertex = [&](double polar, double azimuth) {
     text +=
