@@ -337,9 +337,9 @@ int main(int argc, char** argv) {
   unsigned reader_seconds = static_cast<unsigned>(options.reader.time.count());
   addLimitOptions(app, options, reader_seconds);
   addStateOptions(app, options);
-  app.add_option(
-      "--make-skins", options.make_skins,
-      "make the built-in hands' skins in this folder and end; done when it is built");
+  app.add_option("--make-skins", options.make_skins,
+                 "make the built-in hands' skins and solids in this folder and end; done when "
+                 "it is built");
   app.add_flag("--supervised", options.supervised,
                "serve in a process of its own, which is started again when it dies or gives no "
                "answer for 5 s");

@@ -90,8 +90,9 @@ struct Stencil {
 
 DistanceGrid::DistanceGrid(std::shared_ptr<const SignedDistance> exact,
                            const DistanceGridOptions& options,
-                           const Progress& progress)
-    : exact_(std::move(exact)) {
+                           const Progress& progress,
+                           std::vector<float> values)
+    : exact_(std::move(exact)), values_(std::move(values)) {
   HANDGRAFT_REQUIRE(exact_ != nullptr);
   if (!(options.least_spacing_m > 0.0)) {
     rejectInput("spacing of a distance grid: {} m must be above 0", options.least_spacing_m);
@@ -122,7 +123,16 @@ DistanceGrid::DistanceGrid(std::shared_ptr<const SignedDistance> exact,
   const Eigen::Vector3d edge = Eigen::Vector3d::Constant(0.501 * spacing_);
   box_ = Eigen::AlignedBox3d(Eigen::Vector3d(origin_ + edge),
                              Eigen::Vector3d(place((counts_.array() - 1).matrix()) - edge));
-  fill(progress);
+  const bool is_known = values_.size() == valueCount() &&
+                        std::all_of(values_.begin(), values_.end(), [](float value) {
+                          return std::isfinite(value);
+                        });
+  if (!is_known) fill(progress);
+}
+
+std::size_t DistanceGrid::valueCount() const {
+  // Rows are read four nodes at a time: one more behind the last.
+  return static_cast<std::size_t>(counts_.prod()) + 1;
 }
 
 Eigen::Vector3d DistanceGrid::place(const Eigen::Vector3i& node) const {
@@ -183,8 +193,7 @@ double DistanceGrid::fineValueAt(const Eigen::Vector3i& node) const {
 }
 
 void DistanceGrid::fill(const Progress& progress) {
-  // Rows are read four nodes at a time: one more behind the last.
-  values_.assign(static_cast<std::size_t>(counts_.prod()) + 1, 0.0F);
+  values_.assign(valueCount(), 0.0F);
   fillCoarse(progress);
   for (int z = 0; z < counts_[2]; ++z) {
     progress.checkpoint();

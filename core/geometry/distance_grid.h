@@ -28,11 +28,13 @@ struct DistanceGridOptions {
 /// Const and safe from several threads.
 class DistanceGrid {
  public:
-  /// Errors: InvalidInput on options out of range; Cancelled on wish. Cost: O(N) of nodes, 0.1
-  /// to 0.3 s by default; 4 bytes a node.
+  /// `values`: those of such a grid of the same before, which are believed if they are as many
+  /// and finite. Errors: InvalidInput on options out of range; Cancelled on wish. Cost: O(N) of
+  /// nodes, 0.1 to 0.3 s by default, little with values; 4 bytes a node.
   DistanceGrid(std::shared_ptr<const SignedDistance> exact,
                const DistanceGridOptions& options,
-               const Progress& progress);
+               const Progress& progress,
+               std::vector<float> values = {});
 
   /// The smoothed distance. Outside the box a lower bound of it, positive.
   [[nodiscard]] double at(const Eigen::Vector3d& p) const;
@@ -71,6 +73,9 @@ class DistanceGrid {
 
   [[nodiscard]] const SignedDistance& exact() const { return *exact_; }
 
+  /// What it took long to find.
+  [[nodiscard]] const std::vector<float>& values() const { return values_; }
+
   /// The middle of one cell of the grid, and how much of the cell is solid, in (0, 1].
   struct Cell {
     Eigen::Vector3d p;
@@ -85,6 +90,7 @@ class DistanceGrid {
   /// 0.87 for the way there, and as much for what is blended far from the surface.
   static constexpr double kDoubt = 2.0;
 
+  [[nodiscard]] std::size_t valueCount() const;
   void fill(const Progress& progress);
   void fillCoarse(const Progress& progress);
   [[nodiscard]] double fineValueAt(const Eigen::Vector3i& node) const;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/base/error.h"
 #include "core/base/parallel_for.h"
 
 namespace handgraft::geometry {
@@ -80,7 +81,7 @@ void SignedDistance::keepUnlessWall(int face, double reach, Corners& kept) const
   }
 }
 
-SignedDistance SignedDistance::withoutInnerWalls(double reach) const {
+SignedDistance::Corners SignedDistance::outerFaces(double reach) const {
   constexpr int kAtOnce = 256;  // faces
   std::vector<Corners> parts(static_cast<std::size_t>((solid_faces_ + kAtOnce - 1) / kAtOnce));
   parallelFor(static_cast<int>(parts.size()), [&](int part) {
@@ -91,7 +92,12 @@ SignedDistance SignedDistance::withoutInnerWalls(double reach) const {
   Corners corners;
   for (const Corners& part : parts)
     corners.insert(corners.end(), part.begin(), part.end());
-  const std::size_t solid_corners = corners.size();
+  return corners;
+}
+
+SignedDistance SignedDistance::withOuterFaces(const Corners& outer) const {
+  HANDGRAFT_REQUIRE(outer.size() % 3 == 0);
+  Corners corners = outer;
   for (int f = solid_faces_; f < surface().faceCount(); ++f)
     for (const int v : surface().face(f))
       corners.emplace_back(surface().vertex(v));
@@ -102,7 +108,7 @@ SignedDistance SignedDistance::withoutInnerWalls(double reach) const {
     faces(i % 3, i / 3) = static_cast<int>(i);
   }
   return {TriangleMesh(std::move(vertices), std::move(faces)),
-          static_cast<int>(solid_corners / 3), winding_};
+          static_cast<int>(outer.size() / 3), winding_};
 }
 
 }  // namespace handgraft::geometry

@@ -64,7 +64,16 @@ class SignedDistance {
   /// on both sides, all over, as where parts of a link stand in each other. What was the way to
   /// such a wall is now the way out. Frames: the mesh's; `reach` in m, positive. Cost: some 50
   /// us a face, on several threads.
-  [[nodiscard]] SignedDistance withoutInnerWalls(double reach) const;
+  [[nodiscard]] SignedDistance withoutInnerWalls(double reach) const {
+    return withOuterFaces(outerFaces(reach));
+  }
+
+  using Corners = std::vector<Eigen::Vector3d>;  ///< of faces, three each
+
+  /// Both halves of that: which of the solids' faces are left, in whole or in pieces, and the
+  /// solid that has those. Errors of the second: BrokenContract if corners are missing.
+  [[nodiscard]] Corners outerFaces(double reach) const;
+  [[nodiscard]] SignedDistance withOuterFaces(const Corners& corners) const;
 
   /// A face of `surface` that borders no solid.
   [[nodiscard]] bool isSheet(int face) const { return face >= solid_faces_; }
@@ -72,8 +81,6 @@ class SignedDistance {
  private:
   explicit SignedDistance(const SolidsAndSheets& parts);
   SignedDistance(const TriangleMesh& surface, int solid_faces, WindingNumber winding);
-
-  using Corners = std::vector<Eigen::Vector3d>;  ///< of faces, three each
 
   /// Adds what is left of a solid's face.
   void keepUnlessWall(int face, double reach, Corners& kept) const;

@@ -316,7 +316,8 @@ Bounds boundsOf(const Skin& skin,
                 bool carries_several,
                 double skin_offset,
                 const Pose& X_SL,
-                std::vector<Facet>& facets) {
+                std::vector<Facet>& facets,
+                SolidFindings::OfLink& findings) {
   const geometry::TriangleMesh of_skin = partOf(skin, link, X_SL);
   const auto part = std::make_shared<const geometry::SignedDistance>(of_skin);
   const auto as_of_skin = [&]() -> Bounds {
@@ -332,8 +333,9 @@ Bounds boundsOf(const Skin& skin,
     // out along the digit.
     std::shared_ptr<const geometry::SignedDistance> open;
     if (carries_several) {
+      if (findings.outer_faces.empty()) findings.outer_faces = own->outerFaces(0.5 * kHidden);
       open = std::make_shared<const geometry::SignedDistance>(
-          own->withoutInnerWalls(0.5 * kHidden));
+          own->withOuterFaces(findings.outer_faces));
     }
     if (open == nullptr || !holds(*open, *part, beneath)) {
       addSharp(*own, *part, false, skin_offset + kHidden, link, X_SL, facets);
@@ -349,6 +351,7 @@ Bounds boundsOf(const Skin& skin,
 void fillSolid(const Bounds& bounds,
                int most_nodes,
                const Progress& progress,
+               SolidFindings::OfLink& findings,
                LinkSolid& solid) {
   const auto& outermost = bounds.for_objects_L ? bounds.for_objects_L : bounds.exact_L;
   const Eigen::Matrix3Xd& vertices = outermost->surface().vertices();
@@ -361,11 +364,16 @@ void fillSolid(const Bounds& bounds,
   const Vector3d size = vertices.rowwise().maxCoeff() - vertices.rowwise().minCoeff();
   const double nodes = (size / kCoarsestGrid).array().prod();
   options.most_nodes = std::max(most_nodes, static_cast<int>(std::min(nodes, kMostNodes)));
-  const auto grid_of = [&](const std::shared_ptr<const geometry::SignedDistance>& exact) {
-    return std::make_shared<const geometry::DistanceGrid>(exact, options, progress);
+  const auto grid_of = [&](const std::shared_ptr<const geometry::SignedDistance>& exact,
+                           std::vector<float>& values) {
+    auto grid = std::make_shared<const geometry::DistanceGrid>(exact, options, progress,
+                                                               std::move(values));
+    values = grid->values();
+    return grid;
   };
-  solid.for_links_L = grid_of(bounds.exact_L);
-  solid.grid_L = bounds.for_objects_L ? grid_of(bounds.for_objects_L) : solid.for_links_L;
+  solid.for_links_L = grid_of(bounds.exact_L, findings.for_links);
+  solid.grid_L = bounds.for_objects_L ? grid_of(bounds.for_objects_L, findings.for_objects)
+                                      : solid.for_links_L;
   const double h = solid.for_links_L->spacing();
   for (const geometry::DistanceGrid::Cell& cell : solid.for_links_L->solidCells()) {
     const double distance = solid.for_links_L->at(cell.p) + solid.skin_offset;
@@ -410,7 +418,8 @@ bool areJoined(const HandModel& model, const LinkPoses& X_HL, int a, int b) {
 HandSolid::HandSolid(const HandModel& model,
                      const Skin& skin,
                      const Progress& progress,
-                     const HandSolidOptions& options) {
+                     const HandSolidOptions& options,
+                     SolidFindings* findings) {
   LinkPoses X_SL;
   forwardKinematics(model, Pose::Identity(), skin.qReference(), X_SL);
   std::vector<Facet> facets = facetsOf(skin, X_SL);
@@ -432,13 +441,16 @@ HandSolid::HandSolid(const HandModel& model,
     of_links[static_cast<std::size_t>(facet.link)].push_back(facet);
   std::vector<double> thicknesses(link_count, kThinnest);
   std::vector<Bounds> bounds(link_count);
+  SolidFindings unkept;
+  std::vector<SolidFindings::OfLink>& found = (findings != nullptr ? *findings : unkept).links;
+  found.resize(link_count);
   parallelFor(model.linkCount(), [&](int link) {
     progress.checkpoint();
     const auto i = static_cast<std::size_t>(link);
     if (!(areas[i] > 0.0)) return;
     thicknesses[i] = std::max(kThinnest, thicknessOf(of_links[i]));
-    bounds[i] =
-        boundsOf(skin, link, carriesSeveral(model, link), offsets[i], X_SL[i], of_links[i]);
+    bounds[i] = boundsOf(skin, link, carriesSeveral(model, link), offsets[i], X_SL[i],
+                         of_links[i], found[i]);
   });
   const std::vector<double> coarse = spacingsOf(areas, thicknesses, options.coarse_samples);
   const std::vector<double> fine = spacingsOf(areas, thicknesses, options.fine_samples);
@@ -452,8 +464,8 @@ HandSolid::HandSolid(const HandModel& model,
   }
   parallelFor(static_cast<int>(links_.size()), [&](int k) {
     LinkSolid& solid = links_[static_cast<std::size_t>(k)];
-    fillSolid(bounds[static_cast<std::size_t>(solid.link)], options.nodes_per_link, progress,
-              solid);
+    const auto i = static_cast<std::size_t>(solid.link);
+    fillSolid(bounds[i], options.nodes_per_link, progress, found[i], solid);
   });
   findCollisionPairs(model);
 }

@@ -69,6 +69,19 @@ struct HandSolidOptions {
   int nodes_per_link = 16000;  ///< at least; larger links have them 1.5 mm apart or so
 };
 
+/// What it takes long to find of a hand's solid, so that it can be kept (kept_solid.h): values
+/// of its links' grids, and which faces of their surfaces are no walls within. An entry a link,
+/// empty where nothing is known or there is nothing such.
+struct SolidFindings {
+  struct OfLink {
+    std::vector<float> for_links;
+    std::vector<float> for_objects;
+    geometry::SignedDistance::Corners outer_faces;
+  };
+
+  std::vector<OfLink> links;
+};
+
 /// The hand as a solid: samples of its surface, and a distance field a link.
 ///
 /// Samples come from the skin, which looks outwards, and are moved onto the links' own
@@ -81,11 +94,14 @@ struct HandSolidOptions {
 /// from several threads.
 class HandSolid {
  public:
-  /// `skin` of this `model`. Errors: Cancelled on wish. Cost: some 0.6 s on two cores.
+  /// `skin` of this `model`. `findings`, if given: those of making the same solid before, which
+  /// are believed where they fit; afterwards complete. Errors: Cancelled on wish. Cost: some
+  /// 0.6 s on two cores, half of it with findings.
   HandSolid(const HandModel& model,
             const Skin& skin,
             const Progress& progress,
-            const HandSolidOptions& options = {});
+            const HandSolidOptions& options = {},
+            SolidFindings* findings = nullptr);
 
   /// Links that have skin, by number.
   [[nodiscard]] const std::vector<LinkSolid>& links() const { return links_; }

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -19,6 +20,7 @@
 
 namespace handgraft::hand {
 
+class KeptFiles;
 struct SkinReport;
 
 struct SkinOptions {
@@ -102,6 +104,11 @@ class Skin {
   [[nodiscard]] Eigen::Vector3d directionInSkin(int link, const Eigen::Vector3d& d_L) const;
   [[nodiscard]] Eigen::Vector3d directionInLink(int link, const Eigen::Vector3d& d_S) const;
 
+  /// Where what takes long to make of it may be kept; null: nowhere.
+  [[nodiscard]] const KeptFiles* keptIn() const { return files_.get(); }
+
+  void keepIn(std::shared_ptr<const KeptFiles> files) { files_ = std::move(files); }
+
  private:
   /// The place of the links that a point next to face `face` belongs to.
   [[nodiscard]] std::optional<LinkLocators::Hit> hitFrom(int face,
@@ -119,6 +126,7 @@ class Skin {
   std::unique_ptr<geometry::SurfaceLocator> locator_;
   std::unique_ptr<LinkLocators> links_;
   std::vector<int> face_links_;
+  std::shared_ptr<const KeptFiles> files_;
 };
 
 /// The joints at which the hand is wrapped: the zero pose, moved by at most 0.35 rad where

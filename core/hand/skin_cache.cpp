@@ -1,16 +1,11 @@
 #include "core/hand/skin_cache.h"
 
+#include <algorithm>
 #include <array>
-#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <cstdlib>
-#include <cstring>
-#include <fstream>
 #include <utility>
-
-#include <fmt/format.h>
-#include <unistd.h>
 
 #include "core/base/content_hash.h"
 #include "core/base/error.h"
@@ -23,56 +18,8 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Raise it with every change of the method or the file, and old files are made anew.
-constexpr std::string_view kFormat = "handgraft-skin/2\n";
+constexpr std::string_view kFormat = "handgraft-skin/3\n";
 constexpr const char* kFolder = "handgraft/skins";
-constexpr std::size_t kDigits = 64;
-constexpr std::uintmax_t kLargestFile = 1U << 30U;
-
-std::string digestOf(std::string_view bytes) {
-  ContentHash hash;
-  hash.add(bytes);
-  return hash.finish();
-}
-
-template <class Number>
-void append(std::string& bytes, const Number* numbers, std::size_t count) {
-  const std::size_t start = bytes.size();
-  bytes.resize(start + count * sizeof(Number));
-  std::memcpy(bytes.data() + start, numbers, count * sizeof(Number));
-}
-
-/// Takes numbers off the front; false if there are not as many.
-template <class Number>
-bool take(std::string_view& bytes, Number* numbers, std::size_t count) {
-  if (bytes.size() / sizeof(Number) < count) return false;
-  std::memcpy(numbers, bytes.data(), count * sizeof(Number));
-  bytes.remove_prefix(count * sizeof(Number));
-  return true;
-}
-
-std::optional<std::string> contentOf(const fs::path& path) {
-  std::error_code error;
-  const std::uintmax_t size = fs::file_size(path, error);
-  if (error || size > kLargestFile) return std::nullopt;
-  std::ifstream file(path, std::ios::binary);
-  std::string bytes(static_cast<std::size_t>(size), '\0');
-  if (!file.read(bytes.data(), static_cast<std::streamsize>(size))) return std::nullopt;
-  return bytes;
-}
-
-/// Under another name first: a reader never sees half a file.
-void keep(const fs::path& path, const std::string& bytes) {
-  static std::atomic<unsigned> count{0};
-  std::error_code error;
-  fs::create_directories(path.parent_path(), error);
-  fs::path half = path;
-  half += fmt::format(".{}.{}.part", ::getpid(), count++);
-  std::ofstream file(half, std::ios::binary);
-  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  if (file) fs::rename(half, path, error);
-  if (!file || error) fs::remove(half, error);
-}
 
 }  // namespace
 
@@ -100,50 +47,52 @@ std::string skinKey(const HandModel& model, const SkinOptions& options) {
 }
 
 std::string serialise(const StoredSkin& skin, const std::string& key) {
-  HANDGRAFT_REQUIRE(key.size() == kDigits);
-  std::string bytes(kFormat);
-  bytes += key;
+  std::string bytes;
   const std::array<std::uint64_t, 3> counts{
       static_cast<std::uint64_t>(skin.mesh_S.vertexCount()),
       static_cast<std::uint64_t>(skin.mesh_S.faceCount()), skin.notes.size()};
-  append(bytes, counts.data(), counts.size());
-  append(bytes, skin.mesh_S.vertices().data(),
-         static_cast<std::size_t>(skin.mesh_S.vertices().size()));
-  append(bytes, skin.mesh_S.faces().data(),
-         static_cast<std::size_t>(skin.mesh_S.faces().size()));
+  appendNumbers(bytes, counts.data(), counts.size());
+  appendNumbers(bytes, skin.mesh_S.vertices().data(),
+                static_cast<std::size_t>(skin.mesh_S.vertices().size()));
+  appendNumbers(bytes, skin.mesh_S.faces().data(),
+                static_cast<std::size_t>(skin.mesh_S.faces().size()));
   for (const std::string& note : skin.notes) {
     const std::uint64_t length = note.size();
-    append(bytes, &length, 1);
+    appendNumbers(bytes, &length, 1);
     bytes += note;
   }
-  return bytes + digestOf(bytes);
+  const std::uint64_t link_count = skin.face_links.size();
+  appendNumbers(bytes, &link_count, 1);
+  appendNumbers(bytes, skin.face_links.data(), skin.face_links.size());
+  return sealed(kFormat, key, bytes);
 }
 
-std::optional<StoredSkin> deserialise(std::string_view bytes, const std::string& key) {
-  if (bytes.size() < kFormat.size() + 2 * kDigits || !bytes.starts_with(kFormat) ||
-      bytes.substr(kFormat.size(), kDigits) != key ||
-      bytes.substr(bytes.size() - kDigits) != digestOf(bytes.substr(0, bytes.size() - kDigits)))
-    return std::nullopt;
-  bytes.remove_prefix(kFormat.size() + kDigits);
-  bytes.remove_suffix(kDigits);
-
+std::optional<StoredSkin> deserialise(std::string_view file, const std::string& key) {
+  const auto content = unsealed(file, kFormat, key);
+  if (!content) return std::nullopt;
+  std::string_view bytes = *content;
   std::array<std::uint64_t, 3> counts{};
-  if (!take(bytes, counts.data(), counts.size()) || counts[0] > bytes.size() / sizeof(double) ||
-      counts[1] > bytes.size() / sizeof(int))
+  if (!takeNumbers(bytes, counts.data(), counts.size()) ||
+      counts[0] > bytes.size() / sizeof(double) || counts[1] > bytes.size() / sizeof(int))
     return std::nullopt;
   Eigen::Matrix3Xd vertices(3, static_cast<Eigen::Index>(counts[0]));
   Eigen::Matrix3Xi faces(3, static_cast<Eigen::Index>(counts[1]));
-  if (!take(bytes, vertices.data(), static_cast<std::size_t>(vertices.size())) ||
-      !take(bytes, faces.data(), static_cast<std::size_t>(faces.size())))
+  if (!takeNumbers(bytes, vertices.data(), static_cast<std::size_t>(vertices.size())) ||
+      !takeNumbers(bytes, faces.data(), static_cast<std::size_t>(faces.size())))
     return std::nullopt;
   StoredSkin skin;
   for (std::uint64_t i = 0; i < counts[2]; ++i) {
     std::uint64_t length = 0;
-    if (!take(bytes, &length, 1) || length > bytes.size()) return std::nullopt;
+    if (!takeNumbers(bytes, &length, 1) || length > bytes.size()) return std::nullopt;
     skin.notes.emplace_back(bytes.substr(0, static_cast<std::size_t>(length)));
     bytes.remove_prefix(static_cast<std::size_t>(length));
   }
-  if (!bytes.empty()) return std::nullopt;
+  std::uint64_t link_count = 0;
+  if (!takeNumbers(bytes, &link_count, 1) || (link_count != 0 && link_count != counts[1]))
+    return std::nullopt;
+  skin.face_links.resize(link_count);
+  if (!takeNumbers(bytes, skin.face_links.data(), skin.face_links.size()) || !bytes.empty())
+    return std::nullopt;
   try {
     skin.mesh_S = geometry::TriangleMesh(std::move(vertices), std::move(faces));
   } catch (const InvalidInput&) {
@@ -154,7 +103,7 @@ std::optional<StoredSkin> deserialise(std::string_view bytes, const std::string&
 }
 
 SkinCache::SkinCache(std::optional<fs::path> folder, fs::path shipped)
-    : folder_(std::move(folder)), shipped_(std::move(shipped)) {}
+    : files_(std::make_shared<const KeptFiles>(std::move(folder), std::move(shipped))) {}
 
 SkinCache SkinCache::fromEnvironment(fs::path shipped) {
   const auto absolute = [](const char* name) -> std::optional<fs::path> {
@@ -179,25 +128,34 @@ Skin SkinCache::get(const HandModel& model,
   const auto start = std::chrono::steady_clock::now();
   const std::string key = skinKey(model, options);
   const std::string name = key + ".skin";
-  for (const fs::path& folder : {shipped_, folder_.value_or(fs::path())}) {
-    const auto bytes = folder.empty() ? std::nullopt : contentOf(folder / name);
-    if (auto stored = bytes ? deserialise(*bytes, key) : std::nullopt) {
-      progress.report("relating skin and links", 0.9);
-      Skin skin(model, std::move(stored->mesh_S), skinReferencePose(model), options.epsilon_m,
-                options.source);
-      if (report != nullptr) {
-        *report = SkinReport();
-        report->from_cache = true;
-        report->notes = std::move(stored->notes);
-        report->time_s =
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-      }
-      return skin;
+  const auto parse = [&](std::string_view bytes) {
+    auto stored = deserialise(bytes, key);
+    const bool names_links =
+        stored && !stored->face_links.empty() &&
+        std::all_of(stored->face_links.begin(), stored->face_links.end(), [&](int link) {
+          return link >= -1 && link < model.linkCount();
+        });
+    return names_links ? std::move(stored) : std::nullopt;
+  };
+  if (auto stored = files_->find(name, parse)) {
+    progress.report("relating skin and links", 0.9);
+    Skin skin(model, std::move(stored->mesh_S), skinReferencePose(model), options.epsilon_m,
+              options.source, std::move(stored->face_links));
+    skin.keepIn(files_);
+    if (report != nullptr) {
+      *report = SkinReport();
+      report->from_cache = true;
+      report->notes = std::move(stored->notes);
+      report->time_s =
+          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }
+    return skin;
   }
   SkinReport made;
   Skin skin = buildSkin(model, options, progress, &made);
-  if (folder_) keep(*folder_ / name, serialise({skin.mesh(), made.notes}, key));
+  if (files_->folder())
+    files_->keep(name, serialise({skin.mesh(), made.notes, skin.faceLinks()}, key));
+  skin.keepIn(files_);
   if (report != nullptr) *report = std::move(made);
   return skin;
 }

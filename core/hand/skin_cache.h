@@ -1,11 +1,13 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "core/hand/kept_files.h"
 #include "core/hand/skin.h"
 #include "core/hand/skin_report.h"
 
@@ -15,10 +17,12 @@ namespace handgraft::hand {
 /// reference pose, the options, and the version of the method. Cost: some 20 ms.
 std::string skinKey(const HandModel& model, const SkinOptions& options);
 
-/// What is kept of a skin: its mesh, and what its maker had to say.
+/// What is kept of a skin: its mesh, what its maker had to say, and the link of each face,
+/// which takes longest to find of what a mesh needs to be a skin (empty: not known).
 struct StoredSkin {
   geometry::TriangleMesh mesh_S;
   std::vector<std::string> notes;
+  std::vector<int> face_links = {};
 };
 
 /// Bytes that hold a skin, its key and a checksum of all that.
@@ -31,8 +35,8 @@ std::optional<StoredSkin> deserialise(std::string_view bytes, const std::string&
 /// Folders of skins that were made before, named by their keys: one that came with the program
 /// and is only read, and one that is added to; either may be missing.
 ///
-/// A damaged file is made anew. Several processes may share a folder: files appear whole.
-/// Threads: const methods from any thread.
+/// A damaged file is made anew. Its skins keep what is made of them beside their files
+/// (kept_solid.h). Threads: const methods from any thread.
 class SkinCache {
  public:
   /// Without a folder nothing is kept. `shipped` is looked into first.
@@ -52,11 +56,12 @@ class SkinCache {
                          const Progress& progress,
                          SkinReport* report = nullptr) const;
 
-  [[nodiscard]] const std::optional<std::filesystem::path>& folder() const { return folder_; }
+  [[nodiscard]] const std::optional<std::filesystem::path>& folder() const {
+    return files_->folder();
+  }
 
  private:
-  std::optional<std::filesystem::path> folder_;
-  std::filesystem::path shipped_;
+  std::shared_ptr<const KeptFiles> files_;
 };
 
 }  // namespace handgraft::hand

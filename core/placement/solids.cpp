@@ -2,6 +2,7 @@
 
 #include "core/base/error.h"
 #include "core/base/weak_cache.h"
+#include "core/hand/kept_solid.h"
 
 namespace handgraft::placement {
 
@@ -13,7 +14,7 @@ std::shared_ptr<const hand::HandSolid> solidOf(
   // By the model, since its rest pose counts, too; it comes with one skin.
   static WeakCache<hand::HandModel, hand::HandSolid> memory;
   return memory.get(model, progress, [&] {
-    return std::make_shared<const hand::HandSolid>(*model, *skin, progress);
+    return hand::keptSolid(*model, *skin, progress);
   });
 }
 

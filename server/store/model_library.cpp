@@ -13,6 +13,7 @@
 #include "core/base/error.h"
 #include "core/base/progress.h"
 #include "core/base/resource_uri.h"
+#include "core/hand/kept_solid.h"
 #include "core/hand/skin_cache.h"
 #include "core/io/contact_file.h"
 #include "core/io/file_bytes.h"
@@ -171,7 +172,9 @@ void makeSkins(const fs::path& folder) {
   for (const v1::ModelSummary& one : store.list()) {
     if (one.kind() != v1::MODEL_HAND) continue;
     made.push_back(std::async(std::launch::async, [&skins, held = store.hand(one.name())] {
-      static_cast<void>(skins.get(held->hand->model(), HandReading().skin, Progress()));
+      const hand::HandModel& model = held->hand->model();
+      const hand::Skin skin = skins.get(model, HandReading().skin, Progress());
+      static_cast<void>(hand::keptSolid(model, skin, Progress()));
     }));
   }
   for (std::future<void>& one : made)

@@ -23,8 +23,9 @@ std::filesystem::path builtInLibrary();
 /// Likewise the skins of its hands, made when the program was built; the folder may be missing.
 std::filesystem::path builtInSkins();
 
-/// Makes the skins of the built-in hands that are not in `folder` yet. Errors: InvalidInput if
-/// a hand cannot be read. Cost: some seconds a hand.
+/// Makes the skins of the built-in hands, and what their solids take long to find, as far as
+/// they are not in `folder` yet. Errors: InvalidInput if a hand cannot be read. Cost: some
+/// seconds a hand.
 void makeSkins(const std::filesystem::path& folder);
 
 }  // namespace handgraft::server

@@ -11,6 +11,7 @@
 #include "core/geometry/sample_thinning.h"
 #include "core/hand/kinematics.h"
 
+#include "tests/core/hand/palm_of_parts.h"
 #include "tests/support/ball_hand.h"
 
 namespace handgraft::hand {
@@ -215,43 +216,8 @@ TEST(HandSolid, GoesOnWhereItsSkinIsCutOffForObjectsAlone) {
   }
 }
 
-/// A palm and two balls on it, by a hinge each, one of them by way of a link fixed to it; the
-/// palm's mesh has further balls within.
-test::BallHand palmOfParts() {
-  std::vector<Link> links(4);
-  std::vector<Joint> joints;
-  const auto hang = [&](std::size_t child, std::size_t parent, JointType type, double x) {
-    Joint joint;
-    joint.name = "joint" + std::to_string(child);
-    joint.type = type;
-    joint.parent_link = links[parent].name;
-    joint.child_link = links[child].name;
-    joint.X_PJ.translation() = Vector3d(x, 0, 0);
-    joint.axis_J = Vector3d::UnitZ();
-    joint.lower = -3.0;
-    joint.upper = 3.0;
-    joints.push_back(joint);
-  };
-  for (std::size_t i = 0; i < links.size(); ++i)
-    links[i].name = "link" + std::to_string(i);
-  hang(1, 0, JointType::kRevolute, -0.03);
-  hang(2, 0, JointType::kFixed, 0.03);
-  hang(3, 2, JointType::kRevolute, 0.03);
-  test::BallHand hand = test::withBalls(HandModel("palm", links, joints), kRadius);
-  links = hand.model->links();
-  const geometry::TriangleMesh ball = links[0].visuals[0].mesh_L;
-  std::vector<geometry::TriangleMesh> parts = {ball};
-  for (const double share : {0.8, 0.6, 0.4, 0.2})
-    parts.push_back(geometry::transformed(ball, Eigen::Affine3d(Eigen::Scaling(share))));
-  links[0].visuals[0].mesh_L = geometry::merged(parts);
-  const Eigen::VectorXd q = hand.model->restPose();
-  hand.model = std::make_shared<const HandModel>("palm", links, joints);
-  hand.skin = std::make_shared<const Skin>(*hand.model, hand.skin->mesh(), q, 0.004);
-  return hand;
-}
-
 TEST(HandSolid, KnowsAPalmWhosePartsStandInEachOther) {
-  const test::BallHand hand = palmOfParts();
+  const test::BallHand hand = test::palmOfParts(kRadius);
   const HandSolid solid(*hand.model, *skinWithGaps(hand), Progress());
   const LinkSolid& palm = solid.links().at(0);
   ASSERT_EQ(palm.link, 0);

@@ -12,6 +12,7 @@
 #include "core/base/content_hash.h"
 #include "core/base/error.h"
 
+#include "tests/support/own_folder.h"
 #include "tests/support/wrapping.h"
 
 namespace handgraft::hand {
@@ -23,28 +24,7 @@ HandModel makeBall(double radius_m) {
   return {"ball", {{"ball", {{geometry::makeSphere(radius_m, 3), "sphere"}}, {}}}, {}};
 }
 
-/// A folder of its own for each test, empty.
-class SkinCacheTest : public ::testing::Test {
- protected:
-  SkinCacheTest()
-      : folder(fs::path(::testing::TempDir()) /
-               (std::string("skin_cache_") +
-                ::testing::UnitTest::GetInstance()->current_test_info()->name())) {
-    fs::remove_all(folder);
-  }
-
-  ~SkinCacheTest() override { fs::remove_all(folder); }
-
-  [[nodiscard]] std::vector<fs::path> files() const {
-    std::vector<fs::path> found;
-    if (!fs::exists(folder)) return found;
-    for (const auto& entry : fs::directory_iterator(folder))
-      found.push_back(entry.path());
-    return found;
-  }
-
-  fs::path folder;
-};
+class SkinCacheTest : public test::OwnFolder {};
 
 TEST(SkinKey, ChangesWithWhatMakesTheSkin) {
   const std::string key = skinKey(makeBall(0.02), {});
@@ -60,12 +40,13 @@ TEST(SkinKey, ChangesWithWhatMakesTheSkin) {
 
 TEST(StoredSkin, ComesBackAsItWas) {
   const std::string key(64, 'a');
-  const StoredSkin stored{geometry::makeSphere(0.02, 3), {"one", ""}};
+  const StoredSkin stored{geometry::makeSphere(0.02, 1), {"one", ""}, std::vector<int>(80, 7)};
   const auto back = deserialise(serialise(stored, key), key);
   ASSERT_TRUE(back);
   EXPECT_EQ(back->mesh_S.vertices(), stored.mesh_S.vertices());
   EXPECT_EQ(back->mesh_S.faces(), stored.mesh_S.faces());
   EXPECT_EQ(back->notes, stored.notes);
+  EXPECT_EQ(back->face_links, stored.face_links);
 }
 
 TEST(StoredSkin, IsNothingIfDamaged) {
@@ -89,9 +70,12 @@ TEST(StoredSkin, IsNothingIfWronglyMade) {
   const geometry::TriangleMesh open(Eigen::Matrix3Xd(Eigen::Matrix3d::Identity()), faces);
   EXPECT_FALSE(deserialise(serialise({open, {}}, key), key));
 
+  const StoredSkin of_fewer{geometry::makeSphere(0.02, 1), {}, std::vector<int>(79, 0)};
+  EXPECT_FALSE(deserialise(serialise(of_fewer, key), key)) << "a face without a link";
+
   std::string body = serialise({geometry::makeSphere(0.02, 1), {}}, key);
   body.resize(body.size() - 64);
-  const std::size_t counts = body.size() - 80 * 12 - 42 * 24 - 24;
+  const std::size_t counts = body.size() - 8 - 80 * 12 - 42 * 24 - 24;
   for (int byte = 0; byte < 8; ++byte)
     body[counts + static_cast<std::size_t>(byte)] = '\x7f';
   ContentHash hash;
@@ -133,6 +117,20 @@ TEST_F(SkinCacheTest, LooksFirstAtWhatCameWithTheProgram) {
   EXPECT_FALSE(report.from_cache);
   EXPECT_EQ(std::distance(fs::directory_iterator(shipped), fs::directory_iterator()), 1);
   EXPECT_EQ(std::distance(fs::directory_iterator(own), fs::directory_iterator()), 1);
+}
+
+TEST_F(SkinCacheTest, MakesAFileAnewThatNamesLinksOfAnotherHand) {
+  HANDGRAFT_NEEDS_CGAL();
+  const SkinCache cache(folder);
+  const Skin made = cache.get(makeBall(0.02), {}, Progress());
+  StoredSkin stored{made.mesh(), {}, made.faceLinks()};
+  stored.face_links.front() = 1;  // the ball is link 0, and has no other
+  const std::string key = skinKey(makeBall(0.02), {});
+  std::ofstream(files().front(), std::ios::binary) << serialise(stored, key);
+  SkinReport report;
+  const Skin again = cache.get(makeBall(0.02), {}, Progress(), &report);
+  EXPECT_FALSE(report.from_cache);
+  EXPECT_EQ(again.faceLinks(), made.faceLinks());
 }
 
 TEST_F(SkinCacheTest, MakesADamagedFileAnew) {
