@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
+#include <compare>
+#include <cstddef>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -81,30 +82,46 @@ void TriangleMesh::buildTwins() {
   const int halfedge_count = 3 * faceCount();
   twins_.assign(static_cast<std::size_t>(halfedge_count), -1);
 
-  // Halfedges of one edge stand side by side after sorting by its two vertices.
-  std::vector<std::pair<std::uint64_t, int>> by_edge;
-  by_edge.reserve(static_cast<std::size_t>(halfedge_count));
-  for (int h = 0; h < halfedge_count; ++h) {
-    const auto [low, high] = std::minmax({from(h), to(h)});
-    by_edge.emplace_back(
-        (static_cast<std::uint64_t>(low) << 32) | static_cast<std::uint32_t>(high), h);
-  }
-  std::sort(by_edge.begin(), by_edge.end());
+  // Halfedges of one edge stand side by side once they are sorted by its two vertices: those of
+  // each lower one are few.
+  struct OfVertex {
+    int high;
+    int halfedge;
+
+    auto operator<=>(const OfVertex&) const = default;
+  };
+
+  std::vector<std::size_t> begins(static_cast<std::size_t>(vertexCount()) + 1, 0);
+  const auto low_of = [this](int h) {
+    return static_cast<std::size_t>(std::min(from(h), to(h)));
+  };
+  for (int h = 0; h < halfedge_count; ++h)
+    ++begins[low_of(h) + 1];
+  std::partial_sum(begins.begin(), begins.end(), begins.begin());
+  std::vector<OfVertex> by_edge(static_cast<std::size_t>(halfedge_count));
+  std::vector<std::size_t> cursor(begins.begin(), begins.end() - 1);
+  for (int h = 0; h < halfedge_count; ++h)
+    by_edge[cursor[low_of(h)]++] = {std::max(from(h), to(h)), h};
 
   double length_sum = 0.0;
-  for (std::size_t begin = 0, end = 0; begin < by_edge.size(); begin = end) {
-    while (end < by_edge.size() && by_edge[end].first == by_edge[begin].first)
-      ++end;
-    const int first = by_edge[begin].second;
-    ++edge_count_;
-    length_sum += (vertices_.col(to(first)) - vertices_.col(from(first))).norm();
-    if (end - begin == 1) continue;
-    const int second = by_edge[begin + 1].second;
-    if (end - begin == 2 && from(first) == to(second)) {
-      twins_[first] = second;
-      twins_[second] = first;
-    } else {
-      ++non_manifold_edges_;
+  for (std::size_t low = 0; low + 1 < begins.size(); ++low) {
+    const auto last = by_edge.begin() + static_cast<std::ptrdiff_t>(begins[low + 1]);
+    auto first = by_edge.begin() + static_cast<std::ptrdiff_t>(begins[low]);
+    std::sort(first, last);
+    while (first != last) {
+      const auto end = std::find_if(first, last, [first](const OfVertex& one) {
+        return one.high != first->high;
+      });
+      const int h = first->halfedge;
+      ++edge_count_;
+      length_sum += (vertices_.col(to(h)) - vertices_.col(from(h))).norm();
+      if (end - first == 2 && from(h) == to((first + 1)->halfedge)) {
+        twins_[h] = (first + 1)->halfedge;
+        twins_[(first + 1)->halfedge] = h;
+      } else if (end - first > 1) {
+        ++non_manifold_edges_;
+      }
+      first = end;
     }
   }
   mean_edge_length_ = edge_count_ > 0 ? length_sum / edge_count_ : 0.0;

@@ -20,7 +20,7 @@ class TriangleMesh {
   /// Shapes: vertices 3 x V in metres, faces 3 x F of vertex indices.
   /// Errors: InvalidInput on a non-finite vertex (named by its index), an index out of range,
   /// or a face that names one vertex twice. Vertices without a face are allowed. Cost: O(V + F
-  /// log F).
+  /// log F) at most.
   TriangleMesh(Eigen::Matrix3Xd vertices, Eigen::Matrix3Xi faces);
 
   [[nodiscard]] int vertexCount() const { return static_cast<int>(vertices_.cols()); }

@@ -4,6 +4,8 @@
 #include <functional>
 #include <future>
 #include <map>
+#include <numeric>
+#include <optional>
 #include <set>
 #include <string>
 #include <system_error>
@@ -11,6 +13,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/parallel_for.h"
 #include "core/base/progress.h"
 #include "core/base/resource_uri.h"
 #include "core/hand/kept_solid.h"
@@ -53,7 +56,7 @@ std::map<std::string, fs::path> meshesOf(const fs::path& urdf) {
   return files;
 }
 
-void readHand(const fs::path& folder, ModelStore& store) {
+StoredHand readHand(const fs::path& folder) {
   ReadRequest reading;
   reading.kind = ReadKind::kHand;
   reading.name = folder.filename().string();
@@ -62,18 +65,18 @@ void readHand(const fs::path& folder, ModelStore& store) {
   reading.files = meshesOf(urdf);
   reading.files[reading.main_uri] = urdf;
   if (fs::exists(folder / kSitesUri)) reading.files[kSitesUri] = folder / kSitesUri;
-  store.replace(storedHand(reading.name, kBuiltIn,
-                           std::get<ReadHand>(readModel(reading, Progress())), reading.hand));
+  return storedHand(reading.name, kBuiltIn, std::get<ReadHand>(readModel(reading, Progress())),
+                    reading.hand);
 }
 
-void readObject(const fs::path& path, ModelStore& store) {
+StoredObject readObject(const fs::path& path) {
   ReadRequest reading;
   reading.kind = ReadKind::kObject;
   reading.name = path.stem().string();
   reading.main_uri = path.string();
   reading.files[reading.main_uri] = path;
-  store.replace(storedObject(reading.name, kBuiltIn,
-                             std::get<io::MeshFile>(readModel(reading, Progress())), ""));
+  return storedObject(reading.name, kBuiltIn,
+                      std::get<io::MeshFile>(readModel(reading, Progress())), "");
 }
 
 /// The object whose name begins `name`, the longest one; empty if there is none.
@@ -86,7 +89,7 @@ std::string objectOf(const std::string& name, const ModelStore& store) {
   return best;
 }
 
-void readContacts(const fs::path& path, ModelStore& store) {
+StoredContacts readContacts(const fs::path& path, const ModelStore& store) {
   ReadRequest reading;
   reading.kind = ReadKind::kContacts;
   reading.name = path.stem().string();
@@ -97,9 +100,9 @@ void readContacts(const fs::path& path, ModelStore& store) {
   if (object.empty()) rejectInput("{}: does not say which object it lies on", path.string());
   const auto file = store.object(object)->file;
   reading.contacts.object = file;
-  store.replace(storedContacts(reading.name, kBuiltIn,
-                               std::get<ReadContacts>(readModel(reading, Progress())), file,
-                               std::move(object)));
+  return storedContacts(reading.name, kBuiltIn,
+                        std::get<ReadContacts>(readModel(reading, Progress())), file,
+                        std::move(object));
 }
 
 /// 1 if the model had to be left out.
@@ -114,6 +117,30 @@ int attempt(const char* kind, const fs::path& path, const std::function<void()>&
   }
 }
 
+/// Reads all of a kind side by side, and enters them one after another: of two of one name the
+/// later stays, as ever. How many had to be left out.
+template <class Read>
+int enterAll(const char* kind,
+             const std::vector<fs::path>& paths,
+             const Read& read,
+             ModelStore& store) {
+  std::vector<std::optional<decltype(read(fs::path()))>> models(paths.size());
+  std::vector<int> left_out(paths.size(), 0);
+  parallelFor(static_cast<int>(paths.size()), [&](int k) {
+    const auto i = static_cast<std::size_t>(k);
+    left_out[i] = attempt(kind, paths[i], [&] {
+      models[i] = read(paths[i]);
+    });
+  });
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    if (!models[i]) continue;
+    left_out[i] = attempt(kind, paths[i], [&] {
+      store.replace(std::move(*models[i]));
+    });
+  }
+  return std::accumulate(left_out.begin(), left_out.end(), 0);
+}
+
 }  // namespace
 
 int readLibrary(const fs::path& folder, ModelStore& store) {
@@ -124,26 +151,28 @@ int readLibrary(const fs::path& folder, ModelStore& store) {
   static const std::set<std::string> kMeshes = {".obj", ".stl",  ".ply",
                                                 ".glb", ".gltf", ".dae"};
   static const std::set<std::string> kContacts = {".json", ".ply"};
-  int left_out = 0;
-  for (const fs::path& entry : entriesOf(folder / "hands")) {
-    if (!fs::is_directory(entry, error)) continue;
-    left_out += attempt("hand", entry, [&] {
-      readHand(entry, store);
+  const auto those_of = [&](const char* subfolder, const auto& are_so) {
+    std::vector<fs::path> paths = entriesOf(folder / subfolder);
+    std::erase_if(paths, [&](const fs::path& path) {
+      return !are_so(path);
     });
-  }
-  for (const fs::path& entry : entriesOf(folder / "objects")) {
-    if (kMeshes.count(entry.extension().string()) == 0) continue;
-    left_out += attempt("object", entry, [&] {
-      readObject(entry, store);
-    });
-  }
-  for (const fs::path& entry : entriesOf(folder / "contacts")) {
-    if (kContacts.count(entry.extension().string()) == 0) continue;
-    left_out += attempt("contacts", entry, [&] {
-      readContacts(entry, store);
-    });
-  }
-  return left_out;
+    return paths;
+  };
+  const auto hands = those_of("hands", [&](const fs::path& path) {
+    return fs::is_directory(path, error);
+  });
+  const auto objects = those_of("objects", [&](const fs::path& path) {
+    return kMeshes.count(path.extension().string()) > 0;
+  });
+  const auto contacts = those_of("contacts", [&](const fs::path& path) {
+    return kContacts.count(path.extension().string()) > 0;
+  });
+  const auto contacts_from = [&store](const fs::path& path) {
+    return readContacts(path, store);
+  };
+  int left_out = enterAll("hand", hands, readHand, store);
+  left_out += enterAll("object", objects, readObject, store);
+  return left_out + enterAll("contacts", contacts, contacts_from, store);  // on those objects
 }
 
 fs::path builtInLibrary() {

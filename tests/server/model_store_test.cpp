@@ -97,5 +97,29 @@ TEST(ModelLibrary, LeavesABadModelOutAndReadsTheRest) {
   EXPECT_THROW(readLibrary(folder / "nowhere", store), InvalidInput);
 }
 
+TEST(ModelLibrary, KeepsTheLaterOfTwoOfOneNameThoughTheyAreReadSideBySide) {
+  const fs::path folder = test::scratchDirectory() / "twice";
+  fs::create_directories(folder / "objects");
+  const auto write = [&](const std::string& name, double size_m) {
+    std::ofstream file(folder / "objects" / name);
+    file << "v 0 0 0\nv " << size_m << " 0 0\nv 0 " << size_m << " 0\nv 0 0 " << size_m
+         << "\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+  };
+  for (int i = 0; i < 20; ++i)
+    write("tetrahedron" + std::to_string(i) + ".obj", 0.01 * (1 + i));
+  // The same name once more, and later.
+  std::ofstream(folder / "objects/tetrahedron7.ply")
+      << "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+         "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+         "end_header\n0 0 0\n0.1 0 0\n0 0.1 0\n3 0 1 2\n";
+  for (int round = 0; round < 20; ++round) {
+    ModelStore store;
+    EXPECT_EQ(readLibrary(folder, store), 0);
+    EXPECT_EQ(store.size(), 20u);
+    EXPECT_EQ(store.object("tetrahedron7")->file->mesh.faceCount(), 1) << "the .obj stayed";
+    EXPECT_NEAR(store.object("tetrahedron19")->file->mesh.vertices().maxCoeff(), 0.2, 1e-9);
+  }
+}
+
 }  // namespace
 }  // namespace handgraft::server
