@@ -12,6 +12,7 @@ namespace handgraft::geometry {
 /// in any order, last in first out.
 ///
 /// Cost: O(1) to put and take, and O(n) once every `kBuckets` steps.
+// NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming): its copy's counter
 class BucketQueue {
  public:
   struct Entry {

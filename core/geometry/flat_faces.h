@@ -34,7 +34,9 @@ class FlatFaces {
   static constexpr int kNotMet = -1;
   static constexpr int kNoFace = -2;
 
-  explicit FlatFaces(const TriangleMesh& mesh) : mesh_(mesh) { sides_.reserve(3 * 512); }
+  explicit FlatFaces(const TriangleMesh& mesh) : mesh_(mesh) {
+    sides_.reserve(std::size_t{3} * 512);
+  }
 
   /// First side of a face of the mesh. Invalidates references to sides.
   int add(int face);

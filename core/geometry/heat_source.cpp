@@ -184,7 +184,7 @@ std::vector<HeatSeed> roundSeeds(const TriangleMesh& mesh,
   for (Eigen::Index i = 0; i < n; ++i) {
     const Complex p = seeds[i].p_T / scale;
     Complex power = 1.0;
-    for (int k = 0; k < kMoments; ++k) {
+    for (Eigen::Index k = 0; k < kMoments; ++k) {
       // Heat from p fades like exp(s p), |s| about 1: moments count as in its series.
       power *= p / static_cast<double>(k + 1);
       J(2 * k, i) = power.real();

@@ -57,14 +57,14 @@ std::string defectOfVertex(const TriangleMesh& mesh, int vertex) {
   const auto face_count = mesh.outgoingEnd(vertex) - mesh.outgoingBegin(vertex);
   if (face_count == 0) return {};
   const int first = firstOfFan(mesh, vertex);
-  std::ptrdiff_t met = 0;
-  int h = first;
+  std::ptrdiff_t met = 1;
   int last = first;
-  do {
+  int h = mesh.twin(TriangleMesh::previous(first));
+  while (h >= 0 && h != first) {
     ++met;
     last = h;
     h = mesh.twin(TriangleMesh::previous(h));
-  } while (h >= 0 && h != first);
+  }
   // An open fan whose two ends are one edge holds faces that disagree on what is outside.
   const bool bent_back = h < 0 && mesh.from(TriangleMesh::previous(last)) == mesh.to(first);
   if (met == face_count && !bent_back) return {};
@@ -128,8 +128,8 @@ void IntrinsicDelaunay::measureAngles(const TriangleMesh& mesh) {
 }
 
 double IntrinsicDelaunay::area(int face) const {
-  const double four_areas =
-      fourAreas(lengths_[3 * face], lengths_[3 * face + 1], lengths_[3 * face + 2]);
+  const std::size_t h = 3 * static_cast<std::size_t>(face);
+  const double four_areas = fourAreas(lengths_[h], lengths_[h + 1], lengths_[h + 2]);
   return unit_length_ * unit_length_ * four_areas / 4.0;
 }
 
@@ -230,7 +230,7 @@ void IntrinsicDelaunay::flip(int h) {
 
   const std::array<int, 4> old_places = {ca, ad, db, bc};
   const std::array<int, 4> new_places = {3 * f + 1, 3 * f + 2, 3 * g + 1, 3 * g + 2};
-  std::array<Side, 4> sides;
+  std::array<Side, 4> sides{};
   for (std::size_t s = 0; s < 4; ++s) {
     const int side = old_places[s];
     sides[s] = {from_[side], twins_[side], lengths_[side], angles_[side]};

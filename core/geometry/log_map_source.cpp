@@ -65,7 +65,7 @@ Eigen::Vector3d perpendicularTo(const Eigen::Vector3d& axis, const Eigen::Vector
 /// The face's own normal; a face without area borrows one from its corners, turned square to
 /// the line that it is.
 Eigen::Vector3d faceNormalAt(const TriangleMesh& mesh, const SurfacePoint& source) {
-  const Eigen::Vector3d normal = mesh.faceNormals().col(source.face);
+  Eigen::Vector3d normal = mesh.faceNormals().col(source.face);
   if (!normal.isZero(0.0)) return normal;
   Eigen::Vector3d longest = Eigen::Vector3d::Zero();
   for (int h = 3 * source.face; h < 3 * source.face + 3; ++h) {

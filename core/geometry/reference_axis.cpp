@@ -38,7 +38,7 @@ const SourceNeighbour* bestNeighbour(const TriangleMesh& mesh, const SourceLayou
 ReferenceAxis referenceAxis(const TriangleMesh& mesh,
                             const SurfacePoint& source,
                             const Eigen::Vector3d& wanted) {
-  const ReferenceAxis none = {wanted, 0.0};
+  ReferenceAxis none = {wanted, 0.0};
   const SourceLayout layout = layOutSource(mesh, source, wanted);
   const SourceNeighbour* neighbour = bestNeighbour(mesh, layout);
   if (neighbour == nullptr) return none;

@@ -73,7 +73,7 @@ class SignedDistance {
   /// Both halves of that: which of the solids' faces are left, in whole or in pieces, and the
   /// solid that has those. Errors of the second: BrokenContract if corners are missing.
   [[nodiscard]] Corners outerFaces(double reach) const;
-  [[nodiscard]] SignedDistance withOuterFaces(const Corners& corners) const;
+  [[nodiscard]] SignedDistance withOuterFaces(const Corners& outer) const;
 
   /// A face of `surface` that borders no solid.
   [[nodiscard]] bool isSheet(int face) const { return face >= solid_faces_; }

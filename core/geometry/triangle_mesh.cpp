@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <compare>
 #include <cstddef>
 #include <limits>
 #include <numeric>
@@ -84,13 +83,6 @@ void TriangleMesh::buildTwins() {
 
   // Halfedges of one edge stand side by side once they are sorted by its two vertices: those of
   // each lower one are few.
-  struct OfVertex {
-    int high;
-    int halfedge;
-
-    auto operator<=>(const OfVertex&) const = default;
-  };
-
   std::vector<std::size_t> begins(static_cast<std::size_t>(vertexCount()) + 1, 0);
   const auto low_of = [this](int h) {
     return static_cast<std::size_t>(std::min(from(h), to(h)));
@@ -98,7 +90,7 @@ void TriangleMesh::buildTwins() {
   for (int h = 0; h < halfedge_count; ++h)
     ++begins[low_of(h) + 1];
   std::partial_sum(begins.begin(), begins.end(), begins.begin());
-  std::vector<OfVertex> by_edge(static_cast<std::size_t>(halfedge_count));
+  std::vector<std::pair<int, int>> by_edge(static_cast<std::size_t>(halfedge_count));
   std::vector<std::size_t> cursor(begins.begin(), begins.end() - 1);
   for (int h = 0; h < halfedge_count; ++h)
     by_edge[cursor[low_of(h)]++] = {std::max(from(h), to(h)), h};
@@ -109,15 +101,15 @@ void TriangleMesh::buildTwins() {
     auto first = by_edge.begin() + static_cast<std::ptrdiff_t>(begins[low]);
     std::sort(first, last);
     while (first != last) {
-      const auto end = std::find_if(first, last, [first](const OfVertex& one) {
-        return one.high != first->high;
+      const auto end = std::find_if(first, last, [first](const auto& one) {
+        return one.first != first->first;
       });
-      const int h = first->halfedge;
+      const int h = first->second;
       ++edge_count_;
       length_sum += (vertices_.col(to(h)) - vertices_.col(from(h))).norm();
-      if (end - first == 2 && from(h) == to((first + 1)->halfedge)) {
-        twins_[h] = (first + 1)->halfedge;
-        twins_[(first + 1)->halfedge] = h;
+      if (end - first == 2 && from(h) == to((first + 1)->second)) {
+        twins_[h] = (first + 1)->second;
+        twins_[(first + 1)->second] = h;
       } else if (end - first > 1) {
         ++non_manifold_edges_;
       }

@@ -151,7 +151,7 @@ int WindingNumber::build(int begin, int end, Corners& corners) {
 }
 
 WindingNumber::Four WindingNumber::fourOf(const Corners& corners, int begin, int end) {
-  Four four;
+  Four four{};
   for (int lane = 0; lane < 4; ++lane) {
     // What fills up the last ones is one point and has no angle.
     const bool fills = begin + lane >= end;

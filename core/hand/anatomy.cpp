@@ -38,7 +38,7 @@ Eigen::Vector3d originOf(const LinkPoses& X_SL, int node) {
 /// Where what `digit.nodes[i]` moves ends: at the next joint that is elsewhere, or the tip.
 Eigen::Vector3d endOf(const Digit& digit, const LinkPoses& X_SL, std::size_t i) {
   for (std::size_t k = i + 1; k < digit.nodes.size(); ++k) {
-    const Eigen::Vector3d p = originOf(X_SL, digit.nodes[k]);
+    Eigen::Vector3d p = originOf(X_SL, digit.nodes[k]);
     if ((p - originOf(X_SL, digit.nodes[i])).norm() > 1e-3) return p;
   }
   return digit.tip;

@@ -136,6 +136,7 @@ std::vector<double> spacingsOf(const std::vector<double>& areas,
   for (std::size_t i = 0; i < areas.size(); ++i)
     if (areas[i] > 0.0) sum += areas[i] / thicknesses[i];
   std::vector<double> spacings;
+  spacings.reserve(thicknesses.size());
   for (const double thickness : thicknesses)
     spacings.push_back(std::sqrt(kPacking * sum / count * thickness));
   return spacings;
@@ -174,9 +175,9 @@ bool holds(const geometry::SignedDistance& own,
   int inside = 0;
   int held = 0;
   for (int i = 0; i < kLattice * kLattice * kLattice; ++i) {
-    const Eigen::Array3d cell(i % kLattice, (i / kLattice) % kLattice,
+    const Eigen::Array3i cell(i % kLattice, (i / kLattice) % kLattice,
                               i / (kLattice * kLattice));
-    const Vector3d p = low + step.cwiseProduct((cell + 0.5).matrix());
+    const Vector3d p = low + step.cwiseProduct((cell.cast<double>() + 0.5).matrix());
     if (other.isWithin(p, margin) || !other.contains(p)) continue;
     ++inside;
     if (own.contains(p) && own.distance(p) > kDepthShare * (other.distance(p) - margin)) ++held;

@@ -21,7 +21,7 @@ class KeptFiles {
   /// What `parse(bytes)` makes of the first file of that name of which it makes something (an
   /// optional); the shipped one comes first.
   template <class Parse>
-  auto find(const std::string& name, const Parse& parse) const
+  [[nodiscard]] auto find(const std::string& name, const Parse& parse) const
       -> decltype(parse(std::string_view())) {
     for (const std::filesystem::path& folder : {shipped_, folder_.value_or("")}) {
       const auto bytes = folder.empty() ? std::nullopt : contentOf(folder / name);

@@ -54,6 +54,8 @@ geometry::TriangleMesh withDomesOnCuts(const geometry::TriangleMesh& part) {
     if (part.twin(h) < 0) behind[part.from(h)] = part.to(h);
   std::vector<Vector3d> vertices;
   std::vector<Eigen::Vector3i> faces;
+  vertices.reserve(static_cast<std::size_t>(part.vertexCount()));
+  faces.reserve(static_cast<std::size_t>(part.faceCount()));
   for (int v = 0; v < part.vertexCount(); ++v)
     vertices.emplace_back(part.vertex(v));
   for (int f = 0; f < part.faceCount(); ++f)

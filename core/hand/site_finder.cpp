@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <string_view>
 
 #include "core/hand/contact_site.h"
 #include "core/hand/digits.h"
@@ -219,8 +220,8 @@ std::vector<ContactSite> findContactSites(const HandModel& model, const Skin& sk
   }
   if (auto palm = findPalm(model, skin, X_SL, found, names)) sites.push_back(std::move(*palm));
 
-  static const std::array<const char*, 6> kOrder{"thumb", "index",  "middle",
-                                                 "ring",  "little", "palm"};
+  static constexpr std::array<std::string_view, 6> kOrder{"thumb", "index",  "middle",
+                                                          "ring",  "little", "palm"};
   std::stable_sort(sites.begin(), sites.end(), [](const ContactSite& a, const ContactSite& b) {
     const auto rank = [](const std::string& name) {
       return std::find(kOrder.begin(), kOrder.end(), name) - kOrder.begin();

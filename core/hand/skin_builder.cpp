@@ -299,7 +299,7 @@ class Builder {
   /// Even triangles, which log maps are the better for; the wrap's own where they would cross.
   geometry::TriangleMesh evenOut(const Wrap& wrap) {
     progress_.report("evening out triangles", 0.8);
-    const geometry::TriangleMesh raw = geometry::merged(wrap.pieces);
+    geometry::TriangleMesh raw = geometry::merged(wrap.pieces);
     for (const double share : kEdgeShares) {
       progress_.checkpoint();
       const Stopwatch watch;

@@ -28,9 +28,9 @@ struct StoredSkin {
 /// Bytes that hold a skin, its key and a checksum of all that.
 std::string serialise(const StoredSkin& skin, const std::string& key);
 
-/// The skin, or nothing if the bytes are damaged, of another key or version, or not closed.
+/// The skin, or nothing if the file is damaged, of another key or version, or not closed.
 /// Takes memory in proportion to the bytes given, whatever they announce.
-std::optional<StoredSkin> deserialise(std::string_view bytes, const std::string& key);
+std::optional<StoredSkin> deserialise(std::string_view file, const std::string& key);
 
 /// Folders of skins that were made before, named by their keys: one that came with the program
 /// and is only read, and one that is added to; either may be missing.
