@@ -131,7 +131,7 @@ Skin SkinCache::get(const HandModel& model,
   const auto parse = [&](std::string_view bytes) {
     auto stored = deserialise(bytes, key);
     const bool names_links =
-        stored && !stored->face_links.empty() &&
+        stored &&
         std::all_of(stored->face_links.begin(), stored->face_links.end(), [&](int link) {
           return link >= -1 && link < model.linkCount();
         });
@@ -139,8 +139,11 @@ Skin SkinCache::get(const HandModel& model,
   };
   if (auto stored = files_->find(name, parse)) {
     progress.report("relating skin and links", 0.9);
-    Skin skin(model, std::move(stored->mesh_S), skinReferencePose(model), options.epsilon_m,
-              options.source, std::move(stored->face_links));
+    Skin skin = stored->face_links.empty()
+                    ? Skin(model, std::move(stored->mesh_S), skinReferencePose(model),
+                           options.epsilon_m, options.source)
+                    : Skin(model, std::move(stored->mesh_S), skinReferencePose(model),
+                           options.epsilon_m, options.source, std::move(stored->face_links));
     skin.keepIn(files_);
     if (report != nullptr) {
       *report = SkinReport();

@@ -133,6 +133,19 @@ TEST_F(SkinCacheTest, MakesAFileAnewThatNamesLinksOfAnotherHand) {
   EXPECT_EQ(again.faceLinks(), made.faceLinks());
 }
 
+TEST_F(SkinCacheTest, FindsTheLinksOfASkinThatIsGivenWithoutThem) {
+  // In a build that wraps nothing, too.
+  const HandModel ball = makeBall(0.02);
+  const std::string key = skinKey(ball, {});
+  fs::create_directories(folder);
+  std::ofstream(folder / (key + ".skin"), std::ios::binary)
+      << serialise({geometry::makeSphere(0.0208, 4), {}}, key);
+  SkinReport report;
+  const Skin skin = SkinCache(folder).get(ball, {}, Progress(), &report);
+  EXPECT_TRUE(report.from_cache);
+  EXPECT_EQ(skin.faceLinks(), std::vector<int>(skin.mesh().faceCount(), 0));
+}
+
 TEST_F(SkinCacheTest, MakesADamagedFileAnew) {
   HANDGRAFT_NEEDS_CGAL();
   const SkinCache cache(folder);
