@@ -20,10 +20,10 @@ namespace fs = std::filesystem;
 struct Layer {
   std::string folder;             ///< longest prefix of the file's path wins
   std::vector<std::string> ours;  ///< folders whose headers it may include, besides its own
-  std::vector<std::string> libraries;  ///< names from kLibraries
+  std::vector<std::string> libraries;  ///< names from library_includes
 };
 
-const std::vector<std::string> kCore = {
+const std::vector<std::string> core_layers = {
     "core/base",     "core/formats",     "core/geometry",
     "core/cloud",    "core/hand",        "core/contact",
     "core/transfer", "core/optimize",    "core/manipulation",
@@ -31,7 +31,7 @@ const std::vector<std::string> kCore = {
     "core/session",  "core/retargeting", "core/verdict",
     "core/sweep",    "core/io"};
 
-const std::vector<Layer> kLayers = {
+const std::vector<Layer> all_layers = {
     {"core/base", {}, {"eigen", "fmt"}},
     {"core/formats", {"core/base"}, {"eigen", "fmt"}},
     {"core/geometry", {"core/base"}, {"eigen", "fmt"}},
@@ -76,8 +76,8 @@ const std::vector<Layer> kLayers = {
       "core/optimize", "core/manipulation", "core/placement", "core/session",
       "core/retargeting"},
      {"eigen", "fmt"}},
-    {"core/io", kCore, {"eigen", "fmt"}},
-    {"core/include", kCore, {}},  // handgraft/core.h
+    {"core/io", core_layers, {"eigen", "fmt"}},
+    {"core/include", core_layers, {}},  // handgraft/core.h
     {"core/examples", {}, {"handgraft"}},
     {"idl", {"core/base"}, {"fmt"}},
     {"idl/security", {"core/base", "idl"}, {"fmt"}},
@@ -86,7 +86,7 @@ const std::vector<Layer> kLayers = {
     {"server",
      {"idl/security", "server/log"},
      {"eigen", "fmt"}},  // and all of core and idl, see permits()
-    {"server/reading", kCore, {"eigen", "fmt"}},
+    {"server/reading", core_layers, {"eigen", "fmt"}},
     {"server/transport",
      {"core/base", "idl", "idl/datagrams", "idl/security", "server/log"},
      {"fmt", "fastdds"}},
@@ -129,7 +129,7 @@ const std::vector<Layer> kLayers = {
 };
 
 /// Heavy or fragile libraries are each seen by the files named here alone.
-const std::map<std::string, std::set<std::string>> kAlone = {
+const std::map<std::string, std::set<std::string>> users_of_one = {
     {"cgal", {"core/cloud/reconstruction.cpp", "core/hand/skin_wrap.cpp"}},
     {"nanoflann", {"core/geometry/kd_tree.cpp"}},
     {"nlopt", {"core/optimize/nlopt_solver.cpp"}},
@@ -197,7 +197,7 @@ const std::map<std::string, std::set<std::string>> kAlone = {
       "hardware/main.cpp"}},
 };
 
-const std::vector<std::pair<std::string, std::regex>> kLibraries = {
+const std::vector<std::pair<std::string, std::regex>> library_includes = {
     {"eigen", std::regex("^(Eigen|unsupported/Eigen)/.*")},
     {"fmt", std::regex("^fmt/.*")},
     {"spdlog", std::regex("^spdlog/.*")},
@@ -225,15 +225,15 @@ const std::vector<std::pair<std::string, std::regex>> kLibraries = {
 
 /// The standard library and the operating system.
 bool isSystem(const std::string& header) {
-  static const std::regex kSystem(
+  static const std::regex system_include(
       R"(^[a-z_0-9]+$|^(std|sys|net|arpa|netinet|linux|asm)[a-z_0-9]*(/[a-z_0-9]+)*\.h$|)"
       R"(^(cxxabi|fcntl|malloc|unistd|poll|signal|spawn|pthread|sched|ifaddrs|termios|dlfcn|link|netdb|errno|semaphore)\.h$)");
-  return std::regex_match(header, kSystem);
+  return std::regex_match(header, system_include);
 }
 
 const Layer* layerOf(const std::string& path) {
   const Layer* best = nullptr;
-  for (const Layer& layer : kLayers) {
+  for (const Layer& layer : all_layers) {
     if (path.rfind(layer.folder + "/", 0) != 0) continue;
     if (best == nullptr || layer.folder.size() > best->folder.size()) best = &layer;
   }
@@ -259,9 +259,9 @@ std::string objection(const std::string& path, const std::string& header, bool q
   if (quoted)
     return permits(*layer, header) ? "" : "is not in the table's row " + layer->folder;
   if (isSystem(header)) return "";
-  for (const auto& [library, pattern] : kLibraries) {
+  for (const auto& [library, pattern] : library_includes) {
     if (!std::regex_match(header, pattern)) continue;
-    if (const auto alone = kAlone.find(library); alone != kAlone.end()) {
+    if (const auto alone = users_of_one.find(library); alone != users_of_one.end()) {
       return alone->second.count(path) != 0 ? "" : library + " is for other files alone";
     }
     const auto& permitted = layer->libraries;
@@ -280,7 +280,7 @@ struct Include {
 };
 
 std::vector<Include> includesBelow(const fs::path& root) {
-  static const std::regex kInclude(R"rx(^\s*#\s*include\s*(["<])([^">]+)[">].*)rx");
+  static const std::regex include_line(R"rx(^\s*#\s*include\s*(["<])([^">]+)[">].*)rx");
   std::vector<Include> includes;
   for (const char* top : {"core", "idl", "server", "client", "hardware"}) {
     for (const auto& entry : fs::recursive_directory_iterator(root / top)) {
@@ -290,7 +290,7 @@ std::vector<Include> includesBelow(const fs::path& root) {
       std::string text;
       for (int line = 1; std::getline(file, text); ++line) {
         std::smatch match;
-        if (!std::regex_match(text, match, kInclude)) continue;
+        if (!std::regex_match(text, match, include_line)) continue;
         includes.push_back({fs::relative(entry.path(), root).string(), line, match[2].str(),
                             match[1].str() == "\""});
       }
@@ -357,7 +357,7 @@ TEST(Layering, ACircleIsFound) {
 }
 
 TEST(Layering, EveryFileNamedAloneExists) {
-  for (const auto& [library, files] : kAlone) {
+  for (const auto& [library, files] : users_of_one) {
     for (const std::string& file : files) {
       EXPECT_TRUE(fs::exists(fs::path(HANDGRAFT_SOURCE_DIR) / file)) << library << ": " << file;
     }

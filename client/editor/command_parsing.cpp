@@ -18,13 +18,13 @@ struct Entry {
 };
 
 const std::vector<Entry>& entries() {
-  static const std::vector<Entry> kEntries = [] {
+  static const std::vector<Entry> all_entries = [] {
     std::vector<Entry> all;
     for (const Command& command : commandTable())
       all.push_back({&command, patternOf(command.pattern)});
     return all;
   }();
-  return kEntries;
+  return all_entries;
 }
 
 const std::string& nameOf(const Entry& entry) {
@@ -146,14 +146,14 @@ std::vector<std::string> filesThatBegin(const std::string& prefix) {
 }  // namespace
 
 const std::vector<std::string>& commandNames() {
-  static const std::vector<std::string> kNames = [] {
+  static const std::vector<std::string> command_names = [] {
     std::vector<std::string> names;
     for (const Entry& entry : entries()) {
       if (names.empty() || names.back() != nameOf(entry)) names.push_back(nameOf(entry));
     }
     return names;
   }();
-  return kNames;
+  return command_names;
 }
 
 Parsed parse(const Words& words, const Names& names) {

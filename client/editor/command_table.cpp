@@ -38,7 +38,7 @@ std::span<const Command> otherCommands() {
 }  // namespace
 
 const std::vector<Command>& commandTable() {
-  static const std::vector<Command> kTable = [] {
+  static const std::vector<Command> every_command = [] {
     std::vector<Command> table;
     for (const auto& commands :
          {patchCommands(), jointCommands(), poseCommands(), motionCommands(), modelCommands(),
@@ -46,7 +46,7 @@ const std::vector<Command>& commandTable() {
       table.insert(table.end(), commands.begin(), commands.end());
     return table;
   }();
-  return kTable;
+  return every_command;
 }
 
 }  // namespace handgraft::client::editor

@@ -201,16 +201,16 @@ std::string nameOf(const Slot& slot) {
 }
 
 const std::vector<std::string>& choices(const Slot& slot, const Names& names) {
-  static const std::vector<std::string> kNone;
-  static const std::vector<std::string> kSides = idl::namesOf(idl::typeOf<v1::PatchSide>());
-  static const std::vector<std::string> kTopics = {"session",  "patches",   "joints",
-                                                   "settings", "minima",    "history",
-                                                   "transfer", "snapshots", "times"};
-  static const std::vector<std::string> kSolvers = idl::namesOf(idl::typeOf<v1::Solver>());
-  static const std::vector<std::string> kForms = idl::namesOf(idl::typeOf<v1::NormalForm>());
+  static const std::vector<std::string> none;
+  static const std::vector<std::string> sides = idl::namesOf(idl::typeOf<v1::PatchSide>());
+  static const std::vector<std::string> topics = {"session",  "patches",   "joints",
+                                                  "settings", "minima",    "history",
+                                                  "transfer", "snapshots", "times"};
+  static const std::vector<std::string> solvers = idl::namesOf(idl::typeOf<v1::Solver>());
+  static const std::vector<std::string> forms = idl::namesOf(idl::typeOf<v1::NormalForm>());
   switch (slot.kind) {
     case Kind::kNormalForm:
-      return kForms;
+      return forms;
     case Kind::kPatch:
       return names.patches;
     case Kind::kJoint:
@@ -230,15 +230,15 @@ const std::vector<std::string>& choices(const Slot& slot, const Names& names) {
     case Kind::kCommand:
       return names.commands;
     case Kind::kSide:
-      return kSides;
+      return sides;
     case Kind::kFormat:
       return exportFormats();
     case Kind::kTopic:
-      return kTopics;
+      return topics;
     case Kind::kSolver:
-      return kSolvers;
+      return solvers;
     default:
-      return kNone;
+      return none;
   }
 }
 

@@ -42,7 +42,7 @@ HandPoint pointNamed(EditContext& context, const std::string& name) {
   if (const v1::SiteInfo* site = siteNamed(hand, name)) {
     return {site->link(), vectorOf(site->p_L_m())};
   }
-  static const std::string kTip = "_tip";
+  constexpr std::string_view kTip = "_tip";
   const bool is_link =
       std::any_of(hand.links().begin(), hand.links().end(), [&](const v1::LinkInfo& link) {
         return link.name() == name;

@@ -17,21 +17,21 @@ namespace {
 using Types = std::vector<std::string>;
 
 const Types& typesOf(FileFence::Kind kind) {
-  static const Types kMeshes = {".stl", ".obj", ".ply", ".gltf", ".glb", ".dae"};
-  static const Types kBuffers = {".bin"};
-  static const Types kSites = {".yaml"};
-  static const Types kPoses = {".srdf"};
+  static const Types mesh_types = {".stl", ".obj", ".ply", ".gltf", ".glb", ".dae"};
+  static const Types buffer_types = {".bin"};
+  static const Types site_types = {".yaml"};
+  static const Types pose_types = {".srdf"};
   switch (kind) {
     case FileFence::Kind::kMesh:
-      return kMeshes;
+      return mesh_types;
     case FileFence::Kind::kBuffer:
-      return kBuffers;
+      return buffer_types;
     case FileFence::Kind::kSites:
-      return kSites;
+      return site_types;
     case FileFence::Kind::kPoses:
       break;
   }
-  return kPoses;
+  return pose_types;
 }
 
 std::string typeOf(const fs::path& file) {

@@ -23,7 +23,7 @@ constexpr std::size_t kShort = 8;  // digits of a hash in a name
 
 constexpr std::size_t kLongestName = 64;
 constexpr std::uintmax_t kLargestFile = 512ULL << 20U;  // a mesh of 10 million triangles
-const std::string kPackageScheme = "package://";
+constexpr std::string_view kPackageScheme = "package://";
 
 bool isNameCharacter(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
@@ -132,8 +132,8 @@ void addBuffersOfGltf(ModelFiles& model, const fs::path& mesh, const fs::path& w
                   uri.size(), kLongestUri);
     }
     // Textures are named in the same way, and nobody needs them here.
-    static const std::regex kPicture(R"(.*\.(png|jpe?g|webp|ktx2?|dds)$)", std::regex::icase);
-    if (std::regex_match(uri, kPicture)) continue;
+    static const std::regex picture(R"(.*\.(png|jpe?g|webp|ktx2?|dds)$)", std::regex::icase);
+    if (std::regex_match(uri, picture)) continue;
     try {
       const fs::path folder = fs::absolute(mesh).parent_path();
       const fs::path buffer = within.empty() ? resolveResource(uri, folder, {})
@@ -151,8 +151,8 @@ void addBuffersOfGltf(ModelFiles& model, const fs::path& mesh, const fs::path& w
 bool isPath(const std::string& text) {
   std::error_code error;
   if (fs::is_regular_file(text, error) || text.find('/') != std::string::npos) return true;
-  static const std::regex kFileName(R"(.+\.[A-Za-z][A-Za-z0-9]{1,4})");
-  return std::regex_match(text, kFileName);
+  static const std::regex file_name(R"(.+\.[A-Za-z][A-Za-z0-9]{1,4})");
+  return std::regex_match(text, file_name);
 }
 
 void checkModelName(const std::string& name, const std::string& option) {

@@ -59,9 +59,9 @@ fs::path writeHand(const v1::HandDescription& hand,
 }
 
 const std::vector<std::string>& exportFormats() {
-  static const std::vector<std::string> kFormats =
+  static const std::vector<std::string> all_formats =
       idl::namesOf(idl::typeOf<v1::ExportFormat>());
-  return kFormats;
+  return all_formats;
 }
 
 void exportSession(Client& server,

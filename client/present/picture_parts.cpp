@@ -20,12 +20,13 @@ namespace {
 constexpr float kRimPixels = 1.6F;
 
 // As client/web/src/colors.ts has them.
-const std::array<std::pair<std::string_view, Color>, 6> kFingers{{{"thumb", {213, 94, 0}},
-                                                                  {"index", {0, 114, 178}},
-                                                                  {"middle", {0, 158, 115}},
-                                                                  {"ring", {204, 121, 167}},
-                                                                  {"little", {214, 170, 0}},
-                                                                  {"palm", {123, 97, 201}}}};
+constexpr std::array<std::pair<std::string_view, Color>, 6> kFingers{
+    {{"thumb", {213, 94, 0}},
+     {"index", {0, 114, 178}},
+     {"middle", {0, 158, 115}},
+     {"ring", {204, 121, 167}},
+     {"little", {214, 170, 0}},
+     {"palm", {123, 97, 201}}}};
 constexpr std::array<Color, 6> kOthers{{{184, 134, 11},
                                         {140, 109, 79},
                                         {79, 125, 140},

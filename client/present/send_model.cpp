@@ -35,10 +35,10 @@ std::optional<std::string> readLine(Interruption& interruption) {
 }  // namespace
 
 std::vector<std::string> unitsIn(const std::string& refusal) {
-  static const std::regex kUnits(R"(--units (\w+))");
+  static const std::regex units_option(R"(--units (\w+))");
   std::vector<std::string> units;
-  for (std::sregex_iterator found(refusal.begin(), refusal.end(), kUnits), end; found != end;
-       ++found) {
+  for (std::sregex_iterator found(refusal.begin(), refusal.end(), units_option), end;
+       found != end; ++found) {
     if (lengthUnitCalled((*found)[1].str()) != nullptr) units.push_back((*found)[1]);
   }
   return units;

@@ -29,14 +29,14 @@ std::string millimetres(double length_m) {
   return fmt::format("{:.2f}", 1e3 * length_m);
 }
 
-const std::vector<std::string> kFidelityHead = {"length", "max",       "angle deg", "max",
+const std::vector<std::string> fidelity_head = {"length", "max",       "angle deg", "max",
                                                 "area",   "offset mm", "max"};
 
-/// The columns of kFidelityHead; empty ones where nothing was reached, so that there is no
+/// The columns of fidelity_head; empty ones where nothing was reached, so that there is no
 /// shape to compare.
 void addFidelity(std::vector<std::string>& row, const v1::Fidelity& f, bool is_reached) {
   if (!is_reached) {
-    row.insert(row.end(), kFidelityHead.size(), "-");
+    row.insert(row.end(), fidelity_head.size(), "-");
     return;
   }
   row.insert(
@@ -82,7 +82,7 @@ std::string reasonsOf(const std::vector<v1::LostCount>& lost) {
 
 std::string transferTable(const std::vector<v1::PatchReport>& patches) {
   Rows rows = {{"patch", "points", "lost"}};
-  rows[0].insert(rows[0].end(), kFidelityHead.begin(), kFidelityHead.end());
+  rows[0].insert(rows[0].end(), fidelity_head.begin(), fidelity_head.end());
   rows[0].emplace_back("log maps");
   for (const v1::PatchReport& report : patches) {
     if (!report.placed()) continue;
@@ -152,7 +152,7 @@ std::string suggestions(const v1::SuggestReply& reply) {
   std::string out = fmt::format("session {} revision {}: patch {}\n\n", reply.session_id(),
                                 reply.revision(), plain(reply.patch()));
   Rows rows = {{"", "moved mm", "turned deg", "points", "lost"}};
-  rows[0].insert(rows[0].end(), kFidelityHead.begin(), kFidelityHead.end());
+  rows[0].insert(rows[0].end(), fidelity_head.begin(), fidelity_head.end());
   const v1::PatchReport& present = reply.present();
   rows.push_back({"present", "", "", std::to_string(present.point_count()),
                   std::to_string(present.lost().size())});

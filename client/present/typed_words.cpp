@@ -42,11 +42,11 @@ bool endsWith(std::string_view path, std::string_view end) {
 }  // namespace
 
 std::string asTyped(const std::string& complaint) {
-  static const std::regex kField(R"(^(body\.[\w.\[\]]+): )");
-  static const std::regex kIndex(R"(\[\d+\])");
+  static const std::regex field_path(R"(^(body\.[\w.\[\]]+): )");
+  static const std::regex array_index(R"(\[\d+\])");
   std::smatch found;
-  if (!std::regex_search(complaint, found, kField)) return complaint;
-  const std::string path = std::regex_replace(found[1].str(), kIndex, "");
+  if (!std::regex_search(complaint, found, field_path)) return complaint;
+  const std::string path = std::regex_replace(found[1].str(), array_index, "");
   for (const TypedField& field : kTyped) {
     if (endsWith(path, field.path))
       return std::string(field.typed) + complaint.substr(found[1].str().size());

@@ -245,10 +245,10 @@ std::optional<hand::HandLocation> placeOnDigit(const HandJoints& joints,
 NearestBone nearestBone(const HandJoints& joints,
                         const Eigen::Vector3d& p_O,
                         std::optional<int> part) {
-  static const std::array<Bone, 20> kBones = bones();
+  static const std::array<Bone, 20> known_bones = bones();
   NearestBone nearest;
   nearest.distance_m = std::numeric_limits<double>::infinity();
-  for (const Bone& bone : kBones) {
+  for (const Bone& bone : known_bones) {
     if (part && bone.part != *part) continue;
     const Eigen::Vector3d a = joints.p_O.col(bone.distal);
     const Eigen::Vector3d d = joints.p_O.col(bone.proximal) - a;

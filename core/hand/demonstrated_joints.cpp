@@ -14,9 +14,9 @@ struct ManoDigit {
 };
 
 // Of the mean hand's wrist, from MANO's origin.
-const Eigen::Vector3d kWrist(0.0956699, 0.0063834, 0.0061863);
+const Eigen::Vector3d wrist(0.0956699, 0.0063834, 0.0061863);
 
-const std::array<ManoDigit, 5> kManoDigits{
+const std::array<ManoDigit, 5> mano_digits{
     {{1,
       39,
       {Eigen::Vector3d(-0.0240897, -0.0155223, 0.0258128),
@@ -58,8 +58,8 @@ JointPlaces manoJointPlaces(const Eigen::Matrix<double, kManoPoseSize, 1>& pose_
     return rotationFromVector(pose_rad.segment<3>(entry));
   };
   JointPlaces places;
-  places.col(0) = translation_W + mirror.cwiseProduct(kWrist);
-  for (const ManoDigit& digit : kManoDigits) {
+  places.col(0) = translation_W + mirror.cwiseProduct(wrist);
+  for (const ManoDigit& digit : mano_digits) {
     Eigen::Matrix3d R_W = turned(0);
     Eigen::Vector3d p_W = places.col(0);
     for (int joint = 0; joint < 3; ++joint) {

@@ -19,7 +19,7 @@ namespace {
 constexpr int kFreeLayers = 2;
 /// A shift of the grid against the mesh, so that no column meets a vertex of a mesh with round
 /// coordinates.
-const Eigen::Vector3d kShift(0.2718, 0.3141, 0.1414);
+const Eigen::Vector3d grid_shift(0.2718, 0.3141, 0.1414);
 
 /// Twice the signed area of (a, b, p), the same number but for its sign when a and b change
 /// places: two triangles agree exactly on which side of their common edge a column lies.
@@ -142,14 +142,14 @@ std::uint32_t flood(std::uint32_t set,
 /// Whether the middle may leave a solid whose other cells are `solid`: one 26-component of the
 /// solid around it, and one 6-component of the outside that touches it by a face.
 bool isSimple(std::uint32_t solid) {
-  static const Neighbourhoods kCells;
+  static const Neighbourhoods all_cells;
   solid &= ~(1U << kMiddle);
   if (solid == 0) return false;
-  const std::uint32_t outside = ~solid & kCells.without_corners;
-  const std::uint32_t touching = outside & kCells.middle_faces;
+  const std::uint32_t outside = ~solid & all_cells.without_corners;
+  const std::uint32_t touching = outside & all_cells.middle_faces;
   if (touching == 0) return false;
-  if (flood(solid, solid & (~solid + 1), kCells.all) != solid) return false;
-  return (touching & ~flood(outside, touching & (~touching + 1), kCells.faces)) == 0;
+  if (flood(solid, solid & (~solid + 1), all_cells.all) != solid) return false;
+  return (touching & ~flood(outside, touching & (~touching + 1), all_cells.faces)) == 0;
 }
 
 // === Triangles in voxels
@@ -211,8 +211,8 @@ void markTouched(const Corners& p, const VoxelGrid& grid, VoxelSet& touched) {
   const Eigen::Vector3d ac = p[(first + 2) % 3] - a;
   const double n_b = std::max(1.0, std::ceil(2.0 * ab.norm()));
   const double n_c = std::max(1.0, std::ceil(2.0 * ac.norm()));
-  for (double b = 0.0; b <= n_b; ++b) {
-    for (double c = 0.0; c <= n_c * (1.0 - b / n_b) + 1.0; ++c) {
+  for (int b = 0; b <= n_b; ++b) {
+    for (int c = 0; c <= n_c * (1.0 - b / n_b) + 1.0; ++c) {
       const double along = std::min(c / n_c, 1.0 - b / n_b);
       const Eigen::Vector3i cell = (a + b / n_b * ab + along * ac).array().round().cast<int>();
       touched[grid.index(cell.x(), cell.y(), cell.z())] = 1;
@@ -397,7 +397,7 @@ VoxelGrid gridAround(const geometry::TriangleMesh& mesh_S,
     grid.size = (extent / grid.step_m).array().ceil().cast<int>() + 2 * layers + 1;
     if (grid.count() <= max_voxels) break;
   }
-  grid.origin_S = low - grid.step_m * (Eigen::Vector3d::Constant(layers) + kShift);
+  grid.origin_S = low - grid.step_m * (Eigen::Vector3d::Constant(layers) + grid_shift);
   return grid;
 }
 

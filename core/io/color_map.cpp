@@ -28,7 +28,7 @@ ColorMap evenly(const char* name, std::initializer_list<std::uint32_t> colors) {
 }
 
 const std::vector<ColorMap>& all() {
-  static const std::vector<ColorMap> kMaps = [] {
+  static const std::vector<ColorMap> known_maps = [] {
     std::vector<ColorMap> maps;
     maps.push_back(evenly("grey", {0x000000, 0xFFFFFF}));
     // Black body: red fills, then green, then blue.
@@ -51,7 +51,7 @@ const std::vector<ColorMap>& all() {
                            0x43BF71, 0x7AD151, 0xBBDF27, 0xFDE725}));
     return maps;
   }();
-  return kMaps;
+  return known_maps;
 }
 
 ColorValues valuesWithoutCheck(const ColorMap& map, const Eigen::Matrix3Xd& rgb) {

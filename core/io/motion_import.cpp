@@ -96,7 +96,7 @@ std::optional<hand::HandLocation> placeOnMano(const std::string& link,
     std::array<double, 3> length_m;
   };
 
-  static const std::array<Digit, 5> kDigits{
+  static const std::array<Digit, 5> mano_digits{
       {{"thumb", "thumb", {-0.0222, -0.0054, 0.0145}, {0.031, 0.027, 0.030}},
        {"index", "index", {-0.0222, -0.0013, -0.0001}, {0.033, 0.022, 0.024}},
        {"middle", "middle", {-0.0229, -0.0013, -0.0039}, {0.032, 0.023, 0.025}},
@@ -114,7 +114,7 @@ std::optional<hand::HandLocation> placeOnMano(const std::string& link,
     place.across = std::clamp((kFirst - p_L.z()) / kAcross, 0.0, 1.0);
     return place;
   }
-  for (const Digit& digit : kDigits) {
+  for (const Digit& digit : mano_digits) {
     if (link.size() != digit.mano.size() + 1 || !link.starts_with(digit.mano)) continue;
     const int segment = link.back() - '1';
     if (segment < 0 || segment > 2) return std::nullopt;

@@ -20,7 +20,7 @@ static_assert(std::endian::native == std::endian::little, "NPY is written little
 
 /// Of ISO 3309, as zip wants it.
 std::uint32_t crcOf(std::string_view bytes) {
-  static const std::array<std::uint32_t, 256> kTable = [] {
+  static const std::array<std::uint32_t, 256> crc_table = [] {
     std::array<std::uint32_t, 256> table{};
     for (std::uint32_t i = 0; i < table.size(); ++i) {
       std::uint32_t value = i;
@@ -32,7 +32,7 @@ std::uint32_t crcOf(std::string_view bytes) {
   }();
   std::uint32_t crc = 0xFFFFFFFFu;
   for (const char c : bytes)
-    crc = kTable[(crc ^ static_cast<unsigned char>(c)) & 0xFFu] ^ (crc >> 8);
+    crc = crc_table[(crc ^ static_cast<unsigned char>(c)) & 0xFFu] ^ (crc >> 8);
   return crc ^ 0xFFFFFFFFu;
 }
 

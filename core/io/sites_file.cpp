@@ -91,9 +91,10 @@ Eigen::Vector3d directionOf(const YAML::Node& site,
 hand::ContactSite siteOf(const YAML::Node& node, std::size_t number) {
   std::string owner = fmt::format("site {}", number);
   if (!node.IsMap()) rejectInput("{}: a site is a map of name, link, point_m, ...", owner);
-  static const std::set<std::string> kFields{"name", "link", "point_m", "normal", "direction"};
+  static const std::set<std::string> known_fields{"name", "link", "point_m", "normal",
+                                                  "direction"};
   for (const auto& entry : node) {
-    if (!entry.first.IsScalar() || !kFields.contains(entry.first.Scalar()))
+    if (!entry.first.IsScalar() || !known_fields.contains(entry.first.Scalar()))
       rejectInput("{}: unknown field {} (name, link, point_m, normal, direction)", owner,
                   handgraft::quoted(entry.first.IsScalar() ? entry.first.Scalar() : "?"));
   }

@@ -50,8 +50,8 @@ std::vector<Part> makeParts() {
 }
 
 const std::vector<Part>& touchParts() {
-  static const std::vector<Part> kParts = makeParts();
-  return kParts;
+  static const std::vector<Part> all_parts = makeParts();
+  return all_parts;
 }
 
 /// A hand's joints about which places are told.
@@ -200,13 +200,13 @@ ContactTracker::ContactTracker(const geometry::TriangleMesh& object_O)
     : object_O_(object_O), locator_(object_O), touches_(touchParts().size(), 0) {}
 
 const std::vector<std::string>& ContactTracker::partNames() {
-  static const std::vector<std::string> kNames = [] {
+  static const std::vector<std::string> part_names = [] {
     std::vector<std::string> names;
     for (const Part& part : touchParts())
       names.push_back(part.name);
     return names;
   }();
-  return kNames;
+  return part_names;
 }
 
 std::vector<DetectedContact> ContactTracker::see(const DemonstratedFrame& frame) {

@@ -44,21 +44,21 @@ constexpr optimize::AvoidanceLevel kClosely = {true, 1.0};
 constexpr optimize::AvoidanceLevel kFirmly = {true, 16.0};
 
 // From soft to hard: what is stiff at once is stuck at once.
-const std::vector<Stage> kTouchingStages = {
+const std::vector<Stage> touching_stages = {
     {kTouch, 1.0, 1e-4, 40}, {kTouch, 1.0, 1e-2, 40}, {kTouch, 1.0, 1.0, 60}};
 // Out of the object already, and to stay there while the way grows smooth.
-const std::vector<Stage> kAvoidingStages = {{kClosely, 0.05, 1e-3, 4, kNearlyEnough},
+const std::vector<Stage> avoiding_stages = {{kClosely, 0.05, 1e-3, 4, kNearlyEnough},
                                             {kClosely, 1.0, 1.0, 16, kNearlyEnough},
                                             {kFirmly, 1.0, 1.0, 10, kNearlyEnough}};
 
 // From an answer that stands already, beside what was edited.
-const std::vector<Stage> kTouchingAgain = {{kTouch, 1.0, 1.0, 60}};
-const std::vector<Stage> kAvoidingAgain = {{kClosely, 1.0, 1.0, 12, kNearlyEnough},
+const std::vector<Stage> touching_again = {{kTouch, 1.0, 1.0, 60}};
+const std::vector<Stage> avoiding_again = {{kClosely, 1.0, 1.0, 12, kNearlyEnough},
                                            {kFirmly, 1.0, 1.0, 10, kNearlyEnough}};
 
 // Of a step among others.
-const std::vector<Stage> kTouchingStep = {{kTouch, 1.0, 1.0, 6}};
-const std::vector<Stage> kAvoidingStep = {{kClosely, 1.0, 1.0, 4, kNearlyEnough}};
+const std::vector<Stage> touching_step = {{kTouch, 1.0, 1.0, 6}};
+const std::vector<Stage> avoiding_step = {{kClosely, 1.0, 1.0, 4, kNearlyEnough}};
 
 /// Frames that stay as they are, at both ends of a part.
 struct Held {
@@ -414,7 +414,7 @@ Trajectory solveOffline(const MotionProblem& problem,
                            : followedMinima(problem, options, progress, known);
   }
   trajectory.objective.assign(trajectory.poses.size(), 0.0);
-  solveParts(problem, options, problem.avoidance == nullptr ? kTouchingStages : kAvoidingStages,
+  solveParts(problem, options, problem.avoidance == nullptr ? touching_stages : avoiding_stages,
              0, problem.time_s.size(), progress, trajectory);
   return trajectory;
 }
@@ -433,7 +433,7 @@ void solveAgain(const MotionProblem& problem,
     Eigen::VectorXd& q = trajectory.poses[static_cast<std::size_t>(k)].q;
     q = q.cwiseMax(problem.lowerAt(k)).cwiseMin(problem.upperAt(k));
   }
-  solveParts(problem, options, problem.avoidance == nullptr ? kTouchingAgain : kAvoidingAgain,
+  solveParts(problem, options, problem.avoidance == nullptr ? touching_again : avoiding_again,
              static_cast<std::size_t>(first), static_cast<std::size_t>(end), progress,
              trajectory);
 }
@@ -445,7 +445,7 @@ void stepOn(const MotionProblem& problem,
   validate(problem);
   validate(options);
   HANDGRAFT_REQUIRE(trajectory.poses.size() == problem.time_s.size());
-  solveParts(problem, options, problem.avoidance == nullptr ? kTouchingStep : kAvoidingStep, 0,
+  solveParts(problem, options, problem.avoidance == nullptr ? touching_step : avoiding_step, 0,
              problem.time_s.size(), progress, trajectory);
 }
 

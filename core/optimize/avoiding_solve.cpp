@@ -56,7 +56,7 @@ bool isBetter(const CandidatePose& a, const CandidatePose& b) {
 }
 
 // From soft and roughly to hard and closely: what is stiff at once is stuck at once.
-const std::vector<Stage> kStages = {
+const std::vector<Stage> full_stages = {
     {8, 8, {false, 0.02}},
     {4, 12, {true, 0.1}},
     {3, 20, {true, 1.0}},
@@ -77,7 +77,7 @@ constexpr int kRound = 20;
 constexpr double kWorthARound = 1e-3;
 
 // With few starts the hand stands out of the object already.
-const std::vector<Stage> kShortStages = {
+const std::vector<Stage> short_stages = {
     {1, 12, {true, 0.1}},
     {1, 25, {true, 1.0}},
 };
@@ -194,7 +194,7 @@ class WayOut {
   void lead(Solver solver, const std::vector<Minimum>& found, SolveReport& report) {
     std::vector<CandidatePose> candidates = candidatesOf(solver, found);
     if (candidates.empty()) return;
-    for (const Stage& stage : options_.starts <= kFewStarts ? kShortStages : kStages)
+    for (const Stage& stage : options_.starts <= kFewStarts ? short_stages : full_stages)
       goThrough(stage, solver, candidates, report);
     std::stable_sort(candidates.begin(), candidates.end(), isBetter);
     tryUncrossed(solver, candidates);
@@ -266,7 +266,7 @@ class WayOut {
     if (!straight) return;
     CandidatePose candidate{{}, candidates.front().start};
     candidate.result.pose = std::move(*straight);
-    for (const Stage& stage : kShortStages) {
+    for (const Stage& stage : short_stages) {
       search_.level(stage.level);
       judgeAnew(candidate);
       advance(stage, solver, candidate);

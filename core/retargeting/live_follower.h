@@ -54,7 +54,7 @@ class LiveFollower {
 
   std::vector<optimize::PointPair> pairsOf(const manipulation::DetectedContact& touch);
   std::optional<hand::LinkPoint> spotOf(const manipulation::DetectedContact& touch);
-  optimize::PoseProblem problemNow() const;
+  [[nodiscard]] optimize::PoseProblem problemNow() const;
 
   hand::Hand hand_;
   std::shared_ptr<const geometry::TriangleMesh> object_O_;

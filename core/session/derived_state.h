@@ -237,16 +237,16 @@ class DerivedState {
   Document document_;
   transfer::Surfaces surfaces_;
   std::vector<SessionPatch> patches_;
-  bool uses_drafts_ = false;          ///< while a search goes on
   std::vector<SessionPatch> spares_;  ///< as last laid about other roots
   hand::HandPose start_;              ///< the document's, or one that was found
-  bool start_is_known_ = false;
   std::string found_for_;  ///< what the found directions and start depend on, as bytes
   std::unique_ptr<placement::HandPoseGuesser> placer_;          ///< made when first needed
   std::shared_ptr<const hand::FingerCoordinates> coordinates_;  ///< likewise
   std::shared_ptr<const placement::SkinFaces> skin_faces_;      ///< likewise
   std::map<std::string, std::vector<char>> links_of_;           ///< answers of linksOf
   mutable std::unique_ptr<const placement::Posture> posture_;   ///< likewise
+  bool start_is_known_ = false;
+  bool uses_drafts_ = false;  ///< while a search goes on
 };
 
 }  // namespace handgraft::session

@@ -31,8 +31,9 @@ bool isAnonymousSite(const std::string& name) {
 }
 
 bool isFinger(const std::string& name) {
-  static const std::vector<std::string> kNames = {"thumb", "index", "middle", "ring", "little"};
-  return std::find(kNames.begin(), kNames.end(), name) != kNames.end();
+  static const std::vector<std::string> digit_names = {"thumb", "index", "middle", "ring",
+                                                       "little"};
+  return std::find(digit_names.begin(), digit_names.end(), name) != digit_names.end();
 }
 
 std::string namesOf(const std::vector<hand::ContactSite>& sites) {

@@ -34,8 +34,8 @@ struct Registers {
 };
 
 const Registers& registers() {
-  static const Registers kRegisters;
-  return kRegisters;
+  static const Registers register_map;
+  return register_map;
 }
 
 void validateMotors(const std::vector<DynamixelMotor>& motors) {

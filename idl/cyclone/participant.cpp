@@ -112,7 +112,7 @@ const Blob& blobOf(const ddsi_serdata* data) {
   return *static_cast<const Blob*>(data);
 }
 
-const ddsi_serdata_ops kBlobOps = [] {
+const ddsi_serdata_ops blob_ops = [] {
   ddsi_serdata_ops ops{};
   ops.get_size = [](const ddsi_serdata* data) {
     return blobOf(data).wire->size;
@@ -128,16 +128,16 @@ const ddsi_serdata_ops kBlobOps = [] {
   return ops;
 }();
 
-const ddsi_sertype_ops kBlobTypeOps = [] {
+const ddsi_sertype_ops blob_type_ops = [] {
   ddsi_sertype_ops ops{};
   ops.version = ddsi_sertype_v0;
   return ops;
 }();
 
-const ddsi_sertype kBlobType = [] {
+const ddsi_sertype blob_type = [] {
   ddsi_sertype type{};
-  type.ops = &kBlobTypeOps;
-  type.serdata_ops = &kBlobOps;
+  type.ops = &blob_type_ops;
+  type.serdata_ops = &blob_ops;
   return type;
 }();
 
@@ -314,7 +314,7 @@ void Writer<Message>::write(const Message& message) {
     throw TransportError(fmt::format("{}: {}", impl_->name, error.what()));
   }
   Blob blob;
-  ddsi_serdata_init(&blob, &kBlobType, SDK_DATA);
+  ddsi_serdata_init(&blob, &blob_type, SDK_DATA);
   blob.wire = &wire;
   blob.statusinfo = 0;
   blob.timestamp.v = dds_time();

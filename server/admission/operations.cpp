@@ -54,8 +54,9 @@ constexpr Handler kDone = [](const Call& call, Body& reply) {
 /// Sets the reply if there is one.
 template <class Value, class Set>
 bool setIfAny(std::optional<Value> value, const Set& set) {
-  if (value) set(*std::move(value));
-  return value.has_value();
+  if (!value) return false;
+  set(*std::move(value));
+  return true;
 }
 
 constexpr auto kNothing = kDone<[](const Call&, Body&) {}>;

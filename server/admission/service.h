@@ -12,6 +12,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -82,7 +83,11 @@ class Service final : private BusListener, private SessionAudience {
     Sender sender{};
     v1::ClientId client{};
 
-    auto operator<=>(const RequestOrigin&) const = default;
+    bool operator==(const RequestOrigin&) const = default;
+
+    bool operator<(const RequestOrigin& other) const {
+      return std::tie(sender, client) < std::tie(other.sender, other.client);
+    }
   };
 
   using Key = std::pair<RequestOrigin, std::uint64_t>;

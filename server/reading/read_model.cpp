@@ -59,10 +59,10 @@ const Eigen::VectorXd& poseCalled(const std::string& name,
 
 /// A URDF is in metres; a mesh wider than what can be grasped with is not.
 void requireMetres(const hand::HandModel& model) {
-  static const std::set<std::string> kPrimitives = {"box", "cylinder", "sphere"};
+  static const std::set<std::string> primitive_shapes = {"box", "cylinder", "sphere"};
   const auto require = [](const hand::Link& link, const hand::Shape& shape) {
     const double size = shape.mesh_L.diagonal();
-    if (!(size > kLargestUnasked) || kPrimitives.count(shape.source) != 0) return;
+    if (!(size > kLargestUnasked) || primitive_shapes.count(shape.source) != 0) return;
     rejectInput(
         "link {}: mesh {} is {:.4g} m across, and a URDF is in metres; write "
         "scale=\"0.001 0.001 0.001\" at the mesh if its file is in millimetres, or load the "

@@ -30,7 +30,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const Origin kBuiltIn{true};
+const Origin built_in_origin{true};
 
 std::vector<fs::path> entriesOf(const fs::path& folder) {
   std::vector<fs::path> entries;
@@ -65,8 +65,8 @@ StoredHand readHand(const fs::path& folder) {
   reading.files = meshesOf(urdf);
   reading.files[reading.main_uri] = urdf;
   if (fs::exists(folder / kSitesUri)) reading.files[kSitesUri] = folder / kSitesUri;
-  return storedHand(reading.name, kBuiltIn, std::get<ReadHand>(readModel(reading, Progress())),
-                    reading.hand);
+  return storedHand(reading.name, built_in_origin,
+                    std::get<ReadHand>(readModel(reading, Progress())), reading.hand);
 }
 
 StoredObject readObject(const fs::path& path) {
@@ -75,7 +75,7 @@ StoredObject readObject(const fs::path& path) {
   reading.name = path.stem().string();
   reading.main_uri = path.string();
   reading.files[reading.main_uri] = path;
-  return storedObject(reading.name, kBuiltIn,
+  return storedObject(reading.name, built_in_origin,
                       std::get<io::MeshFile>(readModel(reading, Progress())), "");
 }
 
@@ -100,7 +100,7 @@ StoredContacts readContacts(const fs::path& path, const ModelStore& store) {
   if (object.empty()) rejectInput("{}: does not say which object it lies on", path.string());
   const auto file = store.object(object)->file;
   reading.contacts.object = file;
-  return storedContacts(reading.name, kBuiltIn,
+  return storedContacts(reading.name, built_in_origin,
                         std::get<ReadContacts>(readModel(reading, Progress())), file,
                         std::move(object));
 }
@@ -148,9 +148,9 @@ int readLibrary(const fs::path& folder, ModelStore& store) {
   if (!fs::is_directory(folder, error)) {
     rejectInput("models: {} is not a folder", handgraft::quoted(folder.string()));
   }
-  static const std::set<std::string> kMeshes = {".obj", ".stl",  ".ply",
-                                                ".glb", ".gltf", ".dae"};
-  static const std::set<std::string> kContacts = {".json", ".ply"};
+  static const std::set<std::string> mesh_extensions = {".obj", ".stl",  ".ply",
+                                                        ".glb", ".gltf", ".dae"};
+  static const std::set<std::string> contact_extensions = {".json", ".ply"};
   const auto those_of = [&](const char* subfolder, const auto& are_so) {
     std::vector<fs::path> paths = entriesOf(folder / subfolder);
     std::erase_if(paths, [&](const fs::path& path) {
@@ -162,10 +162,10 @@ int readLibrary(const fs::path& folder, ModelStore& store) {
     return fs::is_directory(path, error);
   });
   const auto objects = those_of("objects", [&](const fs::path& path) {
-    return kMeshes.count(path.extension().string()) > 0;
+    return mesh_extensions.count(path.extension().string()) > 0;
   });
   const auto contacts = those_of("contacts", [&](const fs::path& path) {
-    return kContacts.count(path.extension().string()) > 0;
+    return contact_extensions.count(path.extension().string()) > 0;
   });
   const auto contacts_from = [&store](const fs::path& path) {
     return readContacts(path, store);

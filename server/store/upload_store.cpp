@@ -195,7 +195,7 @@ UploadStore::File& UploadStore::beginFile(const Key& key,
       again ? upload.files->file(chunk.uri())
             : upload.files->folder_ /
                   fmt::format("{}{}", upload.progress.size(), safeExtension(chunk.uri()));
-  std::ofstream(path, std::ios::binary | std::ios::trunc);
+  const std::ofstream made(path, std::ios::binary | std::ios::trunc);
   upload.files->files_[chunk.uri()] = path;
   upload.reserved += chunk.total_bytes() - given_back;
   if (again) upload.received -= found->second.received;

@@ -27,7 +27,7 @@ class BusListener {
   virtual void onEdit(v1::Edit edit, const Sender& sender) = 0;
 
   /// A demonstrator's, for the session that it names.
-  virtual void onDemonstrator(v1::DemonstratorFrame /*frame*/, const Sender& /*sender*/) {}
+  virtual void onDemonstrator(v1::DemonstratorFrame frame, const Sender& sender) = 0;
 
   /// A participant left, or was not heard for a lease.
   virtual void onGone(const Sender& /*sender*/) {}

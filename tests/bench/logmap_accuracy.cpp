@@ -128,7 +128,7 @@ void printMarkdown(const std::vector<Row>& rows) {
     if (row.method != geometry::nameOf(kMethods[0])) continue;
     // The sphere as it is shows what the kind of source does.
     const bool wanted = row.accuracy.source == "all" ||
-                        (row.surface == "sphere" && row.version == kVersions.front());
+                        (row.surface == "sphere" && row.version == mesh_versions.front());
     if (!wanted) continue;
     const std::string source =
         row.accuracy.source == "all" ? "" : ", source: " + row.accuracy.source;

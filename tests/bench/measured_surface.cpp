@@ -416,15 +416,15 @@ MeasuredSurface makeSphere(int vertex_count, const std::string& version) {
 
 std::vector<MeasuredSurface> measuredSurfaces(int vertex_count) {
   std::vector<MeasuredSurface> surfaces;
-  for (const std::string& version : kVersions)
+  for (const std::string& version : mesh_versions)
     surfaces.push_back(makePlane(vertex_count, version));
-  for (const std::string& version : kVersions)
+  for (const std::string& version : mesh_versions)
     surfaces.push_back(makePrism(vertex_count, version));
-  for (const std::string& version : kVersions)
+  for (const std::string& version : mesh_versions)
     surfaces.push_back(makePyramid(vertex_count, version, "cone", 0.8));
-  for (const std::string& version : kVersions)
+  for (const std::string& version : mesh_versions)
     surfaces.push_back(makePyramid(vertex_count, version, "cone past its apex", 1.5));
-  for (const std::string& version : kVersions)
+  for (const std::string& version : mesh_versions)
     surfaces.push_back(makeSphere(vertex_count, version));
   return surfaces;
 }

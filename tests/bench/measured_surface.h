@@ -25,7 +25,7 @@ struct PolarTruth {
 /// unrolled, not the round surface it stands for. The sphere's truth are arcs.
 struct MeasuredSurface {
   std::string surface;  ///< "plane", "cylinder", "cone", "cone past its apex", "sphere"
-  std::string version;  ///< one of kVersions
+  std::string version;  ///< one of mesh_versions
   geometry::TriangleMesh mesh;
   /// Whether a log map may start at this place of the mesh, in its frame.
   std::function<bool(const Eigen::Vector3d&)> may_start;
@@ -37,8 +37,8 @@ struct MeasuredSurface {
 /// `sliver`: every second face holds a point 1/100 of its height off one of its edges, which
 /// makes needles of about 1:100. `anisotropic`: cells 1:10. `jittered`: vertices moved by 30 %
 /// of an edge inside the surface. `obtuse`: most faces have an angle above 90 degrees.
-inline const std::vector<std::string> kVersions{"as it is", "sliver", "anisotropic", "jittered",
-                                                "obtuse"};
+inline const std::vector<std::string> mesh_versions{"as it is", "sliver", "anisotropic",
+                                                    "jittered", "obtuse"};
 
 /// All surfaces in all versions, about `vertex_count` vertices each (slivers have twice as
 /// many; the sphere 10 * 4^n + 2, the nearest of them by ratio). Deterministic.

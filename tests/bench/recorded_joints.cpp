@@ -45,16 +45,16 @@ contact::HandJoints dexYcbJoints(const fs::path& file, const std::string& object
 }  // namespace
 
 std::optional<contact::HandJoints> recordedJoints(const fs::path& map) {
-  static const std::regex kMap("(.+)_contact");
-  static const std::regex kDexYcb("(.+)_grasp([0-9]{1,4})");
+  static const std::regex map_name("(.+)_contact");
+  static const std::regex dexycb_name("(.+)_grasp([0-9]{1,4})");
   const std::string stem = map.stem().string();
   std::smatch match;
-  if (!std::regex_match(stem, match, kMap)) return std::nullopt;
+  if (!std::regex_match(stem, match, map_name)) return std::nullopt;
   const std::string name = match[1];
   if (const fs::path own = map.parent_path() / (name + ".json"); fs::exists(own))
     return io::readHandJoints(own);
   const fs::path all = map.parent_path() / "dexycb_grasps.json";
-  if (fs::exists(all) && std::regex_match(name, match, kDexYcb))
+  if (fs::exists(all) && std::regex_match(name, match, dexycb_name))
     return dexYcbJoints(all, match[1], std::stoi(match[2]));
   return std::nullopt;
 }

@@ -97,7 +97,7 @@ std::vector<RoundTrip> smoothRoundTrips(int vertex_count) {
 
   std::vector<Named> surfaces;
   for (const MeasuredSurface& surface : measuredSurfaces(vertex_count)) {
-    if (surface.version != kVersions.front()) continue;
+    if (surface.version != mesh_versions.front()) continue;
     if (surface.surface == "sphere") {
       surfaces.push_back(
           {"sphere", transformed(surface.mesh, Eigen::Affine3d(Eigen::Scaling(0.035)))});

@@ -148,23 +148,23 @@ contact::ContactMap readMap(ByteReader& bytes) {
 
 /// The ball that the seeds' maps lie on, in other triangles.
 const io::MeshFile& ball() {
-  static const io::MeshFile kBall = [] {
+  static const io::MeshFile ball_file = [] {
     io::MeshFile file;
     file.mesh = handgraft::geometry::makeSphere(0.03, 2);
     return file;
   }();
-  return kBall;
+  return ball_file;
 }
 
 /// Its points, without their faces: for maps of points, which are laid onto its surface.
 const io::MeshFile& pointsOfBall() {
-  static const io::MeshFile kPoints = [] {
+  static const io::MeshFile points_file = [] {
     io::MeshFile file;
     file.mesh = ball().mesh;
     file.cloud_O = file.mesh.vertices();
     return file;
   }();
-  return kPoints;
+  return points_file;
 }
 
 void requireSaneSet(const contact::ContactSet& set,

@@ -30,7 +30,7 @@ using handgraft::fuzz::scratchFile;
 
 /// A ball of 162 vertices whose file lists squares, each two faces of the mesh, backwards.
 const io::MeshFile& ball() {
-  static const io::MeshFile kBall = [] {
+  static const io::MeshFile ball_file = [] {
     io::MeshFile file;
     file.mesh = handgraft::geometry::makeSphere(0.03, 2);
     const int count = file.mesh.vertexCount();
@@ -42,12 +42,12 @@ const io::MeshFile& ball() {
       file.file_face.push_back((file.mesh.faceCount() - 1 - f) / 2);
     return file;
   }();
-  return kBall;
+  return ball_file;
 }
 
 /// The same ball, of which only the points are given.
 const io::MeshFile& cloud() {
-  static const io::MeshFile kCloud = [] {
+  static const io::MeshFile cloud_file = [] {
     std::string ply =
         "ply\nformat ascii 1.0\nelement vertex 162\nproperty double x\n"
         "property double y\nproperty double z\nend_header\n";
@@ -55,13 +55,13 @@ const io::MeshFile& cloud() {
       ply += fmt::format("{} {} {}\n", p.x(), p.y(), p.z());
     return io::readObject(scratchFile("cloud.ply", ply));
   }();
-  return kCloud;
+  return cloud_file;
 }
 
 const handgraft::hand::HandModel& hand() {
-  static const handgraft::hand::HandModel kModel =
+  static const handgraft::hand::HandModel palm_only =
       io::readUrdf(scratchFile("hand.urdf", handgraft::fuzz::kSmallHand)).model;
-  return kModel;
+  return palm_only;
 }
 
 void requireSaneSet(const ContactSet& set, const io::MeshFile& object) {

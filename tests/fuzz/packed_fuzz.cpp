@@ -59,7 +59,7 @@ Answer answerTo(server::ReadRequest request) {
 
 /// A hand with sites and poses, an object, contacts with their map.
 const std::vector<Answer>& answers() {
-  static const std::vector<Answer> kAnswers = [] {
+  static const std::vector<Answer> all_answers = [] {
     server::ReadRequest hand;
     hand.kind = server::ReadKind::kHand;
     hand.name = "hand";
@@ -81,7 +81,7 @@ const std::vector<Answer>& answers() {
         std::get<handgraft::io::MeshFile>(readModel(object, {})));
     return std::vector{answerTo(hand), answerTo(object), answerTo(contacts)};
   }();
-  return kAnswers;
+  return all_answers;
 }
 
 void requireSane(const server::ReadModel& model, const Answer& answer) {

@@ -37,8 +37,8 @@ class ScratchFolder {
 }  // namespace
 
 fs::path scratchFile(const std::string& name, std::string_view bytes) {
-  static const ScratchFolder kFolder;
-  fs::path path = kFolder.path() / name;
+  static const ScratchFolder scratch_folder;
+  fs::path path = scratch_folder.path() / name;
   std::FILE* file = std::fopen(path.c_str(), "wb");
   const bool written =
       file != nullptr && std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();

@@ -24,7 +24,7 @@ using handgraft::Progress;
 using handgraft::fuzz::ByteReader;
 
 const session::SessionModels& models() {
-  static const session::SessionModels kModels = [] {
+  static const session::SessionModels known_models = [] {
     const handgraft::test::BallGrasp grasp;
     session::SessionModels all;
     all.hand_name = "hand";
@@ -35,12 +35,12 @@ const session::SessionModels& models() {
     all.contacts = std::make_shared<const handgraft::contact::ContactSet>(grasp.contacts);
     return all;
   }();
-  return kModels;
+  return known_models;
 }
 
 /// Of a session with something of everything that files hold.
 const std::string& trueText() {
-  static const std::string kText = [] {
+  static const std::string session_text = [] {
     session::Session one(models(), Pose::Identity(), {});
     session::SolverSettings quick;
     quick.starts = 1;
@@ -65,7 +65,7 @@ const std::string& trueText() {
     one.apply(session::UndoEdit{2});
     return io::sessionText(one);
   }();
-  return kText;
+  return session_text;
 }
 
 std::string damaged(ByteReader& input) {

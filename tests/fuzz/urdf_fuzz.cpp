@@ -33,7 +33,7 @@ constexpr int kMostFaces = 20'000;
 
 /// The files that a hand may name; whatever else it names was not uploaded.
 fs::path uploadedFile(const std::string& uri) {
-  static const std::map<std::string, fs::path> kFiles = {
+  static const std::map<std::string, fs::path> mesh_files = {
       {"tip.obj", handgraft::fuzz::scratchFile(
                       "tip.obj",
                       "v 0 0 0\nv 0.02 0 0\nv 0 0.02 0\nv 0 0 0.02\nf 1 3 2\nf 1 2 4\nf 2 3 4\n"
@@ -44,8 +44,8 @@ fs::path uploadedFile(const std::string& uri) {
            "solid palm\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n"
            "vertex 0 1 0\nendloop\nendfacet\nendsolid palm\n")},
       {"cut.ply", handgraft::fuzz::scratchFile("cut.ply", "ply\nformat ascii 1.0\nelement ")}};
-  const auto found = kFiles.find(uri);
-  if (found == kFiles.end())
+  const auto found = mesh_files.find(uri);
+  if (found == mesh_files.end())
     handgraft::rejectInput("{}: not among the files sent", handgraft::quoted(uri));
   return found->second;
 }

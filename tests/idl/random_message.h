@@ -83,8 +83,9 @@ class RandomMessage {
         *static_cast<double*>(value) = number<double>(field);
         return;
       case Kind::kString: {
-        static const std::vector<std::string> kTexts = {"", "thumb", "a \"b\"\n\\", "\xC3\xA4"};
-        *static_cast<std::string*>(value) = kTexts[below(kTexts.size())];
+        static const std::vector<std::string> some_texts = {"", "thumb", "a \"b\"\n\\",
+                                                            "\xC3\xA4"};
+        *static_cast<std::string*>(value) = some_texts[below(some_texts.size())];
         return;
       }
       case Kind::kEnum: {

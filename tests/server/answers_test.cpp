@@ -41,6 +41,8 @@ class Answering final : public BusListener {
     bus_.publish(reply, sender);
   }
 
+  void onDemonstrator(v1::DemonstratorFrame, const Sender&) override {}
+
   void onStatus(const v1::ServerStatus&) override {}
 
  private:

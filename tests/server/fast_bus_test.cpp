@@ -50,6 +50,8 @@ class MeshServer final : public BusListener {
 
   void onEdit(v1::Edit, const Sender&) override {}
 
+  void onDemonstrator(v1::DemonstratorFrame, const Sender&) override {}
+
   void onStatus(const v1::ServerStatus&) override {}
 
   void sayAlive() {
@@ -98,6 +100,8 @@ TEST(FastBus, TellsWhoIsOverItsShare) {
     void onRequest(v1::Request, const Sender&) override {}
 
     void onEdit(v1::Edit, const Sender&) override {}
+
+    void onDemonstrator(v1::DemonstratorFrame, const Sender&) override {}
 
     void onStatus(const v1::ServerStatus&) override {}
   } mute;

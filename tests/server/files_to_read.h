@@ -54,8 +54,8 @@ inline ReadRequest requestFor(ReadKind kind, const std::filesystem::path& path) 
 }
 
 inline ReadRequest clampRequest() {
-  ReadRequest request = requestFor(ReadKind::kHand, written("clamp.urdf", test::kClampUrdf));
-  request.files["sites.yaml"] = written("sites.yaml", test::kClampSites);
+  ReadRequest request = requestFor(ReadKind::kHand, written("clamp.urdf", test::clamp_urdf));
+  request.files["sites.yaml"] = written("sites.yaml", test::clamp_sites);
   request.files["clamp.srdf"] = written("clamp.srdf", R"(<robot name="clamp">
     <group_state name="open" group="g"><joint name="hinge" value="-0.4"/></group_state>
     <group_state name="shut" group="g"><joint name="hinge" value="1.1"/></group_state>

@@ -78,7 +78,7 @@ TEST_F(ImportTest, DescribesAHandWithoutItsSkin) {
   EXPECT_THAT(hand.skin_report(), IsEmpty());
   EXPECT_THAT(hand.X_SL(), IsEmpty());
   EXPECT_THAT(hand.skin_face_links(), IsEmpty());
-  EXPECT_EQ(hand.urdf(), test::kClampUrdf);
+  EXPECT_EQ(hand.urdf(), test::clamp_urdf);
   const auto model = io::readUrdf(written("clamp.urdf", hand.urdf())).model;
   const auto sites = io::readSites(written("sites.yaml", hand.sites_file()), model);
   ASSERT_EQ(sites.size(), 2u);
@@ -111,7 +111,7 @@ TEST_F(ImportTest, DescribesTheSkinAndHowItWasMade) {
 }
 
 TEST_F(ImportTest, TellsSitesOnceTheyAreFound) {
-  bus.ask(test::putFile(1, "bare.urdf", test::kClampUrdf));
+  bus.ask(test::putFile(1, "bare.urdf", test::clamp_urdf));
   ASSERT_EQ(bus.ask(test::loadModel(1, v1::MODEL_HAND, "bare", "bare.urdf")).error(),
             v1::ERROR_NONE);
   const v1::HandDescription before = describeHand("bare", false);
@@ -128,9 +128,9 @@ TEST_F(ImportTest, TellsSitesOnceTheyAreFound) {
 
 TEST_F(ImportTest, TellsWhatNamedADigit) {
   loadSmallGrasp();
-  bus.ask(test::putFile(1, "bare.urdf", test::kClampUrdf));
+  bus.ask(test::putFile(1, "bare.urdf", test::clamp_urdf));
   bus.ask(test::loadModel(1, v1::MODEL_HAND, "bare", "bare.urdf"));
-  std::string named = test::kClampUrdf;
+  std::string named = test::clamp_urdf;
   for (std::size_t at = 0; (at = named.find("jaw", at)) != std::string::npos; at += 5)
     named.replace(at, 3, "index");
   bus.ask(test::putFile(2, "named.urdf", named));
@@ -145,7 +145,7 @@ TEST_F(ImportTest, TellsWhatNamedADigit) {
 
 TEST_F(ImportTest, DescribesAMirroredHandByAUrdfOfItsOwn) {
   // The hinge off the mirror, so that the other hand is another one.
-  std::string urdf = test::kClampUrdf;
+  std::string urdf = test::clamp_urdf;
   const std::string origin = "xyz=\"0 0.05 0.035\"";
   urdf.replace(urdf.find(origin), origin.size(), "xyz=\"0.02 0.05 0.035\" rpy=\"0.1 0.2 0.3\"");
   ReadRequest request;
@@ -267,8 +267,8 @@ TEST_F(ImportTest, TheRestPoseIsCalledRestUnlessTheHandHasAnotherOfThatName) {
   at_rest.pose_contacts().start_pose("rest");
   EXPECT_EQ(bus.ask(at_rest).error(), v1::ERROR_NONE) << "the same pose";
 
-  bus.ask(test::putFile(7, "clamp.urdf", test::kClampUrdf));
-  bus.ask(test::putFile(7, "sites.yaml", test::kClampSites));
+  bus.ask(test::putFile(7, "clamp.urdf", test::clamp_urdf));
+  bus.ask(test::putFile(7, "sites.yaml", test::clamp_sites));
   bus.ask(test::putFile(7, "clamp.srdf",
                         "<robot name='clamp'><group_state name='rest' group='g'>"
                         "<joint name='hinge' value='0.9'/></group_state></robot>"));
@@ -355,8 +355,8 @@ TEST_F(ImportTest, RefusesPosesThatMakeNoSense) {
 
 // === A hand whose file places it in the world
 
-const std::string kFloatingClamp = [] {
-  std::string urdf = test::kClampUrdf;
+const std::string floating_clamp = [] {
+  std::string urdf = test::clamp_urdf;
   const std::string end = "</robot>";
   urdf.replace(urdf.find(end), end.size(), R"(<link name="world"/>
   <joint name="base" type="floating"><parent link="world"/><child link="palm"/></joint>
@@ -366,8 +366,8 @@ const std::string kFloatingClamp = [] {
 
 TEST_F(ImportTest, TakesTheRootsPoseFromTheFilesOwnJoints) {
   loadSmallGrasp();
-  bus.ask(test::putFile(7, "floating.urdf", kFloatingClamp));
-  bus.ask(test::putFile(7, "sites.yaml", test::kClampSites));
+  bus.ask(test::putFile(7, "floating.urdf", floating_clamp));
+  bus.ask(test::putFile(7, "sites.yaml", test::clamp_sites));
   const v1::Reply loaded =
       bus.ask(test::loadModel(7, v1::MODEL_HAND, "floating", "floating.urdf"));
   ASSERT_EQ(loaded.error(), v1::ERROR_NONE) << loaded.message();

@@ -44,7 +44,7 @@ class KeptSessions : public testing::Test {
 TEST_F(KeptSessions, TellTheSitesThatWereFoundOnTheirHands) {
   for (const v1::RequestBody& body : test::smallGrasp())
     ASSERT_EQ(bus.ask(body).error(), v1::ERROR_NONE);
-  ASSERT_EQ(bus.ask(test::putFile(9, "bare.urdf", test::kClampUrdf)).error(), v1::ERROR_NONE);
+  ASSERT_EQ(bus.ask(test::putFile(9, "bare.urdf", test::clamp_urdf)).error(), v1::ERROR_NONE);
   ASSERT_EQ(bus.ask(test::loadModel(9, v1::MODEL_HAND, "bare", "bare.urdf")).error(),
             v1::ERROR_NONE);
   const v1::Reply opened = bus.ask(test::openSession("bare", "fruit", "marks"));

@@ -68,12 +68,12 @@ TEST_F(LoadingTest, RefusesOptionsOfAnotherKindOrOutOfRange) {
   v1::RequestBody hand = test::loadModel(1, v1::MODEL_HAND, "clamp", "clamp.urdf");
   hand.load_model().hand().emplace_back();
   hand.load_model().hand()[0].skin().edge_m(1.0);
-  const v1::Reply edge = load(hand, "clamp.urdf", test::kClampUrdf);
+  const v1::Reply edge = load(hand, "clamp.urdf", test::clamp_urdf);
   EXPECT_EQ(edge.error(), v1::ERROR_INVALID_INPUT);
   EXPECT_THAT(edge.message(), AllOf(HasSubstr("edge"), HasSubstr("0.0005 to 0.05")));
   hand.load_model().hand()[0].skin(v1::SkinRecipe());
   hand.load_model().hand()[0].rest_pose("shut");
-  EXPECT_THAT(load(hand, "clamp.urdf", test::kClampUrdf).message(), HasSubstr("'shut'"));
+  EXPECT_THAT(load(hand, "clamp.urdf", test::clamp_urdf).message(), HasSubstr("'shut'"));
 }
 
 TEST_F(LoadingTest, TellsASetThatSaysItLiesOnAnotherObject) {
@@ -107,7 +107,7 @@ TEST_F(LoadingTest, LoadsAMirroredHandThatRestsInANamedPose) {
   bus.ask(test::putFile(1, "clamp.srdf",
                         "<robot name='clamp'><group_state name='shut' group='g'>"
                         "<joint name='hinge' value='1.1'/></group_state></robot>"));
-  const v1::Reply reply = load(hand, "clamp.urdf", test::kClampUrdf);
+  const v1::Reply reply = load(hand, "clamp.urdf", test::clamp_urdf);
   ASSERT_EQ(reply.error(), v1::ERROR_NONE) << reply.message();
   const auto stored = models.hand("clamp");
   EXPECT_TRUE(stored->mirrored);

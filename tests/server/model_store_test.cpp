@@ -84,8 +84,8 @@ TEST(ModelLibrary, LeavesABadModelOutAndReadsTheRest) {
   for (const char* one : {"hands/clamp", "hands/broken", "objects", "contacts"}) {
     fs::create_directories(folder / one);
   }
-  std::ofstream(folder / "hands/clamp/clamp.urdf") << test::kClampUrdf;
-  std::ofstream(folder / "hands/clamp/sites.yaml") << test::kClampSites;
+  std::ofstream(folder / "hands/clamp/clamp.urdf") << test::clamp_urdf;
+  std::ofstream(folder / "hands/clamp/sites.yaml") << test::clamp_sites;
   std::ofstream(folder / "hands/broken/broken.urdf") << "<robot";
   std::ofstream(folder / "objects/lemon.obj") << test::builtIn("objects/lemon.obj");
   std::ofstream(folder / "contacts/lemon_6.json") << test::builtIn("contacts/lemon_6.json");

@@ -166,15 +166,15 @@ TEST_P(BuiltInHand, HasAClosedSkinThatCarriesItsSites) {
   }
 }
 
-const std::set<std::string> kAllSites{"thumb", "index", "middle", "ring", "little", "palm"};
+const std::set<std::string> all_sites{"thumb", "index", "middle", "ring", "little", "palm"};
 
 INSTANTIATE_TEST_SUITE_P(
     Library,
     BuiltInHand,
-    testing::Values(HandFacts{"human20", 20, kAllSites},
+    testing::Values(HandFacts{"human20", 20, all_sites},
                     HandFacts{"allegro16", 16, {"thumb", "index", "middle", "ring", "palm"}},
                     HandFacts{"barrett8", 8, {"thumb", "index", "middle", "palm"}},
-                    HandFacts{"tendon16", 16, kAllSites}),
+                    HandFacts{"tendon16", 16, all_sites}),
     NameOfCase{});
 
 // === Objects

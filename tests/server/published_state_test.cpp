@@ -55,7 +55,7 @@ TEST_F(PublishedStateTest, KeepsSilentChangesForTheNextThatIsTold) {
 }
 
 TEST_F(PublishedStateTest, TellsNoMoreOftenThanItIsAsked) {
-  const PublishPolicy kRarely{milliseconds(100)};
+  constexpr PublishPolicy kRarely{milliseconds(100)};
   state.change(message("a"), kRarely);
   now += milliseconds(99);
   state.change(message("b"), kRarely);

@@ -157,7 +157,7 @@ TEST(ReadModel, ScalesMapsWithTheirObjects) {
 }
 
 TEST(ReadModel, NamesAMeshOfAHandThatIsNotInMetres) {
-  std::string urdf = test::kClampUrdf;
+  std::string urdf = test::clamp_urdf;
   const std::string box = "<box size=\"0.02 0.06 0.06\"/>";
   urdf.replace(urdf.find(box), box.size(), "<mesh filename=\"meshes/palm.ply\"/>");
   ReadRequest request = requestFor(ReadKind::kHand, written("large.urdf", urdf));

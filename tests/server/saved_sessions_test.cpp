@@ -211,10 +211,10 @@ TEST(SavedSessions, HoldTheirOwnModelsThoughAnotherHasTheName) {
   // Both names go to hands that are longer.
   for (const char* name : {"stiff", "clamp"})
     ASSERT_EQ(server.bus.ask(test::unloadModel(v1::MODEL_HAND, name)).error(), v1::ERROR_NONE);
-  std::string urdf = test::kClampUrdf;
+  std::string urdf = test::clamp_urdf;
   urdf.replace(urdf.find("0.035"), 5, "0.070");
   for (const auto& body :
-       {test::putFile(4, "clamp.urdf", urdf), test::putFile(4, "sites.yaml", test::kClampSites),
+       {test::putFile(4, "clamp.urdf", urdf), test::putFile(4, "sites.yaml", test::clamp_sites),
         test::loadModel(4, v1::MODEL_HAND, "clamp", "clamp.urdf")})
     ASSERT_EQ(server.bus.ask(body).error(), v1::ERROR_NONE);
   ASSERT_EQ(server.bus.ask(stiffClamp()).error(), v1::ERROR_NONE);

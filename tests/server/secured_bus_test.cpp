@@ -36,6 +36,8 @@ class Listening final : public BusListener {
 
   void onEdit(v1::Edit, const Sender&) override {}
 
+  void onDemonstrator(v1::DemonstratorFrame, const Sender&) override {}
+
   void onStatus(const v1::ServerStatus&) override {}
 
   [[nodiscard]] std::vector<v1::Operation> heard() const {

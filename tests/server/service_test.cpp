@@ -181,10 +181,10 @@ TEST_F(ServiceTest, NamesWhatItDoesNotKnow) {
 TEST_F(ServiceTest, TakesTheSameModelAgainButNotAnotherOfThatName) {
   loadSmallGrasp();
   for (int round = 0; round < 2; ++round) {
-    EXPECT_EQ(bus.ask(test::putFile(9, "clamp.urdf", test::kClampUrdf)).error(),
+    EXPECT_EQ(bus.ask(test::putFile(9, "clamp.urdf", test::clamp_urdf)).error(),
               v1::ERROR_NONE);
     const bool same = round == 0;
-    if (same) bus.ask(test::putFile(9, "sites.yaml", test::kClampSites));
+    if (same) bus.ask(test::putFile(9, "sites.yaml", test::clamp_sites));
     const v1::Reply reply = bus.ask(test::loadModel(9, v1::MODEL_HAND, "clamp", "clamp.urdf"));
     EXPECT_EQ(reply.error(), same ? v1::ERROR_NONE : v1::ERROR_CONFLICT) << reply.message();
   }
@@ -193,7 +193,7 @@ TEST_F(ServiceTest, TakesTheSameModelAgainButNotAnotherOfThatName) {
 }
 
 TEST_F(ServiceTest, OpensNoFileOfItsOwnMachine) {
-  std::string urdf = test::kClampUrdf;
+  std::string urdf = test::clamp_urdf;
   const std::string box = "<box size=\"0.02 0.06 0.06\"/>";
   const std::string file =
       (test::sourceDirectory() / "server/models/objects/lemon.obj").string();

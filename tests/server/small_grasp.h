@@ -13,7 +13,7 @@
 /// and the built-in lemon.
 namespace handgraft::test {
 
-inline const std::string kClampUrdf = R"(<robot name="clamp">
+inline const std::string clamp_urdf = R"(<robot name="clamp">
   <link name="palm"><visual><geometry><box size="0.02 0.06 0.06"/></geometry></visual></link>
   <link name="jaw"><visual><origin xyz="0 0 0.03"/><geometry><box size="0.015 0.02 0.06"/></geometry></visual></link>
   <joint name="hinge" type="revolute"><parent link="palm"/><child link="jaw"/>
@@ -21,7 +21,7 @@ inline const std::string kClampUrdf = R"(<robot name="clamp">
     <limit lower="-0.5" upper="1.2" effort="1" velocity="2"/></joint>
 </robot>)";
 
-inline const std::string kClampSites = R"(format: handgraft-sites/1
+inline const std::string clamp_sites = R"(format: handgraft-sites/1
 sites:
   - {name: palm, link: palm, point_m: [0.01, 0, 0], normal: [1, 0, 0], direction: [0, 0, -1]}
   - {name: index, link: jaw, point_m: [0.0075, 0, 0.04], normal: [1, 0, 0], direction: [0, 0, -1]}
@@ -161,8 +161,8 @@ inline std::string builtIn(const std::string& relative) {
 /// All that must be asked, in order, before a session on hand `clamp`, object `fruit` and
 /// contacts `marks` can be opened.
 inline std::vector<v1::RequestBody> smallGrasp() {
-  return {putFile(1, "clamp.urdf", kClampUrdf),
-          putFile(1, "sites.yaml", kClampSites),
+  return {putFile(1, "clamp.urdf", clamp_urdf),
+          putFile(1, "sites.yaml", clamp_sites),
           loadModel(1, v1::MODEL_HAND, "clamp", "clamp.urdf"),
           putFile(2, "lemon.obj", builtIn("objects/lemon.obj")),
           loadModel(2, v1::MODEL_OBJECT, "fruit", "lemon.obj"),

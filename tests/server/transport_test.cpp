@@ -101,7 +101,7 @@ TEST_F(CrossingTest, CarriesEveryOperation) {
   EXPECT_EQ(client.ask(test::plain(v1::OP_LIST_MODELS)).models().models().size(), 3u);
   const auto hand = client.ask(test::describeModel(v1::MODEL_HAND, "clamp", true));
   EXPECT_EQ(hand.model().hand().joints().at(0).name(), "hinge");
-  EXPECT_EQ(hand.model().hand().urdf(), test::kClampUrdf);
+  EXPECT_EQ(hand.model().hand().urdf(), test::clamp_urdf);
   EXPECT_FALSE(hand.model().hand().skin_S().triangles().empty());
   const auto object = client.ask(test::describeModel(v1::MODEL_OBJECT, "fruit", true));
   EXPECT_FALSE(object.model().object().mesh_O().vertices_m().empty());

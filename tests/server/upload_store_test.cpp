@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const UploadStore::ClientId kClient = {7};
+constexpr UploadStore::ClientId kClient = {7};
 
 v1::PutFileRequest chunk(const std::string& uri,
                          const std::string& bytes,

@@ -10,11 +10,11 @@
 namespace {
 
 long offset() {
-  static const long kOffset_s = [] {
+  static const long offset_s = [] {
     const char* const text = std::getenv("HANDGRAFT_CLOCK_OFFSET_S");
     return text == nullptr ? 0 : std::strtol(text, nullptr, 10);
   }();
-  return kOffset_s;
+  return offset_s;
 }
 
 }  // namespace
@@ -23,8 +23,8 @@ extern "C" {
 
 int clock_gettime(clockid_t clock, timespec* now) noexcept {
   using Call = int (*)(clockid_t, timespec*);
-  static const auto kCall = reinterpret_cast<Call>(dlsym(RTLD_NEXT, "clock_gettime"));
-  const int result = kCall(clock, now);
+  static const auto real_call = reinterpret_cast<Call>(dlsym(RTLD_NEXT, "clock_gettime"));
+  const int result = real_call(clock, now);
   if (result == 0 && (clock == CLOCK_REALTIME || clock == CLOCK_REALTIME_COARSE))
     now->tv_sec += offset();
   return result;

@@ -37,8 +37,8 @@ fs::path scratchDirectory() {
     }
   };
 
-  static const Folder kFolder;
-  return kFolder.path;
+  static const Folder data_folder;
+  return data_folder.path;
 }
 
 }  // namespace handgraft::test

@@ -107,8 +107,8 @@ bool Terminal::waitFor(const std::string& wanted, std::chrono::seconds timeout) 
 }
 
 std::string Terminal::text() const {
-  static const std::regex kEscapes("\x1b\\[[0-9;?]*[A-Za-z]|\x1b[()=>][0-9A-B]?|\r");
-  return std::regex_replace(written_, kEscapes, "");
+  static const std::regex escapes("\x1b\\[[0-9;?]*[A-Za-z]|\x1b[()=>][0-9A-B]?|\r");
+  return std::regex_replace(written_, escapes, "");
 }
 
 int Terminal::wait(std::chrono::seconds timeout) {

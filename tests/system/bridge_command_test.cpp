@@ -25,7 +25,7 @@
 namespace handgraft::test {
 namespace {
 
-const std::vector<std::string> kJoints{"a", "b", "c"};
+const std::vector<std::string> three_joints{"a", "b", "c"};
 
 class BridgeCommand : public testing::Test {
  protected:
@@ -51,9 +51,9 @@ class BridgeCommand : public testing::Test {
 
   TestDomain domain;
   Network network{domain.number(), "lo"};
-  BridgeBench bench{network, directConfig("dynamixel", "three", kJoints, 2.5)};
+  BridgeBench bench{network, directConfig("dynamixel", "three", three_joints, 2.5)};
   std::unique_ptr<StandInServer> server =
-      std::make_unique<StandInServer>(network, "three", kJoints);
+      std::make_unique<StandInServer>(network, "three", three_joints);
 };
 
 TEST_F(BridgeCommand, ArmsDisarmsStopsAndResets) {
@@ -192,7 +192,7 @@ TEST_F(BridgeCommand, NamesABridgeThatDoesNotAnswerAndSaysWhy) {
 
 TEST_F(BridgeCommand, AnEmergencyStopIsForEveryBridgeThereIs) {
   start();
-  std::string text = directConfig("ability_hand", "three", kJoints, 2.5);  // names no ids
+  std::string text = directConfig("ability_hand", "three", three_joints, 2.5);  // names no ids
   const std::size_t device = text.find("device: ");
   text.replace(device, text.find('\n', device) - device,
                "device: {kind: simulated, watchdog_ms: 2500}");

@@ -18,7 +18,7 @@
 namespace handgraft::test {
 namespace {
 
-const std::vector<std::string> kJoints{"a", "b", "c"};
+const std::vector<std::string> three_joints{"a", "b", "c"};
 
 // === A session's solutions move each device
 
@@ -162,9 +162,9 @@ class BridgeOnADevice : public testing::Test {
 
   TestDomain domain;
   Network network{domain.number(), "lo"};
-  BridgeBench bench{network, directConfig("dynamixel", "three", kJoints, 2.5)};
+  BridgeBench bench{network, directConfig("dynamixel", "three", three_joints, 2.5)};
   std::unique_ptr<StandInServer> server =
-      std::make_unique<StandInServer>(network, "three", kJoints);
+      std::make_unique<StandInServer>(network, "three", three_joints);
 };
 
 TEST_F(BridgeOnADevice, KilledTheDevicesOwnWatchdogStopsTheMotors) {
@@ -214,7 +214,7 @@ TEST_F(BridgeOnADevice, AServerThatStopsMakesItHoldThenGoOff) {
   server.reset();
   EXPECT_TRUE(goesOff()) << bench.told();
   EXPECT_TRUE(bench.status(v1::BRIDGE_IDLE)) << bench.told();
-  server = std::make_unique<StandInServer>(network, "three", kJoints);
+  server = std::make_unique<StandInServer>(network, "three", three_joints);
   server->stream({0.1, 0.1, 0.1});
   expectStandsStill();
   EXPECT_FALSE(bench.rig().isPowered()) << "a returning stream resumes nothing";
@@ -396,7 +396,7 @@ TEST_F(BridgeOnADevice, TwoOfTheSameNumberAreNotArmed) {
 
 TEST(BridgeConfig, RefusesAPortWithoutAName) {
   const auto path = scratchDirectory() / "three.yaml";
-  std::ofstream(path) << directConfig("dynamixel", "three", kJoints, 2.5);
+  std::ofstream(path) << directConfig("dynamixel", "three", three_joints, 2.5);
   const Finished finished =
       run(program("handgraft-bridge"), {"--config", path.string(), "--port", ""});
   EXPECT_EQ(finished.exit_code, 2);
@@ -405,7 +405,7 @@ TEST(BridgeConfig, RefusesAPortWithoutAName) {
 
 TEST(BridgeConfig, EverythingThatIsWrongIsToldBeforeAnythingMoves) {
   const auto path = scratchDirectory() / "wrong.yaml";
-  std::string text = directConfig("dynamixel", "three", kJoints, 2.5);
+  std::string text = directConfig("dynamixel", "three", three_joints, 2.5);
   text.replace(text.find("rate_hz: 20"), 11, "rate_hz: 5000");
   text.replace(text.find("brake_ms: 1000"), 14, "brake_mm: 1000");
   std::ofstream(path) << text;

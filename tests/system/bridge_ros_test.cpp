@@ -18,7 +18,7 @@
 namespace handgraft::test {
 namespace {
 
-const std::vector<std::string> kJoints{"a", "b", "c"};
+const std::vector<std::string> three_joints{"a", "b", "c"};
 
 /// As the bridge's README tells who runs ROS nodes beside it on loopback.
 constexpr const char* kLoopback =
@@ -93,8 +93,8 @@ class TwoHosts {
 /// Armed, with a stream to follow.
 struct RosBench {
   RosBench(const Network& network, const std::vector<std::string>& more)
-      : bench(network, directConfig("dynamixel", "three", kJoints, 2.5)),
-        server(network, "three", kJoints) {
+      : bench(network, directConfig("dynamixel", "three", three_joints, 2.5)),
+        server(network, "three", three_joints) {
     bench.startBridge(more);
     server.stream({0.5, 0.0, -0.5});
     is_armed = bench.arm();

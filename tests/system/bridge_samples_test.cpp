@@ -23,7 +23,7 @@ using std::chrono::steady_clock;
 using std::chrono::system_clock;
 
 constexpr double kRate = 120;  // Hz
-const std::vector<std::string> kJoints{"a", "b", "c"};
+const std::vector<std::string> three_joints{"a", "b", "c"};
 
 /// Seconds that a stream lasts: more on demand, for a bench.
 double durationOf() {
@@ -39,12 +39,12 @@ double share(std::vector<double> sorted, double part) {
 
 class GuidedBridge : public testing::Test {
  protected:
-  GuidedBridge() : bench(network(), config()), server(network(), "three", kJoints) {
+  GuidedBridge() : bench(network(), config()), server(network(), "three", three_joints) {
     bench.startBridge();
   }
 
   static std::string config() {
-    std::string text = directConfig("dynamixel", "three", kJoints, 2.5);
+    std::string text = directConfig("dynamixel", "three", three_joints, 2.5);
     replace(text, "rate_hz: 20", "rate_hz: 200");
     replace(text, "reply_timeout_ms: 50", "reply_timeout_ms: 5");
     replace(text, "tolerated_misses: 20", "tolerated_misses: 50");

@@ -25,8 +25,8 @@ namespace fs = std::filesystem;
 namespace editor = client::editor;
 using testing::HasSubstr;
 
-const std::vector<std::string> kScenarios = {"patches", "joints",  "poses",
-                                             "search",  "history", "files"};
+const std::vector<std::string> scenarios = {"patches", "joints",  "poses",
+                                            "search",  "history", "files"};
 
 fs::path scenario(const std::string& name) {
   return sourceDirectory() / "tests" / "system" / "scenarios" / (name + ".hg");
@@ -43,7 +43,7 @@ std::vector<std::string> linesOf(const fs::path& path) {
 
 // A scenario's first line says how it is started.
 std::vector<std::string> argumentsOf(const fs::path& path) {
-  static const std::string kStart = "# handgraft ";
+  constexpr std::string_view kStart = "# handgraft ";
   const std::string first = linesOf(path).at(0);
   EXPECT_EQ(first.rfind(kStart, 0), 0U) << first;
   return editor::commandsOf(first.substr(kStart.size())).at(0);
@@ -53,12 +53,12 @@ TEST(Scenarios, AreTheFilesThatThereAre) {
   std::set<std::string> found;
   for (const auto& entry : fs::directory_iterator(scenario("patches").parent_path()))
     found.insert(entry.path().stem().string());
-  EXPECT_EQ(found, std::set<std::string>(kScenarios.begin(), kScenarios.end()));
+  EXPECT_EQ(found, std::set<std::string>(scenarios.begin(), scenarios.end()));
 }
 
 TEST(Scenarios, ShowEveryCommand) {
   std::set<std::string_view> shown;
-  for (const std::string& name : kScenarios) {
+  for (const std::string& name : scenarios) {
     // Whatever is written counts as a name: which names there are is the server's to say.
     std::vector<editor::Words> commands;
     editor::Names names;
@@ -121,7 +121,7 @@ TEST_P(Scenario, TellsProgramsAnObjectALine) {
   EXPECT_GT(count, 5U);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Scenario, testing::ValuesIn(kScenarios), [](const auto& named) {
+INSTANTIATE_TEST_SUITE_P(All, Scenario, testing::ValuesIn(scenarios), [](const auto& named) {
   return named.param;
 });
 

@@ -16,7 +16,7 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-const std::string kHand = "tendon16";
+constexpr const char* kHand = "tendon16";
 
 std::string builtInSets() {
   return (sourceDirectory() / "server/models/contacts").string();

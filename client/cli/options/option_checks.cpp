@@ -16,10 +16,10 @@ namespace handgraft::client {
 
 namespace {
 
-const std::map<std::string, v1::ModelKind> kKinds = {{"hand", v1::MODEL_HAND},
-                                                     {"object", v1::MODEL_OBJECT},
-                                                     {"contacts", v1::MODEL_CONTACTS},
-                                                     {"motion", v1::MODEL_MOTION}};
+const std::map<std::string, v1::ModelKind> kind_names = {{"hand", v1::MODEL_HAND},
+                                                         {"object", v1::MODEL_OBJECT},
+                                                         {"contacts", v1::MODEL_CONTACTS},
+                                                         {"motion", v1::MODEL_MOTION}};
 
 template <class Number>
 std::string objectionTo(const std::string& text, const char* most) {
@@ -60,8 +60,8 @@ std::string objectionToSolver(const std::string& name) {
 }
 
 v1::ModelKind kindOf(const std::string& name) {
-  const auto found = kKinds.find(name);
-  if (found == kKinds.end()) {
+  const auto found = kind_names.find(name);
+  if (found == kind_names.end()) {
     rejectInput("kind {}: it is hand, object, contacts or motion", quoted(name));
   }
   return found->second;

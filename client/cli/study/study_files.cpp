@@ -15,7 +15,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const std::set<std::string> kMeshes = {".obj", ".stl", ".ply", ".glb", ".gltf", ".dae", ".off"};
+const std::set<std::string> mesh_extensions = {".obj",  ".stl", ".ply", ".glb",
+                                               ".gltf", ".dae", ".off"};
 
 std::string extensionOf(const fs::path& path) {
   std::string extension = path.extension().string();
@@ -74,7 +75,8 @@ SetHead headOf(const fs::path& path) {
 /// The mesh of that name; of several the first by its ending. Empty if there is none.
 std::string meshNamed(const std::string& name, const std::vector<fs::path>& files) {
   for (const fs::path& file : files)
-    if (file.stem() == name && kMeshes.contains(extensionOf(file))) return file.string();
+    if (file.stem() == name && mesh_extensions.contains(extensionOf(file)))
+      return file.string();
   return {};
 }
 
@@ -84,7 +86,7 @@ std::string meshBeginning(const std::string& name, const std::vector<fs::path>& 
   std::size_t longest = 0;
   for (const fs::path& file : files) {
     const std::string stem = file.stem().string();
-    if (!kMeshes.contains(extensionOf(file)) || name.rfind(stem, 0) != 0) continue;
+    if (!mesh_extensions.contains(extensionOf(file)) || name.rfind(stem, 0) != 0) continue;
     if (stem.size() <= longest) continue;
     longest = stem.size();
     best = file.string();

@@ -57,8 +57,8 @@ std::shared_ptr<const hand::HandModel> twoBalls() {
 }
 
 const ExactHand& balls() {
-  static const ExactHand kHand(twoBalls(), test::scratchDirectory());
-  return kHand;
+  static const ExactHand ball_hand(twoBalls(), test::scratchDirectory());
+  return ball_hand;
 }
 
 ExactPenetration measured(const geometry::TriangleMesh& object, double left, double right) {

@@ -22,21 +22,21 @@ using ::testing::ThrowsMessage;
 constexpr double kStep = 0.01;
 
 /// The 4 x 4 plate's middle square of 2 x 2 cells, counter-clockwise seen from +z.
-const std::vector<int> kSquare = {6, 7, 8, 13, 18, 17, 16, 11};
+const std::vector<int> square_outline = {6, 7, 8, 13, 18, 17, 16, 11};
 
 Patch squarePatch(const TriangleMesh& mesh) {
   Patch patch;
   patch.name = "thumb";
   patch.root = geometry::surfacePointAtVertex(mesh, 12);
   patch.direction_O = Eigen::Vector3d::UnitX();
-  patch.boundary = kSquare;
-  patch.interpolation_boundary = sampleLoop(mesh, kSquare);
+  patch.boundary = square_outline;
+  patch.interpolation_boundary = sampleLoop(mesh, square_outline);
   return patch;
 }
 
 TEST(SampleLoop, PlacesPointsAtEqualArcLengthOnASquare) {
   const TriangleMesh mesh = test::makePlate(4, 4, kStep);
-  const auto points = sampleLoop(mesh, kSquare, 32);
+  const auto points = sampleLoop(mesh, square_outline, 32);
   ASSERT_EQ(points.size(), 32u);
   for (int k = 0; k < 32; ++k) {
     const double s = 8 * kStep * k / 32;  // along the square from (-step, -step)
@@ -51,7 +51,7 @@ TEST(SampleLoop, PlacesPointsAtEqualArcLengthOnASquare) {
 TEST(SampleLoop, GivesWholeWeightsOnTheMesh) {
   const TriangleMesh mesh = test::makePlate(4, 4, kStep);
   for (const int count : {3, 7, 25, 1000}) {
-    for (const auto& point : sampleLoop(mesh, kSquare, count)) {
+    for (const auto& point : sampleLoop(mesh, square_outline, count)) {
       EXPECT_NO_THROW(geometry::validate(mesh, point, "sample"));
     }
   }
@@ -81,8 +81,8 @@ TEST(SampleLoop, RefusesVerticesThatDoNotExistShortLoopsAndCounts) {
   EXPECT_THROW(sampleLoop(mesh, {6, 7, -1}), InvalidInput);
   EXPECT_THROW(sampleLoop(mesh, {6, 7}), InvalidInput);
   EXPECT_THROW(sampleLoop(mesh, {}), InvalidInput);
-  EXPECT_THROW(sampleLoop(mesh, kSquare, 2), InvalidInput);
-  EXPECT_THROW(sampleLoop(mesh, kSquare, std::numeric_limits<int>::max()), InvalidInput);
+  EXPECT_THROW(sampleLoop(mesh, square_outline, 2), InvalidInput);
+  EXPECT_THROW(sampleLoop(mesh, square_outline, std::numeric_limits<int>::max()), InvalidInput);
 }
 
 TEST(Patch, ThatIsSoundPasses) {

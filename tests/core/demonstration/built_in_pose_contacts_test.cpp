@@ -21,7 +21,7 @@ std::filesystem::path library() {
 }
 
 const hand::Hand& humanHand() {
-  static const hand::Hand kHand = [] {
+  static const hand::Hand built_in_hand = [] {
     const auto folder = library() / "hands" / "human20";
     hand::Hand hand;
     hand.model =
@@ -31,7 +31,7 @@ const hand::Hand& humanHand() {
     hand.sites = io::readSites(folder / "sites.yaml", *hand.model);
     return hand;
   }();
-  return kHand;
+  return built_in_hand;
 }
 
 struct Grasp {

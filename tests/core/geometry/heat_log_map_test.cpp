@@ -45,9 +45,9 @@ std::vector<SurfacePoint> sourcesOf(const TriangleMesh& mesh) {
 }
 
 /// At a vertex and beside it, inside a face, on an edge.
-const Eigen::Vector3d kKindsOfSource[] = {{0.0, 0.0, 1.0}, {0.1, 0.8, 0.1},
-                                          {0.2, 0.5, 0.3}, Eigen::Vector3d::Constant(1.0 / 3.0),
-                                          {0.0, 0.4, 0.6}, {0.5, 0.5, 0.0}};
+const Eigen::Vector3d kinds_of_source[] = {
+    {0.0, 0.0, 1.0}, {0.1, 0.8, 0.1}, {0.2, 0.5, 0.3}, Eigen::Vector3d::Constant(1.0 / 3.0),
+    {0.0, 0.4, 0.6}, {0.5, 0.5, 0.0}};
 
 void expectIdentity(const test::Sheet& sheet) {
   const HeatLogMap solver(sheet.mesh);
@@ -99,7 +99,7 @@ TEST(HeatLogMap, SmoothAgreesWithArcLengthOnASphere) {
   const auto smooth = [&](const TriangleMesh&, const auto&... query) {
     return solver.smooth(query...);
   };
-  for (const Eigen::Vector3d& barycentric : kKindsOfSource) {
+  for (const Eigen::Vector3d& barycentric : kinds_of_source) {
     const test::SphereError error =
         test::errorOnASphere(test::sourcesOnASphere(barycentric, 6), smooth);
     EXPECT_LT(error.r, 1.5e-3) << barycentric.transpose();
@@ -113,7 +113,7 @@ TEST(HeatLogMap, HeatIsCoarserOnASphere) {
   const auto heat = [&](const TriangleMesh&, const auto&... query) {
     return solver.heat(query...);
   };
-  for (const Eigen::Vector3d& barycentric : kKindsOfSource) {
+  for (const Eigen::Vector3d& barycentric : kinds_of_source) {
     const test::SphereError error =
         test::errorOnASphere(test::sourcesOnASphere(barycentric, 6), heat);
     EXPECT_LT(error.r, 1e-2);

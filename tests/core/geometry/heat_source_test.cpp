@@ -14,7 +14,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-const Eigen::Vector3d kDirection(0.3, 0.8, 0.1);
+const Eigen::Vector3d heat_direction(0.3, 0.8, 0.1);
 
 /// sum(weight * p_T^k), in edges.
 Complex momentOf(const std::vector<HeatSeed>& seeds, int k, double edge) {
@@ -50,7 +50,7 @@ TEST(HeatSource, IsRoundInsideAFaceAndOnAnEdge) {
   for (int i = 0; i < 40; ++i) {
     SurfacePoint source{static_cast<int>(random() % 5120), {0.2, 0.5, 0.3}};
     if (i % 2 == 1) source.barycentric = {0.0, 0.4, 0.6};
-    const SourceLayout layout = layOutSource(sphere, source, kDirection);
+    const SourceLayout layout = layOutSource(sphere, source, heat_direction);
     const std::vector<HeatSeed> seeds = roundSeeds(sphere, surface, source, layout, edge);
     expectShares(seeds);
     for (int k = 1; k <= 3; ++k)
@@ -68,14 +68,15 @@ TEST(HeatSource, StandsOnAPlaneAsThePlaneDoes) {
   const test::Sheet sheet = test::makePlane();
   const TriangleMesh& mesh = sheet.mesh;
   const IntrinsicDelaunay surface(mesh);
-  const Complex x = std::polar(1.0, std::atan2(kDirection.y(), kDirection.x()));
+  const Complex x = std::polar(1.0, std::atan2(heat_direction.y(), heat_direction.x()));
   for (int f = 0; f < mesh.faceCount(); f += 7) {
     for (const Eigen::Vector3d& weights :
          {Eigen::Vector3d(0.2, 0.5, 0.3), Eigen::Vector3d(0.4, 0.0, 0.6)}) {
       const SurfacePoint source{f, weights};
       const Eigen::Vector3d origin = positionOf(mesh, source);
-      const std::vector<HeatSeed> seeds = roundSeeds(
-          mesh, surface, source, layOutSource(mesh, source, kDirection), mesh.meanEdgeLength());
+      const std::vector<HeatSeed> seeds =
+          roundSeeds(mesh, surface, source, layOutSource(mesh, source, heat_direction),
+                     mesh.meanEdgeLength());
       expectShares(seeds);
       for (const HeatSeed& seed : seeds) {
         const Eigen::Vector3d p = mesh.vertex(seed.vertex) - origin;

@@ -7,13 +7,13 @@
 namespace handgraft::geometry {
 namespace {
 
-const SurfacePoint kSomewhere{7, {0.5, 0.2, 0.3}};
+const SurfacePoint somewhere{7, {0.5, 0.2, 0.3}};
 
 TEST(TangentAt, LiesInTheTangentPlaneNearestToTheDirection) {
   const TriangleMesh ball = geometry::makeSphere(0.03, 2);
-  const Eigen::Vector3d n = normalOf(ball, kSomewhere);
+  const Eigen::Vector3d n = normalOf(ball, somewhere);
   const Eigen::Vector3d d(3, -1, 2);
-  const auto tangent = tangentAt(ball, kSomewhere, d);
+  const auto tangent = tangentAt(ball, somewhere, d);
   ASSERT_TRUE(tangent.has_value());
   EXPECT_NEAR(tangent->norm(), 1.0, 1e-12);
   EXPECT_NEAR(tangent->dot(n), 0.0, 1e-12);
@@ -23,8 +23,8 @@ TEST(TangentAt, LiesInTheTangentPlaneNearestToTheDirection) {
 
 TEST(TangentAt, IsMissingAlongTheNormal) {
   const TriangleMesh ball = geometry::makeSphere(0.03, 2);
-  EXPECT_FALSE(tangentAt(ball, kSomewhere, -2.0 * normalOf(ball, kSomewhere)).has_value());
-  EXPECT_FALSE(tangentAt(ball, kSomewhere, Eigen::Vector3d::Zero()).has_value());
+  EXPECT_FALSE(tangentAt(ball, somewhere, -2.0 * normalOf(ball, somewhere)).has_value());
+  EXPECT_FALSE(tangentAt(ball, somewhere, Eigen::Vector3d::Zero()).has_value());
 }
 
 TEST(TangentCarried, KeepsTheAngleOnAPlaneAndTurnsOverAnEdge) {
@@ -45,9 +45,9 @@ TEST(TangentCarried, KeepsTheAngleOnAPlaneAndTurnsOverAnEdge) {
 
 TEST(TangentTurned, TurnsLeftSeenFromOutside) {
   const TriangleMesh ball = makeSphere(0.03, 2);
-  const Eigen::Vector3d n = normalOf(ball, kSomewhere);
-  const Eigen::Vector3d d = anyTangentAt(ball, kSomewhere);
-  const Eigen::Vector3d turned = tangentTurned(ball, kSomewhere, d, 0.3);
+  const Eigen::Vector3d n = normalOf(ball, somewhere);
+  const Eigen::Vector3d d = anyTangentAt(ball, somewhere);
+  const Eigen::Vector3d turned = tangentTurned(ball, somewhere, d, 0.3);
   EXPECT_LT((turned - std::cos(0.3) * d - std::sin(0.3) * n.cross(d)).norm(), 1e-14);
 }
 

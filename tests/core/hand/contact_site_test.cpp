@@ -19,8 +19,8 @@ ContactSite makeSite() {
 }
 
 const HandModel& palm() {
-  static const HandModel kModel("hand", {{"palm", {}, {}}}, {});
-  return kModel;
+  static const HandModel palm_only("hand", {{"palm", {}, {}}}, {});
+  return palm_only;
 }
 
 TEST(ContactSite, IsValidWithUnitVectorsAtRightAngles) {

@@ -13,7 +13,7 @@ struct Case {
 
 /// How hands in the field name their links and joints.
 TEST(PartWords, KnowTheNamesOfTheField) {
-  const Case kCases[] = {
+  const Case cases[] = {
       {"ffdistal", "index", "distal"},
       {"rh_ffdistal", "index", "distal"},
       {"thmiddle", "thumb", "middle"},
@@ -42,7 +42,7 @@ TEST(PartWords, KnowTheNamesOfTheField) {
       {"thumb_sensor", "thumb", ""},
       {"palm_lower", "palm", ""},
   };
-  for (const Case& one : kCases) {
+  for (const Case& one : cases) {
     const PartWords words = partWordsOf(one.name);
     EXPECT_EQ(words.digit, one.digit) << one.name;
     EXPECT_EQ(words.segment, one.segment) << one.name;

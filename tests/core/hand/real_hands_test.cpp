@@ -38,10 +38,10 @@ std::filesystem::path pathOf(const RealHand& hand) {
   return hand.shared ? test::sharedData(hand.path) : test::sourceDirectory() / hand.path;
 }
 
-const std::vector<std::string> kFiveFingers{"thumb", "index",  "middle",
+const std::vector<std::string> five_fingers{"thumb", "index",  "middle",
                                             "ring",  "little", "palm"};
-const std::vector<std::string> kFourFingers{"thumb", "index", "middle", "ring", "palm"};
-const std::vector<std::string> kThreeFingers{"thumb", "index", "middle", "palm"};
+const std::vector<std::string> four_fingers{"thumb", "index", "middle", "ring", "palm"};
+const std::vector<std::string> three_fingers{"thumb", "index", "middle", "palm"};
 
 class RealHands : public ::testing::TestWithParam<RealHand> {};
 
@@ -172,59 +172,59 @@ INSTANTIATE_TEST_SUITE_P(
             true,
             16,
             0,
-            kFourFingers,
+            four_fingers,
             {"link_15.0_tip", "link_3.0_tip", "link_7.0_tip", "link_11.0_tip", "base_link"}},
         RealHand{
             "hands/barrett_bhand/bhand_model.urdf",
             true,
             8,
             0,
-            kThreeFingers,
+            three_fingers,
             {"finger_3_dist_link", "finger_1_dist_link", "finger_2_dist_link", "base_link"}},
         RealHand{"hands/human_hand_graspit20/human_hand_graspit20.urdf",
                  true,
                  20,
                  0,
-                 kFiveFingers,
+                 five_fingers,
                  {"thumb3", "index3", "mid3", "ring3", "pinky3", "palm"}},
         RealHand{
             "hands/mia_hand_right/mia_hand_description/urdf/mia_hand.urdf",
             true,
             4,
             2,
-            kFiveFingers,
+            five_fingers,
             {"thumb_fle", "index_sensor", "middle_sensor", "ring_fle", "little_fle", "palm"}},
         RealHand{"hands/mano_mean/mano_mean_fixed.urdf",
                  true,
                  45,
                  0,
-                 kFiveFingers,
+                 five_fingers,
                  {"link_th_dd_z", "link_ff_dd_z", "link_mf_dd_z", "link_rf_dd_z",
                   "link_lf_dd_z", "link_palm_rz"}},
         RealHand{"server/models/hands/human20/human20.urdf",
                  false,
                  20,
                  0,
-                 kFiveFingers,
+                 five_fingers,
                  {"thumb_distal", "index_distal", "middle_distal", "ring_distal",
                   "little_distal", "palm"}},
         RealHand{"server/models/hands/allegro16/allegro16.urdf",
                  false,
                  16,
                  0,
-                 kFourFingers,
+                 four_fingers,
                  {"thumb_distal", "index_distal", "middle_distal", "ring_distal", "palm"}},
         RealHand{"server/models/hands/barrett8/barrett8.urdf",
                  false,
                  8,
                  0,
-                 kThreeFingers,
+                 three_fingers,
                  {"thumb_distal", "index_distal", "middle_distal", "palm"}},
         RealHand{"server/models/hands/tendon16/tendon16.urdf",
                  false,
                  16,
                  0,
-                 kFiveFingers,
+                 five_fingers,
                  {"thumb_distal", "index_distal", "middle_distal", "ring_distal",
                   "little_distal", "palm"}}),
     [](const auto& hand) {

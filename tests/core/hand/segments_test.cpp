@@ -66,12 +66,12 @@ std::vector<Segment> segmentsIn(const std::string& digit,
   return found->segments;
 }
 
-const std::vector<Bone> kHinges{{"1", 0.04}, {"2", 0.025}, {"3", 0.02}};
+const std::vector<Bone> three_hinges{{"1", 0.04}, {"2", 0.025}, {"3", 0.02}};
 
 TEST(Segments, TakeTheHalvesOfARollingJointForOne) {
   const std::vector<Bone> rolling{{"1_half", 0.0}, {"1", 0.04},     {"2_half", 0.0},
                                   {"2", 0.025},    {"3_half", 0.0}, {"3", 0.02}};
-  const std::vector<Segment> segments = segmentsIn("index", rolling, kHinges);
+  const std::vector<Segment> segments = segmentsIn("index", rolling, three_hinges);
   ASSERT_EQ(segments.size(), 3U);
   EXPECT_EQ(segments[0].name, "proximal");
   EXPECT_NEAR(segments[0].length(), 0.04 + 0.01, 1e-9);
@@ -83,7 +83,7 @@ TEST(Segments, TakeTheHalvesOfARollingJointForOne) {
 
 TEST(Segments, AThumbHasThreeBehindAStub) {
   const std::vector<Bone> stubbed{{"0", 0.014}, {"1", 0.03}, {"2", 0.022}, {"3", 0.02}};
-  const std::vector<Segment> segments = segmentsIn("thumb", kHinges, stubbed);
+  const std::vector<Segment> segments = segmentsIn("thumb", three_hinges, stubbed);
   ASSERT_EQ(segments.size(), 3U);
   EXPECT_EQ(segments[0].name, "proximal");
   EXPECT_NEAR(segments[0].length(), 0.03, 1e-9);
@@ -91,7 +91,8 @@ TEST(Segments, AThumbHasThreeBehindAStub) {
 
   std::vector<Bone> long_ones = stubbed;
   long_ones[0].length = 0.035;
-  EXPECT_EQ(segmentsIn("thumb", kHinges, long_ones).size(), 4U) << "a long link is a segment";
+  EXPECT_EQ(segmentsIn("thumb", three_hinges, long_ones).size(), 4U)
+      << "a long link is a segment";
 }
 
 }  // namespace

@@ -12,8 +12,8 @@ namespace {
 using Tetrahedron = std::array<Eigen::Vector3d, 4>;
 using Triangle = std::array<Eigen::Vector3d, 3>;
 
-const Tetrahedron kCorner{Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1, 0, 0),
-                          Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(0, 0, 1)};
+const Tetrahedron unit_corner{Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1, 0, 0),
+                              Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(0, 0, 1)};
 
 Eigen::Vector3d randomPoint(std::mt19937& random) {
   std::uniform_real_distribution<double> coordinate(-1.0, 1.0);
@@ -80,7 +80,7 @@ TEST(TouchOf, DoesNotDecideWhatRoundingMight) {
                  Eigen::Vector3d(0.1, 0.2, -1)},
         Triangle{Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0, 0, 1),
                  Eigen::Vector3d(-1, 0, 0)}})
-    EXPECT_EQ(touchOf(kCorner, triangle), Touch::kTooCloseToTell);
+    EXPECT_EQ(touchOf(unit_corner, triangle), Touch::kTooCloseToTell);
 }
 
 TEST(TouchOf, SeesATriangleWithin) {
@@ -88,8 +88,8 @@ TEST(TouchOf, SeesATriangleWithin) {
                         Eigen::Vector3d(0.1, 0.2, 0.1)};
   const Triangle across{Eigen::Vector3d(-9, -9, 0.2), Eigen::Vector3d(9, -9, 0.2),
                         Eigen::Vector3d(0, 9, 0.2)};
-  EXPECT_EQ(touchOf(kCorner, within), Touch::kYes);
-  EXPECT_EQ(touchOf(kCorner, across), Touch::kYes);
+  EXPECT_EQ(touchOf(unit_corner, within), Touch::kYes);
+  EXPECT_EQ(touchOf(unit_corner, across), Touch::kYes);
 }
 
 TEST(WrapQueries, FindsTheNearestWhereverItWasAskedBefore) {

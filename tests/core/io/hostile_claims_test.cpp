@@ -34,8 +34,8 @@ using test::readApart;
 using test::Reading;
 
 fs::path write(const std::string& name, const std::string& bytes) {
-  static const fs::path kFolder = test::scratchDirectory();
-  fs::path path = kFolder / name;
+  static const fs::path claims_folder = test::scratchDirectory();
+  fs::path path = claims_folder / name;
   std::ofstream(path, std::ios::binary) << bytes;
   return path;
 }

@@ -26,8 +26,8 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 fs::path write(const std::string& name, const std::string& text) {
-  static const fs::path kFolder = test::scratchDirectory();
-  fs::path path = kFolder / name;
+  static const fs::path urdf_folder = test::scratchDirectory();
+  fs::path path = urdf_folder / name;
   fs::create_directories(path.parent_path());
   std::ofstream(path, std::ios::binary) << text;
   return path;

@@ -48,11 +48,11 @@ std::string binaryStl(const std::vector<std::array<float, 9>>& facets, std::uint
   return bytes;
 }
 
-const std::vector<std::array<float, 9>> kTwoFacets = {{0, 0, 0, 1, 0, 0, 0, 1, 0},
+const std::vector<std::array<float, 9>> two_facets = {{0, 0, 0, 1, 0, 0, 0, 1, 0},
                                                       {1, 0, 0, 1, 1, 0, 0, 1, 0}};
 
 TEST(MeshFile, WeldsStlCornersAndKeepsTheirOrder) {
-  const MeshFile file = readMesh(write("two.stl", binaryStl(kTwoFacets, 2)));
+  const MeshFile file = readMesh(write("two.stl", binaryStl(two_facets, 2)));
   EXPECT_EQ(file.mesh.vertexCount(), 4);
   EXPECT_THAT(file.file_vertex, ElementsAre(0, 1, 2, 4));
   EXPECT_THAT(file.mesh_vertex, ElementsAre(0, 1, 2, 1, 3, 2));
@@ -70,7 +70,7 @@ TEST(MeshFile, ReadsTextStl) {
 }
 
 TEST(MeshFile, ReadsBinaryStlThatBeginsLikeText) {
-  std::string bytes = binaryStl(kTwoFacets, 2);
+  std::string bytes = binaryStl(two_facets, 2);
   bytes.replace(0, 5, "solid");
   EXPECT_EQ(readMesh(write("solid.stl", bytes)).mesh.faceCount(), 2);
 }
@@ -193,7 +193,7 @@ TEST(MeshFile, ComparesAGlbsHeaderWithTheFile) {
 }
 
 TEST(MeshFile, TriesNoFormatThatTheExtensionDoesNotSay) {
-  EXPECT_THAT(faultOf(write("stl.glb", binaryStl(kTwoFacets, 2))), HasSubstr("is no GLB"));
+  EXPECT_THAT(faultOf(write("stl.glb", binaryStl(two_facets, 2))), HasSubstr("is no GLB"));
   EXPECT_THAT(faultOf(write("obj.gltf", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")),
               HasSubstr("is no glTF"));
   EXPECT_THAT(faultOf(write("obj.dae", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")),
@@ -235,10 +235,10 @@ TEST(MeshFile, WritesPlyThatReadsTheSame) {
 }
 
 TEST(MeshFile, RefusesDamagedFilesInOneLineThatNamesThem) {
-  const std::string stl = binaryStl(kTwoFacets, 2);
+  const std::string stl = binaryStl(two_facets, 2);
   const std::filesystem::path damaged[] = {
       write("half.stl", stl.substr(0, stl.size() / 2)),
-      write("claims.stl", binaryStl(kTwoFacets, 4000000000U)),
+      write("claims.stl", binaryStl(two_facets, 4000000000U)),
       write("tiny.stl", "x"),
       write("half_text.stl", "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1"),
       write("empty.obj", ""),
@@ -267,7 +267,7 @@ TEST(MeshFile, RefusesDamagedFilesInOneLineThatNamesThem) {
 TEST(MeshFile, NamesAVertexThatIsNotFiniteByItsFileIndex) {
   EXPECT_THAT(faultOf(write("nan.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nf 1 2 3\n")),
               HasSubstr("vertex 3 is (nan, 0, 0)"));
-  std::vector<std::array<float, 9>> facets = kTwoFacets;
+  std::vector<std::array<float, 9>> facets = two_facets;
   facets[1][6] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_THAT(faultOf(write("nan.stl", binaryStl(facets, 2))),
               HasSubstr("vertex 5 is (nan, 1, 0)"));

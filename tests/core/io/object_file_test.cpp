@@ -66,7 +66,7 @@ TEST(ObjectFile, CarriesAMapOfPointsOntoTheirSurface) {
     EXPECT_NEAR(positionOf(object.mesh, point).z(), kRadius * 2 / 3, 0.0025);
 }
 
-const std::string kSet =
+const std::string contact_set_text =
     R"({{"format": "handgraft-contacts/1", "name": "s", "object": "cloud", "patches":
       [{{"name": "thumb", "root": {{"vertex": {}}}, "boundary": [{}, {}, {}]}}]}})";
 
@@ -75,7 +75,8 @@ TEST(ObjectFile, PlacesContactSetsByPointsOfTheCloud) {
   const MeshFile object = readObject(write("cloud.ply", plySphere("")));
   const auto near = geometry::KdTree(object.cloud_O).nearestFew(object.cloud_O.col(12), 4);
   const auto set_with_root = [&](int root) {
-    return fmt::format(fmt::runtime(kSet), root, near[1].index, near[2].index, near[3].index);
+    return fmt::format(fmt::runtime(contact_set_text), root, near[1].index, near[2].index,
+                       near[3].index);
   };
   const contact::ContactSet set = readContactSet(write("set.json", set_with_root(12)), object);
   const Eigen::Vector3d root = positionOf(object.mesh, set.patches.front().root);

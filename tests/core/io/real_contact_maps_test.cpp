@@ -27,7 +27,7 @@ using contact::SegmentationOptions;
 using contact::ThresholdRule;
 using geometry::TriangleMesh;
 
-const std::string kBulb = "contacts/contactpose/full28_use_light_bulb";
+const std::string bulb_map = "contacts/contactpose/full28_use_light_bulb";
 
 struct RealMap {
   std::string file;
@@ -53,7 +53,8 @@ std::vector<std::string> namesOf(const ContactSet& set) {
 /// With the hand's joints where the map itself does not tell fingers.
 SegmentationOptions optionsFor(const ContactMap& map) {
   SegmentationOptions options;
-  if (map.label.empty()) options.joints_O = readHandJoints(test::sharedData(kBulb + ".json"));
+  if (map.label.empty())
+    options.joints_O = readHandJoints(test::sharedData(bulb_map + ".json"));
   return options;
 }
 
@@ -127,7 +128,7 @@ INSTANTIATE_TEST_SUITE_P(
                       RealMap{"contacts/dexycb/006_mustard_bottle_grasp3",
                               {"thumb", "index", "middle", "ring", "little"}},
                       RealMap{"contacts/dexycb/025_mug_grasp0", {"thumb", "index", "middle"}},
-                      RealMap{kBulb, {"thumb", "index", "middle", "ring"}}));
+                      RealMap{bulb_map, {"thumb", "index", "middle", "ring"}}));
 
 // === The light bulb: joints tell the fingers
 
@@ -140,7 +141,7 @@ int fingerOfNearestJoint(const contact::HandJoints& joints, const Eigen::Vector3
 
 TEST(LightBulb, GivesEachPatchToTheFingerAroundIt) {
   HANDGRAFT_NEEDS_SHARED_DATA("contacts/contactpose");
-  const ContactMap map = readContactMap(test::sharedData(kBulb + "_contact.ply"));
+  const ContactMap map = readContactMap(test::sharedData(bulb_map + "_contact.ply"));
   const SegmentationOptions options = optionsFor(map);
   for (const Patch& patch : contact::segment(map, options).patches) {
     const Eigen::Vector3d root_O = positionOf(map.mesh_O, patch.root);
@@ -158,7 +159,7 @@ TEST(LightBulb, GivesEachPatchToTheFingerAroundIt) {
 TEST(LightBulb, SplitsTheRegionThatTwoFingersTouch) {
   // Of the four fingers two touch each other: contact hangs together in three regions.
   HANDGRAFT_NEEDS_SHARED_DATA("contacts/contactpose");
-  const ContactMap map = readContactMap(test::sharedData(kBulb + "_contact.ply"));
+  const ContactMap map = readContactMap(test::sharedData(bulb_map + "_contact.ply"));
   EXPECT_EQ(contact::segment(map, {}).patches.size(), 3u);
   EXPECT_EQ(namesOf(contact::segment(map, optionsFor(map))).size(), 4u);
 }
@@ -167,15 +168,15 @@ TEST(LightBulb, GivesTheSameFingersFromTheTexture) {
   HANDGRAFT_NEEDS_SHARED_DATA("contacts/contactpose");
   ContactMapSource source;
   source.color_scale = "inferno";
-  source.picture = test::sharedData(kBulb + ".png");
+  source.picture = test::sharedData(bulb_map + ".png");
   const auto glb = test::sharedData("contacts/contactpose/light_bulb.glb");
   SegmentationOptions options;
-  options.joints_O = readHandJoints(test::sharedData(kBulb + ".json"));
+  options.joints_O = readHandJoints(test::sharedData(bulb_map + ".json"));
   const MeshFile object = readMesh(glb);
   const ContactSet painted = readContacts(glb, object, options, source);
   EXPECT_EQ(namesOf(painted), (std::vector<std::string>{"thumb", "index", "middle", "ring"}));
 
-  const ContactMap map = readContactMap(test::sharedData(kBulb + "_contact.ply"));
+  const ContactMap map = readContactMap(test::sharedData(bulb_map + "_contact.ply"));
   const ContactSet given = contact::segment(map, options);
   for (std::size_t i = 0; i < given.patches.size(); ++i) {
     EXPECT_LT((positionOf(object.mesh, painted.patches[i].root) -

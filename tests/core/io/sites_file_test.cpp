@@ -17,8 +17,8 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 const hand::HandModel& palm() {
-  static const hand::HandModel kModel("hand", {{"palm", {}, {}}}, {});
-  return kModel;
+  static const hand::HandModel palm_only("hand", {{"palm", {}, {}}}, {});
+  return palm_only;
 }
 
 std::vector<hand::ContactSite> sitesIn(const std::string& text) {
@@ -36,13 +36,13 @@ std::string faultOf(const std::string& text) {
   return "no fault";
 }
 
-const std::string kHead = "format: handgraft-sites/1\nsites:\n";
-const std::string kSite =
+const std::string sites_head = "format: handgraft-sites/1\nsites:\n";
+const std::string one_site =
     "  - {name: thumb, link: palm, point_m: [1, 2, 3], normal: [0, 0, 2], direction: [1, 0, "
     "1]}\n";
 
 TEST(SitesFile, ReadsSitesAndMakesDirectionsTangent) {
-  const auto sites = sitesIn(kHead + kSite);
+  const auto sites = sitesIn(sites_head + one_site);
   ASSERT_EQ(sites.size(), 1U);
   EXPECT_EQ(sites[0].name, "thumb");
   EXPECT_EQ(sites[0].p_L, Eigen::Vector3d(1, 2, 3));
@@ -54,20 +54,20 @@ TEST(SitesFile, NamesWhatIsWrong) {
   EXPECT_THAT(faultOf("{"), HasSubstr("sites.yaml"));
   EXPECT_THAT(faultOf("format: other\n"), HasSubstr("handgraft-sites/1"));
   EXPECT_THAT(faultOf("format: handgraft-sites/1\n"), HasSubstr("'sites'"));
-  EXPECT_THAT(faultOf(kHead + kSite + kSite), HasSubstr("twice"));
+  EXPECT_THAT(faultOf(sites_head + one_site + one_site), HasSubstr("twice"));
   EXPECT_THAT(
-      faultOf(kHead + "  - {name: thumb, link: palm, point_m: [1, .nan, 3], normal: [0, "
-                      "0, 1], direction: [1, 0, 0]}\n"),
+      faultOf(sites_head + "  - {name: thumb, link: palm, point_m: [1, .nan, 3], normal: [0, "
+                           "0, 1], direction: [1, 0, 0]}\n"),
       AllOf(HasSubstr("'thumb'"), HasSubstr("'point_m'")));
   EXPECT_THAT(
-      faultOf(kHead + "  - {name: thumb, link: ghost, point_m: [1, 2, 3], normal: [0, 0, "
-                      "1], direction: [1, 0, 0]}\n"),
+      faultOf(sites_head + "  - {name: thumb, link: ghost, point_m: [1, 2, 3], normal: [0, 0, "
+                           "1], direction: [1, 0, 0]}\n"),
       HasSubstr("'ghost'"));
   EXPECT_THAT(
-      faultOf(kHead + "  - {name: thumb, link: palm, point_m: [1, 2, 3], normal: [0, 0, "
-                      "1], direction: [0, 0, 1]}\n"),
+      faultOf(sites_head + "  - {name: thumb, link: palm, point_m: [1, 2, 3], normal: [0, 0, "
+                           "1], direction: [0, 0, 1]}\n"),
       HasSubstr("parallel"));
-  EXPECT_THAT(faultOf(kHead + "  - {name: thumb, colour: red}\n"), HasSubstr("'colour'"));
+  EXPECT_THAT(faultOf(sites_head + "  - {name: thumb, colour: red}\n"), HasSubstr("'colour'"));
 }
 
 TEST(SitesFile, IsReadAsItWasWritten) {

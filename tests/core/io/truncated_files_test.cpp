@@ -141,8 +141,8 @@ MeshFile triangle() {
 }
 
 const hand::HandModel& smallHand() {
-  static const test::SmallHand kHand = test::makeSmallHand();
-  return *kHand.model;
+  static const test::SmallHand small_hand = test::makeSmallHand();
+  return *small_hand.model;
 }
 
 void mesh(const fs::path& path) {

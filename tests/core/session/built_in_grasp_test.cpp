@@ -20,8 +20,8 @@ using test::handOfLibrary;
 using test::libraryPath;
 
 const hand::Hand& tendonHand() {
-  static const hand::Hand kHand = handOfLibrary("tendon16");
-  return kHand;
+  static const hand::Hand built_in_hand = handOfLibrary("tendon16");
+  return built_in_hand;
 }
 
 struct Box {

@@ -24,7 +24,7 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 using ::testing::ThrowsMessage;
 
-const Vector3d kTip_L(0, 0, 0.02);
+const Vector3d tip_L(0, 0, 0.02);
 
 /// As a server answers an edit.
 optimize::SolveReport answered(Session& session) {
@@ -46,27 +46,27 @@ TEST(PinnedPoint, StaysThroughSolvesAndEditsUntilItIsLetGo) {
   const BallGrasp grasp;
   Session session = grasp.open();
   answered(session);
-  const Vector3d before_W = placeOf(session, "index_tip", kTip_L);
+  const Vector3d before_W = placeOf(session, "index_tip", tip_L);
   const Vector3d target_W = before_W + Vector3d(0.004, 0.002, -0.004);
-  session.apply(DragEdit{"index_tip", kTip_L, target_W});
-  EXPECT_LT((placeOf(session, "index_tip", kTip_L) - target_W).norm(), 1e-4) << "at once";
+  session.apply(DragEdit{"index_tip", tip_L, target_W});
+  EXPECT_LT((placeOf(session, "index_tip", tip_L) - target_W).norm(), 1e-4) << "at once";
   answered(session);
-  EXPECT_LT((placeOf(session, "index_tip", kTip_L) - target_W).norm(), 5e-4) << "solved";
+  EXPECT_LT((placeOf(session, "index_tip", tip_L) - target_W).norm(), 5e-4) << "solved";
   session.apply(PatchWeightEdit{"thumb", 2.0});
   answered(session);
   session.apply(JointLimitEdit{"thumb_1", -0.5, 1.0});
   answered(session);
-  EXPECT_LT((placeOf(session, "index_tip", kTip_L) - target_W).norm(), 5e-4) << "edited";
+  EXPECT_LT((placeOf(session, "index_tip", tip_L) - target_W).norm(), 5e-4) << "edited";
   ASSERT_THAT(session.document().held, SizeIs(1));
   const HeldFit fit =
       fitOf(session.document().held[0], *session.hand().model, session.document().start);
-  EXPECT_EQ(fit.off_m, (placeOf(session, "index_tip", kTip_L) - target_W).norm());
+  EXPECT_EQ(fit.off_m, (placeOf(session, "index_tip", tip_L) - target_W).norm());
   EXPECT_EQ(fit.off_rad, 0.0);
 
   session.apply(ReleaseEdit{"index_tip"});
   answered(session);
   EXPECT_THAT(session.document().held, IsEmpty());
-  EXPECT_GT((placeOf(session, "index_tip", kTip_L) - target_W).norm(), 2e-3)
+  EXPECT_GT((placeOf(session, "index_tip", tip_L) - target_W).norm(), 2e-3)
       << "the patch has it back";
 }
 
@@ -75,29 +75,29 @@ TEST(PinnedPoint, OfWeightZeroIsTakenBackByTheNextSolve) {
   Session session = grasp.open();
   answered(session);
   const Vector3d target_W =
-      placeOf(session, "index_tip", kTip_L) + Vector3d(0.004, 0.002, -0.004);
-  session.apply(DragEdit{"index_tip", kTip_L, target_W, std::nullopt, 0.0});
-  EXPECT_LT((placeOf(session, "index_tip", kTip_L) - target_W).norm(), 1e-4);
+      placeOf(session, "index_tip", tip_L) + Vector3d(0.004, 0.002, -0.004);
+  session.apply(DragEdit{"index_tip", tip_L, target_W, std::nullopt, 0.0});
+  EXPECT_LT((placeOf(session, "index_tip", tip_L) - target_W).norm(), 1e-4);
   EXPECT_THAT(session.document().held, IsEmpty());
   answered(session);
-  EXPECT_GT((placeOf(session, "index_tip", kTip_L) - target_W).norm(), 2e-3);
+  EXPECT_GT((placeOf(session, "index_tip", tip_L) - target_W).norm(), 2e-3);
 }
 
 TEST(PinnedPoint, IsOneALinkAndMovesWithUndoAndRedo) {
   const BallGrasp grasp;
   Session session = grasp.open();
   answered(session);
-  const Vector3d tip_W = placeOf(session, "index_tip", kTip_L);
-  session.apply(DragEdit{"index_tip", kTip_L, tip_W + Vector3d(0.002, 0, 0)});
+  const Vector3d tip_W = placeOf(session, "index_tip", tip_L);
+  session.apply(DragEdit{"index_tip", tip_L, tip_W + Vector3d(0.002, 0, 0)});
   session.apply(DragEdit{"index_tip", {0, 0, 0.01}, tip_W});
   ASSERT_THAT(session.document().held, SizeIs(1));
   EXPECT_EQ(session.document().held[0].target_W, tip_W);
-  session.apply(DragEdit{"thumb_tip", kTip_L, placeOf(session, "thumb_tip", kTip_L)});
+  session.apply(DragEdit{"thumb_tip", tip_L, placeOf(session, "thumb_tip", tip_L)});
   EXPECT_EQ(heldLinks(session.document()),
             (std::vector<std::string>{"index_tip", "thumb_tip"}));
   session.apply(UndoEdit{2});
   ASSERT_THAT(session.document().held, SizeIs(1));
-  EXPECT_EQ(session.document().held[0].p_L, kTip_L);
+  EXPECT_EQ(session.document().held[0].p_L, tip_L);
   session.apply(RedoEdit{2});
   EXPECT_THAT(session.document().held, SizeIs(2));
   session.apply(ReleaseEdit{});
@@ -133,18 +133,18 @@ TEST(PinnedPoint, IsLetGoWhereThereIsOneAlone) {
         ThrowsMessage<InvalidInput>(HasSubstr(text)));
   };
   refused(ReleaseEdit{}, "nothing is held");
-  session.apply(DragEdit{"index_tip", kTip_L, placeOf(session, "index_tip", kTip_L)});
+  session.apply(DragEdit{"index_tip", tip_L, placeOf(session, "index_tip", tip_L)});
   refused(ReleaseEdit{"thumb_tip"}, "held are index_tip");
-  refused(DragEdit{"index_tip", kTip_L, kTip_L, std::nullopt, -1.0}, "weight of a drag is -1");
+  refused(DragEdit{"index_tip", tip_L, tip_L, std::nullopt, -1.0}, "weight of a drag is -1");
 }
 
 TEST(PinnedPoint, StaysOutOfTheObjectAllTheSame) {
   const BallGrasp grasp;
   Session session = grasp.open();
   answered(session);
-  const Vector3d inwards = (-placeOf(session, "index_tip", kTip_L)).normalized();
-  const Vector3d target_W = placeOf(session, "index_tip", kTip_L) + 0.01 * inwards;
-  session.apply(DragEdit{"index_tip", kTip_L, target_W});
+  const Vector3d inwards = (-placeOf(session, "index_tip", tip_L)).normalized();
+  const Vector3d target_W = placeOf(session, "index_tip", tip_L) + 0.01 * inwards;
+  session.apply(DragEdit{"index_tip", tip_L, target_W});
   const double pulled_m =
       verdict::penetrationOf(session, session.document().start, Progress()).max_depth_m;
   ASSERT_GT(pulled_m, 0.006);

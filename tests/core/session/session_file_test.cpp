@@ -22,16 +22,16 @@ using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
 SessionModels models() {
-  static const SessionModels kModels = [] {
+  static const SessionModels known_models = [] {
     const test::BallGrasp grasp;
     return test::withOthers(grasp.hand(), grasp.ball, grasp.contacts);
   }();
-  return kModels;
+  return known_models;
 }
 
 /// With something of everything in it.
 const std::string& savedText() {
-  static const std::string kText = [] {
+  static const std::string session_text = [] {
     Session session(models(), Pose::Identity(), {});
     session.apply(session::SnapshotEdit{"first"});
     session.apply(session::JointLimitEdit{"index_1", 0.0, 0.7});
@@ -42,7 +42,7 @@ const std::string& savedText() {
     session.apply(session::UndoEdit{});
     return sessionText(session);
   }();
-  return kText;
+  return session_text;
 }
 
 Session opened(const std::string& text) {

@@ -7,7 +7,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-const DuplicateBridgeMonitor::Time kStart{1h};
+constexpr DuplicateBridgeMonitor::Time kStart{1h};
 
 v1::BridgeStatus statusOf(std::uint32_t bridge, std::int64_t stamp_ns) {
   v1::BridgeStatus status;

@@ -32,7 +32,7 @@ using safety::GovernorState;
 using std::chrono::milliseconds;
 
 // A quarter of them with each change; `./dev check` lives all.
-const int kLives = std::getenv("HANDGRAFT_ALL_LIVES") != nullptr ? 1000 : 250;
+const int lives_lived = std::getenv("HANDGRAFT_ALL_LIVES") != nullptr ? 1000 : 250;
 constexpr int kEvents = 12;  // of a life
 constexpr double kTurn = 2 * std::numbers::pi;
 
@@ -372,23 +372,23 @@ TEST_P(RandomLives, MoveNothingUnaskedNothingBeyondItsRangeAndNothingTooFast) {
     config.governor.period_s = 0.01;  // an emulated joint is slow, and so are lives at 333 Hz
   }
   Tally tally;
-  for (int life = 0; life < kLives; ++life)
+  for (int life = 0; life < lives_lived; ++life)
     Life(config, 20260000U + static_cast<unsigned>(life), tally).live();
   std::cout << fmt::format(
       "{}: {} lives, {} turns, {} armed, {} homings, {} power cycles, {} kills, {} cables, {} "
       "servers gone or back, {} files refused, {} zeros voided, {} faults: {} moved unasked, "
       "{} "
       "beyond their range (farthest {:.3f} rad), {} too fast\n",
-      GetParam(), kLives, tally.turns, tally.armed, tally.homed, tally.power_cycles,
+      GetParam(), lives_lived, tally.turns, tally.armed, tally.homed, tally.power_cycles,
       tally.kills, tally.cables, tally.servers, tally.refused_files, tally.voided, tally.faults,
       tally.moved_unasked, tally.beyond, tally.farthest_rad, tally.too_fast);
   EXPECT_EQ(tally.moved_unasked, 0);
   EXPECT_EQ(tally.beyond, 0);
   EXPECT_EQ(tally.too_fast, 0);
-  EXPECT_GT(tally.armed, kLives) << "they have to live";
+  EXPECT_GT(tally.armed, lives_lived) << "they have to live";
   EXPECT_GT(tally.refused_files, 0);
   if (!config.homing.empty()) {
-    EXPECT_GT(tally.homed, kLives / 20);
+    EXPECT_GT(tally.homed, lives_lived / 20);
     EXPECT_GT(tally.voided, 0);
   }
 }

@@ -7,8 +7,8 @@
 namespace handgraft::bridge {
 namespace {
 
-const NetworkInterface kLoopback{"lo", "127.0.0.1", true};
-const NetworkInterface kEthernet{"eth0", "192.168.1.2", false};
+const NetworkInterface loopback{"lo", "127.0.0.1", true};
+const NetworkInterface ethernet{"eth0", "192.168.1.2", false};
 
 config::HandConfig handOf(config::DeviceKind kind) {
   config::HandConfig hand;
@@ -21,16 +21,16 @@ TEST(OpenNetwork, MotorsAreNotDrivenWhereAnybodyMayArmThem) {
   for (const auto kind : {config::DeviceKind::kDynamixel, config::DeviceKind::kAbilityHand,
                           config::DeviceKind::kODrive, config::DeviceKind::kInspire,
                           config::DeviceKind::kAllegro}) {
-    EXPECT_THROW(requireClosedNetwork(kEthernet, handOf(kind), false), InvalidInput);
-    EXPECT_NO_THROW(requireClosedNetwork(kEthernet, handOf(kind), true)) << "it was said";
-    EXPECT_NO_THROW(requireClosedNetwork(kLoopback, handOf(kind), false));
+    EXPECT_THROW(requireClosedNetwork(ethernet, handOf(kind), false), InvalidInput);
+    EXPECT_NO_THROW(requireClosedNetwork(ethernet, handOf(kind), true)) << "it was said";
+    EXPECT_NO_THROW(requireClosedNetwork(loopback, handOf(kind), false));
   }
 }
 
 TEST(OpenNetwork, SimulatedHandsHurtNobody) {
-  EXPECT_NO_THROW(requireClosedNetwork(kEthernet, std::nullopt, false));
+  EXPECT_NO_THROW(requireClosedNetwork(ethernet, std::nullopt, false));
   EXPECT_NO_THROW(
-      requireClosedNetwork(kEthernet, handOf(config::DeviceKind::kSimulated), false));
+      requireClosedNetwork(ethernet, handOf(config::DeviceKind::kSimulated), false));
 }
 
 }  // namespace

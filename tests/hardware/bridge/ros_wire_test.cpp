@@ -30,7 +30,7 @@ using RosJointState = sensor_msgs::msg::dds_::JointState_;
 
 /// Made by hand from the CDR rules: little-endian, aligned from behind the four bytes of the
 /// encapsulation; strings and sequences counted, strings with their closing zero.
-const char* const kGolden =
+constexpr const char* kGolden =
     "00 01 00 00"              // CDR, little-endian
     "01 00 00 00 02 00 00 00"  // stamp: 1 s, 2 ns
     "01 00 00 00 00 00 00 00"  // frame_id "": one zero, three of padding
@@ -46,7 +46,7 @@ const char* const kGolden =
     "00 00 00 00";             // no efforts
 
 /// A point of one joint.
-const char* const kGoldenTrajectory =
+constexpr const char* kGoldenTrajectory =
     "00 01 00 00"
     "00 00 00 00 00 00 00 00"  // a stamp of 0: from now on
     "01 00 00 00 00 00 00 00"  // frame_id ""
@@ -62,7 +62,7 @@ const char* const kGoldenTrajectory =
     "00 00 00 00 00 2D 31 01"  // from the start: 0 s, 20,000,000 ns
     "";
 
-const char* const kGoldenDiagnostics =
+constexpr const char* kGoldenDiagnostics =
     "00 01 00 00"
     "01 00 00 00 02 00 00 00"  // stamp: 1 s, 2 ns
     "01 00 00 00 00 00 00 00"  // frame_id ""
@@ -77,14 +77,14 @@ const char* const kGoldenDiagnostics =
     "";
 
 /// What rmw_cyclonedds puts before a service's own: who asks, and which question.
-const char* const kGoldenRequest =
+constexpr const char* kGoldenRequest =
     "00 01 00 03"              // three bytes of padding at the end
     "67 12 00 00 00 00 00 00"  // 4711
     "2A 00 00 00 00 00 00 00"  // 42
     "00 00 00 00"              // a member, since there has to be one
     "";
 
-const char* const kGoldenResponse =
+constexpr const char* kGoldenResponse =
     "00 01 00 00"
     "67 12 00 00 00 00 00 00"  // 4711
     "2A 00 00 00 00 00 00 00"  // 42

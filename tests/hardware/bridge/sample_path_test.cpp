@@ -66,17 +66,17 @@ struct Sender {
   }
 };
 
-const auto kAll = [](int) {
+const auto every_sample = [](int) {
   return true;
 };
-const auto kNever = [](int) {
+const auto in_time = [](int) {
   return 0.0;
 };
 
 TEST(SamplePath, GoesAlongSamplesOneIntervalBehind) {
   Sender sender;
   EXPECT_TRUE(sender.path.advance(sender.at(0), kAnyRate).empty());
-  sender.stream(0, 4, kAll, kNever);
+  sender.stream(0, 4, every_sample, in_time);
   // A share of a period of delay, at 1 rad/s.
   EXPECT_LT(sender.worst_off, 0.003);
   EXPECT_LT(sender.worst_step, 1.2 * kPeriod);
@@ -91,7 +91,7 @@ TEST(SamplePath, BearsALossOfOneInTen) {
       [&](int) {
         return chance(random) > 0.1;
       },
-      kNever);
+      in_time);
   EXPECT_LT(sender.worst_step, 2 * kPeriod);  // a little faster after each
   EXPECT_LT(sender.worst_off, 0.05);
   EXPECT_EQ(sender.path.skipped(), 0u);
@@ -103,7 +103,7 @@ TEST(SamplePath, LearnsHowLateSamplesCome) {
   std::vector<double> late(4000);
   for (double& each : late)
     each = std::uniform_real_distribution<double>(0.02, 0.025)(random);
-  sender.stream(0, 10, kAll, [&](int sample) {
+  sender.stream(0, 10, every_sample, [&](int sample) {
     return late[static_cast<std::size_t>(sample)];
   });
   EXPECT_LT(sender.worst_step, 1.6 * kPeriod);
@@ -142,20 +142,20 @@ TEST(SamplePath, WhatIsNoPoseChangesNothing) {
 
 TEST(SamplePath, HoldsWhileNothingComesAndGoesOnWithoutAStep) {
   Sender sender;
-  sender.stream(0, 2, kAll, kNever);
+  sender.stream(0, 2, every_sample, in_time);
   const double held = sender.last[0];
   for (double now = 2; now < 2.15; now += kPeriod)
     sender.advance(now);
   EXPECT_NEAR(sender.last[0], held, 0.02);
   // 150 ms were lost; then it goes on.
-  sender.stream(2.15, 4, kAll, kNever);
+  sender.stream(2.15, 4, every_sample, in_time);
   EXPECT_LT(sender.worst_step, 2 * kPeriod);
   EXPECT_NEAR(sender.last[0], swing(4 - 1 / kRate), 0.02);
 }
 
 TEST(SamplePath, AfterASilenceTimeMayBeAnother) {
   Sender sender;
-  sender.stream(0, 1, kAll, kNever);
+  sender.stream(0, 1, every_sample, in_time);
   EXPECT_TRUE(sender.path.isPlaying(sender.at(1.1)));
   for (double now = 1; now < 2; now += kPeriod)
     sender.advance(now);

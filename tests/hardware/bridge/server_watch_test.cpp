@@ -7,7 +7,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-const ServerWatch::Time kStart{1h};
+constexpr ServerWatch::Time kStart{1h};
 
 v1::ServerStatus statusOf(std::uint64_t server, bool stopping = false) {
   v1::ServerStatus status;

@@ -9,25 +9,25 @@ namespace {
 
 using namespace test;
 
-const std::vector<std::string> kNames = {"a", "b"};
+const std::vector<std::string> two_joints = {"a", "b"};
 
 TEST(SolutionFollower, GivesAPoseOnceItsSessionIsKnown) {
   SolutionFollower follower({}, false);
   follower.see(solution(4, 1, {0.1, 0.2}));
   EXPECT_FALSE(follower.take()) << "nobody has said what the numbers mean";
-  follower.see(sessionState(4, "hand", kNames));
+  follower.see(sessionState(4, "hand", two_joints));
   const auto pose = follower.take();
   ASSERT_TRUE(pose);
   EXPECT_EQ(pose->session_id, 4u);
   EXPECT_EQ(pose->hand, "hand");
-  EXPECT_EQ(pose->names, kNames);
+  EXPECT_EQ(pose->names, two_joints);
   EXPECT_EQ(pose->joint_rad, (std::vector{0.1, 0.2}));
   EXPECT_FALSE(follower.take()) << "a pose is given once";
 }
 
 TEST(SolutionFollower, GivesOnlyTheNewestPose) {
   SolutionFollower follower({}, false);
-  follower.see(sessionState(4, "hand", kNames));
+  follower.see(sessionState(4, "hand", two_joints));
   follower.see(solution(4, 1, {0.1, 0.2}));
   follower.see(solution(4, 2, {0.3, 0.4}));
   EXPECT_EQ(follower.take()->sequence_number, 2u);
@@ -36,7 +36,7 @@ TEST(SolutionFollower, GivesOnlyTheNewestPose) {
 
 TEST(SolutionFollower, PassesOverRepeatsAndWhatIsOlder) {
   SolutionFollower follower({}, false);
-  follower.see(sessionState(4, "hand", kNames));
+  follower.see(sessionState(4, "hand", two_joints));
   follower.see(solution(4, 5, {0.1, 0.2}));
   follower.take();
   follower.see(solution(4, 5, {0.9, 0.9}));
@@ -46,7 +46,7 @@ TEST(SolutionFollower, PassesOverRepeatsAndWhatIsOlder) {
 
 TEST(SolutionFollower, AcceptsAServerThatCountsFromOneAgain) {
   SolutionFollower follower({}, false);
-  follower.see(sessionState(4, "hand", kNames));
+  follower.see(sessionState(4, "hand", two_joints));
   follower.see(solution(4, 50, {0.1, 0.2}));
   follower.take();
   v1::PoseSolution anew = solution(4, 1, {0.3, 0.4});
@@ -58,7 +58,7 @@ TEST(SolutionFollower, AcceptsAServerThatCountsFromOneAgain) {
 TEST(SolutionFollower, PassesOverPosesThatAreNotFinalUnlessAsked) {
   SolutionFollower finals({}, false), all({}, true);
   for (SolutionFollower* follower : {&finals, &all}) {
-    follower->see(sessionState(4, "hand", kNames));
+    follower->see(sessionState(4, "hand", two_joints));
     follower->see(solution(4, 1, {0.1, 0.2}, false));
   }
   EXPECT_FALSE(finals.take());
@@ -68,7 +68,7 @@ TEST(SolutionFollower, PassesOverPosesThatAreNotFinalUnlessAsked) {
 TEST(SolutionFollower, FollowsTheSessionThatBeganToStreamLast) {
   SolutionFollower follower({}, false);
   for (const std::uint64_t id : {3u, 9u, 5u})
-    follower.see(sessionState(id, "hand", kNames));
+    follower.see(sessionState(id, "hand", two_joints));
   follower.see(solution(3, 1, {0, 0}));
   EXPECT_EQ(follower.take()->session_id, 3u);
   follower.see(solution(9, 1, {0, 0}));
@@ -81,8 +81,8 @@ TEST(SolutionFollower, FollowsTheSessionThatBeganToStreamLast) {
 
 TEST(SolutionFollower, FollowsOnlyTheSessionGiven) {
   SolutionFollower follower(3, false);
-  follower.see(sessionState(3, "hand", kNames));
-  follower.see(sessionState(9, "hand", kNames));
+  follower.see(sessionState(3, "hand", two_joints));
+  follower.see(sessionState(9, "hand", two_joints));
   follower.see(solution(9, 1, {0, 0}));
   EXPECT_FALSE(follower.take());
   follower.see(solution(3, 1, {0, 0}));
@@ -91,12 +91,12 @@ TEST(SolutionFollower, FollowsOnlyTheSessionGiven) {
 
 TEST(SolutionFollower, TurnsToAnotherSessionWhenItsOwnIsClosed) {
   SolutionFollower follower({}, false);
-  follower.see(sessionState(3, "hand", kNames));
-  follower.see(sessionState(9, "hand", kNames));
+  follower.see(sessionState(3, "hand", two_joints));
+  follower.see(sessionState(9, "hand", two_joints));
   follower.see(solution(3, 1, {0, 0}));
   follower.see(solution(9, 1, {0, 0}));
   EXPECT_EQ(follower.take()->session_id, 9u);
-  follower.see(sessionState(9, "hand", kNames, v1::PHASE_CLOSED));
+  follower.see(sessionState(9, "hand", two_joints, v1::PHASE_CLOSED));
   EXPECT_FALSE(follower.take());
   follower.see(solution(3, 2, {0, 0}));
   EXPECT_EQ(follower.take()->session_id, 3u);
@@ -104,28 +104,28 @@ TEST(SolutionFollower, TurnsToAnotherSessionWhenItsOwnIsClosed) {
 
 TEST(SolutionFollower, TakesTheLastPoseOfASessionThatClosesRightAfterIt) {
   SolutionFollower follower({}, false);
-  follower.see(sessionState(3, "hand", kNames, v1::PHASE_OPTIMIZING));
+  follower.see(sessionState(3, "hand", two_joints, v1::PHASE_OPTIMIZING));
   follower.see(solution(3, 1, {0, 0}));
-  follower.see(sessionState(3, "hand", kNames, v1::PHASE_CLOSED));
+  follower.see(sessionState(3, "hand", two_joints, v1::PHASE_CLOSED));
   EXPECT_TRUE(follower.take());
 }
 
 TEST(SolutionFollower, LeavesSessionsAloneThatWereClosedBeforeItCame) {
   SolutionFollower follower({}, false);
   follower.see(solution(3, 8, {0, 0}));
-  follower.see(sessionState(3, "hand", kNames, v1::PHASE_CLOSED));
+  follower.see(sessionState(3, "hand", two_joints, v1::PHASE_CLOSED));
   EXPECT_FALSE(follower.take());
   EXPECT_EQ(follower.session(), 0u);
 }
 
 TEST(SolutionFollower, TakesOldPosesForNewsAfterForgetting) {
   SolutionFollower follower({}, false);
-  follower.see(sessionState(3, "hand", kNames));
+  follower.see(sessionState(3, "hand", two_joints));
   follower.see(solution(3, 1, {0, 0}));
   follower.take();
   follower.forget();
   EXPECT_EQ(follower.session(), 0u);
-  follower.see(sessionState(3, "hand", kNames));
+  follower.see(sessionState(3, "hand", two_joints));
   follower.see(solution(3, 1, {0, 0}));
   EXPECT_TRUE(follower.take());
 }
@@ -135,7 +135,7 @@ TEST(SolutionFollower, TakesOldPosesForNewsAfterForgetting) {
 TEST(SolutionFollower, ComesBackToItsOwnSessionAfterAGap) {
   SolutionFollower follower({}, false);
   const auto stream = [&](std::uint64_t id, std::int64_t stamp_ns) {
-    follower.see(sessionState(id, "hand", kNames));
+    follower.see(sessionState(id, "hand", two_joints));
     v1::PoseSolution pose = solution(id, 1, {0.1, 0.2});
     pose.stamp_ns(stamp_ns);
     follower.see(pose);
@@ -151,7 +151,7 @@ TEST(SolutionFollower, ComesBackToItsOwnSessionAfterAGap) {
   EXPECT_EQ(follower.session(), 5u);
   EXPECT_TRUE(stream(7, 1'300)) << "a new one takes over as ever";
   EXPECT_FALSE(stream(3, 1'400));
-  v1::SessionState closed = sessionState(7, "hand", kNames);
+  v1::SessionState closed = sessionState(7, "hand", two_joints);
   closed.phase(v1::PHASE_CLOSED);
   follower.see(closed);
   EXPECT_TRUE(stream(3, 1'500)) << "once that one is closed";
@@ -159,18 +159,18 @@ TEST(SolutionFollower, ComesBackToItsOwnSessionAfterAGap) {
 
 TEST(SolutionFollower, IgnoresTheNumberThatMeansNoSession) {
   SolutionFollower follower({}, false);
-  follower.see(sessionState(0, "hand", kNames));
+  follower.see(sessionState(0, "hand", two_joints));
   follower.see(solution(0, 1, {0, 0}));
   EXPECT_FALSE(follower.take());
 }
 
 TEST(SolutionFollower, KeepsItsSessionThroughAFloodOfOthers) {
   SolutionFollower follower({}, false);
-  follower.see(sessionState(1'000'000, "hand", kNames));
+  follower.see(sessionState(1'000'000, "hand", two_joints));
   follower.see(solution(1'000'000, 1, {0, 0}));
   ASSERT_TRUE(follower.take());
   for (std::uint64_t id = 1; id < 2000; ++id)
-    follower.see(sessionState(id, "hand", kNames));
+    follower.see(sessionState(id, "hand", two_joints));
   follower.see(solution(1'000'000, 2, {0.5, 0.5}));
   const auto pose = follower.take();
   ASSERT_TRUE(pose) << "its state was thrown out";

@@ -21,19 +21,19 @@ MotionState measured() {
   return state;
 }
 
-const std::vector<std::string> kNames{"a", "b"};
+const std::vector<std::string> joint_names{"a", "b"};
 
 TEST(Telemetry, TellsWhatIsMeasuredAndWhatWasSentUnderPowerAlone) {
   MotionState state = measured();
   state.command = {0.25, 0.75};
-  const v1::JointState idle = jointState({}, kNames, state, 7, nanoseconds(5));
-  EXPECT_EQ(idle.names(), kNames);
+  const v1::JointState idle = jointState({}, joint_names, state, 7, nanoseconds(5));
+  EXPECT_EQ(idle.names(), joint_names);
   EXPECT_EQ(idle.position_rad(), state.position);
   EXPECT_TRUE(idle.command_rad().empty()) << "nothing was sent";
   EXPECT_TRUE(idle.target_rad().empty()) << "no pose yet";
   state.is_powered = true;
   state.stream = 1;
-  const v1::JointState moving = jointState({}, kNames, state, 8, nanoseconds(5));
+  const v1::JointState moving = jointState({}, joint_names, state, 8, nanoseconds(5));
   EXPECT_EQ(moving.command_rad(), state.command);
   EXPECT_EQ(moving.target_rad(), state.target);
   EXPECT_EQ(moving.sequence_number(), 8);
@@ -42,21 +42,22 @@ TEST(Telemetry, TellsWhatIsMeasuredAndWhatWasSentUnderPowerAlone) {
 TEST(Telemetry, AHandThatIsNotThereHasNoPose) {
   MotionState state = measured();
   state.is_connected = false;
-  const v1::JointState message = jointState({}, kNames, state, 1, nanoseconds(5));
+  const v1::JointState message = jointState({}, joint_names, state, 1, nanoseconds(5));
   EXPECT_TRUE(message.names().empty());
   EXPECT_TRUE(message.position_rad().empty());
 }
 
 TEST(Telemetry, RosLeavesUnknownVelocitiesOut) {
   MotionState state = measured();
-  EXPECT_EQ(rosJointState("hand", kNames, state, nanoseconds(0)).velocity(), state.velocity);
+  EXPECT_EQ(rosJointState("hand", joint_names, state, nanoseconds(0)).velocity(),
+            state.velocity);
   state.velocity[1] = test::kNaN;
-  EXPECT_TRUE(rosJointState("hand", kNames, state, nanoseconds(0)).velocity().empty());
+  EXPECT_TRUE(rosJointState("hand", joint_names, state, nanoseconds(0)).velocity().empty());
 }
 
 TEST(Telemetry, RosStampsAreWholeSecondsAndPositiveNanoseconds) {
   const auto stamp_of = [](std::int64_t ns) {
-    return rosJointState("hand", kNames, measured(), nanoseconds(ns)).header().stamp();
+    return rosJointState("hand", joint_names, measured(), nanoseconds(ns)).header().stamp();
   };
   EXPECT_EQ(stamp_of(1'700'000'000'123'456'789).sec(), 1'700'000'000);
   EXPECT_EQ(stamp_of(1'700'000'000'123'456'789).nanosec(), 123'456'789U);

@@ -16,7 +16,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-const std::vector<std::string> kNames{"thumb", "index"};
+const std::vector<std::string> finger_joints{"thumb", "index"};
 
 TrajectoryFeed::Message trajectory(const std::vector<std::string>& names,
                                    const std::vector<std::vector<double>>& points,
@@ -37,7 +37,7 @@ TrajectoryFeed::Message trajectory(const std::vector<std::string>& names,
 
 TEST(ReadTrajectory, PutsJointsInTheHandsOrderAndTimesEachPoint) {
   const ReadTrajectory read =
-      readTrajectory(trajectory({"index", "thumb"}, {{1, 2}, {3, 4}}, 7), kNames, 99);
+      readTrajectory(trajectory({"index", "thumb"}, {{1, 2}, {3, 4}}, 7), finger_joints, 99);
   ASSERT_EQ(read.poses.size(), 2u) << read.refusal;
   EXPECT_THAT(read.poses[0].joint_rad, ElementsAre(2, 1));
   EXPECT_THAT(read.poses[1].joint_rad, ElementsAre(4, 3));
@@ -48,21 +48,24 @@ TEST(ReadTrajectory, PutsJointsInTheHandsOrderAndTimesEachPoint) {
 }
 
 TEST(ReadTrajectory, WithoutAStampItBeginsNow) {
-  EXPECT_EQ(readTrajectory(trajectory(kNames, {{1, 2}}, 0), kNames, 99).poses[0].source_ns, 99);
+  EXPECT_EQ(readTrajectory(trajectory(finger_joints, {{1, 2}}, 0), finger_joints, 99)
+                .poses[0]
+                .source_ns,
+            99);
 }
 
 TEST(ReadTrajectory, SaysWhatIsWrong) {
   const auto refusal = [](const std::vector<std::string>& names,
                           const std::vector<std::vector<double>>& points) {
-    const ReadTrajectory read = readTrajectory(trajectory(names, points, 0), kNames, 1);
+    const ReadTrajectory read = readTrajectory(trajectory(names, points, 0), finger_joints, 1);
     EXPECT_TRUE(read.poses.empty());
     return read.refusal;
   };
   EXPECT_THAT(refusal({"thumb"}, {{1}}), HasSubstr("'index' is missing"));
   EXPECT_THAT(refusal({"thumb", "thumb"}, {{1, 2}}), HasSubstr("'index' is missing"));
   EXPECT_THAT(refusal({"thumb", "toe"}, {{1, 2}}), HasSubstr("'toe' is none of its joints"));
-  EXPECT_THAT(refusal(kNames, {{1}}), HasSubstr("1 positions for 2 joints"));
-  EXPECT_THAT(refusal(kNames, {}), HasSubstr("0 points"));
+  EXPECT_THAT(refusal(finger_joints, {{1}}), HasSubstr("1 positions for 2 joints"));
+  EXPECT_THAT(refusal(finger_joints, {}), HasSubstr("0 points"));
 }
 
 TEST(TrajectoryFeed, HearsOpenSessionsThatSomebodyWritesFor) {
@@ -70,7 +73,7 @@ TEST(TrajectoryFeed, HearsOpenSessionsThatSomebodyWritesFor) {
   const idl::cyclone::Participant participant({domain.number(), "lo"});
   const auto bell = std::make_shared<WakeEvent>();
   TrajectoryFeed feed(participant, bell);
-  feed.see(test::sessionState(7, "hand", kNames));
+  feed.see(test::sessionState(7, "hand", finger_joints));
   const std::string name = idl::sampleTopicName(7);
   idl::Topic<TrajectoryFeed::Message> topic = idl::kRosSamplesTopic;
   topic.name = name.c_str();
@@ -91,13 +94,13 @@ TEST(TrajectoryFeed, HearsOpenSessionsThatSomebodyWritesFor) {
     return writer.readers() != 0;
   });
   ASSERT_EQ(writer.readers(), 1);
-  writer.write(trajectory(kNames, {{1, 2}}, 3));
+  writer.write(trajectory(finger_joints, {{1, 2}}, 3));
   take_until([&] {
     return !heard.empty();
   });
   EXPECT_THAT(heard, ElementsAre(7));
   EXPECT_EQ(of_unknown_session.readers(), 0);
-  feed.see(test::sessionState(7, "hand", kNames, v1::PHASE_CLOSED));
+  feed.see(test::sessionState(7, "hand", finger_joints, v1::PHASE_CLOSED));
   for (int i = 0; i < 600 && writer.readers() != 0; ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   EXPECT_EQ(writer.readers(), 0);

@@ -15,8 +15,8 @@
 /// Configs that are sound, and what is said of those that are not.
 namespace handgraft::config::texts {
 
-inline const std::vector<std::string> kExamples{"leap", "ability_hand", "printed_tendon_hand",
-                                                "inspire_rh56", "allegro"};
+inline const std::vector<std::string> example_configs{
+    "leap", "ability_hand", "printed_tendon_hand", "inspire_rh56", "allegro"};
 
 inline std::filesystem::path examplePath(const std::string& name) {
   return test::sourceDirectory() / "hardware" / "config" / "examples" / (name + ".yaml");
@@ -41,7 +41,7 @@ inline bool contains(const std::string& text, const std::string& part) {
 }
 
 /// A hand of one finger, as small as a config may be.
-inline const char* const kSmall = R"(
+inline constexpr const char* kSmall = R"(
 format: handgraft-hardware/1
 hand: small
 device: {kind: simulated}

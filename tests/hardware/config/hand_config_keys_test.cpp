@@ -14,8 +14,8 @@ namespace handgraft::config {
 namespace {
 
 using texts::contains;
+using texts::example_configs;
 using texts::exampleText;
-using texts::kExamples;
 using texts::objectionTo;
 
 /// Applies `change` to one place of the tree after another, and tells each resulting text and
@@ -52,7 +52,7 @@ void forEachPlace(const YAML::Node& node,
 
 TEST(HandConfig, NamesEveryMisspeltKey) {
   int tried = 0;
-  for (const std::string& name : kExamples) {
+  for (const std::string& name : example_configs) {
     const YAML::Node root = YAML::Load(exampleText(name));
     forEachPlace(
         root, "", root,
@@ -76,7 +76,7 @@ TEST(HandConfig, NamesEveryMisspeltKey) {
 
 TEST(HandConfig, NamesEveryValueThatIsNone) {
   int tried = 0;
-  for (const std::string& name : kExamples) {
+  for (const std::string& name : example_configs) {
     for (const char* const bad : {"1e99", ".nan", "[1, {a: b}]", "-.inf"}) {
       const YAML::Node root = YAML::Load(exampleText(name));
       forEachPlace(
@@ -99,7 +99,7 @@ TEST(HandConfig, NamesEveryValueThatIsNone) {
 }
 
 TEST(HandConfig, SurvivesEveryTruncation) {
-  for (const std::string& name : kExamples) {
+  for (const std::string& name : example_configs) {
     const std::string text = exampleText(name);
     for (std::size_t length = 0; length < text.size(); length += 7) {
       try {

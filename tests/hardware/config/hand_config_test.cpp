@@ -18,9 +18,9 @@ namespace {
 
 namespace fs = std::filesystem;
 using texts::contains;
+using texts::example_configs;
 using texts::examplePath;
 using texts::exampleText;
-using texts::kExamples;
 using texts::kSmall;
 using texts::objectionTo;
 using texts::smallWith;
@@ -28,7 +28,7 @@ using texts::smallWith;
 // === Examples
 
 TEST(HandConfig, EveryExampleIsSound) {
-  for (const std::string& name : kExamples) {
+  for (const std::string& name : example_configs) {
     const HandConfig config = readHandConfig(examplePath(name));
     EXPECT_EQ(config.motors.size(), makeMotorMap(config)->motorCount());
     const safety::Governor governor(config.governor);
@@ -38,7 +38,7 @@ TEST(HandConfig, EveryExampleIsSound) {
 
 TEST(HandConfig, EveryExampleMeasuresThePoseThatItPromised) {
   std::mt19937 random(1);
-  for (const std::string& name : kExamples) {
+  for (const std::string& name : example_configs) {
     const HandConfig config = readHandConfig(examplePath(name));
     const std::unique_ptr<tendon::MotorMap> map = makeMotorMap(config);
     std::vector<double> q(config.jointCount()), residual(q.size()), measured(q.size());

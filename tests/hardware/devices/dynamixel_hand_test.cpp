@@ -14,7 +14,7 @@ namespace {
 namespace dxl = protocols::dynamixel;
 using std::chrono::milliseconds;
 
-const MotorScale kScale{dxl::kRadPerCount, 2048.0, 1, -1.0, 1.0};
+constexpr MotorScale kScale{dxl::kRadPerCount, 2048.0, 1, -1.0, 1.0};
 
 DynamixelConfig twoMotors() {
   DynamixelConfig config;

@@ -37,7 +37,7 @@ enum class Event {
 
 constexpr int kEventCount = static_cast<int>(Event::kCount);
 
-const std::array<const char*, kEventCount> kEventNames{
+constexpr std::array<const char*, kEventCount> kEventNames{
     "period", "far pose", "silence", "long silence", "rubbish", "other stream", "arm",
     "disarm", "estop",    "reset",   "device fault", "unplug",  "power lost",   "suspended"};
 

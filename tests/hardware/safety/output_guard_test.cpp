@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-const JointLimits kLimits{
+constexpr JointLimits kLimits{
     .lower = -1, .upper = 1, .velocity = 2, .acceleration = 50, .jerk = 1000};
 constexpr double kT = 0.01;
 

@@ -10,8 +10,8 @@ namespace {
 using namespace std::chrono_literals;
 using Verdict = SampleVerdict;
 
-const std::vector<std::string> kNames{"c", "a", "b"};
-const Time kStart{1h};
+const std::vector<std::string> watched_joints{"c", "a", "b"};
+constexpr Time kStart{1h};
 
 /// The sender's clock, of any origin.
 std::int64_t sentAt(std::chrono::nanoseconds since_start) {
@@ -23,23 +23,24 @@ Verdict see(StreamWatch& watch,
             std::int64_t source_ns,
             Time now,
             std::uint64_t stream = 1) {
-  return watch.see({stream, sequence, source_ns, kNames, std::vector{1.0, 2.0, 3.0}}, now);
+  return watch.see({stream, sequence, source_ns, watched_joints, std::vector{1.0, 2.0, 3.0}},
+                   now);
 }
 
 TEST(StreamWatch, TakesJointsByNameInAnyOrder) {
-  StreamWatch watch(kNames, 100ms);
+  StreamWatch watch(watched_joints, 100ms);
   const std::vector<std::string> other{"a", "b", "c"};
   const std::vector<double> pose{10, 20, 30};
   for (std::uint64_t i = 1; i <= 2; ++i) {
     EXPECT_EQ(watch.see({1, i, 0, other, pose}, kStart), Verdict::kAccepted);
     EXPECT_EQ(watch.target(), (std::vector<double>{30, 10, 20}));
   }
-  EXPECT_EQ(watch.see({1, 9, 0, kNames, pose}, kStart), Verdict::kAccepted);
+  EXPECT_EQ(watch.see({1, 9, 0, watched_joints, pose}, kStart), Verdict::kAccepted);
   EXPECT_EQ(watch.target(), pose);
 }
 
 TEST(StreamWatch, RefusesNamesThatAreMissingTwiceOrUnknown) {
-  StreamWatch watch(kNames, 100ms);
+  StreamWatch watch(watched_joints, 100ms);
   const std::vector<double> pose{1, 2, 3};
   std::uint64_t number = 0;
   for (const std::vector<std::string>& names :
@@ -49,11 +50,11 @@ TEST(StreamWatch, RefusesNamesThatAreMissingTwiceOrUnknown) {
     EXPECT_EQ(watch.see({1, ++number, 0, names, pose}, kStart), Verdict::kWrongNames);
   }
   EXPECT_FALSE(watch.stream());
-  EXPECT_EQ(watch.see({1, 1, 0, kNames, pose}, kStart), Verdict::kAccepted);
+  EXPECT_EQ(watch.see({1, 1, 0, watched_joints, pose}, kStart), Verdict::kAccepted);
 }
 
 TEST(StreamWatch, IsFreshForTheStaleTimeAfterAnAcceptedPose) {
-  StreamWatch watch(kNames, 100ms);
+  StreamWatch watch(watched_joints, 100ms);
   EXPECT_FALSE(watch.isFresh(kStart));
   see(watch, 1, 0, kStart);
   EXPECT_TRUE(watch.isFresh(kStart + 100ms));
@@ -63,7 +64,7 @@ TEST(StreamWatch, IsFreshForTheStaleTimeAfterAnAcceptedPose) {
 }
 
 TEST(StreamWatch, CountsNumbersPerStream) {
-  StreamWatch watch(kNames, 100ms);
+  StreamWatch watch(watched_joints, 100ms);
   EXPECT_EQ(see(watch, 7, 0, kStart), Verdict::kAccepted);
   EXPECT_EQ(see(watch, 7, 0, kStart), Verdict::kRepeated);
   EXPECT_EQ(see(watch, 6, 0, kStart), Verdict::kLate);
@@ -72,7 +73,7 @@ TEST(StreamWatch, CountsNumbersPerStream) {
 }
 
 TEST(StreamWatch, RefusesPosesThatWereLongOnTheirWay) {
-  StreamWatch watch(kNames, 100ms);
+  StreamWatch watch(watched_joints, 100ms);
   EXPECT_EQ(see(watch, 1, sentAt(0ms), kStart + 5ms), Verdict::kAccepted);
   EXPECT_EQ(see(watch, 2, sentAt(10ms), kStart + 115ms), Verdict::kAccepted);
   EXPECT_EQ(see(watch, 3, sentAt(20ms), kStart + 130ms), Verdict::kTooOld);
@@ -80,14 +81,14 @@ TEST(StreamWatch, RefusesPosesThatWereLongOnTheirWay) {
 }
 
 TEST(StreamWatch, MeasuresAgainstTheQuickestWay) {
-  StreamWatch watch(kNames, 100ms);
+  StreamWatch watch(watched_joints, 100ms);
   EXPECT_EQ(see(watch, 1, sentAt(0ms), kStart + 50ms), Verdict::kAccepted);
   EXPECT_EQ(see(watch, 2, sentAt(60ms), kStart + 60ms), Verdict::kAccepted);
   EXPECT_EQ(see(watch, 3, sentAt(61ms), kStart + 170ms), Verdict::kTooOld);
 }
 
 TEST(StreamWatch, FollowsASenderWhoseClockDrifts) {
-  StreamWatch watch(kNames, 100ms);
+  StreamWatch watch(watched_joints, 100ms);
   // 500 ppm slow for ten minutes: 300 ms.
   for (int i = 0; i < 6000; ++i) {
     const auto elapsed = std::chrono::microseconds(100'000LL * i);
@@ -97,7 +98,7 @@ TEST(StreamWatch, FollowsASenderWhoseClockDrifts) {
 }
 
 TEST(StreamWatch, RefusesASenderWhoseClockRunsBackwardsUntilItIsForgotten) {
-  StreamWatch watch(kNames, 100ms);
+  StreamWatch watch(watched_joints, 100ms);
   EXPECT_EQ(see(watch, 1, sentAt(1s), kStart), Verdict::kAccepted);
   EXPECT_EQ(see(watch, 2, sentAt(0s), kStart + 10ms), Verdict::kBackwards);
   EXPECT_EQ(see(watch, 3, -1, kStart + 20ms), Verdict::kBackwards);
@@ -106,7 +107,7 @@ TEST(StreamWatch, RefusesASenderWhoseClockRunsBackwardsUntilItIsForgotten) {
 }
 
 TEST(StreamWatch, SurvivesTheLargestClock) {
-  StreamWatch watch(kNames, 100ms);
+  StreamWatch watch(watched_joints, 100ms);
   EXPECT_EQ(see(watch, 1, INT64_MAX, kStart), Verdict::kAccepted);
   EXPECT_EQ(see(watch, 2, INT64_MAX, kStart + 10ms), Verdict::kAccepted);
   EXPECT_EQ(see(watch, 3, 1, kStart + 20ms), Verdict::kBackwards);

@@ -10,7 +10,7 @@
 namespace handgraft::tendon {
 namespace {
 
-const std::vector<Range> kThree{{-0.2, 1.5}, {0, 1.6}, {0, 1.2}};
+const std::vector<Range> three_ranges{{-0.2, 1.5}, {0, 1.6}, {0, 1.2}};
 
 struct Followed {
   std::vector<double> motors, residual, measured;
@@ -25,14 +25,14 @@ Followed follow(SynergyMap& map, const std::vector<double>& q) {
 }
 
 TEST(SynergyMap, DirectDriveFollowsEveryPose) {
-  SynergyMap map = SynergyMap::direct(kThree);
+  SynergyMap map = SynergyMap::direct(three_ranges);
   const Followed done = follow(map, {0.3, 0.4, 0.5});
   EXPECT_EQ(done.motors, (std::vector{0.3, 0.4, 0.5}));
   EXPECT_EQ(done.residual, (std::vector{0.0, 0.0, 0.0}));
 }
 
 TEST(SynergyMap, AMimicJointFollowsItsLeaderAndTellsWhatItCannot) {
-  SynergyMap map = mimicMap(kThree, {{2, 1, 0.5, 0.1}});
+  SynergyMap map = mimicMap(three_ranges, {{2, 1, 0.5, 0.1}});
   ASSERT_EQ(map.motorCount(), 2u);
   const Followed done = follow(map, {0.3, 0.8, 0.9});
   EXPECT_NEAR(done.motors[1], 0.8, 1e-15) << "the leader alone decides";
@@ -74,20 +74,21 @@ TEST(SynergyMap, ClampsSynergiesAndTellsTheResidual) {
 }
 
 TEST(SynergyMap, MotorsStayWithinTheRangesAndSpeedsThatItTells) {
-  SynergyMap map = mimicMap(kThree, {{2, 1, 0.5, 0.1}});
-  const std::vector<Range> ranges = map.motorRanges(kThree);
+  SynergyMap map = mimicMap(three_ranges, {{2, 1, 0.5, 0.1}});
+  const std::vector<Range> ranges = map.motorRanges(three_ranges);
   EXPECT_NEAR(ranges[0].lower, -0.2, 1e-15);
   EXPECT_NEAR(ranges[1].upper, 1.6, 1e-15);
-  const std::vector<double> speeds = map.motorSpeeds(kThree, std::vector{1.0, 2.0, 9.0});
+  const std::vector<double> speeds = map.motorSpeeds(three_ranges, std::vector{1.0, 2.0, 9.0});
   EXPECT_NEAR(speeds[0], 1, 1e-15);
   EXPECT_NEAR(speeds[1], 2, 1e-15) << "followers set no speed";
 }
 
 TEST(SynergyMap, RefusesFollowersThatLeadNowhere) {
-  EXPECT_THROW(mimicMap(kThree, {{0, 0}}), InvalidInput);
-  EXPECT_THROW(mimicMap(kThree, {{0, 7}}), InvalidInput);
-  EXPECT_THROW(mimicMap(kThree, {{0, 1}, {0, 2}}), InvalidInput);
-  EXPECT_THROW(mimicMap(kThree, {{0, 1}, {1, 2}}), InvalidInput) << "a follower's follower";
+  EXPECT_THROW(mimicMap(three_ranges, {{0, 0}}), InvalidInput);
+  EXPECT_THROW(mimicMap(three_ranges, {{0, 7}}), InvalidInput);
+  EXPECT_THROW(mimicMap(three_ranges, {{0, 1}, {0, 2}}), InvalidInput);
+  EXPECT_THROW(mimicMap(three_ranges, {{0, 1}, {1, 2}}), InvalidInput)
+      << "a follower's follower";
 }
 
 TEST(SynergyMap, RefusesSynergiesThatDependOnEachOther) {

@@ -13,7 +13,7 @@ namespace {
 
 using testing::ElementsAre;
 
-const Color kRed{255, 0, 0};
+constexpr Color kRed{255, 0, 0};
 
 /// Rows of the topmost and the lowest pixel of a colour in a column; -1 if there is none.
 std::pair<int, int> rowsOf(const Image& image, int column, Color color) {
