@@ -30,9 +30,8 @@
 #include "hardware/config/text_file.h"
 #include "idl/security/identity.h"
 
+namespace handgraft {
 namespace {
-
-using namespace handgraft;
 
 enum ExitCode { kDone = 0, kFailed = 1, kWrongInput = 2 };
 
@@ -362,9 +361,7 @@ int run(Options& options) {
   return kDone;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, const char* const* argv) {
   CLI::App app(
       "Moves a hand to the poses that handgraft-server streams, and publishes what it "
       "measures.",
@@ -379,11 +376,18 @@ int main(int argc, char** argv) {
     if (error.get_exit_code() == 0) return app.exit(error);
     fmt::print(stderr, "handgraft-bridge: {}\n", error.what());
     return kWrongInput;
-  } catch (const handgraft::InvalidInput& error) {
+  } catch (const InvalidInput& error) {
     fmt::print(stderr, "handgraft-bridge: {}\n", error.what());
     return kWrongInput;
   } catch (const std::exception& error) {
     fmt::print(stderr, "handgraft-bridge: {}\n", error.what());
     return kFailed;
   }
+}
+
+}  // namespace
+}  // namespace handgraft
+
+int main(int argc, char** argv) {
+  return handgraft::run(argc, argv);
 }

@@ -32,9 +32,8 @@
 #include "server/transport/bus.h"
 #include "server/transport/server_probe.h"
 
+namespace handgraft {
 namespace {
-
-using namespace handgraft;
 
 constexpr int kDone = 0;
 constexpr int kFailed = 1;
@@ -323,9 +322,7 @@ void addStateOptions(CLI::App& app, Options& options) {
                  "copy the state, also one in use, into this new file, and end");
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   Options options;
   CLI::App app("handgraft-server: keeps models and sessions, answers on DDS",
                "handgraft-server");
@@ -379,8 +376,17 @@ int main(int argc, char** argv) {
   } catch (const InvalidInput& error) {
     std::fprintf(stderr, "handgraft-server: %s\n", error.what());
     return kWrongInput;
+  }
+}
+
+}  // namespace
+}  // namespace handgraft
+
+int main(int argc, char** argv) {
+  try {
+    return handgraft::run(argc, argv);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "handgraft-server: %s\n", error.what());
-    return kFailed;
+    return handgraft::kFailed;
   }
 }

@@ -10,9 +10,8 @@
 #include "client/present/interruption.h"
 #include "core/base/error.h"
 
+namespace handgraft {
 namespace {
-
-using namespace handgraft;
 
 constexpr int kFailed = 1;
 
@@ -40,10 +39,8 @@ int runCommandLine(int argc, const char* const* argv) {
       invocation.command);
 }
 
-}  // namespace
-
 // Exit codes: 0 done, 1 failed, 2 wrong input. Errors become one line each, here alone.
-int main(int argc, char** argv) {
+int run(int argc, const char* const* argv) {
   try {
     const int code = runCommandLine(argc, argv);
     if (std::fflush(stdout) != 0) return fail(kFailed, "standard output cannot be written");
@@ -52,4 +49,11 @@ int main(int argc, char** argv) {
     const client::Failure failure = client::failureOf(error);
     return fail(failure.exit_code, failure.message);
   }
+}
+
+}  // namespace
+}  // namespace handgraft
+
+int main(int argc, char** argv) {
+  return handgraft::run(argc, argv);
 }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <clocale>
-#include <cstdlib>
 #include <cwchar>
 
 #include <fmt/format.h>
@@ -11,6 +10,8 @@
 #include <poll.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
+
+#include "core/base/environment.h"
 
 namespace handgraft::client::editor {
 
@@ -50,19 +51,8 @@ std::string inLines(const std::vector<std::string>& words) {
 }  // namespace
 
 fs::path historyFile() {
-  // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody writes the environment.
-  const char* state = std::getenv("XDG_STATE_HOME");
-  // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody writes the environment.
-  const char* home = std::getenv("HOME");
-  fs::path folder;
-  if (state != nullptr && *state == '/') {
-    folder = state;
-  } else if (home != nullptr && *home != '\0') {
-    folder = fs::path(home) / ".local" / "state";
-  } else {
-    return {};
-  }
-  return folder / "handgraft" / "edit_history";
+  const auto state = userFolder("XDG_STATE_HOME", ".local/state");
+  return state ? *state / "handgraft" / "edit_history" : fs::path();
 }
 
 struct Prompt::Impl {

@@ -9,7 +9,8 @@
 
 #include <handgraft/client.h>
 
-using namespace handgraft;
+namespace client = handgraft::client;
+namespace v1 = handgraft::v1;
 
 namespace {
 

@@ -17,6 +17,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "core/base/environment.h"
 #include "core/base/error.h"
 
 namespace handgraft::client {
@@ -40,9 +41,7 @@ std::optional<fs::path> findServerProgram() {
   std::error_code error;
   const fs::path self = fs::read_symlink("/proc/self/exe", error);
   if (!error && isProgram(self.parent_path() / kProgram)) return self.parent_path() / kProgram;
-  // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody writes the environment.
-  const char* path = std::getenv("PATH");
-  std::istringstream folders(path == nullptr ? "" : path);
+  std::istringstream folders(environment("PATH"));
   for (std::string folder; std::getline(folders, folder, ':');) {
     if (!folder.empty() && isProgram(fs::path(folder) / kProgram)) {
       return fs::path(folder) / kProgram;

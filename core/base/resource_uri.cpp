@@ -1,12 +1,12 @@
 #include "core/base/resource_uri.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <optional>
 #include <set>
 #include <sstream>
 #include <string>
 
+#include "core/base/environment.h"
 #include "core/base/error.h"
 
 namespace handgraft {
@@ -109,8 +109,7 @@ std::optional<std::string> attributeIn(const std::string& element, const std::st
 
 PackageMap amentPackages() {
   PackageMap packages;
-  const char* prefixes = std::getenv("AMENT_PREFIX_PATH");
-  std::istringstream list(prefixes == nullptr ? "" : prefixes);
+  std::istringstream list(environment("AMENT_PREFIX_PATH"));
   for (std::string prefix; std::getline(list, prefix, ':');) {
     if (prefix.empty()) continue;
     std::error_code error;

@@ -63,7 +63,7 @@ struct CloudSurface {
 /// bytes (of Poisson: where they are even, see README). Errors: as `prepare`; InvalidInput if
 /// the points give no surface. Cancelled. Cost: about 0.06 ms a point, with Poisson 0.3 ms of
 /// the first 15,000 besides.
-CloudSurface surfaceOf(const PointCloud& cloud,
+CloudSurface surfaceOf(const PointCloud& given,
                        const SurfaceOptions& options = {},
                        const Progress& progress = {});
 

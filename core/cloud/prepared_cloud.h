@@ -42,7 +42,7 @@ struct PreparedCloud {
 /// Errors: InvalidInput if a point is not finite (named), there are fewer than kFewestPoints,
 /// or they are (nearly) a line or a plane. Cancelled. Cost: O(N log N), about 0.05 ms a point
 /// with normals to estimate.
-PreparedCloud prepare(const PointCloud& cloud, int most_points, const Progress& progress);
+PreparedCloud prepare(const PointCloud& given, int most_points, const Progress& progress);
 
 /// Indices, rising, of at most `most` points: the first of each cell of a grid. All if there
 /// are no more. Cost: O(N).

@@ -310,7 +310,7 @@ std::optional<hand::HandLocation> placeByJoints(const HandJoints& joints,
                                                 const Eigen::Vector3d& p_O,
                                                 const Eigen::Vector3d& n_O) {
   const auto place = hand::placeNamed(part);
-  if (!place) return place;
+  if (!place) return std::nullopt;
   const Eigen::Vector3d looks_O = -n_O;  // contact is face to face
   const PalmAxes palm = palmAxesOf(joints);
   if (place->digit == hand::kPalmPart) return placeOnPalm(joints, palm, *place, p_O, looks_O);

@@ -210,6 +210,7 @@ class Segmenter {
                      });
 
     std::vector<Group> groups;
+    groups.reserve(order.size());
     for (const std::string& part : order) {
       groups.push_back(groupOf(part, [&](int v) {
         const auto found = part_of.find(label[static_cast<std::size_t>(v)]);

@@ -8,7 +8,10 @@
 
 #include <handgraft/core.h>
 
-using namespace handgraft;
+namespace geometry = handgraft::geometry;
+namespace hand = handgraft::hand;
+namespace io = handgraft::io;
+namespace optimize = handgraft::optimize;
 
 namespace {
 
@@ -49,7 +52,7 @@ int run(int argc, char** argv) {
   goal.X_WH.rotate(Eigen::AngleAxisd(1.0, Eigen::Vector3d(1.0, 2.0, 3.0).normalized()));
 
   const optimize::PoseProblem problem = problemThatReaches(model, goal);
-  const optimize::SolveReport report = optimize::solve(problem, {}, Progress());
+  const optimize::SolveReport report = optimize::solve(problem, {}, handgraft::Progress());
   std::printf("%d joints, %zu pairs: %s, %.3f mm off, joints %.2g rad off\n", model->dofCount(),
               problem.pairs.size(), std::string(optimize::nameOf(report.outcome)).c_str(),
               report.patches.at(0).mean_mm, (report.pose.q - goal.q).cwiseAbs().maxCoeff());

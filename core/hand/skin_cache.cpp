@@ -4,10 +4,10 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
-#include <cstdlib>
 #include <utility>
 
 #include "core/base/content_hash.h"
+#include "core/base/environment.h"
 #include "core/base/error.h"
 #include "core/hand/kinematics.h"
 
@@ -106,19 +106,9 @@ SkinCache::SkinCache(std::optional<fs::path> folder, fs::path shipped)
     : files_(std::make_shared<const KeptFiles>(std::move(folder), std::move(shipped))) {}
 
 SkinCache SkinCache::fromEnvironment(fs::path shipped) {
-  const auto absolute = [](const char* name) -> std::optional<fs::path> {
-    // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody writes the environment.
-    const char* value = std::getenv(name);
-    if (value == nullptr || !fs::path(value).is_absolute()) return std::nullopt;
-    return fs::path(value);
-  };
-  if (const auto cache = absolute("XDG_CACHE_HOME")) {
-    return SkinCache(*cache / kFolder, std::move(shipped));
-  }
-  if (const auto home = absolute("HOME")) {
-    return SkinCache(*home / ".cache" / kFolder, std::move(shipped));
-  }
-  return SkinCache(std::nullopt, std::move(shipped));
+  std::optional<fs::path> cache = userFolder("XDG_CACHE_HOME", ".cache");
+  if (cache) *cache /= kFolder;
+  return SkinCache(std::move(cache), std::move(shipped));
 }
 
 Skin SkinCache::get(const HandModel& model,

@@ -204,26 +204,23 @@ class LinkTracks {
   std::vector<Open> open_;
 };
 
-Motion sequenceFrom(const json& root,
-                    const geometry::TriangleMesh& mesh_O,
-                    const std::filesystem::path& object_path) {
+int frameNumberOf(const json& frame) {
+  const json& number = memberOf(frame, "frame");
+  if (!number.is_number_unsigned() ||
+      number.get<std::uint64_t>() >= static_cast<std::uint64_t>(manipulation::kMostFrames))
+    rejectInput("field 'frame' is {}; permitted are 0 to {}", formats::shown(number),
+                manipulation::kMostFrames - 1);
+  return number.get<int>();
+}
+
+/// What a sequence says of itself: its frames' times, with the object where it stands.
+Motion motionWithoutContacts(const json& root, const json& frames) {
   const double rate = finiteFrom(memberOf(root, "fps"), "fps");
   if (!(rate > 0.0) || rate > kHighestRate)
     rejectInput("field 'fps' is {}; permitted are above 0 to {}", rate, kHighestRate);
-  const json& frames = memberOf(root, "frames");
-  if (!frames.is_array() || frames.empty()) rejectInput("field 'frames' is no list of frames");
-  const auto int_of = [](const json& frame) {
-    const json& number = memberOf(frame, "frame");
-    if (!number.is_number_unsigned() ||
-        number.get<std::uint64_t>() >= static_cast<std::uint64_t>(manipulation::kMostFrames))
-      rejectInput("field 'frame' is {}; permitted are 0 to {}", formats::shown(number),
-                  manipulation::kMostFrames - 1);
-    return number.get<int>();
-  };
-  int count = int_of(frames.back()) + 1;
+  int count = frameNumberOf(frames.back()) + 1;
   if (root.contains("n_frames") && root["n_frames"].is_number_unsigned())
     count = std::max(count, std::min(root["n_frames"].get<int>(), manipulation::kMostFrames));
-
   Motion motion;
   motion.hand = root.value("hand", std::string());
   motion.object =
@@ -231,51 +228,73 @@ Motion sequenceFrom(const json& root,
   for (int k = 0; k < count; ++k)
     motion.time_s.push_back(k / rate);
   motion.X_WO.assign(motion.time_s.size(), Pose::Identity());
-  if (!object_path.empty()) {
-    const SplineTrajectory path = readSplineTrajectory(object_path);
-    if (path.controls.cols() != 6)
-      rejectInput("{}: has {} splines; an object has 6", quoted(object_path.string()),
-                  path.controls.cols());
-    for (int k = 0; k < count; ++k)
-      motion.X_WO[static_cast<std::size_t>(k)] =
-          poseFromSpline(path.at(count > 1 ? static_cast<double>(k) / (count - 1) : 0.0));
+  return motion;
+}
+
+/// Moves the object along a trajectory, from its begin to its end.
+void moveAlong(const std::filesystem::path& object_path, Motion& motion) {
+  const SplineTrajectory path = readSplineTrajectory(object_path);
+  if (path.controls.cols() != 6)
+    rejectInput("{}: has {} splines; an object has 6", quoted(object_path.string()),
+                path.controls.cols());
+  const std::size_t last = motion.X_WO.size() - 1;
+  for (std::size_t k = 0; k <= last; ++k)
+    motion.X_WO[k] = poseFromSpline(
+        path.at(last > 0 ? static_cast<double>(k) / static_cast<double>(last) : 0.0));
+}
+
+/// A contact of a frame; none where it is too far off the object to lie on it.
+std::optional<LinkPoint> linkPointFrom(const json& contact,
+                                       int frame,
+                                       bool is_mano,
+                                       const geometry::SurfaceLocator& object_O) {
+  manipulation::HandPoint point;
+  Eigen::Vector3d p_O;
+  try {
+    p_O = placeIn(contact, "object_point");
+    point.p_L = placeIn(contact, "hand_point");
+    point.link = memberOf(contact, "link").get<std::string>();
+  } catch (const InvalidInput& error) {
+    rejectInput("frame {}: {}", frame, error.what());
   }
+  const auto hit = object_O.nearest(p_O);
+  if (hit.distance > kSequenceReach) return std::nullopt;
+  PatchKey key;
+  key.frame = frame;
+  key.patch.name = point.link;
+  key.patch.root = hit.point;
+  key.patch.interpolation_boundary = {hit.point};
+  key.patch.place = is_mano ? placeOnMano(point.link, point.p_L) : hand::placeNamed(point.link);
+  key.hand_points = {std::move(point)};
+  return LinkPoint{p_O, std::move(key)};
+}
+
+Motion sequenceFrom(const json& root,
+                    const geometry::TriangleMesh& mesh_O,
+                    const std::filesystem::path& object_path) {
+  const json& frames = memberOf(root, "frames");
+  if (!frames.is_array() || frames.empty()) rejectInput("field 'frames' is no list of frames");
+  Motion motion = motionWithoutContacts(root, frames);
+  if (!object_path.empty()) moveAlong(object_path, motion);
 
   const geometry::SurfaceLocator object_O(mesh_O);
   std::map<std::string, LinkTracks> links;
   int far = 0;
   int before = -1;
   for (const json& value : frames) {
-    const int frame = int_of(value);
+    const int frame = frameNumberOf(value);
     if (frame <= before) rejectInput("frame {} does not lie behind frame {}", frame, before);
     before = frame;
     std::map<std::string, std::vector<LinkPoint>> seen;
     const json& contacts = memberOf(value, "contacts");
     if (!contacts.is_array()) rejectInput("frame {}: field 'contacts' is no list", frame);
     for (const json& contact : contacts) {
-      PatchKey key;
-      key.frame = frame;
-      manipulation::HandPoint point;
-      Eigen::Vector3d p_O;
-      try {
-        p_O = placeIn(contact, "object_point");
-        point.p_L = placeIn(contact, "hand_point");
-        point.link = memberOf(contact, "link").get<std::string>();
-      } catch (const InvalidInput& error) {
-        rejectInput("frame {}: {}", frame, error.what());
-      }
-      const auto hit = object_O.nearest(p_O);
-      if (hit.distance > kSequenceReach) {
+      auto point = linkPointFrom(contact, frame, motion.hand == "MANO", object_O);
+      if (!point) {
         ++far;
         continue;
       }
-      key.patch.name = point.link;
-      key.patch.root = hit.point;
-      key.patch.interpolation_boundary = {hit.point};
-      key.patch.place = motion.hand == "MANO" ? placeOnMano(point.link, point.p_L)
-                                              : hand::placeNamed(point.link);
-      key.hand_points = {point};
-      seen[point.link].push_back({p_O, std::move(key)});
+      seen[point->key.patch.name].push_back(*std::move(point));
     }
     for (auto& [link, points] : seen)
       links[link].add(frame, std::move(points), motion.tracks);

@@ -395,7 +395,7 @@ void writePly(const std::filesystem::path& path, const geometry::TriangleMesh& m
             static_cast<std::streamsize>(sizeof(double)) * mesh.vertices().size());
   for (int f = 0; f < mesh.faceCount(); ++f) {
     out.put(3);
-    out.write(reinterpret_cast<const char*>(mesh.faces().data() + 3 * f), 3 * sizeof(int));
+    out.write(reinterpret_cast<const char*>(mesh.faces().col(f).data()), 3 * sizeof(int));
   }
   out.close();
   if (!out) rejectInput("{}: cannot be written", handgraft::quoted(path.string()));

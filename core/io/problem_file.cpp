@@ -37,10 +37,9 @@ class Field {
                 fmt::format(format, std::forward<Args>(args)...));
   }
 
-  /// Itself, if it has no other keys.
-  const Field& withOnly(std::initializer_list<const char*> permitted) const {
+  /// Errors: InvalidInput if it has other keys.
+  void permitKeys(std::initializer_list<const char*> permitted) const {
     if (const auto fault = formats::unknownKeyIn(value_, permitted)) reject("{}", *fault);
-    return *this;
   }
 
   [[nodiscard]] bool has(const char* key) const { return value_.contains(key); }
@@ -99,7 +98,7 @@ class Field {
 
   [[nodiscard]] Eigen::Vector3d unitVector3() const {
     constexpr double kTolerance = 1e-3;  // as optimize::validate has it
-    const Eigen::Vector3d n = vector3();
+    Eigen::Vector3d n = vector3();
     const double norm = n.norm();
     if (!(std::abs(norm - 1.0) <= kTolerance)) {
       reject("has length {:.6g}; a normal's must be 1 within {}", norm, kTolerance);
@@ -233,7 +232,7 @@ optimize::NormalForm readNormalForm(const Field& field) {
 }
 
 optimize::PointPair readPair(const Field& field, const hand::HandModel& model) {
-  field.withOnly({"link", "p_hand", "n_hand", "p_object", "n_object", "weight"});
+  field.permitKeys({"link", "p_hand", "n_hand", "p_object", "n_object", "weight"});
   optimize::PointPair pair;
   const Field link = field["link"];
   const std::string name = link.text();
@@ -251,7 +250,8 @@ optimize::PointPair readPair(const Field& field, const hand::HandModel& model) {
 
 std::shared_ptr<const hand::HandModel> readHand(const Field& field,
                                                 const std::filesystem::path& folder) {
-  const Field urdf = field.withOnly({"urdf", "packages"})["urdf"];
+  field.permitKeys({"urdf", "packages"});
+  const Field urdf = field["urdf"];
   const std::filesystem::path path = folder / urdf.text();
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
@@ -294,8 +294,8 @@ ProblemFile readProblemFile(const std::filesystem::path& path) {
     format.reject("is {}; it must be '{}'", quoted(format.text()), kFormat);
   }
 
-  file.withOnly({"format", "hand", "dofs", "start", "prior", "lower", "upper", "weights",
-                 "normal_form", "prior_weights", "locked", "correspondences", "notes"});
+  file.permitKeys({"format", "hand", "dofs", "start", "prior", "lower", "upper", "weights",
+                   "normal_form", "prior_weights", "locked", "correspondences", "notes"});
   if (file.has("notes")) {
     for (const Field& note : file["notes"].list())
       static_cast<void>(note.text());
@@ -308,7 +308,8 @@ ProblemFile readProblemFile(const std::filesystem::path& path) {
   problem.start = poseOf(readTheta(file["start"], result.order));
   problem.prior = poseOf(readTheta(file["prior"], result.order));
   readBounds(file, result.order, problem);
-  const Field weights = file["weights"].withOnly({"distance", "normal", "prior"});
+  const Field weights = file["weights"];
+  weights.permitKeys({"distance", "normal", "prior"});
   problem.weights.distance = weights["distance"].weight();
   problem.weights.normal = weights["normal"].weight();
   problem.weights.prior = weights["prior"].weight();

@@ -120,11 +120,8 @@ class SessionField {
     read(numbers);
     if (numbers.size() != 12) reject("has {} numbers; a pose has 12", numbers.size());
     X = Pose::Identity();
-    for (int row = 0; row < 3; ++row) {
-      for (int column = 0; column < 3; ++column)
-        X.matrix()(row, column) = numbers[static_cast<std::size_t>(3 * row + column)];
-      X.matrix()(row, 3) = numbers[static_cast<std::size_t>(9 + row)];
-    }
+    X.linear() = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(numbers.data());
+    X.translation() = Eigen::Map<const Eigen::Vector3d>(numbers.data() + 9);
   }
 
   template <int Rows, int Columns>

@@ -100,7 +100,8 @@ SrdfFile parse(const std::string& text, const hand::HandModel& model) {
   for (const XMLElement* state : states) {
     const std::string name = attributeOf(*state, "name");
     const std::string group = attributeOf(*state, "group");
-    file.poses.push_back(reader.read(*state, uses[name] > 1 ? group + "/" + name : name));
+    file.poses.push_back(
+        reader.read(*state, uses[name] > 1 ? fmt::format("{}/{}", group, name) : name));
   }
   if (states.empty()) file.notes.emplace_back("the SRDF has no group_state, so no named pose");
   if (!reader.unknown().empty())

@@ -77,9 +77,9 @@ std::vector<ContactPlace> placesAround(const geometry::SurfaceLocator& object_O,
 
 std::vector<double> turns(bool direction_is_open) {
   if (!direction_is_open) return {0.0, 0.5 * kTurn, -0.5 * kTurn, kTurn, -kTurn};
-  std::vector<double> all;
-  for (int k = 0; k < 12; ++k)
-    all.push_back(2.0 * std::numbers::pi * k / 12);
+  std::vector<double> all(12);
+  for (std::size_t k = 0; k < all.size(); ++k)
+    all[k] = 2.0 * std::numbers::pi * static_cast<double>(k) / 12;
   return all;
 }
 

@@ -71,7 +71,7 @@ void measureDepths(const hand::Hand& hand,
   const std::thread::id listener = std::this_thread::get_id();
   const auto measure = [&](int i) {
     progress.checkpoint();
-    const auto k = static_cast<std::size_t>(range.first + i);
+    const auto k = static_cast<std::size_t>(range.first) + static_cast<std::size_t>(i);
     if (std::this_thread::get_id() == listener) {
       progress.report("measuring depths",
                       static_cast<double>(k) / static_cast<double>(poses.size()));
@@ -117,6 +117,54 @@ FrameRange stretchOf(const session::TimedEdit& edit, const std::vector<double>& 
   return range;
 }
 
+/// How an edit moves a patch of the grasp that stands for the motion.
+Shift shiftOf(const geometry::TriangleMesh& mesh_O,
+              const contact::Patch& unedited,
+              const session::DocumentPatch& now) {
+  Shift shift;
+  const bool is_same = now.root_O.face == unedited.root.face &&
+                       now.root_O.barycentric == unedited.root.barycentric;
+  if (!is_same)
+    shift.way_T = wayTo(mesh_O, unedited.root, *unedited.direction_O, now.root_O, now.name);
+  if (now.direction_O && !now.direction_is_open) {
+    const Eigen::Vector3d carried =
+        tangentCarried(mesh_O, unedited.root, now.root_O, *unedited.direction_O);
+    const Eigen::Vector3d n = normalOf(mesh_O, now.root_O);
+    const double turn =
+        std::atan2(n.dot(carried.cross(*now.direction_O)), carried.dot(*now.direction_O));
+    if (std::abs(turn) > 1e-9) shift.turn_rad = turn;
+  }
+  return shift;
+}
+
+/// The motion with roots and directions that were edited for all of it.
+Motion withEdits(const Motion& motion,
+                 const contact::ContactSet& grasp,
+                 const session::Document& document,
+                 const geometry::TriangleMesh& mesh_O) {
+  const std::vector<std::string> names = patchNames(motion);
+  Motion edited = motion;
+  for (std::size_t i = 0; i < names.size() && i < document.patches.size(); ++i) {
+    const session::DocumentPatch& now = document.patches[i];
+    const Shift shift = shiftOf(mesh_O, withDirection(mesh_O, grasp.patches[i]), now);
+    for (PatchTrack& track : edited.tracks) {
+      if (track.name != names[i]) continue;
+      track.dropped = now.dropped;
+      if (shift.isNone()) continue;
+      for (PatchKey& key : track.keys)
+        key.patch = movedOver(mesh_O, key.patch, shift);
+    }
+  }
+  return edited;
+}
+
+/// Where the patches of the same motion lay on the hand.
+void takePlacements(const Motion& from, Motion& to) {
+  for (std::size_t t = 0; t < to.tracks.size(); ++t)
+    for (std::size_t i = 0; i < to.tracks[t].keys.size(); ++i)
+      to.tracks[t].keys[i].placement = from.tracks[t].keys[i].placement;
+}
+
 }  // namespace
 
 EditedMotion::EditedMotion(std::shared_ptr<const Motion> motion,
@@ -158,7 +206,7 @@ std::shared_ptr<const SolvedMotion> EditedMotion::solve(const session::Document&
   key.add(solving.options.seed);
   const Work work{document, hand, solving, threads, progress, key.take(), from_nothing};
   const Base& unedited = base(work);
-  const std::shared_ptr<const SolvedMotion> first = unedited.solved;
+  std::shared_ptr<const SolvedMotion> first = unedited.solved;
   if (document.timed.empty()) return first;
   auto solved = std::make_shared<SolvedMotion>(*first);
   const Laid& as_laid = *unedited.laid;
@@ -192,43 +240,11 @@ std::shared_ptr<const EditedMotion::Laid> EditedMotion::laid(
     before = bases_.front().laid;
   if (before && key == before->key) return before;
   const MotionLayer layer(work.document, work.hand, *object_O_, *motion_);
-  // Roots and directions that were edited for all of the motion.
-  const std::vector<std::string> names = patchNames(*motion_);
-  Motion edited = *motion_;
-  for (std::size_t i = 0; i < names.size() && i < work.document.patches.size(); ++i) {
-    const session::DocumentPatch& now = work.document.patches[i];
-    for (PatchTrack& track : edited.tracks)
-      if (track.name == names[i]) track.dropped = now.dropped;
-    const contact::Patch unedited = withDirection(*object_O_, grasp_.patches[i]);
-    Shift shift;
-    const auto same = [&] {
-      return now.root_O.face == unedited.root.face &&
-             now.root_O.barycentric == unedited.root.barycentric;
-    };
-    if (!same())
-      shift.way_T =
-          wayTo(*object_O_, unedited.root, *unedited.direction_O, now.root_O, now.name);
-    if (now.direction_O && !now.direction_is_open) {
-      const Eigen::Vector3d carried =
-          tangentCarried(*object_O_, unedited.root, now.root_O, *unedited.direction_O);
-      const Eigen::Vector3d n = normalOf(*object_O_, now.root_O);
-      const double turn =
-          std::atan2(n.dot(carried.cross(*now.direction_O)), carried.dot(*now.direction_O));
-      if (std::abs(turn) > 1e-9) shift.turn_rad = turn;
-    }
-    if (shift.isNone()) continue;
-    for (PatchTrack& track : edited.tracks) {
-      if (track.name != names[i]) continue;
-      for (PatchKey& patch_key : track.keys)
-        patch_key.patch = movedOver(*object_O_, patch_key.patch, shift);
-    }
-  }
+  Motion edited = withEdits(*motion_, grasp_, work.document, *object_O_);
   std::optional<manipulation::MotionCharts> charts;
   const MotionPlaces places(work.document, work.hand, *object_O_, edited);
   if (before) {
-    for (std::size_t t = 0; t < edited.tracks.size(); ++t)
-      for (std::size_t i = 0; i < edited.tracks[t].keys.size(); ++i)
-        edited.tracks[t].keys[i].placement = before->motion.tracks[t].keys[i].placement;
+    takePlacements(before->motion, edited);
     places.settle(edited);
   } else {
     places.deal(edited);
@@ -312,6 +328,7 @@ void EditedMotion::solveStretches(const Work& work,
                                   const OnStretch& on_stretch) {
   const std::vector<session::TimedEdit>& timed = work.document.timed;
   std::vector<FrameRange> ranges;
+  ranges.reserve(timed.size());
   for (const session::TimedEdit& edit : timed)
     ranges.push_back(stretchOf(edit, solved.problem.time_s));
 

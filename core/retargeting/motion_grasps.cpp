@@ -129,6 +129,7 @@ std::vector<FrameGrasp> graspFrames(
 
 std::vector<manipulation::FramePose> posesOf(const std::vector<FrameGrasp>& grasps) {
   std::vector<manipulation::FramePose> poses_O;
+  poses_O.reserve(grasps.size());
   for (const FrameGrasp& grasp : grasps)
     poses_O.push_back({grasp.frame, grasp.pose_O});
   return poses_O;

@@ -57,7 +57,7 @@ Eigen::Vector2d wayTo(const geometry::TriangleMesh& mesh,
   const geometry::LogMap map =
       geometry::computeLogMap(mesh, from, direction, std::numeric_limits<double>::infinity(),
                               geometry::LogMapMethod::kFast);
-  const Eigen::Vector2d way = logCoordinates(mesh, map, to);
+  Eigen::Vector2d way = logCoordinates(mesh, map, to);
   if (!way.allFinite())
     rejectInput("patch {}: no way over the surface leads to its new root", quoted(patch));
   return way;

@@ -42,7 +42,9 @@ struct Shifts {
 
   [[nodiscard]] bool isNone() const { return on_object.isNone() && on_hand.isNone(); }
 
-  auto operator<=>(const Shifts&) const = default;
+  auto operator<=>(const Shifts& other) const {
+    return std::tie(on_object, on_hand) <=> std::tie(other.on_object, other.on_hand);
+  }
 };
 
 contact::Patch withDirection(const geometry::TriangleMesh& mesh, contact::Patch patch);

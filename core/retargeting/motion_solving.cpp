@@ -126,7 +126,7 @@ SolvedMotion solveMotion(const session::Document& document,
                          int threads,
                          const Progress& progress) {
   EditedMotion edited(std::make_shared<const Motion>(motion), object_O);
-  return *edited.solve(document, hand, std::move(solving), threads, progress);
+  return *edited.solve(document, hand, solving, threads, progress);
 }
 
 MotionFits::MotionFits(const Motion& motion, const SolvedMotion& solved)

@@ -123,7 +123,7 @@ class EditsAtTimes {
   [[nodiscard]] std::map<int, Move> movesOf(std::size_t patch,
                                             const PatchTrack& track,
                                             const MotionLayer& layer) const;
-  void moveTrack(int track, std::size_t patch, const MotionLayer& layer);
+  void moveTrack(int index, std::size_t patch, const MotionLayer& layer);
 
   const LaidOut& at_;
   const Progress& progress_;

@@ -12,15 +12,13 @@
 
 namespace handgraft::idl {
 
-using namespace rtps;
-
 struct DatagramFilter::Submessage {
   std::uint8_t kind;
   std::uint8_t flags;
-  Bytes whole;  ///< with its header
+  rtps::Bytes whole;  ///< with its header
 
-  [[nodiscard]] Piece body() const {
-    return {whole.subspan(kSubmessageHeader), (flags & kLittleEndian) != 0};
+  [[nodiscard]] rtps::Piece body() const {
+    return {whole.subspan(rtps::kSubmessageHeader), (flags & rtps::kLittleEndian) != 0};
   }
 };
 
@@ -30,7 +28,7 @@ DatagramFilter::GuidBegin DatagramFilter::beginOf(const Prefix& source) {
   return begin;
 }
 
-bool DatagramFilter::isAsBefore(const Prefix& source, Bytes announcement) {
+bool DatagramFilter::isAsBefore(const Prefix& source, rtps::Bytes announcement) {
   // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): bytes, to be compared
   const std::string_view text(reinterpret_cast<const char*>(announcement.data()),
                               announcement.size());
@@ -57,15 +55,16 @@ bool DatagramFilter::isAsBefore(const Prefix& source, Bytes announcement) {
 
 bool DatagramFilter::isHandshakeOrAnnouncement(const Prefix& source,
                                                const Submessage& submessage) {
-  const Piece body = submessage.body();
+  const rtps::Piece body = submessage.body();
   if (!isSound(source, submessage) || !isPlainSample(body, submessage.flags)) return false;
   const std::uint32_t reader = body.entity(4);
   const std::uint32_t writer = body.entity(8);
   const std::size_t at = payloadOf(body, submessage.flags, 20).value();
-  const Piece payload{body.bytes.subspan(at + 4), body.bytes[at + 1] % 2 == 1};
-  if (writer == kParticipantWriter && (reader == kParticipantReader || reader == 0))
+  const rtps::Piece payload{body.bytes.subspan(at + 4), body.bytes[at + 1] % 2 == 1};
+  if (writer == rtps::kParticipantWriter && (reader == rtps::kParticipantReader || reader == 0))
     return hasSoundTokens(payload) && isAsBefore(source, payload.bytes);
-  if (writer != kHandshakeWriter || (reader != kHandshakeReader && reader != 0)) return false;
+  if (writer != rtps::kHandshakeWriter || (reader != rtps::kHandshakeReader && reader != 0))
+    return false;
   if (!isHandshake(payload)) return false;
   if (on_certificate_) {
     const auto shown = shownCertificate(payload.bytes, payload.little);
@@ -77,8 +76,8 @@ bool DatagramFilter::isHandshakeOrAnnouncement(const Prefix& source,
 
 std::optional<std::vector<std::uint8_t>> DatagramFilter::wholeHandshake(
     const Prefix& source, const Submessage& fragment) {
-  const Piece body = fragment.body();
-  if (!isDataFragment(body, fragment.flags) || body.entity(8) != kHandshakeWriter)
+  const rtps::Piece body = fragment.body();
+  if (!isDataFragment(body, fragment.flags) || body.entity(8) != rtps::kHandshakeWriter)
     return std::nullopt;
   const std::size_t at = payloadOf(body, fragment.flags, 32).value();
   std::optional<std::vector<std::uint8_t>> sample;
@@ -92,10 +91,11 @@ std::optional<std::vector<std::uint8_t>> DatagramFilter::wholeHandshake(
   constexpr std::size_t kFixed = 20;
   constexpr std::uint8_t kToSample = 16;
   const std::size_t length = kFixed + sample->size();
-  const std::uint8_t little = fragment.flags & kLittleEndian;
+  const std::uint8_t little = fragment.flags & rtps::kLittleEndian;
   const auto low = static_cast<std::uint8_t>(length);
   const auto high = static_cast<std::uint8_t>(length >> 8U);
-  std::vector<std::uint8_t> made{kData, static_cast<std::uint8_t>(little | kHasData)};
+  std::vector<std::uint8_t> made{rtps::kData,
+                                 static_cast<std::uint8_t>(little | rtps::kHasData)};
   if (little != 0)
     made.insert(made.end(), {low, high, 0, 0, kToSample, 0});
   else
@@ -118,8 +118,8 @@ bool DatagramFilter::isRefused(const Prefix& source) {
 }
 
 bool DatagramFilter::isWithinShare(const Prefix& source, const Submessage& submessage) {
-  if (reader_ != Reader::kFastDds || submessage.kind != kData) return true;
-  if ((submessage.body().entity(8) & kBuiltin) == kBuiltin) return true;
+  if (reader_ != Reader::kFastDds || submessage.kind != rtps::kData) return true;
+  if ((submessage.body().entity(8) & rtps::kBuiltin) == rtps::kBuiltin) return true;
   const auto now = std::chrono::steady_clock::now();
   const std::lock_guard lock(mutex_);
   if (shares_.size() >= kMostParticipants && shares_.count(source) == 0) shares_.clear();
@@ -152,20 +152,20 @@ bool DatagramFilter::Share::take(double per_second,
 
 bool DatagramFilter::isKeptFrom(const Submessage& submessage) const {
   if (reader_ == Reader::kFastDds) return false;
-  const Piece body = submessage.body();
+  const rtps::Piece body = submessage.body();
   switch (submessage.kind) {
-    case kHeartbeat:
-    case kHeartbeatFragment:
-    case kGap: {
+    case rtps::kHeartbeat:
+    case rtps::kHeartbeatFragment:
+    case rtps::kGap: {
       const std::uint32_t writer = body.entity(4);
-      return writer == kTypeRequestWriter || writer == kTypeReplyWriter;
+      return writer == rtps::kTypeRequestWriter || writer == rtps::kTypeReplyWriter;
     }
-    case kData: {
+    case rtps::kData: {
       const std::uint32_t writer = body.entity(8);
-      return writer == kTypeRequestWriter || writer == kTypeReplyWriter;
+      return writer == rtps::kTypeRequestWriter || writer == rtps::kTypeReplyWriter;
     }
-    case kDataFragment:
-      return (body.entity(8) & kBuiltin) == kBuiltin;
+    case rtps::kDataFragment:
+      return (body.entity(8) & rtps::kBuiltin) == rtps::kBuiltin;
     default:
       return false;
   }
@@ -173,19 +173,19 @@ bool DatagramFilter::isKeptFrom(const Submessage& submessage) const {
 
 std::optional<std::size_t> DatagramFilter::secured(const Prefix& source,
                                                    const Submessage& submessage,
-                                                   Bytes rest) {
+                                                   rtps::Bytes rest) {
   const std::size_t own = submessage.whole.size();
   switch (submessage.kind) {
-    case kInfoTimestamp:
-    case kInfoSource:
-    case kInfoDestination:
+    case rtps::kInfoTimestamp:
+    case rtps::kInfoSource:
+    case rtps::kInfoDestination:
       if (!isSound(source, submessage)) return std::nullopt;
       return own;
-    case kData:
+    case rtps::kData:
       return isHandshakeOrAnnouncement(source, submessage) ? own : 0;
-    case kSecurePrefix: {
+    case rtps::kSecurePrefix: {
       std::size_t length = own;
-      for (const std::uint8_t kind : {kSecureBody, kSecurePostfix}) {
+      for (const std::uint8_t kind : {rtps::kSecureBody, rtps::kSecurePostfix}) {
         const auto next = submessageAt(rest);
         if (!next || next->kind != kind) return std::nullopt;
         length += next->whole.size();
@@ -198,16 +198,16 @@ std::optional<std::size_t> DatagramFilter::secured(const Prefix& source,
   }
 }
 
-std::optional<DatagramFilter::Submessage> DatagramFilter::submessageAt(Bytes rest) {
-  if (rest.size() < kSubmessageHeader) return std::nullopt;
+std::optional<DatagramFilter::Submessage> DatagramFilter::submessageAt(rtps::Bytes rest) {
+  if (rest.size() < rtps::kSubmessageHeader) return std::nullopt;
   const std::uint8_t kind = rest[0];
   const std::uint8_t flags = rest[1];
-  std::size_t length = Piece{rest, (flags & kLittleEndian) != 0}.u16(2);
+  std::size_t length = rtps::Piece{rest, (flags & rtps::kLittleEndian) != 0}.u16(2);
   // 9.4.5.1.3: the last one may leave its length out, where it may not be empty.
-  if (length == 0 && kind != kPad && kind != kInfoTimestamp)
-    length = rest.size() - kSubmessageHeader;
-  if (length > rest.size() - kSubmessageHeader) return std::nullopt;
-  return Submessage{kind, flags, rest.first(kSubmessageHeader + length)};
+  if (length == 0 && kind != rtps::kPad && kind != rtps::kInfoTimestamp)
+    length = rest.size() - rtps::kSubmessageHeader;
+  if (length > rest.size() - rtps::kSubmessageHeader) return std::nullopt;
+  return Submessage{kind, flags, rest.first(rtps::kSubmessageHeader + length)};
 }
 
 bool DatagramFilter::follows(const Prefix& source,
@@ -249,37 +249,37 @@ void DatagramFilter::forgetSilent(std::chrono::steady_clock::time_point now) {
 }
 
 bool DatagramFilter::isSound(const Prefix& source, const Submessage& submessage) {
-  const Piece body = submessage.body();
+  const rtps::Piece body = submessage.body();
   switch (submessage.kind) {
-    case kAckNack: {
-      const auto set = setLength(body, 8, 8);
+    case rtps::kAckNack: {
+      const auto set = rtps::setLength(body, 8, 8);
       return set && body.fits(8, *set + 4) && body.sequence(8) >= 0;
     }
-    case kNackFragment: {
-      const auto set = setLength(body, 16, 4);
+    case rtps::kNackFragment: {
+      const auto set = rtps::setLength(body, 16, 4);
       return set && body.fits(16, *set + 4) && body.sequence(8) >= 1;
     }
-    case kHeartbeat:
+    case rtps::kHeartbeat:
       return body.fits(0, 28) &&
              follows(source, body.entity(4), std::max<std::int64_t>(1, body.sequence(8)),
                      body.sequence(16));
-    case kHeartbeatFragment:
+    case rtps::kHeartbeatFragment:
       return body.fits(0, 24) && body.u32(16) <= kLargestSample &&
              follows(source, body.entity(4), body.sequence(8), body.sequence(8));
-    case kGap: {
-      const auto set = setLength(body, 16, 8);
+    case rtps::kGap: {
+      const auto set = rtps::setLength(body, 16, 8);
       return set && follows(source, body.entity(4), body.sequence(8), body.sequence(16));
     }
-    case kInfoTimestamp:
+    case rtps::kInfoTimestamp:
       return (submessage.flags & 0x02) != 0 || body.fits(0, 8);
-    case kInfoSource:  // unused, version, vendor, prefix
+    case rtps::kInfoSource:  // unused, version, vendor, prefix
       return body.bytes.size() == 20 && body.bytes[4] == 2;
-    case kInfoDestination:
+    case rtps::kInfoDestination:
       return body.fits(0, 12);
-    case kData:
+    case rtps::kData:
       return isData(body, submessage.flags, source) &&
              follows(source, body.entity(8), body.sequence(12), body.sequence(12));
-    case kDataFragment:
+    case rtps::kDataFragment:
       return isDataFragment(body, submessage.flags) &&
              follows(source, body.entity(8), body.sequence(12), body.sequence(12));
     default:
@@ -301,10 +301,10 @@ DatagramFilter::Passage DatagramFilter::passSecuredFragment(const Prefix& source
 std::optional<DatagramFilter::Passage> DatagramFilter::passSecured(
     const Prefix& source,
     const Submessage& submessage,
-    Bytes rest,
+    rtps::Bytes rest,
     std::vector<std::uint8_t>& kept) {
   const std::uint8_t kind = submessage.kind;
-  if (kind == kDataFragment) return passSecuredFragment(source, submessage, kept);
+  if (kind == rtps::kDataFragment) return passSecuredFragment(source, submessage, kept);
   const auto length = secured(source, submessage, rest);
   if (!length) return std::nullopt;
   if (*length == 0) return Passage{submessage.whole.size(), false};
@@ -313,59 +313,60 @@ std::optional<DatagramFilter::Passage> DatagramFilter::passSecured(
   kept.insert(kept.end(), submessage.whole.begin(), submessage.whole.end());
   const std::size_t belonging = *length - submessage.whole.size();
   kept.insert(kept.end(), rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(belonging));
-  if (kind == kData && reader_ == Reader::kCyclone) blankTypes(std::span(kept).subspan(at));
-  return Passage{*length, kind == kData || kind == kSecurePrefix};
+  if (kind == rtps::kData && reader_ == Reader::kCyclone)
+    rtps::blankTypes(std::span(kept).subspan(at));
+  return Passage{*length, kind == rtps::kData || kind == rtps::kSecurePrefix};
 }
 
 std::optional<DatagramFilter::Passage> DatagramFilter::passOpen(
     const Prefix& source, const Submessage& submessage, std::vector<std::uint8_t>& kept) {
   const std::uint8_t kind = submessage.kind;
-  const Bytes whole = submessage.whole;
-  if (!isPassed(kind)) return Passage{whole.size(), false};
+  const rtps::Bytes whole = submessage.whole;
+  if (!rtps::isPassed(kind)) return Passage{whole.size(), false};
   if (!isSound(source, submessage)) return std::nullopt;
   if (isKeptFrom(submessage) || !isWithinShare(source, submessage))
     return Passage{whole.size(), false};
   const std::size_t at = kept.size();
   kept.insert(kept.end(), whole.begin(), whole.end());
   const auto added = std::span(kept).subspan(at);
-  if (kind == kAckNack && reader_ == Reader::kFastDds) beginAnew(added);
-  if (kind == kData && reader_ == Reader::kCyclone) blankTypes(added);
+  if (kind == rtps::kAckNack && reader_ == Reader::kFastDds) rtps::beginAnew(added);
+  if (kind == rtps::kData && reader_ == Reader::kCyclone) rtps::blankTypes(added);
   return Passage{whole.size(), true};
 }
 
 std::optional<DatagramFilter::Passage> DatagramFilter::passOne(
     const Prefix& source,
     const Submessage& submessage,
-    Bytes rest,
+    rtps::Bytes rest,
     std::vector<std::uint8_t>& kept) {
-  if (submessage.kind == kData && passes_over_clients_ &&
+  if (submessage.kind == rtps::kData && passes_over_clients_ &&
       announcesAClient(submessage.body(), submessage.flags))
     return Passage{submessage.whole.size(), false};
   return domain_ == Domain::kSecured ? passSecured(source, submessage, rest, kept)
                                      : passOpen(source, submessage, kept);
 }
 
-std::span<const std::uint8_t> DatagramFilter::pass(Bytes datagram,
+std::span<const std::uint8_t> DatagramFilter::pass(rtps::Bytes datagram,
                                                    std::vector<std::uint8_t>& kept) {
   constexpr std::array<std::uint8_t, 5> kProtocol{'R', 'T', 'P', 'S', 2};
-  if (datagram.size() < kMessageHeader + kSubmessageHeader ||
+  if (datagram.size() < rtps::kMessageHeader + rtps::kSubmessageHeader ||
       !std::equal(kProtocol.begin(), kProtocol.end(), datagram.begin()))
     return {};
   Prefix source;
   std::copy_n(datagram.begin() + 8, source.size(), source.begin());
   if (isRefused(source)) return {};
 
-  kept.assign(datagram.begin(), datagram.begin() + kMessageHeader);
+  kept.assign(datagram.begin(), datagram.begin() + rtps::kMessageHeader);
   bool has_content = false;  // beyond what says of whom and for whom the rest is
-  for (Bytes rest = datagram.subspan(kMessageHeader); !rest.empty();) {
+  for (rtps::Bytes rest = datagram.subspan(rtps::kMessageHeader); !rest.empty();) {
     const auto submessage = submessageAt(rest);
     if (!submessage) return {};
-    const Bytes whole = submessage->whole;
+    const rtps::Bytes whole = submessage->whole;
     const auto passage = passOne(source, *submessage, rest.subspan(whole.size()), kept);
     if (!passage) return {};
     has_content = has_content || passage->has_content;
     // Cyclone DDS packs what several participants of a process say: the rest is another's.
-    if (submessage->kind == kInfoSource && whole.size() >= source.size()) {
+    if (submessage->kind == rtps::kInfoSource && whole.size() >= source.size()) {
       std::copy_n(whole.end() - std::ssize(source), source.size(), source.begin());
       if (isRefused(source)) return {};
     }

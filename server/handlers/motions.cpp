@@ -179,7 +179,7 @@ v1::MotionFrame frameMessage(const LiveMotion& motion,
 std::size_t bytesOfFrame(const LiveMotion& motion, bool with_shapes) {
   const hand::HandModel& model = *motion.solved->problem.model;
   constexpr std::size_t kPatchBytes = 64;
-  constexpr std::size_t kOutlineBytes = 2 * 25 * 24;
+  constexpr std::size_t kOutlineBytes = std::size_t{2} * 25 * 24;
   constexpr std::size_t kPoseBytes = 56;
   const auto patches = motion.motion->tracks.size();
   std::size_t bytes = 256 + 48 * static_cast<std::size_t>(model.dofCount());

@@ -96,7 +96,7 @@ class ByteReader {
 
   std::string text(std::size_t most = std::numeric_limits<std::size_t>::max()) {
     const std::size_t size = count(most, 1);
-    const std::string text(left_.substr(0, size));
+    std::string text(left_.substr(0, size));
     left_.remove_prefix(size);
     return text;
   }

@@ -21,9 +21,8 @@
 #include "server/reading/sandbox.h"
 #include "server/reading/units.h"
 
+namespace handgraft {
 namespace {
-
-using namespace handgraft;
 using server::FrameKind;
 
 std::string requestBytes() {
@@ -85,6 +84,7 @@ void answer() {
 }
 
 }  // namespace
+}  // namespace handgraft
 
 int main(int argc, char** argv) {
   if (argc != 4) {
@@ -92,11 +92,11 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    server::Confinement limits;
+    handgraft::server::Confinement limits;
     limits.memory_bytes = std::stoull(argv[1]) << 20;
     limits.seconds = static_cast<unsigned>(std::stoul(argv[2]));
-    server::confine(limits, static_cast<pid_t>(std::stol(argv[3])));
-    answer();
+    handgraft::server::confine(limits, static_cast<pid_t>(std::stol(argv[3])));
+    handgraft::answer();
   } catch (const std::exception& error) {
     std::fprintf(stderr, "handgraft-reader: %s\n", error.what());
     _exit(EXIT_FAILURE);

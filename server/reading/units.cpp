@@ -57,6 +57,7 @@ double metresPer(const std::string& units) {
   if (units.empty()) return 1.0;
   if (const LengthUnit* unit = lengthUnitCalled(units)) return unit->metres;
   std::vector<std::string_view> names;
+  names.reserve(std::size(kLengthUnits));
   for (const LengthUnit& unit : kLengthUnits)
     names.push_back(unit.name);
   rejectInput("units {} are not known; permitted are {}", handgraft::quoted(units),

@@ -12,6 +12,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "core/base/environment.h"
+
 namespace handgraft::server {
 
 namespace {
@@ -43,9 +45,8 @@ std::vector<std::string> childEnvironment() {
   std::vector<std::string> kept;
   for (const char* name :
        {"LD_LIBRARY_PATH", "ASAN_OPTIONS", "TSAN_OPTIONS", "UBSAN_OPTIONS"}) {
-    // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody writes the environment.
-    const char* value = std::getenv(name);
-    if (value != nullptr) kept.push_back(std::string(name) + "=" + value);
+    if (const std::string value = environment(name); !value.empty())
+      kept.push_back(fmt::format("{}={}", name, value));
   }
   return kept;
 }

@@ -246,7 +246,7 @@ std::size_t ModelStore::size() const {
 StoredHand storedHand(std::string name, Origin origin, ReadHand read, const HandReading& how) {
   StoredHand hand;
   hand.name = std::move(name);
-  hand.origin = origin;
+  hand.origin = std::move(origin);
   hand.urdf = std::move(read.urdf);
   hand.notes = std::move(read.notes);
   hand.hand =
@@ -264,8 +264,8 @@ StoredObject storedObject(std::string name,
                           Origin origin,
                           io::MeshFile read,
                           std::string units) {
-  return {std::move(name), origin, std::make_shared<const io::MeshFile>(std::move(read)),
-          std::move(units)};
+  return {std::move(name), std::move(origin),
+          std::make_shared<const io::MeshFile>(std::move(read)), std::move(units)};
 }
 
 StoredContacts storedContacts(std::string name,
@@ -275,7 +275,7 @@ StoredContacts storedContacts(std::string name,
                               std::string object_name) {
   StoredContacts contacts;
   contacts.name = std::move(name);
-  contacts.origin = origin;
+  contacts.origin = std::move(origin);
   contacts.object = std::move(object);
   contacts.set = std::move(read.set);
   // An object sent under another name may be the same; its numbers of faces say nothing else.

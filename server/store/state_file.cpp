@@ -1,46 +1,31 @@
 #include "server/store/state_file.h"
 
-#include <cstdlib>
 #include <filesystem>
 #include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "core/base/environment.h"
 #include "core/base/error.h"
 
 namespace handgraft::server {
 
 namespace fs = std::filesystem;
 
-namespace {
-
-/// Of the environment; empty: it says nothing.
-std::string variable(const char* name) {
-  // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody writes the environment.
-  const char* value = std::getenv(name);
-  return value == nullptr ? "" : value;
-}
-
-}  // namespace
-
 StateFile stateFile(const std::string& folder, const Network& network) {
   if (folder == ":memory:") return {folder, ""};
   fs::path in = folder;
   if (in.empty()) {
     // systemd names several with colons between.
-    const std::string systemd = variable("STATE_DIRECTORY");
+    const std::string systemd = environment("STATE_DIRECTORY");
     in = systemd.substr(0, systemd.find(':'));
   }
   const bool is_chosen = !in.empty();
   if (in.empty()) {
-    if (const std::string xdg = variable("XDG_STATE_HOME"); !xdg.empty()) {
-      in = fs::path(xdg) / "handgraft";
-    } else if (const std::string home = variable("HOME"); !home.empty()) {
-      in = fs::path(home) / ".local" / "state" / "handgraft";
-    } else {
-      return {":memory:", "neither $XDG_STATE_HOME nor $HOME says where it is kept"};
-    }
+    const auto state = userFolder("XDG_STATE_HOME", ".local/state");
+    if (!state) return {":memory:", "neither $XDG_STATE_HOME nor $HOME says where it is kept"};
+    in = *state / "handgraft";
   }
   std::error_code error;
   const bool is_new = fs::create_directories(in, error);

@@ -39,8 +39,8 @@ thread_local const Sender* addressee = nullptr;
 
 class ForOne final : public eprosima::fastdds::rtps::IReaderDataFilter {
  public:
-  bool is_relevant(const rtps::CacheChange_t& /*change*/,
-                   const rtps::GUID_t& reader) const override {
+  [[nodiscard]] bool is_relevant(const rtps::CacheChange_t& /*change*/,
+                                 const rtps::GUID_t& reader) const override {
     const auto& prefix = reader.guidPrefix.value;
     return addressee != nullptr &&
            std::equal(std::begin(prefix), std::end(prefix), addressee->begin());

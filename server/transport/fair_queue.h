@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace handgraft::server {
@@ -33,7 +34,11 @@ class FairQueue {
     std::array<std::uint8_t, 16> address{};
     std::uint32_t port = 0;
 
-    auto operator<=>(const Sender&) const = default;
+    bool operator==(const Sender&) const = default;
+
+    bool operator<(const Sender& other) const {
+      return std::tie(address, port) < std::tie(other.address, other.port);
+    }
   };
 
   struct Datagram {

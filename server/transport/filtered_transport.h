@@ -147,9 +147,9 @@ struct FilteredTransportDescriptor final : FilteredTransport::Descriptor {
         filter(std::move(with)),
         largest(largest_sent) {}
 
-  std::uint32_t max_message_size() const override { return largest; }
+  [[nodiscard]] std::uint32_t max_message_size() const override { return largest; }
 
-  eprosima::fastdds::rtps::TransportInterface* create_transport() const override {
+  [[nodiscard]] eprosima::fastdds::rtps::TransportInterface* create_transport() const override {
     return new FilteredTransport(*this, filter);
   }
 

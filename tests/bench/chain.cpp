@@ -1,7 +1,6 @@
 #include "tests/bench/chain.h"
 
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -10,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/base/environment.h"
 #include "core/base/error.h"
 
 #include "tests/bench/chain_pair.h"
@@ -34,9 +34,8 @@ struct ChainArguments {
 
 /// Where the pairs lie. Errors: InvalidInput if nobody says.
 fs::path sharedData() {
-  // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody writes the environment.
-  const char* shared = std::getenv("HANDGRAFT_SHARED_DATA");
-  if (shared == nullptr)
+  const fs::path shared = environment("HANDGRAFT_SHARED_DATA");
+  if (shared.empty())
     rejectInput("--hand, --object and --contacts, or HANDGRAFT_SHARED_DATA, must be given");
   return shared;
 }

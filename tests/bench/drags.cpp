@@ -1,7 +1,6 @@
 #include "tests/bench/drags.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -13,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/environment.h"
 #include "core/geometry/signed_distance.h"
 #include "core/hand/kinematics.h"
 
@@ -188,15 +188,13 @@ class Dragging {
 
 std::vector<std::pair<hand::Hand, ScannedGrasp>> casesOf(const Arguments& arguments) {
   std::vector<std::pair<hand::Hand, ScannedGrasp>> cases;
-  // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody writes the environment.
-  const char* shared = std::getenv("HANDGRAFT_SHARED_DATA");
-  if (shared == nullptr) {
+  const fs::path data = environment("HANDGRAFT_SHARED_DATA");
+  if (data.empty()) {
     const ScannedGrasp box = builtInGrasp(arguments.models, "box", "box_5");
     for (const char* name : {"human20", "tendon16", "allegro16"})
       cases.emplace_back(builtInHand(arguments.models, name, arguments.cache).hand, box);
     return cases;
   }
-  const fs::path data = shared;
   const ScannedGrasp bottle =
       readGrasp("mustard", data / "objects/ycb/006_mustard_bottle.obj",
                 data / "contacts/dexycb/006_mustard_bottle_grasp0_contact.ply", false);

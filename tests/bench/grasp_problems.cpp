@@ -1,10 +1,10 @@
 #include "tests/bench/grasp_problems.h"
 
-#include <cstdlib>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "core/base/environment.h"
 #include "core/base/pose.h"
 
 namespace handgraft::bench {
@@ -23,9 +23,7 @@ FiledHand filedHand(const fs::path& urdf, const fs::path& cache) {
 
 /// Empty where nobody says.
 fs::path sharedData() {
-  // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody writes the environment.
-  const char* shared = std::getenv("HANDGRAFT_SHARED_DATA");
-  return shared == nullptr ? fs::path() : fs::path(shared);
+  return environment("HANDGRAFT_SHARED_DATA");
 }
 
 }  // namespace

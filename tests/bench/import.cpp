@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <numbers>
@@ -14,6 +13,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "core/base/environment.h"
 #include "core/base/error.h"
 
 #include "tests/bench/contact_import.h"
@@ -189,11 +189,10 @@ void run(ImportArguments arguments) {
   if (arguments.poses < 1 || arguments.poses > 100'000)
     rejectInput("--poses: {} must lie in 1 to 100000", arguments.poses);
   if (arguments.folders.empty()) {
-    // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody writes the environment.
-    const char* shared = std::getenv("HANDGRAFT_SHARED_DATA");
-    if (shared == nullptr)
+    const std::string shared = environment("HANDGRAFT_SHARED_DATA");
+    if (shared.empty())
       rejectInput("no folder is given and HANDGRAFT_SHARED_DATA is not set; name one");
-    arguments.folders = {std::string(shared) + "/hands", std::string(shared) + "/contacts"};
+    arguments.folders = {shared + "/hands", shared + "/contacts"};
   }
   Imports imports;
   for (const auto& urdf : urdfsIn(arguments.folders))

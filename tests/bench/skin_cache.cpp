@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "core/base/environment.h"
 #include "core/base/error.h"
 #include "core/base/progress.h"
 #include "core/hand/skin_cache.h"
@@ -22,11 +23,8 @@ constexpr double kLongestEdge = 0.05;   // m
 }  // namespace
 
 fs::path defaultCache() {
-  // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody writes the environment.
-  const char* home = std::getenv("XDG_CACHE_HOME");
-  const fs::path folder =
-      home != nullptr && *home != '\0' ? fs::path(home) : fs::temp_directory_path();
-  return folder / "handgraft-bench";
+  const fs::path home = environment("XDG_CACHE_HOME");
+  return (home.empty() ? fs::temp_directory_path() : home) / "handgraft-bench";
 }
 
 hand::Skin skinOfSize(const hand::HandModel& model, int vertex_count, const fs::path& cache) {

@@ -1,6 +1,5 @@
 #include "tests/bench/thin_walls.h"
 
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -10,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/environment.h"
 #include "core/contact/reproject.h"
 
 #include "tests/bench/chain_pair.h"
@@ -119,10 +119,8 @@ std::vector<std::pair<hand::Hand, ScannedGrasp>> casesOf(const Arguments& argume
     cases.emplace_back(built_in(name), bowl);
     cases.emplace_back(built_in(name), sheet);
   }
-  // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody writes the environment.
-  const char* shared = std::getenv("HANDGRAFT_SHARED_DATA");
-  if (shared == nullptr) return cases;
-  const fs::path data = shared;
+  const fs::path data = environment("HANDGRAFT_SHARED_DATA");
+  if (data.empty()) return cases;
   const ScannedGrasp mug = readGrasp("mug", data / "objects/ycb/025_mug.obj",
                                      data / "contacts/dexycb/025_mug_grasp0_contact.ply", true);
   for (const char* urdf :

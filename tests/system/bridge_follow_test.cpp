@@ -15,6 +15,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "core/base/environment.h"
 #include "idl/topics.h"
 
 #include "tests/support/shared_data.h"
@@ -36,12 +37,12 @@ constexpr int kAttempts = 3;
 /// On demand as a bench: on a quiet machine, at 200 Hz. Else the device waits four times as
 /// long, for a busy one.
 bool isBench() {
-  return std::getenv("HANDGRAFT_STREAM_SECONDS") != nullptr;
+  return !environment("HANDGRAFT_STREAM_SECONDS").empty();
 }
 
 /// Seconds that the demonstrator is followed.
 double followedTime() {
-  return isBench() ? std::atof(std::getenv("HANDGRAFT_STREAM_SECONDS")) : 5.0;
+  return isBench() ? std::stod(environment("HANDGRAFT_STREAM_SECONDS")) : 5.0;
 }
 
 /// The part of `values` below which a share of them lies; NaN without any.

@@ -1,7 +1,6 @@
 // The bridge as ROS 2 nodes see it: readers, writers and services of types that rosidl's IDL
 // makes, on both vendors, as processes of their own.
 
-#include <cstdlib>
 #include <optional>
 #include <stdexcept>
 
@@ -11,6 +10,7 @@
 #include <sched.h>
 #include <unistd.h>
 
+#include "tests/support/environment_variable.h"
 #include "tests/support/test_domain.h"
 #include "tests/system/bridge_bench.h"
 #include "tests/system/service.h"
@@ -107,17 +107,8 @@ struct RosBench {
 
 class RosPeer : public testing::TestWithParam<const char*> {
  protected:
-  RosPeer() {
-    setenv("CYCLONEDDS_URI", kLoopback, 1);
-    setenv("FAST_PEER_ON_LOOPBACK", "1", 1);
-  }
-
-  ~RosPeer() override { asItComes(); }
-
-  static void asItComes() {
-    unsetenv("CYCLONEDDS_URI");
-    unsetenv("FAST_PEER_ON_LOOPBACK");
-  }
+  /// Peers of both vendors stay on loopback until it is told otherwise.
+  void asItComes() { on_loopback_.reset(); }
 
   [[nodiscard]] std::vector<std::string> arguments(
       const std::string& prefix, const std::vector<std::string>& verbs) const {
@@ -133,6 +124,14 @@ class RosPeer : public testing::TestWithParam<const char*> {
   }
 
   TestDomain domain;
+
+ private:
+  struct OnLoopback {
+    EnvironmentVariable cyclone{"CYCLONEDDS_URI", kLoopback};
+    EnvironmentVariable fast{"FAST_PEER_ON_LOOPBACK", "1"};
+  };
+
+  std::optional<OnLoopback> on_loopback_{std::in_place};
 };
 
 TEST_P(RosPeer, HearsEveryTopicAndCallsEveryService) {

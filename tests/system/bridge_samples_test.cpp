@@ -11,6 +11,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "core/base/environment.h"
+
 #include "tests/support/test_domain.h"
 #include "tests/system/bridge_bench.h"
 #include "tests/system/service.h"
@@ -27,8 +29,8 @@ const std::vector<std::string> three_joints{"a", "b", "c"};
 
 /// Seconds that a stream lasts: more on demand, for a bench.
 double durationOf() {
-  const char* told = std::getenv("HANDGRAFT_STREAM_SECONDS");
-  return told != nullptr ? std::atof(told) : 6;
+  const std::string told = environment("HANDGRAFT_STREAM_SECONDS");
+  return told.empty() ? 6.0 : std::stod(told);
 }
 
 double share(std::vector<double> sorted, double part) {

@@ -1,7 +1,6 @@
 // Hands and contact maps that nobody prepared, through all programs.
 
 #include <array>
-#include <cstdlib>
 #include <fstream>
 #include <map>
 #include <set>
@@ -13,6 +12,7 @@
 
 #include "core/io/mesh_file.h"
 
+#include "tests/support/environment_variable.h"
 #include "tests/support/shared_data.h"
 #include "tests/system/service.h"
 
@@ -55,16 +55,13 @@ std::vector<std::string> namesOf(const json& patches) {
 
 class Import : public testing::Test {
  protected:
-  // Skins are made once for all tests of this process.
-  static void SetUpTestSuite() {
-    setenv("XDG_CACHE_HOME", (scratchDirectory() / "cache").c_str(), 1);
-  }
-
   void succeed(const std::vector<std::string>& arguments) const {
     const Finished finished = service.client(arguments);
     EXPECT_EQ(finished.exit_code, 0) << finished.err;
   }
 
+  // Before the service: skins are made once for all tests of this process.
+  EnvironmentVariable cache{"XDG_CACHE_HOME", scratchDirectory() / "cache"};
   Service service;
 };
 

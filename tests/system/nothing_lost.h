@@ -12,9 +12,11 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/environment.h"
 #include "idl/cyclone/requester.h"
 
 #include "tests/server/small_grasp.h"
+#include "tests/support/environment_variable.h"
 #include "tests/system/service.h"
 
 /// Servers that are killed, and disks that fail: what tests of both stand on.
@@ -30,8 +32,8 @@ inline constexpr std::chrono::seconds kLong(60);
 
 /// Of the environment, for longer runs than every change's.
 inline int countOf(const char* name, int otherwise) {
-  const char* text = std::getenv(name);
-  return text == nullptr ? otherwise : std::atoi(text);
+  const std::string text = environment(name);
+  return text.empty() ? otherwise : std::stoi(text);
 }
 
 /// A server whose state is kept, and which is killed and started again.
@@ -136,14 +138,15 @@ class FailingDisk : public NothingLost {
     startOnFailingDisk(0);
   }
 
-  ~FailingDisk() override { leaveEnvironment(); }
-
   /// On a sound disk, which fails from then on, so many of 256 writes.
   void startOnFailingDisk(unsigned char of_256) {
     fail(0, 'r');
-    enterEnvironment();
-    startServer();
-    leaveEnvironment();
+    {
+      const EnvironmentVariable shim("LD_PRELOAD", HANDGRAFT_FAILING_DISK);
+      const EnvironmentVariable told("FAILING_DISK", orders());
+      const EnvironmentVariable part("FAILING_DISK_PATH", ".db");
+      startServer();
+    }
     EXPECT_TRUE(running->waitForText("event=ready")) << running->err();
     fail(of_256, 'r');
   }
@@ -151,17 +154,6 @@ class FailingDisk : public NothingLost {
   void SetUp() override {
     if (kIsSanitized)
       GTEST_SKIP() << "a sanitizer's library has to be loaded before the failing disk's";
-  }
-
-  void enterEnvironment() const {
-    setenv("LD_PRELOAD", HANDGRAFT_FAILING_DISK, 1);
-    setenv("FAILING_DISK", orders().c_str(), 1);
-    setenv("FAILING_DISK_PATH", ".db", 1);
-  }
-
-  static void leaveEnvironment() {
-    for (const char* name : {"LD_PRELOAD", "FAILING_DISK", "FAILING_DISK_PATH"})
-      unsetenv(name);
   }
 
   [[nodiscard]] std::string orders() const { return (folder / "orders").string(); }

@@ -1,6 +1,5 @@
 #include "tests/system/shared_skins.h"
 
-#include <cstdlib>
 #include <filesystem>
 
 #include "tests/system/service.h"
@@ -31,17 +30,6 @@ fs::path folder() {
 
 }  // namespace
 
-SharedSkins::SharedSkins() {
-  if (const char* before = std::getenv(kVariable)) before_ = before;
-  setenv(kVariable, folder().c_str(), 1);
-}
-
-SharedSkins::~SharedSkins() {
-  if (before_) {
-    setenv(kVariable, before_->c_str(), 1);
-  } else {
-    unsetenv(kVariable);
-  }
-}
+SharedSkins::SharedSkins() : cache_(kVariable, folder()) {}
 
 }  // namespace handgraft::test

@@ -1,7 +1,6 @@
 #pragma once
 
-#include <optional>
-#include <string>
+#include "tests/support/environment_variable.h"
 
 namespace handgraft::test {
 
@@ -15,12 +14,9 @@ namespace handgraft::test {
 class SharedSkins {
  public:
   SharedSkins();
-  ~SharedSkins();
-  SharedSkins(const SharedSkins&) = delete;
-  SharedSkins& operator=(const SharedSkins&) = delete;
 
  private:
-  std::optional<std::string> before_;
+  EnvironmentVariable cache_;
 };
 
 }  // namespace handgraft::test

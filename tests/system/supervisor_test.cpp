@@ -10,6 +10,7 @@
 #include "idl/cyclone/requester.h"
 
 #include "tests/server/small_grasp.h"
+#include "tests/support/environment_variable.h"
 #include "tests/system/service.h"
 
 // Servers that die, stop or do not hear any more, and end by SIGTERM all the same.
@@ -45,7 +46,6 @@ class Supervised : public testing::Test {
       service->server().wait();
     }
     service.reset();
-    unsetenv("LD_PRELOAD");
     fs::remove_all(folder);
   }
 
@@ -56,10 +56,9 @@ class Supervised : public testing::Test {
 
   /// A server whose threads can be made deaf.
   void startFragile(std::vector<std::string> arguments = {"--supervised"}) {
-    setenv("LD_PRELOAD", HANDGRAFT_DEAF_NETWORK, 1);
-    setenv("DEAF_NETWORK", deaf().c_str(), 1);
+    const EnvironmentVariable shim("LD_PRELOAD", HANDGRAFT_DEAF_NETWORK);
+    const EnvironmentVariable told("DEAF_NETWORK", deaf());
     start(std::move(arguments));
-    unsetenv("LD_PRELOAD");
   }
 
   void deafen(pid_t process) const { std::ofstream(deaf()) << process; }

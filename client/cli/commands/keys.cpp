@@ -1,10 +1,10 @@
-#include <cstdlib>
 
 #include <fmt/format.h>
 
 #include "client/cli/commands/commands.h"
 #include "client/present/json_output.h"
 #include "client/present/text_output.h"
+#include "core/base/environment.h"
 #include "core/base/error.h"
 #include "idl/security/authority.h"
 #include "idl/security/documents.h"
@@ -17,15 +17,8 @@ namespace fs = std::filesystem;
 namespace security = idl::security;
 
 fs::path usualKeys() {
-  const auto value = [](const char* name) -> std::string {
-    // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody writes the environment.
-    const char* text = std::getenv(name);
-    return text == nullptr ? "" : text;
-  };
-  if (const std::string config = value("XDG_CONFIG_HOME"); !config.empty())
-    return fs::path(config) / "handgraft" / "keys";
-  if (const std::string home = value("HOME"); !home.empty())
-    return fs::path(home) / ".config" / "handgraft" / "keys";
+  if (const auto config = userFolder("XDG_CONFIG_HOME", ".config"))
+    return *config / "handgraft" / "keys";
   rejectInput("keys: neither HOME nor XDG_CONFIG_HOME is set; name the folder by --dir");
 }
 

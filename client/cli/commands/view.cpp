@@ -1,6 +1,5 @@
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
 #include <thread>
 
 #include <fcntl.h>
@@ -17,6 +16,7 @@
 #include "client/present/interactive_client.h"
 #include "client/present/json_output.h"
 #include "client/present/progress_line.h"
+#include "core/base/environment.h"
 #include "core/base/error.h"
 
 namespace handgraft::client {
@@ -29,12 +29,7 @@ constexpr std::chrono::milliseconds kLook(50);
 
 /// A screen that a browser could open a window on.
 bool hasScreen() {
-  const auto is_set = [](const char* name) {
-    // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody writes the environment.
-    const char* value = std::getenv(name);
-    return value != nullptr && value[0] != '\0';
-  };
-  return is_set("DISPLAY") || is_set("WAYLAND_DISPLAY");
+  return !environment("DISPLAY").empty() || !environment("WAYLAND_DISPLAY").empty();
 }
 
 /// Has the desktop open it, and waits for neither it nor the browser.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <random>
@@ -12,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/environment.h"
 #include "core/base/error.h"
 
 #include "tests/bench/hand_import.h"
@@ -48,11 +48,10 @@ struct RetargetingArguments {
 
 /// Where the data lie unless somebody says. Errors: InvalidInput if nobody does.
 fs::path sharedFolder(const char* below) {
-  // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody writes the environment.
-  const char* shared = std::getenv("HANDGRAFT_SHARED_DATA");
-  if (shared == nullptr)
+  const fs::path shared = environment("HANDGRAFT_SHARED_DATA");
+  if (shared.empty())
     rejectInput("--hands, --objects and --grasps, or HANDGRAFT_SHARED_DATA, must be given");
-  return fs::path(shared) / below;
+  return shared / below;
 }
 
 std::string orShared(const std::string& given, const char* below) {

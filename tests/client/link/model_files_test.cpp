@@ -1,6 +1,5 @@
 #include "client/link/model_files.h"
 
-#include <cstdlib>
 #include <fstream>
 
 #include <gmock/gmock.h>
@@ -8,6 +7,7 @@
 
 #include "core/base/error.h"
 
+#include "tests/support/environment_variable.h"
 #include "tests/support/shared_data.h"
 
 namespace handgraft::client {
@@ -145,12 +145,11 @@ TEST_F(ModelFilesTest, LooksForPackagesInTheWorkspaceLast) {
   std::ofstream(share / "palm.stl") << "solid installed";
   const fs::path file = urdf(R"(<mesh filename="package://installed/palm.stl"/>)");
   EXPECT_THROW(handFiles(file, {}), InvalidInput);
-  setenv("AMENT_PREFIX_PATH", (root.parent_path() / "prefix").c_str(), 1);
+  const test::EnvironmentVariable prefix("AMENT_PREFIX_PATH", root.parent_path() / "prefix");
   const ModelFiles found = handFiles(file, {});
   HandReading reading;
   reading.packages["installed"] = root / "meshes" / "visual";
   const ModelFiles told = handFiles(file, reading);
-  unsetenv("AMENT_PREFIX_PATH");
   EXPECT_TRUE(fs::equivalent(found.files.back().path, share / "palm.stl"));
   EXPECT_TRUE(fs::equivalent(found.packages.at("installed"), share));
   EXPECT_TRUE(fs::equivalent(told.files.back().path, root / "meshes/visual/palm.stl"));

@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 
+#include "tests/support/environment_variable.h"
 #include "tests/support/shared_data.h"
 
 namespace handgraft {
@@ -89,11 +90,13 @@ TEST(AmentPackages, AreTheSharesOfEveryPrefixTheFirstOfAName) {
   fs::create_directories(root / "b/share/other");
   const std::string list =
       (root / "a").string() + "::" + (root / "gone").string() + ":" + (root / "b").string();
-  ::setenv("AMENT_PREFIX_PATH", list.c_str(), 1);
-  const PackageMap packages = amentPackages();
-  ::unsetenv("AMENT_PREFIX_PATH");
-  EXPECT_EQ(packages, (PackageMap{{"hand_description", root / "a/share/hand_description"},
-                                  {"other", root / "b/share/other"}}));
+  {
+    const test::EnvironmentVariable prefixes("AMENT_PREFIX_PATH", list);
+    EXPECT_EQ(amentPackages(),
+              (PackageMap{{"hand_description", root / "a/share/hand_description"},
+                          {"other", root / "b/share/other"}}));
+  }
+  const test::EnvironmentVariable none("AMENT_PREFIX_PATH", std::nullopt);
   EXPECT_TRUE(amentPackages().empty());
 }
 

@@ -1,6 +1,5 @@
 #include "core/hand/skin_cache.h"
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -12,6 +11,7 @@
 #include "core/base/content_hash.h"
 #include "core/base/error.h"
 
+#include "tests/support/environment_variable.h"
 #include "tests/support/own_folder.h"
 #include "tests/support/wrapping.h"
 
@@ -159,42 +159,16 @@ TEST_F(SkinCacheTest, MakesADamagedFileAnew) {
   EXPECT_TRUE(report.from_cache);
 }
 
-/// Sets a variable of the environment for as long as it lives; nullptr: none of that name.
-class Variable {
- public:
-  Variable(const char* name, const char* value) : name_(name) {
-    if (const char* before = std::getenv(name)) before_ = before;
-    set(value);
-  }
-
-  ~Variable() { set(before_ ? before_->c_str() : nullptr); }
-
-  Variable(const Variable&) = delete;
-  Variable& operator=(const Variable&) = delete;
-
- private:
-  void set(const char* value) {
-    if (value == nullptr) {
-      unsetenv(name_);
-    } else {
-      setenv(name_, value, 1);
-    }
-  }
-
-  const char* name_;
-  std::optional<std::string> before_;
-};
-
 TEST_F(SkinCacheTest, IsAtHomeWhereTheSystemKeepsCaches) {
   HANDGRAFT_NEEDS_CGAL();
-  const Variable home("HOME", folder.c_str());
+  const test::EnvironmentVariable home("HOME", folder);
   {
-    const Variable none("XDG_CACHE_HOME", nullptr);
+    const test::EnvironmentVariable none("XDG_CACHE_HOME", std::nullopt);
     (void)SkinCache::fromEnvironment().get(makeBall(0.02), {}, Progress());
     EXPECT_TRUE(fs::exists(folder / ".cache" / "handgraft" / "skins"));
   }
   fs::remove_all(folder);
-  const Variable elsewhere("XDG_CACHE_HOME", (folder / "elsewhere").c_str());
+  const test::EnvironmentVariable elsewhere("XDG_CACHE_HOME", folder / "elsewhere");
   (void)SkinCache::fromEnvironment().get(makeBall(0.02), {}, Progress());
   EXPECT_TRUE(fs::exists(folder / "elsewhere" / "handgraft" / "skins"));
   EXPECT_FALSE(fs::exists(folder / ".cache"));

@@ -19,6 +19,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "core/base/environment.h"
 #include "core/base/error.h"
 #include "hardware/config/calibration_file.h"
 
@@ -32,7 +33,7 @@ using safety::GovernorState;
 using std::chrono::milliseconds;
 
 // A quarter of them with each change; `./dev check` lives all.
-const int lives_lived = std::getenv("HANDGRAFT_ALL_LIVES") != nullptr ? 1000 : 250;
+const int lives_lived = environment("HANDGRAFT_ALL_LIVES").empty() ? 250 : 1000;
 constexpr int kEvents = 12;  // of a life
 constexpr double kTurn = 2 * std::numbers::pi;
 
