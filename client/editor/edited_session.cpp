@@ -181,7 +181,7 @@ const std::set<std::string>& EditedSession::patchesOff() {
 
 v1::EditReply EditedSession::edit(const v1::EditBody& body) {
   try {
-    const v1::EditReply reply =
+    v1::EditReply reply =
         session_.edit(body, shown_, hasTime(body) ? when_ : std::nullopt).get();
     shown_ = reply.revision();
     if (maySwitchPatches(body)) off_is_known_ = false;

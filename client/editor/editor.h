@@ -58,8 +58,8 @@ class Editor {
   Parsed read(const Words& words);
   /// Goes on in the same session where the server was not heard for a while.
   void reachServer();
-  CommandOutput execute(const Parsed& parsed);
-  CommandOutput edit(const Parsed& parsed);
+  CommandOutput execute(const Parsed& command);
+  CommandOutput edit(const Parsed& command);
   CommandOutput publish(const v1::EditBody& body);
   CommandOutput editAt(const Match& match);
   /// What an edit changed of the motion; nothing where it is not solved.

@@ -64,8 +64,10 @@ struct Prompt::Impl {
         lines(history_init()),
         editor(el_init("handgraft", stdin, out, stderr)) {
     // Letters beyond ASCII are typed in file names, also where no language is set.
+    // NOLINTBEGIN(concurrency-mt-unsafe): before anybody types, and nobody else sets it.
     std::setlocale(LC_CTYPE, "");
     if (MB_CUR_MAX == 1) std::setlocale(LC_CTYPE, "C.UTF-8");
+    // NOLINTEND(concurrency-mt-unsafe)
     el_set(editor, EL_CLIENTDATA, this);
     el_set(editor, EL_EDITOR, "emacs");
     el_set(editor, EL_PROMPT, showPrompt);
@@ -123,6 +125,7 @@ struct Prompt::Impl {
       const ssize_t count = read(STDIN_FILENO, &byte, 1);
       if (count < 0 && errno == EINTR) continue;
       if (count <= 0) return 0;
+      // NOLINTNEXTLINE(concurrency-mt-unsafe): with a state of its own.
       const std::size_t used = std::mbrtowc(letter, &byte, 1, &state);
       if (used == static_cast<std::size_t>(-2)) continue;  // more bytes belong to it
       if (used == static_cast<std::size_t>(-1)) {
@@ -164,7 +167,7 @@ struct Prompt::Impl {
 
   // === Keys
 
-  std::string beforeCursor() const {
+  [[nodiscard]] std::string beforeCursor() const {
     const LineInfo* line = el_line(editor);
     return {line->buffer, line->cursor};
   }

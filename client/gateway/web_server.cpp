@@ -148,7 +148,7 @@ class WebServer::Impl::Live : public std::enable_shared_from_this<Live> {
  private:
   struct Message {
     Shared bytes;
-    bool is_binary;
+    bool is_binary = false;
   };
 
   void read() {

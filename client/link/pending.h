@@ -126,17 +126,20 @@ class Pending {
     std::exception_ptr unfinished;  ///< thrown then; null: what the checkpoint threw
 
     void settle(Outcome<T> what) {
-      std::function<void(Outcome<T>)> tell;
-      {
-        const std::lock_guard lock(mutex);
-        if (outcome) return;
-        cancel = nullptr;
-        tell = std::exchange(use, nullptr);
-        taken = tell != nullptr;
-        outcome = taken ? Outcome<T>() : std::move(what);
+      std::unique_lock lock(mutex);
+      if (outcome) return;
+      cancel = nullptr;
+      if (const auto tell = std::exchange(use, nullptr)) {
+        taken = true;
+        outcome = Outcome<T>();
+        lock.unlock();
+        news.notify_all();
+        tell(std::move(what));
+        return;
       }
+      outcome = std::move(what);
+      lock.unlock();
       news.notify_all();
-      if (tell) tell(std::move(what));
     }
 
     void report(const std::string& stage, double fraction) {

@@ -65,6 +65,7 @@ PrivateServer::PrivateServer(const fs::path& program, const Network& network) {
     words.insert(words.end(), {"--peers", peer});
   if (!network.server.empty()) words.insert(words.end(), {"--name", network.server});
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (std::string& word : words)
     arguments.push_back(word.data());
   arguments.push_back(nullptr);

@@ -11,6 +11,7 @@ namespace {
 template <class Named>
 std::vector<std::string> namesOf(const std::vector<Named>& all) {
   std::vector<std::string> names;
+  names.reserve(all.size());
   for (const Named& one : all)
     names.push_back(one.name());
   return names;
@@ -98,9 +99,9 @@ Json suggestions(const v1::SuggestReply& reply, const std::optional<Applied>& ap
   return document;
 }
 
-std::string stateEvent(const v1::SessionState& session) {
+std::string stateEvent(const v1::SessionState& state) {
   Json event = {{"event", "state"}};
-  event.update(jsonOf(session));
+  event.update(jsonOf(state));
   return written(event, -1);
 }
 

@@ -32,7 +32,7 @@ fs::path folderOf(const fs::path& path) {
 // Links to a file that is not there yet are followed, too.
 fs::path behindLinks(fs::path path) {
   std::error_code error;
-  const fs::path whole = fs::canonical(path, error);
+  fs::path whole = fs::canonical(path, error);
   if (!error) return whole;
   for (int i = 0; i < kMostLinks && fs::is_symlink(path, error); ++i) {
     const fs::path next = fs::read_symlink(path, error);

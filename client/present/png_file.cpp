@@ -44,6 +44,7 @@ bool encode(std::FILE* file, const render::Image& image, std::vector<png_const_b
 void writePng(const std::filesystem::path& path, const render::Image& image) {
   static_assert(sizeof(render::Color) == 3, "rows are handed to libpng as they lie in memory");
   std::vector<png_const_bytep> rows;
+  rows.reserve(static_cast<std::size_t>(image.height()));
   for (int y = 0; y < image.height(); ++y)
     rows.push_back(&image.at(0, y).r);
 

@@ -97,6 +97,7 @@ std::string shortfalls(const v1::PoseSolution& solution) {
 
 std::vector<std::string> limitNames(const std::vector<v1::JointLimit>& limits) {
   std::vector<std::string> names;
+  names.reserve(limits.size());
   for (const v1::JointLimit& limit : limits)
     names.push_back(limit.joint() + " " + nameOf(limit.side()));
   return names;

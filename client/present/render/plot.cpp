@@ -236,8 +236,8 @@ std::vector<double> roundTicks(double low, double high, int most) {
   const double first = std::floor(low / step + 1e-6);
   const double last = std::ceil(high / step - 1e-6);
   std::vector<double> ticks;
-  for (double k = first; k <= last; ++k)
-    ticks.push_back(k == 0.0 ? 0.0 : k * step);
+  for (int i = 0; i <= last - first; ++i)
+    ticks.push_back(first + i == 0.0 ? 0.0 : (first + i) * step);
   return ticks;
 }
 
