@@ -27,7 +27,7 @@
 namespace handgraft::python {
 
 namespace py = pybind11;
-using namespace py::literals;
+using py::literals::operator""_a;
 
 namespace {
 
@@ -169,7 +169,7 @@ void defineErrors() {
       PyErr_SetObject(type.ptr(), raised.ptr());
     };
     try {
-      std::rethrow_exception(error);
+      std::rethrow_exception(std::move(error));
     } catch (const client::Refused& refused) {
       raise("Refused", refused.what(), static_cast<int>(refused.code()));
     } catch (const client::NoServer& lost) {
@@ -200,7 +200,11 @@ class Page {
   ~Page() {
     const py::gil_scoped_release released;  // the thread may be about to tell something
     ending_ = true;
-    thread_.join();
+    try {
+      thread_.join();
+    } catch (const std::system_error&) {
+      // There is no thread to wait for.
+    }
   }
 
   Page(const Page&) = delete;
@@ -341,13 +345,10 @@ void defineServer(py::module_& module) {
       .def_property_readonly("address", &Page::address);
 }
 
-void defineSession(py::module_& module) {
-  py::class_<Watch>(module, "Watch").def("next", &Watch::next, "patience_s"_a);
-  py::class_<LiveSession>(module, "Session")
-      .def_property_readonly("id",
-                             [](LiveSession& session) {
-                               return session.get().id();
-                             })
+using SessionClass = py::class_<LiveSession>;
+
+void defineSolving(SessionClass& session_class) {
+  session_class
       .def("state",
            [](LiveSession& session) {
              session.get().take();
@@ -387,12 +388,15 @@ void defineSession(py::module_& module) {
             return dictOf(pose);
           },
           "revision"_a)
-      .def("last",
-           [](LiveSession& session) -> py::object {
-             session.get().take();
-             const v1::PoseSolution* pose = session.get().solution();
-             return pose == nullptr ? py::none() : dictOf(*pose);
-           })
+      .def("last", [](LiveSession& session) -> py::object {
+        session.get().take();
+        const v1::PoseSolution* pose = session.get().solution();
+        return pose == nullptr ? py::none() : dictOf(*pose);
+      });
+}
+
+void defineRecords(SessionClass& session_class) {
+  session_class
       .def("settings",
            [](LiveSession& session) {
              return awaitDict(session.get().settings());
@@ -407,7 +411,8 @@ void defineSession(py::module_& module) {
            })
       .def(
           "export",
-          [](LiveSession& session, py::dict request) {
+          [](LiveSession& session, const py::dict& given) {
+            py::dict request(given.attr("copy")());
             request["session_id"] = session.get().id();
             return py::bytes(
                 await(session.client().exportSession(messageOf<v1::ExportRequest>(request))));
@@ -417,13 +422,24 @@ void defineSession(py::module_& module) {
            [](LiveSession& session) {
              await(session.get().stopSolving());
            })
-      .def("close",
-           [](LiveSession& session) {
-             await(session.get().close());
-           })
+      .def("close", [](LiveSession& session) {
+        await(session.get().close());
+      });
+}
+
+void defineSession(py::module_& module) {
+  py::class_<Watch>(module, "Watch").def("next", &Watch::next, "patience_s"_a);
+  SessionClass session_class(module, "Session");
+  session_class
+      .def_property_readonly("id",
+                             [](LiveSession& session) {
+                               return session.get().id();
+                             })
       .def("watch", [](LiveSession& session) {
         return std::make_unique<Watch>(session.shared(), session.get().id());
       });
+  defineSolving(session_class);
+  defineRecords(session_class);
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ namespace {
 
 /// Pairs each moving link's frame, and a normal along its x axis, with where they are in
 /// `goal`.
-optimize::PoseProblem problemThatReaches(std::shared_ptr<const hand::HandModel> model,
+optimize::PoseProblem problemThatReaches(const std::shared_ptr<const hand::HandModel>& model,
                                          const hand::HandPose& goal) {
   optimize::PoseProblem problem = optimize::makeProblem(model);
   const hand::LinkPoses X_WL = hand::forwardKinematics(*model, goal);

@@ -133,7 +133,7 @@ std::unique_ptr<devices::Device> makeInspire(const HandConfig& config,
   told.force_N = config.device.force_N;
   told.reply_timeout = patienceOf(config);
   told.tolerated_misses = config.device.tolerated_misses;
-  return std::make_unique<devices::InspireHand>(std::move(told), bytes, clock);
+  return std::make_unique<devices::InspireHand>(told, bytes, clock);
 }
 
 std::unique_ptr<devices::Device> makeAllegro(const HandConfig& config,
@@ -154,7 +154,7 @@ std::unique_ptr<devices::Device> makeAllegro(const HandConfig& config,
   told.torque = config.device.torque;
   told.reply_timeout = config.device.reply_timeout;
   told.tolerated_misses = config.device.tolerated_misses;
-  return std::make_unique<devices::AllegroHand>(std::move(told), can, clock);
+  return std::make_unique<devices::AllegroHand>(told, can, clock);
 }
 
 /// How the device of a kind is made, on the wire that the kind hangs on.

@@ -50,9 +50,9 @@ struct MotionState {
   safety::HoldCause hold = safety::HoldCause::kNone;
   safety::StopMode stop_mode = safety::StopMode::kBrake;
   bool is_slow = false;
+  bool is_guided = false;      ///< by timed samples
   std::uint64_t stream = 0;    ///< of the newest accepted pose; 0: none yet
   std::uint64_t sequence = 0;  ///< its number
-  bool is_guided = false;      ///< by timed samples
   double behind_s = 0;         ///< the samples' clock, behind where it is meant to be
   FixedText slower;  ///< the joint because of which samples are followed slower; empty: none
   std::uint64_t samples_skipped = 0;  ///< since the start

@@ -84,8 +84,8 @@ class SolutionFollower {
 
   Session& sessionOf(std::uint64_t id);
   static bool hasPose(const Session& session);
-  bool beganAfter(std::uint64_t a, std::uint64_t b) const;
-  bool mayFollow(std::uint64_t id) const;
+  [[nodiscard]] bool beganAfter(std::uint64_t a, std::uint64_t b) const;
+  [[nodiscard]] bool mayFollow(std::uint64_t id) const;
 
   std::optional<std::uint64_t> only_;
   bool with_intermediate_;

@@ -94,14 +94,14 @@ class Walk {
     });
   }
 
-  std::string nameOf(std::size_t i) const {
+  [[nodiscard]] std::string nameOf(std::size_t i) const {
     const config::MotorConfig& motor = config_.motors[i];
     return motor.joint.empty() || motor.joint == motor.name
                ? "'" + motor.name + "'"
                : fmt::format("joint '{}' (motor '{}')", motor.joint, motor.name);
   }
 
-  std::string nameOf(const devices::Fault& fault) const {
+  [[nodiscard]] std::string nameOf(const devices::Fault& fault) const {
     if (fault.motor < 0) return describe(fault);
     return fmt::format("{}: {}", nameOf(static_cast<std::size_t>(fault.motor)),
                        devices::describe(fault.kind));

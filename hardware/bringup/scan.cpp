@@ -51,7 +51,7 @@ template <class Framing, class Use>
 void listen(devices::ByteChannel& bytes, Clock::duration time, Use&& use) {
   protocols::StreamReader<Framing> reader;
   const Clock::time_point deadline = Clock::now() + time;
-  std::array<std::uint8_t, 512> chunk;
+  std::array<std::uint8_t, 512> chunk{};
   while (Clock::now() < deadline) {
     const std::size_t count = bytes.receive(chunk, deadline);
     if (count == 0) break;

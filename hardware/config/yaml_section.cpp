@@ -108,7 +108,7 @@ int Section::integer(const std::string& key, int least, int most, std::optional<
   return standard.value_or(least);
 }
 
-std::string Section::text(const std::string& key, std::optional<std::string> standard) {
+std::string Section::text(const std::string& key, const std::optional<std::string>& standard) {
   const std::optional<std::string> found = scalar(key, !standard.has_value());
   if (!found) return standard.value_or("");
   if (found->empty() || found->size() > 200) object(key, "must be 1 to 200 characters");

@@ -50,7 +50,8 @@ class Section {
         integer(key, least, most, static_cast<int>(standard.count())));
   }
 
-  std::string text(const std::string& key, std::optional<std::string> standard = std::nullopt);
+  std::string text(const std::string& key,
+                   const std::optional<std::string>& standard = std::nullopt);
   bool flag(const std::string& key, bool standard);
   /// `count` numbers; any number of them if it is 0.
   std::vector<double> numbers(const std::string& key,

@@ -20,8 +20,8 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
-AllegroHand::AllegroHand(AllegroConfig config, CanChannel& can, Clock clock)
-    : config_(std::move(config)), can_(can), clock_(std::move(clock)) {
+AllegroHand::AllegroHand(const AllegroConfig& config, CanChannel& can, Clock clock)
+    : config_(config), can_(can), clock_(std::move(clock)) {
   for (std::size_t i = 0; i < config_.scales.size(); ++i)
     validate(config_.scales[i], std::to_string(i), -32768, 32767);
   auto sorted = config_.order;

@@ -32,7 +32,7 @@ struct AllegroConfig {
 class AllegroHand final : public Device {
  public:
   /// `can` has to live as long as this. Errors: InvalidInput, naming the value.
-  AllegroHand(AllegroConfig config, CanChannel& can, Clock clock);
+  AllegroHand(const AllegroConfig& config, CanChannel& can, Clock clock);
 
   [[nodiscard]] std::size_t motorCount() const override { return config_.scales.size(); }
 

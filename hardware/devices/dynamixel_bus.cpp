@@ -89,7 +89,7 @@ void DynamixelBus::writeEach(std::span<const std::uint8_t> ids,
 
 void DynamixelBus::wait(Duration time) {
   const TimePoint deadline = clock_() + time;
-  std::array<std::uint8_t, 64> ignored;
+  std::array<std::uint8_t, 64> ignored{};
   while (clock_() < deadline)
     static_cast<void>(bytes_.receive(ignored, deadline));
 }

@@ -89,7 +89,7 @@ bool DynamixelBus::listen(Use&& use) {
     // Adapters echo what was sent on one wire for both directions; an echo is no status.
     if (is_done || !status || !use(*status, is_done)) ++counters_.stray;
   };
-  std::array<std::uint8_t, 512> chunk;
+  std::array<std::uint8_t, 512> chunk{};
   while (!is_done) {
     const std::size_t count = bytes_.receive(chunk, deadline);
     if (count == 0) {

@@ -28,8 +28,8 @@ std::uint8_t byteOf(std::span<const std::uint16_t> registers, std::size_t finger
 
 }  // namespace
 
-InspireHand::InspireHand(InspireConfig config, ByteChannel& bytes, Clock clock)
-    : config_(std::move(config)), bytes_(bytes), clock_(std::move(clock)) {
+InspireHand::InspireHand(const InspireConfig& config, ByteChannel& bytes, Clock clock)
+    : config_(config), bytes_(bytes), clock_(std::move(clock)) {
   for (std::size_t i = 0; i < config_.scales.size(); ++i)
     validate(config_.scales[i], kNames[i], 0, inspire::kFullAngle);
   auto sorted = config_.order;

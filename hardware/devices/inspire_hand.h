@@ -31,7 +31,7 @@ struct InspireConfig {
 class InspireHand final : public Device {
  public:
   /// `bytes` has to live as long as this. Errors: InvalidInput, naming the value.
-  InspireHand(InspireConfig config, ByteChannel& bytes, Clock clock);
+  InspireHand(const InspireConfig& config, ByteChannel& bytes, Clock clock);
 
   [[nodiscard]] std::size_t motorCount() const override { return config_.scales.size(); }
 

@@ -101,7 +101,7 @@ class ODriveHand final : public Device {
   void closeLoops(const std::vector<float>& here);
   void proveWatchdogs();
   [[nodiscard]] bool isWatchdogsAlone(const protocols::odrive::Heartbeat& heartbeat) const;
-  bool haveHeartbeatsSince(TimePoint time) const;
+  [[nodiscard]] bool haveHeartbeatsSince(TimePoint time) const;
   void findFaults(TimePoint now);
 
   ODriveConfig config_;

@@ -78,7 +78,7 @@ void SlcanChannel::expectAnswer(const char* text, bool is_refusable) {
 }
 
 bool SlcanChannel::fill(TimePoint deadline) {
-  std::array<std::uint8_t, kChunk> chunk;
+  std::array<std::uint8_t, kChunk> chunk{};
   const std::size_t count = bytes_.receive(chunk, deadline);
   if (first_ == last_) first_ = last_ = 0;
   reader_.feed({chunk.data(), count}, [&](protocols::Bytes line) {

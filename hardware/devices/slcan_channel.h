@@ -30,7 +30,7 @@ class SlcanChannel final : public CanChannel {
 
   void command(const char* text);
   void expectAnswer(const char* text, bool is_refusable);
-  void take(protocols::Bytes line);
+  void take(protocols::Bytes content);
   bool fill(TimePoint deadline);
 
   ByteChannel& bytes_;

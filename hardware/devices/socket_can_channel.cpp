@@ -32,6 +32,7 @@ constexpr int kNodeShift = 5;
 
 void configure(int socket, const std::string& name, const std::vector<int>& nodes) {
   std::vector<can_filter> filters;
+  filters.reserve(nodes.size());
   for (const int node : nodes) {
     filters.push_back({static_cast<canid_t>(node) << kNodeShift,
                        kNodeMask | CAN_EFF_FLAG});  // standard ids alone

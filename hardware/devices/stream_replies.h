@@ -24,14 +24,14 @@ bool awaitReply(ByteChannel& bytes,
       ++counters.stray;
     }
   };
-  std::array<std::uint8_t, 256> chunk;
-  while (!has_come) {
+  std::array<std::uint8_t, 256> chunk{};
+  for (bool is_open = true; is_open && !has_come;) {
     const std::size_t count = bytes.receive(chunk, deadline);
-    if (count == 0) {
+    is_open = count > 0;
+    if (is_open)
+      reader.feed({chunk.data(), count}, look);
+    else
       reader.settle(look);
-      break;
-    }
-    reader.feed({chunk.data(), count}, look);
   }
   if (!has_come) ++counters.missed;
   return has_come;

@@ -214,7 +214,7 @@ void encodeState(const State& state, ByteBuffer& out) {
     for (const std::int16_t velocity : state.velocity)
       content.put(velocity);
   } else {
-    static_assert(2 * kTouchBytes == 3 * kTouchCount);
+    static_assert(std::size_t{2} * kTouchBytes == std::size_t{3} * kTouchCount);
     for (std::size_t i = 0; i < kTouchCount; i += 2) {
       const unsigned first = state.touch[i] & 0xFFFU;
       const unsigned second = state.touch[i + 1] & 0xFFFU;

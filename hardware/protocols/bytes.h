@@ -54,13 +54,13 @@ class ByteBuffer {
   template <class T>
   void put(T value) {
     static_assert(std::is_arithmetic_v<T> && std::endian::native == std::endian::little);
-    std::array<std::uint8_t, sizeof(T)> raw;
+    std::array<std::uint8_t, sizeof(T)> raw{};
     std::memcpy(raw.data(), &value, sizeof(T));
     append(raw);
   }
 
  private:
-  std::array<std::uint8_t, kCapacity> bytes_;  // only [0, size_) is ever read
+  std::array<std::uint8_t, kCapacity> bytes_{};  // only [0, size_) is ever read
   std::size_t size_ = 0;
 };
 

@@ -128,7 +128,8 @@ std::optional<Request> requestOf(Bytes content) {
     if (content.size() != 6) return std::nullopt;
   } else if (request.function == kWriteRegisters) {
     const std::size_t bytes = content.size() > 6 ? content[6] : 0;
-    if (content.size() != 7 + bytes || bytes != 2U * request.count) return std::nullopt;
+    if (content.size() != 7 + bytes || bytes != std::size_t{2} * request.count)
+      return std::nullopt;
     request.values = content.subspan(7);
   } else {
     return std::nullopt;

@@ -106,10 +106,10 @@ class Governor {
   void watchConnection(const DeviceReport& device, Time now);
   void watchPower(const DeviceReport& device, Time now);
   void watchMotors(const DeviceReport& device, Time now);
-  bool measuredIsUsable(const DeviceReport& device) const;
-  bool isFarOutside() const;
-  Refusal armRefusal(Time now) const;
-  bool isNearTarget(std::span<const double> positions) const;
+  [[nodiscard]] bool measuredIsUsable(const DeviceReport& device) const;
+  [[nodiscard]] bool isFarOutside() const;
+  [[nodiscard]] Refusal armRefusal(Time now) const;
+  [[nodiscard]] bool isNearTarget(std::span<const double> positions) const;
   [[nodiscard]] bool isFarStep() const;
 
   void enterFault(FaultCause cause);

@@ -92,10 +92,11 @@ class JointLimiter {
  private:
   struct Joint {
     JointLimits limits;
-    double step_velocity;        // n = A dt: the most that the velocity may change in a period
-    double full_speed_distance;  // from here on the velocity limit decides, in units of n dt
-    double lowest, highest;      // of targets
-    double position = 0;         // of stage 1
+    double step_velocity = 0;  // n = A dt: the most that the velocity may change in a period
+    double full_speed_distance =
+        0;  // from here on the velocity limit decides, in units of n dt
+    double lowest = 0, highest = 0;  // of targets
+    double position = 0;             // of stage 1
     double velocity = 0;
     bool braking = false;
     std::size_t still_steps = 0;  // periods since stage 1 last moved, at most the taps
@@ -104,7 +105,7 @@ class JointLimiter {
     double tap_sum = 0;
   };
 
-  double brakingVelocity(const Joint& joint, double distance) const;
+  [[nodiscard]] double brakingVelocity(const Joint& joint, double distance) const;
   void advance(Joint& joint, double target);
   static double average(Joint& joint);
 

@@ -21,7 +21,7 @@ OutputGuard::OutputGuard(const std::vector<JointLimits>& limits, double period_s
   HANDGRAFT_REQUIRE(period_s > 0);
   joints_.reserve(limits.size());
   for (const JointLimits& limit : limits)
-    joints_.push_back({limit, limit.lower, limit.upper, {}});
+    joints_.push_back({limit, limit.lower, limit.upper});
 }
 
 void OutputGuard::reset(std::span<const double> start) {

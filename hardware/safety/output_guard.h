@@ -30,8 +30,8 @@ class OutputGuard {
  private:
   struct Joint {
     JointLimits limits;
-    double lowest, highest;
-    std::array<double, 3> sent;  // newest first
+    double lowest = 0, highest = 0;
+    std::array<double, 3> sent{};  // newest first
   };
 
   [[nodiscard]] bool permits(const Joint& joint, double position) const;

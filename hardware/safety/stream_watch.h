@@ -51,7 +51,9 @@ class StreamWatch {
 
  private:
   bool findOrder(std::span<const std::string> names);
-  SampleVerdict clockVerdict(const TargetSample& sample, bool is_same_stream, Time now) const;
+  [[nodiscard]] SampleVerdict clockVerdict(const TargetSample& sample,
+                                           bool is_same_stream,
+                                           Time now) const;
   void noteClock(std::int64_t source_ns, Time now);
 
   struct SenderClock {

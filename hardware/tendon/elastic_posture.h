@@ -53,7 +53,7 @@ class ElasticPosture {
   };
 
   void relax(std::size_t joint);
-  void pull(std::size_t tendon, double e_m, double lowest, double highest, double compliance);
+  void pull(std::size_t i, double e_m, double lowest, double highest, double compliance);
 
   std::vector<TendonJoint> joints_;
   std::vector<std::vector<Crossing>> crossings_;  // of each tendon

@@ -11,7 +11,7 @@ namespace handgraft::tendon {
 
 SynergyMap::SynergyMap(Eigen::MatrixXd S,
                        Eigen::VectorXd offset_rad,
-                       Eigen::VectorXd weights,
+                       const Eigen::VectorXd& weights,
                        std::vector<Range> motors)
     : synergies_(std::move(S)), offset_(std::move(offset_rad)), motors_(std::move(motors)) {
   const Eigen::Index n = synergies_.rows(), m = synergies_.cols();

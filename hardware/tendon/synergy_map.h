@@ -20,7 +20,7 @@ class SynergyMap final : public MotorMap {
   /// range is empty, or weighted columns of S depend on each other.
   SynergyMap(Eigen::MatrixXd S,
              Eigen::VectorXd offset_rad,
-             Eigen::VectorXd weights,
+             const Eigen::VectorXd& weights,
              std::vector<Range> motors);
 
   /// One motor a joint, with the joint's range.
@@ -51,8 +51,8 @@ class SynergyMap final : public MotorMap {
 
 /// A joint that follows another: q = ratio * q(leader) + offset.
 struct MimicJoint {
-  std::size_t joint;
-  std::size_t leader;
+  std::size_t joint = 0;
+  std::size_t leader = 0;
   double ratio = 1;
   double offset = 0;
 };
