@@ -203,6 +203,7 @@ Motion motionFrom(const json& root, const geometry::TriangleMesh& mesh_O) {
     for (const json& note : fields.list("notes"))
       if (note.is_string()) motion.notes.push_back(note.get<std::string>());
   validate(mesh_O, motion);
+  nameByParts(motion);
   return motion;
 }
 

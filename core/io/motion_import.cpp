@@ -305,6 +305,7 @@ Motion sequenceFrom(const json& root,
                    [](const PatchTrack& a, const PatchTrack& b) {
                      return a.begin() < b.begin();
                    });
+  nameByParts(motion);
   if (far > 0)
     motion.notes.push_back(fmt::format(
         "left out {} points farther than {:.0f} mm off the object", far, 1e3 * kSequenceReach));

@@ -2,8 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
 
 #include "core/base/error.h"
+#include "core/hand/hand_location.h"
 
 namespace handgraft::manipulation {
 
@@ -85,6 +90,11 @@ void requireTrack(const geometry::TriangleMesh& object_O,
 
 }  // namespace
 
+bool isRecorded(const PatchKey& key) {
+  return key.patch.interpolation_boundary.size() <
+         static_cast<std::size_t>(contact::kFewestInterpolationPoints);
+}
+
 const PatchKey& PatchTrack::keyAt(int frame) const {
   HANDGRAFT_REQUIRE(!keys.empty() && frame >= begin() && frame < end);
   const auto behind =
@@ -124,6 +134,45 @@ void validate(const geometry::TriangleMesh& object_O, const Motion& motion) {
   if (keys > kMostKeys) rejectInput("motion has {} keys; permitted are {}", keys, kMostKeys);
   if (points > kMostMotionPoints)
     rejectInput("motion has {} points; permitted are {}", points, kMostMotionPoints);
+}
+
+namespace {
+
+/// c1, c2, ...
+bool isNumbered(const std::string& name) {
+  return name.size() > 1 && name[0] == 'c' &&
+         name.find_first_not_of("0123456789", 1) == std::string::npos;
+}
+
+/// Whether a track of recorded points has a name that says nothing to a session.
+bool isForeign(const PatchTrack& track) {
+  const PatchKey& first = track.keys.front();
+  if (!isRecorded(first)) return false;
+  if (!first.hand_points.empty() && first.hand_points.front().link == track.name) return true;
+  return !first.patch.place && !hand::placeNamed(track.name) && !isNumbered(track.name);
+}
+
+}  // namespace
+
+void nameByParts(Motion& motion) {
+  std::set<std::string> taken;
+  for (const PatchTrack& track : motion.tracks)
+    taken.insert(track.name);
+  std::map<std::string, std::string> named;
+  for (PatchTrack& track : motion.tracks) {
+    if (!isForeign(track)) continue;
+    const auto [known, is_new] = named.try_emplace(track.name);
+    if (is_new) {
+      const std::optional<hand::HandLocation>& place = track.keys.front().patch.place;
+      const std::string part = place ? hand::partName(place->digit, place->segment) : "c1";
+      known->second = part;
+      for (int k = 2; !taken.insert(known->second).second; ++k)
+        known->second = place ? fmt::format("{}_{}", part, k) : fmt::format("c{}", k);
+    }
+    track.name = known->second;
+    for (PatchKey& key : track.keys)
+      key.patch.name = track.name;
+  }
 }
 
 std::vector<std::string> remarksOn(const Motion& motion) {

@@ -32,6 +32,9 @@ struct PatchKey {
   std::optional<transfer::PatchPlacement> placement;
 };
 
+/// A recorded point, without an outline.
+bool isRecorded(const PatchKey& key);
+
 /// A patch from where it appears to where it vanishes. One that comes back is another track,
 /// which may have the same name.
 struct PatchTrack {
@@ -75,6 +78,11 @@ inline constexpr std::size_t kMostMotionPoints = 20'000'000;
 /// within the frames, keys that rise, patches on the mesh. InvalidInput names the frame or the
 /// track, the value and what is permitted.
 void validate(const geometry::TriangleMesh& object_O, const Motion& motion);
+
+/// Recordings name points by links of their own hand, which say nothing of another one: such
+/// tracks get the name of the part they are on (index_distal, palm), with a number behind where
+/// it is several links', or c1, c2, ... where nobody knows the part. Others keep theirs.
+void nameByParts(Motion& motion);
 
 /// What a user should know of it though nothing is wrong: an object that jumps from one frame
 /// to the next (more than kJumpWay or kJumpTurn), gaps in time, frames without any contact.

@@ -42,7 +42,7 @@ void addPlaces(const session::DocumentPatch& patch, session::FieldWriter& writer
 
 bool isOfPoints(const Motion& motion) {
   return std::any_of(motion.tracks.begin(), motion.tracks.end(), [](const PatchTrack& track) {
-    return std::any_of(track.keys.begin(), track.keys.end(), isRecorded);
+    return std::any_of(track.keys.begin(), track.keys.end(), manipulation::isRecorded);
   });
 }
 

@@ -53,11 +53,6 @@ double angleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 
 }  // namespace
 
-bool isRecorded(const PatchKey& key) {
-  return key.patch.interpolation_boundary.size() <
-         static_cast<std::size_t>(contact::kFewestInterpolationPoints);
-}
-
 MotionSolving motionSolving(bool causal) {
   MotionSolving solving;
   solving.causal = causal;
@@ -101,19 +96,11 @@ contact::ContactSet graspOf(const Motion& motion, const geometry::TriangleMesh& 
   grasp.notes = motion.notes;
   const geometry::SurfaceLocator locator(object_O);
   std::set<std::string> known;
-  std::map<std::string, int> counts;
   for (const PatchTrack& track : motion.tracks) {
     if (!known.insert(track.name).second) continue;
     const PatchKey& key = track.keys.front();
-    contact::Patch patch =
-        isRecorded(key) ? diskAbout(object_O, locator, key.patch) : key.patch;
-    if (isRecorded(key)) {
-      patch.name = patch.place ? hand::partName(patch.place->digit, patch.place->segment)
-                               : fmt::format("c{}", grasp.patches.size() + 1);
-      if (const int count = ++counts[patch.name]; count > 1)
-        patch.name += fmt::format("_{}", count);
-    }
-    grasp.patches.push_back(std::move(patch));
+    grasp.patches.push_back(isRecorded(key) ? diskAbout(object_O, locator, key.patch)
+                                            : key.patch);
   }
   return grasp;
 }

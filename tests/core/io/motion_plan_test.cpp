@@ -139,14 +139,14 @@ TEST_F(MotionPlan, PointsOnTheManoHandGetPlacesOfAnyHand) {
   std::map<std::string, std::optional<hand::HandLocation>> places;
   for (const manipulation::PatchTrack& track : motion.tracks)
     places[track.name] = track.keys.front().patch.place;
-  ASSERT_TRUE(places.at("index3"));
-  EXPECT_EQ(places.at("index3")->digit, "index");
-  EXPECT_EQ(places.at("index3")->segment, "distal");
-  EXPECT_NEAR(places.at("index3")->along, 0.68, 0.05);
-  EXPECT_NEAR(places.at("index3")->around_rad, 0.0, 0.1);
-  EXPECT_EQ(places.at("pinky2")->digit, "little");
-  EXPECT_EQ(places.at("pinky2")->segment, "middle");
-  EXPECT_FALSE(places.at("tail"));
+  ASSERT_TRUE(places.at("index_distal"));
+  EXPECT_EQ(places.at("index_distal")->digit, "index");
+  EXPECT_EQ(places.at("index_distal")->segment, "distal");
+  EXPECT_NEAR(places.at("index_distal")->along, 0.68, 0.05);
+  EXPECT_NEAR(places.at("index_distal")->around_rad, 0.0, 0.1);
+  EXPECT_EQ(places.at("little_middle")->digit, "little");
+  EXPECT_EQ(places.at("little_middle")->segment, "middle");
+  EXPECT_FALSE(places.at("c1"));
 }
 
 // A hand that lies on the box' upper side with its fingers, by MANO's pose and by its joints.

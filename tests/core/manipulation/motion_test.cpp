@@ -115,6 +115,28 @@ TEST(Motion, TellsThatItsObjectJumps) {
   EXPECT_THAT(remarksOn(motion)[0], HasSubstr("jumps 2 times, first to frame 6"));
 }
 
+TEST(Motion, TracksOfPointsKeepNamesThatSessionsKnow) {
+  Motion motion = slide();
+  PatchTrack& track = motion.tracks[0];
+  track.name = "fingertip";
+  nameByParts(motion);
+  EXPECT_EQ(track.name, "fingertip") << "an area, of a site that the hand may have";
+  for (PatchKey& key : track.keys) {
+    key.patch.interpolation_boundary.resize(1);
+    key.hand_points = {{"ff_tip", {}}};
+  }
+  nameByParts(motion);
+  EXPECT_EQ(track.name, "fingertip") << "it has a place";
+  track.name = "ff_tip";
+  nameByParts(motion);
+  EXPECT_EQ(track.name, "index_distal");
+  EXPECT_EQ(track.keys[1].patch.name, "index_distal");
+  track.name = "fingertip";
+  track.keys[0].patch.place.reset();
+  nameByParts(motion);
+  EXPECT_EQ(track.name, "c1");
+}
+
 TEST(MotionFile, ComesBackAsItWent) {
   Motion motion = slide();
   motion.tracks[0].keys[1].hand_points.assign(3, {"index3", {0.01, 0.02, 0.03}});

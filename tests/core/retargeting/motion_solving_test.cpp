@@ -37,7 +37,7 @@ TEST(MotionSolving, TheGraspThatStandsForAMotionHasEachPatchOnce) {
   EXPECT_EQ(graspOf(motion, *grasp.ball).patches.size(), 3u);
 }
 
-TEST(MotionSolving, RecordedPointsAreCalledAfterTheirPlaces) {
+TEST(MotionSolving, RecordedPointsAreCalledAfterTheirPlacesBySessionsAsWell) {
   const test::BallGrasp grasp;
   manipulation::Motion motion = ballMotion(grasp);
   for (manipulation::PatchTrack& track : motion.tracks) {
@@ -46,8 +46,14 @@ TEST(MotionSolving, RecordedPointsAreCalledAfterTheirPlaces) {
     patch.boundary.clear();
     patch.place = hand::placeNamed("index_distal");
     track.name = track.name + "3";
+    track.keys[0].hand_points = {{track.name, {}}};
   }
   motion.tracks[0].keys[0].patch.place.reset();
+  nameByParts(motion);
+  EXPECT_THAT(patchNames(motion), ElementsAre("c1", "index_distal", "index_distal_2"));
+  const manipulation::Motion once = motion;
+  nameByParts(motion);
+  EXPECT_EQ(patchNames(motion), patchNames(once)) << "once and for all";
   const contact::ContactSet set = graspOf(motion, *grasp.ball);
   EXPECT_EQ(set.patches[0].name, "c1");
   EXPECT_EQ(set.patches[1].name, "index_distal");
