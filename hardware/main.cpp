@@ -389,5 +389,10 @@ int run(int argc, const char* const* argv) {
 }  // namespace handgraft
 
 int main(int argc, char** argv) {
-  return handgraft::run(argc, argv);
+  try {
+    return handgraft::run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "handgraft-bridge: %s\n", error.what());
+    return handgraft::kFailed;
+  }
 }

@@ -73,6 +73,7 @@ class Editor {
   /// That the search moved a joint which was just bent, if it did.
   std::string movedAgain(const Match& bend);
   CommandOutput suggest(const Match& match);
+  CommandOutput showMotion();
   CommandOutput show(const Match& match);
   CommandOutput compare(const Match& match);
   CommandOutput save(const std::filesystem::path& path);

@@ -1,4 +1,6 @@
 #include <chrono>
+#include <set>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -6,6 +8,7 @@
 #include "client/editor/show.h"
 #include "client/editor/show_solution.h"
 #include "client/present/json_output.h"
+#include "client/present/motion_output.h"
 #include "client/present/text_output.h"
 #include "client/present/transfer_text.h"
 #include "core/base/error.h"
@@ -23,7 +26,27 @@ const v1::PoseSolution& Editor::requireSolution() {
   return session_->awaitDiagnosed(requirePose().revision(), EditedSession::kEndless);
 }
 
+CommandOutput Editor::showMotion() {
+  MotionResult result;
+  result.session = session_->state();
+  result.motion =
+      server_.describe(v1::MODEL_MOTION, result.session.motion(), false).get().motion();
+  result.hand = session_->hand();
+  result.frames = framesOf(server_, session_->id());
+  requireConsistent(result);
+  CommandOutput output{"", json::motionFit(result)};
+  const std::set<std::string> off = session_->patchesOff();
+  for (std::string& patch : result.motion.patches())
+    if (off.contains(patch)) patch += " (off)";
+  output.text = text::motionFit(result);
+  if (const std::optional<v1::EditTime>& when = session_->when())
+    output.text += "\n" + text::motionFrame(result, when->time_s());
+  return output;
+}
+
 CommandOutput Editor::show(const Match& match) {
+  // The grasp that stands for a motion says nothing of it.
+  if (match.values.empty() && !session_->state().motion().empty()) return showMotion();
   if (match.values.empty()) {
     const v1::PoseSolution& solution = requireSolution();
     std::optional<v1::Weights> weights;

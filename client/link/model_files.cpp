@@ -304,6 +304,14 @@ std::string nameApart(const ModelFiles& model) {
   return model.name.substr(0, 55) + "-" + hash.finish().substr(0, kShort);
 }
 
+std::string nameCalled(const std::string& name) {
+  const std::size_t dash = name.rfind('-');
+  if (dash == std::string::npos || dash == 0 || name.size() - dash - 1 != kShort) return name;
+  return name.find_first_not_of("0123456789abcdef", dash + 1) == std::string::npos
+             ? name.substr(0, dash)
+             : name;
+}
+
 PackageMap packagesWithin(const fs::path& within, const fs::path& urdf) {
   std::vector<fs::path> folders = {within};
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(within))

@@ -105,6 +105,9 @@ std::string byGivenPaths(std::string complaint, const ModelFiles& model);
 /// URIs, units and options. Errors: InvalidInput if a file cannot be read.
 std::string nameApart(const ModelFiles& model);
 
+/// What people call a model that has such a name: without its digits. Other names as they are.
+std::string nameCalled(const std::string& name);
+
 /// The packages that a URDF names, as folders of those there are below `within`: where the
 /// first mesh lies that the URDF looks for in it, rather a folder of its name than another one.
 PackageMap packagesWithin(const std::filesystem::path& within,

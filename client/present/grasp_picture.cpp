@@ -1,11 +1,16 @@
 #include "client/present/grasp_picture.h"
 
+#include <set>
+#include <string>
+
 #include <Eigen/Geometry>
 
 #include <fmt/format.h>
 
+#include "client/link/model_files.h"
 #include "client/link/wire_pose.h"
 #include "client/present/picture_parts.h"
+#include "client/present/text_output.h"
 #include "idl/fields.h"
 
 namespace handgraft::client {
@@ -52,8 +57,11 @@ void addFit(GraspPicture& picture,
     scene.segments.push_back({on_hand[i], on_object[i], 1.2F, kDistanceColor});
     scene.markers.push_back({on_object[i], 2.2F, render::blend(color, {0, 0, 0}, 0.35)});
   }
-  picture.caption.legend.push_back({color, fmt::format("{} {:.1f} mm (max {:.1f})", fit.name(),
-                                                       fit.mean_mm(), fit.max_mm())});
+  const v1::Verdict verdict = fit.diagnosis().verdict();
+  const bool is_missed = verdict != v1::VERDICT_REACHED && verdict != v1::VERDICT_NONE;
+  picture.caption.legend.push_back(
+      {color, fmt::format("{} {:.1f} mm (max {:.1f}){}", fit.name(), fit.mean_mm(),
+                          fit.max_mm(), is_missed ? " not reached" : "")});
 }
 
 /// Where the hand has no place for a point of the patch.
@@ -67,6 +75,21 @@ void addLosses(GraspPicture& picture,
     const Eigen::Vector3d p_W = X_WO * outline_O[lost.index()].cast<double>();
     picture.scene.markers.push_back({p_W.cast<float>(), 3.0F, kLostColor});
   }
+}
+
+/// Digits, and where palms are: what people want to see of a hand, without its forearm.
+std::vector<const render::SurfaceMesh*> graspingMeshes(const v1::HandDescription& hand,
+                                                       const render::Layer& links) {
+  std::set<std::string> names;
+  for (const v1::DigitInfo& digit : hand.digits())
+    for (const v1::SegmentInfo& segment : digit.segments())
+      names.insert(segment.link());
+  for (const v1::SiteInfo& site : hand.sites())
+    names.insert(site.link());
+  std::vector<const render::SurfaceMesh*> meshes;
+  for (std::size_t i = 0; i < hand.links().size(); ++i)
+    if (names.contains(hand.links()[i].name())) meshes.push_back(&links.meshes[i]);
+  return meshes;
 }
 
 }  // namespace
@@ -117,13 +140,13 @@ GraspPicture pictureOf(const GraspResult& result,
   }
   picture.scene.layers.push_back(std::move(object_layer));
   picture.scene.layers.push_back(std::move(hand_layer));
-  picture.scene.frameAbout(picture.scene.layers.front().meshes.front(), kFramedAbout);
+  picture.scene.frameAbout(picture.scene.layers.front().meshes.front(), kFramedAbout,
+                           graspingMeshes(result.hand, picture.scene.layers.back()));
 
-  picture.caption.title =
-      fmt::format("{} grasps {}", result.session.hand(), result.session.object());
+  picture.caption.title = text::titleOf(result.session, result.hand, "grasps");
   picture.caption.subtitle =
-      fmt::format("contacts {}, objective {:.4g}, {} by {}", result.session.contacts(),
-                  solution.terms().objective(), nameOf(solution.outcome()), solution.solver());
+      fmt::format("contacts {}: {}, objective {:.4g}", nameCalled(result.session.contacts()),
+                  text::reachedText(solution), solution.terms().objective());
   return picture;
 }
 

@@ -99,6 +99,14 @@ Json suggestions(const v1::SuggestReply& reply, const std::optional<Applied>& ap
   return document;
 }
 
+std::string motionEvent(const v1::MotionFrames& frames) {
+  return written(Json{{"event", "motion"},
+                      {"session_id", frames.session_id()},
+                      {"revision", frames.revision()},
+                      {"frame_count", frames.frame_count()}},
+                 -1);
+}
+
 std::string stateEvent(const v1::SessionState& state) {
   Json event = {{"event", "state"}};
   event.update(jsonOf(state));

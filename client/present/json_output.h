@@ -55,5 +55,7 @@ Json suggestions(const v1::SuggestReply& reply, const std::optional<Applied>& ap
 std::string stateEvent(const v1::SessionState& state);
 std::string solutionEvent(const v1::PoseSolution& solution,
                           const std::vector<std::string>& joint_names);
+/// {"event": "motion", "session_id", "revision", "frame_count"}
+std::string motionEvent(const v1::MotionFrames& frames);
 
 }  // namespace handgraft::client::json

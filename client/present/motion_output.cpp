@@ -113,6 +113,54 @@ std::string cellText(double value) {
   return std::isfinite(value) ? fmt::format("{:.6g}", value) : "";
 }
 
+std::string patchTable(const MotionResult& result) {
+  Rows rows = {
+      {"patch", "mean mm", "worst mm", "normal deg", "reached", "there s", "reached s"}};
+  for (const PatchOverTime& patch : patchesOf(result)) {
+    if (patch.frames == 0) {  // left out of the hand's frames, or not in the motion either
+      rows.push_back({text::plain(patch.name), "-", "-", "-", "-",
+                      spansText(spansOf(result.motion, patch.name)), spansText({})});
+      continue;
+    }
+    rows.push_back({text::plain(patch.name), fmt::format("{:.2f}", patch.mean_mm),
+                    fmt::format("{:.2f}", patch.worst_mm),
+                    fmt::format("{:.1f}", patch.normal_deg),
+                    fmt::format("{:.0f} %", 100.0 * patch.frames_reached / patch.frames),
+                    spansText(patch.there), spansText(patch.reached)});
+  }
+  return text::table(rows, "lrrrrl");
+}
+
+std::string reachedOverTime(const MotionResult& result) {
+  int touching = 0;
+  int reaching = 0;
+  for (const FrameMeasure& measure : measuresOf(result)) {
+    touching += measure.patches > 0 ? 1 : 0;
+    reaching += measure.patches > 0 && measure.reached == measure.patches ? 1 : 0;
+  }
+  return fmt::format("{} frames touch, in {} every patch is reached", touching, reaching);
+}
+
+std::string insideText(const MotionResult& result) {
+  const auto deepest = std::max_element(result.frames.begin(), result.frames.end(),
+                                        [](const v1::MotionFrame& a, const v1::MotionFrame& b) {
+                                          return a.max_depth_m() < b.max_depth_m();
+                                        });
+  return deepest->max_depth_m() > 0.0
+             ? fmt::format("inside the object: {:.2f} mm at {:.2f} s\n",
+                           1e3 * deepest->max_depth_m(), deepest->time_s())
+             : "inside the object: never\n";
+}
+
+/// The last frame that is not behind `time_s`.
+const v1::MotionFrame& frameAt(const MotionResult& result, double time_s) {
+  const auto behind = std::upper_bound(result.frames.begin(), result.frames.end(), time_s,
+                                       [](double time, const v1::MotionFrame& frame) {
+                                         return time < frame.time_s();
+                                       });
+  return behind == result.frames.begin() ? *behind : *(behind - 1);
+}
+
 }  // namespace
 
 namespace text {
@@ -137,39 +185,10 @@ std::string motion(const MotionResult& result) {
       "{} follows {} on {}: {} frames in {:.2f} s, {}\n\n", plain(result.session.hand()),
       plain(result.motion.name()), plain(result.session.object()), summary.frame_count(),
       summary.duration_s(), summary.options().causal() ? "causal" : "offline");
-  Rows rows = {
-      {"patch", "mean mm", "worst mm", "normal deg", "reached", "there s", "reached s"}};
-  for (const PatchOverTime& patch : patchesOf(result)) {
-    if (patch.frames == 0) {  // left out of the hand's frames, or not in the motion either
-      rows.push_back({plain(patch.name), "-", "-", "-", "-",
-                      spansText(spansOf(result.motion, patch.name)), spansText({})});
-      continue;
-    }
-    rows.push_back({plain(patch.name), fmt::format("{:.2f}", patch.mean_mm),
-                    fmt::format("{:.2f}", patch.worst_mm),
-                    fmt::format("{:.1f}", patch.normal_deg),
-                    fmt::format("{:.0f} %", 100.0 * patch.frames_reached / patch.frames),
-                    spansText(patch.there), spansText(patch.reached)});
-  }
-  out += table(rows, "lrrrrl");
-  const auto deepest = std::max_element(result.frames.begin(), result.frames.end(),
-                                        [](const v1::MotionFrame& a, const v1::MotionFrame& b) {
-                                          return a.max_depth_m() < b.max_depth_m();
-                                        });
-  int touching = 0;
-  int reaching = 0;
-  for (const FrameMeasure& measure : measuresOf(result)) {
-    touching += measure.patches > 0 ? 1 : 0;
-    reaching += measure.patches > 0 && measure.reached == measure.patches ? 1 : 0;
-  }
-  out += fmt::format(
-      "\nall in all {:.2f} mm and {:.1f} deg off in the mean; {} frames touch, in {} every "
-      "patch is reached\n",
-      summary.mean_mm(), summary.normal_deg(), touching, reaching);
-  out += summary.max_depth_m() > 0.0
-             ? fmt::format("inside the object: {:.2f} mm at {:.2f} s\n",
-                           1e3 * summary.max_depth_m(), deepest->time_s())
-             : std::string("inside the object: never\n");
+  out += patchTable(result);
+  out += fmt::format("\nall in all {:.2f} mm and {:.1f} deg off in the mean; {}\n",
+                     summary.mean_mm(), summary.normal_deg(), reachedOverTime(result));
+  out += insideText(result);
   const JointUnit unit = unitOfLargest(result.hand);
   out += fmt::format(
       "joints: largest step {:.3g}{}, velocity {:.3g}, acceleration {:.3g}, RMS jerk {:.3g} "
@@ -184,9 +203,54 @@ std::string motion(const MotionResult& result) {
   return out;
 }
 
+std::string motionFit(const MotionResult& result) {
+  return patchTable(result) + "\n" + reachedOverTime(result) + "\n" + insideText(result) +
+         limitsText(result);
+}
+
+std::string motionFrame(const MotionResult& result, double time_s) {
+  const v1::MotionFrame& frame = frameAt(result, time_s);
+  Rows rows = {{"patch", "mean mm", "normal deg", "there", "reached"}};
+  for (const v1::FramePatch& patch : frame.patches()) {
+    constexpr double kFaded = 0.005;
+    if (patch.presence() < kFaded) continue;
+    rows.push_back(
+        {plain(result.motion.patches()[patch.patch()]), fmt::format("{:.2f}", patch.mean_mm()),
+         fmt::format("{:.1f}", patch.normal_deg()),
+         fmt::format("{:.0f} %", 100.0 * patch.presence()), patch.reached() ? "yes" : "no"});
+  }
+  return fmt::format("frame {} at {:.3f} s{}\n", frame.index(), frame.time_s(),
+                     frame.patches().empty() ? ": no contact" : "") +
+         (frame.patches().empty() ? "" : table(rows, "lrrrl")) +
+         fmt::format(
+             "inside the object: {:.2f} mm\njoints at limits: {}\n", 1e3 * frame.max_depth_m(),
+             frame.joints_at_limit().empty() ? "none"
+                                             : listed(limitNames(frame.joints_at_limit())));
+}
+
 }  // namespace text
 
 namespace json {
+
+Json motionFit(const MotionResult& result) {
+  Json fit = {{"patches", Json::array()}};
+  for (const PatchOverTime& patch : patchesOf(result)) {
+    fit["patches"].push_back({{"name", patch.name},
+                              {"frames", patch.frames},
+                              {"frames_reached", patch.frames_reached},
+                              {"mean_mm", patch.mean_mm},
+                              {"worst_mm", patch.worst_mm},
+                              {"normal_deg", patch.normal_deg},
+                              {"there_s", spansJson(patch.there)},
+                              {"reached_s", spansJson(patch.reached)}});
+  }
+  const std::vector<FrameMeasure> measures = measuresOf(result);
+  fit["frames_touching"] =
+      std::count_if(measures.begin(), measures.end(), [](const FrameMeasure& measure) {
+        return measure.patches > 0;
+      });
+  return fit;
+}
 
 Json motion(const MotionResult& result) {
   Json document = jsonOf(result.summary);
@@ -198,17 +262,7 @@ Json motion(const MotionResult& result) {
   document["joint_names"] = Json::array();
   for (const v1::JointInfo& joint : result.hand.joints())
     document["joint_names"].push_back(joint.name());
-  document["patches"] = Json::array();
-  for (const PatchOverTime& patch : patchesOf(result)) {
-    document["patches"].push_back({{"name", patch.name},
-                                   {"frames", patch.frames},
-                                   {"frames_reached", patch.frames_reached},
-                                   {"mean_mm", patch.mean_mm},
-                                   {"worst_mm", patch.worst_mm},
-                                   {"normal_deg", patch.normal_deg},
-                                   {"there_s", spansJson(patch.there)},
-                                   {"reached_s", spansJson(patch.reached)}});
-  }
+  document.update(motionFit(result));
   const std::vector<FrameMeasure> measures = measuresOf(result);
   document["frames"] = Json::array();
   for (std::size_t k = 0; k < result.frames.size(); ++k) {

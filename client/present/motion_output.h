@@ -16,6 +16,12 @@ std::string motion(const v1::MotionDescription& motion);
 /// A row a patch, then what holds of all frames.
 std::string motion(const MotionResult& result);
 
+/// The same as far as the frames tell it: without what the solve's summary says.
+std::string motionFit(const MotionResult& result);
+
+/// A row a patch of the frame that holds at a time.
+std::string motionFrame(const MotionResult& result, double time_s);
+
 }  // namespace text
 
 namespace json {
@@ -23,6 +29,9 @@ namespace json {
 /// The fields of MotionSummary, `hand`, `object`, `motion`, `joint_names`, `patches`, each with
 /// its spans, and `frames`: MotionFrame with what is measured of it.
 Json motion(const MotionResult& result);
+
+/// Of those `patches`, and `frames_touching`.
+Json motionFit(const MotionResult& result);
 
 }  // namespace json
 

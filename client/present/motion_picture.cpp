@@ -9,11 +9,13 @@
 
 #include <fmt/format.h>
 
+#include "client/link/model_files.h"
 #include "client/link/wire_pose.h"
 #include "client/present/joint_unit.h"
 #include "client/present/picture_parts.h"
 #include "client/present/render/plot.h"
 #include "client/present/render/two_views.h"
+#include "client/present/text_output.h"
 #include "core/base/error.h"
 
 namespace handgraft::client {
@@ -202,8 +204,8 @@ render::Image motionPicture(const MotionResult& result,
   const v1::MotionSummary& summary = result.summary;
   const JointUnit unit = unitOfLargest(result.hand);
   const render::Plot plot{
-      fmt::format("{} follows {} on {}", result.session.hand(), result.motion.name(),
-                  result.session.object()),
+      fmt::format("{}: {}", text::titleOf(result.session, result.hand, "on"),
+                  nameCalled(result.motion.name())),
       fmt::format(
           "{} frames: {:.2f} mm and {:.0f} deg off in the mean, {:.2f} mm deep at most, "
           "largest step of a joint {:.3g} {}",

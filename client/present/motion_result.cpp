@@ -13,8 +13,6 @@ namespace handgraft::client {
 
 namespace {
 
-constexpr double kHalfThere = 0.5;
-
 /// Largest of what changes from one row to the next over that time; `rate` becomes the change.
 double largestChange(std::vector<double>& rate,
                      const std::vector<double>& now,
@@ -93,7 +91,7 @@ std::vector<FrameMeasure> measuresOf(const MotionResult& result) {
     double mean = 0.0;
     double normal = 0.0;
     for (const v1::FramePatch& patch : frame.patches()) {
-      if (patch.presence() < kHalfThere) continue;
+      if (patch.presence() < v1::PRESENCE_COUNTED) continue;
       ++measure.patches;
       measure.reached += patch.reached() ? 1 : 0;
       points += patch.point_count();
@@ -135,7 +133,7 @@ std::vector<PatchOverTime> patchesOf(const MotionResult& result) {
     std::vector<char> is_reached(patches.size(), 0);
     for (const v1::FramePatch& fit : frame.patches()) {
       const std::size_t at = fit.patch();
-      if (fit.presence() < kHalfThere || is_there[at] != 0) continue;
+      if (fit.presence() < v1::PRESENCE_COUNTED || is_there[at] != 0) continue;
       PatchOverTime& patch = patches[at];
       is_there[at] = 1;
       addTo(patch.there, was_there[at] != 0, frame.time_s());

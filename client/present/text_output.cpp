@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "client/link/client.h"
+#include "client/link/model_files.h"
 #include "client/present/joint_unit.h"
 #include "client/present/transfer_text.h"
 #include "core/base/error.h"
@@ -330,11 +331,28 @@ void addSegments(const GraspResult& result, Rows& rows) {
 
 }  // namespace
 
+std::string titleOf(const v1::SessionState& session,
+                    const v1::HandDescription& hand,
+                    const std::string& does) {
+  return fmt::format("{}{} {} {}", nameCalled(session.hand()),
+                     hand.mirrored() ? " (mirrored)" : "", does, nameCalled(session.object()));
+}
+
+std::string reachedText(const v1::PoseSolution& solution) {
+  int asked = 0;
+  int reached = 0;
+  for (const v1::PatchFit& patch : solution.patches()) {
+    asked += patch.diagnosis().verdict() != v1::VERDICT_NONE ? 1 : 0;
+    reached += patch.diagnosis().verdict() == v1::VERDICT_REACHED ? 1 : 0;
+  }
+  return fmt::format("{} of {} patch{} reached", reached, asked, asked == 1 ? "" : "es");
+}
+
 std::string grasp(const GraspResult& result) {
   const v1::PoseSolution& solution = result.solution;
   std::string out =
-      fmt::format("{} grasps {} by {}\n\n", plain(result.session.hand()),
-                  plain(result.session.object()), plain(result.session.contacts()));
+      fmt::format("{} by {}\n\n", plain(titleOf(result.session, result.hand, "grasps")),
+                  plain(nameCalled(result.session.contacts())));
   Rows rows = {{"patch", "mean mm", "max mm", "normal deg", "in 2 mm", "in 5 mm", "points",
                 "lost", "length", "angle deg", "area", "verdict"}};
   for (const v1::PatchFit& patch : solution.patches()) {
@@ -363,16 +381,7 @@ std::string grasp(const GraspResult& result) {
   out += verdicts(solution, result.hand);
   out += losses(result.transfer.patches(), result.kept ? solution.session_id() : 0);
   out += notes(result.hand.notes());
-  std::vector<std::string> further;  // what is dropped is told already
-  for (const std::string& note : result.transfer.notes()) {
-    const bool is_told =
-        std::any_of(result.transfer.patches().begin(), result.transfer.patches().end(),
-                    [&](const v1::PatchReport& report) {
-                      return !report.placed() && report.reason() == note;
-                    });
-    if (!is_told) further.push_back(note);
-  }
-  out += notes(further);
+  out += notes(furtherNotes(result.transfer));
 
   out +=
       fmt::format("objective {:.6g} ({}), {} by {} after {} evaluations\n",
@@ -429,6 +438,11 @@ std::string solutionLine(const v1::PoseSolution& solution) {
   }
   const std::string why = explanation(solution);
   return why.empty() ? line : line + "; " + why;
+}
+
+std::string motionLine(const v1::MotionFrames& frames) {
+  return fmt::format("session {} revision {}: motion of {} frames solved", frames.session_id(),
+                     frames.revision(), frames.frame_count());
 }
 
 std::string networkOptions(const Network& network) {

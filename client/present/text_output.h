@@ -7,6 +7,7 @@
 #include "client/link/grasp_result.h"
 #include "core/base/network.h"
 #include "idl/models.h"
+#include "idl/motions.h"
 #include "idl/sessions.h"
 
 /// What the commands print for people. Every text ends with a line break; names that came over
@@ -20,11 +21,21 @@ std::string sessions(const v1::SessionList& list);
 /// The table of patches, what was dropped, the objective, joints at their limits, times.
 std::string grasp(const GraspResult& result);
 
+/// "shadow_hand (mirrored) grasps mug": by the names that people gave.
+std::string titleOf(const v1::SessionState& session,
+                    const v1::HandDescription& hand,
+                    const std::string& does);
+
+/// "2 of 3 patches reached", of a solution that is diagnosed.
+std::string reachedText(const v1::PoseSolution& solution);
+
 /// One line each, without a line break.
 std::string stateLine(const v1::SessionState& state);
 /// "on the way" while the solve goes on, "pose" once it ended, "solution" once that is
 /// diagnosed.
 std::string solutionLine(const v1::PoseSolution& solution);
+/// A motion that is solved.
+std::string motionLine(const v1::MotionFrames& frames);
 /// Verdict and depth, without a line break: what is known once a pose is diagnosed; may be
 /// empty.
 std::string explanation(const v1::PoseSolution& solution);

@@ -128,6 +128,18 @@ std::string losses(const std::vector<v1::PatchReport>& patches, std::uint64_t se
                    worst);
 }
 
+std::vector<std::string> furtherNotes(const v1::TransferReply& reply) {
+  std::vector<std::string> further;
+  for (const std::string& note : reply.notes()) {
+    const bool is_told = std::any_of(reply.patches().begin(), reply.patches().end(),
+                                     [&](const v1::PatchReport& report) {
+                                       return !report.placed() && report.reason() == note;
+                                     });
+    if (!is_told) further.push_back(note);
+  }
+  return further;
+}
+
 std::string transfer(const v1::TransferReply& reply) {
   std::string out = fmt::format(
       "session {} revision {}: log maps {}, {} interior rings\n\n", reply.session_id(),
@@ -144,7 +156,7 @@ std::string transfer(const v1::TransferReply& reply) {
     }
   }
   out += losses(reply.patches(), reply.session_id());
-  out += notes(reply.notes());
+  out += notes(furtherNotes(reply));
   return out + fmt::format("time: {:.1f} ms\n", reply.transfer_ms());
 }
 

@@ -13,6 +13,9 @@ namespace handgraft::client::text {
 /// One row a placed patch, those that were dropped, lost points by reason, notes.
 std::string transfer(const v1::TransferReply& reply);
 
+/// The reply's notes but for reasons that its dropped patches tell.
+std::vector<std::string> furtherNotes(const v1::TransferReply& reply);
+
 /// The present placement and the suggestions, best first, in one table.
 std::string suggestions(const v1::SuggestReply& reply);
 

@@ -198,12 +198,11 @@ class Page {
         }) {}
 
   ~Page() {
-    const py::gil_scoped_release released;  // the thread may be about to tell something
     ending_ = true;
     try {
+      const py::gil_scoped_release released;  // the thread may be about to tell something
       thread_.join();
-    } catch (const std::system_error&) {
-      // There is no thread to wait for.
+    } catch (...) {  // there is no thread to wait for
     }
   }
 

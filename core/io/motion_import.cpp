@@ -294,7 +294,8 @@ Motion sequenceFrom(const json& root,
         ++far;
         continue;
       }
-      seen[point->key.patch.name].push_back(*std::move(point));
+      std::vector<LinkPoint>& of_link = seen[point->key.patch.name];
+      of_link.push_back(*std::move(point));
     }
     for (auto& [link, points] : seen)
       links[link].add(frame, std::move(points), motion.tracks);

@@ -52,7 +52,8 @@ std::vector<quality::ContactSide> contactSides(const std::vector<SessionPatch>& 
 struct SolveRun {
   int threads = 1;
   /// Roots and directions that nobody chose stay where the last solve left them, as in the
-  /// paper's way: for what follows an edit, which is to stay where it was put.
+  /// paper's way: for what follows an edit, which is to stay where it was put. Unless nothing
+  /// is reached from there, and no place is held: then the search is a whole one.
   bool places_stay = false;
   /// As optimize::SolveOptions.
   std::function<void(const hand::HandPose&, const optimize::Terms&)> on_improvement;

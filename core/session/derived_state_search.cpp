@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <set>
 #include <utility>
 
 #include "core/base/error.h"
@@ -58,6 +59,13 @@ constexpr int kStepEvaluations = 8;
 /// A whole search, not what follows an edit.
 bool searchesWidely(const SolveOptions& options) {
   return options.starts > optimize::kFewStarts;
+}
+
+bool reachesNothing(const PoseProblem& posed, const SolveReport& report) {
+  std::set<int> asked;
+  for (const optimize::PointPair& pair : posed.pairs)
+    if (pair.weight > 0.0) asked.insert(pair.patch);
+  return !asked.empty() && optimize::missedPatches(posed, report).size() == asked.size();
 }
 
 /// A point that is lost no longer counts: that alone makes nothing better.
@@ -224,8 +232,13 @@ Solution DerivedState::solve(const SolverSettings& solving,
   SolveOptions options = solveOptions(solving);
   options.threads = run.threads;
   options.on_improvement = run.on_improvement;
-  if (solving.paper || run.places_stay)
-    return answered(optimize::solve(problem(solving), options, progress), solving);
+  if (solving.paper || run.places_stay) {
+    SolveReport standing = optimize::solve(problem(solving), options, progress);
+    // Where a place that was let go had pulled the hand away, nothing leads back.
+    if (solving.paper || !document_.held.empty() || !reachesNothing(problem(solving), standing))
+      return answered(std::move(standing), solving);
+    options.starts = std::max(options.starts, optimize::kDefaultStarts);
+  }
   transfer(progress);
   SolveReport report;
   std::vector<Minimum> found;

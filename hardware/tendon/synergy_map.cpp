@@ -129,7 +129,7 @@ SynergyMap mimicMap(const std::vector<Range>& joints,
     S(row, column[follows[j]->leader]) = follows[j]->ratio;
     offset[row] = follows[j]->offset;
   }
-  return {std::move(S), std::move(offset), std::move(weights), std::move(motors)};
+  return {std::move(S), std::move(offset), weights, std::move(motors)};
 }
 
 }  // namespace handgraft::tendon

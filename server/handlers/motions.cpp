@@ -79,13 +79,14 @@ v1::MotionSummary summaryOf(const LiveSession& live,
     if (k % kToldEvery == 0)
       progress.report("judging frames",
                       static_cast<double>(k) / static_cast<double>(poses.size()));
-    const std::vector<retargeting::PatchFrameFit> patches = fits.at(k);
-    reached += std::all_of(patches.begin(), patches.end(),
-                           [](const retargeting::PatchFrameFit& patch) {
-                             return patch.reached || patch.presence < 1.0;
-                           })
-                   ? 1
-                   : 0;
+    int there = 0;
+    int reached_there = 0;
+    for (const retargeting::PatchFrameFit& patch : fits.at(k)) {
+      if (patch.presence < v1::PRESENCE_COUNTED) continue;
+      ++there;
+      reached_there += patch.reached ? 1 : 0;
+    }
+    reached += there > 0 && reached_there == there ? 1 : 0;
   }
   summary.frames_reached(reached);
   summary.options(motionMessage(solved.solving));

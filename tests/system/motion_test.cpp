@@ -23,6 +23,7 @@ namespace {
 using nlohmann::json;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr const char* kPull =
     "time_s,x,y,z,qw,qx,qy,qz\n0,0,0,0.3,1,0,0,0\n0.5,-0.25,0,0.32,1,0,0,0\n"
@@ -198,6 +199,36 @@ Told toldTo(client::SessionStream& watcher, std::uint64_t revision) {
     watcher.wait(std::chrono::milliseconds(20));
   }
   return told;
+}
+
+TEST(Motion, IsShownOverTimeNotAsTheGraspThatStandsForThem) {
+  const SharedSkins skins;
+  const Service service;
+  const json motion = service.ask({"motion", "join", "box_5", "box_5", "--path",
+                                   written("shown.csv",
+                                           "time_s,x,y,z,qw,qx,qy,qz\n0,0,0,0.3,1,0,0,0\n"
+                                           "2,-0.25,0,0.32,1,0,0,0\n"),
+                                   "--rate", "15", "--name", "shown_over_time"});
+  EXPECT_EQ(motion.at("frame_count"), 31);
+  const json solved = service.ask({"motion", "solve", "--hand", "human20", "--motion",
+                                   "shown_over_time", "--causal", "--keep"});
+  EXPECT_EQ(solved.at("frame_count"), 31);
+  EXPECT_EQ(solved.at("frames_touching"), 31);
+  EXPECT_LE(solved.at("frames_reached"), 31);
+  const std::string session = std::to_string(solved.at("session_id").get<std::uint64_t>());
+
+  const Finished watched = service.client({"watch", session, "--count", "1"});
+  ASSERT_EQ(watched.exit_code, 0) << watched.err;
+  EXPECT_THAT(watched.out, HasSubstr("revision 0: motion of 31 frames solved"));
+
+  const Finished shown =
+      service.client({"edit", session, "--script",
+                      written("shown.txt", "disable little\nshow\nat 1\nshow\n")});
+  ASSERT_EQ(shown.exit_code, 0) << shown.err;
+  EXPECT_THAT(shown.out, HasSubstr("31 frames touch, in "));
+  EXPECT_THAT(shown.out, HasSubstr("little (off)"));
+  EXPECT_THAT(shown.out, HasSubstr("frame 15 at 1.000 s"));
+  EXPECT_THAT(shown.out, Not(HasSubstr("objective")));
 }
 
 TEST(Motion, AnEditAtATimeIsSeenByAllWhoWatch) {

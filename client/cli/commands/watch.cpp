@@ -30,7 +30,8 @@ class StreamPrinter {
       : now_(now), most_(most), as_json_(as_json) {}
 
   void print(const v1::PoseSolution& solution) {
-    if (hasEnough()) return;
+    // The grasp that stands for a motion says nothing of it.
+    if (hasEnough() || !now_.motion().empty()) return;
     if (solution.is_diagnosed()) ++seen_;
     printLine(as_json_ ? json::solutionEvent(solution, now_.joint_names())
                        : text::solutionLine(solution));
@@ -43,6 +44,14 @@ class StreamPrinter {
     printLine(as_json_ ? json::stateEvent(state) : text::stateLine(state));
   }
 
+  /// Frames of its motion; the last ones of an answer count as a solution.
+  void print(const v1::MotionFrames& frames) {
+    if (hasEnough() || !frames.is_last() || frames.revision() < told_) return;
+    told_ = frames.revision() + 1;
+    ++seen_;
+    printLine(as_json_ ? json::motionEvent(frames) : text::motionLine(frames));
+  }
+
   [[nodiscard]] bool hasEnough() const { return most_ != 0 && seen_ >= most_; }
 
   [[nodiscard]] bool isClosed() const { return is_closed_; }
@@ -52,8 +61,23 @@ class StreamPrinter {
   const std::uint64_t most_;
   const bool as_json_;
   std::uint64_t seen_ = 0;
+  std::uint64_t told_ = 0;  // the first revision of which the motion was not told
   bool is_closed_ = false;
 };
+
+/// As its stream would tell a motion that was solved before; no last frames where none is.
+v1::MotionFrames motionAsItStands(Client& server, std::uint64_t session_id) {
+  v1::MotionFramesRequest request;
+  request.session_id(session_id);
+  request.count(1);
+  try {
+    v1::MotionFrames frames = server.motionFrames(request).get();
+    frames.is_last(true);
+    return frames;
+  } catch (const Refused&) {
+    return {};
+  }
+}
 
 }  // namespace
 
@@ -65,6 +89,7 @@ int run(const WatchOptions& options, const CommonOptions& common, Interruption& 
   SessionStream stream(server, session_id);
 
   StreamPrinter printer(now, options.count, common.json);
+  if (!now.motion().empty()) printer.print(motionAsItStands(server, session_id));
   while (!printer.isClosed() && !printer.hasEnough() && !interruption.requested()) {
     stream.take(
         [&](const v1::PoseSolution& solution) {
@@ -73,6 +98,8 @@ int run(const WatchOptions& options, const CommonOptions& common, Interruption& 
         [&](const v1::SessionState& state) {
           printer.print(state);
         });
+    for (const v1::MotionFrames& frames : stream.takeMotion())
+      printer.print(frames);
     if (printer.hasEnough()) break;
     if (!server.alive()) {
       throw NoServer(fmt::format("handgraft-server on {} stopped answering",

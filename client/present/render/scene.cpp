@@ -12,7 +12,9 @@ constexpr std::size_t kFewestFramed = 5;  // one vertex of so many
 
 }  // namespace
 
-void Scene::frameAbout(const SurfaceMesh& mesh, float reach_m) {
+void Scene::frameAbout(const SurfaceMesh& mesh,
+                       float reach_m,
+                       const std::vector<const SurfaceMesh*>& whole) {
   framed_W.setEmpty();
   for (const Eigen::Vector3f& p_W : mesh.vertices_W)
     if (p_W.allFinite()) framed_W.extend(p_W);
@@ -34,6 +36,9 @@ void Scene::frameAbout(const SurfaceMesh& mesh, float reach_m) {
       return;
     }
   }
+  for (const SurfaceMesh* seen : whole)
+    for (const Eigen::Vector3f& p_W : seen->vertices_W)
+      if (p_W.allFinite()) framed_W.extend(p_W);
 }
 
 std::vector<Eigen::Vector3f> Scene::points() const {

@@ -78,9 +78,12 @@ struct Scene {
   /// empty one: everything.
   Eigen::AlignedBox3f framed_W{};
 
-  /// Frames a mesh and what is so near it: a grasp, not the forearm behind it. Everything, if
-  /// less than a fifth of some layer would be seen: the hand is not there, then.
-  void frameAbout(const SurfaceMesh& mesh, float reach_m);
+  /// Frames a mesh and what is so near it: a grasp, not the forearm behind it; and all of
+  /// `whole`. Everything, if less than a fifth of some layer would be seen: the hand is not
+  /// there, then.
+  void frameAbout(const SurfaceMesh& mesh,
+                  float reach_m,
+                  const std::vector<const SurfaceMesh*>& whole = {});
 
   /// Every point that a camera should show.
   [[nodiscard]] std::vector<Eigen::Vector3f> points() const;

@@ -205,6 +205,14 @@ TEST_F(ModelFilesTest, TellsContentsApart) {
   EXPECT_NE(nameApart(objectFiles(root / "a.obj")), before);
 }
 
+TEST_F(ModelFilesTest, AreCalledByWhatTheyWereNamedBefore) {
+  write("a.obj", "v 1 0 0");
+  EXPECT_EQ(nameCalled(nameApart(objectFiles(root / "a.obj"))), "a");
+  for (const char* own :
+       {"", "-", "a", "left-hand", "hand-12345", "hand-0123456g", "-01234567"})
+    EXPECT_EQ(nameCalled(own), own);
+}
+
 TEST_F(ModelFilesTest, TellsOneFileReadInDifferentWaysApart) {
   const fs::path file = urdf("");
   const std::string plain = nameApart(handFiles(file, {}));

@@ -26,6 +26,7 @@ using testing::AllOf;
 using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
+using testing::StartsWith;
 
 /// What a program reads.
 json printed(const client::json::Json& document) {
@@ -300,9 +301,38 @@ TEST(GraspPicture, PosesTheLinksAndDrawsEveryPair) {
   EXPECT_EQ(picture.scene.markers.size(), 3U);       // one a pair
   EXPECT_EQ(picture.scene.segments.size(), 3U * 3);  // two outlines of three sides, three pairs
   ASSERT_EQ(picture.caption.legend.size(), 2U);
-  EXPECT_EQ(picture.caption.legend[0].text, "thumb 1.2 mm (max 2.5)");
+  EXPECT_EQ(picture.caption.legend[0].text, "thumb 1.2 mm (max 2.5) not reached");
   EXPECT_EQ(picture.caption.legend[1].text, "ring dropped");
   EXPECT_NO_THROW(render::renderTwoViews(picture.scene, picture.caption, {300, 250}));
+}
+
+TEST(GraspPicture, SaysWhatPeopleCallTheModelsAndWhatIsReached) {
+  GraspResult result = exampleGrasp();
+  result.session.hand("claw-00c0ffee");
+  result.hand.mirrored(true);
+  result.session.contacts("plate_2-0123abcd");
+  v1::ObjectDescription object;
+  object.mesh_O() = triangle();
+  const render::Caption caption = pictureOf(result, object, {}).caption;
+  EXPECT_EQ(caption.title, "claw (mirrored) grasps plate");
+  EXPECT_THAT(caption.subtitle,
+              StartsWith("contacts plate_2: 0 of 1 patch reached, objective"));
+  EXPECT_THAT(text::grasp(result), StartsWith("claw (mirrored) grasps plate by plate_2\n"));
+}
+
+// A forearm, far from the object, may be cut off; what grasps may not.
+TEST(GraspPicture, FramesWhatGraspsWholly) {
+  GraspResult result = exampleGrasp();
+  result.solution.X_WL()[1] = poseAt(0.45);
+  v1::ObjectDescription object;
+  object.mesh_O() = triangle();
+  const float reach_m = 0.55F;  // of that link's mesh, from W
+  EXPECT_LT(pictureOf(result, object, {}).scene.framed_W.max().x(), reach_m - 0.01F);
+  v1::SegmentInfo segment;
+  segment.link("tip");
+  result.hand.digits().emplace_back();
+  result.hand.digits()[0].segments().push_back(segment);
+  EXPECT_GE(pictureOf(result, object, {}).scene.framed_W.max().x(), reach_m - 1e-6F);
 }
 
 TEST(GraspPicture, MarksLostPoints) {

@@ -39,6 +39,14 @@ TEST(TransferText, ShowsFidelityMethodsLossesAndWhatWasDropped) {
   EXPECT_THAT(text, Not(HasSubstr("sheets")));
 }
 
+TEST(TransferText, TellsWhyAPatchWasDroppedOnce) {
+  v1::TransferReply reply = exampleTransfer();
+  reply.notes() = {"the hand has no finger 'ring'", "the ring is a thumb's"};
+  const std::string text = text::transfer(reply);
+  EXPECT_THAT(text, Not(HasSubstr("note: the hand has no finger 'ring'")));
+  EXPECT_THAT(text, HasSubstr("note: the ring is a thumb's"));
+}
+
 TEST(TransferText, ShowsNoShapeWhereNothingWasReached) {
   v1::TransferReply reply = exampleTransfer();
   reply.patches()[0].point_count(0);

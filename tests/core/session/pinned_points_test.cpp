@@ -13,6 +13,7 @@
 
 #include "tests/core/session/ball_grasp.h"
 #include "tests/core/session/lemon_models.h"
+#include "tests/support/wrapping.h"
 
 namespace handgraft::session {
 namespace {
@@ -68,6 +69,30 @@ TEST(PinnedPoint, StaysThroughSolvesAndEditsUntilItIsLetGo) {
   EXPECT_THAT(session.document().held, IsEmpty());
   EXPECT_GT((placeOf(session, "index_tip", tip_L) - target_W).norm(), 2e-3)
       << "the patch has it back";
+}
+
+// From where a drag has left the hand, steps downhill may lead nowhere: this one stood beside
+// the lemon and reached nothing.
+TEST(PinnedPoint, ThatIsLetGoFarFromTheObjectGivesTheHandBack) {
+  HANDGRAFT_NEEDS_CGAL();
+  Session session(
+      test::lemonModels(test::handOf(test::modelPath("hands/barrett8/barrett8.urdf"),
+                                     test::modelPath("hands/barrett8/sites.yaml"))),
+      Pose::Identity(), {});
+  session.commit(session.solve(SolverSettings(), SolveRun(), Progress()));
+  const hand::ContactSite& thumb = session.hand().sites.front();
+  ASSERT_EQ(thumb.name, "thumb");
+  SolverSettings brief;
+  brief.starts = 2;  // as a server after an edit
+  session.apply(SolverSettingsEdit{brief});
+  const auto missedNow = [&] {
+    const optimize::SolveReport report = answered(session);
+    return optimize::missedPatches(session.problem(), report).size();
+  };
+  session.apply(DragEdit{thumb.link, tip_L, Vector3d(0.3, 0.2, 0.4)});
+  const std::size_t dragged = missedNow();
+  session.apply(ReleaseEdit{});
+  EXPECT_LT(missedNow(), dragged);
 }
 
 TEST(PinnedPoint, OfWeightZeroIsTakenBackByTheNextSolve) {
