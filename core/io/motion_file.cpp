@@ -101,7 +101,7 @@ SurfacePoint onSurface(const json& value, const char* name, const SurfaceLocator
   if (!p_O.allFinite()) rejectInput("field '{}' is not finite", name);
   const SurfaceLocator::Hit hit = object_O.nearest(p_O);
   if (hit.distance > kMotionReach) {
-    rejectInput("field '{}': a point lies {:.1f} mm off the object; permitted are {:.1f} mm",
+    rejectInput("field '{}': a point lies {:.2f} mm off the object; permitted are {:.0f} mm",
                 name, 1e3 * hit.distance, 1e3 * kMotionReach);
   }
   return hit.point;

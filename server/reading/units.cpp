@@ -37,6 +37,18 @@ std::vector<LengthUnit> likelyUnits(double size) {
   return likely;
 }
 
+/// The units that would make an object of a hand's size of it instead; empty: none would.
+std::string betterThan(const std::string& units, double size) {
+  std::string better;
+  for (const LengthUnit& unit : kLengthUnits) {
+    const double size_m = size * unit.metres;
+    if (unit.name == units || !(size_m >= 0.02 && size_m <= 0.6)) continue;
+    better += fmt::format("{}--units {} ({})", better.empty() ? "; say " : " or ", unit.name,
+                          lengthText(size_m));
+  }
+  return better;
+}
+
 /// Throws UnitsInDoubt if other units would make sense.
 void doubt(double size, const std::string& name) {
   std::string sizes;
@@ -69,9 +81,10 @@ double objectScale(double size, const std::string& units, const std::string& nam
   if (units.empty() && size > kLargestUnasked) doubt(size, name);
   const double size_m = scale * size;
   if (!(size_m >= kSmallestObject && size_m <= kLargestObject)) {
-    rejectInput("{}: {} across{}; permitted are {} to {}", name, lengthText(size_m),
+    rejectInput("{}: {} across{}; permitted are {} to {}{}", name, lengthText(size_m),
                 units.empty() ? " as metres" : " in the units given, " + units,
-                lengthText(kSmallestObject), lengthText(kLargestObject));
+                lengthText(kSmallestObject), lengthText(kLargestObject),
+                units.empty() ? "" : betterThan(units, size));
   }
   return scale;
 }

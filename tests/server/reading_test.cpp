@@ -22,6 +22,7 @@ namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::Contains;
 using testing::ElementsAre;
+using testing::EndsWith;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -95,6 +96,18 @@ TEST(Units, TakesWhatIsGivenWithinReason) {
     }
   }
   EXPECT_THROW(objectScale(1.0, "ft", "cup"), InvalidInput);
+  const auto objection = [](double size, const char* units) -> std::string {
+    try {
+      objectScale(size, units, "cup");
+    } catch (const InvalidInput& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(objection(0.15, "mm"),
+              HasSubstr("permitted are 1 mm to 10 m; say --units m (150 mm)"));
+  EXPECT_THAT(objection(2e4, "mm"), EndsWith("permitted are 1 mm to 10 m"));
+  EXPECT_THAT(objection(std::nan(""), "mm"), EndsWith("permitted are 1 mm to 10 m"));
 }
 
 TEST(Units, TakesAMapToLieOnItsObject) {

@@ -65,5 +65,5 @@ def document_text(name, object_name, hand_name, patches):
         comma = "" if patch is patches[-1] else ","
         lines.extend(["    {", ",\n".join(fields), f"    }}{comma}"])
     lines.extend(["  ],",
-                  f'  "notes": ["what a posed {hand_name} hand touches; see make_library.py"]', "}"])
+                  f'  "notes": ["what a posed {hand_name} hand touches"]', "}"])
     return "\n".join(lines) + "\n"
