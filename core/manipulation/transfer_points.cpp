@@ -1,10 +1,14 @@
 #include "core/manipulation/transfer_points.h"
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 #include <set>
 #include <string>
 #include <utility>
+#include <vector>
+
+#include <fmt/ranges.h>
 
 #include "core/base/error.h"
 
@@ -26,6 +30,26 @@ std::optional<hand::LinkPoint> linkPointAt(const std::optional<hand::HandLocatio
   const auto spot = coordinates.spotAt(*place);
   if (!spot) return std::nullopt;
   return skin.project(spot->root_S);
+}
+
+/// Why a hand has no place for any of a motion's points.
+std::string whyNothingIsLaid(const Motion& motion, const hand::HandModel& model) {
+  std::set<std::string> links;
+  for (const PatchTrack& track : motion.tracks)
+    for (const PatchKey& key : track.keys)
+      for (const HandPoint& point : key.hand_points)
+        links.insert(quoted(point.link));
+  if (links.empty())
+    return fmt::format("none of its points has a place on hand {}", quoted(model.name()));
+  constexpr std::size_t kMostShown = 3;
+  const std::vector<std::string> shown(
+      links.begin(), std::next(links.begin(), static_cast<std::ptrdiff_t>(
+                                                  std::min(kMostShown, links.size()))));
+  return fmt::format(
+      "its points were recorded on {}, whose links ({}{}) hand {} has not, and nothing tells "
+      "their places on other hands; take a recording of MANO's, or of areas",
+      motion.hand.empty() ? "a hand" : "hand " + quoted(motion.hand), fmt::join(shown, ", "),
+      links.size() > kMostShown ? ", ..." : "", quoted(model.name()));
 }
 
 }  // namespace
@@ -122,8 +146,7 @@ TransferredMotion transferPointsByPlace(const Motion& motion,
     laid.track_of.push_back(static_cast<int>(t));
   }
   if (laid.tracks.empty())
-    rejectInput("motion '{}': none of its points has a place on hand '{}'", motion.name,
-                model.name());
+    rejectInput("motion {}: {}", quoted(motion.name), whyNothingIsLaid(motion, model));
   for (const std::string& name : lacking)
     laid.notes.push_back(fmt::format(
         "points of {} left out in part or whole: this hand has no such place", quoted(name)));

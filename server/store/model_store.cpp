@@ -303,7 +303,7 @@ StoredMotion storedMotion(std::string name,
   motion.object = std::move(object);
   motion.object_name = std::move(object_name);
   read.motion.object = motion.object_name;
-  if (read.motion.name.empty()) read.motion.name = motion.name;
+  read.motion.name = motion.name;
   motion.motion = std::make_shared<const manipulation::Motion>(std::move(read.motion));
   return motion;
 }

@@ -61,6 +61,36 @@ TEST(MotionSolving, RecordedPointsAreCalledAfterTheirPlacesBySessionsAsWell) {
   EXPECT_EQ(set.patches[2].interpolation_boundary.size(), 12u);
 }
 
+// A recording of another robot's links says nothing of this hand.
+TEST(MotionSolving, SaysWhoseLinksTheHandHasNot) {
+  const test::BallGrasp grasp;
+  manipulation::Motion motion = ballMotion(grasp);
+  motion.name = "pick";
+  motion.hand = "claw";
+  for (manipulation::PatchTrack& track : motion.tracks) {
+    for (manipulation::PatchKey& key : track.keys) {
+      key.patch.interpolation_boundary.resize(1);
+      key.patch.boundary.clear();
+      key.patch.place.reset();
+      key.hand_points = {{"claw_" + track.name, {}}};
+    }
+    track.name = "claw_" + track.name;
+  }
+  nameByParts(motion);
+  session::Document document = grasp.open().document();
+  document.patches.resize(motion.tracks.size());
+  for (std::size_t i = 0; i < document.patches.size(); ++i)
+    document.patches[i].name = motion.tracks[i].name;
+  try {
+    (void)solved(grasp, motion, document);
+    FAIL();
+  } catch (const InvalidInput& error) {
+    EXPECT_THAT(error.what(), HasSubstr("motion 'pick'"));
+    EXPECT_THAT(error.what(),
+                HasSubstr("hand 'claw', whose links ('claw_index', 'claw_middle'"));
+  }
+}
+
 TEST(MotionSolving, TellsOfEachFrameWhatIsThere) {
   const test::BallGrasp grasp;
   const manipulation::Motion motion = ballMotion(grasp);
