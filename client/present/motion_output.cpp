@@ -75,11 +75,21 @@ std::string limitsText(const MotionResult& result) {
   return line + " of the frames\n";
 }
 
-/// When a patch is there, by the motion itself.
+/// When a patch is there, by the motion itself: it may be so in several places at once.
 std::vector<MotionSpan> spansOf(const v1::MotionDescription& motion, const std::string& patch) {
-  std::vector<MotionSpan> spans;
+  std::vector<MotionSpan> there;
   for (const v1::PresenceInfo& presence : motion.presence())
-    if (presence.patch() == patch) spans.push_back({presence.begin_s(), presence.end_s()});
+    if (presence.patch() == patch) there.push_back({presence.begin_s(), presence.end_s()});
+  std::sort(there.begin(), there.end(), [](const MotionSpan& a, const MotionSpan& b) {
+    return a.begin_s < b.begin_s;
+  });
+  std::vector<MotionSpan> spans;
+  for (const MotionSpan& span : there) {
+    if (!spans.empty() && span.begin_s <= spans.back().end_s)
+      spans.back().end_s = std::max(spans.back().end_s, span.end_s);
+    else
+      spans.push_back(span);
+  }
   return spans;
 }
 

@@ -30,7 +30,22 @@ constexpr int kPlotHeight = 1500;
 constexpr double kMotionHandOpacity = 0.72;
 constexpr double kMotionObjectOpacity = 0.66;  // patches behind it shine through
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t kFewestOfAnArea = 3;
+constexpr float kPointRadius = 6.0F;  // pixels
+constexpr float kPointLine = 2.0F;
 constexpr Color kDark{24, 28, 34};
+
+/// Recorded points: a dot on the object each, and the way from there to its place on the hand.
+void addPoints(render::Scene& scene,
+               const std::vector<Eigen::Vector3f>& on_object_W,
+               const std::vector<Eigen::Vector3f>& on_hand_W,
+               Color color) {
+  for (std::size_t i = 0; i < on_object_W.size(); ++i) {
+    if (i < on_hand_W.size())
+      addCasedLine(scene, on_object_W[i], on_hand_W[i], kPointLine, color);
+    addDot(scene, on_object_W[i], kPointRadius, color);
+  }
+}
 
 /// The hand at the object, which stands in the middle.
 render::Scene sceneOf(const MotionResult& result,
@@ -51,6 +66,7 @@ render::Scene sceneOf(const MotionResult& result,
   }
   render::Layer object_layer{
       kMotionObjectOpacity, {surface(object.mesh_O(), X_WO, kObjectColor)}, {}};
+  render::Scene scene;
   for (const v1::FramePatch& patch : frame.patches()) {
     std::vector<Eigen::Vector3f> loop = pointsOf(patch.outline_O_m());
     for (Eigen::Vector3f& p : loop)
@@ -60,9 +76,15 @@ render::Scene sceneOf(const MotionResult& result,
     Color color = colorOf(result.motion.patches()[index], index);
     // What comes or goes is pale.
     color = render::blend({255, 255, 255}, color, std::clamp(patch.presence(), 0.0, 1.0));
-    object_layer.decals.push_back({std::move(loop), 0.006F, color});
+    if (loop.size() < kFewestOfAnArea) {
+      std::vector<Eigen::Vector3f> on_hand = pointsOf(patch.hand_W_m());
+      for (Eigen::Vector3f& p : on_hand)
+        p -= middle_W.cast<float>();
+      addPoints(scene, loop, on_hand, color);
+    } else {
+      object_layer.decals.push_back({std::move(loop), 0.006F, color});
+    }
   }
-  render::Scene scene;
   scene.layers.push_back(std::move(object_layer));
   scene.layers.push_back(std::move(hand_layer));
   return scene;
@@ -75,7 +97,7 @@ std::string tileText(const v1::MotionFrame& frame) {
   int there = 0;
   int reached = 0;
   for (const v1::FramePatch& patch : frame.patches()) {
-    if (patch.presence() < 0.5) continue;
+    if (patch.presence() < v1::PRESENCE_COUNTED) continue;
     ++there;
     reached += patch.reached() ? 1 : 0;
     points += patch.point_count();

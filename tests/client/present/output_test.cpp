@@ -443,7 +443,8 @@ TEST(MotionText, SaysWhatIsNeverThereOrReached) {
   result.motion.frame_count(3);
   result.motion.duration_s(2.0);
   for (const auto& [patch, begin, end] :
-       {std::tuple("thumb", 0U, 2U), std::tuple("index", 1U, 1U), std::tuple("ring", 0U, 2U)}) {
+       {std::tuple("thumb", 1U, 2U), std::tuple("thumb", 0U, 1U), std::tuple("index", 1U, 1U),
+        std::tuple("ring", 0U, 2U)}) {
     v1::PresenceInfo presence;
     presence.patch(patch);
     presence.begin(begin);
@@ -475,6 +476,18 @@ TEST(MotionText, SaysWhatIsNeverThereOrReached) {
                                           ContainsRegex("index .* 100 % +1.00 +1.00\n"),
                                           ContainsRegex("ring .* - +0.00-2.00 +never\n"),
                                           ContainsRegex("little .* - +never +never\n")));
+
+  // What sessions show: the same without the summary, and one frame.
+  EXPECT_THAT(text::motionFit(result),
+              AllOf(ContainsRegex("index .* 100 % +1.00 +1.00\n"),
+                    HasSubstr("3 frames touch, in 0 every patch is reached"),
+                    HasSubstr("inside the object: never"), Not(HasSubstr("all in all"))));
+  EXPECT_THAT(text::motionFrame(result, 1.4),
+              AllOf(HasSubstr("frame 1 at 1.000 s\n"), ContainsRegex("thumb .* 100 % +no\n"),
+                    ContainsRegex("index .* 100 % +yes\n"), Not(HasSubstr("ring"))));
+  const json fit = client::json::motionFit(result);
+  EXPECT_EQ(fit.at("frames_touching"), 3);
+  EXPECT_EQ(fit.at("patches").at(1).at("frames_reached"), 1);
 }
 
 }  // namespace
