@@ -107,7 +107,8 @@ class DerivedState {
   /// The problem as it stands, in W. Transfer first (BrokenContract).
   [[nodiscard]] optimize::PoseProblem problem(const SolverSettings& solving) const;
 
-  /// Searches; the document and the patches stay as they are.
+  /// Searches; the document and the patches stay as they are. From more starts than by default
+  /// it finds nothing worse than from those.
   /// Errors: InvalidInput if no patch has a point on the hand, or all are switched off.
   Solution solve(const SolverSettings& solving, const SolveRun& run, const Progress& progress);
 
@@ -146,6 +147,9 @@ class DerivedState {
   /// count as if they were far off. Less is better.
   using Worth = std::pair<std::ptrdiff_t, double>;
 
+  Solution solveOnce(const SolverSettings& solving,
+                     const SolveRun& run,
+                     const Progress& progress);
   /// A whole search about the patches as they are laid: open roots and directions are found
   /// anew, and stay as the answer has them. Gives the minima from which it went on.
   std::vector<optimize::Minimum> searchAbout(optimize::SolveReport& report,

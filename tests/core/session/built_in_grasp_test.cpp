@@ -43,6 +43,27 @@ TEST(BuiltInGrasp, ReachesEveryPatchOfTheBoxFromOutside) {
   EXPECT_LT(std::sqrt(placer.meanSquareDepth(report.pose, Pose::Identity())), 0.002);
 }
 
+// From 100 starts alone the Allegro hand ended at 92.6 and reached two patches.
+TEST(BuiltInGrasp, MoreStartsFindNothingWorse) {
+  const io::MeshFile file = io::readMesh(libraryPath("objects/lemon.obj"));
+  const auto lemon = std::make_shared<const geometry::TriangleMesh>(file.mesh);
+  const contact::ContactSet contacts =
+      io::readContactSet(libraryPath("contacts/lemon_6.json"), file);
+  const hand::Hand allegro = handOfLibrary("allegro16");
+  const auto answer = [&](int starts) {
+    Session session(allegro, lemon, contacts, Pose::Identity(), {});
+    SolverSettings solving;
+    solving.starts = starts;
+    return session.solve(solving, SolveRun(), Progress());
+  };
+  const Solution usual = answer(optimize::kDefaultStarts);
+  const Solution more = answer(100);
+  EXPECT_EQ(more.solving.starts, 100);
+  EXPECT_LE(failedPatches(more.problem, more.report),
+            failedPatches(usual.problem, usual.report));
+  EXPECT_GT(more.report.evaluations, usual.report.evaluations);
+}
+
 class CupGraspTest : public ::testing::TestWithParam<const char*> {};
 
 /// What no hand can do is done from outside, as far as it goes.
