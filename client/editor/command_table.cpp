@@ -10,7 +10,7 @@ std::span<const Command> otherCommands() {
   // clang-format off
   static constexpr Command kRows[] = {
       // === Looking
-      {"show", "the last solution, patch by patch", Action::kShow},
+      {"show", "the last solution, patch by patch; of a motion, the hand over time, and after `at TIME` that frame", Action::kShow},
       {"show TOPIC", "what a session is made of", Action::kShow},
       {"suggest PATCH --reach LENGTH --count COUNT --apply COUNT", "places on the hand nearby where a patch loses fewer points; --apply takes one", Action::kSuggest},
       {"watch", "follow the session until Ctrl-C", Action::kWatch},
