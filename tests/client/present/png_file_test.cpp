@@ -42,7 +42,7 @@ TEST(PngFile, ComesBackAsItWas) {
   header.format = PNG_FORMAT_RGB;
   EXPECT_EQ(header.width, 37U);
   EXPECT_EQ(header.height, 23U);
-  std::vector<render::Color> back(PNG_IMAGE_SIZE(header) / sizeof(Color));
+  std::vector<render::Color> back(PNG_IMAGE_SIZE(header) / sizeof(render::Color));
   ASSERT_NE(png_image_finish_read(&header, nullptr, back.data(), 0, nullptr), 0)
       << header.message;
   EXPECT_EQ(back, image.pixels());
